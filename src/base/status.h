@@ -1,0 +1,23 @@
+/* status.h - the one list of ways a kernel can end: name, key that a script sees, sentence. */
+#ifndef DM_STATUS_H
+#define DM_STATUS_H
+
+#define DM_STATUS_LIST(X)                                                                \
+    X(OK, "ok", "done")                                                                  \
+    X(NO_CONVERGENCE, "no_convergence", "the step equation did not converge")            \
+    X(SINGULAR, "singular", "the matrix of the step equation is singular")               \
+    X(NOT_FINITE, "not_finite", "a value became NaN or infinite")                        \
+    X(CALLBACK, "callback", "a function of the script failed")                           \
+    X(STOPPED, "stopped", "stopped on request")                                          \
+    X(NO_MEMORY, "no_memory", "not enough memory")                                       \
+    X(TOO_LARGE, "too_large", "the expression graph grew too large")
+
+#define DM_STATUS_ENUM(name, code, text) DM_##name,
+typedef enum { DM_STATUS_LIST(DM_STATUS_ENUM) } dm_status;
+#undef DM_STATUS_ENUM
+
+/* "no_convergence" style key, and the sentence a user reads. */
+const char *dm_status_code(dm_status status);
+const char *dm_status_text(dm_status status);
+
+#endif

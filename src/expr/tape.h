@@ -1,0 +1,15 @@
+/* tape.h - the portable evaluator of a graph, and the oracle of every other backend. */
+#ifndef DM_TAPE_H
+#define DM_TAPE_H
+
+#include "expr/graph.h"
+#include "expr/kernel.h"
+
+/*
+** out[m] = roots as functions of the graph's inputs, built in `arena` (which may outlive
+** the graph's). One tape is for one thread: its registers are in its pool.
+** DM_NO_MEMORY leaves *out alone.
+*/
+dm_status dm_tape_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m, dm_arena *arena);
+
+#endif

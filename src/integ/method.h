@@ -1,0 +1,64 @@
+/* method.h - what every integrator is: one constant of this type per file, one row in methods.def. */
+#ifndef DM_METHOD_H
+#define DM_METHOD_H
+
+#include "base/status.h"
+#include "integ/rule.h"
+#include "mech/model.h"
+
+typedef struct {
+    int iterations;  /* Newton iterations of the last step */
+    double residual; /* of the last step equation, max norm, units of momentum */
+    long solves;     /* step equations solved so far */
+    long newton;     /* Newton iterations so far */
+    long evaluations;/* kernel evaluations so far */
+} dm_report;
+
+typedef struct dm_stepper dm_stepper;
+
+enum { DM_SYMMETRIC = 1, DM_SYMPLECTIC = 2, DM_EXPLICIT = 4, DM_FOR_PAIRS = 8 /* steps an Ld(q0, q1) */ };
+
+typedef struct {
+    const char *name;      /* the key used from Lua, without arguments */
+    const char *signature; /* "gauss(s)", as help prints it */
+    const char *doc;       /* what it is, cost per step, source with equation number */
+    unsigned traits;
+    /* NULL when the arguments of the rule fit, else a static sentence */
+    const char *(*check)(const dm_rule *rule);
+    int (*order)(const dm_rule *rule);
+    unsigned (*wants)(const dm_rule *rule, const dm_model *m); /* DM_WANT_*; may depend on m->structure */
+    size_t (*work)(const dm_rule *rule, const dm_model *m);    /* doubles of workspace */
+    dm_status (*open)(dm_stepper *s);                          /* tables and matrices into s->work */
+    dm_status (*step)(dm_stepper *s, double *state, double t); /* one step, in place; on failure the state is unchanged */
+    /* as `count` calls of step, same bits, *done counted also on failure; NULL: dm_advance loops */
+    dm_status (*advance)(dm_stepper *s, double *state, double t, long count, long *done);
+    void (*close)(dm_stepper *s); /* what open took outside the workspace (GSL); may be NULL */
+} dm_method;
+
+/* State of a run: q[n], p[n], then the low-order parts of both (compensated sums), zero at the start. */
+static inline size_t dm_state_size(uint32_t n) { return 4 * (size_t)n; }
+
+struct dm_stepper {
+    const dm_method *method;
+    const dm_model *model;
+    const dm_rule *rule;
+    double h;
+    double tolerance;  /* Newton: relative, 4e-15 unless the user says otherwise */
+    int max_iterations;
+    double *work;      /* method->work doubles */
+    void *outside;     /* what close gives back */
+    dm_report report;
+};
+
+#define X(name) extern const dm_method dm_method_##name;
+#include "integ/methods.def"
+#undef X
+extern const dm_method *const dm_methods[]; /* NULL-terminated */
+
+/* NULL when no method has that name; *nearest is then the closest one. */
+const dm_method *dm_method_find(const char *name, const char **nearest);
+
+/* `count` steps from time t; *done is the number finished, also on failure. */
+dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *done);
+
+#endif
