@@ -1,0 +1,75 @@
+#include "base/arena.h"
+
+#include <stdint.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64, FIRST_CHUNK = 16384, LARGEST_STEP = 1 << 24 };
+
+struct dm_arena_chunk {
+    dm_arena_chunk *next;
+    size_t size; /* bytes of the whole block, header included */
+};
+
+void dm_arena_init(dm_arena *arena, dm_allocator *allocate, void *ud) {
+    *arena = (dm_arena){.allocate = allocate, .ud = ud};
+}
+
+/* the first aligned byte behind the header */
+static unsigned char *chunk_data(dm_arena_chunk *chunk) {
+    const uintptr_t raw = (uintptr_t)(chunk + 1);
+    return (unsigned char *)((raw + ALIGNMENT - 1) & ~(uintptr_t)(ALIGNMENT - 1));
+}
+
+static size_t rounded(size_t size) {
+    return (size + ALIGNMENT - 1) & ~(size_t)(ALIGNMENT - 1);
+}
+
+/* chunks double with what is held, so that their number stays logarithmic */
+static int add_chunk(dm_arena *arena, size_t size) {
+    size_t room = arena->total < FIRST_CHUNK ? FIRST_CHUNK : arena->total;
+    if (room > LARGEST_STEP) room = LARGEST_STEP;
+    if (room < size) room = size;
+    const size_t whole = room + sizeof(dm_arena_chunk) + ALIGNMENT;
+    dm_arena_chunk *chunk = arena->allocate(arena->ud, NULL, 0, whole);
+    if (!chunk) return 0;
+    *chunk = (dm_arena_chunk){.next = arena->chunks, .size = whole};
+    arena->chunks = chunk;
+    arena->used = 0;
+    arena->room = room;
+    arena->total += whole;
+    return 1;
+}
+
+void *dm_arena_take(dm_arena *arena, size_t size) {
+    if (size > SIZE_MAX / 2) return NULL;
+    size = rounded(size ? size : 1);
+    if (arena->room - arena->used < size && !add_chunk(arena, size)) return NULL;
+    unsigned char *block = chunk_data(arena->chunks) + arena->used;
+    arena->used += size;
+    return block;
+}
+
+void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size) {
+    if (new_size > SIZE_MAX / 2) return NULL;
+    const size_t held = rounded(old_size ? old_size : 1), want = rounded(new_size);
+    if (old && want <= held) return old;
+    if (old && arena->chunks) {
+        const unsigned char *end = chunk_data(arena->chunks) + arena->used;
+        const int newest = (const unsigned char *)old + held == end;
+        if (newest && arena->room - arena->used >= want - held) {
+            arena->used += want - held;
+            return old;
+        }
+    }
+    void *block = dm_arena_take(arena, new_size);
+    if (block && old) memcpy(block, old, old_size);
+    return block;
+}
+
+void dm_arena_release(dm_arena *arena) {
+    for (dm_arena_chunk *chunk = arena->chunks, *next; chunk; chunk = next) {
+        next = chunk->next;
+        arena->allocate(arena->ud, chunk, chunk->size, 0);
+    }
+    dm_arena_init(arena, arena->allocate, arena->ud);
+}
