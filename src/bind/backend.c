@@ -1,0 +1,32 @@
+#include "bind/backend.h"
+
+#include "expr/tape.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const dml_backend backends[] = {{"tape", dm_tape_build, NULL}, {NULL, NULL, NULL}};
+
+static const dml_backend *by_name(lua_State *L, const char *name, const char *from) {
+    luaL_Buffer b;
+    for (const dml_backend *row = backends; row->name; row++)
+        if (strcmp(row->name, name) == 0 && (!row->available || row->available()))
+            return row;
+    luaL_buffinit(L, &b);
+    for (const dml_backend *row = backends; row->name; row++) {
+        if (row != backends) luaL_addstring(&b, ", ");
+        luaL_addstring(&b, row->name);
+    }
+    luaL_pushresult(&b);
+    luaL_error(L, "%s must be one of: %s (got '%s')", from, lua_tostring(L, -1), name);
+    return NULL;
+}
+
+const dml_backend *dml_findbackend(lua_State *L, const char *name) {
+    if (name) return by_name(L, name, "field 'backend'");
+    const char *env = getenv("DMLUA_BACKEND");
+    if (env && *env) return by_name(L, env, "environment variable DMLUA_BACKEND");
+    const dml_backend *row = backends;
+    while (row->available && !row->available()) row++;
+    return row;
+}

@@ -1,0 +1,148 @@
+/* bind_path.c - `dm.path`: the rows that a run recorded.
+ */
+#include "bind/path.h"
+#include "run/drift.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+const char *const DML_PATH = "dm.path";
+
+static dml_path *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_PATH);
+}
+
+dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows) {
+    const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    const double bytes = (double)rows * (1.0 + 2.0 * n) * sizeof(double);
+    if (bytes > 0.5 * memory)
+        luaL_error(L,
+                   "recording %f rows needs %f GB, more than half of this machine's "
+                   "memory: keep fewer with "
+                   "a larger 'every'",
+                   (double)rows, bytes * 1e-9);
+    const size_t doubles = (size_t)rows * (1 + 2 * (size_t)n) + dm_state_size(n);
+    dml_path *p =
+        lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);
+    *p = (dml_path){.n = n};
+    p->state = (double *)(p + 1);
+    p->data = p->state + dm_state_size(n);
+    memset(p->state, 0, dm_state_size(n) * sizeof(double));
+    luaL_setmetatable(L, DML_PATH);
+    lua_pushvalue(L, system);
+    lua_setiuservalue(L, -2, DML_PATH_SYSTEM);
+    return p;
+}
+
+/* 1234567 -> 1,234,567 */
+static void add_grouped(luaL_Buffer *b, long n) {
+    char digits[32];
+    const int length = snprintf(digits, sizeof digits, "%ld", n);
+    for (int i = 0; i < length; i++) {
+        if (i && (length - i) % 3 == 0) luaL_addchar(b, ',');
+        luaL_addchar(b, digits[i]);
+    }
+}
+
+/* ": energy 6.4e-05 bounded, no drift" or with the drift; nothing when there is no energy
+ */
+static void add_energy(lua_State *L, luaL_Buffer *b, const double *E, const dml_path *p) {
+    char text[128];
+    dm_drift d;
+    (void)L;
+    dm_drift_fit(&d, p->data, dml_path_width(p), E, p->rows);
+    const double change = fabs(d.slope) * (p->t - p->t0);
+    if (change > 3 * d.error * (p->t - p->t0) && change > 1e-14 * fabs(d.mean))
+        snprintf(text, sizeof text, ": energy off by %.2g, drift %.2g per unit of time",
+                 d.largest, d.slope);
+    else
+        snprintf(text, sizeof text, ": energy off by %.2g, no drift", d.largest);
+    luaL_addstring(b, text);
+}
+
+/* energies of the path as a vector on the stack, NULL when it has none */
+static const double *try_energy(lua_State *L, double *E, const dml_path *p) {
+    lua_pushcfunction(L, dml_path_energy);
+    lua_pushvalue(L, 1);
+    if (p->rows < 3 || lua_pcall(L, 1, 1, 0) != LUA_OK) return NULL;
+    dml_vectorarg(L, -1, "energy", E, (uint32_t)p->rows);
+    return E;
+}
+
+static int path_tostring(lua_State *L) {
+    const dml_path *p = check(L);
+    char text[128];
+    luaL_Buffer b;
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    const int pair = dml_checksystem(L, -1)->pair;
+    double *E = lua_newuserdatauv(L, (size_t)p->rows * sizeof *E + 1, 0);
+    const int there = !pair && try_energy(L, E, p);
+    luaL_buffinit(L, &b);
+    luaL_addstring(&b, "path of ");
+    add_grouped(&b, p->steps);
+    snprintf(text, sizeof text, " steps of %s to t = %.6g (%.3g ns/step)", p->rule, p->t,
+             p->ns_per_step);
+    luaL_addstring(&b, text);
+    if (there) add_energy(L, &b, E, p);
+    snprintf(text, sizeof text, "; %ld rows, %u columns q, %u columns p", p->rows, p->n,
+             p->n);
+    luaL_addstring(&b, text);
+    luaL_pushresult(&b);
+    return 1;
+}
+
+static int path_len(lua_State *L) {
+    lua_pushinteger(L, check(L)->rows);
+    return 1;
+}
+
+static void push_title(lua_State *L, const dml_path *p) {
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    dml_systemfield(L, -1, "name");
+    const char *name = lua_tostring(L, -1);
+    if (name)
+        lua_pushfstring(L, "%s: %s, h = %f", name, p->rule, p->h);
+    else
+        lua_pushfstring(L, "%s, h = %f", p->rule, p->h);
+}
+
+static int path_field(lua_State *L) {
+    const dml_path *p = check(L);
+    const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "t") == 0) return dml_path_columns(L, "t", 0, 1);
+    if (strcmp(key, "q") == 0) return dml_path_columns(L, "q", 1, p->n);
+    if (strcmp(key, "p") == 0) return dml_path_columns(L, "p", 1 + p->n, p->n);
+    if (strcmp(key, "columns") == 0) return dml_path_names(L);
+    if (strcmp(key, "steps") == 0)
+        lua_pushinteger(L, p->steps);
+    else if (strcmp(key, "h") == 0)
+        lua_pushnumber(L, p->h);
+    else if (strcmp(key, "ns_per_step") == 0)
+        lua_pushnumber(L, p->ns_per_step);
+    else if (strcmp(key, "rule") == 0)
+        lua_pushstring(L, p->rule);
+    else if (strcmp(key, "title") == 0)
+        push_title(L, p);
+    else if (strcmp(key, "system") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    else if (strcmp(key, "units") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_SYSTEM), dml_systemfield(L, -1, "units");
+    else
+        return 0;
+    return 1;
+}
+
+static const dml_row meta[] = {
+    {"__len", path_len, NULL}, {"__tostring", path_tostring, NULL}, {NULL, NULL, NULL}};
+
+void dml_open_path(lua_State *L) {
+    dml_path_open_columns(L);
+    dml_newclass(L, DML_PATH,
+                 "dm.path: what a run recorded, one row per kept step\n"
+                 "fields: t[i] (number), q[i], p[i] (vectors), columns (names), steps, "
+                 "h, rule, system, title, units, "
+                 "ns_per_step; #path rows",
+                 meta, dml_path_quantities, path_field);
+}

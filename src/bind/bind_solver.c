@@ -1,0 +1,292 @@
+/* bind_solver.c - `dm.solver`: a system, a rule and a step; runs end in a path or a
+ * dm.failure. */
+#include "bind/failure.h"
+#include "bind/path.h"
+#include "bind/stepping.h"
+#include "bind/terminal.h"
+#include "run/run.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+const char *const DML_SOLVER = "dm.solver";
+
+typedef dml_solver solver;
+
+static solver *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_SOLVER);
+}
+
+typedef struct {
+    lua_State *L;
+    double start; /* s */
+} clock_of_run;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void show_progress(void *ud, long done, long steps) {
+    const clock_of_run *c = ud;
+    const double seconds = now() - c->start, rate = (double)done / seconds;
+    dml_progress(c->L, "run", (double)done / (double)steps, rate,
+                 (double)(steps - done) / rate);
+}
+
+/* steps = n, or t = duration: as many steps of h as cover it */
+static dm_run_plan read_plan(lua_State *L, const solver *s) {
+    dm_run_plan plan = {.t0 = dml_number(L, 2, "t0", 0.0), .stop = &dml_stop};
+    const int duration = lua_getfield(L, 2, "t") != LUA_TNIL;
+    lua_pop(L, 1);
+    if (duration) {
+        const double n = ceil(dml_positive(L, 2, "t", 0) / s->h - 1e-9);
+        if (!(n < 9e15)) luaL_error(L, "field 't' is %f steps of h: too many", n);
+        plan.steps = (long)n;
+        if (lua_getfield(L, 2, "steps") != LUA_TNIL)
+            luaL_error(L, "give either 'steps' or 't' (a duration), not both");
+        lua_pop(L, 1);
+    } else {
+        plan.steps = dml_count(L, 2, "steps", 0, -1);
+    }
+    plan.every = dml_count(L, 2, "every", 1, 1);
+    return plan;
+}
+
+static uint32_t operations(const dm_model *m, unsigned wants) {
+    return (wants & DM_WANT_STAGE ? m->stage.operations : 0) +
+           (wants & DM_WANT_FORCE ? m->force.operations : 0) +
+           (wants & DM_WANT_SLOPE ? m->slope.operations : 0) +
+           (wants & DM_WANT_PAIR ? m->pair.operations : 0);
+}
+
+static void set_number(lua_State *L, const char *key, double x) {
+    lua_pushnumber(L, x);
+    lua_setfield(L, -2, key);
+}
+
+static void set_count(lua_State *L, const char *key, long n) {
+    lua_pushinteger(L, n);
+    lua_setfield(L, -2, key);
+}
+
+/* what the last run cost: user value 3 of the solver */
+static void keep_report(lua_State *L, const dml_stepping *r, long steps, double seconds) {
+    const solver *s = r->solver;
+    const dm_report *report = &r->stepper.report;
+    lua_createtable(L, 0, 12);
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    lua_setfield(L, -2, "rule");
+    lua_pushstring(L, r->model->backend);
+    lua_setfield(L, -2, "backend");
+    set_number(L, "h", s->h);
+    set_count(L, "order", s->method->order(s->nodes));
+    set_count(L, "operations", (long)operations(&r->model->model, r->wants));
+    set_number(L, "trace_ms", r->model->trace_ms);
+    set_number(L, "compile_ms", r->model->trace_ms + r->model->compile_ms);
+    set_count(L, "steps", steps);
+    set_number(L, "ns_per_step", steps ? seconds * 1e9 / (double)steps : 0.0);
+    set_count(L, "newton", report->newton);
+    set_count(L, "evaluations", report->evaluations);
+    set_number(L, "newton_per_step",
+               steps ? (double)report->newton / (double)steps : 0.0);
+    lua_setiuservalue(L, 1, DML_SOLVER_REPORT);
+}
+
+static void raise_failure(lua_State *L, const dml_stepping *r, dm_status status,
+                          long done, int path) {
+    const solver *s = r->solver;
+    dml_rethrow(L, r->model);
+    if (status == DM_OK) return;
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    const dml_failure f = {.status = status,
+                           .step = done + (status != DM_STOPPED),
+                           .time = r->t0 + s->h * (double)done,
+                           .h = s->h,
+                           .residual = r->stepper.report.residual,
+                           .iterations = r->stepper.report.iterations,
+                           .rule = lua_tostring(L, -1)};
+    dml_fail(L, &f, path);
+}
+
+static int solver_run(lua_State *L) {
+    static const char *const known[] = {"q",     "v",  "p",     "q0", "q1",
+                                        "steps", "t0", "every", "t",  NULL};
+    dml_stepping r = {.solver = check(L)};
+    lua_settop(L, 2);
+    luaL_checktype(L, 2, LUA_TTABLE);
+    dml_options(L, 2, known);
+    dm_run_plan plan = read_plan(L, r.solver);
+    clock_of_run clock = {.L = L, .start = 0.0};
+    plan.progress = show_progress;
+    plan.ud = &clock;
+    dml_stepping_prepare(L, &r, plan.t0);
+    dml_path *path = dml_pushpath(L, r.system, r.solver->n, dm_run_rows(&plan));
+    const int at = lua_gettop(L);
+    dml_stepping_describe(L, &r, path);
+    dml_stepping_start(L, &r); /* last thing before the loop that may raise */
+    long done = 0, rows = 0;
+    clock.start = now();
+    const dm_status status = dm_run(&plan, &r.stepper, r.state, path->data, &done, &rows);
+    const double seconds = now() - clock.start;
+    dml_stepping_end(&r);
+    if (status == DM_STOPPED) dml_stop = 0;
+    dml_progress_end(L);
+    path->rows = rows, path->steps = done;
+    path->t = plan.t0 + r.solver->h * (double)done;
+    path->ns_per_step = done ? seconds * 1e9 / (double)done : 0.0;
+    memcpy(path->state, r.state, dm_state_size(path->n) * sizeof(double));
+    keep_report(L, &r, done, seconds);
+    raise_failure(L, &r, status, done, at);
+    lua_settop(L, at);
+    return 1;
+}
+
+static int push_state(lua_State *L, const dml_stepping *r) {
+    const uint32_t n = r->solver->n;
+    memcpy(dml_pushvector(L, n), r->state, n * sizeof(double));
+    memcpy(dml_pushvector(L, n), r->state + n, n * sizeof(double));
+    return 2;
+}
+
+/* solver:step(q0, q1) -> q2 is step{ q0 =, q1 = } followed by one more */
+static void options_from_pair(lua_State *L) {
+    lua_newtable(L);
+    lua_pushvalue(L, 2);
+    lua_setfield(L, -2, "q0");
+    lua_pushvalue(L, 3);
+    lua_setfield(L, -2, "q1");
+    lua_replace(L, 2);
+    lua_settop(L, 2);
+}
+
+static int solver_step(lua_State *L) {
+    static const char *const known[] = {"q", "v", "p", "q0", "q1", "t0", NULL};
+    dml_stepping r = {.solver = check(L)};
+    const int pair = lua_gettop(L) > 2;
+    long done = 0;
+    lua_settop(L, 3);
+    if (pair) options_from_pair(L);
+    lua_settop(L, 2);
+    luaL_checktype(L, 2, LUA_TTABLE);
+    dml_options(L, 2, known);
+    dml_stepping_prepare(L, &r, dml_number(L, 2, "t0", 0.0));
+    dml_stepping_start(L, &r);
+    const dm_status status = dm_advance(&r.stepper, r.state, r.t0, pair ? 2 : 1, &done);
+    dml_stepping_end(&r);
+    raise_failure(L, &r, status, done, 0);
+    push_state(L, &r);
+    if (!pair) return 2;
+    lua_pop(L, 1);
+    return 1;
+}
+
+static int solver_report(lua_State *L) {
+    check(L);
+    if (lua_getiuservalue(L, 1, DML_SOLVER_REPORT) == LUA_TNIL)
+        luaL_error(L, "no report yet: run the solver first");
+    return 1;
+}
+
+static int solver_tostring(lua_State *L) {
+    const solver *s = check(L);
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", lua_tostring(L, -2),
+                    s->method->order(s->nodes), s->h, luaL_tolstring(L, -1, NULL));
+    return 1;
+}
+
+static int solver_field(lua_State *L) {
+    const solver *s = check(L);
+    const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "h") == 0)
+        lua_pushnumber(L, s->h);
+    else if (strcmp(key, "rule") == 0)
+        lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    else if (strcmp(key, "system") == 0)
+        lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    else if (strcmp(key, "order") == 0)
+        lua_pushinteger(L, s->method->order(s->nodes));
+    else
+        return 0;
+    return 1;
+}
+
+/* dm.rules() */
+static int rules(lua_State *L) {
+    lua_Integer i = 0;
+    lua_newtable(L);
+    for (const dm_method *const *m = dm_methods; *m; m++) {
+        const unsigned traits = (*m)->traits;
+        lua_createtable(L, 0, 8);
+        lua_pushstring(L, (*m)->name), lua_setfield(L, -2, "name");
+        lua_pushstring(L, (*m)->signature), lua_setfield(L, -2, "signature");
+        lua_pushstring(L, (*m)->doc), lua_setfield(L, -2, "doc");
+        lua_pushboolean(L, (traits & DM_SYMMETRIC) != 0),
+            lua_setfield(L, -2, "symmetric");
+        lua_pushboolean(L, (traits & DM_SYMPLECTIC) != 0),
+            lua_setfield(L, -2, "symplectic");
+        lua_pushboolean(L, (traits & DM_EXPLICIT) != 0), lua_setfield(L, -2, "explicit");
+        lua_pushboolean(L, (traits & DM_FOR_PAIRS) != 0),
+            lua_setfield(L, -2, "for_pairs");
+        lua_rawseti(L, -2, ++i);
+    }
+    return 1;
+}
+
+static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
+static const dml_row methods[] = {
+    {"run", solver_run,
+     "solver:run{q=, v=, p=, q0=, q1=, steps=, t=, every=, t0=} -> dm.path\n"
+     "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q "
+     "and the momentum p, "
+     "or from two positions q0, q1 one step apart (each dim Q numbers); keep the start, "
+     "one state in "
+     "`every` (default 1) and the end; t0 (default 0) is the time of the start. The "
+     "Lagrangian is traced anew, so "
+     "changed upvalues are picked up. Raises dm.failure with the path so far when a step "
+     "cannot be "
+     "solved, the state stops being finite, or on Ctrl-C."},
+    {"step", solver_step,
+     "solver:step{q=, v=, p=, q0=, q1=, t0=} -> q, p   or   solver:step(q0, q1) -> q2\n"
+     "One step from a state, or the next position after two positions one step apart."},
+    {"report", solver_report,
+     "solver:report() -> table\n"
+     "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
+     "evaluation), trace_ms, compile_ms "
+     "(trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations."},
+    {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"solver", dml_solver_new,
+     "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=} -> "
+     "dm.solver\n"
+     "A solver for a dm.system (rule and h needed: see dm.rules()) or a "
+     "dm.discrete_lagrangian (which has "
+     "its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
+     "stops, 4e-15 unless a looser "
+     "one is asked for."},
+    {"rules", rules,
+     "dm.rules() -> table of {name, signature, doc, symmetric, symplectic, explicit, "
+     "for_pairs}\n"
+     "Every rule that a solver can use."},
+    {NULL, NULL, NULL}};
+
+void dml_open_solver(lua_State *L) {
+    static const dml_row solver_row[] = {
+        {"solver", dml_solver_of,
+         "system:solver{rule=, h=, newton={tolerance=, max_iterations=}, backend=} -> "
+         "dm.solver\n"
+         "A solver for this system: see dm.solver and dm.rules()."},
+        {NULL, NULL, NULL}};
+    dml_newclass(
+        L, DML_SOLVER,
+        "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
+        "fields: system, rule, h, order",
+        meta, methods, solver_field);
+    dml_setfunctions(L, functions);
+    dml_addmethods(L, DML_SYSTEM, solver_row);
+    dml_addmethods(L, DML_DISCRETE, solver_row);
+}

@@ -1,0 +1,347 @@
+/* bind_system.c - `dm.system`: a configuration space and a Lagrangian L(q, v, t). */
+#include "bind/space.h"
+#include "bind/system.h"
+#include "expr/analyse.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+const char *const DML_SYSTEM = "dm.system";
+const char *const DML_DISCRETE = "dm.discrete_lagrangian";
+
+dml_system *dml_checksystem(lua_State *L, int arg) {
+    dml_system *s = luaL_testudata(L, arg, DML_SYSTEM);
+    if (!s) s = luaL_testudata(L, arg, DML_DISCRETE);
+    if (!s) luaL_typeerror(L, arg, "dm.system or dm.discrete_lagrangian");
+    return s;
+}
+
+int dml_systemfield(lua_State *L, int arg, const char *key) {
+    lua_getiuservalue(L, arg, 1);
+    const int type = lua_getfield(L, -1, key);
+    lua_remove(L, -2);
+    return type;
+}
+
+const char *dml_coordinate(lua_State *L, int arg, uint32_t i) {
+    if (dml_systemfield(L, arg, "coordinates") == LUA_TTABLE) {
+        lua_geti(L, -1, (lua_Integer)i + 1);
+        lua_remove(L, -2);
+    } else {
+        lua_pop(L, 1);
+        lua_pushfstring(L, "q%d", (int)i + 1);
+    }
+    return lua_tostring(L, -1);
+}
+
+/* field `key` of the table at 1, or an error that shows what is expected */
+static void require_field(lua_State *L, const char *key, int type, const char *expected) {
+    if (lua_getfield(L, 1, key) != type)
+        luaL_error(L, "field '%s' must be %s (got %s)", key, expected,
+                   luaL_typename(L, -1));
+    lua_pop(L, 1);
+}
+
+static uint32_t check_Q(lua_State *L) {
+    lua_getfield(L, 1, "Q");
+    const dml_space *Q = luaL_testudata(L, -1, "dm.space");
+    if (!Q)
+        luaL_error(L,
+                   "field 'Q' must be a space, for instance dm.R(2) or dm.T(1) (got %s)",
+                   luaL_typename(L, -1));
+    if (!Q->row->chart)
+        luaL_error(L,
+                   "field 'Q': %s(%d) has no global coordinates; use dm.R(n) or dm.T(n)",
+                   Q->row->name, (int)Q->n);
+    lua_pop(L, 1);
+    return Q->n;
+}
+
+static void check_coordinates(lua_State *L, uint32_t n) {
+    if (lua_getfield(L, 1, "coordinates") != LUA_TNIL) {
+        if (!lua_istable(L, -1) || luaL_len(L, -1) != (lua_Integer)n)
+            luaL_error(L, "field 'coordinates' must be a table of %d names", (int)n);
+        for (uint32_t i = 1; i <= n; i++, lua_pop(L, 1))
+            if (lua_geti(L, -1, i) != LUA_TSTRING)
+                luaL_error(L, "field 'coordinates'[%d] must be a name", (int)i);
+    }
+    lua_pop(L, 1);
+}
+
+static int wants_hyperdual(lua_State *L) {
+    static const char *const modes[] = {"exact", "hyperdual", NULL};
+    lua_getfield(L, 1, "derivatives");
+    const char *mode = lua_isnil(L, -1) ? modes[0] : lua_tostring(L, -1);
+    if (!mode || (strcmp(mode, modes[0]) != 0 && strcmp(mode, modes[1]) != 0))
+        luaL_error(L, "field 'derivatives' must be \"exact\" (traced, the default) or "
+                      "\"hyperdual\"");
+    const int hyper = strcmp(mode, modes[1]) == 0;
+    lua_pop(L, 1);
+    return hyper;
+}
+
+/* copy the options at 1, so that later changes of the table do not reach the system */
+static void keep_fields(lua_State *L, const char *const *known) {
+    lua_newtable(L);
+    for (; *known; known++) {
+        lua_getfield(L, 1, *known);
+        lua_setfield(L, -2, *known);
+    }
+}
+
+void dml_newsystem(lua_State *L, const char *const *known, int pair) {
+    lua_settop(L, 1);
+    luaL_checktype(L, 1, LUA_TTABLE);
+    dml_options(L, 1, known);
+    const uint32_t n = check_Q(L);
+    require_field(L, pair ? "Ld" : "L", LUA_TFUNCTION,
+                  pair ? "a function of (q0, q1) or (q0, q1, h)"
+                       : "a function of (q, v) or (q, v, t)");
+    check_coordinates(L, n);
+    const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
+    dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
+    *s = (dml_system){.n = n, .pair = pair, .hyperdual = wants_hyperdual(L), .h = h};
+    keep_fields(L, known);
+    lua_setiuservalue(L, -2, 1);
+    luaL_setmetatable(L, pair ? DML_DISCRETE : DML_SYSTEM);
+    dml_pushmodel(L,
+                  -1); /* a function that cannot be traced is refused where it is given */
+    lua_pop(L, 1);
+}
+
+static int system_new(lua_State *L) {
+    static const char *const known[] = {"Q",     "L",      "name",        "coordinates",
+                                        "units", "params", "derivatives", NULL};
+    dml_newsystem(L, known, 0);
+    return 1;
+}
+
+/* x = (q, v, t) from arguments 2, 3 and the optional 4; t = 0 when it is left out */
+static double *arguments(lua_State *L, const dml_system *s, const char *second) {
+    double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
+    dml_vectorarg(L, 2, "q", x, s->n);
+    dml_vectorarg(L, 3, second, x + s->n, s->n);
+    x[2 * s->n] = luaL_optnumber(L, 4, 0.0);
+    return x;
+}
+
+static void check_finite(lua_State *L, const double *y, uint32_t n, const char *what) {
+    for (uint32_t i = 0; i < n; i++)
+        if (!isfinite(y[i]))
+            luaL_error(
+                L, "%s is not finite (%s) at this point: is it inside the domain of L?",
+                what, isnan(y[i]) ? "NaN" : "infinite");
+}
+
+/* the kernel of a fresh model, evaluated at the arguments; out is a userdata on the stack
+ */
+static double *evaluate(lua_State *L, unsigned want, size_t which, const char *what) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double *x = arguments(L, s, "v");
+    dml_model *m = dml_pushmodel(L, 1);
+    dml_want(L, m, want, NULL);
+    const dm_kernel *kernel = (const dm_kernel *)((const char *)&m->model + which);
+    double *out = lua_newuserdatauv(L, kernel->outputs * sizeof *out, 0);
+    dm_kernel_prepare(kernel, out);
+    dm_kernel_eval(kernel, x, out);
+    dml_rethrow(L, m);
+    check_finite(L, out, kernel->outputs, what);
+    return out;
+}
+
+static int system_energy(lua_State *L) {
+    const double *E =
+        evaluate(L, DM_WANT_ENERGY, offsetof(dm_model, energy), "the energy");
+    lua_pushnumber(L, *E);
+    return 1;
+}
+
+static int system_lagrangian(lua_State *L) {
+    const double *value = evaluate(L, DM_WANT_VALUE, offsetof(dm_model, value), "L");
+    lua_pushnumber(L, *value);
+    return 1;
+}
+
+static int system_legendre(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double *p = evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the momentum");
+    memcpy(dml_pushvector(L, s->n), p, s->n * sizeof *p);
+    return 1;
+}
+
+static int system_mass(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double *p =
+        evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the mass matrix");
+    memcpy(dml_pushmatrix(L, s->n, s->n), p + s->n, (size_t)s->n * s->n * sizeof *p);
+    return 1;
+}
+
+static int system_velocity(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double *x = arguments(L, s, "p");
+    dml_model *m = dml_pushmodel(L, 1);
+    dml_want(L, m, DM_WANT_MASS, NULL);
+    double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
+    double *v = dml_pushvector(L, s->n);
+    const dm_status status =
+        dm_legendre_inverse(&m->model, v, x, x + s->n, x[2 * s->n], work);
+    dml_rethrow(L, m);
+    if (status != DM_OK)
+        luaL_error(
+            L,
+            "no velocity has this momentum: %s; is L regular (d2L/dv2 invertible) at q?",
+            dm_status_text(status));
+    return 1;
+}
+
+static void set_flag(lua_State *L, const char *name, int value) {
+    lua_pushboolean(L, value);
+    lua_setfield(L, -2, name);
+}
+
+static int system_structure(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const dml_model *m = dml_pushmodel(L, 1);
+    const unsigned bits = m->model.structure;
+    lua_newtable(L);
+    set_flag(L, "separable", (bits & DM_SEPARABLE) != 0);
+    set_flag(L, "constant_mass", (bits & DM_CONSTANT_MASS) != 0);
+    set_flag(L, "diagonal_mass", (bits & DM_DIAGONAL_MASS) != 0);
+    set_flag(L, "autonomous", (bits & DM_AUTONOMOUS) != 0);
+    set_flag(L, "linear_in_v", (bits & DM_LINEAR_IN_V) != 0);
+    lua_pushinteger(L, m->model.operations);
+    lua_setfield(L, -2, "operations");
+    lua_newtable(L);
+    for (uint32_t i = 0, k = 0; m->model.cyclic && i < s->n; i++) {
+        if (!m->model.cyclic[i]) continue;
+        dml_coordinate(L, 1, i);
+        lua_rawseti(L, -2, (lua_Integer)++k);
+    }
+    lua_setfield(L, -2, "cyclic");
+    return 1;
+}
+
+static void put(void *ud, const char *text, size_t length) {
+    luaL_addlstring(ud, text, length);
+}
+
+/* names of the inputs of L for a listing: q, v by their coordinates, then t */
+static const char *const *input_names(lua_State *L, const dml_system *s) {
+    const char **names = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *names, 1);
+    lua_newtable(L); /* keeps the strings */
+    for (uint32_t i = 0; i < s->n; i++) {
+        names[i] = dml_coordinate(L, 1, i);
+        lua_rawseti(L, -2, 2 * (lua_Integer)i + 1);
+        names[s->n + i] = lua_pushfstring(L, "d%s", names[i]);
+        lua_rawseti(L, -2, 2 * (lua_Integer)i + 2);
+    }
+    lua_setiuservalue(L, -2, 1);
+    names[2 * s->n] = "t";
+    return names;
+}
+
+static int system_graph(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const char *const *names = input_names(L, s);
+    dml_model *m = dml_pushmodel(L, 1);
+    luaL_Buffer b;
+    if (!m->graph)
+        return luaL_error(L, "this system runs on hyper-dual numbers: it has no graph");
+    luaL_buffinit(L, &b);
+    dm_print(m->graph, &m->lagrangian, 1, names, put, &b);
+    luaL_pushresult(&b);
+    return 1;
+}
+
+static int system_tostring(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    luaL_Buffer b;
+    dml_systemfield(L, 1, "name");
+    const char *name = lua_tostring(L, -1);
+    dml_systemfield(L, 1, "Q");
+    const char *Q = luaL_tolstring(L, -1, NULL);
+    const dml_model *m = dml_pushmodel(L, 1);
+    const unsigned bits = m->model.structure;
+    luaL_buffinit(L, &b);
+    if (name)
+        lua_pushfstring(L, "system '%s' on %s: ", name, Q);
+    else
+        lua_pushfstring(L, "system on %s: ", Q);
+    luaL_addvalue(&b);
+    if (s->hyperdual)
+        luaL_addstring(&b, "L on hyper-dual numbers");
+    else {
+        luaL_addstring(&b, bits & DM_SEPARABLE ? "separable, " : "not separable, ");
+        luaL_addstring(&b, bits & DM_CONSTANT_MASS ? "constant mass, "
+                                                   : "mass depends on the state, ");
+        if (!(bits & DM_AUTONOMOUS)) luaL_addstring(&b, "depends on time, ");
+        lua_pushfstring(L, "%d operations, derivatives exact", (int)m->model.operations);
+        luaL_addvalue(&b);
+    }
+    luaL_pushresult(&b);
+    return 1;
+}
+
+static int system_field(lua_State *L) {
+    luaL_checkudata(L, 1, DML_SYSTEM);
+    const char *key = luaL_checkstring(L, 2);
+    static const char *const fields[] = {"Q",     "L",      "name", "coordinates",
+                                         "units", "params", NULL};
+    for (const char *const *f = fields; *f; f++)
+        if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
+    return 0;
+}
+
+static const dml_row meta[] = {{"__tostring", system_tostring, NULL}, {NULL, NULL, NULL}};
+static const dml_row methods[] = {
+    {"energy", system_energy,
+     "system:energy(q, v [, t]) -> number\n"
+     "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers."},
+    {"lagrangian", system_lagrangian,
+     "system:lagrangian(q, v [, t]) -> number\nL(q, v, t) through its kernel."},
+    {"legendre", system_legendre,
+     "system:legendre(q, v [, t]) -> dm.vector\n"
+     "The momentum p = dL/dv of dim Q entries (the Legendre transform); inverse: "
+     "system:velocity."},
+    {"momentum", system_legendre,
+     "system:momentum(q, v [, t]) -> dm.vector\nThe same as system:legendre."},
+    {"velocity", system_velocity,
+     "system:velocity(q, p [, t]) -> dm.vector\n"
+     "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off. Raises when "
+     "d2L/dv2 is singular."},
+    {"mass", system_mass,
+     "system:mass(q, v [, t]) -> dm.matrix\nThe mass matrix d2L/dv2, dim Q x dim Q."},
+    {"structure", system_structure,
+     "system:structure() -> table\n"
+     "What was read off the graph of L: separable, constant_mass, diagonal_mass, "
+     "autonomous, linear_in_v "
+     "(booleans), cyclic (names of coordinates that L does not depend on), operations."},
+    {"graph", system_graph,
+     "system:graph() -> string\nThe expression graph of L, one assignment a line; "
+     "coordinates and their rates by name."},
+    {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"system", system_new,
+     "dm.system{Q=, L=, name=, coordinates=, units=, params=, derivatives=} -> "
+     "dm.system\n"
+     "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, "
+     "with params, "
+     "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at "
+     "every run, so a "
+     "changed upvalue is picked up. coordinates: dim Q names, used for columns; units: "
+     "table name -> unit, used "
+     "for labels; derivatives: \"exact\" (traced, the default) or \"hyperdual\" for "
+     "functions that "
+     "branch on the state. Raises when L cannot be traced, with what to use instead."},
+    {NULL, NULL, NULL}};
+
+void dml_open_system(lua_State *L) {
+    dml_newclass(
+        L, DML_SYSTEM,
+        "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
+        "fields: Q, L, name, coordinates, units, params",
+        meta, methods, system_field);
+    dml_setfunctions(L, functions);
+}

@@ -1,0 +1,137 @@
+/* model.c - from the Lua function of a system to the kernels of a run. */
+#include "bind/backend.h"
+#include "bind/system.h"
+
+#include <time.h>
+
+static double now_ms(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+static dml_signature signature(const dml_system *s) {
+    const int n = (int)s->n;
+    if (s->pair)
+        return (dml_signature){.what = "Ld",
+                               .arguments = 2,
+                               .length = {n, n},
+                               .outputs = DML_SCALAR_ARGUMENT};
+    return (dml_signature){.what = "L",
+                           .arguments = 3,
+                           .length = {n, n, DML_SCALAR_ARGUMENT},
+                           .outputs = DML_SCALAR_ARGUMENT};
+}
+
+/* L(q, v, t, params) and Ld(q0, q1, h, params) with the last arguments bound */
+static int bound_call(lua_State *L) {
+    const int given = lua_gettop(L);
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    int extra = 0;
+    for (int i = 2; i <= 3; i++) {
+        if (lua_isnone(L, lua_upvalueindex(i))) break;
+        lua_pushvalue(L, lua_upvalueindex(i));
+        extra++;
+    }
+    lua_call(L, given + extra, 1);
+    return 1;
+}
+
+/* push the function of the system at arg, its constant arguments bound */
+static void push_function(lua_State *L, int arg, const dml_system *s) {
+    arg = lua_absindex(L, arg);
+    dml_systemfield(L, arg, s->pair ? "Ld" : "L");
+    if (s->pair) {
+        lua_pushnumber(L, s->h);
+        dml_systemfield(L, arg, "params");
+        lua_pushcclosure(L, bound_call, 3);
+    } else if (dml_systemfield(L, arg, "params") != LUA_TNIL) {
+        lua_pushcclosure(L, bound_call, 2);
+    } else {
+        lua_pop(L, 1);
+    }
+}
+
+static void check_status(lua_State *L, dm_status status) {
+    if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
+    if (status != DM_OK && status != DM_SINGULAR)
+        luaL_error(L, "%s", dm_status_text(status));
+}
+
+static void read_structure(lua_State *L, dml_model *m, int pair) {
+    dm_status status = dm_graph_status(m->graph);
+    if (status == DM_OK && pair)
+        m->model.n = m->n;
+    else if (status == DM_OK)
+        status =
+            dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena);
+    check_status(L, status);
+}
+
+static void go_hyperdual(lua_State *L, dml_model *m, int fn, const dml_signature *sig) {
+    m->callback = dml_hyperdual_new(L, fn, sig);
+    lua_setiuservalue(L, -2, 3);
+    m->model = (dm_model){.n = m->n};
+    m->backend = "hyperdual";
+}
+
+dml_model *dml_pushmodel(lua_State *L, int arg) {
+    arg = lua_absindex(L, arg);
+    const dml_system *s = dml_checksystem(L, arg);
+    const dml_signature sig = signature(s);
+    const double start = now_ms();
+    push_function(L, arg, s);
+    const int fn = lua_gettop(L);
+    dml_model *m = lua_newuserdatauv(L, sizeof *m, 3); /* arena, function, callback */
+    *m = (dml_model){.n = s->n};
+    m->arena = dml_pusharena(L);
+    lua_setiuservalue(L, -2, 1);
+    lua_pushvalue(L, fn);
+    lua_setiuservalue(L, -2, 2);
+    if (s->hyperdual) {
+        go_hyperdual(L, m, fn, &sig);
+    } else {
+        dml_traced traced;
+        dml_trace(L, fn, &sig, m->arena, &traced);
+        m->graph = traced.graph;
+        m->lagrangian = traced.out[0];
+        read_structure(L, m, s->pair);
+    }
+    m->trace_ms = now_ms() - start;
+    lua_remove(L, fn);
+    return m;
+}
+
+void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
+    const unsigned missing = want & ~m->model.has;
+    const int pair = (want & DM_WANT_PAIR) != 0;
+    if (!missing) return;
+    const double start = now_ms();
+    if (m->callback) {
+        dml_hyperdual_model(L, m, missing, pair);
+    } else {
+        const dml_backend *row = dml_findbackend(L, backend);
+        const dm_status status =
+            pair ? dm_model_build_pair(&m->model, m->graph, m->lagrangian, m->n,
+                                       row->compile, m->arena)
+                 : dm_model_build(&m->model, m->graph, m->lagrangian, m->n,
+                                  want | m->model.has, row->compile, m->arena);
+        check_status(L, status);
+        m->backend = row->name;
+    }
+    m->compile_ms += now_ms() - start;
+}
+
+void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
+    if (m->callback) return; /* the kernel is the function */
+    const dml_system *s = dml_checksystem(L, arg);
+    const dml_signature sig = signature(s);
+    push_function(L, arg, s);
+    dml_trace_check(L, lua_gettop(L), &sig, &m->model.value, x);
+    lua_pop(L, 1);
+}
+
+void dml_rethrow(lua_State *L, dml_model *m) {
+    if (m->callback) dml_hyperdual_rethrow(L, m->callback);
+}

@@ -1,0 +1,54 @@
+/* path.h - `dm.path` as the other bindings see it: rows of t, q[n], p[n] in one block. */
+#ifndef DML_PATH_H
+#define DML_PATH_H
+
+#include "bind/system.h"
+#include "integ/method.h"
+
+typedef struct {
+    uint32_t n;      /* dim Q */
+    long rows;       /* recorded */
+    long steps;      /* finished */
+    double h, t0, t; /* step, first and last time */
+    double ns_per_step;
+    const char *rule; /* as the user gave it; kept by the path */
+    double *state; /* the last state with its low-order parts: dm_state_size(n) doubles */
+    double *data;  /* rows x (1 + 2n) */
+} dml_path;
+
+/* user values of dm.path: the system, the rule as written, the traced model */
+enum {
+    DML_PATH_SYSTEM = 1,
+    DML_PATH_RULE,
+    DML_PATH_MODEL,
+    DML_PATH_VALUES = DML_PATH_MODEL
+};
+
+extern const char *const DML_PATH; /* "dm.path" */
+
+/* Push an empty path with room for `rows` rows for the system at stack index `system`.
+*Raises
+** when the block would not fit in half of the machine's memory. */
+dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows);
+
+/* Columns of a row: t, q[n], p[n]. */
+static inline uint32_t dml_path_width(const dml_path *p) {
+    return 1 + 2 * p->n;
+}
+
+/* The rest is shared by the files of the class; the path is at stack index 1. */
+
+/* Push the view path.<name> of `count` columns from `first`; register its class. */
+int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t count);
+void dml_path_open_columns(lua_State *L);
+
+/* Push the table of column names; number of the column called `name` (raises when there
+ * is none). */
+int dml_path_names(lua_State *L);
+uint32_t dml_path_find(lua_State *L, const char *name);
+
+/* path:energy(), as a C function of the path. */
+int dml_path_energy(lua_State *L);
+extern const dml_row dml_path_quantities[]; /* the methods that compute along the path */
+
+#endif

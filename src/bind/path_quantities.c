@@ -1,0 +1,185 @@
+/* path_quantities.c - energy, velocity, momentum maps and drifts along a recorded path.
+ */
+#include "bind/path.h"
+#include "bind/space.h"
+#include "run/drift.h"
+
+#include <string.h>
+
+static dml_path *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_PATH);
+}
+
+static dml_model *model_for(lua_State *L, unsigned want) {
+    lua_getiuservalue(L, 1, DML_PATH_MODEL);
+    dml_model *m = lua_touserdata(L, -1); /* kept by the path */
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    if (dml_checksystem(L, -1)->pair)
+        luaL_error(L, "a discrete Lagrangian alone has no energy and no velocity: make "
+                      "the path from a "
+                      "dm.system, or compute them from path.q and path.p");
+    lua_pop(L, 2);
+    dml_want(L, m, want, NULL);
+    return m;
+}
+
+/* x = (q, v, t) of row i, v from p by the inverse Legendre transform starting from the v
+ * in x */
+static dm_status read_row(const dml_path *p, const dml_model *m, long i, double *x,
+                          double *work) {
+    const double *row = p->data + (size_t)i * dml_path_width(p);
+    memcpy(x, row + 1, p->n * sizeof *x);
+    x[2 * p->n] = row[0];
+    return dm_legendre_inverse(&m->model, x + p->n, row + 1, row + 1 + p->n, row[0],
+                               work);
+}
+
+/* room for x and the Legendre transform; v of the first row starts from p */
+static double *scratch(lua_State *L, const dml_path *p, const dml_model *m) {
+    const size_t size = 2 * (size_t)p->n + 1 + dm_legendre_work(&m->model);
+    double *x = lua_newuserdatauv(L, size * sizeof *x, 0);
+    memset(x, 0, size * sizeof *x);
+    if (p->rows) memcpy(x + p->n, p->data + 1 + p->n, p->n * sizeof *x);
+    return x;
+}
+
+static void check_row(lua_State *L, dml_model *m, dm_status status, long i) {
+    dml_rethrow(L, m);
+    if (status != DM_OK)
+        luaL_error(L, "row %d has no velocity: %s (is d2L/dv2 singular there?)",
+                   (int)i + 1, dm_status_text(status));
+}
+
+int dml_path_energy(lua_State *L) {
+    const dml_path *p = check(L);
+    dml_model *m = model_for(L, DM_WANT_ENERGY | DM_WANT_MASS);
+    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
+    double *E = dml_pushvector(L, (uint32_t)p->rows);
+    for (long i = 0; i < p->rows; i++) {
+        check_row(L, m, read_row(p, m, i, x, work), i);
+        dm_kernel_prepare(&m->model.energy, E + i);
+        dm_kernel_eval(&m->model.energy, x, E + i);
+    }
+    dml_rethrow(L, m);
+    return 1;
+}
+
+static int path_velocity(lua_State *L) {
+    const dml_path *p = check(L);
+    dml_model *m = model_for(L, DM_WANT_MASS);
+    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
+    double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->n);
+    for (long i = 0; i < p->rows; i++) {
+        check_row(L, m, read_row(p, m, i, x, work), i);
+        memcpy(v + (size_t)i * p->n, x + p->n, p->n * sizeof *v);
+    }
+    return 1;
+}
+
+/* J = p . xi(q) along the path for a generator xi written in Lua, at stack index 2 */
+static int momentum_of_generator(lua_State *L, const dml_path *p) {
+    const dml_signature s = {
+        .what = "generator", .arguments = 1, .length = {(int)p->n}, .outputs = (int)p->n};
+    double *xi = lua_newuserdatauv(L, p->n * sizeof *xi, 0);
+    double *J = dml_pushvector(L, (uint32_t)p->rows);
+    for (long i = 0; i < p->rows; i++) {
+        const double *row = p->data + (size_t)i * dml_path_width(p);
+        dml_call_numbers(L, 2, &s, row + 1, xi, p->n);
+        J[i] = 0.0;
+        for (uint32_t k = 0; k < p->n; k++) J[i] += row[1 + p->n + k] * xi[k];
+    }
+    return 1;
+}
+
+static int path_momentum(lua_State *L) {
+    const dml_path *p = check(L);
+    lua_settop(L, 3);
+    if (lua_isfunction(L, 2)) return momentum_of_generator(L, p);
+    const dm_action action = dml_standard_action(L, 2, 3, p->n);
+    const uint32_t d = action.group->dimension(action.k), rows = (uint32_t)p->rows;
+    double *J = d == 1 ? dml_pushvector(L, rows) : dml_pushmatrix(L, rows, d);
+    for (long i = 0; i < p->rows; i++) {
+        const double *row = p->data + (size_t)i * dml_path_width(p);
+        dm_momentum(J + (size_t)i * d, &action, p->n, row + 1, row + 1 + p->n);
+    }
+    return 1;
+}
+
+static int path_column(lua_State *L) {
+    const dml_path *p = check(L);
+    const char *name = luaL_checkstring(L, 2);
+    if (strcmp(name, "energy") == 0) return dml_path_energy(L);
+    const uint32_t c = dml_path_find(L, name);
+    double *out = dml_pushvector(L, (uint32_t)p->rows);
+    for (long i = 0; i < p->rows; i++)
+        out[i] = p->data[(size_t)i * dml_path_width(p) + c];
+    return 1;
+}
+
+static void push_drift(lua_State *L, const dm_drift *d) {
+    const struct {
+        const char *key;
+        double value;
+    } fields[] = {{"per_time", d->slope},
+                  {"error", d->error},
+                  {"mean", d->mean},
+                  {"largest", d->largest}};
+    lua_createtable(L, 0, 4);
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        lua_pushnumber(L, fields[i].value);
+        lua_setfield(L, -2, fields[i].key);
+    }
+}
+
+/* push the column, quantity or vector named by argument 2 as `rows` doubles */
+static const double *quantity(lua_State *L, const dml_path *p) {
+    double *y = lua_newuserdatauv(L, (size_t)p->rows * sizeof *y, 0);
+    if (lua_type(L, 2) == LUA_TSTRING) {
+        path_column(L);
+        lua_replace(L, 2);
+    }
+    if (dml_length(L, 2) != p->rows)
+        luaL_error(L, "a column name or a vector of %d numbers (one a row) is needed",
+                   (int)p->rows);
+    dml_vectorarg(L, 2, "quantity", y, (uint32_t)p->rows);
+    return y;
+}
+
+static int path_drift(lua_State *L) {
+    const dml_path *p = check(L);
+    lua_settop(L, 2);
+    if (p->rows < 3)
+        return luaL_error(L, "a drift needs at least 3 recorded rows (this path has %d)",
+                          (int)p->rows);
+    const double *y = quantity(L, p);
+    dm_drift drift;
+    dm_drift_fit(&drift, p->data, dml_path_width(p), y, p->rows);
+    push_drift(L, &drift);
+    return 1;
+}
+
+const dml_row dml_path_quantities[] = {
+    {"column", path_column,
+     "path:column(name) -> dm.vector of #path entries\n"
+     "A column by its name (see path.columns; \"time\" and \"energy\" too)."},
+    {"energy", dml_path_energy,
+     "path:energy() -> dm.vector of #path entries\n"
+     "v . dL/dv - L at every row, v from p by the inverse Legendre transform."},
+    {"velocity", path_velocity,
+     "path:velocity() -> dm.matrix, #path x dim Q\nThe velocity at every row, from p by "
+     "the inverse Legendre transform."},
+    {"momentum", path_momentum,
+     "path:momentum(group [, {block=}]) -> dm.vector   or   path:momentum(generator) -> "
+     "dm.vector\n"
+     "Noether's momentum map at every row: of a group by its standard action on blocks "
+     "of coordinates (dm.SO(2), dm.SO(3), "
+     "dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator "
+     "xi(q), a Lua function that returns "
+     "dim Q numbers."},
+    {"drift", path_drift,
+     "path:drift(name | vector) -> {per_time, error, mean, largest}\n"
+     "Least squares slope of a column, of \"energy\" or of any vector of #path entries "
+     "against time: slope per unit "
+     "of time, its standard error from block means, the mean, and the largest distance "
+     "from the first row."},
+    {NULL, NULL, NULL}};

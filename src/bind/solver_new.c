@@ -1,0 +1,144 @@
+/* solver_new.c - from a table of options to a solver. */
+#include "bind/backend.h"
+#include "bind/stepping.h"
+
+#include <string.h>
+
+typedef dml_solver solver;
+
+static void add_known_rules(lua_State *L, luaL_Buffer *b, int pair) {
+    const char *separator = "";
+    (void)L;
+    for (const dm_method *const *m = dm_methods; *m; m++) {
+        if (!((*m)->traits & DM_FOR_PAIRS) != !pair) continue;
+        luaL_addstring(b, separator);
+        luaL_addstring(b, (*m)->signature);
+        separator = ", ";
+    }
+}
+
+static void unknown_rule(lua_State *L, const char *text, const char *nearest) {
+    luaL_Buffer b;
+    luaL_buffinit(L, &b);
+    if (nearest)
+        lua_pushfstring(L, "unknown rule '%s'; did you mean '%s'? known rules: ", text,
+                        nearest);
+    else
+        lua_pushfstring(L, "unknown rule '%s'; known rules: ", text);
+    luaL_addvalue(&b);
+    add_known_rules(L, &b, 0);
+    luaL_pushresult(&b);
+    luaL_error(L, "%s", lua_tostring(L, -1));
+}
+
+static void read_rule(lua_State *L, solver *s, const char *text) {
+    const char *nearest = NULL;
+    const char *wrong = dm_rule_parse(s->nodes, text);
+    if (wrong) luaL_error(L, "field 'rule': '%s': %s", text, wrong);
+    s->method = dm_method_find(s->nodes[0].name, &nearest);
+    if (!s->method) unknown_rule(L, text, nearest);
+    if (!(s->method->traits & DM_FOR_PAIRS) != !s->pair)
+        luaL_error(
+            L,
+            s->pair
+                ? "rule '%s' steps a Lagrangian; a discrete Lagrangian is stepped by "
+                  "'del'"
+                : "rule '%s' steps a discrete Lagrangian Ld(q0, q1), not a Lagrangian",
+            text);
+    if (s->method->check && (wrong = s->method->check(s->nodes)))
+        luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong,
+                   s->method->signature);
+}
+
+/* newton = { tolerance =, max_iterations = } of the options at 1 */
+static void read_newton(lua_State *L, solver *s) {
+    static const char *const known[] = {"tolerance", "max_iterations", NULL};
+    s->tolerance = 4e-15;
+    s->max_iterations = 50;
+    if (lua_getfield(L, 1, "newton") != LUA_TNIL) {
+        const int at = lua_gettop(L);
+        if (!lua_istable(L, at))
+            luaL_error(
+                L, "field 'newton' must be a table { tolerance =, max_iterations = }");
+        dml_options(L, at, known);
+        s->tolerance = dml_positive(L, at, "tolerance", s->tolerance);
+        s->max_iterations = (int)dml_count(L, at, "max_iterations", 1, s->max_iterations);
+    }
+    lua_pop(L, 1);
+}
+
+static void read_step(lua_State *L, solver *s, const dml_system *system) {
+    if (!s->pair) {
+        s->h = dml_positive(L, 1, "h", 0);
+        return;
+    }
+    s->h = dml_positive(L, 1, "h", system->h);
+    if (s->h != system->h)
+        luaL_error(L,
+                   "field 'h' is %f, but the discrete Lagrangian was made with h = %f: "
+                   "leave it out "
+                   "here",
+                   s->h, system->h);
+}
+
+/* solver options at 1, system at 2 */
+static int new_solver(lua_State *L) {
+    static const char *const known[] = {"rule", "h", "newton", "backend", NULL};
+    const dml_system *system = dml_checksystem(L, 2);
+    dml_options(L, 1, known);
+    solver *s = lua_newuserdatauv(L, sizeof *s, DML_SOLVER_VALUES);
+    memset(s, 0, sizeof *s);
+    s->n = system->n;
+    s->pair = system->pair;
+    lua_getfield(L, 1, "rule");
+    if (lua_isnil(L, -1) && s->pair) lua_pop(L, 1), lua_pushstring(L, "del");
+    if (lua_type(L, -1) != LUA_TSTRING)
+        luaL_error(L,
+                   "field 'rule' must be the name of a rule, for instance \"verlet\" or "
+                   "\"gauss(2)\" "
+                   "(got %s)",
+                   luaL_typename(L, -1));
+    read_rule(L, s, lua_tostring(L, -1));
+    lua_setiuservalue(L, 3, DML_SOLVER_RULE);
+    read_step(L, s, system);
+    read_newton(L, s);
+    lua_getfield(L, 1, "backend");
+    if (!lua_isnil(L, -1)) dml_findbackend(L, luaL_tolstring(L, -1, NULL)), lua_pop(L, 1);
+    lua_setiuservalue(L, 3, DML_SOLVER_BACKEND);
+    lua_pushvalue(L, 2);
+    lua_setiuservalue(L, 3, DML_SOLVER_SYSTEM);
+    luaL_setmetatable(L, DML_SOLVER);
+    return 1;
+}
+
+/* dm.solver{ system, rule =, h = } */
+int dml_solver_new(lua_State *L) {
+    lua_settop(L, 1);
+    luaL_checktype(L, 1, LUA_TTABLE);
+    lua_newtable(L); /* the options without the system at [1] */
+    for (lua_pushnil(L); lua_next(L, 1);) {
+        if (lua_isinteger(L, -2) && lua_tointeger(L, -2) == 1) {
+            lua_pop(L, 1);
+            continue;
+        }
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, 2);
+    }
+    if (lua_geti(L, 1, 1) == LUA_TNIL)
+        luaL_error(L,
+                   "dm.solver needs a system or discrete Lagrangian as its first entry: "
+                   "dm.solver{ system, rule = \"verlet\", h = 0.01 }");
+    lua_remove(L, 1);
+    return new_solver(L);
+}
+
+/* system:solver{ rule =, h = } and Ld:solver{} */
+int dml_solver_of(lua_State *L) {
+    lua_settop(L, 2);
+    dml_checksystem(L, 1);
+    if (lua_isnil(L, 2)) lua_newtable(L), lua_replace(L, 2);
+    luaL_checktype(L, 2, LUA_TTABLE);
+    lua_insert(L, 1);
+    return new_solver(L);
+}

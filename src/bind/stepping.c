@@ -1,0 +1,225 @@
+/* stepping.c - from the options of a run to an open stepper and its first state. */
+#include "bind/stepping.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *backend_name(lua_State *L) {
+    lua_getiuservalue(L, 1, DML_SOLVER_BACKEND);
+    const char *name = lua_tostring(L, -1); /* kept by the solver */
+    lua_pop(L, 1);
+    return name;
+}
+
+/* one block: workspace of the rule, state, inputs, scratch */
+static void take_memory(lua_State *L, dml_stepping *r) {
+    const dml_solver *s = r->solver;
+    const dm_model *m = &r->model->model;
+    const size_t work = s->method->work(s->nodes, m), state = dm_state_size(s->n);
+    const size_t scratch = s->pair
+                               ? m->pair.outputs
+                               : dm_legendre_work(m) + s->n + s->n * (size_t)s->n + state;
+    const size_t total = work + state + 2 * s->n + 1 + scratch;
+    r->stepper.work = lua_newuserdatauv(L, total * sizeof(double), 0);
+    memset(r->stepper.work, 0, total * sizeof(double));
+    r->state = r->stepper.work + work;
+    r->x = r->state + state;
+    r->work = r->x + 2 * s->n + 1;
+}
+
+void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
+    dml_solver *s = r->solver;
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    r->system = lua_gettop(L);
+    r->t0 = t0;
+    r->model = dml_pushmodel(L, r->system);
+    r->model_at = lua_gettop(L);
+    if (r->model->model.structure & DM_LINEAR_IN_V)
+        luaL_error(L,
+                   "L is linear in the velocity (d2L/dv2 = 0): it is degenerate, and "
+                   "rule '%s' needs a "
+                   "regular Lagrangian",
+                   s->nodes[0].name);
+    r->wants = s->method->wants(s->nodes, &r->model->model);
+    dml_want(L, r->model,
+             r->wants | DM_WANT_VALUE | (s->pair ? DM_WANT_PAIR : DM_WANT_MASS),
+             backend_name(L));
+    r->stepper = (dm_stepper){.method = s->method,
+                              .model = &r->model->model,
+                              .rule = s->nodes,
+                              .h = s->h,
+                              .tolerance = s->tolerance,
+                              .max_iterations = s->max_iterations};
+    take_memory(L, r);
+}
+
+void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path) {
+    path->h = r->solver->h;
+    path->t0 = r->t0;
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    path->rule = lua_tostring(L, -1);
+    lua_setiuservalue(L, -2, DML_PATH_RULE);
+    lua_pushvalue(L, r->model_at);
+    lua_setiuservalue(L, -2, DML_PATH_MODEL);
+}
+
+static int has(lua_State *L, const char *key) {
+    const int there = lua_getfield(L, 2, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
+    dml_rethrow(L, r->model);
+    if (status == DM_SINGULAR)
+        luaL_error(
+            L,
+            "no start: d2L/dv2 is singular at the given q: L is degenerate there, or the "
+            "coordinates are");
+    if (status != DM_OK)
+        luaL_error(L,
+                   "no start: %s in the Legendre transform at the given q; is it inside "
+                   "the domain of L?",
+                   dm_status_text(status));
+}
+
+/* q and v, or q and p; x = (q, v, t) is where the trace is checked */
+static void start_here(lua_State *L, dml_stepping *r) {
+    const uint32_t n = r->solver->n;
+    const dm_model *m = &r->model->model;
+    double *q = r->state, *p = q + n, *v = r->x + n;
+    dml_numbers(L, 2, "q", q, n);
+    memcpy(r->x, q, n * sizeof *q);
+    r->x[2 * n] = r->t0;
+    if (has(L, "v") == has(L, "p"))
+        luaL_error(L,
+                   "give the start as q and v, as q and p, or as q0 and q1: one of 'v' "
+                   "(velocity) and 'p' "
+                   "(momentum) is needed, %d numbers",
+                   (int)n);
+    dml_numbers(L, 2, has(L, "v") ? "v" : "p", has(L, "v") ? v : p, n);
+    if (has(L, "v")) {
+        dml_checkmodel(L, r->system, r->model, r->x);
+        check_legendre(L, r, dm_legendre(m, p, q, v, r->t0, r->work));
+        return;
+    }
+    check_legendre(L, r, dm_legendre_inverse(m, v, q, p, r->t0, r->work));
+    dml_checkmodel(L, r->system, r->model, r->x);
+}
+
+/* two positions of a discrete Lagrangian: p0 = -D1 Ld(q0, q1) */
+static void start_pair(lua_State *L, dml_stepping *r) {
+    const uint32_t n = r->solver->n;
+    const dm_kernel *pair = &r->model->model.pair;
+    dml_numbers(L, 2, "q0", r->state, n);
+    dml_numbers(L, 2, "q1", r->x + n, n);
+    memcpy(r->x, r->state, n * sizeof(double));
+    dml_checkmodel(L, r->system, r->model, r->x);
+    dm_kernel_prepare(pair, r->work);
+    dm_kernel_eval(pair, r->x, r->work);
+    dml_rethrow(L, r->model);
+    for (uint32_t i = 0; i < n; i++) r->state[n + i] = -r->work[i];
+}
+
+/* q and p of a discrete Lagrangian: the trace is checked near (q, q + h p) */
+static void start_momentum(lua_State *L, dml_stepping *r) {
+    const uint32_t n = r->solver->n;
+    if (has(L, "v") || !has(L, "p"))
+        luaL_error(L, "a discrete Lagrangian knows no velocity: start it from q and the "
+                      "momentum p, or from "
+                      "two positions q0 and q1");
+    dml_numbers(L, 2, "q", r->state, n);
+    dml_numbers(L, 2, "p", r->state + n, n);
+    dml_checkmodel(L, r->system, r->model, NULL);
+}
+
+/*
+** Two positions of a Lagrangian: the momentum p with step(q0, p) = q1, by p += M (q1 -
+*Q(p)) / h, which
+** contracts like h^2; M = d2L/dv2 at the start.
+*/
+static dm_status shoot(dml_stepping *r, const double *q1) {
+    enum { TRIES = 100 };
+    const uint32_t n = r->solver->n;
+    const double *mass = r->work + n;
+    double *end = r->work + n + n * n, last = INFINITY;
+    for (int k = 0; k < TRIES; k++) {
+        double gap = 0.0, size = 0.0;
+        memcpy(end, r->state, dm_state_size(n) * sizeof *end);
+        const dm_status status = r->solver->method->step(&r->stepper, end, r->t0);
+        if (status != DM_OK) return status;
+        for (uint32_t i = 0; i < n; i++) {
+            gap = fmax(gap, fabs(q1[i] - end[i]));
+            size = fmax(size, fabs(q1[i]) + fabs(r->state[i]));
+        }
+        if (gap <= 1e-16 * size || (gap < 1e-13 * size && gap >= last)) return DM_OK;
+        last = gap;
+        for (uint32_t i = 0; i < n; i++)
+            for (uint32_t j = 0; j < n; j++)
+                r->state[n + i] += mass[i * n + j] * (q1[j] - end[j]) / r->solver->h;
+    }
+    return DM_NO_CONVERGENCE;
+}
+
+/* q0 and q1 of a Lagrangian; the velocity guess (q1 - q0) / h gives the first momentum
+ * and M */
+static void guess_momentum(lua_State *L, dml_stepping *r) {
+    const uint32_t n = r->solver->n;
+    const dm_kernel *mass = &r->model->model.mass;
+    double *q1 = r->x + n;
+    dml_numbers(L, 2, "q0", r->state, n);
+    dml_numbers(L, 2, "q1", q1, n);
+    memcpy(r->x, r->state, n * sizeof(double));
+    for (uint32_t i = 0; i < n; i++) q1[i] = (q1[i] - r->x[i]) / r->solver->h;
+    r->x[2 * n] = r->t0;
+    dml_checkmodel(L, r->system, r->model, r->x);
+    dm_kernel_prepare(mass, r->work);
+    dm_kernel_eval(mass, r->x, r->work);
+    dml_rethrow(L, r->model);
+    memcpy(r->state + n, r->work, n * sizeof(double));
+    dml_numbers(L, 2, "q1", q1, n);
+}
+
+static void open_stepper(lua_State *L, dml_stepping *r) {
+    const dml_solver *s = r->solver;
+    const dm_status status = s->method->open ? s->method->open(&r->stepper) : DM_OK;
+    if (status == DM_OK) return;
+    dml_stepping_end(r);
+    luaL_error(L, "rule '%s' cannot start: %s", s->nodes[0].name, dm_status_text(status));
+}
+
+static void start_between(lua_State *L, dml_stepping *r) {
+    guess_momentum(L, r);
+    open_stepper(L, r);
+    const dm_status status = shoot(r, r->x + r->solver->n);
+    if (status == DM_OK) return;
+    dml_stepping_end(r);
+    dml_rethrow(L, r->model);
+    luaL_error(L,
+               "no start: no momentum takes q0 to q1 in one step (%s); are q0 and q1 one "
+               "step apart?",
+               dm_status_text(status));
+}
+
+void dml_stepping_start(lua_State *L, dml_stepping *r) {
+    const int two = has(L, "q0") || has(L, "q1");
+    if (two && (has(L, "q") || has(L, "v") || has(L, "p")))
+        luaL_error(
+            L, "give the start as q and v, as q and p, or as q0 and q1, not a mixture");
+    if (two && !r->solver->pair) {
+        start_between(L, r);
+        return;
+    }
+    if (!r->solver->pair)
+        start_here(L, r);
+    else if (two)
+        start_pair(L, r);
+    else
+        start_momentum(L, r);
+    open_stepper(L, r);
+}
+
+void dml_stepping_end(dml_stepping *r) {
+    if (r->solver->method->close) r->solver->method->close(&r->stepper);
+    r->stepper.outside = NULL;
+}

@@ -1,0 +1,60 @@
+/* stepping.h - what a solver needs between its options and its first step. */
+#ifndef DML_STEPPING_H
+#define DML_STEPPING_H
+
+#include "bind/path.h"
+#include "integ/method.h"
+
+typedef struct {
+    dm_rule nodes[DM_RULE_NODES];
+    const dm_method *method;
+    double h, tolerance;
+    int max_iterations;
+    uint32_t n;
+    int pair; /* steps a discrete Lagrangian */
+} dml_solver;
+
+/* user values of dm.solver: the system, the rule as written, the report of the last run,
+ * the backend's name or nil */
+enum {
+    DML_SOLVER_SYSTEM = 1,
+    DML_SOLVER_RULE,
+    DML_SOLVER_REPORT,
+    DML_SOLVER_BACKEND,
+    DML_SOLVER_VALUES = DML_SOLVER_BACKEND
+};
+
+extern const char *const DML_SOLVER; /* "dm.solver" */
+
+/* dm.solver{ system, rule =, h = } and system:solver{ rule =, h = }, as C functions. */
+int dml_solver_new(lua_State *L);
+int dml_solver_of(lua_State *L);
+
+typedef struct {
+    dml_solver *solver; /* at stack index 1; the options are at 2 */
+    dml_model *model;
+    int system, model_at; /* stack indices */
+    unsigned wants;       /* kernels of the rule */
+    dm_stepper stepper;
+    double t0;
+    double *x;     /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
+    double *state; /* dm_state_size doubles */
+    double *work;  /* for the Legendre transform */
+} dml_stepping;
+
+/* Trace, make the kernels and take all memory. Leaves system, model and workspace on the
+ * stack. */
+void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0);
+
+/* Fill in what a path says of itself; it is on top of the stack. */
+void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);
+
+/* Read the start from the options at 2, check the trace there, open the stepper. Raises
+ *only before
+ ** the stepper holds anything. */
+void dml_stepping_start(lua_State *L, dml_stepping *r);
+
+/* Close the stepper. */
+void dml_stepping_end(dml_stepping *r);
+
+#endif

@@ -1,0 +1,65 @@
+/* system.h - `dm.system`, `dm.discrete_lagrangian` and their models as the other bindings
+ * see them. */
+#ifndef DML_SYSTEM_H
+#define DML_SYSTEM_H
+
+#include "bind/trace.h"
+#include "mech/model.h"
+
+/* A mechanical system: the userdata keeps numbers, its user value 1 the fields as given.
+ */
+typedef struct {
+    uint32_t n;    /* dim Q */
+    int pair;      /* 1: a discrete Lagrangian Ld(q0, q1), 0: L(q, v, t) */
+    int hyperdual; /* 1: derivatives = "hyperdual" */
+    double h;      /* step of a discrete Lagrangian, else 0 */
+} dml_system;
+
+extern const char *const DML_SYSTEM;   /* "dm.system" */
+extern const char *const DML_DISCRETE; /* "dm.discrete_lagrangian" */
+
+/* Push a new system (or, pair = 1, discrete Lagrangian) from the options table at 1. */
+void dml_newsystem(lua_State *L, const char *const *known, int pair);
+
+/* The system or discrete Lagrangian at `arg`; raises when it is neither. */
+dml_system *dml_checksystem(lua_State *L, int arg);
+
+/* Push field `key` of the system at `arg` (Q, L, Ld, name, coordinates, params, units,
+ * h); returns its type. */
+int dml_systemfield(lua_State *L, int arg, const char *key);
+
+/* Names of the n coordinates: given ones or q1 .. qn; pushes the name of coordinate i
+ * (from 0). */
+const char *dml_coordinate(lua_State *L, int arg, uint32_t i);
+
+/* A traced system: what one run uses. Pushed as a userdata that keeps arena and function
+ * alive. */
+typedef struct {
+    dm_arena *arena;
+    dm_graph *graph; /* NULL when on hyper-dual numbers */
+    dm_node lagrangian;
+    uint32_t n;
+    dm_model model;
+    dml_callback *callback; /* NULL when traced */
+    const char *backend;    /* of the kernels: "tape", "hyperdual" */
+    double trace_ms, compile_ms;
+} dml_model;
+
+/* Trace the system at `arg` and push its model with no kernels yet but its structure. */
+dml_model *dml_pushmodel(lua_State *L, int arg);
+
+/* Make the kernels `want` (DM_WANT_*) that are missing, with the backend of that name
+ * (NULL: the default). */
+void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend);
+
+/* Raise a mismatch between trace and function (trace.h) for the system at `arg` at x =
+ * (q, v, t) or (q0, q1). */
+void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x);
+
+/* A callback failed inside a kernel: raise the user's own error. Else nothing. */
+void dml_rethrow(lua_State *L, dml_model *m);
+
+/* Hyper-dual kernels in the layout of mech/model.h. */
+void dml_hyperdual_model(lua_State *L, dml_model *m, unsigned want, int pair);
+
+#endif

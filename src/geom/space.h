@@ -1,0 +1,28 @@
+/* space.h - manifolds and groups that a system can live on or be symmetric under. */
+#ifndef DM_SPACE_H
+#define DM_SPACE_H
+
+#include <stdint.h>
+
+typedef struct {
+    const char *name;      /* "R" */
+    const char *signature; /* "R(n)", as help prints it */
+    const char *doc;       /* what it is, coordinates, standard action */
+    uint32_t least;        /* smallest n */
+    int chart;             /* 1: coordinates are free numbers, a system can live on it */
+    uint32_t (*dimension)(uint32_t n);
+    /* Standard action on vectors of `block` entries: out[block] = xi_a(x), the
+    *infinitesimal
+    ** generator of basis element a < dimension(n) at x[block]. Blocks are moved alike. */
+    int (*acts)(uint32_t n,
+                uint32_t block); /* 1 when the action on such blocks is defined */
+    void (*generator)(double *out, const double *x, uint32_t n, uint32_t block,
+                      uint32_t a);
+} dm_space;
+
+#define X(name) extern const dm_space dm_space_##name;
+#include "geom/spaces.def"
+#undef X
+extern const dm_space *const dm_spaces[]; /* NULL-terminated */
+
+#endif
