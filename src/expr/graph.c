@@ -1,0 +1,270 @@
+#include "expr/graph.h"
+
+#include "expr/nodes.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+enum { FIRST_NODES = 256 };
+
+static const struct {
+    const char *text;
+    int operands;
+} operations[] = {
+#define X(name, operands, text, c) {text, operands},
+#include "expr/ops.def"
+#undef X
+};
+
+const char *dm_op_text(dm_op op) {
+    return operations[op].text;
+}
+
+int dm_op_operands(dm_op op) {
+    return operations[op].operands;
+}
+
+dm_status dm_graph_status(const dm_graph *g) {
+    return g->status;
+}
+
+uint32_t dm_graph_size(const dm_graph *g) {
+    return g->size;
+}
+
+uint32_t dm_graph_inputs(const dm_graph *g) {
+    return g->inputs;
+}
+
+dm_arena *dm_graph_arena(dm_graph *g) {
+    return g->arena;
+}
+
+const dm_expr *dm_graph_at(const dm_graph *g, dm_node n) {
+    assert(n < g->size);
+    return g->nodes + n;
+}
+
+dm_node dm_graph_fail(dm_graph *g, dm_status why) {
+    if (g->status == DM_OK) g->status = why;
+    return 0;
+}
+
+/* what tells one node from another: op and three words */
+static void content(uint32_t key[4], const dm_expr *e) {
+    key[0] = (uint32_t)e->op;
+    key[1] = key[2] = key[3] = 0;
+    if (e->op == DM_OP_CONSTANT)
+        memcpy(key + 1, &e->as.value, sizeof e->as.value);
+    else if (e->op == DM_OP_INPUT)
+        key[1] = e->as.input;
+    else
+        memcpy(key + 1, e->as.arg, sizeof e->as.arg);
+}
+
+/* multiply and fold, twice: good enough for small integers in neighbouring words */
+static uint32_t hash(const uint32_t key[4]) {
+    uint64_t h = (key[0] | (uint64_t)key[1] << 32) * 0x9E3779B97F4A7C15u;
+    h ^= h >> 32;
+    h = (h + (key[2] | (uint64_t)key[3] << 32)) * 0xD6E8FEB86659FD93u;
+    return (uint32_t)(h >> 32);
+}
+
+/* the slot that holds this content, or the free one where it belongs */
+static uint32_t slot_of(const dm_graph *g, const uint32_t key[4]) {
+    uint32_t slot = hash(key) & g->mask, other[4];
+    for (; g->table[slot]; slot = (slot + 1) & g->mask) {
+        content(other, g->nodes + g->table[slot]);
+        if (memcmp(other, key, sizeof other) == 0) break;
+    }
+    return slot;
+}
+
+static void rehash(dm_graph *g) {
+    uint32_t key[4];
+    memset(g->table, 0, ((size_t)g->mask + 1) * sizeof *g->table);
+    for (dm_node n = 1; n < g->size; n++) {
+        content(key, g->nodes + n);
+        g->table[slot_of(g, key)] = n;
+    }
+}
+
+/* room for twice the nodes; the table stays at most half full */
+static int grow(dm_graph *g) {
+    const size_t held = g->capacity, want = held ? 2 * held : FIRST_NODES;
+    if (held >= DM_GRAPH_LIMIT) return dm_graph_fail(g, DM_TOO_LARGE), 0;
+    dm_expr *nodes =
+        dm_arena_grow(g->arena, g->nodes, held * sizeof *nodes, want * sizeof *nodes);
+    if (nodes) g->nodes = nodes;
+    uint32_t *mark =
+        dm_arena_grow(g->arena, g->mark, held * sizeof *mark, want * sizeof *mark);
+    uint8_t *nonnegative = dm_arena_grow(g->arena, g->nonnegative, held, want);
+    dm_node *table = dm_arena_take(g->arena, 2 * want * sizeof *table);
+    if (mark) g->mark = mark;
+    if (nonnegative) g->nonnegative = nonnegative;
+    if (!nodes || !mark || !nonnegative || !table)
+        return dm_graph_fail(g, DM_NO_MEMORY), 0;
+    memset(mark + held, 0, (want - held) * sizeof *mark);
+    g->table = table;
+    g->capacity = (uint32_t)want;
+    g->mask = (uint32_t)(2 * want - 1);
+    rehash(g);
+    return 1;
+}
+
+dm_graph *dm_graph_new(dm_arena *arena, uint32_t inputs) {
+    dm_graph *g = dm_arena_take(arena, sizeof *g);
+    if (!g) return NULL;
+    *g = (dm_graph){.arena = arena, .inputs = inputs};
+    if (!grow(g)) return NULL;
+    g->nodes[0] = (dm_expr){.op = DM_OP_CONSTANT, .as.value = 0.0};
+    g->nonnegative[0] = 1;
+    g->size = 1;
+    return g;
+}
+
+/* the sign of a result that is known from its operands; NaN is left out of the promise */
+static uint8_t nonnegative(const dm_graph *g, const dm_expr *e) {
+    const dm_node a = e->as.arg[0], b = e->as.arg[1], c = e->as.arg[2];
+    switch (e->op) {
+    case DM_OP_CONSTANT:
+        return e->as.value >= 0.0;
+    case DM_OP_ABS:
+    case DM_OP_SQRT:
+    case DM_OP_EXP:
+    case DM_OP_ACOS:
+    case DM_OP_COSH:
+        return 1;
+    case DM_OP_MUL:
+        return a == b || (g->nonnegative[a] && g->nonnegative[b]);
+    case DM_OP_ADD:
+    case DM_OP_DIV:
+    case DM_OP_MIN:
+    case DM_OP_MAX:
+        return g->nonnegative[a] && g->nonnegative[b];
+    case DM_OP_POW:
+        return g->nonnegative[a];
+    case DM_OP_WHERE:
+        return g->nonnegative[b] && g->nonnegative[c];
+    default:
+        return 0;
+    }
+}
+
+static int is_zero(const dm_expr *e) {
+    return e->op == DM_OP_CONSTANT && e->as.value == 0.0;
+}
+
+dm_node dm_node_find(const dm_graph *g, const dm_expr *e) {
+    uint32_t key[4];
+    content(key, e);
+    return is_zero(e) ? 0 : g->table[slot_of(g, key)];
+}
+
+dm_node dm_node_make(dm_graph *g, const dm_expr *e) {
+    uint32_t key[4];
+    if (g->status != DM_OK || is_zero(e)) return 0;
+    content(key, e);
+    uint32_t slot = slot_of(g, key);
+    if (g->table[slot]) return g->table[slot];
+    if (g->size == g->capacity) {
+        if (!grow(g)) return 0;
+        slot = slot_of(g, key);
+    }
+    g->nodes[g->size] = *e;
+    g->nonnegative[g->size] = nonnegative(g, e);
+    return g->table[slot] = g->size++;
+}
+
+dm_node dm_node_plain(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c) {
+    return dm_node_make(g, &(dm_expr){.op = op, .as.arg = {a, b, c}});
+}
+
+dm_node dm_constant(dm_graph *g, double value) {
+    return dm_node_make(g, &(dm_expr){.op = DM_OP_CONSTANT, .as.value = value});
+}
+
+dm_node dm_input(dm_graph *g, uint32_t i) {
+    assert(i < g->inputs);
+    return dm_node_make(g, &(dm_expr){.op = DM_OP_INPUT, .as.input = i});
+}
+
+int dm_is_constant(const dm_graph *g, dm_node n, double *value) {
+    if (g->nodes[n].op != DM_OP_CONSTANT) return 0;
+    *value = g->nodes[n].as.value;
+    return 1;
+}
+
+uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m) {
+    uint32_t end = 0;
+    if (++g->stamp == 0) { /* wrapped: forget all old marks */
+        memset(g->mark, 0, g->capacity * sizeof *g->mark);
+        g->stamp = 1;
+    }
+    for (uint32_t i = 0; i < m; i++) {
+        g->mark[roots[i]] = g->stamp;
+        if (roots[i] >= end) end = roots[i] + 1;
+    }
+    for (uint32_t n = end; n-- > 0;) { /* users have larger numbers than operands */
+        if (g->mark[n] != g->stamp) continue;
+        const dm_expr *e = g->nodes + n;
+        for (int k = 0; k < dm_op_operands(e->op); k++) g->mark[e->as.arg[k]] = g->stamp;
+    }
+    return end;
+}
+
+double dm_op_value(dm_op op, double a, double b, double c) {
+    switch (op) {
+    case DM_OP_NEG:
+        return -a;
+    case DM_OP_ABS:
+        return fabs(a);
+    case DM_OP_SIGN:
+        return (double)((a > 0) - (a < 0));
+    case DM_OP_SQRT:
+        return sqrt(a);
+    case DM_OP_EXP:
+        return exp(a);
+    case DM_OP_LOG:
+        return log(a);
+    case DM_OP_SIN:
+        return sin(a);
+    case DM_OP_COS:
+        return cos(a);
+    case DM_OP_TAN:
+        return tan(a);
+    case DM_OP_ASIN:
+        return asin(a);
+    case DM_OP_ACOS:
+        return acos(a);
+    case DM_OP_ATAN:
+        return atan(a);
+    case DM_OP_SINH:
+        return sinh(a);
+    case DM_OP_COSH:
+        return cosh(a);
+    case DM_OP_TANH:
+        return tanh(a);
+    case DM_OP_ADD:
+        return a + b;
+    case DM_OP_SUB:
+        return a - b;
+    case DM_OP_MUL:
+        return a * b;
+    case DM_OP_DIV:
+        return a / b;
+    case DM_OP_POW:
+        return pow(a, b);
+    case DM_OP_ATAN2:
+        return atan2(a, b);
+    case DM_OP_MIN:
+        return b < a ? b : a;
+    case DM_OP_MAX:
+        return a < b ? b : a;
+    case DM_OP_WHERE:
+        return a > 0 ? b : c;
+    default:
+        return NAN; /* leaves have no operands to work on */
+    }
+}

@@ -1,0 +1,50 @@
+/* nodes.h - the inside of a graph, for the files of this room only. */
+#ifndef DM_NODES_H
+#define DM_NODES_H
+
+#include "expr/graph.h"
+
+struct dm_graph {
+    dm_arena *arena;
+    dm_expr *nodes;
+    uint32_t size, capacity;
+    dm_node
+        *table; /* open addressing by content; 0 is free: node 0 is found without it */
+    uint32_t mask;
+    uint32_t inputs;
+    uint32_t *mark; /* [capacity] scratch of one sweep: marked when equal to `stamp` */
+    uint32_t stamp;
+    uint8_t
+        *nonnegative; /* [capacity] 1 where the value is >= 0 whenever it is a number */
+    dm_status status;
+};
+
+/* The node with exactly this content, made when missing. No simplification. */
+dm_node dm_node_make(dm_graph *g, const dm_expr *e);
+
+/* The same, but 0 when there is none yet. */
+dm_node dm_node_find(const dm_graph *g, const dm_expr *e);
+
+/* op(a, b, c) as it stands. */
+dm_node dm_node_plain(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c);
+
+/* Stop building: the first reason is kept. Returns node 0. */
+dm_node dm_graph_fail(dm_graph *g, dm_status why);
+
+/* Mark what the roots need; afterwards dm_is_marked holds until the next sweep.
+** Returns one past the largest marked number. */
+uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m);
+
+static inline int dm_is_marked(const dm_graph *g, dm_node n) {
+    return g->mark[n] == g->stamp;
+}
+
+static inline const dm_expr *dm_at(const dm_graph *g, dm_node n) {
+    return g->nodes + n;
+}
+
+static inline int dm_is_op(const dm_graph *g, dm_node n, dm_op op) {
+    return g->nodes[n].op == op;
+}
+
+#endif
