@@ -1,27 +1,143 @@
-# dmlua - see README.md. Everything that is built goes to build/.
+# dmlua - see README.md. Everything that is built goes to $(B); `make help` lists the targets.
+B = build
 CC ?= cc
 CFLAGS ?= -O2 -g
+READLINE = yes
+PREFIX = /usr/local
+DESTDIR =
 WARN = -std=c17 -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Werror
 # no contraction: every backend must give the same bits
 FLOAT = -ffp-contract=off
-B = build
+VERSION = 0.1
+
 KERNEL = $(sort $(wildcard $(addprefix src/,$(addsuffix /*.c,base linalg solve expr geom action mech integ run))))
 BIND = $(sort $(wildcard src/bind/*.c))
 CLI = $(sort $(wildcard src/cli/*.c))
+LUA_FILES = $(sort $(wildcard lua/dm/*.lua))
+EXAMPLES = $(sort $(wildcard examples/*.lua))
+C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(sort $(wildcard tests/c/*.c tests/bench/*.c))
 objects = $(patsubst src/%.c,$(B)/%.o,$(1))
-LUA_CFLAGS := $(shell pkg-config --cflags lua5.4 2>/dev/null)
-LUA_LIBS := $(shell pkg-config --libs lua5.4 2>/dev/null)
-GSL_LIBS := $(shell pkg-config --libs gsl 2>/dev/null)
+export B
 
-all: $(B)/dmlua
-$(B)/%.o: src/%.c
+all: $(B)/dmlua $(B)/dm/core.so
+
+# what the machine offers: made by .ci/setup, which installs what is missing for these goals,
+# after which make reads this file again
+INSTALLING = demo test setup san valgrind bench docs
+QUIET_GOALS = clean help format uninstall
+ifneq ($(or $(filter-out $(QUIET_GOALS),$(MAKECMDGOALS)),$(if $(MAKECMDGOALS),,all)),)
+include $(B)/config.mk
+endif
+INSTALL_MISSING = $(if $(filter $(INSTALLING),$(MAKECMDGOALS)),--install)
+$(B)/config.mk: .ci/setup
+	@mkdir -p $(B)
+	@CC="$(CC)" READLINE=$(READLINE) .ci/setup $(INSTALL_MISSING) build >$@.new && mv $@.new $@
+setup: $(B)/config.mk
+	@.ci/setup --install pictures test
+
+# objects are made again when the compiler or its flags change
+COMPILE = $(CC) $(WARN) $(CFLAGS) $(FLOAT) -fPIC -MMD -MP -Isrc -D_POSIX_C_SOURCE=200809L
+READLINE_FLAGS = $(if $(filter yes,$(READLINE)),-DDM_READLINE,-UDM_READLINE)
+SAME = $(COMPILE) $(READLINE_FLAGS) $(LUA_CFLAGS) $(LUA_LIBS)
+$(B)/flags: always
+	@mkdir -p $(B)
+	@echo '$(SAME)' | cmp -s - $@ || echo '$(SAME)' >$@
+$(B)/%.o: src/%.c $(B)/flags
 	@mkdir -p $(@D)
-	$(CC) $(WARN) $(CFLAGS) $(FLOAT) -fPIC -MMD -Isrc $(if $(filter bind/% cli/%,$*),$(LUA_CFLAGS)) -D_POSIX_C_SOURCE=200809L -c $< -o $@
+	$(COMPILE) $(if $(filter bind/% cli/%,$*),$(LUA_CFLAGS)) \
+	  $(if $(filter cli/%,$*),$(READLINE_FLAGS) -DDM_VERSION='"$(VERSION)"') -c $< -o $@
+
 $(B)/libdm.a: $(call objects,$(KERNEL))
-	rm -f $@; ar rcs $@ $^
+	@rm -f $@
+	ar rcs $@ $^
+# the interpreter looks for ../lua beside its own folder
 $(B)/dmlua: $(call objects,$(CLI) $(BIND)) $(B)/libdm.a
-	$(CC) $(CFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) -lreadline -lm
-$(B)/tests/%: tests/c/%.c $(B)/libdm.a
+	@[ -e $(B)/../lua/dm ] || ln -sfn $(CURDIR)/lua $(B)/../lua
+	$(CC) $(CFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),-lreadline) -lm
+# for a stock lua5.4, which brings the lua_ functions itself
+$(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)
-	$(CC) $(WARN) $(CFLAGS) $(FLOAT) -Isrc -Itests/c $< $(B)/libdm.a $(GSL_LIBS) -lm -o $@
--include $(shell find $(B) -name '*.d' 2>/dev/null)
+	$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(GSL_LIBS) -lm
+
+# tests/c/test_*.c know only libdm.a; the other programs there drive an interpreter
+C_TESTS = $(patsubst tests/c/%.c,$(B)/tests/%,$(sort $(wildcard tests/c/test_*.c)))
+DRIVERS = $(patsubst tests/c/%.c,$(B)/tests/%,$(sort $(filter-out tests/c/test_%,$(wildcard tests/c/*.c))))
+LUA_TESTS = $(sort $(wildcard tests/lua/test_*.lua))
+HOUSE_TESTS = $(sort $(wildcard tests/house/*.lua))
+$(B)/tests/test_%: tests/c/test_%.c $(B)/libdm.a
+	@mkdir -p $(@D)
+	$(COMPILE) -Itests/c $< $(B)/libdm.a $(GSL_LIBS) -lm -o $@
+$(DRIVERS): $(B)/tests/%: tests/c/%.c $(call objects,$(BIND)) $(B)/libdm.a
+	@mkdir -p $(@D)
+	$(COMPILE) -Itests/c $(LUA_CFLAGS) $< $(call objects,$(BIND)) $(B)/libdm.a $(LUA_LIBS) $(GSL_LIBS) -lm -o $@
+
+programs: all $(C_TESTS) $(DRIVERS)
+TEST_FILES = $(C_TESTS) $(LUA_TESTS) $(HOUSE_TESTS) $(EXAMPLES)
+test: programs
+	@.ci/setup --install pictures test
+	@tests/run $(TEST_FILES)
+house: all
+	@tests/run $(HOUSE_TESTS)
+
+demo: all
+	@.ci/setup --install pictures
+	@tests/demo $(EXAMPLES)
+
+SAN = -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+san:
+	+@$(MAKE) --no-print-directory B=$(B)/san CFLAGS="$(SAN)" sanitized
+sanitized: programs
+	@UNDER=san tests/run $(C_TESTS) $(LUA_TESTS) $(EXAMPLES)
+valgrind: programs
+	@.ci/setup --install valgrind test
+	@UNDER=valgrind tests/run $(C_TESTS) $(LUA_TESTS)
+bench: programs
+	@for file in tests/bench/*.lua; do $(B)/dmlua $$file || exit 1; done
+
+format:
+	clang-format -i $(sort $(wildcard src/*/*.[ch] tests/*/*.[ch]))
+lint: $(B)/config.mk
+	@.ci/lint $(C_SOURCES) -- $(LUA_CFLAGS)
+
+docs: all
+	$(B)/dmlua docs/make.lua docs
+
+SHARE = $(DESTDIR)$(PREFIX)/share
+install: all
+	@install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm $(SHARE)/dmlua/lua/dm \
+	  $(SHARE)/dmlua/examples $(SHARE)/lua/5.4 $(SHARE)/man/man1 \
+	  $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions
+	install -m 755 $(B)/dmlua $(DESTDIR)$(PREFIX)/bin/dmlua
+	install -m 755 $(B)/dm/core.so $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm/core.so
+	install -m 644 $(LUA_FILES) $(SHARE)/dmlua/lua/dm
+	install -m 644 $(EXAMPLES) $(SHARE)/dmlua/examples
+	@ln -sfn ../../dmlua/lua/dm $(SHARE)/lua/5.4/dm
+	install -m 644 docs/dmlua.1 $(SHARE)/man/man1/dmlua.1
+	install -m 644 docs/completion/dmlua.bash $(SHARE)/bash-completion/completions/dmlua
+	install -m 644 docs/completion/_dmlua $(SHARE)/zsh/site-functions/_dmlua
+uninstall:
+	rm -rf $(SHARE)/dmlua $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
+	rm -f $(DESTDIR)$(PREFIX)/bin/dmlua $(SHARE)/lua/5.4/dm $(SHARE)/man/man1/dmlua.1 \
+	  $(SHARE)/bash-completion/completions/dmlua $(SHARE)/zsh/site-functions/_dmlua
+
+clean:
+	rm -rf $(B)
+
+help:
+	@echo "make            build $(B)/dmlua and $(B)/dm/core.so (for stock lua5.4)"
+	@echo "make setup      install what is missing (Debian and its kin; elsewhere: say what)"
+	@echo "make demo       set up, build, run examples/ and leave their pictures in $(B)/pictures"
+	@echo "make test       set up, build, run every test; the last line counts them"
+	@echo "make san        the tests under the address and undefined-behaviour sanitizers"
+	@echo "make valgrind   the tests under valgrind"
+	@echo "make house      only the checks of structure: floors, symbols, docs, sizes"
+	@echo "make bench      measured times"
+	@echo "make docs       write docs/reference.md, the man page and the completions again"
+	@echo "make format, make lint"
+	@echo "make install, make uninstall   PREFIX=$(PREFIX) DESTDIR="
+	@echo "make clean"
+	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder"
+
+.PHONY: all setup programs test house demo san sanitized valgrind bench format lint docs \
+  install uninstall clean help always
+-include $(shell find $(B) -name '*.d' -not -path '$(B)/san/*' 2>/dev/null)
