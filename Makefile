@@ -35,6 +35,9 @@ $(B)/config.mk: .ci/setup
 setup: $(B)/config.mk
 	@.ci/setup --install pictures test
 
+# one short line a file; V=1 shows the commands
+say = $(if $(V),,@printf '  %-4s %s\n' $(1) $(2);)
+
 # objects are made again when the compiler or its flags change
 COMPILE = $(CC) $(WARN) $(CFLAGS) $(FLOAT) -fPIC -MMD -MP -Isrc -D_POSIX_C_SOURCE=200809L
 READLINE_FLAGS = $(if $(filter yes,$(READLINE)),-DDM_READLINE,-UDM_READLINE)
@@ -44,38 +47,39 @@ $(B)/flags: always
 	@echo '$(SAME)' | cmp -s - $@ || echo '$(SAME)' >$@
 $(B)/%.o: src/%.c $(B)/flags
 	@mkdir -p $(@D)
-	$(COMPILE) $(if $(filter bind/% cli/%,$*),$(LUA_CFLAGS)) \
+	$(call say,cc,$<)$(COMPILE) $(if $(filter bind/% cli/%,$*),$(LUA_CFLAGS)) \
 	  $(if $(filter cli/%,$*),$(READLINE_FLAGS) -DDM_VERSION='"$(VERSION)"') -c $< -o $@
 
 $(B)/libdm.a: $(call objects,$(KERNEL))
 	@rm -f $@
-	ar rcs $@ $^
-# the interpreter looks for ../lua beside its own folder
+	$(call say,ar,$@)ar rcs $@ $^
+# the interpreter looks for ../lua and ../../lua beside its own folder
 $(B)/dmlua: $(call objects,$(CLI) $(BIND)) $(B)/libdm.a
-	@[ -e $(B)/../lua/dm ] || ln -sfn $(CURDIR)/lua $(B)/../lua
-	$(CC) $(CFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),-lreadline) -lm
+	@[ -e $(B)/../lua/dm ] || [ -e $(B)/../../lua/dm ] || ln -sfn $(CURDIR)/lua $(B)/../lua
+	$(call say,link,$@)$(CC) $(CFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),-lreadline) -lm
 # for a stock lua5.4, which brings the lua_ functions itself
 $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(GSL_LIBS) -lm
+	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(GSL_LIBS) -lm
 
 # tests/c/test_*.c know only libdm.a; the other programs there drive an interpreter
 C_TESTS = $(patsubst tests/c/%.c,$(B)/tests/%,$(sort $(wildcard tests/c/test_*.c)))
 DRIVERS = $(patsubst tests/c/%.c,$(B)/tests/%,$(sort $(filter-out tests/c/test_%,$(wildcard tests/c/*.c))))
+STATE_TESTS = $(addprefix $(B)/tests/,refuse interrupt)
 LUA_TESTS = $(sort $(wildcard tests/lua/test_*.lua))
-HOUSE_TESTS = $(sort $(wildcard tests/house/*.lua))
+HOUSE_TESTS = $(sort $(wildcard tests/house/test_*.lua))
 $(B)/tests/test_%: tests/c/test_%.c $(B)/libdm.a
 	@mkdir -p $(@D)
-	$(COMPILE) -Itests/c $< $(B)/libdm.a $(GSL_LIBS) -lm -o $@
+	$(call say,cc,$<)$(COMPILE) -Itests/c $< $(B)/libdm.a $(GSL_LIBS) -lm -o $@
 $(DRIVERS): $(B)/tests/%: tests/c/%.c $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)
-	$(COMPILE) -Itests/c $(LUA_CFLAGS) $< $(call objects,$(BIND)) $(B)/libdm.a $(LUA_LIBS) $(GSL_LIBS) -lm -o $@
+	$(call say,cc,$<)$(COMPILE) -Itests/c $(LUA_CFLAGS) $< $(call objects,$(BIND)) $(B)/libdm.a $(LUA_LIBS) $(GSL_LIBS) -lm -o $@
 
 programs: all $(C_TESTS) $(DRIVERS)
-TEST_FILES = $(C_TESTS) $(LUA_TESTS) $(HOUSE_TESTS) $(EXAMPLES)
+TEST_FILES = $(STATE_TESTS) $(C_TESTS) $(LUA_TESTS) $(EXAMPLES)
 test: programs
 	@.ci/setup --install pictures test
-	@tests/run $(TEST_FILES)
+	@tests/run $(TEST_FILES) $(HOUSE_TESTS)
 house: all
 	@tests/run $(HOUSE_TESTS)
 
@@ -87,7 +91,7 @@ SAN = -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-
 san:
 	+@$(MAKE) --no-print-directory B=$(B)/san CFLAGS="$(SAN)" sanitized
 sanitized: programs
-	@UNDER=san tests/run $(C_TESTS) $(LUA_TESTS) $(EXAMPLES)
+	@UNDER=san tests/run $(TEST_FILES)
 valgrind: programs
 	@.ci/setup --install valgrind test
 	@UNDER=valgrind tests/run $(C_TESTS) $(LUA_TESTS)
@@ -100,7 +104,7 @@ lint: $(B)/config.mk
 	@.ci/lint $(C_SOURCES) -- $(LUA_CFLAGS)
 
 docs: all
-	$(B)/dmlua docs/make.lua docs
+	$(B)/dmlua -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.reference".text(dm))'
 
 SHARE = $(DESTDIR)$(PREFIX)/share
 install: all
@@ -136,7 +140,7 @@ help:
 	@echo "make format, make lint"
 	@echo "make install, make uninstall   PREFIX=$(PREFIX) DESTDIR="
 	@echo "make clean"
-	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder"
+	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
 
 .PHONY: all setup programs test house demo san sanitized valgrind bench format lint docs \
   install uninstall clean help always

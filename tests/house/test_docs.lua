@@ -1,0 +1,36 @@
+-- Every public function and method answers help(), with its signature first; the pages that are made
+-- from the same texts are the ones that are kept.
+package.path = "tests/house/?.lua;" .. package.path
+local house = require "house"
+local core = require "dm.core"
+local dm = require "dm"
+local reference = require "dm.reference"
+
+-- asking for a field loads the module that it comes from
+local names = setmetatable({}, { __index = table })
+for name in pairs(reference.functions(dm)) do names:insert(name) end
+local classes = reference.classes()
+
+local silent, unsigned, short, n = {}, {}, {}, 0
+local function look(name, doc)
+  n = n + 1
+  local last = name:match "[^.:]+$"
+  if type(doc) ~= "string" then silent[#silent + 1] = name; return end
+  if not doc:match("^[^\n]*"):find(last, 1, true) then unsigned[#unsigned + 1] = name .. ": " .. doc:match "^[^\n]*" end
+  if not doc:find "\n%s*%S" then short[#short + 1] = name end
+end
+for name, f in pairs(reference.functions(dm)) do look(name, core.docs[f]) end
+for class, methods in pairs(classes) do
+  look(class, core.docs[class])
+  for name, f in pairs(methods) do look(class .. ":" .. name, core.docs[f]) end
+end
+house.check("there are functions and methods to look at", n > 80 and {} or { n .. " found" })
+house.check("each has a doc", silent)
+house.check("the first line of a doc is the signature", unsigned)
+house.check("a doc says more than the signature", short)
+
+local page = io.open "docs/reference.md"
+local kept = page and page:read "a"
+house.check("docs/reference.md is what `make docs` writes",
+  kept == reference.text(dm) and {} or { "run `make docs` and look at the change" })
+house.finish()

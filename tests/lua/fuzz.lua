@@ -1,0 +1,182 @@
+--[[ dmlua tests/lua/fuzz.lua SECONDS [SEED] - random arguments to every function, method and operator.
+Whatever is given, a call must return or raise an error with a message: it must not crash, hang or
+leave a message that says nothing. Prints the number of calls; under sanitizers it also finds what
+only they see. Files are written to the current folder: tests/lua/test_fuzz.lua makes an empty one.
+The call that is under way is in the file "last-call", so that a crash names it.]]
+local dm, core = require "dm", require "dm.core"
+local reference = require "dm.reference"
+
+local seconds, seed = tonumber(arg[1]) or 10, math.tointeger(arg[2]) or 1
+math.randomseed(seed)
+local random = math.random
+local function pick(list) return list[random(#list)] end
+
+---- what is called
+
+local calls = {} -- { name, function, class of self or nil }
+-- left out: what ends the process, waits for the keyboard or takes minutes by design
+local skip = { ["dm.core"] = true, ["dm.time"] = true }
+for name, f in pairs(reference.functions(dm)) do
+  if not skip[name] then calls[#calls + 1] = { name, f } end
+end
+for class, methods in pairs(reference.classes()) do
+  for name, f in pairs(methods) do calls[#calls + 1] = { class .. ":" .. name, f, class } end
+  local meta = debug.getregistry()[class]
+  for name, f in pairs(meta) do
+    -- collecting twice by hand is a broken promise of the script that has debug.getregistry
+    if type(f) == "function" and name ~= "__gc" and name ~= "__close" then
+      calls[#calls + 1] = { class .. "." .. name, f, class }
+    end
+  end
+end
+for _, name in ipairs { "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "sqrt", "abs", "max", "min",
+  "floor", "ceil", "fmod", "tointeger", "modf" } do
+  calls[#calls + 1] = { "math." .. name, math[name] }
+end
+table.sort(calls, function(a, b) return a[1] < b[1] end) -- one order for one seed
+
+---- what they are called with
+
+local stale -- a symbol that outlived its trace
+pcall(function() dm.derivative(function(x) stale = x[1]; return x[1] end, 1) { 1 } end)
+local stale_vector
+pcall(function() dm.derivative(function(x) stale_vector = x; return x[1] end, 2) { 1, 2 } end)
+
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local swing = dm.system { Q = dm.T(1), L = function(q, v) return v:dot(v) / 2 + math.cos(q[1]) end }
+local mine = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 * (2 + q[1] ^ 2) - q[1] ^ 4 end }
+local solver = kepler:solver { rule = "verlet", h = 0.01 }
+local path = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 20 }
+local _, failure = pcall(solver.run, solver, { q = { 0, 0 }, v = { 0, 0 }, steps = 5 })
+
+local function raises() error "raised on purpose" end
+local function raises_table() error {} end
+local deep = {}
+for _ = 1, 200 do deep = { deep } end
+local cyclic = {}
+cyclic[1], cyclic.q, cyclic.x = cyclic, cyclic, cyclic
+local hostile = setmetatable({}, { __index = raises, __len = raises, __tostring = raises, __call = raises })
+
+local numbers = { 0, 1, 2, 3, -1, 0.5, 1e-3, -0.0, 1e300, -1e300, 5e-324, 0 / 0, 1 / 0, -1 / 0, 7, 100,
+  math.maxinteger, math.mininteger, 2 ^ 31, 2 ^ 32, 2 ^ 53, 2 ^ 63, 1.5 }
+local strings = { "", "q1", "t", "energy", "verlet", "gauss(2)", "gauss(", "gauss(-1)", "lobatto(3)", "gauss(9999)",
+  "midpoint", "\0", "%s%n", ("x"):rep(1000), "dm.path", "no/such/folder/f.csv", "f.csv", "f.npy", "\xff\xfe", "nan" }
+local functions = { raises, raises_table, function() end, function(q) return q end,
+  function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 end, function(q) return q[1] * q[1] end,
+  function() return 0 / 0 end, function() return stale end, function() return {} end, function() return "x" end,
+  function(...) return select("#", ...) end, math.sin, coroutine.yield, coroutine.wrap(function() coroutine.yield() end),
+  function(q) return dm.derivative(function(x) return x[1] * q[1] end, 1) { 1 }[1] end,
+  function(q) local function f(n) return f(n + 1) + 1 end return f(1) end }
+local pool = {}
+local function add(...)
+  for i = 1, select("#", ...) do pool[#pool + 1] = (select(i, ...)) end
+end
+add(kepler, swing, mine, solver, path, failure, stale, stale_vector, dm.R(2), dm.T(1), dm.SO(3), dm.SO(2),
+  dm.vector { 1, 2, 3 }, dm.vector { 1, 0 }, dm.matrix { { 1, 2 }, { 3, 4 } }, dm.matrix { { 1, 2 }, { 2, 4 } },
+  dm.matrix { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, io.stdout, coroutine.create(raises),
+  dm.trace(function(x) return x[1] * x[2] end, 2))
+
+local value
+local keys = { "q", "v", "p", "q0", "q1", "p0", "p1", "h", "t", "rule", "steps", "every", "Q", "L", "Ld", "params", "newton",
+  "tolerance", "derivatives", "name", "units", "coordinates", "file", "title", "log", "degree", "quadrature", "x", "y",
+  "width", "height", 1, 2, 3 }
+-- values that fit a key, so that calls get past the first check
+local fitting = {
+  Q = { dm.R(2), dm.R(1), dm.T(1), dm.SO(3) }, L = functions, Ld = functions, h = { 0.01, 0.1, 1e-300, 1e300, -0.1 },
+  rule = { "verlet", "midpoint", "trapezoid", "gauss(2)", "gauss(3)", "lobatto(3)", "rk4", "rkf45", "rk8pd" },
+  q = { { 1, 0 }, { 1 }, { 0, 0 }, dm.vector { 1, 0 }, { 1, 0 / 0 } }, v = { { 0, 1 }, { 1 }, { 0, 0 } },
+  p = { { 0, 1 }, { 1 } }, q0 = { { 1, 0 }, { 1 } }, q1 = { { 1, 0.01 }, { 1 } }, file = { "f.csv", "f.npy", "no/such/f" },
+  steps = { 0, 1, 10, 100, 1.5, -1, 2 ^ 62 // 1 | 0, "10" }, every = { 1, 3, 0, -1, 1000 },
+}
+local function options(depth)
+  local t = {}
+  for _ = 1, random(0, 5) do
+    local key = pick(keys)
+    if key == "steps" or (fitting[key] and random() < 0.8) then t[key] = pick(fitting[key] or numbers)
+    else t[key] = value(depth + 1) end
+  end
+  return t
+end
+-- a call that is nearly right: what a run or a system needs, with one field wrong
+local function nearly(depth)
+  local t = pick { { Q = dm.R(2), L = functions[5] }, { rule = pick(fitting.rule), h = 0.01 },
+    { q = { 1, 0 }, v = { 0, 1 }, steps = 10 }, { q = { 1 }, v = { 0.1 }, steps = 10, every = 2 } }
+  local key = pick(keys)
+  if key ~= "steps" then t[key] = value(depth + 1) end
+  return t
+end
+local function list(depth)
+  local t = {}
+  for i = 1, random(0, 4) do t[i] = value(depth + 1) end
+  return t
+end
+local makers = {
+  function() return nil end,
+  function() return pick(numbers) end,
+  function() return random() * 4 - 2 end,
+  function() return random(-2, 6) end,
+  function() return pick(strings) end,
+  function() return random() < 0.5 end,
+  function() return pick(functions) end,
+  function() return pick(pool) end,
+  function() return pick(pool) end,
+  function() return { random(), random() } end,
+  function() return dm.vector { random(), pick(numbers) } end,
+  function() return pick { deep, cyclic, hostile } end,
+  list, options, options, nearly, nearly,
+}
+function value(depth)
+  if depth > 3 then return pick(numbers) end
+  return pick(makers)(depth)
+end
+
+---- calling
+
+local function of_class(class)
+  local some = {}
+  for _, x in pairs(pool) do
+    if (getmetatable(x) or {}).__name == class then some[#some + 1] = x end
+  end
+  return #some > 0 and pick(some) or value(1)
+end
+local log = assert(io.open("last-call", "w"))
+local function note(text)
+  log:seek "set"
+  log:write(text, (" "):rep(60), "\n")
+  log:flush()
+end
+local empty = {} -- functions that raised a message without words
+local function once(i)
+  local call, arguments = pick(calls), {}
+  local n = random(0, 4)
+  for k = 1, n do arguments[k] = value(0) end
+  if call[3] and random() < 0.9 then
+    n = math.max(n, 1)
+    arguments[1] = of_class(call[3])
+  end
+  note(("seed %d call %d: %s with %d arguments"):format(seed, i, call[1], n))
+  local f = call[2]
+  local fine, result = pcall(random() < 0.95 and f or coroutine.wrap(f), table.unpack(arguments, 1, n))
+  if not fine and type(result) == "string" and not result:find "%a%a%a" then empty[call[1]] = result end
+  -- results live on as arguments
+  if fine and type(result) == "userdata" and random() < 0.2 then pool[math.min(#pool + 1, random(20, 60))] = result end
+  if fine then pcall(tostring, result) end
+  return fine
+end
+
+local real_print, real_write = print, io.write
+print, io.write = function() end, function() end -- luacheck: ignore
+io.stdout:setvbuf "no"
+local start, n, returned = os.time(), 0, 0
+while os.difftime(os.time(), start) < seconds do
+  for _ = 1, 50 do
+    n = n + 1
+    if once(n) then returned = returned + 1 end
+  end
+end
+log:close()
+print, io.write = real_print, real_write -- luacheck: ignore
+for name, message in pairs(empty) do print(("# %s raised %q"):format(name, message)) end
+print(("%d calls of %d functions, methods and operators: %d returned, the others raised an error")
+  :format(n, #calls, returned))
+os.exit(next(empty) == nil, true)

@@ -1,0 +1,18 @@
+-- One of everything, for tests/c/refuse.c: no error is caught, so that a refused request is seen.
+local dm = require "dm"
+
+local a, M = dm.vector { 1, 2, 3 }, dm.matrix { { 2, 1 }, { 1, 3 } }
+assert((a + 2 * a):dot(a) == 42 and #tostring(a:cross { 0, 0, 1 }) > 0)
+assert(#tostring(M * M:inverse()) > 0 and M:solve { 1, 2 })
+
+local gradient = dm.derivative(function(x) return math.sin(x[1]) * x[2] ^ 2 end, 2)
+assert(gradient { 0, 3 }[1] == 9)
+
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+assert(#tostring(kepler) > 0)
+local path = kepler:solver { rule = "verlet", h = 0.01 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 50, every = 5 }
+assert(#tostring(path) > 0 and #path:energy() == 11 and #path:csv() > 100)
+path:momentum(dm.SO(2))
+
+local swing = dm.system { Q = dm.T(1), L = function(q, v) return v:dot(v) / 2 * (2 + math.cos(q[1])) end }
+swing:solver { rule = "gauss(2)", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 20 }
