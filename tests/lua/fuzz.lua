@@ -83,7 +83,7 @@ local keys = { "q", "v", "p", "q0", "q1", "p0", "p1", "h", "t", "rule", "steps",
 -- values that fit a key, so that calls get past the first check
 local fitting = {
   Q = { dm.R(2), dm.R(1), dm.T(1), dm.SO(3) }, L = functions, Ld = functions, h = { 0.01, 0.1, 1e-300, 1e300, -0.1 },
-  rule = { "verlet", "midpoint", "trapezoid", "gauss(2)", "gauss(3)", "lobatto(3)", "rk4", "rkf45", "rk8pd" },
+  rule = { "verlet", "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "lobatto(3)", "rk4", "rkf45", "rk8pd" },
   q = { { 1, 0 }, { 1 }, { 0, 0 }, dm.vector { 1, 0 }, { 1, 0 / 0 } }, v = { { 0, 1 }, { 1 }, { 0, 0 } },
   p = { { 0, 1 }, { 1 } }, q0 = { { 1, 0 }, { 1 } }, q1 = { { 1, 0.01 }, { 1 } }, file = { "f.csv", "f.npy", "no/such/f" },
   steps = { 0, 1, 10, 100, 1.5, -1, 2 ^ 62 // 1 | 0, "10" }, every = { 1, 3, 0, -1, 1000 },

@@ -1,0 +1,49 @@
+-- make bench: what it costs to build the kernels of a model and to take a step, rule by rule.
+local dm = require "dm"
+
+local G = 9.81
+local J2 = 0.05
+local models = {
+  { name = "Kepler", q = { 0.4, 0 }, v = { 0, 2 }, h = 0.01,
+    system = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end } },
+  { name = "J2 satellite", q = { 1, 0, 0 }, v = { 0, 0.96, 0.28 }, h = 0.02,
+    system = dm.system { Q = dm.R(3), L = function(q, v)
+      local r = q:norm()
+      return v:dot(v) / 2 + 1 / r - J2 / r ^ 3 * (1.5 * q[3] ^ 2 / r ^ 2 - 0.5)
+    end } },
+  -- polar angles from the downward vertical, then azimuths; unit masses and rods
+  { name = "double spherical pendulum", q = { 0.8, 0.4, 0.1, 0 }, v = { 0.1, 0.2, 1, 0.5 }, h = 0.01,
+    system = dm.system { Q = dm.R(4), L = function(q, v)
+      local function rod(theta, phi, dtheta, dphi)
+        local s, c = math.sin(theta), math.cos(theta)
+        return dm.vector { c * math.cos(phi) * dtheta - s * math.sin(phi) * dphi,
+          c * math.sin(phi) * dtheta + s * math.cos(phi) * dphi, s * dtheta }
+      end
+      local a = rod(q[1], q[3], v[1], v[3])
+      local b = a + rod(q[2], q[4], v[2], v[4])
+      return (a:dot(a) + b:dot(b)) / 2 + G * (2 * math.cos(q[1]) + math.cos(q[2]))
+    end } },
+}
+
+-- best of three runs, of about a tenth of a second each
+local function measure(model, rule)
+  local solver = model.system:solver { rule = rule, h = model.h }
+  local best, steps = math.huge, 1000
+  for _ = 1, 3 do
+    local start = os.clock()
+    solver:run { q = model.q, v = model.v, steps = steps, every = steps }
+    local seconds = os.clock() - start
+    best = math.min(best, seconds / steps)
+    steps = math.max(1000, math.floor(0.1 / best))
+  end
+  return best * 1e9, solver:report()
+end
+
+print(("%-28s %-12s %10s %10s %8s"):format("model", "rule", "ns/step", "build ms", "Newton"))
+for _, model in ipairs(models) do
+  for _, rule in ipairs { "verlet", "midpoint", "gauss(2)", "gauss(4)", "lobatto(3)", "rk4", "rk8pd" } do
+    local ns, report = measure(model, rule)
+    print(("%-28s %-12s %10.1f %10.3f %8.2f"):format(model.name, rule, ns, report.compile_ms,
+      report.newton_per_step or 0))
+  end
+end
