@@ -1,0 +1,276 @@
+--- help, apropos, who: what the docs of the registration rows say, asked from a session.
+local core = require "dm.core"
+
+local M = {}
+
+local docs = core.docs
+
+local function first_line(doc) return doc:match("^[^\n]*") end
+
+local function write(...) print(table.concat({ ... })) end
+
+-- a long line of prose in lines of at most `width` characters
+local function wrapped(text, width, indent)
+  local lines, line = {}, nil
+  for word in text:gmatch "%S+" do
+    if line and #line + 1 + #word > width then
+      lines[#lines + 1], line = line, nil
+    end
+    line = line and line .. " " .. word or indent .. word
+  end
+  lines[#lines + 1] = line
+  return table.concat(lines, "\n")
+end
+
+-- the signature, then the rest wrapped to the terminal
+local function shown_doc(doc)
+  local width = math.min(core.terminal().width, 100)
+  local lines = {}
+  for line in (doc .. "\n"):gmatch "(.-)\n" do
+    lines[#lines + 1] = #lines == 0 and line or wrapped(line, width, "  ")
+  end
+  return table.concat(lines, "\n")
+end
+
+local function sorted(list)
+  table.sort(list)
+  return list
+end
+
+---- names of the standard library ----
+
+local SECTIONS = { string = "6.4", utf8 = "6.5", table = "6.6", math = "6.7", io = "6.8", os = "6.9",
+  debug = "6.10", coroutine = "6.2", package = "6.3", _G = "6.1" }
+local standard = {}
+for library, section in pairs(SECTIONS) do
+  for name, value in pairs(_G[library] or {}) do
+    local full = library == "_G" and name or library .. "." .. name
+    if type(value) == "function" and not docs[value] then standard[value] = { full, section } end
+  end
+end
+
+---- help on a value ----
+
+local function list_methods(class, methods)
+  local lines = {}
+  for name, f in pairs(methods) do
+    lines[#lines + 1] = "  " .. (docs[f] and first_line(docs[f]) or class .. ":" .. name)
+  end
+  if #lines > 0 then write("methods:\n", table.concat(sorted(lines), "\n")) end
+end
+
+local function help_class(class)
+  local methods = require "dm.complete".methods_of(class)
+  if not docs[class] and not methods then return false end
+  if docs[class] then write(shown_doc(docs[class])) end
+  if methods then list_methods(class, methods) end
+  return true
+end
+
+local function help_function(f)
+  if docs[f] then return write(shown_doc(docs[f])) end
+  if standard[f] then
+    return write(("%s: standard Lua, reference manual section %s"):format(table.unpack(standard[f])))
+  end
+  local info = debug.getinfo(f, "Su")
+  if info.what == "C" then return write "a C function without a doc" end
+  write(("a function of %d argument%s%s, defined at %s:%d"):format(info.nparams,
+    info.nparams == 1 and "" or "s", info.isvararg and " and more" or "", info.short_src, info.linedefined))
+end
+
+local function load_all(t)
+  local meta = getmetatable(t)
+  if type(meta) == "table" and meta.load_all then meta.load_all() end
+end
+
+-- what a table has, one line each; undocumented names together at the end
+local function help_table(t)
+  load_all(t)
+  local lines, rest = {}, {}
+  for name, value in pairs(t) do
+    local doc = type(value) == "function" and docs[value]
+    if doc then
+      lines[#lines + 1] = "  " .. first_line(doc)
+    elseif type(name) == "string" then
+      rest[#rest + 1] = name
+    end
+  end
+  if #lines > 0 then write(table.concat(sorted(lines), "\n")) end
+  if #rest > 0 then write(wrapped("other fields: " .. table.concat(sorted(rest), ", "), 90, "  ")) end
+  if #lines + #rest == 0 then write(("a table of %d entries without names"):format(#t)) end
+end
+
+---- topics ----
+
+local function rows(title, list)
+  local lines, widest = { title }, 0
+  for _, row in ipairs(list) do widest = math.max(widest, #row.name + #row.argument + 1) end
+  for _, row in ipairs(list) do
+    local name = row.name .. (row.argument ~= "" and " " .. row.argument or "")
+    lines[#lines + 1] = ("  %-" .. math.min(widest, 24) .. "s  %s"):format(name, row.what)
+  end
+  write(table.concat(lines, "\n"))
+end
+
+-- the rows of the command line; nothing under a stock lua5.4
+local function manual()
+  local found, module = pcall(require, "dm.manual")
+  return found and module or nil
+end
+
+local topics = {}
+
+function topics.keys() rows("in a session:", manual() and manual().keys or {}) end
+
+function topics.options()
+  local m = manual()
+  if not m then return write "dmlua's options: see dmlua --help" end
+  rows("usage: dmlua [options] [script [args]]", m.options)
+  rows("environment:", m.variables)
+  rows("files:", m.files)
+end
+
+function topics.rules()
+  local list = core.rules and core.rules() or {}
+  local lines = {}
+  for _, rule in ipairs(list) do
+    lines[#lines + 1] = ("  %-18s %s"):format(rule.signature or rule.name, first_line(rule.doc or ""))
+  end
+  write("rules of dm.solver{ rule = }:\n", table.concat(lines, "\n"))
+end
+
+function topics.classes()
+  local lines = {}
+  for class, doc in pairs(docs) do
+    if type(class) == "string" then lines[#lines + 1] = "  " .. first_line(doc) end
+  end
+  write("classes:\n", table.concat(sorted(lines), "\n"))
+end
+
+function topics.topics()
+  write [[
+?x or help(x)      on a function, value, class or name: ?dm.solver, ?path.drift, ?dm.path
+help(dm)           everything that dm has
+?classes ?rules    the kinds of values; the rules of solvers
+?keys ?options     keys and commands of a session; the command line
+apropos "word"     every doc that mentions the word
+who()              the globals of this session]]
+end
+
+---- apropos ----
+
+-- name -> doc of everything documented
+local function all_docs()
+  load_all(require "dm")
+  local found = {}
+  for key, doc in pairs(docs) do
+    if type(key) == "string" then
+      found[first_line(doc)] = doc
+    elseif type(doc) == "string" then
+      found[first_line(doc)] = doc
+    end
+  end
+  return found
+end
+
+local doc_apropos = [[
+apropos(word)
+List every documented name whose doc mentions the word, capitals or not.]]
+
+function M.apropos(word)
+  if type(word) ~= "string" or word == "" then
+    error(("apropos: a word is needed, apropos \"energy\" (got %s)"):format(type(word)), 2)
+  end
+  local lines = {}
+  for line, doc in pairs(all_docs()) do
+    if doc:lower():find(word:lower(), 1, true) then lines[#lines + 1] = line end
+  end
+  if #lines == 0 then return write(("nothing mentions %q; ?topics lists where to look"):format(word)) end
+  write(table.concat(sorted(lines), "\n"))
+end
+
+---- help ----
+
+local function help_name(name)
+  if topics[name] then return topics[name]() end
+  if help_class(name) then return end
+  local object = require "dm.complete".look_up(name) or require "dm.complete".look_up("dm." .. name)
+  if object and object.class then return help_class(object.class) end
+  if object and object.value ~= nil and type(object.value) ~= "string" then return M.help(object.value) end
+  for _, rule in ipairs(core.rules and core.rules() or {}) do
+    if rule.name == name then return write(rule.signature or name, "\n", shown_doc(rule.doc or "")) end
+  end
+  M.apropos(name)
+end
+
+local doc_help = [[
+help(x)
+What x is: the doc of a function, the class and methods of a value, the content of a table; for a string
+a topic ("keys", "options", "rules", "classes"), a class ("dm.path"), a name ("solver.run") or a rule.]]
+
+function M.help(...)
+  if select("#", ...) == 0 then return topics.topics() end
+  local x = ...
+  local kind, class = type(x), require "dm.complete".class_of(x)
+  if kind == "string" then return help_name(x) end
+  if kind == "function" then return help_function(x) end
+  if (kind == "userdata" or kind == "table") and class and help_class(class) then return end
+  if kind == "table" then return help_table(x) end
+  if kind == "userdata" then return write(tostring(x)) end
+  write(("%s: a %s of Lua"):format(tostring(x), math.type(x) or kind))
+end
+
+--- ?text of a session.
+function M.ask(text)
+  text = text:match "^%s*(.-)[%s;]*$"
+  if text == "" then return topics.topics() end
+  help_name(text:match "^[\"'](.*)[\"']$" or text)
+end
+
+---- who ----
+
+local at_start = {}
+
+local function described(value)
+  local kind = type(value)
+  if kind == "table" and not (getmetatable(value) or {}).__tostring then
+    local n = 0
+    for _ in next, value do n = n + 1 end
+    return ("table of %d"):format(n)
+  end
+  if kind == "function" then
+    local info = debug.getinfo(value, "S")
+    return ("function at %s:%d"):format(info.short_src, info.linedefined)
+  end
+  local text = first_line(tostring(value))
+  return #text > 70 and text:sub(1, 67) .. "..." or text
+end
+
+local doc_who = [[
+who()
+The globals that were made in this session, with what they are.]]
+
+function M.who()
+  local names, widest = {}, 0
+  for name, value in next, _G do
+    if type(name) == "string" and at_start[name] ~= value then names[#names + 1] = name end
+  end
+  for _, name in ipairs(sorted(names)) do widest = math.max(widest, #name) end
+  for _, name in ipairs(names) do
+    write(("%-" .. math.min(widest, 30) .. "s  %s"):format(name, described(_G[name])))
+  end
+  if #names == 0 then write "no globals yet" end
+end
+
+docs[M.help], docs[M.apropos], docs[M.who] = doc_help, doc_apropos, doc_who
+
+--- The globals of a session; names that are taken stay. who() tells of what comes later.
+function M.open()
+  for _, name in ipairs { "help", "apropos", "who" } do
+    if rawget(_G, name) == nil then rawset(_G, name, M[name]) end
+  end
+  for name, value in next, _G do at_start[name] = value end
+  at_start.out, at_start._ = rawget(_G, "out"), nil
+end
+
+return M

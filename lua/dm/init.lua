@@ -1,0 +1,43 @@
+--- require "dm": the C core, and the Lua modules, each loaded when first used.
+local core = require "dm.core"
+
+-- name in dm -> module whose field of that name it is
+local lazy = {
+  plot = "dm.plot",
+  figure = "dm.plot",
+  load = "dm.load",
+  time = "dm.time",
+  help = "dm.help",
+  apropos = "dm.help",
+  who = "dm.help",
+  pretty = "dm.pretty",
+}
+
+-- modules that add methods to classes of the core
+local extensions = { "dm.path", "dm.export" }
+
+local dm = {}
+for name, value in pairs(core) do dm[name] = value end
+
+local M = { __name = "dm", lazy = lazy }
+
+function M.__index(t, name)
+  local module = lazy[name]
+  if not module then return nil end
+  local value = require(module)[name]
+  rawset(t, name, value)
+  return value
+end
+
+function M.__tostring() return "dm: discrete mechanics; help(dm) lists what it has" end
+
+-- every name of dm, loaded, so that help and completion see it
+function M.load_all()
+  for name in pairs(lazy) do local _ = dm[name] end
+  return dm
+end
+
+setmetatable(dm, M)
+for _, module in ipairs(extensions) do require(module) end
+
+return dm

@@ -1,0 +1,128 @@
+/* call.c - protected calls, Ctrl-C, messages. */
+#include "cli/call.h"
+
+#include "bind/terminal.h"
+
+#include <signal.h>
+#include <stdio.h>
+
+const char *dml_program = "dmlua";
+
+static lua_State *called; /* for the signal handler */
+
+/* ---- Ctrl-C ---- */
+
+/*
+** Runs before the next instruction after Ctrl-C. A C loop that polls dml_stop answers itself, and
+** has answered when dml_stop is clear again.
+*/
+static void interrupt(lua_State *L, lua_Debug *ar) {
+    (void)ar;
+    if (dml_polled) return;
+    lua_sethook(L, NULL, 0, 0);
+    if (!dml_stop) return;
+    dml_stop = 0;
+    luaL_error(L, "interrupted!");
+}
+
+static void set_signal(void (*handler)(int)) {
+    struct sigaction action = {0};
+    action.sa_handler = handler;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+}
+
+/* a second Ctrl-C finds the default action, which kills */
+static void stop(int signal) {
+    (void)signal;
+    set_signal(SIG_DFL);
+    dml_stop = 1;
+    lua_sethook(called, interrupt,
+                LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT, 1);
+}
+
+static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int results) {
+    const int base = lua_gettop(L) - arguments;
+    lua_pushcfunction(L, handler);
+    lua_insert(L, base);
+    called = L;
+    dml_stop = 0;
+    dml_polled = 0;
+    set_signal(stop);
+    const int status = lua_pcall(L, arguments, results, base);
+    set_signal(SIG_DFL);
+    dml_stop = 0;
+    if (lua_gethook(L) == interrupt) lua_sethook(L, NULL, 0, 0);
+    lua_remove(L, base);
+    return status;
+}
+
+/* ---- messages ---- */
+
+static int add_traceback(lua_State *L) {
+    const char *text = lua_tostring(L, 1);
+    if (!text) {
+        if (luaL_callmeta(L, 1, "__tostring") && lua_type(L, -1) == LUA_TSTRING) return 1;
+        text = lua_pushfstring(L, "(error object is a %s value)", luaL_typename(L, 1));
+    }
+    luaL_traceback(L, L, text, 1);
+    return 1;
+}
+
+int dml_is_failure(lua_State *L, int index) {
+    if (!lua_istable(L, index) || !lua_getmetatable(L, index)) return 0;
+    luaL_getmetatable(L, "dm.failure");
+    const int same = lua_rawequal(L, -1, -2) && !lua_isnil(L, -1);
+    lua_pop(L, 2);
+    return same;
+}
+
+static int keep_failure(lua_State *L) {
+    return dml_is_failure(L, 1) ? 1 : add_traceback(L);
+}
+
+int dml_call(lua_State *L, int arguments, int results) {
+    return guarded_call(L, add_traceback, arguments, results);
+}
+
+int dml_call_keeping(lua_State *L, int arguments, int results) {
+    return guarded_call(L, keep_failure, arguments, results);
+}
+
+void dml_message(const char *program, const char *text) {
+    const int colour = !program && dml_terminal_colour(2);
+    fflush(stdout);
+    if (program) fprintf(stderr, "%s: ", program);
+    fprintf(stderr, colour ? "\x1b[31m%s\x1b[0m\n" : "%s\n", text);
+    fflush(stderr);
+}
+
+int dml_report(lua_State *L, int status) {
+    if (status == LUA_OK) return status;
+    const char *text = lua_tostring(L, -1);
+    dml_message(dml_program, text ? text : "(error object is not a string)");
+    lua_pop(L, 1);
+    return status;
+}
+
+/* ---- our own modules ---- */
+
+static int find_function(lua_State *L) {
+    const char *name = lua_tostring(L, 1), *field = lua_tostring(L, 2);
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_LOADED_TABLE);
+    if (lua_getfield(L, -1, name) != LUA_TTABLE) {
+        lua_getfield(L, LUA_REGISTRYINDEX, "dm_require");
+        lua_pushstring(L, name);
+        lua_call(L, 1, 1);
+    }
+    if (!lua_istable(L, -1)) luaL_error(L, "module '%s' is damaged", name);
+    lua_getfield(L, -1, field);
+    return 1;
+}
+
+int dml_push_function(lua_State *L, const char *name, const char *field) {
+    lua_pushcfunction(L, find_function);
+    lua_pushstring(L, name);
+    lua_pushstring(L, field);
+    return lua_pcall(L, 2, 1, 0);
+}

@@ -1,0 +1,27 @@
+/* call.h - protected calls with traceback and Ctrl-C, and reports of what went wrong. */
+#ifndef DML_CALL_H
+#define DML_CALL_H
+
+#include <lua.h>
+
+/* stands before messages; NULL in a session */
+extern const char *dml_program;
+
+/* Call the function below its `arguments`: a traceback is added to a message, Ctrl-C stops. */
+int dml_call(lua_State *L, int arguments, int results);
+
+/* The same, but a dm.failure stays what it is. */
+int dml_call_keeping(lua_State *L, int arguments, int results);
+
+/* Is the value at `index` a dm.failure? */
+int dml_is_failure(lua_State *L, int index);
+
+void dml_message(const char *program, const char *text);
+
+/* Print and pop the message of a status that is not LUA_OK; give the status back. */
+int dml_report(lua_State *L, int status);
+
+/* Push `field` of module `name` (require'd; both functions of the session itself). A status. */
+int dml_push_function(lua_State *L, const char *name, const char *field);
+
+#endif

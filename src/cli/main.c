@@ -1,0 +1,183 @@
+/* main.c - dmlua: a Lua 5.4 interpreter with dm, and with lua's command line. */
+#include "bind/terminal.h"
+#include "cli/call.h"
+#include "cli/home.h"
+#include "cli/options.h"
+#include "cli/repl.h"
+
+#include <lualib.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* arg[0] is the script, what stands before it has negative indices */
+static void make_arg(lua_State *L, char **argv, int argc, int script) {
+    if (script == argc) script = 0;
+    lua_createtable(L, argc - script - 1 > 0 ? argc - script - 1 : 0, script + 1);
+    for (int i = 0; i < argc; i++) {
+        lua_pushstring(L, argv[i]);
+        lua_rawseti(L, -2, i - script);
+    }
+    lua_setglobal(L, "arg");
+}
+
+/* ---- pieces to execute ---- */
+
+static int do_chunk(lua_State *L, int status) {
+    if (status == LUA_OK) status = dml_call(L, 0, 0);
+    return dml_report(L, status);
+}
+
+static int do_file(lua_State *L, const char *file) {
+    return do_chunk(L, luaL_loadfile(L, file));
+}
+
+static int do_string(lua_State *L, const char *text, const char *name) {
+    return do_chunk(L, luaL_loadbuffer(L, text, strlen(text), name));
+}
+
+/* -l mod, or -l g=mod */
+static int do_library(lua_State *L, const char *argument) {
+    const char *equals = strchr(argument, '=');
+    const char *module = equals ? equals + 1 : argument;
+    lua_pushlstring(L, argument, equals ? (size_t)(equals - argument) : strlen(argument));
+    lua_getglobal(L, "require");
+    lua_pushstring(L, module);
+    const int status = dml_call(L, 1, 1);
+    if (status == LUA_OK) {
+        lua_pushglobaltable(L);
+        lua_pushvalue(L, -3);
+        lua_pushvalue(L, -3);
+        lua_settable(L, -3);
+        lua_pop(L, 3);
+    }
+    return dml_report(L, status);
+}
+
+static int do_options(lua_State *L, char **argv, int n) {
+    for (int i = 1; i < n; i++) {
+        const char option = argv[i][1];
+        if (option == 'W') lua_warning(L, "@on", 0);
+        if (option != 'e' && option != 'l') continue;
+        const char *argument = argv[i][2] ? argv[i] + 2 : argv[++i];
+        const int status = option == 'e' ? do_string(L, argument, "=(command line)")
+                                         : do_library(L, argument);
+        if (status != LUA_OK) return 0;
+    }
+    return 1;
+}
+
+static int do_init(lua_State *L) {
+    const char *name = "="
+                       "LUA_INIT" LUA_VERSUFFIX;
+    const char *init = getenv(name + 1);
+    if (!init) init = getenv((name = "=LUA_INIT") + 1);
+    if (!init) return LUA_OK;
+    return init[0] == '@' ? do_file(L, init + 1) : do_string(L, init, name);
+}
+
+static int push_arguments(lua_State *L) {
+    if (lua_getglobal(L, "arg") != LUA_TTABLE) luaL_error(L, "'arg' is not a table");
+    const int n = (int)luaL_len(L, -1);
+    luaL_checkstack(L, n + 3, "too many arguments to script");
+    for (int i = 1; i <= n; i++) lua_rawgeti(L, -i, i);
+    lua_remove(L, -n - 1);
+    return n;
+}
+
+/* "-" is stdin, but after "--" a file of that name */
+static int do_script(lua_State *L, char **argv) {
+    const int is_stdin = strcmp(argv[0], "-") == 0 && strcmp(argv[-1], "--") != 0;
+    int status = luaL_loadfile(L, is_stdin ? NULL : argv[0]);
+    if (status == LUA_OK) status = dml_call(L, push_arguments(L), LUA_MULTRET);
+    return dml_report(L, status);
+}
+
+/* ---- the whole ---- */
+
+/* options that only print something; 1 when there was one */
+static int only_prints(const dml_command *c, char **argv) {
+    if (c->flags & DML_BAD_OPTION)
+        dml_command_wrong(dml_program, argv[c->script]);
+    else if (c->flags & DML_HELP)
+        dml_command_help(dml_program, 0);
+    else if (c->flags & DML_ONLY_VERSION)
+        dml_version_line();
+    else
+        return 0;
+    return 1;
+}
+
+static void open_libraries(lua_State *L, const dml_command *c) {
+    if (c->flags & DML_NO_ENVIRONMENT) {
+        lua_pushboolean(L, 1);
+        lua_setfield(L, LUA_REGISTRYINDEX, "LUA_NOENV");
+    }
+    luaL_openlibs(L);
+    if (dml_open_home(L) != LUA_OK) {
+        dml_message(dml_program, "dm is not available:");
+        dml_report(L, LUA_ERRRUN);
+    }
+}
+
+static int session_follows(const dml_command *c, int argc) {
+    if (c->flags & DML_INTERACTIVE) return 1;
+    const int nothing_given = !(c->flags & (DML_EXECUTE | DML_VERSION_LINE));
+    return c->script == argc && nothing_given && isatty(STDIN_FILENO);
+}
+
+/* what is to be executed, in lua's order; 0 after an error that decides the exit status */
+static int execute(lua_State *L, const dml_command *c, char **argv, int argc) {
+    const int session = session_follows(c, argc),
+              environment = !(c->flags & DML_NO_ENVIRONMENT);
+    if (environment && do_init(L) != LUA_OK) return 0;
+    if (session && environment && !(c->flags & DML_NO_STARTUP)) dml_startup(L);
+    if (!do_options(L, argv, c->script)) return 0;
+    if (c->script < argc && do_script(L, argv + c->script) != LUA_OK) return 0;
+    if (session) {
+        if (!(c->flags & (DML_VERSION_LINE | DML_QUIET))) dml_banner();
+        dml_session(L, environment);
+    } else if (c->script == argc && !(c->flags & (DML_EXECUTE | DML_VERSION_LINE))) {
+        do_file(L, NULL);
+    }
+    return 1;
+}
+
+/* (argc, argv) -> did all go well? */
+static int protected_main(lua_State *L) {
+    const int argc = (int)lua_tointeger(L, 1);
+    char **argv = lua_touserdata(L, 2);
+    const dml_command c = dml_command_read(argv);
+    luaL_checkversion(L);
+    if (argv[0] && argv[0][0]) dml_program = argv[0];
+    if (only_prints(&c, argv)) {
+        lua_pushboolean(L, !(c.flags & DML_BAD_OPTION));
+        return 1;
+    }
+    dml_terminal_choose(c.colour, !(c.flags & DML_NO_ENVIRONMENT));
+    if (c.flags & DML_INTERACTIVE && !(c.flags & DML_QUIET))
+        dml_banner();
+    else if (c.flags & DML_VERSION_LINE && !(c.flags & DML_INTERACTIVE))
+        dml_version_line();
+    open_libraries(L, &c);
+    make_arg(L, argv, argc, c.script);
+    lua_gc(L, LUA_GCGEN, 0, 0);
+    lua_pushboolean(L, execute(L, &c, argv, argc));
+    return 1;
+}
+
+int main(int argc, char **argv) {
+    lua_State *L = luaL_newstate();
+    if (!L) {
+        dml_message(argv[0], "cannot create state: not enough memory");
+        return EXIT_FAILURE;
+    }
+    lua_pushcfunction(L, protected_main);
+    lua_pushinteger(L, argc);
+    lua_pushlightuserdata(L, argv);
+    const int status = lua_pcall(L, 2, 1, 0), fine = lua_toboolean(L, -1);
+    dml_report(L, status);
+    lua_close(L);
+    return fine && status == LUA_OK ? EXIT_SUCCESS : EXIT_FAILURE;
+}
