@@ -9,12 +9,15 @@
 #include "expr/graph.h"
 #include "expr/kernel.h"
 
+#include <stddef.h>
+
 enum { /* structure, read off the graph */
     DM_SEPARABLE = 1,      /* L = T(v) - V(q, t): no mixed second derivatives */
     DM_CONSTANT_MASS = 2,  /* d2L/dv2 does not depend on q, v, t */
     DM_DIAGONAL_MASS = 4,  /* and is diagonal, with nothing linear in v */
     DM_AUTONOMOUS = 8,     /* L does not depend on t */
-    DM_LINEAR_IN_V = 16    /* d2L/dv2 = 0: degenerate */
+    DM_LINEAR_IN_V = 16,   /* d2L/dv2 = 0: degenerate */
+    DM_QUADRATIC_IN_V = 32 /* d2L/dv2 does not depend on v */
 };
 
 enum { /* kernels; each takes x = (q[n], v[n], t) */
@@ -60,7 +63,8 @@ size_t dm_legendre_work(const dm_model *m);
 /* p = dL/dv at (q, v, t). Needs DM_WANT_MASS. */
 dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v, double t, double *work);
 
-/* v with dL/dv(q, v, t) = p, Newton from the v given. Needs DM_WANT_MASS. */
+/* v with dL/dv(q, v, t) = p, Newton from the v given (which may alias p). Needs DM_WANT_MASS or
+** DM_SEPARABLE and DM_CONSTANT_MASS, where it is one product. On failure v is unchanged. */
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, const double *p, double t, double *work);
 
 #endif

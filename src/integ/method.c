@@ -1,0 +1,53 @@
+#include "integ/method.h"
+
+#include <string.h>
+
+const dm_method *const dm_methods[] = {
+#define X(name) &dm_method_##name,
+#include "integ/methods.def"
+#undef X
+    NULL};
+
+static int smallest(int a, int b, int c) {
+    const int ab = a < b ? a : b;
+    return ab < c ? ab : c;
+}
+
+/* letters to insert, delete or replace (Levenshtein); names are shorter than DM_RULE_NAME */
+static int distance(const char *a, const char *b) {
+    int row[DM_RULE_NAME];
+    const int length = (int)strlen(b);
+    for (int j = 0; j <= length; j++) row[j] = j;
+    for (int i = 0; a[i]; i++) {
+        int diagonal = row[0];
+        row[0] = i + 1;
+        for (int j = 0; j < length; j++) {
+            const int replaced = diagonal + (a[i] != b[j]);
+            diagonal = row[j + 1];
+            row[j + 1] = smallest(replaced, diagonal + 1, row[j] + 1);
+        }
+    }
+    return row[length];
+}
+
+const dm_method *dm_method_find(const char *name, const char **nearest) {
+    int best = DM_RULE_NAME + 1;
+    for (const dm_method *const *m = dm_methods; *m; m++) {
+        if (strcmp((*m)->name, name) == 0) return *m;
+        const int d = distance(name, (*m)->name);
+        if (d < best) {
+            best = d;
+            if (nearest) *nearest = (*m)->name;
+        }
+    }
+    return NULL;
+}
+
+dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *done) {
+    if (s->method->advance) return s->method->advance(s, state, t, count, done);
+    for (*done = 0; *done < count; ++*done) {
+        const dm_status status = s->method->step(s, state, t + (double)*done * s->h);
+        if (status != DM_OK) return status;
+    }
+    return DM_OK;
+}

@@ -1,0 +1,39 @@
+/* midpoint.c - the implicit midpoint rule: Ld = h L((q0 + q1)/2, (q1 - q0)/h). */
+#include "integ/stage.h"
+
+static const char *check(const dm_rule *rule) {
+    return rule->count ? "midpoint takes no argument" : NULL;
+}
+
+static int order(const dm_rule *rule) {
+    (void)rule;
+    return 2;
+}
+
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    return dm_stage_work(1, 1, m);
+}
+
+static dm_status open(dm_stepper *s) {
+    dm_galerkin g;
+    dm_quadrature q;
+    dm_quadrature_gauss(&q, 1);
+    dm_galerkin_collocation(&g, &q);
+    return dm_stage_open(s, &g);
+}
+
+const dm_method dm_method_midpoint = {
+    .name = "midpoint",
+    .signature = "midpoint",
+    .doc =
+        "Implicit midpoint rule, order 2; n unknowns a step, bounded for stiff springs "
+        "(HLW VI.6.3, Marsden-West 2001 ex. 2.3.2).",
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC,
+    .check = check,
+    .order = order,
+    .wants = dm_stage_wants,
+    .work = work,
+    .open = open,
+    .step = dm_stage_step,
+};

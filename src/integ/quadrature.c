@@ -1,0 +1,97 @@
+#include "integ/quadrature.h"
+
+#include <math.h>
+
+static const long double PI = 3.14159265358979323846264338327950288L;
+enum { STEPS = 100 }; /* Newton needs less than 10 */
+
+/* P_k(x) and P_(k-1)(x) by the three-term recurrence */
+static void legendre(long double *p, long double *before, int k, long double x) {
+    long double a = 1.0L, b = 0.0L;
+    for (int j = 1; j <= k; j++) {
+        const long double next = ((2 * j - 1) * x * a - (j - 1) * b) / j;
+        b = a;
+        a = next;
+    }
+    *p = a;
+    *before = b;
+}
+
+/* P'_k(x) for |x| < 1: (1 - x^2) P'_k = k (P_(k-1) - x P_k) */
+static long double slope(int k, long double x) {
+    long double p, before;
+    legendre(&p, &before, k, x);
+    return k * (before - x * p) / ((1.0L - x) * (1.0L + x));
+}
+
+static long double gauss_node(int r, long double x) {
+    for (int step = 0; step < STEPS; step++) {
+        long double p, before;
+        legendre(&p, &before, r, x);
+        const long double dx = p / slope(r, x);
+        x -= dx;
+        if (fabsl(dx) < 1e-19L) break;
+    }
+    return x;
+}
+
+/* zero of P'_k; Legendre's equation: (1 - x^2) P'' = 2 x P' - k (k + 1) P */
+static long double lobatto_node(int k, long double x) {
+    for (int step = 0; step < STEPS; step++) {
+        long double p, before;
+        legendre(&p, &before, k, x);
+        const long double first = slope(k, x);
+        const long double second =
+            (2.0L * x * first - k * (k + 1) * p) / ((1.0L - x) * (1.0L + x));
+        x -= first / second;
+        if (fabsl(first / second) < 1e-19L) break;
+    }
+    return x;
+}
+
+/* node i of [-1, 1] with weight w, and its mirror image, moved to [0, 1] */
+static void set_pair(dm_quadrature *q, int i, long double x, long double w) {
+    const int mirror = q->r - 1 - i;
+    q->c[i] = 0.5L * (1.0L - x);
+    q->c[mirror] = i == mirror ? 0.5L : 0.5L * (1.0L + x);
+    q->b[i] = q->b[mirror] = 0.5L * w;
+}
+
+void dm_quadrature_gauss(dm_quadrature *out, int r) {
+    out->r = r;
+    for (int i = 0; i < (r + 1) / 2; i++) { /* from the largest zero down */
+        const long double guess = cosl(PI * (i + 0.75L) / (r + 0.5L));
+        const long double x = 2 * i + 1 == r ? 0.0L : gauss_node(r, guess);
+        const long double d = slope(r, x);
+        set_pair(out, i, x, 2.0L / ((1.0L - x) * (1.0L + x) * d * d));
+    }
+}
+
+void dm_quadrature_lobatto(dm_quadrature *out, int r) {
+    out->r = r;
+    for (int i = 0; i < (r + 1) / 2; i++) {
+        long double p, before, x = i ? lobatto_node(r - 1, cosl(PI * i / (r - 1))) : 1.0L;
+        if (2 * i + 1 == r) x = 0.0L;
+        legendre(&p, &before, r - 1, x);
+        set_pair(out, i, x, 2.0L / (r * (r - 1) * p * p));
+    }
+}
+
+static long double basis(const long double *c, int s, int j, long double x) {
+    long double l = 1.0L;
+    for (int k = 0; k < s; k++)
+        if (k != j) l *= (x - c[k]) / (c[j] - c[k]);
+    return l;
+}
+
+void dm_lagrange(long double *value, long double *integral, const long double *c, int s,
+                 long double x) {
+    dm_quadrature g;
+    dm_quadrature_gauss(&g, (s + 1) / 2); /* exact to degree s - 1 */
+    for (int j = 0; j < s; j++) {
+        value[j] = basis(c, s, j, x);
+        integral[j] = 0.0L;
+        for (int i = 0; i < g.r; i++)
+            integral[j] += x * g.b[i] * basis(c, s, j, x * g.c[i]);
+    }
+}

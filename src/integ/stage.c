@@ -1,0 +1,294 @@
+#include "integ/stage_inside.h"
+
+#include "base/sum.h"
+#include "linalg/lu.h"
+#include "solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
+
+unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    const int simple = (m->structure & SIMPLE) == SIMPLE;
+    return DM_WANT_STAGE | (simple ? DM_WANT_FORCE : DM_WANT_SLOPE | DM_WANT_MASS);
+}
+
+static size_t doubles(size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+
+static size_t larger(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+
+static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
+    const size_t n = m->n, unknowns = larger(s, r) * n;
+    return larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m) + n * n + n);
+}
+
+size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
+    const size_t n = m->n, curve = 2 * n + 3 * n * n;
+    return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) + 2 * n + 1 + r * 2 * n +
+           r * curve + larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
+           scratch_size(s, r, m);
+}
+
+static double *take(double **memory, size_t count) {
+    double *block = *memory;
+    *memory += count;
+    return block;
+}
+
+static void lay_out(dm_stage *g, double *memory) {
+    const size_t n = g->n, s = g->table.s, r = g->table.r;
+    g->x = take(&memory, 2 * n + 1);
+    g->slope = take(&memory, r * 2 * n);
+    g->curve = take(&memory, r * (2 * n + 3 * n * n));
+    g->root = take(&memory, larger(s, r) * n);
+    g->v0 = take(&memory, n);
+    g->a0 = take(&memory, n);
+    g->push = take(&memory, r * n);
+    g->base = take(&memory, r * n);
+    g->next = take(&memory, 4 * n);
+    g->known = (uint32_t *)(void *)take(&memory, doubles(r * sizeof(uint32_t)));
+    g->scratch = memory;
+}
+
+dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
+    dm_stage *g = (dm_stage *)(void *)stepper->work;
+    const dm_model *m = stepper->model;
+    double *memory = stepper->work + doubles(sizeof *g);
+    *g = (dm_stage){.m = m, .n = m->n, .h = stepper->h};
+    g->separable = (m->structure & SIMPLE) == SIMPLE;
+    dm_stage_table_fill(&g->table, basis, memory);
+    lay_out(g, memory + dm_stage_table_size(g->table.s, g->table.r));
+    const size_t n = g->n, curve = 2 * n + 3 * n * n;
+    const dm_kernel *slope = g->separable ? &m->force : &m->slope;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        dm_kernel_prepare(&m->stage, g->curve + i * curve);
+        dm_kernel_prepare(slope, g->slope + i * (size_t)slope->outputs);
+    }
+    if (g->separable) dm_stage_separable_open(g);
+    return DM_OK;
+}
+
+void dm_stage_at(dm_stage *g, const double *shift, const double *v, double c) {
+    const uint32_t n = g->n;
+    const double *low = g->state + 2 * n;
+    for (uint32_t i = 0; i < n; i++) {
+        g->x[i] = g->state[i] + (low[i] + shift[i]);
+        g->x[n + i] = v ? v[i] : g->v0[i];
+    }
+    g->x[2 * n] = g->t + c * g->h;
+}
+
+dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp) {
+    const uint32_t n = g->n;
+    memcpy(g->next, g->state, 4 * (size_t)n * sizeof *g->next);
+    dm_sum_add_n(g->next, g->next + 2 * n, dq, n);
+    dm_sum_add_n(g->next + n, g->next + 3 * n, dp, n);
+    for (uint32_t i = 0; i < 4 * n; i++)
+        if (!isfinite(g->next[i])) return DM_NOT_FINITE;
+    return DM_OK;
+}
+
+/* ---- the general form: unknown velocities V[s][n] ---- */
+
+/* x at point i for the velocities V; Q_i - q0 is in x[0..n) on the way */
+static void place_point(dm_stage *g, uint32_t i, const double *V) {
+    const uint32_t n = g->n, s = g->table.s;
+    double *shift = g->base, *v = g->push;
+    memset(shift, 0, n * sizeof *shift);
+    memset(v, 0, n * sizeof *v);
+    for (uint32_t j = 0; j < s; j++) {
+        const double ha = g->h * g->table.a[i * s + j], d = g->table.d[i * s + j];
+        for (uint32_t k = 0; k < n; k++) {
+            shift[k] += ha * V[j * (size_t)n + k];
+            v[k] += d * V[j * (size_t)n + k];
+        }
+    }
+    dm_stage_at(g, shift, v, g->table.c[i]);
+}
+
+static void evaluate(dm_stage *g, const double *V, int with_curve) {
+    const size_t n = g->n, width = 2 * n + 3 * n * n;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        double *slope = g->slope + i * 2 * n, *curve = g->curve + i * width;
+        place_point(g, i, V);
+        if (with_curve) {
+            dm_kernel_eval(&g->m->stage, g->x, curve);
+            memcpy(slope, curve, 2 * n * sizeof *slope);
+        } else {
+            dm_kernel_eval(&g->m->slope, g->x, slope);
+        }
+    }
+    g->evaluations += g->table.r;
+}
+
+/* R_j = sum_i b_i [h (a_ij - beta_j) L_q(i) + d_ij L_v(i)] - beta_j p0 */
+static void residual(dm_stage *g, double *R) {
+    const uint32_t n = g->n, s = g->table.s;
+    const double *p0 = g->state + n, *low = g->state + 3 * n;
+    g->size = 0.0;
+    for (uint32_t j = 0; j < s; j++) {
+        double *Rj = R + j * (size_t)n;
+        const double beta = g->table.beta[j];
+        for (uint32_t k = 0; k < n; k++) Rj[k] = 0.0;
+        for (uint32_t i = 0; i < g->table.r; i++) {
+            const double *slope = g->slope + i * 2 * (size_t)n, b = g->table.b[i];
+            const double wq = g->h * b * (g->table.a[i * s + j] - beta);
+            const double wv = b * g->table.d[i * s + j];
+            for (uint32_t k = 0; k < n; k++) {
+                const double term = wq * slope[k] + wv * slope[n + k];
+                Rj[k] += term;
+                g->size = fmax(g->size, fabs(term));
+            }
+        }
+        for (uint32_t k = 0; k < n; k++) Rj[k] = (Rj[k] - beta * p0[k]) - beta * low[k];
+    }
+}
+
+/* block += w B, or w B^T; rows of J are m long */
+static void add_block(double *J, size_t m, double w, const double *B, uint32_t n) {
+    if (w == 0.0) return;
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++) J[i * m + j] += w * B[i * (size_t)n + j];
+}
+
+static void add_transposed(double *J, size_t m, double w, const double *B, uint32_t n) {
+    if (w == 0.0) return;
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++) J[i * m + j] += w * B[j * (size_t)n + i];
+}
+
+/* dR_j/dV_k = sum_i b_i [h (a_ij - beta_j) (h a_ik L_qq + d_ik L_qv)
+**                        + d_ij (h a_ik L_vq + d_ik L_vv)] */
+static void jacobian(const dm_stage *g, double *J) {
+    const dm_stage_table *t = &g->table;
+    const uint32_t n = g->n, s = t->s;
+    const size_t m = (size_t)s * n, nn = (size_t)n * n, width = 2 * n + 3 * nn;
+    memset(J, 0, m * m * sizeof *J);
+    for (uint32_t i = 0; i < t->r; i++) {
+        const double *qq = g->curve + i * width + 2 * n, *qv = qq + nn, *vv = qv + nn;
+        for (uint32_t j = 0; j < s; j++) {
+            const double wq = g->h * t->b[i] * (t->a[i * s + j] - t->beta[j]);
+            const double wv = t->b[i] * t->d[i * s + j];
+            for (uint32_t k = 0; k < s; k++) {
+                double *block = J + j * n * m + k * n;
+                const double ha = g->h * t->a[i * s + k], d = t->d[i * s + k];
+                add_block(block, m, wq * ha, qq, n);
+                add_block(block, m, wq * d, qv, n);
+                add_transposed(block, m, wv * ha, qv, n);
+                add_block(block, m, wv * d, vv, n);
+            }
+        }
+    }
+}
+
+static dm_status equation(void *ctx, double *R, double *J, const double *V) {
+    dm_stage *g = ctx;
+    evaluate(g, V, J != NULL);
+    residual(g, R);
+    if (J) jacobian(g, J);
+    return DM_OK;
+}
+
+/* a0 = L_vv^-1 (L_q - L_vq v0) at the start; L_vt is left out, it is a guess */
+static dm_status find_acceleration(dm_stage *g) {
+    const uint32_t n = g->n;
+    const size_t nn = (size_t)n * n;
+    const double *out = g->curve, *qv = out + 2 * n + nn;
+    double *M = g->scratch;
+    uint32_t *pivot = (uint32_t *)(void *)(M + nn);
+    memset(g->base, 0, n * sizeof *g->base);
+    dm_stage_at(g, g->base, g->v0, 0.0);
+    dm_kernel_eval(&g->m->stage, g->x, g->curve);
+    g->evaluations++;
+    memcpy(M, qv + nn, nn * sizeof *M);
+    for (uint32_t i = 0; i < n; i++) {
+        g->a0[i] = out[i];
+        for (uint32_t j = 0; j < n; j++) g->a0[i] -= qv[j * (size_t)n + i] * g->v0[j];
+    }
+    const dm_status status = dm_lu_factor(M, pivot, n);
+    if (status == DM_OK) dm_lu_solve(g->a0, M, pivot, n);
+    return status;
+}
+
+/* V_j = v0 + gamma_j h a0: a function of the state alone, so that a restart gives the same bits */
+static dm_status guess(dm_stage *g) {
+    const uint32_t n = g->n;
+    memset(g->v0, 0, n * sizeof *g->v0);
+    dm_status status =
+        dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
+    if (status == DM_OK) status = find_acceleration(g);
+    for (uint32_t j = 0; j < g->table.s && status == DM_OK; j++)
+        for (uint32_t k = 0; k < n; k++)
+            g->root[j * (size_t)n + k] = g->v0[k] + g->table.node[j] * g->h * g->a0[k];
+    return status;
+}
+
+/* L_q(i) at the root from its value one increment dV before: + L_qq dQ_i + L_qv dQdot_i */
+static void correct_force(dm_stage *g, uint32_t i, const double *dV) {
+    const uint32_t n = g->n, s = g->table.s;
+    const size_t nn = (size_t)n * n;
+    const double *qq = g->curve + i * (2 * n + 3 * nn) + 2 * n, *qv = qq + nn;
+    double *force = g->slope + i * 2 * (size_t)n, *dq = g->base, *dv = g->push;
+    for (uint32_t k = 0; k < n; k++) {
+        dq[k] = dv[k] = 0.0;
+        for (uint32_t j = 0; j < s; j++) {
+            dq[k] += g->h * g->table.a[i * s + j] * dV[j * (size_t)n + k];
+            dv[k] += g->table.d[i * s + j] * dV[j * (size_t)n + k];
+        }
+    }
+    for (uint32_t k = 0; k < n; k++)
+        for (uint32_t l = 0; l < n; l++)
+            force[k] += qq[k * (size_t)n + l] * dq[l] + qv[k * (size_t)n + l] * dv[l];
+}
+
+/* q1 = q0 + h sum_j beta_j V_j, p1 = p0 + h sum_i b_i L_q(i) */
+static dm_status finish(dm_stage *g) {
+    const uint32_t n = g->n;
+    double *dq = g->v0, *dp = g->a0;
+    for (uint32_t i = 0; i < g->table.r; i++) correct_force(g, i, g->scratch);
+    for (uint32_t k = 0; k < n; k++) {
+        dq[k] = dp[k] = 0.0;
+        for (uint32_t j = 0; j < g->table.s; j++)
+            dq[k] += g->table.beta[j] * g->root[j * (size_t)n + k];
+        for (uint32_t i = 0; i < g->table.r; i++)
+            dp[k] += g->table.b[i] * g->slope[i * 2 * (size_t)n + k];
+        dq[k] *= g->h;
+        dp[k] *= g->h;
+    }
+    return dm_stage_update(g, dq, dp);
+}
+
+static dm_status general(dm_stage *g, dm_stepper *stepper) {
+    dm_newton_report report = {0};
+    const dm_newton_problem problem = {.m = g->table.s * g->n,
+                                       .equation = equation,
+                                       .ctx = g,
+                                       .size = &g->size,
+                                       .tolerance = stepper->tolerance,
+                                       .max_iterations = stepper->max_iterations};
+    dm_status status = guess(g);
+    if (status == DM_OK) status = dm_newton(g->root, &problem, g->scratch, &report);
+    stepper->report.iterations = report.iterations;
+    stepper->report.residual = report.residual;
+    return status == DM_OK ? finish(g) : status;
+}
+
+dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
+    dm_stage *g = (dm_stage *)(void *)stepper->work;
+    g->state = state;
+    g->t = t;
+    g->evaluations = 0;
+    const dm_status status =
+        g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
+    stepper->report.solves++;
+    stepper->report.newton += stepper->report.iterations;
+    stepper->report.evaluations += g->evaluations;
+    if (status == DM_OK) memcpy(state, g->next, dm_state_size(g->n) * sizeof *state);
+    return status;
+}

@@ -1,0 +1,42 @@
+/* stage_inside.h - the workspace of the stage solver, for its files only. */
+#ifndef DM_STAGE_INSIDE_H
+#define DM_STAGE_INSIDE_H
+
+#include "integ/stage.h"
+
+/* Laid out at the head of stepper->work by dm_stage_open. */
+typedef struct {
+    dm_stage_table table;
+    const dm_model *m;
+    uint32_t n;
+    int separable;       /* the cheaper form for L = T(v) - V(q, t), constant mass */
+    double h, t;         /* step, its start */
+    const double *state; /* at the start of the step */
+    double *x;           /* [2n+1] arguments of a kernel */
+    double *slope;       /* [r][2n] L_q, L_v; separable: [r][n] L_q */
+    double *curve;       /* [r][2n + 3n^2] outputs of the stage kernel */
+    double *root;        /* [r or s][n] unknowns */
+    double *v0, *a0;     /* [n] velocity and acceleration at the start */
+    double *push;        /* [r][n] M^-1 L_q(m) of the separable form */
+    double *base;        /* [r][n] what Q_m - q0 is without the unknown forces */
+    double *next;        /* [4n] state at the end */
+    double *scratch;     /* of Newton, and of what comes before it */
+    uint32_t *known;     /* [r] separable: how point m is found */
+    double size;         /* of the terms of the residual */
+    long evaluations;
+} dm_stage;
+
+/* How a point of the separable form is found. */
+enum { DM_POINT_FIRST, DM_POINT_SOLVED, DM_POINT_LAST };
+
+/* One step with unknown displacements; leaves the end in g->next. */
+dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper);
+void dm_stage_separable_open(dm_stage *g);
+
+/* next = state + (dq[n], dp[n]) with compensation; DM_NOT_FINITE when it is not. */
+dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp);
+
+/* Kernel arguments: x = (q0 + shift[n], v[n], t + c h); v NULL: the start's. */
+void dm_stage_at(dm_stage *g, const double *shift, const double *v, double c);
+
+#endif

@@ -1,0 +1,95 @@
+/* stage_table.c - coefficients of a stage method from its nodes and its quadrature. */
+#include "integ/stage.h"
+
+#include <string.h>
+
+enum { MOST = DM_QUADRATURE_NODES };
+
+void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q) {
+    g->s = q->r;
+    g->q = *q;
+    memcpy(g->node, q->c, sizeof g->node);
+}
+
+size_t dm_stage_table_size(size_t s, size_t r) {
+    return 2 * r * s + r * r + 3 * r + 2 * s;
+}
+
+static void lay_out(dm_stage_table *t, double *memory) {
+    const size_t s = t->s, r = t->r;
+    t->a = memory;
+    t->d = t->a + r * s;
+    t->A = t->d + r * s;
+    t->b = t->A + r * r;
+    t->c = t->b + r;
+    t->mean = t->c + r;
+    t->beta = t->mean + r;
+    t->node = t->beta + s;
+}
+
+/* right-hand sides x[s][r] of G x = y by elimination; G is positive definite */
+static void eliminate(long double G[MOST][MOST], long double x[MOST][MOST], int s,
+                      int r) {
+    for (int k = 0; k < s; k++)
+        for (int i = 0; i < s; i++) {
+            const long double factor = G[i][k] / G[k][k];
+            if (i == k || factor == 0.0L) continue;
+            for (int j = k; j < s; j++) G[i][j] -= factor * G[k][j];
+            for (int m = 0; m < r; m++) x[i][m] -= factor * x[k][m];
+        }
+    for (int i = 0; i < s; i++)
+        for (int m = 0; m < r; m++) x[i][m] /= G[i][i];
+}
+
+typedef struct {
+    long double a[MOST][MOST], d[MOST][MOST], beta[MOST];
+} exact;
+
+/* for p = M v: V_k = v0 + h sum_m x_km M^-1 L_q(m), with G x = b_m (beta_j - a_mj),
+** G_jk = sum_i b_i d_ij d_ik; then A = a x and mean = beta x */
+static void separable_part(dm_stage_table *t, const dm_galerkin *g, const exact *e) {
+    const int s = g->s, r = g->q.r;
+    long double G[MOST][MOST], x[MOST][MOST];
+    for (int j = 0; j < s; j++) {
+        for (int k = 0; k < s; k++) {
+            G[j][k] = 0.0L;
+            for (int i = 0; i < r; i++) G[j][k] += g->q.b[i] * e->d[i][j] * e->d[i][k];
+        }
+        for (int m = 0; m < r; m++) x[j][m] = g->q.b[m] * (e->beta[j] - e->a[m][j]);
+    }
+    eliminate(G, x, s, r);
+    for (int m = 0; m < r; m++) {
+        long double mean = 0.0L;
+        for (int k = 0; k < s; k++) mean += e->beta[k] * x[k][m];
+        t->mean[m] = (double)mean;
+        for (int i = 0; i < r; i++) {
+            long double sum = 0.0L;
+            for (int k = 0; k < s; k++) sum += e->a[i][k] * x[k][m];
+            t->A[i * r + m] = (double)sum;
+        }
+    }
+}
+
+void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memory) {
+    const int s = g->s, r = g->q.r;
+    exact e;
+    long double value[MOST];
+    out->s = (uint32_t)s;
+    out->r = (uint32_t)r;
+    lay_out(out, memory);
+    dm_lagrange(value, e.beta, g->node, s, 1.0L);
+    for (int j = 0; j < s; j++) {
+        out->beta[j] = (double)e.beta[j];
+        out->node[j] = (double)g->node[j];
+    }
+    for (int i = 0; i < r; i++) {
+        dm_lagrange(e.d[i], e.a[i], g->node, s, g->q.c[i]);
+        out->b[i] = (double)g->q.b[i];
+        out->c[i] = (double)g->q.c[i];
+        for (int j = 0; j < s; j++) {
+            out->a[i * s + j] = (double)e.a[i][j];
+            out->d[i * s + j] = (double)e.d[i][j];
+        }
+    }
+    separable_part(out, g, &e);
+}

@@ -1,0 +1,38 @@
+/* trapezoidal.c - Ld = h/2 [L(q0, v) + L(q1, v)] with v = (q1 - q0)/h. */
+#include "integ/stage.h"
+
+static const char *check(const dm_rule *rule) {
+    return rule->count ? "trapezoidal takes no argument" : NULL;
+}
+
+static int order(const dm_rule *rule) {
+    (void)rule;
+    return 2;
+}
+
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    return dm_stage_work(1, 2, m);
+}
+
+/* one velocity, two points */
+static dm_status open(dm_stepper *s) {
+    dm_galerkin g = {.s = 1, .node = {0.5L}};
+    dm_quadrature_lobatto(&g.q, 2);
+    return dm_stage_open(s, &g);
+}
+
+const dm_method dm_method_trapezoidal = {
+    .name = "trapezoidal",
+    .signature = "trapezoidal",
+    .doc = "Trapezoidal discrete Lagrangian, order 2; n unknowns a step, none when L = "
+           "T(v) - V(q), "
+           "where it is Stoermer-Verlet (HLW VI.6.2, Marsden-West 2001 ex. 2.3.1).",
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC,
+    .check = check,
+    .order = order,
+    .wants = dm_stage_wants,
+    .work = work,
+    .open = open,
+    .step = dm_stage_step,
+};

@@ -1,0 +1,100 @@
+/* legendre.c - p = dL/dv and its inverse. */
+#include "mech/model.h"
+#include "solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+/* the equation dL/dv(q, v, t) - p = 0 for v; x = (q, v, t), out = L_v[n], L_vv[n*n] */
+typedef struct {
+    const dm_model *m;
+    const double *p;
+    double *x, *out;
+    double size;
+} equation;
+
+size_t dm_legendre_work(const dm_model *m) {
+    const size_t n = m->n;
+    return 2 * n + 1 + n + n * n + n + dm_newton_work(m->n);
+}
+
+static void evaluate(const dm_model *m, double *x, double *out, const double *v) {
+    memcpy(x + m->n, v, m->n * sizeof *x);
+    dm_kernel_eval(&m->mass, x, out);
+}
+
+static equation prepare(const dm_model *m, const double *q, double t, double *work) {
+    equation e = {.m = m, .x = work, .out = work + 2 * (size_t)m->n + 1};
+    memcpy(e.x, q, m->n * sizeof *q);
+    e.x[2 * (size_t)m->n] = t;
+    dm_kernel_prepare(&m->mass, e.out);
+    return e;
+}
+
+static int all_finite(const double *a, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++)
+        if (!isfinite(a[i])) return 0;
+    return 1;
+}
+
+dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v,
+                      double t, double *work) {
+    equation e = prepare(m, q, t, work);
+    evaluate(m, e.x, e.out, v);
+    if (!all_finite(e.out, m->n)) return DM_NOT_FINITE;
+    memcpy(p, e.out, m->n * sizeof *p);
+    return DM_OK;
+}
+
+static dm_status momentum_defect(void *ctx, double *r, double *J, const double *v) {
+    equation *e = ctx;
+    const uint32_t n = e->m->n;
+    evaluate(e->m, e->x, e->out, v);
+    e->size = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        r[i] = e->out[i] - e->p[i];
+        e->size = fmax(e->size, fmax(fabs(e->p[i]), fabs(e->out[i])));
+    }
+    if (J) memcpy(J, e->out + n, (size_t)n * n * sizeof *J);
+    return DM_OK;
+}
+
+static dm_status solve(const dm_model *m, equation *e, double *v, double *work) {
+    dm_newton_report report;
+    const dm_newton_problem problem = {.m = m->n,
+                                       .equation = momentum_defect,
+                                       .ctx = e,
+                                       .size = &e->size,
+                                       .tolerance = 4e-15,
+                                       .max_iterations = 100};
+    return dm_newton(v, &problem, work, &report);
+}
+
+/* v = M^-1 (p - shift), by way of sum[n] */
+static dm_status by_inverse(const dm_model *m, double *v, const double *p, double *sum) {
+    const uint32_t n = m->n;
+    const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const double *row = m->inverse_mass + (diagonal ? 0 : i * (size_t)n);
+        sum[i] = diagonal ? row[i] * p[i] : 0.0;
+        for (uint32_t j = 0; j < n && !diagonal; j++)
+            sum[i] += row[j] * (p[j] - m->momentum_shift[j]);
+    }
+    if (!all_finite(sum, n)) return DM_NOT_FINITE;
+    memcpy(v, sum, n * sizeof *v);
+    return DM_OK;
+}
+
+dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
+                              const double *p, double t, double *work) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    const uint32_t n = m->n;
+    if ((m->structure & simple) == simple) return by_inverse(m, v, p, work);
+    equation e = prepare(m, q, t, work);
+    double *root = e.out + n + (size_t)n * n;
+    e.p = p;
+    memcpy(root, v, n * sizeof *v);
+    const dm_status status = solve(m, &e, root, root + n);
+    if (status == DM_OK) memcpy(v, root, n * sizeof *v);
+    return status;
+}

@@ -1,0 +1,233 @@
+#include "mech/model.h"
+
+#include "expr/analyse.h"
+#include "expr/derive.h"
+#include "linalg/lu.h"
+
+#include <string.h>
+
+/* what is worked on while a model is built; gradient and mass are nodes of g */
+typedef struct {
+    dm_model m;
+    dm_graph *g;
+    dm_node L;
+    dm_node *gradient; /* [2n] dL/dq, dL/dv */
+    dm_node *mass;     /* [n*n] d2L/dv2 */
+    dm_arena *arena;
+    dm_compile *compile;
+} builder;
+
+static dm_node *take_nodes(const builder *b, size_t count) {
+    return dm_arena_take(b->arena, count * sizeof(dm_node));
+}
+
+static int all_constant(const dm_graph *g, const dm_node *nodes, size_t count) {
+    double value;
+    for (size_t i = 0; i < count; i++)
+        if (!dm_is_constant(g, nodes[i], &value)) return 0;
+    return 1;
+}
+
+/* node 0 is the only zero */
+static int all_zero(const dm_node *nodes, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (nodes[i]) return 0;
+    return 1;
+}
+
+static int is_diagonal(const dm_node *mass, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++)
+            if (i != j && mass[i * (size_t)n + j]) return 0;
+    return 1;
+}
+
+/* p = M v + shift: nodes of shift[n], dL/dv at v = 0 */
+static dm_status find_shift(const builder *b, dm_node *shift) {
+    const uint32_t n = b->m.n, inputs = dm_graph_inputs(b->g);
+    dm_node *zero = take_nodes(b, inputs);
+    if (!zero) return DM_NO_MEMORY;
+    memset(zero, 0, inputs * sizeof *zero);
+    dm_substitute(b->g, b->gradient + n, n, zero, shift);
+    return dm_graph_status(b->g);
+}
+
+static dm_status read_structure(builder *b) {
+    const uint32_t n = b->m.n;
+    const dm_node *momentum = b->gradient + n;
+    unsigned has = 0;
+    if (!dm_depends(b->g, &b->L, 1, 2 * n, 1)) has |= DM_AUTONOMOUS;
+    if (!dm_depends(b->g, momentum, n, 0, n) && !dm_depends(b->g, momentum, n, 2 * n, 1))
+        has |= DM_SEPARABLE;
+    if (all_constant(b->g, b->mass, (size_t)n * n)) has |= DM_CONSTANT_MASS;
+    if (!dm_depends(b->g, b->mass, n * n, n, n)) has |= DM_QUADRATIC_IN_V;
+    if (all_zero(b->mass, (size_t)n * n)) has |= DM_LINEAR_IN_V;
+    b->m.structure = has;
+    uint8_t *cyclic = dm_arena_take(b->arena, n);
+    if (!cyclic) return DM_NO_MEMORY;
+    for (uint32_t i = 0; i < n; i++) cyclic[i] = !dm_depends(b->g, &b->L, 1, i, 1);
+    b->m.cyclic = cyclic;
+    b->m.operations = dm_operations(b->g, &b->L, 1);
+    return dm_graph_status(b->g);
+}
+
+static void read_values(double *out, const dm_graph *g, const dm_node *nodes,
+                        size_t count) {
+    for (size_t i = 0; i < count; i++) dm_is_constant(g, nodes[i], out + i);
+}
+
+/* the inverse of the full matrix M[n*n]; scratch from the arena */
+static dm_status invert(const builder *b, double *inverse, const double *M) {
+    const uint32_t n = b->m.n;
+    double *factors = dm_arena_take(b->arena, ((size_t)n * n + n) * sizeof *factors);
+    uint32_t *pivot = dm_arena_take(b->arena, n * sizeof *pivot);
+    if (!factors || !pivot) return DM_NO_MEMORY;
+    memcpy(factors, M, (size_t)n * n * sizeof *M);
+    return dm_lu_inverse(inverse, factors, pivot, factors + (size_t)n * n, n);
+}
+
+static dm_status keep_diagonal(builder *b, double *mass, double *inverse) {
+    const uint32_t n = b->m.n;
+    for (uint32_t i = 0; i < n; i++) {
+        const double m = mass[i * ((size_t)n + 1)];
+        if (m == 0.0) return DM_SINGULAR;
+        mass[i] = m;
+        inverse[i] = 1.0 / m;
+    }
+    b->m.structure |= DM_DIAGONAL_MASS;
+    return DM_OK;
+}
+
+/* mass matrix, its inverse and the shift of a constant mass */
+static dm_status read_mass(builder *b) {
+    const uint32_t n = b->m.n;
+    double *mass = dm_arena_take(b->arena, (2 * (size_t)n * n + n) * sizeof *mass);
+    dm_node *shift_nodes = take_nodes(b, n);
+    if (!mass || !shift_nodes) return DM_NO_MEMORY;
+    double *inverse = mass + (size_t)n * n, *shift = inverse + (size_t)n * n;
+    const int separable = (b->m.structure & DM_SEPARABLE) != 0;
+    dm_status status = separable ? find_shift(b, shift_nodes) : DM_OK;
+    if (status != DM_OK) return status;
+    read_values(mass, b->g, b->mass, (size_t)n * n);
+    const int diagonal = separable && is_diagonal(b->mass, n) && all_zero(shift_nodes, n);
+    status = diagonal ? keep_diagonal(b, mass, inverse) : invert(b, inverse, mass);
+    if (status != DM_OK) return status;
+    if (separable) {
+        read_values(shift, b->g, shift_nodes, n);
+        b->m.momentum_shift = shift;
+    }
+    b->m.mass_matrix = mass;
+    b->m.inverse_mass = inverse;
+    return DM_OK;
+}
+
+/* v . L_v - L */
+static dm_node energy(const builder *b) {
+    dm_node sum = dm_neg(b->g, b->L);
+    for (uint32_t i = 0; i < b->m.n; i++) {
+        const dm_node v = dm_input(b->g, b->m.n + i);
+        sum = dm_add(b->g, sum, dm_mul(b->g, v, b->gradient[b->m.n + i]));
+    }
+    return sum;
+}
+
+/* rows [row, row+n), columns [column, column+n) of the 2n x 2n matrix `whole` */
+static void copy_block(dm_node *out, const dm_node *whole, uint32_t row, uint32_t column,
+                       uint32_t n) {
+    for (uint32_t i = 0; i < n; i++)
+        memcpy(out + (size_t)i * n, whole + (size_t)(row + i) * 2 * n + column,
+               n * sizeof *out);
+}
+
+/* L_q, L_v, L_qq, L_qv, L_vv */
+static dm_status stage_roots(const builder *b, dm_node *roots) {
+    const uint32_t n = b->m.n;
+    const size_t nn = (size_t)n * n;
+    dm_node *hessian = take_nodes(b, 4 * nn);
+    if (!hessian) return DM_NO_MEMORY;
+    dm_hessian(b->g, b->L, 0, 2 * n, roots, hessian);
+    copy_block(roots + 2 * n, hessian, 0, 0, n);
+    copy_block(roots + 2 * n + nn, hessian, 0, n, n);
+    copy_block(roots + 2 * n + 2 * nn, hessian, n, n, n);
+    return dm_graph_status(b->g);
+}
+
+static dm_status make(builder *b, dm_kernel *out, const dm_node *roots, size_t count,
+                      unsigned which) {
+    dm_status status = dm_graph_status(b->g);
+    if (status == DM_OK) status = b->compile(out, b->g, roots, (uint32_t)count, b->arena);
+    if (status == DM_OK) b->m.has |= which;
+    return status;
+}
+
+static dm_status make_stage(builder *b) {
+    const size_t n = b->m.n, count = 2 * n + 3 * n * n;
+    dm_node *roots = take_nodes(b, count);
+    if (!roots) return DM_NO_MEMORY;
+    const dm_status status = stage_roots(b, roots);
+    return status == DM_OK ? make(b, &b->m.stage, roots, count, DM_WANT_STAGE) : status;
+}
+
+static dm_status make_mass(builder *b) {
+    const size_t n = b->m.n, count = n + n * n;
+    dm_node *roots = take_nodes(b, count);
+    if (!roots) return DM_NO_MEMORY;
+    memcpy(roots, b->gradient + n, n * sizeof *roots);
+    memcpy(roots + n, b->mass, n * n * sizeof *roots);
+    return make(b, &b->m.mass, roots, count, DM_WANT_MASS);
+}
+
+static dm_status make_kernels(builder *b, unsigned want) {
+    dm_status status = DM_OK;
+    if (want & DM_WANT_VALUE) status = make(b, &b->m.value, &b->L, 1, DM_WANT_VALUE);
+    if (status == DM_OK && want & DM_WANT_SLOPE)
+        status = make(b, &b->m.slope, b->gradient, 2 * (size_t)b->m.n, DM_WANT_SLOPE);
+    if (status == DM_OK && want & DM_WANT_FORCE)
+        status = make(b, &b->m.force, b->gradient, b->m.n, DM_WANT_FORCE);
+    if (status == DM_OK && want & DM_WANT_ENERGY) {
+        const dm_node root = energy(b);
+        status = make(b, &b->m.energy, &root, 1, DM_WANT_ENERGY);
+    }
+    if (status == DM_OK && want & DM_WANT_STAGE) status = make_stage(b);
+    if (status == DM_OK && want & DM_WANT_MASS) status = make_mass(b);
+    return status;
+}
+
+static dm_status differentiate(builder *b) {
+    const uint32_t n = b->m.n;
+    b->gradient = take_nodes(b, 2 * (size_t)n);
+    b->mass = take_nodes(b, (size_t)n * n);
+    if (!b->gradient || !b->mass) return DM_NO_MEMORY;
+    dm_gradient(b->g, b->L, 0, 2 * n, b->gradient);
+    dm_jacobian(b->g, b->gradient + n, n, n, n, b->mass);
+    return dm_graph_status(b->g);
+}
+
+dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
+                         dm_compile *compile, dm_arena *arena) {
+    builder b = {.m = {.n = n}, .g = g, .L = L, .arena = arena, .compile = compile};
+    dm_status status = dm_graph_status(g);
+    if (status == DM_OK) status = differentiate(&b);
+    if (status == DM_OK) status = read_structure(&b);
+    if (status != DM_OK) return status;
+    if (b.m.structure & DM_CONSTANT_MASS) status = read_mass(&b);
+    if (status == DM_OK) status = make_kernels(&b, want);
+    if (status == DM_OK || status == DM_SINGULAR) *m = b.m;
+    return status;
+}
+
+dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n,
+                              dm_compile *compile, dm_arena *arena) {
+    builder b = {.m = {.n = n}, .g = g, .L = Ld, .arena = arena, .compile = compile};
+    const size_t nn = (size_t)n * n;
+    dm_node *roots = take_nodes(&b, 2 * n + nn), *hessian = take_nodes(&b, 4 * nn);
+    if (!roots || !hessian) return DM_NO_MEMORY;
+    b.m.operations = dm_operations(g, &Ld, 1);
+    dm_status status = make(&b, &b.m.value, &Ld, 1, DM_WANT_VALUE);
+    if (status != DM_OK) return status;
+    dm_hessian(g, Ld, 0, 2 * n, roots, hessian);
+    copy_block(roots + 2 * n, hessian, 0, n, n);
+    status = make(&b, &b.m.pair, roots, 2 * n + nn, DM_WANT_PAIR);
+    if (status == DM_OK) *m = b.m;
+    return status;
+}

@@ -1,0 +1,89 @@
+#include "run/drift.h"
+
+#include "base/sum.h"
+
+#include <math.h>
+
+enum { BLOCKS = 16, SHORTEST = 4 }; /* rows of a block at least */
+
+typedef struct {
+    const double *t, *y;
+    size_t stride;
+} series;
+
+typedef struct {
+    double t, y; /* means */
+} point;
+
+/* means over rows first .. last-1, from deviations so that a large constant costs no digits */
+static point mean_of(const series *s, long first, long last) {
+    const double t0 = s->t[0], y0 = s->y[0];
+    double t = 0.0, low_t = 0.0, y = 0.0, low_y = 0.0;
+    for (long i = first; i < last; i++) {
+        dm_sum_add(&t, &low_t, s->t[(size_t)i * s->stride] - t0);
+        dm_sum_add(&y, &low_y, s->y[i] - y0);
+    }
+    const double count = (double)(last - first);
+    return (point){t / count, y / count};
+}
+
+/* slope of the line through n points whose mean is m */
+static double slope_of(const point *p, int n, point m) {
+    double ty = 0.0, tt = 0.0;
+    for (int i = 0; i < n; i++) {
+        ty += (p[i].t - m.t) * (p[i].y - m.y);
+        tt += (p[i].t - m.t) * (p[i].t - m.t);
+    }
+    return tt > 0.0 ? ty / tt : 0.0;
+}
+
+static double slope_of_rows(const series *s, long rows, point m) {
+    const double t0 = s->t[0], y0 = s->y[0];
+    double ty = 0.0, low_ty = 0.0, tt = 0.0, low_tt = 0.0;
+    for (long i = 0; i < rows; i++) {
+        const double t = s->t[(size_t)i * s->stride] - t0 - m.t;
+        dm_sum_add(&ty, &low_ty, t * (s->y[i] - y0 - m.y));
+        dm_sum_add(&tt, &low_tt, t * t);
+    }
+    return tt > 0.0 ? ty / tt : 0.0;
+}
+
+/* standard error of a slope fitted to block means: residuals of n points, n - 2 of them free */
+static double slope_error(const series *s, long rows, point m) {
+    const int n = rows / SHORTEST < BLOCKS ? (int)(rows / SHORTEST) : BLOCKS;
+    point block[BLOCKS];
+    double left = 0.0, tt = 0.0;
+    if (n < 3) return 0.0;
+    for (int i = 0; i < n; i++) block[i] = mean_of(s, rows * i / n, rows * (i + 1) / n);
+    const double slope = slope_of(block, n, m);
+    for (int i = 0; i < n; i++) {
+        const double t = block[i].t - m.t, y = block[i].y - m.y - slope * t;
+        left += y * y;
+        tt += t * t;
+    }
+    return tt > 0.0 ? sqrt(left / (n - 2) / tt) : 0.0;
+}
+
+/* standard error when there are too few rows for blocks: rows taken as independent */
+static double error_of_few(const series *s, long rows, point m, double slope) {
+    double left = 0.0, tt = 0.0;
+    for (long i = 0; i < rows; i++) {
+        const double t = s->t[(size_t)i * s->stride] - s->t[0] - m.t;
+        const double y = s->y[i] - s->y[0] - m.y - slope * t;
+        left += y * y;
+        tt += t * t;
+    }
+    return tt > 0.0 ? sqrt(left / (double)(rows - 2) / tt) : 0.0;
+}
+
+void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y,
+                  long rows) {
+    const series s = {t, y, stride};
+    const point m = mean_of(&s, 0, rows);
+    *out = (dm_drift){.mean = y[0] + m.y};
+    for (long i = 0; i < rows; i++) out->largest = fmax(out->largest, fabs(y[i] - y[0]));
+    if (rows < 3) return;
+    out->slope = slope_of_rows(&s, rows, m);
+    out->error = rows >= 3 * SHORTEST ? slope_error(&s, rows, m)
+                                      : error_of_few(&s, rows, m, out->slope);
+}

@@ -1,0 +1,23 @@
+/* drift.h - does a recorded quantity drift? */
+#ifndef DM_DRIFT_H
+#define DM_DRIFT_H
+
+#include <stddef.h>
+
+typedef struct {
+    double slope;   /* of the least-squares line, per unit of time */
+    double error;   /* its standard error */
+    double mean;    /* of the quantity */
+    double largest; /* max |y - y_0|, against the first row */
+} dm_drift;
+
+/*
+** Fit y[rows] against the times t[0], t[stride], t[2 stride], ... The error comes from the means
+** of blocks, so that an oscillation, whose values are not independent, is not mistaken for many
+** of them: it holds when a block is longer than the oscillation. rows >= 1; with rows < 3 or a
+** time that stands still slope and error are 0.
+*/
+void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y,
+                  long rows);
+
+#endif

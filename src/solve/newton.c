@@ -1,0 +1,146 @@
+#include "solve/newton.h"
+
+#include "linalg/lu.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
+static const double NOISE = 1e-13;     /* and so may a residual, of its terms */
+static const double NEGLIGIBLE =
+    2.5e-4; /* of the tolerance: error left that is not worth a step */
+static const double SLOW = 0.1; /* rate that calls for a new Jacobian */
+enum { HALVINGS = 12 };
+
+typedef struct {
+    const dm_newton_problem *p;
+    double *x, *dx, *r, *trial, *start, *J;
+    uint32_t *pivot;
+    dm_newton_report *report;
+    double step, last; /* |dx| of this iteration and the one before */
+} solver;
+
+size_t dm_newton_work(uint32_t m) {
+    return 4 * (size_t)m + (size_t)m * m + (m + 1) / 2;
+}
+
+/* max |a|, NaN when there is one */
+static double norm(const double *a, uint32_t m) {
+    double largest = 0.0;
+    for (uint32_t i = 0; i < m; i++)
+        if (!(fabs(a[i]) <= largest)) largest = fabs(a[i]);
+    return largest;
+}
+
+static dm_status evaluate(solver *s, const double *x, int with_jacobian) {
+    const dm_status status =
+        s->p->equation(s->p->ctx, s->r, with_jacobian ? s->J : NULL, x);
+    if (status != DM_OK) return status;
+    s->report->residual = norm(s->r, s->p->m);
+    if (!isfinite(s->report->residual)) return DM_NOT_FINITE;
+    if (!with_jacobian) return DM_OK;
+    s->report->jacobians++;
+    return dm_lu_factor(s->J, s->pivot, s->p->m);
+}
+
+/* dx = -J^-1 r, with J = 1 when none was taken */
+static void find_increment(solver *s) {
+    for (uint32_t i = 0; i < s->p->m; i++) s->dx[i] = -s->r[i];
+    if (s->report->jacobians) dm_lu_solve(s->dx, s->J, s->pivot, s->p->m);
+    s->last = s->step;
+    s->step = norm(s->dx, s->p->m);
+    s->report->iterations++;
+}
+
+/* the residual is what rounding its terms leaves */
+static int is_noise(const solver *s) {
+    return s->p->size && s->report->residual <= NOISE * *s->p->size;
+}
+
+/* x + dx is the root to round-off: the error that dx leaves, rate * |dx|, does not count.
+** A first-order correction of results needs a Jacobian; without one |dx| itself must stall. */
+static int is_last(const solver *s) {
+    const double size = norm(s->x, s->p->m) + s->step;
+    const double rate = s->last < INFINITY ? s->step / s->last : SLOW; /* not known yet */
+    const int stalled = rate > 0.5;
+    if (s->step == 0.0) return 1;
+    if (s->report->jacobians && s->step <= s->p->tolerance * size) return 1;
+    if (rate < SLOW && rate * s->step <= NEGLIGIBLE * s->p->tolerance * size) return 1;
+    return stalled && (s->step <= ROUND_OFF * size || is_noise(s));
+}
+
+static void move(double *to, const double *x, const double *dx, double part, uint32_t m) {
+    for (uint32_t i = 0; i < m; i++) to[i] = x[i] + part * dx[i];
+}
+
+/* chord iterations; DM_NO_CONVERGENCE asks for the damped ones */
+static dm_status chord(solver *s) {
+    int fresh = !s->p->near_identity;
+    dm_status status = evaluate(s, s->x, fresh);
+    s->step = INFINITY;
+    while (status == DM_OK && s->report->iterations < s->p->max_iterations) {
+        find_increment(s);
+        if (!isfinite(s->step)) return DM_NO_CONVERGENCE;
+        const int last = is_last(s);
+        move(s->x, s->x, s->dx, 1.0, s->p->m);
+        if (last) return DM_OK;
+        const int slow = s->step > SLOW * s->last;
+        if (fresh && slow && s->step > s->last) return DM_NO_CONVERGENCE;
+        fresh = slow;
+        if (!s->report->jacobians && s->step > s->last)
+            memcpy(s->x, s->start, s->p->m * sizeof *s->x); /* J = 1 led away */
+        status = evaluate(s, s->x, fresh);
+    }
+    return status == DM_OK ? DM_NO_CONVERGENCE : status;
+}
+
+/* the largest of dx, dx/2, dx/4, ... that makes |r| smaller; leaves r there, x moved */
+static dm_status search(solver *s) {
+    const double before = s->report->residual;
+    double part = 1.0;
+    for (int k = 0; k < HALVINGS; k++, part *= 0.5) {
+        move(s->trial, s->x, s->dx, part, s->p->m);
+        const dm_status status = evaluate(s, s->trial, 0);
+        if (status != DM_OK && status != DM_NOT_FINITE) return status;
+        if (status == DM_OK && s->report->residual <= (1.0 - 0.25 * part) * before) {
+            memcpy(s->x, s->trial, s->p->m * sizeof *s->x);
+            return DM_OK;
+        }
+    }
+    s->report->residual = before;
+    return DM_NO_CONVERGENCE;
+}
+
+/* Newton with a Jacobian at every iterate and a line search */
+static dm_status damped(solver *s) {
+    s->step = INFINITY;
+    while (s->report->iterations < s->p->max_iterations) {
+        dm_status status = evaluate(s, s->x, 1);
+        if (status != DM_OK) return status;
+        find_increment(s);
+        if (!isfinite(s->step)) return DM_NOT_FINITE;
+        if (is_last(s)) {
+            move(s->x, s->x, s->dx, 1.0, s->p->m);
+            return DM_OK;
+        }
+        status = search(s);
+        if (status != DM_OK) return status;
+    }
+    return DM_NO_CONVERGENCE;
+}
+
+dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
+                    dm_newton_report *report) {
+    const uint32_t m = problem->m;
+    solver s = {.p = problem, .x = x, .dx = work, .r = work + m, .report = report};
+    s.trial = s.r + m;
+    s.start = s.trial + m;
+    s.J = s.start + m;
+    s.pivot = (uint32_t *)(void *)(s.J + (size_t)m * m);
+    *report = (dm_newton_report){0};
+    memcpy(s.start, x, m * sizeof *x);
+    dm_status status = chord(&s);
+    if (status == DM_OK || status == DM_CALLBACK) return status;
+    memcpy(x, s.start, m * sizeof *x);
+    return damped(&s);
+}
