@@ -27,6 +27,7 @@ typedef struct {
     const dm_node *out; /* [outputs], in the graph's arena */
     uint32_t outputs;
     uint32_t inputs;
+    int bare; /* the result was a number, not a vector or table of one */
 } dml_traced;
 
 /*

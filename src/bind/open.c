@@ -1,0 +1,41 @@
+/* open.c - `require "dm.core"`: every class of classes.def, docs, and the door for Lua modules. */
+#include "bind/bind.h"
+
+/* method(tname, name, f, doc): also for classes whose methods are all in Lua */
+static int add_method(lua_State *L) {
+    const char *tname = luaL_checkstring(L, 1), *name = luaL_checkstring(L, 2);
+    luaL_checktype(L, 3, LUA_TFUNCTION);
+    luaL_checkstring(L, 4);
+    if (luaL_getmetatable(L, tname) != LUA_TTABLE ||
+        lua_getfield(L, -1, "methods") != LUA_TTABLE)
+        return luaL_error(L,
+                          "unknown class '%s': give the name that tostring and help use, "
+                          "for instance \"dm.path\"",
+                          tname);
+    lua_pushvalue(L, 3);
+    lua_setfield(L, -2, name);
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
+    lua_pushvalue(L, 3);
+    lua_pushvalue(L, 4);
+    lua_rawset(L, -3);
+    return 0;
+}
+
+static const dml_row functions[] = {
+    {"method", add_method,
+     "core.method(class, name, f, doc)\n"
+     "Add the Lua function f as method `name` to a class (\"dm.path\"); doc: signature "
+     "line, "
+     "then shapes, units, errors. Raises on an unknown class."},
+    {NULL, NULL, NULL}};
+
+int luaopen_dm_core(lua_State *L) {
+    lua_newtable(L);
+    dml_setfunctions(L, functions);
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
+    lua_setfield(L, -2, "docs");
+#define X(name) dml_open_##name(L);
+#include "bind/classes.def"
+#undef X
+    return 1;
+}

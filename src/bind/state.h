@@ -1,0 +1,50 @@
+/* state.h - what the bindings keep per Lua state: the classes of values, the traces in progress, the
+** memory of arenas. */
+#ifndef DML_STATE_H
+#define DML_STATE_H
+
+#include "bind/value.h"
+
+enum {
+    DML_CLASS_VECTOR,
+    DML_CLASS_MATRIX,
+    DML_CLASS_SYMBOL,
+    DML_CLASS_HYPERDUAL,
+    DML_CLASSES,
+    DML_NO_CLASS = DML_CLASSES
+};
+
+/* A trace in progress: its symbols carry the serial number. */
+typedef struct dml_frame {
+    dm_graph *graph;
+    const char *what; /* "L": the function as messages name it */
+    uint32_t serial;
+    struct dml_frame *next; /* the trace that this one is nested in */
+} dml_frame;
+
+typedef struct {
+    const void *metatable[DML_CLASSES];
+    dml_frame *frames;       /* newest first */
+    uint32_t serial;         /* of the newest trace */
+    int depth;               /* callbacks inside callbacks */
+    size_t held, collect_at; /* bytes of all arenas; where the next collection is due */
+} dml_state;
+
+dml_state *dml_getstate(lua_State *L);
+
+/* Make metatable `tname` the one of values of that class. */
+void dml_setclass(lua_State *L, int class, const char *tname);
+
+/* Class of the userdata at arg, DML_NO_CLASS when it is none of these. */
+int dml_classof(lua_State *L, int arg);
+
+/* Push an empty userdata of the class. */
+void *dml_newvalue(lua_State *L, int class, size_t size, int uservalues);
+
+/* The trace with this number, NULL when it has ended. */
+dml_frame *dml_findframe(lua_State *L, uint32_t serial);
+
+/* Raise when the graph refused to grow. */
+void dml_checkgraph(lua_State *L, const dml_frame *frame);
+
+#endif

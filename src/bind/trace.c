@@ -1,0 +1,203 @@
+/* trace.c - calling a Lua function with symbols, with numbers, and reading what it returns. */
+#include "bind/trace.h"
+
+#include "bind/array.h"
+#include "bind/call.h"
+#include "bind/state.h"
+
+#include <string.h>
+
+uint32_t dml_signature_inputs(const dml_signature *s) {
+    uint32_t n = 0;
+    for (int k = 0; k < s->arguments; k++)
+        n += s->length[k] == DML_SCALAR_ARGUMENT ? 1u : (uint32_t)s->length[k];
+    return n;
+}
+
+/* ---- results ---- */
+
+static const char *type_name(lua_State *L, int arg) {
+    if (luaL_getmetafield(L, arg, "__name") == LUA_TSTRING) return lua_tostring(L, -1);
+    return luaL_typename(L, arg);
+}
+
+static void wrong_result(lua_State *L, const dml_signature *s, int result) {
+    const char *hint = lua_isnil(L, result) ? ": is a return missing?" : "";
+    if (s->outputs == DML_SCALAR_ARGUMENT)
+        luaL_error(L, "%s must return a number, got %s%s", s->what, type_name(L, result),
+                   hint);
+    if (s->outputs == 0)
+        luaL_error(L,
+                   "%s must return a number, or a vector or table of numbers, got %s%s",
+                   s->what, type_name(L, result), hint);
+    luaL_error(L, "%s must return a vector or table of %d numbers, got %s%s", s->what,
+               s->outputs, type_name(L, result), hint);
+}
+
+uint32_t dml_result_length(lua_State *L, const dml_signature *s, int result) {
+    dml_scalar x;
+    const int bare = dml_toscalar(L, result, &x);
+    const long n = bare ? 1 : dml_length(L, result);
+    if (bare && s->outputs <= 0) return 1;
+    if (n < 0 || s->outputs == DML_SCALAR_ARGUMENT || bare) wrong_result(L, s, result);
+    if (s->outputs > 0 && n != s->outputs)
+        luaL_error(L, "%s must return %d numbers, got %d", s->what, s->outputs, (int)n);
+    if (n == 0)
+        luaL_error(L,
+                   "%s must return a number, or a vector or table of numbers, got none",
+                   s->what);
+    return (uint32_t)n;
+}
+
+dml_scalar dml_result_entry(lua_State *L, const dml_signature *s, int result,
+                            uint32_t i) {
+    dml_scalar x;
+    if (dml_toscalar(L, result, &x)) return x;
+    if (dml_toarray(L, result, 1)) return dml_entry(L, result, i);
+    lua_geti(L, result, (lua_Integer)i + 1);
+    if (!dml_toscalar(L, -1, &x))
+        luaL_error(L, "%s must return numbers, but entry %d of its result is %s", s->what,
+                   (int)i + 1, type_name(L, -1));
+    lua_pop(L, 1);
+    return x;
+}
+
+/* ---- calls ---- */
+
+void dml_pushargument(lua_State *L, const dml_signature *s, int k, const dml_scalar *x) {
+    if (s->length[k] == DML_SCALAR_ARGUMENT)
+        dml_pushscalar(L, x);
+    else
+        dml_pushscalars(L, x, (uint32_t)s->length[k]);
+}
+
+/* push the function and its arguments, numbers */
+static void push_numbers(lua_State *L, int fn, const dml_signature *s, const double *in) {
+    lua_pushvalue(L, fn);
+    for (int k = 0; k < s->arguments; k++) {
+        if (s->length[k] == DML_SCALAR_ARGUMENT) {
+            lua_pushnumber(L, *in++);
+            continue;
+        }
+        const uint32_t n = (uint32_t)s->length[k];
+        double *v = dml_pushvector(L, n);
+        if (n) memcpy(v, in, n * sizeof *v);
+        in += n;
+    }
+}
+
+void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double *in,
+                      double *out, uint32_t outputs) {
+    fn = lua_absindex(L, fn);
+    luaL_checkstack(L, s->arguments + 10, NULL);
+    push_numbers(L, fn, s, in);
+    lua_call(L, s->arguments, 1);
+    const int result = lua_gettop(L);
+    const uint32_t n = dml_result_length(L, s, result);
+    if (n != outputs)
+        luaL_error(L, "%s returned %d numbers when it was traced, and %d now", s->what,
+                   (int)outputs, (int)n);
+    for (uint32_t i = 0; i < outputs; i++) {
+        const dml_scalar x = dml_result_entry(L, s, result, i);
+        if (x.kind != DML_NUMBER)
+            luaL_error(L,
+                       "%s returned a %s although its arguments were numbers: is one "
+                       "kept in a global "
+                       "or an upvalue?",
+                       s->what, x.kind == DML_SYMBOL ? "symbol" : "hyper-dual number");
+        out[i] = x.as.number;
+    }
+    lua_settop(L, result - 1);
+}
+
+/* ---- traces ---- */
+
+/* __close and __gc: its symbols are dead from here on */
+static int end_trace(lua_State *L) {
+    const dml_frame *frame = luaL_checkudata(L, 1, "dm.trace");
+    dml_frame **link = &dml_getstate(L)->frames;
+    while (*link && *link != frame) link = &(*link)->next;
+    if (*link) *link = frame->next;
+    return 0;
+}
+
+static dml_frame *begin_trace(lua_State *L, dm_graph *graph, const char *what) {
+    dml_state *state = dml_getstate(L);
+    dml_frame *frame = lua_newuserdatauv(L, sizeof *frame, 0);
+    *frame = (dml_frame){.graph = graph, .what = what};
+    if (luaL_newmetatable(L, "dm.trace")) {
+        lua_pushcfunction(L, end_trace);
+        lua_setfield(L, -2, "__gc");
+        lua_pushcfunction(L, end_trace);
+        lua_setfield(L, -2, "__close");
+    }
+    lua_setmetatable(L, -2);
+    lua_toclose(L, -1);
+    frame->serial = ++state->serial;
+    frame->next = state->frames;
+    state->frames = frame;
+    return frame;
+}
+
+static void push_symbols(lua_State *L, int fn, const dml_signature *s,
+                         const dml_frame *frame) {
+    dml_scalar x = {.kind = DML_SYMBOL, .serial = frame->serial};
+    uint32_t input = 0;
+    lua_pushvalue(L, fn);
+    for (int k = 0; k < s->arguments; k++) {
+        if (s->length[k] == DML_SCALAR_ARGUMENT) {
+            x.as.node = dm_input(frame->graph, input++);
+            dml_pushscalar(L, &x);
+            continue;
+        }
+        const uint32_t n = (uint32_t)s->length[k];
+        dml_array *v = dml_newarray(L, 1, n, 1, &x);
+        for (uint32_t i = 0; i < n; i++) {
+            x.as.node = dm_input(frame->graph, input++);
+            dml_put(L, v, i, &x);
+        }
+    }
+    dml_checkgraph(L, frame);
+}
+
+static void read_result(lua_State *L, const dml_signature *s, const dml_frame *frame,
+                        dml_traced *out) {
+    const int result = lua_gettop(L);
+    const dml_scalar like = {.kind = DML_SYMBOL, .serial = frame->serial};
+    const uint32_t n = dml_result_length(L, s, result);
+    dm_node *nodes = dm_arena_take(dm_graph_arena(frame->graph), n * sizeof *nodes);
+    if (!nodes) luaL_error(L, "not enough memory");
+    for (uint32_t i = 0; i < n; i++) {
+        const dml_scalar x = dml_result_entry(L, s, result, i);
+        if (x.kind == DML_HYPERDUAL)
+            luaL_error(L, "%s returned a hyper-dual number while it was traced", s->what);
+        if (x.kind == DML_SYMBOL && x.serial != frame->serial)
+            luaL_error(L,
+                       "%s returned a symbol of another trace: it was kept in a global "
+                       "or an upvalue",
+                       s->what);
+        nodes[i] = dml_lift(L, &x, &like).as.node;
+    }
+    out->out = nodes;
+    out->outputs = n;
+    out->bare = dml_length(L, result) == 1 && !lua_istable(L, result) &&
+                !dml_toarray(L, result, 1);
+}
+
+void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
+               dml_traced *out) {
+    const uint32_t inputs = dml_signature_inputs(s);
+    const int top = lua_gettop(L);
+    fn = lua_absindex(L, fn);
+    luaL_checkstack(L, s->arguments + 12, NULL);
+    dm_graph *graph = dm_graph_new(arena, inputs);
+    if (!graph) luaL_error(L, "not enough memory");
+    const dml_frame *frame = begin_trace(L, graph, s->what);
+    push_symbols(L, fn, s, frame);
+    lua_call(L, s->arguments, 1);
+    read_result(L, s, frame, out);
+    dml_checkgraph(L, frame);
+    out->graph = graph;
+    out->inputs = inputs;
+    lua_settop(L, top); /* closes the trace */
+}

@@ -1,0 +1,170 @@
+/* trace_check.c - a kernel against plain calls of the function it was traced from. */
+#include "bind/call.h"
+
+#include <math.h>
+
+enum { POINTS = 3 }; /* at each scale */
+static const double scales[] = {1e-3, 0.1, 1.0};
+
+/*
+** Tracing and rewriting the expression change round-off only: differences are measured against the size
+** of the terms, |f| + sum_i |x_i df/dx_i|, since L = T - V may cancel.
+*/
+static const double tolerance = 1e-8, nudge = 1e-6;
+
+typedef struct {
+    const dml_signature *s;
+    const dm_kernel *kernel;
+    int fn;
+    double *x, *plain, *kernel_out, *moved;
+} check;
+
+/* uniform in [-1, 1), the same numbers in every run (xorshift64*, Vigna 2016) */
+static double next_random(uint64_t *state) {
+    *state ^= *state >> 12;
+    *state ^= *state << 25;
+    *state ^= *state >> 27;
+    const uint64_t bits = (*state * 0x2545F4914F6CDD1Du) >> 11;
+    return (double)bits * 0x1p-52 - 1.0;
+}
+
+static void eval(const check *c, double *out) {
+    dm_kernel_prepare(c->kernel, out);
+    dm_kernel_eval(c->kernel, c->x, out);
+}
+
+/* |f_k| + sum_i |x_i df_k/dx_i| by differences of the kernel */
+static double size_of_terms(const check *c, uint32_t k) {
+    double size = fabs(c->kernel_out[k]) + fabs(c->plain[k]);
+    for (uint32_t i = 0; i < c->kernel->inputs; i++) {
+        const double kept = c->x[i];
+        c->x[i] = kept * (1 + nudge);
+        eval(c, c->moved);
+        c->x[i] = kept;
+        if (isfinite(c->moved[k])) size += fabs(c->moved[k] - c->kernel_out[k]) / nudge;
+    }
+    return size;
+}
+
+/* the output where kernel and function differ, or -1 */
+static long mismatch(const check *c) {
+    for (uint32_t k = 0; k < c->kernel->outputs; k++) {
+        const double a = c->kernel_out[k], b = c->plain[k], difference = fabs(a - b);
+        if (!isfinite(a) || !isfinite(b)) continue;
+        if (difference <= tolerance * fmax(fabs(a), fabs(b))) continue;
+        if (difference > tolerance * size_of_terms(c, k)) return (long)k;
+    }
+    return -1;
+}
+
+/* ---- messages ---- */
+
+/* push "(q = ...)": the arguments as a call shows them */
+static const char *push_point(lua_State *L, const check *c) {
+    const double *x = c->x;
+    luaL_Buffer b;
+    luaL_buffinit(L, &b);
+    luaL_addchar(&b, '(');
+    for (int k = 0; k < c->s->arguments; k++) {
+        const int scalar = c->s->length[k] == DML_SCALAR_ARGUMENT;
+        const int n = scalar ? 1 : c->s->length[k], shown = n > 6 ? 6 : n;
+        if (k) luaL_addstring(&b, ", ");
+        if (!scalar) luaL_addchar(&b, '{');
+        for (int i = 0; i < shown; i++) {
+            lua_pushfstring(L, i ? ", %f" : "%f", x[i]);
+            luaL_addvalue(&b);
+        }
+        if (shown < n) luaL_addstring(&b, ", ...");
+        if (!scalar) luaL_addchar(&b, '}');
+        x += n;
+    }
+    luaL_addchar(&b, ')');
+    luaL_pushresult(&b);
+    return lua_tostring(L, -1);
+}
+
+static void raise_mismatch(lua_State *L, check *c, long k) {
+    const char *what = c->s->what, *point = push_point(L, c);
+    const double plain = c->plain[k], traced = c->kernel_out[k];
+    dml_call_numbers(L, c->fn, c->s, c->x, c->plain, c->kernel->outputs);
+    if (c->plain[k] != plain)
+        luaL_error(L,
+                   "%s gives different values for the same arguments: %f and then %f at "
+                   "%s; it must not "
+                   "use random numbers or the time, nor change globals or upvalues",
+                   what, plain, c->plain[k], point);
+    luaL_error(L,
+               "%s is not what its trace says: %f when called, %f when traced, at %s. "
+               "Likely causes: == "
+               "or ~= between a number and an argument, a truth test, type() or "
+               "tostring() of an argument "
+               "(these see a symbol while tracing), or a global that changes. Use "
+               "dm.where(c, a, b), "
+               "dm.abs, dm.max, or derivatives = \"hyperdual\"",
+               what, plain, traced, point);
+}
+
+static void raise_not_finite(lua_State *L, const check *c) {
+    for (uint32_t k = 0; k < c->kernel->outputs; k++) {
+        const double a = c->plain[k], b = c->kernel_out[k], bad = isfinite(a) ? b : a;
+        if (isfinite(bad)) continue;
+        luaL_error(L,
+                   "%s is %s at the start %s: is the start inside its domain (a "
+                   "logarithm, root or "
+                   "quotient)?",
+                   c->s->what, isnan(bad) ? "NaN" : "infinite", push_point(L, c));
+    }
+}
+
+/* ---- the points ---- */
+
+static void check_at(lua_State *L, check *c) {
+    dml_call_numbers(L, c->fn, c->s, c->x, c->plain, c->kernel->outputs);
+    eval(c, c->kernel_out);
+    const long k = mismatch(c);
+    if (k >= 0) raise_mismatch(L, c, k);
+    raise_not_finite(L, c);
+}
+
+/* protected: 1 the check, 2 the function; returns nothing, or the output that differs */
+static int compare(lua_State *L) {
+    check *c = lua_touserdata(L, 1);
+    dml_call_numbers(L, 2, c->s, c->x, c->plain, c->kernel->outputs);
+    eval(c, c->kernel_out);
+    lua_pushinteger(L, mismatch(c));
+    return 1;
+}
+
+/* errors of the function at a made-up point are not the user's fault */
+static void check_near(lua_State *L, check *c) {
+    lua_pushcfunction(L, compare);
+    lua_pushlightuserdata(L, c);
+    lua_pushvalue(L, c->fn);
+    const int status = lua_pcall(L, 2, 1, 0);
+    const long k = status == LUA_OK ? (long)lua_tointeger(L, -1) : -1;
+    if (status == LUA_ERRMEM || (status != LUA_OK && dml_stop)) lua_error(L);
+    lua_pop(L, 1);
+    if (k >= 0) raise_mismatch(L, c, k);
+}
+
+void dml_trace_check(lua_State *L, int fn, const dml_signature *s,
+                     const dm_kernel *kernel, const double *at) {
+    const size_t n = kernel->inputs, m = kernel->outputs;
+    uint64_t random = 0x9E3779B97F4A7C15u;
+    const int top = lua_gettop(L);
+    fn = lua_absindex(L, fn);
+    luaL_checkstack(L, 12, NULL);
+    double *block = lua_newuserdatauv(L, (n + 3 * m + 1) * sizeof *block, 0);
+    check c = {s, kernel, fn, block, block + n, block + n + m, block + n + 2 * m};
+    for (size_t i = 0; i < n; i++) c.x[i] = at ? at[i] : 0.0;
+    if (at) check_at(L, &c);
+    for (size_t k = 0; k < sizeof scales / sizeof *scales * POINTS; k++) {
+        for (size_t i = 0; i < n; i++) {
+            const double centre = at ? at[i] : 0.0;
+            c.x[i] =
+                centre + scales[k / POINTS] * (1 + fabs(centre)) * next_random(&random);
+        }
+        check_near(L, &c);
+    }
+    lua_settop(L, top);
+}

@@ -1,0 +1,177 @@
+/* value.c - scalars of the three kinds: in and out of Lua, and every operation on them. */
+#include "bind/array.h"
+#include "bind/hyperdual.h"
+#include "bind/state.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct {
+    dm_node node;
+    uint32_t serial;
+} symbol;
+
+int dml_toscalar(lua_State *L, int arg, dml_scalar *out) {
+    *out = (dml_scalar){.kind = DML_NUMBER};
+    if (lua_type(L, arg) == LUA_TNUMBER) {
+        out->as.number = lua_tonumber(L, arg);
+        return 1;
+    }
+    const int class = dml_classof(L, arg);
+    if (class == DML_CLASS_SYMBOL) {
+        const symbol *s = lua_touserdata(L, arg);
+        *out = (dml_scalar){.kind = DML_SYMBOL, .serial = s->serial, .as.node = s->node};
+    } else if (class == DML_CLASS_HYPERDUAL) {
+        out->kind = DML_HYPERDUAL;
+        out->as.hyper = *(const dml_hyperdual *)lua_touserdata(L, arg);
+    }
+    return class == DML_CLASS_SYMBOL || class == DML_CLASS_HYPERDUAL;
+}
+
+void dml_pushscalar(lua_State *L, const dml_scalar *x) {
+    if (x->kind == DML_NUMBER) {
+        lua_pushnumber(L, x->as.number);
+    } else if (x->kind == DML_SYMBOL) {
+        symbol *s = dml_newvalue(L, DML_CLASS_SYMBOL, sizeof *s, 0);
+        *s = (symbol){x->as.node, x->serial};
+    } else {
+        dml_hyperdual *h = dml_newvalue(L, DML_CLASS_HYPERDUAL, sizeof *h, 0);
+        *h = x->as.hyper;
+    }
+}
+
+/* ---- kinds ---- */
+
+static dml_frame *live_frame(lua_State *L, uint32_t serial) {
+    dml_frame *frame = dml_findframe(L, serial);
+    if (!frame)
+        luaL_error(
+            L,
+            "a symbol was used after its trace had ended: it was kept in a global or an "
+            "upvalue of the traced function; keep numbers there instead");
+    return frame;
+}
+
+dml_scalar dml_common(lua_State *L, const dml_scalar *a, const dml_scalar *b) {
+    if (a->kind == DML_NUMBER) return *b;
+    if (b->kind == DML_NUMBER) return *a;
+    if (a->kind != b->kind)
+        luaL_error(
+            L,
+            "a symbol and a hyper-dual number cannot be combined: one function is being "
+            "traced while another is differentiated by hyper-dual numbers");
+    if (a->kind == DML_SYMBOL && a->serial != b->serial) {
+        live_frame(L, a->serial);
+        live_frame(L, b->serial);
+        luaL_error(L, "symbols of two traces meet: a function that is traced inside "
+                      "another must not "
+                      "use the outer one's arguments; pass them as arguments");
+    }
+    return *a;
+}
+
+dml_scalar dml_lift(lua_State *L, const dml_scalar *x, const dml_scalar *like) {
+    if (x->kind == like->kind) return *x;
+    if (x->kind != DML_NUMBER || like->kind == DML_NUMBER)
+        luaL_error(L, "a symbol or hyper-dual number cannot become a plain number");
+    dml_scalar lifted = *like;
+    if (like->kind == DML_SYMBOL) {
+        const dml_frame *frame = live_frame(L, like->serial);
+        lifted.as.node = dm_constant(frame->graph, x->as.number);
+        dml_checkgraph(L, frame);
+    } else {
+        lifted.as.hyper = (dml_hyperdual){.f = x->as.number};
+    }
+    return lifted;
+}
+
+/* ---- operations ---- */
+
+static dml_scalar symbolic(lua_State *L, dm_op op, const dml_scalar *x, int n) {
+    const dml_frame *frame = live_frame(L, x[0].serial);
+    dm_node node[3] = {0, 0, 0};
+    for (int k = 0; k < n; k++) node[k] = x[k].as.node;
+    dml_scalar y = x[0];
+    y.as.node = op == DM_OP_POW ? dm_power(frame->graph, node[0], node[1])
+                                : dm_apply(frame->graph, op, node[0], node[1], node[2]);
+    dml_checkgraph(L, frame);
+    return y;
+}
+
+static dml_scalar numeric(dm_op op, const dml_scalar *const x[3], int n) {
+    const double b = n > 1 ? x[1]->as.number : 0.0, c = n > 2 ? x[2]->as.number : 0.0;
+    return (dml_scalar){.kind = DML_NUMBER,
+                        .as.number = dm_op_value(op, x[0]->as.number, b, c)};
+}
+
+dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scalar *b,
+                     const dml_scalar *c) {
+    const dml_scalar *const x[3] = {a, b, c};
+    const int n = dm_op_operands(op);
+    dml_scalar kind = *a, lifted[3];
+    if (op == DM_OP_WHERE && a->kind == DML_NUMBER) return a->as.number > 0 ? *b : *c;
+    for (int k = 1; k < n; k++) kind = dml_common(L, &kind, x[k]);
+    if (kind.kind == DML_NUMBER) return numeric(op, x, n);
+    for (int k = 0; k < n; k++) lifted[k] = dml_lift(L, x[k], &kind);
+    if (kind.kind == DML_SYMBOL) return symbolic(L, op, lifted, n);
+    kind.as.hyper = dml_hyper_apply(op, &lifted[0].as.hyper, &lifted[1].as.hyper,
+                                    &lifted[2].as.hyper);
+    return kind;
+}
+
+/* ---- anything that can stand for a vector ---- */
+
+long dml_length(lua_State *L, int arg) {
+    dml_scalar x;
+    const dml_array *a = dml_toarray(L, arg, 1);
+    if (a) return (long)a->rows;
+    if (lua_istable(L, arg)) {
+        const lua_Integer n = luaL_len(L, arg);
+        return n < 0 || n > UINT32_MAX ? -1 : (long)n;
+    }
+    return dml_toscalar(L, arg, &x) ? 1 : -1;
+}
+
+dml_scalar dml_entry(lua_State *L, int arg, uint32_t i) {
+    dml_scalar x;
+    const dml_array *a = dml_toarray(L, arg, 1);
+    if (a && i < a->rows) return dml_get(a, i);
+    if (!lua_istable(L, arg)) {
+        if (!dml_toscalar(L, arg, &x))
+            luaL_error(L, "a number expected, got %s", luaL_typename(L, arg));
+        return x;
+    }
+    luaL_checkstack(L, 4, NULL);
+    lua_geti(L, arg, (lua_Integer)i + 1);
+    if (!dml_toscalar(L, -1, &x))
+        luaL_error(L, "entry %d must be a number, got %s", (int)i + 1,
+                   luaL_typename(L, -1));
+    lua_pop(L, 1);
+    return x;
+}
+
+/* what stands at arg instead of a vector */
+static const char *found(lua_State *L, int arg) {
+    return lua_type(L, arg) == LUA_TNUMBER ? "a number" : luaL_typename(L, arg);
+}
+
+void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_t n) {
+    arg = lua_absindex(L, arg);
+    const long length = dml_length(L, arg);
+    if (length < 0 || (lua_type(L, arg) == LUA_TNUMBER && n != 1))
+        luaL_error(L, "%s must be a vector or table of %d numbers (got %s)", name, (int)n,
+                   found(L, arg));
+    if (length != (long)n)
+        luaL_error(L, "%s must have %d entries (got %d)", name, (int)n, (int)length);
+    for (uint32_t i = 0; i < n; i++) {
+        const dml_scalar x = dml_entry(L, arg, i);
+        if (x.kind != DML_NUMBER)
+            luaL_error(L, "%s: entry %d is a %s, but a plain number is needed here", name,
+                       (int)i + 1,
+                       x.kind == DML_SYMBOL ? "symbol of a trace" : "hyper-dual number");
+        if (!isfinite(x.as.number))
+            luaL_error(L, "%s: entry %d is not finite (%f)", name, (int)i + 1,
+                       x.as.number);
+        out[i] = x.as.number;
+    }
+}
