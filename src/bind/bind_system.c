@@ -119,10 +119,11 @@ static int system_new(lua_State *L) {
 
 /* x = (q, v, t) from arguments 2, 3 and the optional 4; t = 0 when it is left out */
 static double *arguments(lua_State *L, const dml_system *s, const char *second) {
+    const double t = luaL_optnumber(L, 4, 0.0);
     double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
     dml_vectorarg(L, 2, "q", x, s->n);
     dml_vectorarg(L, 3, second, x + s->n, s->n);
-    x[2 * s->n] = luaL_optnumber(L, 4, 0.0);
+    x[2 * s->n] = t;
     return x;
 }
 

@@ -120,8 +120,7 @@ uint32_t dml_path_find(lua_State *L, const char *name) {
     return (uint32_t)c;
 }
 
-static const dml_row columns_meta[] = {{"__index", columns_index, NULL},
-                                       {"__len", columns_len, NULL},
+static const dml_row columns_meta[] = {{"__len", columns_len, NULL},
                                        {"__tostring", columns_tostring, NULL},
                                        {NULL, NULL, NULL}};
 
@@ -129,5 +128,5 @@ void dml_path_open_columns(lua_State *L) {
     dml_newclass(L, COLUMNS,
                  "dm.columns: path.t, path.q, path.p; columns[i] is row i, #columns the "
                  "number of rows",
-                 columns_meta, NULL, NULL);
+                 columns_meta, NULL, columns_index);
 }

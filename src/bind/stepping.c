@@ -40,6 +40,9 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                    "rule '%s' needs a "
                    "regular Lagrangian",
                    s->nodes[0].name);
+    const char *refusal =
+        s->method->fits ? s->method->fits(s->nodes, &r->model->model) : NULL;
+    if (refusal) luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = s->method->wants(s->nodes, &r->model->model);
     dml_want(L, r->model,
              r->wants | DM_WANT_VALUE | (s->pair ? DM_WANT_PAIR : DM_WANT_MASS),

@@ -1,0 +1,90 @@
+#include "integ/splitting.h"
+
+#include <string.h>
+
+/* workspace: the table, then x = (q, v, t), force[n] */
+typedef struct {
+    dm_splitting table;
+    double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
+} layout;
+
+void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {
+    out->stages = s;
+    for (int k = 0; k <= s; k++) {
+        const double before = k > 0 ? gamma[k - 1] : 0.0, after = k < s ? gamma[k] : 0.0;
+        out->b[k] = 0.5 * (before + after);
+        if (k < s) out->a[k] = gamma[k];
+    }
+}
+
+static size_t layout_size(void) {
+    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+}
+
+size_t dm_splitting_work(uint32_t n) {
+    return layout_size() + 3 * (size_t)n + 1;
+}
+
+void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
+    layout *l = (layout *)(void *)s->work;
+    l->table = *table;
+    l->c[0] = 0.0;
+    for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
+    l->c[table->stages] = 1.0;
+}
+
+/* y += d with the low-order part kept in *low (Kahan 1965) */
+static inline void add(double *y, double *low, double d) {
+    const double correction = d + *low, sum = *y + correction;
+    *low = correction - (sum - *y);
+    *y = sum;
+}
+
+static inline void kick(uint32_t n, double *p, double *low, double hb,
+                        const double *force) {
+    for (uint32_t i = 0; i < n; i++) add(p + i, low + i, hb * force[i]);
+}
+
+/* q += h a M^-1 (p - shift) */
+static inline void drift(const dm_model *m, double *q, double *low, double ha,
+                         const double *p) {
+    const uint32_t n = m->n;
+    const double *w = m->inverse_mass, *shift = m->momentum_shift;
+    if (m->structure & DM_DIAGONAL_MASS) {
+        for (uint32_t i = 0; i < n; i++) add(q + i, low + i, ha * (w[i] * p[i]));
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        double v = 0.0;
+        for (uint32_t j = 0; j < n; j++) v += w[i * n + j] * (p[j] - shift[j]);
+        add(q + i, low + i, ha * v);
+    }
+}
+
+dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count,
+                               long *done) {
+    const dm_model *m = s->model;
+    const uint32_t n = m->n;
+    const layout *l = (const layout *)(const void *)s->work;
+    const dm_splitting *table = &l->table;
+    double *x = s->work + layout_size(), *force = x + 2 * n + 1;
+    double *p = state + n, *low_q = state + 2 * n, *low_p = state + 3 * n;
+    memcpy(x, state, n * sizeof *x);
+    x[2 * n] = t;
+    dm_kernel_prepare(&m->force, force);
+    if (table->b[0] != 0.0) dm_kernel_eval(&m->force, x, force);
+    for (*done = 0; *done < count; ++*done) {
+        const double now = t + (double)*done * s->h;
+        if (table->b[0] != 0.0) kick(n, p, low_p, s->h * table->b[0], force);
+        for (int k = 0; k < table->stages; k++) {
+            drift(m, x, low_q, s->h * table->a[k], p);
+            x[2 * n] = now + l->c[k + 1] * s->h;
+            if (table->b[k + 1] == 0.0) continue; /* ends with a drift */
+            dm_kernel_eval(&m->force, x, force);
+            kick(n, p, low_p, s->h * table->b[k + 1], force);
+        }
+    }
+    memcpy(state, x, n * sizeof *x);
+    s->report.evaluations += 1 + count * table->stages;
+    return DM_OK;
+}

@@ -1,0 +1,37 @@
+/*
+** splitting.h - explicit kick-drift schemes for L = T(v) - V(q, t) with constant mass:
+** kick b_1, drift a_1, kick b_2, ..., drift a_s, kick b_(s+1), with force L_q and v =
+*M^-1 (p - shift).
+** Every explicit rule is one such table: Stoermer-Verlet, its compositions,
+*Runge-Kutta-Nystroem splittings.
+*/
+#ifndef DM_SPLITTING_H
+#define DM_SPLITTING_H
+
+#include "integ/method.h"
+
+enum { DM_SPLITTING_STAGES = 40 };
+
+typedef struct {
+    int stages;                        /* s drifts, s + 1 kicks */
+    double b[DM_SPLITTING_STAGES + 1]; /* kicks, sum 1 */
+    double a[DM_SPLITTING_STAGES];     /* drifts, sum 1 */
+} dm_splitting;
+
+/* Table of the composition of Stoermer-Verlet steps gamma_1 h, ..., gamma_s h;
+ * neighbouring kicks are merged. */
+void dm_splitting_compose(dm_splitting *out, const double *gamma, int s);
+
+/* Doubles of workspace for n coordinates, the table included. */
+size_t dm_splitting_work(uint32_t n);
+
+/* Lay the table into s->work; the model needs DM_WANT_FORCE and a constant mass. */
+void dm_splitting_open(dm_stepper *s, const dm_splitting *table);
+
+/* `count` steps; the force after a step is the force before the next one, so a step costs
+*s evaluations.
+** Positions and momenta are summed with compensation. */
+dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count,
+                               long *done);
+
+#endif

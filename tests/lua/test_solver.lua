@@ -1,0 +1,152 @@
+-- dm.solver and dm.path as a script sees them: starts, recording, quantities, failures, misuse
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sin, cos, sqrt, abs, pi = math.sin, math.cos, math.sqrt, math.abs, math.pi
+
+local kepler = dm.system { name = "Kepler", Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local start = { q = { 0.4, 0 }, v = { 0, 2 } }
+
+-- recording
+local path = kepler:solver { rule = "verlet", h = 0.01 }:run { q = start.q, v = start.v, steps = 25, every = 10 }
+ok(#path == 4, "start, every tenth step and the end are kept", #path)
+near(path.t[4], 0.25, 1e-16, "the last row is the end"); near(path.t[3], 0.2, 1e-16, "t = t0 + k h")
+ok(path.q[1][1] == 0.4 and path.p[1][2] == 2, "the first row is the start")
+ok(table.concat(path.columns, " ") == "t q1 q2 p1 p2", "columns are named")
+ok(path:column "q1"[4] == path.q[4][1], "a column by its name")
+ok(path.q[5] == nil, "one past the end is nil, so that ipairs stops")
+local count = 0
+for _ in ipairs(path.q) do count = count + 1 end
+ok(count == 4, "ipairs over a column")
+near(path:velocity()[1][2], 2, 0, "velocity from momentum")
+ok(tostring(path):find "25 steps of verlet", "a path prints itself as a sentence", tostring(path))
+local none = kepler:solver { rule = "verlet", h = 0.01 }:run { q = start.q, v = start.v, steps = 0 }
+ok(#none == 1 and none.t[1] == 0, "no steps: the start alone")
+local shifted = kepler:solver { rule = "verlet", h = 0.01 }:run { q = start.q, v = start.v, t = 0.245, t0 = 5 }
+ok(#shifted == 26 and abs(shifted.t[26] - 5.25) < 1e-14, "a duration is covered by whole steps", shifted.t[#shifted])
+
+-- the three ways to start agree
+for _, rule in ipairs { "verlet", "midpoint", "trapezoidal", "gauss(2)", "lobatto(3)" } do
+  local solver = kepler:solver { rule = rule, h = 0.01 }
+  local a = solver:run { q = start.q, v = start.v, steps = 50 }
+  local b = solver:run { q = start.q, p = start.v, steps = 50 }
+  local c = solver:run { q0 = a.q[1], q1 = a.q[2], steps = 50 }
+  ok(a.q[51] == b.q[51], rule .. ": q, v = q, p")
+  near((a.q[51] - c.q[51]):norm(), 0, 2e-12, rule .. ": q0, q1 starts the same path")
+end
+
+-- the same numbers by plain hand-written Verlet
+local x, y, vx, vy, h = 0.4, 0, 0, 2, 0.01
+for _ = 1, 100 do
+  local r3 = (x * x + y * y) ^ 1.5
+  vx, vy = vx - h / 2 * x / r3, vy - h / 2 * y / r3
+  x, y = x + h * vx, y + h * vy
+  r3 = (x * x + y * y) ^ 1.5
+  vx, vy = vx - h / 2 * x / r3, vy - h / 2 * y / r3
+end
+path = kepler:solver { rule = "verlet", h = h }:run { q = start.q, v = start.v, steps = 100 }
+near(path.q[101][1], x, 1e-13, "Verlet is Verlet, q1"); near(path.p[101][2], vy, 1e-13, "and p2")
+
+-- Noether
+path = kepler:solver { rule = "midpoint", h = 0.05 }:run { q = start.q, v = start.v, steps = 1000 }
+local J = path:momentum(dm.SO(2))
+local mine = path:momentum(function(q) return { -q[2], q[1] } end)
+near(J[1], 0.8, 1e-15, "angular momentum of the start")
+ok(J == mine, "a generator written in Lua gives the same momentum")
+local worst = 0
+for i = 1, #J do worst = math.max(worst, abs(J[i] - 0.8)) end
+ok(worst < 1e-13, "midpoint keeps it to round-off", worst)
+local three = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local cross = three:solver { rule = "verlet", h = 0.05 }:run { q = { 1, 0.2, 0.3 }, v = { 0, 0.9, 0.1 }, steps = 3 }
+local M = cross:momentum(dm.SO(3))
+near(M[1][1], 0.2 * 0.1 - 0.3 * 0.9, 1e-16, "SO(3): q x p, first component"); near(M[1][3], 0.9, 1e-16, "third component")
+near(cross:momentum(dm.SO(2))[1], 0.9, 1e-16, "SO(2) on R^3 turns about the third axis")
+
+-- drift: a damped-looking explicit method drifts, a symplectic one does not
+local rk = kepler:solver { rule = "rk4", h = 0.05 }:run { q = start.q, v = start.v, steps = 20000, every = 10 }:drift "energy"
+local sy = kepler:solver { rule = "verlet", h = 0.01 }:run { q = start.q, v = start.v, steps = 100000, every = 10 }:drift "energy"
+ok(abs(rk.per_time) > 10 * rk.error and rk.per_time < 0, "RK4 loses energy, and the drift says so", rk.per_time)
+ok(abs(sy.per_time) < 5 * sy.error + 1e-12, "Verlet does not", sy.per_time .. " +- " .. sy.error)
+
+-- a user's own discrete Lagrangian
+local Ld = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(q0, q1, h)
+  local v, m = (q1[1] - q0[1]) / h, (q0[1] + q1[1]) / 2
+  return h * (v ^ 2 / 2 - m ^ 2 / 2)
+end }
+-- -D1 = (q1 - q0)/h + h (q0 + q1)/4,  D2 = (q1 - q0)/h - h (q0 + q1)/4
+near(Ld:legendre_minus({ 1 }, { 1.2 })[1], 2 + 0.055, 1e-14, "p0 = -D1 Ld")
+near(Ld:legendre_plus({ 1 }, { 1.2 })[1], 2 - 0.055, 1e-14, "p1 = D2 Ld")
+near(Ld:two_form({ 1 }, { 1.2 })[1][1], 10 + 0.025, 1e-13, "-D1D2 Ld")
+near(Ld({ 1 }, { 1.2 }), 0.1 * (2 - 1.21 / 2), 1e-15, "the value of Ld")
+-- linear: q2 = 2 c q1 - q0 with c = (1 - h^2/4)/(1 + h^2/4)
+local c = (1 - 0.0025) / (1 + 0.0025)
+near(dm.solver { Ld }:step({ 1 }, { 1.2 })[1], 2 * c * 1.2 - 1, 1e-14, "discrete Euler-Lagrange step in closed form")
+path = dm.solver { Ld }:run { q0 = { 1 }, q1 = { 1.2 }, steps = 2 }
+near(path.q[3][1], 2 * c * 1.2 - 1, 1e-14, "run from two positions")
+local composed = dm.discrete_lagrangian(kepler, { rule = "midpoint", h = 0.02 })
+local a = dm.solver { composed }:run { q = start.q, p = start.v, steps = 300 }
+local b = kepler:solver { rule = "midpoint", h = 0.02 }:run { q = start.q, v = start.v, steps = 300 }
+near((a.q[301] - b.q[301]):norm(), 0, 1e-12, "composed from a system = the built-in rule")
+near(composed:momentum(dm.SO(2), { 1, 0 }, { 1, 0.1 })[1], composed:momentum(dm.SO(2), { 0, 1 }, { -0.1, 1 })[1], 1e-14, "discrete momentum is invariant")
+
+-- hyper-dual and traced give the same path
+local function model(mode) return dm.system { Q = dm.R(2), derivatives = mode, L = function(q, v) return v:dot(v) / 2 * (1 + q[1] ^ 2 / 10) - cos(q[1]) * sin(q[2]) end } end
+for _, rule in ipairs { "verlet", "gauss(2)", "rk4" } do
+  local e = model "exact":solver { rule = rule, h = 0.05 }:run { q = { 0.3, 0.1 }, v = { 0.5, -0.2 }, steps = 100 }
+  local d = model "hyperdual":solver { rule = rule, h = 0.05 }:run { q = { 0.3, 0.1 }, v = { 0.5, -0.2 }, steps = 100 }
+  near((e.q[101] - d.q[101]):norm(), 0, 1e-13, rule .. ": hyper-dual = traced")
+end
+
+-- failures carry what was computed
+-- L = v^2/2 + exp q: the midpoint velocity V = v0 + (h/2) exp(q0 + h V/2) has no root for h = 2, v0 = q0 = 0
+local steep = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.exp(q[1]) end }
+local fine, failure = pcall(function() return steep:solver { rule = "midpoint", h = 2 }:run { q = { -9 }, v = { 0 }, steps = 1000 } end)
+ok(not fine and failure.code == "no_convergence" and failure.step >= 1 and #failure.path == failure.step, "no convergence: code, step and path", failure)
+ok(tostring(failure):find "try", "and what to try")
+local bowl = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + sqrt(1 - q[1] ^ 2) end }
+fine, failure = pcall(function() return bowl:solver { rule = "verlet", h = 0.05 }:run { q = { 0 }, v = { 10 }, steps = 100 } end)
+ok(not fine and failure.code == "not_finite" and #failure.path >= 1, "leaving the domain: not_finite", failure)
+for i = 1, #failure.path do ok(failure.path.q[i][1] == failure.path.q[i][1], "row " .. i .. " of the kept path is finite") end
+
+-- an error inside the user's function during a run is the user's own error
+local calls, own = 0, setmetatable({}, { __tostring = function() return "mine" end })
+local moody = dm.system { Q = dm.R(1), derivatives = "hyperdual", L = function(q, v) calls = calls + 1; if calls > 50 then error(own) end return v[1] ^ 2 / 2 - q[1] ^ 2 end }
+fine, failure = pcall(function() return moody:solver { rule = "verlet", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 1000 } end)
+ok(not fine and rawequal(failure, own), "the user's own error object comes back", failure)
+
+-- misuse
+local good = kepler:solver { rule = "verlet", h = 0.01 }
+raises("field 'h'", function() kepler:solver { rule = "verlet" } end)
+raises("field 'h'", function() kepler:solver { rule = "verlet", h = -1 } end)
+raises("rule", function() kepler:solver { h = 1 } end)
+raises("did you mean 'verlet'", function() kepler:solver { rule = "verlat", h = 1 } end)
+raises("gauss", function() kepler:solver { rule = "gauss(0)", h = 1 } end)
+raises("gauss", function() kepler:solver { rule = "gauss", h = 1 } end)
+raises("rule", function() kepler:solver { rule = "gauss(2", h = 1 } end)
+raises("del", function() kepler:solver { rule = "del", h = 1 } end)
+raises("did you mean", function() kepler:solver { rule = "verlet", h = 1, newtno = {} } end)
+raises("tolerance", function() kepler:solver { rule = "verlet", h = 1, newton = { tolerance = -1 } } end)
+raises("backend", function() kepler:solver { rule = "verlet", h = 1, backend = "quantum" } end)
+raises("steps", good.run, good, { q = start.q, v = start.v })
+raises("steps", good.run, good, { q = start.q, v = start.v, steps = -1 })
+raises("steps", good.run, good, { q = start.q, v = start.v, steps = 0 / 0 })
+raises("every", good.run, good, { q = start.q, v = start.v, steps = 1, every = 0 })
+raises("'v'", good.run, good, { q = start.q, steps = 1 })
+raises("mixture", good.run, good, { q = start.q, q0 = start.q, q1 = start.q, steps = 1 })
+raises("q1", good.run, good, { q0 = start.q, steps = 1 })
+raises("q", good.run, good, { q = { 0.4, "x" }, v = start.v, steps = 1 })
+raises("q", good.run, good, { q = { 0.4, 0 / 0 }, v = start.v, steps = 1 })
+raises("memory", good.run, good, { q = start.q, v = start.v, steps = 10 ^ 13 })
+raises("no velocity", function() dm.solver { Ld }:run { q = { 1 }, v = { 0 }, steps = 1 } end)
+raises("no column 'q7'", path.column, path, "q7")
+raises("no energy", function() return a:energy() end)
+raises("rows 1 to", function() return path.q[99] end)
+raises("row number", function() return path.q.x end)
+raises("block", function() return dm.system { Q = dm.R(6), L = function(q, v) return v:dot(v) / 2 end }:solver { rule = "verlet", h = 1 }:run { q = { 1, 2, 3, 4, 5, 6 }, v = { 1, 2, 3, 4, 5, 6 }, steps = 1 }:momentum(dm.SO(2)) end)
+raises("degenerate", function() return dm.system { Q = dm.R(2), L = function(q, v) return q[1] * v[2] - q[2] ^ 2 end }:solver { rule = "midpoint", h = 0.1 }:run { q = { 1, 0 }, v = { 0, 0 }, steps = 1 } end)
+raises("report", function() return kepler:solver { rule = "verlet", h = 1 }:report() end)
+good:run { q = start.q, v = start.v, steps = 10 }
+local report = good:report()
+ok(report.steps == 10 and report.operations > 0 and report.compile_ms > 0 and report.order == 2, "the report of a run")
+ok(#dm.rules() >= 8, "dm.rules lists the rules", #dm.rules())
+tap.done()

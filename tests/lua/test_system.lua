@@ -1,0 +1,74 @@
+-- dm.system, its Legendre transform and structure, as a script sees them: results, then misuse
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sin, cos, sqrt = math.sin, math.cos, math.sqrt
+
+local kepler = dm.system { name = "Kepler", Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local s = kepler:structure()
+ok(s.separable and s.constant_mass and s.diagonal_mass and s.autonomous, "the Kepler Lagrangian is separable with constant mass")
+ok(#s.cyclic == 0, "no Cartesian coordinate of Kepler is cyclic")
+near(kepler:energy({ 0.4, 0 }, { 0, 2 }), -0.5, 1e-15, "energy of the start is -1/2")
+near(kepler:lagrangian({ 0.4, 0 }, { 0, 2 }), 4.5, 1e-14, "value of L")
+near(kepler:legendre({ 0.4, 0 }, { 0, 2 })[2], 2, 0, "p = v for unit mass")
+ok(tostring(kepler):find "Kepler" and tostring(kepler):find "separable", "a system prints itself as a sentence", tostring(kepler))
+ok(kepler:graph():find "q1", "graph() names the coordinates")
+
+-- polar coordinates: theta cyclic, mass depends on r
+local polar = dm.system { Q = dm.R(2), coordinates = { "r", "theta" },
+  L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 + 1 / q[1] end }
+s = polar:structure()
+ok(not s.separable and not s.constant_mass and s.cyclic[1] == "theta" and #s.cyclic == 1, "theta is found cyclic in polar coordinates")
+local p = polar:legendre({ 2, 0.3 }, { 0.1, 0.5 })
+near(p[1], 0.1, 0, "p_r = r'"); near(p[2], 2, 1e-15, "p_theta = r^2 theta'")
+local v = polar:velocity({ 2, 0.3 }, p)
+near(v[1], 0.1, 1e-16, "velocity inverts the Legendre transform, r'"); near(v[2], 0.5, 1e-16, "and theta'")
+near(polar:mass({ 2, 0.3 }, { 0, 0 })[2][2], 4, 1e-15, "mass matrix entry r^2")
+
+-- a mass matrix that is not diagonal, a term linear in v, an explicit time
+local coupled = dm.system { Q = dm.R(2), L = function(q, v, t)
+  return v[1] ^ 2 + v[2] ^ 2 / 2 + v[1] * v[2] + 3 * v[1] - q[1] ^ 2 / 2 - q[2] ^ 2 + q[1] * sin(t) end }
+s = coupled:structure()
+ok(s.separable and s.constant_mass and not s.diagonal_mass and not s.autonomous, "coupled masses and time are recognised")
+p = coupled:legendre({ 0, 0 }, { 0.2, -0.7 })
+near(p[1], 0.4 - 0.7 + 3, 1e-15, "p1 with the linear term"); near(p[2], -0.5, 1e-15, "p2")
+v = coupled:velocity({ 0, 0 }, p)
+near(v[1], 0.2, 1e-15, "v1 back"); near(v[2], -0.7, 1e-15, "v2 back")
+near(coupled:lagrangian({ 1, 0 }, { 0, 0 }, 0.5), sin(0.5) - 0.5, 1e-15, "L at t = 0.5")
+
+-- relativistic particle: the Legendre transform is not linear
+local fast = dm.system { Q = dm.R(1), L = function(q, v) return -sqrt(1 - v[1] ^ 2) end }
+p = fast:legendre({ 0 }, { 0.8 })
+near(p[1], 0.8 / 0.6, 1e-15, "relativistic momentum")
+near(fast:velocity({ 0 }, p)[1], 0.8, 1e-15, "and back by Newton")
+
+-- parameters
+local oscillator = dm.system { Q = dm.R(1), params = { k = 9 }, L = function(q, v, t, p) return v[1] ^ 2 / 2 - p.k * q[1] ^ 2 / 2 end }
+near(oscillator:energy({ 1 }, { 0 }), 4.5, 1e-15, "params reach L")
+
+-- hyper-dual derivatives of what cannot be traced
+local clipped = dm.system { Q = dm.R(1), derivatives = "hyperdual",
+  L = function(q, v) if q[1] > 0 then return v[1] ^ 2 / 2 - q[1] ^ 2 end return v[1] ^ 2 / 2 - q[1] ^ 4 end }
+near(clipped:energy({ 2 }, { 3 }), 4.5 + 4, 1e-14, "energy on hyper-dual numbers")
+near(clipped:energy({ -2 }, { 3 }), 4.5 + 16, 1e-14, "on the other branch")
+near(clipped:legendre({ 2 }, { 3 })[1], 3, 0, "momentum on hyper-dual numbers")
+
+-- misuse
+raises("'Q' must be a space", dm.system, { L = function() return 1 end })
+raises("no global coordinates", dm.system, { Q = dm.SO(3), L = function() return 1 end })
+raises("'L' must be a function", dm.system, { Q = dm.R(1) })
+raises("did you mean", dm.system, { Q = dm.R(1), L = function() return 1 end, nmae = "x" })
+raises("'coordinates' must be", dm.system, { Q = dm.R(2), L = function(q, v) return v[1] ^ 2 end, coordinates = { "x" } })
+raises("'derivatives' must be", dm.system, { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 end, derivatives = "none" })
+raises("where", dm.system, { Q = dm.R(1), L = function(q, v) if q[1] > 0 then return v[1] ^ 2 end return 2 * v[1] ^ 2 end })
+raises("number", dm.system, { Q = dm.R(1), L = function() end })
+raises("not finite", kepler.energy, kepler, { 0, 0 }, { 0, 1 })
+raises("q", kepler.energy, kepler, { 0 }, { 0, 1 })
+raises("dm.system", kepler.energy, 3, { 0 }, { 0, 1 })
+raises("whole number", dm.R, 0)
+raises("no velocity", fast.velocity, dm.system { Q = dm.R(1), L = function(q, v) return q[1] * v[1] end }, { 1 }, { 1 })
+
+-- standard actions
+ok(dm.SO(3).dimension == 3 and dm.SO(4).dimension == 6 and dm.T(2).dimension == 2, "dimensions of groups")
+ok(dm.R(2) == dm.R(2) and dm.R(2) ~= dm.R(3) and tostring(dm.SO(2)) == "SO(2)", "spaces compare and print")
+tap.done()
