@@ -132,21 +132,25 @@ long dml_length(lua_State *L, int arg) {
     return dml_toscalar(L, arg, &x) ? 1 : -1;
 }
 
-dml_scalar dml_entry(lua_State *L, int arg, uint32_t i) {
-    dml_scalar x;
+/* entry i, or 0 with *type what stands there instead */
+static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const char **type) {
     const dml_array *a = dml_toarray(L, arg, 1);
-    if (a && i < a->rows) return dml_get(a, i);
-    if (!lua_istable(L, arg)) {
-        if (!dml_toscalar(L, arg, &x))
-            luaL_error(L, "a number expected, got %s", luaL_typename(L, arg));
-        return x;
-    }
+    *type = luaL_typename(L, arg);
+    if (a && i < a->rows) return *x = dml_get(a, i), 1;
+    if (!lua_istable(L, arg)) return dml_toscalar(L, arg, x);
     luaL_checkstack(L, 4, NULL);
     lua_geti(L, arg, (lua_Integer)i + 1);
-    if (!dml_toscalar(L, -1, &x))
-        luaL_error(L, "entry %d must be a number, got %s", (int)i + 1,
-                   luaL_typename(L, -1));
+    const int there = dml_toscalar(L, -1, x);
+    *type = luaL_typename(L, -1);
     lua_pop(L, 1);
+    return there;
+}
+
+dml_scalar dml_entry(lua_State *L, int arg, uint32_t i) {
+    dml_scalar x;
+    const char *type;
+    if (!read_entry(L, arg, i, &x, &type))
+        luaL_error(L, "entry %d must be a number, got %s", (int)i + 1, type);
     return x;
 }
 
@@ -164,7 +168,10 @@ void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_
     if (length != (long)n)
         luaL_error(L, "%s must have %d entries (got %d)", name, (int)n, (int)length);
     for (uint32_t i = 0; i < n; i++) {
-        const dml_scalar x = dml_entry(L, arg, i);
+        dml_scalar x;
+        const char *type;
+        if (!read_entry(L, arg, i, &x, &type))
+            luaL_error(L, "%s: entry %d must be a number, got %s", name, (int)i + 1, type);
         if (x.kind != DML_NUMBER)
             luaL_error(L, "%s: entry %d is a %s, but a plain number is needed here", name,
                        (int)i + 1,
