@@ -171,6 +171,11 @@ static int system_legendre(lua_State *L) {
     return 1;
 }
 
+/* a function of its own, so that help finds its own text */
+static int system_momentum(lua_State *L) {
+    return system_legendre(L);
+}
+
 static int system_mass(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *p =
@@ -306,7 +311,7 @@ static const dml_row methods[] = {
      "system:legendre(q, v [, t]) -> dm.vector\n"
      "The momentum p = dL/dv of dim Q entries (the Legendre transform); inverse: "
      "system:velocity."},
-    {"momentum", system_legendre,
+    {"momentum", system_momentum,
      "system:momentum(q, v [, t]) -> dm.vector\nThe same as system:legendre."},
     {"velocity", system_velocity,
      "system:velocity(q, p [, t]) -> dm.vector\n"

@@ -25,6 +25,8 @@ typedef struct {
     unsigned traits;
     /* NULL when the arguments of the rule fit, else a static sentence */
     const char *(*check)(const dm_rule *rule);
+    /* NULL when the rule can step the model, else a static sentence; may be NULL itself: any model */
+    const char *(*fits)(const dm_rule *rule, const dm_model *m);
     int (*order)(const dm_rule *rule);
     unsigned (*wants)(const dm_rule *rule, const dm_model *m); /* DM_WANT_*; may depend on m->structure */
     size_t (*work)(const dm_rule *rule, const dm_model *m);    /* doubles of workspace */

@@ -283,6 +283,7 @@ dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     g->state = state;
     g->t = t;
+    g->h = stepper->h; /* a composition changes it from step to step */
     g->evaluations = 0;
     const dm_status status =
         g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
