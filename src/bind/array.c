@@ -135,27 +135,39 @@ static void change_kind(lua_State *L, dml_array *h, const dml_scalar *kind) {
     lua_pop(L, 1);
 }
 
-/* a vector of dead symbols that is filled anew with numbers may forget them */
-static int holds_dead_symbols(lua_State *L, const dml_scalar *kind) {
-    return kind->kind == DML_SYMBOL && !dml_findframe(L, kind->serial);
+/* entries that belong to a trace that has ended become NaN: a scratch vector of a traced function is
+** filled anew by every call, and what was not filled is found */
+static void forget_symbols(lua_State *L, dml_array *h) {
+    const uint32_t n = dml_size(h);
+    double *entries = lua_newuserdatauv(L, (size_t)n * sizeof *entries, 0);
+    for (uint32_t i = 0; i < n; i++) entries[i] = NAN;
+    lua_setiuservalue(L, -2, 1);
+    h->kind = DML_NUMBER;
+    h->serial = 0;
+    h->entries = entries;
+}
+
+static int holds_dead_symbols(lua_State *L, const dml_array *h) {
+    return h->kind == DML_SYMBOL && !dml_findframe(L, h->serial);
+}
+
+/* give the array on top (or its owner) the kind that holds its entries and x */
+static void make_room_for(lua_State *L, dml_array *a, const dml_scalar *x) {
+    dml_array *h = a->owner ? a->owner : a;
+    if (a->owner) lua_getiuservalue(L, -1, 1), lua_remove(L, -2);
+    if (holds_dead_symbols(L, h)) forget_symbols(L, h);
+    const dml_scalar kind = dml_kindof(h), common = dml_common(L, &kind, x);
+    if (common.kind != kind.kind) change_kind(L, h, &common);
 }
 
 void dml_assign(lua_State *L, int arg, uint32_t i, const dml_scalar *x) {
     dml_array *a = lua_touserdata(L, arg);
     const dml_scalar kind = dml_kindof(a);
     if (x->kind != kind.kind || x->serial != kind.serial) {
-        if (holds_dead_symbols(L, &kind))
-            luaL_error(L,
-                       "this %s holds symbols of a trace that has ended: make a new one",
-                       a->rank == 1 ? "vector" : "matrix");
-        const dml_scalar common = dml_common(L, &kind, x);
-        if (common.kind != kind.kind) {
-            luaL_checkstack(L, 6, NULL);
-            lua_pushvalue(L, arg);
-            if (a->owner) lua_getiuservalue(L, -1, 1), lua_remove(L, -2);
-            change_kind(L, a->owner ? a->owner : a, &common);
-            lua_pop(L, 1);
-        }
+        luaL_checkstack(L, 6, NULL);
+        lua_pushvalue(L, arg);
+        make_room_for(L, a, x);
+        lua_pop(L, 1);
     }
     dml_put(L, a, i, x);
 }

@@ -105,7 +105,7 @@ static void read_lengths(lua_State *L, int first, dml_signature *s) {
             s->length[k] = DML_SCALAR_ARGUMENT;
             continue;
         }
-        const lua_Integer n = luaL_checkinteger(L, arg);
+        const lua_Integer n = lua_isinteger(L, arg) ? lua_tointeger(L, arg) : 0;
         luaL_argcheck(L, n >= 1 && n <= 1 << 16, arg,
                       "the number of entries of a vector argument, or \"number\" for a "
                       "bare number, expected");

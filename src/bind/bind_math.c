@@ -249,9 +249,21 @@ static void wrap(lua_State *L, const wrapper *w) {
     file_doc(L, w->doc);
 }
 
-/* core on top: core.sin = a wrapper of math.sin, which it replaces. Opening twice wraps once. */
+/* math[name] becomes a wrapper, once: what is wrapped is remembered in dm_math */
+static void wrap_in_place(lua_State *L, const wrapper *w, int math, int dm_math) {
+    if (lua_getfield(L, dm_math, w->name) == LUA_TNIL &&
+        lua_getfield(L, math, w->name) != LUA_TNIL) {
+        lua_pushvalue(L, -1);
+        lua_setfield(L, dm_math, w->name); /* Lua's own */
+        wrap(L, w);
+        lua_setfield(L, math, w->name);
+    }
+    lua_settop(L, dm_math);
+}
+
+/* core on top. core.sin is a function of its own, so that messages of math.sin say math.sin */
 void dml_open_math(lua_State *L) {
-    const int core = lua_gettop(L), own = core + 1, made = core + 2;
+    const int core = lua_gettop(L), math = core + 1, dm_math = core + 2;
     dml_setfunctions(L, functions);
     if (lua_getglobal(L, "math") != LUA_TTABLE) { /* a state without the math library */
         lua_pop(L, 1);
@@ -259,14 +271,9 @@ void dml_open_math(lua_State *L) {
     }
     luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_math");
     for (const wrapper *w = wrappers; w->name; w++) {
-        if (lua_getfield(L, made, w->name) == LUA_TNIL) {
-            lua_pop(L, 1);
-            const int present = lua_getfield(L, own, w->name) != LUA_TNIL;
-            wrap(L, w);
-            lua_pushvalue(L, -1);
-            lua_setfield(L, made, w->name);
-            if (present) lua_pushvalue(L, -1), lua_setfield(L, own, w->name);
-        }
+        wrap_in_place(L, w, math, dm_math);
+        lua_getfield(L, dm_math, w->name);
+        wrap(L, w);
         lua_setfield(L, core, w->name);
     }
     lua_settop(L, core);

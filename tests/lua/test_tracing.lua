@@ -1,0 +1,165 @@
+-- what a Lua function may and may not do when it is traced: exact derivatives, and an answer to every hazard
+package.path = (arg[0]:match("^(.*/)") or "./") .. "?.lua;" .. package.path
+local tap, dm = require "tap", require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local trace = dm.trace
+
+-- exact derivatives against closed forms
+local f = trace(function(x) return math.sin(x[1]) * x[2] ^ 3 end, 2)
+ok(f { 0.3, 2 } == math.sin(0.3) * 8, "a traced function gives the value of the function")
+near(f:gradient { 0.3, 2 }[2], 12 * math.sin(0.3), 1e-15, "gradient")
+near(f:hessian { 0.3, 2 }[1][2], 12 * math.cos(0.3), 1e-15, "Hessian")
+ok(f:hessian { 0.3, 2 } == f:hessian { 0.3, 2 }:transpose(), "the Hessian is symmetric")
+ok(f:jacobian { 0.3, 2 }[1] == f:gradient { 0.3, 2 }, "the Jacobian of one output is the gradient")
+ok(tostring(f):find("^function of 2 numbers to a number"), "it prints as a sentence", f)
+ok(f:graph():find("sin(x1)", 1, true) and f:operations() >= 3, "graph and operations")
+local polar = trace(function(r, phi) return { r * math.cos(phi), r * math.sin(phi) } end, "number", "number")
+local J = polar:jacobian(2, 0.5)
+near(J:det(), 2, 1e-15, "Jacobian of polar coordinates: determinant r")
+ok(#polar(2, 0) == 2 and polar(2, 0)[1] == 2, "several arguments, a table as result")
+raises("use f:jacobian", polar.gradient, polar, 1, 2)
+raises("gives one number", polar.hessian, polar, 1, 2)
+
+-- dm.derivative
+local d = dm.derivative(function(x) return x ^ 3 end)
+ok(d(2) == 12 and math.type(d(2)) == "float", "derivative of a function of one number is a number")
+ok(dm.derivative(d)(2) == 12 and dm.derivative(dm.derivative(d))(5) == 6, "derivatives of derivatives")
+ok(dm.derivative(function(x) return x:dot(x) end, 3) { 1, 2, 3 } == dm.vector { 2, 4, 6 }, "gradient as a vector")
+ok(dm.derivative(f) { 0.3, 2 } == f:gradient { 0.3, 2 }, "derivative of a dm.function")
+ok(dm.derivative(polar)(2, 0.5) == J, "derivative of a vector is a matrix")
+local outer = trace(function(x) return f { x[2], x[1] } * 2 end, 2)
+near(outer:gradient { 2, 0.3 }[1], 24 * math.sin(0.3), 1e-14, "a traced function inside a traced function")
+local slope = trace(function(x) return dm.derivative(function(y) return y:dot(y) * y[1] end, 2)(x):sum() end, 2)
+near(slope { 2, 3 }, 3 * 4 + 9 + 2 * 2 * 3, 1e-14, "a derivative taken inside a traced function")
+near(d(dm.hyperdual(2, 1)).a, 12, 1e-14, "a traced function on hyper-dual numbers")
+
+-- loops, tables, helpers, vectors and matrices made inside
+local function poly(c, x) local y = 0; for k = #c, 1, -1 do y = y * x + c[k] end return y end
+near(trace(function(x) return poly({ 1, 2, 3 }, x[1]) end, 1):gradient { 2 }[1], 14, 1e-14, "Horner's rule in a helper")
+local filled = trace(function(x)
+  local m, v = dm.zeros(2, 2), dm.vector(2)
+  m[1][1], m[2][2], m[1][2], v[2] = x[1], 2, x[2], x[1] * 3
+  return (m * v):dot { 1, 1 } + m:det()
+end, 2)
+near(filled { 5, 7 }, 7 * 15 + 2 * 15 + 10, 1e-12, "zeros filled with symbols")
+ok(trace(function() return 4 end, 1) { 9 } == 4, "a constant")
+ok(trace(function(x) return { 1, x[1] } end, 1) { 3 } == dm.vector { 1, 3 }, "numbers beside symbols")
+ok(trace(function(x) return math.max(x[1], x[2], 0) end, 2):gradient { 3, 5 } == dm.vector { 0, 1 }, "max picks a side")
+local text
+trace(function(x) text = text or tostring(x[1] ^ 2 + math.sin(x[2])) .. tostring(x) return x[1] end, 2)
+ok(text:find("x1") and text:find("sin(x2)", 1, true), "symbols print their expression", text)
+local deep
+trace(function(x) local y = x[1] for _ = 1, 200 do y = math.sin(y) + y end deep = deep or tostring(y) return y end, 1)
+ok(#deep < 100, "a long expression is cut off", deep)
+
+-- what needs a value raises and says what to use
+local refused = {
+  { "a comparison", function(x) return x[1] < 1 and x[1] or 0 end },
+  { "a comparison <=", function(x) return 1 <= x[1] and x[1] or 0 end },
+  { "== of symbols", function(x) return x[1] == x[2] and x[1] or 0 end },
+  { "==  of vectors", function(x) return x == dm.vector { 1, 2 } and x[1] or 0 end },
+  { "%", function(x) return x[1] % 2 end }, { "//", function(x) return x[1] // 2 end },
+  { "&", function(x) return x[1] & 1 end }, { "~", function(x) return ~x[1] end },
+  { "..", function(x) return x[1] .. "" end },
+  { "math.floor", function(x) return math.floor(x[1]) end }, { "math.fmod", function(x) return math.fmod(x[1], 2) end },
+  { "math.modf", function(x) return (math.modf(x[1])) end }, { "math.ceil", function(x) return math.ceil(x[1]) end },
+  { "math.tointeger", function(x) return math.tointeger(x[1]) end },
+}
+for _, case in ipairs(refused) do
+  local fine, message = pcall(trace, case[2], 2)
+  ok(not fine and message:find("dm.where", 1, true) and message:find("test_tracing.lua:%d+:") or false,
+    case[1] .. " is refused, with the place and what to use", message)
+end
+raises("no field 'x'", trace, function(x) return x[1].x end, 1)
+raises("a call", trace, function(x) return x[1]() end, 1)
+raises("cannot be an index", trace, function(x) return x[x[1]] end, 1)
+raises("out of range", trace, function(x) return x[4] end, 2)
+raises("got dm.symbol", trace, function(x) for i = 1, x[1] do return i end return 1 end, 1)
+
+-- results
+raises("must return a number, or a vector or table of numbers, got nil: is a return missing?", trace, function() end, 1)
+raises("got none", trace, function() return {} end, 1)
+raises("entry 1 of its result is string", trace, function() return { "x" } end, 1)
+raises("got function", trace, function() return print end, 1)
+raises("got dm.matrix", trace, function() return dm.identity(2) end, 1)
+
+-- errors of the function itself
+raises("oops", trace, function() error "oops" end, 1)
+local object = { code = 7 }
+local _, e = pcall(trace, function() error(object) end, 1)
+ok(e == object, "an error object comes out as it is")
+_, e = pcall(trace, function() error(nil) end, 1)
+ok(e == nil, "an error that is nil comes out as it is")
+local function culprit() local x = nil; return x.y end
+local _, traceback = xpcall(trace, debug.traceback, culprit, 1)
+ok(traceback:find("in upvalue 'culprit'") or traceback:find("in function <.-test_tracing"), "the traceback reaches the user's function", traceback)
+raises("stack overflow", trace, function(x) local function g(y) return 1 + g(y) end return g(x[1]) end, 1)
+local function nest(x) return trace(nest, 1)(x) end
+raises("overflow", trace, nest, 1)
+raises("yield", coroutine.wrap(function() return trace(function(x) coroutine.yield() return x[1] end, 1) end))
+ok(coroutine.wrap(function() return trace(function(x) return x[1] * 2 end, 1) { 4 } end)() == 8, "a trace in a coroutine")
+
+-- traces inside traces, and symbols that outlive theirs
+local kept
+local keep = trace(function(x) kept = kept or x[1] return x[1] end, 1)
+raises("after its trace had ended", function() return kept + 1 end)
+raises("after its trace had ended", function() return math.sin(kept) end)
+raises("after its trace had ended", trace, function(x) return x[1] * kept end, 1)
+ok(tostring(kept):find("ended") ~= nil, "a dead symbol says so", kept)
+raises("symbol", f, { kept, 1 })
+raises("symbols of two traces", trace, function(x) return trace(function(y) return y[1] * x[1] end, 1) { 1 } end, 1)
+local good = trace(function(x)
+  local inner = trace(function(y) return y[1] ^ 2 end, 1)
+  return inner { x[1] } + inner { 3 }
+end, 1)
+ok(good { 2 } == 13, "an inner trace of its own arguments")
+pcall(coroutine.resume, coroutine.create(function() trace(function(x) kept = x[1] error "dead" end, 1) end))
+collectgarbage()
+raises("after its trace had ended", function() return kept + 1 end)
+local scratch = dm.vector(2)
+local function uses_scratch(x) scratch[1], scratch[2] = x[1], 2 return scratch[1] * scratch[2] end
+ok(trace(uses_scratch, 1) { 3 } == 6 and trace(uses_scratch, 1) { 4 } == 8, "a scratch vector outside the function")
+trace(function(x) scratch[1] = x[1] return scratch[1] end, 1)
+scratch[1] = 5
+ok(scratch[2] ~= scratch[2], "what a trace left in a scratch vector and nobody filled is NaN")
+raises("hyper-dual", trace, function(x) return x[1] + dm.hyperdual(1) end, 1)
+
+-- what a trace cannot see is found by comparing with plain calls
+raises("is not what its trace says", trace, function(x) if type(x[1]) == "number" then return 0 end return x[1] end, 1)
+raises("is not what its trace says", trace, function(x) return math.type(x[1]) and x[1] + 1 or x[1] end, 1)
+raises("different values for the same arguments", trace, function(x) return x[1] + math.random() end, 1)
+local count = 0
+raises("different values for the same arguments", trace, function(x) count = count + 1 return x[1] * count end, 1)
+raises("is not what its trace says", trace, function(x) return { x[1], type(x[1]) == "number" and 1 or 2 } end, 1)
+ok(trace(function(x) return (x[1] + 1e8) ^ 2 - x[1] ^ 2 - 2e8 * x[1] end, 1), "cancellation is not taken for a mismatch")
+ok(trace(function(x) return math.log(x[1]) + math.sqrt(x[1] - 5) end, 1), "a domain away from zero is no mismatch")
+ok(keep { 5 } == 5, "a finished trace still evaluates")
+
+-- arguments of a traced function
+raises("takes 1 argument (got 0)", f)
+raises("must have 2 entries (got 3)", f, { 1, 2, 3 })
+raises("got a number", f, 1)
+raises("not finite", f, { 0 / 0, 1 })
+raises("entry 2 must be a number", f, { 1, {} })
+raises("NaN at this point", trace(function(x) return math.sqrt(x[1]) end, 1), { -1 })
+raises("function expected", trace, 1, 1)
+raises("number of entries", trace, print, 0)
+raises("number of entries", trace, print, "numbers")
+raises("at most 8", trace, print, 1, 2, 3, 4, 5, 6, 7, 8, 9)
+raises("dm.function expected", f.gradient, {}, { 1, 2 })
+ok(pcall(trace, setmetatable({}, { __call = function(_, x) return x[1] end }), 1) == false, "only functions are traced")
+
+-- the same runs on hyper-dual numbers as on the trace
+local function L(q, v) return v:dot(v) / 2 + 1 / q:norm() end
+local start = { q = { 0.4, 0 }, v = { 0, 2 }, steps = 200 }
+local function last(L_, derivatives)
+  local path = dm.system({ Q = dm.R(2), L = L_, derivatives = derivatives }):solver({ rule = "midpoint", h = 0.01 }):run(start)
+  return path.q[#path]
+end
+ok((last(L) - last(L, "hyperdual")):norm() < 1e-13, "traced and hyper-dual runs agree", (last(L) - last(L, "hyperdual")):norm())
+local function branching(q, v) local r = q:norm() if r > 0.1 then return v:dot(v) / 2 + 1 / r end return v:dot(v) / 2 end
+ok((last(branching, "hyperdual") - last(L)):norm() < 1e-13, "a function that branches runs on hyper-dual numbers")
+raises("dm.where", last, branching)
+local calls = 0
+raises("oops 40", last, function(q, v) calls = calls + 1 if calls == 40 then error("oops " .. calls) end return L(q, v) end, "hyperdual")
+tap.done()
