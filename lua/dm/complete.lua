@@ -7,7 +7,7 @@ local M = {}
 
 local next, type, rawget, rawequal, ipairs = next, type, rawget, rawequal, ipairs
 local getmetatable, getregistry = debug.getmetatable, debug.getregistry
-local match, gmatch, sub, sort = string.match, string.gmatch, string.sub, table.sort
+local match, gmatch, gsub, sub, sort = string.match, string.gmatch, string.gsub, string.sub, table.sort
 local docs, string_library = core.docs, string
 
 local KEYWORDS = { "and", "break", "do", "else", "elseif", "end", "false", "for", "function", "goto",
@@ -163,11 +163,12 @@ local function add_table(list, seen, value, start, wanted)
   end
 end
 
--- names after "fields:" in the doc of a class
+-- names after "fields:" in the doc of a class: "t[i] (number), columns (names); #path rows" -> t, columns
 local function add_fields(list, seen, class, start)
   local doc = docs[class]
-  local line = type(doc) == "string" and match(doc, "\n%s*fields:([^\n]*)")
-  for name in gmatch(line and line:gsub("%b()", "") or "", "[%a_][%w_]*") do add(list, seen, name, start) end
+  local line = type(doc) == "string" and match(doc, "\n%s*fields:([^\n;]*)") or ""
+  line = gsub(gsub(line, "%b()", ""), "%b[]", "")
+  for name in gmatch(line, "[%a_][%w_]*") do add(list, seen, name, start) end
 end
 
 local function members(object, start, with_colon)
@@ -237,7 +238,7 @@ local function option_keys(tokens, at, start)
   for i = open, at do
     if tokens[i + 1] and tokens[i + 1].text == "=" then given[tokens[i].text] = true end
   end
-  for key in gmatch(inside:sub(2, -2):gsub("%b{}", ""), "([%a_][%w_]*)%s*=") do
+  for key in gmatch(gsub(sub(inside, 2, -2), "%b{}", ""), "([%a_][%w_]*)%s*=") do
     if not given[key] and sub(key, 1, #start) == start then list[#list + 1] = key .. " = " end
   end
   return #list > 0 and list or nil

@@ -1,0 +1,17 @@
+# bash completion of dmlua, made from the rows of dmlua --help
+_dmlua() {
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
+    compopt +o nospace 2>/dev/null
+    if [[ $before == --color || $before == = ]]; then
+        COMPREPLY=($(compgen -W "auto always never" -- "${word#=}"))
+    elif [[ $before == -e || $before == -l ]]; then
+        COMPREPLY=()
+    elif [[ $word == -* ]]; then
+        COMPREPLY=($(compgen -W "-e -i -l -v -E -W -q -n --color= --help --version" -- "$word"))
+        [[ ${COMPREPLY[0]-} == *= ]] && compopt -o nospace 2>/dev/null
+    else
+        compopt -o filenames 2>/dev/null
+        COMPREPLY=($(compgen -f -X '!*.lua' -- "$word") $(compgen -d -- "$word"))
+    fi
+}
+complete -F _dmlua dmlua
