@@ -34,11 +34,10 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     r->t0 = t0;
     r->model = dml_pushmodel(L, r->system);
     r->model_at = lua_gettop(L);
-    if (r->model->model.structure & DM_LINEAR_IN_V)
+    if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass)
         luaL_error(L,
-                   "L is linear in the velocity (d2L/dv2 = 0): it is degenerate, and "
-                   "rule '%s' needs a "
-                   "regular Lagrangian",
+                   "L is degenerate: d2L/dv2 is constant and singular (system:mass(q, v) shows it), and rule "
+                   "'%s' needs a regular Lagrangian",
                    s->nodes[0].name);
     const char *refusal =
         s->method->fits ? s->method->fits(s->nodes, &r->model->model) : NULL;

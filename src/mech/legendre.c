@@ -89,6 +89,7 @@ dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
                               const double *p, double t, double *work) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     const uint32_t n = m->n;
+    if (m->structure & DM_CONSTANT_MASS && !m->inverse_mass) return DM_SINGULAR;
     if ((m->structure & simple) == simple) return by_inverse(m, v, p, work);
     equation e = prepare(m, q, t, work);
     double *root = e.out + n + (size_t)n * n;

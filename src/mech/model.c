@@ -210,10 +210,13 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
     if (status == DM_OK) status = differentiate(&b);
     if (status == DM_OK) status = read_structure(&b);
     if (status != DM_OK) return status;
-    if (b.m.structure & DM_CONSTANT_MASS) status = read_mass(&b);
-    if (status == DM_OK) status = make_kernels(&b, want);
-    if (status == DM_OK || status == DM_SINGULAR) *m = b.m;
-    return status;
+    dm_status mass = DM_OK;
+    if (b.m.structure & DM_CONSTANT_MASS) mass = read_mass(&b);
+    if (mass != DM_OK && mass != DM_SINGULAR) return mass;
+    status = make_kernels(&b, want);
+    if (status != DM_OK) return status;
+    *m = b.m;
+    return mass;
 }
 
 dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n,

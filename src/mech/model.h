@@ -47,8 +47,8 @@ typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, 
 
 /*
 ** Read the structure of L in g (inputs q[n], v[n], t) and build the wanted kernels.
-** Everything that *m points to is in `arena`. DM_SINGULAR: the mass matrix is constant and singular
-** (structure is then filled in, the rest is not usable).
+** Everything that *m points to is in `arena`. DM_SINGULAR: the mass matrix is constant and singular;
+** inverse_mass is then NULL and the model cannot be stepped, all the rest is usable.
 */
 dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                          dm_compile *compile, dm_arena *arena);
