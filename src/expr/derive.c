@@ -8,6 +8,7 @@
 #include "expr/derive.h"
 
 #include "expr/analyse.h"
+#include "expr/compact.h"
 #include "expr/nodes.h"
 
 #include <string.h>
@@ -287,6 +288,7 @@ void dm_hessian(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *gra
     const size_t count = (size_t)n * n;
     uint32_t least = UINT32_MAX;
     memset(hessian, 0, count * sizeof *hessian);
+    dm_compact(g, &f, 1, &f);
     dm_gradient(g, f, first, n, gradient);
     dm_node *tried = dm_arena_take(g->arena, (count + 1) * sizeof *tried);
     dm_node *all = dm_arena_take(g->arena, (n + count + 1) * sizeof *all);

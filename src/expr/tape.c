@@ -9,6 +9,7 @@
 #define _GNU_SOURCE /* sincos */
 #include "expr/tape.h"
 
+#include "expr/compact.h"
 #include "expr/nodes.h"
 
 #include <math.h>
@@ -331,8 +332,8 @@ static int make_moves(dm_kernel *out, tape *t, const builder *w, const dm_node *
     return 1;
 }
 
-dm_status dm_tape_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
-                        dm_arena *arena) {
+dm_status dm_tape_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
+                              uint32_t m, dm_arena *arena) {
     builder w;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
     tape *t = dm_arena_take(arena, sizeof *t);
@@ -350,4 +351,12 @@ dm_status dm_tape_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint3
         return DM_NO_MEMORY;
     *out = k;
     return DM_OK;
+}
+
+dm_status dm_tape_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                        dm_arena *arena) {
+    dm_node *compact = dm_arena_take(dm_graph_arena(g), m * sizeof *compact);
+    if (!compact) return DM_NO_MEMORY;
+    dm_compact(g, roots, m, compact);
+    return dm_tape_build_exact(out, g, compact, m, arena);
 }

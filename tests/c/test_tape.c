@@ -13,7 +13,7 @@ static void compare(random_source *r, dm_graph *g, dm_arena *arena, uint32_t m,
     double *value = dm_arena_take(arena, dm_graph_size(g) * sizeof *value);
     double *out = dm_arena_take(arena, m * sizeof *out), in[8];
     dm_kernel k;
-    if (!CHECK(dm_tape_build(&k, g, roots, m, arena) == DM_OK)) return;
+    if (!CHECK(dm_tape_build_exact(&k, g, roots, m, arena) == DM_OK)) return;
     CHECK(k.inputs == dm_graph_inputs(g) && k.outputs == m);
     dm_kernel_prepare(&k, out);
     for (int p = 0; p < points; p++) {

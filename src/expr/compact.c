@@ -1,0 +1,54 @@
+#include "expr/compact.h"
+
+#include "expr/analyse.h"
+#include "expr/nodes.h"
+#include "expr/terms.h"
+
+#include <string.h>
+
+enum { LARGEST = 20000 }; /* operations; larger graphs stay as they are */
+
+/* clock cycles, roughly, of what a kernel has to do */
+static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
+    static const uint8_t cycles[DM_OP_COUNT] = {
+        [DM_OP_NEG] = 1, [DM_OP_ABS] = 1, [DM_OP_SIGN] = 3, [DM_OP_SQRT] = 6,
+        [DM_OP_ADD] = 1, [DM_OP_SUB] = 1, [DM_OP_MUL] = 1,  [DM_OP_DIV] = 5,
+        [DM_OP_MIN] = 1, [DM_OP_MAX] = 1, [DM_OP_WHERE] = 2};
+    uint32_t counts[DM_OP_COUNT], sum = 0;
+    dm_operation_counts(g, roots, m, counts);
+    for (int op = DM_OP_NEG; op < DM_OP_COUNT; op++)
+        sum += counts[op] * (cycles[op] ? cycles[op] : 20);
+    return sum;
+}
+
+/* one way of rewriting: with or without pulling factors out of sums */
+static int rewrite(dm_graph *g, const dm_node *roots, uint32_t m, int factor,
+                   dm_node *out) {
+    dm_terms s;
+    dm_scaled *value = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *value);
+    if (!value) return (int)dm_graph_fail(g, DM_NO_MEMORY);
+    if (!dm_terms_open(&s, g) || !dm_terms_read(&s, roots, m, value)) return 0;
+    if (factor) dm_terms_factor(&s, value, m);
+    dm_terms_share(&s, value, m, DM_TERM_PRODUCT);
+    dm_terms_share(&s, value, m, DM_TERM_SUM);
+    if (s.unfit || dm_graph_status(g) != DM_OK) return 0;
+    dm_terms_write(&s, value, m, out);
+    return dm_graph_status(g) == DM_OK;
+}
+
+void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
+    dm_node *tried = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *tried);
+    if (out != roots) memcpy(out, roots, m * sizeof *out);
+    if (!tried || dm_operations(g, roots, m) > LARGEST) return;
+    dm_node *const start = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *start);
+    if (!start) return;
+    memcpy(start, roots, m * sizeof *start);
+    uint32_t least = cost(g, start, m);
+    for (int factor = 0; factor < 2; factor++) {
+        if (!rewrite(g, start, m, factor, tried)) return;
+        const uint32_t now = cost(g, tried, m);
+        if (now >= least) continue;
+        least = now;
+        memcpy(out, tried, m * sizeof *out);
+    }
+}

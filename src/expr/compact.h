@@ -1,0 +1,15 @@
+/* compact.h - the same functions with fewer operations. */
+#ifndef DM_COMPACT_H
+#define DM_COMPACT_H
+
+#include "expr/graph.h"
+
+/*
+** out[m] = roots, rewritten together as sums of products of powers: like terms and like powers
+** gathered, common factors pulled out, common parts of sums and products made once, one
+** division per shared denominator. Values are kept up to rounding, as dm_apply keeps them.
+** The roots themselves come back when nothing is gained, and from very large graphs.
+*/
+void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out);
+
+#endif

@@ -1,0 +1,251 @@
+/* nodes are shared and simplified, and keep their values */
+#include "expr/analyse.h"
+#include "expr/compact.h"
+
+#include "check.h"
+#include "models.h"
+#include "random_graph.h"
+
+static dm_arena arena;
+static dm_graph *g;
+static dm_node x, y, z;
+
+static void open_graph(void) {
+    arena = new_arena();
+    g = dm_graph_new(&arena, 3);
+    x = dm_input(g, 0), y = dm_input(g, 1), z = dm_input(g, 2);
+}
+
+static dm_node number(double v) {
+    return dm_constant(g, v);
+}
+
+static dm_node call(dm_op op, dm_node a) {
+    return dm_apply(g, op, a, 0, 0);
+}
+
+static void sharing(void) {
+    open_graph();
+    CHECK(dm_add(g, x, y) == dm_add(g, y, x) && dm_mul(g, x, y) == dm_mul(g, y, x));
+    CHECK(call(DM_OP_SIN, x) == call(DM_OP_SIN, x));
+    CHECK(number(1.5) == number(1.5) && number(0.0) == 0);
+    const uint32_t before = dm_graph_size(g);
+    for (int i = 0; i < 100; i++) dm_mul(g, dm_add(g, x, y), call(DM_OP_SIN, x));
+    CHECK(dm_graph_size(g) == before + 1);
+    dm_arena_release(&arena);
+}
+
+static void identities(void) {
+    open_graph();
+    const dm_node s = dm_add(g, x, y), n = dm_neg(g, x);
+    CHECK(dm_add(g, x, 0) == x && dm_sub(g, x, 0) == x && dm_sub(g, 0, x) == n);
+    CHECK(dm_mul(g, x, number(1.0)) == x && dm_mul(g, x, 0) == 0);
+    CHECK(dm_sub(g, x, x) == 0 && dm_neg(g, n) == x && dm_div(g, x, number(1.0)) == x);
+    CHECK(dm_mul(g, n, y) == dm_neg(g, dm_mul(g, x, y)));
+    CHECK(dm_mul(g, n, dm_neg(g, y)) == dm_mul(g, x, y));
+    CHECK(dm_add(g, x, dm_neg(g, y)) == dm_sub(g, x, y));
+    CHECK(dm_sub(g, x, dm_neg(g, y)) == s &&
+          dm_add(g, x, x) == dm_mul(g, number(2.0), x));
+    CHECK(dm_neg(g, dm_sub(g, y, z)) == dm_sub(g, z, y));
+    CHECK(dm_mul(g, number(2.0), dm_mul(g, x, number(3.0))) == dm_mul(g, number(6.0), x));
+    CHECK(dm_add(g, number(2.0), dm_add(g, s, number(-2.0))) == s);
+    CHECK(dm_apply(g, DM_OP_WHERE, number(1.0), x, y) == x);
+    CHECK(dm_apply(g, DM_OP_WHERE, x, y, y) == y);
+    dm_arena_release(&arena);
+}
+
+static void functions(void) {
+    open_graph();
+    const dm_node n = dm_neg(g, x), x2 = dm_mul(g, x, x);
+    const dm_node u = dm_add(g, x2, dm_mul(g, y, y)), r = call(DM_OP_SQRT, u);
+    CHECK(call(DM_OP_SIN, n) == dm_neg(g, call(DM_OP_SIN, x)));
+    CHECK(call(DM_OP_COS, n) == call(DM_OP_COS, x));
+    CHECK(call(DM_OP_SQRT, x2) == call(DM_OP_ABS, x));
+    CHECK(call(DM_OP_ABS, x2) == x2 && dm_mul(g, r, r) == u);
+    const dm_node s = call(DM_OP_SQRT, x); /* NaN for x < 0: its square is not x */
+    CHECK(dm_mul(g, s, s) != x);
+    double c;
+    CHECK(dm_is_constant(g, call(DM_OP_COS, 0), &c) && c == 1.0);
+    dm_arena_release(&arena);
+}
+
+static void powers(void) {
+    open_graph();
+    const dm_node x2 = dm_mul(g, x, x), x4 = dm_mul(g, x2, x2);
+    CHECK(dm_power(g, x, number(2.0)) == x2 && dm_power(g, x, number(4.0)) == x4);
+    CHECK(dm_power(g, x, number(3.0)) == dm_mul(g, x, x2));
+    CHECK(dm_power(g, x, number(0.5)) == call(DM_OP_SQRT, x));
+    double in[3] = {1.7, 0.0, 0.0}, *value = NULL;
+    for (int k = -128; k <= 128; k++) {
+        const dm_node p = dm_power(g, x, number(k / 2.0));
+        value = dm_arena_take(&arena, dm_graph_size(g) * sizeof *value);
+        graph_values(g, in, value);
+        CHECK_NEAR(value[p] / pow(1.7, k / 2.0), 1.0, 2e-14);
+    }
+    uint32_t counts[DM_OP_COUNT];
+    const dm_node p[2] = {dm_power(g, x, number(7.5)), dm_power(g, x, number(-7.5))};
+    dm_operation_counts(g, p, 2, counts);
+    CHECK(counts[DM_OP_POW] == 0 && counts[DM_OP_SQRT] == 1 && counts[DM_OP_DIV] == 1);
+    dm_arena_release(&arena);
+}
+
+/* every node of a random graph, made by dm_apply, against the same without simplification;
+** operands in (0.2, 3) and intermediate values below 1e6 in size are compared */
+static void values_kept(void) {
+    random_source r = {31415};
+    long compared = 0;
+    for (int graph = 0; graph < 20000; graph++) {
+        dm_arena a = new_arena();
+        dm_graph *h = dm_graph_new(&a, 3);
+        double in[3], plain[24], *value;
+        dm_node node[24];
+        for (int i = 0; i < 3; i++) {
+            node[i] = dm_input(h, (uint32_t)i);
+            plain[i] = in[i] = random_between(&r, 0.2, 3.0);
+        }
+        node[3] = dm_constant(h, plain[3] = random_below(&r, 7) / 2.0 - 1.5);
+        node[4] = dm_constant(h, plain[4] = random_between(&r, -2.0, 2.0));
+        for (int i = 5; i < 24; i++) {
+            const uint32_t p = random_below(&r, (uint32_t)i),
+                           q = random_below(&r, (uint32_t)i),
+                           s = random_below(&r, (uint32_t)i);
+            const dm_op op = random_op(&r);
+            node[i] = dm_apply(h, op, node[p], node[q], node[s]);
+            value = dm_arena_take(&a, dm_graph_size(h) * sizeof *value);
+            graph_values(h, in, value);
+            plain[i] = dm_op_value(op, value[node[p]], value[node[q]], value[node[s]]);
+            const double got = value[node[i]];
+            const int wild = !(fabs(plain[p]) + fabs(plain[q]) <= 1e6);
+            if (!isfinite(plain[i]) || fabs(plain[i]) > 1e6 || wild) continue;
+            const double size = fabs(plain[p]) + fabs(plain[q]) + fabs(plain[i]);
+            compared += fabs(got - plain[i]) <= 1e-12 * (1.0 + size * size);
+            CHECK_NEAR(got, plain[i], 1e-12 * (1.0 + size * size));
+        }
+        dm_arena_release(&a);
+    }
+    CHECK(compared > 200000);
+}
+
+/* arithmetic of sizes near 1, so that cancellation does not hide errors */
+static void compaction(void) {
+    static const dm_op ops[] = {DM_OP_ADD, DM_OP_SUB, DM_OP_MUL,  DM_OP_MUL, DM_OP_NEG,
+                                DM_OP_DIV, DM_OP_SIN, DM_OP_SQRT, DM_OP_ADD, DM_OP_MUL};
+    random_source r = {2718};
+    long compared = 0;
+    for (int graph = 0; graph < 20000; graph++) {
+        open_graph();
+        const int count = 4 + (int)random_below(&r, 30);
+        for (int i = 0; i < count; i++)
+            dm_apply(g, ops[random_below(&r, 10)], random_operand(&r, g),
+                     random_operand(&r, g), 0);
+        dm_node roots[3], out[3];
+        for (uint32_t i = 0; i < 3; i++) roots[i] = dm_graph_size(g) - 1 - i;
+        dm_compact(g, roots, 3, out);
+        double in[3], *value = dm_arena_take(&arena, dm_graph_size(g) * sizeof *value);
+        for (int i = 0; i < 3; i++) in[i] = random_between(&r, 0.3, 2.0);
+        graph_values(g, in, value);
+        for (int i = 0; i < 3; i++) {
+            const double want = value[roots[i]];
+            if (!isfinite(want) || fabs(want) > 1e4) continue;
+            compared++;
+            CHECK_NEAR(value[out[i]], want, 1e-8 * (1.0 + fabs(want)));
+        }
+        dm_arena_release(&arena);
+    }
+    CHECK(compared > 40000);
+}
+
+static void append(void *ud, const char *text, size_t length) {
+    strncat(ud, text, length);
+}
+
+/* 1/r, 1/r^3, 1/r^5 from one division; x - y and y - x are one subtraction */
+static void compact_forms(void) {
+    uint32_t counts[DM_OP_COUNT];
+    open_graph();
+    const dm_node u = sum_of_squares(g, (dm_node[]){x, y, z}, 3);
+    dm_node roots[3], out[3];
+    for (int i = 0; i < 3; i++) roots[i] = dm_power(g, u, number(-0.5 - i));
+    dm_compact(g, roots, 3, out);
+    dm_operation_counts(g, out, 3, counts);
+    CHECK(counts[DM_OP_DIV] == 1 && counts[DM_OP_SQRT] == 1 && counts[DM_OP_MUL] <= 6);
+    const dm_node sum = dm_add(g, dm_mul(g, x, y), dm_mul(g, x, z));
+    dm_compact(g, &sum, 1, out);
+    CHECK(dm_operations(g, out, 1) == 2);
+    const dm_node back[2] = {dm_mul(g, dm_sub(g, x, y), z),
+                             dm_mul(g, dm_sub(g, y, x), z)};
+    dm_compact(g, back, 2, out);
+    CHECK(dm_operations(g, out, 2) <= 3);
+    dm_arena_release(&arena);
+}
+
+static void structure(void) {
+    open_graph();
+    const dm_node roots[2] = {dm_mul(g, x, x), call(DM_OP_SIN, z)};
+    CHECK(dm_depends(g, roots, 2, 0, 1) && !dm_depends(g, roots, 2, 1, 1));
+    CHECK(dm_depends(g, roots, 1, 0, 3) && !dm_depends(g, roots, 1, 1, 2));
+    CHECK(dm_operations(g, roots, 2) == 2);
+    dm_arena_release(&arena);
+}
+
+static void printing(void) {
+    static const char *const names[] = {"x", "y", "z"};
+    char text[400] = "";
+    open_graph();
+    const dm_node s = call(DM_OP_SIN, x);
+    const dm_node roots[2] = {dm_sub(g, dm_mul(g, s, s), dm_sub(g, y, z)),
+                              dm_div(g, dm_add(g, s, y), dm_mul(g, y, z))};
+    dm_print(g, roots, 2, names, append, text);
+    CHECK(strcmp(text, "t1 = sin(x)\ny1 = t1^2 - (y - z)\ny2 = (y + t1)/(y*z)\n") == 0);
+    dm_arena_release(&arena);
+}
+
+static void limit(void) {
+    open_graph();
+    dm_node n = x;
+    for (uint32_t i = 0; i < DM_GRAPH_LIMIT + 10u; i++)
+        n = dm_apply(g, DM_OP_EXP, n, 0, 0);
+    CHECK(dm_graph_status(g) == DM_TOO_LARGE && n == 0);
+    CHECK(dm_graph_size(g) == DM_GRAPH_LIMIT && dm_constant(g, 5.0) == 0);
+    dm_arena_release(&arena);
+}
+
+/* everything that takes memory, with `left` blocks of it */
+static int with_blocks(long left) {
+    dm_arena a;
+    dm_arena_init(&a, heap, &left);
+    dm_graph *h = dm_graph_new(&a, 18);
+    int done = 0;
+    if (h) {
+        dm_node roots[400], out[400];
+        char text[20000] = "";
+        const uint32_t m = model_roots(h, models + 3, roots);
+        dm_compact(h, roots, m, out);
+        dm_print(h, out, 3, NULL, append, text);
+        done = dm_graph_status(h) == DM_OK;
+        CHECK(done || dm_graph_status(h) == DM_NO_MEMORY);
+    }
+    dm_arena_release(&a);
+    return done;
+}
+
+static void refused_memory(void) {
+    long left = 0;
+    while (!with_blocks(left) && left < 1000) left++;
+    CHECK(left > 3 && left < 1000);
+}
+
+int main(void) {
+    RUN(sharing, "equal nodes are one node");
+    RUN(identities, "identities of arithmetic");
+    RUN(functions, "signs leave functions; sqrt(u)^2 = u only where u >= 0");
+    RUN(powers, "whole and half powers from -64 to 64, shared");
+    RUN(values_kept, "dm_apply keeps values: 20000 random graphs of every operation");
+    RUN(compaction, "compaction keeps values: 20000 random graphs");
+    RUN(compact_forms, "compaction shares powers, factors and differences");
+    RUN(structure, "dependence and operation counts");
+    RUN(printing, "printing names what is shared");
+    RUN(limit, "a graph that grows too large says so");
+    RUN(refused_memory, "memory refused from the n-th request on, for all n");
+    return check_finish();
+}
