@@ -104,7 +104,10 @@ lint: $(B)/config.mk
 	@.ci/lint $(C_SOURCES) -- $(LUA_CFLAGS)
 
 docs: all
-	$(B)/dmlua -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.reference".text(dm))'
+	@mkdir -p docs/completion docs/images
+	$(B)/dmlua -e 'require "dm.man".write "docs"' \
+	  -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.reference".text(dm))'
+	$(B)/dmlua examples/kepler.lua docs/images
 
 SHARE = $(DESTDIR)$(PREFIX)/share
 install: all

@@ -23,6 +23,8 @@ end
 --- Functions of the table `dm` and its subtables by their full names; `load` asks for the lazy ones.
 function M.functions(dm)
   local found, seen = {}, {}
+  local lazy = getmetatable(dm)
+  if lazy and lazy.load_all then lazy.load_all() end
   local function walk(prefix, t)
     if seen[t] then return end
     seen[t] = true

@@ -73,7 +73,7 @@ local function add(...)
 end
 add(kepler, swing, mine, solver, path, failure, stale, stale_vector, dm.R(2), dm.T(1), dm.SO(3), dm.SO(2),
   dm.vector { 1, 2, 3 }, dm.vector { 1, 0 }, dm.matrix { { 1, 2 }, { 3, 4 } }, dm.matrix { { 1, 2 }, { 2, 4 } },
-  dm.matrix { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, io.stdout, coroutine.create(raises),
+  dm.matrix { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, io.stderr, coroutine.create(raises),
   dm.trace(function(x) return x[1] * x[2] end, 2))
 
 local value
@@ -142,8 +142,25 @@ end
 local log = assert(io.open("last-call", "w"))
 local function note(text)
   log:seek "set"
-  log:write(text, (" "):rep(60), "\n")
+  log:write(text, (" "):rep(200), "\n")
   log:flush()
+end
+-- a short word for an argument, without calling anything of it
+local function shown(x, depth)
+  local kind = math.type(x) or type(x)
+  if kind == "string" then return ("%q"):format(x:sub(1, 20)) end
+  if kind == "table" and depth < 2 and getmetatable(x) == nil then
+    local words = {}
+    for k, v in next, x do words[#words + 1] = tostring(k):sub(1, 20) .. "=" .. shown(v, depth + 1) end
+    return "{" .. table.concat(words, ", ") .. "}"
+  end
+  if kind == "userdata" then return (getmetatable(x) or {}).__name or kind end
+  return kind == "function" and kind or kind == "table" and kind or tostring(x)
+end
+local function listed(arguments, n)
+  local words = {}
+  for i = 1, n do words[i] = shown(arguments[i], 0) end
+  return table.concat(words, ", ")
 end
 local empty = {} -- functions that raised a message without words
 local function once(i)
@@ -154,7 +171,7 @@ local function once(i)
     n = math.max(n, 1)
     arguments[1] = of_class(call[3])
   end
-  note(("seed %d call %d: %s with %d arguments"):format(seed, i, call[1], n))
+  note(("seed %d call %d: %s(%s)"):format(seed, i, call[1], listed(arguments, n)))
   local f = call[2]
   local fine, result = pcall(random() < 0.95 and f or coroutine.wrap(f), table.unpack(arguments, 1, n))
   if not fine and type(result) == "string" and not result:find "%a%a%a" then empty[call[1]] = result end
@@ -164,9 +181,11 @@ local function once(i)
   return fine
 end
 
-local real_print, real_write = print, io.write
-print, io.write = function() end, function() end -- luacheck: ignore
-io.stdout:setvbuf "no"
+-- pictures of the terminal and the like go nowhere
+local report = io.stdout
+io.stdout = assert(io.open("/dev/null", "w")) -- luacheck: ignore
+io.output(io.stdout)
+print = function() end -- luacheck: ignore
 local start, n, returned = os.time(), 0, 0
 while os.difftime(os.time(), start) < seconds do
   for _ = 1, 50 do
@@ -175,8 +194,7 @@ while os.difftime(os.time(), start) < seconds do
   end
 end
 log:close()
-print, io.write = real_print, real_write -- luacheck: ignore
-for name, message in pairs(empty) do print(("# %s raised %q"):format(name, message)) end
-print(("%d calls of %d functions, methods and operators: %d returned, the others raised an error")
+for name, message in pairs(empty) do report:write(("%s raised %q\n"):format(name, message)) end
+report:write(("%d calls of %d functions, methods and operators: %d returned, the others raised an error\n")
   :format(n, #calls, returned))
 os.exit(next(empty) == nil, true)
