@@ -33,6 +33,7 @@ static double time_at(const loop *l, long step) {
 }
 
 static void record(loop *l) {
+    if (!l->rows) return;
     const size_t width = 1 + 2 * (size_t)l->s->model->n;
     double *row = l->rows + width * (size_t)l->rows_done++;
     row[0] = time_at(l, l->done);
@@ -107,4 +108,9 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
     *done = l.done;
     *rows_done = l.rows_done;
     return status;
+}
+
+dm_status dm_run_end(const dm_run_plan *plan, dm_stepper *s, double *state, long *done) {
+    long rows;
+    return dm_run(plan, s, state, NULL, done, &rows);
 }

@@ -26,4 +26,7 @@ long dm_run_rows(const dm_run_plan *plan);
 dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows,
                  long *done, long *rows_done);
 
+/* The same without rows: only the end is kept, in `state`. */
+dm_status dm_run_end(const dm_run_plan *plan, dm_stepper *s, double *state, long *done);
+
 #endif

@@ -1,0 +1,62 @@
+#include "run/ensemble.h"
+
+#include "run/run.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { BLOCK = 16 }; /* members that a thread takes at a time */
+
+typedef struct {
+    const dm_ensemble *e;
+    atomic_long next, done;
+} shared;
+
+typedef struct {
+    shared *common;
+    dm_stepper *stepper;
+    int first; /* this thread tells the progress */
+} worker;
+
+/* one member as a run of its own; only the end is kept, in its place */
+static void run_member(const worker *w, long i) {
+    const dm_ensemble *e = w->common->e;
+    double *state = e->state + (size_t)i * dm_state_size(w->stepper->model->n);
+    const dm_run_plan plan = {.t0 = e->t0,
+                              .steps = e->steps,
+                              .every = e->steps ? e->steps : 1,
+                              .stop = e->stop};
+    e->member[i].status = dm_run_end(&plan, w->stepper, state, &e->member[i].steps);
+}
+
+static void *work(void *arg) {
+    const worker *w = arg;
+    const dm_ensemble *e = w->common->e;
+    for (;;) {
+        const long from = atomic_fetch_add(&w->common->next, BLOCK);
+        if (from >= e->members || (e->stop && *e->stop)) return NULL;
+        const long to = from + BLOCK < e->members ? from + BLOCK : e->members;
+        for (long i = from; i < to; i++) run_member(w, i);
+        const long done = atomic_fetch_add(&w->common->done, to - from) + to - from;
+        if (w->first && e->progress) e->progress(e->ud, done, e->members);
+    }
+}
+
+dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers,
+                          int threads) {
+    shared common = {.e = e};
+    worker workers[DM_ENSEMBLE_THREADS];
+    pthread_t thread[DM_ENSEMBLE_THREADS];
+    int made = 0;
+    for (long i = 0; i < e->members; i++)
+        e->member[i] = (dm_member){.status = DM_STOPPED};
+    for (int i = 0; i < threads; i++)
+        workers[i] = (worker){.common = &common, .stepper = steppers[i], .first = i == 0};
+    /* this thread works too; when no more threads can be had, those there are do it all */
+    while (made + 1 < threads &&
+           pthread_create(thread + made, NULL, work, workers + made + 1) == 0)
+        made++;
+    work(workers);
+    for (int i = 0; i < made; i++) pthread_join(thread[i], NULL);
+    return e->stop && *e->stop ? DM_STOPPED : DM_OK;
+}

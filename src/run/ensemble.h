@@ -1,0 +1,37 @@
+/* ensemble.h - many runs of one system side by side: members in blocks, blocks shared out to threads. */
+#ifndef DM_ENSEMBLE_H
+#define DM_ENSEMBLE_H
+
+#include "integ/method.h"
+
+#include <signal.h>
+
+enum { DM_ENSEMBLE_THREADS = 256 };
+
+/* What becomes of one member. */
+typedef struct {
+    dm_status status; /* DM_STOPPED also for members that were not reached */
+    long steps;       /* finished */
+} dm_member;
+
+typedef struct {
+    long members, steps;
+    double t0;
+    double *
+        state; /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
+    dm_member *member; /* [members] */
+    const volatile sig_atomic_t *stop;
+    void (*progress)(void *ud, long done,
+                     long members); /* called by the first thread only; may be NULL */
+    void *ud;
+} dm_ensemble;
+
+/*
+** Run all members with one opened stepper per thread (steppers[threads], each with workspace and kernels of
+** its own). Every member is what dm_run would make of it alone, bit for bit, whatever the number of threads;
+** one that fails stops alone. DM_STOPPED when the flag was seen,
+** else DM_OK.
+*/
+dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int threads);
+
+#endif
