@@ -144,7 +144,7 @@ local function bottom_lines(panel, w)
 end
 
 local function legend(panel, colour)
-  if #panel.series < 2 then return nil end
+  if not panel.legend then return nil end
   local parts = {}
   for i, s in ipairs(panel.series) do
     local mark = colour and "⠒⠒" or i <= 26 and string.char(96 + i) or "-"

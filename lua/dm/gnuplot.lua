@@ -89,8 +89,8 @@ local function draw_style(series, colour)
   local paint = "lc rgb '" .. colour .. "'"
   local dots = ("pt 7 ps %.2f "):format(size_of_points(#series.x))
   if series.style == "points" then return "points " .. dots .. paint end
-  if series.style == "linespoints" then return "linespoints lw 1.3 " .. dots .. paint end
-  return "lines lw 1.3 " .. paint
+  local width = #series.x > 4000 and not series_.rises(series.x) and 0.7 or 1.3
+  return ("%s lw %g %s%s"):format(series.style, width, series.style == "lines" and "" or dots, paint)
 end
 
 local function add_series(add, panel, number, prefix)
@@ -101,7 +101,7 @@ local function add_series(add, panel, number, prefix)
   for i, full in ipairs(panel.series) do
     local series, block = series_.thin(full, scale), ("$%s_%d_%d"):format(prefix, number, i)
     local colour = COLOURS[(i - 1) % #COLOURS + 1]
-    local title = #panel.series > 1 and "title " .. quote(series.name) or "notitle"
+    local title = panel.legend and "title " .. quote(series.name) or "notitle"
     add_data(add, block, series, panel)
     plots[#plots + 1] = ("%s using 1:2 with %s %s"):format(block, draw_style(series, colour), title)
     local alone = series.style == "lines" and isolated(series) or { x = {} }
@@ -120,12 +120,22 @@ local function make_axes(panel)
   panel.y = axis.new(y[1], y[2], math.max(2, panel.height // 55), panel.logy)
 end
 
+-- how many rows the legend needs above the panel; about 7 pixels a letter
+local function legend_rows(add, panel)
+  if not panel.legend then return 0 end
+  local widest = 0
+  for _, s in ipairs(panel.series) do widest = math.max(widest, utf8.len(s.name) or #s.name) end
+  local columns = math.max(1, math.min(#panel.series, (panel.width - 120) // (7 * widest + 50)))
+  add("set key maxcols " .. columns)
+  return math.ceil(#panel.series / columns)
+end
+
 local function add_panel(add, panel, number)
   make_axes(panel)
   local x, y = panel.x, panel.y
-  local legend = #panel.series > 1
-  add(("set title %s offset 0,%s"):format(quote(panel.title or ""), legend and "1.1" or "0"))
-  add("set tmargin " .. (legend and panel.title and 5 or 3))
+  local rows = legend_rows(add, panel)
+  add(("set title %s offset 0,%g"):format(quote(panel.title or ""), 1.1 * rows))
+  add(("set tmargin %g"):format(1 + 1.4 * rows + (panel.title and 2 or 0)))
   set_axis(add, "x", x, axis.caption(x, panel.xlabel, panel.xunit), panel.notes)
   set_axis(add, "y", y, axis.caption(y, panel.ylabel, panel.yunit), {})
   add(panel.equal and ("set size ratio %.9g"):format((y.hi - y.lo) / (x.hi - x.lo)) or "set size noratio")

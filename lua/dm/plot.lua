@@ -5,7 +5,7 @@ local core = require "dm.core"
 local M = {}
 
 local KNOWN = { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style", "names",
-  "equal", "xrange", "yrange", "width", "height", "size" }
+  "legend", "equal", "xrange", "yrange", "width", "height", "size" }
 local STYLES = { lines = true, points = true, linespoints = true }
 
 local function fail(...) error(("plot: " .. select(1, ...)):format(select(2, ...)), 0) end
@@ -175,9 +175,10 @@ local function make_panel(given, options)
   count_gaps(list, panel)
   local series_ = require "dm.series"
   local rising = true
-  for _, s in ipairs(list) do rising = rising and s.style ~= "points" and series_.rises(s.x) end
+  for _, s in ipairs(list) do rising = rising and s.style == "lines" and series_.rises(s.x) end
   set_range(panel, "x", rising and 0 or 0.04)
   set_range(panel, "y", 0.04)
+  panel.legend = #list > 1 and options.legend ~= false
   panel.equal = decide_equal(panel, list, options)
   panel.xrange, panel.yrange = options.xrange or panel.xrange, options.yrange or panel.yrange
   return panel
@@ -225,11 +226,11 @@ local function show(panels, options)
 end
 
 local doc_plot = [[
-dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, log=, style=, names=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing
+dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, log=, style=, names=, legend=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing
 Plot y against x: two vectors or tables of numbers of one length; x and a list of columns y; or a list of
 series { x =, y =, name =, style = } (then the options come second). Without `file` in the terminal, with
 it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines", "points" or
-"linespoints"; names: texts of the legend; equal: one length per unit on both axes; xrange, yrange:
+"linespoints"; names: texts of the legend (legend = false: none); equal: one length per unit on both axes; xrange, yrange:
 {least, largest}; width, height (or size = {width, height}): pixels in a file, characters in a
 terminal. Points that are not finite, or not positive on a logarithmic axis, leave gaps and are counted
 below the plot. Long columns are thinned to what the picture can show, extremes kept.]]
