@@ -45,9 +45,20 @@ const dm_method *dm_method_find(const char *name, const char **nearest) {
 
 dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *done) {
     if (s->method->advance) return s->method->advance(s, state, t, count, done);
+    return dm_advance_by_step(s, state, t, count, done);
+}
+
+dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, long count,
+                             long *done) {
     for (*done = 0; *done < count; ++*done) {
         const dm_status status = s->method->step(s, state, t + (double)*done * s->h);
         if (status != DM_OK) return status;
     }
     return DM_OK;
+}
+
+int dm_state_is_finite(const double *state, uint32_t n) {
+    double sum = 0.0; /* 0 * infinity is NaN */
+    for (size_t i = 0; i < dm_state_size(n); i++) sum += 0.0 * state[i];
+    return sum == 0.0;
 }

@@ -63,4 +63,11 @@ const dm_method *dm_method_find(const char *name, const char **nearest);
 /* `count` steps from time t; *done is the number finished, also on failure. */
 dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *done);
 
+/* The same by `step` alone: an explicit method that looks for NaN only at the end of a burst
+** does the burst again this way, to find the step and to stop before it. */
+dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, long count, long *done);
+
+/* True when no entry of the state is NaN or infinite. */
+int dm_state_is_finite(const double *state, uint32_t n);
+
 #endif

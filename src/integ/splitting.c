@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* workspace: the table, then x = (q, v, t), force[n] */
+/* workspace: the table, then x = (q, v, t), force[n], the state at the start of a burst */
 typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
@@ -22,7 +22,7 @@ static size_t layout_size(void) {
 }
 
 size_t dm_splitting_work(uint32_t n) {
-    return layout_size() + 3 * (size_t)n + 1;
+    return layout_size() + 3 * (size_t)n + 1 + dm_state_size(n);
 }
 
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
@@ -61,8 +61,8 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha,
     }
 }
 
-dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count,
-                               long *done) {
+/* count steps with no look at what comes out */
+static void run(dm_stepper *s, double *state, double t, long count) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
     const layout *l = (const layout *)(const void *)s->work;
@@ -73,8 +73,8 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
     x[2 * n] = t;
     dm_kernel_prepare(&m->force, force);
     if (table->b[0] != 0.0) dm_kernel_eval(&m->force, x, force);
-    for (*done = 0; *done < count; ++*done) {
-        const double now = t + (double)*done * s->h;
+    for (long step = 0; step < count; step++) {
+        const double now = t + (double)step * s->h;
         if (table->b[0] != 0.0) kick(n, p, low_p, s->h * table->b[0], force);
         for (int k = 0; k < table->stages; k++) {
             drift(m, x, low_q, s->h * table->a[k], p);
@@ -86,5 +86,20 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
     }
     memcpy(state, x, n * sizeof *x);
     s->report.evaluations += 1 + count * table->stages;
-    return DM_OK;
+}
+
+/* what is not finite stays so, hence one look at the end; then the burst is done again to find
+** the step */
+dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count,
+                               long *done) {
+    const uint32_t n = s->model->n;
+    const size_t bytes = dm_state_size(n) * sizeof *state;
+    double *start = s->work + layout_size() + 3 * (size_t)n + 1;
+    memcpy(start, state, bytes);
+    run(s, state, t, count);
+    *done = count;
+    if (dm_state_is_finite(state, n)) return DM_OK;
+    memcpy(state, start, bytes);
+    *done = 0;
+    return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
 }

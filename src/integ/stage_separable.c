@@ -228,7 +228,8 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
                                        .equation = equation,
                                        .ctx = g,
                                        .size = &g->size,
-                                       .near_identity = 1,
+                                       .near_identity =
+                                           unknowns > g->n, /* one point: J is cheap */
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);

@@ -24,12 +24,17 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return is_explicit(m) ? DM_WANT_FORCE : dm_stage_wants(rule, m);
 }
 
-/* explicit: x = (q, v, t), two forces times h/2, velocity, h M^-1, the start of a burst */
+static size_t mass_size(const dm_model *m) {
+    const size_t n = m->n;
+    return m->structure & DM_DIAGONAL_MASS ? n : n * n;
+}
+
+/* explicit: x = (q, v, t), two forces, p_half, h M^-1, the start of a burst */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     (void)rule;
-    return is_explicit(m) ? 2 * n + 1 + 3 * n + n * n + dm_state_size(m->n)
-                          : dm_stage_work(2, 2, m);
+    if (!is_explicit(m)) return dm_stage_work(2, 2, m);
+    return 2 * n + 1 + 3 * n + mass_size(m) + dm_state_size(m->n);
 }
 
 typedef struct {
@@ -41,6 +46,7 @@ typedef struct {
     double *x, *old, *new, *p_half, *hw, *start;
 } loop;
 
+/* pointers into the workspace, and what depends on h, which a composition changes */
 static loop lay_out(const dm_stepper *s) {
     const dm_model *m = s->model;
     const size_t n = m->n;
@@ -52,7 +58,8 @@ static loop lay_out(const dm_stepper *s) {
     l.new = l.old + n;
     l.p_half = l.new + n;
     l.hw = l.p_half + n;
-    l.start = l.hw + n * n;
+    l.start = l.hw + mass_size(m);
+    for (size_t i = 0; i < mass_size(m); i++) l.hw[i] = s->h * m->inverse_mass[i];
     return l;
 }
 
@@ -66,65 +73,56 @@ static dm_status open(dm_stepper *s) {
         return dm_stage_open(s, &g);
     }
     const loop l = lay_out(s);
-    const size_t n = m->n, count = l.diagonal ? n : n * n;
-    memset(l.x, 0, (2 * n + 1) * sizeof *l.x);
-    for (size_t i = 0; i < count; i++) l.hw[i] = s->h * m->inverse_mass[i];
+    memset(l.x, 0, (2 * (size_t)l.n + 1) * sizeof *l.x);
     dm_kernel_prepare(l.force, l.old);
     dm_kernel_prepare(l.force, l.new);
     return DM_OK;
 }
 
-/* p_half = p + h/2 L_q, q += h M^-1 (p_half - shift) */
-static inline void drift(const loop *l, double *state) {
+/* p_half = p + h/2 L_q, q += h M^-1 (p_half - shift); q is kept in x */
+static inline void drift(const loop *l, const double *p, double *low) {
     const uint32_t n = l->n;
-    double *q = state, *low = state + 2 * n;
-    const double *p = state + n;
+    const double half = l->half, *hw = l->hw, *force = l->old;
+    double *q = l->x, *p_half = l->p_half;
     if (l->diagonal) {
         for (uint32_t i = 0; i < n; i++)
-            dm_sum_add(q + i, low + i, l->hw[i] * (p[i] + l->half * l->old[i]));
+            dm_sum_add(q + i, low + i, hw[i] * (p[i] + half * force[i]));
         return;
     }
-    for (uint32_t i = 0; i < n; i++)
-        l->p_half[i] = p[i] + l->half * l->old[i] - l->shift[i];
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) p_half[i] = p[i] + half * force[i] - l->shift[i];
+    for (uint32_t i = 0; i < n; i++, hw += n) {
         double dq = 0.0;
-        for (uint32_t j = 0; j < n; j++) dq += l->hw[i * (size_t)n + j] * l->p_half[j];
+        for (uint32_t j = 0; j < n; j++) dq += hw[j] * p_half[j];
         dm_sum_add(q + i, low + i, dq);
     }
 }
 
-static int is_finite(const double *state, size_t count) {
-    double sum = 0.0; /* NaN or NaN from infinities when one is not */
-    for (size_t i = 0; i < count; i++) sum += state[i] * 0.0;
-    return sum == 0.0;
-}
-
-/* p += h/2 (L_q(q0) + L_q(q1)); the first half is added to the low part while L_q(q1) is awaited */
-static inline void kick(const loop *l, double *state) {
-    const uint32_t n = l->n;
-    double *p = state + n, *low = state + 3 * n;
-    for (uint32_t i = 0; i < n; i++) {
-        low[i] += l->half * l->old[i];
-        dm_sum_add(p + i, low + i, l->half * l->new[i]);
+/* p += h/2 (L_q(q0) + L_q(q1)); the first half goes to the low part, which is not waited for */
+static inline void kick(const loop *l, double *p, double *low) {
+    const double half = l->half, *old = l->old, *new = l->new;
+    for (uint32_t i = 0; i < l->n; i++) {
+        low[i] += half * old[i];
+        dm_sum_add(p + i, low + i, half * new[i]);
     }
 }
 
 /* count steps with no check; the force at the end of a step serves the next one */
 static void run(loop *l, double *state, double t, double h, long count) {
     const uint32_t n = l->n;
+    double *p = state + n, *low_q = state + 2 * n, *low_p = state + 3 * n;
     memcpy(l->x, state, n * sizeof *state);
     l->x[2 * n] = t;
     dm_kernel_eval(l->force, l->x, l->old);
     for (long k = 1; k <= count; k++) {
-        drift(l, state);
-        memcpy(l->x, state, n * sizeof *state);
+        drift(l, p, low_q);
         l->x[2 * n] = t + (double)k * h;
         dm_kernel_eval(l->force, l->x, l->new);
-        kick(l, state);
+        kick(l, p, low_p);
         double *swap = l->old;
         l->old = l->new;
         l->new = swap;
     }
+    memcpy(state, l->x, n * sizeof *state);
 }
 
 static dm_status step_explicit(dm_stepper *s, double *state, double t) {
@@ -133,7 +131,7 @@ static dm_status step_explicit(dm_stepper *s, double *state, double t) {
     memcpy(l.start, state, size * sizeof *state);
     run(&l, state, t, s->h, 1);
     s->report.evaluations += 2;
-    if (is_finite(state, size)) return DM_OK;
+    if (dm_state_is_finite(state, l.n)) return DM_OK;
     memcpy(state, l.start, size * sizeof *state);
     return DM_NOT_FINITE;
 }
@@ -143,28 +141,19 @@ static dm_status step(dm_stepper *s, double *state, double t) {
                                  : dm_stage_step(s, state, t);
 }
 
-static dm_status step_by_step(dm_stepper *s, double *state, double t, long count,
-                              long *done) {
-    for (*done = 0; *done < count; ++*done) {
-        const dm_status status = step(s, state, t + (double)*done * s->h);
-        if (status != DM_OK) return status;
-    }
-    return DM_OK;
-}
-
 /* what is not finite stays so, hence one look at the end; then the burst is done again to find
 ** the step */
 static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
-    if (!is_explicit(s->model)) return step_by_step(s, state, t, count, done);
+    if (!is_explicit(s->model)) return dm_advance_by_step(s, state, t, count, done);
     loop l = lay_out(s);
     const size_t size = dm_state_size(l.n);
     memcpy(l.start, state, size * sizeof *state);
     run(&l, state, t, s->h, count);
     s->report.evaluations += count + 1;
     *done = count;
-    if (is_finite(state, size)) return DM_OK;
+    if (dm_state_is_finite(state, l.n)) return DM_OK;
     memcpy(state, l.start, size * sizeof *state);
-    return step_by_step(s, state, t, count, done);
+    return dm_advance_by_step(s, state, t, count, done);
 }
 
 const dm_method dm_method_verlet = {
