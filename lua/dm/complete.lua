@@ -138,7 +138,10 @@ function resolve(tokens, at)
   if t.text == "]" then return resolve_index(tokens, at) end
   if t.text ~= ")" and t.text ~= "}" then return nil end
   local open = opening(tokens, at)
-  return open and open > 1 and result(resolve(tokens, open - 1)) or nil
+  local callee = open and open > 1 and tokens[open - 1]
+  local called = callee and (callee.kind ~= "symbol" or CLOSE[callee.text]) and not is_keyword[callee.text]
+  if called then return result(resolve(tokens, open - 1)) end
+  return open == at - 2 and t.text == ")" and resolve(tokens, at - 1) or nil
 end
 
 ---- candidates ----

@@ -193,6 +193,8 @@ end
 
 local function help_name(name)
   if topics[name] then return topics[name]() end
+  local same_name = docs[name] and require "dm.complete".look_up(name)
+  if same_name and docs[same_name.value or name] then write(shown_doc(docs[same_name.value or name])) end
   if help_class(name) then return end
   local object = require "dm.complete".look_up(name) or require "dm.complete".look_up("dm." .. name)
   if object and object.class then return help_class(object.class) end

@@ -65,8 +65,23 @@ static char **attempt(const char *text, int start, int end) {
     return found;
 }
 
+/* is text[index] inside of quotes? then it ends no word, such as the / of a file name */
+static int is_quoted(char *text, int index) {
+    char quote = '\0';
+    for (int i = 0; i < index && text[i]; i++) {
+        if (quote && text[i] == '\\' && text[i + 1])
+            i++;
+        else if (quote)
+            quote = text[i] == quote ? '\0' : quote;
+        else if (text[i] == '"' || text[i] == '\'')
+            quote = text[i];
+    }
+    return quote != '\0';
+}
+
 void dml_complete_open(lua_State *L) {
     asked = L;
+    rl_char_is_quoted_p = is_quoted;
     rl_completer_word_break_characters = breaks;
     rl_completer_quote_characters = "\"'";
     rl_attempted_completion_function = attempt;

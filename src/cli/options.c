@@ -166,5 +166,11 @@ int dml_open_manual(lua_State *L) {
     set_rows(L, "keys", keys);
     set_rows(L, "statuses", statuses);
     set_text(L, "version", DM_VERSION);
+#ifdef DM_READLINE
+    lua_pushboolean(L, 1);
+#else
+    lua_pushboolean(L, 0);
+#endif
+    lua_setfield(L, -2, "readline");
     return 1;
 }

@@ -175,7 +175,7 @@ static void print_results(lua_State *L) {
     if (dml_report(L, status) != LUA_OK) return;
     lua_getglobal(L, "print");
     lua_insert(L, 3);
-    if (dml_call(L, lua_gettop(L) - 3, 0) == LUA_OK) return;
+    if (lua_pcall(L, lua_gettop(L) - 3, 0, 0) == LUA_OK) return;
     lua_pushfstring(L, "error calling 'print' (%s)", lua_tostring(L, -1));
     dml_message(NULL, lua_tostring(L, -1));
 }

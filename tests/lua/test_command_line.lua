@@ -35,7 +35,7 @@ write("-", "print 'a file named -'")
 
 -- run in the folder `here`: both outputs and the exit code as one text
 local function run(program, command)
-  local pipe = io.popen(("cd %s && { %s; } 2>&1; echo \"[$?]\""):format(here, (command:gsub("LUA%f[%W]", program))))
+  local pipe = io.popen(("cd %s && { %s; } 2>&1; echo \"[$?]\""):format(here, (command:gsub("LUA%f[^%w_]", program))))
   local text = pipe:read "a"
   pipe:close()
   return text
@@ -75,11 +75,17 @@ local commands = {
   "LUA_INIT=@missing.lua LUA -e ''", "LUA_INIT='print(#arg, arg[1])' LUA args.lua a", "LUA_INIT= LUA -e 'print(1)'",
   "LUA_PATH=x LUA -e 'print(package.path)'", "LUA_PATH='a;;b' LUA -e 'print(package.path)'", "LUA_PATH_5_4=y LUA_PATH=x LUA -e 'print(package.path)'",
   "LUA_CPATH=x LUA -e 'print(package.cpath)'", "LUA_PATH=x LUA -E -e 'print(package.path)'",
-  -- sessions that are asked for
-  "LUA -i < entries.txt 2>/dev/null", "LUA -i -e 'print(1)' < entries.txt 2>/dev/null", "LUA -e '_PROMPT=\"in \" _PROMPT2=\"more \"' -i < entries.txt 2>/dev/null",
-  "echo 10 | LUA -e 'print = nil' -i 2>&1 >/dev/null", "LUA -i args.lua a < /dev/null",
+  "echo 10 | LUA -e 'print = nil' -i 2>&1 >/dev/null",
   "echo 'error \"oops\"' | LUA -i 2>&1 >/dev/null", "echo 'x = = 1' | LUA -i 2>&1 >/dev/null",
 }
+
+-- readline shows what it reads, so these agree only where dmlua has it, as lua5.4 has
+if require "dm.manual".readline then
+  for _, command in ipairs {
+    "LUA -i < entries.txt 2>/dev/null", "LUA -i -e 'print(1)' < entries.txt 2>/dev/null", "LUA -i args.lua a < /dev/null",
+    "LUA -e '_PROMPT=\"in \" _PROMPT2=\"more \"' -i < entries.txt 2>/dev/null",
+  } do commands[#commands + 1] = command end
+end
 
 local lua = io.popen("command -v lua5.4"):read "l"
 if lua then
