@@ -154,7 +154,8 @@ void dml_options(lua_State *L, int arg, const char *const *known) {
 
 /* the value on top as a message shows it */
 static const char *shown(lua_State *L) {
-    if (lua_type(L, -1) == LUA_TNUMBER) return luaL_tolstring(L, -1, NULL);
+    if (lua_type(L, -1) == LUA_TNUMBER)
+        return isnan(lua_tonumber(L, -1)) ? "NaN" : luaL_tolstring(L, -1, NULL);
     if (lua_type(L, -1) == LUA_TSTRING)
         return lua_pushfstring(L, "the string \"%s\"", lua_tostring(L, -1));
     return luaL_getmetafield(L, -1, "__name") == LUA_TSTRING ? lua_tostring(L, -1)

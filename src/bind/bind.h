@@ -9,9 +9,8 @@
 #include <lua.h>
 #include <signal.h>
 
-/* One row per function that Lua sees: name, C function, docstring for help().
-** doc: first line "signature -> result", then shapes, units, errors, source. Metamethods
-*may have none. */
+/* One row per function that Lua sees: name, C function, docstring for help(). Its first line
+** is "signature -> result", then shapes, units, errors, source. Metamethods may have none. */
 typedef struct {
     const char *name;
     lua_CFunction call;
@@ -22,37 +21,31 @@ typedef struct {
 ** registry.dm_docs[function]. */
 void dml_setfunctions(lua_State *L, const dml_row *rows);
 
-/* Register class `tname` ("dm.path") with a class doc (dm_docs["dm.path"]), metamethods,
- *methods.
- ** __index is a C function that looks in the method table after `field` (may be NULL)
- *declined
- ** (returned 0 results) to answer; Lua modules add methods with dm.core.method(tname,
- *name, f, doc). */
+/* Register class `tname` ("dm.path"): its doc (dm_docs["dm.path"]), metamethods, methods.
+** value.key asks `field` first (may be NULL; returns 0 results to decline), then the
+** methods, to which Lua modules add with dm.core.method(tname, name, f, doc). */
 void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_row *meta,
                   const dml_row *methods, lua_CFunction field);
 
-/* Add methods to a class that another file registered; nothing else on the stack changes.
- */
+/* Add methods to a class that another file registered; the stack stays as it is. */
 void dml_addmethods(lua_State *L, const char *tname, const dml_row *methods);
 
 /* An arena owned by Lua: pushes a userdata whose __gc and __close give the memory back.
- *It takes its
- ** memory from the allocator of the state, so that a refusing allocator refuses here too.
- */
+** Its memory comes from the allocator of the state: one that refuses is felt here too. */
 dm_arena *dml_pusharena(lua_State *L);
 
-/* Options tables. Each raises "field 'h' must be ... (got ...)" with what to try. */
-void dml_options(
-    lua_State *L, int arg,
-    const char *const *known); /* NULL-terminated; unknown key: "did you mean" */
-double dml_number(lua_State *L, int arg, const char *key,
-                  double fallback); /* finite; NaN fallback: required */
-double dml_positive(lua_State *L, int arg, const char *key,
-                    double fallback); /* > 0, finite; fallback 0: required */
-long dml_count(lua_State *L, int arg, const char *key, long least,
-               long fallback); /* whole >= least; fallback < least: required */
-void dml_numbers(lua_State *L, int arg, const char *key, double *out,
-                 uint32_t n); /* table or vector of n finite numbers */
+/*
+** Options tables. Each raises "field 'h' must be ... (got ...)" with what to try.
+** options: the keys that may occur, NULL at the end; another one: "did you mean".
+** number: finite, required when fallback is NaN. positive: > 0 and finite, required when
+** fallback is 0. count: whole and >= least, required when fallback < least.
+** numbers: a table or vector of n finite numbers.
+*/
+void dml_options(lua_State *L, int arg, const char *const *known);
+double dml_number(lua_State *L, int arg, const char *key, double fallback);
+double dml_positive(lua_State *L, int arg, const char *key, double fallback);
+long dml_count(lua_State *L, int arg, const char *key, long least, long fallback);
+void dml_numbers(lua_State *L, int arg, const char *key, double *out, uint32_t n);
 
 /* Closest of `known` to `word`, or NULL when none is near: for "did you mean". */
 const char *dml_nearest(const char *word, const char *const *known);
@@ -60,8 +53,7 @@ const char *dml_nearest(const char *word, const char *const *known);
 /* Set by the cli's SIGINT handler; cleared when a run has seen it. */
 extern volatile sig_atomic_t dml_stop;
 
-/* One opener per binding file, listed in open.c; each adds to the `dm.core` table on top.
- */
+/* One opener per binding file, listed in classes.def; each adds to the table on top. */
 #define X(name) void dml_open_##name(lua_State *L);
 #include "bind/classes.def"
 #undef X

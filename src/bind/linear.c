@@ -75,7 +75,8 @@ static void raise_singular(lua_State *L, const factors *f, const double *a, size
 static void check_finite(lua_State *L, const double *a, size_t n) {
     for (size_t i = 0; i < n; i++)
         if (!isfinite(a[i]))
-            luaL_error(L, "the matrix has an entry that is not finite (%f)", a[i]);
+            luaL_error(L, "the matrix has an entry that is %s, not a finite number",
+                       isnan(a[i]) ? "NaN" : "infinite");
 }
 
 static void factor_regular(lua_State *L, factors *f, const double *a, size_t n) {

@@ -1,8 +1,7 @@
 /*
 ** trace.h - a Lua function called once with symbols becomes a graph.
-** Comparison, floor, %, // on symbols raise and say what to use. What the graph cannot
-*see (==, truth tests)
-** is found by dml_trace_check, which compares the kernel with plain calls.
+** Comparison, floor, %, // on symbols raise and say what to use. What the graph cannot see
+** (==, truth tests) is found by dml_trace_check, which compares the kernel with plain calls.
 */
 #ifndef DML_TRACE_H
 #define DML_TRACE_H
@@ -12,14 +11,13 @@
 
 enum { DML_SCALAR_ARGUMENT = -1, DML_MAX_ARGUMENTS = 8 };
 
-/* What a traced function takes and gives. Inputs of the graph are numbered through all
- * arguments. */
+/* What a traced function takes and gives; the graph's inputs are numbered through all
+** arguments. */
 typedef struct {
     const char *what; /* "L" of the system: named in every message */
     int arguments;
     int length[DML_MAX_ARGUMENTS]; /* entries of each vector, or DML_SCALAR_ARGUMENT */
-    int outputs; /* DML_SCALAR_ARGUMENT: one number; n: a vector or table of n; 0: any
-                    number of them */
+    int outputs; /* DML_SCALAR_ARGUMENT: a number; n: that many; 0: any number of them */
 } dml_signature;
 
 typedef struct {
@@ -32,40 +30,35 @@ typedef struct {
 
 /*
 ** Call the function at stack index fn with symbols in a graph of `arena`. Raises the
-*function's own
-** error, or a dm error that names the cause: wrong kind of result ("must return a number,
-*got nil"), a branch, a
-** symbol of another trace, too large a graph. Stack is left as it was.
+** function's own error, or one that names the cause: the wrong kind of result ("must return
+** a number, got nil"), a branch, a symbol of another trace, too large a graph. The stack is
+** left as it was.
 */
 void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
                dml_traced *out);
 
 /*
 ** Compare `kernel` (of the traced outputs) with plain calls of the function: at `at`
-*(inputs doubles; NULL: none), where a
-** mismatch, a NaN or an error of the function is raised, and at random points around it,
-*where only a mismatch of
-** finite values is. The message names the likely cause (==, a truth test, a global that
-*changes, random numbers).
+** (NULL: nowhere), where a mismatch, a NaN or an error of the function is raised, and at
+** random points around it, where only a mismatch of finite values is. The message names the
+** likely cause: ==, a truth test, a global that changes, random numbers.
 */
 void dml_trace_check(lua_State *L, int fn, const dml_signature *s,
                      const dm_kernel *kernel, const double *at);
 
-/* A function on numbers: pushes nothing, out[outputs]; raises as dml_trace does. */
+/* The function on numbers: pushes nothing, fills out[outputs]; raises as dml_trace does. */
 void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double *in,
                       double *out, uint32_t outputs);
 
 /*
-** What cannot be traced: callback kernels on hyper-dual numbers for a scalar function of
-*`inputs` numbers. order 0: value;
-** 1: gradient; 2: gradient and Hessian. `pick` maps the derivatives to the kernel's
-*outputs.
-** A Lua error inside is kept: the kernel writes NaN, and dml_hyperdual_rethrow raises the
-*user's own error afterwards.
+** What cannot be traced: callback kernels on hyper-dual numbers, for a function that gives
+** one number. Outputs by order: 0: the value; 1: the gradient [inputs]; 2: gradient and
+** Hessian [inputs + inputs * inputs]. A Lua error inside is kept: the kernel writes NaN, and
+** dml_hyperdual_rethrow raises the user's own error afterwards. The callback is a userdata,
+** pushed by new; it keeps the function alive.
 */
-typedef struct dml_callback dml_callback; /* userdata, pushed; keeps the function alive */
+typedef struct dml_callback dml_callback;
 dml_callback *dml_hyperdual_new(lua_State *L, int fn, const dml_signature *s);
-/* outputs: value f -> order 0 [1]; order 1 [inputs]; order 2 [inputs + inputs*inputs]. */
 void dml_hyperdual_kernel(dml_callback *c, int order, dm_kernel *out);
 void dml_hyperdual_rethrow(lua_State *L, dml_callback *c);
 

@@ -133,7 +133,8 @@ long dml_length(lua_State *L, int arg) {
 }
 
 /* entry i, or 0 with *type what stands there instead */
-static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const char **type) {
+static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x,
+                      const char **type) {
     const dml_array *a = dml_toarray(L, arg, 1);
     *type = luaL_typename(L, arg);
     if (a && i < a->rows) return *x = dml_get(a, i), 1;
@@ -171,14 +172,15 @@ void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_
         dml_scalar x;
         const char *type;
         if (!read_entry(L, arg, i, &x, &type))
-            luaL_error(L, "%s: entry %d must be a number, got %s", name, (int)i + 1, type);
+            luaL_error(L, "%s: entry %d must be a number, got %s", name, (int)i + 1,
+                       type);
         if (x.kind != DML_NUMBER)
             luaL_error(L, "%s: entry %d is a %s, but a plain number is needed here", name,
                        (int)i + 1,
                        x.kind == DML_SYMBOL ? "symbol of a trace" : "hyper-dual number");
         if (!isfinite(x.as.number))
-            luaL_error(L, "%s: entry %d is not finite (%f)", name, (int)i + 1,
-                       x.as.number);
+            luaL_error(L, "%s: entry %d is %s, but must be finite", name, (int)i + 1,
+                       isnan(x.as.number) ? "NaN" : "infinite");
         out[i] = x.as.number;
     }
 }

@@ -1,6 +1,5 @@
 /* value.h - the values that a script computes with: numbers, symbols, hyper-dual numbers,
- *and
- ** vectors and matrices of them. The same script code works on all three. */
+** and vectors and matrices of them. The same script code works on all three. */
 #ifndef DML_VALUE_H
 #define DML_VALUE_H
 
@@ -9,8 +8,8 @@
 
 typedef enum { DML_NUMBER, DML_SYMBOL, DML_HYPERDUAL } dml_kind;
 
-/* f, df/da, df/db, d2f/dadb along two directions a, b: exact second derivatives (Fike &
- * Alonso 2011). */
+/* f, df/da, df/db, d2f/dadb along two directions a, b: exact second derivatives
+** (Fike & Alonso 2011). */
 typedef struct {
     double f, a, b, ab;
 } dml_hyperdual;
@@ -25,32 +24,28 @@ typedef struct {
     } as;
 } dml_scalar;
 
-int dml_toscalar(lua_State *L, int arg,
-                 dml_scalar *out); /* 0 when it is none of the three */
-void dml_pushscalar(lua_State *L,
-                    const dml_scalar *x); /* a number becomes a plain Lua number */
+/* The scalar at arg; 0 when it is none of the three. */
+int dml_toscalar(lua_State *L, int arg, dml_scalar *out);
+/* A number becomes a plain Lua number. */
+void dml_pushscalar(lua_State *L, const dml_scalar *x);
 
-/* op(a, b, c) in whatever kind the operands need; raises when symbols of two traces meet
- *or a
- ** symbol outlived its trace. */
+/* op(a, b, c) in whatever kind the operands need; raises when symbols of two traces meet or
+** a symbol outlived its trace. */
 dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scalar *b,
                      const dml_scalar *c);
 
-/* Push a new vector or matrix of numbers (zeroed), owned by Lua; returns its entries
- * (row-major). */
+/* Push a new vector or matrix of zeros, owned by Lua; returns its entries (row-major). */
 double *dml_pushvector(lua_State *L, uint32_t n);
 double *dml_pushmatrix(lua_State *L, uint32_t rows, uint32_t columns);
-/* Push a vector of any kind from n scalars (all of one kind, or numbers that are lifted).
- */
+/* Push a vector of n scalars: all of one kind, or numbers that are lifted to it. */
 void dml_pushscalars(lua_State *L, const dml_scalar *x, uint32_t n);
 
-/* Length of the vector, matrix row, table (or 1 for a bare scalar) at arg, -1 when it is
- * none. */
+/* Length of the vector, matrix row or table at arg, 1 for a scalar, -1 for all else. */
 long dml_length(lua_State *L, int arg);
 /* Entry i (from 0) of what dml_length measured. Raises when it is no scalar. */
 dml_scalar dml_entry(lua_State *L, int arg, uint32_t i);
-/* n finite numbers from the vector or table at arg into out; raises with `name` in the
- * message. */
+/* n finite numbers from the vector or table at arg; messages call it `name`. A bare number
+** will do where n is 1. */
 void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_t n);
 
 #endif
