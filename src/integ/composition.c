@@ -133,10 +133,6 @@ static void lay_alternating(dm_splitting *out, const scheme *s) {
     if (drift_first) out->b[0] = out->b[n + 1] = 0.0;
 }
 
-static int explicit_for(const dm_model *m) {
-    return (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
-}
-
 /* the implicit rule composed when L does not separate: the one named in the rule, else midpoint */
 static const dm_rule *base_rule(const dm_rule *rule) {
     static const dm_rule midpoint = {.name = "midpoint"};
@@ -151,7 +147,7 @@ static const dm_method *base_method(const dm_rule *rule) {
 
 /* explicit unless a base is named */
 static int is_splitting(const dm_rule *rule, const dm_model *m) {
-    return explicit_for(m) && !(rule->count && rule->arg[rule->count - 1].rule);
+    return dm_splitting_fits(m) && !(rule->count && rule->arg[rule->count - 1].rule);
 }
 
 static const char *check(const dm_rule *rule) {
@@ -168,7 +164,7 @@ static const char *check(const dm_rule *rule) {
 }
 
 static const char *fits(const dm_rule *rule, const dm_model *m) {
-    if (find(rule)->kind == GAMMA || explicit_for(m)) return NULL;
+    if (find(rule)->kind == GAMMA || dm_splitting_fits(m)) return NULL;
     return "a Runge-Kutta-Nystroem splitting needs a separable L = T(v) - V(q) with "
            "constant mass; compose "
            "an implicit rule instead, for instance kahan-li(6, midpoint), or take "
@@ -238,19 +234,14 @@ static dm_status step_base(dm_stepper *s, double *state, double t) {
 }
 
 static dm_status step(dm_stepper *s, double *state, double t) {
-    long done;
-    if (!is_splitting(s->rule, s->model)) return step_base(s, state, t);
-    return dm_splitting_advance(s, state, t, 1, &done);
+    return is_splitting(s->rule, s->model) ? dm_splitting_step(s, state, t)
+                                           : step_base(s, state, t);
 }
 
 static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
-    if (is_splitting(s->rule, s->model))
-        return dm_splitting_advance(s, state, t, count, done);
-    for (*done = 0; *done < count; ++*done) {
-        const dm_status status = step_base(s, state, t + (double)*done * s->h);
-        if (status != DM_OK) return status;
-    }
-    return DM_OK;
+    return is_splitting(s->rule, s->model)
+               ? dm_splitting_advance(s, state, t, count, done)
+               : dm_advance_by_step(s, state, t, count, done);
 }
 
 /* a row of methods.def: only names and texts differ */

@@ -1,5 +1,7 @@
 #include "integ/splitting.h"
 
+#include "base/sum.h"
+
 #include <string.h>
 
 /* workspace: the table, then x = (q, v, t), force[n], the state at the start of a burst */
@@ -7,6 +9,11 @@ typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
 } layout;
+
+int dm_splitting_fits(const dm_model *m) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    return (m->structure & simple) == simple && m->inverse_mass;
+}
 
 void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {
     out->stages = s;
@@ -33,16 +40,9 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     l->c[table->stages] = 1.0;
 }
 
-/* y += d with the low-order part kept in *low (Kahan 1965) */
-static inline void add(double *y, double *low, double d) {
-    const double correction = d + *low, sum = *y + correction;
-    *low = correction - (sum - *y);
-    *y = sum;
-}
-
 static inline void kick(uint32_t n, double *p, double *low, double hb,
                         const double *force) {
-    for (uint32_t i = 0; i < n; i++) add(p + i, low + i, hb * force[i]);
+    for (uint32_t i = 0; i < n; i++) dm_sum_add(p + i, low + i, hb * force[i]);
 }
 
 /* q += h a M^-1 (p - shift) */
@@ -51,14 +51,19 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha,
     const uint32_t n = m->n;
     const double *w = m->inverse_mass, *shift = m->momentum_shift;
     if (m->structure & DM_DIAGONAL_MASS) {
-        for (uint32_t i = 0; i < n; i++) add(q + i, low + i, ha * (w[i] * p[i]));
+        for (uint32_t i = 0; i < n; i++) dm_sum_add(q + i, low + i, ha * (w[i] * p[i]));
         return;
     }
     for (uint32_t i = 0; i < n; i++) {
         double v = 0.0;
         for (uint32_t j = 0; j < n; j++) v += w[i * n + j] * (p[j] - shift[j]);
-        add(q + i, low + i, ha * v);
+        dm_sum_add(q + i, low + i, ha * v);
     }
+}
+
+/* forces a step: one for every kick but the first, which has that of the step before */
+static int evaluations(const dm_splitting *table) {
+    return table->stages - (table->b[table->stages] == 0.0);
 }
 
 /* count steps with no look at what comes out */
@@ -85,7 +90,7 @@ static void run(dm_stepper *s, double *state, double t, long count) {
         }
     }
     memcpy(state, x, n * sizeof *x);
-    s->report.evaluations += 1 + count * table->stages;
+    s->report.evaluations += (table->b[0] != 0.0) + count * evaluations(table);
 }
 
 /* what is not finite stays so, hence one look at the end; then the burst is done again to find
@@ -102,4 +107,9 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
     memcpy(state, start, bytes);
     *done = 0;
     return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
+}
+
+dm_status dm_splitting_step(dm_stepper *s, double *state, double t) {
+    long done;
+    return dm_splitting_advance(s, state, t, 1, &done);
 }

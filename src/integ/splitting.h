@@ -18,6 +18,9 @@ typedef struct {
     double a[DM_SPLITTING_STAGES];     /* drifts, sum 1 */
 } dm_splitting;
 
+/* True when L can be stepped explicitly: separable with constant, regular mass. */
+int dm_splitting_fits(const dm_model *m);
+
 /* Table of the composition of Stoermer-Verlet steps gamma_1 h, ..., gamma_s h;
  * neighbouring kicks are merged. */
 void dm_splitting_compose(dm_splitting *out, const double *gamma, int s);
