@@ -17,6 +17,15 @@ static dm_node one(dm_graph *g) {
     return dm_constant(g, 1.0);
 }
 
+static dm_node half(dm_graph *g, dm_node a) {
+    const dm_node c = dm_constant(g, 0.5);
+    return dm_mul(g, c, a);
+}
+
+static dm_node one_plus(dm_graph *g, dm_node a) {
+    return dm_add(g, one(g), a);
+}
+
 static dm_node square(dm_graph *g, dm_node a) {
     return dm_mul(g, a, a);
 }
@@ -30,14 +39,14 @@ static dm_node times(dm_graph *g, dm_node factor, dm_node slope) {
     const dm_expr e = *dm_at(g, factor);
     if (e.op != DM_OP_WHERE || (e.as.arg[1] && e.as.arg[2]))
         return dm_mul(g, factor, slope);
-    return dm_apply(g, DM_OP_WHERE, e.as.arg[0],
-                    e.as.arg[1] ? times(g, e.as.arg[1], slope) : 0,
-                    e.as.arg[2] ? times(g, e.as.arg[2], slope) : 0);
+    const dm_node yes = e.as.arg[1] ? times(g, e.as.arg[1], slope) : 0;
+    const dm_node no = e.as.arg[2] ? times(g, e.as.arg[2], slope) : 0;
+    return dm_apply(g, DM_OP_WHERE, e.as.arg[0], yes, no);
 }
 
 /* 1 / sqrt(1 - a^2) */
 static dm_node arcsine_slope(dm_graph *g, dm_node a) {
-    const dm_node u = dm_sub(g, one(g), square(g, a));
+    const dm_node a2 = square(g, a), u = dm_sub(g, one(g), a2);
     return inverse(g, dm_apply(g, DM_OP_SQRT, u, 0, 0));
 }
 
@@ -52,7 +61,8 @@ static dm_node power_slope(dm_graph *g, dm_node n, int k) {
 
 /* d atan2(y, x) = (x dy - y dx) / (x^2 + y^2) */
 static dm_node angle_slope(dm_graph *g, dm_node y, dm_node x, int k) {
-    const dm_node w = inverse(g, dm_add(g, square(g, x), square(g, y)));
+    const dm_node x2 = square(g, x), y2 = square(g, y);
+    const dm_node w = inverse(g, dm_add(g, x2, y2));
     return k == 0 ? dm_mul(g, x, w) : dm_neg(g, dm_mul(g, y, w));
 }
 
@@ -72,7 +82,7 @@ static dm_node slope1(dm_graph *g, dm_node n) {
     case DM_OP_ABS:
         return dm_apply(g, DM_OP_SIGN, a, 0, 0);
     case DM_OP_SQRT:
-        return dm_mul(g, dm_constant(g, 0.5), inverse(g, n));
+        return half(g, inverse(g, n));
     case DM_OP_EXP:
         return n;
     case DM_OP_LOG:
@@ -82,19 +92,19 @@ static dm_node slope1(dm_graph *g, dm_node n) {
     case DM_OP_COS:
         return dm_neg(g, dm_apply(g, DM_OP_SIN, a, 0, 0));
     case DM_OP_TAN:
-        return dm_add(g, one(g), square(g, n));
+        return one_plus(g, square(g, n));
     case DM_OP_ASIN:
         return arcsine_slope(g, a);
     case DM_OP_ACOS:
         return dm_neg(g, arcsine_slope(g, a));
     case DM_OP_ATAN:
-        return inverse(g, dm_add(g, one(g), square(g, a)));
+        return inverse(g, one_plus(g, square(g, a)));
     case DM_OP_SINH:
         return dm_apply(g, DM_OP_COSH, a, 0, 0);
     case DM_OP_COSH:
         return dm_apply(g, DM_OP_SINH, a, 0, 0);
     case DM_OP_TANH:
-        return dm_sub(g, one(g), square(g, n));
+        return one_plus(g, dm_neg(g, square(g, n)));
     default:
         return 0; /* sign: constant but for its jump */
     }

@@ -85,7 +85,10 @@ static dm_node add_constant(dm_graph *g, double c, dm_node n) {
     if (is_constant(g, n)) return dm_constant(g, c + value(g, n));
     const dm_node both = shifted(g, c, n, 1.0);
     if (both) return both;
-    if (split(g, n, &rest) < 0.0) return dm_sub(g, dm_constant(g, c), scaled(g, -1.0, n));
+    if (split(g, n, &rest) < 0.0) {
+        const dm_node positive = scaled(g, -1.0, n);
+        return dm_sub(g, dm_constant(g, c), positive);
+    }
     return dm_node_plain(g, DM_OP_ADD, dm_constant(g, c), n, 0);
 }
 

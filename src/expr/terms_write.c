@@ -96,8 +96,10 @@ static dm_node chain(dm_graph *g, dm_node base, uint32_t k, uint64_t needed) {
     if (k == 1) return base;
     if (needed >> 3) needed |= 1 << 2;
     for (uint32_t i = k - 1; k < CHAIN && 2 * i >= k; i--)
-        if ((needed >> i & 1 || i == 1) && (needed >> (k - i) & 1 || k - i == 1))
-            return multiply(g, chain(g, base, i, needed), chain(g, base, k - i, needed));
+        if ((needed >> i & 1 || i == 1) && (needed >> (k - i) & 1 || k - i == 1)) {
+            const dm_node high = chain(g, base, i, needed);
+            return multiply(g, high, chain(g, base, k - i, needed));
+        }
     const uint32_t half = k / 2;
     if (k % 2) return multiply(g, base, chain(g, base, k - 1, needed));
     const dm_node root = chain(g, base, half, needed);

@@ -126,18 +126,22 @@ static void values_kept(void) {
     CHECK(compared > 200000);
 }
 
-/* arithmetic of sizes near 1, so that cancellation does not hide errors */
-static void compaction(void) {
+static void random_arithmetic(random_source *r) {
     static const dm_op ops[] = {DM_OP_ADD, DM_OP_SUB, DM_OP_MUL,  DM_OP_MUL, DM_OP_NEG,
                                 DM_OP_DIV, DM_OP_SIN, DM_OP_SQRT, DM_OP_ADD, DM_OP_MUL};
+    const dm_op op = ops[random_below(r, 10)];
+    const dm_node a = random_operand(r, g), b = random_operand(r, g);
+    dm_apply(g, op, a, b, 0);
+}
+
+/* arithmetic of sizes near 1, so that cancellation does not hide errors */
+static void compaction(void) {
     random_source r = {2718};
     long compared = 0;
     for (int graph = 0; graph < 20000; graph++) {
         open_graph();
         const int count = 4 + (int)random_below(&r, 30);
-        for (int i = 0; i < count; i++)
-            dm_apply(g, ops[random_below(&r, 10)], random_operand(&r, g),
-                     random_operand(&r, g), 0);
+        for (int i = 0; i < count; i++) random_arithmetic(&r);
         dm_node roots[3], out[3];
         for (uint32_t i = 0; i < 3; i++) roots[i] = dm_graph_size(g) - 1 - i;
         dm_compact(g, roots, 3, out);
