@@ -36,5 +36,6 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table);
 ** Positions and momenta are summed with compensation. */
 dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count,
                                long *done);
+dm_status dm_splitting_step(dm_stepper *s, double *state, double t);
 
 #endif
