@@ -83,7 +83,7 @@ local function npy_shape(file, text)
   local fields = text:match("'descr': *%[(.-)%], *'fortran")
   local names = {}
   if fields then
-    for name, kind in fields:gmatch("%('(.-[^\\])', *'(.-)'%)") do
+    for _, name, kind in fields:gmatch("%((['\"])(.-[^\\])%1, *'(.-)'%)") do
       if kind ~= "<f8" then fail(file, "field %s has type %s; only <f8 is read", name, kind) end
       names[#names + 1] = name:gsub("\\(.)", "%1")
     end
@@ -106,6 +106,7 @@ local function load_npy(file, handle)
     local row = { pattern:unpack(record) }
     for c in ipairs(names) do columns[c][i] = row[c] end
   end
+  if handle:read(1) then fail(file, "holds more than the %d rows of its header", rows) end
   return names, columns
 end
 

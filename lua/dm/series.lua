@@ -21,7 +21,7 @@ function M.numbers(values, what)
     if type(x) ~= "number" then
       error(("%s[%d] must be a number (got %s)"):format(what, i, type(x)), 0)
     end
-    out[i] = x + 0.0
+    out[i] = x * 1.0  -- a float; + 0.0 would lose the sign of -0.0
   end
   return out
 end

@@ -1,0 +1,99 @@
+-- path:csv, path:npy and dm.load: the same bits come back, the formats are what others expect, misuse
+local tap = require "tap"
+local dm = require "dm"
+local export = require "dm.export"
+local ok, raises = tap.ok, tap.raises
+
+local function bits(x) return ("<d"):pack(x) end
+local function slurp(file)
+  local f = assert(io.open(file, "rb"))
+  local text = f:read "a"
+  f:close()
+  return text
+end
+local function spit(file, text)
+  local f = assert(io.open(file, "wb"))
+  f:write(text)
+  f:close()
+  return file
+end
+local base = os.tmpname()
+local csv, npy = base .. ".csv", base .. ".npy"
+
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local path = kepler:solver { rule = "verlet", h = 0.1 }:run { q = { 0.4, 0 }, v = { 0, 2 }, steps = 3000 }
+
+local function same_columns(data, what)
+  local same = #data.columns == #path.columns
+  for i, name in ipairs(path.columns) do
+    local a, b = path:column(name), data[name]
+    same = same and data.columns[i] == name and #a == #b
+    for k = 1, #a do same = same and bits(a[k]) == bits(b[k]) end
+  end
+  ok(same, what)
+end
+
+-- a real path
+ok(path:csv(csv) == csv and path:npy(npy) == npy, "csv and npy return the name of the file")
+same_columns(dm.load(csv), "csv: names and bits of every column come back")
+same_columns(dm.load(npy), "npy: names and bits of every column come back")
+ok(path:csv() == slurp(csv), "csv without a name is the text that a file would get")
+ok(path:csv():match "^t,q1,q2,p1,p2\n0,0.40000000000000002,0,0,2\n" ~= nil, "csv: line of names, then 17 digits", path:csv():sub(1, 60))
+local _, lines = path:csv():gsub("\n", "")
+ok(lines == #path + 1, "csv: one line a row", lines)
+
+-- npy read independently: magic, version, aligned header, then records
+local raw = slurp(npy)
+local size = ("<I2"):unpack(raw, 9)
+ok(raw:sub(1, 8) == "\147NUMPY\1\0" and (10 + size) % 64 == 0 and raw:sub(10 + size, 10 + size) == "\n", "npy: version 1.0, header aligned to 64 bytes")
+ok(raw:sub(11, 10 + size):find("'descr': [('t', '<f8'), ('q1', '<f8'), ('q2', '<f8'), ('p1', '<f8'), ('p2', '<f8')]", 1, true) ~= nil, "npy: named fields of doubles")
+ok(raw:find("'shape': (3001,)", 1, true) ~= nil and #raw == 10 + size + 3001 * 40, "npy: as many records as rows")
+ok(("<d"):unpack(raw, 11 + size + 40 * 1000 + 8) == path.q[1001][1], "npy: row 1001, field q1 where it should be")
+
+-- awkward numbers and names
+local awkward = { 0.1, -0.0, 1e308, 5e-324, 1 / 3, 2 ^ 53 + 2, -1e16, math.pi, 1e-310 }
+local fake = setmetatable({ columns = { 'a "b", c', "θ", "back\\slash'" }, column = function(self, name)
+  return name == "θ" and { table.unpack(awkward, 1) } or awkward
+end }, { __len = function() return #awkward end })
+for _, case in ipairs { { "csv", csv }, { "npy", npy } } do
+  export[case[1]](fake, case[2])
+  local data, same = dm.load(case[2]), true
+  for i, name in ipairs(fake.columns) do
+    same = same and data.columns[i] == name
+    for k, x in ipairs(awkward) do same = same and bits(data[name][k]) == bits(x) end
+  end
+  ok(same, case[1] .. ": quotes, commas, Greek letters, -0.0, subnormal and huge numbers come back", data.columns[1])
+end
+ok(slurp(npy):sub(1, 8) == "\147NUMPY\3\0" and (12 + ("<I4"):unpack(slurp(npy), 9)) % 64 == 0, "npy: version 3.0 when a name is not ASCII")
+
+-- files of others
+local data = dm.load(spit(csv, "t,x\r\n1,2.5\r\n\r\n3, nan\r\n-inf,1e3\r\n"))
+ok(#data.t == 3 and data.x[1] == 2.5 and data.x[2] ~= data.x[2] and data.t[3] == -math.huge, "csv with carriage returns, an empty line, nan and inf")
+local plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }"
+spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<dddddd"):pack(1, 2, 3, 4, 5, 6))
+data = dm.load(npy)
+ok(#data.columns == 3 and data.c2[1] == 2 and data.c3[2] == 6, "a plain 2-D array: columns c1, c2, c3")
+
+-- misuse
+raises("cannot open", path.csv, path, "/no/such/folder/a.csv")
+raises("file name", path.npy, path)
+raises("file name", path.csv, path, {})
+raises("cannot open", dm.load, base .. ".absent")
+raises("file name", dm.load, 7)
+raises("is empty", dm.load, spit(csv, ""))
+raises("line 3, column x: not a number", dm.load, spit(csv, "t,x\n1,2\n3,oops\n"))
+raises("line 2 has 3 fields", dm.load, spit(csv, "t,x\n1,2,3\n"))
+raises("quote is not closed", dm.load, spit(csv, 'a,"b\n1,2\n'))
+raises("not an npy file", dm.load, spit(npy, "t,x\n"))
+raises("ends inside the header", dm.load, spit(npy, "\147NUMPY\1\0"))
+raises("ends at row 2", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<dddd"):pack(1, 2, 3, 4)))
+raises("more than the 2 rows", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<ddddddd"):pack(1, 2, 3, 4, 5, 6, 7)))
+raises("only <f8", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack "{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (1,), }"))
+raises("Fortran", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack "{'descr': '<f8', 'fortran_order': True, 'shape': (1, 2), }"))
+local full = io.open("/dev/full", "w")
+if full then
+  full:close()
+  raises("cannot write /dev/full", path.csv, path, "/dev/full")
+end
+for _, name in ipairs { base, csv, npy } do os.remove(name) end
+tap.done()

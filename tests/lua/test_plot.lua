@@ -1,0 +1,208 @@
+-- Plots: axes tell the truth, braille dots lie where the data are, thinning keeps what is seen, files
+-- are what their names say, and misuse is named.
+local tap = require "tap"
+local dm = require "dm"
+local axis, series, braille, gnuplot = require "dm.axis", require "dm.series", require "dm.braille", require "dm.gnuplot"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local pi, abs, max, min = math.pi, math.abs, math.max, math.min
+
+---- axes ----
+
+-- the number that a tick's text, the power and the offset of the axis stand for
+local function meant(a, tick) return a.offset + tonumber(tick.text) * 10.0 ^ a.power end
+
+local ranges = { { 0, 1 }, { -0.5 - 1e-9, -0.5 + 3e-9 }, { 0.8, 0.8 }, { 0, 0 }, { 0.8 - 2e-16, 0.8 + 1e-16 }, { 0, 2e5 },
+  { -7e12, 1.3e13 }, { 1e-12, 5e-12 }, { -3, 17 }, { 1e5, 1e5 + 2 }, { -1e299, 1e299 }, { 5e-324, 1e-310 }, { 0.0999, 0.1001 }, { 123456, 123457.5 } }
+local honest, counted, inside = true, true, true
+for _, r in ipairs(ranges) do
+  for _, most in ipairs { 3, 6, 11 } do
+    local a = axis.new(r[1], r[2], most)
+    local width, last = a.hi - a.lo, -1
+    counted = counted and #a.ticks >= 2 and #a.ticks <= most + 1
+    inside = inside and a.lo <= r[1] and a.hi >= r[2]
+    for _, tick in ipairs(a.ticks) do
+      local at = a.lo + tick.fraction * width
+      honest = honest and abs(meant(a, tick) - at) <= 1e-6 * width + 2.3e-16 * abs(at) and tick.fraction > last
+      last = tick.fraction
+    end
+  end
+end
+ok(honest, "every tick stands where its text says, offset and power included")
+ok(counted, "an axis has two ticks or more, and no more than asked for")
+ok(inside, "an axis holds the range it is made for")
+local a = axis.new(-0.5 - 1e-9, -0.5 + 3e-9, 6)
+ok(axis.caption(a, "energy", "J") == "energy + 0.5 (10⁻⁹ J)", "the caption names offset, power and unit", axis.caption(a, "energy", "J"))
+ok(axis.caption(axis.new(0, 1, 5), "t") == "t", "and nothing when there is nothing to name")
+a = axis.new(1e-18, 1e5, 6, true)
+near(axis.fraction(a, 10 ^ -6.5), 0.5, 1e-12, "the middle of a logarithmic axis is the geometric mean")
+ok(#a.ticks >= 3 and #a.ticks <= 7 and a.ticks[1].text == "10⁻¹⁶", "ticks of a logarithmic axis are powers of ten", a.ticks[1].text)
+a = axis.new(2, 7, 6, true)
+ok(a.ticks[1].text == "2" and a.ticks[2].text == "5", "within a decade also 2 and 5 times them")
+
+---- thinning ----
+
+local n, x, y = 1000000, {}, {}
+for i = 1, n do x[i], y[i] = i, math.sin(i * 1e-3) end
+y[314159], y[271828] = 9, -7
+local full = { x = x, y = y, style = "lines" }
+local scale = { width = 500, height = 300, fx = function(v) return v / n end, fy = function(v) return (v + 7) / 16 end }
+local few = series.thin(full, scale)
+local lo, hi = series.range({ few }, "y")
+ok(#few.x <= 4 * 501 and hi == 9 and lo == -7 and few.x[#few.x] == n, "10^6 points: four a pixel column at most, spikes kept", #few.x)
+for i = 1, n do x[i], y[i] = math.cos(i * 0.02), math.sin(i * 0.02) end
+local unit = { width = 400, height = 400, fx = function(v) return (v + 1.1) / 2.2 end, fy = function(v) return (v + 1.1) / 2.2 end }
+few = series.thin(full, unit)
+local longest = 0
+for i = 2, #few.x do
+  if few.x[i] == few.x[i] and few.x[i - 1] == few.x[i - 1] then
+    longest = max(longest, abs(few.x[i] - few.x[i - 1]), abs(few.y[i] - few.y[i - 1]))
+  end
+end
+ok(#few.x < 60000 and longest < 0.03, "an orbit drawn 3000 times over: each stroke once, none across", #few.x .. " " .. longest)
+full.style = "points"
+few = series.thin(full, unit)
+ok(#few.x < 4000 and #few.x > 1000, "points: one a pixel", #few.x)
+
+---- braille ----
+
+local WEIGHT = { { 1, 2, 4, 64 }, { 8, 16, 32, 128 } }
+-- dots of a drawing as {i, j} from the lower left of the canvas, and its size in cells
+local function dots(lines)
+  local rows, out, w = {}, {}, 0
+  for _, line in ipairs(lines) do
+    rows[#rows + 1] = line:match "┤(.*)$" or line:match "│(.*)$"
+  end
+  for r, body in ipairs(rows) do
+    local c = 0
+    for _, code in utf8.codes(body) do
+      for i = 1, 2 do
+        for j = 1, 4 do
+          if code > 0x2800 and code < 0x2900 and (code - 0x2800) & WEIGHT[i][j] ~= 0 then
+            out[#out + 1] = { 2 * c + i - 1, 4 * (#rows - r) + 4 - j }
+          end
+        end
+      end
+      c = c + 1
+      w = max(w, c)
+    end
+  end
+  return out, w, #rows
+end
+
+-- what dm.plot writes, line by line
+local function drawn(...)
+  local text, out = {}, io.stdout
+  io.stdout = { write = function(_, ...) text[#text + 1] = table.concat { ... } end }
+  local fine, message = pcall(dm.plot, ...)
+  io.stdout = out
+  if not fine then error(message, 0) end
+  local lines = {}
+  for line in table.concat(text):gmatch "([^\n]*)\n" do lines[#lines + 1] = line end
+  return lines, table.concat(text)
+end
+
+local cx, cy = {}, {}
+for i = 0, 720 do cx[i + 1], cy[i + 1] = 5 + 2 * math.cos(i * pi / 360), -1 + 2 * math.sin(i * pi / 360) end
+local lines, text = drawn(cx, cy, { equal = true, title = "circle", xlabel = "x", ylabel = "y" })
+local d, w, h = dots(lines)
+local left, right, low, high = 1e9, -1e9, 1e9, -1e9
+for _, p in ipairs(d) do left, right, low, high = min(left, p[1]), max(right, p[1]), min(low, p[2]), max(high, p[2]) end
+local mx, my, r, off = (left + right) / 2, (low + high) / 2, (right - left) / 2, 0
+for _, p in ipairs(d) do off = max(off, abs(math.sqrt((p[1] - mx) ^ 2 + (p[2] - my) ^ 2) - r)) end
+ok(#d > 100 and abs((right - left) - (high - low)) <= 1 and off < 1.6, "equal axes: a circle is round to a dot or so", off)
+ok(text:find "circle" and text:find "\n +x\n", "title and label are there")
+lines = drawn({ 0, 1 }, { 0, 1 }, { width = 60, height = 20 })
+d, w, h = dots(lines)
+off = 0
+for _, p in ipairs(d) do off = max(off, abs(p[1] / (2 * 48 - 1) - (1.08 * p[2] / (4 * 15 - 1) - 0.04)) * 60) end
+ok(#d > 60 and h == 15 and off < 1, "a straight line lies within a dot of where it should, margins of 4 % above and below", off)
+local widest = 0
+for _, line in ipairs(lines) do widest = max(widest, utf8.len(line)) end
+ok(widest <= 60 and #lines <= 20, "the plot keeps to the size asked for", widest .. " x " .. #lines)
+ok(not text:find "\27", "no colour when the output is not a terminal")
+_, text = drawn({ 1, 2, 3 }, { { 1, 2, 3 }, { 3, 2, 1 } }, { names = { "up", "down" } })
+ok(text:find "a up" and text:find "b down", "without colour the legend has letters")
+local panel = { series = { { x = { 1, 2 }, y = { 1, 2 }, name = "one", style = "lines" }, { x = { 1, 2 }, y = { 2, 1 }, name = "two", style = "lines" } },
+  notes = {}, xrange = { 1, 2 }, yrange = { 1, 2 }, xlabel = "x", legend = true }
+text = table.concat(braille.lines(panel, { width = 60, height = 20, colour = true }), "\n")
+ok(text:find "\27%[34m" and text:find "\27%[31m" and not text:find "a one", "with colour, colours")
+_, text = drawn({ 1, 2, 3, 4, 5 }, { 1, 0 / 0, 3, 1 / 0, 5 })
+ok(text:find "2 points not shown: not finite", "NaN and infinity leave gaps and are counted")
+_, text = drawn({ 1, 2, 3 }, { 1, 0, 100 }, { log = "y" })
+ok(text:find "1 point not shown: not positive", "so is what a logarithmic axis cannot show")
+_, text = drawn({ 3 }, { 4 })
+ok(text:find "•", "a single point shows")
+_, text = drawn({ 1, 2, 3 }, { 0.8, 0.8, 0.8 })
+ok(text:find "0.80┤\u{28}*" ~= nil or text:find "0.80", "constant data get an axis around them")
+ok(#dots((drawn({ 0, 1, 2 }, { -1e200, 0, 1e200 }, { yrange = { -1, 1 } }))) > 0, "strokes that leave the range are clipped")
+
+---- paths ----
+
+local kepler = dm.system { name = "Kepler", Q = dm.R(2), units = { q = "AU", t = "d", energy = "J" },
+  L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local path = kepler:solver { rule = "verlet", h = 0.02 }:run { q = { 0.4, 0 }, v = { 0, 2 }, steps = 500 }
+local s = path:series("t", "energy", "mine")
+ok(s.name == "mine" and s.xunit == "d" and s.yunit == "J" and s.ylabel == "energy" and #s.y == 501, "path:series brings labels and units")
+ok(path:series("q1", "p1").yunit == nil and path:series("q1", "q2").yunit == "AU", "units by kind of column; none given, none shown")
+local base = os.tmpname()
+local function slurp(file)
+  local f = io.open(file, "rb")
+  if not f then return nil end
+  local bytes = f:read "a"
+  f:close()
+  return bytes
+end
+local png = base .. " it's $HOME `id`.png"
+ok(path:plot("q1", "q2", { file = png, size = { 420, 300 } }) == png, "path:plot returns the name of the file")
+local bytes = slurp(png)
+ok(bytes and bytes:sub(1, 8) == "\137PNG\r\n\26\n", "a PNG, by a name with quotes and blanks")
+local pw, ph = (">I4I4"):unpack(bytes, 17)
+ok(pw == 420 and ph == 300, "of the size asked for", pw .. " x " .. ph)
+path:plot { file = base .. ".svg", title = "it's a 'title' \\ with `id` @x <&> %d" }
+local svg = slurp(base .. ".svg")
+ok(svg and svg:find "<svg" and svg:find("it's a 'title' \\ with `id` @x &lt;&amp;> %d", 1, true), "an SVG, the title as it was given")
+ok(svg:find "q1" and svg:find "q2" and svg:find "t %(d%)" and svg:find "%(AU%)", "every q against t when nothing is said, with units")
+path:plot("energy", { file = base .. ".pdf" })
+ok((slurp(base .. ".pdf") or ""):sub(1, 5) == "%PDF-", "a PDF")
+dm.figure { { path:series("q1", "q2"), equal = true }, { path:series("t", "energy"), log = nil }, { { 1, 2 }, { 3, 4 } }, file = base .. ".png", columns = 3 }
+ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "several panels in one picture")
+dm.plot({ 1, 2, 3 }, { 0.8, 0.8 + 1e-16, 0.8 }, { file = base .. ".png" })
+ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "a column that wanders by round-off can be drawn")
+local script = gnuplot.script({ panels = {}, columns = 1, rows = 1, width = 99, height = 99 }, "|rm -rf x.png")
+ok(script:find("set output './|rm -rf x.png'", 1, true) ~= nil, "a name is never a command")
+
+---- misuse ----
+
+local u = { 1, 2, 3 }
+raises("needs two columns", dm.plot)
+raises("needs two columns", dm.plot, 1, 2)
+raises("3 numbers x but 2 numbers y", dm.plot, u, { 1, 2 })
+raises("is empty", dm.plot, { { x = {}, y = {} } })
+raises("unknown option 'titel'", dm.plot, u, u, { titel = "x" })
+raises("'log' must be", dm.plot, u, u, { log = "z" })
+raises("'style' must be", dm.plot, u, u, { style = "dots" })
+raises("'xrange' must be", dm.plot, u, u, { xrange = { 2, 1 } })
+raises("positive on a logarithmic axis", dm.plot, u, u, { log = "x", xrange = { 0, 1 } })
+raises("from 4 to 20000", dm.plot, u, u, { width = 1e9 })
+raises("nothing to draw", dm.plot, u, { -1, -2, 0 }, { log = "y" })
+raises("nothing to draw", dm.plot, u, { 0 / 0, 0 / 0, 0 / 0 })
+raises("y[2] must be a number", dm.plot, u, { 1, "x", 3 })
+raises("options must be a table", dm.plot, u, u, 7)
+raises("equal", dm.plot, u, u, { log = "y", equal = true })
+raises(".png, .svg or .pdf", dm.plot, u, u, { file = "picture.jpeg" })
+raises("does the folder exist", dm.plot, u, u, { file = "/no/such/folder/a.png" })
+raises("at least one panel", dm.figure, {})
+raises("a table of panels", dm.figure, 3)
+raises("'columns' must be", dm.figure, { { u, u }, columns = 0 })
+raises("no column 'q9'", path.plot, path, "q9")
+raises("has 3 numbers, but the path has 501 rows", path.plot, path, "t", u)
+
+-- without gnuplot: a clear message, nothing left behind
+local dmlua = os.getenv "DMLUA" or arg[-1]
+local pipe = io.popen(("D=%q; PATH=/nonexistent \"$D\" -e 'print(pcall(dm.plot, {1,2}, {1,2}, {file=\"%s.none.png\"}))' 2>&1"):format(dmlua, base))
+local said = pipe:read "a"
+pipe:close()
+ok(said:find "false" and said:find "gnuplot is not installed" and said:find "apt install", "without gnuplot: what to install", said)
+ok(not slurp(base .. ".none.png") and not slurp(base .. ".none.png.part.png"), "and no half-made file")
+for _, name in ipairs { base, png, base .. ".svg", base .. ".pdf", base .. ".png" } do os.remove(name) end
+tap.done()
