@@ -249,14 +249,27 @@ static void wrap(lua_State *L, const wrapper *w) {
     file_doc(L, w->doc);
 }
 
+/* the wrapper on top takes every name in math of Lua's own function at index `own` (on some
+** systems math.atan2 is math.atan) */
+static void rename_all(lua_State *L, int math, int own) {
+    for (lua_pushnil(L); lua_next(L, math); lua_pop(L, 1)) {
+        if (!lua_rawequal(L, -1, own)) continue;
+        lua_pushvalue(L, -2);
+        lua_pushvalue(L, -4);
+        lua_rawset(L, math);
+    }
+}
+
 /* math[name] becomes a wrapper, once: what is wrapped is remembered in dm_math */
 static void wrap_in_place(lua_State *L, const wrapper *w, int math, int dm_math) {
     if (lua_getfield(L, dm_math, w->name) == LUA_TNIL &&
         lua_getfield(L, math, w->name) != LUA_TNIL) {
         lua_pushvalue(L, -1);
         lua_setfield(L, dm_math, w->name); /* Lua's own */
+        const int own = lua_gettop(L);
+        lua_pushvalue(L, own);
         wrap(L, w);
-        lua_setfield(L, math, w->name);
+        rename_all(L, math, own);
     }
     lua_settop(L, dm_math);
 }

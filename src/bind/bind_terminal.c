@@ -9,8 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 
-volatile sig_atomic_t dml_polled = 0;
-
 /* a process has one terminal, so this is not kept per Lua state */
 static struct {
     int colour, no_environment;

@@ -14,12 +14,6 @@ int dml_terminal_colour(int fd);
 void dml_terminal_size(int *width, int *height); /* characters; 80 x 24 when unknown */
 
 /*
-** > 0 while a C loop polls dml_stop: Ctrl-C is then left to the loop, which ends at a safe step,
-** even if Lua functions run inside it.
-*/
-extern volatile sig_atomic_t dml_polled;
-
-/*
 ** A line of progress on stderr: only on a terminal, only from half a second after the first call
 ** on. fraction done, rate per second. The end erases the line.
 */

@@ -18,7 +18,6 @@ static lua_State *called; /* for the signal handler */
 */
 static void interrupt(lua_State *L, lua_Debug *ar) {
     (void)ar;
-    if (dml_polled) return;
     lua_sethook(L, NULL, 0, 0);
     if (!dml_stop) return;
     dml_stop = 0;
@@ -47,7 +46,6 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
     lua_insert(L, base);
     called = L;
     dml_stop = 0;
-    dml_polled = 0;
     set_signal(stop);
     const int status = lua_pcall(L, arguments, results, base);
     set_signal(SIG_DFL);
