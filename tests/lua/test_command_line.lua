@@ -110,6 +110,9 @@ shows("LUA --color=sometimes", "[1]")
 shows("LUA -e 'print(dm.R(2).n)'", "2\n")
 shows("cd / && LUA -e 'print(require \"dm\" == dm)'", "true")
 shows("LUA_PATH=x LUA_CPATH=x LUA -e 'print(require \"dm\" == dm)'", "true")
+shows("printf '1 + 1\\n_ * 10;\\n_ + 5\\n{ 1,\\n2 }\\n' | LUA -q -i", "25")
+shows("printf '1 + 1\\n_ * 10;\\n_ + 5\\n{ 1,\\n2 }\\n' | LUA -q -i", "{ 1, 2 }")
+shows("echo '?keys' | LUA -q -i", "a trailing ; evaluates without printing")
 shows("echo '1+1' | LUA -q -i | head -c 1", ">")
 
 -- every option of the table is in --help, in the man page, and known to the parser

@@ -57,7 +57,8 @@ handle:close()
 
 local function lines(program)
   local list, pipe = {}, io.popen(program .. " " .. file .. " 2>&1")
-  for line in pipe:lines() do list[#list + 1] = line end
+  -- where math.atan2 is math.atan, a message may name either
+  for line in pipe:lines() do list[#list + 1] = (line:gsub("math%.atan2", "math.atan")) end
   pipe:close()
   return list
 end
