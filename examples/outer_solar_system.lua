@@ -43,7 +43,7 @@ for i = 2, #bodies do
   local name, known, x, y, period = bodies[i][1], bodies[i][5], follow(i)
   orbits[#orbits + 1] = { x = x, y = y, name = name }
   print(("%-8s period %6.0f days%s"):format(name, period, known and (", known %6.0f"):format(known) or ""))
-  assert(not known or abs(period / known - 1) < 0.01, name .. " should keep its period to 1 %")
+  assert(not known or abs(period / known - 1) < 0.002, name .. " should keep its period to 0.2 %")
 end
 
 -- energy in a band; total and angular momentum to round-off, so the centre of mass moves evenly

@@ -193,7 +193,8 @@ function M.lines(panel, room)
   local function add(line) if line then out[#out + 1] = line end end
   add(panel.title and centred(panel.title, w + margin + 1))
   add(legend(panel, room.colour))
-  add(axis.caption(panel.y, panel.ylabel, panel.yunit))
+  local caption = axis.caption(panel.y, panel.ylabel, panel.yunit)
+  add(caption ~= "" and caption)
   for row = 0, h - 1 do
     local text = texts[row] or ""
     local pad = (" "):rep(margin - text_width(text))
