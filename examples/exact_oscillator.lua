@@ -3,7 +3,7 @@
 --   Ld(q0, q1) = w / (2 sin w h) ((q0^2 + q1^2) cos w h - 2 q0 q1)   (Marsden and West 2001),
 -- and its discrete Euler-Lagrange equations walk on the true solution. The midpoint Ld is only near it.
 local dm = require "dm"
-local sin, cos, abs, max, pi = math.sin, math.cos, math.abs, math.max, math.pi
+local sin, cos, abs, max = math.sin, math.cos, math.abs, math.max
 local picture = (arg and arg[1] or "build/pictures") .. "/exact_oscillator.png"
 
 local w, h, steps = 1.5, 1.0, 1000

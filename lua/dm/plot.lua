@@ -216,7 +216,7 @@ local function to_terminal(panels, options)
   local room = { colour = here.colour, width = math.max(20, math.min(w or here.width, 400)),
     height = math.max(8, math.min(h or 24, 200)) }
   for _, panel in ipairs(panels) do
-    io.stdout:write(table.concat(require "dm.braille".lines(panel, room), "\n"), "\n")
+    io.write(table.concat(require "dm.braille".lines(panel, room), "\n"), "\n")
   end
 end
 
@@ -225,8 +225,8 @@ local function show(panels, options)
   return to_terminal(panels, options)
 end
 
-local doc_plot = [[
-dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, log=, style=, names=, legend=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing
+local doc_plot = "dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, "
+  .. "log=, style=, names=, legend=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing\n" .. [[
 Plot y against x: two vectors or tables of numbers of one length; x and a list of columns y; or a list of
 series { x =, y =, name =, style = } (then the options come second). Without `file` in the terminal, with
 it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines", "points" or

@@ -38,15 +38,18 @@ ok(path:csv(csv) == csv and path:npy(npy) == npy, "csv and npy return the name o
 same_columns(dm.load(csv), "csv: names and bits of every column come back")
 same_columns(dm.load(npy), "npy: names and bits of every column come back")
 ok(path:csv() == slurp(csv), "csv without a name is the text that a file would get")
-ok(path:csv():match "^t,q1,q2,p1,p2\n0,0.40000000000000002,0,0,2\n" ~= nil, "csv: line of names, then 17 digits", path:csv():sub(1, 60))
+ok(path:csv():match "^t,q1,q2,p1,p2\n0,0.40000000000000002,0,0,2\n" ~= nil, "csv: line of names, then 17 digits",
+  path:csv():sub(1, 60))
 local _, lines = path:csv():gsub("\n", "")
 ok(lines == #path + 1, "csv: one line a row", lines)
 
 -- npy read independently: magic, version, aligned header, then records
 local raw = slurp(npy)
 local size = ("<I2"):unpack(raw, 9)
-ok(raw:sub(1, 8) == "\147NUMPY\1\0" and (10 + size) % 64 == 0 and raw:sub(10 + size, 10 + size) == "\n", "npy: version 1.0, header aligned to 64 bytes")
-ok(raw:sub(11, 10 + size):find("'descr': [('t', '<f8'), ('q1', '<f8'), ('q2', '<f8'), ('p1', '<f8'), ('p2', '<f8')]", 1, true) ~= nil, "npy: named fields of doubles")
+ok(raw:sub(1, 8) == "\147NUMPY\1\0" and (10 + size) % 64 == 0 and raw:sub(10 + size, 10 + size) == "\n",
+  "npy: version 1.0, header aligned to 64 bytes")
+ok(raw:sub(11, 10 + size):find("'descr': [('t', '<f8'), ('q1', '<f8'), ('q2', '<f8'), ('p1', '<f8'), ('p2', '<f8')]", 1,
+  true) ~= nil, "npy: named fields of doubles")
 ok(raw:find("'shape': (3001,)", 1, true) ~= nil and #raw == 10 + size + 3001 * 40, "npy: as many records as rows")
 ok(("<d"):unpack(raw, 11 + size + 40 * 1000 + 8) == path.q[1001][1], "npy: row 1001, field q1 where it should be")
 
@@ -64,11 +67,13 @@ for _, case in ipairs { { "csv", csv }, { "npy", npy } } do
   end
   ok(same, case[1] .. ": quotes, commas, Greek letters, -0.0, subnormal and huge numbers come back", data.columns[1])
 end
-ok(slurp(npy):sub(1, 8) == "\147NUMPY\3\0" and (12 + ("<I4"):unpack(slurp(npy), 9)) % 64 == 0, "npy: version 3.0 when a name is not ASCII")
+ok(slurp(npy):sub(1, 8) == "\147NUMPY\3\0" and (12 + ("<I4"):unpack(slurp(npy), 9)) % 64 == 0,
+  "npy: version 3.0 when a name is not ASCII")
 
 -- files of others
 local data = dm.load(spit(csv, "t,x\r\n1,2.5\r\n\r\n3, nan\r\n-inf,1e3\r\n"))
-ok(#data.t == 3 and data.x[1] == 2.5 and data.x[2] ~= data.x[2] and data.t[3] == -math.huge, "csv with carriage returns, an empty line, nan and inf")
+ok(#data.t == 3 and data.x[1] == 2.5 and data.x[2] ~= data.x[2] and data.t[3] == -math.huge,
+  "csv with carriage returns, an empty line, nan and inf")
 local plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }"
 spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<dddddd"):pack(1, 2, 3, 4, 5, 6))
 data = dm.load(npy)
@@ -87,9 +92,12 @@ raises("quote is not closed", dm.load, spit(csv, 'a,"b\n1,2\n'))
 raises("not an npy file", dm.load, spit(npy, "t,x\n"))
 raises("ends inside the header", dm.load, spit(npy, "\147NUMPY\1\0"))
 raises("ends at row 2", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<dddd"):pack(1, 2, 3, 4)))
-raises("more than the 2 rows", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<ddddddd"):pack(1, 2, 3, 4, 5, 6, 7)))
-raises("only <f8", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack "{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (1,), }"))
-raises("Fortran", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack "{'descr': '<f8', 'fortran_order': True, 'shape': (1, 2), }"))
+raises("more than the 2 rows", dm.load, spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<ddddddd"):pack(1, 2, 3, 4, 5,
+  6, 7)))
+raises("only <f8", dm.load, spit(npy,
+  "\147NUMPY\1\0" .. ("<s2"):pack "{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (1,), }"))
+raises("Fortran", dm.load, spit(npy,
+  "\147NUMPY\1\0" .. ("<s2"):pack "{'descr': '<f8', 'fortran_order': True, 'shape': (1, 2), }"))
 local full = io.open("/dev/full", "w")
 if full then
   full:close()

@@ -12,7 +12,8 @@ local pi, abs, max, min = math.pi, math.abs, math.max, math.min
 local function meant(a, tick) return a.offset + tonumber(tick.text) * 10.0 ^ a.power end
 
 local ranges = { { 0, 1 }, { -0.5 - 1e-9, -0.5 + 3e-9 }, { 0.8, 0.8 }, { 0, 0 }, { 0.8 - 2e-16, 0.8 + 1e-16 }, { 0, 2e5 },
-  { -7e12, 1.3e13 }, { 1e-12, 5e-12 }, { -3, 17 }, { 1e5, 1e5 + 2 }, { -1e299, 1e299 }, { 5e-324, 1e-310 }, { 0.0999, 0.1001 }, { 123456, 123457.5 } }
+  { -7e12, 1.3e13 }, { 1e-12, 5e-12 }, { -3, 17 }, { 1e5, 1e5 + 2 }, { -1e299, 1e299 }, { 5e-324, 1e-310 }, { 0.0999,
+    0.1001 }, { 123456, 123457.5 } }
 local honest, counted, inside = true, true, true
 for _, r in ipairs(ranges) do
   for _, most in ipairs { 3, 6, 11 } do
@@ -31,11 +32,13 @@ ok(honest, "every tick stands where its text says, offset and power included")
 ok(counted, "an axis has two ticks or more, and no more than asked for")
 ok(inside, "an axis holds the range it is made for")
 local a = axis.new(-0.5 - 1e-9, -0.5 + 3e-9, 6)
-ok(axis.caption(a, "energy", "J") == "energy + 0.5 (10⁻⁹ J)", "the caption names offset, power and unit", axis.caption(a, "energy", "J"))
+ok(axis.caption(a, "energy", "J") == "energy + 0.5 (10⁻⁹ J)", "the caption names offset, power and unit", axis.caption(a,
+  "energy", "J"))
 ok(axis.caption(axis.new(0, 1, 5), "t") == "t", "and nothing when there is nothing to name")
 a = axis.new(1e-18, 1e5, 6, true)
 near(axis.fraction(a, 10 ^ -6.5), 0.5, 1e-12, "the middle of a logarithmic axis is the geometric mean")
-ok(#a.ticks >= 3 and #a.ticks <= 7 and a.ticks[1].text == "10⁻¹⁶", "ticks of a logarithmic axis are powers of ten", a.ticks[1].text)
+ok(#a.ticks >= 3 and #a.ticks <= 7 and a.ticks[1].text == "10⁻¹⁶", "ticks of a logarithmic axis are powers of ten",
+  a.ticks[1].text)
 a = axis.new(2, 7, 6, true)
 ok(a.ticks[1].text == "2" and a.ticks[2].text == "5", "within a decade also 2 and 5 times them")
 
@@ -48,9 +51,11 @@ local full = { x = x, y = y, style = "lines" }
 local scale = { width = 500, height = 300, fx = function(v) return v / n end, fy = function(v) return (v + 7) / 16 end }
 local few = series.thin(full, scale)
 local lo, hi = series.range({ few }, "y")
-ok(#few.x <= 4 * 501 and hi == 9 and lo == -7 and few.x[#few.x] == n, "10^6 points: four a pixel column at most, spikes kept", #few.x)
+ok(#few.x <= 4 * 501 and hi == 9 and lo == -7 and few.x[#few.x] == n,
+  "10^6 points: four a pixel column at most, spikes kept", #few.x)
 for i = 1, n do x[i], y[i] = math.cos(i * 0.02), math.sin(i * 0.02) end
-local unit = { width = 400, height = 400, fx = function(v) return (v + 1.1) / 2.2 end, fy = function(v) return (v + 1.1) / 2.2 end }
+local unit = { width = 400, height = 400, fx = function(v) return (v + 1.1) / 2.2 end,
+  fy = function(v) return (v + 1.1) / 2.2 end }
 few = series.thin(full, unit)
 local longest = 0
 for i = 2, #few.x do
@@ -89,22 +94,26 @@ local function dots(lines)
   return out, w, #rows
 end
 
--- what dm.plot writes, line by line
+-- what dm.plot writes: its lines and the whole
 local function drawn(...)
-  local text, out = {}, io.stdout
-  io.stdout = { write = function(_, ...) text[#text + 1] = table.concat { ... } end }
+  local kept, file = io.output(), assert(io.tmpfile())
+  io.output(file)
   local fine, message = pcall(dm.plot, ...)
-  io.stdout = out
+  io.output(kept)
   if not fine then error(message, 0) end
-  local lines = {}
-  for line in table.concat(text):gmatch "([^\n]*)\n" do lines[#lines + 1] = line end
-  return lines, table.concat(text)
+  file:seek "set"
+  local text, lines = file:read "a", {}
+  file:close()
+  for line in text:gmatch "([^\n]*)\n" do lines[#lines + 1] = line end
+  return lines, text
 end
+-- the whole alone
+local function shown(...) return select(2, drawn(...)) end
 
 local cx, cy = {}, {}
 for i = 0, 720 do cx[i + 1], cy[i + 1] = 5 + 2 * math.cos(i * pi / 360), -1 + 2 * math.sin(i * pi / 360) end
 local lines, text = drawn(cx, cy, { equal = true, title = "circle", xlabel = "x", ylabel = "y" })
-local d, w, h = dots(lines)
+local d = dots(lines)
 local left, right, low, high = 1e9, -1e9, 1e9, -1e9
 for _, p in ipairs(d) do left, right, low, high = min(left, p[1]), max(right, p[1]), min(low, p[2]), max(high, p[2]) end
 local mx, my, r, off = (left + right) / 2, (low + high) / 2, (right - left) / 2, 0
@@ -112,7 +121,8 @@ for _, p in ipairs(d) do off = max(off, abs(math.sqrt((p[1] - mx) ^ 2 + (p[2] - 
 ok(#d > 100 and abs((right - left) - (high - low)) <= 1 and off < 1.6, "equal axes: a circle is round to a dot or so", off)
 ok(text:find "circle" and text:find "\n +x\n", "title and label are there")
 lines = drawn({ 0, 1 }, { 0, 1 }, { width = 60, height = 20 })
-d, w, h = dots(lines)
+local _, h
+d, _, h = dots(lines)
 off = 0
 for _, p in ipairs(d) do off = max(off, abs(p[1] / (2 * 48 - 1) - (1.08 * p[2] / (4 * 15 - 1) - 0.04)) * 60) end
 ok(#d > 60 and h == 15 and off < 1, "a straight line lies within a dot of where it should, margins of 4 % above and below", off)
@@ -120,20 +130,22 @@ local widest = 0
 for _, line in ipairs(lines) do widest = max(widest, utf8.len(line)) end
 ok(widest <= 60 and #lines <= 20, "the plot keeps to the size asked for", widest .. " x " .. #lines)
 ok(not text:find "\27", "no colour when the output is not a terminal")
-_, text = drawn({ 1, 2, 3 }, { { 1, 2, 3 }, { 3, 2, 1 } }, { names = { "up", "down" } })
+text = shown({ 1, 2, 3 }, { { 1, 2, 3 }, { 3, 2, 1 } }, { names = { "up", "down" } })
 ok(text:find "a up" and text:find "b down", "without colour the legend has letters")
-local panel = { series = { { x = { 1, 2 }, y = { 1, 2 }, name = "one", style = "lines" }, { x = { 1, 2 }, y = { 2, 1 }, name = "two", style = "lines" } },
+local panel = { series = { { x = { 1, 2 }, y = { 1, 2 }, name = "one", style = "lines" }, { x = { 1, 2 }, y = { 2, 1 },
+  name = "two", style = "lines" } },
   notes = {}, xrange = { 1, 2 }, yrange = { 1, 2 }, xlabel = "x", legend = true }
 text = table.concat(braille.lines(panel, { width = 60, height = 20, colour = true }), "\n")
 ok(text:find "\27%[34m" and text:find "\27%[31m" and not text:find "a one", "with colour, colours")
-_, text = drawn({ 1, 2, 3, 4, 5 }, { 1, 0 / 0, 3, 1 / 0, 5 })
+text = shown({ 1, 2, 3, 4, 5 }, { 1, 0 / 0, 3, 1 / 0, 5 })
 ok(text:find "2 points not shown: not finite", "NaN and infinity leave gaps and are counted")
-_, text = drawn({ 1, 2, 3 }, { 1, 0, 100 }, { log = "y" })
+text = shown({ 1, 2, 3 }, { 1, 0, 100 }, { log = "y" })
 ok(text:find "1 point not shown: not positive", "so is what a logarithmic axis cannot show")
-_, text = drawn({ 3 }, { 4 })
+text = shown({ 3 }, { 4 })
 ok(text:find "•", "a single point shows")
-_, text = drawn({ 1, 2, 3 }, { 0.8, 0.8, 0.8 })
-ok(text:find "0.80┤\u{28}*" ~= nil or text:find "0.80", "constant data get an axis around them")
+text = shown({ 1, 2, 3 }, { 0.8, 0.8, 0.8 })
+ok(text:find("0.75", 1, true) and text:find("0.80", 1, true) and text:find("0.85", 1, true),
+  "constant data get an axis around them")
 ok(#dots((drawn({ 0, 1, 2 }, { -1e200, 0, 1e200 }, { yrange = { -1, 1 } }))) > 0, "strokes that leave the range are clipped")
 
 ---- paths ----
@@ -142,8 +154,10 @@ local kepler = dm.system { name = "Kepler", Q = dm.R(2), units = { q = "AU", t =
   L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
 local path = kepler:solver { rule = "verlet", h = 0.02 }:run { q = { 0.4, 0 }, v = { 0, 2 }, steps = 500 }
 local s = path:series("t", "energy", "mine")
-ok(s.name == "mine" and s.xunit == "d" and s.yunit == "J" and s.ylabel == "energy" and #s.y == 501, "path:series brings labels and units")
-ok(path:series("q1", "p1").yunit == nil and path:series("q1", "q2").yunit == "AU", "units by kind of column; none given, none shown")
+ok(s.name == "mine" and s.xunit == "d" and s.yunit == "J" and s.ylabel == "energy" and #s.y == 501,
+  "path:series brings labels and units")
+ok(path:series("q1", "p1").yunit == nil and path:series("q1", "q2").yunit == "AU",
+  "units by kind of column; none given, none shown")
 local base = os.tmpname()
 local function slurp(file)
   local f = io.open(file, "rb")
@@ -160,11 +174,14 @@ local pw, ph = (">I4I4"):unpack(bytes, 17)
 ok(pw == 420 and ph == 300, "of the size asked for", pw .. " x " .. ph)
 path:plot { file = base .. ".svg", title = "it's a 'title' \\ with `id` @x <&> %d" }
 local svg = slurp(base .. ".svg")
-ok(svg and svg:find "<svg" and svg:find("it's a 'title' \\ with `id` @x &lt;&amp;> %d", 1, true), "an SVG, the title as it was given")
-ok(svg:find "q1" and svg:find "q2" and svg:find "t %(d%)" and svg:find "%(AU%)", "every q against t when nothing is said, with units")
+ok(svg and svg:find "<svg" and svg:find("it's a 'title' \\ with `id` @x &lt;&amp;> %d", 1, true),
+  "an SVG, the title as it was given")
+ok(svg:find "q1" and svg:find "q2" and svg:find "t %(d%)" and svg:find "%(AU%)",
+  "every q against t when nothing is said, with units")
 path:plot("energy", { file = base .. ".pdf" })
 ok((slurp(base .. ".pdf") or ""):sub(1, 5) == "%PDF-", "a PDF")
-dm.figure { { path:series("q1", "q2"), equal = true }, { path:series("t", "energy"), log = nil }, { { 1, 2 }, { 3, 4 } }, file = base .. ".png", columns = 3 }
+dm.figure { { path:series("q1", "q2"), equal = true }, { path:series("t", "energy"), log = nil }, { { 1, 2 }, { 3, 4 } },
+  file = base .. ".png", columns = 3 }
 ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "several panels in one picture")
 dm.plot({ 1, 2, 3 }, { 0.8, 0.8 + 1e-16, 0.8 }, { file = base .. ".png" })
 ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "a column that wanders by round-off can be drawn")
@@ -199,10 +216,12 @@ raises("has 3 numbers, but the path has 501 rows", path.plot, path, "t", u)
 
 -- without gnuplot: a clear message, nothing left behind
 local dmlua = os.getenv "DMLUA" or arg[-1]
-local pipe = io.popen(("D=%q; PATH=/nonexistent \"$D\" -e 'print(pcall(dm.plot, {1,2}, {1,2}, {file=\"%s.none.png\"}))' 2>&1"):format(dmlua, base))
+local chunk = "print(pcall(dm.plot, {1,2}, {1,2}, {file=\"" .. base .. ".none.png\"}))"
+local pipe = io.popen(("D=%q; PATH=/nonexistent \"$D\" -e '%s' 2>&1"):format(dmlua, chunk))
 local said = pipe:read "a"
 pipe:close()
-ok(said:find "false" and said:find "gnuplot is not installed" and said:find "apt install", "without gnuplot: what to install", said)
+ok(said:find "false" and said:find "gnuplot is not installed" and said:find "apt install",
+  "without gnuplot: what to install", said)
 ok(not slurp(base .. ".none.png") and not slurp(base .. ".none.png.part.png"), "and no half-made file")
 for _, name in ipairs { base, png, base .. ".svg", base .. ".pdf", base .. ".png" } do os.remove(name) end
 tap.done()
