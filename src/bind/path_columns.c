@@ -126,7 +126,7 @@ static const dml_row columns_meta[] = {{"__len", columns_len, NULL},
 
 void dml_path_open_columns(lua_State *L) {
     dml_newclass(L, COLUMNS,
-                 "dm.columns: path.t, path.q, path.p; columns[i] is row i, #columns the "
+                 "dm.columns: path.t, path.q, path.p\ncolumns[i] is row i, #columns the "
                  "number of rows",
                  columns_meta, NULL, columns_index);
 }
