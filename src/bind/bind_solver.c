@@ -14,6 +14,10 @@ const char *const DML_SOLVER = "dm.solver";
 
 typedef dml_solver solver;
 
+enum {
+    LONGEST_OWN_TIME = 2000000000
+}; /* steps of a rule whose number of steps is not known beforehand */
+
 static solver *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_SOLVER);
 }
@@ -36,22 +40,65 @@ static void show_progress(void *ud, long done, long steps) {
                  (double)(steps - done) / rate);
 }
 
-/* steps = n, or t = duration: as many steps of h as cover it */
-static dm_run_plan read_plan(lua_State *L, const solver *s) {
-    dm_run_plan plan = {.t0 = dml_number(L, 2, "t0", 0.0), .stop = &dml_stop};
-    const int duration = lua_getfield(L, 2, "t") != LUA_TNIL;
+/* steps of h that cover a duration */
+static long cover(lua_State *L, double duration, double h) {
+    const double n = ceil(duration / h - 1e-9);
+    if (!(n < 9e15)) luaL_error(L, "%f steps of h = %f are too many", n, h);
+    return n < 0.0 ? 0 : (long)n;
+}
+
+/* at = { t1, t2, ... }: growing times from t0 on; the block stays on the stack */
+static void read_times(lua_State *L, const solver *s, dm_run_plan *plan) {
+    if (s->pair)
+        luaL_error(L, "a discrete Lagrangian has a fixed step: record with 'every' "
+                      "instead of 'at'");
+    lua_getfield(L, 2, "at");
+    const long count = dml_length(L, -1);
+    if (count < 1)
+        luaL_error(L, "field 'at' must be a vector or table of times (got %s)",
+                   luaL_typename(L, -1));
     lua_pop(L, 1);
-    if (duration) {
-        const double n = ceil(dml_positive(L, 2, "t", 0) / s->h - 1e-9);
-        if (!(n < 9e15)) luaL_error(L, "field 't' is %f steps of h: too many", n);
-        plan.steps = (long)n;
-        if (lua_getfield(L, 2, "steps") != LUA_TNIL)
-            luaL_error(L, "give either 'steps' or 't' (a duration), not both");
-        lua_pop(L, 1);
-    } else {
-        plan.steps = dml_count(L, 2, "steps", 0, -1);
-    }
+    double *at =
+        lua_newuserdatauv(L, ((size_t)count + 2 * dm_state_size(s->n)) * sizeof *at, 0);
+    dml_numbers(L, 2, "at", at, (uint32_t)count);
+    for (long i = 0; i < count; i++)
+        if (!(at[i] > (i ? at[i - 1] : nextafter(plan->t0, -INFINITY))))
+            luaL_error(
+                L, "field 'at' must hold growing times from t0 = %f on (entry %d is %f)",
+                plan->t0, (int)i + 1, at[i]);
+    plan->at = at;
+    plan->at_count = count;
+    plan->landing = at + count;
+    plan->until = at[count - 1];
+}
+
+static int has(lua_State *L, const char *key) {
+    const int there = lua_getfield(L, 2, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+/* how long: steps = n, or t = duration, or up to the last of the times `at` */
+static dm_run_plan read_plan(lua_State *L, const solver *s) {
+    dm_run_plan plan = {
+        .t0 = dml_number(L, 2, "t0", 0.0), .until = INFINITY, .stop = &dml_stop};
+    const int own = (s->method->traits & DM_OWN_TIME) != 0;
+    if (has(L, "t") + has(L, "at") + has(L, "steps") > 1)
+        luaL_error(L, "give one of 'steps', 't' (a duration) and 'at' (times)");
     plan.every = dml_count(L, 2, "every", 1, 1);
+    if (has(L, "at"))
+        read_times(L, s, &plan);
+    else if (has(L, "t"))
+        plan.until = plan.t0 + dml_positive(L, 2, "t", 0);
+    else
+        plan.steps = dml_count(L, 2, "steps", 0, -1);
+    if (!isfinite(plan.until)) return plan;
+    plan.steps = own ? LONGEST_OWN_TIME : cover(L, plan.until - plan.t0, s->h);
+    if (own && !plan.at)
+        luaL_error(L,
+                   "rule '%s' has a time of its own: give 'steps', or 'at' for the "
+                   "states at given times",
+                   s->nodes[0].name);
     return plan;
 }
 
@@ -112,8 +159,8 @@ static void raise_failure(lua_State *L, const dml_stepping *r, dm_status status,
 }
 
 static int solver_run(lua_State *L) {
-    static const char *const known[] = {"q",     "v",  "p",     "q0", "q1",
-                                        "steps", "t0", "every", "t",  NULL};
+    static const char *const known[] = {"q",  "v",     "p", "q0", "q1", "steps",
+                                        "t0", "every", "t", "at", NULL};
     dml_stepping r = {.solver = check(L)};
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
@@ -135,7 +182,7 @@ static int solver_run(lua_State *L) {
     if (status == DM_STOPPED) dml_stop = 0;
     dml_progress_end(L);
     path->rows = rows, path->steps = done;
-    path->t = plan.t0 + r.solver->h * (double)done;
+    path->t = rows ? path->data[(size_t)(rows - 1) * dml_path_width(path)] : plan.t0;
     path->ns_per_step = done ? seconds * 1e9 / (double)done : 0.0;
     memcpy(path->state, r.state, dm_state_size(path->n) * sizeof(double));
     keep_report(L, &r, done, seconds);
@@ -240,12 +287,14 @@ static int rules(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
 static const dml_row methods[] = {
     {"run", solver_run,
-     "solver:run{q=, v=, p=, q0=, q1=, steps=, t=, every=, t0=} -> dm.path\n"
+     "solver:run{q=, v=, p=, q0=, q1=, steps=, t=, at=, every=, t0=} -> dm.path\n"
      "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q "
      "and the momentum p, "
      "or from two positions q0, q1 one step apart (each dim Q numbers); keep the start, "
      "one state in "
-     "`every` (default 1) and the end; t0 (default 0) is the time of the start. The "
+     "`every` (default 1) and the end, or the states at the growing times `at` (by a "
+     "shorter step on the side, which "
+     "leaves the run as it is); t0 (default 0) is the time of the start. The "
      "Lagrangian is traced anew, so "
      "changed upvalues are picked up. Raises dm.failure with the path so far when a step "
      "cannot be "

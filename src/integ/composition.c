@@ -122,6 +122,15 @@ static void lay_gamma(dm_splitting *out, const scheme *s) {
     dm_splitting_compose(out, gamma, s->stages);
 }
 
+int dm_splitting_named(dm_splitting *out, const dm_rule *rule) {
+    static const double one = 1.0;
+    const scheme *s = find(rule);
+    if (strcmp(rule->name, "verlet") == 0 && !rule->count) dm_splitting_compose(out, &one, 1);
+    else if (s && s->kind == GAMMA && rule->count < 2) lay_gamma(out, s);
+    else return 0;
+    return 1;
+}
+
 /* the kind that comes first has stages + 1 entries, at even places of the half table; the other has stages */
 static void lay_alternating(dm_splitting *out, const scheme *s) {
     const int n = s->stages, drift_first = s->kind == DRIFT_FIRST;

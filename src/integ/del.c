@@ -119,7 +119,7 @@ static dm_status step(dm_stepper *s, double *state, double t) {
     s->report.solves++;
     s->report.newton += report.iterations;
     s->report.evaluations += e.evaluations;
-    if (status == DM_OK) memcpy(state, e.next, dm_state_size(e.m->n) * sizeof *state);
+    if (status == DM_OK) memcpy(state, e.next, 4 * (size_t)e.m->n * sizeof *state);
     return status;
 }
 

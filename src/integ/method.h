@@ -16,7 +16,8 @@ typedef struct {
 
 typedef struct dm_stepper dm_stepper;
 
-enum { DM_SYMMETRIC = 1, DM_SYMPLECTIC = 2, DM_EXPLICIT = 4, DM_FOR_PAIRS = 8 /* steps an Ld(q0, q1) */ };
+enum { DM_SYMMETRIC = 1, DM_SYMPLECTIC = 2, DM_EXPLICIT = 4, DM_FOR_PAIRS = 8, /* steps an Ld(q0, q1) */
+       DM_OWN_TIME = 16 /* h is a step of a fictitious time, t is part of the state */ };
 
 typedef struct {
     const char *name;      /* the key used from Lua, without arguments */
@@ -31,14 +32,18 @@ typedef struct {
     unsigned (*wants)(const dm_rule *rule, const dm_model *m); /* DM_WANT_*; may depend on m->structure */
     size_t (*work)(const dm_rule *rule, const dm_model *m);    /* doubles of workspace */
     dm_status (*open)(dm_stepper *s);                          /* tables and matrices into s->work */
+    /* set what the state carries beside q and p at time t, before the first step; NULL: nothing */
+    dm_status (*start)(dm_stepper *s, double *state, double t);
     dm_status (*step)(dm_stepper *s, double *state, double t); /* one step, in place; on failure the state is unchanged */
     /* as `count` calls of step, same bits, *done counted also on failure; NULL: dm_advance loops */
     dm_status (*advance)(dm_stepper *s, double *state, double t, long count, long *done);
     void (*close)(dm_stepper *s); /* what open took outside the workspace (GSL); may be NULL */
 } dm_method;
 
-/* State of a run: q[n], p[n], then the low-order parts of both (compensated sums), zero at the start. */
-static inline size_t dm_state_size(uint32_t n) { return 4 * (size_t)n; }
+/* State of a run: q[n], p[n], the low-order parts of both (compensated sums), zero at the start; then, for
+** methods with a time of their own and zero for all others: t, its low-order part, the binding energy -E. */
+enum { DM_STATE_OWN = 3 };
+static inline size_t dm_state_size(uint32_t n) { return 4 * (size_t)n + DM_STATE_OWN; }
 
 struct dm_stepper {
     const dm_method *method;

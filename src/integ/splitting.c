@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* workspace: the table, then x = (q, v, t), force[n], the state at the start of a burst */
+/* workspace: the table, then x = (q, v, t), force[n], kicked[n], the state at the start of a burst */
 typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
@@ -29,7 +29,7 @@ static size_t layout_size(void) {
 }
 
 size_t dm_splitting_work(uint32_t n) {
-    return layout_size() + 3 * (size_t)n + 1 + dm_state_size(n);
+    return layout_size() + 4 * (size_t)n + 1 + dm_state_size(n);
 }
 
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
@@ -45,13 +45,25 @@ static inline void kick(uint32_t n, double *p, double *low, double hb,
     for (uint32_t i = 0; i < n; i++) dm_sum_add(p + i, low + i, hb * force[i]);
 }
 
+/* The kick that begins a step, with the force that ended the last one: p + hb force is what the
+** first drift sees; p itself gets it with the next kick, by way of the low part, so that the drift
+** does not wait for two sums. */
+static inline void begin(uint32_t n, double *kicked, double *p, double hb,
+                         const double *force) {
+    double *low = p + 2 * n; /* behind p in the state */
+    for (uint32_t i = 0; i < n; i++) {
+        kicked[i] = p[i] + hb * force[i];
+        low[i] += hb * force[i];
+    }
+}
+
 /* q += h a M^-1 (p - shift) */
 static inline void drift(const dm_model *m, double *q, double *low, double ha,
                          const double *p) {
     const uint32_t n = m->n;
     const double *w = m->inverse_mass, *shift = m->momentum_shift;
     if (m->structure & DM_DIAGONAL_MASS) {
-        for (uint32_t i = 0; i < n; i++) dm_sum_add(q + i, low + i, ha * (w[i] * p[i]));
+        for (uint32_t i = 0; i < n; i++) dm_sum_add(q + i, low + i, (ha * w[i]) * p[i]);
         return;
     }
     for (uint32_t i = 0; i < n; i++) {
@@ -72,7 +84,7 @@ static void run(dm_stepper *s, double *state, double t, long count) {
     const uint32_t n = m->n;
     const layout *l = (const layout *)(const void *)s->work;
     const dm_splitting *table = &l->table;
-    double *x = s->work + layout_size(), *force = x + 2 * n + 1;
+    double *x = s->work + layout_size(), *force = x + 2 * n + 1, *kicked = force + n;
     double *p = state + n, *low_q = state + 2 * n, *low_p = state + 3 * n;
     memcpy(x, state, n * sizeof *x);
     x[2 * n] = t;
@@ -80,9 +92,10 @@ static void run(dm_stepper *s, double *state, double t, long count) {
     if (table->b[0] != 0.0) dm_kernel_eval(&m->force, x, force);
     for (long step = 0; step < count; step++) {
         const double now = t + (double)step * s->h;
-        if (table->b[0] != 0.0) kick(n, p, low_p, s->h * table->b[0], force);
+        const int kicks = table->b[0] != 0.0;
+        if (kicks) begin(n, kicked, p, s->h * table->b[0], force);
         for (int k = 0; k < table->stages; k++) {
-            drift(m, x, low_q, s->h * table->a[k], p);
+            drift(m, x, low_q, s->h * table->a[k], kicks && k == 0 ? kicked : p);
             x[2 * n] = now + l->c[k + 1] * s->h;
             if (table->b[k + 1] == 0.0) continue; /* ends with a drift */
             dm_kernel_eval(&m->force, x, force);
@@ -99,7 +112,7 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
                                long *done) {
     const uint32_t n = s->model->n;
     const size_t bytes = dm_state_size(n) * sizeof *state;
-    double *start = s->work + layout_size() + 3 * (size_t)n + 1;
+    double *start = s->work + layout_size() + 4 * (size_t)n + 1;
     memcpy(start, state, bytes);
     run(s, state, t, count);
     *done = count;

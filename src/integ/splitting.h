@@ -25,6 +25,10 @@ int dm_splitting_fits(const dm_model *m);
  * neighbouring kicks are merged. */
 void dm_splitting_compose(dm_splitting *out, const double *gamma, int s);
 
+/* Table of the composition named by a rule ("verlet", "kahan-li(8)" ...): 0 when it is none of multiples of
+** the base step. */
+int dm_splitting_named(dm_splitting *out, const dm_rule *rule);
+
 /* Doubles of workspace for n coordinates, the table included. */
 size_t dm_splitting_work(uint32_t n);
 

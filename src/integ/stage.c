@@ -290,6 +290,6 @@ dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
     stepper->report.solves++;
     stepper->report.newton += stepper->report.iterations;
     stepper->report.evaluations += g->evaluations;
-    if (status == DM_OK) memcpy(state, g->next, dm_state_size(g->n) * sizeof *state);
+    if (status == DM_OK) memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
     return status;
 }

@@ -177,6 +177,18 @@ static dm_status make_mass(builder *b) {
     return make(b, &b->m.mass, roots, count, DM_WANT_MASS);
 }
 
+/* -V = L at v = 0, then L_q */
+static dm_status make_well(builder *b) {
+    const uint32_t n = b->m.n, inputs = dm_graph_inputs(b->g);
+    dm_node *roots = take_nodes(b, n + 1), *with = take_nodes(b, inputs);
+    if (!roots || !with) return DM_NO_MEMORY;
+    for (uint32_t i = 0; i < inputs; i++)
+        with[i] = i >= n && i < 2 * n ? dm_constant(b->g, 0.0) : dm_input(b->g, i);
+    dm_substitute(b->g, &b->L, 1, with, roots);
+    memcpy(roots + 1, b->gradient, n * sizeof *roots);
+    return make(b, &b->m.well, roots, n + 1, DM_WANT_WELL);
+}
+
 static dm_status make_kernels(builder *b, unsigned want) {
     dm_status status = DM_OK;
     if (want & DM_WANT_VALUE) status = make(b, &b->m.value, &b->L, 1, DM_WANT_VALUE);
@@ -188,6 +200,7 @@ static dm_status make_kernels(builder *b, unsigned want) {
         const dm_node root = energy(b);
         status = make(b, &b->m.energy, &root, 1, DM_WANT_ENERGY);
     }
+    if (status == DM_OK && want & DM_WANT_WELL) status = make_well(b);
     if (status == DM_OK && want & DM_WANT_STAGE) status = make_stage(b);
     if (status == DM_OK && want & DM_WANT_MASS) status = make_mass(b);
     return status;

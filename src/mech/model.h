@@ -27,6 +27,7 @@ enum { /* kernels; each takes x = (q[n], v[n], t) */
     DM_WANT_FORCE = 8,  /* L_q[n] */
     DM_WANT_ENERGY = 16,/* v . L_v - L */
     DM_WANT_MASS = 32,  /* L_v[n], L_vv[n*n] */
+    DM_WANT_WELL = 128, /* L(q, 0, t) = -V, then L_q[n]: separable L only */
     DM_WANT_PAIR = 64   /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
 };
 
@@ -34,7 +35,7 @@ typedef struct {
     uint32_t n;       /* dim Q */
     unsigned structure;
     unsigned has;     /* DM_WANT_* that are built */
-    dm_kernel value, slope, stage, force, energy, mass, pair;
+    dm_kernel value, slope, stage, force, energy, mass, well, pair;
     const double *inverse_mass; /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
     const double *mass_matrix;  /* same shape */
     const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */

@@ -1,23 +1,29 @@
 #include "run/run.h"
 
+#include "run/land.h"
+
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
 static const double LOOK = 5e-4;    /* s between looks at the clock and the stop flag */
 static const double PROGRESS = 0.1; /* s between calls of progress */
-enum { LONGEST = 1 << 20 };         /* steps between looks at the clock */
+static const double SLACK =
+    1e-9;                   /* of h: a time asked for this near to a step is that step */
+enum { LONGEST = 1 << 20 }; /* steps between looks at the clock */
 
 typedef struct {
     const dm_run_plan *plan;
     dm_stepper *s;
     double *state, *rows;
+    int own; /* the method has a time of its own */
     long done, rows_done;
     long burst, until;   /* steps between looks at the clock, step of the next one */
     double looked, told; /* s, time of the last look and of the last call of progress */
 } loop;
 
 long dm_run_rows(const dm_run_plan *plan) {
+    if (plan->at) return plan->at_count;
     return 1 + plan->steps / plan->every + (plan->steps % plan->every != 0);
 }
 
@@ -27,28 +33,69 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* time of a step is computed from its number, never summed */
-static double time_at(const loop *l, long step) {
-    return l->plan->t0 + (double)step * l->s->h;
+/* the time of a step is computed from its number, never summed, unless the state carries it */
+static double time_now(const loop *l) {
+    if (l->own) return l->state[4 * (size_t)l->s->model->n];
+    return l->plan->t0 + (double)l->done * l->s->h;
 }
 
-static void record(loop *l) {
-    if (!l->rows) return;
+/* ---- recording ---- */
+
+static void record(loop *l, const double *state, double t) {
     const size_t width = 1 + 2 * (size_t)l->s->model->n;
+    if (!l->rows) return;
     double *row = l->rows + width * (size_t)l->rows_done++;
-    row[0] = time_at(l, l->done);
-    memcpy(row + 1, l->state, (width - 1) * sizeof *row);
+    row[0] = t;
+    memcpy(row + 1, state, (width - 1) * sizeof *row);
 }
 
-static int is_recorded(const loop *l) {
-    return l->done % l->plan->every == 0;
+/* rows at the times asked for from `from`, where the state is `state`, up to `to` */
+static dm_status record_times(loop *l, const double *state, double from, double to) {
+    const dm_run_plan *plan = l->plan;
+    const double slack = SLACK * l->s->h;
+    while (l->rows_done < plan->at_count && plan->at[l->rows_done] < to - slack) {
+        const double target = plan->at[l->rows_done];
+        const double *here = state;
+        if (target > from + slack) {
+            const dm_status status = dm_land(l->s, plan->landing, state, from, target);
+            if (status != DM_OK) return status;
+            here = plan->landing;
+        }
+        record(l, here, target);
+    }
+    return DM_OK;
 }
 
-static int is_finite(const loop *l) {
+/* what is due at this step: the row itself, or the times asked for up to the next step */
+static dm_status record_due(loop *l) {
+    const double t = time_now(l);
+    if (l->plan->at) return l->own ? DM_OK : record_times(l, l->state, t, t + l->s->h);
+    if (l->done % l->plan->every == 0) record(l, l->state, t);
+    return DM_OK;
+}
+
+/* the end, or the last good state, if it is not a row yet */
+static void record_end(loop *l) {
+    if (!l->plan->at && l->done % l->plan->every != 0) record(l, l->state, time_now(l));
+}
+
+/* ---- stepping ---- */
+
+/* a step at a time, since only the state knows when it is; times asked for lie behind the step */
+static dm_status advance_own(loop *l, long end) {
+    const dm_run_plan *plan = l->plan;
     const size_t size = dm_state_size(l->s->model->n);
-    for (size_t i = 0; i < size; i++)
-        if (!isfinite(l->state[i])) return 0;
-    return 1;
+    double *before = plan->landing ? plan->landing + size : NULL;
+    while (l->done < end && !(time_now(l) >= plan->until)) {
+        const double from = time_now(l);
+        if (plan->at) memcpy(before, l->state, size * sizeof *before);
+        dm_status status = l->s->method->step(l->s, l->state, from);
+        if (status == DM_OK) l->done++;
+        if (status == DM_OK && plan->at)
+            status = record_times(l, before, from, time_now(l));
+        if (status != DM_OK) return status;
+    }
+    return DM_OK;
 }
 
 /* steps up to `end`; one by one when L depends on t, so that the time of a step, and with it
@@ -56,9 +103,10 @@ static int is_finite(const loop *l) {
 static dm_status advance(loop *l, long end) {
     const int autonomous =
         (l->s->model->structure & DM_AUTONOMOUS) || (l->s->method->traits & DM_FOR_PAIRS);
+    if (l->own) return advance_own(l, end);
     while (l->done < end) {
         long finished = 0;
-        const dm_status status = dm_advance(l->s, l->state, time_at(l, l->done),
+        const dm_status status = dm_advance(l->s, l->state, time_now(l),
                                             autonomous ? end - l->done : 1, &finished);
         l->done += finished;
         if (status != DM_OK) return status;
@@ -79,32 +127,51 @@ static void look(loop *l) {
     l->until = l->done + l->burst;
 }
 
+/* steps to the next row, or to the last whole step before the next time asked for */
+static long steps_to_row(const loop *l) {
+    const dm_run_plan *plan = l->plan;
+    if (!plan->at) return plan->every - l->done % plan->every;
+    if (l->own || l->rows_done >= plan->at_count) return plan->steps;
+    const double step = floor((plan->at[l->rows_done] - plan->t0) / l->s->h + SLACK);
+    return step > (double)l->done + 1.0 ? (long)step - l->done : 1;
+}
+
 /* the next row, the next look or the end, whichever comes first */
 static long next_stop(const loop *l) {
     const long left = l->plan->steps - l->done;
-    const long row = l->plan->every - l->done % l->plan->every, tick = l->until - l->done;
+    const long row = steps_to_row(l), tick = l->until - l->done;
     const long nearer = row < tick ? row : tick;
     return l->done + (nearer < left ? nearer : left);
 }
 
+static int is_finished(const loop *l) {
+    return l->done >= l->plan->steps || (l->own && time_now(l) >= l->plan->until);
+}
+
 static dm_status run(loop *l) {
-    while (l->done < l->plan->steps) {
+    dm_status status = record_due(l);
+    while (status == DM_OK && !is_finished(l)) {
         if (l->plan->stop && *l->plan->stop) return DM_STOPPED;
-        const dm_status status = advance(l, next_stop(l));
-        if (status != DM_OK) return status;
-        if (is_recorded(l)) record(l);
+        status = advance(l, next_stop(l));
+        if (status == DM_OK) status = record_due(l);
         if (l->done >= l->until) look(l);
     }
-    return DM_OK;
+    return status;
 }
 
 dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows,
                  long *done, long *rows_done) {
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};
+    dm_status status = DM_OK;
+    l.own = (s->method->traits & DM_OWN_TIME) != 0;
     l.looked = l.told = now();
-    record(&l);
-    const dm_status status = is_finite(&l) ? run(&l) : DM_NOT_FINITE;
-    if (!is_recorded(&l)) record(&l); /* the end, or the last good state */
+    if (s->method->start) status = s->method->start(s, state, plan->t0);
+    if (!dm_state_is_finite(state, s->model->n)) status = DM_NOT_FINITE;
+    if (status == DM_OK)
+        status = run(&l);
+    else if (!plan->at)
+        record(&l, state, plan->t0);
+    record_end(&l);
     *done = l.done;
     *rows_done = l.rows_done;
     return status;
