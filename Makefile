@@ -107,7 +107,7 @@ docs: all
 	@mkdir -p docs/completion docs/images
 	$(B)/dmlua -e 'require "dm.man".write "docs"' \
 	  -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.reference".text(dm))'
-	$(B)/dmlua examples/kepler.lua docs/images
+	for example in $(EXAMPLES); do $(B)/dmlua $$example docs/images >/dev/null || exit 1; done
 
 SHARE = $(DESTDIR)$(PREFIX)/share
 install: all

@@ -6,9 +6,6 @@ local core = require "dm.core"
 local dm = require "dm"
 local reference = require "dm.reference"
 
--- asking for a field loads the module that it comes from
-local names = setmetatable({}, { __index = table })
-for name in pairs(reference.functions(dm)) do names:insert(name) end
 local classes = reference.classes()
 
 local silent, unsigned, short, n = {}, {}, {}, 0
@@ -33,4 +30,10 @@ local page = io.open "docs/reference.md"
 local kept = page and page:read "a"
 house.check("docs/reference.md is what `make docs` writes",
   kept == reference.text(dm) and {} or { "run `make docs` and look at the change" })
+local man = require "dm.man"
+for _, row in ipairs { { "docs/dmlua.1", man.page() }, { "docs/completion/dmlua.bash", man.bash() },
+  { "docs/completion/_dmlua", man.zsh() } } do
+  local file, text = row[1], row[2]
+  house.check(file .. " is what `make docs` writes", house.read(file) == text and {} or { "run `make docs`" })
+end
 house.finish()
