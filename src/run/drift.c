@@ -4,7 +4,11 @@
 
 #include <math.h>
 
-enum { BLOCKS = 16, SHORTEST = 4 }; /* rows of a block at least */
+enum {
+    BLOCKS = 16,
+    FEWER = 11,
+    SHORTEST = 4
+}; /* numbers of blocks; rows of one at least */
 
 typedef struct {
     const double *t, *y;
@@ -49,8 +53,8 @@ static double slope_of_rows(const series *s, long rows, point m) {
 }
 
 /* standard error of a slope fitted to block means: residuals of n points, n - 2 of them free */
-static double slope_error(const series *s, long rows, point m) {
-    const int n = rows / SHORTEST < BLOCKS ? (int)(rows / SHORTEST) : BLOCKS;
+static double slope_error(const series *s, long rows, point m, int blocks) {
+    const int n = rows / SHORTEST < blocks ? (int)(rows / SHORTEST) : blocks;
     point block[BLOCKS];
     double left = 0.0, tt = 0.0;
     if (n < 3) return 0.0;
@@ -84,6 +88,10 @@ void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y
     for (long i = 0; i < rows; i++) out->largest = fmax(out->largest, fabs(y[i] - y[0]));
     if (rows < 3) return;
     out->slope = slope_of_rows(&s, rows, m);
-    out->error = rows >= 3 * SHORTEST ? slope_error(&s, rows, m)
-                                      : error_of_few(&s, rows, m, out->slope);
+    if (rows < 3 * SHORTEST) {
+        out->error = error_of_few(&s, rows, m, out->slope);
+        return;
+    }
+    /* two lengths of block: an oscillation may fit one exactly and vanish from its means */
+    out->error = fmax(slope_error(&s, rows, m, BLOCKS), slope_error(&s, rows, m, FEWER));
 }

@@ -241,7 +241,7 @@ static inline dm_status problem_double_pendulum(problem *p) {
 typedef struct {
     dm_rule nodes[DM_RULE_NODES];
     dm_stepper s;
-    double state[4 * PROBLEM_SIZE];
+    double state[4 * PROBLEM_SIZE + 8]; /* dm_state_size, and to spare */
     double *work;
 } session;
 

@@ -1,0 +1,233 @@
+/*
+** test_orders.c - the order of every rule, measured: the error at time T against the exact
+** solution for N and 2 N steps, N where the error is small but far above round-off.
+*/
+#include "check.h"
+#include "integ/quadrature.h"
+#include "integ/stage.h"
+#include "problems.h"
+
+#include <gsl/gsl_integration.h>
+
+typedef struct {
+    const char *rule;
+    double order;
+    long kepler, pendulum; /* N on the two problems, 0: not there */
+} row;
+
+static const row rows[] = {
+    {"verlet", 2, 800, 800},      {"midpoint", 2, 800, 800},
+    {"trapezoidal", 2, 800, 800}, {"gauss(1)", 2, 800, 800},
+    {"gauss(2)", 4, 400, 400},    {"gauss(3)", 6, 200, 100},
+    {"gauss(4)", 8, 100, 50},     {"gauss(5)", 10, 50, 0},
+    {"lobatto(2)", 2, 800, 800},  {"lobatto(3)", 4, 400, 400},
+    {"lobatto(4)", 6, 100, 100},  {"lobatto(5)", 8, 50, 50},
+    {"rk4", 4, 800, 400},         {"rkf45", 5, 800, 400},
+    {"rk8pd", 8, 100, 0},
+};
+
+/* distance of q at time T from `exact`; NaN when the run fails */
+static double error_of(const problem *p, const char *rule, double T, long N,
+                       const double *exact) {
+    session x;
+    double sum = 0.0;
+    const int fine =
+        session_open(&x, p, rule, T / (double)N) && session_run(&x, N) == DM_OK;
+    for (uint32_t i = 0; i < p->n; i++) sum += pow(x.state[i] - exact[i], 2);
+    session_close(&x);
+    return fine ? sqrt(sum) : NAN;
+}
+
+static void check_order(const problem *p, const row *r, double T, long N,
+                        const double *exact) {
+    const double coarse = error_of(p, r->rule, T, N, exact);
+    const double fine = error_of(p, r->rule, T, 2 * N, exact);
+    if (!CHECK_NEAR(log2(coarse / fine), r->order, 0.05)) printf("# %s\n", r->rule);
+    CHECK(fine > 1e-14);
+    dm_rule nodes[DM_RULE_NODES];
+    CHECK(dm_rule_parse(nodes, r->rule) == NULL);
+    CHECK(dm_method_find(nodes[0].name, NULL)->order(nodes) == (int)r->order);
+}
+
+/* from the far end of the ellipse through the near one; exact by Kepler's equation */
+static void orders_on_kepler(unsigned structure) {
+    const double e = 0.6, b = 0.8, T = 4.0;
+    double E = PI + T, exact[2];
+    problem p;
+    for (int i = 0; i < 50; i++) E -= (E - e * sin(E) - PI - T) / (1.0 - e * cos(E));
+    exact[0] = cos(E) - e, exact[1] = b * sin(E);
+    problem_kepler(&p, structure);
+    p.q[0] = -1.0 - e;
+    p.v[1] = -b / (1.0 + e);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        check_order(&p, rows + i, T, rows[i].kepler, exact);
+}
+
+static void orders_on_separable_kepler(void) {
+    orders_on_kepler(PROBLEM_SEPARABLE);
+}
+
+static void orders_on_kepler_taken_as_general(void) {
+    orders_on_kepler(PROBLEM_GENERAL);
+}
+
+/* two independent methods agree on where the double spherical pendulum is at time T */
+static void reference(const problem *p, double T, double *exact) {
+    session x;
+    CHECK(session_open(&x, p, "gauss(7)", T / 400) && session_run(&x, 400) == DM_OK);
+    memcpy(exact, x.state, p->n * sizeof *exact);
+    session_close(&x);
+    CHECK(error_of(p, "rk8pd", T, 3000, exact) < 5e-14);
+}
+
+static void orders_on_the_double_spherical_pendulum(void) {
+    static const row prince_dormand = {"rk8pd", 8, 0, 80};
+    double exact[4];
+    problem p;
+    CHECK(problem_double_pendulum(&p) == DM_OK);
+    reference(&p, 1.0, exact);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (rows[i].pendulum) check_order(&p, rows + i, 1.0, rows[i].pendulum, exact);
+    reference(&p, 1.5, exact);
+    check_order(&p, &prince_dormand, 1.5, 80, exact);
+    problem_close(&p);
+}
+
+/* ---- time in L: the points of a step must be taken at their own times ---- */
+
+static void build(problem *p, dm_graph *g, dm_node L) {
+    CHECK(dm_model_build(&p->model, g, L, 1, 63, dm_tape_build, &p->arena) == DM_OK);
+}
+
+static dm_graph *new_graph(problem *p) {
+    *p = (problem){.n = 1};
+    dm_arena_init(&p->arena, problem_allocate, NULL);
+    return dm_graph_new(&p->arena, 3);
+}
+
+/* L = v^2/2 - q^2/2 + q cos 2t, q = cos t + sin t - cos(2t)/3: separable */
+static void orders_with_a_force_that_varies_in_time(void) {
+    problem p;
+    dm_graph *g = new_graph(&p);
+    const dm_node q = dm_input(g, 0), v = dm_input(g, 1), t = dm_input(g, 2);
+    const dm_node half = dm_constant(g, 0.5),
+                  drive = dm_apply(g, DM_OP_COS, dm_add(g, t, t), 0, 0);
+    dm_node L = dm_sub(g, dm_mul(g, v, v), dm_mul(g, q, q));
+    build(&p, g, dm_add(g, dm_mul(g, half, L), dm_mul(g, q, drive)));
+    CHECK(p.model.structure & DM_SEPARABLE && !(p.model.structure & DM_AUTONOMOUS));
+    p.q[0] = 2.0 / 3.0, p.v[0] = 1.0;
+    const double T = 3.0, exact = cos(T) + sin(T) - cos(2 * T) / 3.0;
+    static const row timed[] = {{"verlet", 2, 400, 0},     {"midpoint", 2, 400, 0},
+                                {"gauss(2)", 4, 100, 0},   {"gauss(3)", 6, 20, 0},
+                                {"lobatto(3)", 4, 100, 0}, {"trapezoidal", 2, 400, 0},
+                                {"rk4", 4, 200, 0}};
+    for (size_t i = 0; i < sizeof timed / sizeof *timed; i++)
+        check_order(&p, timed + i, T, timed[i].kepler, &exact);
+    problem_close(&p);
+}
+
+/* L = exp(t) v^2/2 - exp(t) q^2/2, q'' + q' + q = 0: general, damped in time */
+static void orders_with_a_mass_that_grows_in_time(void) {
+    problem p;
+    dm_graph *g = new_graph(&p);
+    const dm_node q = dm_input(g, 0), v = dm_input(g, 1);
+    const dm_node grow = dm_apply(g, DM_OP_EXP, dm_input(g, 2), 0, 0);
+    const dm_node L = dm_sub(g, dm_mul(g, v, v), dm_mul(g, q, q));
+    build(&p, g, dm_mul(g, dm_mul(g, dm_constant(g, 0.5), grow), L));
+    CHECK(!(p.model.structure & (DM_AUTONOMOUS | DM_CONSTANT_MASS | DM_SEPARABLE)));
+    const double T = 2.0, w = sqrt(0.75);
+    const double exact = exp(-T / 2) * (cos(w * T) + sin(w * T) / (2 * w));
+    p.q[0] = 1.0, p.v[0] = 0.0;
+    static const row timed[] = {{"verlet", 2, 400, 0},    {"midpoint", 2, 400, 0},
+                                {"gauss(2)", 4, 50, 0},   {"gauss(3)", 6, 20, 0},
+                                {"lobatto(3)", 4, 50, 0}, {"trapezoidal", 2, 400, 0},
+                                {"rk4", 4, 100, 0}};
+    for (size_t i = 0; i < sizeof timed / sizeof *timed; i++)
+        check_order(&p, timed + i, T, timed[i].kepler, &exact);
+    problem_close(&p);
+}
+
+/* ---- coefficients ---- */
+
+static void gauss_nodes_are_those_of_gsl(void) {
+    for (int r = 1; r <= 20; r++) {
+        dm_quadrature q;
+        gsl_integration_glfixed_table *table =
+            gsl_integration_glfixed_table_alloc((size_t)r);
+        dm_quadrature_gauss(&q, r);
+        for (int i = 0; i < r; i++) {
+            double c, b;
+            gsl_integration_glfixed_point(0.0, 1.0, (size_t)i, &c, &b, table);
+            CHECK_NEAR((double)q.c[i], c, 4e-16);
+            CHECK_NEAR((double)q.b[i], b, 4e-16);
+        }
+        gsl_integration_glfixed_table_free(table);
+    }
+}
+
+static void lobatto_nodes_in_closed_form(void) {
+    dm_quadrature q;
+    dm_quadrature_lobatto(&q, 4); /* HLW II.1.8: (5 -+ sqrt 5)/10, weights 1/12, 5/12 */
+    CHECK_NEAR((double)q.c[1], (5.0 - sqrt(5.0)) / 10.0, 1e-16);
+    CHECK_NEAR((double)q.b[0], 1.0 / 12.0, 1e-16);
+    CHECK_NEAR((double)q.b[1], 5.0 / 12.0, 1e-16);
+    dm_quadrature_lobatto(&q, 5);
+    CHECK_NEAR((double)q.c[1], 0.5 - sqrt(21.0) / 14.0, 1e-16);
+    CHECK_NEAR((double)q.b[2], 16.0 / 45.0, 1e-16);
+}
+
+/* sum b_i c_i^k = 1/(k+1) up to the degree promised, for every number of nodes */
+static void quadratures_are_as_exact_as_promised(void) {
+    for (int r = 1; r <= DM_QUADRATURE_NODES; r++)
+        for (int lobatto = 0; lobatto < 2; lobatto++) {
+            dm_quadrature q;
+            if (lobatto && r < 2) continue;
+            (lobatto ? dm_quadrature_lobatto : dm_quadrature_gauss)(&q, r);
+            for (int k = 0; k <= 2 * r - 1 - 2 * lobatto; k++) {
+                long double sum = 0.0L;
+                for (int i = 0; i < r; i++) sum += q.b[i] * powl(q.c[i], k);
+                CHECK_NEAR((double)(sum * (k + 1) - 1.0L), 0.0, 2e-15 * (k + 1));
+            }
+        }
+}
+
+/* a Nystroem method is symplectic when mean_i = b_i (1 - c_i) and
+** b_i (mean_j - A_ij) = b_j (mean_i - A_ji) (HLW IV.2.3); collocation: A row sums c_i^2/2 */
+static void separable_tables_are_symplectic(void) {
+    for (int s = 2; s <= 12; s++)
+        for (int lobatto = 0; lobatto < 2; lobatto++) {
+            static double memory[4096];
+            dm_stage_table t;
+            dm_galerkin g;
+            dm_quadrature q;
+            (lobatto ? dm_quadrature_lobatto : dm_quadrature_gauss)(&q, s);
+            dm_galerkin_collocation(&g, &q);
+            CHECK(dm_stage_table_size((size_t)s, (size_t)s) <= 4096);
+            dm_stage_table_fill(&t, &g, memory);
+            for (int i = 0; i < s; i++) {
+                double sum = 0.0;
+                CHECK_NEAR(t.mean[i], t.b[i] * (1.0 - t.c[i]), 1e-15);
+                for (int j = 0; j < s; j++) {
+                    const double left = t.b[i] * (t.mean[j] - t.A[i * s + j]);
+                    const double right = t.b[j] * (t.mean[i] - t.A[j * s + i]);
+                    CHECK_NEAR(left, right, 1e-15);
+                    sum += t.A[i * s + j];
+                }
+                CHECK_NEAR(sum, 0.5 * t.c[i] * t.c[i], 1e-15);
+            }
+        }
+}
+
+int main(void) {
+    RUN(gauss_nodes_are_those_of_gsl, "Gauss nodes and weights are those of GSL");
+    RUN(lobatto_nodes_in_closed_form, "Lobatto nodes and weights in closed form");
+    RUN(quadratures_are_as_exact_as_promised,
+        "quadratures are as exact as promised, r to 32");
+    RUN(separable_tables_are_symplectic, "tables are symplectic to 1e-15");
+    RUN(orders_on_separable_kepler, "every rule has its order on Kepler's problem");
+    RUN(orders_on_kepler_taken_as_general, "and when its structure is hidden");
+    RUN(orders_on_the_double_spherical_pendulum, "and on the double spherical pendulum");
+    RUN(orders_with_a_force_that_varies_in_time, "and with a force that varies in time");
+    RUN(orders_with_a_mass_that_grows_in_time, "and with a mass that grows in time");
+    return check_finish();
+}
