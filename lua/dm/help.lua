@@ -200,7 +200,7 @@ local function help_name(name)
   if object and object.class then return help_class(object.class) end
   if object and object.value ~= nil and type(object.value) ~= "string" then return M.help(object.value) end
   for _, rule in ipairs(core.rules and core.rules() or {}) do
-    if rule.name == name then return write(rule.signature or name, "\n", shown_doc(rule.doc or "")) end
+    if rule.name == name:match "^[%w_]*" then return write(rule.signature or name, "\n", shown_doc(rule.doc or "")) end
   end
   M.apropos(name)
 end

@@ -132,7 +132,9 @@ int main(int argc, char **argv) {
     char line[4096];
     int status = 0;
     if (argc < 2 || !start(argv + 1)) return 2;
-    while (fgets(line, sizeof line, stdin)) play(line);
+    while (fgets(line, sizeof line, stdin)) {
+        if (*line != '\n') play(line);
+    }
     const long until = now() + PATIENCE;
     while (listen(100)) {
         if (now() > until) finish(6);

@@ -17,22 +17,25 @@ end
 -- play a script against `dmlua options`; what the terminal got, colours and controls of readline left out
 local function play(options, script, environment)
   write(home .. "/script", script)
-  local pipe = io.popen(("env -u NO_COLOR -u FORCE_COLOR -u LUA_INIT TERM=xterm HOME=%s XDG_STATE_HOME=%s/state XDG_CONFIG_HOME=%s/config %s %s %s %s < %s/script 2>&1")
-    :format(home, home, home, environment or "", pty, dmlua, options, home))
+  local variables = ("env -u NO_COLOR -u FORCE_COLOR -u LUA_INIT TERM=xterm HOME=%s XDG_STATE_HOME=%s/state"
+    .. " XDG_CONFIG_HOME=%s/config %s"):format(home, home, home, environment or "")
+  local pipe = io.popen(("%s %s %s %s < %s/script 2>&1"):format(variables, pty, dmlua, options, home))
   local raw = pipe:read "a"
   pipe:close()
   return raw:gsub("\27%[[%d;?]*[a-zA-Z]", ""):gsub("\r", ""), raw
 end
 
+-- the end of a script: at the next prompt, Ctrl-D
+local BYE = "wait 2004h\npause 50\nsend \\004\n"
+
 -- entries typed one after another at fresh prompts
 local function session(entries, options, environment)
-  local script = { "wait > " }
+  local script = { "wait 2004h" }
   for _, entry in ipairs(entries) do
     script[#script + 1] = "send " .. entry:gsub("\\", "\\\\") .. "\\r"
     script[#script + 1] = "wait 2004h"
   end
-  script[#script + 1] = "pause 50\nsend \\004\n"
-  return play(options or "", "wait 2004h\n" .. table.concat(script, "\n", 2), environment)
+  return play(options or "", table.concat(script, "\n") .. "\npause 50\nsend \\004\n", environment)
 end
 
 local function has(text, part, sentence) ok(text:find(part, 1, true), sentence, text) end
@@ -59,9 +62,9 @@ has(raw, "\27[36m2\27[0m", "numbers are coloured on a terminal")
 text, raw = session({ "2 + 3" }, "", "NO_COLOR=1")
 lacks(raw, "\27[36m", "NO_COLOR is obeyed")
 has(text, "5", "and prints the same")
-text, raw = session({ "2 + 3" }, "--color=always", "NO_COLOR=1")
+raw = select(2, session({ "2 + 3" }, "--color=always", "NO_COLOR=1"))
 has(raw, "\27[36m5", "--color=always is stronger")
-text, raw = session({ "2 + 3" }, "--color=never", "FORCE_COLOR=1")
+raw = select(2, session({ "2 + 3" }, "--color=never", "FORCE_COLOR=1"))
 lacks(raw, "\27[36m", "--color=never is stronger")
 text = session({ "2 + 3" }, "-q")
 lacks(text, "type ?", "-q: no banner")
@@ -72,7 +75,7 @@ has(text, ">> print(i * 11)\n>> end\n11\n22\n", "an entry of several lines")
 local history = io.open(home .. "/state/dmlua/history"):read "a"
 has(history, "for i = 1, 2 do\\nprint(i * 11)\\nend\n", "is one item of the history")
 has(history, "{ 1, { 2 }, x = 'y' }\n", "entries of earlier sessions are kept")
-text = play("", "wait 2004h\nsend \\e[A\nwait end\npause 50\nsend \\r\nwait 22\nwait 2004h\npause 50\nsend \\004\n")
+text = play("", "wait 2004h\nsend \\e[A\nwait end\npause 50\nsend \\r\nwait 22\n" .. BYE)
 has(text, "for i = 1, 2 do\nprint(i * 11)\nend\n11\n22\n", "and is recalled whole in the next session")
 text = session { "'back\\\\slash'", "x = [[a", "b]]", "#x" }
 has(text, "> #x\n3\n", "a long string over two lines")
@@ -96,8 +99,9 @@ os.remove(home .. "/config/dmlua/init.lua")
 local function completes(typed, result, setup)
   local script = "wait 2004h\n"
   if setup then script = script .. "send " .. setup .. "\\r\nwait 2004h\n" end
-  script = script .. ("send %s\\t\npause 150\nsend \\001r = [==[\\005]==]\\r\nwait 2004h\nsend io.write('<', r, '>\\\\n')\\r\nwait 2004h\npause 50\nsend \\004\n")
-    :format(typed)
+  -- after Tab: to the start of the line (Ctrl-A) and its end (Ctrl-E), to make a string of it
+  script = script .. ("send %s\\t\npause 150\nsend \\001r = [==[\\005]==]\\r\nwait 2004h\n"):format(typed)
+    .. "send io.write('<', r, '>\\\\n')\\r\n" .. BYE
   local got = play("", script)
   ok(got:find("\n<" .. result .. ">", 1, true), typed:gsub("\\t", "") .. " completes to " .. result, got)
 end
@@ -112,7 +116,7 @@ completes("s.coord", "s.coordinates", system)
 completes("s:solver { ru", "s:solver { rule = ", system)
 completes("s:solver({ h = 0.1, ru", "s:solver({ h = 0.1, rule = ", system)
 completes("s:solver { rule = \"verl", "s:solver { rule = \"verlet\"", system)
-completes("s:solver { rule = \"verlet\", h = 0.1 }:run { ste", "s:solver { rule = \"verlet\", h = 0.1 }:run { steps = ", system)
+completes("s:solver { h = 0.1 }:run { ste", "s:solver { h = 0.1 }:run { steps = ", system)
 completes("t.alph", "t.alpha", "t = setmetatable({ alpha = 1 }, { __index = function() error 'ran' end })")
 completes("t.be", "t.beta", "t = setmetatable({}, { __index = { beta = 1 } })")
 completes("t.gam", "t.gam", "t = setmetatable({}, { __index = function() gamma = 1 end, __pairs = error })")
@@ -121,7 +125,8 @@ write(home .. "/some_file.csv", "x\n")
 completes("io.open('" .. home .. "/some_f", "io.open('" .. home .. "/some_file.csv'")
 
 -- help
-text = session { "?dm.solver", "?", "help 'keys'", "?dm.path", "?string.find", "apropos 'legendre'", "x = 4", "who()", "help(nil)" }
+text = session { "?dm.solver", "?", "help 'keys'", "?dm.path", "?string.find", "apropos 'legendre'", "x = 4", "who()",
+  "help(nil)" }
 has(text, "dm.solver{system, rule=", "?x prints the doc")
 has(text, 'apropos "word"', "? lists the topics")
 has(text, "a trailing ; evaluates without printing", "help 'keys'")
@@ -132,35 +137,42 @@ has(text, "x  4", "who")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 
 -- errors
-text = session { "error 'oops'", "error { 1 }", "x = = 1", "local t <close> = 1", "setmetatable({}, { __tostring = function() error 'in tostring' end })", "1 + 1" }
+text = session { "error 'oops'", "error { 1 }", "x = = 1", "local t <close> = 1",
+  "setmetatable({}, { __tostring = function() error 'in tostring' end })", "1 + 1" }
 has(text, "oops\nstack traceback:", "an error with its traceback")
 has(text, "(error object is a table value)", "an error that is no string")
 has(text, "unexpected symbol near '='", "a syntax error")
 has(text, "in tostring", "an error while printing")
 has(text, "\n2\n", "and the session goes on")
 
--- Ctrl-C
-local loop = "wait 2004h\nsend while true do end\\r\npause 200\nsend \\003\nwait interrupted!\nwait 2004h\nsend 40 + 2\\r\nwait 42\nwait 2004h\npause 50\nsend \\004\n"
-has(play("", loop), "exit 0", "Ctrl-C stops Lua code, and the session goes on")
-text = play("", "wait 2004h\nsend some rubbish\npause 50\nsend \\003\nwait 2004h\nsend 40 + 2\\r\nwait 42\nwait 2004h\npause 50\nsend \\004\n")
+-- Ctrl-C: after each, the session must still answer
+local ANSWER = "wait 2004h\nsend 40 + 2\\r\nwait 42\n" .. BYE
+local function stopping(lines) return play("", "wait 2004h\n" .. table.concat(lines, "\n") .. "\n") end
+
+text = stopping { "send while true do end\\r", "pause 200", "send \\003", "wait interrupted!", ANSWER }
+has(text, "exit 0", "Ctrl-C stops Lua code, and the session goes on")
+text = stopping { "send some rubbish", "pause 50", "send \\003", ANSWER }
 has(text, "> 40 + 2\n42", "at the prompt it clears the line")
-text = play("", "wait 2004h\nsend for i = 1, 2 do\\r\nwait >> \npause 50\nsend \\003\nwait 2004h\nsend 40 + 2\\r\nwait 42\nwait 2004h\npause 50\nsend \\004\n")
+text = stopping { "send for i = 1, 2 do\\r", "wait >> ", "pause 50", "send \\003", ANSWER }
 has(text, "> 40 + 2\n42", "and drops an entry of several lines")
-text = play("", "wait 2004h\nsend string.find(string.rep('a', 300000), '.*b')\\r\npause 300\nsend \\003\npause 100\nsend \\003\n")
+text = stopping { "send string.find(string.rep('a', 300000), '.*b')\\r", "pause 300", "send \\003", "pause 100", "send \\003" }
 has(text, "signal 2", "a second one kills what does not stop")
 
-local orbit = "send o = s:solver { rule = 'verlet', h = 0.01 }:run { q = { 1 }, v = { 0 }, steps = 1e10, every = 1e6 }\\r\n"
-text = play("", "wait 2004h\nsend " .. system .. "\\r\nwait 2004h\n" .. orbit
-  .. "wait step/s\npause 300\nsend \\003\nwait stopped after step\nwait 2004h\nsend _\\r\nwait path of\nwait 2004h\nsend print(_.steps > 1000, o)\\r\nwait true\nwait 2004h\npause 50\nsend \\004\n")
+local orbit = "send o = s:solver { rule = 'verlet', h = 0.01 }:run "
+  .. "{ q = { 1 }, v = { 0 }, steps = 1e10, every = 1e6 }\\r"
+local stopped = { "send \\003", "wait stopped after step", "wait 2004h", "send _\\r", "wait path of", "wait 2004h",
+  "send print(_.steps > 10, o)\\r", "wait true", BYE }
+text = stopping { "send " .. system .. "\\r", "wait 2004h", orbit, "wait step/s", "pause 300", table.unpack(stopped) }
 has(text, "left (Ctrl-C stops)", "a long run shows progress")
 has(text, "_ is the path so far", "Ctrl-C stops a run")
 has(text, "true\tnil", "and _ holds the path")
-text = play("", "wait 2004h\nsend " .. system:gsub(" }$", ", derivatives = 'hyperdual' }") .. "\\r\nwait 2004h\n" .. orbit
-  .. "pause 600\nsend \\003\nwait stopped after step\nwait 2004h\nsend print(_.steps > 10)\\r\nwait true\nwait 2004h\npause 50\nsend \\004\n")
+text = stopping { "send " .. system:gsub(" }$", ", derivatives = 'hyperdual' }") .. "\\r", "wait 2004h", orbit, "pause 600",
+  table.unpack(stopped) }
 has(text, "_ is the path so far", "also one whose Lagrangian runs in Lua")
 
 -- not a terminal
-local pipe = io.popen(("echo '1 + 1; print(3)' | %s 2>&1; printf 'print(3)' | FORCE_COLOR= %s 2>&1 | od -c | head -1"):format(dmlua, dmlua))
+local pipe = io.popen(("echo '1 + 1; print(3)' | %s 2>&1; printf 'print(3)' | FORCE_COLOR= %s 2>&1 | od -c | head -1")
+  :format(dmlua, dmlua))
 local plain = pipe:read "a"
 pipe:close()
 has(plain, "unexpected symbol", "stdin that is no terminal is a script")

@@ -3,7 +3,8 @@
 local tap = require "tap"
 
 local probe = [==[
-local values = { 0, 1, -1, 3, 7, 2.5, -2.5, 1e300, 1 / 0, -1 / 0, 0 / 0, math.maxinteger, math.mininteger, 2^53, 1e-320, "10", "0x10", " 2.5 ",
+local values = { 0, 1, -1, 3, 7, 2.5, -2.5, 1e300, 1 / 0, -1 / 0, 0 / 0, math.maxinteger, math.mininteger, 2^53, 1e-320,
+  "10", "0x10", " 2.5 ",
   "x", "", true, false, {}, print }
 local names = {}
 for name in pairs(math) do names[#names + 1] = name end
@@ -12,7 +13,8 @@ local function shown(...)
   local t = table.pack(...)
   for i = 1, t.n do
     local v = t[i]
-    t[i] = type(v) == "number" and (v ~= v and "nan" or ("%q"):format(v)) or type(v) == "string" and v:gsub("0x%x+", "ADDRESS") or type(v)
+    if type(v) == "number" then v = v ~= v and "nan" or ("%q"):format(v) end
+    t[i] = type(v) == "string" and v:gsub("0x%x+", "ADDRESS") or type(v)
   end
   return table.concat(t, " ", 1, t.n)
 end
