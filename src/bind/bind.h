@@ -30,8 +30,8 @@ void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_ro
 /* Add methods to a class that another file registered; the stack stays as it is. */
 void dml_addmethods(lua_State *L, const char *tname, const dml_row *methods);
 
-/* An arena owned by Lua: pushes a userdata whose __gc and __close give the memory back.
-** Its memory comes from the allocator of the state: one that refuses is felt here too. */
+/* An arena owned by Lua: pushes a userdata that keeps its memory, which the collector takes
+** back. It comes from the allocator of the state: one that refuses is felt here too. */
 dm_arena *dml_pusharena(lua_State *L);
 
 /*

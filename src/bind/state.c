@@ -6,8 +6,6 @@
 static const char state_key;
 static const char class_key[DML_CLASSES];
 
-enum { COLLECT_FIRST = 1 << 24 }; /* bytes of arenas that wait for the collector */
-
 dml_state *dml_getstate(lua_State *L) {
     lua_rawgetp(L, LUA_REGISTRYINDEX, &state_key);
     dml_state *s = lua_touserdata(L, -1);
@@ -15,7 +13,6 @@ dml_state *dml_getstate(lua_State *L) {
     if (s) return s;
     s = lua_newuserdatauv(L, sizeof *s, 0);
     memset(s, 0, sizeof *s);
-    s->collect_at = COLLECT_FIRST;
     lua_rawsetp(L, LUA_REGISTRYINDEX, &state_key);
     return s;
 }
@@ -59,50 +56,4 @@ void dml_checkgraph(lua_State *L, const dml_frame *frame) {
                "%s: %s (%d nodes): is there a loop with very many rounds? make it "
                "shorter, or use derivatives = \"hyperdual\"",
                frame->what, dm_status_text(status), (int)dm_graph_size(frame->graph));
-}
-
-/* ---- arenas ---- */
-
-typedef struct {
-    dm_arena arena;
-    lua_Alloc allocate; /* of the Lua state */
-    void *ud;
-    dml_state *state;
-} owned_arena;
-
-static void *allocate(void *ud, void *block, size_t old_size, size_t new_size) {
-    owned_arena *a = ud;
-    void *made = a->allocate(a->ud, block, old_size, new_size);
-    if (made || !new_size) a->state->held += new_size - old_size;
-    return made;
-}
-
-static int release(lua_State *L) {
-    owned_arena *a = luaL_checkudata(L, 1, "dm.arena");
-    dm_arena_release(&a->arena);
-    return 0;
-}
-
-/* the collector does not see what arenas hold: collect when it has doubled, as Lua does */
-static void collect(lua_State *L, dml_state *s) {
-    if (s->held < s->collect_at) return;
-    lua_gc(L, LUA_GCCOLLECT);
-    s->collect_at = 2 * s->held < COLLECT_FIRST ? COLLECT_FIRST : 2 * s->held;
-}
-
-dm_arena *dml_pusharena(lua_State *L) {
-    dml_state *s = dml_getstate(L);
-    collect(L, s);
-    owned_arena *a = lua_newuserdatauv(L, sizeof *a, 0);
-    a->state = s;
-    a->allocate = lua_getallocf(L, &a->ud);
-    dm_arena_init(&a->arena, allocate, a);
-    if (luaL_newmetatable(L, "dm.arena")) {
-        lua_pushcfunction(L, release);
-        lua_setfield(L, -2, "__gc");
-        lua_pushcfunction(L, release);
-        lua_setfield(L, -2, "__close");
-    }
-    lua_setmetatable(L, -2);
-    return &a->arena;
 }

@@ -24,10 +24,9 @@ typedef struct dml_frame {
 
 typedef struct {
     const void *metatable[DML_CLASSES];
-    dml_frame *frames;       /* newest first */
-    uint32_t serial;         /* of the newest trace */
-    int depth;               /* callbacks inside callbacks */
-    size_t held, collect_at; /* bytes of all arenas; where the next collection is due */
+    dml_frame *frames; /* newest first */
+    uint32_t serial;   /* of the newest trace */
+    int depth;         /* callbacks inside callbacks */
 } dml_state;
 
 dml_state *dml_getstate(lua_State *L);
@@ -43,6 +42,9 @@ void *dml_newvalue(lua_State *L, int class, size_t size, int uservalues);
 
 /* The trace with this number, NULL when it has ended. */
 dml_frame *dml_findframe(lua_State *L, uint32_t serial);
+
+/* Push what keeps the memory of an arena of dml_pusharena alive. */
+void dml_pushkeeper(lua_State *L, const dm_arena *arena);
 
 /* Raise when the graph refused to grow. */
 void dml_checkgraph(lua_State *L, const dml_frame *frame);

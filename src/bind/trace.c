@@ -123,8 +123,10 @@ static int end_trace(lua_State *L) {
 
 static dml_frame *begin_trace(lua_State *L, dm_graph *graph, const char *what) {
     dml_state *state = dml_getstate(L);
-    dml_frame *frame = lua_newuserdatauv(L, sizeof *frame, 0);
+    dml_frame *frame = lua_newuserdatauv(L, sizeof *frame, 1);
     *frame = (dml_frame){.graph = graph, .what = what};
+    dml_pushkeeper(L, dm_graph_arena(graph));
+    lua_setiuservalue(L, -2, 1);
     if (luaL_newmetatable(L, "dm.trace")) {
         lua_pushcfunction(L, end_trace);
         lua_setfield(L, -2, "__gc");

@@ -124,6 +124,29 @@ scratch[1] = 5
 ok(scratch[2] ~= scratch[2], "what a trace left in a scratch vector and nobody filled is NaN")
 raises("hyper-dual", trace, function(x) return x[1] + dm.hyperdual(1) end, 1)
 
+-- finalizers: whatever they can still reach works, while the collector runs and when the state is closed
+local late
+local at_close = setmetatable({}, { __gc = function() assert(late { 3 } == 9 and late:gradient { 3 }[1] == 6) end })
+late = trace(function(x) return x[1] ^ 2 end, 1)
+local results = {}
+do
+  local inner
+  local cycle = setmetatable({}, { __gc = function() results[1] = inner:hessian { 2 }[1][1] end })
+  inner = trace(function(x) return x[1] ^ 3 end, 1)
+  cycle.itself = cycle
+end
+do
+  local symbol
+  local watch = setmetatable({}, { __gc = function() results[2] = select(2, pcall(function() return symbol * 2 end)) end })
+  coroutine.resume(coroutine.create(function() trace(function(x) symbol = x[1] error(watch) end, 1) end))
+end
+collectgarbage() collectgarbage()
+ok(at_close and results[1] == 12, "a traced function works in a finalizer", results[1])
+ok(tostring(results[2]):find("after its trace had ended"), "a symbol of a dead coroutine is refused in a finalizer", results[2])
+local before = collectgarbage("count")
+for _ = 1, 2000 do trace(function(x) return x[1] ^ 2 + x[2] end, 2) end
+ok(collectgarbage("count") - before < 40000, "the collector sees the memory of graphs", collectgarbage("count") - before)
+
 -- what a trace cannot see is found by comparing with plain calls
 raises("is not what its trace says", trace, function(x) if type(x[1]) == "number" then return 0 end return x[1] end, 1)
 raises("is not what its trace says", trace, function(x) return math.type(x[1]) and x[1] + 1 or x[1] end, 1)
