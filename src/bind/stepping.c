@@ -36,12 +36,14 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     r->model_at = lua_gettop(L);
     if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass)
         luaL_error(L,
-                   "L is degenerate: d2L/dv2 is constant and singular (system:mass(q, v) shows it), and rule "
+                   "L is degenerate: d2L/dv2 is constant and singular (system:mass(q, v) "
+                   "shows it), and rule "
                    "'%s' needs a regular Lagrangian",
                    s->nodes[0].name);
     const char *refusal =
         s->method->fits ? s->method->fits(s->nodes, &r->model->model) : NULL;
-    if (refusal) luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
+    if (refusal)
+        luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = s->method->wants(s->nodes, &r->model->model);
     dml_want(L, r->model,
              r->wants | DM_WANT_VALUE | (s->pair ? DM_WANT_PAIR : DM_WANT_MASS),
@@ -208,6 +210,11 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
     if (two && (has(L, "q") || has(L, "v") || has(L, "p")))
         luaL_error(
             L, "give the start as q and v, as q and p, or as q0 and q1, not a mixture");
+    if (two && r->solver->method->traits & DM_OWN_TIME)
+        luaL_error(L,
+                   "rule '%s' has a time of its own, its steps are not h apart: give q "
+                   "and v or q and p",
+                   r->solver->nodes[0].name);
     if (two && !r->solver->pair) {
         start_between(L, r);
         return;

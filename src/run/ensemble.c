@@ -2,6 +2,7 @@
 
 #include "run/run.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 
@@ -25,6 +26,7 @@ static void run_member(const worker *w, long i) {
     const dm_run_plan plan = {.t0 = e->t0,
                               .steps = e->steps,
                               .every = e->steps ? e->steps : 1,
+                              .until = INFINITY,
                               .stop = e->stop};
     e->member[i].status = dm_run_end(&plan, w->stepper, state, &e->member[i].steps);
 }

@@ -1,0 +1,76 @@
+-- rows at given times, and rules with a time of their own
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sin, cos, sqrt, abs, pi = math.sin, math.cos, math.sqrt, math.abs, math.pi
+
+-- Kepler's equation by Newton: an independent road to the orbit
+local function orbit(e, t)
+  local E = t
+  for _ = 1, 60 do E = E - (E - e * sin(E) - t) / (1 - e * cos(E)) end
+  return { cos(E) - e, sqrt(1 - e * e) * sin(E) }
+end
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local function start(e) return { 1 - e, 0 }, { 0, sqrt((1 + e) / (1 - e)) } end
+local function worst(path, e)
+  local w = 0
+  for i = 1, #path do w = math.max(w, (path.q[i] - orbit(e, path.t[i])):norm()) end
+  return w
+end
+
+-- times on the grid are the grid's states; times between have the order of the rule; the run is left alone
+local q, v = start(0.6)
+for _, rule in ipairs { "verlet", "gauss(3)", "rk8pd", "kahan-li(6)" } do
+  local solver = kepler:solver { rule = rule, h = 0.01 }
+  local path = solver:run { q = q, v = v, steps = 100 }
+  local some = solver:run { q = q, v = v, at = { 0, 0.25, 0.333, 0.5, 1 } }
+  ok(#some == 5 and some.q[1] == path.q[1] and some.q[2] == path.q[26] and some.q[5] == path.q[101], rule .. ": rows on the grid are the states there")
+  near((some.q[3] - orbit(0.6, 0.333)):norm(), 0, rule == "verlet" and 1e-3 or 1e-9, rule .. ": a row between two steps")
+end
+
+-- logarithmic Hamiltonian: the orbit is exact but for its timing, at every eccentricity
+for _, e in ipairs { 0.3, 0.9, 0.99 } do
+  q, v = start(e)
+  local path = kepler:solver { rule = "log-hamiltonian(kahan-li(8))", h = 0.5 }:run { q = q, v = v, steps = 500 }
+  local E, off = path:energy(), 0
+  for i = 1, #path do off = math.max(off, abs(E[i] + 0.5)) end
+  ok(off < 2e-12 / (1 - e), ("e = %g: energy to round-off"):format(e), off)
+  ok(path.t[#path] > 100, "t is part of the state", path.t[#path])
+end
+local at, errors = {}, {}
+for i = 1, 32 do at[i] = 20 * pi * i / 32 end
+q, v = start(0.9)
+for i, h in ipairs { 0.4, 0.2 } do
+  errors[i] = worst(kepler:solver { rule = "log-hamiltonian(kahan-li(6))", h = h }:run { q = q, v = v, at = at }, 0.9)
+end
+near(math.log(errors[1] / errors[2], 2), 6, 0.1, "log-hamiltonian(kahan-li(6)) has order 6 at e = 0.9")
+local plain = worst(kepler:solver { rule = "kahan-li(6)", h = 0.02 }:run { q = q, v = v, at = at }, 0.9)
+ok(errors[2] < plain / 10, "and beats fixed steps at e = 0.9", errors[2] .. " against " .. plain)
+
+-- a mass matrix that is not the identity, and three dimensions
+local heavy = dm.system { Q = dm.R(3), L = function(x, u) return u[1] ^ 2 + u[2] ^ 2 + u[1] * u[2] + 2 * u[3] ^ 2 + 3 / sqrt(x:dot(x)) end }
+local a = heavy:solver { rule = "gauss(6)", h = 0.01 }:run { q = { 1, 0, 0.2 }, v = { 0, 1.2, 0.1 }, at = { 1, 2.5 } }
+local b = heavy:solver { rule = "log-hamiltonian(sofroniou-spaletta(10))", h = 0.1 }:run { q = { 1, 0, 0.2 }, v = { 0, 1.2, 0.1 }, at = { 1, 2.5 } }
+near((a.q[2] - b.q[2]):norm(), 0, 1e-10, "coupled masses: the same motion as gauss(6)")
+local s1, s2 = kepler:solver { rule = "log-hamiltonian", h = 0.1 }:step { q = q, v = v }
+ok(s1:norm() > 0 and s2:norm() > 0, "one step of a rule with a time of its own")
+
+-- misuse
+local solver = kepler:solver { rule = "verlet", h = 0.01 }
+raises("growing", solver.run, solver, { q = q, v = v, at = { 1, 1 } })
+raises("growing", solver.run, solver, { q = q, v = v, at = { -1, 1 } })
+raises("times", solver.run, solver, { q = q, v = v, at = {} })
+raises("give one of", solver.run, solver, { q = q, v = v, at = { 1 }, steps = 3 })
+raises("composition", function() kepler:solver { rule = "log-hamiltonian(gauss(2))", h = 0.1 } end)
+raises("time of its own", function() kepler:solver { rule = "log-hamiltonian", h = 0.1 }:run { q = q, v = v, t = 1 } end)
+raises("separable", function()
+  dm.system { Q = dm.R(1), L = function(x, u) return u[1] ^ 2 * (1 + x[1] ^ 2) end }:solver { rule = "log-hamiltonian", h = 0.1 }:run { q = { 1 }, v = { 1 }, steps = 1 }
+end)
+local fine, failure = pcall(function()
+  return dm.system { Q = dm.R(1), L = function(x, u) return (u[1] ^ 2 - x[1] ^ 2) / 2 end }:solver { rule = "log-hamiltonian", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 9 }
+end)
+ok(not fine and failure.code == "not_finite", "a repelling potential is refused at the first step", failure)
+raises("time of its own", function() kepler:solver { rule = "log-hamiltonian", h = 0.1 }:run { q0 = q, q1 = q, steps = 1 } end)
+local Ld = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(x0, x1) return (x1[1] - x0[1]) ^ 2 / 0.2 end }
+raises("fixed step", function() dm.solver { Ld }:run { q0 = { 0 }, q1 = { 1 }, at = { 0.15 } } end)
+tap.done()
