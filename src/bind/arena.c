@@ -1,7 +1,7 @@
 /*
-** arena.c - arenas whose memory is userdata of Lua: the collector sees their size, and what a
-** finalizer can still reach is still there. The blocks stand on the stack of a thread, the
-** keeper, which lives as long as the arena.
+** arena.c - arenas whose memory is userdata of Lua: the collector sees their size, and
+** what a finalizer can still reach is still there. The blocks stand on the stack of a
+** thread, the keeper, which lives as long as the arena.
 */
 #include "bind/state.h"
 
@@ -16,8 +16,8 @@ static int make_block(lua_State *L) {
     return 1;
 }
 
-/* The collector rests meanwhile: a finalizer must not find a graph that is half made. Blocks
-** are never resized, and given back all together by the collector. */
+/* The collector rests meanwhile: a finalizer must not find a graph that is half made.
+** Blocks are never resized, and given back all together by the collector. */
 static void *allocate(void *ud, void *block, size_t old_size, size_t new_size) {
     lua_State *keeper = ((owned_arena *)ud)->keeper;
     (void)old_size;

@@ -118,7 +118,8 @@ void dml_put(lua_State *L, dml_array *a, uint32_t i, const dml_scalar *x) {
         ((dml_hyperdual *)entries)[i] = y.as.hyper;
 }
 
-/* the holder of entries on top of the stack gets entries of another kind, in a block of their own */
+/* the holder of entries on top of the stack gets entries of another kind, in a block
+** of their own */
 static void change_kind(lua_State *L, dml_array *h, const dml_scalar *kind) {
     const uint32_t n = dml_size(h);
     dml_array old = *h, fresh = *h;
@@ -135,8 +136,8 @@ static void change_kind(lua_State *L, dml_array *h, const dml_scalar *kind) {
     lua_pop(L, 1);
 }
 
-/* entries that belong to a trace that has ended become NaN: a scratch vector of a traced function is
-** filled anew by every call, and what was not filled is found */
+/* entries that belong to a trace that has ended become NaN: a scratch vector of a
+** traced function is filled anew by every call, and what was not filled is found */
 static void forget_symbols(lua_State *L, dml_array *h) {
     const uint32_t n = dml_size(h);
     double *entries = lua_newuserdatauv(L, (size_t)n * sizeof *entries, 0);

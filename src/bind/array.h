@@ -1,13 +1,14 @@
-/* array.h - vectors and matrices of numbers, symbols or hyper-dual numbers: one layout for all. */
+/* array.h - vectors and matrices of numbers, symbols or hyper-dual numbers: one layout
+** for all. */
 #ifndef DML_ARRAY_H
 #define DML_ARRAY_H
 
 #include "bind/value.h"
 
 /*
-** Entries are row-major and of one kind. They stand behind the header, or (after an entry of another
-** kind was assigned) in a block that user value 1 keeps. A row view has an owner, kept by user value 1,
-** and reads the owner's entries.
+** Entries are row-major and of one kind. They stand behind the header, or (after an entry
+** of another kind was assigned) in a block that user value 1 keeps. A row view has an
+** owner, kept by user value 1, and reads the owner's entries.
 */
 typedef struct dml_array {
     uint32_t rows, columns; /* a vector has one column */
@@ -34,7 +35,8 @@ dml_array *dml_newarray(lua_State *L, int rank, uint32_t rows, uint32_t columns,
 dml_array *dml_toarray(lua_State *L, int arg, int rank);
 dml_array *dml_checkarray(lua_State *L, int arg, int rank);
 
-/* A vector from the vector or table at arg: a table is replaced by a vector on the stack. */
+/* A vector from the vector or table at arg: a table is replaced by a vector on the
+** stack. */
 const dml_array *dml_vectorat(lua_State *L, int arg);
 
 /* Push a vector that reads and writes row i of the matrix at arg. */
@@ -55,7 +57,8 @@ dml_scalar dml_get(const dml_array *a, uint32_t i);
 /* Entry i = x, lifted to the kind of the array, which must be able to hold it. */
 void dml_put(lua_State *L, dml_array *a, uint32_t i, const dml_scalar *x);
 
-/* Entry i = x for the array at stack index arg, which takes the kind of x when it must. */
+/* Entry i = x for the array at stack index arg, which takes the kind of x when it
+** must. */
 void dml_assign(lua_State *L, int arg, uint32_t i, const dml_scalar *x);
 
 /* The kind that holds both: numbers are lifted; raises when it cannot be. */
@@ -71,7 +74,8 @@ typedef struct {
 } dml_run;
 dml_scalar dml_inner(lua_State *L, dml_run a, dml_run b, uint32_t n);
 
-/* Metamethods of all four classes (numbers, symbols, hyper-dual numbers, arrays mixed). */
+/* Metamethods of all four classes (numbers, symbols, hyper-dual numbers, arrays
+** mixed). */
 int dml_add(lua_State *L);
 int dml_sub(lua_State *L);
 int dml_mul(lua_State *L);

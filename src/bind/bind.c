@@ -22,7 +22,8 @@ void dml_setfunctions(lua_State *L, const dml_row *rows) {
     lua_pop(L, 1);
 }
 
-/* value.key: the class's own field function first (upvalue 2), then its methods (upvalue 1) */
+/* value.key: the class's own field function first (upvalue 2), then its methods
+** (upvalue 1) */
 static int class_index(lua_State *L) {
     const lua_CFunction field = lua_tocfunction(L, lua_upvalueindex(2));
     lua_settop(L, 2);

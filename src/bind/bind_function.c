@@ -1,4 +1,5 @@
-/* bind_function.c - `dm.function`: a traced Lua function with exact derivatives, called on numbers. */
+/* bind_function.c - `dm.function`: a traced Lua function with exact derivatives,
+** called on numbers. */
 #include "bind/function.h"
 #include "expr/analyse.h"
 
@@ -41,8 +42,8 @@ typedef struct {
     const char *what;
 } request;
 
-/* The room for the result comes first: a finalizer that calls f while room is made cannot then
-** touch what was read or computed. */
+/* The room for the result comes first: a finalizer that calls f while room is made
+** cannot then touch what was read or computed. */
 static int answer(lua_State *L, dml_function *f, const request *r) {
     double number, *out = &number;
     dml_function_checkcount(L, f);

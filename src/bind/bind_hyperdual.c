@@ -1,4 +1,5 @@
-/* bind_hyperdual.c - `dm.hyperdual`: a number that carries its derivatives along two directions. */
+/* bind_hyperdual.c - `dm.hyperdual`: a number that carries its derivatives along two
+** directions. */
 #include "bind/array.h"
 #include "bind/state.h"
 

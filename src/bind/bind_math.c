@@ -1,13 +1,15 @@
 /*
-** bind_math.c - math.* for numbers, symbols and hyper-dual numbers, and the same functions in dm.
-** Plain numbers, and whatever is wrong, go straight to Lua's own function, so that results and messages are its own.
+** bind_math.c - math.* for numbers, symbols and hyper-dual numbers, and the same
+** functions in dm. Plain numbers, and whatever is wrong, go straight to Lua's own
+** function, so that results and messages are its own.
 */
 #include "bind/array.h"
 #include "bind/state.h"
 
 #include <math.h>
 
-/* one wrapped function; `call` gets 1 .. 3 arguments of which one is a symbol or hyper-dual number */
+/* one wrapped function; `call` gets 1 .. 3 arguments of which one is a symbol or
+** hyper-dual number */
 typedef struct {
     const char *name;
     dm_op op;
@@ -183,7 +185,8 @@ static int plain(lua_State *L, const wrapper *w) {
     return w->call(L, x, n, w->op);
 }
 
-/* upvalue 1: Lua's own function or nil, 2: the row, 3: true when the former may be entered directly */
+/* upvalue 1: Lua's own function or nil, 2: the row, 3: true when the former may be
+** entered directly */
 static int wrapped(lua_State *L) {
     const wrapper *w = lua_touserdata(L, lua_upvalueindex(2));
     const int top = lua_gettop(L);
@@ -249,8 +252,8 @@ static void wrap(lua_State *L, const wrapper *w) {
     file_doc(L, w->doc);
 }
 
-/* the wrapper on top takes every name in math of Lua's own function at index `own` (on some
-** systems math.atan2 is math.atan) */
+/* the wrapper on top takes every name in math of Lua's own function at index `own` (on
+** some systems math.atan2 is math.atan) */
 static void rename_all(lua_State *L, int math, int own) {
     for (lua_pushnil(L); lua_next(L, math); lua_pop(L, 1)) {
         if (!lua_rawequal(L, -1, own)) continue;
@@ -274,7 +277,8 @@ static void wrap_in_place(lua_State *L, const wrapper *w, int math, int dm_math)
     lua_settop(L, dm_math);
 }
 
-/* core on top. core.sin is a function of its own, so that messages of math.sin say math.sin */
+/* core on top. core.sin is a function of its own, so that messages of math.sin say
+** math.sin */
 void dml_open_math(lua_State *L) {
     const int core = lua_gettop(L), math = core + 1, dm_math = core + 2;
     dml_setfunctions(L, functions);

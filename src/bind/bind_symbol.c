@@ -1,5 +1,5 @@
-/* bind_symbol.c - `dm.symbol`: what a traced function gets instead of numbers. Arithmetic records; what
-** would need a value raises. */
+/* bind_symbol.c - `dm.symbol`: what a traced function gets instead of numbers.
+** Arithmetic records; what would need a value raises. */
 #include "bind/array.h"
 #include "bind/state.h"
 

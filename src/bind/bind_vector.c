@@ -1,4 +1,5 @@
-/* bind_vector.c - `dm.vector`: entries from 1; numbers, symbols and hyper-dual numbers alike. */
+/* bind_vector.c - `dm.vector`: entries from 1; numbers, symbols and hyper-dual numbers
+** alike. */
 #include "bind/array.h"
 #include "bind/state.h"
 

@@ -1,4 +1,5 @@
-/* function.c - making a `dm.function`: trace, check, differentiate, build the kernels that are asked for. */
+/* function.c - making a `dm.function`: trace, check, differentiate, build the kernels
+** that are asked for. */
 #include "bind/function.h"
 
 #include "expr/derive.h"
@@ -63,7 +64,8 @@ const double *dml_function_evaluate(lua_State *L, dml_function *f, int which,
 
 /* ---- making one ---- */
 
-/* lengths of the arguments from stack index `first` on: a number of entries, or "number" */
+/* lengths of the arguments from stack index `first` on: a number of entries, or
+** "number" */
 static void read_lengths(lua_State *L, int first, dml_signature *s) {
     const int given = lua_gettop(L) - first + 1;
     luaL_argcheck(L, given <= DML_MAX_ARGUMENTS, first + DML_MAX_ARGUMENTS,

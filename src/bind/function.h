@@ -1,4 +1,5 @@
-/* function.h - `dm.function`: a traced Lua function, its derivatives and their kernels. */
+/* function.h - `dm.function`: a traced Lua function, its derivatives and their
+** kernels. */
 #ifndef DML_FUNCTION_H
 #define DML_FUNCTION_H
 
@@ -39,7 +40,8 @@ const double *dml_function_evaluate(lua_State *L, dml_function *f, int which,
 /* Arguments from stack index 2 on, fewer or more than f takes: raises. */
 void dml_function_checkcount(lua_State *L, const dml_function *f);
 
-/* Does an argument hold symbols or hyper-dual numbers? Then the call does the operations of f again on them. */
+/* Does an argument hold symbols or hyper-dual numbers? Then the call does the
+** operations of f again on them. */
 int dml_function_isspecial(lua_State *L, const dml_function *f);
 int dml_function_replay(lua_State *L, dml_function *f);
 

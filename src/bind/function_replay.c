@@ -1,5 +1,5 @@
-/* function_replay.c - a traced function called inside another one, or on hyper-dual numbers: its operations
-** are done again on what it is given. */
+/* function_replay.c - a traced function called inside another one, or on hyper-dual
+** numbers: its operations are done again on what it is given. */
 #include "bind/array.h"
 #include "bind/function.h"
 

@@ -1,6 +1,7 @@
 /*
-** hyperdual.c - g(x) = g + g' a e1 + g' b e2 + (g' ab + g'' a b) e1 e2, and for two arguments
-** g_x a + g_y a', g_x ab + g_y ab' + g_xx a b + g_xy (a b' + a' b) + g_yy a' b' (Fike & Alonso 2011).
+** hyperdual.c - g(x) = g + g' a e1 + g' b e2 + (g' ab + g'' a b) e1 e2, and for two
+** arguments g_x a + g_y a', g_x ab + g_y ab' + g_xx a b + g_xy (a b' + a' b) + g_yy a' b'
+** (Fike & Alonso 2011).
 */
 #include "bind/hyperdual.h"
 
@@ -16,7 +17,8 @@ typedef struct {
     double g, gx, gy, gxx, gxy, gyy;
 } jet2;
 
-/* a direction in which nothing moves contributes nothing, even where the slope is infinite */
+/* a direction in which nothing moves contributes nothing, even where the slope is
+** infinite */
 static double times(double slope, double move) {
     return move == 0 ? 0.0 : slope * move;
 }
@@ -104,7 +106,8 @@ static jet1 jet_of_one(dm_op op, double x) {
     }
 }
 
-/* x^y; where a coefficient such as y (y - 1) vanishes the power beside it does not matter */
+/* x^y; where a coefficient such as y (y - 1) vanishes the power beside it does not
+** matter */
 static jet2 power(double x, double y) {
     const double g = pow(x, y), l = log(x);
     return (jet2){

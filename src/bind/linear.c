@@ -1,7 +1,8 @@
 /*
-** linear.c - numbers by LU with row exchanges (GSL). Symbols have no size to choose a pivot by: up to 4 x 4
-** by cofactors, which hold wherever the determinant does not vanish; larger ones by elimination on the pivots that
-** are constants when there are any. Hyper-dual numbers by elimination on the largest value.
+** linear.c - numbers by LU with row exchanges (GSL). Symbols have no size to choose a
+** pivot by: up to 4 x 4 by cofactors, which hold wherever the determinant does not
+** vanish; larger ones by elimination on the pivots that are constants when there are any.
+** Hyper-dual numbers by elimination on the largest value.
 */
 #include "bind/linear.h"
 #include "bind/state.h"
@@ -119,7 +120,8 @@ static dml_scalar subtract(lua_State *L, const dml_scalar *a, const dml_scalar *
     return dml_apply(L, DM_OP_SUB, a, b, NULL);
 }
 
-/* determinant of the rows from `row` on (without row `skip`) in the columns of the bit set */
+/* determinant of the rows from `row` on (without row `skip`) in the columns of the bit
+** set */
 static dml_scalar expand(lua_State *L, const dml_array *m, uint32_t row, uint32_t skip,
                          unsigned columns) {
     dml_scalar sum = {.kind = DML_NUMBER, .as.number = columns ? 0 : 1};

@@ -1,4 +1,5 @@
-/* open.c - `require "dm.core"`: every class of classes.def, docs, and the door for Lua modules. */
+/* open.c - `require "dm.core"`: every class of classes.def, docs, and the door for Lua
+** modules. */
 #include "bind/bind.h"
 
 /* method(tname, name, f, doc): also for classes whose methods are all in Lua */

@@ -1,5 +1,5 @@
-/* state.h - what the bindings keep per Lua state: the classes of values, the traces in progress, the
-** memory of arenas. */
+/* state.h - what the bindings keep per Lua state: the classes of values, the traces in
+** progress, the memory of arenas. */
 #ifndef DML_STATE_H
 #define DML_STATE_H
 

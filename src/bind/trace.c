@@ -1,4 +1,5 @@
-/* trace.c - calling a Lua function with symbols, with numbers, and reading what it returns. */
+/* trace.c - calling a Lua function with symbols, with numbers, and reading what it
+** returns. */
 #include "bind/trace.h"
 
 #include "bind/array.h"

@@ -7,8 +7,8 @@ enum { POINTS = 3 }; /* at each scale */
 static const double scales[] = {1e-3, 0.1, 1.0};
 
 /*
-** Tracing and rewriting the expression change round-off only: differences are measured against the size
-** of the terms, |f| + sum_i |x_i df/dx_i|, since L = T - V may cancel.
+** Tracing and rewriting the expression change round-off only: differences are measured
+** against the size of the terms, |f| + sum_i |x_i df/dx_i|, since L = T - V may cancel.
 */
 static const double tolerance = 1e-8, nudge = 1e-6;
 

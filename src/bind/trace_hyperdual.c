@@ -1,7 +1,8 @@
 /*
-** trace_hyperdual.c - callback kernels: a Lua function called with hyper-dual numbers. One call gives the
-** derivatives along two directions, so a gradient takes n / 2 calls and a Hessian n (n + 1) / 2.
-** The calls run in a thread of their own, so that a kernel needs no lua_State of its caller.
+** trace_hyperdual.c - callback kernels: a Lua function called with hyper-dual numbers.
+** One call gives the derivatives along two directions, so a gradient takes n / 2 calls
+** and a Hessian n (n + 1) / 2. The calls run in a thread of their own, so that a kernel
+** needs no lua_State of its caller.
 */
 #include "bind/call.h"
 #include "bind/state.h"
@@ -19,8 +20,7 @@ typedef struct {
 } context;
 
 struct dml_callback {
-    lua_State *
-        thread; /* kept by user value 1; its stack: the function, then an error that was raised */
+    lua_State *thread; /* kept by user value 1; holds the function, then an error */
     dml_state *state;
     dml_signature s;
     uint32_t inputs;
@@ -37,7 +37,8 @@ typedef struct {
     double *out;
 } job;
 
-/* f with direction a along input i and direction b along input j (or none where out of range) */
+/* f with direction a along input i and direction b along input j (or none where out of
+** range) */
 static dml_hyperdual call(lua_State *L, const job *j, uint32_t a, uint32_t b) {
     dml_callback *c = j->callback;
     const dml_signature *s = &c->s;

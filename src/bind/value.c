@@ -1,4 +1,5 @@
-/* value.c - scalars of the three kinds: in and out of Lua, and every operation on them. */
+/* value.c - scalars of the three kinds: in and out of Lua, and every operation on
+** them. */
 #include "bind/array.h"
 #include "bind/hyperdual.h"
 #include "bind/state.h"
