@@ -311,24 +311,3 @@ void dm_hessian(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *gra
     keep_smaller(g, hessian, &least, all, tried, n);
     if (g->status != DM_OK) memset(hessian, 0, count * sizeof *hessian);
 }
-
-void dm_substitute(dm_graph *g, const dm_node *roots, uint32_t m, const dm_node *with,
-                   dm_node *out) {
-    memset(out, 0, m * sizeof *out);
-    const uint32_t end = dm_mark(g, roots, m);
-    dm_node *now = dm_arena_take(g->arena, (end + 1) * sizeof *now);
-    if (!now) dm_graph_fail(g, DM_NO_MEMORY);
-    if (g->status != DM_OK) return;
-    for (dm_node n = 0; n < end; n++) {
-        const dm_expr e = *dm_at(g, n);
-        dm_node arg[3] = {0, 0, 0};
-        if (!dm_is_marked(g, n)) continue;
-        for (int k = 0; k < dm_op_operands(e.op); k++) arg[k] = now[e.as.arg[k]];
-        now[n] = n;
-        if (e.op == DM_OP_INPUT)
-            now[n] = with[e.as.input];
-        else if (e.op != DM_OP_CONSTANT)
-            now[n] = dm_apply(g, e.op, arg[0], arg[1], arg[2]);
-    }
-    for (uint32_t i = 0; i < m; i++) out[i] = now[roots[i]];
-}

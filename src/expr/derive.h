@@ -17,4 +17,8 @@ void dm_hessian(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *gra
 /* out[m] = roots with input i replaced by node with[i] for every i < inputs of the graph. */
 void dm_substitute(dm_graph *g, const dm_node *roots, uint32_t m, const dm_node *with, dm_node *out);
 
+/* out[m] in graph `to` = roots of graph `from` with input i replaced by node with[i] of `to`. */
+void dm_transplant(dm_graph *to, dm_graph *from, const dm_node *roots, uint32_t m, const dm_node *with,
+                   dm_node *out);
+
 #endif

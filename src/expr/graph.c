@@ -25,6 +25,10 @@ int dm_op_operands(dm_op op) {
     return operations[op].operands;
 }
 
+void dm_graph_verbatim(dm_graph *g, int on) {
+    g->verbatim = on;
+}
+
 dm_status dm_graph_status(const dm_graph *g) {
     return g->status;
 }

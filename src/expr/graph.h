@@ -54,6 +54,10 @@ dm_node dm_input(dm_graph *g, uint32_t i);
 /* The simplified, shared node for op(a, b, c); operands past the op's count are ignored. */
 dm_node dm_apply(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c);
 
+/* While on, dm_apply makes the operation as it stands and dm_compact leaves the roots alone: for sums whose
+** rounding errors are meant. */
+void dm_graph_verbatim(dm_graph *g, int on);
+
 /* Shorthand for the arithmetic that builders write. dm_power expands whole and half exponents. */
 dm_node dm_neg(dm_graph *g, dm_node a);
 dm_node dm_add(dm_graph *g, dm_node a, dm_node b);

@@ -17,6 +17,7 @@ struct dm_graph {
     uint8_t
         *nonnegative; /* [capacity] 1 where the value is >= 0 whenever it is a number */
     dm_status status;
+    int verbatim;
 };
 
 /* The node with exactly this content, made when missing. No simplification. */

@@ -338,6 +338,7 @@ dm_node dm_apply(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c) {
     const int count = dm_op_operands(op);
     const dm_node arg[3] = {a, count > 1 ? b : 0, count > 2 ? c : 0};
     if (g->status != DM_OK) return 0;
+    if (g->verbatim) return dm_node_plain(g, op, arg[0], arg[1], arg[2]);
     if (fold(g, op, arg, &folded)) return dm_constant(g, folded);
     if (rules[op]) return rules[op](g, arg[0], arg[1], arg[2]);
     return dm_node_plain(g, op, arg[0], arg[1], arg[2]);
