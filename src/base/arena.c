@@ -10,6 +10,12 @@ struct dm_arena_chunk {
     size_t size; /* bytes of the whole block, header included */
 };
 
+struct dm_arena_cleanup {
+    dm_arena_cleanup *next;
+    void (*release)(void *ud);
+    void *ud;
+};
+
 void dm_arena_init(dm_arena *arena, dm_allocator *allocate, void *ud) {
     *arena = (dm_arena){.allocate = allocate, .ud = ud};
 }
@@ -66,7 +72,16 @@ void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size
     return block;
 }
 
+int dm_arena_on_release(dm_arena *arena, void (*release)(void *ud), void *ud) {
+    dm_arena_cleanup *c = dm_arena_take(arena, sizeof *c);
+    if (!c) return 0;
+    *c = (dm_arena_cleanup){.next = arena->cleanups, .release = release, .ud = ud};
+    arena->cleanups = c;
+    return 1;
+}
+
 void dm_arena_release(dm_arena *arena) {
+    for (const dm_arena_cleanup *c = arena->cleanups; c; c = c->next) c->release(c->ud);
     for (dm_arena_chunk *chunk = arena->chunks, *next; chunk; chunk = next) {
         next = chunk->next;
         arena->allocate(arena->ud, chunk, chunk->size, 0);

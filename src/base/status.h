@@ -10,7 +10,8 @@
     X(CALLBACK, "callback", "a function of the script failed")                           \
     X(STOPPED, "stopped", "stopped on request")                                          \
     X(NO_MEMORY, "no_memory", "not enough memory")                                       \
-    X(TOO_LARGE, "too_large", "the expression graph grew too large")
+    X(TOO_LARGE, "too_large", "the expression graph grew too large")                     \
+    X(NO_NATIVE, "no_native", "native code is not possible here")
 
 #define DM_STATUS_ENUM(name, code, text) DM_##name,
 typedef enum { DM_STATUS_LIST(DM_STATUS_ENUM) } dm_status;

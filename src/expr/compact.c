@@ -39,7 +39,7 @@ static int rewrite(dm_graph *g, const dm_node *roots, uint32_t m, int factor,
 void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     dm_node *tried = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *tried);
     if (out != roots) memcpy(out, roots, m * sizeof *out);
-    if (!tried || dm_operations(g, roots, m) > LARGEST) return;
+    if (!tried || g->verbatim || dm_operations(g, roots, m) > LARGEST) return;
     dm_node *const start = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *start);
     if (!start) return;
     memcpy(start, roots, m * sizeof *start);
@@ -51,4 +51,55 @@ void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
         least = now;
         memcpy(out, tried, m * sizeof *out);
     }
+}
+
+/* a node on the way down: which operand comes next */
+typedef struct {
+    dm_node n;
+    int next;
+} visit;
+
+/* copy what is below n, operands first; copied[] is the number in h plus one */
+static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack,
+                       dm_node *copied) {
+    uint32_t depth = 0;
+    if (!copied[top]) stack[depth++] = (visit){top, 0};
+    while (depth > 0) {
+        visit *v = stack + depth - 1;
+        dm_expr e = *dm_at(g, v->n);
+        if (v->next < dm_op_operands(e.op)) {
+            const dm_node a = e.as.arg[v->next++];
+            if (!copied[a]) stack[depth++] = (visit){a, 0};
+            continue;
+        }
+        for (int k = 0; k < dm_op_operands(e.op); k++)
+            e.as.arg[k] = copied[e.as.arg[k]] - 1;
+        copied[v->n] = dm_node_make(h, &e) + 1;
+        depth--;
+    }
+}
+
+/* a new graph with the roots alone */
+static dm_graph *extract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
+    uint32_t end = 0;
+    for (uint32_t i = 0; i < m; i++)
+        if (roots[i] >= end) end = roots[i] + 1;
+    dm_graph *h = dm_graph_new(g->arena, g->inputs);
+    visit *stack = dm_arena_take(g->arena, (end + 1) * sizeof *stack);
+    dm_node *copied = dm_arena_take(g->arena, (end + 1) * sizeof *copied);
+    if (!h || !stack || !copied) return NULL;
+    h->verbatim = g->verbatim;
+    memset(copied, 0, (end + 1) * sizeof *copied);
+    for (uint32_t i = 0; i < m; i++) {
+        copy_below(h, g, roots[i], stack, copied);
+        out[i] = copied[roots[i]] - 1;
+    }
+    return h->status == DM_OK ? h : NULL;
+}
+
+dm_graph *dm_compact_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
+    dm_graph *h = g->status == DM_OK ? extract(g, roots, m, out) : NULL;
+    if (!h) return NULL;
+    dm_compact(h, out, m, out);
+    return h->status == DM_OK ? extract(h, out, m, out) : NULL;
 }

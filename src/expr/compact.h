@@ -12,4 +12,11 @@
 */
 void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out);
 
+/*
+** The same as a graph of its own, in the arena of g, with nothing else in it and its nodes in
+** the order of a walk from the roots: what else g holds makes no difference, so that all
+** kernels of the same roots round alike. NULL without memory.
+*/
+dm_graph *dm_compact_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out);
+
 #endif

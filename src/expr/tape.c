@@ -357,6 +357,7 @@ dm_status dm_tape_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint3
                         dm_arena *arena) {
     dm_node *compact = dm_arena_take(dm_graph_arena(g), m * sizeof *compact);
     if (!compact) return DM_NO_MEMORY;
-    dm_compact(g, roots, m, compact);
-    return dm_tape_build_exact(out, g, compact, m, arena);
+    if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
+    dm_graph *small = dm_compact_graph(g, roots, m, compact);
+    return small ? dm_tape_build_exact(out, small, compact, m, arena) : DM_NO_MEMORY;
 }

@@ -1,0 +1,179 @@
+/*
+** Encodings after the Intel 64 manual, volume 2: VEX (2.3) and EVEX (2.7). Every memory operand
+** is base + displacement. VEX scalars leave the upper lanes to the first source.
+*/
+#include "expr/x86.h"
+
+#include <string.h>
+
+enum { PP_NONE, PP_66, PP_F3, PP_F2 };
+enum { MAP_0F = 1, MAP_0F38, MAP_0F3A };
+
+typedef struct {
+    int map, prefix, opcode;
+    int wide; /* the W bit */
+    int reg, vvvv;
+    int mask, zeroing; /* EVEX only */
+} form;
+
+void dm_x86_bytes(dm_code *c, const void *bytes, size_t count) {
+    if (c->failed) return;
+    if (c->size + count > c->capacity) {
+        const size_t room = c->capacity ? 2 * c->capacity + count : 4096 + count;
+        unsigned char *grown = dm_arena_grow(c->arena, c->bytes, c->size, room);
+        c->failed = !grown;
+        if (!grown) return;
+        c->bytes = grown;
+        c->capacity = room;
+    }
+    memcpy(c->bytes + c->size, bytes, count);
+    c->size += count;
+}
+
+static void byte(dm_code *c, int value) {
+    const unsigned char b = (unsigned char)value;
+    if (!c->failed && c->size < c->capacity)
+        c->bytes[c->size++] = b;
+    else
+        dm_x86_bytes(c, &b, 1);
+}
+
+static void word(dm_code *c, int32_t value) {
+    dm_x86_bytes(c, &value, sizeof value);
+}
+
+/* ModRM and what follows; an 8-bit displacement counts in units of `unit` bytes */
+static void address(dm_code *c, int reg, dm_operand o, int unit) {
+    const int middle = (reg & 7) << 3;
+    if (o.reg >= 0) {
+        byte(c, 0xC0 | middle | (o.reg & 7));
+        return;
+    }
+    const int small = o.disp % unit == 0 && o.disp / unit >= -128 && o.disp / unit <= 127;
+    byte(c, (small ? 0x40 : 0x80) | middle | (o.base & 7));
+    if ((o.base & 7) == DM_RSP) byte(c, 0x24);
+    if (small)
+        byte(c, o.disp / unit);
+    else
+        word(c, o.disp);
+}
+
+/* high bits of ModRM.rm: register or base */
+static int high(dm_operand o) {
+    return (o.reg >= 0 ? o.reg : o.base) >> 3;
+}
+
+static void vex(dm_code *c, const form *f, int length, dm_operand o) {
+    const int r = f->reg >> 3 & 1, b = high(o) & 1, last = length << 2 | f->prefix;
+    const int vvvv = (~f->vvvv & 15) << 3;
+    if (!b && f->map == MAP_0F && !f->wide) {
+        byte(c, 0xC5);
+        byte(c, (!r << 7) | vvvv | last);
+    } else {
+        byte(c, 0xC4);
+        byte(c, (!r << 7) | 0x40 | (!b << 5) | f->map);
+        byte(c, f->wide << 7 | vvvv | last);
+    }
+    byte(c, f->opcode);
+    address(c, f->reg, o, 1);
+}
+
+static void evex(dm_code *c, const form *f, dm_operand o) {
+    const int top = o.reg >= 0 ? o.reg >> 4 & 1 : 0; /* bit 4 of a register goes to X */
+    byte(c, 0x62);
+    byte(c, (!(f->reg >> 3 & 1) << 7) | (!top << 6) | (!(high(o) & 1) << 5) |
+                (!(f->reg >> 4 & 1) << 4) | f->map);
+    byte(c, 0x80 | (~f->vvvv & 15) << 3 | 4 | f->prefix);
+    byte(c, f->zeroing << 7 | 0x40 | (!(f->vvvv >> 4 & 1) << 3) | f->mask);
+    byte(c, f->opcode);
+    address(c, f->reg, o, 64);
+}
+
+static void emit(dm_code *c, dm_width w, const form *f, dm_operand o) {
+    if (w == DM_LANES8)
+        evex(c, f, o);
+    else
+        vex(c, f, w == DM_LANES4, o);
+}
+
+void dm_x86_op(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b) {
+    const int bits = opcode == DM_X86_AND || opcode == DM_X86_XOR; /* no scalar form */
+    const form f = {.map = MAP_0F,
+                    .opcode = opcode,
+                    .reg = d,
+                    .prefix = w == DM_SCALAR && !bits ? PP_F2 : PP_66,
+                    /* the packed root has one source */
+                    .vvvv = opcode == DM_X86_SQRT && w != DM_SCALAR ? 0 : a};
+    emit(c, w, &f, b);
+}
+
+void dm_x86_load(dm_code *c, dm_width w, int d, dm_operand from) {
+    const form move = {.map = MAP_0F, .opcode = 0x28, .reg = d, .prefix = PP_66};
+    const form load = {.map = MAP_0F,
+                       .opcode = 0x10,
+                       .reg = d,
+                       .prefix = w == DM_SCALAR ? PP_F2 : PP_66};
+    if (from.reg == d) return;
+    emit(c, w, from.reg >= 0 ? &move : &load, from);
+}
+
+void dm_x86_store(dm_code *c, dm_width w, dm_operand to, int from) {
+    const form f = {.map = MAP_0F,
+                    .opcode = 0x11,
+                    .reg = from,
+                    .prefix = w == DM_SCALAR ? PP_F2 : PP_66};
+    emit(c, w, &f, to);
+}
+
+void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int relation) {
+    const form f = {.map = MAP_0F,
+                    .opcode = 0xC2,
+                    .reg = d,
+                    .vvvv = a,
+                    .prefix = w == DM_SCALAR ? PP_F2 : PP_66};
+    emit(c, w, &f, b);
+    byte(c, relation);
+}
+
+void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask) {
+    if (w == DM_LANES8) {
+        const form f = {.map = MAP_0F38,
+                        .opcode = 0x65,
+                        .reg = d,
+                        .vvvv = no,
+                        .prefix = PP_66,
+                        .mask = mask};
+        evex(c, &f, dm_in_register(yes));
+        return;
+    }
+    const form f = {
+        .map = MAP_0F3A, .opcode = 0x4B, .reg = d, .vvvv = no, .prefix = PP_66};
+    vex(c, &f, w == DM_LANES4, dm_in_register(yes));
+    byte(c, mask << 4);
+}
+
+void dm_x86_load_masked(dm_code *c, int d, int mask, dm_operand from) {
+    const form f = {.map = MAP_0F,
+                    .opcode = 0x10,
+                    .reg = d,
+                    .prefix = PP_66,
+                    .mask = mask,
+                    .zeroing = 1};
+    evex(c, &f, from);
+}
+
+void dm_x86_call(dm_code *c, dm_operand pointer) {
+    if (pointer.base >> 3) byte(c, 0x41);
+    byte(c, 0xFF);
+    address(c, 2, pointer, 1);
+}
+
+void dm_x86_lea(dm_code *c, int d, dm_operand memory) {
+    byte(c, 0x48 | (d >> 3) << 2 | memory.base >> 3);
+    byte(c, 0x8D);
+    address(c, d, memory, 1);
+}
+
+void dm_x86_clear_uppers(dm_code *c) {
+    dm_x86_bytes(c, "\xC5\xF8\x77", 3);
+}

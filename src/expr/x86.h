@@ -1,0 +1,78 @@
+/* x86.h - the few x86-64 instructions that kernels are made of, as bytes. */
+#ifndef DM_X86_H
+#define DM_X86_H
+
+#include "base/arena.h"
+
+#include <stdint.h>
+
+enum {
+    DM_RAX,
+    DM_RCX,
+    DM_RDX,
+    DM_RBX,
+    DM_RSP,
+    DM_RBP,
+    DM_RSI,
+    DM_RDI,
+    DM_R14 = 14,
+    DM_R15
+};
+
+/* code on its way: bytes[size] in the arena; failed once memory was refused */
+typedef struct {
+    dm_arena *arena;
+    unsigned char *bytes;
+    size_t size, capacity;
+    int failed;
+} dm_code;
+
+/* a vector register, or memory at base + disp */
+typedef struct {
+    int reg; /* -1: memory */
+    int base;
+    int32_t disp;
+} dm_operand;
+
+static inline dm_operand dm_in_register(int reg) {
+    return (dm_operand){.reg = reg};
+}
+
+static inline dm_operand dm_in_memory(int base, int32_t disp) {
+    return (dm_operand){.reg = -1, .base = base, .disp = disp};
+}
+
+/* doubles that one instruction works on: 1 (VEX scalar), 4 (VEX 256), 8 (EVEX 512) */
+typedef enum { DM_SCALAR = 1, DM_LANES4 = 4, DM_LANES8 = 8 } dm_width;
+
+enum { /* operations d = a op b with one opcode in all widths */
+       DM_X86_SQRT = 0x51,
+       DM_X86_AND = 0x54,
+       DM_X86_XOR = 0x57,
+       DM_X86_ADD = 0x58,
+       DM_X86_MUL = 0x59,
+       DM_X86_SUB = 0x5C,
+       DM_X86_MIN = 0x5D,
+       DM_X86_DIV = 0x5E,
+       DM_X86_MAX = 0x5F
+};
+
+void dm_x86_bytes(dm_code *c, const void *bytes, size_t count);
+void dm_x86_op(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b);
+void dm_x86_load(dm_code *c, dm_width w, int d, dm_operand from);
+void dm_x86_store(dm_code *c, dm_width w, dm_operand to, int from);
+
+enum { DM_X86_LESS = 0x11, DM_X86_GREATER = 0x1E }; /* ordered, quiet */
+
+/* d = all ones where a `relation` b (8 lanes: mask register d) */
+void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int relation);
+/* d = mask ? yes : no */
+void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask);
+/* 8 lanes: d = mask register ? from : 0 */
+void dm_x86_load_masked(dm_code *c, int d, int mask, dm_operand from);
+
+void dm_x86_call(dm_code *c, dm_operand pointer);
+void dm_x86_lea(dm_code *c, int d, dm_operand memory);
+void dm_x86_clear_uppers(dm_code *c);
+
+#endif
