@@ -43,19 +43,20 @@ INLINE void products(orbit *o) {
     o->v2 = o->u * o->u + (o->v * o->v + 2.0 * BINDING);
 }
 
-/* |v - w q|^2 = v^2 - w (2 q.v - w q^2), and so on */
+/* |v - w q|^2 = v^2 - w (2 q.v - w q^2), and w q^2 = h needs no division to be known */
 INLINE void kick_log(orbit *o, double h) {
-    const double w = h / o->r2;
+    const double w = h / o->r2, d = 2.0 * o->s - h;
     o->u -= w * o->x, o->v -= w * o->y;
-    o->v2 -= w * (2.0 * o->s - w * o->r2);
+    o->v2 -= w * d;
     o->s -= h;
 }
 
+/* likewise |q + w v|^2 with w v^2 = 2 h - 2 B w */
 INLINE void drift_log(orbit *o, double h) {
-    const double w = 2.0 * h / o->v2, speed2 = o->v2 - 2.0 * BINDING;
+    const double w = 2.0 * h / o->v2, d = 2.0 * (o->s + h);
     o->x += w * o->u, o->y += w * o->v, o->t += w;
-    o->r2 += w * (2.0 * o->s + w * speed2);
-    o->s += w * speed2;
+    o->r2 += w * (d - 2.0 * BINDING * w);
+    o->s += 2.0 * h - 2.0 * BINDING * w;
 }
 
 INLINE void pairs_log(orbit *o, const double *kick, const double *drift, int pairs) {
