@@ -18,7 +18,7 @@ do
   f:write(table.concat(typed, "\n"), "\n")
 end
 -- -i on what is no terminal: prompts, entries and answers are written as a terminal shows them
-local text = house.output(("NO_COLOR=1 HOME=/nowhere '%s' -q -n -i <%s"):format(house.dmlua, script))
+local text = house.output(("NO_COLOR=1 TERM=dumb COLUMNS=200 HOME=/nowhere '%s' -q -n -i <%s"):format(house.dmlua, script))
 os.remove(script)
 local got, want = timeless(text:gsub("> %s*$", "")), timeless(session or "")
 house.check("README has a session of about ten lines", #typed >= 4 and {} or { #typed .. " entries" })

@@ -3,7 +3,7 @@ Whatever is given, a call must return or raise an error with a message: it must 
 leave a message that says nothing. Prints the number of calls; under sanitizers it also finds what
 only they see. Files are written to the current folder: tests/lua/test_fuzz.lua makes an empty one.
 The call that is under way is in the file "last-call", so that a crash names it.]]
-local dm, core = require "dm", require "dm.core"
+local dm = require "dm"
 local reference = require "dm.reference"
 
 local seconds, seed = tonumber(arg[1]) or 10, math.tointeger(arg[2]) or 1
@@ -47,7 +47,18 @@ local swing = dm.system { Q = dm.T(1), L = function(q, v) return v:dot(v) / 2 + 
 local mine = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 * (2 + q[1] ^ 2) - q[1] ^ 4 end }
 local solver = kepler:solver { rule = "verlet", h = 0.01 }
 local path = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 20 }
-local _, failure = pcall(solver.run, solver, { q = { 0, 0 }, v = { 0, 0 }, steps = 5 })
+local clipped = dm.system { Q = dm.R(1), derivatives = "hyperdual", L = function(q, v)
+  if q[1] > 0 then return v[1] ^ 2 / 2 - q[1] ^ 2 end
+  return v[1] ^ 2 / 2 - q[1] ^ 4
+end }
+local own = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(q0, q1, h)
+  return (q1[1] - q0[1]) ^ 2 / (2 * h) - h * (q0[1] + q1[1]) ^ 2 / 8
+end }
+local stiff = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.exp(q[1]) end }
+local _, failure = pcall(function()
+  stiff:solver { rule = "midpoint", h = 2 }:run { q = { 0 }, v = { 0 }, steps = 1000 }
+end)
+local derived = dm.derivative(function(x) return dm.where(x[1], x[1] ^ 2, x[2]) * math.exp(x[2]) end, 2)
 
 local function raises() error "raised on purpose" end
 local function raises_table() error {} end
@@ -74,16 +85,25 @@ end
 add(kepler, swing, mine, solver, path, failure, stale, stale_vector, dm.R(2), dm.T(1), dm.SO(3), dm.SO(2),
   dm.vector { 1, 2, 3 }, dm.vector { 1, 0 }, dm.matrix { { 1, 2 }, { 3, 4 } }, dm.matrix { { 1, 2 }, { 2, 4 } },
   dm.matrix { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, io.stderr, coroutine.create(raises),
-  dm.trace(function(x) return x[1] * x[2] end, 2))
+  dm.trace(function(x) return x[1] * x[2] end, 2), derived, clipped, own, stiff, dm.solver { own },
+  clipped:solver { rule = "midpoint", h = 0.1 }, swing:solver { rule = "trapezoidal", h = 0.1 },
+  mine:solver { rule = "gauss(2)", h = 0.1 }, mine:solver { rule = "rk8pd", h = 0.1 },
+  kepler:solver { rule = "lobatto(3)", h = 0.1 }, kepler:solver { rule = "yoshida(4)", h = 0.1 },
+  solver:ensemble { members = 3, q = function(i) return { i, 0 } end, v = function() return { 0, 1 } end,
+    steps = 10 })
 
 local value
 local keys = { "q", "v", "p", "q0", "q1", "p0", "p1", "h", "t", "rule", "steps", "every", "Q", "L", "Ld", "params", "newton",
   "tolerance", "derivatives", "name", "units", "coordinates", "file", "title", "log", "degree", "quadrature", "x", "y",
-  "width", "height", 1, 2, 3 }
+  "width", "height", "at", "t0", "members", "threads",
+  "backend", "max_iterations", 1, 2, 3 }
 -- values that fit a key, so that calls get past the first check
 local fitting = {
   Q = { dm.R(2), dm.R(1), dm.T(1), dm.SO(3) }, L = functions, Ld = functions, h = { 0.01, 0.1, 1e-300, 1e300, -0.1 },
-  rule = { "verlet", "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "lobatto(3)", "rk4", "rkf45", "rk8pd" },
+  rule = { "verlet", "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "lobatto(3)", "rk4", "rkf45", "rk8pd",
+    "yoshida(4)", "suzuki(4, midpoint)", "mclachlan(4)", "kahan-li(6)", "blanes-moan(4, 6)", "log-hamiltonian(verlet)" },
+  derivatives = { "exact", "hyperdual" }, t = { 0, 0.1, 1, -1, 0 / 0 }, members = { 0, 1, 3, 65, -1 },
+  threads = { 0, 1, 2, 3, 1000 }, newton = { {}, { tolerance = 1e-6 }, { tolerance = -1 }, { max_iterations = 1 } },
   q = { { 1, 0 }, { 1 }, { 0, 0 }, dm.vector { 1, 0 }, { 1, 0 / 0 } }, v = { { 0, 1 }, { 1 }, { 0, 0 } },
   p = { { 0, 1 }, { 1 } }, q0 = { { 1, 0 }, { 1 } }, q1 = { { 1, 0.01 }, { 1 } }, file = { "f.csv", "f.npy", "no/such/f" },
   steps = { 0, 1, 10, 100, 1.5, -1, 2 ^ 62 // 1 | 0, "10" }, every = { 1, 3, 0, -1, 1000 },
@@ -92,7 +112,7 @@ local function options(depth)
   local t = {}
   for _ = 1, random(0, 5) do
     local key = pick(keys)
-    if key == "steps" or (fitting[key] and random() < 0.8) then t[key] = pick(fitting[key] or numbers)
+    if key == "steps" or key == "t" or (fitting[key] and random() < 0.8) then t[key] = pick(fitting[key] or numbers)
     else t[key] = value(depth + 1) end
   end
   return t
@@ -100,9 +120,13 @@ end
 -- a call that is nearly right: what a run or a system needs, with one field wrong
 local function nearly(depth)
   local t = pick { { Q = dm.R(2), L = functions[5] }, { rule = pick(fitting.rule), h = 0.01 },
-    { q = { 1, 0 }, v = { 0, 1 }, steps = 10 }, { q = { 1 }, v = { 0.1 }, steps = 10, every = 2 } }
+    { q = { 1, 0 }, v = { 0, 1 }, steps = 10 }, { q = { 1 }, v = { 0.1 }, steps = 10, every = 2 },
+    { members = 3, q = function(i) return { i } end, v = function() return { 1 } end, steps = 5, threads = random(0, 3) },
+    { members = 2, q = { { 1, 0 }, { 2, 0 } }, v = { { 0, 1 }, { 0, 1 } }, steps = 5 }, { q = { 1, 0 }, p = { 0, 1 }, t = 1 },
+    { Q = dm.R(1), L = functions[6], derivatives = "hyperdual" }, { Q = dm.R(1), h = 0.1, Ld = functions[5] } }
+  if random() < 0.3 then return t end
   local key = pick(keys)
-  if key ~= "steps" then t[key] = value(depth + 1) end
+  t[key] = fitting[key] and pick(fitting[key]) or value(depth + 1)
   return t
 end
 local function list(depth)
