@@ -118,7 +118,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
                  : dm_model_build(&m->model, m->graph, m->lagrangian, m->n,
                                   want | m->model.has, row->compile, m->arena);
         check_status(L, status);
-        m->backend = row->name;
+        m->backend = pair ? m->model.pair.backend : m->model.value.backend;
     }
     m->compile_ms += now_ms() - start;
 }

@@ -53,6 +53,12 @@ void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     }
 }
 
+static uint32_t count_marked(const dm_graph *g, uint32_t end) {
+    uint32_t count = 0;
+    for (dm_node n = 0; n < end; n++) count += (uint32_t)dm_is_marked(g, n);
+    return count;
+}
+
 /* a node on the way down: which operand comes next */
 typedef struct {
     dm_node n;
@@ -81,11 +87,9 @@ static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack
 
 /* a new graph with the roots alone */
 static dm_graph *extract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
-    uint32_t end = 0;
-    for (uint32_t i = 0; i < m; i++)
-        if (roots[i] >= end) end = roots[i] + 1;
-    dm_graph *h = dm_graph_new(g->arena, g->inputs);
-    visit *stack = dm_arena_take(g->arena, (end + 1) * sizeof *stack);
+    const uint32_t end = dm_mark(g, roots, m), needed = count_marked(g, end);
+    dm_graph *h = dm_graph_sized(g->arena, g->inputs, needed + 1);
+    visit *stack = dm_arena_take(g->arena, (needed + 1) * sizeof *stack);
     dm_node *copied = dm_arena_take(g->arena, (end + 1) * sizeof *copied);
     if (!h || !stack || !copied) return NULL;
     h->verbatim = g->verbatim;
@@ -100,6 +104,8 @@ static dm_graph *extract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node 
 dm_graph *dm_compact_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     dm_graph *h = g->status == DM_OK ? extract(g, roots, m, out) : NULL;
     if (!h) return NULL;
+    const uint32_t size = h->size;
     dm_compact(h, out, m, out);
-    return h->status == DM_OK ? extract(h, out, m, out) : NULL;
+    if (h->status != DM_OK) return NULL;
+    return h->size == size ? h : extract(h, out, m, out);
 }

@@ -1,6 +1,7 @@
 #include "integ/splitting.h"
 
 #include "base/sum.h"
+#include "integ/fused.h"
 
 #include <string.h>
 
@@ -8,6 +9,7 @@
 typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
+    dm_fused fused;                    /* q, p, their low parts, the force */
 } layout;
 
 int dm_splitting_fits(const dm_model *m) {
@@ -32,12 +34,56 @@ size_t dm_splitting_work(uint32_t n) {
     return layout_size() + 4 * (size_t)n + 1 + dm_state_size(n);
 }
 
+/* forces a step: one for every kick but the first, which has that of the step before */
+static uint32_t evaluations(const dm_splitting *table) {
+    return (uint32_t)(table->stages - (table->b[table->stages] == 0.0));
+}
+
+/* p += h b_k force */
+static void fuse_kick(dm_fusion *b, dm_node *state, const dm_node *force, double hb) {
+    const uint32_t n = b->model->n;
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node dp = dm_fusion_scale(b, hb, force[i]);
+        dm_fusion_add(b, state + n + i, state + 3 * n + i, dp);
+    }
+}
+
+/* q += h a_k M^-1 (p - shift), by way of v[n] */
+static void fuse_drift(dm_fusion *b, dm_node *state, dm_node *v, double ha) {
+    const uint32_t n = b->model->n;
+    dm_fusion_velocity(b, v, state + n, ha);
+    for (uint32_t i = 0; i < n; i++) dm_fusion_add(b, state + i, state + 2 * n + i, v[i]);
+}
+
+/* the whole step as one kernel; without it the loop below serves */
+static void fuse(dm_stepper *s, layout *l) {
+    const dm_model *m = s->model;
+    const dm_splitting *table = &l->table;
+    const uint32_t n = m->n;
+    dm_fusion b;
+    l->fused.size = 0;
+    if (!dm_fusion_begin(&b, m, m->source.gradient, n, evaluations(table), 5 * n)) return;
+    dm_node *state = dm_arena_take(m->source.arena, 7 * (size_t)n * sizeof *state);
+    if (!state) return;
+    dm_node *force = state + 4 * n, *v = force + n, *first = v + n;
+    for (uint32_t i = 0; i < 5 * n; i++) state[i] = dm_input(b.graph, i);
+    dm_fusion_evaluate(&b, state, first);
+    for (int k = 0; k <= table->stages; k++) {
+        if (k && table->b[k] != 0.0) dm_fusion_evaluate(&b, state, force);
+        if (table->b[k] != 0.0) fuse_kick(&b, state, force, s->h * table->b[k]);
+        if (k < table->stages) fuse_drift(&b, state, v, s->h * table->a[k]);
+    }
+    dm_fusion_end(&b, &l->fused, state, 5 * n, first, n);
+    l->fused.h = s->h;
+}
+
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     layout *l = (layout *)(void *)s->work;
     l->table = *table;
     l->c[0] = 0.0;
     for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
     l->c[table->stages] = 1.0;
+    fuse(s, l);
 }
 
 static inline void kick(uint32_t n, double *p, double *low, double hb,
@@ -73,16 +119,29 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha,
     }
 }
 
-/* forces a step: one for every kick but the first, which has that of the step before */
-static int evaluations(const dm_splitting *table) {
-    return table->stages - (table->b[table->stages] == 0.0);
+/* the same through the fused kernel */
+static void run_fused(dm_stepper *s, dm_fused *f, double *state, long count) {
+    const size_t n = s->model->n;
+    const layout *l = (const layout *)(const void *)s->work;
+    memcpy(f->now, state, 4 * n * sizeof *state);
+    dm_kernel_prepare(&f->first, f->next);
+    dm_kernel_eval(&f->first, f->now, f->next);
+    memcpy(f->now + 4 * n, f->next, n * sizeof *state);
+    dm_kernel_prepare(&f->kernel, f->next);
+    dm_fused_run(f, count);
+    memcpy(state, f->now, 4 * n * sizeof *state);
+    s->report.evaluations += 1 + count * evaluations(&l->table);
 }
 
 /* count steps with no look at what comes out */
 static void run(dm_stepper *s, double *state, double t, long count) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
-    const layout *l = (const layout *)(const void *)s->work;
+    layout *l = (layout *)(void *)s->work;
+    if (l->fused.size && l->fused.h == s->h) {
+        run_fused(s, &l->fused, state, count);
+        return;
+    }
     const dm_splitting *table = &l->table;
     double *x = s->work + layout_size(), *force = x + 2 * n + 1, *kicked = force + n;
     double *p = state + n, *low_q = state + 2 * n, *low_p = state + 3 * n;

@@ -30,8 +30,9 @@ static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
 
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, curve = 2 * n + 3 * n * n;
-    return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) + 2 * n + 1 + r * 2 * n +
-           r * curve + larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
+    return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
+           dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve +
+           larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
            scratch_size(s, r, m);
 }
 
@@ -60,10 +61,13 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     const dm_model *m = stepper->model;
     double *memory = stepper->work + doubles(sizeof *g);
-    *g = (dm_stage){.m = m, .n = m->n, .h = stepper->h};
+    *g = (dm_stage){.m = m, .n = m->n};
     g->separable = (m->structure & SIMPLE) == SIMPLE;
     dm_stage_table_fill(&g->table, basis, memory);
-    lay_out(g, memory + dm_stage_table_size(g->table.s, g->table.r));
+    memory += dm_stage_table_size(g->table.s, g->table.r);
+    dm_stage_weights_place(g, memory);
+    dm_stage_weights_scale(g, stepper->h);
+    lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     const size_t n = g->n, curve = 2 * n + 3 * n * n;
     const dm_kernel *slope = g->separable ? &m->force : &m->slope;
     for (uint32_t i = 0; i < g->table.r; i++) {
@@ -74,14 +78,14 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     return DM_OK;
 }
 
-void dm_stage_at(dm_stage *g, const double *shift, const double *v, double c) {
+void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after) {
     const uint32_t n = g->n;
     const double *low = g->state + 2 * n;
     for (uint32_t i = 0; i < n; i++) {
         g->x[i] = g->state[i] + (low[i] + shift[i]);
         g->x[n + i] = v ? v[i] : g->v0[i];
     }
-    g->x[2 * n] = g->t + c * g->h;
+    g->x[2 * n] = g->t + after;
 }
 
 dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp) {
@@ -103,13 +107,12 @@ static void place_point(dm_stage *g, uint32_t i, const double *V) {
     memset(shift, 0, n * sizeof *shift);
     memset(v, 0, n * sizeof *v);
     for (uint32_t j = 0; j < s; j++) {
-        const double ha = g->h * g->table.a[i * s + j], d = g->table.d[i * s + j];
-        for (uint32_t k = 0; k < n; k++) {
-            shift[k] += ha * V[j * (size_t)n + k];
-            v[k] += d * V[j * (size_t)n + k];
-        }
+        const double *Vj = V + j * (size_t)n;
+        dm_weighted_add(shift, g->ha[i * s + j], Vj, n);
+        if (g->table.d[i * s + j].top != 0.0)
+            dm_weighted_add(v, g->table.d[i * s + j], Vj, n);
     }
-    dm_stage_at(g, shift, v, g->table.c[i]);
+    dm_stage_at(g, shift, v, dm_weight_double(g->hc[i]));
 }
 
 static void evaluate(dm_stage *g, const double *V, int with_curve) {
@@ -134,19 +137,20 @@ static void residual(dm_stage *g, double *R) {
     g->size = 0.0;
     for (uint32_t j = 0; j < s; j++) {
         double *Rj = R + j * (size_t)n;
-        const double beta = g->table.beta[j];
+        const dm_weight beta = g->table.beta[j];
         for (uint32_t k = 0; k < n; k++) Rj[k] = 0.0;
         for (uint32_t i = 0; i < g->table.r; i++) {
-            const double *slope = g->slope + i * 2 * (size_t)n, b = g->table.b[i];
-            const double wq = g->h * b * (g->table.a[i * s + j] - beta);
-            const double wv = b * g->table.d[i * s + j];
+            const double *slope = g->slope + i * 2 * (size_t)n;
+            const dm_weight wq = g->wq[i * s + j], wv = g->wv[i * s + j];
             for (uint32_t k = 0; k < n; k++) {
-                const double term = wq * slope[k] + wv * slope[n + k];
+                const double term =
+                    dm_weighted(wq, slope[k]) + dm_weighted(wv, slope[n + k]);
                 Rj[k] += term;
                 g->size = fmax(g->size, fabs(term));
             }
         }
-        for (uint32_t k = 0; k < n; k++) Rj[k] = (Rj[k] - beta * p0[k]) - beta * low[k];
+        for (uint32_t k = 0; k < n; k++)
+            Rj[k] = (Rj[k] - dm_weighted(beta, p0[k])) - beta.top * low[k];
     }
 }
 
@@ -173,11 +177,12 @@ static void jacobian(const dm_stage *g, double *J) {
     for (uint32_t i = 0; i < t->r; i++) {
         const double *qq = g->curve + i * width + 2 * n, *qv = qq + nn, *vv = qv + nn;
         for (uint32_t j = 0; j < s; j++) {
-            const double wq = g->h * t->b[i] * (t->a[i * s + j] - t->beta[j]);
-            const double wv = t->b[i] * t->d[i * s + j];
+            const double wq = dm_weight_double(g->wq[i * s + j]);
+            const double wv = dm_weight_double(g->wv[i * s + j]);
             for (uint32_t k = 0; k < s; k++) {
                 double *block = J + j * n * m + k * n;
-                const double ha = g->h * t->a[i * s + k], d = t->d[i * s + k];
+                const double ha = dm_weight_double(g->ha[i * s + k]);
+                const double d = dm_weight_double(t->d[i * s + k]);
                 add_block(block, m, wq * ha, qq, n);
                 add_block(block, m, wq * d, qv, n);
                 add_transposed(block, m, wv * ha, qv, n);
@@ -225,7 +230,8 @@ static dm_status guess(dm_stage *g) {
     if (status == DM_OK) status = find_acceleration(g);
     for (uint32_t j = 0; j < g->table.s && status == DM_OK; j++)
         for (uint32_t k = 0; k < n; k++)
-            g->root[j * (size_t)n + k] = g->v0[k] + g->table.node[j] * g->h * g->a0[k];
+            g->root[j * (size_t)n + k] =
+                g->v0[k] + g->table.node[j].top * g->h * g->a0[k];
     return status;
 }
 
@@ -238,8 +244,8 @@ static void correct_force(dm_stage *g, uint32_t i, const double *dV) {
     for (uint32_t k = 0; k < n; k++) {
         dq[k] = dv[k] = 0.0;
         for (uint32_t j = 0; j < s; j++) {
-            dq[k] += g->h * g->table.a[i * s + j] * dV[j * (size_t)n + k];
-            dv[k] += g->table.d[i * s + j] * dV[j * (size_t)n + k];
+            dq[k] += g->ha[i * s + j].top * dV[j * (size_t)n + k];
+            dv[k] += g->table.d[i * s + j].top * dV[j * (size_t)n + k];
         }
     }
     for (uint32_t k = 0; k < n; k++)
@@ -252,15 +258,12 @@ static dm_status finish(dm_stage *g) {
     const uint32_t n = g->n;
     double *dq = g->v0, *dp = g->a0;
     for (uint32_t i = 0; i < g->table.r; i++) correct_force(g, i, g->scratch);
-    for (uint32_t k = 0; k < n; k++) {
-        dq[k] = dp[k] = 0.0;
-        for (uint32_t j = 0; j < g->table.s; j++)
-            dq[k] += g->table.beta[j] * g->root[j * (size_t)n + k];
-        for (uint32_t i = 0; i < g->table.r; i++)
-            dp[k] += g->table.b[i] * g->slope[i * 2 * (size_t)n + k];
-        dq[k] *= g->h;
-        dp[k] *= g->h;
-    }
+    memset(dq, 0, n * sizeof *dq);
+    memset(dp, 0, n * sizeof *dp);
+    for (uint32_t j = 0; j < g->table.s; j++)
+        dm_weighted_add(dq, g->hbeta[j], g->root + j * (size_t)n, n);
+    for (uint32_t i = 0; i < g->table.r; i++)
+        dm_weighted_add(dp, g->hb[i], g->slope + i * 2 * (size_t)n, n);
     return dm_stage_update(g, dq, dp);
 }
 
@@ -283,7 +286,8 @@ dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     g->state = state;
     g->t = t;
-    g->h = stepper->h; /* a composition changes it from step to step */
+    if (g->h != stepper->h)
+        dm_stage_weights_scale(g, stepper->h); /* a composition changes it */
     g->evaluations = 0;
     const dm_status status =
         g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);

@@ -12,6 +12,7 @@
 
 #include "integ/method.h"
 #include "integ/quadrature.h"
+#include "integ/weight.h"
 
 typedef struct {
     int s;                                 /* velocities */
@@ -19,14 +20,15 @@ typedef struct {
     dm_quadrature q;                       /* exact to degree s - 1 at least */
 } dm_galerkin;
 
-/* Coefficients in double, row-major; they live in the workspace. */
+/* Coefficients, row-major; they live in the workspace. */
 typedef struct {
     uint32_t s, r;
-    double *a, *d;    /* [r*s] */
-    double *b, *c;    /* [r] */
-    double *beta;     /* [s] */
-    double *node;     /* [s] */
-    double *A, *mean; /* [r*r], [r]: Q_i = q0 + h c_i v0 + h^2 sum_m A_im M^-1 L_q(m), and
+    dm_weight *a, *d; /* [r*s] */
+    dm_weight *b, *c; /* [r] */
+    dm_weight *beta;  /* [s] */
+    dm_weight *node;  /* [s] */
+    dm_weight *A,
+        *mean; /* [r*r], [r]: Q_i = q0 + h c_i v0 + h^2 sum_m A_im M^-1 L_q(m), and
                       ** q1 = q0 + h v0 + h^2 sum_m mean_m M^-1 L_q(m), for L = T(v) - V(q) */
 } dm_stage_table;
 

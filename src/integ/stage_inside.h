@@ -9,22 +9,32 @@ typedef struct {
     dm_stage_table table;
     const dm_model *m;
     uint32_t n;
-    int separable;       /* the cheaper form for L = T(v) - V(q, t), constant mass */
-    double h, t;         /* step, its start */
-    const double *state; /* at the start of the step */
-    double *x;           /* [2n+1] arguments of a kernel */
-    double *slope;       /* [r][2n] L_q, L_v; separable: [r][n] L_q */
-    double *curve;       /* [r][2n + 3n^2] outputs of the stage kernel */
-    double *root;        /* [r or s][n] unknowns */
-    double *v0, *a0;     /* [n] velocity and acceleration at the start */
-    double *push;        /* [r][n] M^-1 L_q(m) of the separable form */
-    double *base;        /* [r][n] what Q_m - q0 is without the unknown forces */
-    double *next;        /* [4n] state at the end */
-    double *scratch;     /* of Newton, and of what comes before it */
-    uint32_t *known;     /* [r] separable: how point m is found */
-    double size;         /* of the terms of the residual */
+    int separable;         /* the cheaper form for L = T(v) - V(q, t), constant mass */
+    double h, t;           /* step, its start */
+    dm_weight *hA, *hmean; /* [r*r], [r]: h^2 A, h^2 mean */
+    dm_weight *ha;         /* [r*s]: h a */
+    dm_weight *wq, *wv;    /* [r*s]: h b_i (a_ij - beta_j), b_i d_ij */
+    dm_weight *hbeta;      /* [s] */
+    dm_weight *hb, *hc;    /* [r] */
+    const double *state;   /* at the start of the step */
+    double *x;             /* [2n+1] arguments of a kernel */
+    double *slope;         /* [r][2n] L_q, L_v; separable: [r][n] L_q */
+    double *curve;         /* [r][2n + 3n^2] outputs of the stage kernel */
+    double *root;          /* [r or s][n] unknowns */
+    double *v0, *a0;       /* [n] velocity and acceleration at the start */
+    double *push;          /* [r][n] M^-1 L_q(m) of the separable form */
+    double *base;          /* [r][n] what Q_m - q0 is without the unknown forces */
+    double *next;          /* [4n] state at the end */
+    double *scratch;       /* of Newton, and of what comes before it */
+    uint32_t *known;       /* [r] separable: how point m is found */
+    double size;           /* of the terms of the residual */
     long evaluations;
 } dm_stage;
+
+/* Doubles of the weights above; lay them out; compute them for a step h. */
+size_t dm_stage_weights_size(size_t s, size_t r);
+void dm_stage_weights_place(dm_stage *g, double *memory);
+void dm_stage_weights_scale(dm_stage *g, double h);
 
 /* How a point of the separable form is found. */
 enum { DM_POINT_FIRST, DM_POINT_SOLVED, DM_POINT_LAST };
@@ -36,7 +46,7 @@ void dm_stage_separable_open(dm_stage *g);
 /* next = state + (dq[n], dp[n]) with compensation; DM_NOT_FINITE when it is not. */
 dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp);
 
-/* Kernel arguments: x = (q0 + shift[n], v[n], t + c h); v NULL: the start's. */
-void dm_stage_at(dm_stage *g, const double *shift, const double *v, double c);
+/* Kernel arguments: x = (q0 + shift[n], v[n], t + after); v NULL: the start's. */
+void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after);
 
 #endif

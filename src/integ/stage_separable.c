@@ -14,13 +14,13 @@
 
 static int is_zero_row(const dm_stage_table *t, uint32_t m) {
     for (uint32_t i = 0; i < t->r; i++)
-        if (t->A[m * t->r + i] != 0.0) return 0;
+        if (t->A[m * t->r + i].top != 0.0) return 0;
     return 1;
 }
 
 static int is_zero_column(const dm_stage_table *t, uint32_t m) {
     for (uint32_t i = 0; i < t->r; i++)
-        if (t->A[i * t->r + m] != 0.0) return 0;
+        if (t->A[i * t->r + m].top != 0.0) return 0;
     return 1;
 }
 
@@ -53,7 +53,7 @@ static double *slope_of(const dm_stage *g, uint32_t m) {
 static void evaluate(dm_stage *g, uint32_t m, const double *Z, int with_curve) {
     const size_t n = g->n;
     double *force = slope_of(g, m), *curve = g->curve + m * (2 * n + 3 * n * n);
-    dm_stage_at(g, Z, NULL, g->table.c[m]);
+    dm_stage_at(g, Z, NULL, dm_weight_double(g->hc[m]));
     if (with_curve) {
         dm_kernel_eval(&g->m->stage, g->x, curve);
         memcpy(force, curve, n * sizeof *force);
@@ -68,9 +68,8 @@ static void evaluate(dm_stage *g, uint32_t m, const double *Z, int with_curve) {
 static void add_pushes(const dm_stage *g, double *out, uint32_t i, uint32_t kind) {
     const uint32_t n = g->n, r = g->table.r;
     for (uint32_t m = 0; m < r; m++) {
-        const double w = g->h * g->h * g->table.A[i * r + m];
-        if (g->known[m] != kind || w == 0.0) continue;
-        for (uint32_t k = 0; k < n; k++) out[k] += w * g->push[m * (size_t)n + k];
+        if (g->known[m] != kind) continue;
+        dm_weighted_add(out, g->hA[i * r + m], g->push + m * (size_t)n, n);
     }
 }
 
@@ -90,7 +89,7 @@ static void residual(dm_stage *g, double *R, const double *Z) {
 /* block (i, m) = delta_im - h^2 A_im M^-1 L_qq(m) */
 static void jacobian_block(dm_stage *g, double *J, size_t rows, uint32_t i, uint32_t m) {
     const uint32_t n = g->n;
-    const double w = g->h * g->h * g->table.A[i * g->table.r + m];
+    const double w = dm_weight_double(g->hA[i * g->table.r + m]);
     const double *qq = g->curve + m * (2 * (size_t)n + 3 * (size_t)n * n) + 2 * n;
     double *column = g->a0;            /* only the start value needed it */
     for (uint32_t l = 0; l < n; l++) { /* L_qq is symmetric: its row l is its column */
@@ -132,7 +131,7 @@ static dm_status equation(void *ctx, double *R, double *J, const double *Z) {
 /* a0 = M^-1 L_q at the start, which a first point at c = 0 has found already */
 static void find_acceleration(dm_stage *g) {
     const uint32_t n = g->n;
-    if (g->known[0] == DM_POINT_FIRST && g->table.c[0] == 0.0) {
+    if (g->known[0] == DM_POINT_FIRST && g->table.c[0].top == 0.0) {
         memcpy(g->a0, g->push, n * sizeof *g->a0);
         return;
     }
@@ -148,7 +147,7 @@ static void first_points(dm_stage *g) {
     const uint32_t n = g->n, r = g->table.r;
     for (uint32_t i = 0; i < r; i++) {
         double *base = g->base + i * (size_t)n;
-        for (uint32_t k = 0; k < n; k++) base[k] = g->h * g->table.c[i] * g->v0[k];
+        for (uint32_t k = 0; k < n; k++) base[k] = dm_weighted(g->hc[i], g->v0[k]);
         if (g->known[i] == DM_POINT_FIRST) evaluate(g, i, base, 0);
     }
     for (uint32_t i = 0; i < r; i++)
@@ -164,7 +163,7 @@ static uint32_t guess(dm_stage *g) {
     for (uint32_t i = 0; i < g->table.r; i++) {
         if (g->known[i] != DM_POINT_SOLVED) continue;
         if (at == 0) find_acceleration(g);
-        const double hc = g->h * g->table.c[i];
+        const double hc = dm_weight_double(g->hc[i]);
         for (uint32_t k = 0; k < n; k++)
             g->root[at + k] = hc * (g->v0[k] + 0.5 * hc * g->a0[k]);
         at += n;
@@ -199,16 +198,14 @@ static void last_points(dm_stage *g) {
 /* q1 = q0 + h v0 + h^2 sum_m mean_m f_m, p1 = p0 + h sum_m b_m L_q(m) */
 static dm_status finish(dm_stage *g) {
     const uint32_t n = g->n, r = g->table.r;
-    const double h = g->h;
     double *dq = g->base, *dp = g->a0;
     for (uint32_t k = 0; k < n; k++) {
-        double mean = 0.0, force = 0.0;
-        for (uint32_t m = 0; m < r; m++) {
-            mean += g->table.mean[m] * g->push[m * (size_t)n + k];
-            force += g->table.b[m] * g->slope[m * (size_t)n + k];
-        }
-        dq[k] = h * (g->v0[k] + h * mean);
-        dp[k] = h * force;
+        dq[k] = g->h * g->v0[k];
+        dp[k] = 0.0;
+    }
+    for (uint32_t m = 0; m < r; m++) {
+        dm_weighted_add(dq, g->hmean[m], g->push + m * (size_t)n, n);
+        dm_weighted_add(dp, g->hb[m], slope_of(g, m), n);
     }
     return dm_stage_update(g, dq, dp);
 }

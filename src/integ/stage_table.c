@@ -12,12 +12,12 @@ void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q) {
 }
 
 size_t dm_stage_table_size(size_t s, size_t r) {
-    return 2 * r * s + r * r + 3 * r + 2 * s;
+    return 2 * (2 * r * s + r * r + 3 * r + 2 * s);
 }
 
 static void lay_out(dm_stage_table *t, double *memory) {
     const size_t s = t->s, r = t->r;
-    t->a = memory;
+    t->a = (dm_weight *)(void *)memory;
     t->d = t->a + r * s;
     t->A = t->d + r * s;
     t->b = t->A + r * r;
@@ -61,11 +61,11 @@ static void separable_part(dm_stage_table *t, const dm_galerkin *g, const exact 
     for (int m = 0; m < r; m++) {
         long double mean = 0.0L;
         for (int k = 0; k < s; k++) mean += e->beta[k] * x[k][m];
-        t->mean[m] = (double)mean;
+        t->mean[m] = dm_weight_of(mean);
         for (int i = 0; i < r; i++) {
             long double sum = 0.0L;
             for (int k = 0; k < s; k++) sum += e->a[i][k] * x[k][m];
-            t->A[i * r + m] = (double)sum;
+            t->A[i * r + m] = dm_weight_of(sum);
         }
     }
 }
@@ -79,16 +79,16 @@ void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memo
     lay_out(out, memory);
     dm_lagrange(value, e.beta, g->node, s, 1.0L);
     for (int j = 0; j < s; j++) {
-        out->beta[j] = (double)e.beta[j];
-        out->node[j] = (double)g->node[j];
+        out->beta[j] = dm_weight_of(e.beta[j]);
+        out->node[j] = dm_weight_of(g->node[j]);
     }
     for (int i = 0; i < r; i++) {
         dm_lagrange(e.d[i], e.a[i], g->node, s, g->q.c[i]);
-        out->b[i] = (double)g->q.b[i];
-        out->c[i] = (double)g->q.c[i];
+        out->b[i] = dm_weight_of(g->q.b[i]);
+        out->c[i] = dm_weight_of(g->q.c[i]);
         for (int j = 0; j < s; j++) {
-            out->a[i * s + j] = (double)e.a[i][j];
-            out->d[i * s + j] = (double)e.d[i][j];
+            out->a[i * s + j] = dm_weight_of(e.a[i][j]);
+            out->d[i * s + j] = dm_weight_of(e.d[i][j]);
         }
     }
     separable_part(out, g, &e);

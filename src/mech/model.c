@@ -185,6 +185,7 @@ static dm_status make_well(builder *b) {
     for (uint32_t i = 0; i < inputs; i++)
         with[i] = i >= n && i < 2 * n ? dm_constant(b->g, 0.0) : dm_input(b->g, i);
     dm_substitute(b->g, &b->L, 1, with, roots);
+    b->m.source.well = roots[0];
     memcpy(roots + 1, b->gradient, n * sizeof *roots);
     return make(b, &b->m.well, roots, n + 1, DM_WANT_WELL);
 }
@@ -226,6 +227,11 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
     dm_status mass = DM_OK;
     if (b.m.structure & DM_CONSTANT_MASS) mass = read_mass(&b);
     if (mass != DM_OK && mass != DM_SINGULAR) return mass;
+    b.m.source = (dm_source){.graph = g,
+                             .lagrangian = L,
+                             .gradient = b.gradient,
+                             .compile = compile,
+                             .arena = arena};
     status = make_kernels(&b, want);
     if (status != DM_OK) return status;
     *m = b.m;

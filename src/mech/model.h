@@ -11,40 +11,55 @@
 
 #include <stddef.h>
 
-enum { /* structure, read off the graph */
-    DM_SEPARABLE = 1,      /* L = T(v) - V(q, t): no mixed second derivatives */
-    DM_CONSTANT_MASS = 2,  /* d2L/dv2 does not depend on q, v, t */
-    DM_DIAGONAL_MASS = 4,  /* and is diagonal, with nothing linear in v */
-    DM_AUTONOMOUS = 8,     /* L does not depend on t */
-    DM_LINEAR_IN_V = 16,   /* d2L/dv2 = 0: degenerate */
-    DM_QUADRATIC_IN_V = 32 /* d2L/dv2 does not depend on v */
+enum {                        /* structure, read off the graph */
+       DM_SEPARABLE = 1,      /* L = T(v) - V(q, t): no mixed second derivatives */
+       DM_CONSTANT_MASS = 2,  /* d2L/dv2 does not depend on q, v, t */
+       DM_DIAGONAL_MASS = 4,  /* and is diagonal, with nothing linear in v */
+       DM_AUTONOMOUS = 8,     /* L does not depend on t */
+       DM_LINEAR_IN_V = 16,   /* d2L/dv2 = 0: degenerate */
+       DM_QUADRATIC_IN_V = 32 /* d2L/dv2 does not depend on v */
 };
 
-enum { /* kernels; each takes x = (q[n], v[n], t) */
-    DM_WANT_VALUE = 1,  /* L */
-    DM_WANT_SLOPE = 2,  /* L_q[n], L_v[n] */
-    DM_WANT_STAGE = 4,  /* L_q[n], L_v[n], L_qq[n*n], L_qv[n*n] (row q, column v), L_vv[n*n] */
-    DM_WANT_FORCE = 8,  /* L_q[n] */
-    DM_WANT_ENERGY = 16,/* v . L_v - L */
-    DM_WANT_MASS = 32,  /* L_v[n], L_vv[n*n] */
-    DM_WANT_WELL = 128, /* L(q, 0, t) = -V, then L_q[n]: separable L only */
-    DM_WANT_PAIR = 64   /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
+enum {                    /* kernels; each takes x = (q[n], v[n], t) */
+       DM_WANT_VALUE = 1, /* L */
+       DM_WANT_SLOPE = 2, /* L_q[n], L_v[n] */
+       DM_WANT_STAGE =
+           4, /* L_q[n], L_v[n], L_qq[n*n], L_qv[n*n] (row q, column v), L_vv[n*n] */
+       DM_WANT_FORCE = 8,   /* L_q[n] */
+       DM_WANT_ENERGY = 16, /* v . L_v - L */
+       DM_WANT_MASS = 32,   /* L_v[n], L_vv[n*n] */
+       DM_WANT_WELL = 128,  /* L(q, 0, t) = -V, then L_q[n]: separable L only */
+       DM_WANT_PAIR =
+           64 /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
 };
-
-typedef struct {
-    uint32_t n;       /* dim Q */
-    unsigned structure;
-    unsigned has;     /* DM_WANT_* that are built */
-    dm_kernel value, slope, stage, force, energy, mass, well, pair;
-    const double *inverse_mass; /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
-    const double *mass_matrix;  /* same shape */
-    const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
-    const uint8_t *cyclic;      /* [n]: 1 where L does not depend on q_i */
-    uint32_t operations;        /* of L itself */
-} dm_model;
 
 /* How graphs become kernels; dm_tape_build is one. */
-typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m, dm_arena *arena);
+typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots,
+                             uint32_t m, dm_arena *arena);
+
+/* Where a model's kernels come from, for methods that make kernels of their own; graph NULL: hyper-dual numbers. */
+typedef struct {
+    dm_graph *graph;          /* inputs q[n], v[n], t */
+    dm_node lagrangian, well; /* L; L at v = 0 (with DM_WANT_WELL) */
+    const dm_node *gradient;  /* L_q[n], L_v[n] */
+    dm_compile *compile;
+    dm_arena *arena;
+} dm_source;
+
+typedef struct {
+    uint32_t n; /* dim Q */
+    unsigned structure;
+    unsigned has; /* DM_WANT_* that are built */
+    dm_kernel value, slope, stage, force, energy, mass, well, pair;
+    const double
+        *inverse_mass; /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
+    const double *mass_matrix; /* same shape */
+    const double
+        *momentum_shift;   /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
+    const uint8_t *cyclic; /* [n]: 1 where L does not depend on q_i */
+    uint32_t operations;   /* of L itself */
+    dm_source source;
+} dm_model;
 
 /*
 ** Read the structure of L in g (inputs q[n], v[n], t) and build the wanted kernels.
@@ -62,10 +77,12 @@ dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n,
 size_t dm_legendre_work(const dm_model *m);
 
 /* p = dL/dv at (q, v, t). Needs DM_WANT_MASS. */
-dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v, double t, double *work);
+dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v,
+                      double t, double *work);
 
 /* v with dL/dv(q, v, t) = p, Newton from the v given (which may alias p). Needs DM_WANT_MASS or
 ** DM_SEPARABLE and DM_CONSTANT_MASS, where it is one product. On failure v is unchanged. */
-dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, const double *p, double t, double *work);
+dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
+                              const double *p, double t, double *work);
 
 #endif
