@@ -16,7 +16,7 @@ local function decade(x) return floor(log(x, 10) + 1e-9) end
 
 --- Where x lies between the ends of the axis: 0 at lo, 1 at hi.
 function M.fraction(axis, x)
-  if axis.log then return log(x / axis.lo) / log(axis.hi / axis.lo) end
+  if axis.log then return (log(x) - log(axis.lo)) / (log(axis.hi) - log(axis.lo)) end
   return (x - axis.lo) / (axis.hi - axis.lo)
 end
 
@@ -115,8 +115,8 @@ end
 --- The range lo..hi with the part `by` of its width added on either side.
 function M.pad(lo, hi, by, is_log)
   if is_log then
-    local factor = (hi / lo) ^ by
-    return lo / factor, hi * factor
+    local factor = math.exp(by * (log(hi) - log(lo)))
+    return max(lo / factor, 1e-305), math.min(hi * factor, 1e305)
   end
   return lo - by * (hi - lo), hi + by * (hi - lo)
 end

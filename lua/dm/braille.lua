@@ -72,19 +72,26 @@ local function put_letters(canvas, xs, ys, owner)
   end
 end
 
+-- dots from the lower left; what is far outside is kept countable, a gap stays NaN
+local function place(a, x, dots)
+  local at = axis.fraction(a, x) * dots
+  if at ~= at then return at end
+  return max(-1e9, min(1e9, at))
+end
+
 local function draw_series(canvas, panel, series, number)
   local w, h = 2 * canvas.w - 1, 4 * canvas.h - 1
   local xs, ys, n = {}, {}, #series.x
   for i = 1, n do
-    xs[i] = axis.fraction(panel.x, series.x[i]) * w
-    ys[i] = axis.fraction(panel.y, series.y[i]) * h
+    xs[i] = place(panel.x, series.x[i], w)
+    ys[i] = place(panel.y, series.y[i], h)
   end
   for i = 1, n do
     local here = xs[i] == xs[i]
     local joined = series.style ~= "points" and i > 1 and xs[i - 1] == xs[i - 1]
     if here and joined then
       stroke(canvas, xs[i - 1], ys[i - 1], xs[i], ys[i], number)
-    elseif here and max(xs[i], ys[i]) < 1e9 and min(xs[i], ys[i]) > -1e9 then
+    elseif here then
       dot(canvas, floor(xs[i] + 0.5), floor(ys[i] + 0.5), number)
     end
     if here and n <= 40 and series.style ~= "lines" then put_bullet(canvas, xs[i], ys[i], number) end

@@ -37,7 +37,7 @@ local function check_range(options, key)
   if type(lo) ~= "number" or type(hi) ~= "number" or not (lo < hi and lo > -1e300 and hi < 1e300) then
     fail("option '%s' must be {least, largest}", key)
   end
-  if options.log and options.log:find(key:sub(1, 1)) and lo <= 0 then
+  if options.log and options.log:find(key:sub(1, 1)) and lo < 1e-300 then
     fail("option '%s' must be positive on a logarithmic axis", key)
   end
 end
@@ -82,7 +82,7 @@ local function make_series(given, options, i)
   local y = series_.numbers(given.y or given[2], what .. ": y")
   if #x ~= #y then fail("%s has %d numbers x but %d numbers y", what, #x, #y) end
   if #x == 0 then fail("%s is empty", what) end
-  if given.style and not STYLES[given.style] then fail("%s: unknown style %q", what, given.style) end
+  if given.style and not STYLES[given.style] then fail("%s: unknown style %s", what, tostring(given.style)) end
   local names = type(options.names) == "table" and options.names or {}
   return { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
     style = given.style or options.style or (#x == 1 and "points" or "lines") }
@@ -166,6 +166,7 @@ local function make_panel(given, options)
     if type(s) ~= "table" then fail("series %d must be a table { x =, y = } (got %s)", i, type(s)) end
     list[i] = make_series(s, options, i)
   end
+  if #list == 0 then fail "there is no series to draw" end
   local log = options.log or ""
   local panel = { series = list, notes = {}, logx = log:find("x") ~= nil, logy = log:find("y") ~= nil,
     title = options.title or shared(list, "title"),
@@ -180,7 +181,10 @@ local function make_panel(given, options)
   set_range(panel, "y", 0.04)
   panel.legend = #list > 1 and options.legend ~= false
   panel.equal = decide_equal(panel, list, options)
-  panel.xrange, panel.yrange = options.xrange or panel.xrange, options.yrange or panel.yrange
+  for _, name in ipairs { "xrange", "yrange" } do
+    local asked = options[name]
+    if asked then panel[name] = { asked[1] * 1.0, asked[2] * 1.0 } end  -- floats: whole numbers wrap
+  end
   return panel
 end
 

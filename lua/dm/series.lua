@@ -4,7 +4,7 @@ local M = {}
 
 local floor, huge = math.floor, math.huge
 local NAN = 0 / 0
-local LARGEST = 1e300  -- beyond it the width of a range would overflow
+local LARGEST = 1e300  -- beyond it the width of a range would overflow, below its inverse decades end
 
 --- The numbers of a dm.vector or a table, as a table of floats; anything else raises and names `what`.
 function M.numbers(values, what)
@@ -27,7 +27,7 @@ function M.numbers(values, what)
 end
 
 local function drawable(x, is_log)
-  return x == x and x > -LARGEST and x < LARGEST and not (is_log and x <= 0)
+  return x == x and x > -LARGEST and x < LARGEST and not (is_log and x < 1 / LARGEST)
 end
 
 --- Put a gap (NaN in both columns) where a point cannot be drawn.
