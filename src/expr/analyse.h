@@ -18,6 +18,7 @@ void dm_operation_counts(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t
 /* A readable listing, one assignment a line, inputs by the names given (NULL: x1, x2, ...).
 ** Writes through `put` so that no file is needed. */
 typedef void dm_put(void *ud, const char *text, size_t length);
-void dm_print(dm_graph *g, const dm_node *roots, uint32_t m, const char *const *names, dm_put *put, void *ud);
+void dm_print(dm_graph *g, const dm_node *roots, uint32_t m, const char *const *names,
+              dm_put *put, void *ud);
 
 #endif

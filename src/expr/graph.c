@@ -94,9 +94,9 @@ static void rehash(dm_graph *g) {
     }
 }
 
-/* room for twice the nodes; the table stays at most half full */
-static int grow(dm_graph *g) {
-    const size_t held = g->capacity, want = held ? 2 * held : FIRST_NODES;
+/* room for `want` nodes, a power of two; the table stays at most half full */
+static int grow(dm_graph *g, size_t want) {
+    const size_t held = g->capacity;
     if (held >= DM_GRAPH_LIMIT) return dm_graph_fail(g, DM_TOO_LARGE), 0;
     dm_expr *nodes =
         dm_arena_grow(g->arena, g->nodes, held * sizeof *nodes, want * sizeof *nodes);
@@ -118,10 +118,16 @@ static int grow(dm_graph *g) {
 }
 
 dm_graph *dm_graph_new(dm_arena *arena, uint32_t inputs) {
+    return dm_graph_sized(arena, inputs, FIRST_NODES);
+}
+
+dm_graph *dm_graph_sized(dm_arena *arena, uint32_t inputs, uint32_t nodes) {
+    size_t room = FIRST_NODES;
     dm_graph *g = dm_arena_take(arena, sizeof *g);
     if (!g) return NULL;
     *g = (dm_graph){.arena = arena, .inputs = inputs};
-    if (!grow(g)) return NULL;
+    while (room < nodes) room *= 2;
+    if (!grow(g, room)) return NULL;
     g->nodes[0] = (dm_expr){.op = DM_OP_CONSTANT, .as.value = 0.0};
     g->nonnegative[0] = 1;
     g->size = 1;
@@ -173,7 +179,7 @@ dm_node dm_node_make(dm_graph *g, const dm_expr *e) {
     uint32_t slot = slot_of(g, key);
     if (g->table[slot]) return g->table[slot];
     if (g->size == g->capacity) {
-        if (!grow(g)) return 0;
+        if (!grow(g, 2 * (size_t)g->capacity)) return 0;
         slot = slot_of(g, key);
     }
     g->nodes[g->size] = *e;

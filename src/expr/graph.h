@@ -43,7 +43,8 @@ uint32_t dm_graph_size(const dm_graph *g); /* nodes so far */
 uint32_t dm_graph_inputs(const dm_graph *g);
 dm_arena *dm_graph_arena(dm_graph *g);
 
-const dm_expr *dm_graph_at(const dm_graph *g, dm_node n); /* valid until the next node is made */
+const dm_expr *dm_graph_at(const dm_graph *g,
+                           dm_node n); /* valid until the next node is made */
 const char *dm_op_text(dm_op op);
 int dm_op_operands(dm_op op);
 

@@ -13,11 +13,11 @@ typedef void dm_eval(const void *pool, const double *in, double *out);
 
 typedef struct {
     dm_eval *eval;
-    const void *pool;       /* what eval needs: constants, tape, callback context */
+    const void *pool; /* what eval needs: constants, tape, callback context */
     uint32_t inputs, outputs;
-    uint32_t operations;    /* per evaluation */
-    const char *backend;    /* "tape", "jit", "cc", "hyperdual" */
-    const uint8_t *fixed;   /* [outputs]: 1 where the output is a constant; NULL: none is */
+    uint32_t operations;  /* per evaluation */
+    const char *backend;  /* "tape", "jit", "cc", "hyperdual" */
+    const uint8_t *fixed; /* [outputs]: 1 where the output is a constant; NULL: none is */
     const double *constant; /* [outputs]: its value there */
 } dm_kernel;
 

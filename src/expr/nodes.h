@@ -20,6 +20,9 @@ struct dm_graph {
     int verbatim;
 };
 
+/* A graph with room for so many nodes from the start. */
+dm_graph *dm_graph_sized(dm_arena *arena, uint32_t inputs, uint32_t nodes);
+
 /* The node with exactly this content, made when missing. No simplification. */
 dm_node dm_node_make(dm_graph *g, const dm_expr *e);
 

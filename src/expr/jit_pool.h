@@ -1,0 +1,24 @@
+/* jit_pool.h - what machine code reads besides its inputs: the library, masks, constants. */
+#ifndef DM_JIT_POOL_H
+#define DM_JIT_POOL_H
+
+#include "expr/jit_emit.h"
+
+enum { /* masks and numbers that every kernel has, broadcast */
+       DM_POOL_ONE,
+       DM_POOL_ZERO,
+       DM_POOL_SIGN_BIT,
+       DM_POOL_ALL_BUT_SIGN,
+       DM_POOL_MASKS
+};
+
+dm_operand dm_pool_mask(const dm_emitter *e, int mask);
+
+/* What a call of the operation jumps to; DM_OP_CONSTANT stands for sincos. Scalar: as the C
+** library has it. Lanes: void(double *d, double *d2, const double *a, const double *b). */
+dm_operand dm_pool_pointer(const dm_emitter *e, int op);
+
+/* The pool in `arena`, and the homes of the constants in it; NULL without memory. */
+void *dm_pool_make(dm_emitter *e, const dm_graph *g, dm_arena *arena);
+
+#endif
