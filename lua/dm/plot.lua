@@ -1,6 +1,7 @@
 --- Pictures: dm.plot, dm.figure, path:plot, path:series.
 -- This file makes a figure out of arguments; dm.braille shows it in a terminal, dm.gnuplot in a file.
 local core = require "dm.core"
+local axis, series_ = require "dm.axis", require "dm.series"
 
 local M = {}
 
@@ -76,7 +77,6 @@ end
 
 -- { x =, y =, name =, style = } with its own copy of the numbers
 local function make_series(given, options, i)
-  local series_ = require "dm.series"
   local what = "series " .. i
   local x = series_.numbers(given.x or given[1], what .. ": x")
   local y = series_.numbers(given.y or given[2], what .. ": y")
@@ -115,7 +115,6 @@ local function shared(list, key)
 end
 
 local function count_gaps(list, panel)
-  local series_ = require "dm.series"
   local broken, negative = 0, 0
   for _, s in ipairs(list) do
     local b, n = series_.mark_gaps(s, panel.logx, panel.logy)
@@ -131,7 +130,6 @@ end
 
 -- data range of a column with a little room around it, or the range that was asked for
 local function set_range(panel, name, room)
-  local axis, series_ = require "dm.axis", require "dm.series"
   local is_log = panel["log" .. name]
   local lo, hi = series_.range(panel.series, name)
   if not lo then
@@ -174,7 +172,6 @@ local function make_panel(given, options)
     ylabel = options.ylabel or shared(list, "ylabel") or (#list == 1 and "y" or nil),
     xunit = options.xunit or shared(list, "xunit"), yunit = options.yunit or shared(list, "yunit") }
   count_gaps(list, panel)
-  local series_ = require "dm.series"
   local rising = true
   for _, s in ipairs(list) do rising = rising and s.style == "lines" and series_.rises(s.x) end
   set_range(panel, "x", rising and 0 or 0.04)

@@ -162,9 +162,13 @@ function M.thin(series, scale)
   local function lift()
     if x[#x] == x[#x] then x[#x + 1], y[#y + 1] = NAN, NAN end
   end
-  if series.style == "points" then thin_points(keep, series, scale)
-  elseif M.rises(series.x) then thin_rising(keep, series, scale.fx, scale.width)
-  else thin_strokes(keep, lift, series, scale) end
+  if series.style == "points" then
+    thin_points(keep, series, scale)
+  elseif M.rises(series.x) then
+    thin_rising(keep, series, scale.fx, scale.width)
+  else
+    thin_strokes(keep, lift, series, scale)
+  end
   return setmetatable({ x = x, y = y }, { __index = series })
 end
 
