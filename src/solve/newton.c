@@ -8,7 +8,7 @@
 static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
 static const double NOISE = 1e-13;     /* and so may a residual, of its terms */
 static const double NEGLIGIBLE =
-    2.5e-4; /* of the tolerance: error left that is not worth a step */
+    2.5e-6; /* of the tolerance: error left that is not worth a step */
 static const double SLOW = 0.1; /* rate that calls for a new Jacobian */
 enum { HALVINGS = 12 };
 

@@ -1,0 +1,39 @@
+/*
+** weight.h - a coefficient of a method kept as two doubles, the first of 24 bits. Rounding a
+** coefficient to a double would make the same error in every step, and invariants would drift
+** in proportion to time; two products err at random (Hairer, McLachlan & Razakarivony 2008).
+*/
+#ifndef DM_WEIGHT_H
+#define DM_WEIGHT_H
+
+#include <stdint.h>
+
+typedef struct {
+    double top, rest;
+} dm_weight;
+
+static inline dm_weight dm_weight_of(long double w) {
+    const double top = (double)(float)w;
+    return (dm_weight){top, (double)(w - (long double)top)};
+}
+
+static inline long double dm_weight_exact(dm_weight w) {
+    return (long double)w.top + (long double)w.rest;
+}
+
+static inline double dm_weight_double(dm_weight w) {
+    return w.top + w.rest;
+}
+
+/* w x */
+static inline double dm_weighted(dm_weight w, double x) {
+    return w.top * x + w.rest * x;
+}
+
+/* out[n] += w x[n] */
+static inline void dm_weighted_add(double *out, dm_weight w, const double *x,
+                                   uint32_t n) {
+    for (uint32_t k = 0; k < n; k++) out[k] += dm_weighted(w, x[k]);
+}
+
+#endif
