@@ -1,61 +1,68 @@
 /*
-** fused.h - a whole explicit step as one straight-line kernel from state to state: the force, the kicks, the
-** drifts and their compensated sums in one graph. The same numbers as step by step through a force kernel
-** but for rounding; every backend gives the same bits.
+** fused.h - one stage of an explicit step as one straight-line kernel from state to state: force, kick, drift
+** and their compensated sums in one graph, the coefficients of the stage among the inputs. The same numbers as
+** through a force kernel but for rounding; every backend gives the same bits.
 */
 #ifndef DM_FUSED_H
 #define DM_FUSED_H
 
 #include "integ/method.h"
 
-typedef struct {
-    dm_kernel kernel; /* size -> size */
-    dm_kernel
-        first; /* size -> what is carried from step to step beside the state, found from the state */
-    double *now, *next;
-    uint32_t size; /* 0: there is none */
-    double h;      /* the step it was made for */
-} dm_fused;
+enum {
+    DM_FUSED_COEFFICIENTS = 4, /* of a stage, at most */
+    DM_FUSED_LARGEST =
+        20000 /* operations of the force; above, a kernel for it alone serves as well */
+};
 
-/* A graph under construction: nodes are made as they stand. */
+/* A graph under construction, made as it stands. Inputs: state[size], then the coefficients. */
 typedef struct {
     dm_graph *graph;
     const dm_model *model;
-    dm_node
-        *with; /* [inputs of L] what stands for q, v, t in the model's own expressions */
-    dm_node *
-        force; /* [n] compacted expressions of the model: the force, or the well and the force */
-    uint32_t count;
+    uint32_t size;
+    dm_node *with;  /* [inputs of L] what stands for q, v, t in the model's expressions */
+    dm_node *force; /* [n] the model's expressions, compacted */
 } dm_fusion;
 
-enum {
-    DM_FUSED_LARGEST = 6000
-}; /* operations of a step: more does not fit the instruction cache */
-
 /*
-** Begin a step with `inputs` inputs around expressions[count] of the model's graph, of which a step needs
-** `times` copies. 0 when it cannot be had: no graph (hyper-dual numbers), L depends on t, too large, no memory.
+** Begin a kernel around expressions[n] of the model's graph. 0 when it cannot be had: no graph (hyper-dual
+** numbers), too large, no memory.
 */
 int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_node *expressions,
-                    uint32_t count, uint32_t times, uint32_t inputs);
+                    uint32_t size);
 
-/* out[count] = the expressions at positions q[n]. */
-void dm_fusion_evaluate(dm_fusion *b, const dm_node *q, dm_node *out);
+/* Nodes for the inputs: state[size], and coefficient i. */
+void dm_fusion_state(dm_fusion *b, dm_node *state);
+dm_node dm_fusion_coefficient(dm_fusion *b, uint32_t i);
+
+/* out[n] = the expressions at positions q[n] and time t. */
+void dm_fusion_evaluate(dm_fusion *b, dm_node *out, const dm_node *q, dm_node t);
 
 /* high + low += x, as base/sum.h does it. */
 void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x);
 
-/* c * x; a factor of 1 is left out. */
-dm_node dm_fusion_scale(dm_fusion *b, double c, dm_node x);
+/* v[n] = M^-1 (p - shift), and the shifted moved[n] = p - shift (may be NULL). */
+void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node *p);
 
-/* v[n] = scale * M^-1 (p - shift). */
-void dm_fusion_velocity(dm_fusion *b, dm_node *v, const dm_node *p, double scale);
+/* Compile roots[m] into *out; 0 when it cannot be had. */
+int dm_fusion_end(dm_fusion *b, dm_kernel *out, const dm_node *roots, uint32_t m);
 
-/* Compile roots[size], and first[extra] (may be none), into *out; size = 0 there when it cannot be had. */
-void dm_fusion_end(dm_fusion *b, dm_fused *out, const dm_node *roots, uint32_t size,
-                   const dm_node *first, uint32_t extra);
+/* The two buffers between which stages go to and fro: state[size], then coefficients. */
+typedef struct {
+    double *now, *next;
+    uint32_t size; /* 0: no fused stages */
+} dm_fused;
 
-/* `count` steps of the state in f->now. */
-void dm_fused_run(dm_fused *f, long count);
+/* Buffers in the model's arena; 0 without memory. */
+int dm_fused_open(dm_fused *f, const dm_model *m, uint32_t size);
+
+/* One stage: coefficients[count] of it, then the kernel from now to next, which change places. */
+static inline void dm_fused_stage(dm_fused *f, const dm_kernel *k,
+                                  const double *coefficients, int count) {
+    for (int i = 0; i < count; i++) f->now[f->size + (uint32_t)i] = coefficients[i];
+    dm_kernel_eval(k, f->now, f->next);
+    double *swap = f->now;
+    f->now = f->next;
+    f->next = swap;
+}
 
 #endif

@@ -8,13 +8,20 @@
 #include "integ/splitting.h"
 
 #include "base/sum.h"
+#include "integ/fused.h"
 
 #include <math.h>
 #include <string.h>
 
-/* workspace: the table, then x = (q, v, t), the well U, L_q[n], v[n], the state to go back to */
+/* workspace: this, then x = (q, v, t), the well U, L_q[n], v[n], the state to go back to */
+typedef struct {
+    dm_splitting table;
+    dm_fused fused;         /* the whole state, own time included */
+    dm_kernel drift, stage; /* h a_k; h b_k, h a_k: kick, drift */
+} layout;
+
 static size_t table_size(void) {
-    return (sizeof(dm_splitting) + sizeof(double) - 1) / sizeof(double);
+    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
 }
 
 static const dm_rule *inner(const dm_rule *rule) {
@@ -64,11 +71,89 @@ static void drift_first(dm_splitting *out, const dm_splitting *in) {
     for (int k = 0; k < in->stages; k++) out->b[k + 1] = in->a[k];
 }
 
+/* ---- stages as kernels ---- */
+
+/* x where c > 0, else NaN, which stops the run */
+static dm_node guarded(dm_fusion *b, dm_node c, dm_node x) {
+    const dm_node nan = dm_constant(b->graph, NAN);
+    return dm_apply(b->graph, DM_OP_WHERE, c, x, nan);
+}
+
+/* T + B with T = v . (p - shift)/2 */
+static dm_node fuse_speed(dm_fusion *b, const dm_node *v, const dm_node *moved,
+                          dm_node B) {
+    dm_node twice = dm_mul(b->graph, v[0], moved[0]);
+    for (uint32_t i = 1; i < b->model->n; i++) {
+        const dm_node term = dm_mul(b->graph, v[i], moved[i]);
+        twice = dm_add(b->graph, twice, term);
+    }
+    const dm_node half = dm_constant(b->graph, 0.5);
+    const dm_node T = dm_mul(b->graph, half, twice);
+    return dm_add(b->graph, T, B);
+}
+
+/* t += ha/(T + B), q += ha v/(T + B) */
+static void fuse_drift(dm_fusion *b, dm_node *state, dm_node *v, dm_node ha) {
+    const uint32_t n = b->model->n;
+    dm_node *own = state + 4 * (size_t)n;
+    dm_fusion_velocity(b, v, v + n, state + n);
+    const dm_node speed = fuse_speed(b, v, v + n, own[2]);
+    const dm_node quotient = dm_div(b->graph, ha, speed);
+    const dm_node dt = guarded(b, speed, quotient);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node dq = dm_mul(b->graph, dt, v[i]);
+        dm_fusion_add(b, state + i, state + 2 * n + i, dq);
+    }
+    dm_fusion_add(b, own, own + 1, dt);
+}
+
+/* p += hb L_q/U, by way of pull[n] */
+static void fuse_kick(dm_fusion *b, dm_node *state, dm_node *pull, dm_node hb) {
+    const uint32_t n = b->model->n;
+    dm_fusion_evaluate(b, pull, state, 0);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node dp = dm_mul(b->graph, hb, pull[i]);
+        dm_fusion_add(b, state + n + i, state + 3 * n + i, dp);
+    }
+}
+
+/* L_q/U in the graph of the model, where it simplifies: -q/r^2 for Kepler */
+static int pulls(const dm_model *m, dm_node *out) {
+    const dm_source *s = &m->source;
+    for (uint32_t i = 0; i < m->n; i++)
+        out[i] = dm_div(s->graph, s->gradient[i], s->well);
+    return dm_graph_status(s->graph) == DM_OK;
+}
+
+static int fuse_stage(const dm_model *m, dm_kernel *out, int with_kick) {
+    const uint32_t n = m->n, size = 4 * n + DM_STATE_OWN;
+    dm_fusion b;
+    dm_node *state =
+        dm_arena_take(m->source.arena, (size + 3 * (size_t)n) * sizeof *state);
+    if (!state) return 0;
+    dm_node *pull = state + size, *v = pull + n;
+    if (!pulls(m, pull) || !dm_fusion_begin(&b, m, pull, size)) return 0;
+    dm_fusion_state(&b, state);
+    if (with_kick) fuse_kick(&b, state, pull, dm_fusion_coefficient(&b, 0));
+    fuse_drift(&b, state, v, dm_fusion_coefficient(&b, with_kick ? 1 : 0));
+    return dm_fusion_end(&b, out, state, size);
+}
+
+static void fuse(const dm_model *m, layout *l) {
+    if (!dm_fused_open(&l->fused, m, 4 * m->n + DM_STATE_OWN) ||
+        !fuse_stage(m, &l->drift, 0) || !fuse_stage(m, &l->stage, 1))
+        l->fused.size = 0;
+}
+
+/* ---- the step ---- */
+
 static dm_status open(dm_stepper *s) {
     dm_splitting named, table;
     dm_splitting_named(&named, inner(s->rule));
     drift_first(&table, &named);
-    memcpy(s->work, &table, sizeof table);
+    layout *l = (layout *)(void *)s->work;
+    *l = (layout){.table = table};
+    if (s->model->source.graph) fuse(s->model, l);
     memset(s->work + table_size(), 0, (4 * (size_t)s->model->n + 2) * sizeof(double));
     dm_kernel_prepare(&s->model->well, s->work + table_size() + 2 * s->model->n + 1);
     return DM_OK;
@@ -127,7 +212,7 @@ static int drift(const dm_model *m, double *state, double *v, double a) {
 
 static int try_step(dm_stepper *s, double *state) {
     const dm_model *m = s->model;
-    const dm_splitting *table = (const dm_splitting *)(const void *)s->work;
+    const dm_splitting *table = &((const layout *)(const void *)s->work)->table;
     double *x = s->work + table_size(), *well = x + 2 * m->n + 1, *v = well + m->n + 1;
     for (int k = 0;; k++) {
         memcpy(x, state, m->n * sizeof *x);
@@ -139,14 +224,52 @@ static int try_step(dm_stepper *s, double *state) {
     return dm_state_is_finite(state, m->n);
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
-    const size_t size = dm_state_size(s->model->n);
+/* through the fused kernel; the well must be attracting at the end too */
+static int try_fused(dm_stepper *s, layout *l, double *state, long count) {
+    const dm_model *m = s->model;
+    double *x = s->work + table_size(), *well = x + 2 * m->n + 1;
+    const size_t bytes = dm_state_size(m->n) * sizeof *state;
+    dm_kernel_prepare(&l->stage, l->fused.now);
+    dm_kernel_prepare(&l->stage, l->fused.next);
+    memcpy(l->fused.now, state, bytes);
+    for (long i = 0; i < count; i++) {
+        for (int k = 0; k < l->table.stages; k++) {
+            const double c[2] = {s->h * l->table.b[k], s->h * l->table.a[k]};
+            if (l->table.b[k] == 0.0)
+                dm_fused_stage(&l->fused, &l->drift, c + 1, 1);
+            else
+                dm_fused_stage(&l->fused, &l->stage, c, 2);
+        }
+    }
+    memcpy(state, l->fused.now, bytes);
+    memcpy(x, state, m->n * sizeof *x);
+    dm_kernel_eval(&m->well, x, well);
+    s->report.evaluations += count * (l->table.stages - 1);
+    return well[0] > 0.0 && dm_state_is_finite(state, m->n);
+}
+
+/* `count` steps or none */
+static dm_status steps(dm_stepper *s, double *state, long count) {
+    layout *l = (layout *)(void *)s->work;
+    const size_t bytes = dm_state_size(s->model->n) * sizeof *state;
     double *kept = s->work + table_size() + 4 * (size_t)s->model->n + 2;
-    (void)t;
-    memcpy(kept, state, size * sizeof *kept);
-    if (try_step(s, state)) return DM_OK;
-    memcpy(state, kept, size * sizeof *kept);
+    const int fused = l->fused.size != 0;
+    memcpy(kept, state, bytes);
+    if (fused ? try_fused(s, l, state, count) : try_step(s, state)) return DM_OK;
+    memcpy(state, kept, bytes);
     return DM_NOT_FINITE;
+}
+
+static dm_status step(dm_stepper *s, double *state, double t) {
+    (void)t;
+    return steps(s, state, 1);
+}
+
+static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
+    const layout *l = (const layout *)(const void *)s->work;
+    if (l->fused.size && count > 1 && steps(s, state, count) == DM_OK)
+        return *done = count, DM_OK;
+    return dm_advance_by_step(s, state, t, count, done);
 }
 
 const dm_method dm_method_log_hamiltonian = {
@@ -167,4 +290,5 @@ const dm_method dm_method_log_hamiltonian = {
     .open = open,
     .start = start,
     .step = step,
+    .advance = advance,
 };

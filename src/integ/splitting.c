@@ -10,6 +10,10 @@ typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
     dm_fused fused;                    /* q, p, their low parts, the force */
+    dm_kernel both;  /* stage h b_0, h a_0, t_1, h b_1: kick, drift, kick */
+    dm_kernel later; /* stage h a_k, t_(k+1), h b_(k+1): drift, kick */
+    dm_kernel drift; /* stage h a_k */
+    dm_kernel force; /* of the state, at time coefficient 0 */
 } layout;
 
 int dm_splitting_fits(const dm_model *m) {
@@ -39,42 +43,62 @@ static uint32_t evaluations(const dm_splitting *table) {
     return (uint32_t)(table->stages - (table->b[table->stages] == 0.0));
 }
 
-/* p += h b_k force */
-static void fuse_kick(dm_fusion *b, dm_node *state, const dm_node *force, double hb) {
+/* ---- stages as kernels ---- */
+
+/* p += hb force */
+static void fuse_kick(dm_fusion *b, dm_node *state, dm_node hb) {
     const uint32_t n = b->model->n;
+    const dm_node *force = state + 4 * n;
     for (uint32_t i = 0; i < n; i++) {
-        const dm_node dp = dm_fusion_scale(b, hb, force[i]);
+        const dm_node dp = dm_mul(b->graph, hb, force[i]);
         dm_fusion_add(b, state + n + i, state + 3 * n + i, dp);
     }
 }
 
-/* q += h a_k M^-1 (p - shift), by way of v[n] */
-static void fuse_drift(dm_fusion *b, dm_node *state, dm_node *v, double ha) {
+/* q += ha M^-1 (p - shift), by way of the place of the force */
+static void fuse_drift(dm_fusion *b, dm_node *state, dm_node ha) {
     const uint32_t n = b->model->n;
-    dm_fusion_velocity(b, v, state + n, ha);
-    for (uint32_t i = 0; i < n; i++) dm_fusion_add(b, state + i, state + 2 * n + i, v[i]);
+    dm_node *v = state + 4 * n;
+    dm_fusion_velocity(b, v, NULL, state + n);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node dq = dm_mul(b->graph, ha, v[i]);
+        dm_fusion_add(b, state + i, state + 2 * n + i, dq);
+    }
 }
 
-/* the whole step as one kernel; without it the loop below serves */
-static void fuse(dm_stepper *s, layout *l) {
-    const dm_model *m = s->model;
-    const dm_splitting *table = &l->table;
+/* kinds of stages: what they do, and where their coefficients are */
+typedef struct {
+    int kick_first, drift, force, kick_last;
+} stage;
+
+static int fuse_stage(const dm_model *m, dm_kernel *out, stage what) {
     const uint32_t n = m->n;
+    uint32_t next = 0;
     dm_fusion b;
-    l->fused.size = 0;
-    if (!dm_fusion_begin(&b, m, m->source.gradient, n, evaluations(table), 5 * n)) return;
-    dm_node *state = dm_arena_take(m->source.arena, 7 * (size_t)n * sizeof *state);
-    if (!state) return;
-    dm_node *force = state + 4 * n, *v = force + n, *first = v + n;
-    for (uint32_t i = 0; i < 5 * n; i++) state[i] = dm_input(b.graph, i);
-    dm_fusion_evaluate(&b, state, first);
-    for (int k = 0; k <= table->stages; k++) {
-        if (k && table->b[k] != 0.0) dm_fusion_evaluate(&b, state, force);
-        if (table->b[k] != 0.0) fuse_kick(&b, state, force, s->h * table->b[k]);
-        if (k < table->stages) fuse_drift(&b, state, v, s->h * table->a[k]);
-    }
-    dm_fusion_end(&b, &l->fused, state, 5 * n, first, n);
-    l->fused.h = s->h;
+    if (!dm_fusion_begin(&b, m, m->source.gradient, 5 * n)) return 0;
+    dm_node *state = dm_arena_take(m->source.arena, 5 * (size_t)n * sizeof *state);
+    if (!state) return 0;
+    dm_fusion_state(&b, state);
+    if (what.kick_first) fuse_kick(&b, state, dm_fusion_coefficient(&b, next++));
+    if (what.drift) fuse_drift(&b, state, dm_fusion_coefficient(&b, next++));
+    if (what.force)
+        dm_fusion_evaluate(&b, state + 4 * n, state, dm_fusion_coefficient(&b, next++));
+    if (what.kick_last) fuse_kick(&b, state, dm_fusion_coefficient(&b, next++));
+    return dm_fusion_end(&b, out, state, 5 * n);
+}
+
+/* the kinds that the table needs; without them the loop below serves */
+static void fuse(const dm_model *m, layout *l) {
+    const dm_splitting *table = &l->table;
+    const int drift_first = table->b[0] == 0.0, s = table->stages;
+    int there = dm_fused_open(&l->fused, m, 5 * m->n) &&
+                fuse_stage(m, &l->force, (stage){.force = 1});
+    if (there && !drift_first) there = fuse_stage(m, &l->both, (stage){1, 1, 1, 1});
+    if (there && (s > 1 || drift_first))
+        there = fuse_stage(m, &l->later, (stage){0, 1, 1, 1});
+    if (there && table->b[s] == 0.0)
+        there = fuse_stage(m, &l->drift, (stage){.drift = 1});
+    if (!there) l->fused.size = 0;
 }
 
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
@@ -83,7 +107,8 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     l->c[0] = 0.0;
     for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
     l->c[table->stages] = 1.0;
-    fuse(s, l);
+    l->fused.size = 0;
+    if (s->model->source.graph) fuse(s->model, l);
 }
 
 static inline void kick(uint32_t n, double *p, double *low, double hb,
@@ -119,17 +144,38 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha,
     }
 }
 
-/* the same through the fused kernel */
-static void run_fused(dm_stepper *s, dm_fused *f, double *state, long count) {
+/* one step, the force of its start being in the state */
+static void fused_step(layout *l, double h, double t) {
+    const dm_splitting *table = &l->table;
+    for (int k = 0; k < table->stages; k++) {
+        const double at = t + l->c[k + 1] * h;
+        const double c[4] = {h * table->b[k], h * table->a[k], at, h * table->b[k + 1]};
+        if (table->b[k + 1] == 0.0)
+            dm_fused_stage(&l->fused, &l->drift, c + 1, 1);
+        else if (k == 0 && table->b[0] != 0.0)
+            dm_fused_stage(&l->fused, &l->both, c, 4);
+        else
+            dm_fused_stage(&l->fused, &l->later, c + 1, 3);
+    }
+}
+
+/* kernels write only what varies */
+static void prepare_buffers(layout *l) {
+    const dm_kernel *kernels[] = {&l->both, &l->later, &l->force};
+    for (int i = 0; i < 3; i++) {
+        if (!kernels[i]->eval) continue;
+        dm_kernel_prepare(kernels[i], l->fused.now);
+        dm_kernel_prepare(kernels[i], l->fused.next);
+    }
+}
+
+static void run_fused(dm_stepper *s, layout *l, double *state, double t, long count) {
     const size_t n = s->model->n;
-    const layout *l = (const layout *)(const void *)s->work;
-    memcpy(f->now, state, 4 * n * sizeof *state);
-    dm_kernel_prepare(&f->first, f->next);
-    dm_kernel_eval(&f->first, f->now, f->next);
-    memcpy(f->now + 4 * n, f->next, n * sizeof *state);
-    dm_kernel_prepare(&f->kernel, f->next);
-    dm_fused_run(f, count);
-    memcpy(state, f->now, 4 * n * sizeof *state);
+    prepare_buffers(l);
+    memcpy(l->fused.now, state, 4 * n * sizeof *state);
+    dm_fused_stage(&l->fused, &l->force, &t, 1);
+    for (long k = 0; k < count; k++) fused_step(l, s->h, t + (double)k * s->h);
+    memcpy(state, l->fused.now, 4 * n * sizeof *state);
     s->report.evaluations += 1 + count * evaluations(&l->table);
 }
 
@@ -138,8 +184,8 @@ static void run(dm_stepper *s, double *state, double t, long count) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
     layout *l = (layout *)(void *)s->work;
-    if (l->fused.size && l->fused.h == s->h) {
-        run_fused(s, &l->fused, state, count);
+    if (l->fused.size) {
+        run_fused(s, l, state, t, count);
         return;
     }
     const dm_splitting *table = &l->table;
