@@ -1,4 +1,5 @@
 --- Paths to files and back: csv (17 significant digits) and npy (the bits themselves).
+local blame = require "dm.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -79,7 +80,7 @@ path:csv(file) -> file name   or   path:csv() -> string
 The rows as comma-separated values under a line of column names, 17 significant digits: reading them
 back gives the same bits. Raises when the file cannot be written.]]
 
-function M.csv(path, file)
+M.csv = blame.caller(function(path, file)
   local columns, names = columns_of(path)
   local pieces = chunks(columns, csv_header(names), csv_row(#names))
   if file == nil then
@@ -89,7 +90,7 @@ function M.csv(path, file)
   end
   write_all(open(file, "w", "path:csv"), file, pieces)
   return file
-end
+end)
 
 ---- npy: records of little-endian doubles with named fields ----
 
@@ -119,12 +120,12 @@ path:npy(file) -> file name
 The rows as a NumPy array with named fields: numpy.load(file)["q1"] is the column q1. The bits of the
 numbers are kept. Raises when the file cannot be written.]]
 
-function M.npy(path, file)
+M.npy = blame.caller(function(path, file)
   local columns, names = columns_of(path)
   local pieces = chunks(columns, npy_header(names, #path), npy_row(#names))
   write_all(open(file, "wb", "path:npy"), file, pieces)
   return file
-end
+end)
 
 core.method("dm.path", "csv", M.csv, doc_csv)
 core.method("dm.path", "npy", M.npy, doc_npy)

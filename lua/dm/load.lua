@@ -1,4 +1,5 @@
 --- dm.load: the columns of a csv or npy file as vectors.
+local blame = require "dm.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -118,7 +119,7 @@ Columns of a .csv file (first line: names) or a .npy file, as path:csv and path:
 data.columns lists the names, data.q1 is a dm.vector. Raises with the line and the column of what is
 not a number.]]
 
-function M.load(file)
+M.load = blame.caller(function(file)
   if type(file) ~= "string" then error("dm.load: a file name is needed (got " .. type(file) .. ")", 0) end
   local is_npy = file:lower():find("%.npy$")
   local handle, why = io.open(file, "rb")
@@ -130,7 +131,7 @@ function M.load(file)
   for c, name in ipairs(names) do data[name] = core.vector(columns[c]) end
   data.columns = names
   return data
-end
+end)
 
 core.docs[M.load] = doc_load
 

@@ -1,4 +1,5 @@
 --- Methods of dm.path that are written in Lua: series and plot. csv and npy are in dm.export.
+local blame = require "dm.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -33,12 +34,12 @@ path:series(x, y, name) -> { x =, y =, name = } for dm.plot and dm.figure
 x, y: a column name ("t", "q1", "p1", "energy" ...) or a vector of #path numbers; name: text of the
 legend. Labels and units come along.]]
 
-function M.series(path, x, y, name)
+M.series = blame.caller(function(path, x, y, name)
   local xs, xlabel, xunit, xplace = column(path, x, "x")
   local ys, ylabel, yunit, yplace = column(path, y, "y")
   return { x = xs, y = ys, name = name or ylabel, xlabel = xlabel, ylabel = ylabel, xunit = xunit,
     yunit = yunit, xplace = xplace, yplace = yplace, title = path.title }
-end
+end)
 
 -- a list of columns, from one column or a list of them
 local function listed(y)
@@ -60,7 +61,7 @@ arguments every q against t; path:plot("q1") is q1 against t. Options as in dm.p
 in the terminal, with it to a .png, .svg or .pdf.
 Two positions of one unit get equal axes unless equal = false.]]
 
-function M.plot(path, x, y, options)
+M.plot = blame.caller(function(path, x, y, options)
   if type(x) == "table" and next(x) and not x[1] then x, options = nil, x end
   if type(y) == "table" and next(y) and not y[1] then y, options = nil, y end
   if x == nil then x, y = default_columns(path) end
@@ -68,7 +69,7 @@ function M.plot(path, x, y, options)
   local series = {}
   for i, key in ipairs(listed(y)) do series[i] = M.series(path, x, key) end
   return require "dm.plot".plot(series, options or {})
-end
+end)
 
 core.method("dm.path", "series", M.series, doc_series)
 core.method("dm.path", "plot", M.plot, doc_plot)

@@ -1,5 +1,6 @@
 --- Pictures: dm.plot, dm.figure, path:plot, path:series.
 -- This file makes a figure out of arguments; dm.braille shows it in a terminal, dm.gnuplot in a file.
+local blame = require "dm.blame"
 local core = require "dm.core"
 local axis, series_ = require "dm.axis", require "dm.series"
 
@@ -236,11 +237,11 @@ it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines
 terminal. Points that are not finite, or not positive on a logarithmic axis, leave gaps and are counted
 below the plot. Long columns are thinned to what the picture can show, extremes kept.]]
 
-function M.plot(a, b, c)
+M.plot = blame.caller(function(a, b, c)
   local list, options = sort_arguments(a, b, c)
   if type(options) ~= "table" then fail("options must be a table (got %s)", type(options)) end
   return show({ make_panel(list, options) }, options)
-end
+end)
 
 local doc_figure = [[
 dm.figure{panel, panel, ..., file=, title=, columns=, width=, height=, size=} -> file name or nothing
@@ -249,7 +250,7 @@ them), or x, y, with the options of dm.plot: { orbit:series("q1", "q2"), equal =
 
 local FIGURE_KNOWN = { "file", "title", "columns", "width", "height", "size" }
 
-function M.figure(given)
+M.figure = blame.caller(function(given)
   if type(given) ~= "table" then fail("figure needs a table of panels (got %s)", type(given)) end
   check_keys(given, FIGURE_KNOWN)
   check_text(given, { "file", "title" })
@@ -264,7 +265,7 @@ function M.figure(given)
   end
   if #panels == 0 then fail "a figure needs at least one panel: a list of series" end
   return show(panels, given)
-end
+end)
 
 core.docs[M.plot], core.docs[M.figure] = doc_plot, doc_figure
 

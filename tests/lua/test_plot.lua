@@ -214,6 +214,11 @@ raises("'columns' must be", dm.figure, { { u, u }, columns = 0 })
 raises("no column 'q9'", path.plot, path, "q9")
 raises("has 3 numbers, but the path has 501 rows", path.plot, path, "t", u)
 
+local _, where = pcall(function() path:plot("t", "q9") end)
+ok(where:find "^[^\n]*test_plot.lua:%d+: no column 'q9'", "an error names the line of the script that called", where)
+_, where = pcall(function() return dm.load(base .. ".none") end)
+ok(where:find "cannot open" and not where:find "lua/dm/", "and no line inside the modules", where)
+
 -- without gnuplot: a clear message, nothing left behind
 local dmlua = os.getenv "DMLUA" or arg[-1]
 local chunk = "print(pcall(dm.plot, {1,2}, {1,2}, {file=\"" .. base .. ".none.png\"}))"

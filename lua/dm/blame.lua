@@ -1,0 +1,19 @@
+--- Errors name the line of the script that called, not a line inside these modules.
+local M = {}
+
+-- positions that error and C functions put in front, inside lua/dm
+local INSIDE = "^[^\n]-lua/dm/[%w_]+%.lua:%d+: "
+
+local function finish(fine, ...)
+  if fine then return ... end
+  local message = ...
+  if type(message) == "string" then message = message:gsub(INSIDE, "") end
+  error(message, 2)  -- the caller: finish took its place by a tail call
+end
+
+--- f, with the position of its caller in its error messages; other error values pass as they are.
+function M.caller(f)
+  return function(...) return finish(pcall(f, ...)) end
+end
+
+return M
