@@ -132,6 +132,21 @@ static void angular_momentum_is_kept(void) {
         }
 }
 
+/* with long steps a rounded coefficient would show: its error is the same in every step */
+static void angular_momentum_walks_at_random(void) {
+    static const char *const rules[] = {"gauss(2)", "gauss(3)", "gauss(4)", "lobatto(3)"};
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 4; i++) {
+            problem p;
+            session x;
+            makers[k](&p);
+            CHECK(session_open(&x, &p, rules[i], 0.1));
+            CHECK(session_run(&x, 100000) == DM_OK);
+            CHECK_NEAR(angular_momentum(x.state) / 0.8, 1.0, 3e-14);
+            session_close(&x);
+        }
+}
+
 /* the rotation about the vertical acts on angles by shifts: p_phi1 + p_phi2 */
 static void vertical_angular_momentum_is_kept(void) {
     problem p;
@@ -416,6 +431,7 @@ int main(void) {
     RUN(the_test_of_symplecticity_has_teeth,
         "and explicit Runge-Kutta is seen not to be");
     RUN(angular_momentum_is_kept, "angular momentum is kept over 10^5 steps");
+    RUN(angular_momentum_walks_at_random, "its error is a random walk, not a drift");
     RUN(vertical_angular_momentum_is_kept, "and that of the double spherical pendulum");
     RUN(energy_does_not_drift, "energy does not drift");
     RUN(energy_of_an_explicit_method_does,
