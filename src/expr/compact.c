@@ -21,14 +21,15 @@ static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
     return sum;
 }
 
-/* one way of rewriting: with or without pulling factors out of sums */
-static int rewrite(dm_graph *g, const dm_node *roots, uint32_t m, int factor,
-                   dm_node *out) {
+enum { AS_IS, FACTORED, EXPANDED, WAYS }; /* of rewriting; the cheapest result is kept */
+
+static int rewrite(dm_graph *g, const dm_node *roots, uint32_t m, int way, dm_node *out) {
     dm_terms s;
     dm_scaled *value = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *value);
     if (!value) return (int)dm_graph_fail(g, DM_NO_MEMORY);
     if (!dm_terms_open(&s, g) || !dm_terms_read(&s, roots, m, value)) return 0;
-    if (factor) dm_terms_factor(&s, value, m);
+    if (way == EXPANDED) dm_terms_expand(&s, value, m);
+    if (way != AS_IS) dm_terms_factor(&s, value, m);
     dm_terms_share(&s, value, m, DM_TERM_PRODUCT);
     dm_terms_share(&s, value, m, DM_TERM_SUM);
     if (s.unfit || dm_graph_status(g) != DM_OK) return 0;
@@ -36,21 +37,33 @@ static int rewrite(dm_graph *g, const dm_node *roots, uint32_t m, int factor,
     return dm_graph_status(g) == DM_OK;
 }
 
-void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
+/* the cheapest way, the expanded one counted at `favour` percent of its cost */
+static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favour,
+                    dm_node *out) {
     dm_node *tried = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *tried);
+    dm_node *start = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *start);
     if (out != roots) memcpy(out, roots, m * sizeof *out);
-    if (!tried || g->verbatim || dm_operations(g, roots, m) > LARGEST) return;
-    dm_node *const start = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *start);
-    if (!start) return;
+    if (!tried || !start || g->verbatim || dm_operations(g, roots, m) > LARGEST) return;
     memcpy(start, roots, m * sizeof *start);
-    uint32_t least = cost(g, start, m);
-    for (int factor = 0; factor < 2; factor++) {
-        if (!rewrite(g, start, m, factor, tried)) return;
-        const uint32_t now = cost(g, tried, m);
+    uint64_t least = 100 * (uint64_t)cost(g, start, m);
+    for (int way = 0; way < WAYS; way++) {
+        if (!rewrite(g, start, m, way, tried)) return;
+        const uint64_t now =
+            (way == EXPANDED ? favour : 100) * (uint64_t)cost(g, tried, m);
         if (now >= least) continue;
         least = now;
         memcpy(out, tried, m * sizeof *out);
     }
+}
+
+void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
+    compact(g, roots, m, 100, out);
+}
+
+dm_node dm_compact_source(dm_graph *g, dm_node f) {
+    dm_node out = f;
+    compact(g, &f, 1, 75, &out);
+    return out;
 }
 
 static uint32_t count_marked(const dm_graph *g, uint32_t end) {

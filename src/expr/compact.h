@@ -12,6 +12,10 @@
 */
 void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out);
 
+/* The form of f to differentiate: a sum of products where that is not much longer, as then like
+** terms of the derivatives meet. */
+dm_node dm_compact_source(dm_graph *g, dm_node f);
+
 /*
 ** The same as a graph of its own, in the arena of g, with nothing else in it and its nodes in
 ** the order of a walk from the roots: what else g holds makes no difference, so that all

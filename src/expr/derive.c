@@ -225,10 +225,15 @@ static void forward(sweep *s, dm_graph *g, uint32_t end, uint32_t j) {
     }
 }
 
-void dm_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *out) {
+static void gradient_of(dm_graph *g, dm_node f, uint32_t first, uint32_t n,
+                        dm_node *out) {
     sweep s;
     memset(out, 0, n * sizeof *out);
     if (sweep_open(&s, g, first, n)) reverse(&s, g, f, out);
+}
+
+void dm_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *out) {
+    gradient_of(g, dm_compact_source(g, f), first, n, out);
 }
 
 static void jacobian_by_rows(sweep *s, dm_graph *g, const dm_node *f, uint32_t m,
@@ -298,8 +303,8 @@ void dm_hessian(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *gra
     const size_t count = (size_t)n * n;
     uint32_t least = UINT32_MAX;
     memset(hessian, 0, count * sizeof *hessian);
-    dm_compact(g, &f, 1, &f);
-    dm_gradient(g, f, first, n, gradient);
+    f = dm_compact_source(g, f);
+    gradient_of(g, f, first, n, gradient);
     dm_node *tried = dm_arena_take(g->arena, (count + 1) * sizeof *tried);
     dm_node *all = dm_arena_take(g->arena, (n + count + 1) * sizeof *all);
     if (!tried || !all) dm_graph_fail(g, DM_NO_MEMORY);

@@ -20,11 +20,16 @@ static void take_slot(dm_emitter *e, dm_place *v) {
     v->homed = 1;
 }
 
+/* free for the next step: this one may still read it after it has put another value away */
 static void give_slot_back(dm_emitter *e, dm_place *v) {
     if (v->slot == DM_NO_SLOT) return;
-    e->free[e->frees++] = v->slot;
+    e->dying[e->dead++] = v->slot;
     v->slot = DM_NO_SLOT;
     v->homed = 0;
+}
+
+void dm_bury_slots(dm_emitter *e) {
+    while (e->dead) e->free[e->frees++] = e->dying[--e->dead];
 }
 
 /* a copy in memory, on the stack unless there is one */
