@@ -33,6 +33,8 @@ typedef struct {
         pinned;    /* registers, one bit each; pinned: the current step needs it */
     int32_t *free; /* stack of stack slots to use again */
     int32_t frees, slots;
+    int32_t dying[8]; /* slots whose value this step used last */
+    int dead;
     const dm_plan *plan;
 } dm_emitter;
 
@@ -42,6 +44,9 @@ int dm_emit_open(dm_emitter *e, dm_graph *g, const dm_plan *plan, uint32_t lanes
 int dm_take_register(dm_emitter *e);              /* a free one, pinned */
 int dm_in_a_register(dm_emitter *e, dm_node n);   /* n in one, pinned */
 dm_operand dm_anywhere(dm_emitter *e, dm_node n); /* n where it is, pinned */
+
+/* Slots that the step before used last are free from now on. */
+void dm_bury_slots(dm_emitter *e);
 
 /* The operands of s move on to their next use; what has none makes room; nothing is pinned. */
 void dm_pass_operands(dm_emitter *e, const dm_step *s);

@@ -140,6 +140,7 @@ static const uint8_t opcodes[DM_OP_COUNT] = {
     [DM_OP_DIV] = DM_X86_DIV, [DM_OP_MIN] = DM_X86_MIN, [DM_OP_MAX] = DM_X86_MAX};
 
 static void emit_step(dm_emitter *e, const dm_step *s) {
+    dm_bury_slots(e);
     if (opcodes[s->op])
         two_operands(e, s, opcodes[s->op]);
     else if (s->op == DM_OP_NEG)

@@ -103,11 +103,9 @@ static void fuse(const dm_model *m, layout *l) {
 
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     layout *l = (layout *)(void *)s->work;
-    l->table = *table;
-    l->c[0] = 0.0;
+    *l = (layout){.table = *table};
     for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
     l->c[table->stages] = 1.0;
-    l->fused.size = 0;
     if (s->model->source.graph) fuse(s->model, l);
 }
 

@@ -118,6 +118,44 @@ static void model_kernels(void) {
     }
 }
 
+/* attracting bodies in space: many values alive that are read once from memory, so that a slot
+** whose value dies in a step must not be used again within that step */
+static void crowded(void) {
+    random_source r = {29};
+    for (uint32_t bodies = 2; bodies <= 9; bodies++) {
+        const uint32_t n = 3 * bodies;
+        double in[27], *a, *b;
+        dm_arena arena = new_arena();
+        dm_graph *g = dm_graph_new(&arena, n);
+        dm_node *roots = dm_arena_take(&arena, (n + n * n) * sizeof *roots), V = 0;
+        for (uint32_t i = 0; i < bodies; i++)
+            for (uint32_t j = 0; j < i; j++) {
+                dm_node r2 = 0;
+                for (uint32_t k = 0; k < 3; k++) {
+                    const dm_node d =
+                        dm_sub(g, dm_input(g, 3 * i + k), dm_input(g, 3 * j + k));
+                    r2 = dm_add(g, r2, dm_mul(g, d, d));
+                }
+                const dm_node c = dm_constant(g, 0.3 + 0.7 * i + j);
+                V = dm_add(g, V, dm_div(g, c, dm_apply(g, DM_OP_SQRT, r2, 0, 0)));
+            }
+        const uint32_t m = n + n * n;
+        dm_hessian(g, V, 0, n, roots, roots + n);
+        dm_kernel tape, jit;
+        CHECK(dm_tape_build(&tape, g, roots, m, &arena) == DM_OK);
+        CHECK(dm_jit_build(&jit, g, roots, m, &arena) == DM_OK);
+        a = dm_arena_take(&arena, m * sizeof *a),
+        b = dm_arena_take(&arena, m * sizeof *b);
+        dm_kernel_prepare(&tape, a);
+        dm_kernel_prepare(&jit, b);
+        for (uint32_t j = 0; j < n; j++) in[j] = random_between(&r, -2.0, 2.0);
+        dm_kernel_eval(&tape, in, a);
+        dm_kernel_eval(&jit, in, b);
+        CHECK(memcmp(a, b, m * sizeof *a) == 0);
+        dm_arena_release(&arena);
+    }
+}
+
 static void refusals(void) {
     dm_arena arena = new_arena();
     dm_graph *g = dm_graph_new(&arena, 1);
@@ -186,6 +224,9 @@ int main(int argc, char **argv) {
     RUN(large, "graphs of up to 100000 operations");
     RUN(pressure, "more values alive than registers");
     RUN(model_kernels, "kernels of the models: tape = native code, bit for bit");
+    if (dm_jit_lanes())
+        RUN(crowded,
+            "nine bodies: more values alive than registers, many dying in memory");
     RUN(refusals, "no AVX, no such width: the tape takes over");
     RUN(refused_code_memory, "executable memory refused");
     RUN(refused_memory, "memory refused from the n-th request on, for all n");
