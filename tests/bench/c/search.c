@@ -8,13 +8,15 @@
 
 enum { LARGEST = 1024, CURVE = 64, BATCHES = 5 };
 static const double TARGETS[] = {1e-4, 1e-8, 1e-10};
-static const double LONGEST = 6e7; /* ns of one run */
+static const double LONGEST =
+    6e7; /* ns of one run, until something has reached the last target */
 
 typedef struct {
     const char *side;
     const bench_problem *problem;
     const bench_method *method;
     double *out, *reference;
+    double longest; /* ns: beyond it a method has lost */
 } search;
 
 double bench_now(void) {
@@ -113,14 +115,20 @@ static int curve(const search *s, long *steps, double *errors) {
             printf("\n");
         }
         /* beyond the last target, or no longer falling */
-        if (errors[count] < 2e-11 || ns > LONGEST) return count + 1;
+        if (errors[count] < 2e-11 || ns > s->longest) return count + 1;
         if (errors[count] > 30 * best && best < 1e-7) return count + 1;
         best = fmin(best, errors[count++]);
     }
     return count;
 }
 
-static void search_method(const search *s) {
+/* thirty times the best is off the picture */
+static void shorten(search *s, double target, double ns) {
+    if (target == TARGETS[sizeof TARGETS / sizeof *TARGETS - 1])
+        s->longest = fmin(s->longest, fmax(30.0 * ns, 2e6));
+}
+
+static void search_method(search *s) {
     long steps[CURVE];
     double errors[CURVE];
     const int count = curve(s, steps, errors);
@@ -130,8 +138,10 @@ static void search_method(const search *s) {
         if (i == count) continue;
         const long m = smallest(s, i ? steps[i - 1] : 0, steps[i], TARGETS[t]);
         const double error = error_of(s, m);
-        print_line(s, "target", m, error, bench_time(s->out, s->method, m));
+        const double ns = bench_time(s->out, s->method, m);
+        print_line(s, "target", m, error, ns);
         printf("\t%g\n", TARGETS[t]);
+        shorten(s, TARGETS[t], ns);
         fflush(stdout);
     }
 }
@@ -144,6 +154,7 @@ int bench_search(const char *side, const bench_problem *problems, const char *fo
     for (const bench_problem *p = problems; !missing && p->key; p++) {
         if (strncmp(p->key, only, strlen(only)) != 0) continue;
         s.problem = p;
+        s.longest = LONGEST;
         if (!bench_read_reference(s.reference, folder, p)) {
             fprintf(stderr, "bench: no reference for %s in %s\n", p->key, folder);
             missing = 1;

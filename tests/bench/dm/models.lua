@@ -1,0 +1,102 @@
+-- The problems of docs/benchmarks.md as a user of dmlua writes them:
+-- { key, T =, system =, q =, v =, positions = function(q) (numbers whose error counts) }
+local dm = require "dm"
+local sqrt, sin, cos, exp, pi = math.sqrt, math.sin, math.cos, math.exp, math.pi
+
+local models = {}
+local function add(key, model)
+  model.key = key
+  models[#models + 1] = model
+end
+
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+for _, e in ipairs { 0.6, 0.9 } do
+  add("P1-" .. e, { T = 200 * pi, system = kepler, q = { 1 - e, 0 }, v = { 0, sqrt((1 + e) / (1 - e)) } })
+end
+
+local J2, speed = 0.05, sqrt(1.1 / 0.9)
+local satellite = dm.system { Q = dm.R(3), L = function(q, v)
+  local r2 = q:dot(q)
+  local r = sqrt(r2)
+  return v:dot(v) / 2 + 1 / r - J2 / (2 * r ^ 3) * (3 * q[3] ^ 2 / r2 - 1)
+end }
+add("P2", { T = 200 * pi, system = satellite, q = { 0.9, 0, 0 }, v = { 0, speed * cos(0.6), speed * sin(0.6) } })
+
+-- masses in solar masses, AU, days
+local bodies = {
+  { 1.00000597682, { 0, 0, 0 }, { 0, 0, 0 } },
+  { 0.000954786104043, { -3.5023653, -3.8169847, -1.5507963 }, { 0.00565429, -0.00412490, -0.00190589 } },
+  { 0.000285583733151, { 9.0755314, -3.0458353, -1.6483708 }, { 0.00168318, 0.00483525, 0.00192462 } },
+  { 0.0000437273164546, { 8.3101420, -16.2901086, -7.2521278 }, { 0.00354178, 0.00137102, 0.00055029 } },
+  { 0.0000517759138449, { 11.4707666, -25.7294829, -10.8169456 }, { 0.00288930, 0.00114527, 0.00039677 } },
+  { 1 / 1.3e8, { -15.5387357, -25.2225594, -3.1902382 }, { 0.00276725, -0.00170702, -0.00136504 } },
+}
+local planets = { q = {}, v = {} }
+for _, body in ipairs(bodies) do
+  for k = 1, 3 do
+    planets.q[#planets.q + 1] = body[2][k]
+    planets.v[#planets.v + 1] = body[3][k]
+  end
+end
+local G = 2.95912208286e-4
+local function of(i, z) return z:slice(3 * i - 2, 3 * i) end
+local solar = dm.system { Q = dm.R(18), L = function(q, v)
+  local L = 0
+  for i, a in ipairs(bodies) do
+    L = L + a[1] / 2 * of(i, v):dot(of(i, v))
+    for j = 1, i - 1 do L = L + G * a[1] * bodies[j][1] / (of(i, q) - of(j, q)):norm() end
+  end
+  return L
+end }
+add("P3", { T = 200000, system = solar, q = planets.q, v = planets.v })
+
+-- double spherical pendulum in angles (polar from below, azimuth) of each rod
+local function rod_velocity(a, b, da, db)
+  return da * cos(a) * cos(b) - db * sin(a) * sin(b), da * cos(a) * sin(b) + db * sin(a) * cos(b), da * sin(a)
+end
+local function rod(a, b) return sin(a) * cos(b), sin(a) * sin(b), -cos(a) end
+local pendulum = dm.system { Q = dm.R(4), L = function(q, v)
+  local x1, y1, z1 = rod_velocity(q[1], q[2], v[1], v[2])
+  local x2, y2, z2 = rod_velocity(q[3], q[4], v[3], v[4])
+  local T = (x1 ^ 2 + y1 ^ 2 + z1 ^ 2 + (x1 + x2) ^ 2 + (y1 + y2) ^ 2 + (z1 + z2) ^ 2) / 2
+  return T + 9.81 * (2 * cos(q[1]) + cos(q[3]))
+end }
+add("P4", { T = 10, system = pendulum, q = { 0.8, 0, 0.4, 0 }, v = { 0, 1 / sin(0.8), 0, -0.5 / sin(0.4) },
+  positions = function(q)
+    local x1, y1, z1 = rod(q[1], q[2])
+    local x2, y2, z2 = rod(q[3], q[4])
+    return { x1, y1, z1, x1 + x2, y1 + y2, z1 + z2 }
+  end })
+
+for _, k in ipairs { "1e2", "1e4", "1e6" } do
+  local stiffness = tonumber(k)
+  add("P6-" .. k, { T = 16, q = { sin(1), -cos(1) }, v = { 0, 0 }, system = dm.system { Q = dm.R(2), L = function(q, v)
+    return v:dot(v) / 2 - stiffness / 2 * (q:norm() - 1) ^ 2 - 9.81 * q[2]
+  end } })
+end
+
+-- velocities of the chains: s <- 1664525 s + 1013904223 (32 bits), mean removed
+local function chain_start(n)
+  local q, v, mean, s = {}, {}, 0, 12345
+  for i = 1, n do
+    s = (1664525 * s + 1013904223) & 0xffffffff
+    q[i], v[i] = 0, (s >> 8) / 2 ^ 23 - 1
+    mean = mean + v[i]
+  end
+  for i = 1, n do v[i] = v[i] - mean / n end
+  return q, v
+end
+local bonds = { toda = function(d) return exp(d) - 1 end, fpu = function(d) return d ^ 2 / 2 + d ^ 4 / 4 end }
+for _, name in ipairs { "toda", "fpu" } do
+  for _, n in ipairs { 3, 32, 1024 } do
+    local q, v = chain_start(n)
+    local W = bonds[name]
+    add(("P8-%s-%d"):format(name, n), { T = n == 1024 and 16 or 100, q = q, v = v, long = n == 1024,
+      system = dm.system { Q = dm.R(n), L = function(x, u)
+        local L = u:dot(u) / 2
+        for i = 1, n do L = L - W(x[i] - x[i % n + 1]) end
+        return L
+      end } })
+  end
+end
+return models

@@ -1,0 +1,74 @@
+-- table.lua FOLDER CSV LOAD: prints the tables of the benchmark and writes the CSV file
+package.path = arg[0]:match "^(.*/)" .. "?.lua;" .. package.path
+local results = require "results"
+local folder, load = arg[1], arg[3]
+local csv = assert(io.open(arg[2], "w"))
+csv:write "problem,target error,rule,ns,bound_ns,ratio,peer,peer_ns,bound_rule,load\n"
+
+local function quoted(x)
+  x = tostring(x)
+  return x:find '[,"]' and '"' .. x:gsub('"', '""') .. '"' or x
+end
+local function write_row(row)
+  for i = 1, 10 do
+    csv:write(row[i] == nil and "" or quoted(row[i]), i < 10 and "," or "\n")
+  end
+end
+
+local function duration(ns)
+  if not ns then return "-" end
+  if ns < 1e3 then return ("%.3g ns"):format(ns) end
+  if ns < 1e6 then return ("%.1f us"):format(ns / 1e3) end
+  return ("%.2f ms"):format(ns / 1e6)
+end
+local function ratio(a, b) return a and b and ("%.2f"):format(a / b) or "-" end
+
+-- work at equal error: the cheapest of each side; the file has every rule of dmlua
+local all = results.searches(folder)
+local FORM = "%-13s %-6s | %-22s %10s | %-30s %10s %6s | %-29s %10s %6s"
+print(FORM:format("problem", "error", "bound", "", "dmlua", "", "ratio", "best peer", "", "ratio"))
+for _, key in ipairs(all.problems) do
+  for _, target in ipairs(results.targets) do
+    local sides = (all.targets[key] or {})[target] or {}
+    local bound, peer = (sides.bound or {})[1], (sides.peer or {})[1]
+    local best = (sides.dmlua or {})[1]
+    if bound then
+      print(FORM:format(key, ("%g"):format(target), bound.method, duration(bound.ns), best and best.method or "not reached",
+        duration(best and best.ns), ratio(best and best.ns, bound.ns), peer and peer.method or "not reached",
+        duration(peer and peer.ns), ratio(peer and peer.ns, bound.ns)))
+      for _, rule in ipairs(sides.dmlua or { {} }) do
+        write_row { key, ("%g"):format(target), rule.method, rule.ns, bound.ns,
+          rule.ns and ("%.3f"):format(rule.ns / bound.ns), peer and peer.method, peer and peer.ns, bound.method, load }
+      end
+    end
+  end
+end
+
+-- ns per step
+local what, order = {}, {}
+for _, row in ipairs(results.steps(folder)) do
+  local _, side, name, method, ns, newton = table.unpack(row)
+  if not what[name] then
+    what[name] = {}
+    order[#order + 1] = name
+  end
+  table.insert(what[name], { side = side, method = method, ns = ns, newton = newton })
+end
+if #order > 0 then print(("\n%-38s %-6s %-24s %10s %8s %6s"):format("ns per step", "", "", "ns", "Newton", "ratio")) end
+for _, name in ipairs(order) do
+  local bound, peer = nil, nil
+  for _, row in ipairs(what[name]) do
+    if row.side == "C" and (not bound or row.ns < bound.ns) then bound = row end
+    if row.side == "peer" and (not peer or row.ns < peer.ns) then peer = row end
+  end
+  for _, row in ipairs(what[name]) do
+    print(("%-38s %-6s %-24s %10.2f %8s %6s"):format(name, row.side, row.method, row.ns,
+      row.newton > 0 and ("%.2f"):format(row.newton) or "", ratio(row.ns, bound.ns)))
+    if row.side == "dmlua" then
+      write_row { name, nil, row.method, row.ns, bound.ns, ("%.3f"):format(row.ns / bound.ns), peer and peer.method,
+        peer and peer.ns, bound.method, load }
+    end
+  end
+end
+csv:close()
+print(("\nload at the start %s; figures also in %s"):format(load, arg[2]))
