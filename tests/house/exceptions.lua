@@ -4,6 +4,9 @@ return {
   calls = {
     { "ensemble", "pthread_create", "members of an ensemble are shared out to threads" },
     { "ensemble", "pthread_join", "and waited for" },
+    { "code_memory", "mmap", "native code lives in pages of its own" },
+    { "code_memory", "mprotect", "which are written first, then executed" },
+    { "code_memory", "munmap", "and given back" },
   },
   -- functions over the limit: file, name, lines, why
   functions = {
