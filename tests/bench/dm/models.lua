@@ -50,18 +50,19 @@ local solar = dm.system { Q = dm.R(18), L = function(q, v)
 end }
 add("P3", { T = 200000, system = solar, q = planets.q, v = planets.v })
 
--- double spherical pendulum in angles (polar from below, azimuth) of each rod
+-- double spherical pendulum: swing a in the x-z plane and latitude b towards y of each rod
+-- (cos b sin a, sin b, -cos b cos a), whose poles the motion does not come near
+local function rod(a, b) return cos(b) * sin(a), sin(b), -cos(b) * cos(a) end
 local function rod_velocity(a, b, da, db)
-  return da * cos(a) * cos(b) - db * sin(a) * sin(b), da * cos(a) * sin(b) + db * sin(a) * cos(b), da * sin(a)
+  return da * cos(b) * cos(a) - db * sin(b) * sin(a), db * cos(b), da * cos(b) * sin(a) + db * sin(b) * cos(a)
 end
-local function rod(a, b) return sin(a) * cos(b), sin(a) * sin(b), -cos(a) end
 local pendulum = dm.system { Q = dm.R(4), L = function(q, v)
   local x1, y1, z1 = rod_velocity(q[1], q[2], v[1], v[2])
   local x2, y2, z2 = rod_velocity(q[3], q[4], v[3], v[4])
   local T = (x1 ^ 2 + y1 ^ 2 + z1 ^ 2 + (x1 + x2) ^ 2 + (y1 + y2) ^ 2 + (z1 + z2) ^ 2) / 2
-  return T + 9.81 * (2 * cos(q[1]) + cos(q[3]))
+  return T + 9.81 * (2 * cos(q[2]) * cos(q[1]) + cos(q[4]) * cos(q[3]))
 end }
-add("P4", { T = 10, system = pendulum, q = { 0.8, 0, 0.4, 0 }, v = { 0, 1 / sin(0.8), 0, -0.5 / sin(0.4) },
+add("P4", { T = 10, system = pendulum, q = { 0.8, 0, 0.4, 0 }, v = { 0, 1, 0, -0.5 },
   positions = function(q)
     local x1, y1, z1 = rod(q[1], q[2])
     local x2, y2, z2 = rod(q[3], q[4])

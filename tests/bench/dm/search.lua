@@ -34,13 +34,13 @@ end
 
 -- solver and run, as a script has them; rules with a time of their own give the states at given times
 local function run(model, rule, m)
-  if rule:find "^log" then
-    local at = {}
-    for i = 1, OUTPUTS do at[i] = model.T / OUTPUTS * i end
-    return model.system:solver({ rule = rule, h = model.T / OUTPUTS / m }):run { q = model.q, v = model.v, at = at }
+  local solver = model.system:solver { rule = rule, h = model.T / OUTPUTS / m }
+  if not rule:find "^log" then
+    return solver:run { q = model.q, v = model.v, steps = OUTPUTS * m, every = m }, solver
   end
-  return model.system:solver({ rule = rule, h = model.T / OUTPUTS / m }):run {
-    q = model.q, v = model.v, steps = OUTPUTS * m, every = m }
+  local at = {}
+  for i = 1, OUTPUTS do at[i] = model.T / OUTPUTS * i end
+  return solver:run { q = model.q, v = model.v, at = at }, solver
 end
 
 -- max norm over the 32 outputs (the first row may be the start)
@@ -81,6 +81,16 @@ local function time_of(model, rule, m)
   return best[3]
 end
 
+-- trace and compilation, which are part of every run: the best of a few, ns
+local function setup_of(model, rule, m)
+  local least = math.huge
+  for _ = 1, 5 do
+    local _, solver = run(model, rule, m)
+    least = math.min(least, solver:report().compile_ms * 1e6)
+  end
+  return least
+end
+
 local function line(kind, model, rule, m, err, ns, ...)
   print(table.concat({ kind, "dmlua", model.key, rule, OUTPUTS * m, ("%.3e"):format(err), ("%.1f"):format(ns), ... }, "\t"))
 end
@@ -119,7 +129,8 @@ local function search(model, rule)
       if point.err <= target then
         local m = smallest(model, rule, i > 1 and points[i - 1].m or 0, point.m, target)
         local ns = time_of(model, rule, m)
-        line("target", model, rule, m, error_of(model, rule, m), ns, ("%g"):format(target))
+        line("target", model, rule, m, error_of(model, rule, m), ns, ("%g"):format(target),
+          ("%.0f"):format(setup_of(model, rule, m)))
         if target == TARGETS[#TARGETS] then model.longest = math.min(model.longest, math.max(30 * ns, 2e6)) end
         break
       end

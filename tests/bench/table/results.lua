@@ -18,7 +18,7 @@ end
 
 local SEARCHES = { "search-bound.tsv", "search-gsl.tsv", "search-odeint.tsv", "search-dmlua.tsv" }
 
--- { problems = keys in order, targets[key][target][side] = rows {method, steps, error, ns} by ns,
+-- { problems = keys in order, targets[key][target][side] = rows {method, steps, error, ns, setup} by ns,
 --   curves[key][side][method] = {{ns, error}, ...} }
 function results.searches(folder)
   local all = { problems = {}, targets = {}, curves = {} }
@@ -27,14 +27,14 @@ function results.searches(folder)
     return t[key]
   end
   for _, row in ipairs(results.lines(folder, SEARCHES)) do
-    local kind, side, key, method, steps, err, ns, target = table.unpack(row)
+    local kind, side, key, method, steps, err, ns, target, setup = table.unpack(row)
     if not all.curves[key] then all.problems[#all.problems + 1] = key end
     local curve = at(at(at(all.curves, key), side), method)
     if kind == "point" then
       curve[#curve + 1] = { ns, err }
     else
       local list = at(at(at(all.targets, key), target), side)
-      list[#list + 1] = { method = method, steps = steps, error = err, ns = ns }
+      list[#list + 1] = { method = method, steps = steps, error = err, ns = ns, setup = setup }
     end
   end
   for _, targets in pairs(all.targets) do

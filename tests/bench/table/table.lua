@@ -3,15 +3,15 @@ package.path = arg[0]:match "^(.*/)" .. "?.lua;" .. package.path
 local results = require "results"
 local folder, load = arg[1], arg[3]
 local csv = assert(io.open(arg[2], "w"))
-csv:write "problem,target error,rule,ns,bound_ns,ratio,peer,peer_ns,bound_rule,load\n"
+csv:write "problem,target error,rule,ns,bound_ns,ratio,peer,peer_ns,bound_rule,setup_ns,load\n"
 
 local function quoted(x)
   x = tostring(x)
   return x:find '[,"]' and '"' .. x:gsub('"', '""') .. '"' or x
 end
 local function write_row(row)
-  for i = 1, 10 do
-    csv:write(row[i] == nil and "" or quoted(row[i]), i < 10 and "," or "\n")
+  for i = 1, 11 do
+    csv:write(row[i] == nil and "" or quoted(row[i]), i < 11 and "," or "\n")
   end
 end
 
@@ -25,8 +25,9 @@ local function ratio(a, b) return a and b and ("%.2f"):format(a / b) or "-" end
 
 -- work at equal error: the cheapest of each side; the file has every rule of dmlua
 local all = results.searches(folder)
-local FORM = "%-13s %-6s | %-22s %10s | %-30s %10s %6s | %-29s %10s %6s"
-print(FORM:format("problem", "error", "bound", "", "dmlua", "", "ratio", "best peer", "", "ratio"))
+-- the ratio, and in brackets without the set-up (tracing and compilation) that is part of the time
+local FORM = "%-13s %-6s | %-21s %9s | %-24s %9s %7s (%6s) | %-29s %9s %7s"
+print(FORM:format("problem", "error", "bound", "", "dmlua", "", "ratio", "run", "best peer", "", "ratio"))
 for _, key in ipairs(all.problems) do
   for _, target in ipairs(results.targets) do
     local sides = (all.targets[key] or {})[target] or {}
@@ -34,11 +35,11 @@ for _, key in ipairs(all.problems) do
     local best = (sides.dmlua or {})[1]
     if bound then
       print(FORM:format(key, ("%g"):format(target), bound.method, duration(bound.ns), best and best.method or "not reached",
-        duration(best and best.ns), ratio(best and best.ns, bound.ns), peer and peer.method or "not reached",
+        duration(best and best.ns), ratio(best and best.ns, bound.ns), ratio(best and best.ns - best.setup, bound.ns), peer and peer.method or "not reached",
         duration(peer and peer.ns), ratio(peer and peer.ns, bound.ns)))
       for _, rule in ipairs(sides.dmlua or { {} }) do
         write_row { key, ("%g"):format(target), rule.method, rule.ns, bound.ns,
-          rule.ns and ("%.3f"):format(rule.ns / bound.ns), peer and peer.method, peer and peer.ns, bound.method, load }
+          rule.ns and ("%.3f"):format(rule.ns / bound.ns), peer and peer.method, peer and peer.ns, bound.method, rule.setup, load }
       end
     end
   end
@@ -66,7 +67,7 @@ for _, name in ipairs(order) do
       row.newton > 0 and ("%.2f"):format(row.newton) or "", ratio(row.ns, bound.ns)))
     if row.side == "dmlua" then
       write_row { name, nil, row.method, row.ns, bound.ns, ("%.3f"):format(row.ns / bound.ns), peer and peer.method,
-        peer and peer.ns, bound.method, load }
+        peer and peer.ns, bound.method, nil, load }
     end
   end
 end
