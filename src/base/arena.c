@@ -80,11 +80,23 @@ int dm_arena_on_release(dm_arena *arena, void (*release)(void *ud), void *ud) {
     return 1;
 }
 
-void dm_arena_release(dm_arena *arena) {
-    for (const dm_arena_cleanup *c = arena->cleanups; c; c = c->next) c->release(c->ud);
-    for (dm_arena_chunk *chunk = arena->chunks, *next; chunk; chunk = next) {
+static void release_chunks(dm_arena *arena, dm_arena_chunk *chunk) {
+    for (dm_arena_chunk *next; chunk; chunk = next) {
         next = chunk->next;
+        arena->total -= chunk->size;
         arena->allocate(arena->ud, chunk, chunk->size, 0);
     }
+}
+
+void dm_arena_reset(dm_arena *arena) {
+    if (!arena->chunks) return;
+    release_chunks(arena, arena->chunks->next);
+    arena->chunks->next = NULL;
+    arena->used = 0;
+}
+
+void dm_arena_release(dm_arena *arena) {
+    for (const dm_arena_cleanup *c = arena->cleanups; c; c = c->next) c->release(c->ud);
+    release_chunks(arena, arena->chunks);
     dm_arena_init(arena, arena->allocate, arena->ud);
 }

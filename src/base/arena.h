@@ -30,6 +30,10 @@ void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size
 /* Call release(ud) before the memory is given back; 0 (and no call) without memory for that. */
 int dm_arena_on_release(dm_arena *arena, void (*release)(void *ud), void *ud);
 
+/* Forget what was taken, for new use; the newest block stays, the others are given back. Not
+** for an arena that something is to be called for on release. */
+void dm_arena_reset(dm_arena *arena);
+
 /* Give everything back; the arena is empty and can be used again. */
 void dm_arena_release(dm_arena *arena);
 

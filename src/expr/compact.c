@@ -6,7 +6,10 @@
 
 #include <string.h>
 
-enum { LARGEST = 20000 }; /* operations; larger graphs stay as they are */
+enum {
+    LARGEST = 20000, /* operations; larger graphs stay as they are */
+    MOST_PASSES = 6
+};
 
 /* clock cycles, roughly, of what a kernel has to do */
 static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
@@ -21,39 +24,66 @@ static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
     return sum;
 }
 
-enum { AS_IS, FACTORED, EXPANDED, WAYS }; /* of rewriting; the cheapest result is kept */
+/* roots on their way to fewer operations */
+typedef struct {
+    dm_graph *g;
+    uint32_t m;
+    dm_arena scratch; /* of one pass at a time */
+    dm_node *now, *best;
+    uint64_t least; /* cost of the best */
+} search;
 
-static int rewrite(dm_graph *g, const dm_node *roots, uint32_t m, int way, dm_node *out) {
+/* one pass over `now`; its cost, or UINT64_MAX where it failed */
+static uint64_t pass(search *x, int expand) {
     dm_terms s;
-    dm_scaled *value = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *value);
-    if (!value) return (int)dm_graph_fail(g, DM_NO_MEMORY);
-    if (!dm_terms_open(&s, g) || !dm_terms_read(&s, roots, m, value)) return 0;
-    if (way == EXPANDED) dm_terms_expand(&s, value, m);
-    if (way != AS_IS) dm_terms_factor(&s, value, m);
-    dm_terms_share(&s, value, m, DM_TERM_PRODUCT);
-    dm_terms_share(&s, value, m, DM_TERM_SUM);
-    if (s.unfit || dm_graph_status(g) != DM_OK) return 0;
-    dm_terms_write(&s, value, m, out);
-    return dm_graph_status(g) == DM_OK;
+    dm_arena_reset(&x->scratch);
+    dm_scaled *value = dm_arena_take(&x->scratch, (x->m + 1) * sizeof *value);
+    if (!value) dm_graph_fail(x->g, DM_NO_MEMORY);
+    if (!value || !dm_terms_open(&s, x->g, &x->scratch)) return UINT64_MAX;
+    if (!dm_terms_read(&s, x->now, x->m, value)) return UINT64_MAX;
+    if (expand) dm_terms_expand(&s, value, x->m);
+    dm_terms_factor(&s, value, x->m);
+    dm_terms_share(&s, value, x->m, DM_TERM_PRODUCT);
+    dm_terms_share(&s, value, x->m, DM_TERM_SUM);
+    if (s.unfit || dm_graph_status(x->g) != DM_OK) return UINT64_MAX;
+    dm_terms_write(&s, value, x->m, x->now);
+    return dm_graph_status(x->g) == DM_OK ? cost(x->g, x->now, x->m) : UINT64_MAX;
 }
 
-/* the cheapest way, the expanded one counted at `favour` percent of its cost */
+/* passes from the roots on, each over what the one before left, as long as they help and are
+** not far behind the best; costs count `percent` */
+static void follow(search *x, const dm_node *roots, int expand, uint32_t percent) {
+    uint64_t before = UINT64_MAX;
+    memcpy(x->now, roots, x->m * sizeof *roots);
+    for (int passes = 0; passes < MOST_PASSES; passes++) {
+        const uint64_t own = pass(x, expand && passes == 0);
+        if (own == UINT64_MAX) return;
+        const uint64_t now = own * percent;
+        if (now < x->least) {
+            x->least = now;
+            memcpy(x->best, x->now, x->m * sizeof *x->best);
+        }
+        if (4 * now > 5 * x->least || own > before - before / 64) return;
+        before = own;
+    }
+}
+
+/* the cheapest form found; the expanded ones counted at `favour` percent of their cost */
 static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favour,
                     dm_node *out) {
-    dm_node *tried = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *tried);
-    dm_node *start = dm_arena_take(dm_graph_arena(g), (m + 1) * sizeof *start);
+    search x = {.g = g, .m = m};
+    dm_node *start = dm_arena_take(g->arena, (m + 1) * sizeof *start);
     if (out != roots) memcpy(out, roots, m * sizeof *out);
-    if (!tried || !start || g->verbatim || dm_operations(g, roots, m) > LARGEST) return;
+    if (!start || g->verbatim || dm_operations(g, roots, m) > LARGEST) return;
+    x.now = dm_arena_take(g->arena, (m + 1) * sizeof *x.now);
+    x.best = out;
+    if (!x.now) return;
     memcpy(start, roots, m * sizeof *start);
-    uint64_t least = 100 * (uint64_t)cost(g, start, m);
-    for (int way = 0; way < WAYS; way++) {
-        if (!rewrite(g, start, m, way, tried)) return;
-        const uint64_t now =
-            (way == EXPANDED ? favour : 100) * (uint64_t)cost(g, tried, m);
-        if (now >= least) continue;
-        least = now;
-        memcpy(out, tried, m * sizeof *out);
-    }
+    dm_arena_init(&x.scratch, g->arena->allocate, g->arena->ud);
+    x.least = 100 * (uint64_t)cost(g, start, m);
+    follow(&x, start, 1, favour);
+    follow(&x, start, 0, 100);
+    dm_arena_release(&x.scratch);
 }
 
 void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {

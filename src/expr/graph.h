@@ -33,7 +33,7 @@ typedef struct {
     } as;
 } dm_expr;
 
-enum { DM_GRAPH_LIMIT = 1 << 22 }; /* nodes */
+enum { DM_GRAPH_LIMIT = 1 << 21 }; /* nodes */
 
 /* A graph with inputs 0 .. inputs-1; node 0 is the constant zero. NULL: no memory. */
 dm_graph *dm_graph_new(dm_arena *arena, uint32_t inputs);

@@ -48,7 +48,7 @@ static uint32_t slot_of(const dm_terms *s, const dm_term_entry *head,
 }
 
 static int grow_entries(dm_terms *s) {
-    dm_arena *arena = dm_graph_arena(s->g);
+    dm_arena *arena = s->arena;
     const size_t held = s->capacity, want = held ? 2 * held : FIRST_TERMS;
     dm_term_entry *entries =
         dm_arena_grow(arena, s->entries, held * sizeof *entries, want * sizeof *entries);
@@ -69,8 +69,8 @@ static int grow_parts(dm_terms *s, dm_part **parts, uint32_t *capacity, uint32_t
     if (want <= *capacity) return 1;
     uint32_t room = *capacity ? *capacity : FIRST_TERMS;
     while (room < want) room *= 2;
-    dm_part *grown = dm_arena_grow(dm_graph_arena(s->g), *parts,
-                                   *capacity * sizeof **parts, room * sizeof **parts);
+    dm_part *grown = dm_arena_grow(s->arena, *parts, *capacity * sizeof **parts,
+                                   room * sizeof **parts);
     if (!grown) return fail(s);
     *parts = grown;
     *capacity = room;
@@ -81,8 +81,8 @@ int dm_terms_reserve(dm_terms *s, uint32_t count) {
     return grow_parts(s, &s->scratch, &s->scratch_capacity, count);
 }
 
-int dm_terms_open(dm_terms *s, dm_graph *g) {
-    *s = (dm_terms){.g = g};
+int dm_terms_open(dm_terms *s, dm_graph *g, dm_arena *arena) {
+    *s = (dm_terms){.g = g, .arena = arena};
     if (!grow_entries(s) || !dm_terms_reserve(s, 4 * DM_MOST_FACTORS)) return 0;
     s->entries[0] = (dm_term_entry){.kind = DM_TERM_PRODUCT, .nonnegative = 1};
     s->size = 1;
@@ -259,7 +259,7 @@ static uint32_t walk(const dm_terms *s, dm_term top, visit *stack, dm_term *orde
 
 uint32_t dm_terms_order(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_term **order,
                         uint32_t **uses) {
-    dm_arena *arena = dm_graph_arena(s->g);
+    dm_arena *arena = s->arena;
     uint32_t done = 0;
     visit *stack = dm_arena_take(arena, s->size * sizeof *stack);
     *order = dm_arena_take(arena, s->size * sizeof **order);

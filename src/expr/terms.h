@@ -34,6 +34,7 @@ typedef struct {
 
 typedef struct {
     dm_graph *g;
+    dm_arena *arena; /* of the terms; the graph has its own */
     dm_term_entry *entries;
     uint32_t size, capacity;
     dm_part *parts;
@@ -45,7 +46,7 @@ typedef struct {
     int unfit; /* a coefficient left the normal range: leave the graph as it is */
 } dm_terms;
 
-int dm_terms_open(dm_terms *s, dm_graph *g);
+int dm_terms_open(dm_terms *s, dm_graph *g, dm_arena *arena);
 
 /* Room for `count` parts in s->scratch; 0 without memory. */
 int dm_terms_reserve(dm_terms *s, uint32_t count);

@@ -230,7 +230,7 @@ static dm_scaled expand_atom(expansion *x, dm_term t) {
 }
 
 void dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m) {
-    dm_arena *arena = dm_graph_arena(s->g);
+    dm_arena *arena = s->arena;
     dm_term *order;
     uint32_t *uses;
     const uint32_t count = dm_terms_order(s, roots, m, &order, &uses);

@@ -102,7 +102,7 @@ static dm_term power_times(factoring *f, const candidate *c, dm_term sum) {
 static int pull_out(factoring *f, dm_term t, const candidate *c) {
     dm_terms *s = f->s;
     const uint32_t size = s->entries[t].size;
-    dm_part *rest = dm_arena_take(dm_graph_arena(s->g), 2 * (size + 1) * sizeof *rest);
+    dm_part *rest = dm_arena_take(s->arena, 2 * (size + 1) * sizeof *rest);
     dm_part *inner = rest + size + 1, factors[DM_MOST_FACTORS];
     uint32_t rests = 0, inners = 0;
     if (!rest) return (int)dm_graph_fail(s->g, DM_NO_MEMORY);
@@ -140,7 +140,7 @@ static void factor_sum(factoring *f, dm_term t) {
 
 void dm_terms_factor(dm_terms *s, const dm_scaled *roots, uint32_t m) {
     factoring f = {.s = s, .room = 4 * s->size};
-    dm_arena *arena = dm_graph_arena(s->g);
+    dm_arena *arena = s->arena;
     dm_term *order;
     uint32_t *uses;
     const uint32_t size = s->size, count = dm_terms_order(s, roots, m, &order, &uses);

@@ -135,7 +135,7 @@ static dm_scaled read_node(reader *r, dm_node n) {
 }
 
 int dm_terms_read(dm_terms *s, const dm_node *roots, uint32_t m, dm_scaled *out) {
-    dm_arena *arena = dm_graph_arena(s->g);
+    dm_arena *arena = s->arena;
     const uint32_t end = dm_mark(s->g, roots, m);
     uint32_t *uses = dm_arena_take(arena, (end + 1) * sizeof *uses);
     uint32_t *user = dm_arena_take(arena, (end + 1) * sizeof *user);

@@ -135,7 +135,7 @@ static uint32_t count_pairs(const dm_terms *s, const dm_term *order, uint32_t co
 }
 
 static int open_round(sharing *w, uint32_t room) {
-    dm_arena *arena = dm_graph_arena(w->s->g);
+    dm_arena *arena = w->s->arena;
     uint32_t slots = 64;
     while (slots < 2 * room) slots *= 2;
     if (room > w->room) {

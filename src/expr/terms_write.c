@@ -217,7 +217,7 @@ static dm_node write_term(writer *w, dm_term t) {
 }
 
 static int open_writer(writer *w, dm_terms *s) {
-    dm_arena *arena = dm_graph_arena(s->g);
+    dm_arena *arena = s->arena;
     *w = (writer){.s = s, .g = s->g};
     w->use = dm_arena_take(arena, s->size * sizeof *w->use);
     w->wish = dm_arena_take(arena, s->size);
