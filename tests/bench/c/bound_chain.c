@@ -171,8 +171,8 @@ INLINE void slopes1(double *a, const double *q, int n, double slope1(double)) {
         start(q, v, n);                                                                  \
         rk8(out, steps, n, name##_force_v, q, v, T);                                     \
     }                                                                                    \
-    static const bench_method name[] = {SPLITTING_METHODS(name##_split),                 \
-                                        GAUSS_METHODS(name##_gauss),                     \
+    static const bench_method name[] = {GAUSS_METHODS(name##_gauss),                     \
+                                        SPLITTING_METHODS(name##_split),                 \
                                         {"rk8", name##_rk8, NULL, 0},                    \
                                         STOERMER_METHODS(name##_lanes),                  \
                                         {NULL, NULL, NULL, 0}};
@@ -181,8 +181,8 @@ INLINE void slopes1(double *a, const double *q, int n, double slope1(double)) {
     STAGES_IN_LANES(name, n, T, slope8)                                                  \
     NEIGHBOURS_IN_LANES(name, n, T, slope8, slope1)                                      \
     static const bench_method name[] = {                                                 \
-        SPLITTING_METHODS(name##_split),                                                 \
         GAUSS_METHODS(name##_gauss),                                                     \
+        SPLITTING_METHODS(name##_split),                                                 \
         STOERMER_METHODS(name##_stoermer),                                               \
         {"stoermer(12) in lanes", name##_lanes, NULL, 6},                                \
         {"stoermer(16) in lanes", name##_lanes, NULL, 8},                                \

@@ -152,13 +152,13 @@ INLINE void log_run(double *out, const bench_method *m, long steps, double e) {
         log_run(out, m, steps, e);                                                       \
     }                                                                                    \
     static const bench_method name[] = {                                                 \
-        SPLITTING_METHODS(name##_split),                                                 \
-        {"log-verlet", name##_log, &bench_log_splittings[0], 0},                         \
-        {"log-kahan-li(6)", name##_log, &bench_log_splittings[3], 0},                    \
-        {"log-kahan-li(8)", name##_log, &bench_log_splittings[4], 0},                    \
-        {"log-suzuki-umeno(8)", name##_log, &bench_log_splittings[5], 0},                \
         {"log-sofspa(10)", name##_log, &bench_log_splittings[6], 0},                     \
+        {"log-suzuki-umeno(8)", name##_log, &bench_log_splittings[5], 0},                \
+        {"log-kahan-li(8)", name##_log, &bench_log_splittings[4], 0},                    \
+        {"log-kahan-li(6)", name##_log, &bench_log_splittings[3], 0},                    \
+        {"log-verlet", name##_log, &bench_log_splittings[0], 0},                         \
         GAUSS_METHODS(name##_gauss),                                                     \
+        SPLITTING_METHODS(name##_split),                                                 \
         {"rk8", name##_rk8, NULL, 0},                                                    \
         STOERMER_METHODS(name##_stoermer),                                               \
         {NULL, NULL, NULL, 0}};

@@ -59,8 +59,8 @@ static void by_stoermer(double *out, const bench_method *m, long steps) {
     STOERMER_CASES(out, m, N, steps, attraction8, q, v, T)
 }
 
-static const bench_method methods[] = {SPLITTING_METHODS(by_split),
-                                       GAUSS_METHODS(by_gauss),
+static const bench_method methods[] = {GAUSS_METHODS(by_gauss),
+                                       SPLITTING_METHODS(by_split),
                                        {"rk8", by_rk8, NULL, 0},
                                        STOERMER_METHODS(by_stoermer),
                                        {NULL, NULL, NULL, 0}};

@@ -39,8 +39,8 @@ static const double T = 16.0, GRAVITY = 9.81;
         double q[N] = {sin(1.0), -cos(1.0)}, v[N] = {0.0, 0.0};                          \
         STOERMER_CASES(out, m, N, steps, name##_pull8, q, v, T)                          \
     }                                                                                    \
-    static const bench_method name[] = {SPLITTING_METHODS(name##_split),                 \
-                                        GAUSS_METHODS(name##_gauss),                     \
+    static const bench_method name[] = {GAUSS_METHODS(name##_gauss),                     \
+                                        SPLITTING_METHODS(name##_split),                 \
                                         {"rk8", name##_rk8, NULL, 0},                    \
                                         STOERMER_METHODS(name##_stoermer),               \
                                         {NULL, NULL, NULL, 0}};

@@ -123,13 +123,13 @@ INLINE void gauss(double *out, int s, int n, int needs_v, int sweeps, long steps
 #define GAUSS_ROW(run, s, k)                                                             \
     { "gauss(" #s ") x" #k, run, &bench_gauss[s], k }
 #define GAUSS_METHODS(run)                                                               \
-    GAUSS_ROW(run, 3, 2), GAUSS_ROW(run, 3, 3), GAUSS_ROW(run, 3, 4),                    \
-        GAUSS_ROW(run, 4, 2), GAUSS_ROW(run, 4, 3), GAUSS_ROW(run, 4, 4),                \
-        GAUSS_ROW(run, 4, 6), GAUSS_ROW(run, 6, 1), GAUSS_ROW(run, 6, 2),                \
-        GAUSS_ROW(run, 6, 3), GAUSS_ROW(run, 6, 4), GAUSS_ROW(run, 6, 6),                \
-        GAUSS_ROW(run, 7, 2), GAUSS_ROW(run, 7, 3), GAUSS_ROW(run, 7, 4),                \
-        GAUSS_ROW(run, 7, 6), GAUSS_ROW(run, 8, 1), GAUSS_ROW(run, 8, 2),                \
-        GAUSS_ROW(run, 8, 3), GAUSS_ROW(run, 8, 4), GAUSS_ROW(run, 8, 6),                \
-        GAUSS_ROW(run, 8, 8)
+    GAUSS_ROW(run, 8, 6), GAUSS_ROW(run, 8, 4), GAUSS_ROW(run, 8, 5),                    \
+        GAUSS_ROW(run, 8, 8), GAUSS_ROW(run, 8, 3), GAUSS_ROW(run, 8, 2),                \
+        GAUSS_ROW(run, 8, 1), GAUSS_ROW(run, 7, 6), GAUSS_ROW(run, 7, 4),                \
+        GAUSS_ROW(run, 7, 5), GAUSS_ROW(run, 7, 3), GAUSS_ROW(run, 7, 2),                \
+        GAUSS_ROW(run, 6, 6), GAUSS_ROW(run, 6, 4), GAUSS_ROW(run, 6, 3),                \
+        GAUSS_ROW(run, 6, 2), GAUSS_ROW(run, 6, 1), GAUSS_ROW(run, 4, 6),                \
+        GAUSS_ROW(run, 4, 4), GAUSS_ROW(run, 4, 3), GAUSS_ROW(run, 4, 2),                \
+        GAUSS_ROW(run, 3, 4), GAUSS_ROW(run, 3, 3), GAUSS_ROW(run, 3, 2)
 
 #endif

@@ -54,7 +54,7 @@ local function error_of(model, rule, m)
     if model.positions then q = model.positions(q) end
     for k, x in ipairs(row) do
       local d = math.abs(q[k] - x)
-      if not (d <= worst) then worst = d == d and d or math.huge end
+      if d ~= d or d > worst then worst = d == d and d or math.huge end
     end
   end
   return worst

@@ -71,10 +71,10 @@ for _, model in ipairs(models) do
   local system = dm.system { Q = model.Q, L = model.L }
   local midpoint, count = system:solver { rule = "midpoint", h = model.h }, 20000
   local ns = best(function() midpoint:run { q = model.q, v = model.v, steps = count, every = count } end) / count
-  local report, path = midpoint:report()
+  local report = midpoint:report()
   line("midpoint, " .. model[1], "midpoint, " .. report.backend, ns, report.newton_per_step)
   local worst = 0
-  path = midpoint:run { q = model.q, v = model.v, steps = 500, every = 500 }
+  local path = midpoint:run { q = model.q, v = model.v, steps = 500, every = 500 }
   for i = 1, #model.q do
     worst = math.max(worst, math.abs(path.q[#path][i] - (ends[model[1]] or {})[i + 1] or 0))
   end

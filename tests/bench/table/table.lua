@@ -34,12 +34,15 @@ for _, key in ipairs(all.problems) do
     local bound, peer = (sides.bound or {})[1], (sides.peer or {})[1]
     local best = (sides.dmlua or {})[1]
     if bound then
-      print(FORM:format(key, ("%g"):format(target), bound.method, duration(bound.ns), best and best.method or "not reached",
-        duration(best and best.ns), ratio(best and best.ns, bound.ns), ratio(best and best.ns - best.setup, bound.ns), peer and peer.method or "not reached",
-        duration(peer and peer.ns), ratio(peer and peer.ns, bound.ns)))
+      local mine = best or { method = "not reached" }
+      local theirs = peer or { method = "not reached" }
+      print(FORM:format(key, ("%g"):format(target), bound.method, duration(bound.ns),
+        mine.method, duration(mine.ns), ratio(mine.ns, bound.ns), ratio(mine.ns and mine.ns - mine.setup, bound.ns),
+        theirs.method, duration(theirs.ns), ratio(theirs.ns, bound.ns)))
       for _, rule in ipairs(sides.dmlua or { {} }) do
         write_row { key, ("%g"):format(target), rule.method, rule.ns, bound.ns,
-          rule.ns and ("%.3f"):format(rule.ns / bound.ns), peer and peer.method, peer and peer.ns, bound.method, rule.setup, load }
+          rule.ns and ("%.3f"):format(rule.ns / bound.ns), peer and peer.method, peer and peer.ns,
+          bound.method, rule.setup, load }
       end
     end
   end
