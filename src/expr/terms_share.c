@@ -108,6 +108,7 @@ static void take_coefficients(dm_terms *s, dm_scaled *roots, uint32_t m) {
     dm_term *order;
     uint32_t *uses;
     const uint32_t count = dm_terms_order(s, roots, m, &order, &uses);
+    if (dm_graph_status(s->g) != DM_OK) return;
     for (uint32_t i = 0; i < count; i++) {
         const dm_term t = order[i];
         if (s->entries[t].kind != DM_TERM_SUM) continue;
