@@ -2,6 +2,7 @@
 #include "bind/backend.h"
 #include "bind/system.h"
 
+#include <stdio.h>
 #include <time.h>
 
 static double now_ms(void) {
@@ -16,11 +17,13 @@ static dml_signature signature(const dml_system *s) {
         return (dml_signature){.what = "Ld",
                                .arguments = 2,
                                .length = {n, n},
-                               .outputs = DML_SCALAR_ARGUMENT};
+                               .outputs = DML_SCALAR_ARGUMENT,
+                               .may_grow = 1};
     return (dml_signature){.what = "L",
                            .arguments = 3,
                            .length = {n, n, DML_SCALAR_ARGUMENT},
-                           .outputs = DML_SCALAR_ARGUMENT};
+                           .outputs = DML_SCALAR_ARGUMENT,
+                           .may_grow = 1};
 }
 
 /* L(q, v, t, params) and Ld(q0, q1, h, params) with the last arguments bound */
@@ -59,26 +62,40 @@ static void check_status(lua_State *L, dm_status status) {
         luaL_error(L, "%s", dm_status_text(status));
 }
 
-static void read_structure(lua_State *L, dml_model *m, int pair) {
-    dm_status status = dm_graph_status(m->graph);
+/* 0: the graph is too large */
+static int read_structure(lua_State *L, dml_model *m, int pair) {
+    dm_status status = m->graph ? dm_graph_status(m->graph) : DM_TOO_LARGE;
     if (status == DM_OK && pair)
         m->model.n = m->n;
     else if (status == DM_OK)
         status =
             dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena);
+    if (status == DM_TOO_LARGE) return 0;
     check_status(L, status);
+    return 1;
 }
 
 static void go_hyperdual(lua_State *L, dml_model *m, int fn, const dml_signature *sig) {
+    m->graph = NULL;
     m->callback = dml_hyperdual_new(L, fn, sig);
     lua_setiuservalue(L, -2, 3);
     m->model = (dm_model){.n = m->n};
     m->backend = "hyperdual";
 }
 
+/* from now on the system runs on hyper-dual numbers; said once */
+static void warn_too_large(dml_system *s, const char *what) {
+    s->hyperdual = 1;
+    fprintf(stderr,
+            "dmlua: warning: %s makes more than %d operations: too many to trace. It "
+            "runs on hyper-dual "
+            "numbers, which is slow; a shorter loop, or dm.sum_over, would be fast\n",
+            what, DM_GRAPH_LIMIT);
+}
+
 dml_model *dml_pushmodel(lua_State *L, int arg) {
     arg = lua_absindex(L, arg);
-    const dml_system *s = dml_checksystem(L, arg);
+    dml_system *s = dml_checksystem(L, arg);
     const dml_signature sig = signature(s);
     const double start = now_ms();
     push_function(L, arg, s);
@@ -89,15 +106,14 @@ dml_model *dml_pushmodel(lua_State *L, int arg) {
     lua_setiuservalue(L, -2, 1);
     lua_pushvalue(L, fn);
     lua_setiuservalue(L, -2, 2);
-    if (s->hyperdual) {
-        go_hyperdual(L, m, fn, &sig);
-    } else {
+    if (!s->hyperdual) {
         dml_traced traced;
         dml_trace(L, fn, &sig, m->arena, &traced);
         m->graph = traced.graph;
         m->lagrangian = traced.out[0];
-        read_structure(L, m, s->pair);
+        if (!read_structure(L, m, s->pair)) warn_too_large(s, sig.what);
     }
+    if (s->hyperdual) go_hyperdual(L, m, fn, &sig);
     m->trace_ms = now_ms() - start;
     lua_remove(L, fn);
     return m;

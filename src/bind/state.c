@@ -49,11 +49,5 @@ dml_frame *dml_findframe(lua_State *L, uint32_t serial) {
 }
 
 void dml_checkgraph(lua_State *L, const dml_frame *frame) {
-    const dm_status status = dm_graph_status(frame->graph);
-    if (status == DM_OK) return;
-    if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
-    luaL_error(L,
-               "%s: %s (%d nodes): is there a loop with very many rounds? make it "
-               "shorter, or use derivatives = \"hyperdual\"",
-               frame->what, dm_status_text(status), (int)dm_graph_size(frame->graph));
+    if (dm_graph_status(frame->graph) == DM_NO_MEMORY) luaL_error(L, "not enough memory");
 }

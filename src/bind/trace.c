@@ -187,6 +187,18 @@ static void read_result(lua_State *L, const dml_signature *s, const dml_frame *f
                 !dml_toarray(L, result, 1);
 }
 
+/* the function ran on to its end although the graph had no more room */
+static int is_too_large(lua_State *L, const dml_frame *frame, int may_grow) {
+    if (dm_graph_status(frame->graph) == DM_OK) return 0;
+    if (!may_grow)
+        luaL_error(
+            L,
+            "%s: %s (more than %d nodes): is there a loop with very many rounds? make it "
+            "shorter, or use derivatives = \"hyperdual\"",
+            frame->what, dm_status_text(dm_graph_status(frame->graph)), DM_GRAPH_LIMIT);
+    return 1;
+}
+
 void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
                dml_traced *out) {
     const uint32_t inputs = dml_signature_inputs(s);
@@ -200,7 +212,7 @@ void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
     lua_call(L, s->arguments, 1);
     read_result(L, s, frame, out);
     dml_checkgraph(L, frame);
-    out->graph = graph;
+    out->graph = is_too_large(L, frame, s->may_grow) ? NULL : graph;
     out->inputs = inputs;
     lua_settop(L, top); /* closes the trace */
 }

@@ -53,6 +53,15 @@ near(clipped:energy({ 2 }, { 3 }), 4.5 + 4, 1e-14, "energy on hyper-dual numbers
 near(clipped:energy({ -2 }, { 3 }), 4.5 + 16, 1e-14, "on the other branch")
 near(clipped:legendre({ 2 }, { 3 })[1], 3, 0, "momentum on hyper-dual numbers")
 
+-- a loop with too many rounds to trace: one warning (on stderr), and the same numbers
+local long = dm.system { Q = dm.R(1), L = function(q, v)
+  local y = 0
+  for k = 1, 1100000 do y = y + 1e-6 * k * q[1] end
+  return v[1] ^ 2 / 2 - y
+end }
+ok(tostring(long):find "hyper%-dual", "too large a graph runs on hyper-dual numbers", tostring(long))
+near(long:energy({ 1e-3 }, { 2 }), 2 + 1e-9 * 1100000 * 1100001 / 2, 1e-8, "with the right energy")
+
 -- misuse
 raises("'Q' must be a space", dm.system, { L = function() return 1 end })
 raises("no global coordinates", dm.system, { Q = dm.SO(3), L = function() return 1 end })
