@@ -37,15 +37,14 @@ static void start(double *q, double *v, int n) {
 ** q has room for n + 8; q[n] is the periodic neighbour. */
 INLINE void pass(double *q, double *v, double kick, double drift, int n, v8 slope8(v8),
                  double slope1(double)) {
-    double last = slope1(q[n - 1] - q[0]);
+    v8 here = load8(q), last = {0, 0, 0, 0, 0, 0, 0, slope1(q[n - 1] - q[0])};
     q[n] = q[0];
     for (int i = 0; i < n; i += 8) {
-        const v8 here = load8(q + i), next = load8(q + i + 1), g = slope8(here - next);
-        const v8 before = shift8(g, last);
-        const v8 u = load8(v + i) + kick * (before - g);
-        last = g[7];
+        const v8 ahead = load8(q + i + 8), g = slope8(here - shift_left(here, ahead));
+        const v8 u = load8(v + i) + kick * (shift_right(last, g) - g);
         store8(v + i, u);
         store8(q + i, here + drift * u);
+        here = ahead, last = g;
     }
 }
 

@@ -77,9 +77,12 @@ INLINE void store8(double *x, v8 y) {
     *(v8u *)(void *)x = y;
 }
 
-/* (first, x0, ..., x6) */
-INLINE v8 shift8(v8 x, double first) {
-    return __builtin_shuffle(x, (v8){first}, (index8){8, 0, 1, 2, 3, 4, 5, 6});
+/* neighbours: (x1, ..., x7, y0) and (x7, y0, ..., y6) */
+INLINE v8 shift_left(v8 x, v8 y) {
+    return __builtin_shuffle(x, y, (index8){1, 2, 3, 4, 5, 6, 7, 8});
+}
+INLINE v8 shift_right(v8 x, v8 y) {
+    return __builtin_shuffle(x, y, (index8){7, 8, 9, 10, 11, 12, 13, 14});
 }
 
 /* exp(x) = 2^k exp(r), |r| <= log(2)/2; Taylor to r^13, whose next term is below 2^-58 */
