@@ -51,8 +51,9 @@ static uint64_t pass(search *x, int expand) {
 }
 
 /* passes from the roots on, each over what the one before left, as long as they help and are
-** not far behind the best; costs count `percent` */
+** not far behind the best; costs of the expanded road count `percent` */
 static void follow(search *x, const dm_node *roots, int expand, uint32_t percent) {
+    const uint64_t far = expand ? 125 : 105; /* percent of the best */
     uint64_t before = UINT64_MAX;
     memcpy(x->now, roots, x->m * sizeof *roots);
     for (int passes = 0; passes < MOST_PASSES; passes++) {
@@ -63,7 +64,7 @@ static void follow(search *x, const dm_node *roots, int expand, uint32_t percent
             x->least = now;
             memcpy(x->best, x->now, x->m * sizeof *x->best);
         }
-        if (4 * now > 5 * x->least || own > before - before / 64) return;
+        if (100 * now > far * x->least || own > before - before / 32) return;
         before = own;
     }
 }
@@ -92,7 +93,11 @@ void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
 
 dm_node dm_compact_source(dm_graph *g, dm_node f) {
     dm_node out = f;
+    if (f == g->source[0]) return g->source[1];
     compact(g, &f, 1, 75, &out);
+    if (g->status != DM_OK) return 0;
+    g->source[0] = f;
+    g->source[1] = out;
     return out;
 }
 

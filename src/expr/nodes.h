@@ -11,12 +11,15 @@ struct dm_graph {
     dm_node
         *table; /* open addressing by content; 0 is free: node 0 is found without it */
     uint32_t mask;
-    uint32_t inputs;
+    uint32_t inputs;     /* with the leaves of sums behind them */
+    struct dm_sum *sums; /* sum.h */
     uint32_t *mark; /* [capacity] scratch of one sweep: marked when equal to `stamp` */
     uint32_t stamp;
     uint8_t
         *nonnegative; /* [capacity] 1 where the value is >= 0 whenever it is a number */
     dm_status status;
+    dm_node
+        source[2]; /* the last function prepared for derivatives, and what it became */
     int verbatim;
 };
 

@@ -15,9 +15,10 @@ enum { CHAIN = 64 }; /* powers above are made by squaring without looking for su
 /* how a base is used by all products together */
 typedef struct {
     uint64_t above,
-        below;       /* bit k: the power k of the base, of its reciprocal, is needed */
-    uint32_t under;  /* products that divide by it */
-    uint8_t by_root; /* odd halves below: w = 1/sqrt(base), else w = 1/base */
+        below;        /* bit k: the power k of the base, of its reciprocal, is needed */
+    uint32_t under;   /* products that divide by it */
+    uint32_t squares; /* products that have its square */
+    uint8_t by_root;  /* odd halves below: w = 1/sqrt(base), else w = 1/base */
 } usage;
 
 enum { EITHER = 0, PLUS = 1, MINUS = 2 }; /* signs that the users of a term would like */
@@ -45,6 +46,13 @@ static uint32_t whole_steps(const writer *w, const dm_part *p) {
     return p->e < 0 && w->use[p->t].by_root ? size : size / 2;
 }
 
+/* x x is written out: the second of two equal factors */
+static uint32_t is_second(const dm_part *p, uint32_t k) {
+    for (uint32_t i = 0; i < k; i++)
+        if (p[i].t == p[k].t && p[i].e == p[k].e) return 1;
+    return 0;
+}
+
 /* gather who needs what; a base below in one product only is a plain denominator */
 static void find_usage(writer *w, const dm_term *order, uint32_t count) {
     const dm_terms *s = w->s;
@@ -56,6 +64,7 @@ static void find_usage(writer *w, const dm_term *order, uint32_t count) {
                 usage *u = w->use + p->t;
                 if (pass == 0) {
                     u->under += p->e < 0;
+                    u->squares += is_second(s->parts + e->body, k);
                     u->by_root |= p->e < 0 && p->e % 2 != 0;
                     continue;
                 }
@@ -141,12 +150,28 @@ static uint32_t gathered(const dm_terms *s, const dm_term_entry *e, dm_part *to)
     return count;
 }
 
+/* squares that nobody else has as one square, x^2 y^2 = (x y)^2: their factors leave p[count] */
+static dm_node joint_square(const writer *w, dm_part *p, uint32_t *count) {
+    dm_node joint = dm_constant(w->g, 1.0);
+    uint32_t own = 0, kept = 0;
+    for (uint32_t i = 0; i < *count; i++)
+        own += p[i].e == 4 && w->use[p[i].t].squares == 1;
+    if (own < 2) return joint;
+    for (uint32_t i = 0; i < *count; i++)
+        if (p[i].e == 4 && w->use[p[i].t].squares == 1)
+            joint = multiply(w->g, joint, w->s->entries[p[i].t].node);
+        else
+            p[kept++] = p[i];
+    *count = kept;
+    return multiply(w->g, joint, joint);
+}
+
 static dm_node write_product(writer *w, dm_term t) {
     dm_terms *s = w->s;
     if (!dm_terms_reserve(s, s->entries[t].size)) return 0;
-    const uint32_t count = gathered(s, s->entries + t, s->scratch);
-    dm_node above = dm_constant(w->g, 1.0), below = above;
-    const dm_node one = above;
+    uint32_t count = gathered(s, s->entries + t, s->scratch);
+    const dm_node one = dm_constant(w->g, 1.0);
+    dm_node above = joint_square(w, s->scratch, &count), below = one;
     for (uint32_t i = 0; i < count; i++) {
         const dm_part p = s->scratch[i];
         if (p.e % 4 != 0) w->minus[t] ^= w->minus[p.t];
