@@ -9,6 +9,8 @@ local function first_line(doc) return doc:match("^[^\n]*") end
 
 local function write(...) print(table.concat({ ... })) end
 
+local function text_width() return math.min(core.terminal().width, 100) - 2 end
+
 -- a long line of prose in lines of at most `width` characters
 local function wrapped(text, width, indent)
   local lines, line = {}, nil
@@ -24,8 +26,7 @@ end
 
 -- the signature, then the rest wrapped to the terminal
 local function shown_doc(doc)
-  local width = math.min(core.terminal().width, 100)
-  local lines = {}
+  local width, lines = text_width(), {}
   for line in (doc .. "\n"):gmatch "(.-)\n" do
     lines[#lines + 1] = #lines == 0 and line or wrapped(line, width, "  ")
   end
@@ -96,7 +97,7 @@ local function help_table(t)
     end
   end
   if #lines > 0 then write(table.concat(sorted(lines), "\n")) end
-  if #rest > 0 then write(wrapped("other fields: " .. table.concat(sorted(rest), ", "), 90, "  ")) end
+  if #rest > 0 then write(wrapped("other fields: " .. table.concat(sorted(rest), ", "), text_width(), "  ")) end
   if #lines + #rest == 0 then write(("a table of %d entries without names"):format(#t)) end
 end
 
@@ -200,7 +201,9 @@ local function help_name(name)
   if object and object.class then return help_class(object.class) end
   if object and object.value ~= nil and type(object.value) ~= "string" then return M.help(object.value) end
   for _, rule in ipairs(core.rules and core.rules() or {}) do
-    if rule.name == name:match "^[%w_]*" then return write(rule.signature or name, "\n", shown_doc(rule.doc or "")) end
+    if rule.name == name:match "^[%w_]*" then
+      return write(rule.signature or name, "\n", wrapped(rule.doc or "", text_width(), "  "))
+    end
   end
   M.apropos(name)
 end
@@ -255,7 +258,7 @@ The globals that were made in this session, with what they are.]]
 function M.who()
   local names, widest = {}, 0
   for name, value in next, _G do
-    if type(name) == "string" and at_start[name] ~= value then names[#names + 1] = name end
+    if type(name) == "string" and name ~= "_" and at_start[name] ~= value then names[#names + 1] = name end
   end
   for _, name in ipairs(sorted(names)) do widest = math.max(widest, #name) end
   for _, name in ipairs(names) do
@@ -272,7 +275,6 @@ function M.open()
     if rawget(_G, name) == nil then rawset(_G, name, M[name]) end
   end
   for name, value in next, _G do at_start[name] = value end
-  at_start.out, at_start._ = rawget(_G, "out"), nil
 end
 
 return M

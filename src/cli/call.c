@@ -24,31 +24,40 @@ static void interrupt(lua_State *L, lua_Debug *ar) {
     luaL_error(L, "interrupted!");
 }
 
-static void set_signal(void (*handler)(int)) {
+static void set_signal(void (*handler)(int), struct sigaction *before) {
     struct sigaction action = {0};
     action.sa_handler = handler;
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGINT, &action, before);
 }
 
 /* a second Ctrl-C finds the default action, which kills */
 static void stop(int signal) {
     (void)signal;
-    set_signal(SIG_DFL);
+    set_signal(SIG_DFL, NULL);
     dml_stop = 1;
     lua_sethook(called, interrupt,
                 LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT, 1);
 }
 
+static void drop(int signal) {
+    (void)signal;
+}
+
+void dml_drop_interrupts(void) {
+    set_signal(drop, NULL);
+}
+
 static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int results) {
     const int base = lua_gettop(L) - arguments;
+    struct sigaction before;
     lua_pushcfunction(L, handler);
     lua_insert(L, base);
     called = L;
     dml_stop = 0;
-    set_signal(stop);
+    set_signal(stop, &before);
     const int status = lua_pcall(L, arguments, results, base);
-    set_signal(SIG_DFL);
+    sigaction(SIGINT, &before, NULL);
     dml_stop = 0;
     if (lua_gethook(L) == interrupt) lua_sethook(L, NULL, 0, 0);
     lua_remove(L, base);

@@ -13,6 +13,9 @@ int dml_call(lua_State *L, int arguments, int results);
 /* The same, but a dm.failure stays what it is. */
 int dml_call_keeping(lua_State *L, int arguments, int results);
 
+/* From now on Ctrl-C does nothing between calls, instead of killing: for a session. */
+void dml_drop_interrupts(void);
+
 /* Is the value at `index` a dm.failure? */
 int dml_is_failure(lua_State *L, int index);
 

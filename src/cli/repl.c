@@ -252,6 +252,7 @@ void dml_session(lua_State *L, int environment) {
     const char *program = dml_program;
     dml_program = NULL;
     lua_settop(L, 0);
+    dml_drop_interrupts();
     set_globals(L);
     dml_line_open(L);
     if (environment && isatty(STDIN_FILENO)) {

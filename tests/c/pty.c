@@ -33,13 +33,18 @@ static long now(void) {
     return (long)t.tv_sec * 1000 + (long)t.tv_nsec / 1000000;
 }
 
+/* print what came, and how the program ended; it is killed when the script went wrong */
 static void finish(int code) {
+    int status = 0;
+    if (code) kill(child, SIGKILL);
+    waitpid(child, &status, 0);
     fwrite(output, 1, length, stdout);
+    if (WIFSIGNALED(status))
+        printf("\nsignal %d\n", WTERMSIG(status));
+    else
+        printf("\nexit %d\n", WEXITSTATUS(status));
     fflush(stdout);
-    if (code) {
-        kill(child, SIGKILL);
-        exit(code);
-    }
+    exit(code);
 }
 
 /* on the child's side: the terminal becomes its controlling one */
@@ -130,7 +135,6 @@ static void play(char *line) {
 
 int main(int argc, char **argv) {
     char line[4096];
-    int status = 0;
     if (argc < 2 || !start(argv + 1)) return 2;
     while (fgets(line, sizeof line, stdin)) {
         if (*line != '\n') play(line);
@@ -139,11 +143,5 @@ int main(int argc, char **argv) {
     while (listen(100)) {
         if (now() > until) finish(6);
     }
-    waitpid(child, &status, 0);
     finish(0);
-    if (WIFSIGNALED(status))
-        printf("\nsignal %d\n", WTERMSIG(status));
-    else
-        printf("\nexit %d\n", WEXITSTATUS(status));
-    return 0;
 }

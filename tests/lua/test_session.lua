@@ -155,13 +155,14 @@ has(text, "\n2\n", "and the session goes on")
 local ANSWER = "wait 2004h\nsend 40 + 2\\r\nwait 42\n" .. BYE
 local function stopping(lines) return play("", "wait 2004h\n" .. table.concat(lines, "\n") .. "\n") end
 
-text = stopping { "send while true do end\\r", "pause 200", "send \\003", "wait interrupted!", ANSWER }
+text = stopping { "send while true do end\\r", "wait 2004l", "pause 200", "send \\003", "wait interrupted!", ANSWER }
 has(text, "exit 0", "Ctrl-C stops Lua code, and the session goes on")
 text = stopping { "send some rubbish", "pause 50", "send \\003", ANSWER }
 has(text, "> 40 + 2\n42", "at the prompt it clears the line")
 text = stopping { "send for i = 1, 2 do\\r", "wait >> ", "pause 50", "send \\003", ANSWER }
 has(text, "> 40 + 2\n42", "and drops an entry of several lines")
-text = stopping { "send string.find(string.rep('a', 300000), '.*b')\\r", "pause 300", "send \\003", "pause 100", "send \\003" }
+text = stopping { "send string.find(string.rep('a', 300000), '.*b')\\r", "wait 2004l", "pause 300", "send \\003",
+  "pause 100", "send \\003" }
 has(text, "signal 2", "a second one kills what does not stop")
 
 local orbit = "send o = s:solver { rule = 'verlet', h = 0.01 }:run "
@@ -172,7 +173,7 @@ text = stopping { "send " .. system .. "\\r", "wait 2004h", orbit, "wait step/s"
 has(text, "left (Ctrl-C stops)", "a long run shows progress")
 has(text, "_ is the path so far", "Ctrl-C stops a run")
 has(text, "true\tnil", "and _ holds the path")
-text = stopping { "send " .. system:gsub(" }$", ", derivatives = 'hyperdual' }") .. "\\r", "wait 2004h", orbit, "pause 600",
+text = stopping { "send " .. system:gsub(" }$", ", derivatives = 'hyperdual' }") .. "\\r", "wait 2004h", orbit, "wait 2004l", "pause 600",
   table.unpack(stopped) }
 has(text, "_ is the path so far", "also one whose Lagrangian runs in Lua")
 
