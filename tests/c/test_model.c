@@ -240,7 +240,7 @@ static void *refusing(void *ud, void *block, size_t old_size, size_t new_size) {
 
 static void runs_out_of_memory_politely(void) {
     int passed = 0;
-    for (int allowed = 0; allowed < 60 && !passed; allowed++) {
+    for (int allowed = 0; allowed < 2000 && !passed; allowed++) {
         built b = {0};
         left = allowed;
         dm_arena_init(&b.arena, refusing, NULL);
