@@ -16,8 +16,8 @@ typedef void function(void); /* any of the library, in the pool */
     X(LOG, log)                                                                          \
     X(SIN, sin)                                                                          \
     X(COS, cos)                                                                          \
-    X(TAN, tan) X(ASIN, asin) X(ACOS, acos) X(ATAN, atan) X(SINH, sinh) X(COSH, cosh)    \
-        X(TANH, tanh)
+    X(TAN, tan)                                                                          \
+    X(ASIN, asin) X(ACOS, acos) X(ATAN, atan) X(SINH, sinh) X(COSH, cosh) X(TANH, tanh)
 
 /* f for 4 and 8 lanes, one after the other: the bits of the scalar function */
 #define LANES(name, value)                                                               \

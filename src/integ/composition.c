@@ -125,9 +125,12 @@ static void lay_gamma(dm_splitting *out, const scheme *s) {
 int dm_splitting_named(dm_splitting *out, const dm_rule *rule) {
     static const double one = 1.0;
     const scheme *s = find(rule);
-    if (strcmp(rule->name, "verlet") == 0 && !rule->count) dm_splitting_compose(out, &one, 1);
-    else if (s && s->kind == GAMMA && rule->count < 2) lay_gamma(out, s);
-    else return 0;
+    if (strcmp(rule->name, "verlet") == 0 && !rule->count)
+        dm_splitting_compose(out, &one, 1);
+    else if (s && s->kind == GAMMA && rule->count < 2)
+        lay_gamma(out, s);
+    else
+        return 0;
     return 1;
 }
 

@@ -7,17 +7,22 @@
 #include "mech/model.h"
 
 typedef struct {
-    int iterations;  /* Newton iterations of the last step */
-    double residual; /* of the last step equation, max norm, units of momentum */
-    long solves;     /* step equations solved so far */
-    long newton;     /* Newton iterations so far */
-    long evaluations;/* kernel evaluations so far */
+    int iterations;   /* Newton iterations of the last step */
+    double residual;  /* of the last step equation, max norm, units of momentum */
+    long solves;      /* step equations solved so far */
+    long newton;      /* Newton iterations so far */
+    long evaluations; /* kernel evaluations so far */
 } dm_report;
 
 typedef struct dm_stepper dm_stepper;
 
-enum { DM_SYMMETRIC = 1, DM_SYMPLECTIC = 2, DM_EXPLICIT = 4, DM_FOR_PAIRS = 8, /* steps an Ld(q0, q1) */
-       DM_OWN_TIME = 16 /* h is a step of a fictitious time, t is part of the state */ };
+enum {
+    DM_SYMMETRIC = 1,
+    DM_SYMPLECTIC = 2,
+    DM_EXPLICIT = 4,
+    DM_FOR_PAIRS = 8, /* steps an Ld(q0, q1) */
+    DM_OWN_TIME = 16  /* h is a step of a fictitious time, t is part of the state */
+};
 
 typedef struct {
     const char *name;      /* the key used from Lua, without arguments */
@@ -29,31 +34,37 @@ typedef struct {
     /* NULL when the rule can step the model, else a static sentence; may be NULL itself: any model */
     const char *(*fits)(const dm_rule *rule, const dm_model *m);
     int (*order)(const dm_rule *rule);
-    unsigned (*wants)(const dm_rule *rule, const dm_model *m); /* DM_WANT_*; may depend on m->structure */
-    size_t (*work)(const dm_rule *rule, const dm_model *m);    /* doubles of workspace */
-    dm_status (*open)(dm_stepper *s);                          /* tables and matrices into s->work */
+    unsigned (*wants)(const dm_rule *rule,
+                      const dm_model *m); /* DM_WANT_*; may depend on m->structure */
+    size_t (*work)(const dm_rule *rule, const dm_model *m); /* doubles of workspace */
+    dm_status (*open)(dm_stepper *s); /* tables and matrices into s->work */
     /* set what the state carries beside q and p at time t, before the first step; NULL: nothing */
     dm_status (*start)(dm_stepper *s, double *state, double t);
-    dm_status (*step)(dm_stepper *s, double *state, double t); /* one step, in place; on failure the state is unchanged */
+    dm_status (*step)(
+        dm_stepper *s, double *state,
+        double t); /* one step, in place; on failure the state is unchanged */
     /* as `count` calls of step, same bits, *done counted also on failure; NULL: dm_advance loops */
     dm_status (*advance)(dm_stepper *s, double *state, double t, long count, long *done);
-    void (*close)(dm_stepper *s); /* what open took outside the workspace (GSL); may be NULL */
+    void (*close)(
+        dm_stepper *s); /* what open took outside the workspace (GSL); may be NULL */
 } dm_method;
 
 /* State of a run: q[n], p[n], the low-order parts of both (compensated sums), zero at the start; then, for
 ** methods with a time of their own and zero for all others: t, its low-order part, the binding energy -E. */
 enum { DM_STATE_OWN = 3 };
-static inline size_t dm_state_size(uint32_t n) { return 4 * (size_t)n + DM_STATE_OWN; }
+static inline size_t dm_state_size(uint32_t n) {
+    return 4 * (size_t)n + DM_STATE_OWN;
+}
 
 struct dm_stepper {
     const dm_method *method;
     const dm_model *model;
     const dm_rule *rule;
     double h;
-    double tolerance;  /* Newton: relative, 4e-15 unless the user says otherwise */
+    double tolerance; /* Newton: relative, 4e-15 unless the user says otherwise */
     int max_iterations;
-    double *work;      /* method->work doubles */
-    void *outside;     /* what close gives back */
+    double *work;  /* method->work doubles */
+    void *outside; /* what close gives back */
     dm_report report;
 };
 
@@ -70,7 +81,8 @@ dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *d
 
 /* The same by `step` alone: an explicit method that looks for NaN only at the end of a burst
 ** does the burst again this way, to find the step and to stop before it. */
-dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, long count, long *done);
+dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, long count,
+                             long *done);
 
 /* True when no entry of the state is NaN or infinite. */
 int dm_state_is_finite(const double *state, uint32_t n);

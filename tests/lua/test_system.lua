@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local sin, cos, sqrt = math.sin, math.cos, math.sqrt
+local sin, sqrt = math.sin, math.sqrt
 
 local kepler = dm.system { name = "Kepler", Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
 local s = kepler:structure()
