@@ -50,6 +50,11 @@ static uint64_t pass(search *x, int expand) {
     return dm_graph_status(x->g) == DM_OK ? cost(x->g, x->now, x->m) : UINT64_MAX;
 }
 
+/* the part of its cost that a pass has to save: small graphs take no time */
+static uint64_t patience(uint64_t own) {
+    return own < 150 ? 64 : 16;
+}
+
 /* passes from the roots on, each over what the one before left, as long as they help and are
 ** not far behind the best; costs of the expanded road count `percent` */
 static void follow(search *x, const dm_node *roots, int expand, uint32_t percent) {
@@ -64,7 +69,7 @@ static void follow(search *x, const dm_node *roots, int expand, uint32_t percent
             x->least = now;
             memcpy(x->best, x->now, x->m * sizeof *x->best);
         }
-        if (100 * now > far * x->least || own > before - before / 32) return;
+        if (100 * now > far * x->least || own > before - before / patience(own)) return;
         before = own;
     }
 }
@@ -121,13 +126,12 @@ static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack
     while (depth > 0) {
         visit *v = stack + depth - 1;
         dm_expr e = *dm_at(g, v->n);
-        if (v->next < dm_op_operands(e.op)) {
+        if (v->next < dm_arity(e.op)) {
             const dm_node a = e.as.arg[v->next++];
             if (!copied[a]) stack[depth++] = (visit){a, 0};
             continue;
         }
-        for (int k = 0; k < dm_op_operands(e.op); k++)
-            e.as.arg[k] = copied[e.as.arg[k]] - 1;
+        for (int k = 0; k < dm_arity(e.op); k++) e.as.arg[k] = copied[e.as.arg[k]] - 1;
         copied[v->n] = dm_node_make(h, &e) + 1;
         depth--;
     }

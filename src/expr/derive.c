@@ -189,7 +189,7 @@ static void find_active(sweep *s, dm_graph *g, uint32_t end) {
         uint8_t on = 0;
         if (dm_is_marked(g, n)) {
             on = (uint8_t)is_wanted_input(s, e);
-            for (int k = 0; k < dm_op_operands(e->op); k++) on |= s->active[e->as.arg[k]];
+            for (int k = 0; k < dm_arity(e->op); k++) on |= s->active[e->as.arg[k]];
         }
         s->active[n] = on;
         s->d[n] = 0;
@@ -206,7 +206,7 @@ static void reverse(sweep *s, dm_graph *g, dm_node f, dm_node *out) {
         const dm_expr e = *dm_at(g, n);
         if (!s->active[n] || !s->d[n]) continue;
         if (e.op == DM_OP_INPUT) out[e.as.input - s->first] = s->d[n];
-        for (int k = 0; k < dm_op_operands(e.op); k++) {
+        for (int k = 0; k < dm_arity(e.op); k++) {
             const dm_node a = e.as.arg[k];
             if (s->active[a]) s->d[a] = dm_add(g, s->d[a], share(g, n, k, s->d[n]));
         }
@@ -220,7 +220,7 @@ static void forward(sweep *s, dm_graph *g, uint32_t end, uint32_t j) {
         s->d[n] = 0;
         if (!s->active[n]) continue;
         if (e.op == DM_OP_INPUT) s->d[n] = e.as.input == s->first + j ? one(g) : 0;
-        for (int k = 0; k < dm_op_operands(e.op); k++)
+        for (int k = 0; k < dm_arity(e.op); k++)
             s->d[n] = dm_add(g, s->d[n], share(g, n, k, s->d[e.as.arg[k]]));
     }
 }

@@ -219,7 +219,7 @@ uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m) {
     for (uint32_t n = end; n-- > 0;) { /* users have larger numbers than operands */
         if (g->mark[n] != g->stamp) continue;
         const dm_expr *e = g->nodes + n;
-        for (int k = 0; k < dm_op_operands(e->op); k++) g->mark[e->as.arg[k]] = g->stamp;
+        for (int k = 0; k < dm_arity(e->op); k++) g->mark[e->as.arg[k]] = g->stamp;
     }
     return end;
 }

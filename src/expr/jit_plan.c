@@ -11,7 +11,7 @@ static void find_early(const dm_graph *g, uint32_t end, uint8_t *early, dm_node 
         if (!dm_is_marked(g, n)) continue;
         if (dm_is_call((uint8_t)e->op)) early[n] = 1;
         if (e->op == DM_OP_COS) cosine[e->as.arg[0]] = n;
-        for (int k = 0; early[n] && k < dm_op_operands(e->op); k++)
+        for (int k = 0; early[n] && k < dm_arity(e->op); k++)
             early[e->as.arg[k]] = 1;
     }
 }
@@ -22,7 +22,7 @@ static void add_step(dm_plan *p, const dm_graph *g, dm_node n, dm_node *cosine,
     const dm_expr *e = dm_at(g, n);
     dm_step *s = p->steps + p->count++;
     *s = (dm_step){.op = (uint8_t)e->op, .d = n};
-    s->operands = (uint8_t)dm_op_operands(e->op);
+    s->operands = (uint8_t)dm_arity(e->op);
     for (int k = 0; k < s->operands; k++) s->arg[k] = e->as.arg[k];
     p->calls += (uint32_t)dm_is_call(s->op);
     if (s->op != DM_OP_SIN || !cosine[s->arg[0]]) return;
@@ -43,7 +43,7 @@ static void order_steps(dm_plan *p, dm_graph *g, const uint8_t *early, dm_node *
         for (dm_node n = 1; n < p->end; n++) {
             const dm_expr *e = dm_at(g, n);
             if (!dm_is_marked(g, n) || done[n] || early[n] == late) continue;
-            if (dm_op_operands(e->op) == 0) continue;
+            if (dm_arity(e->op) == 0) continue;
             const dm_node sine = partner(g, e);
             done[sine ? sine : n] = 1;
             add_step(p, g, sine ? sine : n, cosine, done);

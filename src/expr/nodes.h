@@ -26,6 +26,16 @@ struct dm_graph {
 /* A graph with room for so many nodes from the start. */
 dm_graph *dm_graph_sized(dm_arena *arena, uint32_t inputs, uint32_t nodes);
 
+/* dm_op_operands where it is asked for in every loop. */
+static inline int dm_arity(dm_op op) {
+    static const uint8_t operands[DM_OP_COUNT] = {
+#define X(name, count, text, c) count,
+#include "expr/ops.def"
+#undef X
+    };
+    return operands[op];
+}
+
 /* The node with exactly this content, made when missing. No simplification. */
 dm_node dm_node_make(dm_graph *g, const dm_expr *e);
 

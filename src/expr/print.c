@@ -100,7 +100,7 @@ static void product(printer *p, dm_node a, dm_node b) {
 
 static void call(printer *p, const dm_expr *e) {
     text(p, dm_op_text(e->op));
-    for (int k = 0; k < dm_op_operands(e->op); k++) {
+    for (int k = 0; k < dm_arity(e->op); k++) {
         text(p, k ? ", " : "(");
         node(p, e->as.arg[k], 0);
     }
@@ -166,7 +166,7 @@ static void node(printer *p, dm_node n, int inside) {
 static void count_uses(printer *p, const dm_node *roots, uint32_t m, uint32_t end) {
     for (dm_node n = 0; n < end; n++) {
         const dm_expr *e = dm_at(p->g, n);
-        for (int k = 0; dm_is_marked(p->g, n) && k < dm_op_operands(e->op); k++) {
+        for (int k = 0; dm_is_marked(p->g, n) && k < dm_arity(e->op); k++) {
             const int square =
                 e->op == DM_OP_MUL && k == 1 && e->as.arg[0] == e->as.arg[1];
             if (!square && p->uses[e->as.arg[k]] < 2) p->uses[e->as.arg[k]]++;
@@ -181,9 +181,9 @@ static void shared_lines(printer *p, uint32_t end) {
     uint32_t names = 0;
     for (dm_node n = 0; n < end; n++) {
         const dm_expr *e = dm_at(p->g, n);
-        if (!dm_is_marked(p->g, n) || dm_op_operands(e->op) == 0) continue;
+        if (!dm_is_marked(p->g, n) || dm_arity(e->op) == 0) continue;
         p->height[n] = 1;
-        for (int k = 0; k < dm_op_operands(e->op); k++)
+        for (int k = 0; k < dm_arity(e->op); k++)
             if (p->height[e->as.arg[k]] >= p->height[n])
                 p->height[n] = (uint8_t)(p->height[e->as.arg[k]] + 1);
         if (p->uses[n] < 2 && p->height[n] < DEEPEST) continue;

@@ -327,7 +327,7 @@ static rule *const rules[DM_OP_COUNT] = {
 /* all operands constant: the value itself */
 static int fold(dm_graph *g, dm_op op, const dm_node arg[3], double *result) {
     double x[3] = {0.0, 0.0, 0.0};
-    for (int k = 0; k < dm_op_operands(op); k++)
+    for (int k = 0; k < dm_arity(op); k++)
         if (!dm_is_constant(g, arg[k], x + k)) return 0;
     *result = dm_op_value(op, x[0], x[1], x[2]);
     return 1;
@@ -335,7 +335,7 @@ static int fold(dm_graph *g, dm_op op, const dm_node arg[3], double *result) {
 
 dm_node dm_apply(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c) {
     double folded;
-    const int count = dm_op_operands(op);
+    const int count = dm_arity(op);
     const dm_node arg[3] = {a, count > 1 ? b : 0, count > 2 ? c : 0};
     if (g->status != DM_OK) return 0;
     if (g->verbatim) return dm_node_plain(g, op, arg[0], arg[1], arg[2]);

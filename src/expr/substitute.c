@@ -16,7 +16,7 @@ void dm_transplant(dm_graph *to, dm_graph *from, const dm_node *roots, uint32_t 
         const dm_expr e = *dm_at(from, n);
         dm_node arg[3] = {0, 0, 0};
         if (!dm_is_marked(from, n)) continue;
-        for (int k = 0; k < dm_op_operands(e.op); k++) arg[k] = now[e.as.arg[k]];
+        for (int k = 0; k < dm_arity(e.op); k++) arg[k] = now[e.as.arg[k]];
         if (e.op == DM_OP_INPUT)
             now[n] = with[e.as.input];
         else if (e.op == DM_OP_CONSTANT)

@@ -144,7 +144,7 @@ static void draft_nodes(builder *w, const dm_node *roots, uint32_t m) {
         draft *d = w->d + n;
         *d = (draft){.kind = (uint8_t)e->op, .absorbed = !dm_is_marked(w->g, n)};
         if (d->absorbed) continue;
-        d->operands = (uint8_t)dm_op_operands(e->op);
+        d->operands = (uint8_t)dm_arity(e->op);
         for (int k = 0; k < d->operands; k++) {
             d->arg[k] = e->as.arg[k];
             w->d[d->arg[k]].uses++;
@@ -345,7 +345,7 @@ dm_status dm_tape_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
     if (!t || !open_builder(&w, g, roots, m)) return DM_NO_MEMORY;
     k.operations = 0;
     for (dm_node n = 0; n < w.end; n++)
-        k.operations += dm_is_marked(g, n) && dm_op_operands(dm_at(g, n)->op);
+        k.operations += dm_is_marked(g, n) && dm_arity(dm_at(g, n)->op);
     if (!write_code(t, &w, arena) || !make_file(t, &w, arena) ||
         !make_moves(&k, t, &w, roots, arena))
         return DM_NO_MEMORY;

@@ -28,7 +28,7 @@ static void find_inner(reader *r, const dm_graph *g, uint32_t end, uint32_t *use
                        uint32_t *user) {
     for (dm_node n = 0; n < end; n++) {
         const dm_expr *e = dm_at(g, n);
-        for (int k = 0; dm_is_marked(g, n) && k < dm_op_operands(e->op); k++) {
+        for (int k = 0; dm_is_marked(g, n) && k < dm_arity(e->op); k++) {
             uses[e->as.arg[k]]++;
             user[e->as.arg[k]] = n;
         }
@@ -46,7 +46,7 @@ static dm_scaled atom(reader *r, dm_node n) {
     dm_term_entry head = {.kind = DM_TERM_ATOM, .op = (uint8_t)e->op};
     dm_part arg[3];
     head.nonnegative = r->s->g->nonnegative[n];
-    head.count = (uint32_t)dm_op_operands(e->op);
+    head.count = (uint32_t)dm_arity(e->op);
     if (head.count == 0) head.node = n;
     for (uint32_t k = 0; k < head.count; k++)
         arg[k] = (dm_part){.c = r->value[e->as.arg[k]].c, .t = r->value[e->as.arg[k]].t};

@@ -10,7 +10,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_ROUNDS = 12, LONGEST = 40 }; /* of more parts, a whole is left out */
+enum {
+    MOST_ROUNDS = 12,
+    FEW = 2,     /* pairs shared in a round: the next one is not worth its time */
+    LONGEST = 40 /* parts; a longer whole is left out */
+};
 
 typedef struct {
     dm_part a, b;         /* a before b; a.c = 1, b.c relative to a */
@@ -45,10 +49,15 @@ static int same(const pair *p, const pair *q) {
            p->b.c == q->b.c;
 }
 
+/* coefficient of b when that of a is 1 */
+static double relative(const dm_part *a, const dm_part *b) {
+    return a->c == 1.0 ? b->c : b->c / a->c;
+}
+
 static pair pair_of(const dm_part *x, const dm_part *y) {
     const int swap = x->t > y->t || (x->t == y->t && x->e > y->e);
     pair p = {.a = swap ? *y : *x, .b = swap ? *x : *y};
-    p.b.c /= p.a.c;
+    p.b.c = relative(&p.a, &p.b);
     p.a.c = 1.0;
     return p;
 }
@@ -166,15 +175,16 @@ static void note_pairs(sharing *w, dm_term t) {
 static int find_pair(const dm_terms *s, dm_term whole, const pair *p, uint32_t at[2]) {
     const dm_term_entry *e = s->entries + whole;
     const dm_part *part = s->parts + e->body;
-    for (uint32_t i = 0; i < e->size; i++)
-        for (uint32_t j = i + 1; j < e->size; j++) {
-            const pair q = pair_of(part + i, part + j);
-            if (!same(p, &q)) continue;
-            const int straight = part[i].t == p->a.t && part[i].e == p->a.e;
-            at[0] = straight ? i : j;
-            at[1] = straight ? j : i;
+    for (uint32_t i = 0; i < e->size; i++) {
+        if (part[i].t != p->a.t || part[i].e != p->a.e) continue;
+        for (uint32_t j = 0; j < e->size; j++) {
+            if (j == i || part[j].t != p->b.t || part[j].e != p->b.e) continue;
+            if (relative(part + i, part + j) != p->b.c) continue;
+            at[0] = i;
+            at[1] = j;
             return 1;
         }
+    }
     return 0;
 }
 
@@ -238,6 +248,6 @@ void dm_terms_share(dm_terms *s, dm_scaled *roots, uint32_t m, dm_term_kind kind
             if (s->entries[order[i]].kind == kind) write_out(s, order[i]);
         if (!open_round(&w, count_pairs(s, order, count, kind) + 1)) return;
         for (uint32_t i = 0; i < count; i++) note_pairs(&w, order[i]);
-        if (dm_graph_status(s->g) != DM_OK || share_round(&w) == 0) return;
+        if (dm_graph_status(s->g) != DM_OK || share_round(&w) < FEW) return;
     }
 }

@@ -26,6 +26,7 @@ enum { EITHER = 0, PLUS = 1, MINUS = 2 }; /* signs that the users of a term woul
 typedef struct {
     dm_terms *s;
     dm_graph *g;
+    dm_node one;    /* the number 1 */
     usage *use;     /* [terms] */
     uint8_t *wish;  /* [terms] PLUS and MINUS, or-ed; sums take any sign */
     uint8_t *minus; /* [terms] 1: the node is the term's value negated */
@@ -39,6 +40,10 @@ static dm_node multiply(dm_graph *g, dm_node a, dm_node b) {
         return dm_mul(g, a, b);
     return a < b ? dm_node_plain(g, DM_OP_MUL, a, b, 0)
                  : dm_node_plain(g, DM_OP_MUL, b, a, 0);
+}
+
+static dm_node times(dm_graph *g, double c, dm_node a) {
+    return c == 1.0 ? a : dm_mul(g, dm_constant(g, c), a);
 }
 
 static uint32_t whole_steps(const writer *w, const dm_part *p) {
@@ -130,8 +135,7 @@ static dm_node power(const writer *w, dm_term t, uint32_t size) {
 static dm_node inverse_power(const writer *w, const dm_part *p) {
     dm_node base = w->s->entries[p->t].node;
     if (w->use[p->t].by_root) base = root_of(w->g, base);
-    const dm_node turned =
-        dm_node_plain(w->g, DM_OP_DIV, dm_constant(w->g, 1.0), base, 0);
+    const dm_node turned = dm_node_plain(w->g, DM_OP_DIV, w->one, base, 0);
     return chain(w->g, turned, whole_steps(w, p), w->use[p->t].below);
 }
 
@@ -152,7 +156,7 @@ static uint32_t gathered(const dm_terms *s, const dm_term_entry *e, dm_part *to)
 
 /* squares that nobody else has as one square, x^2 y^2 = (x y)^2: their factors leave p[count] */
 static dm_node joint_square(const writer *w, dm_part *p, uint32_t *count) {
-    dm_node joint = dm_constant(w->g, 1.0);
+    dm_node joint = w->one;
     uint32_t own = 0, kept = 0;
     for (uint32_t i = 0; i < *count; i++)
         own += p[i].e == 4 && w->use[p[i].t].squares == 1;
@@ -170,8 +174,7 @@ static dm_node write_product(writer *w, dm_term t) {
     dm_terms *s = w->s;
     if (!dm_terms_reserve(s, s->entries[t].size)) return 0;
     uint32_t count = gathered(s, s->entries + t, s->scratch);
-    const dm_node one = dm_constant(w->g, 1.0);
-    dm_node above = joint_square(w, s->scratch, &count), below = one;
+    dm_node above = joint_square(w, s->scratch, &count), below = w->one;
     for (uint32_t i = 0; i < count; i++) {
         const dm_part p = s->scratch[i];
         if (p.e % 4 != 0) w->minus[t] ^= w->minus[p.t];
@@ -182,7 +185,7 @@ static dm_node write_product(writer *w, dm_term t) {
         else
             below = multiply(w->g, below, power(w, p.t, (uint32_t)-p.e));
     }
-    return below == one ? above : dm_node_plain(w->g, DM_OP_DIV, above, below, 0);
+    return below == w->one ? above : dm_node_plain(w->g, DM_OP_DIV, above, below, 0);
 }
 
 static dm_node add(dm_graph *g, dm_node a, dm_node b) {
@@ -208,8 +211,7 @@ static dm_node write_sum(writer *w, dm_term t) {
         for (uint32_t i = 0; i < e->size; i++) {
             const double c = coefficient(w, p + i);
             if (((c < 0.0) ^ w->minus[t]) != minus) continue;
-            const dm_node n =
-                dm_mul(w->g, dm_constant(w->g, fabs(c)), w->s->entries[p[i].t].node);
+            const dm_node n = times(w->g, fabs(c), w->s->entries[p[i].t].node);
             if (sum == 0)
                 sum = n;
             else
@@ -225,8 +227,7 @@ static dm_node write_atom(const writer *w, dm_term t) {
     if (e->size == 0) return e->node;
     if (e->op == DM_OP_CONSTANT) return dm_constant(w->g, p->c);
     for (uint32_t k = 0; k < e->size; k++)
-        arg[k] = dm_mul(w->g, dm_constant(w->g, coefficient(w, p + k)),
-                        w->s->entries[p[k].t].node);
+        arg[k] = times(w->g, coefficient(w, p + k), w->s->entries[p[k].t].node);
     return dm_apply(w->g, (dm_op)e->op, arg[0], arg[1], arg[2]);
 }
 
@@ -243,7 +244,7 @@ static dm_node write_term(writer *w, dm_term t) {
 
 static int open_writer(writer *w, dm_terms *s) {
     dm_arena *arena = s->arena;
-    *w = (writer){.s = s, .g = s->g};
+    *w = (writer){.s = s, .g = s->g, .one = dm_constant(s->g, 1.0)};
     w->use = dm_arena_take(arena, s->size * sizeof *w->use);
     w->wish = dm_arena_take(arena, s->size);
     w->minus = dm_arena_take(arena, s->size);
@@ -266,6 +267,6 @@ void dm_terms_write(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_node *ou
         s->entries[order[i]].node = write_term(&w, order[i]);
     for (uint32_t i = 0; i < m; i++) {
         const double c = w.minus[roots[i].t] ? -roots[i].c : roots[i].c;
-        out[i] = dm_mul(s->g, dm_constant(s->g, c), s->entries[roots[i].t].node);
+        out[i] = times(s->g, c, s->entries[roots[i].t].node);
     }
 }
