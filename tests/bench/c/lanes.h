@@ -6,7 +6,6 @@
 #include <math.h>
 
 typedef double v8 __attribute__((vector_size(64)));
-typedef long long index8 __attribute__((vector_size(64)));
 typedef double v8u __attribute__((vector_size(64), aligned(8)));
 
 #define INLINE static inline __attribute__((always_inline))
@@ -79,10 +78,10 @@ INLINE void store8(double *x, v8 y) {
 
 /* neighbours: (x1, ..., x7, y0) and (x7, y0, ..., y6) */
 INLINE v8 shift_left(v8 x, v8 y) {
-    return __builtin_shuffle(x, y, (index8){1, 2, 3, 4, 5, 6, 7, 8});
+    return __builtin_shufflevector(x, y, 1, 2, 3, 4, 5, 6, 7, 8);
 }
 INLINE v8 shift_right(v8 x, v8 y) {
-    return __builtin_shuffle(x, y, (index8){7, 8, 9, 10, 11, 12, 13, 14});
+    return __builtin_shufflevector(x, y, 7, 8, 9, 10, 11, 12, 13, 14);
 }
 
 /* exp(x) = 2^k exp(r), |r| <= log(2)/2; Taylor to r^13, whose next term is below 2^-58 */

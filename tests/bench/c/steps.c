@@ -1,6 +1,7 @@
 /*
 ** steps - nanoseconds per step in C: leapfrog of one Kepler orbit, the same for 64 orbits in
-** lanes, implicit midpoint of three models. Lines: step SIDE WHAT METHOD NS ITERATIONS
+** lanes, implicit midpoint of three models. Lines: step SIDE WHAT METHOD NS ITERATIONS, where the
+** side is C for the plain text and bound for the same with reciprocal roots
 ** steps FILE: where the implicit models are after 500 steps goes to FILE.
 */
 #include "lanes.h"
