@@ -41,5 +41,7 @@ const dm_method dm_method_gauss = {
     .wants = dm_stage_wants,
     .work = work,
     .open = open,
+    .start = dm_stage_start,
     .step = dm_stage_step,
+    .memory = dm_stage_memory,
 };

@@ -45,6 +45,9 @@ typedef struct {
         double t); /* one step, in place; on failure the state is unchanged */
     /* as `count` calls of step, same bits, *done counted also on failure; NULL: dm_advance loops */
     dm_status (*advance)(dm_stepper *s, double *state, double t, long count, long *done);
+    /* doubles inside work that a step leaves to the next one beside the state, and where they are: from the
+     * state and these a run goes on bit for bit; NULL: none */
+    size_t (*memory)(dm_stepper *s, double **place);
     void (*close)(
         dm_stepper *s); /* what open took outside the workspace (GSL); may be NULL */
 } dm_method;

@@ -84,6 +84,10 @@ static long double basis(const long double *c, int s, int j, long double x) {
     return l;
 }
 
+void dm_lagrange_value(long double *value, const long double *c, int s, long double x) {
+    for (int j = 0; j < s; j++) value[j] = basis(c, s, j, x);
+}
+
 void dm_lagrange(long double *value, long double *integral, const long double *c, int s,
                  long double x) {
     dm_quadrature g;

@@ -33,7 +33,7 @@ size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
            dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve +
            larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
-           scratch_size(s, r, m);
+           scratch_size(s, r, m) + dm_stage_sweeps_size(s, r, m);
 }
 
 static double *take(double **memory, size_t count) {
@@ -42,7 +42,8 @@ static double *take(double **memory, size_t count) {
     return block;
 }
 
-static void lay_out(dm_stage *g, double *memory) {
+/* returns what is left */
+static double *lay_out(dm_stage *g, double *memory) {
     const size_t n = g->n, s = g->table.s, r = g->table.r;
     g->x = take(&memory, 2 * n + 1);
     g->slope = take(&memory, r * 2 * n);
@@ -54,7 +55,8 @@ static void lay_out(dm_stage *g, double *memory) {
     g->base = take(&memory, r * n);
     g->next = take(&memory, 4 * n);
     g->known = (uint32_t *)(void *)take(&memory, doubles(r * sizeof(uint32_t)));
-    g->scratch = memory;
+    g->scratch = take(&memory, scratch_size(s, r, g->m));
+    return memory;
 }
 
 dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
@@ -67,7 +69,7 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     memory += dm_stage_table_size(g->table.s, g->table.r);
     dm_stage_weights_place(g, memory);
     dm_stage_weights_scale(g, stepper->h);
-    lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
+    memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     const size_t n = g->n, curve = 2 * n + 3 * n * n;
     const dm_kernel *slope = g->separable ? &m->force : &m->slope;
     for (uint32_t i = 0; i < g->table.r; i++) {
@@ -75,7 +77,22 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
         dm_kernel_prepare(slope, g->slope + i * (size_t)slope->outputs);
     }
     if (g->separable) dm_stage_separable_open(g);
+    dm_stage_sweeps_open(g, basis, memory);
     return DM_OK;
+}
+
+dm_status dm_stage_start(dm_stepper *stepper, double *state, double t) {
+    dm_stage *g = (dm_stage *)(void *)stepper->work;
+    (void)state;
+    (void)t;
+    if (g->sweeps.row) dm_stage_memory_clear(g, stepper->h);
+    return DM_OK;
+}
+
+size_t dm_stage_memory(dm_stepper *stepper, double **place) {
+    dm_stage *g = (dm_stage *)(void *)stepper->work;
+    *place = g->sweeps.memory;
+    return g->sweeps.row ? dm_stage_memory_size(g) : 0;
 }
 
 void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after) {
@@ -282,15 +299,26 @@ static dm_status general(dm_stage *g, dm_stepper *stepper) {
     return status == DM_OK ? finish(g) : status;
 }
 
+static dm_status solve(dm_stage *g, dm_stepper *stepper) {
+    dm_status status = DM_NO_CONVERGENCE;
+    if (g->sweeps.row && !dm_stage_memory_is_stiff(g))
+        status = dm_stage_sweep(g, stepper);
+    if (status == DM_OK) return DM_OK;
+    status = g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
+    if (status == DM_OK && g->sweeps.row) dm_stage_memory_newton(g);
+    return status;
+}
+
 dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     g->state = state;
     g->t = t;
-    if (g->h != stepper->h)
-        dm_stage_weights_scale(g, stepper->h); /* a composition changes it */
+    if (g->h != stepper->h) { /* a composition changes it */
+        dm_stage_weights_scale(g, stepper->h);
+        dm_stage_sweeps_scale(g);
+    }
     g->evaluations = 0;
-    const dm_status status =
-        g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
+    const dm_status status = solve(g, stepper);
     stepper->report.solves++;
     stepper->report.newton += stepper->report.iterations;
     stepper->report.evaluations += g->evaluations;

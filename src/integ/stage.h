@@ -18,6 +18,7 @@ typedef struct {
     int s;                                 /* velocities */
     long double node[DM_QUADRATURE_NODES]; /* where they are taken, in [0, 1] */
     dm_quadrature q;                       /* exact to degree s - 1 at least */
+    int sweeps; /* of the fixed point, a step; 0: to round-off */
 } dm_galerkin;
 
 /* Coefficients, row-major; they live in the workspace. */
@@ -43,6 +44,8 @@ void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memo
 unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m);
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m);
 dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *g);
+dm_status dm_stage_start(dm_stepper *stepper, double *state, double t);
 dm_status dm_stage_step(dm_stepper *stepper, double *state, double t);
+size_t dm_stage_memory(dm_stepper *stepper, double **place);
 
 #endif

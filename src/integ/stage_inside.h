@@ -3,6 +3,29 @@
 #define DM_STAGE_INSIDE_H
 
 #include "integ/stage.h"
+#include "integ/sweep.h"
+
+/*
+** Fixed-point sweeps over all stages at once. Unknowns u are the forces of the separable form, with
+** S = base + h^2 A M^-1 u, else velocities and forces of Hamilton's equations, with S = base + h a u.
+*/
+typedef struct {
+    const dm_sweep_row *row; /* NULL: this step has no sweeps */
+    dm_kernel kernel;
+    uint32_t lanes;                 /* stages of one evaluation */
+    uint32_t inputs, outputs, rows; /* of the kernel; of S */
+    int count;                      /* sweeps a step; 0: to round-off */
+    double *in, *out, *u;           /* [inputs], [outputs], [rows] x [width] */
+    double *some_in, *some_out;     /* for fewer lanes than stages */
+    double *sum, *base;             /* [rows][width] */
+    double *whole, *top, *rest; /* [s][width] columns of h^2 A or h a, and their parts */
+    double *ahead,
+        *unscaled; /* [s][width] columns for the forces of the step before; for h = 1 */
+    double *after; /* [width] h c */
+    double *b_top, *b_rest, *mean_top, *mean_rest; /* [width] */
+    double *start, *low, *total;                   /* [2n]; sums over the stages */
+    double *memory; /* what is kept from step to step, see stage_memory.c */
+} dm_stage_sweeps;
 
 /* Laid out at the head of stepper->work by dm_stage_open. */
 typedef struct {
@@ -28,6 +51,7 @@ typedef struct {
     double *scratch;       /* of Newton, and of what comes before it */
     uint32_t *known;       /* [r] separable: how point m is found */
     double size;           /* of the terms of the residual */
+    dm_stage_sweeps sweeps;
     long evaluations;
 } dm_stage;
 
@@ -35,6 +59,26 @@ typedef struct {
 size_t dm_stage_weights_size(size_t s, size_t r);
 void dm_stage_weights_place(dm_stage *g, double *memory);
 void dm_stage_weights_scale(dm_stage *g, double h);
+
+/* Doubles of the sweeps; make their kernel and lay them out, or leave them without one; for a new step h. */
+size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m);
+void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory);
+void dm_stage_sweeps_scale(dm_stage *g);
+
+/* One step by sweeps; DM_NO_CONVERGENCE where they contract too slowly, and Newton's method is for it. */
+dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper);
+
+/* Largest entry of M / h turns a displacement into a momentum. */
+double dm_stage_momentum(const dm_stage *g, double displacement);
+
+/* What a step leaves to the next one: the forces of its stages, valid where that step begins at its end. */
+size_t dm_stage_memory_size(const dm_stage *g);
+void dm_stage_memory_clear(dm_stage *g, double h);
+int dm_stage_memory_fits(const dm_stage *g); /* it was left by the step that ended here */
+double dm_stage_memory_rate(const dm_stage *g);      /* contraction of the sweeps */
+int dm_stage_memory_is_stiff(const dm_stage *g);     /* sweeps failed not long ago */
+void dm_stage_memory_keep(dm_stage *g, double rate); /* after a step by sweeps */
+void dm_stage_memory_newton(dm_stage *g);            /* after a step by Newton's method */
 
 /* How a point of the separable form is found. */
 enum { DM_POINT_FIRST, DM_POINT_SOLVED, DM_POINT_LAST };

@@ -31,6 +31,14 @@ void dm_stage_separable_open(dm_stage *g) {
                                                      : DM_POINT_SOLVED;
 }
 
+double dm_stage_momentum(const dm_stage *g, double displacement) {
+    const size_t n = g->n, count = g->m->structure & DM_DIAGONAL_MASS ? n : n * n;
+    double largest = 0.0;
+    for (size_t i = 0; i < count; i++)
+        largest = fmax(largest, fabs(g->m->mass_matrix[i]));
+    return displacement * largest / g->h;
+}
+
 /* out = M^-1 f */
 static void divide_by_mass(const dm_model *m, double *out, const double *f) {
     const uint32_t n = m->n;
@@ -210,15 +218,6 @@ static dm_status finish(dm_stage *g) {
     return dm_stage_update(g, dq, dp);
 }
 
-/* largest entry of M / h turns a displacement into a momentum */
-static double momentum_of(const dm_stage *g, double displacement) {
-    const size_t n = g->n, count = g->m->structure & DM_DIAGONAL_MASS ? n : n * n;
-    double largest = 0.0;
-    for (size_t i = 0; i < count; i++)
-        largest = fmax(largest, fabs(g->m->mass_matrix[i]));
-    return displacement * largest / g->h;
-}
-
 static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = unknowns,
@@ -231,7 +230,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);
     stepper->report.iterations = report.iterations;
-    stepper->report.residual = momentum_of(g, report.residual);
+    stepper->report.residual = dm_stage_momentum(g, report.residual);
     if (status == DM_OK && report.jacobians) correct_forces(g, g->scratch);
     return status;
 }

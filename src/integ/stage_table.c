@@ -7,6 +7,7 @@ enum { MOST = DM_QUADRATURE_NODES };
 
 void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q) {
     g->s = q->r;
+    g->sweeps = 0;
     g->q = *q;
     memcpy(g->node, q->c, sizeof g->node);
 }

@@ -1,0 +1,120 @@
+#include "integ/hamilton.h"
+
+#include "expr/derive.h"
+#include "expr/jit.h"
+
+#include <string.h>
+
+/* nodes of the new graph; row i of `lower` holds l_ij, j < i, of M = l D l^T */
+typedef struct {
+    dm_graph *g;
+    uint32_t n;
+    dm_node *with;          /* [2n+1] what stands for q, v, t */
+    dm_node *mass, *shift;  /* [n*n], [n]: M, p - b and then v */
+    dm_node *lower, *roots; /* [n*n]; [3n] v, L_q, pivots */
+} elimination;
+
+int dm_hamilton_fits(const dm_model *m) {
+    return m->source.graph && m->source.compile && m->n <= DM_HAMILTON_LARGEST &&
+           (m->structure & DM_QUADRATIC_IN_V) && !(m->structure & DM_LINEAR_IN_V);
+}
+
+uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g,
+                        const dm_node *roots, uint32_t count, uint32_t stages) {
+    const dm_source *s = &m->source;
+    const uint32_t most = s->compile == dm_native_build ? dm_jit_lanes() : 1;
+    const uint32_t lanes = stages > 4 && most >= 8 ? 8 : stages > 1 && most >= 4 ? 4 : 1;
+    if (lanes > 1 && dm_jit_build_lanes(out, g, roots, count, lanes, s->arena) == DM_OK)
+        return lanes;
+    return s->compile(out, g, roots, count, s->arena) == DM_OK ? 1 : 0;
+}
+
+/* sum_k<j l_ik l_jk d_k */
+static dm_node inner(const elimination *e, uint32_t i, uint32_t j) {
+    dm_node sum = 0;
+    for (uint32_t k = 0; k < j; k++) {
+        const dm_node lij = e->lower[i * e->n + k], ljk = e->lower[j * e->n + k];
+        const dm_node scaled = dm_mul(e->g, ljk, e->roots[2 * e->n + k]);
+        const dm_node term = dm_mul(e->g, lij, scaled);
+        sum = dm_add(e->g, sum, term);
+    }
+    return sum;
+}
+
+/* pivots and lower triangle, column by column; 0 at a pivot that vanishes everywhere */
+static int factor(elimination *e) {
+    const uint32_t n = e->n;
+    for (uint32_t j = 0; j < n; j++) {
+        const dm_node d = dm_sub(e->g, e->mass[j * n + j], inner(e, j, j));
+        if (!d) return 0;
+        e->roots[2 * n + j] = d;
+        for (uint32_t i = j + 1; i < n; i++) {
+            const dm_node rest = dm_sub(e->g, e->mass[i * n + j], inner(e, i, j));
+            e->lower[i * n + j] = dm_div(e->g, rest, d);
+        }
+    }
+    return 1;
+}
+
+/* x -= factor * y */
+static void subtract(dm_graph *g, dm_node *x, dm_node factor, dm_node y) {
+    const dm_node product = dm_mul(g, factor, y);
+    *x = dm_sub(g, *x, product);
+}
+
+/* v = l^-T D^-1 l^-1 (p - b) */
+static void solve(elimination *e) {
+    const uint32_t n = e->n;
+    dm_node *v = e->shift;
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t k = 0; k < i; k++) subtract(e->g, v + i, e->lower[i * n + k], v[k]);
+    for (uint32_t i = 0; i < n; i++) v[i] = dm_div(e->g, v[i], e->roots[2 * n + i]);
+    for (uint32_t i = n; i-- > 0;)
+        for (uint32_t k = i + 1; k < n; k++)
+            subtract(e->g, v + i, e->lower[k * n + i], v[k]);
+}
+
+/* M and p - b in the new graph, where v stands for 0 */
+static void carry_mass(elimination *e, const dm_model *m, const dm_node *hessian) {
+    const uint32_t n = e->n;
+    dm_graph *from = m->source.graph;
+    dm_transplant(e->g, from, hessian, n * n, e->with, e->mass);
+    dm_transplant(e->g, from, m->source.gradient + n, n, e->with, e->shift);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node p = dm_input(e->g, n + i);
+        e->shift[i] = dm_sub(e->g, p, e->shift[i]);
+    }
+}
+
+static int write_out(elimination *e, const dm_model *m, const dm_node *hessian) {
+    const uint32_t n = e->n;
+    memset(e->with, 0, (2 * n + 1) * sizeof *e->with);
+    for (uint32_t i = 0; i < n; i++) e->with[i] = dm_input(e->g, i);
+    e->with[2 * n] = dm_input(e->g, 2 * n);
+    carry_mass(e, m, hessian);
+    if (!factor(e)) return 0;
+    solve(e);
+    memcpy(e->roots, e->shift, n * sizeof *e->roots);
+    memcpy(e->with + n, e->shift, n * sizeof *e->with);
+    dm_transplant(e->g, m->source.graph, m->source.gradient, n, e->with, e->roots + n);
+    return dm_graph_status(e->g) == DM_OK;
+}
+
+uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages) {
+    const uint32_t n = m->n;
+    const dm_source *s = &m->source;
+    if (!dm_hamilton_fits(m)) return 0;
+    const size_t nn = (size_t)n * n;
+    dm_node *memory = dm_arena_take(s->arena, (3 * nn + 6 * n + 1) * sizeof *memory);
+    dm_graph *g = dm_graph_new(s->arena, 2 * n + 1);
+    if (!memory || !g) return 0;
+    elimination e = {.g = g, .n = n, .with = memory};
+    dm_node *hessian = memory + 2 * n + 1;
+    e.mass = hessian + nn;
+    e.lower = e.mass + nn;
+    e.shift = e.lower + nn;
+    e.roots = e.shift + n;
+    dm_jacobian(s->graph, s->gradient + n, n, n, n, hessian);
+    if (dm_graph_status(s->graph) != DM_OK || !write_out(&e, m, hessian)) return 0;
+    return dm_lanes_build(out, m, g, e.roots, 3 * n, stages);
+}
