@@ -96,7 +96,7 @@ valgrind: programs
 	@.ci/setup --install valgrind test
 	@UNDER=valgrind tests/run $(C_TESTS) $(LUA_TESTS)
 bench: programs
-	@for file in tests/bench/*.lua; do $(B)/dmlua $$file || exit 1; done
+	@tests/bench/run
 
 format:
 	clang-format -i $(sort $(wildcard src/*/*.[ch] tests/*/*.[ch]))
