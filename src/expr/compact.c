@@ -8,6 +8,7 @@
 
 enum {
     LARGEST = 20000, /* operations; larger graphs stay as they are */
+    WORTH = 2,       /* cost; there is nothing to gain below */
     MOST_PASSES = 6
 };
 
@@ -87,6 +88,7 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     memcpy(start, roots, m * sizeof *start);
     dm_arena_init(&x.scratch, g->arena->allocate, g->arena->ud);
     x.least = 100 * (uint64_t)cost(g, start, m);
+    if (x.least < 100 * WORTH) return;
     follow(&x, start, 1, favour);
     follow(&x, start, 0, 100);
     dm_arena_release(&x.scratch);

@@ -12,19 +12,20 @@ static int fail(dm_terms *s) {
     return 0;
 }
 
-static uint32_t hash_part(uint32_t h, const dm_part *p) {
-    uint64_t bits, x = h;
-    memcpy(&bits, &p->c, sizeof bits);
-    x = (x ^ bits ^ bits >> 29) * 0x9E3779B97F4A7C15u;
-    x = (x ^ x >> 32 ^ p->t ^ (uint64_t)(uint32_t)p->e << 32) * 0xD6E8FEB86659FD93u;
-    return (uint32_t)(x >> 32);
+/* the sum over the parts is free of order, so that they need not wait for each other */
+static uint64_t hash_part(const dm_part *p) {
+    uint64_t x;
+    memcpy(&x, &p->c, sizeof x);
+    x ^= x >> 32 ^ p->t ^ (uint64_t)(uint32_t)p->e << 24;
+    x *= 0x9E3779B97F4A7C15u;
+    return x ^ x >> 29;
 }
 
 static uint32_t hash(const dm_term_entry *head, const dm_part *parts) {
-    uint32_t h = (uint32_t)head->kind << 8 | head->op;
-    if (head->count == 0) h += head->node * 0x9E3779B1u;
-    for (uint32_t i = 0; i < head->count; i++) h = hash_part(h, parts + i);
-    return h;
+    uint64_t h = (uint64_t)head->kind << 8 | head->op;
+    if (head->count == 0) h += (uint64_t)head->node << 16;
+    for (uint32_t i = 0; i < head->count; i++) h += hash_part(parts + i);
+    return (uint32_t)(h * 0xD6E8FEB86659FD93u >> 32);
 }
 
 static int same(const dm_terms *s, dm_term t, const dm_term_entry *head,
@@ -138,7 +139,7 @@ uint32_t dm_terms_factors(const dm_terms *s, dm_term t, dm_part *to) {
         *to = (dm_part){.c = 1.0, .t = t, .e = 2};
         return 1;
     }
-    if (e->count) memcpy(to, s->parts + e->first, e->count * sizeof *to);
+    for (uint32_t i = 0; i < e->count; i++) to[i] = s->parts[e->first + i];
     return e->count;
 }
 
