@@ -1,14 +1,18 @@
 #include "bind/backend.h"
 
+#include "bind/cc.h"
 #include "expr/jit.h"
 #include "expr/tape.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* "jit" is the tape where the processor or the system has no native code for it */
-static const dml_backend backends[] = {
-    {"jit", dm_native_build, NULL}, {"tape", dm_tape_build, NULL}, {NULL, NULL, NULL}};
+/* "jit" is the tape where the processor or the system has no native code for it, "cc" where
+** there is no compiler */
+static const dml_backend backends[] = {{"jit", dm_native_build, NULL},
+                                       {"tape", dm_tape_build, NULL},
+                                       {"cc", dml_cc_or_tape, NULL},
+                                       {NULL, NULL, NULL}};
 
 static const dml_backend *by_name(lua_State *L, const char *name, const char *from) {
     luaL_Buffer b;

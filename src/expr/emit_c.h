@@ -1,0 +1,15 @@
+/* emit_c.h - a graph as readable C: for programs without dmlua, and for the compiler of the system. */
+#ifndef DM_EMIT_C_H
+#define DM_EMIT_C_H
+
+#include "expr/analyse.h"
+
+/*
+** Write `void name(const double *in, double *out)` for the roots, compacted: one constant a line, inputs under
+** their names (NULL: x1, x2, ...), out[m]. Compiled with -ffp-contract=off it has the bits of the tape.
+** 0 where an operation has no C text; nothing is complete then.
+*/
+int dm_emit_c(dm_graph *g, const dm_node *roots, uint32_t m, const char *name,
+              const char *const *names, dm_put *put, void *ud);
+
+#endif

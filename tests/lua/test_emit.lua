@@ -1,0 +1,28 @@
+-- C text of systems and functions, and kernels by the compiler of the system: the bits of the tape
+local tap = require "tap"
+local dm = require "dm"
+local ok, raises = tap.ok, tap.raises
+
+local model = dm.system { Q = dm.R(2), L = function(q, v)
+  return v:dot(v) / 2 * (1 + q[1] ^ 2) + math.cos(q[2]) + dm.where(q[1], q[1] ^ 3, math.exp(q[1])) + math.max(q[1], v[2]) - math.atan(q[1], 2)
+end }
+local source = model:emit_c()
+ok(source:find("void lagrangian%(const double %*in, double %*out%)") and source:find "void slope" and source:find "void energy", "three functions")
+ok(source:find "const double q1 = in%[0%]", "inputs by their names")
+
+-- the same path by every backend that this machine has
+local ends = {}
+for _, backend in ipairs { "tape", "jit", "cc" } do
+  local solver = model:solver { rule = "gauss(2)", h = 0.05, backend = backend }
+  local path = solver:run { q = { 0.3, 0.1 }, v = { 0.2, 0.4 }, steps = 200, every = 200 }
+  ends[#ends + 1] = path.q[2]
+end
+ok(ends[1] == ends[2], "native code has the bits of the tape")
+ok(ends[1] == ends[3], "the C compiler has the bits of the tape")
+
+local f = dm.trace(function(x) return { x[1] / x[2], -math.abs(x[1]) } end, 2)
+ok(f:emit_c("g"):find "void g%(" and f:emit_c():find "void f%(", "a function under a name")
+local Ld = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(a, b) return (b[1] - a[1]) ^ 2 / 0.2 end }
+ok(Ld:emit_c():find "void Ld" and Ld:emit_c():find "q1_1 = in%[1%]", "a discrete Lagrangian")
+raises("hyper-dual", function() dm.system { Q = dm.R(1), derivatives = "hyperdual", L = function(q, v) return v[1] ^ 2 end }:emit_c() end)
+tap.done()
