@@ -46,8 +46,8 @@ static void fill_columns(dm_graph *to, const dm_sum *s, dm_node *with, uint32_t 
     for (uint32_t c = 0; c < s->columns; c++) {
         const dm_column *column = s->column + c;
         const size_t at = dm_sum_entry(s, column, i, shift);
-        with[c] = column->data ? dm_constant(to, column->data[at])
-                               : dm_input(to, (uint32_t)at);
+        with[c] =
+            column->data ? dm_constant(to, column->data[at]) : dm_input(to, (uint32_t)at);
     }
 }
 
