@@ -166,8 +166,9 @@ static int system_lagrangian(lua_State *L) {
 
 static int system_legendre(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    const double *p = evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the momentum");
-    memcpy(dml_pushvector(L, s->n), p, s->n * sizeof *p);
+    const double *p =
+        evaluate(L, DM_WANT_SLOPE, offsetof(dm_model, slope), "the momentum");
+    memcpy(dml_pushvector(L, s->n), p + s->n, s->n * sizeof *p);
     return 1;
 }
 
@@ -188,7 +189,7 @@ static int system_velocity(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "p");
     dml_model *m = dml_pushmodel(L, 1);
-    dml_want(L, m, DM_WANT_MASS, NULL);
+    dml_want(L, m, dml_legendre_wants(m), NULL);
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
     double *v = dml_pushvector(L, s->n);
     const dm_status status =
@@ -253,6 +254,7 @@ static int system_graph(lua_State *L) {
     const char *const *names = input_names(L, s);
     dml_model *m = dml_pushmodel(L, 1);
     luaL_Buffer b;
+    dml_writeout(L, m);
     if (!m->graph)
         return luaL_error(L, "this system runs on hyper-dual numbers: it has no graph");
     luaL_buffinit(L, &b);

@@ -1,6 +1,7 @@
 /* model.c - from the Lua function of a system to the kernels of a run. */
 #include "bind/backend.h"
 #include "bind/system.h"
+#include "expr/sum.h"
 
 #include <stdio.h>
 #include <time.h>
@@ -23,6 +24,7 @@ static dml_signature signature(const dml_system *s) {
                            .arguments = 3,
                            .length = {n, n, DML_SCALAR_ARGUMENT},
                            .outputs = DML_SCALAR_ARGUMENT,
+                           .keeps_sums = 1,
                            .may_grow = 1};
 }
 
@@ -62,6 +64,17 @@ static void check_status(lua_State *L, dm_status status) {
         luaL_error(L, "%s", dm_status_text(status));
 }
 
+/* loops are not possible, and written out they would be too large */
+static void refuse_dense(lua_State *L, const dml_model *m, const char *why) {
+    luaL_error(L,
+               "%s needs the second derivatives of L as a full %d x %d matrix, which is "
+               "kept up to %d "
+               "coordinates in a system with dm.sum_over; explicit rules do without "
+               "(\"verlet\", "
+               "\"blanes-moan(6)\", \"kahan-li(8)\")",
+               why, (int)m->n, (int)m->n, DM_MODEL_DENSE);
+}
+
 /* 0: the graph is too large */
 static int read_structure(lua_State *L, dml_model *m, int pair) {
     dm_status status = m->graph ? dm_graph_status(m->graph) : DM_TOO_LARGE;
@@ -70,6 +83,9 @@ static int read_structure(lua_State *L, dml_model *m, int pair) {
     else if (status == DM_OK)
         status =
             dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena);
+    if (status == DM_TOO_LARGE && m->graph && dm_sums(m->graph))
+        refuse_dense(L, m,
+                     "a kinetic energy that is no sum of m v^2/2 with constant masses");
     if (status == DM_TOO_LARGE) return 0;
     check_status(L, status);
     return 1;
@@ -123,6 +139,8 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     const unsigned missing = want & ~m->model.has;
     const int pair = (want & DM_WANT_PAIR) != 0;
     if (!missing) return;
+    if (m->model.structure & DM_LOOPS && want & DM_WANT_DENSE && m->n > DM_MODEL_DENSE)
+        refuse_dense(L, m, want & DM_WANT_MASS ? "this" : "this rule");
     const double start = now_ms();
     if (m->callback) {
         dml_hyperdual_model(L, m, missing, pair);
@@ -137,6 +155,24 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
         m->backend = pair ? m->model.pair.backend : m->model.value.backend;
     }
     m->compile_ms += now_ms() - start;
+}
+
+void dml_writeout(lua_State *L, dml_model *m) {
+    if (!m->graph || !dm_sums(m->graph)) return;
+    if (m->n > DM_MODEL_DENSE)
+        luaL_error(L,
+                   "the sums of dm.sum_over are written out up to %d coordinates (this "
+                   "system has %d)",
+                   DM_MODEL_DENSE, (int)m->n);
+    dm_graph *plain = dm_graph_new(m->arena, dm_sum_first(m->graph));
+    if (!plain) luaL_error(L, "not enough memory");
+    m->lagrangian = dm_sum_write_out(plain, m->graph, m->lagrangian);
+    m->graph = plain;
+    check_status(L, dm_graph_status(plain));
+}
+
+unsigned dml_legendre_wants(const dml_model *m) {
+    return m->model.structure & DM_LOOPS ? 0 : DM_WANT_MASS;
 }
 
 void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {

@@ -19,7 +19,7 @@ static dml_model *model_for(lua_State *L, unsigned want) {
                       "the path from a "
                       "dm.system, or compute them from path.q and path.p");
     lua_pop(L, 2);
-    dml_want(L, m, want, NULL);
+    dml_want(L, m, want | dml_legendre_wants(m), NULL);
     return m;
 }
 
@@ -52,7 +52,7 @@ static void check_row(lua_State *L, dml_model *m, dm_status status, long i) {
 
 int dml_path_energy(lua_State *L) {
     const dml_path *p = check(L);
-    dml_model *m = model_for(L, DM_WANT_ENERGY | DM_WANT_MASS);
+    dml_model *m = model_for(L, DM_WANT_ENERGY);
     double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
     double *E = dml_pushvector(L, (uint32_t)p->rows);
     for (long i = 0; i < p->rows; i++) {
@@ -66,7 +66,7 @@ int dml_path_energy(lua_State *L) {
 
 static int path_velocity(lua_State *L) {
     const dml_path *p = check(L);
-    dml_model *m = model_for(L, DM_WANT_MASS);
+    dml_model *m = model_for(L, 0);
     double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
     double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->n);
     for (long i = 0; i < p->rows; i++) {

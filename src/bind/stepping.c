@@ -16,9 +16,9 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
     const dm_model *m = &r->model->model;
     const size_t work = s->method->work(s->nodes, m), state = dm_state_size(s->n);
-    const size_t scratch = s->pair
-                               ? m->pair.outputs
-                               : dm_legendre_work(m) + s->n + s->n * (size_t)s->n + state;
+    const size_t mass = s->n * (m->structure & DM_LOOPS ? 0 : (size_t)s->n);
+    const size_t scratch =
+        s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
     const size_t total = work + state + 2 * s->n + 1 + scratch;
     r->stepper.work = lua_newuserdatauv(L, total * sizeof(double), 0);
     memset(r->stepper.work, 0, total * sizeof(double));
@@ -46,7 +46,8 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
         luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = s->method->wants(s->nodes, &r->model->model);
     dml_want(L, r->model,
-             r->wants | DM_WANT_VALUE | (s->pair ? DM_WANT_PAIR : DM_WANT_MASS),
+             r->wants | DM_WANT_VALUE |
+                 (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model)),
              backend_name(L));
     r->stepper = (dm_stepper){.method = s->method,
                               .model = &r->model->model,
@@ -137,6 +138,15 @@ static void start_momentum(lua_State *L, dml_stepping *r) {
     dml_checkmodel(L, r->system, r->model, NULL);
 }
 
+static void add_diagonal(double *p, const double *mass, const double *v, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++) p[i] += mass[i] * v[i];
+}
+
+static void add_product(double *p, const double *mass, const double *v, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++) p[i] += mass[i * (size_t)n + j] * v[j];
+}
+
 /*
 ** Two positions of a Lagrangian: the momentum p with step(q0, p) = q1, by p += M (q1 -
 *Q(p)) / h, which
@@ -145,8 +155,9 @@ static void start_momentum(lua_State *L, dml_stepping *r) {
 static dm_status shoot(dml_stepping *r, const double *q1) {
     enum { TRIES = 100 };
     const uint32_t n = r->solver->n;
+    const int diagonal = (r->model->model.structure & DM_LOOPS) != 0;
     const double *mass = r->work + n;
-    double *end = r->work + n + n * n, last = INFINITY;
+    double *end = r->work + n + (diagonal ? 0 : n * (size_t)n), last = INFINITY;
     for (int k = 0; k < TRIES; k++) {
         double gap = 0.0, size = 0.0;
         memcpy(end, r->state, dm_state_size(n) * sizeof *end);
@@ -158,9 +169,11 @@ static dm_status shoot(dml_stepping *r, const double *q1) {
         }
         if (gap <= 1e-16 * size || (gap < 1e-13 * size && gap >= last)) return DM_OK;
         last = gap;
-        for (uint32_t i = 0; i < n; i++)
-            for (uint32_t j = 0; j < n; j++)
-                r->state[n + i] += mass[i * n + j] * (q1[j] - end[j]) / r->solver->h;
+        for (uint32_t i = 0; i < n; i++) end[i] = (q1[i] - end[i]) / r->solver->h;
+        if (diagonal)
+            add_diagonal(r->state + n, r->model->model.mass_matrix, end, n);
+        else
+            add_product(r->state + n, mass, end, n);
     }
     return DM_NO_CONVERGENCE;
 }
@@ -177,10 +190,15 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
     for (uint32_t i = 0; i < n; i++) q1[i] = (q1[i] - r->x[i]) / r->solver->h;
     r->x[2 * n] = r->t0;
     dml_checkmodel(L, r->system, r->model, r->x);
-    dm_kernel_prepare(mass, r->work);
-    dm_kernel_eval(mass, r->x, r->work);
-    dml_rethrow(L, r->model);
-    memcpy(r->state + n, r->work, n * sizeof(double));
+    if (mass->eval) {
+        dm_kernel_prepare(mass, r->work);
+        dm_kernel_eval(mass, r->x, r->work);
+        dml_rethrow(L, r->model);
+        memcpy(r->state + n, r->work, n * sizeof(double));
+    } else {
+        check_legendre(
+            L, r, dm_legendre(&r->model->model, r->state + n, NULL, q1, r->t0, r->work));
+    }
     dml_numbers(L, 2, "q1", q1, n);
 }
 

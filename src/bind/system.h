@@ -52,6 +52,12 @@ dml_model *dml_pushmodel(lua_State *L, int arg);
  * (NULL: the default). */
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend);
 
+/* From now on the graph of *m has no sums, every round is written out; raises where that is too large. */
+void dml_writeout(lua_State *L, dml_model *m);
+
+/* What dm_legendre and its inverse need of this model. */
+unsigned dml_legendre_wants(const dml_model *m);
+
 /* Raise a mismatch between trace and function (trace.h) for the system at `arg` at x =
  * (q, v, t) or (q0, q1). */
 void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x);

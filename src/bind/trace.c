@@ -122,10 +122,10 @@ static int end_trace(lua_State *L) {
     return 0;
 }
 
-static dml_frame *begin_trace(lua_State *L, dm_graph *graph, const char *what) {
+static dml_frame *begin_trace(lua_State *L, dm_graph *graph, const dml_signature *s) {
     dml_state *state = dml_getstate(L);
     dml_frame *frame = lua_newuserdatauv(L, sizeof *frame, 1);
-    *frame = (dml_frame){.graph = graph, .what = what};
+    *frame = (dml_frame){.graph = graph, .what = s->what, .keeps_sums = s->keeps_sums};
     dml_pushkeeper(L, dm_graph_arena(graph));
     lua_setiuservalue(L, -2, 1);
     if (luaL_newmetatable(L, "dm.trace")) {
@@ -207,7 +207,7 @@ void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
     luaL_checkstack(L, s->arguments + 12, NULL);
     dm_graph *graph = dm_graph_new(arena, inputs);
     if (!graph) luaL_error(L, "not enough memory");
-    const dml_frame *frame = begin_trace(L, graph, s->what);
+    const dml_frame *frame = begin_trace(L, graph, s);
     push_symbols(L, fn, s, frame);
     lua_call(L, s->arguments, 1);
     read_result(L, s, frame, out);

@@ -18,6 +18,7 @@ typedef struct {
     int arguments;
     int length[DML_MAX_ARGUMENTS]; /* entries of each vector, or DML_SCALAR_ARGUMENT */
     int outputs; /* DML_SCALAR_ARGUMENT: a number; n: that many; 0: any number of them */
+    int keeps_sums; /* dm.sum_over may stay a loop in the graph (expr/sum.h) */
     int may_grow; /* a graph that grows too large is no error: dml_traced.graph is then NULL */
 } dml_signature;
 

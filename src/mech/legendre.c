@@ -15,6 +15,7 @@ typedef struct {
 
 size_t dm_legendre_work(const dm_model *m) {
     const size_t n = m->n;
+    if (m->structure & DM_LOOPS) return n;
     return 2 * n + 1 + n + n * n + n + dm_newton_work(m->n);
 }
 
@@ -37,8 +38,16 @@ static int all_finite(const double *a, uint32_t n) {
     return 1;
 }
 
+/* p = M v, M diagonal */
+static dm_status by_mass(const dm_model *m, double *p, const double *v) {
+    if (!m->mass_matrix) return DM_SINGULAR;
+    for (uint32_t i = 0; i < m->n; i++) p[i] = m->mass_matrix[i] * v[i];
+    return all_finite(p, m->n) ? DM_OK : DM_NOT_FINITE;
+}
+
 dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v,
                       double t, double *work) {
+    if (m->structure & DM_LOOPS) return by_mass(m, p, v);
     equation e = prepare(m, q, t, work);
     evaluate(m, e.x, e.out, v);
     if (!all_finite(e.out, m->n)) return DM_NOT_FINITE;

@@ -2,6 +2,7 @@
 
 #include "expr/analyse.h"
 #include "expr/derive.h"
+#include "expr/sum.h"
 #include "linalg/lu.h"
 
 #include <string.h>
@@ -217,8 +218,8 @@ static dm_status differentiate(builder *b) {
     return dm_graph_status(b->g);
 }
 
-dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
-                         dm_compile *compile, dm_arena *arena) {
+static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n,
+                             unsigned want, dm_compile *compile, dm_arena *arena) {
     builder b = {.m = {.n = n}, .g = g, .L = L, .arena = arena, .compile = compile};
     dm_status status = dm_graph_status(g);
     if (status == DM_OK) status = differentiate(&b);
@@ -236,6 +237,37 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
     if (status != DM_OK) return status;
     *m = b.m;
     return mass;
+}
+
+static int is_short(const dm_graph *g) {
+    double rounds = 0;
+    for (const dm_sum *s = dm_sums(g); s; s = s->next) rounds += dm_sum_all_rounds(s);
+    return rounds <= DM_MODEL_WRITTEN_OUT;
+}
+
+static dm_status build_written_out(dm_model *m, dm_graph *g, dm_node L, unsigned want,
+                                   dm_compile *compile, dm_arena *arena) {
+    const uint32_t n = m->n;
+    if (n > DM_MODEL_DENSE && !is_short(g)) return DM_TOO_LARGE;
+    dm_graph *plain = dm_graph_new(arena, dm_sum_first(g));
+    if (!plain) return DM_NO_MEMORY;
+    const dm_node all = dm_sum_write_out(plain, g, L);
+    return build_dense(m, plain, all, n, want, compile, arena);
+}
+
+dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
+                         dm_compile *compile, dm_arena *arena) {
+    int fits = 0;
+    if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
+    if (!dm_sums(g)) return build_dense(m, g, L, n, want, compile, arena);
+    dm_model now = {.n = n, .source = {.compile = compile, .arena = arena}};
+    dm_status status = DM_OK;
+    if (!is_short(g) && !(want & DM_WANT_DENSE))
+        status = dm_loops_model(&now, g, L, want, &fits);
+    if (status == DM_OK && !fits)
+        status = build_written_out(&now, g, L, want, compile, arena);
+    if (status == DM_OK || status == DM_SINGULAR) *m = now;
+    return status;
 }
 
 dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n,

@@ -17,7 +17,8 @@ enum {                        /* structure, read off the graph */
        DM_DIAGONAL_MASS = 4,  /* and is diagonal, with nothing linear in v */
        DM_AUTONOMOUS = 8,     /* L does not depend on t */
        DM_LINEAR_IN_V = 16,   /* d2L/dv2 = 0: degenerate */
-       DM_QUADRATIC_IN_V = 32 /* d2L/dv2 does not depend on v */
+       DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
+       DM_LOOPS = 64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
 };
 
 enum {                    /* kernels; each takes x = (q[n], v[n], t) */
@@ -30,7 +31,8 @@ enum {                    /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_MASS = 32,   /* L_v[n], L_vv[n*n] */
        DM_WANT_WELL = 128,  /* L(q, 0, t) = -V, then L_q[n]: separable L only */
        DM_WANT_PAIR =
-           64 /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
+           64, /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
+       DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_MASS | DM_WANT_WELL /* with sums written out */
 };
 
 /* How graphs become kernels; dm_tape_build is one. */
@@ -61,10 +63,15 @@ typedef struct {
     dm_source source;
 } dm_model;
 
+/* With sums (expr/sum.h): so many rounds are written out as they are; above, loops are kept where mass is
+** constant and diagonal; what needs n x n tables writes them out up to so many coordinates. */
+enum { DM_MODEL_WRITTEN_OUT = 128, DM_MODEL_DENSE = 400 };
+
 /*
 ** Read the structure of L in g (inputs q[n], v[n], t) and build the wanted kernels.
 ** Everything that *m points to is in `arena`. DM_SINGULAR: the mass matrix is constant and singular;
-** inverse_mass is then NULL and the model cannot be stepped, all the rest is usable.
+** inverse_mass is then NULL and the model cannot be stepped, all the rest is usable. DM_TOO_LARGE with sums:
+** above DM_MODEL_DENSE, and d2L/dv2 not constant and diagonal or DM_WANT_DENSE.
 */
 dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                          dm_compile *compile, dm_arena *arena);
@@ -72,6 +79,9 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
 /* The same for a discrete Lagrangian in g with inputs q0[n], q1[n]: value takes (q0, q1). */
 dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n,
                               dm_compile *compile, dm_arena *arena);
+
+/* The model with loops (loops_model.c); *fits = 0 where the mass is not constant and diagonal. */
+dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int *fits);
 
 /* Doubles of scratch that the two functions below need. */
 size_t dm_legendre_work(const dm_model *m);
