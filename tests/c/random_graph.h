@@ -59,16 +59,27 @@ static inline dm_op random_op(random_source *r) {
     return (dm_op)(DM_OP_NEG + random_below(r, DM_OP_COUNT - DM_OP_NEG));
 }
 
+/* an operation that is one instruction, so that values stay in registers until these run out */
+static inline dm_op random_arithmetic_op(random_source *r) {
+    static const dm_op ops[] = {DM_OP_ADD, DM_OP_SUB,  DM_OP_MUL,  DM_OP_DIV,
+                                DM_OP_MIN, DM_OP_MAX,  DM_OP_NEG,  DM_OP_ABS,
+                                DM_OP_ADD, DM_OP_SQRT, DM_OP_SIGN, DM_OP_WHERE,
+                                DM_OP_SUB, DM_OP_MUL,  DM_OP_MUL,  DM_OP_ADD};
+    return ops[random_below(r, sizeof ops / sizeof ops[0])];
+}
+
+enum { AS_IT_COMES, SIMPLIFIED, ARITHMETIC, KINDS_OF_GRAPHS };
+
 /* `count` operations on `inputs` inputs, simplified or as they come; m random roots */
 static inline dm_graph *random_graph(random_source *r, dm_arena *arena, uint32_t count,
-                                     int simplified) {
+                                     int kind) {
     dm_graph *g = dm_graph_new(arena, 1 + random_below(r, 6));
     for (uint32_t i = 0; g && i < count; i++) {
-        const dm_op op = random_op(r);
+        const dm_op op = kind == ARITHMETIC ? random_arithmetic_op(r) : random_op(r);
         const dm_node a = random_operand(r, g), b = random_operand(r, g),
                       c = random_operand(r, g);
         const int operands = dm_op_operands(op);
-        if (simplified)
+        if (kind == SIMPLIFIED)
             dm_apply(g, op, a, b, c);
         else
             dm_node_plain(g, op, a, operands > 1 ? b : 0, operands > 2 ? c : 0);
