@@ -1,5 +1,6 @@
 /* model.c - from the Lua function of a system to the kernels of a run. */
 #include "bind/backend.h"
+#include "bind/model_kept.h"
 #include "bind/system.h"
 #include "expr/sum.h"
 
@@ -109,7 +110,8 @@ static void warn_too_large(dml_system *s, const char *what) {
             what, DM_GRAPH_LIMIT);
 }
 
-dml_model *dml_pushmodel(lua_State *L, int arg) {
+/* compile: by which a model of an earlier run may be kept, or NULL */
+static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     arg = lua_absindex(L, arg);
     dml_system *s = dml_checksystem(L, arg);
     const dml_signature sig = signature(s);
@@ -127,12 +129,30 @@ dml_model *dml_pushmodel(lua_State *L, int arg) {
         dml_trace(L, fn, &sig, m->arena, &traced);
         m->graph = traced.graph;
         m->lagrangian = traced.out[0];
+        m->traced = m->graph ? dm_graph_size(m->graph) : 0;
+        dml_model *last = m->graph && compile ? dml_pushkept(L, arg, m, compile) : NULL;
+        if (last) {
+            last->trace_ms = now_ms() - start;
+            last->compile_ms = 0.0;
+            lua_replace(L, fn);
+            lua_settop(L, fn);
+            return last;
+        }
         if (!read_structure(L, m, s->pair)) warn_too_large(s, sig.what);
     }
     if (s->hyperdual) go_hyperdual(L, m, fn, &sig);
+    if (m->graph && compile) dml_keep(L, arg, m, compile);
     m->trace_ms = now_ms() - start;
     lua_remove(L, fn);
     return m;
+}
+
+dml_model *dml_pushmodel(lua_State *L, int arg) {
+    return push_model(L, arg, NULL);
+}
+
+dml_model *dml_pushlast(lua_State *L, int arg, const char *backend) {
+    return push_model(L, arg, dml_findbackend(L, backend)->compile);
 }
 
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
@@ -152,6 +172,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
                  : dm_model_build(&m->model, m->graph, m->lagrangian, m->n,
                                   want | m->model.has, row->compile, m->arena);
         check_status(L, status);
+        if (m->compile) m->model.source.kept = &m->kept;
         m->backend = pair ? m->model.pair.backend : m->model.value.backend;
     }
     m->compile_ms += now_ms() - start;
@@ -180,7 +201,11 @@ void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
     const dml_system *s = dml_checksystem(L, arg);
     const dml_signature sig = signature(s);
     push_function(L, arg, s);
-    dml_trace_check(L, lua_gettop(L), &sig, &m->model.value, x);
+    if (m->checked)
+        dml_trace_check_start(L, lua_gettop(L), &sig, &m->model.value, x);
+    else
+        dml_trace_check(L, lua_gettop(L), &sig, &m->model.value, x);
+    m->checked = 1;
     lua_pop(L, 1);
 }
 

@@ -43,10 +43,18 @@ typedef struct {
     dml_callback *callback; /* NULL when traced */
     const char *backend;    /* of the kernels: "tape", "hyperdual" */
     double trace_ms, compile_ms;
+    uint32_t traced;     /* nodes of the graph when only L was in it */
+    int checked;         /* compared with the function around the start of a run */
+    dm_compile *compile; /* of a model that is kept (model_kept.h), else NULL */
+    dm_kept *kept;       /* kernels of methods */
 } dml_model;
 
 /* Trace the system at `arg` and push its model with no kernels yet but its structure. */
 dml_model *dml_pushmodel(lua_State *L, int arg);
+
+/* The same for a run with the backend of that name by a method that DM_KEEPS: the model of the last such run
+** where the trace is the same, with all its kernels. */
+dml_model *dml_pushlast(lua_State *L, int arg, const char *backend);
 
 /* Make the kernels `want` (DM_WANT_*) that are missing, with the backend of that name
  * (NULL: the default). */

@@ -48,6 +48,10 @@ void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
 void dml_trace_check(lua_State *L, int fn, const dml_signature *s,
                      const dm_kernel *kernel, const double *at);
 
+/* The same at `at` alone, for a trace that was compared before. */
+void dml_trace_check_start(lua_State *L, int fn, const dml_signature *s,
+                           const dm_kernel *kernel, const double *at);
+
 /* The function on numbers: pushes nothing, fills out[outputs]; raises as dml_trace does. */
 void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double *in,
                       double *out, uint32_t outputs);

@@ -1,16 +1,43 @@
 /* gauss.c - Gauss collocation of any stage number. */
+#include "integ/hamilton.h"
 #include "integ/stage.h"
+#include "integ/sweep.h"
+
+#include <math.h>
 
 static int stages(const dm_rule *rule) {
     return (int)rule->arg[0].number;
 }
 
+/* sweeps a step, 0: to round-off */
+static int sweeps(const dm_rule *rule) {
+    return rule->count > 1 ? (int)rule->arg[1].number : 0;
+}
+
+static int is_count(double number, int most) {
+    return number >= 1 && number <= most && number == floor(number);
+}
+
 static const char *check(const dm_rule *rule) {
-    const double s = rule->arg[0].number;
-    if (rule->count != 1 || rule->arg[0].rule || s != (int)s || s < 1 ||
-        s > DM_QUADRATURE_NODES)
+    enum { SWEEPS = 50 };
+    if (rule->count < 1 || rule->count > 2 || rule->arg[0].rule ||
+        !is_count(rule->arg[0].number, DM_QUADRATURE_NODES))
         return "gauss takes one whole number of stages from 1 to 32";
+    if (rule->count == 2 && (rule->arg[1].rule || !is_count(rule->arg[1].number, SWEEPS)))
+        return "the second argument of gauss is a whole number of sweeps from 1 to 50";
     return NULL;
+}
+
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    if (!sweeps(rule)) return NULL;
+    if (rule->arg[0].number > DM_SWEEP_WIDTH)
+        return "a number of sweeps is for 8 stages at most";
+    if (m->source.graph && ((m->structure & simple) == simple || dm_hamilton_fits(m)))
+        return NULL;
+    return "a number of sweeps needs a traced L quadratic in v, of 16 coordinates at "
+           "most where the mass "
+           "varies; leave it out";
 }
 
 static int order(const dm_rule *rule) {
@@ -27,16 +54,22 @@ static dm_status open(dm_stepper *s) {
     dm_quadrature q;
     dm_quadrature_gauss(&q, stages(s->rule));
     dm_galerkin_collocation(&g, &q);
+    g.sweeps = sweeps(s->rule);
     return dm_stage_open(s, &g);
 }
 
 const dm_method dm_method_gauss = {
     .name = "gauss",
-    .signature = "gauss(s)",
+    .signature = "gauss(s [, sweeps])",
     .doc = "Gauss collocation with s stages, order 2 s; implicit, s n unknowns a step "
-           "(HLW II.1.3; variational: HLW VI.6.4, Leok 2.4).",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC,
+           "(HLW II.1.3; variational: HLW VI.6.4, Leok 2.4). The step equation is solved "
+           "to round-off; a "
+           "number of sweeps, as in gauss(8, 4), ends the fixed-point iteration there: "
+           "cheaper, symplectic "
+           "and symmetric only up to the error left.",
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS,
     .check = check,
+    .fits = fits,
     .order = order,
     .wants = dm_stage_wants,
     .work = work,

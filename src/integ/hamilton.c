@@ -15,7 +15,7 @@ typedef struct {
 } elimination;
 
 int dm_hamilton_fits(const dm_model *m) {
-    return m->source.graph && m->source.compile && m->n <= DM_HAMILTON_LARGEST &&
+    return m->source.graph && m->n <= DM_HAMILTON_LARGEST &&
            (m->structure & DM_QUADRATIC_IN_V) && !(m->structure & DM_LINEAR_IN_V);
 }
 
@@ -103,7 +103,7 @@ static int write_out(elimination *e, const dm_model *m, const dm_node *hessian) 
 uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages) {
     const uint32_t n = m->n;
     const dm_source *s = &m->source;
-    if (!dm_hamilton_fits(m)) return 0;
+    if (!dm_hamilton_fits(m) || !s->compile) return 0;
     const size_t nn = (size_t)n * n;
     dm_node *memory = dm_arena_take(s->arena, (3 * nn + 6 * n + 1) * sizeof *memory);
     dm_graph *g = dm_graph_new(s->arena, 2 * n + 1);

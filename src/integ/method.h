@@ -21,7 +21,9 @@ enum {
     DM_SYMPLECTIC = 2,
     DM_EXPLICIT = 4,
     DM_FOR_PAIRS = 8, /* steps an Ld(q0, q1) */
-    DM_OWN_TIME = 16  /* h is a step of a fictitious time, t is part of the state */
+    DM_OWN_TIME = 16, /* h is a step of a fictitious time, t is part of the state */
+    DM_KEEPS =
+        32 /* open leaves the kernels it makes to the model (kept.h), or makes none */
 };
 
 typedef struct {

@@ -7,6 +7,7 @@
 */
 #include "expr/jit.h"
 #include "integ/hamilton.h"
+#include "integ/kept.h"
 #include "integ/stage_inside.h"
 
 #include <math.h>
@@ -127,29 +128,38 @@ static int has_unknowns(const dm_stage *g) {
     return 0;
 }
 
-/* lanes of the kernel, 0 where there is none */
-static uint32_t build(dm_stage *g, const dm_galerkin *basis) {
+/* lanes of a new kernel, 0 where there is none */
+static uint32_t build(dm_stage *g, uint32_t stages) {
     const dm_model *m = g->m;
-    const uint32_t n = g->n, r = g->table.r;
+    dm_kernel *kernel = &g->sweeps.kernel;
+    if (!g->separable) return dm_hamilton_build(kernel, m, stages);
+    return dm_lanes_build(kernel, m, m->source.graph, m->source.gradient, m->n, stages);
+}
+
+/* the kernel of the model's last stepper, or a new one */
+static uint32_t find_kernel(dm_stage *g, const dm_galerkin *basis) {
+    static const char maker;
     dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t n = g->n, r = g->table.r;
+    const uint32_t width = dm_sweep_find(r)->width;
     w->inputs = 2 * n + 1;
     w->rows = g->separable ? n : 2 * n;
     w->outputs = g->separable ? n : 3 * n;
-    if (r > DM_SWEEP_WIDTH || !m->source.graph) return 0;
-    if (!g->separable)
-        return is_collocation(g, basis) ? dm_hamilton_build(&w->kernel, m, r) : 0;
-    if (!has_unknowns(g)) return 0;
-    if (r > 1)
-        return dm_lanes_build(&w->kernel, m, m->source.graph, m->source.gradient, n, r);
-    w->kernel = m->force;
-    return 1;
+    if (r > DM_SWEEP_WIDTH || !g->m->source.graph) return 0;
+    if (g->separable ? !has_unknowns(g) : !is_collocation(g, basis)) return 0;
+    uint32_t lanes = dm_kept_find(&w->kernel, g->m, &maker, width);
+    if (!lanes) {
+        lanes = build(g, width);
+        if (lanes) dm_kept_add(g->m, &maker, width, &w->kernel, lanes);
+    }
+    return lanes;
 }
 
 void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
     dm_stage_sweeps *w = &g->sweeps;
     const uint32_t r = g->table.r;
     w->row = NULL;
-    w->lanes = build(g, basis);
+    w->lanes = find_kernel(g, basis);
     if (!w->lanes) return;
     w->row = dm_sweep_find(r);
     w->count = basis->sweeps;

@@ -11,14 +11,15 @@
 
 #include <stddef.h>
 
-enum {                        /* structure, read off the graph */
-       DM_SEPARABLE = 1,      /* L = T(v) - V(q, t): no mixed second derivatives */
-       DM_CONSTANT_MASS = 2,  /* d2L/dv2 does not depend on q, v, t */
-       DM_DIAGONAL_MASS = 4,  /* and is diagonal, with nothing linear in v */
-       DM_AUTONOMOUS = 8,     /* L does not depend on t */
-       DM_LINEAR_IN_V = 16,   /* d2L/dv2 = 0: degenerate */
+enum {                         /* structure, read off the graph */
+       DM_SEPARABLE = 1,       /* L = T(v) - V(q, t): no mixed second derivatives */
+       DM_CONSTANT_MASS = 2,   /* d2L/dv2 does not depend on q, v, t */
+       DM_DIAGONAL_MASS = 4,   /* and is diagonal, with nothing linear in v */
+       DM_AUTONOMOUS = 8,      /* L does not depend on t */
+       DM_LINEAR_IN_V = 16,    /* d2L/dv2 = 0: degenerate */
        DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
-       DM_LOOPS = 64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
+       DM_LOOPS =
+           64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
 };
 
 enum {                    /* kernels; each takes x = (q[n], v[n], t) */
@@ -32,12 +33,21 @@ enum {                    /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_WELL = 128,  /* L(q, 0, t) = -V, then L_q[n]: separable L only */
        DM_WANT_PAIR =
            64, /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
-       DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_MASS | DM_WANT_WELL /* with sums written out */
+       DM_WANT_DENSE =
+           DM_WANT_STAGE | DM_WANT_MASS | DM_WANT_WELL /* with sums written out */
 };
 
 /* How graphs become kernels; dm_tape_build is one. */
 typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots,
                              uint32_t m, dm_arena *arena);
+
+/* Kernels that a method made and that the model keeps for its next stepper. */
+typedef struct dm_kept {
+    struct dm_kept *next;
+    const void *maker; /* whose they are, and which of them */
+    uint32_t which, lanes;
+    dm_kernel kernel;
+} dm_kept;
 
 /* Where a model's kernels come from, for methods that make kernels of their own; graph NULL: hyper-dual numbers. */
 typedef struct {
@@ -46,6 +56,7 @@ typedef struct {
     const dm_node *gradient;  /* L_q[n], L_v[n] */
     dm_compile *compile;
     dm_arena *arena;
+    dm_kept **kept; /* NULL: nothing is kept */
 } dm_source;
 
 typedef struct {

@@ -1,0 +1,15 @@
+/* kept.h - kernels that methods make for a model and that its next stepper finds again. */
+#ifndef DM_KEPT_H
+#define DM_KEPT_H
+
+#include "mech/model.h"
+
+/* The kernel `which` that `maker` left to the model, into *out, and how many members it takes; 0: none. */
+uint32_t dm_kept_find(dm_kernel *out, const dm_model *m, const void *maker,
+                      uint32_t which);
+
+/* Leave it one; nothing happens where the model keeps none. */
+void dm_kept_add(const dm_model *m, const void *maker, uint32_t which,
+                 const dm_kernel *kernel, uint32_t lanes);
+
+#endif
