@@ -89,6 +89,7 @@ static void rehash(dm_graph *g) {
     uint32_t key[4];
     memset(g->table, 0, ((size_t)g->mask + 1) * sizeof *g->table);
     for (dm_node n = 1; n < g->size; n++) {
+        if (g->nodes[n].op == DM_OP_INPUT) continue;
         content(key, g->nodes + n);
         g->table[slot_of(g, key)] = n;
     }
@@ -168,23 +169,45 @@ static int is_zero(const dm_expr *e) {
 
 dm_node dm_node_find(const dm_graph *g, const dm_expr *e) {
     uint32_t key[4];
+    if (is_zero(e)) return 0;
+    if (e->op == DM_OP_INPUT) return e->as.input < g->leaves ? g->leaf[e->as.input] : 0;
     content(key, e);
-    return is_zero(e) ? 0 : g->table[slot_of(g, key)];
+    return g->table[slot_of(g, key)];
+}
+
+/* where the node of input i is kept: not in the table, as there may be very many in a row */
+static dm_node *place_of_input(dm_graph *g, uint32_t i) {
+    if (i >= g->leaves) {
+        const size_t held = g->leaves, want = g->inputs + (size_t)1;
+        dm_node *leaf =
+            dm_arena_grow(g->arena, g->leaf, held * sizeof *leaf, want * sizeof *leaf);
+        if (!leaf) return dm_graph_fail(g, DM_NO_MEMORY), NULL;
+        memset(leaf + held, 0, (want - held) * sizeof *leaf);
+        g->leaf = leaf;
+        g->leaves = (uint32_t)want;
+    }
+    return g->leaf + i;
+}
+
+static dm_node *place_of(dm_graph *g, const dm_expr *e) {
+    uint32_t key[4];
+    if (e->op == DM_OP_INPUT) return place_of_input(g, e->as.input);
+    content(key, e);
+    return g->table + slot_of(g, key);
 }
 
 dm_node dm_node_make(dm_graph *g, const dm_expr *e) {
-    uint32_t key[4];
     if (g->status != DM_OK || is_zero(e)) return 0;
-    content(key, e);
-    uint32_t slot = slot_of(g, key);
-    if (g->table[slot]) return g->table[slot];
+    dm_node *place = place_of(g, e);
+    if (!place) return 0;
+    if (*place) return *place;
     if (g->size == g->capacity) {
         if (!grow(g, 2 * (size_t)g->capacity)) return 0;
-        slot = slot_of(g, key);
+        place = place_of(g, e);
     }
     g->nodes[g->size] = *e;
     g->nonnegative[g->size] = nonnegative(g, e);
-    return g->table[slot] = g->size++;
+    return *place = g->size++;
 }
 
 dm_node dm_node_plain(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c) {

@@ -11,6 +11,8 @@ struct dm_graph {
     dm_node
         *table; /* open addressing by content; 0 is free: node 0 is found without it */
     uint32_t mask;
+    dm_node *leaf; /* [leaves] the nodes of inputs, 0: not made yet */
+    uint32_t leaves;
     uint32_t inputs;     /* with the leaves of sums behind them */
     struct dm_sum *sums; /* sum.h */
     uint32_t *mark; /* [capacity] scratch of one sweep: marked when equal to `stamp` */
