@@ -114,10 +114,10 @@ static int implicit(const implicit_model *m, FILE *ends) {
 }
 
 int main(int argc, char **argv) {
-    const char *const leapfrog = "step\tC\tleapfrog, one Kepler orbit";
-    printf("%s\troot and division\t%.2f\t0\n", leapfrog,
+    const char *const leapfrog = "leapfrog, one Kepler orbit";
+    printf("step\tC\t%s\troot and division\t%.2f\t0\n", leapfrog,
            best(leapfrog_divide, STEPS) / STEPS);
-    printf("%s\treciprocal root\t%.2f\t0\n", leapfrog,
+    printf("step\tbound\t%s\treciprocal root\t%.2f\t0\n", leapfrog,
            best(leapfrog_reciprocal, STEPS) / STEPS);
     printf("step\tC\tleapfrog, ensemble of Kepler orbits\t64 in lanes\t%.3f\t0\n",
            best(leapfrog_lanes, STEPS / 10) / (STEPS / 10 * ORBITS));
