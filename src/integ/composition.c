@@ -256,6 +256,10 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
                : dm_advance_by_step(s, state, t, count, done);
 }
 
+static int widen(dm_stepper *s, dm_lanes *x) {
+    return is_splitting(s->rule, s->model) && dm_splitting_widen(s, x);
+}
+
 /* a row of methods.def: only names and texts differ */
 #define COMPOSITION(id, rule_name, form, text)                                           \
     const dm_method dm_method_##id = {.name = rule_name,                                 \
@@ -269,7 +273,9 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
                                       .work = work,                                      \
                                       .open = open,                                      \
                                       .step = step,                                      \
-                                      .advance = advance}
+                                      .advance = advance,                                \
+                                      .widen = widen,                                    \
+                                      .advance_lanes = dm_splitting_advance_lanes}
 
 COMPOSITION(yoshida, "yoshida", "yoshida(4|6 [, base])",
             "Yoshida's compositions of order 4 (3 stages) and 6 (7 stages). Explicit "

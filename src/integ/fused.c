@@ -3,6 +3,7 @@
 #include "expr/analyse.h"
 #include "expr/compact.h"
 #include "expr/derive.h"
+#include "expr/jit.h"
 
 #include <string.h>
 
@@ -11,7 +12,7 @@ int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_node *expressions,
     const dm_source *s = &m->source;
     if (!s->graph) return 0;
     const uint32_t inputs = dm_graph_inputs(s->graph);
-    *b = (dm_fusion){.model = m, .size = size};
+    *b = (dm_fusion){.model = m, .size = size, .lanes = 1};
     b->with = dm_arena_take(s->arena, (inputs + (size_t)m->n) * sizeof *b->with);
     b->graph = dm_graph_new(s->arena, size + DM_FUSED_COEFFICIENTS);
     if (!b->with || !b->graph) return 0;
@@ -87,17 +88,20 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
 
 int dm_fusion_end(dm_fusion *b, dm_kernel *out, const dm_node *roots, uint32_t m) {
     const dm_source *s = &b->model->source;
-    return dm_graph_status(b->graph) == DM_OK &&
-           s->compile(out, b->graph, roots, m, s->arena) == DM_OK;
+    if (dm_graph_status(b->graph) != DM_OK) return 0;
+    if (b->lanes > 1)
+        return dm_jit_build_lanes(out, b->graph, roots, m, b->lanes, s->arena) == DM_OK;
+    return s->compile(out, b->graph, roots, m, s->arena) == DM_OK;
 }
 
-int dm_fused_open(dm_fused *f, const dm_model *m, uint32_t size) {
-    const size_t length = size + (size_t)DM_FUSED_COEFFICIENTS;
+int dm_fused_open(dm_fused *f, const dm_model *m, uint32_t size, uint32_t lanes) {
+    const size_t length = (size + (size_t)DM_FUSED_COEFFICIENTS) * lanes;
     f->size = 0;
     f->now = dm_arena_take(m->source.arena, 2 * length * sizeof *f->now);
     if (!f->now) return 0;
     memset(f->now, 0, 2 * length * sizeof *f->now);
     f->next = f->now + length;
     f->size = size;
+    f->lanes = lanes;
     return 1;
 }

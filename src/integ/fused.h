@@ -21,6 +21,7 @@ typedef struct {
     uint32_t size;
     dm_node *with;  /* [inputs of L] what stands for q, v, t in the model's expressions */
     dm_node *force; /* [n] the model's expressions, compacted */
+    uint32_t lanes; /* members that the kernel steps side by side, 1 unless changed */
 } dm_fusion;
 
 /*
@@ -46,14 +47,15 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
 /* Compile roots[m] into *out; 0 when it cannot be had. */
 int dm_fusion_end(dm_fusion *b, dm_kernel *out, const dm_node *roots, uint32_t m);
 
-/* The two buffers between which stages go to and fro: state[size], then coefficients. */
+/* The two buffers between which stages go to and fro: state[size][lanes], then coefficients. */
 typedef struct {
     double *now, *next;
     uint32_t size; /* 0: no fused stages */
+    uint32_t lanes;
 } dm_fused;
 
 /* Buffers in the model's arena; 0 without memory. */
-int dm_fused_open(dm_fused *f, const dm_model *m, uint32_t size);
+int dm_fused_open(dm_fused *f, const dm_model *m, uint32_t size, uint32_t lanes);
 
 /* One stage: coefficients[count] of it, then the kernel from now to next, which change places. */
 static inline void dm_fused_stage(dm_fused *f, const dm_kernel *k,
@@ -63,6 +65,30 @@ static inline void dm_fused_stage(dm_fused *f, const dm_kernel *k,
     double *swap = f->now;
     f->now = f->next;
     f->next = swap;
+}
+
+/* Lanes: coefficients of the next stage, the same for all members. To be written well before the stage,
+** which would wait for so many narrow stores. */
+static inline void dm_fused_coefficients(const dm_fused *f, const double *c, int count) {
+    double *place = f->now + (size_t)f->size * f->lanes;
+    for (int i = 0; i < count; i++)
+        for (uint32_t lane = 0; lane < f->lanes; lane += 4, place += 4)
+            place[0] = place[1] = place[2] = place[3] = c[i];
+}
+
+static inline void dm_fused_eval(dm_fused *f, const dm_kernel *k) {
+    dm_kernel_eval(k, f->now, f->next);
+    double *swap = f->now;
+    f->now = f->next;
+    f->next = swap;
+}
+
+/* One stage of every group before the next one: their latencies overlap. */
+static inline void dm_fused_groups(dm_fused *f, uint32_t groups, const dm_kernel *k,
+                                   const double *coefficients, int count) {
+    for (uint32_t g = 0; g < groups; g++)
+        dm_fused_coefficients(f + g, coefficients, count);
+    for (uint32_t g = 0; g < groups; g++) dm_fused_eval(f + g, k);
 }
 
 #endif

@@ -8,7 +8,7 @@
 #include "integ/splitting.h"
 
 #include "base/sum.h"
-#include "integ/fused.h"
+#include "integ/lanes.h"
 
 #include <math.h>
 #include <string.h>
@@ -18,6 +18,8 @@ typedef struct {
     dm_splitting table;
     dm_fused fused;         /* the whole state, own time included */
     dm_kernel drift, stage; /* h a_k; h b_k, h a_k: kick, drift */
+    dm_fused wide[DM_LANES_GROUPS];
+    dm_kernel many_drift, many_stage, many_look; /* of lanes; a look at the well */
 } layout;
 
 static size_t table_size(void) {
@@ -125,7 +127,7 @@ static int pulls(const dm_model *m, dm_node *out) {
     return dm_graph_status(s->graph) == DM_OK;
 }
 
-static int fuse_stage(const dm_model *m, dm_kernel *out, int with_kick) {
+static int fuse_stage(const dm_model *m, dm_kernel *out, int with_kick, uint32_t lanes) {
     const uint32_t n = m->n, size = 4 * n + DM_STATE_OWN;
     dm_fusion b;
     dm_node *state =
@@ -133,16 +135,44 @@ static int fuse_stage(const dm_model *m, dm_kernel *out, int with_kick) {
     if (!state) return 0;
     dm_node *pull = state + size, *v = pull + n;
     if (!pulls(m, pull) || !dm_fusion_begin(&b, m, pull, size)) return 0;
+    b.lanes = lanes;
     dm_fusion_state(&b, state);
     if (with_kick) fuse_kick(&b, state, pull, dm_fusion_coefficient(&b, 0));
     fuse_drift(&b, state, v, dm_fusion_coefficient(&b, with_kick ? 1 : 0));
     return dm_fusion_end(&b, out, state, size);
 }
 
+/* t's low part becomes NaN where the well is not attracting */
+static int fuse_look(const dm_model *m, dm_kernel *out, uint32_t lanes) {
+    const uint32_t n = m->n, size = 4 * n + DM_STATE_OWN;
+    dm_fusion b;
+    dm_node *state =
+        dm_arena_take(m->source.arena, (size + 2 * (size_t)n) * sizeof *state);
+    if (!state) return 0;
+    dm_node *own = state + 4 * (size_t)n, *well = state + size;
+    for (uint32_t i = 0; i < n; i++) well[i] = m->source.well;
+    if (!dm_fusion_begin(&b, m, well, size)) return 0;
+    b.lanes = lanes;
+    dm_fusion_state(&b, state);
+    dm_fusion_evaluate(&b, well, state, 0);
+    own[1] = guarded(&b, well[0], own[1]);
+    return dm_fusion_end(&b, out, state, size);
+}
+
 static void fuse(const dm_model *m, layout *l) {
-    if (!dm_fused_open(&l->fused, m, 4 * m->n + DM_STATE_OWN) ||
-        !fuse_stage(m, &l->drift, 0) || !fuse_stage(m, &l->stage, 1))
+    if (!dm_fused_open(&l->fused, m, 4 * m->n + DM_STATE_OWN, 1) ||
+        !fuse_stage(m, &l->drift, 0, 1) || !fuse_stage(m, &l->stage, 1, 1))
         l->fused.size = 0;
+}
+
+static int widen(dm_stepper *s, dm_lanes *x) {
+    const dm_model *m = s->model;
+    layout *l = (layout *)(void *)s->work;
+    return l->fused.size &&
+           dm_lanes_open(x, l->wide, m, 4 * m->n + DM_STATE_OWN, &l->stage) &&
+           fuse_stage(m, &l->many_drift, 0, x->lanes) &&
+           fuse_stage(m, &l->many_stage, 1, x->lanes) &&
+           fuse_look(m, &l->many_look, x->lanes);
 }
 
 /* ---- the step ---- */
@@ -248,6 +278,31 @@ static int try_fused(dm_stepper *s, layout *l, double *state, long count) {
     return well[0] > 0.0 && dm_state_is_finite(state, m->n);
 }
 
+/* the stages, and a look at the well after them */
+static void step_lanes(layout *l, uint32_t groups, double h) {
+    const dm_splitting *table = &l->table;
+    for (int k = 0; k < table->stages; k++) {
+        const double c[2] = {h * table->b[k], h * table->a[k]};
+        const int drifts = table->b[k] == 0.0;
+        const dm_kernel *kernel = drifts ? &l->many_drift : &l->many_stage;
+        dm_fused_groups(l->wide, groups, kernel, c + drifts, 2 - drifts);
+    }
+    dm_fused_groups(l->wide, groups, &l->many_look, NULL, 0);
+}
+
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+    layout *l = (layout *)(void *)s->work;
+    const size_t size = dm_state_size(s->model->n) * x->lanes;
+    (void)t;
+    for (uint32_t g = 0; g < x->groups; g++) {
+        dm_lanes_prepare(l->wide + g, &l->many_stage);
+        memcpy(l->wide[g].now, x->state + g * size, size * sizeof *x->state);
+    }
+    for (long k = 0; k < count; k++) step_lanes(l, x->groups, s->h);
+    for (uint32_t g = 0; g < x->groups; g++)
+        memcpy(x->state + g * size, l->wide[g].now, size * sizeof *x->state);
+}
+
 /* `count` steps or none */
 static dm_status steps(dm_stepper *s, double *state, long count) {
     layout *l = (layout *)(void *)s->work;
@@ -291,4 +346,6 @@ const dm_method dm_method_log_hamiltonian = {
     .start = start,
     .step = step,
     .advance = advance,
+    .widen = widen,
+    .advance_lanes = advance_lanes,
 };

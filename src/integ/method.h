@@ -16,6 +16,12 @@ typedef struct {
 
 typedef struct dm_stepper dm_stepper;
 
+/* Members of an ensemble side by side in the lanes of vector registers, several groups of them. */
+typedef struct {
+    uint32_t lanes, groups;
+    double *state; /* [groups][dm_state_size][lanes] */
+} dm_lanes;
+
 enum {
     DM_SYMMETRIC = 1,
     DM_SYMPLECTIC = 2,
@@ -50,6 +56,10 @@ typedef struct {
     /* doubles inside work that a step leaves to the next one beside the state, and where they are: from the
      * state and these a run goes on bit for bit; NULL: none */
     size_t (*memory)(dm_stepper *s, double **place);
+    /* kernels for as many lanes as there can be, after open; *x in the model's arena. 0: no lanes; NULL: never */
+    int (*widen)(dm_stepper *s, dm_lanes *x);
+    /* as `advance` for every member, same bits; what fails has a state that is not finite, and stays so */
+    void (*advance_lanes)(dm_stepper *s, dm_lanes *x, double t, long count);
     void (*close)(
         dm_stepper *s); /* what open took outside the workspace (GSL); may be NULL */
 } dm_method;

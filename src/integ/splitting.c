@@ -1,19 +1,24 @@
 #include "integ/splitting.h"
 
 #include "base/sum.h"
-#include "integ/fused.h"
+#include "integ/lanes.h"
 
 #include <string.h>
+
+/* stages as kernels; the state is q, p, their low parts, the force */
+typedef struct {
+    dm_kernel both;  /* stage h b_0, h a_0, t_1, h b_1: kick, drift, kick */
+    dm_kernel later; /* stage h a_k, t_(k+1), h b_(k+1): drift, kick */
+    dm_kernel drift; /* stage h a_k */
+    dm_kernel force; /* of the state, at time coefficient 0 */
+} kernels;
 
 /* workspace: the table, then x = (q, v, t), force[n], kicked[n], the state at the start of a burst */
 typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
-    dm_fused fused;                    /* q, p, their low parts, the force */
-    dm_kernel both;  /* stage h b_0, h a_0, t_1, h b_1: kick, drift, kick */
-    dm_kernel later; /* stage h a_k, t_(k+1), h b_(k+1): drift, kick */
-    dm_kernel drift; /* stage h a_k */
-    dm_kernel force; /* of the state, at time coefficient 0 */
+    kernels one, many;                 /* for one member, for lanes */
+    dm_fused fused, wide[DM_LANES_GROUPS];
 } layout;
 
 int dm_splitting_fits(const dm_model *m) {
@@ -71,11 +76,12 @@ typedef struct {
     int kick_first, drift, force, kick_last;
 } stage;
 
-static int fuse_stage(const dm_model *m, dm_kernel *out, stage what) {
+static int fuse_stage(const dm_model *m, dm_kernel *out, stage what, uint32_t lanes) {
     const uint32_t n = m->n;
     uint32_t next = 0;
     dm_fusion b;
     if (!dm_fusion_begin(&b, m, m->source.gradient, 5 * n)) return 0;
+    b.lanes = lanes;
     dm_node *state = dm_arena_take(m->source.arena, 5 * (size_t)n * sizeof *state);
     if (!state) return 0;
     dm_fusion_state(&b, state);
@@ -87,18 +93,18 @@ static int fuse_stage(const dm_model *m, dm_kernel *out, stage what) {
     return dm_fusion_end(&b, out, state, 5 * n);
 }
 
-/* the kinds that the table needs; without them the loop below serves */
-static void fuse(const dm_model *m, layout *l) {
-    const dm_splitting *table = &l->table;
+/* the kinds that the table needs; 0 when one cannot be had */
+static int fuse(const dm_model *m, kernels *k, const dm_splitting *table,
+                uint32_t lanes) {
     const int drift_first = table->b[0] == 0.0, s = table->stages;
-    int there = dm_fused_open(&l->fused, m, 5 * m->n) &&
-                fuse_stage(m, &l->force, (stage){.force = 1});
-    if (there && !drift_first) there = fuse_stage(m, &l->both, (stage){1, 1, 1, 1});
+    int there = fuse_stage(m, &k->force, (stage){.force = 1}, lanes);
+    if (there && !drift_first)
+        there = fuse_stage(m, &k->both, (stage){1, 1, 1, 1}, lanes);
     if (there && (s > 1 || drift_first))
-        there = fuse_stage(m, &l->later, (stage){0, 1, 1, 1});
+        there = fuse_stage(m, &k->later, (stage){0, 1, 1, 1}, lanes);
     if (there && table->b[s] == 0.0)
-        there = fuse_stage(m, &l->drift, (stage){.drift = 1});
-    if (!there) l->fused.size = 0;
+        there = fuse_stage(m, &k->drift, (stage){.drift = 1}, lanes);
+    return there;
 }
 
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
@@ -106,7 +112,18 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     *l = (layout){.table = *table};
     for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
     l->c[table->stages] = 1.0;
-    if (s->model->source.graph) fuse(s->model, l);
+    if (!s->model->source.graph) return;
+    /* without them the loop below serves */
+    if (!dm_fused_open(&l->fused, s->model, 5 * s->model->n, 1) ||
+        !fuse(s->model, &l->one, table, 1))
+        l->fused.size = 0;
+}
+
+int dm_splitting_widen(dm_stepper *s, dm_lanes *x) {
+    layout *l = (layout *)(void *)s->work;
+    return l->fused.size &&
+           dm_lanes_open(x, l->wide, s->model, 5 * s->model->n, &l->one.force) &&
+           fuse(s->model, &l->many, &l->table, x->lanes);
 }
 
 static inline void kick(uint32_t n, double *p, double *low, double hb,
@@ -142,28 +159,43 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha,
     }
 }
 
+/* a stage about to be done */
+typedef struct {
+    const dm_kernel *kernel;
+    int first, count; /* of the coefficients below */
+    double c[DM_FUSED_COEFFICIENTS];
+} call;
+
+/* stage k of a step that begins at t */
+static inline call stage_of(const layout *l, const kernels *these, int k, double h,
+                            double t) {
+    const dm_splitting *table = &l->table;
+    const double at = t + l->c[k + 1] * h;
+    call x = {.c = {h * table->b[k], h * table->a[k], at, h * table->b[k + 1]}};
+    if (table->b[k + 1] == 0.0)
+        x.kernel = &these->drift, x.first = 1, x.count = 1;
+    else if (k == 0 && table->b[0] != 0.0)
+        x.kernel = &these->both, x.count = 4;
+    else
+        x.kernel = &these->later, x.first = 1, x.count = 3;
+    return x;
+}
+
 /* one step, the force of its start being in the state */
 static void fused_step(layout *l, double h, double t) {
-    const dm_splitting *table = &l->table;
-    for (int k = 0; k < table->stages; k++) {
-        const double at = t + l->c[k + 1] * h;
-        const double c[4] = {h * table->b[k], h * table->a[k], at, h * table->b[k + 1]};
-        if (table->b[k + 1] == 0.0)
-            dm_fused_stage(&l->fused, &l->drift, c + 1, 1);
-        else if (k == 0 && table->b[0] != 0.0)
-            dm_fused_stage(&l->fused, &l->both, c, 4);
-        else
-            dm_fused_stage(&l->fused, &l->later, c + 1, 3);
+    for (int k = 0; k < l->table.stages; k++) {
+        const call x = stage_of(l, &l->one, k, h, t);
+        dm_fused_stage(&l->fused, x.kernel, x.c + x.first, x.count);
     }
 }
 
 /* kernels write only what varies */
 static void prepare_buffers(layout *l) {
-    const dm_kernel *kernels[] = {&l->both, &l->later, &l->force};
+    const dm_kernel *those[] = {&l->one.both, &l->one.later, &l->one.force};
     for (int i = 0; i < 3; i++) {
-        if (!kernels[i]->eval) continue;
-        dm_kernel_prepare(kernels[i], l->fused.now);
-        dm_kernel_prepare(kernels[i], l->fused.next);
+        if (!those[i]->eval) continue;
+        dm_kernel_prepare(those[i], l->fused.now);
+        dm_kernel_prepare(those[i], l->fused.next);
     }
 }
 
@@ -171,7 +203,7 @@ static void run_fused(dm_stepper *s, layout *l, double *state, double t, long co
     const size_t n = s->model->n;
     prepare_buffers(l);
     memcpy(l->fused.now, state, 4 * n * sizeof *state);
-    dm_fused_stage(&l->fused, &l->force, &t, 1);
+    dm_fused_stage(&l->fused, &l->one.force, &t, 1);
     for (long k = 0; k < count; k++) fused_step(l, s->h, t + (double)k * s->h);
     memcpy(state, l->fused.now, 4 * n * sizeof *state);
     s->report.evaluations += 1 + count * evaluations(&l->table);
@@ -223,6 +255,37 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
     memcpy(state, start, bytes);
     *done = 0;
     return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
+}
+
+/* ---- members in lanes ---- */
+
+/* into the buffers of a group, the force beside the state */
+static void begin_group(layout *l, dm_fused *f, const double *state, size_t bytes,
+                        double t) {
+    dm_lanes_prepare(f, &l->many.both);
+    dm_lanes_prepare(f, &l->many.later);
+    dm_lanes_prepare(f, &l->many.force);
+    memcpy(f->now, state, bytes);
+    dm_fused_groups(f, 1, &l->many.force, &t, 1);
+}
+
+static void step_lanes(layout *l, uint32_t groups, double h, double t) {
+    for (int k = 0; k < l->table.stages; k++) {
+        const call x = stage_of(l, &l->many, k, h, t);
+        dm_fused_groups(l->wide, groups, x.kernel, x.c + x.first, x.count);
+    }
+}
+
+void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+    layout *l = (layout *)(void *)s->work;
+    const uint32_t n = s->model->n;
+    const size_t size = dm_state_size(n) * x->lanes;
+    const size_t bytes = 4 * (size_t)n * x->lanes * sizeof(double);
+    for (uint32_t g = 0; g < x->groups; g++)
+        begin_group(l, l->wide + g, x->state + g * size, bytes, t);
+    for (long k = 0; k < count; k++) step_lanes(l, x->groups, s->h, t + (double)k * s->h);
+    for (uint32_t g = 0; g < x->groups; g++)
+        memcpy(x->state + g * size, l->wide[g].now, bytes);
 }
 
 dm_status dm_splitting_step(dm_stepper *s, double *state, double t) {

@@ -42,4 +42,8 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
                                long *done);
 dm_status dm_splitting_step(dm_stepper *s, double *state, double t);
 
+/* The same for members side by side: widen and advance_lanes of method.h. */
+int dm_splitting_widen(dm_stepper *s, dm_lanes *x);
+void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count);
+
 #endif

@@ -47,6 +47,10 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
                                        : dm_advance_by_step(s, state, t, count, done);
 }
 
+static int widen(dm_stepper *s, dm_lanes *x) {
+    return dm_splitting_fits(s->model) && dm_splitting_widen(s, x);
+}
+
 const dm_method dm_method_verlet = {
     .name = "verlet",
     .signature = "verlet",
@@ -62,4 +66,6 @@ const dm_method dm_method_verlet = {
     .open = open,
     .step = step,
     .advance = advance,
+    .widen = widen,
+    .advance_lanes = dm_splitting_advance_lanes,
 };

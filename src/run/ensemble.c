@@ -1,5 +1,6 @@
 #include "run/ensemble.h"
 
+#include "run/ensemble_block.h"
 #include "run/run.h"
 
 #include <math.h>
@@ -11,12 +12,14 @@ enum { BLOCK = 16 }; /* members that a thread takes at a time */
 typedef struct {
     const dm_ensemble *e;
     atomic_long next, done;
+    long share; /* members that a thread takes at a time when it steps them in lanes */
 } shared;
 
 typedef struct {
     shared *common;
     dm_stepper *stepper;
-    int first; /* this thread tells the progress */
+    dm_block *block; /* NULL: members one by one */
+    int first;       /* this thread tells the progress */
 } worker;
 
 /* one member as a run of its own; only the end is kept, in its place */
@@ -31,14 +34,29 @@ static void run_member(const worker *w, long i) {
     e->member[i].status = dm_run_end(&plan, w->stepper, state, &e->member[i].steps);
 }
 
+static void run_members(const worker *w, long from, long to) {
+    if (w->block)
+        dm_block_run(w->common->e, w->block, from, to - from);
+    else
+        for (long i = from; i < to; i++) run_member(w, i);
+}
+
+/* whole groups, no more than leave every thread something to do */
+static long choose_share(const dm_ensemble *e, const dm_block *b, int threads) {
+    const long lanes = b->lanes.lanes, each = (e->members + threads - 1) / threads;
+    const long groups = (each + lanes - 1) / lanes;
+    return lanes * (groups < b->most ? groups : b->most);
+}
+
 static void *work(void *arg) {
     const worker *w = arg;
     const dm_ensemble *e = w->common->e;
+    const long size = w->block ? w->common->share : BLOCK;
     for (;;) {
-        const long from = atomic_fetch_add(&w->common->next, BLOCK);
+        const long from = atomic_fetch_add(&w->common->next, size);
         if (from >= e->members || (e->stop && *e->stop)) return NULL;
-        const long to = from + BLOCK < e->members ? from + BLOCK : e->members;
-        for (long i = from; i < to; i++) run_member(w, i);
+        const long to = from + size < e->members ? from + size : e->members;
+        run_members(w, from, to);
         const long done = atomic_fetch_add(&w->common->done, to - from) + to - from;
         if (w->first && e->progress) e->progress(e->ud, done, e->members);
     }
@@ -48,12 +66,19 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers,
                           int threads) {
     shared common = {.e = e};
     worker workers[DM_ENSEMBLE_THREADS];
+    dm_block blocks[DM_ENSEMBLE_THREADS];
     pthread_t thread[DM_ENSEMBLE_THREADS];
     int made = 0;
     for (long i = 0; i < e->members; i++)
         e->member[i] = (dm_member){.status = DM_STOPPED};
-    for (int i = 0; i < threads; i++)
-        workers[i] = (worker){.common = &common, .stepper = steppers[i], .first = i == 0};
+    for (int i = 0; i < threads; i++) {
+        const int wide = dm_block_open(blocks + i, steppers[i]);
+        workers[i] = (worker){.common = &common,
+                              .stepper = steppers[i],
+                              .block = wide ? blocks + i : NULL,
+                              .first = i == 0};
+        if (wide) common.share = choose_share(e, blocks + i, threads);
+    }
     /* this thread works too; when no more threads can be had, those there are do it all */
     while (made + 1 < threads &&
            pthread_create(thread + made, NULL, work, workers + made + 1) == 0)

@@ -1,0 +1,22 @@
+/* ensemble_block.h - the members that one thread steps side by side. */
+#ifndef DM_ENSEMBLE_BLOCK_H
+#define DM_ENSEMBLE_BLOCK_H
+
+#include "integ/lanes.h"
+#include "run/ensemble.h"
+
+typedef struct {
+    dm_stepper *stepper;
+    dm_lanes lanes; /* as many groups as the members in hand need */
+    uint32_t most;  /* groups */
+    double *kept;   /* the states of the lanes when a burst began */
+    double *alone;  /* one state */
+} dm_block;
+
+/* Memory and kernels for an opened stepper, in the arena of its model. 0: members go one by one. */
+int dm_block_open(dm_block *b, dm_stepper *s);
+
+/* Members first .. first + count - 1, at most lanes x most, to the end, to their failures or to the stop flag. */
+void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count);
+
+#endif

@@ -1,0 +1,134 @@
+/* ensemble_lanes.c - a block of members stepped side by side; who fails is stepped again alone and leaves. */
+#include "run/ensemble_block.h"
+
+#include <string.h>
+#include <time.h>
+
+static const double LOOK = 5e-4; /* s between looks at the stop flag */
+enum { LONGEST = 1 << 16 };      /* steps between them */
+
+typedef struct {
+    const dm_ensemble *e;
+    dm_block *b;
+    long first, count; /* members of the block */
+    long done;         /* steps */
+    long alive;        /* members that still run */
+} block;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static uint32_t dim(const block *x) {
+    return x->b->stepper->model->n;
+}
+
+static double *state_of(const block *x, long i) {
+    return x->e->state + (size_t)(x->first + i) * dm_state_size(dim(x));
+}
+
+static dm_member *member_of(const block *x, long i) {
+    return x->e->member + x->first + i;
+}
+
+/* a lane without a member of its own runs along with another's numbers */
+static void pad(block *x) {
+    const uint32_t all = x->b->lanes.lanes * x->b->lanes.groups, n = dim(x);
+    long whole = 0;
+    while (whole < x->count && member_of(x, whole)->status != DM_OK) whole++;
+    if (whole == x->count) return;
+    dm_lanes_get(&x->b->lanes, n, (uint32_t)whole, x->b->alone);
+    for (uint32_t i = 0; i < all; i++)
+        if (i >= x->count || member_of(x, i)->status != DM_OK)
+            dm_lanes_put(&x->b->lanes, n, i, x->b->alone);
+}
+
+static void begin(block *x) {
+    dm_stepper *s = x->b->stepper;
+    for (long i = 0; i < x->count; i++) {
+        dm_member *m = member_of(x, i);
+        *m = (dm_member){.status = DM_OK};
+        if (s->method->start) m->status = s->method->start(s, state_of(x, i), x->e->t0);
+        if (m->status != DM_OK) continue;
+        dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
+        x->alive++;
+    }
+    pad(x);
+}
+
+/* member i is not finite after `count` steps: from the kept state alone, up to the step that fails */
+static void repeat_alone(block *x, long i, double t, long count) {
+    const dm_lanes kept = {x->b->lanes.lanes, x->b->lanes.groups, x->b->kept};
+    dm_stepper *s = x->b->stepper;
+    dm_member *m = member_of(x, i);
+    double *state = state_of(x, i);
+    long done = 0;
+    dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
+    m->status = dm_advance(s, state, t, count, &done);
+    m->steps = x->done + done;
+    if (m->status == DM_OK)
+        dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state);
+    else
+        x->alive--;
+}
+
+static void advance(block *x, long count) {
+    dm_lanes *lanes = &x->b->lanes;
+    dm_stepper *s = x->b->stepper;
+    const size_t all = (size_t)lanes->groups * lanes->lanes;
+    const double t = x->e->t0 + (double)x->done * s->h;
+    const long before = x->alive;
+    memcpy(x->b->kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
+    s->method->advance_lanes(s, lanes, t, count);
+    for (long i = 0; i < x->count; i++)
+        if (member_of(x, i)->status == DM_OK &&
+            !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
+            repeat_alone(x, i, t, count);
+    x->done += count;
+    if (x->alive < before) pad(x);
+}
+
+/* steps up to the end or the stop flag; where L depends on t one by one, as a run of its own does */
+static dm_status run(block *x) {
+    const dm_stepper *s = x->b->stepper;
+    const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;
+    double looked = now();
+    long burst = 1;
+    while (x->alive && x->done < x->e->steps) {
+        const long left = x->e->steps - x->done, goal = left < burst ? left : burst;
+        if (x->e->stop && *x->e->stop) return DM_STOPPED;
+        for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
+            advance(x, autonomous ? goal : 1);
+        const double took = now() - looked;
+        looked += took;
+        if (took < 0.5 * LOOK && burst < LONGEST) burst *= 2;
+        if (took > LOOK && burst > 1) burst /= 2;
+    }
+    return DM_OK;
+}
+
+void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
+    block x = {.e = e, .b = b, .first = first, .count = count};
+    b->lanes.groups = (uint32_t)((count - 1) / b->lanes.lanes + 1);
+    begin(&x);
+    const dm_status status = run(&x);
+    for (long i = 0; i < count; i++) {
+        dm_member *m = member_of(&x, i);
+        if (m->status != DM_OK) continue;
+        dm_lanes_get(&b->lanes, dim(&x), (uint32_t)i, state_of(&x, i));
+        *m = (dm_member){.status = status, .steps = x.done};
+    }
+}
+
+int dm_block_open(dm_block *b, dm_stepper *s) {
+    *b = (dm_block){.stepper = s};
+    if (!s->method->widen || !s->method->widen(s, &b->lanes)) return 0;
+    const size_t size = dm_state_size(s->model->n);
+    const size_t all = size * b->lanes.lanes * b->lanes.groups;
+    b->kept = dm_arena_take(s->model->source.arena, (all + size) * sizeof(double));
+    b->alone = b->kept + all;
+    b->most = b->lanes.groups;
+    return b->kept != NULL;
+}
