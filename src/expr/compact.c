@@ -34,7 +34,8 @@ typedef struct {
     uint64_t least; /* cost of the best */
 } search;
 
-/* one pass over `now`; its cost, or UINT64_MAX where it failed */
+/* one pass over `now`; its cost, or UINT64_MAX where it failed. An expanding pass leaves products
+** to the next one, which takes them apart anyway. */
 static uint64_t pass(search *x, int expand) {
     dm_terms s;
     dm_arena_reset(&x->scratch);
@@ -44,7 +45,7 @@ static uint64_t pass(search *x, int expand) {
     if (!dm_terms_read(&s, x->now, x->m, value)) return UINT64_MAX;
     if (expand) dm_terms_expand(&s, value, x->m);
     dm_terms_factor(&s, value, x->m);
-    dm_terms_share(&s, value, x->m, DM_TERM_PRODUCT);
+    if (!expand) dm_terms_share(&s, value, x->m, DM_TERM_PRODUCT);
     dm_terms_share(&s, value, x->m, DM_TERM_SUM);
     if (s.unfit || dm_graph_status(x->g) != DM_OK) return UINT64_MAX;
     dm_terms_write(&s, value, x->m, x->now);
@@ -53,13 +54,13 @@ static uint64_t pass(search *x, int expand) {
 
 /* the part of its cost that a pass has to save: small graphs take no time */
 static uint64_t patience(uint64_t own) {
-    return own < 150 ? 64 : 16;
+    return own < 150 ? 64 : 12;
 }
 
 /* passes from the roots on, each over what the one before left, as long as they help and are
 ** not far behind the best; costs of the expanded road count `percent` */
 static void follow(search *x, const dm_node *roots, int expand, uint32_t percent) {
-    const uint64_t far = expand ? 125 : 105; /* percent of the best */
+    const uint64_t far = expand ? 140 : 105; /* percent of the best */
     uint64_t before = UINT64_MAX;
     memcpy(x->now, roots, x->m * sizeof *roots);
     for (int passes = 0; passes < MOST_PASSES; passes++) {

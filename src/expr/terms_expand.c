@@ -122,13 +122,28 @@ static uint32_t new_factors(expansion *x, const dm_part *p, dm_part *to, double 
     return 1;
 }
 
+/* the term became another one, or is a sum that may be multiplied out */
+static int is_touched(const expansion *x, dm_term t) {
+    return x->now[t].t != t || x->now[t].c != 1.0 || is_open(x->s, t);
+}
+
+/* nothing below is touched: the term stays */
+static int is_settled(const expansion *x, dm_term t) {
+    const dm_term_entry *e = x->s->entries + t;
+    for (uint32_t i = 0; i < e->count; i++) {
+        const dm_part *p = x->s->parts + e->first + i;
+        if (is_touched(x, p->t) || (p->e == 4 && is_trigonometric(x->s, p->t))) return 0;
+    }
+    return 1;
+}
+
 static dm_scaled expand_product(expansion *x, dm_term t) {
     dm_terms *s = x->s;
     const uint32_t count = s->entries[t].count;
     dm_part p[DM_MOST_FACTORS];
     uint32_t open = 0, square = 0, at = 0;
     double c = 1.0;
-    if (count > DM_MOST_FACTORS) return (dm_scaled){1.0, t};
+    if (count > DM_MOST_FACTORS || is_settled(x, t)) return (dm_scaled){1.0, t};
     for (uint32_t i = 0; i < count; i++) {
         const dm_part old = s->parts[s->entries[t].first + i];
         new_factors(x, &old, p + i, &c);
@@ -180,7 +195,21 @@ static int collapse_term(expansion *x, uint32_t i) {
     return 0;
 }
 
+static int has_squared_cosine(const dm_terms *s, dm_term t) {
+    const dm_term_entry *e = s->entries + t;
+    for (uint32_t i = 0; e->kind == DM_TERM_PRODUCT && i < e->count; i++) {
+        const dm_part *p = s->parts + e->first + i;
+        if (p->e >= 4 && is_angle_function(s, p->t) && s->entries[p->t].op == DM_OP_COS)
+            return 1;
+    }
+    return 0;
+}
+
 static int collapse(expansion *x) {
+    uint32_t cosines = 0;
+    for (uint32_t i = 0; i < x->count; i++)
+        cosines += (uint32_t)has_squared_cosine(x->s, x->list[i].t);
+    if (cosines == 0) return 0;
     for (uint32_t i = 0; i < x->count; i++)
         if (collapse_term(x, i)) return 1;
     return 0;
@@ -221,6 +250,7 @@ static dm_scaled expand_sum(expansion *x, dm_term t) {
 static dm_scaled expand_atom(expansion *x, dm_term t) {
     const dm_term_entry head = x->s->entries[t];
     dm_part arg[3];
+    if (is_settled(x, t)) return (dm_scaled){1.0, t};
     for (uint32_t k = 0; k < head.count; k++) {
         arg[k] = x->s->parts[head.first + k];
         arg[k].c *= x->now[arg[k].t].c;
