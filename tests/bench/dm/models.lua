@@ -1,5 +1,6 @@
 -- The problems of docs/benchmarks.md as a user of dmlua writes them:
--- { key, T =, system =, q =, v =, positions = function(q) (numbers whose error counts) }
+-- { key, T =, system =, q =, v =, positions = function(q) (numbers whose error counts),
+--   attracting = true where a logarithmic Hamiltonian makes sense, long = true for a chain of 1024 }
 local dm = require "dm"
 local sqrt, sin, cos, exp, pi = math.sqrt, math.sin, math.cos, math.exp, math.pi
 
@@ -11,7 +12,7 @@ end
 
 local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
 for _, e in ipairs { 0.6, 0.9 } do
-  add("P1-" .. e, { T = 200 * pi, system = kepler, q = { 1 - e, 0 }, v = { 0, sqrt((1 + e) / (1 - e)) } })
+  add("P1-" .. e, { attracting = true, T = 200 * pi, system = kepler, q = { 1 - e, 0 }, v = { 0, sqrt((1 + e) / (1 - e)) } })
 end
 
 local J2, speed = 0.05, sqrt(1.1 / 0.9)
@@ -20,7 +21,7 @@ local satellite = dm.system { Q = dm.R(3), L = function(q, v)
   local r = sqrt(r2)
   return v:dot(v) / 2 + 1 / r - J2 / (2 * r ^ 3) * (3 * q[3] ^ 2 / r2 - 1)
 end }
-add("P2", { T = 200 * pi, system = satellite, q = { 0.9, 0, 0 }, v = { 0, speed * cos(0.6), speed * sin(0.6) } })
+add("P2", { attracting = true, T = 200 * pi, system = satellite, q = { 0.9, 0, 0 }, v = { 0, speed * cos(0.6), speed * sin(0.6) } })
 
 -- masses in solar masses, AU, days
 local bodies = {

@@ -149,7 +149,7 @@ for _, model in ipairs(models) do
   if model.key:sub(1, #only) == only then
     model.reference, model.longest = read_reference(model.key), model.long and LONGEST_LONG or LONGEST
     for _, rule in ipairs(model.long and LONG_RULES or RULES) do
-      if known[rule:match "^[%w_-]+"] then
+      if known[rule:match "^[%w_-]+"] and (model.attracting or not rule:find "^log") then
         -- one step tells whether the rule fits the problem at all
         local fine, why = pcall(run, model, rule, 1)
         if fine or type(why) ~= "string" or not why:find "rule" then

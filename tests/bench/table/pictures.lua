@@ -48,6 +48,9 @@ local function points(curve)
   return out
 end
 
+-- names of rules for a narrow legend
+local function short(name) return (name:gsub("log%-hamiltonian", "log-h"):gsub("sofroniou%-spaletta", "sofspa")) end
+
 local function style(side, i)
   if side == "bound" then return ("lw 4 lc rgb '#%s' pt 0"):format(({ "202020", "707070", "a8a8a8" })[i] or "c8c8c8") end
   local colour = COLOURS[(i - 1) % #COLOURS + 1]
@@ -59,7 +62,7 @@ local function draw(key)
   local plots, data = {}, {}
   for _, side in ipairs { "bound", "dmlua", "peer" } do
     for i, method in ipairs(chosen(key, side, SHARE[side])) do
-      local name = (side == "bound" and "C: " or side == "dmlua" and "dmlua: " or "") .. method
+      local name = (side == "bound" and "C: " or side == "dmlua" and "dmlua: " or "") .. short(method)
       plots[#plots + 1] = ("'-' with linespoints %s title \"%s\" noenhanced"):format(style(side, i), name)
       data[#data + 1] = table.concat(points(all.curves[key][side][method]), "\n") .. "\ne\n"
     end
@@ -77,7 +80,7 @@ set xlabel "process CPU time (s)"
 set ylabel "largest position error at 32 times"
 set yrange [1e-12:3]
 set grid xtics ytics lc rgb "#dddddd"
-set key outside right top spacing 1.1
+set key outside right top spacing 1.2 samplen 2.5 font ",10"
 plot ]]):format(file, TITLES[key] or key), table.concat(plots, ", "), "\n", table.concat(data))
   gnuplot:close()
   print("picture  " .. file)
