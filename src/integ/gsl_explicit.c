@@ -160,7 +160,7 @@ const dm_method dm_method_rk4 = {
     .doc = "Classical Runge-Kutta of order 4, two half steps, 11 forces a step; not "
            "symplectic, a "
            "baseline (GSL).",
-    .traits = DM_EXPLICIT,
+    .traits = DM_EXPLICIT | DM_KEEPS,
     .check = check,
     .order = order4,
     .wants = wants,
@@ -176,7 +176,7 @@ const dm_method dm_method_rkf45 = {
     .doc = "Runge-Kutta-Fehlberg 4(5) with a fixed step, order 5, 6 forces a step; not "
            "symplectic, a "
            "baseline (GSL).",
-    .traits = DM_EXPLICIT,
+    .traits = DM_EXPLICIT | DM_KEEPS,
     .check = check,
     .order = order5,
     .wants = wants,
@@ -192,7 +192,7 @@ const dm_method dm_method_rk8pd = {
     .doc = "Runge-Kutta Prince-Dormand 8(9) with a fixed step, order 8, 13 forces a "
            "step; not "
            "symplectic, a strong baseline (GSL).",
-    .traits = DM_EXPLICIT,
+    .traits = DM_EXPLICIT | DM_KEEPS,
     .check = check,
     .order = order8,
     .wants = wants,

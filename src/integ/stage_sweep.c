@@ -241,9 +241,9 @@ static double relative(const iteration *it, const double change[2]) {
     return sqrt(largest);
 }
 
-/* what the next sweep would change of the end of the step */
+/* error left in the sums; what it does to momenta, h L_qq of it, may be as large */
 static double left(const iteration *it) {
-    return it->rate * it->rate * it->change;
+    return it->rate * it->change;
 }
 
 /* one sweep: new sums from the forces, forces there */
@@ -277,7 +277,8 @@ static void prepare(iteration *it) {
     for (uint32_t l = 0; l < width; l++) {
         w->in[2 * n * width + l] = g->t + w->after[l];
         for (uint32_t k = 0; k < n && g->separable; k++)
-            w->base[k * width + l] = w->after[l] * g->v0[k];
+            w->base[k * width + l] =
+                l < g->table.r ? dm_weighted(g->hc[l], g->v0[k]) : 0.0;
     }
     const int warm = dm_stage_memory_fits(g);
     it->a = (dm_sweep){.rows = w->rows, .first = n, .columns = warm ? g->table.r : 0};

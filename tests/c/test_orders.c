@@ -23,7 +23,7 @@ static const row rows[] = {
     {"lobatto(2)", 2, 800, 800},  {"lobatto(3)", 4, 400, 400},
     {"lobatto(4)", 6, 100, 100},  {"lobatto(5)", 8, 50, 50},
     {"rk4", 4, 800, 400},         {"rkf45", 5, 800, 400},
-    {"rk8pd", 8, 100, 0},
+    {"rk8pd", 8, 100, 0},         {"rk8", 8, 100, 0},
 };
 
 /* distance of q at time T from `exact`; NaN when the run fails */

@@ -107,7 +107,7 @@ static void bursts_have_the_bits_of_single_steps(void) {
     for (const dm_method *const *m = dm_methods; *m; m++) {
         static const char *const known[] = {"verlet", "midpoint", "trapezoidal",
                                             "gauss",  "lobatto",  "rk4",
-                                            "rkf45",  "rk8pd"};
+                                            "rkf45",  "rk8pd",    "rk8"};
         int mine = 0;
         for (size_t i = 0; i < sizeof known / sizeof *known; i++)
             mine += strcmp((*m)->name, known[i]) == 0;

@@ -44,7 +44,7 @@ local rows = {
   { "kahan-li(6)", 6, 200, 60 }, { "kahan-li(8)", 8, 100, 60 }, { "suzuki-umeno(8)", 8, 150, 70 },
   { "sofroniou-spaletta(10)", 10, 0, 0, 50 }, { "kahan-li(6, midpoint)", 6, 400, 0 }, { "yoshida(4, trapezoidal)", 4, 1600, 0 },
   { "blanes-moan(4)", 4, 0, 0, 200 }, { "blanes-moan(6)", 6, 200, 0 }, { "blanes-moan(6, 14)", 6, 100, 0 },
-  { "rk4", 4, 800, 400 }, { "rkf45", 5, 800, 200 }, { "rk8pd", 8, 70, 40 },
+  { "rk4", 4, 800, 400 }, { "rkf45", 5, 800, 200 }, { "rk8pd", 8, 70, 40 }, { "rk8", 8, 70, 40 },
 }
 local function order(system, rule, start, t, n, goal)
   local coarse, fine = (final(system, rule, start, t, n) - goal):norm(), (final(system, rule, start, t, 2 * n) - goal):norm()
