@@ -11,7 +11,7 @@ local TITLES = { ["P1-0.6"] = "Kepler, e = 0.6, 100 periods", ["P1-0.9"] = "Kepl
   ["P6-1e6"] = "stiff spring, k = 1e6, T = 16", ["P8-toda-1024"] = "Toda chain, N = 1024, T = 16",
   ["P8-fpu-1024"] = "FPU-beta chain, N = 1024, T = 16", ["P8-toda-32"] = "Toda chain, N = 32, T = 100",
   ["P8-fpu-32"] = "FPU-beta chain, N = 32, T = 100" }
-local COLOURS = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9" } -- Okabe & Ito
+local COLOURS = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#999933" } -- Okabe & Ito, and two
 local SHARE = { bound = 3, dmlua = 6, peer = 3 }
 
 -- the methods of a side that are cheapest at the targets, up to `count`, then the plain ones
