@@ -8,6 +8,7 @@
 
 enum {
     LARGEST = 20000, /* operations; larger graphs stay as they are */
+    LARGE = 3000,    /* one pass for these: a search would take tens of milliseconds */
     WORTH = 2,       /* cost; there is nothing to gain below */
     MOST_PASSES = 6
 };
@@ -32,6 +33,7 @@ typedef struct {
     dm_arena scratch; /* of one pass at a time */
     dm_node *now, *best;
     uint64_t least; /* cost of the best */
+    int passes;     /* at most, on one road */
 } search;
 
 /* one pass over `now`; its cost, or UINT64_MAX where it failed. An expanding pass leaves products
@@ -63,7 +65,7 @@ static void follow(search *x, const dm_node *roots, int expand, uint32_t percent
     const uint64_t far = expand ? 140 : 105; /* percent of the best */
     uint64_t before = UINT64_MAX;
     memcpy(x->now, roots, x->m * sizeof *roots);
-    for (int passes = 0; passes < MOST_PASSES; passes++) {
+    for (int passes = 0; passes < x->passes; passes++) {
         const uint64_t own = pass(x, expand && passes == 0);
         if (own == UINT64_MAX) return;
         const uint64_t now = own * percent;
@@ -82,7 +84,8 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     search x = {.g = g, .m = m};
     dm_node *start = dm_arena_take(g->arena, (m + 1) * sizeof *start);
     if (out != roots) memcpy(out, roots, m * sizeof *out);
-    if (!start || g->verbatim || dm_operations(g, roots, m) > LARGEST) return;
+    const uint32_t operations = dm_operations(g, roots, m);
+    if (!start || g->verbatim || operations > LARGEST) return;
     x.now = dm_arena_take(g->arena, (m + 1) * sizeof *x.now);
     x.best = out;
     if (!x.now) return;
@@ -90,7 +93,8 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     dm_arena_init(&x.scratch, g->arena->allocate, g->arena->ud);
     x.least = 100 * (uint64_t)cost(g, start, m);
     if (x.least < 100 * WORTH) return;
-    follow(&x, start, 1, favour);
+    x.passes = operations > LARGE ? 1 : MOST_PASSES;
+    if (operations <= LARGE) follow(&x, start, 1, favour);
     follow(&x, start, 0, 100);
     dm_arena_release(&x.scratch);
 }
