@@ -189,7 +189,7 @@ static int system_velocity(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "p");
     dml_model *m = dml_pushmodel(L, 1);
-    dml_want(L, m, dml_legendre_wants(m), NULL);
+    dml_want(L, m, dml_legendre_wants(m, 0), NULL);
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
     double *v = dml_pushvector(L, s->n);
     const dm_status status =

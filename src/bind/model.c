@@ -192,8 +192,8 @@ void dml_writeout(lua_State *L, dml_model *m) {
     check_status(L, dm_graph_status(plain));
 }
 
-unsigned dml_legendre_wants(const dml_model *m) {
-    return m->model.structure & DM_LOOPS ? 0 : DM_WANT_MASS;
+unsigned dml_legendre_wants(const dml_model *m, unsigned want) {
+    return m->model.structure & DM_LOOPS && !(want & DM_WANT_DENSE) ? 0 : DM_WANT_MASS;
 }
 
 void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {

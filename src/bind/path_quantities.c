@@ -19,7 +19,7 @@ static dml_model *model_for(lua_State *L, unsigned want) {
                       "the path from a "
                       "dm.system, or compute them from path.q and path.p");
     lua_pop(L, 2);
-    dml_want(L, m, want | dml_legendre_wants(m), NULL);
+    dml_want(L, m, want | dml_legendre_wants(m, want), NULL);
     return m;
 }
 

@@ -48,7 +48,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     r->wants = s->method->wants(s->nodes, &r->model->model);
     dml_want(L, r->model,
              r->wants | DM_WANT_VALUE |
-                 (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model)),
+                 (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants)),
              backend_name(L));
     r->stepper = (dm_stepper){.method = s->method,
                               .model = &r->model->model,

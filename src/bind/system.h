@@ -63,8 +63,8 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend);
 /* From now on the graph of *m has no sums, every round is written out; raises where that is too large. */
 void dml_writeout(lua_State *L, dml_model *m);
 
-/* What dm_legendre and its inverse need of this model. */
-unsigned dml_legendre_wants(const dml_model *m);
+/* What dm_legendre and its inverse need of this model, of which `want` is wanted too. */
+unsigned dml_legendre_wants(const dml_model *m, unsigned want);
 
 /* Raise a mismatch between trace and function (trace.h) for the system at `arg` at x =
  * (q, v, t) or (q0, q1). */

@@ -55,17 +55,10 @@ static dm_status make_slope_loop(loop *l, const dm_sum *s, uint32_t m,
 
 /* ---- running them ---- */
 
-/* rounds [i, i + count) read a run of neighbouring entries of column c from here; NULL: they
-** wrap around or are apart */
-static const double *run_of(const dm_sum *s, const dm_column *c, const double *x,
-                            uint32_t i, uint32_t shift) {
+/* what column c reads in round i */
+static const double *entry_of(const dm_sum *s, const dm_column *c, const double *x,
+                              uint32_t i, uint32_t shift) {
     return (c->data ? c->data : x) + dm_sum_entry(s, c, i, shift);
-}
-
-static int is_run(const dm_sum *s, const dm_column *c, uint32_t i, uint32_t count,
-                  uint32_t shift) {
-    const uint32_t body = i + (c->partner ? shift : 0);
-    return c->step == 1 && (body + count <= s->bodies || body >= s->bodies);
 }
 
 /* out[output][BLOCK] of the rounds [i, i + count), count <= BLOCK */
@@ -76,41 +69,66 @@ static void eval_one_by_one(const loop *l, double *out, const double *x, uint32_
     dm_kernel_prepare(&l->one, y);
     for (uint32_t r = 0; r < count; r++) {
         for (uint32_t c = 0; c < s->columns; c++)
-            in[c] = *run_of(s, s->column + c, x, i + r, shift);
+            in[c] = *entry_of(s, s->column + c, x, i + r, shift);
         dm_kernel_eval(&l->one, in, y);
         for (uint32_t k = 0; k < l->outputs; k++) out[k * BLOCK + r] = y[k];
     }
 }
 
-/* in[column][lane] of `lanes` rounds from i on */
-static void gather(const loop *l, double *in, const double *x, uint32_t i,
-                   uint32_t shift) {
+/* where the columns of a block are: entry of round r at from[r * step] */
+typedef struct {
+    const double *from;
+    uint32_t step;
+} strip;
+
+/* 0 where a column wraps around within the block */
+static int find_strips(const loop *l, strip *strips, const double *x, uint32_t i,
+                       uint32_t count, uint32_t shift) {
     const dm_sum *s = l->sum;
-    const uint32_t lanes = l->lanes;
-    for (uint32_t c = 0; c < s->columns; c++, in += lanes) {
+    for (uint32_t c = 0; c < s->columns; c++) {
         const dm_column *column = s->column + c;
-        if (is_run(s, column, i, lanes, shift)) {
-            memcpy(in, run_of(s, column, x, i, shift), lanes * sizeof *in);
-            continue;
+        const uint32_t body = i + (column->partner ? shift : 0);
+        if (column->step && body < s->bodies && body + count > s->bodies) return 0;
+        strips[c] = (strip){entry_of(s, column, x, i, shift), column->step};
+    }
+    return 1;
+}
+
+/* `lanes` is a constant where this is called: copies are then single moves */
+static inline void eval_in_lanes(const loop *l, double *out, const strip *strips,
+                                 uint32_t count, const uint32_t lanes) {
+    _Alignas(64) double in[COLUMNS * LANES], y[COLUMNS * LANES];
+    const uint32_t columns = l->sum->columns;
+    dm_kernel_prepare_lanes(&l->many, lanes, y);
+    for (uint32_t r = 0; r < count; r += lanes) {
+        for (uint32_t c = 0; c < columns; c++) {
+            const strip at = strips[c];
+            if (at.step == 1) {
+                memcpy(in + c * lanes, at.from + r, lanes * sizeof *in);
+                continue;
+            }
+            for (uint32_t lane = 0; lane < lanes; lane++)
+                in[c * lanes + lane] = at.from[(size_t)(r + lane) * at.step];
         }
-        for (uint32_t lane = 0; lane < lanes; lane++)
-            in[lane] = *run_of(s, column, x, i + lane, shift);
+        dm_kernel_eval(&l->many, in, y);
+        for (uint32_t k = 0; k < l->outputs; k++)
+            memcpy(out + k * BLOCK + r, y + k * lanes, lanes * sizeof *y);
     }
 }
 
 static void eval_block(const loop *l, double *out, const double *x, uint32_t i,
                        uint32_t count, uint32_t shift) {
-    _Alignas(64) double in[COLUMNS * LANES], y[COLUMNS * LANES];
-    const uint32_t lanes = l->lanes;
-    uint32_t r = 0;
-    if (lanes) dm_kernel_prepare_lanes(&l->many, lanes, y);
-    for (; lanes && r + lanes <= count; r += lanes) {
-        gather(l, in, x, i + r, shift);
-        dm_kernel_eval(&l->many, in, y);
-        for (uint32_t k = 0; k < l->outputs; k++)
-            memcpy(out + k * BLOCK + r, y + k * lanes, lanes * sizeof *y);
+    strip strips[COLUMNS];
+    uint32_t whole = 0; /* rounds done in lanes */
+    if (l->lanes && find_strips(l, strips, x, i, count, shift)) {
+        whole = count - count % l->lanes;
+        if (l->lanes == 8)
+            eval_in_lanes(l, out, strips, whole, 8);
+        else
+            eval_in_lanes(l, out, strips, whole, 4);
     }
-    if (r < count) eval_one_by_one(l, out + r, x, i + r, count - r, shift);
+    if (whole < count)
+        eval_one_by_one(l, out + whole, x, i + whole, count - whole, shift);
 }
 
 static uint32_t smaller(uint32_t a, uint32_t b) {
@@ -132,15 +150,25 @@ static double sum_value(const loop *l, const double *x) {
     return sum + low;
 }
 
+/* are the entries of column c neighbours in rounds [i, i + count)? */
+static int is_run(const dm_sum *s, const dm_column *c, uint32_t i, uint32_t count,
+                  uint32_t shift) {
+    const uint32_t body = i + (c->partner ? shift : 0);
+    return c->step == 1 && (body + count <= s->bodies || body >= s->bodies);
+}
+
+static void add_run(double *restrict to, double factor, const double *restrict y) {
+    for (uint32_t r = 0; r < BLOCK; r++) to[r] += factor * y[r];
+}
+
 /* out[entry of column] += factor y */
 static void scatter(const loop *l, double *out, double factor, const double *y,
                     uint32_t i, uint32_t count, uint32_t shift) {
     const dm_sum *s = l->sum;
     for (uint32_t k = 0; k < l->outputs; k++, y += BLOCK) {
         const dm_column *c = s->column + l->column[k];
-        if (is_run(s, c, i, count, shift)) {
-            double *to = out + dm_sum_entry(s, c, i, shift);
-            for (uint32_t r = 0; r < count; r++) to[r] += factor * y[r];
+        if (count == BLOCK && is_run(s, c, i, count, shift)) {
+            add_run(out + dm_sum_entry(s, c, i, shift), factor, y);
             continue;
         }
         for (uint32_t r = 0; r < count; r++)
