@@ -143,7 +143,7 @@ static void the_last_step_saves_sweeps(void) {
     CHECK(run(&x, &p, "gauss(6)", 0.05, 400, 400) == DM_OK);
     CHECK(session_open(&y, &p, "gauss(6)", 0.05));
     CHECK(session_run(&y, 400) == DM_OK); /* not started: nothing is remembered */
-    CHECK(x.s.report.newton < 0.75 * (double)y.s.report.newton);
+    CHECK((double)x.s.report.newton < 0.75 * (double)y.s.report.newton);
     CHECK(distance(&x, &y, 2) < 1e-12);
     session_close(&x);
     session_close(&y);
@@ -153,7 +153,7 @@ static void the_last_step_saves_sweeps(void) {
 static void state_and_memory_go_on_bit_for_bit(void) {
     problem p;
     session x, y;
-    double *from, *to;
+    double *from = NULL, *to = NULL;
     kepler(&p, 1, dm_native_build);
     CHECK(run(&x, &p, "gauss(4)", 0.03, 300, 300) == DM_OK);
     CHECK(session_open(&y, &p, "gauss(4)", 0.03));
