@@ -79,6 +79,7 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers,
                               .first = i == 0};
         if (wide) common.share = choose_share(e, blocks + i, threads);
     }
+    if (e->lanes) *e->lanes = workers[0].block ? workers[0].block->lanes.lanes : 1;
     /* this thread works too; when no more threads can be had, those there are do it all */
     while (made + 1 < threads &&
            pthread_create(thread + made, NULL, work, workers + made + 1) == 0)

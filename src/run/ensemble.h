@@ -20,6 +20,7 @@ typedef struct {
     double *
         state; /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
     dm_member *member; /* [members] */
+    uint32_t *lanes;   /* members that went side by side, 1: one by one; may be NULL */
     const volatile sig_atomic_t *stop;
     void (*progress)(void *ud, long done,
                      long members); /* called by the first thread only; may be NULL */

@@ -40,6 +40,95 @@ end
 local lost = bowl:solver({ rule = "verlet", h = 0.05 }):ensemble { members = 2, steps = 1, q = function(i) return { i - 1 + 0.5 } end, v = function() return { 0 } end }
 ok(lost.status[1] == "ok" and lost.status[2] == "not_finite", "a start outside the domain is one member's failure", lost.status[2])
 
+-- lanes: numbers of members that do not fill them, failures among them, time-dependent forces; steps too
+local moved = dm.system { Q = dm.R(1), L = function(q, v, t) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 + q[1] * math.cos(2 * t) end }
+local lanes = solver:ensemble { members = 1, q = q0, v = v0, steps = 1 }.lanes
+local function as_alone(e, single, start)
+  for i = 1, #e do
+    local fine, path = pcall(single.run, single, start(i))
+    local code, finished = "ok", 0
+    if not fine then code, finished, path = path.code, path.step - 1, path.path end
+    if path.q[#path] ~= e.q[i] or path.p[#path] ~= e.p[i] or code ~= e.status[i] then return i end
+    if not fine and e.steps[i] ~= finished then return i end
+  end
+end
+for _, case in ipairs { { bowl, "verlet" }, { bowl, "kahan-li(8)" }, { bowl, "blanes-moan(6, 14)" }, { moved, "verlet" }, { moved, "blanes-moan(6, 14)" } } do
+  local single = case[1]:solver { rule = case[2], h = 0.05 }
+  local function start(i) return { q = { 0.01 }, v = { i % 7 == 3 and 1.2 + i * 0.01 or 0.3 + i * 1e-3 }, steps = 300, every = 300, t0 = 0.3 } end
+  local failed = 0
+  for _, members in ipairs { 1, 3, 8, 9, 101 } do
+    local e = single:ensemble { members = members, steps = 300, t0 = 0.3, threads = 2,
+      q = function() return { 0.01 } end, v = function(i) return start(i).v end }
+    local different = as_alone(e, single, start)
+    ok(not different, ("%s: %d members as alone, those that fail too"):format(case[2], members), different)
+    ok(e.lanes == lanes, case[2] .. ": all lanes are used", e.lanes)
+    failed = failed + #e:failures()
+  end
+  ok((failed > 0) == (case[1] == bowl), case[2] .. ": members fail where they leave the domain", failed)
+end
+ok(kepler:solver({ rule = "gauss(2)", h = 0.01 }):ensemble({ members = 9, q = q0, v = v0, steps = 3 }).lanes == 1, "implicit rules go one by one")
+ok(kepler:solver({ rule = "verlet", h = 0.01, backend = "tape" }):ensemble({ members = 9, q = q0, v = v0, steps = 3 }).lanes == 1, "so does the tape")
+
+-- a repelling centre stops members of the logarithmic Hamiltonian
+local hill = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() - 0.5 end }
+local far = hill:solver { rule = "log-hamiltonian", h = 0.05 }
+local function leaving(i) return { q = { 0.5, 0 }, v = { 0, 1.5 + 0.05 * i }, steps = 400, every = 400 } end
+local out = far:ensemble { members = 21, steps = 400, q = function() return { 0.5, 0 } end, v = function(i) return leaving(i).v end }
+ok(#out:failures() > 0 and #out:failures() < 21, "members leave the well of V < 0", #out:failures())
+ok(not as_alone(out, far, leaving), "and stop where they do alone", as_alone(out, far, leaving))
+
+-- the same ends whatever the processor offers
+local dmlua = os.getenv "DMLUA" or arg[-1]
+local function under(environment, code)
+  local pipe = io.popen(("%s %s -e '%s' 2>&1"):format(environment, dmlua, code))
+  local text = pipe:read "a"
+  pipe:close()
+  return text
+end
+local script = [[
+  local dm = require "dm"
+  local s = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+  local e = s:solver { rule = "kahan-li(6)", h = 0.01 }:ensemble { members = 21, steps = 99,
+    q = function(i) return { 0.4 + i / 100, 0 } end, v = function(i) return { 0, 2 } end }
+  for i = 1, #e do print(("%a %a"):format(e.q[i][1], e.p[i][2])) end
+  io.stderr:write("lanes ", e.lanes, "\n")]]
+local plain = under("", script)
+for _, most in ipairs { 0, 1, 4, 8 } do
+  local text = under("DMLUA_LANES=" .. most, script)
+  local used = tonumber(text:match "lanes (%d+)")
+  ok(text:gsub("lanes %d+", "") == plain:gsub("lanes %d+", "") and #text > 100, "DMLUA_LANES=" .. most .. " changes no bit", text)
+  ok(used and used <= math.max(most, 1), "and is a limit", used)
+end
+ok(under("DMLUA_LANES=3", "print(1)"):find "DMLUA_LANES must be 0, 1, 4 or 8", "another number is refused", under("DMLUA_LANES=3", "print(1)"))
+
+-- parameters of their own
+local spring = dm.system { Q = dm.R(1), params = { k = 1, m = 1 }, L = function(q, v, t, c) return c.m * v[1] ^ 2 / 2 - c.k * q[1] ^ 2 / 2 end }
+for _, rule in ipairs { "verlet", "gauss(2)" } do
+  local varied = spring:solver({ rule = rule, h = 0.01 }):ensemble { members = 12, steps = 100, threads = 2,
+    q = function(i) return { i } end, p = function() return { 0 } end,
+    vary = { k = function(i) return 1 + i // 4 end, m = { 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2 } } }
+  local same = true
+  for i = 1, 12 do
+    local own = dm.system { Q = dm.R(1), params = { k = 1 + i // 4, m = i > 8 and 2 or 1 }, L = spring.L }
+    local path = own:solver({ rule = rule, h = 0.01 }):run { q = { i }, p = { 0 }, steps = 100, every = 100 }
+    same = same and path.q[2] == varied.q[i] and path.p[2] == varied.p[i]
+  end
+  ok(same, rule .. ": members with parameters of their own are runs of such systems")
+  tap.near(varied.q[12][1], 12 * math.cos(math.sqrt(4 / 2)), 1e-3, rule .. ": the frequency is sqrt(k/m)")
+end
+ok(spring.params.k == 1 and spring.params.m == 1, "the system keeps its own parameters")
+
+-- starts by random numbers: the same in any order
+local r = dm.random(7)
+ok(r:normal(3, 1) == dm.random(7):normal(3, 1) and r:normal(3, 1) ~= r:normal(4, 1) and r.seed == 7, "random numbers depend on seed and place")
+ok(r:uniform(1, 0, 2, 3) == 2 * (1 - r:uniform(1, 0)) + 3 * r:uniform(1, 0), "uniform between bounds")
+ok(r:normal(5, 0, 10, 0) == 10 and dm.random(8):uniform(1, 0) ~= r:uniform(1, 0), "normal about a mean, other seeds")
+raises("between 0 and 2^32 - 1", r.uniform, r, 1, -1)
+raises("both ends", r.uniform, r, 1, 1, 2)
+raises("negative", r.normal, r, 1, 1, 0, -1)
+raises("integer", dm.random, 1.5)
+raises("finite", r.uniform, r, 1, 1, 0, 1 / 0)
+
 -- misuse
 local good = { members = 2, q = q0, v = v0, steps = 1 }
 local function with(changes)
@@ -61,4 +150,17 @@ raises("at most 256", with, { threads = 1000 })
 raises("'steps'", with, { steps = "none" })
 raises("did you mean", with, { membres = 3 })
 raises("oops", with, { q = function() error "oops" end })
+raises("'q' of member 2 must have 2 entries", with, { q = { { 1, 0 }, { 1, 0, 0 } } })
+raises("no parameters", with, { vary = { k = { 1, 2 } } })
+raises("field 'vary' must be a table", with, { vary = 3 })
+local function vary(what)
+  return spring:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, steps = 1, q = { { 1 }, { 2 } }, p = { { 0 }, { 0 } }, vary = what }
+end
+raises("'l' is not a number among the params", vary, { l = { 1, 2 } })
+raises("'k' of member 2 must be a finite number", vary, { k = { 1, "x" } })
+raises("'k' of member 1 must be a finite number", vary, { k = function() return 0 / 0 end })
+raises("rows for 2 members", vary, { k = { 1, 2, 3 } })
+raises("field 'k' must be a function", vary, { k = 1 })
+raises("field 'vary' must be a table", vary, { { 1, 2 } })
+ok(#vary {} == 2, "nothing varied")
 tap.done()

@@ -1,0 +1,45 @@
+/* ensemble.h - `dm.ensemble` as the files that make it see it. */
+#ifndef DML_ENSEMBLE_H
+#define DML_ENSEMBLE_H
+
+#include "bind/stepping.h"
+#include "run/ensemble.h"
+
+typedef struct {
+    long members;
+    uint32_t n;
+    uint32_t lanes; /* members that went side by side */
+    double t, h;
+    double *state;     /* members x dm_state_size(n) */
+    dm_member *member; /* members */
+} dml_ensemble;
+
+extern const char *const DML_ENSEMBLE; /* "dm.ensemble" */
+
+/* Push one with all states zero; raises when it would not fit into memory. */
+dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n);
+
+/*
+** Sources of numbers for members: field `key` of the table at `arg`, a function of the member's number or
+** a table, matrix or vector with an entry for each. check: raises unless it is one. push: what it has for
+** member i (from 0).
+*/
+void dml_check_source(lua_State *L, int arg, const char *key, long members);
+void dml_push_source(lua_State *L, int arg, const char *key, long i);
+
+/*
+** vary = { name = source } of the options at 2: pushes a userdata of values[members][*count], the names as a
+** table above it. NULL and nothing pushed without that field.
+*/
+const double *dml_read_vary(lua_State *L, long members, uint32_t *count);
+
+/* Members from `first` on that have the same values. */
+long dml_vary_alike(const double *values, uint32_t count, long first, long members);
+
+/* Replace the solver at 1 by one of the same rule for a system with these values; names at `names`. */
+dml_solver *dml_vary_solver(lua_State *L, const double *values, int names);
+
+/* solver:ensemble{} */
+int dml_solver_ensemble(lua_State *L);
+
+#endif

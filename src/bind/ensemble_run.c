@@ -1,0 +1,259 @@
+/* ensemble_run.c - `solver:ensemble{}`: starts, threads, parts with the same parameters, the run itself. */
+#include "bind/ensemble.h"
+#include "bind/failure.h"
+#include "bind/terminal.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+typedef dml_ensemble ensemble;
+enum { MOST_MEMBERS = 100000000 };
+
+/* ---- starts ---- */
+
+void dml_push_source(lua_State *L, int arg, const char *key, long i) {
+    if (lua_getfield(L, arg, key) == LUA_TFUNCTION) {
+        lua_pushinteger(L, i + 1);
+        lua_call(L, 1, 1);
+    } else {
+        lua_geti(L, -1, i + 1);
+        lua_remove(L, -2);
+    }
+}
+
+void dml_check_source(lua_State *L, int arg, const char *key, long members) {
+    const int type = lua_getfield(L, arg, key);
+    if (type != LUA_TFUNCTION && type != LUA_TTABLE && type != LUA_TUSERDATA)
+        luaL_error(L,
+                   "field '%s' must be a function of the member's number, or a table or "
+                   "matrix with a row for each of the %d members (got %s)",
+                   key, (int)members, luaL_typename(L, -1));
+    if (type != LUA_TFUNCTION && luaL_len(L, -1) != members)
+        luaL_error(L, "field '%s' has %d rows for %d members", key, (int)luaL_len(L, -1),
+                   (int)members);
+    lua_pop(L, 1);
+}
+
+/* n numbers for member i from field `key` of the options */
+static void read_member(lua_State *L, const char *key, long i, double *out, uint32_t n) {
+    dml_push_source(L, 2, key, i);
+    const char *name = lua_pushfstring(L, "'%s' of member %d", key, (int)i + 1);
+    dml_vectorarg(L, -2, name, out, n);
+    lua_pop(L, 2);
+}
+
+static int has(lua_State *L, const char *key) {
+    const int there = lua_getfield(L, 2, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+/* members first .. first + count - 1, whose parameters are the same */
+typedef struct {
+    ensemble *e;
+    long first, count, steps;
+    int velocity; /* starts are q and v, not q and p */
+} part;
+
+/* the trace is checked at the first member */
+static void check_trace(lua_State *L, const part *p, dml_stepping *r) {
+    if (p->velocity) {
+        read_member(L, "q", p->first, r->x, r->solver->n);
+        read_member(L, "v", p->first, r->x + r->solver->n, r->solver->n);
+        r->x[2 * r->solver->n] = r->t0;
+    }
+    dml_checkmodel(L, r->system, r->model, p->velocity ? r->x : NULL);
+}
+
+/* q, and v or p; returns 1 for v */
+static int check_sources(lua_State *L, const dml_solver *solver, long members) {
+    const int velocity = has(L, "v");
+    if (velocity == has(L, "p"))
+        luaL_error(
+            L, "give the starts as q and v or as q and p: one of 'v' and 'p' is needed");
+    if (velocity && solver->pair)
+        luaL_error(L, "a discrete Lagrangian knows no velocity: give the momentum 'p'");
+    dml_check_source(L, 2, "q", members);
+    dml_check_source(L, 2, velocity ? "v" : "p", members);
+    return velocity;
+}
+
+/* starts: q, and p given or by the Legendre transform; a member whose transform fails is marked */
+static void read_starts(lua_State *L, const part *these, dml_stepping *r) {
+    const uint32_t n = these->e->n;
+    const char *second = these->velocity ? "v" : "p";
+    check_trace(L, these, r);
+    for (long i = these->first; i < these->first + these->count; i++) {
+        double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *x = r->x;
+        read_member(L, "q", i, q, n);
+        read_member(L, second, i, p, n);
+        if (!these->velocity) continue;
+        memcpy(x, p, n * sizeof *x);
+        if (dm_legendre(&r->model->model, p, q, x, r->t0, r->work) != DM_OK) p[0] = NAN;
+        dml_rethrow(L, r->model);
+    }
+}
+
+/* ---- running it ---- */
+
+static int default_threads(void) {
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    return cores < 1 ? 1 : cores > DM_ENSEMBLE_THREADS ? DM_ENSEMBLE_THREADS : (int)cores;
+}
+
+static int read_threads(lua_State *L) {
+    const long threads = dml_count(L, 2, "threads", 1, default_threads());
+    if (threads > DM_ENSEMBLE_THREADS)
+        luaL_error(L, "field 'threads' must be at most %d", DM_ENSEMBLE_THREADS);
+    return (int)threads;
+}
+
+static long read_members(lua_State *L) {
+    const long members = dml_count(L, 2, "members", 1, 0);
+    if (members > MOST_MEMBERS)
+        luaL_error(L, "field 'members' must be at most %d: run more in parts",
+                   MOST_MEMBERS);
+    return members;
+}
+
+typedef struct {
+    lua_State *L;
+    double start, told; /* s */
+    long before, all;   /* members of earlier parts, of the ensemble */
+} clock_of_run;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void show_progress(void *ud, long done, long members) {
+    clock_of_run *c = ud;
+    const double t = now(), finished = (double)(c->before + done);
+    const double rate = finished / (t - c->start);
+    (void)members;
+    if (t - c->told < 0.1) return;
+    c->told = t;
+    dml_progress(c->L, "ensemble", finished / (double)c->all, rate,
+                 ((double)c->all - finished) / rate);
+}
+
+/* steps, or t = duration, as solver:run reads them */
+static long read_steps(lua_State *L, double h) {
+    if (!has(L, "t")) return dml_count(L, 2, "steps", 0, -1);
+    if (has(L, "steps"))
+        luaL_error(L, "give either 'steps' or 't' (a duration), not both");
+    return (long)ceil(dml_positive(L, 2, "t", 0) / h - 1e-9);
+}
+
+/* a model and stepper for every thread but the first, which has those of *r; leaves them on the stack */
+static void open_steppers(lua_State *L, dml_stepping *r, int threads,
+                          dm_stepper **steppers) {
+    for (int i = 1; i < threads; i++) {
+        luaL_checkstack(L, 8, "too many threads");
+        dml_stepping *other = lua_newuserdatauv(L, sizeof *other, 0);
+        *other = (dml_stepping){.solver = r->solver};
+        dml_stepping_prepare(L, other, r->t0);
+        steppers[i] = &other->stepper;
+    }
+    steppers[0] = &r->stepper;
+}
+
+/* open all or none */
+static dm_status open_all(dm_stepper **steppers, int threads) {
+    for (int i = 0; i < threads; i++) {
+        const dm_method *m = steppers[i]->method;
+        const dm_status status = m->open ? m->open(steppers[i]) : DM_OK;
+        if (status == DM_OK) continue;
+        for (int k = 0; k <= i; k++)
+            if (m->close) m->close(steppers[k]);
+        return status;
+    }
+    return DM_OK;
+}
+
+/* all threads with one part; what it leaves on the stack is dropped by the caller */
+static dm_status run_part(lua_State *L, const part *p, dml_solver *solver, int threads,
+                          clock_of_run *clock) {
+    dml_stepping r = {.solver = solver};
+    dm_stepper *steppers[DM_ENSEMBLE_THREADS];
+    ensemble *e = p->e;
+    dml_stepping_prepare(L, &r, e->t);
+    if (r.model->callback) threads = 1; /* Lua runs in one thread */
+    if (threads > p->count) threads = (int)p->count;
+    read_starts(L, p, &r);
+    open_steppers(L, &r, threads, steppers);
+    const dm_ensemble plan = {.members = p->count,
+                              .steps = p->steps,
+                              .t0 = e->t,
+                              .state = e->state + (size_t)p->first * dm_state_size(e->n),
+                              .member = e->member + p->first,
+                              .lanes = &e->lanes,
+                              .stop = &dml_stop,
+                              .progress = show_progress,
+                              .ud = clock};
+    dm_status status = open_all(steppers, threads);
+    if (status != DM_OK) luaL_error(L, "rule cannot start: %s", dm_status_text(status));
+    status = dm_ensemble_run(&plan, steppers, threads);
+    for (int i = 0; i < threads; i++)
+        if (solver->method->close) solver->method->close(steppers[i]);
+    dml_rethrow(L, r.model);
+    return status;
+}
+
+/* members by parts of the same parameters, `values` of them (NULL: all have those of the system) */
+static dm_status run_parts(lua_State *L, part *p, const double *values, uint32_t count,
+                           int names) {
+    enum { SWEEP = 32 }; /* parts after which their memory is asked back */
+    const int threads = read_threads(L), top = lua_gettop(L);
+    const long members = p->e->members;
+    clock_of_run clock = {.L = L, .start = now(), .all = members};
+    dml_solver *solver = lua_touserdata(L, 1);
+    dm_status status = DM_OK;
+    for (long k = 1; p->first < members && status == DM_OK; k++) {
+        p->count = values ? dml_vary_alike(values, count, p->first, members) : members;
+        if (values) solver = dml_vary_solver(L, values + (size_t)p->first * count, names);
+        clock.before = p->first;
+        status = run_part(L, p, solver, threads, &clock);
+        p->first += p->count;
+        lua_settop(L, top);
+        if (k % SWEEP == 0) lua_gc(L, LUA_GCCOLLECT, 0);
+    }
+    dml_progress_end(L);
+    return status;
+}
+
+static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
+    const dml_failure f = {
+        .status = DM_STOPPED, .time = t0, .h = e->h, .rule = "ensemble"};
+    dml_stop = 0;
+    dml_fail(L, &f, at);
+}
+
+int dml_solver_ensemble(lua_State *L) {
+    static const char *const known[] = {"members", "q",  "v",       "p",    "steps",
+                                        "t",       "t0", "threads", "vary", NULL};
+    const dml_solver *solver = luaL_checkudata(L, 1, DML_SOLVER);
+    lua_settop(L, 2);
+    luaL_checktype(L, 2, LUA_TTABLE);
+    dml_options(L, 2, known);
+    const long members = read_members(L);
+    part p = {.steps = read_steps(L, solver->h)};
+    const double t0 = dml_number(L, 2, "t0", 0.0);
+    read_threads(L);
+    p.velocity = check_sources(L, solver, members);
+    p.e = dml_pushensemble(L, members, solver->n);
+    const int at = lua_gettop(L);
+    p.e->h = solver->h;
+    p.e->t = t0;
+    uint32_t count = 0;
+    const double *values = dml_read_vary(L, members, &count);
+    const dm_status status = run_parts(L, &p, values, count, lua_gettop(L));
+    p.e->t = t0 + p.e->h * (double)p.steps;
+    if (status == DM_STOPPED) raise_stopped(L, p.e, t0, at);
+    lua_settop(L, at);
+    return 1;
+}
