@@ -12,8 +12,9 @@ struct dm_arena_chunk {
 
 struct dm_arena_cleanup {
     dm_arena_cleanup *next;
-    void (*release)(void *ud);
-    void *ud;
+    dm_giveback *give_back;
+    void *thing;
+    size_t size;
 };
 
 void dm_arena_init(dm_arena *arena, dm_allocator *allocate, void *ud) {
@@ -72,10 +73,12 @@ void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size
     return block;
 }
 
-int dm_arena_on_release(dm_arena *arena, void (*release)(void *ud), void *ud) {
+int dm_arena_on_release(dm_arena *arena, dm_giveback *give_back, void *thing,
+                        size_t size) {
+    if (arena->keep) return arena->keep(arena->ud, give_back, thing, size);
     dm_arena_cleanup *c = dm_arena_take(arena, sizeof *c);
     if (!c) return 0;
-    *c = (dm_arena_cleanup){.next = arena->cleanups, .release = release, .ud = ud};
+    *c = (dm_arena_cleanup){arena->cleanups, give_back, thing, size};
     arena->cleanups = c;
     return 1;
 }
@@ -96,7 +99,8 @@ void dm_arena_reset(dm_arena *arena) {
 }
 
 void dm_arena_release(dm_arena *arena) {
-    for (const dm_arena_cleanup *c = arena->cleanups; c; c = c->next) c->release(c->ud);
+    for (const dm_arena_cleanup *c = arena->cleanups; c; c = c->next)
+        c->give_back(c->thing, c->size);
     release_chunks(arena, arena->chunks);
     dm_arena_init(arena, arena->allocate, arena->ud);
 }

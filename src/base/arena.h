@@ -10,9 +10,13 @@ typedef void *dm_allocator(void *ud, void *block, size_t old_size, size_t new_si
 typedef struct dm_arena_chunk dm_arena_chunk;
 typedef struct dm_arena_cleanup dm_arena_cleanup;
 
+/* How a thing outside of the arena (pages, a shared object) is given back. */
+typedef void dm_giveback(void *thing, size_t size);
+
 typedef struct {
     dm_allocator *allocate;
     void *ud;
+    int (*keep)(void *ud, dm_giveback *give_back, void *thing, size_t size); /* or NULL */
     dm_arena_chunk *chunks;     /* newest first */
     size_t used, room;          /* of the newest chunk, bytes */
     size_t total;               /* bytes held */
@@ -27,8 +31,10 @@ void *dm_arena_take(dm_arena *arena, size_t size);
 /* Grow the array `old` of old_size bytes: the newest block grows in place, else it is copied. */
 void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size);
 
-/* Call release(ud) before the memory is given back; 0 (and no call) without memory for that. */
-int dm_arena_on_release(dm_arena *arena, void (*release)(void *ud), void *ud);
+/* Call give_back(thing, size) when the arena is released, or when the owner of its memory says so (`keep`,
+** if it has set that). 0 without memory for it: the caller then gives it back itself. */
+int dm_arena_on_release(dm_arena *arena, dm_giveback *give_back, void *thing,
+                        size_t size);
 
 /* Forget what was taken, for new use; the newest block stays, the others are given back. Not
 ** for an arena that something is to be called for on release. */

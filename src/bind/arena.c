@@ -1,14 +1,44 @@
 /*
 ** arena.c - arenas whose memory is userdata of Lua: the collector sees their size, and
 ** what a finalizer can still reach is still there. The blocks stand on the stack of a
-** thread, the keeper, which lives as long as the arena.
+** thread, the keeper, which lives as long as the arena. What a kernel has outside of Lua (pages of
+** native code, a shared object) stands there too, as a userdata with a finalizer of its own: the large
+** blocks have none and go at once. A finalizer of the script may run after it; it finds the
+** arena lost (dml_arenalost), and its kernels are made again.
 */
 #include "bind/state.h"
+
+typedef struct outside {
+    dm_giveback *give_back; /* NULL: done */
+    void *thing;
+    size_t size;
+    struct outside *next; /* of the same arena */
+} outside;
 
 typedef struct {
     dm_arena arena;
     lua_State *keeper;
+    outside *things;
 } owned_arena;
+
+static int give_back(lua_State *L) {
+    outside *o = lua_touserdata(L, 1);
+    if (o->give_back) o->give_back(o->thing, o->size);
+    o->give_back = NULL;
+    return 0;
+}
+
+/* protected: an empty thing */
+static int make_outside(lua_State *L) {
+    outside *o = lua_newuserdatauv(L, sizeof *o, 0);
+    *o = (outside){.give_back = NULL};
+    if (luaL_newmetatable(L, "dm.outside")) {
+        lua_pushcfunction(L, give_back);
+        lua_setfield(L, -2, "__gc");
+    }
+    lua_setmetatable(L, -2);
+    return 1;
+}
 
 /* protected: a userdata of the size that the argument points to */
 static int make_block(lua_State *L) {
@@ -16,21 +46,43 @@ static int make_block(lua_State *L) {
     return 1;
 }
 
-/* The collector rests meanwhile: a finalizer must not find a graph that is half made.
-** Blocks are never resized, and given back all together by the collector. */
-static void *allocate(void *ud, void *block, size_t old_size, size_t new_size) {
-    lua_State *keeper = ((owned_arena *)ud)->keeper;
-    (void)old_size;
-    if (block || !new_size || !lua_checkstack(keeper, 3)) return NULL;
+/* The userdata that `make` makes, on the keeper's stack. The collector rests meanwhile: a finalizer must
+** not find a graph that is half made. */
+static void *hold(lua_State *keeper, lua_CFunction make, size_t size) {
+    if (!lua_checkstack(keeper, 3)) return NULL;
     const int running = lua_gc(keeper, LUA_GCISRUNNING) > 0;
     if (running) lua_gc(keeper, LUA_GCSTOP);
-    lua_pushcfunction(keeper, make_block);
-    lua_pushlightuserdata(keeper, &new_size);
+    lua_pushcfunction(keeper, make);
+    lua_pushlightuserdata(keeper, &size);
     const int status = lua_pcall(keeper, 1, 1, 0);
     if (running) lua_gc(keeper, LUA_GCRESTART);
     if (status == LUA_OK) return lua_touserdata(keeper, -1);
     lua_pop(keeper, 1);
     return NULL;
+}
+
+/* Blocks are never resized, and given back all together by the collector. */
+static void *allocate(void *ud, void *block, size_t old_size, size_t new_size) {
+    (void)old_size;
+    if (block || !new_size) return NULL;
+    return hold(((owned_arena *)ud)->keeper, make_block, new_size);
+}
+
+static int keep(void *ud, dm_giveback *how, void *thing, size_t size) {
+    owned_arena *a = ud;
+    outside *o = hold(a->keeper, make_outside, 0);
+    if (!o) return 0;
+    *o = (outside){.give_back = how, .thing = thing, .size = size, .next = a->things};
+    a->things = o;
+    return 1;
+}
+
+int dml_arenalost(const dm_arena *arena) {
+    const owned_arena *a = arena->ud;
+    if (arena->allocate != allocate) return 0;
+    for (const outside *o = a->things; o; o = o->next)
+        if (!o->give_back) return 1;
+    return 0;
 }
 
 dm_arena *dml_pusharena(lua_State *L) {
@@ -42,6 +94,8 @@ dm_arena *dml_pusharena(lua_State *L) {
     lua_xmove(L, a->keeper, 1); /* who holds the keeper holds the arena */
     lua_setiuservalue(L, -2, 1);
     dm_arena_init(&a->arena, allocate, a);
+    a->arena.keep = keep;
+    a->things = NULL;
     return &a->arena;
 }
 

@@ -72,15 +72,14 @@ static int run_compiler(workshop *w) {
            WEXITSTATUS(status) == 0;
 }
 
-/* the shared object behind a kernel */
+/* the function of the shared object behind a kernel */
 typedef struct {
-    void *handle;
     void (*kernel)(const double *in, double *out);
 } object;
 
-static void unload(void *ud) {
-    const object *o = ud;
-    if (o->handle) dlclose(o->handle);
+static void unload(void *handle, size_t size) {
+    (void)size;
+    dlclose(handle);
 }
 
 static void eval(const void *pool, const double *in, double *out) {
@@ -90,14 +89,15 @@ static void eval(const void *pool, const double *in, double *out) {
 
 static object *load(const workshop *w, dm_arena *arena) {
     object *o = dm_arena_take(arena, sizeof *o);
-    if (!o) return NULL;
-    *o = (object){NULL, NULL};
-    if (!dm_arena_on_release(arena, unload, o)) return NULL;
-    o->handle = dlopen(w->object, RTLD_NOW | RTLD_LOCAL);
-    void *symbol = o->handle ? dlsym(o->handle, "kernel") : NULL;
-    if (symbol)
-        memcpy(&o->kernel, &symbol,
-               sizeof symbol); /* POSIX lets a function pointer be data */
+    void *handle = o ? dlopen(w->object, RTLD_NOW | RTLD_LOCAL) : NULL;
+    void *symbol = handle ? dlsym(handle, "kernel") : NULL;
+    if (!handle) return NULL;
+    if (!symbol || !dm_arena_on_release(arena, unload, handle, 0)) {
+        dlclose(handle);
+        return NULL;
+    }
+    memcpy(&o->kernel, &symbol,
+           sizeof symbol); /* POSIX lets a function pointer be data */
     return o;
 }
 
@@ -110,7 +110,7 @@ dm_status dml_cc_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32
     object *o =
         write_source(&w, g, roots, m) && run_compiler(&w) ? load(&w, arena) : NULL;
     close_workshop(&w);
-    if (!o || !o->kernel) return DM_NO_NATIVE;
+    if (!o) return DM_NO_NATIVE;
     *out = (dm_kernel){.eval = eval,
                        .pool = o,
                        .inputs = dm_graph_inputs(g),

@@ -1,6 +1,7 @@
 /* model.c - from the Lua function of a system to the kernels of a run. */
 #include "bind/backend.h"
 #include "bind/model_kept.h"
+#include "bind/state.h"
 #include "bind/system.h"
 #include "expr/sum.h"
 
@@ -156,6 +157,7 @@ dml_model *dml_pushlast(lua_State *L, int arg, const char *backend) {
 }
 
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
+    if (dml_arenalost(m->arena)) m->model.has = 0; /* called by a finalizer: made again, on the tape */
     const unsigned missing = want & ~m->model.has;
     const int pair = (want & DM_WANT_PAIR) != 0;
     if (!missing) return;
@@ -165,7 +167,8 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (m->callback) {
         dml_hyperdual_model(L, m, missing, pair);
     } else {
-        const dml_backend *row = dml_findbackend(L, backend);
+        const dml_backend *row =
+            dml_findbackend(L, dml_arenalost(m->arena) ? "tape" : backend);
         const dm_status status =
             pair ? dm_model_build_pair(&m->model, m->graph, m->lagrangian, m->n,
                                        row->compile, m->arena)

@@ -1,5 +1,7 @@
 #include "bind/model_kept.h"
 
+#include "bind/state.h"
+
 #include <string.h>
 
 /* its address is the registry key of a table from systems to models, which holds neither alive for the other */
@@ -46,7 +48,9 @@ dml_model *dml_pushkept(lua_State *L, int arg, const dml_model *m, dm_compile *c
     lua_rawget(L, -2);
     lua_remove(L, -2);
     dml_model *kept = lua_touserdata(L, -1);
-    if (kept && kept->compile == compile && same_trace(kept, m)) return kept;
+    if (kept && kept->compile == compile && !dml_arenalost(kept->arena) &&
+        same_trace(kept, m))
+        return kept;
     lua_pop(L, 1);
     return NULL;
 }

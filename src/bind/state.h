@@ -47,6 +47,9 @@ dml_frame *dml_findframe(lua_State *L, uint32_t serial);
 /* Push what keeps the memory of an arena of dml_pusharena alive. */
 void dml_pushkeeper(lua_State *L, const dm_arena *arena);
 
+/* Has the collector given back what kernels of the arena had outside of Lua? Only finalizers can see that. */
+int dml_arenalost(const dm_arena *arena);
+
 /* Raise when the graph refused to grow. */
 void dml_checkgraph(lua_State *L, const dml_frame *frame);
 
