@@ -94,23 +94,37 @@ static int find_strips(const loop *l, strip *strips, const double *x, uint32_t i
     return 1;
 }
 
-/* `lanes` is a constant where this is called: copies are then single moves */
-static inline void eval_in_lanes(const loop *l, double *out, const strip *strips,
-                                 uint32_t count, const uint32_t lanes) {
-    _Alignas(64) double in[COLUMNS * LANES], y[COLUMNS * LANES];
+/* in[group][column][lane] of `count` rounds */
+__attribute__((always_inline)) static inline void gather(const loop *l, double *in,
+                                                         const strip *strips,
+                                                         uint32_t count,
+                                                         const uint32_t lanes) {
     const uint32_t columns = l->sum->columns;
-    dm_kernel_prepare_lanes(&l->many, lanes, y);
-    for (uint32_t r = 0; r < count; r += lanes) {
-        for (uint32_t c = 0; c < columns; c++) {
-            const strip at = strips[c];
+    for (uint32_t c = 0; c < columns; c++, in += lanes) {
+        const strip at = strips[c];
+        double *to = in;
+        for (uint32_t r = 0; r < count; r += lanes, to += columns * lanes) {
             if (at.step == 1) {
-                memcpy(in + c * lanes, at.from + r, lanes * sizeof *in);
+                memcpy(to, at.from + r, lanes * sizeof *in);
                 continue;
             }
             for (uint32_t lane = 0; lane < lanes; lane++)
-                in[c * lanes + lane] = at.from[(size_t)(r + lane) * at.step];
+                to[lane] = at.from[(size_t)(r + lane) * at.step];
         }
-        dm_kernel_eval(&l->many, in, y);
+    }
+}
+
+/* `lanes` is a constant where this is called: copies are then single moves. All is gathered before
+** the first call, since a load of all lanes at once has to wait for the stores of their parts */
+__attribute__((always_inline)) static inline void
+eval_in_lanes(const loop *l, double *out, const strip *strips, uint32_t count,
+              const uint32_t lanes) {
+    _Alignas(64) double in[COLUMNS * BLOCK], y[COLUMNS * LANES];
+    const double *from = in;
+    gather(l, in, strips, count, lanes);
+    dm_kernel_prepare_lanes(&l->many, lanes, y);
+    for (uint32_t r = 0; r < count; r += lanes, from += l->sum->columns * lanes) {
+        dm_kernel_eval(&l->many, from, y);
         for (uint32_t k = 0; k < l->outputs; k++)
             memcpy(out + k * BLOCK + r, y + k * lanes, lanes * sizeof *y);
     }
