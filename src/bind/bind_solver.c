@@ -40,13 +40,6 @@ static void show_progress(void *ud, long done, long steps) {
                  (double)(steps - done) / rate);
 }
 
-/* steps of h that cover a duration */
-static long cover(lua_State *L, double duration, double h) {
-    const double n = ceil(duration / h - 1e-9);
-    if (!(n < 9e15)) luaL_error(L, "%f steps of h = %f are too many", n, h);
-    return n < 0.0 ? 0 : (long)n;
-}
-
 /* at = { t1, t2, ... }: growing times from t0 on; the block stays on the stack */
 static void read_times(lua_State *L, const solver *s, dm_run_plan *plan) {
     if (s->pair)
@@ -85,6 +78,9 @@ static dm_run_plan read_plan(lua_State *L, const solver *s) {
     const int own = (s->method->traits & DM_OWN_TIME) != 0;
     if (has(L, "t") + has(L, "at") + has(L, "steps") > 1)
         luaL_error(L, "give one of 'steps', 't' (a duration) and 'at' (times)");
+    if (has(L, "at") && has(L, "every"))
+        luaL_error(
+            L, "give either 'every' (rows of steps) or 'at' (rows at times), not both");
     plan.every = dml_count(L, 2, "every", 1, 1);
     if (has(L, "at"))
         read_times(L, s, &plan);
@@ -93,7 +89,8 @@ static dm_run_plan read_plan(lua_State *L, const solver *s) {
     else
         plan.steps = dml_count(L, 2, "steps", 0, -1);
     if (!isfinite(plan.until)) return plan;
-    plan.steps = own ? LONGEST_OWN_TIME : cover(L, plan.until - plan.t0, s->h);
+    plan.steps =
+        own ? LONGEST_OWN_TIME : dml_stepping_cover(L, plan.until - plan.t0, s->h);
     if (own && !plan.at)
         luaL_error(L,
                    "rule '%s' has a time of its own: give 'steps', or 'at' for the "
@@ -243,9 +240,11 @@ static int solver_report(lua_State *L) {
 static int solver_tostring(lua_State *L) {
     const solver *s = check(L);
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    const char *rule = lua_tostring(L, -1);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", lua_tostring(L, -2),
-                    s->method->order(s->nodes), s->h, luaL_tolstring(L, -1, NULL));
+    const char *system = luaL_tolstring(L, -1, NULL);
+    lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", rule,
+                    s->method->order(s->nodes), s->h, system);
     return 1;
 }
 

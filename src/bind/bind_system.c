@@ -58,13 +58,36 @@ static uint32_t check_Q(lua_State *L) {
     return Q->n;
 }
 
+/* a name of coordinate i (from 1) on top: one word that no other column has */
+static void check_name(lua_State *L, int names, uint32_t i) {
+    static const char *const taken[] = {"t", "time", "energy", NULL};
+    size_t length;
+    const char *name =
+        lua_type(L, -1) == LUA_TSTRING ? lua_tolstring(L, -1, &length) : NULL;
+    if (!name || !length || strlen(name) != length || strpbrk(name, "\n\r\",\t "))
+        luaL_error(L, "field 'coordinates'[%d] must be a name of one word", (int)i);
+    for (const char *const *other = taken; *other; other++)
+        if (strcmp(name, *other) == 0)
+            luaL_error(L,
+                       "field 'coordinates'[%d]: '%s' is a column of every path; choose "
+                       "another name",
+                       (int)i, name);
+    for (uint32_t k = 1; k < i; k++, lua_pop(L, 1)) {
+        lua_geti(L, names, k);
+        if (lua_rawequal(L, -1, -2))
+            luaL_error(L, "field 'coordinates': '%s' stands there twice", name);
+    }
+}
+
 static void check_coordinates(lua_State *L, uint32_t n) {
     if (lua_getfield(L, 1, "coordinates") != LUA_TNIL) {
-        if (!lua_istable(L, -1) || luaL_len(L, -1) != (lua_Integer)n)
+        const int names = lua_gettop(L);
+        if (!lua_istable(L, names) || luaL_len(L, names) != (lua_Integer)n)
             luaL_error(L, "field 'coordinates' must be a table of %d names", (int)n);
-        for (uint32_t i = 1; i <= n; i++, lua_pop(L, 1))
-            if (lua_geti(L, -1, i) != LUA_TSTRING)
-                luaL_error(L, "field 'coordinates'[%d] must be a name", (int)i);
+        for (uint32_t i = 1; i <= n; i++, lua_pop(L, 1)) {
+            lua_geti(L, names, i);
+            check_name(L, names, i);
+        }
     }
     lua_pop(L, 1);
 }
@@ -119,6 +142,7 @@ static int system_new(lua_State *L) {
 
 /* x = (q, v, t) from arguments 2, 3 and the optional 4; t = 0 when it is left out */
 static double *arguments(lua_State *L, const dml_system *s, const char *second) {
+    lua_settop(L, 4);
     const double t = luaL_optnumber(L, 4, 0.0);
     double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
     dml_vectorarg(L, 2, "q", x, s->n);

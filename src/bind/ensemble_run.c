@@ -146,7 +146,7 @@ static long read_steps(lua_State *L, double h) {
     if (!has(L, "t")) return dml_count(L, 2, "steps", 0, -1);
     if (has(L, "steps"))
         luaL_error(L, "give either 'steps' or 't' (a duration), not both");
-    return (long)ceil(dml_positive(L, 2, "t", 0) / h - 1e-9);
+    return dml_stepping_cover(L, dml_positive(L, 2, "t", 0), h);
 }
 
 /* a model and stepper for every thread but the first, which has those of *r; leaves them on the stack */

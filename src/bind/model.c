@@ -77,8 +77,22 @@ static void refuse_dense(lua_State *L, const dml_model *m, const char *why) {
                why, (int)m->n, (int)m->n, DM_MODEL_DENSE);
 }
 
+enum {
+    LARGEST_WRITTEN_OUT = 2000
+}; /* coordinates; tables of second derivatives are their square */
+
+static void refuse_many(lua_State *L, const dml_model *m) {
+    if (m->n <= LARGEST_WRITTEN_OUT || (m->graph && dm_sums(m->graph))) return;
+    luaL_error(L,
+               "a system of %d coordinates needs tables of %d x %d entries: above %d "
+               "coordinates write the sums "
+               "over bodies or neighbours in L with dm.sum_over, which stay loops",
+               (int)m->n, (int)m->n, (int)m->n, LARGEST_WRITTEN_OUT);
+}
+
 /* 0: the graph is too large */
 static int read_structure(lua_State *L, dml_model *m, int pair) {
+    refuse_many(L, m);
     dm_status status = m->graph ? dm_graph_status(m->graph) : DM_TOO_LARGE;
     if (status == DM_OK && pair)
         m->model.n = m->n;
@@ -157,7 +171,8 @@ dml_model *dml_pushlast(lua_State *L, int arg, const char *backend) {
 }
 
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
-    if (dml_arenalost(m->arena)) m->model.has = 0; /* called by a finalizer: made again, on the tape */
+    if (dml_arenalost(m->arena))
+        m->model.has = 0; /* called by a finalizer: made again, on the tape */
     const unsigned missing = want & ~m->model.has;
     const int pair = (want & DM_WANT_PAIR) != 0;
     if (!missing) return;
@@ -199,8 +214,30 @@ unsigned dml_legendre_wants(const dml_model *m, unsigned want) {
     return m->model.structure & DM_LOOPS && !(want & DM_WANT_DENSE) ? 0 : DM_WANT_MASS;
 }
 
+/* the kernel is the function: it need only be a number, and the same one when asked again */
+static void check_callback(lua_State *L, dml_model *m, const char *what,
+                           const double *x) {
+    double once = 0.0, again = 0.0;
+    dm_kernel_eval(&m->model.value, x, &once);
+    dm_kernel_eval(&m->model.value, x, &again);
+    dml_rethrow(L, m);
+    if (once != once)
+        luaL_error(L,
+                   "%s is NaN at the start: is the start inside its domain (a logarithm, "
+                   "root or quotient)?",
+                   what);
+    if (once != again)
+        luaL_error(L,
+                   "%s gives %f and then %f at the same point: does it use random "
+                   "numbers, or a counter?",
+                   what, once, again);
+}
+
 void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
-    if (m->callback) return; /* the kernel is the function */
+    if (m->callback) {
+        if (x) check_callback(L, m, m->model.has & DM_WANT_PAIR ? "Ld" : "L", x);
+        return;
+    }
     const dml_system *s = dml_checksystem(L, arg);
     const dml_signature sig = signature(s);
     push_function(L, arg, s);

@@ -62,7 +62,10 @@ static void read_newton(lua_State *L, solver *s) {
                 L, "field 'newton' must be a table { tolerance =, max_iterations = }");
         dml_options(L, at, known);
         s->tolerance = dml_positive(L, at, "tolerance", s->tolerance);
-        s->max_iterations = (int)dml_count(L, at, "max_iterations", 1, s->max_iterations);
+        const long most = dml_count(L, at, "max_iterations", 1, s->max_iterations);
+        if (most > 1000000)
+            luaL_error(L, "field 'max_iterations' must be at most 1000000");
+        s->max_iterations = (int)most;
     }
     lua_pop(L, 1);
 }

@@ -251,3 +251,9 @@ void dml_stepping_end(dml_stepping *r) {
     if (r->solver->method->close) r->solver->method->close(&r->stepper);
     r->stepper.outside = NULL;
 }
+
+long dml_stepping_cover(lua_State *L, double duration, double h) {
+    const double n = ceil(duration / h - 1e-9);
+    if (!(n < 9e15)) luaL_error(L, "%f steps of h = %f are too many", n, h);
+    return n < 0.0 ? 0 : (long)n;
+}

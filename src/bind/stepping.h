@@ -57,4 +57,7 @@ void dml_stepping_start(lua_State *L, dml_stepping *r);
 /* Close the stepper. */
 void dml_stepping_end(dml_stepping *r);
 
+/* Steps of h that cover a duration; raises when they are too many to count. */
+long dml_stepping_cover(lua_State *L, double duration, double h);
+
 #endif

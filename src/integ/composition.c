@@ -145,11 +145,12 @@ static void lay_alternating(dm_splitting *out, const scheme *s) {
     if (drift_first) out->b[0] = out->b[n + 1] = 0.0;
 }
 
-/* the implicit rule composed when L does not separate: the one named in the rule, else midpoint */
+/* the implicit rule composed when L does not separate, or is not known to: the one named in the rule, else
+** verlet, which is the same map where L does separate */
 static const dm_rule *base_rule(const dm_rule *rule) {
-    static const dm_rule midpoint = {.name = "midpoint"};
+    static const dm_rule verlet = {.name = "verlet"};
     const dm_rule *last = rule->count ? rule->arg[rule->count - 1].rule : NULL;
-    return last ? last : &midpoint;
+    return last ? last : &verlet;
 }
 
 static const dm_method *base_method(const dm_rule *rule) {
@@ -280,7 +281,7 @@ static int widen(dm_stepper *s, dm_lanes *x) {
 COMPOSITION(yoshida, "yoshida", "yoshida(4|6 [, base])",
             "Yoshida's compositions of order 4 (3 stages) and 6 (7 stages). Explicit "
             "when L separates, else "
-            "steps of the base rule (midpoint). Yoshida 1990; HLW (II.4.4), (V.3.11).");
+            "steps of the base rule (verlet). Yoshida 1990; HLW (II.4.4), (V.3.11).");
 COMPOSITION(suzuki, "suzuki", "suzuki(4 [, base])",
             "Suzuki's composition of order 4, 5 stages. Suzuki 1990; HLW (II.4.5).");
 COMPOSITION(mclachlan, "mclachlan", "mclachlan(4 [, base])",

@@ -41,7 +41,7 @@ local rows = {
   { "gauss(1)", 2, 800, 800 }, { "gauss(2)", 4, 400, 400 }, { "gauss(3)", 6, 200, 100 }, { "gauss(4)", 8, 100, 50 },
   { "lobatto(2)", 2, 800, 800 }, { "lobatto(3)", 4, 400, 400 }, { "lobatto(4)", 6, 200, 100 },
   { "yoshida(4)", 4, 1600, 200 }, { "yoshida(6)", 6, 400, 200 }, { "suzuki(4)", 4, 800, 100 }, { "mclachlan(4)", 4, 400, 100 },
-  { "kahan-li(6)", 6, 200, 60 }, { "kahan-li(8)", 8, 100, 60 }, { "suzuki-umeno(8)", 8, 150, 70 },
+  { "kahan-li(6)", 6, 200, 100 }, { "kahan-li(8)", 8, 100, 60 }, { "suzuki-umeno(8)", 8, 150, 70 },
   { "sofroniou-spaletta(10)", 10, 0, 0, 50 }, { "kahan-li(6, midpoint)", 6, 400, 0 }, { "yoshida(4, trapezoidal)", 4, 1600, 0 },
   { "blanes-moan(4)", 4, 0, 0, 200 }, { "blanes-moan(6)", 6, 200, 0 }, { "blanes-moan(6, 14)", 6, 100, 0 },
   { "rk4", 4, 800, 400 }, { "rkf45", 5, 800, 200 }, { "rk8pd", 8, 70, 40 }, { "rk8", 8, 70, 40 },

@@ -144,6 +144,13 @@ raises("rows 1 to", function() return path.q[99] end)
 raises("row number", function() return path.q.x end)
 raises("block", function() return dm.system { Q = dm.R(6), L = function(q, v) return v:dot(v) / 2 end }:solver { rule = "verlet", h = 1 }:run { q = { 1, 2, 3, 4, 5, 6 }, v = { 1, 2, 3, 4, 5, 6 }, steps = 1 }:momentum(dm.SO(2)) end)
 raises("degenerate", function() return dm.system { Q = dm.R(2), L = function(q, v) return q[1] * v[2] - q[2] ^ 2 end }:solver { rule = "midpoint", h = 0.1 }:run { q = { 1, 0 }, v = { 0, 0 }, steps = 1 } end)
+raises("not both", good.run, good, { q = start.q, v = start.v, at = { 1 }, every = 2 })
+raises("too many", good.run, good, { q = start.q, v = start.v, t = 1e300 })
+raises("max_iterations", function() kepler:solver { rule = "verlet", h = 1, newton = { max_iterations = 2 ^ 31 } } end)
+local function odd(L) return function() dm.system({ Q = dm.R(1), derivatives = "hyperdual", L = L }):solver({ rule = "midpoint", h = 0.01 }):run { q = { 1 }, v = { 0 }, steps = 1 } end end
+raises("NaN at the start", odd(function(q, v) return v[1] ^ 2 / 2 - math.log(q[1] - 2) end))
+raises("random", odd(function(q, v) return v[1] ^ 2 / 2 + math.random() end))
+ok(tostring(good):find "solver 'verlet', order 2, h = 0.01, for system 'Kepler'", "a solver prints itself", tostring(good))
 raises("report", function() return kepler:solver { rule = "verlet", h = 1 }:report() end)
 good:run { q = start.q, v = start.v, steps = 10 }
 local report = good:report()

@@ -75,6 +75,11 @@ raises("not finite", kepler.energy, kepler, { 0, 0 }, { 0, 1 })
 raises("q", kepler.energy, kepler, { 0 }, { 0, 1 })
 raises("dm.system", kepler.energy, 3, { 0 }, { 0, 1 })
 raises("whole number", dm.R, 0)
+raises("'x' stands there twice", dm.system, { Q = dm.R(2), L = function(q, v) return v:dot(v) end, coordinates = { "x", "x" } })
+raises("column of every path", dm.system, { Q = dm.R(2), L = function(q, v) return v:dot(v) end, coordinates = { "x", "energy" } })
+raises("one word", dm.system, { Q = dm.R(1), L = function(q, v) return v:dot(v) end, coordinates = { "x\n" } })
+raises("dm.sum_over", dm.system, { Q = dm.R(20000), L = function(q, v) return v[1] ^ 2 end })
+raises("v must be", kepler.energy, kepler, { 1, 1 })
 raises("no velocity", fast.velocity, dm.system { Q = dm.R(1), L = function(q, v) return q[1] * v[1] end }, { 1 }, { 1 })
 
 -- standard actions
