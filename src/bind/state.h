@@ -19,7 +19,7 @@ typedef struct dml_frame {
     dm_graph *graph;
     const char *what; /* "L": the function as messages name it */
     uint32_t serial;
-    int keeps_sums; /* as its signature says */
+    int keeps_sums;         /* as its signature says */
     struct dml_frame *next; /* the trace that this one is nested in */
 } dml_frame;
 

@@ -11,8 +11,7 @@ static void find_early(const dm_graph *g, uint32_t end, uint8_t *early, dm_node 
         if (!dm_is_marked(g, n)) continue;
         if (dm_is_call((uint8_t)e->op)) early[n] = 1;
         if (e->op == DM_OP_COS) cosine[e->as.arg[0]] = n;
-        for (int k = 0; early[n] && k < dm_arity(e->op); k++)
-            early[e->as.arg[k]] = 1;
+        for (int k = 0; early[n] && k < dm_arity(e->op); k++) early[e->as.arg[k]] = 1;
     }
 }
 

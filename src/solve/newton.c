@@ -7,6 +7,7 @@
 
 static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
 static const double NOISE = 1e-13;     /* and so may a residual, of its terms */
+static const double FLOOR = 1e-9;      /* an increment that small may be all noise */
 static const double NEGLIGIBLE =
     2.5e-6; /* of the tolerance: error left that is not worth a step */
 static const double SLOW = 0.1; /* rate that calls for a new Jacobian */
@@ -111,6 +112,13 @@ static dm_status search(solver *s) {
     return DM_NO_CONVERGENCE;
 }
 
+/* No part of a Newton step makes the residual smaller, and the step is small: what is left is the noise of the
+** residual, which cancellation inside L (a stiff k (r - 1)) makes larger than its terms tell. With the exact
+** Jacobian of this very point there is nothing nearer to be had. */
+static int is_floor(const solver *s) {
+    return s->step <= FLOOR * (norm(s->x, s->p->m) + s->step);
+}
+
 /* Newton with a Jacobian at every iterate and a line search */
 static dm_status damped(solver *s) {
     s->step = INFINITY;
@@ -124,6 +132,7 @@ static dm_status damped(solver *s) {
             return DM_OK;
         }
         status = search(s);
+        if (status == DM_NO_CONVERGENCE && is_floor(s)) return DM_OK;
         if (status != DM_OK) return status;
     }
     return DM_NO_CONVERGENCE;
