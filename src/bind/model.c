@@ -10,7 +10,7 @@
 
 static double now_ms(void) {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
@@ -176,7 +176,8 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     const unsigned missing = want & ~m->model.has;
     const int pair = (want & DM_WANT_PAIR) != 0;
     if (!missing) return;
-    if (m->model.structure & DM_LOOPS && want & DM_WANT_DENSE && m->n > DM_MODEL_DENSE)
+    if (m->model.structure & DM_LOOPS && want & DM_WANT_DENSE && dm_sums(m->graph) &&
+        m->n > DM_MODEL_DENSE)
         refuse_dense(L, m, want & DM_WANT_MASS ? "this" : "this rule");
     const double start = now_ms();
     if (m->callback) {
