@@ -43,12 +43,13 @@ static void find_only_inputs(const dm_graph *g, uint32_t *only, uint32_t end) {
 }
 
 /* every dL/dv_i depends on v_i alone, and vanishes with it */
-static int is_own_momentum(const builder *b, const dm_node *momentum) {
+static int is_own_momentum(const builder *b, const dm_node *momentum, dm_status *status) {
     const uint32_t n = b->m->n, end = dm_graph_size(b->g);
     dm_arena *arena = dm_graph_arena(b->g);
     uint32_t *only = dm_arena_take(arena, (end + 1) * sizeof *only);
     dm_node *with = dm_arena_take(arena, (dm_graph_inputs(b->g) + n + 1) * sizeof *with);
-    if (!only || !with) return 0;
+    if (!only || !with) *status = DM_NO_MEMORY;
+    if (*status != DM_OK) return 0;
     find_only_inputs(b->g, only, end);
     for (uint32_t i = 0; i < n; i++)
         if (momentum[i] && only[momentum[i]] != n + i) return 0;
@@ -61,15 +62,16 @@ static int is_own_momentum(const builder *b, const dm_node *momentum) {
 }
 
 /* d/dv_i of the sum of all dL/dv_j is d2L/dv_i^2, the others being zero */
-static int read_direct_mass(builder *b) {
+static int read_direct_mass(builder *b, dm_status *status) {
     const uint32_t n = b->m->n;
     const dm_node *momentum = b->gradient + n;
     dm_node sum = 0,
             *curve = dm_arena_take(dm_graph_arena(b->g), (n + 1) * sizeof *curve);
+    *status = curve ? DM_OK : DM_NO_MEMORY;
     if (!curve) return 0;
     for (uint32_t i = 0; i < n; i++) sum = dm_add(b->g, sum, momentum[i]);
     if (!sum) return 1;
-    if (!is_own_momentum(b, momentum)) return 0;
+    if (!is_own_momentum(b, momentum, status)) return 0;
     dm_gradient(b->g, sum, n, n, curve);
     for (uint32_t i = 0; i < n; i++) {
         if (!dm_is_constant(b->g, curve[i], b->mass + i)) return 0;
@@ -138,7 +140,7 @@ static int read_sum(builder *b, const dm_sum *s, dm_status *status) {
 }
 
 static int read_mass(builder *b, dm_status *status) {
-    int fits = read_direct_mass(b);
+    int fits = read_direct_mass(b, status);
     for (const dm_sum *s = dm_sums(b->g); s && fits; s = s->next)
         fits = read_sum(b, s, status);
     if (*status == DM_OK) *status = dm_graph_status(b->g);

@@ -239,16 +239,18 @@ static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n,
     return mass;
 }
 
-static int is_short(const dm_graph *g) {
+/* few rounds of sums, few coordinates */
+static int is_short(const dm_graph *g, uint32_t n) {
     double rounds = 0;
     for (const dm_sum *s = dm_sums(g); s; s = s->next) rounds += dm_sum_all_rounds(s);
-    return rounds <= DM_MODEL_WRITTEN_OUT;
+    return rounds <= DM_MODEL_WRITTEN_OUT && n <= DM_MODEL_DENSE;
 }
 
 static dm_status build_written_out(dm_model *m, dm_graph *g, dm_node L, unsigned want,
                                    dm_compile *compile, dm_arena *arena) {
     const uint32_t n = m->n;
-    if (n > DM_MODEL_DENSE && !is_short(g)) return DM_TOO_LARGE;
+    if (!dm_sums(g)) return build_dense(m, g, L, n, want, compile, arena);
+    if (n > DM_MODEL_DENSE) return DM_TOO_LARGE;
     dm_graph *plain = dm_graph_new(arena, dm_sum_first(g));
     if (!plain) return DM_NO_MEMORY;
     const dm_node all = dm_sum_write_out(plain, g, L);
@@ -258,11 +260,9 @@ static dm_status build_written_out(dm_model *m, dm_graph *g, dm_node L, unsigned
 dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                          dm_compile *compile, dm_arena *arena) {
     int fits = 0;
-    if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
-    if (!dm_sums(g)) return build_dense(m, g, L, n, want, compile, arena);
     dm_model now = {.n = n, .source = {.compile = compile, .arena = arena}};
-    dm_status status = DM_OK;
-    if (!is_short(g) && !(want & DM_WANT_DENSE))
+    dm_status status = dm_graph_status(g);
+    if (status == DM_OK && !is_short(g, n) && !(want & DM_WANT_DENSE))
         status = dm_loops_model(&now, g, L, want, &fits);
     if (status == DM_OK && !fits)
         status = build_written_out(&now, g, L, want, compile, arena);

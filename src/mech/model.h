@@ -74,7 +74,7 @@ typedef struct {
     dm_source source;
 } dm_model;
 
-/* With sums (expr/sum.h): so many rounds are written out as they are; above, loops are kept where mass is
+/* With sums (expr/sum.h) or very many coordinates: so many rounds are written out as they are; above, loops are kept where mass is
 ** constant and diagonal; what needs n x n tables writes them out up to so many coordinates. */
 enum { DM_MODEL_WRITTEN_OUT = 128, DM_MODEL_DENSE = 400 };
 
