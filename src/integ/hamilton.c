@@ -118,3 +118,53 @@ uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages) {
     if (dm_graph_status(s->graph) != DM_OK || !write_out(&e, m, hessian)) return 0;
     return dm_lanes_build(out, m, g, e.roots, 3 * n, stages);
 }
+
+/* L_q, the lower triangle of M and b, all in the model's graph */
+static uint32_t build_force(dm_kernel *out, const dm_model *m, uint32_t stages) {
+    const dm_source *s = &m->source;
+    const uint32_t n = m->n, triangle = n * (n + 1) / 2,
+                   inputs = dm_graph_inputs(s->graph);
+    dm_node *roots = dm_arena_take(s->arena, (2 * n + triangle + (size_t)n * n + inputs) *
+                                                 sizeof *roots);
+    if (!roots) return 0;
+    dm_node *mass = roots + 2 * n + triangle, *with = mass + (size_t)n * n;
+    for (uint32_t i = 0; i < inputs; i++)
+        with[i] = i >= n && i < 2 * n ? 0 : dm_input(s->graph, i);
+    dm_jacobian(s->graph, s->gradient + n, n, n, n, mass);
+    memcpy(roots, s->gradient, n * sizeof *roots);
+    for (uint32_t i = 0, at = n; i < n; i++)
+        for (uint32_t j = 0; j <= i; j++) roots[at++] = mass[i * n + j];
+    dm_substitute(s->graph, s->gradient + n, n, with, roots + n + triangle);
+    if (dm_graph_status(s->graph) != DM_OK) return 0;
+    return dm_lanes_build(out, m, s->graph, roots, 2 * n + triangle, stages);
+}
+
+/* v and pivots from the triangle, b and p, which are inputs */
+static uint32_t build_velocity(dm_kernel *out, const dm_model *m, uint32_t stages) {
+    const uint32_t n = m->n, triangle = n * (n + 1) / 2;
+    const size_t nn = (size_t)n * n;
+    dm_node *memory = dm_arena_take(m->source.arena, (2 * nn + 4 * n) * sizeof *memory);
+    dm_graph *g = dm_graph_new(m->source.arena, triangle + 2 * n);
+    if (!memory || !g) return 0;
+    elimination e = {.g = g, .n = n, .mass = memory, .lower = memory + nn};
+    e.shift = e.lower + nn;
+    e.roots = e.shift + n;
+    for (uint32_t i = 0, at = 0; i < n; i++)
+        for (uint32_t j = 0; j <= i; j++) e.mass[i * n + j] = dm_input(g, at++);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node b = dm_input(g, triangle + i), p = dm_input(g, triangle + n + i);
+        e.shift[i] = dm_sub(g, p, b);
+    }
+    if (!factor(&e)) return 0;
+    solve(&e);
+    memcpy(e.roots + n, e.shift, n * sizeof *e.roots); /* beside the pivots */
+    if (dm_graph_status(g) != DM_OK) return 0;
+    return dm_lanes_build(out, m, g, e.roots + n, 2 * n, stages);
+}
+
+uint32_t dm_hamilton_split(dm_kernel *force, dm_kernel *velocity, const dm_model *m,
+                           uint32_t stages) {
+    if (!dm_hamilton_fits(m) || !m->source.compile) return 0;
+    const uint32_t lanes = build_force(force, m, stages);
+    return lanes && build_velocity(velocity, m, stages) == lanes ? lanes : 0;
+}

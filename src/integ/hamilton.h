@@ -19,6 +19,13 @@ int dm_hamilton_fits(const dm_model *m);
 */
 uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages);
 
+/*
+** The same in two parts, between which momenta may be renewed: force takes (q, v, t) and gives L_q[n], the
+** lower triangle of M by rows and b[n]; velocity takes (triangle, b, p) and gives v[n] and the n pivots.
+*/
+uint32_t dm_hamilton_split(dm_kernel *force, dm_kernel *velocity, const dm_model *m,
+                           uint32_t stages);
+
 /* The same for roots[count] of a graph of the model's. */
 uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g,
                         const dm_node *roots, uint32_t count, uint32_t stages);

@@ -5,23 +5,29 @@
 #include "integ/stage.h"
 #include "integ/sweep.h"
 
+/* A kernel on [inputs][width] and [outputs][width], `lanes` at a time. */
+typedef struct {
+    dm_kernel kernel;
+    uint32_t lanes, inputs, outputs;
+    double *in, *out;           /* [.][width] */
+    double *some_in, *some_out; /* [.][lanes] for fewer lanes than stages */
+} dm_stage_kernel;
+
 /*
-** Fixed-point sweeps over all stages at once. Unknowns u are the forces of the separable form, with
-** S = base + h^2 A M^-1 u, else velocities and forces of Hamilton's equations, with S = base + h a u.
+** Fixed-point sweeps over all stages at once. What is iterated are the velocities of the stages:
+** S = base + h^2 A u with u = M^-1 L_q in the separable form; else S = h a V, momenta p0 + h a L_q, V from these.
 */
 typedef struct {
     const dm_sweep_row *row; /* NULL: this step has no sweeps */
-    dm_kernel kernel;
-    uint32_t lanes;                 /* stages of one evaluation */
-    uint32_t inputs, outputs, rows; /* of the kernel; of S */
-    int count;                      /* sweeps a step; 0: to round-off */
-    double *in, *out, *u;           /* [inputs], [outputs], [rows] x [width] */
-    double *some_in, *some_out;     /* for fewer lanes than stages */
-    double *sum, *base;             /* [rows][width] */
+    dm_stage_kernel force, velocity;
+    int count;                  /* sweeps a step; 0: to round-off */
+    double *u;                  /* [n][width] */
+    double *sum, *base;         /* [n][width] of the positions */
+    double *momentum, *none;    /* [n][width] sums of the momenta; their base, zero */
     double *whole, *top, *rest; /* [s][width] columns of h^2 A or h a, and their parts */
-    double *ahead,
-        *unscaled; /* [s][width] columns for the forces of the step before; for h = 1 */
-    double *after; /* [width] h c */
+    double *ahead, *unscaled; /* [s][width] columns for u of the step before; for h = 1 */
+    double *further;          /* [s][width] columns of the extrapolation itself */
+    double *after;            /* [width] h c */
     double *b_top, *b_rest, *mean_top, *mean_rest; /* [width] */
     double *start, *low, *total;                   /* [2n]; sums over the stages */
     double *memory; /* what is kept from step to step, see stage_memory.c */

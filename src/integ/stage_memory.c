@@ -1,5 +1,5 @@
 /*
-** stage_memory.c - what a step by sweeps leaves to the next one: h, a mark, contraction, the state at its end [4n], u[rows][width].
+** stage_memory.c - what a step by sweeps leaves to the next one: h, a mark, contraction, the state at its end [4n], u[n][width].
 ** Another h (a step to a time between, a part of a composition) neither uses it nor changes it.
 */
 #include "integ/stage_inside.h"
@@ -14,8 +14,10 @@ enum {
 }; /* a mark below zero: steps by Newton's method before sweeps are tried again */
 
 static size_t unknowns(const dm_stage *g) {
-    return (size_t)g->sweeps.rows * g->sweeps.row->width;
+    return (size_t)g->n * g->sweeps.row->width;
 }
+
+static const double USUAL = 0.1; /* contraction, where none was measured */
 
 size_t dm_stage_memory_size(const dm_stage *g) {
     return END + 4 * (size_t)g->n + unknowns(g);
@@ -52,8 +54,25 @@ void dm_stage_memory_keep(dm_stage *g, double rate) {
     memcpy(memory + END + 4 * n, g->sweeps.u, unknowns(g) * sizeof *memory);
 }
 
+/* u of the stages as Newton's method found them */
+static void take_root(dm_stage *g) {
+    const uint32_t n = g->n, width = g->sweeps.row->width;
+    const double *found = g->separable ? g->push : g->root;
+    for (uint32_t m = 0; m < g->table.r; m++)
+        for (uint32_t k = 0; k < n; k++)
+            g->sweeps.u[k * width + m] = found[m * (size_t)n + k];
+}
+
+/* sweeps that failed from a straight line may do from the polynomial of this step; from there, not soon again */
 void dm_stage_memory_newton(dm_stage *g) {
     double *memory = g->sweeps.memory;
     if (memory[STEP] != g->h) return;
-    memory[MARK] = memory[MARK] < EMPTY ? memory[MARK] + 1 : -PATIENCE;
+    if (memory[MARK] < EMPTY) {
+        memory[MARK] += 1;
+    } else if (memory[MARK] == FULL) {
+        memory[MARK] = -PATIENCE;
+    } else {
+        take_root(g);
+        dm_stage_memory_keep(g, USUAL);
+    }
 }

@@ -1,13 +1,10 @@
 /*
 ** stage_sweep.c - the step of a stage method by fixed-point sweeps with all stages in lanes:
 **   S <- base + h^2 A M^-1 L_q(q0 + S)                      for L = T(v) - V(q, t), constant mass,
-**   S <- h a (v, L_q)(q0 + S_q, p0 + S_p)                   for Gauss collocation of Hamilton's equations.
+**   S <- h a V(q0 + S, p0 + h a L_q(q0 + S, V))            for Gauss collocation, where V(q, p) solves p = L_v.
 ** The first S comes from the polynomial through the forces of the step before (HLW VIII.6.1). Sweeps end when
 ** what the last one leaves is below round-off of the sums; the last ones use coefficients of two doubles.
 */
-#include "expr/jit.h"
-#include "integ/hamilton.h"
-#include "integ/kept.h"
 #include "integ/stage_inside.h"
 
 #include <math.h>
@@ -23,169 +20,23 @@ static const double LEAST =
     0.01; /* contraction taken for granted before it is measured */
 enum { MOST = 60 };
 
-/* ---- workspace ---- */
-
-static size_t width_of(size_t stages) {
-    return stages == 1 ? 1 : stages <= 4 ? 4 : 8;
-}
-
-size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
-    const size_t n = m->n, w = width_of(r);
-    if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
-    return w * (2 * n + 1 + 3 * n + 2 * n) + 4 * (5 * n + 1) + w * 4 * n + 5 * r * w +
-           5 * w + 6 * n + 3 + 4 * n + 2 * n * w;
-}
-
-static double *take(double **memory, size_t count) {
-    double *block = *memory;
-    *memory += count;
-    return block;
-}
-
-static void lay_out(dm_stage_sweeps *w, size_t n, size_t r, double *memory) {
-    const size_t width = w->row->width, column = r * width;
-    w->in = take(&memory, w->inputs * width);
-    w->out = take(&memory, w->outputs * width);
-    w->u = take(&memory, w->rows * width);
-    w->some_in = take(&memory, (size_t)w->inputs * 4);
-    w->some_out = take(&memory, (size_t)w->outputs * 4);
-    w->sum = take(&memory, w->rows * width);
-    w->base = take(&memory, w->rows * width);
-    w->whole = take(&memory, column);
-    w->top = take(&memory, column);
-    w->rest = take(&memory, column);
-    w->ahead = take(&memory, column);
-    w->unscaled = take(&memory, column);
-    w->after = take(&memory, width);
-    w->b_top = take(&memory, width);
-    w->b_rest = take(&memory, width);
-    w->mean_top = take(&memory, width);
-    w->mean_rest = take(&memory, width);
-    w->start = take(&memory, 2 * n);
-    w->low = take(&memory, 2 * n);
-    w->total = take(&memory, 2 * n);
-    w->memory = memory;
-}
-
-/* ---- coefficients ---- */
-
-/* columns of A E or a E; E extrapolates the polynomial through the nodes by one step */
-static void find_ahead(dm_stage *g, const dm_quadrature *q) {
-    const int r = q->r;
-    const uint32_t width = g->sweeps.row->width;
-    const dm_weight *A = g->separable ? g->table.A : g->table.a;
-    long double E[DM_SWEEP_WIDTH][DM_SWEEP_WIDTH];
-    for (int m = 0; m < r; m++) dm_lagrange_value(E[m], q->c, r, 1.0L + q->c[m]);
-    for (int j = 0; j < r; j++)
-        for (int i = 0; i < r; i++) {
-            long double sum = 0.0L;
-            for (int m = 0; m < r; m++) sum += dm_weight_exact(A[i * r + m]) * E[m][j];
-            g->sweeps.unscaled[j * (int)width + i] = (double)sum;
-        }
-}
-
-void dm_stage_sweeps_scale(dm_stage *g) {
-    dm_stage_sweeps *w = &g->sweeps;
-    if (!w->row) return;
-    const uint32_t r = g->table.r, width = w->row->width;
-    const dm_weight *A = g->separable ? g->hA : g->ha;
-    const double factor = g->separable ? g->h * g->h : g->h;
-    for (uint32_t i = 0; i < r; i++) {
-        w->after[i] = dm_weight_double(g->hc[i]);
-        w->b_top[i] = g->hb[i].top;
-        w->b_rest[i] = g->hb[i].rest;
-        w->mean_top[i] = g->hmean[i].top;
-        w->mean_rest[i] = g->hmean[i].rest;
-        for (uint32_t m = 0; m < r; m++) {
-            const uint32_t at = m * width + i;
-            w->whole[at] = dm_weight_double(A[i * r + m]);
-            w->top[at] = A[i * r + m].top;
-            w->rest[at] = A[i * r + m].rest;
-            w->ahead[at] = factor * w->unscaled[at];
-        }
-    }
-}
-
-/* ---- opening ---- */
-
-/* the method is Gauss collocation of Hamilton's equations: b_i a_ij + b_j a_ji = b_i b_j (HLW VI.4.1) */
-static int is_collocation(const dm_stage *g, const dm_galerkin *basis) {
-    const dm_stage_table *t = &g->table;
-    if (t->s != t->r) return 0;
-    for (uint32_t i = 0; i < t->r; i++)
-        for (uint32_t j = 0; j < t->r; j++) {
-            const long double bi = basis->q.b[i], bj = basis->q.b[j];
-            const long double left = bi * dm_weight_exact(t->a[i * t->r + j]) +
-                                     bj * dm_weight_exact(t->a[j * t->r + i]) - bi * bj;
-            if (fabsl(left) > 1e-15L || basis->node[i] != basis->q.c[i]) return 0;
-        }
-    return 1;
-}
-
-static int has_unknowns(const dm_stage *g) {
-    for (uint32_t i = 0; i < g->table.r; i++)
-        if (g->known[i] == DM_POINT_SOLVED) return 1;
-    return 0;
-}
-
-/* lanes of a new kernel, 0 where there is none */
-static uint32_t build(dm_stage *g, uint32_t stages) {
-    const dm_model *m = g->m;
-    dm_kernel *kernel = &g->sweeps.kernel;
-    if (!g->separable) return dm_hamilton_build(kernel, m, stages);
-    return dm_lanes_build(kernel, m, m->source.graph, m->source.gradient, m->n, stages);
-}
-
-/* the kernel of the model's last stepper, or a new one */
-static uint32_t find_kernel(dm_stage *g, const dm_galerkin *basis) {
-    static const char maker;
-    dm_stage_sweeps *w = &g->sweeps;
-    const uint32_t n = g->n, r = g->table.r;
-    const uint32_t width = dm_sweep_find(r)->width;
-    w->inputs = 2 * n + 1;
-    w->rows = g->separable ? n : 2 * n;
-    w->outputs = g->separable ? n : 3 * n;
-    if (r > DM_SWEEP_WIDTH || !g->m->source.graph) return 0;
-    if (g->separable ? !has_unknowns(g) : !is_collocation(g, basis)) return 0;
-    uint32_t lanes = dm_kept_find(&w->kernel, g->m, &maker, width);
-    if (!lanes) {
-        lanes = build(g, width);
-        if (lanes) dm_kept_add(g->m, &maker, width, &w->kernel, lanes);
-    }
-    return lanes;
-}
-
-void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
-    dm_stage_sweeps *w = &g->sweeps;
-    const uint32_t r = g->table.r;
-    w->row = NULL;
-    w->lanes = find_kernel(g, basis);
-    if (!w->lanes) return;
-    w->row = dm_sweep_find(r);
-    w->count = basis->sweeps;
-    memset(memory, 0, dm_stage_sweeps_size(g->table.s, r, g->m) * sizeof *memory);
-    lay_out(w, g->n, r, memory);
-    if (w->lanes == w->row->width)
-        dm_kernel_prepare_lanes(&w->kernel, w->lanes, w->out);
-    else
-        dm_kernel_prepare_lanes(&w->kernel, w->lanes, w->some_out);
-    find_ahead(g, &basis->q);
-    dm_stage_sweeps_scale(g);
-}
-
 /* ---- evaluation ---- */
 
-/* some lanes at a time, through copies */
-static void evaluate_parts(dm_stage_sweeps *w, uint32_t stages) {
-    const uint32_t width = w->row->width, lanes = w->lanes;
+/* all stages, some lanes at a time through copies where there are fewer */
+static void apply(const dm_stage_kernel *k, uint32_t width, uint32_t stages) {
+    const uint32_t lanes = k->lanes;
+    if (lanes == width) {
+        dm_kernel_eval(&k->kernel, k->in, k->out);
+        return;
+    }
     for (uint32_t first = 0; first < stages; first += lanes) {
-        for (uint32_t i = 0; i < w->inputs; i++)
+        for (uint32_t i = 0; i < k->inputs; i++)
             for (uint32_t l = 0; l < lanes; l++)
-                w->some_in[i * lanes + l] = w->in[i * width + first + l];
-        dm_kernel_eval(&w->kernel, w->some_in, w->some_out);
-        for (uint32_t i = 0; i < w->outputs; i++)
+                k->some_in[i * lanes + l] = k->in[i * width + first + l];
+        dm_kernel_eval(&k->kernel, k->some_in, k->some_out);
+        for (uint32_t i = 0; i < k->outputs; i++)
             for (uint32_t l = 0; l < lanes; l++)
-                w->out[i * width + first + l] = w->some_out[i * lanes + l];
+                k->out[i * width + first + l] = k->some_out[i * lanes + l];
     }
 }
 
@@ -195,42 +46,55 @@ static void divide_by_mass(const dm_stage *g) {
     const uint32_t n = g->n, width = w->row->width;
     const double *factor = g->m->inverse_mass;
     if (g->m->structure & DM_DIAGONAL_MASS) {
-        w->row->scale(w->u, factor, w->out, n);
+        w->row->scale(w->u, factor, w->force.out, n);
         return;
     }
     memset(w->u, 0, n * width * sizeof *w->u);
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++, factor++)
             for (uint32_t l = 0; l < width; l++)
-                w->u[i * width + l] += *factor * w->out[j * width + l];
-}
-
-/* the unknowns at the arguments in w->in */
-static void evaluate(dm_stage *g) {
-    dm_stage_sweeps *w = &g->sweeps;
-    if (w->lanes == w->row->width)
-        dm_kernel_eval(&w->kernel, w->in, w->out);
-    else
-        evaluate_parts(w, g->table.r);
-    if (g->separable)
-        divide_by_mass(g);
-    else
-        memcpy(w->u, w->out, w->rows * w->row->width * sizeof *w->u);
-    g->evaluations += g->table.r;
+                w->u[i * width + l] += *factor * w->force.out[j * width + l];
 }
 
 /* ---- the iteration ---- */
 
 typedef struct {
     dm_stage *g;
-    dm_sweep a;
+    dm_sweep q, p;  /* positions; momenta of the general form */
     double size[2]; /* of positions and momenta, squared */
-    double change;  /* of the sums by the last sweep, relative; below CLEAN as foretold */
+    double moved[2];
+    double change; /* of the sums by the last sweep, relative; below CLEAN as foretold */
     double
         rate; /* by which it shrinks: of this step, or of the one before with a margin */
     int measured;
     int count; /* sweeps */
 } iteration;
+
+/* the coefficients for sums that changed by it->change last */
+static void choose(const iteration *it, dm_sweep *a) {
+    const dm_stage_sweeps *w = &it->g->sweeps;
+    const int exact = it->change < EXACT;
+    a->top = exact ? w->top : w->whole;
+    a->rest = exact ? w->rest : NULL;
+}
+
+/* forces at the stages, and the velocities that follow from them */
+static void evaluate(iteration *it) {
+    dm_stage *g = it->g;
+    dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t n = g->n, width = w->row->width;
+    apply(&w->force, width, g->table.r);
+    g->evaluations += g->table.r;
+    if (g->separable) {
+        divide_by_mass(g);
+        return;
+    }
+    choose(it, &it->p);
+    it->moved[1] = w->row->move(&it->p);
+    apply(&w->velocity, width, g->table.r);
+    memcpy(w->u, w->velocity.out, n * width * sizeof *w->u);
+    memcpy(w->force.in + n * width, w->u, n * width * sizeof *w->u);
+}
 
 static double relative(const iteration *it, const double change[2]) {
     double largest = 0.0;
@@ -246,17 +110,13 @@ static double left(const iteration *it) {
     return it->rate * it->change;
 }
 
-/* one sweep: new sums from the forces, forces there */
+/* one sweep: new positions from the velocities, forces and velocities there */
 static void sweep(iteration *it) {
-    const dm_stage_sweeps *w = &it->g->sweeps;
-    const int exact = it->change < EXACT;
     const double before = it->change;
-    double moved[2];
-    it->a.top = exact ? w->top : w->whole;
-    it->a.rest = exact ? w->rest : NULL;
-    w->row->move(&it->a, moved);
-    evaluate(it->g);
-    it->change = relative(it, moved);
+    choose(it, &it->q);
+    it->moved[0] = it->g->sweeps.row->move(&it->q);
+    it->change = relative(it, it->moved);
+    evaluate(it);
     if (before <= CLEAN && it->change <= 10.0 * CLEAN) {
         it->change = it->rate * before;
     } else if (it->count > 0) {
@@ -266,47 +126,73 @@ static void sweep(iteration *it) {
     it->count++;
 }
 
-/* base and time of the stages, arguments at the start; the sums from the step before or a straight line */
-static void prepare(iteration *it) {
+/* what the first sweep starts from: u of the step before, continued, or a straight line */
+static void set_off(iteration *it, int warm) {
     dm_stage *g = it->g;
     dm_stage_sweeps *w = &g->sweeps;
     const uint32_t n = g->n, width = w->row->width;
-    double moved[2];
+    const double *kept = w->memory + dm_stage_memory_size(g) - n * width;
+    dm_sweep a = it->q;
+    a.columns = warm ? g->table.r : 0;
+    a.u = kept;
+    a.top = w->ahead;
+    if (!warm && !g->separable) a.base = w->base;
+    it->size[0] = w->row->move(&a); /* from zero */
+    if (g->separable) return;
+    a.x = w->force.in + n * width; /* velocities */
+    a.sum = w->u;
+    a.base = w->none;
+    a.top = w->further;
+    a.low = a.start = w->none;
+    if (warm)
+        w->row->move(&a);
+    else
+        for (uint32_t k = 0; k < n; k++)
+            for (uint32_t l = 0; l < width; l++) a.x[k * width + l] = g->v0[k];
+}
+
+/* base and time of the stages, arguments of the first sweep */
+static void prepare(iteration *it, int warm) {
+    dm_stage *g = it->g;
+    dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t n = g->n, r = g->table.r, width = w->row->width;
     memcpy(w->start, g->state, 2 * n * sizeof *w->start);
     memcpy(w->low, g->state + 2 * n, 2 * n * sizeof *w->low);
     for (uint32_t l = 0; l < width; l++) {
-        w->in[2 * n * width + l] = g->t + w->after[l];
-        for (uint32_t k = 0; k < n && g->separable; k++)
-            w->base[k * width + l] =
-                l < g->table.r ? dm_weighted(g->hc[l], g->v0[k]) : 0.0;
+        w->force.in[2 * n * width + l] = g->t + w->after[l];
+        for (uint32_t k = 0; k < n && (g->separable || !warm); k++)
+            w->base[k * width + l] = l < r ? dm_weighted(g->hc[l], g->v0[k]) : 0.0;
     }
-    const int warm = dm_stage_memory_fits(g);
-    it->a = (dm_sweep){.rows = w->rows, .first = n, .columns = warm ? g->table.r : 0};
-    it->a.x = w->in;
-    it->a.sum = w->sum;
-    it->a.base = w->base;
-    it->a.top = w->ahead;
-    it->a.u = w->memory + dm_stage_memory_size(g) - w->rows * width;
-    it->a.start = w->start;
-    it->a.low = w->low;
-    memset(w->sum, 0, w->rows * width * sizeof *w->sum);
-    w->row->move(&it->a, moved); /* from zero: the size of the sums */
-    for (uint32_t k = 0; k < w->rows; k++) it->size[k >= n] += w->start[k] * w->start[k];
-    for (int k = 0; k < 2; k++) it->size[k] += moved[k];
-    it->a.columns = g->table.r;
-    it->a.u = w->u;
+    memset(w->sum, 0, n * width * sizeof *w->sum);
+    memset(w->momentum, 0, n * width * sizeof *w->sum);
+    it->q =
+        (dm_sweep){.rows = n, .columns = r, .u = w->u, .start = w->start, .low = w->low};
+    it->q.x = w->force.in;
+    it->q.sum = w->sum;
+    it->q.base = g->separable ? w->base : w->none;
+    it->p = it->q;
+    it->p.x = w->force.out + (w->force.outputs) * width;
+    it->p.sum = w->momentum;
+    it->p.base = w->none;
+    it->p.u = w->force.out;
+    it->p.start = w->start + n;
+    it->p.low = w->low + n;
+    set_off(it, warm);
+    for (uint32_t k = 0; k < 2 * n; k++) it->size[k >= n] += w->start[k] * w->start[k];
     if (warm) it->rate = fmax(LEAST, 2.0 * dm_stage_memory_rate(g));
 }
 
 /* until what is left is round-off, or as many sweeps as the rule says after a warm start */
 static dm_status iterate(iteration *it, double tolerance, int warm) {
     const int fixed = warm ? it->g->sweeps.count : 0;
-    evaluate(it->g);
+    evaluate(it);
+    it->size[1] += it->moved[1];
     for (int k = 1; !fixed && k < MOST; k++) {
         sweep(it);
         if (!isfinite(it->change)) return DM_NOT_FINITE;
         if (it->change == 0.0) return DM_OK;
-        if (it->measured && it->rate > SLOW) return DM_NO_CONVERGENCE;
+        if (it->measured && it->rate > (it->count > 5 ? SLOW : 2.0))
+            return DM_NO_CONVERGENCE;
         if (left(it) <= LEFT * tolerance) return DM_OK;
     }
     for (int k = 1; k < fixed; k++) sweep(it);
@@ -317,42 +203,49 @@ static dm_status iterate(iteration *it, double tolerance, int warm) {
 static int is_regular(const dm_stage *g) {
     const dm_stage_sweeps *w = &g->sweeps;
     const uint32_t n = g->n, width = w->row->width;
-    for (uint32_t k = 2 * n; k < 3 * n && !g->separable; k++)
+    for (uint32_t k = n; k < 2 * n && !g->separable; k++)
         for (uint32_t l = 0; l < g->table.r; l++)
-            if (!(w->out[k * width + l] > 0.0)) return 0;
+            if (!(w->velocity.out[k * width + l] > 0.0)) return 0;
     return 1;
 }
 
-/* q1 = q0 + h v0 + sum mean_m u_m, p1 = p0 + sum b_m L_q(m); Hamilton: both with b */
+/* q1 = q0 + h v0 + sum mean_m u_m or q0 + h sum b_m V_m, p1 = p0 + h sum b_m L_q(m) */
 static dm_status finish(iteration *it) {
     dm_stage *g = it->g;
     const dm_stage_sweeps *w = &g->sweeps;
     const uint32_t n = g->n;
-    it->a.top = g->separable ? w->mean_top : w->b_top;
-    it->a.rest = g->separable ? w->mean_rest : w->b_rest;
-    w->row->collect(w->total, &it->a);
-    if (g->separable) {
-        for (uint32_t k = 0; k < n; k++) w->total[k] += g->h * g->v0[k];
-        it->a.u = w->out;
-        it->a.top = w->b_top;
-        it->a.rest = w->b_rest;
-        w->row->collect(w->total + n, &it->a);
-    }
+    it->q.top = g->separable ? w->mean_top : w->b_top;
+    it->q.rest = g->separable ? w->mean_rest : w->b_rest;
+    w->row->collect(w->total, &it->q);
+    for (uint32_t k = 0; k < n && g->separable; k++) w->total[k] += g->h * g->v0[k];
+    it->p.top = w->b_top;
+    it->p.rest = w->b_rest;
+    w->row->collect(w->total + n, &it->p);
     return dm_stage_update(g, w->total, w->total + n);
 }
 
-dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
-    iteration it = {.g = g, .change = 1.0, .rate = SLOW};
+/* the iteration from one start */
+static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
+    dm_stage *g = it->g;
     dm_status status = DM_OK;
-    if (g->separable)
+    *it = (iteration){.g = g, .change = 1.0, .rate = SLOW};
+    memset(g->v0, 0, g->n * sizeof *g->v0);
+    if (g->separable || !warm)
         status =
             dm_legendre_inverse(g->m, g->v0, g->state, g->state + g->n, g->t, g->scratch);
     if (status != DM_OK) return status;
+    prepare(it, warm);
+    status = iterate(it, stepper->tolerance, warm);
+    return status == DM_OK && !is_regular(g) ? DM_NO_CONVERGENCE : status;
+}
+
+/* far from its step the polynomial may leave the domain: then from a straight line */
+dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
+    iteration it = {.g = g};
     const int warm = dm_stage_memory_fits(g);
-    prepare(&it);
-    status = iterate(&it, stepper->tolerance, warm);
+    dm_status status = attempt(&it, stepper, warm);
+    if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
     stepper->report.iterations = it.count;
-    if (status == DM_OK && !is_regular(g)) status = DM_NO_CONVERGENCE;
     if (status == DM_OK) status = finish(&it);
     if (status != DM_OK) return status;
     const double missed = left(&it) * sqrt(it.size[!g->separable]);

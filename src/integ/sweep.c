@@ -18,8 +18,8 @@ INLINE double total8(const double *x) {
 
 /* the same text for every width; even and odd columns are summed apart, as neither waits for the other */
 #define BODY(W, V, total)                                                                \
-    INLINE void move_##V(const dm_sweep *a, double change[2]) {                          \
-        V moved[2] = {{0}, {0}};                                                         \
+    INLINE double move_##V(const dm_sweep *a) {                                          \
+        V moved = {0};                                                                   \
         for (uint32_t k = 0; k < a->rows; k++) {                                         \
             const double *u = a->u + (size_t)k * W;                                      \
             V *at = (V *)(void *)(a->sum + (size_t)k * W);                               \
@@ -33,12 +33,11 @@ INLINE double total8(const double *x) {
             const V sum =                                                                \
                 *(const V *)(const void *)(a->base + (size_t)k * W) + (even + odd);      \
             const V d = sum - *at;                                                       \
-            moved[k >= a->first] += d * d;                                               \
+            moved += d * d;                                                              \
             *at = sum;                                                                   \
             *(V *)(void *)(a->x + (size_t)k * W) = a->start[k] + (a->low[k] + sum);      \
         }                                                                                \
-        change[0] = total((const double *)moved);                                        \
-        change[1] = total((const double *)(moved + 1));                                  \
+        return total((const double *)&moved);                                            \
     }                                                                                    \
     INLINE void collect_##V(double *out, const dm_sweep *a) {                            \
         const V top = *(const V *)(const void *)a->top;                                  \
@@ -61,16 +60,17 @@ BODY(8, v8, total8)
 
 /* ---- one stage ---- */
 
-static void move_1(const dm_sweep *a, double change[2]) {
-    change[0] = change[1] = 0.0;
+static double move_1(const dm_sweep *a) {
+    double moved = 0.0;
     for (uint32_t k = 0; k < a->rows; k++) {
         const double part = a->rest ? a->rest[0] * a->u[k] : 0.0;
         const double sum = a->base[k] + (a->top[0] * a->u[k] + part);
         const double d = sum - a->sum[k];
-        change[k >= a->first] += d * d;
+        moved += d * d;
         a->sum[k] = sum;
         a->x[k] = a->start[k] + (a->low[k] + sum);
     }
+    return moved;
 }
 
 static void collect_1(double *out, const dm_sweep *a) {
@@ -87,8 +87,8 @@ static const dm_sweep_row one = {1, move_1, collect_1, scale_1};
 /* ---- 4 and 8, each for the processors that there are ---- */
 
 #define ROW(name, W, V, how)                                                             \
-    how static void move_##name(const dm_sweep *a, double change[2]) {                   \
-        move_##V(a, change);                                                             \
+    how static double move_##name(const dm_sweep *a) {                                   \
+        return move_##V(a);                                                              \
     }                                                                                    \
     how static void collect_##name(double *out, const dm_sweep *a) {                     \
         collect_##V(out, a);                                                             \

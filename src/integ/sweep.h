@@ -11,7 +11,7 @@ enum { DM_SWEEP_WIDTH = 8 }; /* stages at most */
 
 /* sum = base + sum_m column_m u[.][m], then x = start + (low + sum) */
 typedef struct {
-    uint32_t rows, first; /* the first rows are positions, the others momenta */
+    uint32_t rows;
     uint32_t columns;
     double *x,
         *sum; /* [rows][width] arguments of the kernel; what they add to the start */
@@ -24,8 +24,8 @@ typedef struct {
 
 typedef struct {
     uint32_t width;
-    /* change[2]: sums of squares of what the positions and the momenta moved by */
-    void (*move)(const dm_sweep *a, double change[2]);
+    /* returns the sum of squares of what the sums moved by */
+    double (*move)(const dm_sweep *a);
     /* out[rows] = sum over lanes of (top + rest) u, pairwise */
     void (*collect)(double *out, const dm_sweep *a);
     /* out[rows][width] = factor[rows] u */
