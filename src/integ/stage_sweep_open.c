@@ -154,6 +154,7 @@ static int find_kernels(dm_stage *g, const dm_galerkin *basis) {
     dm_stage_kernel *f = &g->sweeps.force, *v = &g->sweeps.velocity;
     const uint32_t r = g->table.r;
     if (r > DM_SWEEP_WIDTH || !g->m->source.graph) return 0;
+    if (r == 1 && !g->separable) return 0; /* Newton's method is cheaper */
     if (g->separable ? !has_unknowns(g) : !is_collocation(g, basis)) return 0;
     const uint32_t width = dm_sweep_find(r)->width;
     f->lanes = dm_kept_find(&f->kernel, g->m, &force, width);
