@@ -8,6 +8,9 @@
 
 #include "integ/method.h"
 
+#include <math.h>
+#include <string.h>
+
 enum {
     DM_FUSED_COEFFICIENTS = 4, /* of a stage, at most */
     DM_FUSED_LARGEST =
@@ -52,6 +55,7 @@ typedef struct {
     double *now, *next;
     uint32_t size; /* 0: no fused stages */
     uint32_t lanes;
+    double has[2][DM_FUSED_COEFFICIENTS]; /* lanes, first group: what now and next have */
 } dm_fused;
 
 /* Buffers in the model's arena; 0 without memory. */
@@ -67,28 +71,40 @@ static inline void dm_fused_stage(dm_fused *f, const dm_kernel *k,
     f->next = swap;
 }
 
-/* Lanes: coefficients of the next stage, the same for all members. To be written well before the stage,
-** which would wait for so many narrow stores. */
-static inline void dm_fused_coefficients(const dm_fused *f, const double *c, int count) {
-    double *place = f->now + (size_t)f->size * f->lanes;
-    for (int i = 0; i < count; i++)
+/* Lanes: all groups are about to begin anew, none of their coefficients is known. */
+static inline void dm_fused_forget(dm_fused *f) {
+    for (int i = 0; i < DM_FUSED_COEFFICIENTS; i++) f->has[0][i] = f->has[1][i] = NAN;
+}
+
+/* coefficient i of the next stage into all groups, where it is not there already */
+static inline void dm_fused_broadcast(dm_fused *f, uint32_t groups, int i, double c) {
+    if (memcmp(f->has[0] + i, &c, sizeof c) == 0) return;
+    f->has[0][i] = c;
+    for (uint32_t g = 0; g < groups; g++) {
+        double *place = f[g].now + (f[g].size + (size_t)i) * f->lanes;
         for (uint32_t lane = 0; lane < f->lanes; lane += 4, place += 4)
-            place[0] = place[1] = place[2] = place[3] = c[i];
+            place[0] = place[1] = place[2] = place[3] = c;
+    }
 }
 
-static inline void dm_fused_eval(dm_fused *f, const dm_kernel *k) {
-    dm_kernel_eval(k, f->now, f->next);
-    double *swap = f->now;
-    f->now = f->next;
-    f->next = swap;
-}
-
-/* One stage of every group before the next one: their latencies overlap. */
+/*
+** One stage of every group before the next one: their latencies overlap. The coefficients are written for
+** all groups first: a kernel would wait for so many narrow stores right before it.
+*/
 static inline void dm_fused_groups(dm_fused *f, uint32_t groups, const dm_kernel *k,
                                    const double *coefficients, int count) {
-    for (uint32_t g = 0; g < groups; g++)
-        dm_fused_coefficients(f + g, coefficients, count);
-    for (uint32_t g = 0; g < groups; g++) dm_fused_eval(f + g, k);
+    for (int i = 0; i < count; i++) dm_fused_broadcast(f, groups, i, coefficients[i]);
+    for (uint32_t g = 0; g < groups; g++) {
+        dm_kernel_eval(k, f[g].now, f[g].next);
+        double *swap = f[g].now;
+        f[g].now = f[g].next;
+        f[g].next = swap;
+    }
+    for (int i = 0; i < DM_FUSED_COEFFICIENTS; i++) {
+        const double kept = f->has[0][i];
+        f->has[0][i] = f->has[1][i];
+        f->has[1][i] = kept;
+    }
 }
 
 #endif

@@ -298,6 +298,7 @@ static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
         dm_lanes_prepare(l->wide + g, &l->many_stage);
         memcpy(l->wide[g].now, x->state + g * size, size * sizeof *x->state);
     }
+    dm_fused_forget(l->wide);
     for (long k = 0; k < count; k++) step_lanes(l, x->groups, s->h);
     for (uint32_t g = 0; g < x->groups; g++)
         memcpy(x->state + g * size, l->wide[g].now, size * sizeof *x->state);

@@ -259,19 +259,19 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
 
 /* ---- members in lanes ---- */
 
-/* into the buffers of a group, the force beside the state */
-static void begin_group(layout *l, dm_fused *f, const double *state, size_t bytes,
-                        double t) {
+/* into the buffers of a group */
+static void load_group(layout *l, dm_fused *f, const double *state, size_t bytes) {
     dm_lanes_prepare(f, &l->many.both);
     dm_lanes_prepare(f, &l->many.later);
     dm_lanes_prepare(f, &l->many.force);
     memcpy(f->now, state, bytes);
-    dm_fused_groups(f, 1, &l->many.force, &t, 1);
 }
 
-static void step_lanes(layout *l, uint32_t groups, double h, double t) {
+/* one step; a time that the force does not see (timeless) stays 0 and is not written */
+static void step_lanes(layout *l, uint32_t groups, double h, double t, int timeless) {
     for (int k = 0; k < l->table.stages; k++) {
-        const call x = stage_of(l, &l->many, k, h, t);
+        call x = stage_of(l, &l->many, k, h, t);
+        if (timeless) x.c[2] = 0.0;
         dm_fused_groups(l->wide, groups, x.kernel, x.c + x.first, x.count);
     }
 }
@@ -279,11 +279,15 @@ static void step_lanes(layout *l, uint32_t groups, double h, double t) {
 void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
     layout *l = (layout *)(void *)s->work;
     const uint32_t n = s->model->n;
+    const int timeless = (s->model->structure & DM_AUTONOMOUS) != 0;
     const size_t size = dm_state_size(n) * x->lanes;
     const size_t bytes = 4 * (size_t)n * x->lanes * sizeof(double);
     for (uint32_t g = 0; g < x->groups; g++)
-        begin_group(l, l->wide + g, x->state + g * size, bytes, t);
-    for (long k = 0; k < count; k++) step_lanes(l, x->groups, s->h, t + (double)k * s->h);
+        load_group(l, l->wide + g, x->state + g * size, bytes);
+    dm_fused_forget(l->wide);
+    dm_fused_groups(l->wide, x->groups, &l->many.force, &t, 1);
+    for (long k = 0; k < count; k++)
+        step_lanes(l, x->groups, s->h, t + (double)k * s->h, timeless);
     for (uint32_t g = 0; g < x->groups; g++)
         memcpy(x->state + g * size, l->wide[g].now, bytes);
 }
