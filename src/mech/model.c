@@ -1,6 +1,7 @@
 #include "mech/model.h"
 
 #include "expr/analyse.h"
+#include "expr/compact.h"
 #include "expr/derive.h"
 #include "expr/sum.h"
 #include "linalg/lu.h"
@@ -161,12 +162,34 @@ static dm_status make(builder *b, dm_kernel *out, const dm_node *roots, size_t c
     return status;
 }
 
-static dm_status make_stage(builder *b) {
-    const size_t n = b->m.n, count = 2 * n + 3 * n * n;
-    dm_node *roots = take_nodes(b, count);
+/* as they stand, from a graph that was compacted before */
+static dm_status make_verbatim(builder *b, dm_graph *g, dm_kernel *out,
+                               const dm_node *roots, size_t count, unsigned which) {
+    dm_graph_verbatim(g, 1);
+    const dm_status status = b->compile(out, g, roots, (uint32_t)count, b->arena);
+    dm_graph_verbatim(g, 0);
+    if (status == DM_OK) b->m.has |= which;
+    return status;
+}
+
+/* compacting is most of the work: the slope and the mass are taken out of the compacted stage */
+static dm_status make_stage(builder *b, unsigned want) {
+    const size_t n = b->m.n, nn = n * n, count = 2 * n + 3 * nn;
+    dm_node *roots = take_nodes(b, 2 * count), *mass = roots + count;
     if (!roots) return DM_NO_MEMORY;
-    const dm_status status = stage_roots(b, roots);
-    return status == DM_OK ? make(b, &b->m.stage, roots, count, DM_WANT_STAGE) : status;
+    dm_status status = stage_roots(b, roots);
+    if (status != DM_OK) return status;
+    dm_graph *small = dm_compact_graph(b->g, roots, (uint32_t)count, roots);
+    if (!small)
+        return dm_graph_status(b->g) != DM_OK ? dm_graph_status(b->g) : DM_NO_MEMORY;
+    memcpy(mass, roots + n, n * sizeof *mass);
+    memcpy(mass + n, roots + 2 * n + 2 * nn, nn * sizeof *mass);
+    status = make_verbatim(b, small, &b->m.stage, roots, count, DM_WANT_STAGE);
+    if (status == DM_OK && want & DM_WANT_SLOPE)
+        status = make_verbatim(b, small, &b->m.slope, roots, 2 * n, DM_WANT_SLOPE);
+    if (status == DM_OK && want & DM_WANT_MASS)
+        status = make_verbatim(b, small, &b->m.mass, mass, n + nn, DM_WANT_MASS);
+    return status;
 }
 
 static dm_status make_mass(builder *b) {
@@ -193,7 +216,10 @@ static dm_status make_well(builder *b) {
 
 static dm_status make_kernels(builder *b, unsigned want) {
     dm_status status = DM_OK;
-    if (want & DM_WANT_VALUE) status = make(b, &b->m.value, &b->L, 1, DM_WANT_VALUE);
+    if (want & DM_WANT_VALUE) /* evaluated a few times, to check the trace */
+        status = make_verbatim(b, b->g, &b->m.value, &b->L, 1, DM_WANT_VALUE);
+    if (status == DM_OK && want & DM_WANT_STAGE) status = make_stage(b, want);
+    want &= ~b->m.has;
     if (status == DM_OK && want & DM_WANT_SLOPE)
         status = make(b, &b->m.slope, b->gradient, 2 * (size_t)b->m.n, DM_WANT_SLOPE);
     if (status == DM_OK && want & DM_WANT_FORCE)
@@ -203,7 +229,6 @@ static dm_status make_kernels(builder *b, unsigned want) {
         status = make(b, &b->m.energy, &root, 1, DM_WANT_ENERGY);
     }
     if (status == DM_OK && want & DM_WANT_WELL) status = make_well(b);
-    if (status == DM_OK && want & DM_WANT_STAGE) status = make_stage(b);
     if (status == DM_OK && want & DM_WANT_MASS) status = make_mass(b);
     return status;
 }
