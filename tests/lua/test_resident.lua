@@ -23,7 +23,9 @@ end
 many()
 local before = resident()
 many()
-ok(resident() - before < 4000, "a thousand runs with kernels of their own leave nothing behind", resident() - before .. " kB")
+-- sanitizers and valgrind keep what was freed for a while: there only the plain build can tell
+local watched = (os.getenv "UNDER" or "") ~= ""
+ok(watched or resident() - before < 4000, "a thousand runs with kernels of their own leave nothing behind", resident() - before .. " kB")
 
 -- finalizers that run after the kernels were given back
 local seen = {}
