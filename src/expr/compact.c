@@ -8,8 +8,9 @@
 
 enum {
     LARGEST = 20000, /* operations; larger graphs stay as they are */
-    LARGE = 3000,    /* one pass for these: a search would take tens of milliseconds */
-    WORTH = 2,       /* cost; there is nothing to gain below */
+    LARGE =
+        150, /* one pass for these: a search takes a millisecond and more, and saves the step little */
+    WORTH = 2, /* cost; there is nothing to gain below */
     MOST_PASSES = 6
 };
 
