@@ -8,9 +8,8 @@
 
 enum {
     LARGEST = 20000, /* operations; larger graphs stay as they are */
-    LARGE =
-        150, /* one pass for these: a search takes a millisecond and more, and saves the step little */
-    WORTH = 2, /* cost; there is nothing to gain below */
+    LARGE = 200,     /* one pass for these: a search takes a millisecond, saving little */
+    WORTH = 2,       /* cost; there is nothing to gain below */
     MOST_PASSES = 6
 };
 
