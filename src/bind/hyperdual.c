@@ -43,11 +43,6 @@ static dml_hyperdual chain2(const jet2 *j, const dml_hyperdual *x,
     };
 }
 
-static jet1 root(double x) {
-    const double s = sqrt(x);
-    return (jet1){s, 0.5 / s, -0.25 / (s * x)};
-}
-
 static jet1 tangent(double x) {
     const double t = tan(x), slope = 1 + t * t;
     return (jet1){t, slope, 2 * t * slope};
@@ -77,8 +72,6 @@ static jet1 jet_of_one(dm_op op, double x) {
         return (jet1){g, -1, 0};
     case DM_OP_ABS:
         return (jet1){g, (double)((x > 0) - (x < 0)), 0};
-    case DM_OP_SQRT:
-        return root(x);
     case DM_OP_EXP:
         return (jet1){g, g, g};
     case DM_OP_LOG:
@@ -135,8 +128,6 @@ static jet2 jet_of_two(dm_op op, double x, double y) {
         return (jet2){g, 1, -1, 0, 0, 0};
     case DM_OP_MUL:
         return (jet2){g, y, x, 0, 1, 0};
-    case DM_OP_DIV:
-        return (jet2){g, 1 / y, -g / y, 0, -1 / (y * y), 2 * g / (y * y)};
     case DM_OP_POW:
         return power(x, y);
     default:
@@ -144,9 +135,30 @@ static jet2 jet_of_two(dm_op op, double x, double y) {
     }
 }
 
+/* q y = x, derived: no y^2, which may leave the range of doubles before q does */
+static dml_hyperdual quotient(const dml_hyperdual *x, const dml_hyperdual *y) {
+    dml_hyperdual q = {.f = x->f / y->f};
+    q.a = (x->a - q.f * y->a) / y->f;
+    q.b = (x->b - q.f * y->b) / y->f;
+    q.ab = (x->ab - q.a * y->b - q.b * y->a - q.f * y->ab) / y->f;
+    return q;
+}
+
+/* s^2 = x, derived; 0 along a direction in which x does not change, even at x = 0 */
+static dml_hyperdual square_root(const dml_hyperdual *x) {
+    dml_hyperdual s = {.f = sqrt(x->f)};
+    s.a = x->a == 0.0 ? 0.0 : 0.5 * x->a / s.f;
+    s.b = x->b == 0.0 ? 0.0 : 0.5 * x->b / s.f;
+    const double rest = x->ab - 2.0 * s.a * s.b;
+    s.ab = rest == 0.0 ? 0.0 : 0.5 * rest / s.f;
+    return s;
+}
+
 dml_hyperdual dml_hyper_apply(dm_op op, const dml_hyperdual *x, const dml_hyperdual *y,
                               const dml_hyperdual *z) {
     if (op == DM_OP_WHERE) return x->f > 0 ? *y : *z;
+    if (op == DM_OP_DIV) return quotient(x, y);
+    if (op == DM_OP_SQRT) return square_root(x);
     if (op == DM_OP_MIN) return y->f < x->f ? *y : *x;
     if (op == DM_OP_MAX) return x->f < y->f ? *y : *x;
     if (dm_op_operands(op) == 2) {

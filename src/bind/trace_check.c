@@ -106,7 +106,9 @@ static void raise_mismatch(lua_State *L, check *c, long k) {
                "Likely causes: == "
                "or ~= between a number and an argument, a truth test, type() or "
                "tostring() of an argument "
-               "(these see a symbol while tracing), or a global that changes. Use "
+               "(these see a symbol while tracing), a global that changes, or a "
+               "difference in which nearly "
+               "all digits cancel (simplifying then changes the rest). Use "
                "dm.where(c, a, b), "
                "dm.abs, dm.max, or derivatives = \"hyperdual\"",
                what, plain, traced, point);

@@ -34,14 +34,42 @@ static dm_node inverse(dm_graph *g, dm_node a) {
     return dm_div(g, one(g), a);
 }
 
+/* a + b for derivatives: what stands under the same condition stays together, so that the side that is
+** not taken stays zero */
+static dm_node join(dm_graph *g, dm_node a, dm_node b) {
+    const dm_expr x = *dm_at(g, a), y = *dm_at(g, b);
+    if (!a || !b) return a ? a : b;
+    if (x.op != DM_OP_WHERE || y.op != DM_OP_WHERE || x.as.arg[0] != y.as.arg[0])
+        return dm_add(g, a, b);
+    const dm_node yes = join(g, x.as.arg[1], y.as.arg[1]);
+    const dm_node no = join(g, x.as.arg[2], y.as.arg[2]);
+    return dm_apply(g, DM_OP_WHERE, x.as.arg[0], yes, no);
+}
+
+enum { DEEPEST_BRANCH = 12 };
+
+/* can branches make n zero, however deep they stand in it? */
+static int vanishes(const dm_graph *g, dm_node n, int depth) {
+    const dm_expr *e = dm_at(g, n);
+    if (n == 0) return 1;
+    if (depth == 0) return 0;
+    if (e->op == DM_OP_WHERE)
+        return vanishes(g, e->as.arg[1], depth - 1) ||
+               vanishes(g, e->as.arg[2], depth - 1);
+    return e->op == DM_OP_ADD && vanishes(g, e->as.arg[0], depth - 1) &&
+           vanishes(g, e->as.arg[1], depth - 1);
+}
+
 /* factor * slope; a factor that a branch makes zero stays zero whatever the slope is */
 static dm_node times(dm_graph *g, dm_node factor, dm_node slope) {
     const dm_expr e = *dm_at(g, factor);
-    if (e.op != DM_OP_WHERE || (e.as.arg[1] && e.as.arg[2]))
-        return dm_mul(g, factor, slope);
-    const dm_node yes = e.as.arg[1] ? times(g, e.as.arg[1], slope) : 0;
-    const dm_node no = e.as.arg[2] ? times(g, e.as.arg[2], slope) : 0;
-    return dm_apply(g, DM_OP_WHERE, e.as.arg[0], yes, no);
+    if (factor == 0) return 0;
+    if (!vanishes(g, factor, DEEPEST_BRANCH)) return dm_mul(g, factor, slope);
+    const int is_sum = e.op == DM_OP_ADD;
+    const dm_node first = times(g, e.as.arg[is_sum ? 0 : 1], slope);
+    const dm_node second = times(g, e.as.arg[is_sum ? 1 : 2], slope);
+    return is_sum ? join(g, first, second)
+                  : dm_apply(g, DM_OP_WHERE, e.as.arg[0], first, second);
 }
 
 /* 1 / sqrt(1 - a^2) */
@@ -208,7 +236,7 @@ static void reverse(sweep *s, dm_graph *g, dm_node f, dm_node *out) {
         if (e.op == DM_OP_INPUT) out[e.as.input - s->first] = s->d[n];
         for (int k = 0; k < dm_arity(e.op); k++) {
             const dm_node a = e.as.arg[k];
-            if (s->active[a]) s->d[a] = dm_add(g, s->d[a], share(g, n, k, s->d[n]));
+            if (s->active[a]) s->d[a] = join(g, s->d[a], share(g, n, k, s->d[n]));
         }
     }
 }
@@ -221,7 +249,7 @@ static void forward(sweep *s, dm_graph *g, uint32_t end, uint32_t j) {
         if (!s->active[n]) continue;
         if (e.op == DM_OP_INPUT) s->d[n] = e.as.input == s->first + j ? one(g) : 0;
         for (int k = 0; k < dm_arity(e.op); k++)
-            s->d[n] = dm_add(g, s->d[n], share(g, n, k, s->d[e.as.arg[k]]));
+            s->d[n] = join(g, s->d[n], share(g, n, k, s->d[e.as.arg[k]]));
     }
 }
 

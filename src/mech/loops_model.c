@@ -8,6 +8,7 @@
 #include "expr/tape.h"
 #include "mech/loops.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct {
@@ -179,7 +180,7 @@ static dm_status keep_mass(const builder *b) {
     double *shift = inverse + n;
     memset(shift, 0, n * sizeof *shift);
     for (uint32_t i = 0; i < n; i++) {
-        if (b->mass[i] == 0.0) return DM_SINGULAR;
+        if (!isfinite(1.0 / b->mass[i])) return DM_SINGULAR;
         inverse[i] = 1.0 / b->mass[i];
     }
     b->m->mass_matrix = b->mass;

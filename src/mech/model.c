@@ -6,6 +6,7 @@
 #include "expr/sum.h"
 #include "linalg/lu.h"
 
+#include <math.h>
 #include <string.h>
 
 /* what is worked on while a model is built; gradient and mass are nodes of g */
@@ -92,7 +93,8 @@ static dm_status keep_diagonal(builder *b, double *mass, double *inverse) {
     const uint32_t n = b->m.n;
     for (uint32_t i = 0; i < n; i++) {
         const double m = mass[i * ((size_t)n + 1)];
-        if (m == 0.0) return DM_SINGULAR;
+        if (!isfinite(1.0 / m))
+            return DM_SINGULAR; /* zero, or too small to be told from it */
         mass[i] = m;
         inverse[i] = 1.0 / m;
     }

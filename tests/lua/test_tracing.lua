@@ -185,4 +185,31 @@ ok((last(branching, "hyperdual") - last(L)):norm() < 1e-13, "a function that bra
 raises("dm.where", last, branching)
 local calls = 0
 raises("oops 40", last, function(q, v) calls = calls + 1 if calls == 40 then error("oops " .. calls) end return L(q, v) end, "hyperdual")
+
+-- a branch that is not taken adds nothing, however often it uses what is not finite there
+local function slope(f, x, times)
+  for _ = 1, times or 1 do f = dm.derivative(f) end
+  return f(x)
+end
+tap.near(slope(function(x) local u = math.sqrt(x) return dm.where(x, u ^ 3 + math.sin(u), 0) end, -1), 0, 0, "where: an intermediate used twice")
+tap.near(slope(function(x) local u = math.acos(2 * x) return dm.where(x + 0.5, u ^ 2 + math.sin(u), 0) end, -0.8), 0, 0, "where: an inverse cosine used twice")
+tap.near(slope(function(x) return dm.where(x, x ^ 1.5, 0) end, -1, 2), 0, 0, "where: second derivative of a guarded power")
+tap.near(slope(function(x) return dm.where(x, x ^ 1.5, 0) end, 4, 2), 0.75 / 2, 1e-15, "and on the other side")
+tap.near(slope(function(x) return dm.where(math.abs(x) - 1e-3, math.sin(x) / x, 1) end, 0, 2), 0, 0, "where: second derivative of a guarded quotient")
+tap.near(slope(function(x) local r = math.sqrt(x) return dm.where(x, r, 0) + dm.where(x - 1, r * r * r, 0) end, -1), 0, 0, "two branches over one intermediate")
+for _, rule in ipairs { "verlet", "gauss(2)", "rk4", "lobatto(3)" } do
+  local hard = dm.system { Q = dm.R(1), L = function(q, v) local r = math.sqrt(q[1]) return v[1] ^ 2 / 2 - dm.where(q[1], r * math.exp(-r) + math.log(1 + q[1]) ^ 2 * r, 0) end }
+  local p = hard:solver({ rule = rule, h = 0.1 }):run { q = { -1 }, v = { 0.5 }, steps = 3 }
+  tap.near(p.q[4][1], -0.85, 1e-15, rule .. ": free where the potential is switched off")
+end
+
+-- hyper-dual quotients and roots keep their derivatives over the whole range of numbers
+local x = dm.hyperdual(2, 1, 1, 0)
+for _, scale in ipairs { 1, 1e-170, 1e170 } do
+  local y = scale / (x * scale)
+  tap.near(y.a, -0.25, 0, "d(1/x) at scale " .. scale)
+  tap.near(y.ab, 0.25, 0, "d2(1/x) at scale " .. scale)
+end
+tap.near((math.sqrt(x * 1e220) / 1e110).ab, -0.25 / 2 ^ 1.5, 1e-16, "d2 sqrt at a large scale")
+
 tap.done()

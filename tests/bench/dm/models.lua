@@ -95,9 +95,8 @@ for _, name in ipairs { "toda", "fpu" } do
     local W = bonds[name]
     add(("P8-%s-%d"):format(name, n), { T = n == 1024 and 16 or 100, q = q, v = v, long = n == 1024,
       system = dm.system { Q = dm.R(n), L = function(x, u)
-        local L = u:dot(u) / 2
-        for i = 1, n do L = L - W(x[i] - x[i % n + 1]) end
-        return L
+        return dm.sum_over(u, function(a) return a ^ 2 / 2 end)
+          - dm.sum_over(x, function(a, b) return W(a - b) end, { shift = 1, periodic = true })
       end } })
   end
 end
