@@ -1,0 +1,49 @@
+-- dmlua tests/bench/setup.lua: CPU time from a Lua function to the kernels of a run, for the models of the examples; of each
+-- the first time, then the median of nine systems made anew
+local dm = require "dm"
+local sin, cos = math.sin, math.cos
+local masses = { 1, 1e-3, 3e-4, 4e-5, 5e-5, 1e-8 }
+local function spread(n, f) local t = {} for i = 1, n do t[i] = f(i) end return t end
+local models = {
+  { "Kepler", 2, { 0.4, 0 }, { 0, 2 }, function(q, v) return v:dot(v) / 2 + 1 / q:norm() end },
+  { "J2 satellite", 3, { 1.1, 0, 0.1 }, { 0, 0.95, 0.2 }, function(q, v)
+    local r = q:norm()
+    return v:dot(v) / 2 + 1 / r - 0.05 / r ^ 3 * (1.5 * q[3] ^ 2 / r ^ 2 - 0.5)
+  end },
+  { "stiff spring", 2, { sin(1), -cos(1) }, { 0, 0 }, function(q, v) return v:dot(v) / 2 - 1e4 / 2 * (q:norm() - 1) ^ 2 - 9.81 * q[2] end },
+  { "double spherical pendulum", 4, { 1, 0, 0.7, 0.4 }, { 0, 1.5, 0, 2 }, function(q, v)
+    local function velocity(a, b, da, db)
+      return da * cos(a) * cos(b) - db * sin(a) * sin(b), da * cos(a) * sin(b) + db * sin(a) * cos(b), da * sin(a)
+    end
+    local x1, y1, z1 = velocity(q[1], q[2], v[1], v[2])
+    local x2, y2, z2 = velocity(q[3], q[4], v[3], v[4])
+    local T = (x1 * x1 + y1 * y1 + z1 * z1) / 2 + ((x1 + x2) ^ 2 + (y1 + y2) ^ 2 + (z1 + z2) ^ 2) / 2
+    return T + 9.81 * (2 * cos(q[1]) + cos(q[3]))
+  end },
+  { "outer solar system", 18, spread(18, function(i) return i * 1.3 + (i % 5) ^ 2 end), spread(18, function(i) return 0.01 * i end), function(q, v)
+    local L = 0
+    for i, m in ipairs(masses) do
+      local at, u = q:slice(3 * i - 2, 3 * i), v:slice(3 * i - 2, 3 * i)
+      L = L + m * u:dot(u) / 2
+      for j = 1, i - 1 do L = L + m * masses[j] / (at - q:slice(3 * j - 2, 3 * j)):norm() end
+    end
+    return L
+  end },
+}
+local function once(model, rule)
+  local _, n, q, v, L = table.unpack(model)
+  local solver = dm.system { Q = dm.R(n), L = L }:solver { rule = rule, h = 1e-3 }
+  solver:run { q = q, v = v, steps = 1 }
+  local report = solver:report()
+  return report.compile_ms, report.trace_ms
+end
+print(("%-28s %-10s %10s %10s %10s"):format("ms of CPU time", "rule", "first", "median", "tracing"))
+for _, model in ipairs(models) do
+  for _, rule in ipairs { "verlet", "midpoint", "gauss(2)" } do
+    local first, traced = once(model, rule)
+    local again = {}
+    for i = 1, 9 do again[i] = once(model, rule) end
+    table.sort(again)
+    print(("%-28s %-10s %10.3f %10.3f %10.3f"):format(model[1], rule, first, again[5], traced))
+  end
+end
