@@ -266,7 +266,8 @@ int main(void) {
     RUN(every_width_has_the_same_bits, "tape, 1, 4 and 8 lanes have the same bits");
     RUN(rows_do_not_depend_on_bursts, "rows do not depend on bursts");
     RUN(newton_finds_the_same_root, "Newton's method finds the same root");
-    RUN(angular_momentum_walks_at_random, "angular momentum walks at random");
+    if (!doubles_only())
+        RUN(angular_momentum_walks_at_random, "angular momentum walks at random");
     RUN(the_last_step_saves_sweeps, "the last step's polynomial saves sweeps");
     RUN(state_and_memory_go_on_bit_for_bit, "state and memory go on bit for bit");
     RUN(start_forgets_and_landing_leaves_alone,
