@@ -91,8 +91,9 @@ static dm_status advance_own(loop *l, long end) {
         if (plan->at) memcpy(before, l->state, size * sizeof *before);
         dm_status status = l->s->method->step(l->s, l->state, from);
         if (status == DM_OK) l->done++;
-        if (status == DM_OK && plan->at)
-            status = record_times(l, before, from, time_now(l));
+        if (status == DM_OK &&
+            plan->at) /* a time that is this step's to round-off belongs to it */
+            status = record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->s->h);
         if (status != DM_OK) return status;
     }
     return DM_OK;

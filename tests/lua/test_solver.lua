@@ -83,6 +83,18 @@ local c = (1 - 0.0025) / (1 + 0.0025)
 near(dm.solver { Ld }:step({ 1 }, { 1.2 })[1], 2 * c * 1.2 - 1, 1e-14, "discrete Euler-Lagrange step in closed form")
 path = dm.solver { Ld }:run { q0 = { 1 }, q1 = { 1.2 }, steps = 2 }
 near(path.q[3][1], 2 * c * 1.2 - 1, 1e-14, "run from two positions")
+-- its order on the pendulum, against gauss(6) of the same L
+local swing = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + cos(q[1]) end }
+local goal = swing:solver { rule = "gauss(6)", h = 0.01 }:run { q = { 1.2 }, v = { 0.5 }, steps = 200 }.q[201][1]
+local off = {}
+for i, n in ipairs { 100, 200 } do
+  local own = dm.discrete_lagrangian { Q = dm.R(1), h = 2 / n, Ld = function(q0, q1, h)
+    local u = (q1[1] - q0[1]) / h
+    return h * (u ^ 2 / 2 + (cos(q0[1]) + cos(q1[1])) / 2)
+  end }
+  off[i] = abs(dm.solver { own }:run { q = { 1.2 }, p = { 0.5 }, steps = n }.q[n + 1][1] - goal)
+end
+near(math.log(off[1] / off[2], 2), 2, 0.05, "a trapezoidal Ld of one's own has order 2")
 local composed = dm.discrete_lagrangian(kepler, { rule = "midpoint", h = 0.02 })
 local a = dm.solver { composed }:run { q = start.q, p = start.v, steps = 300 }
 local b = kepler:solver { rule = "midpoint", h = 0.02 }:run { q = start.q, v = start.v, steps = 300 }

@@ -40,10 +40,23 @@ end
 local at, errors = {}, {}
 for i = 1, 32 do at[i] = 20 * pi * i / 32 end
 q, v = start(0.9)
-for i, h in ipairs { 0.4, 0.2 } do
-  errors[i] = worst(kepler:solver { rule = "log-hamiltonian(kahan-li(6))", h = h }:run { q = q, v = v, at = at }, 0.9)
+for _, case in ipairs { { "verlet", 2, 0.01 }, { "yoshida(4)", 4, 0.05 }, { "kahan-li(8)", 8, 0.3 }, { "kahan-li(6)", 6, 0.2 } } do
+  for i = 1, 2 do
+    local path = kepler:solver { rule = ("log-hamiltonian(%s)"):format(case[1]), h = case[3] / i }:run { q = q, v = v, at = at }
+    ok(#path == 32, "every time asked for is there", #path)
+    errors[i] = worst(path, 0.9)
+  end
+  near(math.log(errors[1] / errors[2], 2), case[2], 0.05, ("log-hamiltonian(%s) has order %d at e = 0.9"):format(case[1], case[2]))
 end
-near(math.log(errors[1] / errors[2], 2), 6, 0.1, "log-hamiltonian(kahan-li(6)) has order 6 at e = 0.9")
+-- steps that end just at the last time asked for: its row is there too
+q, v = start(0.1)
+for _, m in ipairs { 25, 50, 80 } do
+  local times = {}
+  for i = 1, 32 do times[i] = 200 * pi * i / 32 end
+  local path = kepler:solver { rule = "log-hamiltonian(sofroniou-spaletta(10))", h = 200 * pi / 32 / m }:run { q = q, v = v, at = times }
+  ok(#path == 32 and path.t[32] == times[32], "the last row is there with " .. m .. " steps a row", #path)
+end
+q, v = start(0.9)
 local plain = worst(kepler:solver { rule = "kahan-li(6)", h = 0.02 }:run { q = q, v = v, at = at }, 0.9)
 ok(errors[2] < plain / 10, "and beats fixed steps at e = 0.9", errors[2] .. " against " .. plain)
 
