@@ -57,6 +57,14 @@ void dml_stepping_start(lua_State *L, dml_stepping *r);
 /* Close the stepper. */
 void dml_stepping_end(dml_stepping *r);
 
+/* solver:run, as a C function (solver_run.c). */
+int dml_solver_run(lua_State *L);
+
+/* Raise what a run ended with: the user's own error, or a dm.failure with the path at stack index `path` (0: none);
+** DM_OK: nothing. */
+void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done,
+                     int path);
+
 /* Steps of h that cover a duration; raises when they are too many to count. */
 long dml_stepping_cover(lua_State *L, double duration, double h);
 
