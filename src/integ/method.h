@@ -29,7 +29,12 @@ enum {
     DM_FOR_PAIRS = 8, /* steps an Ld(q0, q1) */
     DM_OWN_TIME = 16, /* h is a step of a fictitious time, t is part of the state */
     DM_KEEPS =
-        32 /* open leaves the kernels it makes to the model (kept.h), or makes none */
+        32, /* open leaves the kernels it makes to the model (kept.h), or makes none */
+    DM_HOLONOMIC = 64, /* knows the ties of a model: g(q, t) = 0 */
+    DM_ROLLING = 128,  /* phi(q, v, t) = 0 */
+    DM_FORCED = 256,   /* forces; without the trait a model that has them is refused */
+    DM_TIES = DM_HOLONOMIC | DM_ROLLING | DM_FORCED,
+    DM_LOOSE_MOMENTUM = 512 /* leaves momenta off the hidden constraint G v + g_t = 0 */
 };
 
 typedef struct {

@@ -15,7 +15,7 @@ enum {                         /* structure, read off the graph */
        DM_SEPARABLE = 1,       /* L = T(v) - V(q, t): no mixed second derivatives */
        DM_CONSTANT_MASS = 2,   /* d2L/dv2 does not depend on q, v, t */
        DM_DIAGONAL_MASS = 4,   /* and is diagonal, with nothing linear in v */
-       DM_AUTONOMOUS = 8,      /* L does not depend on t */
+       DM_AUTONOMOUS = 8,      /* neither L nor its ties depend on t */
        DM_LINEAR_IN_V = 16,    /* d2L/dv2 = 0: degenerate */
        DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
        DM_LOOPS =
@@ -34,8 +34,16 @@ enum {                    /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_PAIR =
            64, /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
        DM_WANT_DENSE =
-           DM_WANT_STAGE | DM_WANT_MASS | DM_WANT_WELL /* with sums written out */
+           DM_WANT_STAGE | DM_WANT_MASS | DM_WANT_WELL, /* with sums written out */
+       DM_WANT_HOLONOMIC = 256,    /* of the ties (mech/ties.h): g, G, g_t */
+       DM_WANT_ROLLING = 512,      /* phi, E, phi_v, phi_q */
+       DM_WANT_TIE_FORCE = 1024,   /* f */
+       DM_WANT_FORCE_CURVE = 2048, /* f, f_q, f_v */
+       DM_WANT_REACTION = 4096,    /* r = G^T lambda + E^T mu, r_q, r_v */
+       DM_WANT_TIES = 7936 /* all of these; what a model does not have is not made */
 };
+
+struct dm_ties;
 
 /* How graphs become kernels; dm_tape_build is one. */
 typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots,
@@ -72,6 +80,7 @@ typedef struct {
     const uint8_t *cyclic; /* [n]: 1 where L does not depend on q_i */
     uint32_t operations;   /* of L itself */
     dm_source source;
+    const struct dm_ties *ties; /* NULL: none */
 } dm_model;
 
 /* With sums (expr/sum.h) or very many coordinates: so many rounds are written out as they are; above, loops are kept where mass is
