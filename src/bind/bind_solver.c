@@ -78,9 +78,10 @@ static int solver_field(lua_State *L) {
     const char *key = luaL_checkstring(L, 2);
     if (strcmp(key, "h") == 0)
         lua_pushnumber(L, s->h);
-    else if (strcmp(key, "rule") == 0)
-        lua_getiuservalue(L, 1, DML_SOLVER_RULE);
-    else if (strcmp(key, "system") == 0)
+    else if (strcmp(key, "rule") == 0) {
+        if (lua_getiuservalue(L, 1, DML_SOLVER_OBJECT) == LUA_TNIL)
+            lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    } else if (strcmp(key, "system") == 0)
         lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     else if (strcmp(key, "order") == 0)
         lua_pushinteger(L, s->method->order(s->nodes));

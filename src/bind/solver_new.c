@@ -1,5 +1,6 @@
 /* solver_new.c - from a table of options to a solver. */
 #include "bind/backend.h"
+#include "bind/rule.h"
 #include "bind/stepping.h"
 
 #include <string.h>
@@ -31,10 +32,8 @@ static void unknown_rule(lua_State *L, const char *text, const char *nearest) {
     luaL_error(L, "%s", lua_tostring(L, -1));
 }
 
-static void read_rule(lua_State *L, solver *s, const char *text) {
-    const char *nearest = NULL;
-    const char *wrong = dm_rule_parse(s->nodes, text);
-    if (wrong) luaL_error(L, "field 'rule': '%s': %s", text, wrong);
+static void check_rule(lua_State *L, solver *s, const char *text) {
+    const char *nearest = NULL, *wrong;
     s->method = dm_method_find(s->nodes[0].name, &nearest);
     if (!s->method) unknown_rule(L, text, nearest);
     if (!(s->method->traits & DM_FOR_PAIRS) != !s->pair)
@@ -48,6 +47,27 @@ static void read_rule(lua_State *L, solver *s, const char *text) {
     if (s->method->check && (wrong = s->method->check(s->nodes)))
         luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong,
                    s->method->signature);
+}
+
+/* the rule on top of the stack, a string or a dm.rule; what the solver keeps of it takes its place */
+static void read_rule(lua_State *L, solver *s) {
+    const dml_rule *object = dml_torule(L, -1);
+    if (object) {
+        s->nodes[0] = object->rule;
+        lua_pushvalue(L, -1);
+        lua_setiuservalue(L, 3, DML_SOLVER_OBJECT);
+        lua_getiuservalue(L, -1, 2);
+        lua_replace(L, -2);
+    } else if (lua_type(L, -1) == LUA_TSTRING) {
+        const char *wrong = dm_rule_parse(s->nodes, lua_tostring(L, -1));
+        if (wrong) luaL_error(L, "field 'rule': '%s': %s", lua_tostring(L, -1), wrong);
+    } else {
+        luaL_error(L,
+                   "field 'rule' must be the name of a rule, for instance \"verlet\" or "
+                   "\"gauss(2)\", or a dm.rule as dm.galerkin makes them (got %s)",
+                   luaL_typename(L, -1));
+    }
+    check_rule(L, s, lua_tostring(L, -1));
 }
 
 /* newton = { tolerance =, max_iterations = } of the options at 1 */
@@ -95,13 +115,7 @@ static int new_solver(lua_State *L) {
     s->pair = system->pair;
     lua_getfield(L, 1, "rule");
     if (lua_isnil(L, -1) && s->pair) lua_pop(L, 1), lua_pushstring(L, "del");
-    if (lua_type(L, -1) != LUA_TSTRING)
-        luaL_error(L,
-                   "field 'rule' must be the name of a rule, for instance \"verlet\" or "
-                   "\"gauss(2)\" "
-                   "(got %s)",
-                   luaL_typename(L, -1));
-    read_rule(L, s, lua_tostring(L, -1));
+    read_rule(L, s);
     lua_setiuservalue(L, 3, DML_SOLVER_RULE);
     read_step(L, s, system);
     read_newton(L, s);

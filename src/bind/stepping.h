@@ -15,13 +15,14 @@ typedef struct {
 } dml_solver;
 
 /* user values of dm.solver: the system, the rule as written, the report of the last run,
- * the backend's name or nil */
+ * the backend's name or nil, the dm.rule (its text is the rule) or nil */
 enum {
     DML_SOLVER_SYSTEM = 1,
     DML_SOLVER_RULE,
     DML_SOLVER_REPORT,
     DML_SOLVER_BACKEND,
-    DML_SOLVER_VALUES = DML_SOLVER_BACKEND
+    DML_SOLVER_OBJECT,
+    DML_SOLVER_VALUES = DML_SOLVER_OBJECT
 };
 
 extern const char *const DML_SOLVER; /* "dm.solver" */

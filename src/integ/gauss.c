@@ -49,12 +49,16 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     return dm_stage_work(s, s, m);
 }
 
+static void basis(dm_galerkin *g, const dm_rule *rule) {
+    dm_quadrature q;
+    dm_quadrature_gauss(&q, stages(rule));
+    dm_galerkin_collocation(g, &q);
+    g->sweeps = sweeps(rule);
+}
+
 static dm_status open(dm_stepper *s) {
     dm_galerkin g;
-    dm_quadrature q;
-    dm_quadrature_gauss(&q, stages(s->rule));
-    dm_galerkin_collocation(&g, &q);
-    g.sweeps = sweeps(s->rule);
+    basis(&g, s->rule);
     return dm_stage_open(s, &g);
 }
 
@@ -71,6 +75,7 @@ const dm_method dm_method_gauss = {
     .check = check,
     .fits = fits,
     .order = order,
+    .basis = basis,
     .wants = dm_stage_wants,
     .work = work,
     .open = open,

@@ -15,6 +15,7 @@ typedef struct {
 } dm_report;
 
 typedef struct dm_stepper dm_stepper;
+struct dm_galerkin; /* stage.h */
 
 /* Members of an ensemble side by side in the lanes of vector registers, several groups of them. */
 typedef struct {
@@ -47,6 +48,8 @@ typedef struct {
     /* NULL when the rule can step the model, else a static sentence; may be NULL itself: any model */
     const char *(*fits)(const dm_rule *rule, const dm_model *m);
     int (*order)(const dm_rule *rule);
+    /* nodes and quadrature of a stage method (stage.h), whose step has a discrete Lagrangian; NULL: another kind */
+    void (*basis)(struct dm_galerkin *out, const dm_rule *rule);
     unsigned (*wants)(const dm_rule *rule,
                       const dm_model *m); /* DM_WANT_*; may depend on m->structure */
     size_t (*work)(const dm_rule *rule, const dm_model *m); /* doubles of workspace */

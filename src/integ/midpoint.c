@@ -15,11 +15,16 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     return dm_stage_work(1, 1, m);
 }
 
+static void basis(dm_galerkin *g, const dm_rule *rule) {
+    dm_quadrature q;
+    (void)rule;
+    dm_quadrature_gauss(&q, 1);
+    dm_galerkin_collocation(g, &q);
+}
+
 static dm_status open(dm_stepper *s) {
     dm_galerkin g;
-    dm_quadrature q;
-    dm_quadrature_gauss(&q, 1);
-    dm_galerkin_collocation(&g, &q);
+    basis(&g, s->rule);
     return dm_stage_open(s, &g);
 }
 
@@ -32,6 +37,7 @@ const dm_method dm_method_midpoint = {
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS,
     .check = check,
     .order = order,
+    .basis = basis,
     .wants = dm_stage_wants,
     .work = work,
     .open = open,

@@ -1,6 +1,7 @@
 #include "integ/quadrature.h"
 
 #include <math.h>
+#include <string.h>
 
 static const long double PI = 3.14159265358979323846264338327950288L;
 enum { STEPS = 100 }; /* Newton needs less than 10 */
@@ -77,6 +78,85 @@ void dm_quadrature_lobatto(dm_quadrature *out, int r) {
     }
 }
 
+/* zero of P_r + P_(r-1) other than -1 */
+static long double radau_node(int r, long double x) {
+    for (int step = 0; step < STEPS; step++) {
+        long double p, before;
+        legendre(&p, &before, r, x);
+        const long double dx = (p + before) / (slope(r, x) + slope(r - 1, x));
+        x -= dx;
+        if (fabsl(dx) < 1e-19L) break;
+    }
+    return x;
+}
+
+/* from the end -1; near the zeros are those of the Chebyshev polynomials: -cos(2 pi i / (2 r - 1)) */
+void dm_quadrature_radau_left(dm_quadrature *out, int r) {
+    out->r = r;
+    out->c[0] = 0.0L;
+    out->b[0] = 1.0L / ((long double)r * r);
+    for (int i = 1; i < r; i++) {
+        long double p, before;
+        const long double x = radau_node(r, -cosl(2.0L * PI * i / (2 * r - 1)));
+        legendre(&p, &before, r - 1, x);
+        out->c[i] = 0.5L * (1.0L + x);
+        out->b[i] = 0.5L * (1.0L - x) / ((long double)r * r * p * p);
+    }
+}
+
+void dm_quadrature_radau(dm_quadrature *out, int r) {
+    dm_quadrature left;
+    dm_quadrature_radau_left(&left, r);
+    out->r = r;
+    for (int i = 0; i < r; i++) {
+        out->c[i] = 1.0L - left.c[r - 1 - i];
+        out->b[i] = left.b[r - 1 - i];
+    }
+}
+
+/* Clenshaw and Curtis 1960: the integral of the cosine series of the interpolant */
+void dm_quadrature_clenshaw_curtis(dm_quadrature *out, int r) {
+    const int n = r - 1;
+    out->r = r;
+    for (int i = 0; i < r; i++) {
+        const long double x = i < r - 1 - i ? cosl(PI * i / n) : -cosl(PI * (n - i) / n);
+        long double w = 1.0L;
+        for (int j = 1; 2 * j <= n; j++)
+            w -= (2 * j == n ? 1.0L : 2.0L) * cosl(2.0L * PI * ((i * j) % n) / n) /
+                 (4 * j * j - 1);
+        out->c[i] = 2 * i == n ? 0.5L : 0.5L * (1.0L - x);
+        out->b[i] = (i == 0 || i == n ? 0.5L : 1.0L) * w / n;
+    }
+}
+
+const dm_quadrature_row dm_quadratures[] = {
+    {"gauss", 1, dm_quadrature_gauss},
+    {"lobatto", 2, dm_quadrature_lobatto},
+    {"radau", 1, dm_quadrature_radau},
+    {"radau-left", 1, dm_quadrature_radau_left},
+    {"clenshaw-curtis", 2, dm_quadrature_clenshaw_curtis},
+    {NULL, 0, NULL}};
+
+const dm_quadrature_row *dm_quadrature_find(const char *name) {
+    for (const dm_quadrature_row *row = dm_quadratures; row->name; row++)
+        if (strcmp(row->name, name) == 0) return row;
+    return NULL;
+}
+
+/* by Legendre polynomials, whose integrals are zero: powers of large degree could not be told apart */
+int dm_quadrature_degree(const dm_quadrature *q, double tolerance) {
+    for (int k = 0; k < 2 * q->r; k++) {
+        long double sum = k ? 0.0L : -1.0L;
+        for (int i = 0; i < q->r; i++) {
+            long double p, before;
+            legendre(&p, &before, k, 2.0L * q->c[i] - 1.0L);
+            sum += q->b[i] * p;
+        }
+        if (!(fabsl(sum) <= (long double)tolerance)) return k - 1;
+    }
+    return 2 * q->r - 1;
+}
+
 static long double basis(const long double *c, int s, int j, long double x) {
     long double l = 1.0L;
     for (int k = 0; k < s; k++)
@@ -98,4 +178,9 @@ void dm_lagrange(long double *value, long double *integral, const long double *c
         for (int i = 0; i < g.r; i++)
             integral[j] += x * g.b[i] * basis(c, s, j, x * g.c[i]);
     }
+}
+
+void dm_quadrature_interpolate(dm_quadrature *q) {
+    long double value[DM_QUADRATURE_NODES];
+    dm_lagrange(value, q->b, q->c, q->r, 1.0L);
 }

@@ -14,11 +14,13 @@
 #include "integ/quadrature.h"
 #include "integ/weight.h"
 
-typedef struct {
+typedef struct dm_galerkin {
     int s;                                 /* velocities */
     long double node[DM_QUADRATURE_NODES]; /* where they are taken, in [0, 1] */
     dm_quadrature q;                       /* exact to degree s - 1 at least */
     int sweeps; /* of the fixed point, a step; 0: to round-off */
+    int tableau; /* 1: r = s, d = 1, beta = b, and a is given instead of the Lagrange polynomials of the nodes */
+    long double a[DM_QUADRATURE_NODES][DM_QUADRATURE_NODES];
 } dm_galerkin;
 
 /* Coefficients, row-major; they live in the workspace. */
@@ -35,6 +37,12 @@ typedef struct {
 
 /* Velocities at the points of q. */
 void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q);
+
+/* Curves of degree s with any quadrature of s nodes or more (galerkin.c). */
+void dm_galerkin_of(dm_galerkin *g, int s, const dm_quadrature *q);
+
+/* The kinetic energy of the velocities is regular under the quadrature. */
+int dm_galerkin_is_regular(const dm_galerkin *g);
 
 /* Doubles of a table, and the table laid into them. */
 size_t dm_stage_table_size(size_t s, size_t r);

@@ -153,7 +153,7 @@ static int find_kernels(dm_stage *g, const dm_galerkin *basis) {
     static const char force, velocity;
     dm_stage_kernel *f = &g->sweeps.force, *v = &g->sweeps.velocity;
     const uint32_t r = g->table.r;
-    if (r > DM_SWEEP_WIDTH || !g->m->source.graph) return 0;
+    if (r > DM_SWEEP_WIDTH || !g->m->source.graph || basis->tableau) return 0;
     if (r == 1 && !g->separable) return 0; /* Newton's method is cheaper */
     if (g->separable ? !has_unknowns(g) : !is_collocation(g, basis)) return 0;
     const uint32_t width = dm_sweep_find(r)->width;

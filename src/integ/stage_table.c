@@ -8,6 +8,7 @@ enum { MOST = DM_QUADRATURE_NODES };
 void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q) {
     g->s = q->r;
     g->sweeps = 0;
+    g->tableau = 0;
     g->q = *q;
     memcpy(g->node, q->c, sizeof g->node);
 }
@@ -71,20 +72,36 @@ static void separable_part(dm_stage_table *t, const dm_galerkin *g, const exact 
     }
 }
 
+/* of the Lagrange polynomials of the nodes, or as the tableau says */
+static void find_exact(exact *e, const dm_galerkin *g) {
+    const int s = g->s, r = g->q.r;
+    long double value[MOST];
+    if (!g->tableau) {
+        dm_lagrange(value, e->beta, g->node, s, 1.0L);
+        for (int i = 0; i < r; i++) dm_lagrange(e->d[i], e->a[i], g->node, s, g->q.c[i]);
+        return;
+    }
+    for (int i = 0; i < r; i++) {
+        e->beta[i] = g->q.b[i];
+        for (int j = 0; j < s; j++) {
+            e->a[i][j] = g->a[i][j];
+            e->d[i][j] = i == j;
+        }
+    }
+}
+
 void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memory) {
     const int s = g->s, r = g->q.r;
     exact e;
-    long double value[MOST];
     out->s = (uint32_t)s;
     out->r = (uint32_t)r;
     lay_out(out, memory);
-    dm_lagrange(value, e.beta, g->node, s, 1.0L);
+    find_exact(&e, g);
     for (int j = 0; j < s; j++) {
         out->beta[j] = dm_weight_of(e.beta[j]);
         out->node[j] = dm_weight_of(g->node[j]);
     }
     for (int i = 0; i < r; i++) {
-        dm_lagrange(e.d[i], e.a[i], g->node, s, g->q.c[i]);
         out->b[i] = dm_weight_of(g->q.b[i]);
         out->c[i] = dm_weight_of(g->q.c[i]);
         for (int j = 0; j < s; j++) {

@@ -16,9 +16,15 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
 }
 
 /* one velocity, two points */
+static void basis(dm_galerkin *g, const dm_rule *rule) {
+    (void)rule;
+    *g = (dm_galerkin){.s = 1, .node = {0.5L}};
+    dm_quadrature_lobatto(&g->q, 2);
+}
+
 static dm_status open(dm_stepper *s) {
-    dm_galerkin g = {.s = 1, .node = {0.5L}};
-    dm_quadrature_lobatto(&g.q, 2);
+    dm_galerkin g;
+    basis(&g, s->rule);
     return dm_stage_open(s, &g);
 }
 
@@ -31,6 +37,7 @@ const dm_method dm_method_trapezoidal = {
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS,
     .check = check,
     .order = order,
+    .basis = basis,
     .wants = dm_stage_wants,
     .work = work,
     .open = open,

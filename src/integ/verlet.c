@@ -20,11 +20,16 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     return dm_splitting_fits(m) ? dm_splitting_work(m->n) : dm_stage_work(2, 2, m);
 }
 
+static void basis(dm_galerkin *g, const dm_rule *rule) {
+    dm_quadrature q;
+    (void)rule;
+    dm_quadrature_lobatto(&q, 2);
+    dm_galerkin_collocation(g, &q);
+}
+
 static dm_status open_implicit(dm_stepper *s) {
     dm_galerkin g;
-    dm_quadrature q;
-    dm_quadrature_lobatto(&q, 2);
-    dm_galerkin_collocation(&g, &q);
+    basis(&g, s->rule);
     return dm_stage_open(s, &g);
 }
 
@@ -61,6 +66,7 @@ const dm_method dm_method_verlet = {
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC,
     .check = check,
     .order = order,
+    .basis = basis,
     .wants = wants,
     .work = work,
     .open = open,

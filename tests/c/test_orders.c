@@ -191,6 +191,40 @@ static void quadratures_are_as_exact_as_promised(void) {
         }
 }
 
+/* and Radau and Clenshaw-Curtis; not one degree more */
+static void quadratures_with_names(void) {
+    for (const dm_quadrature_row *by = dm_quadratures; by->name; by++)
+        for (int r = by->least; r <= DM_QUADRATURE_NODES; r++) {
+            dm_quadrature q;
+            const int degree = strcmp(by->name, "gauss") == 0             ? 2 * r - 1
+                               : strcmp(by->name, "lobatto") == 0         ? 2 * r - 3
+                               : strcmp(by->name, "clenshaw-curtis") == 0 ? r - 1 + r % 2
+                                                                          : 2 * r - 2;
+            by->fill(&q, r);
+            CHECK(dm_quadrature_find(by->name) == by && q.r == r);
+            if (!CHECK(dm_quadrature_degree(&q, 1e-15) == degree))
+                printf("# %s(%d): %d\n", by->name, r, dm_quadrature_degree(&q, 1e-15));
+            for (int i = 0; i < r; i++) {
+                CHECK(q.c[i] >= (i ? q.c[i - 1] : 0.0L) && q.c[i] <= 1.0L &&
+                      q.b[i] > 0.0L);
+                dm_quadrature same = q;
+                dm_quadrature_interpolate(&same); /* the weights belong to the nodes */
+                if (r <= 12) CHECK_NEAR((double)(same.b[i] - q.b[i]), 0.0, 1e-15);
+            }
+        }
+    CHECK(dm_quadrature_find("simpson") == NULL);
+}
+
+static void radau_nodes_in_closed_form(void) {
+    dm_quadrature q; /* HLW IV.5: (4 -+ sqrt 6)/10, 1 and (16 -+ sqrt 6)/36, 1/9 */
+    dm_quadrature_radau(&q, 3);
+    CHECK_NEAR((double)q.c[0], (4.0 - sqrt(6.0)) / 10.0, 1e-16);
+    CHECK_NEAR((double)q.c[2], 1.0, 0.0);
+    CHECK_NEAR((double)q.b[0], (16.0 - sqrt(6.0)) / 36.0, 1e-16);
+    dm_quadrature_clenshaw_curtis(&q, 3); /* Simpson */
+    CHECK_NEAR((double)q.b[1], 2.0 / 3.0, 1e-16);
+}
+
 static double exact(dm_weight w) {
     return (double)dm_weight_exact(w);
 }
@@ -230,6 +264,8 @@ int main(void) {
     RUN(lobatto_nodes_in_closed_form, "Lobatto nodes and weights in closed form");
     RUN(quadratures_are_as_exact_as_promised,
         "quadratures are as exact as promised, r to 32");
+    RUN(quadratures_with_names, "quadratures by name: degree, weights of their nodes");
+    RUN(radau_nodes_in_closed_form, "Radau nodes in closed form, Simpson's weights");
     RUN(separable_tables_are_symplectic, "tables are symplectic to 1e-15");
     RUN(orders_on_separable_kepler, "every rule has its order on Kepler's problem");
     RUN(orders_on_kepler_taken_as_general, "and when its structure is hidden");
