@@ -2,6 +2,7 @@
 
 #include "expr/compact.h"
 #include "expr/emit_c.h"
+#include "expr/fma.h"
 #include "expr/tape.h"
 
 #include <dlfcn.h>
@@ -13,6 +14,13 @@
 #include <unistd.h>
 
 extern char **environ;
+
+/* without it fma() is a call */
+#if defined(__x86_64__)
+#define FUSED "-mfma"
+#else
+#define FUSED "-w"
+#endif
 
 enum { LONGEST = 512 };
 
@@ -57,6 +65,7 @@ static int run_compiler(workshop *w) {
                     "-O2",
                     "-ffp-contract=off",
                     "-fno-math-errno",
+                    dm_fma_is_fused() ? FUSED : "-w",
                     "-w",
                     "-shared",
                     "-fPIC",

@@ -148,6 +148,8 @@ static dm_node slope(dm_graph *g, dm_node n, int k) {
         return dm_constant(g, k == 0 ? 1.0 : -1.0);
     case DM_OP_MUL:
         return e.as.arg[1 - k];
+    case DM_OP_FMA:
+        return k == 2 ? one(g) : e.as.arg[1 - k];
     case DM_OP_DIV:
         return quotient_slope(g, n, k);
     case DM_OP_POW:

@@ -1,6 +1,7 @@
 #include "expr/emit_c.h"
 
 #include "expr/compact.h"
+#include "expr/fma.h"
 #include "expr/nodes.h"
 
 #include <math.h>
@@ -62,7 +63,8 @@ static void operand(const writer *w, dm_node n) {
 
 /* the C text of an operation with %a, %b, %c filled in */
 static void operation(const writer *w, const dm_expr *e) {
-    for (const char *c = c_text[e->op]; *c; c++) {
+    const int twice = e->op == DM_OP_FMA && !dm_fma_is_fused();
+    for (const char *c = twice ? "%a * %b + %c" : c_text[e->op]; *c; c++) {
         if (*c == '%')
             operand(w, e->as.arg[*++c - 'a']);
         else

@@ -1,5 +1,6 @@
 #include "expr/graph.h"
 
+#include "expr/fma.h"
 #include "expr/nodes.h"
 
 #include <assert.h>
@@ -158,6 +159,8 @@ static uint8_t nonnegative(const dm_graph *g, const dm_expr *e) {
         return g->nonnegative[a];
     case DM_OP_WHERE:
         return g->nonnegative[b] && g->nonnegative[c];
+    case DM_OP_FMA:
+        return (a == b || (g->nonnegative[a] && g->nonnegative[b])) && g->nonnegative[c];
     default:
         return 0;
     }
@@ -297,6 +300,8 @@ double dm_op_value(dm_op op, double a, double b, double c) {
         return a < b ? b : a;
     case DM_OP_WHERE:
         return a > 0 ? b : c;
+    case DM_OP_FMA:
+        return dm_fma(a, b, c);
     default:
         return NAN; /* leaves have no operands to work on */
     }

@@ -67,6 +67,9 @@ dm_node dm_mul(dm_graph *g, dm_node a, dm_node b);
 dm_node dm_div(dm_graph *g, dm_node a, dm_node b);
 dm_node dm_power(dm_graph *g, dm_node a, dm_node b);
 
+/* a * b + c, rounded once where the processor can (expr/fma.h). */
+dm_node dm_multiply_add(dm_graph *g, dm_node a, dm_node b, dm_node c);
+
 /* True with *value set when n is a constant. */
 int dm_is_constant(const dm_graph *g, dm_node n, double *value);
 

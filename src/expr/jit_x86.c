@@ -7,6 +7,7 @@
 
 #include "expr/code_memory.h"
 #include "expr/compact.h"
+#include "expr/fma.h"
 #include "expr/jit_pool.h"
 #include "expr/nodes.h"
 #include "expr/tape.h"
@@ -95,6 +96,43 @@ static void where(dm_emitter *e, const dm_step *s) {
     dm_define(e, s->d, d);
 }
 
+/* the operand of s whose register the result can have: it is in one, for the last time here; -1: none */
+static int dying_operand(const dm_emitter *e, const dm_step *s) {
+    static const int order[3] = {2, 0, 1};
+    for (int i = 0; i < 3; i++) {
+        const int k = order[i];
+        if (s->next[k] == DM_NEVER && e->at[s->arg[k]].reg >= 0) return k;
+    }
+    return -1;
+}
+
+/* a * b + c, which goes into the register of one of them, or of a copy of c */
+static void fused_sum(dm_emitter *e, const dm_step *s) {
+    const int k = dying_operand(e, s), first = k == 0 ? 1 : 0,
+              third = k == 2 || k < 0 ? 1 : 2;
+    const int a = dm_in_a_register(e, s->arg[first]);
+    int d = k < 0 ? 0 : dm_in_a_register(e, s->arg[k]);
+    if (k < 0) {
+        const dm_operand c = dm_anywhere(e, s->arg[2]);
+        d = dm_take_register(e);
+        dm_x86_load(&e->code, e->width, d, c);
+    }
+    const dm_operand last = dm_anywhere(e, s->arg[third]);
+    dm_x86_fma(&e->code, e->width, k == 2 || k < 0, d, a, last);
+    dm_pass_operands(e, s);
+    dm_define(e, s->d, d);
+}
+
+/* the same rounded twice; the product may go where an operand was that the sum does not need */
+static void plain_sum(dm_emitter *e, const dm_step *s) {
+    const int a = dm_in_a_register(e, s->arg[0]);
+    const int c = dm_in_a_register(e, s->arg[2]), d = dm_take_register(e);
+    dm_x86_op(&e->code, e->width, DM_X86_MUL, d, a, dm_anywhere(e, s->arg[1]));
+    dm_x86_op(&e->code, e->width, DM_X86_ADD, d, d, dm_in_register(c));
+    dm_pass_operands(e, s);
+    dm_define(e, s->d, d);
+}
+
 /* one value: arguments and result as the C calling convention has them */
 static void call_scalar(dm_emitter *e, const dm_step *s) {
     dm_save_registers(e);
@@ -153,6 +191,10 @@ static void emit_step(dm_emitter *e, const dm_step *s) {
         sign(e, s);
     else if (s->op == DM_OP_WHERE)
         where(e, s);
+    else if (s->op == DM_OP_FMA && dm_fma_is_fused())
+        fused_sum(e, s);
+    else if (s->op == DM_OP_FMA)
+        plain_sum(e, s);
     else if (e->width == DM_SCALAR)
         call_scalar(e, s);
     else

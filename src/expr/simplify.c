@@ -364,6 +364,10 @@ dm_node dm_div(dm_graph *g, dm_node a, dm_node b) {
     return dm_apply(g, DM_OP_DIV, a, b, 0);
 }
 
+dm_node dm_multiply_add(dm_graph *g, dm_node a, dm_node b, dm_node c) {
+    return dm_apply(g, DM_OP_FMA, a, b, c);
+}
+
 dm_node dm_power(dm_graph *g, dm_node a, dm_node b) {
     return dm_apply(g, DM_OP_POW, a, b, 0);
 }

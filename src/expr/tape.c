@@ -10,6 +10,7 @@
 #include "expr/tape.h"
 
 #include "expr/compact.h"
+#include "expr/fma.h"
 #include "expr/nodes.h"
 
 #include <math.h>
@@ -90,6 +91,7 @@ __attribute__((noinline)) static const void *const *engine(const tape *t, double
     DO(MIN, B < A ? B : A)
     DO(MAX, A < B ? B : A)
     DO(WHERE, A > 0 ? B : C)
+    DO(FMA, dm_fma(A, B, C))
     DO(MUL_ADD, A * B + C)
     DO(MUL_SUB, A * B - C)
     DO(SUB_MUL, C - A * B)

@@ -135,6 +135,16 @@ void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int rela
     byte(c, relation);
 }
 
+void dm_x86_fma(dm_code *c, dm_width w, int accumulate, int d, int a, dm_operand b) {
+    const form f = {.map = MAP_0F38,
+                    .opcode = (accumulate ? 0xB8 : 0xA8) | (w == DM_SCALAR),
+                    .reg = d,
+                    .vvvv = a,
+                    .wide = 1,
+                    .prefix = PP_66};
+    emit(c, w, &f, b);
+}
+
 void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask) {
     if (w == DM_LANES8) {
         const form f = {.map = MAP_0F38,

@@ -66,6 +66,8 @@ enum { DM_X86_LESS = 0x11, DM_X86_GREATER = 0x1E }; /* ordered, quiet */
 
 /* d = all ones where a `relation` b (8 lanes: mask register d) */
 void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int relation);
+/* d = d * a + b, or d = a * b + d (accumulate), rounded once */
+void dm_x86_fma(dm_code *c, dm_width w, int accumulate, int d, int a, dm_operand b);
 /* d = mask ? yes : no */
 void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask);
 /* 8 lanes: d = mask register ? from : 0 */

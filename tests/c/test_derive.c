@@ -151,6 +151,8 @@ static long double apply_long(dm_op op, long double a, long double b, long doubl
         return b < a ? b : a;
     case DM_OP_MAX:
         return a < b ? b : a;
+    case DM_OP_FMA:
+        return a * b + c;
     default:
         return a > 0 ? b : c;
     }

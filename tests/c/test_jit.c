@@ -1,4 +1,5 @@
 /* native code gives the bits of a node-by-node sweep, in every width */
+#include "expr/fma.h"
 #include "expr/jit.h"
 #include "expr/tape.h"
 
@@ -71,6 +72,17 @@ static void lanes8(void) {
 
 static void large(void) {
     many_graphs(7, 3, 100000, 1);
+}
+
+/* a processor without the instruction: a * b + c is rounded twice on all roads */
+static void rounded_twice(void) {
+    dm_fma_allow(0);
+    CHECK(dm_fma(1.0 + 0x1p-52, 1.0 - 0x1p-52, -1.0) == 0.0);
+    many_graphs(12, 300, 60, 1);
+    many_graphs(13, 300, 60, 4);
+    many_graphs(14, 300, 60, 8);
+    dm_fma_allow(1);
+    if (dm_fma_is_fused()) CHECK(dm_fma(1.0 + 0x1p-52, 1.0 - 0x1p-52, -1.0) == -0x1p-104);
 }
 
 /* more live values than registers, used in an order that spills */
@@ -229,6 +241,7 @@ int main(int argc, char **argv) {
     RUN(lanes4, "4100 random graphs in 4 lanes");
     RUN(lanes8, "4100 random graphs in 8 lanes");
     RUN(large, "graphs of up to 100000 operations");
+    RUN(rounded_twice, "fused multiply-add, and where there is none");
     RUN(pressure, "more values alive than registers");
     RUN(model_kernels, "kernels of the models: tape = native code, bit for bit");
     if (dm_jit_lanes())
