@@ -1,5 +1,6 @@
 /* bind_discrete.c - `dm.discrete_lagrangian`: Ld(q0, q1) of a user, or of a system and a
  * rule. */
+#include "bind/model_ties.h"
 #include "bind/space.h"
 #include "bind/system.h"
 
@@ -153,6 +154,10 @@ static void options_of_system(lua_State *L) {
                                          "units", "params", NULL};
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
+    if (dml_istied(L, 1))
+        luaL_error(L, "a discrete Lagrangian has no place for the constraints and forces "
+                      "of a system: solve it with a rule, for instance "
+                      "system:solver{rule = \"rattle\", h = 0.01}");
     lua_getfield(L, 2, "rule");
     const char *rule = luaL_optstring(L, -1, "");
     const int midpoint = strcmp(rule, "midpoint") == 0;

@@ -32,7 +32,7 @@ static void options_from_pair(lua_State *L) {
 }
 
 static int solver_step(lua_State *L) {
-    static const char *const known[] = {"q", "v", "p", "q0", "q1", "t0", NULL};
+    static const char *const known[] = {"q", "v", "p", "q0", "q1", "t0", "project", NULL};
     dml_stepping r = {.solver = check(L)};
     const int pair = lua_gettop(L) > 2;
     long done = 0;
@@ -115,26 +115,32 @@ static int rules(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
 static const dml_row methods[] = {
     {"run", dml_solver_run,
-     "solver:run{q=, v=, p=, q0=, q1=, steps=, t=, at=, every=, t0=} -> dm.path\n"
+     "solver:run{q=, v=, p=, q0=, q1=, steps=, t=, at=, every=, t0=, project=} -> "
+     "dm.path\n"
      "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q "
      "and the momentum p, "
      "or from two positions q0, q1 one step apart (each dim Q numbers); keep the start, "
      "one state in "
      "`every` (default 1) and the end, or the states at the growing times `at` (by a "
      "shorter step on the side, which "
-     "leaves the run as it is); t0 (default 0) is the time of the start. The "
+     "leaves the run as it is); t0 (default 0) is the time of the start. With "
+     "constraints the start must lie on them, and its velocity be tangent: project = "
+     "true moves it to the nearest such state in the metric of the mass. The "
      "Lagrangian is traced anew, so "
      "changed upvalues are picked up. Raises dm.failure with the path so far when a step "
      "cannot be "
      "solved, the state stops being finite, or on Ctrl-C."},
     {"step", solver_step,
-     "solver:step{q=, v=, p=, q0=, q1=, t0=} -> q, p   or   solver:step(q0, q1) -> q2\n"
+     "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, "
+     "q1) -> q2\n"
      "One step from a state, or the next position after two positions one step apart."},
     {"report", solver_report,
      "solver:report() -> table\n"
      "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
      "evaluation), trace_ms, compile_ms "
-     "(trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations."},
+     "(trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations; with "
+     "constraints: constraint and rolling, the largest |g| and |phi| at the end of a "
+     "step."},
     {NULL, NULL, NULL}};
 static const dml_row functions[] = {
     {"solver", dml_solver_new,

@@ -1,4 +1,5 @@
 /* bind_system.c - `dm.system`: a configuration space and a Lagrangian L(q, v, t). */
+#include "bind/model_ties.h"
 #include "bind/space.h"
 #include "bind/system.h"
 #include "expr/analyse.h"
@@ -122,6 +123,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
                   pair ? "a function of (q0, q1) or (q0, q1, h)"
                        : "a function of (q, v) or (q, v, t)");
     check_coordinates(L, n);
+    if (!pair) dml_checktiefields(L, wants_hyperdual(L));
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
     *s = (dml_system){.n = n, .pair = pair, .hyperdual = wants_hyperdual(L), .h = h};
@@ -134,8 +136,9 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
 }
 
 static int system_new(lua_State *L) {
-    static const char *const known[] = {"Q",     "L",      "name",        "coordinates",
-                                        "units", "params", "derivatives", NULL};
+    static const char *const known[] = {"Q",       "L",      "name",        "coordinates",
+                                        "units",   "params", "derivatives", "constraint",
+                                        "rolling", "force",  "reaction",    NULL};
     dml_newsystem(L, known, 0);
     return 1;
 }
@@ -242,6 +245,11 @@ static int system_structure(lua_State *L) {
     set_flag(L, "diagonal_mass", (bits & DM_DIAGONAL_MASS) != 0);
     set_flag(L, "autonomous", (bits & DM_AUTONOMOUS) != 0);
     set_flag(L, "linear_in_v", (bits & DM_LINEAR_IN_V) != 0);
+    set_flag(L, "forced", m->ties.forced);
+    lua_pushinteger(L, m->ties.holonomic);
+    lua_setfield(L, -2, "constraints");
+    lua_pushinteger(L, m->ties.rolling);
+    lua_setfield(L, -2, "rolling");
     lua_pushinteger(L, m->model.operations);
     lua_setfield(L, -2, "operations");
     lua_newtable(L);
@@ -312,6 +320,7 @@ static int system_tostring(lua_State *L) {
         lua_pushfstring(L, "%d operations, derivatives exact", (int)m->model.operations);
         luaL_addvalue(&b);
     }
+    dml_describeties(L, &b, m);
     luaL_pushresult(&b);
     return 1;
 }
@@ -349,15 +358,16 @@ static const dml_row methods[] = {
      "system:structure() -> table\n"
      "What was read off the graph of L: separable, constant_mass, diagonal_mass, "
      "autonomous, linear_in_v "
-     "(booleans), cyclic (names of coordinates that L does not depend on), operations."},
+     "(booleans), cyclic (names of coordinates that L does not depend on), operations; "
+     "and how the system is tied: constraints, rolling (how many), forced (boolean)."},
     {"graph", system_graph,
      "system:graph() -> string\nThe expression graph of L, one assignment a line; "
      "coordinates and their rates by name."},
     {NULL, NULL, NULL}};
 static const dml_row functions[] = {
     {"system", system_new,
-     "dm.system{Q=, L=, name=, coordinates=, units=, params=, derivatives=} -> "
-     "dm.system\n"
+     "dm.system{Q=, L=, constraint=, rolling=, force=, reaction=, name=, coordinates=, "
+     "units=, params=, derivatives=} -> dm.system\n"
      "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, "
      "with params, "
      "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at "
@@ -366,7 +376,15 @@ static const dml_row functions[] = {
      "table name -> unit, used "
      "for labels; derivatives: \"exact\" (traced, the default) or \"hyperdual\" for "
      "functions that "
-     "branch on the state. Raises when L cannot be traced, with what to use instead."},
+     "branch on the state. Raises when L cannot be traced, with what to use instead.\n"
+     "constraint(q [, t]) returns what shall be zero along every path (holonomic: "
+     "reactions along its gradient), "
+     "rolling(q, v [, t]) what shall be zero of the velocities (reactions along its "
+     "derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) "
+     "returns), "
+     "force(q, v [, t]) dim Q numbers that are added to dL/dq (discrete "
+     "Lagrange-d'Alembert); each a number, a vector or a table, traced like L. Rules "
+     "that do not know them refuse the system and name those that do."},
     {NULL, NULL, NULL}};
 
 void dml_open_system(lua_State *L) {
@@ -375,5 +393,6 @@ void dml_open_system(lua_State *L) {
         "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
         "fields: Q, L, name, coordinates, units, params",
         meta, methods, system_field);
+    dml_addmethods(L, DML_SYSTEM, dml_tie_methods);
     dml_setfunctions(L, functions);
 }

@@ -1,6 +1,7 @@
 /* ensemble_run.c - `solver:ensemble{}`: starts, threads, parts with the same parameters, the run itself. */
 #include "bind/ensemble.h"
 #include "bind/failure.h"
+#include "bind/start_ties.h"
 #include "bind/terminal.h"
 
 #include <math.h>
@@ -80,6 +81,23 @@ static int check_sources(lua_State *L, const dml_solver *solver, long members) {
     return velocity;
 }
 
+/* member i, whose q and p are known, must lie on the ties */
+static void start_on_ties(lua_State *L, const part *these, dml_stepping *r, long i) {
+    const uint32_t n = these->e->n;
+    double *state = these->e->state + (size_t)i * dm_state_size(n), *x = r->x;
+    const char *who = lua_pushfstring(L, "member %d: ", (int)i + 1);
+    memcpy(x, state, n * sizeof *x);
+    memset(x + n, 0, n * sizeof *x);
+    x[2 * n] = r->t0;
+    if (dm_legendre_inverse(&r->model->model, x + n, x, state + n, r->t0, r->work) ==
+        DM_OK) {
+        memcpy(r->state, state, dm_state_size(n) * sizeof *state);
+        dml_start_on_ties(L, r, who, !these->velocity);
+        memcpy(state, r->state, dm_state_size(n) * sizeof *state);
+    }
+    lua_pop(L, 1);
+}
+
 /* starts: q, and p given or by the Legendre transform; a member whose transform fails is marked */
 static void read_starts(lua_State *L, const part *these, dml_stepping *r) {
     const uint32_t n = these->e->n;
@@ -89,10 +107,13 @@ static void read_starts(lua_State *L, const part *these, dml_stepping *r) {
         double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *x = r->x;
         read_member(L, "q", i, q, n);
         read_member(L, second, i, p, n);
-        if (!these->velocity) continue;
-        memcpy(x, p, n * sizeof *x);
-        if (dm_legendre(&r->model->model, p, q, x, r->t0, r->work) != DM_OK) p[0] = NAN;
-        dml_rethrow(L, r->model);
+        if (these->velocity) {
+            memcpy(x, p, n * sizeof *x);
+            if (dm_legendre(&r->model->model, p, q, x, r->t0, r->work) != DM_OK)
+                p[0] = NAN;
+            dml_rethrow(L, r->model);
+        }
+        if (r->model->model.ties) start_on_ties(L, these, r, i);
     }
 }
 
@@ -234,8 +255,8 @@ static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
 }
 
 int dml_solver_ensemble(lua_State *L) {
-    static const char *const known[] = {"members", "q",  "v",       "p",    "steps",
-                                        "t",       "t0", "threads", "vary", NULL};
+    static const char *const known[] = {
+        "members", "q", "v", "p", "steps", "t", "t0", "threads", "vary", "project", NULL};
     const dml_solver *solver = luaL_checkudata(L, 1, DML_SOLVER);
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);

@@ -1,6 +1,7 @@
 /* model.c - from the Lua function of a system to the kernels of a run. */
 #include "bind/backend.h"
 #include "bind/model_kept.h"
+#include "bind/model_ties.h"
 #include "bind/state.h"
 #include "bind/system.h"
 #include "expr/sum.h"
@@ -45,19 +46,26 @@ static int bound_call(lua_State *L) {
     return 1;
 }
 
+void dml_pushbound(lua_State *L, int arg, const char *key) {
+    arg = lua_absindex(L, arg);
+    dml_systemfield(L, arg, key);
+    if (dml_systemfield(L, arg, "params") != LUA_TNIL)
+        lua_pushcclosure(L, bound_call, 2);
+    else
+        lua_pop(L, 1);
+}
+
 /* push the function of the system at arg, its constant arguments bound */
 static void push_function(lua_State *L, int arg, const dml_system *s) {
     arg = lua_absindex(L, arg);
-    dml_systemfield(L, arg, s->pair ? "Ld" : "L");
-    if (s->pair) {
-        lua_pushnumber(L, s->h);
-        dml_systemfield(L, arg, "params");
-        lua_pushcclosure(L, bound_call, 3);
-    } else if (dml_systemfield(L, arg, "params") != LUA_TNIL) {
-        lua_pushcclosure(L, bound_call, 2);
-    } else {
-        lua_pop(L, 1);
+    if (!s->pair) {
+        dml_pushbound(L, arg, "L");
+        return;
     }
+    dml_systemfield(L, arg, "Ld");
+    lua_pushnumber(L, s->h);
+    dml_systemfield(L, arg, "params");
+    lua_pushcclosure(L, bound_call, 3);
 }
 
 static void check_status(lua_State *L, dm_status status) {
@@ -90,6 +98,13 @@ static void refuse_many(lua_State *L, const dml_model *m) {
                (int)m->n, (int)m->n, (int)m->n, LARGEST_WRITTEN_OUT);
 }
 
+/* after every dm_model_build, which knows nothing of them */
+static void attach_ties(dml_model *m) {
+    if (!m->tied.graph) return;
+    m->model.ties = &m->ties;
+    if (m->ties.structure & DM_TIES_TIMED) m->model.structure &= ~(unsigned)DM_AUTONOMOUS;
+}
+
 /* 0: the graph is too large */
 static int read_structure(lua_State *L, dml_model *m, int pair) {
     refuse_many(L, m);
@@ -104,7 +119,19 @@ static int read_structure(lua_State *L, dml_model *m, int pair) {
                      "a kinetic energy that is no sum of m v^2/2 with constant masses");
     if (status == DM_TOO_LARGE) return 0;
     check_status(L, status);
+    attach_ties(m);
     return 1;
+}
+
+/* derivatives of the ties; sums in L are written out, since a tied step needs dense kernels */
+static void read_ties(lua_State *L, dml_model *m) {
+    if (!m->tied.graph) return;
+    if (!m->graph)
+        luaL_error(L, "L is too large to trace, and a system with constraints or a force "
+                      "needs its exact derivatives: is there a long loop in L?");
+    dml_buildties(L, m);
+    dml_writeout(L, m);
+    m->traced = dm_graph_size(m->graph);
 }
 
 static void go_hyperdual(lua_State *L, dml_model *m, int fn, const dml_signature *sig) {
@@ -145,6 +172,7 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
         m->graph = traced.graph;
         m->lagrangian = traced.out[0];
         m->traced = m->graph ? dm_graph_size(m->graph) : 0;
+        dml_traceties(L, arg, m);
         dml_model *last = m->graph && compile ? dml_pushkept(L, arg, m, compile) : NULL;
         if (last) {
             last->trace_ms = now_ms() - start;
@@ -153,6 +181,7 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
             lua_settop(L, fn);
             return last;
         }
+        read_ties(L, m);
         if (!read_structure(L, m, s->pair)) warn_too_large(s, sig.what);
     }
     if (s->hyperdual) go_hyperdual(L, m, fn, &sig);
@@ -170,9 +199,25 @@ dml_model *dml_pushlast(lua_State *L, int arg, const char *backend) {
     return push_model(L, arg, dml_findbackend(L, backend)->compile);
 }
 
+static const dml_backend *backend_of(lua_State *L, const dml_model *m,
+                                     const char *backend) {
+    return dml_findbackend(L, dml_arenalost(m->arena) ? "tape" : backend);
+}
+
+static void want_ties(lua_State *L, dml_model *m, unsigned want, const char *backend) {
+    const unsigned missing = want & DM_WANT_TIES & ~m->ties.has;
+    if (!m->tied.graph || !missing) return;
+    const double start = now_ms();
+    check_status(L, dm_ties_want(&m->ties, missing, backend_of(L, m, backend)->compile));
+    m->compile_ms += now_ms() - start;
+}
+
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (dml_arenalost(m->arena))
-        m->model.has = 0; /* called by a finalizer: made again, on the tape */
+        m->model.has = m->ties.has =
+            0; /* called by a finalizer: made again, on the tape */
+    want_ties(L, m, want, backend);
+    want &= ~(unsigned)DM_WANT_TIES;
     const unsigned missing = want & ~m->model.has;
     const int pair = (want & DM_WANT_PAIR) != 0;
     if (!missing) return;
@@ -183,14 +228,14 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (m->callback) {
         dml_hyperdual_model(L, m, missing, pair);
     } else {
-        const dml_backend *row =
-            dml_findbackend(L, dml_arenalost(m->arena) ? "tape" : backend);
+        const dml_backend *row = backend_of(L, m, backend);
         const dm_status status =
             pair ? dm_model_build_pair(&m->model, m->graph, m->lagrangian, m->n,
                                        row->compile, m->arena)
                  : dm_model_build(&m->model, m->graph, m->lagrangian, m->n,
                                   want | m->model.has, row->compile, m->arena);
         check_status(L, status);
+        attach_ties(m);
         if (m->compile) m->model.source.kept = &m->kept;
         m->backend = pair ? m->model.pair.backend : m->model.value.backend;
     }
@@ -246,8 +291,9 @@ void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
         dml_trace_check_start(L, lua_gettop(L), &sig, &m->model.value, x);
     else
         dml_trace_check(L, lua_gettop(L), &sig, &m->model.value, x);
-    m->checked = 1;
     lua_pop(L, 1);
+    dml_checkties(L, arg, m, x);
+    m->checked = 1;
 }
 
 void dml_rethrow(lua_State *L, dml_model *m) {

@@ -1,5 +1,6 @@
 #include "bind/model_kept.h"
 
+#include "bind/model_ties.h"
 #include "bind/state.h"
 
 #include <string.h>
@@ -29,16 +30,19 @@ static int same_node(const dm_expr *a, const dm_expr *b) {
     return 1;
 }
 
+int dml_samenodes(const dm_graph *a, const dm_graph *b, uint32_t size) {
+    for (dm_node i = 0; i < size; i++)
+        if (!same_node(dm_graph_at(a, i), dm_graph_at(b, i))) return 0;
+    return 1;
+}
+
 /* the trace of *fresh is the beginning of the graph of *kept, to which derivatives were added */
 static int same_trace(const dml_model *kept, const dml_model *fresh) {
     const uint32_t size = dm_graph_size(fresh->graph);
     if (kept->traced != size || kept->lagrangian != fresh->lagrangian ||
         kept->n != fresh->n)
         return 0;
-    for (dm_node i = 0; i < size; i++)
-        if (!same_node(dm_graph_at(kept->graph, i), dm_graph_at(fresh->graph, i)))
-            return 0;
-    return 1;
+    return dml_samenodes(kept->graph, fresh->graph, size) && dml_sameties(kept, fresh);
 }
 
 dml_model *dml_pushkept(lua_State *L, int arg, const dml_model *m, dm_compile *compile) {

@@ -11,6 +11,9 @@
 ** pushed when there is none. */
 dml_model *dml_pushkept(lua_State *L, int arg, const dml_model *m, dm_compile *compile);
 
+/* Are the first `size` nodes of both graphs the same? */
+int dml_samenodes(const dm_graph *a, const dm_graph *b, uint32_t size);
+
 /* Keep the model on top of the stack, just traced, in place of the last one. */
 void dml_keep(lua_State *L, int arg, dml_model *m, dm_compile *compile);
 

@@ -11,7 +11,8 @@ typedef struct {
     long steps;      /* finished */
     double h, t0, t; /* step, first and last time */
     double ns_per_step;
-    const char *rule; /* as the user gave it; kept by the path */
+    double constraint, rolling; /* largest |g|, |phi| that the solver saw */
+    const char *rule;           /* as the user gave it; kept by the path */
     double *state; /* the last state with its low-order parts: dm_state_size(n) doubles */
     double *data;  /* rows x (1 + 2n) */
 } dml_path;

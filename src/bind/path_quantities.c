@@ -4,6 +4,7 @@
 #include "bind/space.h"
 #include "run/drift.h"
 
+#include <math.h>
 #include <string.h>
 
 static dml_path *check(lua_State *L) {
@@ -61,6 +62,43 @@ int dml_path_energy(lua_State *L) {
         dm_kernel_eval(&m->model.energy, x, E + i);
     }
     dml_rethrow(L, m);
+    return 1;
+}
+
+/* largest of |y[i]|; NaN stays */
+static double largest(double so_far, const double *y, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (!(fabs(y[i]) <= so_far)) so_far = fabs(y[i]);
+    return so_far;
+}
+
+/* largest |g| or |phi| over the rows: the outputs that a kernel of the ties begins with */
+static double worst_of_rows(lua_State *L, const dml_path *p, int rolling) {
+    dml_model *m = model_for(L, rolling ? DM_WANT_ROLLING : DM_WANT_HOLONOMIC);
+    const dm_ties *t = m->model.ties;
+    const dm_kernel *kernel = rolling ? &t->rolling_kernel : &t->holonomic_kernel;
+    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1, worst = 0.0;
+    double *y = lua_newuserdatauv(L, kernel->outputs * sizeof *y, 0);
+    dm_kernel_prepare(kernel, y);
+    for (long i = 0; i < p->rows; i++) {
+        check_row(L, m, read_row(p, m, i, x, work), i);
+        dm_kernel_eval(kernel, x, y);
+        worst = largest(worst, y, rolling ? t->rolling : t->holonomic);
+    }
+    return worst;
+}
+
+static int path_worst(lua_State *L) {
+    static const char *const names[] = {"constraint", "rolling", NULL};
+    const dml_path *p = check(L);
+    const int rolling = luaL_checkoption(L, 2, NULL, names);
+    lua_getiuservalue(L, 1, DML_PATH_MODEL);
+    const dml_model *m = lua_touserdata(L, -1);
+    if (!m->model.ties || !(rolling ? m->ties.rolling : m->ties.holonomic))
+        luaL_error(L, "the system of this path has no %s",
+                   rolling ? "rolling constraint" : "constraint");
+    const double seen = rolling ? p->rolling : p->constraint;
+    lua_pushnumber(L, largest(seen, (double[]){worst_of_rows(L, p, rolling)}, 1));
     return 1;
 }
 
@@ -159,6 +197,11 @@ static int path_drift(lua_State *L) {
 }
 
 const dml_row dml_path_quantities[] = {
+    {"worst", path_worst,
+     "path:worst(\"constraint\" | \"rolling\") -> number\n"
+     "The largest |g(q, t)| or |phi(q, v, t)| at the rows (v from the momentum) and, "
+     "where "
+     "the rule looks at it in every step, over all of its steps."},
     {"column", path_column,
      "path:column(name) -> dm.vector of #path entries\n"
      "A column by its name (see path.columns; \"time\" and \"energy\" too)."},

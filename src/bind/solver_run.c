@@ -96,11 +96,20 @@ static dm_run_plan read_plan(lua_State *L, const solver *s) {
     return plan;
 }
 
+static uint32_t tie_operations(const dm_ties *t, unsigned wants) {
+    return (wants & DM_WANT_HOLONOMIC ? t->holonomic_kernel.operations : 0) +
+           (wants & DM_WANT_ROLLING ? t->rolling_kernel.operations : 0) +
+           (wants & DM_WANT_TIE_FORCE ? t->force.operations : 0) +
+           (wants & DM_WANT_FORCE_CURVE ? t->force_curve.operations : 0) +
+           (wants & DM_WANT_REACTION ? t->reaction.operations : 0);
+}
+
 static uint32_t operations(const dm_model *m, unsigned wants) {
     return (wants & DM_WANT_STAGE ? m->stage.operations : 0) +
            (wants & DM_WANT_FORCE ? m->force.operations : 0) +
            (wants & DM_WANT_SLOPE ? m->slope.operations : 0) +
-           (wants & DM_WANT_PAIR ? m->pair.operations : 0);
+           (wants & DM_WANT_PAIR ? m->pair.operations : 0) +
+           (m->ties ? tie_operations(m->ties, wants) : 0);
 }
 
 static void set_number(lua_State *L, const char *key, double x) {
@@ -133,6 +142,10 @@ static void keep_report(lua_State *L, const dml_stepping *r, long steps, double 
     set_count(L, "evaluations", report->evaluations);
     set_number(L, "newton_per_step",
                steps ? (double)report->newton / (double)steps : 0.0);
+    if (r->model->model.ties) {
+        set_number(L, "constraint", report->constraint);
+        set_number(L, "rolling", report->rolling);
+    }
     lua_setiuservalue(L, 1, DML_SOLVER_REPORT);
 }
 
@@ -153,8 +166,8 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
 }
 
 int dml_solver_run(lua_State *L) {
-    static const char *const known[] = {"q",  "v",     "p", "q0", "q1", "steps",
-                                        "t0", "every", "t", "at", NULL};
+    static const char *const known[] = {"q",  "v",     "p", "q0", "q1",      "steps",
+                                        "t0", "every", "t", "at", "project", NULL};
     dml_stepping r = {.solver = check(L)};
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
@@ -178,6 +191,8 @@ int dml_solver_run(lua_State *L) {
     path->rows = rows, path->steps = done;
     path->t = rows ? path->data[(size_t)(rows - 1) * dml_path_width(path)] : plan.t0;
     path->ns_per_step = done ? seconds * 1e9 / (double)done : 0.0;
+    path->constraint = r.stepper.report.constraint;
+    path->rolling = r.stepper.report.rolling;
     memcpy(path->state, r.state, dm_state_size(path->n) * sizeof(double));
     keep_report(L, &r, done, seconds);
     dml_solver_fail(L, &r, status, done, at);

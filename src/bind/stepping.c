@@ -1,5 +1,6 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/stepping.h"
+#include "bind/start_ties.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,12 +20,13 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     const size_t mass = s->n * (m->structure & DM_LOOPS ? 0 : (size_t)s->n);
     const size_t scratch =
         s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
-    const size_t total = work + state + 2 * s->n + 1 + scratch;
+    const size_t total = work + state + 2 * s->n + 1 + scratch + dml_start_work(m);
     r->stepper.work = lua_newuserdatauv(L, total * sizeof(double), 0);
     memset(r->stepper.work, 0, total * sizeof(double));
     r->state = r->stepper.work + work;
     r->x = r->state + state;
     r->work = r->x + 2 * s->n + 1;
+    r->metric = r->work + scratch;
 }
 
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
@@ -41,13 +43,14 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                    "shows it), and rule "
                    "'%s' needs a regular Lagrangian",
                    s->nodes[0].name);
+    dml_refuseties(L, r);
     const char *refusal =
         s->method->fits ? s->method->fits(s->nodes, &r->model->model) : NULL;
     if (refusal)
         luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = s->method->wants(s->nodes, &r->model->model);
     dml_want(L, r->model,
-             r->wants | DM_WANT_VALUE |
+             r->wants | DM_WANT_VALUE | dml_start_wants(r) |
                  (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants)),
              backend_name(L));
     r->stepper = (dm_stepper){.method = s->method,
@@ -107,10 +110,12 @@ static void start_here(lua_State *L, dml_stepping *r) {
     if (has(L, "v")) {
         dml_checkmodel(L, r->system, r->model, r->x);
         check_legendre(L, r, dm_legendre(m, p, q, v, r->t0, r->work));
+        dml_start_on_ties(L, r, "", 0);
         return;
     }
     check_legendre(L, r, dm_legendre_inverse(m, v, q, p, r->t0, r->work));
     dml_checkmodel(L, r->system, r->model, r->x);
+    dml_start_on_ties(L, r, "", 1);
 }
 
 /* two positions of a discrete Lagrangian: p0 = -D1 Ld(q0, q1) */
@@ -185,9 +190,12 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     const dm_kernel *mass = &r->model->model.mass;
     double *q1 = r->x + n;
+    dml_numbers(L, 2, "q1", r->x, n);
+    dml_check_on_ties(L, r, "q1: ");
     dml_numbers(L, 2, "q0", r->state, n);
     dml_numbers(L, 2, "q1", q1, n);
     memcpy(r->x, r->state, n * sizeof(double));
+    dml_check_on_ties(L, r, "q0: ");
     for (uint32_t i = 0; i < n; i++) q1[i] = (q1[i] - r->x[i]) / r->solver->h;
     r->x[2 * n] = r->t0;
     dml_checkmodel(L, r->system, r->model, r->x);
@@ -214,7 +222,8 @@ static void open_stepper(lua_State *L, dml_stepping *r) {
 static void start_between(lua_State *L, dml_stepping *r) {
     guess_momentum(L, r);
     open_stepper(L, r);
-    const dm_status status = shoot(r, r->x + r->solver->n);
+    dm_status status = shoot(r, r->x + r->solver->n);
+    if (status == DM_OK) status = dml_tangent_momentum(r);
     if (status == DM_OK) return;
     dml_stepping_end(r);
     dml_rethrow(L, r->model);

@@ -41,6 +41,8 @@ typedef struct {
     double *x;     /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
     double *state; /* dm_state_size doubles */
     double *work;  /* for the Legendre transform */
+    double *
+        metric; /* with ties: the inverse of the mass matrix, then scratch (start_ties.h) */
 } dml_stepping;
 
 /* Trace, make the kernels and take all memory. Leaves system, model and workspace on the

@@ -4,7 +4,7 @@
 #define DML_SYSTEM_H
 
 #include "bind/trace.h"
-#include "mech/model.h"
+#include "mech/ties.h"
 
 /* A mechanical system: the userdata keeps numbers, its user value 1 the fields as given.
  */
@@ -32,6 +32,9 @@ int dml_systemfield(lua_State *L, int arg, const char *key);
  * (from 0). */
 const char *dml_coordinate(lua_State *L, int arg, uint32_t i);
 
+/* The functions that tie a system (model_ties.h). */
+enum { DML_CONSTRAINT, DML_ROLLING, DML_FORCE, DML_REACTION, DML_TIE_FUNCTIONS };
+
 /* A traced system: what one run uses. Pushed as a userdata that keeps arena and function
  * alive. */
 typedef struct {
@@ -47,6 +50,11 @@ typedef struct {
     int checked;         /* compared with the function around the start of a run */
     dm_compile *compile; /* of a model that is kept (model_kept.h), else NULL */
     dm_kept *kept;       /* kernels of methods */
+    dml_traced tie
+        [DML_TIE_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
+    dm_ties_traced tied;     /* all in one graph, NULL without any */
+    uint32_t ties_traced;    /* its nodes, before derivatives */
+    dm_ties ties;
 } dml_model;
 
 /* Trace the system at `arg` and push its model with no kernels yet but its structure. */
@@ -62,6 +70,9 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend);
 
 /* From now on the graph of *m has no sums, every round is written out; raises where that is too large. */
 void dml_writeout(lua_State *L, dml_model *m);
+
+/* Push function `key` of the system at `arg`, its params bound as the last argument. */
+void dml_pushbound(lua_State *L, int arg, const char *key);
 
 /* What dm_legendre and its inverse need of this model, of which `want` is wanted too. */
 unsigned dml_legendre_wants(const dml_model *m, unsigned want);

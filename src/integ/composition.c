@@ -170,13 +170,23 @@ static const char *check(const dm_rule *rule) {
     if (!method || !(method->traits & DM_SYMMETRIC) || method->traits & DM_FOR_PAIRS ||
         method->order(base) != 2)
         return "the base must be a symmetric rule of order 2: verlet, midpoint, "
-               "trapezoidal, gauss(1) or lobatto(2)";
+               "trapezoidal, gauss(1), lobatto(2) or rattle";
     if (find(rule)->kind != GAMMA && rule->arg[rule->count - 1].rule)
         return "a Runge-Kutta-Nystroem splitting has no base rule";
     return NULL;
 }
 
+/* what the base says, which must know the ties of the model */
+static const char *fits_base(const dm_rule *rule, const dm_model *m) {
+    const dm_method *base = base_method(rule);
+    if (dm_method_needs(m) & ~base->traits)
+        return "its base rule does not know constraints or forces; name one that does, "
+               "for instance yoshida(4, rattle)";
+    return base->fits ? base->fits(base_rule(rule), m) : NULL;
+}
+
 static const char *fits(const dm_rule *rule, const dm_model *m) {
+    if (find(rule)->kind == GAMMA && !is_splitting(rule, m)) return fits_base(rule, m);
     if (find(rule)->kind == GAMMA || dm_splitting_fits(m)) return NULL;
     return "a Runge-Kutta-Nystroem splitting needs a separable L = T(v) - V(q) with "
            "constant mass; compose "
@@ -257,44 +267,60 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
                : dm_advance_by_step(s, state, t, count, done);
 }
 
+/* a splitting leaves nothing, the base may */
+static size_t memory(dm_stepper *s, double **place) {
+    dm_stepper *base = (dm_stepper *)(void *)s->work;
+    if (is_splitting(s->rule, s->model) || !base->method->memory) return 0;
+    return base->method->memory(base, place);
+}
+
+static dm_status start(dm_stepper *s, double *state, double t) {
+    dm_stepper *base = (dm_stepper *)(void *)s->work;
+    if (is_splitting(s->rule, s->model) || !base->method->start) return DM_OK;
+    return base->method->start(base, state, t);
+}
+
 static int widen(dm_stepper *s, dm_lanes *x) {
     return is_splitting(s->rule, s->model) && dm_splitting_widen(s, x);
 }
 
 /* a row of methods.def: only names and texts differ */
-#define COMPOSITION(id, rule_name, form, text)                                           \
+#define COMPOSITION(id, rule_name, form, ties, text)                                     \
     const dm_method dm_method_##id = {.name = rule_name,                                 \
                                       .signature = form,                                 \
                                       .doc = text,                                       \
-                                      .traits = DM_SYMMETRIC | DM_SYMPLECTIC,            \
+                                      .traits = DM_SYMMETRIC | DM_SYMPLECTIC | (ties),   \
                                       .check = check,                                    \
                                       .fits = fits,                                      \
                                       .order = order,                                    \
                                       .wants = wants,                                    \
                                       .work = work,                                      \
                                       .open = open,                                      \
+                                      .start = start,                                    \
                                       .step = step,                                      \
+                                      .memory = memory,                                  \
                                       .advance = advance,                                \
                                       .widen = widen,                                    \
                                       .advance_lanes = dm_splitting_advance_lanes}
 
-COMPOSITION(yoshida, "yoshida", "yoshida(4|6 [, base])",
+COMPOSITION(yoshida, "yoshida", "yoshida(4|6 [, base])", DM_TIES,
             "Yoshida's compositions of order 4 (3 stages) and 6 (7 stages). Explicit "
             "when L separates, else "
             "steps of the base rule (verlet). Yoshida 1990; HLW (II.4.4), (V.3.11).");
-COMPOSITION(suzuki, "suzuki", "suzuki(4 [, base])",
+COMPOSITION(suzuki, "suzuki", "suzuki(4 [, base])", DM_TIES,
             "Suzuki's composition of order 4, 5 stages. Suzuki 1990; HLW (II.4.5).");
-COMPOSITION(mclachlan, "mclachlan", "mclachlan(4 [, base])",
+COMPOSITION(mclachlan, "mclachlan", "mclachlan(4 [, base])", DM_TIES,
             "McLachlan's composition of order 4, 5 stages with small error constant. "
             "McLachlan 1995.");
-COMPOSITION(kahan_li, "kahan-li", "kahan-li(6|8 [, base])",
+COMPOSITION(kahan_li, "kahan-li", "kahan-li(6|8 [, base])", DM_TIES,
             "Kahan and Li's compositions of order 6 (9 stages) and 8 (17 stages). HLW "
             "(V.3.11), (V.3.13).");
-COMPOSITION(suzuki_umeno, "suzuki-umeno", "suzuki-umeno(8 [, base])",
+COMPOSITION(suzuki_umeno, "suzuki-umeno", "suzuki-umeno(8 [, base])", DM_TIES,
             "Suzuki and Umeno's composition of order 8, 15 stages. HLW (V.3.12).");
 COMPOSITION(sofroniou_spaletta, "sofroniou-spaletta", "sofroniou-spaletta(10 [, base])",
+            DM_TIES,
             "Sofroniou and Spaletta's composition of order 10, 35 stages. HLW (V.3.14).");
-COMPOSITION(blanes_moan, "blanes-moan", "blanes-moan(4|6 [, 6|11|14])",
+COMPOSITION(blanes_moan, "blanes-moan", "blanes-moan(4|6 [, 6|11|14])", 0,
             "Blanes and Moan's Runge-Kutta-Nystroem splittings of order 4 (6 stages) and "
             "6 (11 or 14 stages) "
             "for separable L with constant mass. Blanes & Moan 2002.");

@@ -1,5 +1,7 @@
 #include "integ/method.h"
 
+#include "mech/ties.h"
+
 #include <string.h>
 
 const dm_method *const dm_methods[] = {
@@ -41,6 +43,14 @@ const dm_method *dm_method_find(const char *name, const char **nearest) {
         }
     }
     return NULL;
+}
+
+unsigned dm_method_needs(const dm_model *m) {
+    unsigned needs = 0;
+    if (m->ties && m->ties->holonomic) needs |= DM_HOLONOMIC;
+    if (m->ties && m->ties->rolling) needs |= DM_ROLLING;
+    if (m->ties && m->ties->forced) needs |= DM_FORCED;
+    return needs;
 }
 
 dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *done) {

@@ -12,6 +12,7 @@ typedef struct {
     long solves;      /* step equations solved so far */
     long newton;      /* Newton iterations so far */
     long evaluations; /* kernel evaluations so far */
+    double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
 } dm_report;
 
 typedef struct dm_stepper dm_stepper;
@@ -98,6 +99,9 @@ extern const dm_method *const dm_methods[]; /* NULL-terminated */
 
 /* NULL when no method has that name; *nearest is then the closest one. */
 const dm_method *dm_method_find(const char *name, const char **nearest);
+
+/* The traits that the ties of a model ask of a method: DM_HOLONOMIC, DM_ROLLING, DM_FORCED; 0 without ties. */
+unsigned dm_method_needs(const dm_model *m);
 
 /* `count` steps from time t; *done is the number finished, also on failure. */
 dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *done);

@@ -23,7 +23,7 @@ typedef struct {
 
 int dm_splitting_fits(const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
-    return (m->structure & simple) == simple && m->inverse_mass;
+    return (m->structure & simple) == simple && m->inverse_mass && !m->ties;
 }
 
 void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {

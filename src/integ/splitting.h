@@ -18,7 +18,7 @@ typedef struct {
     double a[DM_SPLITTING_STAGES];     /* drifts, sum 1 */
 } dm_splitting;
 
-/* True when L can be stepped explicitly: separable with constant, regular mass. */
+/* True when L can be stepped explicitly: separable with constant, regular mass, no ties. */
 int dm_splitting_fits(const dm_model *m);
 
 /* Table of the composition of Stoermer-Verlet steps gamma_1 h, ..., gamma_s h;

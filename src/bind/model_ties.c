@@ -1,0 +1,315 @@
+/* model_ties.c - from constraint =, rolling =, force =, reaction = to the ties of a model. */
+#include "bind/model_ties.h"
+
+#include "bind/model_kept.h"
+#include "expr/derive.h"
+#include "expr/tape.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *const keys[] = {"constraint", "rolling", "force", "reaction", NULL};
+
+/* constraint(q, t); all others (q, v, t) */
+static dml_signature signature(const dml_model *m, int which) {
+    const int n = (int)m->n;
+    if (which == DML_CONSTRAINT)
+        return (dml_signature){.what = keys[which],
+                               .arguments = 2,
+                               .length = {n, DML_SCALAR_ARGUMENT},
+                               .may_grow = 1};
+    return (dml_signature){.what = keys[which],
+                           .arguments = 3,
+                           .length = {n, n, DML_SCALAR_ARGUMENT},
+                           .may_grow = 1};
+}
+
+static int has_field(lua_State *L, int arg, const char *key) {
+    const int there = dml_systemfield(L, arg, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+int dml_istied(lua_State *L, int arg) {
+    for (const char *const *key = keys; *key; key++)
+        if (has_field(L, arg, *key)) return 1;
+    return 0;
+}
+
+void dml_checktiefields(lua_State *L, int hyperdual) {
+    static const char *const forms[] = {
+        "function(q) or function(q, t) that returns what shall be zero",
+        "function(q, v) or function(q, v, t) that returns what shall be zero",
+        "function(q, v) or function(q, v, t) that returns dim Q numbers",
+        "function(q, v) or function(q, v, t) that returns a row of dim Q numbers for "
+        "every rolling constraint"};
+    for (int i = 0; keys[i]; i++, lua_pop(L, 1)) {
+        const int type = lua_getfield(L, 1, keys[i]);
+        if (type == LUA_TNIL) continue;
+        if (type != LUA_TFUNCTION)
+            luaL_error(L, "field '%s' must be a %s (got %s)", keys[i], forms[i],
+                       luaL_typename(L, -1));
+        if (hyperdual)
+            luaL_error(L,
+                       "field '%s': a system with constraints or a force needs their "
+                       "derivatives as expressions; leave out derivatives = "
+                       "\"hyperdual\" and use dm.where, dm.abs, dm.max to branch",
+                       keys[i]);
+    }
+    const int reaction = lua_getfield(L, 1, "reaction") != LUA_TNIL;
+    const int rolling = lua_getfield(L, 1, "rolling") != LUA_TNIL;
+    lua_pop(L, 2);
+    if (reaction && !rolling)
+        luaL_error(L, "field 'reaction' gives the directions in which 'rolling' "
+                      "constraints react, and there are none");
+}
+
+/* ---- traces ---- */
+
+/* f(...) with a matrix or a table of rows as one table of numbers */
+static int flat_call(lua_State *L) {
+    lua_Integer count = 0;
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    lua_call(L, lua_gettop(L) - 1, 1);
+    if (lua_type(L, 1) != LUA_TTABLE && lua_type(L, 1) != LUA_TUSERDATA) return 1;
+    lua_newtable(L);
+    const lua_Integer rows = luaL_len(L, 1);
+    for (lua_Integer i = 1; i <= rows; i++, lua_pop(L, 1)) {
+        dml_scalar x;
+        lua_geti(L, 1, i);
+        if (dml_toscalar(L, -1, &x) || dml_length(L, -1) < 0) {
+            lua_pushvalue(L, -1);
+            lua_rawseti(L, 2, ++count);
+            continue;
+        }
+        const lua_Integer columns = luaL_len(L, -1);
+        for (lua_Integer j = 1; j <= columns; j++) {
+            lua_geti(L, -1, j);
+            lua_rawseti(L, 2, ++count);
+        }
+    }
+    return 1;
+}
+
+static void push_function(lua_State *L, int arg, int which) {
+    dml_pushbound(L, arg, keys[which]);
+    if (which == DML_REACTION) lua_pushcclosure(L, flat_call, 1);
+}
+
+static void check_lengths(lua_State *L, const dml_model *m) {
+    const uint32_t n = m->n, k = m->tie[DML_CONSTRAINT].outputs,
+                   l = m->tie[DML_ROLLING].outputs;
+    const uint32_t given = m->tie[DML_REACTION].outputs;
+    if (m->tie[DML_FORCE].graph && m->tie[DML_FORCE].outputs != n)
+        luaL_error(L, "force must return %d numbers, one per coordinate, got %d", (int)n,
+                   (int)m->tie[DML_FORCE].outputs);
+    if (m->tie[DML_REACTION].graph && given != l * n)
+        luaL_error(L,
+                   "reaction must return %d rows of %d numbers, one row per rolling "
+                   "constraint, got %d numbers in all",
+                   (int)l, (int)n, (int)given);
+    if (k + l > n)
+        luaL_error(L, "%d constraints for %d coordinates: they leave no motion",
+                   (int)(k + l), (int)n);
+}
+
+/* the traced function with its inputs q, v, t in the graph of all */
+static const dm_node *transplant(dml_model *m, int which) {
+    const dml_traced *one = m->tie + which;
+    const uint32_t n = m->n;
+    if (!one->graph) return NULL;
+    dm_node *with = dm_arena_take(m->arena, one->inputs * sizeof *with);
+    dm_node *out = dm_arena_take(m->arena, one->outputs * sizeof *out);
+    if (!with || !out) return NULL;
+    for (uint32_t i = 0; i < one->inputs; i++)
+        with[i] = dm_input(m->tied.graph, which == DML_CONSTRAINT && i == n ? 2 * n : i);
+    dm_transplant(m->tied.graph, one->graph, one->out, one->outputs, with, out);
+    return out;
+}
+
+static void join(lua_State *L, dml_model *m) {
+    dm_ties_traced *t = &m->tied;
+    const uint32_t k = m->tie[DML_CONSTRAINT].outputs, l = m->tie[DML_ROLLING].outputs;
+    *t = (dm_ties_traced){.n = m->n, .holonomic = k, .rolling = l};
+    t->graph = dm_graph_new(m->arena, 2 * m->n + 1 + k + l);
+    if (!t->graph) luaL_error(L, "not enough memory");
+    t->g = transplant(m, DML_CONSTRAINT);
+    t->phi = transplant(m, DML_ROLLING);
+    t->f = transplant(m, DML_FORCE);
+    t->E = transplant(m, DML_REACTION);
+    const int missing = (k && !t->g) || (l && !t->phi) ||
+                        (m->tie[DML_FORCE].graph && !t->f) ||
+                        (m->tie[DML_REACTION].graph && !t->E);
+    if (missing || dm_graph_status(t->graph) != DM_OK) luaL_error(L, "not enough memory");
+    m->ties_traced = dm_graph_size(t->graph);
+}
+
+void dml_traceties(lua_State *L, int arg, dml_model *m) {
+    int any = 0;
+    arg = lua_absindex(L, arg);
+    if (dml_checksystem(L, arg)->pair) return;
+    for (int i = 0; i < DML_TIE_FUNCTIONS; i++) {
+        if (!has_field(L, arg, keys[i])) continue;
+        const dml_signature s = signature(m, i);
+        push_function(L, arg, i);
+        dml_trace(L, lua_gettop(L), &s, m->arena, m->tie + i);
+        lua_pop(L, 1);
+        if (!m->tie[i].graph)
+            luaL_error(L, "%s makes more than %d operations: too many to trace", keys[i],
+                       DM_GRAPH_LIMIT);
+        any = 1;
+    }
+    if (!any) return;
+    check_lengths(L, m);
+    join(L, m);
+}
+
+void dml_buildties(lua_State *L, dml_model *m) {
+    const uint32_t k = m->tied.holonomic;
+    const dm_status status = dm_ties_build(&m->ties, &m->tied, m->arena);
+    if (status != DM_OK)
+        luaL_error(L, "constraints or force: %s", dm_status_text(status));
+    const uint32_t idle = dm_ties_idle(&m->ties);
+    if (idle < k)
+        luaL_error(L,
+                   "constraint %d does not depend on q: a constraint is an expression in "
+                   "the coordinates that shall be zero, for instance q:dot(q) - 1",
+                   (int)idle + 1);
+    if (idle < k + m->tied.rolling)
+        luaL_error(L,
+                   "rolling constraint %d does not depend on v: one on the coordinates "
+                   "alone goes into 'constraint'",
+                   (int)(idle - k) + 1);
+}
+
+static int same_roots(const dm_node *a, const dm_node *b, size_t count) {
+    if (!a != !b) return 0;
+    return !a || memcmp(a, b, count * sizeof *a) == 0;
+}
+
+int dml_sameties(const dml_model *kept, const dml_model *fresh) {
+    const dm_ties_traced *a = &kept->tied, *b = &fresh->tied;
+    if (!a->graph != !b->graph || a->holonomic != b->holonomic ||
+        a->rolling != b->rolling || kept->ties_traced != fresh->ties_traced)
+        return 0;
+    return !a->graph ||
+           (same_roots(a->g, b->g, a->holonomic) &&
+            same_roots(a->phi, b->phi, a->rolling) && same_roots(a->f, b->f, a->n) &&
+            same_roots(a->E, b->E, (size_t)a->rolling * a->n) &&
+            dml_samenodes(a->graph, b->graph, kept->ties_traced));
+}
+
+/* ---- the trace against the function ---- */
+
+/* (q, t) or (q, v, t) out of (q, v, t) */
+static void arguments_of(const dml_model *m, int which, const double *x, double *out) {
+    const size_t n = m->n;
+    memcpy(out, x, (2 * n + 1) * sizeof *x);
+    if (which == DML_CONSTRAINT) out[n] = x[2 * n];
+}
+
+void dml_checkties(lua_State *L, int arg, dml_model *m, const double *x) {
+    if (!m->tied.graph) return;
+    const int top = lua_gettop(L);
+    arg = lua_absindex(L, arg);
+    double *at = lua_newuserdatauv(L, (2 * (size_t)m->n + 1) * sizeof *at, 0);
+    dm_arena *arena = dml_pusharena(L);
+    for (int i = 0; i < DML_TIE_FUNCTIONS; i++) {
+        const dml_traced *one = m->tie + i;
+        dm_kernel kernel;
+        if (!one->graph) continue;
+        if (dm_tape_build(&kernel, one->graph, one->out, one->outputs, arena) != DM_OK)
+            luaL_error(L, "not enough memory");
+        if (x) arguments_of(m, i, x, at);
+        const dml_signature s = signature(m, i);
+        push_function(L, arg, i);
+        if (m->checked)
+            dml_trace_check_start(L, lua_gettop(L), &s, &kernel, x ? at : NULL);
+        else
+            dml_trace_check(L, lua_gettop(L), &s, &kernel, x ? at : NULL);
+        lua_pop(L, 1);
+    }
+    lua_settop(L, top);
+}
+
+/* ---- what a script sees ---- */
+
+static void add_count(lua_State *L, luaL_Buffer *b, uint32_t count, const char *what) {
+    if (!count) return;
+    lua_pushfstring(L, ", %d %s%s", (int)count, what, count > 1 ? "s" : "");
+    luaL_addvalue(b);
+}
+
+void dml_describeties(lua_State *L, luaL_Buffer *b, const dml_model *m) {
+    add_count(L, b, m->ties.holonomic, "constraint");
+    add_count(L, b, m->ties.rolling, "rolling constraint");
+    if (m->ties.forced) luaL_addstring(b, ", a force");
+}
+
+/* the first `count` outputs of a kernel of the ties at x = (q, v, t) */
+static int push_outputs(lua_State *L, const dm_kernel *kernel, const double *x,
+                        uint32_t count, const char *what) {
+    double *all = lua_newuserdatauv(L, kernel->outputs * sizeof *all, 0);
+    double *out = dml_pushvector(L, count);
+    dm_kernel_prepare(kernel, all);
+    dm_kernel_eval(kernel, x, all);
+    memcpy(out, all, count * sizeof *out);
+    for (uint32_t i = 0; i < count; i++)
+        if (!isfinite(out[i]))
+            luaL_error(L, "%s %d is not finite at this point: is it inside its domain?",
+                       what, (int)i + 1);
+    return 1;
+}
+
+/* x = (q, v, t) from arguments 2, 3, 4, or (q, t) from 2, 3; the model is pushed */
+static dml_model *read_point(lua_State *L, int which, double **x) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const size_t n = s->n;
+    const int sees_v = which != DML_CONSTRAINT;
+    lua_settop(L, 4);
+    if (!has_field(L, 1, keys[which]))
+        luaL_error(L, "this system has no %s: it was made without '%s ='",
+                   which == DML_FORCE ? "force" : "such constraint", keys[which]);
+    const double t = luaL_optnumber(L, sees_v ? 4 : 3, 0.0);
+    *x = lua_newuserdatauv(L, (2 * n + 1) * sizeof **x, 0);
+    memset(*x, 0, (2 * n + 1) * sizeof **x);
+    dml_vectorarg(L, 2, "q", *x, s->n);
+    if (sees_v) dml_vectorarg(L, 3, "v", *x + n, s->n);
+    (*x)[2 * n] = t;
+    return dml_pushmodel(L, 1);
+}
+
+static int system_constraint(lua_State *L) {
+    double *x;
+    dml_model *m = read_point(L, DML_CONSTRAINT, &x);
+    dml_want(L, m, DM_WANT_HOLONOMIC, NULL);
+    return push_outputs(L, &m->ties.holonomic_kernel, x, m->ties.holonomic, "constraint");
+}
+
+static int system_rolling(lua_State *L) {
+    double *x;
+    dml_model *m = read_point(L, DML_ROLLING, &x);
+    dml_want(L, m, DM_WANT_ROLLING, NULL);
+    return push_outputs(L, &m->ties.rolling_kernel, x, m->ties.rolling,
+                        "rolling constraint");
+}
+
+static int system_force(lua_State *L) {
+    double *x;
+    dml_model *m = read_point(L, DML_FORCE, &x);
+    dml_want(L, m, DM_WANT_TIE_FORCE, NULL);
+    return push_outputs(L, &m->ties.force, x, m->n, "force");
+}
+
+const dml_row dml_tie_methods[] = {
+    {"constraint", system_constraint,
+     "system:constraint(q [, t]) -> dm.vector\n"
+     "g(q, t) of the holonomic constraints, in their units: zero on the constraint."},
+    {"rolling", system_rolling,
+     "system:rolling(q, v [, t]) -> dm.vector\n"
+     "phi(q, v, t) of the rolling constraints: zero where they hold."},
+    {"force", system_force,
+     "system:force(q, v [, t]) -> dm.vector of dim Q entries\n"
+     "The force f(q, v, t) of the system, a covector: f . dq is the work."},
+    {NULL, NULL, NULL}};
