@@ -7,6 +7,7 @@ local M = {}
 -- "q", "p", "t" or "energy" for the column `name` of a path; units are filed under these or the name
 local function place_of(path, name)
   if name == "t" or name == "time" then return "t" end
+  if path.watched then return name end
   local columns = path.columns
   local n = (#columns - 1) // 2
   for i, column in ipairs(columns) do

@@ -11,7 +11,8 @@
     X(STOPPED, "stopped", "stopped on request")                                          \
     X(NO_MEMORY, "no_memory", "not enough memory")                                       \
     X(TOO_LARGE, "too_large", "the expression graph grew too large")                     \
-    X(NO_NATIVE, "no_native", "native code is not possible here")
+    X(NO_NATIVE, "no_native", "native code is not possible here")                        \
+    X(NOT_WRITTEN, "not_written", "a file could not be written")
 
 #define DM_STATUS_ENUM(name, code, text) DM_##name,
 typedef enum { DM_STATUS_LIST(DM_STATUS_ENUM) } dm_status;

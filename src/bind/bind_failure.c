@@ -32,6 +32,10 @@ static void push_advice(lua_State *L, const dml_failure *f) {
     case DM_STOPPED:
         lua_pushstring(L, "the path so far is in failure.path");
         break;
+    case DM_NOT_WRITTEN:
+        lua_pushstring(L, "is the folder there, is the disk full? The path so far is in "
+                          "failure.path");
+        break;
     default:
         lua_pushstring(L, "see failure.path for what was computed");
     }

@@ -14,19 +14,30 @@ static dml_path *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_PATH);
 }
 
-dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows) {
+dml_path *dml_path_states(lua_State *L, const char *what) {
+    dml_path *p = check(L);
+    if (p->watched)
+        luaL_error(L,
+                   "%s needs q and p, but this run recorded only what it watched: leave "
+                   "'watch' out, or watch it",
+                   what);
+    return p;
+}
+
+dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width) {
     const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    const double bytes = (double)rows * (1.0 + 2.0 * n) * sizeof(double);
+    const double bytes = (double)rows * width * sizeof(double);
     if (bytes > 0.5 * memory)
         luaL_error(L,
                    "recording %f rows needs %f GB, more than half of this machine's "
                    "memory: keep fewer with "
-                   "a larger 'every'",
+                   "a larger 'every', watch less, or write them to a file (file = "
+                   "\"rows.npy\")",
                    (double)rows, bytes * 1e-9);
-    const size_t doubles = (size_t)rows * (1 + 2 * (size_t)n) + dm_state_size(n);
+    const size_t doubles = (size_t)rows * width + dm_state_size(n);
     dml_path *p =
         lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);
-    *p = (dml_path){.n = n};
+    *p = (dml_path){.n = n, .width = width};
     p->state = (double *)(p + 1);
     p->data = p->state + dm_state_size(n);
     memset(p->state, 0, dm_state_size(n) * sizeof(double));
@@ -71,6 +82,24 @@ static const double *try_energy(lua_State *L, double *E, const dml_path *p) {
     return E;
 }
 
+/* "; 100 rows, 2 columns q, 2 columns p", or what was watched, and where the rows are */
+static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
+    char text[128];
+    if (!p->watched)
+        snprintf(text, sizeof text, "; %ld rows, %u columns q, %u columns p", p->rows,
+                 p->n, p->n);
+    else
+        snprintf(text, sizeof text, "; %ld rows of %u columns that were watched", p->rows,
+                 p->width);
+    luaL_addstring(b, text);
+    if (lua_getiuservalue(L, 1, DML_PATH_FILE) == LUA_TNIL) {
+        lua_pop(L, 1);
+        return;
+    }
+    luaL_addstring(b, ", all of them in ");
+    luaL_addvalue(b);
+}
+
 static int path_tostring(lua_State *L) {
     const dml_path *p = check(L);
     char text[128];
@@ -86,9 +115,7 @@ static int path_tostring(lua_State *L) {
              p->ns_per_step);
     luaL_addstring(&b, text);
     if (there) add_energy(L, &b, E, p);
-    snprintf(text, sizeof text, "; %ld rows, %u columns q, %u columns p", p->rows, p->n,
-             p->n);
-    luaL_addstring(&b, text);
+    add_columns(L, &b, p);
     luaL_pushresult(&b);
     return 1;
 }
@@ -112,8 +139,10 @@ static int path_field(lua_State *L) {
     const dml_path *p = check(L);
     const char *key = luaL_checkstring(L, 2);
     if (strcmp(key, "t") == 0) return dml_path_columns(L, "t", 0, 1);
-    if (strcmp(key, "q") == 0) return dml_path_columns(L, "q", 1, p->n);
-    if (strcmp(key, "p") == 0) return dml_path_columns(L, "p", 1 + p->n, p->n);
+    if (strcmp(key, "q") == 0)
+        return dml_path_states(L, "path.q"), dml_path_columns(L, "q", 1, p->n);
+    if (strcmp(key, "p") == 0)
+        return dml_path_states(L, "path.p"), dml_path_columns(L, "p", 1 + p->n, p->n);
     if (strcmp(key, "columns") == 0) return dml_path_names(L);
     if (strcmp(key, "steps") == 0)
         lua_pushinteger(L, p->steps);
@@ -127,6 +156,12 @@ static int path_field(lua_State *L) {
         push_title(L, p);
     else if (strcmp(key, "system") == 0)
         lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    else if (strcmp(key, "events") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_EVENTS);
+    else if (strcmp(key, "watched") == 0)
+        lua_pushboolean(L, p->watched);
+    else if (strcmp(key, "file") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_FILE);
     else if (strcmp(key, "units") == 0)
         lua_getiuservalue(L, 1, DML_PATH_SYSTEM), dml_systemfield(L, -1, "units");
     else
@@ -143,6 +178,7 @@ void dml_open_path(lua_State *L) {
                  "dm.path: what a run recorded, one row per kept step\n"
                  "fields: t[i] (number), q[i], p[i] (vectors), columns (names), steps, "
                  "h, rule, system, title, units, "
-                 "ns_per_step; #path rows",
+                 "ns_per_step, events (of a run that looked for some), file (of a run "
+                 "that wrote its rows); #path rows",
                  meta, dml_path_quantities, path_field);
 }

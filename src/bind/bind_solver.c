@@ -1,5 +1,6 @@
 /* bind_solver.c - `dm.solver`: a system, a rule and a step; runs end in a path or a
  * dm.failure. */
+#include "bind/checkpoint.h"
 #include "bind/path.h"
 #include "bind/stepping.h"
 
@@ -115,8 +116,8 @@ static int rules(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
 static const dml_row methods[] = {
     {"run", dml_solver_run,
-     "solver:run{q=, v=, p=, q0=, q1=, steps=, t=, at=, every=, t0=, project=} -> "
-     "dm.path\n"
+     "solver:run{q=, v=, p=, q0=, q1=, steps=, t=, at=, every=, t0=, project=, watch=, "
+     "events=, file=, checkpoint=} -> dm.path\n"
      "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q "
      "and the momentum p, "
      "or from two positions q0, q1 one step apart (each dim Q numbers); keep the start, "
@@ -127,7 +128,22 @@ static const dml_row methods[] = {
      "constraints the start must lie on them, and its velocity be tangent: project = "
      "true moves it to the nearest such state in the metric of the mass. The "
      "Lagrangian is traced anew, so "
-     "changed upvalues are picked up. Raises dm.failure with the path so far when a step "
+     "changed upvalues are picked up.\n"
+     "watch = { \"q1\", \"energy\", r = function(q, v, t, p) ... end }: rows hold t and "
+     "these numbers instead of q and p. "
+     "file = \"rows.npy\": rows go there as they come, the path keeps the last one. "
+     "events "
+     "= { name = function(q, v, t, p) "
+     "... end } or { name = { g = f, direction = \"up\" | \"down\", stop = true } }: "
+     "zeros "
+     "of these functions, by steps of "
+     "fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the "
+     "run "
+     "there. checkpoint = file or { "
+     "file =, every = seconds }: written while it runs (every minute) and at its end, "
+     "for "
+     "dm.resume. "
+     "Raises dm.failure with the path so far when a step "
      "cannot be "
      "solved, the state stops being finite, or on Ctrl-C."},
     {"step", solver_step,
@@ -151,6 +167,17 @@ static const dml_row functions[] = {
      "its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
      "stops, 4e-15 unless a looser "
      "one is asked for."},
+    {"resume", dml_resume,
+     "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) "
+     "-> dm.solver\n"
+     "A solver that goes on where a run ended, from path:checkpoint(file) or from the "
+     "path itself: "
+     "solver:run{steps=} gives the bits of a run that never stopped. Rule, h and "
+     "Newton's "
+     "tolerance are those of "
+     "the checkpoint; rule: for a rule that is an object, which a file does not hold. "
+     "Raises when the file is not a "
+     "whole checkpoint or the system is another one."},
     {"rules", rules,
      "dm.rules() -> table of {name, signature, doc, symmetric, symplectic, explicit, "
      "for_pairs}\n"

@@ -7,6 +7,8 @@
 
 typedef struct {
     uint32_t n;      /* dim Q */
+    uint32_t width;  /* columns of a row */
+    int watched;     /* its rows hold t and what was watched, not q and p */
     long rows;       /* recorded */
     long steps;      /* finished */
     double h, t0, t; /* step, first and last time */
@@ -14,28 +16,36 @@ typedef struct {
     double constraint, rolling; /* largest |g|, |phi| that the solver saw */
     const char *rule;           /* as the user gave it; kept by the path */
     double *state; /* the last state with its low-order parts: dm_state_size(n) doubles */
-    double *data;  /* rows x (1 + 2n) */
+    double *data;  /* rows x width: t, q[n], p[n], or t and what was watched */
 } dml_path;
 
-/* user values of dm.path: the system, the rule as written, the traced model */
+/* user values of dm.path: the system, the rule as written, the traced model, the names of columns of a path that
+** watched (else nil), the events (else nil), the end from which a run can go on (checkpoint.h), the solver, the name of the file of rows */
 enum {
     DML_PATH_SYSTEM = 1,
     DML_PATH_RULE,
     DML_PATH_MODEL,
-    DML_PATH_VALUES = DML_PATH_MODEL
+    DML_PATH_NAMES,
+    DML_PATH_EVENTS,
+    DML_PATH_END,
+    DML_PATH_SOLVER,
+    DML_PATH_FILE,
+    DML_PATH_VALUES = DML_PATH_FILE
 };
 
 extern const char *const DML_PATH; /* "dm.path" */
 
-/* Push an empty path with room for `rows` rows for the system at stack index `system`.
-*Raises
+/* Push an empty path with room for `rows` rows of `width` columns for the system at stack index `system`. Raises
 ** when the block would not fit in half of the machine's memory. */
-dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows);
+dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width);
 
-/* Columns of a row: t, q[n], p[n]. */
+/* Columns of a row: t, q[n], p[n], or t and what was watched. */
 static inline uint32_t dml_path_width(const dml_path *p) {
-    return 1 + 2 * p->n;
+    return p->width;
 }
+
+/* The path at stack index 1; raises where its rows hold no q and p, which `what` needs. */
+dml_path *dml_path_states(lua_State *L, const char *what);
 
 /* The rest is shared by the files of the class; the path is at stack index 1. */
 

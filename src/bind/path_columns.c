@@ -60,6 +60,7 @@ static int columns_tostring(lua_State *L) {
 
 int dml_path_names(lua_State *L) {
     const dml_path *p = check(L);
+    if (p->watched) return lua_getiuservalue(L, 1, DML_PATH_NAMES), 1;
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     const int system = lua_gettop(L);
     lua_createtable(L, (int)dml_path_width(p), 0);
@@ -84,13 +85,15 @@ static int find_column(lua_State *L, const char *name) {
     const dml_path *p = check(L);
     char kind, rest;
     unsigned i;
+    const int top = lua_gettop(L);
     int found = -1;
     dml_path_names(L);
     for (uint32_t c = 0; found < 0 && c < dml_path_width(p); c++, lua_pop(L, 1)) {
         lua_rawgeti(L, -1, (lua_Integer)c + 1);
         if (strcmp(lua_tostring(L, -1), name) == 0) found = (int)c;
     }
-    lua_pop(L, 2);
+    lua_settop(L, top);
+    if (p->watched) return found;
     if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 &&
         i <= p->n) {
         if (kind == 'q') found = (int)i;
@@ -110,8 +113,8 @@ static void unknown_column(lua_State *L, const char *name) {
     }
     lua_pop(L, 1);
     luaL_pushresult(&b);
-    luaL_error(L, "no column '%s'; this path has %s, and \"energy\"", name,
-               lua_tostring(L, -1));
+    luaL_error(L, "no column '%s'; this path has %s%s", name, lua_tostring(L, -1),
+               !check(L)->watched ? ", and \"energy\"" : "");
 }
 
 uint32_t dml_path_find(lua_State *L, const char *name) {

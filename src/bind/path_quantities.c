@@ -1,5 +1,6 @@
 /* path_quantities.c - energy, velocity, momentum maps and drifts along a recorded path.
  */
+#include "bind/checkpoint.h"
 #include "bind/path.h"
 #include "bind/space.h"
 #include "run/drift.h"
@@ -52,7 +53,7 @@ static void check_row(lua_State *L, dml_model *m, dm_status status, long i) {
 }
 
 int dml_path_energy(lua_State *L) {
-    const dml_path *p = check(L);
+    const dml_path *p = dml_path_states(L, "the energy");
     dml_model *m = model_for(L, DM_WANT_ENERGY);
     double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
     double *E = dml_pushvector(L, (uint32_t)p->rows);
@@ -103,7 +104,7 @@ static int path_worst(lua_State *L) {
 }
 
 static int path_velocity(lua_State *L) {
-    const dml_path *p = check(L);
+    const dml_path *p = dml_path_states(L, "the velocity");
     dml_model *m = model_for(L, 0);
     double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
     double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->n);
@@ -130,7 +131,7 @@ static int momentum_of_generator(lua_State *L, const dml_path *p) {
 }
 
 static int path_momentum(lua_State *L) {
-    const dml_path *p = check(L);
+    const dml_path *p = dml_path_states(L, "a momentum map");
     lua_settop(L, 3);
     if (lua_isfunction(L, 2)) return momentum_of_generator(L, p);
     const dm_action action = dml_standard_action(L, 2, 3, p->n);
@@ -146,7 +147,7 @@ static int path_momentum(lua_State *L) {
 static int path_column(lua_State *L) {
     const dml_path *p = check(L);
     const char *name = luaL_checkstring(L, 2);
-    if (strcmp(name, "energy") == 0) return dml_path_energy(L);
+    if (!p->watched && strcmp(name, "energy") == 0) return dml_path_energy(L);
     const uint32_t c = dml_path_find(L, name);
     double *out = dml_pushvector(L, (uint32_t)p->rows);
     for (long i = 0; i < p->rows; i++)
@@ -225,4 +226,11 @@ const dml_row dml_path_quantities[] = {
      "against time: slope per unit "
      "of time, its standard error from block means, the mean, and the largest distance "
      "from the first row."},
+    {"checkpoint", dml_path_checkpoint,
+     "path:checkpoint(file) -> file name\n"
+     "Write where the run ended: the state with its low-order parts, what the rule keeps "
+     "from step to step, rule, step "
+     "and time, as a text with all bits. dm.resume(file, system) goes on from it bit for "
+     "bit. Raises when the file "
+     "cannot be written; an old one is replaced only by a whole one."},
     {NULL, NULL, NULL}};

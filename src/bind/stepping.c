@@ -211,7 +211,7 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
     dml_numbers(L, 2, "q1", q1, n);
 }
 
-static void open_stepper(lua_State *L, dml_stepping *r) {
+void dml_stepping_open(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
     const dm_status status = s->method->open ? s->method->open(&r->stepper) : DM_OK;
     if (status == DM_OK) return;
@@ -221,7 +221,7 @@ static void open_stepper(lua_State *L, dml_stepping *r) {
 
 static void start_between(lua_State *L, dml_stepping *r) {
     guess_momentum(L, r);
-    open_stepper(L, r);
+    dml_stepping_open(L, r);
     dm_status status = shoot(r, r->x + r->solver->n);
     if (status == DM_OK) status = dml_tangent_momentum(r);
     if (status == DM_OK) return;
@@ -253,7 +253,7 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
         start_pair(L, r);
     else
         start_momentum(L, r);
-    open_stepper(L, r);
+    dml_stepping_open(L, r);
 }
 
 void dml_stepping_end(dml_stepping *r) {

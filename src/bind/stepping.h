@@ -15,14 +15,15 @@ typedef struct {
 } dml_solver;
 
 /* user values of dm.solver: the system, the rule as written, the report of the last run,
- * the backend's name or nil, the dm.rule (its text is the rule) or nil */
+ * the backend's name or nil, the dm.rule (its text is the rule) or nil, the checkpoint it starts from or nil */
 enum {
     DML_SOLVER_SYSTEM = 1,
     DML_SOLVER_RULE,
     DML_SOLVER_REPORT,
     DML_SOLVER_BACKEND,
     DML_SOLVER_OBJECT,
-    DML_SOLVER_VALUES = DML_SOLVER_OBJECT
+    DML_SOLVER_START,
+    DML_SOLVER_VALUES = DML_SOLVER_START
 };
 
 extern const char *const DML_SOLVER; /* "dm.solver" */
@@ -56,6 +57,9 @@ void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);
  *only before
  ** the stepper holds anything. */
 void dml_stepping_start(lua_State *L, dml_stepping *r);
+
+/* Open the stepper; dml_stepping_start and dml_stepping_resume do. */
+void dml_stepping_open(lua_State *L, dml_stepping *r);
 
 /* Close the stepper. */
 void dml_stepping_end(dml_stepping *r);

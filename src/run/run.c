@@ -20,6 +20,7 @@ typedef struct {
     long done, rows_done;
     long burst, until;   /* steps between looks at the clock, step of the next one */
     double looked, told; /* s, time of the last look and of the last call of progress */
+    double saved;        /* s, time of the last call of save */
 } loop;
 
 long dm_run_rows(const dm_run_plan *plan) {
@@ -35,18 +36,43 @@ static double now(void) {
 
 /* the time of a step is computed from its number, never summed, unless the state carries it */
 static double time_now(const loop *l) {
+    const dm_run_plan *plan = l->plan;
+    if (plan->events && plan->events->ended) return plan->events->end;
     if (l->own) return l->state[4 * (size_t)l->s->model->n];
-    return l->plan->t0 + (double)l->done * l->s->h;
+    return plan->t0 +
+           (double)(l->done + (plan->resume ? plan->resume->steps : 0)) * l->s->h;
 }
 
 /* ---- recording ---- */
 
-static void record(loop *l, const double *state, double t) {
-    const size_t width = 1 + 2 * (size_t)l->s->model->n;
-    if (!l->rows) return;
-    double *row = l->rows + width * (size_t)l->rows_done++;
+static size_t width(const loop *l) {
+    const dm_observer *watch = l->plan->watch;
+    return 1 + (watch ? dm_observer_width(watch) : 2 * (size_t)l->s->model->n);
+}
+
+/* rows of the block that is filled now */
+static long held(const loop *l) {
+    const dm_outlet *out = l->plan->outlet;
+    if (!out || !l->rows_done) return l->rows_done;
+    const long rest = l->rows_done % out->room;
+    return rest ? rest : out->room;
+}
+
+static dm_status record(loop *l, const double *state, double t) {
+    const dm_outlet *out = l->plan->outlet;
+    if (!l->rows) return DM_OK;
+    const long place = out ? l->rows_done % out->room : l->rows_done;
+    double *row = l->rows + width(l) * (size_t)place;
+    dm_status status = DM_OK;
+    if (out && l->rows_done && place == 0)
+        status = out->flush(out->ud, l->rows, out->room);
     row[0] = t;
-    memcpy(row + 1, state, (width - 1) * sizeof *row);
+    if (status == DM_OK && l->plan->watch)
+        status = dm_observe(l->plan->watch, row + 1, state, t);
+    else if (status == DM_OK)
+        memcpy(row + 1, state, (width(l) - 1) * sizeof *row);
+    if (status == DM_OK) l->rows_done++;
+    return status;
 }
 
 /* rows at the times asked for from `from`, where the state is `state`, up to `to` */
@@ -61,7 +87,8 @@ static dm_status record_times(loop *l, const double *state, double from, double 
             if (status != DM_OK) return status;
             here = plan->landing;
         }
-        record(l, here, target);
+        const dm_status status = record(l, here, target);
+        if (status != DM_OK) return status;
     }
     return DM_OK;
 }
@@ -70,16 +97,41 @@ static dm_status record_times(loop *l, const double *state, double from, double 
 static dm_status record_due(loop *l) {
     const double t = time_now(l);
     if (l->plan->at) return l->own ? DM_OK : record_times(l, l->state, t, t + l->s->h);
-    if (l->done % l->plan->every == 0) record(l, l->state, t);
-    return DM_OK;
+    return l->done % l->plan->every == 0 ? record(l, l->state, t) : DM_OK;
 }
 
-/* the end, or the last good state, if it is not a row yet */
-static void record_end(loop *l) {
-    if (!l->plan->at && l->done % l->plan->every != 0) record(l, l->state, time_now(l));
+/* the end, or the last good state, if it is not a row yet; times asked for after it are none of the run's */
+static dm_status record_end(loop *l) {
+    const dm_outlet *out = l->plan->outlet;
+    const int ended = l->plan->events && l->plan->events->ended;
+    dm_status status = DM_OK;
+    while (ended && l->plan->at && held(l) > 0 &&
+           l->rows[width(l) * (size_t)(held(l) - 1)] > l->plan->events->end)
+        l->rows_done--;
+    if (!l->plan->at && (ended || l->done % l->plan->every != 0))
+        status = record(l, l->state, time_now(l));
+    if (out && held(l) && status == DM_OK) status = out->flush(out->ud, l->rows, held(l));
+    return status;
 }
 
 /* ---- stepping ---- */
+
+static int is_ended(const loop *l) {
+    return l->plan->events && l->plan->events->ended;
+}
+
+/* one step, and the zeros inside it */
+static dm_status step_watched(loop *l, double from) {
+    dm_events *events = l->plan->events;
+    long finished = 0;
+    if (events)
+        memcpy(events->start, l->state, dm_state_size(l->s->model->n) * sizeof(double));
+    dm_status status = dm_advance(l->s, l->state, from, 1, &finished);
+    l->done += finished;
+    if (status == DM_OK && events)
+        status = dm_events_look(events, l->s, l->state, from, time_now(l));
+    return status;
+}
 
 /* a step at a time, since only the state knows when it is; times asked for lie behind the step */
 static dm_status advance_own(loop *l, long end) {
@@ -89,8 +141,8 @@ static dm_status advance_own(loop *l, long end) {
     while (l->done < end && !(time_now(l) >= plan->until)) {
         const double from = time_now(l);
         if (plan->at) memcpy(before, l->state, size * sizeof *before);
-        dm_status status = l->s->method->step(l->s, l->state, from);
-        if (status == DM_OK) l->done++;
+        dm_status status = step_watched(l, from);
+        if (status == DM_OK && is_ended(l)) return DM_OK;
         if (status == DM_OK &&
             plan->at) /* a time that is this step's to round-off belongs to it */
             status = record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->s->h);
@@ -105,7 +157,11 @@ static dm_status advance(loop *l, long end) {
     const int autonomous =
         (l->s->model->structure & DM_AUTONOMOUS) || (l->s->method->traits & DM_FOR_PAIRS);
     if (l->own) return advance_own(l, end);
-    while (l->done < end) {
+    while (l->plan->events && l->done < end && !is_ended(l)) {
+        const dm_status status = step_watched(l, time_now(l));
+        if (status != DM_OK) return status;
+    }
+    while (!l->plan->events && l->done < end) {
         long finished = 0;
         const dm_status status = dm_advance(l->s, l->state, time_now(l),
                                             autonomous ? end - l->done : 1, &finished);
@@ -121,6 +177,10 @@ static void look(loop *l) {
     if (l->plan->progress && t - l->told >= PROGRESS) {
         l->plan->progress(l->plan->ud, l->done, l->plan->steps);
         l->told = t;
+    }
+    if (l->plan->save && t - l->saved >= l->plan->save_every) {
+        l->plan->save(l->plan->ud, l->done);
+        l->saved = t;
     }
     if (took < 0.5 * LOOK && l->burst < LONGEST) l->burst *= 2;
     if (took > LOOK && l->burst > 1) l->burst /= 2;
@@ -146,7 +206,8 @@ static long next_stop(const loop *l) {
 }
 
 static int is_finished(const loop *l) {
-    return l->done >= l->plan->steps || (l->own && time_now(l) >= l->plan->until);
+    return l->done >= l->plan->steps || is_ended(l) ||
+           (l->own && time_now(l) >= l->plan->until);
 }
 
 static dm_status run(loop *l) {
@@ -154,9 +215,27 @@ static dm_status run(loop *l) {
     while (status == DM_OK && !is_finished(l)) {
         if (l->plan->stop && *l->plan->stop) return DM_STOPPED;
         status = advance(l, next_stop(l));
-        if (status == DM_OK) status = record_due(l);
+        if (status == DM_OK && !is_ended(l)) status = record_due(l);
         if (l->done >= l->until) look(l);
     }
+    return status;
+}
+
+/* what the method keeps beside q and p: set for a start, or as it was left */
+static dm_status begin(loop *l) {
+    const dm_resumption *resume = l->plan->resume;
+    const dm_method *method = l->s->method;
+    double own[DM_STATE_OWN], *tail = l->state + 4 * (size_t)l->s->model->n, *place;
+    dm_status status = DM_OK;
+    memcpy(own, tail, sizeof own);
+    if (method->start) status = method->start(l->s, l->state, l->plan->t0);
+    if (resume) memcpy(tail, own, sizeof own);
+    if (status == DM_OK && resume && resume->memory && method->memory) {
+        const size_t size = method->memory(l->s, &place);
+        if (size) memcpy(place, resume->memory, size * sizeof *place);
+    }
+    if (status == DM_OK && l->plan->events)
+        status = dm_events_begin(l->plan->events, l->state, time_now(l));
     return status;
 }
 
@@ -166,13 +245,15 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
     dm_status status = DM_OK;
     l.own = (s->method->traits & DM_OWN_TIME) != 0;
     l.looked = l.told = now();
-    if (s->method->start) status = s->method->start(s, state, plan->t0);
+    l.saved = l.looked;
+    status = begin(&l);
     if (!dm_state_is_finite(state, s->model->n)) status = DM_NOT_FINITE;
     if (status == DM_OK)
         status = run(&l);
     else if (!plan->at)
         record(&l, state, plan->t0);
-    record_end(&l);
+    const dm_status end = record_end(&l);
+    if (status == DM_OK) status = end;
     *done = l.done;
     *rows_done = l.rows_done;
     return status;

@@ -3,8 +3,25 @@
 #define DM_RUN_H
 
 #include "integ/method.h"
+#include "run/events.h"
+#include "run/observe.h"
 
 #include <signal.h>
+
+/* Rows that do not all stay in memory. */
+typedef struct {
+    long room; /* rows that the block of dm_run holds */
+    /* takes the rows when the block is full and at the end; not DM_OK ends the run */
+    dm_status (*flush)(void *ud, const double *rows, long count);
+    void *ud;
+} dm_outlet;
+
+/* A run that goes on where another one was. */
+typedef struct {
+    long steps; /* done before: t = t0 + (steps + k) h */
+    const double *
+        memory; /* what the method left beside the state (dm_method.memory); NULL: nothing */
+} dm_resumption;
 
 typedef struct {
     double t0;  /* time of the start */
@@ -14,7 +31,14 @@ typedef struct {
         *at; /* or, not NULL: keep the states at these times, growing, from t0 on */
     long at_count;
     double until; /* methods with a time of their own: stop at the first step past it */
-    double *landing;                   /* with `at`: room for a state */
+    double *landing;             /* with `at`: room for two states */
+    dm_observer *watch;          /* what a row holds beside t; NULL: q, p */
+    dm_outlet *outlet;           /* NULL: all rows fit */
+    dm_events *events;           /* NULL: none is looked for */
+    const dm_resumption *resume; /* NULL: a start */
+    double save_every;           /* s of wall time between calls of save */
+    void (*save)(void *ud,
+                 long done); /* between steps: the state can be kept; may be NULL */
     const volatile sig_atomic_t *stop; /* polled between bursts of steps; may be NULL */
     void (*progress)(void *ud, long done,
                      long steps); /* about ten times a second; may be NULL */
@@ -25,8 +49,8 @@ typedef struct {
 long dm_run_rows(const dm_run_plan *plan);
 
 /*
-** Run `plan` on state (dm_state_size doubles, in place), writing rows of 1 + 2n columns:
-** t, q[n], p[n]. Rows at given times come from a shorter step on the side (dm_land), which does not touch the
+** Run `plan` on state (dm_state_size doubles, in place), writing rows of 1 + 2n columns,
+** t, q[n], p[n], or t and what is watched. Rows at given times come from a shorter step on the side (dm_land), which does not touch the
 ** run itself. *done counts finished steps and *rows_done rows, also on failure or stop, so
 ** that both are valid up to there (the last row is then the last good state).
 */

@@ -1,0 +1,36 @@
+#include "run/observe.h"
+
+#include <string.h>
+
+uint32_t dm_observer_width(const dm_observer *o) {
+    uint32_t width = 0;
+    for (uint32_t i = 0; i < o->count; i++)
+        width += o->list[i].kernel ? o->list[i].kernel->outputs : 1;
+    return width;
+}
+
+/* x = (q, v, t, p); v of the last state is where the search for v begins */
+static dm_status place(dm_observer *o, const double *state, double t) {
+    const uint32_t n = o->model->n;
+    memcpy(o->x, state, n * sizeof *o->x);
+    o->x[2 * n] = t;
+    memcpy(o->x + 2 * n + 1, state + n, n * sizeof *o->x);
+    if (!o->work) return DM_OK;
+    return dm_legendre_inverse(o->model, o->x + n, state, state + n, t, o->work);
+}
+
+dm_status dm_observe(dm_observer *o, double *out, const double *state, double t) {
+    const dm_status status = place(o, state, t);
+    if (status != DM_OK) return status;
+    for (uint32_t i = 0; i < o->count; i++) {
+        const dm_observable *what = o->list + i;
+        if (what->kernel) {
+            dm_kernel_prepare(what->kernel, out);
+            dm_kernel_eval(what->kernel, o->x, out);
+            out += what->kernel->outputs;
+        } else {
+            *out++ = state[what->entry];
+        }
+    }
+    return DM_OK;
+}

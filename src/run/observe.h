@@ -1,0 +1,28 @@
+/* observe.h - numbers read off a state: kernels of (q, v, t, p), and entries of the state. */
+#ifndef DM_OBSERVE_H
+#define DM_OBSERVE_H
+
+#include "mech/model.h"
+
+typedef struct {
+    const dm_kernel
+        *kernel;    /* of x = (q[n], v[n], t, p[n]) or of its head; NULL: an entry */
+    uint32_t entry; /* of (q[n], p[n]) */
+} dm_observable;
+
+typedef struct {
+    const dm_model *model;
+    const dm_observable *list;
+    uint32_t count;
+    double *x;    /* [3n + 1] */
+    double *work; /* dm_legendre_work doubles; NULL: no kernel reads v */
+} dm_observer;
+
+/* Numbers that dm_observe writes. */
+uint32_t dm_observer_width(const dm_observer *o);
+
+/* out = the observables, one after the other, at a state of a run. The velocity is found from p: DM_SINGULAR or
+** DM_NO_CONVERGENCE where there is none. */
+dm_status dm_observe(dm_observer *o, double *out, const double *state, double t);
+
+#endif

@@ -1,0 +1,121 @@
+-- checkpoints, events, watched rows, rows in a file
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local pi, abs, sin = math.pi, math.abs, math.sin
+
+local kepler = dm.system { name = "Kepler", Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local start = { q = { 0.4, 0 }, v = { 0, 2 } }
+local function run(solver, more, s)
+  local options = { q = (s or start).q, v = (s or start).v }
+  for key, value in pairs(more) do options[key] = value end
+  return solver:run(options)
+end
+local function same(a, b) return a.q[#a] == b.q[#b] and a.p[#a] == b.p[#b] and a.t[#a] == b.t[#b] end
+
+-- a run in two parts has the bits of a whole one: rules with sums, memory, a time of their own; L with t
+local swing = dm.system { Q = dm.T(1), L = function(q, v, t) return v[1] ^ 2 / 2 + (1 + 0.3 * sin(2 * t)) * math.cos(q[1]) end }
+local file = os.tmpname()
+for _, case in ipairs { { kepler, "verlet" }, { kepler, "gauss(3)" }, { kepler, "gauss(4, 3)" }, { kepler, "midpoint" },
+  { kepler, "lobatto(3)" }, { kepler, "log-hamiltonian(kahan-li(6))" }, { kepler, "yoshida(4, midpoint)" },
+  { kepler, "rk8pd" }, { swing, "gauss(2)" }, { swing, "verlet" } } do
+  local system, rule = case[1], case[2]
+  local s = system == swing and { q = { 1 }, v = { 0 } } or start
+  local solver = system:solver { rule = rule, h = 0.01 }
+  local whole = run(solver, { steps = 200, every = 200, t0 = 0.7 }, s)
+  local half = run(solver, { steps = 77, every = 77, t0 = 0.7 }, s)
+  half:checkpoint(file)
+  ok(same(whole, dm.resume(file, system):run { steps = 123, every = 1000 }), rule .. ": from a file, bit for bit")
+  ok(same(whole, dm.resume(half):run { steps = 123, every = 1000 }), rule .. ": from the path itself")
+end
+local twice = dm.resume(run(kepler:solver { rule = "gauss(2)", h = 0.05 }, { steps = 5 })):run { steps = 5 }
+twice = dm.resume(twice):run { steps = 5 }
+ok(same(twice, run(kepler:solver { rule = "gauss(2)", h = 0.05 }, { steps = 15 })), "a resumed run can be resumed")
+ok(#twice == 6 and abs(twice.t[1] - 0.5) < 1e-15, "its rows begin where it goes on")
+
+-- while it runs, and after a failure
+local doomed = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + q[1] ^ 4 end }
+local solver = doomed:solver { rule = "verlet", h = 0.1 }
+local fine, failure = pcall(solver.run, solver, { q = { 1 }, v = { 1 }, steps = 1000, checkpoint = file })
+ok(not fine and failure.code == "not_finite", "a run that fails")
+local again = dm.resume(file, doomed)
+local t = failure.path.t[#failure.path]
+local part, other = pcall(again.run, again, { steps = 1 })
+ok(not part and other.step == 1 and abs(other.time - t) < 1e-12, "its checkpoint is the last good state")
+
+-- misuse of checkpoints
+raises("not a whole checkpoint", dm.resume, "/dev/null", kepler)
+raises("cannot open", dm.resume, "/no/such/file", kepler)
+raises("coordinates, this one has 1", dm.resume, run(kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 1 }), swing)
+local heavier = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 2 / q:norm() end }
+run(kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 1, checkpoint = file })
+raises("not the one of the checkpoint", function() dm.resume(file, heavier):run { steps = 1 } end)
+raises("has its own state and time", function() dm.resume(file, kepler):run { steps = 1, q = { 1, 0 } } end)
+local text = io.open(file):read "a"
+io.open(file, "w"):write(text:sub(1, #text - 20)):close()
+raises("not a whole checkpoint", dm.resume, file, kepler)
+fine, failure = pcall(run, kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 3, checkpoint = "/no/such/folder/c" })
+ok(not fine and failure.code == "not_written" and failure.path.steps == 3, "a checkpoint that cannot be written keeps the path")
+
+-- events: apsides of an ellipse of period 2 pi lie at multiples of pi
+local gauss = kepler:solver { rule = "gauss(6)", h = 0.05 }
+local apsis = function(q, v) return q:dot(v) end
+local path = run(gauss, { steps = 1000, every = 1000, events = { apsis = apsis } })
+local worst = 0
+for i, e in ipairs(path.events) do worst = math.max(worst, abs(e.t - i * pi)) end
+ok(#path.events == 15 and worst < 1e-9, "all apsides of eight turns", ("%d %.1e"):format(#path.events, worst))
+near(path.events[1].q[1], -1.6, 1e-11, "the first is the far one")
+path = run(gauss, { steps = 1000, every = 1000, events = { far = { g = apsis, direction = "down" }, near = { g = apsis, direction = "up" } } })
+ok(#path.events == 15 and path.events[1].name == "far" and path.events[2].name == "near", "directions tell them apart")
+path = run(gauss, { steps = 1000, every = 7, events = { far = { g = apsis, direction = "down", stop = true } } })
+near(path.t[#path], pi, 1e-10, "stop ends the run at the event")
+ok(path.steps == 63 and #path == 10 and path.q[#path] == path.events[1].q, "with a row there")
+local rest = dm.resume(path):run { steps = 63, events = { near = { g = apsis, direction = "up", stop = true } } }
+near(rest.t[#rest], 2 * pi, 1e-10, "and it goes on from there")
+path = run(gauss, { at = { 1, 2, 3, 3.2, 4 }, events = { far = { g = apsis, stop = true, direction = "down" } } })
+ok(#path == 3 and path.t[3] == 3, "times asked for after the end are none of the run's")
+-- the steps are the same as without events
+ok(same(run(gauss, { steps = 100, every = 100, events = { apsis = apsis } }), run(gauss, { steps = 100, every = 100 })),
+  "looking for events changes no bit")
+path = run(kepler:solver { rule = "log-hamiltonian(kahan-li(8))", h = 0.05 }, { steps = 300, events = { apsis = apsis } })
+near(path.events[2].t, 2 * pi, 1e-9, "events of a rule with a time of its own")
+local driven = swing:solver { rule = "gauss(4)", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 100, events = { tick = function(q, v, time) return sin(time) end } }
+near(driven.events[3].t, 3 * pi, 1e-13, "an event of the time alone")
+raises("events.a must be a function", run, gauss, { steps = 1, events = { a = 3 } })
+raises("direction", run, gauss, { steps = 1, events = { a = { g = apsis, direction = "left" } } })
+raises("is empty", run, gauss, { steps = 1, events = {} })
+
+-- watched rows
+path = run(gauss, { steps = 100, watch = { "q1", "energy", r = function(q) return q:norm() end,
+  J = function(q, v, time, p) return { q[1] * p[2] - q[2] * p[1], time } end } })
+local whole = run(gauss, { steps = 100 })
+ok(table.concat(path.columns, " ") == "t q1 energy J1 J2 r", "columns of what is watched", table.concat(path.columns, " "))
+local r, J, E = path:column "r", path:column "J1", path:column "energy"
+local good = true
+for i = 1, #path do
+  good = good and r[i] == whole.q[i]:norm() and abs(J[i] - 0.8) < 1e-14 and path:column "q1"[i] == whole.q[i][1]
+    and path:column "J2"[i] == whole.t[i]
+end
+ok(good and E == whole:energy(), "with the numbers of the whole path")
+ok(abs(path:drift "energy".largest) < 1e-9, "drift of a watched column")
+raises("recorded only what it watched", function() return path.q end)
+raises("recorded only what it watched", path.velocity, path)
+raises("no column 'q2'", path.column, path, "q2")
+raises("no column 'z'", run, gauss, { steps = 1, watch = { "z" } })
+raises("a function needs a name", run, gauss, { steps = 1, watch = { apsis } })
+
+-- rows in a file, more than memory holds at a time
+local npy = os.tmpname() .. ".npy"
+path = run(gauss, { steps = 10000, file = npy })
+whole = run(gauss, { steps = 10000 })
+local data = dm.load(npy)
+ok(#data.t == 10001 and data.q2 == whole:column "q2" and data.p1 == whole:column "p1", "all rows are in the file, bit for bit")
+ok(#path == 1 and path.q[1] == whole.q[#whole] and path.file == npy, "the path keeps the last")
+path = run(gauss, { steps = 4095, file = npy, watch = { "energy" } })
+ok(#dm.load(npy).energy == 4096, "a file of one watched column, as many rows as the buffer has")
+fine, failure = pcall(solver.run, solver, { q = { 1 }, v = { 1 }, steps = 1000, file = npy })
+ok(not fine and #dm.load(npy).t == #failure.path.t - 1 + failure.path.steps + 1, "rows before a failure are in the file")
+raises("cannot open", run, gauss, { steps = 1, file = "/no/such/folder/x.npy" })
+raises(".npy", run, gauss, { steps = 1, file = "x.csv" })
+os.remove(npy); os.remove(file)
+tap.done()
