@@ -31,6 +31,7 @@ static const char *check(const dm_rule *rule) {
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     if (!sweeps(rule)) return NULL;
+    if (m->ties) return "a number of sweeps is for systems without ties; leave it out";
     if (rule->arg[0].number > DM_SWEEP_WIDTH)
         return "a number of sweeps is for 8 stages at most";
     if (m->source.graph && ((m->structure & simple) == simple || dm_hamilton_fits(m)))
@@ -71,7 +72,7 @@ const dm_method dm_method_gauss = {
            "number of sweeps, as in gauss(8, 4), ends the fixed-point iteration there: "
            "cheaper, symplectic "
            "and symmetric only up to the error left.",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS,
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .fits = fits,
     .order = order,

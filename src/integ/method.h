@@ -13,6 +13,7 @@ typedef struct {
     long newton;      /* Newton iterations so far */
     long evaluations; /* kernel evaluations so far */
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
+    int tie; /* of a step that failed since ties lose rank: one that depends on those before it, from 1 */
 } dm_report;
 
 typedef struct dm_stepper dm_stepper;

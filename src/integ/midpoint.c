@@ -34,7 +34,7 @@ const dm_method dm_method_midpoint = {
     .doc =
         "Implicit midpoint rule, order 2; n unknowns a step, bounded for stiff springs "
         "(HLW VI.6.3, Marsden-West 2001 ex. 2.3.2).",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS,
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .order = order,
     .basis = basis,

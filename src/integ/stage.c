@@ -1,4 +1,5 @@
 #include "integ/stage_inside.h"
+#include "integ/tied.h"
 
 #include "base/sum.h"
 #include "linalg/lu.h"
@@ -11,6 +12,7 @@ static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
 
 unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
+    if (m->ties) return dm_tied_wants(m);
     const int simple = (m->structure & SIMPLE) == SIMPLE;
     return DM_WANT_STAGE | (simple ? DM_WANT_FORCE : DM_WANT_SLOPE | DM_WANT_MASS);
 }
@@ -30,6 +32,7 @@ static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
 
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, curve = 2 * n + 3 * n * n;
+    if (m->ties) return dm_tied_work(s, r, m);
     return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
            dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve +
            larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
@@ -63,6 +66,7 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     const dm_model *m = stepper->model;
     double *memory = stepper->work + doubles(sizeof *g);
+    if (m->ties) return dm_tied_open(stepper, basis);
     *g = (dm_stage){.m = m, .n = m->n};
     g->separable = (m->structure & SIMPLE) == SIMPLE;
     dm_stage_table_fill(&g->table, basis, memory);
@@ -83,14 +87,14 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
 
 dm_status dm_stage_start(dm_stepper *stepper, double *state, double t) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
-    (void)state;
-    (void)t;
+    if (stepper->model->ties) return dm_tied_start(stepper, state, t);
     if (g->sweeps.row) dm_stage_memory_clear(g, stepper->h);
     return DM_OK;
 }
 
 size_t dm_stage_memory(dm_stepper *stepper, double **place) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
+    if (stepper->model->ties) return dm_tied_memory(stepper, place);
     *place = g->sweeps.memory;
     return g->sweeps.row ? dm_stage_memory_size(g) : 0;
 }
@@ -311,6 +315,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
 
 dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
+    if (stepper->model->ties) return dm_tied_step(stepper, state, t);
     g->state = state;
     g->t = t;
     if (g->h != stepper->h) { /* a composition changes it */

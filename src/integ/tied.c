@@ -1,0 +1,241 @@
+#include "integ/tied_inside.h"
+
+#include "solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+unsigned dm_tied_wants(const dm_model *m) {
+    const dm_ties *ties = m->ties;
+    return DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS |
+           (ties->holonomic ? DM_WANT_HOLONOMIC : 0) |
+           (ties->rolling ? DM_WANT_ROLLING : 0) |
+           (ties->holonomic + ties->rolling ? DM_WANT_REACTION : 0) |
+           (ties->forced ? DM_WANT_TIE_FORCE | DM_WANT_FORCE_CURVE : 0);
+}
+
+/* ---- the workspace ---- */
+
+typedef struct {
+    size_t n, s, r, K, k, l, m, unknowns;
+} sizes;
+
+static sizes sizes_of(size_t s, size_t r, size_t K, const dm_model *model) {
+    sizes z = {.n = model->n, .s = s, .r = r, .K = K};
+    z.k = model->ties->holonomic;
+    z.l = model->ties->rolling;
+    z.m = z.k + z.l;
+    z.unknowns = s * z.n + K * z.m;
+    return z;
+}
+
+static size_t larger(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+
+static size_t doubles(size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+
+static size_t scratch_size(const sizes *z, const dm_model *m) {
+    const size_t newton = larger(dm_newton_work((uint32_t)z->unknowns),
+                                 dm_newton_work((uint32_t)(z->n + z->m)));
+    return larger(newton, dm_legendre_work(m));
+}
+
+/* memory NULL: it is only counted */
+typedef struct {
+    double *memory;
+    size_t used;
+} layout;
+
+static double *take(layout *to, size_t count) {
+    double *block = to->memory ? to->memory + to->used : NULL;
+    to->used += count;
+    return block;
+}
+
+/* outputs of kernels */
+static void lay_out_kernels(dm_tied *g, const sizes *z, layout *to) {
+    const size_t n = z->n, nn = n * n;
+    g->plain = take(to, z->r * 2 * n);
+    g->curve = take(to, z->r * (2 * n + 3 * nn));
+    g->drag = take(to, z->r * (n + 2 * nn));
+    g->holonomic = take(to, (z->K + 1) * z->k * (n + 2));
+    g->rolling = take(to, (z->K + 1) * z->l * (1 + 3 * n));
+    g->roll = take(to, z->K * z->l * (1 + 3 * n));
+    g->reaction = take(to, (z->K + 1) * (n + 2 * nn));
+    g->mass = take(to, n + nn);
+}
+
+static size_t lay_out(dm_tied *g, const sizes *z, double *memory) {
+    layout to = {memory, 0};
+    const size_t n = z->n, m = z->m;
+    lay_out_kernels(g, z, &to);
+    g->x = take(&to, 2 * n + 1 + m);
+    g->shift = take(&to, n);
+    g->v = take(&to, n);
+    g->slope = take(&to, z->r * 2 * n);
+    g->impulse = take(&to, (z->K + 1) * n);
+    g->lambda = take(&to, m);
+    g->row_size = take(&to, m);
+    g->impulse_size = take(&to, m);
+    g->root = take(&to, z->unknowns);
+    g->end = take(&to, n + m);
+    g->v0 = take(&to, n);
+    g->next = take(&to, 4 * n);
+    g->dq = take(&to, n);
+    g->dp = take(&to, n);
+    g->before = take(&to, n);
+    g->scratch = take(&to, scratch_size(z, g->m));
+    g->memory =
+        take(&to, dm_tied_memory_size((uint32_t)n, (uint32_t)z->unknowns, (uint32_t)m));
+    return to.used;
+}
+
+size_t dm_tied_work(size_t s, size_t r, const dm_model *m) {
+    const sizes z = sizes_of(s, r, s, m); /* K is s or one less */
+    dm_tied g = {.m = m};
+    return doubles(sizeof g) + dm_stage_table_size(s, r) + dm_tied_weights_size(s, r) +
+           lay_out(&g, &z, NULL);
+}
+
+/* constant outputs of the kernels, once */
+static void prepare(dm_tied *g) {
+    const dm_ties *ties = g->ties;
+    const size_t n = g->n, nn = n * n;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        dm_kernel_prepare(&g->m->stage, g->curve + i * (2 * n + 3 * nn));
+        dm_kernel_prepare(&g->m->slope, g->plain + i * 2 * n);
+        if (ties->forced)
+            dm_kernel_prepare(&ties->force_curve, g->drag + i * (n + 2 * nn));
+    }
+    for (uint32_t k = 0; k <= g->K && g->k + g->l; k++) {
+        if (g->k) dm_kernel_prepare(&ties->holonomic_kernel, dm_tied_holonomic(g, k));
+        if (g->l) dm_kernel_prepare(&ties->rolling_kernel, dm_tied_rolling(g, k));
+        dm_kernel_prepare(&ties->reaction, dm_tied_curved(g, k));
+    }
+    for (uint32_t k = 0; k < g->K && g->l; k++)
+        dm_kernel_prepare(&ties->rolling_kernel, g->roll + k * g->l * (1 + 3 * n));
+    dm_kernel_prepare(&g->m->mass, g->mass);
+}
+
+dm_status dm_tied_open(dm_stepper *stepper, const dm_galerkin *basis) {
+    dm_tied *g = (dm_tied *)(void *)stepper->work;
+    const dm_model *m = stepper->model;
+    double *memory = stepper->work + doubles(sizeof *g);
+    *g = (dm_tied){.m = m, .ties = m->ties, .n = m->n};
+    g->k = m->ties->holonomic;
+    g->l = m->ties->rolling;
+    dm_stage_table_fill(&g->table, basis, memory);
+    const size_t s = g->table.s, r = g->table.r;
+    memory += dm_stage_table_size(s, r);
+    g->K = dm_tied_count(s, r, basis);
+    dm_tied_weights_fill(g, basis, memory);
+    dm_tied_weights_scale(g, stepper->h);
+    const sizes z = sizes_of(s, r, g->K, m);
+    lay_out(g, &z, memory + dm_tied_weights_size(s, r));
+    prepare(g);
+    dm_tied_memory_clear(g, stepper->h);
+    return DM_OK;
+}
+
+dm_status dm_tied_start(dm_stepper *stepper, double *state, double t) {
+    dm_tied *g = (dm_tied *)(void *)stepper->work;
+    (void)state;
+    (void)t;
+    dm_tied_memory_clear(g, stepper->h);
+    return DM_OK;
+}
+
+size_t dm_tied_memory(dm_stepper *stepper, double **place) {
+    dm_tied *g = (dm_tied *)(void *)stepper->work;
+    *place = g->memory;
+    return dm_tied_memory_size(g->n, dm_tied_unknowns(g), g->k + g->l);
+}
+
+/* ---- the step ---- */
+
+static dm_status newton(dm_tied *g, const dm_stepper *stepper) {
+    dm_newton_report report = {0};
+    const dm_newton_problem problem = {.m = dm_tied_unknowns(g),
+                                       .equation = dm_tied_equation,
+                                       .ctx = g,
+                                       .size = &g->size,
+                                       .tolerance = stepper->tolerance,
+                                       .max_iterations = stepper->max_iterations};
+    const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);
+    g->iterations += report.iterations;
+    g->residual = report.residual;
+    return status;
+}
+
+/* the equation of a step of h / 16, then of ever longer ones from the root before: the same state, the same ties */
+static dm_status by_continuation(dm_tied *g, const dm_stepper *stepper) {
+    enum { DOUBLINGS = 4 };
+    const double h = g->h;
+    const size_t V = (size_t)g->table.s * g->n, N = dm_tied_unknowns(g);
+    dm_tied_weights_scale(g, ldexp(h, -DOUBLINGS));
+    dm_tied_plain_guess(g);
+    dm_status status = newton(g, stepper);
+    for (int k = DOUBLINGS; status == DM_OK && k > 0; k--) {
+        memcpy(g->scratch, g->root, V * sizeof *g->root);
+        dm_tied_longer_guess(g, g->scratch);
+        for (size_t i = V; i < N; i++) g->root[i] *= 2.0;
+        dm_tied_weights_scale(g, ldexp(h, 1 - k));
+        status = newton(g, stepper);
+    }
+    if (g->h != h) dm_tied_weights_scale(g, h);
+    return status;
+}
+
+/* the residual of the way that came nearest is what a failure tells */
+static dm_status solve(dm_tied *g, const dm_stepper *stepper) {
+    const int warm = dm_tied_guess(g);
+    dm_status status = newton(g, stepper);
+    double least = g->residual;
+    if (status != DM_OK && status != DM_CALLBACK && warm) {
+        dm_tied_plain_guess(g);
+        status = newton(g, stepper);
+        least = fmin(least, g->residual);
+    }
+    if (status == DM_OK || status == DM_CALLBACK) return status;
+    const dm_status last = by_continuation(g, stepper);
+    if (last == DM_OK) return DM_OK;
+    g->residual = least;
+    return status;
+}
+
+/* a step that failed: is it the ties that lose rank, here or where Newton's method went? */
+static void find_lost(dm_tied *g, dm_status status) {
+    if (status == DM_OK || status == DM_CALLBACK || g->lost) return;
+    g->lost = dm_tied_dependent(g, 0);
+    for (uint32_t k = 1; k <= g->K && !g->lost && !g->l; k++)
+        g->lost = dm_tied_dependent(g, k);
+}
+
+dm_status dm_tied_step(dm_stepper *stepper, double *state, double t) {
+    dm_tied *g = (dm_tied *)(void *)stepper->work;
+    g->state = state;
+    g->t = t;
+    g->evaluations = 0;
+    g->iterations = 0;
+    g->residual = 0.0;
+    g->lost = 0;
+    if (g->h != stepper->h) dm_tied_weights_scale(g, stepper->h);
+    dm_status status = dm_tied_begin(g);
+    if (status == DM_OK) status = solve(g, stepper);
+    if (status == DM_OK) status = dm_tied_finish(g, stepper);
+    find_lost(g, status);
+    if (g->lost && status != DM_OK) status = DM_SINGULAR;
+    stepper->report.iterations = g->iterations;
+    stepper->report.residual = g->residual;
+    stepper->report.tie = (int)g->lost;
+    stepper->report.solves++;
+    stepper->report.newton += g->iterations;
+    stepper->report.evaluations += g->evaluations;
+    if (status != DM_OK) return status;
+    dm_tied_memory_keep(g);
+    memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
+    return DM_OK;
+}

@@ -1,0 +1,172 @@
+/* tied_point.c - kernels of L and of its ties at points of the curve. */
+#include "integ/tied_inside.h"
+
+#include <math.h>
+#include <string.h>
+
+void dm_tied_at(dm_tied *g, const double *shift, const double *v, double after) {
+    const uint32_t n = g->n;
+    const double *low = g->state + 2 * n;
+    for (uint32_t i = 0; i < n; i++) {
+        g->x[i] = g->state[i] + (shift ? low[i] + shift[i] : 0.0);
+        g->x[n + i] = v[i];
+    }
+    g->x[2 * n] = g->t + after;
+}
+
+/* x at a point with the rows ha[s] and d[s] */
+static void place(dm_tied *g, const dm_weight *ha, const dm_weight *d, double after,
+                  const double *V) {
+    const uint32_t n = g->n;
+    memset(g->shift, 0, n * sizeof *g->shift);
+    memset(g->v, 0, n * sizeof *g->v);
+    for (uint32_t j = 0; j < g->table.s; j++) {
+        const double *Vj = V + j * (size_t)n;
+        dm_weighted_add(g->shift, ha[j], Vj, n);
+        if (d[j].top != 0.0) dm_weighted_add(g->v, d[j], Vj, n);
+    }
+    dm_tied_at(g, g->shift, g->v, after);
+}
+
+/* L_q += f, and its curves where they are wanted */
+static void add_force(dm_tied *g, double *slope, double *drag, int with_curve) {
+    if (!g->ties->forced) return;
+    dm_kernel_eval(with_curve ? &g->ties->force_curve : &g->ties->force, g->x, drag);
+    for (uint32_t k = 0; k < g->n; k++) slope[k] += drag[k];
+}
+
+void dm_tied_slopes(dm_tied *g, const double *V, int with_curve) {
+    const size_t n = g->n, s = g->table.s, width = 2 * n + 3 * n * n;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        double *slope = g->slope + i * 2 * n, *curve = g->curve + i * width;
+        double *out = with_curve ? curve : g->plain + i * 2 * n;
+        place(g, g->ha + i * s, g->table.d + i * s,
+              g->h * dm_weight_double(g->table.c[i]), V);
+        dm_kernel_eval(with_curve ? &g->m->stage : &g->m->slope, g->x, out);
+        memcpy(slope, out, 2 * n * sizeof *slope);
+        add_force(g, slope, g->drag + i * (n + 2 * n * n), with_curve);
+    }
+    g->evaluations += g->table.r;
+}
+
+/* multipliers of the tie point k as the reactions take them */
+static void unscale(dm_tied *g, const double *impulses) {
+    const uint32_t m = g->k + g->l;
+    for (uint32_t c = 0; c < m; c++)
+        g->lambda[c] = impulses[c] * g->mass_size / g->impulse_size[c];
+}
+
+/* I = G^T lambda + E^T mu from the rows at the tie point k */
+void dm_tied_impulse(dm_tied *g, double *impulse, const double *impulses, uint32_t k) {
+    const uint32_t n = g->n;
+    const double *G = dm_tied_holonomic(g, k) + g->k, *E = dm_tied_rolling(g, k) + g->l;
+    unscale(g, impulses);
+    memset(impulse, 0, n * sizeof *impulse);
+    for (uint32_t c = 0; c < g->k + g->l; c++) {
+        const double *row = c < g->k ? G + c * n : E + (c - g->k) * n;
+        for (uint32_t i = 0; i < n; i++) impulse[i] += g->lambda[c] * row[i];
+    }
+}
+
+/* derivatives of the impulse in q and v at x, behind it in `reaction` */
+void dm_tied_reaction(dm_tied *g, const double *impulses, uint32_t k) {
+    unscale(g, impulses);
+    memcpy(g->x + 2 * g->n + 1, g->lambda, (g->k + g->l) * sizeof *g->lambda);
+    dm_kernel_eval(&g->ties->reaction, g->x, dm_tied_curved(g, k));
+}
+
+static void eval_holonomic(dm_tied *g, uint32_t k) {
+    if (g->k) dm_kernel_eval(&g->ties->holonomic_kernel, g->x, dm_tied_holonomic(g, k));
+}
+
+static void eval_rolling(dm_tied *g, double *out) {
+    if (g->l) dm_kernel_eval(&g->ties->rolling_kernel, g->x, out);
+}
+
+void dm_tied_rows(dm_tied *g, uint32_t k) {
+    eval_holonomic(g, k);
+    eval_rolling(g, dm_tied_rolling(g, k));
+}
+
+/* impulses between the ends: their rows move with the curve */
+static void inner_tie(dm_tied *g, const double *impulses, uint32_t k, int with_curve) {
+    if (g->k || g->l) dm_tied_rows(g, k);
+    dm_tied_impulse(g, g->impulse + k * (size_t)g->n, impulses, k);
+    if (with_curve) dm_tied_reaction(g, impulses, k);
+}
+
+void dm_tied_ties(dm_tied *g, const double *V, int with_curve) {
+    const size_t n = g->n, s = g->table.s, m = g->k + g->l;
+    const double *impulses = V + s * n;
+    if (m == 0) return;
+    dm_tied_impulse(g, g->impulse, impulses, 0);
+    for (uint32_t k = 1; k <= g->K; k++) {
+        if (k == g->K && !g->k) break; /* rolling ends there with the momentum */
+        place(g, g->tie_ha + k * s, g->tie.d + k * s,
+              g->h * dm_weight_double(g->tie.c[k]), V);
+        if (k < g->K)
+            inner_tie(g, impulses + k * m, k, with_curve);
+        else
+            eval_holonomic(g, k);
+    }
+    for (uint32_t k = 0; k < g->K && g->l; k++) {
+        place(g, g->gauss_ha + k * s, g->gauss.d + k * s,
+              g->h * dm_weight_double(g->gauss.c[k]), V);
+        eval_rolling(g, g->roll + k * g->l * (1 + 3 * n));
+    }
+}
+
+/* NaN when there is one */
+static double largest(const double *a, size_t count) {
+    double most = 0.0;
+    for (size_t i = 0; i < count; i++)
+        if (!(fabs(a[i]) <= most)) most = fabs(a[i]);
+    return most;
+}
+
+/* sizes of the rows make equations and multipliers comparable with momenta and velocities */
+static dm_status find_sizes(dm_tied *g) {
+    const uint32_t n = g->n;
+    const double *G = dm_tied_holonomic(g, 0) + g->k;
+    const double *E = dm_tied_rolling(g, 0) + g->l, *phi_v = E + g->l * n;
+    for (uint32_t c = 0; c < g->k + g->l; c++) {
+        const uint32_t j = c < g->k ? c : c - g->k;
+        g->row_size[c] = largest((c < g->k ? G : phi_v) + j * n, n);
+        g->impulse_size[c] = c < g->k ? g->row_size[c] : largest(E + j * n, n);
+        if (!isfinite(g->row_size[c] + g->impulse_size[c])) return DM_NOT_FINITE;
+        if (g->row_size[c] != 0.0 && g->impulse_size[c] != 0.0) continue;
+        g->lost = c + 1;
+        return DM_SINGULAR;
+    }
+    return DM_OK;
+}
+
+/* v0 from the memory, or from p0 */
+static dm_status find_velocity(dm_tied *g) {
+    const uint32_t n = g->n;
+    if (g->k + g->l && dm_tied_memory_fits(g)) {
+        memcpy(g->v0, dm_tied_memory_velocity(g), n * sizeof *g->v0);
+        return DM_OK;
+    }
+    memset(g->v0, 0, n * sizeof *g->v0);
+    return dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
+}
+
+static dm_status find_mass_size(dm_tied *g) {
+    const size_t n = g->n;
+    if (!(g->m->structure & DM_CONSTANT_MASS) || g->mass_size == 0.0) {
+        dm_kernel_eval(&g->m->mass, g->x, g->mass);
+        g->mass_size = largest(g->mass + n, n * n);
+    }
+    if (!isfinite(g->mass_size)) return DM_NOT_FINITE;
+    return g->mass_size > 0.0 ? DM_OK : DM_SINGULAR;
+}
+
+dm_status dm_tied_begin(dm_tied *g) {
+    dm_status status = find_velocity(g);
+    if (status != DM_OK) return status;
+    dm_tied_at(g, NULL, g->v0, 0.0);
+    status = find_mass_size(g);
+    dm_tied_rows(g, 0);
+    return status == DM_OK ? find_sizes(g) : status;
+}
