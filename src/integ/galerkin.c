@@ -115,7 +115,7 @@ const dm_method dm_method_galerkin = {
         "s and the degree to which the quadrature is exact + 1; s n unknowns a step. "
         "Own nodes and weights: dm.galerkin. Marsden-West 2001 sec. 2.2.6, Leok 2.4; "
         "order: Hall & Leok 2015.",
-    .traits = DM_SYMPLECTIC | DM_KEEPS,
+    .traits = DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .order = order,
     .basis = basis,
