@@ -214,6 +214,15 @@ static void find_lost(dm_tied *g, dm_status status) {
         g->lost = dm_tied_dependent(g, k);
 }
 
+/* |g| and |phi| at the end of the step */
+static void report_ties(const dm_tied *g, dm_report *report) {
+    const double *hol = dm_tied_holonomic(g, g->K), *phi = dm_tied_rolling(g, g->K);
+    for (uint32_t c = 0; c < g->k; c++)
+        report->constraint = fmax(report->constraint, fabs(hol[c]));
+    for (uint32_t c = 0; c < g->l; c++)
+        report->rolling = fmax(report->rolling, fabs(phi[c]));
+}
+
 dm_status dm_tied_step(dm_stepper *stepper, double *state, double t) {
     dm_tied *g = (dm_tied *)(void *)stepper->work;
     g->state = state;
@@ -235,6 +244,7 @@ dm_status dm_tied_step(dm_stepper *stepper, double *state, double t) {
     stepper->report.newton += g->iterations;
     stepper->report.evaluations += g->evaluations;
     if (status != DM_OK) return status;
+    report_ties(g, &stepper->report);
     dm_tied_memory_keep(g);
     memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
     return DM_OK;
