@@ -50,10 +50,10 @@ static void step(point *y, const dm_tableau *t, long double h, int mixed) {
             const point at = combine(t, y, h, t->a[i], t->A[i], slope), old = slope[i];
             field(slope[i].q, slope[i].p, at.q, at.p, mixed);
             for (int k = 0; k < N; k++)
-                change = fmaxl(change, fmaxl(fabsl(slope[i].q[k] - old.q[k]),
-                                             fabsl(slope[i].p[k] - old.p[k])));
+                change +=
+                    fabsl(slope[i].q[k] - old.q[k]) + fabsl(slope[i].p[k] - old.p[k]);
         }
-        if (change < 1e-18L) break;
+        if (change < 1e-17L) break;
     }
     *y = combine(t, y, h, t->b, t->B, slope);
 }
@@ -80,21 +80,24 @@ static long double error_of(const dm_tableau *t, long double h, int mixed) {
     gauss_pair(&best, 12);
     step(&y, t, h, mixed);
     for (int k = 0; k < 2; k++) step(&exact, &best, 0.5L * h, mixed);
-    for (int k = 0; k < N; k++)
-        sum += powl(y.q[k] - exact.q[k], 2) + powl(y.p[k] - exact.p[k], 2);
+    for (int k = 0; k < N; k++) {
+        const long double dq = y.q[k] - exact.q[k], dp = y.p[k] - exact.p[k];
+        sum += dq * dq + dp * dp;
+    }
     return sqrtl(sum);
 }
 
 /* halve the step while the error is far above round-off; the last exponent but one of the error is the order */
 int dm_tableau_order(const dm_tableau *t, int separable) {
     static const long double FLOOR = 1e-16L;
-    long double h = 0.4L, last = error_of(t, h, !separable), exponent = 0.0L;
+    long double h = 0.4L, last = error_of(t, h, !separable);
+    double exponent = 0.0;
     for (int k = 0; k < 12; k++) {
         h *= 0.5L;
         const long double e = error_of(t, h, !separable);
         if (k && e < FLOOR) break;
-        exponent = log2l(last / e);
+        exponent = log2((double)(last / e));
         last = e;
     }
-    return isfinite(exponent) ? (int)roundl(exponent) - 1 : 0;
+    return isfinite(exponent) ? (int)floor(exponent + 0.5) - 1 : 0;
 }
