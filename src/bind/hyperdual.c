@@ -64,6 +64,11 @@ static jet1 tanh_jet(double x) {
     return (jet1){t, slope, -2 * t * slope};
 }
 
+static jet1 reciprocal_root(double x) {
+    const double w = 1 / sqrt(x);
+    return (jet1){w, -0.5 * w / x, 0.75 * w / (x * x)};
+}
+
 static jet1 jet_of_one(dm_op op, double x) {
     const double g = dm_op_value(op, x, 0, 0);
     const jet1 w = arcsine(x);
@@ -72,6 +77,8 @@ static jet1 jet_of_one(dm_op op, double x) {
         return (jet1){g, -1, 0};
     case DM_OP_ABS:
         return (jet1){g, (double)((x > 0) - (x < 0)), 0};
+    case DM_OP_RSQRT:
+        return reciprocal_root(x);
     case DM_OP_EXP:
         return (jet1){g, g, g};
     case DM_OP_LOG:

@@ -35,6 +35,7 @@ static int strength(dm_op op) {
         return 1;
     case DM_OP_MUL:
     case DM_OP_DIV:
+    case DM_OP_RSQRT:
         return 2;
     case DM_OP_NEG:
         return 3;
@@ -48,7 +49,7 @@ static int strength(dm_op op) {
 static void write_node(writer *w, dm_node n, int least, int depth);
 
 static void write_call(writer *w, const dm_expr *e, int depth) {
-    write_text(w, dm_op_text(e->op));
+    write_text(w, e->op == DM_OP_RSQRT ? "1/sqrt" : dm_op_text(e->op));
     for (int k = 0; k < dm_op_operands(e->op); k++) {
         write_text(w, k ? ", " : "(");
         write_node(w, e->as.arg[k], 0, depth);
@@ -91,7 +92,10 @@ static void write_node(writer *w, dm_node n, int least, int depth) {
         write_call(w, e, depth + 1);
     } else {
         if (own < least) write_text(w, "(");
-        write_infix(w, e, depth + 1);
+        if (e->op == DM_OP_RSQRT)
+            write_call(w, e, depth + 1);
+        else
+            write_infix(w, e, depth + 1);
         if (own < least) write_text(w, ")");
     }
 }

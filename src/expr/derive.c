@@ -111,6 +111,8 @@ static dm_node slope1(dm_graph *g, dm_node n) {
         return dm_apply(g, DM_OP_SIGN, a, 0, 0);
     case DM_OP_SQRT:
         return half(g, inverse(g, n));
+    case DM_OP_RSQRT:
+        return dm_neg(g, half(g, dm_mul(g, n, square(g, n))));
     case DM_OP_EXP:
         return n;
     case DM_OP_LOG:

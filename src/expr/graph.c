@@ -1,6 +1,7 @@
 #include "expr/graph.h"
 
 #include "expr/fma.h"
+#include "expr/functions.h"
 #include "expr/nodes.h"
 
 #include <assert.h>
@@ -144,6 +145,7 @@ static uint8_t nonnegative(const dm_graph *g, const dm_expr *e) {
         return e->as.value >= 0.0;
     case DM_OP_ABS:
     case DM_OP_SQRT:
+    case DM_OP_RSQRT:
     case DM_OP_EXP:
     case DM_OP_ACOS:
     case DM_OP_COSH:
@@ -260,6 +262,8 @@ double dm_op_value(dm_op op, double a, double b, double c) {
         return (double)((a > 0) - (a < 0));
     case DM_OP_SQRT:
         return sqrt(a);
+    case DM_OP_RSQRT:
+        return dm_rsqrt(a);
     case DM_OP_EXP:
         return exp(a);
     case DM_OP_LOG:

@@ -1,6 +1,7 @@
 #define _GNU_SOURCE /* sincos */
 #include "expr/jit_pool.h"
 
+#include "expr/functions.h"
 #include "expr/nodes.h"
 
 #include <math.h>
@@ -68,11 +69,13 @@ static void fill_pointers(unsigned char *bytes, dm_width w) {
 }
 
 static void fill_masks(unsigned char *bytes) {
-    static const uint64_t masks[DM_POOL_MASKS] = {
+    static const double root[3] = DM_ROOT_SERIES;
+    uint64_t masks[DM_POOL_MASKS] = {
         [DM_POOL_ONE] = 0x3FF0000000000000u,
         [DM_POOL_SIGN_BIT] = 0x8000000000000000u,
         [DM_POOL_ALL_BUT_SIGN] = 0x7FFFFFFFFFFFFFFFu,
     };
+    memcpy(masks + DM_POOL_ROOT1, root, sizeof root);
     for (int k = 0; k < DM_POOL_MASKS; k++)
         for (int lane = 0; lane < 8; lane++)
             memcpy(bytes + 64 * k + 8 * lane, masks + k, sizeof masks[k]);

@@ -9,6 +9,7 @@
 #include "expr/compact.h"
 #include "expr/fma.h"
 #include "expr/jit_pool.h"
+#include "expr/jit_root.h"
 #include "expr/nodes.h"
 #include "expr/tape.h"
 
@@ -187,6 +188,8 @@ static void emit_step(dm_emitter *e, const dm_step *s) {
         one_operand(e, s, DM_X86_AND, DM_POOL_ALL_BUT_SIGN);
     else if (s->op == DM_OP_SQRT)
         one_operand(e, s, DM_X86_SQRT, -1);
+    else if (s->op == DM_OP_RSQRT)
+        dm_emit_reciprocal_root(e, s);
     else if (s->op == DM_OP_SIGN)
         sign(e, s);
     else if (s->op == DM_OP_WHERE)

@@ -51,8 +51,9 @@ static int is_one(const dm_graph *g, dm_node n) {
 
 /* 1/x written in place, so that y * (1/x) can be written y / x */
 static int is_plain_reciprocal(const printer *p, dm_node n) {
-    return !p->name[n] && dm_is_op(p->g, n, DM_OP_DIV) &&
-           is_one(p->g, dm_at(p->g, n)->as.arg[0]);
+    const int turns =
+        dm_is_op(p->g, n, DM_OP_DIV) && is_one(p->g, dm_at(p->g, n)->as.arg[0]);
+    return !p->name[n] && (turns || dm_is_op(p->g, n, DM_OP_RSQRT));
 }
 
 static int strength(const printer *p, dm_node n) {
@@ -67,6 +68,7 @@ static int strength(const printer *p, dm_node n) {
     case DM_OP_MUL:
         return e->as.arg[0] == e->as.arg[1] ? POWER : PRODUCT;
     case DM_OP_DIV:
+    case DM_OP_RSQRT:
         return PRODUCT;
     case DM_OP_NEG:
         return SIGNED;
@@ -85,14 +87,32 @@ static void operation(printer *p, dm_node a, const char *sign, dm_node b, int ho
     node(p, b, holds + 1);
 }
 
+static void root(printer *p, dm_node n) {
+    text(p, "sqrt(");
+    node(p, n, 0);
+    text(p, ")");
+}
+
+/* y / x, given the reciprocal of x */
+static void quotient(printer *p, dm_node y, dm_node reciprocal) {
+    const dm_expr *e = dm_at(p->g, reciprocal);
+    if (e->op != DM_OP_RSQRT) {
+        operation(p, y, "/", e->as.arg[1], PRODUCT);
+        return;
+    }
+    node(p, y, PRODUCT);
+    text(p, "/");
+    root(p, e->as.arg[0]);
+}
+
 static void product(printer *p, dm_node a, dm_node b) {
     if (a == b) {
         node(p, a, ATOM);
         text(p, "^2");
     } else if (is_plain_reciprocal(p, b)) {
-        operation(p, a, "/", dm_at(p->g, b)->as.arg[1], PRODUCT);
+        quotient(p, a, b);
     } else if (is_plain_reciprocal(p, a)) {
-        operation(p, b, "/", dm_at(p->g, a)->as.arg[1], PRODUCT);
+        quotient(p, b, a);
     } else {
         operation(p, a, "*", b, PRODUCT);
     }
@@ -140,6 +160,10 @@ static void body(printer *p, dm_node n) {
         break;
     case DM_OP_DIV:
         operation(p, a, "/", b, PRODUCT);
+        break;
+    case DM_OP_RSQRT:
+        text(p, "1/");
+        root(p, a);
         break;
     case DM_OP_POW:
         node(p, a, ATOM);

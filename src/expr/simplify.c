@@ -1,13 +1,9 @@
 /*
-** The rules by which dm_apply makes a node. Values are kept up to rounding, for operands
-** whose products and reciprocals neither overflow nor underflow; the sign of a zero is
-*not
-** kept. A NaN stays a NaN, with three exceptions: 0*x = 0, 0/x = 0 and x - x = 0 for any
-*x.
-** Canonical forms: constants first and folded together; a term is c*x with x free of
-** constant factors; sums hold positive coefficients (x - 2*y, not x + (-2)*y);
-*commutative
-** operands in order of number; a/b is a * (1/b), so that reciprocals are shared.
+** The rules by which dm_apply makes a node. Values are kept up to rounding, for operands whose products and
+** reciprocals neither overflow nor underflow; the sign of a zero is not kept. A NaN stays a NaN, with three
+** exceptions: 0*x = 0, 0/x = 0 and x - x = 0 for any x. Canonical forms: constants first and folded together;
+** a term is c*x with x free of constant factors; sums hold positive coefficients (x - 2*y, not x + (-2)*y);
+** commutative operands in order of number; a/b is a * (1/b), so that reciprocals are shared.
 */
 #include "expr/nodes.h"
 
@@ -184,12 +180,20 @@ static dm_node mul(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     return scaled(g, ca * cb, product(g, x, y));
 }
 
+static dm_node whole_power(dm_graph *g, dm_node x, unsigned n);
+
 /* 1 / x for x without constant factors */
 static dm_node reciprocal(dm_graph *g, dm_node x) {
     const dm_expr e = *dm_at(g, x);
     double one;
     if (e.op == DM_OP_DIV && dm_is_constant(g, e.as.arg[0], &one) && one == 1.0)
         return e.as.arg[1];
+    if (e.op == DM_OP_SQRT) return dm_node_plain(g, DM_OP_RSQRT, e.as.arg[0], 0, 0);
+    if (e.op == DM_OP_RSQRT) return dm_node_plain(g, DM_OP_SQRT, e.as.arg[0], 0, 0);
+    if (e.op != DM_OP_MUL) return dm_node_plain(g, DM_OP_DIV, dm_constant(g, 1.0), x, 0);
+    const dm_expr y = *dm_at(g, e.as.arg[1]); /* a root stands behind what it is of */
+    if (y.op == DM_OP_SQRT && y.as.arg[0] == e.as.arg[0])
+        return whole_power(g, reciprocal(g, e.as.arg[1]), 3);
     return dm_node_plain(g, DM_OP_DIV, dm_constant(g, 1.0), x, 0);
 }
 
@@ -296,6 +300,15 @@ static dm_node root(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     return dm_node_plain(g, DM_OP_SQRT, a, 0, 0);
 }
 
+/* 1/sqrt(x x) = 1/|x| */
+static dm_node reciprocal_root(dm_graph *g, dm_node a, dm_node b, dm_node c) {
+    (void)b, (void)c;
+    const dm_expr e = *dm_at(g, a);
+    if (e.op != DM_OP_MUL || e.as.arg[0] != e.as.arg[1])
+        return dm_node_plain(g, DM_OP_RSQRT, a, 0, 0);
+    return reciprocal(g, dm_apply(g, DM_OP_ABS, e.as.arg[0], 0, 0));
+}
+
 /* not commutative where one operand is NaN, so the order stays */
 static dm_node smaller(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     (void)c;
@@ -315,13 +328,27 @@ static dm_node where(dm_graph *g, dm_node a, dm_node b, dm_node c) {
 }
 
 static rule *const rules[DM_OP_COUNT] = {
-    [DM_OP_NEG] = negate,  [DM_OP_ABS] = absolute, [DM_OP_SIGN] = sign,
-    [DM_OP_SQRT] = root,   [DM_OP_SIN] = sine,     [DM_OP_COS] = cosine,
-    [DM_OP_TAN] = tangent, [DM_OP_ASIN] = arcsine, [DM_OP_ATAN] = arctangent,
-    [DM_OP_SINH] = sineh,  [DM_OP_COSH] = cosineh, [DM_OP_TANH] = tangenth,
-    [DM_OP_ADD] = add,     [DM_OP_SUB] = sub,      [DM_OP_MUL] = mul,
-    [DM_OP_DIV] = divide,  [DM_OP_POW] = power,    [DM_OP_MIN] = smaller,
-    [DM_OP_MAX] = larger,  [DM_OP_WHERE] = where,
+    [DM_OP_NEG] = negate,
+    [DM_OP_ABS] = absolute,
+    [DM_OP_SIGN] = sign,
+    [DM_OP_SQRT] = root,
+    [DM_OP_SIN] = sine,
+    [DM_OP_COS] = cosine,
+    [DM_OP_TAN] = tangent,
+    [DM_OP_ASIN] = arcsine,
+    [DM_OP_ATAN] = arctangent,
+    [DM_OP_SINH] = sineh,
+    [DM_OP_COSH] = cosineh,
+    [DM_OP_TANH] = tangenth,
+    [DM_OP_ADD] = add,
+    [DM_OP_SUB] = sub,
+    [DM_OP_MUL] = mul,
+    [DM_OP_DIV] = divide,
+    [DM_OP_POW] = power,
+    [DM_OP_MIN] = smaller,
+    [DM_OP_RSQRT] = reciprocal_root,
+    [DM_OP_MAX] = larger,
+    [DM_OP_WHERE] = where,
 };
 
 /* all operands constant: the value itself */

@@ -11,6 +11,7 @@
 
 #include "expr/compact.h"
 #include "expr/fma.h"
+#include "expr/functions.h"
 #include "expr/nodes.h"
 
 #include <math.h>
@@ -71,6 +72,7 @@ __attribute__((noinline)) static const void *const *engine(const tape *t, double
     DO(ABS, fabs(A))
     DO(SIGN, (double)((A > 0) - (A < 0)))
     DO(SQRT, sqrt(A))
+    DO(RSQRT, dm_rsqrt(A))
     DO(EXP, exp(A))
     DO(LOG, log(A))
     DO(SIN, sin(A))

@@ -41,9 +41,10 @@ static void find_inner(reader *r, const dm_graph *g, uint32_t end, uint32_t *use
     }
 }
 
-static dm_scaled atom(reader *r, dm_node n) {
+/* op of what n has as operands: the operation of n, or the root that n is the reciprocal of */
+static dm_scaled atom(reader *r, dm_node n, dm_op op) {
     const dm_expr *e = dm_at(r->s->g, n);
-    dm_term_entry head = {.kind = DM_TERM_ATOM, .op = (uint8_t)e->op};
+    dm_term_entry head = {.kind = DM_TERM_ATOM, .op = (uint8_t)op};
     dm_part arg[3];
     head.nonnegative = r->s->g->nonnegative[n];
     head.count = (uint32_t)dm_arity(e->op);
@@ -103,13 +104,17 @@ static dm_scaled read_product(reader *r, dm_node x, dm_node y, int sign) {
     return dm_terms_product(s, c, count);
 }
 
-/* sqrt(c u) = sqrt(c) u^(1/2), where u is known to be >= 0 */
-static dm_scaled read_root(reader *r, dm_node n) {
+/* sqrt(c u)^sign = sqrt(c)^sign u^(sign/2), where u is known to be >= 0; elsewhere a power of the atom
+** sqrt(u) */
+static dm_scaled read_root(reader *r, dm_node n, int sign) {
     const dm_scaled a = r->value[dm_at(r->s->g, n)->as.arg[0]];
     const dm_term_entry *e = r->s->entries + a.t;
-    if (a.c <= 0.0 || !e->nonnegative || e->kind == DM_TERM_PRODUCT) return atom(r, n);
-    r->s->scratch[0] = (dm_part){.c = 1.0, .t = a.t, .e = 1};
-    return dm_terms_product(r->s, sqrt(a.c), 1);
+    const int opens = a.c > 0.0 && e->nonnegative && e->kind != DM_TERM_PRODUCT;
+    if (!opens && sign > 0) return atom(r, n, DM_OP_SQRT);
+    const dm_term base = opens ? a.t : atom(r, n, DM_OP_SQRT).t;
+    const double c = opens ? sqrt(a.c) : 1.0;
+    r->s->scratch[0] = (dm_part){.c = 1.0, .t = base, .e = opens ? sign : 2 * sign};
+    return dm_terms_product(r->s, sign > 0 ? c : 1.0 / c, 1);
 }
 
 static dm_scaled read_node(reader *r, dm_node n) {
@@ -128,9 +133,11 @@ static dm_scaled read_node(reader *r, dm_node n) {
     case DM_OP_DIV:
         return read_product(r, a, b, -1);
     case DM_OP_SQRT:
-        return read_root(r, n);
+        return read_root(r, n, 1);
+    case DM_OP_RSQRT:
+        return read_root(r, n, -1);
     default:
-        return atom(r, n);
+        return atom(r, n, e.op);
     }
 }
 

@@ -131,11 +131,18 @@ static dm_node power(const writer *w, dm_term t, uint32_t size) {
     return size % 2 ? multiply(w->g, root_of(w->g, base), whole) : whole;
 }
 
+/* a power of a root divides: no division, as 1/sqrt is one operation */
+static int is_under_root(const writer *w, dm_term t) {
+    return w->use[t].by_root || dm_is_op(w->g, w->s->entries[t].node, DM_OP_SQRT);
+}
+
 /* base^(-size/2) as a power of the shared reciprocal */
 static dm_node inverse_power(const writer *w, const dm_part *p) {
-    dm_node base = w->s->entries[p->t].node;
-    if (w->use[p->t].by_root) base = root_of(w->g, base);
-    const dm_node turned = dm_node_plain(w->g, DM_OP_DIV, w->one, base, 0);
+    const dm_node base = w->s->entries[p->t].node;
+    const dm_node turned = w->use[p->t].by_root ? dm_apply(w->g, DM_OP_RSQRT, base, 0, 0)
+                           : dm_is_op(w->g, base, DM_OP_SQRT)
+                               ? dm_div(w->g, w->one, base)
+                               : dm_node_plain(w->g, DM_OP_DIV, w->one, base, 0);
     return chain(w->g, turned, whole_steps(w, p), w->use[p->t].below);
 }
 
@@ -180,7 +187,7 @@ static dm_node write_product(writer *w, dm_term t) {
         if (p.e % 4 != 0) w->minus[t] ^= w->minus[p.t];
         if (p.e > 0)
             above = multiply(w->g, above, power(w, p.t, (uint32_t)p.e));
-        else if (w->use[p.t].under > 1)
+        else if (w->use[p.t].under > 1 || is_under_root(w, p.t))
             above = multiply(w->g, above, inverse_power(w, &p));
         else
             below = multiply(w->g, below, power(w, p.t, (uint32_t)-p.e));

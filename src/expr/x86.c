@@ -78,20 +78,26 @@ static void vex(dm_code *c, const form *f, int length, dm_operand o) {
     address(c, f->reg, o, 1);
 }
 
-static void evex(dm_code *c, const form *f, dm_operand o) {
+/* length 0, 1, 2: 128 bits or scalar, 256, 512; short displacements count in the size of a memory operand */
+static void evex(dm_code *c, const form *f, int length, int unit, dm_operand o) {
     const int top = o.reg >= 0 ? o.reg >> 4 & 1 : 0; /* bit 4 of a register goes to X */
     byte(c, 0x62);
     byte(c, (!(f->reg >> 3 & 1) << 7) | (!top << 6) | (!(high(o) & 1) << 5) |
                 (!(f->reg >> 4 & 1) << 4) | f->map);
     byte(c, 0x80 | (~f->vvvv & 15) << 3 | 4 | f->prefix);
-    byte(c, f->zeroing << 7 | 0x40 | (!(f->vvvv >> 4 & 1) << 3) | f->mask);
+    byte(c, f->zeroing << 7 | length << 5 | (!(f->vvvv >> 4 & 1) << 3) | f->mask);
     byte(c, f->opcode);
-    address(c, f->reg, o, 64);
+    address(c, f->reg, o, unit);
+}
+
+/* EVEX in all widths */
+static void emit_evex(dm_code *c, dm_width w, const form *f, dm_operand o) {
+    evex(c, f, w == DM_LANES8 ? 2 : w == DM_LANES4, 8 * (int)w, o);
 }
 
 static void emit(dm_code *c, dm_width w, const form *f, dm_operand o) {
     if (w == DM_LANES8)
-        evex(c, f, o);
+        emit_evex(c, w, f, o);
     else
         vex(c, f, w == DM_LANES4, o);
 }
@@ -135,16 +141,6 @@ void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int rela
     byte(c, relation);
 }
 
-void dm_x86_fma(dm_code *c, dm_width w, int accumulate, int d, int a, dm_operand b) {
-    const form f = {.map = MAP_0F38,
-                    .opcode = (accumulate ? 0xB8 : 0xA8) | (w == DM_SCALAR),
-                    .reg = d,
-                    .vvvv = a,
-                    .wide = 1,
-                    .prefix = PP_66};
-    emit(c, w, &f, b);
-}
-
 void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask) {
     if (w == DM_LANES8) {
         const form f = {.map = MAP_0F38,
@@ -153,7 +149,7 @@ void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask) {
                         .vvvv = no,
                         .prefix = PP_66,
                         .mask = mask};
-        evex(c, &f, dm_in_register(yes));
+        emit_evex(c, w, &f, dm_in_register(yes));
         return;
     }
     const form f = {
@@ -169,7 +165,45 @@ void dm_x86_load_masked(dm_code *c, int d, int mask, dm_operand from) {
                     .prefix = PP_66,
                     .mask = mask,
                     .zeroing = 1};
-    evex(c, &f, from);
+    emit_evex(c, DM_LANES8, &f, from);
+}
+
+void dm_x86_rsqrt14(dm_code *c, dm_width w, int d, int a) {
+    const form f = {.map = MAP_0F38,
+                    .opcode = w == DM_SCALAR ? 0x4F : 0x4E,
+                    .reg = d,
+                    .vvvv = w == DM_SCALAR ? a : 0,
+                    .prefix = PP_66};
+    emit_evex(c, w, &f, dm_in_register(a));
+}
+
+void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b,
+                  int mask) {
+    const form f = {.map = MAP_0F38,
+                    .opcode = opcode + (w == DM_SCALAR),
+                    .reg = d,
+                    .vvvv = a,
+                    .prefix = PP_66,
+                    .wide = 1,
+                    .mask = mask};
+    if (mask)
+        emit_evex(c, w, &f, b);
+    else
+        emit(c, w, &f, b);
+}
+
+void dm_x86_fma(dm_code *c, dm_width w, int accumulate, int d, int a, dm_operand b) {
+    dm_x86_fused(c, w, accumulate ? DM_X86_FMADD231 : DM_X86_FMADD213, d, a, b, 0);
+}
+
+void dm_x86_is_number(dm_code *c, dm_width w, int mask, int a) {
+    const form f = {.map = MAP_0F,
+                    .opcode = 0xC2,
+                    .reg = mask,
+                    .vvvv = a,
+                    .prefix = w == DM_SCALAR ? PP_F2 : PP_66};
+    emit_evex(c, w, &f, dm_in_register(a));
+    byte(c, 7); /* ordered, quiet */
 }
 
 void dm_x86_call(dm_code *c, dm_operand pointer) {

@@ -73,6 +73,23 @@ void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask);
 /* 8 lanes: d = mask register ? from : 0 */
 void dm_x86_load_masked(dm_code *c, int d, int mask, dm_operand from);
 
+/* AVX-512: 1/sqrt(a) to 14 bits */
+void dm_x86_rsqrt14(dm_code *c, dm_width w, int d, int a);
+
+enum { /* 213: d = +-(a d) + b; 231: d = a b +- d */
+       DM_X86_FMADD213 = 0xA8,
+       DM_X86_FNMADD213 = 0xAC,
+       DM_X86_FMADD231 = 0xB8,
+       DM_X86_FMSUB231 = 0xBA
+};
+
+/* rounded once; with AVX-512 only where a mask register (not 0) says so */
+void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b,
+                  int mask);
+
+/* AVX-512: mask register = a is no NaN */
+void dm_x86_is_number(dm_code *c, dm_width w, int mask, int a);
+
 void dm_x86_call(dm_code *c, dm_operand pointer);
 void dm_x86_lea(dm_code *c, int d, dm_operand memory);
 void dm_x86_clear_uppers(dm_code *c);

@@ -85,7 +85,8 @@ static void powers(void) {
     uint32_t counts[DM_OP_COUNT];
     const dm_node p[2] = {dm_power(g, x, number(7.5)), dm_power(g, x, number(-7.5))};
     dm_operation_counts(g, p, 2, counts);
-    CHECK(counts[DM_OP_POW] == 0 && counts[DM_OP_SQRT] == 1 && counts[DM_OP_DIV] == 1);
+    CHECK(counts[DM_OP_POW] == 0 && counts[DM_OP_SQRT] == 1 && counts[DM_OP_RSQRT] == 1 &&
+          counts[DM_OP_DIV] == 0);
     dm_arena_release(&arena);
 }
 
@@ -164,7 +165,7 @@ static void append(void *ud, const char *text, size_t length) {
     strncat(ud, text, length);
 }
 
-/* 1/r, 1/r^3, 1/r^5 from one division; x - y and y - x are one subtraction */
+/* 1/r, 1/r^3, 1/r^5 from one reciprocal root; x - y and y - x are one subtraction */
 static void compact_forms(void) {
     uint32_t counts[DM_OP_COUNT];
     open_graph();
@@ -173,7 +174,8 @@ static void compact_forms(void) {
     for (int i = 0; i < 3; i++) roots[i] = dm_power(g, u, number(-0.5 - i));
     dm_compact(g, roots, 3, out);
     dm_operation_counts(g, out, 3, counts);
-    CHECK(counts[DM_OP_DIV] == 1 && counts[DM_OP_SQRT] == 1 && counts[DM_OP_MUL] <= 6);
+    CHECK(counts[DM_OP_RSQRT] == 1 && counts[DM_OP_DIV] + counts[DM_OP_SQRT] == 0 &&
+          counts[DM_OP_MUL] <= 6);
     const dm_node sum = dm_add(g, dm_mul(g, x, y), dm_mul(g, x, z));
     dm_compact(g, &sum, 1, out);
     CHECK(dm_operations(g, out, 1) == 2);
