@@ -63,4 +63,7 @@ void dm_forget_registers(dm_emitter *e);
 void dm_expect_in_memory(dm_emitter *e, dm_node n);
 void dm_take_from_memory(dm_emitter *e, dm_node n);
 
+/* The code of one step (jit_x86.c). */
+void dm_emit_step(dm_emitter *e, const dm_step *s);
+
 #endif

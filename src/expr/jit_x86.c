@@ -178,7 +178,7 @@ static const uint8_t opcodes[DM_OP_COUNT] = {
     [DM_OP_ADD] = DM_X86_ADD, [DM_OP_SUB] = DM_X86_SUB, [DM_OP_MUL] = DM_X86_MUL,
     [DM_OP_DIV] = DM_X86_DIV, [DM_OP_MIN] = DM_X86_MIN, [DM_OP_MAX] = DM_X86_MAX};
 
-static void emit_step(dm_emitter *e, const dm_step *s) {
+void dm_emit_step(dm_emitter *e, const dm_step *s) {
     dm_bury_slots(e);
     if (opcodes[s->op])
         two_operands(e, s, opcodes[s->op]);
@@ -292,7 +292,7 @@ dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
         !report_fixed(&k, g, roots, arena))
         return DM_NO_MEMORY;
     copy_inputs(&e, g);
-    for (uint32_t i = 0; i < plan.count; i++) emit_step(&e, plan.steps + i);
+    for (uint32_t i = 0; i < plan.count; i++) dm_emit_step(&e, plan.steps + i);
     const dm_status status = place_code(&code, &e, arena);
     if (status != DM_OK) return status;
     memcpy(&k.eval, &code, sizeof code); /* POSIX lets a function pointer be data */

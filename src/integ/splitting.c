@@ -1,6 +1,7 @@
 #include "integ/splitting.h"
 
 #include "base/sum.h"
+#include "integ/chain.h"
 #include "integ/lanes.h"
 
 #include <string.h>
@@ -19,6 +20,7 @@ typedef struct {
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
     kernels one, many;                 /* for one member, for lanes */
     dm_fused fused, wide[DM_LANES_GROUPS];
+    dm_chain *chain; /* NULL: no loops along arrays */
 } layout;
 
 int dm_splitting_fits(const dm_model *m) {
@@ -112,6 +114,7 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     *l = (layout){.table = *table};
     for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
     l->c[table->stages] = 1.0;
+    if (s->model->structure & DM_LOOPS) l->chain = dm_chain_open(s->model, table);
     if (!s->model->source.graph) return;
     /* without them the loop below serves */
     if (!dm_fused_open(&l->fused, s->model, 5 * s->model->n, 1) ||
@@ -214,6 +217,10 @@ static void run(dm_stepper *s, double *state, double t, long count) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
     layout *l = (layout *)(void *)s->work;
+    if (l->chain) {
+        s->report.evaluations += dm_chain_run(l->chain, state, s->h, t, count);
+        return;
+    }
     if (l->fused.size) {
         run_fused(s, l, state, t, count);
         return;

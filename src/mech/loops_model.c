@@ -228,6 +228,9 @@ dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int
     const dm_status mass = keep_mass(&b);
     if (mass != DM_OK && mass != DM_SINGULAR) return mass;
     m->operations = dm_operations(g, &L, 1);
+    m->source.sums = g;
+    m->source.lagrangian = L;
+    m->source.gradient = b.gradient;
     status = make_kernels(&b, want);
     return status == DM_OK ? mass : status;
 }

@@ -1,0 +1,141 @@
+/*
+** jit_strip.c - the loop of a strip as machine code: the body is a kernel whose inputs are where the
+** strands say; its outputs are kept to the end, so that all reads come before all writes.
+**   rbx pool   r14 main base   r15 fixed base   r12 end of main   r13 side base   rsp stack
+*/
+#include "expr/strip.h"
+
+#include "expr/code_memory.h"
+#include "expr/jit.h"
+#include "expr/jit_pool.h"
+#include "expr/nodes.h"
+
+#include <string.h>
+
+#if defined(__x86_64__)
+
+enum { R12 = 12, R13 = 13, LARGEST_FRAME = 1 << 16, ALIGN = 32 };
+
+/* the plan's steps, then one step that writes for every output: an operand like others */
+static int add_writes(dm_plan *p, dm_arena *arena) {
+    dm_step *steps = dm_arena_take(arena, (p->count + p->m) * sizeof *steps);
+    if (!steps) return 0;
+    memcpy(steps, p->steps, p->count * sizeof *steps);
+    for (uint32_t k = 0; k < p->m; k++)
+        steps[p->count + k] = (dm_step){.operands = 1, .arg = {p->roots[k]}};
+    p->steps = steps;
+    p->count += p->m;
+    memset(p->output, 0, p->end * sizeof *p->output);
+    memset(p->first, 0xFF, p->end * sizeof *p->first);
+    for (uint32_t i = p->count; i-- > 0;) {
+        dm_step *s = p->steps + i;
+        for (int k = 0; k < s->operands; k++) s->next[k] = p->first[s->arg[k]];
+        for (int k = 0; k < s->operands; k++) p->first[s->arg[k]] = i;
+    }
+    return 1;
+}
+
+static dm_operand home_of(dm_strand s) {
+    if (s.base == DM_STRAND_FIXED)
+        return dm_in_memory(DM_R15, (int32_t)(s.at * DM_STRIP_GROUP * 8));
+    return dm_in_memory(s.base == DM_STRAND_MAIN ? DM_R14 : R13, (int32_t)(s.at * 8));
+}
+
+/* displacements are 32 bits */
+static int is_within(const dm_strand *s, uint32_t count) {
+    for (uint32_t k = 0; k < count; k++)
+        if (s[k].at > INT32_MAX / 256 || s[k].at < INT32_MIN / 256) return 0;
+    return 1;
+}
+
+static void place_inputs(dm_emitter *e, const dm_graph *g, const dm_strand *in) {
+    e->pool = DM_RBX;
+    for (dm_node n = 0; n < e->plan->end; n++)
+        if (dm_is_op(g, n, DM_OP_INPUT))
+            e->at[n].home = home_of(in[dm_at(g, n)->as.input]);
+}
+
+static void emit_body(dm_emitter *e, const dm_strand *out) {
+    const uint32_t steps = e->plan->count - e->plan->m;
+    for (uint32_t i = 0; i < steps; i++) dm_emit_step(e, e->plan->steps + i);
+    for (uint32_t k = 0; k < e->plan->m; k++) {
+        const dm_step *s = e->plan->steps + steps + k;
+        dm_bury_slots(e);
+        const int reg = dm_in_a_register(e, s->arg[0]);
+        dm_x86_store(&e->code, e->width, home_of(out[k]), reg);
+        dm_pass_operands(e, s);
+    }
+}
+
+/* push rbp, rbx, r12 .. r15; rbx = rdi, r14 = rsi, r15 = rdx, r12 = rcx, r13 = r8 */
+static void prologue(dm_code *c, int32_t frame) {
+    dm_x86_bytes(c, "\x55\x48\x89\xE5\x53\x41\x54\x41\x55\x41\x56\x41\x57", 13);
+    dm_x86_bytes(c, "\x48\x89\xFB\x49\x89\xF6\x49\x89\xD7\x49\x89\xCC\x4D\x89\xC5", 15);
+    dm_x86_bytes(c, "\x48\x81\xEC", 3); /* rsp -= frame, aligned */
+    dm_x86_bytes(c, &frame, sizeof frame);
+    dm_x86_bytes(c, "\x48\x83\xE4\xC0", 4);
+    while (c->size % ALIGN && !c->failed) dm_x86_bytes(c, "\x90", 1);
+}
+
+/* r14 and r13 += bytes of a group; again while r14 < r12 */
+static void close_loop(dm_code *c, size_t top, int32_t group) {
+    dm_x86_bytes(c, "\x49\x81\xC6", 3);
+    dm_x86_bytes(c, &group, sizeof group);
+    dm_x86_bytes(c, "\x49\x81\xC5", 3);
+    dm_x86_bytes(c, &group, sizeof group);
+    dm_x86_bytes(c, "\x4D\x39\xE6\x0F\x82", 5);
+    const int32_t back = (int32_t)top - (int32_t)(c->size + 4);
+    dm_x86_bytes(c, &back, sizeof back);
+}
+
+static void epilogue(dm_code *c) {
+    dm_x86_clear_uppers(c);
+    dm_x86_bytes(c, "\x48\x8D\x65\xD8\x41\x5F\x41\x5E\x41\x5D\x41\x5C\x5B\x5D\xC3", 15);
+}
+
+static dm_status place_loop(const void **at, dm_emitter *e, dm_arena *arena) {
+    dm_code c = {.arena = e->code.arena};
+    const int64_t frame = ((int64_t)e->slots * e->bytes + 63) & ~63;
+    if (frame > LARGEST_FRAME) return DM_NO_NATIVE;
+    prologue(&c, (int32_t)frame);
+    const size_t top = c.size;
+    dm_x86_bytes(&c, e->code.bytes, e->code.size);
+    close_loop(&c, top, e->bytes);
+    epilogue(&c);
+    if (c.failed || e->code.failed) return DM_NO_MEMORY;
+    return dm_code_place(at, c.bytes, c.size, arena);
+}
+
+dm_status dm_jit_build_strip(dm_strip *s, dm_graph *g, const dm_node *roots, uint32_t m,
+                             dm_arena *arena) {
+    const uint32_t lanes = dm_jit_lanes();
+    const void *code = NULL;
+    dm_plan plan;
+    dm_emitter e;
+    if (!lanes || !is_within(s->in, s->one.inputs) || !is_within(s->out, m))
+        return DM_NO_NATIVE;
+    if (!dm_plan_make(&plan, g, roots, m) || !add_writes(&plan, dm_graph_arena(g)) ||
+        !dm_emit_open(&e, g, &plan, lanes))
+        return DM_NO_MEMORY;
+    place_inputs(&e, g, s->in);
+    void *pool = dm_pool_make(&e, g, arena);
+    if (!pool) return DM_NO_MEMORY;
+    emit_body(&e, s->out);
+    const dm_status status = place_loop(&code, &e, arena);
+    if (status != DM_OK) return status;
+    memcpy(&s->eval, &code, sizeof code);
+    s->pool = pool;
+    s->lanes = lanes;
+    s->one.operations = plan.count - m;
+    return DM_OK;
+}
+
+#else
+
+dm_status dm_jit_build_strip(dm_strip *s, dm_graph *g, const dm_node *roots, uint32_t m,
+                             dm_arena *arena) {
+    (void)s, (void)g, (void)roots, (void)m, (void)arena;
+    return DM_NO_NATIVE;
+}
+
+#endif

@@ -1,0 +1,93 @@
+#include "expr/strip.h"
+
+#include "expr/compact.h"
+#include "expr/jit.h"
+
+#include <string.h>
+
+int dm_strip_begin(dm_strip_draft *d, dm_arena *arena) {
+    d->g = dm_graph_new(arena, DM_STRIP_MOST);
+    d->inputs = d->outputs = 0;
+    d->full = 0;
+    return d->g != NULL;
+}
+
+/* a strand read twice is one input */
+dm_node dm_strip_read(dm_strip_draft *d, dm_strand from) {
+    uint32_t k = 0;
+    while (k < d->inputs && (d->in[k].base != from.base || d->in[k].at != from.at)) k++;
+    if (k == DM_STRIP_MOST) {
+        d->full = 1;
+        return 0;
+    }
+    if (k == d->inputs) d->in[d->inputs++] = from;
+    return dm_input(d->g, k);
+}
+
+void dm_strip_write(dm_strip_draft *d, dm_strand to, dm_node value) {
+    if (d->outputs == DM_STRIP_MOST) {
+        d->full = 1;
+        return;
+    }
+    d->out[d->outputs] = to;
+    d->root[d->outputs++] = value;
+}
+
+static int keep_strands(dm_strip *s, const dm_strip_draft *d, dm_arena *arena) {
+    const size_t bytes = DM_STRIP_MOST * sizeof *d->in;
+    dm_strand *both = dm_arena_take(arena, 2 * bytes);
+    if (!both) return 0;
+    memcpy(both, d->in, d->inputs * sizeof *both);
+    memcpy(both + DM_STRIP_MOST, d->out, d->outputs * sizeof *both);
+    s->in = both;
+    s->out = both + DM_STRIP_MOST;
+    return 1;
+}
+
+dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_strip_compile *compile,
+                       dm_arena *arena) {
+    dm_strip s = {.lanes = 0};
+    dm_node compact[DM_STRIP_MOST];
+    if (d->full) return DM_TOO_LARGE;
+    if (!keep_strands(&s, d, arena)) return DM_NO_MEMORY;
+    dm_graph *small = dm_compact_graph(d->g, d->root, d->outputs, compact);
+    if (dm_graph_status(d->g) != DM_OK) return dm_graph_status(d->g);
+    if (!small) return DM_NO_MEMORY;
+    dm_graph_verbatim(small, 1);
+    dm_status status = DM_NO_NATIVE;
+    s.one = (dm_kernel){.inputs = d->inputs, .outputs = d->outputs, .backend = "jit"};
+    if (compile == dm_native_build)
+        status = dm_jit_build_strip(&s, small, compact, d->outputs, arena);
+    if (status == DM_NO_NATIVE) {
+        status = compile(&s.one, small, compact, d->outputs, arena);
+        s.one.inputs = d->inputs;
+    }
+    if (status == DM_OK) *out = s;
+    return status;
+}
+
+static double *place(const dm_strip_bases *at, dm_strand s, uint32_t i) {
+    return (s.base == DM_STRAND_MAIN ? at->main : at->side) + s.at + i;
+}
+
+static void run_one_by_one(const dm_strip *s, const dm_strip_bases *at, uint32_t count) {
+    double in[DM_STRIP_MOST] = {0}, y[DM_STRIP_MOST];
+    dm_kernel_prepare(&s->one, y);
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t k = 0; k < s->one.inputs; k++)
+            in[k] = s->in[k].base == DM_STRAND_FIXED
+                        ? at->fixed[s->in[k].at * DM_STRIP_GROUP]
+                        : *place(at, s->in[k], i);
+        dm_kernel_eval(&s->one, in, y);
+        for (uint32_t k = 0; k < s->one.outputs; k++) *place(at, s->out[k], i) = y[k];
+    }
+}
+
+void dm_strip_run(const dm_strip *s, dm_strip_bases at, uint32_t count) {
+    const uint32_t whole = (count + DM_STRIP_GROUP - 1) & ~(uint32_t)(DM_STRIP_GROUP - 1);
+    if (!count) return;
+    if (s->lanes)
+        s->eval(s->pool, at.main, at.fixed, at.main + whole, at.side);
+    else
+        run_one_by_one(s, &at, whole);
+}

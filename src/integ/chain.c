@@ -1,0 +1,211 @@
+#include "integ/chain.h"
+
+#include "mech/lattice.h"
+
+enum { TIME, KICK, DRIFT, AGAIN_KICK, AGAIN_DRIFT }; /* numbers of a pass */
+
+/* what a pass does with each body, in this order */
+typedef struct {
+    int kick, drift, end, again_kick, again_drift;
+} pass;
+
+struct dm_chain {
+    dm_lattice lattice;
+    dm_splitting table;
+    double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
+    int first, last; /* kicks of a step; the first one of all may belong to the turn */
+    uint32_t q, q0, p0, dq, dp, weight;
+    double same_weight; /* 1/m where it is that of all, else 0 */
+    dm_strip lead, middle, turn, stop;
+};
+
+/* ---- passes as nodes ---- */
+
+/* one coordinate on its way through a pass */
+typedef struct {
+    dm_strip_draft *d;
+    dm_node q0, p0, dq, dp, weight, force;
+} body;
+
+static dm_node number(body *b, uint32_t slot) {
+    return dm_strip_read(b->d, dm_lattice_number(slot));
+}
+
+static void add_kick(body *b, uint32_t slot) {
+    const dm_node change = dm_mul(b->d->g, number(b, slot), b->force);
+    b->dp = dm_add(b->d->g, b->dp, change);
+}
+
+static void add_drift(body *b, uint32_t slot) {
+    const dm_node p = dm_add(b->d->g, b->p0, b->dp);
+    const dm_node v = b->weight ? dm_mul(b->d->g, b->weight, p) : p;
+    b->dq = dm_add(b->d->g, b->dq, dm_mul(b->d->g, number(b, slot), v));
+}
+
+/* high + low with |low| at most half a unit of high (Dekker 1971) */
+static void add_up(dm_graph *g, dm_node *high, dm_node *low) {
+    const dm_node sum = dm_add(g, *high, *low);
+    *low = dm_add(g, *low, dm_sub(g, *high, sum));
+    *high = sum;
+}
+
+static void go_through(body *b, pass what) {
+    if (what.kick) add_kick(b, KICK);
+    if (what.drift) add_drift(b, DRIFT);
+    if (what.end) {
+        add_up(b->d->g, &b->q0, &b->dq);
+        add_up(b->d->g, &b->p0, &b->dp);
+    }
+    if (what.again_kick) add_kick(b, AGAIN_KICK);
+    if (what.again_drift) add_drift(b, AGAIN_DRIFT);
+}
+
+static dm_strand entry(const dm_chain *c, uint32_t first, uint32_t k) {
+    return dm_lattice_entry(&c->lattice, first + k);
+}
+
+static dm_node weight_of(const dm_chain *c, dm_strip_draft *d, uint32_t k) {
+    if (c->same_weight == 1.0) return 0;
+    if (c->same_weight != 0.0) return dm_constant(d->g, c->same_weight);
+    return dm_strip_read(d, entry(c, c->weight, k));
+}
+
+static void write_body(const dm_chain *c, body *b, pass what, uint32_t k) {
+    const dm_node q = dm_add(b->d->g, b->q0, b->dq);
+    const int ends = what.end && !what.again_drift;
+    dm_strip_write(b->d, entry(c, c->q, k), ends ? b->q0 : q);
+    dm_strip_write(b->d, entry(c, c->dq, k), b->dq);
+    dm_strip_write(b->d, entry(c, c->dp, k), b->dp);
+    if (!what.end) return;
+    dm_strip_write(b->d, entry(c, c->q0, k), b->q0);
+    dm_strip_write(b->d, entry(c, c->p0, k), b->p0);
+}
+
+static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
+    const dm_source *from = &c->lattice.model->source;
+    dm_node F[DM_STRIP_MOST];
+    dm_strip_draft d;
+    if (c->lattice.block > DM_STRIP_MOST) return DM_TOO_LARGE;
+    if (!dm_strip_begin(&d, from->arena)) return DM_NO_MEMORY;
+    dm_graph_verbatim(d.g, 1);
+    if (what.kick || what.again_kick) dm_lattice_force(&c->lattice, &d, F);
+    for (uint32_t k = 0; k < c->lattice.block; k++) {
+        body b = {.d = &d, .force = F[k], .weight = weight_of(c, &d, k)};
+        b.q0 = dm_strip_read(&d, entry(c, c->q0, k));
+        b.dq = dm_strip_read(&d, entry(c, c->dq, k));
+        b.p0 = dm_strip_read(&d, entry(c, c->p0, k));
+        b.dp = dm_strip_read(&d, entry(c, c->dp, k));
+        go_through(&b, what);
+        write_body(c, &b, what, k);
+    }
+    return dm_strip_end(out, &d, from->compile, from->arena);
+}
+
+/* ---- setting up ---- */
+
+/* kicks at both ends of a step share a force and a pass; a step that begins with a drift has that
+** in the pass before */
+static void plan_step(dm_chain *c) {
+    const dm_splitting *table = &c->table;
+    const int s = table->stages, opens = table->b[0] != 0.0, closes = table->b[s] != 0.0;
+    c->first = opens && !closes ? 0 : 1;
+    c->last = closes ? s : s - 1;
+    for (int k = 0; k < s; k++) c->c[k + 1] = c->c[k] + table->a[k];
+    c->c[s] = 1.0;
+}
+
+static dm_status make_passes(dm_chain *c) {
+    const dm_splitting *table = &c->table;
+    const int kicks = c->first && table->b[0] != 0.0, drifts = c->last < table->stages;
+    const pass lead = {.drift = 1}, middle = {.kick = 1, .drift = 1};
+    const pass stop = {.kick = 1, .drift = drifts, .end = 1};
+    pass turn = stop;
+    turn.again_kick = kicks;
+    turn.again_drift = c->first;
+    dm_status status = make_pass(c, &c->stop, stop);
+    if (status == DM_OK && (kicks || c->last > c->first))
+        status = make_pass(c, &c->middle, middle);
+    if (status == DM_OK && c->first) status = make_pass(c, &c->turn, turn);
+    if (status == DM_OK && c->first && !kicks) status = make_pass(c, &c->lead, lead);
+    return status;
+}
+
+static double common_weight(const dm_model *m) {
+    for (uint32_t i = 1; i < m->n; i++)
+        if (m->inverse_mass[i] != m->inverse_mass[0]) return 0.0;
+    return m->inverse_mass[0];
+}
+
+static uint32_t take_arrays(dm_lattice *l) {
+    const uint32_t first = dm_lattice_array(l);
+    for (uint32_t k = 1; k < l->block; k++) dm_lattice_array(l);
+    return first;
+}
+
+dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table) {
+    dm_chain *c = dm_arena_take(m->source.arena, sizeof *c);
+    if (!c) return NULL;
+    *c = (dm_chain){.table = *table, .same_weight = common_weight(m)};
+    plan_step(c);
+    if (c->last < c->first || dm_lattice_open(&c->lattice, m) != DM_OK) return NULL;
+    c->q0 = take_arrays(&c->lattice);
+    c->p0 = take_arrays(&c->lattice);
+    c->dq = take_arrays(&c->lattice);
+    c->dp = take_arrays(&c->lattice);
+    if (c->same_weight == 0.0) c->weight = take_arrays(&c->lattice);
+    if (make_passes(c) != DM_OK || dm_lattice_allocate(&c->lattice) != DM_OK) return NULL;
+    if (c->same_weight == 0.0) dm_lattice_load(&c->lattice, c->weight, m->inverse_mass);
+    return c;
+}
+
+/* ---- running ---- */
+
+static void load(dm_chain *c, const double *state) {
+    const uint32_t n = c->lattice.model->n;
+    dm_lattice_load(&c->lattice, c->q, state);
+    dm_lattice_load(&c->lattice, c->q0, state);
+    dm_lattice_load(&c->lattice, c->p0, state + n);
+    dm_lattice_load(&c->lattice, c->dq, state + 2 * (size_t)n);
+    dm_lattice_load(&c->lattice, c->dp, state + 3 * (size_t)n);
+}
+
+static void store(const dm_chain *c, double *state) {
+    const uint32_t n = c->lattice.model->n;
+    dm_lattice_store(&c->lattice, state, c->q0);
+    dm_lattice_store(&c->lattice, state + n, c->p0);
+    dm_lattice_store(&c->lattice, state + 2 * (size_t)n, c->dq);
+    dm_lattice_store(&c->lattice, state + 3 * (size_t)n, c->dp);
+}
+
+/* what comes before the first turn of a burst */
+static void begin(dm_chain *c, double h, double t) {
+    dm_lattice *l = &c->lattice;
+    dm_lattice_set(l, KICK, h * c->table.b[0]);
+    dm_lattice_set(l, DRIFT, h * c->table.a[0]);
+    if (c->table.b[0] != 0.0)
+        dm_lattice_run(l, &c->middle, t);
+    else
+        dm_lattice_move(l, &c->lead);
+}
+
+static void step(dm_chain *c, double h, double t, int stops) {
+    dm_lattice *l = &c->lattice;
+    for (int k = c->first; k <= c->last; k++) {
+        const dm_strip *rest = stops || !c->first ? &c->stop : &c->turn;
+        dm_lattice_set(l, KICK, h * c->table.b[k]);
+        if (k < c->table.stages) dm_lattice_set(l, DRIFT, h * c->table.a[k]);
+        dm_lattice_run(l, k < c->last ? &c->middle : rest, t + c->c[k] * h);
+    }
+}
+
+long dm_chain_run(dm_chain *c, double *state, double h, double t, long count) {
+    const int kicks = c->first && c->table.b[0] != 0.0;
+    if (count <= 0) return 0;
+    load(c, state);
+    if (c->first) begin(c, h, t);
+    dm_lattice_set(&c->lattice, AGAIN_KICK, h * c->table.b[0]);
+    dm_lattice_set(&c->lattice, AGAIN_DRIFT, h * c->table.a[0]);
+    for (long k = 0; k < count; k++) step(c, h, t + (double)k * h, k == count - 1);
+    store(c, state);
+    return kicks + count * (c->last - c->first + 1);
+}

@@ -1,0 +1,20 @@
+/*
+** chain.h - splitting steps of a model whose force is loops along arrays (mech/lattice.h): kick and
+** drift of a stage are one pass over the bodies, right behind their slopes. Sums are kept with
+** compensation as q = q0 + dq, p = p0 + dp: q0 and p0 are those of the start of the step, to the
+** increments everything is added, and the end of the step makes one compensated sum of each.
+*/
+#ifndef DM_CHAIN_H
+#define DM_CHAIN_H
+
+#include "integ/splitting.h"
+
+typedef struct dm_chain dm_chain;
+
+/* NULL where the model is not of this kind. */
+dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table);
+
+/* `count` steps with no look at what comes out; gives the number of forces. */
+long dm_chain_run(dm_chain *c, double *state, double h, double t, long count);
+
+#endif

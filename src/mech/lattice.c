@@ -1,0 +1,324 @@
+#include "mech/lattice.h"
+
+#include "expr/analyse.h"
+#include "expr/compact.h"
+#include "expr/derive.h"
+#include "expr/sum.h"
+
+#include <string.h>
+
+enum {
+    TILE = 1024, /* bodies between slopes and forces, at least */
+    SKEW = 72,   /* doubles: entries of one body do not share the place in a page */
+    PAGE = 512,
+    GROUP = DM_STRIP_GROUP,
+    COLUMNS = 24
+};
+
+/* numbers of a sum that vary from body to body */
+typedef struct dm_lattice_data {
+    const dm_sum *sum;
+    const dm_column *column;
+    uint32_t array;
+} data;
+
+static uint32_t whole_groups(uint32_t n) {
+    return (n + GROUP - 1) & ~(uint32_t)(GROUP - 1);
+}
+
+static uint32_t larger(uint32_t a, uint32_t b) {
+    return a > b ? a : b;
+}
+
+/* ---- does it fit? ---- */
+
+/* a column of coordinates that differ from round to round */
+static int is_coordinate(const dm_lattice *l, const dm_column *c) {
+    return !c->data && c->step && c->first < l->model->n;
+}
+
+/* entries from the body of a round to that of column c */
+static uint32_t reach(const dm_lattice *l, const dm_sum *s, const dm_column *c) {
+    const uint32_t own = is_coordinate(l, c) ? c->first / l->block : 0;
+    return own + (c->partner ? s->from : 0);
+}
+
+/* what column c is needs a place: coordinates, numbers, the time; 0: none */
+static int has_place(const dm_lattice *l, const dm_sum *s, const dm_column *c) {
+    const uint32_t n = l->model->n;
+    if (c->data) return 1;
+    if (!c->step) return c->first == 2 * n;
+    if (c->first >= n) return 0;
+    const uint32_t own = c->first / l->block;
+    return c->step == l->block && own + s->bodies <= l->bodies &&
+           (!s->periodic || s->bodies == l->bodies);
+}
+
+/* the derivatives of the term times the factor of the sum; 0 where there are none */
+static uint32_t find_slopes(const dm_lattice *l, const dm_sum *s, dm_node *slope) {
+    uint32_t count = 0;
+    dm_gradient(s->term, s->value, 0, s->columns, slope);
+    for (uint32_t c = 0; c < s->columns; c++) {
+        if (s->column[c].data || s->column[c].first >= l->model->n) slope[c] = 0;
+        count += slope[c] != 0;
+    }
+    return count;
+}
+
+/* one sum: everything that its slopes need has a place */
+static int sum_fits(const dm_lattice *l, const dm_sum *s) {
+    dm_node slope[COLUMNS];
+    if (s->from != s->to) return 0;
+    if (!find_slopes(l, s, slope)) return 1;
+    for (uint32_t c = 0; c < s->columns; c++) {
+        const dm_column *column = s->column + c;
+        if (slope[c] && !is_coordinate(l, column)) return 0;
+        if (!has_place(l, s, column) && dm_depends(s->term, slope, s->columns, c, 1))
+            return 0;
+    }
+    return 1;
+}
+
+/* L is linear in the sums, with numbers as factors, and nothing else depends on q */
+static int outside_fits(const dm_lattice *l, double *factor) {
+    const dm_source *from = &l->model->source;
+    for (uint32_t i = 0; i < l->model->n; i++)
+        if (from->gradient[i]) return 0;
+    for (const dm_sum *s = dm_sums(from->sums); s; s = s->next) {
+        dm_node node;
+        dm_gradient(from->sums, from->lagrangian, s->input, 1, &node);
+        if (!dm_is_constant(from->sums, node, factor++)) return 0;
+    }
+    return dm_graph_status(from->sums) == DM_OK;
+}
+
+/* coordinates of a body: the step of the sums that depend on coordinates */
+static void find_block(dm_lattice *l) {
+    l->block = 1;
+    for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next)
+        for (uint32_t c = 0; c < s->columns; c++)
+            if (is_coordinate(l, s->column + c)) l->block = s->column[c].step;
+    l->bodies = l->model->n / l->block;
+}
+
+static int find_layout(dm_lattice *l) {
+    uint32_t far = 0;
+    find_block(l);
+    if (l->model->n % l->block) return 0;
+    for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next, l->sums++) {
+        if (!sum_fits(l, s)) return 0;
+        for (uint32_t c = 0; c < s->columns; c++)
+            far = larger(far, reach(l, s, s->column + c));
+    }
+    l->pad = whole_groups(far);
+    l->pitch = ((l->bodies + l->pad + GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
+    l->tile = larger(TILE, 4 * l->pad);
+    if (l->tile > whole_groups(l->bodies)) l->tile = whole_groups(l->bodies);
+    l->row = l->pad + l->tile + 2 * GROUP;
+    return l->pitch < INT32_MAX / 4096;
+}
+
+/* ---- the loops ---- */
+
+/* column c of the term in a draft */
+static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s,
+                           const dm_column *c) {
+    if (!c->data && !c->step) return dm_strip_read(d, dm_lattice_number(0));
+    if (c->data && !c->step) return dm_constant(d->g, c->data[c->first]);
+    const uint32_t array = c->data ? dm_lattice_array(l) : c->first % l->block;
+    if (c->data) l->data[l->columns++] = (data){s, c, array};
+    dm_strand from = dm_lattice_entry(l, array);
+    from.at += reach(l, s, c);
+    return dm_strip_read(d, from);
+}
+
+/* a share of its own, or the negative of one that is there */
+static void add_share(dm_lattice *l, dm_strip_draft *d, const dm_rounds *r, dm_share to,
+                      dm_node value) {
+    to.slot = l->slots;
+    for (uint32_t k = 0; k < d->outputs; k++) {
+        dm_node sum = dm_add(d->g, d->root[k], value);
+        dm_compact(d->g, &sum, 1, &sum);
+        if (sum) continue;
+        to.slot = r->slot + k;
+        to.minus = 1;
+        break;
+    }
+    if (!to.minus)
+        dm_strip_write(d, (dm_strand){DM_STRAND_SIDE, (int64_t)l->slots++ * l->row},
+                       value);
+    l->share[l->shares++] = to;
+}
+
+static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
+    dm_node term[COLUMNS], slope[COLUMNS], with[COLUMNS] = {0};
+    dm_strip_draft d;
+    dm_rounds *r = l->sum + l->sums;
+    const dm_source *from = &l->model->source;
+    if (factor == 0.0 || !find_slopes(l, s, term)) return DM_OK;
+    if (!dm_strip_begin(&d, from->arena)) return DM_NO_MEMORY;
+    for (uint32_t c = 0; c < s->columns; c++)
+        if (dm_depends(s->term, term, s->columns, c, 1))
+            with[c] = read_column(l, &d, s, s->column + c);
+    dm_transplant(d.g, s->term, term, s->columns, with, slope);
+    *r = (dm_rounds){.rounds = dm_sum_rounds(s, s->from),
+                     .wrap = s->periodic ? s->from : 0,
+                     .slot = l->slots};
+    for (uint32_t c = 0; c < s->columns; c++) {
+        if (!slope[c]) continue;
+        const dm_share to = {.coordinate = s->column[c].first % l->block,
+                             .shift = reach(l, s, s->column + c)};
+        const dm_node scaled = dm_mul(d.g, dm_constant(d.g, factor), slope[c]);
+        add_share(l, &d, r, to, scaled);
+    }
+    r->slots = l->slots - r->slot;
+    l->sums++;
+    return dm_strip_end(&r->strip, &d, from->compile, from->arena);
+}
+
+static dm_status make_sums(dm_lattice *l, const double *factor) {
+    dm_status status = DM_OK;
+    l->sums = 0;
+    for (const dm_sum *s = dm_sums(l->model->source.sums); s && status == DM_OK;
+         s = s->next)
+        status = make_sum(l, s, *factor++);
+    return status;
+}
+
+dm_status dm_lattice_open(dm_lattice *l, const dm_model *m) {
+    const dm_source *from = &m->source;
+    *l = (dm_lattice){.model = m};
+    if (!(m->structure & DM_LOOPS) || !from->sums) return DM_TOO_LARGE;
+    if (!find_layout(l)) return DM_TOO_LARGE;
+    double *factor = dm_arena_take(from->arena, (l->sums + 1) * sizeof *factor);
+    l->sum = dm_arena_take(from->arena, (l->sums + 1) * sizeof *l->sum);
+    l->share = dm_arena_take(from->arena, (l->sums + 1) * COLUMNS * sizeof *l->share);
+    l->data = dm_arena_take(from->arena, (l->sums + 1) * COLUMNS * sizeof *l->data);
+    if (!factor || !l->sum || !l->share || !l->data) return DM_NO_MEMORY;
+    if (!outside_fits(l, factor)) return DM_TOO_LARGE;
+    l->arrays = l->block;
+    return make_sums(l, factor);
+}
+
+/* ---- memory ---- */
+
+uint32_t dm_lattice_array(dm_lattice *l) {
+    return l->arrays++;
+}
+
+/* numbers behind the coordinates, with copies of the first ones behind the last */
+static void fill_data(dm_lattice *l) {
+    for (const data *d = l->data; d < l->data + l->columns; d++) {
+        double *to = l->space + (size_t)d->array * l->pitch;
+        dm_column own = *d->column;
+        own.partner = 0;
+        for (uint32_t i = 0; i < d->sum->bodies; i++)
+            to[i] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
+        for (uint32_t i = 0; d->sum->periodic && i < l->pad; i++)
+            to[d->sum->bodies + i] = to[i];
+    }
+}
+
+dm_status dm_lattice_allocate(dm_lattice *l) {
+    const size_t space = (size_t)l->arrays * l->pitch, buffer = (size_t)l->slots * l->row,
+                 fixed = (size_t)DM_LATTICE_FIXED * GROUP;
+    const size_t all = space + buffer + fixed;
+    double *block = dm_arena_take(l->model->source.arena, all * sizeof *block);
+    if (!block) return DM_NO_MEMORY;
+    memset(block, 0, all * sizeof *block);
+    l->fixed = block;
+    l->buffer = block + fixed;
+    l->space = l->buffer + buffer;
+    fill_data(l);
+    return DM_OK;
+}
+
+void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {
+    for (uint32_t k = 0; k < GROUP; k++) l->fixed[slot * GROUP + k] = value;
+}
+
+void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x) {
+    double *to = l->space + (size_t)first * l->pitch;
+    for (uint32_t c = 0; c < l->block; c++, to += l->pitch)
+        for (uint32_t i = 0; i < l->bodies; i++) to[i] = x[(size_t)i * l->block + c];
+}
+
+void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first) {
+    const double *from = l->space + (size_t)first * l->pitch;
+    for (uint32_t c = 0; c < l->block; c++, from += l->pitch)
+        for (uint32_t i = 0; i < l->bodies; i++) x[(size_t)i * l->block + c] = from[i];
+}
+
+/* ---- running ---- */
+
+void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F) {
+    uint8_t some[COLUMNS] = {0};
+    memset(F, 0, l->block * sizeof *F);
+    for (uint32_t k = 0; k < l->shares; k++) {
+        const dm_share *s = l->share + k;
+        const int64_t at = (int64_t)s->slot * l->row - s->shift;
+        dm_node x = dm_strip_read(d, (dm_strand){DM_STRAND_SIDE, at});
+        dm_node *to = F + s->coordinate;
+        if (!some[s->coordinate])
+            *to = s->minus ? dm_neg(d->g, x) : x;
+        else
+            *to = s->minus ? dm_sub(d->g, *to, x) : dm_add(d->g, *to, x);
+        some[s->coordinate] = 1;
+    }
+}
+
+/* places of body i and of its entries in the buffer */
+static dm_strip_bases bases(const dm_lattice *l, uint32_t i, double *side) {
+    return (dm_strip_bases){.main = l->space + i, .side = side, .fixed = l->fixed};
+}
+
+/* bodies behind the last one are the first ones; slopes of the rounds that begin before body 0 */
+static void wrap_around(dm_lattice *l) {
+    for (uint32_t c = 0; c < l->block; c++) {
+        double *q = l->space + (size_t)c * l->pitch;
+        for (uint32_t i = 0; i < l->pad; i++) q[l->bodies + i] = q[i % l->bodies];
+    }
+    for (uint32_t k = 0; k < l->sums; k++) {
+        const dm_rounds *r = l->sum + k;
+        for (uint32_t slot = r->slot; slot < r->slot + r->slots; slot++)
+            memset(l->buffer + (size_t)slot * l->row, 0, l->pad * sizeof(double));
+        if (!r->wrap) continue;
+        double *side = l->buffer + l->pad - r->wrap;
+        dm_strip_run(&r->strip, bases(l, l->bodies - r->wrap, side), r->wrap);
+    }
+}
+
+/* slopes of bodies [i, i + count); there is nothing behind the last round */
+static void fill_tile(const dm_lattice *l, const dm_rounds *r, uint32_t i,
+                      uint32_t count) {
+    const uint32_t end = i + whole_groups(count);
+    dm_strip_run(&r->strip, bases(l, i, l->buffer + l->pad), count);
+    if (end <= r->rounds) return;
+    const uint32_t first = r->rounds > i ? r->rounds - i : 0;
+    for (uint32_t slot = r->slot; slot < r->slot + r->slots; slot++)
+        memset(l->buffer + (size_t)slot * l->row + l->pad + first, 0,
+               (end - i - first) * sizeof(double));
+}
+
+/* the last entries of a tile are what the next one looks back to */
+static void keep_end(const dm_lattice *l) {
+    for (uint32_t slot = 0; slot < l->slots; slot++) {
+        double *row = l->buffer + (size_t)slot * l->row;
+        memcpy(row, row + l->tile, l->pad * sizeof *row);
+    }
+}
+
+void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t) {
+    dm_lattice_set(l, 0, t);
+    wrap_around(l);
+    for (uint32_t i = 0; i < l->bodies; i += l->tile) {
+        const uint32_t left = l->bodies - i, count = left < l->tile ? left : l->tile;
+        for (uint32_t k = 0; k < l->sums; k++) fill_tile(l, l->sum + k, i, count);
+        dm_strip_run(use, bases(l, i, l->buffer + l->pad), count);
+        if (count < left) keep_end(l);
+    }
+}
+
+void dm_lattice_move(const dm_lattice *l, const dm_strip *strip) {
+    dm_strip_run(strip, bases(l, 0, l->buffer + l->pad), l->bodies);
+}

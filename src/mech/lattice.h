@@ -1,0 +1,77 @@
+/*
+** lattice.h - the force of a Lagrangian whose potential is made of sums over bodies and neighbours
+** (expr/sum.h), as loops along arrays (expr/strip.h) of n/block bodies. Coordinate c of all bodies is
+** one array. Each sum has a loop over its rounds which writes the derivatives of the term to a
+** buffer; body j takes entry j - shift of it for every place that it has in the term, so that
+** loops read and write neighbours in memory and no two lanes the same entry:
+**   F_j = sum over columns of slope[j - shift].
+** Tile by tile, so that the buffer stays in the cache.
+*/
+#ifndef DM_LATTICE_H
+#define DM_LATTICE_H
+
+#include "expr/strip.h"
+#include "mech/model.h"
+
+/* what a sum gives to a coordinate */
+typedef struct {
+    uint32_t coordinate, slot, shift;
+    int minus;
+} dm_share;
+
+/* the loop of one sum */
+typedef struct {
+    dm_strip strip;
+    uint32_t rounds, wrap; /* wrap: partners of so many last rounds are first bodies */
+    uint32_t slot, slots;  /* of the buffer */
+} dm_rounds;
+
+enum {
+    DM_LATTICE_FIXED = 16
+}; /* numbers that are the same for all bodies; 0 is the time */
+
+typedef struct {
+    const dm_model *model;
+    uint32_t block, bodies;
+    uint32_t pad;    /* entries beyond both ends of an array that neighbours may read */
+    uint32_t pitch;  /* doubles from array to array; coordinate c is array c */
+    uint32_t arrays; /* so far */
+    uint32_t tile, row, slots; /* rows of the buffer: pad entries of the tile before */
+    uint32_t sums, shares;
+    dm_rounds *sum;
+    dm_share *share;
+    double *space, *buffer, *fixed;
+    struct dm_lattice_data *data; /* [columns] of numbers */
+    uint32_t columns;
+} dm_lattice;
+
+/* Loops for the force of m; DM_TOO_LARGE where it is not of this kind. Memory of the model's arena. */
+dm_status dm_lattice_open(dm_lattice *l, const dm_model *m);
+
+/* One more array; then the space for all. */
+uint32_t dm_lattice_array(dm_lattice *l);
+dm_status dm_lattice_allocate(dm_lattice *l);
+
+static inline dm_strand dm_lattice_entry(const dm_lattice *l, uint32_t array) {
+    return (dm_strand){DM_STRAND_MAIN, (int64_t)array * l->pitch};
+}
+static inline dm_strand dm_lattice_number(uint32_t slot) {
+    return (dm_strand){DM_STRAND_FIXED, slot};
+}
+void dm_lattice_set(dm_lattice *l, uint32_t slot, double value);
+
+/* Arrays first .. first + block - 1 from x[n], and back. */
+void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x);
+void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first);
+
+/* Nodes of the force on one body in a draft: F[block]. */
+void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
+
+/* The slopes at the coordinates and time t, and `use` of the forces behind them, which may move the
+** coordinates. */
+void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t);
+
+/* A strip without forces over all bodies. */
+void dm_lattice_move(const dm_lattice *l, const dm_strip *strip);
+
+#endif
