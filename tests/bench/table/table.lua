@@ -23,6 +23,8 @@ local function duration(ns)
 end
 -- names of rules for a narrow column
 local function short(name) return (name:gsub("log%-hamiltonian", "log-h"):gsub("sofroniou%-spaletta", "sofspa")) end
+-- ends its sweeps by number, above round-off
+local function is_loose(name) return name:find "^gauss%(%d+, %d+%)" ~= nil end
 local function ratio(a, b) return a and b and ("%.2f"):format(a / b) or "-" end
 
 -- work at equal error: the cheapest of each side; the file has every rule of dmlua
@@ -41,6 +43,13 @@ for _, key in ipairs(all.problems) do
       print(FORM:format(key, ("%g"):format(target), bound.method, duration(bound.ns),
         short(mine.method), duration(mine.ns), ratio(mine.ns, bound.ns), ratio(mine.ns and mine.ns - mine.setup, bound.ns),
         theirs.method, duration(theirs.ns), ratio(theirs.ns, bound.ns)))
+      local exact = 1
+      while sides.dmlua and sides.dmlua[exact] and is_loose(sides.dmlua[exact].method) do exact = exact + 1 end
+      if exact > 1 and sides.dmlua[exact] then
+        local other = sides.dmlua[exact]
+        print(FORM:format("", "", "  no number of sweeps:", "", short(other.method), duration(other.ns),
+          ratio(other.ns, bound.ns), ratio(other.ns - other.setup, bound.ns), "", "", ""))
+      end
       for _, rule in ipairs(sides.dmlua or { {} }) do
         write_row { key, ("%g"):format(target), rule.method, rule.ns, bound.ns,
           rule.ns and ("%.3f"):format(rule.ns / bound.ns), peer and peer.method, peer and peer.ns,
