@@ -14,23 +14,30 @@ typedef struct {
 } dm_stage_kernel;
 
 /*
-** Fixed-point sweeps over all stages at once. What is iterated are the velocities of the stages:
-** S = base + h^2 A u with u = M^-1 L_q in the separable form; else S = h a V, momenta p0 + h a L_q, V from these.
+** Fixed-point sweeps over all stages at once, between the kernels and the sums of sweep.h. What is iterated are
+** u = L_q (M^-1 L_q where M is not diagonal) in the separable form, S = base + h^2 A M^-1 L_q; else the velocities
+** V = u, S = base + h a V, with momenta p0 + h a L_q. Coefficients are doubles in every sweep; what those lack
+** is added to the bases once, when u has settled.
 */
 typedef struct {
     const dm_sweep_row *row; /* NULL: this step has no sweeps */
     dm_stage_kernel force, velocity;
-    int count;                  /* sweeps a step; 0: to round-off */
-    double *u;                  /* [n][width] */
-    double *sum, *base;         /* [n][width] of the positions */
-    double *momentum, *none;    /* [n][width] sums of the momenta; their base, zero */
-    double *whole, *top, *rest; /* [s][width] columns of h^2 A or h a, and their parts */
-    double *ahead, *unscaled; /* [s][width] columns for u of the step before; for h = 1 */
-    double *further;          /* [s][width] columns of the extrapolation itself */
+    int count;               /* sweeps a step; 0: to round-off */
+    dm_sweep q, p;           /* positions; momenta of the general form */
+    dm_sweep q_rest, p_rest; /* their bases, by the low-order parts of the coefficients */
+    dm_sweep ahead, v_ahead; /* positions, velocities from u of the step before */
+    double *u;               /* [n][width], for M that is not diagonal */
+    double *base, *lift;     /* [n][width] of positions, momenta */
+    double *moved;           /* [2n][width] the sums themselves */
+    double *whole, *rest;    /* [r][width] columns of h^2 A or h a, what they lack */
+    double *further, *flying; /* [r][width] columns of ahead, and for h = 1 */
+    double *turning;          /* [r][width] columns of v_ahead */
     double *after;            /* [width] h c */
-    double *b_top, *b_rest, *mean_top, *mean_rest; /* [width] */
-    double *start, *low, *total;                   /* [2n]; sums over the stages */
-    double *memory; /* what is kept from step to step, see stage_memory.c */
+    dm_parts line, b, mean;   /* [width] h c, h b, h^2 mean */
+    double *none, *one;       /* [max(n, width)][width] zeros, [n] ones */
+    double *total;            /* [2n] sums over the stages */
+    double *memory;           /* what is kept from step to step, see stage_memory.c */
+    double heaviest;          /* largest entry of M, where it is constant */
 } dm_stage_sweeps;
 
 /* Laid out at the head of stepper->work by dm_stage_open. */
@@ -74,8 +81,11 @@ void dm_stage_sweeps_scale(dm_stage *g);
 /* One step by sweeps; DM_NO_CONVERGENCE where they contract too slowly, and Newton's method is for it. */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper);
 
-/* Largest entry of M / h turns a displacement into a momentum. */
-double dm_stage_momentum(const dm_stage *g, double displacement);
+/* Largest entry of a constant M: over h it turns a displacement into a momentum. */
+double dm_stage_heaviest(const dm_stage *g);
+
+/* u of the sweeps as the last of them left it, [n][width] */
+const double *dm_stage_sweeps_u(const dm_stage *g);
 
 /* What a step leaves to the next one: the forces of its stages, valid where that step begins at its end. */
 size_t dm_stage_memory_size(const dm_stage *g);

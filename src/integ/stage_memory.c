@@ -44,23 +44,27 @@ double dm_stage_memory_rate(const dm_stage *g) {
     return g->sweeps.memory[RATE];
 }
 
-void dm_stage_memory_keep(dm_stage *g, double rate) {
+static void keep(dm_stage *g, double rate, const double *u) {
     double *memory = g->sweeps.memory;
     const size_t n = g->n;
     if (memory[STEP] != g->h) return;
     memory[MARK] = FULL;
     memory[RATE] = rate;
     memcpy(memory + END, g->next, 4 * n * sizeof *memory);
-    memcpy(memory + END + 4 * n, g->sweeps.u, unknowns(g) * sizeof *memory);
+    memcpy(memory + END + 4 * n, u, unknowns(g) * sizeof *memory);
+}
+
+void dm_stage_memory_keep(dm_stage *g, double rate) {
+    keep(g, rate, dm_stage_sweeps_u(g));
 }
 
 /* u of the stages as Newton's method found them */
-static void take_root(dm_stage *g) {
+static void take_root(const dm_stage *g, double *u) {
     const uint32_t n = g->n, width = g->sweeps.row->width;
-    const double *found = g->separable ? g->push : g->root;
+    const double *push = g->m->structure & DM_DIAGONAL_MASS ? g->slope : g->push;
+    const double *found = g->separable ? push : g->root;
     for (uint32_t m = 0; m < g->table.r; m++)
-        for (uint32_t k = 0; k < n; k++)
-            g->sweeps.u[k * width + m] = found[m * (size_t)n + k];
+        for (uint32_t k = 0; k < n; k++) u[k * width + m] = found[m * (size_t)n + k];
 }
 
 /* sweeps that failed from a straight line may do from the polynomial of this step; from there, not soon again */
@@ -72,7 +76,7 @@ void dm_stage_memory_newton(dm_stage *g) {
     } else if (memory[MARK] == FULL) {
         memory[MARK] = -PATIENCE;
     } else {
-        take_root(g);
-        dm_stage_memory_keep(g, USUAL);
+        take_root(g, g->sweeps.u);
+        keep(g, USUAL, g->sweeps.u);
     }
 }

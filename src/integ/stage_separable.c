@@ -31,12 +31,12 @@ void dm_stage_separable_open(dm_stage *g) {
                                                      : DM_POINT_SOLVED;
 }
 
-double dm_stage_momentum(const dm_stage *g, double displacement) {
+double dm_stage_heaviest(const dm_stage *g) {
     const size_t n = g->n, count = g->m->structure & DM_DIAGONAL_MASS ? n : n * n;
     double largest = 0.0;
     for (size_t i = 0; i < count; i++)
         largest = fmax(largest, fabs(g->m->mass_matrix[i]));
-    return displacement * largest / g->h;
+    return largest;
 }
 
 /* out = M^-1 f */
@@ -230,7 +230,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);
     stepper->report.iterations = report.iterations;
-    stepper->report.residual = dm_stage_momentum(g, report.residual);
+    stepper->report.residual = report.residual * dm_stage_heaviest(g) / fabs(g->h);
     if (status == DM_OK && report.jacobians) correct_forces(g, g->scratch);
     return status;
 }

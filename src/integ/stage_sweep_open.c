@@ -7,6 +7,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { LINE = 8, ARRAYS = 32 }; /* doubles of a line of the cache, where arrays begin */
+
 static size_t width_of(size_t stages) {
     return stages == 1 ? 1 : stages <= 4 ? 4 : 8;
 }
@@ -24,13 +26,13 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
         (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
-    return kernels_size(n, w, separable) + kernels_size(n, 4, separable) + 6 * n * w +
-           6 * r * w + 5 * w + 6 * n + 3 + 4 * n;
+    return kernels_size(n, w, separable) + kernels_size(n, 4, separable) + (6 * n) * w +
+           5 * r * w + 7 * w + 10 * n + 3 + ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
     double *block = *memory;
-    *memory += count;
+    *memory += (count + LINE - 1) / LINE * LINE;
     return block;
 }
 
@@ -50,29 +52,26 @@ static double *lay_kernels(dm_stage_sweeps *w, size_t n, double *memory) {
     return memory;
 }
 
-static void lay_out(dm_stage_sweeps *w, size_t n, size_t r, double *memory) {
-    const size_t width = w->row->width, column = r * width;
+static void lay_out(dm_stage *g, double *memory) {
+    dm_stage_sweeps *w = &g->sweeps;
+    const size_t n = g->n, r = g->table.r, width = w->row->width;
+    double **const rows[] = {&w->u, &w->base, &w->lift, &w->none};
+    double **const columns[] = {&w->whole, &w->rest, &w->further, &w->flying,
+                                &w->turning};
+    double **const single[] = {&w->after,  &w->line.top, &w->line.rest, &w->b.top,
+                               &w->b.rest, &w->mean.top, &w->mean.rest};
     memory = lay_kernels(w, n, memory);
-    w->u = take(&memory, n * width);
-    w->sum = take(&memory, n * width);
-    w->base = take(&memory, n * width);
-    w->momentum = take(&memory, n * width);
-    w->none = take(&memory, n * width);
-    w->whole = take(&memory, column);
-    w->top = take(&memory, column);
-    w->rest = take(&memory, column);
-    w->ahead = take(&memory, column);
-    w->unscaled = take(&memory, column);
-    w->further = take(&memory, column);
-    w->after = take(&memory, width);
-    w->b_top = take(&memory, width);
-    w->b_rest = take(&memory, width);
-    w->mean_top = take(&memory, width);
-    w->mean_rest = take(&memory, width);
-    w->start = take(&memory, 2 * n);
-    w->low = take(&memory, 2 * n);
+    w->moved = take(&memory, 2 * n * width);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        *rows[i] = take(&memory, n * width);
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+        *columns[i] = take(&memory, r * width);
+    for (size_t i = 0; i < sizeof single / sizeof *single; i++)
+        *single[i] = take(&memory, width);
+    w->one = take(&memory, n);
     w->total = take(&memory, 2 * n);
-    w->memory = memory;
+    const size_t before = dm_stage_memory_size(g) - n * width; /* u begins a line, too */
+    w->memory = memory + (LINE - before % LINE) % LINE;
 }
 
 /* ---- coefficients ---- */
@@ -87,10 +86,16 @@ static void find_ahead(dm_stage *g, const dm_quadrature *q) {
     for (int j = 0; j < r; j++)
         for (int i = 0; i < r; i++) {
             long double sum = 0.0L;
-            g->sweeps.further[j * (int)width + i] = (double)E[i][j];
+            g->sweeps.turning[j * (int)width + i] = (double)E[i][j];
             for (int m = 0; m < r; m++) sum += dm_weight_exact(A[i * r + m]) * E[m][j];
-            g->sweeps.unscaled[j * (int)width + i] = (double)sum;
+            g->sweeps.flying[j * (int)width + i] = (double)sum;
         }
+}
+
+/* the nearest double, and the rest */
+static void split(const dm_parts *out, uint32_t at, dm_weight w) {
+    out->top[at] = dm_weight_double(w);
+    out->rest[at] = (double)(dm_weight_exact(w) - (long double)out->top[at]);
 }
 
 void dm_stage_sweeps_scale(dm_stage *g) {
@@ -98,21 +103,57 @@ void dm_stage_sweeps_scale(dm_stage *g) {
     if (!w->row) return;
     const uint32_t r = g->table.r, width = w->row->width;
     const dm_weight *A = g->separable ? g->hA : g->ha;
+    const dm_parts columns = {w->whole, w->rest};
     const double factor = g->separable ? g->h * g->h : g->h;
     for (uint32_t i = 0; i < r; i++) {
         w->after[i] = dm_weight_double(g->hc[i]);
-        w->b_top[i] = g->hb[i].top;
-        w->b_rest[i] = g->hb[i].rest;
-        w->mean_top[i] = g->hmean[i].top;
-        w->mean_rest[i] = g->hmean[i].rest;
+        split(&w->line, i, g->hc[i]);
+        split(&w->b, i, g->hb[i]);
+        split(&w->mean, i, g->hmean[i]);
         for (uint32_t m = 0; m < r; m++) {
             const uint32_t at = m * width + i;
-            w->whole[at] = dm_weight_double(A[i * r + m]);
-            w->top[at] = A[i * r + m].top;
-            w->rest[at] = A[i * r + m].rest;
-            w->ahead[at] = factor * w->unscaled[at];
+            split(&columns, at, A[i * r + m]);
+            w->further[at] = factor * w->flying[at];
         }
     }
+}
+
+/* ---- the sums ---- */
+
+static void plan(dm_stage *g) {
+    dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t n = g->n, width = w->row->width;
+    const int diagonal = g->separable && g->m->structure & DM_DIAGONAL_MASS;
+    const double *kept = w->memory + dm_stage_memory_size(g) - n * width;
+    const dm_sweep all = {.rows = n, .columns = g->table.r, .start = w->none};
+    w->q = w->p = w->v_ahead = all;
+    w->q.x = w->force.in;
+    w->q.sum = w->moved;
+    w->q.base = w->base;
+    w->q.column = w->whole;
+    w->q.u = dm_stage_sweeps_u(g);
+    w->q.factor = diagonal ? g->m->inverse_mass : w->one;
+    w->p.x = w->force.out + (size_t)w->force.outputs * width;
+    w->p.sum = w->moved + n * width;
+    w->p.base = w->lift;
+    w->p.column = w->whole;
+    w->p.u = w->force.out;
+    w->p.factor = w->one;
+    w->q_rest = w->q;
+    w->q_rest.sum = w->base;
+    w->q_rest.column = w->rest;
+    w->p_rest = w->p;
+    w->p_rest.sum = w->lift;
+    w->p_rest.column = w->rest;
+    w->ahead = w->q;
+    w->ahead.column = w->further;
+    w->ahead.u = kept;
+    w->v_ahead.x = w->force.in + n * width;
+    w->v_ahead.sum = w->u;
+    w->v_ahead.base = w->none;
+    w->v_ahead.column = w->turning;
+    w->v_ahead.u = kept;
+    w->v_ahead.factor = w->one;
 }
 
 /* ---- opening ---- */
@@ -166,6 +207,11 @@ static int find_kernels(dm_stage *g, const dm_galerkin *basis) {
     return 1;
 }
 
+static double *aligned(double *memory) {
+    const size_t line = LINE * sizeof *memory, past = (uintptr_t)memory % line;
+    return past ? memory + (line - past) / sizeof *memory : memory;
+}
+
 static void open_kernel(dm_stage_kernel *k, uint32_t width) {
     dm_kernel_prepare_lanes(&k->kernel, k->lanes,
                             k->lanes == width ? k->out : k->some_out);
@@ -184,9 +230,12 @@ void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory)
     w->velocity.inputs = triangle + 2 * n;
     w->velocity.outputs = 2 * n;
     memset(memory, 0, dm_stage_sweeps_size(g->table.s, r, g->m) * sizeof *memory);
-    lay_out(w, n, r, memory);
+    lay_out(g, aligned(memory));
     open_kernel(&w->force, w->row->width);
     if (w->velocity.lanes) open_kernel(&w->velocity, w->row->width);
+    for (uint32_t k = 0; k < n; k++) w->one[k] = 1.0;
+    w->heaviest = g->separable ? dm_stage_heaviest(g) : 0.0;
     find_ahead(g, &basis->q);
     dm_stage_sweeps_scale(g);
+    plan(g);
 }

@@ -1,6 +1,7 @@
 /*
 ** sweep.h - arithmetic of fixed-point sweeps over stages that lie side by side: an array [rows][width] holds
-** one stage in each lane. Every lane adds in the same order whatever the processor, so the bits are the same.
+** one stage in each lane. Lanes are added up in the same order whatever made the kernels, so the bits are the same
+** on all backends of a machine; products are fused into sums where the processor can.
 */
 #ifndef DM_SWEEP_H
 #define DM_SWEEP_H
@@ -9,27 +10,31 @@
 
 enum { DM_SWEEP_WIDTH = 8 }; /* stages at most */
 
-/* sum = base + sum_m column_m u[.][m], then x = start + (low + sum) */
+/* coefficients [width] that are a double and what it lacks */
 typedef struct {
-    uint32_t rows;
-    uint32_t columns;
-    double *x,
-        *sum; /* [rows][width] arguments of the kernel; what they add to the start */
-    const double *base; /* [rows][width] */
-    const double *top,
-        *rest;       /* [columns][width]; rest, the low-order part, may be NULL */
-    const double *u; /* [rows][width] */
-    const double *start, *low; /* [rows] */
+    double *top, *rest;
+} dm_parts;
+
+/* sum = base + factor sum_m column_m u[.][m], then x = start + sum */
+typedef struct {
+    uint32_t rows, columns;       /* as many columns as stages */
+    double *x, *sum;              /* [rows][width]; x: arguments of a kernel */
+    const double *base;           /* [rows][width], may be sum */
+    const double *column;         /* [columns][width] */
+    const double *u;              /* [rows][width] */
+    const double *factor, *start; /* [rows] */
 } dm_sweep;
 
 typedef struct {
     uint32_t width;
-    /* returns the sum of squares of what the sums moved by */
+    void (*put)(const dm_sweep *a);
+    /* put; returns the sum of squares of what the sums moved by */
     double (*move)(const dm_sweep *a);
-    /* out[rows] = sum over lanes of (top + rest) u, pairwise */
-    void (*collect)(double *out, const dm_sweep *a);
-    /* out[rows][width] = factor[rows] u */
-    void (*scale)(double *out, const double *factor, const double *u, uint32_t rows);
+    /* base[rows][width] = low[rows] + c v[rows] */
+    void (*line)(double *base, const double *low, const double *v, const dm_parts *c,
+                 uint32_t rows);
+    /* out[rows] = sum over lanes of b u[rows][width] */
+    void (*collect)(double *out, const double *u, const dm_parts *b, uint32_t rows);
 } dm_sweep_row;
 
 /* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors that serve. */

@@ -1,0 +1,108 @@
+/*
+** sweep_row.h - the functions of a dm_sweep_row, once for every width and kind of processor. Wanted: ROW (name),
+** W (width), V (vector of W doubles), H (of W/2, for sums over lanes), HOW (target of the functions),
+** MADD(a, b, c) and MADD_HALF(a, b, c): a b + c, with one rounding where the processor has it.
+*/
+#define JOINED(a, b) a##_##b
+#define JOIN(a, b) JOINED(a, b)
+#define OWN(name) JOIN(name, ROW)
+#define INLINE static inline __attribute__((always_inline))
+
+#define LOAD(x) (*(const V *)(const void *)(x))
+#define SAME(x) ((x) - (V){0})
+
+/* sum over the lanes of a vector H, pairwise */
+HOW INLINE double OWN(total)(const double *x) {
+    return W == 8 ? (x[0] + x[2]) + (x[1] + x[3]) : x[0] + x[1];
+}
+
+/* sum_m c_m u_m; even and odd columns are summed apart, as neither waits for the other */
+HOW INLINE void OWN(inner)(V *sum, const V *c, const double *u, uint32_t columns) {
+    V even = c[0] * u[0], odd = c[1] * u[1];
+    if (columns > 2) even = MADD(c[2], SAME(u[2]), even);
+    if (columns > 3) odd = MADD(c[3], SAME(u[3]), odd);
+    if (columns > 4) even = MADD(c[4], SAME(u[4]), even);
+    if (columns > 5) odd = MADD(c[5], SAME(u[5]), odd);
+    if (columns > 6) even = MADD(c[6], SAME(u[6]), even);
+    if (columns > 7) odd = MADD(c[7], SAME(u[7]), odd);
+    *sum = even + odd;
+}
+
+/* columns and measured are constants where this is called, so that everything unrolls */
+HOW INLINE double OWN(walk)(const dm_sweep *a, uint32_t columns, int measured) {
+    const dm_sweep at = *a; /* nothing of it changes by what is written */
+    const V *from = (const V *)(const void *)at.column;
+    V moved = {0}, c[8] = {from[0], from[1]};
+    if (columns > 2) c[2] = from[2];
+    if (columns > 3) c[3] = from[3];
+    if (columns > 4) c[4] = from[4];
+    if (columns > 5) c[5] = from[5];
+    if (columns > 6) c[6] = from[6];
+    if (columns > 7) c[7] = from[7];
+    for (uint32_t k = 0; k < at.rows; k++) {
+        const size_t row = (size_t)k * W;
+        V sum;
+        OWN(inner)(&sum, c, at.u + row, columns);
+        sum = MADD(SAME(at.factor[k]), sum, LOAD(at.base + row));
+        if (measured) {
+            const V d = sum - LOAD(at.sum + row);
+            moved = MADD(d, d, moved);
+        }
+        *(V *)(void *)(at.sum + row) = sum;
+        *(V *)(void *)(at.x + row) = at.start[k] + sum;
+    }
+    const H *half = (const H *)(const void *)&moved, sum = half[0] + half[1];
+    return measured ? OWN(total)((const double *)&sum) : 0.0;
+}
+
+HOW INLINE double OWN(choose)(const dm_sweep *a, int measured) {
+    if (a->columns == W) return OWN(walk)(a, W, measured);
+    if (a->columns == W - 1) return OWN(walk)(a, W - 1, measured);
+    if (a->columns == W - 2) return OWN(walk)(a, W - 2, measured);
+    return OWN(walk)(a, W == 8 ? W - 3 : 2, measured);
+}
+
+HOW static void OWN(put)(const dm_sweep *a) {
+    OWN(choose)(a, 0);
+}
+
+HOW static double OWN(move)(const dm_sweep *a) {
+    return OWN(choose)(a, 1);
+}
+
+HOW static void OWN(line)(double *base, const double *low, const double *v,
+                          const dm_parts *c, uint32_t rows) {
+    const V top = LOAD(c->top), rest = LOAD(c->rest);
+    for (uint32_t k = 0; k < rows; k++) {
+        const V x = SAME(v[k]);
+        *(V *)(void *)(base + (size_t)k * W) = MADD(top, x, MADD(rest, x, SAME(low[k])));
+    }
+}
+
+HOW static void OWN(collect)(double *out, const double *u, const dm_parts *b,
+                             uint32_t rows) {
+    const H *top = (const H *)(const void *)b->top;
+    const H *rest = (const H *)(const void *)b->rest;
+    for (uint32_t k = 0; k < rows; k++) {
+        const H *x = (const H *)(const void *)(u + (size_t)k * W);
+        const H low = MADD_HALF(rest[0], x[0], rest[1] * x[1]);
+        const H sum = MADD_HALF(top[0], x[0], MADD_HALF(top[1], x[1], low));
+        out[k] = OWN(total)((const double *)&sum);
+    }
+}
+
+static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), OWN(collect)};
+
+#undef INLINE
+#undef LOAD
+#undef SAME
+#undef OWN
+#undef JOIN
+#undef JOINED
+#undef ROW
+#undef W
+#undef V
+#undef H
+#undef HOW
+#undef MADD
+#undef MADD_HALF
