@@ -14,7 +14,7 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.path", "dm.export" }
+local extensions = { "dm.path", "dm.export", "dm.tangent" }
 
 local dm = {}
 for name, value in pairs(core) do dm[name] = value end

@@ -86,6 +86,10 @@ static int solver_field(lua_State *L) {
         lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     else if (strcmp(key, "order") == 0)
         lua_pushinteger(L, s->method->order(s->nodes));
+    else if (strcmp(key, "tolerance") == 0)
+        lua_pushnumber(L, s->tolerance);
+    else if (strcmp(key, "max_iterations") == 0)
+        lua_pushinteger(L, s->max_iterations);
     else
         return 0;
     return 1;
@@ -194,7 +198,7 @@ void dml_open_solver(lua_State *L) {
     dml_newclass(
         L, DML_SOLVER,
         "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
-        "fields: system, rule, h, order",
+        "fields: system, rule, h, order, tolerance, max_iterations",
         meta, methods, solver_field);
     dml_setfunctions(L, functions);
     dml_addmethods(L, DML_SYSTEM, solver_row);

@@ -325,9 +325,23 @@ static int system_tostring(lua_State *L) {
     return 1;
 }
 
+/* a copy of the options that the system was made with */
+static int push_given(lua_State *L) {
+    lua_newtable(L);
+    lua_getiuservalue(L, 1, 1);
+    for (lua_pushnil(L); lua_next(L, -2);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -5);
+    }
+    lua_pop(L, 1);
+    return 1;
+}
+
 static int system_field(lua_State *L) {
     luaL_checkudata(L, 1, DML_SYSTEM);
     const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "given") == 0) return push_given(L);
     static const char *const fields[] = {"Q",     "L",      "name", "coordinates",
                                          "units", "params", NULL};
     for (const char *const *f = fields; *f; f++)
@@ -391,7 +405,8 @@ void dml_open_system(lua_State *L) {
     dml_newclass(
         L, DML_SYSTEM,
         "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
-        "fields: Q, L, name, coordinates, units, params",
+        "fields: Q, L, name, coordinates, units, params, given (all options as they were "
+        "given)",
         meta, methods, system_field);
     dml_addmethods(L, DML_SYSTEM, dml_tie_methods);
     dml_setfunctions(L, functions);

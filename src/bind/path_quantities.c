@@ -91,7 +91,7 @@ static double worst_of_rows(lua_State *L, const dml_path *p, int rolling) {
 
 static int path_worst(lua_State *L) {
     static const char *const names[] = {"constraint", "rolling", NULL};
-    const dml_path *p = check(L);
+    const dml_path *p = dml_path_states(L, "the worst defect");
     const int rolling = luaL_checkoption(L, 2, NULL, names);
     lua_getiuservalue(L, 1, DML_PATH_MODEL);
     const dml_model *m = lua_touserdata(L, -1);

@@ -1,0 +1,140 @@
+--- The tangent map of a rule as a rule: the system of x = (q, u) with the Lagrangian
+--   L~(q, u, v, w) = L_q . u + L_v . w
+-- has the equations of L (from the variation of u) and their linearization (of q). A rule that does not care for linear
+-- changes of coordinates (stages, splittings, compositions) takes one step of L~ as the exact derivative of its step of
+-- L. Momenta: of q the varied momentum dp, of u the momentum p.
+local M = {}
+
+local function part(x, first, n)
+  local out = {}
+  for i = 1, n do out[i] = x[first + i] end
+  return require "dm.core".vector(out)
+end
+
+local function joined(a, b)
+  local out = {}
+  for i = 1, #a do out[i] = a[i] end
+  for i = 1, #b do out[#a + i] = b[i] end
+  return require "dm.core".vector(out)
+end
+
+-- f(q, v, t) with the params of the system bound
+local function bound(f, params)
+  if not params then return f end
+  return function(q, v, t) return f(q, v, t, params) end
+end
+
+-- entries of what f returns: a number, a table or a vector
+local function entries(value)
+  if type(value) == "table" then return value end
+  local fine, count = pcall(function() return #value end)
+  if not fine then return { value } end
+  local out = {}
+  for i = 1, count do out[i] = value[i] end
+  return out
+end
+
+-- f and its change along (u, w), as two lists: of a function of (q, v, t), or, holonomic, of (q, t)
+local function with_change(f, n, holonomic)
+  local core = require "dm.core"
+  local function all(q, v, t)
+    if holonomic then return core.vector(entries(f(q, t))) end
+    return core.vector(entries(f(q, v, t)))
+  end
+  local value, slope = core.trace(all, n, n, "number"), core.derivative(all, n, n, "number")
+  return function(x, y, t)
+    local q, u, v, w = part(x, 0, n), part(x, n, n), part(y, 0, n), part(y, n, n)
+    local f0, J, change = value(q, v, t), slope(q, v, t), {}
+    for i = 1, #f0 do
+      local sum = 0
+      for k = 1, n do sum = sum + J[i][k] * u[k] + J[i][n + k] * w[k] end
+      change[i] = sum
+    end
+    return f0, change
+  end
+end
+
+-- L~ of a Lagrangian
+local function lift_lagrangian(L, n)
+  local slope = require "dm.core".derivative(function(q, v, t) return L(q, v, t) end, n, n, "number")
+  return function(x, y, t)
+    local g, sum = slope(part(x, 0, n), part(y, 0, n), t), 0
+    for k = 1, n do sum = sum + g[k] * x[n + k] + g[n + k] * y[n + k] end
+    return sum
+  end
+end
+
+-- reactions along (E, 0) for the change of phi, and along (dE, E) for phi itself
+local function lift_reaction(E, n)
+  local lifted = with_change(E, n)
+  return function(x, y, t)
+    local rows, change = lifted(x, y, t)
+    local of_change, of_phi = {}, {}
+    for r = 0, #rows // n - 1 do
+      local first, second = {}, {}
+      for k = 1, n do
+        first[k], first[n + k] = rows[r * n + k], 0
+        second[k], second[n + k] = change[r * n + k], rows[r * n + k]
+      end
+      of_change[#of_change + 1], of_phi[#of_phi + 1] = first, second
+    end
+    for _, row in ipairs(of_phi) do of_change[#of_change + 1] = row end
+    return of_change
+  end
+end
+
+-- rows of E one after the other: given, or dphi/dv
+local function reaction_rows(given, phi, n)
+  local core = require "dm.core"
+  if given then
+    return function(q, v, t)
+      local out = {}
+      for _, row in ipairs(given(q, v, t)) do
+        for k = 1, n do out[#out + 1] = row[k] end
+      end
+      return out
+    end
+  end
+  local slope = core.derivative(function(q, v, t) return core.vector(entries(phi(q, v, t))) end, n, n, "number")
+  return function(q, v, t)
+    local J, out = slope(q, v, t), {}
+    for i = 1, #entries(phi(q, v, t)) do
+      for k = 1, n do out[#out + 1] = J[i][n + k] end
+    end
+    return out
+  end
+end
+
+--- The prolonged system of a dm.system, on R^(2n).
+function M.system(system)
+  local core = require "dm.core"
+  local given, n = system.given, system.Q.dimension
+  local params = given.params
+  local out = { Q = core.R(2 * n), L = lift_lagrangian(bound(given.L, params), n) }
+  if given.constraint then
+    local g = given.constraint
+    local lifted = with_change(params and function(q, t) return g(q, t, params) end or g, n, true)
+    out.constraint = function(x, t) return joined(lifted(x, x, t)) end
+  end
+  if given.rolling then
+    local phi = bound(given.rolling, params)
+    local lifted = with_change(phi, n)
+    out.rolling = function(x, y, t)
+      local value, change = lifted(x, y, t)
+      return joined(change, value)
+    end
+    out.reaction = lift_reaction(reaction_rows(given.reaction and bound(given.reaction, params), phi, n), n)
+  end
+  if given.force then
+    local lifted = with_change(bound(given.force, params), n)
+    out.force = function(x, y, t)
+      local value, change = lifted(x, y, t)
+      return joined(change, value)
+    end
+  end
+  return core.system(out)
+end
+
+M.part, M.joined = part, joined
+
+return M
