@@ -96,7 +96,9 @@ static void keep_report(lua_State *L, const dml_stepping *r, long steps, double 
     lua_setfield(L, -2, "backend");
     set_number(L, "h", s->h);
     set_count(L, "order", s->method->order(s->nodes));
-    set_count(L, "operations", (long)operations(&r->model->model, r->wants));
+    set_count(L, "operations",
+              report->operations ? report->operations
+                                 : (long)operations(&r->model->model, r->wants));
     set_number(L, "trace_ms", r->model->trace_ms);
     set_number(L, "compile_ms", r->model->trace_ms + r->model->compile_ms);
     set_count(L, "steps", steps);

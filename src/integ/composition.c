@@ -277,6 +277,7 @@ static size_t memory(dm_stepper *s, double **place) {
 static dm_status start(dm_stepper *s, double *state, double t) {
     dm_stepper *base = (dm_stepper *)(void *)s->work;
     if (is_splitting(s->rule, s->model) || !base->method->start) return DM_OK;
+    base->h = find(s->rule)->half[0] * s->h; /* what steps begin and end with */
     return base->method->start(base, state, t);
 }
 

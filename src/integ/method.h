@@ -12,6 +12,7 @@ typedef struct {
     long solves;      /* step equations solved so far */
     long newton;      /* Newton iterations so far */
     long evaluations; /* kernel evaluations so far */
+    long operations;  /* of a step, where the method makes kernels of its own */
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
     int tie; /* of a step that failed since ties lose rank: one that depends on those before it, from 1 */
 } dm_report;

@@ -1,0 +1,223 @@
+/* rattle.c - RATTLE and SHAKE: the loop around the kernels of rattle_kernels.c. */
+#include "integ/rattle.h"
+
+#include "mech/ties.h"
+
+#include <math.h>
+#include <string.h>
+
+/* relative changes: of q1 at the last iteration; that may stall; that is foreseen for one more, of the tolerance */
+static const double STALLED = 1e-12, NEGLIGIBLE = 2.5e-3;
+
+/* workspace: this, memory (h, lambda[m]), two buffers of a step, one for an iteration */
+typedef struct {
+    dm_rattle_layout at;
+    dm_rattle_kernels kernel;
+    double *memory, *now, *next, *iterate;
+} layout;
+
+static size_t layout_size(void) {
+    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+}
+
+static layout *layout_of(const dm_stepper *s) {
+    return (layout *)(void *)s->work;
+}
+
+static const char *check(const dm_rule *rule) {
+    return rule->count ? "it takes no argument" : NULL;
+}
+
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    (void)rule;
+    if (m->structure & DM_LOOPS)
+        return "it writes its steps out, which dm.sum_over with so many rounds is not "
+               "meant for; take verlet";
+    if ((m->structure & simple) != simple || !m->inverse_mass)
+        return "it needs L = T(v) - V(q, t) with a constant mass; for any other L take a "
+               "rule that solves for the multipliers in every stage, for instance "
+               "midpoint or lobatto(3)";
+    if (!m->source.graph) return "it needs L as an expression, not on hyper-dual numbers";
+    if (m->ties && m->ties->structure & DM_TIES_FORCE_SEES_V)
+        return "its force is a kick, which must not depend on v; take midpoint or gauss";
+    return NULL;
+}
+
+static int order(const dm_rule *rule) {
+    (void)rule;
+    return 2;
+}
+
+static unsigned wants(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    (void)m;
+    return 0;
+}
+
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    const dm_rattle_layout at = dm_rattle_lay_out(m);
+    (void)rule;
+    return layout_size() + 1 + at.m + 3 * (size_t)at.size;
+}
+
+static dm_status open(dm_stepper *s) {
+    layout *l = layout_of(s);
+    *l = (layout){.at = dm_rattle_lay_out(s->model)};
+    l->memory = s->work + layout_size();
+    l->now = l->memory + 1 + l->at.m;
+    l->next = l->now + l->at.size;
+    l->iterate = l->next + l->at.size;
+    const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
+    const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
+    s->report.operations = l->kernel.first.operations + l->kernel.end.operations;
+    return status;
+}
+
+static dm_status start(dm_stepper *s, double *state, double t) {
+    layout *l = layout_of(s);
+    (void)state;
+    (void)t;
+    memset(l->memory, 0, (1 + l->at.m) * sizeof *l->memory);
+    l->memory[0] = s->h;
+    return DM_OK;
+}
+
+static size_t memory(dm_stepper *s, double **place) {
+    *place = layout_of(s)->memory;
+    return 1 + layout_of(s)->at.m;
+}
+
+/* ---- a step ---- */
+
+/* The squares of the last two changes and of q1 say that q1 is known to round-off: the last change is, or what
+** Newton's method, being quadratic, would change next. */
+static int is_last(const dm_stepper *s, const double *norms) {
+    const double before = norms[0], now = norms[1], size = norms[2];
+    const double tolerance = s->tolerance * s->tolerance * size;
+    if (now <= tolerance) return 1;
+    if (now < before &&
+        now * now * now <= NEGLIGIBLE * NEGLIGIBLE * tolerance * before * before)
+        return 1;
+    return now >= before && now <= STALLED * STALLED * size;
+}
+
+/* further iterations, where two were not enough */
+static dm_status iterate(dm_stepper *s, layout *l, double *norms) {
+    const size_t count = l->at.n + (size_t)l->at.m + 3;
+    while (!is_last(s, norms)) {
+        if (s->report.iterations >= s->max_iterations) return DM_NO_CONVERGENCE;
+        dm_kernel_eval(&l->kernel.newton, l->now, l->iterate);
+        memcpy(l->now + l->at.y, l->iterate, count * sizeof *norms);
+        s->report.iterations++;
+        if (!isfinite(norms[1] + norms[2])) return DM_NO_CONVERGENCE;
+    }
+    return DM_OK;
+}
+
+static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) {
+    for (uint32_t i = 0; i < l->at.m; i++)
+        if (fabs(g[i]) > s->report.constraint) s->report.constraint = fabs(g[i]);
+}
+
+/* from l->now, which is left as it was where this fails, to l->next; then they change places */
+static dm_status step_once(dm_stepper *s, layout *l, double t) {
+    double *x = l->now, *norms = x + l->at.norms;
+    x[l->at.t] = t + s->h;
+    dm_kernel_eval(&l->kernel.first, x, x + l->at.y);
+    s->report.iterations = l->at.m ? 2 : 0;
+    if (l->at.m && !is_last(s, norms)) {
+        const dm_status status = iterate(s, l, norms);
+        s->report.residual = sqrt(norms[1]);
+        if (status != DM_OK) return status;
+    }
+    dm_kernel_eval(&l->kernel.end, x, l->next);
+    look_at_constraint(s, l, l->next + l->at.g);
+    s->report.newton += s->report.iterations;
+    s->report.evaluations++;
+    l->now = l->next;
+    l->next = x;
+    return DM_OK;
+}
+
+static void load(dm_stepper *s, layout *l, const double *state, double t) {
+    const dm_rattle_layout *at = &l->at;
+    double *buffers[] = {l->now, l->next};
+    for (int i = 0; i < 2; i++) {
+        dm_kernel_prepare(&l->kernel.end, buffers[i]);
+        dm_kernel_prepare(&l->kernel.first, buffers[i] + at->y);
+        buffers[i][at->h] = s->h;
+        buffers[i][at->half] = 0.5 * s->h;
+    }
+    dm_kernel_prepare(&l->kernel.newton, l->iterate);
+    memcpy(l->now, state, 4 * (size_t)at->n * sizeof *state);
+    l->now[at->t] = t;
+    dm_kernel_prepare(&l->kernel.begin, l->now + at->force);
+    dm_kernel_eval(&l->kernel.begin, l->now, l->now + at->force);
+    for (uint32_t i = 0; i < at->m; i++)
+        l->now[at->guess + i] = l->memory[0] == s->h ? l->memory[1 + i] : 0.0;
+}
+
+static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
+    layout *l = layout_of(s);
+    const dm_rattle_layout *at = &l->at;
+    dm_status status = DM_OK;
+    load(s, l, state, t);
+    for (*done = 0; *done < count && status == DM_OK;) {
+        status = step_once(s, l, t + (double)*done * s->h);
+        if (status == DM_OK) ++*done;
+    }
+    memcpy(state, l->now, 4 * (size_t)at->n * sizeof *state);
+    if (l->memory[0] == s->h)
+        memcpy(l->memory + 1, l->now + at->guess, at->m * sizeof *state);
+    if (status == DM_OK && !dm_state_is_finite(state, at->n)) status = DM_NOT_FINITE;
+    return status;
+}
+
+static dm_status step(dm_stepper *s, double *state, double t) {
+    long done;
+    return advance(s, state, t, 1, &done);
+}
+
+const dm_method dm_method_rattle = {
+    .name = "rattle",
+    .signature = "rattle",
+    .doc =
+        "RATTLE, order 2: Stoermer-Verlet on the constraints g(q, t) = 0, for L = T(v) "
+        "- V(q, t) with constant mass and forces f(q, t); Newton for as many unknowns "
+        "as there are constraints (cost linear in them where each touches its "
+        "neighbours only), and the hidden constraint projected once a step. The base "
+        "of compositions: yoshida(4, rattle), kahan-li(8, rattle). Andersen 1983; HLW "
+        "VII.1.4.",
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_KEEPS,
+    .check = check,
+    .fits = fits,
+    .order = order,
+    .wants = wants,
+    .work = work,
+    .open = open,
+    .start = start,
+    .step = step,
+    .advance = advance,
+    .memory = memory,
+};
+
+const dm_method dm_method_shake = {
+    .name = "shake",
+    .signature = "shake",
+    .doc = "SHAKE, order 2: the positions of rattle without the projection of momenta, "
+           "whose part across the constraint is left to the next step: energies and "
+           "velocities of rows err like h^2 there, and a start from q and p takes any p. "
+           "Ryckaert, Ciccotti & Berendsen 1977; HLW VII.1.4.",
+    .traits = DM_HOLONOMIC | DM_FORCED | DM_KEEPS | DM_LOOSE_MOMENTUM,
+    .check = check,
+    .fits = fits,
+    .order = order,
+    .wants = wants,
+    .work = work,
+    .open = open,
+    .start = start,
+    .step = step,
+    .advance = advance,
+    .memory = memory,
+};
