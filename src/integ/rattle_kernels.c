@@ -1,6 +1,7 @@
 /* rattle_kernels.c - the graphs of a constrained step. */
 #include "expr/compact.h"
 #include "expr/derive.h"
+#include "expr/linear.h"
 #include "integ/fused.h"
 #include "integ/kept.h"
 #include "integ/rattle.h"
@@ -51,16 +52,9 @@ static dm_node *take(const frame *b, size_t count) {
     return nodes;
 }
 
-/* sum + a b; zeros, which are node 0, are left out */
+/* sum + x y */
 static dm_node add_product(const frame *b, dm_node sum, dm_node x, dm_node y) {
-    if (!x || !y) return sum;
-    return sum ? dm_multiply_add(b->f.graph, x, y, sum) : dm_mul(b->f.graph, x, y);
-}
-
-static dm_node subtract_product(const frame *b, dm_node sum, dm_node x, dm_node y) {
-    if (!x || !y) return sum;
-    const dm_node minus = dm_neg(b->f.graph, x);
-    return add_product(b, sum, minus, y);
+    return dm_add_product(b->f.graph, sum, x, y);
 }
 
 static dm_node add(const frame *b, dm_node x, dm_node y) {
@@ -126,56 +120,6 @@ static void evaluate(frame *b, dm_node *out, const dm_node *roots, size_t count,
 }
 
 /* ---- linear algebra in the graph ---- */
-
-/* A[m*m] x = x in place, without exchange of rows: A is near to G W G^T; symmetric: only i <= j is read */
-static void eliminate(const frame *b, dm_node *A, dm_node *x, int symmetric) {
-    const uint32_t m = b->at.m;
-    dm_graph *g = b->f.graph;
-    const dm_node one = dm_constant(g, 1.0);
-    for (uint32_t k = 0; k < m; k++) {
-        dm_node *pivot = A + k * (size_t)m;
-        pivot[k] = dm_div(g, one, pivot[k]);
-        for (uint32_t i = k + 1; i < m; i++) {
-            dm_node *row = A + i * (size_t)m;
-            const dm_node below = symmetric ? pivot[i] : row[k];
-            if (!below) continue;
-            const dm_node factor = dm_mul(g, below, pivot[k]);
-            for (uint32_t j = symmetric ? i : k + 1; j < m; j++)
-                row[j] = subtract_product(b, row[j], factor, pivot[j]);
-            x[i] = subtract_product(b, x[i], factor, x[k]);
-        }
-    }
-    for (uint32_t k = m; k-- > 0;) {
-        const dm_node *row = A + k * (size_t)m;
-        for (uint32_t j = k + 1; j < m; j++)
-            x[k] = subtract_product(b, x[k], row[j], x[j]);
-        if (x[k]) x[k] = dm_mul(g, x[k], row[k]);
-    }
-}
-
-/* two by two by Cramer's rule: one division */
-static void solve_two(const frame *b, const dm_node *A, dm_node *x, int symmetric) {
-    dm_graph *g = b->f.graph;
-    const dm_node a10 = symmetric ? A[1] : A[2], one = dm_constant(g, 1.0);
-    dm_node determinant = add_product(b, 0, A[0], A[3]);
-    determinant = subtract_product(b, determinant, A[1], a10);
-    const dm_node inverse = dm_div(g, one, determinant);
-    dm_node first = add_product(b, 0, A[3], x[0]);
-    first = subtract_product(b, first, A[1], x[1]);
-    dm_node second = add_product(b, 0, A[0], x[1]);
-    second = subtract_product(b, second, a10, x[0]);
-    x[0] = dm_mul(g, first, inverse);
-    x[1] = dm_mul(g, second, inverse);
-}
-
-static void solve(const frame *b, dm_node *A, dm_node *x, int symmetric) {
-    if (b->at.m == 1)
-        x[0] = dm_div(b->f.graph, x[0], A[0]);
-    else if (b->at.m == 2)
-        solve_two(b, A, x, symmetric);
-    else
-        eliminate(b, A, x, symmetric);
-}
 
 /* B[n*m] = W G^T, by rows of W, times h where that is a node */
 static void spread(const frame *b, dm_node *B, const dm_node *G, dm_node h) {
@@ -296,7 +240,7 @@ static int iteration(frame *b, iterate *x) {
     evaluate(b, values, roots, count, x->y, b->t);
     multiply(b, J, values + m, x->B, 0);
     dm_node *minus = values; /* -dlambda */
-    solve(b, J, minus, 0);
+    dm_graph_solve(b->f.graph, J, minus, m, 0);
     for (uint32_t j = 0; j < m; j++)
         x->lambda[j] = dm_sub(b->f.graph, x->lambda[j], minus[j]);
     for (uint32_t c = 0; c < n; c++) {
@@ -379,7 +323,7 @@ static int tangent(frame *b, dm_node *mu, const dm_node *G, const dm_node *g_t) 
     }
     spread(b, B, G, 0);
     multiply(b, A, G, B, 1);
-    solve(b, A, mu, 1);
+    dm_graph_solve(b->f.graph, A, mu, m, 1);
     kick(b, G, mu, NULL);
     return 1;
 }

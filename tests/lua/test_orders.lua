@@ -50,6 +50,7 @@ local rows = {
   { "sofroniou-spaletta(10)", 10, 0, 0, 50 }, { "kahan-li(6, midpoint)", 6, 400, 0 }, { "yoshida(4, trapezoidal)", 4, 1600, 0 },
   { "blanes-moan(4)", 4, 0, 0, 200 }, { "blanes-moan(6)", 6, 200, 0 }, { "blanes-moan(6, 14)", 6, 100, 0 },
   { "rk4", 4, 800, 400 }, { "rkf45", 5, 800, 200 }, { "rk8pd", 8, 70, 40 }, { "rk8", 8, 70, 40 },
+  { "rattle", 2, 800, 0 }, { "shake", 2, 800, 0 }, -- with constraints: test_rattle.lua
 }
 local function order(system, rule, start, t, n, goal)
   local coarse, fine = (final(system, rule, start, t, n) - goal):norm(), (final(system, rule, start, t, 2 * n) - goal):norm()
