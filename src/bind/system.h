@@ -21,6 +21,9 @@ extern const char *const DML_DISCRETE; /* "dm.discrete_lagrangian" */
 /* Push a new system (or, pair = 1, discrete Lagrangian) from the options table at 1. */
 void dml_newsystem(lua_State *L, const char *const *known, int pair);
 
+/* dm.system{ Q =, L = }, as a C function. */
+int dml_system_new(lua_State *L);
+
 /* The system or discrete Lagrangian at `arg`; raises when it is neither. */
 dml_system *dml_checksystem(lua_State *L, int arg);
 
