@@ -111,12 +111,13 @@ void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after
 
 dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp) {
     const uint32_t n = g->n;
-    memcpy(g->next, g->state, 4 * (size_t)n * sizeof *g->next);
-    dm_sum_add_n(g->next, g->next + 2 * n, dq, n);
-    dm_sum_add_n(g->next + n, g->next + 3 * n, dp, n);
-    for (uint32_t i = 0; i < 4 * n; i++)
-        if (!isfinite(g->next[i])) return DM_NOT_FINITE;
-    return DM_OK;
+    double *high = g->next, *low = g->next + 2 * n, bad = 0.0;
+    dm_stage_copy(g->next, g->state, 4 * n);
+    dm_sum_add_n(high, low, dq, n);
+    dm_sum_add_n(high + n, low + n, dp, n);
+    for (uint32_t i = 0; i < 2 * n; i++)
+        bad += 0.0 * low[i]; /* NaN where high is infinite */
+    return bad == 0.0 ? DM_OK : DM_NOT_FINITE;
 }
 
 /* ---- the general form: unknown velocities V[s][n] ---- */
@@ -327,6 +328,6 @@ dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
     stepper->report.solves++;
     stepper->report.newton += stepper->report.iterations;
     stepper->report.evaluations += g->evaluations;
-    if (status == DM_OK) memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
+    if (status == DM_OK) dm_stage_copy(state, g->next, 4 * g->n);
     return status;
 }

@@ -18,7 +18,7 @@ typedef struct dm_galerkin {
     int s;                                 /* velocities */
     long double node[DM_QUADRATURE_NODES]; /* where they are taken, in [0, 1] */
     dm_quadrature q;                       /* exact to degree s - 1 at least */
-    int sweeps; /* of the fixed point, a step; 0: to round-off */
+    int sweeps;  /* of the fixed point, a step; 0: to round-off */
     int tableau; /* 1: r = s, d = 1, beta = b, and a is given instead of the Lagrange polynomials of the nodes */
     long double a[DM_QUADRATURE_NODES][DM_QUADRATURE_NODES];
 } dm_galerkin;

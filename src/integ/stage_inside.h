@@ -106,6 +106,12 @@ void dm_stage_separable_open(dm_stage *g);
 /* next = state + (dq[n], dp[n]) with compensation; DM_NOT_FINITE when it is not. */
 dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp);
 
+/* One double at a time: a wide load would wait for the narrow stores that a state has just had. */
+static inline void dm_stage_copy(double *to, const volatile double *from,
+                                 uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) to[i] = from[i];
+}
+
 /* Kernel arguments: x = (q0 + shift[n], v[n], t + after); v NULL: the start's. */
 void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after);
 

@@ -50,7 +50,7 @@ static void keep(dm_stage *g, double rate, const double *u) {
     if (memory[STEP] != g->h) return;
     memory[MARK] = FULL;
     memory[RATE] = rate;
-    memcpy(memory + END, g->next, 4 * n * sizeof *memory);
+    dm_stage_copy(memory + END, g->next, 4 * g->n);
     memcpy(memory + END + 4 * n, u, unknowns(g) * sizeof *memory);
 }
 
