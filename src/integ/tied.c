@@ -40,7 +40,8 @@ static size_t doubles(size_t bytes) {
 static size_t scratch_size(const sizes *z, const dm_model *m) {
     const size_t newton = larger(dm_newton_work((uint32_t)z->unknowns),
                                  dm_newton_work((uint32_t)(z->n + z->m)));
-    return larger(newton, dm_legendre_work(m));
+    const size_t hidden = z->m * (z->m + z->n + 3);
+    return larger(larger(newton, hidden), dm_legendre_work(m));
 }
 
 /* memory NULL: it is only counted */
@@ -78,8 +79,8 @@ static size_t lay_out(dm_tied *g, const sizes *z, double *memory) {
     g->slope = take(&to, z->r * 2 * n);
     g->impulse = take(&to, (z->K + 1) * n);
     g->lambda = take(&to, m);
-    g->row_size = take(&to, m);
-    g->impulse_size = take(&to, m);
+    g->row_unit = take(&to, m);
+    g->impulse_unit = take(&to, m);
     g->root = take(&to, z->unknowns);
     g->end = take(&to, n + m);
     g->v0 = take(&to, n);

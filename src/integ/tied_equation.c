@@ -17,7 +17,7 @@ static void add_slopes(dm_tied *g, double *Rj, uint32_t j) {
         for (uint32_t k = 0; k < n; k++) {
             const double term = dm_weighted(wq, slope[k]) + dm_weighted(wv, slope[n + k]);
             Rj[k] += term;
-            g->size = fmax(g->size, fabs(term));
+            g->size = dm_tied_larger(g->size, fabs(term));
         }
     }
 }
@@ -40,7 +40,7 @@ static void momentum_rows(dm_tied *g, double *R) {
 /* rounding q moves g by about G q, which is no error of the step */
 static double position_size(const dm_tied *g) {
     double most = 0.0;
-    for (uint32_t i = 0; i < g->n; i++) most = fmax(most, fabs(g->state[i]));
+    for (uint32_t i = 0; i < g->n; i++) most = dm_tied_larger(most, fabs(g->state[i]));
     return g->k ? g->mass_size * most / fabs(g->h) : 0.0;
 }
 
@@ -50,10 +50,8 @@ static void tie_rows(const dm_tied *g, double *R) {
     for (uint32_t k = 0; k < g->K; k++, R += m) {
         const double *hol = dm_tied_holonomic(g, k + 1);
         const double *phi = g->roll + k * (size_t)g->l * (1 + 3 * (size_t)n);
-        for (uint32_t c = 0; c < g->k; c++)
-            R[c] = hol[c] * (g->mass_size / (g->h * g->row_size[c]));
-        for (uint32_t c = g->k; c < m; c++)
-            R[c] = phi[c - g->k] * (g->mass_size / g->row_size[c]);
+        for (uint32_t c = 0; c < g->k; c++) R[c] = hol[c] * (g->row_unit[c] / g->h);
+        for (uint32_t c = g->k; c < m; c++) R[c] = phi[c - g->k] * g->row_unit[c];
     }
 }
 
@@ -126,7 +124,7 @@ static void impulse_columns(const dm_tied *g, double *J, size_t N) {
         for (uint32_t c = 0; c < m; c++) {
             const double *row = c < g->k ? dm_tied_holonomic(g, k) + g->k + c * n
                                          : dm_tied_rolling(g, k) + g->l + (c - g->k) * n;
-            const double unit = g->mass_size / g->impulse_size[c];
+            const double unit = g->impulse_unit[c];
             double *column = J + s * n + k * m + c;
             for (uint32_t j = 0; j < s; j++) {
                 const double w = unit * dm_weight_double(g->lever[k * s + j]);
@@ -138,7 +136,7 @@ static void impulse_columns(const dm_tied *g, double *J, size_t N) {
 static void holonomic_row(const dm_tied *g, double *row, uint32_t k, uint32_t c) {
     const uint32_t n = g->n, s = g->table.s;
     const double *G = dm_tied_holonomic(g, k + 1) + g->k + c * n;
-    const double unit = g->mass_size / g->row_size[c];
+    const double unit = g->row_unit[c];
     for (uint32_t j = 0; j < s; j++) {
         const double w = unit * dm_weight_double(g->tie.a[(k + 1) * s + j]);
         for (uint32_t i = 0; i < n; i++) row[j * n + i] = w * G[i];
@@ -148,7 +146,7 @@ static void holonomic_row(const dm_tied *g, double *row, uint32_t k, uint32_t c)
 static void rolling_row(const dm_tied *g, double *row, uint32_t k, uint32_t c) {
     const uint32_t n = g->n, s = g->table.s, l = g->l;
     const double *phi_v = g->roll + k * (size_t)l * (1 + 3 * n) + l + (l + c) * n;
-    const double *phi_q = phi_v + l * n, unit = g->mass_size / g->row_size[g->k + c];
+    const double *phi_q = phi_v + l * n, unit = g->row_unit[g->k + c];
     for (uint32_t j = 0; j < s; j++) {
         const double ha = unit * dm_weight_double(g->gauss_ha[k * s + j]);
         const double d = unit * dm_weight_double(g->gauss.d[k * s + j]);

@@ -40,24 +40,30 @@ typedef struct {
     double *reaction;    /* [K+1][n + 2n^2] I_k, its derivatives in q, v */
     double *impulse;     /* [K+1][n] I_k */
     double *lambda;      /* [k+l] multipliers as the reaction takes them */
-    double *row_size, *impulse_size; /* [k+l] largest entry of G, phi_v; of G, E */
-    double *mass;                    /* [n + n^2] L_v, L_vv at the ends */
-    double mass_size;                /* largest entry of L_vv */
-    double *root;    /* [s][n] V, [K][k+l] impulses in units of velocity */
-    double *end;     /* [n] v1, [k+l] impulses of the last tie point */
-    double *v0;      /* [n] velocity at the start */
-    double *next;    /* [4n] state at the end */
-    double *dq, *dp; /* [n] */
-    double *before;  /* [n] momentum at the end without I_K */
-    double *scratch; /* of Newton and of the Legendre transform */
-    double *memory;  /* see tied_memory.c */
-    double size;     /* of the terms of the residual */
+    double *row_unit,
+        *impulse_unit; /* [k+l] M over the largest entry of G, phi_v; of G, E */
+    double *mass;      /* [n + n^2] L_v, L_vv at the ends */
+    double mass_size;  /* largest entry of L_vv */
+    double *root;      /* [s][n] V, [K][k+l] impulses in units of velocity */
+    double *end;       /* [n] v1, [k+l] impulses of the last tie point */
+    double *v0;        /* [n] velocity at the start */
+    double *next;      /* [4n] state at the end */
+    double *dq, *dp;   /* [n] */
+    double *before;    /* [n] momentum at the end without I_K */
+    double *scratch;   /* of Newton and of the Legendre transform */
+    double *memory;    /* see tied_memory.c */
+    double size;       /* of the terms of the residual */
     long evaluations;
     int iterations; /* of Newton, in this step */
     double residual;
     uint32_t
         lost; /* the tie that depends on those before it, from 1; 0: none was found */
 } dm_tied;
+
+/* without the call that fmax is */
+static inline double dm_tied_larger(double a, double b) {
+    return a > b ? a : b;
+}
 
 /* outputs of the kernels at the tie point k */
 static inline double *dm_tied_holonomic(const dm_tied *g, uint32_t k) {
@@ -100,6 +106,10 @@ dm_status dm_tied_equation(void *ctx, double *R, double *J, const double *z);
 /* ---- tied_end.c: from the root to the state at the end ---- */
 
 dm_status dm_tied_finish(dm_tied *g, const dm_stepper *stepper);
+
+/* ---- tied_hidden.c: v1 and the last impulses into g->end, from g->next without them ---- */
+
+dm_status dm_tied_hidden(dm_tied *g, const dm_stepper *stepper);
 
 /* ---- tied_memory.c: V, impulses, end and start of a step, for the next one ---- */
 

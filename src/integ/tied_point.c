@@ -52,8 +52,7 @@ void dm_tied_slopes(dm_tied *g, const double *V, int with_curve) {
 /* multipliers of the tie point k as the reactions take them */
 static void unscale(dm_tied *g, const double *impulses) {
     const uint32_t m = g->k + g->l;
-    for (uint32_t c = 0; c < m; c++)
-        g->lambda[c] = impulses[c] * g->mass_size / g->impulse_size[c];
+    for (uint32_t c = 0; c < m; c++) g->lambda[c] = impulses[c] * g->impulse_unit[c];
 }
 
 /* I = G^T lambda + E^T mu from the rows at the tie point k */
@@ -124,19 +123,22 @@ static double largest(const double *a, size_t count) {
     return most;
 }
 
-/* sizes of the rows make equations and multipliers comparable with momenta and velocities */
-static dm_status find_sizes(dm_tied *g) {
+/* units of the rows make equations and multipliers comparable with momenta and velocities */
+static dm_status find_units(dm_tied *g) {
     const uint32_t n = g->n;
     const double *G = dm_tied_holonomic(g, 0) + g->k;
     const double *E = dm_tied_rolling(g, 0) + g->l, *phi_v = E + g->l * n;
     for (uint32_t c = 0; c < g->k + g->l; c++) {
         const uint32_t j = c < g->k ? c : c - g->k;
-        g->row_size[c] = largest((c < g->k ? G : phi_v) + j * n, n);
-        g->impulse_size[c] = c < g->k ? g->row_size[c] : largest(E + j * n, n);
-        if (!isfinite(g->row_size[c] + g->impulse_size[c])) return DM_NOT_FINITE;
-        if (g->row_size[c] != 0.0 && g->impulse_size[c] != 0.0) continue;
-        g->lost = c + 1;
-        return DM_SINGULAR;
+        const double row = largest((c < g->k ? G : phi_v) + j * n, n);
+        const double across = c < g->k ? row : largest(E + j * n, n);
+        if (!isfinite(row + across)) return DM_NOT_FINITE;
+        if (row == 0.0 || across == 0.0) {
+            g->lost = c + 1;
+            return DM_SINGULAR;
+        }
+        g->row_unit[c] = g->mass_size / row;
+        g->impulse_unit[c] = g->mass_size / across;
     }
     return DM_OK;
 }
@@ -168,5 +170,5 @@ dm_status dm_tied_begin(dm_tied *g) {
     dm_tied_at(g, NULL, g->v0, 0.0);
     status = find_mass_size(g);
     dm_tied_rows(g, 0);
-    return status == DM_OK ? find_sizes(g) : status;
+    return status == DM_OK ? find_units(g) : status;
 }

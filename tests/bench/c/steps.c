@@ -7,6 +7,7 @@
 #include "lanes.h"
 #include "newton.h"
 #include "search.h"
+#include "tied.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -113,6 +114,33 @@ static int implicit(const implicit_model *m, FILE *ends) {
     return 1;
 }
 
+/* the same with a multiplier */
+static int tied(const tied_model *m, FILE *ends) {
+    double q[NEWTON_N], p[NEWTON_N], least = INFINITY;
+    const long steps = 20000;
+    long iterations = 0;
+    derivatives d;
+    for (int k = 0; k <= REPEATS; k++) { /* the last one short, for the check */
+        const long count = k < REPEATS ? steps : 500;
+        long made = 0;
+        m->model.lagrangian(&d, m->model.q, m->model.v);
+        memcpy(q, m->model.q, sizeof q);
+        memcpy(p, d.Lv, sizeof p);
+        const double t = bench_now();
+        if (!tied_run(q, p, m, count, &made)) return 0;
+        if (k == REPEATS) break;
+        least = fmin(least, bench_now() - t);
+        iterations = made;
+    }
+    printf("step\tC\tmidpoint, %s\tgeneric C -O2\t%.2f\t%.2f\n", m->model.name,
+           least / (double)steps, (double)iterations / (double)steps);
+    if (!ends) return 1;
+    fprintf(ends, "%s", m->model.name);
+    for (int i = 0; i < m->model.n; i++) fprintf(ends, "\t%.17g", q[i]);
+    fprintf(ends, "\n");
+    return 1;
+}
+
 int main(int argc, char **argv) {
     const char *const leapfrog = "leapfrog, one Kepler orbit";
     printf("step\tC\t%s\troot and division\t%.2f\t0\n", leapfrog,
@@ -123,7 +151,8 @@ int main(int argc, char **argv) {
            best(leapfrog_lanes, STEPS / 10) / (STEPS / 10 * ORBITS));
     FILE *ends = argc > 1 ? fopen(argv[1], "w") : NULL;
     const int fine = implicit(&newton_satellite, ends) &&
-                     implicit(&newton_pendulum, ends) && implicit(&newton_bodies, ends);
+                     implicit(&newton_pendulum, ends) && implicit(&newton_bodies, ends) &&
+                     tied(&tied_sphere, ends);
     if (ends) fclose(ends);
     if (!fine) fprintf(stderr, "steps: an implicit step did not converge\n");
     return !fine;

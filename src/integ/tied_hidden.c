@@ -1,0 +1,189 @@
+/*
+** tied_hidden.c - the impulses I_K that put p1 onto the hidden constraint, and v1:
+**   L_v(q1, v1) = p + I_K,  G v1 + g_t = 0,  phi(q1, v1) = 0.
+*/
+#include "integ/tied_inside.h"
+
+#include "linalg/lu.h"
+#include "solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- in general: unknowns v1[n], impulses[m] ---- */
+
+static void end_momentum(dm_tied *g, double *R, const double *v, const double *impulses) {
+    const uint32_t n = g->n;
+    double *impulse = g->impulse + g->K * (size_t)n;
+    memcpy(g->x + n, v, n * sizeof *v);
+    dm_kernel_eval(&g->m->mass, g->x, g->mass);
+    if (g->l) dm_tied_rows(g, g->K);
+    dm_tied_impulse(g, impulse, impulses, g->K);
+    for (uint32_t i = 0; i < n; i++) {
+        R[i] = (g->mass[i] - g->before[i]) - impulse[i];
+        g->size = dm_tied_larger(g->size, fabs(g->mass[i]));
+        g->size = dm_tied_larger(g->size, fabs(impulse[i]));
+    }
+}
+
+static void end_ties(const dm_tied *g, double *R, const double *v) {
+    const uint32_t n = g->n;
+    const double *G = dm_tied_holonomic(g, g->K) + g->k, *g_t = G + g->k * n;
+    const double *phi = dm_tied_rolling(g, g->K);
+    for (uint32_t c = 0; c < g->k + g->l; c++) {
+        double sum = c < g->k ? g_t[c] : phi[c - g->k];
+        for (uint32_t i = 0; i < n && c < g->k; i++) sum += G[c * n + i] * v[i];
+        R[c] = sum * g->row_unit[c];
+    }
+}
+
+/* [L_vv - dI/dv, -rows^T; rows, 0] */
+static void end_matrix(dm_tied *g, double *J, const double *impulses) {
+    const uint32_t n = g->n, m = g->k + g->l;
+    const size_t N = n + m, nn = (size_t)n * n;
+    const double *G = dm_tied_holonomic(g, g->K) + g->k;
+    const double *E = dm_tied_rolling(g, g->K) + g->l, *phi_v = E + g->l * n;
+    const double *r_v = dm_tied_curved(g, g->K) + n + nn;
+    memset(J, 0, N * N * sizeof *J);
+    if (g->l) dm_tied_reaction(g, impulses, g->K);
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++)
+            J[i * N + j] = g->mass[n + i * n + j] - (g->l ? r_v[i * n + j] : 0.0);
+    for (uint32_t c = 0; c < m; c++) {
+        const uint32_t at = (c < g->k ? c : c - g->k) * n;
+        const double *across = (c < g->k ? G : E) + at,
+                     *row = (c < g->k ? G : phi_v) + at;
+        for (uint32_t i = 0; i < n; i++) {
+            J[i * N + n + c] = -across[i] * g->impulse_unit[c];
+            J[(n + c) * N + i] = row[i] * g->row_unit[c];
+        }
+    }
+}
+
+static dm_status end_equation(void *ctx, double *R, double *J, const double *z) {
+    dm_tied *g = ctx;
+    g->size = 0.0;
+    end_momentum(g, R, z, z + g->n);
+    end_ties(g, R + g->n, z);
+    if (J) end_matrix(g, J, z + g->n);
+    return DM_OK;
+}
+
+/* x = (q1, v of the curve's end, t1); rows of the holonomic ties there */
+static void place_end(dm_tied *g) {
+    const uint32_t n = g->n, s = g->table.s;
+    memset(g->end, 0, n * sizeof *g->end);
+    for (uint32_t j = 0; j < s; j++)
+        dm_weighted_add(g->end, g->tie.d[g->K * s + j], g->root + j * (size_t)n, n);
+    memcpy(g->x, g->next, n * sizeof *g->x);
+    memcpy(g->x + n, g->end, n * sizeof *g->x);
+    g->x[2 * n] = g->t + g->h;
+    dm_tied_rows(g, g->K);
+}
+
+static dm_status by_newton(dm_tied *g, const dm_stepper *stepper) {
+    dm_newton_report report = {0};
+    const dm_newton_problem problem = {.m = g->n + g->k + g->l,
+                                       .equation = end_equation,
+                                       .ctx = g,
+                                       .size = &g->size,
+                                       .tolerance = stepper->tolerance,
+                                       .max_iterations = stepper->max_iterations};
+    const dm_status status = dm_newton(g->end, &problem, g->scratch, &report);
+    g->residual = status == DM_OK ? g->residual : report.residual;
+    if (status != DM_OK || g->l == 0) return status;
+    memcpy(g->x + g->n, g->end, g->n * sizeof *g->x);
+    dm_tied_rows(g, g->K); /* E at v1 itself */
+    return DM_OK;
+}
+
+/* ---- constant mass, ties linear in v: (A M^-1 A'^T) impulses = -(A v + g_t), m x m ---- */
+
+/* out = M^-1 p */
+static void by_inverse(const dm_model *m, double *out, const double *p) {
+    const uint32_t n = m->n;
+    const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const double *row = m->inverse_mass + (diagonal ? 0 : i * (size_t)n);
+        double sum = diagonal ? row[i] * p[i] : 0.0;
+        for (uint32_t j = 0; j < n && !diagonal; j++) sum += row[j] * p[j];
+        out[i] = sum;
+    }
+}
+
+static const double *row_of(const dm_tied *g, uint32_t c, int across) {
+    const double *E = dm_tied_rolling(g, g->K) + g->l;
+    if (c < g->k) return dm_tied_holonomic(g, g->K) + g->k + c * g->n;
+    return E + ((across ? 0 : g->l) + c - g->k) * g->n;
+}
+
+/* S[m][m] = rows . M^-1 rows of the impulses; M^-1 of these into `push` */
+static dm_status weigh(dm_tied *g, double *S, double *push, uint32_t *pivot) {
+    const uint32_t n = g->n, m = g->k + g->l;
+    for (uint32_t c = 0; c < m; c++) {
+        by_inverse(g->m, push + c * n, row_of(g, c, 1));
+        for (uint32_t b = 0; b < m; b++) {
+            const double *row = row_of(g, b, 0);
+            double sum = 0.0;
+            for (uint32_t i = 0; i < n; i++) sum += row[i] * push[c * n + i];
+            S[b * m + c] = sum;
+        }
+    }
+    return dm_lu_factor(S, pivot, m);
+}
+
+/* what is missing at v1 to the ties, negative: g_t + G v, phi with phi_v v instead of its value at another v */
+static void missing(const dm_tied *g, double *out, const double *offset) {
+    for (uint32_t c = 0; c < g->k + g->l; c++) {
+        const double *row = row_of(g, c, 0);
+        out[c] = -offset[c];
+        for (uint32_t i = 0; i < g->n; i++) out[c] -= row[i] * g->end[i];
+    }
+}
+
+/* the part of the ties without v: g_t, and phi - phi_v v at the v where phi was evaluated */
+static void offsets(const dm_tied *g, double *offset) {
+    const double *g_t = dm_tied_holonomic(g, g->K) + g->k + g->k * g->n;
+    const double *phi = dm_tied_rolling(g, g->K);
+    for (uint32_t c = 0; c < g->k + g->l; c++) {
+        const double *row = row_of(g, c, 0);
+        offset[c] = c < g->k ? g_t[c] : phi[c - g->k];
+        for (uint32_t i = 0; i < g->n && c >= g->k; i++)
+            offset[c] -= row[i] * g->x[g->n + i];
+    }
+}
+
+/* twice: the second time from v1, for what rounding in S left */
+static dm_status by_elimination(dm_tied *g) {
+    const uint32_t n = g->n, m = g->k + g->l;
+    double *S = g->scratch, *push = S + (size_t)m * m, *offset = push + (size_t)m * n;
+    double *more = offset + m;
+    uint32_t *pivot = (uint32_t *)(void *)(more + m);
+    const dm_status status = weigh(g, S, push, pivot);
+    if (status != DM_OK) return status;
+    offsets(g, offset);
+    for (uint32_t i = 0; i < n; i++) g->v[i] = g->before[i] - g->m->momentum_shift[i];
+    by_inverse(g->m, g->end, g->v);
+    memset(g->end + n, 0, m * sizeof *g->end);
+    for (int pass = 0; pass < 2; pass++) {
+        missing(g, more, offset);
+        dm_lu_solve(more, S, pivot, m);
+        for (uint32_t c = 0; c < m; c++) {
+            g->end[n + c] += more[c] / g->impulse_unit[c];
+            for (uint32_t i = 0; i < n; i++) g->end[i] += more[c] * push[c * n + i];
+        }
+    }
+    missing(g, more, offset);
+    for (uint32_t c = g->k; c < m; c++) dm_tied_rolling(g, g->K)[c - g->k] = -more[c];
+    return DM_OK;
+}
+
+dm_status dm_tied_hidden(dm_tied *g, const dm_stepper *stepper) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    const unsigned ties = g->ties->structure;
+    const int linear =
+        !g->l || (ties & DM_TIES_LINEAR && !(ties & DM_TIES_GIVEN_REACTIONS));
+    place_end(g);
+    if (linear && (g->m->structure & simple) == simple) return by_elimination(g);
+    return by_newton(g, stepper);
+}
