@@ -8,6 +8,17 @@ static int failure_tostring(lua_State *L) {
     return 1;
 }
 
+/* ties that lost rank */
+static void push_tie(lua_State *L, const dml_failure *f) {
+    lua_pushfstring(
+        L,
+        "%s %d depends on those before it there, or holds nothing: a singular "
+        "configuration of the constraints; start where it is not met, or "
+        "leave one out",
+        f->rolling ? "rolling constraint" : "constraint",
+        f->rolling ? f->rolling : f->constraint);
+}
+
 /* what to try; a sentence per status, with the step of the run where it helps */
 static void push_advice(lua_State *L, const dml_failure *f) {
     switch (f->status) {
@@ -17,6 +28,10 @@ static void push_advice(lua_State *L, const dml_failure *f) {
             f->h / 2);
         break;
     case DM_SINGULAR:
+        if (f->constraint || f->rolling) {
+            push_tie(L, f);
+            break;
+        }
         lua_pushstring(
             L,
             "d2L/dv2 or the discrete d2Ld/dq0dq1 loses rank there: is L regular, are the "
@@ -59,6 +74,8 @@ void dml_fail(lua_State *L, const dml_failure *f, int path) {
     lua_setfield(L, -2, "rule");
     set_number(L, "time", f->time);
     set_number(L, "residual", f->residual);
+    if (f->constraint) set_number(L, "constraint", f->constraint);
+    if (f->rolling) set_number(L, "rolling", f->rolling);
     if (path) lua_pushvalue(L, path), lua_setfield(L, -2, "path");
     luaL_where(L, 1);
     lua_pushfstring(L, "%s: %s at step %I (t = %f", f->rule, dm_status_text(f->status),
@@ -84,7 +101,8 @@ void dml_open_failure(lua_State *L) {
     lua_pushstring(L, "dm.failure: raised when a computation fails; pcall returns it\n"
                       "fields: code (\"no_convergence\", \"singular\", \"not_finite\", "
                       "\"stopped\"), step, time, residual, "
-                      "iterations, rule, message, path (what was computed before)");
+                      "iterations, rule, message, path (what was computed before); "
+                      "constraint or rolling: the number of the one that lost rank");
     lua_setfield(L, -2, TNAME);
     lua_pop(L, 1);
 }

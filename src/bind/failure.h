@@ -11,6 +11,8 @@ typedef struct {
     double h;
     double residual; /* of its step equation */
     int iterations;
+    int constraint,
+        rolling; /* from 1: the one that depends on the others there, 0: none */
     const char *rule;
 } dml_failure;
 

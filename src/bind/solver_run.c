@@ -120,7 +120,11 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
     dml_rethrow(L, r->model);
     if (status == DM_OK) return;
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
-    const dml_failure f = {.status = status,
+    const dm_ties *ties = r->model->model.ties;
+    const int tie = r->stepper.report.tie, rolls = ties && tie > (int)ties->holonomic;
+    const dml_failure f = {.constraint = rolls ? 0 : tie,
+                           .rolling = rolls ? tie - (int)ties->holonomic : 0,
+                           .status = status,
                            .step = done + (status != DM_STOPPED),
                            .time = r->t0 + s->h * (double)done,
                            .h = s->h,

@@ -19,7 +19,7 @@ static void make_orthogonal(double *row, const double *unit, uint32_t count, uin
 }
 
 uint32_t dm_tied_dependent(dm_tied *g, uint32_t k) {
-    static const double LEAST = 1e-8; /* sine of the angle to the rows before */
+    static const double LEAST = 1e-5; /* sine of the angle to the rows before */
     const uint32_t n = g->n;
     double *unit = g->scratch;
     for (uint32_t c = 0; c < g->k + g->l; c++) {

@@ -57,6 +57,9 @@ local models = {
     end },
 }
 
+models[#models + 1] = { "spherical pendulum in space", h = 0.02, q = { 0.6, 0, -0.8 }, v = { 0, 1, 0 }, Q = dm.R(3),
+  L = function(q, v) return v:dot(v) / 2 - q[3] end, constraint = function(q) return q:dot(q) - 1 end }
+
 -- end states of the hand-written C
 local ends = {}
 if arg[1] then
@@ -68,7 +71,7 @@ if arg[1] then
 end
 
 for _, model in ipairs(models) do
-  local system = dm.system { Q = model.Q, L = model.L }
+  local system = dm.system { Q = model.Q, L = model.L, constraint = model.constraint }
   local midpoint, count = system:solver { rule = "midpoint", h = model.h }, 20000
   local ns = best(function() midpoint:run { q = model.q, v = model.v, steps = count, every = count } end) / count
   local report = midpoint:report()
