@@ -8,13 +8,13 @@
 #include "integ/hamilton.h"
 #include "integ/kept.h"
 #include "integ/method.h"
+#include "integ/rk8.h"
 
 #include <string.h>
 
-enum { STAGES = 12 };
+enum { STAGES = DM_RK8_STAGES };
 
-/* row i: a_ij; the last row: b */
-static const double A[STAGES + 1][STAGES] = {
+const double dm_rk8_tableau[STAGES + 1][STAGES] = {
     {0},
     {5.26001519587677318785587544488e-2},
     {1.97250569845378994544595329183e-2, 5.91751709536136983633785987549e-2},
@@ -108,7 +108,7 @@ static dm_status open(dm_stepper *s) {
     e->p = e->next + 4 * n;
     e->scratch = e->p + n;
     for (int i = 0; i < STAGES; i++)
-        for (int j = 0; j < i; j++) e->c[i] += A[i][j];
+        for (int j = 0; j < i; j++) e->c[i] += dm_rk8_tableau[i][j];
     find_kernel(e);
     dm_kernel_prepare(e->kernel.outputs ? &e->kernel : &s->model->force, e->out);
     return DM_OK;
@@ -120,7 +120,7 @@ static void place(explicit8 *e, const double *state, int i, double h) {
     double *x = e->x;
     for (size_t k = 0; k < 2 * n; k++) x[k] = state[2 * n + k];
     for (int j = 0; j < i; j++) {
-        const double a = h * A[i][j], *slope = e->slope + (size_t)j * 2 * n;
+        const double a = h * dm_rk8_tableau[i][j], *slope = e->slope + (size_t)j * 2 * n;
         if (a == 0.0) continue;
         for (size_t k = 0; k < 2 * n; k++) x[k] += a * slope[k];
     }
@@ -160,7 +160,7 @@ static dm_status finish(explicit8 *e, double *state, double h) {
     for (uint32_t k = 0; k < 2 * n; k++) {
         double change = 0.0;
         for (int i = 0; i < STAGES; i++)
-            change += A[STAGES][i] * e->slope[(size_t)i * 2 * n + k];
+            change += dm_rk8_tableau[STAGES][i] * e->slope[(size_t)i * 2 * n + k];
         dm_sum_add(e->next + k, e->next + 2 * n + k, h * change);
         sum += 0.0 * e->next[k];
     }

@@ -1,0 +1,44 @@
+/*
+** curve.h - curve segments: a discretization of TQ by an explicit one-step method for the second-order field of L
+** (Cuell-Patrick 2008, examples 1 and 2). To y = (q, v) belong the points, with F = (v, a(q, v, t)),
+**   Y_i = y + h sum_j a_ij F(Y_j),
+** the ends d+(y) = q + h sum_i plus_i V_i, d-(y) = q + h sum_i minus_i V_i, and Ld(y) = h sum_i weight_i L(Y_i).
+** Since Ld is the sum that the method makes for S' = L, it has the order of the method.
+*/
+#ifndef DM_CURVE_H
+#define DM_CURVE_H
+
+#include "integ/method.h"
+
+enum { DM_CURVE_STAGES = 40, DM_CURVE_NAME = 24 };
+
+typedef struct {
+    char name[DM_CURVE_NAME];
+    int s, order;
+    int centred; /* minus is not zero: the segment begins before q */
+    double bias; /* of the segment behind q; 1: all of it */
+    double a[DM_CURVE_STAGES][DM_CURVE_STAGES]; /* strictly lower */
+    double plus[DM_CURVE_STAGES], minus[DM_CURVE_STAGES], weight[DM_CURVE_STAGES];
+    double c[DM_CURVE_STAGES]; /* times of the points, in h */
+} dm_curve;
+
+/* The built-in or GSL method of that name with bias 1; 0 where there is none. */
+int dm_curve_find(dm_curve *out, const char *name);
+
+/* The name of built-in method i = 0, 1, ... and its source; NULL past the end. */
+const char *dm_curve_name(int i, const char **source);
+
+/* From the coefficients of an explicit Runge-Kutta method: a[s*s] and b[s]. */
+void dm_curve_fill(dm_curve *out, int s, const double *a, const double *b);
+
+/* Of a segment with bias 1 the one that begins at -(1 - bias) h: the method is applied to both sides of y.
+** 0 where that takes too many points. */
+int dm_curve_bias(dm_curve *c, double bias);
+
+/* Order of the variational step: that of the method, or the next even number where the segment is symmetric. */
+int dm_curve_order(const dm_curve *c);
+
+/* The tableau of a stepper of GSL, read off by running it; 0 when it is none of its explicit ones. */
+int dm_curve_gsl(dm_curve *out, const char *name);
+
+#endif

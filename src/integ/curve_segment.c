@@ -1,0 +1,234 @@
+#include "integ/curve_segment.h"
+
+#include "linalg/lu.h"
+
+#include <string.h>
+
+static size_t doubles(size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+
+static double *take(double **memory, size_t count) {
+    double *block = *memory;
+    *memory += count;
+    return block;
+}
+
+size_t dm_segment_work(const dm_curve *c, size_t n) {
+    const size_t s = (size_t)c->s, N = 2 * n;
+    return s * (dm_field_inputs(n) + n + n * n + n * n + doubles(n * sizeof(uint32_t)) +
+                N + N * N + n * N) +
+           N + 2 * N * N + (N * N + N) + 4 * n + N + N * N + 2 * n * N + s;
+}
+
+dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m,
+                          double *memory) {
+    const size_t n = m->n, s = (size_t)c->s, N = 2 * n;
+    *g = (dm_segment){.curve = c, .m = m, .n = m->n, .points = s};
+    g->inputs = dm_field_inputs(n);
+    const dm_status status = dm_field_build(&g->field, m);
+    if (status != DM_OK) return status;
+    g->x = take(&memory, s * g->inputs);
+    g->force = take(&memory, s * (n + n * n));
+    g->factors = take(&memory, s * n * n);
+    g->pivot = (uint32_t *)(void *)take(&memory, s * doubles(n * sizeof(uint32_t)));
+    g->gradient = take(&memory, s * N);
+    g->pull = take(&memory, N);
+    g->second = take(&memory, 2 * N * N);
+    g->tangent = take(&memory, s * N * N);
+    g->push = take(&memory, s * n * N);
+    g->some = take(&memory, N * N + N);
+    g->plus = take(&memory, n);
+    g->minus = take(&memory, n);
+    g->arrival = take(&memory, n);
+    g->next = take(&memory, n);
+    g->slope = take(&memory, N);
+    g->hessian = take(&memory, N * N);
+    g->plus_tangent = take(&memory, n * N);
+    g->minus_tangent = take(&memory, n * N);
+    for (size_t i = 0; i < s; i++)
+        dm_kernel_prepare(&g->field.force, g->force + i * g->field.force.outputs);
+    dm_kernel_prepare(&g->field.gradient, g->pull);
+    return DM_OK;
+}
+
+/* y[n] += w x[n] */
+static void add(double *y, double w, const double *x, size_t n) {
+    if (w == 0.0) return;
+    for (size_t i = 0; i < n; i++) y[i] += w * x[i];
+}
+
+/* ---- forward ---- */
+
+/* x = M^-1 x at point i */
+static void divide_by_mass(const dm_segment *g, size_t i, double *x) {
+    const size_t n = g->n;
+    const double *inverse = g->m->inverse_mass;
+    if (!inverse) {
+        dm_lu_solve(x, g->factors + i * n * n, g->pivot + i * n, g->n);
+    } else if (g->m->structure & DM_DIAGONAL_MASS) {
+        for (size_t k = 0; k < n; k++) x[k] *= inverse[k];
+    } else {
+        double *y = g->some;
+        memset(y, 0, n * sizeof *y);
+        for (size_t k = 0; k < n; k++)
+            for (size_t l = 0; l < n; l++) y[k] += inverse[k * n + l] * x[l];
+        memcpy(x, y, n * sizeof *x);
+    }
+}
+
+/* acceleration of point i from its q, v, t */
+static dm_status accelerate(dm_segment *g, size_t i) {
+    const size_t n = g->n;
+    double *x = g->x + i * g->inputs, *a = x + 2 * n + 1;
+    double *out = g->force + i * g->field.force.outputs;
+    dm_kernel_eval(&g->field.force, x, out);
+    memcpy(a, out, n * sizeof *a);
+    if (g->m->inverse_mass) return DM_OK;
+    double *M = g->factors + i * n * n;
+    memcpy(M, out + n, n * n * sizeof *M);
+    const dm_status status = dm_lu_factor(M, g->pivot + i * n, g->n);
+    if (status == DM_OK) divide_by_mass(g, i, a);
+    return status;
+}
+
+/* Y_i = y + h sum_j a_ij F(Y_j) */
+static void place_point(dm_segment *g, const dm_segment_place *at, size_t i) {
+    const size_t n = g->n;
+    double *x = g->x + i * g->inputs;
+    memset(x, 0, 2 * n * sizeof *x);
+    for (size_t j = 0; j < i; j++) {
+        const double w = at->h * g->curve->a[i][j], *y = g->x + j * g->inputs;
+        add(x, w, y + n, n);
+        add(x + n, w, y + 2 * n + 1, n);
+    }
+    for (size_t k = 0; k < n; k++) {
+        x[k] = at->q[k] + (at->shift ? at->shift[k] + x[k] : x[k]);
+        x[n + k] = at->v[k] + x[n + k];
+    }
+    x[2 * n] = at->t + at->h * g->curve->c[i];
+}
+
+dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at) {
+    const size_t n = g->n;
+    const dm_curve *c = g->curve;
+    memset(g->plus, 0, n * sizeof *g->plus);
+    memset(g->minus, 0, n * sizeof *g->minus);
+    memcpy(g->arrival, at->v, n * sizeof *g->arrival);
+    for (size_t i = 0; i < g->points; i++) {
+        const double *x = g->x + i * g->inputs;
+        place_point(g, at, i);
+        const dm_status status = accelerate(g, i);
+        if (status != DM_OK) return status;
+        add(g->plus, at->h * c->plus[i], x + n, n);
+        add(g->minus, at->h * c->minus[i], x + n, n);
+        add(g->arrival, at->h * c->plus[i], x + 2 * n + 1, n);
+    }
+    memcpy(g->next, g->arrival, n * sizeof *g->next);
+    for (size_t i = 0; i < g->points; i++)
+        add(g->next, -at->h * c->minus[i], g->x + i * g->inputs + 2 * n + 1, n);
+    return DM_OK;
+}
+
+double dm_segment_action(const dm_segment *g, double h) {
+    double sum = 0.0, L = 0.0;
+    dm_kernel_prepare(&g->m->value, &L);
+    for (size_t i = 0; i < g->points; i++) {
+        dm_kernel_eval(&g->m->value, g->x + i * g->inputs, &L);
+        sum += h * g->curve->weight[i] * L;
+    }
+    return sum;
+}
+
+/* ---- back ---- */
+
+void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0, double h) {
+    const size_t n = g->n;
+    const dm_curve *c = g->curve;
+    memset(g->slope, 0, 2 * n * sizeof *g->slope);
+    for (size_t i = g->points; i-- > 0;) {
+        double *k = g->hessian, *x = g->x + i * g->inputs, *u = x + 3 * n + 1;
+        double *y = g->gradient + i * 2 * n;
+        memset(k, 0, 2 * n * sizeof *k);
+        for (size_t j = i + 1; j < g->points; j++)
+            add(k, h * c->a[j][i], g->gradient + j * 2 * n, 2 * n);
+        add(k, -h * c->plus[i], p1, n);
+        if (p0) add(k, h * c->minus[i], p0, n);
+        memcpy(u, k + n, n * sizeof *u);
+        divide_by_mass(g, i, u);
+        x[4 * n + 1] = h * c->weight[i];
+        dm_kernel_eval(&g->field.gradient, x, g->pull);
+        memcpy(y, g->pull, 2 * n * sizeof *y);
+        add(y + n, 1.0, k, n);
+        add(g->slope, 1.0, y, 2 * n);
+    }
+}
+
+/* T_i = 1 + h sum_j a_ij (dV_j, dA_j) */
+static void place_tangent(dm_segment *g, size_t i, double h) {
+    const size_t n = g->n, N = 2 * n;
+    double *T = g->tangent + i * N * N;
+    memset(T, 0, N * N * sizeof *T);
+    for (size_t j = 0; j < i; j++) {
+        const double w = h * g->curve->a[i][j];
+        add(T, w, g->tangent + j * N * N + n * N, n * N);
+        add(T + n * N, w, g->push + j * n * N, n * N);
+    }
+    for (size_t k = 0; k < N; k++) T[k * N + k] += 1.0;
+}
+
+/* C[rows*columns] = A[rows*N] B[N*columns], or A^T where A is [N*rows] */
+static void multiply(double *C, const double *A, const double *B, size_t rows, size_t N) {
+    memset(C, 0, rows * N * sizeof *C);
+    for (size_t i = 0; i < rows; i++)
+        for (size_t k = 0; k < N; k++) add(C + i * N, A[i * N + k], B + k * N, N);
+}
+
+/* row^T = M^-1 row^T for the columns of E_y[n*N] at point i */
+static void push_columns(dm_segment *g, size_t i, double *E) {
+    const size_t n = g->n, N = 2 * n;
+    double *column = g->some + N * N;
+    for (size_t j = 0; j < N; j++) {
+        for (size_t k = 0; k < n; k++) column[k] = E[k * N + j];
+        divide_by_mass(g, i, column);
+        for (size_t k = 0; k < n; k++) E[k * N + j] = column[k];
+    }
+}
+
+/* W += B^T a_y + (B^T a_y)^T */
+static void add_mass_terms(double *W, const double *B, const double *a_y, size_t n) {
+    const size_t N = 2 * n;
+    for (size_t k = 0; k < n; k++)
+        for (size_t i = 0; i < N; i++)
+            for (size_t j = 0; j < N; j++)
+                W[i * N + j] +=
+                    B[k * N + i] * a_y[k * N + j] + B[k * N + j] * a_y[k * N + i];
+}
+
+/* hessian += T^T W T */
+static void add_second(dm_segment *g, const double *W, const double *T) {
+    const size_t N = 2 * (size_t)g->n;
+    multiply(g->some, W, T, N, N);
+    for (size_t k = 0; k < N; k++)
+        for (size_t i = 0; i < N; i++)
+            add(g->hessian + i * N, T[k * N + i], g->some + k * N, N);
+}
+
+void dm_segment_hessian(dm_segment *g, double h) {
+    const size_t n = g->n, N = 2 * n;
+    memset(g->hessian, 0, N * N * sizeof *g->hessian);
+    memset(g->plus_tangent, 0, n * N * sizeof *g->plus_tangent);
+    memset(g->minus_tangent, 0, n * N * sizeof *g->minus_tangent);
+    for (size_t i = 0; i < g->points; i++) {
+        double *T = g->tangent + i * N * N, *W = g->second, *a_y = W + N * N;
+        place_tangent(g, i, h);
+        dm_kernel_prepare(&g->field.curve, g->second);
+        dm_kernel_eval(&g->field.curve, g->x + i * g->inputs, g->second);
+        push_columns(g, i, a_y);
+        if (!g->m->inverse_mass) add_mass_terms(W, a_y + n * N, a_y, n);
+        multiply(g->push + i * n * N, a_y, T, n, N);
+        add_second(g, W, T);
+        add(g->plus_tangent, h * g->curve->plus[i], T + n * N, n * N);
+        add(g->minus_tangent, h * g->curve->minus[i], T + n * N, n * N);
+    }
+}
