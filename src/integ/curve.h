@@ -22,14 +22,19 @@ typedef struct {
     double c[DM_CURVE_STAGES]; /* times of the points, in h */
 } dm_curve;
 
-/* The built-in or GSL method of that name with bias 1; 0 where there is none. */
+/* The built-in or GSL method of that name; 0 where there is none. Coefficients are those of bias 1; `bias` is what
+** dm_curve_bias should be given by default: 1, or 1/2 for "straight", which is the method of Euler. */
 int dm_curve_find(dm_curve *out, const char *name);
 
 /* The name of built-in method i = 0, 1, ... and its source; NULL past the end. */
 const char *dm_curve_name(int i, const char **source);
 
-/* From the coefficients of an explicit Runge-Kutta method: a[s*s] and b[s]. */
+/* name, `order` and bias are left to the caller: from the coefficients of an explicit Runge-Kutta method: a[s*s] and b[s]. */
 void dm_curve_fill(dm_curve *out, int s, const double *a, const double *b);
+
+/* The order, at most 8, by the conditions of all rooted trees, of a method with bias 1; *defect (may be NULL) is the
+** largest defect of the order above. */
+int dm_curve_conditions(const dm_curve *c, double *defect);
 
 /* Of a segment with bias 1 the one that begins at -(1 - bias) h: the method is applied to both sides of y.
 ** 0 where that takes too many points. */
@@ -37,6 +42,11 @@ int dm_curve_bias(dm_curve *c, double bias);
 
 /* Order of the variational step: that of the method, or the next even number where the segment is symmetric. */
 int dm_curve_order(const dm_curve *c);
+
+/* D[2n*2n], the exact derivative of the step from `state` at t in (q, p), by an open stepper; memory of that many doubles. */
+size_t dm_curve_tangent_work(const dm_stepper *s);
+dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double t,
+                           double *memory);
 
 /* The tableau of a stepper of GSL, read off by running it; 0 when it is none of its explicit ones. */
 int dm_curve_gsl(dm_curve *out, const char *name);

@@ -103,13 +103,18 @@ static void fill_packed(dm_curve *out, const tableau *t) {
 }
 
 int dm_curve_find(dm_curve *out, const char *name) {
+    const int straight = strcmp(name, "straight") == 0;
     memset(out, 0, sizeof *out);
-    for (int i = 0; i < TABLEAUX; i++)
+    for (int i = 0; i < TABLEAUX && !straight; i++)
         if (strcmp(tableaux[i].name, name) == 0) {
             fill_packed(out, tableaux + i);
             return 1;
         }
-    return dm_curve_gsl(out, name);
+    if (!straight) return dm_curve_gsl(out, name);
+    fill_packed(out, tableaux);
+    strcpy(out->name, name);
+    out->bias = 0.5;
+    return 1;
 }
 
 /* points 1 .. s-1 of the method with the signed length `side` of a step; point 0 is y itself */

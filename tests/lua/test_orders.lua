@@ -56,7 +56,7 @@ local function order(system, rule, start, t, n, goal)
   local coarse, fine = (final(system, rule, start, t, n) - goal):norm(), (final(system, rule, start, t, 2 * n) - goal):norm()
   return math.log(coarse / fine, 2), fine
 end
-local covered = { ["log-hamiltonian"] = "test_times.lua", sprk = "test_sprk.lua", ["symplectic-euler"] = "test_sprk.lua", del = "test_solver.lua" }
+local covered = { ["log-hamiltonian"] = "test_times.lua", sprk = "test_sprk.lua", ["symplectic-euler"] = "test_sprk.lua", del = "test_solver.lua", curve = "test_curves.lua" }
 for _, row in ipairs(rows) do
   local rule, p, n1, n2, n3 = table.unpack(row)
   covered[rule:match "^[%w_-]+"] = true

@@ -1,0 +1,38 @@
+/* curve_inside.h - the workspace of the curve rule, for its files only. */
+#ifndef DM_CURVE_INSIDE_H
+#define DM_CURVE_INSIDE_H
+
+#include "integ/curve_segment.h"
+
+/* at the head of the workspace */
+typedef struct {
+    dm_curve curve;
+    dm_segment segment;
+    const double *state;
+    double t, h;
+    size_t n, unknowns;
+    double *mass;          /* [n] size of M by rows: what turns velocities into momenta */
+    double *z, *y, *p1;    /* [3n] unknowns; [2n] q - q0, v of the last run; [n] */
+    double *next, *memory; /* [4n]; see below */
+    double *slope;         /* [2n] of L at the end */
+    double *scratch;
+    double size; /* of the momenta */
+    int ran;     /* the segment is at y */
+    long evaluations;
+} dm_curve_step;
+
+/* 2 n, or 3 n where d- is not q */
+static inline size_t dm_curve_unknowns(const dm_curve *c, size_t n) {
+    return (c->centred ? 3 : 2) * n;
+}
+
+/* Points and ends for the unknowns z, unless they are there already. */
+dm_status dm_curve_place(dm_curve_step *e, const double *z);
+
+/* Solve it for the step from `state` at time t; the root is in z, the segment at it or one increment away. */
+dm_status dm_curve_solve(dm_stepper *s, const double *state, double t);
+
+/* The step equation for dm_newton: r = 0 for z = (v, (p1 - p0) / mass, (q - q0) / h). */
+dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z);
+
+#endif
