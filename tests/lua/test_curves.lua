@@ -117,7 +117,7 @@ for _, system in ipairs { kepler, cart } do
 end
 -- sums, and many coordinates
 local ring = dm.system { Q = dm.R(20), L = function(q, v)
-  return v:dot(v) / 2 - dm.sum_over(q, function(a, b) return (b - a) ^ 2 / 2 + (b - a) ^ 4 / 4 end, { pairs = "neighbours", periodic = true }) end }
+  return v:dot(v) / 2 - dm.sum_over(q, function(a, b) return (b - a) ^ 2 / 2 + (b - a) ^ 4 / 4 end, { shift = 1, periodic = true }) end }
 local fine, path = pcall(function()
   local q, v = {}, {}
   for i = 1, 20 do q[i], v[i] = sin(2 * pi * i / 20), 0 end
