@@ -50,8 +50,12 @@ static int furthest(const dm_emitter *e) {
 
 int dm_take_register(dm_emitter *e) {
     const uint32_t all = e->registers == 32 ? UINT32_MAX : (1u << e->registers) - 1;
-    const uint32_t free = all & ~e->occupied & ~e->pinned;
-    const int reg = free ? __builtin_ctz(free) : furthest(e);
+    const uint32_t free = all & ~e->occupied & ~e->pinned, better = free & ~e->kept;
+    const int granted = e->wish >= 0 && (free >> e->wish & 1);
+    const int reg = granted  ? e->wish
+                    : better ? __builtin_ctz(better)
+                    : free   ? __builtin_ctz(free)
+                             : furthest(e);
     if (!free) {
         give_home(e, e->held[reg]);
         drop(e, reg);
@@ -62,7 +66,10 @@ int dm_take_register(dm_emitter *e) {
 
 int dm_in_a_register(dm_emitter *e, dm_node n) {
     if (e->at[n].reg < 0) {
+        const int wish = e->wish;
+        e->wish = -1;
         const int reg = dm_take_register(e);
+        e->wish = wish;
         dm_x86_load(&e->code, e->width, reg, e->at[n].home);
         hold(e, n, reg);
     }
@@ -140,6 +147,7 @@ int dm_emit_open(dm_emitter *e, dm_graph *g, const dm_plan *plan, uint32_t lanes
     *e = (dm_emitter){.width = (dm_width)lanes,
                       .registers = lanes == 8 ? 32 : 16,
                       .bytes = (int32_t)lanes * 8,
+                      .wish = -1,
                       .pool = plan->calls ? DM_RBX : DM_RDI,
                       .in = plan->calls ? DM_R14 : DM_RSI,
                       .out = plan->calls ? DM_R15 : DM_RDX,

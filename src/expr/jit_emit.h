@@ -31,6 +31,8 @@ typedef struct {
     uint32_t until[32]; /* its next use */
     uint32_t occupied,
         pinned;    /* registers, one bit each; pinned: the current step needs it */
+    uint32_t kept; /* registers that are taken last: they have a purpose (loops) */
+    int wish; /* register for the result of the current step where it is free; -1: any */
     int32_t *free; /* stack of stack slots to use again */
     int32_t frees, slots;
     int32_t dying[8]; /* slots whose value this step used last */
@@ -55,6 +57,9 @@ void dm_pass_operands(dm_emitter *e, const dm_step *s);
 void dm_define(dm_emitter *e, dm_node n, int reg);
 void dm_write_outputs(dm_emitter *e, dm_node n, int reg);
 
+/* The code of one step. */
+void dm_emit_step(dm_emitter *e, const dm_step *s);
+
 /* Around a call: every value has a copy in memory; none is in a register any more. */
 void dm_save_registers(dm_emitter *e);
 void dm_forget_registers(dm_emitter *e);
@@ -63,7 +68,7 @@ void dm_forget_registers(dm_emitter *e);
 void dm_expect_in_memory(dm_emitter *e, dm_node n);
 void dm_take_from_memory(dm_emitter *e, dm_node n);
 
-/* The code of one step (jit_x86.c). */
-void dm_emit_step(dm_emitter *e, const dm_step *s);
+/* Up to so many bytes of stack; threads have little. */
+enum { DM_LARGEST_FRAME = 1 << 20 };
 
 #endif

@@ -50,8 +50,9 @@ static void order_steps(dm_plan *p, dm_graph *g, const uint8_t *early, dm_node *
 }
 
 /* from the last step back: where each operand is used again */
-static void find_uses(dm_plan *p) {
+static void find_uses(dm_plan *p, int at_end) {
     memset(p->first, 0xFF, p->end * sizeof *p->first);
+    for (uint32_t i = 0; at_end && i < p->m; i++) p->first[p->roots[i]] = p->count;
     for (uint32_t i = p->count; i-- > 0;) {
         dm_step *s = p->steps + i;
         for (int k = 0; k < s->operands; k++) s->next[k] = p->first[s->arg[k]];
@@ -66,7 +67,7 @@ static void find_outputs(dm_plan *p) {
     }
 }
 
-int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m) {
+static int make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m, int part) {
     dm_arena *arena = dm_graph_arena(g);
     const uint32_t end = dm_mark(g, roots, m);
     *p = (dm_plan){.end = end, .roots = roots, .m = m};
@@ -84,7 +85,15 @@ int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m) {
     memset(p->output, 0, end * sizeof *p->output);
     find_early(g, end, early, cosine);
     order_steps(p, g, early, cosine, done);
-    find_uses(p);
-    find_outputs(p);
+    find_uses(p, part);
+    if (!part) find_outputs(p);
     return 1;
+}
+
+int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m) {
+    return make(p, g, roots, m, 0);
+}
+
+int dm_plan_make_part(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m) {
+    return make(p, g, roots, m, 1);
 }

@@ -32,6 +32,10 @@ typedef struct {
 /* 0 without memory, which comes from the graph's arena. */
 int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m);
 
+/* The same for a part of a loop: every root is used once more at the end, at position `count`, and none is
+** written. */
+int dm_plan_make_part(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m);
+
 static inline int dm_is_call(uint8_t op) {
     return (op >= DM_OP_EXP && op <= DM_OP_TANH) || op == DM_OP_POW || op == DM_OP_ATAN2;
 }

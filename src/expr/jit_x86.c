@@ -243,12 +243,10 @@ static void epilogue(dm_code *c, const dm_emitter *e) {
     dm_x86_bytes(c, "\xC3", 1);
 }
 
-enum { LARGEST_FRAME = 1 << 20 }; /* bytes of stack; threads have little */
-
 /* the body is made first, when it is known how much stack it wants */
 static dm_status place_code(const void **at, dm_emitter *e, dm_arena *arena) {
     dm_code whole = {.arena = e->code.arena};
-    if ((int64_t)e->slots * e->bytes > LARGEST_FRAME) return DM_NO_NATIVE;
+    if ((int64_t)e->slots * e->bytes > DM_LARGEST_FRAME) return DM_NO_NATIVE;
     epilogue(&e->code, e);
     prologue(&whole, e);
     dm_x86_bytes(&whole, e->code.bytes, e->code.size);

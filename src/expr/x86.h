@@ -15,7 +15,8 @@ enum {
     DM_RBP,
     DM_RSI,
     DM_RDI,
-    DM_R14 = 14,
+    DM_R13 = 13,
+    DM_R14,
     DM_R15
 };
 

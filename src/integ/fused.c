@@ -7,48 +7,180 @@
 
 #include <string.h>
 
-int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_node *expressions,
-                    uint32_t size) {
+/* ---- what is added to momenta ---- */
+
+static dm_op op_of(const dm_graph *g, dm_node n) {
+    return dm_graph_at(g, n)->op;
+}
+
+/* operand k of x is a coordinate: its number, else -1 */
+static int32_t coordinate_of(const dm_model *m, const dm_expr *x, int k) {
+    const dm_expr *a = dm_graph_at(m->source.graph, x->as.arg[k]);
+    return a->op == DM_OP_INPUT && a->as.input < m->n ? (int32_t)a->as.input : -1;
+}
+
+/* expression i as factor and coordinate */
+static void take_apart(dm_kicks *k, const dm_model *m, dm_node f, uint32_t i) {
+    const dm_graph *g = m->source.graph;
+    const uint8_t negative = op_of(g, f) == DM_OP_NEG;
+    const dm_expr *x = dm_graph_at(g, negative ? dm_graph_at(g, f)->as.arg[0] : f);
+    k->coordinate[i] = -1;
+    for (int a = 0; x->op == DM_OP_MUL && a < 2 && k->coordinate[i] < 0; a++) {
+        k->coordinate[i] = coordinate_of(m, x, a);
+        if (k->coordinate[i] < 0) continue;
+        f = x->as.arg[1 - a];
+    }
+    const uint8_t sign = negative && k->coordinate[i] >= 0;
+    uint32_t same = 0;
+    while (same < k->count && (k->factor[same] != f || k->negative[same] != sign)) same++;
+    k->which[i] = same;
+    k->factor[same] = f;
+    k->negative[same] = sign;
+    if (same == k->count) k->count++;
+}
+
+/* a factor without a coordinate would be scaled for one and not for the other */
+static int is_mixed(const dm_kicks *k, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < i; j++)
+            if (k->which[i] == k->which[j] &&
+                (k->coordinate[i] < 0) != (k->coordinate[j] < 0))
+                return 1;
+    return 0;
+}
+
+static void take_whole(dm_kicks *k, const dm_node *f, uint32_t n) {
+    k->count = n;
+    for (uint32_t i = 0; i < n; i++) {
+        k->factor[i] = f[i];
+        k->negative[i] = 0;
+        k->which[i] = i;
+        k->coordinate[i] = -1;
+    }
+}
+
+enum { MOST_SCALED = 64 }; /* coordinates that are compared with each other */
+
+int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions,
+                  int scaled) {
     const dm_source *s = &m->source;
+    const uint32_t n = m->n;
     if (!s->graph) return 0;
-    const uint32_t inputs = dm_graph_inputs(s->graph);
-    *b = (dm_fusion){.model = m, .size = size, .lanes = 1};
-    b->with = dm_arena_take(s->arena, (inputs + (size_t)m->n) * sizeof *b->with);
-    b->graph = dm_graph_new(s->arena, size + DM_FUSED_COEFFICIENTS);
-    if (!b->with || !b->graph) return 0;
-    b->force = b->with + inputs;
+    dm_node *f = dm_arena_take(s->arena, n * sizeof *f);
+    *k = (dm_kicks){.factor = dm_arena_take(s->arena, n * sizeof *k->factor),
+                    .negative = dm_arena_take(s->arena, n),
+                    .which = dm_arena_take(s->arena, n * sizeof *k->which),
+                    .coordinate = dm_arena_take(s->arena, n * sizeof *k->coordinate)};
+    if (!f || !k->factor || !k->negative || !k->which || !k->coordinate) return 0;
+    dm_compact(s->graph, expressions, n, f);
+    if (dm_graph_status(s->graph) != DM_OK ||
+        dm_operations(s->graph, f, n) > DM_FUSED_LARGEST)
+        return 0;
+    for (uint32_t i = 0; scaled && n <= MOST_SCALED && i < n; i++)
+        take_apart(k, m, f[i], i);
+    if (!k->count || is_mixed(k, n)) take_whole(k, f, n);
+    return 1;
+}
+
+/* ---- building a part ---- */
+
+enum { MOST_COEFFICIENTS = 8 };
+
+int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t size) {
+    const dm_source *s = &m->source;
+    const uint32_t inputs = dm_graph_inputs(s->graph), n = m->n;
+    *b = (dm_fusion){.model = m, .kicks = k, .size = size};
+    b->graph = dm_graph_new(s->arena, size + MOST_COEFFICIENTS);
+    b->state = dm_arena_take(s->arena, (size + (size_t)inputs) * sizeof *b->state);
+    if (!b->graph || !b->state) return 0;
+    b->q = b->state;
+    b->p = b->q + n;
+    b->low_q = b->p + n;
+    b->low_p = b->low_q + n;
+    b->more = b->low_p + n;
+    b->with = b->state + size;
     memset(b->with, 0, inputs * sizeof *b->with);
-    dm_compact(s->graph, expressions, m->n, b->force);
+    for (uint32_t i = 0; i < size; i++) b->state[i] = dm_input(b->graph, i);
     dm_graph_verbatim(b->graph, 1);
-    return dm_graph_status(s->graph) == DM_OK &&
-           dm_operations(s->graph, b->force, m->n) <= DM_FUSED_LARGEST;
+    return 1;
 }
 
-void dm_fusion_state(dm_fusion *b, dm_node *state) {
-    for (uint32_t i = 0; i < b->size; i++) state[i] = dm_input(b->graph, i);
+dm_node dm_fusion_coefficient(dm_fusion *b) {
+    return dm_input(b->graph, b->size + b->coefficients++);
 }
 
-dm_node dm_fusion_coefficient(dm_fusion *b, uint32_t i) {
-    return dm_input(b->graph, b->size + i);
+/* about the cycles from the inputs to every node */
+static uint16_t *measure_depth(const dm_fusion *b) {
+    static const uint8_t cycles[DM_OP_COUNT] = {
+        [DM_OP_NEG] = 1,  [DM_OP_ABS] = 1,   [DM_OP_ADD] = 3,
+        [DM_OP_SUB] = 3,  [DM_OP_MUL] = 4,   [DM_OP_FMA] = 4,
+        [DM_OP_DIV] = 14, [DM_OP_SQRT] = 14, [DM_OP_WHERE] = 3};
+    const uint32_t size = dm_graph_size(b->graph);
+    uint16_t *depth = dm_arena_take(b->model->source.arena, size * sizeof *depth);
+    for (dm_node i = 0; depth && i < size; i++) {
+        const dm_expr *x = dm_graph_at(b->graph, i);
+        uint32_t most = 0;
+        const int count = dm_op_operands(x->op);
+        for (int k = 0; k < count; k++)
+            if (depth[x->as.arg[k]] > most) most = depth[x->as.arg[k]];
+        if (count) most += cycles[x->op] ? cycles[x->op] : 24;
+        depth[i] = (uint16_t)(most < UINT16_MAX ? most : UINT16_MAX);
+    }
+    return depth;
 }
 
-void dm_fusion_evaluate(dm_fusion *b, dm_node *out, const dm_node *q, dm_node t) {
+/* x times f: into the factor or the numerator that is known first */
+static dm_node scale(dm_fusion *b, dm_node x, dm_node f, const uint16_t *depth) {
+    const dm_expr e = *dm_graph_at(b->graph, f);
+    double value;
+    if (dm_is_constant(b->graph, f, &value) && value == 1.0) return x;
+    if (e.op != DM_OP_MUL && e.op != DM_OP_DIV) return dm_mul(b->graph, x, f);
+    const int first = e.op == DM_OP_DIV || depth[e.as.arg[0]] <= depth[e.as.arg[1]];
+    const dm_node scaled = scale(b, x, e.as.arg[!first], depth);
+    return e.op == DM_OP_DIV ? dm_div(b->graph, scaled, e.as.arg[1])
+                             : dm_mul(b->graph, scaled, e.as.arg[first]);
+}
+
+void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
+                       dm_node minus) {
+    const dm_kicks *k = b->kicks;
     const uint32_t n = b->model->n;
-    memcpy(b->with, q, n * sizeof *q);
+    memcpy(b->with, b->q, n * sizeof *b->q);
     b->with[2 * n] = t;
-    dm_transplant(b->graph, b->model->source.graph, b->force, n, b->with, out);
+    dm_transplant(b->graph, b->model->source.graph, k->factor, k->count, b->with,
+                  factors);
+    const uint16_t *depth = measure_depth(b);
+    b->failed |= !depth;
+    for (uint32_t i = 0; depth && i < n; i++) {
+        const uint32_t j = k->which[i];
+        int first = k->coordinate[i] >= 0;
+        for (uint32_t before = 0; before < i && first; before++)
+            first = k->which[before] != j;
+        if (first) factors[j] = scale(b, k->negative[j] ? minus : hb, factors[j], depth);
+    }
 }
 
-void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x) {
-    const dm_node e = dm_add(b->graph, *low, x);
-    const dm_node sum = dm_add(b->graph, *high, e);
+dm_node dm_fusion_kicked(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb,
+                         dm_node to) {
+    const int32_t coordinate = b->kicks->coordinate[i];
+    const dm_node f = factors[b->kicks->which[i]];
+    return coordinate < 0 ? dm_multiply_add(b->graph, hb, f, to)
+                          : dm_multiply_add(b->graph, f, b->q[coordinate], to);
+}
+
+void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y) {
+    const dm_node sum = dm_add(b->graph, *high, y);
     const dm_node lost = dm_sub(b->graph, *high, sum);
-    *low = dm_add(b->graph, e, lost);
+    *low = dm_add(b->graph, y, lost);
     *high = sum;
 }
 
+void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x) {
+    dm_fusion_sum(b, high, low, dm_add(b->graph, *low, x));
+}
+
 /* c * x; a factor of 1 is left out */
-static dm_node scale(dm_fusion *b, double c, dm_node x) {
+static dm_node times(dm_fusion *b, double c, dm_node x) {
     if (c == 1.0) return x;
     const dm_node factor = dm_constant(b->graph, c);
     return dm_mul(b->graph, factor, x);
@@ -68,7 +200,7 @@ static dm_node combine(dm_fusion *b, const double *row, const dm_node *p,
     for (uint32_t j = 0; j < b->model->n; j++) {
         if (row[j] == 0.0) continue;
         const dm_node moved = move(b, p[j], shift[j]);
-        const dm_node term = scale(b, row[j], moved);
+        const dm_node term = times(b, row[j], moved);
         sum = sum ? dm_add(b->graph, sum, term) : term;
     }
     return sum;
@@ -81,27 +213,37 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
     for (uint32_t i = 0; i < n; i++) {
         if (moved) moved[i] = diagonal ? p[i] : move(b, p[i], m->momentum_shift[i]);
         v[i] = diagonal
-                   ? scale(b, m->inverse_mass[i], p[i])
+                   ? times(b, m->inverse_mass[i], p[i])
                    : combine(b, m->inverse_mass + i * (size_t)n, p, m->momentum_shift);
     }
 }
 
-int dm_fusion_end(dm_fusion *b, dm_kernel *out, const dm_node *roots, uint32_t m) {
-    const dm_source *s = &b->model->source;
-    if (dm_graph_status(b->graph) != DM_OK) return 0;
-    if (b->lanes > 1)
-        return dm_jit_build_lanes(out, b->graph, roots, m, b->lanes, s->arena) == DM_OK;
-    return s->compile(out, b->graph, roots, m, s->arena) == DM_OK;
+void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p) {
+    const dm_model *m = b->model;
+    const uint32_t n = m->n;
+    const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
+    dm_node *y = dm_arena_take(m->source.arena, n * sizeof *y);
+    b->failed |= !y;
+    for (uint32_t i = 0; y && i < n; i++) {
+        const double *row = m->inverse_mass + (diagonal ? i : i * (size_t)n);
+        const dm_node v = diagonal ? p[i] : combine(b, row, p, m->momentum_shift);
+        const dm_node a = diagonal ? times(b, *row, ha) : ha;
+        y[i] = dm_multiply_add(b->graph, a, v, b->low_q[i]);
+    }
+    for (uint32_t i = 0; y && i < n; i++) dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
 }
 
-int dm_fused_open(dm_fused *f, const dm_model *m, uint32_t size, uint32_t lanes) {
-    const size_t length = (size + (size_t)DM_FUSED_COEFFICIENTS) * lanes;
-    f->size = 0;
-    f->now = dm_arena_take(m->source.arena, 2 * length * sizeof *f->now);
-    if (!f->now) return 0;
-    memset(f->now, 0, 2 * length * sizeof *f->now);
-    f->next = f->now + length;
-    f->size = size;
-    f->lanes = lanes;
-    return 1;
+int dm_fusion_end(const dm_fusion *b, dm_loop_part *out) {
+    *out = (dm_loop_part){b->graph, b->state, b->coefficients};
+    return !b->failed && dm_graph_status(b->graph) == DM_OK;
+}
+
+int dm_fused_build(dm_loop *out, const dm_model *m, const dm_loop_part *part,
+                   uint32_t size, uint32_t lanes) {
+    const dm_source *s = &m->source;
+    const int native = lanes > 1 || s->compile == dm_native_build;
+    const dm_status status =
+        native ? dm_loop_native(out, part, size, lanes, s->arena) : DM_NO_NATIVE;
+    if (lanes > 1 || status != DM_NO_NATIVE) return status == DM_OK;
+    return dm_loop_by_kernels(out, part, size, s->compile, s->arena) == DM_OK;
 }

@@ -1,45 +1,65 @@
 /*
-** fused.h - one stage of an explicit step as one straight-line kernel from state to state: force, kick, drift
-** and their compensated sums in one graph, the coefficients of the stage among the inputs. The same numbers as
-** through a force kernel but for rounding; every backend gives the same bits.
+** fused.h - the parts of an explicit step as graphs from state to state (expr/loop.h): force, kick, drift and
+** their compensated sums together, the coefficients of the stage among the inputs. The same numbers
+** as through a force kernel but for rounding; every backend gives the same bits.
+**
+** Carried: q[n], p[n], the low parts of both, then what a part adds. A sum is
+**   y = low + a b (one rounding), high' = high + y, low' = y + (high - high'),
+** so that the next force waits for two operations. Where a force is a coordinate times a factor, as in -q/r^3, it is the
+** factor that is multiplied by h b, as early as can be: one product for all coordinates, and none of them waits for it.
 */
 #ifndef DM_FUSED_H
 #define DM_FUSED_H
 
+#include "expr/loop.h"
 #include "integ/method.h"
 
-#include <math.h>
-#include <string.h>
+/* Operations of the force; above, a kernel for it alone serves as well. */
+enum { DM_FUSED_LARGEST = 20000 };
 
-enum {
-    DM_FUSED_COEFFICIENTS = 4, /* of a stage, at most */
-    DM_FUSED_LARGEST =
-        20000 /* operations of the force; above, a kernel for it alone serves as well */
-};
+/* n expressions of q (and t) as what is added to n momenta. */
+typedef struct {
+    uint32_t count;    /* different factors */
+    dm_node *factor;   /* [count] in the model's graph, compacted */
+    uint8_t *negative; /* [count] 1: the expression has the other sign */
+    uint32_t *which;   /* [n] the factor of expression i */
+    int32_t *
+        coordinate; /* [n] what it is multiplied by; -1: nothing, and it is not scaled either */
+} dm_kicks;
 
-/* A graph under construction, made as it stands. Inputs: state[size], then the coefficients. */
+/* scaled = 0: factors are the expressions themselves. 0 when it cannot be had: no graph (hyper-dual numbers), too
+** large, no memory. */
+int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, int scaled);
+
+/* A part under construction, made as it stands. */
 typedef struct {
     dm_graph *graph;
     const dm_model *model;
+    const dm_kicks *kicks;
     uint32_t size;
-    dm_node *with;  /* [inputs of L] what stands for q, v, t in the model's expressions */
-    dm_node *force; /* [n] the model's expressions, compacted */
-    uint32_t lanes; /* members that the kernel steps side by side, 1 unless changed */
+    dm_node *state;                        /* [size] what the carried values are by now */
+    dm_node *q, *p, *low_q, *low_p, *more; /* inside of state */
+    dm_node *with;                         /* [inputs of L] what stands for q, v, t */
+    uint32_t coefficients;                 /* asked for so far */
+    int failed;                            /* memory was refused */
 } dm_fusion;
 
-/*
-** Begin a kernel around expressions[n] of the model's graph. 0 when it cannot be had: no graph (hyper-dual
-** numbers), too large, no memory.
-*/
-int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_node *expressions,
-                    uint32_t size);
+/* 0 without memory. */
+int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t size);
 
-/* Nodes for the inputs: state[size], and coefficient i. */
-void dm_fusion_state(dm_fusion *b, dm_node *state);
-dm_node dm_fusion_coefficient(dm_fusion *b, uint32_t i);
+/* The next coefficient of the part. */
+dm_node dm_fusion_coefficient(dm_fusion *b);
 
-/* out[n] = the expressions at positions q[n] and time t. */
-void dm_fusion_evaluate(dm_fusion *b, dm_node *out, const dm_node *q, dm_node t);
+/* factors[kicks->count] at b->q and time t, those of coordinates times hb; minus = -hb. */
+void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
+                       dm_node minus);
+
+/* to + what expression i adds: factors as above. */
+dm_node dm_fusion_kicked(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb,
+                         dm_node to);
+
+/* high + low += y - low, where y has the old low part in it. */
+void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y);
 
 /* high + low += x, as base/sum.h does it. */
 void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x);
@@ -47,64 +67,14 @@ void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x);
 /* v[n] = M^-1 (p - shift), and the shifted moved[n] = p - shift (may be NULL). */
 void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node *p);
 
-/* Compile roots[m] into *out; 0 when it cannot be had. */
-int dm_fusion_end(dm_fusion *b, dm_kernel *out, const dm_node *roots, uint32_t m);
+/* q += ha M^-1 (p - shift) */
+void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p);
 
-/* The two buffers between which stages go to and fro: state[size][lanes], then coefficients. */
-typedef struct {
-    double *now, *next;
-    uint32_t size; /* 0: no fused stages */
-    uint32_t lanes;
-    double has[2][DM_FUSED_COEFFICIENTS]; /* lanes, first group: what now and next have */
-} dm_fused;
+/* What dm_loop_native takes; 0: no memory. */
+int dm_fusion_end(const dm_fusion *b, dm_loop_part *out);
 
-/* Buffers in the model's arena; 0 without memory. */
-int dm_fused_open(dm_fused *f, const dm_model *m, uint32_t size, uint32_t lanes);
-
-/* One stage: coefficients[count] of it, then the kernel from now to next, which change places. */
-static inline void dm_fused_stage(dm_fused *f, const dm_kernel *k,
-                                  const double *coefficients, int count) {
-    for (int i = 0; i < count; i++) f->now[f->size + (uint32_t)i] = coefficients[i];
-    dm_kernel_eval(k, f->now, f->next);
-    double *swap = f->now;
-    f->now = f->next;
-    f->next = swap;
-}
-
-/* Lanes: all groups are about to begin anew, none of their coefficients is known. */
-static inline void dm_fused_forget(dm_fused *f) {
-    for (int i = 0; i < DM_FUSED_COEFFICIENTS; i++) f->has[0][i] = f->has[1][i] = NAN;
-}
-
-/* coefficient i of the next stage into all groups, where it is not there already */
-static inline void dm_fused_broadcast(dm_fused *f, uint32_t groups, int i, double c) {
-    if (memcmp(f->has[0] + i, &c, sizeof c) == 0) return;
-    f->has[0][i] = c;
-    for (uint32_t g = 0; g < groups; g++) {
-        double *place = f[g].now + (f[g].size + (size_t)i) * f->lanes;
-        for (uint32_t lane = 0; lane < f->lanes; lane += 4, place += 4)
-            place[0] = place[1] = place[2] = place[3] = c;
-    }
-}
-
-/*
-** One stage of every group before the next one: their latencies overlap. The coefficients are written for
-** all groups first: a kernel would wait for so many narrow stores right before it.
-*/
-static inline void dm_fused_groups(dm_fused *f, uint32_t groups, const dm_kernel *k,
-                                   const double *coefficients, int count) {
-    for (int i = 0; i < count; i++) dm_fused_broadcast(f, groups, i, coefficients[i]);
-    for (uint32_t g = 0; g < groups; g++) {
-        dm_kernel_eval(k, f[g].now, f[g].next);
-        double *swap = f[g].now;
-        f[g].now = f[g].next;
-        f[g].next = swap;
-    }
-    for (int i = 0; i < DM_FUSED_COEFFICIENTS; i++) {
-        const double kept = f->has[0][i];
-        f->has[0][i] = f->has[1][i];
-        f->has[1][i] = kept;
-    }
-}
+/* The loop of these parts for one member by the backend of the model (lanes = 1), or for lanes; 0: there is none. */
+int dm_fused_build(dm_loop *out, const dm_model *m, const dm_loop_part *part,
+                   uint32_t size, uint32_t lanes);
 
 #endif

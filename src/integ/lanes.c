@@ -4,26 +4,22 @@
 
 #include <string.h>
 
-/* bytes of buffers that stay in the first-level cache; enough groups hide the latency of a stage */
+/* bytes that stay in the first-level cache; enough groups hide the latency of a stage */
 enum { NEAR = 24576 };
 
 static uint32_t choose_groups(uint32_t size, uint32_t lanes) {
-    const size_t each = 2 * ((size_t)size + DM_FUSED_COEFFICIENTS) * lanes * 8;
-    const size_t fit = NEAR / each;
+    const size_t fit = NEAR / ((size_t)size * lanes * sizeof(double));
     return fit < 1 ? 1 : fit > DM_LANES_GROUPS ? DM_LANES_GROUPS : (uint32_t)fit;
 }
 
-int dm_lanes_open(dm_lanes *x, dm_fused *buffers, const dm_model *m, uint32_t size,
-                  const dm_kernel *like) {
+int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size) {
     const uint32_t lanes = dm_jit_lanes();
-    if (lanes < 4 || strcmp(like->backend, "jit") != 0) return 0;
+    if (lanes < 4) return 0;
     *x = (dm_lanes){.lanes = lanes, .groups = choose_groups(size, lanes)};
     const size_t each = dm_state_size(m->n) * lanes * sizeof *x->state;
     x->state = dm_arena_take(m->source.arena, x->groups * each);
     if (!x->state) return 0;
     memset(x->state, 0, x->groups * each);
-    for (uint32_t g = 0; g < x->groups; g++)
-        if (!dm_fused_open(buffers + g, m, size, lanes)) return 0;
     return 1;
 }
 
@@ -42,10 +38,4 @@ int dm_lanes_is_finite(const dm_lanes *x, uint32_t n, uint32_t i) {
     double sum = 0.0; /* 0 * infinity is NaN */
     for (size_t k = 0; k < dm_state_size(n); k++) sum += 0.0 * from[k * x->lanes];
     return sum == 0.0;
-}
-
-void dm_lanes_prepare(dm_fused *f, const dm_kernel *k) {
-    if (!k->eval) return;
-    dm_kernel_prepare_lanes(k, f->lanes, f->now);
-    dm_kernel_prepare_lanes(k, f->lanes, f->next);
 }

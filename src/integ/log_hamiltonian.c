@@ -8,19 +8,25 @@
 #include "integ/splitting.h"
 
 #include "base/sum.h"
+#include "expr/compact.h"
+#include "expr/derive.h"
+#include "integ/fused.h"
 #include "integ/lanes.h"
 
 #include <math.h>
 #include <string.h>
 
-/* workspace: this, then x = (q, v, t), the well U, L_q[n], v[n], the state to go back to */
+/* workspace: this, then x = (q, v, t), the well U, L_q[n], v[n], the state to go back to, coefficients */
 typedef struct {
     dm_splitting table;
-    dm_fused fused;         /* the whole state, own time included */
-    dm_kernel drift, stage; /* h a_k; h b_k, h a_k: kick, drift */
-    dm_fused wide[DM_LANES_GROUPS];
-    dm_kernel many_drift, many_stage, many_look; /* of lanes; a look at the well */
+    dm_kicks kicks;    /* L_q/U */
+    dm_node well;      /* U, compacted */
+    int fused;         /* there is a loop */
+    dm_loop one, many; /* for one member, for lanes; what is carried is the state */
+    double *spread;    /* lanes: coefficients */
 } layout;
+
+enum { COEFFICIENTS = 4 * DM_SPLITTING_STAGES };
 
 static size_t table_size(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
@@ -62,7 +68,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return table_size() + 4 * (size_t)m->n + 2 + dm_state_size(m->n);
+    return table_size() + 4 * (size_t)m->n + 2 + dm_state_size(m->n) + COEFFICIENTS;
 }
 
 /* kicks and drifts change places: with a drift at both ends the two-body orbit is kept exactly */
@@ -73,7 +79,7 @@ static void drift_first(dm_splitting *out, const dm_splitting *in) {
     for (int k = 0; k < in->stages; k++) out->b[k + 1] = in->a[k];
 }
 
-/* ---- stages as kernels ---- */
+/* ---- parts of the loop: head: drift; body: kick, drift; tail: a look at the well ---- */
 
 /* x where c > 0, else NaN, which stops the run */
 static dm_node guarded(dm_fusion *b, dm_node c, dm_node x) {
@@ -81,98 +87,95 @@ static dm_node guarded(dm_fusion *b, dm_node c, dm_node x) {
     return dm_apply(b->graph, DM_OP_WHERE, c, x, nan);
 }
 
-/* T + B with T = v . (p - shift)/2 */
-static dm_node fuse_speed(dm_fusion *b, const dm_node *v, const dm_node *moved,
-                          dm_node B) {
-    dm_node twice = dm_mul(b->graph, v[0], moved[0]);
-    for (uint32_t i = 1; i < b->model->n; i++) {
-        const dm_node term = dm_mul(b->graph, v[i], moved[i]);
-        twice = dm_add(b->graph, twice, term);
-    }
-    const dm_node half = dm_constant(b->graph, 0.5);
-    const dm_node T = dm_mul(b->graph, half, twice);
-    return dm_add(b->graph, T, B);
-}
-
-/* t += ha/(T + B), q += ha v/(T + B) */
-static void fuse_drift(dm_fusion *b, dm_node *state, dm_node *v, dm_node ha) {
+/* 2 (T + B) with 2 T = v . (p - shift), as two sums that do not wait for each other */
+static dm_node fuse_speed(dm_fusion *b, const dm_node *v, const dm_node *moved) {
     const uint32_t n = b->model->n;
-    dm_node *own = state + 4 * (size_t)n;
-    dm_fusion_velocity(b, v, v + n, state + n);
-    const dm_node speed = fuse_speed(b, v, v + n, own[2]);
-    const dm_node quotient = dm_div(b->graph, ha, speed);
-    const dm_node dt = guarded(b, speed, quotient);
-    for (uint32_t i = 0; i < n; i++) {
-        const dm_node dq = dm_mul(b->graph, dt, v[i]);
-        dm_fusion_add(b, state + i, state + 2 * n + i, dq);
+    const dm_node twice = dm_add(b->graph, b->more[2], b->more[2]);
+    dm_node even = dm_multiply_add(b->graph, v[0], moved[0], twice), odd = 0;
+    for (uint32_t i = 1; i < n; i++) {
+        dm_node *sum = i % 2 ? &odd : &even;
+        *sum = *sum ? dm_multiply_add(b->graph, v[i], moved[i], *sum)
+                    : dm_mul(b->graph, v[i], moved[i]);
     }
-    dm_fusion_add(b, own, own + 1, dt);
+    return odd ? dm_add(b->graph, even, odd) : even;
 }
 
-/* p += hb L_q/U, by way of pull[n] */
-static void fuse_kick(dm_fusion *b, dm_node *state, dm_node *pull, dm_node hb) {
+/* t += ha/(T + B), q += ha v/(T + B); v[3 n] is scratch */
+static void fuse_drift(dm_fusion *b, dm_node *v) {
     const uint32_t n = b->model->n;
-    dm_fusion_evaluate(b, pull, state, 0);
-    for (uint32_t i = 0; i < n; i++) {
-        const dm_node dp = dm_mul(b->graph, hb, pull[i]);
-        dm_fusion_add(b, state + n + i, state + 3 * n + i, dp);
-    }
+    const dm_node twice_ha = dm_fusion_coefficient(b);
+    dm_node *y = v + 2 * (size_t)n;
+    dm_fusion_velocity(b, v, v + n, b->p);
+    const dm_node speed = fuse_speed(b, v, v + n);
+    const dm_node dt = dm_div(b->graph, twice_ha, speed);
+    for (uint32_t i = 0; i < n; i++)
+        y[i] = dm_multiply_add(b->graph, dt, v[i], b->low_q[i]);
+    for (uint32_t i = 0; i < n; i++) dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
+    const dm_node z = dm_add(b->graph, b->more[1], dt);
+    dm_fusion_sum(b, b->more, b->more + 1, z);
+    b->more[1] = guarded(b, speed, b->more[1]);
 }
 
-/* L_q/U in the graph of the model, where it simplifies: -q/r^2 for Kepler */
-static int pulls(const dm_model *m, dm_node *out) {
-    const dm_source *s = &m->source;
-    for (uint32_t i = 0; i < m->n; i++)
-        out[i] = dm_div(s->graph, s->gradient[i], s->well);
-    return dm_graph_status(s->graph) == DM_OK;
-}
-
-static int fuse_stage(const dm_model *m, dm_kernel *out, int with_kick, uint32_t lanes) {
-    const uint32_t n = m->n, size = 4 * n + DM_STATE_OWN;
-    dm_fusion b;
-    dm_node *state =
-        dm_arena_take(m->source.arena, (size + 3 * (size_t)n) * sizeof *state);
-    if (!state) return 0;
-    dm_node *pull = state + size, *v = pull + n;
-    if (!pulls(m, pull) || !dm_fusion_begin(&b, m, pull, size)) return 0;
-    b.lanes = lanes;
-    dm_fusion_state(&b, state);
-    if (with_kick) fuse_kick(&b, state, pull, dm_fusion_coefficient(&b, 0));
-    fuse_drift(&b, state, v, dm_fusion_coefficient(&b, with_kick ? 1 : 0));
-    return dm_fusion_end(&b, out, state, size);
+/* p += hb L_q/U */
+static void fuse_kick(dm_fusion *b, dm_node *y) {
+    const uint32_t n = b->model->n;
+    dm_node *factors = y + n;
+    const dm_node hb = dm_fusion_coefficient(b), minus = dm_fusion_coefficient(b);
+    dm_fusion_factors(b, factors, 0, hb, minus);
+    for (uint32_t i = 0; i < n; i++)
+        y[i] = dm_fusion_kicked(b, factors, i, hb, b->low_p[i]);
+    for (uint32_t i = 0; i < n; i++) dm_fusion_sum(b, b->p + i, b->low_p + i, y[i]);
 }
 
 /* t's low part becomes NaN where the well is not attracting */
-static int fuse_look(const dm_model *m, dm_kernel *out, uint32_t lanes) {
-    const uint32_t n = m->n, size = 4 * n + DM_STATE_OWN;
-    dm_fusion b;
-    dm_node *state =
-        dm_arena_take(m->source.arena, (size + 2 * (size_t)n) * sizeof *state);
-    if (!state) return 0;
-    dm_node *own = state + 4 * (size_t)n, *well = state + size;
-    for (uint32_t i = 0; i < n; i++) well[i] = m->source.well;
-    if (!dm_fusion_begin(&b, m, well, size)) return 0;
-    b.lanes = lanes;
-    dm_fusion_state(&b, state);
-    dm_fusion_evaluate(&b, well, state, 0);
-    own[1] = guarded(&b, well[0], own[1]);
-    return dm_fusion_end(&b, out, state, size);
+static void fuse_look(dm_fusion *b, const layout *l) {
+    dm_node well = 0;
+    memcpy(b->with, b->q, b->model->n * sizeof *b->q);
+    dm_transplant(b->graph, b->model->source.graph, &l->well, 1, b->with, &well);
+    b->more[1] = guarded(b, well, b->more[1]);
 }
 
-static void fuse(const dm_model *m, layout *l) {
-    if (!dm_fused_open(&l->fused, m, 4 * m->n + DM_STATE_OWN, 1) ||
-        !fuse_stage(m, &l->drift, 0, 1) || !fuse_stage(m, &l->stage, 1, 1))
-        l->fused.size = 0;
+static int fuse_part(const dm_model *m, const layout *l, dm_loop_kind kind,
+                     dm_loop_part *out) {
+    dm_fusion b;
+    dm_node *scratch = dm_arena_take(m->source.arena, 3 * (size_t)m->n * sizeof *scratch);
+    if (!scratch || !dm_fusion_begin(&b, m, &l->kicks, 4 * m->n + DM_STATE_OWN)) return 0;
+    if (kind == DM_LOOP_BODY) fuse_kick(&b, scratch);
+    if (kind == DM_LOOP_TAIL)
+        fuse_look(&b, l);
+    else
+        fuse_drift(&b, scratch);
+    return dm_fusion_end(&b, out);
+}
+
+static int fuse(const dm_model *m, const layout *l, dm_loop *out, uint32_t lanes) {
+    dm_loop_part part[DM_LOOP_PARTS] = {{0}};
+    for (int kind = DM_LOOP_HEAD; kind <= DM_LOOP_TAIL; kind++)
+        if (!fuse_part(m, l, (dm_loop_kind)kind, part + kind)) return 0;
+    return dm_fused_build(out, m, part, 4 * m->n + DM_STATE_OWN, lanes);
+}
+
+/* L_q/U and U in the graph of the model, where they simplify: -q/r^2 for Kepler */
+static int read_pulls(layout *l, const dm_model *m) {
+    const dm_source *s = &m->source;
+    if (!s->graph) return 0;
+    dm_node *out = dm_arena_take(s->arena, m->n * sizeof *out);
+    if (!out) return 0;
+    for (uint32_t i = 0; i < m->n; i++)
+        out[i] = dm_div(s->graph, s->gradient[i], s->well);
+    if (!dm_kicks_read(&l->kicks, m, out, 1)) return 0;
+    dm_compact(s->graph, &s->well, 1, &l->well);
+    return dm_graph_status(s->graph) == DM_OK;
 }
 
 static int widen(dm_stepper *s, dm_lanes *x) {
     const dm_model *m = s->model;
     layout *l = (layout *)(void *)s->work;
-    return l->fused.size &&
-           dm_lanes_open(x, l->wide, m, 4 * m->n + DM_STATE_OWN, &l->stage) &&
-           fuse_stage(m, &l->many_drift, 0, x->lanes) &&
-           fuse_stage(m, &l->many_stage, 1, x->lanes) &&
-           fuse_look(m, &l->many_look, x->lanes);
+    if (!l->fused || !l->one.native || !dm_lanes_open(x, m, 4 * m->n + DM_STATE_OWN))
+        return 0;
+    l->spread = dm_arena_take(m->source.arena,
+                              COEFFICIENTS * (size_t)x->lanes * sizeof *l->spread);
+    return l->spread && fuse(m, l, &l->many, x->lanes);
 }
 
 /* ---- the step ---- */
@@ -183,7 +186,7 @@ static dm_status open(dm_stepper *s) {
     drift_first(&table, &named);
     layout *l = (layout *)(void *)s->work;
     *l = (layout){.table = table};
-    if (s->model->source.graph) fuse(s->model, l);
+    l->fused = read_pulls(l, s->model) && fuse(s->model, l, &l->one, 1);
     memset(s->work + table_size(), 0, (4 * (size_t)s->model->n + 2) * sizeof(double));
     dm_kernel_prepare(&s->model->well, s->work + table_size() + 2 * s->model->n + 1);
     return DM_OK;
@@ -254,54 +257,48 @@ static int try_step(dm_stepper *s, double *state) {
     return dm_state_is_finite(state, m->n);
 }
 
-/* through the fused kernel; the well must be attracting at the end too */
-static int try_fused(dm_stepper *s, layout *l, double *state, long count) {
-    const dm_model *m = s->model;
-    double *x = s->work + table_size(), *well = x + 2 * m->n + 1;
-    const size_t bytes = dm_state_size(m->n) * sizeof *state;
-    dm_kernel_prepare(&l->stage, l->fused.now);
-    dm_kernel_prepare(&l->stage, l->fused.next);
-    memcpy(l->fused.now, state, bytes);
-    for (long i = 0; i < count; i++) {
-        for (int k = 0; k < l->table.stages; k++) {
-            const double c[2] = {s->h * l->table.b[k], s->h * l->table.a[k]};
-            if (l->table.b[k] == 0.0)
-                dm_fused_stage(&l->fused, &l->drift, c + 1, 1);
-            else
-                dm_fused_stage(&l->fused, &l->stage, c, 2);
-        }
+/* of a step: 2 h a_0, then h b_k, -h b_k, 2 h a_k; their number */
+static uint32_t put_step(double *c, const dm_splitting *table, double h) {
+    uint32_t i = 0;
+    for (int k = 0; k < table->stages; k++) {
+        if (k) c[i++] = h * table->b[k], c[i++] = -h * table->b[k];
+        c[i++] = 2.0 * h * table->a[k];
     }
-    memcpy(state, l->fused.now, bytes);
-    memcpy(x, state, m->n * sizeof *x);
-    dm_kernel_eval(&m->well, x, well);
-    s->report.evaluations += count * (l->table.stages - 1);
-    return well[0] > 0.0 && dm_state_is_finite(state, m->n);
+    return i;
 }
 
-/* the stages, and a look at the well after them */
-static void step_lanes(layout *l, uint32_t groups, double h) {
-    const dm_splitting *table = &l->table;
-    for (int k = 0; k < table->stages; k++) {
-        const double c[2] = {h * table->b[k], h * table->a[k]};
-        const int drifts = table->b[k] == 0.0;
-        const dm_kernel *kernel = drifts ? &l->many_drift : &l->many_stage;
-        dm_fused_groups(l->wide, groups, kernel, c + drifts, 2 - drifts);
-    }
-    dm_fused_groups(l->wide, groups, &l->many_look, NULL, 0);
+static double *coefficients_of(const dm_stepper *s) {
+    return s->work + table_size() + 4 * (size_t)s->model->n + 2 +
+           dm_state_size(s->model->n);
+}
+
+static int try_fused(dm_stepper *s, const layout *l, double *state, long count) {
+    double *c = coefficients_of(s);
+    put_step(c, &l->table, s->h);
+    dm_loop_call call = {.state = state,
+                         .coefficients = c,
+                         .groups = 1,
+                         .repeats = l->table.stages - 1,
+                         .steps = count};
+    dm_loop_run(&l->one, &call);
+    s->report.evaluations += count * (l->table.stages - 1);
+    return dm_state_is_finite(state, s->model->n);
 }
 
 static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
     layout *l = (layout *)(void *)s->work;
-    const size_t size = dm_state_size(s->model->n) * x->lanes;
+    double *c = coefficients_of(s);
+    const uint32_t each = put_step(c, &l->table, s->h);
     (void)t;
-    for (uint32_t g = 0; g < x->groups; g++) {
-        dm_lanes_prepare(l->wide + g, &l->many_stage);
-        memcpy(l->wide[g].now, x->state + g * size, size * sizeof *x->state);
-    }
-    dm_fused_forget(l->wide);
-    for (long k = 0; k < count; k++) step_lanes(l, x->groups, s->h);
-    for (uint32_t g = 0; g < x->groups; g++)
-        memcpy(x->state + g * size, l->wide[g].now, size * sizeof *x->state);
+    for (size_t i = 0; i < each; i++)
+        for (uint32_t lane = 0; lane < x->lanes; lane++)
+            l->spread[i * x->lanes + lane] = c[i];
+    dm_loop_call call = {.state = x->state,
+                         .coefficients = l->spread,
+                         .groups = x->groups,
+                         .repeats = l->table.stages - 1,
+                         .steps = count};
+    dm_loop_run(&l->many, &call);
 }
 
 /* `count` steps or none */
@@ -309,9 +306,8 @@ static dm_status steps(dm_stepper *s, double *state, long count) {
     layout *l = (layout *)(void *)s->work;
     const size_t bytes = dm_state_size(s->model->n) * sizeof *state;
     double *kept = s->work + table_size() + 4 * (size_t)s->model->n + 2;
-    const int fused = l->fused.size != 0;
     memcpy(kept, state, bytes);
-    if (fused ? try_fused(s, l, state, count) : try_step(s, state)) return DM_OK;
+    if (l->fused ? try_fused(s, l, state, count) : try_step(s, state)) return DM_OK;
     memcpy(state, kept, bytes);
     return DM_NOT_FINITE;
 }
@@ -323,7 +319,7 @@ static dm_status step(dm_stepper *s, double *state, double t) {
 
 static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
     const layout *l = (const layout *)(const void *)s->work;
-    if (l->fused.size && count > 1 && steps(s, state, count) == DM_OK)
+    if (l->fused && count > 1 && steps(s, state, count) == DM_OK)
         return *done = count, DM_OK;
     return dm_advance_by_step(s, state, t, count, done);
 }

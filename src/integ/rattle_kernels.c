@@ -166,7 +166,7 @@ static dm_node square(const frame *b, const dm_node *x) {
 static int begin(frame *b) {
     const dm_rattle_layout *at = &b->at;
     dm_graph *g = dm_graph_new(b->arena, at->size);
-    b->f = (dm_fusion){.graph = g, .model = b->model, .size = at->size, .lanes = 1};
+    b->f = (dm_fusion){.graph = g, .model = b->model, .size = at->size};
     b->q = take(b, 4 * (size_t)at->n);
     if (!g || !b->q) return 0;
     for (uint32_t i = 0; i < 4 * at->n; i++) b->q[i] = dm_input(g, i);

@@ -2,26 +2,29 @@
 
 #include "base/sum.h"
 #include "integ/chain.h"
+#include "integ/fused.h"
 #include "integ/lanes.h"
 
 #include <string.h>
 
-/* stages as kernels; the state is q, p, their low parts, the force */
-typedef struct {
-    dm_kernel both;  /* stage h b_0, h a_0, t_1, h b_1: kick, drift, kick */
-    dm_kernel later; /* stage h a_k, t_(k+1), h b_(k+1): drift, kick */
-    dm_kernel drift; /* stage h a_k */
-    dm_kernel force; /* of the state, at time coefficient 0 */
-} kernels;
-
-/* workspace: the table, then x = (q, v, t), force[n], kicked[n], the state at the start of a burst */
+/* workspace: this, then x = (q, v, t), force[n], kicked[n], the state at the start of a burst, what the loop
+** carries, its coefficients */
 typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
-    kernels one, many;                 /* for one member, for lanes */
-    dm_fused fused, wide[DM_LANES_GROUPS];
-    dm_chain *chain; /* NULL: no loops along arrays */
+    dm_kicks kicks;
+    uint32_t
+        size; /* of the carried values: q, p, their low parts, factors of the force; 0: no loop */
+    dm_loop one, many;     /* for one member, for lanes */
+    double *wide, *spread; /* lanes: carried values [groups][size][lanes], coefficients */
+    dm_chain *chain;       /* NULL: no loops along arrays */
 } layout;
+
+enum { /* coefficients of the parts */
+       OF_START = 3,
+       OF_STEP = 5 + 4 * DM_SPLITTING_STAGES,
+       COEFFICIENTS = 1024 /* so many have room: of some steps where L depends on t */
+};
 
 int dm_splitting_fits(const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
@@ -41,8 +44,14 @@ static size_t layout_size(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
 }
 
+/* carried values at most, one factor a coordinate */
+static size_t most_carried(uint32_t n) {
+    return 5 * (size_t)n;
+}
+
 size_t dm_splitting_work(uint32_t n) {
-    return layout_size() + 4 * (size_t)n + 1 + dm_state_size(n);
+    return layout_size() + 4 * (size_t)n + 1 + dm_state_size(n) + most_carried(n) +
+           COEFFICIENTS;
 }
 
 /* forces a step: one for every kick but the first, which has that of the step before */
@@ -50,83 +59,99 @@ static uint32_t evaluations(const dm_splitting *table) {
     return (uint32_t)(table->stages - (table->b[table->stages] == 0.0));
 }
 
-/* ---- stages as kernels ---- */
+/* ---- parts of the loop ---- */
 
-/* p += hb force */
-static void fuse_kick(dm_fusion *b, dm_node *state, dm_node hb) {
-    const uint32_t n = b->model->n;
-    const dm_node *force = state + 4 * n;
-    for (uint32_t i = 0; i < n; i++) {
-        const dm_node dp = dm_mul(b->graph, hb, force[i]);
-        dm_fusion_add(b, state + n + i, state + 3 * n + i, dp);
-    }
+/* coefficients of the parts, in this order: start: t, h b, -h b; head: h b_0, h a, t, h b, -h b; body: h a, t,
+** h b, -h b; tail: h a */
+
+/* new factors and with them y[i] = what p_i was + their kick */
+static void fuse_force(dm_fusion *b, dm_node *y) {
+    const dm_node t = dm_fusion_coefficient(b), hb = dm_fusion_coefficient(b),
+                  minus = dm_fusion_coefficient(b);
+    dm_fusion_factors(b, b->more, t, hb, minus);
+    for (uint32_t i = 0; y && i < b->model->n; i++)
+        y[i] = dm_fusion_kicked(b, b->more, i, hb, y[i]);
+    for (uint32_t i = 0; y && i < b->model->n; i++)
+        dm_fusion_sum(b, b->p + i, b->low_p + i, y[i]);
 }
 
-/* q += ha M^-1 (p - shift), by way of the place of the force */
-static void fuse_drift(dm_fusion *b, dm_node *state, dm_node ha) {
+/* The kick that begins a step has the factors of the one that ended the last step: p + kick is what the
+** drift sees; p itself gets it with the next kick, by way of y, so that the drift does not wait. */
+static void fuse_head(dm_fusion *b, dm_node *y, dm_node *kicked) {
     const uint32_t n = b->model->n;
-    dm_node *v = state + 4 * n;
-    dm_fusion_velocity(b, v, NULL, state + n);
+    const dm_node hb = dm_fusion_coefficient(b), ha = dm_fusion_coefficient(b);
     for (uint32_t i = 0; i < n; i++) {
-        const dm_node dq = dm_mul(b->graph, ha, v[i]);
-        dm_fusion_add(b, state + i, state + 2 * n + i, dq);
+        kicked[i] = dm_fusion_kicked(b, b->more, i, hb, b->p[i]);
+        y[i] = dm_fusion_kicked(b, b->more, i, hb, b->low_p[i]);
     }
+    dm_fusion_drift(b, ha, kicked);
+    fuse_force(b, y);
 }
 
-/* kinds of stages: what they do, and where their coefficients are */
-typedef struct {
-    int kick_first, drift, force, kick_last;
-} stage;
+static void fuse_body(dm_fusion *b, dm_node *y) {
+    const dm_node ha = dm_fusion_coefficient(b);
+    dm_fusion_drift(b, ha, b->p);
+    memcpy(y, b->low_p, b->model->n * sizeof *y);
+    fuse_force(b, y);
+}
 
-static int fuse_stage(const dm_model *m, dm_kernel *out, stage what, uint32_t lanes) {
-    const uint32_t n = m->n;
-    uint32_t next = 0;
+static int fuse_part(const dm_model *m, const layout *l, uint32_t size, dm_loop_kind kind,
+                     dm_loop_part *out) {
     dm_fusion b;
-    if (!dm_fusion_begin(&b, m, m->source.gradient, 5 * n)) return 0;
-    b.lanes = lanes;
-    dm_node *state = dm_arena_take(m->source.arena, 5 * (size_t)n * sizeof *state);
-    if (!state) return 0;
-    dm_fusion_state(&b, state);
-    if (what.kick_first) fuse_kick(&b, state, dm_fusion_coefficient(&b, next++));
-    if (what.drift) fuse_drift(&b, state, dm_fusion_coefficient(&b, next++));
-    if (what.force)
-        dm_fusion_evaluate(&b, state + 4 * n, state, dm_fusion_coefficient(&b, next++));
-    if (what.kick_last) fuse_kick(&b, state, dm_fusion_coefficient(&b, next++));
-    return dm_fusion_end(&b, out, state, 5 * n);
+    dm_node *y = dm_arena_take(m->source.arena, 2 * (size_t)m->n * sizeof *y);
+    if (!y || !dm_fusion_begin(&b, m, &l->kicks, size)) return 0;
+    /* factors that nothing carries: behind the state */
+    dm_node *apart = dm_arena_take(m->source.arena, m->n * sizeof *apart);
+    if (!apart) return 0;
+    if (size == 4 * m->n) b.more = apart;
+    if (kind == DM_LOOP_START)
+        fuse_force(&b, NULL);
+    else if (kind == DM_LOOP_HEAD)
+        fuse_head(&b, y, y + m->n);
+    else if (kind == DM_LOOP_BODY)
+        fuse_body(&b, y);
+    else
+        dm_fusion_drift(&b, dm_fusion_coefficient(&b), b.p);
+    return dm_fusion_end(&b, out);
 }
 
-/* the kinds that the table needs; 0 when one cannot be had */
-static int fuse(const dm_model *m, kernels *k, const dm_splitting *table,
+/* a step with a kick first: head, bodies; with a drift first: bodies, tail */
+static int fuse(const dm_model *m, const layout *l, uint32_t size, dm_loop *out,
                 uint32_t lanes) {
-    const int drift_first = table->b[0] == 0.0, s = table->stages;
-    int there = fuse_stage(m, &k->force, (stage){.force = 1}, lanes);
-    if (there && !drift_first)
-        there = fuse_stage(m, &k->both, (stage){1, 1, 1, 1}, lanes);
-    if (there && (s > 1 || drift_first))
-        there = fuse_stage(m, &k->later, (stage){0, 1, 1, 1}, lanes);
-    if (there && table->b[s] == 0.0)
-        there = fuse_stage(m, &k->drift, (stage){.drift = 1}, lanes);
-    return there;
+    const int kick_first = l->table.b[0] != 0.0, more = l->table.stages > 1;
+    dm_loop_part part[DM_LOOP_PARTS] = {{0}};
+    return (!kick_first || fuse_part(m, l, size, DM_LOOP_START, part + DM_LOOP_START)) &&
+           (!kick_first || fuse_part(m, l, size, DM_LOOP_HEAD, part + DM_LOOP_HEAD)) &&
+           (!more || fuse_part(m, l, size, DM_LOOP_BODY, part + DM_LOOP_BODY)) &&
+           (kick_first || fuse_part(m, l, size, DM_LOOP_TAIL, part + DM_LOOP_TAIL)) &&
+           dm_fused_build(out, m, part, size, lanes);
 }
 
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
+    const dm_model *m = s->model;
     layout *l = (layout *)(void *)s->work;
     *l = (layout){.table = *table};
     for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
     l->c[table->stages] = 1.0;
-    if (s->model->structure & DM_LOOPS) l->chain = dm_chain_open(s->model, table);
-    if (!s->model->source.graph) return;
-    /* without them the loop below serves */
-    if (!dm_fused_open(&l->fused, s->model, 5 * s->model->n, 1) ||
-        !fuse(s->model, &l->one, table, 1))
-        l->fused.size = 0;
+    if (m->structure & DM_LOOPS) l->chain = dm_chain_open(m, table);
+    /* the factors of a last kick are those of the first one of the next step */
+    const int again = table->b[0] == table->b[table->stages];
+    /* without a loop the one below serves */
+    if ((table->b[0] == 0.0) != (table->b[table->stages] == 0.0) ||
+        !dm_kicks_read(&l->kicks, m, m->source.gradient, again))
+        return;
+    const uint32_t size = 4 * m->n + (table->b[0] != 0.0 ? l->kicks.count : 0);
+    if (fuse(m, l, size, &l->one, 1)) l->size = size;
 }
 
 int dm_splitting_widen(dm_stepper *s, dm_lanes *x) {
     layout *l = (layout *)(void *)s->work;
-    return l->fused.size &&
-           dm_lanes_open(x, l->wide, s->model, 5 * s->model->n, &l->one.force) &&
-           fuse(s->model, &l->many, &l->table, x->lanes);
+    dm_arena *arena = s->model->source.arena;
+    if (!l->size || !l->one.native || !dm_lanes_open(x, s->model, l->size)) return 0;
+    const size_t group = (size_t)l->size * x->lanes;
+    l->wide = dm_arena_take(arena, group * x->groups * sizeof *l->wide);
+    l->spread = dm_arena_take(arena, COEFFICIENTS * (size_t)x->lanes * sizeof *l->spread);
+    return l->wide && l->spread && fuse(s->model, l, l->size, &l->many, x->lanes);
 }
 
 static inline void kick(uint32_t n, double *p, double *low, double hb,
@@ -162,53 +187,74 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha,
     }
 }
 
-/* a stage about to be done */
-typedef struct {
-    const dm_kernel *kernel;
-    int first, count; /* of the coefficients below */
-    double c[DM_FUSED_COEFFICIENTS];
-} call;
+/* coefficients of a force at time `at` and of the kick by it */
+static double *put_force(double *c, double at, double hb) {
+    c[0] = at, c[1] = hb, c[2] = -hb;
+    return c + 3;
+}
 
-/* stage k of a step that begins at t */
-static inline call stage_of(const layout *l, const kernels *these, int k, double h,
-                            double t) {
+/* of a step that begins at t */
+static double *put_step(double *c, const dm_splitting *table, const double *times,
+                        double h, double t) {
+    const int s = table->stages, kick_first = table->b[0] != 0.0;
+    if (kick_first) *c++ = h * table->b[0];
+    for (int k = 0; k < s; k++) {
+        *c++ = h * table->a[k];
+        if (kick_first || k + 1 < s)
+            c = put_force(c, t + times[k + 1] * h, h * table->b[k + 1]);
+    }
+    return c;
+}
+
+/* steps from t on with coefficients of their own, as many as have room; where the force does not see the time
+** one is enough */
+typedef struct {
+    long steps;
+    int64_t stride; /* doubles from one to the next */
+    size_t count;
+} coefficients;
+
+static coefficients put_steps(double *c, const dm_stepper *s, const layout *l, double t,
+                              long count) {
+    const int timeless = (s->model->structure & DM_AUTONOMOUS) != 0;
     const dm_splitting *table = &l->table;
-    const double at = t + l->c[k + 1] * h;
-    call x = {.c = {h * table->b[k], h * table->a[k], at, h * table->b[k + 1]}};
-    if (table->b[k + 1] == 0.0)
-        x.kernel = &these->drift, x.first = 1, x.count = 1;
-    else if (k == 0 && table->b[0] != 0.0)
-        x.kernel = &these->both, x.count = 4;
-    else
-        x.kernel = &these->later, x.first = 1, x.count = 3;
+    double *to = c;
+    coefficients x = {.steps = count};
+    if (table->b[0] != 0.0) to = put_force(to, t, s->h * table->b[table->stages]);
+    for (long k = 0; k < (timeless ? 1 : count); k++) {
+        if (to - c > COEFFICIENTS - OF_STEP) {
+            x.steps = k;
+            break;
+        }
+        double *end =
+            put_step(to, table, l->c, s->h, timeless ? 0.0 : t + (double)k * s->h);
+        x.stride = timeless ? 0 : end - to;
+        to = end;
+    }
+    x.count = (size_t)(to - c);
     return x;
 }
 
-/* one step, the force of its start being in the state */
-static void fused_step(layout *l, double h, double t) {
-    for (int k = 0; k < l->table.stages; k++) {
-        const call x = stage_of(l, &l->one, k, h, t);
-        dm_fused_stage(&l->fused, x.kernel, x.c + x.first, x.count);
+static void run_loop(dm_stepper *s, const layout *l, double *state, double t,
+                     long count) {
+    const uint32_t n = s->model->n;
+    double *x = s->work + layout_size() + 4 * (size_t)n + 1 + dm_state_size(n);
+    double *c = x + most_carried(n);
+    memcpy(x, state, 4 * (size_t)n * sizeof *x);
+    memset(x + 4 * (size_t)n, 0, n * sizeof *x);
+    for (long done = 0; done < count;) {
+        const double now = t + (double)done * s->h;
+        const coefficients put = put_steps(c, s, l, now, count - done);
+        dm_loop_call call = {.state = x,
+                             .coefficients = c,
+                             .groups = 1,
+                             .repeats = l->table.stages - 1,
+                             .steps = put.steps,
+                             .stride = put.stride * (int64_t)sizeof *c};
+        dm_loop_run(&l->one, &call);
+        done += put.steps;
     }
-}
-
-/* kernels write only what varies */
-static void prepare_buffers(layout *l) {
-    const dm_kernel *those[] = {&l->one.both, &l->one.later, &l->one.force};
-    for (int i = 0; i < 3; i++) {
-        if (!those[i]->eval) continue;
-        dm_kernel_prepare(those[i], l->fused.now);
-        dm_kernel_prepare(those[i], l->fused.next);
-    }
-}
-
-static void run_fused(dm_stepper *s, layout *l, double *state, double t, long count) {
-    const size_t n = s->model->n;
-    prepare_buffers(l);
-    memcpy(l->fused.now, state, 4 * n * sizeof *state);
-    dm_fused_stage(&l->fused, &l->one.force, &t, 1);
-    for (long k = 0; k < count; k++) fused_step(l, s->h, t + (double)k * s->h);
-    memcpy(state, l->fused.now, 4 * n * sizeof *state);
+    memcpy(state, x, 4 * (size_t)n * sizeof *x);
     s->report.evaluations += 1 + count * evaluations(&l->table);
 }
 
@@ -221,8 +267,8 @@ static void run(dm_stepper *s, double *state, double t, long count) {
         s->report.evaluations += dm_chain_run(l->chain, state, s->h, t, count);
         return;
     }
-    if (l->fused.size) {
-        run_fused(s, l, state, t, count);
+    if (l->size) {
+        run_loop(s, l, state, t, count);
         return;
     }
     const dm_splitting *table = &l->table;
@@ -266,37 +312,35 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
 
 /* ---- members in lanes ---- */
 
-/* into the buffers of a group */
-static void load_group(layout *l, dm_fused *f, const double *state, size_t bytes) {
-    dm_lanes_prepare(f, &l->many.both);
-    dm_lanes_prepare(f, &l->many.later);
-    dm_lanes_prepare(f, &l->many.force);
-    memcpy(f->now, state, bytes);
-}
-
-/* one step; a time that the force does not see (timeless) stays 0 and is not written */
-static void step_lanes(layout *l, uint32_t groups, double h, double t, int timeless) {
-    for (int k = 0; k < l->table.stages; k++) {
-        call x = stage_of(l, &l->many, k, h, t);
-        if (timeless) x.c[2] = 0.0;
-        dm_fused_groups(l->wide, groups, x.kernel, x.c + x.first, x.count);
-    }
+/* every coefficient once for each lane */
+static void spread(const layout *l, const double *c, size_t count, uint32_t lanes) {
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t lane = 0; lane < lanes; lane++) l->spread[i * lanes + lane] = c[i];
 }
 
 void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
-    layout *l = (layout *)(void *)s->work;
+    const layout *l = (const layout *)(const void *)s->work;
     const uint32_t n = s->model->n;
-    const int timeless = (s->model->structure & DM_AUTONOMOUS) != 0;
-    const size_t size = dm_state_size(n) * x->lanes;
+    const size_t size = dm_state_size(n) * x->lanes, group = (size_t)l->size * x->lanes;
     const size_t bytes = 4 * (size_t)n * x->lanes * sizeof(double);
+    double *c = s->work + dm_splitting_work(n) - COEFFICIENTS;
     for (uint32_t g = 0; g < x->groups; g++)
-        load_group(l, l->wide + g, x->state + g * size, bytes);
-    dm_fused_forget(l->wide);
-    dm_fused_groups(l->wide, x->groups, &l->many.force, &t, 1);
-    for (long k = 0; k < count; k++)
-        step_lanes(l, x->groups, s->h, t + (double)k * s->h, timeless);
+        memcpy(l->wide + g * group, x->state + g * size, bytes);
+    for (long done = 0; done < count;) {
+        const double now = t + (double)done * s->h;
+        const coefficients put = put_steps(c, s, l, now, count - done);
+        spread(l, c, put.count, x->lanes);
+        dm_loop_call call = {.state = l->wide,
+                             .coefficients = l->spread,
+                             .groups = x->groups,
+                             .repeats = l->table.stages - 1,
+                             .steps = put.steps,
+                             .stride = put.stride * (int64_t)(x->lanes * sizeof *c)};
+        dm_loop_run(&l->many, &call);
+        done += put.steps;
+    }
     for (uint32_t g = 0; g < x->groups; g++)
-        memcpy(x->state + g * size, l->wide[g].now, bytes);
+        memcpy(x->state + g * size, l->wide + g * group, bytes);
 }
 
 dm_status dm_splitting_step(dm_stepper *s, double *state, double t) {
