@@ -14,7 +14,7 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.path", "dm.export", "dm.tangent" }
+local extensions = { "dm.path", "dm.export", "dm.tangent", "dm.order" }
 
 local dm = {}
 for name, value in pairs(core) do dm[name] = value end

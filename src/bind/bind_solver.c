@@ -33,7 +33,8 @@ static void options_from_pair(lua_State *L) {
 }
 
 static int solver_step(lua_State *L) {
-    static const char *const known[] = {"q", "v", "p", "q0", "q1", "t0", "project", NULL};
+    static const char *const known[] = {"q",  "v",  "p",       "q0", "q1",
+                                        "p0", "t0", "project", NULL};
     dml_stepping r = {.solver = check(L)};
     const int pair = lua_gettop(L) > 2;
     long done = 0;
@@ -42,6 +43,7 @@ static int solver_step(lua_State *L) {
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
+    dml_stepping_names(L);
     dml_stepping_prepare(L, &r, dml_number(L, 2, "t0", 0.0));
     dml_stepping_start(L, &r);
     const dm_method *method = r.solver->method;

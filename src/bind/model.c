@@ -156,6 +156,10 @@ static void warn_too_large(dml_system *s, const char *what) {
 static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     arg = lua_absindex(L, arg);
     dml_system *s = dml_checksystem(L, arg);
+    if (s->ruled)
+        luaL_error(L, "a discrete Lagrangian of a system and a rule is found by solving: "
+                      "it has no formula to trace (its L "
+                      "is in the field 'system')");
     const dml_signature sig = signature(s);
     const double start = now_ms();
     push_function(L, arg, s);

@@ -1,5 +1,6 @@
 /* solver_new.c - from a table of options to a solver. */
 #include "bind/backend.h"
+#include "bind/discrete_rule.h"
 #include "bind/rule.h"
 #include "bind/stepping.h"
 
@@ -107,8 +108,9 @@ static void read_step(lua_State *L, solver *s, const dml_system *system) {
 /* solver options at 1, system at 2 */
 static int new_solver(lua_State *L) {
     static const char *const known[] = {"rule", "h", "newton", "backend", NULL};
-    const dml_system *system = dml_checksystem(L, 2);
     dml_options(L, 1, known);
+    if (dml_checksystem(L, 2)->ruled) dml_unfoldruled(L);
+    const dml_system *system = dml_checksystem(L, 2);
     solver *s = lua_newuserdatauv(L, sizeof *s, DML_SOLVER_VALUES);
     memset(s, 0, sizeof *s);
     s->n = system->n;

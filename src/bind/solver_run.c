@@ -337,13 +337,14 @@ static dm_status finish(lua_State *L, run *u, dm_status status) {
 
 int dml_solver_run(lua_State *L) {
     static const char *const known[] = {
-        "q", "v",  "p",     "q0",     "q1",   "steps",      "t0",      "every",
+        "q", "v",  "p",     "q0",     "q1",   "p0",         "steps",   "t0", "every",
         "t", "at", "watch", "events", "file", "checkpoint", "project", NULL};
     run u = {.r.solver = check(L), .L = L};
     long done = 0, rows = 0;
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
+    dml_stepping_names(L);
     read_plan(L, &u);
     dml_stepping_prepare(L, &u.r, u.r.t0);
     dml_path *path = make_path(L, &u);

@@ -78,6 +78,26 @@ static int has(lua_State *L, const char *key) {
     return there;
 }
 
+void dml_stepping_names(lua_State *L) {
+    static const char *const from[] = {"q0", "p0"}, *const to[] = {"q", "p"};
+    if (!has(L, "p0")) return;
+    if (has(L, "q") || has(L, "p") || has(L, "v") || has(L, "q1") || !has(L, "q0"))
+        luaL_error(L, "give the momentum p0 with the position q0 alone");
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, 2);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -4);
+    }
+    for (int i = 0; i < 2; i++) {
+        lua_getfield(L, 2, from[i]);
+        lua_setfield(L, -2, to[i]);
+        lua_pushnil(L);
+        lua_setfield(L, -2, from[i]);
+    }
+    lua_replace(L, 2);
+}
+
 static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     dml_rethrow(L, r->model);
     if (status == DM_SINGULAR)

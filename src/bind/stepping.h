@@ -53,6 +53,9 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0);
 /* Fill in what a path says of itself; it is on top of the stack. */
 void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);
 
+/* Options at 2 with q0 and p0, as discrete mechanics writes a start, become q and p. */
+void dml_stepping_names(lua_State *L);
+
 /* Read the start from the options at 2, check the trace there, open the stepper. Raises
  *only before
  ** the stepper holds anything. */

@@ -11,6 +11,7 @@
 typedef struct {
     uint32_t n;    /* dim Q */
     int pair;      /* 1: a discrete Lagrangian Ld(q0, q1), 0: L(q, v, t) */
+    int ruled;     /* 1: a discrete Lagrangian of a system and a rule (discrete_rule.h) */
     int hyperdual; /* 1: derivatives = "hyperdual" */
     double h;      /* step of a discrete Lagrangian, else 0 */
 } dml_system;

@@ -72,7 +72,7 @@ static int stage(dm_galerkin *g, const dm_tableau *t) {
 }
 
 int dm_sprk_of(dm_sprk *out, const dm_tableau *t) {
-    out->stages = t->s;
+    *out = (dm_sprk){.stages = t->s};
     out->staged = stage(&out->g, t);
     out->split = split(&out->table, t);
     out->order = dm_tableau_order(t, !out->staged);
