@@ -25,13 +25,19 @@ static long double slope(int k, long double x) {
     return k * (before - x * p) / ((1.0L - x) * (1.0L + x));
 }
 
+/* P_r at x over its slope there */
+static long double ratio(int r, long double x) {
+    long double p, before;
+    legendre(&p, &before, r, x);
+    return p * ((1.0L - x) * (1.0L + x)) / (r * (before - x * p));
+}
+
+/* Newton's method; below 1e-11 the next increment would be round-off (its error is the square, times r^2) */
 static long double gauss_node(int r, long double x) {
     for (int step = 0; step < STEPS; step++) {
-        long double p, before;
-        legendre(&p, &before, r, x);
-        const long double dx = p / slope(r, x);
+        const long double dx = ratio(r, x);
         x -= dx;
-        if (fabsl(dx) < 1e-19L) break;
+        if (fabsl(dx) < 1e-11L) break;
     }
     return x;
 }

@@ -69,17 +69,11 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     if (m->ties) return dm_tied_open(stepper, basis);
     *g = (dm_stage){.m = m, .n = m->n};
     g->separable = (m->structure & SIMPLE) == SIMPLE;
-    dm_stage_table_fill(&g->table, basis, memory);
+    dm_stage_table_find(&g->table, basis, m, memory);
     memory += dm_stage_table_size(g->table.s, g->table.r);
     dm_stage_weights_place(g, memory);
     dm_stage_weights_scale(g, stepper->h);
     memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
-    const size_t n = g->n, curve = 2 * n + 3 * n * n;
-    const dm_kernel *slope = g->separable ? &m->force : &m->slope;
-    for (uint32_t i = 0; i < g->table.r; i++) {
-        dm_kernel_prepare(&m->stage, g->curve + i * curve);
-        dm_kernel_prepare(slope, g->slope + i * (size_t)slope->outputs);
-    }
     if (g->separable) dm_stage_separable_open(g);
     dm_stage_sweeps_open(g, basis, memory);
     return DM_OK;
@@ -304,11 +298,23 @@ static dm_status general(dm_stage *g, dm_stepper *stepper) {
     return status == DM_OK ? finish(g) : status;
 }
 
+/* the constant outputs of the kernels for Newton's method, when it is needed first */
+static void prepare(dm_stage *g) {
+    const size_t n = g->n, curve = 2 * n + 3 * n * n;
+    const dm_kernel *slope = g->separable ? &g->m->force : &g->m->slope;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        dm_kernel_prepare(&g->m->stage, g->curve + i * curve);
+        dm_kernel_prepare(slope, g->slope + i * (size_t)slope->outputs);
+    }
+    g->prepared = 1;
+}
+
 static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     dm_status status = DM_NO_CONVERGENCE;
     if (g->sweeps.row && !dm_stage_memory_is_stiff(g))
         status = dm_stage_sweep(g, stepper);
     if (status == DM_OK) return DM_OK;
+    if (!g->prepared) prepare(g);
     status = g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
     if (status == DM_OK && g->sweeps.row) dm_stage_memory_newton(g);
     return status;

@@ -48,6 +48,14 @@ int dm_galerkin_is_regular(const dm_galerkin *g);
 size_t dm_stage_table_size(size_t s, size_t r);
 void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memory);
 
+/* The same, from the model where the last stepper left it one. */
+void dm_stage_table_find(dm_stage_table *out, const dm_galerkin *g, const dm_model *m,
+                         double *memory);
+
+/* What tells a g without tableau from all others, for numbers to keep; returns how many there are. */
+enum { DM_STAGE_KEY = 2 + 3 * DM_QUADRATURE_NODES };
+uint32_t dm_stage_key(double *key, const dm_galerkin *g);
+
 /* What the rows of methods.def call. */
 unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m);
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m);

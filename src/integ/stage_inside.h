@@ -46,6 +46,7 @@ typedef struct {
     const dm_model *m;
     uint32_t n;
     int separable;         /* the cheaper form for L = T(v) - V(q, t), constant mass */
+    int prepared;          /* for Newton's method */
     double h, t;           /* step, its start */
     dm_weight *hA, *hmean; /* [r*r], [r]: h^2 A, h^2 mean */
     dm_weight *ha;         /* [r*s]: h a */

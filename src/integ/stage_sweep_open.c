@@ -66,6 +66,8 @@ static void lay_out(dm_stage *g, double *memory) {
         *rows[i] = take(&memory, n * width);
     for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
         *columns[i] = take(&memory, r * width);
+    w->flying = take(&memory, 2 * r * width);
+    w->turning = w->flying + r * width;
     for (size_t i = 0; i < sizeof single / sizeof *single; i++)
         *single[i] = take(&memory, width);
     w->one = take(&memory, n);
@@ -76,8 +78,8 @@ static void lay_out(dm_stage *g, double *memory) {
 
 /* ---- coefficients ---- */
 
-/* columns of A E or a E; E extrapolates the polynomial through the nodes by one step */
-static void find_ahead(dm_stage *g, const dm_quadrature *q) {
+/* columns of A E or a E, and of E, which extrapolates the polynomial through the nodes by one step */
+static void make_ahead(dm_stage *g, const dm_quadrature *q) {
     const int r = q->r;
     const uint32_t width = g->sweeps.row->width;
     const dm_weight *A = g->separable ? g->table.A : g->table.a;
@@ -90,6 +92,21 @@ static void find_ahead(dm_stage *g, const dm_quadrature *q) {
             for (int m = 0; m < r; m++) sum += dm_weight_exact(A[i * r + m]) * E[m][j];
             g->sweeps.flying[j * (int)width + i] = (double)sum;
         }
+}
+
+/* the same, from the model where the last stepper left it; turning is laid out behind flying */
+static void find_ahead(dm_stage *g, const dm_galerkin *basis) {
+    static const char maker;
+    const uint32_t count = 2 * g->table.r * g->sweeps.row->width;
+    double key[DM_STAGE_KEY];
+    const uint32_t keys = dm_stage_key(key, basis);
+    const double *kept = basis->tableau ? NULL : dm_kept_numbers(g->m, &maker, key, keys);
+    if (kept) {
+        memcpy(g->sweeps.flying, kept, count * sizeof *kept);
+        return;
+    }
+    make_ahead(g, &basis->q);
+    if (!basis->tableau) dm_kept_leave(g->m, &maker, key, keys, g->sweeps.flying, count);
 }
 
 /* the nearest double, and the rest */
@@ -235,7 +252,7 @@ void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory)
     if (w->velocity.lanes) open_kernel(&w->velocity, w->row->width);
     for (uint32_t k = 0; k < n; k++) w->one[k] = 1.0;
     w->heaviest = g->separable ? dm_stage_heaviest(g) : 0.0;
-    find_ahead(g, &basis->q);
+    find_ahead(g, basis);
     dm_stage_sweeps_scale(g);
     plan(g);
 }

@@ -1,4 +1,5 @@
 /* stage_table.c - coefficients of a stage method from its nodes and its quadrature. */
+#include "integ/kept.h"
 #include "integ/stage.h"
 
 #include <string.h>
@@ -110,4 +111,33 @@ void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memo
         }
     }
     separable_part(out, g, &e);
+}
+
+uint32_t dm_stage_key(double *key, const dm_galerkin *g) {
+    const int s = g->s, r = g->q.r;
+    uint32_t count = 0;
+    key[count++] = s;
+    key[count++] = r;
+    for (int j = 0; j < s; j++) key[count++] = (double)g->node[j];
+    for (int i = 0; i < r; i++) key[count++] = (double)g->q.c[i];
+    for (int i = 0; i < r; i++) key[count++] = (double)g->q.b[i];
+    return count;
+}
+
+void dm_stage_table_find(dm_stage_table *out, const dm_galerkin *g, const dm_model *m,
+                         double *memory) {
+    static const char maker;
+    double key[DM_STAGE_KEY];
+    const uint32_t keys = dm_stage_key(key, g),
+                   count = (uint32_t)dm_stage_table_size((size_t)g->s, (size_t)g->q.r);
+    const double *kept = g->tableau ? NULL : dm_kept_numbers(m, &maker, key, keys);
+    if (!kept) {
+        dm_stage_table_fill(out, g, memory);
+        if (!g->tableau) dm_kept_leave(m, &maker, key, keys, memory, count);
+        return;
+    }
+    out->s = (uint32_t)g->s;
+    out->r = (uint32_t)g->q.r;
+    lay_out(out, memory);
+    memcpy(memory, kept, count * sizeof *memory);
 }
