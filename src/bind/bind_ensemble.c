@@ -14,19 +14,33 @@ static ensemble *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_ENSEMBLE);
 }
 
-ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n) {
+/* bytes of states, statuses and rows of a member */
+static size_t bytes_of_member(uint32_t n, const dm_ensemble_rows *rows) {
+    return dm_state_size(n) * sizeof(double) + sizeof(dm_member) + sizeof(long) +
+           (size_t)rows->room * rows->width * sizeof(double);
+}
+
+dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
+                               const dm_ensemble_rows *rows) {
     const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    const size_t each = dm_state_size(n) * sizeof(double) + sizeof(dm_member);
-    if ((double)members * (double)each > 0.5 * memory)
+    const size_t each = bytes_of_member(n, rows);
+    const double bytes =
+        (double)members * ((double)each + (double)rows->room * rows->width * 8.0);
+    if (bytes > 0.5 * memory)
         luaL_error(L,
                    "%d members need %f GB, more than half of this machine's memory: run "
-                   "them in parts",
-                   (int)members, (double)members * (double)each * 1e-9);
-    ensemble *e = lua_newuserdatauv(L, sizeof *e + (size_t)members * each, 1);
-    *e = (ensemble){.members = members, .n = n};
+                   "them in parts%s",
+                   (int)members, bytes * 1e-9,
+                   rows->room ? ", or keep fewer rows with a larger 'every'" : "");
+    ensemble *e =
+        lua_newuserdatauv(L, sizeof *e + (size_t)members * each, DML_ENSEMBLE_VALUES);
+    *e = (ensemble){.members = members, .n = n, .rows = *rows};
+    memset(e + 1, 0, (size_t)members * each);
     e->state = (double *)(e + 1);
-    e->member = (dm_member *)(void *)(e->state + (size_t)members * dm_state_size(n));
-    memset(e->state, 0, (size_t)members * each);
+    e->rows.data = e->state + (size_t)members * dm_state_size(n);
+    e->member = (dm_member *)(void *)(e->rows.data +
+                                      (size_t)members * (size_t)rows->room * rows->width);
+    e->rows.count = (long *)(void *)(e->member + members);
     for (long i = 0; i < members; i++) e->member[i].status = DM_STOPPED;
     luaL_setmetatable(L, DML_ENSEMBLE);
     return e;
@@ -74,10 +88,10 @@ static int ensemble_field(lua_State *L) {
     if (strcmp(key, "t") == 0) return lua_pushnumber(L, e->t), 1;
     if (strcmp(key, "h") == 0) return lua_pushnumber(L, e->h), 1;
     if (strcmp(key, "lanes") == 0) return lua_pushinteger(L, e->lanes), 1;
-    if (lua_getiuservalue(L, 1, 1) != LUA_TTABLE) {
+    if (lua_getiuservalue(L, 1, DML_ENSEMBLE_FIELDS) != LUA_TTABLE) {
         lua_newtable(L);
         lua_pushvalue(L, -1);
-        lua_setiuservalue(L, 1, 1);
+        lua_setiuservalue(L, 1, DML_ENSEMBLE_FIELDS);
     }
     if (lua_getfield(L, -1, key) != LUA_TNIL) return 1;
     if (!make_field(L, e, key)) return 0;
@@ -134,11 +148,16 @@ static const dml_row methods[] = {
      "ensemble:failures() -> table of {member, code, step}\n"
      "The members that did not reach the end, why (see dm.failure), and the step that "
      "failed."},
+    {"path", dml_ensemble_path,
+     "ensemble:path(i) -> dm.path\n"
+     "The rows of member i, of an ensemble that was asked to keep some (every=, watch=): "
+     "what solver:run would have "
+     "given, of a failed member up to its last good state."},
     {NULL, NULL, NULL}};
 static const dml_row solver_row[] = {
     {"ensemble", dml_solver_ensemble,
-     "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, vary=, threads=} -> "
-     "dm.ensemble\n"
+     "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, vary=, threads=, every=, "
+     "watch=} -> dm.ensemble\n"
      "Run `members` starts side by side for `steps` steps or the duration t. q, and v or "
      "p: functions of the member's "
      "number (from 1) that return dim Q numbers, or a matrix or table with a row per "
@@ -152,8 +171,10 @@ static const dml_row solver_row[] = {
      "one per core (always one for hyper-dual functions). Each member ends with the same "
      "bits as a run of its own, "
      "whatever the number of threads; one that fails does so alone (status[i], "
-     "failures()). Only the ends are kept: "
-     "32 dim Q bytes a member. Raises dm.failure with the ensemble as its path on "
+     "failures()). The ends are kept, "
+     "32 dim Q bytes a member; every = k keeps a row every k steps, watch = { ... } rows "
+     "of chosen numbers, as in "
+     "solver:run: ensemble:path(i). Raises dm.failure with the ensemble as its path on "
      "Ctrl-C."},
     {NULL, NULL, NULL}};
 

@@ -111,9 +111,12 @@ static int path_tostring(lua_State *L) {
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "path of ");
     add_grouped(&b, p->steps);
-    snprintf(text, sizeof text, " steps of %s to t = %.6g (%.3g ns/step)", p->rule, p->t,
-             p->ns_per_step);
+    luaL_addstring(&b, " steps of ");
+    luaL_addstring(&b, p->rule);
+    snprintf(text, sizeof text, " to t = %.6g", p->t);
     luaL_addstring(&b, text);
+    snprintf(text, sizeof text, " (%.3g ns/step)", p->ns_per_step);
+    if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
     if (there) add_energy(L, &b, E, p);
     add_columns(L, &b, p);
     luaL_pushresult(&b);

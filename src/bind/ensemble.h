@@ -10,14 +10,32 @@ typedef struct {
     uint32_t n;
     uint32_t lanes; /* members that went side by side */
     double t, h;
-    double *state;     /* members x dm_state_size(n) */
-    dm_member *member; /* members */
+    double *state;         /* members x dm_state_size(n) */
+    dm_member *member;     /* members */
+    dm_ensemble_rows rows; /* room 0: none are kept */
+    double t0;
 } dml_ensemble;
+
+/* user values of dm.ensemble: fields made so far, the solver, the values that vary and their names (or nil), the names of
+** columns that were watched (or nil) */
+enum {
+    DML_ENSEMBLE_FIELDS = 1,
+    DML_ENSEMBLE_SOLVER,
+    DML_ENSEMBLE_VARIED,
+    DML_ENSEMBLE_NAMES,
+    DML_ENSEMBLE_COLUMNS,
+    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_COLUMNS
+};
 
 extern const char *const DML_ENSEMBLE; /* "dm.ensemble" */
 
-/* Push one with all states zero; raises when it would not fit into memory. */
-dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n);
+/* Push one with all states zero and room for rows as `rows` says (its data and count are set); raises when it would not fit
+** into memory. */
+dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
+                               const dm_ensemble_rows *rows);
+
+/* ensemble:path(i) */
+int dml_ensemble_path(lua_State *L);
 
 /*
 ** Sources of numbers for members: field `key` of the table at `arg`, a function of the member's number or

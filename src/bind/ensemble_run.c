@@ -1,10 +1,13 @@
 /* ensemble_run.c - `solver:ensemble{}`: starts, threads, parts with the same parameters, the run itself. */
 #include "bind/ensemble.h"
 #include "bind/failure.h"
+#include "bind/observables.h"
 #include "bind/start_ties.h"
 #include "bind/terminal.h"
+#include "run/run.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -196,6 +199,30 @@ static dm_status open_all(dm_stepper **steppers, int threads) {
     return DM_OK;
 }
 
+/* what every thread records, by kernels of its own; leaves them on the stack */
+static dm_observer *read_watch(lua_State *L, dm_stepper **steppers, int threads) {
+    if (!has(L, "watch")) return NULL;
+    dm_observer *out = lua_newuserdatauv(L, (size_t)threads * sizeof *out, 0);
+    for (int i = 0; i < threads; i++) {
+        luaL_checkstack(L, 8, "too many threads");
+        dml_observables *o = lua_newuserdatauv(L, sizeof *o, 0);
+        memset(o, 0, sizeof *o);
+        dml_watch_read(L, o,
+                       (dml_stepping *)(void *)((char *)steppers[i] -
+                                                offsetof(dml_stepping, stepper)));
+        out[i] = o->observer;
+    }
+    return out;
+}
+
+/* the rows of the members of a part */
+static dm_ensemble_rows rows_of(const part *p) {
+    dm_ensemble_rows rows = p->e->rows;
+    rows.data = dm_ensemble_rows_of(&rows, p->first);
+    rows.count += p->first;
+    return rows;
+}
+
 /* all threads with one part; what it leaves on the stack is dropped by the caller */
 static dm_status run_part(lua_State *L, const part *p, dml_solver *solver, int threads,
                           clock_of_run *clock) {
@@ -207,11 +234,14 @@ static dm_status run_part(lua_State *L, const part *p, dml_solver *solver, int t
     if (threads > p->count) threads = (int)p->count;
     read_starts(L, p, &r);
     open_steppers(L, &r, threads, steppers);
+    const dm_ensemble_rows rows = rows_of(p);
     const dm_ensemble plan = {.members = p->count,
                               .steps = p->steps,
                               .t0 = e->t,
                               .state = e->state + (size_t)p->first * dm_state_size(e->n),
                               .member = e->member + p->first,
+                              .rows = rows.room ? &rows : NULL,
+                              .watch = read_watch(L, steppers, threads),
                               .lanes = &e->lanes,
                               .stop = &dml_stop,
                               .progress = show_progress,
@@ -247,6 +277,28 @@ static dm_status run_parts(lua_State *L, part *p, const double *values, uint32_t
     return status;
 }
 
+/* one state in `every`, or what is watched; room 0: only the ends. Pushes the names of watched columns, or nil. */
+static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
+    dm_ensemble_rows rows = {.every = dml_count(L, 2, "every", 1, 1)};
+    dml_stepping r = {.solver = lua_touserdata(L, 1)};
+    dml_observables *o;
+    const int top = lua_gettop(L);
+    rows.width = 1 + 2 * r.solver->n;
+    lua_pushnil(L);
+    if (has(L, "every") || has(L, "watch"))
+        rows.room = dm_run_rows(&(dm_run_plan){.steps = steps, .every = rows.every});
+    if (!has(L, "watch")) return rows;
+    o = lua_newuserdatauv(L, sizeof *o, 0);
+    dml_stepping_prepare(L, &r, t0);
+    const int names = lua_gettop(L) + 1;
+    dml_watch_read(L, o, &r);
+    rows.width = 1 + dm_observer_width(&o->observer);
+    lua_pushvalue(L, names);
+    lua_replace(L, top + 1);
+    lua_settop(L, top + 1);
+    return rows;
+}
+
 static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
     const dml_failure f = {
         .status = DM_STOPPED, .time = t0, .h = e->h, .rule = "ensemble"};
@@ -255,8 +307,9 @@ static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
 }
 
 int dml_solver_ensemble(lua_State *L) {
-    static const char *const known[] = {
-        "members", "q", "v", "p", "steps", "t", "t0", "threads", "vary", "project", NULL};
+    static const char *const known[] = {"members", "q",     "v",       "p",    "steps",
+                                        "t",       "t0",    "threads", "vary", "project",
+                                        "every",   "watch", NULL};
     const dml_solver *solver = luaL_checkudata(L, 1, DML_SOLVER);
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
@@ -266,12 +319,24 @@ int dml_solver_ensemble(lua_State *L) {
     const double t0 = dml_number(L, 2, "t0", 0.0);
     read_threads(L);
     p.velocity = check_sources(L, solver, members);
-    p.e = dml_pushensemble(L, members, solver->n);
+    const dm_ensemble_rows rows = read_rows(L, p.steps, t0);
+    p.e = dml_pushensemble(L, members, solver->n, &rows);
     const int at = lua_gettop(L);
+    lua_pushvalue(L, at - 1);
+    lua_setiuservalue(L, at, DML_ENSEMBLE_COLUMNS);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, at, DML_ENSEMBLE_SOLVER);
+    p.e->t0 = t0;
     p.e->h = solver->h;
     p.e->t = t0;
     uint32_t count = 0;
     const double *values = dml_read_vary(L, members, &count);
+    if (values) {
+        lua_pushvalue(L, at + 1);
+        lua_setiuservalue(L, at, DML_ENSEMBLE_VARIED);
+        lua_pushvalue(L, lua_gettop(L));
+        lua_setiuservalue(L, at, DML_ENSEMBLE_NAMES);
+    }
     const dm_status status = run_parts(L, &p, values, count, lua_gettop(L));
     p.e->t = t0 + p.e->h * (double)p.steps;
     if (status == DM_STOPPED) raise_stopped(L, p.e, t0, at);

@@ -18,8 +18,9 @@ typedef struct {
 typedef struct {
     shared *common;
     dm_stepper *stepper;
-    dm_block *block; /* NULL: members one by one */
-    int first;       /* this thread tells the progress */
+    dm_block *block;    /* NULL: members one by one */
+    dm_observer *watch; /* of this thread */
+    int first;          /* this thread tells the progress */
 } worker;
 
 /* one member as a run of its own; only the end is kept, in its place */
@@ -28,10 +29,17 @@ static void run_member(const worker *w, long i) {
     double *state = e->state + (size_t)i * dm_state_size(w->stepper->model->n);
     const dm_run_plan plan = {.t0 = e->t0,
                               .steps = e->steps,
-                              .every = e->steps ? e->steps : 1,
+                              .every = e->rows    ? e->rows->every
+                                       : e->steps ? e->steps
+                                                  : 1,
                               .until = INFINITY,
+                              .watch = w->watch,
                               .stop = e->stop};
-    e->member[i].status = dm_run_end(&plan, w->stepper, state, &e->member[i].steps);
+    long rows = 0;
+    e->member[i].status =
+        dm_run(&plan, w->stepper, state, e->rows ? dm_ensemble_rows_of(e->rows, i) : NULL,
+               &e->member[i].steps, &rows);
+    if (e->rows) e->rows->count[i] = rows;
 }
 
 static void run_members(const worker *w, long from, long to) {
@@ -73,9 +81,11 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers,
         e->member[i] = (dm_member){.status = DM_STOPPED};
     for (int i = 0; i < threads; i++) {
         const int wide = dm_block_open(blocks + i, steppers[i]);
+        blocks[i].watch = e->watch ? e->watch + i : NULL;
         workers[i] = (worker){.common = &common,
                               .stepper = steppers[i],
                               .block = wide ? blocks + i : NULL,
+                              .watch = e->watch ? e->watch + i : NULL,
                               .first = i == 0};
         if (wide) common.share = choose_share(e, blocks + i, threads);
     }

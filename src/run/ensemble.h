@@ -3,6 +3,7 @@
 #define DM_ENSEMBLE_H
 
 #include "integ/method.h"
+#include "run/ensemble_rows.h"
 
 #include <signal.h>
 
@@ -19,8 +20,10 @@ typedef struct {
     double t0;
     double *
         state; /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
-    dm_member *member; /* [members] */
-    uint32_t *lanes;   /* members that went side by side, 1: one by one; may be NULL */
+    dm_member *member;            /* [members] */
+    const dm_ensemble_rows *rows; /* NULL: only the ends are kept */
+    dm_observer *watch;           /* [threads] what the rows hold; NULL: q, p */
+    uint32_t *lanes; /* members that went side by side, 1: one by one; may be NULL */
     const volatile sig_atomic_t *stop;
     void (*progress)(void *ud, long done,
                      long members); /* called by the first thread only; may be NULL */

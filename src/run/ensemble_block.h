@@ -7,10 +7,11 @@
 
 typedef struct {
     dm_stepper *stepper;
-    dm_lanes lanes; /* as many groups as the members in hand need */
-    uint32_t most;  /* groups */
-    double *kept;   /* the states of the lanes when a burst began */
-    double *alone;  /* one state */
+    dm_lanes lanes;     /* as many groups as the members in hand need */
+    uint32_t most;      /* groups */
+    double *kept;       /* the states of the lanes when a burst began */
+    double *alone;      /* one state */
+    dm_observer *watch; /* what rows hold; NULL: q, p */
 } dm_block;
 
 /* Memory and kernels for an opened stepper, in the arena of its model. 0: members go one by one. */

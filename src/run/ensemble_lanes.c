@@ -45,6 +45,57 @@ static void pad(block *x) {
             dm_lanes_put(&x->b->lanes, n, i, x->b->alone);
 }
 
+/* ---- rows ---- */
+
+static double time_of(const block *x, long steps) {
+    return x->e->t0 + (double)steps * x->b->stepper->h;
+}
+
+/* the row of a state of member i; one that cannot be watched fails */
+static void keep_row(block *x, long i, const double *state, long steps) {
+    const dm_ensemble_rows *rows = x->e->rows;
+    dm_member *m = member_of(x, i);
+    const double t = x->b->stepper->method->traits & DM_OWN_TIME
+                         ? state[4 * (size_t)dim(x)]
+                         : time_of(x, steps);
+    const dm_status status =
+        dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
+    if (status == DM_OK || m->status != DM_OK) return;
+    *m = (dm_member){.status = status, .steps = steps};
+    memcpy(state_of(x, i), state, dm_state_size(dim(x)) * sizeof *state);
+    x->alive--;
+}
+
+/* a row of every member that still runs */
+static void keep_rows(block *x) {
+    const long before = x->alive;
+    if (!x->e->rows || x->done % x->e->rows->every != 0) return;
+    for (long i = 0; i < x->count; i++) {
+        if (member_of(x, i)->status != DM_OK) continue;
+        dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->alone);
+        keep_row(x, i, x->b->alone, x->done);
+    }
+    if (x->alive < before) pad(x);
+}
+
+/* the last state, or the last good one, if it is not a row yet */
+static void keep_last_row(block *x, long i) {
+    const dm_ensemble_rows *rows = x->e->rows;
+    const long steps = member_of(x, i)->steps;
+    if (rows && (steps % rows->every != 0 || !rows->count[x->first + i]))
+        keep_row(x, i, state_of(x, i), steps);
+}
+
+/* ---- steps ---- */
+
+/* steps to the next row */
+static long to_row(const block *x, long goal) {
+    const dm_ensemble_rows *rows = x->e->rows;
+    if (!rows) return goal;
+    const long left = rows->every - x->done % rows->every;
+    return left < goal ? left : goal;
+}
+
 static void begin(block *x) {
     dm_stepper *s = x->b->stepper;
     for (long i = 0; i < x->count; i++) {
@@ -68,10 +119,12 @@ static void repeat_alone(block *x, long i, double t, long count) {
     dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
     m->status = dm_advance(s, state, t, count, &done);
     m->steps = x->done + done;
-    if (m->status == DM_OK)
+    if (m->status == DM_OK) {
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state);
-    else
-        x->alive--;
+        return;
+    }
+    x->alive--;
+    keep_last_row(x, i);
 }
 
 static void advance(block *x, long count) {
@@ -97,10 +150,12 @@ static dm_status run(block *x) {
     double looked = now();
     long burst = 1;
     while (x->alive && x->done < x->e->steps) {
-        const long left = x->e->steps - x->done, goal = left < burst ? left : burst;
+        const long left = x->e->steps - x->done;
+        const long goal = to_row(x, left < burst ? left : burst);
         if (x->e->stop && *x->e->stop) return DM_STOPPED;
         for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
             advance(x, autonomous ? goal : 1);
+        keep_rows(x);
         const double took = now() - looked;
         looked += took;
         if (took < 0.5 * LOOK && burst < LONGEST) burst *= 2;
@@ -113,12 +168,14 @@ void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
     block x = {.e = e, .b = b, .first = first, .count = count};
     b->lanes.groups = (uint32_t)((count - 1) / b->lanes.lanes + 1);
     begin(&x);
+    keep_rows(&x);
     const dm_status status = run(&x);
     for (long i = 0; i < count; i++) {
         dm_member *m = member_of(&x, i);
         if (m->status != DM_OK) continue;
         dm_lanes_get(&b->lanes, dim(&x), (uint32_t)i, state_of(&x, i));
         *m = (dm_member){.status = status, .steps = x.done};
+        keep_last_row(&x, i);
     }
 }
 

@@ -164,4 +164,36 @@ raises("rows for 2 members", vary, { k = { 1, 2, 3 } })
 raises("field 'k' must be a function", vary, { k = 1 })
 raises("field 'vary' must be a table", vary, { { 1, 2 } })
 ok(#vary {} == 2, "nothing varied")
+-- rows on the way are those of a run of its own: of failing members, watched numbers, varied parameters
+local pulled = dm.system { Q = dm.R(2), params = { g = 1 }, L = function(q, v, _, P) return v:dot(v) / 2 + P.g / q:norm() end }
+local watch = { "q1", "energy", r = function(q) return q:norm() end }
+for _, rule in ipairs { "verlet", "gauss(2)", "log-hamiltonian(yoshida(4))" } do
+  local one = pulled:solver { rule = rule, h = 0.01 }
+  for _, asked in ipairs { { every = 7 }, { watch = watch }, { every = 3, watch = { "energy" } } } do
+    local e = one:ensemble { members = 13, q = q0, v = v0, steps = 100, every = asked.every, watch = asked.watch, threads = 3,
+      vary = { g = function(i) return 1 + (i // 5) * 0.01 end } }
+    local different
+    for i = 1, 13 do
+      local same = dm.system { Q = dm.R(2), params = { g = 1 + (i // 5) * 0.01 }, L = pulled.L }
+      local path = same:solver({ rule = rule, h = 0.01 }):run { q = q0(i), v = v0(i), steps = 100, every = asked.every, watch = asked.watch }
+      local rows = e:path(i)
+      if #rows ~= #path or #rows.columns ~= #path.columns then different = i end
+      for _, name in ipairs(path.columns) do
+        if rows:column(name) ~= path:column(name) then different = name end
+      end
+      if not asked.watch and rows:energy() ~= path:energy() then different = "energy" end
+    end
+    ok(not different, rule .. ": rows of members are rows of runs", different)
+  end
+end
+for _, rule in ipairs { "verlet", "gauss(2)" } do
+  local single = bowl:solver { rule = rule, h = 0.05 }
+  local e = single:ensemble { members = 20, threads = 2, steps = 400, every = 9,
+    q = function() return { 0 } end, v = function(i) return { i % 20 == 5 and 10 or 0.5 } end }
+  local _, failure = pcall(single.run, single, { q = { 0 }, v = { 10 }, steps = 400, every = 9 })
+  ok(e:path(5):column "q1" == failure.path:column "q1" and #e:path(4) == 46, rule .. ": a member that fails keeps its rows")
+end
+raises("kept only the ends", function() solver:ensemble({ members = 2, q = q0, v = v0, steps = 3 }):path(1) end)
+raises("not the number of a member", function() solver:ensemble({ members = 2, q = q0, v = v0, steps = 3, every = 1 }):path(3) end)
+raises("larger 'every'", function() solver:ensemble { members = 1e6, q = q0, v = v0, steps = 1e6, every = 1 } end)
 tap.done()
