@@ -56,14 +56,33 @@ end
 local defect = double:solver { rule = "rk4", h = 0.1 }:symplecticity { q = { 1, 2 }, v = { 0, 0.5 }, steps = 50 }
 ok(defect > 1e-8, "rk4 is not", defect)
 local damped = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end, force = function(q, v) return { -0.1 * v[1] } end }
-local fine, value = pcall(damped.solver, damped, { rule = "midpoint", h = 0.1 })
-if fine then
-  fine, value = pcall(value.tangent, value, { q = { 1 }, v = { 0 }, steps = 100 })
+M = damped:solver({ rule = "midpoint", h = 0.1 }):tangent { q = { 1 }, v = { 0 }, steps = 100 }
+near(M[1][1] * M[2][2] - M[1][2] * M[2][1], ((1 - 0.1 * 0.1 / 2 + 0.1 ^ 2 / 4) / (1 + 0.1 * 0.1 / 2 + 0.1 ^ 2 / 4)) ^ 100, 1e-13,
+  "friction: the determinant is that of the midpoint rule")
+
+-- constraints: the spherical pendulum in R^3 has the exponents of the one in angles near its upper equilibrium
+local sphere = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end, constraint = function(q) return { q:dot(q) - 1 } end }
+for _, rule in ipairs { "rattle", "gauss(2)" } do
+  local up = sphere:solver({ rule = rule, h = 0.01 }):lyapunov { q = { 0, 0, 1 }, v = { 0, 0, 0 }, t = 20, u = { 1, 0, 0 }, dp = { 1, 0, 0 } }
+  near(up.exponent, 1, 1e-4, rule .. ": the unstable equilibrium of a constrained pendulum, exponent sqrt(g/l)")
 end
-if fine then
-  local det = value[1][1] * value[2][2] - value[1][2] * value[2][1]
-  near(det, ((1 - 0.1 * 0.1 / 2 + 0.1 ^ 2 / 4) / (1 + 0.1 * 0.1 / 2 + 0.1 ^ 2 / 4)) ^ 100, 1e-13, "friction: the determinant is that of the midpoint rule")
-end
+raises("not tangent to the constraints", function() sphere:solver({ rule = "rattle", h = 0.1 }):tangent { q = { 1, 0, 0 }, v = { 0, 0, 0 }, steps = 1 } end)
+local skate = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - (q[1] ^ 2 + q[2] ^ 2) / 2 end,
+  rolling = function(q, v) return { v[3] - q[2] * v[1] } end }
+local solver = skate:solver { rule = "midpoint", h = 0.05 }
+local _, w = pcall(solver.lyapunov, solver, { q = { 1, 0, 0 }, v = { 0, 1, 0 }, steps = 40, every = 40, u = { 0, 0, 1 }, dp = { 0, 0, 0 } })
+local moved = solver:run { q = { 1, 0, 1e-3 }, v = { 0, 1, 0 }, steps = 40 }
+local fixed = solver:run { q = { 1, 0, 0 }, v = { 0, 1, 0 }, steps = 40 }
+near((moved.q[41] - fixed.q[41])[3] / 1e-3, 1, 1e-9, "rolling: a shift along a symmetry stays one")
+ok(type(w) == "table" and abs(w.exponent) < 1e-12, "and its tangent vector does not grow", w)
+local mixed = { q = { 1, 0.2, 0 }, v = { 0.3, 1, 0.06 }, steps = 60, every = 60 }
+local e2 = 1e-5
+local plus, minus = solver:run { q = { 1 + e2, 0.2, 0 }, p = { 0.3, 1, 0.06 }, steps = 60, every = 60 }, solver:run { q = { 1 - e2, 0.2, 0 }, p = { 0.3, 1, 0.06 }, steps = 60, every = 60 }
+local d1 = (plus.q[2] - minus.q[2]) * (1 / (2 * e2))
+mixed.u, mixed.dp = { 1, 0, 0 }, { 0, 0, 0 }
+w = solver:lyapunov(mixed)
+local d2 = (plus.p[2] - minus.p[2]) * (1 / (2 * e2))
+near(w.exponent * 60 * 0.05, 0.5 * math.log(d1:dot(d1) + d2:dot(d2)), 1e-8, "rolling: growth of a tangent vector against differences")
 
 -- Lyapunov: exactly known for a hyperbolic point, zero for Kepler, positive for a chaotic orbit of Henon-Heiles
 local saddle = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2) / 2 end }
