@@ -179,7 +179,7 @@ static void open_steppers(lua_State *L, dml_stepping *r, int threads,
     for (int i = 1; i < threads; i++) {
         luaL_checkstack(L, 8, "too many threads");
         dml_stepping *other = lua_newuserdatauv(L, sizeof *other, 0);
-        *other = (dml_stepping){.solver = r->solver};
+        *other = (dml_stepping){.solver = r->solver, .apart = 1};
         dml_stepping_prepare(L, other, r->t0);
         steppers[i] = &other->stepper;
     }
@@ -226,7 +226,7 @@ static dm_ensemble_rows rows_of(const part *p) {
 /* all threads with one part; what it leaves on the stack is dropped by the caller */
 static dm_status run_part(lua_State *L, const part *p, dml_solver *solver, int threads,
                           clock_of_run *clock) {
-    dml_stepping r = {.solver = solver};
+    dml_stepping r = {.solver = solver, .apart = 1};
     dm_stepper *steppers[DM_ENSEMBLE_THREADS];
     ensemble *e = p->e;
     dml_stepping_prepare(L, &r, e->t);

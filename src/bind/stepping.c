@@ -34,8 +34,9 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     r->system = lua_gettop(L);
     r->t0 = t0;
-    r->model = s->method->traits & DM_KEEPS ? dml_pushlast(L, r->system, backend_name(L))
-                                            : dml_pushmodel(L, r->system);
+    r->model = s->method->traits & DM_KEEPS && !r->apart
+                   ? dml_pushlast(L, r->system, backend_name(L))
+                   : dml_pushmodel(L, r->system);
     r->model_at = lua_gettop(L);
     if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass)
         luaL_error(L,

@@ -36,6 +36,7 @@ typedef struct {
     dml_solver *solver; /* at stack index 1; the options are at 2 */
     dml_model *model;
     int system, model_at; /* stack indices */
+    int apart;            /* a model of its own: other threads step with theirs */
     unsigned wants;       /* kernels of the rule */
     dm_stepper stepper;
     double t0;

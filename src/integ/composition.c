@@ -209,7 +209,7 @@ static size_t stepper_size(void) {
 }
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
-    if (is_splitting(rule, m)) return dm_splitting_work(m->n);
+    if (is_splitting(rule, m)) return dm_splitting_work(m);
     return stepper_size() + dm_state_size(m->n) +
            base_method(rule)->work(base_rule(rule), m);
 }
@@ -290,7 +290,8 @@ static int widen(dm_stepper *s, dm_lanes *x) {
     const dm_method dm_method_##id = {.name = rule_name,                                 \
                                       .signature = form,                                 \
                                       .doc = text,                                       \
-                                      .traits = DM_SYMMETRIC | DM_SYMPLECTIC | (ties),   \
+                                      .traits = DM_SYMMETRIC | DM_SYMPLECTIC |           \
+                                                DM_KEEPS | (ties),                       \
                                       .check = check,                                    \
                                       .fits = fits,                                      \
                                       .order = order,                                    \

@@ -11,19 +11,24 @@
 #include "expr/compact.h"
 #include "expr/derive.h"
 #include "integ/fused.h"
+#include "integ/kept.h"
 #include "integ/lanes.h"
 
 #include <math.h>
 #include <string.h>
 
+/* what a model keeps: it serves every composition and every h */
+typedef struct {
+    dm_kicks kicks;    /* L_q/U */
+    dm_node well;      /* U, compacted */
+    dm_loop one, many; /* for one member, for lanes; what is carried is the state */
+    double *spread;    /* lanes: coefficients */
+} log_loop;
+
 /* workspace: this, then x = (q, v, t), the well U, L_q[n], v[n], the state to go back to, coefficients */
 typedef struct {
     dm_splitting table;
-    dm_kicks kicks;    /* L_q/U */
-    dm_node well;      /* U, compacted */
-    int fused;         /* there is a loop */
-    dm_loop one, many; /* for one member, for lanes; what is carried is the state */
-    double *spread;    /* lanes: coefficients */
+    log_loop *loop; /* NULL: none */
 } layout;
 
 enum { COEFFICIENTS = 4 * DM_SPLITTING_STAGES };
@@ -128,14 +133,14 @@ static void fuse_kick(dm_fusion *b, dm_node *y) {
 }
 
 /* t's low part becomes NaN where the well is not attracting */
-static void fuse_look(dm_fusion *b, const layout *l) {
+static void fuse_look(dm_fusion *b, const log_loop *l) {
     dm_node well = 0;
     memcpy(b->with, b->q, b->model->n * sizeof *b->q);
     dm_transplant(b->graph, b->model->source.graph, &l->well, 1, b->with, &well);
     b->more[1] = guarded(b, well, b->more[1]);
 }
 
-static int fuse_part(const dm_model *m, const layout *l, dm_loop_kind kind,
+static int fuse_part(const dm_model *m, const log_loop *l, dm_loop_kind kind,
                      dm_loop_part *out) {
     dm_fusion b;
     dm_node *scratch = dm_arena_take(m->source.arena, 3 * (size_t)m->n * sizeof *scratch);
@@ -148,7 +153,7 @@ static int fuse_part(const dm_model *m, const layout *l, dm_loop_kind kind,
     return dm_fusion_end(&b, out);
 }
 
-static int fuse(const dm_model *m, const layout *l, dm_loop *out, uint32_t lanes) {
+static int fuse(const dm_model *m, const log_loop *l, dm_loop *out, uint32_t lanes) {
     dm_loop_part part[DM_LOOP_PARTS] = {{0}};
     for (int kind = DM_LOOP_HEAD; kind <= DM_LOOP_TAIL; kind++)
         if (!fuse_part(m, l, (dm_loop_kind)kind, part + kind)) return 0;
@@ -156,9 +161,8 @@ static int fuse(const dm_model *m, const layout *l, dm_loop *out, uint32_t lanes
 }
 
 /* L_q/U and U in the graph of the model, where they simplify: -q/r^2 for Kepler */
-static int read_pulls(layout *l, const dm_model *m) {
+static int read_pulls(log_loop *l, const dm_model *m) {
     const dm_source *s = &m->source;
-    if (!s->graph) return 0;
     dm_node *out = dm_arena_take(s->arena, m->n * sizeof *out);
     if (!out) return 0;
     for (uint32_t i = 0; i < m->n; i++)
@@ -168,11 +172,21 @@ static int read_pulls(layout *l, const dm_model *m) {
     return dm_graph_status(s->graph) == DM_OK;
 }
 
+/* in the arena of the model, which keeps it */
+static log_loop *open_loop(const dm_model *m) {
+    static const char maker;
+    dm_kernel kept;
+    if (dm_kept_find(&kept, m, &maker, 0)) return (log_loop *)(uintptr_t)kept.pool;
+    log_loop *l = m->source.graph ? dm_arena_take(m->source.arena, sizeof *l) : NULL;
+    if (!l || !read_pulls(l, m) || !fuse(m, l, &l->one, 1)) return NULL;
+    dm_kept_add(m, &maker, 0, &(dm_kernel){.pool = l}, 1);
+    return l;
+}
+
 static int widen(dm_stepper *s, dm_lanes *x) {
     const dm_model *m = s->model;
-    layout *l = (layout *)(void *)s->work;
-    if (!l->fused || !l->one.native || !dm_lanes_open(x, m, 4 * m->n + DM_STATE_OWN))
-        return 0;
+    log_loop *l = ((layout *)(void *)s->work)->loop;
+    if (!l || !l->one.native || !dm_lanes_open(x, m, 4 * m->n + DM_STATE_OWN)) return 0;
     l->spread = dm_arena_take(m->source.arena,
                               COEFFICIENTS * (size_t)x->lanes * sizeof *l->spread);
     return l->spread && fuse(m, l, &l->many, x->lanes);
@@ -186,7 +200,7 @@ static dm_status open(dm_stepper *s) {
     drift_first(&table, &named);
     layout *l = (layout *)(void *)s->work;
     *l = (layout){.table = table};
-    l->fused = read_pulls(l, s->model) && fuse(s->model, l, &l->one, 1);
+    l->loop = open_loop(s->model);
     memset(s->work + table_size(), 0, (4 * (size_t)s->model->n + 2) * sizeof(double));
     dm_kernel_prepare(&s->model->well, s->work + table_size() + 2 * s->model->n + 1);
     return DM_OK;
@@ -280,7 +294,7 @@ static int try_fused(dm_stepper *s, const layout *l, double *state, long count) 
                          .groups = 1,
                          .repeats = l->table.stages - 1,
                          .steps = count};
-    dm_loop_run(&l->one, &call);
+    dm_loop_run(&l->loop->one, &call);
     s->report.evaluations += count * (l->table.stages - 1);
     return dm_state_is_finite(state, s->model->n);
 }
@@ -292,13 +306,13 @@ static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
     (void)t;
     for (size_t i = 0; i < each; i++)
         for (uint32_t lane = 0; lane < x->lanes; lane++)
-            l->spread[i * x->lanes + lane] = c[i];
+            l->loop->spread[i * x->lanes + lane] = c[i];
     dm_loop_call call = {.state = x->state,
-                         .coefficients = l->spread,
+                         .coefficients = l->loop->spread,
                          .groups = x->groups,
                          .repeats = l->table.stages - 1,
                          .steps = count};
-    dm_loop_run(&l->many, &call);
+    dm_loop_run(&l->loop->many, &call);
 }
 
 /* `count` steps or none */
@@ -307,7 +321,7 @@ static dm_status steps(dm_stepper *s, double *state, long count) {
     const size_t bytes = dm_state_size(s->model->n) * sizeof *state;
     double *kept = s->work + table_size() + 4 * (size_t)s->model->n + 2;
     memcpy(kept, state, bytes);
-    if (l->fused ? try_fused(s, l, state, count) : try_step(s, state)) return DM_OK;
+    if (l->loop ? try_fused(s, l, state, count) : try_step(s, state)) return DM_OK;
     memcpy(state, kept, bytes);
     return DM_NOT_FINITE;
 }
@@ -319,7 +333,7 @@ static dm_status step(dm_stepper *s, double *state, double t) {
 
 static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
     const layout *l = (const layout *)(const void *)s->work;
-    if (l->fused && count > 1 && steps(s, state, count) == DM_OK)
+    if (l->loop && count > 1 && steps(s, state, count) == DM_OK)
         return *done = count, DM_OK;
     return dm_advance_by_step(s, state, t, count, done);
 }
@@ -333,7 +347,7 @@ const dm_method dm_method_log_hamiltonian = {
            "s; dt is about h/|V|. "
            "composition: verlet (the default), kahan-li(8) ... Mikkola & Tanikawa 1999; "
            "Preto & Tremaine 1999.",
-    .traits = DM_SYMMETRIC | DM_EXPLICIT | DM_OWN_TIME,
+    .traits = DM_SYMMETRIC | DM_EXPLICIT | DM_OWN_TIME | DM_KEEPS,
     .check = check,
     .fits = fits,
     .order = order,

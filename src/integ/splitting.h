@@ -29,8 +29,8 @@ void dm_splitting_compose(dm_splitting *out, const double *gamma, int s);
 ** the base step. */
 int dm_splitting_named(dm_splitting *out, const dm_rule *rule);
 
-/* Doubles of workspace for n coordinates, the table included. */
-size_t dm_splitting_work(uint32_t n);
+/* Doubles of workspace, the table included. */
+size_t dm_splitting_work(const dm_model *m);
 
 /* Lay the table into s->work; the model needs DM_WANT_FORCE and a constant mass. */
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table);

@@ -171,7 +171,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t s = (size_t)stages(rule);
-    return is_split(rule, m) ? dm_splitting_work(m->n) : dm_stage_work(s, s, m);
+    return is_split(rule, m) ? dm_splitting_work(m) : dm_stage_work(s, s, m);
 }
 
 static dm_status open(dm_stepper *s) {

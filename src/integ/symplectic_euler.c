@@ -38,7 +38,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return dm_splitting_fits(m) ? dm_splitting_work(m->n) : dm_stage_work(1, 1, m);
+    return dm_splitting_fits(m) ? dm_splitting_work(m) : dm_stage_work(1, 1, m);
 }
 
 static dm_status open(dm_stepper *s) {

@@ -17,7 +17,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return dm_splitting_fits(m) ? dm_splitting_work(m->n) : dm_stage_work(2, 2, m);
+    return dm_splitting_fits(m) ? dm_splitting_work(m) : dm_stage_work(2, 2, m);
 }
 
 static void basis(dm_galerkin *g, const dm_rule *rule) {
@@ -63,7 +63,7 @@ const dm_method dm_method_verlet = {
            "L = T(v) - V(q, t) with constant mass, else the implicit Lobatto IIIA-IIIB "
            "pair of 2 "
            "stages (HLW I.1.4, VI.6.2).",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC,
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS,
     .check = check,
     .order = order,
     .basis = basis,
