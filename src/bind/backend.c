@@ -2,6 +2,7 @@
 
 #include "bind/cc.h"
 #include "expr/jit.h"
+#include "expr/processor.h"
 #include "expr/tape.h"
 
 #include <stdlib.h>
@@ -36,4 +37,19 @@ const dml_backend *dml_findbackend(lua_State *L, const char *name) {
     const dml_backend *row = backends;
     while (row->available && !row->available()) row++;
     return row;
+}
+
+void dml_limitprocessor(lua_State *L) {
+    static const char *const names[] = {
+        [DM_PLAIN] = "plain", [DM_FMA] = "fma", [DM_AVX512] = "avx512"};
+    const char *text = getenv("DMLUA_PROCESSOR");
+    if (!text || !*text) return;
+    for (int level = DM_PLAIN; level <= DM_AVX512; level++)
+        if (strcmp(text, names[level]) == 0) {
+            dm_processor_limit((dm_processor_level)level);
+            return;
+        }
+    luaL_error(
+        L, "environment variable DMLUA_PROCESSOR must be plain, fma or avx512 (got '%s')",
+        text);
 }

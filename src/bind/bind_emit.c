@@ -53,7 +53,7 @@ static int system_emit(lua_State *L) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     const emitter e = {.L = L, .b = &b, .graph = m->graph, .names = names};
-    luaL_addstring(&b, "#include <math.h>\n\n");
+    dm_emit_c_head(put, &b);
     dm_gradient(m->graph, m->lagrangian, 0, 2 * n, slope);
     emit(&e, s->pair ? "Ld" : "lagrangian", &m->lagrangian, 1);
     emit(&e, "slope", slope, 2 * n);
@@ -76,7 +76,7 @@ static int function_emit(lua_State *L) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     const emitter e = {.L = L, .b = &b, .graph = f->graph};
-    luaL_addstring(&b, "#include <math.h>\n\n");
+    dm_emit_c_head(put, &b);
     emit(&e, name, f->parts[DML_VALUE].nodes, dml_outputs(f));
     luaL_pushresult(&b);
     return 1;

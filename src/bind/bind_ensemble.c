@@ -1,4 +1,5 @@
 /* bind_ensemble.c - the `dm.ensemble` that members of solver:ensemble{} end in: what can be asked of it. */
+#include "bind/backend.h"
 #include "bind/ensemble.h"
 #include "expr/jit.h"
 
@@ -190,6 +191,7 @@ static void limit_lanes(lua_State *L) {
 
 void dml_open_ensemble(lua_State *L) {
     limit_lanes(L);
+    dml_limitprocessor(L);
     dml_newclass(L, DML_ENSEMBLE,
                  "dm.ensemble: the ends of many runs, made by solver:ensemble{members=}\n"
                  "fields: q, p (matrices, a row per member; of a failed one its last "

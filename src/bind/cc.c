@@ -3,6 +3,7 @@
 #include "expr/compact.h"
 #include "expr/emit_c.h"
 #include "expr/fma.h"
+#include "expr/functions.h"
 #include "expr/tape.h"
 
 #include <dlfcn.h>
@@ -49,11 +50,21 @@ static void put(void *ud, const char *text, size_t length) {
     fwrite(text, 1, length, ud);
 }
 
+/* the elementary functions are those of the tape, called through a table that is filled in when it is loaded */
+static void write_head(FILE *f) {
+    fprintf(f, "#include <math.h>\n\ndouble (*functions[%d])(double);\n",
+            (int)DM_OP_COUNT);
+    for (int op = DM_OP_RSQRT; op <= DM_OP_TANH; op++) {
+        const char *name = op == DM_OP_RSQRT ? "reciprocal_root" : dm_op_text((dm_op)op);
+        fprintf(f, "#define %s(x) functions[%d](x)\n", name, op);
+    }
+}
+
 static int write_source(const workshop *w, dm_graph *g, const dm_node *roots,
                         uint32_t m) {
     FILE *f = fopen(w->source, "w");
     if (!f) return 0;
-    fputs("#include <math.h>\n\n", f);
+    write_head(f);
     const int whole = dm_emit_c(g, roots, m, "kernel", NULL, put, f);
     return fclose(f) == 0 && whole;
 }
@@ -96,6 +107,15 @@ static void eval(const void *pool, const double *in, double *out) {
     o->kernel(in, out);
 }
 
+static void give_functions(void *handle) {
+    unsigned char *table = dlsym(handle, "functions");
+    for (int op = DM_OP_RSQRT; table && op <= DM_OP_TANH; op++) {
+        dm_function *const f =
+            op == DM_OP_RSQRT ? (dm_function *)dm_rsqrt : dm_function_for(op, 1);
+        memcpy(table + (size_t)op * sizeof f, &f, sizeof f);
+    }
+}
+
 static object *load(const workshop *w, dm_arena *arena) {
     object *o = dm_arena_take(arena, sizeof *o);
     void *handle = o ? dlopen(w->object, RTLD_NOW | RTLD_LOCAL) : NULL;
@@ -105,6 +125,7 @@ static object *load(const workshop *w, dm_arena *arena) {
         dlclose(handle);
         return NULL;
     }
+    give_functions(handle);
     memcpy(&o->kernel, &symbol,
            sizeof symbol); /* POSIX lets a function pointer be data */
     return o;

@@ -112,3 +112,11 @@ int dm_emit_c(dm_graph *g, const dm_node *roots, uint32_t m, const char *name,
     text(&w, "}\n");
     return 1;
 }
+
+void dm_emit_c_head(dm_put *put, void *ud) {
+    static const char head[] = "#include <math.h>\n\n"
+                               "static inline double reciprocal_root(double x) {\n"
+                               "    return 1.0 / sqrt(x);\n"
+                               "}\n\n";
+    put(ud, head, sizeof head - 1);
+}

@@ -1,9 +1,12 @@
 /*
-** functions.h - elementary functions with the same bits in every backend and width, on one
-** processor level (processor.h).
+** functions.h - elementary functions with the same bits in every backend and width, on one processor level
+** (processor.h). With fused multiply-add they are our own (functions_text.h), else the C library's; angles beyond
+** 2^30, asin, acos, atan, atan2 and pow are the C library's everywhere. The sign of a zero is not kept.
 */
 #ifndef DM_FUNCTIONS_H
 #define DM_FUNCTIONS_H
+
+#include "expr/graph.h"
 
 /*
 ** 1/sqrt(x), below 0.6 ulp with AVX-512: y = a table look-up to 14 bits, e = 1 - x y^2 with the rounding error of
@@ -15,5 +18,34 @@ double dm_rsqrt(double x);
 /* 1/2, 3/8 and 5/16 of the series; the term in e^4, left out, is taken in by the second to a quarter (Chebyshev). */
 #define DM_ROOT_SERIES                                                                   \
     { 0.5, 0.375 + 35.0 / 128 * 0.75 / (1 << 26), 0.3125 }
+
+/* Below 1 ulp: exp, log, sin, cos, tan, sinh, cosh, tanh. */
+double dm_exp(double x);
+double dm_log(double x);
+double dm_sin(double x);
+double dm_cos(double x);
+double dm_tan(double x);
+double dm_sinh(double x);
+double dm_cosh(double x);
+double dm_tanh(double x);
+
+/* Returns the sine; the bits of dm_sin and dm_cos. */
+double dm_sincos(double x, double *cosine);
+
+typedef void dm_function(void); /* of one of the types below */
+
+/*
+** What machine code calls for an operation, by the present level: T f(T), T f(T, T) for two operands, and for
+** DM_OP_CONSTANT, which stands for sincos, T f(T, T *cosine). T is double, or a vector of 4 or 8.
+*/
+dm_function *dm_function_for(int op, uint32_t lanes);
+
+/* The same for one width. Our own, NULL where there is none; the C library's, called once per lane. */
+dm_function *dm_own_function1(int op);
+dm_function *dm_own_function4(int op);
+dm_function *dm_own_function8(int op);
+dm_function *dm_library_function1(int op);
+dm_function *dm_library_function4(int op);
+dm_function *dm_library_function8(int op);
 
 #endif

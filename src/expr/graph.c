@@ -265,15 +265,15 @@ double dm_op_value(dm_op op, double a, double b, double c) {
     case DM_OP_RSQRT:
         return dm_rsqrt(a);
     case DM_OP_EXP:
-        return exp(a);
+        return dm_exp(a);
     case DM_OP_LOG:
-        return log(a);
+        return dm_log(a);
     case DM_OP_SIN:
-        return sin(a);
+        return dm_sin(a);
     case DM_OP_COS:
-        return cos(a);
+        return dm_cos(a);
     case DM_OP_TAN:
-        return tan(a);
+        return dm_tan(a);
     case DM_OP_ASIN:
         return asin(a);
     case DM_OP_ACOS:
@@ -281,11 +281,11 @@ double dm_op_value(dm_op op, double a, double b, double c) {
     case DM_OP_ATAN:
         return atan(a);
     case DM_OP_SINH:
-        return sinh(a);
+        return dm_sinh(a);
     case DM_OP_COSH:
-        return cosh(a);
+        return dm_cosh(a);
     case DM_OP_TANH:
-        return tanh(a);
+        return dm_tanh(a);
     case DM_OP_ADD:
         return a + b;
     case DM_OP_SUB:

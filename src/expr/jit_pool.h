@@ -17,8 +17,7 @@ enum { /* masks and numbers that every kernel has, broadcast */
 
 dm_operand dm_pool_mask(const dm_emitter *e, int mask);
 
-/* What a call of the operation jumps to; DM_OP_CONSTANT stands for sincos. Scalar: as the C
-** library has it. Lanes: void(double *d, double *d2, const double *a, const double *b). */
+/* What a call of the operation jumps to (dm_function_for); DM_OP_CONSTANT stands for sincos. */
 dm_operand dm_pool_pointer(const dm_emitter *e, int op);
 
 /* The pool in `arena`, and the homes of the constants in it; NULL without memory. */

@@ -6,7 +6,6 @@
 *and
 ** cosine of one angle come from one call. Dispatch is by computed goto (GNU C).
 */
-#define _GNU_SOURCE /* sincos */
 #include "expr/tape.h"
 
 #include "expr/compact.h"
@@ -73,17 +72,17 @@ __attribute__((noinline)) static const void *const *engine(const tape *t, double
     DO(SIGN, (double)((A > 0) - (A < 0)))
     DO(SQRT, sqrt(A))
     DO(RSQRT, dm_rsqrt(A))
-    DO(EXP, exp(A))
-    DO(LOG, log(A))
-    DO(SIN, sin(A))
-    DO(COS, cos(A))
-    DO(TAN, tan(A))
+    DO(EXP, dm_exp(A))
+    DO(LOG, dm_log(A))
+    DO(SIN, dm_sin(A))
+    DO(COS, dm_cos(A))
+    DO(TAN, dm_tan(A))
     DO(ASIN, asin(A))
     DO(ACOS, acos(A))
     DO(ATAN, atan(A))
-    DO(SINH, sinh(A))
-    DO(COSH, cosh(A))
-    DO(TANH, tanh(A))
+    DO(SINH, dm_sinh(A))
+    DO(COSH, dm_cosh(A))
+    DO(TANH, dm_tanh(A))
     DO(ADD, A + B)
     DO(SUB, A - B)
     DO(MUL, A * B)
@@ -100,7 +99,7 @@ __attribute__((noinline)) static const void *const *engine(const tape *t, double
     DO(MUL_MUL, (A * B) * C)
     DO(ADD_ADD, (A + B) + C)
 SINCOS:
-    sincos(A, &r[i->d], &B);
+    r[i->d] = dm_sincos(A, &B);
     i++;
     goto * i->go;
 CONSTANT:

@@ -57,7 +57,8 @@ static void at_every_level(void run(dm_processor_level level)) {
 }
 
 static void root_at(dm_processor_level level) {
-    const double most = level == DM_AVX512 ? 0.6 : 1.5; /* two roundings, one of a number just below 1 */
+    const double most =
+        level == DM_AVX512 ? 0.6 : 1.5; /* two roundings, one of a number just below 1 */
     random_source r = {7};
     double worst = 0.0;
     for (int i = 0; i < 1000000 + HARD; i++) {
@@ -74,6 +75,87 @@ static void root_at(dm_processor_level level) {
 
 static void reciprocal_root(void) {
     at_every_level(root_at);
+}
+
+/* a function of our own, its exact one, a range (of log2 |x| where `scale`) and what its error must stay below */
+typedef struct {
+    const char *name;
+    double (*own)(double);
+    long double (*exact)(long double);
+    double from, to;
+    int scale;
+} range;
+
+static const range ranges[] = {
+    {"exp", dm_exp, expl, -745.2, 709.78, 0}, {"exp", dm_exp, expl, -60.0, -1.0, 1},
+    {"log", dm_log, logl, 0.6, 1.6, 0},       {"log", dm_log, logl, -1074.0, 1023.99, 2},
+    {"sin", dm_sin, sinl, -7.0, 7.0, 0},      {"sin", dm_sin, sinl, -60.0, 30.0, 1},
+    {"cos", dm_cos, cosl, -7.0, 7.0, 0},      {"cos", dm_cos, cosl, -60.0, 30.0, 1},
+    {"tan", dm_tan, tanl, -7.0, 7.0, 0},      {"tan", dm_tan, tanl, -60.0, 30.0, 1},
+    {"sinh", dm_sinh, sinhl, -2.0, 2.0, 0},   {"sinh", dm_sinh, sinhl, -60.0, 9.47, 1},
+    {"cosh", dm_cosh, coshl, -2.0, 2.0, 0},   {"cosh", dm_cosh, coshl, -60.0, 9.47, 1},
+    {"tanh", dm_tanh, tanhl, -2.0, 2.0, 0},   {"tanh", dm_tanh, tanhl, -60.0, 9.0, 1},
+};
+
+static double random_argument(random_source *r, const range *f) {
+    const double u = random_between(r, f->from, f->to);
+    if (!f->scale) return u;
+    return f->scale == 1 && random_below(r, 2) ? -exp2(u) : exp2(u);
+}
+
+static void errors_at(dm_processor_level level) {
+    random_source r = {11};
+    for (size_t k = 0; k < sizeof ranges / sizeof ranges[0] && level != DM_PLAIN; k++) {
+        const range *f = ranges + k;
+        double worst = 0.0, at = 0.0;
+        for (int i = 0; i < 100000; i++) {
+            const double x = random_argument(&r, f);
+            const double error = ulps(f->own(x), f->exact(x));
+            if (error > worst) worst = error, at = x;
+        }
+        if (level == DM_AVX512) printf("# %s: %.3f ulp at %.17g\n", f->name, worst, at);
+        CHECK(worst < 1.0);
+    }
+}
+
+static void errors(void) {
+    at_every_level(errors_at);
+}
+
+/* doubles next to multiples of pi/2, where all digits of the angle but the last cancel */
+static void near_multiples_at(dm_processor_level level) {
+    for (int k = 1; k < 200000 && level != DM_PLAIN; k += k < 2000 ? 1 : 997) {
+        const double x = (double)(k * 1.57079632679489661923L);
+        CHECK(ulps(dm_sin(x), sinl(x)) < 1.0 && ulps(dm_cos(x), cosl(x)) < 1.0);
+        CHECK(ulps(dm_tan(x), tanl(x)) < 1.0);
+    }
+}
+
+static void near_multiples(void) {
+    at_every_level(near_multiples_at);
+}
+
+static void ends_at(dm_processor_level level) {
+    const double big = INFINITY, none = NAN;
+    double c;
+    (void)level;
+    CHECK(dm_exp(0.0) == 1.0 && dm_exp(big) == big && dm_exp(-big) == 0.0);
+    CHECK(dm_exp(710.0) == big && dm_exp(-746.0) == 0.0 && dm_exp(-745.0) == 5e-324);
+    CHECK(dm_log(1.0) == 0.0 && dm_log(0.0) == -big && dm_log(big) == big);
+    CHECK(isnan(dm_log(-1.0)) && isnan(dm_log(-big)) && isnan(dm_sin(big)));
+    CHECK(isnan(dm_cos(-big)) && isnan(dm_tan(big)) && dm_cos(0.0) == 1.0);
+    CHECK(dm_sinh(711.0) == big && dm_sinh(-big) == -big && dm_cosh(-711.0) == big);
+    CHECK(dm_tanh(big) == 1.0 && dm_tanh(-big) == -1.0 && dm_cosh(0.0) == 1.0);
+    CHECK(dm_sin(1e22) == sin(1e22) && dm_cos(1e300) == cos(1e300));
+    CHECK(dm_sincos(0.7, &c) == dm_sin(0.7) && c == dm_cos(0.7));
+    CHECK(isnan(dm_exp(none)) && isnan(dm_log(none)) && isnan(dm_sincos(none, &c)) &&
+          isnan(c));
+    CHECK(isnan(dm_tan(none)) && isnan(dm_sinh(none)) && isnan(dm_cosh(none)));
+    CHECK(isnan(dm_tanh(none)));
+}
+
+static void ends(void) {
+    at_every_level(ends_at);
 }
 
 /* one operation of up to two operands in `lanes`, hard arguments and random ones */
@@ -111,7 +193,14 @@ static void all_widths(void) {
 }
 
 int main(void) {
-    RUN(reciprocal_root, "1/sqrt(x): its error, and the ends of the range");
+    if (!doubles_only())
+        RUN(reciprocal_root, "1/sqrt(x): its error, and the ends of the range");
+    if (LDBL_MANT_DIG > DBL_MANT_DIG && !doubles_only()) {
+        RUN(errors, "exp, log, sin, cos, tan, sinh, cosh, tanh: below one unit of the "
+                    "last place");
+        RUN(near_multiples, "angles next to multiples of pi/2");
+    }
+    RUN(ends, "ends of the range, infinite, no number, huge angles");
     RUN(all_widths,
         "every operation: native code of every width and level = dm_op_value");
     return check_finish();

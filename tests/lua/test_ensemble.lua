@@ -99,6 +99,14 @@ for _, most in ipairs { 0, 1, 4, 8 } do
   ok(text:gsub("lanes %d+", "") == plain:gsub("lanes %d+", "") and #text > 100, "DMLUA_LANES=" .. most .. " changes no bit", text)
   ok(used and used <= math.max(most, 1), "and is a limit", used)
 end
+for _, processor in ipairs { "plain", "fma", "avx512" } do
+  local one = under("DMLUA_LANES=1 DMLUA_PROCESSOR=" .. processor, script):gsub("lanes %d+", "")
+  for _, most in ipairs { 0, 4, 8 } do
+    local text = under(("DMLUA_LANES=%d DMLUA_PROCESSOR=%s"):format(most, processor), script):gsub("lanes %d+", "")
+    ok(text == one and #text > 100, ("a processor of level %s has the same bits in %d lanes"):format(processor, most), text)
+  end
+end
+ok(under("DMLUA_PROCESSOR=z80", "print(1)"):find "must be plain, fma or avx512", "another processor is refused")
 ok(under("DMLUA_LANES=3", "print(1)"):find "DMLUA_LANES must be 0, 1, 4 or 8", "another number is refused", under("DMLUA_LANES=3", "print(1)"))
 
 -- parameters of their own

@@ -1,0 +1,66 @@
+/* elementary functions of 8 lanes */
+#include "expr/functions.h"
+
+#if defined(__x86_64__)
+
+#include <immintrin.h>
+#include <math.h>
+
+typedef double real __attribute__((vector_size(64)));
+typedef int64_t whole __attribute__((vector_size(64)));
+typedef uint64_t unsigned_whole __attribute__((vector_size(64)));
+
+#define TARGET __attribute__((target("avx512f,avx512dq,avx512vl,fma")))
+#define INLINE TARGET __attribute__((always_inline)) static inline
+
+INLINE real all(double c) {
+    return (real)_mm512_set1_pd(c);
+}
+
+INLINE real fused(real a, real b, real c) {
+    return (real)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+}
+
+INLINE real smaller(real a, real b) {
+    return (real)_mm512_min_pd((__m512d)a, (__m512d)b);
+}
+
+INLINE real larger(real a, real b) {
+    return (real)_mm512_max_pd((__m512d)a, (__m512d)b);
+}
+
+INLINE int any(whole mask) {
+    return _mm512_movepi64_mask((__m512i)mask) != 0;
+}
+
+INLINE real times_power(real y, real k) {
+    return (real)_mm512_scalef_pd((__m512d)y, (__m512d)k);
+}
+
+#include "expr/functions_text.h"
+
+#include "expr/functions_entry.h"
+
+dm_function *dm_own_function8(int op) {
+    static dm_function *const table[DM_OP_COUNT] = {
+        [DM_OP_EXP] = (dm_function *)exponentials,
+        [DM_OP_LOG] = (dm_function *)logarithms,
+        [DM_OP_SIN] = (dm_function *)sines,
+        [DM_OP_COS] = (dm_function *)cosines,
+        [DM_OP_TAN] = (dm_function *)tangents,
+        [DM_OP_SINH] = (dm_function *)hyperbolic_sines,
+        [DM_OP_COSH] = (dm_function *)hyperbolic_cosines,
+        [DM_OP_TANH] = (dm_function *)hyperbolic_tangents,
+        [DM_OP_CONSTANT] = (dm_function *)both,
+    };
+    return table[op];
+}
+
+#else
+
+dm_function *dm_own_function8(int op) {
+    (void)op;
+    return 0;
+}
+
+#endif

@@ -1,0 +1,213 @@
+/*
+** functions_text.h - elementary functions written once for all widths. A file that includes this says before what
+** `real` (a vector of doubles), `whole` and `unsigned_whole` (64-bit integers, as many) are, and INLINE, all(c),
+** fused(a, b, c) = a b + c rounded once, smaller and larger(a, b), which give b where one is a NaN, any(mask) and
+** times_power(y, k) = y 2^k. Every width does the same operations in the same order, so a lane has the bits of a single
+** call. Nothing is looked up; what is added last is small, so that the last rounding is nearly the only one. Reduction
+** after Cody & Waite (1980), with products that are exact by fused multiply-add; polynomials are minimax (Remez), their
+** errors relative to the function.
+*/
+
+/* 1.5 2^52: adding it rounds to a whole number, which is then in the low bits */
+#define SHIFT 6755399441055744.0
+
+/* pi/2 and log 2 in parts of 53 bits */
+#define HALF_PI_1 0x1.921fb54442d18p+0
+#define HALF_PI_2 0x1.1a62633145c07p-54
+#define HALF_PI_3 -0x1.f1976b7ed8fbcp-110
+#define LOG2_1 0x1.62e42fefa39efp-1
+#define LOG2_2 0x1.abc9e3b39803fp-56
+
+INLINE real choose(whole mask, real yes, real no) {
+    return (real)(((whole)yes & mask) | ((whole)no & ~mask));
+}
+
+INLINE real size_of(real x) {
+    return (real)((whole)x & INT64_MAX);
+}
+
+/* x with the sign bit of `sign` turned over */
+INLINE real turned(real x, whole sign) {
+    return (real)((whole)x ^ (sign & INT64_MIN));
+}
+
+/* 2^k, -1022 <= k <= 1023 whole */
+INLINE real power_of_2(real k) {
+    return (real)((whole)(k + (SHIFT + 1023.0)) << 52);
+}
+
+/* ---- exp: x = k log 2 + r + low, |r| < 0.34662, e^r = 1 + r + r^2 p(r), p to 2^-60 ---- */
+
+typedef struct {
+    real k, r, low, rest; /* rest = r^2 p(r) */
+} exponent;
+
+INLINE real exponential_tail(real r) {
+    const real r2 = r * r, r4 = r2 * r2;
+    const real c01 = fused(all(0x1.555555555555cp-3), r, all(0.5));
+    const real c23 = fused(all(0x1.111111110ebb0p-7), r, all(0x1.555555555555ep-5));
+    const real c45 = fused(all(0x1.a01a01b3bc314p-13), r, all(0x1.6c16c16c13564p-10));
+    const real c67 = fused(all(0x1.71ddef91216c9p-19), r, all(0x1.a01a01b45dd8dp-16));
+    const real c89 = fused(all(0x1.af6cd1891ec5bp-26), r, all(0x1.27e4bf230b4f3p-22));
+    const real high =
+        fused(fused(all(0x1.1f9dfff721344p-29), r2, c89), r4, fused(c67, r2, c45));
+    return r2 * fused(high, r4, fused(c23, r2, c01));
+}
+
+INLINE exponent split_exponent(real x) {
+    const real k = fused(x, all(0x1.71547652b82fep+0), all(SHIFT)) - SHIFT;
+    const real exact = fused(k, all(-LOG2_1), x), r = fused(k, all(-LOG2_2), exact);
+    const real low = fused(k, all(-LOG2_2), exact - r);
+    return (exponent){k, r, low, exponential_tail(r)};
+}
+
+INLINE real between(real x, double least, double most) {
+    return smaller(all(most), larger(all(least), x));
+}
+
+INLINE real exponential(real x) {
+    const exponent e = split_exponent(between(x, -746.0, 710.0));
+    return times_power(1.0 + (e.r + (e.rest + e.low)), e.k);
+}
+
+/* ---- log: x = 2^k (1 + f), s = f/(2 + f), log(1 + f) = 2 s + 2/3 s^3 + ...; the tail to 2^-58 ---- */
+
+INLINE real logarithm_tail(real z) {
+    const real z2 = z * z;
+    const real c01 = fused(all(0x1.999999997fd37p-2), z, all(0x1.5555555555592p-1));
+    const real c23 = fused(all(0x1.c71c5202b2d57p-3), z, all(0x1.24924941f8d2fp-2));
+    const real c45 = fused(all(0x1.39a1933edc4b9p-3), z, all(0x1.7466405bb5e1dp-3));
+    return z * fused(fused(fused(all(0x1.2f070517bf057p-3), z2, c45), z2, c23), z2, c01);
+}
+
+INLINE real logarithm(real x) {
+    const whole tiny = x < 0x1p-1022, root = (whole)all(0x1.6a09e667f3bcdp-1),
+                one = (whole)all(1.0);
+    const whole bits = (whole)choose(tiny, x * 0x1p54, x);
+    const whole power = (bits - root + one) &
+                        (whole)all(-INFINITY); /* exponent of x/sqrt(1/2), in place */
+    const real f = (real)(bits - power + one) - 1.0;
+    /* the biased exponent as the low bits of 2^52 + exponent */
+    const whole biased = (whole)((unsigned_whole)power >> 52) | (whole)all(0x1p52);
+    const real k =
+        (real)biased - choose(tiny, all(0x1p52 + 1077.0), all(0x1p52 + 1023.0));
+    const real s = f / (2.0 + f), half = 0.5 * f * f;
+    const real tail = fused(s, half + logarithm_tail(s * s), k * LOG2_2);
+    const real y = fused(k, all(LOG2_1), f - (half - tail));
+    const real low_end = choose(x == 0.0, all(-INFINITY), all(NAN));
+    return choose(x < INFINITY, choose(x > 0.0, y, low_end), x);
+}
+
+/* ---- sine and cosine: x = k pi/2 + r + low, |r| < 0.7856 ---- */
+
+typedef struct {
+    real sine, cosine, sine_low,
+        cosine_low; /* of r + low; the low parts are what rounding lost */
+    whole quadrant; /* k */
+} angle;
+
+/* p = k pi/2's second part has an error of its own; |exact| is a multiple of the last place of p, so that
+** (exact - r) - p is what rounding lost in r */
+INLINE angle reduced(real x) {
+    const real t = fused(x, all(0x1.45f306dc9c883p-1), all(SHIFT)), k = t - SHIFT;
+    const real exact = fused(k, all(-HALF_PI_1), x), p = k * HALF_PI_2, r = exact - p;
+    const real lost = fused(k, all(HALF_PI_2), -p);
+    const real low = fused(k, all(-HALF_PI_3), ((exact - r) - p) - lost);
+    const real z = r * r, z2 = z * z, z_low = fused(r, r, -z);
+    const real s01 = fused(all(0x1.111111110f870p-7), z, all(-0x1.5555555555549p-3));
+    const real s23 = fused(all(0x1.71de35768ad5bp-19), z, all(-0x1.a01a019c104ddp-13));
+    const real s45 = fused(all(0x1.5d92b7edf7f33p-33), z, all(-0x1.ae5e6546ec8bcp-26));
+    const real c01 = fused(all(-0x1.6c16c16c15173p-10), z, all(0x1.555555555554cp-5));
+    const real c23 = fused(all(-0x1.27e4f8091d6e2p-22), z, all(0x1.a01a019cb0a5ap-16));
+    const real c45 = fused(all(-0x1.8fae4c647c8fep-37), z, all(0x1.1ee9eb53ed56ep-29));
+    const real half = 0.5 * z, main = 1.0 - half;
+    const real sine_rest =
+        fused(z * r, fused(fused(s45, z2, s23), z2, s01), fused(-half, low, low));
+    const real quartic = z2 * fused(fused(c45, z2, c23), z2, c01);
+    const real cosine_rest =
+        ((1.0 - main) - half) + (quartic - fused(r, low, 0.5 * z_low));
+    const real sine = r + sine_rest, cosine = main + cosine_rest;
+    return (angle){sine, cosine, (r - sine) + sine_rest, (main - cosine) + cosine_rest,
+                   (whole)t};
+}
+
+INLINE whole is_odd(whole quadrant) {
+    return -(quadrant & 1);
+}
+
+INLINE real sine_of(const angle *a) {
+    const real value = choose(is_odd(a->quadrant), a->cosine, a->sine);
+    return turned(value, a->quadrant << 62);
+}
+
+INLINE real cosine_of(const angle *a) {
+    const real value = choose(is_odd(a->quadrant), a->sine, a->cosine);
+    return turned(value, (a->quadrant + 1) << 62);
+}
+
+typedef struct {
+    real high, low;
+} ratio;
+
+/* (a + a_low) / (b + b_low), its sum not yet rounded */
+INLINE ratio quotient(real a, real a_low, real b, real b_low) {
+    const real inverse = 1.0 / b, q = a * inverse;
+    const real rest = fused(-q, b, a) + fused(-q, b_low, a_low);
+    return (ratio){q, rest * inverse};
+}
+
+INLINE real tangent_of(const angle *a) {
+    const whole odd = is_odd(a->quadrant);
+    const ratio q = quotient(
+        choose(odd, a->cosine, a->sine), choose(odd, a->cosine_low, a->sine_low),
+        choose(odd, a->sine, a->cosine), choose(odd, a->sine_low, a->cosine_low));
+    return turned(q.high + q.low, odd);
+}
+
+/* ---- hyperbolic functions from m = e^x - 1 = m + low ---- */
+
+#define BEYOND 22.0 /* sinh and cosh are e^|x| / 2 there, tanh is 1 */
+
+typedef struct {
+    real m, low, d, d_low; /* d = m + `more` */
+} excess;
+
+INLINE excess excess_of(const exponent *e, double more) {
+    const real power = power_of_2(e->k), start = power - 1.0, term = power * e->r;
+    const real sum = start + term; /* exact where k = 0; else |start| > |term| */
+    const real rest = ((start - sum) + term) + power * (e->rest + e->low);
+    const real m = sum + rest, low = (sum - m) + rest;
+    const real d = m + more, back = d - m; /* two-sum (Knuth) */
+    return (excess){m, low, d, ((m - (d - back)) + (more - back)) + low};
+}
+
+INLINE real hyperbolic_tangent(real x) {
+    const exponent e = split_exponent(2.0 * between(size_of(x), 0.0, BEYOND));
+    const excess m = excess_of(&e, 2.0);
+    const ratio q = quotient(m.m, m.low, m.d, m.d_low);
+    return turned(q.high + q.low, (whole)x);
+}
+
+INLINE real half_exponential(const exponent *e) {
+    return times_power(1.0 + (e->r + (e->rest + e->low)), e->k - 1.0);
+}
+
+INLINE real hyperbolic_sine(real x) {
+    const real t = between(size_of(x), 0.0, 711.0);
+    exponent e = split_exponent(t);
+    const real large = half_exponential(&e);
+    e.k = between(e.k, 0.0, 60.0);
+    const excess m = excess_of(&e, 1.0);
+    const ratio q = quotient(m.m, m.low, m.d, m.d_low);
+    const real sum = m.m + q.high, rest = ((m.m - sum) + q.high) + (q.low + m.low);
+    return turned(choose(t > BEYOND, large, 0.5 * (sum + rest)), (whole)x);
+}
+
+INLINE real hyperbolic_cosine(real x) {
+    const real t = between(size_of(x), 0.0, 711.0);
+    exponent e = split_exponent(t);
+    const real large = half_exponential(&e);
+    e.k = between(e.k, 0.0, 60.0);
+    const excess m = excess_of(&e, 1.0);
+    return choose(t > BEYOND, large, 0.5 * (m.d + (m.d_low + 1.0 / m.d)));
+}
