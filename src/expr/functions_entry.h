@@ -1,6 +1,8 @@
 /* functions_entry.h - behind functions_text.h: what machine code calls, in the calling convention of C, and the table of
 ** it. Angles beyond 2^30 go to the C library, one by one, in every width. */
 
+#include "expr/functions_hyperbolic.h"
+
 #define LARGEST_ANGLE 0x1p30
 
 /* where(large, f(x), y) lane by lane */

@@ -1,0 +1,47 @@
+/* functions_hyperbolic.h - behind functions_text.h: hyperbolic functions from e^x - 1 = m + low. */
+
+#define BEYOND 22.0 /* sinh and cosh are e^|x| / 2 there, tanh is 1 */
+
+typedef struct {
+    real m, low, d, d_low; /* d = m + `more` */
+} excess;
+
+INLINE excess excess_of(const exponent *e, double more) {
+    const real power = power_of_2(e->k), start = power - 1.0, term = power * e->r;
+    const real sum = start + term; /* exact where k = 0; else |start| > |term| */
+    const real rest = ((start - sum) + term) + power * (e->rest + e->low);
+    const real m = sum + rest, low = (sum - m) + rest;
+    const real d = m + more, back = d - m; /* two-sum (Knuth) */
+    return (excess){m, low, d, ((m - (d - back)) + (more - back)) + low};
+}
+
+INLINE real hyperbolic_tangent(real x) {
+    const exponent e = split_exponent(2.0 * between(size_of(x), 0.0, BEYOND));
+    const excess m = excess_of(&e, 2.0);
+    const ratio q = quotient(m.m, m.low, m.d, m.d_low);
+    return turned(q.high + q.low, (whole)x);
+}
+
+INLINE real half_exponential(const exponent *e) {
+    return times_power(1.0 + (e->r + (e->rest + e->low)), e->k - 1.0);
+}
+
+INLINE real hyperbolic_sine(real x) {
+    const real t = between(size_of(x), 0.0, 711.0);
+    exponent e = split_exponent(t);
+    const real large = half_exponential(&e);
+    e.k = between(e.k, 0.0, 60.0);
+    const excess m = excess_of(&e, 1.0);
+    const ratio q = quotient(m.m, m.low, m.d, m.d_low);
+    const real sum = m.m + q.high, rest = ((m.m - sum) + q.high) + (q.low + m.low);
+    return turned(choose(t > BEYOND, large, 0.5 * (sum + rest)), (whole)x);
+}
+
+INLINE real hyperbolic_cosine(real x) {
+    const real t = between(size_of(x), 0.0, 711.0);
+    exponent e = split_exponent(t);
+    const real large = half_exponential(&e);
+    e.k = between(e.k, 0.0, 60.0);
+    const excess m = excess_of(&e, 1.0);
+    return choose(t > BEYOND, large, 0.5 * (m.d + (m.d_low + 1.0 / m.d)));
+}
