@@ -88,7 +88,7 @@ static void read_name(lua_State *L) {
     lua_replace(L, 1);
 }
 
-static int curve_new(lua_State *L) {
+int dml_curve_new(lua_State *L) {
     static const char *const known[] = {"method", "bias", "order", NULL};
     if (lua_type(L, 1) == LUA_TSTRING) read_name(L);
     lua_settop(L, 1);
@@ -107,7 +107,7 @@ static int curve_new(lua_State *L) {
 }
 
 static const dml_row functions[] = {
-    {"curve", curve_new,
+    {"curve", dml_curve_new,
      "dm.curve(name [, {bias=}]) -> dm.rule   or   dm.curve{method=, bias=, order=}\n"
      "Curve segments for rule =: an explicit one-step method made variational, "
      "symplectic and of the order of the "
