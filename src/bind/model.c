@@ -1,6 +1,7 @@
 /* model.c - from the Lua function of a system to the kernels of a run. */
 #include "bind/backend.h"
 #include "bind/model_kept.h"
+#include "bind/model_sums.h"
 #include "bind/model_ties.h"
 #include "bind/state.h"
 #include "bind/system.h"
@@ -291,11 +292,14 @@ void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
     const dml_system *s = dml_checksystem(L, arg);
     const dml_signature sig = signature(s);
     push_function(L, arg, s);
+    const int fn = lua_gettop(L);
+    const dm_kernel *kernel = &m->model.value;
+    const double *at = dml_givesums(L, m, &kernel, x);
     if (m->checked)
-        dml_trace_check_start(L, lua_gettop(L), &sig, &m->model.value, x);
+        dml_trace_check_start(L, fn, &sig, kernel, at);
     else
-        dml_trace_check(L, lua_gettop(L), &sig, &m->model.value, x);
-    lua_pop(L, 1);
+        dml_trace_check(L, fn, &sig, kernel, at);
+    lua_settop(L, fn - 1);
     dml_checkties(L, arg, m, x);
     m->checked = 1;
 }

@@ -2,6 +2,7 @@
 
 #include "bind/model_ties.h"
 #include "bind/state.h"
+#include "expr/sum.h"
 
 #include <string.h>
 
@@ -42,7 +43,8 @@ static int same_trace(const dml_model *kept, const dml_model *fresh) {
     if (kept->traced != size || kept->lagrangian != fresh->lagrangian ||
         kept->n != fresh->n)
         return 0;
-    return dml_samenodes(kept->graph, fresh->graph, size) && dml_sameties(kept, fresh);
+    return dml_samenodes(kept->graph, fresh->graph, size) &&
+           dm_sums_same(kept->graph, fresh->graph) && dml_sameties(kept, fresh);
 }
 
 dml_model *dml_pushkept(lua_State *L, int arg, const dml_model *m, dm_compile *compile) {

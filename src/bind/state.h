@@ -20,11 +20,23 @@ typedef struct dml_frame {
     const char *what; /* "L": the function as messages name it */
     uint32_t serial;
     int keeps_sums;         /* as its signature says */
+    uint32_t sums;          /* calls of dm.sum_over so far */
     struct dml_frame *next; /* the trace that this one is nested in */
 } dml_frame;
 
+/* While a function is compared with its trace: dm.sum_over gives these numbers where the trace has a
+** sum, instead of a loop over all bodies, and compares two rounds of it with the term that was traced. */
+typedef struct {
+    const dm_graph *graph; /* of the trace */
+    const double *values;  /* of its sums; NULL: not now */
+    uint32_t calls;        /* of dm.sum_over in this call of the function */
+    int differs;           /* a term did */
+    double plain, traced;
+} dml_given;
+
 typedef struct {
     const void *metatable[DML_CLASSES];
+    dml_given *given; /* or NULL */
     dml_frame *frames; /* newest first */
     uint32_t serial;   /* of the newest trace */
     int depth;         /* callbacks inside callbacks */

@@ -1,5 +1,6 @@
 /* trace_check.c - a kernel against plain calls of the function it was traced from. */
 #include "bind/call.h"
+#include "bind/state.h"
 
 #include <math.h>
 #include <string.h>
@@ -20,6 +21,7 @@ static const double tolerance = 1e-8, nudge = 1e-6;
 typedef struct {
     const dml_signature *s;
     const dm_kernel *kernel;
+    dml_given *given; /* numbers for sums, or NULL */
     int fn;
     double *x, *plain, *kernel_out, *moved, *kept;
 } check;
@@ -91,16 +93,14 @@ static const char *push_point(lua_State *L, const check *c) {
     return lua_tostring(L, -1);
 }
 
-static void raise_mismatch(lua_State *L, check *c, long k) {
-    const char *what = c->s->what, *point = push_point(L, c);
-    const double plain = c->plain[k], traced = c->kernel_out[k];
-    dml_call_numbers(L, c->fn, c->s, c->x, c->plain, c->kernel->outputs);
-    if (c->plain[k] != plain)
-        luaL_error(L,
-                   "%s gives different values for the same arguments: %f and then %f at "
-                   "%s; it must not "
-                   "use random numbers or the time, nor change globals or upvalues",
-                   what, plain, c->plain[k], point);
+/* the function on numbers, sums being given */
+static void call_plain(lua_State *L, check *c, int fn) {
+    if (c->given) c->given->calls = 0;
+    dml_call_numbers(L, fn, c->s, c->x, c->plain, c->kernel->outputs);
+}
+
+static void raise_difference(lua_State *L, const char *what, double plain, double traced,
+                             const char *point) {
     luaL_error(L,
                "%s is not what its trace says: %f when called, %f when traced, at %s. "
                "Likely causes: == "
@@ -112,6 +112,19 @@ static void raise_mismatch(lua_State *L, check *c, long k) {
                "dm.where(c, a, b), "
                "dm.abs, dm.max, or derivatives = \"hyperdual\"",
                what, plain, traced, point);
+}
+
+static void raise_mismatch(lua_State *L, check *c, long k) {
+    const char *what = c->s->what, *point = push_point(L, c);
+    const double plain = c->plain[k], traced = c->kernel_out[k];
+    call_plain(L, c, c->fn);
+    if (c->plain[k] != plain)
+        luaL_error(L,
+                   "%s gives different values for the same arguments: %f and then %f at "
+                   "%s; it must not "
+                   "use random numbers or the time, nor change globals or upvalues",
+                   what, plain, c->plain[k], point);
+    raise_difference(L, what, plain, traced, point);
 }
 
 static void raise_not_finite(lua_State *L, const check *c) {
@@ -128,8 +141,16 @@ static void raise_not_finite(lua_State *L, const check *c) {
 
 /* ---- the points ---- */
 
+/* a term of a sum that is not what its trace says */
+static void check_terms(lua_State *L, check *c) {
+    if (c->given && c->given->differs)
+        raise_difference(L, "the function of dm.sum_over", c->given->plain,
+                         c->given->traced, push_point(L, c));
+}
+
 static void check_at(lua_State *L, check *c) {
-    dml_call_numbers(L, c->fn, c->s, c->x, c->plain, c->kernel->outputs);
+    call_plain(L, c, c->fn);
+    check_terms(L, c);
     eval(c, c->kernel_out);
     const long k = mismatch(c);
     if (k >= 0) raise_mismatch(L, c, k);
@@ -139,7 +160,7 @@ static void check_at(lua_State *L, check *c) {
 /* protected: 1 the check, 2 the function; returns nothing, or the output that differs */
 static int compare(lua_State *L) {
     check *c = lua_touserdata(L, 1);
-    dml_call_numbers(L, 2, c->s, c->x, c->plain, c->kernel->outputs);
+    call_plain(L, c, 2);
     eval(c, c->kernel_out);
     lua_pushinteger(L, mismatch(c));
     return 1;
@@ -154,6 +175,7 @@ static void check_near(lua_State *L, check *c) {
     const long k = status == LUA_OK ? (long)lua_tointeger(L, -1) : -1;
     if (status == LUA_ERRMEM || (status != LUA_OK && dml_stop)) lua_error(L);
     lua_pop(L, 1);
+    check_terms(L, c);
     if (k >= 0) raise_mismatch(L, c, k);
 }
 
@@ -167,6 +189,7 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
     double *block = lua_newuserdatauv(L, (2 * n + 3 * m + 1) * sizeof *block, 0);
     check c = {s,
                kernel,
+               dml_getstate(L)->given,
                fn,
                block,
                block + n,
@@ -174,6 +197,7 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
                block + n + 2 * m,
                block + n + 3 * m};
     for (size_t i = 0; i < n; i++) c.x[i] = at ? at[i] : 0.0;
+    if (c.given) c.given->values = c.x + dml_signature_inputs(s);
     if (at) check_at(L, &c);
     const size_t first = n > MANY ? points / 2 : 0;
     const size_t end = n > MANY && points ? first + 1 : points;

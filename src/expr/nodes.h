@@ -4,6 +4,8 @@
 
 #include "expr/graph.h"
 
+#include <string.h>
+
 struct dm_graph {
     dm_arena *arena;
     dm_expr *nodes;
@@ -36,6 +38,17 @@ static inline int dm_arity(dm_op op) {
 #undef X
     };
     return operands[op];
+}
+
+/* The same operation of the same nodes; constants bit for bit. */
+static inline int dm_same_expr(const dm_expr *a, const dm_expr *b) {
+    if (a->op != b->op) return 0;
+    if (a->op == DM_OP_CONSTANT)
+        return memcmp(&a->as.value, &b->as.value, sizeof a->as.value) == 0;
+    if (a->op == DM_OP_INPUT) return a->as.input == b->as.input;
+    for (int k = 0; k < dm_arity(a->op); k++)
+        if (a->as.arg[k] != b->as.arg[k]) return 0;
+    return 1;
 }
 
 /* The node with exactly this content, made when missing. No simplification. */

@@ -40,6 +40,51 @@ dm_node dm_sum_of(dm_graph *g, const dm_sum *like, dm_node value) {
     return value ? dm_sum_leaf(g, &s) : 0;
 }
 
+double dm_sum_term(const dm_sum *s, const double *in, double *work) {
+    for (dm_node k = 0; k <= s->value; k++) {
+        const dm_expr *e = dm_at(s->term, k);
+        if (e->op == DM_OP_CONSTANT)
+            work[k] = e->as.value;
+        else if (e->op == DM_OP_INPUT)
+            work[k] = in[e->as.input];
+        else
+            work[k] = dm_op_value(e->op, work[e->as.arg[0]], work[e->as.arg[1]],
+                                  work[e->as.arg[2]]);
+    }
+    return work[s->value];
+}
+
+static int same_column(const dm_sum *s, const dm_column *a, const dm_column *b) {
+    if (a->first != b->first || a->step != b->step || a->partner != b->partner ||
+        !a->data != !b->data)
+        return 0;
+    const size_t last = a->step * (size_t)(s->bodies - 1);
+    return !a->data || memcmp(a->data + a->first, b->data + b->first,
+                              (last + 1) * sizeof *a->data) == 0;
+}
+
+static int same_sum(const dm_sum *kept, const dm_sum *fresh) {
+    if (kept->value != fresh->value || kept->columns != fresh->columns ||
+        kept->bodies != fresh->bodies || kept->from != fresh->from ||
+        kept->to != fresh->to || kept->periodic != fresh->periodic ||
+        kept->input != fresh->input || kept->call != fresh->call)
+        return 0;
+    for (uint32_t c = 0; c < fresh->columns; c++)
+        if (!same_column(fresh, kept->column + c, fresh->column + c)) return 0;
+    for (dm_node k = 0; k <= fresh->value; k++)
+        if (!dm_same_expr(dm_at(kept->term, k), dm_at(fresh->term, k))) return 0;
+    return 1;
+}
+
+/* those of `kept` that derivatives added are newer */
+int dm_sums_same(const dm_graph *kept, const dm_graph *fresh) {
+    const dm_sum *a = kept->sums, *b = fresh->sums;
+    while (a && b && a->input > b->input) a = a->next;
+    for (; a && b; a = a->next, b = b->next)
+        if (!same_sum(a, b)) return 0;
+    return !a && !b;
+}
+
 /* what the columns are in one round, as nodes of `to` */
 static void fill_columns(dm_graph *to, const dm_sum *s, dm_node *with, uint32_t i,
                          uint32_t shift) {

@@ -26,6 +26,7 @@ typedef struct dm_sum {
     uint32_t columns, bodies, from, to;
     int periodic;        /* the partner of the last body is the first */
     uint32_t input;      /* of the graph that stands for the sum */
+    uint32_t call;       /* which of all sums that were asked for while it was traced */
     struct dm_sum *next; /* of the graph, newest first */
 } dm_sum;
 
@@ -49,6 +50,13 @@ static inline size_t dm_sum_entry(const dm_sum *s, const dm_column *c, uint32_t 
     if (body >= s->bodies) body -= s->bodies;
     return c->first + (size_t)c->step * body;
 }
+
+/* Value of the term for in[columns], node by node; work[nodes of the term]. */
+double dm_sum_term(const dm_sum *s, const double *in, double *work);
+
+/* The same sums of the same terms, as far as `fresh` has them: what was added to the terms of `kept`
+** since makes no difference. */
+int dm_sums_same(const dm_graph *kept, const dm_graph *fresh);
 
 /* The same sum of another term with the same columns. */
 dm_node dm_sum_of(dm_graph *g, const dm_sum *like, dm_node value);

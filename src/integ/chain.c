@@ -1,5 +1,6 @@
 #include "integ/chain.h"
 
+#include "integ/kept.h"
 #include "mech/lattice.h"
 
 enum { TIME, KICK, DRIFT, AGAIN_KICK, AGAIN_DRIFT }; /* numbers of a pass */
@@ -136,24 +137,60 @@ static double common_weight(const dm_model *m) {
     return m->inverse_mass[0];
 }
 
-static uint32_t take_arrays(dm_lattice *l) {
-    const uint32_t first = dm_lattice_array(l);
-    for (uint32_t k = 1; k < l->block; k++) dm_lattice_array(l);
-    return first;
+/* the loops of all steps with such a table; they take its coefficients as they run */
+static dm_status make(dm_chain *c, const dm_model *m) {
+    const dm_status status = dm_lattice_open(&c->lattice, m);
+    if (status != DM_OK) return status;
+    c->same_weight = common_weight(m);
+    c->q0 = dm_lattice_arrays(&c->lattice);
+    c->p0 = dm_lattice_arrays(&c->lattice);
+    c->dq = dm_lattice_arrays(&c->lattice);
+    c->dp = dm_lattice_arrays(&c->lattice);
+    if (c->same_weight == 0.0) c->weight = dm_lattice_arrays(&c->lattice);
+    return make_passes(c);
 }
 
-dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table) {
-    dm_chain *c = dm_arena_take(m->source.arena, sizeof *c);
-    if (!c) return NULL;
-    *c = (dm_chain){.table = *table, .same_weight = common_weight(m)};
+/* tables with the same kicks and drifts missing share their loops, which the model keeps */
+static int find(dm_chain *c, const dm_model *m) {
+    static const char maker;
+    const int s = c->table.stages;
+    const uint32_t which =
+        (uint32_t)((c->table.b[0] != 0.0) + 2 * (c->table.b[s] != 0.0) + 4 * (s > 1));
+    dm_kernel kept;
+    if (dm_kept_find(&kept, m, &maker, which)) {
+        const dm_splitting table = c->table;
+        if (!kept.pool) return 0;
+        *c = *(const dm_chain *)kept.pool;
+        c->table = table;
+        c->lattice.model = m;
+        return 1;
+    }
+    dm_chain *copy = dm_arena_take(m->source.arena, sizeof *copy);
+    if (!copy) return 0;
+    const int there = make(c, m) == DM_OK;
+    *copy = *c;
+    kept = (dm_kernel){.pool = there ? copy : NULL};
+    dm_kept_add(m, &maker, which, &kept, 1);
+    return there;
+}
+
+static size_t own_size(void) {
+    return (sizeof(dm_chain) + sizeof(double) - 1) / sizeof(double);
+}
+
+size_t dm_chain_work(const dm_model *m) {
+    const size_t lattice = dm_lattice_work(m, 6);
+    return lattice ? own_size() + lattice : 0;
+}
+
+dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *work) {
+    if (!dm_chain_work(m)) return NULL;
+    dm_chain *c = (dm_chain *)(void *)work;
+    *c = (dm_chain){.table = *table};
     plan_step(c);
-    if (c->last < c->first || dm_lattice_open(&c->lattice, m) != DM_OK) return NULL;
-    c->q0 = take_arrays(&c->lattice);
-    c->p0 = take_arrays(&c->lattice);
-    c->dq = take_arrays(&c->lattice);
-    c->dp = take_arrays(&c->lattice);
-    if (c->same_weight == 0.0) c->weight = take_arrays(&c->lattice);
-    if (make_passes(c) != DM_OK || dm_lattice_allocate(&c->lattice) != DM_OK) return NULL;
+    if (c->last < c->first || !find(c, m)) return NULL;
+    plan_step(c);
+    dm_lattice_place(&c->lattice, work + own_size());
     if (c->same_weight == 0.0) dm_lattice_load(&c->lattice, c->weight, m->inverse_mass);
     return c;
 }

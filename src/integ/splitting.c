@@ -2,7 +2,6 @@
 
 #include "base/sum.h"
 #include "integ/chain.h"
-#include "integ/kept.h"
 #include "integ/splitting_loop.h"
 
 #include <string.h>
@@ -35,8 +34,9 @@ static size_t layout_size(void) {
 }
 
 size_t dm_splitting_work(const dm_model *m) {
-    return layout_size() + 4 * (size_t)m->n + 1 + dm_state_size(m->n) +
-           dm_splitting_loop_work(m);
+    const size_t loops =
+        m->structure & DM_LOOPS ? dm_chain_work(m) : dm_splitting_loop_work(m);
+    return layout_size() + 4 * (size_t)m->n + 1 + dm_state_size(m->n) + loops;
 }
 
 static double *loop_work(const dm_stepper *s) {
@@ -49,26 +49,6 @@ static uint32_t evaluations(const dm_splitting *table) {
     return (uint32_t)(table->stages - (table->b[table->stages] == 0.0));
 }
 
-/* the same for the same numbers (FNV-1a) */
-static uint32_t hash(uint32_t start, const double *x, int count) {
-    const unsigned char *bytes = (const unsigned char *)x;
-    for (size_t i = 0; i < (size_t)count * sizeof *x; i++)
-        start = (start ^ bytes[i]) * 16777619u;
-    return start;
-}
-
-/* the model keeps it */
-static dm_chain *open_chain(const dm_model *m, const dm_splitting *table) {
-    static const char maker;
-    const int s = table->stages;
-    const uint32_t number = hash(hash(2166136261u, table->a, s), table->b, s + 1);
-    dm_kernel kept;
-    if (dm_kept_find(&kept, m, &maker, number)) return (dm_chain *)(uintptr_t)kept.pool;
-    dm_chain *chain = dm_chain_open(m, table);
-    if (chain) dm_kept_add(m, &maker, number, &(dm_kernel){.pool = chain}, 1);
-    return chain;
-}
-
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     const dm_model *m = s->model;
     layout *l = (layout *)(void *)s->work;
@@ -77,7 +57,7 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     l->c[table->stages] = 1.0;
     /* without them the loop below serves */
     if (m->structure & DM_LOOPS)
-        l->chain = open_chain(m, table);
+        l->chain = dm_chain_open(m, table, loop_work(s));
     else
         l->loop = dm_splitting_loop_open(m, table);
 }

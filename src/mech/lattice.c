@@ -79,6 +79,12 @@ static int sum_fits(const dm_lattice *l, const dm_sum *s) {
     return 1;
 }
 
+static int sums_fit(const dm_lattice *l) {
+    for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next)
+        if (!sum_fits(l, s)) return 0;
+    return 1;
+}
+
 /* L is linear in the sums, with numbers as factors, and nothing else depends on q */
 static int outside_fits(const dm_lattice *l, double *factor) {
     const dm_source *from = &l->model->source;
@@ -105,11 +111,9 @@ static int find_layout(dm_lattice *l) {
     uint32_t far = 0;
     find_block(l);
     if (l->model->n % l->block) return 0;
-    for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next, l->sums++) {
-        if (!sum_fits(l, s)) return 0;
+    for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next, l->sums++)
         for (uint32_t c = 0; c < s->columns; c++)
             far = larger(far, reach(l, s, s->column + c));
-    }
     l->pad = whole_groups(far);
     l->pitch = ((l->bodies + l->pad + GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
     l->tile = larger(TILE, 4 * l->pad);
@@ -125,7 +129,7 @@ static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s,
                            const dm_column *c) {
     if (!c->data && !c->step) return dm_strip_read(d, dm_lattice_number(0));
     if (c->data && !c->step) return dm_constant(d->g, c->data[c->first]);
-    const uint32_t array = c->data ? dm_lattice_array(l) : c->first % l->block;
+    const uint32_t array = c->data ? l->arrays++ : c->first % l->block;
     if (c->data) l->data[l->columns++] = (data){s, c, array};
     dm_strand from = dm_lattice_entry(l, array);
     from.at += reach(l, s, c);
@@ -189,7 +193,7 @@ dm_status dm_lattice_open(dm_lattice *l, const dm_model *m) {
     const dm_source *from = &m->source;
     *l = (dm_lattice){.model = m};
     if (!(m->structure & DM_LOOPS) || !from->sums) return DM_TOO_LARGE;
-    if (!find_layout(l)) return DM_TOO_LARGE;
+    if (!find_layout(l) || !sums_fit(l)) return DM_TOO_LARGE;
     double *factor = dm_arena_take(from->arena, (l->sums + 1) * sizeof *factor);
     l->sum = dm_arena_take(from->arena, (l->sums + 1) * sizeof *l->sum);
     l->share = dm_arena_take(from->arena, (l->sums + 1) * COLUMNS * sizeof *l->share);
@@ -202,8 +206,9 @@ dm_status dm_lattice_open(dm_lattice *l, const dm_model *m) {
 
 /* ---- memory ---- */
 
-uint32_t dm_lattice_array(dm_lattice *l) {
-    return l->arrays++;
+uint32_t dm_lattice_arrays(dm_lattice *l) {
+    l->arrays += l->block;
+    return l->arrays - l->block;
 }
 
 /* numbers behind the coordinates, with copies of the first ones behind the last */
@@ -219,18 +224,21 @@ static void fill_data(dm_lattice *l) {
     }
 }
 
-dm_status dm_lattice_allocate(dm_lattice *l) {
-    const size_t space = (size_t)l->arrays * l->pitch, buffer = (size_t)l->slots * l->row,
-                 fixed = (size_t)DM_LATTICE_FIXED * GROUP;
-    const size_t all = space + buffer + fixed;
-    double *block = dm_arena_take(l->model->source.arena, all * sizeof *block);
-    if (!block) return DM_NO_MEMORY;
-    memset(block, 0, all * sizeof *block);
-    l->fixed = block;
-    l->buffer = block + fixed;
-    l->space = l->buffer + buffer;
+size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
+    dm_lattice l = {.model = m};
+    uint32_t columns = 0;
+    if (!(m->structure & DM_LOOPS) || !m->source.sums || !find_layout(&l)) return 0;
+    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns;
+    return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
+           (DM_LATTICE_FIXED + 1) * GROUP;
+}
+
+void dm_lattice_place(dm_lattice *l, double *work) {
+    const uintptr_t line = GROUP * sizeof *work;
+    l->fixed = work + (line - (uintptr_t)work % line) % line / sizeof *work;
+    l->buffer = l->fixed + (size_t)DM_LATTICE_FIXED * GROUP;
+    l->space = l->buffer + (size_t)l->slots * l->row;
     fill_data(l);
-    return DM_OK;
 }
 
 void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {

@@ -45,12 +45,17 @@ typedef struct {
     uint32_t columns;
 } dm_lattice;
 
-/* Loops for the force of m; DM_TOO_LARGE where it is not of this kind. Memory of the model's arena. */
+/* Loops for the force of m, in the model's arena; DM_TOO_LARGE where it is not of this kind. */
 dm_status dm_lattice_open(dm_lattice *l, const dm_model *m);
 
-/* One more array; then the space for all. */
-uint32_t dm_lattice_array(dm_lattice *l);
-dm_status dm_lattice_allocate(dm_lattice *l);
+/* One more array of every coordinate; gives the number of the first. */
+uint32_t dm_lattice_arrays(dm_lattice *l);
+
+/* Doubles of workspace, at most, with so many arrays of every coordinate; 0: not of this kind. */
+size_t dm_lattice_work(const dm_model *m, uint32_t arrays);
+
+/* Lay the arrays into workspace: any copy of an open lattice can have one. */
+void dm_lattice_place(dm_lattice *l, double *work);
 
 static inline dm_strand dm_lattice_entry(const dm_lattice *l, uint32_t array) {
     return (dm_strand){DM_STRAND_MAIN, (int64_t)array * l->pitch};

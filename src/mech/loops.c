@@ -293,6 +293,12 @@ dm_status dm_loops_value(dm_kernel *out, dm_graph *g, dm_node root, dm_compile *
     return DM_OK;
 }
 
+const dm_kernel *dm_loops_outer(const dm_kernel *value, const double **x) {
+    const whole *w = value->pool;
+    *x = w->x;
+    return &w->outer;
+}
+
 /* loops of the sums that f depends on; their factors df/dS behind the direct parts in roots */
 static dm_status make_slopes(whole *w, dm_graph *g, dm_node root, dm_node *roots,
                              dm_compile *compile, dm_arena *arena) {

@@ -17,6 +17,10 @@ enum { DM_LOOP_BLOCK = 64, DM_LOOP_COLUMNS = 24 };
 dm_status dm_loops_value(dm_kernel *out, dm_graph *g, dm_node root, dm_compile *compile,
                          dm_arena *arena);
 
+/* The kernel of g that takes the values of the sums behind x, inside of one of dm_loops_value; *x: what
+** it took in the last evaluation. */
+const dm_kernel *dm_loops_outer(const dm_kernel *value, const double **x);
+
 /* The same for d root/dx_i, i < m, given nodes[m], the derivatives with the sums held. */
 dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root,
                             const dm_node *nodes, uint32_t m, dm_compile *compile,
