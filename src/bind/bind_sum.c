@@ -7,150 +7,15 @@
 #include "bind/array.h"
 #include "bind/call.h"
 #include "bind/state.h"
+#include "bind/sum_request.h"
 #include "expr/sum.h"
 
 #include <math.h>
 #include <string.h>
 
-enum {
-    FEWEST_ROUNDS = 16, /* fewer are written out at once */
-    MOST_VECTORS = 7,
-    MOST_COLUMNS = 24
-};
+enum { FEWEST_ROUNDS = 16 /* fewer are written out at once */ };
 
-static const char *const what = "the function of dm.sum_over";
-
-/* what the arguments ask for; vectors and scalars are numbered by their stack index */
-typedef struct {
-    int fn, given; /* stack index of the function; arguments before it */
-    uint32_t width[MOST_VECTORS + 1]; /* entries a body has of argument k, 0: a scalar */
-    uint32_t bodies, from, to, block;
-    int periodic;
-    dml_signature signature; /* of the function */
-} request;
-
-/* ---- arguments ---- */
-
-static void find_function(lua_State *L, request *r) {
-    const int top = lua_gettop(L);
-    for (r->fn = 1; r->fn <= top && !lua_isfunction(L, r->fn); r->fn++) {}
-    if (r->fn > top || r->fn == 1)
-        luaL_error(
-            L,
-            "dm.sum_over needs vectors and then a function of what one body has of them: "
-            "dm.sum_over(q, v, function(x, u) return u^2/2 - x^4 end)");
-    r->given = r->fn - 1;
-    if (r->given > MOST_VECTORS)
-        luaL_error(L, "dm.sum_over takes at most %d vectors (got %d)", MOST_VECTORS,
-                   r->given);
-    if (top > r->fn + 1)
-        luaL_error(L,
-                   "dm.sum_over takes vectors, a function and one table of options (got "
-                   "%d arguments)",
-                   top);
-    lua_settop(L, r->fn + 1);
-}
-
-static int flag(lua_State *L, int options, const char *key) {
-    const int type = lua_getfield(L, options, key);
-    if (type != LUA_TNIL && type != LUA_TBOOLEAN)
-        luaL_error(L, "field '%s' must be true or false (got %s)", key,
-                   luaL_typename(L, -1));
-    const int on = lua_toboolean(L, -1);
-    lua_pop(L, 1);
-    return on;
-}
-
-/* shift, periodic, pairs, once the number of bodies is known */
-static void read_pattern(lua_State *L, request *r, int options) {
-    const int pairs = flag(L, options, "pairs");
-    const long shift = dml_count(L, options, "shift", 0, 0);
-    r->periodic = flag(L, options, "periodic");
-    if (pairs && (shift || r->periodic))
-        luaL_error(L, "'pairs' stands alone: all pairs of bodies have no 'shift' and no "
-                      "'periodic' end");
-    if (r->periodic && !shift)
-        luaL_error(L, "'periodic' joins the last body to the first: give 'shift' (1: the "
-                      "next neighbour) too");
-    if (shift && shift >= (long)r->bodies)
-        luaL_error(L, "field 'shift' must be from 1 to %d for %d bodies (got %d)",
-                   (int)r->bodies - 1, (int)r->bodies, (int)shift);
-    r->from = pairs ? 1 : (uint32_t)shift;
-    r->to = pairs ? r->bodies - 1 : (uint32_t)shift;
-}
-
-/* how much of argument k a body has; the first vector says how many bodies there are */
-static void read_vector(lua_State *L, request *r, int k) {
-    dml_scalar x;
-    if (dml_toscalar(L, k, &x)) {
-        r->width[k] = 0;
-        return;
-    }
-    if (dml_length(L, k) < 0)
-        luaL_error(L,
-                   "dm.sum_over: argument %d must be a vector, a table of numbers or a "
-                   "number (got %s)",
-                   k, luaL_typename(L, k));
-    const uint32_t n = dml_vectorat(L, k)->rows;
-    if (!r->bodies) {
-        if (n == 0 || n % r->block)
-            luaL_error(L,
-                       "dm.sum_over: argument %d has %d entries, which is no number of "
-                       "bodies with %d each",
-                       k, (int)n, (int)r->block);
-        r->bodies = n / r->block;
-    }
-    if (n != r->bodies && n != r->bodies * r->block)
-        luaL_error(L,
-                   "dm.sum_over: argument %d has %d entries, but there are %d bodies "
-                   "(block = %d)",
-                   k, (int)n, (int)r->bodies, (int)r->block);
-    r->width[k] = n / r->bodies;
-}
-
-/* arguments of the function: those of the body, of its partner, then scalars */
-static void add_arguments(lua_State *L, request *r, int scalars) {
-    for (int k = 1; k <= r->given; k++) {
-        if ((r->width[k] == 0) != scalars) continue;
-        if (r->signature.arguments == DML_MAX_ARGUMENTS)
-            luaL_error(L, "dm.sum_over: the function would take more than %d arguments",
-                       DML_MAX_ARGUMENTS);
-        r->signature.length[r->signature.arguments++] =
-            r->width[k] > 1 ? (int)r->width[k] : DML_SCALAR_ARGUMENT;
-    }
-}
-
-/* a Lua function that names fewer or more arguments than it gets is a mistake */
-static void check_arity(lua_State *L, const request *r) {
-    lua_Debug about;
-    lua_pushvalue(L, r->fn);
-    lua_getinfo(L, ">Su", &about);
-    if (about.what[0] == 'C' || about.isvararg) return;
-    if (about.nparams != r->signature.arguments)
-        luaL_error(
-            L, "%s takes %d argument%s, but gets %d: what a body has of each vector%s",
-            what, about.nparams, about.nparams == 1 ? "" : "s", r->signature.arguments,
-            r->to ? ", then the same of its partner, then numbers" : ", then numbers");
-}
-
-static void read_request(lua_State *L, request *r) {
-    static const char *const known[] = {"shift", "periodic", "pairs", "block", NULL};
-    find_function(L, r);
-    const int options = r->fn + 1;
-    if (lua_isnil(L, options)) lua_newtable(L), lua_replace(L, options);
-    luaL_checktype(L, options, LUA_TTABLE);
-    dml_options(L, options, known);
-    r->block = (uint32_t)dml_count(L, options, "block", 1, 1);
-    for (int k = 1; k <= r->given; k++) read_vector(L, r, k);
-    if (!r->bodies)
-        luaL_error(L, "dm.sum_over: one argument before the function must be a vector");
-    read_pattern(L, r, options);
-    r->signature = (dml_signature){.what = what, .outputs = DML_SCALAR_ARGUMENT};
-    add_arguments(L, r, 0);
-    if (r->to) add_arguments(L, r, 0);
-    add_arguments(L, r, 1);
-    check_arity(L, r);
-}
+typedef dml_sum_request request;
 
 static uint32_t rounds(const request *r, uint32_t shift) {
     return r->periodic ? r->bodies : r->bodies - shift;
@@ -268,7 +133,7 @@ static int find_entries(lua_State *L, const request *r, const dml_frame *frame, 
 /* columns in the order of the function's arguments; 0 where the pattern is not one for a loop */
 static int make_columns(lua_State *L, const request *r, const dml_frame *frame, dm_sum *s,
                         dm_column *column) {
-    dm_column of[MOST_VECTORS + 1];
+    dm_column of[DML_SUM_VECTORS + 1];
     for (int k = 1; k <= r->given; k++)
         if (!find_entries(L, r, frame, k, of + k)) return 0;
     for (int part = 0; part < 3; part++)
@@ -276,7 +141,7 @@ static int make_columns(lua_State *L, const request *r, const dml_frame *frame, 
             const uint32_t width = part < 2 ? r->width[k] : !r->width[k];
             if ((part == 1 && !r->to) || (part == 2) != (r->width[k] == 0)) continue;
             for (uint32_t c = 0; c < width; c++) {
-                if (s->columns == MOST_COLUMNS) return 0;
+                if (s->columns == DML_SUM_COLUMNS) return 0;
                 column[s->columns] = of[k];
                 column[s->columns].first += c;
                 column[s->columns++].partner = part == 1;
@@ -337,7 +202,7 @@ static double column_value(lua_State *L, const request *r, uint32_t c, uint32_t 
 static void compare_round(lua_State *L, const request *r, dml_given *given,
                           const dm_sum *s, uint32_t i) {
     static const double tolerance = 1e-8;
-    double in[MOST_COLUMNS];
+    double in[DML_SUM_COLUMNS];
     const dml_scalar plain = call(L, r, i, r->from);
     for (uint32_t c = 0; c < s->columns; c++) in[c] = column_value(L, r, c, i, r->from);
     double *work = lua_newuserdatauv(L, (s->value + 1) * sizeof *work, 0);
@@ -365,7 +230,7 @@ static int sum_over(lua_State *L) {
     request r = {.bodies = 0};
     dml_state *state = dml_getstate(L);
     luaL_checkstack(L, 2 * DML_MAX_ARGUMENTS + 20, NULL);
-    read_request(L, &r);
+    dml_read_sum(L, &r);
     if (state->given && state->given->values) {
         const dm_sum *given = find_given(state->given, &r);
         state->given->calls++;
@@ -376,7 +241,7 @@ static int sum_over(lua_State *L) {
     if (state->frames) s.call = state->frames->sums++;
     if (!frame || dm_sum_all_rounds(&s) < FEWEST_ROUNDS) return loop_in_lua(L, &r);
     dm_column *column =
-        dm_arena_take(dm_graph_arena(frame->graph), MOST_COLUMNS * sizeof *column);
+        dm_arena_take(dm_graph_arena(frame->graph), DML_SUM_COLUMNS * sizeof *column);
     if (!column) return luaL_error(L, "not enough memory");
     if (!make_columns(L, &r, frame, &s, column)) return loop_in_lua(L, &r);
     return keep_loop(L, &r, frame, &s);
