@@ -56,20 +56,26 @@ local function zeros(n)
   return out
 end
 
--- the columns of the tangent map: images of the unit vectors of (q, p)
+local function is_tied(solver)
+  local given = solver.system.given
+  return (given.constraint or given.rolling) ~= nil
+end
+
+-- where the unit vectors of (q, p), or what of them is tangent to the constraints, lead; and these; and the end of the run
 local function columns(solver, options)
   local n, steps = #options.q, steps_of(solver, options)
   local q, p, t0 = start_of(solver, options)
   local lifted = solver_of(solver, prolong.system(solver.system))
-  local out, last = {}, nil
+  local out, first, last = {}, {}, nil
   for k = 1, 2 * n do
     local u, dp = zeros(n), zeros(n)
     if k <= n then u[k] = 1 else dp[k - n] = 1 end
-    last = lifted:run { q = prolong.joined(q, u), p = prolong.joined(dp, p), t0 = t0, steps = steps, every = max(steps, 1) }
-    local x, y = last.q[#last], last.p[#last]
-    out[k] = prolong.joined(prolong.part(x, n, n), prolong.part(y, 0, n))
+    last = lifted:run { q = prolong.joined(q, u), p = prolong.joined(dp, p), t0 = t0, steps = steps, every = max(steps, 1),
+      project = is_tied(solver) }
+    local function vector(i) return prolong.joined(prolong.part(last.q[i], n, n), prolong.part(last.p[i], 0, n)) end
+    first[k], out[k] = vector(1), vector(#last)
   end
-  return out, prolong.part(last.q[#last], 0, n), prolong.part(last.p[#last], n, n)
+  return out, first, prolong.part(last.q[#last], 0, n), prolong.part(last.p[#last], n, n)
 end
 
 local function matrix_of(cols)
@@ -90,26 +96,26 @@ With constraints the start must lie on them, and so must each column: use tangen
 M.tangent = blame.caller(function(solver, options)
   check_options(options, "solver:tangent")
   refuse(solver, "solver:tangent")
-  if solver.system.given.constraint or solver.system.given.rolling then
+  if is_tied(solver) then
     error("solver:tangent: the unit vectors of (q, p) are not tangent to the constraints of this system", 0)
   end
-  local cols, q, p = columns(solver, options)
+  local cols, _, q, p = columns(solver, options)
   return matrix_of(cols), q, p
 end)
 
--- largest entry of M^T J M - J, over the square of the largest entry of M where that is above 1
-local function defect_of(cols)
+-- largest change of the two-form between the vectors, over the square of the largest entry where that is above 1
+local function defect_of(cols, first)
   local n, worst, size = #cols // 2, 0, 1
+  local function form(list, a, b)
+    local sum = 0
+    for i = 1, n do sum = sum + list[a][i] * list[b][n + i] - list[a][n + i] * list[b][i] end
+    return sum
+  end
   for i = 1, 2 * n do
     for k = 1, 2 * n do size = max(size, abs(cols[k][i])) end
   end
   for a = 1, 2 * n do
-    for b = 1, 2 * n do
-      local sum = 0
-      for i = 1, n do sum = sum + cols[a][i] * cols[b][n + i] - cols[a][n + i] * cols[b][i] end
-      local wanted = (b == a + n and 1) or (a == b + n and -1) or 0
-      worst = max(worst, abs(sum - wanted))
-    end
+    for b = 1, 2 * n do worst = max(worst, abs(form(cols, a, b) - form(first, a, b))) end
   end
   return worst / size ^ 2
 end
@@ -117,12 +123,14 @@ end
 local doc_symplecticity = [[
 solver:symplecticity{q=, v= | p=, steps= | t=, t0=} -> number
 The largest entry of M^T J M - J, M the exact tangent map of the run (solver:tangent), relative to the square of the largest
-entry of M where that is above 1: round-off for a symplectic rule, the defect of any other.]]
+entry of M where that is above 1: round-off for a symplectic rule, the defect of any other. With constraints: of the
+two-form on the vectors that are tangent to them.]]
 
 M.symplecticity = blame.caller(function(solver, options)
   check_options(options, "solver:symplecticity")
   refuse(solver, "solver:symplecticity")
-  return defect_of((columns(solver, options)))
+  local cols, first = columns(solver, options)
+  return defect_of(cols, first)
 end)
 
 ---- chaos ----
@@ -156,7 +164,7 @@ end
 -- one block of steps from state s; rows of (t, ln growth) are added to the record
 local function block(lifted, s, n, steps, every)
   local q, p = core.vector(s.x), core.vector(s.p)
-  local path = lifted:run { q = q, p = p, t0 = s.t, steps = steps, every = every,
+  local path = lifted:run { q = q, p = p, t0 = s.t, steps = steps, every = every, project = s.project,
     watch = { "energy", growth = growth(n), x = function(x) return x end, p = function(_, _, _, y) return y end } }
   local ln = path:column "growth"
   return path, ln
@@ -196,7 +204,7 @@ M.lyapunov = blame.caller(function(solver, options)
   local every = options.every or max(1, steps // 1000)
   local q, p, t0 = start_of(solver, options)
   local w = first_vector(options, n)
-  local s = { t = t0, x = {}, p = {} }
+  local s = { t = t0, x = {}, p = {}, project = is_tied(solver) }
   for i = 1, n do s.x[i], s.x[n + i], s.p[i], s.p[n + i] = q[i], w[i], w[n + i], p[i] end
   local lifted = solver_of(solver, prolong.system(solver.system))
   local record = { t0 = t0, sum = 0, growth = 0, mean = 0, Y = 0, t = {}, exponent = {}, megno = {} }

@@ -11,11 +11,42 @@ dm_node dm_subtract_product(dm_graph *g, dm_node sum, dm_node x, dm_node y) {
     return dm_add_product(g, sum, minus, y);
 }
 
+/* rows k and i of A, from column k on, and of x change places */
+static void exchange(dm_node *A, dm_node *x, uint32_t m, uint32_t k, uint32_t i) {
+    dm_node *a = A + k * (size_t)m, *b = A + i * (size_t)m;
+    for (uint32_t j = k; j < m; j++) {
+        const dm_node kept = a[j];
+        a[j] = b[j], b[j] = kept;
+    }
+    const dm_node kept = x[k];
+    x[k] = x[i], x[i] = kept;
+}
+
+/* a pivot that is zero everywhere: the next row that has one */
+static void find_pivot(dm_node *A, dm_node *x, uint32_t m, uint32_t k) {
+    for (uint32_t i = k; i < m; i++)
+        if (A[i * (size_t)m + k]) {
+            if (i != k) exchange(A, x, m, k, i);
+            return;
+        }
+}
+
+/* the lower half too, where a diagonal entry is zero everywhere; 0: symmetric no more */
+static int fits_symmetric(dm_node *A, uint32_t m) {
+    uint32_t zeros = 0;
+    for (uint32_t i = 0; i < m; i++) zeros += A[i * (size_t)m + i] == 0;
+    for (uint32_t i = 0; zeros && i < m; i++)
+        for (uint32_t j = 0; j < i; j++) A[i * (size_t)m + j] = A[j * (size_t)m + i];
+    return !zeros;
+}
+
 /* the reciprocals of the pivots stay on the diagonal */
 static void eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
     const dm_node one = dm_constant(g, 1.0);
+    symmetric = symmetric && fits_symmetric(A, m);
     for (uint32_t k = 0; k < m; k++) {
         dm_node *pivot = A + k * (size_t)m;
+        if (!symmetric) find_pivot(A, x, m, k);
         pivot[k] = dm_div(g, one, pivot[k]);
         for (uint32_t i = k + 1; i < m; i++) {
             dm_node *row = A + i * (size_t)m;

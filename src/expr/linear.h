@@ -9,8 +9,8 @@ dm_node dm_add_product(dm_graph *g, dm_node sum, dm_node x, dm_node y);
 dm_node dm_subtract_product(dm_graph *g, dm_node sum, dm_node x, dm_node y);
 
 /*
-** x[m] = A^-1 x, where A[m*m] has a diagonal to eliminate by without exchange of rows (near to a positive definite
-** matrix); A is used up. Operations grow with what fills in: like m for a band. symmetric: only entries i <= j are
+** x[m] = A^-1 x, where A[m*m] can be eliminated in the order of its rows (it is near to a positive definite matrix):
+** rows are exchanged only where a pivot is zero everywhere. A is used up. Operations grow with what fills in: like m for a band. symmetric: only entries i <= j are
 ** read. Two unknowns by Cramer's rule, with one division.
 */
 void dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric);

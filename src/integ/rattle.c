@@ -209,7 +209,7 @@ const dm_method dm_method_shake = {
            "whose part across the constraint is left to the next step: energies and "
            "velocities of rows err like h^2 there, and a start from q and p takes any p. "
            "Ryckaert, Ciccotti & Berendsen 1977; HLW VII.1.4.",
-    .traits = DM_HOLONOMIC | DM_FORCED | DM_KEEPS | DM_LOOSE_MOMENTUM,
+    .traits = DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_KEEPS | DM_LOOSE_MOMENTUM,
     .check = check,
     .fits = fits,
     .order = order,

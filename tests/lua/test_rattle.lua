@@ -93,6 +93,17 @@ local drift = path:drift "energy"
 ok(abs(drift.per_time) < 4 * drift.error + 1e-9 and drift.largest < 0.01, "and no drift of the energy", drift.per_time)
 ok(long:report().newton_per_step < 2.01, "two Newton iterations a step", long:report().newton_per_step)
 
+-- exact tangents, by the prolonged constraints: the two-form on vectors that are tangent, and chaos
+for _, rule in ipairs { "rattle", "shake", "kahan-li(6, rattle)" } do
+  local defect = double:solver({ rule = rule, h = 0.02 }):symplecticity { q = swing.q, v = swing.v, steps = 50 }
+  ok(defect < 1e-14, rule .. " is symplectic on the constraints to round-off", defect)
+end
+ok(double:solver({ rule = "rattle", h = 0.02 }):reversal { q = swing.q, v = swing.v, steps = 50 } < 1e-12, "and rattle reversible")
+local calm = sphere:solver({ rule = "rattle", h = 0.05 }):lyapunov { q = start.q, v = start.v, steps = 20000 }
+local wild = double:solver({ rule = "rattle", h = 0.01 }):lyapunov { q = { 0, 0, 1, 0.6, 0, 1.8 }, v = { 0, 0.5, 0, 0, 1, 0 }, steps = 20000 }
+ok(abs(calm.megno - 2) < 0.1 and wild.exponent > 0.5, "a spherical pendulum is regular, a double one in full swing chaotic",
+  calm.megno .. " " .. wild.exponent)
+
 -- bits: backends, rows, an ensemble
 local function bits(backend)
   local p = double:solver({ rule = "yoshida(4, rattle)", h = 0.01, backend = backend }):run { q = swing.q, v = swing.v, steps = 3000, every = 3000 }
