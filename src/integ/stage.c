@@ -309,6 +309,7 @@ static void prepare(dm_stage *g) {
     g->prepared = 1;
 }
 
+/* the end is in g->state */
 static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     dm_status status = DM_NO_CONVERGENCE;
     if (g->sweeps.row && !dm_stage_memory_is_stiff(g))
@@ -317,6 +318,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     if (!g->prepared) prepare(g);
     status = g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
     if (status == DM_OK && g->sweeps.row) dm_stage_memory_newton(g);
+    if (status == DM_OK) dm_stage_copy(g->state, g->next, 4 * g->n);
     return status;
 }
 
@@ -334,6 +336,5 @@ dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
     stepper->report.solves++;
     stepper->report.newton += stepper->report.iterations;
     stepper->report.evaluations += g->evaluations;
-    if (status == DM_OK) dm_stage_copy(state, g->next, 4 * g->n);
     return status;
 }

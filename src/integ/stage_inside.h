@@ -35,9 +35,10 @@ typedef struct {
     double *after;            /* [width] h c */
     dm_parts line, b, mean;   /* [width] h c, h b, h^2 mean */
     double *none, *one;       /* [max(n, width)][width] zeros, [n] ones */
-    double *total;            /* [2n] sums over the stages */
-    double *memory;           /* what is kept from step to step, see stage_memory.c */
-    double heaviest;          /* largest entry of M, where it is constant */
+    double *drift;            /* [n] h v0 in the separable form, else zero */
+    dm_sweep_end end;
+    double *memory;  /* what is kept from step to step, see stage_memory.c */
+    double heaviest; /* largest entry of M, where it is constant */
 } dm_stage_sweeps;
 
 /* Laid out at the head of stepper->work by dm_stage_open. */
@@ -53,7 +54,7 @@ typedef struct {
     dm_weight *wq, *wv;    /* [r*s]: h b_i (a_ij - beta_j), b_i d_ij */
     dm_weight *hbeta;      /* [s] */
     dm_weight *hb, *hc;    /* [r] */
-    const double *state;   /* at the start of the step */
+    double *state;         /* at the start of the step; after sweeps at its end */
     double *x;             /* [2n+1] arguments of a kernel */
     double *slope;         /* [r][2n] L_q, L_v; separable: [r][n] L_q */
     double *curve;         /* [r][2n + 3n^2] outputs of the stage kernel */
@@ -79,7 +80,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m);
 void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory);
 void dm_stage_sweeps_scale(dm_stage *g);
 
-/* One step by sweeps; DM_NO_CONVERGENCE where they contract too slowly, and Newton's method is for it. */
+/* One step by sweeps, of g->state in place; DM_NO_CONVERGENCE where they contract too slowly, and Newton's method is for it. */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper);
 
 /* Largest entry of a constant M: over h it turns a displacement into a momentum. */

@@ -44,18 +44,18 @@ double dm_stage_memory_rate(const dm_stage *g) {
     return g->sweeps.memory[RATE];
 }
 
-static void keep(dm_stage *g, double rate, const double *u) {
+static void keep(dm_stage *g, double rate, const double *end, const double *u) {
     double *memory = g->sweeps.memory;
     const size_t n = g->n;
     if (memory[STEP] != g->h) return;
     memory[MARK] = FULL;
     memory[RATE] = rate;
-    dm_stage_copy(memory + END, g->next, 4 * g->n);
+    dm_stage_copy(memory + END, end, 4 * g->n);
     memcpy(memory + END + 4 * n, u, unknowns(g) * sizeof *memory);
 }
 
 void dm_stage_memory_keep(dm_stage *g, double rate) {
-    keep(g, rate, dm_stage_sweeps_u(g));
+    keep(g, rate, g->state, dm_stage_sweeps_u(g));
 }
 
 /* u of the stages as Newton's method found them */
@@ -77,6 +77,6 @@ void dm_stage_memory_newton(dm_stage *g) {
         memory[MARK] = -PATIENCE;
     } else {
         take_root(g, g->sweeps.u);
-        keep(g, USUAL, g->sweeps.u);
+        keep(g, USUAL, g->next, g->sweeps.u);
     }
 }

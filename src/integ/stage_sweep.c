@@ -216,16 +216,12 @@ static int is_regular(const dm_stage *g) {
 }
 
 /* q1 = q0 + h v0 + sum mean_m u_m or q0 + h sum b_m V_m, p1 = p0 + h sum b_m L_q(m) */
-static dm_status finish(const iteration *it) {
-    dm_stage *g = it->g;
-    const dm_stage_sweeps *w = &g->sweeps;
-    const uint32_t n = g->n;
-    const double *factor = w->q.factor;
-    w->row->collect(w->total, w->q.u, g->separable ? &w->mean : &w->b, n);
-    for (uint32_t k = 0; k < n && g->separable; k++)
-        w->total[k] = g->h * g->v0[k] + factor[k] * w->total[k];
-    w->row->collect(w->total + n, w->force.out, &w->b, n);
-    return dm_stage_update(g, w->total, w->total + n);
+static dm_status finish(dm_stage *g) {
+    dm_stage_sweeps *w = &g->sweeps;
+    w->end.state = g->state;
+    if (w->row->finish(&w->end) == 0.0) return DM_OK;
+    dm_stage_copy(g->state, g->next, 4 * g->n);
+    return DM_NOT_FINITE;
 }
 
 /* v0 where a step needs it */
@@ -233,12 +229,14 @@ static dm_status find_velocity(dm_stage *g, int warm) {
     const uint32_t n = g->n;
     const double *p = g->state + n, *factor = g->m->inverse_mass;
     if (!g->separable && warm) return DM_OK;
-    if (g->separable && g->m->structure & DM_DIAGONAL_MASS) {
-        for (uint32_t k = 0; k < n; k++) g->v0[k] = factor[k] * p[k];
-        return DM_OK;
-    }
+    dm_status status = DM_OK;
     memset(g->v0, 0, n * sizeof *g->v0);
-    return dm_legendre_inverse(g->m, g->v0, g->state, p, g->t, g->scratch);
+    if (g->separable && g->m->structure & DM_DIAGONAL_MASS)
+        for (uint32_t k = 0; k < n; k++) g->v0[k] = factor[k] * p[k];
+    else
+        status = dm_legendre_inverse(g->m, g->v0, g->state, p, g->t, g->scratch);
+    for (uint32_t k = 0; k < n && g->separable; k++) g->sweeps.drift[k] = g->h * g->v0[k];
+    return status;
 }
 
 /* the iteration from one start */
@@ -253,14 +251,15 @@ static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
     return status == DM_OK && !is_regular(g) ? DM_NO_CONVERGENCE : status;
 }
 
-/* far from its step the polynomial may leave the domain: then from a straight line */
+/* far from its step the polynomial may leave the domain: then from a straight line. The end is in g->state */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
     iteration it = {.g = g};
     const int warm = dm_stage_memory_fits(g);
+    dm_stage_copy(g->next, g->state, 4 * g->n); /* should the end not be finite */
     dm_status status = attempt(&it, stepper, warm);
     if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
     stepper->report.iterations = it.count;
-    if (status == DM_OK) status = finish(&it);
+    if (status == DM_OK) status = finish(g);
     if (status != DM_OK) return status;
     const double missed = left(&it) * sqrt(it.size[!g->separable]);
     stepper->report.residual =

@@ -71,7 +71,7 @@ static void lay_out(dm_stage *g, double *memory) {
     for (size_t i = 0; i < sizeof single / sizeof *single; i++)
         *single[i] = take(&memory, width);
     w->one = take(&memory, n);
-    w->total = take(&memory, 2 * n);
+    w->drift = take(&memory, n);
     const size_t before = dm_stage_memory_size(g) - n * width; /* u begins a line, too */
     w->memory = memory + (LINE - before % LINE) % LINE;
 }
@@ -156,6 +156,11 @@ static void plan(dm_stage *g) {
     w->p.column = w->whole;
     w->p.u = w->force.out;
     w->p.factor = w->one;
+    w->end = (dm_sweep_end){.rows = n,
+                            .u = {w->q.u, w->force.out},
+                            .b = {g->separable ? &w->mean : &w->b, &w->b},
+                            .factor = w->q.factor,
+                            .drift = w->drift};
     w->q_rest = w->q;
     w->q_rest.sum = w->base;
     w->q_rest.column = w->rest;

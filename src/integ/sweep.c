@@ -1,5 +1,7 @@
 #include "integ/sweep.h"
 
+#include "base/sum.h"
+
 #include <stddef.h>
 #ifdef __x86_64__
 #include <immintrin.h>
@@ -34,15 +36,28 @@ static void line_1(double *base, const double *low, const double *v, const dm_pa
         base[k] = c->top[0] * v[k] + (c->rest[0] * v[k] + low[k]);
 }
 
-static void collect_1(double *out, const double *u, const dm_parts *b, uint32_t rows) {
-    for (uint32_t k = 0; k < rows; k++) out[k] = b->top[0] * u[k] + b->rest[0] * u[k];
+static double finish_1(const dm_sweep_end *a) {
+    const uint32_t n = a->rows;
+    double *high = a->state, *low = a->state + 2 * (size_t)n, bad = 0.0;
+    const dm_parts *b = a->b[0], *c = a->b[1];
+    for (uint32_t k = 0; k < n; k++) {
+        const double u = a->u[0][k], f = a->u[1][k];
+        dm_sum_add(high + k, low + k,
+                   (b->top[0] * u + b->rest[0] * u) * a->factor[k] + a->drift[k]);
+        dm_sum_add(high + n + k, low + n + k, c->top[0] * f + c->rest[0] * f);
+        bad += 0.0 * (low[k] + low[n + k]);
+    }
+    return bad;
 }
 
-static const dm_sweep_row one = {1, put_1, move_1, line_1, collect_1};
+static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1};
 
 /* ---- 4 and 8, each for the processors that there are ---- */
 
 #define TWO_ROUNDINGS(a, b, c) ((a) * (b) + (c))
+#define TOTALS_OF_2(x, y) ((v2){(x)[0] + (x)[1], (y)[0] + (y)[1]})
+#define TOTALS_OF_4(x, y)                                                                \
+    ((v2){((x)[0] + (x)[1]) + ((x)[2] + (x)[3]), ((y)[0] + (y)[1]) + ((y)[2] + (y)[3])})
 
 #define ROW plain4
 #define W 4
@@ -51,6 +66,7 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, collect_1};
 #define HOW
 #define MADD TWO_ROUNDINGS
 #define MADD_HALF TWO_ROUNDINGS
+#define TOTALS TOTALS_OF_2
 #include "integ/sweep_row.h"
 
 #define ROW plain8
@@ -60,12 +76,19 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, collect_1};
 #define HOW
 #define MADD TWO_ROUNDINGS
 #define MADD_HALF TWO_ROUNDINGS
+#define TOTALS TOTALS_OF_4
 #include "integ/sweep_row.h"
 
 #ifdef __x86_64__
 
+__attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x) {
+    return (v2)_mm_add_pd(_mm256_castpd256_pd128(x), _mm256_extractf128_pd(x, 1));
+}
+
 #define FUSED2(a, b, c) ((v2)_mm_fmadd_pd((__m128d)(a), (__m128d)(b), (__m128d)(c)))
 #define FUSED4(a, b, c) ((v4)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
+#define ADDED2(x, y) ((v2)_mm_hadd_pd((__m128d)(x), (__m128d)(y)))
+#define ADDED4(x, y) halves(_mm256_hadd_pd((__m256d)(x), (__m256d)(y)))
 #define FUSED8(a, b, c) ((v8)_mm512_fmadd_pd((__m512d)(a), (__m512d)(b), (__m512d)(c)))
 
 #define ROW avx4
@@ -75,6 +98,7 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, collect_1};
 #define HOW __attribute__((target("avx")))
 #define MADD TWO_ROUNDINGS
 #define MADD_HALF TWO_ROUNDINGS
+#define TOTALS ADDED2
 #include "integ/sweep_row.h"
 
 #define ROW avx8
@@ -84,6 +108,7 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, collect_1};
 #define HOW __attribute__((target("avx")))
 #define MADD TWO_ROUNDINGS
 #define MADD_HALF TWO_ROUNDINGS
+#define TOTALS ADDED4
 #include "integ/sweep_row.h"
 
 #define ROW fused4
@@ -93,6 +118,7 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, collect_1};
 #define HOW __attribute__((target("avx,fma")))
 #define MADD FUSED4
 #define MADD_HALF FUSED2
+#define TOTALS ADDED2
 #include "integ/sweep_row.h"
 
 #define ROW wide8
@@ -102,6 +128,7 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, collect_1};
 #define HOW __attribute__((target("avx512f,fma")))
 #define MADD FUSED8
 #define MADD_HALF FUSED4
+#define TOTALS ADDED4
 #include "integ/sweep_row.h"
 
 const dm_sweep_row *dm_sweep_find(uint32_t stages) {

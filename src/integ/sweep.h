@@ -25,6 +25,15 @@ typedef struct {
     const double *factor, *start; /* [rows] */
 } dm_sweep;
 
+/* q += drift + factor sum b_q u_q and p += sum b_p u_p over the stages, in place with compensation (base/sum.h) */
+typedef struct {
+    uint32_t rows;
+    const double *u[2];           /* [rows][width], of q and of p */
+    const dm_parts *b[2];         /* [width] */
+    const double *factor, *drift; /* [rows] */
+    double *state;                /* [4 rows]: q, p, low-order parts of both */
+} dm_sweep_end;
+
 typedef struct {
     uint32_t width;
     void (*put)(const dm_sweep *a);
@@ -33,8 +42,8 @@ typedef struct {
     /* base[rows][width] = low[rows] + c v[rows] */
     void (*line)(double *base, const double *low, const double *v, const dm_parts *c,
                  uint32_t rows);
-    /* out[rows] = sum over lanes of b u[rows][width] */
-    void (*collect)(double *out, const double *u, const dm_parts *b, uint32_t rows);
+    /* 0, or NaN where the state is not finite any more */
+    double (*finish)(const dm_sweep_end *a);
 } dm_sweep_row;
 
 /* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors that serve. */

@@ -1,6 +1,7 @@
 /*
 ** sweep_row.h - the functions of a dm_sweep_row, once for every width and kind of processor. Wanted: ROW (name),
 ** W (width), V (vector of W doubles), H (of W/2, for sums over lanes), HOW (target of the functions),
+** TOTALS(x, y): the sums over lanes of two vectors H,
 ** MADD(a, b, c) and MADD_HALF(a, b, c): a b + c, with one rounding where the processor has it.
 */
 #define JOINED(a, b) a##_##b
@@ -79,19 +80,36 @@ HOW static void OWN(line)(double *base, const double *low, const double *v,
     }
 }
 
-HOW static void OWN(collect)(double *out, const double *u, const dm_parts *b,
-                             uint32_t rows) {
-    const H *top = (const H *)(const void *)b->top;
-    const H *rest = (const H *)(const void *)b->rest;
-    for (uint32_t k = 0; k < rows; k++) {
-        const H *x = (const H *)(const void *)(u + (size_t)k * W);
-        const H low = MADD_HALF(rest[0], x[0], rest[1] * x[1]);
-        const H sum = MADD_HALF(top[0], x[0], MADD_HALF(top[1], x[1], low));
-        out[k] = OWN(total)((const double *)&sum);
-    }
+/* c u, lanes of one half onto those of the other */
+HOW INLINE void OWN(fold)(H *sum, const dm_parts *c, const double *u) {
+    const H *top = (const H *)(const void *)c->top, *x = (const H *)(const void *)u;
+    const H *rest = (const H *)(const void *)c->rest;
+    const H low = MADD_HALF(rest[0], x[0], rest[1] * x[1]);
+    *sum = MADD_HALF(top[0], x[0], MADD_HALF(top[1], x[1], low));
 }
 
-static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), OWN(collect)};
+HOW static double OWN(finish)(const dm_sweep_end *a) {
+    const dm_sweep_end at = *a;
+    const uint32_t n = at.rows;
+    double *high = at.state, *low = at.state + 2 * (size_t)n;
+    v2 bad = {0};
+    for (uint32_t k = 0; k < n; k++) {
+        H q, p;
+        OWN(fold)(&q, at.b[0], at.u[0] + (size_t)k * W);
+        OWN(fold)(&p, at.b[1], at.u[1] + (size_t)k * W);
+        const v2 d = TOTALS(q, p) * (v2){at.factor[k], 1.0} + (v2){at.drift[k], 0.0};
+        const v2 old = {high[k], high[n + k]}, e = (v2){low[k], low[n + k]} + d;
+        const v2 sum = old + e, rest = e + (old - sum);
+        high[k] = sum[0];
+        high[n + k] = sum[1];
+        low[k] = rest[0];
+        low[n + k] = rest[1];
+        bad += 0.0 * rest; /* NaN where the sum is infinite */
+    }
+    return bad[0] + bad[1];
+}
+
+static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), OWN(finish)};
 
 #undef INLINE
 #undef LOAD
@@ -106,3 +124,4 @@ static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), OWN(collect)
 #undef HOW
 #undef MADD
 #undef MADD_HALF
+#undef TOTALS
