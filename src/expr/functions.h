@@ -35,8 +35,9 @@ double dm_sincos(double x, double *cosine);
 typedef void dm_function(void); /* of one of the types below */
 
 /*
-** What machine code calls for an operation, by the present level: T f(T), T f(T, T) for two operands, and for
-** DM_OP_CONSTANT, which stands for sincos, T f(T, T *cosine). T is double, or a vector of 4 or 8.
+** What machine code calls for an operation, by the present level; DM_OP_CONSTANT stands for sincos. For one lane double
+** f(double), double f(double, double) and, for sincos, double f(double, double *cosine). For 4 or 8 lanes
+** void f(double *d, double *d2, const double *a, const double *b), sincos: sine, cosine, angle.
 */
 dm_function *dm_function_for(int op, uint32_t lanes);
 

@@ -7,8 +7,7 @@
 #include <math.h>
 
 typedef double real __attribute__((vector_size(16)));
-typedef int64_t whole __attribute__((vector_size(16)));
-typedef uint64_t unsigned_whole __attribute__((vector_size(16)));
+typedef uint64_t whole __attribute__((vector_size(16)));
 
 #define TARGET __attribute__((target("avx2,fma")))
 #define INLINE TARGET __attribute__((always_inline)) static inline

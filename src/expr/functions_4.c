@@ -7,8 +7,7 @@
 #include <math.h>
 
 typedef double real __attribute__((vector_size(32)));
-typedef int64_t whole __attribute__((vector_size(32)));
-typedef uint64_t unsigned_whole __attribute__((vector_size(32)));
+typedef uint64_t whole __attribute__((vector_size(32)));
 
 #define TARGET __attribute__((target("avx2,fma")))
 #define INLINE TARGET __attribute__((always_inline)) static inline
@@ -45,17 +44,43 @@ INLINE real times_power(real y, real k) {
 
 #include "expr/functions_entry.h"
 
+/* through memory: how vectors are passed depends on the compiler's switches */
+typedef real anywhere __attribute__((aligned(8)));
+
+#define IN_LANES(f)                                                                      \
+    TARGET static void f##_in_lanes(anywhere *d, anywhere *d2, const anywhere *a,        \
+                                    const anywhere *b) {                                 \
+        (void)d2, (void)b;                                                               \
+        *d = f(*a);                                                                      \
+    }
+IN_LANES(exponentials)
+IN_LANES(logarithms)
+IN_LANES(sines)
+IN_LANES(cosines)
+IN_LANES(tangents)
+IN_LANES(hyperbolic_sines)
+IN_LANES(hyperbolic_cosines)
+IN_LANES(hyperbolic_tangents)
+
+TARGET static void both_in_lanes(anywhere *s, anywhere *c, const anywhere *a,
+                                 const anywhere *b) {
+    real cosine;
+    (void)b;
+    *s = both(*a, &cosine);
+    *c = cosine;
+}
+
 dm_function *dm_own_function4(int op) {
     static dm_function *const table[DM_OP_COUNT] = {
-        [DM_OP_EXP] = (dm_function *)exponentials,
-        [DM_OP_LOG] = (dm_function *)logarithms,
-        [DM_OP_SIN] = (dm_function *)sines,
-        [DM_OP_COS] = (dm_function *)cosines,
-        [DM_OP_TAN] = (dm_function *)tangents,
-        [DM_OP_SINH] = (dm_function *)hyperbolic_sines,
-        [DM_OP_COSH] = (dm_function *)hyperbolic_cosines,
-        [DM_OP_TANH] = (dm_function *)hyperbolic_tangents,
-        [DM_OP_CONSTANT] = (dm_function *)both,
+        [DM_OP_EXP] = (dm_function *)exponentials_in_lanes,
+        [DM_OP_LOG] = (dm_function *)logarithms_in_lanes,
+        [DM_OP_SIN] = (dm_function *)sines_in_lanes,
+        [DM_OP_COS] = (dm_function *)cosines_in_lanes,
+        [DM_OP_TAN] = (dm_function *)tangents_in_lanes,
+        [DM_OP_SINH] = (dm_function *)hyperbolic_sines_in_lanes,
+        [DM_OP_COSH] = (dm_function *)hyperbolic_cosines_in_lanes,
+        [DM_OP_TANH] = (dm_function *)hyperbolic_tangents_in_lanes,
+        [DM_OP_CONSTANT] = (dm_function *)both_in_lanes,
     };
     return table[op];
 }

@@ -1,5 +1,4 @@
-/* functions_entry.h - behind functions_text.h: what machine code calls, in the calling convention of C, and the table of
-** it. Angles beyond 2^30 go to the C library, one by one, in every width. */
+/* functions_entry.h - behind functions_text.h: the functions of a width, as its file calls them. Angles beyond 2^30 go to the C library, one by one, in every width. */
 
 #include "expr/functions_hyperbolic.h"
 
@@ -14,7 +13,7 @@ TARGET __attribute__((noinline, cold)) static real by_library(real x, real y,
 }
 
 INLINE int has_large(real x) {
-    return any(~(size_of(x) <= LARGEST_ANGLE));
+    return any((whole) ~(size_of(x) <= LARGEST_ANGLE));
 }
 
 TARGET static real sines(real x) {

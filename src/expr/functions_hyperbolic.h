@@ -34,7 +34,7 @@ INLINE real hyperbolic_sine(real x) {
     const excess m = excess_of(&e, 1.0);
     const ratio q = quotient(m.m, m.low, m.d, m.d_low);
     const real sum = m.m + q.high, rest = ((m.m - sum) + q.high) + (q.low + m.low);
-    return turned(choose(t > BEYOND, large, 0.5 * (sum + rest)), (whole)x);
+    return turned(choose((whole)(t > BEYOND), large, 0.5 * (sum + rest)), (whole)x);
 }
 
 INLINE real hyperbolic_cosine(real x) {
@@ -43,5 +43,5 @@ INLINE real hyperbolic_cosine(real x) {
     const real large = half_exponential(&e);
     e.k = between(e.k, 0.0, 60.0);
     const excess m = excess_of(&e, 1.0);
-    return choose(t > BEYOND, large, 0.5 * (m.d + (m.d_low + 1.0 / m.d)));
+    return choose((whole)(t > BEYOND), large, 0.5 * (m.d + (m.d_low + 1.0 / m.d)));
 }

@@ -30,37 +30,30 @@ dm_function *dm_library_function1(int op) {
     return table[op];
 }
 
-#if defined(__x86_64__)
-
-typedef double real4 __attribute__((vector_size(32)));
-typedef double real8 __attribute__((vector_size(64)));
-
-#define ONE(real, n, isa, f)                                                             \
-    __attribute__((target(isa))) static real f##_in_##n(real x) {                        \
-        for (int i = 0; i < n; i++) x[i] = f(x[i]);                                      \
-        return x;                                                                        \
+#define ONE(n, f)                                                                        \
+    static void f##_in_##n(double *d, double *d2, const double *a, const double *b) {    \
+        (void)d2, (void)b;                                                               \
+        for (int i = 0; i < n; i++) d[i] = f(a[i]);                                      \
     }
-#define TWO(real, n, isa, f)                                                             \
-    __attribute__((target(isa))) static real f##_in_##n(real x, real y) {                \
-        for (int i = 0; i < n; i++) x[i] = f(x[i], y[i]);                                \
-        return x;                                                                        \
+#define TWO(n, f)                                                                        \
+    static void f##_in_##n(double *d, double *d2, const double *a, const double *b) {    \
+        (void)d2;                                                                        \
+        for (int i = 0; i < n; i++) d[i] = f(a[i], b[i]);                                \
     }
-#define BOTH(real, n, isa)                                                               \
-    __attribute__((target(isa))) static real sincos_in_##n(real x, real *cosine) {       \
-        double s[n], c[n];                                                               \
-        for (int i = 0; i < n; i++) s[i] = sine_and_cosine(x[i], c + i);                 \
-        for (int i = 0; i < n; i++) x[i] = s[i], (*cosine)[i] = c[i];                    \
-        return x;                                                                        \
+#define BOTH(n)                                                                          \
+    static void sincos_in_##n(double *s, double *c, const double *a, const double *b) {  \
+        (void)b;                                                                         \
+        for (int i = 0; i < n; i++) sincos(a[i], s + i, c + i);                          \
     }
-#define X(name, f) ONE(real4, 4, "avx", f) ONE(real8, 8, "avx512f", f)
+#define X(name, f) ONE(4, f) ONE(8, f)
 CALLS(X)
 #undef X
-TWO(real4, 4, "avx", pow)
-TWO(real8, 8, "avx512f", pow)
-TWO(real4, 4, "avx", atan2)
-TWO(real8, 8, "avx512f", atan2)
-BOTH(real4, 4, "avx")
-BOTH(real8, 8, "avx512f")
+TWO(4, pow)
+TWO(8, pow)
+TWO(4, atan2)
+TWO(8, atan2)
+BOTH(4)
+BOTH(8)
 
 dm_function *dm_library_function4(int op) {
 #define X(name, f) [DM_OP_##name] = (dm_function *)f##_in_4,
@@ -83,17 +76,3 @@ dm_function *dm_library_function8(int op) {
 #undef X
     return table[op];
 }
-
-#else
-
-dm_function *dm_library_function4(int op) {
-    (void)op;
-    return 0;
-}
-
-dm_function *dm_library_function8(int op) {
-    (void)op;
-    return 0;
-}
-
-#endif

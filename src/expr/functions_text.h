@@ -1,6 +1,6 @@
 /*
 ** functions_text.h - elementary functions written once for all widths. A file that includes this says before what
-** `real` (a vector of doubles), `whole` and `unsigned_whole` (64-bit integers, as many) are, and INLINE, all(c),
+** `real` (a vector of doubles), `whole` (unsigned 64-bit integers, as many) are, and INLINE, all(c),
 ** fused(a, b, c) = a b + c rounded once, smaller and larger(a, b), which give b where one is a NaN, any(mask) and
 ** times_power(y, k) = y 2^k. Every width does the same operations in the same order, so a lane has the bits of a single
 ** call. Nothing is looked up; what is added last is small, so that the last rounding is nearly the only one. Reduction
@@ -10,6 +10,7 @@
 
 /* 1.5 2^52: adding it rounds to a whole number, which is then in the low bits */
 #define SHIFT 6755399441055744.0
+#define SIGN_BIT ((uint64_t)1 << 63)
 
 /* pi/2 and log 2 in parts of 53 bits */
 #define HALF_PI_1 0x1.921fb54442d18p+0
@@ -23,12 +24,12 @@ INLINE real choose(whole mask, real yes, real no) {
 }
 
 INLINE real size_of(real x) {
-    return (real)((whole)x & INT64_MAX);
+    return (real)((whole)x & ~SIGN_BIT);
 }
 
 /* x with the sign bit of `sign` turned over */
 INLINE real turned(real x, whole sign) {
-    return (real)((whole)x ^ (sign & INT64_MIN));
+    return (real)((whole)x ^ (sign & SIGN_BIT));
 }
 
 /* 2^k, -1022 <= k <= 1023 whole */
@@ -81,21 +82,21 @@ INLINE real logarithm_tail(real z) {
 }
 
 INLINE real logarithm(real x) {
-    const whole tiny = x < 0x1p-1022, root = (whole)all(0x1.6a09e667f3bcdp-1),
+    const whole tiny = (whole)(x < 0x1p-1022), root = (whole)all(0x1.6a09e667f3bcdp-1),
                 one = (whole)all(1.0);
     const whole bits = (whole)choose(tiny, x * 0x1p54, x);
     const whole power = (bits - root + one) &
                         (whole)all(-INFINITY); /* exponent of x/sqrt(1/2), in place */
     const real f = (real)(bits - power + one) - 1.0;
     /* the biased exponent as the low bits of 2^52 + exponent */
-    const whole biased = (whole)((unsigned_whole)power >> 52) | (whole)all(0x1p52);
+    const whole biased = (whole)(power >> 52) | (whole)all(0x1p52);
     const real k =
         (real)biased - choose(tiny, all(0x1p52 + 1077.0), all(0x1p52 + 1023.0));
     const real s = f / (2.0 + f), half = 0.5 * f * f;
     const real tail = fused(s, half + logarithm_tail(s * s), k * LOG2_2);
     const real y = fused(k, all(LOG2_1), f - (half - tail));
-    const real low_end = choose(x == 0.0, all(-INFINITY), all(NAN));
-    return choose(x < INFINITY, choose(x > 0.0, y, low_end), x);
+    const real low_end = choose((whole)(x == 0.0), all(-INFINITY), all(NAN));
+    return choose((whole)(x < INFINITY), choose((whole)(x > 0.0), y, low_end), x);
 }
 
 /* ---- sine and cosine: x = k pi/2 + r + low, |r| < 0.7856 ---- */

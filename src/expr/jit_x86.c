@@ -134,11 +134,12 @@ static void plain_sum(dm_emitter *e, const dm_step *s) {
     dm_define(e, s->d, d);
 }
 
-/* arguments and result as the C calling convention has them; sincos gives the sine, the cosine goes to memory */
-static void call(dm_emitter *e, const dm_step *s) {
+/* one value: argument and result as the C calling convention has them; sincos gives the sine, the cosine goes to
+** memory */
+static void call_scalar(dm_emitter *e, const dm_step *s) {
     dm_save_registers(e);
-    dm_x86_load(&e->code, e->width, 0, dm_anywhere(e, s->arg[0]));
-    if (s->operands > 1) dm_x86_load(&e->code, e->width, 1, e->at[s->arg[1]].home);
+    dm_x86_load(&e->code, DM_SCALAR, 0, dm_anywhere(e, s->arg[0]));
+    if (s->operands > 1) dm_x86_load(&e->code, DM_SCALAR, 1, e->at[s->arg[1]].home);
     dm_forget_registers(e);
     if (s->d2) {
         dm_expect_in_memory(e, s->d2);
@@ -147,6 +148,23 @@ static void call(dm_emitter *e, const dm_step *s) {
     dm_x86_call(&e->code, dm_pool_pointer(e, s->d2 ? DM_OP_CONSTANT : s->op));
     dm_pass_operands(e, s);
     dm_define(e, s->d, 0);
+    if (s->d2) dm_take_from_memory(e, s->d2);
+}
+
+/* lanes: arguments in memory, results to memory */
+static void call_lanes(dm_emitter *e, const dm_step *s) {
+    static const int argument[3] = {DM_RDX, DM_RCX, DM_RCX};
+    dm_save_registers(e);
+    dm_forget_registers(e);
+    dm_expect_in_memory(e, s->d);
+    if (s->d2) dm_expect_in_memory(e, s->d2);
+    dm_x86_lea(&e->code, DM_RDI, e->at[s->d].home);
+    dm_x86_lea(&e->code, DM_RSI, e->at[s->d2 ? s->d2 : s->d].home);
+    for (int k = 0; k < s->operands; k++)
+        dm_x86_lea(&e->code, argument[k], e->at[s->arg[k]].home);
+    dm_x86_call(&e->code, dm_pool_pointer(e, s->d2 ? DM_OP_CONSTANT : s->op));
+    dm_pass_operands(e, s);
+    dm_take_from_memory(e, s->d);
     if (s->d2) dm_take_from_memory(e, s->d2);
 }
 
@@ -174,8 +192,10 @@ void dm_emit_step(dm_emitter *e, const dm_step *s) {
         fused_sum(e, s);
     else if (s->op == DM_OP_FMA)
         plain_sum(e, s);
+    else if (e->width == DM_SCALAR)
+        call_scalar(e, s);
     else
-        call(e, s);
+        call_lanes(e, s);
 }
 
 /* outputs that are inputs */
