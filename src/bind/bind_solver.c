@@ -97,28 +97,6 @@ static int solver_field(lua_State *L) {
     return 1;
 }
 
-/* dm.rules() */
-static int rules(lua_State *L) {
-    lua_Integer i = 0;
-    lua_newtable(L);
-    for (const dm_method *const *m = dm_methods; *m; m++) {
-        const unsigned traits = (*m)->traits;
-        lua_createtable(L, 0, 8);
-        lua_pushstring(L, (*m)->name), lua_setfield(L, -2, "name");
-        lua_pushstring(L, (*m)->signature), lua_setfield(L, -2, "signature");
-        lua_pushstring(L, (*m)->doc), lua_setfield(L, -2, "doc");
-        lua_pushboolean(L, (traits & DM_SYMMETRIC) != 0),
-            lua_setfield(L, -2, "symmetric");
-        lua_pushboolean(L, (traits & DM_SYMPLECTIC) != 0),
-            lua_setfield(L, -2, "symplectic");
-        lua_pushboolean(L, (traits & DM_EXPLICIT) != 0), lua_setfield(L, -2, "explicit");
-        lua_pushboolean(L, (traits & DM_FOR_PAIRS) != 0),
-            lua_setfield(L, -2, "for_pairs");
-        lua_rawseti(L, -2, ++i);
-    }
-    return 1;
-}
-
 static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
 static const dml_row methods[] = {
     {"run", dml_solver_run,
@@ -184,10 +162,6 @@ static const dml_row functions[] = {
      "the checkpoint; rule: for a rule that is an object, which a file does not hold. "
      "Raises when the file is not a "
      "whole checkpoint or the system is another one."},
-    {"rules", rules,
-     "dm.rules() -> table of {name, signature, doc, symmetric, symplectic, explicit, "
-     "for_pairs}\n"
-     "Every rule that a solver can use."},
     {NULL, NULL, NULL}};
 
 void dml_open_solver(lua_State *L) {

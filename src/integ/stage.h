@@ -28,10 +28,11 @@ typedef struct {
     uint32_t s, r;
     dm_weight *a, *d; /* [r*s] */
     dm_weight *b, *c; /* [r] */
+    dm_weight *reach; /* [r] sums of the rows of a: c, but for some tableaus */
     dm_weight *beta;  /* [s] */
     dm_weight *node;  /* [s] */
     dm_weight *A,
-        *mean; /* [r*r], [r]: Q_i = q0 + h c_i v0 + h^2 sum_m A_im M^-1 L_q(m), and
+        *mean; /* [r*r], [r]: Q_i = q0 + h reach_i v0 + h^2 sum_m A_im M^-1 L_q(m), and
                       ** q1 = q0 + h v0 + h^2 sum_m mean_m M^-1 L_q(m), for L = T(v) - V(q) */
 } dm_stage_table;
 

@@ -54,6 +54,7 @@ typedef struct {
     dm_weight *wq, *wv;    /* [r*s]: h b_i (a_ij - beta_j), b_i d_ij */
     dm_weight *hbeta;      /* [s] */
     dm_weight *hb, *hc;    /* [r] */
+    dm_weight *hreach;     /* [r]: h times the sums of the rows of a */
     double *state;         /* at the start of the step; after sweeps at its end */
     double *x;             /* [2n+1] arguments of a kernel */
     double *slope;         /* [r][2n] L_q, L_v; separable: [r][n] L_q */

@@ -1,7 +1,7 @@
 /*
 ** stage_separable.c - the step of a stage method for L = v.M v/2 + b.v - V(q, t), M constant.
 ** The velocities are eliminated: with f_m = M^-1 L_q(q0 + Z_m, t + c_m h),
-**   Z_i = h c_i v0 + h^2 sum_m A_im f_m,  q1 = q0 + h v0 + h^2 sum_m mean_m f_m.
+**   Z_i = h r_i v0 + h^2 sum_m A_im f_m, r_i = sum_j a_ij,  q1 = q0 + h v0 + h^2 sum_m mean_m f_m.
 ** Points with a zero row of A come first and are explicit, points with a zero column last;
 ** for Lobatto these are the ends, and Stoermer-Verlet is left with no unknown at all.
 */
@@ -155,7 +155,7 @@ static void first_points(dm_stage *g) {
     const uint32_t n = g->n, r = g->table.r;
     for (uint32_t i = 0; i < r; i++) {
         double *base = g->base + i * (size_t)n;
-        for (uint32_t k = 0; k < n; k++) base[k] = dm_weighted(g->hc[i], g->v0[k]);
+        for (uint32_t k = 0; k < n; k++) base[k] = dm_weighted(g->hreach[i], g->v0[k]);
         if (g->known[i] == DM_POINT_FIRST) evaluate(g, i, base, 0);
     }
     for (uint32_t i = 0; i < r; i++)
@@ -171,7 +171,7 @@ static uint32_t guess(dm_stage *g) {
     for (uint32_t i = 0; i < g->table.r; i++) {
         if (g->known[i] != DM_POINT_SOLVED) continue;
         if (at == 0) find_acceleration(g);
-        const double hc = dm_weight_double(g->hc[i]);
+        const double hc = dm_weight_double(g->hreach[i]);
         for (uint32_t k = 0; k < n; k++)
             g->root[at + k] = hc * (g->v0[k] + 0.5 * hc * g->a0[k]);
         at += n;

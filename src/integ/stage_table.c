@@ -15,7 +15,7 @@ void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q) {
 }
 
 size_t dm_stage_table_size(size_t s, size_t r) {
-    return 2 * (2 * r * s + r * r + 3 * r + 2 * s);
+    return 2 * (2 * r * s + r * r + 4 * r + 2 * s);
 }
 
 static void lay_out(dm_stage_table *t, double *memory) {
@@ -25,7 +25,8 @@ static void lay_out(dm_stage_table *t, double *memory) {
     t->A = t->d + r * s;
     t->b = t->A + r * r;
     t->c = t->b + r;
-    t->mean = t->c + r;
+    t->reach = t->c + r;
+    t->mean = t->reach + r;
     t->beta = t->mean + r;
     t->node = t->beta + s;
 }
@@ -105,6 +106,9 @@ void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memo
     for (int i = 0; i < r; i++) {
         out->b[i] = dm_weight_of(g->q.b[i]);
         out->c[i] = dm_weight_of(g->q.c[i]);
+        long double reach = g->tableau ? 0.0L : g->q.c[i];
+        for (int j = 0; j < s && g->tableau; j++) reach += g->a[i][j];
+        out->reach[i] = dm_weight_of(reach);
         for (int j = 0; j < s; j++) {
             out->a[i * s + j] = dm_weight_of(e.a[i][j]);
             out->d[i * s + j] = dm_weight_of(e.d[i][j]);

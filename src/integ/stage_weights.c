@@ -2,7 +2,7 @@
 #include "integ/stage_inside.h"
 
 size_t dm_stage_weights_size(size_t s, size_t r) {
-    return 2 * (r * r + r + 3 * r * s + s + 2 * r);
+    return 2 * (r * r + r + 3 * r * s + s + 3 * r);
 }
 
 void dm_stage_weights_place(dm_stage *g, double *memory) {
@@ -15,6 +15,7 @@ void dm_stage_weights_place(dm_stage *g, double *memory) {
     g->hbeta = g->wv + r * s;
     g->hb = g->hbeta + s;
     g->hc = g->hb + r;
+    g->hreach = g->hc + r;
 }
 
 static void scale(dm_weight *out, const dm_weight *in, long double factor,
@@ -33,6 +34,7 @@ void dm_stage_weights_scale(dm_stage *g, double h) {
     scale(g->hbeta, t->beta, h, s);
     scale(g->hb, t->b, h, r);
     scale(g->hc, t->c, h, r);
+    scale(g->hreach, t->reach, h, r);
     for (uint32_t i = 0; i < r; i++)
         for (uint32_t j = 0; j < s; j++) {
             const long double b = dm_weight_exact(t->b[i]);

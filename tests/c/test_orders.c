@@ -3,6 +3,7 @@
 ** solution for N and 2 N steps, N where the error is small but far above round-off.
 */
 #include "check.h"
+#include "integ/claims.h"
 #include "integ/quadrature.h"
 #include "integ/stage.h"
 #include "problems.h"
@@ -259,6 +260,39 @@ static void separable_tables_are_symplectic(void) {
         }
 }
 
+/* one instance of a row of claims.def; tests/lua/test_rules.lua measures the rest */
+static void check_instance(const dm_claim *claim, const char *text, size_t length) {
+    char rule[80] = "";
+    dm_rule nodes[DM_RULE_NODES];
+    int stages = 0, forces = -1;
+    const char *colon = memchr(text, ':', length);
+    if (!CHECK(colon && length < sizeof rule)) return;
+    memcpy(rule, text, (size_t)(colon - text));
+    CHECK(sscanf(colon, ":%d:%d", &stages, &forces) == 2 && stages > 0 && forces >= 0);
+    if (!CHECK(dm_rule_parse(nodes, rule) == NULL)) return;
+    const dm_method *m = dm_method_find(claim->name, NULL);
+    CHECK(strcmp(nodes[0].name, claim->name) == 0 && m->check(nodes) == NULL);
+    if (m->basis) {
+        static dm_galerkin g;
+        m->basis(&g, nodes);
+        if (!CHECK(g.q.r == stages)) printf("# %s\n", rule);
+    }
+}
+
+static void claims_are_about_methods(void) {
+    for (const dm_method *const *m = dm_methods; *m; m++)
+        if (!CHECK(dm_claim_find((*m)->name) != NULL)) printf("# %s has no row\n", (*m)->name);
+    for (const dm_claim *c = dm_claims; c->name; c++) {
+        if (!CHECK(dm_method_find(c->name, NULL) != NULL)) continue;
+        for (const char *at = c->instances; *at;) {
+            const size_t length = strcspn(at, ";");
+            check_instance(c, at, length);
+            at += length;
+            at += strspn(at, "; ");
+        }
+    }
+}
+
 int main(void) {
     RUN(gauss_nodes_are_those_of_gsl, "Gauss nodes and weights are those of GSL");
     RUN(lobatto_nodes_in_closed_form, "Lobatto nodes and weights in closed form");
@@ -267,6 +301,7 @@ int main(void) {
     RUN(quadratures_with_names, "quadratures by name: degree, weights of their nodes");
     RUN(radau_nodes_in_closed_form, "Radau nodes in closed form, Simpson's weights");
     RUN(separable_tables_are_symplectic, "tables are symplectic to 1e-15");
+    RUN(claims_are_about_methods, "each method has its row of claims");
     RUN(orders_on_separable_kepler, "every rule has its order on Kepler's problem");
     RUN(orders_on_kepler_taken_as_general, "and when its structure is hidden");
     RUN(orders_on_the_double_spherical_pendulum, "and on the double spherical pendulum");

@@ -75,6 +75,10 @@ for _, row in ipairs { { A, 1, 1600 }, { B, 1, 1600 }, { verlet, 2, 100 }, { mid
   ok(twisted:solver({ rule = rule, h = 1 }).order == p, tostring(rule) .. " says order " .. p)
   near(order(twisted, rule, n), p, 0.06, "measured")
 end
+-- rows of a whose sums are not c
+near(order(plain, "sprk(lobatto-3b-3a, 2)", 100), 2, 0.05, "measured where L separates: lobatto-3b-3a, 2 stages")
+near(order(plain, "sprk(lobatto-3b-3a, 3)", 40), 4, 0.05, "and 3")
+agree("sprk(radau-1a, 1)", "symplectic-euler(b)", "sprk(radau-1a, 1) is symplectic Euler but for the time", "driven")
 near(order(plain, ruth, 100), 3, 0.05, "measured: Ruth")
 local path = plain:solver { rule = ruth, h = 0.1 }:run { q = start.q, v = start.v, steps = 20000, every = 20 }
 near(path:drift("energy").per_time, 0, 1e-7, "no drift of the energy with b and B different")

@@ -1,0 +1,133 @@
+-- every claim of dm.rules(), measured: order, symplecticity, symmetry, momentum, forces a step; orders from 1 to 16
+local tap = require "tap"
+local dm = require "dm"
+local ok, near = tap.ok, tap.near
+local sin, cos, pi, log = math.sin, math.cos, math.pi, math.log
+
+local twisted = dm.system { Q = dm.R(2), L = function(q, v)
+  return v:dot(v) / 2 * (1 + q[1] ^ 2 / 3 + q[2] ^ 2 / 5) + v[1] * v[2] * sin(q[2]) / 3 + cos(q[1]) * cos(q[2])
+end }
+local plain = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + cos(q[1]) * cos(q[2] - q[1] / 3) end }
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local start = { q = { 0.4, 0.3 }, v = { 0.5, 0.7 } }
+-- these need L = T(v) - V(q)
+local function system_for(rule) return rule:find "^blanes" and plain or twisted end
+
+local function run(system, rule, s, T, N)
+  local path = system:solver { rule = rule, h = T / N }:run { q = s.q, v = s.v, steps = N, every = N }
+  return path.q[#path], path.p[#path]
+end
+local function distance(q, p, Q, P) return ((q - Q):norm() ^ 2 + (p - P):norm() ^ 2) ^ 0.5 end
+
+-- exponents between the runs N[k] and N[k + 2], the last ones above the floor; where what comes next is N^-2 smaller, as in
+-- symmetric rules, it is taken out by extrapolation
+local function exponent(errors, floor, extrapolate)
+  local p, before, e
+  for k = 1, #errors - 2 do
+    local a, b = errors[k], errors[k + 2]
+    if b[2] > floor then
+      before, p, e = p and { p, e[1] }, log(a[2] / b[2]) / log(b[1] / a[1]), b
+    end
+  end
+  if extrapolate and before then
+    local x, y = before[2] ^ -2, e[1] ^ -2
+    p = (p * x - before[1] * y) / (x - y)
+  end
+  return p, e and e[2]
+end
+
+-- up to order 6 against gauss(8) at small steps, where nothing is symmetric or periodic
+local references = {}
+for _, system in ipairs { twisted, plain } do references[system] = { run(system, "gauss(8)", start, 2, 60) } end
+local function generic(r)
+  local rule = r.rule
+  local system, errors = system_for(rule), {}
+  local Q, P = table.unpack(references[system])
+  for _, N in ipairs { 5, 7, 10, 14, 20, 28, 40, 56, 80, 112, 160, 224, 320, 448, 640, 896, 1280, 1792, 2560 } do
+    local q, p = run(system, rule, start, 2, N)
+    errors[#errors + 1] = { N, distance(q, p, Q, P) }
+    if errors[#errors][2] < 1e-13 then break end
+  end
+  return exponent(errors, 3e-13, r.symmetric)
+end
+
+-- from order 7 on the circle q = (cos t, sin t) of Kepler's problem, exactly: error constants are reached at large steps. A
+-- rule of odd order and its adjoint differ by twice their odd error, in which the next order does not mix.
+local function circle(r)
+  local T, order, rule, errors = r.order > 12 and 12 or 6, r.order, r.rule, {}
+  local adjoint = order % 2 == 1 and rule:find "radau%(" and rule:gsub("radau", "radau-left")
+  for _, N in ipairs { 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 44, 48 } do
+    local e = 0
+    for k = 1, 8 do
+      local a = 0.3 + 0.77 * k
+      local s = { q = { cos(a), sin(a) }, v = { -sin(a), cos(a) } }
+      local done, q, p = pcall(run, kepler, rule, s, T, N)
+      local Q, P = dm.vector { cos(a + T), sin(a + T) }, dm.vector { -sin(a + T), cos(a + T) }
+      local also = true
+      if adjoint and done then also, Q, P = pcall(run, kepler, adjoint, s, T, N) end
+      e = done and also and e + distance(q, p, Q, P) ^ 2 / 8 or math.huge
+    end
+    if e < 1e-6 then errors[#errors + 1] = { N, e ^ 0.5 } end
+    if e < 1e-30 then break end
+  end
+  return exponent(errors, 3e-13, r.symmetric or adjoint)
+end
+
+-- on the circle rk8pd shows the order of its next term, elsewhere blanes-moan(6, 14) does, until round-off comes
+local problems = { rk8pd = generic, ["curve(fehlberg7)"] = generic, ["curve(dop853)"] = generic, ["blanes-moan(6, 14)"] = circle }
+local orders = {}
+local function check_order(r)
+  local p, e = (problems[r.rule] or r.order > 6 and circle or generic)(r)
+  near(p or 0, r.order, 0.1, ("%s has order %d"):format(r.rule, r.order))
+  if not (p and math.abs(p - r.order) < 0.1) then print("# at the error " .. tostring(e)) end
+  orders[r.order] = true
+end
+
+-- the exact tangent of two steps, and the way back
+local function check_structure(r)
+  local solver = system_for(r.rule):solver { rule = r.rule, h = r.order > 10 and 1.2 or r.order > 6 and 0.8 or 0.3 }
+  local defect = solver:symplecticity { q = start.q, v = start.v, steps = 2 }
+  if r.symplectic then
+    ok(defect < 1e-12, "  symplectic", defect)
+  else
+    ok(defect > 1e-9, "  not symplectic, as it says", defect)
+  end
+  local gap = solver:reversal { q = start.q, v = start.v, steps = 2 }
+  if r.symmetric then
+    ok(gap < 3e-14, "  symmetric", gap)
+  else
+    ok(gap > 1e-13, "  not symmetric, as it says", gap)
+  end
+end
+
+-- symplectic rules keep the momentum map of the rotations of the plane
+local function check_momentum(r)
+  local path = kepler:solver { rule = r.rule, h = 0.1 }:run { q = { 1, 0.1 }, v = { 0.2, 0.9 }, steps = 200 }
+  local J, worst = path:momentum(dm.SO(2)), 0
+  for i = 1, #J do worst = math.max(worst, math.abs(J[i] - J[1])) end
+  if r.symplectic then ok(worst < 1e-13, "  angular momentum", worst) end
+end
+
+local function check_cost(r)
+  local solver = plain:solver { rule = r.rule, h = 0.1 }
+  solver:run { q = start.q, v = start.v, steps = 4096, every = 4096 }
+  local report = solver:report()
+  if r.forces > 0 then near(report.evaluations / report.steps, r.forces, 0.05, "  forces a step") end
+end
+
+-- measured with what they are for
+local elsewhere = { del = "test_solver.lua, test_discrete.lua", ["log-hamiltonian"] = "test_times.lua", rattle = "test_rattle.lua", shake = "test_rattle.lua" }
+for _, rule in ipairs(dm.rules()) do
+  ok(#rule.instances > 0 or elsewhere[rule.name], rule.name .. " is measured")
+  ok(rule.order and rule.stages and rule.cost, rule.name .. " says its order, stages and cost")
+  for _, r in ipairs(rule.instances) do
+    check_order(r)
+    check_structure(r)
+    check_momentum(r)
+    check_cost(r)
+    ok(r.symplectic == rule.symplectic and (r.symmetric or not rule.symmetric), "  has what its family has")
+    ok(twisted:solver({ rule = r.rule, h = 1 }).order == r.order, "  its solver says the order")
+  end
+end
+for p = 1, 16 do ok(orders[p], ("there is a rule of order %d"):format(p)) end
+tap.done()
