@@ -5,6 +5,8 @@
 #include "integ/stage.h"
 #include "integ/sweep.h"
 
+#include <string.h>
+
 /* A kernel on [inputs][width] and [outputs][width], `lanes` at a time. */
 typedef struct {
     dm_kernel kernel;
@@ -28,7 +30,6 @@ typedef struct {
     dm_sweep ahead, v_ahead; /* positions, velocities from u of the step before */
     double *u;               /* [n][width], for M that is not diagonal */
     double *base, *lift;     /* [n][width] of positions, momenta */
-    double *moved;           /* [2n][width] the sums themselves */
     double *whole, *rest;    /* [r][width] columns of h^2 A or h a, what they lack */
     double *further, *flying; /* [r][width] columns of ahead, and for h = 1 */
     double *turning;          /* [r][width] columns of v_ahead */
@@ -109,7 +110,7 @@ void dm_stage_separable_open(dm_stage *g);
 /* next = state + (dq[n], dp[n]) with compensation; DM_NOT_FINITE when it is not. */
 dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp);
 
-/* One double at a time: a wide load would wait for the narrow stores that a state has just had. */
+/* One double at a time where they are few: a wide load would wait for the narrow stores that a state has just had. */
 static inline void dm_stage_copy(double *to, const volatile double *from,
                                  uint32_t count) {
     for (uint32_t i = 0; i < count; i++) to[i] = from[i];

@@ -137,11 +137,14 @@ static void sweep(iteration *it) {
     it->count++;
 }
 
-/* sum of the squares of x[n] */
-static double square(const double *x, uint32_t n) {
-    double sum = 0.0;
-    for (uint32_t k = 0; k < n; k++) sum += x[k] * x[k];
-    return sum;
+/* sum of the squares of the start and of a point of the step */
+static double square(const dm_sweep *a, uint32_t width) {
+    double size = 0.0;
+    for (uint32_t k = 0; k < a->rows; k++) {
+        const double x = a->start[k], y = a->x[(size_t)k * width + a->columns - 1];
+        size += x * x + y * y;
+    }
+    return size;
 }
 
 /* the first positions and velocities: u of the step before, continued, or a straight line */
@@ -152,7 +155,7 @@ static void set_off(iteration *it, int warm) {
     const double *low = g->state + 2 * n, *v = g->separable || !warm ? g->v0 : w->none;
     w->row->line(w->base, low, v, &w->line, n);
     w->ahead.u = warm ? w->v_ahead.u : w->none;
-    it->size[0] = move(it, &w->ahead) + square(g->state, n); /* from zero */
+    w->row->put(&w->ahead);
     if (g->separable) return;
     if (!warm) w->row->line(w->base, low, w->none, &w->line, n);
     w->row->line(w->lift, low + n, w->none, &w->line, n);
@@ -169,18 +172,23 @@ static void prepare(iteration *it, int warm) {
     double *time = w->force.in + 2 * n * width;
     if (!(g->m->structure & DM_AUTONOMOUS))
         for (uint32_t l = 0; l < width; l++) time[l] = g->t + w->after[l];
-    w->q.start = w->q_rest.start = w->ahead.start = g->state;
-    w->p.start = w->p_rest.start = g->state + n;
-    if (it->measured)
-        memset(w->moved, 0, (g->separable ? 1 : 2) * n * width * sizeof *w->moved);
+    w->q.start = w->ahead.start = g->state;
+    w->p.start = g->state + n;
     set_off(it, warm);
-    it->size[1] = square(g->state + n, n);
     if (warm) it->rate = fmax(LEAST, 2.0 * dm_stage_memory_rate(g));
+}
+
+/* the first one, which tells what changes are compared with */
+static void evaluate_first(iteration *it) {
+    const dm_stage_sweeps *w = &it->g->sweeps;
+    it->size[0] = square(&w->q, w->row->width);
+    evaluate(it);
+    it->moved[1] = it->size[1] = it->g->separable ? 0.0 : square(&w->p, w->row->width);
 }
 
 /* so many evaluations after a warm start; the last change is measured for the report */
 static dm_status count_out(iteration *it, int fixed) {
-    evaluate(it);
+    evaluate_first(it);
     for (int k = 1; k < fixed; k++) {
         it->measured = k == fixed - 1;
         sweep(it);
@@ -190,8 +198,7 @@ static dm_status count_out(iteration *it, int fixed) {
 
 /* until what is left is round-off */
 static dm_status iterate(iteration *it, double tolerance) {
-    evaluate(it);
-    it->size[1] += it->moved[1];
+    evaluate_first(it);
     for (int k = 1; k < MOST; k++) {
         const int settled = it->settled;
         if (!settled && it->change < SETTLED) settle(it);

@@ -26,7 +26,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
         (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
-    return kernels_size(n, w, separable) + kernels_size(n, 4, separable) + (6 * n) * w +
+    return kernels_size(n, w, separable) + kernels_size(n, 4, separable) + 4 * n * w +
            5 * r * w + 7 * w + 10 * n + 3 + ARRAYS * LINE;
 }
 
@@ -61,7 +61,6 @@ static void lay_out(dm_stage *g, double *memory) {
     double **const single[] = {&w->after,  &w->line.top, &w->line.rest, &w->b.top,
                                &w->b.rest, &w->mean.top, &w->mean.rest};
     memory = lay_kernels(w, n, memory);
-    w->moved = take(&memory, 2 * n * width);
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         *rows[i] = take(&memory, n * width);
     for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
@@ -145,13 +144,11 @@ static void plan(dm_stage *g) {
     const dm_sweep all = {.rows = n, .columns = g->table.r, .start = w->none};
     w->q = w->p = w->v_ahead = all;
     w->q.x = w->force.in;
-    w->q.sum = w->moved;
     w->q.base = w->base;
     w->q.column = w->whole;
     w->q.u = dm_stage_sweeps_u(g);
     w->q.factor = diagonal ? g->m->inverse_mass : w->one;
     w->p.x = w->force.out + (size_t)w->force.outputs * width;
-    w->p.sum = w->moved + n * width;
     w->p.base = w->lift;
     w->p.column = w->whole;
     w->p.u = w->force.out;
@@ -162,16 +159,17 @@ static void plan(dm_stage *g) {
                             .factor = w->q.factor,
                             .drift = w->drift};
     w->q_rest = w->q;
-    w->q_rest.sum = w->base;
+    w->q_rest.x = w->base;
+    w->q_rest.start = w->none;
     w->q_rest.column = w->rest;
     w->p_rest = w->p;
-    w->p_rest.sum = w->lift;
+    w->p_rest.x = w->lift;
+    w->p_rest.start = w->none;
     w->p_rest.column = w->rest;
     w->ahead = w->q;
     w->ahead.column = w->further;
     w->ahead.u = kept;
     w->v_ahead.x = w->force.in + n * width;
-    w->v_ahead.sum = w->u;
     w->v_ahead.base = w->none;
     w->v_ahead.column = w->turning;
     w->v_ahead.u = kept;

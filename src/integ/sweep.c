@@ -18,10 +18,9 @@ static double move_1(const dm_sweep *a) {
     double moved = 0.0;
     for (uint32_t k = 0; k < a->rows; k++) {
         const double sum = a->base[k] + a->factor[k] * (a->column[0] * a->u[k]);
-        const double d = sum - a->sum[k];
+        const double x = a->start[k] + sum, d = x - a->x[k];
         moved += d * d;
-        a->sum[k] = sum;
-        a->x[k] = a->start[k] + sum;
+        a->x[k] = x;
     }
     return moved;
 }

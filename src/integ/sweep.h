@@ -15,11 +15,11 @@ typedef struct {
     double *top, *rest;
 } dm_parts;
 
-/* sum = base + factor sum_m column_m u[.][m], then x = start + sum */
+/* x = start + (base + factor sum_m column_m u[.][m]) */
 typedef struct {
     uint32_t rows, columns;       /* as many columns as stages */
-    double *x, *sum;              /* [rows][width]; x: arguments of a kernel */
-    const double *base;           /* [rows][width], may be sum */
+    double *x;                    /* [rows][width] arguments of a kernel */
+    const double *base;           /* [rows][width], may be x */
     const double *column;         /* [columns][width] */
     const double *u;              /* [rows][width] */
     const double *factor, *start; /* [rows] */
@@ -37,7 +37,7 @@ typedef struct {
 typedef struct {
     uint32_t width;
     void (*put)(const dm_sweep *a);
-    /* put; returns the sum of squares of what the sums moved by */
+    /* put; returns the sum of squares of what x moved by */
     double (*move)(const dm_sweep *a);
     /* base[rows][width] = low[rows] + c v[rows] */
     void (*line)(double *base, const double *low, const double *v, const dm_parts *c,

@@ -42,15 +42,14 @@ HOW INLINE double OWN(walk)(const dm_sweep *a, uint32_t columns, int measured) {
     if (columns > 7) c[7] = from[7];
     for (uint32_t k = 0; k < at.rows; k++) {
         const size_t row = (size_t)k * W;
-        V sum;
+        V *x = (V *)(void *)(at.x + row), sum;
         OWN(inner)(&sum, c, at.u + row, columns);
-        sum = MADD(SAME(at.factor[k]), sum, LOAD(at.base + row));
+        sum = at.start[k] + MADD(SAME(at.factor[k]), sum, LOAD(at.base + row));
         if (measured) {
-            const V d = sum - LOAD(at.sum + row);
+            const V d = sum - *x;
             moved = MADD(d, d, moved);
         }
-        *(V *)(void *)(at.sum + row) = sum;
-        *(V *)(void *)(at.x + row) = at.start[k] + sum;
+        *x = sum;
     }
     const H *half = (const H *)(const void *)&moved, sum = half[0] + half[1];
     return measured ? OWN(total)((const double *)&sum) : 0.0;
@@ -80,24 +79,20 @@ HOW static void OWN(line)(double *base, const double *low, const double *v,
     }
 }
 
-/* c u, lanes of one half onto those of the other */
-HOW INLINE void OWN(fold)(H *sum, const dm_parts *c, const double *u) {
-    const H *top = (const H *)(const void *)c->top, *x = (const H *)(const void *)u;
-    const H *rest = (const H *)(const void *)c->rest;
-    const H low = MADD_HALF(rest[0], x[0], rest[1] * x[1]);
-    *sum = MADD_HALF(top[0], x[0], MADD_HALF(top[1], x[1], low));
-}
-
 HOW static double OWN(finish)(const dm_sweep_end *a) {
     const dm_sweep_end at = *a;
+    const V top_q = LOAD(at.b[0]->top), rest_q = LOAD(at.b[0]->rest);
+    const V top_p = LOAD(at.b[1]->top), rest_p = LOAD(at.b[1]->rest);
     const uint32_t n = at.rows;
     double *high = at.state, *low = at.state + 2 * (size_t)n;
     v2 bad = {0};
     for (uint32_t k = 0; k < n; k++) {
-        H q, p;
-        OWN(fold)(&q, at.b[0], at.u[0] + (size_t)k * W);
-        OWN(fold)(&p, at.b[1], at.u[1] + (size_t)k * W);
-        const v2 d = TOTALS(q, p) * (v2){at.factor[k], 1.0} + (v2){at.drift[k], 0.0};
+        const V u = LOAD(at.u[0] + (size_t)k * W), f = LOAD(at.u[1] + (size_t)k * W);
+        const V q = MADD(top_q, u, rest_q * u), p = MADD(top_p, f, rest_p * f);
+        const H *x = (const H *)(const void *)&q, *y = (const H *)(const void *)&p;
+        const H q_half = x[0] + x[1], p_half = y[0] + y[1];
+        const v2 d =
+            TOTALS(q_half, p_half) * (v2){at.factor[k], 1.0} + (v2){at.drift[k], 0.0};
         const v2 old = {high[k], high[n + k]}, e = (v2){low[k], low[n + k]} + d;
         const v2 sum = old + e, rest = e + (old - sum);
         high[k] = sum[0];

@@ -40,12 +40,14 @@ for _, body in ipairs(bodies) do
   end
 end
 local G = 2.95912208286e-4
-local function of(i, z) return z:slice(3 * i - 2, 3 * i) end
 local solar = dm.system { Q = dm.R(18), L = function(q, v)
-  local L = 0
+  local L, place = 0, {}
   for i, a in ipairs(bodies) do
-    L = L + a[1] / 2 * of(i, v):dot(of(i, v))
-    for j = 1, i - 1 do L = L + G * a[1] * bodies[j][1] / (of(i, q) - of(j, q)):norm() end
+    local k = 3 * i - 2
+    local speed = v:slice(k, k + 2)
+    place[i] = q:slice(k, k + 2)
+    L = L + a[1] / 2 * speed:dot(speed)
+    for j = 1, i - 1 do L = L + G * a[1] * bodies[j][1] / (place[i] - place[j]):norm() end
   end
   return L
 end }
