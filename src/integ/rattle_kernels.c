@@ -37,6 +37,7 @@ typedef struct {
     const dm_model *model;
     dm_rattle_layout at;
     dm_arena *arena;
+    int no_memory;
     dm_graph *source;         /* inputs q, v, t */
     dm_node *force, *G, *g;   /* of source: F[n], the nonzeros of G, g[m] */
     dm_node *g_t;             /* [m] */
@@ -46,9 +47,13 @@ typedef struct {
     dm_node *q, *p, *lq, *lp; /* the state */
 } frame;
 
-static dm_node *take(const frame *b, size_t count) {
+/* zeroed; NULL is remembered, so that no kernel comes out without what should be in it */
+static dm_node *take(frame *b, size_t count) {
     dm_node *nodes = dm_arena_take(b->arena, (count + 1) * sizeof *nodes);
-    if (nodes) memset(nodes, 0, (count + 1) * sizeof *nodes);
+    if (nodes)
+        memset(nodes, 0, (count + 1) * sizeof *nodes);
+    else
+        b->no_memory = 1;
     return nodes;
 }
 
@@ -184,12 +189,13 @@ static void inputs(const frame *b, dm_node *out, uint32_t first, uint32_t count)
 
 static dm_status end(frame *b, dm_kernel *out, const dm_node *roots, size_t count) {
     const dm_status status = dm_graph_status(b->f.graph);
+    if (b->no_memory || dm_graph_status(b->source) != DM_OK) return DM_NO_MEMORY;
     if (status != DM_OK) return status;
     return b->model->source.compile(out, b->f.graph, roots, (uint32_t)count, b->arena);
 }
 
 /* F, G, g_t, g as roots of the source, in that order */
-static dm_node *all_roots(const frame *b) {
+static dm_node *all_roots(frame *b) {
     const size_t n = b->at.n, m = b->at.m, z = b->at.nonzeros;
     dm_node *roots = take(b, n + z + 2 * m);
     if (!roots) return NULL;

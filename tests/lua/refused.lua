@@ -16,3 +16,8 @@ path:momentum(dm.SO(2))
 
 local swing = dm.system { Q = dm.T(1), L = function(q, v) return v:dot(v) / 2 * (2 + math.cos(q[1])) end }
 swing:solver { rule = "gauss(2)", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 20 }
+
+local sphere = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end, force = function(q) return -q end,
+  constraint = function(q) return q:dot(q) - 1 end }
+path = sphere:solver({ rule = "rattle", h = 0.1 }):run { q = { 0.6, 0, -0.7 }, v = { 0, 1, 1 }, steps = 20, project = true }
+assert(path:worst "constraint" < 1e-14)
