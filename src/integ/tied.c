@@ -208,11 +208,12 @@ static dm_status solve(dm_tied *g, const dm_stepper *stepper) {
 }
 
 /* a step that failed: is it the ties that lose rank, here or where Newton's method went? */
-static void find_lost(dm_tied *g, dm_status status) {
-    if (status == DM_OK || status == DM_CALLBACK || g->lost) return;
+static dm_status find_lost(dm_tied *g, dm_status status) {
+    if (status != DM_NO_CONVERGENCE && status != DM_SINGULAR) return status;
     g->lost = dm_tied_dependent(g, 0);
     for (uint32_t k = 1; k <= g->K && !g->lost && !g->l; k++)
         g->lost = dm_tied_dependent(g, k);
+    return g->lost ? DM_SINGULAR : status;
 }
 
 /* |g| and |phi| at the end of the step */
@@ -234,10 +235,8 @@ dm_status dm_tied_step(dm_stepper *stepper, double *state, double t) {
     g->lost = 0;
     if (g->h != stepper->h) dm_tied_weights_scale(g, stepper->h);
     dm_status status = dm_tied_begin(g);
-    if (status == DM_OK) status = solve(g, stepper);
+    if (status == DM_OK) status = find_lost(g, solve(g, stepper));
     if (status == DM_OK) status = dm_tied_finish(g, stepper);
-    find_lost(g, status);
-    if (g->lost && status != DM_OK) status = DM_SINGULAR;
     stepper->report.iterations = g->iterations;
     stepper->report.residual = g->residual;
     stepper->report.tie = (int)g->lost;

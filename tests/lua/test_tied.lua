@@ -103,15 +103,13 @@ end
 local rest = { q = { 1, 1, -sqrt(0.5) }, v = { 0, 0, 0 } }
 rest.q[1] = sqrt(1.5)
 local function slope(shift, rule)
-  return run(contact(shift), rule, 2 * sin(pi / 40), watched and 500 or 5000, rest, 1):drift("energy").per_time
+  return run(contact(shift), rule, 2 * sin(pi / 40), 5000, rest, 1):drift("energy").per_time
 end
 ok(abs(slope(0, "midpoint")) < 1e-7, "contact oscillator: no drift of midpoint", slope(0, "midpoint"))
 ok(abs(slope(0, "gauss(2)")) < 1e-10, "  nor of gauss(2)")
-if not watched then
-  ok(abs(slope(1, "midpoint")) > 3e-7, "non-reversible: midpoint drifts", slope(1, "midpoint"))
-  ok(abs(slope(1, "gauss(2)")) < 1e-7, "  gauss(2) less")
-  ok(abs(slope(1, "gauss(4)")) < 1e-13, "  gauss(4) below what matters", slope(1, "gauss(4)"))
-end
+ok(abs(slope(1, "midpoint")) > 3e-7, "non-reversible: midpoint drifts", slope(1, "midpoint"))
+ok(abs(slope(1, "gauss(2)")) < 1e-7, "  gauss(2) less")
+ok(abs(slope(1, "gauss(4)")) < 1e-13, "  gauss(4) below what matters", slope(1, "gauss(4)"))
 
 -- ---- Appell-Hamel: z'^2 = x'^2 + y'^2 under gravity; Chetaev: z'' = -g/2; a vertical reaction: a straight line ----
 
