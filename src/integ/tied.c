@@ -98,7 +98,9 @@ size_t dm_tied_work(size_t s, size_t r, const dm_model *m) {
     const sizes z = sizes_of(s, r, s, m); /* K is s or one less */
     dm_tied g = {.m = m};
     return doubles(sizeof g) + dm_stage_table_size(s, r) + dm_tied_weights_size(s, r) +
-           lay_out(&g, &z, NULL);
+           dm_tied_entries_size((uint32_t)z.n, (uint32_t)z.k, (uint32_t)z.l) +
+           dm_tied_matrix_size((uint32_t)z.unknowns) +
+           dm_tied_matrix_size((uint32_t)(z.n + z.m)) + lay_out(&g, &z, NULL);
 }
 
 /* constant outputs of the kernels, once */
@@ -121,6 +123,19 @@ static void prepare(dm_tied *g) {
     dm_kernel_prepare(&g->m->mass, g->mass);
 }
 
+/* dense, and narrow where a look at the entries says that it pays */
+static void open_matrices(dm_tied *g, double *memory) {
+    const uint32_t N = dm_tied_unknowns(g), ends = g->n + g->k + g->l;
+    double *J = g->scratch;
+    dm_tied_matrix_open(&g->step, N, memory);
+    dm_tied_matrix_open(&g->hidden, ends, memory + dm_tied_matrix_size(N));
+    dm_tied_scatter(g);
+    dm_tied_equation_matrix(g, J);
+    dm_tied_matrix_narrow(&g->step, J, (uint32_t *)(void *)(J + (size_t)N * N));
+    dm_tied_hidden_matrix(g, J);
+    dm_tied_matrix_narrow(&g->hidden, J, (uint32_t *)(void *)(J + (size_t)ends * ends));
+}
+
 dm_status dm_tied_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_tied *g = (dm_tied *)(void *)stepper->work;
     const dm_model *m = stepper->model;
@@ -135,8 +150,15 @@ dm_status dm_tied_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_tied_weights_fill(g, basis, memory);
     dm_tied_weights_scale(g, stepper->h);
     const sizes z = sizes_of(s, r, g->K, m);
-    lay_out(g, &z, memory + dm_tied_weights_size(s, r));
+    memory += dm_tied_weights_size(s, r);
+    dm_tied_entries_find(g, memory);
+    memory += dm_tied_entries_size(g->n, g->k, g->l);
+    double *matrices = memory;
+    memory += dm_tied_matrix_size((uint32_t)z.unknowns) +
+              dm_tied_matrix_size((uint32_t)(z.n + z.m));
+    lay_out(g, &z, memory);
     prepare(g);
+    open_matrices(g, matrices);
     dm_tied_memory_clear(g, stepper->h);
     return DM_OK;
 }
@@ -163,6 +185,7 @@ static dm_status newton(dm_tied *g, const dm_stepper *stepper) {
                                        .equation = dm_tied_equation,
                                        .ctx = g,
                                        .size = &g->size,
+                                       .band = g->step.banded ? &g->step.band : NULL,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);

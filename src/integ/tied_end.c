@@ -6,13 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* y += w A x */
-static void add_product(double *y, double w, const double *A, const double *x,
-                        uint32_t n) {
-    for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < n; j++) y[i] += w * A[i * (size_t)n + j] * x[j];
-}
-
 /* what the last increment of V moves a point by */
 static void moved(dm_tied *g, const dm_weight *ha, const dm_weight *d, const double *dV) {
     const uint32_t n = g->n;
@@ -34,11 +27,11 @@ static void correct_forces(dm_tied *g, const double *dV) {
         const double *f_q = g->drag + i * (n + 2 * nn) + n;
         double *force = g->slope + i * 2 * (size_t)n;
         moved(g, g->ha + i * s, g->table.d + i * s, dV);
-        add_product(force, 1.0, qq, g->shift, n);
-        add_product(force, 1.0, qq + nn, g->v, n);
+        dm_tied_product(force, qq, g->shift, &g->qq);
+        dm_tied_product(force, qq + nn, g->v, &g->qv);
         if (!g->ties->forced) continue;
-        add_product(force, 1.0, f_q, g->shift, n);
-        add_product(force, 1.0, f_q + nn, g->v, n);
+        dm_tied_product(force, f_q, g->shift, &g->f_q);
+        dm_tied_product(force, f_q + nn, g->v, &g->f_v);
     }
 }
 
@@ -51,8 +44,8 @@ static void correct_impulses(dm_tied *g, const double *dV) {
         dm_tied_impulse(g, impulse, g->root + s * (size_t)n + k * m, k);
         if (k == 0) continue;
         moved(g, g->tie_ha + k * s, g->tie.d + k * s, dV);
-        add_product(impulse, 1.0, r_q, g->shift, n);
-        if (g->l) add_product(impulse, 1.0, r_q + (size_t)n * n, g->v, n);
+        dm_tied_product(impulse, r_q, g->shift, &g->r_q);
+        dm_tied_product(impulse, r_q + (size_t)n * n, g->v, &g->r_v);
     }
 }
 

@@ -55,54 +55,38 @@ static void tie_rows(const dm_tied *g, double *R) {
     }
 }
 
-/* block += w B, or w B^T; rows of J are N long */
-static void add_block(double *J, size_t N, double w, const double *B, uint32_t n) {
-    if (w == 0.0) return;
-    for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < n; j++) J[i * N + j] += w * B[i * (size_t)n + j];
-}
-
-static void add_transposed(double *J, size_t N, double w, const double *B, uint32_t n) {
-    if (w == 0.0) return;
-    for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < n; j++) J[i * N + j] += w * B[j * (size_t)n + i];
-}
-
 typedef struct {
     double q, v;  /* of the slopes: h b_i (a_ij - beta_j), b_i d_ij */
     double ha, d; /* dQ/dV, dQdot/dV */
 } chain;
 
-/* the derivative of one equation in one velocity, by way of the point i */
-static void slope_block(const dm_tied *g, double *block, size_t N, uint32_t i, chain w) {
-    const uint32_t n = g->n;
+/* the derivative of the equation j in the velocity k, by way of the point i */
+static void slope_block(const dm_tied *g, double *J, uint32_t j, uint32_t k, uint32_t i) {
+    const uint32_t n = g->n, s = g->table.s, row = j * n, column = k * n;
     const size_t nn = (size_t)n * n;
     const double *qq = g->curve + i * (2 * n + 3 * nn) + 2 * n, *qv = qq + nn;
     const double *f_q = g->drag + i * (n + 2 * nn) + n;
-    add_block(block, N, w.q * w.ha, qq, n);
-    add_block(block, N, w.q * w.d, qv, n);
-    add_transposed(block, N, w.v * w.ha, qv, n);
-    add_block(block, N, w.v * w.d, qv + nn, n);
+    const chain w = {.q = dm_weight_double(g->wq[i * s + j]),
+                     .v = dm_weight_double(g->wv[i * s + j]),
+                     .ha = dm_weight_double(g->ha[i * s + k]),
+                     .d = dm_weight_double(g->table.d[i * s + k])};
+    dm_tied_add(J, &g->step, row, column, w.q * w.ha, qq, &g->qq);
+    dm_tied_add(J, &g->step, row, column, w.q * w.d, qv, &g->qv);
+    dm_tied_add_transposed(J, &g->step, row, column, w.v * w.ha, qv, &g->qv);
+    dm_tied_add(J, &g->step, row, column, w.v * w.d, qv + nn, &g->vv);
     if (!g->ties->forced) return;
-    add_block(block, N, w.q * w.ha, f_q, n);
-    add_block(block, N, w.q * w.d, f_q + nn, n);
+    dm_tied_add(J, &g->step, row, column, w.q * w.ha, f_q, &g->f_q);
+    dm_tied_add(J, &g->step, row, column, w.q * w.d, f_q + nn, &g->f_v);
 }
 
-static void slope_columns(const dm_tied *g, double *J, size_t N) {
-    const uint32_t n = g->n, s = g->table.s;
+static void slope_columns(const dm_tied *g, double *J) {
     for (uint32_t i = 0; i < g->table.r; i++)
-        for (uint32_t j = 0; j < s; j++)
-            for (uint32_t k = 0; k < s; k++) {
-                const chain w = {.q = dm_weight_double(g->wq[i * s + j]),
-                                 .v = dm_weight_double(g->wv[i * s + j]),
-                                 .ha = dm_weight_double(g->ha[i * s + k]),
-                                 .d = dm_weight_double(g->table.d[i * s + k])};
-                slope_block(g, J + j * n * N + k * n, N, i, w);
-            }
+        for (uint32_t j = 0; j < g->table.s; j++)
+            for (uint32_t k = 0; k < g->table.s; k++) slope_block(g, J, j, k, i);
 }
 
 /* impulses of the inner tie points move with the curve */
-static void reaction_columns(const dm_tied *g, double *J, size_t N) {
+static void reaction_columns(const dm_tied *g, double *J) {
     const uint32_t n = g->n, s = g->table.s;
     for (uint32_t i = 1; i < g->K; i++)
         for (uint32_t j = 0; j < s; j++)
@@ -110,66 +94,71 @@ static void reaction_columns(const dm_tied *g, double *J, size_t N) {
                 const double w = dm_weight_double(g->lever[i * s + j]);
                 const double ha = dm_weight_double(g->tie_ha[i * s + k]);
                 const double d = dm_weight_double(g->tie.d[i * s + k]);
-                const double *r_q = dm_tied_curved(g, i) + n;
-                double *block = J + j * n * N + k * n;
-                add_block(block, N, w * ha, r_q, n);
-                if (g->l) add_block(block, N, w * d, r_q + (size_t)n * n, n);
+                const double *r_q = dm_tied_curved(g, i) + n, *r_v = r_q + (size_t)n * n;
+                dm_tied_add(J, &g->step, j * n, k * n, w * ha, r_q, &g->r_q);
+                dm_tied_add(J, &g->step, j * n, k * n, w * d, r_v, &g->r_v);
             }
 }
 
-/* dR/d impulse: column (k, c) holds G_c or E_c of the tie point k */
-static void impulse_columns(const dm_tied *g, double *J, size_t N) {
-    const uint32_t n = g->n, s = g->table.s, m = g->k + g->l;
-    for (uint32_t k = 0; k < g->K; k++)
-        for (uint32_t c = 0; c < m; c++) {
-            const double *row = c < g->k ? dm_tied_holonomic(g, k) + g->k + c * n
-                                         : dm_tied_rolling(g, k) + g->l + (c - g->k) * n;
-            const double unit = g->impulse_unit[c];
-            double *column = J + s * n + k * m + c;
-            for (uint32_t j = 0; j < s; j++) {
-                const double w = unit * dm_weight_double(g->lever[k * s + j]);
-                for (uint32_t i = 0; i < n; i++) column[(j * n + i) * N] = w * row[i];
-            }
-        }
+/* where the rows of a block of ties stand in J, and in what units */
+typedef struct {
+    uint32_t row, column;
+    const double *unit;
+} place;
+
+/* dR/d impulse: columns of G^T and E^T */
+static void add_across(const dm_tied *g, double *J, place at, double w, const double *B,
+                       const dm_tied_entries *e) {
+    const size_t *r = g->step.row + at.row, *c = g->step.column + at.column;
+    for (uint32_t i = 0; i < e->count; i++)
+        J[r[e->column[i]] + c[e->row[i]]] += w * at.unit[e->row[i]] * B[e->entry[i]];
 }
 
-static void holonomic_row(const dm_tied *g, double *row, uint32_t k, uint32_t c) {
-    const uint32_t n = g->n, s = g->table.s;
-    const double *G = dm_tied_holonomic(g, k + 1) + g->k + c * n;
-    const double unit = g->row_unit[c];
+static void add_along(const dm_tied *g, double *J, place at, double w, const double *B,
+                      const dm_tied_entries *e) {
+    const size_t *r = g->step.row + at.row, *c = g->step.column + at.column;
+    for (uint32_t i = 0; i < e->count; i++)
+        J[r[e->row[i]] + c[e->column[i]]] += w * at.unit[e->row[i]] * B[e->entry[i]];
+}
+
+static void impulse_columns(const dm_tied *g, double *J, uint32_t k) {
+    const uint32_t n = g->n, s = g->table.s, first = s * n + k * (g->k + g->l);
     for (uint32_t j = 0; j < s; j++) {
-        const double w = unit * dm_weight_double(g->tie.a[(k + 1) * s + j]);
-        for (uint32_t i = 0; i < n; i++) row[j * n + i] = w * G[i];
+        const double w = dm_weight_double(g->lever[k * s + j]);
+        const place G = {j * n, first, g->impulse_unit};
+        const place E = {j * n, first + g->k, g->impulse_unit + g->k};
+        add_across(g, J, G, w, dm_tied_holonomic(g, k) + g->k, &g->G);
+        add_across(g, J, E, w, dm_tied_rolling(g, k) + g->l, &g->E);
     }
 }
 
-static void rolling_row(const dm_tied *g, double *row, uint32_t k, uint32_t c) {
+/* g at the tie point k + 1, phi at the Gauss point k */
+static void constraint_rows(const dm_tied *g, double *J, uint32_t k) {
     const uint32_t n = g->n, s = g->table.s, l = g->l;
-    const double *phi_v = g->roll + k * (size_t)l * (1 + 3 * n) + l + (l + c) * n;
-    const double *phi_q = phi_v + l * n, unit = g->row_unit[g->k + c];
+    const uint32_t first = s * n + k * (g->k + l);
+    const double *phi_v = g->roll + k * (size_t)l * (1 + 3 * n) + l + l * n;
     for (uint32_t j = 0; j < s; j++) {
-        const double ha = unit * dm_weight_double(g->gauss_ha[k * s + j]);
-        const double d = unit * dm_weight_double(g->gauss.d[k * s + j]);
-        for (uint32_t i = 0; i < n; i++) row[j * n + i] = ha * phi_q[i] + d * phi_v[i];
+        const place G = {first, j * n, g->row_unit};
+        const place phi = {first + g->k, j * n, g->row_unit + g->k};
+        const double a = dm_weight_double(g->tie.a[(k + 1) * s + j]);
+        const double ha = dm_weight_double(g->gauss_ha[k * s + j]);
+        const double d = dm_weight_double(g->gauss.d[k * s + j]);
+        add_along(g, J, G, a, dm_tied_holonomic(g, k + 1) + g->k, &g->G);
+        if (l == 0) continue;
+        add_along(g, J, phi, d, phi_v, &g->phi_v);
+        add_along(g, J, phi, ha, phi_v + l * n, &g->phi_q);
     }
 }
 
-static void matrix(const dm_tied *g, double *J) {
-    const size_t N = dm_tied_unknowns(g);
-    const uint32_t m = g->k + g->l;
-    memset(J, 0, N * N * sizeof *J);
-    slope_columns(g, J, N);
-    if (m == 0) return;
-    reaction_columns(g, J, N);
-    impulse_columns(g, J, N);
-    for (uint32_t k = 0; k < g->K; k++)
-        for (uint32_t c = 0; c < m; c++) {
-            double *row = J + ((size_t)g->table.s * g->n + k * m + c) * N;
-            if (c < g->k)
-                holonomic_row(g, row, k, c);
-            else
-                rolling_row(g, row, k, c - g->k);
-        }
+void dm_tied_equation_matrix(const dm_tied *g, double *J) {
+    dm_tied_zero(J, &g->step);
+    slope_columns(g, J);
+    if (g->k + g->l == 0) return;
+    reaction_columns(g, J);
+    for (uint32_t k = 0; k < g->K; k++) {
+        impulse_columns(g, J, k);
+        constraint_rows(g, J, k);
+    }
 }
 
 dm_status dm_tied_equation(void *ctx, double *R, double *J, const double *z) {
@@ -179,6 +168,6 @@ dm_status dm_tied_equation(void *ctx, double *R, double *J, const double *z) {
     g->size = position_size(g);
     momentum_rows(g, R);
     tie_rows(g, R + (size_t)g->table.s * g->n);
-    if (J) matrix(g, J);
+    if (J) dm_tied_equation_matrix(g, J);
     return DM_OK;
 }

@@ -27,37 +27,41 @@ static void end_momentum(dm_tied *g, double *R, const double *v, const double *i
 }
 
 static void end_ties(const dm_tied *g, double *R, const double *v) {
-    const uint32_t n = g->n;
-    const double *G = dm_tied_holonomic(g, g->K) + g->k, *g_t = G + g->k * n;
-    const double *phi = dm_tied_rolling(g, g->K);
-    for (uint32_t c = 0; c < g->k + g->l; c++) {
-        double sum = c < g->k ? g_t[c] : phi[c - g->k];
-        for (uint32_t i = 0; i < n && c < g->k; i++) sum += G[c * n + i] * v[i];
-        R[c] = sum * g->row_unit[c];
+    const double *hol = dm_tied_holonomic(g, g->K), *G = hol + g->k;
+    const double *g_t = G + (size_t)g->k * g->n, *phi = dm_tied_rolling(g, g->K);
+    for (uint32_t c = 0; c < g->k; c++) R[c] = g_t[c];
+    for (uint32_t c = 0; c < g->l; c++) R[g->k + c] = phi[c];
+    dm_tied_product(R, G, v, &g->G);
+    for (uint32_t c = 0; c < g->k + g->l; c++) R[c] *= g->row_unit[c];
+}
+
+/* rows across, as columns behind those of v, and rows of the equations */
+static void add_ties(const dm_tied *g, double *J, const double *across,
+                     const double *along, const dm_tied_entries *e, uint32_t first) {
+    const dm_tied_matrix *m = &g->hidden;
+    const double *unit = across ? g->impulse_unit + first : g->row_unit + first;
+    for (uint32_t i = 0; i < e->count; i++) {
+        const uint32_t c = e->row[i], v = e->column[i], at = g->n + first + c;
+        if (across)
+            J[m->row[v] + m->column[at]] = -across[e->entry[i]] * unit[c];
+        else
+            J[m->row[at] + m->column[v]] = along[e->entry[i]] * unit[c];
     }
 }
 
 /* [L_vv - dI/dv, -rows^T; rows, 0] */
-static void end_matrix(dm_tied *g, double *J, const double *impulses) {
-    const uint32_t n = g->n, m = g->k + g->l;
-    const size_t N = n + m, nn = (size_t)n * n;
+void dm_tied_hidden_matrix(const dm_tied *g, double *J) {
+    const size_t n = g->n;
     const double *G = dm_tied_holonomic(g, g->K) + g->k;
-    const double *E = dm_tied_rolling(g, g->K) + g->l, *phi_v = E + g->l * n;
-    const double *r_v = dm_tied_curved(g, g->K) + n + nn;
-    memset(J, 0, N * N * sizeof *J);
-    if (g->l) dm_tied_reaction(g, impulses, g->K);
-    for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < n; j++)
-            J[i * N + j] = g->mass[n + i * n + j] - (g->l ? r_v[i * n + j] : 0.0);
-    for (uint32_t c = 0; c < m; c++) {
-        const uint32_t at = (c < g->k ? c : c - g->k) * n;
-        const double *across = (c < g->k ? G : E) + at,
-                     *row = (c < g->k ? G : phi_v) + at;
-        for (uint32_t i = 0; i < n; i++) {
-            J[i * N + n + c] = -across[i] * g->impulse_unit[c];
-            J[(n + c) * N + i] = row[i] * g->row_unit[c];
-        }
-    }
+    const double *E = dm_tied_rolling(g, g->K) + g->l;
+    const double *r_v = dm_tied_curved(g, g->K) + n + n * n;
+    dm_tied_zero(J, &g->hidden);
+    dm_tied_add(J, &g->hidden, 0, 0, 1.0, g->mass + n, &g->mass_vv);
+    if (g->l) dm_tied_add(J, &g->hidden, 0, 0, -1.0, r_v, &g->r_v);
+    add_ties(g, J, G, NULL, &g->G, 0);
+    add_ties(g, J, NULL, G, &g->G, 0);
+    add_ties(g, J, E, NULL, &g->E, g->k);
+    add_ties(g, J, NULL, E + g->l * n, &g->phi_v, g->k);
 }
 
 static dm_status end_equation(void *ctx, double *R, double *J, const double *z) {
@@ -65,7 +69,8 @@ static dm_status end_equation(void *ctx, double *R, double *J, const double *z) 
     g->size = 0.0;
     end_momentum(g, R, z, z + g->n);
     end_ties(g, R + g->n, z);
-    if (J) end_matrix(g, J, z + g->n);
+    if (J && g->l) dm_tied_reaction(g, z + g->n, g->K);
+    if (J) dm_tied_hidden_matrix(g, J);
     return DM_OK;
 }
 
@@ -87,6 +92,7 @@ static dm_status by_newton(dm_tied *g, const dm_stepper *stepper) {
                                        .equation = end_equation,
                                        .ctx = g,
                                        .size = &g->size,
+                                       .band = g->hidden.banded ? &g->hidden.band : NULL,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->end, &problem, g->scratch, &report);
@@ -184,6 +190,7 @@ dm_status dm_tied_hidden(dm_tied *g, const dm_stepper *stepper) {
     const int linear =
         !g->l || (ties & DM_TIES_LINEAR && !(ties & DM_TIES_GIVEN_REACTIONS));
     place_end(g);
-    if (linear && (g->m->structure & simple) == simple) return by_elimination(g);
+    if (linear && (g->m->structure & simple) == simple && !g->hidden.banded)
+        return by_elimination(g);
     return by_newton(g, stepper);
 }

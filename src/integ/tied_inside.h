@@ -3,6 +3,7 @@
 #define DM_TIED_INSIDE_H
 
 #include "integ/tied.h"
+#include "linalg/band.h"
 #include "mech/ties.h"
 
 /* The curve at some points: Q = q0 + h sum_j a_kj V_j, Qdot = sum_j d_kj V_j. */
@@ -11,6 +12,20 @@ typedef struct {
     dm_weight *c;     /* [count] */
     dm_weight *a, *d; /* [count*s] */
 } dm_tied_points;
+
+/* Entries of a block of a kernel's outputs that are not zero everywhere. */
+typedef struct {
+    uint32_t count;
+    uint32_t *entry, *row, *column;
+} dm_tied_entries;
+
+/* A matrix of n unknowns, dense by rows or a band: entry (i, j) stands at row[i] + column[j]. */
+typedef struct {
+    dm_band band;
+    int banded;
+    size_t *row, *column; /* [n] */
+    uint32_t *order;      /* [n] */
+} dm_tied_matrix;
 
 /* Laid out at the head of stepper->work by dm_tied_open. */
 typedef struct {
@@ -25,7 +40,10 @@ typedef struct {
     dm_weight *ha, *wq, *wv;      /* [r*s]: h a_ij, h b_i (a_ij - beta_j), b_i d_ij */
     dm_weight *tie_ha, *gauss_ha; /* [(K+1)*s], [K*s] */
     dm_weight *lever;             /* [K*s]: a~_kj - beta_j */
-    double *ahead;       /* [s*(s+1)]: V_j from v0 and the V of the step before */
+    dm_tied_entries qq, qv, vv, mass_vv, f_q, f_v, r_q, r_v; /* [n*n] */
+    dm_tied_entries G, E, phi_v, phi_q;                      /* [k*n], [l*n] */
+    dm_tied_matrix step, hidden; /* of the step equation, of the hidden constraint */
+    double *ahead;               /* [s*(s+1)]: V_j from v0 and the V of the step before */
     double *longer;      /* [s*(s+1)]: and from those of a step of half the length */
     const double *state; /* at the start of the step */
     double *x;           /* [2n+1 + k+l] arguments of a kernel */
@@ -98,10 +116,33 @@ void dm_tied_reaction(dm_tied *g, const double *impulses, uint32_t k);
 /* G, E, v0, M and the scales at the start of the step */
 dm_status dm_tied_begin(dm_tied *g);
 
+/* ---- tied_entries.c: what of the matrices is not zero ---- */
+
+/* doubles that entries and matrices take */
+size_t dm_tied_entries_size(uint32_t n, uint32_t k, uint32_t l);
+size_t dm_tied_matrix_size(uint32_t unknowns);
+void dm_tied_entries_find(dm_tied *g, double *memory);
+/* dense; and, where that pays, the band that the entries of J[n*n] fit in, scratch[2n] */
+void dm_tied_matrix_open(dm_tied_matrix *m, uint32_t n, double *memory);
+void dm_tied_matrix_narrow(dm_tied_matrix *m, const double *J, uint32_t *scratch);
+/* values with no meaning wherever a kernel writes, for a look at the entries */
+void dm_tied_scatter(dm_tied *g);
+
+/* J += w B at (row, column), J += w B^T, y += B x */
+void dm_tied_add(double *J, const dm_tied_matrix *m, uint32_t row, uint32_t column,
+                 double w, const double *B, const dm_tied_entries *e);
+void dm_tied_add_transposed(double *J, const dm_tied_matrix *m, uint32_t row,
+                            uint32_t column, double w, const double *B,
+                            const dm_tied_entries *e);
+void dm_tied_product(double *y, const double *B, const double *x,
+                     const dm_tied_entries *e);
+void dm_tied_zero(double *J, const dm_tied_matrix *m);
+
 /* ---- tied_equation.c ---- */
 
 uint32_t dm_tied_unknowns(const dm_tied *g);
 dm_status dm_tied_equation(void *ctx, double *R, double *J, const double *z);
+void dm_tied_equation_matrix(const dm_tied *g, double *J);
 
 /* ---- tied_end.c: from the root to the state at the end ---- */
 
@@ -110,6 +151,7 @@ dm_status dm_tied_finish(dm_tied *g, const dm_stepper *stepper);
 /* ---- tied_hidden.c: v1 and the last impulses into g->end, from g->next without them ---- */
 
 dm_status dm_tied_hidden(dm_tied *g, const dm_stepper *stepper);
+void dm_tied_hidden_matrix(const dm_tied *g, double *J);
 
 /* ---- tied_memory.c: V, impulses, end and start of a step, for the next one ---- */
 

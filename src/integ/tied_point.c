@@ -55,16 +55,18 @@ static void unscale(dm_tied *g, const double *impulses) {
     for (uint32_t c = 0; c < m; c++) g->lambda[c] = impulses[c] * g->impulse_unit[c];
 }
 
+static void add_rows(double *impulse, const double *rows, const double *lambda,
+                     const dm_tied_entries *e) {
+    for (uint32_t i = 0; i < e->count; i++)
+        impulse[e->column[i]] += lambda[e->row[i]] * rows[e->entry[i]];
+}
+
 /* I = G^T lambda + E^T mu from the rows at the tie point k */
 void dm_tied_impulse(dm_tied *g, double *impulse, const double *impulses, uint32_t k) {
-    const uint32_t n = g->n;
-    const double *G = dm_tied_holonomic(g, k) + g->k, *E = dm_tied_rolling(g, k) + g->l;
     unscale(g, impulses);
-    memset(impulse, 0, n * sizeof *impulse);
-    for (uint32_t c = 0; c < g->k + g->l; c++) {
-        const double *row = c < g->k ? G + c * n : E + (c - g->k) * n;
-        for (uint32_t i = 0; i < n; i++) impulse[i] += g->lambda[c] * row[i];
-    }
+    memset(impulse, 0, g->n * sizeof *impulse);
+    add_rows(impulse, dm_tied_holonomic(g, k) + g->k, g->lambda, &g->G);
+    add_rows(impulse, dm_tied_rolling(g, k) + g->l, g->lambda + g->k, &g->E);
 }
 
 /* derivatives of the impulse in q and v at x, behind it in `reaction` */

@@ -41,13 +41,17 @@ static dm_status evaluate(solver *s, const double *x, int with_jacobian) {
     if (!isfinite(s->report->residual)) return DM_NOT_FINITE;
     if (!with_jacobian) return DM_OK;
     s->report->jacobians++;
+    if (s->p->band) return dm_band_factor(s->J, s->pivot, s->p->band);
     return dm_lu_factor(s->J, s->pivot, s->p->m);
 }
 
 /* dx = -J^-1 r, with J = 1 when none was taken */
 static void find_increment(solver *s) {
     for (uint32_t i = 0; i < s->p->m; i++) s->dx[i] = -s->r[i];
-    if (s->report->jacobians) dm_lu_solve(s->dx, s->J, s->pivot, s->p->m);
+    if (s->report->jacobians && s->p->band)
+        dm_band_solve(s->dx, s->J, s->pivot, s->p->band, s->trial);
+    else if (s->report->jacobians)
+        dm_lu_solve(s->dx, s->J, s->pivot, s->p->m);
     s->last = s->step;
     s->step = norm(s->dx, s->p->m);
     s->report->iterations++;

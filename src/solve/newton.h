@@ -7,6 +7,7 @@
 #define DM_NEWTON_H
 
 #include "base/status.h"
+#include "linalg/band.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -19,8 +20,9 @@ typedef struct {
     void *ctx;
     const double
         *size; /* size of the terms of r at the last x, to tell round-off; may be NULL */
-    int near_identity; /* dr/dx is nearly 1: begin with J = 1 while that shrinks fast */
-    double tolerance;  /* of the last increment, relative to max |x| */
+    const dm_band *band; /* J is such a band, and made so by `equation`; NULL: dense */
+    int near_identity;   /* dr/dx is nearly 1: begin with J = 1 while that shrinks fast */
+    double tolerance;    /* of the last increment, relative to max |x| */
     int max_iterations;
 } dm_newton_problem;
 

@@ -22,6 +22,33 @@ for i = 1, #path do worst = max(worst, abs(path.q[i][1] * path.p[i][2] - path.q[
 ok(worst < 1e-13, "  and the momentum about the vertical", worst)
 ok(path:drift("energy").per_time * 0.02 * steps < 1e-6, "  and no drift of the energy", path:drift("energy").per_time)
 
+-- ---- many constraints: the matrix is a band; the trapezoid has the positions of rattle to round-off ----
+
+local function chain(n)
+  return dm.system { Q = dm.R(2 * n), L = function(q, v)
+    local height = 0
+    for i = 1, n do height = height + q[2 * i] end
+    return v:dot(v) / 2 - height
+  end, constraint = function(q)
+    local g = { q[1] ^ 2 + q[2] ^ 2 - 1 }
+    for i = 2, n do g[i] = (q[2 * i - 1] - q[2 * i - 3]) ^ 2 + (q[2 * i] - q[2 * i - 2]) ^ 2 - 1 end
+    return g
+  end }
+end
+local function hanging(n) -- stretched, at 53 degrees from the horizontal
+  local start = { q = {}, v = {} }
+  for i = 1, n do start.q[2 * i - 1], start.q[2 * i], start.v[2 * i - 1], start.v[2 * i] = 0.6 * i, -0.8 * i, 0, 0 end
+  return start
+end
+for _, n in ipairs { 2, 12, 30 } do
+  local one, two = run(chain(n), "trapezoidal", 0.01, 100, hanging(n)), run(chain(n), "rattle", 0.01, 100, hanging(n))
+  near((one.q[2] - two.q[2]):norm(), 0, 1e-12 * n, n .. " rods: the trapezoid is rattle")
+end
+path = run(chain(30), "gauss(2)", 0.02, 50, hanging(30))
+near((path.q[#path] - run(chain(30), "gauss(3)", 0.02, 50, hanging(30)).q[2]):norm(), 0, 1e-4, "30 rods: gauss(2) and gauss(3) agree")
+near((run(chain(30), "gauss(2)", 0.01, 100, hanging(30)).q[2] - run(chain(30), "gauss(3)", 0.01, 100, hanging(30)).q[2]):norm(), 0, 1e-5,
+  "  and better at half the step")
+
 -- ---- vertical rolling disk, mass, radius and both inertias 1: heading w t, circles of radius 1 / w ----
 
 local disk = dm.system { Q = dm.R(4), L = function(_, v) return v:dot(v) / 2 end,
