@@ -1,5 +1,7 @@
 #include "expr/linear.h"
 
+#include "expr/nodes.h"
+
 dm_node dm_add_product(dm_graph *g, dm_node sum, dm_node x, dm_node y) {
     if (!x || !y) return sum;
     return sum ? dm_multiply_add(g, x, y, sum) : dm_mul(g, x, y);
@@ -31,29 +33,27 @@ static void find_pivot(dm_node *A, dm_node *x, uint32_t m, uint32_t k) {
         }
 }
 
-/* the lower half too, where a diagonal entry is zero everywhere; 0: symmetric no more */
-static int fits_symmetric(dm_node *A, uint32_t m) {
+/* a diagonal entry is zero everywhere, as in [0, B; B^T, C]: 0, and A has its lower half too */
+static int has_diagonal(dm_node *A, uint32_t m, int symmetric) {
     uint32_t zeros = 0;
     for (uint32_t i = 0; i < m; i++) zeros += A[i * (size_t)m + i] == 0;
-    for (uint32_t i = 0; zeros && i < m; i++)
+    for (uint32_t i = 0; zeros && symmetric && i < m; i++)
         for (uint32_t j = 0; j < i; j++) A[i * (size_t)m + j] = A[j * (size_t)m + i];
     return !zeros;
 }
 
-/* the reciprocals of the pivots stay on the diagonal */
-static void eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
+/* eliminated in the order of the rows; the reciprocals of the pivots stay on the diagonal */
+static void eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m) {
     const dm_node one = dm_constant(g, 1.0);
-    symmetric = symmetric && fits_symmetric(A, m);
     for (uint32_t k = 0; k < m; k++) {
         dm_node *pivot = A + k * (size_t)m;
-        if (!symmetric) find_pivot(A, x, m, k);
+        find_pivot(A, x, m, k);
         pivot[k] = dm_div(g, one, pivot[k]);
         for (uint32_t i = k + 1; i < m; i++) {
             dm_node *row = A + i * (size_t)m;
-            const dm_node below = symmetric ? pivot[i] : row[k];
-            if (!below) continue;
-            const dm_node factor = dm_mul(g, below, pivot[k]);
-            for (uint32_t j = symmetric ? i : k + 1; j < m; j++)
+            if (!row[k]) continue;
+            const dm_node factor = dm_mul(g, row[k], pivot[k]);
+            for (uint32_t j = k + 1; j < m; j++)
                 row[j] = dm_subtract_product(g, row[j], factor, pivot[j]);
             x[i] = dm_subtract_product(g, x[i], factor, x[k]);
         }
@@ -64,6 +64,86 @@ static void eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symme
             x[k] = dm_subtract_product(g, x[k], row[j], x[j]);
         if (x[k]) x[k] = dm_mul(g, x[k], row[k]);
     }
+}
+
+/* ---- along the diagonal, in an order that fills in little ---- */
+
+typedef struct {
+    dm_graph *g;
+    dm_node *A, *x;
+    uint32_t m, *order; /* [m]: what is eliminated first, second ... */
+    int symmetric;
+} system_of;
+
+/* entry of the unknowns i, j */
+static dm_node *entry(const system_of *s, uint32_t i, uint32_t j) {
+    const int upper = !s->symmetric || i <= j;
+    return s->A + (upper ? i * (size_t)s->m + j : j * (size_t)s->m + i);
+}
+
+/* entries that row i has in what is not eliminated yet */
+static uint32_t degree(const system_of *s, uint32_t k, uint32_t i) {
+    uint32_t count = 0;
+    for (uint32_t c = k; c < s->m; c++) count += *entry(s, i, s->order[c]) != 0;
+    return count;
+}
+
+/* the row with the fewest entries is next (minimum degree, Tinney & Walker 1967) */
+static void choose(system_of *s, uint32_t k) {
+    uint32_t best = k, least = degree(s, k, s->order[k]);
+    for (uint32_t c = k + 1; c < s->m && least > 1; c++) {
+        const uint32_t now = degree(s, k, s->order[c]);
+        if (now < least) best = c, least = now;
+    }
+    const uint32_t kept = s->order[k];
+    s->order[k] = s->order[best];
+    s->order[best] = kept;
+}
+
+static void eliminate_one(system_of *s, uint32_t k) {
+    const uint32_t p = s->order[k];
+    dm_node *pivot = entry(s, p, p);
+    *pivot = dm_div(s->g, dm_constant(s->g, 1.0), *pivot);
+    for (uint32_t r = k + 1; r < s->m; r++) {
+        const uint32_t i = s->order[r];
+        if (!*entry(s, i, p)) continue;
+        const dm_node factor = dm_mul(s->g, *entry(s, i, p), *pivot);
+        for (uint32_t c = s->symmetric ? r : k + 1; c < s->m; c++) {
+            dm_node *to = entry(s, i, s->order[c]);
+            *to = dm_subtract_product(s->g, *to, factor, *entry(s, p, s->order[c]));
+        }
+        s->x[i] = dm_subtract_product(s->g, s->x[i], factor, s->x[p]);
+    }
+}
+
+static void eliminate_diagonal(system_of *s) {
+    for (uint32_t k = 0; k < s->m; k++) s->order[k] = k;
+    for (uint32_t k = 0; k < s->m; k++) {
+        choose(s, k);
+        eliminate_one(s, k);
+    }
+    for (uint32_t k = s->m; k-- > 0;) {
+        const uint32_t p = s->order[k];
+        for (uint32_t c = k + 1; c < s->m; c++) {
+            const uint32_t j = s->order[c];
+            s->x[p] = dm_subtract_product(s->g, s->x[p], *entry(s, p, j), s->x[j]);
+        }
+        if (s->x[p]) s->x[p] = dm_mul(s->g, s->x[p], *entry(s, p, p));
+    }
+}
+
+/* three and more */
+static void solve_many(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
+    system_of s = {.g = g, .A = A, .x = x, .m = m, .symmetric = symmetric};
+    if (!has_diagonal(A, m, symmetric)) {
+        eliminate(g, A, x, m);
+        return;
+    }
+    s.order = dm_arena_take(dm_graph_arena(g), m * sizeof *s.order);
+    if (s.order)
+        eliminate_diagonal(&s);
+    else
+        dm_graph_fail(g, DM_NO_MEMORY);
 }
 
 /* two by two by Cramer's rule: one division */
@@ -86,5 +166,5 @@ void dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetr
     else if (m == 2)
         solve_two(g, A, x, symmetric);
     else
-        eliminate(g, A, x, m, symmetric);
+        solve_many(g, A, x, m, symmetric);
 }

@@ -1,0 +1,148 @@
+/* systems written out in a graph: against dense LU, and how many operations they take */
+#include "check.h"
+#include "expr/analyse.h"
+#include "expr/linear.h"
+#include "expr/tape.h"
+#include "linalg/lu.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST = 12 };
+
+static void *from_heap(void *ud, void *block, size_t old_size, size_t new_size) {
+    (void)ud;
+    (void)old_size;
+    if (new_size) return realloc(block, new_size);
+    free(block);
+    return NULL;
+}
+
+static double random_number(uint64_t *state) {
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) * 0x1p-53 - 0.5;
+}
+
+/* a pattern of A and numbers in it */
+typedef struct {
+    uint32_t m;
+    double A[MOST * MOST], b[MOST];
+} problem;
+
+static double reference(const problem *p, double *x) {
+    double A[MOST * MOST], largest = 0.0;
+    uint32_t pivot[MOST];
+    memcpy(A, p->A, sizeof A);
+    memcpy(x, p->b, sizeof p->b);
+    CHECK(dm_lu_factor(A, pivot, p->m) == DM_OK);
+    dm_lu_solve(x, A, pivot, p->m);
+    for (uint32_t i = 0; i < p->m; i++) largest = fmax(largest, fabs(x[i]));
+    return largest;
+}
+
+/* inputs A[m*m], b[m]; entries that are 0 in p are node 0. Returns the operations. */
+static uint32_t compare(const problem *p, int symmetric, double tolerance) {
+    const uint32_t m = p->m;
+    dm_arena arena;
+    double in[MOST * MOST + MOST], out[MOST], x[MOST];
+    dm_node A[MOST * MOST], b[MOST];
+    dm_kernel k;
+    dm_arena_init(&arena, from_heap, NULL);
+    dm_graph *g = dm_graph_new(&arena, m * m + m);
+    for (uint32_t i = 0; i < m * m; i++) A[i] = p->A[i] != 0.0 ? dm_input(g, i) : 0;
+    for (uint32_t i = 0; symmetric && i < m; i++)
+        for (uint32_t j = 0; j < i; j++) A[i * m + j] = 0; /* not to be read */
+    for (uint32_t i = 0; i < m; i++) b[i] = dm_input(g, m * m + i);
+    dm_graph_verbatim(g, 1);
+    dm_graph_solve(g, A, b, m, symmetric);
+    const uint32_t operations = dm_operations(g, b, m);
+    CHECK(dm_tape_build(&k, g, b, m, &arena) == DM_OK);
+    memcpy(in, p->A, m * m * sizeof *in);
+    memcpy(in + m * m, p->b, m * sizeof *in);
+    dm_kernel_prepare(&k, out);
+    dm_kernel_eval(&k, in, out);
+    const double size = reference(p, x);
+    for (uint32_t i = 0; i < m; i++) CHECK_NEAR(out[i], x[i], tolerance * size);
+    dm_arena_release(&arena);
+    return operations;
+}
+
+/* B B^T + 1 on the pattern of a graph: (i, j) joined where join says so */
+static void fill(problem *p, uint32_t m, int join(uint32_t i, uint32_t j, uint32_t m),
+                 uint64_t seed) {
+    *p = (problem){.m = m};
+    for (uint32_t i = 0; i < m; i++) {
+        p->b[i] = random_number(&seed);
+        p->A[i * m + i] = m;
+        for (uint32_t j = 0; j < i; j++)
+            if (join(i, j, m)) p->A[i * m + j] = p->A[j * m + i] = random_number(&seed);
+    }
+}
+
+static int everything(uint32_t i, uint32_t j, uint32_t m) {
+    (void)i, (void)j, (void)m;
+    return 1;
+}
+static int chain(uint32_t i, uint32_t j, uint32_t m) {
+    (void)m;
+    return i == j + 1;
+}
+/* the first is joined to all others: in the order of the rows everything would fill in */
+static int star(uint32_t i, uint32_t j, uint32_t m) {
+    (void)i, (void)m;
+    return j == 0;
+}
+/* the chain 0, 5, 10, 3, 8 ... numbered out of order (m = 12) */
+static int shuffled(uint32_t i, uint32_t j, uint32_t m) {
+    return i * 5 % m + 1 == j * 5 % m || j * 5 % m + 1 == i * 5 % m;
+}
+
+static void solutions(void) {
+    problem p;
+    for (uint32_t m = 1; m <= MOST; m++)
+        for (uint64_t seed = 1; seed < 4; seed++) {
+            fill(&p, m, everything, seed);
+            compare(&p, 1, 1e-14);
+            for (uint32_t i = 0; i < m * m; i += 3) p.A[i] *= 1.25; /* not symmetric */
+            compare(&p, 0, 1e-14);
+        }
+}
+
+static void saddle_points(void) {
+    problem p, q;
+    fill(&p, 10, everything, 7);
+    for (uint32_t i = 0; i < 5; i++)
+        for (uint32_t j = 0; j < 5; j++) p.A[i * 10 + j] = 0.0; /* [0, B; B^T, C] */
+    for (uint32_t i = 0; i < 5; i++) p.A[i * 10 + i + 5] = p.A[(i + 5) * 10 + i] = 9.0;
+    compare(&p, 1, 1e-13);
+    compare(&p, 0, 1e-13);
+    q = p;
+    for (uint32_t i = 5; i < 10; i++) q.A[i * 11] = 1e-300; /* there, and nearly zero */
+    compare(&q, 1, 1e-13);
+}
+
+static void costs(void) {
+    problem p;
+    uint32_t before = 0, last = 0;
+    for (uint32_t m = 6; m <= MOST; m++) {
+        fill(&p, m, chain, 3);
+        const uint32_t now = compare(&p, 1, 1e-14);
+        if (m > 7) CHECK(now - last == last - before);
+        before = last, last = now;
+    }
+    fill(&p, MOST, shuffled, 3);
+    CHECK(compare(&p, 1, 1e-14) <= last);
+    fill(&p, MOST, star, 3);
+    CHECK(compare(&p, 1, 1e-14) <= last);
+    fill(&p, MOST, star, 3);
+    CHECK(compare(&p, 0, 1e-14) <= last + 12);
+}
+
+int main(void) {
+    RUN(solutions, "solves what dense LU solves, symmetric or not");
+    RUN(saddle_points, "zeros on the diagonal call for rows, not for the entries that "
+                       "happen to be there");
+    RUN(costs, "a chain costs the same for each further unknown, in any order, and so "
+               "does a star");
+    return check_finish();
+}
