@@ -36,7 +36,8 @@ size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
            dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve +
            larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
-           scratch_size(s, r, m) + dm_stage_sweeps_size(s, r, m);
+           scratch_size(s, r, m) + dm_stage_warm_size(s, m->n) +
+           dm_stage_sweeps_size(s, r, m);
 }
 
 static double *take(double **memory, size_t count) {
@@ -75,22 +76,26 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_stage_weights_scale(g, stepper->h);
     memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     if (g->separable) dm_stage_separable_open(g);
-    dm_stage_sweeps_open(g, basis, memory);
+    dm_stage_warm_open(g, basis, memory);
+    dm_stage_sweeps_open(g, basis, memory + dm_stage_warm_size(g->table.s, g->n));
     return DM_OK;
 }
 
 dm_status dm_stage_start(dm_stepper *stepper, double *state, double t) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     if (stepper->model->ties) return dm_tied_start(stepper, state, t);
-    if (g->sweeps.row) dm_stage_memory_clear(g, stepper->h);
+    if (g->sweeps.row)
+        dm_stage_memory_clear(g, stepper->h);
+    else
+        dm_stage_warm_clear(g, stepper->h);
     return DM_OK;
 }
 
 size_t dm_stage_memory(dm_stepper *stepper, double **place) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     if (stepper->model->ties) return dm_tied_memory(stepper, place);
-    *place = g->sweeps.memory;
-    return g->sweeps.row ? dm_stage_memory_size(g) : 0;
+    *place = g->sweeps.row ? g->sweeps.memory : g->warm;
+    return g->sweeps.row ? dm_stage_memory_size(g) : dm_stage_warm_memory(g);
 }
 
 void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after) {
@@ -291,11 +296,17 @@ static dm_status general(dm_stage *g, dm_stepper *stepper) {
                                        .size = &g->size,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
-    dm_status status = guess(g);
-    if (status == DM_OK) status = dm_newton(g->root, &problem, g->scratch, &report);
+    const int warm = !g->sweeps.row && dm_stage_warm_guess(g);
+    dm_status status = warm ? dm_newton(g->root, &problem, g->scratch, &report) : DM_OK;
+    if (!warm || status != DM_OK) {
+        status = guess(g);
+        if (status == DM_OK) status = dm_newton(g->root, &problem, g->scratch, &report);
+    }
     stepper->report.iterations = report.iterations;
     stepper->report.residual = report.residual;
-    return status == DM_OK ? finish(g) : status;
+    if (status == DM_OK) status = finish(g);
+    if (status == DM_OK && !g->sweeps.row) dm_stage_warm_keep(g);
+    return status;
 }
 
 /* the constant outputs of the kernels for Newton's method, when it is needed first */

@@ -69,6 +69,7 @@ typedef struct {
     uint32_t *known;       /* [r] separable: how point m is found */
     double size;           /* of the terms of the residual */
     dm_stage_sweeps sweeps;
+    double *warm, *ahead; /* stage_warm.c; NULL: nothing is kept */
     long evaluations;
 } dm_stage;
 
@@ -99,6 +100,15 @@ double dm_stage_memory_rate(const dm_stage *g);      /* contraction of the sweep
 int dm_stage_memory_is_stiff(const dm_stage *g);     /* sweeps failed not long ago */
 void dm_stage_memory_keep(dm_stage *g, double rate); /* after a step by sweeps */
 void dm_stage_memory_newton(dm_stage *g);            /* after a step by Newton's method */
+
+/* Newton's method of the general form: doubles for s stages; what of them is memory of the last steps. */
+size_t dm_stage_warm_size(size_t s, uint32_t n);
+size_t dm_stage_warm_memory(const dm_stage *g);
+void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory);
+void dm_stage_warm_clear(dm_stage *g, double h);
+int dm_stage_warm_guess(
+    dm_stage *g); /* g->root from the steps before; 0: none ended here */
+void dm_stage_warm_keep(dm_stage *g);
 
 /* How a point of the separable form is found. */
 enum { DM_POINT_FIRST, DM_POINT_SOLVED, DM_POINT_LAST };
