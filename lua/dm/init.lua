@@ -7,6 +7,7 @@ local lazy = {
   figure = "dm.plot",
   load = "dm.load",
   time = "dm.time",
+  chart = "dm.chart",
   help = "dm.help",
   apropos = "dm.help",
   who = "dm.help",
@@ -14,7 +15,7 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.path", "dm.export", "dm.tangent", "dm.order" }
+local extensions = { "dm.path", "dm.export", "dm.tangent", "dm.chart", "dm.order" }
 
 local dm = {}
 for name, value in pairs(core) do dm[name] = value end

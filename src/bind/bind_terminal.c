@@ -123,6 +123,24 @@ static int clock_now(lua_State *L) {
     return 1;
 }
 
+/* CPU time of the process, of all its threads */
+static int cpu_now(lua_State *L) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    lua_pushnumber(L, (double)t.tv_sec + 1e-9 * (double)t.tv_nsec);
+    return 1;
+}
+
+/* load of the machine over a minute, 0 where it is not told */
+static int load_now(lua_State *L) {
+    FILE *f = fopen("/proc/loadavg", "r");
+    double load = 0.0;
+    if (f && fscanf(f, "%lf", &load) != 1) load = 0.0;
+    if (f) fclose(f);
+    lua_pushnumber(L, load);
+    return 1;
+}
+
 static const dml_row functions[] = {
     {"terminal", describe,
      "dm.terminal([stream]) -> {tty, colour, width, height}\n"
@@ -134,6 +152,10 @@ static const dml_row functions[] = {
     {"clock", clock_now,
      "dm.clock() -> number\n"
      "Seconds of a clock that never goes back; only differences mean something."},
+    {"cpu", cpu_now, "dm.cpu() -> number\nSeconds of CPU time that the process has used."},
+    {"load_average", load_now,
+     "dm.load_average() -> number\nLoad of the machine over the last minute, 0 where "
+     "the system does not tell."},
     {NULL, NULL, NULL}};
 
 void dml_open_terminal(lua_State *L) {

@@ -91,6 +91,10 @@ ok(not complete.is_silent "s = ';'" and not complete.is_silent "f() -- ;", "one 
 local function busy(n) local x = 0 for i = 1, n do x = x + i % 7 end return x end
 local short, words = dm.time(busy, 1000)
 local long = dm.time(busy, 100000)
+for _ = 1, 5 do  -- a machine that is busy with other things for a while
+  if long / short > 30 and long / short < 300 then break end
+  short, long = math.min(short, (dm.time(busy, 1000))), math.min(long, (dm.time(busy, 100000)))
+end
 ok(short > 1e-7 and short < 1e-3 and words:find "[nu]s per call", "the time of a call", words)
 ok(long / short > 30 and long / short < 300, "a hundred times the work takes about a hundred times as long", long / short)
 raises("a function is needed (got number)", dm.time, 3)

@@ -1,0 +1,359 @@
+--- dm.chart: what accuracy costs. Every rule at every step: the error of what one looks at against CPU time, evaluations, steps.
+local blame = require "dm.blame"
+local core = require "dm.core"
+local reference = require "dm.reference_run"
+
+local M = {}
+M.__index = M
+M.__name = "dm.chart"
+
+local abs, max, min, log, floor = math.abs, math.max, math.min, math.log, math.floor
+
+local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+
+---- options ----
+
+local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "error", "samples", "repeats", "reference" }
+
+local function check_keys(options)
+  for key in pairs(options) do
+    local known = key == 1
+    for _, name in ipairs(KNOWN) do known = known or name == key end
+    if not known then fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", ")) end
+  end
+end
+
+local function check_list(options, key, what)
+  local list = options[key]
+  if type(list) ~= "table" or #list == 0 then fail("option '%s' must be a list of %s", key, what) end
+  return list
+end
+
+local function check_options(options)
+  if type(options) ~= "table" then fail("takes a table { system, q =, v =, t =, rules = {...}, h = {...} }") end
+  check_keys(options)
+  local system = options.system or options[1]
+  if not system then fail("the system is missing: dm.chart { system, q =, v =, t =, rules =, h = }") end
+  if type(options.t) ~= "number" or not (options.t > 0) then fail("option 't' must be a duration > 0") end
+  for _, h in ipairs(check_list(options, "h", "steps")) do
+    if type(h) ~= "number" or not (h > 0 and h < math.huge) then fail("option 'h' must hold steps > 0 (got %s)", tostring(h)) end
+  end
+  check_list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")
+  return system
+end
+
+---- errors ----
+
+-- largest entry of |q - q_ref| over all samples
+local function position_error(path, ref)
+  local worst = 0
+  for i = 1, #path do
+    local q, r = path.q[i], ref.q[i]
+    for k = 1, #q do worst = max(worst, abs(q[k] - r[k])) end
+  end
+  return worst
+end
+
+-- the largest change of one number along the path
+local function change(values)
+  local worst = 0
+  for i = 1, #values do worst = max(worst, abs(values[i] - values[1])) end
+  return worst
+end
+
+-- error = "position", "energy", or f(q, v, t, p): against the reference; { f } : against its own start
+local function make_measure(options)
+  local what = options.error or "position"
+  if what == "position" then return position_error, "position", true end
+  if what == "energy" then return function(path) return change(path:energy()) end, "energy", false end
+  if type(what) == "table" and type(what[1]) == "function" then
+    return function(path) return change(path:column "watched") end, "change of what is watched", false, what[1]
+  end
+  if type(what) ~= "function" then
+    fail("option 'error' must be \"position\", \"energy\", a function of (q, v, t, p) compared with the reference, or { f } for "
+      .. "the change of f along the run (got %s)", tostring(what))
+  end
+  return function(path, ref)
+    local worst, x, y = 0, path:column "watched", ref:column "watched"
+    for i = 1, #path do worst = max(worst, abs(x[i] - y[i])) end
+    return worst
+  end, "what is watched", true, what
+end
+
+---- one point ----
+
+local BATCHES, LONG_ENOUGH = 5, 2e-3
+
+-- median over batches of the best of the runs in a batch, seconds of CPU of one run
+local function cpu_seconds(run, repeats)
+  local all = {}
+  for b = 1, repeats do
+    local best, spent = math.huge, 0
+    repeat
+      local start = core.cpu()
+      run()
+      local took = core.cpu() - start
+      best, spent = min(best, took), spent + took
+    until spent > LONG_ENOUGH
+    all[b] = best
+  end
+  table.sort(all)
+  return all[(#all + 1) // 2]
+end
+
+local function run_options(options, more)
+  local out = { q = options.q, v = options.v, p = options.p, t0 = options.t0 }
+  for key, value in pairs(more) do out[key] = value end
+  return out
+end
+
+local function sample_times(options)
+  local count, t0, out = options.samples or 32, options.t0 or 0, {}
+  for i = 1, count do out[i] = t0 + options.t * i / count end
+  return out
+end
+
+-- number of steps for the whole duration; rules with a time of their own are timed as they are run
+local function steps_for(options, h) return max(1, floor(options.t / h + 0.5)) end
+
+local function measure(chart, rule, h)
+  local options = chart.options
+  local steps = steps_for(options, h)
+  local step = options.t / steps
+  local own = tostring(rule):find "^log%-hamiltonian"
+  local solver = chart.system:solver { rule = rule, h = own and h or step }
+  local path = solver:run(run_options(options, { at = chart.times, watch = chart.watch }))
+  local point = { rule = tostring(rule), h = own and h or step, error = chart.measure(path, chart.reference) }
+  local timed = own and { at = { (options.t0 or 0) + options.t } } or { steps = steps, every = steps }
+  local plain = run_options(options, timed)
+  point.ns = 1e9 * cpu_seconds(function() solver:run(plain) end, options.repeats or BATCHES)
+  local report = solver:report()
+  point.steps, point.evaluations, point.newton = report.steps, report.evaluations, report.newton
+  return point
+end
+
+-- a failure belongs into the chart: it says where a rule stops working
+local function try_point(chart, rule, h)
+  local fine, point = pcall(measure, chart, rule, h)
+  if not fine and type(point) ~= "string" and point.code == "stopped" then error(point, 0) end
+  if fine and point.error == point.error and point.error < math.huge then
+    chart.points[#chart.points + 1] = point
+  else
+    chart.failures[#chart.failures + 1] = { rule = tostring(rule), h = h,
+      why = fine and "the error is not finite" or tostring(point):match "^[^\n]*" }
+  end
+end
+
+---- what the chart tells ----
+
+local function of_rule(chart, rule)
+  local out = {}
+  for _, p in ipairs(chart.points) do
+    if p.rule == rule then out[#out + 1] = p end
+  end
+  table.sort(out, function(a, b) return a.h > b.h end)
+  return out
+end
+
+local doc_order = [[
+chart:order(rule) -> number
+The measured order of a rule: the slope of ln error over ln h, least squares over the four finest steps whose error is well above (30 times)
+what the references differ by; nan with fewer than two such points. Coarse steps may lie before the limit where the order shows.]]
+
+function M:order(rule)
+  local points, floor_, n, sx, sy, sxx, sxy = of_rule(self, rule), 30 * self.floor, 0, 0, 0, 0, 0
+  if #points == 0 then fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(self.rules, ", ")) end
+  -- the finest steps above round-off, at most four, are nearest to the limit
+  local used = {}
+  for i = #points, 1, -1 do
+    if points[i].error > floor_ and #used < 4 then used[#used + 1] = points[i] end
+  end
+  for _, p in ipairs(used) do
+    local x, y = log(p.h), log(p.error)
+    n, sx, sy, sxx, sxy = n + 1, sx + x, sy + y, sxx + x * x, sxy + x * y
+  end
+  if n < 2 then return 0 / 0 end
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx)
+end
+
+local doc_cheapest = [[
+chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
+The cheapest measured point whose error is at most the given one, by CPU time.]]
+
+function M:cheapest(target)
+  local best
+  for _, p in ipairs(self.points) do
+    if p.error <= target and (not best or p.ns < best.ns) then best = p end
+  end
+  return best
+end
+
+local doc_pareto = [[
+chart:pareto() -> list of points
+The points that no other beats in both error and time, from the cheapest to the most accurate.]]
+
+function M:pareto()
+  local sorted, out, best = {}, {}, math.huge
+  for i, p in ipairs(self.points) do sorted[i] = p end
+  table.sort(sorted, function(a, b) return a.ns < b.ns end)
+  for _, p in ipairs(sorted) do
+    if p.error < best then out[#out + 1], best = p, p.error end
+  end
+  return out
+end
+
+local function number(x)
+  if x ~= x then return "-" end
+  return ("%.2f"):format(x)
+end
+
+local function time_text(ns)
+  for _, unit in ipairs { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } } do
+    if ns < unit[1] then return ("%.3g %s"):format(ns / unit[2], unit[3]) end
+  end
+end
+
+local function is_symplectic(rule)
+  for _, row in ipairs(core.rules()) do
+    if row.name == rule:match "^[%w_-]+" then return row.symplectic end
+  end
+  return true
+end
+
+-- "cheapest at 1e-08: gauss(4), 1.2 ms"; says so when a non-geometric rule wins
+local function cheapest_lines(chart, lines)
+  for _, target in ipairs { 1e-4, 1e-8, 1e-12 } do
+    local p = chart:cheapest(target)
+    lines[#lines + 1] = p and ("cheapest at %.0e: %s, h = %.4g, %s%s"):format(target, p.rule, p.h, time_text(p.ns),
+      is_symplectic(p.rule) and "" or " (not symplectic)") or ("none of these reaches %.0e"):format(target)
+  end
+end
+
+local doc_table = [[
+chart:table() -> string
+A line per rule: measured order, number of points, least error and its cost; then the cheapest at 1e-4, 1e-8, 1e-12, what failed and
+why, how far the two references are apart, and the load of the machine when it was measured.]]
+
+function M:table()
+  local lines = { ("%-28s %6s %7s %11s %10s"):format("rule", "order", "points", "least error", "for") }
+  for _, rule in ipairs(self.rules) do
+    local points, least = of_rule(self, rule), nil
+    for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
+    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s"):format(rule, number(self:order(rule)), #points, least.error, time_text(least.ns))
+      or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
+  end
+  cheapest_lines(self, lines)
+  for _, f in ipairs(self.failures) do lines[#lines + 1] = ("%s, h = %.4g: %s"):format(f.rule, f.h, f.why) end
+  lines[#lines + 1] = self.reference_text
+  lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up"):format(self.load, self.options.repeats or BATCHES)
+  return table.concat(lines, "\n")
+end
+
+local doc_plot = [[
+chart:plot{file=, against = "ns" | "evaluations" | "steps" | "h", ...} -> file name or nothing
+Error over cost, both logarithmic, a line per rule with its measured order in the legend; without a file in the terminal. Other
+options as in dm.plot.]]
+
+local AGAINST = { ns = { "CPU time", "s", 1e-9 }, evaluations = { "evaluations", nil, 1 }, steps = { "steps", nil, 1 }, h = { "h", nil, 1 } }
+
+M.plot = blame.caller(function(self, options)
+  local given = {}
+  for key, value in pairs(options or {}) do given[key] = value end
+  local axis = AGAINST[given.against or "ns"]
+  if not axis then fail("option 'against' must be \"ns\", \"evaluations\", \"steps\" or \"h\" (got %s)", tostring(given.against)) end
+  local key, series = given.against or "ns", {}
+  given.against = nil
+  for _, rule in ipairs(self.rules) do
+    local x, y = {}, {}
+    for _, p in ipairs(of_rule(self, rule)) do
+      if p.error > 0 and p[key] > 0 then x[#x + 1], y[#y + 1] = p[key] * axis[3], p.error end
+    end
+    if #x > 0 then
+      series[#series + 1] = { x = x, y = y, name = ("%s (order %s)"):format(rule, number(self:order(rule))), style = "linespoints" }
+    end
+  end
+  if #series == 0 then fail("there is no point to draw") end
+  given.log, given.xlabel, given.xunit = "xy", given.xlabel or axis[1], given.xunit or axis[2]
+  given.ylabel = given.ylabel or "error of " .. self.what
+  if given.file and not (given.size or given.width or given.height) then given.size = { 1000, 640 } end
+  given.title = given.title or (self.system.name and self.system.name .. ": " or "") .. ("accuracy against cost, t = %.4g"):format(self.options.t)
+  return require "dm.plot".plot(series, given)
+end)
+
+local doc_csv = [[
+chart:csv(file) -> file name   or   chart:csv() -> string
+A line per point: rule, h, error, ns, steps, evaluations, newton.]]
+
+M.csv = blame.caller(function(self, file)
+  local lines = { "rule,h,error,ns,steps,evaluations,newton" }
+  for _, p in ipairs(self.points) do
+    lines[#lines + 1] = ('"%s",%.17g,%.17g,%.17g,%d,%d,%d'):format(p.rule, p.h, p.error, p.ns, p.steps, p.evaluations, p.newton)
+  end
+  local text = table.concat(lines, "\n") .. "\n"
+  if not file then return text end
+  local handle, why = io.open(file, "w")
+  if not handle then fail("cannot open %s", why) end
+  handle:write(text)
+  handle:close()
+  return file
+end)
+
+function M:__tostring()
+  return ("work-precision chart of %d points, %d rules, error of %s over t = %g\n"):format(#self.points, #self.rules, self.what,
+    self.options.t) .. self:table()
+end
+
+---- making one ----
+
+local doc_chart = [[
+dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, samples=, repeats=, reference=, t0=} -> dm.chart
+Run every rule with every step h over the duration t (h is made to fit a whole number of steps) and measure error against CPU time
+(median of batches, set-up included), evaluations and steps. error: "position" (default: the largest difference of a coordinate from a
+reference over 32 times), "energy", a function f(q, v, t, p) compared with the reference, or { f }: the change of f along the run.
+The reference is found: two unlike methods, each refined until they agree; where they do not come close enough, dm.chart raises and
+says how far apart they are; reference = { rule =, h = } takes one on your word. chart:table(), :order(rule), :cheapest(error), :pareto(), :plot{}, :csv().
+On Ctrl-C the error's `chart` field has what was measured so far.]]
+
+local function distinct_names(rules)
+  local out = {}
+  for i, rule in ipairs(rules) do out[i] = tostring(rule) end
+  return out
+end
+
+M.chart = blame.caller(function(options)
+  local system = check_options(options)
+  local what_measure, what, needs_reference, watched = make_measure(options)
+  local chart = setmetatable({ system = system, options = options, points = {}, failures = {}, rules = distinct_names(options.rules),
+    measure = what_measure, what = what, times = sample_times(options), load = core.load_average(), floor = 1e-15,
+    watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" }, M)
+  if needs_reference then
+    local ref, apart, text = reference.find(chart)
+    chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
+  end
+  for _, rule in ipairs(options.rules) do
+    for _, h in ipairs(options.h) do
+      local fine, failure = pcall(try_point, chart, rule, h)
+      if not fine then
+        if type(failure) == "table" then failure.chart = chart end
+        error(failure, 0)
+      end
+    end
+  end
+  return chart
+end)
+
+local doc_system = [[
+system:chart{q=, v= | p=, t=, rules={...}, h={...}, ...} -> dm.chart
+The same as dm.chart{system, ...}.]]
+
+core.docs[M.chart] = doc_chart
+core.docs[M.order], core.docs[M.cheapest], core.docs[M.pareto] = doc_order, doc_cheapest, doc_pareto
+core.docs[M.table], core.docs[M.plot], core.docs[M.csv] = doc_table, doc_plot, doc_csv
+core.method("dm.system", "chart", blame.caller(function(system, options)
+  local given = {}
+  for key, value in pairs(type(options) == "table" and options or {}) do given[key] = value end
+  given.system = system
+  return M.chart(given)
+end), doc_system)
+
+return M

@@ -1,0 +1,56 @@
+-- dm.chart: measured orders, the cheapest, the front, references that are checked, failures that stay in the chart
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sqrt, pi, cos, sin, abs = math.sqrt, math.pi, math.cos, math.sin, math.abs
+
+local kepler = dm.system { name = "Kepler", Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local hs = { 0.1, 0.05, 0.025, 0.0125 }
+local chart = dm.chart { kepler, q = { 0.8, 0 }, v = { 0, sqrt(1.5) }, t = 4 * pi, repeats = 1,
+  rules = { "verlet", "gauss(2)", "kahan-li(6)", "rk4" }, h = hs }
+for _, case in ipairs { { "verlet", 2 }, { "gauss(2)", 4 }, { "kahan-li(6)", 6 } } do
+  near(chart:order(case[1]), case[2], 0.2, "the order of " .. case[1])
+end
+ok(#chart.points == 16 and #chart.failures == 0, "a point per rule and step")
+local best = chart:cheapest(1e-6)
+ok(best and best.error <= 1e-6 and best.ns > 0 and best.evaluations > 0, "the cheapest reaches what is asked")
+for _, p in ipairs(chart.points) do
+  if p.error <= 1e-6 and p.ns < best.ns then best = nil break end
+end
+ok(best, "and nothing cheaper does")
+local front, rises = chart:pareto(), true
+for i = 2, #front do rises = rises and front[i].ns >= front[i - 1].ns and front[i].error < front[i - 1].error end
+ok(#front >= 2 and rises, "the front: dearer is better")
+ok(chart:cheapest(1e-30) == nil, "no point where none is good enough")
+ok(tostring(chart):find "not symplectic" or tostring(chart):find "cheapest at", "a chart prints itself with its table")
+ok(chart:table():find "agree to", "the references are told")
+ok(select(2, chart:csv():gsub("\n", "")) == 17, "a line of csv per point")
+
+-- the errors are right: the oscillator's Verlet has a closed form
+local spring = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+chart = spring:chart { q = { 1 }, v = { 0 }, t = 2, rules = { "verlet" }, h = { 0.1 }, samples = 1, repeats = 1 }
+near(chart.points[1].error, abs(cos(2 * 2 / 0.1 * math.asin(0.05)) - cos(2)), 1e-12, "the error of Verlet on the oscillator, in closed form")
+-- other errors than that of position
+chart = kepler:chart { q = { 0.8, 0 }, v = { 0, sqrt(1.5) }, t = 2 * pi, rules = { "verlet" }, h = hs, error = "energy", repeats = 1 }
+near(chart:order "verlet", 2, 0.1, "the energy of Verlet is of order 2")
+chart = kepler:chart { q = { 0.8, 0 }, v = { 0, sqrt(1.5) }, t = 2 * pi, rules = { "verlet" }, h = { 0.1 }, repeats = 1,
+  error = { function(q, _, _, p) return q[1] * p[2] - q[2] * p[1] end } }
+ok(chart.points[1].error < 1e-14, "the angular momentum of Verlet does not change", chart.points[1].error)
+chart = kepler:chart { q = { 0.8, 0 }, v = { 0, sqrt(1.5) }, t = 2 * pi, rules = { "gauss(3)" }, h = hs, repeats = 1,
+  error = function(q) return q:norm() end }
+near(chart:order "gauss(3)", 6, 0.2, "an observable against the reference")
+
+-- what fails stays in the chart; what cannot be trusted is no reference
+chart = spring:chart { q = { 1 }, v = { 0 }, t = 4000, rules = { "verlet", "midpoint" }, h = { 2.5 }, samples = 2, repeats = 1 }
+ok(#chart.points + #chart.failures == 2 and chart:table():find "midpoint", "a rule beyond its limit does not end the chart")
+local double = dm.system { Q = dm.T(2), L = function(q, v)
+  return v[1] ^ 2 + v[2] ^ 2 / 2 + v[1] * v[2] * cos(q[1] - q[2]) + 2 * cos(q[1]) + cos(q[2])
+end }
+raises("disagree", dm.chart, { double, q = { 2.5, 2 }, v = { 0, 0 }, t = 400, rules = { "midpoint" }, h = { 0.02 }, samples = 4 })
+raises("the system is missing", dm.chart, { t = 1, rules = { "verlet" }, h = { 0.1 } })
+raises("option 't'", dm.chart, { kepler, rules = { "verlet" }, h = { 0.1 } })
+raises("option 'rules'", dm.chart, { kepler, t = 1, h = { 0.1 } })
+raises("option 'h'", dm.chart, { kepler, t = 1, rules = { "verlet" }, h = { -1 } })
+raises("unknown option 'rule'", dm.chart, { kepler, t = 1, rule = "verlet" })
+raises("no point of rule", chart.order, chart, "gauss(9)")
+tap.done()
