@@ -9,10 +9,18 @@
 #include "integ/curve_inside.h"
 
 #include "base/sum.h"
+#include "linalg/lu.h"
 #include "solve/newton.h"
 
 #include <math.h>
 #include <string.h>
+
+static const double SLOW = 0.1;   /* rate of increments that one matrix must beat */
+static const double STALE = 1e-3; /* rate from which the next step takes its own matrix */
+static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
+static const double NEGLIGIBLE =
+    2.5e-6; /* of the tolerance: an increment not worth a step */
+enum { CHORDS = 8 };
 
 static size_t head(void) {
     return (sizeof(dm_curve_step) + sizeof(double) - 1) / sizeof(double);
@@ -71,9 +79,10 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return DM_WANT_SLOPE | DM_WANT_MASS;
 }
 
-/* h, the state at the end, v of the next segment */
-static size_t memory_size(size_t n) {
-    return 1 + 4 * n + n;
+/* h, the state at the end, v of the next segment; 1 when factors hold, factors and pivots of the last matrix */
+static size_t memory_size(const dm_curve *c, size_t n) {
+    const size_t m = dm_curve_unknowns(c, n);
+    return 1 + 4 * n + n + 1 + m * m + m;
 }
 
 static size_t scratch_size(const dm_curve *c, const dm_model *m) {
@@ -86,8 +95,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     dm_curve c;
     if (!read_curve(&c, rule)) return 0;
-    return head() + n + 3 * n + 2 * n + n + 4 * n + memory_size(n) + 2 * n + n * n + n +
-           scratch_size(&c, m) + dm_segment_work(&c, n);
+    return head() + n + 6 * n + 2 * n + n + 4 * n + memory_size(&c, n) + 2 * n + n * n +
+           n + scratch_size(&c, m) + dm_segment_work(&c, n);
 }
 
 static dm_status open(dm_stepper *s) {
@@ -97,11 +106,11 @@ static dm_status open(dm_stepper *s) {
     if (!read_curve(&e->curve, s->rule)) return DM_NO_MEMORY;
     e->unknowns = dm_curve_unknowns(&e->curve, n);
     e->z = e->mass + n;
-    e->y = e->z + 3 * n;
+    e->y = e->z + 6 * n;
     e->p1 = e->y + 2 * n;
     e->next = e->p1 + n;
     e->memory = e->next + 4 * n;
-    e->slope = e->memory + memory_size(n);
+    e->slope = e->memory + memory_size(&e->curve, n);
     e->scratch = e->slope + 2 * n + n * n + n;
     dm_kernel_prepare(&s->model->slope, e->slope);
     return dm_segment_open(&e->segment, &e->curve, s->model,
@@ -111,14 +120,14 @@ static dm_status open(dm_stepper *s) {
 static dm_status start(dm_stepper *s, double *state, double t) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     (void)state, (void)t;
-    e->memory[0] = 0.0;
+    e->memory[0] = e->memory[1 + 5 * e->n] = 0.0;
     return DM_OK;
 }
 
 static size_t memory(dm_stepper *s, double **place) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     *place = e->memory;
-    return memory_size(e->n);
+    return memory_size(&e->curve, e->n);
 }
 
 /* ---- the start of the iteration ---- */
@@ -184,8 +193,57 @@ static dm_status guess(dm_curve_step *e, const dm_model *m) {
 
 /* ---- the step ---- */
 
-dm_status dm_curve_solve(dm_stepper *s, const double *state, double t) {
-    dm_curve_step *e = (dm_curve_step *)(void *)s->work;
+static double norm(const double *x, size_t n) {
+    double largest = 0.0;
+    for (size_t i = 0; i < n; i++)
+        if (!(fabs(x[i]) <= largest)) largest = fabs(x[i]);
+    return largest;
+}
+
+/* dx = -J^-1 r, where J is taken anew at z or is that of an earlier step */
+static dm_status find_increment(dm_curve_step *e, double *dx, int fresh) {
+    const uint32_t m = (uint32_t)e->unknowns;
+    double *valid = e->memory + 1 + 5 * e->n, *J = valid + 1;
+    uint32_t *pivot = (uint32_t *)(void *)(J + (size_t)m * m);
+    dm_status status = dm_curve_equation(e, dx, fresh ? J : NULL, e->z);
+    if (status != DM_OK) return status;
+    e->residual = norm(dx, m);
+    if (fresh) status = dm_lu_factor(J, pivot, m);
+    if (fresh) *valid = status == DM_OK;
+    if (status != DM_OK) return status;
+    for (uint32_t i = 0; i < m; i++) dx[i] = -dx[i];
+    dm_lu_solve(dx, J, pivot, m);
+    return DM_OK;
+}
+
+/* one matrix for a whole step; DM_NO_CONVERGENCE where increments do not shrink tenfold */
+static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations,
+                       int fresh) {
+    const size_t m = e->unknowns;
+    double *dx = e->scratch, last = INFINITY, rate = 0.0;
+    for (int k = 0; k < CHORDS; k++) {
+        const dm_status status = find_increment(e, dx, fresh && k == 0);
+        if (status != DM_OK) return status;
+        const double step = norm(dx, m), size = norm(e->z, m) + step;
+        ++*iterations;
+        for (size_t i = 0; i < m; i++) e->z[i] += dx[i];
+        if (!isfinite(step)) return DM_NOT_FINITE;
+        if (k) rate = step / last;
+        const int stalled = rate > SLOW && step <= ROUND_OFF * size;
+        const int small = k && rate * step <= NEGLIGIBLE * s->tolerance * size;
+        if (step <= s->tolerance * size || stalled || small) {
+            e->settled = step <= s->tolerance * size;
+            if (k > 2 || rate > STALE) e->memory[1 + 5 * e->n] = 0.0;
+            return DM_OK;
+        }
+        if (rate > SLOW) return DM_NO_CONVERGENCE;
+        last = step;
+    }
+    return DM_NO_CONVERGENCE;
+}
+
+/* Newton's method with all its care */
+static dm_status newton(dm_curve_step *e, const dm_stepper *s, int *iterations) {
     const dm_newton_problem problem = {.m = (uint32_t)e->unknowns,
                                        .equation = dm_curve_equation,
                                        .ctx = e,
@@ -193,37 +251,79 @@ dm_status dm_curve_solve(dm_stepper *s, const double *state, double t) {
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     dm_newton_report report = {0};
+    const dm_status status = dm_newton(e->z, &problem, e->scratch, &report);
+    *iterations += report.iterations;
+    e->residual = report.residual;
+    return status;
+}
+
+/* with the matrix of an earlier step, with one of this step, with care */
+static dm_status search(dm_curve_step *e, const dm_stepper *s, int *iterations) {
+    const int known = e->memory[0] == e->h && e->memory[1 + 5 * e->n] == 1.0;
+    const size_t size = e->unknowns * sizeof *e->z;
+    double *start = e->z + 3 * e->n;
+    memcpy(start, e->z, size);
+    dm_status status = known ? chord(e, s, iterations, 0) : DM_NO_CONVERGENCE;
+    if (status == DM_OK) return status;
+    memcpy(e->z, start, size);
+    status = chord(e, s, iterations, 1);
+    if (status == DM_OK) return status;
+    e->memory[1 + 5 * e->n] = 0.0;
+    memcpy(e->z, start, size);
+    return newton(e, s, iterations);
+}
+
+dm_status dm_curve_solve(dm_stepper *s, const double *state, double t) {
+    dm_curve_step *e = (dm_curve_step *)(void *)s->work;
+    int iterations = 0;
     e->state = state;
     e->h = s->h;
     e->t = t + (1.0 - e->curve.bias) * s->h; /* of y */
     e->ran = 0;
     e->evaluations = 0;
+    e->residual = 0.0;
+    e->settled = 0;
+    if (!fits_memory(e)) e->memory[0] = 0.0;
     dm_status status = guess(e, s->model);
-    if (status == DM_OK) status = dm_newton(e->z, &problem, e->scratch, &report);
-    s->report.iterations = report.iterations;
-    s->report.residual = report.residual;
+    if (status == DM_OK) status = search(e, s, &iterations);
+    s->report.iterations = iterations;
+    s->report.residual = e->residual;
     s->report.solves++;
-    s->report.newton += report.iterations;
+    s->report.newton += iterations;
+    return status;
+}
+
+/* d+ - q0 and v of the next segment at the root: from the segment there, or, when the last increment was at round-off,
+** from the one before it, with d+ = q + bias h v to leading order */
+static dm_status find_end(dm_curve_step *e, double *end, double *v) {
+    const size_t n = e->n;
+    const double *dv = e->scratch;
+    const dm_status status = e->settled ? DM_OK : dm_curve_place(e, e->z);
+    for (size_t k = 0; k < n; k++) {
+        const double shift = e->curve.centred ? e->h * e->z[2 * n + k] : 0.0;
+        const double last = e->settled ? dv[k] : 0.0;
+        end[k] = shift + (e->segment.plus[k] + e->curve.bias * e->h * last);
+        v[k] = e->segment.next[k] + last;
+    }
     return status;
 }
 
 /* q1 = d+(y), p1; and what the next step starts from */
 static dm_status finish(dm_curve_step *e) {
     const size_t n = e->n;
-    double *next = e->next;
-    const dm_status status = dm_curve_place(e, e->z);
+    double *next = e->next, *end = e->p1, *v = e->slope;
+    const dm_status status = find_end(e, end, v);
     if (status != DM_OK) return status;
     memcpy(next, e->state, 4 * n * sizeof *next);
     for (size_t k = 0; k < n; k++) {
-        const double shift = e->curve.centred ? e->h * e->z[2 * n + k] : 0.0;
-        dm_sum_add(next + k, next + 2 * n + k, shift + e->segment.plus[k]);
+        dm_sum_add(next + k, next + 2 * n + k, end[k]);
         dm_sum_add(next + n + k, next + 3 * n + k, e->mass[k] * e->z[n + k]);
     }
     for (size_t k = 0; k < 4 * n; k++)
         if (!isfinite(next[k])) return DM_NOT_FINITE;
     e->memory[0] = e->h;
     memcpy(e->memory + 1, next, 4 * n * sizeof *next);
-    memcpy(e->memory + 1 + 4 * n, e->segment.next, n * sizeof *next);
+    memcpy(e->memory + 1 + 4 * n, v, n * sizeof *v);
     return DM_OK;
 }
 

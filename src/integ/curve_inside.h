@@ -11,13 +11,15 @@ typedef struct {
     const double *state;
     double t, h;
     size_t n, unknowns;
-    double *mass;          /* [n] size of M by rows: what turns velocities into momenta */
-    double *z, *y, *p1;    /* [3n] unknowns; [2n] q - q0, v of the last run; [n] */
+    double *mass; /* [n] size of M by rows: what turns velocities into momenta */
+    double *z, *y,
+        *p1; /* [6n] unknowns, and their start; [2n] q - q0, v of the last run; [n] */
     double *next, *memory; /* [4n]; see below */
     double *slope;         /* [2n] of L at the end */
     double *scratch;
-    double size; /* of the momenta */
-    int ran;     /* the segment is at y */
+    double size, residual; /* of the momenta; of the step equation */
+    int ran;               /* the segment is at y */
+    int settled; /* the last increment, at the head of scratch, was at round-off */
     long evaluations;
 } dm_curve_step;
 
