@@ -16,7 +16,7 @@
 #include <string.h>
 
 static const double SLOW = 0.1;   /* rate of increments that one matrix must beat */
-static const double STALE = 1e-3; /* rate from which the next step takes its own matrix */
+static const double STALE = 1e-2; /* rate from which the next step takes its own matrix */
 static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
 static const double NEGLIGIBLE =
     2.5e-6; /* of the tolerance: an increment not worth a step */
@@ -105,6 +105,7 @@ static dm_status open(dm_stepper *s) {
     *e = (dm_curve_step){.n = n, .mass = s->work + head()};
     if (!read_curve(&e->curve, s->rule)) return DM_NO_MEMORY;
     e->unknowns = dm_curve_unknowns(&e->curve, n);
+    e->columns = e->curve.centred ? 0 : s->model->n;
     e->z = e->mass + n;
     e->y = e->z + 6 * n;
     e->p1 = e->y + 2 * n;

@@ -57,7 +57,7 @@ dm_status dm_bundle_tangents(dm_bundle *b, double *D, const dm_element *e) {
     const dm_status status = run(b, e);
     if (status != DM_OK) return status;
     dm_segment_gradient(&b->segment, b->zero, NULL, b->h);
-    dm_segment_hessian(&b->segment, b->h);
+    dm_segment_hessian(&b->segment, b->h, 2 * b->n);
     memcpy(D, b->segment.minus_tangent, n * N * sizeof *D);
     memcpy(D + n * N, b->segment.plus_tangent, n * N * sizeof *D);
     for (size_t i = 0; i < n; i++) {

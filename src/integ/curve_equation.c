@@ -67,7 +67,7 @@ dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
         if (e->curve.centred) r[2 * n + k] = z[2 * n + k] + e->segment.minus[k] / e->h;
     }
     if (J) {
-        dm_segment_hessian(&e->segment, e->h);
+        dm_segment_hessian(&e->segment, e->h, e->columns);
         fill_jacobian(e, J);
     }
     return DM_OK;
@@ -118,7 +118,10 @@ dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double
     double *J = memory, *r = J + m * m;
     uint32_t *pivot = (uint32_t *)(void *)(r + m);
     dm_status status = dm_curve_solve(s, state, t);
+    const uint32_t columns = e->columns;
+    e->columns = 0; /* all */
     if (status == DM_OK) status = dm_curve_equation(e, r, J, e->z);
+    e->columns = columns;
     if (status == DM_OK) status = dm_lu_factor(J, pivot, (uint32_t)m);
     for (size_t k = 0; status == DM_OK && k < 2 * e->n; k++) {
         push_start(e, r, k);

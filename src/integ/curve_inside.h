@@ -11,7 +11,8 @@ typedef struct {
     const double *state;
     double t, h;
     size_t n, unknowns;
-    double *mass; /* [n] size of M by rows: what turns velocities into momenta */
+    uint32_t columns; /* of G_yy, from where on they are wanted */
+    double *mass;     /* [n] size of M by rows: what turns velocities into momenta */
     double *z, *y,
         *p1; /* [6n] unknowns, and their start; [2n] q - q0, v of the last run; [n] */
     double *next, *memory; /* [4n]; see below */

@@ -94,39 +94,48 @@ static dm_status accelerate(dm_segment *g, size_t i) {
 
 /* Y_i = y + h sum_j a_ij F(Y_j) */
 static void place_point(dm_segment *g, const dm_segment_place *at, size_t i) {
-    const size_t n = g->n;
-    double *x = g->x + i * g->inputs;
-    memset(x, 0, 2 * n * sizeof *x);
-    for (size_t j = 0; j < i; j++) {
-        const double w = at->h * g->curve->a[i][j], *y = g->x + j * g->inputs;
-        add(x, w, y + n, n);
-        add(x + n, w, y + 2 * n + 1, n);
-    }
+    const size_t n = g->n, width = g->inputs;
+    const double *row = g->curve->a[i];
+    double *x = g->x + i * width;
     for (size_t k = 0; k < n; k++) {
-        x[k] = at->q[k] + (at->shift ? at->shift[k] + x[k] : x[k]);
-        x[n + k] = at->v[k] + x[n + k];
+        const double *v = g->x + n + k, *a = v + n + 1;
+        double dq = 0.0, dv = 0.0;
+        for (size_t j = 0; j < i; j++) {
+            dq += row[j] * v[j * width];
+            dv += row[j] * a[j * width];
+        }
+        x[k] = at->q[k] + (at->shift ? at->shift[k] + at->h * dq : at->h * dq);
+        x[n + k] = at->v[k] + at->h * dv;
     }
     x[2 * n] = at->t + at->h * g->curve->c[i];
 }
 
-dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at) {
+static void find_ends(dm_segment *g, const dm_segment_place *at) {
     const size_t n = g->n;
     const dm_curve *c = g->curve;
-    memset(g->plus, 0, n * sizeof *g->plus);
-    memset(g->minus, 0, n * sizeof *g->minus);
-    memcpy(g->arrival, at->v, n * sizeof *g->arrival);
+    for (size_t k = 0; k < n; k++) {
+        const double *v = g->x + n + k;
+        double ends[4] = {0.0};
+        for (size_t i = 0; i < g->points; i++, v += g->inputs) {
+            ends[0] += c->plus[i] * v[0];
+            ends[1] += c->minus[i] * v[0];
+            ends[2] += c->plus[i] * v[n + 1];
+            ends[3] += c->minus[i] * v[n + 1];
+        }
+        g->plus[k] = at->h * ends[0];
+        g->minus[k] = at->h * ends[1];
+        g->arrival[k] = at->v[k] + at->h * ends[2];
+        g->next[k] = at->v[k] + at->h * (ends[2] - ends[3]);
+    }
+}
+
+dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at) {
     for (size_t i = 0; i < g->points; i++) {
-        const double *x = g->x + i * g->inputs;
         place_point(g, at, i);
         const dm_status status = accelerate(g, i);
         if (status != DM_OK) return status;
-        add(g->plus, at->h * c->plus[i], x + n, n);
-        add(g->minus, at->h * c->minus[i], x + n, n);
-        add(g->arrival, at->h * c->plus[i], x + 2 * n + 1, n);
     }
-    memcpy(g->next, g->arrival, n * sizeof *g->next);
-    for (size_t i = 0; i < g->points; i++)
-        add(g->next, -at->h * c->minus[i], g->x + i * g->inputs + 2 * n + 1, n);
+    find_ends(g, at);
     return DM_OK;
 }
 
@@ -142,25 +151,39 @@ double dm_segment_action(const dm_segment *g, double h) {
 
 /* ---- back ---- */
 
+/* k_i[2n] = h (minus_i p0 - plus_i p1, 0) + h sum_j>i a_ji y_j */
+static void pull_back(dm_segment *g, double *k, size_t i, double h) {
+    const size_t N = 2 * (size_t)g->n;
+    for (size_t l = 0; l < N; l++) {
+        const double *y = g->gradient + l;
+        double sum = 0.0;
+        for (size_t j = i + 1; j < g->points; j++) sum += g->curve->a[j][i] * y[j * N];
+        k[l] = h * sum;
+    }
+}
+
 void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0, double h) {
     const size_t n = g->n;
-    const dm_curve *c = g->curve;
-    memset(g->slope, 0, 2 * n * sizeof *g->slope);
+    double *k = g->hessian; /* not yet in use */
+    for (size_t l = 0; l < 2 * n; l++) g->slope[l] = 0.0;
     for (size_t i = g->points; i-- > 0;) {
-        double *k = g->hessian, *x = g->x + i * g->inputs, *u = x + 3 * n + 1;
+        const double plus = h * g->curve->plus[i], minus = h * g->curve->minus[i];
+        double *x = g->x + i * g->inputs, *u = x + 3 * n + 1;
         double *y = g->gradient + i * 2 * n;
-        memset(k, 0, 2 * n * sizeof *k);
-        for (size_t j = i + 1; j < g->points; j++)
-            add(k, h * c->a[j][i], g->gradient + j * 2 * n, 2 * n);
-        add(k, -h * c->plus[i], p1, n);
-        if (p0) add(k, h * c->minus[i], p0, n);
-        memcpy(u, k + n, n * sizeof *u);
+        pull_back(g, k, i, h);
+        for (size_t l = 0; l < n; l++) {
+            k[l] += p0 ? minus * p0[l] - plus * p1[l] : -plus * p1[l];
+            u[l] = k[n + l];
+        }
         divide_by_mass(g, i, u);
-        x[4 * n + 1] = h * c->weight[i];
+        x[4 * n + 1] = h * g->curve->weight[i];
         dm_kernel_eval(&g->field.gradient, x, g->pull);
-        memcpy(y, g->pull, 2 * n * sizeof *y);
-        add(y + n, 1.0, k, n);
-        add(g->slope, 1.0, y, 2 * n);
+        for (size_t l = 0; l < n; l++) {
+            y[l] = g->pull[l];
+            y[n + l] = g->pull[n + l] + k[l];
+            g->slope[l] += y[l];
+            g->slope[n + l] += y[n + l];
+        }
     }
 }
 
@@ -177,11 +200,18 @@ static void place_tangent(dm_segment *g, size_t i, double h) {
     for (size_t k = 0; k < N; k++) T[k * N + k] += 1.0;
 }
 
-/* C[rows*columns] = A[rows*N] B[N*columns], or A^T where A is [N*rows] */
-static void multiply(double *C, const double *A, const double *B, size_t rows, size_t N) {
-    memset(C, 0, rows * N * sizeof *C);
-    for (size_t i = 0; i < rows; i++)
-        for (size_t k = 0; k < N; k++) add(C + i * N, A[i * N + k], B + k * N, N);
+/* columns first .. N-1 of C[rows*N] = A[rows*N] B[N*N] */
+static void multiply(double *C, const double *A, const double *B, size_t rows, size_t N,
+                     size_t first) {
+    for (size_t i = 0; i < rows; i++) {
+        double *c = C + i * N;
+        for (size_t j = first; j < N; j++) c[j] = 0.0;
+        for (size_t k = 0; k < N; k++) {
+            const double a = A[i * N + k], *b = B + k * N;
+            if (a == 0.0) continue;
+            for (size_t j = first; j < N; j++) c[j] += a * b[j];
+        }
+    }
 }
 
 /* row^T = M^-1 row^T for the columns of E_y[n*N] at point i */
@@ -205,16 +235,22 @@ static void add_mass_terms(double *W, const double *B, const double *a_y, size_t
                     B[k * N + i] * a_y[k * N + j] + B[k * N + j] * a_y[k * N + i];
 }
 
-/* hessian += T^T W T */
-static void add_second(dm_segment *g, const double *W, const double *T) {
+/* columns first .. N-1 of hessian += T^T W T */
+static void add_second(dm_segment *g, const double *W, const double *T, size_t first) {
     const size_t N = 2 * (size_t)g->n;
-    multiply(g->some, W, T, N, N);
-    for (size_t k = 0; k < N; k++)
-        for (size_t i = 0; i < N; i++)
-            add(g->hessian + i * N, T[k * N + i], g->some + k * N, N);
+    multiply(g->some, W, T, N, N, first);
+    for (size_t k = 0; k < N; k++) {
+        const double *row = g->some + k * N;
+        for (size_t i = 0; i < N; i++) {
+            const double t = T[k * N + i];
+            if (t == 0.0) continue;
+            double *out = g->hessian + i * N;
+            for (size_t j = first; j < N; j++) out[j] += t * row[j];
+        }
+    }
 }
 
-void dm_segment_hessian(dm_segment *g, double h) {
+void dm_segment_hessian(dm_segment *g, double h, uint32_t first) {
     const size_t n = g->n, N = 2 * n;
     memset(g->hessian, 0, N * N * sizeof *g->hessian);
     memset(g->plus_tangent, 0, n * N * sizeof *g->plus_tangent);
@@ -222,12 +258,12 @@ void dm_segment_hessian(dm_segment *g, double h) {
     for (size_t i = 0; i < g->points; i++) {
         double *T = g->tangent + i * N * N, *W = g->second, *a_y = W + N * N;
         place_tangent(g, i, h);
-        dm_kernel_prepare(&g->field.curve, g->second);
+        dm_kernel_prepare(&g->field.curve, g->second); /* a_y is changed in place */
         dm_kernel_eval(&g->field.curve, g->x + i * g->inputs, g->second);
         push_columns(g, i, a_y);
         if (!g->m->inverse_mass) add_mass_terms(W, a_y + n * N, a_y, n);
-        multiply(g->push + i * n * N, a_y, T, n, N);
-        add_second(g, W, T);
+        multiply(g->push + i * n * N, a_y, T, n, N, 0);
+        add_second(g, W, T, first);
         add(g->plus_tangent, h * g->curve->plus[i], T + n * N, n * N);
         add(g->minus_tangent, h * g->curve->minus[i], T + n * N, n * N);
     }

@@ -49,8 +49,8 @@ dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at);
 /* slope, after run; p0 NULL: 0. */
 void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0, double h);
 
-/* hessian, plus_tangent, minus_tangent, after gradient. */
-void dm_segment_hessian(dm_segment *g, double h);
+/* Columns first .. 2n-1 of hessian; plus_tangent, minus_tangent; after gradient. */
+void dm_segment_hessian(dm_segment *g, double h, uint32_t first);
 
 /* Ld, after run. Needs DM_WANT_VALUE. */
 double dm_segment_action(const dm_segment *g, double h);

@@ -152,7 +152,7 @@ static void check_hessian(bench *b) {
     double H2[32 * 32], plus[16 * 32], minus[16 * 32], column[64];
     bench_run(b, b->y);
     dm_segment_gradient(&b->segment, P1, P0, H);
-    dm_segment_hessian(&b->segment, H);
+    dm_segment_hessian(&b->segment, H, 0);
     memcpy(H2, b->segment.hessian, N * N * sizeof *H2);
     memcpy(plus, b->segment.plus_tangent, n * N * sizeof *plus);
     memcpy(minus, b->segment.minus_tangent, n * N * sizeof *minus);

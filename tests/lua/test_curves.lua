@@ -115,6 +115,16 @@ for _, system in ipairs { kepler, cart } do
   end
   ok(rows_of[1] == rows_of[2], "tape and native code give the same bits", rows_of[1] .. " " .. rows_of[2])
 end
+-- a checkpoint keeps what a step leaves to the next one
+for _, rule in ipairs { "curve(rk4)", dm.curve("kutta3", { bias = 0.5 }) } do
+  local solver, file = cart:solver { rule = rule, h = 0.05 }, os.tmpname()
+  local begin = { q = swing.q, v = swing.v }
+  local whole = solver:run { q = begin.q, v = begin.v, steps = 300, every = 300 }
+  solver:run { q = begin.q, v = begin.v, steps = 137, every = 137 }:checkpoint(file)
+  local rest = dm.resume(file, cart):run { steps = 163, every = 163 }
+  os.remove(file)
+  ok(rest.q[#rest] == whole.q[2] and rest.p[#rest] == whole.p[2], "a restart goes on bit for bit: " .. tostring(rule))
+end
 -- sums, and many coordinates
 local ring = dm.system { Q = dm.R(20), L = function(q, v)
   return v:dot(v) / 2 - dm.sum_over(q, function(a, b) return (b - a) ^ 2 / 2 + (b - a) ^ 4 / 4 end, { shift = 1, periodic = true }) end }
