@@ -20,7 +20,7 @@ static const double STALE = 1e-2; /* rate from which the next step takes its own
 static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
 static const double NEGLIGIBLE =
     2.5e-6; /* of the tolerance: an increment not worth a step */
-enum { CHORDS = 8 };
+enum { CHORDS = 10 };
 
 static size_t head(void) {
     return (sizeof(dm_curve_step) + sizeof(double) - 1) / sizeof(double);
@@ -222,22 +222,23 @@ static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations,
                        int fresh) {
     const size_t m = e->unknowns;
     double *dx = e->scratch, last = INFINITY, rate = 0.0;
-    for (int k = 0; k < CHORDS; k++) {
+    for (int k = 0; k < CHORDS && k < s->max_iterations; k++) {
         const dm_status status = find_increment(e, dx, fresh && k == 0);
         if (status != DM_OK) return status;
         const double step = norm(dx, m), size = norm(e->z, m) + step;
         ++*iterations;
         for (size_t i = 0; i < m; i++) e->z[i] += dx[i];
         if (!isfinite(step)) return DM_NOT_FINITE;
-        if (k) rate = step / last;
-        const int stalled = rate > SLOW && step <= ROUND_OFF * size;
-        const int small = k && rate * step <= NEGLIGIBLE * s->tolerance * size;
-        if (step <= s->tolerance * size || stalled || small) {
+        rate = k ? step / last : SLOW; /* not known yet */
+        const int stalled = k && rate > SLOW && step <= ROUND_OFF * size;
+        const int small = rate * step <= NEGLIGIBLE * s->tolerance * size;
+        if (step == 0.0 || stalled || small) {
             e->settled = step <= s->tolerance * size;
-            if (k > 2 || rate > STALE) e->memory[1 + 5 * e->n] = 0.0;
+            if (k > 2) e->memory[1 + 5 * e->n] = 0.0;
             return DM_OK;
         }
-        if (rate > SLOW) return DM_NO_CONVERGENCE;
+        if (k && rate > SLOW) return DM_NO_CONVERGENCE;
+        if (k && rate > STALE) e->memory[1 + 5 * e->n] = 0.0;
         last = step;
     }
     return DM_NO_CONVERGENCE;

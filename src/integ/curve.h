@@ -1,9 +1,9 @@
 /*
 ** curve.h - curve segments: a discretization of TQ by an explicit one-step method for the second-order field of L
-** (Cuell-Patrick 2008, examples 1 and 2). To y = (q, v) belong the points, with F = (v, a(q, v, t)),
-**   Y_i = y + h sum_j a_ij F(Y_j),
-** the ends d+(y) = q + h sum_i plus_i V_i, d-(y) = q + h sum_i minus_i V_i, and Ld(y) = h sum_i weight_i L(Y_i).
-** Since Ld is the sum that the method makes for S' = L, it has the order of the method.
+** (Cuell-Patrick 2008, examples 1 and 2). To y = (q, v) belong the points Y_i = (Q_i, V_i) with accelerations A_i,
+**   Q_i = q + h sum_j a_ij V_j + h^2 sum_j lift_ij A_j,   V_i = v + h sum_j push_ij A_j,
+** the ends d+(y) = q + h sum_i plus_i V_i + h^2 sum_i plus_lift_i A_i, d-(y) likewise, and Ld(y) = h sum_i weight_i L(Y_i).
+** For a Runge-Kutta method push = a, there is no lift, and Ld is the sum that the method makes for S' = L: it has its order.
 */
 #ifndef DM_CURVE_H
 #define DM_CURVE_H
@@ -17,9 +17,14 @@ typedef struct {
     int s, order;
     int centred; /* minus is not zero: the segment begins before q */
     double bias; /* of the segment behind q; 1: all of it */
-    double a[DM_CURVE_STAGES][DM_CURVE_STAGES]; /* strictly lower */
+    double a[DM_CURVE_STAGES][DM_CURVE_STAGES]; /* strictly lower, as the next two */
+    double push[DM_CURVE_STAGES][DM_CURVE_STAGES], lift[DM_CURVE_STAGES][DM_CURVE_STAGES];
     double plus[DM_CURVE_STAGES], minus[DM_CURVE_STAGES], weight[DM_CURVE_STAGES];
-    double c[DM_CURVE_STAGES]; /* times of the points, in h */
+    double plus_lift[DM_CURVE_STAGES], minus_lift[DM_CURVE_STAGES];
+    double arrival[DM_CURVE_STAGES],
+        departure[DM_CURVE_STAGES]; /* velocities at d+, d- from A */
+    double c[DM_CURVE_STAGES];      /* times of the points, in h */
+    int lifted;                     /* some lift is not zero, or push is not a */
 } dm_curve;
 
 /* The built-in or GSL method of that name; 0 where there is none. Coefficients are those of bias 1; `bias` is what

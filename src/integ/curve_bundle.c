@@ -56,8 +56,8 @@ dm_status dm_bundle_tangents(dm_bundle *b, double *D, const dm_element *e) {
     const size_t n = b->n, N = 2 * n;
     const dm_status status = run(b, e);
     if (status != DM_OK) return status;
-    dm_segment_gradient(&b->segment, b->zero, NULL, b->h);
-    dm_segment_hessian(&b->segment, b->h, 2 * b->n);
+    dm_segment_gradient(&b->segment, b->zero, NULL);
+    dm_segment_hessian(&b->segment, 2 * b->n);
     memcpy(D, b->segment.minus_tangent, n * N * sizeof *D);
     memcpy(D + n * N, b->segment.plus_tangent, n * N * sizeof *D);
     for (size_t i = 0; i < n; i++) {
@@ -83,7 +83,7 @@ dm_status dm_bundle_momenta(dm_bundle *b, double *p0, double *p1, double *action
     double *x = b->some, *slope = x + N;
     dm_status status = dm_bundle_tangents(b, b->D, e);
     if (status != DM_OK) return status;
-    *action = dm_segment_action(&b->segment, b->h);
+    *action = dm_segment_action(&b->segment);
     memcpy(slope, b->segment.slope, N * sizeof *x);
     for (size_t i = 0; i < N; i++)
         for (size_t j = 0; j < i; j++) {

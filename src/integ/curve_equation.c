@@ -60,14 +60,14 @@ dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
         e->p1[k] = p0[k] + (low[k] + e->mass[k] * z[n + k]);
         e->size = fmax(e->size, fabs(p0[k]) + fabs(e->p1[k]));
     }
-    dm_segment_gradient(&e->segment, e->p1, e->curve.centred ? p0 : NULL, e->h);
+    dm_segment_gradient(&e->segment, e->p1, e->curve.centred ? p0 : NULL);
     for (size_t k = 0; k < n; k++) {
         r[k] = e->segment.slope[k] - e->mass[k] * z[n + k];
         r[n + k] = e->segment.slope[n + k] / e->h;
         if (e->curve.centred) r[2 * n + k] = z[2 * n + k] + e->segment.minus[k] / e->h;
     }
     if (J) {
-        dm_segment_hessian(&e->segment, e->h, e->columns);
+        dm_segment_hessian(&e->segment, e->columns);
         fill_jacobian(e, J);
     }
     return DM_OK;

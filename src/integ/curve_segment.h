@@ -1,8 +1,9 @@
 /* curve_segment.h - one curve segment evaluated: its points, its ends, and the derivatives of
 **   G(y) = Ld(y) - p1 . d+(y) + p0 . d-(y)
 ** in y = (q, v), by one sweep back through the points: with F = (v, a), k_i = dG/dF_i and y_i = dG/dY_i,
-**   k_i = h (minus_i p0 - plus_i p1, 0) + h sum_j>i a_ji y_j,   y_i = (0, kq_i) + (kv_i . a + h weight_i L)_y(Y_i),
-** and G_yy = sum_i T_i^T (kv_i . a + h weight_i L)_yy T_i with the tangents T_i = dY_i/dy. All exact.
+**   k_i = (h minus_i p0 - h plus_i p1, 0) + h sum_j>i a_ji y_j,   y_i = (0, kq_i) + (kv_i . a + h weight_i L)_y(Y_i)
+** (and the like for push and lift), and with the tangents T_i = dY_i/dy
+**   G_yy = sum_i T_i^T (kv_i . a + h weight_i L)_yy T_i. All exact.
 */
 #ifndef DM_CURVE_SEGMENT_H
 #define DM_CURVE_SEGMENT_H
@@ -16,6 +17,11 @@ typedef struct {
     dm_field field;
     uint32_t n;
     size_t points, inputs;
+    double h; /* of the coefficients: the same numbers forward and back */
+    double *to_q, *to_v, *lift;        /* [s*s] h a, h push, h^2 lift; lift NULL: none */
+    double *plus_q, *minus_q, *weight; /* [s] of the ends and of Ld, times h */
+    double *plus_lift, *minus_lift;    /* [s] times h^2 */
+    double *plus_v, *next_v;           /* [s] of arrival and next, times h */
     double *x;            /* [s][inputs] of the field's kernels: q, v, t, a, u, l */
     double *force;        /* [s][force.outputs] */
     double *factors;      /* [s][n*n] of M; none where it is constant */
@@ -47,12 +53,12 @@ typedef struct {
 dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at);
 
 /* slope, after run; p0 NULL: 0. */
-void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0, double h);
+void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0);
 
 /* Columns first .. 2n-1 of hessian; plus_tangent, minus_tangent; after gradient. */
-void dm_segment_hessian(dm_segment *g, double h, uint32_t first);
+void dm_segment_hessian(dm_segment *g, uint32_t first);
 
 /* Ld, after run. Needs DM_WANT_VALUE. */
-double dm_segment_action(const dm_segment *g, double h);
+double dm_segment_action(const dm_segment *g);
 
 #endif

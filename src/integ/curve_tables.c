@@ -66,20 +66,21 @@ const char *dm_curve_name(int i, const char **source) {
     return tableaux[i].name;
 }
 
-/* plus and weight are b, c the row sums */
+/* weight and arrival are b, push is a, c the row sums */
 static void finish(dm_curve *c) {
     c->bias = 1.0;
-    c->centred = 0;
+    c->centred = c->lifted = 0;
+    memcpy(c->push, c->a, sizeof c->a);
     for (int i = 0; i < c->s; i++) {
-        c->weight[i] = c->plus[i];
+        c->weight[i] = c->arrival[i] = c->plus[i];
         c->minus[i] = c->c[i] = 0.0;
         for (int j = 0; j < i; j++) c->c[i] += c->a[i][j];
     }
 }
 
 void dm_curve_fill(dm_curve *out, int s, const double *a, const double *b) {
+    memset(out, 0, sizeof *out);
     out->s = s;
-    memset(out->a, 0, sizeof out->a);
     for (int i = 0; i < s; i++) {
         memcpy(out->a[i], a + i * s, (size_t)i * sizeof *a);
         out->plus[i] = b[i];
@@ -117,21 +118,37 @@ int dm_curve_find(dm_curve *out, const char *name) {
     return 1;
 }
 
-/* points 1 .. s-1 of the method with the signed length `side` of a step; point 0 is y itself */
-static void add_side(dm_curve *out, const dm_curve *whole, double side) {
-    const int first = out->s - 1; /* where point i goes, less i */
-    double *end = side > 0.0 ? out->plus : out->minus;
-    end[0] = side * whole->plus[0];
-    if (side == 0.0) return;
+/* points 1 .. s-1 of the method with the signed length `side` of a step, point 0 being y itself: where they go, less i */
+static int add_points(dm_curve *out, const dm_curve *whole, double side) {
+    const int first = out->s - 1;
     for (int i = 1; i < whole->s; i++) {
         const int k = first + i;
-        end[k] = side * whole->plus[i];
-        out->weight[k] = fabs(side) * whole->plus[i];
         out->c[k] = side * whole->c[i];
-        out->a[k][0] = side * whole->a[i][0];
-        for (int j = 1; j < i; j++) out->a[k][first + j] = side * whole->a[i][j];
+        for (int j = 0; j < i; j++) {
+            const int l = j ? first + j : 0;
+            out->a[k][l] = side * whole->a[i][j];
+            out->push[k][l] = side * whole->push[i][j];
+            out->lift[k][l] = side * side * whole->lift[i][j];
+        }
     }
     out->s += whole->s - 1;
+    return first;
+}
+
+/* one side of y, with its end and its part of the action */
+static void add_side(dm_curve *out, const dm_curve *whole, double side) {
+    double *q = side > 0.0 ? out->plus : out->minus;
+    double *lift = side > 0.0 ? out->plus_lift : out->minus_lift;
+    double *v = side > 0.0 ? out->arrival : out->departure;
+    if (side == 0.0) return;
+    const int first = add_points(out, whole, side);
+    for (int i = 0; i < whole->s; i++) {
+        const int k = i ? first + i : 0;
+        q[k] = side * whole->plus[i];
+        lift[k] = side * side * whole->plus_lift[i];
+        v[k] = side * whole->arrival[i];
+        if (i) out->weight[k] = fabs(side) * whole->weight[i];
+    }
 }
 
 int dm_curve_bias(dm_curve *c, double bias) {
@@ -141,8 +158,9 @@ int dm_curve_bias(dm_curve *c, double bias) {
     memset(c, 0, sizeof *c);
     memcpy(c->name, whole.name, sizeof c->name);
     c->order = whole.order;
+    c->lifted = whole.lifted;
     c->s = 1;
-    c->weight[0] = whole.plus[0];
+    c->weight[0] = whole.weight[0];
     add_side(c, &whole, bias);
     add_side(c, &whole, bias - 1.0);
     c->bias = bias;

@@ -99,7 +99,7 @@ static int bench_run(bench *b, const double *y) {
 /* Ld - p1 . (d+ - q) + p0 . (d- - q), from values alone */
 static double bench_value(bench *b, const double *y) {
     if (!bench_run(b, y)) return NAN;
-    double G = dm_segment_action(&b->segment, H);
+    double G = dm_segment_action(&b->segment);
     for (uint32_t k = 0; k < b->n; k++)
         G += P0[k] * b->segment.minus[k] - P1[k] * b->segment.plus[k];
     return G;
@@ -120,7 +120,7 @@ static double slope_by_difference(bench *b, uint32_t i) {
 static void check_gradient(bench *b) {
     double slope[32];
     bench_run(b, b->y);
-    dm_segment_gradient(&b->segment, P1, P0, H);
+    dm_segment_gradient(&b->segment, P1, P0);
     memcpy(slope, b->segment.slope, 2 * b->n * sizeof *slope);
     for (uint32_t i = 0; i < 2 * b->n; i++)
         CHECK_NEAR(slope[i], slope_by_difference(b, i), 2e-10);
@@ -137,7 +137,7 @@ static void difference_column(bench *b, double *column, uint32_t i) {
         memcpy(y, b->y, N * sizeof *y);
         y[i] += k * delta;
         bench_run(b, y);
-        dm_segment_gradient(&b->segment, P1, P0, H);
+        dm_segment_gradient(&b->segment, P1, P0);
         const double w = (k > 0 ? 1.0 : -1.0) * DIFFERENCE[abs(k) - 1] / (60.0 * delta);
         for (uint32_t j = 0; j < N; j++) column[j] += w * b->segment.slope[j];
         for (uint32_t j = 0; j < n; j++) {
@@ -151,8 +151,8 @@ static void check_hessian(bench *b) {
     const uint32_t n = b->n, N = 2 * n;
     double H2[32 * 32], plus[16 * 32], minus[16 * 32], column[64];
     bench_run(b, b->y);
-    dm_segment_gradient(&b->segment, P1, P0, H);
-    dm_segment_hessian(&b->segment, H, 0);
+    dm_segment_gradient(&b->segment, P1, P0);
+    dm_segment_hessian(&b->segment, 0);
     memcpy(H2, b->segment.hessian, N * N * sizeof *H2);
     memcpy(plus, b->segment.plus_tangent, n * N * sizeof *plus);
     memcpy(minus, b->segment.minus_tangent, n * N * sizeof *minus);
