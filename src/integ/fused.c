@@ -92,7 +92,8 @@ int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t
     *b = (dm_fusion){.model = m, .kicks = k, .size = size};
     b->graph = dm_graph_new(s->arena, size + MOST_COEFFICIENTS);
     b->state = dm_arena_take(s->arena, (size + (size_t)inputs) * sizeof *b->state);
-    if (!b->graph || !b->state) return 0;
+    b->late = dm_arena_take(s->arena, 2 * (size_t)n * sizeof *b->late);
+    if (!b->graph || !b->state || !b->late) return 0;
     b->q = b->state;
     b->p = b->q + n;
     b->low_q = b->p + n;
@@ -160,18 +161,43 @@ void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
     }
 }
 
-dm_node dm_fusion_kicked(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb,
-                         dm_node to) {
+dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb) {
     const int32_t coordinate = b->kicks->coordinate[i];
     const dm_node f = factors[b->kicks->which[i]];
-    return coordinate < 0 ? dm_multiply_add(b->graph, hb, f, to)
-                          : dm_multiply_add(b->graph, f, b->q[coordinate], to);
+    return coordinate < 0 ? (dm_product){hb, f} : (dm_product){f, b->q[coordinate]};
+}
+
+/* the low part of a sum, which nobody waits for, is made later */
+static void leave(dm_fusion *b, dm_node high, dm_node sum, dm_node y, dm_node *low) {
+    if (!b->late || b->late_count == 2 * b->model->n) dm_fusion_settle(b);
+    const struct dm_remainder r = {high, sum, y, low};
+    if (b->late) {
+        b->late[b->late_count++] = r;
+        return;
+    }
+    *low = dm_add(b->graph, y, dm_sub(b->graph, high, sum));
+}
+
+void dm_fusion_settle(dm_fusion *b) {
+    for (uint32_t i = 0; i < b->late_count; i++) {
+        const struct dm_remainder *r = b->late + i;
+        const dm_node lost = dm_sub(b->graph, r->high, r->sum);
+        *r->low = dm_add(b->graph, r->y, lost);
+    }
+    b->late_count = 0;
+}
+
+void dm_fusion_push(dm_fusion *b, dm_node *high, dm_node *low, dm_product x) {
+    const dm_node before = dm_add(b->graph, *high, *low);
+    const dm_node sum = dm_multiply_add(b->graph, x.a, x.b, before);
+    const dm_node y = dm_multiply_add(b->graph, x.a, x.b, *low);
+    leave(b, *high, sum, y, low);
+    *high = sum;
 }
 
 void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y) {
     const dm_node sum = dm_add(b->graph, *high, y);
-    const dm_node lost = dm_sub(b->graph, *high, sum);
-    *low = dm_add(b->graph, y, lost);
+    leave(b, *high, sum, y, low);
     *high = sum;
 }
 
@@ -233,7 +259,8 @@ void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p) {
     for (uint32_t i = 0; y && i < n; i++) dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
 }
 
-int dm_fusion_end(const dm_fusion *b, dm_loop_part *out) {
+int dm_fusion_end(dm_fusion *b, dm_loop_part *out) {
+    dm_fusion_settle(b);
     *out = (dm_loop_part){b->graph, b->state, b->coefficients};
     return !b->failed && dm_graph_status(b->graph) == DM_OK;
 }

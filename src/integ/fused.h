@@ -31,6 +31,11 @@ typedef struct {
 ** large, no memory. */
 int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, int scaled);
 
+/* low = y + (high - sum) */
+struct dm_remainder {
+    dm_node high, sum, y, *low;
+};
+
 /* A part under construction, made as it stands. */
 typedef struct {
     dm_graph *graph;
@@ -42,6 +47,8 @@ typedef struct {
     dm_node *with;                         /* [inputs of L] what stands for q, v, t */
     uint32_t coefficients;                 /* asked for so far */
     int failed;                            /* memory was refused */
+    struct dm_remainder *late; /* [2 n] low parts that are still to be made, behind what others wait for */
+    uint32_t late_count;
 } dm_fusion;
 
 /* 0 without memory. */
@@ -54,15 +61,25 @@ dm_node dm_fusion_coefficient(dm_fusion *b);
 void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
                        dm_node minus);
 
-/* to + what expression i adds: factors as above. */
-dm_node dm_fusion_kicked(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb,
-                         dm_node to);
+/* a * b, what is added to a momentum or a position. */
+typedef struct {
+    dm_node a, b;
+} dm_product;
+
+/* What expression i adds, factors as above. */
+dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb);
+
+/* high + low += x; low may have other increments in it already. What waits for the last of x waits for one operation. */
+void dm_fusion_push(dm_fusion *b, dm_node *high, dm_node *low, dm_product x);
 
 /* high + low += y - low, where y has the old low part in it. */
 void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y);
 
 /* high + low += x, as base/sum.h does it. */
 void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x);
+
+/* Make the low parts that sums so far have left; dm_fusion_end does it too. */
+void dm_fusion_settle(dm_fusion *b);
 
 /* v[n] = M^-1 (p - shift), and the shifted moved[n] = p - shift (may be NULL). */
 void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node *p);
@@ -71,7 +88,7 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
 void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p);
 
 /* What dm_loop_native takes; 0: no memory. */
-int dm_fusion_end(const dm_fusion *b, dm_loop_part *out);
+int dm_fusion_end(dm_fusion *b, dm_loop_part *out);
 
 /* The loop of these parts for one member by the backend of the model (lanes = 1), or for lanes; 0: there is none. */
 int dm_fused_build(dm_loop *out, const dm_model *m, const dm_loop_part *part,

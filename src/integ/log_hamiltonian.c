@@ -118,18 +118,17 @@ static void fuse_drift(dm_fusion *b, dm_node *v) {
     for (uint32_t i = 0; i < n; i++) dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
     const dm_node z = dm_add(b->graph, b->more[1], dt);
     dm_fusion_sum(b, b->more, b->more + 1, z);
+    dm_fusion_settle(b);
     b->more[1] = guarded(b, speed, b->more[1]);
 }
 
 /* p += hb L_q/U */
-static void fuse_kick(dm_fusion *b, dm_node *y) {
+static void fuse_kick(dm_fusion *b, dm_node *factors) {
     const uint32_t n = b->model->n;
-    dm_node *factors = y + n;
     const dm_node hb = dm_fusion_coefficient(b), minus = dm_fusion_coefficient(b);
     dm_fusion_factors(b, factors, 0, hb, minus);
     for (uint32_t i = 0; i < n; i++)
-        y[i] = dm_fusion_kicked(b, factors, i, hb, b->low_p[i]);
-    for (uint32_t i = 0; i < n; i++) dm_fusion_sum(b, b->p + i, b->low_p + i, y[i]);
+        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, factors, i, hb));
 }
 
 /* t's low part becomes NaN where the well is not attracting */

@@ -59,34 +59,39 @@ static int ends(unsigned shape) {
 
 /* coefficients: force: t, h b, -h b; drift: h a; the first kick of a head: h b_0; in the order of use */
 
-/* new factors, and with them y[i] = low part of p_i + kick */
-static void fuse_force(dm_fusion *b, dm_node *y) {
-    const uint32_t n = b->model->n;
+/* new factors, and where there is a low[n], p with other increments in its low parts, the kick by them */
+static void fuse_force(dm_fusion *b, dm_node *low) {
     const dm_node t = dm_fusion_coefficient(b), hb = dm_fusion_coefficient(b),
                   minus = dm_fusion_coefficient(b);
     dm_fusion_factors(b, b->more, t, hb, minus);
-    for (uint32_t i = 0; y && i < n; i++)
-        y[i] = dm_fusion_kicked(b, b->more, i, hb, y[i]);
-    for (uint32_t i = 0; y && i < n; i++) dm_fusion_sum(b, b->p + i, b->low_p + i, y[i]);
+    for (uint32_t i = 0; low && i < b->model->n; i++) {
+        b->low_p[i] = low[i];
+        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
+    }
 }
 
 /* The kick that begins a step has the factors of the one that ended the last step: p + kick is what the
-** drift sees; p itself gets it with the next kick, by way of y, so that the drift does not wait. */
-static void fuse_head(dm_fusion *b, dm_node *y, dm_node *kicked) {
+** drift sees; p itself gets it with the next kick, by way of the low part, so that the drift does not wait. */
+static void fuse_head(dm_fusion *b, dm_node *low, dm_node *kicked) {
     const uint32_t n = b->model->n;
+    dm_product *first = dm_arena_take(b->model->source.arena, n * sizeof *first);
+    b->failed |= !first;
+    if (!first) return;
     const dm_node hb = dm_fusion_coefficient(b);
     for (uint32_t i = 0; i < n; i++) {
-        kicked[i] = dm_fusion_kicked(b, b->more, i, hb, b->p[i]);
-        y[i] = dm_fusion_kicked(b, b->more, i, hb, b->low_p[i]);
+        const dm_product x = dm_fusion_kick(b, b->more, i, hb);
+        kicked[i] = dm_multiply_add(b->graph, x.a, x.b, b->p[i]);
+        first[i] = x;
     }
     dm_fusion_drift(b, dm_fusion_coefficient(b), kicked);
-    fuse_force(b, y);
+    for (uint32_t i = 0; i < n; i++)
+        low[i] = dm_multiply_add(b->graph, first[i].a, first[i].b, b->low_p[i]);
+    fuse_force(b, low);
 }
 
-static void fuse_body(dm_fusion *b, dm_node *y, int kick_first) {
+static void fuse_body(dm_fusion *b, int kick_first) {
     if (!kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
-    memcpy(y, b->low_p, b->model->n * sizeof *y);
-    fuse_force(b, y);
+    fuse_force(b, b->low_p);
     if (kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
 }
 
@@ -102,7 +107,7 @@ static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind
     else if (kind == DM_LOOP_HEAD)
         fuse_head(&b, y, y + n);
     else if (kind == DM_LOOP_BODY)
-        fuse_body(&b, y, ends(l->shape) == KICK_FIRST);
+        fuse_body(&b, ends(l->shape) == KICK_FIRST);
     else
         dm_fusion_drift(&b, dm_fusion_coefficient(&b), b.p);
     return dm_fusion_end(&b, out);
