@@ -40,8 +40,25 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
     lua_pop(L, 1);
 }
 
+/* the same where the source at `at` is a table of plain tables of numbers, as most are; 0: it is not */
+static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
+    if (lua_type(L, at) != LUA_TTABLE || lua_geti(L, at, i + 1) != LUA_TTABLE) return 0;
+    int plain = !lua_getmetatable(L, -1) && lua_rawlen(L, -1) == n;
+    for (uint32_t k = 0; plain && k < n; k++) {
+        plain = lua_rawgeti(L, -1, (lua_Integer)k + 1) == LUA_TNUMBER;
+        out[k] = lua_tonumber(L, -1);
+        lua_pop(L, 1);
+    }
+    return plain;
+}
+
 /* n numbers for member i from field `key` of the options */
 static void read_member(lua_State *L, const char *key, long i, double *out, uint32_t n) {
+    const int top = lua_gettop(L);
+    lua_getfield(L, 2, key);
+    const int plain = read_plain(L, top + 1, i, out, n);
+    lua_settop(L, top);
+    if (plain) return;
     dml_push_source(L, 2, key, i);
     const char *name = lua_pushfstring(L, "'%s' of member %d", key, (int)i + 1);
     dml_vectorarg(L, -2, name, out, n);

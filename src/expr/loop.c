@@ -5,7 +5,7 @@
 
 dm_status dm_loop_by_kernels(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
                              uint32_t size, dm_loop_compile *compile, dm_arena *arena) {
-    dm_loop l = {.size = size, .lanes = 1};
+    dm_loop l = {.size = size, .lanes = 1, .together = 1};
     uint32_t most = 0;
     for (int k = 0; k < DM_LOOP_PARTS; k++) {
         if (!part[k].graph) continue;
@@ -64,6 +64,7 @@ void dm_loop_run(const dm_loop *l, dm_loop_call *call) {
         run_kernels(l, call);
         return;
     }
+    call->groups /= l->together;
     memcpy(call->pool, l->pool, sizeof call->pool);
     l->native(call);
 }

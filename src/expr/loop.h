@@ -45,6 +45,7 @@ typedef struct {
 typedef struct {
     void (*native)(dm_loop_call *call); /* NULL: by kernels */
     uint32_t size, lanes;
+    uint32_t together; /* groups that one pass of the code takes, instruction by instruction */
     uint32_t coefficients[DM_LOOP_PARTS];
     const void *pool[DM_LOOP_PARTS];
     dm_kernel kernel[DM_LOOP_PARTS];
@@ -55,7 +56,8 @@ typedef struct {
 typedef dm_status dm_loop_compile(dm_kernel *out, dm_graph *g, const dm_node *roots,
                                   uint32_t m, dm_arena *arena);
 
-/* Machine code for 1, 4 or 8 lanes; DM_NO_NATIVE where there is none, DM_NO_MEMORY. */
+/* Machine code for 1, 4 or 8 lanes, the number of groups of a call being a multiple of `together`, which is 1 for
+** one lane; DM_NO_NATIVE where there is none, DM_NO_MEMORY. */
 dm_status dm_loop_native(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
                          uint32_t size, uint32_t lanes, dm_arena *arena);
 

@@ -19,8 +19,9 @@
 
 /* what a model keeps: it serves every composition and every h */
 typedef struct {
-    dm_kicks kicks;    /* L_q/U */
-    dm_node well;      /* U, compacted */
+    dm_kicks kicks; /* L_q/U */
+    dm_node well;   /* U, compacted */
+    dm_loop_part part[DM_LOOP_PARTS];
     dm_loop one, many; /* for one member, for lanes; what is carried is the state */
     double *spread;    /* lanes: coefficients */
 } log_loop;
@@ -152,11 +153,14 @@ static int fuse_part(const dm_model *m, const log_loop *l, dm_loop_kind kind,
     return dm_fusion_end(&b, out);
 }
 
-static int fuse(const dm_model *m, const log_loop *l, dm_loop *out, uint32_t lanes) {
-    dm_loop_part part[DM_LOOP_PARTS] = {{0}};
+static int fuse(const dm_model *m, log_loop *l) {
     for (int kind = DM_LOOP_HEAD; kind <= DM_LOOP_TAIL; kind++)
-        if (!fuse_part(m, l, (dm_loop_kind)kind, part + kind)) return 0;
-    return dm_fused_build(out, m, part, 4 * m->n + DM_STATE_OWN, lanes);
+        if (!fuse_part(m, l, (dm_loop_kind)kind, l->part + kind)) return 0;
+    return 1;
+}
+
+static int build(dm_loop *out, const dm_model *m, const log_loop *l, uint32_t lanes) {
+    return dm_fused_build(out, m, l->part, 4 * m->n + DM_STATE_OWN, lanes);
 }
 
 /* L_q/U and U in the graph of the model, where they simplify: -q/r^2 for Kepler */
@@ -177,7 +181,8 @@ static log_loop *open_loop(const dm_model *m) {
     dm_kernel kept;
     if (dm_kept_find(&kept, m, &maker, 0)) return (log_loop *)(uintptr_t)kept.pool;
     log_loop *l = m->source.graph ? dm_arena_take(m->source.arena, sizeof *l) : NULL;
-    if (!l || !read_pulls(l, m) || !fuse(m, l, &l->one, 1)) return NULL;
+    if (l) *l = (log_loop){0};
+    if (!l || !read_pulls(l, m) || !fuse(m, l) || !build(&l->one, m, l, 1)) return NULL;
     dm_kept_add(m, &maker, 0, &(dm_kernel){.pool = l}, 1);
     return l;
 }
@@ -188,7 +193,9 @@ static int widen(dm_stepper *s, dm_lanes *x) {
     if (!l || !l->one.native || !dm_lanes_open(x, m, 4 * m->n + DM_STATE_OWN)) return 0;
     l->spread = dm_arena_take(m->source.arena,
                               COEFFICIENTS * (size_t)x->lanes * sizeof *l->spread);
-    return l->spread && fuse(m, l, &l->many, x->lanes);
+    if (!l->spread || !build(&l->many, m, l, x->lanes)) return 0;
+    x->together = l->many.together;
+    return x->groups % x->together == 0;
 }
 
 /* ---- the step ---- */

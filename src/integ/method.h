@@ -23,6 +23,7 @@ struct dm_galerkin; /* stage.h */
 /* Members of an ensemble side by side in the lanes of vector registers, several groups of them. */
 typedef struct {
     uint32_t lanes, groups;
+    uint32_t together; /* groups is a multiple of it; 0 is 1 */
     double *state; /* [groups][dm_state_size][lanes] */
 } dm_lanes;
 

@@ -24,7 +24,8 @@ enum {
 struct dm_splitting_loop {
     unsigned shape;
     dm_kicks kicks;
-    uint32_t size;         /* of the carried values: q, p, their low parts, factors */
+    uint32_t size; /* of the carried values: q, p, their low parts, factors */
+    dm_loop_part part[DM_LOOP_PARTS];
     dm_loop one, many;     /* for one member, for lanes */
     double *wide, *spread; /* lanes: carried values [groups][size][lanes], coefficients */
 };
@@ -113,8 +114,7 @@ static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind
     return dm_fusion_end(&b, out);
 }
 
-static int build(const dm_splitting_loop *l, const dm_model *m, dm_loop *out,
-                 uint32_t lanes) {
+static int build_parts(dm_splitting_loop *l, const dm_model *m) {
     const int both = ends(l->shape) == KICKS_AT_BOTH_ENDS;
     const int wanted[DM_LOOP_PARTS] = {
         [DM_LOOP_START] = both,
@@ -122,10 +122,9 @@ static int build(const dm_splitting_loop *l, const dm_model *m, dm_loop *out,
         [DM_LOOP_BODY] =
             (l->shape & (MORE_STAGES | KICKS_AT_BOTH_ENDS)) != KICKS_AT_BOTH_ENDS,
         [DM_LOOP_TAIL] = !ends(l->shape)};
-    dm_loop_part part[DM_LOOP_PARTS] = {{0}};
     for (int k = 0; k < DM_LOOP_PARTS; k++)
-        if (wanted[k] && !fuse_part(l, m, (dm_loop_kind)k, part + k)) return 0;
-    return dm_fused_build(out, m, part, l->size, lanes);
+        if (wanted[k] && !fuse_part(l, m, (dm_loop_kind)k, l->part + k)) return 0;
+    return 1;
 }
 
 dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table) {
@@ -141,7 +140,8 @@ dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting 
     if (!dm_kicks_read(&l->kicks, m, m->source.gradient, (shape & SCALED) != 0))
         return NULL;
     l->size = 4 * m->n + (ends(shape) == KICKS_AT_BOTH_ENDS ? l->kicks.count : 0);
-    if (!build(l, m, &l->one, 1)) return NULL;
+    if (!build_parts(l, m) || !dm_fused_build(&l->one, m, l->part, l->size, 1))
+        return NULL;
     dm_kept_add(m, &maker, shape, &(dm_kernel){.pool = l}, 1);
     return l;
 }
@@ -152,7 +152,11 @@ int dm_splitting_loop_widen(dm_splitting_loop *l, const dm_model *m, dm_lanes *x
     const size_t group = (size_t)l->size * x->lanes;
     l->wide = dm_arena_take(arena, group * x->groups * sizeof *l->wide);
     l->spread = dm_arena_take(arena, COEFFICIENTS * (size_t)x->lanes * sizeof *l->spread);
-    return l->wide && l->spread && build(l, m, &l->many, x->lanes);
+    if (!l->wide || !l->spread ||
+        !dm_fused_build(&l->many, m, l->part, l->size, x->lanes))
+        return 0;
+    x->together = l->many.together;
+    return x->groups % x->together == 0;
 }
 
 /* ---- coefficients ---- */

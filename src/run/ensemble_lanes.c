@@ -111,11 +111,12 @@ static void begin(block *x) {
 
 /* member i is not finite after `count` steps: from the kept state alone, up to the step that fails */
 static void repeat_alone(block *x, long i, double t, long count) {
-    const dm_lanes kept = {x->b->lanes.lanes, x->b->lanes.groups, x->b->kept};
+    dm_lanes kept = x->b->lanes; /* but for the states */
     dm_stepper *s = x->b->stepper;
     dm_member *m = member_of(x, i);
     double *state = state_of(x, i);
     long done = 0;
+    kept.state = x->b->kept;
     dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
     m->status = dm_advance(s, state, t, count, &done);
     m->steps = x->done + done;
@@ -166,7 +167,9 @@ static dm_status run(block *x) {
 
 void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
     block x = {.e = e, .b = b, .first = first, .count = count};
-    b->lanes.groups = (uint32_t)((count - 1) / b->lanes.lanes + 1);
+    const uint32_t together = b->lanes.together ? b->lanes.together : 1;
+    const long pass = (long)b->lanes.lanes * together;
+    b->lanes.groups = (uint32_t)((count - 1) / pass + 1) * together;
     begin(&x);
     keep_rows(&x);
     const dm_status status = run(&x);
