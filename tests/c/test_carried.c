@@ -6,7 +6,7 @@
 #include "check.h"
 #include "random_graph.h"
 
-enum { MOST = 24, LANES = 8, GROUPS = 3, COEFFICIENTS = 6 };
+enum { MOST = 24, LANES = 8, GROUPS = 4, COEFFICIENTS = 6 };
 
 static long loops_compared;
 
@@ -49,7 +49,7 @@ static void compare(random_source *r, uint32_t size, uint32_t lanes, int calls) 
     for (int k = 0; k < DM_LOOP_PARTS; k++)
         if (k == DM_LOOP_BODY || random_below(r, 3))
             part[k] = random_part(r, &arena, size, calls);
-    const uint32_t groups = lanes == 1 ? 1 : 1 + random_below(r, GROUPS);
+    const uint32_t groups = lanes == 1 ? 1 : 2 + 2 * random_below(r, 2);
     const int64_t repeats = 1 + random_below(r, 3), steps = 1 + random_below(r, 4);
     for (int k = DM_LOOP_HEAD; k < DM_LOOP_PARTS; k++)
         step += part[k].coefficients * (k == DM_LOOP_BODY ? repeats : 1);

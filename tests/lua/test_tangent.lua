@@ -93,9 +93,14 @@ local henon = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - 
 local function orbit(y, px) return henon:solver { rule = "kahan-li(6)", h = 0.1 }:lyapunov { q = { 0, y }, p = { px, 0 }, t = 5000 } end
 r = orbit(0.55, 0.2417)
 ok(abs(r.megno - 2) < 0.1 and r.exponent < 0.003, "a regular orbit of Henon-Heiles: MEGNO 2", r.megno)
-r = orbit(-0.016, 0.49974)
-ok(r.megno > 50 and r.exponent > 0.02 and r.exponent < 0.1, "a chaotic one at the same energy 1/8", r.exponent)
-ok(abs(r.megno / (r.exponent * r.t / 2) - 1) < 0.5, "MEGNO is exponent t / 2")
+-- round-off decides how long a chaotic orbit stays near an island: the mean of some that begin 1e-13 apart
+local exponent, megno = 0, 0
+for k = 0, 5 do
+  r = orbit(-0.016 + k * 1e-13, 0.49974)
+  exponent, megno = exponent + r.exponent / 6, megno + r.megno / 6
+end
+ok(megno > 50 and exponent > 0.02 and exponent < 0.1, "chaotic ones at the same energy 1/8", exponent)
+ok(abs(megno / (exponent * r.t / 2) - 1) < 0.5, "MEGNO is exponent t / 2")
 ok(#r.history.t == 1000 and r.history.t[1000] == r.t, "with its history")
 
 -- symmetric rules come back
