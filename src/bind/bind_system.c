@@ -272,7 +272,8 @@ static const dml_row methods[] = {
     {NULL, NULL, NULL}};
 static const dml_row functions[] = {
     {"system", dml_system_new,
-     "dm.system{Q=, L=, constraint=, rolling=, force=, reaction=, name=, coordinates=, "
+     "dm.system{Q=, L=, constraint=, rolling=, force=, control=, reaction=, name=, "
+     "coordinates=, "
      "units=, params=, derivatives=} -> dm.system\n"
      "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, "
      "with params, "
@@ -289,7 +290,9 @@ static const dml_row functions[] = {
      "derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) "
      "returns), "
      "force(q, v [, t]) dim Q numbers that are added to dL/dq (discrete "
-     "Lagrange-d'Alembert); each a number, a vector or a table, traced like L. Rules "
+     "Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is "
+     "what control returned at the start of the step and is held over it; "
+     "each a number, a vector or a table, traced like L. Rules "
      "that do not know them refuse the system and name those that do."},
     {NULL, NULL, NULL}};
 

@@ -8,9 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const keys[] = {"constraint", "rolling", "force", "reaction", NULL};
+static const char *const keys[] = {"constraint", "rolling",  "control",
+                                   "force",      "reaction", NULL};
 
-/* constraint(q, t); all others (q, v, t) */
+/* constraint(q, t); force(q, v, t, u) where there are controls; all others (q, v, t) */
 static dml_signature signature(const dml_model *m, int which) {
     const int n = (int)m->n;
     if (which == DML_CONSTRAINT)
@@ -18,9 +19,10 @@ static dml_signature signature(const dml_model *m, int which) {
                                .arguments = 2,
                                .length = {n, DML_SCALAR_ARGUMENT},
                                .may_grow = 1};
+    const int controls = (int)m->tie[DML_CONTROL].outputs;
     return (dml_signature){.what = keys[which],
-                           .arguments = 3,
-                           .length = {n, n, DML_SCALAR_ARGUMENT},
+                           .arguments = which == DML_FORCE && controls ? 4 : 3,
+                           .length = {n, n, DML_SCALAR_ARGUMENT, controls},
                            .may_grow = 1};
 }
 
@@ -40,7 +42,9 @@ void dml_checktiefields(lua_State *L, int hyperdual) {
     static const char *const forms[] = {
         "function(q) or function(q, t) that returns what shall be zero",
         "function(q, v) or function(q, v, t) that returns what shall be zero",
-        "function(q, v) or function(q, v, t) that returns dim Q numbers",
+        "function(q, v) or function(q, v, t) that returns the controls u of a step",
+        "function(q, v), (q, v, t) or, with controls, (q, v, t, u) that returns dim Q "
+        "numbers",
         "function(q, v) or function(q, v, t) that returns a row for every rolling one"};
     for (int i = 0; keys[i]; i++, lua_pop(L, 1)) {
         const int type = lua_getfield(L, 1, keys[i]);
@@ -55,6 +59,12 @@ void dml_checktiefields(lua_State *L, int hyperdual) {
                        "\"hyperdual\" and use dm.where, dm.abs, dm.max to branch",
                        keys[i]);
     }
+    const int control = lua_getfield(L, 1, "control") != LUA_TNIL;
+    const int force = lua_getfield(L, 1, "force") != LUA_TNIL;
+    lua_pop(L, 2);
+    if (control && !force)
+        luaL_error(L, "field 'control' gives what force(q, v, t, u) gets as u, and there "
+                      "is no 'force'");
     const int reaction = lua_getfield(L, 1, "reaction") != LUA_TNIL;
     const int rolling = lua_getfield(L, 1, "rolling") != LUA_TNIL;
     lua_pop(L, 2);
@@ -121,8 +131,11 @@ static const dm_node *transplant(dml_model *m, int which) {
     dm_node *with = dm_arena_take(m->arena, one->inputs * sizeof *with);
     dm_node *out = dm_arena_take(m->arena, one->outputs * sizeof *out);
     if (!with || !out) return NULL;
-    for (uint32_t i = 0; i < one->inputs; i++)
-        with[i] = dm_input(m->tied.graph, which == DML_CONSTRAINT && i == n ? 2 * n : i);
+    const uint32_t beyond = m->tied.holonomic + m->tied.rolling; /* u comes behind */
+    for (uint32_t i = 0; i < one->inputs; i++) {
+        const int is_time = which == DML_CONSTRAINT && i == n;
+        with[i] = dm_input(m->tied.graph, is_time ? 2 * n : i > 2 * n ? i + beyond : i);
+    }
     dm_transplant(m->tied.graph, one->graph, one->out, one->outputs, with, out);
     return out;
 }
@@ -130,15 +143,17 @@ static const dm_node *transplant(dml_model *m, int which) {
 static void join(lua_State *L, dml_model *m) {
     dm_ties_traced *t = &m->tied;
     const uint32_t k = m->tie[DML_CONSTRAINT].outputs, l = m->tie[DML_ROLLING].outputs;
-    *t = (dm_ties_traced){.n = m->n, .holonomic = k, .rolling = l};
-    t->graph = dm_graph_new(m->arena, 2 * m->n + 1 + k + l);
+    const uint32_t c = m->tie[DML_CONTROL].outputs;
+    *t = (dm_ties_traced){.n = m->n, .holonomic = k, .rolling = l, .controls = c};
+    t->graph = dm_graph_new(m->arena, 2 * m->n + 1 + k + l + c);
     if (!t->graph) luaL_error(L, "not enough memory");
     t->g = transplant(m, DML_CONSTRAINT);
     t->phi = transplant(m, DML_ROLLING);
+    t->u = transplant(m, DML_CONTROL);
     t->f = transplant(m, DML_FORCE);
     t->E = transplant(m, DML_REACTION);
     const int missing = (k && !t->g) || (l && !t->phi) ||
-                        (m->tie[DML_FORCE].graph && !t->f) ||
+                        (m->tie[DML_FORCE].graph && !t->f) || (c && !t->u) ||
                         (m->tie[DML_REACTION].graph && !t->E);
     if (missing || dm_graph_status(t->graph) != DM_OK) luaL_error(L, "not enough memory");
     m->ties_traced = dm_graph_size(t->graph);
@@ -190,11 +205,13 @@ static int same_roots(const dm_node *a, const dm_node *b, size_t count) {
 int dml_sameties(const dml_model *kept, const dml_model *fresh) {
     const dm_ties_traced *a = &kept->tied, *b = &fresh->tied;
     if (!a->graph != !b->graph || a->holonomic != b->holonomic ||
-        a->rolling != b->rolling || kept->ties_traced != fresh->ties_traced)
+        a->rolling != b->rolling || a->controls != b->controls ||
+        kept->ties_traced != fresh->ties_traced)
         return 0;
     return !a->graph ||
            (same_roots(a->g, b->g, a->holonomic) &&
             same_roots(a->phi, b->phi, a->rolling) && same_roots(a->f, b->f, a->n) &&
+            same_roots(a->u, b->u, a->controls) &&
             same_roots(a->E, b->E, (size_t)a->rolling * a->n) &&
             dml_samenodes(a->graph, b->graph, kept->ties_traced));
 }
@@ -212,7 +229,10 @@ void dml_checkties(lua_State *L, int arg, dml_model *m, const double *x) {
     if (!m->tied.graph) return;
     const int top = lua_gettop(L);
     arg = lua_absindex(L, arg);
-    double *at = lua_newuserdatauv(L, (2 * (size_t)m->n + 1) * sizeof *at, 0);
+    const size_t room = 2 * (size_t)m->n + 1;
+    double *at = lua_newuserdatauv(L, (room + 2 * m->tied.controls) * sizeof *at, 0);
+    double *u = at + room, *held = u + m->tied.controls;
+    memset(at, 0, (room + 2 * m->tied.controls) * sizeof *at);
     dm_arena *arena = dml_pusharena(L);
     for (int i = 0; i < DML_TIE_FUNCTIONS; i++) {
         const dml_traced *one = m->tie + i;
@@ -221,6 +241,11 @@ void dml_checkties(lua_State *L, int arg, dml_model *m, const double *x) {
         if (dm_tape_build(&kernel, one->graph, one->out, one->outputs, arena) != DM_OK)
             luaL_error(L, "not enough memory");
         if (x) arguments_of(m, i, x, at);
+        if (x && i == DML_CONTROL) {
+            dm_kernel_prepare(&kernel, held);
+            dm_kernel_eval(&kernel, at, held);
+        }
+        if (m->tied.controls) memcpy(u, held, m->tied.controls * sizeof *u);
         const dml_signature s = signature(m, i);
         push_function(L, arg, i);
         if (m->checked)
@@ -244,6 +269,7 @@ void dml_describeties(lua_State *L, luaL_Buffer *b, const dml_model *m) {
     add_count(L, b, m->ties.holonomic, "constraint");
     add_count(L, b, m->ties.rolling, "rolling constraint");
     if (m->ties.forced) luaL_addstring(b, ", a force");
+    add_count(L, b, m->ties.controls, "control");
 }
 
 /* the first `count` outputs of a kernel of the ties at x = (q, v, t) */
@@ -269,14 +295,20 @@ static dml_model *read_point(lua_State *L, int which, double **x) {
     lua_settop(L, 4);
     if (!has_field(L, 1, keys[which]))
         luaL_error(L, "this system has no %s: it was made without '%s ='",
-                   which == DML_FORCE ? "force" : "such constraint", keys[which]);
+                   which == DML_FORCE     ? "force"
+                   : which == DML_CONTROL ? "control"
+                                          : "such constraint",
+                   keys[which]);
     const double t = luaL_optnumber(L, sees_v ? 4 : 3, 0.0);
-    *x = lua_newuserdatauv(L, (2 * n + 1) * sizeof **x, 0);
-    memset(*x, 0, (2 * n + 1) * sizeof **x);
+    dml_model *m = dml_pushmodel(L, 1);
+    const size_t room =
+        2 * n + 1 + m->ties.holonomic + m->ties.rolling + m->ties.controls;
+    *x = lua_newuserdatauv(L, room * sizeof **x, 0);
+    memset(*x, 0, room * sizeof **x);
     dml_vectorarg(L, 2, "q", *x, s->n);
     if (sees_v) dml_vectorarg(L, 3, "v", *x + n, s->n);
     (*x)[2 * n] = t;
-    return dml_pushmodel(L, 1);
+    return m;
 }
 
 static int system_constraint(lua_State *L) {
@@ -297,8 +329,20 @@ static int system_rolling(lua_State *L) {
 static int system_force(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_FORCE, &x);
+    const uint32_t behind = 2 * m->ties.n + 1 + m->ties.holonomic + m->ties.rolling;
     dml_want(L, m, DM_WANT_TIE_FORCE, NULL);
-    return push_outputs(L, &m->ties.force, x, m->n, "force");
+    if (m->ties.controls) {
+        dm_kernel_prepare(&m->ties.control, x + behind);
+        dm_kernel_eval(&m->ties.control, x, x + behind);
+    }
+    return push_outputs(L, &m->ties.force, x, m->ties.n, "force");
+}
+
+static int system_control(lua_State *L) {
+    double *x;
+    dml_model *m = read_point(L, DML_CONTROL, &x);
+    dml_want(L, m, DM_WANT_TIE_FORCE, NULL);
+    return push_outputs(L, &m->ties.control, x, m->ties.controls, "control");
 }
 
 const dml_row dml_tie_methods[] = {
@@ -310,5 +354,9 @@ const dml_row dml_tie_methods[] = {
      "phi(q, v, t) of the rolling constraints: zero where they hold."},
     {"force", system_force,
      "system:force(q, v [, t]) -> dm.vector of dim Q entries\n"
-     "The force f(q, v, t) of the system, a covector: f . dq is the work."},
+     "The force f(q, v, t) of the system, a covector: f . dq is the work; with controls, "
+     "as at the start of a step."},
+    {"control", system_control,
+     "system:control(q, v [, t]) -> dm.vector\n"
+     "The controls u of a step that starts at (q, v, t)."},
     {NULL, NULL, NULL}};

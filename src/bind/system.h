@@ -37,7 +37,14 @@ int dml_systemfield(lua_State *L, int arg, const char *key);
 const char *dml_coordinate(lua_State *L, int arg, uint32_t i);
 
 /* The functions that tie a system (model_ties.h). */
-enum { DML_CONSTRAINT, DML_ROLLING, DML_FORCE, DML_REACTION, DML_TIE_FUNCTIONS };
+enum {
+    DML_CONSTRAINT,
+    DML_ROLLING,
+    DML_CONTROL,
+    DML_FORCE,
+    DML_REACTION,
+    DML_TIE_FUNCTIONS
+};
 
 /* A traced system: what one run uses. Pushed as a userdata that keeps arena and function
  * alive. */

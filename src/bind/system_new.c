@@ -105,9 +105,10 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
 }
 
 int dml_system_new(lua_State *L) {
-    static const char *const known[] = {"Q",       "L",      "name",        "coordinates",
-                                        "units",   "params", "derivatives", "constraint",
-                                        "rolling", "force",  "reaction",    NULL};
+    static const char *const known[] = {
+        "Q",      "L",           "name",       "coordinates", "units",
+        "params", "derivatives", "constraint", "rolling",     "control",
+        "force",  "reaction",    NULL};
     dml_newsystem(L, known, 0);
     return 1;
 }

@@ -39,6 +39,8 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
                "rule that solves for the multipliers in every stage, for instance "
                "midpoint or lobatto(3)";
     if (!m->source.graph) return "it needs L as an expression, not on hyper-dual numbers";
+    if (m->ties && m->ties->controls)
+        return "it knows no controls; take midpoint or gauss";
     if (m->ties && m->ties->structure & DM_TIES_FORCE_SEES_V)
         return "its force is a kick, which must not depend on v; take midpoint or gauss";
     return NULL;

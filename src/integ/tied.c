@@ -73,7 +73,7 @@ static size_t lay_out(dm_tied *g, const sizes *z, double *memory) {
     layout to = {memory, 0};
     const size_t n = z->n, m = z->m;
     lay_out_kernels(g, z, &to);
-    g->x = take(&to, 2 * n + 1 + m);
+    g->x = take(&to, 2 * n + 1 + m + g->m->ties->controls);
     g->shift = take(&to, n);
     g->v = take(&to, n);
     g->slope = take(&to, z->r * 2 * n);

@@ -46,7 +46,7 @@ typedef struct {
     double *ahead;               /* [s*(s+1)]: V_j from v0 and the V of the step before */
     double *longer;      /* [s*(s+1)]: and from those of a step of half the length */
     const double *state; /* at the start of the step */
-    double *x;           /* [2n+1 + k+l] arguments of a kernel */
+    double *x;           /* [2n+1 + k+l + controls] arguments of a kernel */
     double *shift, *v;   /* [n] of a point */
     double *slope;       /* [r][2n] L_q + f, L_v */
     double *plain;       /* [r][2n] outputs of the slope kernel */

@@ -166,11 +166,22 @@ static dm_status find_mass_size(dm_tied *g) {
     return g->mass_size > 0.0 ? DM_OK : DM_SINGULAR;
 }
 
+/* controls are held: behind the multipliers in x they stay for the whole step */
+static dm_status hold_controls(dm_tied *g) {
+    const dm_ties *ties = g->ties;
+    double *u = g->x + 2 * g->n + 1 + g->k + g->l;
+    if (!ties->controls) return DM_OK;
+    dm_kernel_prepare(&ties->control, u);
+    dm_kernel_eval(&ties->control, g->x, u);
+    return isfinite(largest(u, ties->controls)) ? DM_OK : DM_NOT_FINITE;
+}
+
 dm_status dm_tied_begin(dm_tied *g) {
     dm_status status = find_velocity(g);
     if (status != DM_OK) return status;
     dm_tied_at(g, NULL, g->v0, 0.0);
-    status = find_mass_size(g);
+    status = hold_controls(g);
+    if (status == DM_OK) status = find_mass_size(g);
     dm_tied_rows(g, 0);
     return status == DM_OK ? find_units(g) : status;
 }

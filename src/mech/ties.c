@@ -19,6 +19,7 @@ static unsigned read_structure(dm_graph *g, const dm_ties *t) {
     if (l && dm_depends(g, t->phi, l, time, 1)) has |= DM_TIES_TIMED;
     if (l && dm_depends(g, t->E, l * n, time, 1)) has |= DM_TIES_TIMED;
     if (t->f && dm_depends(g, t->f, n, time, 1)) has |= DM_TIES_TIMED;
+    if (t->controls && dm_depends(g, t->u, t->controls, time, 1)) has |= DM_TIES_TIMED;
     if (t->f && dm_depends(g, t->f, n, n, n)) has |= DM_TIES_FORCE_SEES_V;
     if (!l || !dm_depends(g, t->phi_v, l * n, n, n)) has |= DM_TIES_LINEAR;
     return has;
@@ -45,6 +46,8 @@ dm_status dm_ties_build(dm_ties *out, const dm_ties_traced *x, dm_arena *arena) 
                  .holonomic = k,
                  .rolling = l,
                  .forced = x->f != NULL,
+                 .controls = x->controls,
+                 .u = x->u,
                  .graph = x->graph,
                  .g = x->g,
                  .G = G,
@@ -147,6 +150,13 @@ static dm_status make_rolling(dm_ties *t, dm_compile *compile) {
     return end(&b, &t->rolling_kernel, DM_WANT_ROLLING, compile);
 }
 
+static dm_status make_control(dm_ties *t, dm_compile *compile) {
+    list b;
+    if (!begin(&b, t, t->controls)) return DM_NO_MEMORY;
+    add(&b, t->u, t->controls);
+    return end(&b, &t->control, DM_WANT_TIE_FORCE, compile);
+}
+
 static dm_status make_force(dm_ties *t, dm_compile *compile) {
     list b;
     if (!begin(&b, t, t->n)) return DM_NO_MEMORY;
@@ -196,6 +206,8 @@ dm_status dm_ties_want(dm_ties *t, unsigned want, dm_compile *compile) {
     if (missing & DM_WANT_HOLONOMIC && t->holonomic) status = make_holonomic(t, compile);
     if (status == DM_OK && missing & DM_WANT_ROLLING && t->rolling)
         status = make_rolling(t, compile);
+    if (status == DM_OK && missing & DM_WANT_TIE_FORCE && t->controls)
+        status = make_control(t, compile);
     if (status == DM_OK && missing & DM_WANT_TIE_FORCE && t->forced)
         status = make_force(t, compile);
     if (status == DM_OK && missing & DM_WANT_FORCE_CURVE && t->forced)

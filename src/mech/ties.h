@@ -18,31 +18,36 @@ enum {                              /* structure of ties */
 };
 
 typedef struct dm_ties {
-    uint32_t n;              /* dim Q */
-    uint32_t holonomic;      /* k, entries of g */
-    uint32_t rolling;        /* l, entries of phi */
-    int forced;              /* is there a force? */
+    uint32_t n;         /* dim Q */
+    uint32_t holonomic; /* k, entries of g */
+    uint32_t rolling;   /* l, entries of phi */
+    int forced;         /* is there a force? */
+    uint32_t
+        controls; /* entries of u, which is held over a step and is seen by the force alone */
     unsigned structure, has; /* DM_TIES_*; DM_WANT_* that are built */
-    /* each takes x = (q[n], v[n], t), `reaction` (q, v, t, lambda[k], mu[l]); matrices are row-major */
+    /* each takes x = (q[n], v[n], t), `reaction` (q, v, t, lambda[k], mu[l]); with controls the forces take
+    ** (q, v, t, k + l entries that they do not see, u[controls]); matrices are row-major */
     dm_kernel holonomic_kernel; /* g[k], G[k*n], g_t[k] */
     dm_kernel rolling_kernel;   /* phi[l], E[l*n], phi_v[l*n], phi_q[l*n] */
-    dm_kernel force;            /* f[n] */
-    dm_kernel force_curve;      /* f[n], f_q[n*n], f_v[n*n] */
-    dm_kernel reaction;         /* r[n] = G^T lambda + E^T mu, r_q[n*n], r_v[n*n] */
-    const uint8_t *touches;     /* [k*n]: 0 where an entry of G is zero everywhere */
+    dm_kernel control;      /* u[controls] at the start of a step; made with the force */
+    dm_kernel force;        /* f[n] */
+    dm_kernel force_curve;  /* f[n], f_q[n*n], f_v[n*n] */
+    dm_kernel reaction;     /* r[n] = G^T lambda + E^T mu, r_q[n*n], r_v[n*n] */
+    const uint8_t *touches; /* [k*n]: 0 where an entry of G is zero everywhere */
     /* for methods that make kernels of their own: nodes of a graph with the inputs q, v, t, lambda, mu */
     dm_graph *graph;
     const dm_node *g, *G, *g_t; /* [k], [k*n], [k] */
     const dm_node *phi, *E;     /* [l], [l*n] */
     const dm_node *phi_v;       /* [l*n], the same nodes as E unless that is given */
-    const dm_node *f;           /* [n], NULL without a force */
+    const dm_node *f, *u;       /* [n], NULL without a force; [controls] */
     dm_arena *arena;
 } dm_ties;
 
-/* What was traced: nodes of `graph`, whose inputs are q[n], v[n], t, lambda[k], mu[l]. */
+/* What was traced: nodes of `graph`, whose inputs are q[n], v[n], t, lambda[k], mu[l], u[controls]. */
 typedef struct {
     dm_graph *graph;
-    uint32_t n, holonomic, rolling;
+    uint32_t n, holonomic, rolling, controls;
+    const dm_node *u;       /* [controls] or NULL */
     const dm_node *g, *phi; /* [k], [l] */
     const dm_node *f;       /* [n] or NULL */
     const dm_node *E;       /* [l*n] or NULL: dphi/dv */

@@ -177,6 +177,24 @@ path = run(driven, "gauss(2)", 0.25, 8, { q = { 0 }, v = { 0 }, t0 = 1 })
 near(path.q[#path][1], 3 ^ 3 - 1 - 3 * 2, 1e-13, "force 6 t from t0 = 1: q = t^3 - 3 t + 2")
 near(path.p[#path][1], 3 * (9 - 1), 1e-13, "  and its momentum")
 
+-- a control held over each step: the exact solution between samples, whatever the rule
+local gain, damping = 2, 1.5
+local sampled = dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 / 2 end,
+  control = function(q, v) return { -gain * q[1], -damping * v[1] } end, force = function(_, _, _, held) return held[1] + held[2] end }
+local y, w = 1, 0
+for _ = 1, 20 do
+  local held = -gain * y - damping * w
+  y, w = y + w / 4 + held / 32, w + held / 4
+end
+for _, rule in ipairs { "midpoint", "trapezoidal", "gauss(2)", "lobatto(3)" } do
+  path = run(sampled, rule, 0.25, 20, { q = { 1 }, v = { 0 } })
+  near(path.q[#path][1], y, 1e-15, "sampled control by " .. rule)
+end
+near(sampled:control({ 1 }, { 2 })[2], -3, 0, "system:control")
+near(sampled:force({ 1 }, { 2 })[1], -5, 0, "system:force as at the start of a step")
+raises("it knows no controls", run, sampled, "rattle", 0.1, 1, { q = { 1 }, v = { 0 } })
+raises("there is no 'force'", dm.system, { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end, control = function() return 1 end })
+
 -- the same power by a Lagrangian that depends on time, with and without a force that takes the general step
 local function pushed(force) return dm.system { Q = dm.R(1), L = function(q, v, t) return v[1] ^ 2 / 2 + cos(q[1]) + q[1] * sin(3 * t) end, force = force } end
 for _, rule in ipairs { "midpoint", "gauss(3)", "lobatto(3)", "galerkin(2, lobatto(3))" } do
