@@ -55,7 +55,9 @@ static void write_head(FILE *f) {
     fprintf(f, "#include <math.h>\n\ndouble (*functions[%d])(double);\n",
             (int)DM_OP_COUNT);
     for (int op = DM_OP_RSQRT; op <= DM_OP_TANH; op++) {
-        const char *name = op == DM_OP_RSQRT ? "reciprocal_root" : dm_op_text((dm_op)op);
+        const char *name = op == DM_OP_RSQRT    ? "reciprocal_root"
+                           : op == DM_OP_RSQRT3 ? "reciprocal_root3"
+                                                : dm_op_text((dm_op)op);
         fprintf(f, "#define %s(x) functions[%d](x)\n", name, op);
     }
 }
@@ -110,8 +112,9 @@ static void eval(const void *pool, const double *in, double *out) {
 static void give_functions(void *handle) {
     unsigned char *table = dlsym(handle, "functions");
     for (int op = DM_OP_RSQRT; table && op <= DM_OP_TANH; op++) {
-        dm_function *const f =
-            op == DM_OP_RSQRT ? (dm_function *)dm_rsqrt : dm_function_for(op, 1);
+        dm_function *const f = op == DM_OP_RSQRT    ? (dm_function *)dm_rsqrt
+                               : op == DM_OP_RSQRT3 ? (dm_function *)dm_rsqrt3
+                                                    : dm_function_for(op, 1);
         memcpy(table + (size_t)op * sizeof f, &f, sizeof f);
     }
 }

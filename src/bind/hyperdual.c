@@ -79,6 +79,8 @@ static jet1 jet_of_one(dm_op op, double x) {
         return (jet1){g, (double)((x > 0) - (x < 0)), 0};
     case DM_OP_RSQRT:
         return reciprocal_root(x);
+    case DM_OP_RSQRT3:
+        return (jet1){g, -1.5 * g / x, 3.75 * g / (x * x)};
     case DM_OP_EXP:
         return (jet1){g, g, g};
     case DM_OP_LOG:

@@ -113,6 +113,9 @@ static dm_node slope1(dm_graph *g, dm_node n) {
         return half(g, inverse(g, n));
     case DM_OP_RSQRT:
         return dm_neg(g, half(g, dm_mul(g, n, square(g, n))));
+    case DM_OP_RSQRT3: /* -3/2 n / a */
+        return dm_mul(g, dm_mul(g, dm_constant(g, -1.5), n),
+                      square(g, dm_apply(g, DM_OP_RSQRT, a, 0, 0)));
     case DM_OP_EXP:
         return n;
     case DM_OP_LOG:

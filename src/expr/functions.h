@@ -9,15 +9,17 @@
 #include "expr/graph.h"
 
 /*
-** 1/sqrt(x), below 0.6 ulp with AVX-512: y = a table look-up to 14 bits, e = 1 - x y^2 with the rounding error of
-** x y taken in, then y (1 - e)^(-1/2) = y + y e (1/2 + e (3/8 + 5/16 e)), |e| < 2^-13. Elsewhere root and
-** division.
+** x^(-1/2) and x^(-3/2), below 0.6 ulp with AVX-512: y = a table look-up to 14 bits, e = 1 - x y^2 with the rounding
+** error of x y taken in, then y (1 - e)^(-1/2) and y^3 (1 - e)^(-3/2) by series, |e| < 2^-13; y has 16 bits, so y^3 is
+** exact. Elsewhere root and division.
 */
 double dm_rsqrt(double x);
+double dm_rsqrt3(double x);
 
-/* 1/2, 3/8 and 5/16 of the series; the term in e^4, left out, is taken in by the second to a quarter (Chebyshev). */
+/* ((1 - e)^(-1/2) - 1) / e = 1/2 + 3/8 e + 5/16 e^2; the next term, 35/128 e^3, is taken in by 3/8 to a quarter
+** (Chebyshev). Then those of the cube, to one term more. */
 #define DM_ROOT_SERIES                                                                   \
-    { 0.5, 0.375 + 35.0 / 128 * 0.75 / (1 << 26), 0.3125 }
+    { 0.5, 0.375 + 35.0 / 128 * 0.75 / (1 << 26), 0.3125, 1.5, 1.875, 2.1875, 2.4609375 }
 
 /* Below 1 ulp: exp, log, sin, cos, tan, sinh, cosh, tanh. */
 double dm_exp(double x);

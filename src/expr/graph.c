@@ -146,6 +146,7 @@ static uint8_t nonnegative(const dm_graph *g, const dm_expr *e) {
     case DM_OP_ABS:
     case DM_OP_SQRT:
     case DM_OP_RSQRT:
+    case DM_OP_RSQRT3:
     case DM_OP_EXP:
     case DM_OP_ACOS:
     case DM_OP_COSH:
@@ -264,6 +265,8 @@ double dm_op_value(dm_op op, double a, double b, double c) {
         return sqrt(a);
     case DM_OP_RSQRT:
         return dm_rsqrt(a);
+    case DM_OP_RSQRT3:
+        return dm_rsqrt3(a);
     case DM_OP_EXP:
         return dm_exp(a);
     case DM_OP_LOG:

@@ -24,11 +24,12 @@ static void fill_pointers(unsigned char *bytes, dm_width w) {
 }
 
 static void fill_masks(unsigned char *bytes) {
-    static const double root[3] = DM_ROOT_SERIES;
+    static const double root[] = DM_ROOT_SERIES;
     uint64_t masks[DM_POOL_MASKS] = {
         [DM_POOL_ONE] = 0x3FF0000000000000u,
         [DM_POOL_SIGN_BIT] = 0x8000000000000000u,
         [DM_POOL_ALL_BUT_SIGN] = 0x7FFFFFFFFFFFFFFFu,
+        [DM_POOL_INFINITY] = 0x7FF0000000000000u,
     };
     memcpy(masks + DM_POOL_ROOT1, root, sizeof root);
     for (int k = 0; k < DM_POOL_MASKS; k++)

@@ -9,9 +9,14 @@ enum { /* masks and numbers that every kernel has, broadcast */
        DM_POOL_ZERO,
        DM_POOL_SIGN_BIT,
        DM_POOL_ALL_BUT_SIGN,
+       DM_POOL_INFINITY,
        DM_POOL_ROOT1, /* coefficients of 1/sqrt, functions.h */
        DM_POOL_ROOT2,
        DM_POOL_ROOT3,
+       DM_POOL_CUBE1,
+       DM_POOL_CUBE2,
+       DM_POOL_CUBE3,
+       DM_POOL_CUBE4,
        DM_POOL_MASKS
 };
 

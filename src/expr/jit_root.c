@@ -3,35 +3,89 @@
 #include "expr/jit_pool.h"
 #include "expr/processor.h"
 
-/* as rsqrt_avx512 in root.c does it; x, y, e, p, low are registers */
-static void by_series(dm_emitter *e, int x, int y, int error, int p, int low) {
-    dm_code *c = &e->code;
-    const dm_width w = e->width;
-    dm_x86_rsqrt14(c, w, y, x);
-    dm_x86_op(c, w, DM_X86_MUL, error, x, dm_in_register(y)); /* s = x y */
-    dm_x86_load(c, w, low, dm_in_register(error));
-    dm_x86_fused(c, w, DM_X86_FMSUB231, low, x, dm_in_register(y), 0); /* x y - s */
-    dm_x86_fused(c, w, DM_X86_FNMADD213, error, y, dm_pool_mask(e, DM_POOL_ONE), 0);
-    dm_x86_load(c, w, p, dm_pool_mask(e, DM_POOL_ROOT3));
-    dm_x86_fused(c, w, DM_X86_FMADD213, p, error, dm_pool_mask(e, DM_POOL_ROOT2), 0);
-    dm_x86_fused(c, w, DM_X86_FMADD213, p, error, dm_pool_mask(e, DM_POOL_ROOT1), 0);
-    dm_x86_is_number(c, w, 1, error);
-    dm_x86_fused(c, w, DM_X86_FNMADD213, low, y, dm_in_register(error), 0);
-    dm_x86_op(c, w, DM_X86_MUL, low, low, dm_in_register(y));
-    dm_x86_fused(c, w, DM_X86_FMADD231, y, low, dm_in_register(p), 1);
+typedef struct {
+    dm_emitter *e;
+    int x, y, error, p, low; /* registers */
+} roots;
+
+static void multiply(const roots *r, int d, int a, int b) {
+    dm_x86_op(&r->e->code, r->e->width, DM_X86_MUL, d, a, dm_in_register(b));
+}
+
+/* d = +-(a d) + b, or a b +- d */
+static void fused(const roots *r, int opcode, int d, int a, dm_operand b) {
+    dm_x86_fused(&r->e->code, r->e->width, opcode, d, a, b, 0);
+}
+
+/* d = c1 + c2 e0 */
+static void pair(const roots *r, int d, int first) {
+    dm_x86_load(&r->e->code, r->e->width, d, dm_pool_mask(r->e, first + 1));
+    fused(r, DM_X86_FMADD213, d, r->error, dm_pool_mask(r->e, first));
+}
+
+/* y = the look-up, error = e0, low = the error of x y */
+static void look_up(const roots *r) {
+    dm_x86_rsqrt14(&r->e->code, r->e->width, r->y, r->x);
+    multiply(r, r->error, r->x, r->y);
+    dm_x86_load(&r->e->code, r->e->width, r->low, dm_in_register(r->error));
+    fused(r, DM_X86_FMSUB231, r->low, r->x, dm_in_register(r->y));
+    fused(r, DM_X86_FNMADD213, r->error, r->y, dm_pool_mask(r->e, DM_POOL_ONE));
+    fused(r, DM_X86_FNMADD213, r->low, r->y, dm_in_register(r->error)); /* e */
+}
+
+/* a += a e p where e0 is a number, and a finite if the mask register says so */
+static void correct(const roots *r, int a, int under) {
+    dm_code *c = &r->e->code;
+    dm_x86_test(c, r->e->width, 1, r->error, dm_in_register(r->error), DM_X86_NUMBERS,
+                under);
+    multiply(r, r->low, r->low, a);
+    dm_x86_fused(c, r->e->width, DM_X86_FMADD231, a, r->low, dm_in_register(r->p), 1);
+}
+
+static void root(const roots *r) {
+    look_up(r);
+    pair(r, r->p, DM_POOL_ROOT2);
+    fused(r, DM_X86_FMADD213, r->p, r->error, dm_pool_mask(r->e, DM_POOL_ROOT1));
+    correct(r, r->y, 0);
+}
+
+static void cube(const roots *r) {
+    const int t = dm_take_register(r->e), square = dm_take_register(r->e);
+    look_up(r);
+    pair(r, t, DM_POOL_CUBE3);
+    pair(r, r->p, DM_POOL_CUBE1);
+    multiply(r, square, r->error, r->error);
+    fused(r, DM_X86_FMADD231, r->p, t, dm_in_register(square));
+    multiply(r, t, r->y, r->y);
+    multiply(r, r->y, r->y, t);
+    dm_x86_test(&r->e->code, r->e->width, 1, r->y, dm_pool_mask(r->e, DM_POOL_INFINITY),
+                DM_X86_LESS, 0);
+    correct(r, r->y, 1);
+}
+
+static void by_division(const roots *r, int cubed) {
+    dm_code *c = &r->e->code;
+    dm_x86_op(c, r->e->width, DM_X86_SQRT, r->y, r->x, dm_in_register(r->x));
+    dm_x86_load(c, r->e->width, r->p, dm_pool_mask(r->e, DM_POOL_ONE));
+    dm_x86_op(c, r->e->width, DM_X86_DIV, r->y, r->p, dm_in_register(r->y));
+    if (!cubed) return;
+    multiply(r, r->p, r->y, r->y);
+    multiply(r, r->y, r->y, r->p);
 }
 
 void dm_emit_reciprocal_root(dm_emitter *e, const dm_step *s) {
-    const int x = dm_in_a_register(e, s->arg[0]), y = dm_take_register(e);
-    const int error = dm_take_register(e), p = dm_take_register(e);
-    const int low = dm_take_register(e);
-    if (dm_processor() == DM_AVX512) {
-        by_series(e, x, y, error, p, low);
-    } else {
-        dm_x86_op(&e->code, e->width, DM_X86_SQRT, y, x, dm_in_register(x));
-        dm_x86_load(&e->code, e->width, p, dm_pool_mask(e, DM_POOL_ONE));
-        dm_x86_op(&e->code, e->width, DM_X86_DIV, y, p, dm_in_register(y));
-    }
+    roots r = {.e = e, .x = dm_in_a_register(e, s->arg[0])};
+    const int cubed = s->op == DM_OP_RSQRT3;
+    r.y = dm_take_register(e);
+    r.error = dm_take_register(e);
+    r.p = dm_take_register(e);
+    r.low = dm_take_register(e);
+    if (dm_processor() != DM_AVX512)
+        by_division(&r, cubed);
+    else if (cubed)
+        cube(&r);
+    else
+        root(&r);
     dm_pass_operands(e, s);
-    dm_define(e, s->d, y);
+    dm_define(e, s->d, r.y);
 }

@@ -182,7 +182,7 @@ void dm_emit_step(dm_emitter *e, const dm_step *s) {
         one_operand(e, s, DM_X86_AND, DM_POOL_ALL_BUT_SIGN);
     else if (s->op == DM_OP_SQRT)
         one_operand(e, s, DM_X86_SQRT, -1);
-    else if (s->op == DM_OP_RSQRT)
+    else if (s->op == DM_OP_RSQRT || s->op == DM_OP_RSQRT3)
         dm_emit_reciprocal_root(e, s);
     else if (s->op == DM_OP_SIGN)
         sign(e, s);

@@ -73,6 +73,7 @@ static int strength(const printer *p, dm_node n) {
     case DM_OP_NEG:
         return SIGNED;
     case DM_OP_POW:
+    case DM_OP_RSQRT3:
         return POWER;
     default:
         return ATOM;
@@ -164,6 +165,10 @@ static void body(printer *p, dm_node n) {
     case DM_OP_RSQRT:
         text(p, "1/");
         root(p, a);
+        break;
+    case DM_OP_RSQRT3:
+        node(p, a, ATOM);
+        text(p, "^(-3/2)");
         break;
     case DM_OP_POW:
         node(p, a, ATOM);

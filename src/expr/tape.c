@@ -72,6 +72,7 @@ __attribute__((noinline)) static const void *const *engine(const tape *t, double
     DO(SIGN, (double)((A > 0) - (A < 0)))
     DO(SQRT, sqrt(A))
     DO(RSQRT, dm_rsqrt(A))
+    DO(RSQRT3, dm_rsqrt3(A))
     DO(EXP, dm_exp(A))
     DO(LOG, dm_log(A))
     DO(SIN, dm_sin(A))

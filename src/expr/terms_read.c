@@ -104,17 +104,15 @@ static dm_scaled read_product(reader *r, dm_node x, dm_node y, int sign) {
     return dm_terms_product(s, c, count);
 }
 
-/* sqrt(c u)^sign = sqrt(c)^sign u^(sign/2), where u is known to be >= 0; elsewhere a power of the atom
-** sqrt(u) */
-static dm_scaled read_root(reader *r, dm_node n, int sign) {
+/* sqrt(c u)^e = sqrt(c)^e u^(e/2), where u is known to be >= 0; elsewhere a power of the atom sqrt(u) */
+static dm_scaled read_root(reader *r, dm_node n, int e) {
     const dm_scaled a = r->value[dm_at(r->s->g, n)->as.arg[0]];
-    const dm_term_entry *e = r->s->entries + a.t;
-    const int opens = a.c > 0.0 && e->nonnegative && e->kind != DM_TERM_PRODUCT;
-    if (!opens && sign > 0) return atom(r, n, DM_OP_SQRT);
+    const dm_term_entry *u = r->s->entries + a.t;
+    const int opens = a.c > 0.0 && u->nonnegative && u->kind != DM_TERM_PRODUCT;
+    if (!opens && e == 1) return atom(r, n, DM_OP_SQRT);
     const dm_term base = opens ? a.t : atom(r, n, DM_OP_SQRT).t;
-    const double c = opens ? sqrt(a.c) : 1.0;
-    r->s->scratch[0] = (dm_part){.c = 1.0, .t = base, .e = opens ? sign : 2 * sign};
-    return dm_terms_product(r->s, sign > 0 ? c : 1.0 / c, 1);
+    r->s->scratch[0] = (dm_part){.c = 1.0, .t = base, .e = opens ? e : 2 * e};
+    return dm_terms_product(r->s, opens ? pow(sqrt(a.c), e) : 1.0, 1);
 }
 
 static dm_scaled read_node(reader *r, dm_node n) {
@@ -136,6 +134,8 @@ static dm_scaled read_node(reader *r, dm_node n) {
         return read_root(r, n, 1);
     case DM_OP_RSQRT:
         return read_root(r, n, -1);
+    case DM_OP_RSQRT3:
+        return read_root(r, n, -3);
     default:
         return atom(r, n, e.op);
     }

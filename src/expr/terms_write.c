@@ -136,14 +136,20 @@ static int is_under_root(const writer *w, dm_term t) {
     return w->use[t].by_root || dm_is_op(w->g, w->s->entries[t].node, DM_OP_SQRT);
 }
 
-/* base^(-size/2) as a power of the shared reciprocal */
+/* base^(-size/2) as a power of the shared reciprocal; the cube of a reciprocal root that is needed alone is one
+** operation */
 static dm_node inverse_power(const writer *w, const dm_part *p) {
     const dm_node base = w->s->entries[p->t].node;
-    const dm_node turned = w->use[p->t].by_root ? dm_apply(w->g, DM_OP_RSQRT, base, 0, 0)
-                           : dm_is_op(w->g, base, DM_OP_SQRT)
-                               ? dm_div(w->g, w->one, base)
-                               : dm_node_plain(w->g, DM_OP_DIV, w->one, base, 0);
-    return chain(w->g, turned, whole_steps(w, p), w->use[p->t].below);
+    const uint32_t steps = whole_steps(w, p);
+    if (!is_under_root(w, p->t)) {
+        const dm_node turned = dm_node_plain(w->g, DM_OP_DIV, w->one, base, 0);
+        return chain(w->g, turned, steps, w->use[p->t].below);
+    }
+    const dm_node under = w->use[p->t].by_root ? base : dm_at(w->g, base)->as.arg[0];
+    if (w->use[p->t].below == (uint64_t)1 << 3)
+        return dm_apply(w->g, DM_OP_RSQRT3, under, 0, 0);
+    return chain(w->g, dm_apply(w->g, DM_OP_RSQRT, under, 0, 0), steps,
+                 w->use[p->t].below);
 }
 
 /* equal factors that were written out become powers again */

@@ -196,14 +196,16 @@ void dm_x86_fma(dm_code *c, dm_width w, int accumulate, int d, int a, dm_operand
     dm_x86_fused(c, w, accumulate ? DM_X86_FMADD231 : DM_X86_FMADD213, d, a, b, 0);
 }
 
-void dm_x86_is_number(dm_code *c, dm_width w, int mask, int a) {
+void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int relation,
+                 int under) {
     const form f = {.map = MAP_0F,
                     .opcode = 0xC2,
                     .reg = mask,
                     .vvvv = a,
-                    .prefix = w == DM_SCALAR ? PP_F2 : PP_66};
-    emit_evex(c, w, &f, dm_in_register(a));
-    byte(c, 7); /* ordered, quiet */
+                    .prefix = w == DM_SCALAR ? PP_F2 : PP_66,
+                    .mask = under};
+    emit_evex(c, w, &f, b);
+    byte(c, relation);
 }
 
 void dm_x86_call(dm_code *c, dm_operand pointer) {

@@ -35,6 +35,7 @@ static void functions(void) {
         {DM_OP_SIGN, 0.7, 0.0},
         {DM_OP_SQRT, 0.25, 1.0},
         {DM_OP_RSQRT, 0.25, -4.0},
+        {DM_OP_RSQRT3, 0.25, -48.0},
         {DM_OP_EXP, 1.0, 2.718281828459045},
         {DM_OP_LOG, 0.125, 8.0},
         {DM_OP_SIN, 1.0471975511965976, 0.5},
@@ -116,6 +117,8 @@ static long double apply_long(dm_op op, long double a, long double b, long doubl
         return sqrtl(a);
     case DM_OP_RSQRT:
         return 1 / sqrtl(a);
+    case DM_OP_RSQRT3:
+        return 1 / (a * sqrtl(a));
     case DM_OP_EXP:
         return expl(a);
     case DM_OP_LOG:

@@ -1,6 +1,7 @@
 /* native code gives the bits of a node-by-node sweep, in every width */
 #include "expr/fma.h"
 #include "expr/jit.h"
+#include "expr/processor.h"
 #include "expr/tape.h"
 
 #include "check.h"
@@ -233,10 +234,13 @@ static void refused_memory(void) {
 int main(int argc, char **argv) {
     const int seconds = argc > 1 ? atoi(argv[1]) : 0; /* fuzz that long */
     const time_t start = time(NULL);
-    for (uint64_t seed = (uint64_t)start; time(NULL) - start < seconds; seed += 3)
+    for (uint64_t seed = (uint64_t)start; time(NULL) - start < seconds; seed += 4) {
+        dm_processor_limit((dm_processor_level)(seed / 4 % 3));
         for (uint32_t lanes = 1, most = 20; lanes <= 8;
              lanes = lanes == 1 ? 4 : 2 * lanes)
             many_graphs(seed + lanes * 1000003u, 50, most = most * 5 % 3001, lanes);
+    }
+    dm_processor_limit(DM_AVX512);
     RUN(scalar, "6300 random graphs: native code = sweep, bit for bit");
     RUN(lanes4, "4100 random graphs in 4 lanes");
     RUN(lanes8, "4100 random graphs in 8 lanes");
