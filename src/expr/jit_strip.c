@@ -14,7 +14,7 @@
 
 #if defined(__x86_64__)
 
-enum { R12 = 12, R13 = 13, LARGEST_FRAME = 1 << 16, ALIGN = 32 };
+enum { R12 = 12, R13 = 13, LARGEST_FRAME = 1 << 16, ALIGN = 32, MOST_NUMBERS = 12 };
 
 /* the plan's steps, then one step that writes for every output: an operand like others */
 static int add_writes(dm_plan *p, dm_arena *arena) {
@@ -55,6 +55,23 @@ static void place_inputs(dm_emitter *e, const dm_graph *g, const dm_strand *in) 
             e->at[n].home = home_of(in[dm_at(g, n)->as.input]);
 }
 
+/* Numbers that are the same for all entries stay in the last registers, as far as there are some to spare;
+** a call would lose them. */
+static void place_numbers(dm_emitter *e, const dm_graph *g, dm_code *before) {
+    const int most = e->plan->calls ? 0 : e->registers == 32 ? MOST_NUMBERS : 4;
+    int taken = 0;
+    for (dm_node n = 0; n < e->plan->end && taken < most; n++) {
+        const dm_operand home = e->at[n].home;
+        const int constant = dm_is_op(g, n, DM_OP_CONSTANT);
+        const int number = dm_is_op(g, n, DM_OP_INPUT) && home.base == DM_R15;
+        if (e->plan->first[n] == DM_NEVER || !(constant || number)) continue;
+        const int reg = e->registers - 1 - taken++;
+        dm_x86_load(before, e->width, reg, home);
+        e->at[n].home = dm_in_register(reg);
+    }
+    e->registers -= taken;
+}
+
 static void emit_body(dm_emitter *e, const dm_strand *out) {
     const uint32_t steps = e->plan->count - e->plan->m;
     for (uint32_t i = 0; i < steps; i++) dm_emit_step(e, e->plan->steps + i);
@@ -68,12 +85,13 @@ static void emit_body(dm_emitter *e, const dm_strand *out) {
 }
 
 /* push rbp, rbx, r12 .. r15; rbx = rdi, r14 = rsi, r15 = rdx, r12 = rcx, r13 = r8 */
-static void prologue(dm_code *c, int32_t frame) {
+static void prologue(dm_code *c, int32_t frame, const dm_code *numbers) {
     dm_x86_bytes(c, "\x55\x48\x89\xE5\x53\x41\x54\x41\x55\x41\x56\x41\x57", 13);
     dm_x86_bytes(c, "\x48\x89\xFB\x49\x89\xF6\x49\x89\xD7\x49\x89\xCC\x4D\x89\xC5", 15);
     dm_x86_bytes(c, "\x48\x81\xEC", 3); /* rsp -= frame, aligned */
     dm_x86_bytes(c, &frame, sizeof frame);
     dm_x86_bytes(c, "\x48\x83\xE4\xC0", 4);
+    dm_x86_bytes(c, numbers->bytes, numbers->size);
     while (c->size % ALIGN && !c->failed) dm_x86_bytes(c, "\x90", 1);
 }
 
@@ -93,16 +111,17 @@ static void epilogue(dm_code *c) {
     dm_x86_bytes(c, "\x48\x8D\x65\xD8\x41\x5F\x41\x5E\x41\x5D\x41\x5C\x5B\x5D\xC3", 15);
 }
 
-static dm_status place_loop(const void **at, dm_emitter *e, dm_arena *arena) {
+static dm_status place_loop(const void **at, dm_emitter *e, const dm_code *numbers,
+                            dm_arena *arena) {
     dm_code c = {.arena = e->code.arena};
     const int64_t frame = ((int64_t)e->slots * e->bytes + 63) & ~63;
     if (frame > LARGEST_FRAME) return DM_NO_NATIVE;
-    prologue(&c, (int32_t)frame);
+    prologue(&c, (int32_t)frame, numbers);
     const size_t top = c.size;
     dm_x86_bytes(&c, e->code.bytes, e->code.size);
     close_loop(&c, top, e->bytes);
     epilogue(&c);
-    if (c.failed || e->code.failed) return DM_NO_MEMORY;
+    if (c.failed || numbers->failed || e->code.failed) return DM_NO_MEMORY;
     return dm_code_place(at, c.bytes, c.size, arena);
 }
 
@@ -120,8 +139,10 @@ dm_status dm_jit_build_strip(dm_strip *s, dm_graph *g, const dm_node *roots, uin
     place_inputs(&e, g, s->in);
     void *pool = dm_pool_make(&e, g, arena);
     if (!pool) return DM_NO_MEMORY;
+    dm_code numbers = {.arena = dm_graph_arena(g)};
+    place_numbers(&e, g, &numbers);
     emit_body(&e, s->out);
-    const dm_status status = place_loop(&code, &e, arena);
+    const dm_status status = place_loop(&code, &e, &numbers, arena);
     if (status != DM_OK) return status;
     memcpy(&s->eval, &code, sizeof code);
     s->pool = pool;

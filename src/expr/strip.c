@@ -2,6 +2,7 @@
 
 #include "expr/compact.h"
 #include "expr/jit.h"
+#include "expr/nodes.h"
 
 #include <string.h>
 
@@ -44,6 +45,54 @@ static int keep_strands(dm_strip *s, const dm_strip_draft *d, dm_arena *arena) {
     return 1;
 }
 
+/* ---- products that a sum takes along ---- */
+
+typedef struct {
+    const dm_graph *from;
+    dm_graph *to;
+    uint8_t *uses;
+    dm_node *now;
+} contraction;
+
+/* a product used once */
+static int is_product(const contraction *c, dm_node n) {
+    return dm_is_op(c->from, n, DM_OP_MUL) && c->uses[n] == 1;
+}
+
+static dm_node contract(const contraction *c, dm_node n) {
+    const dm_expr *e = dm_at(c->from, n);
+    dm_node arg[3] = {0, 0, 0};
+    if (e->op == DM_OP_CONSTANT || e->op == DM_OP_INPUT) return dm_node_make(c->to, e);
+    for (int k = 0; e->op == DM_OP_ADD && k < 2; k++) {
+        if (!is_product(c, e->as.arg[k])) continue;
+        const dm_expr *product = dm_at(c->from, e->as.arg[k]);
+        return dm_node_plain(c->to, DM_OP_FMA, c->now[product->as.arg[0]],
+                             c->now[product->as.arg[1]], c->now[e->as.arg[1 - k]]);
+    }
+    for (int k = 0; k < dm_arity(e->op); k++) arg[k] = c->now[e->as.arg[k]];
+    return dm_node_plain(c->to, e->op, arg[0], arg[1], arg[2]);
+}
+
+/* the roots of g with sums of products as fused ones, in a graph of its own; NULL without memory */
+static dm_graph *contract_all(dm_graph *g, dm_node *roots, uint32_t m) {
+    dm_arena *arena = dm_graph_arena(g);
+    const uint32_t end = dm_mark(g, roots, m);
+    contraction c = {.from = g, .to = dm_graph_sized(arena, g->inputs, end + 1)};
+    c.uses = dm_arena_take(arena, end + 1);
+    c.now = dm_arena_take(arena, (end + 1) * sizeof *c.now);
+    if (!c.to || !c.uses || !c.now) return NULL;
+    memset(c.uses, 0, end + 1);
+    for (dm_node n = 0; n < end; n++)
+        for (int k = 0; dm_is_marked(g, n) && k < dm_arity(dm_at(g, n)->op); k++)
+            c.uses[dm_at(g, n)->as.arg[k]] |=
+                (uint8_t)(c.uses[dm_at(g, n)->as.arg[k]] + 1);
+    for (uint32_t i = 0; i < m; i++) c.uses[roots[i]] = 2;
+    for (dm_node n = 0; n < end; n++)
+        if (dm_is_marked(g, n)) c.now[n] = contract(&c, n);
+    for (uint32_t i = 0; i < m; i++) roots[i] = c.now[roots[i]];
+    return c.to->status == DM_OK ? c.to : NULL;
+}
+
 dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_strip_compile *compile,
                        dm_arena *arena) {
     dm_strip s = {.lanes = 0};
@@ -52,6 +101,7 @@ dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_strip_compile *compi
     if (!keep_strands(&s, d, arena)) return DM_NO_MEMORY;
     dm_graph *small = dm_compact_graph(d->g, d->root, d->outputs, compact);
     if (dm_graph_status(d->g) != DM_OK) return dm_graph_status(d->g);
+    if (small) small = contract_all(small, compact, d->outputs);
     if (!small) return DM_NO_MEMORY;
     dm_graph_verbatim(small, 1);
     dm_status status = DM_NO_NATIVE;

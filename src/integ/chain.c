@@ -33,14 +33,13 @@ static dm_node number(body *b, uint32_t slot) {
 }
 
 static void add_kick(body *b, uint32_t slot) {
-    const dm_node change = dm_mul(b->d->g, number(b, slot), b->force);
-    b->dp = dm_add(b->d->g, b->dp, change);
+    b->dp = dm_apply(b->d->g, DM_OP_FMA, number(b, slot), b->force, b->dp);
 }
 
 static void add_drift(body *b, uint32_t slot) {
     const dm_node p = dm_add(b->d->g, b->p0, b->dp);
     const dm_node v = b->weight ? dm_mul(b->d->g, b->weight, p) : p;
-    b->dq = dm_add(b->d->g, b->dq, dm_mul(b->d->g, number(b, slot), v));
+    b->dq = dm_apply(b->d->g, DM_OP_FMA, number(b, slot), v, b->dq);
 }
 
 /* high + low with |low| at most half a unit of high (Dekker 1971) */

@@ -139,16 +139,21 @@ static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s,
 /* a share of its own, or the negative of one that is there */
 static void add_share(dm_lattice *l, dm_strip_draft *d, const dm_rounds *r, dm_share to,
                       dm_node value) {
-    to.slot = l->slots;
-    for (uint32_t k = 0; k < d->outputs; k++) {
+    const int turned = dm_graph_at(d->g, value)->op == DM_OP_NEG;
+    uint32_t k = 0;
+    if (turned) value = dm_graph_at(d->g, value)->as.arg[0];
+    for (; k < d->outputs; k++) {
         dm_node sum = dm_add(d->g, d->root[k], value);
+        dm_node difference = dm_sub(d->g, d->root[k], value);
         dm_compact(d->g, &sum, 1, &sum);
-        if (sum) continue;
-        to.slot = r->slot + k;
-        to.minus = 1;
+        dm_compact(d->g, &difference, 1, &difference);
+        if (sum && difference) continue;
+        to.minus = !sum;
         break;
     }
-    if (!to.minus)
+    to.slot = r->slot + k;
+    to.minus ^= turned;
+    if (k == d->outputs)
         dm_strip_write(d, (dm_strand){DM_STRAND_SIDE, (int64_t)l->slots++ * l->row},
                        value);
     l->share[l->shares++] = to;
@@ -284,7 +289,7 @@ static dm_strip_bases bases(const dm_lattice *l, uint32_t i, double *side) {
 static void wrap_around(dm_lattice *l) {
     for (uint32_t c = 0; c < l->block; c++) {
         double *q = l->space + (size_t)c * l->pitch;
-        for (uint32_t i = 0; i < l->pad; i++) q[l->bodies + i] = q[i % l->bodies];
+        memcpy(q + l->bodies, q, (l->pad < l->bodies ? l->pad : l->bodies) * sizeof *q);
     }
     for (uint32_t k = 0; k < l->sums; k++) {
         const dm_rounds *r = l->sum + k;
