@@ -93,6 +93,11 @@ double *dml_numbersof(const dml_array *a) {
     return h->kind == DML_NUMBER ? (double *)h->entries + a->offset : NULL;
 }
 
+const dm_node *dml_nodesof(const dml_array *a) {
+    const dml_array *h = holder(a);
+    return h->kind == DML_SYMBOL ? (const dm_node *)h->entries + a->offset : NULL;
+}
+
 dml_scalar dml_get(const dml_array *a, uint32_t i) {
     dml_scalar x = dml_kindof(a);
     const void *entries = holder(a)->entries;

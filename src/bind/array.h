@@ -52,6 +52,9 @@ dml_scalar dml_kindof(const dml_array *a);
 /* Numbers of an array of numbers, NULL for another kind. */
 double *dml_numbersof(const dml_array *a);
 
+/* Nodes of an array of symbols, NULL for another kind. */
+const dm_node *dml_nodesof(const dml_array *a);
+
 dml_scalar dml_get(const dml_array *a, uint32_t i);
 
 /* Entry i = x, lifted to the kind of the array, which must be able to hold it. */

@@ -98,8 +98,9 @@ static dml_frame *find_trace(lua_State *L, const request *r) {
 /* the entries of argument k: neighbouring inputs of the graph from *first on, or numbers */
 static int is_run_of_inputs(const dml_frame *frame, const dml_array *a, uint32_t *first) {
     const uint32_t inputs = dm_sum_first(frame->graph);
+    const dm_node *nodes = dml_nodesof(a);
     for (uint32_t i = 0; i < a->rows; i++) {
-        const dm_expr *e = dm_graph_at(frame->graph, dml_get(a, i).as.node);
+        const dm_expr *e = dm_graph_at(frame->graph, nodes[i]);
         if (i == 0) *first = e->as.input;
         if (e->op != DM_OP_INPUT || e->as.input != *first + i || e->as.input >= inputs)
             return 0;

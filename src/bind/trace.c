@@ -154,11 +154,9 @@ static void push_symbols(lua_State *L, int fn, const dml_signature *s,
             continue;
         }
         const uint32_t n = (uint32_t)s->length[k];
-        dml_array *v = dml_newarray(L, 1, n, 1, &x);
-        for (uint32_t i = 0; i < n; i++) {
-            x.as.node = dm_input(frame->graph, input++);
-            dml_put(L, v, i, &x);
-        }
+        const dml_array *v = dml_newarray(L, 1, n, 1, &x);
+        dm_node *entries = v->entries;
+        for (uint32_t i = 0; i < n; i++) entries[i] = dm_input(frame->graph, input++);
     }
     dml_checkgraph(L, frame);
 }

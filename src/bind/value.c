@@ -161,6 +161,27 @@ static const char *found(lua_State *L, int arg) {
     return lua_type(L, arg) == LUA_TNUMBER ? "a number" : luaL_typename(L, arg);
 }
 
+/* the first entries of a vector or plain table that are finite numbers; gives how many */
+static uint32_t read_plain(lua_State *L, int arg, double *out, uint32_t n) {
+    const dml_array *a = dml_toarray(L, arg, 1);
+    const double *entries = a ? dml_numbersof(a) : NULL;
+    uint32_t i = 0;
+    int number = 1;
+    if (entries) {
+        for (; i < n && isfinite(entries[i]); i++) out[i] = entries[i];
+        return i;
+    }
+    if (a || !lua_istable(L, arg) || luaL_getmetafield(L, arg, "__index") != LUA_TNIL)
+        return 0;
+    for (; i < n; i++) {
+        number = lua_rawgeti(L, arg, (lua_Integer)i + 1) == LUA_TNUMBER;
+        if (number) out[i] = lua_tonumberx(L, -1, NULL);
+        lua_settop(L, -2);
+        if (!number || !isfinite(out[i])) break;
+    }
+    return i;
+}
+
 void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_t n) {
     arg = lua_absindex(L, arg);
     const long length = dml_length(L, arg);
@@ -169,7 +190,8 @@ void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_
                    found(L, arg));
     if (length != (long)n)
         luaL_error(L, "%s must have %d entries (got %d)", name, (int)n, (int)length);
-    for (uint32_t i = 0; i < n; i++) {
+    luaL_checkstack(L, 4, NULL);
+    for (uint32_t i = read_plain(L, arg, out, n); i < n; i++) {
         dml_scalar x;
         const char *type;
         if (!read_entry(L, arg, i, &x, &type))

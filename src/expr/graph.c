@@ -121,7 +121,7 @@ static int grow(dm_graph *g, size_t want) {
 }
 
 dm_graph *dm_graph_new(dm_arena *arena, uint32_t inputs) {
-    return dm_graph_sized(arena, inputs, FIRST_NODES);
+    return dm_graph_sized(arena, inputs, inputs + FIRST_NODES);
 }
 
 dm_graph *dm_graph_sized(dm_arena *arena, uint32_t inputs, uint32_t nodes) {
@@ -226,6 +226,7 @@ dm_node dm_constant(dm_graph *g, double value) {
 
 dm_node dm_input(dm_graph *g, uint32_t i) {
     assert(i < g->inputs);
+    if (i < g->leaves && g->leaf[i] && g->status == DM_OK) return g->leaf[i];
     return dm_node_make(g, &(dm_expr){.op = DM_OP_INPUT, .as.input = i});
 }
 

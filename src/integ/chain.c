@@ -198,8 +198,8 @@ dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *wo
 
 static void load(dm_chain *c, const double *state) {
     const uint32_t n = c->lattice.model->n;
-    dm_lattice_load(&c->lattice, c->q, state);
     dm_lattice_load(&c->lattice, c->q0, state);
+    dm_lattice_copy(&c->lattice, c->q, c->q0);
     dm_lattice_load(&c->lattice, c->p0, state + n);
     dm_lattice_load(&c->lattice, c->dq, state + 2 * (size_t)n);
     dm_lattice_load(&c->lattice, c->dp, state + 3 * (size_t)n);

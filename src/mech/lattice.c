@@ -8,8 +8,8 @@
 #include <string.h>
 
 enum {
-    TILE = 1024, /* bodies between slopes and forces, at least */
-    SKEW = 72,   /* doubles: entries of one body do not share the place in a page */
+    TILE = 128, /* of the depth, between slopes and forces, at least */
+    SKEW = 72,  /* doubles: entries of one body do not share the place in a page */
     PAGE = 512,
     GROUP = DM_STRIP_GROUP,
     COLUMNS = 24
@@ -22,8 +22,9 @@ typedef struct dm_lattice_data {
     uint32_t array;
 } data;
 
-static uint32_t whole_groups(uint32_t n) {
-    return (n + GROUP - 1) & ~(uint32_t)(GROUP - 1);
+/* entry of body i; i beyond the end: what lies there in its lane */
+static size_t entry_of(const dm_lattice *l, uint32_t i) {
+    return (size_t)(i % l->depth) * GROUP + i / l->depth;
 }
 
 static uint32_t larger(uint32_t a, uint32_t b) {
@@ -114,12 +115,13 @@ static int find_layout(dm_lattice *l) {
     for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next, l->sums++)
         for (uint32_t c = 0; c < s->columns; c++)
             far = larger(far, reach(l, s, s->column + c));
-    l->pad = whole_groups(far);
-    l->pitch = ((l->bodies + l->pad + GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
-    l->tile = larger(TILE, 4 * l->pad);
-    if (l->tile > whole_groups(l->bodies)) l->tile = whole_groups(l->bodies);
-    l->row = l->pad + l->tile + 2 * GROUP;
-    return l->pitch < INT32_MAX / 4096;
+    l->depth = (l->bodies + GROUP - 1) / GROUP;
+    l->pad = far;
+    l->tile = larger(TILE, 4 * far);
+    if (l->tile > l->depth) l->tile = l->depth;
+    l->row = (far + l->tile) * GROUP;
+    l->pitch = (((l->depth + 2 * far) * GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
+    return far <= l->depth && l->bodies < INT32_MAX / 4096;
 }
 
 /* ---- the loops ---- */
@@ -132,7 +134,7 @@ static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s,
     const uint32_t array = c->data ? l->arrays++ : c->first % l->block;
     if (c->data) l->data[l->columns++] = (data){s, c, array};
     dm_strand from = dm_lattice_entry(l, array);
-    from.at += reach(l, s, c);
+    from.at += GROUP * (int64_t)reach(l, s, c);
     return dm_strip_read(d, from);
 }
 
@@ -170,13 +172,13 @@ static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
         if (dm_depends(s->term, term, s->columns, c, 1))
             with[c] = read_column(l, &d, s, s->column + c);
     dm_transplant(d.g, s->term, term, s->columns, with, slope);
-    *r = (dm_rounds){.rounds = dm_sum_rounds(s, s->from),
-                     .wrap = s->periodic ? s->from : 0,
-                     .slot = l->slots};
+    *r = (dm_rounds){
+        .rounds = dm_sum_rounds(s, s->from), .periodic = s->periodic, .slot = l->slots};
     for (uint32_t c = 0; c < s->columns; c++) {
         if (!slope[c]) continue;
         const dm_share to = {.coordinate = s->column[c].first % l->block,
                              .shift = reach(l, s, s->column + c)};
+        r->shift = larger(r->shift, to.shift);
         const dm_node scaled = dm_mul(d.g, dm_constant(d.g, factor), slope[c]);
         add_share(l, &d, r, to, scaled);
     }
@@ -216,16 +218,30 @@ uint32_t dm_lattice_arrays(dm_lattice *l) {
     return l->arrays - l->block;
 }
 
-/* numbers behind the coordinates, with copies of the first ones behind the last */
+/* Beyond the end of an array its first bodies come again, and beyond the ends of a part those of its
+** neighbours. */
+static void fill_ends(const dm_lattice *l, double *x) {
+    const uint32_t all = l->depth * GROUP, n = l->bodies;
+    for (uint32_t i = n; i < all; i++) x[entry_of(l, i)] = x[entry_of(l, i - n)];
+    for (uint32_t k = 0; k < l->pad; k++) {
+        double *behind = x + (size_t)(l->depth + k) * GROUP;
+        memcpy(behind, x + (size_t)k * GROUP + 1, (GROUP - 1) * sizeof *x);
+        behind[GROUP - 1] = x[entry_of(l, (all - n + k) % n)];
+        const uint32_t j = l->depth - 1 - k;
+        double *before = x - (size_t)(k + 1) * GROUP;
+        memcpy(before + 1, x + (size_t)j * GROUP, (GROUP - 1) * sizeof *x);
+        before[0] = x[entry_of(l, n - 1 - k)];
+    }
+}
+
 static void fill_data(dm_lattice *l) {
     for (const data *d = l->data; d < l->data + l->columns; d++) {
         double *to = l->space + (size_t)d->array * l->pitch;
         dm_column own = *d->column;
         own.partner = 0;
         for (uint32_t i = 0; i < d->sum->bodies; i++)
-            to[i] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
-        for (uint32_t i = 0; d->sum->periodic && i < l->pad; i++)
-            to[d->sum->bodies + i] = to[i];
+            to[entry_of(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
+        fill_ends(l, to);
     }
 }
 
@@ -235,14 +251,14 @@ size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
     if (!(m->structure & DM_LOOPS) || !m->source.sums || !find_layout(&l)) return 0;
     for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns;
     return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
-           (DM_LATTICE_FIXED + 1) * GROUP;
+           (size_t)(DM_LATTICE_FIXED + 1 + 2 * l.pad) * GROUP;
 }
 
 void dm_lattice_place(dm_lattice *l, double *work) {
     const uintptr_t line = GROUP * sizeof *work;
     l->fixed = work + (line - (uintptr_t)work % line) % line / sizeof *work;
     l->buffer = l->fixed + (size_t)DM_LATTICE_FIXED * GROUP;
-    l->space = l->buffer + (size_t)l->slots * l->row;
+    l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->pad * GROUP;
     fill_data(l);
 }
 
@@ -250,28 +266,73 @@ void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {
     for (uint32_t k = 0; k < GROUP; k++) l->fixed[slot * GROUP + k] = value;
 }
 
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* two by two entries change places: parts of n/8 numbers side by side, or back */
+static inline void turn(double *to, size_t to_row, const double *from, size_t from_row) {
+    typedef int64_t which __attribute__((vector_size(16)));
+    const pair a = *(const pair *)(const void *)from;
+    const pair b = *(const pair *)(const void *)(from + from_row);
+    *(pair *)(void *)to = __builtin_shuffle(a, b, (which){0, 2});
+    *(pair *)(void *)(to + to_row) = __builtin_shuffle(a, b, (which){1, 3});
+}
+
+/* bodies [0, depth & ~1) of all parts; gives how many of each part */
+static uint32_t load_pairs(const dm_lattice *l, double *to, const double *x) {
+    const uint32_t even = l->bodies == l->depth * GROUP ? l->depth & ~1u : 0;
+    for (uint32_t j = 0; j < even; j += 2)
+        for (uint32_t lane = 0; lane < GROUP; lane += 2)
+            turn(to + (size_t)j * GROUP + lane, GROUP, x + (size_t)lane * l->depth + j,
+                 l->depth);
+    return even;
+}
+
+static uint32_t store_pairs(const dm_lattice *l, double *x, const double *from) {
+    const uint32_t even = l->bodies == l->depth * GROUP ? l->depth & ~1u : 0;
+    for (uint32_t j = 0; j < even; j += 2)
+        for (uint32_t lane = 0; lane < GROUP; lane += 2)
+            turn(x + (size_t)lane * l->depth + j, l->depth,
+                 from + (size_t)j * GROUP + lane, GROUP);
+    return even;
+}
+
 void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x) {
     double *to = l->space + (size_t)first * l->pitch;
-    for (uint32_t c = 0; c < l->block; c++, to += l->pitch)
-        for (uint32_t i = 0; i < l->bodies; i++) to[i] = x[(size_t)i * l->block + c];
+    for (uint32_t c = 0; c < l->block; c++, to += l->pitch) {
+        const uint32_t done = l->block == 1 ? load_pairs(l, to, x) : 0;
+        for (uint32_t j = done; j < l->depth; j++)
+            for (uint32_t lane = 0, i = j; i < l->bodies; lane++, i += l->depth)
+                to[(size_t)j * GROUP + lane] = x[(size_t)i * l->block + c];
+    }
 }
 
 void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first) {
     const double *from = l->space + (size_t)first * l->pitch;
-    for (uint32_t c = 0; c < l->block; c++, from += l->pitch)
-        for (uint32_t i = 0; i < l->bodies; i++) x[(size_t)i * l->block + c] = from[i];
+    for (uint32_t c = 0; c < l->block; c++, from += l->pitch) {
+        const uint32_t done = l->block == 1 ? store_pairs(l, x, from) : 0;
+        for (uint32_t j = done; j < l->depth; j++)
+            for (uint32_t lane = 0, i = j; i < l->bodies; lane++, i += l->depth)
+                x[(size_t)i * l->block + c] = from[(size_t)j * GROUP + lane];
+    }
+}
+
+void dm_lattice_copy(dm_lattice *l, uint32_t to, uint32_t from) {
+    memcpy(l->space + (size_t)to * l->pitch, l->space + (size_t)from * l->pitch,
+           (size_t)l->block * l->pitch * sizeof *l->space);
 }
 
 /* ---- running ---- */
 
+/* those to be added come before those to be taken away */
 void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F) {
     uint8_t some[COLUMNS] = {0};
     memset(F, 0, l->block * sizeof *F);
-    for (uint32_t k = 0; k < l->shares; k++) {
-        const dm_share *s = l->share + k;
-        const int64_t at = (int64_t)s->slot * l->row - s->shift;
-        dm_node x = dm_strip_read(d, (dm_strand){DM_STRAND_SIDE, at});
+    for (uint32_t k = 0; k < 2 * l->shares; k++) {
+        const dm_share *s = l->share + k % l->shares;
+        const int64_t at = (int64_t)s->slot * l->row - GROUP * (int64_t)s->shift;
         dm_node *to = F + s->coordinate;
+        if (s->minus != (k >= l->shares)) continue;
+        const dm_node x = dm_strip_read(d, (dm_strand){DM_STRAND_SIDE, at});
         if (!some[s->coordinate])
             *to = s->minus ? dm_neg(d->g, x) : x;
         else
@@ -280,58 +341,54 @@ void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F) {
     }
 }
 
-/* places of body i and of its entries in the buffer */
-static dm_strip_bases bases(const dm_lattice *l, uint32_t i, double *side) {
-    return (dm_strip_bases){.main = l->space + i, .side = side, .fixed = l->fixed};
+/* where depth j and its entries in the buffer are, that of the tile before at its beginning */
+static dm_strip_bases bases(const dm_lattice *l, int64_t j, int64_t in_tile) {
+    return (dm_strip_bases){.main = l->space + j * GROUP,
+                            .side = l->buffer + (l->pad + in_tile) * GROUP,
+                            .fixed = l->fixed};
 }
 
-/* bodies behind the last one are the first ones; slopes of the rounds that begin before body 0 */
-static void wrap_around(dm_lattice *l) {
-    for (uint32_t c = 0; c < l->block; c++) {
-        double *q = l->space + (size_t)c * l->pitch;
-        memcpy(q + l->bodies, q, (l->pad < l->bodies ? l->pad : l->bodies) * sizeof *q);
-    }
-    for (uint32_t k = 0; k < l->sums; k++) {
-        const dm_rounds *r = l->sum + k;
-        for (uint32_t slot = r->slot; slot < r->slot + r->slots; slot++)
-            memset(l->buffer + (size_t)slot * l->row, 0, l->pad * sizeof(double));
-        if (!r->wrap) continue;
-        double *side = l->buffer + l->pad - r->wrap;
-        dm_strip_run(&r->strip, bases(l, l->bodies - r->wrap, side), r->wrap);
+/* no rounds are before the first one and behind the last one: depths [first, end) of a tile at j */
+static void clear_outside(const dm_lattice *l, const dm_rounds *r, int64_t j,
+                          int64_t first, int64_t end) {
+    for (uint32_t slot = r->slot; slot < r->slot + r->slots; slot++) {
+        double *row = l->buffer + (size_t)slot * l->row + (size_t)l->pad * GROUP;
+        for (int64_t k = first; k < 0; k++) row[k * GROUP] = 0.0;
+        for (int64_t lane = 0; lane < GROUP; lane++) {
+            const int64_t last = r->rounds - lane * l->depth - j;
+            for (int64_t k = last > first ? last : first; k < end; k++)
+                row[k * GROUP + lane] = 0.0;
+        }
     }
 }
 
-/* slopes of bodies [i, i + count); there is nothing behind the last round */
-static void fill_tile(const dm_lattice *l, const dm_rounds *r, uint32_t i,
-                      uint32_t count) {
-    const uint32_t end = i + whole_groups(count);
-    dm_strip_run(&r->strip, bases(l, i, l->buffer + l->pad), count);
-    if (end <= r->rounds) return;
-    const uint32_t first = r->rounds > i ? r->rounds - i : 0;
-    for (uint32_t slot = r->slot; slot < r->slot + r->slots; slot++)
-        memset(l->buffer + (size_t)slot * l->row + l->pad + first, 0,
-               (end - i - first) * sizeof(double));
+/* slopes at depths j + first .. j + end - 1 */
+static void fill(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
+                 int64_t end) {
+    dm_strip_run(&r->strip, bases(l, j + first, first), (uint32_t)(end - first) * GROUP);
+    if (!r->periodic) clear_outside(l, r, j, first, end);
 }
 
 /* the last entries of a tile are what the next one looks back to */
 static void keep_end(const dm_lattice *l) {
     for (uint32_t slot = 0; slot < l->slots; slot++) {
         double *row = l->buffer + (size_t)slot * l->row;
-        memcpy(row, row + l->tile, l->pad * sizeof *row);
+        memcpy(row, row + (size_t)l->tile * GROUP, (size_t)l->pad * GROUP * sizeof *row);
     }
 }
 
 void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t) {
     dm_lattice_set(l, 0, t);
-    wrap_around(l);
-    for (uint32_t i = 0; i < l->bodies; i += l->tile) {
-        const uint32_t left = l->bodies - i, count = left < l->tile ? left : l->tile;
-        for (uint32_t k = 0; k < l->sums; k++) fill_tile(l, l->sum + k, i, count);
-        dm_strip_run(use, bases(l, i, l->buffer + l->pad), count);
+    for (uint32_t c = 0; c < l->block; c++) fill_ends(l, l->space + (size_t)c * l->pitch);
+    for (uint32_t j = 0; j < l->depth; j += l->tile) {
+        const uint32_t left = l->depth - j, count = left < l->tile ? left : l->tile;
+        for (uint32_t k = 0; k < l->sums; k++)
+            fill(l, l->sum + k, j, j ? 0 : -(int64_t)l->sum[k].shift, count);
+        dm_strip_run(use, bases(l, j, 0), count * GROUP);
         if (count < left) keep_end(l);
     }
 }
 
 void dm_lattice_move(const dm_lattice *l, const dm_strip *strip) {
-    dm_strip_run(strip, bases(l, 0, l->buffer + l->pad), l->bodies);
+    dm_strip_run(strip, bases(l, 0, 0), l->depth * GROUP);
 }

@@ -1,10 +1,11 @@
 /*
 ** lattice.h - the force of a Lagrangian whose potential is made of sums over bodies and neighbours
-** (expr/sum.h), as loops along arrays (expr/strip.h) of n/block bodies. Coordinate c of all bodies is
-** one array. Each sum has a loop over its rounds which writes the derivatives of the term to a
-** buffer; body j takes entry j - shift of it for every place that it has in the term, so that
-** loops read and write neighbours in memory and no two lanes the same entry:
-**   F_j = sum over columns of slope[j - shift].
+** (expr/sum.h), as loops along arrays (expr/strip.h). Coordinate c of all bodies is one array, cut into
+** 8 parts that lie side by side: body l depth + j is entry 8 j + l, so that its neighbours are entries
+** 8 further on in the same lane, and what crosses from part to part is a few copies at the ends. Each
+** sum has a loop over its rounds which writes the derivatives of the term to a buffer; body i takes
+** entry i - shift of it for every place that it has in the term,
+**   F_i = sum over columns of slope[i - shift].
 ** Tile by tile, so that the buffer stays in the cache.
 */
 #ifndef DM_LATTICE_H
@@ -22,8 +23,9 @@ typedef struct {
 /* the loop of one sum */
 typedef struct {
     dm_strip strip;
-    uint32_t rounds, wrap; /* wrap: partners of so many last rounds are first bodies */
-    uint32_t slot, slots;  /* of the buffer */
+    uint32_t rounds, shift; /* shift: the largest of its shares */
+    int periodic;
+    uint32_t slot, slots; /* of the buffer */
 } dm_rounds;
 
 enum {
@@ -33,10 +35,12 @@ enum {
 typedef struct {
     const dm_model *model;
     uint32_t block, bodies;
-    uint32_t pad;    /* entries beyond both ends of an array that neighbours may read */
-    uint32_t pitch;  /* doubles from array to array; coordinate c is array c */
-    uint32_t arrays; /* so far */
-    uint32_t tile, row, slots; /* rows of the buffer: pad entries of the tile before */
+    uint32_t depth;      /* bodies of a part */
+    uint32_t pad;        /* as many beyond both ends of a part that neighbours may read */
+    uint32_t pitch;      /* doubles from array to array; coordinate c is array c */
+    uint32_t arrays;     /* so far */
+    uint32_t tile;       /* of `depth` at a time */
+    uint32_t row, slots; /* rows of the buffer, doubles, and how many */
     uint32_t sums, shares;
     dm_rounds *sum;
     dm_share *share;
@@ -68,6 +72,9 @@ void dm_lattice_set(dm_lattice *l, uint32_t slot, double value);
 /* Arrays first .. first + block - 1 from x[n], and back. */
 void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x);
 void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first);
+
+/* Arrays to .. from others. */
+void dm_lattice_copy(dm_lattice *l, uint32_t to, uint32_t from);
 
 /* Nodes of the force on one body in a draft: F[block]. */
 void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
