@@ -80,6 +80,9 @@ local function make_measure(options)
   end, "what is watched", true, what
 end
 
+--- A rule as it is written: of an object what it prints without the word "rule".
+function M.name(rule) return (tostring(rule):gsub("^rule ", "")) end
+
 ---- one point ----
 
 local BATCHES, LONG_ENOUGH = 5, 2e-3
@@ -123,7 +126,7 @@ local function measure(chart, rule, h)
   local own = tostring(rule):find "^log%-hamiltonian"
   local solver = chart.system:solver { rule = rule, h = own and h or step }
   local path = solver:run(run_options(options, { at = chart.times, watch = chart.watch }))
-  local point = { rule = tostring(rule), h = own and h or step, error = chart.measure(path, chart.reference) }
+  local point = { rule = M.name(rule), h = own and h or step, error = chart.measure(path, chart.reference) }
   local timed = own and { at = { (options.t0 or 0) + options.t } } or { steps = steps, every = steps }
   local plain = run_options(options, timed)
   point.ns = 1e9 * cpu_seconds(function() solver:run(plain) end, options.repeats or BATCHES)
@@ -139,7 +142,7 @@ local function try_point(chart, rule, h)
   if fine and point.error == point.error and point.error < math.huge then
     chart.points[#chart.points + 1] = point
   else
-    chart.failures[#chart.failures + 1] = { rule = tostring(rule), h = h,
+    chart.failures[#chart.failures + 1] = { rule = M.name(rule), h = h,
       why = fine and "the error is not finite" or tostring(point):match "^[^\n]*" }
   end
 end
@@ -316,7 +319,7 @@ On Ctrl-C the error's `chart` field has what was measured so far.]]
 
 local function distinct_names(rules)
   local out = {}
-  for i, rule in ipairs(rules) do out[i] = tostring(rule) end
+  for i, rule in ipairs(rules) do out[i] = M.name(rule) end
   return out
 end
 
