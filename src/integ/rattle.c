@@ -41,8 +41,6 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     if (!m->source.graph) return "it needs L as an expression, not on hyper-dual numbers";
     if (m->ties && m->ties->controls)
         return "it knows no controls; take midpoint or gauss";
-    if (m->ties && m->ties->structure & DM_TIES_FORCE_SEES_V)
-        return "its force is a kick, which must not depend on v; take midpoint or gauss";
     return NULL;
 }
 
@@ -125,10 +123,12 @@ static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) 
 /* from l->now, which is left as it was where this fails, to l->next; then they change places */
 static dm_status step_once(dm_stepper *s, layout *l, double t) {
     double *x = l->now, *norms = x + l->at.norms;
+    const int solves = l->at.m || l->at.drags;
+    x[l->at.t0] = t;
     x[l->at.t] = t + s->h;
     dm_kernel_eval(&l->kernel.first, x, x + l->at.y);
-    s->report.iterations = l->at.m ? 2 : 0;
-    if (l->at.m && !is_last(s, norms)) {
+    s->report.iterations = solves ? 2 : 0;
+    if (solves && !is_last(s, norms)) {
         const dm_status status = iterate(s, l, norms);
         s->report.residual = sqrt(norms[1]);
         if (status != DM_OK) return status;

@@ -4,7 +4,8 @@
 **   p+ = p0 + h/2 F(q0) + G(q0)^T lambda,  q1 = q0 + h W (p+ - shift),  g(q1) = 0 by Newton in lambda,
 **   p1 = p+ + h/2 F(q1) + G(q1)^T mu,      G(q1) W (p1 - shift) + g_t(q1) = 0
 ** (Andersen 1983; Leimkuhler & Skeel 1994; HLW VII.1.4). SHAKE leaves the last term out (Ryckaert, Ciccotti &
-** Berendsen 1977). F = L_q + f. The linear systems are eliminated in the graph, where zeros are left out.
+** Berendsen 1977). F = L_q + f; an f that sees v is taken at v = (q1 - q0)/h in both kicks, which keeps the rule
+** symmetric, and v is unknown like lambda. The linear systems are eliminated in the graph, where zeros are left out.
 */
 #ifndef DM_RATTLE_H
 #define DM_RATTLE_H
@@ -14,13 +15,15 @@
 /* Where the numbers of a step lie in its buffer: what `end` writes comes first. */
 typedef struct {
     uint32_t n, m;                      /* dim Q, constraints */
+    int drags;                          /* f sees v */
     uint32_t nonzeros;                  /* of G */
     uint32_t p, low_q, low_p, force, G; /* q is at 0 */
     uint32_t guess;                     /* of lambda */
     uint32_t g;                         /* at q, for the record */
-    uint32_t h, half, t;
-    uint32_t y, lambda; /* iterates of q1 and lambda, what `first` and `newton` write */
-    uint32_t norms;     /* squares: of the last two changes of y, of y */
+    uint32_t h, half, t0, t;            /* t at the end of the step */
+    uint32_t y,
+        lambda; /* iterates of q1 (of v where f sees v) and lambda, what `first` and `newton` write */
+    uint32_t norms; /* squares: of the last two changes of y, of y */
     uint32_t size;
 } dm_rattle_layout;
 

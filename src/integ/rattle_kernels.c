@@ -1,10 +1,8 @@
 /* rattle_kernels.c - the graphs of a constrained step. */
 #include "expr/compact.h"
 #include "expr/derive.h"
-#include "expr/linear.h"
-#include "integ/fused.h"
 #include "integ/kept.h"
-#include "integ/rattle.h"
+#include "integ/rattle_inside.h"
 #include "mech/ties.h"
 
 #include <string.h>
@@ -12,6 +10,7 @@
 dm_rattle_layout dm_rattle_lay_out(const dm_model *m) {
     const uint32_t n = m->n, k = m->ties ? m->ties->holonomic : 0;
     dm_rattle_layout at = {.n = n, .m = k};
+    at.drags = m->ties && m->ties->structure & DM_TIES_FORCE_SEES_V;
     for (size_t i = 0; i < (size_t)k * n; i++) at.nonzeros += m->ties->touches[i];
     at.p = n;
     at.low_q = 2 * n;
@@ -22,44 +21,24 @@ dm_rattle_layout dm_rattle_lay_out(const dm_model *m) {
     at.g = at.guess + k;
     at.h = at.g + k;
     at.half = at.h + 1;
-    at.t = at.h + 2;
-    at.y = at.h + 3;
+    at.t0 = at.h + 2;
+    at.t = at.h + 3;
+    at.y = at.h + 4;
     at.lambda = at.y + n;
     at.norms = at.lambda + k;
     at.size = at.norms + 3;
     return at;
 }
 
-/* ---- what is under construction ---- */
+typedef dm_rattle_frame frame;
 
-typedef struct {
-    dm_fusion f; /* the graph of the kernel that is being made, and the model */
-    const dm_model *model;
-    dm_rattle_layout at;
-    dm_arena *arena;
-    int no_memory;
-    dm_graph *source;         /* inputs q, v, t */
-    dm_node *force, *G, *g;   /* of source: F[n], the nonzeros of G, g[m] */
-    dm_node *g_t;             /* [m] */
-    dm_node *with;            /* inputs of source in the kernel's graph */
-    uint32_t *row, *column;   /* row i of G has the nonzeros row[i] .. row[i + 1] - 1 */
-    dm_node h, half, t;       /* inputs */
-    dm_node *q, *p, *lq, *lp; /* the state */
-} frame;
-
-/* zeroed; NULL is remembered, so that no kernel comes out without what should be in it */
-static dm_node *take(frame *b, size_t count) {
+dm_node *dm_rattle_take(frame *b, size_t count) {
     dm_node *nodes = dm_arena_take(b->arena, (count + 1) * sizeof *nodes);
     if (nodes)
         memset(nodes, 0, (count + 1) * sizeof *nodes);
     else
         b->no_memory = 1;
     return nodes;
-}
-
-/* sum + x y */
-static dm_node add_product(const frame *b, dm_node sum, dm_node x, dm_node y) {
-    return dm_add_product(b->f.graph, sum, x, y);
 }
 
 static dm_node add(const frame *b, dm_node x, dm_node y) {
@@ -90,10 +69,11 @@ static int read_model(frame *b) {
     const dm_ties *ties = model->ties;
     const uint32_t n = b->at.n, m = b->at.m, inputs = 2 * n + 1;
     const uint32_t most = inputs + (ties ? ties->holonomic + ties->rolling : 0);
-    dm_node *with = take(b, most), *f = take(b, n);
+    dm_node *with = dm_rattle_take(b, most), *f = dm_rattle_take(b, n);
     b->source = dm_graph_new(b->arena, inputs);
-    b->with = take(b, most), b->force = take(b, n), b->G = take(b, b->at.nonzeros);
-    b->g = take(b, m), b->g_t = take(b, m);
+    b->with = dm_rattle_take(b, most), b->force = dm_rattle_take(b, n),
+    b->G = dm_rattle_take(b, b->at.nonzeros);
+    b->g = dm_rattle_take(b, m), b->g_t = dm_rattle_take(b, m);
     if (!with || !f || !b->source || !b->with || !b->force || !b->G || !b->g || !b->g_t)
         return 0;
     for (uint32_t i = 0; i < inputs; i++) with[i] = dm_input(b->source, i);
@@ -101,7 +81,14 @@ static int read_model(frame *b) {
                   b->force);
     if (!ties) return 1;
     if (ties->f) dm_transplant(b->source, ties->graph, ties->f, n, with, f);
-    for (uint32_t i = 0; i < n; i++) b->force[i] = dm_add(b->source, b->force[i], f[i]);
+    if (b->at.drags) {
+        b->drag = f;
+        b->drag_v = dm_rattle_take(b, (size_t)n * n);
+        if (!b->drag_v) return 0;
+        dm_jacobian(b->source, f, n, n, n, b->drag_v);
+    }
+    for (uint32_t i = 0; i < n && !b->at.drags; i++)
+        b->force[i] = dm_add(b->source, b->force[i], f[i]);
     if (!m) return 1;
     dm_transplant(b->source, ties->graph, ties->g, m, with, b->g);
     dm_transplant(b->source, ties->graph, ties->g_t, m, with, b->g_t);
@@ -112,22 +99,23 @@ static int read_model(frame *b) {
     return dm_graph_status(b->source) == DM_OK;
 }
 
-/* roots[count] of the source, compacted together, at q[n] and t */
-static void evaluate(frame *b, dm_node *out, const dm_node *roots, size_t count,
-                     const dm_node *q, dm_node t) {
-    dm_node *compact = take(b, count);
+void dm_rattle_evaluate(frame *b, dm_node *out, const dm_node *roots, size_t count,
+                        const dm_rattle_point *at) {
+    const uint32_t n = b->at.n;
+    dm_node *compact = dm_rattle_take(b, count);
     if (!compact || !count) return;
     dm_compact(b->source, roots, (uint32_t)count, compact);
-    memset(b->with, 0, (2 * b->at.n + (size_t)1) * sizeof *b->with);
-    memcpy(b->with, q, b->at.n * sizeof *q);
-    b->with[2 * b->at.n] = t;
+    memset(b->with, 0, (2 * n + (size_t)1) * sizeof *b->with);
+    memcpy(b->with, at->q, n * sizeof *b->with);
+    if (at->v) memcpy(b->with + n, at->v, n * sizeof *b->with);
+    b->with[2 * n] = at->t;
     dm_transplant(b->f.graph, b->source, compact, (uint32_t)count, b->with, out);
 }
 
 /* ---- linear algebra in the graph ---- */
 
 /* B[n*m] = W G^T, by rows of W, times h where that is a node */
-static void spread(const frame *b, dm_node *B, const dm_node *G, dm_node h) {
+void dm_rattle_spread(const frame *b, dm_node *B, const dm_node *G, dm_node h) {
     const uint32_t n = b->at.n, m = b->at.m;
     const int diagonal = (b->model->structure & DM_DIAGONAL_MASS) != 0;
     const double *W = b->model->inverse_mass;
@@ -147,47 +135,42 @@ static void spread(const frame *b, dm_node *B, const dm_node *G, dm_node h) {
 }
 
 /* A[m*m] = G B; symmetric: only its upper half */
-static void multiply(const frame *b, dm_node *A, const dm_node *G, const dm_node *B,
-                     int symmetric) {
+void dm_rattle_multiply(const frame *b, dm_node *A, const dm_node *G, const dm_node *B,
+                        int symmetric) {
     const uint32_t m = b->at.m;
     for (uint32_t i = 0; i < m; i++)
         for (uint32_t j = symmetric ? i : 0; j < m; j++) {
             dm_node sum = 0;
             for (uint32_t e = b->row[i]; e < b->row[i + 1]; e++)
-                sum = add_product(b, sum, G[e], B[b->column[e] * (size_t)m + j]);
+                sum =
+                    dm_rattle_add_product(b, sum, G[e], B[b->column[e] * (size_t)m + j]);
             A[i * (size_t)m + j] = sum;
         }
 }
 
-/* sum_c x_c^2 */
-static dm_node square(const frame *b, const dm_node *x) {
-    dm_node sum = 0;
-    for (uint32_t c = 0; c < b->at.n; c++) sum = add_product(b, sum, x[c], x[c]);
-    return sum;
-}
-
 /* ---- kernels ---- */
 
-static int begin(frame *b) {
+int dm_rattle_begin(frame *b) {
     const dm_rattle_layout *at = &b->at;
     dm_graph *g = dm_graph_new(b->arena, at->size);
     b->f = (dm_fusion){.graph = g, .model = b->model, .size = at->size};
-    b->q = take(b, 4 * (size_t)at->n);
+    b->q = dm_rattle_take(b, 4 * (size_t)at->n);
     if (!g || !b->q) return 0;
     for (uint32_t i = 0; i < 4 * at->n; i++) b->q[i] = dm_input(g, i);
     b->p = b->q + at->n, b->lq = b->p + at->n, b->lp = b->lq + at->n;
     b->h = dm_input(g, at->h);
     b->half = dm_input(g, at->half);
+    b->t0 = dm_input(g, at->t0);
     b->t = dm_input(g, at->t);
     dm_graph_verbatim(g, 1);
     return 1;
 }
 
-static void inputs(const frame *b, dm_node *out, uint32_t first, uint32_t count) {
+void dm_rattle_inputs(const frame *b, dm_node *out, uint32_t first, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) out[i] = dm_input(b->f.graph, first + i);
 }
 
-static dm_status end(frame *b, dm_kernel *out, const dm_node *roots, size_t count) {
+dm_status dm_rattle_end(frame *b, dm_kernel *out, const dm_node *roots, size_t count) {
     const dm_status status = dm_graph_status(b->f.graph);
     if (b->no_memory || dm_graph_status(b->source) != DM_OK) return DM_NO_MEMORY;
     if (status != DM_OK) return status;
@@ -197,7 +180,7 @@ static dm_status end(frame *b, dm_kernel *out, const dm_node *roots, size_t coun
 /* F, G, g_t, g as roots of the source, in that order */
 static dm_node *all_roots(frame *b) {
     const size_t n = b->at.n, m = b->at.m, z = b->at.nonzeros;
-    dm_node *roots = take(b, n + z + 2 * m);
+    dm_node *roots = dm_rattle_take(b, n + z + 2 * m);
     if (!roots) return NULL;
     memcpy(roots, b->force, n * sizeof *roots);
     memcpy(roots + n, b->G, z * sizeof *roots);
@@ -208,108 +191,46 @@ static dm_node *all_roots(frame *b) {
 
 static dm_status make_begin(frame *b, dm_kernel *out) {
     const size_t count = b->at.n + (size_t)b->at.nonzeros + 2 * (size_t)b->at.m;
-    if (!begin(b)) return DM_NO_MEMORY;
+    if (!dm_rattle_begin(b)) return DM_NO_MEMORY;
     const dm_node *roots = all_roots(b);
-    dm_node *values = take(b, count);
+    dm_node *values = dm_rattle_take(b, count);
     if (!roots || !values) return DM_NO_MEMORY;
-    evaluate(b, values, roots, count, b->q, b->t);
-    return end(b, out, values, b->at.n + (size_t)b->at.nonzeros);
-}
-
-/* what an iteration works on: y[n], lambda[m], norms[3] are its outputs; B = h W G0^T */
-typedef struct {
-    dm_node *y, *lambda, *norms, *B;
-} iterate;
-
-static int begin_iterate(frame *b, iterate *x) {
-    const size_t n = b->at.n, m = b->at.m;
-    dm_node *G0 = take(b, b->at.nonzeros);
-    x->y = take(b, n + m + 3);
-    x->B = take(b, n * m);
-    if (!G0 || !x->y || !x->B) return 0;
-    x->lambda = x->y + n;
-    x->norms = x->lambda + m;
-    inputs(b, G0, b->at.G, b->at.nonzeros);
-    spread(b, x->B, G0, b->h);
-    return 1;
-}
-
-/* y += B dlambda, where J dlambda = -g(y) */
-static int iteration(frame *b, iterate *x) {
-    const uint32_t n = b->at.n, m = b->at.m;
-    const size_t count = m + (size_t)b->at.nonzeros;
-    dm_node *roots = take(b, count), *values = take(b, count);
-    dm_node *J = take(b, (size_t)m * m), *change = take(b, n);
-    if (!roots || !values || !J || !change) return 0;
-    memcpy(roots, b->g, m * sizeof *roots);
-    memcpy(roots + m, b->G, b->at.nonzeros * sizeof *roots);
-    evaluate(b, values, roots, count, x->y, b->t);
-    multiply(b, J, values + m, x->B, 0);
-    dm_node *minus = values; /* -dlambda */
-    dm_graph_solve(b->f.graph, J, minus, m, 0);
-    for (uint32_t j = 0; j < m; j++)
-        x->lambda[j] = dm_sub(b->f.graph, x->lambda[j], minus[j]);
-    for (uint32_t c = 0; c < n; c++) {
-        for (uint32_t j = 0; j < m; j++)
-            change[c] = add_product(b, change[c], x->B[c * (size_t)m + j], minus[j]);
-        if (change[c]) x->y[c] = dm_sub(b->f.graph, x->y[c], change[c]);
-    }
-    x->norms[0] = x->norms[1];
-    x->norms[1] = square(b, change);
-    x->norms[2] = square(b, x->y);
-    return 1;
-}
-
-/* q + h W (p + h/2 F - shift) + B lambda, lambda as guessed */
-static int predict(frame *b, iterate *x) {
-    const uint32_t n = b->at.n, m = b->at.m;
-    dm_graph *g = b->f.graph;
-    dm_node *kicked = take(b, 2 * (size_t)n);
-    if (!kicked) return 0;
-    dm_node *v = kicked + n;
-    for (uint32_t c = 0; c < n; c++)
-        kicked[c] = dm_multiply_add(g, b->half, dm_input(g, b->at.force + c), b->p[c]);
-    dm_fusion_velocity(&b->f, v, NULL, kicked);
-    inputs(b, x->lambda, b->at.guess, m);
-    for (uint32_t c = 0; c < n; c++) {
-        dm_node shift = v[c] ? dm_multiply_add(g, b->h, v[c], b->lq[c]) : b->lq[c];
-        for (uint32_t j = 0; j < m; j++)
-            shift = add_product(b, shift, x->B[c * (size_t)m + j], x->lambda[j]);
-        x->y[c] = dm_add(g, b->q[c], shift);
-    }
-    return 1;
-}
-
-static dm_status make_iterate(frame *b, dm_kernel *out, int first) {
-    const size_t n = b->at.n, m = b->at.m;
-    iterate x;
-    if (!begin(b) || !begin_iterate(b, &x)) return DM_NO_MEMORY;
-    if (first && !predict(b, &x)) return DM_NO_MEMORY;
-    if (!first) inputs(b, x.y, b->at.y, (uint32_t)(n + m + 2));
-    for (int i = 0; i < (first ? 2 : 1) && m; i++)
-        if (!iteration(b, &x)) return DM_NO_MEMORY;
-    return end(b, out, x.y, n + m + 3);
+    dm_rattle_evaluate(b, values, roots, count, &(dm_rattle_point){b->q, NULL, b->t});
+    return dm_rattle_end(b, out, values, b->at.n + (size_t)b->at.nonzeros);
 }
 
 /* p += G^T lambda + half F, summed with compensation; half 0: without F */
 static void kick(frame *b, const dm_node *G, const dm_node *lambda, const dm_node *F) {
     const uint32_t n = b->at.n;
-    dm_node *push = take(b, n);
+    dm_node *push = dm_rattle_take(b, n);
     for (uint32_t c = 0; push && F && c < n; c++)
-        push[c] = add_product(b, 0, b->half, F[c]);
+        push[c] = dm_rattle_add_product(b, 0, b->half, F[c]);
     for (uint32_t j = 0; push && G && j < b->at.m; j++)
         for (uint32_t e = b->row[j]; e < b->row[j + 1]; e++)
-            push[b->column[e]] = add_product(b, push[b->column[e]], G[e], lambda[j]);
+            push[b->column[e]] =
+                dm_rattle_add_product(b, push[b->column[e]], G[e], lambda[j]);
     for (uint32_t c = 0; push && c < n; c++)
         if (push[c]) dm_fusion_add(&b->f, b->p + c, b->lp + c, push[c]);
 }
 
+/* F += f(q, v, t) where f sees v, which is that of the step */
+static int add_drag(frame *b, dm_node *F, dm_node t) {
+    const uint32_t n = b->at.n;
+    dm_node *v = dm_rattle_take(b, n), *f = dm_rattle_take(b, n);
+    if (!v || !f) return 0;
+    if (!b->drag) return 1;
+    dm_rattle_inputs(b, v, b->at.y, n);
+    dm_rattle_evaluate(b, f, b->drag, n, &(dm_rattle_point){b->q, v, t});
+    for (uint32_t c = 0; c < n; c++) F[c] = add(b, F[c], f[c]);
+    return 1;
+}
+
 static int drift(frame *b) {
-    dm_node *v = take(b, b->at.n);
+    dm_node *v = dm_rattle_take(b, b->at.n);
     if (!v) return 0;
     dm_fusion_velocity(&b->f, v, NULL, b->p);
     for (uint32_t c = 0; c < b->at.n; c++) {
-        const dm_node dq = add_product(b, 0, b->h, v[c]);
+        const dm_node dq = dm_rattle_add_product(b, 0, b->h, v[c]);
         if (dq) dm_fusion_add(&b->f, b->q + c, b->lq + c, dq);
     }
     return 1;
@@ -318,17 +239,18 @@ static int drift(frame *b) {
 /* p += G^T mu with G W (p - shift) + g_t = 0; mu[m] */
 static int tangent(frame *b, dm_node *mu, const dm_node *G, const dm_node *g_t) {
     const uint32_t n = b->at.n, m = b->at.m;
-    dm_node *v = take(b, n), *B = take(b, (size_t)n * m), *A = take(b, (size_t)m * m);
+    dm_node *v = dm_rattle_take(b, n), *B = dm_rattle_take(b, (size_t)n * m),
+            *A = dm_rattle_take(b, (size_t)m * m);
     if (!v || !B || !A) return 0;
     dm_fusion_velocity(&b->f, v, NULL, b->p);
     for (uint32_t i = 0; i < m; i++) {
         dm_node sum = g_t[i];
         for (uint32_t e = b->row[i]; e < b->row[i + 1]; e++)
-            sum = add_product(b, sum, G[e], v[b->column[e]]);
+            sum = dm_rattle_add_product(b, sum, G[e], v[b->column[e]]);
         mu[i] = sum ? dm_neg(b->f.graph, sum) : 0;
     }
-    spread(b, B, G, 0);
-    multiply(b, A, G, B, 1);
+    dm_rattle_spread(b, B, G, 0);
+    dm_rattle_multiply(b, A, G, B, 1);
     dm_graph_solve(b->f.graph, A, mu, m, 1);
     kick(b, G, mu, NULL);
     return 1;
@@ -336,25 +258,29 @@ static int tangent(frame *b, dm_node *mu, const dm_node *G, const dm_node *g_t) 
 
 static dm_status make_end(frame *b, dm_kernel *out, int shake) {
     const size_t n = b->at.n, m = b->at.m, z = b->at.nonzeros, count = n + z + 2 * m;
-    if (!begin(b)) return DM_NO_MEMORY;
-    dm_node *G0 = take(b, z), *lambda = take(b, m), *F0 = take(b, n);
+    if (!dm_rattle_begin(b)) return DM_NO_MEMORY;
+    dm_node *G0 = dm_rattle_take(b, z), *lambda = dm_rattle_take(b, m),
+            *F0 = dm_rattle_take(b, n);
     const dm_node *roots = all_roots(b);
-    dm_node *values = take(b, count), *all = take(b, 5 * n + z + 2 * m);
+    dm_node *values = dm_rattle_take(b, count),
+            *all = dm_rattle_take(b, 5 * n + z + 2 * m);
     if (!G0 || !lambda || !F0 || !roots || !values || !all) return DM_NO_MEMORY;
-    inputs(b, G0, b->at.G, b->at.nonzeros);
-    inputs(b, lambda, b->at.lambda, b->at.m);
-    inputs(b, F0, b->at.force, b->at.n);
+    dm_rattle_inputs(b, G0, b->at.G, b->at.nonzeros);
+    dm_rattle_inputs(b, lambda, b->at.lambda, b->at.m);
+    dm_rattle_inputs(b, F0, b->at.force, b->at.n);
+    if (!add_drag(b, F0, b->t0)) return DM_NO_MEMORY;
     kick(b, G0, lambda, F0);
     if (!drift(b)) return DM_NO_MEMORY;
-    evaluate(b, values, roots, count, b->q, b->t);
+    dm_rattle_evaluate(b, values, roots, count, &(dm_rattle_point){b->q, NULL, b->t});
     dm_node *G = values + n, *g_t = G + z, *g = g_t + m;
+    memcpy(all + b->at.force, values, (n + z) * sizeof *all);
+    if (!add_drag(b, values, b->t)) return DM_NO_MEMORY;
     kick(b, NULL, NULL, values);
     if (!shake && m && !tangent(b, lambda, G, g_t)) return DM_NO_MEMORY;
     memcpy(all, b->q, 4 * n * sizeof *all);
-    memcpy(all + b->at.force, values, (n + z) * sizeof *all);
     memcpy(all + b->at.guess, lambda, m * sizeof *all);
     memcpy(all + b->at.g, g, m * sizeof *all);
-    return end(b, out, all, 5 * n + z + 2 * m);
+    return dm_rattle_end(b, out, all, 5 * n + z + 2 * m);
 }
 
 static const char maker;
@@ -363,8 +289,8 @@ enum { BEGIN, FIRST, NEWTON, END, SHAKE_END };
 static dm_status make_all(frame *b, dm_rattle_kernels *out, int shake) {
     if ((b->at.m && !read_pattern(b)) || !read_model(b)) return DM_NO_MEMORY;
     dm_status status = make_begin(b, &out->begin);
-    if (status == DM_OK) status = make_iterate(b, &out->first, 1);
-    if (status == DM_OK) status = make_iterate(b, &out->newton, 0);
+    if (status == DM_OK) status = dm_rattle_make_iterate(b, &out->first, 1);
+    if (status == DM_OK) status = dm_rattle_make_iterate(b, &out->newton, 0);
     if (status == DM_OK) status = make_end(b, &out->end, shake);
     return status;
 }
