@@ -108,6 +108,9 @@ static int system_velocity(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "p");
     dml_model *m = dml_pushmodel(L, 1);
+    if (m->model.structure & DM_LINEAR_IN_V)
+        luaL_error(L, "no velocity has this momentum: L is linear in v, so that p = "
+                      "dL/dv does not depend on v");
     dml_want(L, m, dml_legendre_wants(m, 0), NULL);
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
     double *v = dml_pushvector(L, s->n);

@@ -106,6 +106,8 @@ static int path_worst(lua_State *L) {
 static int path_velocity(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the velocity");
     dml_model *m = model_for(L, 0);
+    if (m->model.structure & DM_LINEAR_IN_V)
+        luaL_error(L, "L is linear in v: no momentum determines a velocity");
     double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
     double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->n);
     for (long i = 0; i < p->rows; i++) {

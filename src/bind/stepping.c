@@ -38,7 +38,15 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                    ? dml_pushlast(L, r->system, backend_name(L))
                    : dml_pushmodel(L, r->system);
     r->model_at = lua_gettop(L);
-    if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass)
+    if (r->model->model.structure & DM_LINEAR_IN_V &&
+        !(s->method->traits & (DM_DEGENERATE | DM_FOR_PAIRS)))
+        luaL_error(L,
+                   "L is linear in v: its equations are of first order, no momentum "
+                   "determines a velocity, and rule '%s' "
+                   "needs a regular Lagrangian; \"degenerate(2)\" is for such an L",
+                   s->nodes[0].name);
+    if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass &&
+        !(s->method->traits & DM_DEGENERATE))
         luaL_error(L,
                    "L is degenerate: d2L/dv2 is constant and singular (system:mass(q, v) "
                    "shows it), and rule "
@@ -113,6 +121,26 @@ static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
                    dm_status_text(status));
 }
 
+/* L = alpha(q) . v - H: p = alpha(q) whatever v is; a p that is given must be it */
+static void start_on_alpha(lua_State *L, dml_stepping *r) {
+    const uint32_t n = r->solver->n;
+    double *p = r->state + n, distance = 0.0, size = 0.0;
+    dml_checkmodel(L, r->system, r->model, r->x);
+    check_legendre(L, r,
+                   dm_legendre(&r->model->model, p, r->state, r->x + n, r->t0, r->work));
+    if (!has(L, "p")) return;
+    dml_numbers(L, 2, "p", r->work, n);
+    for (uint32_t k = 0; k < n; k++) {
+        distance = fmax(distance, fabs(p[k] - r->work[k]));
+        size = fmax(size, fabs(p[k]));
+    }
+    if (distance > 1e-9 * size)
+        luaL_error(L,
+                   "no start: L is linear in v, so that p must be dL/dv = alpha(q); the "
+                   "given p is off by %f: leave it out",
+                   distance);
+}
+
 /* q and v, or q and p; x = (q, v, t) is where the trace is checked */
 static void start_here(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
@@ -121,6 +149,10 @@ static void start_here(lua_State *L, dml_stepping *r) {
     dml_numbers(L, 2, "q", q, n);
     memcpy(r->x, q, n * sizeof *q);
     r->x[2 * n] = r->t0;
+    if (m->structure & DM_LINEAR_IN_V) {
+        start_on_alpha(L, r);
+        return;
+    }
     if (has(L, "v") == has(L, "p"))
         luaL_error(L,
                    "give the start as q and v, as q and p, or as q0 and q1: one of 'v' "
@@ -264,6 +296,8 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
                    "rule '%s' has a time of its own, its steps are not h apart: give q "
                    "and v or q and p",
                    r->solver->nodes[0].name);
+    if (two && r->model->model.structure & DM_LINEAR_IN_V && !r->solver->pair)
+        luaL_error(L, "L is linear in v: a position q alone is a start");
     if (two && !r->solver->pair) {
         start_between(L, r);
         return;

@@ -39,6 +39,7 @@ enum {
     DM_ROLLING = 128,  /* phi(q, v, t) = 0 */
     DM_FORCED = 256,   /* forces; without the trait a model that has them is refused */
     DM_TIES = DM_HOLONOMIC | DM_ROLLING | DM_FORCED,
+    DM_DEGENERATE = 1024,   /* steps L = alpha(q) . v - H(q), linear in v, and nothing else */
     DM_LOOSE_MOMENTUM = 512 /* leaves momenta off the hidden constraint G v + g_t = 0 */
 };
 

@@ -96,6 +96,7 @@ static dm_status by_inverse(const dm_model *m, double *v, const double *p, doubl
 
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
                               const double *p, double t, double *work) {
+    if (m->structure & DM_LINEAR_IN_V) return DM_OK;
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     const uint32_t n = m->n;
     if (m->structure & DM_CONSTANT_MASS && !m->inverse_mass) return DM_SINGULAR;

@@ -112,7 +112,8 @@ dm_status dm_legendre(const dm_model *m, double *p, const double *q, const doubl
                       double t, double *work);
 
 /* v with dL/dv(q, v, t) = p, Newton from the v given (which may alias p). Needs DM_WANT_MASS or
-** DM_SEPARABLE and DM_CONSTANT_MASS, where it is one product. On failure v is unchanged. */
+** DM_SEPARABLE and DM_CONSTANT_MASS, where it is one product. On failure v is unchanged. Where L is linear in v no p
+** determines it: v stays as it is, which is enough for the energy. */
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
                               const double *p, double t, double *work);
 
