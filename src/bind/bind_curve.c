@@ -30,14 +30,14 @@ static void found_method(lua_State *L, dm_curve *c, const char *name) {
 static void own_method(lua_State *L, dm_curve *c, int fn) {
     dml_curve_trace(L, fn, c);
     strcpy(c->name, "own method");
-    c->order = dm_curve_conditions(c, NULL);
+    c->order = c->lifted ? dm_curve_measure(c) : dm_curve_conditions(c, NULL);
     const long claimed = dml_count(L, 1, "order", 1, 1);
     if (claimed > c->order && c->order < 8)
-        luaL_error(
-            L,
-            "field 'order' is %d, but the coefficients of the method satisfy the order "
-            "conditions up to order %d only",
-            (int)claimed, c->order);
+        luaL_error(L, "field 'order' is %d, but the method has order %d only (%s)",
+                   (int)claimed, c->order,
+                   c->lifted
+                       ? "measured where accelerations depend on q"
+                       : "its coefficients satisfy the order conditions up to there");
 }
 
 /* method = a name or a function, of the options at 1 */
@@ -113,16 +113,19 @@ static const dml_row functions[] = {
      "symplectic and of the order of the "
      "method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, butcher6, "
      "fehlberg7, dop853, and GSL's "
-     "gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd; method may be a function(x, f, "
+     "gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. method may be a function(x, f, "
      "h) or function(x, f, h, t) "
-     "that gives the state x = (q, v) after a step h of x' = f(x) (f(x, t) takes the "
-     "time too) as an explicit Runge-Kutta "
-     "method does; `order` is checked. bias in [0, 1]: the part of a step behind (q, v), "
-     "1 unless given, 1/2 for "
-     "\"straight\" and for symmetric rules; straight segments with bias 1/2 are the "
-     "midpoint rule, with 0 and 1 the "
-     "two symplectic Euler methods. The rule as text: rule = \"curve(rk4)\" "
-     "(Cuell-Patrick 2008)."},
+     "that gives the state x = (q, v), a vector of 2 n entries, after a step h of x' = "
+     "f(x) (f(x, t) takes the time "
+     "too): any method that is linear in the values of f, as Runge-Kutta, leapfrog and "
+     "Nystroem methods are, with "
+     "numbers for coefficients; its order is found, and `order` (optional) checked "
+     "against it. bias in [0, 1]: the part of "
+     "a step behind (q, v), 1 unless given, 1/2 for \"straight\" and for symmetric "
+     "rules; straight segments with bias "
+     "1/2 are the midpoint rule, with 0 and 1 the two symplectic Euler methods. The rule "
+     "as text: rule = "
+     "\"curve(rk4)\", \"curve(rk4, 0.5)\" (Cuell-Patrick 2008)."},
     {NULL, NULL, NULL}};
 
 void dml_open_curve(lua_State *L) {

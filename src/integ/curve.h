@@ -41,8 +41,11 @@ void dm_curve_fill(dm_curve *out, int s, const double *a, const double *b);
 ** largest defect of the order above. */
 int dm_curve_conditions(const dm_curve *c, double *defect);
 
-/* Of a segment with bias 1 the one that begins at -(1 - bias) h: the method is applied to both sides of y.
-** 0 where that takes too many points. */
+/* The order, 1 to 8, as a step of the method with bias 1 shows it where accelerations depend on q. */
+int dm_curve_measure(const dm_curve *c);
+
+/* Of a segment with bias 1 the one that begins at -(1 - bias) h: the method is applied to both sides of y. Where it is
+** lifted, Ld is then summed at Gauss nodes as `order` asks for. 0 where that takes too many points. */
 int dm_curve_bias(dm_curve *c, double bias);
 
 /* Order of the variational step: that of the method, or the next even number where the segment is symmetric. */

@@ -61,3 +61,44 @@ int dm_curve_conditions(const dm_curve *c, double *defect) {
     }
     return f.order - 1;
 }
+
+/* ---- what no conditions are at hand for: measured ---- */
+
+/* q'' = -sin q + q^2/3, y = (q, v), one step of the method with bias 1 */
+static void test_step(double *y, const dm_curve *c, double h) {
+    double v[DM_CURVE_STAGES], a[DM_CURVE_STAGES], end[2] = {y[0], y[1]};
+    for (int i = 0; i < c->s; i++) {
+        double q = y[0];
+        v[i] = y[1];
+        for (int j = 0; j < i; j++) {
+            q += h * c->a[i][j] * v[j] + h * h * c->lift[i][j] * a[j];
+            v[i] += h * c->push[i][j] * a[j];
+        }
+        a[i] = q * q / 3.0 - sin(q);
+        end[0] += h * c->plus[i] * v[i] + h * h * c->plus_lift[i] * a[i];
+        end[1] += h * c->arrival[i] * a[i];
+    }
+    memcpy(y, end, sizeof end);
+}
+
+/* error of one step, added up over some starts */
+static double local_error(const dm_curve *c, const dm_curve *fine, double h) {
+    enum { STARTS = 7, FINE = 32 };
+    double sum = 0.0;
+    for (int k = 0; k < STARTS; k++) {
+        double y[2] = {cos(1.7 * k), sin(1.1 * k)}, goal[2] = {y[0], y[1]};
+        test_step(y, c, h);
+        for (int i = 0; i < FINE; i++) test_step(goal, fine, h / FINE);
+        sum += fabs(y[0] - goal[0]) + fabs(y[1] - goal[1]);
+    }
+    return sum;
+}
+
+int dm_curve_measure(const dm_curve *c) {
+    dm_curve fine;
+    if (!dm_curve_find(&fine, "dop853")) return 0;
+    const double h = 0.25;
+    const double coarse = local_error(c, &fine, h), half = local_error(c, &fine, 0.5 * h);
+    const int order = (int)floor(log2(coarse / half) - 1.0 + 0.35);
+    return order < 1 ? 1 : order > HIGHEST ? HIGHEST : order;
+}

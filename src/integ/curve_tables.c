@@ -1,5 +1,6 @@
 /* curve_tables.c - explicit Runge-Kutta methods of orders 1 to 8, the one list of them. */
 #include "integ/curve.h"
+#include "integ/quadrature.h"
 #include "integ/rk8.h"
 
 #include <math.h>
@@ -151,10 +152,29 @@ static void add_side(dm_curve *out, const dm_curve *whole, double side) {
     }
 }
 
+/* Ld of a method that cannot sum it: by Gauss nodes, to each of which the method is run from y */
+static void add_nodes(dm_curve *out, const dm_curve *whole, double bias) {
+    dm_quadrature gauss;
+    dm_quadrature_gauss(&gauss, (whole->order + 1) / 2);
+    for (int i = 0; i < gauss.r; i++) {
+        const double length = bias - 1.0 + (double)gauss.c[i];
+        const int first = add_points(out, whole, length), node = out->s++;
+        for (int j = 0; j < whole->s; j++) {
+            const int k = j ? first + j : 0;
+            out->a[node][k] = length * whole->plus[j];
+            out->push[node][k] = length * whole->arrival[j];
+            out->lift[node][k] = length * length * whole->plus_lift[j];
+        }
+        out->c[node] = length;
+        out->weight[node] = (double)gauss.b[i];
+    }
+}
+
 int dm_curve_bias(dm_curve *c, double bias) {
     const dm_curve whole = *c;
-    const int sides = (bias != 0.0) + (bias != 1.0);
-    if (1 + sides * (whole.s - 1) > DM_CURVE_STAGES) return 0;
+    const int sides = (bias != 0.0) + (bias != 1.0), nodes = (whole.order + 1) / 2;
+    const int points = 1 + sides * (whole.s - 1);
+    if (points + (whole.lifted ? nodes * whole.s : 0) > DM_CURVE_STAGES) return 0;
     memset(c, 0, sizeof *c);
     memcpy(c->name, whole.name, sizeof c->name);
     c->order = whole.order;
@@ -163,6 +183,7 @@ int dm_curve_bias(dm_curve *c, double bias) {
     c->weight[0] = whole.weight[0];
     add_side(c, &whole, bias);
     add_side(c, &whole, bias - 1.0);
+    if (whole.lifted) add_nodes(c, &whole, bias);
     c->bias = bias;
     c->centred = bias != 1.0;
     return 1;
