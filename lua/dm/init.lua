@@ -15,7 +15,7 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.path", "dm.export", "dm.tangent", "dm.chart", "dm.order" }
+local extensions = { "dm.path", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order" }
 
 local dm = {}
 for name, value in pairs(core) do dm[name] = value end

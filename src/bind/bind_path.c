@@ -184,4 +184,5 @@ void dml_open_path(lua_State *L) {
                  "ns_per_step, events (of a run that looked for some), file (of a run "
                  "that wrote its rows); #path rows",
                  meta, dml_path_quantities, path_field);
+    dml_setfunctions(L, dml_path_functions);
 }

@@ -61,5 +61,6 @@ uint32_t dml_path_find(lua_State *L, const char *name);
 /* path:energy(), as a C function of the path. */
 int dml_path_energy(lua_State *L);
 extern const dml_row dml_path_quantities[]; /* the methods that compute along the path */
+extern const dml_row dml_path_functions[];  /* functions of dm beside them */
 
 #endif

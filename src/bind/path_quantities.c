@@ -199,6 +199,27 @@ static int path_drift(lua_State *L) {
     return 1;
 }
 
+/* dm.drift(t, y): of any two columns */
+static int drift_of(lua_State *L) {
+    dm_drift drift;
+    const long rows = dml_length(L, 1);
+    luaL_argcheck(L, rows >= 3, 1, "at least 3 times are needed");
+    luaL_argcheck(L, dml_length(L, 2) == rows, 2, "one number for each time is needed");
+    double *t = lua_newuserdatauv(L, 2 * (size_t)rows * sizeof *t, 0), *y = t + rows;
+    dml_vectorarg(L, 1, "t", t, (uint32_t)rows);
+    dml_vectorarg(L, 2, "y", y, (uint32_t)rows);
+    dm_drift_fit(&drift, t, 1, y, rows);
+    push_drift(L, &drift);
+    return 1;
+}
+
+const dml_row dml_path_functions[] = {
+    {"drift", drift_of,
+     "dm.drift(t, y) -> {per_time, error, mean, largest}\n"
+     "What path:drift finds, for numbers y at growing times t (vectors of at least 3 "
+     "entries)."},
+    {NULL, NULL, NULL}};
+
 const dml_row dml_path_quantities[] = {
     {"worst", path_worst,
      "path:worst(\"constraint\" | \"rolling\") -> number\n"
