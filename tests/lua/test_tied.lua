@@ -192,6 +192,7 @@ for _, rule in ipairs { "midpoint", "trapezoidal", "gauss(2)", "lobatto(3)" } do
 end
 near(sampled:control({ 1 }, { 2 })[2], -3, 0, "system:control")
 near(sampled:force({ 1 }, { 2 })[1], -5, 0, "system:force as at the start of a step")
+raises("a control held over a step", function() sampled:solver({ rule = "midpoint", h = 0.1 }):tangent { q = { 1 }, v = { 0 }, steps = 2 } end)
 raises("it knows no controls", run, sampled, "rattle", 0.1, 1, { q = { 1 }, v = { 0 } })
 raises("there is no 'force'", dm.system, { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end, control = function() return 1 end })
 
