@@ -178,7 +178,7 @@ int main(int argc, char **argv) {
     FILE *ends = argc > 1 ? fopen(argv[1], "w") : NULL;
     const int fine = implicit(&newton_satellite, ends) &&
                      implicit(&newton_pendulum, ends) && implicit(&newton_bodies, ends) &&
-                     tied(&tied_sphere, ends) &&
+                     tied(&tied_sphere, ends) && tied(&tied_double, ends) &&
                      constrained(rattle_run, "C", "by hand, -O2", ends) &&
                      constrained(rattle_run_wide, "C", "by hand, -O3 native", NULL);
     if (ends) fclose(ends);

@@ -150,3 +150,31 @@ const tied_model tied_sphere = {
     {"spherical pendulum in space", 3, 0.02, {0.6, 0.0, -0.8}, {0.0, 1.0, 0.0}, pendulum},
     1,
     sphere};
+
+/* ---- double spherical pendulum in space: two unit masses, |q1| = |q2 - q1| = 1, g = 9.81 ---- */
+
+static void pendulum_twice(derivatives *d, const double *q, const double *v) {
+    (void)q;
+    memset(d, 0, sizeof *d);
+    for (int i = 0; i < 6; i++) d->Lv[i] = v[i], d->Lvv[7 * i] = 1.0;
+    d->Lq[2] = d->Lq[5] = -9.81;
+}
+
+static void rods(constraints *c, const double *q) {
+    c->g[0] = c->g[1] = -1.0;
+    for (int i = 0; i < 3; i++) {
+        const double x = q[i], y = q[3 + i] - q[i];
+        c->g[0] += x * x, c->g[1] += y * y;
+        c->G[i] = 2.0 * x, c->G[3 + i] = 0.0;
+        c->G[6 + i] = -2.0 * y, c->G[9 + i] = 2.0 * y;
+    }
+}
+
+const tied_model tied_double = {{"double spherical pendulum in space",
+                                 6,
+                                 0.01,
+                                 {0.6, 0.0, -0.8, 0.6, 0.6, -1.6},
+                                 {0.0, 1.0, 0.0, 1.0, 1.0, 0.0},
+                                 pendulum_twice},
+                                2,
+                                rods};

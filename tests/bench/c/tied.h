@@ -21,7 +21,7 @@ typedef struct {
     void (*constrain)(constraints *out, const double *q);
 } tied_model;
 
-extern const tied_model tied_sphere;
+extern const tied_model tied_sphere, tied_double;
 
 /* as newton_run */
 int tied_run(double *q, double *p, const tied_model *m, long steps, long *iterations);

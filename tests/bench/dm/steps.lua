@@ -60,6 +60,13 @@ local models = {
 models[#models + 1] = { "spherical pendulum in space", h = 0.02, q = { 0.6, 0, -0.8 }, v = { 0, 1, 0 }, Q = dm.R(3),
   L = function(q, v) return v:dot(v) / 2 - q[3] end, constraint = function(q) return q:dot(q) - 1 end }
 
+models[#models + 1] = { "double spherical pendulum in space", h = 0.01, q = { 0.6, 0, -0.8, 0.6, 0.6, -1.6 },
+  v = { 0, 1, 0, 1, 1, 0 }, Q = dm.R(6), L = function(q, v) return v:dot(v) / 2 - 9.81 * (q[3] + q[6]) end,
+  constraint = function(q)
+    local x, y = dm.vector { q[1], q[2], q[3] }, dm.vector { q[4] - q[1], q[5] - q[2], q[6] - q[3] }
+    return { x:dot(x) - 1, y:dot(y) - 1 }
+  end }
+
 -- end states of the hand-written C
 local ends = {}
 if arg[1] then
