@@ -10,13 +10,13 @@ static int failure_tostring(lua_State *L) {
 
 /* ties that lost rank */
 static void push_tie(lua_State *L, const dml_failure *f) {
-    lua_pushfstring(
-        L,
-        "%s %d depends on those before it there, or holds nothing: a singular "
-        "configuration of the constraints; start where it is not met, or "
-        "leave one out",
-        f->rolling ? "rolling constraint" : "constraint",
-        f->rolling ? f->rolling : f->constraint);
+    lua_pushfstring(L,
+                    "%s %d depends on those before it there, or its reactions cannot "
+                    "hold it: a singular "
+                    "configuration of the constraints; start where it is not met, or "
+                    "leave one out",
+                    f->rolling ? "rolling constraint" : "constraint",
+                    f->rolling ? f->rolling : f->constraint);
 }
 
 /* what to try; a sentence per status, with the step of the run where it helps */

@@ -1,8 +1,22 @@
-/* tied_rank.c - which tie depends on the others: rows of [G; E] made orthogonal, one after the other. */
+/*
+** tied_rank.c - which tie cannot be held: S = rows of the equations . rows of the reactions, both of length 1,
+** loses rank where one depends on those before it, and where its reactions do not act against it.
+*/
 #include "integ/tied_inside.h"
 
 #include <math.h>
-#include <string.h>
+
+typedef struct {
+    const double *along, *across;
+} rows;
+
+static rows rows_of(const dm_tied *g, uint32_t k, uint32_t c) {
+    const uint32_t n = g->n;
+    const double *G = dm_tied_holonomic(g, k) + g->k + c * (size_t)n;
+    if (c < g->k) return (rows){G, G};
+    const double *E = dm_tied_rolling(g, k) + g->l + (c - g->k) * (size_t)n;
+    return (rows){E + g->l * (size_t)n, E};
+}
 
 static double dot(const double *a, const double *b, uint32_t n) {
     double sum = 0.0;
@@ -10,28 +24,41 @@ static double dot(const double *a, const double *b, uint32_t n) {
     return sum;
 }
 
-/* twice is enough (Kahan; Parlett 1980, 6.9) */
-static void make_orthogonal(double *row, const double *unit, uint32_t count, uint32_t n) {
-    for (uint32_t b = 0; b < 2 * count; b++) {
-        const double *u = unit + (b % count) * (size_t)n, part = dot(row, u, n);
-        for (uint32_t i = 0; i < n; i++) row[i] -= part * u[i];
+static void fill(const dm_tied *g, double *S, uint32_t k) {
+    const uint32_t m = g->k + g->l, n = g->n;
+    for (uint32_t b = 0; b < m; b++) {
+        const double *row = rows_of(g, k, b).along, length = sqrt(dot(row, row, n));
+        for (uint32_t c = 0; c < m; c++) {
+            const double *across = rows_of(g, k, c).across;
+            S[b * m + c] = dot(row, across, n) / (length * sqrt(dot(across, across, n)));
+        }
     }
 }
 
-uint32_t dm_tied_dependent(dm_tied *g, uint32_t k) {
-    static const double LEAST = 1e-5; /* sine of the angle to the rows before */
-    const uint32_t n = g->n;
-    double *unit = g->scratch;
-    for (uint32_t c = 0; c < g->k + g->l; c++) {
-        const double *row = c < g->k ? dm_tied_holonomic(g, k) + g->k + c * n
-                                     : dm_tied_rolling(g, k) + g->l + (c - g->k) * n;
-        double *mine = unit + c * (size_t)n;
-        const double length = sqrt(dot(row, row, n));
-        memcpy(mine, row, n * sizeof *mine);
-        make_orthogonal(mine, unit, c, n);
-        const double left = sqrt(dot(mine, mine, n));
-        if (!(left > LEAST * length)) return c + 1;
-        for (uint32_t i = 0; i < n; i++) mine[i] /= left;
+/* row b after the rows before it, whose pivots stand in columns `taken` */
+static double eliminate(double *S, uint32_t *taken, uint32_t b, uint32_t m) {
+    double *row = S + b * (size_t)m, most = 0.0;
+    for (uint32_t a = 0; a < b; a++) {
+        const double *before = S + a * (size_t)m;
+        const double factor = row[taken[a]] / before[taken[a]];
+        for (uint32_t c = 0; c < m; c++) row[c] -= factor * before[c];
+        row[taken[a]] = 0.0;
     }
+    for (uint32_t c = 0; c < m; c++) {
+        if (!(fabs(row[c]) > most)) continue;
+        most = fabs(row[c]);
+        taken[b] = c;
+    }
+    return most;
+}
+
+uint32_t dm_tied_dependent(dm_tied *g, uint32_t k) {
+    static const double LEAST = 1e-10; /* square of the sine of an angle */
+    const uint32_t m = g->k + g->l;
+    double *S = g->scratch;
+    uint32_t *taken = (uint32_t *)(void *)(S + m * (size_t)m);
+    fill(g, S, k);
+    for (uint32_t b = 0; b < m; b++)
+        if (!(eliminate(S, taken, b, m) > LEAST)) return b + 1;
     return 0;
 }

@@ -212,6 +212,9 @@ local fine, failure = pcall(run, closing, "gauss(2)", 0.01, 200, { q = { sqrt(0.
 ok(not fine and failure.code == "singular" and failure.constraint == 2, "constraints that meet tangentially: the second is named", failure)
 ok(not fine and failure.path.t[#failure.path.t] > 0.99, "  with the path up to there", failure)
 raises("constraint 2 depends", run, closing, "midpoint", 0.01, 200, { q = { sqrt(0.19), 0, 0.9 }, v = { -0.09 / sqrt(0.19), 0, 0.1 } })
+local across = dm.system { Q = dm.R(2), L = function(_, v) return v:dot(v) / 2 end, rolling = function(_, v) return v[1] end,
+  reaction = function() return { { 0, 1 } } end }
+raises("rolling constraint 1 depends", run, across, "midpoint", 0.1, 1, { q = { 0, 0 }, v = { 0, 1 } })
 raises("did not converge", run, sphere, "midpoint", 3, 10, swing)
 raises("without ties", run, sphere, "gauss(2, 3)", 0.1, 10, swing)
 path = run(sphere, "gauss(2)", 1, 50, swing, 1)
