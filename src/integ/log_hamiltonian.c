@@ -93,12 +93,11 @@ static dm_node guarded(dm_fusion *b, dm_node c, dm_node x) {
     return dm_apply(b->graph, DM_OP_WHERE, c, x, nan);
 }
 
-/* 2 (T + B) with 2 T = v . (p - shift), as two sums that do not wait for each other */
-static dm_node fuse_speed(dm_fusion *b, const dm_node *v, const dm_node *moved) {
-    const uint32_t n = b->model->n;
-    const dm_node twice = dm_add(b->graph, b->more[2], b->more[2]);
-    dm_node even = dm_multiply_add(b->graph, v[0], moved[0], twice), odd = 0;
-    for (uint32_t i = 1; i < n; i++) {
+/* start + v . moved, as two sums that do not wait for each other */
+static dm_node fuse_product(dm_fusion *b, dm_node start, const dm_node *v,
+                            const dm_node *moved) {
+    dm_node even = dm_multiply_add(b->graph, v[0], moved[0], start), odd = 0;
+    for (uint32_t i = 1; i < b->model->n; i++) {
         dm_node *sum = i % 2 ? &odd : &even;
         *sum = *sum ? dm_multiply_add(b->graph, v[i], moved[i], *sum)
                     : dm_mul(b->graph, v[i], moved[i]);
@@ -106,30 +105,60 @@ static dm_node fuse_speed(dm_fusion *b, const dm_node *v, const dm_node *moved) 
     return odd ? dm_add(b->graph, even, odd) : even;
 }
 
-/* t += ha/(T + B), q += ha v/(T + B); v[3 n] is scratch */
-static void fuse_drift(dm_fusion *b, dm_node *v) {
+/* where every factor is a quotient over the same d: d; else 0 */
+static dm_node denominator(const dm_fusion *b, const dm_node *factors) {
+    dm_node d = 0;
+    if (!(b->model->structure & DM_DIAGONAL_MASS)) return 0;
+    for (uint32_t i = 0; i < b->model->n; i++) {
+        const dm_expr *x = dm_graph_at(b->graph, factors[b->kicks->which[i]]);
+        if (b->kicks->coordinate[i] < 0 || x->op != DM_OP_DIV) return 0;
+        if (d && x->as.arg[1] != d) return 0;
+        d = x->as.arg[1];
+    }
+    return d;
+}
+
+/* p += hb L_q/U; what the drift needs of it: d and y[n] = d p, made before the quotients are known; 0: p itself */
+static dm_node fuse_kick(dm_fusion *b, dm_node *y, dm_node *factors) {
     const uint32_t n = b->model->n;
-    const dm_node twice_ha = dm_fusion_coefficient(b);
-    dm_node *y = v + 2 * (size_t)n;
-    dm_fusion_velocity(b, v, v + n, b->p);
-    const dm_node speed = fuse_speed(b, v, v + n);
-    const dm_node dt = dm_div(b->graph, twice_ha, speed);
+    const dm_node hb = dm_fusion_coefficient(b), minus = dm_fusion_coefficient(b);
+    dm_fusion_factors(b, factors, 0, hb, minus);
+    const dm_node d = denominator(b, factors);
+    for (uint32_t i = 0; i < n && d; i++) {
+        const dm_expr *x = dm_graph_at(b->graph, factors[b->kicks->which[i]]);
+        const dm_node above = x->as.arg[0];
+        const dm_node kick = dm_mul(b->graph, above, b->q[b->kicks->coordinate[i]]);
+        y[i] = dm_multiply_add(b->graph, b->p[i], d, kick);
+    }
     for (uint32_t i = 0; i < n; i++)
-        y[i] = dm_multiply_add(b->graph, dt, v[i], b->low_q[i]);
-    for (uint32_t i = 0; i < n; i++) dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
+        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, factors, i, hb));
+    return d;
+}
+
+/*
+** t += dt, q += dt v with dt = ha/(T + B) = 2 ha d^2 / (d v . d (p - shift) + 2 B d^2): so the division does not
+** wait for the one of the kick. scratch[2 n]; d and y = d p as above.
+*/
+static void fuse_drift(dm_fusion *b, dm_node *scratch, dm_node d, const dm_node *y) {
+    const uint32_t n = b->model->n;
+    dm_node *v = scratch, *moved = v + n;
+    dm_node above = dm_fusion_coefficient(b);
+    dm_node start = dm_add(b->graph, b->more[2], b->more[2]);
+    dm_fusion_velocity(b, v, moved, d ? y : b->p);
+    if (d) {
+        const dm_node d2 = dm_mul(b->graph, d, d);
+        above = dm_mul(b->graph, above, d2);
+        start = dm_mul(b->graph, start, d2);
+    }
+    const dm_node speed = fuse_product(b, start, v, moved);
+    const dm_node dt = dm_div(b->graph, above, speed);
+    dm_fusion_velocity(b, v, NULL, b->p);
+    for (uint32_t i = 0; i < n; i++)
+        dm_fusion_push(b, b->q + i, b->low_q + i, (dm_product){dt, v[i]});
     const dm_node z = dm_add(b->graph, b->more[1], dt);
     dm_fusion_sum(b, b->more, b->more + 1, z);
     dm_fusion_settle(b);
     b->more[1] = guarded(b, speed, b->more[1]);
-}
-
-/* p += hb L_q/U */
-static void fuse_kick(dm_fusion *b, dm_node *factors) {
-    const uint32_t n = b->model->n;
-    const dm_node hb = dm_fusion_coefficient(b), minus = dm_fusion_coefficient(b);
-    dm_fusion_factors(b, factors, 0, hb, minus);
-    for (uint32_t i = 0; i < n; i++)
-        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, factors, i, hb));
 }
 
 /* t's low part becomes NaN where the well is not attracting */
@@ -143,13 +172,14 @@ static void fuse_look(dm_fusion *b, const log_loop *l) {
 static int fuse_part(const dm_model *m, const log_loop *l, dm_loop_kind kind,
                      dm_loop_part *out) {
     dm_fusion b;
-    dm_node *scratch = dm_arena_take(m->source.arena, 3 * (size_t)m->n * sizeof *scratch);
+    const size_t n = m->n;
+    dm_node *scratch = dm_arena_take(m->source.arena, 4 * n * sizeof *scratch), d = 0;
     if (!scratch || !dm_fusion_begin(&b, m, &l->kicks, 4 * m->n + DM_STATE_OWN)) return 0;
-    if (kind == DM_LOOP_BODY) fuse_kick(&b, scratch);
+    if (kind == DM_LOOP_BODY) d = fuse_kick(&b, scratch + 2 * n, scratch + 3 * n);
     if (kind == DM_LOOP_TAIL)
         fuse_look(&b, l);
     else
-        fuse_drift(&b, scratch);
+        fuse_drift(&b, scratch, d, scratch + 2 * n);
     return dm_fusion_end(&b, out);
 }
 
