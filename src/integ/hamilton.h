@@ -20,11 +20,16 @@ int dm_hamilton_fits(const dm_model *m);
 uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages);
 
 /*
-** The same in two parts, between which momenta may be renewed: force takes (q, v, t) and gives L_q[n], the
-** lower triangle of M by rows and b[n]; velocity takes (triangle, b, p) and gives v[n] and the n pivots.
+** The same in three parts, between which momenta may be renewed. Where M = l D l^T with blocks of two in D:
+** force takes (q, v, t) and gives L_q[n], the lower triangle of M by rows and b[n]; factors takes (triangle, b) and
+** gives n pivots, a triangle with l below the blocks and D^-1 in them, and b again; velocity takes (that triangle,
+** b, p) and gives v[n]. So a division never waits for p.
 */
-uint32_t dm_hamilton_split(dm_kernel *force, dm_kernel *velocity, const dm_model *m,
-                           uint32_t stages);
+typedef struct {
+    dm_kernel force, factors, velocity;
+} dm_hamilton;
+
+uint32_t dm_hamilton_split(dm_hamilton *out, const dm_model *m, uint32_t stages);
 
 /* The same for roots[count] of a graph of the model's. */
 uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g,

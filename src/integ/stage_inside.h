@@ -23,7 +23,7 @@ typedef struct {
 */
 typedef struct {
     const dm_sweep_row *row; /* NULL: this step has no sweeps */
-    dm_stage_kernel force, velocity;
+    dm_stage_kernel force, factors, velocity; /* the last two: general form */
     int count;               /* sweeps a step; 0: to round-off */
     dm_sweep q, p;           /* positions; momenta of the general form */
     dm_sweep q_rest, p_rest; /* their bases, by the low-order parts of the coefficients */

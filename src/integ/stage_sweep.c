@@ -59,7 +59,7 @@ static void divide_by_mass(const dm_stage *g) {
 
 const double *dm_stage_sweeps_u(const dm_stage *g) {
     const dm_stage_sweeps *w = &g->sweeps;
-    if (!g->separable) return w->velocity.out;
+    if (!g->separable) return w->velocity.out; /* among the arguments of the force */
     return g->m->structure & DM_DIAGONAL_MASS ? w->force.out : w->u;
 }
 
@@ -87,13 +87,13 @@ static inline double move(const iteration *it, const dm_sweep *a) {
 static void evaluate(iteration *it) {
     dm_stage *g = it->g;
     dm_stage_sweeps *w = &g->sweeps;
-    const uint32_t n = g->n, width = w->row->width;
+    const uint32_t width = w->row->width;
     apply(&w->force, width, g->table.r);
     g->evaluations += g->table.r;
     if (!g->separable) {
+        apply(&w->factors, width, g->table.r);
         it->moved[1] = move(it, &w->p);
         apply(&w->velocity, width, g->table.r);
-        memcpy(w->v_ahead.x, w->velocity.out, n * width * sizeof *w->u);
     } else if (!(g->m->structure & DM_DIAGONAL_MASS)) {
         divide_by_mass(g);
     }
@@ -216,9 +216,9 @@ static int is_regular(const dm_stage *g) {
     const dm_stage_sweeps *w = &g->sweeps;
     const uint32_t n = g->n, width = w->row->width;
     int bad = 0;
-    for (uint32_t k = n; k < 2 * n && !g->separable; k++)
+    for (uint32_t k = 0; k < n && !g->separable; k++)
         for (uint32_t l = 0; l < g->table.r; l++)
-            bad |= !(w->velocity.out[k * width + l] > 0.0);
+            bad |= !(w->factors.out[k * width + l] > 0.0);
     return !bad;
 }
 

@@ -4,6 +4,7 @@
 #include "integ/kept.h"
 #include "integ/stage_inside.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -13,11 +14,11 @@ static size_t width_of(size_t stages) {
     return stages == 1 ? 1 : stages <= 4 ? 4 : 8;
 }
 
-/* of the kernels: positions, velocities, time; L_q, triangle, b, momenta, with the triangle twice in copies; v,
-** pivots */
-static size_t kernels_size(size_t n, size_t lanes, int separable) {
+/* of the kernels: positions, velocities, time; L_q, triangle, b; pivots, triangle, b, p; and copies for four lanes of
+** what each takes and gives */
+static size_t kernels_size(size_t n, size_t width, int separable) {
     const size_t triangle = separable ? 0 : n * (n + 1) / 2;
-    return lanes * (2 * n + 1 + 2 * (triangle + 2 * n) + 2 * n);
+    return width * (7 * n + 1 + 2 * triangle) + 4 * (10 * n + 1 + 4 * triangle);
 }
 
 size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
@@ -26,8 +27,8 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
         (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
-    return kernels_size(n, w, separable) + kernels_size(n, 4, separable) + 4 * n * w +
-           5 * r * w + 7 * w + 10 * n + 3 + ARRAYS * LINE;
+    return kernels_size(n, w, separable) + 4 * n * w + 5 * r * w + 7 * w + 6 * n + 3 +
+           ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
@@ -36,19 +37,26 @@ static double *take(double **memory, size_t count) {
     return block;
 }
 
-/* the kernels' arrays: what force gives beside L_q is where velocity finds it */
+static void lay_copies(dm_stage_kernel *k, double **memory) {
+    enum { LANES = 4 };
+    k->some_in = take(memory, (size_t)k->inputs * LANES);
+    k->some_out = take(memory, (size_t)k->outputs * LANES);
+}
+
+/* the kernels' arrays: each finds its arguments where the one before left them */
 static double *lay_kernels(dm_stage_sweeps *w, size_t n, double *memory) {
-    const size_t width = w->row->width, lanes = 4;
-    dm_stage_kernel *f = &w->force, *v = &w->velocity;
-    const size_t more = v->lanes ? v->inputs - n : 0; /* triangle and b */
+    const size_t width = w->row->width;
+    dm_stage_kernel *f = &w->force, *d = &w->factors, *v = &w->velocity;
     f->in = take(&memory, (2 * n + 1) * width);
-    f->out = take(&memory, (2 * n + more) * width);
-    f->some_in = take(&memory, (2 * n + 1) * lanes);
-    f->some_out = take(&memory, (n + more) * lanes);
-    v->in = f->out + n * width;
-    v->out = take(&memory, 2 * n * width);
-    v->some_in = take(&memory, (n + more) * lanes);
-    v->some_out = take(&memory, 2 * n * lanes);
+    f->out = take(&memory, f->outputs * width);
+    lay_copies(f, &memory);
+    if (!v->lanes) return memory;
+    d->in = f->out + n * width;
+    d->out = take(&memory, (d->outputs + n) * width);
+    v->in = d->out + n * width;
+    v->out = f->in + n * width;
+    lay_copies(d, &memory);
+    lay_copies(v, &memory);
     return memory;
 }
 
@@ -148,7 +156,7 @@ static void plan(dm_stage *g) {
     w->q.column = w->whole;
     w->q.u = dm_stage_sweeps_u(g);
     w->q.factor = diagonal ? g->m->inverse_mass : w->one;
-    w->p.x = w->force.out + (size_t)w->force.outputs * width;
+    w->p.x = w->factors.out + (size_t)w->factors.outputs * width;
     w->p.base = w->lift;
     w->p.column = w->whole;
     w->p.u = w->force.out;
@@ -198,32 +206,42 @@ static int has_unknowns(const dm_stage *g) {
     return 0;
 }
 
-/* 0 where there is no kernel */
-static int build(dm_stage *g, uint32_t width) {
-    const dm_model *m = g->m;
-    dm_stage_kernel *f = &g->sweeps.force, *v = &g->sweeps.velocity;
-    f->lanes = g->separable ? dm_lanes_build(&f->kernel, m, m->source.graph,
-                                             m->source.gradient, m->n, width)
-                            : dm_hamilton_split(&f->kernel, &v->kernel, m, width);
-    v->lanes = g->separable ? 0 : f->lanes;
-    return f->lanes > 0;
+/* 0 where there are no kernels */
+static int build(dm_stage_sweeps *w, const dm_model *m, int separable, uint32_t width) {
+    dm_hamilton parts;
+    if (separable)
+        w->force.lanes = dm_lanes_build(&w->force.kernel, m, m->source.graph,
+                                        m->source.gradient, m->n, width);
+    else
+        w->force.lanes = dm_hamilton_split(&parts, m, width);
+    if (separable || !w->force.lanes) return w->force.lanes > 0;
+    w->force.kernel = parts.force;
+    w->factors.kernel = parts.factors;
+    w->velocity.kernel = parts.velocity;
+    w->factors.lanes = w->velocity.lanes = w->force.lanes;
+    return 1;
 }
 
 /* the kernels of the model's last stepper, or new ones */
 static int find_kernels(dm_stage *g, const dm_galerkin *basis) {
-    static const char force, velocity;
-    dm_stage_kernel *f = &g->sweeps.force, *v = &g->sweeps.velocity;
-    const uint32_t r = g->table.r;
-    if (r > DM_SWEEP_WIDTH || !g->m->source.graph || basis->tableau) return 0;
+    static const char makers[3];
+    dm_stage_kernel *const kernels[] = {&g->sweeps.force, &g->sweeps.factors,
+                                        &g->sweeps.velocity};
+    const uint32_t r = g->table.r, count = g->separable ? 1 : 3;
+    if (r > DM_SWEEP_WIDTH || !g->m->source.graph) return 0;
     if (r == 1 && !g->separable) return 0; /* Newton's method is cheaper */
     if (g->separable ? !has_unknowns(g) : !is_collocation(g, basis)) return 0;
     const uint32_t width = dm_sweep_find(r)->width;
-    f->lanes = dm_kept_find(&f->kernel, g->m, &force, width);
-    v->lanes = f->lanes ? dm_kept_find(&v->kernel, g->m, &velocity, width) : 0;
-    if (f->lanes && (g->separable || v->lanes)) return 1;
-    if (!build(g, width)) return 0;
-    dm_kept_add(g->m, &force, width, &f->kernel, f->lanes);
-    if (v->lanes) dm_kept_add(g->m, &velocity, width, &v->kernel, v->lanes);
+    uint32_t found = 0;
+    for (; found < count; found++) {
+        dm_stage_kernel *k = kernels[found];
+        k->lanes = dm_kept_find(&k->kernel, g->m, makers + found, width);
+        if (!k->lanes) break;
+    }
+    if (found == count) return 1;
+    if (!build(&g->sweeps, g->m, g->separable, width)) return 0;
+    for (uint32_t i = 0; i < count; i++)
+        dm_kept_add(g->m, makers + i, width, &kernels[i]->kernel, kernels[i]->lanes);
     return 1;
 }
 
@@ -247,11 +265,16 @@ void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory)
     w->count = basis->sweeps;
     w->force.inputs = 2 * n + 1;
     w->force.outputs = w->velocity.lanes ? 2 * n + triangle : n;
+    w->factors.inputs = triangle + n;
+    w->factors.outputs = triangle + 2 * n;
     w->velocity.inputs = triangle + 2 * n;
-    w->velocity.outputs = 2 * n;
+    w->velocity.outputs = n;
     memset(memory, 0, dm_stage_sweeps_size(g->table.s, r, g->m) * sizeof *memory);
     lay_out(g, aligned(memory));
+    assert(w->memory + dm_stage_memory_size(g) <=
+           memory + dm_stage_sweeps_size(g->table.s, r, g->m));
     open_kernel(&w->force, w->row->width);
+    if (w->factors.lanes) open_kernel(&w->factors, w->row->width);
     if (w->velocity.lanes) open_kernel(&w->velocity, w->row->width);
     for (uint32_t k = 0; k < n; k++) w->one[k] = 1.0;
     w->heaviest = g->separable ? dm_stage_heaviest(g) : 0.0;

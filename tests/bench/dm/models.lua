@@ -53,32 +53,24 @@ local solar = dm.system { Q = dm.R(18), L = function(q, v)
 end }
 add("P3", { T = 200000, system = solar, q = planets.q, v = planets.v })
 
--- double spherical pendulum: each rod u on its sphere by the stereographic projection (x, y) from the upward pole,
--- u = w (x, y, -1) + (0, 0, 1) with w = 2 / (1 + x^2 + y^2), where |u'| = w |(x', y')|: no sine, no pole within reach
-local function rod_velocity(x, y, dx, dy)
-  local w = 2 / (1 + x ^ 2 + y ^ 2)
-  local shrink = w ^ 2 * (x * dx + y * dy) -- -w'
-  return w * dx - shrink * x, w * dy - shrink * y, shrink, w
+-- double spherical pendulum: each rod by its horizontal part (x, y), at depth z = sqrt(1 - x^2 - y^2): the energy,
+-- 7.4 above rest, leaves no rod at the level of its upper end, for which 9.8 are needed
+local function depth(x, y, dx, dy)
+  local z = sqrt(1 - x * x - y * y)
+  return z, (x * dx + y * dy) / z
 end
 local pendulum = dm.system { Q = dm.R(4), L = function(q, v)
-  local x1, y1, z1, w1 = rod_velocity(q[1], q[2], v[1], v[2])
-  local x2, y2, z2, w2 = rod_velocity(q[3], q[4], v[3], v[4])
-  local T = w1 ^ 2 * (v[1] ^ 2 + v[2] ^ 2) + w2 ^ 2 * (v[3] ^ 2 + v[4] ^ 2) / 2 + x1 * x2 + y1 * y2 + z1 * z2
-  return T + 9.81 * (2 * w1 + w2)
+  local x1, y1, x2, y2 = v[1], v[2], v[3], v[4]
+  local d1, z1 = depth(q[1], q[2], x1, y1)
+  local d2, z2 = depth(q[3], q[4], x2, y2)
+  local T = x1 ^ 2 + y1 ^ 2 + z1 ^ 2 + (x2 ^ 2 + y2 ^ 2 + z2 ^ 2) / 2 + x1 * x2 + y1 * y2 + z1 * z2
+  return T + 9.81 * (2 * d1 + d2)
 end }
--- a rod at angle a from below in the x-z plane, and its velocity u across
-local function start(a, u) return sin(a) / (1 + cos(a)), u / (1 + cos(a)) end
-local x1, v1 = start(0.8, 1)
-local x2, v2 = start(0.4, -0.5)
-local function rod(x, y)
-  local w = 2 / (1 + x ^ 2 + y ^ 2)
-  return w * x, w * y, 1 - w
-end
-add("P4", { T = 10, system = pendulum, q = { x1, 0, x2, 0 }, v = { 0, v1, 0, v2 },
+add("P4", { T = 10, system = pendulum, q = { sin(0.8), 0, sin(0.4), 0 }, v = { 0, 1, 0, -0.5 },
   positions = function(q)
-    local a, b, c = rod(q[1], q[2])
-    local d, e, f = rod(q[3], q[4])
-    return { a, b, c, a + d, b + e, c + f }
+    local x1, y1, x2, y2 = q[1], q[2], q[3], q[4]
+    local z1, z2 = -depth(x1, y1, 0, 0), -depth(x2, y2, 0, 0)
+    return { x1, y1, z1, x1 + x2, y1 + y2, z1 + z2 }
   end })
 
 for _, k in ipairs { "1e2", "1e4", "1e6" } do

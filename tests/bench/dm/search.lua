@@ -9,7 +9,7 @@ local folder, only = arg[1], arg[2] or ""
 
 -- the good ones first: they shorten the search for the others. A second argument of gauss is a number of sweeps,
 -- as the bound has it: looser than round-off by name
-local RULES = { "gauss(8, 6)", "gauss(8, 8)", "gauss(8, 5)", "gauss(8, 4)", "gauss(7, 6)", "gauss(7, 5)", "gauss(6, 6)",
+local RULES = { "gauss(8, 6)", "gauss(8, 8)", "gauss(8, 7)", "gauss(8, 5)", "gauss(8, 4)", "gauss(7, 6)", "gauss(7, 5)", "gauss(6, 6)",
   "gauss(6, 4)", "gauss(4, 3)", "gauss(8)", "gauss(7)", "gauss(6)", "gauss(5)", "gauss(4)", "gauss(3)", "gauss(2)", "rk8pd", "rk8",
   "sofroniou-spaletta(10)", "kahan-li(8)", "suzuki-umeno(8)", "kahan-li(6)", "blanes-moan(6, 14)",
   "blanes-moan(6, 11)", "blanes-moan(4)", "suzuki(4)", "mclachlan(4)", "yoshida(6)", "yoshida(4)",
