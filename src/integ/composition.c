@@ -246,6 +246,7 @@ static dm_status step_base(dm_stepper *s, double *state, double t) {
         const double gamma =
             palindrome(row->half, 1, (row->stages - 1) / 2, row->stages, i);
         base->h = gamma * s->h;
+        base->whole = s->h;
         const dm_status status = base->method->step(base, state, t);
         t += base->h;
         s->report = base->report;
@@ -277,7 +278,7 @@ static size_t memory(dm_stepper *s, double **place) {
 static dm_status start(dm_stepper *s, double *state, double t) {
     dm_stepper *base = (dm_stepper *)(void *)s->work;
     if (is_splitting(s->rule, s->model) || !base->method->start) return DM_OK;
-    base->h = find(s->rule)->half[0] * s->h; /* what steps begin and end with */
+    base->h = base->whole = s->h;
     return base->method->start(base, state, t);
 }
 

@@ -89,6 +89,7 @@ struct dm_stepper {
     const dm_model *model;
     const dm_rule *rule;
     double h;
+    double whole; /* h of the step that this one is a part of (compositions); 0: it is none */
     double tolerance; /* Newton: relative, 4e-15 unless the user says otherwise */
     int max_iterations;
     double *work;  /* method->work doubles */

@@ -9,12 +9,15 @@
 /* relative changes: of q1 at the last iteration; that may stall; that is foreseen for one more, of the tolerance */
 static const double STALLED = 1e-12, NEGLIGIBLE = 2.5e-3;
 
-/* workspace: this, memory (h, lambda[m]), two buffers of a step, one for an iteration */
+/* workspace: this, memory, two buffers of a step, one for an iteration */
 typedef struct {
     dm_rattle_layout at;
     dm_rattle_kernels kernel;
     double *memory, *now, *next, *iterate;
 } layout;
+
+/* memory: h of whole steps, h of the last step or part of one, its mu; a step on the side neither uses nor changes it */
+enum { WHOLE, LAST, MU };
 
 static size_t layout_size(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
@@ -58,34 +61,47 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const dm_rattle_layout at = dm_rattle_lay_out(m);
     (void)rule;
-    return layout_size() + 1 + at.m + 3 * (size_t)at.size;
+    return layout_size() + MU + at.m + 3 * (size_t)at.size;
+}
+
+/* what never varies stays in the buffers */
+static void prepare(layout *l) {
+    double *buffers[] = {l->now, l->next};
+    for (int i = 0; i < 2; i++) {
+        dm_kernel_prepare(&l->kernel.end, buffers[i]);
+        dm_kernel_prepare(&l->kernel.first, buffers[i] + l->at.y);
+        dm_kernel_prepare(&l->kernel.begin, buffers[i] + l->at.force);
+    }
+    dm_kernel_prepare(&l->kernel.newton, l->iterate);
 }
 
 static dm_status open(dm_stepper *s) {
     layout *l = layout_of(s);
     *l = (layout){.at = dm_rattle_lay_out(s->model)};
     l->memory = s->work + layout_size();
-    l->now = l->memory + 1 + l->at.m;
+    l->now = l->memory + MU + l->at.m;
     l->next = l->now + l->at.size;
     l->iterate = l->next + l->at.size;
     const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
     const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
+    if (status != DM_OK) return status;
     s->report.operations = l->kernel.first.operations + l->kernel.end.operations;
-    return status;
+    prepare(l);
+    return DM_OK;
 }
 
 static dm_status start(dm_stepper *s, double *state, double t) {
     layout *l = layout_of(s);
     (void)state;
     (void)t;
-    memset(l->memory, 0, (1 + l->at.m) * sizeof *l->memory);
-    l->memory[0] = s->h;
+    memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory);
+    l->memory[WHOLE] = s->whole != 0.0 ? s->whole : s->h;
     return DM_OK;
 }
 
 static size_t memory(dm_stepper *s, double **place) {
     *place = layout_of(s)->memory;
-    return 1 + layout_of(s)->at.m;
+    return MU + layout_of(s)->at.m;
 }
 
 /* ---- a step ---- */
@@ -142,22 +158,27 @@ static dm_status step_once(dm_stepper *s, layout *l, double t) {
     return DM_OK;
 }
 
+static int remembers(const dm_stepper *s, const layout *l) {
+    return l->memory[WHOLE] == (s->whole != 0.0 ? s->whole : s->h);
+}
+
 static void load(dm_stepper *s, layout *l, const double *state, double t) {
     const dm_rattle_layout *at = &l->at;
-    double *buffers[] = {l->now, l->next};
-    for (int i = 0; i < 2; i++) {
-        dm_kernel_prepare(&l->kernel.end, buffers[i]);
-        dm_kernel_prepare(&l->kernel.first, buffers[i] + at->y);
-        buffers[i][at->h] = s->h;
-        buffers[i][at->half] = 0.5 * s->h;
-    }
-    dm_kernel_prepare(&l->kernel.newton, l->iterate);
+    l->now[at->h] = l->next[at->h] = s->h;
+    l->now[at->half] = l->next[at->half] = 0.5 * s->h;
     memcpy(l->now, state, 4 * (size_t)at->n * sizeof *state);
     l->now[at->t] = t;
-    dm_kernel_prepare(&l->kernel.begin, l->now + at->force);
     dm_kernel_eval(&l->kernel.begin, l->now, l->now + at->force);
+    const double last = l->memory[LAST];
+    const double part = last == s->h ? 1.0 : last == 0.0 ? 0.0 : s->h / last;
     for (uint32_t i = 0; i < at->m; i++)
-        l->now[at->guess + i] = l->memory[0] == s->h ? l->memory[1 + i] : 0.0;
+        l->now[at->guess + i] = remembers(s, l) ? part * l->memory[MU + i] : 0.0;
+}
+
+static void remember(dm_stepper *s, layout *l) {
+    if (!remembers(s, l)) return;
+    l->memory[LAST] = s->h;
+    memcpy(l->memory + MU, l->now + l->at.guess, l->at.m * sizeof *l->memory);
 }
 
 static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
@@ -170,8 +191,7 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
         if (status == DM_OK) ++*done;
     }
     memcpy(state, l->now, 4 * (size_t)at->n * sizeof *state);
-    if (l->memory[0] == s->h)
-        memcpy(l->memory + 1, l->now + at->guess, at->m * sizeof *state);
+    remember(s, l);
     if (status == DM_OK && !dm_state_is_finite(state, at->n)) status = DM_NOT_FINITE;
     return status;
 }

@@ -117,6 +117,16 @@ local once = double:solver({ rule = "rattle", h = 0.01 }):run { q = swing.q, v =
 local between = double:solver({ rule = "rattle", h = 0.01 }):run { q = swing.q, v = swing.v, at = { 1.2345, 3.3333, 5 } }
 ok(same(often.q[501], once.q[2]) and same(often.p[501], once.p[2]), "rows do not change a run")
 ok(same(once.q[2], between.q[3]), "nor do times between steps")
+for _, rule in ipairs { "rattle", "yoshida(4, rattle)", "shake" } do
+  local solver, file = double:solver { rule = rule, h = 0.01 }, os.tmpname()
+  local whole = solver:run { q = swing.q, v = swing.v, steps = 300, every = 300 }
+  local sideways = solver:run { q = swing.q, v = swing.v, at = { 0.123, 0.777, 3 } }
+  solver:run({ q = swing.q, v = swing.v, steps = 100, every = 100 }):checkpoint(file)
+  local rest = dm.resume(file, double):run { steps = 200, every = 200 }
+  ok(same(rest.q[#rest], whole.q[2]) and same(rest.p[#rest], whole.p[2]), rule .. " goes on from a checkpoint bit for bit")
+  ok(same(sideways.q[3], whole.q[2]), "and is not changed by times between its steps")
+  os.remove(file)
+end
 ok(between:worst "constraint" < 1e-14, "which lie on the constraints too")
 local many = double:solver({ rule = "rattle", h = 0.01 }):ensemble { members = 3, q = function() return swing.q end,
   v = function(i) return { 0, i == 2 and 1 or 0.7, 0, 0, 0.5, 0 } end, steps = 500, threads = 2 }
