@@ -40,7 +40,18 @@ static const char *const *input_names(lua_State *L, const dml_system *s) {
     return names;
 }
 
-/* L, its slopes and the energy; or Ld and its slopes */
+/* constraint, rolling, reaction, force: in = q, v, t, then room for multipliers, then controls */
+static void emit_ties(emitter e, const dm_ties_traced *t) {
+    e.graph = t->graph;
+    if (!t->graph) return;
+    if (t->g) emit(&e, "constraint", t->g, t->holonomic);
+    if (t->phi) emit(&e, "rolling", t->phi, t->rolling);
+    if (t->E) emit(&e, "reaction", t->E, t->rolling * t->n);
+    if (t->controls) e.names = NULL; /* the names end with t */
+    if (t->f) emit(&e, "force", t->f, t->n);
+}
+
+/* L, its slopes and the energy, the ties; or Ld and its slopes */
 static int system_emit(lua_State *L) {
     const dml_system *s = dml_checksystem(L, 1);
     const uint32_t n = s->n;
@@ -66,6 +77,7 @@ static int system_emit(lua_State *L) {
         }
         emit(&e, "energy", &E, 1);
     }
+    emit_ties(e, &m->tied);
     luaL_pushresult(&b);
     return 1;
 }
@@ -87,7 +99,8 @@ static const dml_row of_systems[] = {
      "system:emit_c() -> string\n"
      "C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 "
      "output), slope (dL/dq, dL/dv: 2 dim Q) "
-     "and energy, each void f(const double *in, double *out) with in = q, v, t; of a "
+     "and energy, and constraint, rolling, reaction, force where there are such, each "
+     "void f(const double *in, double *out) with in = q, v, t; of a "
      "discrete Lagrangian Ld and slope with "
      "in = q0, q1. Compile with -ffp-contract=off for the same bits."},
     {NULL, NULL, NULL}};

@@ -24,5 +24,9 @@ local f = dm.trace(function(x) return { x[1] / x[2], -math.abs(x[1]) } end, 2)
 ok(f:emit_c("g"):find "void g%(" and f:emit_c():find "void f%(", "a function under a name")
 local Ld = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(a, b) return (b[1] - a[1]) ^ 2 / 0.2 end }
 ok(Ld:emit_c():find "void Ld" and Ld:emit_c():find "q1_1 = in%[1%]", "a discrete Lagrangian")
+local tied = dm.system { Q = dm.R(2), L = function(_, v) return v:dot(v) / 2 end, constraint = function(q, t) return q:dot(q) - t end,
+  force = function(_, v) return -v end }:emit_c()
+ok(tied:find "void constraint" and tied:find "void force" and tied:find "const double v2 = in%[3%]" and not tied:find "void rolling",
+  "constraints and forces", tied)
 raises("hyper-dual", function() dm.system { Q = dm.R(1), derivatives = "hyperdual", L = function(q, v) return v[1] ^ 2 end }:emit_c() end)
 tap.done()
