@@ -65,6 +65,8 @@ int dm_take_register(dm_emitter *e) {
 }
 
 int dm_in_a_register(dm_emitter *e, dm_node n) {
+    if (e->at[n].reg < 0 && e->at[n].homed && e->at[n].home.reg >= 0)
+        return e->at[n].home.reg; /* one that is never written in the body of a loop */
     if (e->at[n].reg < 0) {
         const int wish = e->wish;
         e->wish = -1;

@@ -35,7 +35,13 @@ static int add_writes(dm_plan *p, dm_arena *arena) {
     return 1;
 }
 
+/* carried values have the last registers */
+static int carrier(const dm_strand *s) {
+    return 31 - (int)s->at;
+}
+
 static dm_operand home_of(dm_strand s) {
+    if (s.base == DM_STRAND_CARRIED) return dm_in_register(carrier(&s));
     if (s.base == DM_STRAND_FIXED)
         return dm_in_memory(DM_R15, (int32_t)(s.at * DM_STRIP_GROUP * 8));
     return dm_in_memory(s.base == DM_STRAND_MAIN ? DM_R14 : R13, (int32_t)(s.at * 8));
@@ -58,12 +64,13 @@ static void place_inputs(dm_emitter *e, const dm_graph *g, const dm_strand *in) 
 /* Numbers that are the same for all entries stay in the last registers, as far as there are some to spare;
 ** a call would lose them. */
 static void place_numbers(dm_emitter *e, const dm_graph *g, dm_code *before) {
-    const int most = e->plan->calls ? 0 : e->registers == 32 ? MOST_NUMBERS : 4;
+    const int most = e->plan->calls ? 0 : e->registers > 16 ? MOST_NUMBERS : 4;
     int taken = 0;
     for (dm_node n = 0; n < e->plan->end && taken < most; n++) {
         const dm_operand home = e->at[n].home;
         const int constant = dm_is_op(g, n, DM_OP_CONSTANT);
-        const int number = dm_is_op(g, n, DM_OP_INPUT) && home.base == DM_R15;
+        const int number =
+            dm_is_op(g, n, DM_OP_INPUT) && home.reg < 0 && home.base == DM_R15;
         if (e->plan->first[n] == DM_NEVER || !(constant || number)) continue;
         const int reg = e->registers - 1 - taken++;
         dm_x86_load(before, e->width, reg, home);
@@ -79,7 +86,10 @@ static void emit_body(dm_emitter *e, const dm_strand *out) {
         const dm_step *s = e->plan->steps + steps + k;
         dm_bury_slots(e);
         const int reg = dm_in_a_register(e, s->arg[0]);
-        dm_x86_store(&e->code, e->width, home_of(out[k]), reg);
+        if (out[k].base == DM_STRAND_CARRIED)
+            dm_x86_load(&e->code, e->width, carrier(out + k), dm_in_register(reg));
+        else
+            dm_x86_store(&e->code, e->width, home_of(out[k]), reg);
         dm_pass_operands(e, s);
     }
 }
@@ -111,8 +121,20 @@ static void epilogue(dm_code *c) {
     dm_x86_bytes(c, "\x48\x8D\x65\xD8\x41\x5F\x41\x5E\x41\x5D\x41\x5C\x5B\x5D\xC3", 15);
 }
 
+/* the first and the last of what is carried; the bases have moved by one group beyond the last then */
+static void load_carried(dm_code *c, const dm_strip_draft *d) {
+    for (uint32_t k = 0; k < d->carried; k++)
+        dm_x86_load(c, DM_LANES8, 31 - (int)k, home_of(d->start[k]));
+}
+
+static void store_carried(dm_code *c, const dm_strip_draft *d) {
+    if (d->carried) dm_x86_bytes(c, "\x4D\x89\xC5", 3); /* r13 = r8 */
+    for (uint32_t k = 0; k < d->carried; k++)
+        if (d->kept[k]) dm_x86_store(c, DM_LANES8, home_of(d->start[k]), 31 - (int)k);
+}
+
 static dm_status place_loop(const void **at, dm_emitter *e, const dm_code *numbers,
-                            dm_arena *arena) {
+                            const dm_strip_draft *d, dm_arena *arena) {
     dm_code c = {.arena = e->code.arena};
     const int64_t frame = ((int64_t)e->slots * e->bytes + 63) & ~63;
     if (frame > LARGEST_FRAME) return DM_NO_NATIVE;
@@ -120,29 +142,38 @@ static dm_status place_loop(const void **at, dm_emitter *e, const dm_code *numbe
     const size_t top = c.size;
     dm_x86_bytes(&c, e->code.bytes, e->code.size);
     close_loop(&c, top, e->bytes);
+    store_carried(&c, d);
     epilogue(&c);
     if (c.failed || numbers->failed || e->code.failed) return DM_NO_MEMORY;
     return dm_code_place(at, c.bytes, c.size, arena);
 }
 
-dm_status dm_jit_build_strip(dm_strip *s, dm_graph *g, const dm_node *roots, uint32_t m,
-                             dm_arena *arena) {
-    const uint32_t lanes = dm_jit_lanes();
+/* carried values need registers that nothing else wants, calls neither */
+static int can_carry(const dm_strip_draft *d, const dm_plan *plan, uint32_t lanes) {
+    if (!d->carried) return 1;
+    return lanes == 8 && !plan->calls && d->carried <= DM_STRIP_CARRIED;
+}
+
+dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *arena) {
+    const uint32_t lanes = dm_jit_lanes(), m = d->outputs;
     const void *code = NULL;
     dm_plan plan;
     dm_emitter e;
     if (!lanes || !is_within(s->in, s->one.inputs) || !is_within(s->out, m))
         return DM_NO_NATIVE;
-    if (!dm_plan_make(&plan, g, roots, m) || !add_writes(&plan, dm_graph_arena(g)) ||
-        !dm_emit_open(&e, g, &plan, lanes))
+    if (!dm_plan_make(&plan, s->g, s->root, m) ||
+        !add_writes(&plan, dm_graph_arena(s->g)) || !dm_emit_open(&e, s->g, &plan, lanes))
         return DM_NO_MEMORY;
-    place_inputs(&e, g, s->in);
-    void *pool = dm_pool_make(&e, g, arena);
+    if (!can_carry(d, &plan, lanes)) return DM_NO_NATIVE;
+    e.registers -= (int)d->carried;
+    place_inputs(&e, s->g, s->in);
+    void *pool = dm_pool_make(&e, s->g, arena);
     if (!pool) return DM_NO_MEMORY;
-    dm_code numbers = {.arena = dm_graph_arena(g)};
-    place_numbers(&e, g, &numbers);
+    dm_code numbers = {.arena = dm_graph_arena(s->g)};
+    load_carried(&numbers, d);
+    place_numbers(&e, s->g, &numbers);
     emit_body(&e, s->out);
-    const dm_status status = place_loop(&code, &e, &numbers, arena);
+    const dm_status status = place_loop(&code, &e, &numbers, d, arena);
     if (status != DM_OK) return status;
     memcpy(&s->eval, &code, sizeof code);
     s->pool = pool;
@@ -153,9 +184,8 @@ dm_status dm_jit_build_strip(dm_strip *s, dm_graph *g, const dm_node *roots, uin
 
 #else
 
-dm_status dm_jit_build_strip(dm_strip *s, dm_graph *g, const dm_node *roots, uint32_t m,
-                             dm_arena *arena) {
-    (void)s, (void)g, (void)roots, (void)m, (void)arena;
+dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *arena) {
+    (void)s, (void)d, (void)arena;
     return DM_NO_NATIVE;
 }
 

@@ -1,6 +1,7 @@
 #include "expr/strip.h"
 
 #include "expr/compact.h"
+#include "expr/derive.h"
 #include "expr/jit.h"
 #include "expr/nodes.h"
 
@@ -8,8 +9,8 @@
 
 int dm_strip_begin(dm_strip_draft *d, dm_arena *arena) {
     d->g = dm_graph_new(arena, DM_STRIP_MOST);
-    d->inputs = d->outputs = 0;
-    d->full = 0;
+    d->inputs = d->outputs = d->carried = 0;
+    d->full = d->stands = 0;
     return d->g != NULL;
 }
 
@@ -32,6 +33,21 @@ void dm_strip_write(dm_strip_draft *d, dm_strand to, dm_node value) {
     }
     d->out[d->outputs] = to;
     d->root[d->outputs++] = value;
+}
+
+dm_strand dm_strip_carry(dm_strip_draft *d, dm_strand start, int keep) {
+    if (d->carried == DM_STRIP_CARRIED) {
+        d->full = 1;
+        return start;
+    }
+    d->start[d->carried] = start;
+    d->kept[d->carried] = keep;
+    return (dm_strand){DM_STRAND_CARRIED, d->carried++};
+}
+
+void dm_strip_repeat(dm_strip_draft *d, const dm_strip *s, const dm_node *with,
+                     dm_node *out) {
+    dm_transplant(d->g, s->g, s->root, s->one.outputs, with, out);
 }
 
 static int keep_strands(dm_strip *s, const dm_strip_draft *d, dm_arena *arena) {
@@ -96,19 +112,21 @@ static dm_graph *contract_all(dm_graph *g, dm_node *roots, uint32_t m) {
 dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_strip_compile *compile,
                        dm_arena *arena) {
     dm_strip s = {.lanes = 0};
-    dm_node compact[DM_STRIP_MOST];
+    dm_node *compact = dm_arena_take(arena, (d->outputs + 1) * sizeof *compact);
+    if (!compact) return DM_NO_MEMORY;
     if (d->full) return DM_TOO_LARGE;
     if (!keep_strands(&s, d, arena)) return DM_NO_MEMORY;
     dm_graph *small = dm_compact_graph(d->g, d->root, d->outputs, compact);
     if (dm_graph_status(d->g) != DM_OK) return dm_graph_status(d->g);
-    if (small) small = contract_all(small, compact, d->outputs);
+    if (small && !d->stands) small = contract_all(small, compact, d->outputs);
     if (!small) return DM_NO_MEMORY;
     dm_graph_verbatim(small, 1);
     dm_status status = DM_NO_NATIVE;
     s.one = (dm_kernel){.inputs = d->inputs, .outputs = d->outputs, .backend = "jit"};
-    if (compile == dm_native_build)
-        status = dm_jit_build_strip(&s, small, compact, d->outputs, arena);
-    if (status == DM_NO_NATIVE) {
+    s.g = small;
+    s.root = compact;
+    if (compile == dm_native_build) status = dm_jit_build_strip(&s, d, arena);
+    if (status == DM_NO_NATIVE && !d->carried) {
         status = compile(&s.one, small, compact, d->outputs, arena);
         s.one.inputs = d->inputs;
     }

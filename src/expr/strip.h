@@ -11,11 +11,21 @@
 #include "expr/graph.h"
 #include "expr/kernel.h"
 
-enum { DM_STRIP_MOST = 96, DM_STRIP_GROUP = 8 }; /* inputs or outputs; lanes at most */
+enum {
+    DM_STRIP_MOST = 96,   /* inputs or outputs */
+    DM_STRIP_GROUP = 8,   /* lanes at most */
+    DM_STRIP_CARRIED = 12 /* values from group to group */
+};
 
-typedef enum { DM_STRAND_FIXED, DM_STRAND_MAIN, DM_STRAND_SIDE } dm_strand_base;
+typedef enum {
+    DM_STRAND_FIXED,
+    DM_STRAND_MAIN,
+    DM_STRAND_SIDE,
+    DM_STRAND_CARRIED
+} dm_strand_base;
 
-/* entry i is base[at + i]; fixed: base[at * DM_STRIP_GROUP], with a copy for every lane behind it */
+/* entry i is base[at + i]; fixed: base[at * DM_STRIP_GROUP], with a copy for every lane behind it; carried: what
+** the group of lanes before this one wrote, number `at` */
 typedef struct {
     dm_strand_base base;
     int64_t at;
@@ -36,13 +46,19 @@ typedef struct {
     const void *pool;
     uint32_t lanes; /* of eval; 0: entry by entry */
     const dm_strand *in, *out;
+    dm_graph *g; /* what it is made of, and its outputs */
+    const dm_node *root;
 } dm_strip;
 
 /* A strip under construction: nodes of `g` between strands. */
 typedef struct {
     dm_graph *g;
     uint32_t inputs, outputs;
-    int full; /* more strands than there is room for */
+    int full;   /* more strands than there is room for */
+    int stands; /* sums are taken as they stand: no products are fused */
+    uint32_t carried;
+    dm_strand start[DM_STRIP_CARRIED]; /* where what is carried comes from */
+    int kept[DM_STRIP_CARRIED];        /* and goes there at the end */
     dm_strand in[DM_STRIP_MOST], out[DM_STRIP_MOST];
     dm_node root[DM_STRIP_MOST];
 } dm_strip_draft;
@@ -51,6 +67,14 @@ typedef struct {
 int dm_strip_begin(dm_strip_draft *d, dm_arena *arena);
 dm_node dm_strip_read(dm_strip_draft *d, dm_strand from);
 void dm_strip_write(dm_strip_draft *d, dm_strand to, dm_node value);
+
+/* One more carried value, which begins as `start` of the first group; keep: its last one goes back there. Only
+** native code of DM_STRIP_GROUP lanes knows them: dm_strip_end gives DM_NO_NATIVE elsewhere. */
+dm_strand dm_strip_carry(dm_strip_draft *d, dm_strand start, int keep);
+
+/* out[m] = outputs of s in the draft, where with[k] stands for its input k. */
+void dm_strip_repeat(dm_strip_draft *d, const dm_strip *s, const dm_node *with,
+                     dm_node *out);
 
 /* The loop; `compile` makes the kernel of one entry and decides whether there is native code. */
 typedef dm_status dm_strip_compile(dm_kernel *out, dm_graph *g, const dm_node *roots,
@@ -61,8 +85,8 @@ dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_strip_compile *compi
 /* All entries, rounded up to whole groups of DM_STRIP_GROUP: the arrays have room for them. */
 void dm_strip_run(const dm_strip *s, dm_strip_bases at, uint32_t count);
 
-/* jit_strip.c: native code for s, whose strands are set; DM_NO_NATIVE where there is none. */
-dm_status dm_jit_build_strip(dm_strip *s, dm_graph *g, const dm_node *roots, uint32_t m,
-                             dm_arena *arena);
+/* jit_strip.c: native code for s, whose graph, outputs and strands are set, carried values as in d; DM_NO_NATIVE
+** where there is none. */
+dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *arena);
 
 #endif

@@ -17,7 +17,8 @@ struct dm_chain {
     int first, last; /* kicks of a step; the first one of all may belong to the turn */
     uint32_t q, q0, p0, dq, dp, weight;
     double same_weight; /* 1/m where it is that of all, else 0 */
-    dm_strip lead, middle, turn, stop;
+    dm_strip lead[2], middle[2], turn[2], stop[2]; /* alone; joined with the slopes */
+    int joined;
 };
 
 /* ---- passes as nodes ---- */
@@ -72,8 +73,7 @@ static dm_node weight_of(const dm_chain *c, dm_strip_draft *d, uint32_t k) {
 
 static void write_body(const dm_chain *c, body *b, pass what, uint32_t k) {
     const dm_node q = dm_add(b->d->g, b->q0, b->dq);
-    const int ends = what.end && !what.again_drift;
-    dm_strip_write(b->d, entry(c, c->q, k), ends ? b->q0 : q);
+    dm_strip_write(b->d, entry(c, c->q, k), q);
     dm_strip_write(b->d, entry(c, c->dq, k), b->dq);
     dm_strip_write(b->d, entry(c, c->dp, k), b->dp);
     if (!what.end) return;
@@ -114,6 +114,16 @@ static void plan_step(dm_chain *c) {
     c->c[s] = 1.0;
 }
 
+/* all passes or none: they differ in where positions are */
+static int join(dm_chain *c) {
+    dm_strip *const all[] = {c->middle, c->turn, c->stop};
+    for (int k = 0; k < 3; k++)
+        if (all[k]->one.outputs &&
+            dm_lattice_join(&c->lattice, all[k] + 1, all[k], c->q0, c->dq) != DM_OK)
+            return 0;
+    return 1;
+}
+
 static dm_status make_passes(dm_chain *c) {
     const dm_splitting *table = &c->table;
     const int kicks = c->first && table->b[0] != 0.0, drifts = c->last < table->stages;
@@ -122,11 +132,12 @@ static dm_status make_passes(dm_chain *c) {
     pass turn = stop;
     turn.again_kick = kicks;
     turn.again_drift = c->first;
-    dm_status status = make_pass(c, &c->stop, stop);
+    dm_status status = make_pass(c, c->stop, stop);
     if (status == DM_OK && (kicks || c->last > c->first))
-        status = make_pass(c, &c->middle, middle);
-    if (status == DM_OK && c->first) status = make_pass(c, &c->turn, turn);
-    if (status == DM_OK && c->first && !kicks) status = make_pass(c, &c->lead, lead);
+        status = make_pass(c, c->middle, middle);
+    if (status == DM_OK && c->first) status = make_pass(c, c->turn, turn);
+    if (status == DM_OK && c->first && !kicks) status = make_pass(c, c->lead, lead);
+    c->joined = status == DM_OK && join(c);
     return status;
 }
 
@@ -199,10 +210,10 @@ dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *wo
 static void load(dm_chain *c, const double *state) {
     const uint32_t n = c->lattice.model->n;
     dm_lattice_load(&c->lattice, c->q0, state);
-    dm_lattice_copy(&c->lattice, c->q, c->q0);
     dm_lattice_load(&c->lattice, c->p0, state + n);
     dm_lattice_load(&c->lattice, c->dq, state + 2 * (size_t)n);
     dm_lattice_load(&c->lattice, c->dp, state + 3 * (size_t)n);
+    if (!c->joined) dm_lattice_add_up(&c->lattice, c->q0, c->dq);
 }
 
 static void store(const dm_chain *c, double *state) {
@@ -213,24 +224,31 @@ static void store(const dm_chain *c, double *state) {
     dm_lattice_store(&c->lattice, state + 3 * (size_t)n, c->dp);
 }
 
+static void run(dm_chain *c, const dm_strip *passes, double t) {
+    if (c->joined)
+        dm_lattice_run_joined(&c->lattice, passes + 1, passes, c->q0, c->dq, t);
+    else
+        dm_lattice_run(&c->lattice, passes, t);
+}
+
 /* what comes before the first turn of a burst */
 static void begin(dm_chain *c, double h, double t) {
     dm_lattice *l = &c->lattice;
     dm_lattice_set(l, KICK, h * c->table.b[0]);
     dm_lattice_set(l, DRIFT, h * c->table.a[0]);
     if (c->table.b[0] != 0.0)
-        dm_lattice_run(l, &c->middle, t);
+        run(c, c->middle, t);
     else
-        dm_lattice_move(l, &c->lead);
+        dm_lattice_move(l, c->lead);
 }
 
 static void step(dm_chain *c, double h, double t, int stops) {
     dm_lattice *l = &c->lattice;
     for (int k = c->first; k <= c->last; k++) {
-        const dm_strip *rest = stops || !c->first ? &c->stop : &c->turn;
+        const dm_strip *rest = stops || !c->first ? c->stop : c->turn;
         dm_lattice_set(l, KICK, h * c->table.b[k]);
         if (k < c->table.stages) dm_lattice_set(l, DRIFT, h * c->table.a[k]);
-        dm_lattice_run(l, k < c->last ? &c->middle : rest, t + c->c[k] * h);
+        run(c, k < c->last ? c->middle : rest, t + c->c[k] * h);
     }
 }
 

@@ -1,4 +1,4 @@
-#include "mech/lattice.h"
+#include "mech/lattice_inside.h"
 
 #include "expr/analyse.h"
 #include "expr/compact.h"
@@ -21,11 +21,6 @@ typedef struct dm_lattice_data {
     const dm_column *column;
     uint32_t array;
 } data;
-
-/* entry of body i; i beyond the end: what lies there in its lane */
-static size_t entry_of(const dm_lattice *l, uint32_t i) {
-    return (size_t)(i % l->depth) * GROUP + i / l->depth;
-}
 
 static uint32_t larger(uint32_t a, uint32_t b) {
     return a > b ? a : b;
@@ -222,15 +217,16 @@ uint32_t dm_lattice_arrays(dm_lattice *l) {
 ** neighbours. */
 static void fill_ends(const dm_lattice *l, double *x) {
     const uint32_t all = l->depth * GROUP, n = l->bodies;
-    for (uint32_t i = n; i < all; i++) x[entry_of(l, i)] = x[entry_of(l, i - n)];
+    for (uint32_t i = n; i < all; i++)
+        x[dm_lattice_at(l, i)] = x[dm_lattice_at(l, i - n)];
     for (uint32_t k = 0; k < l->pad; k++) {
         double *behind = x + (size_t)(l->depth + k) * GROUP;
         memcpy(behind, x + (size_t)k * GROUP + 1, (GROUP - 1) * sizeof *x);
-        behind[GROUP - 1] = x[entry_of(l, (all - n + k) % n)];
+        behind[GROUP - 1] = x[dm_lattice_at(l, (all - n + k) % n)];
         const uint32_t j = l->depth - 1 - k;
         double *before = x - (size_t)(k + 1) * GROUP;
         memcpy(before + 1, x + (size_t)j * GROUP, (GROUP - 1) * sizeof *x);
-        before[0] = x[entry_of(l, n - 1 - k)];
+        before[0] = x[dm_lattice_at(l, n - 1 - k)];
     }
 }
 
@@ -240,7 +236,7 @@ static void fill_data(dm_lattice *l) {
         dm_column own = *d->column;
         own.partner = 0;
         for (uint32_t i = 0; i < d->sum->bodies; i++)
-            to[entry_of(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
+            to[dm_lattice_at(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
         fill_ends(l, to);
     }
 }
@@ -316,11 +312,6 @@ void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first) {
     }
 }
 
-void dm_lattice_copy(dm_lattice *l, uint32_t to, uint32_t from) {
-    memcpy(l->space + (size_t)to * l->pitch, l->space + (size_t)from * l->pitch,
-           (size_t)l->block * l->pitch * sizeof *l->space);
-}
-
 /* ---- running ---- */
 
 /* those to be added come before those to be taken away */
@@ -342,7 +333,7 @@ void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F) {
 }
 
 /* where depth j and its entries in the buffer are, that of the tile before at its beginning */
-static dm_strip_bases bases(const dm_lattice *l, int64_t j, int64_t in_tile) {
+dm_strip_bases dm_lattice_bases(const dm_lattice *l, int64_t j, int64_t in_tile) {
     return (dm_strip_bases){.main = l->space + j * GROUP,
                             .side = l->buffer + (l->pad + in_tile) * GROUP,
                             .fixed = l->fixed};
@@ -363,9 +354,10 @@ static void clear_outside(const dm_lattice *l, const dm_rounds *r, int64_t j,
 }
 
 /* slopes at depths j + first .. j + end - 1 */
-static void fill(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
-                 int64_t end) {
-    dm_strip_run(&r->strip, bases(l, j + first, first), (uint32_t)(end - first) * GROUP);
+void dm_lattice_fill(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
+                     int64_t end) {
+    dm_strip_run(&r->strip, dm_lattice_bases(l, j + first, first),
+                 (uint32_t)(end - first) * GROUP);
     if (!r->periodic) clear_outside(l, r, j, first, end);
 }
 
@@ -377,18 +369,22 @@ static void keep_end(const dm_lattice *l) {
     }
 }
 
+void dm_lattice_fill_ends(dm_lattice *l) {
+    for (uint32_t c = 0; c < l->block; c++) fill_ends(l, l->space + (size_t)c * l->pitch);
+}
+
 void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t) {
     dm_lattice_set(l, 0, t);
-    for (uint32_t c = 0; c < l->block; c++) fill_ends(l, l->space + (size_t)c * l->pitch);
+    dm_lattice_fill_ends(l);
     for (uint32_t j = 0; j < l->depth; j += l->tile) {
         const uint32_t left = l->depth - j, count = left < l->tile ? left : l->tile;
         for (uint32_t k = 0; k < l->sums; k++)
-            fill(l, l->sum + k, j, j ? 0 : -(int64_t)l->sum[k].shift, count);
-        dm_strip_run(use, bases(l, j, 0), count * GROUP);
+            dm_lattice_fill(l, l->sum + k, j, j ? 0 : -(int64_t)l->sum[k].shift, count);
+        dm_strip_run(use, dm_lattice_bases(l, j, 0), count * GROUP);
         if (count < left) keep_end(l);
     }
 }
 
 void dm_lattice_move(const dm_lattice *l, const dm_strip *strip) {
-    dm_strip_run(strip, bases(l, 0, 0), l->depth * GROUP);
+    dm_strip_run(strip, dm_lattice_bases(l, 0, 0), l->depth * GROUP);
 }

@@ -73,11 +73,22 @@ void dm_lattice_set(dm_lattice *l, uint32_t slot, double value);
 void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x);
 void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first);
 
-/* Arrays to .. from others. */
-void dm_lattice_copy(dm_lattice *l, uint32_t to, uint32_t from);
-
 /* Nodes of the force on one body in a draft: F[block]. */
 void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
+
+/*
+** `use`, which adds to the arrays `low`, and the slopes that it takes as one loop in which positions high + low and
+** slopes go from group to group in registers: neighbours one body away, eight lanes. DM_NO_NATIVE elsewhere.
+*/
+dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *use,
+                          uint32_t high, uint32_t low);
+
+/* What dm_lattice_run does, by such a loop; coordinates at the ends only are kept. */
+void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip *use,
+                           uint32_t high, uint32_t low, double t);
+
+/* The coordinates themselves are high + low. */
+void dm_lattice_add_up(dm_lattice *l, uint32_t high, uint32_t low);
 
 /* The slopes at the coordinates and time t, and `use` of the forces behind them, which may move the
 ** coordinates. */

@@ -1,0 +1,22 @@
+/* lattice_inside.h - parts of a run over a lattice, for the files of this room only. */
+#ifndef DM_LATTICE_INSIDE_H
+#define DM_LATTICE_INSIDE_H
+
+#include "mech/lattice.h"
+
+/* Entry of body i; i beyond the end: what lies there in its lane. */
+static inline size_t dm_lattice_at(const dm_lattice *l, uint32_t i) {
+    return (size_t)(i % l->depth) * DM_STRIP_GROUP + i / l->depth;
+}
+
+/* Where depth j and its entries in the buffer are. */
+dm_strip_bases dm_lattice_bases(const dm_lattice *l, int64_t j, int64_t in_tile);
+
+/* Coordinates beyond the ends of the parts. */
+void dm_lattice_fill_ends(dm_lattice *l);
+
+/* Slopes at depths j + first .. j + end - 1 of a tile that begins at depth j. */
+void dm_lattice_fill(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
+                     int64_t end);
+
+#endif
