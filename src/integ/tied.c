@@ -84,6 +84,7 @@ static size_t lay_out(dm_tied *g, const sizes *z, double *memory) {
     g->root = take(&to, z->unknowns);
     g->end = take(&to, n + m);
     g->v0 = take(&to, n);
+    g->inner_v = take(&to, z->K * n);
     g->next = take(&to, 4 * n);
     g->dq = take(&to, n);
     g->dp = take(&to, n);
@@ -179,7 +180,7 @@ size_t dm_tied_memory(dm_stepper *stepper, double **place) {
 
 /* ---- the step ---- */
 
-static dm_status newton(dm_tied *g, const dm_stepper *stepper) {
+dm_status dm_tied_newton(dm_tied *g, const dm_stepper *stepper) {
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = dm_tied_unknowns(g),
                                        .equation = dm_tied_equation,
@@ -201,13 +202,13 @@ static dm_status by_continuation(dm_tied *g, const dm_stepper *stepper) {
     const size_t V = (size_t)g->table.s * g->n, N = dm_tied_unknowns(g);
     dm_tied_weights_scale(g, ldexp(h, -DOUBLINGS));
     dm_tied_plain_guess(g);
-    dm_status status = newton(g, stepper);
+    dm_status status = dm_tied_newton(g, stepper);
     for (int k = DOUBLINGS; status == DM_OK && k > 0; k--) {
         memcpy(g->scratch, g->root, V * sizeof *g->root);
         dm_tied_longer_guess(g, g->scratch);
         for (size_t i = V; i < N; i++) g->root[i] *= 2.0;
         dm_tied_weights_scale(g, ldexp(h, 1 - k));
-        status = newton(g, stepper);
+        status = dm_tied_newton(g, stepper);
     }
     if (g->h != h) dm_tied_weights_scale(g, h);
     return status;
@@ -216,11 +217,13 @@ static dm_status by_continuation(dm_tied *g, const dm_stepper *stepper) {
 /* the residual of the way that came nearest is what a failure tells */
 static dm_status solve(dm_tied *g, const dm_stepper *stepper) {
     const int warm = dm_tied_guess(g);
-    dm_status status = newton(g, stepper);
+    dm_tied_bend_guess(g);
+    dm_status status = dm_tied_newton(g, stepper);
     double least = g->residual;
     if (status != DM_OK && status != DM_CALLBACK && warm) {
         dm_tied_plain_guess(g);
-        status = newton(g, stepper);
+        dm_tied_bend_guess(g);
+        status = dm_tied_newton(g, stepper);
         least = fmin(least, g->residual);
     }
     if (status == DM_OK || status == DM_CALLBACK) return status;
@@ -259,7 +262,9 @@ dm_status dm_tied_step(dm_stepper *stepper, double *state, double t) {
     if (g->h != stepper->h) dm_tied_weights_scale(g, stepper->h);
     dm_status status = dm_tied_begin(g);
     if (status == DM_OK) status = find_lost(g, solve(g, stepper));
-    if (status == DM_OK) status = dm_tied_finish(g, stepper);
+    if (status == DM_OK)
+        status =
+            dm_tied_is_bent(g) ? dm_tied_bend(g, stepper) : dm_tied_finish(g, stepper);
     stepper->report.iterations = g->iterations;
     stepper->report.residual = g->residual;
     stepper->report.tie = (int)g->lost;

@@ -45,7 +45,8 @@ static void correct_impulses(dm_tied *g, const double *dV) {
         if (k == 0) continue;
         moved(g, g->tie_ha + k * s, g->tie.d + k * s, dV);
         dm_tied_product(impulse, r_q, g->shift, &g->r_q);
-        dm_tied_product(impulse, r_q + (size_t)n * n, g->v, &g->r_v);
+        if (!dm_tied_is_bent(g))
+            dm_tied_product(impulse, r_q + (size_t)n * n, g->v, &g->r_v);
     }
 }
 

@@ -96,7 +96,8 @@ static void reaction_columns(const dm_tied *g, double *J) {
                 const double d = dm_weight_double(g->tie.d[i * s + k]);
                 const double *r_q = dm_tied_curved(g, i) + n, *r_v = r_q + (size_t)n * n;
                 dm_tied_add(J, &g->step, j * n, k * n, w * ha, r_q, &g->r_q);
-                dm_tied_add(J, &g->step, j * n, k * n, w * d, r_v, &g->r_v);
+                if (!dm_tied_is_bent(g))
+                    dm_tied_add(J, &g->step, j * n, k * n, w * d, r_v, &g->r_v);
             }
 }
 

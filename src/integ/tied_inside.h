@@ -44,6 +44,12 @@ typedef struct {
     dm_tied_entries G, E, phi_v, phi_q;                      /* [k*n], [l*n] */
     dm_tied_matrix step, hidden; /* of the step equation, of the hidden constraint */
     double *ahead;               /* [s*(s+1)]: V_j from v0 and the V of the step before */
+    double *
+        inner_force; /* [(K-1)*r]: integral to t_k of what stands at the quadrature points */
+    double *
+        inner_impulse; /* [(K-1)*(K+1)]: of the reactions at the tie points, over their weights */
+    double *
+        inner_v; /* [(K-1)*n] velocity at the inner tie points, where reactions turn with it */
     double *longer;      /* [s*(s+1)]: and from those of a step of half the length */
     const double *state; /* at the start of the step */
     double *x;           /* [2n+1 + k+l + controls] arguments of a kernel */
@@ -105,6 +111,8 @@ void dm_tied_weights_scale(dm_tied *g, double h);
 
 /* x = (q0 + shift, v, t + after) */
 void dm_tied_at(dm_tied *g, const double *shift, const double *v, double after);
+/* x at the tie point k */
+void dm_tied_at_tie(dm_tied *g, const double *V, uint32_t k);
 /* slopes (and curves) at the points of the quadrature */
 void dm_tied_slopes(dm_tied *g, const double *V, int with_curve);
 /* ties where they are wanted and the impulses of the multipliers behind V; derivatives of these too */
@@ -144,6 +152,10 @@ uint32_t dm_tied_unknowns(const dm_tied *g);
 dm_status dm_tied_equation(void *ctx, double *R, double *J, const double *z);
 void dm_tied_equation_matrix(const dm_tied *g, double *J);
 
+/* ---- tied.c ---- */
+
+dm_status dm_tied_newton(dm_tied *g, const dm_stepper *stepper);
+
 /* ---- tied_end.c: from the root to the state at the end ---- */
 
 dm_status dm_tied_finish(dm_tied *g, const dm_stepper *stepper);
@@ -152,6 +164,13 @@ dm_status dm_tied_finish(dm_tied *g, const dm_stepper *stepper);
 
 dm_status dm_tied_hidden(dm_tied *g, const dm_stepper *stepper);
 void dm_tied_hidden_matrix(const dm_tied *g, double *J);
+
+/* ---- tied_bent.c: reactions that turn with v ---- */
+
+int dm_tied_is_bent(const dm_tied *g);
+void dm_tied_bend_guess(dm_tied *g);
+/* from a root with a guess of the inner velocities to one with theirs, and to the end of the step */
+dm_status dm_tied_bend(dm_tied *g, const dm_stepper *stepper);
 
 /* ---- tied_memory.c: V, impulses, end and start of a step, for the next one ---- */
 

@@ -28,6 +28,12 @@ static void place(dm_tied *g, const dm_weight *ha, const dm_weight *d, double af
     dm_tied_at(g, g->shift, g->v, after);
 }
 
+void dm_tied_at_tie(dm_tied *g, const double *V, uint32_t k) {
+    const uint32_t s = g->table.s;
+    place(g, g->tie_ha + k * s, g->tie.d + k * s, g->h * dm_weight_double(g->tie.c[k]),
+          V);
+}
+
 /* L_q += f, and its curves where they are wanted */
 static void add_force(dm_tied *g, double *slope, double *drag, int with_curve) {
     if (!g->ties->forced) return;
@@ -91,6 +97,8 @@ void dm_tied_rows(dm_tied *g, uint32_t k) {
 
 /* impulses between the ends: their rows move with the curve */
 static void inner_tie(dm_tied *g, const double *impulses, uint32_t k, int with_curve) {
+    if (dm_tied_is_bent(g))
+        memcpy(g->x + g->n, g->inner_v + (k - 1) * (size_t)g->n, g->n * sizeof *g->x);
     if (g->k || g->l) dm_tied_rows(g, k);
     dm_tied_impulse(g, g->impulse + k * (size_t)g->n, impulses, k);
     if (with_curve) dm_tied_reaction(g, impulses, k);
@@ -103,8 +111,7 @@ void dm_tied_ties(dm_tied *g, const double *V, int with_curve) {
     dm_tied_impulse(g, g->impulse, impulses, 0);
     for (uint32_t k = 1; k <= g->K; k++) {
         if (k == g->K && !g->k) break; /* rolling ends there with the momentum */
-        place(g, g->tie_ha + k * s, g->tie.d + k * s,
-              g->h * dm_weight_double(g->tie.c[k]), V);
+        dm_tied_at_tie(g, V, k);
         if (k < g->K)
             inner_tie(g, impulses + k * m, k, with_curve);
         else

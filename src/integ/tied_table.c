@@ -17,7 +17,7 @@ static size_t points_size(size_t count, size_t s) {
 size_t dm_tied_weights_size(size_t s, size_t r) {
     const size_t pairs = points_size(s + 1, s) + points_size(s, s) + r + s + 3 * r * s +
                          (s + 1) * s + 2 * s * s;
-    return 2 * pairs + 2 * s * (s + 1);
+    return 2 * pairs + 2 * s * (s + 1) + s * (r + s + 1);
 }
 
 static dm_weight *take(dm_weight **memory, size_t count) {
@@ -68,6 +68,19 @@ static void guesses_fill(dm_tied *g, const dm_galerkin *basis) {
     }
 }
 
+/* integrals of polynomials through the quadrature points, and through the tie points, up to the inner ones */
+static void inner_fill(dm_tied *g, const dm_galerkin *basis, const dm_quadrature *ties) {
+    long double value[MOST], integral[MOST];
+    const int r = basis->q.r;
+    for (int k = 1; k < ties->r - 1; k++) {
+        dm_lagrange(value, integral, basis->q.c, r, ties->c[k]);
+        for (int i = 0; i < r; i++) g->inner_force[(k - 1) * r + i] = (double)integral[i];
+        dm_lagrange(value, integral, ties->c, ties->r, ties->c[k]);
+        for (int i = 0; i < ties->r; i++)
+            g->inner_impulse[(k - 1) * ties->r + i] = (double)(integral[i] / ties->b[i]);
+    }
+}
+
 void dm_tied_weights_fill(dm_tied *g, const dm_galerkin *basis, double *memory) {
     const uint32_t s = g->table.s, r = g->table.r;
     dm_weight *at = (dm_weight *)(void *)memory;
@@ -86,7 +99,10 @@ void dm_tied_weights_fill(dm_tied *g, const dm_galerkin *basis, double *memory) 
     g->lever = take(&at, g->K * s);
     g->ahead = (double *)(void *)at;
     g->longer = g->ahead + s * (s + 1);
+    g->inner_force = g->longer + s * (s + 1);
+    g->inner_impulse = g->inner_force + s * r;
     guesses_fill(g, basis);
+    inner_fill(g, basis, &lobatto);
     for (uint32_t k = 0; k < g->K; k++)
         for (uint32_t j = 0; j < s; j++)
             g->lever[k * s + j] = dm_weight_of(dm_weight_exact(g->tie.a[k * s + j]) -
