@@ -69,10 +69,12 @@ static void check_rank(lua_State *L, const dm_ties *t, const dm_ties_defect *d,
                    "%sno start: the gradient of %s is zero at this q, so it holds "
                    "nothing there (is it the square of a constraint?)",
                    who, name);
-    luaL_error(L,
-               "%sno start: the constraints are redundant at this q: %s depends on those "
-               "before it, most of all on %s; leave it out",
-               who, name, push_name(L, t, d->on));
+    luaL_error(
+        L,
+        "%sno start: the constraints are redundant at this q: %s depends on those "
+        "before it, most of all on %s; leave it out, or begin elsewhere if they are so "
+        "in this position only",
+        who, name, push_name(L, t, d->on));
 }
 
 static void check_status(lua_State *L, dm_status status, const char *who) {

@@ -79,22 +79,6 @@ uint32_t dm_ties_idle(const dm_ties *t) {
     return t->holonomic + t->rolling;
 }
 
-static int rows_meet(const dm_ties *t, uint32_t i, uint32_t j) {
-    const uint8_t *a = t->touches + i * (size_t)t->n, *b = t->touches + j * (size_t)t->n;
-    for (uint32_t c = 0; c < t->n; c++)
-        if (a[c] && b[c]) return 1;
-    return 0;
-}
-
-uint32_t dm_ties_band(const dm_ties *t, int full) {
-    uint32_t band = 0;
-    if (full) return t->holonomic ? t->holonomic - 1 : 0;
-    for (uint32_t i = 0; i < t->holonomic; i++)
-        for (uint32_t j = i + band + 1; j < t->holonomic; j++)
-            if (rows_meet(t, i, j)) band = j - i;
-    return band;
-}
-
 /* ---- kernels ---- */
 
 /* roots of a kernel under construction */

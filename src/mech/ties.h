@@ -59,9 +59,6 @@ dm_status dm_ties_build(dm_ties *out, const dm_ties_traced *traced, dm_arena *ar
 /* Make the kernels `want` (DM_WANT_TIES bits) that are missing. */
 dm_status dm_ties_want(dm_ties *ties, unsigned want, dm_compile *compile);
 
-/* Entry (i, j) of G M^-1 G^T is zero wherever |i - j| is larger; M diagonal (or any, with full = 1). */
-uint32_t dm_ties_band(const dm_ties *ties, int full);
-
 /* A row of zeros: which constraint does not depend on what it must depend on (g on q, phi on v); k + l: none. */
 uint32_t dm_ties_idle(const dm_ties *ties);
 

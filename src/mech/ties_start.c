@@ -97,11 +97,19 @@ static dm_status read_ties(frame *f, const double *x) {
 
 /* ---- dependent rows ---- */
 
+/* row i with a largest entry of 1; 0: it is zero */
+static int scale(frame *f, uint32_t i) {
+    const double *from = f->A + i * (size_t)f->n;
+    double *row = f->basis + i * (size_t)f->n, size = 0.0;
+    for (uint32_t c = 0; c < f->n; c++) size = fmax(size, fabs(from[c]));
+    for (uint32_t c = 0; c < f->n; c++) row[c] = size > 0.0 ? from[c] / size : 0.0;
+    return size > 0.0;
+}
+
 /* what is left of row i after the parts along the rows before it; twice, so that it is orthogonal to round-off */
 static double reduce(frame *f, uint32_t i) {
     const uint32_t n = f->n;
     double *row = f->basis + i * (size_t)n, *part = f->part + i * (size_t)f->m;
-    memcpy(row, f->A + i * (size_t)n, n * sizeof *row);
     memset(part, 0, f->m * sizeof *part);
     for (int pass = 0; pass < 2; pass++)
         for (uint32_t j = 0; j < i; j++) {
@@ -129,11 +137,12 @@ static uint32_t largest_part(frame *f, uint32_t i) {
 
 static void find_dependent(frame *f, dm_ties_defect *out) {
     for (uint32_t i = 0; i < f->m; i++) {
-        const double *row = f->A + i * (size_t)f->n, whole = dot(row, row, f->n);
-        const double left = reduce(f, i);
+        const double *row = f->basis + i * (size_t)f->n;
+        const int some = scale(f, i);
+        const double whole = dot(row, row, f->n), left = reduce(f, i);
         if (left <= DEPENDENT * whole) {
             out->depends = i + 1;
-            out->on = whole > 0.0 ? largest_part(f, i) : 0;
+            out->on = some ? largest_part(f, i) : 0;
             return;
         }
         for (uint32_t c = 0; c < f->n; c++) f->basis[i * (size_t)f->n + c] /= sqrt(left);
