@@ -60,6 +60,10 @@ static int system_emit(lua_State *L) {
     if (!m->graph)
         return luaL_error(
             L, "this system runs on hyper-dual numbers: it has no graph to write");
+    if (dm_graph_inputs(m->graph) > (s->pair ? 2 * n : 2 * n + 1))
+        return luaL_error(L, "this system keeps a loop over its bodies (dm.sum_over), "
+                             "which has no C text; one "
+                             "with few bodies has");
     dm_node *slope = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *slope, 0);
     luaL_Buffer b;
     luaL_buffinit(L, &b);

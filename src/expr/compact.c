@@ -100,8 +100,45 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     dm_arena_release(&x.scratch);
 }
 
+/* 1/sqrt(u) where n = sqrt(u) and that is needed too, else 0 */
+static dm_node inverse_of_root(const dm_graph *g, dm_node n) {
+    const dm_expr *e = dm_at(g, n),
+                  inverse = {.op = DM_OP_RSQRT, .as.arg = {e->as.arg[0]}};
+    const dm_node found = e->op == DM_OP_SQRT ? dm_node_find(g, &inverse) : 0;
+    return dm_is_marked(g, found) ? found : 0;
+}
+
+static int has_inverse_roots(const dm_graph *g, uint32_t end) {
+    for (dm_node n = 1; n < end; n++)
+        if (dm_is_marked(g, n) && inverse_of_root(g, n)) return 1;
+    return 0;
+}
+
+/* sqrt(u) = u * 1/sqrt(u), 0 at u = 0: a root less where the reciprocal is there */
+static dm_node by_inverse(dm_graph *g, dm_node u) {
+    const dm_node inverse = dm_node_plain(g, DM_OP_RSQRT, u, 0, 0);
+    const dm_node bound = dm_constant(g, 1e300);
+    return dm_node_plain(g, DM_OP_MUL, u, dm_node_plain(g, DM_OP_MIN, inverse, bound, 0),
+                         0);
+}
+
+static void replace_roots(dm_graph *g, dm_node *roots, uint32_t m) {
+    const uint32_t end = dm_mark(g, roots, m);
+    if (!has_inverse_roots(g, end)) return;
+    dm_node *now = dm_arena_take(g->arena, end * sizeof *now);
+    if (!now) dm_graph_fail(g, DM_NO_MEMORY);
+    for (dm_node n = 0; now && n < end; n++) {
+        dm_expr e = *dm_at(g, n);
+        if (!dm_is_marked(g, n)) continue;
+        for (int k = 0; k < dm_arity(e.op); k++) e.as.arg[k] = now[e.as.arg[k]];
+        now[n] = inverse_of_root(g, n) ? by_inverse(g, e.as.arg[0]) : dm_node_make(g, &e);
+    }
+    for (uint32_t i = 0; now && i < m; i++) roots[i] = now[roots[i]];
+}
+
 void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     compact(g, roots, m, 100, out);
+    if (g->status == DM_OK && !g->verbatim) replace_roots(g, out, m);
 }
 
 dm_node dm_compact_source(dm_graph *g, dm_node f) {

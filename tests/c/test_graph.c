@@ -176,6 +176,14 @@ static void compact_forms(void) {
     dm_operation_counts(g, out, 3, counts);
     CHECK(counts[DM_OP_RSQRT] == 1 && counts[DM_OP_DIV] + counts[DM_OP_SQRT] == 0 &&
           counts[DM_OP_MUL] <= 6);
+    const dm_node both[2] = {call(DM_OP_SQRT, u), dm_power(g, u, number(-0.5))};
+    const double zero[3] = {0.0, 0.0, 0.0};
+    dm_compact(g, both, 2, out); /* sqrt(u) out of 1/sqrt(u), and 0 at 0 */
+    dm_operation_counts(g, out, 2, counts);
+    CHECK(counts[DM_OP_RSQRT] == 1 && counts[DM_OP_DIV] + counts[DM_OP_SQRT] == 0);
+    double *value = dm_arena_take(&arena, dm_graph_size(g) * sizeof *value);
+    graph_values(g, zero, value);
+    CHECK(value[out[0]] == 0.0 && value[out[1]] == INFINITY);
     const dm_node sum = dm_add(g, dm_mul(g, x, y), dm_mul(g, x, z));
     dm_compact(g, &sum, 1, out);
     CHECK(dm_operations(g, out, 1) == 2);

@@ -29,4 +29,9 @@ local tied = dm.system { Q = dm.R(2), L = function(_, v) return v:dot(v) / 2 end
 ok(tied:find "void constraint" and tied:find "void force" and tied:find "const double v2 = in%[3%]" and not tied:find "void rolling",
   "constraints and forces", tied)
 raises("hyper-dual", function() dm.system { Q = dm.R(1), derivatives = "hyperdual", L = function(q, v) return v[1] ^ 2 end }:emit_c() end)
+raises("dm.sum_over", function()
+  dm.system { Q = dm.R(40), L = function(q, v)
+    return dm.sum_over(v, function(a) return a ^ 2 / 2 end) - dm.sum_over(q, function(a, b) return math.exp(a - b) end, { shift = 1 })
+  end }:emit_c()
+end)
 tap.done()
