@@ -43,8 +43,7 @@ void dml_checktiefields(lua_State *L, int hyperdual) {
         "function(q) or function(q, t) that returns what shall be zero",
         "function(q, v) or function(q, v, t) that returns what shall be zero",
         "function(q, v) or function(q, v, t) that returns the controls u of a step",
-        "function(q, v), (q, v, t) or, with controls, (q, v, t, u) that returns dim Q "
-        "numbers",
+        "function of (q, v [, t [, u]]), u the controls, that returns dim Q numbers",
         "function(q, v) or function(q, v, t) that returns a row for every rolling one"};
     for (int i = 0; keys[i]; i++, lua_pop(L, 1)) {
         const int type = lua_getfield(L, 1, keys[i]);
