@@ -114,7 +114,8 @@ const dm_method dm_method_galerkin = {
         "gauss, lobatto, radau, radau-left or clenshaw-curtis; order the smaller of 2 "
         "s and the degree to which the quadrature is exact + 1; s n unknowns a step. "
         "Own nodes and weights: dm.galerkin. Marsden-West 2001 sec. 2.2.6, Leok 2.4; "
-        "order: Hall & Leok 2015.",
+        "order: Hall & Leok 2015. Constraints, rolling, forces: s multipliers each, same "
+        "order.",
     .traits = DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .order = order,

@@ -71,7 +71,8 @@ const dm_method dm_method_gauss = {
            "to round-off; a "
            "number of sweeps, as in gauss(8, 4), ends the fixed-point iteration there: "
            "cheaper, symplectic "
-           "and symmetric only up to the error left.",
+           "and symmetric only up to the error left. Constraints, rolling, forces: s "
+           "multipliers each, same order (Jay 2007, 2009).",
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .fits = fits,

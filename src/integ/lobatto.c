@@ -39,7 +39,8 @@ const dm_method dm_method_lobatto = {
     .signature = "lobatto(s)",
     .doc = "Lobatto IIIA-IIIB pair with s stages, order 2 s - 2; implicit, s n unknowns "
            "a step, "
-           "(s - 2) n when L = T(v) - V(q) (HLW II.2.2; variational: HLW VI.6.4).",
+           "(s - 2) n when L = T(v) - V(q) (HLW II.2.2; variational: HLW VI.6.4). "
+           "Constraints, rolling, forces: s - 1 multipliers each, same order (Jay 1996).",
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .order = order,

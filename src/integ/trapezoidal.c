@@ -33,7 +33,8 @@ const dm_method dm_method_trapezoidal = {
     .signature = "trapezoidal",
     .doc = "Trapezoidal discrete Lagrangian, order 2; n unknowns a step, none when L = "
            "T(v) - V(q), "
-           "where it is Stoermer-Verlet (HLW VI.6.2, Marsden-West 2001 ex. 2.3.1).",
+           "where it is Stoermer-Verlet (HLW VI.6.2, Marsden-West 2001 ex. 2.3.1). "
+           "Constraints, rolling, forces: one multiplier each, same order.",
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .order = order,

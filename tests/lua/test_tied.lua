@@ -49,6 +49,25 @@ near((path.q[#path] - run(chain(30), "gauss(3)", 0.02, 50, hanging(30)).q[2]):no
 near((run(chain(30), "gauss(2)", 0.01, 100, hanging(30)).q[2] - run(chain(30), "gauss(3)", 0.01, 100, hanging(30)).q[2]):norm(), 0, 1e-5,
   "  and better at half the step")
 
+-- ---- Galerkin rules and compositions keep their orders: variable mass, damping and a constraint; rolling ----
+
+local heavy = dm.system { Q = dm.R(3), L = function(q, v) return (1 + 0.3 * q[1] ^ 2) * v:dot(v) / 2 - q[3] end,
+  constraint = function(q) return q:dot(q) - 1 end, force = function(_, v) return -0.1 * v end }
+local rolls = dm.system { Q = dm.R(3), rolling = function(q, v) return v[3] - q[2] * v[1] end,
+  L = function(q, v) return v:dot(v) / 2 - (q[1] ^ 2 + q[2] ^ 2) / 2 - 0.3 * q[3] * sin(q[1] + q[2]) end }
+for _, case in ipairs { { heavy, swing, "constraint" }, { rolls, { q = { 1, 0.5, 0 }, v = { 0.4, 1, 0.2 } }, "rolling" } } do
+  local system, start, tie = table.unpack(case)
+  local want = run(system, "gauss(6)", 1 / 60, 60, start).q[2]
+  for _, row in ipairs { { "galerkin(1, gauss(2))", 2, 32 }, { "galerkin(2, lobatto(3))", 4, 16 }, { "galerkin(2, gauss(3))", 4, 16 },
+    { "galerkin(2, radau(2))", 3, 32 }, { "galerkin(3, radau(3))", 5, 16 }, { "galerkin(3, lobatto(4))", 6, 8 },
+    { "galerkin(3, clenshaw-curtis(5))", 6, 8 }, { "yoshida(4, midpoint)", 4, 32 }, { "suzuki(4, lobatto(2))", 4, 16 },
+    { "kahan-li(6, trapezoidal)", 6, 16 } } do
+    local rule, order, n = table.unpack(row)
+    local coarse, fine = run(system, rule, 1 / n, n, start).q[2], run(system, rule, 0.5 / n, 2 * n, start).q[2]
+    near(math.log((coarse - want):norm() / (fine - want):norm(), 2), order, 0.1, rule .. ": order with a " .. tie)
+  end
+end
+
 -- ---- vertical rolling disk, mass, radius and both inertias 1: heading w t, circles of radius 1 / w ----
 
 local disk = dm.system { Q = dm.R(4), L = function(_, v) return v:dot(v) / 2 end,
