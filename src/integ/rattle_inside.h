@@ -48,6 +48,10 @@ void dm_rattle_spread(const dm_rattle_frame *b, dm_node *B, const dm_node *G, dm
 void dm_rattle_multiply(const dm_rattle_frame *b, dm_node *A, const dm_node *G,
                         const dm_node *B, int symmetric);
 
+/* out[n] = what q moves by, its low part too: low + h W (p + h/2 F - shift) + B lambda, B = h W G0^T. */
+int dm_rattle_displace(dm_rattle_frame *b, dm_node *out, const dm_node *F,
+                       const dm_node *B, const dm_node *lambda);
+
 /* sum + x y in the kernel's graph */
 static inline dm_node dm_rattle_add_product(const dm_rattle_frame *b, dm_node sum,
                                             dm_node x, dm_node y) {

@@ -69,22 +69,13 @@ static int iteration(frame *b, iterate *x) {
 
 /* q + h W (p + h/2 F - shift) + B lambda, lambda as guessed */
 static int predict(frame *b, iterate *x) {
-    const uint32_t n = b->at.n, m = b->at.m;
-    dm_graph *g = b->f.graph;
-    dm_node *kicked = dm_rattle_take(b, 2 * (size_t)n);
-    if (!kicked) return 0;
-    dm_node *v = kicked + n;
-    for (uint32_t c = 0; c < n; c++)
-        kicked[c] = dm_multiply_add(g, b->half, dm_input(g, b->at.force + c), b->p[c]);
-    dm_fusion_velocity(&b->f, v, NULL, kicked);
-    dm_rattle_inputs(b, x->lambda, b->at.guess, m);
-    for (uint32_t c = 0; c < n; c++) {
-        dm_node shift = v[c] ? dm_multiply_add(g, b->h, v[c], b->lq[c]) : b->lq[c];
-        for (uint32_t j = 0; j < m; j++)
-            shift =
-                dm_rattle_add_product(b, shift, x->B[c * (size_t)m + j], x->lambda[j]);
-        x->y[c] = dm_add(g, b->q[c], shift);
-    }
+    const uint32_t n = b->at.n;
+    dm_node *F = dm_rattle_take(b, n), *shift = dm_rattle_take(b, n);
+    if (!F || !shift) return 0;
+    dm_rattle_inputs(b, F, b->at.force, n);
+    dm_rattle_inputs(b, x->lambda, b->at.guess, b->at.m);
+    if (!dm_rattle_displace(b, shift, F, x->B, x->lambda)) return 0;
+    for (uint32_t c = 0; c < n; c++) x->y[c] = dm_add(b->f.graph, b->q[c], shift[c]);
     return 1;
 }
 

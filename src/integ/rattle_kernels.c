@@ -1,5 +1,6 @@
 /* rattle_kernels.c - the graphs of a constrained step. */
 #include "expr/compact.h"
+#include "expr/contract.h"
 #include "expr/derive.h"
 #include "integ/kept.h"
 #include "integ/rattle_inside.h"
@@ -174,7 +175,11 @@ dm_status dm_rattle_end(frame *b, dm_kernel *out, const dm_node *roots, size_t c
     const dm_status status = dm_graph_status(b->f.graph);
     if (b->no_memory || dm_graph_status(b->source) != DM_OK) return DM_NO_MEMORY;
     if (status != DM_OK) return status;
-    return b->model->source.compile(out, b->f.graph, roots, (uint32_t)count, b->arena);
+    dm_node *contracted = dm_rattle_take(b, count);
+    if (!contracted) return DM_NO_MEMORY;
+    dm_graph *g = dm_contract_graph(b->f.graph, roots, (uint32_t)count, contracted);
+    if (!g) return DM_NO_MEMORY;
+    return b->model->source.compile(out, g, contracted, (uint32_t)count, b->arena);
 }
 
 /* F, G, g_t, g as roots of the source, in that order */
@@ -225,13 +230,34 @@ static int add_drag(frame *b, dm_node *F, dm_node t) {
     return 1;
 }
 
-static int drift(frame *b) {
-    dm_node *v = dm_rattle_take(b, b->at.n);
-    if (!v) return 0;
-    dm_fusion_velocity(&b->f, v, NULL, b->p);
-    for (uint32_t c = 0; c < b->at.n; c++) {
-        const dm_node dq = dm_rattle_add_product(b, 0, b->h, v[c]);
-        if (dq) dm_fusion_add(&b->f, b->q + c, b->lq + c, dq);
+int dm_rattle_displace(frame *b, dm_node *out, const dm_node *F, const dm_node *B,
+                       const dm_node *lambda) {
+    const uint32_t n = b->at.n, m = b->at.m;
+    dm_node *kicked = dm_rattle_take(b, n), *v = dm_rattle_take(b, n);
+    if (!kicked || !v) return 0;
+    for (uint32_t c = 0; c < n; c++)
+        kicked[c] = dm_rattle_add_product(b, b->p[c], b->half, F[c]);
+    dm_fusion_velocity(&b->f, v, NULL, kicked);
+    for (uint32_t c = 0; c < n; c++) {
+        out[c] = dm_rattle_add_product(b, b->lq[c], b->h, v[c]);
+        for (uint32_t j = 0; j < m; j++)
+            out[c] = dm_rattle_add_product(b, out[c], B[c * (size_t)m + j], lambda[j]);
+    }
+    return 1;
+}
+
+/* q moves straight away: it does not wait for the compensated sums of p */
+static int drift(frame *b, const dm_node *F0, const dm_node *G0, const dm_node *lambda) {
+    const uint32_t n = b->at.n;
+    dm_node *B = dm_rattle_take(b, (size_t)n * b->at.m), *move = dm_rattle_take(b, n);
+    if (!B || !move) return 0;
+    dm_rattle_spread(b, B, G0, b->h);
+    if (!dm_rattle_displace(b, move, F0, B, lambda)) return 0;
+    for (uint32_t c = 0; c < n; c++) {
+        const dm_node before = b->q[c];
+        b->q[c] = dm_add(b->f.graph, before, move[c]);
+        const dm_node lost = dm_sub(b->f.graph, before, b->q[c]);
+        b->lq[c] = dm_add(b->f.graph, move[c], lost);
     }
     return 1;
 }
@@ -269,8 +295,8 @@ static dm_status make_end(frame *b, dm_kernel *out, int shake) {
     dm_rattle_inputs(b, lambda, b->at.lambda, b->at.m);
     dm_rattle_inputs(b, F0, b->at.force, b->at.n);
     if (!add_drag(b, F0, b->t0)) return DM_NO_MEMORY;
+    if (!drift(b, F0, G0, lambda)) return DM_NO_MEMORY;
     kick(b, G0, lambda, F0);
-    if (!drift(b)) return DM_NO_MEMORY;
     dm_rattle_evaluate(b, values, roots, count, &(dm_rattle_point){b->q, NULL, b->t});
     dm_node *G = values + n, *g_t = G + z, *g = g_t + m;
     memcpy(all + b->at.force, values, (n + z) * sizeof *all);

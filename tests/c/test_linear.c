@@ -1,6 +1,7 @@
 /* systems written out in a graph: against dense LU, and how many operations they take */
 #include "check.h"
 #include "expr/analyse.h"
+#include "expr/contract.h"
 #include "expr/linear.h"
 #include "expr/tape.h"
 #include "linalg/lu.h"
@@ -138,11 +139,41 @@ static void costs(void) {
     CHECK(compare(&p, 0, 1e-14) <= last + 12);
 }
 
+/* sum x_i y_i, and its square, where no product is the last term: n + 1 operations instead of 2 n */
+static void contracted_sums(void) {
+    enum { N = 5 };
+    dm_arena arena;
+    dm_node roots[2], out[2];
+    double in[2 * N], value[2], sum = 0.0;
+    dm_kernel k;
+    dm_arena_init(&arena, from_heap, NULL);
+    dm_graph *g = dm_graph_new(&arena, 2 * N);
+    dm_graph_verbatim(g, 1);
+    for (uint32_t i = 0; i < N; i++) {
+        const dm_node x = dm_input(g, i), y = dm_input(g, N + i);
+        const dm_node product = dm_mul(g, x, y);
+        roots[0] = i ? dm_add(g, roots[0], product) : product;
+        in[i] = 0.1 + i, in[N + i] = 1.0 / (3.0 + i);
+        sum += in[i] * in[N + i];
+    }
+    roots[1] = dm_mul(g, roots[0], roots[0]);
+    CHECK(dm_operations(g, roots, 2) == 2 * N);
+    dm_graph *small = dm_contract_graph(g, roots, 2, out);
+    CHECK(small && dm_operations(small, out, 2) == N + 1);
+    CHECK(dm_tape_build_exact(&k, small, out, 2, &arena) == DM_OK);
+    dm_kernel_prepare(&k, value);
+    dm_kernel_eval(&k, in, value);
+    CHECK_NEAR(value[0], sum, 1e-15 * sum);
+    CHECK_NEAR(value[1], sum * sum, 4e-15 * sum * sum);
+    dm_arena_release(&arena);
+}
+
 int main(void) {
     RUN(solutions, "solves what dense LU solves, symmetric or not");
     RUN(saddle_points, "zeros on the diagonal call for rows, not for the entries that "
                        "happen to be there");
     RUN(costs, "a chain costs the same for each further unknown, in any order, and so "
                "does a star");
+    RUN(contracted_sums, "products that are added at once");
     return check_finish();
 }
