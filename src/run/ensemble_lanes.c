@@ -5,7 +5,7 @@
 #include <time.h>
 
 static const double LOOK = 5e-4; /* s between looks at the stop flag */
-enum { LONGEST = 1 << 16 };      /* steps between them */
+enum { FIRST = 16, LONGEST = 1 << 16 }; /* steps between them */
 
 typedef struct {
     const dm_ensemble *e;
@@ -149,7 +149,7 @@ static dm_status run(block *x) {
     const dm_stepper *s = x->b->stepper;
     const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;
     double looked = now();
-    long burst = 1;
+    long burst = FIRST;
     while (x->alive && x->done < x->e->steps) {
         const long left = x->e->steps - x->done;
         const long goal = to_row(x, left < burst ? left : burst);
@@ -159,7 +159,7 @@ static dm_status run(block *x) {
         keep_rows(x);
         const double took = now() - looked;
         looked += took;
-        if (took < 0.5 * LOOK && burst < LONGEST) burst *= 2;
+        if (took < 0.5 * LOOK && burst < LONGEST) burst *= took < 0.125 * LOOK ? 4 : 2;
         if (took > LOOK && burst > 1) burst /= 2;
     }
     return DM_OK;
