@@ -44,13 +44,16 @@ static void give_home(dm_emitter *e, dm_node n) {
 static int furthest(const dm_emitter *e) {
     int best = -1;
     for (int r = 0; r < e->registers; r++)
-        if (!(e->pinned >> r & 1) && (best < 0 || e->until[r] > e->until[best])) best = r;
+        if (!((e->pinned | e->fixed) >> r & 1) &&
+            (best < 0 || e->until[r] > e->until[best]))
+            best = r;
     return best;
 }
 
 int dm_take_register(dm_emitter *e) {
     const uint32_t all = e->registers == 32 ? UINT32_MAX : (1u << e->registers) - 1;
-    const uint32_t free = all & ~e->occupied & ~e->pinned, better = free & ~e->kept;
+    const uint32_t free = all & ~e->occupied & ~e->pinned & ~e->fixed,
+                   better = free & ~e->kept;
     const int granted = e->wish >= 0 && (free >> e->wish & 1);
     const int reg = granted  ? e->wish
                     : better ? __builtin_ctz(better)
@@ -79,8 +82,22 @@ int dm_in_a_register(dm_emitter *e, dm_node n) {
     return e->at[n].reg;
 }
 
+enum { SPARE = 4 }; /* registers left for results */
+
+/* n, an operand of the current step, has another use and there is room for it */
+static int is_worth_fetching(const dm_emitter *e, dm_node n) {
+    const uint32_t all = e->registers == 32 ? UINT32_MAX : (1u << e->registers) - 1;
+    const uint32_t free = all & ~e->occupied & ~e->pinned & ~e->fixed;
+    const dm_step *s = e->plan->steps + e->at[n].next;
+    if (!e->eager || __builtin_popcount(free) <= SPARE) return 0;
+    for (int k = 0; k < s->operands; k++)
+        if (s->arg[k] == n && s->next[k] < e->plan->count) return 1;
+    return 0;
+}
+
 dm_operand dm_anywhere(dm_emitter *e, dm_node n) {
     const dm_place *v = e->at + n;
+    if (v->reg < 0 && is_worth_fetching(e, n)) dm_in_a_register(e, n);
     if (v->reg < 0) return v->home;
     e->pinned |= 1u << v->reg;
     return dm_in_register(v->reg);
@@ -92,7 +109,7 @@ void dm_pass_operands(dm_emitter *e, const dm_step *s) {
         v->next = s->next[k];
         if (v->reg >= 0) e->until[v->reg] = v->next;
         if (v->next != DM_NEVER) continue;
-        if (v->reg >= 0) drop(e, v->reg);
+        if (v->reg >= 0 && !(e->fixed >> v->reg & 1)) drop(e, v->reg);
         give_slot_back(e, v);
     }
     e->pinned = 0;

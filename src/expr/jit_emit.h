@@ -30,7 +30,9 @@ typedef struct {
     dm_node held[32];   /* node in each register that is occupied */
     uint32_t until[32]; /* its next use */
     uint32_t occupied,
-        pinned;    /* registers, one bit each; pinned: the current step needs it */
+        pinned;     /* registers, one bit each; pinned: the current step needs it */
+    uint32_t fixed; /* registers that keep a constant all along */
+    int eager; /* what is in memory and used again is fetched while there are registers */
     uint32_t kept; /* registers that are taken last: they have a purpose (loops) */
     int wish; /* register for the result of the current step where it is free; -1: any */
     int32_t *free; /* stack of stack slots to use again */

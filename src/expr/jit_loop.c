@@ -200,13 +200,43 @@ static dm_status open_part(maker *m, const dm_loop_part *p, dm_plan *plan, void 
     return DM_OK;
 }
 
+/* uses of n, a constant or a coefficient, in a pass; 0 for all others */
+static uint32_t count_uses(const maker *m, const dm_loop_part *p, dm_node n) {
+    const dm_expr *x = dm_at(p->graph, n);
+    uint32_t uses = 0;
+    if (!(x->op == DM_OP_CONSTANT || (x->op == DM_OP_INPUT && x->as.input >= m->size)))
+        return 0;
+    for (uint32_t i = 0; i < m->e.plan->count; i++)
+        for (int k = 0; k < m->e.plan->steps[i].operands; k++)
+            uses += m->e.plan->steps[i].arg[k] == n;
+    return uses;
+}
+
+enum { MOST_FIXED = 8, LARGE = 400 }; /* registers; steps */
+
+/* before the groups: what all of them read often goes to registers */
+static void fix_constants(maker *m, const dm_loop_part *p) {
+    dm_emitter *e = &m->e;
+    if (e->registers < 32 || e->plan->calls || e->plan->count > LARGE) return;
+    for (int k = 0; k < MOST_FIXED; k++) {
+        const int reg = e->registers - 1 - k;
+        uint32_t most = 1;
+        dm_node best = 0;
+        for (dm_node n = 0; n < e->plan->end; n++) {
+            const uint32_t uses = e->at[n].reg < 0 ? count_uses(m, p, n) : 0;
+            if (uses > most) most = uses, best = n;
+        }
+        if (most < 2) return;
+        dm_x86_load(&e->code, e->width, reg, e->at[best].home);
+        e->at[best].reg = (int8_t)reg;
+        e->fixed |= 1u << reg;
+    }
+}
+
 /* the steps of a part, for one group */
-static dm_status emit_part(maker *m, const dm_loop_part *p, void **pool) {
-    dm_plan plan;
-    const dm_status status = open_part(m, p, &plan, pool);
-    if (status != DM_OK) return status;
-    for (uint32_t i = 0; i < plan.count; i++) {
-        const dm_step *s = plan.steps + i;
+static dm_status emit_part(maker *m, const dm_loop_part *p, const dm_plan *plan) {
+    for (uint32_t i = 0; i < plan->count; i++) {
+        const dm_step *s = plan->steps + i;
         m->e.wish = wished(m, s->d);
         dm_emit_step(&m->e, s);
         put_away(m, p->graph, s->d);
@@ -216,7 +246,7 @@ static dm_status emit_part(maker *m, const dm_loop_part *p, void **pool) {
     finish_memory(m, p->graph);
     finish_registers(m);
     m->code = m->e.code;
-    m->loop->operations += plan.count;
+    m->loop->operations += plan->count;
     const int64_t frame = (int64_t)m->e.slots * m->bytes;
     if (frame > DM_LARGEST_FRAME) return DM_NO_NATIVE;
     if (frame > m->frame) m->frame = (int32_t)frame;
@@ -228,15 +258,22 @@ static dm_status emit_part(maker *m, const dm_loop_part *p, void **pool) {
 /* a part for all groups, then on to the coefficients behind its own */
 static dm_status put_part(maker *m, const dm_loop_part *part, dm_loop_kind kind) {
     const dm_loop_part *p = part + kind;
+    dm_plan plan;
     void *pool = NULL;
     if (!p->graph) return DM_OK;
+    dm_status status = open_part(m, p, &plan, &pool);
+    if (status != DM_OK) return status;
+    m->e.eager = m->width != DM_SCALAR;
     put_field(m, LOAD_RBX, FIELD(pool) + kind * sizeof(void *));
     if (m->width != DM_SCALAR) {
         put_field(m, LOAD_R14, FIELD(state));
         put_copy(m, FIELD(groups_left), FIELD(groups));
     }
+    m->e.code = m->code;
+    if (m->width != DM_SCALAR) fix_constants(m, p);
+    m->code = m->e.code;
     const size_t again = m->code.size;
-    const dm_status status = emit_part(m, p, &pool);
+    status = emit_part(m, p, &plan);
     if (status != DM_OK) return status;
     if (m->width != DM_SCALAR) {
         PUT(m, "\x49\x81\xC6"); /* r14 += a group */
