@@ -68,6 +68,11 @@ static void drift_first(dm_splitting *out, const dm_splitting *in) {
     for (int k = 0; k < in->stages; k++) out->b[k + 1] = in->a[k];
 }
 
+static double *loop_work(const dm_stepper *s) {
+    return s->work + table_size() + 4 * (size_t)s->model->n + 2 +
+           dm_state_size(s->model->n);
+}
+
 static int widen(dm_stepper *s, dm_lanes *x) {
     layout *l = (layout *)(void *)s->work;
     return l->loop && dm_log_loop_widen(l->loop, s->model, x);
@@ -83,6 +88,7 @@ static dm_status open(dm_stepper *s) {
     *l = (layout){.table = table};
     l->loop = dm_log_loop_open(s->model);
     memset(s->work + table_size(), 0, (4 * (size_t)s->model->n + 2) * sizeof(double));
+    memset(loop_work(s), 0, DM_LOG_LOOP_WORK * sizeof(double));
     dm_kernel_prepare(&s->model->well, s->work + table_size() + 2 * s->model->n + 1);
     return DM_OK;
 }
@@ -113,6 +119,13 @@ static dm_status start(dm_stepper *s, double *state, double t) {
     own[0] = t, own[1] = 0.0, own[2] = -E;
     memset(x + n, 0, n * sizeof *x);
     return isfinite(E) ? DM_OK : DM_NOT_FINITE;
+}
+
+/* 1/(T + B) */
+static double pace(const dm_stepper *s, const double *state) {
+    const uint32_t n = s->model->n;
+    double *v = s->work + table_size() + 3 * (size_t)n + 2;
+    return 1.0 / (0.5 * velocity(s->model, v, state + n) + state[4 * (size_t)n + 2]);
 }
 
 /* p += b L_q/U; the well must be attracting */
@@ -150,11 +163,6 @@ static int try_step(dm_stepper *s, double *state) {
     }
     s->report.evaluations += table->stages - 1;
     return dm_state_is_finite(state, m->n);
-}
-
-static double *loop_work(const dm_stepper *s) {
-    return s->work + table_size() + 4 * (size_t)s->model->n + 2 +
-           dm_state_size(s->model->n);
 }
 
 static int try_loop(dm_stepper *s, const layout *l, double *state, long count) {
@@ -211,6 +219,7 @@ const dm_method dm_method_log_hamiltonian = {
     .work = work,
     .open = open,
     .start = start,
+    .pace = pace,
     .step = step,
     .advance = advance,
     .widen = widen,

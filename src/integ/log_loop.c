@@ -160,14 +160,15 @@ int dm_log_loop_widen(dm_log_loop *l, const dm_model *m, dm_lanes *x) {
 
 /* ---- running ---- */
 
-/* of a step: 2 h a_0, then h b_k, -h b_k, 2 h a_k; their number */
-static uint32_t put_step(double *c, const dm_log_burst *x) {
-    uint32_t i = 0;
+/* of a step: 2 h a_0, then h b_k, -h b_k, 2 h a_k; they stay for the next run */
+static void put_step(double *c, const dm_log_burst *x) {
+    double *h = c + DM_LOG_LOOP_WORK - 1;
+    if (*h == x->h) return;
+    *h = x->h;
     for (int k = 0; k < x->table->stages; k++) {
-        if (k) c[i++] = x->h * x->table->b[k], c[i++] = -x->h * x->table->b[k];
-        c[i++] = 2.0 * x->h * x->table->a[k];
+        if (k) *c++ = x->h * x->table->b[k], *c++ = -x->h * x->table->b[k];
+        *c++ = 2.0 * x->h * x->table->a[k];
     }
-    return i;
 }
 
 void dm_log_loop_run(const dm_log_loop *l, double *state, const dm_log_burst *x,
@@ -183,7 +184,8 @@ void dm_log_loop_run(const dm_log_loop *l, double *state, const dm_log_burst *x,
 
 void dm_log_loop_run_lanes(const dm_log_loop *l, dm_lanes *lanes, const dm_log_burst *x,
                            double *work) {
-    const uint32_t each = put_step(work, x), width = lanes->lanes;
+    const uint32_t each = 3 * (uint32_t)x->table->stages - 2, width = lanes->lanes;
+    put_step(work, x);
     for (size_t i = 0; i < each; i++)
         for (uint32_t lane = 0; lane < width; lane++)
             l->spread[i * width + lane] = work[i];

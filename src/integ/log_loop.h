@@ -10,7 +10,8 @@
 
 typedef struct dm_log_loop dm_log_loop;
 
-enum { DM_LOG_LOOP_WORK = 4 * DM_SPLITTING_STAGES }; /* doubles that a run needs */
+/* Doubles that a run needs, zero before the first one: coefficients, behind them the h they are for. */
+enum { DM_LOG_LOOP_WORK = 4 * DM_SPLITTING_STAGES + 1 };
 
 /* `count` steps of h; the table begins and ends with a drift */
 typedef struct {

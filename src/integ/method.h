@@ -61,6 +61,8 @@ typedef struct {
     dm_status (*open)(dm_stepper *s); /* tables and matrices into s->work */
     /* set what the state carries beside q and p at time t, before the first step; NULL: nothing */
     dm_status (*start)(dm_stepper *s, double *state, double t);
+    /* methods with a time of their own: dt/dh at a state */
+    double (*pace)(const dm_stepper *s, const double *state);
     dm_status (*step)(
         dm_stepper *s, double *state,
         double t); /* one step, in place; on failure the state is unchanged */

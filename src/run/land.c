@@ -11,21 +11,41 @@ static dm_status step_by(dm_stepper *s, double *out, const double *state, double
     return s->method->step(s, out, t);
 }
 
-/* h with t(h) = target; t(0) is known, t grows with h nearly linearly */
+/* a length of step, the time it leads to, and dh/dt there */
+typedef struct {
+    double h, t, slope;
+} point;
+
+/* h at time t of the cubic through both, from b */
+static double interpolate(const point *a, const point *b, double t) {
+    const double d = a->t - b->t, w = (t - b->t) / d, u = 1.0 - w;
+    return b->h + (a->h - b->h) * w * w * (3.0 - 2.0 * w) +
+           d * w * u * (b->slope * u - a->slope * w);
+}
+
+/* h with t(h) = target; t(0) is known, t grows with h */
 static dm_status find_step(dm_stepper *s, double *out, const double *state,
                            double target) {
     enum { TRIES = 60 };
     const size_t own = 4 * (size_t)s->model->n;
-    const double close = 2e-16 * fmax(fabs(target), fabs(state[own]));
-    double a = 0.0, ta = state[own], b = s->h, last = INFINITY;
+    const double t0 = state[own], close = 2e-16 * fmax(fabs(target), fabs(t0));
+    const double whole = s->h;
+    point a = {0.0, t0, 1.0 / s->method->pace(s, state)},
+          b = {.h = a.slope * (target - t0)};
+    double last = INFINITY;
+    if (!(fabs(b.h) < fabs(whole))) b.h = whole;
     for (int k = 0; k < TRIES; k++) {
-        const dm_status status = step_by(s, out, state, state[own], b);
+        const dm_status status = step_by(s, out, state, t0, b.h);
         if (status != DM_OK) return status;
-        const double tb = out[own], gap = fabs(tb - target);
+        b.t = out[own];
+        const double gap = fabs(b.t - target);
         if (gap <= close || (gap >= last && gap <= 1e3 * close)) return DM_OK;
-        if (tb == ta) return DM_NO_CONVERGENCE;
-        const double next = b + (target - tb) * (b - a) / (tb - ta);
-        a = b, ta = tb, b = next, last = gap;
+        if (b.t == a.t) return DM_NO_CONVERGENCE;
+        b.slope = 1.0 / s->method->pace(s, out);
+        const double next = interpolate(&a, &b, target);
+        a = b;
+        b.h = next;
+        last = gap;
     }
     return DM_NO_CONVERGENCE;
 }
