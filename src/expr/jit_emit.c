@@ -87,9 +87,10 @@ enum { SPARE = 4 }; /* registers left for results */
 /* n, an operand of the current step, has another use and there is room for it */
 static int is_worth_fetching(const dm_emitter *e, dm_node n) {
     const uint32_t all = e->registers == 32 ? UINT32_MAX : (1u << e->registers) - 1;
-    const uint32_t free = all & ~e->occupied & ~e->pinned & ~e->fixed;
+    uint32_t free = all & ~e->occupied & ~e->pinned & ~e->fixed;
     const dm_step *s = e->plan->steps + e->at[n].next;
-    if (!e->eager || __builtin_popcount(free) <= SPARE) return 0;
+    for (int i = 0; i < SPARE; i++) free &= free - 1; /* without its lowest bit */
+    if (!e->eager || !free) return 0;
     for (int k = 0; k < s->operands; k++)
         if (s->arg[k] == n && s->next[k] < e->plan->count) return 1;
     return 0;
