@@ -47,8 +47,14 @@ TARGET static real exponentials(real x) {
     return exponential(x);
 }
 
-TARGET static real logarithms(real x) {
+TARGET __attribute__((noinline, cold)) static real unusual_logarithms(real x) {
     return logarithm(x);
+}
+
+TARGET static real logarithms(real x) {
+    const whole usual = (whole)(x >= 0x1p-1022) & (whole)(x < INFINITY);
+    if (__builtin_expect(any(~usual), 0)) return unusual_logarithms(x);
+    return logarithm_of_normal(x, all(0x1p52 + 1023.0));
 }
 
 TARGET static real hyperbolic_sines(real x) {

@@ -81,20 +81,26 @@ INLINE real logarithm_tail(real z) {
     return z * fused(fused(fused(all(0x1.2f070517bf057p-3), z2, c45), z2, c23), z2, c01);
 }
 
-INLINE real logarithm(real x) {
-    const whole tiny = (whole)(x < 0x1p-1022), root = (whole)all(0x1.6a09e667f3bcdp-1),
-                one = (whole)all(1.0);
-    const whole bits = (whole)choose(tiny, x * 0x1p54, x);
+/* of x > 0, neither infinite nor denormal; `offset` = 2^52 + 1023 where x is not scaled */
+INLINE real logarithm_of_normal(real x, real offset) {
+    const whole root = (whole)all(0x1.6a09e667f3bcdp-1), one = (whole)all(1.0);
+    const whole bits = (whole)x;
     const whole power = (bits - root + one) &
                         (whole)all(-INFINITY); /* exponent of x/sqrt(1/2), in place */
     const real f = (real)(bits - power + one) - 1.0;
     /* the biased exponent as the low bits of 2^52 + exponent */
-    const whole biased = (whole)(power >> 52) | (whole)all(0x1p52);
-    const real k =
-        (real)biased - choose(tiny, all(0x1p52 + 1077.0), all(0x1p52 + 1023.0));
+    const real k = (real)((power >> 52) | (whole)all(0x1p52)) - offset;
     const real s = f / (2.0 + f), half = 0.5 * f * f;
     const real tail = fused(s, half + logarithm_tail(s * s), k * LOG2_2);
-    const real y = fused(k, all(LOG2_1), f - (half - tail));
+    return fused(k, all(LOG2_1), f - (half - tail));
+}
+
+/* of any x, the same bits */
+INLINE real logarithm(real x) {
+    const whole tiny = (whole)(x < 0x1p-1022);
+    const real y =
+        logarithm_of_normal(choose(tiny, x * 0x1p54, x),
+                            choose(tiny, all(0x1p52 + 1077.0), all(0x1p52 + 1023.0)));
     const real low_end = choose((whole)(x == 0.0), all(-INFINITY), all(NAN));
     return choose((whole)(x < INFINITY), choose((whole)(x > 0.0), y, low_end), x);
 }
