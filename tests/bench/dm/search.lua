@@ -114,7 +114,9 @@ local function curve(model, rule)
       local ns = math.min(once(model, rule, m), once(model, rule, m))
       points[#points + 1] = { m = m, err = err, why = why }
       if err < 1e3 then line("point", model, rule, m, err, ns) end
-      if err < 2e-11 or ns > model.longest or (err < math.huge and err > 30 * best and best < 1e-7) then break end
+      -- implicit rules may take longer for a few steps, so far apart that Newton's method is needed, than for more
+      local too_long = ns > model.longest and #points > 6
+      if err < 2e-11 or too_long or (err < math.huge and err > 30 * best and best < 1e-7) then break end
       if #points == 12 and why and best == math.huge then break end
       best = math.min(best, err)
     end
