@@ -36,7 +36,7 @@ void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
         dm_lagrange_value(value, basis->node, s, 1.0L + basis->node[i]);
         for (int j = 0; j < s; j++) g->ahead[i * s + j] = (double)value[j];
     }
-    dm_stage_warm_clear(g, g->h);
+    memset(g->warm, 0, dm_stage_warm_memory(g) * sizeof *g->warm);
 }
 
 void dm_stage_warm_clear(dm_stage *g, double h) {
