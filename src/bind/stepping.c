@@ -22,7 +22,8 @@ static void take_memory(lua_State *L, dml_stepping *r) {
         s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
     const size_t total = work + state + 2 * s->n + 1 + scratch + dml_start_work(m);
     r->stepper.work = lua_newuserdatauv(L, total * sizeof(double), 0);
-    memset(r->stepper.work, 0, total * sizeof(double));
+    memset(r->stepper.work + work, 0,
+           (total - work) * sizeof(double)); /* open lays out the rest */
     r->state = r->stepper.work + work;
     r->x = r->state + state;
     r->work = r->x + 2 * s->n + 1;
