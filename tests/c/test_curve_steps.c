@@ -2,19 +2,17 @@
 #include "curves.h"
 
 typedef struct {
+    bench b; /* whose arena holds the model */
     problem p;
     session x;
-    double *memory;
 } run;
 
 static int run_open(run *r, const model *m, const char *rule, double h) {
-    bench b;
-    const int fine = bench_open(&b, m, "euler", 1.0);
-    r->p = (problem){.n = m->n, .model = b.model, .arena = b.arena};
-    memcpy(r->p.q, b.y, m->n * sizeof(double));
-    memcpy(r->p.v, b.y + m->n, m->n * sizeof(double));
-    free(b.memory);
-    return fine && session_open(&r->x, &r->p, rule, h);
+    if (!bench_open(&r->b, m, "euler", 1.0)) return 0;
+    r->p = (problem){.n = m->n, .model = r->b.model};
+    memcpy(r->p.q, r->b.y, m->n * sizeof(double));
+    memcpy(r->p.v, r->b.y + m->n, m->n * sizeof(double));
+    return session_open(&r->x, &r->p, rule, h);
 }
 
 /* a round orbit of Kepler's problem */
@@ -27,7 +25,7 @@ static int run_kepler(run *r, const char *rule, double h) {
 
 static void run_close(run *r) {
     session_close(&r->x);
-    problem_close(&r->p);
+    bench_close(&r->b);
 }
 
 /* max |D^T J D - J| for the exact tangent map D */
