@@ -21,3 +21,7 @@ local sphere = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 -
   constraint = function(q) return q:dot(q) - 1 end }
 path = sphere:solver({ rule = "rattle", h = 0.1 }):run { q = { 0.6, 0, -0.7 }, v = { 0, 1, 1 }, steps = 20, project = true }
 assert(path:worst "constraint" < 1e-14)
+
+local own = dm.curve { method = function(x, f, h) return x + h * f(x + h / 2 * f(x)) end, bias = 0.5 }
+swing:solver { rule = own, h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 5 }
+assert(dm.bundle({ system = swing, h = 0.1, segments = own }):check({ q = { 1 }, v = { 0 } }).ok)
