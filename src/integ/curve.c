@@ -16,7 +16,7 @@
 #include <string.h>
 
 static const double SLOW = 0.1;   /* rate of increments that one matrix must beat */
-static const double STALE = 1e-2; /* rate from which the next step takes its own matrix */
+static const double STALE = 3e-2; /* rate from which the next step takes its own matrix */
 static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
 static const double NEGLIGIBLE =
     2.5e-6; /* of the tolerance: an increment not worth a step */
@@ -221,7 +221,7 @@ static dm_status find_increment(dm_curve_step *e, double *dx, int fresh) {
 static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations,
                        int fresh) {
     const size_t m = e->unknowns;
-    double *dx = e->scratch, last = INFINITY, rate = 0.0;
+    double *dx = e->scratch, last = INFINITY, rate, least = SLOW;
     for (int k = 0; k < CHORDS && k < s->max_iterations; k++) {
         const dm_status status = find_increment(e, dx, fresh && k == 0);
         if (status != DM_OK) return status;
@@ -231,10 +231,11 @@ static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations,
         if (!isfinite(step)) return DM_NOT_FINITE;
         rate = k ? step / last : SLOW; /* not known yet */
         const int stalled = k && rate > SLOW && step <= ROUND_OFF * size;
-        const int small = rate * step <= NEGLIGIBLE * s->tolerance * size;
+        if (k) least = fmin(least, rate); /* at the end rates are noise */
+        const int small = least * step <= NEGLIGIBLE * s->tolerance * size;
         if (step == 0.0 || stalled || small) {
             e->settled = step <= s->tolerance * size;
-            if (k > 2) e->memory[1 + 5 * e->n] = 0.0;
+            if (k > 3) e->memory[1 + 5 * e->n] = 0.0;
             return DM_OK;
         }
         if (k && rate > SLOW) return DM_NO_CONVERGENCE;
@@ -268,7 +269,9 @@ static dm_status search(dm_curve_step *e, const dm_stepper *s, int *iterations) 
     dm_status status = known ? chord(e, s, iterations, 0) : DM_NO_CONVERGENCE;
     if (status == DM_OK) return status;
     memcpy(e->z, start, size);
+    e->estimate = e->curve.order > 2;
     status = chord(e, s, iterations, 1);
+    e->estimate = 0;
     if (status == DM_OK) return status;
     e->memory[1 + 5 * e->n] = 0.0;
     memcpy(e->z, start, size);

@@ -67,7 +67,10 @@ dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
         if (e->curve.centred) r[2 * n + k] = z[2 * n + k] + e->segment.minus[k] / e->h;
     }
     if (J) {
-        dm_segment_hessian(&e->segment, e->columns);
+        if (e->estimate)
+            dm_segment_estimate(&e->segment, e->columns);
+        else
+            dm_segment_hessian(&e->segment, e->columns);
         fill_jacobian(e, J);
     }
     return DM_OK;

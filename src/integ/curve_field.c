@@ -15,7 +15,7 @@ typedef struct {
     dm_node *roots;
 } builder;
 
-enum { FORCE, GRADIENT, CURVE };
+enum { FORCE, GRADIENT, CURVE, TANGENT, MOMENTUM };
 static const char maker;
 
 static dm_node *take(const builder *b, size_t count) {
@@ -123,6 +123,20 @@ static dm_status make_curve(const builder *b, dm_kernel *out) {
     return make(b, out, 2 * (size_t)N * N, CURVE);
 }
 
+static dm_status make_tangent(const builder *b, dm_kernel *out) {
+    const uint32_t n = b->n, N = 2 * n;
+    dm_node *defect = b->roots + (size_t)n * N; /* [n] scratch */
+    dm_gradient(b->g, b->psi, b->u, n, defect);
+    dm_jacobian(b->g, defect, n, 0, N, b->roots);
+    return make(b, out, (size_t)n * N, TANGENT);
+}
+
+static dm_status make_momentum(const builder *b, dm_kernel *out) {
+    const uint32_t n = b->n, N = 2 * n;
+    dm_jacobian(b->g, b->gradient + n, n, 0, N, b->roots);
+    return make(b, out, (size_t)n * N, MOMENTUM);
+}
+
 static dm_status build(dm_field *out, builder *b) {
     const uint32_t n = b->n;
     dm_status status = carry_lagrangian(b);
@@ -133,7 +147,9 @@ static dm_status build(dm_field *out, builder *b) {
     if (status != DM_OK) return status;
     dm_gradient(b->g, b->psi, 0, 2 * n, b->roots);
     status = make(b, &out->gradient, 2 * (size_t)n, GRADIENT);
-    return status == DM_OK ? make_curve(b, &out->curve) : status;
+    if (status == DM_OK) status = make_curve(b, &out->curve);
+    if (status == DM_OK) status = make_tangent(b, &out->tangent);
+    return status == DM_OK ? make_momentum(b, &out->momentum) : status;
 }
 
 dm_status dm_field_build(dm_field *out, const dm_model *m) {
@@ -143,7 +159,9 @@ dm_status dm_field_build(dm_field *out, const dm_model *m) {
     if (!m->source.graph || !m->source.compile) return DM_TOO_LARGE;
     if (dm_kept_find(&out->force, m, &maker, FORCE) &&
         dm_kept_find(&out->gradient, m, &maker, GRADIENT) &&
-        dm_kept_find(&out->curve, m, &maker, CURVE))
+        dm_kept_find(&out->curve, m, &maker, CURVE) &&
+        dm_kept_find(&out->tangent, m, &maker, TANGENT) &&
+        dm_kept_find(&out->momentum, m, &maker, MOMENTUM))
         return DM_OK;
     b.g = dm_graph_new(m->source.arena, (uint32_t)dm_field_inputs(n));
     return b.g ? build(out, &b) : DM_NO_MEMORY;

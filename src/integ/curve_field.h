@@ -16,6 +16,8 @@ typedef struct {
     dm_kernel force;    /* a[n] where the mass is constant, else (E + M a)[n], M[n*n] */
     dm_kernel gradient; /* (u . E + l L)_y [2n] */
     dm_kernel curve;    /* (u . E + l L)_yy [2n*2n], E_y[n*2n], B[n*2n] */
+    dm_kernel tangent;  /* E_y[n*2n] */
+    dm_kernel momentum; /* L_vy[n*2n] */
 } dm_field;
 
 static inline size_t dm_field_inputs(size_t n) {

@@ -11,6 +11,7 @@ typedef struct {
     const double *state;
     double t, h;
     size_t n, unknowns;
+    int estimate;     /* the matrix may err by h^p */
     uint32_t columns; /* of G_yy, from where on they are wanted */
     double *mass;     /* [n] size of M by rows: what turns velocities into momenta */
     double *z, *y,

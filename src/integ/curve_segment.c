@@ -19,7 +19,7 @@ size_t dm_segment_work(const dm_curve *c, size_t n) {
     return s * (dm_field_inputs(n) + n + n * n + n * n + doubles(n * sizeof(uint32_t)) +
                 N + N * N + n * N) +
            N + 2 * N * N + (N * N + N) + 4 * n + N + N * N + 2 * n * N + 3 * s * s +
-           7 * s;
+           7 * s + 5 * n * N + dm_field_inputs(n);
 }
 
 static void place_coefficients(dm_segment *g, double *memory) {
@@ -85,22 +85,23 @@ dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m,
     g->hessian = take(&memory, N * N);
     g->plus_tangent = take(&memory, n * N);
     g->minus_tangent = take(&memory, n * N);
+    g->arrival_tangent = take(&memory, n * N);
+    g->departure_tangent = take(&memory, n * N);
+    g->momentum = take(&memory, n * N);
+    g->change = take(&memory, n * N);
+    g->a_y = take(&memory, n * N);
+    g->end = take(&memory, g->inputs);
     for (size_t i = 0; i < s; i++)
         dm_kernel_prepare(&g->field.force, g->force + i * g->field.force.outputs);
     dm_kernel_prepare(&g->field.gradient, g->pull);
+    dm_kernel_prepare(&g->field.momentum, g->momentum);
     return DM_OK;
-}
-
-/* y[n] += w x[n] */
-static void add(double *y, double w, const double *x, size_t n) {
-    if (w == 0.0) return;
-    for (size_t i = 0; i < n; i++) y[i] += w * x[i];
 }
 
 /* ---- forward ---- */
 
 /* x = M^-1 x at point i */
-static void divide_by_mass(const dm_segment *g, size_t i, double *x) {
+void dm_segment_divide(const dm_segment *g, size_t i, double *x) {
     const size_t n = g->n;
     const double *inverse = g->m->inverse_mass;
     if (!inverse) {
@@ -127,7 +128,7 @@ static dm_status accelerate(dm_segment *g, size_t i) {
     double *M = g->factors + i * n * n;
     memcpy(M, out + n, n * n * sizeof *M);
     const dm_status status = dm_lu_factor(M, g->pivot + i * n, g->n);
-    if (status == DM_OK) divide_by_mass(g, i, a);
+    if (status == DM_OK) dm_segment_divide(g, i, a);
     return status;
 }
 
@@ -222,7 +223,7 @@ void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0) {
         double *y = g->gradient + i * 2 * n;
         pull_back(g, k, i, p1, p0);
         for (size_t l = 0; l < n; l++) u[l] = k[n + l];
-        divide_by_mass(g, i, u);
+        dm_segment_divide(g, i, u);
         x[4 * n + 1] = g->weight[i];
         dm_kernel_eval(&g->field.gradient, x, g->pull);
         for (size_t l = 0; l < n; l++) {
@@ -231,96 +232,5 @@ void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0) {
             g->slope[l] += y[l];
             g->slope[n + l] += y[n + l];
         }
-    }
-}
-
-/* T_i = dY_i/dy */
-static void place_tangent(dm_segment *g, size_t i) {
-    const size_t n = g->n, N = 2 * n, row = i * g->points;
-    double *T = g->tangent + i * N * N;
-    memset(T, 0, N * N * sizeof *T);
-    for (size_t j = 0; j < i; j++) {
-        add(T, g->to_q[row + j], g->tangent + j * N * N + n * N, n * N);
-        add(T + n * N, g->to_v[row + j], g->push + j * n * N, n * N);
-        if (g->lift) add(T, g->lift[row + j], g->push + j * n * N, n * N);
-    }
-    for (size_t k = 0; k < N; k++) T[k * N + k] += 1.0;
-}
-
-/* columns first .. N-1 of C[rows*N] = A[rows*N] B[N*N] */
-static void multiply(double *C, const double *A, const double *B, size_t rows, size_t N,
-                     size_t first) {
-    for (size_t i = 0; i < rows; i++) {
-        double *c = C + i * N;
-        for (size_t j = first; j < N; j++) c[j] = 0.0;
-        for (size_t k = 0; k < N; k++) {
-            const double a = A[i * N + k], *b = B + k * N;
-            if (a == 0.0) continue;
-            for (size_t j = first; j < N; j++) c[j] += a * b[j];
-        }
-    }
-}
-
-/* row^T = M^-1 row^T for the columns of E_y[n*N] at point i */
-static void push_columns(dm_segment *g, size_t i, double *E) {
-    const size_t n = g->n, N = 2 * n;
-    double *column = g->some + N * N;
-    for (size_t j = 0; j < N; j++) {
-        for (size_t k = 0; k < n; k++) column[k] = E[k * N + j];
-        divide_by_mass(g, i, column);
-        for (size_t k = 0; k < n; k++) E[k * N + j] = column[k];
-    }
-}
-
-/* W += B^T a_y + (B^T a_y)^T */
-static void add_mass_terms(double *W, const double *B, const double *a_y, size_t n) {
-    const size_t N = 2 * n;
-    for (size_t k = 0; k < n; k++)
-        for (size_t i = 0; i < N; i++)
-            for (size_t j = 0; j < N; j++)
-                W[i * N + j] +=
-                    B[k * N + i] * a_y[k * N + j] + B[k * N + j] * a_y[k * N + i];
-}
-
-/* columns first .. N-1 of hessian += T^T W T */
-static void add_second(dm_segment *g, const double *W, const double *T, size_t first) {
-    const size_t N = 2 * (size_t)g->n;
-    multiply(g->some, W, T, N, N, first);
-    for (size_t k = 0; k < N; k++) {
-        const double *row = g->some + k * N;
-        for (size_t i = 0; i < N; i++) {
-            const double t = T[k * N + i];
-            if (t == 0.0) continue;
-            double *out = g->hessian + i * N;
-            for (size_t j = first; j < N; j++) out[j] += t * row[j];
-        }
-    }
-}
-
-/* what point i adds to the tangents of the ends */
-static void add_ends(dm_segment *g, size_t i, const double *dv, const double *da) {
-    const size_t size = 2 * (size_t)g->n * g->n;
-    add(g->plus_tangent, g->plus_q[i], dv, size);
-    add(g->minus_tangent, g->minus_q[i], dv, size);
-    if (!g->lift) return;
-    add(g->plus_tangent, g->plus_lift[i], da, size);
-    add(g->minus_tangent, g->minus_lift[i], da, size);
-}
-
-void dm_segment_hessian(dm_segment *g, uint32_t first) {
-    const size_t n = g->n, N = 2 * n;
-    memset(g->hessian, 0, N * N * sizeof *g->hessian);
-    memset(g->plus_tangent, 0, n * N * sizeof *g->plus_tangent);
-    memset(g->minus_tangent, 0, n * N * sizeof *g->minus_tangent);
-    for (size_t i = 0; i < g->points; i++) {
-        double *T = g->tangent + i * N * N, *W = g->second, *a_y = W + N * N;
-        place_tangent(g, i);
-        dm_kernel_prepare(&g->field.curve, g->second); /* a_y is changed in place */
-        dm_kernel_eval(&g->field.curve, g->x + i * g->inputs, g->second);
-        push_columns(g, i, a_y);
-        if (!g->m->inverse_mass) add_mass_terms(W, a_y + n * N, a_y, n);
-        multiply(g->push + i * n * N, a_y, T, n, N, 0);
-        add_second(g, W, T, first);
-        add_ends(g, i, T + n * N, g->push + i * n * N);
     }
 }

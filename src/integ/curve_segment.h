@@ -38,6 +38,9 @@ typedef struct {
     double *slope;        /* [2n] sum of y_i: G_y without p0 - p1 */
     double *hessian;      /* [2n*2n] G_yy */
     double *plus_tangent, *minus_tangent; /* [n*2n] of d+ - q, d- - q */
+    double *arrival_tangent,
+        *departure_tangent;                /* [n*2n] of the velocities there, less v */
+    double *momentum, *change, *a_y, *end; /* [n*2n] L_vy, its use, a_y; inputs of it */
 } dm_segment;
 
 /* Doubles of a segment; make its kernels, lay it out. */
@@ -57,6 +60,13 @@ void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0);
 
 /* Columns first .. 2n-1 of hessian; plus_tangent, minus_tangent; after gradient. */
 void dm_segment_hessian(dm_segment *g, uint32_t first);
+
+/* The same with G_yy = D+^T P+ - D-^T P-, P = (L_v)_y at the ends: what it is where Ld is the action of the flow and p0, p1 are
+** its momenta, so that it errs by h^p relative. No second derivatives of the field. */
+void dm_segment_estimate(dm_segment *g, uint32_t first);
+
+/* x = M^-1 x at point i. */
+void dm_segment_divide(const dm_segment *g, size_t i, double *x);
 
 /* Ld, after run. Needs DM_WANT_VALUE. */
 double dm_segment_action(const dm_segment *g);
