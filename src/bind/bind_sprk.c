@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const long double SAME = 1e-14L;
+static const long double SAME = 1e-13L;
 
 static int has(lua_State *L, const char *key) {
     const int there = lua_getfield(L, 1, key) != LUA_TNIL;

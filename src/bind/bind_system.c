@@ -208,9 +208,12 @@ static int system_tostring(lua_State *L) {
     if (s->hyperdual)
         luaL_addstring(&b, "L on hyper-dual numbers");
     else {
-        luaL_addstring(&b, bits & DM_SEPARABLE ? "separable, " : "not separable, ");
-        luaL_addstring(&b, bits & DM_CONSTANT_MASS ? "constant mass, "
-                                                   : "mass depends on the state, ");
+        luaL_addstring(&b, bits & DM_LINEAR_IN_V ? "linear in v, "
+                           : bits & DM_SEPARABLE ? "separable, "
+                                                 : "not separable, ");
+        if (!(bits & DM_LINEAR_IN_V))
+            luaL_addstring(&b, bits & DM_CONSTANT_MASS ? "constant mass, "
+                                                       : "mass depends on the state, ");
         if (!(bits & DM_AUTONOMOUS)) luaL_addstring(&b, "depends on time, ");
         lua_pushfstring(L, "%d operations, derivatives exact", (int)m->model.operations);
         luaL_addvalue(&b);

@@ -49,12 +49,40 @@ static void read_basis(lua_State *L, int at, dm_galerkin *g) {
     lua_pop(L, 2);
 }
 
+/* rule = "galerkin", degree = 3, quadrature = "lobatto(4)" at 2 become rule = "galerkin(3, lobatto(4))" in a new table there */
+static void join_galerkin(lua_State *L) {
+    static const char *const kept[] = {"h", "name", NULL};
+    const int degree = lua_getfield(L, 2, "degree"),
+              quadrature = lua_getfield(L, 2, "quadrature");
+    if (degree == LUA_TNIL && quadrature == LUA_TNIL) {
+        lua_pop(L, 2);
+        return;
+    }
+    lua_getfield(L, 2, "rule");
+    if (lua_type(L, -1) != LUA_TSTRING || strcmp(lua_tostring(L, -1), "galerkin") != 0)
+        luaL_error(L, "fields 'degree' and 'quadrature' go with rule = \"galerkin\"");
+    if (quadrature != LUA_TSTRING)
+        luaL_error(
+            L, "field 'quadrature' must be text, for instance \"lobatto(4)\" (got %s)",
+            luaL_typename(L, -2));
+    const int s = (int)dml_count(L, 2, "degree", 1, 0);
+    lua_newtable(L);
+    lua_pushfstring(L, "galerkin(%d, %s)", s, lua_tostring(L, -3));
+    lua_setfield(L, -2, "rule");
+    for (const char *const *key = kept; *key; key++)
+        lua_getfield(L, 2, *key), lua_setfield(L, -2, *key);
+    lua_replace(L, 2);
+    lua_settop(L, 2);
+}
+
 void dml_pushruled(lua_State *L) {
-    static const char *const known[] = {"rule", "h", "name", NULL};
+    static const char *const known[] = {"rule",   "h",          "name",
+                                        "degree", "quadrature", NULL};
     static const char *const copied[] = {"Q",     "name",   "coordinates",
                                          "units", "params", NULL};
     dm_galerkin g;
     dml_options(L, 2, known);
+    join_galerkin(L);
     read_basis(L, 2, &g);
     const dml_system *system = luaL_checkudata(L, 1, DML_SYSTEM);
     const double h = dml_positive(L, 2, "h", 0);

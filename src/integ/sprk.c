@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-static const long double SAME = 1e-14L; /* tableaus are given as doubles */
+static const long double SAME = 1e-13L; /* tableaus are given as doubles */
 
 /* ---- tableaus ---- */
 

@@ -40,8 +40,7 @@ typedef struct {
 /* 0 when it is neither staged nor split. */
 int dm_sprk_of(dm_sprk *out, const dm_tableau *t);
 
-/* Order of a symplectic pair, from the error of one step of two sizes on a polynomial Hamiltonian of two degrees
-** of freedom in long double; separable: with its mixed terms left out. */
+/* Order of a symplectic pair, measured in long double (sprk_order.c); separable: for L = T(v) - V(q) alone. */
 int dm_tableau_order(const dm_tableau *t, int separable);
 
 #endif

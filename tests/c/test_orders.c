@@ -5,6 +5,7 @@
 #include "check.h"
 #include "integ/claims.h"
 #include "integ/quadrature.h"
+#include "integ/sprk.h"
 #include "integ/stage.h"
 #include "problems.h"
 
@@ -260,6 +261,32 @@ static void separable_tables_are_symplectic(void) {
         }
 }
 
+/* collocation and its partner: orders 2 s, 2 s - 1 and 2 s - 2, with coefficients rounded to doubles as a user gives them */
+static void orders_of_tableaus(void) {
+    static const struct {
+        const char *quadrature;
+        int lost;
+    } known[] = {{"gauss", 0}, {"radau", 1}, {"radau-left", 1}, {"lobatto", 2}};
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        for (int s = 2; s <= 8; s++) {
+            static dm_tableau t;
+            dm_quadrature q;
+            long double value[DM_QUADRATURE_NODES];
+            int i, j;
+            dm_quadrature_find(known[k].quadrature)->fill(&q, s);
+            t = (dm_tableau){.s = s};
+            for (i = 0; i < s; i++) {
+                dm_lagrange(value, t.a[i], q.c, s, q.c[i]);
+                for (j = 0; j < s; j++) t.a[i][j] = (long double)(double)t.a[i][j];
+                t.b[i] = (long double)(double)q.b[i];
+            }
+            dm_tableau_partner(&t);
+            CHECK_NEAR((double)dm_tableau_defect(&t, &i, &j), 0.0, 1e-17);
+            if (!CHECK(dm_tableau_order(&t, 0) == 2 * s - known[k].lost))
+                printf("# %s(%d): %d\n", known[k].quadrature, s, dm_tableau_order(&t, 0));
+        }
+}
+
 /* one instance of a row of claims.def; tests/lua/test_rules.lua measures the rest */
 static void check_instance(const dm_claim *claim, const char *text, size_t length) {
     char rule[80] = "";
@@ -281,7 +308,8 @@ static void check_instance(const dm_claim *claim, const char *text, size_t lengt
 
 static void claims_are_about_methods(void) {
     for (const dm_method *const *m = dm_methods; *m; m++)
-        if (!CHECK(dm_claim_find((*m)->name) != NULL)) printf("# %s has no row\n", (*m)->name);
+        if (!CHECK(dm_claim_find((*m)->name) != NULL))
+            printf("# %s has no row\n", (*m)->name);
     for (const dm_claim *c = dm_claims; c->name; c++) {
         if (!CHECK(dm_method_find(c->name, NULL) != NULL)) continue;
         for (const char *at = c->instances; *at;) {
@@ -301,6 +329,7 @@ int main(void) {
     RUN(quadratures_with_names, "quadratures by name: degree, weights of their nodes");
     RUN(radau_nodes_in_closed_form, "Radau nodes in closed form, Simpson's weights");
     RUN(separable_tables_are_symplectic, "tables are symplectic to 1e-15");
+    RUN(orders_of_tableaus, "tableaus of known order, to order 16");
     RUN(claims_are_about_methods, "each method has its row of claims");
     RUN(orders_on_separable_kepler, "every rule has its order on Kepler's problem");
     RUN(orders_on_kepler_taken_as_general, "and when its structure is hidden");

@@ -17,6 +17,12 @@ path:momentum(dm.SO(2))
 local swing = dm.system { Q = dm.T(1), L = function(q, v) return v:dot(v) / 2 * (2 + math.cos(q[1])) end }
 swing:solver { rule = "gauss(2)", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 20 }
 
+local Ld = dm.discrete_lagrangian(kepler, { rule = dm.galerkin { degree = 2, nodes = { 0, 0.5, 1 } }, h = 0.1 })
+assert(Ld({ 1, 0 }, { 1, 0.1 }) > 0 and Ld:hamilton_pontryagin({ 1, 0 }, { 1, 0.1 }).residual < 1e-13 and #tostring(Ld) > 0)
+dm.solver { Ld }:run { q0 = { 1, 0 }, q1 = { 1, 0.1 }, steps = 3 }
+swing:solver({ rule = dm.sprk { a = { { 0.5 } }, b = { 1 } }, h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 2 }
+assert(#dm.rules() > 20)
+
 local sphere = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end, force = function(q) return -q end,
   constraint = function(q) return q:dot(q) - 1 end }
 path = sphere:solver({ rule = "rattle", h = 0.1 }):run { q = { 0.6, 0, -0.7 }, v = { 0, 1, 1 }, steps = 20, project = true }

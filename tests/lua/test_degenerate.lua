@@ -124,6 +124,8 @@ local d1, d2 = defect("degenerate(1)", 0.56), defect("degenerate(1)", 0.4)
 ok(d1 > 1e-9 and d1 < 1e-6, "the symplectic form has a defect, as the doc says", d1)
 ok(log(d1 / d2) / log(1.4) > 4, "of an order above that of the rule", log(d1 / d2) / log(1.4))
 
+ok(tostring(plain):find "linear in v", "a system says that its L is linear in v", tostring(plain))
+
 -- starts and refusals
 ok(plain:solver({ rule = "degenerate(1)", h = 0.1 }):run({ q = { 2, 1 }, v = { 7, 7 }, steps = 1 }).p[1][1] == 0, "a velocity has no say")
 near((plain:solver({ rule = "degenerate(1)", h = 0.1 }):run({ q = { 2, 3 }, p = plain:momentum({ 2, 3 }, { 0, 0 }), steps = 1 }).p[1] - plain:momentum({ 2, 3 }, { 0, 0 })):norm(), 0, 0,

@@ -105,6 +105,14 @@ ok(forced({ 0 }, { 0.1 }, 1) ~= forced({ 0 }, { 0.1 }), "a time is heard where L
 local slow = dm.system { Q = dm.R(2), derivatives = "hyperdual", L = twisted.L }
 near(dm.discrete_lagrangian(slow, { rule = "gauss(2)", h = 0.1 })(q0, q1), dm.discrete_lagrangian(twisted, { rule = "gauss(2)", h = 0.1 })(q0, q1), 1e-15, "on hyper-dual numbers")
 
+-- the galerkin rule in words
+local words = dm.discrete_lagrangian(kepler, { rule = "galerkin", degree = 3, quadrature = "lobatto(4)", h = 0.05 })
+ok(words.rule == "galerkin(3, lobatto(4))" and words(q0, q1) == dm.discrete_lagrangian(kepler, { rule = "galerkin(3, lobatto(4))", h = 0.05 })(q0, q1),
+  "rule, degree and quadrature apart")
+raises("rule = \"galerkin\"", function() dm.discrete_lagrangian(kepler, { rule = "gauss(2)", degree = 3, h = 0.05 }) end)
+raises("'quadrature' must be", function() dm.discrete_lagrangian(kepler, { rule = "galerkin", degree = 3, h = 0.05 }) end)
+raises("'degree'", function() dm.discrete_lagrangian(kepler, { rule = "galerkin", quadrature = "lobatto(4)", h = 0.05 }) end)
+
 -- refusals
 raises("has no discrete Lagrangian of stages", function() dm.discrete_lagrangian(kepler, { rule = "rk4", h = 0.1 }) end)
 raises("has no discrete Lagrangian of stages", function() dm.discrete_lagrangian(kepler, { rule = "yoshida(4)", h = 0.1 }) end)
