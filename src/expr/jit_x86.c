@@ -26,8 +26,10 @@ void dm_jit_limit(uint32_t lanes) {
 static uint32_t processor_lanes(void) {
     __builtin_cpu_init();
     if (!__builtin_cpu_supports("avx")) return 0;
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") ? 8
-                                                                                   : 4;
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                   __builtin_cpu_supports("avx512vl")
+               ? 8
+               : 4;
 }
 
 uint32_t dm_jit_lanes(void) {

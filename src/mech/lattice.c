@@ -266,11 +266,10 @@ typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* two by two entries change places: parts of n/8 numbers side by side, or back */
 static inline void turn(double *to, size_t to_row, const double *from, size_t from_row) {
-    typedef int64_t which __attribute__((vector_size(16)));
     const pair a = *(const pair *)(const void *)from;
     const pair b = *(const pair *)(const void *)(from + from_row);
-    *(pair *)(void *)to = __builtin_shuffle(a, b, (which){0, 2});
-    *(pair *)(void *)(to + to_row) = __builtin_shuffle(a, b, (which){1, 3});
+    *(pair *)(void *)to = __builtin_shufflevector(a, b, 0, 2);
+    *(pair *)(void *)(to + to_row) = __builtin_shufflevector(a, b, 1, 3);
 }
 
 /* bodies [0, depth & ~1) of all parts; gives how many of each part */
