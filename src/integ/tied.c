@@ -202,12 +202,14 @@ static dm_status by_continuation(dm_tied *g, const dm_stepper *stepper) {
     const size_t V = (size_t)g->table.s * g->n, N = dm_tied_unknowns(g);
     dm_tied_weights_scale(g, ldexp(h, -DOUBLINGS));
     dm_tied_plain_guess(g);
+    dm_tied_bend_guess(g);
     dm_status status = dm_tied_newton(g, stepper);
     for (int k = DOUBLINGS; status == DM_OK && k > 0; k--) {
         memcpy(g->scratch, g->root, V * sizeof *g->root);
         dm_tied_longer_guess(g, g->scratch);
         for (size_t i = V; i < N; i++) g->root[i] *= 2.0;
         dm_tied_weights_scale(g, ldexp(h, 1 - k));
+        dm_tied_bend_guess(g);
         status = dm_tied_newton(g, stepper);
     }
     if (g->h != h) dm_tied_weights_scale(g, h);

@@ -7,7 +7,8 @@ enum { MOST = DM_QUADRATURE_NODES + 1, SMOOTH = 8 };
 ** has a degree more than the quadrature can tell apart, and its nodes are the tie points (Jay 1996) */
 uint32_t dm_tied_count(size_t s, size_t r, const dm_galerkin *g) {
     const int both_ends = g->q.c[0] == 0.0L && g->q.c[r - 1] == 1.0L;
-    return (uint32_t)(s == r && both_ends ? s - 1 : s);
+    const size_t K = s == r && both_ends ? s - 1 : s;
+    return (uint32_t)(K < DM_QUADRATURE_NODES ? K : DM_QUADRATURE_NODES - 1);
 }
 
 static size_t points_size(size_t count, size_t s) {

@@ -223,6 +223,13 @@ for _, rule in ipairs { "midpoint", "gauss(3)", "lobatto(3)", "galerkin(2, lobat
   near(one.q[#one][1], two.q[#two][1], 1e-12, "L(q, v, t) by " .. rule .. ": the general step is the same step")
 end
 
+-- ---- as many stages as there can be ----
+
+for _, rule in ipairs { "gauss(32)", "lobatto(32)" } do
+  path = run(sphere, rule, 0.5, 4, swing)
+  near((path.q[2] - run(sphere, "gauss(8)", 0.1, 20, swing).q[2]):norm(), 0, 1e-13, rule .. " on the sphere")
+end
+
 -- ---- failures ----
 
 local closing = dm.system { Q = dm.R(3), L = function(_, v) return v:dot(v) / 2 end,
