@@ -83,7 +83,10 @@ static int galerkin_new(lua_State *L) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
-    const int s = (int)dml_count(L, 1, "degree", 1, 0);
+    const long degree = dml_count(L, 1, "degree", 1, 0);
+    if (degree > DM_QUADRATURE_NODES)
+        luaL_error(L, "field 'degree' must be at most %d", DM_QUADRATURE_NODES);
+    const int s = (int)degree;
     read_quadrature(L, &q);
     check_degree(L, s, &q);
     const char *text = lua_pushfstring(L, "galerkin(%d, %d own nodes)", s, q.r);

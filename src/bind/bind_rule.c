@@ -1,6 +1,8 @@
 /* bind_rule.c - `dm.rule`: what dm.galerkin and its like give to `rule =`. */
 #include "bind/rule.h"
 
+#include "integ/claims.h"
+
 #include <string.h>
 
 const char *const DML_RULE = "dm.rule";
@@ -35,6 +37,10 @@ static int rule_field(lua_State *L) {
         lua_getiuservalue(L, 1, 2);
     } else if (strcmp(key, "order") == 0) {
         lua_pushinteger(L, method->order(&r->rule));
+    } else if (strcmp(key, "symmetric") == 0) {
+        lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_SYMMETRIC) != 0);
+    } else if (strcmp(key, "symplectic") == 0) {
+        lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_SYMPLECTIC) != 0);
     } else {
         return 0;
     }
@@ -47,6 +53,6 @@ void dml_open_rule(lua_State *L) {
     dml_newclass(L, DML_RULE,
                  "dm.rule: a rule with coefficients of its own, made by dm.galerkin and "
                  "its like, for rule = in a solver\n"
-                 "fields: name, order",
+                 "fields: name, order, symmetric, symplectic",
                  meta, NULL, rule_field);
 }

@@ -65,9 +65,9 @@ static void join_galerkin(lua_State *L) {
         luaL_error(
             L, "field 'quadrature' must be text, for instance \"lobatto(4)\" (got %s)",
             luaL_typename(L, -2));
-    const int s = (int)dml_count(L, 2, "degree", 1, 0);
+    const long s = dml_count(L, 2, "degree", 1, 0);
     lua_newtable(L);
-    lua_pushfstring(L, "galerkin(%d, %s)", s, lua_tostring(L, -3));
+    lua_pushfstring(L, "galerkin(%I, %s)", (LUAI_UACINT)s, lua_tostring(L, -3));
     lua_setfield(L, -2, "rule");
     for (const char *const *key = kept; *key; key++)
         lua_getfield(L, 2, *key), lua_setfield(L, -2, *key);

@@ -111,6 +111,7 @@ ok(words.rule == "galerkin(3, lobatto(4))" and words(q0, q1) == dm.discrete_lagr
   "rule, degree and quadrature apart")
 raises("rule = \"galerkin\"", function() dm.discrete_lagrangian(kepler, { rule = "gauss(2)", degree = 3, h = 0.05 }) end)
 raises("'quadrature' must be", function() dm.discrete_lagrangian(kepler, { rule = "galerkin", degree = 3, h = 0.05 }) end)
+raises("degree of its polynomials, from 1 to 32", function() dm.discrete_lagrangian(kepler, { rule = "galerkin", degree = 2 ^ 32 | 0, quadrature = "lobatto(4)", h = 0.05 }) end)
 raises("'degree'", function() dm.discrete_lagrangian(kepler, { rule = "galerkin", quadrature = "lobatto(4)", h = 0.05 }) end)
 
 -- refusals

@@ -59,7 +59,23 @@ do
   ok(path:drift("energy").largest < 1e-2, "a rule that only its solver knows is kept")
 end
 
+ok(dm.galerkin({ degree = 2, nodes = { 0.1, 0.5, 0.9 } }).symmetric and not dm.galerkin({ degree = 2, nodes = { 0.1, 0.5, 0.8 } }).symmetric,
+  "a rule says whether it is symmetric")
+near(plain:solver({ rule = dm.galerkin { degree = 2, nodes = { 0.1, 0.5, 0.9 } }, h = 0.3 }):reversal { q = start.q, v = start.v, steps = 5 }, 0, 1e-14, "measured: it is")
+ok(simpson38.symplectic, "and symplectic")
+near(twisted:solver({ rule = simpson38, h = 0.3 }):symplecticity { q = start.q, v = start.v, steps = 3 }, 0, 1e-13, "measured: it is")
+-- a run goes on from a file bit for bit, the rule being given again
+do
+  local file = os.tmpname()
+  local whole = plain:solver({ rule = simpson38, h = 0.1 }):run { q = start.q, v = start.v, steps = 40, every = 40 }
+  plain:solver({ rule = simpson38, h = 0.1 }):run({ q = start.q, v = start.v, steps = 20 }):checkpoint(file)
+  local rest = dm.resume(file, plain, { rule = simpson38 }):run { steps = 20, every = 20 }
+  ok(rest.q[#rest] == whole.q[#whole], "restart of a rule with own nodes, bit for bit")
+  os.remove(file)
+end
+
 -- refusals
+raises("at most 32", function() dm.galerkin { degree = 2 ^ 32 | 0, nodes = { 0.5 } } end)
 raises("need 3 nodes", function() dm.galerkin { degree = 3, nodes = { 0, 1 } } end)
 raises("exact to degree 2", function() dm.galerkin { degree = 3, nodes = { 0, 0.5, 1 }, weights = { 0.25, 0.5, 0.25 } } end)
 raises("sum must be 1", function() dm.galerkin { degree = 1, nodes = { 0, 1 }, weights = { 1, 1 } } end)

@@ -84,6 +84,8 @@ local path = plain:solver { rule = ruth, h = 0.1 }:run { q = start.q, v = start.
 near(path:drift("energy").per_time, 0, 1e-7, "no drift of the energy with b and B different")
 ok(gauss.name == "my gauss" and tostring(gauss) == "rule my gauss", "a rule has the name it is given")
 
+ok(verlet.symmetric and not A.symmetric and gauss.symmetric and mirrored.symmetric, "symmetry is read off the tableau")
+
 -- violations
 raises("b_i A_ij + B_j a_ji - b_i B_j = -0.25 at i = 1, j = 1", function() dm.sprk { a = { { 0.5 } }, b = { 1 }, A = { { 0.25 } }, B = { 1 } } end)
 raises("= 0.25 at i = 1, j = 2", function()
