@@ -35,7 +35,8 @@ dm_status dm_rattle_end(dm_rattle_frame *b, dm_kernel *out, const dm_node *roots
 void dm_rattle_inputs(const dm_rattle_frame *b, dm_node *out, uint32_t first,
                       uint32_t count);
 
-/* roots[count] of the source, compacted together, at q[n], v[n] (NULL: it is not in them) and t. */
+/* roots[count] of the source, compacted and contracted together, at q[n], v[n] (NULL: it is not in them) and t: the same
+** roots give the same bits in every kernel. */
 typedef struct {
     const dm_node *q, *v;
     dm_node t;

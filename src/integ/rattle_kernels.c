@@ -106,11 +106,16 @@ void dm_rattle_evaluate(frame *b, dm_node *out, const dm_node *roots, size_t cou
     dm_node *compact = dm_rattle_take(b, count);
     if (!compact || !count) return;
     dm_compact(b->source, roots, (uint32_t)count, compact);
+    dm_graph *small = dm_contract_graph(b->source, compact, (uint32_t)count, compact);
+    if (!small) {
+        b->no_memory = 1;
+        return;
+    }
     memset(b->with, 0, (2 * n + (size_t)1) * sizeof *b->with);
     memcpy(b->with, at->q, n * sizeof *b->with);
     if (at->v) memcpy(b->with + n, at->v, n * sizeof *b->with);
     b->with[2 * n] = at->t;
-    dm_transplant(b->f.graph, b->source, compact, (uint32_t)count, b->with, out);
+    dm_transplant(b->f.graph, small, compact, (uint32_t)count, b->with, out);
 }
 
 /* ---- linear algebra in the graph ---- */
@@ -175,11 +180,7 @@ dm_status dm_rattle_end(frame *b, dm_kernel *out, const dm_node *roots, size_t c
     const dm_status status = dm_graph_status(b->f.graph);
     if (b->no_memory || dm_graph_status(b->source) != DM_OK) return DM_NO_MEMORY;
     if (status != DM_OK) return status;
-    dm_node *contracted = dm_rattle_take(b, count);
-    if (!contracted) return DM_NO_MEMORY;
-    dm_graph *g = dm_contract_graph(b->f.graph, roots, (uint32_t)count, contracted);
-    if (!g) return DM_NO_MEMORY;
-    return b->model->source.compile(out, g, contracted, (uint32_t)count, b->arena);
+    return b->model->source.compile(out, b->f.graph, roots, (uint32_t)count, b->arena);
 }
 
 /* F, G, g_t, g as roots of the source, in that order */

@@ -128,9 +128,17 @@ for _, rule in ipairs { "rattle", "yoshida(4, rattle)", "shake" } do
   os.remove(file)
 end
 ok(between:worst "constraint" < 1e-14, "which lie on the constraints too")
+-- products that force, g and G share
+local bent = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 - cos(q[1] * q[2] + q[3] ^ 2) end,
+  constraint = function(q) return q[1] * q[2] + sin(q[1] * q[2] + q[3]) end }
+local on_it = { q = { 0.3, 0.4, -0.3 }, v = { 0.4, 0.3, 0.1 }, project = true, steps = 400 }
+often = bent:solver({ rule = "rattle", h = 0.02 }):run(on_it)
+on_it.every = 400
+once = bent:solver({ rule = "rattle", h = 0.02 }):run(on_it)
+ok(same(often.q[401], once.q[2]) and same(often.p[401], once.p[2]), "nor where force and constraint share products")
 local many = double:solver({ rule = "rattle", h = 0.01 }):ensemble { members = 3, q = function() return swing.q end,
   v = function(i) return { 0, i == 2 and 1 or 0.7, 0, 0, 0.5, 0 } end, steps = 500, threads = 2 }
-ok(same(many.q[2], once.q[2]), "a member of an ensemble has the bits of a run of its own")
+ok(same(many.q[2], between.q[3]), "a member of an ensemble has the bits of a run of its own")
 
 -- what is a constraint in one description is none in another
 local free = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
