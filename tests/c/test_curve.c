@@ -182,11 +182,46 @@ static void derivatives_of_a_segment_are_exact(void) {
         }
 }
 
+/* distance of the estimate of G_yy from G_yy itself, at the momenta of the flow, in units of h */
+static double estimate_defect(bench *b, double h) {
+    const uint32_t n = b->n, N = 2 * n;
+    const dm_segment_place at = {.q = b->y, .v = b->y + n, .t = T0, .h = h};
+    double p0[16], p1[16], exact[32 * 32], worst = 0.0;
+    CHECK(dm_segment_run(&b->segment, &at) == DM_OK);
+    for (uint32_t k = 0; k < n; k++) { /* masses are 1 */
+        p1[k] = b->segment.arrival[k];
+        p0[k] = b->y[n + k] + b->segment.arrival[k] - b->segment.next[k];
+    }
+    dm_segment_gradient(&b->segment, p1, p0);
+    dm_segment_hessian(&b->segment, 0);
+    memcpy(exact, b->segment.hessian, N * N * sizeof *exact);
+    dm_segment_estimate(&b->segment, 0);
+    for (uint32_t i = 0; i < N * N; i++)
+        worst = fmax(worst, fabs(b->segment.hessian[i] - exact[i]) / h);
+    return worst;
+}
+
+static void the_estimate_errs_by_the_order(void) {
+    const struct {
+        const char *method;
+        double bias;
+    } rows[] = {{"kutta3", 1.0}, {"rk4", 1.0}, {"rk4", 0.4}, {"gsl-rkck", 0.7}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        bench b;
+        CHECK(bench_open(&b, models + 1, rows[i].method, rows[i].bias));
+        const double coarse = estimate_defect(&b, 0.04), fine = estimate_defect(&b, 0.02);
+        CHECK(log2(coarse / fine) > b.curve.order - 0.4 && coarse < 1e-2);
+        bench_close(&b);
+    }
+}
+
 int main(void) {
     RUN(tableaux_satisfy_their_order_conditions,
         "tableaux satisfy their order conditions");
     RUN(tableaux_of_gsl_step_as_gsl_does, "tableaux read off GSL step as GSL does");
     RUN(a_bias_runs_the_method_to_both_sides, "a bias runs the method to both sides");
     RUN(derivatives_of_a_segment_are_exact, "derivatives of a segment are exact");
+    RUN(the_estimate_errs_by_the_order,
+        "the estimated matrix errs by the order of the method");
     return check_finish();
 }
