@@ -30,8 +30,10 @@ static void append(lua_State *L, int list, int arg, const char *what) {
         luaL_error(
             L,
             "%s must be a vector of as many entries as x, positions and velocities "
-            "(got %s of %d for %d)",
-            what, luaL_typename(L, arg), n < 0 ? 0 : (int)n, SIZE);
+            "(got %s)",
+            what,
+            n > 1 ? lua_pushfstring(L, "%d for %d", (int)n, SIZE)
+                  : luaL_typename(L, arg));
     for (uint32_t i = 0; i < SIZE; i++) {
         const dml_scalar x = dml_entry(L, arg, i);
         dml_pushscalar(L, &x);

@@ -167,6 +167,11 @@ for _, rule in ipairs { "curve(rk4)", dm.curve("kutta3", { bias = 0.5 }) } do
   os.remove(file)
   ok(rest.q[#rest] == whole.q[2] and rest.p[#rest] == whole.p[2], "a restart goes on bit for bit: " .. tostring(rule))
 end
+-- members of an ensemble have the bits of runs of their own
+local ensemble = kepler:solver({ rule = dm.curve("gsl-rkck", { bias = 0.5 }), h = 0.05 })
+  :ensemble { members = 6, q = function(i) return { 1, 0.1 * i } end, v = function() return { 0, 1 } end, steps = 40, threads = 2 }
+local third = kepler:solver({ rule = dm.curve("gsl-rkck", { bias = 0.5 }), h = 0.05 }):run { q = { 1, 0.1 * 3 }, v = { 0, 1 }, steps = 40, every = 40 }
+ok(ensemble.q[3] == third.q[2] and ensemble.p[3] == third.p[2], "a member of an ensemble is a run of its own", ensemble)
 -- sums, and many coordinates
 local ring = dm.system { Q = dm.R(20), L = function(q, v)
   return v:dot(v) / 2 - dm.sum_over(q, function(a, b) return (b - a) ^ 2 / 2 + (b - a) ^ 4 / 4 end, { shift = 1, periodic = true }) end }
