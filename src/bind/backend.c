@@ -1,6 +1,7 @@
 #include "bind/backend.h"
 
 #include "bind/cc.h"
+#include "expr/fma.h"
 #include "expr/jit.h"
 #include "expr/processor.h"
 #include "expr/tape.h"
@@ -47,6 +48,7 @@ void dml_limitprocessor(lua_State *L) {
     for (int level = DM_PLAIN; level <= DM_AVX512; level++)
         if (strcmp(text, names[level]) == 0) {
             dm_processor_limit((dm_processor_level)level);
+            dm_fma_allow(level > DM_PLAIN);
             return;
         }
     luaL_error(
