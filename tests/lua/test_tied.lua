@@ -223,6 +223,20 @@ for _, rule in ipairs { "midpoint", "gauss(3)", "lobatto(3)", "galerkin(2, lobat
   near(one.q[#one][1], two.q[#two][1], 1e-12, "L(q, v, t) by " .. rule .. ": the general step is the same step")
 end
 
+-- ---- the same bits on tape and in machine code ----
+
+for _, case in ipairs { { heavy, swing }, { rolls, { q = { 1, 0.5, 0 }, v = { 0.4, 1, 0.2 } } }, { appell(nil), cone } } do
+  local system, start = table.unpack(case)
+  for _, rule in ipairs { "midpoint", "gauss(3)", "lobatto(3)" } do
+    local ends = {}
+    for i, backend in ipairs { "tape", "jit" } do
+      local one = system:solver { rule = rule, h = 0.02, backend = backend }:run { q = start.q, v = start.v, steps = 100, every = 100 }
+      ends[i] = ("%a %a %a %a"):format(one.q[2][1], one.q[2][2], one.p[2][1], one.p[2][2])
+    end
+    ok(ends[1] == ends[2], rule .. ": tape and machine code agree to the bit", ends[1] .. " / " .. ends[2])
+  end
+end
+
 -- ---- as many stages as there can be ----
 
 for _, rule in ipairs { "gauss(32)", "lobatto(32)" } do
