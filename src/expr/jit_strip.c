@@ -7,6 +7,7 @@
 
 #include "expr/code_memory.h"
 #include "expr/jit.h"
+#include "expr/jit_exp.h"
 #include "expr/jit_pool.h"
 #include "expr/nodes.h"
 
@@ -14,7 +15,14 @@
 
 #if defined(__x86_64__)
 
-enum { R12 = 12, R13 = 13, LARGEST_FRAME = 1 << 16, ALIGN = 32, MOST_NUMBERS = 12 };
+enum {
+    R12 = 12,
+    R13 = 13,
+    LARGEST_FRAME = 1 << 16,
+    ALIGN = 32,
+    MOST_NUMBERS = 12,
+    FOR_EXPONENTIALS = 13
+};
 
 /* the plan's steps, then one step that writes for every output: an operand like others */
 static int add_writes(dm_plan *p, dm_arena *arena) {
@@ -81,7 +89,13 @@ static void place_numbers(dm_emitter *e, const dm_graph *g, dm_code *before) {
 
 static void emit_body(dm_emitter *e, const dm_strand *out) {
     const uint32_t steps = e->plan->count - e->plan->m;
-    for (uint32_t i = 0; i < steps; i++) dm_emit_step(e, e->plan->steps + i);
+    for (uint32_t i = 0; i < steps; i++) {
+        const dm_step *s = e->plan->steps + i;
+        if (s->op == DM_OP_EXP && !e->plan->calls)
+            dm_emit_exponential(e, s);
+        else
+            dm_emit_step(e, s);
+    }
     for (uint32_t k = 0; k < e->plan->m; k++) {
         const dm_step *s = e->plan->steps + steps + k;
         dm_bury_slots(e);
@@ -103,6 +117,24 @@ static void prologue(dm_code *c, int32_t frame, const dm_code *numbers) {
     dm_x86_bytes(c, "\x48\x83\xE4\xC0", 4);
     dm_x86_bytes(c, numbers->bytes, numbers->size);
     while (c->size % ALIGN && !c->failed) dm_x86_bytes(c, "\x90", 1);
+}
+
+static uint32_t has_exponentials(const dm_plan *p) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < p->count - p->m; i++) count += p->steps[i].op == DM_OP_EXP;
+    return count;
+}
+
+/* Exponentials of 8 lanes need no call, where nothing else does: calls lose registers. */
+static void count_calls(dm_plan *p, uint32_t lanes) {
+    if (lanes == 8 && has_exponentials(p) == p->calls) p->calls = 0;
+}
+
+/* r9 = where the numbers of exponentials are */
+static void fetch_table(dm_code *c) {
+    const double(*const table)[8] = dm_exp_table;
+    dm_x86_bytes(c, "\x49\xB9", 2);
+    dm_x86_bytes(c, &table, sizeof table);
 }
 
 /* r14 and r13 += bytes of a group; again while r14 < r12 */
@@ -164,14 +196,18 @@ dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *are
     if (!dm_plan_make(&plan, s->g, s->root, m) ||
         !add_writes(&plan, dm_graph_arena(s->g)) || !dm_emit_open(&e, s->g, &plan, lanes))
         return DM_NO_MEMORY;
+    count_calls(&plan, lanes);
     if (!can_carry(d, &plan, lanes)) return DM_NO_NATIVE;
     e.registers -= (int)d->carried;
     place_inputs(&e, s->g, s->in);
     void *pool = dm_pool_make(&e, s->g, arena);
     if (!pool) return DM_NO_MEMORY;
     dm_code numbers = {.arena = dm_graph_arena(s->g)};
+    fetch_table(&numbers);
     load_carried(&numbers, d);
     place_numbers(&e, s->g, &numbers);
+    if (has_exponentials(&plan) && !plan.calls)
+        dm_shelve_exponential(&e, &numbers, FOR_EXPONENTIALS);
     emit_body(&e, s->out);
     const dm_status status = place_loop(&code, &e, &numbers, d, arena);
     if (status != DM_OK) return status;

@@ -208,6 +208,12 @@ void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int rela
     byte(c, relation);
 }
 
+void dm_x86_scale(dm_code *c, int d, int a, int b) {
+    const form f = {
+        .map = MAP_0F38, .opcode = 0x2C, .reg = d, .vvvv = a, .prefix = PP_66};
+    emit_evex(c, DM_LANES8, &f, dm_in_register(b));
+}
+
 void dm_x86_call(dm_code *c, dm_operand pointer) {
     if (pointer.base >> 3) byte(c, 0x41);
     byte(c, 0xFF);

@@ -96,6 +96,9 @@ void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b
 void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int relation,
                  int under);
 
+/* 8 lanes: d = a 2^floor(b) */
+void dm_x86_scale(dm_code *c, int d, int a, int b);
+
 void dm_x86_call(dm_code *c, dm_operand pointer);
 void dm_x86_lea(dm_code *c, int d, dm_operand memory);
 void dm_x86_clear_uppers(dm_code *c);

@@ -43,10 +43,12 @@ static void add_drift(body *b, uint32_t slot) {
     b->dq = dm_apply(b->d->g, DM_OP_FMA, number(b, slot), v, b->dq);
 }
 
-/* high + low with |low| at most half a unit of high (Dekker 1971) */
+/* high + low exactly, whichever is larger (Knuth): low is at most half a unit of high then, so that the sum of both
+** rounds to high and a burst begins where the last one ended */
 static void add_up(dm_graph *g, dm_node *high, dm_node *low) {
-    const dm_node sum = dm_add(g, *high, *low);
-    *low = dm_add(g, *low, dm_sub(g, *high, sum));
+    const dm_node sum = dm_add(g, *high, *low), from_low = dm_sub(g, sum, *high);
+    const dm_node from_high = dm_sub(g, sum, from_low);
+    *low = dm_add(g, dm_sub(g, *high, from_high), dm_sub(g, *low, from_low));
     *high = sum;
 }
 

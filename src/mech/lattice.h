@@ -94,6 +94,10 @@ void dm_lattice_add_up(dm_lattice *l, uint32_t high, uint32_t low);
 ** coordinates. */
 void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t);
 
+/* L_q, and with `momenta` L_v behind it, as a kernel of x = (q, v, t); DM_TOO_LARGE as above. The mass of *m is
+** known and diagonal. */
+dm_status dm_lattice_gradient(dm_kernel *out, const dm_model *m, int momenta);
+
 /* A strip without forces over all bodies. */
 void dm_lattice_move(const dm_lattice *l, const dm_strip *strip);
 

@@ -152,16 +152,21 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
 static double sum_value(const loop *l, const double *x) {
     _Alignas(64) double y[BLOCK];
     const dm_sum *s = l->sum;
-    double sum = 0.0, low = 0.0;
+    double sum[LANES] = {0.0}, low[LANES] = {0.0}; /* they do not wait for each other */
     for (uint32_t shift = s->from; shift <= s->to; shift++) {
         const uint32_t rounds = dm_sum_rounds(s, shift);
         for (uint32_t i = 0; i < rounds; i += BLOCK) {
             const uint32_t count = smaller(BLOCK, rounds - i);
             eval_block(l, y, x, i, count, shift);
-            for (uint32_t r = 0; r < count; r++) dm_sum_add(&sum, &low, y[r]);
+            for (uint32_t r = 0; r < count; r++)
+                dm_sum_add(sum + r % LANES, low + r % LANES, y[r]);
         }
     }
-    return sum + low;
+    for (uint32_t k = 1; k < LANES; k++) {
+        dm_sum_add(sum, low, sum[k]);
+        dm_sum_add(sum, low, low[k]);
+    }
+    return sum[0] + low[0];
 }
 
 /* are the entries of column c neighbours in rounds [i, i + count)? */

@@ -6,6 +6,7 @@
 #include "expr/analyse.h"
 #include "expr/derive.h"
 #include "expr/tape.h"
+#include "mech/lattice.h"
 #include "mech/loops.h"
 
 #include <math.h>
@@ -189,6 +190,16 @@ static dm_status keep_mass(const builder *b) {
     return DM_OK;
 }
 
+/* along arrays where that can be, else sum by sum */
+static dm_status make_gradient(const builder *b, dm_kernel *out, int momenta) {
+    const dm_model *m = b->m;
+    const dm_status status =
+        m->inverse_mass ? dm_lattice_gradient(out, m, momenta) : DM_TOO_LARGE;
+    if (status != DM_TOO_LARGE) return status;
+    return dm_loops_gradient(out, b->g, b->L, b->gradient, momenta ? 2 * m->n : m->n,
+                             m->source.compile, m->source.arena);
+}
+
 static dm_status make_kernels(const builder *b, unsigned want) {
     dm_model *m = b->m;
     dm_compile *compile = m->source.compile;
@@ -196,12 +207,8 @@ static dm_status make_kernels(const builder *b, unsigned want) {
     dm_status status = DM_OK;
     if (want & DM_WANT_VALUE)
         status = dm_loops_value(&m->value, b->g, b->L, compile, arena);
-    if (status == DM_OK && want & DM_WANT_FORCE)
-        status =
-            dm_loops_gradient(&m->force, b->g, b->L, b->gradient, m->n, compile, arena);
-    if (status == DM_OK && want & DM_WANT_SLOPE)
-        status = dm_loops_gradient(&m->slope, b->g, b->L, b->gradient, 2 * m->n, compile,
-                                   arena);
+    if (status == DM_OK && want & DM_WANT_FORCE) status = make_gradient(b, &m->force, 0);
+    if (status == DM_OK && want & DM_WANT_SLOPE) status = make_gradient(b, &m->slope, 1);
     if (status == DM_OK && want & DM_WANT_ENERGY) {
         const dm_node energy = dm_sub(b->g, b->energy, b->L);
         status = dm_loops_value(&m->energy, b->g, energy, compile, arena);

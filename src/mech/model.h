@@ -86,7 +86,7 @@ typedef struct {
 
 /* With sums (expr/sum.h) or very many coordinates: so many rounds are written out as they are; above, loops are kept where mass is
 ** constant and diagonal; what needs n x n tables writes them out up to so many coordinates. */
-enum { DM_MODEL_WRITTEN_OUT = 128, DM_MODEL_DENSE = 400 };
+enum { DM_MODEL_WRITTEN_OUT = 40, DM_MODEL_DENSE = 400 };
 
 /*
 ** Read the structure of L in g (inputs q[n], v[n], t) and build the wanted kernels.

@@ -133,7 +133,8 @@ static void dense_tables_only_where_they_fit(void) {
         unsigned want;
         dm_status status;
         int loops;
-    } cases[] = {{50, DM_WANT_FORCE, DM_OK, 0},
+    } cases[] = {{DM_MODEL_WRITTEN_OUT / 2, DM_WANT_FORCE, DM_OK, 0},
+                 {50, DM_WANT_FORCE, DM_OK, 1},
                  {100, DM_WANT_FORCE, DM_OK, 1},
                  {100, DM_WANT_FORCE | DM_WANT_STAGE, DM_OK, 0},
                  {DM_MODEL_DENSE + 1, DM_WANT_FORCE, DM_OK, 1},

@@ -132,6 +132,106 @@ do
   near(c:momentum(q, v)[2], 2 * v[2] + (v[1] + v[3]) / 2, 1e-14, "and their momenta are right")
 end
 
+-- splitting steps go along arrays in lanes: chains of all lengths and ends against the same L written out, and the same bits
+-- from tape and native code, in bursts of any length
+do
+  local function path(n, L, rule, backend, every)
+    local q, v = start(n)
+    return dm.system { Q = dm.R(n), L = L }:solver { rule = rule, h = 0.05, backend = backend }:run { q = q, v = v, steps = 12, every = every }
+  end
+  local function same(a, b)
+    for _, key in ipairs { "q", "p" } do
+      local x, y = a[key][#a], b[key][#b]
+      for i = 1, #x do if x[i] ~= y[i] then return false end end
+    end
+    return true
+  end
+  local function bond(a, b) return (a - b) ^ 2 / 2 + (a - b) ^ 4 / 4 end
+  local function compare(what, n, rule, L, plain)
+    local a = path(n, L, rule)
+    ok(same(a, path(n, L, rule, "tape")), what .. ": tape and native code, bit for bit")
+    ok(same(a, path(n, L, rule, nil, 12)), what .. ": bursts of one step and of all, bit for bit")
+    near((a.q[#a] - path(n, plain, rule).q[#a]):norm(), 0, 1e-12, what .. ": as written out")
+  end
+  for _, n in ipairs { 41, 136, 263 } do
+    for _, periodic in ipairs { true, false } do
+      local last, rule = periodic and n or n - 1, periodic and "blanes-moan(4)" or "verlet"
+      local name = n .. (periodic and " in a ring" or " in a row")
+      local m = {}
+      for i = 1, n do m[i] = 1 + i % 3 end
+      compare(name .. ", bonds and a field", n, rule, function(q, v)
+        return dm.sum_over(v, kinetic) - dm.sum_over(q, bond, { shift = 1, periodic = periodic }) - dm.sum_over(q, function(a) return 1 - math.cos(a) end)
+      end, function(q, v)
+        local L = 0
+        for i = 1, n do L = L + v[i] ^ 2 / 2 - (1 - math.cos(q[i])) end
+        for i = 1, last do L = L - bond(q[i], q[i % n + 1]) end
+        return L
+      end)
+      compare(name .. ", exponential bonds", n, "symplectic-euler", function(q, v)
+        return dm.sum_over(v, kinetic) - dm.sum_over(q, function(a, b) return toda(a - b) end, { shift = 1, periodic = periodic })
+      end, function(q, v)
+        local L = 0
+        for i = 1, n do L = L + v[i] ^ 2 / 2 end
+        for i = 1, last do L = L - toda(q[i] - q[i % n + 1]) end
+        return L
+      end)
+      compare(name .. ", masses, far neighbours, time", n, rule, function(q, v, t)
+        return dm.sum_over(v, m, function(u, mi) return mi * u ^ 2 / 2 end)
+          - dm.sum_over(q, m, t, function(a, x, b, y, s) return x * y * (1 + s) * (a - b) ^ 2 / 20 + a * b ^ 2 / 50 end, { shift = 5, periodic = periodic })
+      end, function(q, v, t)
+        local L = 0
+        for i = 1, n do L = L + m[i] * v[i] ^ 2 / 2 end
+        for i = 1, periodic and n or n - 5 do
+          local j = (i + 4) % n + 1
+          L = L - m[i] * m[j] * (1 + t) * (q[i] - q[j]) ^ 2 / 20 - q[i] * q[j] ^ 2 / 50
+        end
+        return L
+      end)
+    end
+  end
+  -- a square lattice: neighbours along the rows of all, and from row to row
+  local side = 12
+  local n = side * side
+  compare("12 x 12", n, "blanes-moan(4)", function(q, v)
+    return dm.sum_over(v, kinetic) - dm.sum_over(q, bond, { shift = 1 }) - dm.sum_over(q, bond, { shift = side, periodic = true })
+  end, function(q, v)
+    local L = 0
+    for i = 1, n do L = L + v[i] ^ 2 / 2 - bond(q[i], q[(i + side - 1) % n + 1]) end
+    for i = 1, n - 1 do L = L - bond(q[i], q[i + 1]) end
+    return L
+  end)
+  -- two coordinates a body
+  compare("bodies in the plane", 120, "blanes-moan(4)", function(q, v)
+    return dm.sum_over(v, kinetic) - dm.sum_over(q, function(a, b)
+      local d = a - b
+      return (d:dot(d) - 1) ^ 2 / 4
+    end, { shift = 1, block = 2, periodic = true })
+  end, function(q, v)
+    local L = v:dot(v) / 2
+    for i = 1, 60 do
+      local j = i % 60 + 1
+      L = L - ((q[2 * i - 1] - q[2 * j - 1]) ^ 2 + (q[2 * i] - q[2 * j]) ^ 2 - 1) ^ 2 / 4
+    end
+    return L
+  end)
+end
+
+-- a model is kept from run to run, but not when a number inside of the function of a sum has changed
+do
+  local k, n = 1, 200
+  local function L(q, v) return dm.sum_over(v, kinetic) - dm.sum_over(q, function(a, b) return k * (a - b) ^ 2 end, { shift = 1 }) end
+  local kept, q, v = dm.system { Q = dm.R(n), L = L }, start(n)
+  local function last(s)
+    local path = s:solver { rule = "verlet", h = 0.1 }:run { q = q, v = v, steps = 9 }
+    return path.q[#path]
+  end
+  local one = last(kept)
+  k = 2
+  local two = last(kept)
+  ok((one - two):norm() > 0.01, "a changed upvalue changes the path")
+  near((two - last(dm.system { Q = dm.R(n), L = L })):norm(), 0, 0, "to that of a new system")
+end
+
 -- cost: operations per particle do not grow from 10^3 to 10^5
 local function operations(n)
   local q, v = start(n)
@@ -173,6 +273,12 @@ raises("symbols of two traces meet", L_of(function(q, v)
 raises("met a symbol", L_of(function(q, v) return dm.sum_over(q, v, function(a, u) return a == 0 and 0 or (a == a + 0 and u ^ 2 or u) end) end))
 near(dm.sum_over(x, function(a) return a * dm.sum_over(x, function(b) return b end) end), 100, 0, "a sum inside a sum, on numbers")
 local implicit = ring(500, toda):solver { rule = "gauss(2)", h = 0.1 }
+raises("the function of dm.sum_over is not what its trace says", function()
+  local q, v = start(200)
+  dm.system { Q = dm.R(200), L = function(x, u)
+    return dm.sum_over(u, kinetic) - dm.sum_over(x, function(a) return type(a) == "number" and 2 * a or a end)
+  end }:solver { rule = "verlet", h = 0.1 }:run { q = q, v = v, steps = 1 }
+end)
 raises("explicit rules do without", function() local q, v = start(500) implicit:run { q = q, v = v, steps = 1 } end)
 raises("explicit rules do without", L_of(function(q, v) return dm.sum_over(q, v, function(a, u) return u ^ 2 * (1 + a ^ 2) end) end))
 raises("written out up to", function() ring(500, toda):graph() end)
