@@ -76,18 +76,16 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_stage_weights_scale(g, stepper->h);
     memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     if (g->separable) dm_stage_separable_open(g);
-    dm_stage_warm_open(g, basis, memory);
     dm_stage_sweeps_open(g, basis, memory + dm_stage_warm_size(g->table.s, g->n));
+    if (!g->sweeps.row && !g->separable) dm_stage_warm_open(g, basis, memory);
     return DM_OK;
 }
 
 dm_status dm_stage_start(dm_stepper *stepper, double *state, double t) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     if (stepper->model->ties) return dm_tied_start(stepper, state, t);
-    if (g->sweeps.row)
-        dm_stage_memory_clear(g, stepper->h);
-    else
-        dm_stage_warm_clear(g, stepper->h);
+    if (g->sweeps.row) dm_stage_memory_clear(g, stepper->h);
+    if (g->warm) dm_stage_warm_clear(g, stepper->h);
     return DM_OK;
 }
 
@@ -95,7 +93,8 @@ size_t dm_stage_memory(dm_stepper *stepper, double **place) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     if (stepper->model->ties) return dm_tied_memory(stepper, place);
     *place = g->sweeps.row ? g->sweeps.memory : g->warm;
-    return g->sweeps.row ? dm_stage_memory_size(g) : dm_stage_warm_memory(g);
+    if (g->sweeps.row) return dm_stage_memory_size(g);
+    return g->warm ? dm_stage_warm_memory(g) : 0;
 }
 
 void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after) {
@@ -296,7 +295,7 @@ static dm_status general(dm_stage *g, dm_stepper *stepper) {
                                        .size = &g->size,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
-    const int warm = !g->sweeps.row && dm_stage_warm_guess(g);
+    const int warm = g->warm && dm_stage_warm_guess(g);
     dm_status status = warm ? dm_newton(g->root, &problem, g->scratch, &report) : DM_OK;
     if (!warm || status != DM_OK) {
         status = guess(g);
@@ -305,7 +304,7 @@ static dm_status general(dm_stage *g, dm_stepper *stepper) {
     stepper->report.iterations = report.iterations;
     stepper->report.residual = report.residual;
     if (status == DM_OK) status = finish(g);
-    if (status == DM_OK && !g->sweeps.row) dm_stage_warm_keep(g);
+    if (status == DM_OK && g->warm) dm_stage_warm_keep(g);
     return status;
 }
 

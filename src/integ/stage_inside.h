@@ -22,10 +22,10 @@ typedef struct {
 ** is added to the bases once, when u has settled.
 */
 typedef struct {
-    const dm_sweep_row *row; /* NULL: this step has no sweeps */
+    const dm_sweep_row *row;                  /* NULL: this step has no sweeps */
     dm_stage_kernel force, factors, velocity; /* the last two: general form */
-    int count;               /* sweeps a step; 0: to round-off */
-    dm_sweep q, p;           /* positions; momenta of the general form */
+    int count;                                /* sweeps a step; 0: to round-off */
+    dm_sweep q, p;                            /* positions; momenta of the general form */
     dm_sweep q_rest, p_rest; /* their bases, by the low-order parts of the coefficients */
     dm_sweep ahead, v_ahead; /* positions, velocities from u of the step before */
     double *u;               /* [n][width], for M that is not diagonal */

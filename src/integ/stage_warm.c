@@ -22,16 +22,15 @@ size_t dm_stage_warm_size(size_t s, uint32_t n) {
 }
 
 size_t dm_stage_warm_memory(const dm_stage *g) {
-    if (!g->warm) return 0;
     return END + 4 * (size_t)g->n + steps(g) * g->table.s * g->n;
 }
 
 void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
     const int s = basis->s;
-    g->warm = s > STAGES || g->separable ? NULL : memory;
-    if (!g->warm) return;
+    if (s > STAGES) return;
+    g->warm = memory;
     g->ahead = memory + dm_stage_warm_memory(g);
-    for (int i = 0; i < s; i++) {
+    for (int i = 0; i < s && s > 1; i++) {
         long double value[STAGES];
         dm_lagrange_value(value, basis->node, s, 1.0L + basis->node[i]);
         for (int j = 0; j < s; j++) g->ahead[i * s + j] = (double)value[j];
@@ -40,7 +39,6 @@ void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
 }
 
 void dm_stage_warm_clear(dm_stage *g, double h) {
-    if (!g->warm) return;
     memset(g->warm, 0, dm_stage_warm_memory(g) * sizeof *g->warm);
     g->warm[STEP] = h;
 }
@@ -65,7 +63,7 @@ static void continue_many(dm_stage *g, const double *V) {
 
 int dm_stage_warm_guess(dm_stage *g) {
     const double *memory = g->warm, *end = memory + END;
-    if (!memory || memory[STEP] != g->h || memory[COUNT] == 0.0) return 0;
+    if (memory[STEP] != g->h || memory[COUNT] == 0.0) return 0;
     for (uint32_t k = 0; k < 4 * g->n; k++)
         if (end[k] != g->state[k]) return 0;
     if (g->table.s == 1)
@@ -77,7 +75,7 @@ int dm_stage_warm_guess(dm_stage *g) {
 
 void dm_stage_warm_keep(dm_stage *g) {
     const size_t size = g->table.s * (size_t)g->n, most = steps(g);
-    if (!g->warm || g->warm[STEP] != g->h) return;
+    if (g->warm[STEP] != g->h) return;
     double *end = g->warm + END, *V = end + 4 * g->n;
     const int follows = memcmp(end, g->state, 4 * g->n * sizeof *end) == 0;
     const double count = follows ? g->warm[COUNT] + 1.0 : 1.0;
