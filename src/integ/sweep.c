@@ -1,6 +1,7 @@
 #include "integ/sweep.h"
 
 #include "base/sum.h"
+#include "expr/processor.h"
 
 #include <stddef.h>
 #ifdef __x86_64__
@@ -133,10 +134,10 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 const dm_sweep_row *dm_sweep_find(uint32_t stages) {
     if (stages == 1) return &one;
     __builtin_cpu_init();
-    const int avx = __builtin_cpu_supports("avx"), fma = __builtin_cpu_supports("fma");
-    if (stages <= 4) return fma ? &fused4 : avx ? &avx4 : &plain4;
-    if (fma && __builtin_cpu_supports("avx512f")) return &wide8;
-    return avx ? &avx8 : &plain8;
+    const dm_processor_level level = dm_processor();
+    const int avx = __builtin_cpu_supports("avx");
+    if (stages <= 4) return level >= DM_FMA ? &fused4 : avx ? &avx4 : &plain4;
+    return level == DM_AVX512 ? &wide8 : avx ? &avx8 : &plain8;
 }
 #else
 const dm_sweep_row *dm_sweep_find(uint32_t stages) {

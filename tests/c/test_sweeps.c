@@ -1,6 +1,7 @@
 /* test_sweeps.c - Gauss and its kin by fixed-point sweeps over stages in lanes, on traced models. */
 #include "check.h"
 #include "expr/jit.h"
+#include "expr/processor.h"
 #include "problems.h"
 #include "run/land.h"
 
@@ -59,7 +60,7 @@ static double distance(const session *x, const session *y, uint32_t n) {
 
 /* ---- the same bits everywhere ---- */
 
-static void every_width_has_the_same_bits(void) {
+static void the_widths_have_the_same_bits(void) {
     static const uint32_t lanes[] = {0, 1, 4, 8};
     const uint32_t most = dm_jit_lanes();
     for (int which = 0; which < 3; which++)
@@ -76,6 +77,30 @@ static void every_width_has_the_same_bits(void) {
                 if (!CHECK(memcmp(x[0].state, x[k].state, sizeof x->state) == 0))
                     printf("# %s, %u lanes, problem %d\n", rules[i], lanes[k], which);
             }
+        }
+}
+
+static void every_width_has_the_same_bits(void) {
+    for (int level = DM_PLAIN; level <= DM_AVX512; level++) {
+        dm_processor_limit((dm_processor_level)level);
+        the_widths_have_the_same_bits();
+    }
+}
+
+/* sums with and without fused products come to the same end but for rounding, and so do 4 and 8 stages in them */
+static void every_processor_finds_the_same_end(void) {
+    for (int which = 0; which < 3; which++)
+        for (int i = 0; i < RULES; i++) {
+            session x[2];
+            for (int k = 0; k < 2; k++) {
+                problem p;
+                dm_processor_limit(k ? DM_AVX512 : DM_PLAIN);
+                make(&p, which, dm_native_build);
+                CHECK(run(x + k, &p, rules[i], 0.02, 50, 50) == DM_OK);
+                session_close(x + k);
+                problem_close(&p);
+            }
+            CHECK(distance(x, x + 1, which == 2 ? 4 : 2) < 5e-14);
         }
 }
 
@@ -314,6 +339,8 @@ static void more_sweeps_come_nearer(void) {
 
 int main(void) {
     RUN(every_width_has_the_same_bits, "tape, 1, 4 and 8 lanes have the same bits");
+    RUN(every_processor_finds_the_same_end,
+        "every processor's sums come to the same end");
     RUN(rows_do_not_depend_on_bursts, "rows do not depend on bursts");
     RUN(newton_finds_the_same_root, "Newton's method finds the same root");
     if (!doubles_only())
