@@ -135,7 +135,7 @@ function topics.rules()
   local list = core.rules and core.rules() or {}
   local lines = {}
   for _, rule in ipairs(list) do
-    lines[#lines + 1] = ("  %-24s order %s: %s"):format(rule.signature or rule.name, rule.order, first_line(rule.doc or ""))
+    lines[#lines + 1] = ("  %-24s %s"):format(rule.signature or rule.name, first_line(rule.doc or ""))
   end
   write("rules of dm.solver{ rule = }:\n", table.concat(lines, "\n"))
 end

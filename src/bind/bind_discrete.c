@@ -24,7 +24,7 @@ static momenta of_formula(lua_State *L) {
     double *x = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *x, 0);
     dml_vectorarg(L, 2, "q0", x, n);
     dml_vectorarg(L, 3, "q1", x + n, n);
-    dml_model *m = dml_pushmodel(L, 1);
+    dml_model *m = dml_pushlast(L, 1, NULL);
     dml_want(L, m, DM_WANT_PAIR, NULL);
     double *out = lua_newuserdatauv(L, m->model.pair.outputs * sizeof *out, 0);
     dm_kernel_prepare(&m->model.pair, out);
@@ -93,7 +93,7 @@ static double value_of_formula(lua_State *L) {
     double *x = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *x, 0), value;
     dml_vectorarg(L, 2, "q0", x, n);
     dml_vectorarg(L, 3, "q1", x + n, n);
-    dml_model *m = dml_pushmodel(L, 1);
+    dml_model *m = dml_pushlast(L, 1, NULL);
     dml_want(L, m, DM_WANT_PAIR, NULL);
     dm_kernel_prepare(&m->model.value, &value);
     dm_kernel_eval(&m->model.value, x, &value);
