@@ -119,8 +119,7 @@ void dm_emit_c_head(dm_put *put, void *ud) {
                                "    return 1.0 / sqrt(x);\n"
                                "}\n\n"
                                "static inline double reciprocal_root3(double x) {\n"
-                               "    const double w = 1.0 / sqrt(x);\n"
-                               "    return w * (w * w);\n"
+                               "    return 1.0 / (x * sqrt(x));\n"
                                "}\n\n";
     put(ud, head, sizeof head - 1);
 }

@@ -66,11 +66,9 @@ static void cube(const roots *r) {
 static void by_division(const roots *r, int cubed) {
     dm_code *c = &r->e->code;
     dm_x86_op(c, r->e->width, DM_X86_SQRT, r->y, r->x, dm_in_register(r->x));
+    if (cubed) multiply(r, r->y, r->x, r->y);
     dm_x86_load(c, r->e->width, r->p, dm_pool_mask(r->e, DM_POOL_ONE));
     dm_x86_op(c, r->e->width, DM_X86_DIV, r->y, r->p, dm_in_register(r->y));
-    if (!cubed) return;
-    multiply(r, r->p, r->y, r->y);
-    multiply(r, r->y, r->y, r->p);
 }
 
 void dm_emit_reciprocal_root(dm_emitter *e, const dm_step *s) {

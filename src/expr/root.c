@@ -74,7 +74,5 @@ double dm_rsqrt(double x) {
 }
 
 double dm_rsqrt3(double x) {
-    if (by_look_up()) return cube_avx512(x);
-    const double w = 1.0 / sqrt(x);
-    return w * (w * w);
+    return by_look_up() ? cube_avx512(x) : 1.0 / (x * sqrt(x));
 }

@@ -66,19 +66,16 @@ static void root_at(dm_processor_level level) {
         const double x = i < HARD ? hard[i] : random_double(&r);
         const double error = ulps(dm_rsqrt(x), 1.0L / sqrtl(x));
         const double of_cube = ulps(dm_rsqrt3(x), 1.0L / (x * sqrtl(x)));
-        if (x == 0.0) CHECK(dm_rsqrt(x) == 1.0 / x && dm_rsqrt3(x) == 1.0 / x);
+        if (x == 0.0) CHECK(dm_rsqrt(x) == 1.0 / x && isinf(dm_rsqrt3(x)));
         if (x == 0.0) continue;
         if (error > worst) worst = error;
-        if (dm_rsqrt3(x) < 0x1p-1000)
-            CHECK(of_cube <
-                  (level == DM_AVX512
-                       ? 2.0
-                       : 8.0)); /* what is added is denormal: rounded once more */
-        else if (of_cube > cube && dm_rsqrt3(x) < 0.999 * DBL_MAX)
-            cube = of_cube;
+        /* at the ends of the range a part of the sum, or x sqrt(x), is denormal */
+        const double y = dm_rsqrt3(x);
+        if (y > 0x1p-1000 && y < 0x1p1020 && of_cube > cube) cube = of_cube;
+        if (y <= 0x1p-1000 && level == DM_AVX512) CHECK(of_cube < 2.0);
     }
     printf("# x^(-1/2), x^(-3/2) at level %d: %.3f, %.3f ulp\n", (int)level, worst, cube);
-    CHECK(worst < most && cube < (level == DM_AVX512 ? 0.6 : 8.0));
+    CHECK(worst < most && cube < (level == DM_AVX512 ? 0.6 : 3.0));
 }
 
 static void reciprocal_root(void) {
