@@ -82,7 +82,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 /* h, the state at the end, v of the next segment; 1 when factors hold, factors and pivots of the last matrix */
 static size_t memory_size(const dm_curve *c, size_t n) {
     const size_t m = dm_curve_unknowns(c, n);
-    return 1 + 4 * n + n + 1 + m * m + m;
+    return 1 + 4 * n + n + 1 + m * m + (m + 1) / 2;
 }
 
 static size_t scratch_size(const dm_curve *c, const dm_model *m) {
@@ -112,6 +112,7 @@ static dm_status open(dm_stepper *s) {
     e->next = e->p1 + n;
     e->memory = e->next + 4 * n;
     e->slope = e->memory + memory_size(&e->curve, n);
+    memset(e->memory, 0, memory_size(&e->curve, n) * sizeof *e->memory);
     e->scratch = e->slope + 2 * n + n * n + n;
     dm_kernel_prepare(&s->model->slope, e->slope);
     return dm_segment_open(&e->segment, &e->curve, s->model,
@@ -121,7 +122,7 @@ static dm_status open(dm_stepper *s) {
 static dm_status start(dm_stepper *s, double *state, double t) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     (void)state, (void)t;
-    e->memory[0] = e->memory[1 + 5 * e->n] = 0.0;
+    memset(e->memory, 0, memory_size(&e->curve, e->n) * sizeof *e->memory);
     return DM_OK;
 }
 
