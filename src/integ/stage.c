@@ -165,8 +165,9 @@ static void residual(dm_stage *g, double *R) {
             for (uint32_t k = 0; k < n; k++) {
                 const double term =
                     dm_weighted(wq, slope[k]) + dm_weighted(wv, slope[n + k]);
+                const double size = fabs(term);
                 Rj[k] += term;
-                g->size = fmax(g->size, fabs(term));
+                if (size > g->size) g->size = size;
             }
         }
         for (uint32_t k = 0; k < n; k++)
