@@ -204,14 +204,14 @@ static void quadratures_with_names(void) {
                                                                           : 2 * r - 2;
             by->fill(&q, r);
             CHECK(dm_quadrature_find(by->name) == by && q.r == r);
-            if (!CHECK(dm_quadrature_degree(&q, 1e-15) == degree))
-                printf("# %s(%d): %d\n", by->name, r, dm_quadrature_degree(&q, 1e-15));
+            if (!CHECK(dm_quadrature_degree(&q, 1e-12) == degree))
+                printf("# %s(%d): %d\n", by->name, r, dm_quadrature_degree(&q, 1e-12));
             for (int i = 0; i < r; i++) {
                 CHECK(q.c[i] >= (i ? q.c[i - 1] : 0.0L) && q.c[i] <= 1.0L &&
                       q.b[i] > 0.0L);
                 dm_quadrature same = q;
                 dm_quadrature_interpolate(&same); /* the weights belong to the nodes */
-                if (r <= 12) CHECK_NEAR((double)(same.b[i] - q.b[i]), 0.0, 1e-15);
+                if (r <= 12) CHECK_NEAR((double)(same.b[i] - q.b[i]), 0.0, 1e-14);
             }
         }
     CHECK(dm_quadrature_find("simpson") == NULL);
@@ -222,7 +222,7 @@ static void radau_nodes_in_closed_form(void) {
     dm_quadrature_radau(&q, 3);
     CHECK_NEAR((double)q.c[0], (4.0 - sqrt(6.0)) / 10.0, 1e-16);
     CHECK_NEAR((double)q.c[2], 1.0, 0.0);
-    CHECK_NEAR((double)q.b[0], (16.0 - sqrt(6.0)) / 36.0, 1e-16);
+    CHECK_NEAR((double)q.b[0], (16.0 - sqrt(6.0)) / 36.0, doubles_only() ? 1e-15 : 1e-16);
     dm_quadrature_clenshaw_curtis(&q, 3); /* Simpson */
     CHECK_NEAR((double)q.b[1], 2.0 / 3.0, 1e-16);
 }
@@ -281,7 +281,7 @@ static void orders_of_tableaus(void) {
                 t.b[i] = (long double)(double)q.b[i];
             }
             dm_tableau_partner(&t);
-            CHECK_NEAR((double)dm_tableau_defect(&t, &i, &j), 0.0, 1e-17);
+            CHECK_NEAR((double)dm_tableau_defect(&t, &i, &j), 0.0, 1e-16);
             if (!CHECK(dm_tableau_order(&t, 0) == 2 * s - known[k].lost))
                 printf("# %s(%d): %d\n", known[k].quadrature, s, dm_tableau_order(&t, 0));
         }
