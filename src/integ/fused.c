@@ -19,23 +19,55 @@ static int32_t coordinate_of(const dm_model *m, const dm_expr *x, int k) {
     return a->op == DM_OP_INPUT && a->as.input < m->n ? (int32_t)a->as.input : -1;
 }
 
-/* expression i as factor and coordinate */
+/* f without a constant that is added to it, which goes to *c; *sign = -1 where f has the rest with a minus */
+static dm_node without_constant(const dm_graph *g, dm_node f, double *c, double *sign) {
+    const dm_expr *x = dm_graph_at(g, f);
+    const double second = x->op == DM_OP_SUB ? -1.0 : 1.0;
+    double value;
+    *c = 0.0, *sign = 1.0;
+    if (x->op != DM_OP_ADD && x->op != DM_OP_SUB) return f;
+    if (dm_is_constant(g, x->as.arg[1], &value)) return *c = second * value, x->as.arg[0];
+    if (dm_is_constant(g, x->as.arg[0], &value))
+        return *c = value, *sign = second, x->as.arg[1];
+    return f;
+}
+
+/* f without a number that it is multiplied by */
+static dm_node without_number(const dm_graph *g, dm_node f, double *times) {
+    const dm_expr *x = dm_graph_at(g, f);
+    *times = 1.0;
+    for (int k = 0; x->op == DM_OP_MUL && k < 2; k++)
+        if (dm_is_constant(g, x->as.arg[k], times)) return x->as.arg[1 - k];
+    return f;
+}
+
+/* expression i as factor and coordinate, and perhaps a constant */
 static void take_apart(dm_kicks *k, const dm_model *m, dm_node f, uint32_t i) {
-    const dm_graph *g = m->source.graph;
-    const uint8_t negative = op_of(g, f) == DM_OP_NEG;
-    const dm_expr *x = dm_graph_at(g, negative ? dm_graph_at(g, f)->as.arg[0] : f);
+    dm_graph *g = m->source.graph;
+    double sign, times;
+    const dm_node whole = f, rest = without_constant(g, without_number(g, f, &times),
+                                                     k->constant + i, &sign);
+    const int minus = op_of(g, rest) == DM_OP_NEG;
+    const uint8_t negative = minus != (sign < 0.0);
+    const dm_expr *x = dm_graph_at(g, minus ? dm_graph_at(g, rest)->as.arg[0] : rest);
     k->coordinate[i] = -1;
     for (int a = 0; x->op == DM_OP_MUL && a < 2 && k->coordinate[i] < 0; a++) {
         k->coordinate[i] = coordinate_of(m, x, a);
         if (k->coordinate[i] < 0) continue;
         f = x->as.arg[1 - a];
     }
-    const uint8_t sign = negative && k->coordinate[i] >= 0;
+    const uint8_t turned = negative && k->coordinate[i] >= 0;
     uint32_t same = 0;
-    while (same < k->count && (k->factor[same] != f || k->negative[same] != sign)) same++;
+    if (k->coordinate[i] < 0) f = whole, k->constant[i] = 0.0;
+    if (k->coordinate[i] >= 0 && times != 1.0) {
+        f = dm_mul(g, dm_constant(g, times), f);
+        k->constant[i] *= times;
+    }
+    while (same < k->count && (k->factor[same] != f || k->negative[same] != turned))
+        same++;
     k->which[i] = same;
     k->factor[same] = f;
-    k->negative[same] = sign;
+    k->negative[same] = turned;
     if (same == k->count) k->count++;
 }
 
@@ -56,6 +88,7 @@ static void take_whole(dm_kicks *k, const dm_node *f, uint32_t n) {
         k->negative[i] = 0;
         k->which[i] = i;
         k->coordinate[i] = -1;
+        k->constant[i] = 0.0;
     }
 }
 
@@ -70,8 +103,10 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions,
     *k = (dm_kicks){.factor = dm_arena_take(s->arena, n * sizeof *k->factor),
                     .negative = dm_arena_take(s->arena, n),
                     .which = dm_arena_take(s->arena, n * sizeof *k->which),
-                    .coordinate = dm_arena_take(s->arena, n * sizeof *k->coordinate)};
-    if (!f || !k->factor || !k->negative || !k->which || !k->coordinate) return 0;
+                    .coordinate = dm_arena_take(s->arena, n * sizeof *k->coordinate),
+                    .constant = dm_arena_take(s->arena, n * sizeof *k->constant)};
+    if (!f || !k->constant || !k->factor || !k->negative || !k->which || !k->coordinate)
+        return 0;
     dm_compact(s->graph, expressions, n, f);
     if (dm_graph_status(s->graph) != DM_OK ||
         dm_operations(s->graph, f, n) > DM_FUSED_LARGEST)
@@ -130,14 +165,40 @@ static uint16_t *measure_depth(const dm_fusion *b) {
     return depth;
 }
 
+/* h b and -h b */
+typedef struct {
+    dm_node plus, minus;
+    const uint16_t *depth;
+} scaling;
+
+static dm_node scale(dm_fusion *b, const scaling *x, dm_node f);
+
+enum { EARLIER = 8 }; /* cycles that a product off the chain takes */
+
+/* x (p + q) or x (p - q): one of the two is there long before the other, of which it is a single operation then */
+static dm_node scale_sum(dm_fusion *b, const scaling *x, const dm_expr *e) {
+    const scaling turned = {x->minus, x->plus, x->depth};
+    const dm_node p = scale(b, x, e->as.arg[0]);
+    const dm_node q = scale(b, e->op == DM_OP_SUB ? &turned : x, e->as.arg[1]);
+    const int first = x->depth[e->as.arg[0]] > x->depth[e->as.arg[1]];
+    const dm_expr late = *dm_graph_at(b->graph, first ? p : q);
+    return late.op == DM_OP_MUL
+               ? dm_multiply_add(b->graph, late.as.arg[0], late.as.arg[1], first ? q : p)
+               : dm_add(b->graph, p, q);
+}
+
 /* x times f: into the factor or the numerator that is known first */
-static dm_node scale(dm_fusion *b, dm_node x, dm_node f, const uint16_t *depth) {
+static dm_node scale(dm_fusion *b, const scaling *x, dm_node f) {
     const dm_expr e = *dm_graph_at(b->graph, f);
     double value;
-    if (dm_is_constant(b->graph, f, &value) && value == 1.0) return x;
-    if (e.op != DM_OP_MUL && e.op != DM_OP_DIV) return dm_mul(b->graph, x, f);
-    const int first = e.op == DM_OP_DIV || depth[e.as.arg[0]] <= depth[e.as.arg[1]];
-    const dm_node scaled = scale(b, x, e.as.arg[!first], depth);
+    if (dm_is_constant(b->graph, f, &value) && value == 1.0) return x->plus;
+    if (e.op == DM_OP_ADD || e.op == DM_OP_SUB) {
+        const int apart = x->depth[e.as.arg[0]] - x->depth[e.as.arg[1]];
+        if (apart >= EARLIER || apart <= -EARLIER) return scale_sum(b, x, &e);
+    }
+    if (e.op != DM_OP_MUL && e.op != DM_OP_DIV) return dm_mul(b->graph, x->plus, f);
+    const int first = e.op == DM_OP_DIV || x->depth[e.as.arg[0]] <= x->depth[e.as.arg[1]];
+    const dm_node scaled = scale(b, x, e.as.arg[!first]);
     return e.op == DM_OP_DIV ? dm_div(b->graph, scaled, e.as.arg[1])
                              : dm_mul(b->graph, scaled, e.as.arg[first]);
 }
@@ -157,8 +218,15 @@ void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
         int first = k->coordinate[i] >= 0;
         for (uint32_t before = 0; before < i && first; before++)
             first = k->which[before] != j;
-        if (first) factors[j] = scale(b, k->negative[j] ? minus : hb, factors[j], depth);
+        const scaling plain = {hb, minus, depth}, turned = {minus, hb, depth};
+        if (first) factors[j] = scale(b, k->negative[j] ? &turned : &plain, factors[j]);
     }
+}
+
+dm_node dm_fusion_constant(dm_fusion *b, uint32_t i, dm_node hb, dm_node to) {
+    const double c = b->kicks->constant[i];
+    if (c == 0.0) return to;
+    return dm_multiply_add(b->graph, hb, dm_constant(b->graph, c), to);
 }
 
 dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb) {

@@ -25,6 +25,7 @@ typedef struct {
     uint32_t *which;   /* [n] the factor of expression i */
     int32_t *
         coordinate; /* [n] what it is multiplied by; -1: nothing, and it is not scaled either */
+    double *constant; /* [n] what is added to the product */
 } dm_kicks;
 
 /* scaled = 0: factors are the expressions themselves. 0 when it cannot be had: no graph (hyper-dual numbers), too
@@ -47,7 +48,8 @@ typedef struct {
     dm_node *with;                         /* [inputs of L] what stands for q, v, t */
     uint32_t coefficients;                 /* asked for so far */
     int failed;                            /* memory was refused */
-    struct dm_remainder *late; /* [2 n] low parts that are still to be made, behind what others wait for */
+    struct dm_remainder *
+        late; /* [2 n] low parts that are still to be made, behind what others wait for */
     uint32_t late_count;
 } dm_fusion;
 
@@ -66,7 +68,10 @@ typedef struct {
     dm_node a, b;
 } dm_product;
 
-/* What expression i adds, factors as above. */
+/* to + hb times the constant of expression i. */
+dm_node dm_fusion_constant(dm_fusion *b, uint32_t i, dm_node hb, dm_node to);
+
+/* What expression i adds beside it, factors as above. */
 dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb);
 
 /* high + low += x; low may have other increments in it already. What waits for the last of x waits for one operation. */

@@ -43,7 +43,9 @@ static dm_node denominator(const dm_fusion *b, const dm_node *factors) {
     if (!(b->model->structure & DM_DIAGONAL_MASS)) return 0;
     for (uint32_t i = 0; i < b->model->n; i++) {
         const dm_expr *x = dm_graph_at(b->graph, factors[b->kicks->which[i]]);
-        if (b->kicks->coordinate[i] < 0 || x->op != DM_OP_DIV) return 0;
+        if (b->kicks->constant[i] != 0.0 || b->kicks->coordinate[i] < 0 ||
+            x->op != DM_OP_DIV)
+            return 0;
         if (d && x->as.arg[1] != d) return 0;
         d = x->as.arg[1];
     }
@@ -62,8 +64,10 @@ static dm_node fuse_kick(dm_fusion *b, dm_node *y, dm_node *factors) {
         const dm_node kick = dm_mul(b->graph, above, b->q[b->kicks->coordinate[i]]);
         y[i] = dm_multiply_add(b->graph, b->p[i], d, kick);
     }
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = 0; i < n; i++) {
+        b->low_p[i] = dm_fusion_constant(b, i, hb, b->low_p[i]);
         dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, factors, i, hb));
+    }
     return d;
 }
 

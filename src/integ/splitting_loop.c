@@ -66,7 +66,7 @@ static void fuse_force(dm_fusion *b, dm_node *low) {
                   minus = dm_fusion_coefficient(b);
     dm_fusion_factors(b, b->more, t, hb, minus);
     for (uint32_t i = 0; low && i < b->model->n; i++) {
-        b->low_p[i] = low[i];
+        b->low_p[i] = dm_fusion_constant(b, i, hb, low[i]);
         dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
     }
 }
@@ -81,12 +81,15 @@ static void fuse_head(dm_fusion *b, dm_node *low, dm_node *kicked) {
     const dm_node hb = dm_fusion_coefficient(b);
     for (uint32_t i = 0; i < n; i++) {
         const dm_product x = dm_fusion_kick(b, b->more, i, hb);
-        kicked[i] = dm_multiply_add(b->graph, x.a, x.b, b->p[i]);
+        const dm_node p = dm_fusion_constant(b, i, hb, b->p[i]);
+        kicked[i] = dm_multiply_add(b->graph, x.a, x.b, p);
         first[i] = x;
     }
     dm_fusion_drift(b, dm_fusion_coefficient(b), kicked);
-    for (uint32_t i = 0; i < n; i++)
-        low[i] = dm_multiply_add(b->graph, first[i].a, first[i].b, b->low_p[i]);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node more = dm_fusion_constant(b, i, hb, b->low_p[i]);
+        low[i] = dm_multiply_add(b->graph, first[i].a, first[i].b, more);
+    }
     fuse_force(b, low);
 }
 

@@ -16,6 +16,8 @@ local models = {
     system = dm.system { Q = dm.R(2), L = function(q, v, s)
       return v[1] ^ 2 + v[1] * v[2] / 2 + v[2] ^ 2 + 0.3 * v[1] + cos(q[1]) + cos(q[2] - q[1]) + 0.1 * q[1] * sin(2 * s)
     end } },
+  { "a spring that hangs", q = { 0.8, -0.6 }, v = { 0.2, 0.1 },
+    system = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - 5 * (q:norm() - 1) ^ 2 - 1.3 * q[2] end } },
   { "springs in a row", q = { 0.1, 0, 0, 0, 0.2, 0, 0.3 }, v = { 0, 1, 0, -1, 0, 0.5, 0 },
     system = dm.system { Q = dm.R(7), L = function(q, v)
       local L = v:dot(v) / 2
