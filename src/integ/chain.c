@@ -3,6 +3,8 @@
 #include "integ/kept.h"
 #include "mech/lattice.h"
 
+#include <string.h>
+
 enum { TIME, KICK, DRIFT, AGAIN_KICK, AGAIN_DRIFT }; /* numbers of a pass */
 
 /* what a pass does with each body, in this order */
@@ -196,7 +198,9 @@ size_t dm_chain_work(const dm_model *m) {
 }
 
 dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *work) {
-    if (!dm_chain_work(m)) return NULL;
+    const size_t size = dm_chain_work(m);
+    if (!size) return NULL;
+    memset(work, 0, size * sizeof *work);
     dm_chain *c = (dm_chain *)(void *)work;
     *c = (dm_chain){.table = *table};
     plan_step(c);

@@ -14,7 +14,7 @@ typedef struct dm_chain dm_chain;
 /* Doubles of workspace; 0 where the model is not of this kind. */
 size_t dm_chain_work(const dm_model *m);
 
-/* In that workspace, which is zero; NULL where the model is not of this kind. */
+/* In that workspace; NULL where the model is not of this kind. */
 dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *work);
 
 /* `count` steps with no look at what comes out; gives the number of forces. */

@@ -136,6 +136,7 @@ static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s,
 /* a share of its own, or the negative of one that is there */
 static void add_share(dm_lattice *l, dm_strip_draft *d, const dm_rounds *r, dm_share to,
                       dm_node value) {
+    dm_compact(d->g, &value, 1, &value);
     const int turned = dm_graph_at(d->g, value)->op == DM_OP_NEG;
     uint32_t k = 0;
     if (turned) value = dm_graph_at(d->g, value)->as.arg[0];
@@ -222,7 +223,7 @@ static void fill_ends(const dm_lattice *l, double *x) {
     for (uint32_t k = 0; k < l->pad; k++) {
         double *behind = x + (size_t)(l->depth + k) * GROUP;
         memcpy(behind, x + (size_t)k * GROUP + 1, (GROUP - 1) * sizeof *x);
-        behind[GROUP - 1] = x[dm_lattice_at(l, (all - n + k) % n)];
+        behind[GROUP - 1] = x[dm_lattice_at(l, all - n + k)];
         const uint32_t j = l->depth - 1 - k;
         double *before = x - (size_t)(k + 1) * GROUP;
         memcpy(before + 1, x + (size_t)j * GROUP, (GROUP - 1) * sizeof *x);
@@ -259,7 +260,9 @@ void dm_lattice_place(dm_lattice *l, double *work) {
 }
 
 void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {
-    for (uint32_t k = 0; k < GROUP; k++) l->fixed[slot * GROUP + k] = value;
+    double *to = l->fixed + (size_t)slot * GROUP;
+    if (memcmp(to, &value, sizeof value) == 0) return; /* a loop would wait for it */
+    for (uint32_t k = 0; k < GROUP; k++) to[k] = value;
 }
 
 typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));

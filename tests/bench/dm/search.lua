@@ -17,7 +17,7 @@ local RULES = { "gauss(8, 6)", "gauss(8, 8)", "gauss(8, 7)", "gauss(8, 5)", "gau
   "stoermer(16)", "stoermer(12)", "verlet", "midpoint" }
 
 -- and for chains of 1024, where an implicit step would have a matrix of 1024 x 1024
-local LONG_RULES, LONGEST_LONG = { "blanes-moan(6, 11)" }, 5e9
+local LONG_RULES, LONGEST_LONG = { "blanes-moan(6, 11)", "blanes-moan(6, 14)" }, 5e9
 
 local known = {}
 for _, rule in ipairs(dm.rules()) do known[rule.name] = true end
