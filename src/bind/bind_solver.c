@@ -144,13 +144,16 @@ static const dml_row methods[] = {
     {NULL, NULL, NULL}};
 static const dml_row functions[] = {
     {"solver", dml_solver_new,
-     "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=} -> "
+     "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, "
+     "sums=} -> "
      "dm.solver\n"
      "A solver for a dm.system (rule and h needed: see dm.rules()) or a "
      "dm.discrete_lagrangian (which has "
      "its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
      "stops, 4e-15 unless a looser "
-     "one is asked for."},
+     "one is asked for. sums = \"plain\": kicks and drifts without compensation, for "
+     "wide ensembles: fewer operations, "
+     "and round-off that grows faster (default \"compensated\")."},
     {"resume", dml_resume,
      "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) "
      "-> dm.solver\n"
@@ -167,7 +170,8 @@ static const dml_row functions[] = {
 void dml_open_solver(lua_State *L) {
     static const dml_row solver_row[] = {
         {"solver", dml_solver_of,
-         "system:solver{rule=, h=, newton={tolerance=, max_iterations=}, backend=} -> "
+         "system:solver{rule=, h=, newton={tolerance=, max_iterations=}, backend=, "
+         "sums=} -> "
          "dm.solver\n"
          "A solver for this system: see dm.solver and dm.rules()."},
         {NULL, NULL, NULL}};

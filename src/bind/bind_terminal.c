@@ -152,7 +152,8 @@ static const dml_row functions[] = {
     {"clock", clock_now,
      "dm.clock() -> number\n"
      "Seconds of a clock that never goes back; only differences mean something."},
-    {"cpu", cpu_now, "dm.cpu() -> number\nSeconds of CPU time that the process has used."},
+    {"cpu", cpu_now,
+     "dm.cpu() -> number\nSeconds of CPU time that the process has used."},
     {"load_average", load_now,
      "dm.load_average() -> number\nLoad of the machine over the last minute, 0 where "
      "the system does not tell."},

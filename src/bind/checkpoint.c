@@ -1,6 +1,6 @@
 /*
 ** checkpoint.c - `path:checkpoint(file)`: a text of names and numbers, the numbers in hexadecimal, so with all their
-** bits:  dmlua checkpoint 1 / rule gauss(2) / n, h, tolerance, ... / state ... / memory ... / end
+** bits:  dmlua checkpoint 2 / rule gauss(2) / n, h, tolerance, ... / state ... / memory ... / end
 */
 #include "bind/checkpoint.h"
 
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const HEAD = "dmlua checkpoint 1";
+static const char *const HEAD = "dmlua checkpoint 2";
 enum { LINE = 512 };
 
 /* ---- in memory ---- */
@@ -83,11 +83,12 @@ static int write_numbers(FILE *f, const char *name, const double *x, size_t coun
 static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s,
                      const char *rule) {
     const size_t size = dm_state_size(c->n);
-    return fprintf(f,
-                   "%s\nrule %s\nn %u\nh %a\ntolerance %a\nmax_iterations %d\nt0 "
-                   "%a\nsteps %ld\ncheck %a\n",
-                   HEAD, rule, (unsigned)c->n, s->h, s->tolerance, s->max_iterations,
-                   c->t0, c->steps, c->check) > 0 &&
+    return fprintf(
+               f,
+               "%s\nrule %s\nsums %s\nn %u\nh %a\ntolerance %a\nmax_iterations %d\nt0 "
+               "%a\nsteps %ld\ncheck %a\n",
+               HEAD, rule, s->plain ? "plain" : "compensated", (unsigned)c->n, s->h,
+               s->tolerance, s->max_iterations, c->t0, c->steps, c->check) > 0 &&
            write_numbers(f, "state", c->state, size) &&
            write_numbers(f, "memory", c->state + size, c->memory) &&
            fputs("end\n", f) != EOF;
@@ -181,6 +182,8 @@ static dml_checkpoint *read_checkpoint(reader *r) {
     lua_newtable(L);
     lua_pushstring(L, read_line(r, text, "rule"));
     lua_setfield(L, -2, "rule");
+    lua_pushstring(L, read_line(r, text, "sums"));
+    lua_setfield(L, -2, "sums");
     const long n = read_count(r, "n", MOST);
     set_number(L, "h", read_number(r, "h"));
     lua_newtable(L);
@@ -238,6 +241,7 @@ static void read_path(lua_State *L) {
     lua_setfield(L, -3, "backend");
     lua_pop(L, 1);
     set_number(L, "h", s->h);
+    if (s->plain) lua_pushstring(L, "plain"), lua_setfield(L, -2, "sums");
     lua_newtable(L);
     set_number(L, "tolerance", s->tolerance);
     set_number(L, "max_iterations", s->max_iterations);

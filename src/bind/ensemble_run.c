@@ -265,6 +265,7 @@ static dm_status run_part(lua_State *L, const part *p, dml_solver *solver, int t
                               .ud = clock};
     dm_status status = open_all(steppers, threads);
     if (status != DM_OK) luaL_error(L, "rule cannot start: %s", dm_status_text(status));
+    dml_stepping_checkplain(L, &r); /* such rules hold nothing outside of Lua */
     status = dm_ensemble_run(&plan, steppers, threads);
     for (int i = 0; i < threads; i++)
         if (solver->method->close) solver->method->close(steppers[i]);

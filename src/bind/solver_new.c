@@ -91,6 +91,16 @@ static void read_newton(lua_State *L, solver *s) {
     lua_pop(L, 1);
 }
 
+/* sums = "compensated" or "plain" */
+static void read_sums(lua_State *L, solver *s) {
+    const char *kind =
+        lua_getfield(L, 1, "sums") == LUA_TNIL ? "compensated" : lua_tostring(L, -1);
+    if (!kind || (strcmp(kind, "plain") != 0 && strcmp(kind, "compensated") != 0))
+        luaL_error(L, "field 'sums' must be \"compensated\" (the default) or \"plain\"");
+    s->plain = strcmp(kind, "plain") == 0;
+    lua_pop(L, 1);
+}
+
 static void read_step(lua_State *L, solver *s, const dml_system *system) {
     if (!s->pair) {
         s->h = dml_positive(L, 1, "h", 0);
@@ -107,7 +117,7 @@ static void read_step(lua_State *L, solver *s, const dml_system *system) {
 
 /* solver options at 1, system at 2 */
 static int new_solver(lua_State *L) {
-    static const char *const known[] = {"rule", "h", "newton", "backend", NULL};
+    static const char *const known[] = {"rule", "h", "newton", "backend", "sums", NULL};
     dml_options(L, 1, known);
     if (dml_checksystem(L, 2)->ruled) dml_unfoldruled(L);
     const dml_system *system = dml_checksystem(L, 2);
@@ -121,6 +131,7 @@ static int new_solver(lua_State *L) {
     lua_setiuservalue(L, 3, DML_SOLVER_RULE);
     read_step(L, s, system);
     read_newton(L, s);
+    read_sums(L, s);
     lua_getfield(L, 1, "backend");
     if (!lua_isnil(L, -1)) dml_findbackend(L, luaL_tolstring(L, -1, NULL)), lua_pop(L, 1);
     lua_setiuservalue(L, 3, DML_SOLVER_BACKEND);

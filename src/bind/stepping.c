@@ -67,6 +67,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                               .model = &r->model->model,
                               .rule = s->nodes,
                               .h = s->h,
+                              .plain = s->plain,
                               .tolerance = s->tolerance,
                               .max_iterations = s->max_iterations};
     take_memory(L, r);
@@ -268,6 +269,7 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
 void dml_stepping_open(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
     const dm_status status = s->method->open ? s->method->open(&r->stepper) : DM_OK;
+    if (status == DM_OK) dml_stepping_checkplain(L, r);
     if (status == DM_OK) return;
     dml_stepping_end(r);
     luaL_error(L, "rule '%s' cannot start: %s", s->nodes[0].name, dm_status_text(status));
@@ -310,6 +312,17 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
     else
         start_momentum(L, r);
     dml_stepping_open(L, r);
+}
+
+void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
+    if (!r->solver->plain || r->stepper.report.plain) return;
+    dml_stepping_end(r);
+    luaL_error(
+        L,
+        "field 'sums': rule '%s' always compensates on this system; plain sums are "
+        "for explicit kicks and drifts "
+        "of a traced, separable L of few coordinates",
+        r->solver->nodes[0].name);
 }
 
 void dml_stepping_end(dml_stepping *r) {

@@ -10,6 +10,7 @@ typedef struct {
     const dm_method *method;
     double h, tolerance;
     int max_iterations;
+    int plain; /* sums = "plain" */
     uint32_t n;
     int pair; /* steps a discrete Lagrangian */
 } dml_solver;
@@ -64,6 +65,9 @@ void dml_stepping_start(lua_State *L, dml_stepping *r);
 
 /* Open the stepper; dml_stepping_start and dml_stepping_resume do. */
 void dml_stepping_open(lua_State *L, dml_stepping *r);
+
+/* Raise where plain sums were asked for and the opened stepper has none; it is closed then. */
+void dml_stepping_checkplain(lua_State *L, dml_stepping *r);
 
 /* Close the stepper. */
 void dml_stepping_end(dml_stepping *r);

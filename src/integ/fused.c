@@ -256,6 +256,10 @@ void dm_fusion_settle(dm_fusion *b) {
 }
 
 void dm_fusion_push(dm_fusion *b, dm_node *high, dm_node *low, dm_product x) {
+    if (b->plain) {
+        *high = dm_multiply_add(b->graph, x.a, x.b, *high);
+        return;
+    }
     const dm_node before = dm_add(b->graph, *high, *low);
     const dm_node sum = dm_multiply_add(b->graph, x.a, x.b, before);
     const dm_node y = dm_multiply_add(b->graph, x.a, x.b, *low);
@@ -322,9 +326,11 @@ void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p) {
         const double *row = m->inverse_mass + (diagonal ? i : i * (size_t)n);
         const dm_node v = diagonal ? p[i] : combine(b, row, p, m->momentum_shift);
         const dm_node a = diagonal ? times(b, *row, ha) : ha;
-        y[i] = dm_multiply_add(b->graph, a, v, b->low_q[i]);
+        y[i] = dm_multiply_add(b->graph, a, v, b->plain ? b->q[i] : b->low_q[i]);
     }
-    for (uint32_t i = 0; y && i < n; i++) dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
+    if (y && b->plain) memcpy(b->q, y, n * sizeof *y);
+    for (uint32_t i = 0; y && !b->plain && i < n; i++)
+        dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
 }
 
 int dm_fusion_end(dm_fusion *b, dm_loop_part *out) {

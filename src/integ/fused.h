@@ -48,6 +48,7 @@ typedef struct {
     dm_node *with;                         /* [inputs of L] what stands for q, v, t */
     uint32_t coefficients;                 /* asked for so far */
     int failed;                            /* memory was refused */
+    int plain; /* sums without low parts: the state's stay as they are */
     struct dm_remainder *
         late; /* [2 n] low parts that are still to be made, behind what others wait for */
     uint32_t late_count;

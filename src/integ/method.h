@@ -12,6 +12,7 @@ typedef struct {
     long solves;      /* step equations solved so far */
     long newton;      /* Newton iterations so far */
     long evaluations; /* kernel evaluations so far */
+    int plain;        /* sums are made without compensation, as was asked for */
     long operations;  /* of a step, where the method makes kernels of its own */
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
     int tie; /* of a step that failed since ties lose rank: one that depends on those before it, from 1 */
@@ -24,7 +25,7 @@ struct dm_galerkin; /* stage.h */
 typedef struct {
     uint32_t lanes, groups;
     uint32_t together; /* groups is a multiple of it; 0 is 1 */
-    double *state; /* [groups][dm_state_size][lanes] */
+    double *state;     /* [groups][dm_state_size][lanes] */
 } dm_lanes;
 
 enum {
@@ -39,7 +40,8 @@ enum {
     DM_ROLLING = 128,  /* phi(q, v, t) = 0 */
     DM_FORCED = 256,   /* forces; without the trait a model that has them is refused */
     DM_TIES = DM_HOLONOMIC | DM_ROLLING | DM_FORCED,
-    DM_DEGENERATE = 1024,   /* steps L = alpha(q) . v - H(q), linear in v, and nothing else */
+    DM_DEGENERATE =
+        1024, /* steps L = alpha(q) . v - H(q), linear in v, and nothing else */
     DM_LOOSE_MOMENTUM = 512 /* leaves momenta off the hidden constraint G v + g_t = 0 */
 };
 
@@ -91,7 +93,9 @@ struct dm_stepper {
     const dm_model *model;
     const dm_rule *rule;
     double h;
-    double whole; /* h of the step that this one is a part of (compositions); 0: it is none */
+    double
+        whole; /* h of the step that this one is a part of (compositions); 0: it is none */
+    int plain; /* sums without compensation are asked for; report.plain: they are had */
     double tolerance; /* Newton: relative, 4e-15 unless the user says otherwise */
     int max_iterations;
     double *work;  /* method->work doubles */

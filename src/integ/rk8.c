@@ -4,11 +4,11 @@
 ** 12 evaluations a step, fixed step, compensated sums. Coefficients: Dormand & Prince, DOP853 in
 ** Hairer, Norsett & Wanner I, II.5. It is not symplectic: its use is comparison and short runs.
 */
+#include "integ/rk8.h"
 #include "base/sum.h"
 #include "integ/hamilton.h"
 #include "integ/kept.h"
 #include "integ/method.h"
-#include "integ/rk8.h"
 
 #include <string.h>
 

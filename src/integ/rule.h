@@ -13,7 +13,8 @@ typedef struct dm_rule {
         double number;
         const struct dm_rule *rule; /* NULL: a number */
     } arg[DM_RULE_ARGS];
-    const void *data; /* coefficients that are not in the name, read by the method; NULL: none */
+    const void
+        *data; /* coefficients that are not in the name, read by the method; NULL: none */
 } dm_rule;
 
 /* Read `text` into nodes[0]; nested rules take the further nodes. Returns NULL, or a static

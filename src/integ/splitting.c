@@ -59,7 +59,8 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     if (m->structure & DM_LOOPS)
         l->chain = dm_chain_open(m, table, loop_work(s));
     else
-        l->loop = dm_splitting_loop_open(m, table);
+        l->loop = dm_splitting_loop_open(m, table, s->plain);
+    s->report.plain = s->plain && l->loop;
 }
 
 int dm_splitting_widen(dm_stepper *s, dm_lanes *x) {

@@ -18,7 +18,8 @@ enum {
     KICK_LAST = 2,
     KICKS_AT_BOTH_ENDS = 3,
     MORE_STAGES = 4,
-    SCALED = 8
+    SCALED = 8,
+    PLAIN = 16 /* sums without low parts */
 };
 
 struct dm_splitting_loop {
@@ -66,7 +67,8 @@ static void fuse_force(dm_fusion *b, dm_node *low) {
                   minus = dm_fusion_coefficient(b);
     dm_fusion_factors(b, b->more, t, hb, minus);
     for (uint32_t i = 0; low && i < b->model->n; i++) {
-        b->low_p[i] = dm_fusion_constant(b, i, hb, low[i]);
+        dm_node *to = b->plain ? b->p : b->low_p;
+        to[i] = dm_fusion_constant(b, i, hb, b->plain ? b->p[i] : low[i]);
         dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
     }
 }
@@ -93,6 +95,17 @@ static void fuse_head(dm_fusion *b, dm_node *low, dm_node *kicked) {
     fuse_force(b, low);
 }
 
+/* the same without low parts: p gets the kick at once */
+static void fuse_plain_head(dm_fusion *b) {
+    const dm_node hb = dm_fusion_coefficient(b);
+    for (uint32_t i = 0; i < b->model->n; i++) {
+        b->p[i] = dm_fusion_constant(b, i, hb, b->p[i]);
+        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
+    }
+    dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
+    fuse_force(b, b->low_p);
+}
+
 static void fuse_body(dm_fusion *b, int kick_first) {
     if (!kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
     fuse_force(b, b->low_p);
@@ -105,9 +118,12 @@ static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind
     dm_fusion b;
     dm_node *y = dm_arena_take(m->source.arena, 3 * (size_t)n * sizeof *y);
     if (!y || !dm_fusion_begin(&b, m, &l->kicks, l->size)) return 0;
+    b.plain = (l->shape & PLAIN) != 0;
     if (l->size == 4 * n) b.more = y + 2 * (size_t)n; /* factors that nothing carries */
     if (kind == DM_LOOP_START)
         fuse_force(&b, NULL);
+    else if (kind == DM_LOOP_HEAD && b.plain)
+        fuse_plain_head(&b);
     else if (kind == DM_LOOP_HEAD)
         fuse_head(&b, y, y + n);
     else if (kind == DM_LOOP_BODY)
@@ -130,9 +146,10 @@ static int build_parts(dm_splitting_loop *l, const dm_model *m) {
     return 1;
 }
 
-dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table) {
+dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table,
+                                          int plain) {
     static const char maker;
-    const unsigned shape = shape_of(table);
+    const unsigned shape = shape_of(table) | (plain ? PLAIN : 0);
     dm_kernel kept;
     if (dm_kept_find(&kept, m, &maker, shape))
         return (dm_splitting_loop *)(uintptr_t)kept.pool;

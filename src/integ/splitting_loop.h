@@ -21,8 +21,9 @@ typedef struct {
 /* Doubles that a run needs. */
 size_t dm_splitting_loop_work(const dm_model *m);
 
-/* In the arena of the model, which keeps it (kept.h); NULL: there is none. */
-dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table);
+/* In the arena of the model, which keeps it (kept.h); plain: sums without compensation. NULL: there is none. */
+dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table,
+                                          int plain);
 
 /* The same loop for members side by side; 0: there is none. */
 int dm_splitting_loop_widen(dm_splitting_loop *l, const dm_model *m, dm_lanes *x);

@@ -204,4 +204,25 @@ end
 raises("kept only the ends", function() solver:ensemble({ members = 2, q = q0, v = v0, steps = 3 }):path(1) end)
 raises("not the number of a member", function() solver:ensemble({ members = 2, q = q0, v = v0, steps = 3, every = 1 }):path(3) end)
 raises("larger 'every'", function() solver:ensemble { members = 1e6, q = q0, v = v0, steps = 1e6, every = 1 } end)
+-- plain sums, by name: the same bits alone, side by side, on the tape and from a checkpoint; other rules refuse them
+local drawn = dm.system { Q = dm.R(2), L = function(q, v, t) return v:dot(v) / 2 + 1 / q:norm() + 0.1 * q[1] * math.cos(t) + q[2] / 8 end }
+for _, case in ipairs { { kepler, "verlet" }, { kepler, "kahan-li(6)" }, { kepler, "blanes-moan(6, 11)" }, { drawn, "verlet" }, { drawn, "symplectic-euler" } } do
+  local plain = case[1]:solver { rule = case[2], h = 0.01, sums = "plain" }
+  local tape = case[1]:solver { rule = case[2], h = 0.01, sums = "plain", backend = "tape" }
+  local full = case[1]:solver { rule = case[2], h = 0.01 }
+  local e, different, worst = plain:ensemble { members = 19, q = q0, v = v0, steps = 150 }, nil, 0
+  for i = 1, 19 do
+    local path = plain:run { q = q0(i), v = v0(i), steps = 150, every = 150 }
+    local same, exact = tape:run { q = q0(i), v = v0(i), steps = 150, every = 150 }, full:run { q = q0(i), v = v0(i), steps = 150, every = 150 }
+    if path.q[2] ~= e.q[i] or path.p[2] ~= e.p[i] or same.q[2] ~= path.q[2] then different = i end
+    worst = math.max(worst, (path.q[2] - exact.q[2]):norm())
+  end
+  ok(not different, case[2] .. ": plain sums, members are single runs, on the tape too", different)
+  ok(worst > 0 and worst < 1e-12, case[2] .. ": and differ from compensated ones by round-off", worst)
+  local half = plain:run { q = q0(1), v = v0(1), steps = 70 }
+  ok(dm.resume(half):run({ steps = 80 }).q[81] == plain:run({ q = q0(1), v = v0(1), steps = 150 }).q[151], case[2] .. ": they are resumed as plain ones")
+end
+raises("always compensates", function() kepler:solver({ rule = "gauss(2)", h = 0.01, sums = "plain" }):run { q = q0(1), v = v0(1), steps = 1 } end)
+raises("always compensates", function() kepler:solver({ rule = "gauss(2)", h = 0.01, sums = "plain" }):ensemble { members = 3, q = q0, v = v0, steps = 1 } end)
+raises("field 'sums'", kepler.solver, kepler, { rule = "verlet", h = 0.01, sums = 3 })
 tap.done()

@@ -25,6 +25,9 @@ if solver.ensemble then
   for i = 1, members do q[i], v[i] = { 0.4 + i * 1e-5, 0 }, { 0, 2 } end
   line("leapfrog, ensemble of Kepler orbits", "verlet, 4096 members",
     best(function() solver:ensemble { members = members, q = q, v = v, steps = count, threads = 1 } end) / (members * count))
+  local plain = kepler:solver { rule = "verlet", h = 0.01, sums = "plain" }
+  line("leapfrog, ensemble of Kepler orbits", "the same, plain sums",
+    best(function() plain:ensemble { members = members, q = q, v = v, steps = count, threads = 1 } end) / (members * count))
 else
   io.stderr:write "skipped  ensemble: solver:ensemble is not there\n"
 end
