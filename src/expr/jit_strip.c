@@ -10,6 +10,7 @@
 #include "expr/jit_exp.h"
 #include "expr/jit_pool.h"
 #include "expr/nodes.h"
+#include "expr/processor.h"
 
 #include <string.h>
 
@@ -125,9 +126,10 @@ static uint32_t has_exponentials(const dm_plan *p) {
     return count;
 }
 
-/* Exponentials of 8 lanes need no call, where nothing else does: calls lose registers. */
+/* Our own exponentials of 8 lanes need no call, where nothing else does: calls lose registers. */
 static void count_calls(dm_plan *p, uint32_t lanes) {
-    if (lanes == 8 && has_exponentials(p) == p->calls) p->calls = 0;
+    if (lanes == 8 && dm_processor() != DM_PLAIN && has_exponentials(p) == p->calls)
+        p->calls = 0;
 }
 
 /* r9 = where the numbers of exponentials are */
