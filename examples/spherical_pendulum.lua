@@ -3,7 +3,7 @@
 -- with half axes a, b turns in the sense of the motion, by 3/8 a b sqrt(g / length) in a unit of time, to first order in a b.
 -- The exact turn from one far point to the next is twice Psi = J int_{z1}^{z2} dz / ((1 - z^2) sqrt(2 (E - z)(1 - z^2) - J^2)).
 local dm = require "dm"
-local sqrt, cos, sin, pi, atan, abs = math.sqrt, math.cos, math.sin, math.pi, math.atan, math.abs
+local sqrt, sin, pi, atan, abs = math.sqrt, math.sin, math.pi, math.atan, math.abs
 local picture = (arg and arg[1] or "build/pictures") .. "/spherical_pendulum.png"
 
 local pendulum = dm.system { name = "spherical pendulum", Q = dm.R(3), coordinates = { "x", "y", "z" },

@@ -36,7 +36,7 @@ typedef struct {
 
 typedef struct {
     const void *metatable[DML_CLASSES];
-    dml_given *given; /* or NULL */
+    dml_given *given;  /* or NULL */
     dml_frame *frames; /* newest first */
     uint32_t serial;   /* of the newest trace */
     int depth;         /* callbacks inside callbacks */

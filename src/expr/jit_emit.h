@@ -34,7 +34,8 @@ typedef struct {
     uint32_t fixed; /* registers that keep a constant all along */
     int eager; /* what is in memory and used again is fetched while there are registers */
     uint32_t kept; /* registers that are taken last: they have a purpose (loops) */
-    int shelf, shelved; /* registers shelf, shelf + 1, ... hold the first numbers of jit_exp.c */
+    int shelf,
+        shelved; /* registers shelf, shelf + 1, ... hold the first numbers of jit_exp.c */
     int wish; /* register for the result of the current step where it is free; -1: any */
     int32_t *free; /* stack of stack slots to use again */
     int32_t frees, slots;

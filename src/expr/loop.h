@@ -45,7 +45,8 @@ typedef struct {
 typedef struct {
     void (*native)(dm_loop_call *call); /* NULL: by kernels */
     uint32_t size, lanes;
-    uint32_t together; /* groups that one pass of the code takes, instruction by instruction */
+    uint32_t
+        together; /* groups that one pass of the code takes, instruction by instruction */
     uint32_t coefficients[DM_LOOP_PARTS];
     const void *pool[DM_LOOP_PARTS];
     dm_kernel kernel[DM_LOOP_PARTS];

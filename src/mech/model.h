@@ -59,8 +59,8 @@ typedef struct dm_kept {
 
 /* Where a model's kernels come from, for methods that make kernels of their own; graph NULL: hyper-dual numbers. */
 typedef struct {
-    dm_graph *graph;          /* inputs q[n], v[n], t */
-    dm_graph *sums; /* DM_LOOPS: the graph with sums as leaves; `graph` is NULL then */
+    dm_graph *graph; /* inputs q[n], v[n], t */
+    dm_graph *sums;  /* DM_LOOPS: the graph with sums as leaves; `graph` is NULL then */
     dm_node lagrangian, well; /* L; L at v = 0 (with DM_WANT_WELL) */
     const dm_node *gradient;  /* L_q[n], L_v[n] */
     dm_compile *compile;

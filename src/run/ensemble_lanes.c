@@ -4,7 +4,7 @@
 #include <string.h>
 #include <time.h>
 
-static const double LOOK = 5e-4; /* s between looks at the stop flag */
+static const double LOOK = 5e-4;        /* s between looks at the stop flag */
 enum { FIRST = 16, LONGEST = 1 << 16 }; /* steps between them */
 
 typedef struct {

@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local sin, cos, sqrt, abs, max = math.sin, math.cos, math.sqrt, math.abs, math.max
+local sin, cos, abs, max = math.sin, math.cos, math.abs, math.max
 
 local function end_of(system, rule, start, h, n)
   local path = system:solver { rule = rule, h = h }:run { q = start.q, v = start.v, p = start.p, steps = n, every = n }

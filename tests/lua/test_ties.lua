@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local abs, sqrt, sin, cos = math.abs, math.sqrt, math.sin, math.cos
+local sqrt = math.sqrt
 
 local function L(_, v) return v:dot(v) / 2 end
 local function system(fields)
