@@ -38,7 +38,9 @@ local function check_options(options)
   for _, h in ipairs(check_list(options, "h", "steps")) do
     if type(h) ~= "number" or not (h > 0 and h < math.huge) then fail("option 'h' must hold steps > 0 (got %s)", tostring(h)) end
   end
-  check_list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")
+  for _, rule in ipairs(check_list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")) do
+    system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
+  end
   return system
 end
 
@@ -142,8 +144,8 @@ local function try_point(chart, rule, h)
   if fine and point.error == point.error and point.error < math.huge then
     chart.points[#chart.points + 1] = point
   else
-    chart.failures[#chart.failures + 1] = { rule = M.name(rule), h = h,
-      why = fine and "the error is not finite" or tostring(point):match "^[^\n]*" }
+    local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
+    chart.failures[#chart.failures + 1] = { rule = M.name(rule), h = h, why = fine and "the error is not finite" or why }
   end
 end
 

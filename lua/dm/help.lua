@@ -192,6 +192,13 @@ end
 
 ---- help ----
 
+-- "path.drift", "solver:run", "dm.path.drift": the method of a class, also before there is a value of it
+local function method_of_class(name)
+  local class, method = name:gsub("^dm%.", ""):match "^([%a_]+)[.:]([%a_]+)$"
+  local methods = class and require "dm.complete".methods_of("dm." .. class)
+  return methods and methods[method]
+end
+
 local function help_name(name)
   if topics[name] then return topics[name]() end
   local same_name = docs[name] and require "dm.complete".look_up(name)
@@ -200,6 +207,8 @@ local function help_name(name)
   local object = require "dm.complete".look_up(name) or require "dm.complete".look_up("dm." .. name)
   if object and object.class then return help_class(object.class) end
   if object and object.value ~= nil and type(object.value) ~= "string" then return M.help(object.value) end
+  local method = method_of_class(name)
+  if method and docs[method] then return help_function(method) end
   for _, rule in ipairs(core.rules and core.rules() or {}) do
     if rule.name == name:match "^[%w_]*" then
       return write(rule.signature or name, "\n", wrapped(rule.doc or "", text_width(), "  "))

@@ -150,8 +150,12 @@ local function check(solver, options)
     if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
   end
   local system = solver.system
-  local given, s = system.given, system.structure and system:structure()
-  if not given.L or not s.autonomous or given.constraint or given.rolling or given.force then
+  local given = system.given
+  local s = given and given.L and system:structure()
+  if tostring(solver.rule):find "^degenerate" then
+    error(what .. ": not for rule '" .. tostring(solver.rule) .. "': L is linear in v, and its H is the energy itself", 0)
+  end
+  if not s or not s.autonomous or given.constraint or given.rolling or given.force then
     error(what .. " needs a Lagrangian without time, constraints and forces", 0)
   end
   if tostring(solver.rule):find "^log%-hamiltonian" then

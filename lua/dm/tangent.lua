@@ -16,7 +16,12 @@ end
 -- why L~ stepped by the rule is not the tangent of the rule, or nothing
 local function refuse(solver, what)
   local rule = tostring(solver.rule)
-  if not solver.system.given.L then
+  local given = solver.system.given
+  if rule:find "^degenerate" then
+    error(what .. ": L is linear in v, so that p is a function of q, and (q, p) has no neighbours off p = alpha(q): not for rule '"
+      .. rule .. "'", 0)
+  end
+  if not (given and given.L) then
     error(what .. ": a discrete Lagrangian has no prolonged system here; use a dm.system", 0)
   end
   if solver.system.given.control then
@@ -203,7 +208,8 @@ ln |growth| / t, the largest Lyapunov exponent, per unit of time, of the last ro
 M.lyapunov = blame.caller(function(solver, options)
   check_options(options, "solver:lyapunov", { every = true, u = true, dp = true })
   refuse(solver, "solver:lyapunov")
-  local n, steps = #options.q, steps_of(solver, options)
+  local n, steps = #(options.q or {}), steps_of(solver, options)
+  if steps < 1 then error("solver:lyapunov needs at least one step", 0) end
   local every = options.every or max(1, steps // 1000)
   local q, p, t0 = start_of(solver, options)
   local w = first_vector(options, n)

@@ -96,7 +96,8 @@ static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
         lua_pop(L, 1);
         return;
     }
-    luaL_addstring(b, ", all of them in ");
+    lua_pushfstring(L, ", all of them in %s", lua_tostring(L, -1));
+    lua_remove(L, -2);
     luaL_addvalue(b);
 }
 

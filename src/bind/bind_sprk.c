@@ -101,6 +101,22 @@ static void read_pair(lua_State *L, dm_tableau *t) {
     dm_tableau_partner(t);
 }
 
+/* the times of the stages as a quadrature: below its order a pair errs where L depends on t */
+static void check_times(lua_State *L, const dm_tableau *t, int order) {
+    const long double loose = 1e-9L; /* numbers of a user have some digits */
+    for (int k = 1; k < order; k++) {
+        long double sum = 0.0L;
+        for (int i = 0; i < t->s; i++) sum += t->b[i] * powl(t->c[i], k);
+        if (fabsl(sum - 1.0L / (k + 1)) > loose)
+            luaL_error(
+                L,
+                "field 'c': the times do not fit an order of %d: sum b_i c_i^%d is %f, "
+                "not 1/%d; leave c out "
+                "for the sums of the rows of a",
+                order, k, (double)sum, k + 1);
+    }
+}
+
 static int sprk_new(lua_State *L) {
     static const char *const known[] = {"a", "b", "A", "B", "c", "name", NULL};
     lua_settop(L, 1);
@@ -127,6 +143,7 @@ static int sprk_new(lua_State *L) {
         luaL_error(L, "the pair is symplectic but has no order: one step errs as much as "
                       "no step; are the rows of a and A "
                       "right?");
+    if (has(L, "c")) check_times(L, t, m->order);
     dml_pushrule(L, "sprk", m, text);
     return 1;
 }

@@ -137,7 +137,7 @@ typedef struct {
 
 static void fail(const reader *r, const char *expected) {
     luaL_error(r->L, "%s, line %d: not a whole checkpoint (%s expected)", r->file,
-               (int)r->line, expected);
+               (int)r->line, *expected ? expected : "a number");
 }
 
 /* the rest of the next line after `name ` */
@@ -249,16 +249,44 @@ static void read_path(lua_State *L) {
     lua_getiuservalue(L, 1, DML_PATH_END);
 }
 
-/* rule and backend of the options at 3, which the file may not know */
+/* is the rule of the checkpoint an object that its text does not give? */
+static int is_own(lua_State *L, int options) {
+    lua_getfield(L, options, "rule");
+    const char *text = lua_tostring(L, -1);
+    const int own = text && strstr(text, "own") != NULL;
+    lua_pop(L, 1);
+    return own;
+}
+
+/* rule and backend of the options at 3: the rule as an object, where the file has only its name */
 static void override(lua_State *L, int options) {
     static const char *const known[] = {"rule", "backend", NULL};
-    if (lua_isnil(L, 3)) return;
-    dml_options(L, 3, known);
-    for (const char *const *key = known; *key; key++)
-        if (lua_getfield(L, 3, *key) != LUA_TNIL)
-            lua_setfield(L, options, *key);
-        else
-            lua_pop(L, 1);
+    const int own = is_own(L, options);
+    if (!lua_isnil(L, 3)) dml_options(L, 3, known);
+    const int given = !lua_isnil(L, 3) && lua_getfield(L, 3, "rule") != LUA_TNIL;
+    lua_getfield(L, options, "rule");
+    const char *rule = luaL_tolstring(L, -1, NULL);
+    if (own && !given)
+        luaL_error(L,
+                   "the checkpoint is of '%s', a rule that a file does not hold: "
+                   "dm.resume(file, system, { rule = the object })",
+                   rule);
+    if (given) {
+        lua_getfield(L, 3, "rule");
+        const char *now = luaL_tolstring(L, -1, NULL);
+        if (strncmp(now, "rule ", 5) == 0) now += 5;
+        if (strcmp(now, rule) != 0)
+            luaL_error(
+                L,
+                "the checkpoint is of rule '%s', not '%s': with another rule start "
+                "a new run from q and p",
+                rule, now);
+        lua_getfield(L, 3, "rule");
+        lua_setfield(L, options, "rule");
+    }
+    if (!lua_isnil(L, 3) && lua_getfield(L, 3, "backend") != LUA_TNIL)
+        lua_setfield(L, options, "backend");
+    lua_settop(L, options + 1);
 }
 
 int dml_resume(lua_State *L) {

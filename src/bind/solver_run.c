@@ -294,6 +294,9 @@ static void start(lua_State *L, run *u) {
     else
         dml_stepping_start(L, &u->r);
     if (!early) u->end = dml_pushcheckpoint(L, &u->r);
+    if (!early && u->end->memory) /* for steps on the side */
+        u->r.stepper.aside = lua_newuserdatauv(L, u->end->memory * sizeof(double), 0);
+    if (!early && u->end->memory) lua_insert(L, -2);
     if (!early) lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
 }
 

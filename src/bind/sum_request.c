@@ -114,7 +114,9 @@ void dml_read_sum(lua_State *L, dml_sum_request *r) {
     if (lua_isnil(L, options)) lua_newtable(L), lua_replace(L, options);
     luaL_checktype(L, options, LUA_TTABLE);
     dml_options(L, options, known);
-    r->block = (uint32_t)dml_count(L, options, "block", 1, 1);
+    const long block = dml_count(L, options, "block", 1, 1);
+    if (block > INT32_MAX) luaL_error(L, "field 'block' must be at most %d", INT32_MAX);
+    r->block = (uint32_t)block;
     for (int k = 1; k <= r->given; k++) read_vector(L, r, k);
     if (!r->bodies)
         luaL_error(L, "dm.sum_over: one argument before the function must be a vector");

@@ -23,6 +23,13 @@ static int find_entry(lua_State *L, const dml_stepping *r, const char *name) {
 }
 
 static void add_name(lua_State *L, int names, const char *name) {
+    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, names); i++, lua_pop(L, 1)) {
+        lua_rawgeti(L, names, i);
+        if (strcmp(lua_tostring(L, -1), name) == 0)
+            luaL_error(
+                L, "field 'watch': there is a column '%s' already; choose another name",
+                name);
+    }
     lua_pushstring(L, name);
     lua_rawseti(L, names, (lua_Integer)lua_rawlen(L, names) + 1);
 }
@@ -51,8 +58,8 @@ static void add_names(lua_State *L, int names, const char *name,
         return;
     }
     for (uint32_t i = 0; i < kernel->outputs; i++) {
-        lua_pushfstring(L, "%s%d", name, (int)i + 1);
-        lua_rawseti(L, names, (lua_Integer)lua_rawlen(L, names) + 1);
+        add_name(L, names, lua_pushfstring(L, "%s%d", name, (int)i + 1));
+        lua_pop(L, 1);
     }
 }
 

@@ -181,6 +181,12 @@ static void remember(dm_stepper *s, layout *l) {
     memcpy(l->memory + MU, l->now + l->at.guess, l->at.m * sizeof *l->memory);
 }
 
+static int is_finite(const layout *l) {
+    for (uint32_t i = 0; i < 4 * l->at.n; i++)
+        if (!isfinite(l->now[i])) return 0;
+    return 1;
+}
+
 static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
     layout *l = layout_of(s);
     const dm_rattle_layout *at = &l->at;
@@ -190,9 +196,13 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
         status = step_once(s, l, t + (double)*done * s->h);
         if (status == DM_OK) ++*done;
     }
+    /* one look at the end of a burst; then the burst is done again to find the step and stop before it */
+    if (!is_finite(l)) {
+        *done = 0;
+        return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
+    }
     memcpy(state, l->now, 4 * (size_t)at->n * sizeof *state);
     remember(s, l);
-    if (status == DM_OK && !dm_state_is_finite(state, at->n)) status = DM_NOT_FINITE;
     return status;
 }
 

@@ -67,7 +67,8 @@ static dm_status locate(dm_events *e, dm_stepper *s, uint32_t i, double from, do
         if (status != DM_OK) return status;
         narrow(&k, t, g);
     }
-    e->time[i] = k.b;
+    /* the end behind the zero: a run that goes on from there does not meet it again */
+    e->time[i] = k.gb == 0.0 || (k.gb < 0.0) == (g_to < 0.0) ? k.b : k.a;
     return DM_OK;
 }
 

@@ -50,12 +50,22 @@ static dm_status find_step(dm_stepper *s, double *out, const double *state,
     return DM_NO_CONVERGENCE;
 }
 
+/* what the method keeps from step to step is of the run, not of the step on the side */
+static void swap_memory(dm_stepper *s, int back) {
+    double *place;
+    const size_t size = s->aside && s->method->memory ? s->method->memory(s, &place) : 0;
+    if (!size) return;
+    memcpy(back ? place : s->aside, back ? s->aside : place, size * sizeof *place);
+}
+
 dm_status dm_land(dm_stepper *s, double *out, const double *state, double t,
                   double target) {
     const double h = s->h;
+    swap_memory(s, 0);
     const dm_status status = s->method->traits & DM_OWN_TIME
                                  ? find_step(s, out, state, target)
                                  : step_by(s, out, state, t, target - t);
     s->h = h;
+    swap_memory(s, 1);
     return status;
 }

@@ -2,6 +2,7 @@
 
 #include "run/land.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 #include <time.h>
@@ -18,6 +19,7 @@ typedef struct {
     double *state, *rows;
     int own; /* the method has a time of its own */
     long done, rows_done;
+    long flushed;        /* rows that have left the block */
     long burst, until;   /* steps between looks at the clock, step of the next one */
     double looked, told; /* s, time of the last look and of the last call of progress */
     double saved;        /* s, time of the last call of save */
@@ -25,7 +27,8 @@ typedef struct {
 
 long dm_run_rows(const dm_run_plan *plan) {
     if (plan->at) return plan->at_count;
-    return 1 + plan->steps / plan->every + (plan->steps % plan->every != 0);
+    const long whole = plan->steps / plan->every;
+    return whole > LONG_MAX - 2 ? LONG_MAX : 1 + whole + (plan->steps % plan->every != 0);
 }
 
 static double now(void) {
@@ -45,31 +48,34 @@ static double time_now(const loop *l) {
 
 /* ---- recording ---- */
 
+static int is_ended(const loop *l) {
+    return l->plan->events && l->plan->events->ended;
+}
+
 static size_t width(const loop *l) {
     const dm_observer *watch = l->plan->watch;
     return 1 + (watch ? dm_observer_width(watch) : 2 * (size_t)l->s->model->n);
 }
 
-/* rows of the block that is filled now */
-static long held(const loop *l) {
+static dm_status flush(loop *l) {
     const dm_outlet *out = l->plan->outlet;
-    if (!out || !l->rows_done) return l->rows_done;
-    const long rest = l->rows_done % out->room;
-    return rest ? rest : out->room;
+    const long held = l->rows_done - l->flushed;
+    if (!held) return DM_OK;
+    l->flushed = l->rows_done;
+    return out->flush(out->ud, l->rows, held);
 }
 
 static dm_status record(loop *l, const double *state, double t) {
     const dm_outlet *out = l->plan->outlet;
-    if (!l->rows) return DM_OK;
-    const long place = out ? l->rows_done % out->room : l->rows_done;
-    double *row = l->rows + width(l) * (size_t)place;
     dm_status status = DM_OK;
-    if (out && l->rows_done && place == 0)
-        status = out->flush(out->ud, l->rows, out->room);
+    if (!l->rows) return DM_OK;
+    if (out && l->rows_done - l->flushed == out->room) status = flush(l);
+    if (status != DM_OK) return status;
+    double *row = l->rows + width(l) * (size_t)(l->rows_done - l->flushed);
     row[0] = t;
-    if (status == DM_OK && l->plan->watch)
+    if (l->plan->watch)
         status = dm_observe(l->plan->watch, row + 1, state, t);
-    else if (status == DM_OK)
+    else
         memcpy(row + 1, state, (width(l) - 1) * sizeof *row);
     if (status == DM_OK) l->rows_done++;
     return status;
@@ -93,59 +99,57 @@ static dm_status record_times(loop *l, const double *state, double from, double 
     return DM_OK;
 }
 
+/* times asked for lie ahead of a step that may be taken whole, behind one that events or a time of its own may shorten */
+static int looks_ahead(const loop *l) {
+    return l->plan->at && !l->own && !l->plan->events;
+}
+
 /* what is due at this step: the row itself, or the times asked for up to the next step */
 static dm_status record_due(loop *l) {
     const double t = time_now(l);
-    if (l->plan->at) return l->own ? DM_OK : record_times(l, l->state, t, t + l->s->h);
-    return l->done % l->plan->every == 0 ? record(l, l->state, t) : DM_OK;
+    if (looks_ahead(l)) return record_times(l, l->state, t, t + l->s->h);
+    return !l->plan->at && l->done % l->plan->every == 0 ? record(l, l->state, t) : DM_OK;
 }
 
-/* the end, or the last good state, if it is not a row yet; times asked for after it are none of the run's */
+/* the end, or the last good state, if it is not a row yet */
 static dm_status record_end(loop *l) {
-    const dm_outlet *out = l->plan->outlet;
-    const int ended = l->plan->events && l->plan->events->ended;
     dm_status status = DM_OK;
-    while (ended && l->plan->at && held(l) > 0 &&
-           l->rows[width(l) * (size_t)(held(l) - 1)] > l->plan->events->end)
-        l->rows_done--;
-    if (!l->plan->at && (ended || l->done % l->plan->every != 0))
+    if (!l->plan->at && (is_ended(l) || l->done % l->plan->every != 0))
         status = record(l, l->state, time_now(l));
-    if (out && held(l) && status == DM_OK) status = out->flush(out->ud, l->rows, held(l));
+    if (l->plan->at && l->done == 0 && !looks_ahead(l)) /* not a step was taken */
+        status = record_times(l, l->state, time_now(l), time_now(l) + SLACK * l->s->h);
+    if (l->plan->outlet && status == DM_OK) status = flush(l);
     return status;
 }
 
 /* ---- stepping ---- */
 
-static int is_ended(const loop *l) {
-    return l->plan->events && l->plan->events->ended;
+/* times asked for between `from`, where the state was `before`, and now; one that is this step's to round-off belongs to it */
+static dm_status record_behind(loop *l, const double *before, double from) {
+    if (!l->plan->at) return DM_OK;
+    return record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->s->h);
 }
 
-/* one step, and the zeros inside it */
+/* one step, the zeros inside it, the times asked for inside it */
 static dm_status step_watched(loop *l, double from) {
     dm_events *events = l->plan->events;
+    const size_t size = dm_state_size(l->s->model->n);
+    double *before = events             ? events->start
+                     : l->plan->landing ? l->plan->landing + size
+                                        : NULL;
     long finished = 0;
-    if (events)
-        memcpy(events->start, l->state, dm_state_size(l->s->model->n) * sizeof(double));
+    if (before) memcpy(before, l->state, size * sizeof *before);
     dm_status status = dm_advance(l->s, l->state, from, 1, &finished);
     l->done += finished;
     if (status == DM_OK && events)
         status = dm_events_look(events, l->s, l->state, from, time_now(l));
-    return status;
+    return status == DM_OK ? record_behind(l, before, from) : status;
 }
 
-/* a step at a time, since only the state knows when it is; times asked for lie behind the step */
+/* a step at a time, since only the state knows when it is */
 static dm_status advance_own(loop *l, long end) {
-    const dm_run_plan *plan = l->plan;
-    const size_t size = dm_state_size(l->s->model->n);
-    double *before = plan->landing ? plan->landing + size : NULL;
-    while (l->done < end && !(time_now(l) >= plan->until)) {
-        const double from = time_now(l);
-        if (plan->at) memcpy(before, l->state, size * sizeof *before);
-        dm_status status = step_watched(l, from);
-        if (status == DM_OK && is_ended(l)) return DM_OK;
-        if (status == DM_OK &&
-            plan->at) /* a time that is this step's to round-off belongs to it */
-            status = record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->s->h);
+    while (l->done < end && !is_ended(l) && !(time_now(l) >= l->plan->until)) {
+        const dm_status status = step_watched(l, time_now(l));
         if (status != DM_OK) return status;
     }
     return DM_OK;
@@ -193,7 +197,9 @@ static long steps_to_row(const loop *l) {
     const dm_run_plan *plan = l->plan;
     if (!plan->at) return plan->every - l->done % plan->every;
     if (l->own || l->rows_done >= plan->at_count) return plan->steps;
-    const double step = floor((plan->at[l->rows_done] - plan->t0) / l->s->h + SLACK);
+    const double before = plan->resume ? (double)plan->resume->steps : 0.0;
+    const double step =
+        floor((plan->at[l->rows_done] - plan->t0) / l->s->h + SLACK) - before;
     return step > (double)l->done + 1.0 ? (long)step - l->done : 1;
 }
 

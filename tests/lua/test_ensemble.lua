@@ -225,4 +225,19 @@ end
 raises("always compensates", function() kepler:solver({ rule = "gauss(2)", h = 0.01, sums = "plain" }):run { q = q0(1), v = v0(1), steps = 1 } end)
 raises("always compensates", function() kepler:solver({ rule = "gauss(2)", h = 0.01, sums = "plain" }):ensemble { members = 3, q = q0, v = v0, steps = 1 } end)
 raises("field 'sums'", kepler.solver, kepler, { rule = "verlet", h = 0.01, sums = 3 })
+local fast = dm.system { Q = dm.R(1), L = function(q, v) return -math.sqrt(1 - 0.3 * v[1] ^ 2) - q[1] ^ 2 / 2 end }
+local quick = fast:solver { rule = "midpoint", h = 0.05 }
+local function seen(threads)
+  return quick:ensemble { members = 60, threads = threads, steps = 20, every = 5, watch = { "energy", speed = function(_, v) return v[1] end },
+    q = function(i) return { 0.01 * i } end, v = function(i) return { 0.02 * i } end }
+end
+local alone, shared, differ = seen(1), seen(4), nil
+for i = 1, 60 do
+  local single = quick:run { q = { 0.01 * i }, v = { 0.02 * i }, steps = 20, every = 5, watch = { "energy", speed = function(_, v) return v[1] end } }
+  for _, name in ipairs { "energy", "speed" } do
+    local x = single:column(name)
+    if x ~= alone:path(i):column(name) or x ~= shared:path(i):column(name) then differ = i end
+  end
+end
+ok(not differ, "what is watched has the bits of a single run, whatever the number of threads", differ)
 tap.done()

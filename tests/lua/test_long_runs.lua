@@ -43,6 +43,46 @@ local t = failure.path.t[#failure.path]
 local part, other = pcall(again.run, again, { steps = 1 })
 ok(not part and other.step == 1 and abs(other.time - t) < 1e-12, "its checkpoint is the last good state")
 
+-- times asked for after resuming; looking between steps leaves every rule's bits alone
+local oscillator = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+local half = oscillator:solver({ rule = "gauss(4)", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 50 }
+local late = dm.resume(half):run { at = { 5, 5.37, 5.74, 9.99, 12 } }
+local worst_at = 0
+for i = 1, #late do worst_at = math.max(worst_at, abs(late.q[i][1] - math.cos(late.t[i]))) end
+ok(#late == 5 and worst_at < 1e-12, "times asked for of a resumed run", worst_at)
+for _, rule in ipairs { "verlet", "gauss(3)", "midpoint", "curve(rk4)", "curve(euler)", "kahan-li(6)", "galerkin(2, lobatto(3))" } do
+  local one = kepler:solver { rule = rule, h = 0.02 }
+  local plain = run(one, { steps = 60, every = 60 })
+  local seen = run(one, { steps = 60, every = 60, events = { apsis = function(q, v) return q:dot(v) - 0.3 end } })
+  local listed = run(one, { at = { 0.013, 0.5, 0.777, 1.2 } })
+  ok(plain.q[2] == seen.q[2] and plain.p[2] == seen.p[2] and plain.q[2] == listed.q[4], rule .. ": looking between steps changes no bit")
+end
+
+-- a run that stopped at an event goes on without meeting it again
+for _, rule in ipairs { "gauss(4)", "verlet", "yoshida(4)", "log-hamiltonian(kahan-li(6))" } do
+  local one = kepler:solver { rule = rule, h = 0.05 }
+  local turns = { steps = 400, events = { near = { g = function(q, v) return q:dot(v) end, direction = "up", stop = true } } }
+  local path, times = run(one, turns), {}
+  for k = 1, 8 do
+    times[k] = path.events[1].t
+    path = dm.resume(path):run(turns)
+  end
+  local even = true
+  for k = 2, 8 do even = even and times[k] - times[k - 1] > 5 end
+  ok(even, rule .. ": eight times to the next pericentre", table.concat(times, " "))
+end
+local few = run(kepler:solver { rule = "log-hamiltonian(kahan-li(6))", h = 0.05 }, { at = { 0.1, 0.2, 0.3, 0.55, 0.58, 0.59, 0.7 },
+  events = { noon = { g = function(_, _, time) return time - 0.6 end, stop = true } } })
+ok(#few == 6 and few.t[6] == 0.59, "times before the end are rows, with a time of its own too", few.t[#few])
+local long_at = {}
+for i = 1, 6000 do long_at[i] = 0.0005 * i end
+local npy_at = os.tmpname() .. ".npy"
+oscillator:solver({ rule = "gauss(4)", h = 1 }):run { q = { 1 }, v = { 0 }, at = long_at, file = npy_at,
+  events = { noon = { g = function(_, _, time) return time - 2.0482 end, stop = true } } }
+ok(#dm.load(npy_at).t == 4096, "rows of a file that ends at an event", #dm.load(npy_at).t)
+os.remove(npy_at)
+raises("memory", oscillator.solver(oscillator, { rule = "verlet", h = 1e-3 }).run, oscillator:solver { rule = "verlet", h = 1e-3 }, { q = { 1 }, v = { 0 }, steps = math.maxinteger })
+
 -- misuse of checkpoints
 raises("not a whole checkpoint", dm.resume, "/dev/null", kepler)
 raises("cannot open", dm.resume, "/no/such/file", kepler)
@@ -84,6 +124,13 @@ near(driven.events[3].t, 3 * pi, 1e-13, "an event of the time alone")
 raises("events.a must be a function", run, gauss, { steps = 1, events = { a = 3 } })
 raises("direction", run, gauss, { steps = 1, events = { a = { g = apsis, direction = "left" } } })
 raises("is empty", run, gauss, { steps = 1, events = {} })
+raises("already", run, gauss, { steps = 1, watch = { "q1", "q1" } })
+raises("already", run, gauss, { steps = 1, watch = { t = apsis } })
+local midpoint = dm.curve { method = function(x, f, h) return x + h * f(x + h / 2 * f(x)) end, order = 2 }
+run(kepler:solver { rule = midpoint, h = 0.02 }, { steps = 3, checkpoint = file })
+raises("does not hold", dm.resume, file, kepler)
+ok(#dm.resume(file, kepler, { rule = midpoint }):run { steps = 2 } == 3, "a rule of one's own is given again")
+raises("not 'verlet'", dm.resume, file, kepler, { rule = "verlet" })
 
 -- watched rows
 path = run(gauss, { steps = 100, watch = { "q1", "energy", r = function(q) return q:norm() end,

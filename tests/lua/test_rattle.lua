@@ -241,4 +241,13 @@ raises("constant mass", end_of, bent, "rattle", { q = { 0, 0 }, v = { 1, 0 } }, 
 raises("it takes no argument", sphere.solver, sphere, { rule = "rattle(2)", h = 0.1 })
 raises("name one that does", end_of, sphere, "yoshida(4)", start, 0.1, 1)
 raises("base must be a symmetric rule", sphere.solver, sphere, { rule = "yoshida(4, shake)", h = 0.1 })
+-- a state that stops being finite is found in its step, however long the bursts
+local steep = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + q[1] ^ 4 end }
+for _, every in ipairs { 1, 7, 50, 1000 } do
+  local one = steep:solver { rule = "rattle", h = 0.01 }
+  local _, failure = pcall(one.run, one, { q = { 1 }, v = { 1 }, steps = 1000, every = every })
+  local last = failure.path.q[#failure.path][1]
+  tap.ok(failure.code == "not_finite" and failure.step == failure.path.steps + 1 and last == last and math.abs(last) < math.huge,
+    "rattle stops before what is not finite, every = " .. every, failure.step)
+end
 tap.done()
