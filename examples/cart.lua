@@ -35,7 +35,7 @@ while bad - good > 1e-3 do
   local middle = (good + bad) / 2
   if select(2, balance(middle)) then good = middle else bad = middle end
 end
-print(("it stays up with a sample every %.3f s, not every %.3f s"):format(good, bad))
+print(("it comes to rest with a sample every %.3f s, not every %.3f s"):format(good, bad))
 assert(good > 0.05 and good < 0.3, "between what is comfortable and half a swing")
 
 -- while it works nothing but the controller takes energy out: with frequent samples the loop is the continuous one
@@ -50,7 +50,7 @@ for i, column in ipairs { "theta", "x" } do
   panels[i] = { title = i == 1 and "angle" or "cart", xlabel = "t", xunit = "s", ylabel = column, yunit = i == 1 and "rad" or "m" }
   for j, period in ipairs { 0.002, 0.1, bad + 0.02 } do
     local run = balance(period)
-    panels[i][j] = { x = run.t, y = run:column(column), name = ("every %.3g s"):format(period) }
+    panels[i][j] = { x = run:column "t", y = run:column(column), name = ("every %.3g s"):format(period) }
   end
 end
 print("picture  " .. dm.figure(panels))

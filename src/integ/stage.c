@@ -35,7 +35,7 @@ size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     if (m->ties) return dm_tied_work(s, r, m);
     return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
            dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve +
-           larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
+           2 * larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
            scratch_size(s, r, m) + dm_stage_warm_size(s, m->n) +
            dm_stage_sweeps_size(s, r, m);
 }
@@ -60,6 +60,7 @@ static double *lay_out(dm_stage *g, double *memory) {
     g->next = take(&memory, 4 * n);
     g->known = (uint32_t *)(void *)take(&memory, doubles(r * sizeof(uint32_t)));
     g->scratch = take(&memory, scratch_size(s, r, g->m));
+    g->before = take(&memory, larger(s, r) * n);
     return memory;
 }
 
@@ -296,9 +297,11 @@ static dm_status general(dm_stage *g, dm_stepper *stepper) {
                                        .size = &g->size,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
-    const int warm = g->warm && dm_stage_warm_guess(g);
+    const int continued = g->ratio > 0.0;
+    const int warm = continued || (g->warm && dm_stage_warm_guess(g));
+    if (continued) memcpy(g->root, g->before, problem.m * sizeof *g->root);
     dm_status status = warm ? dm_newton(g->root, &problem, g->scratch, &report) : DM_OK;
-    if (!warm || status != DM_OK) {
+    if (!warm || (status != DM_OK && !continued)) {
         status = guess(g);
         if (status == DM_OK) status = dm_newton(g->root, &problem, g->scratch, &report);
     }
@@ -320,6 +323,29 @@ static void prepare(dm_stage *g) {
     g->prepared = 1;
 }
 
+static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
+    return g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
+}
+
+/* Where Newton's method fails from its guess: h/16, h/8, ... h from the same state, each from the root before. What fails then has
+** no root that is the one of a small step. */
+static dm_status by_continuation(dm_stage *g, dm_stepper *stepper) {
+    const size_t unknowns = larger(g->table.s, g->table.r) * g->n;
+    const double h = g->h;
+    const dm_report first = stepper->report;
+    dm_status status = DM_OK;
+    for (double part = 1.0 / 16.0; part <= 1.0 && status == DM_OK; part *= 2.0) {
+        dm_stage_weights_scale(g, part * h);
+        status = by_newton(g, stepper);
+        memcpy(g->before, g->root, unknowns * sizeof *g->root);
+        g->ratio = 2.0;
+    }
+    g->ratio = 0.0;
+    if (g->h != h) dm_stage_weights_scale(g, h);
+    if (status != DM_OK) stepper->report = first; /* what the first try met */
+    return status;
+}
+
 /* the end is in g->state */
 static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     dm_status status = DM_NO_CONVERGENCE;
@@ -327,7 +353,11 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
         status = dm_stage_sweep(g, stepper);
     if (status == DM_OK) return DM_OK;
     if (!g->prepared) prepare(g);
-    status = g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
+    status = by_newton(g, stepper);
+    if (status == DM_NO_CONVERGENCE || status == DM_SINGULAR) {
+        const dm_status again = by_continuation(g, stepper);
+        if (again == DM_OK) status = DM_OK;
+    }
     if (status == DM_OK && g->sweeps.row) dm_stage_memory_newton(g);
     if (status == DM_OK) dm_stage_copy(g->state, g->next, 4 * g->n);
     return status;

@@ -66,6 +66,8 @@ typedef struct {
     double *base;          /* [r][n] what Q_m - q0 is without the unknown forces */
     double *next;          /* [4n] state at the end */
     double *scratch;       /* of Newton, and of what comes before it */
+    double *before;        /* [r or s][n] roots of a shorter step (continuation in h) */
+    double ratio;          /* h over that of `before`; 0: there is none */
     uint32_t *known;       /* [r] separable: how point m is found */
     double size;           /* of the terms of the residual */
     dm_stage_sweeps sweeps;

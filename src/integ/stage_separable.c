@@ -246,6 +246,8 @@ dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper) {
     g->size = 0.0;
     for (uint32_t k = 0; k < n; k++) g->size = fmax(g->size, fabs(g->state[k]));
     const uint32_t unknowns = guess(g);
+    for (uint32_t k = 0; g->ratio > 0.0 && k < unknowns; k++)
+        g->root[k] = g->ratio * g->before[k];
     if (unknowns) status = solve(g, stepper, unknowns);
     if (status != DM_OK) return status;
     last_points(g);

@@ -175,4 +175,20 @@ good:run { q = start.q, v = start.v, steps = 10 }
 local report = good:report()
 ok(report.steps == 10 and report.operations > 0 and report.compile_ms > 0 and report.order == 2, "the report of a run")
 ok(#dm.rules() >= 8, "dm.rules lists the rules", #dm.rules())
+-- steps so long that Newton's method fails from its first guess are found by continuation in h: roots of the step equation
+local humps = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + 5 * cos(q[1]) + cos(3 * q[1]) end }
+math.randomseed(1)
+local found, off = 0, 0
+for _ = 1, 200 do
+  local step, q, v = 0.3 + 2 * math.random(), { 4 * math.random() - 2 }, { 4 * math.random() - 2 }
+  local one = humps:solver { rule = "midpoint", h = step }
+  local fine, Q, P = pcall(one.step, one, { q = q, v = v })
+  if fine then
+    local middle = (Q[1] + q[1]) / 2
+    found = found + 1
+    off = math.max(off, abs(P[1] - v[1] + step * (5 * sin(middle) + 3 * sin(3 * middle))), abs((Q[1] - q[1]) / step - (P[1] + v[1]) / 2))
+  end
+end
+ok(found > 185, "long midpoint steps: nearly all are solved", found)
+ok(off < 1e-12, "and solve the equation of the step", off)
 tap.done()
