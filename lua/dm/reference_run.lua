@@ -6,7 +6,8 @@ local M = {}
 local abs, max = math.abs, math.max
 
 -- the methods in the order of preference; each must be able to step the system
-local ROADS = { { "gauss(8)", 16 }, { "sofroniou-spaletta(10)", 10 }, { "rk8", 8 }, { "lobatto(6)", 10 }, { "gauss(6)", 12 } }
+local ROADS = { { "gauss(8)", 16 }, { "sofroniou-spaletta(10)", 10 }, { "rk8", 8 }, { "lobatto(6)", 10 }, { "gauss(6)", 12 },
+  { "degenerate(4)", 8 }, { "degenerate(3)", 6 } }  -- the last two for L linear in v
 local HALVINGS = 14
 local BUDGET = 2  -- s of CPU for one method: where it has not settled by then, what it reached is told
 

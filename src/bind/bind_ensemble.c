@@ -158,7 +158,7 @@ static const dml_row methods[] = {
 static const dml_row solver_row[] = {
     {"ensemble", dml_solver_ensemble,
      "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, vary=, threads=, every=, "
-     "watch=} -> dm.ensemble\n"
+     "watch=, project=} -> dm.ensemble\n"
      "Run `members` starts side by side for `steps` steps or the duration t. q, and v or "
      "p: functions of the member's "
      "number (from 1) that return dim Q numbers, or a matrix or table with a row per "

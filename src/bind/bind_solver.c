@@ -100,7 +100,8 @@ static int solver_field(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
 static const dml_row methods[] = {
     {"run", dml_solver_run,
-     "solver:run{q=, v=, p=, q0=, q1=, steps=, t=, at=, every=, t0=, project=, watch=, "
+     "solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, "
+     "watch=, "
      "events=, file=, checkpoint=} -> dm.path\n"
      "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q "
      "and the momentum p, "
@@ -114,7 +115,9 @@ static const dml_row methods[] = {
      "Lagrangian is traced anew, so "
      "changed upvalues are picked up.\n"
      "watch = { \"q1\", \"energy\", r = function(q, v, t, p) ... end }: rows hold t and "
-     "these numbers instead of q and p. "
+     "these numbers instead of q and p (a function that gives several has the columns "
+     "r1, "
+     "r2, ...). "
      "file = \"rows.npy\": rows go there as they come, the path keeps the last one. "
      "events "
      "= { name = function(q, v, t, p) "
@@ -123,7 +126,9 @@ static const dml_row methods[] = {
      "of these functions, by steps of "
      "fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the "
      "run "
-     "there. checkpoint = file or { "
+     "there; a zero that is touched but not crossed, or two of one function within a "
+     "step, "
+     "are not seen. checkpoint = file or { "
      "file =, every = seconds }: written while it runs (every minute) and at its end, "
      "for "
      "dm.resume. "

@@ -261,7 +261,10 @@ static const dml_row functions[] = {
      "L of a system f is "
      "traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs "
      "100 times one of "
-     "10^3. f must not use other arguments of L than those it is given."},
+     "10^3. f must not use other arguments of L than those it is given. Loops are for "
+     "explicit rules, for kinetic energies that are sums of m v^2/2 and without ties; "
+     "implicit rules, constraints and forces write the sums out, up to 400 "
+     "coordinates."},
     {NULL, NULL, NULL}};
 
 void dml_open_sum(lua_State *L) {

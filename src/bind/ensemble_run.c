@@ -332,6 +332,10 @@ int dml_solver_ensemble(lua_State *L) {
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
+    if (lua_getiuservalue(L, 1, DML_SOLVER_START) != LUA_TNIL)
+        luaL_error(L, "this solver goes on from a checkpoint, which is one run: make a "
+                      "solver of the system for an ensemble");
+    lua_settop(L, 2);
     const long members = read_members(L);
     part p = {.steps = read_steps(L, solver->h)};
     const double t0 = dml_number(L, 2, "t0", 0.0);

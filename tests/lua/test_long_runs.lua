@@ -83,6 +83,8 @@ ok(#dm.load(npy_at).t == 4096, "rows of a file that ends at an event", #dm.load(
 os.remove(npy_at)
 raises("memory", oscillator.solver(oscillator, { rule = "verlet", h = 1e-3 }).run, oscillator:solver { rule = "verlet", h = 1e-3 }, { q = { 1 }, v = { 0 }, steps = math.maxinteger })
 
+raises("goes on from a checkpoint", function() dm.resume(half):ensemble { members = 2, q = { { 1 }, { 2 } }, v = { { 0 }, { 0 } }, steps = 1 } end)
+
 -- misuse of checkpoints
 raises("not a whole checkpoint", dm.resume, "/dev/null", kepler)
 raises("cannot open", dm.resume, "/no/such/file", kepler)
@@ -143,7 +145,7 @@ for i = 1, #path do
   good = good and r[i] == whole.q[i]:norm() and abs(J[i] - 0.8) < 1e-14 and path:column "q1"[i] == whole.q[i][1]
     and path:column "J2"[i] == whole.t[i]
 end
-ok(good and E == whole:energy(), "with the numbers of the whole path")
+ok(good and E == whole:energy() and path:energy() == E, "with the numbers of the whole path")
 ok(abs(path:drift "energy".largest) < 1e-9, "drift of a watched column")
 raises("recorded only what it watched", function() return path.q end)
 raises("recorded only what it watched", path.velocity, path)
