@@ -148,7 +148,8 @@ static void move_to(maker *m, uint32_t i) {
 /* a ring of values, each in the place of the next: one steps aside */
 static void break_ring(maker *m, uint32_t i) {
     const dm_node n = m->roots[i];
-    const int from = m->e.at[n].reg, aside = m->e.registers - 1;
+    const int8_t from = m->e.at[n].reg;
+    const int aside = m->e.registers - 1;
     dm_x86_load(&m->e.code, m->width, aside, dm_in_register(from));
     m->e.at[n].reg = (int8_t)aside;
 }

@@ -134,7 +134,7 @@ static void count_calls(dm_plan *p, uint32_t lanes) {
 
 /* r9 = where the numbers of exponentials are */
 static void fetch_table(dm_code *c) {
-    const double(*const table)[8] = dm_exp_table;
+    const uintptr_t table = (uintptr_t)dm_exp_table;
     dm_x86_bytes(c, "\x49\xB9", 2);
     dm_x86_bytes(c, &table, sizeof table);
 }

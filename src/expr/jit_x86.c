@@ -104,7 +104,7 @@ static int dying_operand(const dm_emitter *e, const dm_step *s) {
     static const int order[3] = {2, 0, 1};
     for (int i = 0; i < 3; i++) {
         const int k = order[i];
-        const int reg = e->at[s->arg[k]].reg;
+        const int8_t reg = e->at[s->arg[k]].reg;
         if (s->next[k] == DM_NEVER && reg >= 0 && !(e->fixed >> reg & 1)) return k;
     }
     return -1;

@@ -100,7 +100,8 @@ struct dm_stepper {
     int max_iterations;
     double *work;  /* method->work doubles */
     void *outside; /* what close gives back */
-    double *aside; /* room for `memory` while a side step is taken (run/land.h); NULL: none */
+    double *
+        aside; /* room for `memory` while a side step is taken (run/land.h); NULL: none */
     dm_report report;
 };
 
