@@ -161,7 +161,10 @@ local function check(solver, options)
   if tostring(solver.rule):find "^log%-hamiltonian" then
     error(what .. ": '" .. tostring(solver.rule) .. "' has a time of its own; the energy it keeps is H itself", 0)
   end
-  local steps, k = options.steps or 0, options.points or 6
+  local steps, k = math.tointeger(options.steps or 0), options.points or 6
+  if not steps or steps > 2 ^ 24 then
+    error(what .. ": 'steps' must be a whole number up to 2^24: all rows are kept", 0)
+  end
   if math.type(k) ~= "integer" or k < 1 or k > 10 then error(what .. ": 'points' is a whole number from 1 to 10", 0) end
   if not (steps >= 2 * k + 3) then error(("%s needs at least %d steps"):format(what, 2 * k + 3), 0) end
   return system, k

@@ -42,10 +42,18 @@ local function start_of(solver, options)
   return core.vector(options.q), core.vector(p), t0
 end
 
+local MOST = 2 ^ 53  -- steps: more could not be counted in numbers of Lua that are not integers
+
 local function steps_of(solver, options)
-  if options.steps then return options.steps end
-  if not options.t then error("give 'steps' or 't' (a duration)", 0) end
-  return math.ceil(options.t / solver.h - 1e-9)
+  local steps = options.steps
+  if not steps then
+    if type(options.t) ~= "number" or not (options.t > 0) then error("give 'steps' or 't' (a duration > 0)", 0) end
+    steps = math.ceil(options.t / solver.h - 1e-9)
+  end
+  if not math.tointeger(steps) or steps < 0 or steps > MOST then
+    error(("'steps' must be a whole number from 0 to 2^53 (got %s)"):format(tostring(steps)), 0)
+  end
+  return math.tointeger(steps)
 end
 
 local KNOWN = { q = true, v = true, p = true, t0 = true, steps = true, t = true }

@@ -120,6 +120,7 @@ ok(abs(r.drift) > 10 * r.error, "that of rk4 drifts", r.drift / r.error)
 
 -- misuse
 raises("changes the time with the state", function() kepler:solver { rule = "log-hamiltonian(kahan-li(6))", h = 0.1 }:tangent(start) end)
+raises("whole number", function() kepler:solver { rule = "verlet", h = 0.1 }:tangent { q = { 1, 0 }, v = { 0, 1 }, steps = 2 ^ 62 } end)
 raises("unknown option 'stepz'", function() kepler:solver { rule = "verlet", h = 0.1 }:tangent { stepz = 3 } end)
 raises("give 'steps' or 't'", function() kepler:solver { rule = "verlet", h = 0.1 }:tangent { q = { 1, 0 }, v = { 0, 1 } } end)
 raises("give the start as q and v", function() kepler:solver { rule = "verlet", h = 0.1 }:tangent { q = { 1, 0 }, steps = 3 } end)
