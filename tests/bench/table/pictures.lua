@@ -14,14 +14,18 @@ local TITLES = { ["P1-0.6"] = "Kepler, e = 0.6, 100 periods", ["P1-0.9"] = "Kepl
 local COLOURS = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#999933" } -- Okabe & Ito, and two
 local SHARE = { bound = 3, dmlua = 6, peer = 3 }
 
+local SWEPT = 2  -- rules with a fixed number of sweeps in a picture: the others solve their steps to round-off
+
 -- the methods of a side that are cheapest at the targets, up to `count`, then the plain ones
 local function chosen(key, side, count)
-  local list, seen = {}, {}
-  for place = 1, 3 do
+  local list, seen, swept = {}, {}, 0
+  for place = 1, 40 do
     for _, target in ipairs(results.targets) do
       local row = (((all.targets[key] or {})[target] or {})[side] or {})[place]
-      if row and not seen[row.method] and #list < count then
+      local has_sweeps = side == "dmlua" and row and row.method:find "^gauss%(%d+, "
+      if row and not seen[row.method] and #list < count and not (has_sweeps and swept == SWEPT) then
         seen[row.method] = true
+        swept = swept + (has_sweeps and 1 or 0)
         list[#list + 1] = row.method
       end
     end
