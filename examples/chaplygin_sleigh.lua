@@ -37,7 +37,7 @@ for _, row in ipairs { { "midpoint", 0.05, 2e-4 }, { "gauss(2)", 0.1, 1e-7 }, { 
   assert(path:worst "rolling" < 1e-14, "the skate slips")
 end
 
-local tracks, headings = { equal = true, xlabel = "x", ylabel = "y", xunit = "m", yunit = "m", title = "tracks of the skate" },
+local tracks, headings = { equal = true, xrange = { -5, 1 }, xlabel = "x", ylabel = "y", xunit = "m", yunit = "m", title = "the skate: one track for all spins" },
   { xlabel = "t", ylabel = "heading", xunit = "s", yunit = "rad", title = "the same turn, sooner or later" }
 for i, spin in ipairs { 0.5, 1, 2 } do
   local path = run("gauss(3)", 0.05, spin, 24)
