@@ -13,7 +13,7 @@ VERSION = 0.1
 KERNEL = $(sort $(wildcard $(addprefix src/,$(addsuffix /*.c,base linalg solve expr geom action mech integ run))))
 BIND = $(sort $(wildcard src/bind/*.c))
 CLI = $(sort $(wildcard src/cli/*.c))
-LUA_FILES = $(sort $(wildcard lua/dm/*.lua))
+LUA_FILES = $(sort $(wildcard lua/dm/*.lua lua/dm/*/*.lua))
 EXAMPLES = $(sort $(wildcard examples/*.lua))
 C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(sort $(wildcard tests/c/*.c tests/bench/*.c))
 objects = $(patsubst src/%.c,$(B)/%.o,$(1))
@@ -116,7 +116,7 @@ install: all
 	  $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions
 	install -m 755 $(B)/dmlua $(DESTDIR)$(PREFIX)/bin/dmlua
 	install -m 755 $(B)/dm/core.so $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm/core.so
-	install -m 644 $(LUA_FILES) $(SHARE)/dmlua/lua/dm
+	@for file in $(LUA_FILES); do install -D -m 644 $$file $(SHARE)/dmlua/$$file || exit 1; done
 	install -m 644 $(EXAMPLES) $(SHARE)/dmlua/examples
 	@ln -sfn ../../dmlua/lua/dm $(SHARE)/lua/5.4/dm
 	install -m 644 docs/dmlua.1 $(SHARE)/man/man1/dmlua.1

@@ -2,7 +2,7 @@
 local M = {}
 
 -- positions that error and C functions put in front, inside lua/dm
-local INSIDE = "^[^\n]-lua/dm/[%w_]+%.lua:%d+: "
+local INSIDE = "^[^\n]-lua/dm/[%w_/]+%.lua:%d+: "
 
 local function finish(fine, ...)
   if fine then return ... end
