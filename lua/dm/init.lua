@@ -8,6 +8,7 @@ local lazy = {
   load = "dm.load",
   time = "dm.time",
   chart = "dm.chart",
+  animate = "dm.animate",
   help = "dm.help",
   apropos = "dm.help",
   who = "dm.help",
@@ -15,7 +16,7 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.path", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order" }
+local extensions = { "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order" }
 
 local dm = {}
 for name, value in pairs(core) do dm[name] = value end

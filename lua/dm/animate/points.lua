@@ -1,0 +1,183 @@
+--- What an animation shows of a path: the points of every row, and the rods between them.
+local M = {}
+
+local function fail(...) error(("animate: " .. select(1, ...)):format(select(2, ...)), 0) end
+
+local MOST = 2000  -- points in a frame: more are not told apart
+
+---- columns as coordinates ----
+
+-- { {"x1", "y1"}, ... } from names that end alike: x, y, z with the same rest
+local function by_letters(names)
+  local has, out = {}, {}
+  for _, name in ipairs(names) do has[name] = true end
+  for _, name in ipairs(names) do
+    local rest = name:match "^x([_%d]*)$"
+    if rest and has["y" .. rest] then
+      out[#out + 1] = { name, "y" .. rest, has["z" .. rest] and "z" .. rest or nil }
+    end
+  end
+  return out[1] and out or nil
+end
+
+-- consecutive names in groups of d
+local function grouped(names, d)
+  local out = {}
+  for i = 1, #names, d do out[#out + 1] = { table.unpack(names, i, i + d - 1) } end
+  return out
+end
+
+-- the columns that hold positions: those of q
+local function positions(path)
+  if path.watched then
+    fail("this run recorded only what it watched: say which columns are points, points = { {\"x\", \"y\"} }; there are %s",
+      table.concat(path.columns, ", "))
+  end
+  local names, columns = {}, path.columns
+  for i = 2, 1 + #path.q[1] do names[#names + 1] = columns[i] end
+  return names
+end
+
+-- without being told: x, y and z by name, else pairs, else triples; a single coordinate moves along a line
+local function chosen(path, dim)
+  local names = positions(path)
+  local found = by_letters(names)
+  if found and not dim then return found end
+  local n = #names
+  if n == 1 and not dim then return { names } end
+  if not dim then dim = n == 3 and 3 or n % 2 == 0 and 2 or n % 3 == 0 and 3 or nil end
+  if not dim or n % dim ~= 0 then
+    fail("%d coordinates (%s) are not points of the plane or of space: say where the points are with "
+      .. "draw = function(q, t) return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } end", n, table.concat(names, ", "))
+  end
+  return grouped(names, dim)
+end
+
+local function check_points(points)
+  if type(points) ~= "table" or type(points[1]) ~= "table" then
+    fail "option 'points' must be a list of pairs or triples of column names: { {\"x1\", \"y1\"}, {\"x2\", \"y2\"} }"
+  end
+  for i, names in ipairs(points) do
+    if #names ~= #points[1] or #names < 2 or #names > 3 then
+      fail("option 'points': point %d must have %s column names (got %d)", i, #points[1] == 3 and "3" or "2", #names)
+    end
+  end
+  return points
+end
+
+-- a function of the row that adds its coordinates to a list, the number of points, their dimension, names of axes
+local function from_columns(path, points)
+  local columns, dim = {}, math.max(2, #points[1])
+  for _, names in ipairs(points) do
+    for k = 1, #names do columns[#columns + 1] = path:column(names[k]) end
+    if #names == 1 then columns[#columns + 1] = false end
+  end
+  local function row(i, out)
+    for k = 1, #columns do out[#out + 1] = columns[k] and columns[k][i] or 0 end
+  end
+  local axes = { points[1][1], points[1][2] or "", points[1][3] }
+  if #points > 1 then axes = { "x", "y", dim == 3 and "z" or nil } end
+  return row, #points, dim, axes
+end
+
+---- a user's own picture ----
+
+-- the points of one drawing as numbers; how many there are, and their dimension
+local function read_points(drawing, i, out)
+  local points = type(drawing) == "table" and (drawing.points or drawing[1] and drawing) or nil
+  if type(points) ~= "table" or #points == 0 then
+    fail("draw must return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } (row %d: got %s)", i,
+      type(drawing) == "table" and "a table without points" or type(drawing))
+  end
+  local dim
+  for k, point in ipairs(points) do
+    local fine, n = pcall(function() return #point end)
+    if not fine or n < 2 or n > 3 or dim and n ~= dim then
+      fail("draw: point %d of row %d must be {x, y} or {x, y, z}%s", k, i, dim and (", with %d numbers as the first"):format(dim) or "")
+    end
+    dim = n
+    for axis = 1, n do
+      local x = point[axis]
+      if type(x) ~= "number" then fail("draw: point %d of row %d holds a %s, not a number", k, i, type(x)) end
+      out[#out + 1] = x * 1.0
+    end
+  end
+  return #points, dim
+end
+
+local function from_drawing(path, draw)
+  if path.watched then
+    fail "draw(q, t) needs q, but this run recorded only what it watched: leave 'watch' out, or use points = { {\"x\", \"y\"} }"
+  end
+  local drawing = draw(path.q[1], path.t[1])
+  local count, dim = read_points(drawing, 1, {})
+  local function row(i, out)
+    local n, d = read_points(draw(path.q[i], path.t[i]), i, out)
+    if n ~= count or d ~= dim then
+      fail("draw gave %d points of %d coordinates in row 1, but %d of %d in row %d", count, dim, n, d, i)
+    end
+  end
+  return row, count, dim, { "x", "y", dim == 3 and "z" or nil }, drawing.rods
+end
+
+---- rods ----
+
+local function check_rods(rods, count)
+  if type(rods) ~= "table" then fail("rods must be a list of pairs of points, { {1, 2}, ... } (got %s)", type(rods)) end
+  local out = {}
+  for i, rod in ipairs(rods) do
+    local pair = type(rod) == "table" and rod or {}
+    for k = 1, 2 do
+      local point = math.tointeger(pair[k])
+      if not point or point < 0 or point > count then
+        fail("rod %d must be a pair of points from 1 to %d, or 0 for the origin", i, count)
+      end
+    end
+    out[i] = { math.tointeger(pair[1]), math.tointeger(pair[2]) }
+  end
+  return out
+end
+
+-- distance of points a and b (0: the origin) in a list of coordinates that begins behind `at`
+local function distance(xyz, at, a, b, dim)
+  local sum = 0
+  for axis = 1, dim do
+    local x = a == 0 and 0 or xyz[at + (a - 1) * dim + axis]
+    sum = sum + (x - xyz[at + (b - 1) * dim + axis]) ^ 2
+  end
+  return math.sqrt(sum)
+end
+
+--- Pairs of points whose distance stays over all frames: what a constraint holds together. 0 is the origin.
+function M.held(xyz, count, dim)
+  local size, rods = count * dim, {}
+  for a = 0, count - 1 do
+    for b = a + 1, count do
+      local length, stays = distance(xyz, 0, a, b, dim), true
+      local i = 1
+      while stays and i < #xyz // size do
+        stays = math.abs(distance(xyz, i * size, a, b, dim) - length) <= 1e-7 * length
+        i = i + 1
+      end
+      if stays and length > 0 then rods[#rods + 1] = { a, b } end
+    end
+  end
+  return rods
+end
+
+---- both ----
+
+--- How to read a path: { row = function(i, out), count, dim, axes, rods or nil }.
+function M.reader(path, options)
+  local row, count, dim, axes, rods
+  if options.draw then
+    row, count, dim, axes, rods = from_drawing(path, options.draw)
+  else
+    row, count, dim, axes = from_columns(path, options.points and check_points(options.points) or chosen(path, options.dim))
+  end
+  if count > MOST then fail("%d points in a frame are more than %d: pick some with 'points' or 'draw'", count, MOST) end
+  rods = options.rods or rods
+  return { row = row, count = count, dim = dim, axes = axes, rods = rods and check_rods(rods, count) }
+end
+
+return M

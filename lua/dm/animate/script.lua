@@ -1,0 +1,346 @@
+--- The script of an animated page (dm.animate), as text: plain JavaScript on canvases, no library, no network.
+-- It reads the JSON of the page (dm.animate.page says what is in it) and draws frame after frame; #t=1.5 in the
+-- address starts there, standing still. What is drawn is always a recorded row: nothing is interpolated.
+return [==[
+"use strict";
+const scene = JSON.parse(document.getElementById("data").textContent);
+const COLOURS = ["#0b62a4", "#d1495b", "#2a9d5c", "#8f5bc4", "#d98324", "#2b9eb3", "#8a6d3b", "#555555"];
+const colour = i => COLOURS[i % COLOURS.length];
+const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer;
+const element = id => document.getElementById(id);
+
+// numbers back from base64: times are doubles, positions and quantities floats
+for (const path of scene.paths) {
+  path.t = new Float64Array(bytes(path.t));
+  path.xyz = new Float32Array(bytes(path.xyz));
+}
+for (const plot of scene.plots) {
+  for (const line of plot.lines) {
+    line.t = new Float64Array(bytes(line.t));
+    line.y = new Float32Array(bytes(line.y));
+  }
+}
+const first = Math.min(...scene.paths.map(p => p.t[0]));
+const last = Math.max(...scene.paths.map(p => p.t[p.t.length - 1]));
+const state = { t: first, playing: true, speed: 1, trail: scene.trail, azimuth: -0.6, height: 0.35, zoom: 1 };
+const seconds = Math.max(4, Math.min(20, scene.paths[0].t.length / 30)); // the whole takes that long at speed 1
+
+// the last row at or before t
+function row(times, t) {
+  let low = 0, high = times.length - 1;
+  const slack = 1e-9 * (last - first);
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= t + slack) low = middle; else high = middle - 1;
+  }
+  return low;
+}
+
+// ---- from space to the canvas ----
+
+// middle and half width of everything that is shown, the same in all panels
+const box = (() => {
+  const lo = [Infinity, Infinity, Infinity], hi = [-Infinity, -Infinity, -Infinity];
+  for (const path of scene.paths) {
+    for (let i = 0; i < path.xyz.length; i++) {
+      const axis = i % scene.dim;
+      lo[axis] = Math.min(lo[axis], path.xyz[i]);
+      hi[axis] = Math.max(hi[axis], path.xyz[i]);
+    }
+    if (path.rods.some(rod => rod[0] === 0)) {
+      for (let axis = 0; axis < scene.dim; axis++) {
+        lo[axis] = Math.min(lo[axis], 0);
+        hi[axis] = Math.max(hi[axis], 0);
+      }
+    }
+  }
+  const middle = [0, 0, 0], half = [0, 0, 0];
+  for (let axis = 0; axis < scene.dim; axis++) {
+    middle[axis] = (lo[axis] + hi[axis]) / 2;
+    half[axis] = (hi[axis] - lo[axis]) / 2;
+  }
+  if (scene.dim === 3) half.fill(Math.hypot(...half));
+  const least = 0.02 * Math.max(...half) || 1;
+  return { middle, half: half.map(h => Math.max(h, least)) };
+})();
+
+// (x, y, z) -> [right, up] in units of space, as the camera sees it
+function turned(x, y, z) {
+  if (scene.dim < 3) return [x - box.middle[0], y - box.middle[1]];
+  const dx = x - box.middle[0], dy = y - box.middle[1], dz = z - box.middle[2];
+  const c = Math.cos(state.azimuth), s = Math.sin(state.azimuth);
+  const deep = c * dy + s * dx;
+  return [c * dx - s * dy, Math.cos(state.height) * dz + Math.sin(state.height) * deep];
+}
+
+function camera(canvas) {
+  const w = canvas.clientWidth, h = canvas.clientHeight;
+  const scale = state.zoom * 0.88 * Math.min(w / (2 * box.half[0]), h / (2 * box.half[1]));
+  return (x, y, z) => {
+    const at = turned(x, y, z);
+    return [w / 2 + scale * at[0], h / 2 - scale * at[1]];
+  };
+}
+
+// a context whose unit is the CSS pixel, cleared
+function clear(canvas) {
+  const ratio = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
+  if (canvas.width !== Math.round(w * ratio)) canvas.width = Math.round(w * ratio);
+  if (canvas.height !== Math.round(h * ratio)) canvas.height = Math.round(h * ratio);
+  const g = canvas.getContext("2d");
+  g.setTransform(ratio, 0, 0, ratio, 0, 0);
+  g.clearRect(0, 0, w, h);
+  return g;
+}
+
+// ---- one panel ----
+
+function place(path, frame, point, see) {
+  if (point === 0) return see(0, 0, 0);
+  const at = (frame * path.points + point - 1) * scene.dim;
+  return see(path.xyz[at], path.xyz[at + 1], scene.dim === 3 ? path.xyz[at + 2] : 0);
+}
+
+function drawTrails(g, path, frame, see) {
+  const from = row(path.t, path.t[frame] - state.trail);
+  g.lineWidth = 1.2;
+  for (let point = 1; point <= path.points; point++) {
+    if (path.points > 12 && point < path.points) continue;
+    g.strokeStyle = colour(point - 1);
+    for (let piece = 0; piece < 4; piece++) { // older pieces are paler
+      const a = from + Math.floor((frame - from) * piece / 4), b = from + Math.floor((frame - from) * (piece + 1) / 4);
+      g.globalAlpha = 0.2 + 0.2 * piece;
+      g.beginPath();
+      for (let i = a; i <= b; i++) {
+        const at = place(path, i, point, see);
+        if (i === a) g.moveTo(at[0], at[1]); else g.lineTo(at[0], at[1]);
+      }
+      g.stroke();
+    }
+  }
+  g.globalAlpha = 1;
+}
+
+function drawRods(g, path, frame, see) {
+  g.strokeStyle = "#333";
+  g.lineWidth = 2;
+  g.beginPath();
+  for (const rod of path.rods) {
+    const a = place(path, frame, rod[0], see), b = place(path, frame, rod[1], see);
+    g.moveTo(a[0], a[1]);
+    g.lineTo(b[0], b[1]);
+  }
+  g.stroke();
+}
+
+function disk(g, at, radius, fill) {
+  g.fillStyle = fill;
+  g.beginPath();
+  g.arc(at[0], at[1], radius, 0, 2 * Math.PI);
+  g.fill();
+}
+
+function drawAxes(g, canvas, see) {
+  const origin = see(0, 0, 0), h = canvas.clientHeight;
+  if (scene.dim === 2) {
+    g.strokeStyle = "#e4e4e4";
+    g.lineWidth = 1;
+    g.beginPath();
+    g.moveTo(0, origin[1]);
+    g.lineTo(canvas.clientWidth, origin[1]);
+    g.moveTo(origin[0], 0);
+    g.lineTo(origin[0], h);
+    g.stroke();
+  }
+  g.font = "12px sans-serif";
+  g.lineWidth = 1.5;
+  for (let axis = 0; axis < scene.dim; axis++) { // a little cross of axes in the corner
+    const unit = see(axis === 0 ? 1 : 0, axis === 1 ? 1 : 0, axis === 2 ? 1 : 0);
+    const one = see(box.middle[0] + 1, box.middle[1], box.middle[2]), zero = see(...box.middle);
+    const size = scene.dim === 2 ? Math.abs(one[0] - zero[0]) : Math.hypot(...[0, 1, 2].map(a => {
+      const e = see(a === 0 ? 1 : 0, a === 1 ? 1 : 0, a === 2 ? 1 : 0);
+      return Math.hypot(e[0] - origin[0], e[1] - origin[1]);
+    })) / Math.SQRT2;
+    const dx = 26 * (unit[0] - origin[0]) / size, dy = 26 * (unit[1] - origin[1]) / size;
+    g.strokeStyle = g.fillStyle = "#999";
+    g.beginPath();
+    g.moveTo(36, h - 36);
+    g.lineTo(36 + dx, h - 36 + dy);
+    g.stroke();
+    g.fillText(scene.axes[axis], 32 + 1.45 * dx, h - 32 + 1.45 * dy);
+  }
+}
+
+function drawPanel(path) {
+  const g = clear(path.canvas), see = camera(path.canvas), frame = row(path.t, state.t);
+  drawAxes(g, path.canvas, see);
+  if (state.trail > 0) drawTrails(g, path, frame, see);
+  drawRods(g, path, frame, see);
+  if (path.rods.some(rod => rod[0] === 0)) disk(g, see(0, 0, 0), 3, "#333");
+  const radius = path.points > 40 ? 2.5 : 6;
+  for (let point = 1; point <= path.points; point++) {
+    disk(g, place(path, frame, point, see), radius, colour(point - 1));
+  }
+  path.frame = frame;
+}
+
+// ---- quantities ----
+
+function range(plot) {
+  let lo = Infinity, hi = -Infinity;
+  for (const line of plot.lines) {
+    for (const y of line.y) {
+      lo = Math.min(lo, y);
+      hi = Math.max(hi, y);
+    }
+  }
+  return lo < hi ? [lo, hi] : [lo - 1, hi + 1];
+}
+
+const LEFT = 78, TOP = 20, BOTTOM = 8;
+
+function digits(y) {
+  if (y === 0) return "0";
+  return Math.abs(y) < 1e-3 || Math.abs(y) >= 1e5 ? y.toExponential(1) : y.toPrecision(3);
+}
+
+function drawPlot(plot) {
+  const g = clear(plot.canvas), w = plot.canvas.clientWidth - LEFT - 10, h = plot.canvas.clientHeight - TOP - BOTTOM;
+  const [lo, hi] = plot.range;
+  const across = t => LEFT + w * (t - first) / (last - first || 1);
+  const up = y => TOP + h * (1 - 0.08 - 0.84 * (y - lo) / (hi - lo));
+  g.strokeStyle = "#ccc";
+  g.strokeRect(LEFT, TOP, w, h);
+  g.fillStyle = "#333";
+  g.font = "12px sans-serif";
+  g.textAlign = "left";
+  g.fillText(plot.name, LEFT, 14);
+  g.textAlign = "right";
+  for (const y of [lo, hi]) g.fillText(digits(y), LEFT - 6, up(y) + 4);
+  let right = LEFT + w - 4; // of the names, from the last to the first
+  for (let i = plot.lines.length - 1; i >= 0 && plot.lines.length > 1; i--) {
+    g.fillStyle = colour(i);
+    g.fillText(plot.lines[i].name, right, 14);
+    right -= g.measureText(plot.lines[i].name).width + 14;
+  }
+  plot.lines.forEach((line, i) => {
+    g.strokeStyle = colour(i);
+    g.lineWidth = 1.3;
+    g.beginPath();
+    for (let k = 0; k < line.t.length; k++) {
+      if (k === 0) g.moveTo(across(line.t[k]), up(line.y[k])); else g.lineTo(across(line.t[k]), up(line.y[k]));
+    }
+    g.stroke();
+  });
+  g.strokeStyle = "#d33";
+  g.lineWidth = 1;
+  g.beginPath();
+  g.moveTo(across(state.t), TOP);
+  g.lineTo(across(state.t), TOP + h);
+  g.stroke();
+}
+
+// ---- the page ----
+
+function figure(holder, name, kind) {
+  const frame = document.createElement("figure"), caption = document.createElement("figcaption");
+  const canvas = document.createElement("canvas");
+  frame.className = kind;
+  caption.textContent = name;
+  if (name) frame.appendChild(caption);
+  frame.appendChild(canvas);
+  element(holder).appendChild(frame);
+  return canvas;
+}
+
+function drawAll() {
+  scene.paths.forEach(drawPanel);
+  scene.plots.forEach(drawPlot);
+  element("time").textContent = "t = " + state.t.toPrecision(5);
+  element("scrub").value = last > first ? (state.t - first) / (last - first) : 0;
+  document.body.setAttribute("data-frame", scene.paths.map(p => p.frame).join(" "));
+}
+
+function go(t) {
+  state.t = Math.max(first, Math.min(last, t));
+  drawAll();
+}
+
+function play(on) {
+  state.playing = on;
+  element("play").textContent = on ? "pause" : "play";
+}
+
+function showSpeed() {
+  state.speed = Math.pow(2, Number(element("speed").value));
+  element("rate").textContent = (state.speed * (last - first) / seconds).toPrecision(3) + " of t a second";
+}
+
+let before = null;
+function tick(now) {
+  if (state.playing && before !== null) {
+    let t = state.t + state.speed * (last - first) / seconds * Math.min(0.1, (now - before) / 1000);
+    if (t > last) t = first;
+    go(t);
+  }
+  before = now;
+  requestAnimationFrame(tick);
+}
+
+// drag turns a scene in space, the wheel comes nearer
+function watchMouse(canvas) {
+  let at = null;
+  canvas.addEventListener("pointerdown", e => { at = [e.clientX, e.clientY]; });
+  window.addEventListener("pointerup", () => { at = null; });
+  window.addEventListener("pointermove", e => {
+    if (!at || scene.dim < 3) return;
+    state.azimuth += (e.clientX - at[0]) / 120;
+    state.height = Math.max(-1.57, Math.min(1.57, state.height + (e.clientY - at[1]) / 120));
+    at = [e.clientX, e.clientY];
+    drawAll();
+  });
+  canvas.addEventListener("wheel", e => {
+    e.preventDefault();
+    state.zoom = Math.max(0.2, Math.min(50, state.zoom * Math.exp(-e.deltaY / 500)));
+    drawAll();
+  }, { passive: false });
+}
+
+function watchKeys(e) {
+  const step = (last - first) / 200;
+  if (e.key === " ") play(!state.playing);
+  else if (e.key === "ArrowRight") { play(false); go(state.t + step); }
+  else if (e.key === "ArrowLeft") { play(false); go(state.t - step); }
+  else return;
+  e.preventDefault();
+}
+
+function open() {
+  for (const path of scene.paths) {
+    path.canvas = figure("paths", path.name, "panel");
+    watchMouse(path.canvas);
+  }
+  for (const plot of scene.plots) {
+    plot.canvas = figure("plots", "", "plot");
+    plot.range = range(plot);
+    plot.canvas.addEventListener("pointerdown", e => {
+      const inside = (e.offsetX - LEFT) / (plot.canvas.clientWidth - LEFT - 10);
+      play(false);
+      go(first + inside * (last - first));
+    });
+  }
+  element("play").addEventListener("click", () => play(!state.playing));
+  element("scrub").addEventListener("input", e => { play(false); go(first + Number(e.target.value) * (last - first)); });
+  element("speed").addEventListener("input", showSpeed);
+  element("trail").value = last > first ? Math.min(1, state.trail / (last - first)) : 0;
+  element("trail").addEventListener("input", e => { state.trail = Number(e.target.value) * (last - first); drawAll(); });
+  window.addEventListener("keydown", watchKeys);
+  window.addEventListener("resize", drawAll);
+  showSpeed();
+  const asked = /^#t=(.+)$/.exec(window.location.hash);
+  play(!asked);
+  go(asked && isFinite(Number(asked[1])) ? Number(asked[1]) : first);
+  requestAnimationFrame(tick);
+}
+open();
+]==]

@@ -1,0 +1,187 @@
+-- path:animate and dm.animate: the page needs nothing else, its script runs (node, chromium where there are some) and shows the
+-- numbers of the path; what is chosen without being told; misuse
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local abs, max, sin, cos = math.abs, math.max, math.sin, math.cos
+
+local base = os.tmpname()
+local html = base .. ".html"
+
+local function slurp(file)
+  local f <close> = assert(io.open(file))
+  return f:read "a"
+end
+
+local function has(program) return os.execute("command -v " .. program .. " >/dev/null 2>&1") end
+local node = has "node" and "node"
+
+-- what tests/lua/animated.js prints of a page: rows { path, frame, t, coordinates ... }, plots { name, count, first, last }
+local function watch(file, ...)
+  local command = ("%s tests/lua/animated.js %s %s 2>&1"):format(node, file, table.concat({ ... }, " "))
+  local pipe = io.popen(command)
+  local out = { rows = {}, plots = {}, text = pipe:read "a" }
+  pipe:close()
+  for line in out.text:gmatch "[^\n]+" do
+    local name, numbers = line:match "^plot (.-): (.*)$"
+    local list = {}
+    for word in (numbers or line):gmatch "%S+" do list[#list + 1] = tonumber(word) end
+    if name then
+      out.plots[#out.plots + 1] = { name = name, count = list[1], first = list[2], last = list[3] }
+    elseif line:find "^%d" then
+      out.rows[#out.rows + 1] = list
+    end
+  end
+  return out
+end
+
+-- coordinates of a row as printed against those expected, as floats of seven digits
+local function off(row, ...)
+  local worst = 0
+  for k, x in ipairs { ... } do worst = max(worst, abs((row[3 + k] or 1e9) - x)) end
+  return worst
+end
+
+local kepler = dm.system { name = "Kepler <e = 0.6> & more", Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local orbit = kepler:solver { rule = "verlet", h = 0.01 }:run { q = { 0.4, 0 }, v = { 0, 2 }, steps = 1000 }
+local rod = dm.system { Q = dm.R(6), coordinates = { "x1", "y1", "z1", "x2", "y2", "z2" },
+  L = function(q, v) return v:dot(v) / 2 - q[3] - q[6] end,
+  constraint = function(q)
+    local a, b = dm.vector { q[1], q[2], q[3] }, dm.vector { q[4], q[5], q[6] }
+    return { a:dot(a) - 1, (b - a):dot(b - a) - 4 }
+  end }
+local swing = rod:solver { rule = "rattle", h = 0.01 }:run { q = { 1, 0, 0, 1, 0, -2 }, v = { 0, 0.3, 0, 0, 0.2, 0 }, steps = 400 }
+local pendulum = dm.system { Q = dm.T(1), coordinates = { "theta" }, L = function(q, v) return v[1] ^ 2 / 2 + cos(q[1]) end }
+local tick = pendulum:solver { rule = "verlet", h = 0.05 }:run { q = { 2 }, v = { 0 }, steps = 300 }
+local function drawing(q) return { points = { { sin(q[1]), -cos(q[1]) }, { 0, 1 } }, rods = { { 0, 1 } } } end
+
+---- the page ----
+
+ok(orbit:animate(html) == html, "the file name comes back")
+local text = slurp(html)
+ok(text:find "^<!DOCTYPE html>" and text:find "</html>%s*$", "a page from end to end")
+ok(not text:find "https?:" and not text:find "src=" and not text:find "<link", "that asks nobody for anything")
+ok(text:find("<title>Kepler &lt;e = 0.6&gt; &amp; more: verlet, h = 0.01</title>", 1, true), "titles are text, not markup")
+local data = text:match '<script type="application/json" id="data">(.-)</script>'
+ok(data and not data:find "[<&]", "nor can data end the script")
+ok(#text < 16000 + 1001 * (8 + 4 * 2) * 4 / 3 + 2 * 1001 * 12 * 4 / 3, "a double and floats in base64 for each row, no more", #text)
+
+if node then
+  local seen = watch(html, 0, 5, 1e9)
+  ok(seen.text:find "drawn yes", "its script plays, stops and draws, with finite numbers only", seen.text)
+  near(off(seen.rows[1], 0.4, 0), 0, 1e-7, "the first row")
+  near(off(seen.rows[2], orbit.q[501][1], orbit.q[501][2]), 0, 1e-6, "a row in between")
+  near(off(seen.rows[3], orbit.q[1001][1], orbit.q[1001][2]), 0, 1e-6, "the last one, for times beyond it")
+  local E = orbit:energy()
+  ok(seen.plots[1].name == "energy + 0.5", "energy is shown as its change", seen.plots[1].name)
+  near(seen.plots[1].last, E[1001] - E[1], 1e-8, "with the digits that the change has")
+  ok(seen.plots[2].name:find "^momentum of SO%(2%)", "and the angular momentum", seen.plots[2].name)
+
+  swing:animate(html)
+  seen = watch(html, 1, 4)
+  ok(seen.text:find "drawn yes", "in space, too", seen.text)
+  near(off(seen.rows[1], table.unpack(swing.q[101]:totable())), 0, 1e-6, "x1, y1, z1, x2, ... are points of space")
+  ok(slurp(html):find('"rods":[[0,1],[1,2]]', 1, true), "what the constraints hold together are rods, the origin among them")
+
+  tick:animate(html, { draw = drawing, plots = { "theta", { "twice", tick:column "theta" * 2 } } })
+  seen = watch(html, 3)
+  near(off(seen.rows[1], sin(tick.q[61][1]), -cos(tick.q[61][1]), 0, 1), 0, 1e-7, "a user's own points")
+  near(seen.plots[2].last, 2 * tick.q[301][1], 1e-6, "and numbers")
+
+  local coarse = kepler:solver { rule = "rk4", h = 0.1 }:run { q = { 0.4, 0 }, v = { 0, 2 }, steps = 80 }
+  ok(dm.animate({ orbit, coarse }, html, { names = { "fine", "coarse" }, title = "two" }) == html, "several side by side")
+  seen = watch(html, 4.05, 8)
+  ok(seen.rows[2][3] == 4 and off(seen.rows[2], coarse.q[41][1], coarse.q[41][2]) < 1e-6, "a row stays until the next: nothing is invented",
+    seen.rows[2][3])
+  near(off(seen.rows[4], coarse.q[81][1], coarse.q[81][2]), 0, 1e-6, "each has its own rows")
+  ok(#seen.plots == 4 and seen.plots[1].name == "energy, change from the start", "one plot holds the lines of both", #seen.plots)
+
+  local watched = kepler:solver { rule = "verlet", h = 0.1 }:run { q = { 0.4, 0 }, v = { 0, 2 }, steps = 50,
+    watch = { "energy", a = function(q) return q[1] end, b = function(q) return 2 * q[2] end } }
+  watched:animate(html, { points = { { "a", "b" } } })
+  seen = watch(html, 5)
+  near(off(seen.rows[1], watched:column "a"[51], watched:column "b"[51]), 0, 1e-6, "columns that were watched")
+else
+  print "# no node here: the script of the pages was not run"
+end
+
+-- how many rows
+local long = kepler:solver { rule = "verlet", h = 0.01 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1e5, every = 10 }
+long:animate(html)
+text = slurp(html)
+ok(text:find "frames" and text:find "of 0 to 1000, 1500 frames", "a long run is not thinned until it jumps: its first part is shown, and it says so",
+  text:match "<p>(.-)</p>")
+long:animate(html, { t = { 100, 200 } })
+ok(slurp(html):find "t = 100 to 200 of 0 to 1000, 1001 frames", "or the part that is asked for")
+long:animate(html, { frames = 500 })
+ok(slurp(html):find "t = 0 to %S+, 477 frames of 10001 rows", "or so many frames of all, at most")
+
+-- one coordinate; a coasting body that stands still
+dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 end }:solver { rule = "verlet", h = 1 }:run { q = { 0 }, v = { 0 }, steps = 3 }
+  :animate(html)
+if node then ok(watch(html, 1).text:find "drawn yes", "a point at rest on a line is a picture") end
+
+---- in a browser ----
+
+local browser = has "chromium" and "chromium --headless --no-sandbox --disable-gpu" or nil
+if browser and (os.getenv "UNDER" or "") == "" then
+  swing:animate(html)
+  local pipe = io.popen(("timeout 60 %s --dump-dom 'file://%s#t=2' 2>/dev/null"):format(browser, html))
+  local dom = pipe:read "a"
+  pipe:close()
+  ok(dom:find 'data%-frame="200"', "chromium: the script ran and stands at the row that the address asks for", dom:match "<body[^>]*>")
+  ok(dom:find "<canvas" and dom:find "t = 2%.0000", "with canvases, and the time in words")
+else
+  print "# no chromium here: the page was not opened in a browser"
+end
+
+---- misuse ----
+
+raises("ends in .html", orbit.animate, orbit)
+raises("ends in .html", orbit.animate, orbit, "orbit.png")
+raises("cannot open", orbit.animate, orbit, "/no/such/folder/a.html")
+if os.execute("ln -s /dev/full " .. base .. ".full.html 2>/dev/null && test -c /dev/full") then
+  raises("cannot write", orbit.animate, orbit, base .. ".full.html")
+  os.remove(base .. ".full.html")
+end
+raises("unknown option 'trails'", orbit.animate, orbit, html, { trails = 1 })
+raises("options must be a table", orbit.animate, orbit, html, 7)
+raises("'trail' must be a time", orbit.animate, orbit, html, { trail = -1 })
+raises("'frames' must be", orbit.animate, orbit, html, { frames = 0 / 0 })
+raises("{from, to}", orbit.animate, orbit, html, { t = { 3, 2 } })
+raises("no row lies between", orbit.animate, orbit, html, { t = { 50, 60 } })
+raises("list of pairs or triples", orbit.animate, orbit, html, { points = { "q1", "q2" } })
+raises("'nowhere'", orbit.animate, orbit, html, { points = { { "q1", "nowhere" } } })
+raises("must be 2 or 3", orbit.animate, orbit, html, { dim = 4 })
+raises("exclude each other", orbit.animate, orbit, html, { draw = drawing, points = { { "q1", "q2" } } })
+raises("must return { points", orbit.animate, orbit, html, { draw = function() end })
+raises("point 2 of row 1", orbit.animate, orbit, html, { draw = function(q) return { points = { q, { 1, 2, 3 } } } end })
+raises("holds a string", orbit.animate, orbit, html, { draw = function(q) return { points = { { q[1], "2" } } } end })
+local calls = 0
+raises("in row 1, but 2", orbit.animate, orbit, html, { draw = function(q)
+  calls = calls + 1
+  return { points = calls > 5 and { q, q } or { q } }
+end })
+raises("my own error", orbit.animate, orbit, html, { draw = function() error "my own error" end })
+raises("rod 1 must be a pair of points from 1 to 1", orbit.animate, orbit, html, { rods = { { 1, 2 } } })
+raises("rods must be a list", orbit.animate, orbit, html, { rods = 5 })
+raises("not finite in row", orbit.animate, orbit, html, { draw = function(q, t) return { { t < 5 and q[1] or 0 / 0, 0 } } end })
+raises("the path has 1001 rows", orbit.animate, orbit, html, { plots = { { "mine", { 1, 2 } } } })
+raises("option 'plots' holds", orbit.animate, orbit, html, { plots = { {} } })
+raises("list of paths", dm.animate, {}, html)
+raises("path 2 is not a path", dm.animate, { orbit, 3 }, html)
+raises("dimensions", dm.animate, { orbit, swing }, html)
+raises("draw = function", function()
+  local five = dm.system { Q = dm.R(5), L = function(_, v) return v:dot(v) / 2 end }
+  five:solver { rule = "verlet", h = 1 }:run { q = dm.vector(5), v = dm.vector(5), steps = 2 }:animate(html)
+end)
+raises("only what it watched", function()
+  local path = kepler:solver { rule = "verlet", h = 0.1 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 5, watch = { "energy" } }
+  path:animate(html)
+end)
+local fine, message = pcall(function() orbit:animate(html, { dim = 4 }) end)
+ok(not fine and message:find "test_animate.lua:%d+: animate:", "an error names the line of the script", message)
+
+os.remove(base)
+os.remove(html)
+tap.done()
