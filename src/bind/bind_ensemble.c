@@ -74,11 +74,21 @@ static int push_steps(lua_State *L, const ensemble *e) {
     return 1;
 }
 
+/* steps of members that have their own, or the times that they lead to */
+static int push_pace(lua_State *L, const ensemble *e, int ends) {
+    double *out = dml_pushvector(L, (uint32_t)e->members);
+    for (long i = 0; i < e->members; i++)
+        out[i] = ends ? e->t0 + e->pace[i].h * (double)e->pace[i].steps : e->pace[i].h;
+    return 1;
+}
+
 static int make_field(lua_State *L, const ensemble *e, const char *key) {
     if (strcmp(key, "q") == 0) return push_states(L, e, 0);
     if (strcmp(key, "p") == 0) return push_states(L, e, e->n);
     if (strcmp(key, "status") == 0) return push_status(L, e);
     if (strcmp(key, "steps") == 0) return push_steps(L, e);
+    if (strcmp(key, "h") == 0) return push_pace(L, e, 0);
+    if (strcmp(key, "t") == 0) return push_pace(L, e, 1);
     return 0;
 }
 
@@ -86,8 +96,8 @@ static int make_field(lua_State *L, const ensemble *e, const char *key) {
 static int ensemble_field(lua_State *L) {
     const ensemble *e = check(L);
     const char *key = luaL_checkstring(L, 2);
-    if (strcmp(key, "t") == 0) return lua_pushnumber(L, e->t), 1;
-    if (strcmp(key, "h") == 0) return lua_pushnumber(L, e->h), 1;
+    if (!e->pace && strcmp(key, "t") == 0) return lua_pushnumber(L, e->t), 1;
+    if (!e->pace && strcmp(key, "h") == 0) return lua_pushnumber(L, e->h), 1;
     if (strcmp(key, "lanes") == 0) return lua_pushinteger(L, e->lanes), 1;
     if (lua_getiuservalue(L, 1, DML_ENSEMBLE_FIELDS) != LUA_TTABLE) {
         lua_newtable(L);
@@ -154,11 +164,22 @@ static const dml_row methods[] = {
      "The rows of member i, of an ensemble that was asked to keep some (every=, watch=): "
      "what solver:run would have "
      "given, of a failed member up to its last good state."},
+    {"summary", dml_ensemble_summary,
+     "ensemble:summary(name) -> {first, last, least, largest, mean, slope, error, early, "
+     "late, megno}\n"
+     "What the rows of every member say of a watched column y, as tables with an entry "
+     "for each: slope per unit of time "
+     "with its standard error as path:drift finds them; early, late: largest |y - first| "
+     "in the first and the last quarter of "
+     "the rows; megno: the mean of 2 (y - its mean so far), which is MEGNO where y is "
+     "the logarithm of the length of a "
+     "tangent vector. NaN without rows."},
     {NULL, NULL, NULL}};
 static const dml_row solver_row[] = {
     {"ensemble", dml_solver_ensemble,
-     "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, vary=, threads=, every=, "
-     "watch=, project=} -> dm.ensemble\n"
+     "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, "
+     "every=, "
+     "rows=, watch=, project=} -> dm.ensemble\n"
      "Run `members` starts side by side for `steps` steps or the duration t. q, and v or "
      "p: functions of the member's "
      "number (from 1) that return dim Q numbers, or a matrix or table with a row per "
@@ -166,14 +187,18 @@ static const dml_row solver_row[] = {
      "member "
      "has for itself, as functions or tables too; members that follow each other with "
      "the "
-     "same ones share kernels. Explicit rules step 4 or 8 members side by side in vector "
+     "same ones share kernels. h: a step of its own for every member, as a function or a "
+     "table (with t each takes as "
+     "many as cover it); neighbours with the same one go side by side. Explicit rules "
+     "step 4 or 8 members side by side in vector "
      "registers (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most so many). "
      "threads: default "
      "one per core (always one for hyper-dual functions). Each member ends with the same "
      "bits as a run of its own, "
      "whatever the number of threads; one that fails does so alone (status[i], "
      "failures()). The ends are kept, "
-     "32 dim Q bytes a member; every = k keeps a row every k steps, watch = { ... } rows "
+     "32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n "
+     "rows of each, watch = { ... } rows "
      "of chosen numbers, as in "
      "solver:run: ensemble:path(i). Raises dm.failure with the ensemble as its path on "
      "Ctrl-C."},
@@ -196,7 +221,8 @@ void dml_open_ensemble(lua_State *L) {
                  "dm.ensemble: the ends of many runs, made by solver:ensemble{members=}\n"
                  "fields: q, p (matrices, a row per member; of a failed one its last "
                  "good state), status[i] (\"ok\" or a "
-                 "code of dm.failure), steps[i] (finished), t, h, lanes (members that "
+                 "code of dm.failure), steps[i] (finished), t, h (vectors where members "
+                 "have steps of their own), lanes (members that "
                  "went side by side, 1: one "
                  "by one); #ensemble members",
                  meta, methods, ensemble_field);

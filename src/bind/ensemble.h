@@ -10,6 +10,7 @@ typedef struct {
     uint32_t n;
     uint32_t lanes; /* members that went side by side */
     double t, h;
+    const dm_pace *pace;   /* members with steps of their own, or NULL */
     double *state;         /* members x dm_state_size(n) */
     dm_member *member;     /* members */
     dm_ensemble_rows rows; /* room 0: none are kept */
@@ -17,14 +18,15 @@ typedef struct {
 } dml_ensemble;
 
 /* user values of dm.ensemble: fields made so far, the solver, the values that vary and their names (or nil), the names of
-** columns that were watched (or nil) */
+** columns that were watched (or nil), the paces of members (or nil) */
 enum {
     DML_ENSEMBLE_FIELDS = 1,
     DML_ENSEMBLE_SOLVER,
     DML_ENSEMBLE_VARIED,
     DML_ENSEMBLE_NAMES,
     DML_ENSEMBLE_COLUMNS,
-    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_COLUMNS
+    DML_ENSEMBLE_PACE,
+    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_PACE
 };
 
 extern const char *const DML_ENSEMBLE; /* "dm.ensemble" */
@@ -56,6 +58,19 @@ long dml_vary_alike(const double *values, uint32_t count, long first, long membe
 
 /* Replace the solver at 1 by one of the same rule for a system with these values; names at `names`. */
 dml_solver *dml_vary_solver(lua_State *L, const double *values, int names);
+
+/*
+** h = source of the options at 2: a step of its own for every member; with t = duration as many as cover it, else
+** `steps`. Pushes a userdata and returns it, the largest number of steps in *most; NULL and nil pushed without that field.
+*/
+const dm_pace *dml_read_pace(lua_State *L, const dml_solver *solver, long members,
+                             long *most);
+
+/* every = k, or rows = n: about n rows of `steps` steps; 1 without either */
+long dml_read_every(lua_State *L, long steps);
+
+/* ensemble:summary(name) */
+int dml_ensemble_summary(lua_State *L);
 
 /* solver:ensemble{} */
 int dml_solver_ensemble(lua_State *L);

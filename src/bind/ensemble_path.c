@@ -31,9 +31,10 @@ static dml_solver *push_solver(lua_State *L, long i) {
 }
 
 /* what a path says of itself; the solver is at index `at` */
-static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e) {
+static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e,
+                     long i) {
     lua_getiuservalue(L, at, DML_SOLVER_RULE);
-    path->h = e->h, path->t0 = e->t0;
+    path->h = e->pace ? e->pace[i].h : e->h, path->t0 = e->t0;
     path->rule = lua_tostring(L, -1);
     lua_setiuservalue(L, -2, DML_PATH_RULE);
     lua_getiuservalue(L, at, DML_SOLVER_SYSTEM);
@@ -58,7 +59,7 @@ int dml_ensemble_path(lua_State *L) {
     const long rows = e->rows.count[i];
     const uint32_t width = e->rows.width;
     dml_path *path = dml_pushpath(L, 4, e->n, rows, width);
-    describe(L, 3, path, e);
+    describe(L, 3, path, e, (long)i);
     memcpy(path->data, dm_ensemble_rows_of(&e->rows, (long)i),
            (size_t)rows * width * sizeof(double));
     path->rows = rows;

@@ -255,6 +255,7 @@ static dm_status run_part(lua_State *L, const part *p, dml_solver *solver, int t
     const dm_ensemble plan = {.members = p->count,
                               .steps = p->steps,
                               .t0 = e->t,
+                              .pace = e->pace ? e->pace + p->first : NULL,
                               .state = e->state + (size_t)p->first * dm_state_size(e->n),
                               .member = e->member + p->first,
                               .rows = rows.room ? &rows : NULL,
@@ -297,7 +298,7 @@ static dm_status run_parts(lua_State *L, part *p, const double *values, uint32_t
 
 /* one state in `every`, or what is watched; room 0: only the ends. Pushes the names of watched columns, or nil. */
 static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
-    dm_ensemble_rows rows = {.every = dml_count(L, 2, "every", 1, 1)};
+    dm_ensemble_rows rows = {.every = dml_read_every(L, steps)};
     dml_stepping r = {.solver = lua_touserdata(L, 1)};
     dml_observables *o;
     const int top = lua_gettop(L);
@@ -305,6 +306,7 @@ static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
     lua_pushnil(L);
     if (has(L, "every") || has(L, "watch"))
         rows.room = dm_run_rows(&(dm_run_plan){.steps = steps, .every = rows.every});
+    if (has(L, "rows")) rows.room = dml_count(L, 2, "rows", 1, 1) + 2;
     if (!has(L, "watch")) return rows;
     o = lua_newuserdatauv(L, sizeof *o, 0);
     dml_stepping_prepare(L, &r, t0);
@@ -327,7 +329,7 @@ static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
 int dml_solver_ensemble(lua_State *L) {
     static const char *const known[] = {"members", "q",     "v",       "p",    "steps",
                                         "t",       "t0",    "threads", "vary", "project",
-                                        "every",   "watch", NULL};
+                                        "every",   "watch", "rows",    "h",    NULL};
     const dml_solver *solver = luaL_checkudata(L, 1, DML_SOLVER);
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
@@ -337,7 +339,9 @@ int dml_solver_ensemble(lua_State *L) {
                       "solver of the system for an ensemble");
     lua_settop(L, 2);
     const long members = read_members(L);
-    part p = {.steps = read_steps(L, solver->h)};
+    part p = {0};
+    const dm_pace *pace = dml_read_pace(L, solver, members, &p.steps);
+    if (!pace) p.steps = read_steps(L, solver->h);
     const double t0 = dml_number(L, 2, "t0", 0.0);
     read_threads(L);
     p.velocity = check_sources(L, solver, members);
@@ -350,6 +354,9 @@ int dml_solver_ensemble(lua_State *L) {
     lua_setiuservalue(L, at, DML_ENSEMBLE_SOLVER);
     p.e->t0 = t0;
     p.e->h = solver->h;
+    p.e->pace = pace;
+    lua_pushvalue(L, 3);
+    lua_setiuservalue(L, at, DML_ENSEMBLE_PACE);
     p.e->t = t0;
     uint32_t count = 0;
     const double *values = dml_read_vary(L, members, &count);

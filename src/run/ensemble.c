@@ -24,8 +24,7 @@ typedef struct {
 } worker;
 
 /* one member as a run of its own; only the end is kept, in its place */
-static void run_member(const worker *w, long i) {
-    const dm_ensemble *e = w->common->e;
+static void run_member(const worker *w, const dm_ensemble *e, long i) {
     double *state = e->state + (size_t)i * dm_state_size(w->stepper->model->n);
     const dm_run_plan plan = {.t0 = e->t0,
                               .steps = e->steps,
@@ -42,11 +41,31 @@ static void run_member(const worker *w, long i) {
     if (e->rows) e->rows->count[i] = rows;
 }
 
-static void run_members(const worker *w, long from, long to) {
-    if (w->block)
-        dm_block_run(w->common->e, w->block, from, to - from);
+/* members of one pace; a single one costs less alone than in lanes */
+static void run_alike(const worker *w, const dm_ensemble *e, long from, long to) {
+    if (w->block && (to - from > 1 || !e->pace))
+        dm_block_run(e, w->block, from, to - from);
     else
-        for (long i = from; i < to; i++) run_member(w, i);
+        for (long i = from; i < to; i++) run_member(w, e, i);
+}
+
+static int is_same_pace(const dm_pace *a, const dm_pace *b) {
+    return a->h == b->h && a->steps == b->steps && a->every == b->every;
+}
+
+static void run_members(const worker *w, long from, long to) {
+    dm_ensemble e = *w->common->e;
+    dm_ensemble_rows rows;
+    if (!e.pace) run_alike(w, &e, from, to);
+    if (e.rows) rows = *e.rows, e.rows = &rows;
+    for (long i = from; e.pace && i < to; i = from) {
+        const dm_pace *pace = e.pace + i;
+        while (from < to && is_same_pace(e.pace + from, pace)) from++;
+        w->stepper->h = pace->h;
+        e.steps = pace->steps;
+        rows.every = pace->every;
+        run_alike(w, &e, i, from);
+    }
 }
 
 /* whole groups, no more than leave every thread something to do */
@@ -59,7 +78,8 @@ static long choose_share(const dm_ensemble *e, const dm_block *b, int threads) {
 static void *work(void *arg) {
     const worker *w = arg;
     const dm_ensemble *e = w->common->e;
-    const long size = w->block ? w->common->share : BLOCK;
+    const long share = w->block ? w->common->share : BLOCK;
+    const long size = e->pace && share > BLOCK ? BLOCK : share;
     for (;;) {
         const long from = atomic_fetch_add(&w->common->next, size);
         if (from >= e->members || (e->stop && *e->stop)) return NULL;

@@ -15,9 +15,17 @@ typedef struct {
     long steps;       /* finished */
 } dm_member;
 
+/* A step of its own for a member, how many of them, and how often a row is kept. */
+typedef struct {
+    double h;
+    long steps, every;
+} dm_pace;
+
 typedef struct {
     long members, steps;
     double t0;
+    const dm_pace *
+        pace; /* [members]; NULL: the step of the steppers, `steps`, the rows' `every` for all */
     double *
         state; /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
     dm_member *member;            /* [members] */
