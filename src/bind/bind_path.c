@@ -160,6 +160,8 @@ static int path_field(lua_State *L) {
         push_title(L, p);
     else if (strcmp(key, "system") == 0)
         lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    else if (strcmp(key, "solver") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_SOLVER);
     else if (strcmp(key, "events") == 0)
         lua_getiuservalue(L, 1, DML_PATH_EVENTS);
     else if (strcmp(key, "watched") == 0)
@@ -181,7 +183,7 @@ void dml_open_path(lua_State *L) {
     dml_newclass(L, DML_PATH,
                  "dm.path: what a run recorded, one row per kept step\n"
                  "fields: t[i] (number), q[i], p[i] (vectors), columns (names), steps, "
-                 "h, rule, system, title, units, "
+                 "h, rule, system, solver, title, units, "
                  "ns_per_step, events (of a run that looked for some), file (of a run "
                  "that wrote its rows); #path rows",
                  meta, dml_path_quantities, path_field);

@@ -58,6 +58,9 @@ void dml_path_open_columns(lua_State *L);
 int dml_path_names(lua_State *L);
 uint32_t dml_path_find(lua_State *L, const char *name);
 
+/* dm.path{system =, h =, columns =}, as a C function (path_new.c). */
+int dml_path_new(lua_State *L);
+
 /* path:energy(), as a C function of the path. */
 int dml_path_energy(lua_State *L);
 extern const dml_row dml_path_quantities[]; /* the methods that compute along the path */

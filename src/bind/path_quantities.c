@@ -230,6 +230,13 @@ static int drift_of(lua_State *L) {
 }
 
 const dml_row dml_path_functions[] = {
+    {"path", dml_path_new,
+     "dm.path{system=, h=, rule=, steps=, columns = {t, q1, ..., p1, ...}} -> dm.path\n"
+     "A path from numbers that were computed elsewhere: 1 + 2 dim Q columns of one "
+     "number "
+     "a row, growing times first; h: the "
+     "step, rule: what made it (a text), steps: how many (default: rows - 1). It has "
+     "energy, drift, plots and files like that of a run."},
     {"drift", drift_of,
      "dm.drift(t, y) -> {per_time, error, mean, largest}\n"
      "What path:drift finds, for numbers y at growing times t (vectors of at least 3 "
