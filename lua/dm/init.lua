@@ -16,7 +16,9 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order" }
+local extensions = { "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
+  "dm.routh_methods",
+}
 
 local dm = {}
 for name, value in pairs(core) do dm[name] = value end

@@ -1,0 +1,215 @@
+--- Routh reduction: a system without its group variables. A shape is an ordinary dm.system whose L is the classical Routhian
+-- R(x, x', t) = L - mu . theta' at the momentum mu, so that every rule, event, chart and ensemble steps it. A symplectic
+-- partitioned Runge-Kutta rule on R is the reduction of that rule on L (Jalnapurkar, Leok, Marsden & West 2006; Leok ch. 2).
+local blame = require "dm.blame"
+local check = require "dm.routh_check"
+local core = require "dm.core"
+local model = require "dm.routh_model"
+
+local M = {}
+
+local abs = math.abs
+
+-- shape -> what it was made from
+local known = setmetatable({}, { __mode = "k" })
+
+--- What a reduced system was made from, or nothing.
+function M.info(system) return known[system] end
+
+--- The same, or an error that names what asked.
+function M.need(system, what)
+  local info = known[system]
+  if not info then error(what .. " is for a reduced system, made by system:routh { cyclic = ..., mu = ... }", 0) end
+  return info
+end
+
+local KNOWN = { "cyclic", "action", "section", "dimension", "names", "at", "mu", "connection", "q", "v" }
+
+local function check_keys(options)
+  if type(options) ~= "table" then error("system:routh takes a table { cyclic = ..., mu = ... }", 0) end
+  for key in pairs(options) do
+    local fine = false
+    for _, name in ipairs(KNOWN) do fine = fine or name == key end
+    if not fine then
+      error(("system:routh: unknown option '%s'; options are %s"):format(tostring(key), table.concat(KNOWN, ", ")), 0)
+    end
+  end
+end
+
+local function names_of(system)
+  local names, n = system.coordinates, system.Q.dimension
+  if names then return names end
+  names = {}
+  for i = 1, n do names[i] = "q" .. i end
+  return names
+end
+
+-- the number of the coordinate called `key`, or numbered so
+local function coordinate(names, key)
+  if math.type(key) == "integer" and names[key] then return key end
+  for i, name in ipairs(names) do
+    if name == key then return i end
+  end
+  error(("option 'cyclic': there is no coordinate '%s'; coordinates are %s"):format(tostring(key), table.concat(names, ", ")), 0)
+end
+
+-- the coordinates to eliminate: given, or all that L does not depend on
+local function read_cyclic(system, cyclic, names)
+  if cyclic == nil then
+    cyclic = system:structure().cyclic
+    if #cyclic == 0 then
+      error("L depends on every coordinate, so none is cyclic: name an action, system:routh { action = f(theta, q), section = ... }", 0)
+    end
+  end
+  if type(cyclic) ~= "table" or #cyclic == 0 then error("option 'cyclic' must be a list of coordinates, numbers or names", 0) end
+  local out, seen = {}, {}
+  for a, key in ipairs(cyclic) do
+    local i = coordinate(names, key)
+    if seen[i] then error(("option 'cyclic': '%s' stands there twice"):format(names[i]), 0) end
+    seen[i], out[a] = true, i
+  end
+  if #out == #names then error("no coordinate would be left: keep at least one of " .. table.concat(names, ", "), 0) end
+  return out, seen
+end
+
+-- the momentum: a number, a list, or that of the start
+local function read_mu(info, options)
+  local mu, m = options.mu, info.m
+  if mu == nil then
+    if not options.q or not options.v then error("option 'mu' must be given, or the start q, v that has it", 0) end
+    local p = info.full:momentum(options.q, options.v)
+    mu = {}
+    for a, i in ipairs(info.cyclic) do mu[a] = p[i] end
+    return mu
+  end
+  if type(mu) == "number" then mu = { mu } end
+  local fine, count = pcall(function() return #mu end)
+  if type(mu) == "string" or not fine then
+    error(("option 'mu' must be a number, or a list of %d (got %s)"):format(m, type(mu)), 0)
+  end
+  if count ~= m then error(("option 'mu' must have %d entr%s, one for each dimension of the group (got %d)")
+    :format(m, m == 1 and "y" or "ies", count), 0) end
+  local out = {}
+  for a = 1, m do
+    if type(mu[a]) ~= "number" or mu[a] ~= mu[a] or abs(mu[a]) == math.huge then
+      error(("option 'mu'[%d] must be a finite number (got %s)"):format(a, tostring(mu[a])), 0)
+    end
+    out[a] = mu[a]
+  end
+  return out
+end
+
+-- L(q, v, t), g(q, t), F(q, v, t) with the params of the system bound
+local function bound(f, params)
+  if not f or params == nil then return f end
+  return function(a, b, t)
+    if t == nil then return f(a, b, params) end
+    return f(a, b, t, params)
+  end
+end
+
+-- what reduction cannot do
+local function refuse(system)
+  local given = system.given
+  if given.derivatives == "hyperdual" then
+    error("system:routh needs the graph of L, and this system runs on hyper-dual numbers", 0)
+  end
+  if given.rolling then
+    error("system:routh: a rolling constraint has reactions that need not spare the momentum of the group; only holonomic "
+      .. "constraints and forces are reduced", 0)
+  end
+  if given.control then error("system:routh: a control held over a step is not reduced; put it into 'force'", 0) end
+end
+
+-- the constraint and the force of the reduced system, checked
+local function tie(info, out)
+  local given = info.full.given
+  local g, F = bound(given.constraint, given.params), bound(given.force, given.params)
+  if g then
+    check.constraint(info, g)
+    out.constraint = function(x, t) return g(model.embed(info, x), t) end
+  end
+  if F then
+    check.force(info, F)
+    out.force = function(x, u, t)
+      local theta = model.group_velocity(info, x, u, t)
+      return (model.split(info, F(model.embed(info, x), model.embed(info, u, theta), t)))
+    end
+  end
+end
+
+-- names, units and space of what is left
+local function describe(info, out)
+  local full = info.full
+  out.Q = (full.Q.name == "T" and core.T or core.R)(info.d)
+  if full.coordinates or info.ambient then
+    out.coordinates = {}
+    for i, at in ipairs(info.shape) do out.coordinates[i] = info.names[at] end
+  end
+  out.units = full.units
+  local gone = {}
+  for a, i in ipairs(info.cyclic) do gone[a] = ("%s = %.6g"):format("momentum of " .. info.names[i], info.mu[a]) end
+  out.name = (full.name and full.name .. ", " or "") .. "reduced, " .. table.concat(gone, ", ")
+end
+
+local function make(info)
+  local out = { L = function(x, u, t) return model.routhian(info, x, u, t) end }
+  describe(info, out)
+  tie(info, out)
+  local shape = core.system(out)
+  known[shape] = info
+  return shape
+end
+
+-- which coordinates are of the group and which are left, and L
+local function read(system, options)
+  local names = names_of(system)
+  local cyclic, is_cyclic = read_cyclic(system, options.cyclic, names)
+  local n, shape = system.Q.dimension, {}
+  for i = 1, n do
+    if not is_cyclic[i] then shape[#shape + 1] = i end
+  end
+  local given = system.given
+  return { full = system, names = names, n = n, m = #cyclic, d = #shape, cyclic = cyclic, shape = shape,
+    L = bound(given.L, given.params), given_connection = options.connection, shown = {} }
+end
+
+-- invariance, a regular locked inertia that does not depend on theta', at points in the domain
+local function examine(info, start)
+  local n, L = info.n, info.L
+  local slope = core.derivative(function(q, v, t) return L(q, v, t) end, n, n, "number")
+  info.points = check.points(n, slope, start)
+  info.sample = info.points[1]
+  if not info.sample then
+    error("no point was found at which L is finite: give one that is in its domain, system:routh { ..., q = ..., v = ... }", 0)
+  end
+  check.lagrangian(info, slope)
+  local sample = info.sample
+  local x, u = model.split(info, sample.q), model.split(info, sample.v)
+  local _, I = model.momentum_parts(info, x, u, sample.t)
+  info.order = check.inertia(info, I)
+end
+
+M.routh = blame.caller(function(system, options)
+  check_keys(options)
+  refuse(system)
+  local ambient
+  if options.action then system, options, ambient = require "dm.routh_section".split(system, options) end
+  local info = read(system, options)
+  info.ambient = ambient
+  info.mu = read_mu(info, options)
+  examine(info, options.q and options.v and { q = options.q, v = options.v })
+  require "dm.routh_quadratic".check(info)
+  return make(info)
+end)
+
+M.at_momentum = blame.caller(function(shape, mu)
+  local info = M.need(shape, "at_momentum")
+  local other = {}
+  for key, value in pairs(info) do other[key] = value end
+  other.shown = {}
+  other.mu = read_mu(other, { mu = mu == nil and "nothing" or mu })
+  return make(other)
+end)
+
+return M

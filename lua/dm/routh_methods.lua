@@ -1,0 +1,102 @@
+--- Methods of reduction, by name and doc; their modules are loaded when one is first called.
+local core = require "dm.core"
+
+local function late(module, name)
+  return function(...) return require(module)[name](...) end
+end
+
+local function add(class, name, module, doc) core.method(class, name, late(module, name), doc) end
+
+add("dm.system", "routh", "dm.routh", [[
+system:routh{cyclic=, mu=, q=, v=, connection=} -> dm.system
+system:routh{action=, section=, dimension=, names=, at=, mu=, ...} -> dm.system
+The system without its group variables: an ordinary dm.system in the dim Q - m coordinates that are left, whose Lagrangian is the
+classical Routhian L - mu . theta' at the momentum mu. cyclic: the coordinates that L does not depend on, by name or number (default: all
+of them); mu: their momentum, a number or a list (default: that of the start q, v). action(theta, q) moves points of Q (theta: a number,
+or a vector of `dimension` angles), or is a dm.action; section(x) gives a point of Q for every shape x (default: the points near `at` where as many
+coordinates as the group has dimensions are held); names: of theta and x. connection(x): m rows of dim Q - m
+numbers, in place of the mechanical connection. Invariance is checked, and the first point that violates it is named; constraints and forces that the group
+keeps are reduced too. The reduced system also has connection, curvature, locked_inertia, amended_potential, lift, start,
+and its paths have reconstruct. Raises when L is no invariant, a force pushes along the group, or the locked inertia is singular.]])
+
+add("dm.system", "at_momentum", "dm.routh", [[
+shape:at_momentum(mu) -> dm.system
+The same reduction at another momentum, a number or a list of dim G numbers; nothing is checked again.]])
+
+add("dm.system", "connection", "dm.routh_shape", [[
+shape:connection(x [, t]) -> dm.matrix, dim G x dim shape
+The connection A(x): theta' + A x' vanishes on horizontal velocities. The mechanical one, I^-1 dp_theta/dx', unless
+system:routh was given another.]])
+
+add("dm.system", "curvature", "dm.routh_shape", [[
+shape:curvature(x [, t] [, a]) -> dm.matrix, dim shape x dim shape
+The magnetic form at momentum mu, beta_ij = d_i B_j - d_j B_i of B = mu A (the exact derivative of the connection); with a, a
+number from 1 to dim G, the curvature of component a alone, without mu.]])
+
+add("dm.system", "locked_inertia", "dm.routh_shape", [[
+shape:locked_inertia(x [, t]) -> dm.matrix, dim G x dim G
+d2L/dtheta'2 at the shape x: the inertia of the system moved by the group as a rigid body.]])
+
+add("dm.system", "amended_potential", "dm.routh_shape", [[
+shape:amended_potential(x [, t]) -> number
+V_mu = V + (mu - c).I^-1 (mu - c)/2, minus the Routhian at rest (c: the momentum of the group at rest, 0 unless L has terms
+linear in the velocities). Its stationary points are relative equilibria.]])
+
+add("dm.system", "routhian", "dm.routh_shape", [[
+shape:routhian(x, v [, t] [, kind]) -> number
+kind = "classical" (default): R = L - mu . theta' at the momentum mu, the Lagrangian of this system; kind = "magnetic": R - mu A . x', which
+goes with the magnetic form of shape:curvature (Leok 2.2).]])
+
+add("dm.system", "magnetic_momentum", "dm.routh_shape", [[
+shape:magnetic_momentum(x, p [, t]) -> dm.vector
+s = p - mu A(x): from the canonical momentum p = dR/dx' of a path of this system to the one that belongs to the magnetic form.]])
+
+add("dm.system", "lift", "dm.routh_shape", [[
+shape:lift(x, v [, theta] [, t]) -> q, v
+The state of the unreduced system over the state (x, v) of the shape at the momentum mu: the velocity of the group is I^-1 (mu -
+dp/dx' x'). theta: where in the group, a number or list (default 0).]])
+
+add("dm.system", "start", "dm.routh_shape", [[
+shape:start(q, v [, t]) -> x, v, theta
+The state of the shape under a state of the unreduced system, and where that is in the group. Raises when its momentum is not mu.]])
+
+add("dm.system", "reduction", "dm.routh_shape", [[
+shape:reduction() -> {full, mu, cyclic, shape, group}
+Where a reduced system comes from: the unreduced system, the momentum (a vector), the numbers of the coordinates that were eliminated
+and kept, and the names of the former. Nothing for a system that is not reduced.]])
+
+add("dm.path", "reconstruct", "dm.routh_path", [[
+path:reconstruct{theta=} -> dm.path
+From a path of a reduced system to the one of the unreduced system over it: the group variable is the integral of I^-1(mu - ...) by the
+rule's own quadrature, theta + h sum_j b_j theta'_j over the stages of every step, at every row that was kept. theta: the group variable at the
+first row, a number or list (default 0).]])
+
+add("dm.path", "phases", "dm.routh_path", [[
+path:phases() -> {total, dynamic, geometric}
+How far the group variable has come along a path of a reduced system, each a dm.matrix, #path x dim G: dynamic, h sum_j b_j I^-1 (mu - c)
+over the stages, what the momentum alone would turn, and geometric, -h sum_j b_j A x', the holonomy of the mechanical connection along the
+shapes (Marsden, Montgomery & Ratiu 1990).]])
+
+add("dm.system", "holonomy", "dm.routh_path", [[
+shape:holonomy(loop [, {t=, steps=}]) -> dm.vector of dim G entries
+-closed integral A . dx of the connection along a loop of shapes: loop(s) for 0 <= s <= 1 with loop(0) = loop(1), a function of one number that
+can be traced; by the trapezoidal rule with `steps` points (default 256), which for a smooth loop errs less than any power of
+1/steps.]])
+
+-- rsprk(rule) is one more name of a rule, of reduced systems
+local plain
+for f, doc in pairs(core.docs) do
+  if type(f) == "function" and doc:find("system:solver{", 1, true) == 1 then plain = f end
+end
+
+local function solver(system, options)
+  local rule = type(options) == "table" and options.rule
+  if type(rule) == "string" and rule:find "^%s*rsprk" then return require "dm.routh_solver".solver(plain, system, options) end
+  return plain(system, options)
+end
+
+core.method("dm.system", "solver", solver, core.docs[plain] .. [[
+
+Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps as `rule`, whose p is s + mu A.]])
+
+return {}

@@ -1,0 +1,222 @@
+--- From a symmetry in the coordinates of Q to cyclic ones: q = action(theta, section(x)) makes L a function of (theta, x) that does
+-- not depend on theta, if the action is abelian and leaves L as it is.
+local core = require "dm.core"
+local check = require "dm.routh_check"
+local linear = require "dm.routh_linear"
+
+local M = {}
+
+local abs, max = math.abs, math.max
+
+-- the map of an action given as a function, or as a dm.action, and the dimension of its group
+local function read_action(options)
+  local action = options.action
+  if type(action) == "function" then return action, options.dimension or 1 end
+  local fine, map = pcall(function() return action.map end)
+  if not fine or not map then
+    error("option 'action' must be a function of (theta, q) that gives the point to which theta moves q, or a dm.action", 0)
+  end
+  local group = action.group
+  return function(theta, q) return map(theta, q) end, options.dimension or group and group.dimension or 1
+end
+
+local function check_dimension(m, n)
+  if math.type(m) ~= "integer" or m < 1 or m >= n then
+    error(("option 'dimension' must be a whole number from 1 to %d, the dimension of Q less one"):format(n - 1), 0)
+  end
+end
+
+-- g . q with theta a number where the group has one dimension
+local function mover(map, m)
+  return function(theta, q)
+    local moved = map(m == 1 and theta[1] or core.vector(theta), core.vector(q))
+    return core.vector(moved)
+  end
+end
+
+local function zeros(n)
+  local out = {}
+  for i = 1, n do out[i] = 0 end
+  return out
+end
+
+-- columns of d(g . q)/dtheta at theta = 0
+local function generators(move, m, q)
+  local J = core.trace(function(theta) return move(theta, q) end, m):jacobian(zeros(m))
+  local columns = {}
+  for a = 1, m do
+    columns[a] = {}
+    for i = 1, #q do columns[a][i] = J[i][a] end
+  end
+  return columns
+end
+
+-- m coordinates that the group moves most at q, found by elimination
+local function moved_most(columns, n)
+  local held = {}
+  for a = 1, #columns do
+    local best = 0
+    for i = 1, n do
+      if not held[i] and (best == 0 or abs(columns[a][i]) > abs(columns[a][best])) then best = i end
+    end
+    if best == 0 or not (abs(columns[a][best]) > 1e-12) then return nil end
+    held[best] = true
+    for b = a + 1, #columns do
+      local factor = columns[b][best] / columns[a][best]
+      for i = 1, n do columns[b][i] = columns[b][i] - factor * columns[a][i] end
+    end
+  end
+  return held
+end
+
+-- the points where the coordinates that move most at `at` stay as they are there
+local function slice(move, m, n, at)
+  if not at then
+    error("option 'section' must be given, a function that gives a point of Q for every shape x; or 'at', a point near which one is made", 0)
+  end
+  local held = moved_most(generators(move, m, at), n)
+  if not held then error("the group does not move the point 'at' in as many directions as it has dimensions: take another one", 0) end
+  return function(x)
+    local q, j = {}, 0
+    for i = 1, n do
+      if held[i] then q[i] = at[i] else j = j + 1; q[i] = x[j] end
+    end
+    return core.vector(q)
+  end, held
+end
+
+-- is it an action, and abelian: (a b) q = a (b q) = b (a q)?
+local function check_action(move, m, points)
+  local function different(p, a, b, what)
+    for i = 1, #a do
+      if abs(a[i] - b[i]) > 1e-9 * max(1, abs(a[i])) then
+        error(("the action is not one of an abelian group: %s at %s"):format(what, check.at(p)), 0)
+      end
+    end
+  end
+  local a, b, both = {}, {}, {}
+  for k = 1, m do a[k], b[k] = 0.3 + 0.1 * k, -0.7 + 0.2 * k; both[k] = a[k] + b[k] end
+  for _, p in ipairs(points) do
+    local fine, once, twice, other = pcall(function() return move(both, p.q), move(a, move(b, p.q)), move(b, move(a, p.q)) end)
+    if fine then
+      different(p, once, twice, "moving by theta1 and then by theta2 is not moving by their sum")
+      different(p, once, other, "the order of two moves makes a difference")
+    end
+  end
+end
+
+local MOST = 50
+
+-- y = (theta, x) with Phi(y) = q by Newton's method
+local function invert(Phi, q, start)
+  local n = #q
+  local y = core.vector(start)
+  for _ = 1, MOST do
+    local r, J, size = Phi(y) - q, Phi:jacobian(y), 0
+    local order = linear.order(J)
+    if not order then return nil end
+    local rest = {}
+    for i = 1, n do rest[i] = r[i] end
+    local step = linear.solve(J, { rest }, order)[1]
+    for i = 1, n do y[i] = y[i] - step[i]; size = max(size, abs(step[i])) end
+    if not (size < 1e8) then return nil end
+    if size < 1e-14 * max(1, y:norm()) then return y end
+  end
+  return (Phi(y) - q):norm() < 1e-12 and y or nil
+end
+
+-- starts of that: theta anywhere, the shape near q itself or near one
+local function find(Phi, m, n, q)
+  for try = 0, 31 do
+    local start, j = {}, 0
+    for a = 1, m do start[a] = (try % 8) * 0.785 end
+    for i = m + 1, n do
+      j = j + 1
+      start[i] = try < 8 and max(0.1, abs(q[j])) or try < 16 and q[j + m] or try < 24 and q[j] or 0.5 + 0.1 * try % 1
+    end
+    local fine, y = pcall(invert, Phi, q, start)
+    if fine and y then return y end
+  end
+  error("this point is not on an orbit through the section (no theta and shape were found for it)", 0)
+end
+
+-- from states of the system to those of (theta, x) and back
+local function transfer(system, Phi, m, n)
+  local T = {}
+  local function solve(J, b)
+    local order = linear.order(J)
+    if not order then error("the section touches an orbit of the group here: take another section", 0) end
+    return linear.solve(J, { b }, order)[1]
+  end
+  function T.split(q, v)
+    local y = find(Phi, m, n, core.vector(q))
+    return y, core.vector(solve(Phi:jacobian(y), v))
+  end
+  function T.lift(y, w) return Phi(y), Phi:jacobian(y) * core.vector(w) end
+  -- (y, p_y) -> (q, p): J^T p = p_y
+  function T.point(y, p)
+    local J, transposed = Phi:jacobian(y), {}
+    for i = 1, n do
+      transposed[i] = {}
+      for k = 1, n do transposed[i][k] = J[k][i] end
+    end
+    return Phi(y), solve(transposed, p)
+  end
+  T.system = system
+  return T
+end
+
+local function names_of(options, m, n)
+  local names = options.names
+  if names == nil then
+    names = {}
+    for i = 1, n do names[i] = i <= m and (m == 1 and "theta" or "theta" .. i) or "x" .. i - m end
+  end
+  return names
+end
+
+-- L, constraint and force in (theta, x)
+local function pulled_back(system, Phi, slope, n, names)
+  local given = system.given
+  local params = given.params
+  local out = { Q = core.R(n), name = system.name, coordinates = names, units = system.units }
+  out.L = function(y, w, t) return given.L(Phi(y), slope(y) * w, t, params) end
+  if given.constraint then out.constraint = function(y, t) return given.constraint(Phi(y), t, params) end end
+  if given.force then
+    out.force = function(y, w, t)
+      local J, q = slope(y), Phi(y)
+      local F, all = given.force(q, J * w, t, params), {}
+      for k = 1, n do
+        all[k] = 0
+        for i = 1, n do all[k] = all[k] + F[i] * J[i][k] end
+      end
+      return all
+    end
+  end
+  return core.system(out)
+end
+
+--- The system in (theta, x), the options of the reduction by its first m coordinates, and how states go to and fro.
+function M.split(system, options)
+  local n = system.Q.dimension
+  local map, m = read_action(options)
+  check_dimension(m, n)
+  local move = mover(map, m)
+  local section = options.section or slice(move, m, n, options.at or options.q)
+  local function chart(y)
+    local theta, x = {}, {}
+    for i = 1, m do theta[i] = y[i] end
+    for i = m + 1, n do x[i - m] = y[i] end
+    return move(theta, section(core.vector(x)))
+  end
+  local Phi = core.trace(chart, n)
+  local given = system.given
+  check_action(move, m, check.points(n, function(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end))
+  local split = pulled_back(system, Phi, core.derivative(chart, n), n, names_of(options, m, n))
+  local T, other = transfer(system, Phi, m, n), { mu = options.mu, connection = options.connection, cyclic = {} }
+  for a = 1, m do other.cyclic[a] = a end
+  if options.q and options.v then other.q, other.v = T.split(options.q, options.v) end
+  return split, other, T
+end
+
+return M

@@ -1,0 +1,168 @@
+--- What a reduced system shows of the bundle it came from: locked inertia, connection, curvature, amended potential, lift.
+local blame = require "dm.blame"
+local core = require "dm.core"
+local model = require "dm.routh_model"
+local routh = require "dm.routh"
+
+local M = {}
+
+local function zeros(n)
+  local out = {}
+  for i = 1, n do out[i] = 0 end
+  return core.vector(out)
+end
+
+-- x as a vector of dim shape, t (default 0)
+local function place(info, what, x, t)
+  local fine, count = pcall(function() return #x end)
+  if type(x) == "number" and info.d == 1 then x, fine, count = { x }, true, 1 end
+  if type(x) == "string" or not fine or count ~= info.d then
+    error(("%s takes a point of the shape space: %d number%s (got %s)")
+      :format(what, info.d, info.d == 1 and "" or "s", fine and type(x) ~= "string" and count or type(x)), 0)
+  end
+  return core.vector(x), t or 0
+end
+
+-- the function of the shape called `name`, traced once for L as it is
+local function shown(info, name, f, ...)
+  model.derived(info)
+  local kept = info.shown[name]
+  if not kept then
+    kept = core.trace(f, ...)
+    info.shown[name] = kept
+  end
+  return kept
+end
+
+-- rows of A one after the other, as a function of (x, t)
+local function connection_of(info)
+  return shown(info, "connection", function(x, t)
+    local A, out = model.connection(info, x, t), {}
+    for a = 1, info.m do for j = 1, info.d do out[#out + 1] = A[a][j] end end
+    return core.vector(out)
+  end, info.d, "number")
+end
+
+M.connection = blame.caller(function(shape, x, t)
+  local info = routh.need(shape, "connection")
+  x, t = place(info, "connection", x, t)
+  local flat, rows = connection_of(info)(x, t), {}
+  for a = 1, info.m do
+    rows[a] = {}
+    for j = 1, info.d do rows[a][j] = flat[(a - 1) * info.d + j] end
+  end
+  return core.matrix(rows)
+end)
+
+M.curvature = blame.caller(function(shape, x, t, a)
+  local info = routh.need(shape, "curvature")
+  x, t = place(info, "curvature", x, t)
+  if a ~= nil and (math.type(a) ~= "integer" or a < 1 or a > info.m) then
+    error(("curvature: the component must be a whole number from 1 to %d"):format(info.m), 0)
+  end
+  local J, d, out = connection_of(info):jacobian(x, t), info.d, {}
+  for i = 1, d do
+    out[i] = {}
+    for j = 1, d do
+      local sum = 0
+      for b = 1, info.m do
+        local weight = a and (a == b and 1 or 0) or info.mu[b]
+        sum = sum + weight * (J[(b - 1) * d + j][i] - J[(b - 1) * d + i][j])
+      end
+      out[i][j] = sum
+    end
+  end
+  return core.matrix(out)
+end)
+
+M.locked_inertia = blame.caller(function(shape, x, t)
+  local info = routh.need(shape, "locked_inertia")
+  x, t = place(info, "locked_inertia", x, t)
+  local _, I = model.momentum_parts(info, x, zeros(info.d), t)
+  return core.matrix(I)
+end)
+
+M.amended_potential = blame.caller(function(shape, x, t)
+  local info = routh.need(shape, "amended_potential")
+  x, t = place(info, "amended_potential", x, t)
+  return -shape:lagrangian(x, zeros(info.d), t)
+end)
+
+-- B = mu A
+local function potential_of(info, x, t)
+  local A, B, d = connection_of(info)(x, t), {}, info.d
+  for j = 1, d do
+    B[j] = 0
+    for a = 1, info.m do B[j] = B[j] + info.mu[a] * A[(a - 1) * d + j] end
+  end
+  return core.vector(B)
+end
+M.potential_of = potential_of
+
+M.routhian = blame.caller(function(shape, x, v, t, kind)
+  local info = routh.need(shape, "routhian")
+  x, t = place(info, "routhian", x, t)
+  v = place(info, "routhian", v)
+  local R = shape:lagrangian(x, v, t)
+  if kind == nil or kind == "classical" then return R end
+  if kind ~= "magnetic" then error("routhian: the kind must be \"classical\" or \"magnetic\"", 0) end
+  return R - potential_of(info, x, t):dot(v)
+end)
+
+M.magnetic_momentum = blame.caller(function(shape, x, p, t)
+  local info = routh.need(shape, "magnetic_momentum")
+  x, t = place(info, "magnetic_momentum", x, t)
+  return place(info, "magnetic_momentum", p) - potential_of(info, x, t)
+end)
+
+-- theta' as a function of (x, x', t)
+function M.rate_of(info)
+  return shown(info, "rate", function(x, u, t) return core.vector((model.group_velocity(info, x, u, t))) end, info.d, info.d, "number")
+end
+
+M.lift = blame.caller(function(shape, x, v, theta, t)
+  local info = routh.need(shape, "lift")
+  x, t = place(info, "lift", x, t)
+  v = place(info, "lift", v)
+  theta = M.theta_list(info, theta)
+  local q, u = model.embed(info, x, theta), model.embed(info, v, M.rate_of(info)(x, v, t))
+  if info.ambient then return info.ambient.lift(q, u) end
+  return q, u
+end)
+
+--- theta as a list of m numbers.
+function M.theta_list(info, theta)
+  if theta == nil then return zeros(info.m) end
+  if type(theta) == "number" then theta = { theta } end
+  local fine, count = pcall(function() return #theta end)
+  if not fine or count ~= info.m then
+    error(("theta must be %d number%s"):format(info.m, info.m == 1 and "" or "s"), 0)
+  end
+  return core.vector(theta)
+end
+
+M.start = blame.caller(function(shape, q, v, t)
+  local info = routh.need(shape, "start")
+  if info.ambient then q, v = info.ambient.split(q, v) end
+  local p = info.full:momentum(q, v, t or 0)
+  for a, i in ipairs(info.cyclic) do
+    if not (math.abs(p[i] - info.mu[a]) <= 1e-10 * math.max(1, math.abs(info.mu[a]))) then
+      error(("this start has the momentum %.15g of '%s', but the system was reduced at mu = %.15g: reduce it with q = and v = of the start "
+        .. "in place of mu, or take another velocity"):format(p[i], info.names[i], info.mu[a]), 0)
+    end
+  end
+  local x, theta = model.split(info, q)
+  local u = model.split(info, v)
+  return core.vector(x), core.vector(u), core.vector(theta)
+end)
+
+M.reduction = blame.caller(function(shape)
+  local info = routh.info(shape)
+  if not info then return nil end
+  local names = {}
+  for a, i in ipairs(info.cyclic) do names[a] = info.names[i] end
+  return { full = info.ambient and info.ambient.system or info.full, mu = core.vector(info.mu), group = names,
+    cyclic = { table.unpack(info.cyclic) }, shape = { table.unpack(info.shape) } }
+end)
+
+return M
