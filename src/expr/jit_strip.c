@@ -182,6 +182,15 @@ static dm_status place_loop(const void **at, dm_emitter *e, const dm_code *numbe
     return dm_code_place(at, c.bytes, c.size, arena);
 }
 
+/* a carried value that is handed on as it came could be overwritten first */
+static int hands_on(const dm_strip_draft *d, const dm_graph *g, const dm_node *root) {
+    for (uint32_t k = 0; k < d->outputs; k++)
+        if (d->out[k].base == DM_STRAND_CARRIED && dm_is_op(g, root[k], DM_OP_INPUT) &&
+            d->in[dm_at(g, root[k])->as.input].base == DM_STRAND_CARRIED)
+            return 1;
+    return 0;
+}
+
 /* carried values need registers that nothing else wants, calls neither */
 static int can_carry(const dm_strip_draft *d, const dm_plan *plan, uint32_t lanes) {
     if (!d->carried) return 1;
@@ -199,7 +208,7 @@ dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *are
         !add_writes(&plan, dm_graph_arena(s->g)) || !dm_emit_open(&e, s->g, &plan, lanes))
         return DM_NO_MEMORY;
     count_calls(&plan, lanes);
-    if (!can_carry(d, &plan, lanes)) return DM_NO_NATIVE;
+    if (!can_carry(d, &plan, lanes) || hands_on(d, s->g, s->root)) return DM_NO_NATIVE;
     e.registers -= (int)d->carried;
     place_inputs(&e, s->g, s->in);
     void *pool = dm_pool_make(&e, s->g, arena);

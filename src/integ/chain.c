@@ -20,7 +20,10 @@ struct dm_chain {
     uint32_t q, q0, p0, dq, dp, weight;
     double same_weight; /* 1/m where it is that of all, else 0 */
     dm_strip lead[2], middle[2], turn[2], stop[2]; /* alone; joined with the slopes */
+    dm_strip deep_middle, deep_turn, deep_stop;    /* some passes in one loop */
     int joined;
+    int deep; /* passes of one loop, 0: one by one */
+    int rest; /* middle passes that the last loop of a step begins with */
 };
 
 /* ---- passes as nodes ---- */
@@ -128,6 +131,25 @@ static int join(dm_chain *c) {
     return 1;
 }
 
+/* `count` passes, all but the last of them in the middle of a step */
+static int stack_up(dm_chain *c, dm_strip *out, int count, const dm_strip *last) {
+    const dm_strip *use[DM_LATTICE_DEEP];
+    for (int k = 0; k < count; k++) use[k] = k + 1 < count ? c->middle : last;
+    const dm_lattice_pair at = {c->q0, c->dq};
+    return dm_lattice_stack(&c->lattice, out, use, (uint32_t)count, at) == DM_OK;
+}
+
+/* all stacks of a step, or none */
+static int stack_all(dm_chain *c) {
+    const int middle = c->last - c->first;
+    c->deep = (int)dm_lattice_deep(&c->lattice);
+    if (!c->deep) return 0;
+    c->rest = middle % c->deep;
+    if (middle >= c->deep && !stack_up(c, &c->deep_middle, c->deep, c->middle)) return 0;
+    if (c->first && !stack_up(c, &c->deep_turn, c->rest + 1, c->turn)) return 0;
+    return stack_up(c, &c->deep_stop, c->rest + 1, c->stop);
+}
+
 static dm_status make_passes(dm_chain *c) {
     const dm_splitting *table = &c->table;
     const int kicks = c->first && table->b[0] != 0.0, drifts = c->last < table->stages;
@@ -142,6 +164,7 @@ static dm_status make_passes(dm_chain *c) {
     if (status == DM_OK && c->first) status = make_pass(c, c->turn, turn);
     if (status == DM_OK && c->first && !kicks) status = make_pass(c, c->lead, lead);
     c->joined = status == DM_OK && join(c);
+    if (!c->joined || !stack_all(c)) c->deep = 0;
     return status;
 }
 
@@ -169,7 +192,7 @@ static int find(dm_chain *c, const dm_model *m) {
     static const char maker;
     const int s = c->table.stages;
     const uint32_t which =
-        (uint32_t)((c->table.b[0] != 0.0) + 2 * (c->table.b[s] != 0.0) + 4 * (s > 1));
+        (uint32_t)((c->table.b[0] != 0.0) + 2 * (c->table.b[s] != 0.0) + 4 * s);
     dm_kernel kept;
     if (dm_kept_find(&kept, m, &maker, which)) {
         const dm_splitting table = c->table;
@@ -207,7 +230,10 @@ dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *wo
     if (c->last < c->first || !find(c, m)) return NULL;
     plan_step(c);
     dm_lattice_place(&c->lattice, work + own_size());
-    if (c->same_weight == 0.0) dm_lattice_load(&c->lattice, c->weight, m->inverse_mass);
+    if (c->same_weight == 0.0) {
+        dm_lattice_load(&c->lattice, c->weight, m->inverse_mass);
+        if (c->deep) dm_lattice_copy_ends(&c->lattice, c->weight);
+    }
     return c;
 }
 
@@ -248,6 +274,34 @@ static void begin(dm_chain *c, double h, double t) {
         dm_lattice_move(l, c->lead);
 }
 
+/* numbers of kick k for pass `at` of a loop */
+static void set_numbers(dm_chain *c, int k, int at, double h, double t) {
+    dm_lattice *l = &c->lattice;
+    const uint32_t slot = (uint32_t)at * DM_LATTICE_NUMBERS;
+    dm_lattice_set(l, slot + TIME, t + c->c[k] * h);
+    dm_lattice_set(l, slot + KICK, h * c->table.b[k]);
+    if (k < c->table.stages) dm_lattice_set(l, slot + DRIFT, h * c->table.a[k]);
+}
+
+/* kicks k .. k + count - 1 in one loop */
+static void run_stack(dm_chain *c, const dm_strip *stack, int k, int count, double h,
+                      double t) {
+    for (int i = 0; i < count; i++) set_numbers(c, k + i, i, h, t);
+    dm_lattice_copy_ends(&c->lattice, c->dq);
+    dm_lattice_copy_ends(&c->lattice, c->dp);
+    dm_lattice_run_stack(&c->lattice, stack, (uint32_t)count);
+}
+
+static void step_stacked(dm_chain *c, double h, double t, int stops) {
+    const dm_strip *rest = stops || !c->first ? &c->deep_stop : &c->deep_turn;
+    int k = c->first;
+    dm_lattice_copy_ends(&c->lattice, c->q0);
+    dm_lattice_copy_ends(&c->lattice, c->p0);
+    for (; c->last - k >= c->deep; k += c->deep)
+        run_stack(c, &c->deep_middle, k, c->deep, h, t);
+    run_stack(c, rest, k, c->rest + 1, h, t);
+}
+
 static void step(dm_chain *c, double h, double t, int stops) {
     dm_lattice *l = &c->lattice;
     for (int k = c->first; k <= c->last; k++) {
@@ -263,9 +317,11 @@ long dm_chain_run(dm_chain *c, double *state, double h, double t, long count) {
     if (count <= 0) return 0;
     load(c, state);
     if (c->first) begin(c, h, t);
-    dm_lattice_set(&c->lattice, AGAIN_KICK, h * c->table.b[0]);
-    dm_lattice_set(&c->lattice, AGAIN_DRIFT, h * c->table.a[0]);
-    for (long k = 0; k < count; k++) step(c, h, t + (double)k * h, k == count - 1);
+    const uint32_t slot = c->deep ? (uint32_t)c->rest * DM_LATTICE_NUMBERS : 0;
+    dm_lattice_set(&c->lattice, slot + AGAIN_KICK, h * c->table.b[0]);
+    dm_lattice_set(&c->lattice, slot + AGAIN_DRIFT, h * c->table.a[0]);
+    for (long k = 0; k < count; k++)
+        (c->deep ? step_stacked : step)(c, h, t + (double)k * h, k == count - 1);
     store(c, state);
     return kicks + count * (c->last - c->first + 1);
 }

@@ -115,7 +115,9 @@ static int find_layout(dm_lattice *l) {
     l->tile = larger(TILE, 4 * far);
     if (l->tile > l->depth) l->tile = l->depth;
     l->row = (far + l->tile) * GROUP;
-    l->pitch = (((l->depth + 2 * far) * GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
+    l->room = larger(far, 2 * DM_LATTICE_DEEP);
+    l->pitch =
+        (((l->depth + 2 * l->room) * GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
     return far <= l->depth && l->bodies < INT32_MAX / 4096;
 }
 
@@ -239,6 +241,7 @@ static void fill_data(dm_lattice *l) {
         for (uint32_t i = 0; i < d->sum->bodies; i++)
             to[dm_lattice_at(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
         fill_ends(l, to);
+        if (dm_lattice_is_full(l)) dm_lattice_ends_of(l, to);
     }
 }
 
@@ -248,14 +251,14 @@ size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
     if (!(m->structure & DM_LOOPS) || !m->source.sums || !find_layout(&l)) return 0;
     for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns;
     return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
-           (size_t)(DM_LATTICE_FIXED + 1 + 2 * l.pad) * GROUP;
+           (size_t)(DM_LATTICE_FIXED + 1 + l.pad + l.room) * GROUP;
 }
 
 void dm_lattice_place(dm_lattice *l, double *work) {
     const uintptr_t line = GROUP * sizeof *work;
     l->fixed = work + (line - (uintptr_t)work % line) % line / sizeof *work;
     l->buffer = l->fixed + (size_t)DM_LATTICE_FIXED * GROUP;
-    l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->pad * GROUP;
+    l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->room * GROUP;
     fill_data(l);
 }
 

@@ -29,14 +29,17 @@ typedef struct {
 } dm_rounds;
 
 enum {
-    DM_LATTICE_FIXED = 16
-}; /* numbers that are the same for all bodies; 0 is the time */
+    DM_LATTICE_NUMBERS = 5, /* that are the same for all bodies; 0 is the time */
+    DM_LATTICE_DEEP = 3,    /* passes of one loop at most, each with such numbers */
+    DM_LATTICE_FIXED = DM_LATTICE_NUMBERS * DM_LATTICE_DEEP
+};
 
 typedef struct {
     const dm_model *model;
     uint32_t block, bodies;
     uint32_t depth;      /* bodies of a part */
     uint32_t pad;        /* as many beyond both ends of a part that neighbours may read */
+    uint32_t room;       /* entries of memory there */
     uint32_t pitch;      /* doubles from array to array; coordinate c is array c */
     uint32_t arrays;     /* so far */
     uint32_t tile;       /* of `depth` at a time */
@@ -76,6 +79,11 @@ void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first);
 /* Nodes of the force on one body in a draft: F[block]. */
 void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
 
+/* positions are the sum of two arrays: numbers of the first ones */
+typedef struct {
+    uint32_t high, low;
+} dm_lattice_pair;
+
 /*
 ** `use`, which adds to the arrays `low`, and the slopes that it takes as one loop in which positions high + low and
 ** slopes go from group to group in registers: neighbours one body away, eight lanes. DM_NO_NATIVE elsewhere.
@@ -86,6 +94,26 @@ dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *us
 /* What dm_lattice_run does, by such a loop; coordinates at the ends only are kept. */
 void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip *use,
                            uint32_t high, uint32_t low, double t);
+
+/* How many passes over this chain fit in one loop; 0: they cannot be joined, the bodies do not fill the parts or are not
+** periodic, or functions want the registers. */
+uint32_t dm_lattice_deep(const dm_lattice *l);
+
+/*
+** use[0 .. count-1] one after the other as one loop, pass k a group behind pass k - 1, in which what one leaves to the
+** next stays in registers. Only the last may change arrays that the others read, other than `low` and what they all
+** change. Every part is done with copies of its neighbours' ends, so that nothing waits for what crosses.
+*/
+dm_status dm_lattice_stack(const dm_lattice *l, dm_strip *out, const dm_strip *const *use,
+                           uint32_t count, dm_lattice_pair at);
+
+/* The numbers of pass k are those from slot k DM_LATTICE_NUMBERS on. Ends of arrays (dm_lattice_copy_ends) have to be
+** there. */
+void dm_lattice_run_stack(const dm_lattice *l, const dm_strip *stack, uint32_t count);
+
+/* Behind both ends of the parts what lies at the ends of their neighbours, as far as a stack looks: arrays first ..
+** first + block - 1. */
+void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first);
 
 /* The coordinates themselves are high + low. */
 void dm_lattice_add_up(dm_lattice *l, uint32_t high, uint32_t low);

@@ -19,4 +19,12 @@ void dm_lattice_fill_ends(dm_lattice *l);
 void dm_lattice_fill(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
                      int64_t end);
 
+/* The bodies fill the parts, and there are enough for a stack. */
+static inline int dm_lattice_is_full(const dm_lattice *l) {
+    return l->bodies == l->depth * DM_STRIP_GROUP && l->depth > 4 * l->room;
+}
+
+/* dm_lattice_copy_ends of one array. */
+void dm_lattice_ends_of(const dm_lattice *l, double *x);
+
 #endif
