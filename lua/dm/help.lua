@@ -155,7 +155,8 @@ help(dm)           everything that dm has
 ?classes ?rules    the kinds of values; the rules of solvers
 ?keys ?options     keys and commands of a session; the command line
 apropos "word"     every doc that mentions the word
-who()              the globals of this session]]
+who()              the globals of this session
+demo()             guided demonstrations]]
 end
 
 ---- apropos ----
@@ -283,6 +284,7 @@ function M.open()
   for _, name in ipairs { "help", "apropos", "who" } do
     if rawget(_G, name) == nil then rawset(_G, name, M[name]) end
   end
+  if rawget(_G, "demo") == nil then rawset(_G, "demo", require "dm.demo".demo) end
   for name, value in next, _G do at_start[name] = value end
 end
 

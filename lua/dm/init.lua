@@ -9,6 +9,7 @@ local lazy = {
   time = "dm.time",
   chart = "dm.chart",
   animate = "dm.animate",
+  demo = "dm.demo",
   help = "dm.help",
   apropos = "dm.help",
   who = "dm.help",

@@ -74,12 +74,15 @@ function M.bash()
   for _, row in ipairs(spellings()) do
     words[#words + 1] = row.name:find "^%-%-" and row.argument ~= "" and row.name .. "=" or row.name
   end
-  return ([==[
+  local text = ([==[
 # bash completion of dmlua, made from the rows of dmlua --help
 _dmlua() {
-    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} first=
+    [[ $COMP_CWORD -gt 1 ]] && first=${COMP_WORDS[COMP_CWORD-2]}
     compopt +o nospace 2>/dev/null
-    if [[ $before == --color || $before == = ]]; then
+    if [[ $before == --demo || $first$before == --demo= ]]; then
+        COMPREPLY=($(compgen -W "@DEMOS@" -- "${word#=}"))
+    elif [[ $before == --color || $before == = ]]; then
         COMPREPLY=($(compgen -W "auto always never" -- "${word#=}"))
     elif [[ $before == -e || $before == -l ]]; then
         COMPREPLY=()
@@ -93,6 +96,7 @@ _dmlua() {
 }
 complete -F _dmlua dmlua
 ]==]):format(table.concat(words, " "))
+  return (text:gsub("@DEMOS@", table.concat(require "dm.demos", " ")))
 end
 
 function M.zsh()
@@ -102,6 +106,8 @@ function M.zsh()
     local name, tail = row.name, ""
     if name == "--color" then
       name, tail = "--color=", ":when:(auto always never)"
+    elseif name == "--demo" then
+      name, tail = "--demo=", ":name:(" .. table.concat(require "dm.demos", " ") .. ")"
     elseif row.argument ~= "" then
       name, tail = "*" .. name .. "+", ":" .. row.argument .. ":"
     end

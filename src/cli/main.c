@@ -94,6 +94,16 @@ static int do_script(lua_State *L, char **argv) {
     return dml_report(L, status);
 }
 
+/* the name of a demonstration and number=value ..., or nothing */
+static int do_demo(lua_State *L, char **argv, int n) {
+    const int skip = n > 0 && strncmp(argv[0], DML_DEMO_IS, 7) == 0 ? 7 : 0;
+    int status = dml_push_function(L, "dm.demo", "command");
+    luaL_checkstack(L, n, "too many words after --demo");
+    for (int i = 0; i < n; i++) lua_pushstring(L, i == 0 ? argv[i] + skip : argv[i]);
+    if (status == LUA_OK) status = dml_call(L, n, 0);
+    return dml_report(L, status);
+}
+
 /* ---- the whole ---- */
 
 /* options that only print something; 1 when there was one */
@@ -134,6 +144,8 @@ static int execute(lua_State *L, const dml_command *c, char **argv, int argc) {
     if (environment && do_init(L) != LUA_OK) return 0;
     if (session && environment && !(c->flags & DML_NO_STARTUP)) dml_startup(L);
     if (!do_options(L, argv, c->script)) return 0;
+    if (c->flags & DML_DEMO)
+        return do_demo(L, argv + c->script, argc - c->script) == LUA_OK;
     if (c->script < argc && do_script(L, argv + c->script) != LUA_OK) return 0;
     if (session) {
         if (!(c->flags & (DML_VERSION_LINE | DML_QUIET))) dml_banner();

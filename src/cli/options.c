@@ -55,6 +55,11 @@ static int short_option(dml_command *c, char **argv, int *i) {
     return flags || option[1] == 'W';
 }
 
+/* --demo, whose name is the next word, or --demo=name */
+static int is_demo(const char *option) {
+    return strcmp(option, "--demo") == 0 || strncmp(option, DML_DEMO_IS, 7) == 0;
+}
+
 dml_command dml_command_read(char **argv) {
     dml_command c = {0};
     int i = 1;
@@ -63,6 +68,11 @@ dml_command dml_command_read(char **argv) {
         if (argv[i][0] != '-' || argv[i][1] == '\0') return c;
         if (strcmp(argv[i], "--") == 0) {
             c.script = i + 1;
+            return c;
+        }
+        if (is_demo(argv[i])) {
+            c.flags |= DML_DEMO;
+            c.script = argv[i][6] ? i : i + 1;
             return c;
         }
         const int fine =

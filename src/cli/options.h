@@ -13,8 +13,12 @@ enum {
     DML_NO_STARTUP = 32,
     DML_HELP = 64,
     DML_ONLY_VERSION = 128,
-    DML_BAD_OPTION = 256
+    DML_BAD_OPTION = 256,
+    DML_DEMO = 512 /* what follows are words for the demonstration */
 };
+
+/* before the name of a demonstration, where it is in the same word */
+#define DML_DEMO_IS "--demo="
 
 typedef struct {
     int flags;
