@@ -175,5 +175,6 @@ void dml_open_function(lua_State *L) {
         "dm.derivative\n"
         "called on vectors, tables or numbers; also inside another traced function",
         meta, methods, NULL);
+    dml_addmethods(L, DML_FUNCTION, dml_function_parts);
     dml_setfunctions(L, functions);
 }

@@ -45,4 +45,7 @@ void dml_function_checkcount(lua_State *L, const dml_function *f);
 int dml_function_isspecial(lua_State *L, const dml_function *f);
 int dml_function_replay(lua_State *L, dml_function *f);
 
+/* The methods that take a function apart (function_terms.c). */
+extern const dml_row dml_function_parts[];
+
 #endif
