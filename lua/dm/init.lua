@@ -8,6 +8,7 @@ local lazy = {
   load = "dm.load",
   time = "dm.time",
   chart = "dm.chart",
+  scene = "dm.scene",
   animate = "dm.animate",
   demo = "dm.demo",
   help = "dm.help",

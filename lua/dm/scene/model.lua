@@ -1,0 +1,273 @@
+--- Models of a scene: the system as given, or fewer terms of L and of the force on fewer coordinates, with further constraints.
+local core = require "dm.core"
+local watch = require "dm.scene.watch"
+
+local M = {}
+M.__index = M
+
+local MOST_COORDINATES, MOST_TERMS = 48, 200  -- beyond, a system is taken as a whole
+
+local function bound(f, params)
+  if not params then return f end
+  return function(q, v, t) return f(q, v, t, params) end
+end
+
+-- entries of what a force or a constraint returns
+local function entries(value)
+  if type(value) == "table" then return value end
+  local fine, count = pcall(function() return #value end)
+  if not fine then return { value } end
+  local out = {}
+  for i = 1, count do out[i] = value[i] end
+  return out
+end
+
+M.entries = entries
+
+---- the problem: what all models of a scene share ----
+
+-- "a^2 - 3" of a traced function: its graph on one line, inputs by name
+function M.text_of(problem, f)
+  local n, text = problem.n, f:graph():gsub("\n+$", ""):gsub("^y1 = ", ""):gsub("\n", "; ")
+  text = text:gsub("x(%d+)", function(digits)
+    local i = math.tointeger(tonumber(digits))
+    if i <= n then return problem.names[i] end
+    if i <= 2 * n then return "d" .. problem.names[i - n] end
+    return "t"
+  end)
+  return #text > 48 and text:sub(1, 45) .. "..." or text
+end
+
+local function add_units(problem, f, kind, row)
+  for _, term in ipairs(f:terms()) do
+    problem.units[#problem.units + 1] = { kind = kind, row = row, f = term, depends = term:depends(), text = M.text_of(problem, term) }
+  end
+end
+
+-- the terms of L and of each component of the force; nil where the system is taken as a whole
+local function take_apart(problem)
+  local given, n = problem.given, problem.n
+  if n > MOST_COORDINATES or given.rolling or given.control or given.reaction or given.derivatives then return end
+  problem.units = {}
+  add_units(problem, core.trace(problem.L, n, n, "number"), "L")
+  if given.force then
+    local force = bound(given.force, given.params)
+    for i = 1, n do
+      add_units(problem, core.trace(function(q, v, t) return entries(force(q, v, t))[i] end, n, n, "number"), "force", i)
+    end
+  end
+  if given.constraint then
+    problem.ties = function(q, t) return given.constraint(q, t, given.params) end
+    problem.tie_depends = core.trace(function(q, t) return core.vector(entries(problem.ties(q, t))) end, n, "number"):depends()[1]
+  end
+  if #problem.units > MOST_TERMS then problem.units = nil end
+end
+
+-- what p_i = dL/dv_i depends on, found when it is asked for
+local function momentum_depends(problem)
+  local n, slope = problem.n, nil
+  return function(i)
+    slope = slope or core.derivative(problem.L, n, n, "number")
+    return core.trace(function(q, v, t) return slope(q, v, t)[n + i] end, n, n, "number"):depends()
+  end
+end
+
+--- The problem of a scene: system, start, terms, what is watched.
+function M.problem(system, options)
+  local given = system.given
+  local problem = { system = system, given = given, n = system.Q.dimension, names = watch.names(system), t0 = options.t0 or 0,
+    T = options.until_t - (options.t0 or 0), project = options.project }
+  problem.L = bound(given.L, given.params)
+  problem.momentum_depends = momentum_depends(problem)
+  problem.q = core.vector(options.q)
+  problem.v = core.vector(options.v or system:velocity(options.q, options.p, problem.t0))
+  problem.p = system:legendre(problem.q, problem.v, problem.t0)
+  watch.read(problem, options)
+  local fine, why = pcall(take_apart, problem)
+  if not fine then problem.units, problem.whole = nil, why end
+  return problem
+end
+
+---- a model ----
+
+--- The system as it is given.
+function M.given(problem)
+  local model = setmetatable({ problem = problem, active = {}, keep = {}, value = {}, ties = {}, steps = {} }, M)
+  for k = 1, #(problem.units or {}) do model.active[k] = true end
+  for i = 1, problem.n do model.keep[i], model.value[i] = true, problem.q[i] end
+  return model
+end
+
+local function copied(list)
+  local out = {}
+  for key, value in pairs(list) do out[key] = value end
+  return out
+end
+
+--- A model that differs by what `change(model)` does to it, described in words.
+function M:changed(words, change)
+  local out = setmetatable({ problem = self.problem, active = copied(self.active), keep = copied(self.keep), value = copied(self.value),
+    ties = copied(self.ties), steps = copied(self.steps) }, M)
+  out.steps[#out.steps + 1] = words
+  change(out)
+  return out
+end
+
+function M:words() return #self.steps == 0 and "as given" or table.concat(self.steps, "; ") end
+
+--- Does unit k act on this model: is it there, and does a coordinate that is left feel it?
+function M:acts(k)
+  local unit = self.problem.units[k]
+  if not self.active[k] then return false end
+  if unit.kind == "force" then return self.keep[unit.row] end
+  for i = 1, self.problem.n do
+    if self.keep[i] and (unit.depends[1][i] or unit.depends[2][i]) then return true end
+  end
+  return false
+end
+
+--- Numbers of the coordinates that are left.
+function M:kept()
+  local out = {}
+  for i = 1, self.problem.n do
+    if self.keep[i] then out[#out + 1] = i end
+  end
+  return out
+end
+
+-- all coordinates from those that are left; rates of the others are zero
+local function embedding(self)
+  local place, value, n = {}, self.value, self.problem.n
+  for at, i in ipairs(self:kept()) do place[i] = at end
+  local function of(x, fixed)
+    local out = {}
+    for i = 1, n do out[i] = place[i] and x[place[i]] or fixed and fixed[i] or 0 end
+    return core.vector(out)
+  end
+  return function(x) return of(x, value) end, function(y) return of(y, nil) end
+end
+
+local function is_whole(self) return #self.steps == 0 end
+
+-- the sum of the terms that act, as a Lagrangian of the coordinates that are left
+local function lagrangian(self, q_of, v_of)
+  local terms = {}
+  for k, unit in ipairs(self.problem.units) do
+    if unit.kind == "L" and self:acts(k) then terms[#terms + 1] = unit.f end
+  end
+  return function(x, y, t)
+    local q, v, sum = q_of(x), v_of(y), 0
+    for _, f in ipairs(terms) do sum = sum + f(q, v, t) end
+    return sum
+  end
+end
+
+local function force(self, q_of, v_of)
+  local rows, any = {}, false
+  for at, i in ipairs(self:kept()) do
+    rows[at] = {}
+    for k, unit in ipairs(self.problem.units) do
+      if unit.kind == "force" and unit.row == i and self.active[k] then
+        rows[at][#rows[at] + 1], any = unit.f, true
+      end
+    end
+  end
+  return any and function(x, y, t)
+    local q, v, out = q_of(x), v_of(y), {}
+    for at, row in ipairs(rows) do
+      out[at] = 0
+      for _, f in ipairs(row) do out[at] = out[at] + f(q, v, t) end
+    end
+    return core.vector(out)
+  end or nil
+end
+
+local function constraint(self, q_of)
+  local problem = self.problem
+  if not problem.ties and #self.ties == 0 then return nil end
+  return function(x, t)
+    local q, out = q_of(x), {}
+    for _, g in ipairs(problem.ties and entries(problem.ties(q, t)) or {}) do out[#out + 1] = g end
+    for _, tie in ipairs(self.ties) do out[#out + 1] = tie(q, t) end
+    return core.vector(out)
+  end
+end
+
+-- the system of the model and where it starts
+local function build(self)
+  local problem = self.problem
+  if is_whole(self) then
+    return problem.system, { q = problem.q, v = problem.v, t0 = problem.t0, project = problem.project }
+  end
+  local q_of, v_of = embedding(self)
+  local kept, names, x, y = self:kept(), {}, {}, {}
+  for at, i in ipairs(kept) do names[at], x[at], y[at] = problem.names[i], problem.q[i], problem.v[i] end
+  local tied = constraint(self, q_of)
+  local system = core.system { Q = #kept == problem.n and problem.given.Q or core.R(#kept), L = lagrangian(self, q_of, v_of),
+    force = force(self, q_of, v_of), constraint = tied, coordinates = names, units = problem.given.units, name = problem.given.name }
+  return system, { q = core.vector(x), v = core.vector(y), t0 = problem.t0, project = tied and true or nil }
+end
+
+-- what is watched, as functions of the state of the model; momenta are those of the system as given
+local function observables(self)
+  local problem, out = self.problem, {}
+  if is_whole(self) then
+    for name, f in pairs(problem.watched) do out[name] = f end
+    return out
+  end
+  local q_of, v_of = embedding(self)
+  local slope = core.derivative(problem.L, problem.n, problem.n, "number")
+  for name, f in pairs(problem.watched) do
+    local needs_p = core.trace(f, problem.n, problem.n, "number", problem.n):depends()[4]
+    local any = false
+    for i = 1, problem.n do any = any or needs_p[i] end
+    out[name] = function(x, y, t)
+      local q, v = q_of(x), v_of(y)
+      local p = any and slope(q, v, t)
+      local momentum = {}
+      for i = 1, problem.n do momentum[i] = p and p[problem.n + i] or 0 end
+      return f(q, v, t, core.vector(momentum))
+    end
+  end
+  return out
+end
+
+--- system, start, watch of the model, made when first asked for.
+function M:ready()
+  if not self.system then
+    self.system, self.start = build(self)
+    self.watch = observables(self)
+  end
+  return self
+end
+
+--- Dimension and operations of L: what a model costs at first sight.
+function M:size()
+  local structure = self:ready().system:structure()
+  return self.system.Q.dimension, structure.operations, structure
+end
+
+-- 64 bits of a text, FNV-1a
+local function hash(text)
+  local h = 0xcbf29ce484222325
+  for i = 1, #text do h = (h ~ text:byte(i)) * 0x100000001b3 end
+  return ("%016x"):format(h)
+end
+
+--- A name of the model that is the same in another session: of its graphs and its dimension.
+function M:fingerprint()
+  if self.print then return self.print end
+  local fine, text = pcall(self:ready().system.graph, self.system)
+  local given, n = self.system.given, self.system.Q.dimension
+  text = { fine and text or tostring(self.system), tostring(self.system) }
+  if given.constraint then
+    text[#text + 1] = core.trace(function(q, t) return core.vector(entries(given.constraint(q, t, given.params))) end, n, "number"):graph()
+  end
+  if given.force and not given.control then
+    text[#text + 1] = core.trace(function(q, v, t) return core.vector(entries(given.force(q, v, t, given.params))) end, n, n, "number"):graph()
+  end
+  self.print = hash(table.concat(text, "|"))
+  return self.print
+end
+
+return M

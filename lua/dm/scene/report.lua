@@ -1,0 +1,97 @@
+--- What a scene tells: the ladder of models and rules, with figures and the reason why each was kept or dropped.
+local M = {}
+
+local UNITS = { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } }
+
+--- 1.2e6 -> "1.2 ms"
+function M.time(ns)
+  for _, unit in ipairs(UNITS) do
+    if ns < unit[1] then return ("%.3g %s"):format(ns / unit[2], unit[3]) end
+  end
+end
+
+-- errors are kept in tolerances; where all columns have one tolerance they are told in its units
+local function error_text(scene, err)
+  if err == math.huge then return "-" end
+  if scene.unit then return ("%.1e"):format(err * scene.unit) end
+  return ("%.2g tol"):format(err)
+end
+M.error = error_text
+
+local function model_line(scene, row)
+  local fine, n, operations = pcall(row.model.size, row.model)
+  return ("  %s: dimension %s, %s operations, error %s: %s, %s"):format(row.model:words(), fine and n or "?", fine and operations or "?",
+    error_text(scene, row.error), row.kept and "kept" or "dropped", row.verdict)
+end
+
+local function candidate_line(scene, c, last)
+  return ("  %-24s h = %-9.4g %8d steps %9s  error %-8s %s"):format(c.rule, c.h, c.N, c.ns and M.time(c.ns) or "",
+    error_text(scene, c.error), last)
+end
+
+local MOST_LINES, NEAREST = 12, 6  -- rules on one model: those that do, the nearest that do not
+
+-- rules on one model: those that reach the tolerance, cheapest first, then the nearest of those that do not
+local function rule_lines(scene, model, lines)
+  local kept, dropped = {}, {}
+  for _, c in ipairs(scene.search.candidates) do
+    if c.model == model then table.insert(c.kept and kept or dropped, c) end
+  end
+  if #kept + #dropped == 0 then return end
+  table.sort(kept, function(a, b) return a.ns < b.ns end)
+  table.sort(dropped, function(a, b) return a.error < b.error end)
+  lines[#lines + 1] = ("rules on the model: %s"):format(model:words())
+  for at, c in ipairs(kept) do
+    local verdict = c == scene.best and "chosen" or ("%.2f times the cost of the choice"):format(c.ns / scene.best.ns)
+    if at <= MOST_LINES then lines[#lines + 1] = candidate_line(scene, c, c.failed or verdict) end
+  end
+  for at, c in ipairs(dropped) do
+    if at <= NEAREST then lines[#lines + 1] = candidate_line(scene, c, "dropped: " .. c.why) end
+  end
+  local more = math.max(0, #kept - MOST_LINES) + math.max(0, #dropped - NEAREST)
+  if more > 0 then lines[#lines + 1] = ("  and %d more, in scene.candidates"):format(more) end
+end
+
+-- rules that cannot step a model, by reason
+local function refused_lines(scene, lines)
+  local by_reason, order = {}, {}
+  for _, r in ipairs(scene.search.refused) do
+    local key = r.why
+    if not by_reason[key] then order[#order + 1], by_reason[key] = key, {} end
+    if not by_reason[key][r.rule] then
+      by_reason[key][r.rule] = true
+      table.insert(by_reason[key], r.rule)
+    end
+  end
+  for _, key in ipairs(order) do lines[#lines + 1] = ("left out: %s: %s"):format(table.concat(by_reason[key], ", "), key) end
+end
+
+local function models_lines(scene, lines)
+  lines[#lines + 1] = "models"
+  for _, row in ipairs(scene.search.models) do lines[#lines + 1] = model_line(scene, row) end
+  if scene.search.whole then lines[#lines + 1] = "  no other: " .. scene.search.whole end
+end
+
+--- The choice in a line.
+function M.choice(scene)
+  local b, next_best = scene.best, nil
+  for _, c in ipairs(scene.finalists) do
+    if c ~= b and not next_best then next_best = c end
+  end
+  return ("%s, %s with h = %.4g (%d steps): %s%s"):format(b.model:words(), b.rule, b.h, b.N, M.time(b.ns),
+    next_best and ("; next %s on %s, %s"):format(next_best.rule, next_best.model == b.model and "the same model" or next_best.model:words(),
+      M.time(next_best.ns)) or "")
+end
+
+--- The whole ladder as a text.
+function M.why(scene)
+  local lines = { scene.sentence, "reference: " .. scene.reference_text, "choice: " .. M.choice(scene), scene.check_text, scene.rows_text }
+  models_lines(scene, lines)
+  for _, row in ipairs(scene.search.models) do rule_lines(scene, row.model, lines) end
+  refused_lines(scene, lines)
+  if scene.search.cut then lines[#lines + 1] = "the time allowed was over before everything was looked at: give more seconds" end
+  lines[#lines + 1] = ("%d pilot runs, %.2g s of CPU"):format(scene.search.pilots, scene.seconds)
+  return table.concat(lines, "\n")
+end
+
+return M

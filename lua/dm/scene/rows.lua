@@ -1,0 +1,72 @@
+--- The run that a scene hands out: how many rows it needs, and a path that carries its error.
+local pilot = require "dm.scene.pilot"
+
+local M = {}
+
+local abs, max = math.abs, math.max
+
+local MOST_ROWS = 1 << 15  -- kept by the run that finds out how many are needed
+
+-- largest distance, in tolerances, of rows between those that are kept from straight lines through these; stride 1: by second differences
+local function bent(problem, path, stride)
+  local worst = 0
+  for _, name in ipairs(problem.columns) do
+    local x, tolerance = path:column(name):totable(), problem.tolerance[name]
+    for from = 1, #x - 1, stride do
+      local to = math.min(from + stride, #x)
+      for i = from + 1, to - 1 do
+        local f = (i - from) / (to - from)
+        worst = max(worst, abs(x[i] - (1 - f) * x[from] - f * x[to]) / tolerance)
+      end
+      if stride == 1 and from > 1 and from + 1 < #x then
+        worst = max(worst, abs(x[from + 1] - 2 * x[from] + x[from - 1]) / 8 / tolerance)
+      end
+    end
+  end
+  return worst
+end
+
+local function run(c, every)
+  return pilot.solver(c.model, c.rule, c.N):run(pilot.options_of(c.model, { steps = c.N, every = every, watch = c.model.watch }))
+end
+
+--- every, the error of straight lines between rows so many steps apart, in tolerances.
+function M.every(c)
+  local problem, every = c.model.problem, 1
+  while c.N / every > MOST_ROWS do every = 2 * every end
+  local path = run(c, every)
+  local stride, err = 1, bent(problem, path, 1)
+  while 4 * stride < #path do
+    local next_err = bent(problem, path, 2 * stride)
+    if next_err > 1 then break end
+    stride, err = 2 * stride, next_err
+  end
+  return every * stride, err
+end
+
+---- the path ----
+
+local Path = { __name = "dm.scene_path" }
+
+-- a field of the run itself, else of the path; methods get the path
+function Path.__index(run_, key)
+  local value = rawget(run_, "path")[key]
+  if type(value) ~= "function" then return value end
+  return function(self, ...) return value(self == run_ and rawget(run_, "path") or self, ...) end
+end
+
+function Path.__len(run_) return #rawget(run_, "path") end
+
+function Path.__tostring(run_)
+  return ("%s; error of what is watched at most %.2g (model: %s)"):format(tostring(rawget(run_, "path")), run_.error_estimate, run_.model)
+end
+
+--- The run of a choice as a path that has error_estimate, errors, model beside everything that dm.path has.
+function M.path(c, every, more)
+  local path = run(c, every)
+  local out = { path = path, model = c.model:words(), rule = c.rule }
+  for key, value in pairs(more) do out[key] = value end
+  return setmetatable(out, Path)
+end
+
+return M

@@ -1,0 +1,176 @@
+--- The cheapest rule and step for a model: each rule is tried first with as many steps as cost what the best one does so far.
+-- Where that is not enough for the tolerance the rule is out, with one pilot run; else fewer steps are looked for.
+local core = require "dm.core"
+local pilot = require "dm.scene.pilot"
+
+local M = {}
+
+local max, min, ceil, floor, huge = math.max, math.min, math.ceil, math.floor, math.huge
+
+-- tried first, since a good bound early rules out the others quickly; this orders, it does not choose
+local EARLY = { "gauss(4)", "blanes-moan(6)", "verlet", "rattle", "gauss(6)", "kahan-li(8)", "blanes-moan(4)", "gauss(2)", "rk8" }
+-- rules that the table has no instance of, and whose step is a time
+local FURTHER = { "shake", "degenerate(1)", "degenerate(2)", "degenerate(3)", "degenerate(4)" }
+
+-- rule -> { rule, order, stages } as the table of rules has it
+local function instances()
+  local known, names = {}, {}
+  for _, method in ipairs(core.rules()) do
+    for _, instance in ipairs(method.instances) do known[instance.rule], names[#names + 1] = instance, instance.rule end
+  end
+  return known, names
+end
+
+--- Every instance of the table of rules, the early ones first, or the rules that are given: list of { rule, order, stages }.
+function M.rules(given, system)
+  local known, names = instances()
+  local out, seen = {}, {}
+  for _, list in ipairs(given and { given } or { EARLY, names, FURTHER }) do
+    for _, rule in ipairs(list) do
+      if not seen[rule] then
+        seen[rule] = true
+        out[#out + 1] = known[rule] or { rule = rule, order = system:solver({ rule = rule, h = 1 }).order, stages = 1 }
+      end
+    end
+  end
+  return out
+end
+
+local TARGET = 0.85  -- of the tolerance, at the sampled times; the rest is for what lies between
+local SLACK = 1.1    -- a rule that would cost so much more is still looked at: clocks are not that good
+local CLOSE = 1.07   -- numbers of steps between success and failure are then close enough
+local FEWEST = 2
+
+-- the first line of a failure, without place
+local function first_line(failure) return (tostring(failure):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")) end
+
+-- is it the rule that cannot, whatever the step?
+local function is_refusal(why) return why:find "cannot step this system" or why:find "^field 'rule'" end
+
+-- error of N steps, in tolerances; inf where the run fails
+local function error_of(search, model, rule, N)
+  local record, why = pilot.run(model, rule, N, search.times)
+  search.pilots = search.pilots + 1
+  if not record then return huge, why end
+  return pilot.apart(model.problem, record, search.reference)
+end
+
+-- how many steps the bound pays for, beginning with a guess; nil and why where a run that cheap fails
+local function affordable(search, model, rule, N)
+  local failures, why = 0, nil
+  for _ = 1, 10 do
+    local fine, ns = pcall(search.profile.about, search.profile, model, rule, N)
+    if not fine then
+      pilot.pass_stop(ns)
+      why, failures = first_line(ns), failures + 1
+      if failures > 4 or is_refusal(why) then return nil, why, N end
+      N = 2 * N
+    else
+      local ratio = search.bound * SLACK / ns
+      if why and ratio < 1 then return nil, why, N end
+      local next_N = max(FEWEST, floor(N * min(16, max(1 / 16, ratio))))
+      if next_N == N or why or (ratio > 0.97 and ratio < 1.03) then break end
+      N = next_N
+    end
+  end
+  return N
+end
+
+-- the least number of steps that is enough, between `fails` and `enough`, by the order of the rule
+local function shrink(search, model, row, enough, err)
+  local fails = FEWEST - 1
+  for _ = 1, 9 do
+    if enough / fails < CLOSE or enough <= FEWEST then break end
+    local by_order = ceil(enough * (err / TARGET) ^ (1 / row.order) * 1.01)
+    local N = min(max(by_order, fails + 1, floor(enough / 6)), floor(enough * 0.96), enough - 1)
+    if fails >= FEWEST and by_order <= fails * 1.01 then N = floor(math.sqrt(fails * enough)) end
+    if N <= fails then break end
+    local now = error_of(search, model, row.rule, N)
+    if now <= TARGET then enough, err = N, now else fails = N end
+  end
+  return enough, err
+end
+
+-- more steps until it is enough; nil where that takes longer than allowed
+local function grow(search, model, row, N)
+  local err, why
+  local last = huge
+  while core.cpu() < search.deadline do
+    err, why = error_of(search, model, row.rule, N)
+    if err <= TARGET then return N, err end
+    if why and is_refusal(why) then return nil, err, why end
+    if N > 1e5 and err > 0.5 * last and err < 1e6 then break end  -- round-off, or chaos
+    last = err
+    local more = err < huge and (err / TARGET) ^ (1 / row.order) * 1.05 or 2
+    N = ceil(N * min(12, max(1.1, more)))
+  end
+  return nil, err, why
+end
+
+local function candidate(search, model, row, N, err, words, kept)
+  local out = { model = model, rule = row.rule, order = row.order, N = N, h = model.problem.T / N, error = err, why = words, kept = kept }
+  if err < huge and kept then out.ns = search.profile:cost(model, row.rule, N) end
+  search.candidates[#search.candidates + 1] = out
+  return out
+end
+
+-- why a rule cannot, without its name and without those that can
+local function short(why) return (why:gsub(";.*$", ""):gsub("^rule '[^']*' ", ""):gsub("^field 'rule': '[^']*': ", "")) end
+
+-- the rule is out: it cannot step the model, or not as cheaply
+local function give_up(search, model, row, why, N)
+  if is_refusal(why) then
+    search.refused[#search.refused + 1] = { model = model, rule = row.rule, why = short(why) }
+  else
+    candidate(search, model, row, N, huge, short(why), false)
+  end
+end
+
+-- a number of steps that is enough and its error; nil where there is none as cheap as the bound
+local function first_enough(search, model, row)
+  if search.bound == huge then
+    local N, err, why = grow(search, model, row, max(8, ceil(64 / row.stages)))
+    if not N then give_up(search, model, row, why or "does not reach the tolerance in the time allowed", 0) end
+    return N, err
+  end
+  local N, why, at = affordable(search, model, row.rule, max(FEWEST, ceil(search.guess / row.stages)))
+  if not N then return give_up(search, model, row, why, at) end
+  local err, failed = error_of(search, model, row.rule, N)
+  if err <= TARGET then return N, err end
+  candidate(search, model, row, N, err, failed and short(failed) or "not accurate enough at the cost of the best", false)
+end
+
+local function try_rule(search, model, row)
+  local N, err = first_enough(search, model, row)
+  if not N then return end
+  N, err = shrink(search, model, row, N, err)
+  local found = candidate(search, model, row, N, err, "reaches the tolerance", true)
+  if found.ns < search.bound then search.bound, search.guess = found.ns, N * row.stages end
+end
+
+--- Look at all rules for a model; adds candidates to the search.
+function M.model(search, model)
+  search.refused = search.refused or {}
+  for _, row in ipairs(search.rules) do
+    if core.cpu() > search.deadline and search.bound < huge then
+      search.cut = true
+      return
+    end
+    try_rule(search, model, row)
+  end
+end
+
+--- What is close to the best, cheapest first, timed once more.
+function M.finalists(search)
+  local out = {}
+  for _, c in ipairs(search.candidates) do
+    if c.kept and c.ns <= 1.3 * search.bound then
+      c.ns = search.profile:cost(c.model, c.rule, c.N)
+      out[#out + 1] = c
+    end
+  end
+  table.sort(out, function(a, b) return a.ns < b.ns or (a.ns == b.ns and a.rule < b.rule) end)
+  return out
+end
+
+return M
