@@ -60,7 +60,10 @@ local function add_data(add, block, series, panel)
   local fx, fy = scaled(panel.x), scaled(panel.y)
   add(block .. " << EOD")
   for i = 1, #series.x do
-    if series.x[i] == series.x[i] then
+    if series.x[i] == series.x[i] and series.style == "cells" then
+      add(("%.10g %.10g %.10g %.10g %.10g %.10g"):format(fx(series.x[i]), fy(series.y[i]), fx(series.xlow[i]), fx(series.xhigh[i]),
+        fy(series.ylow[i]), fy(series.yhigh[i])))
+    elseif series.x[i] == series.x[i] then
       add(("%.10g %.10g"):format(fx(series.x[i]), fy(series.y[i])))
     else
       add ""  -- a blank line lifts the pen
@@ -88,6 +91,7 @@ end
 local function draw_style(series, colour)
   local paint = "lc rgb '" .. colour .. "'"
   local dots = ("pt 7 ps %.2f "):format(size_of_points(#series.x))
+  if series.style == "cells" then return "boxxyerror fs solid 1 noborder " .. paint end
   if series.style == "points" then return "points " .. dots .. paint end
   local width = #series.x > 4000 and not series_.rises(series.x) and 0.7 or 1.3
   return ("%s lw %g %s%s"):format(series.style, width, series.style == "lines" and "" or dots, paint)
@@ -100,10 +104,11 @@ local function add_series(add, panel, number, prefix)
     fy = function(y) return axis.fraction(panel.y, y) end }
   for i, full in ipairs(panel.series) do
     local series, block = series_.thin(full, scale), ("$%s_%d_%d"):format(prefix, number, i)
-    local colour = COLOURS[(i - 1) % #COLOURS + 1]
+    local colour = series.colour or COLOURS[(i - 1) % #COLOURS + 1]
     local title = panel.legend and "title " .. quote(series.name) or "notitle"
     add_data(add, block, series, panel)
-    plots[#plots + 1] = ("%s using 1:2 with %s %s"):format(block, draw_style(series, colour), title)
+    plots[#plots + 1] = ("%s using %s with %s %s"):format(block, series.style == "cells" and "1:2:3:4:5:6" or "1:2",
+      draw_style(series, colour), title)
     local alone = series.style == "lines" and isolated(series) or { x = {} }
     if #alone.x > 0 then
       add_data(add, block .. "_alone", alone, panel)

@@ -9,6 +9,11 @@ local lazy = {
   time = "dm.time",
   chart = "dm.chart",
   scene = "dm.scene",
+  stability = "dm.stability",
+  amplification = "dm.linear_stability",
+  stability_limit = "dm.linear_stability",
+  polynomial_roots = "dm.linear_stability",
+  recurrence = "dm.linear_stability",
   animate = "dm.animate",
   demo = "dm.demo",
   help = "dm.help",
@@ -19,7 +24,7 @@ local lazy = {
 
 -- modules that add methods to classes of the core
 local extensions = { "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
-  "dm.routh_methods",
+  "dm.routh_methods", "dm.stability", "dm.linear_stability",
 }
 
 local dm = {}

@@ -8,7 +8,7 @@ local M = {}
 
 local KNOWN = { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style", "names",
   "legend", "equal", "xrange", "yrange", "width", "height", "size" }
-local STYLES = { lines = true, points = true, linespoints = true }
+local STYLES = { lines = true, points = true, linespoints = true, cells = true }  -- cells: rectangles xlow..xhigh, ylow..yhigh
 
 local function fail(...) error(("plot: " .. select(1, ...)):format(select(2, ...)), 0) end
 
@@ -85,8 +85,13 @@ local function make_series(given, options, i)
   if #x == 0 then fail("%s is empty", what) end
   if given.style and not STYLES[given.style] then fail("%s: unknown style %s", what, tostring(given.style)) end
   local names = type(options.names) == "table" and options.names or {}
-  return { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
+  local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given, colour = given.colour,
     style = given.style or options.style or (#x == 1 and "points" or "lines") }
+  for _, edge in ipairs(out.style == "cells" and { "xlow", "xhigh", "ylow", "yhigh" } or {}) do
+    out[edge] = series_.numbers(given[edge] or {}, what .. ": " .. edge)
+    if #out[edge] ~= #x then fail("%s has %d numbers x but %d numbers %s", what, #x, #out[edge], edge) end
+  end
+  return out
 end
 
 -- the arguments of dm.plot as a list of { x =, y = } and the options

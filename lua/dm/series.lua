@@ -156,7 +156,7 @@ end
 -- @param scale { width, height in pixels, fx, fy: number -> fraction of the axis }
 -- @return series; the least and the largest value of each column of pixels are kept
 function M.thin(series, scale)
-  if #series.x <= 4 * scale.width then return series end
+  if #series.x <= 4 * scale.width or series.style == "cells" then return series end
   local x, y = {}, {}
   local function keep(i) x[#x + 1], y[#y + 1] = series.x[i], series.y[i] end
   local function lift()

@@ -1,0 +1,415 @@
+--- What linear theory says beside the experiment: amplification matrices of rules, their limits and resonances; the linearised system;
+-- multipliers of orbits; roots of recurrences.
+local blame = require "dm.blame"
+local core = require "dm.core"
+
+local M = {}
+
+local abs, sqrt, max, pi, huge = math.abs, math.sqrt, math.max, math.pi, math.huge
+
+local function modulus(re, im) return sqrt(re * re + im * im) end
+
+---- the amplification matrix of a rule on the oscillator q'' = -q, h omega = z ----
+
+local oscillator
+local function unit_oscillator()
+  oscillator = oscillator or core.system { Q = core.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+  return oscillator
+end
+
+-- one step from both unit vectors for every z: entries a, b, c, d of ((a, b), (c, d)); where a step fails NaN
+local function matrices(rule, zs)
+  local n = #zs
+  local e = unit_oscillator():solver({ rule = rule, h = 1 }):ensemble { members = 2 * n, steps = 1,
+    q = function(i) return { i % 2 } end, p = function(i) return { (i + 1) % 2 } end, h = function(i) return zs[(i + 1) // 2] end }
+  local out, status = {}, e.status
+  for i = 1, n do
+    local j, k = 2 * i - 1, 2 * i
+    local fine = status[j] == "ok" and status[k] == "ok"
+    out[i] = fine and { a = e.q[j][1], b = e.q[k][1], c = e.p[j][1], d = e.p[k][1] } or { a = 0 / 0, b = 0 / 0, c = 0 / 0, d = 0 / 0 }
+  end
+  return out
+end
+
+-- half the trace over the root of the determinant, and the largest modulus of an eigenvalue
+local function read_off(m)
+  local half, det = (m.a + m.d) / 2, m.a * m.d - m.b * m.c
+  if not (det > 0) then return 0 / 0, max(abs(half + sqrt(max(half * half - det, 0))), abs(half - sqrt(max(half * half - det, 0)))) end
+  local root = sqrt(det)
+  if half * half <= det then return half / root, root end
+  return half / root, abs(half) + sqrt(half * half - det)
+end
+
+local function check_rule(rule, what)
+  if tostring(rule):find "^log%-hamiltonian" then
+    error(what .. ": 'log-hamiltonian' changes the time with the state: its step on an oscillator is not linear", 0)
+  end
+  if tostring(rule):find "^degenerate" then error(what .. ": 'degenerate' is for L linear in v, which an oscillator is not", 0) end
+end
+
+local doc_amplification = [[
+dm.amplification(rule, z) -> dm.matrix, dm.vector, dm.vector
+The matrix of one step of a rule for (q, p) on the oscillator L = (v^2 - q^2)/2 with h = z, so z = h omega, and the real and imaginary parts of
+its eigenvalues: a pair on the unit circle is stable, one outside of it grows in every step.]]
+
+M.amplification = blame.caller(function(rule, z)
+  check_rule(rule, "dm.amplification")
+  if type(z) ~= "number" or not (z > 0 and z < huge) then error("dm.amplification: z = h omega must be a number > 0", 0) end
+  local m = matrices(rule, { z })[1]
+  if m.a ~= m.a then error(("dm.amplification: the step of %s cannot be solved at h omega = %g"):format(tostring(rule), z), 0) end
+  local out = core.matrix { { m.a, m.b }, { m.c, m.d } }
+  return out, out:eigenvalues()
+end)
+
+local FINE, END_FINE, END = 2000, 12, 1e4  -- numbers h omega of the first look: to 12 evenly, then to 1e4 by ratio
+local FAR = 600
+
+local function first_look()
+  local zs = {}
+  for i = 1, FINE do zs[i] = END_FINE * i / FINE end
+  for i = 1, FAR do zs[FINE + i] = END_FINE * (END / END_FINE) ^ (i / FAR) end
+  return zs
+end
+
+local function looked_at(rule, zs)
+  local all = matrices(rule, zs)
+  for i = 1, #all do
+    local trace, radius = read_off(all[i])
+    all[i] = { z = zs[i], trace = trace, radius = radius }
+  end
+  return all
+end
+
+local function between(a, b, count)
+  local out = {}
+  for k = 0, count do out[k + 1] = a + (b - a) * k / count end
+  return out
+end
+
+-- the first z in (a, b] for which test holds, to round-off; a is known not to
+local function narrow(rule, a, b, test)
+  for _ = 1, 14 do
+    local list = looked_at(rule, between(a, b, 16))
+    for k = 2, #list do
+      if test(list[k]) then
+        a, b = list[k - 1].z, list[k].z
+        break
+      end
+    end
+    if b - a < 1e-14 * b then break end
+  end
+  return b
+end
+
+local function grows(tolerance)
+  return function(x) return not (x.radius <= 1 + tolerance) end
+end
+
+-- intervals where an eigenvalue leaves the circle, also narrow ones between two looks, where the trace comes near 2
+local function gaps(rule, all, tolerance)
+  local out, lost = {}, grows(tolerance)
+  local function held(x) return not lost(x) end
+  local inside = false
+  local function note(a, b)
+    if not inside then out[#out + 1] = { narrow(rule, a, b, lost), huge } end
+  end
+  for i, x in ipairs(all) do
+    local before, after = all[i - 1], all[i + 1]
+    if lost(x) then
+      note(before and before.z or 1e-9, x.z)
+      inside = true
+    else
+      if inside then out[#out][2] = narrow(rule, before.z, x.z, held) end
+      inside = false
+      local turning = before and after and abs(x.trace) > 0.98 and abs(x.trace) >= abs(before.trace) and abs(x.trace) >= abs(after.trace)
+      if turning and not lost(before) and not lost(after) then
+        local list = looked_at(rule, between(before.z, after.z, 64))
+        local first, last
+        for k, y in ipairs(list) do
+          if lost(y) then first, last = first or k, k end
+        end
+        if first then out[#out + 1] = { narrow(rule, list[first - 1].z, list[first].z, lost), narrow(rule, list[last].z, list[last + 1].z, held) } end
+      end
+    end
+  end
+  return out
+end
+
+-- h omega at which a step turns by 2 pi / n: where the trace comes down through 2 cos(2 pi / n) for the first time
+local function resonances(rule, all)
+  local out = {}
+  for n = 3, 6 do
+    local target = math.cos(2 * pi / n)
+    local function below(x) return x.trace <= target end
+    for i, x in ipairs(all) do
+      if x.trace ~= x.trace then break end
+      if below(x) then
+        out[#out + 1] = { n = n, z = narrow(rule, i > 1 and all[i - 1].z or 1e-9, x.z, below) }
+        break
+      end
+    end
+  end
+  return out
+end
+
+local kept = {}
+
+-- what a rule does, looked at once in a session
+local function profile(rule, tolerance)
+  local key = type(rule) == "string" and rule .. ("/%g"):format(tolerance)
+  if key and kept[key] then return kept[key] end
+  local all = looked_at(rule, first_look())
+  local out = { gaps = gaps(rule, all, tolerance), resonances = resonances(rule, all) }
+  if key then kept[key] = out end
+  return out
+end
+
+local function cause(rule, out)
+  local name = tostring(rule):gsub("^rule ", "")
+  if #out.gaps == 0 then
+    return ("%s: both roots of the amplification matrix stay on or inside the unit circle up to h omega = %g: no limit"):format(name, END)
+  end
+  local z = out.gaps[1][1]
+  if z < 1e-3 then return ("%s: a root of the amplification matrix is outside the unit circle for every step: it grows from the start"):format(name) end
+  local m = looked_at(rule, { z })[1]
+  local where = m.trace < -0.5 and "meet at -1 and part along the real axis: every step turns the oscillation by half a turn"
+    or m.trace > 0.5 and "meet at 1 and part along the real axis" or "leave the unit circle as a pair: the rule feeds energy into the oscillation"
+  return ("%s: at h omega = %.6g the roots of the amplification matrix %s"):format(name, z, where)
+end
+
+local doc_limit = [[
+dm.stability_limit(rule [, {tolerance=}]) -> z, {cause, gaps, resonances}
+The linear stability of a rule: the largest z = h omega up to which no root of its amplification matrix on the oscillator leaves the unit circle by
+more than tolerance (1e-6), by bisection; infinity when none does up to 1e4. gaps: {from, to} of all intervals that are lost; resonances:
+{n, z}, where a step turns by 2 pi / n (n = 3 to 6): near these a symplectic rule is unstable in nonlinear forces, for n = 3
+however small the amplitude; cause: a sentence.]]
+
+M.stability_limit = blame.caller(function(rule, options)
+  check_rule(rule, "dm.stability_limit")
+  options = options or {}
+  if type(options) ~= "table" then error("dm.stability_limit takes (rule, { tolerance = })", 0) end
+  for key in pairs(options) do
+    if key ~= "tolerance" then error(("dm.stability_limit: unknown option '%s'; there is 'tolerance'"):format(tostring(key)), 0) end
+  end
+  local tolerance = options.tolerance or 1e-6
+  if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then error("dm.stability_limit: 'tolerance' must be a number between 0 and 1", 0) end
+  local out = profile(rule, tolerance)
+  local z = out.gaps[1] and out.gaps[1][1] or huge
+  if z < 1e-3 then z = 0 end
+  return z, { cause = cause(rule, out), gaps = out.gaps, resonances = out.resonances }
+end)
+
+---- the linearised system ----
+
+-- L(q, v) at a fixed time as a traced function of both
+local function traced(system, t)
+  local given, n = system.given, system.Q.dimension
+  local params = given.params
+  return core.trace(function(q, v) return given.L(q, v, t, params) end, n, n)
+end
+
+-- d(q, v)/dt of a small change: M a = L_qq q + (L_qv - L_vq) v
+local function field(system, q, v, t)
+  local n = system.Q.dimension
+  local H = traced(system, t):hessian(q, v)
+  local mass, right = core.matrix(n, n), core.matrix(n, 2 * n)
+  for i = 1, n do
+    for k = 1, n do
+      mass[i][k] = H[n + i][n + k]
+      right[i][k] = H[i][k]
+      right[i][n + k] = H[i][n + k] - H[n + i][k]
+    end
+  end
+  local solved, out = mass:solve(right), core.matrix(2 * n, 2 * n)
+  for i = 1, n do
+    out[i][n + i] = 1
+    for k = 1, 2 * n do out[n + i][k] = solved[i][k] end
+  end
+  return out
+end
+
+local function check_plain(system, what)
+  local given = system.given
+  if not (given and given.L) then error(what .. " needs a dm.system", 0) end
+  if given.constraint or given.rolling or given.force then
+    error(what .. ": for systems without constraints and forces; solver:multipliers has the tangent map of any", 0)
+  end
+end
+
+local function describe(rates, frequencies)
+  local fastest, growth = 0, 0
+  for _, w in ipairs(frequencies) do fastest = max(fastest, w) end
+  for _, s in ipairs(rates) do growth = max(growth, s) end
+  local small = 1e-7 * max(fastest, growth)
+  if growth > small then return false, ("unstable: a small change grows like exp(%.5g t)"):format(growth), fastest end
+  return true, ("no small change grows exponentially; the fastest oscillation has omega = %.5g"):format(fastest), fastest
+end
+
+local doc_linearize = [[
+system:linearize{q=, v=, t=} -> {stable, why, fastest, frequencies, rates, matrix}
+The system linearised at a state (v default 0, t default 0): d(dq, dv)/dt = matrix (dq, dv), with real parts `rates` and imaginary parts `frequencies` of its
+eigenvalues. At an equilibrium, and at a relative equilibrium (v along coordinates that L does not depend on), this is its linear
+stability; anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a step has to resolve.]]
+
+M.linearize = blame.caller(function(system, options)
+  local what = "system:linearize"
+  if type(options) ~= "table" or not options.q then error(what .. " takes { q =, v = }", 0) end
+  for key in pairs(options) do
+    if key ~= "q" and key ~= "v" and key ~= "t" then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
+  end
+  check_plain(system, what)
+  local n = system.Q.dimension
+  if #options.q ~= n or options.v and #options.v ~= n then error(("%s: q and v have %d entries"):format(what, n), 0) end
+  local A = field(system, core.vector(options.q), core.vector(options.v or core.zeros(n)), options.t or 0)
+  for i = 1, 2 * n do
+    for k = 1, 2 * n do
+      if not (abs(A[i][k]) < huge) then error(what .. ": the second derivatives of L are not finite at this state", 0) end
+    end
+  end
+  local re, im = A:eigenvalues()
+  local stable, why, fastest = describe(re:totable(), im:totable())
+  return { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im, matrix = A }
+end)
+
+-- the first interval of growth that an axis of steps can see: wider than the ratio of neighbours; and those before it
+local function first_seen(gaps, axis)
+  local ratio, before = math.huge, {}
+  for j = 2, #axis do ratio = math.min(ratio, axis[j] / axis[j - 1]) end
+  for _, gap in ipairs(gaps) do
+    if #axis < 2 or gap[2] > gap[1] * ratio then return gap[1], before end
+    before[#before + 1] = ("%.5g to %.5g"):format(gap[1], gap[2])
+  end
+  return huge, before
+end
+
+--- The limit of a cell of a map, whose axis of steps is `axis`: that of the rule over the fastest frequency at its start, or nil; and a sentence.
+function M.limit_at_start(map, cell, axis)
+  local fine, z, told = pcall(M.stability_limit, map.rule_list[cell.rule])
+  if not fine then return nil, (tostring(z):gsub("^[^\n]-lua:%d+: ", "")) end
+  local system = map.system_of(cell)
+  local linear
+  fine, linear = pcall(M.linearize, system, { q = map.start.q(cell), v = map.start.v and map.start.v(cell) })
+  if not fine then return nil, (tostring(linear):gsub("^[^\n]-lua:%d+: ", "")) end
+  if not (linear.fastest > 0) then return nil, "nothing oscillates at the start" end
+  local why, narrow_ones = ("%s; omega = %.6g at the start"):format(told.cause, linear.fastest), nil
+  if z > 0 then
+    z, narrow_ones = first_seen(told.gaps, axis)
+    if #narrow_ones > 0 then why = why .. ("; narrower than the axis and passed over: h omega = %s"):format(table.concat(narrow_ones, ", ")) end
+  end
+  return z / linear.fastest, why
+end
+
+---- orbits ----
+
+local doc_multipliers = [[
+solver:multipliers{q=, v= | p=, steps= | t=, t0=} -> {stable, why, largest, re, im, matrix, closes}
+The eigenvalues of the exact tangent map over a run: the Floquet multipliers where the run is one period of a periodic orbit (closes: the distance of its end
+from its start), or one step of a relative equilibrium. A symplectic rule has them in pairs m, 1/m; stable: none has a modulus above 1 by
+more than round-off allows (multipliers 1 of the period and of symmetries are double, and known to the root of round-off only).]]
+
+M.multipliers = blame.caller(function(solver, options)
+  local matrix, q, p = solver:tangent(options)
+  local re, im = matrix:eigenvalues()
+  local largest, size, n = 0, 1, #q
+  for i = 1, 2 * n do
+    largest = max(largest, modulus(re[i], im[i]))
+    for k = 1, 2 * n do size = max(size, abs(matrix[i][k])) end
+  end
+  local p0 = options.p or solver.system:legendre(options.q, options.v, options.t0 or 0)
+  local closes = 0
+  for i = 1, n do closes = max(closes, abs(q[i] - options.q[i]), abs(p[i] - p0[i])) end
+  local slack = max(1e-6, 10 * sqrt(2.2e-16 * size), 10 * sqrt(closes * size))
+  local stable = largest <= 1 + slack
+  local why = stable and ("linearly stable: the largest multiplier has modulus %.9g, 1 to the accuracy that there is (%.1g)"):format(largest, slack)
+    or ("unstable: a small change grows by a factor of %.6g"):format(largest)
+  return { stable = stable, why = why, largest = largest, re = re, im = im, matrix = matrix, closes = closes }
+end)
+
+---- recurrences ----
+
+-- one step of Newton for each root of the polynomial c[1] + c[2] x + ..., where that makes the value smaller
+local function polish(c, re, im)
+  local function value(x, y)
+    local fr, fi, gr, gi = 0, 0, 0, 0
+    for k = #c, 1, -1 do
+      gr, gi = gr * x - gi * y + fr, gr * y + gi * x + fi
+      fr, fi = fr * x - fi * y + c[k], fr * y + fi * x
+    end
+    return fr, fi, gr, gi
+  end
+  for i = 1, #re do
+    local fr, fi, gr, gi = value(re[i], im[i])
+    local d = gr * gr + gi * gi
+    if d > 0 then
+      local x, y = re[i] - (fr * gr + fi * gi) / d, im[i] - (fi * gr - fr * gi) / d
+      local nr, ni = value(x, y)
+      if modulus(nr, ni) < modulus(fr, fi) then re[i], im[i] = x, y end
+    end
+  end
+end
+
+local function check_coefficients(c, what)
+  if type(c) ~= "table" or #c < 2 then error(what .. " takes a table of at least two coefficients { c0, c1, ... }", 0) end
+  for k, x in ipairs(c) do
+    if type(x) ~= "number" or not (abs(x) < huge) then error(("%s: coefficient %d must be a finite number"):format(what, k - 1), 0) end
+  end
+  local n = #c
+  while n > 1 and c[n] == 0 do n = n - 1 end
+  if n < 2 then error(what .. ": the polynomial is a constant", 0) end
+  return n
+end
+
+local doc_roots = [[
+dm.polynomial_roots{c0, c1, ..., cn} -> dm.vector, dm.vector
+Real and imaginary parts of the roots of c0 + c1 x + ... + cn x^n, as eigenvalues of its companion matrix, with a step of Newton.]]
+
+M.polynomial_roots = blame.caller(function(c)
+  local n = check_coefficients(c, "dm.polynomial_roots") - 1
+  local companion = core.matrix(n, n)
+  for i = 1, n do
+    companion[i][n] = -c[i] / c[n + 1]
+    if i < n then companion[i + 1][i] = 1 end
+  end
+  local re, im = companion:eigenvalues()
+  polish(table.move(c, 1, n + 1, 1, {}), re, im)
+  return re, im
+end)
+
+local CLOSE = 1e-6  -- roots nearer than this are one: a double root is known to the root of round-off
+
+local doc_recurrence = [[
+dm.recurrence{c0, c1, ..., cn} -> {stable, why, largest, re, im}
+The linear recurrence c0 x_k + c1 x_(k+1) + ... + cn x_(k+n) = 0 by its characteristic roots: bounded when none is outside the unit circle and
+none on it is double; the sentence `why` says which it is.]]
+
+M.recurrence = blame.caller(function(c)
+  check_coefficients(c, "dm.recurrence")
+  local re, im = M.polynomial_roots(c)
+  local largest, at = 0, 1
+  for i = 1, #re do
+    local m = modulus(re[i], im[i])
+    if m > largest then largest, at = m, i end
+  end
+  local double
+  for i = 1, #re do
+    for k = i + 1, #re do
+      if modulus(re[i] - re[k], im[i] - im[k]) < CLOSE and modulus(re[i], im[i]) > 1 - CLOSE then double = i end
+    end
+  end
+  local out = { largest = largest, re = re, im = im, stable = largest <= 1 + CLOSE and not double }
+  if largest > 1 + CLOSE then
+    out.why = ("unstable: the root %.6g%+.6gi has modulus %.6g and grows by that factor in every step"):format(re[at], im[at], largest)
+  elseif double then
+    out.why = ("not bounded: the root %.6g%+.6gi on the unit circle is double and grows in proportion to the steps"):format(re[double], im[double])
+  else
+    out.why = ("bounded: all %d roots are in the closed unit circle, those on it simple"):format(#re)
+  end
+  return out
+end)
+
+core.docs[M.amplification], core.docs[M.stability_limit] = doc_amplification, doc_limit
+core.docs[M.polynomial_roots], core.docs[M.recurrence] = doc_roots, doc_recurrence
+core.method("dm.system", "linearize", M.linearize, doc_linearize)
+core.method("dm.solver", "multipliers", M.multipliers, doc_multipliers)
+
+return M

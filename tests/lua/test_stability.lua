@@ -1,0 +1,114 @@
+-- dm.stability: limits against theory, classes by evidence, axes and parameters, pictures and files; then misuse
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sqrt, abs, huge = math.sqrt, math.abs, math.huge
+
+local function spring(k) return dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - k * q[1] ^ 2) / 2 end } end
+local function with(base, more)
+  local out = {}
+  for key, value in pairs(base) do out[key] = value end
+  for key, value in pairs(more) do out[key] = value end
+  return out
+end
+
+-- limits of the oscillator within a thousandth, by three ways to name a parameter
+local base = { system = spring, k = { 1e2, 1e6, 5, "log" }, h = { 1e-3, 1, 31, "log" }, q = { 1 }, v = { 0 }, steps = 2000 }
+local map = dm.stability(with(base, { rule = "verlet" }))
+for i, k in ipairs(map.k) do
+  near(map:limit(i) * sqrt(k), 2, 0.004, ("Verlet, k = %.0f: h omega = 2"):format(k))
+  near(map:theory(i) * sqrt(k), 2, 1e-5, "and so says the theory drawn beside it")
+end
+ok(#map.k == 5 and #map.h == 31 and #map.rows == 5 and map:limit { k = 1e2 } == map:limit(1), "axes, rows, a row by its value")
+local _, told = map:limit(1)
+ok(told:find "blow%-up from h = 0%.200", "the limit says what is beyond", told)
+map = dm.stability(with(base, { rules = { "yoshida(4)", "suzuki(4)", "midpoint", "gauss(2)", "trapezoidal" }, k = { 1e4 }, h = { 1e-3, 10, 61, "log" } }))
+near(map:limit { rule = "yoshida(4)" } * 100, 1.5734, 0.004, "Yoshida 4: the root of its trace, 1.5734")
+near(map:limit { rule = "suzuki(4)" } * 100, 2.7210, 0.004, "Suzuki 4")
+near(map:limit { rule = "trapezoidal" } * 100, 2, 0.004, "the trapezoidal discrete Lagrangian is Verlet")
+ok(map:limit { rule = "midpoint" } == huge and map:limit { rule = "gauss(2)" } == huge, "midpoint and Gauss: none up to h omega = 1000")
+local params = dm.system { Q = dm.R(1), params = { k = 1, m = 1 }, L = function(q, v, _, P) return (P.m * v[1] ^ 2 - P.k * q[1] ^ 2) / 2 end }
+map = params:stability { k = { 1, 4 }, m = { 0.25, 1 }, rule = "verlet", h = { 0.1, 10, 21, "log" }, q = { 1 }, p = { 0 }, t = 300 }
+for i, row in ipairs(map.rows) do
+  near(map:limit(i) * sqrt(row.values.k / row.values.m), 2, 0.01, ("two parameters of the system: k = %g, m = %g"):format(row.values.k, row.values.m))
+end
+ok(#map.rows == 4, "a row for each pair")
+
+-- classes, and why
+local cell = map:at({ k = 1, m = 1 }, 0.2)
+ok(cell.class == "bounded" and cell.k == 1 and cell.error > 0 and cell.error < 0.1, "bounded, with the energy error", cell.why)
+near(cell.error, 0.5 * (1 / (1 - cell.h ^ 2 / 4) - 1) * (1 - cell.h ^ 2 / 4), 0.01 * cell.error + 1e-12, "the energy error of Verlet on the oscillator, h^2/8")
+cell = dm.stability(with(base, { rule = "verlet", k = 1e6 })):at(1, 31)
+ok(cell.class == "blow-up" and cell.code == "not_finite" and cell.why:find "step %d+", "blow-up, with its step", cell.why)
+local weak = dm.stability { system = spring(1), rule = "verlet", h = 2.0001, q = { 1 }, v = { 0 }, steps = 2000, refine = false }:at(1, 1)
+local c = 2.0001 ^ 2 / 2 - 1
+near(weak.growth, (c + sqrt(c * c - 1)) ^ 2, 5e-4, "the energy of a weak instability grows by the square of the root")
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local orbit = { q = { 0.8, 0 }, v = { 0, sqrt(1.5) }, t = 400 }
+map = kepler:stability(with(orbit, { rules = { "verlet", "rk4" }, h = { 0.1 } }))
+ok(map:at({ rule = "verlet" }, 0.1).class == "bounded", "Kepler: Verlet is bounded", map:at({ rule = "verlet" }, 0.1).why)
+cell = map:at({ rule = "rk4" }, 0.1)
+local path = kepler:solver { rule = "rk4", h = 0.1 }:run(with(orbit, { every = 11 }))
+local drift = path:drift "energy"
+ok(cell.class == "drifting" and abs(cell.slope) > 5 * cell.slope_error, "rk4 drifts", cell.why)
+near(cell.slope, drift.per_time, 1e-12 * abs(drift.per_time), "by the slope that path:drift fits")
+map = kepler:stability(with(orbit, { rule = "verlet", h = { 0.1, 0.8, 8, "linear" }, inside = function(q) return 2 - q:norm() end, chaos = false }))
+ok(map:limit(1) < 0.8 and select(2, map:limit(1)):find "left", "an orbit that leaves the region that it should stay in", select(2, map:limit(1)))
+local henon = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - (q:dot(q) / 2 + q[1] ^ 2 * q[2] - q[2] ^ 3 / 3) end }
+map = henon:stability { y = { -0.016, 0.55 }, q = function(y) return { 0, y } end,
+  p = function(y) return { sqrt(2 * (0.125 - y ^ 2 / 2 + y ^ 3 / 3)), 0 } end, rule = "verlet", h = 0.1, t = 3000 }
+ok(map:at(1, 1).class == "chaotic" and map:at(1, 1).megno > 10, "Henon-Heiles at energy 1/8: a chaotic orbit", map:at(1, 1).why)
+ok(map:at(1, 2).class == "bounded" and abs(map:at(1, 2).megno - 2) < 0.3, "and a regular one, MEGNO 2", map:at(1, 2).megno)
+local lyapunov = henon:solver { rule = "verlet", h = 0.1 }:lyapunov { q = { 0, 0.55 }, p = { map:at(1, 2).y and sqrt(2 * (0.125 - 0.55 ^ 2 / 2 + 0.55 ^ 3 / 3)), 0 }, t = 3000, every = 469 }
+near(map:at(1, 2).exponent, lyapunov.exponent, 0.2 * lyapunov.exponent, "the exponent is that of solver:lyapunov")
+local cubic = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + q[1] ^ 3 end }
+map = cubic:stability { rule = "midpoint", h = { 0.01, 10, 31, "log" }, q = { 1 }, v = { 0 }, steps = 1, chaos = false }
+_, told = map:limit(1)
+ok(told:find "no convergence" and map:limit(1) < 10, "a step equation without a solution", told)
+local forced = dm.system { Q = dm.R(1), L = function(q, v, t) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 + q[1] * math.cos(t / 3) end }
+map = forced:stability { rule = "verlet", h = { 0.1, 10, 21, "log" }, q = { 1 }, v = { 0 }, steps = 500 }
+near(map:limit(1), 2, 0.04, "a system without a conserved energy: the size of the state")
+local rod = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return { q:dot(q) - 1 } end }
+map = rod:stability { rules = { "rattle", "gauss(2)" }, h = { 0.05, 6, 15, "log" }, q = { 1, 0 }, v = { 0, 0 }, steps = 200 }
+ok(map:limit(1) > 0.2 and map:limit(1) < 6, "RATTLE: too large a step has no multiplier", select(2, map:limit(1)))
+local linear = dm.system { Q = dm.R(2), L = function(q, v) return (q[1] * v[2] - q[2] * v[1]) / 2 - q:dot(q) / 2 end }
+map = linear:stability { rule = "degenerate(2)", h = { 0.1, 1 }, q = { 1, 0 }, steps = 100 }
+ok(map:limit(1) == huge and map:at(1, 1).class == "bounded", "L linear in v needs no velocity", tostring(map))
+
+-- told as text, file, picture
+map = dm.stability(with(base, { rule = "verlet" }))
+ok(tostring(map):find "155 cells" or tostring(map):find "bounded", "a map prints itself")
+ok(select(2, map:csv():gsub("\n", "")) == 156 and map:csv():find '"verlet",100', "a line of csv for every cell")
+ok(select(2, map:table(3):gsub("\n", "")) == 4, "a table of three rows", map:table(3))
+local png = os.tmpname() .. ".png"
+if pcall(map.plot, map, { file = png }) then
+  local f = io.open(png, "rb")
+  ok(f:read(8) == "\137PNG\r\n\26\n", "a picture")
+  f:close()
+  os.remove(png)
+end
+
+-- misuse
+local function given(more) return function() dm.stability(with(base, with({ rule = "verlet" }, more))) end end
+raises("give 'steps' or 't'", given { t = 1 })
+raises("'steps' must be a whole number", given { steps = 2.5 })
+raises("axis 'k' must be", given { k = { 1, 0, 5, "log" } })
+raises("the count must be a whole number", given { h = { 1, 2, 1, "log" } })
+raises("begins above 0", given { k = { -1, 2, 5, "log" } })
+raises("\"log\" or \"linear\" is needed", given { h = { 1, 2, 5, "cubic" } })
+raises("larger than the one before", given { h = { 1, 1 } })
+raises("at most two parameters", given { a = { 1 }, b = { 2 } })
+raises("parameter 'a' changes nothing", given { a = { 1 }, system = function(k) return spring(k) end })
+raises("option 'stepz' is not known", given { stepz = "x" })
+raises("its arguments must have their names", given { m = { 1 }, system = function(x) return spring(x) end })
+raises("must return a dm.system", given { system = function(k) return k end })
+raises("the system is missing", given { system = 3, k = nil })
+raises("give the start as q and v or as q and p", given { p = { 1 } })
+raises("rule 'verlett'", given { rule = "verlett" })
+raises("steps must be > 0", given { h = { -1, 1 } })
+raises("a function of (q, v, t, p)", given { watch = "energy" })
+raises("there are rows 1 to 5", map.limit, map, 9)
+raises("there are columns 1 to 31", map.at, map, 1, 99)
+raises("no row of rule 'rk4'", map.limit, map, { rule = "rk4" })
+raises("cannot be called 'table'", given { table = { 1 } })
+tap.done()
