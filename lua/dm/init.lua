@@ -16,6 +16,7 @@ local lazy = {
   recurrence = "dm.linear_stability",
   animate = "dm.animate",
   demo = "dm.demo",
+  action = "dm.action",
   help = "dm.help",
   apropos = "dm.help",
   who = "dm.help",
@@ -24,7 +25,7 @@ local lazy = {
 
 -- modules that add methods to classes of the core
 local extensions = { "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
-  "dm.routh_methods", "dm.stability", "dm.linear_stability",
+  "dm.routh_methods", "dm.stability", "dm.linear_stability", "dm.group",
 }
 
 local dm = {}

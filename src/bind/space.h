@@ -5,13 +5,24 @@
 #include "action/momentum.h"
 #include "bind/bind.h"
 
+/* user values: 1, of a product: its factors; 2, of a semidirect product: how the first moves
+ * the second, or nil */
 typedef struct {
     const dm_space *row;
-    uint32_t n;
+    uint32_t n; /* of a product: its dimension */
+    int chart;  /* of the row, or of all factors */
 } dml_space;
+enum { DML_SPACE_PARTS = 1, DML_SPACE_ACTION };
 
 /* The space at stack index arg; raises when it is none. */
 const dml_space *dml_checkspace(lua_State *L, int arg);
+
+/* dm.product(G, H, ...) and dm.semidirect(G, V [, action]) */
+int dml_product(lua_State *L);
+int dml_semidirect(lua_State *L);
+
+/* Push a space with no parts yet. */
+dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n);
 
 /* The standard action of the group at `arg` on n coordinates; the block may be given by
  *field

@@ -22,6 +22,8 @@ const dm_space dm_space_rn = {
            "translation; "
            "its momentum is the sum of the momenta of the blocks.",
     .least = 1,
+    .most = DM_LARGEST_SPACE,
+    .multiple = 1,
     .chart = 1,
     .dimension = dimension,
     .acts = acts,

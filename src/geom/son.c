@@ -38,6 +38,8 @@ const dm_space dm_space_son = {
            "of q x p, of "
            "SO(2) the sum of q1 p2 - q2 p1.",
     .least = 2,
+    .most = DM_LARGEST_GROUP,
+    .multiple = 1,
     .chart = 0,
     .dimension = dimension,
     .acts = acts,

@@ -8,8 +8,11 @@ typedef struct {
     const char *name;      /* "R" */
     const char *signature; /* "R(n)", as help prints it */
     const char *doc;       /* what it is, coordinates, standard action */
-    uint32_t least;        /* smallest n */
+    uint32_t least, most;  /* smallest and largest n */
+    uint32_t multiple;     /* n is a multiple of it */
+    uint32_t usual;        /* n when it is left out; 0: it must be given */
     int chart;             /* 1: coordinates are free numbers, a system can live on it */
+    int sphere; /* 1: unit vectors of R^(n+1), a system lives on it by a constraint */
     uint32_t (*dimension)(uint32_t n);
     /* Standard action on vectors of `block` entries: out[block] = xi_a(x), the
     *infinitesimal
@@ -19,6 +22,9 @@ typedef struct {
     void (*generator)(double *out, const double *x, uint32_t n, uint32_t block,
                       uint32_t a);
 } dm_space;
+
+/* n of matrix groups: a block of coordinates holds a vector that they act on */
+enum { DM_LARGEST_SPACE = 100000, DM_LARGEST_GROUP = 64 };
 
 #define X(name) extern const dm_space dm_space_##name;
 #include "geom/spaces.def"

@@ -22,6 +22,8 @@ const dm_space dm_space_torus = {
            "differences stay "
            "small; it acts on blocks of n angles by addition.",
     .least = 1,
+    .most = DM_LARGEST_SPACE,
+    .multiple = 1,
     .chart = 1,
     .dimension = dimension,
     .acts = acts,

@@ -1,0 +1,186 @@
+--- What every group has in common. A kit is a table of functions of elements and algebra vectors that were checked; each
+-- group's file gives its own closed forms, and `complete` derives what it left out.
+local core = require "dm.core"
+local linear = require "dm.group.linear"
+
+local M = {}
+
+local abs = math.abs
+
+local function class_of(x)
+  if type(x) ~= "userdata" then return type(x) end
+  local meta = getmetatable(x)
+  return type(meta) == "table" and meta.__name or "userdata"
+end
+M.class_of = class_of
+
+local SCALARS = { number = true, ["dm.symbol"] = true, ["dm.hyperdual"] = true }
+function M.is_scalar(x) return SCALARS[class_of(x)] or false end
+
+--- x as a vector of n entries; a bare number will do where n is 1.
+function M.vector(x, n, what)
+  local class, length = class_of(x), nil
+  if SCALARS[class] then
+    x, length = { x }, 1
+  elseif class == "dm.vector" or class == "table" then
+    length = #x
+  end
+  if not length then error(("%s must be a vector of %d entries (got %s)"):format(what, n, class), 0) end
+  if length ~= n then error(("%s must have %d entries (got %d)"):format(what, n, length), 0) end
+  return core.vector(x)
+end
+
+--- x as a number or symbol; a vector of one entry will do.
+function M.scalar(x, what)
+  if SCALARS[class_of(x)] then return x end
+  return M.vector(x, 1, what)[1]
+end
+
+--- x as an n x n matrix.
+function M.matrix(x, n, what)
+  local class = class_of(x)
+  if class ~= "dm.matrix" and class ~= "table" then
+    error(("%s must be a matrix of %d x %d (got %s)"):format(what, n, n, class), 0)
+  end
+  if class == "table" then
+    local fine, m = pcall(core.matrix, x)
+    if not fine then error(("%s must be a matrix of %d x %d: %s"):format(what, n, n, m), 0) end
+    x = m
+  end
+  if x.rows ~= n or x.columns ~= n then
+    error(("%s must be a matrix of %d x %d (got %d x %d)"):format(what, n, n, x.rows, x.columns), 0)
+  end
+  return x
+end
+
+--- Euclidean norm of a list, without underflow.
+function M.norm(list) return core.vector(list):norm() end
+
+function M.unit(n, k)
+  local out = {}
+  for i = 1, n do out[i] = i == k and 1 or 0 end
+  return core.vector(out)
+end
+
+--- The matrix of a linear map on vectors of n entries.
+function M.matrix_of(f, n)
+  local columns = {}
+  for k = 1, n do columns[k] = f(M.unit(n, k)) end
+  return linear.fill(n, n, function(i, j) return columns[j][i] end)
+end
+
+--- n numbers, normal with that deviation, of place i of a dm.random.
+function M.normals(stream, i, n, deviation)
+  local out = {}
+  for k = 1, n do out[k] = stream:normal(i, k - 1, 0, deviation) end
+  return core.vector(out)
+end
+
+-- the entries of a and of its differential are lists; T(compose) by the graph where no closed form is given
+local function tangents(kit)
+  local entries, rebuild, slopes = kit.entries, kit.rebuild, {}
+  local function slope(name, compose)
+    if not slopes[name] then
+      local n = #entries(kit.identity())
+      slopes[name] = core.derivative(function(g, h) return core.vector(entries(compose(rebuild(g), rebuild(h)))) end, n, n)
+    end
+    return slopes[name]
+  end
+  local function along(name, compose, g, h, w)
+    local a, b, c = entries(g), entries(h), entries(w)
+    local J, n, out = slope(name, compose)(core.vector(a), core.vector(b)), #b, {}
+    for i = 1, n do
+      local sum = 0
+      for k = 1, n do sum = sum + J[i][n + k] * c[k] end
+      out[i] = sum
+    end
+    return rebuild(out)
+  end
+  kit.left_tangent = kit.left_tangent or function(g, h, w) return along("left", kit.compose, g, h, w) end
+  kit.right_tangent = kit.right_tangent or function(g, h, w)
+    return along("right", function(a, b) return kit.compose(b, a) end, g, h, w)
+  end
+end
+
+-- differential of exp and of the coadjoint action from ad and Ad
+local function differentials(kit)
+  local r = kit.dimension
+  local function phi(xi) return linear.phi(M.matrix_of(function(eta) return kit.ad(xi, eta) end, r)) end
+  kit.dexp = kit.dexp or function(xi, eta) return phi(xi) * eta end
+  kit.dexpinv = kit.dexpinv or function(xi, eta) return phi(xi):solve(eta) end
+  kit.coAd = kit.coAd or function(g, mu)
+    local inverse = kit.inverse(g)
+    return M.matrix_of(function(xi) return kit.Ad(inverse, xi) end, r):transpose() * mu
+  end
+  kit.coad = kit.coad or function(xi, mu)
+    return M.matrix_of(function(eta) return kit.ad(xi, eta) end, r):transpose() * mu
+  end
+end
+
+local UNREACHED = 1e12  -- entries of 2 (g - 1)(g + 1)^-1 that are nothing but round-off
+
+-- what a matrix group's Cayley map is: x = hat(xi), (1 - x/2)^-1 (1 + x/2), with the differential (1 - x/2)^-1 y (1 + x/2)^-1
+local function cayley_of_matrices(kit)
+  if not (kit.hat and kit.vee) or kit.no_cayley then return end
+  local one = core.identity(kit.hat(core.zeros(kit.dimension)).rows)
+  local function half(xi) return kit.hat(xi) * 0.5 end
+  kit.cayley = kit.cayley or function(xi)
+    local x = half(xi)
+    return kit.from_matrix((one - x):solve(one + x))
+  end
+  kit.cayleyinv = kit.cayleyinv or function(g)
+    local m = kit.matrix(g)
+    local fine, x = pcall(m.solve, m + one, m - one)
+    if not fine or linear.is_plain(x) and linear.size(x) > UNREACHED then error("the Cayley map does not reach this element: -1 is one of its eigenvalues", 0) end
+    return kit.vee(x * 2)
+  end
+  kit.dcay = kit.dcay or function(xi, eta)
+    local x = half(xi)
+    return kit.vee((one - x):solve(kit.hat(eta)) * (one + x):inverse())
+  end
+  kit.dcayinv = kit.dcayinv or function(xi, eta)
+    local x = half(xi)
+    return kit.vee((one - x) * kit.hat(eta) * (one + x))
+  end
+end
+
+local function list_of(x)
+  local out = {}
+  for i = 1, #x do out[i] = x[i] end
+  return out
+end
+
+--- Derive from what a kit has (identity, compose, inverse, exp, log, Ad, ad, entries, rebuild ...) what it has not.
+function M.complete(kit)
+  kit.entries = kit.entries or list_of
+  kit.rebuild = kit.rebuild or core.vector
+  kit.flat, kit.unflat = kit.flat or kit.entries, kit.unflat or kit.rebuild
+  kit.bonds = kit.bonds or function() return {} end
+  kit.coordinates = kit.coordinates or #kit.flat(kit.identity())
+  kit.sample = kit.sample or function(stream, i) return kit.exp(M.normals(stream, i, kit.dimension, 1)) end
+  kit.distance = kit.distance or function(a, b) return M.norm(kit.log(kit.compose(kit.inverse(a), b))) end
+  kit.project = kit.project or function(g) return g end
+  kit.defect = kit.defect or function() return 0 end
+  kit.from_matrix = kit.from_matrix or function(m) return m end
+  kit.turns = kit.turns or function() return {} end
+  kit.near = kit.near or kit.exp  -- touches exp at 0, for derivatives there
+  kit.left = kit.compose
+  function kit.right(g, h) return kit.compose(h, g) end
+  differentials(kit)
+  tangents(kit)
+  cayley_of_matrices(kit)
+  return kit
+end
+
+--- Is every entry of the list a finite number (or a symbol)?
+function M.is_finite(list)
+  for i = 1, #list do
+    local x = list[i]
+    if type(x) == "number" and not (abs(x) < math.huge) then return false end
+  end
+  return true
+end
+
+M.list_of = list_of
+
+return M

@@ -1,0 +1,204 @@
+--- Matrix functions for the groups, over numbers, symbols and hyper-dual numbers: exponential and its differential, principal
+-- logarithm, nearest orthogonal and symplectic matrix.
+local core = require "dm.core"
+
+local M = {}
+
+local abs, ceil = math.abs, math.ceil
+
+--- Are all entries of a plain numbers?
+function M.is_plain(a)
+  for i = 1, a.rows do
+    for j = 1, a.columns do
+      if type(a[i][j]) ~= "number" then return false end
+    end
+  end
+  return true
+end
+
+--- Largest row sum of |a_ij|, numbers only.
+function M.size(a)
+  local largest = 0
+  for i = 1, a.rows do
+    local row, sum = a[i], 0
+    for j = 1, a.columns do sum = sum + abs(row[j]) end
+    if not (sum <= largest) then largest = sum end
+  end
+  return largest
+end
+
+--- The matrix with the entry f(i, j).
+function M.fill(rows, columns, f)
+  local out = {}
+  for i = 1, rows do
+    local row = {}
+    for j = 1, columns do row[j] = f(i, j) end
+    out[i] = row
+  end
+  return core.matrix(out)
+end
+
+--- Blocks {{A, B}, {C, D}} of one size as one matrix; 0 for a block of zeros.
+function M.blocks(given)
+  local n
+  for _, row in ipairs(given) do
+    for _, block in ipairs(row) do n = type(block) ~= "number" and block.rows or n end
+  end
+  return M.fill(n * #given, n * #given[1], function(i, j)
+    local block = given[(i - 1) // n + 1][(j - 1) // n + 1]
+    if type(block) == "number" then return 0 end
+    return block[(i - 1) % n + 1][(j - 1) % n + 1]
+  end)
+end
+
+-- halvings that bring the matrix below 1/2; of symbols, whose size is not known, so many that it may be up to 2^4 exactly
+local SYMBOL_HALVINGS = 5
+local function halvings(a)
+  if not M.is_plain(a) then return SYMBOL_HALVINGS end
+  local size = M.size(a)
+  if not (size < 2 ^ 20) then error(("the exponential of a matrix of size %g is out of reach"):format(size), 0) end
+  return size > 0.5 and ceil(math.log(2 * size, 2)) or 0
+end
+
+-- sum_k z^k/(k + 1)!, k <= 15, by powers of z^4
+local weights = {}
+do
+  local factorial = 1
+  for k = 0, 15 do
+    weights[k] = 1 / factorial
+    factorial = factorial * (k + 2)
+  end
+end
+local function phi_series(z)
+  local one, z2 = core.identity(z.rows), z * z
+  local z3, z4 = z2 * z, z2 * z2
+  local sum
+  for k = 12, 0, -4 do
+    local block = one * weights[k] + z * weights[k + 1] + z2 * weights[k + 2] + z3 * weights[k + 3]
+    sum = sum and sum * z4 + block or block
+  end
+  return sum
+end
+
+--- phi(A) = sum_k A^k/(k + 1)! = (exp A - 1)/A: phi(2z) = phi(z) + z phi(z)^2/2.
+function M.phi(a)
+  local s = halvings(a)
+  local z = a * 0.5 ^ s
+  local phi = phi_series(z)
+  for _ = 1, s do
+    phi = phi + z * (phi * phi) * 0.5
+    z = z * 2
+  end
+  return phi
+end
+
+--- exp A; F = exp z - 1 is doubled by 2F + F^2, which keeps the digits of F near the identity.
+function M.exp(a)
+  local s = halvings(a)
+  local z = a * 0.5 ^ s
+  local f = z * phi_series(z)
+  for _ = 1, s do f = f * 2 + f * f end
+  return core.identity(a.rows) + f
+end
+
+-- the square root of A by Denman and Beavers' product iteration with Byers' scaling where sizes are known
+local function square_root(a, plain)
+  local one = core.identity(a.rows)
+  local m, x = a, a
+  for _ = 1, plain and 60 or 9 do
+    local inverse = m:inverse()
+    if plain then
+      local distance = M.size(m - one)
+      if distance < 1e-15 * a.rows then break end
+      if distance > 1 then
+        local scale = abs(m:det()) ^ (-0.5 / a.rows)
+        x, m, inverse = x * scale, m * scale ^ 2, inverse * scale ^ -2
+      end
+    end
+    x = (x + x * inverse) * 0.5
+    m = (one + (m + inverse) * 0.5) * 0.5
+  end
+  return x
+end
+
+local function refuse_negative(a)
+  local re, im = a:eigenvalues()
+  for i = 1, #re do
+    if abs(im[i]) <= 1e-8 * (abs(re[i]) + abs(im[i])) and re[i] <= 0 then
+      error(("the matrix has no principal logarithm: %g is one of its eigenvalues"):format(re[i]), 0)
+    end
+  end
+end
+
+-- 2 atanh(Z), Z = (A - 1)/(A + 1), for A near 1
+local function near_log(a, terms)
+  local one = core.identity(a.rows)
+  local z = (a + one):solve(a - one)
+  local square, sum = z * z, one * (1 / (2 * terms + 1))
+  for k = terms - 1, 0, -1 do sum = sum * square + one * (1 / (2 * k + 1)) end
+  return z * sum * 2
+end
+
+local SYMBOL_ROOTS = 3
+
+--- The principal logarithm, by square roots until A is near 1. Symbols: three roots, for matrices whose eigenvalues are not
+-- near the negative axis.
+function M.log(a)
+  local plain = M.is_plain(a)
+  local one, roots = core.identity(a.rows), 0
+  if plain then
+    refuse_negative(a)
+    while M.size(a - one) > 0.15 do a, roots = square_root(a, true), roots + 1 end
+    return near_log(a, 7) * 2.0 ^ roots
+  end
+  for _ = 1, SYMBOL_ROOTS do a = square_root(a, false) end
+  return near_log(a, 12) * 2.0 ^ SYMBOL_ROOTS
+end
+
+-- x -> (x + dual(x))/2 until it stays: Newton's method for a matrix with x = dual(x)
+local function average(x, dual, what)
+  local plain = M.is_plain(x)
+  for i = 1, plain and 100 or 8 do
+    local fine, other = pcall(dual, x)
+    if not fine then error(("there is no nearest %s matrix: %s"):format(what, other), 0) end
+    local y = (x + other) * 0.5
+    if plain and M.size(y - x) <= 1e-15 * M.size(x) then return y end
+    if plain and i == 100 then error(("no nearest %s matrix was found"):format(what), 0) end
+    x = y
+  end
+  return x
+end
+
+--- The nearest orthogonal matrix, of positive determinant (the polar factor).
+function M.nearest_rotation(a)
+  if M.is_plain(a) and not (a:det() > 0) then
+    error(("there is no single nearest rotation: the determinant is %g, not positive"):format(a:det()), 0)
+  end
+  return average(a, function(x) return x:inverse():transpose() end, "orthogonal")
+end
+
+--- A symplectic matrix near a: x = J^-1 x^-T J.
+function M.near_symplectic(a, J)
+  return average(a, function(x) return J:transpose() * x:inverse():transpose() * J end, "symplectic")
+end
+
+--- J of R^(2k), x = (q, p).
+function M.symplectic_unit(n)
+  local k = n // 2
+  return M.fill(n, n, function(i, j) return j == i + k and 1 or i == j + k and -1 or 0 end)
+end
+
+--- Largest |a_ij|.
+function M.largest(a)
+  local most = 0
+  for i = 1, a.rows do
+    for j = 1, a.columns do
+      local x = abs(a[i][j])
+      if not (x <= most) then most = x end
+    end
+  end
+  return most
+end
+
+
+return M

@@ -1,0 +1,45 @@
+--- Groups of n x n matrices: what they share, given hat, vee and what is special about them.
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+local linear = require "dm.group.linear"
+
+local M = {}
+
+local function entries(m)
+  local out = {}
+  for i = 1, m.rows do
+    for j = 1, m.columns do out[#out + 1] = m[i][j] end
+  end
+  return out
+end
+
+-- Frobenius norm of a - b
+local function separation(a, b) return kits.norm(entries(a - b)) end
+
+--- Complete a kit of n x n matrices: elements are these matrices.
+function M.complete(kit, n)
+  kit.identity = kit.identity or function() return core.identity(n) end
+  kit.element = kit.element or function(g) return kits.matrix(g, n, "the group element") end
+  kit.compose = kit.compose or function(a, b) return a * b end
+  kit.inverse = kit.inverse or function(g) return g:inverse() end
+  kit.exp = kit.exp or function(xi) return linear.exp(kit.hat(xi)) end
+  kit.near = function(xi) return core.identity(n) + kit.hat(xi) end
+  kit.log = kit.log or function(g) return kit.vee(linear.log(g)) end
+  kit.Ad = kit.Ad or function(g, xi) return kit.vee(g * kit.hat(xi) * kit.inverse(g)) end
+  kit.ad = kit.ad or function(xi, eta)
+    local x, y = kit.hat(xi), kit.hat(eta)
+    return kit.vee(x * y - y * x)
+  end
+  kit.matrix = kit.matrix or function(g) return g end
+  kit.entries = entries
+  kit.rebuild = function(list) return linear.fill(n, n, function(i, j) return list[(i - 1) * n + j] end) end
+  kit.left_tangent = function(g, _, w) return g * w end
+  kit.right_tangent = function(g, _, w) return w * g end
+  kit.distance = kit.distance or separation
+  kit.raw = function(m) return kits.matrix(m, n, "the matrix") end
+  return kits.complete(kit)
+end
+
+M.entries = entries
+
+return M

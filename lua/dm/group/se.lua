@@ -1,0 +1,129 @@
+--- SE(n), n >= 3: matrices {{R, a}, {0, 1}}. Algebra: n translations, then the rotations of SO(n). Flat coordinates: those of
+-- R in SO(n), then a.
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+local linear = require "dm.group.linear"
+local matrices = require "dm.group.matrices"
+local smooth = require "dm.group.smooth"
+local so = require "dm.group.so"
+local so3 = require "dm.group.so3"
+
+local M = {}
+
+local function rotation(g, n) return linear.fill(n, n, function(i, j) return g[i][j] end) end
+local function shift(g, n)
+  local out = {}
+  for i = 1, n do out[i] = g[i][n + 1] end
+  return core.vector(out)
+end
+local function joined(R, a)
+  local n = #a
+  return linear.fill(n + 1, n + 1, function(i, j)
+    if i > n then return j > n and 1 or 0 end
+    return j > n and a[i] or R[i][j]
+  end)
+end
+
+local function sequence(a, b)
+  local out = kits.list_of(a)
+  for i = 1, #b do out[#out + 1] = b[i] end
+  return out
+end
+
+-- what is the same in all dimensions; `turns` is the kit of SO(n)
+local function common(n, turns)
+  local kit = { dimension = n + turns.dimension }
+  function kit.hat(xi)
+    local out = so.hat(xi, n, n + 1, n)
+    for i = 1, n do out[i][n + 1] = xi[i] end
+    return core.matrix(out)
+  end
+  function kit.vee(m) return core.vector(sequence(shift(m, n), so.vee(m, n))) end
+  function kit.inverse(g)
+    local R = rotation(g, n):transpose()
+    return joined(R, -(R * shift(g, n)))
+  end
+  function kit.flat(g) return sequence(turns.flat(rotation(g, n)), shift(g, n)) end
+  function kit.unflat(list)
+    local k = turns.coordinates
+    local a = {}
+    for i = 1, n do a[i] = list[k + i] end
+    return joined(turns.unflat(list), core.vector(a))
+  end
+  function kit.bonds(list) return turns.bonds(list) end
+  function kit.project(m) return joined(linear.nearest_rotation(rotation(m, n)), shift(m, n)) end
+  function kit.defect(g)
+    local worst, why = so.defect(g, n)
+    for j = 1, n + 1 do worst = math.max(worst, math.abs(g[n + 1][j] - (j > n and 1 or 0))) end
+    return worst, why
+  end
+  function kit.sample(stream, i)
+    local a = {}
+    for k = 1, n do a[k] = stream:normal(i, n * n + k) end
+    return joined(turns.sample(stream, i), core.vector(a))
+  end
+  function kit.distance(a, b)
+    local g = kit.compose(kit.inverse(a), b)
+    return kits.norm(kit.log(g))
+  end
+  return kit
+end
+
+-- (v, omega) of an algebra vector of SE(3)
+local function parts(xi) return core.vector { xi[1], xi[2], xi[3] }, core.vector { xi[4], xi[5], xi[6] } end
+
+-- the blocks of phi(ad xi) = {{P, Q}, {0, P}}, P = 1 + c2 W + c3 W^2, and Q its derivative along hat(v): with t = |omega|^2,
+-- dt = 2 omega . v, dc2/dt = (2 c4 - c3)/2, dc3/dt = (3 c5 - c4)/2
+local function blocks(xi)
+  local v, omega = parts(xi)
+  local t, dt, c = omega:dot(omega), 2 * omega:dot(v), {}
+  for k = 2, 5 do c[k] = smooth.stumpff_circular(k, t) end
+  local W, V = so3.hat(omega), so3.hat(v)
+  local Q = V * c[2] + (W * V + V * W) * c[3] + W * (0.5 * dt * (2 * c[4] - c[3])) + W * W * (0.5 * dt * (3 * c[5] - c[4]))
+  return so3.combine(W, c[2], c[3]), Q
+end
+
+local function three()
+  local kit = common(3, so3.kit())
+  function kit.exp(xi)
+    local v, omega = parts(xi)
+    return joined(so3.exp(omega), so3.dexp(omega) * v)
+  end
+  function kit.log(g)
+    local omega = so3.log(rotation(g, 3))
+    return core.vector(sequence(so3.dexpinv(omega) * shift(g, 3), omega))
+  end
+  -- Ad (v, omega) = (R v + a x R omega, R omega)
+  function kit.Ad(g, xi)
+    local v, omega = parts(xi)
+    local R = rotation(g, 3)
+    local turned = R * omega
+    return core.vector(sequence(R * v + shift(g, 3):cross(turned), turned))
+  end
+  function kit.ad(xi, eta)
+    local v, omega = parts(xi)
+    local w, nu = parts(eta)
+    return core.vector(sequence(omega:cross(w) + v:cross(nu), omega:cross(nu)))
+  end
+  function kit.dexp(xi, eta)
+    local P, Q = blocks(xi)
+    local w, nu = parts(eta)
+    return core.vector(sequence(P * w + Q * nu, P * nu))
+  end
+  function kit.dexpinv(xi, eta)
+    local _, Q = blocks(xi)
+    local _, omega = parts(xi)
+    local w, nu = parts(eta)
+    local back = so3.dexpinv(omega)
+    local turned = back * nu
+    return core.vector(sequence(back * (w - Q * turned), turned))
+  end
+  return matrices.complete(kit, 4)
+end
+
+function M.kit(n)
+  if n == 3 then return three() end
+  return matrices.complete(common(n, so.kit(n)), n + 1)
+end
+
+return M

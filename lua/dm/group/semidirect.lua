@@ -1,0 +1,136 @@
+--- Semidirect products: lists {g, v} with (g, v)(h, w) = (g h, v + g w). Algebra: that of G, then V.
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+local linear = require "dm.group.linear"
+local product = require "dm.group.product"
+
+local M = {}
+
+local function split(xi, r)
+  local n = #xi
+  local a, b = {}, {}
+  for i = 1, r do a[i] = xi[i] end
+  for i = r + 1, n do b[i - r] = xi[i] end
+  return core.vector(a), core.vector(b)
+end
+
+local function joined(a, b)
+  local out = kits.list_of(a)
+  for i = 1, #b do out[#out + 1] = b[i] end
+  return core.vector(out)
+end
+
+-- the standard action of G on V: matrix times vector
+local function matrix_action(part, n, name)
+  local m = part.matrix(part.identity())
+  if m.rows ~= n then
+    error(("dm.semidirect: %s has matrices of %d x %d and does not act on R^%d: give the action as a function of (g, v)")
+      :format(name, m.rows, m.columns, n), 0)
+  end
+  return function(g, v) return part.matrix(g) * v end
+end
+
+-- matrices E_a of the derivative of the action along the algebra: E_a v = d/dt (exp(t e_a) v)
+local function slopes(part, act, n)
+  local r = part.dimension
+  local slope = core.derivative(function(xi, v) return core.vector(act(part.exp(xi), v)) end, r, n)
+  local columns = {}
+  for j = 1, n do columns[j] = slope(core.zeros(r), kits.unit(n, j)) end
+  local out = {}
+  for a = 1, r do out[a] = linear.fill(n, n, function(i, j) return columns[j][i][a] end) end
+  return out
+end
+
+-- the action must be linear in v and one of the group
+local function check(part, act, n)
+  local stream = core.random(5)
+  local g, h = part.sample(stream, 0), part.sample(stream, 1)
+  local v, w = kits.normals(stream, 2, n, 1), kits.normals(stream, 3, n, 1)
+  local function image(a, x) return kits.vector(act(a, x), n, "what the action of dm.semidirect returns") end
+  local linear_defect = (image(g, v + w * 2) - image(g, v) - image(g, w) * 2):norm()
+  local group_defect = (image(part.compose(g, h), v) - image(g, image(h, v))):norm()
+  local scale = 1e-9 * (1 + image(g, image(h, v)):norm() + image(g, v + w * 2):norm())
+  if not (linear_defect <= scale) then
+    error(("dm.semidirect: the action is not linear in v (by %g at a random point)"):format(linear_defect), 0)
+  end
+  if not (group_defect <= scale) then
+    error(("dm.semidirect: g(h v) is not (g h) v (by %g at a random point)"):format(group_defect), 0)
+  end
+end
+
+local function algebra(kit, part, rate)
+  local r = part.dimension
+  local function phi(x) return linear.phi(rate(x)) end
+  function kit.exp(xi)
+    local x, u = split(xi, r)
+    return { part.exp(x), phi(x) * u }
+  end
+  function kit.near(xi)
+    local x, u = split(xi, r)
+    return { part.near(x), u }
+  end
+  function kit.log(g)
+    local x = part.log(g[1])
+    return joined(x, phi(x):solve(g[2]))
+  end
+  function kit.ad(xi, eta)
+    local x, u = split(xi, r)
+    local y, w = split(eta, r)
+    return joined(part.ad(x, y), rate(x) * w - rate(y) * u)
+  end
+end
+
+-- homogeneous matrices {{g, v}, {0, 1}}, where g acts by its matrix
+local function matrix_maps(kit, part, n)
+  local function corner(m, v, last)
+    return linear.fill(n + 1, n + 1, function(i, j)
+      if i > n then return j > n and last or 0 end
+      return j > n and v[i] or m[i][j]
+    end)
+  end
+  local function block(m) return linear.fill(n, n, function(i, j) return m[i][j] end) end
+  local function column(m) return m:column(n + 1):slice(1, n) end
+  function kit.matrix(g) return corner(part.matrix(g[1]), g[2], 1) end
+  function kit.hat(xi)
+    local x, u = split(xi, part.dimension)
+    return corner(part.hat(x), u, 0)
+  end
+  function kit.vee(m) return joined(part.vee(block(m)), column(m)) end
+  function kit.from_matrix(m) return { part.from_matrix(block(m)), column(m) } end
+  kit.no_cayley = part.no_cayley
+end
+
+--- part, space: kits of G and V; given: the action, or nil.
+function M.kit(part, space, given, name)
+  local n, r = space.dimension, part.dimension
+  local act = given or matrix_action(part, n, name)
+  check(part, act, n)
+  local E = slopes(part, act, n)
+  local function rate(x)
+    local sum = E[1] * x[1]
+    for a = 2, r do sum = sum + E[a] * x[a] end
+    return sum
+  end
+  local function move(g, v) return core.vector(act(g, v)) end
+  local kit = product.kit { part, space }
+  for _, key in ipairs { "Ad", "coAd", "coad", "dexp", "dexpinv", "cayley", "cayleyinv", "dcay", "dcayinv", "matrix", "hat", "vee",
+    "left_tangent", "right_tangent", "distance", "from_matrix" } do
+    kit[key] = nil
+  end
+  algebra(kit, part, rate)
+  function kit.compose(a, b) return { part.compose(a[1], b[1]), a[2] + move(a[1], b[2]) } end
+  function kit.inverse(g)
+    local back = part.inverse(g[1])
+    return { back, -move(back, g[2]) }
+  end
+  function kit.Ad(g, xi)
+    local x, u = split(xi, r)
+    local turned = part.Ad(g[1], x)
+    return joined(turned, move(g[1], u) - rate(turned) * g[2])
+  end
+  kit.no_cayley = true
+  if not given then matrix_maps(kit, part, n) end
+  return kits.complete(kit)
+end
+
+return M

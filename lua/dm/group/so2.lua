@@ -1,0 +1,113 @@
+--- SO(2): angles in rad; and T(n), n of them.
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+
+local M = {}
+
+local pi = math.pi
+
+--- The angle between -pi and pi.
+function M.principal(x)
+  if type(x) ~= "number" then return core.atan(core.sin(x), core.cos(x)) end
+  if x > -pi and x <= pi then return x end
+  local y = math.fmod(x, 2 * pi)
+  if y > pi then return y - 2 * pi end
+  return y <= -pi and y + 2 * pi or y
+end
+
+-- rotations of the planes (1, 2), (3, 4) ...
+local function rotations(angles)
+  local n = #angles
+  local out = core.zeros(2 * n, 2 * n):totable()
+  for k = 1, n do
+    local c, s = core.cos(angles[k]), core.sin(angles[k])
+    local i, j = 2 * k - 1, 2 * k
+    out[i][i], out[i][j], out[j][i], out[j][j] = c, -s, s, c
+  end
+  return core.matrix(out)
+end
+
+local function of_entries(f)
+  return function(x) return core.vector(x):map(f) end
+end
+
+-- what of a vector of angles is the same for one
+local function abelian(n)
+  local kit = { dimension = n }
+  kit.exp = core.vector
+  kit.log = of_entries(M.principal)
+  function kit.Ad(_, xi) return xi end
+  function kit.ad() return core.zeros(n) end
+  function kit.coAd(_, mu) return mu end
+  function kit.dexp(_, eta) return eta end
+  kit.dexpinv = kit.dexp
+  kit.cayley = of_entries(function(x) return 2 * core.atan(0.5 * x) end)
+  kit.cayleyinv = of_entries(function(x) return 2 * core.tan(0.5 * x) end)
+  function kit.dcay(xi, eta) return core.vector(eta):map(function(y, k) return y / (1 + 0.25 * xi[k] * xi[k]) end) end
+  function kit.dcayinv(xi, eta) return core.vector(eta):map(function(y, k) return y * (1 + 0.25 * xi[k] * xi[k]) end) end
+  function kit.hat(xi)
+    local out = core.zeros(2 * n, 2 * n):totable()
+    for k = 1, n do out[2 * k - 1][2 * k], out[2 * k][2 * k - 1] = -xi[k], xi[k] end
+    return core.matrix(out)
+  end
+  function kit.vee(m)
+    local out = {}
+    for k = 1, n do out[k] = 0.5 * (m[2 * k][2 * k - 1] - m[2 * k - 1][2 * k]) end
+    return core.vector(out)
+  end
+  function kit.from_matrix(m)
+    local out = {}
+    for k = 1, n do out[k] = core.atan(m[2 * k][2 * k - 1], m[2 * k - 1][2 * k - 1]) end
+    return core.vector(out)
+  end
+  function kit.sample(stream, i)
+    local out = {}
+    for k = 1, n do out[k] = stream:uniform(i, k - 1, -pi, pi) end
+    return core.vector(out)
+  end
+  return kit
+end
+
+--- T(n): vectors of angles.
+function M.torus(n)
+  local kit = abelian(n)
+  function kit.identity() return core.zeros(n) end
+  function kit.element(g) return kits.vector(g, n, "the group element") end
+  function kit.compose(a, b) return a + b end
+  function kit.inverse(g) return -g end
+  kit.matrix = rotations
+  kit.project = kit.log
+  kit.raw = kit.element
+  function kit.turns()
+    local out = {}
+    for k = 1, n do out[k] = kits.unit(n, k) * (2 * pi) end
+    return out
+  end
+  return kits.complete(kit)
+end
+
+--- SO(2): one angle, a bare number.
+function M.kit()
+  local kit = abelian(1)
+  local exp, log, cayley, sample = kit.exp, kit.log, kit.cayley, kit.sample
+  function kit.identity() return 0 end
+  function kit.element(g) return kits.scalar(g, "the group element") end
+  function kit.compose(a, b) return a + b end
+  function kit.inverse(g) return -g end
+  function kit.exp(xi) return exp(xi)[1] end
+  function kit.log(g) return log { g } end
+  function kit.cayley(xi) return cayley(xi)[1] end
+  local cayleyinv = kit.cayleyinv
+  function kit.cayleyinv(g) return cayleyinv { g } end
+  function kit.sample(stream, i) return sample(stream, i)[1] end
+  function kit.matrix(g) return rotations { g } end
+  local from_matrix = kit.from_matrix
+  function kit.from_matrix(m) return from_matrix(m)[1] end
+  kit.project, kit.raw = M.principal, kit.element
+  function kit.entries(g) return { g } end
+  function kit.rebuild(list) return list[1] end
+  function kit.turns() return { 2 * pi } end
+  return kits.complete(kit)
+end
+
+return M

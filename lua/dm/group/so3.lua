@@ -1,0 +1,111 @@
+--- SO(3): rotation matrices; flat coordinates are a unit quaternion (w, x, y, z), w >= 0.
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+local linear = require "dm.group.linear"
+local matrices = require "dm.group.matrices"
+local smooth = require "dm.group.smooth"
+local so = require "dm.group.so"
+
+local M = {}
+
+local choose = smooth.choose
+local circular = smooth.stumpff_circular
+
+function M.hat(xi)
+  return core.matrix { { 0, -xi[3], xi[2] }, { xi[3], 0, -xi[1] }, { -xi[2], xi[1], 0 } }
+end
+
+function M.vee(m)
+  return core.vector { 0.5 * (m[3][2] - m[2][3]), 0.5 * (m[1][3] - m[3][1]), 0.5 * (m[2][1] - m[1][2]) }
+end
+
+--- 1 + a X + b X^2, X = hat(xi)
+function M.combine(X, a, b) return core.identity(3) + X * a + X * X * b end
+
+function M.exp(xi)
+  local t = xi:dot(xi)
+  return M.combine(M.hat(xi), circular(1, t), circular(2, t))
+end
+
+-- 4 q q^T from the entries of R; its largest row gives q without a loss of digits (Shepperd 1978)
+local function outer_square(R)
+  local a, b, c = R[1][1], R[2][2], R[3][3]
+  local wx, wy, wz = R[3][2] - R[2][3], R[1][3] - R[3][1], R[2][1] - R[1][2]
+  local xy, xz, yz = R[1][2] + R[2][1], R[1][3] + R[3][1], R[2][3] + R[3][2]
+  return { { 1 + a + b + c, wx, wy, wz }, { wx, 1 + a - b - c, xy, xz }, { wy, xy, 1 - a + b - c, yz },
+    { wz, xz, yz, 1 - a - b + c } }
+end
+
+--- The unit quaternion of R with w >= 0.
+function M.quaternion(R)
+  local K = outer_square(R)
+  local d = { K[1][1], K[2][2], K[3][3], K[4][4] }
+  local best = { K[1][1], K[1][2], K[1][3], K[1][4], d[1] }
+  for k = 2, 4 do
+    local better, now = d[k] - best[5], best
+    best = {}
+    for i = 1, 4 do best[i] = choose(better, function() return K[k][i] end, function() return now[i] end) end
+    best[5] = choose(better, function() return d[k] end, function() return now[5] end)
+  end
+  local scale = 0.5 / core.sqrt(best[5])
+  scale = choose(-best[1], function() return -scale end, function() return scale end)
+  return { best[1] * scale, best[2] * scale, best[3] * scale, best[4] * scale }
+end
+
+--- The rotation of a quaternion; times |q|^2 when that is not 1.
+function M.rotation(q)
+  local w, x, y, z = q[1], q[2], q[3], q[4]
+  return core.matrix {
+    { w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y) },
+    { 2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x) },
+    { 2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z } }
+end
+
+function M.norm_bond(q) return { q[1] * q[1] + q[2] * q[2] + q[3] * q[3] + q[4] * q[4] - 1 } end
+
+--- The rotation vector, of length 0 to pi: exact near 0 and near pi.
+function M.log(R)
+  local q = M.quaternion(R)
+  local v = core.vector { q[2], q[3], q[4] }
+  return v * (2 * smooth.arc(q[1], v:dot(v)))
+end
+
+--- dexp of so(3) as a matrix, and its inverse
+function M.dexp(xi)
+  local t = xi:dot(xi)
+  return M.combine(M.hat(xi), circular(2, t), circular(3, t))
+end
+function M.dexpinv(xi) return M.combine(M.hat(xi), -0.5, smooth.half_cotangent(xi:dot(xi))) end
+
+--- A uniform rotation.
+function M.sample(stream, i)
+  local q = kits.normals(stream, i, 4, 1)
+  return M.rotation(q * (1 / q:norm()))
+end
+
+local function cayley_maps(kit)
+  function kit.cayley(xi)
+    local a = 1 / (1 + 0.25 * xi:dot(xi))
+    return M.combine(M.hat(xi), a, 0.5 * a)
+  end
+  function kit.dcay(xi, eta) return (eta + xi:cross(eta) * 0.5) * (1 / (1 + 0.25 * xi:dot(xi))) end
+  function kit.dcayinv(xi, eta) return eta - xi:cross(eta) * 0.5 + xi * (0.25 * xi:dot(eta)) end
+end
+
+function M.kit()
+  local kit = { dimension = 3, coordinates = 4, exp = M.exp, log = M.log, hat = M.hat, vee = M.vee, flat = M.quaternion,
+    unflat = M.rotation, bonds = M.norm_bond, sample = M.sample, project = linear.nearest_rotation }
+  cayley_maps(kit)
+  function kit.inverse(g) return g:transpose() end
+  function kit.Ad(g, xi) return g * xi end
+  function kit.ad(xi, eta) return xi:cross(eta) end
+  function kit.coAd(g, mu) return g * mu end
+  function kit.coad(xi, mu) return mu:cross(xi) end
+  function kit.dexp(xi, eta) return M.dexp(xi) * eta end
+  function kit.dexpinv(xi, eta) return M.dexpinv(xi) * eta end
+  function kit.distance(a, b) return kits.norm(M.log(a:transpose() * b)) end
+  function kit.defect(g) return so.defect(g, 3) end
+  return matrices.complete(kit, 3)
+end
+
+return M
