@@ -66,12 +66,17 @@ function M.group_velocity(info, x, u, t)
   return linear.solve(I, { rest }, info.order)[1], rest
 end
 
---- The classical Routhian.
+--- The classical Routhian: the stationary value of L - mu . theta' over theta'.
 function M.routhian(info, x, u, t)
   local rate, rest = M.group_velocity(info, x, u, t)
-  local sum = 0
+  local sum, L = 0, info.L
   for a = 1, info.m do sum = sum + rest[a] * rate[a] end
-  return info.L(M.embed(info, x), M.embed(info, u), t) - sum / 2
+  local R = L(M.embed(info, x), M.embed(info, u), t) - sum / 2
+  return core.extremum(R, function(y, w, z, s)
+    local value = L(M.embed(info, y), M.embed(info, w, z), s)
+    for a = 1, info.m do value = value - info.mu[a] * z[a] end
+    return value
+  end, rate, x, u)
 end
 
 --- A(x, t) of the mechanical connection, m rows of d.

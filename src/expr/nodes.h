@@ -17,6 +17,7 @@ struct dm_graph {
     uint32_t leaves;
     uint32_t inputs;     /* with the leaves of sums behind them */
     struct dm_sum *sums; /* sum.h */
+    struct dm_extremum *extrema; /* extremum.h */
     uint32_t *mark; /* [capacity] scratch of one sweep: marked when equal to `stamp` */
     uint32_t stamp;
     uint8_t

@@ -3,6 +3,7 @@
 #include "expr/analyse.h"
 #include "expr/compact.h"
 #include "expr/derive.h"
+#include "expr/extremum.h"
 #include "expr/sum.h"
 #include "linalg/lu.h"
 
@@ -16,6 +17,7 @@ typedef struct {
     dm_node L;
     dm_node *gradient; /* [2n] dL/dq, dL/dv */
     dm_node *mass;     /* [n*n] d2L/dv2 */
+    dm_node *hessian;  /* [4n*n] in (q, v), of an extremum; else NULL */
     dm_arena *arena;
     dm_compile *compile;
 } builder;
@@ -147,9 +149,12 @@ static void copy_block(dm_node *out, const dm_node *whole, uint32_t row, uint32_
 static dm_status stage_roots(const builder *b, dm_node *roots) {
     const uint32_t n = b->m.n;
     const size_t nn = (size_t)n * n;
-    dm_node *hessian = take_nodes(b, 4 * nn);
+    dm_node *hessian = b->hessian ? b->hessian : take_nodes(b, 4 * nn);
     if (!hessian) return DM_NO_MEMORY;
-    dm_hessian(b->g, b->L, 0, 2 * n, roots, hessian);
+    if (b->hessian)
+        memcpy(roots, b->gradient, 2 * (size_t)n * sizeof *roots);
+    else
+        dm_hessian(b->g, b->L, 0, 2 * n, roots, hessian);
     copy_block(roots + 2 * n, hessian, 0, 0, n);
     copy_block(roots + 2 * n + nn, hessian, 0, n, n);
     copy_block(roots + 2 * n + 2 * nn, hessian, n, n, n);
@@ -245,12 +250,25 @@ static dm_status differentiate(builder *b) {
     return dm_graph_status(b->g);
 }
 
+/* derivatives of an extremum by the envelope property; a separable L has none that are shorter */
+static dm_status use_extremum(builder *b) {
+    const uint32_t n = b->m.n;
+    const dm_extremum *e = dm_extremum_find(b->g, b->L);
+    if (!e || e->n != 2 * n || b->m.structure & DM_SEPARABLE) return DM_OK;
+    b->hessian = take_nodes(b, 4 * (size_t)n * n);
+    if (!b->hessian) return DM_NO_MEMORY;
+    dm_extremum_derive(b->g, e, b->gradient, b->hessian);
+    if (!(b->m.structure & DM_CONSTANT_MASS)) copy_block(b->mass, b->hessian, n, n, n);
+    return dm_graph_status(b->g);
+}
+
 static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n,
                              unsigned want, dm_compile *compile, dm_arena *arena) {
     builder b = {.m = {.n = n}, .g = g, .L = L, .arena = arena, .compile = compile};
     dm_status status = dm_graph_status(g);
     if (status == DM_OK) status = differentiate(&b);
     if (status == DM_OK) status = read_structure(&b);
+    if (status == DM_OK) status = use_extremum(&b);
     if (status != DM_OK) return status;
     dm_status mass = DM_OK;
     if (b.m.structure & DM_CONSTANT_MASS) mass = read_mass(&b);

@@ -1,0 +1,64 @@
+-- dm.extremum: the derivatives of a stationary value are those of the formula; wrong hints are refused
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local cos, sin = math.cos, math.sin
+
+-- f(q, v, y) = y . M y/2 + b . y + rest, stationary at y = -M^-1 b, two unknowns that depend on q and v
+local function parts(q, v)
+  local a, b, c = 2 + cos(q[1]), 0.3 * q[2], 1.5 + q[2] ^ 2
+  return a, b, c, v[1] * q[2] + sin(q[1]), v[2] - q[1] * v[1]
+end
+local function f(q, v, y, t)
+  local a, b, c, d, e = parts(q, v)
+  return (a * y[1] ^ 2 + 2 * b * y[1] * y[2] + c * y[2] ^ 2) / 2 + d * y[1] + e * y[2]
+    + 2 * v:dot(v) - q:dot(q) / 2 + 0.1 * cos(t) * q[1]
+end
+local function solution(q, v)
+  local a, b, c, d, e = parts(q, v)
+  local det = a * c - b * b
+  return { (b * e - c * d) / det, (b * d - a * e) / det }
+end
+local function formula(q, v, t)
+  local y = solution(q, v)
+  return f(q, v, dm.vector(y), t)
+end
+local plain = dm.system { Q = dm.R(2), L = formula }
+local hinted = dm.system { Q = dm.R(2), L = function(q, v, t)
+  return dm.extremum(formula(q, v, t), f, solution(q, v), q, v)
+end }
+local q, v = { 0.4, -0.3 }, { 0.2, 0.5 }
+near((plain:momentum(q, v, 0.7) - hinted:momentum(q, v, 0.7)):norm(), 0, 1e-15, "the same momentum")
+local A, B, worst = plain:mass(q, v, 0.7), hinted:mass(q, v, 0.7), 0
+for i = 1, 2 do for k = 1, 2 do worst = math.max(worst, math.abs(A[i][k] - B[i][k])) end end
+ok(worst < 1e-15, "the same mass", worst)
+for _, rule in ipairs { "gauss(1)", "gauss(3)", "lobatto(3)", "midpoint" } do
+  local a = plain:solver({ rule = rule, h = 0.05 }):run { q = q, v = v, steps = 100 }
+  local b = hinted:solver({ rule = rule, h = 0.05 }):run { q = q, v = v, steps = 100 }
+  ok((a.q[101] - b.q[101]):norm() < 1e-13, rule .. ": the same path", (a.q[101] - b.q[101]):norm())
+  local c = hinted:solver({ rule = rule, h = 0.05, backend = "tape" }):run { q = q, v = v, steps = 100 }
+  ok(c.q[101] == b.q[101] and c.p[101] == b.p[101], rule .. ": the same bits on the tape")
+end
+local one, two = plain:solver { rule = "gauss(1)", h = 0.1 }, hinted:solver { rule = "gauss(1)", h = 0.1 }
+one:run { q = q, v = v, steps = 10 }
+two:run { q = q, v = v, steps = 10 }
+ok(two:report().operations < one:report().operations, "with fewer operations", two:report().operations)
+local M, N = one:tangent { q = q, v = v, steps = 5 }, two:tangent { q = q, v = v, steps = 5 }
+worst = 0
+for i = 1, 4 do for k = 1, 4 do worst = math.max(worst, math.abs(M[i][k] - N[i][k])) end end
+ok(worst < 1e-14, "the tangent map sees the formula", worst)
+
+-- numbers pass through, and so does a value of another function
+near(dm.extremum(3, f, { 1, 2 }, { 1, 1 }, { 1, 1 }), 3, 0, "a number is itself")
+near(dm.trace(function(x) return dm.extremum(x[1] ^ 2, f, { x[1] }, x, x) end, 2)({ 3, 0 }), 9, 0, "and so is a value outside of a Lagrangian")
+
+raises("not stationary", function()
+  dm.system { Q = dm.R(1), L = function(x, w) return dm.extremum(w[1] ^ 2 + 1, function(_, u, y) return u[1] ^ 2 + y[1] end, { 1 }, x, w) end }
+end)
+raises("where the value is", function()
+  dm.system { Q = dm.R(1), L = function(x, w) return dm.extremum(w[1] ^ 2, function(_, u, y) return u[1] ^ 2 + y[1] ^ 2 + 1 end, { 0 }, x, w) end }
+end)
+raises("a list of 1 to 64", function() dm.extremum(1, f, {}, { 1 }, { 1 }) end)
+raises("number expected", function() dm.extremum("x", f, { 1 }, { 1 }, { 1 }) end)
+
+tap.done()
