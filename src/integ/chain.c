@@ -322,6 +322,9 @@ long dm_chain_run(dm_chain *c, double *state, double h, double t, long count) {
     dm_lattice_set(&c->lattice, slot + AGAIN_DRIFT, h * c->table.a[0]);
     for (long k = 0; k < count; k++)
         (c->deep ? step_stacked : step)(c, h, t + (double)k * h, k == count - 1);
+    if (!dm_lattice_is_finite(&c->lattice, c->q0) ||
+        !dm_lattice_is_finite(&c->lattice, c->p0))
+        return 0; /* what is not finite stays so, and a sum whose low part is not is not either */
     store(c, state);
     return kicks + count * (c->last - c->first + 1);
 }

@@ -17,7 +17,7 @@ size_t dm_chain_work(const dm_model *m);
 /* In that workspace; NULL where the model is not of this kind. */
 dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *work);
 
-/* `count` steps with no look at what comes out; gives the number of forces. */
+/* `count` steps; gives the number of forces, 0 when what comes out is not finite: the state is as it was then. */
 long dm_chain_run(dm_chain *c, double *state, double h, double t, long count);
 
 #endif

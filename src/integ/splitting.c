@@ -106,10 +106,6 @@ static void run(dm_stepper *s, double *state, double t, long count) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
     layout *l = (layout *)(void *)s->work;
-    if (l->chain) {
-        s->report.evaluations += dm_chain_run(l->chain, state, s->h, t, count);
-        return;
-    }
     if (l->loop) {
         const dm_splitting_burst burst = {&l->table, l->c, s->h, t, count};
         dm_splitting_loop_run(l->loop, m, state, &burst, loop_work(s));
@@ -139,6 +135,14 @@ static void run(dm_stepper *s, double *state, double t, long count) {
     s->report.evaluations += (table->b[0] != 0.0) + count * evaluations(table);
 }
 
+/* all steps, or the state as it was */
+static int run_chain(dm_stepper *s, double *state, double t, long count) {
+    const layout *l = (const layout *)(const void *)s->work;
+    const long forces = dm_chain_run(l->chain, state, s->h, t, count);
+    s->report.evaluations += forces;
+    return forces > 0;
+}
+
 /* what is not finite stays so, hence one look at the end; then the burst is done again to find
 ** the step */
 dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count,
@@ -146,11 +150,15 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
     const uint32_t n = s->model->n;
     const size_t bytes = dm_state_size(n) * sizeof *state;
     double *start = s->work + layout_size() + 4 * (size_t)n + 1;
-    memcpy(start, state, bytes);
-    run(s, state, t, count);
     *done = count;
-    if (dm_state_is_finite(state, n)) return DM_OK;
-    memcpy(state, start, bytes);
+    if (((const layout *)(const void *)s->work)->chain) {
+        if (run_chain(s, state, t, count)) return DM_OK;
+    } else {
+        memcpy(start, state, bytes);
+        run(s, state, t, count);
+        if (dm_state_is_finite(state, n)) return DM_OK;
+        memcpy(state, start, bytes);
+    }
     *done = 0;
     return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
 }

@@ -15,13 +15,6 @@ enum {
     COLUMNS = 24
 };
 
-/* numbers of a sum that vary from body to body */
-typedef struct dm_lattice_data {
-    const dm_sum *sum;
-    const dm_column *column;
-    uint32_t array;
-} data;
-
 static uint32_t larger(uint32_t a, uint32_t b) {
     return a > b ? a : b;
 }
@@ -103,7 +96,7 @@ static void find_block(dm_lattice *l) {
     l->bodies = l->model->n / l->block;
 }
 
-static int find_layout(dm_lattice *l) {
+int dm_lattice_layout(dm_lattice *l) {
     uint32_t far = 0;
     find_block(l);
     if (l->model->n % l->block) return 0;
@@ -129,7 +122,7 @@ static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s,
     if (!c->data && !c->step) return dm_strip_read(d, dm_lattice_number(0));
     if (c->data && !c->step) return dm_constant(d->g, c->data[c->first]);
     const uint32_t array = c->data ? l->arrays++ : c->first % l->block;
-    if (c->data) l->data[l->columns++] = (data){s, c, array};
+    if (c->data) l->data[l->columns++] = (struct dm_lattice_data){s, c, array};
     dm_strand from = dm_lattice_entry(l, array);
     from.at += GROUP * (int64_t)reach(l, s, c);
     return dm_strip_read(d, from);
@@ -198,7 +191,7 @@ dm_status dm_lattice_open(dm_lattice *l, const dm_model *m) {
     const dm_source *from = &m->source;
     *l = (dm_lattice){.model = m};
     if (!(m->structure & DM_LOOPS) || !from->sums) return DM_TOO_LARGE;
-    if (!find_layout(l) || !sums_fit(l)) return DM_TOO_LARGE;
+    if (!dm_lattice_layout(l) || !sums_fit(l)) return DM_TOO_LARGE;
     double *factor = dm_arena_take(from->arena, (l->sums + 1) * sizeof *factor);
     l->sum = dm_arena_take(from->arena, (l->sums + 1) * sizeof *l->sum);
     l->share = dm_arena_take(from->arena, (l->sums + 1) * COLUMNS * sizeof *l->share);
@@ -207,114 +200,6 @@ dm_status dm_lattice_open(dm_lattice *l, const dm_model *m) {
     if (!outside_fits(l, factor)) return DM_TOO_LARGE;
     l->arrays = l->block;
     return make_sums(l, factor);
-}
-
-/* ---- memory ---- */
-
-uint32_t dm_lattice_arrays(dm_lattice *l) {
-    l->arrays += l->block;
-    return l->arrays - l->block;
-}
-
-/* Beyond the end of an array its first bodies come again, and beyond the ends of a part those of its
-** neighbours. */
-static void fill_ends(const dm_lattice *l, double *x) {
-    const uint32_t all = l->depth * GROUP, n = l->bodies;
-    for (uint32_t i = n; i < all; i++)
-        x[dm_lattice_at(l, i)] = x[dm_lattice_at(l, i - n)];
-    for (uint32_t k = 0; k < l->pad; k++) {
-        double *behind = x + (size_t)(l->depth + k) * GROUP;
-        memcpy(behind, x + (size_t)k * GROUP + 1, (GROUP - 1) * sizeof *x);
-        behind[GROUP - 1] = x[dm_lattice_at(l, all - n + k)];
-        const uint32_t j = l->depth - 1 - k;
-        double *before = x - (size_t)(k + 1) * GROUP;
-        memcpy(before + 1, x + (size_t)j * GROUP, (GROUP - 1) * sizeof *x);
-        before[0] = x[dm_lattice_at(l, n - 1 - k)];
-    }
-}
-
-static void fill_data(dm_lattice *l) {
-    for (const data *d = l->data; d < l->data + l->columns; d++) {
-        double *to = l->space + (size_t)d->array * l->pitch;
-        dm_column own = *d->column;
-        own.partner = 0;
-        for (uint32_t i = 0; i < d->sum->bodies; i++)
-            to[dm_lattice_at(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
-        fill_ends(l, to);
-        if (dm_lattice_is_full(l)) dm_lattice_ends_of(l, to);
-    }
-}
-
-size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
-    dm_lattice l = {.model = m};
-    uint32_t columns = 0;
-    if (!(m->structure & DM_LOOPS) || !m->source.sums || !find_layout(&l)) return 0;
-    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns;
-    return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
-           (size_t)(DM_LATTICE_FIXED + 1 + l.pad + l.room) * GROUP;
-}
-
-void dm_lattice_place(dm_lattice *l, double *work) {
-    const uintptr_t line = GROUP * sizeof *work;
-    l->fixed = work + (line - (uintptr_t)work % line) % line / sizeof *work;
-    l->buffer = l->fixed + (size_t)DM_LATTICE_FIXED * GROUP;
-    l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->room * GROUP;
-    fill_data(l);
-}
-
-void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {
-    double *to = l->fixed + (size_t)slot * GROUP;
-    if (memcmp(to, &value, sizeof value) == 0) return; /* a loop would wait for it */
-    for (uint32_t k = 0; k < GROUP; k++) to[k] = value;
-}
-
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
-
-/* two by two entries change places: parts of n/8 numbers side by side, or back */
-static inline void turn(double *to, size_t to_row, const double *from, size_t from_row) {
-    const pair a = *(const pair *)(const void *)from;
-    const pair b = *(const pair *)(const void *)(from + from_row);
-    *(pair *)(void *)to = __builtin_shufflevector(a, b, 0, 2);
-    *(pair *)(void *)(to + to_row) = __builtin_shufflevector(a, b, 1, 3);
-}
-
-/* bodies [0, depth & ~1) of all parts; gives how many of each part */
-static uint32_t load_pairs(const dm_lattice *l, double *to, const double *x) {
-    const uint32_t even = l->bodies == l->depth * GROUP ? l->depth & ~1u : 0;
-    for (uint32_t j = 0; j < even; j += 2)
-        for (uint32_t lane = 0; lane < GROUP; lane += 2)
-            turn(to + (size_t)j * GROUP + lane, GROUP, x + (size_t)lane * l->depth + j,
-                 l->depth);
-    return even;
-}
-
-static uint32_t store_pairs(const dm_lattice *l, double *x, const double *from) {
-    const uint32_t even = l->bodies == l->depth * GROUP ? l->depth & ~1u : 0;
-    for (uint32_t j = 0; j < even; j += 2)
-        for (uint32_t lane = 0; lane < GROUP; lane += 2)
-            turn(x + (size_t)lane * l->depth + j, l->depth,
-                 from + (size_t)j * GROUP + lane, GROUP);
-    return even;
-}
-
-void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x) {
-    double *to = l->space + (size_t)first * l->pitch;
-    for (uint32_t c = 0; c < l->block; c++, to += l->pitch) {
-        const uint32_t done = l->block == 1 ? load_pairs(l, to, x) : 0;
-        for (uint32_t j = done; j < l->depth; j++)
-            for (uint32_t lane = 0, i = j; i < l->bodies; lane++, i += l->depth)
-                to[(size_t)j * GROUP + lane] = x[(size_t)i * l->block + c];
-    }
-}
-
-void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first) {
-    const double *from = l->space + (size_t)first * l->pitch;
-    for (uint32_t c = 0; c < l->block; c++, from += l->pitch) {
-        const uint32_t done = l->block == 1 ? store_pairs(l, x, from) : 0;
-        for (uint32_t j = done; j < l->depth; j++)
-            for (uint32_t lane = 0, i = j; i < l->bodies; lane++, i += l->depth)
-                x[(size_t)i * l->block + c] = from[(size_t)j * GROUP + lane];
-    }
 }
 
 /* ---- running ---- */
@@ -372,10 +257,6 @@ static void keep_end(const dm_lattice *l) {
         double *row = l->buffer + (size_t)slot * l->row;
         memcpy(row, row + (size_t)l->tile * GROUP, (size_t)l->pad * GROUP * sizeof *row);
     }
-}
-
-void dm_lattice_fill_ends(dm_lattice *l) {
-    for (uint32_t c = 0; c < l->block; c++) fill_ends(l, l->space + (size_t)c * l->pitch);
 }
 
 void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t) {

@@ -76,6 +76,9 @@ void dm_lattice_set(dm_lattice *l, uint32_t slot, double value);
 void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x);
 void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first);
 
+/* Every entry of arrays first .. first + block - 1 is a number. */
+int dm_lattice_is_finite(const dm_lattice *l, uint32_t first);
+
 /* Nodes of the force on one body in a draft: F[block]. */
 void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
 
