@@ -396,4 +396,9 @@ M.method("on_pairs", function(action) return on_points(action, 2) end, [[
 action:on_pairs() -> dm.action
 The joint action on two points, action:on_points(2).]])
 
+-- prolongations and questions add their methods; they find this module complete
+package.loaded["dm.action"] = M
+require "dm.action_lift"
+require "dm.action_test"
+
 return M

@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local max, cos, sin = math.max, math.cos, math.sin
+local abs, max, cos, sin = math.abs, math.max, math.cos, math.sin
 
 local stream = dm.random(8)
 local function vector(n, i, size)
@@ -104,6 +104,83 @@ near((path:momentum(turn) - path:momentum(dm.SO(2), { block = 2 })):norm(), 0, 1
 path = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 end }:solver { rule = "verlet", h = 0.1 }
   :run { q = { 1, 2 }, v = { 3, 4 }, steps = 10 }
 near((path:momentum(dm.SE(2))[11] - dm.vector { 3, 4, -2 }):norm(), 0, 2e-15, "a free particle keeps its three momenta of SE(2)")
+
+---- prolongations: actions again, whose generators are the derivatives of their maps ----
+
+local function lifts_of(act)
+  local out = { act:tangent(), act:cotangent(), act:jet(2), act:tangent():cotangent() }
+  if act.dimension > 1 then out[5], out[6] = act:jet(3, { independent = 1 }), act:jet(2, { independent = act.dimension }) end
+  return out
+end
+for _, row in ipairs { { dm.SE(2), dm.R(2) }, { dm.SL(2), dm.R(1) }, { dm.SO(3), dm.R(2) }, { dm.SL(3), dm.R(2) }, { dm.SO(3), dm.R(3), "right" },
+  { dm.SE(3), dm.R(3) }, { dm.Heisenberg(), dm.R(3) }, { dm.SO(3), dm.S(2) } } do
+  local act = dm.action { group = row[1], on = row[2], side = row[3] }
+  local G, law, rate = act.group, 0, 0
+  local kit = require "dm.group".kit(G)
+  for _, lift in ipairs(lifts_of(act)) do
+    local g, h, z = G:random(stream, 1, 0.3), G:random(stream, 2, 0.3), vector(lift.dimension, 3, 0.7)
+    local twice, once = lift(g, lift(h, z)), lift(act.side == "left" and G:compose(g, h) or G:compose(h, g), z)
+    law = max(law, (twice - once):norm() / (1 + once:norm()), (lift(G:identity(), z) - z):norm())
+    local psi = lift:generator(z)
+    local slope_of_map = dm.derivative(function(xi) return lift.map(kit.exp(xi), z) end, G.dimension)(dm.zeros(G.dimension))
+    for i = 1, lift.dimension do rate = max(rate, (psi[i] - slope_of_map[i]):norm() / (1 + psi[i]:norm())) end
+  end
+  ok(law < 1e-12, "tangent, cotangent and jet prolongations are actions: " .. tostring(act), law)
+  ok(rate < 1e-13, "  and their generators are the derivatives of their maps", rate)
+end
+-- a closed form: the rotation of a slope and a curvature, u = x^2/2 turned by theta
+local plane = dm.action { group = dm.SE(2), on = dm.R(2) }
+local jet = plane:jet(2, { independent = 1 })
+local turned = jet({ 0, 0, 0.3 }, { 1, 0.5, 1, 1 })
+near(turned[3], math.tan(math.pi / 4 + 0.3), 1e-14, "a slope is turned")
+near(turned[4] / (1 + turned[3] ^ 2) ^ 1.5, 1 / 2 ^ 1.5, 1e-15, "and the curvature stays")
+-- invariants known in closed form: curvature, Schwarzian derivative (of a curve with an invariant parameter), symplectic pairing
+ok(jet:invariant(function(j) return j[4] ^ 2 / (1 + j[3] ^ 2) ^ 3 end), "curvature squared is invariant under SE(2)")
+ok(not jet:invariant(function(j) return j[4] / (1 + j[3] ^ 2) ^ 1.5 end), "its sign is not: turned past the vertical, x runs back")
+ok(not jet:invariant(function(j) return j[4] end), "the second derivative is not")
+ok(moebius:jet(3):invariant(function(j) return j[4] / j[2] - 1.5 * (j[3] / j[2]) ^ 2 end), "so is the Schwarzian under SL(2)")
+ok(moebius:on_points(4):invariant(function(z) return (z[1] - z[3]) * (z[2] - z[4]) / ((z[1] - z[4]) * (z[2] - z[3])) end),
+  "and the cross ratio")
+ok(sphere:cotangent():invariant(function(z) return sphere:momentum(z:slice(1, 2), z:slice(3, 4))[1] end),
+  "the momentum of an abelian group is invariant under the cotangent lift")
+local lift = sphere:cotangent()(0.4, { 0.3, -1.2, 0.5, 0.7 })
+local pushed = sphere:tangent()(0.4, { 0.3, -1.2, 2, 3 })
+near(lift:slice(3, 4):dot(pushed:slice(3, 4)), 0.5 * 2 + 0.7 * 3, 1e-14, "<p', T map u> = <p, u>")
+
+---- isotropy ----
+
+local so3 = dm.action { group = dm.SO(3), on = dm.R(3) }
+local at = so3:isotropy { 2, -3, 6 }
+ok(at.dimension == 1 and at.orbit_dimension == 2, "SO(3) turns about an axis", at.dimension)
+near(at.basis[1]:cross(dm.vector { 2, -3, 6 }):norm(), 0, 1e-14, "which is the point's own")
+ok(so3:isotropy { 0, 0, 0 }.dimension == 3 and so3:isotropy({ 1e-9, 0, 0 }).dimension == 1, "the origin is fixed, its neighbours are not")
+ok(not plane:free { 1, 2 } and plane:on_pairs():free { 1, 2, 3, 4 } and not plane:on_pairs():free { 1, 2, 1, 2 }, "SE(2) is free on pairs")
+ok(plane:transitive { 1, 2 } and not so3:transitive { 1, 2, 3 } and dm.action({ group = dm.SO(3), on = dm.S(2) }):transitive { 0, 0, 1 },
+  "what is transitive")
+ok(not sphere:free { 1, 0 } and sphere:free { 0.9, 0 }, "the fixed points of Bogfjellmo 4.10")
+
+---- invariance of Lagrangians ----
+
+local kepler3 = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local flattened = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() + 0.1 * q[3] ^ 2 end }
+ok(so3:invariant(kepler3) and so3:invariant(dm.discrete_lagrangian(kepler3, { rule = "gauss(2)", h = 0.1 })), "Kepler's L and Ld are invariant under SO(3)")
+local same, why = so3:invariant(flattened)
+ok(not same and why.defect > 1e-3 and #why.point == 6 and tostring(why):find "not invariant under .* at q = %[", "a flattened one is not", tostring(why))
+ok(dm.action({ group = dm.SO(2), on = dm.R(3) }):invariant(flattened), "but under turns about its axis")
+local g, z = why.g, why.point
+near(abs(flattened:lagrangian(g * z:slice(1, 3), g * z:slice(4, 6)) - flattened:lagrangian(z:slice(1, 3), z:slice(4, 6))), why.defect, 1e-12,
+  "the violating point violates")
+local Ld0 = dm.discrete_lagrangian { Q = dm.R(2), h = 0.1, Ld = function(a, b) return (b - a):norm() - 0.05 * (a:dot(a) + b:dot(b)) end }
+ok(turn:invariant(Ld0) and not plane:invariant(Ld0) and not sphere:invariant(Ld0), "a discrete Lagrangian under three actions")
+local bodies = dm.system { Q = dm.R(6), L = function(q, v) return v:dot(v) / 2 - (q:slice(1, 3) - q:slice(4, 6)):norm() end }
+ok(dm.action({ group = dm.SE(3), on = dm.R(3) }):invariant(bodies), "two bodies, moved together")
+raises("finite at none of", function() return turn:invariant(function() return 0 / 0 end) end)
+raises("must return a number", function() return turn:invariant(function() return "no" end) end)
+raises("moves points of 3", function() return so3:invariant(kepler) end)
+raises("takes a function of z, a dm.system", function() return so3:invariant(3) end)
+raises("whole number from 1 to 8", function() return so3:jet(0) end)
+raises("'independent' must be", function() return so3:jet(1, { independent = 4 }) end)
+raises("unknown option", function() return so3:jet(1, { dependent = 1 }) end)
 
 ---- what is no action ----
 
