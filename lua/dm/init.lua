@@ -12,8 +12,8 @@ local lazy = {
   stability = "dm.stability",
   amplification = "dm.linear_stability",
   stability_limit = "dm.linear_stability",
-  polynomial_roots = "dm.linear_stability",
-  recurrence = "dm.linear_stability",
+  polynomial_roots = "dm.recurrence",
+  recurrence = "dm.recurrence",
   animate = "dm.animate",
   demo = "dm.demo",
   action = "dm.action",
@@ -25,7 +25,7 @@ local lazy = {
 
 -- modules that add methods to classes of the core
 local extensions = { "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
-  "dm.routh_methods", "dm.stability", "dm.linear_stability", "dm.group",
+  "dm.routh_methods", "dm.stability_methods", "dm.group",
 }
 
 local dm = {}

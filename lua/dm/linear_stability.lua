@@ -1,13 +1,10 @@
---- What linear theory says beside the experiment: amplification matrices of rules, their limits and resonances; the linearised system;
--- multipliers of orbits; roots of recurrences.
+--- What linear theory says of a rule: its amplification matrix on the oscillator, its limit and its resonances.
 local blame = require "dm.blame"
 local core = require "dm.core"
 
 local M = {}
 
 local abs, sqrt, max, pi, huge = math.abs, math.sqrt, math.max, math.pi, math.huge
-
-local function modulus(re, im) return sqrt(re * re + im * im) end
 
 ---- the amplification matrix of a rule on the oscillator q'' = -q, h omega = z ----
 
@@ -199,78 +196,6 @@ M.stability_limit = blame.caller(function(rule, options)
   return z, { cause = cause(rule, out), gaps = out.gaps, resonances = out.resonances }
 end)
 
----- the linearised system ----
-
--- L(q, v) at a fixed time as a traced function of both
-local function traced(system, t)
-  local given, n = system.given, system.Q.dimension
-  local params = given.params
-  return core.trace(function(q, v) return given.L(q, v, t, params) end, n, n)
-end
-
--- d(q, v)/dt of a small change: M a = L_qq q + (L_qv - L_vq) v
-local function field(system, q, v, t)
-  local n = system.Q.dimension
-  local H = traced(system, t):hessian(q, v)
-  local mass, right = core.matrix(n, n), core.matrix(n, 2 * n)
-  for i = 1, n do
-    for k = 1, n do
-      mass[i][k] = H[n + i][n + k]
-      right[i][k] = H[i][k]
-      right[i][n + k] = H[i][n + k] - H[n + i][k]
-    end
-  end
-  local solved, out = mass:solve(right), core.matrix(2 * n, 2 * n)
-  for i = 1, n do
-    out[i][n + i] = 1
-    for k = 1, 2 * n do out[n + i][k] = solved[i][k] end
-  end
-  return out
-end
-
-local function check_plain(system, what)
-  local given = system.given
-  if not (given and given.L) then error(what .. " needs a dm.system", 0) end
-  if given.constraint or given.rolling or given.force then
-    error(what .. ": for systems without constraints and forces; solver:multipliers has the tangent map of any", 0)
-  end
-end
-
-local function describe(rates, frequencies)
-  local fastest, growth = 0, 0
-  for _, w in ipairs(frequencies) do fastest = max(fastest, w) end
-  for _, s in ipairs(rates) do growth = max(growth, s) end
-  local small = 1e-7 * max(fastest, growth)
-  if growth > small then return false, ("unstable: a small change grows like exp(%.5g t)"):format(growth), fastest end
-  return true, ("no small change grows exponentially; the fastest oscillation has omega = %.5g"):format(fastest), fastest
-end
-
-local doc_linearize = [[
-system:linearize{q=, v=, t=} -> {stable, why, fastest, frequencies, rates, matrix}
-The system linearised at a state (v default 0, t default 0): d(dq, dv)/dt = matrix (dq, dv), with real parts `rates` and imaginary parts `frequencies` of its
-eigenvalues. At an equilibrium, and at a relative equilibrium (v along coordinates that L does not depend on), this is its linear
-stability; anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a step has to resolve.]]
-
-M.linearize = blame.caller(function(system, options)
-  local what = "system:linearize"
-  if type(options) ~= "table" or not options.q then error(what .. " takes { q =, v = }", 0) end
-  for key in pairs(options) do
-    if key ~= "q" and key ~= "v" and key ~= "t" then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
-  end
-  check_plain(system, what)
-  local n = system.Q.dimension
-  if #options.q ~= n or options.v and #options.v ~= n then error(("%s: q and v have %d entries"):format(what, n), 0) end
-  local A = field(system, core.vector(options.q), core.vector(options.v or core.zeros(n)), options.t or 0)
-  for i = 1, 2 * n do
-    for k = 1, 2 * n do
-      if not (abs(A[i][k]) < huge) then error(what .. ": the second derivatives of L are not finite at this state", 0) end
-    end
-  end
-  local re, im = A:eigenvalues()
-  local stable, why, fastest = describe(re:totable(), im:totable())
-  return { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im, matrix = A }
-end)
-
 -- the first interval of growth that an axis of steps can see: wider than the ratio of neighbours; and those before it
 local function first_seen(gaps, axis)
   local ratio, before = math.huge, {}
@@ -288,7 +213,7 @@ function M.limit_at_start(map, cell, axis)
   if not fine then return nil, (tostring(z):gsub("^[^\n]-lua:%d+: ", "")) end
   local system = map.system_of(cell)
   local linear
-  fine, linear = pcall(M.linearize, system, { q = map.start.q(cell), v = map.start.v and map.start.v(cell) })
+  fine, linear = pcall(require "dm.linearize".linearize, system, { q = map.start.q(cell), v = map.start.v and map.start.v(cell) })
   if not fine then return nil, (tostring(linear):gsub("^[^\n]-lua:%d+: ", "")) end
   if not (linear.fastest > 0) then return nil, "nothing oscillates at the start" end
   local why, narrow_ones = ("%s; omega = %.6g at the start"):format(told.cause, linear.fastest), nil
@@ -299,117 +224,6 @@ function M.limit_at_start(map, cell, axis)
   return z / linear.fastest, why
 end
 
----- orbits ----
-
-local doc_multipliers = [[
-solver:multipliers{q=, v= | p=, steps= | t=, t0=} -> {stable, why, largest, re, im, matrix, closes}
-The eigenvalues of the exact tangent map over a run: the Floquet multipliers where the run is one period of a periodic orbit (closes: the distance of its end
-from its start), or one step of a relative equilibrium. A symplectic rule has them in pairs m, 1/m; stable: none has a modulus above 1 by
-more than round-off allows (multipliers 1 of the period and of symmetries are double, and known to the root of round-off only).]]
-
-M.multipliers = blame.caller(function(solver, options)
-  local matrix, q, p = solver:tangent(options)
-  local re, im = matrix:eigenvalues()
-  local largest, size, n = 0, 1, #q
-  for i = 1, 2 * n do
-    largest = max(largest, modulus(re[i], im[i]))
-    for k = 1, 2 * n do size = max(size, abs(matrix[i][k])) end
-  end
-  local p0 = options.p or solver.system:legendre(options.q, options.v, options.t0 or 0)
-  local closes = 0
-  for i = 1, n do closes = max(closes, abs(q[i] - options.q[i]), abs(p[i] - p0[i])) end
-  local slack = max(1e-6, 10 * sqrt(2.2e-16 * size), 10 * sqrt(closes * size))
-  local stable = largest <= 1 + slack
-  local why = stable and ("linearly stable: the largest multiplier has modulus %.9g, 1 to the accuracy that there is (%.1g)"):format(largest, slack)
-    or ("unstable: a small change grows by a factor of %.6g"):format(largest)
-  return { stable = stable, why = why, largest = largest, re = re, im = im, matrix = matrix, closes = closes }
-end)
-
----- recurrences ----
-
--- one step of Newton for each root of the polynomial c[1] + c[2] x + ..., where that makes the value smaller
-local function polish(c, re, im)
-  local function value(x, y)
-    local fr, fi, gr, gi = 0, 0, 0, 0
-    for k = #c, 1, -1 do
-      gr, gi = gr * x - gi * y + fr, gr * y + gi * x + fi
-      fr, fi = fr * x - fi * y + c[k], fr * y + fi * x
-    end
-    return fr, fi, gr, gi
-  end
-  for i = 1, #re do
-    local fr, fi, gr, gi = value(re[i], im[i])
-    local d = gr * gr + gi * gi
-    if d > 0 then
-      local x, y = re[i] - (fr * gr + fi * gi) / d, im[i] - (fi * gr - fr * gi) / d
-      local nr, ni = value(x, y)
-      if modulus(nr, ni) < modulus(fr, fi) then re[i], im[i] = x, y end
-    end
-  end
-end
-
-local function check_coefficients(c, what)
-  if type(c) ~= "table" or #c < 2 then error(what .. " takes a table of at least two coefficients { c0, c1, ... }", 0) end
-  for k, x in ipairs(c) do
-    if type(x) ~= "number" or not (abs(x) < huge) then error(("%s: coefficient %d must be a finite number"):format(what, k - 1), 0) end
-  end
-  local n = #c
-  while n > 1 and c[n] == 0 do n = n - 1 end
-  if n < 2 then error(what .. ": the polynomial is a constant", 0) end
-  return n
-end
-
-local doc_roots = [[
-dm.polynomial_roots{c0, c1, ..., cn} -> dm.vector, dm.vector
-Real and imaginary parts of the roots of c0 + c1 x + ... + cn x^n, as eigenvalues of its companion matrix, with a step of Newton.]]
-
-M.polynomial_roots = blame.caller(function(c)
-  local n = check_coefficients(c, "dm.polynomial_roots") - 1
-  local companion = core.matrix(n, n)
-  for i = 1, n do
-    companion[i][n] = -c[i] / c[n + 1]
-    if i < n then companion[i + 1][i] = 1 end
-  end
-  local re, im = companion:eigenvalues()
-  polish(table.move(c, 1, n + 1, 1, {}), re, im)
-  return re, im
-end)
-
-local CLOSE = 1e-6  -- roots nearer than this are one: a double root is known to the root of round-off
-
-local doc_recurrence = [[
-dm.recurrence{c0, c1, ..., cn} -> {stable, why, largest, re, im}
-The linear recurrence c0 x_k + c1 x_(k+1) + ... + cn x_(k+n) = 0 by its characteristic roots: bounded when none is outside the unit circle and
-none on it is double; the sentence `why` says which it is.]]
-
-M.recurrence = blame.caller(function(c)
-  check_coefficients(c, "dm.recurrence")
-  local re, im = M.polynomial_roots(c)
-  local largest, at = 0, 1
-  for i = 1, #re do
-    local m = modulus(re[i], im[i])
-    if m > largest then largest, at = m, i end
-  end
-  local double
-  for i = 1, #re do
-    for k = i + 1, #re do
-      if modulus(re[i] - re[k], im[i] - im[k]) < CLOSE and modulus(re[i], im[i]) > 1 - CLOSE then double = i end
-    end
-  end
-  local out = { largest = largest, re = re, im = im, stable = largest <= 1 + CLOSE and not double }
-  if largest > 1 + CLOSE then
-    out.why = ("unstable: the root %.6g%+.6gi has modulus %.6g and grows by that factor in every step"):format(re[at], im[at], largest)
-  elseif double then
-    out.why = ("not bounded: the root %.6g%+.6gi on the unit circle is double and grows in proportion to the steps"):format(re[double], im[double])
-  else
-    out.why = ("bounded: all %d roots are in the closed unit circle, those on it simple"):format(#re)
-  end
-  return out
-end)
-
 core.docs[M.amplification], core.docs[M.stability_limit] = doc_amplification, doc_limit
-core.docs[M.polynomial_roots], core.docs[M.recurrence] = doc_roots, doc_recurrence
-core.method("dm.system", "linearize", M.linearize, doc_linearize)
-core.method("dm.solver", "multipliers", M.multipliers, doc_multipliers)
 
 return M

@@ -3,6 +3,7 @@ local axes = require "dm.stability.axes"
 local blame = require "dm.blame"
 local cells = require "dm.stability.cells"
 local core = require "dm.core"
+local given_ = require "dm.stability.given"
 
 local M = {}
 M.__index = M
@@ -62,84 +63,6 @@ local function read_rules(options)
   return list
 end
 
----- systems and starts of a cell ----
-
--- a copy of the system with these numbers among its params
-local function with_params(system, values, names)
-  local given, params = {}, {}
-  for key, value in pairs(system.given) do given[key] = value end
-  for key, value in pairs(system.params) do params[key] = value end
-  for _, name in ipairs(names) do params[name] = values[name] end
-  given.params = params
-  return core.system(given)
-end
-
-local function is_system(x) return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.system" end
-
--- system_of(cell), and the parameters that it depends on
-local function make_systems(map, system, names)
-  if type(system) == "function" then
-    local make, used = axes.bind("system", system, names)
-    return function(cell)
-      local made = make(cell.values)
-      if not is_system(made) then fail("'system' is a function that must return a dm.system (got %s)", type(made)) end
-      return made
-    end, used
-  end
-  if not is_system(system) then fail("the system is missing: system = dm.system{...}, or a function of the parameters that returns one") end
-  local used = {}
-  for _, name in ipairs(names) do
-    if type(system.params) == "table" and type(system.params[name]) == "number" then used[#used + 1] = name end
-  end
-  if #used == 0 then return function() return system end, used end
-  return function(cell) return with_params(system, cell.values, used) end, used
-end
-
-local function make_start(what, given, names, uses)
-  if type(given) ~= "function" then return function() return given end end
-  local f, used = axes.bind(what, given, names)
-  for _, name in ipairs(used) do uses[name] = true end
-  return function(cell) return f(cell.values) end
-end
-
-local function make_key(used)
-  return function(cell)
-    local text = {}
-    for i, name in ipairs(used) do text[i] = ("%a"):format(cell.values[name]) end
-    return table.concat(text, "/")
-  end
-end
-
-local function read_system(map, options, names)
-  local of, used = make_systems(map, options.system or options[1], names)
-  local uses, last, kept = {}, nil, nil
-  for _, name in ipairs(used) do uses[name] = true end
-  map.key_of = make_key(used)
-  map.system_of = function(cell)
-    local key = map.key_of(cell)
-    if key ~= last then last, kept = key, of(cell) end
-    return kept
-  end
-  map.start = { q = make_start("q", options.q, names, uses), v = options.v and make_start("v", options.v, names, uses),
-    p = options.p and make_start("p", options.p, names, uses) }
-  for _, name in ipairs(names) do
-    if not uses[name] then
-      fail("parameter '%s' changes nothing: 'system', 'q', 'v' or 'p' must be a function with an argument %s, or the system have it among its params", name, name)
-    end
-  end
-end
-
--- a start that needs no velocity: L linear in v
-local function check_first(map, cell)
-  local system = map.system_of(cell)
-  if not map.start.v and not map.start.p then
-    if not system:structure().linear_in_v then fail("the start is missing: give v (velocity) or p (momentum) beside q") end
-    local rest = core.zeros(system.Q.dimension)
-    map.start.p = function(c) return map.system_of(c):legendre(map.start.q(c), rest) end
-  end
-  for _, rule in ipairs(map.rule_list) do system:solver { rule = rule, h = 1 } end  -- a misspelled one is told here
-end
-
 ---- the grid ----
 
 -- rows: rules and parameters; columns: steps, or the last parameter where there is one step
@@ -188,6 +111,16 @@ local PARTS = 7  -- cells between two neighbours of which one is lost, run at on
 
 local function is_lost(cell) return cells.CLASSES[cell.class].lost end
 
+-- cells of a row against their neighbour of smaller step
+local function compare_row(map, row)
+  if map.column ~= map.h then return end
+  local smaller
+  for _, cell in ipairs(row) do
+    if smaller then cells.compare(cell, smaller) end
+    if not is_lost(cell) then smaller = cell end
+  end
+end
+
 -- the last cell before the first that is lost, and that one
 local function border(row)
   for j, cell in ipairs(row) do
@@ -216,6 +149,7 @@ local function refine(map)
     if stopped then return stopped end
     for _, one in ipairs(open) do
       for _, cell in ipairs(one.parts) do
+        if map.column == map.h then cells.compare(cell, one.border.low) end
         if is_lost(cell) then
           one.border.high = cell
           break
@@ -327,7 +261,7 @@ list of growing numbers or one number. A parameter is an argument of that name o
 function(k) return dm.system{...} end), or of functions q, v, p that give the start, or is among the params of a system. Every cell is run
 in C, on all cores, over the same number of steps or the same duration t, and told apart by its rows: bounded, drifting (a slope of the energy
 above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy), chaotic (MEGNO above 4, by the exact tangent map;
-chaos = false leaves that out), off (an energy error above the kinetic energy), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost.
+chaos = false leaves that out), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost.
 watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost are refined to resolution = 1e-3 (refine
 = false: not). map:limit(row), :theory(row), :at(row, column), :table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows.
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends it with dm.failure, whose field `map` is what is there.]]
@@ -365,14 +299,15 @@ M.stability = blame.caller(function(options)
   check_options(options)
   local names = parameters(options)
   local map = new_map(options, names)
-  read_system(map, options, names)
+  given_.read(map, options, names)
   lay_out(map)
   local all = all_cells(map)
-  check_first(map, all[1])
+  given_.check_first(map, all[1])
   local start = core.clock()
   map.chaos = wants_chaos(map, all[1])
   local stopped = cells.run(map, all, map.chaos)
   for i, row in ipairs(map.cells) do
+    compare_row(map, row)
     local low, high = border(row)
     map.borders[i] = { low = low, high = high }
   end
@@ -385,18 +320,7 @@ M.stability = blame.caller(function(options)
   return map
 end)
 
-local doc_system = [[
-system:stability{q=, v= | p=, rule= | rules=, h=, steps= | t=, ...} -> dm.stability_map
-The same as dm.stability{system = system, ...}.]]
-
 core.docs[M.stability], core.docs[M.limit], core.docs[M.at], core.docs[M.theory] = doc_stability, doc_limit, doc_at, doc_theory
-core.method("dm.system", "stability", blame.caller(function(system, options)
-  local given = {}
-  for key, value in pairs(type(options) == "table" and options or {}) do given[key] = value end
-  given.system = system
-  return M.stability(given)
-end), doc_system)
-
 M.why = why
 require "dm.stability.show"(M)
 

@@ -20,7 +20,7 @@ M.CLASSES = {
   { name = "bounded", text = "the energy error stays in its band" },
   { name = "drifting", text = "the energy error grows steadily" },
   { name = "chaotic", text = "neighbouring orbits separate exponentially" },
-  { name = "off", text = "the energy has gone elsewhere in the middle of the run, by more than the kinetic energy: another motion" },
+  { name = "off", lost = true, text = "the energy has gone far elsewhere, and stays there: another motion" },
   { name = "blow-up", lost = true, text = "the energy error grows without bound" },
   { name = "left", lost = true, text = "the state left the region that was given as inside" },
   { name = "no convergence", lost = true, text = "the step equation could not be solved" },
@@ -92,6 +92,7 @@ local function finite(x) return x == x and abs(x) < huge and x or nil end
 local function look(map, cell, sums, i, name)
   local s, K = sums[name], sums.K
   local kinetic = K and abs(K.first[i]) + K.early[i] or 0
+  cell.kinetic = finite(kinetic)
   cell.error = finite(max(s.largest[i] - s.first[i], s.first[i] - s.least[i]))
   cell.slope, cell.slope_error = finite(s.slope[i]), finite(s.error[i])
   if sums.inside and not (sums.inside.least[i] > 0) then return "left" end
@@ -211,6 +212,17 @@ local function chaos_pass(map, system, rule, all)
     end
   end
   return stopped
+end
+
+local FAR = 1e3  -- energy error over the kinetic energy of the same motion with a smaller step
+
+--- A growth that ended early, where a nonlinear force holds it, shows beside a bounded cell of smaller step: its energy error is far above the
+-- kinetic energy there, which grows with the duration squared at most.
+function M.compare(cell, smaller)
+  local class = M.CLASSES[cell.class].name
+  if M.CLASSES[cell.class].lost or class == "not run" or not (cell.error and smaller.kinetic and smaller.kinetic > 0) then return end
+  local ratio = max(1, cell.steps * cell.h / (max(smaller.steps, 1) * smaller.h))
+  if cell.error > FAR * smaller.kinetic * ratio ^ 2 then cell.class = NUMBER.off end
 end
 
 -- cells of one group in parts that fit into memory

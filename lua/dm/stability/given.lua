@@ -1,0 +1,86 @@
+--- What a map is given: a system and a start, as they are or as functions of the parameters.
+local axes = require "dm.stability.axes"
+local core = require "dm.core"
+
+local M = {}
+
+local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)), 0) end
+
+-- a copy of the system with these numbers among its params
+local function with_params(system, values, names)
+  local given, params = {}, {}
+  for key, value in pairs(system.given) do given[key] = value end
+  for key, value in pairs(system.params) do params[key] = value end
+  for _, name in ipairs(names) do params[name] = values[name] end
+  given.params = params
+  return core.system(given)
+end
+
+local function is_system(x) return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.system" end
+
+-- system_of(cell), and the parameters that it depends on
+local function make_systems(map, system, names)
+  if type(system) == "function" then
+    local make, used = axes.bind("system", system, names)
+    return function(cell)
+      local made = make(cell.values)
+      if not is_system(made) then fail("'system' is a function that must return a dm.system (got %s)", type(made)) end
+      return made
+    end, used
+  end
+  if not is_system(system) then fail("the system is missing: system = dm.system{...}, or a function of the parameters that returns one") end
+  local used = {}
+  for _, name in ipairs(names) do
+    if type(system.params) == "table" and type(system.params[name]) == "number" then used[#used + 1] = name end
+  end
+  if #used == 0 then return function() return system end, used end
+  return function(cell) return with_params(system, cell.values, used) end, used
+end
+
+local function make_start(what, given, names, uses)
+  if type(given) ~= "function" then return function() return given end end
+  local f, used = axes.bind(what, given, names)
+  for _, name in ipairs(used) do uses[name] = true end
+  return function(cell) return f(cell.values) end
+end
+
+local function make_key(used)
+  return function(cell)
+    local text = {}
+    for i, name in ipairs(used) do text[i] = ("%a"):format(cell.values[name]) end
+    return table.concat(text, "/")
+  end
+end
+
+--- map.system_of(cell), map.key_of(cell) (cells of one key have one system) and map.start.q, .v, .p of a cell.
+function M.read(map, options, names)
+  local of, used = make_systems(map, options.system or options[1], names)
+  local uses, last, kept = {}, nil, nil
+  for _, name in ipairs(used) do uses[name] = true end
+  map.key_of = make_key(used)
+  map.system_of = function(cell)
+    local key = map.key_of(cell)
+    if key ~= last then last, kept = key, of(cell) end
+    return kept
+  end
+  map.start = { q = make_start("q", options.q, names, uses), v = options.v and make_start("v", options.v, names, uses),
+    p = options.p and make_start("p", options.p, names, uses) }
+  for _, name in ipairs(names) do
+    if not uses[name] then
+      fail("parameter '%s' changes nothing: 'system', 'q', 'v' or 'p' must be a function with an argument %s, or the system have it among its params", name, name)
+    end
+  end
+end
+
+--- Look at the first cell: a start that needs no velocity where L is linear in v; misspelled rules.
+function M.check_first(map, cell)
+  local system = map.system_of(cell)
+  if not map.start.v and not map.start.p then
+    if not system:structure().linear_in_v then fail("the start is missing: give v (velocity) or p (momentum) beside q") end
+    local rest = core.zeros(system.Q.dimension)
+    map.start.p = function(c) return map.system_of(c):legendre(map.start.q(c), rest) end
+  end
+  for _, rule in ipairs(map.rule_list) do system:solver { rule = rule, h = 1 } end  -- a misspelled one is told here
+end
+
+return M
