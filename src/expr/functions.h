@@ -9,9 +9,9 @@
 #include "expr/graph.h"
 
 /*
-** x^(-1/2) and x^(-3/2), below 0.6 ulp with AVX-512: y = a table look-up to 14 bits, e = 1 - x y^2 with the rounding
-** error of x y taken in, then y (1 - e)^(-1/2) and y^3 (1 - e)^(-3/2) by series, |e| < 2^-13; y has 16 bits, so y^3 is
-** exact. Elsewhere root and division.
+** x^(-1/2) and x^(-3/2), below 0.6 ulp with AVX-512: y = a table look-up to 14 bits, e = 1 - x y^2 without an error of
+** rounding, then y (1 - e)^(-1/2) and y^3 (1 - e)^(-3/2) by series, |e| < 2^-13; y has 17 bits, so y^3 is exact. Elsewhere
+** root and division.
 */
 double dm_rsqrt(double x);
 double dm_rsqrt3(double x);

@@ -5,7 +5,7 @@
 
 typedef struct {
     dm_emitter *e;
-    int x, y, error, p, low; /* registers */
+    int x, y, error, p; /* registers */
 } roots;
 
 static void multiply(const roots *r, int d, int a, int b) {
@@ -23,44 +23,43 @@ static void pair(const roots *r, int d, int first) {
     fused(r, DM_X86_FMADD213, d, r->error, dm_pool_mask(r->e, first));
 }
 
-/* y = the look-up, error = e0, low = the error of x y */
-static void look_up(const roots *r) {
-    dm_x86_rsqrt14(&r->e->code, r->e->width, r->y, r->x);
-    multiply(r, r->error, r->x, r->y);
-    dm_x86_load(&r->e->code, r->e->width, r->low, dm_in_register(r->error));
-    fused(r, DM_X86_FMSUB231, r->low, r->x, dm_in_register(r->y));
-    fused(r, DM_X86_FNMADD213, r->error, r->y, dm_pool_mask(r->e, DM_POOL_ONE));
-    fused(r, DM_X86_FNMADD213, r->low, r->y, dm_in_register(r->error)); /* e */
-}
-
-/* a += a e p where e0 is a number, and a finite if the mask register says so */
-static void correct(const roots *r, int a, int under) {
+/* a += a e p where the error is a number, and a finite if the mask register says so; e may be destroyed */
+static void correct(const roots *r, int a, int e, int under) {
     dm_code *c = &r->e->code;
     dm_x86_test(c, r->e->width, 1, r->error, dm_in_register(r->error), DM_X86_NUMBERS,
                 under);
-    multiply(r, r->low, r->low, a);
-    dm_x86_fused(c, r->e->width, DM_X86_FMADD231, a, r->low, dm_in_register(r->p), 1);
+    multiply(r, e, e, a);
+    dm_x86_fused(c, r->e->width, DM_X86_FMADD231, a, e, dm_in_register(r->p), 1);
 }
 
+/* x y may be rounded where y^2 would be infinite: e takes that in */
 static void root(const roots *r) {
-    look_up(r);
+    const int low = dm_take_register(r->e);
+    dm_x86_rsqrt14(&r->e->code, r->e->width, r->y, r->x);
+    multiply(r, r->error, r->x, r->y);
+    dm_x86_load(&r->e->code, r->e->width, low, dm_in_register(r->error));
+    fused(r, DM_X86_FMSUB231, low, r->x, dm_in_register(r->y));
+    fused(r, DM_X86_FNMADD213, r->error, r->y, dm_pool_mask(r->e, DM_POOL_ONE));
+    fused(r, DM_X86_FNMADD213, low, r->y, dm_in_register(r->error)); /* e */
     pair(r, r->p, DM_POOL_ROOT2);
     fused(r, DM_X86_FMADD213, r->p, r->error, dm_pool_mask(r->e, DM_POOL_ROOT1));
-    correct(r, r->y, 0);
+    correct(r, r->y, low, 0);
 }
 
+/* y^2 is exact where y^3 is finite, so is y^3 */
 static void cube(const roots *r) {
     const int t = dm_take_register(r->e), square = dm_take_register(r->e);
-    look_up(r);
+    dm_x86_rsqrt14(&r->e->code, r->e->width, r->y, r->x);
+    multiply(r, r->error, r->y, r->y);
+    multiply(r, r->y, r->y, r->error);
+    fused(r, DM_X86_FNMADD213, r->error, r->x, dm_pool_mask(r->e, DM_POOL_ONE)); /* e */
+    dm_x86_test(&r->e->code, r->e->width, 1, r->y, dm_pool_mask(r->e, DM_POOL_INFINITY),
+                DM_X86_LESS, 0);
     pair(r, t, DM_POOL_CUBE3);
     pair(r, r->p, DM_POOL_CUBE1);
     multiply(r, square, r->error, r->error);
     fused(r, DM_X86_FMADD231, r->p, t, dm_in_register(square));
-    multiply(r, t, r->y, r->y);
-    multiply(r, r->y, r->y, t);
-    dm_x86_test(&r->e->code, r->e->width, 1, r->y, dm_pool_mask(r->e, DM_POOL_INFINITY),
-                DM_X86_LESS, 0);
-    correct(r, r->y, 1);
+    correct(r, r->y, r->error, 1);
 }
 
 static void by_division(const roots *r, int cubed) {
@@ -77,7 +76,6 @@ void dm_emit_reciprocal_root(dm_emitter *e, const dm_step *s) {
     r.y = dm_take_register(e);
     r.error = dm_take_register(e);
     r.p = dm_take_register(e);
-    r.low = dm_take_register(e);
     if (dm_processor() != DM_AVX512)
         by_division(&r, cubed);
     else if (cubed)

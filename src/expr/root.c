@@ -24,12 +24,12 @@ TARGET static look_up look_up_root(double number) {
     return (look_up){y, e0, _mm_fnmadd_sd(low, y, e0)};
 }
 
-/* c1 + c2 e0 */
-TARGET static __m128d pair(const look_up *l, int first) {
-    return _mm_fmadd_sd(_mm_set_sd(series[first + 1]), l->e0, _mm_set_sd(series[first]));
+/* c1 + c2 e */
+TARGET static __m128d pair(__m128d e, int first) {
+    return _mm_fmadd_sd(_mm_set_sd(series[first + 1]), e, _mm_set_sd(series[first]));
 }
 
-/* a (1 + e p); where e is no number (x = 0, infinite, negative) or a is infinite the look-up is right as it is */
+/* a (1 + e p); where e0 is no number (x = 0, infinite, negative) or a is infinite the look-up is right as it is */
 TARGET static double corrected(__m128d a, const look_up *l, __m128d p) {
     const __mmask8 finite = _mm_cmp_sd_mask(a, _mm_set_sd(INFINITY), _CMP_LT_OQ);
     const __mmask8 valid = _mm_mask_cmp_sd_mask(finite, l->e0, l->e0, _CMP_ORD_Q);
@@ -38,15 +38,17 @@ TARGET static double corrected(__m128d a, const look_up *l, __m128d p) {
 
 TARGET static double root_avx512(double x) {
     const look_up l = look_up_root(x);
-    const __m128d p = _mm_fmadd_sd(pair(&l, 1), l.e0, _mm_set_sd(series[0]));
+    const __m128d p = _mm_fmadd_sd(pair(l.e0, 1), l.e0, _mm_set_sd(series[0]));
     return corrected(l.y, &l, p);
 }
 
-TARGET static double cube_avx512(double x) {
-    const look_up l = look_up_root(x);
-    const __m128d cube = _mm_mul_sd(l.y, _mm_mul_sd(l.y, l.y));
-    const __m128d square = _mm_mul_sd(l.e0, l.e0);
-    return corrected(cube, &l, _mm_fmadd_sd(pair(&l, 5), square, pair(&l, 3)));
+/* y^2 is exact where y^3 is finite, so is y^3 */
+TARGET static double cube_avx512(double number) {
+    const __m128d x = _mm_set_sd(number), y = _mm_rsqrt14_sd(x, x);
+    const __m128d square = _mm_mul_sd(y, y), cube = _mm_mul_sd(y, square);
+    const __m128d e = _mm_fnmadd_sd(square, x, _mm_set_sd(1.0));
+    const look_up l = {y, e, e};
+    return corrected(cube, &l, _mm_fmadd_sd(pair(e, 5), _mm_mul_sd(e, e), pair(e, 3)));
 }
 
 static int by_look_up(void) {

@@ -1,60 +1,24 @@
-#include "integ/splitting_loop.h"
+#include "integ/splitting_loop_inside.h"
 
-#include "integ/fused.h"
+#include "expr/jit.h"
 #include "integ/kept.h"
 
 #include <string.h>
 
-/*
-** A step by where its kicks are:
-**   kicks at both ends       head: kick, drift, force, kick; bodies: drift, force, kick; the factors of the
-**                            force are carried, those of the start are a part of their own
-**   kick at the beginning    bodies: force, kick, drift
-**   kick at the end          bodies: drift, force, kick
-**   at neither               bodies: drift, force, kick; tail: drift
-*/
-enum {
-    KICK_FIRST = 1,
-    KICK_LAST = 2,
-    KICKS_AT_BOTH_ENDS = 3,
-    MORE_STAGES = 4,
-    SCALED = 8,
-    PLAIN = 16 /* sums without low parts */
-};
-
-struct dm_splitting_loop {
-    unsigned shape;
-    dm_kicks kicks;
-    uint32_t size; /* of the carried values: q, p, their low parts, factors */
-    dm_loop_part part[DM_LOOP_PARTS];
-    dm_loop one, many;     /* for one member, for lanes */
-    double *wide, *spread; /* lanes: carried values [groups][size][lanes], coefficients */
-};
-
-enum { /* doubles */
-       OF_STEP = 5 + 4 * DM_SPLITTING_STAGES,
-       COEFFICIENTS = 1024 /* have room: of some steps where L depends on t */
-};
-
-/* carried values at most, one factor a coordinate */
-static size_t most_carried(uint32_t n) {
-    return 5 * (size_t)n;
-}
-
+/* for both kinds of sums, since a model keeps them */
 size_t dm_splitting_loop_work(const dm_model *m) {
-    return m->structure & DM_LOOPS ? 0 : most_carried(m->n) + COEFFICIENTS;
+    return m->structure & DM_LOOPS
+               ? 0
+               : dm_splitting_loop_carried(m->n) + DM_LOOP_COEFFICIENTS;
 }
 
 static unsigned shape_of(const dm_splitting *table) {
     const double first = table->b[0], last = table->b[table->stages];
-    return (first != 0.0 ? KICK_FIRST : 0) | (last != 0.0 ? KICK_LAST : 0) |
-           (table->stages > 1 ? MORE_STAGES : 0) |
+    return (first != 0.0 ? DM_LOOP_KICK_FIRST : 0) |
+           (last != 0.0 ? DM_LOOP_KICK_LAST : 0) |
+           (table->stages > 1 ? DM_LOOP_MORE_STAGES : 0) |
            /* the factors of a last kick are those of the first one of the next step */
-           (first == last || first == 0.0 || last == 0.0 ? SCALED : 0);
-}
-
-static int ends(unsigned shape) {
-    return (int)(shape & KICKS_AT_BOTH_ENDS);
+           (first == last || first == 0.0 || last == 0.0 ? DM_LOOP_SCALED : 0);
 }
 
 /* ---- parts ---- */
@@ -112,55 +76,81 @@ static void fuse_body(dm_fusion *b, int kick_first) {
     if (kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
 }
 
+/* values that nothing carries from part to part */
+static int drops_factors(const dm_splitting_loop *l) {
+    return (l->shape & DM_LOOP_MERGED) ||
+           dm_splitting_loop_ends(l->shape) != DM_LOOP_KICKS_AT_BOTH_ENDS;
+}
+
 static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind kind,
                      dm_loop_part *out) {
     const uint32_t n = m->n;
     dm_fusion b;
     dm_node *y = dm_arena_take(m->source.arena, 3 * (size_t)n * sizeof *y);
     if (!y || !dm_fusion_begin(&b, m, &l->kicks, l->size)) return 0;
-    b.plain = (l->shape & PLAIN) != 0;
-    if (l->size == 4 * n) b.more = y + 2 * (size_t)n; /* factors that nothing carries */
+    b.plain = (l->shape & DM_LOOP_PLAIN) != 0;
+    if (drops_factors(l)) b.more = y + 2 * (size_t)n;
     if (kind == DM_LOOP_START)
-        fuse_force(&b, NULL);
+        fuse_force(&b, l->shape & DM_LOOP_MERGED ? b.p : NULL);
     else if (kind == DM_LOOP_HEAD && b.plain)
         fuse_plain_head(&b);
     else if (kind == DM_LOOP_HEAD)
         fuse_head(&b, y, y + n);
     else if (kind == DM_LOOP_BODY)
-        fuse_body(&b, ends(l->shape) == KICK_FIRST);
+        fuse_body(&b, dm_splitting_loop_ends(l->shape) == DM_LOOP_KICK_FIRST);
     else
         dm_fusion_drift(&b, dm_fusion_coefficient(&b), b.p);
     return dm_fusion_end(&b, out);
 }
 
 static int build_parts(dm_splitting_loop *l, const dm_model *m) {
-    const int both = ends(l->shape) == KICKS_AT_BOTH_ENDS;
+    const int merged = (l->shape & DM_LOOP_MERGED) != 0;
+    const int both =
+        !merged && dm_splitting_loop_ends(l->shape) == DM_LOOP_KICKS_AT_BOTH_ENDS;
     const int wanted[DM_LOOP_PARTS] = {
         [DM_LOOP_START] = both,
         [DM_LOOP_HEAD] = both,
-        [DM_LOOP_BODY] =
-            (l->shape & (MORE_STAGES | KICKS_AT_BOTH_ENDS)) != KICKS_AT_BOTH_ENDS,
-        [DM_LOOP_TAIL] = !ends(l->shape)};
+        [DM_LOOP_BODY] = !both || (l->shape & DM_LOOP_MORE_STAGES),
+        [DM_LOOP_TAIL] = !dm_splitting_loop_ends(l->shape)};
     for (int k = 0; k < DM_LOOP_PARTS; k++)
         if (wanted[k] && !fuse_part(l, m, (dm_loop_kind)k, l->part + k)) return 0;
-    return 1;
+    return !merged || fuse_part(l, m, DM_LOOP_START, l->kick + DM_LOOP_START);
+}
+
+static unsigned whole_shape(const dm_model *m, const dm_splitting *table, int plain) {
+    const unsigned shape = shape_of(table);
+    if (!plain) return shape;
+    if (dm_splitting_loop_ends(shape) != DM_LOOP_KICKS_AT_BOTH_ENDS ||
+        !(m->structure & DM_AUTONOMOUS))
+        return shape | DM_LOOP_PLAIN;
+    /* one body does for any number of stages */
+    return DM_LOOP_KICKS_AT_BOTH_ENDS | DM_LOOP_SCALED | DM_LOOP_PLAIN | DM_LOOP_MERGED;
+}
+
+/* what a step carries */
+static uint32_t size_of(const dm_splitting_loop *l, uint32_t n) {
+    if (l->shape & DM_LOOP_MERGED) return 2 * n;
+    return 4 * n + (drops_factors(l) ? 0 : l->kicks.count);
 }
 
 dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table,
                                           int plain) {
     static const char maker;
-    const unsigned shape = shape_of(table) | (plain ? PLAIN : 0);
+    const unsigned shape = whole_shape(m, table, plain);
     dm_kernel kept;
     if (dm_kept_find(&kept, m, &maker, shape))
         return (dm_splitting_loop *)(uintptr_t)kept.pool;
-    if (!m->source.graph || (!ends(shape) && table->stages < 2)) return NULL;
+    if (!m->source.graph || (!dm_splitting_loop_ends(shape) && table->stages < 2))
+        return NULL;
     dm_splitting_loop *l = dm_arena_take(m->source.arena, sizeof *l);
     if (!l) return NULL;
     *l = (dm_splitting_loop){.shape = shape};
-    if (!dm_kicks_read(&l->kicks, m, m->source.gradient, (shape & SCALED) != 0))
+    if (!dm_kicks_read(&l->kicks, m, m->source.gradient, (shape & DM_LOOP_SCALED) != 0))
         return NULL;
-    l->size = 4 * m->n + (ends(shape) == KICKS_AT_BOTH_ENDS ? l->kicks.count : 0);
+    l->size = size_of(l, m->n);
     if (!build_parts(l, m) || !dm_fused_build(&l->one, m, l->part, l->size, 1))
+        return NULL;
+    if ((shape & DM_LOOP_MERGED) && !dm_fused_build(&l->one_kick, m, l->kick, l->size, 1))
         return NULL;
     dm_kept_add(m, &maker, shape, &(dm_kernel){.pool = l}, 1);
     return l;
@@ -168,126 +158,20 @@ dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting 
 
 int dm_splitting_loop_widen(dm_splitting_loop *l, const dm_model *m, dm_lanes *x) {
     dm_arena *arena = m->source.arena;
+    dm_splitting_wide *w = &l->many;
+    if (w->spread && w->lanes.lanes == dm_jit_lanes()) return *x = w->lanes, 1;
+    *w = (dm_splitting_wide){0};
     if (!l->one.native || !dm_lanes_open(x, m, l->size)) return 0;
     const size_t group = (size_t)l->size * x->lanes;
-    l->wide = dm_arena_take(arena, group * x->groups * sizeof *l->wide);
-    l->spread = dm_arena_take(arena, COEFFICIENTS * (size_t)x->lanes * sizeof *l->spread);
-    if (!l->wide || !l->spread ||
-        !dm_fused_build(&l->many, m, l->part, l->size, x->lanes))
+    const size_t spread = DM_LOOP_COEFFICIENTS * (size_t)x->lanes;
+    w->wide = dm_arena_take(arena, group * x->groups * sizeof *w->wide);
+    if (!w->wide || !dm_fused_build(&w->loop, m, l->part, l->size, x->lanes)) return 0;
+    if ((l->shape & DM_LOOP_MERGED) &&
+        !dm_fused_build(&w->kick, m, l->kick, l->size, x->lanes))
         return 0;
-    x->together = l->many.together;
-    return x->groups % x->together == 0;
-}
-
-/* ---- coefficients ---- */
-
-/* of a force at time `at` and of the kick by it */
-static double *put_force(double *c, double at, double hb) {
-    c[0] = at, c[1] = hb, c[2] = -hb;
-    return c + 3;
-}
-
-/* of the step that begins at t */
-static double *put_step(double *c, unsigned shape, const dm_splitting_burst *x,
-                        double t) {
-    const dm_splitting *table = x->table;
-    const int kick_only_first = ends(shape) == KICK_FIRST;
-    const int forces = table->stages - !ends(shape);
-    if (ends(shape) == KICKS_AT_BOTH_ENDS) *c++ = x->h * table->b[0];
-    for (int k = 0; k < table->stages; k++) {
-        const int kick = kick_only_first ? k : k + 1;
-        const double at = t + x->c[kick] * x->h, hb = x->h * table->b[kick];
-        if (kick_only_first) c = put_force(c, at, hb);
-        *c++ = x->h * table->a[k];
-        if (!kick_only_first && k < forces) c = put_force(c, at, hb);
-    }
-    return c;
-}
-
-/* what a call has coefficients for */
-typedef struct {
-    long steps;
-    int64_t stride; /* doubles from one step to the next */
-    size_t count;
-} coefficients;
-
-/* of the steps from `done` on, as many as have room; where the force does not see the time one is enough */
-static coefficients put_steps(double *c, const dm_splitting_loop *l, const dm_model *m,
-                              const dm_splitting_burst *x, long done) {
-    const int timeless = (m->structure & DM_AUTONOMOUS) != 0;
-    const long left = x->count - done, different = timeless ? 1 : left;
-    double *to = c;
-    coefficients put = {.steps = left};
-    if (ends(l->shape) == KICKS_AT_BOTH_ENDS)
-        to = put_force(to, x->t + (double)done * x->h,
-                       x->h * x->table->b[x->table->stages]);
-    for (long k = 0; k < different; k++) {
-        if (to - c > COEFFICIENTS - OF_STEP) {
-            put.steps = k;
-            break;
-        }
-        double *end =
-            put_step(to, l->shape, x, timeless ? 0.0 : x->t + (double)(done + k) * x->h);
-        put.stride = timeless ? 0 : end - to;
-        to = end;
-    }
-    put.count = (size_t)(to - c);
-    return put;
-}
-
-/* how often a step does its body */
-static int64_t repeats(const dm_splitting_loop *l, const dm_splitting *table) {
-    const int e = ends(l->shape);
-    return table->stages - (e == KICKS_AT_BOTH_ENDS || e == 0);
-}
-
-/* ---- running ---- */
-
-void dm_splitting_loop_run(const dm_splitting_loop *l, const dm_model *m, double *state,
-                           const dm_splitting_burst *burst, double *work) {
-    const size_t main = 4 * (size_t)m->n;
-    double *c = work + most_carried(m->n);
-    memcpy(work, state, main * sizeof *work);
-    for (long done = 0; done < burst->count;) {
-        const coefficients put = put_steps(c, l, m, burst, done);
-        dm_loop_call call = {.state = work,
-                             .coefficients = c,
-                             .groups = 1,
-                             .repeats = repeats(l, burst->table),
-                             .steps = put.steps,
-                             .stride = put.stride * (int64_t)sizeof *c};
-        dm_loop_run(&l->one, &call);
-        done += put.steps;
-    }
-    memcpy(state, work, main * sizeof *work);
-}
-
-/* every coefficient once for each lane */
-static void spread(double *to, const double *c, size_t count, uint32_t lanes) {
-    for (size_t i = 0; i < count; i++)
-        for (uint32_t lane = 0; lane < lanes; lane++) *to++ = c[i];
-}
-
-void dm_splitting_loop_run_lanes(const dm_splitting_loop *l, const dm_model *m,
-                                 dm_lanes *x, const dm_splitting_burst *burst,
-                                 double *work) {
-    const size_t each = dm_state_size(m->n) * x->lanes,
-                 group = (size_t)l->size * x->lanes;
-    const size_t bytes = 4 * (size_t)m->n * x->lanes * sizeof(double);
-    for (uint32_t g = 0; g < x->groups; g++)
-        memcpy(l->wide + g * group, x->state + g * each, bytes);
-    for (long done = 0; done < burst->count;) {
-        const coefficients put = put_steps(work, l, m, burst, done);
-        spread(l->spread, work, put.count, x->lanes);
-        dm_loop_call call = {.state = l->wide,
-                             .coefficients = l->spread,
-                             .groups = x->groups,
-                             .repeats = repeats(l, burst->table),
-                             .steps = put.steps,
-                             .stride = put.stride * (int64_t)(x->lanes * sizeof *work)};
-        dm_loop_run(&l->many, &call);
-        done += put.steps;
-    }
-    for (uint32_t g = 0; g < x->groups; g++)
-        memcpy(x->state + g * each, l->wide + g * group, bytes);
+    x->together = w->loop.together;
+    if (x->groups % x->together != 0) return 0;
+    w->lanes = *x;
+    w->spread = dm_arena_take(arena, spread * sizeof *w->spread);
+    return w->spread != NULL;
 }
