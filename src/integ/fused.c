@@ -2,6 +2,7 @@
 
 #include "expr/analyse.h"
 #include "expr/compact.h"
+#include "expr/contract.h"
 #include "expr/derive.h"
 #include "expr/jit.h"
 
@@ -114,7 +115,8 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions,
     for (uint32_t i = 0; scaled && n <= MOST_SCALED && i < n; i++)
         take_apart(k, m, f[i], i);
     if (!k->count || is_mixed(k, n)) take_whole(k, f, n);
-    return 1;
+    k->graph = dm_contract_graph(s->graph, k->factor, k->count, k->factor);
+    return k->graph != NULL;
 }
 
 /* ---- building a part ---- */
@@ -209,8 +211,7 @@ void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
     const uint32_t n = b->model->n;
     memcpy(b->with, b->q, n * sizeof *b->q);
     b->with[2 * n] = t;
-    dm_transplant(b->graph, b->model->source.graph, k->factor, k->count, b->with,
-                  factors);
+    dm_transplant(b->graph, k->graph, k->factor, k->count, b->with, factors);
     const uint16_t *depth = measure_depth(b);
     b->failed |= !depth;
     for (uint32_t i = 0; depth && i < n; i++) {

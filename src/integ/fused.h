@@ -20,7 +20,8 @@ enum { DM_FUSED_LARGEST = 20000 };
 /* n expressions of q (and t) as what is added to n momenta. */
 typedef struct {
     uint32_t count;    /* different factors */
-    dm_node *factor;   /* [count] in the model's graph, compacted */
+    dm_graph *graph;   /* of the factors: compacted, products and sums fused */
+    dm_node *factor;   /* [count] */
     uint8_t *negative; /* [count] 1: the expression has the other sign */
     uint32_t *which;   /* [n] the factor of expression i */
     int32_t *
