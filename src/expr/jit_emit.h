@@ -36,6 +36,8 @@ typedef struct {
     uint32_t kept; /* registers that are taken last: they have a purpose (loops) */
     int shelf,
         shelved; /* registers shelf, shelf + 1, ... hold the first numbers of jit_exp.c */
+    int8_t mask[8], mask_register[8]; /* numbers of jit_pool.h that have a register */
+    int masks;
     int wish; /* register for the result of the current step where it is free; -1: any */
     int32_t *free; /* stack of stack slots to use again */
     int32_t frees, slots;

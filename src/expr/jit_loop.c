@@ -234,6 +234,25 @@ static void fix_constants(maker *m, const dm_loop_part *p) {
     }
 }
 
+/* the same for the numbers that x^(-3/2) needs */
+static void fix_masks(maker *m) {
+    static const int8_t wanted[] = {DM_POOL_ONE, DM_POOL_NUMBERS_PASS, DM_POOL_CUBE1,
+                                    DM_POOL_CUBE3};
+    dm_emitter *e = &m->e;
+    uint32_t cubes = 0;
+    for (uint32_t i = 0; i < e->plan->count; i++)
+        cubes += e->plan->steps[i].op == DM_OP_RSQRT3;
+    if (!cubes || e->registers < 32 || e->plan->calls || e->plan->count > LARGE) return;
+    for (int k = 0; k < (int)sizeof wanted; k++) {
+        const int reg = e->registers - 1 - MOST_FIXED - k;
+        dm_x86_load(&e->code, e->width, reg, dm_pool_mask(e, wanted[k]));
+        e->fixed |= 1u << reg;
+        e->mask[k] = wanted[k];
+        e->mask_register[k] = (int8_t)reg;
+    }
+    e->masks = (int)sizeof wanted;
+}
+
 /* the steps of a part, for one group */
 static dm_status emit_part(maker *m, const dm_loop_part *p, const dm_plan *plan) {
     for (uint32_t i = 0; i < plan->count; i++) {
@@ -272,6 +291,7 @@ static dm_status put_part(maker *m, const dm_loop_part *part, dm_loop_kind kind)
     }
     m->e.code = m->code;
     if (m->width != DM_SCALAR) fix_constants(m, p);
+    if (m->width != DM_SCALAR) fix_masks(m);
     m->code = m->e.code;
     const size_t again = m->code.size;
     status = emit_part(m, p, &plan);

@@ -9,6 +9,8 @@ enum { POINTERS = 32, START = POINTERS * 8 + 64 * DM_POOL_MASKS };
 _Static_assert((int)DM_OP_COUNT <= (int)POINTERS, "a pointer for every operation");
 
 dm_operand dm_pool_mask(const dm_emitter *e, int mask) {
+    for (int k = 0; k < e->masks; k++)
+        if (e->mask[k] == mask) return dm_in_register(e->mask_register[k]);
     return dm_in_memory(e->pool, POINTERS * 8 + 64 * mask);
 }
 
@@ -30,6 +32,7 @@ static void fill_masks(unsigned char *bytes) {
         [DM_POOL_SIGN_BIT] = 0x8000000000000000u,
         [DM_POOL_ALL_BUT_SIGN] = 0x7FFFFFFFFFFFFFFFu,
         [DM_POOL_INFINITY] = 0x7FF0000000000000u,
+        [DM_POOL_NUMBERS_PASS] = 0x11111100u,
     };
     memcpy(masks + DM_POOL_ROOT1, root, sizeof root);
     for (int k = 0; k < DM_POOL_MASKS; k++)

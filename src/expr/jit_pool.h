@@ -17,9 +17,11 @@ enum { /* masks and numbers that every kernel has, broadcast */
        DM_POOL_CUBE2,
        DM_POOL_CUBE3,
        DM_POOL_CUBE4,
+       DM_POOL_NUMBERS_PASS, /* for dm_x86_fix: what is no number stays behind */
        DM_POOL_MASKS
 };
 
+/* In the pool, or in the register that a loop keeps it in. */
 dm_operand dm_pool_mask(const dm_emitter *e, int mask);
 
 /* What a call of the operation jumps to (dm_function_for); DM_OP_CONSTANT stands for sincos. */

@@ -46,20 +46,32 @@ static void root(const roots *r) {
     correct(r, r->y, low, 0);
 }
 
-/* y^2 is exact where y^3 is finite, so is y^3 */
+/* y^3 where y^3 (1 + e p) is no number, and that elsewhere */
+static void correct_lanes(const roots *r) {
+    multiply(r, r->error, r->error, r->y);
+    fused(r, DM_X86_FMADD213, r->p, r->error, dm_in_register(r->y));
+    dm_x86_fix(&r->e->code, r->y, r->p, dm_pool_mask(r->e, DM_POOL_NUMBERS_PASS));
+}
+
+/* y^2 is exact where y^3 is finite, so is y^3. Lanes wait for no single result, but for their turn: one instruction fewer */
 static void cube(const roots *r) {
     const int t = dm_take_register(r->e), square = dm_take_register(r->e);
+    const int eight = r->e->width == DM_LANES8;
     dm_x86_rsqrt14(&r->e->code, r->e->width, r->y, r->x);
     multiply(r, r->error, r->y, r->y);
     multiply(r, r->y, r->y, r->error);
     fused(r, DM_X86_FNMADD213, r->error, r->x, dm_pool_mask(r->e, DM_POOL_ONE)); /* e */
-    dm_x86_test(&r->e->code, r->e->width, 1, r->y, dm_pool_mask(r->e, DM_POOL_INFINITY),
-                DM_X86_LESS, 0);
+    if (!eight)
+        dm_x86_test(&r->e->code, r->e->width, 1, r->y,
+                    dm_pool_mask(r->e, DM_POOL_INFINITY), DM_X86_LESS, 0);
     pair(r, t, DM_POOL_CUBE3);
     pair(r, r->p, DM_POOL_CUBE1);
     multiply(r, square, r->error, r->error);
     fused(r, DM_X86_FMADD231, r->p, t, dm_in_register(square));
-    correct(r, r->y, r->error, 1);
+    if (eight)
+        correct_lanes(r);
+    else
+        correct(r, r->y, r->error, 1);
 }
 
 static void by_division(const roots *r, int cubed) {

@@ -208,6 +208,13 @@ void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int rela
     byte(c, relation);
 }
 
+void dm_x86_fix(dm_code *c, int d, int a, dm_operand table) {
+    const form f = {
+        .map = MAP_0F3A, .opcode = 0x54, .reg = d, .vvvv = a, .prefix = PP_66};
+    emit_evex(c, DM_LANES8, &f, table);
+    byte(c, 0); /* no flags */
+}
+
 void dm_x86_scale(dm_code *c, int d, int a, int b) {
     const form f = {
         .map = MAP_0F38, .opcode = 0x2C, .reg = d, .vvvv = a, .prefix = PP_66};

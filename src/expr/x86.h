@@ -96,6 +96,9 @@ void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b
 void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int relation,
                  int under);
 
+/* 8 lanes: d = a where a nibble of the table for its kind says 1, as it was where 0 */
+void dm_x86_fix(dm_code *c, int d, int a, dm_operand table);
+
 /* 8 lanes: d = a 2^floor(b) */
 void dm_x86_scale(dm_code *c, int d, int a, int b);
 
