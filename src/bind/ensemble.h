@@ -47,6 +47,20 @@ int dml_ensemble_path(lua_State *L);
 void dml_check_source(lua_State *L, int arg, const char *key, long members);
 void dml_push_source(lua_State *L, int arg, const char *key, long i);
 
+/* Members first .. first + count - 1, whose parameters are the same. */
+typedef struct {
+    dml_ensemble *e;
+    long first, count, steps;
+    int velocity; /* starts are q and v, not q and p */
+    int varied;   /* these are not the parameters of the system */
+} dml_part;
+
+/* The options q, and v or p: raises unless they are sources; 1 for v. */
+int dml_check_starts(lua_State *L, const dml_solver *solver, long members);
+
+/* Their numbers into the states of a part, with momenta; the trace is checked at its first member. */
+void dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r);
+
 /*
 ** vary = { name = source } of the options at 2: pushes a userdata of values[members][*count], the names as a
 ** table above it. NULL and nothing pushed without that field.

@@ -1,8 +1,7 @@
-/* ensemble_run.c - `solver:ensemble{}`: starts, threads, parts with the same parameters, the run itself. */
+/* ensemble_run.c - `solver:ensemble{}`: threads, parts with the same parameters, the run itself. */
 #include "bind/ensemble.h"
 #include "bind/failure.h"
 #include "bind/observables.h"
-#include "bind/start_ties.h"
 #include "bind/terminal.h"
 #include "run/run.h"
 
@@ -15,126 +14,10 @@
 typedef dml_ensemble ensemble;
 enum { MOST_MEMBERS = 100000000 };
 
-/* ---- starts ---- */
-
-void dml_push_source(lua_State *L, int arg, const char *key, long i) {
-    if (lua_getfield(L, arg, key) == LUA_TFUNCTION) {
-        lua_pushinteger(L, i + 1);
-        lua_call(L, 1, 1);
-    } else {
-        lua_geti(L, -1, i + 1);
-        lua_remove(L, -2);
-    }
-}
-
-void dml_check_source(lua_State *L, int arg, const char *key, long members) {
-    const int type = lua_getfield(L, arg, key);
-    if (type != LUA_TFUNCTION && type != LUA_TTABLE && type != LUA_TUSERDATA)
-        luaL_error(L,
-                   "field '%s' must be a function of the member's number, or a table or "
-                   "matrix with a row for each of the %d members (got %s)",
-                   key, (int)members, luaL_typename(L, -1));
-    if (type != LUA_TFUNCTION && luaL_len(L, -1) != members)
-        luaL_error(L, "field '%s' has %d rows for %d members", key, (int)luaL_len(L, -1),
-                   (int)members);
-    lua_pop(L, 1);
-}
-
-/* the same where the source at `at` is a table of plain tables of numbers, as most are; 0: it is not */
-static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
-    if (lua_type(L, at) != LUA_TTABLE || lua_geti(L, at, i + 1) != LUA_TTABLE) return 0;
-    int plain = !lua_getmetatable(L, -1) && lua_rawlen(L, -1) == n;
-    for (uint32_t k = 0; plain && k < n; k++) {
-        plain = lua_rawgeti(L, -1, (lua_Integer)k + 1) == LUA_TNUMBER;
-        out[k] = lua_tonumber(L, -1);
-        lua_pop(L, 1);
-    }
-    return plain;
-}
-
-/* n numbers for member i from field `key` of the options */
-static void read_member(lua_State *L, const char *key, long i, double *out, uint32_t n) {
-    const int top = lua_gettop(L);
-    lua_getfield(L, 2, key);
-    const int plain = read_plain(L, top + 1, i, out, n);
-    lua_settop(L, top);
-    if (plain) return;
-    dml_push_source(L, 2, key, i);
-    const char *name = lua_pushfstring(L, "'%s' of member %d", key, (int)i + 1);
-    dml_vectorarg(L, -2, name, out, n);
-    lua_pop(L, 2);
-}
-
 static int has(lua_State *L, const char *key) {
     const int there = lua_getfield(L, 2, key) != LUA_TNIL;
     lua_pop(L, 1);
     return there;
-}
-
-/* members first .. first + count - 1, whose parameters are the same */
-typedef struct {
-    ensemble *e;
-    long first, count, steps;
-    int velocity; /* starts are q and v, not q and p */
-} part;
-
-/* the trace is checked at the first member */
-static void check_trace(lua_State *L, const part *p, dml_stepping *r) {
-    if (p->velocity) {
-        read_member(L, "q", p->first, r->x, r->solver->n);
-        read_member(L, "v", p->first, r->x + r->solver->n, r->solver->n);
-        r->x[2 * r->solver->n] = r->t0;
-    }
-    dml_checkmodel(L, r->system, r->model, p->velocity ? r->x : NULL);
-}
-
-/* q, and v or p; returns 1 for v */
-static int check_sources(lua_State *L, const dml_solver *solver, long members) {
-    const int velocity = has(L, "v");
-    if (velocity == has(L, "p"))
-        luaL_error(
-            L, "give the starts as q and v or as q and p: one of 'v' and 'p' is needed");
-    if (velocity && solver->pair)
-        luaL_error(L, "a discrete Lagrangian knows no velocity: give the momentum 'p'");
-    dml_check_source(L, 2, "q", members);
-    dml_check_source(L, 2, velocity ? "v" : "p", members);
-    return velocity;
-}
-
-/* member i, whose q and p are known, must lie on the ties */
-static void start_on_ties(lua_State *L, const part *these, dml_stepping *r, long i) {
-    const uint32_t n = these->e->n;
-    double *state = these->e->state + (size_t)i * dm_state_size(n), *x = r->x;
-    const char *who = lua_pushfstring(L, "member %d: ", (int)i + 1);
-    memcpy(x, state, n * sizeof *x);
-    memset(x + n, 0, n * sizeof *x);
-    x[2 * n] = r->t0;
-    if (dm_legendre_inverse(&r->model->model, x + n, x, state + n, r->t0, r->work) ==
-        DM_OK) {
-        memcpy(r->state, state, dm_state_size(n) * sizeof *state);
-        dml_start_on_ties(L, r, who, !these->velocity);
-        memcpy(state, r->state, dm_state_size(n) * sizeof *state);
-    }
-    lua_pop(L, 1);
-}
-
-/* starts: q, and p given or by the Legendre transform; a member whose transform fails is marked */
-static void read_starts(lua_State *L, const part *these, dml_stepping *r) {
-    const uint32_t n = these->e->n;
-    const char *second = these->velocity ? "v" : "p";
-    check_trace(L, these, r);
-    for (long i = these->first; i < these->first + these->count; i++) {
-        double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *x = r->x;
-        read_member(L, "q", i, q, n);
-        read_member(L, second, i, p, n);
-        if (these->velocity) {
-            memcpy(x, p, n * sizeof *x);
-            if (dm_legendre(&r->model->model, p, q, x, r->t0, r->work) != DM_OK)
-                p[0] = NAN;
-            dml_rethrow(L, r->model);
-        }
-        if (r->model->model.ties) start_on_ties(L, these, r, i);
-    }
 }
 
 /* ---- running it ---- */
@@ -233,7 +116,7 @@ static dm_observer *read_watch(lua_State *L, dm_stepper **steppers, int threads)
 }
 
 /* the rows of the members of a part */
-static dm_ensemble_rows rows_of(const part *p) {
+static dm_ensemble_rows rows_of(const dml_part *p) {
     dm_ensemble_rows rows = p->e->rows;
     rows.data = dm_ensemble_rows_of(&rows, p->first);
     rows.count += p->first;
@@ -241,15 +124,16 @@ static dm_ensemble_rows rows_of(const part *p) {
 }
 
 /* all threads with one part; what it leaves on the stack is dropped by the caller */
-static dm_status run_part(lua_State *L, const part *p, dml_solver *solver, int threads,
-                          clock_of_run *clock) {
-    dml_stepping r = {.solver = solver, .apart = 1};
+static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
+                          int threads, clock_of_run *clock) {
+    /* the first thread takes the kernels of the last run, where the system is the same one */
+    dml_stepping r = {.solver = solver, .apart = p->varied};
     dm_stepper *steppers[DM_ENSEMBLE_THREADS];
     ensemble *e = p->e;
     dml_stepping_prepare(L, &r, e->t);
     if (r.model->callback) threads = 1; /* Lua runs in one thread */
     if (threads > p->count) threads = (int)p->count;
-    read_starts(L, p, &r);
+    dml_read_starts(L, p, &r);
     open_steppers(L, &r, threads, steppers);
     const dm_ensemble_rows rows = rows_of(p);
     const dm_ensemble plan = {.members = p->count,
@@ -275,9 +159,10 @@ static dm_status run_part(lua_State *L, const part *p, dml_solver *solver, int t
 }
 
 /* members by parts of the same parameters, `values` of them (NULL: all have those of the system) */
-static dm_status run_parts(lua_State *L, part *p, const double *values, uint32_t count,
-                           int names) {
+static dm_status run_parts(lua_State *L, dml_part *p, const double *values,
+                           uint32_t count, int names) {
     enum { SWEEP = 32 }; /* parts after which their memory is asked back */
+    p->varied = values != NULL;
     const int threads = read_threads(L), top = lua_gettop(L);
     const long members = p->e->members;
     clock_of_run clock = {.L = L, .start = now(), .all = members};
@@ -339,12 +224,12 @@ int dml_solver_ensemble(lua_State *L) {
                       "solver of the system for an ensemble");
     lua_settop(L, 2);
     const long members = read_members(L);
-    part p = {0};
+    dml_part p = {0};
     const dm_pace *pace = dml_read_pace(L, solver, members, &p.steps);
     if (!pace) p.steps = read_steps(L, solver->h);
     const double t0 = dml_number(L, 2, "t0", 0.0);
     read_threads(L);
-    p.velocity = check_sources(L, solver, members);
+    p.velocity = dml_check_starts(L, solver, members);
     const dm_ensemble_rows rows = read_rows(L, p.steps, t0);
     p.e = dml_pushensemble(L, members, solver->n, &rows);
     const int at = lua_gettop(L);

@@ -149,7 +149,7 @@ static dm_status run(block *x) {
     const dm_stepper *s = x->b->stepper;
     const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;
     double looked = now();
-    long burst = FIRST;
+    long burst = x->b->burst;
     while (x->alive && x->done < x->e->steps) {
         const long left = x->e->steps - x->done;
         const long goal = to_row(x, left < burst ? left : burst);
@@ -161,6 +161,7 @@ static dm_status run(block *x) {
         looked += took;
         if (took < 0.5 * LOOK && burst < LONGEST) burst *= took < 0.125 * LOOK ? 4 : 2;
         if (took > LOOK && burst > 1) burst /= 2;
+        x->b->burst = burst;
     }
     return DM_OK;
 }
@@ -183,7 +184,7 @@ void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
 }
 
 int dm_block_open(dm_block *b, dm_stepper *s) {
-    *b = (dm_block){.stepper = s};
+    *b = (dm_block){.stepper = s, .burst = FIRST};
     if (!s->method->widen || !s->method->widen(s, &b->lanes)) return 0;
     const size_t size = dm_state_size(s->model->n);
     const size_t all = size * b->lanes.lanes * b->lanes.groups;
