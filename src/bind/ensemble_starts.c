@@ -35,9 +35,10 @@ static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
     int plain = lua_geti(L, at, i + 1) == LUA_TTABLE && !lua_getmetatable(L, -1) &&
                 lua_rawlen(L, -1) == n;
     for (uint32_t k = 0; plain && k < n; k++) {
-        plain = lua_rawgeti(L, -1, (lua_Integer)k + 1) == LUA_TNUMBER;
-        out[k] = lua_tonumber(L, -1);
-        lua_pop(L, 1);
+        lua_rawgeti(L, at + 1, (lua_Integer)k + 1);
+        out[k] = lua_tonumberx(L, -1, &plain);
+        if (lua_type(L, -1) != LUA_TNUMBER) plain = 0; /* texts are for the slow way */
+        lua_settop(L, at + 1);
     }
     lua_settop(L, at);
     return plain;

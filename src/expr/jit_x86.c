@@ -118,7 +118,8 @@ static void fused_sum(dm_emitter *e, const dm_step *s) {
     int d = k < 0 ? 0 : dm_in_a_register(e, s->arg[k]);
     if (k < 0) {
         const dm_place *v = e->at + s->arg[2];
-        const dm_operand c = v->homed ? v->home : dm_anywhere(e, s->arg[2]);
+        const int loaded = v->homed && e->width == DM_LANES8; /* a move takes a turn */
+        const dm_operand c = loaded ? v->home : dm_anywhere(e, s->arg[2]);
         d = dm_take_register(e);
         dm_x86_load(&e->code, e->width, d, c);
     }

@@ -115,7 +115,12 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions,
     for (uint32_t i = 0; scaled && n <= MOST_SCALED && i < n; i++)
         take_apart(k, m, f[i], i);
     if (!k->count || is_mixed(k, n)) take_whole(k, f, n);
-    k->graph = dm_contract_graph(s->graph, k->factor, k->count, k->factor);
+    k->graph = s->graph;
+    return 1;
+}
+
+int dm_kicks_contract(dm_kicks *k) {
+    k->graph = dm_contract_graph(k->graph, k->factor, k->count, k->factor);
     return k->graph != NULL;
 }
 

@@ -20,7 +20,7 @@ enum { DM_FUSED_LARGEST = 20000 };
 /* n expressions of q (and t) as what is added to n momenta. */
 typedef struct {
     uint32_t count;    /* different factors */
-    dm_graph *graph;   /* of the factors: compacted, products and sums fused */
+    dm_graph *graph;   /* of the factors, which are compacted */
     dm_node *factor;   /* [count] */
     uint8_t *negative; /* [count] 1: the expression has the other sign */
     uint32_t *which;   /* [n] the factor of expression i */
@@ -32,6 +32,9 @@ typedef struct {
 /* scaled = 0: factors are the expressions themselves. 0 when it cannot be had: no graph (hyper-dual numbers), too
 ** large, no memory. */
 int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, int scaled);
+
+/* Products in the factors are added at once (expr/contract.h). 0 without memory. */
+int dm_kicks_contract(dm_kicks *k);
 
 /* low = y + (high - sum) */
 struct dm_remainder {

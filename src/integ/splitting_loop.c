@@ -145,7 +145,8 @@ dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting 
     dm_splitting_loop *l = dm_arena_take(m->source.arena, sizeof *l);
     if (!l) return NULL;
     *l = (dm_splitting_loop){.shape = shape};
-    if (!dm_kicks_read(&l->kicks, m, m->source.gradient, (shape & DM_LOOP_SCALED) != 0))
+    if (!dm_kicks_read(&l->kicks, m, m->source.gradient, (shape & DM_LOOP_SCALED) != 0) ||
+        !dm_kicks_contract(&l->kicks))
         return NULL;
     l->size = size_of(l, m->n);
     if (!build_parts(l, m) || !dm_fused_build(&l->one, m, l->part, l->size, 1))

@@ -24,6 +24,8 @@ end
 local solver = kepler:solver { rule = "verlet", h = 0.01 }
 local rows = solver:ensemble { members = 2, q = dm.matrix { { 0.4, 0 }, { 0.5, 0 } }, p = { { 0, 2 }, { 0, 1.5 } }, t = 0.3 }
 ok(rows.steps[1] == 30 and rows.t == 0.3 and #rows == 2, "starts from a matrix and a table, a duration")
+ok(rows.q == solver:ensemble({ members = 2, q = { { 0.4, 0 }, { 0.5, 0 } }, p = function(i) return { 0, 2.5 - i / 2 } end, t = 0.3 }).q,
+  "tables and functions are the same starts")
 ok(rows.q[1] == solver:run { q = { 0.4, 0 }, v = { 0, 2 }, steps = 30 }.q[31], "and the same end")
 ok(tostring(rows):find "2 members", "an ensemble prints itself", tostring(rows))
 
@@ -219,6 +221,10 @@ for _, case in ipairs { { kepler, "verlet" }, { kepler, "kahan-li(6)" }, { keple
   end
   ok(not different, case[2] .. ": plain sums, members are single runs, on the tape too", different)
   ok(worst > 0 and worst < 1e-12, case[2] .. ": and differ from compensated ones by round-off", worst)
+  local rows, every = plain:ensemble { members = 19, q = q0, v = v0, steps = 150, every = 7 }, plain:run { q = q0(9), v = v0(9), steps = 150 }
+  local times = plain:run { q = q0(9), v = v0(9), at = { 0.4137, 1.5 } }
+  ok(rows.q == e.q and rows.p == e.p and every.p[151] == e.p[9] and rows:path(9).p[5] == every.p[29] and times.q[2] == every.q[151],
+    case[2] .. ": what is recorded on the way changes no bit")
   local half = plain:run { q = q0(1), v = v0(1), steps = 70 }
   ok(dm.resume(half):run({ steps = 80 }).q[81] == plain:run({ q = q0(1), v = v0(1), steps = 150 }).q[151], case[2] .. ": they are resumed as plain ones")
 end

@@ -23,6 +23,7 @@ if solver.ensemble then
   local members, count = 4096, 1000
   local q, v = {}, {}
   for i = 1, members do q[i], v[i] = { 0.4 + i * 1e-5, 0 }, { 0, 2 } end
+  q, v = dm.matrix(q), dm.matrix(v)
   line("leapfrog, ensemble of Kepler orbits", "verlet, 4096 members",
     best(function() solver:ensemble { members = members, q = q, v = v, steps = count, threads = 1 } end) / (members * count))
   local plain = kepler:solver { rule = "verlet", h = 0.01, sums = "plain" }
