@@ -1,0 +1,107 @@
+#include "run/recurrence.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { BURST = 64 }; /* steps between looks at the stop flag */
+
+/* in: y, x; out: R, dR/dx; beyond: y' and the conditions */
+typedef struct {
+    const dm_recurrence *r;
+    double *in, *residual, *out, *after, *conditions, *newton;
+} stage;
+
+static size_t outputs(const dm_recurrence *r) {
+    return r->m + (size_t)r->m * r->m;
+}
+
+size_t dm_recurrence_work(const dm_recurrence *r) {
+    return 2 * (size_t)r->n + 2 * (size_t)r->m + outputs(r) + r->inside.outputs +
+           dm_newton_work(r->m);
+}
+
+long dm_recurrence_rows(const dm_recurrence_plan *plan) {
+    return 1 + (plan->steps + plan->every - 1) / plan->every;
+}
+
+static stage lay_out(const dm_recurrence *r, double *work) {
+    stage s = {.r = r, .in = work};
+    s.after = s.in + r->n + r->m;
+    s.residual = s.after + r->n;
+    s.out = s.residual + r->m;
+    s.conditions = s.out + outputs(r);
+    s.newton = s.conditions + r->inside.outputs;
+    dm_kernel_prepare(&r->equation, s.residual);
+    dm_kernel_prepare(&r->tangent, s.out);
+    dm_kernel_prepare(&r->next, s.after);
+    if (r->inside.outputs) dm_kernel_prepare(&r->inside, s.conditions);
+    return s;
+}
+
+static dm_status residual(void *ctx, double *r, double *J, const double *x) {
+    const stage *s = ctx;
+    const uint32_t m = s->r->m;
+    memmove(s->in + s->r->n, x, m * sizeof *x);
+    dm_kernel_eval(J ? &s->r->tangent : &s->r->equation, s->in, J ? s->out : s->residual);
+    memcpy(r, J ? s->out : s->residual, m * sizeof *r);
+    if (J) memcpy(J, s->out + m, (size_t)m * m * sizeof *J);
+    return DM_OK;
+}
+
+static uint32_t first_broken(const stage *s) {
+    const uint32_t count = s->r->inside.outputs;
+    if (count) dm_kernel_eval(&s->r->inside, s->in, s->conditions);
+    for (uint32_t i = 0; i < count; i++)
+        if (!(s->conditions[i] > 0.0)) return i + 1;
+    return 0;
+}
+
+static int finite(const double *x, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++)
+        if (!isfinite(x[i])) return 0;
+    return 1;
+}
+
+/* from y in s->in to y' there */
+static dm_status step(stage *s, const dm_newton_problem *problem, double *x,
+                      dm_recurrence_report *report) {
+    const dm_recurrence *r = s->r;
+    dm_kernel_prepare(&r->start, x);
+    dm_kernel_eval(&r->start, s->in, x);
+    if (!finite(x, r->m)) return DM_NOT_FINITE;
+    const dm_status status = dm_newton(x, problem, s->newton, &report->newton);
+    if (status != DM_OK) return status;
+    memcpy(s->in + r->n, x, r->m * sizeof *x);
+    report->outside = first_broken(s);
+    if (report->outside) return DM_NO_CONVERGENCE;
+    dm_kernel_eval(&r->next, s->in, s->after);
+    if (!finite(s->after, r->n)) return DM_NOT_FINITE;
+    memcpy(s->in, s->after, r->n * sizeof *s->in);
+    return DM_OK;
+}
+
+dm_status dm_recur(double *rows, const dm_recurrence *r, const dm_recurrence_plan *plan,
+                   double *work, dm_recurrence_report *report) {
+    double *x = work;
+    stage s = lay_out(r, work + r->m);
+    const dm_newton_problem problem = {.m = r->m,
+                                       .equation = residual,
+                                       .ctx = &s,
+                                       .tolerance = plan->tolerance,
+                                       .max_iterations = plan->max_iterations};
+    dm_status status = DM_OK;
+    *report = (dm_recurrence_report){.rows = 1};
+    memcpy(s.in, rows, r->n * sizeof *rows);
+    while (status == DM_OK && report->done < plan->steps) {
+        status = step(&s, &problem, x, report);
+        if (status != DM_OK) break;
+        report->done++;
+        if (report->done % plan->every == 0)
+            memcpy(rows + (size_t)r->n * (size_t)report->rows++, s.in,
+                   r->n * sizeof *rows);
+        if (plan->stop && report->done % BURST == 0 && *plan->stop) status = DM_STOPPED;
+    }
+    if (report->done % plan->every != 0)
+        memcpy(rows + (size_t)r->n * (size_t)report->rows++, s.in, r->n * sizeof *rows);
+    return status;
+}

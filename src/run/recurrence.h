@@ -1,0 +1,49 @@
+/*
+** recurrence.h - sequences known by an equation: x with R(y, x) = 0, then y' = next(y, x), again and again.
+** Discrete Euler-Lagrange equations of any order are such: y is the window of points that are known, x the next one.
+*/
+#ifndef DM_RECURRENCE_H
+#define DM_RECURRENCE_H
+
+#include "expr/kernel.h"
+#include "solve/newton.h"
+
+#include <signal.h>
+
+typedef struct {
+    uint32_t n, m; /* numbers of y and of x; inputs of the kernels are y[n], then x[m] */
+    dm_kernel equation; /* -> R[m] */
+    dm_kernel tangent;  /* -> R[m], dR/dx[m*m] */
+    dm_kernel next;     /* -> y'[n] */
+    dm_kernel start;    /* y alone -> x[m], where Newton's method begins */
+    dm_kernel
+        inside; /* -> numbers that are > 0 at an allowed root; outputs = 0: all are */
+} dm_recurrence;
+
+typedef struct {
+    long steps, every; /* a row of y every so many steps, and the last */
+    double tolerance;  /* of the last increment, relative to max |x| */
+    int max_iterations;
+    const volatile sig_atomic_t *stop; /* may be NULL */
+} dm_recurrence_plan;
+
+typedef struct {
+    long done, rows; /* valid also after a failure */
+    uint32_t
+        outside; /* the number of the condition that the root breaks, from 1; 0: none */
+    dm_newton_report newton; /* of the last step */
+} dm_recurrence_report;
+
+long dm_recurrence_rows(const dm_recurrence_plan *plan);
+
+/* Doubles of workspace. */
+size_t dm_recurrence_work(const dm_recurrence *r);
+
+/*
+** rows[0 .. n) holds the start; dm_recurrence_rows() rows of n numbers are filled. A step that fails leaves the rows
+** before it and, as the last one, the last good state.
+*/
+dm_status dm_recur(double *rows, const dm_recurrence *r, const dm_recurrence_plan *plan,
+                   double *work, dm_recurrence_report *report);
+
+#endif
