@@ -1,0 +1,325 @@
+--- Moving frames (Fels & Olver): rho(z) is the group element that brings z to a cross-section Z = 0 of the orbits.
+--
+-- The frame is right-equivariant, rho(g z) = rho(z) g^-1, so z -> rho(z) z does not change along orbits: its entries are
+-- the fundamental invariants, and F(rho(z) z) is an invariant function whatever F is (Bogfjellmo ch. 2).
+-- rho is the user's formula, or the root of Z(g z) = 0 in flat coordinates of the group; both take symbols.
+local blame = require "dm.blame"
+local core = require "dm.core"
+local linear = require "dm.frame_linear"
+local text = require "dm.frame_text"
+
+local M = { __name = "dm.frame" }
+M.__index = M
+
+local KNOWN = { action = true, points = true, cross_section = true, branch = true, solution = true, start = true, name = true }
+
+---- lists of points ----
+
+-- a point as a dm.vector of m entries: from a vector, a table or, where m = 1, a number
+local function point(z, m, what)
+  if m == 1 and (type(z) == "number" or not pcall(function() return #z end)) then return core.vector { z } end
+  local fine, v = pcall(function() return type(z) == "table" and core.vector(z) or z end)
+  if not fine or #v ~= m then error(("%s must have %d entries"):format(what, m), 0) end
+  return v
+end
+
+local function points_of(self, list, least)
+  local out = {}
+  for i, z in ipairs(list) do out[i] = point(z, self.m, "point " .. i) end
+  if #out < least then
+    error(("%s is made of %d points (got %d)"):format(text.name(self), least, #out), 0)
+  end
+  return out
+end
+
+local function flat(list)
+  local out = {}
+  for _, z in ipairs(list) do
+    for i = 1, #z do out[#out + 1] = z[i] end
+  end
+  return core.vector(out)
+end
+
+-- the points z[first + 1 ...] of a flat vector
+local function split(z, count, m)
+  local out = {}
+  for i = 1, count do
+    local p = {}
+    for j = 1, m do p[j] = z[(i - 1) * m + j] end
+    out[i] = core.vector(p)
+  end
+  return out
+end
+
+local function moved(self, g, list)
+  local out = {}
+  for i, z in ipairs(list) do out[i] = point(self.action:act(g, z), self.m, "what the action gives") end
+  return out
+end
+
+-- Z of a list of k points as a list of numbers
+local function section(self, list)
+  local value = self.cross_section(table.unpack(list, 1, self.k))
+  return linear.entries(value)
+end
+
+M.point, M.points_of, M.flat, M.split, M.moved, M.section = point, points_of, flat, split, moved, section
+
+---- making one ----
+
+local function check_options(o)
+  if type(o) ~= "table" then error("dm.moving_frame takes a table { action =, points =, cross_section = }", 0) end
+  for key in pairs(o) do
+    if not KNOWN[key] then error(("dm.moving_frame: unknown option '%s'"):format(tostring(key)), 0) end
+  end
+  if not o.action then error("dm.moving_frame: field 'action' must be a dm.action", 0) end
+  if type(o.cross_section) ~= "function" then
+    error("dm.moving_frame: field 'cross_section' must be a function of the points that gives as many numbers as the group has dimensions", 0)
+  end
+  for _, key in ipairs { "branch", "solution" } do
+    if o[key] ~= nil and type(o[key]) ~= "function" then
+      error(("dm.moving_frame: field '%s' must be a function of the points"):format(key), 0)
+    end
+  end
+end
+
+-- the action on one point and the number of points: on_pairs() and on_points(k) are joint actions of their own
+local function base_of(o)
+  local action, k = o.action, o.points
+  if action.base and action.count then
+    if k and k ~= action.count then
+      error(("dm.moving_frame: the action is on %d points already, so 'points' cannot be %s"):format(action.count, tostring(k)), 0)
+    end
+    action, k = action.base, action.count
+  end
+  k = k or 1
+  if not math.tointeger(k) or k < 1 or k > 16 then
+    error("dm.moving_frame: field 'points' must be a whole number from 1 to 16", 0)
+  end
+  return action, math.tointeger(k)
+end
+
+-- as many equations as dimensions, at a point that is not special
+local function check_section(self)
+  local list = linear.sample(self, 1)
+  local fine, value = pcall(section, self, list)
+  if not fine then error("dm.moving_frame: the cross-section fails at " .. text.points(list) .. ": " .. tostring(value), 0) end
+  if #value ~= self.r then
+    error(("dm.moving_frame: the cross-section has %d equation%s, but the group has %d dimension%s: a frame needs as many equations as dimensions")
+      :format(#value, #value == 1 and "" or "s", self.r, self.r == 1 and "" or "s"), 0)
+  end
+end
+
+-- the branch condition at a list of points: a number that must be > 0, or several
+local function branch_values(self, list)
+  if not self.branch then return {} end
+  return linear.entries(self.branch(table.unpack(list, 1, self.k)))
+end
+
+local function least(values)
+  local out = values[1]
+  for i = 2, #values do out = core.min(out, values[i]) end
+  return out
+end
+
+-- the root y(z) of Z(g(y) z) = 0, bonds(y) = 0
+local function solved(self, start)
+  local G, k, m = self.group, self.k, self.m
+  local begin = start or G:flat(G:identity())
+  local function at(y, z) return moved(self, G:unflat(y), split(z, k, m)) end
+  return core.root {
+    name = "moving frame", start = begin,
+    equations = function(y, z)
+      local out = section(self, at(y, z))
+      for _, bond in ipairs(linear.entries(G:bonds(y))) do out[#out + 1] = bond end
+      return out
+    end,
+    branch = self.branch and function(y, z) return least(branch_values(self, at(y, z))) end or nil,
+  }
+end
+
+local doc_new = [[
+dm.moving_frame{action=, points=, cross_section=, branch=, solution=, start=, name=} -> rho
+The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`points`, default 1; or action:on_points(k),
+action:on_pairs(), a tangent or jet action with one): the group element g with cross_section(g z1, ..., g zk) = 0, which
+gives as many numbers as the group has dimensions. branch(z1, ..., zk) gives a number (or several) that must be > 0 on the section, where the
+equations have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for (dm.root) from `start`, flat coordinates,
+default the identity. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
+exists. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent, correction, derivative_correction,
+syzygies, check.]]
+
+M.moving_frame = blame.caller(function(o)
+  check_options(o)
+  local action, k = base_of(o)
+  local self = setmetatable({ action = action, group = action.group, k = k, points = k, m = action.on.dimension,
+    r = action.group.dimension, cross_section = o.cross_section, branch = o.branch, solution = o.solution,
+    name = o.name }, M)
+  check_section(self)
+  if not self.solution then self.root = solved(self, o.start) end
+  return self
+end)
+
+---- the frame at points ----
+
+-- the error for points that have no frame
+local function no_frame(self, list, why)
+  local fine, _, condition = pcall(linear.transversality, self, list)
+  error(text.no_frame(self, list, fine and condition or math.huge, why), 0)
+end
+
+local CONDITION = 1e10 -- of J psi: beyond it the frame turns on round-off
+local ON_SECTION = 1e-8
+
+-- is g really the frame of the points? Numbers only
+local function verify(self, g, list)
+  local there = moved(self, g, list)
+  for _, z in ipairs(section(self, there)) do
+    if not (math.abs(z) <= ON_SECTION) then no_frame(self, list, "the solution is not on the cross-section") end
+  end
+  for _, b in ipairs(branch_values(self, there)) do
+    if not (b > 0) then no_frame(self, list, "the branch condition does not hold") end
+  end
+  local _, condition = linear.transversality(self, there)
+  if not (condition < CONDITION) then no_frame(self, list) end
+end
+
+local function element(self, list)
+  local k = self.k
+  if linear.symbolic(list) then
+    if self.solution then return self.solution(table.unpack(list, 1, k)) end
+    return self.group:unflat(self.root(flat({ table.unpack(list, 1, k) })))
+  end
+  local first = { table.unpack(list, 1, k) }
+  local g
+  if self.solution then
+    g = self.solution(table.unpack(first))
+  else
+    local fine, y = pcall(self.root, flat(first))
+    if not fine then no_frame(self, first, tostring(y):gsub("^.-root of ", "")) end
+    g = self.group:unflat(y)
+  end
+  verify(self, g, first)
+  return g
+end
+M.element = element
+
+M.__call = blame.caller(function(self, ...)
+  return element(self, points_of(self, { ... }, self.k))
+end)
+
+M.__tostring = text.describe
+
+local doc_invariants = [[
+rho:invariants{z1, ..., zn} -> {I1, ..., In}
+The points moved by the frame of the first k of them: I_j = rho(z1, ..., zk) . z_j, whose entries are the fundamental invariants of the
+joint action (vectors; those the cross-section fixes are constant, rho:phantom()).]]
+
+local function invariants(self, list)
+  local z = points_of(self, list, self.k)
+  return moved(self, element(self, z), z)
+end
+M.invariants = blame.caller(function(self, list, ...)
+  if select("#", ...) > 0 then list = { list, ... } end
+  return invariants(self, list)
+end)
+
+---- invariantization ----
+
+local function invariant_function(self, f)
+  return function(...)
+    return f(table.unpack(invariants(self, { ... })))
+  end
+end
+
+-- how many arguments a Lua function names
+local function parameters(f)
+  local info = debug.getinfo(f, "u")
+  return info.isvararg and math.huge or info.nparams
+end
+
+-- h = htilde sigma: Ld0(q0, q1, htilde sigma) + H0 htilde sigma (Bogfjellmo 3.7)
+local function reparametrized(Ld, o)
+  if type(o.sigma) ~= "function" then error("rho:invariantize: field 'sigma' must be a function of q, or of (q0, q1), that is > 0", 0) end
+  if parameters(Ld.Ld) < 3 then
+    error("rho:invariantize: with 'sigma' the step is not a constant: write Ld as a function of (q0, q1, h)", 0)
+  end
+  local both, H0 = parameters(o.sigma) == 2, o.H0 or 0
+  return function(q0, q1, h, params)
+    local step = h * (both and o.sigma(q0, q1) or o.sigma(q0))
+    return Ld.Ld(q0, q1, step, params) + H0 * step
+  end
+end
+
+local function invariant_lagrangian(self, Ld, formula)
+  if self.k > 2 then
+    error(("rho:invariantize: Ld(q0, q1) has two points, this frame needs %d: make the frame of the pair, or use dm.invariant_problem"):format(self.k), 0)
+  end
+  if not formula then
+    error("rho:invariantize: this discrete Lagrangian is found by solving a rule and has no formula: give one, or one of the midpoint or trapezoidal rule", 0)
+  end
+  if Ld.Q.dimension ~= self.m then
+    error(("rho:invariantize: Ld is on %s, the action on a space of dimension %d"):format(tostring(Ld.Q), self.m), 0)
+  end
+  return core.discrete_lagrangian { Q = Ld.Q, h = Ld.h, name = Ld.name, coordinates = Ld.coordinates, units = Ld.units,
+    params = Ld.params, Ld = function(q0, q1, h, params)
+      local z = invariants(self, { q0, q1 })
+      return formula(z[1], z[2], h, params)
+    end }
+end
+
+local SPARE = { Ld = true, sigma = true, H0 = true }
+
+local doc_invariantize = [[
+rho:invariantize(f) -> function,  rho:invariantize(Ld) -> dm.discrete_lagrangian
+or rho:invariantize{Ld=, sigma=, H0=}: f or Ld at the normalized points, f(rho z1, ..., rho zn): invariant whatever f is, and f itself where f
+was invariant. Every solver takes the new Ld; by the discrete Noether theorem it keeps <p, v> of every generator v to round-off.
+With sigma(q) or sigma(q0, q1) > 0 the step h is htilde sigma, for symmetries of sigma (H - H0) at the energy H0 (default 0;
+Bogfjellmo 3.7): Ld must then be a function of (q0, q1, h) and the h of Ld is htilde.]]
+
+M.invariantize = blame.caller(function(self, what)
+  if type(what) == "function" then return invariant_function(self, what) end
+  if type(what) == "table" and getmetatable(what) == nil then
+    for key in pairs(what) do
+      if not SPARE[key] then error(("rho:invariantize: unknown option '%s'"):format(tostring(key)), 0) end
+    end
+    if not what.Ld then error("rho:invariantize: field 'Ld' must be a dm.discrete_lagrangian", 0) end
+    return invariant_lagrangian(self, what.Ld, what.sigma and reparametrized(what.Ld, what) or what.Ld.Ld)
+  end
+  local fine, formula = pcall(function() return what.h and what end)
+  if not (fine and formula) then
+    error("rho:invariantize takes a function of the points, a dm.discrete_lagrangian or { Ld =, sigma = } (got " .. type(what) .. ")", 0)
+  end
+  return invariant_lagrangian(self, what, what.Ld)
+end)
+
+---- what belongs to the linear algebra of frames ----
+
+M.transversality = blame.caller(function(self, ...)
+  local list = points_of(self, { ... }, self.k)
+  return linear.transversality(self, list)
+end)
+M.tangent = blame.caller(function(self, ...) return linear.tangent(self, points_of(self, { ... }, self.k)) end)
+M.correction = blame.caller(function(self, ...)
+  local z = points_of(self, { ... }, self.k + 1)
+  local there = moved(self, element(self, z), z)
+  return element(self, { table.unpack(there, 2, self.k + 1) })
+end)
+M.derivative_correction = blame.caller(function(self, points, velocities)
+  local z = points_of(self, points, self.k)
+  return linear.derivative_correction(self, z, points_of(self, velocities, #z))
+end)
+M.syzygies = blame.caller(function(self, points, velocities)
+  local z = points_of(self, points, self.k + 1)
+  return linear.syzygies(self, z, velocities and points_of(self, velocities, #z))
+end)
+M.phantom = blame.caller(function(self, count) return linear.phantom(self, count or self.k) end)
+
+local check = require "dm.frame_check"
+M.check = blame.caller(function(self, options) return check.run(self, options) end)
+
+core.docs[M.moving_frame], core.docs[M.invariants], core.docs[M.invariantize] = doc_new, doc_invariants, doc_invariantize
+for name, doc in pairs(linear.docs) do core.docs[M[name]] = doc end
+core.docs[M.check] = check.doc
+core.docs["dm.frame"] = "dm.frame: a moving frame, made by dm.moving_frame\nfields: action, group, points, cross_section, branch, solution, name"
+
+return M

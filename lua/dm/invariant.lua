@@ -1,0 +1,293 @@
+--- Invariant variational problems, the second way (Bogfjellmo ch. 5): from L(invariants), the action and the cross-section alone,
+--- the discrete Euler-Lagrange equations in invariants, stepped in C, and the points recovered from the frame.
+local blame = require "dm.blame"
+local boundary = require "dm.invariant_boundary"
+local core = require "dm.core"
+local equations = require "dm.invariant_equations"
+local frames = require "dm.frame"
+local linear = require "dm.frame_linear"
+local recurrence = require "dm.invariant_stability"
+local starts = require "dm.invariant_start"
+
+local M = { __name = "dm.invariant_problem" }
+M.__index = M
+
+local KNOWN = { action = true, frame = true, L = true, points = true, invariants = true, constraint = true, inside = true,
+  name = true }
+
+---- what the invariants are called ----
+
+-- name -> function of normalized points; {j, a} stands for entry a of point j
+local function named_functions(given)
+  local names, functions = {}, {}
+  for name, what in pairs(given or {}) do
+    names[#names + 1] = name
+    if type(what) == "table" then
+      local j, a = what[1], what[2] or 1
+      what = function(...) return (select(j, ...))[a] end
+    elseif type(what) ~= "function" then
+      error(("invariant '%s' must be a function of the normalized points, or { point, entry }"):format(tostring(name)), 0)
+    end
+    functions[name] = what
+  end
+  table.sort(names)
+  return names, functions
+end
+
+---- the action as a left one ----
+
+local function left_action(p)
+  local action, G = p.action, p.group
+  local right = action.side == "right"
+  local function element(g) return right and G:inverse(g) or g end
+  function p.act(g, z) return frames.point(action:act(element(g), z), p.d, "what the action gives") end
+  function p.move(g, list)
+    local out = {}
+    for i, z in ipairs(list) do out[i] = p.act(g, z) end
+    return out
+  end
+  function p.rho(list) return element(frames.element(p.frame, list)) end
+  function p.generator(z) return right and action:generator(z) * -1 or action:generator(z) end
+  p.flat_size = #linear.entries(G:flat(G:identity()))
+  p.motion = core.derivative(function(y, z) return p.act(G:unflat(y), z):map(function(w) return 1 + w end) end, p.flat_size, p.d)
+end
+
+-- how many of the first points the cross-section looks at
+local function reach_of_section(frame)
+  local reach = 1
+  for seed = 1, 3 do
+    local J = linear.section_slope(frame, linear.sample(frame, seed))
+    for i = 1, frame.r do
+      for j = 1, frame.k * frame.m do
+        if J[i][j] ~= 0 then reach = math.max(reach, (j - 1) // frame.m + 1) end
+      end
+    end
+  end
+  return reach
+end
+
+-- largest number of first points that f (a list of c numbers, its slope by all points) depends on
+local function reach_of(p, slope, c)
+  local reach, seen = 0, 0
+  for seed = 1, 60 do
+    local fine, J = pcall(slope, frames.flat(linear.sample(p.frame, seed, p.N)))
+    if fine then
+      seen = seen + 1
+      for i = 1, c do
+        for j = 1, p.N * p.d do
+          if math.abs(J[i][j]) > 1e-11 then reach = math.max(reach, (j - 1) // p.d + 1) end
+        end
+      end
+    end
+    if seen == 3 then break end
+  end
+  return reach
+end
+
+---- L and the constraint of windows of N points ----
+
+local function functions_of_windows(p, o)
+  local function windowed(x) return frames.split(x, p.N, p.d) end
+  function p.invariants_of(list)
+    local I = p.move(p.rho(list), list)
+    for _, name in ipairs(p.names) do I[name] = p.functions[name](table.unpack(I, 1, p.N)) end
+    return I
+  end
+  function p.named(list)
+    local I, out = p.invariants_of(list), {}
+    for i, name in ipairs(p.names) do out[i] = I[name] end
+    return out
+  end
+  function p.lagrangian(list) return o.L(p.invariants_of(list)) end
+  p.slope = core.derivative(function(x) return p.lagrangian(windowed(x)) end, p.N * p.d)
+  if not o.constraint then return end
+  function p.phi(list) return linear.entries(o.constraint(p.invariants_of(list))) end
+  for seed = 1, 60 do
+    local fine, value = pcall(p.phi, linear.sample(p.frame, seed, p.N))
+    if fine then p.constraints = #value break end
+  end
+  if p.constraints == 0 then error("dm.invariant_problem: the constraint fails at all random points: " .. tostring(select(2, pcall(p.phi, linear.sample(p.frame, 1, p.N)))), 0) end
+  p.phi_slope = core.derivative(function(x) return core.vector(p.phi(windowed(x))) end, p.N * p.d)
+  p.reach = reach_of(p, p.phi_slope, p.constraints)
+  if p.reach == 0 then error("dm.invariant_problem: the constraint does not depend on the points", 0) end
+end
+
+local doc_new = [[
+dm.invariant_problem{action=, frame=, L=, points=, invariants=, constraint=, inside=, name=} -> problem
+The variational problem sum L(I) = extremal over sequences of points, invariant under the action. I[1] ... I[N] are the points moved by the frame of the
+first of them, I.name what `invariants` names: {name = {point, entry} or function(I1, ..., IN)}. points = N (default: one more than the
+frame looks at). constraint(I) gives numbers that vanish at every site, with multipliers mu in L - mu . constraint;
+inside(I) gives numbers that are > 0 where a root is allowed. The discrete Euler-Lagrange equations are derived and solved for the
+next invariants (Bogfjellmo ch. 5). Methods: solve, boundary, stability, momentum, action_sum.]]
+
+local function check_options(o)
+  if type(o) ~= "table" then error("dm.invariant_problem takes a table { action =, frame =, L = }", 0) end
+  for key in pairs(o) do
+    if not KNOWN[key] then error(("dm.invariant_problem: unknown option '%s'"):format(tostring(key)), 0) end
+  end
+  if getmetatable(o.frame) ~= frames then error("dm.invariant_problem: field 'frame' must be a moving frame, dm.moving_frame{...}", 0) end
+  if type(o.L) ~= "function" then error("dm.invariant_problem: field 'L' must be a function of the invariants I", 0) end
+  if o.action and o.frame.action ~= o.action and o.action.base ~= o.frame.action then
+    error("dm.invariant_problem: the frame belongs to another action", 0)
+  end
+end
+
+M.invariant_problem = blame.caller(function(o)
+  check_options(o)
+  local frame = o.frame
+  local p = setmetatable({ frame = frame, action = frame.action, group = frame.group, d = frame.m, r = frame.r,
+    constraints = 0, reach = 0, inside = o.inside, name = o.name }, M)
+  p.names, p.functions = named_functions(o.invariants or frame.invariants_named)
+  p.k = reach_of_section(frame)
+  p.N = o.points or math.max(frame.k, p.k + 1)
+  if not math.tointeger(p.N) or p.N < 2 or p.N > 12 or p.N < frame.k and p.N < p.k then
+    error(("dm.invariant_problem: 'points' must be a whole number from %d to 12"):format(math.max(2, p.k)), 0)
+  end
+  left_action(p)
+  functions_of_windows(p, o)
+  p.may_reduce = p.N - 1 >= p.k and (p.N - 1) * p.d >= p.r
+  function p.section_points()
+    local phantom, out = linear.phantom(frame, p.N - 1), {}
+    for i = 1, p.N - 1 do
+      out[i] = core.zeros(p.d)
+      for a = 1, p.d do
+        if not phantom[i][a] then error("a start from a frame needs a section that fixes all numbers of the window: give points", 0) end
+        out[i][a] = phantom[i][a]
+      end
+    end
+    return out
+  end
+  return p
+end)
+
+function M.__tostring(p)
+  return ("invariant problem of %d points on %s under %s%s"):format(p.N, tostring(p.action.on), tostring(p.group),
+    p.constraints > 0 and (", %d constraint%s"):format(p.constraints, p.constraints == 1 and "" or "s") or "")
+end
+
+---- solving ----
+
+local Curve = { __name = "dm.invariant_curve" }
+Curve.__index = Curve
+M.Curve = Curve
+function Curve.__tostring(c)
+  return ("curve of %d points%s"):format(#c.points, c.form and (", by the form of " .. c.form) or "")
+end
+function Curve.__len(c) return #c.points end
+
+-- points of the rows, those before and those in the last window
+local function curve_of(p, form, rows, before)
+  local layout, points, last = form.layout, {}, rows[#rows]
+  for i, z in ipairs(before) do points[i] = z:totable() end
+  for i = 1, #rows do points[#points + 1] = layout:get(rows[i], "u") end
+  local g = p.group:unflat(core.vector(layout:get(last, "g")))
+  for j, z in ipairs(equations.blocks(layout:get(last, "U"), p.window, p.d)) do
+    if j > 1 then points[#points + 1] = p.act(p.group:inverse(g), z):totable() end
+  end
+  local curve = setmetatable({ points = core.matrix(points), frame = g, invariants = {}, multiplier = nil }, Curve)
+  for k, name in ipairs(p.names) do
+    local values = {}
+    for i = 2, #rows do values[i - 1] = layout:get(rows[i], "I")[k] end
+    if #values > 0 then curve.invariants[name] = core.vector(values) end
+  end
+  if p.constraints > 0 and #rows > 1 then
+    local mu = {}
+    for i = 2, #rows do
+      local x = layout:get(rows[i], "x1")
+      mu[i - 1] = { table.unpack(x, p.d + 1, p.d + p.constraints) }
+    end
+    curve.multiplier = core.matrix(mu)
+  end
+  return curve
+end
+
+local Failure = { __name = "dm.failure", __tostring = function(f) return f.message end }
+
+local function fail(p, report, curve, at)
+  local why = report.text
+  if report.outside > 0 then why = ("the root breaks condition %d of 'inside'"):format(report.outside) end
+  local message = ("%s: %s at point %d (step %d, residual %.3g after %d iterations): the equation for the next invariants has no root there that follows from the last ones; try closer points, or look at failure.path, the %d points so far")
+    :format(p.name or "invariant problem", why, at, report.done + 1, report.residual, report.iterations, #curve.points)
+  error(setmetatable({ code = report.code, step = report.done + 1, residual = report.residual, iterations = report.iterations,
+    message = message, path = curve, points = curve.points }, Failure), 0)
+end
+
+local SOLVE = { points = true, n = true, momentum = true, body_momentum = true, multiplier = true, frame = true, form = true, every = true }
+
+local function check_solve(o)
+  if type(o) ~= "table" then error("problem:solve takes a table { points =, n = }", 0) end
+  for key in pairs(o) do
+    if not SOLVE[key] then error(("problem:solve: unknown option '%s'"):format(tostring(key)), 0) end
+  end
+  if not math.tointeger(o.n) then error("problem:solve: 'n', the number of points of the curve, must be a whole number", 0) end
+  local form = o.form or "momentum"
+  if form ~= "momentum" and form ~= "points" then error("problem:solve: 'form' must be \"momentum\" or \"points\"", 0) end
+  return form
+end
+
+local function state_of(p, name, o)
+  if o.momentum or o.body_momentum then
+    if name == "points" then error("problem:solve: a start from `momentum` is for the form \"momentum\"", 0) end
+    return starts.from_momentum(p, o)
+  end
+  local list = {}
+  if type(o.points) ~= "table" then error("problem:solve: give the first points, or `momentum` with points or a frame", 0) end
+  for i, z in ipairs(o.points) do list[i] = frames.point(z, p.d, "point " .. i) end
+  return starts.from_points(p, name, list, o.multiplier)
+end
+
+local doc_solve = [[
+problem:solve{points=, n=, form=, every=, momentum=, frame=, multiplier=} -> curve
+The sequence of n points that starts with the given ones: 2 N - 2 of them, one more with a constraint (whose multipliers then follow; or give
+them). Or from N - 1 points, or a frame there, and the Noether momentum J (dim G numbers, problem:momentum), where the section fixes
+all of them. form = "momentum" (default) or "points", the recurrence as it is printed: the same equations, with other round-off (problem:stability).
+curve: points (dm.matrix, a row each; every `every` sites and the last ones), invariants (by name, vectors along the curve), multiplier, frame (the last). A step that has no root
+raises a dm.failure with the points so far in its `path`.]]
+
+M.solve = blame.caller(function(p, o)
+  local name = check_solve(o)
+  p.window = name == "points" and math.max(2 * p.N - 2, p.k) or math.max(p.N - 1, p.k)
+  local values, before = state_of(p, name, o)
+  local form = equations[name .. "_form"](p)
+  local steps = o.n - #before - p.window
+  if steps < 0 then error(("problem:solve: n = %d is less than the %d points given"):format(o.n, #before + p.window), 0) end
+  local rows, report = core.recurrence { equation = form.equation, next = form.next, start = form.start, inside = form.inside,
+    y = form.layout:pack(values), unknowns = p.d + p.constraints, steps = steps, every = o.every or 1, check = false }
+  local curve = curve_of(p, form, rows, before)
+  curve.form = name
+  if report.code ~= "ok" then fail(p, report, curve, #before + p.window + report.done + 1) end
+  return curve
+end)
+
+local doc_momentum = [[
+problem:momentum{u1, ..., u2N-2} -> dm.vector
+The Noether momentum J of the discrete problem at these points, <J, e_j> = sum p . v_j over the last N - 1 of them: the same at every window of a solution. Without
+constraint.]]
+
+M.momentum = blame.caller(function(p, points)
+  local list = {}
+  for i, z in ipairs(points) do list[i] = frames.point(z, p.d, "point " .. i) end
+  if #list < 2 * p.N - 2 then error(("problem:momentum takes %d points (got %d)"):format(2 * p.N - 2, #list), 0) end
+  if p.constraints > 0 then error("problem:momentum is for problems without constraint", 0) end
+  return starts.spatial(p, list, {})
+end)
+
+local doc_action = [[
+problem:action_sum{u1, ..., un} -> number
+The sum of L over all windows of N points.]]
+
+M.action_sum = blame.caller(function(p, points)
+  local list, sum = {}, 0
+  for i = 1, #points do list[i] = frames.point(points[i], p.d, "point " .. i) end
+  for i = 1, #list - p.N + 1 do sum = sum + p.lagrangian { table.unpack(list, i, i + p.N - 1) } end
+  return sum
+end)
+
+M.stability = blame.caller(function(p, o) return recurrence.stability(p, o) end)
+M.boundary = blame.caller(function(p, o) return boundary.solve(p, o) end)
+
+core.docs[M.invariant_problem], core.docs[M.solve], core.docs[M.momentum] = doc_new, doc_solve, doc_momentum
+core.docs[M.action_sum], core.docs[M.stability], core.docs[M.boundary] = doc_action, recurrence.doc, boundary.doc
+core.docs["dm.invariant_problem"] = "dm.invariant_problem: a variational problem in invariants, made by dm.invariant_problem\nmethods: solve, boundary, stability, momentum, action_sum"
+
+return M

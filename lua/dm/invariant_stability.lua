@@ -1,0 +1,1 @@
+return {stability=function() end, doc="problem:stability stub\n x"}
