@@ -218,6 +218,7 @@ static dm_node write_sum(writer *w, dm_term t) {
     const dm_part *p = w->s->parts + e->body;
     uint32_t added = 0;
     dm_node sum = 0;
+    int begun = 0; /* a sum that has cancelled so far is node 0, the constant, too */
     for (uint32_t i = 0; i < e->size; i++) added += coefficient(w, p + i) > 0.0;
     w->minus[t] = added == 0 || (added < e->size && w->wish[t] == MINUS);
     for (int minus = 0; minus < 2; minus++)
@@ -225,7 +226,7 @@ static dm_node write_sum(writer *w, dm_term t) {
             const double c = coefficient(w, p + i);
             if (((c < 0.0) ^ w->minus[t]) != minus) continue;
             const dm_node n = times(w->g, fabs(c), w->s->entries[p[i].t].node);
-            if (sum == 0)
+            if (!begun++)
                 sum = n;
             else
                 sum = minus ? dm_sub(w->g, sum, n) : add(w->g, sum, n);

@@ -9,6 +9,7 @@ enum { BURST = 64 }; /* steps between looks at the stop flag */
 typedef struct {
     const dm_recurrence *r;
     double *in, *residual, *out, *after, *conditions, *newton;
+    double size; /* of the terms of R, as |dR/dx| |x| tells */
 } stage;
 
 static size_t outputs(const dm_recurrence *r) {
@@ -16,7 +17,7 @@ static size_t outputs(const dm_recurrence *r) {
 }
 
 size_t dm_recurrence_work(const dm_recurrence *r) {
-    return 2 * (size_t)r->n + 2 * (size_t)r->m + outputs(r) + r->inside.outputs +
+    return 2 * (size_t)r->n + 3 * (size_t)r->m + outputs(r) + r->inside.outputs +
            dm_newton_work(r->m);
 }
 
@@ -38,13 +39,26 @@ static stage lay_out(const dm_recurrence *r, double *work) {
     return s;
 }
 
+/* max_i sum_j |J_ij x_j|: what cancels in R is not smaller */
+static double size_of_terms(const double *J, const double *x, uint32_t m) {
+    double largest = 0.0;
+    for (uint32_t i = 0; i < m; i++) {
+        double sum = 0.0;
+        for (uint32_t j = 0; j < m; j++) sum += fabs(J[i * m + j] * x[j]);
+        if (sum > largest) largest = sum;
+    }
+    return largest;
+}
+
 static dm_status residual(void *ctx, double *r, double *J, const double *x) {
-    const stage *s = ctx;
+    stage *s = ctx;
     const uint32_t m = s->r->m;
     memmove(s->in + s->r->n, x, m * sizeof *x);
     dm_kernel_eval(J ? &s->r->tangent : &s->r->equation, s->in, J ? s->out : s->residual);
     memcpy(r, J ? s->out : s->residual, m * sizeof *r);
-    if (J) memcpy(J, s->out + m, (size_t)m * m * sizeof *J);
+    if (!J) return DM_OK;
+    memcpy(J, s->out + m, (size_t)m * m * sizeof *J);
+    s->size = size_of_terms(J, x, m);
     return DM_OK;
 }
 
@@ -87,6 +101,7 @@ dm_status dm_recur(double *rows, const dm_recurrence *r, const dm_recurrence_pla
     const dm_newton_problem problem = {.m = r->m,
                                        .equation = residual,
                                        .ctx = &s,
+                                       .size = &s.size,
                                        .tolerance = plan->tolerance,
                                        .max_iterations = plan->max_iterations};
     dm_status status = DM_OK;
