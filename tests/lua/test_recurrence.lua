@@ -52,7 +52,7 @@ local function cancelling(z)
   return { zero, t13, t12 * b - t13 * a + zero * a }
 end
 local z = { 0.8, -0.3, 0.3, -0.1, 0.2, -0.4, 0.6, 0.5 }
-local compacted = dm.recurrence { unknowns = 1, steps = 1, y = z, start = function() return { 1 } end, equation = function(y, x) return { x[1] - 1 } end,
+local compacted = dm.recurrence { check = false, unknowns = 1, steps = 1, y = z, start = function() return { 1 } end, equation = function(y, x) return { x[1] - 1 } end,
   next = function(y)
     local out = cancelling { y[1], y[2], y[3], y[4], y[5], y[6], y[7], y[8] }
     return { out[1], out[2], out[3], 0, 0, 0, 0, 0 }
