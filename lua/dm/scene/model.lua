@@ -26,16 +26,25 @@ M.entries = entries
 
 ---- the problem: what all models of a scene share ----
 
--- "a^2 - 3" of a traced function: its graph on one line, inputs by name
+-- x3 of a listing: the coordinate, its rate or the time
+local function input_name(problem, digits)
+  local i, n = math.tointeger(tonumber(digits)), problem.n
+  if i <= n then return problem.names[i] end
+  return i <= 2 * n and "d" .. problem.names[i - n] or "t"
+end
+
+local LONGEST_TEXT = 60
+
+--- A traced function of (q, v, t) on one line: its listing with what it names put in place.
 function M.text_of(problem, f)
-  local n, text = problem.n, f:graph():gsub("\n+$", ""):gsub("^y1 = ", ""):gsub("\n", "; ")
-  text = text:gsub("x(%d+)", function(digits)
-    local i = math.tointeger(tonumber(digits))
-    if i <= n then return problem.names[i] end
-    if i <= 2 * n then return "d" .. problem.names[i - n] end
-    return "t"
-  end)
-  return #text > 48 and text:sub(1, 45) .. "..." or text
+  local parts, text = {}, ""
+  for name, expression in f:graph():gmatch "(%w+) = ([^\n]*)" do
+    text = expression:gsub("t%d+", function(part) return parts[part] and "(" .. parts[part] .. ")" end)
+    parts[name] = text
+    if #text > 4 * LONGEST_TEXT then break end
+  end
+  text = text:gsub("x(%d+)", function(digits) return input_name(problem, digits) end)
+  return #text > LONGEST_TEXT and text:sub(1, LONGEST_TEXT - 3) .. "..." or text
 end
 
 local function add_units(problem, f, kind, row)

@@ -13,21 +13,21 @@ local function fail(...) error("dm.scene: " .. (...):format(select(2, ...)), 0) 
 --- An empty profile, which measures what it is asked for.
 function M.new() return setmetatable({ rows = {}, measures = true }, M) end
 
-local LONG_ENOUGH, LONGEST = 4e-3, 30  -- s of CPU spent on one figure; repeats
+local LONG_ENOUGH, LONGEST = 4e-3, 60  -- s of CPU spent on one figure; repeats
 
--- ns of CPU of a run of N steps with nothing recorded but its end: the best of several, and what it did
+-- ns of the steps of a run of N, without set-up: the best of several; and what it did
 local function measure(model, rule, N)
   local solver, start = pilot.solver(model, rule, N), pilot.options_of(model, { steps = N, every = N })
-  local best, spent = huge, 0
+  local best, report = huge, nil
+  local began = core.cpu()
   for _ = 1, LONGEST do
-    local began = core.cpu()
     solver:run(start)
-    local took = core.cpu() - began
-    best, spent = min(best, took), spent + took
-    if spent > LONG_ENOUGH and spent > 3 * best then break end
-    if spent > 50 * LONG_ENOUGH then break end
+    report = solver:report()
+    best = min(best, report.ns_per_step * N)
+    local spent = core.cpu() - began
+    if (spent > LONG_ENOUGH and spent > 4e-9 * best) or spent > 50 * LONG_ENOUGH then break end
   end
-  return 1e9 * best, solver:report()
+  return max(best, 1), report
 end
 
 local function key_of(model, rule) return model:fingerprint() .. " " .. rule end
@@ -55,7 +55,7 @@ local function estimate(self, model, rule, N)
   return { ns = work * rates[(#rates + 1) // 2], work = work }
 end
 
---- ns of CPU of N steps. What is not known is measured, or, in a profile that was given, estimated from its rates.
+--- ns of N steps. What is not known is measured, or, in a profile that was given, estimated from its rates.
 function M:cost(model, rule, N)
   local key = key_of(model, rule)
   local row = self.rows[key] or {}

@@ -163,7 +163,7 @@ end
 local function stiff_changes(problem, out)
   for at, row in ipairs(stiff_units(problem.as_given)) do
     if at > MOST_TIES then break end
-    local why = ("where the stiff term %s rests (frequency %.3g)"):format(row.unit.text, row.frequency)
+    local why = ("where the term %s rests (frequency %.3g)"):format(row.unit.text, row.frequency)
     out[#out + 1] = function(model) return model:acts(row.k) and constrained(model, row.k, row.g, why) end
   end
   for i = 1, problem.n do
@@ -207,6 +207,82 @@ local function drop_changes(problem, out)
   end
 end
 
+---- small terms together ----
+
+local STATES = 24   -- along the orbit, at which the size of a term is looked at
+local GAP = 8       -- a term so much smaller than the next larger one ends a group
+local MOST_GROUPS = 6
+
+-- states (q, v, t) of the system as given along the whole time
+local function states(model)
+  local problem = model.problem
+  local path = pilot.solver(model, "gauss(4)", 2 * math.ceil(pilot.first_N(model))):run(pilot.options_of(model, {
+    at = pilot.times(problem, STATES, 0.3819660112501051) }))
+  local v, out = path:velocity(), {}
+  for i = 1, #path do out[i] = { path.q[i], v:row(i), path.t[i] } end
+  return out
+end
+
+-- largest force or derivative of L that a unit makes anywhere along the orbit
+local function size_of(unit, n, along)
+  local worst = 0
+  for _, s in ipairs(along) do
+    if unit.kind == "force" then
+      worst = max(worst, abs(unit.f(s[1], s[2], s[3])))
+    else
+      local g = unit.f:gradient(s[1], s[2], s[3])
+      for i = 1, 2 * n do worst = max(worst, abs(g[i])) end
+    end
+  end
+  return worst
+end
+
+-- units sorted by size, the smallest first, those that cannot be evaluated last
+local function by_size(model)
+  local problem, sizes, order = model.problem, {}, {}
+  local along = states(model)
+  for k, unit in ipairs(problem.units) do
+    local fine, size = pcall(size_of, unit, problem.n, along)
+    sizes[k], order[k] = fine and size or math.huge, k
+  end
+  table.sort(order, function(a, b) return sizes[a] < sizes[b] or (sizes[a] == sizes[b] and a < b) end)
+  return order, sizes
+end
+
+local function without(list, words)
+  return function(model)
+    local any = false
+    for _, k in ipairs(list) do any = any or model:acts(k) end
+    return any and model:changed(words, function(m)
+      for _, k in ipairs(list) do m.active[k] = false end
+    end)
+  end
+end
+
+-- groups of the smallest terms, up to each gap in size; and the whole force
+local function group_changes(problem, out)
+  local fine, order, sizes = pcall(by_size, problem.as_given)
+  if not fine then
+    pilot.pass_stop(order)
+    return
+  end
+  local largest, groups, list = sizes[order[#order]], 0, {}
+  for at, k in ipairs(order) do
+    list[#list + 1] = k
+    local above = order[at + 1] and sizes[order[at + 1]]
+    if above and above > GAP * sizes[k] and #list > 1 and groups < MOST_GROUPS then
+      groups = groups + 1
+      out[#out + 1] = without({ table.unpack(list) }, ("without the %d smallest terms, at most %.1e of the largest")
+        :format(#list, sizes[k] / largest))
+    end
+  end
+  local force = {}
+  for k, unit in ipairs(problem.units) do
+    if unit.kind == "force" then force[#force + 1] = k end
+  end
+  if #force > 1 then out[#out + 1] = without(force, "without the force") end
+end
+
 ---- measuring ----
 
 -- every coordinate that is left has a term with its rate: else there is no motion to compute
@@ -233,20 +309,13 @@ end
 
 local ROADS = { "gauss(6)", "gauss(4)", "degenerate(3)" }
 
--- the first rows of a record, as many as `times`
-local function start_of(problem, record, count)
-  local out = {}
-  for _, name in ipairs(problem.columns) do out[name] = record[name]:slice(1, count) end
-  return out
-end
-
 -- error of a model after a part of the time, which often tells enough; nil when it is small
 local function early(search, model, rule, N)
   local count = math.max(1, #search.times // 12)
   local times = { table.unpack(search.times, 1, count) }
   local coarse, fine = pilot.run(model, rule, N, times), pilot.run(model, rule, 2 * N, times)
   if not (coarse and fine) then return nil end
-  local err = pilot.apart(model.problem, fine, start_of(model.problem, search.reference, count))
+  local err = pilot.apart(model.problem, fine, pilot.first_rows(model.problem, search.reference, count))
   if err > 3 and pilot.apart(model.problem, coarse, fine) < 0.2 * err then return err, times[count] end
 end
 
@@ -254,10 +323,11 @@ end
 function M.measure(search, model)
   local problem, why = model.problem, nil
   local N0 = pilot.first_N(model)
+  local how = { from = N0, goal = 0.05, times = search.times, seconds = search.seconds / 8 }
   for _, rule in ipairs(ROADS) do
     local err, t = early(search, model, rule, N0)
     if err then return err, ("already at t = %.3g"):format(t) end
-    local record, change = pilot.refine(model, rule, N0, 0.05, search.times, search.seconds / 8)
+    local record, change = pilot.refine(model, rule, how)
     if record then return pilot.apart(problem, record, search.reference) end
     why = change
   end
@@ -358,6 +428,7 @@ function M.ladder(search, given)
   local changes = {}
   stiff_changes(problem, changes)
   rest_changes(problem, changes)
+  group_changes(problem, changes)
   drop_changes(problem, changes)
   for _, model in ipairs(together(search, base, singles(search, base, changes))) do rungs[#rungs + 1] = model end
   return rungs

@@ -160,16 +160,24 @@ function M.model(search, model)
   end
 end
 
---- What is close to the best, cheapest first, timed once more.
+local AS_GOOD = 1.08  -- costs that differ by less are equal: the smaller model is then preferred
+
+--- What is close to the best: of equal cost the smaller model first, then by cost.
 function M.finalists(search)
   local out = {}
   for _, c in ipairs(search.candidates) do
     if c.kept and c.ns <= 1.3 * search.bound then
-      c.ns = search.profile:cost(c.model, c.rule, c.N)
+      c.n, c.operations = c.model:size()
+      c.class = c.ns <= AS_GOOD * search.bound and 0 or 1
       out[#out + 1] = c
     end
   end
-  table.sort(out, function(a, b) return a.ns < b.ns or (a.ns == b.ns and a.rule < b.rule) end)
+  table.sort(out, function(a, b)
+    if a.class ~= b.class then return a.class < b.class end
+    if a.class == 0 and a.n ~= b.n then return a.n < b.n end
+    if a.class == 0 and a.operations ~= b.operations then return a.operations < b.operations end
+    return a.ns < b.ns or (a.ns == b.ns and a.rule < b.rule)
+  end)
   return out
 end
 
