@@ -79,17 +79,24 @@ end
 
 local PIXELS = 500  -- of the side of a picture: what is smaller is not seen
 
+-- a run of the whole with more and more steps until one reaches the end
+local function coarse_run(given)
+  local N, path = floor(max(256, min(1e5, pilot.first_N(given)))), nil
+  for _ = 1, 6 do
+    local fine
+    fine, path = pcall(function()
+      return pilot.solver(given, "gauss(2)", N):run(pilot.options_of(given, { steps = N, every = max(1, N // 512), watch = given.watch }))
+    end)
+    if fine then return path end
+    pilot.pass_stop(path)
+    N = 4 * N
+  end
+  fail("watch = \"picture\": the tolerance was to be a pixel, but a first run failed: %s; give option 'tolerance'", tostring(path))
+end
+
 -- tolerance of a picture: a pixel of the largest extent, seen by a coarse run of the whole
 local function picture_tolerance(problem, given)
-  local fine, path = pcall(function()
-    local N = floor(max(256, min(1e5, pilot.first_N(given))))
-    return pilot.solver(given, "gauss(2)", N):run(pilot.options_of(given, { steps = N, every = max(1, N // 512), watch = given.watch }))
-  end)
-  if not fine then
-    pilot.pass_stop(path)
-    fail("watch = \"picture\": the tolerance was to be a pixel, but a first run failed: %s; give option 'tolerance'", tostring(path))
-  end
-  local extent = 0
+  local path, extent = coarse_run(given), 0
   for _, name in ipairs(problem.columns) do
     local lo, hi = math.huge, -math.huge
     for _, x in ipairs(path:column(name):totable()) do lo, hi = min(lo, x), max(hi, x) end
@@ -187,16 +194,17 @@ local function start_search(scene, given)
   scene.held = at_times(scene.problem, record, times, scene.held_times)
   scene.uncertainty, scene.reference_text = distance, text
   local now = core.cpu()
-  return { times = used, reference = at_times(scene.problem, record, times, used), profile = scene.profile, bound = math.huge, pilots = 0,
+  return search.prepare({ times = used, reference = at_times(scene.problem, record, times, used), profile = scene.profile, bound = math.huge, pilots = 0,
     candidates = {}, models = {}, rules = search.rules(scene.options.rules, scene.system), seconds = scene.allowed,
-    half_time = now + 0.4 * scene.allowed, deadline = now + scene.allowed }
+    half_time = now + 0.4 * scene.allowed, deadline = now + scene.allowed }, scene.problem)
 end
 
 local function rows_text(scene)
   local every, err = rows.every(scene.best)
-  scene.every = every
-  return ("rows: one in %d steps; straight lines between them err by %s%s"):format(every, report.error(scene, err),
-    err > 1 and ", more than the tolerance: take times between by 'at' from scene.solver" or "")
+  scene.every, scene.lines = every, rows.lines(scene.best, every, err)
+  if err <= 1 then return ("rows: one in %d steps; straight lines between them err by %s"):format(every, report.error(scene, err)) end
+  return ("rows: one a step; straight lines between them err by %s; with %d rows, by 'at', they would be as good as the tolerance")
+    :format(report.error(scene, err), scene.lines)
 end
 
 -- find the choice, once
@@ -220,16 +228,39 @@ end
 
 ---- what a scene does ----
 
-local doc_run = [[
-scene:run() -> path of what is watched
-The chosen model by the chosen rule and step, with as many rows as straight lines between them need. Beside all of dm.path it has
-error_estimate: the largest error of what is watched, from pilot runs, a hold-out run and what is left of doubt in the reference
-(where columns have tolerances of their own: in parts of these); and model, rule.]]
+-- evenly spaced times over the whole
+local function even_times(problem, count)
+  local out = {}
+  for i = 0, count do out[i + 1] = problem.t0 + problem.T * i / count end
+  return out
+end
 
-M.run = blame.caller(function(scene)
+local ROWS = { at = true, every = true, file = true }
+
+-- which rows: as asked for; of a picture those that lines need; else one in so many steps
+local function rows_of(scene, options)
+  for key in pairs(options) do
+    if not ROWS[key] then fail("scene:run: unknown option '%s'; it takes at, every, file", tostring(key)) end
+  end
+  if options.at then return options end
+  if scene.options.watch == "picture" and not options.every and scene.lines then
+    return { at = even_times(scene.problem, scene.lines), file = options.file }
+  end
+  return { steps = scene.best.N, every = options.every or scene.every, file = options.file }
+end
+
+local doc_run = [[
+scene:run([{at=, every=, file=}]) -> path of what is watched
+The chosen model by the chosen rule and step, with as many rows as straight lines between them need, as far as there are steps (a picture:
+by rows between steps), or those asked for as in solver:run. Beside all of dm.path it has error_estimate: the largest error of what is
+watched, from pilot runs, a hold-out run and what is left of doubt in the reference (where columns have tolerances of their own: in
+parts of these); and model, rule.]]
+
+M.run = blame.caller(function(scene, options)
   decide(scene)
   local err = max(scene.best.error, scene.held_error) + scene.uncertainty
-  return rows.path(scene.best, scene.every, { error_estimate = err * (scene.unit or 1) })
+  return rows.path(scene.best, rows_of(scene, options or {}), { error_estimate = err * (scene.unit or 1),
+    in_words = scene.unit and ("%.2g"):format(err * scene.unit) or ("%.2g of the tolerance"):format(err) })
 end)
 
 local doc_why = [[
@@ -243,7 +274,13 @@ local doc_animate = [[
 scene:animate(file, {...}) -> file name
 Run the scene and write a page with what is watched as a moving picture; options as in path:animate.]]
 
-M.animate = blame.caller(function(scene, file, options) return scene:run():animate(file, options) end)
+local FRAMES = 600
+
+M.animate = blame.caller(function(scene, file, options)
+  decide(scene)
+  local path = M.run(scene, { at = even_times(scene.problem, max(FRAMES, min(scene.lines or 0, 4 * FRAMES))) })
+  return path:animate(file, options)
+end)
 
 function M:__tostring()
   if not self.best then return self.sentence .. "; nothing run yet: scene:run(), scene:why()" end

@@ -20,6 +20,16 @@ function M.pass_stop(failure)
   if type(failure) ~= "string" and failure.code == "stopped" then error(failure, 0) end
 end
 
+local REFUSALS = { "cannot step this system", "needs a regular Lagrangian", "^field 'rule'" }
+
+--- Is it the rule that cannot, whatever the step?
+function M.is_refusal(why)
+  for _, words in ipairs(REFUSALS) do
+    if why:find(words) then return true end
+  end
+  return false
+end
+
 local function options_of(model, more)
   local start = model.start
   local out = { q = start.q, v = start.v, t0 = start.t0, project = start.project }
@@ -71,7 +81,7 @@ function M.refine(model, rule, how)
     local record, failed = M.run(model, rule, N, how.times)
     took, why = core.cpu() - start, failed or why
     failures = failed and failures + 1 or 0
-    if failed and (failed:find "cannot step this system" or failures == GIVE_UP) then return nil, failed end
+    if failed and (M.is_refusal(failed) or failures == GIVE_UP) then return nil, failed end
     if record and last then
       local now = M.apart(model.problem, record, last)
       if now <= how.goal then return record, now, N end
@@ -128,7 +138,7 @@ local function first_that_can(model, rules, how)
   for _, rule in ipairs(rules) do
     local record, change, N = M.refine(model, rule, how)
     if record then return { rule = rule, record = record, change = change, N = N }, tried end
-    if not change:find "cannot step this system" then tried[#tried + 1] = change end
+    if not M.is_refusal(change) then tried[#tried + 1] = change end
   end
   return nil, tried
 end

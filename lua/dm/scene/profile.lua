@@ -11,23 +11,24 @@ local min, max, huge = math.min, math.max, math.huge
 local function fail(...) error("dm.scene: " .. (...):format(select(2, ...)), 0) end
 
 --- An empty profile, which measures what it is asked for.
-function M.new() return setmetatable({ rows = {}, measures = true }, M) end
+function M.new() return setmetatable({ rows = {}, few = {}, measures = true }, M) end
 
 local LONG_ENOUGH, LONGEST = 4e-3, 60  -- s of CPU spent on one figure; repeats
 
--- ns of the steps of a run of N, without set-up: the best of several; and what it did
-local function measure(model, rule, N)
-  local solver, start = pilot.solver(model, rule, N), pilot.options_of(model, { steps = N, every = N })
+-- ns of a step, without set-up, over so many of the N steps: the best of several; and the report of the run
+local function measure(model, rule, N, steps, enough)
+  local solver, start = pilot.solver(model, rule, N), pilot.options_of(model, { steps = steps, every = steps })
   local best, report = huge, nil
   local began = core.cpu()
   for _ = 1, LONGEST do
+    local before = core.cpu()
     solver:run(start)
     report = solver:report()
-    best = min(best, report.ns_per_step * N)
+    best = min(best, report.ns_per_step, 1e9 * (core.cpu() - before) / steps)  -- the latter where others had the processor
     local spent = core.cpu() - began
-    if (spent > LONG_ENOUGH and spent > 4e-9 * best) or spent > 50 * LONG_ENOUGH then break end
+    if (spent > enough and spent > 4e-9 * best * steps) or spent > 50 * enough then break end
   end
-  return max(best, 1), report
+  return max(best, 1e-3), report
 end
 
 local function key_of(model, rule) return model:fingerprint() .. " " .. rule end
@@ -62,8 +63,8 @@ function M:cost(model, rule, N)
   if row[N] then return row[N].ns end
   local entry
   if self.measures then
-    local ns, report = measure(model, rule, N)
-    entry = { ns = ns, work = work_of(report, model.system.Q.dimension) }
+    local ns, report = measure(model, rule, N, N, LONG_ENOUGH)
+    entry = { ns = ns * N, work = work_of(report, model.system.Q.dimension) }
   else
     self.guessed = self.guessed or {}
     local known = self.guessed[key .. N] or estimate(self, model, rule, N)
@@ -74,14 +75,32 @@ function M:cost(model, rule, N)
   return entry.ns
 end
 
---- About what N steps cost, from a figure for a number of steps that is not far, else as in cost.
-function M:about(model, rule, N)
-  local nearest, distance
-  for other, entry in pairs(self.rows[key_of(model, rule)] or {}) do
-    local d = other > N and other / N or N / other
-    if d < 2 and (not distance or d < distance) then nearest, distance = entry.ns * N / other, d end
+--- Time some runs once more, in turn, so that what else the machine does meets all of them alike; runs: list of { model, rule, N }.
+function M:again(runs, rounds, seconds)
+  local began = core.cpu()
+  for _ = 1, self.measures and rounds or 0 do
+    for _, c in ipairs(runs) do
+      local entry = self.rows[key_of(c.model, c.rule)][c.N]
+      entry.ns = min(entry.ns, measure(c.model, c.rule, c.N, c.N, 0) * c.N)
+    end
+    if core.cpu() - began > seconds then break end
   end
-  return nearest or self:cost(model, rule, N)
+end
+
+local FEW = 256  -- steps of a run that tells about what more of them cost
+
+--- About what N steps cost: from a figure for a number of steps that is not far, or from a few of them.
+function M:about(model, rule, N)
+  local key, nearest, distance = key_of(model, rule), nil, nil
+  for other, entry in pairs(self.rows[key] or {}) do
+    local d = other > N and other / N or N / other
+    if d < 2 and (not distance or d < distance or (d == distance and other > N)) then nearest, distance = entry.ns * N / other, d end
+  end
+  if nearest or N <= FEW or not self.measures then return nearest or self:cost(model, rule, N) end
+  local row = self.few[key] or {}
+  self.few[key] = row
+  row[N] = row[N] or measure(model, rule, N, FEW, LONG_ENOUGH / 4)
+  return row[N] * N
 end
 
 local doc_save = [[

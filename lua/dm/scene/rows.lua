@@ -26,15 +26,16 @@ local function bent(problem, path, stride)
   return worst
 end
 
-local function run(c, every)
-  return pilot.solver(c.model, c.rule, c.N):run(pilot.options_of(c.model, { steps = c.N, every = every, watch = c.model.watch }))
+local function run(c, which)
+  which.watch = c.model.watch
+  return pilot.solver(c.model, c.rule, c.N):run(pilot.options_of(c.model, which))
 end
 
 --- every, the error of straight lines between rows so many steps apart, in tolerances.
 function M.every(c)
   local problem, every = c.model.problem, 1
   while c.N / every > MOST_ROWS do every = 2 * every end
-  local path = run(c, every)
+  local path = run(c, { steps = c.N, every = every })
   local stride, err = 1, bent(problem, path, 1)
   while 4 * stride < #path do
     local next_err = bent(problem, path, 2 * stride)
@@ -42,6 +43,11 @@ function M.every(c)
     stride, err = 2 * stride, next_err
   end
   return every * stride, err
+end
+
+--- How many rows, evenly spaced, straight lines need; nil where steps are close enough. Lines err by the square of their length.
+function M.lines(c, every, err)
+  return err > 1 and math.min(MOST_ROWS, math.ceil(1.1 * c.N / every * math.sqrt(err))) or nil
 end
 
 ---- the path ----
@@ -58,12 +64,14 @@ end
 function Path.__len(run_) return #rawget(run_, "path") end
 
 function Path.__tostring(run_)
-  return ("%s; error of what is watched at most %.2g (model: %s)"):format(tostring(rawget(run_, "path")), run_.error_estimate, run_.model)
+  return ("%s; error of what is watched at most %s (model: %s)"):format(tostring(rawget(run_, "path")), run_.in_words, run_.model)
 end
 
 --- The run of a choice as a path that has error_estimate, errors, model beside everything that dm.path has.
-function M.path(c, every, more)
-  local path = run(c, every)
+function M.path(c, which, more)
+  local given = {}
+  for key, value in pairs(which) do given[key] = value end
+  local path = run(c, given)
   local out = { path = path, model = c.model:words(), rule = c.rule }
   for key, value in pairs(more) do out[key] = value end
   return setmetatable(out, Path)

@@ -37,22 +37,38 @@ function M.rules(given, system)
 end
 
 local TARGET = 0.85  -- of the tolerance, at the sampled times; the rest is for what lies between
-local SLACK = 1.1    -- a rule that would cost so much more is still looked at: clocks are not that good
+local SLACK = 1.25   -- a rule that would cost so much more is still looked at: clocks are not that good
 local CLOSE = 1.07   -- numbers of steps between success and failure are then close enough
 local FEWEST = 2
 
 -- the first line of a failure, without place
 local function first_line(failure) return (tostring(failure):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")) end
 
--- is it the rule that cannot, whatever the step?
-local function is_refusal(why) return why:find "cannot step this system" or why:find "^field 'rule'" end
+local MANY, PART = 1024, 12  -- from so many steps on a run is tried over a part of the time first
 
--- error of N steps, in tolerances; inf where the run fails
-local function error_of(search, model, rule, N)
-  local record, why = pilot.run(model, rule, N, search.times)
+-- error of N steps at the first rows of the reference, in tolerances; inf where the run fails
+local function error_at(search, model, rule, N, times, reference)
   search.pilots = search.pilots + 1
+  local record, why = pilot.run(model, rule, N, times)
   if not record then return huge, why end
-  return pilot.apart(model.problem, record, search.reference)
+  return pilot.apart(model.problem, record, reference)
+end
+
+-- error of N steps; what is beyond the tolerance early on is not run to the end
+local function error_of(search, model, rule, N)
+  if N > MANY then
+    local err, why = error_at(search, model, rule, N, search.early_times, search.early_reference)
+    if err > 1 then return err, why end
+  end
+  return error_at(search, model, rule, N, search.times, search.reference)
+end
+
+--- Prepare a search: the rows of the reference that come first.
+function M.prepare(search, problem)
+  local count = max(1, #search.times // PART)
+  search.early_times = { table.unpack(search.times, 1, count) }
+  search.early_reference = pilot.first_rows(problem, search.reference, count)
+  return search
 end
 
 -- how many steps the bound pays for, beginning with a guess; nil and why where a run that cheap fails
@@ -63,7 +79,7 @@ local function affordable(search, model, rule, N)
     if not fine then
       pilot.pass_stop(ns)
       why, failures = first_line(ns), failures + 1
-      if failures > 4 or is_refusal(why) then return nil, why, N end
+      if failures > 4 or pilot.is_refusal(why) then return nil, why, N end
       N = 2 * N
     else
       local ratio = search.bound * SLACK / ns
@@ -91,20 +107,23 @@ local function shrink(search, model, row, enough, err)
   return enough, err
 end
 
--- more steps until it is enough; nil where that takes longer than allowed
+local STUCK = 3  -- times that more steps did not help, in a row
+
+-- more steps until it is enough; nil where nothing comes of it
 local function grow(search, model, row, N)
-  local err, why
-  local last = huge
-  while core.cpu() < search.deadline do
+  local err, why, last, stuck = huge, nil, huge, 0
+  local until_ = core.cpu() + search.seconds / 5
+  while core.cpu() < until_ do
     err, why = error_of(search, model, row.rule, N)
     if err <= TARGET then return N, err end
-    if why and is_refusal(why) then return nil, err, why end
-    if N > 1e5 and err > 0.5 * last and err < 1e6 then break end  -- round-off, or chaos
+    if why and pilot.is_refusal(why) then return nil, err, why, N end
+    stuck = not (err < 0.5 * last) and stuck + 1 or 0
+    if stuck > STUCK then break end
     last = err
     local more = err < huge and (err / TARGET) ^ (1 / row.order) * 1.05 or 2
     N = ceil(N * min(12, max(1.1, more)))
   end
-  return nil, err, why
+  return nil, err, why or stuck > STUCK and "more steps do not help" or "does not reach the tolerance in the time allowed", N
 end
 
 local function candidate(search, model, row, N, err, words, kept)
@@ -115,26 +134,29 @@ local function candidate(search, model, row, N, err, words, kept)
 end
 
 -- why a rule cannot, without its name and without those that can
-local function short(why) return (why:gsub(";.*$", ""):gsub("^rule '[^']*' ", ""):gsub("^field 'rule': '[^']*': ", "")) end
+local function short(why) return (why:gsub(";.*$", ""):gsub("^rule '[^']*' ", ""):gsub("and rule '[^']*' needs", "and the rule needs"):gsub("^field 'rule': '[^']*': ", "")) end
 
 -- the rule is out: it cannot step the model, or not as cheaply
-local function give_up(search, model, row, why, N)
-  if is_refusal(why) then
+local function give_up(search, model, row, why, N, err)
+  if pilot.is_refusal(why) then
     search.refused[#search.refused + 1] = { model = model, rule = row.rule, why = short(why) }
   else
-    candidate(search, model, row, N, huge, short(why), false)
+    candidate(search, model, row, N, err or huge, short(why), false)
   end
 end
 
 -- a number of steps that is enough and its error; nil where there is none as cheap as the bound
 local function first_enough(search, model, row)
   if search.bound == huge then
-    local N, err, why = grow(search, model, row, max(8, ceil(64 / row.stages)))
-    if not N then give_up(search, model, row, why or "does not reach the tolerance in the time allowed", 0) end
+    local N, err, why, last = grow(search, model, row, max(8, ceil(64 / row.stages)))
+    if not N then give_up(search, model, row, why, last, err) end
     return N, err
   end
   local N, why, at = affordable(search, model, row.rule, max(FEWEST, ceil(search.guess / row.stages)))
   if not N then return give_up(search, model, row, why, at) end
+  if N == FEWEST and search.profile:about(model, row.rule, N) > SLACK * search.bound then
+    return give_up(search, model, row, ("%d steps cost more than the best"):format(N), N)
+  end
   local err, failed = error_of(search, model, row.rule, N)
   if err <= TARGET then return N, err end
   candidate(search, model, row, N, err, failed and short(failed) or "not accurate enough at the cost of the best", false)
@@ -160,17 +182,29 @@ function M.model(search, model)
   end
 end
 
-local AS_GOOD = 1.08  -- costs that differ by less are equal: the smaller model is then preferred
+local AS_GOOD = 1.08    -- costs that differ by less are equal: the smaller model is then preferred
+local NEAR, ROUNDS = 1.6, 5  -- what cost so many times the best is timed again, so often
+
+-- candidates that are near to the best, timed once more; their least cost
+local function near(search)
+  local out, least = {}, huge
+  for _, c in ipairs(search.candidates) do
+    if c.kept and c.ns <= NEAR * search.bound then out[#out + 1] = c end
+  end
+  search.profile:again(out, ROUNDS, search.seconds / 20)
+  for _, c in ipairs(out) do
+    c.ns = search.profile:cost(c.model, c.rule, c.N)
+    least = min(least, c.ns)
+  end
+  return out, least
+end
 
 --- What is close to the best: of equal cost the smaller model first, then by cost.
 function M.finalists(search)
-  local out = {}
-  for _, c in ipairs(search.candidates) do
-    if c.kept and c.ns <= 1.3 * search.bound then
-      c.n, c.operations = c.model:size()
-      c.class = c.ns <= AS_GOOD * search.bound and 0 or 1
-      out[#out + 1] = c
-    end
+  local out, least = near(search)
+  for _, c in ipairs(out) do
+    c.n, c.operations = c.model:size()
+    c.class = c.ns <= AS_GOOD * least and 0 or 1
   end
   table.sort(out, function(a, b)
     if a.class ~= b.class then return a.class < b.class end
