@@ -329,7 +329,7 @@ function M.measure(search, model)
     if err then return err, ("already at t = %.3g"):format(t) end
     local record, change = pilot.refine(model, rule, how)
     if record then return pilot.apart(problem, record, search.reference) end
-    if not pilot.is_refusal(change) then why = change end
+    if not pilot.is_refusal(change) then why = change:gsub(";.*$", "") end
   end
   return math.huge, why
 end
