@@ -6,7 +6,7 @@ local core = require "dm.core"
 local equations = require "dm.invariant_equations"
 local frames = require "dm.frame"
 local linear = require "dm.frame_linear"
-local recurrence = require "dm.invariant_stability"
+local stability = require "dm.invariant_stability"
 local starts = require "dm.invariant_start"
 
 local M = { __name = "dm.invariant_problem" }
@@ -251,7 +251,7 @@ M.solve = blame.caller(function(p, o)
   local form = equations[name .. "_form"](p)
   local steps = o.n - #before - p.window
   if steps < 0 then error(("problem:solve: n = %d is less than the %d points given"):format(o.n, #before + p.window), 0) end
-  local rows, report = core.recurrence { equation = form.equation, next = form.next, start = form.start, inside = form.inside,
+  local rows, report = core.sequence { equation = form.equation, next = form.next, start = form.start, inside = form.inside,
     y = form.layout:pack(values), unknowns = p.d + p.constraints, steps = steps, every = o.every or 1, check = false }
   local curve = curve_of(p, form, rows, before)
   curve.form = name
@@ -283,11 +283,11 @@ M.action_sum = blame.caller(function(p, points)
   return sum
 end)
 
-M.stability = blame.caller(function(p, o) return recurrence.stability(p, o) end)
+M.stability = blame.caller(function(p, o) return stability.stability(p, o) end)
 M.boundary = blame.caller(function(p, o) return boundary.solve(p, o) end)
 
 core.docs[M.invariant_problem], core.docs[M.solve], core.docs[M.momentum] = doc_new, doc_solve, doc_momentum
-core.docs[M.action_sum], core.docs[M.stability], core.docs[M.boundary] = doc_action, recurrence.doc, boundary.doc
+core.docs[M.action_sum], core.docs[M.stability], core.docs[M.boundary] = doc_action, stability.doc, boundary.doc
 core.docs["dm.invariant_problem"] = "dm.invariant_problem: a variational problem in invariants, made by dm.invariant_problem\nmethods: solve, boundary, stability, momentum, action_sum"
 
 return M

@@ -1,4 +1,4 @@
---- The invariant discrete Euler-Lagrange equations as one step y -> y', for dm.recurrence.
+--- The invariant discrete Euler-Lagrange equations as one step y -> y', for dm.sequence.
 --
 -- For L of N points, E_i = sum_j (D_j L)(u_i-j+1 ... u_i-j+N) = 0 at every site i. It is a covector at u_i, so it may be
 -- taken in any coordinates: here those in which the first points of the window lie on the cross-section,

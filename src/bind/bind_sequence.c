@@ -1,9 +1,9 @@
-/* bind_recurrence.c - `dm.recurrence`: a sequence known by an equation, run in C. */
+/* bind_sequence.c - `dm.sequence`: a sequence known by an equation, run in C. */
 #include "bind/array.h"
 #include "bind/backend.h"
 #include "bind/trace.h"
 #include "expr/derive.h"
-#include "run/recurrence.h"
+#include "run/sequence.h"
 
 #include <string.h>
 
@@ -14,7 +14,7 @@ static const char *const keys[COUNT] = {"equation", "next", "start", "inside"};
 typedef struct {
     dm_arena *arena;
     dm_compile *compile;
-    dm_recurrence r;
+    dm_sequence r;
     int check; /* compare the traces with plain calls */
 } maker;
 
@@ -63,7 +63,7 @@ static void read_functions(lua_State *L, maker *k) {
     if (!lua_isnil(L, INSIDE)) build(L, k, 3, 0, &k->r.inside, NULL);
 }
 
-static void push_report(lua_State *L, const dm_recurrence_report *report,
+static void push_report(lua_State *L, const dm_sequence_report *report,
                         dm_status status) {
     lua_createtable(L, 0, 6);
     lua_pushstring(L, dm_status_code(status)), lua_setfield(L, -2, "code");
@@ -86,19 +86,19 @@ static uint32_t count_of(lua_State *L, const char *key) {
     return (uint32_t)n;
 }
 
-static dm_recurrence_plan read_plan(lua_State *L) {
-    return (dm_recurrence_plan){.steps = dml_count(L, OPTIONS, "steps", 0, -1),
-                                .every = dml_count(L, OPTIONS, "every", 1, 1),
-                                .tolerance = 4e-15,
-                                .max_iterations = 50,
-                                .stop = &dml_stop};
+static dm_sequence_plan read_plan(lua_State *L) {
+    return (dm_sequence_plan){.steps = dml_count(L, OPTIONS, "steps", 0, -1),
+                              .every = dml_count(L, OPTIONS, "every", 1, 1),
+                              .tolerance = 4e-15,
+                              .max_iterations = 50,
+                              .stop = &dml_stop};
 }
 
 static double *room(lua_State *L, size_t count) {
     return lua_newuserdatauv(L, count * sizeof(double), 0);
 }
 
-static int recurrence(lua_State *L) {
+static int sequence(lua_State *L) {
     static const char *const known[] = {"equation", "next",  "start", "inside", "y",
                                         "unknowns", "steps", "every", "check",  NULL};
     luaL_checktype(L, OPTIONS, LUA_TTABLE);
@@ -110,21 +110,21 @@ static int recurrence(lua_State *L) {
     lua_settop(L, OPTIONS);
     maker k = {.compile = dml_findbackend(L, NULL)->compile,
                .r = {.n = (uint32_t)n, .m = count_of(L, "unknowns")}};
-    const dm_recurrence_plan plan = read_plan(L);
+    const dm_sequence_plan plan = read_plan(L);
     lua_getfield(L, OPTIONS, "check");
     k.check = lua_isnil(L, -1) || lua_toboolean(L, -1);
     lua_pop(L, 1);
     k.arena = dml_pusharena(L);
     read_functions(L, &k);
-    const long most = dm_recurrence_rows(&plan);
+    const long most = dm_sequence_rows(&plan);
     if ((double)most * (double)n > 1e9)
         luaL_error(L, "%d rows of %d numbers are too many: raise 'every'", (int)most,
                    (int)n);
     double *rows = room(L, (size_t)most * (size_t)n);
-    double *work = room(L, dm_recurrence_work(&k.r));
+    double *work = room(L, dm_sequence_work(&k.r));
     dml_numbers(L, OPTIONS, "y", rows, k.r.n);
-    dm_recurrence_report report;
-    const dm_status status = dm_recur(rows, &k.r, &plan, work, &report);
+    dm_sequence_report report;
+    const dm_status status = dm_sequence_run(rows, &k.r, &plan, work, &report);
     if (status == DM_STOPPED) dml_stop = 0;
     push_rows(L, rows, (uint32_t)report.rows, k.r.n);
     push_report(L, &report, status);
@@ -132,8 +132,8 @@ static int recurrence(lua_State *L) {
 }
 
 static const dml_row functions[] = {
-    {"recurrence", recurrence,
-     "dm.recurrence{equation=, next=, start=, y=, unknowns=, steps=, inside=, every=, "
+    {"sequence", sequence,
+     "dm.sequence{equation=, next=, start=, y=, unknowns=, steps=, inside=, every=, "
      "check=} -> "
      "dm.matrix, report\n"
      "The sequence y, y', y'' ... with y' = next(y, x) where x, of `unknowns` numbers, "
@@ -148,6 +148,6 @@ static const dml_row functions[] = {
      "without an error: look at report.code."},
     {NULL, NULL, NULL}};
 
-void dml_open_recurrence(lua_State *L) {
+void dml_open_sequence(lua_State *L) {
     dml_setfunctions(L, functions);
 }

@@ -1,4 +1,4 @@
--- sequences known by an equation: dm.recurrence
+-- sequences known by an equation: dm.sequence
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
@@ -8,7 +8,7 @@ local function golden(more)
   local o = { equation = function(y, x) return { x[1] ^ 2 - y[1] - 1 } end, next = function(y, x) return { x[1] } end,
     start = function(y) return { y[1] } end, y = { 3 }, unknowns = 1, steps = 100 }
   for k, v in pairs(more or {}) do o[k] = v end
-  return dm.recurrence(o)
+  return dm.sequence(o)
 end
 local rows, report = golden()
 ok(report.code == "ok" and report.done == 100 and rows.rows == 101, "a row for every step and the start")
@@ -20,7 +20,7 @@ ok(golden({ steps = 0 }).rows == 1, "no step: the start alone")
 
 -- two unknowns, against the closed form of an implicit midpoint step of the rotation (Cayley)
 local h = 0.1
-local spin, fine = dm.recurrence { unknowns = 2, steps = 50, y = { 1, 0 }, start = function(y) return y end, next = function(y, x) return x end,
+local spin, fine = dm.sequence { unknowns = 2, steps = 50, y = { 1, 0 }, start = function(y) return y end, next = function(y, x) return x end,
   equation = function(y, x) return { x[1] - y[1] - h / 2 * (x[2] + y[2]), x[2] - y[2] + h / 2 * (x[1] + y[1]) } end }
 local angle = -50 * 2 * math.atan(h / 2)
 near(spin[51][1], math.cos(angle), 1e-14, "the Cayley transform, fifty times")
@@ -28,19 +28,19 @@ near(spin[51][2], math.sin(angle), 1e-14, "and its other entry")
 ok(fine.iterations <= 2, "a linear equation needs no search", fine.iterations)
 
 -- failures keep the rows before them
-local down, no_root = dm.recurrence { equation = function(y, x) return { x[1] ^ 2 - y[1] } end, next = function(y, x) return { x[1] - 1 } end,
+local down, no_root = dm.sequence { equation = function(y, x) return { x[1] ^ 2 - y[1] } end, next = function(y, x) return { x[1] - 1 } end,
   start = function(y) return { y[1] + 0.1 } end, y = { 2 }, unknowns = 1, steps = 100 }
 ok(no_root.code == "no_convergence" and no_root.done == down.rows - 1 and no_root.residual > 0, "no root: a report, and the rows so far")
 near(down[2][1], math.sqrt(2) - 1, 4e-16, "which are right")
 local _, outside = golden { inside = function(y, x) return { 10, x[1] - 1.7 } end }
 ok(outside.outside == 2 and outside.code == "no_convergence", "a root that is not allowed: which condition it broke")
-local _, nan = dm.recurrence { equation = function(y, x) return { x[1] - y[1] } end, next = function(y, x) return { math.log(x[1] - 1) } end,
+local _, nan = dm.sequence { equation = function(y, x) return { x[1] - y[1] } end, next = function(y, x) return { math.log(x[1] - 1) } end,
   start = function(y) return { 0 } end, y = { 2 }, unknowns = 1, steps = 5 }
 ok(nan.code == "not_finite" and nan.done == 1, "what is not a number ends the sequence", nan.code)
 
-raises("'equation' must be a function", dm.recurrence, { y = { 1 }, unknowns = 1, steps = 1 })
-raises("field 'y' must be a list", dm.recurrence, { unknowns = 1, steps = 1 })
-raises("did you mean 'steps'", dm.recurrence, { step = 1 })
+raises("'equation' must be a function", dm.sequence, { y = { 1 }, unknowns = 1, steps = 1 })
+raises("field 'y' must be a list", dm.sequence, { unknowns = 1, steps = 1 })
+raises("did you mean 'steps'", dm.sequence, { step = 1 })
 raises("must return 2 numbers", golden, { unknowns = 2 })
 raises("too many", golden, { steps = 2 ^ 40 })
 
@@ -52,7 +52,7 @@ local function cancelling(z)
   return { zero, t13, t12 * b - t13 * a + zero * a }
 end
 local z = { 0.8, -0.3, 0.3, -0.1, 0.2, -0.4, 0.6, 0.5 }
-local compacted = dm.recurrence { check = false, unknowns = 1, steps = 1, y = z, start = function() return { 1 } end, equation = function(y, x) return { x[1] - 1 } end,
+local compacted = dm.sequence { check = false, unknowns = 1, steps = 1, y = z, start = function() return { 1 } end, equation = function(y, x) return { x[1] - 1 } end,
   next = function(y)
     local out = cancelling { y[1], y[2], y[3], y[4], y[5], y[6], y[7], y[8] }
     return { out[1], out[2], out[3], 0, 0, 0, 0, 0 }

@@ -1,9 +1,9 @@
 /*
-** recurrence.h - sequences known by an equation: x with R(y, x) = 0, then y' = next(y, x), again and again.
+** sequence.h - sequences known by an equation: x with R(y, x) = 0, then y' = next(y, x), again and again.
 ** Discrete Euler-Lagrange equations of any order are such: y is the window of points that are known, x the next one.
 */
-#ifndef DM_RECURRENCE_H
-#define DM_RECURRENCE_H
+#ifndef DM_SEQUENCE_H
+#define DM_SEQUENCE_H
 
 #include "expr/kernel.h"
 #include "solve/newton.h"
@@ -18,32 +18,33 @@ typedef struct {
     dm_kernel start;    /* y alone -> x[m], where Newton's method begins */
     dm_kernel
         inside; /* -> numbers that are > 0 at an allowed root; outputs = 0: all are */
-} dm_recurrence;
+} dm_sequence;
 
 typedef struct {
     long steps, every; /* a row of y every so many steps, and the last */
     double tolerance;  /* of the last increment, relative to max |x| */
     int max_iterations;
     const volatile sig_atomic_t *stop; /* may be NULL */
-} dm_recurrence_plan;
+} dm_sequence_plan;
 
 typedef struct {
     long done, rows; /* valid also after a failure */
     uint32_t
         outside; /* the number of the condition that the root breaks, from 1; 0: none */
     dm_newton_report newton; /* of the last step */
-} dm_recurrence_report;
+} dm_sequence_report;
 
-long dm_recurrence_rows(const dm_recurrence_plan *plan);
+long dm_sequence_rows(const dm_sequence_plan *plan);
 
 /* Doubles of workspace. */
-size_t dm_recurrence_work(const dm_recurrence *r);
+size_t dm_sequence_work(const dm_sequence *r);
 
 /*
-** rows[0 .. n) holds the start; dm_recurrence_rows() rows of n numbers are filled. A step that fails leaves the rows
+** rows[0 .. n) holds the start; dm_sequence_rows() rows of n numbers are filled. A step that fails leaves the rows
 ** before it and, as the last one, the last good state.
 */
-dm_status dm_recur(double *rows, const dm_recurrence *r, const dm_recurrence_plan *plan,
-                   double *work, dm_recurrence_report *report);
+dm_status dm_sequence_run(double *rows, const dm_sequence *r,
+                          const dm_sequence_plan *plan, double *work,
+                          dm_sequence_report *report);
 
 #endif

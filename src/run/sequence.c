@@ -1,4 +1,4 @@
-#include "run/recurrence.h"
+#include "run/sequence.h"
 
 #include <math.h>
 #include <string.h>
@@ -7,25 +7,25 @@ enum { BURST = 64 }; /* steps between looks at the stop flag */
 
 /* in: y, x; out: R, dR/dx; beyond: y' and the conditions */
 typedef struct {
-    const dm_recurrence *r;
+    const dm_sequence *r;
     double *in, *residual, *out, *after, *conditions, *newton;
     double size; /* of the terms of R, as |dR/dx| |x| tells */
 } stage;
 
-static size_t outputs(const dm_recurrence *r) {
+static size_t outputs(const dm_sequence *r) {
     return r->m + (size_t)r->m * r->m;
 }
 
-size_t dm_recurrence_work(const dm_recurrence *r) {
+size_t dm_sequence_work(const dm_sequence *r) {
     return 2 * (size_t)r->n + 3 * (size_t)r->m + outputs(r) + r->inside.outputs +
            dm_newton_work(r->m);
 }
 
-long dm_recurrence_rows(const dm_recurrence_plan *plan) {
+long dm_sequence_rows(const dm_sequence_plan *plan) {
     return 1 + (plan->steps + plan->every - 1) / plan->every;
 }
 
-static stage lay_out(const dm_recurrence *r, double *work) {
+static stage lay_out(const dm_sequence *r, double *work) {
     stage s = {.r = r, .in = work};
     s.after = s.in + r->n + r->m;
     s.residual = s.after + r->n;
@@ -78,8 +78,8 @@ static int finite(const double *x, uint32_t n) {
 
 /* from y in s->in to y' there */
 static dm_status step(stage *s, const dm_newton_problem *problem, double *x,
-                      dm_recurrence_report *report) {
-    const dm_recurrence *r = s->r;
+                      dm_sequence_report *report) {
+    const dm_sequence *r = s->r;
     dm_kernel_prepare(&r->start, x);
     dm_kernel_eval(&r->start, s->in, x);
     if (!finite(x, r->m)) return DM_NOT_FINITE;
@@ -94,8 +94,9 @@ static dm_status step(stage *s, const dm_newton_problem *problem, double *x,
     return DM_OK;
 }
 
-dm_status dm_recur(double *rows, const dm_recurrence *r, const dm_recurrence_plan *plan,
-                   double *work, dm_recurrence_report *report) {
+dm_status dm_sequence_run(double *rows, const dm_sequence *r,
+                          const dm_sequence_plan *plan, double *work,
+                          dm_sequence_report *report) {
     double *x = work;
     stage s = lay_out(r, work + r->m);
     const dm_newton_problem problem = {.m = r->m,
@@ -105,7 +106,7 @@ dm_status dm_recur(double *rows, const dm_recurrence *r, const dm_recurrence_pla
                                        .tolerance = plan->tolerance,
                                        .max_iterations = plan->max_iterations};
     dm_status status = DM_OK;
-    *report = (dm_recurrence_report){.rows = 1};
+    *report = (dm_sequence_report){.rows = 1};
     memcpy(s.in, rows, r->n * sizeof *rows);
     while (status == DM_OK && report->done < plan->steps) {
         status = step(&s, &problem, x, report);
