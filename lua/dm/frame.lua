@@ -3,15 +3,26 @@
 -- The frame is right-equivariant, rho(g z) = rho(z) g^-1, so z -> rho(z) z does not change along orbits: its entries are
 -- the fundamental invariants, and F(rho(z) z) is an invariant function whatever F is (Bogfjellmo ch. 2).
 -- rho is the user's formula, or the root of Z(g z) = 0 in flat coordinates of the group; both take symbols.
+local actions = require "dm.action"
 local blame = require "dm.blame"
 local core = require "dm.core"
 local linear = require "dm.frame_linear"
 local text = require "dm.frame_text"
 
-local M = { __name = "dm.frame" }
-M.__index = M
+local M = {}
 
-local KNOWN = { action = true, points = true, cross_section = true, branch = true, solution = true, start = true, name = true }
+local class = { __name = "dm.frame", methods = {} }
+debug.getregistry()["dm.frame"] = class
+function class.__index(frame, key) return class.methods[key] or rawget(frame, key) end
+class.__tostring = text.describe
+core.docs["dm.frame"] = [[
+dm.frame: a moving frame, made by dm.moving_frame{action=, points=, cross_section=}
+fields: action, group, points, cross_section, branch, solution, name; rho(z1, ..., zk) is the group element.]]
+
+function M.is_frame(x) return type(x) == "table" and getmetatable(x) == class end
+local function method(name, f, doc) core.method("dm.frame", name, blame.caller(f), doc) end
+
+local KNOWN = { action = true, points = true, cross_section = true, branch = true, solution = true, start = true, name = true, invariants = true }
 
 ---- lists of points ----
 
@@ -72,7 +83,7 @@ local function check_options(o)
   for key in pairs(o) do
     if not KNOWN[key] then error(("dm.moving_frame: unknown option '%s'"):format(tostring(key)), 0) end
   end
-  if not o.action then error("dm.moving_frame: field 'action' must be a dm.action", 0) end
+  if not actions.is_action(o.action) then error("dm.moving_frame: field 'action' must be a dm.action", 0) end
   if type(o.cross_section) ~= "function" then
     error("dm.moving_frame: field 'cross_section' must be a function of the points that gives as many numbers as the group has dimensions", 0)
   end
@@ -86,11 +97,11 @@ end
 -- the action on one point and the number of points: on_pairs() and on_points(k) are joint actions of their own
 local function base_of(o)
   local action, k = o.action, o.points
-  if action.base and action.count then
-    if k and k ~= action.count then
-      error(("dm.moving_frame: the action is on %d points already, so 'points' cannot be %s"):format(action.count, tostring(k)), 0)
+  if action.base and action.points then
+    if k and k ~= action.points then
+      error(("dm.moving_frame: the action is on %d points already, so 'points' cannot be %s"):format(action.points, tostring(k)), 0)
     end
-    action, k = action.base, action.count
+    action, k = action.base, action.points
   end
   k = k or 1
   if not math.tointeger(k) or k < 1 or k > 16 then
@@ -144,16 +155,16 @@ The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`p
 action:on_pairs(), a tangent or jet action with one): the group element g with cross_section(g z1, ..., g zk) = 0, which
 gives as many numbers as the group has dimensions. branch(z1, ..., zk) gives a number (or several) that must be > 0 on the section, where the
 equations have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for (dm.root) from `start`, flat coordinates,
-default the identity. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
+default the identity. invariants: names for entries, {name = {point, entry}}, which dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
 exists. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent, correction, derivative_correction,
 syzygies, check.]]
 
 M.moving_frame = blame.caller(function(o)
   check_options(o)
   local action, k = base_of(o)
-  local self = setmetatable({ action = action, group = action.group, k = k, points = k, m = action.on.dimension,
+  local self = setmetatable({ action = action, group = action.group, k = k, points = k, m = action.dimension,
     r = action.group.dimension, cross_section = o.cross_section, branch = o.branch, solution = o.solution,
-    name = o.name }, M)
+    name = o.name, invariants_named = o.invariants }, class)
   check_section(self)
   if not self.solution then self.root = solved(self, o.start) end
   return self
@@ -203,11 +214,9 @@ local function element(self, list)
 end
 M.element = element
 
-M.__call = blame.caller(function(self, ...)
+class.__call = blame.caller(function(self, ...)
   return element(self, points_of(self, { ... }, self.k))
 end)
-
-M.__tostring = text.describe
 
 local doc_invariants = [[
 rho:invariants{z1, ..., zn} -> {I1, ..., In}
@@ -218,10 +227,10 @@ local function invariants(self, list)
   local z = points_of(self, list, self.k)
   return moved(self, element(self, z), z)
 end
-M.invariants = blame.caller(function(self, list, ...)
+method("invariants", function(self, list, ...)
   if select("#", ...) > 0 then list = { list, ... } end
   return invariants(self, list)
-end)
+end, doc_invariants)
 
 ---- invariantization ----
 
@@ -276,7 +285,7 @@ was invariant. Every solver takes the new Ld; by the discrete Noether theorem it
 With sigma(q) or sigma(q0, q1) > 0 the step h is htilde sigma, for symmetries of sigma (H - H0) at the energy H0 (default 0;
 Bogfjellmo 3.7): Ld must then be a function of (q0, q1, h) and the h of Ld is htilde.]]
 
-M.invariantize = blame.caller(function(self, what)
+method("invariantize", function(self, what)
   if type(what) == "function" then return invariant_function(self, what) end
   if type(what) == "table" and getmetatable(what) == nil then
     for key in pairs(what) do
@@ -290,36 +299,33 @@ M.invariantize = blame.caller(function(self, what)
     error("rho:invariantize takes a function of the points, a dm.discrete_lagrangian or { Ld =, sigma = } (got " .. type(what) .. ")", 0)
   end
   return invariant_lagrangian(self, what, what.Ld)
-end)
+end, doc_invariantize)
 
 ---- what belongs to the linear algebra of frames ----
 
-M.transversality = blame.caller(function(self, ...)
-  local list = points_of(self, { ... }, self.k)
-  return linear.transversality(self, list)
-end)
-M.tangent = blame.caller(function(self, ...) return linear.tangent(self, points_of(self, { ... }, self.k)) end)
-M.correction = blame.caller(function(self, ...)
+method("transversality", function(self, ...)
+  return linear.transversality(self, points_of(self, { ... }, self.k))
+end, linear.docs.transversality)
+method("tangent", function(self, ...) return linear.tangent(self, points_of(self, { ... }, self.k)) end, linear.docs.tangent)
+method("correction", function(self, ...)
   local z = points_of(self, { ... }, self.k + 1)
   local there = moved(self, element(self, z), z)
   return element(self, { table.unpack(there, 2, self.k + 1) })
-end)
-M.derivative_correction = blame.caller(function(self, points, velocities)
+end, linear.docs.correction)
+method("derivative_correction", function(self, points, velocities)
   local z = points_of(self, points, self.k)
   return linear.derivative_correction(self, z, points_of(self, velocities, #z))
-end)
-M.syzygies = blame.caller(function(self, points, velocities)
+end, linear.docs.derivative_correction)
+method("syzygies", function(self, points, velocities)
   local z = points_of(self, points, self.k + 1)
   return linear.syzygies(self, z, velocities and points_of(self, velocities, #z))
-end)
-M.phantom = blame.caller(function(self, count) return linear.phantom(self, count or self.k) end)
+end, linear.docs.syzygies)
+method("phantom", function(self, count) return linear.phantom(self, count or self.k) end, linear.docs.phantom)
 
+package.loaded["dm.frame"] = M
 local check = require "dm.frame_check"
-M.check = blame.caller(function(self, options) return check.run(self, options) end)
+method("check", check.run, check.doc)
 
-core.docs[M.moving_frame], core.docs[M.invariants], core.docs[M.invariantize] = doc_new, doc_invariants, doc_invariantize
-for name, doc in pairs(linear.docs) do core.docs[M[name]] = doc end
-core.docs[M.check] = check.doc
-core.docs["dm.frame"] = "dm.frame: a moving frame, made by dm.moving_frame\nfields: action, group, points, cross_section, branch, solution, name"
+core.docs[M.moving_frame] = doc_new
 
 return M

@@ -37,14 +37,13 @@ local function stream(seed)
 end
 M.stream = stream
 
---- points of sample `seed`, `count` of them (default: those of the frame)
+--- Points of sample `seed`, `count` of them (default: those of the frame), on the space of the action.
 function M.sample(frame, seed, count)
-  local next_number, out = stream(seed), {}
-  for _ = 1, 20 do next_number() end
+  local source, out = core.random(7), {}
   for i = 1, count or frame.k do
-    local z = {}
-    for j = 1, frame.m do z[j] = 1.3 * next_number() + 0.17 end
-    out[i] = core.vector(z)
+    local z = require "dm.action".sample_point(frame.action.on, source, 64 * seed + i)
+    for j = 1, #z do z[j] = z[j] + 0 end
+    out[i] = z
   end
   return out
 end

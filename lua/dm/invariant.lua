@@ -9,8 +9,15 @@ local linear = require "dm.frame_linear"
 local stability = require "dm.invariant_stability"
 local starts = require "dm.invariant_start"
 
-local M = { __name = "dm.invariant_problem" }
-M.__index = M
+local M = {}
+
+local class = { __name = "dm.invariant_problem", methods = {} }
+debug.getregistry()["dm.invariant_problem"] = class
+function class.__index(p, key) return class.methods[key] or rawget(p, key) end
+core.docs["dm.invariant_problem"] = [[
+dm.invariant_problem: a variational problem in invariants of an action, made by dm.invariant_problem{frame=, L=}
+fields: frame, action, group, N (points of L), constraints (how many)]]
+local function method(name, f, doc) core.method("dm.invariant_problem", name, blame.caller(f), doc) end
 
 local KNOWN = { action = true, frame = true, L = true, points = true, invariants = true, constraint = true, inside = true,
   name = true }
@@ -125,7 +132,7 @@ local function check_options(o)
   for key in pairs(o) do
     if not KNOWN[key] then error(("dm.invariant_problem: unknown option '%s'"):format(tostring(key)), 0) end
   end
-  if getmetatable(o.frame) ~= frames then error("dm.invariant_problem: field 'frame' must be a moving frame, dm.moving_frame{...}", 0) end
+  if not frames.is_frame(o.frame) then error("dm.invariant_problem: field 'frame' must be a moving frame, dm.moving_frame{...}", 0) end
   if type(o.L) ~= "function" then error("dm.invariant_problem: field 'L' must be a function of the invariants I", 0) end
   if o.action and o.frame.action ~= o.action and o.action.base ~= o.frame.action then
     error("dm.invariant_problem: the frame belongs to another action", 0)
@@ -136,7 +143,7 @@ M.invariant_problem = blame.caller(function(o)
   check_options(o)
   local frame = o.frame
   local p = setmetatable({ frame = frame, action = frame.action, group = frame.group, d = frame.m, r = frame.r,
-    constraints = 0, reach = 0, inside = o.inside, name = o.name }, M)
+    constraints = 0, reach = 0, inside = o.inside, name = o.name }, class)
   p.names, p.functions = named_functions(o.invariants or frame.invariants_named)
   p.k = reach_of_section(frame)
   p.N = o.points or math.max(frame.k, p.k + 1)
@@ -160,7 +167,7 @@ M.invariant_problem = blame.caller(function(o)
   return p
 end)
 
-function M.__tostring(p)
+function class.__tostring(p)
   return ("invariant problem of %d points on %s under %s%s"):format(p.N, tostring(p.action.on), tostring(p.group),
     p.constraints > 0 and (", %d constraint%s"):format(p.constraints, p.constraints == 1 and "" or "s") or "")
 end
@@ -244,7 +251,7 @@ all of them. form = "momentum" (default) or "points", the recurrence as it is pr
 curve: points (dm.matrix, a row each; every `every` sites and the last ones), invariants (by name, vectors along the curve), multiplier, frame (the last). A step that has no root
 raises a dm.failure with the points so far in its `path`.]]
 
-M.solve = blame.caller(function(p, o)
+method("solve", function(p, o)
   local name = check_solve(o)
   p.window = name == "points" and math.max(2 * p.N - 2, p.k) or math.max(p.N - 1, p.k)
   local values, before = state_of(p, name, o)
@@ -257,37 +264,35 @@ M.solve = blame.caller(function(p, o)
   curve.form = name
   if report.code ~= "ok" then fail(p, report, curve, #before + p.window + report.done + 1) end
   return curve
-end)
+end, doc_solve)
 
 local doc_momentum = [[
 problem:momentum{u1, ..., u2N-2} -> dm.vector
 The Noether momentum J of the discrete problem at these points, <J, e_j> = sum p . v_j over the last N - 1 of them: the same at every window of a solution. Without
 constraint.]]
 
-M.momentum = blame.caller(function(p, points)
+method("momentum", function(p, points)
   local list = {}
   for i, z in ipairs(points) do list[i] = frames.point(z, p.d, "point " .. i) end
   if #list < 2 * p.N - 2 then error(("problem:momentum takes %d points (got %d)"):format(2 * p.N - 2, #list), 0) end
   if p.constraints > 0 then error("problem:momentum is for problems without constraint", 0) end
   return starts.spatial(p, list, {})
-end)
+end, doc_momentum)
 
 local doc_action = [[
 problem:action_sum{u1, ..., un} -> number
 The sum of L over all windows of N points.]]
 
-M.action_sum = blame.caller(function(p, points)
+method("action_sum", function(p, points)
   local list, sum = {}, 0
   for i = 1, #points do list[i] = frames.point(points[i], p.d, "point " .. i) end
   for i = 1, #list - p.N + 1 do sum = sum + p.lagrangian { table.unpack(list, i, i + p.N - 1) } end
   return sum
-end)
+end, doc_action)
 
-M.stability = blame.caller(function(p, o) return stability.stability(p, o) end)
-M.boundary = blame.caller(function(p, o) return boundary.solve(p, o) end)
+method("stability", stability.stability, stability.doc)
+method("boundary", boundary.solve, boundary.doc)
 
-core.docs[M.invariant_problem], core.docs[M.solve], core.docs[M.momentum] = doc_new, doc_solve, doc_momentum
-core.docs[M.action_sum], core.docs[M.stability], core.docs[M.boundary] = doc_action, stability.doc, boundary.doc
-core.docs["dm.invariant_problem"] = "dm.invariant_problem: a variational problem in invariants, made by dm.invariant_problem\nmethods: solve, boundary, stability, momentum, action_sum"
+core.docs[M.invariant_problem] = doc_new
 
 return M
