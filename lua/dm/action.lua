@@ -3,11 +3,13 @@
 local blame = require "dm.blame"
 local core = require "dm.core"
 local groups = require "dm.group"
+local axioms = require "dm.action_axioms"
 local kits = require "dm.group.kit"
+local points = require "dm.action_points"
 
 local M = {}
 
-local abs, max = math.abs, math.max
+local image, point, show = points.image, points.point, points.show
 
 ---- the class ----
 
@@ -15,8 +17,8 @@ local class = { __name = "dm.action", methods = {} }
 debug.getregistry()["dm.action"] = class
 core.docs["dm.action"] = [[
 dm.action: an action of a group on a space, made by dm.action{group=, on=, map=, side=, domain=, name=}
-fields: group, on, map, side, domain, name, dimension (numbers of a point), points and base (of a joint action); act(g, z) is
-the moved point.]]
+fields: group, on, map, side, domain, name, dimension (numbers of a point); of a joint or prolonged action base, and points (how
+many); act(g, z) is the moved point.]]
 
 function class.__index(action, key) return class.methods[key] or rawget(action, key) end
 
@@ -28,189 +30,6 @@ end
 
 local function is_action(x) return type(x) == "table" and getmetatable(x) == class end
 M.is_action = is_action
-
----- spaces that are acted on: points are vectors ----
-
-local VECTORS = { R = true, T = true, S = true, Heisenberg = true }
-
---- Numbers of a point of the space.
-function M.coordinates(space)
-  local kit = groups.kit(space)
-  if space.name == "product" then
-    local sum = 0
-    for _, part in ipairs(space.parts) do sum = sum + M.coordinates(part) end
-    return sum
-  end
-  if VECTORS[space.name] or (space.n == 2 and (space.name == "SE" or space.name == "SO")) then return kit.coordinates end
-  error(("dm.action: the points of %s are no vectors: let the group act on the entries, in dm.R(%d)")
-    :format(tostring(space), #kit.entries(kit.identity())), 0)
-end
-
--- which coordinates are angles
-local function angles(space, out, first)
-  if space.name == "product" then
-    for _, part in ipairs(space.parts) do
-      angles(part, out, first)
-      first = first + M.coordinates(part)
-    end
-  elseif space.name == "T" then
-    for i = 1, space.n do out[first + i] = true end
-  elseif space.name == "SO" or space.name == "SE" then
-    out[first + M.coordinates(space)] = true
-  end
-  return out
-end
-
---- A random point of the space as a vector.
-local function sample_point(space, stream, i)
-  return core.vector(groups.kit(space).flat(groups.kit(space).sample(stream, i)))
-end
-
----- the map ----
-
--- map(g, z) as a vector, unchecked arguments
-local function image(action, g, z) return kits.vector(action.map(g, z), action.dimension, "what map(g, z) returns") end
-
-local function is_inside(action, z)
-  if not action.domain then return true end
-  local value = action.domain(z)
-  if type(value) ~= "number" then error(("domain(z) must return a number, > 0 inside (got %s)"):format(kits.class_of(value)), 0) end
-  return value > 0
-end
-
---- Largest difference of two points; angles by the circle.
-function M.apart(action, a, b)
-  local worst = 0
-  for i = 1, #a do
-    local d = abs(a[i] - b[i])
-    if action.angles[i] then d = 2 * abs(math.sin(0.5 * (a[i] - b[i]))) end
-    if not (d <= worst) then worst = d end
-  end
-  return worst
-end
-
-local function size_of(z)
-  local most = 0
-  for i = 1, #z do
-    if not (abs(z[i]) <= most) then most = abs(z[i]) end
-  end
-  return most
-end
-
--- the moved point, or nothing where it is not finite, huge or outside of the domain
-local FAR = 1e4
-local function moved(action, g, z)
-  local w = image(action, g, z)
-  local size = size_of(w)
-  if size < FAR and is_inside(action, w) then return w end
-end
-
----- the axioms ----
-
-local POINTS, TRIES, TOLERANCE = 12, 240, 1e-9
-local SIZES = { 0.05, 0.3, 1 }
-
-local function show(x)
-  if type(x) == "table" then
-    local out = {}
-    for i, part in ipairs(x) do out[i] = show(part) end
-    return "{" .. table.concat(out, ", ") .. "}"
-  end
-  return (tostring(x):gsub("%s*\n%s*", " "))
-end
-M.show = show
-
-local function broken(action, axiom, what, defect)
-  error(("dm.action%s: it is no %s action of %s: the axiom of %s fails: %s (they differ by %.3g)"):format(
-    action.name and " '" .. action.name .. "'" or "", action.side, tostring(action.group), axiom, what, defect), 0)
-end
-
--- 1 where all is fine; nothing where the point cannot be tested
-local function check_identity(action, kit, z)
-  local neutral = kit.identity()
-  local w = moved(action, neutral, z)
-  if not w then return nil end
-  local defect, scale = M.apart(action, w, z), 1 + size_of(z)
-  if not (defect <= TOLERANCE * scale) then
-    broken(action, "identity", ("map(e, z) is not z at z = %s, e = %s"):format(show(z), show(neutral)), defect)
-  end
-  for _, turn in ipairs(kit.turns()) do
-    w = moved(action, turn, z)
-    defect = w and M.apart(action, w, z) or 0
-    if not (defect <= TOLERANCE * scale) then
-      broken(action, "identity", ("a full turn, g = %s, moves z = %s"):format(show(turn), show(z)), defect)
-    end
-  end
-  return 1
-end
-
-local function product_of(action, kit, g, h)
-  if action.side == "left" then return kit.compose(g, h) end
-  return kit.compose(h, g)
-end
-
-local function check_composition(action, kit, z, g, h)
-  local w = moved(action, h, z)
-  local twice, once = w and moved(action, g, w), moved(action, product_of(action, kit, g, h), z)
-  if not twice or not once then return nil end
-  local defect, scale = M.apart(action, twice, once), 1 + max(size_of(w), size_of(once)) ^ 2
-  if not (defect <= TOLERANCE * scale) then
-    local other = moved(action, action.side == "left" and kit.compose(h, g) or kit.compose(g, h), z)
-    local hint = ""
-    if other and M.apart(action, twice, other) <= TOLERANCE * scale then
-      hint = (" (with side = \"%s\" it holds there)"):format(action.side == "left" and "right" or "left")
-    end
-    broken(action, "composition", ("map(g, map(h, z)) is not map(%s, z) at z = %s, g = %s, h = %s%s"):format(
-      action.side == "left" and "g h" or "h g", show(z), show(g), show(h), hint), defect)
-  end
-  return 1
-end
-
-local function check_inverse(action, kit, z, g)
-  local w = moved(action, g, z)
-  local back = w and moved(action, kit.inverse(g), w)
-  if not back then return nil end
-  local defect = M.apart(action, back, z)
-  if not (defect <= TOLERANCE * (1 + max(size_of(w), size_of(z)) ^ 2)) then
-    broken(action, "inverse", ("map(g^-1, map(g, z)) is not z at z = %s, g = %s"):format(show(z), show(g)), defect)
-  end
-  return 1
-end
-
--- on a sphere and the like: does the image lie there?
-local function check_place(action, z, g)
-  local kit, w = groups.kit(action.on), moved(action, g, z)
-  if not w or not kit.bonds then return end
-  for _, x in ipairs(kit.bonds(kits.list_of(w))) do
-    if not (abs(x) <= TOLERANCE) then
-      broken(action, "closure", ("map(g, z) is not in %s at z = %s, g = %s"):format(tostring(action.on), show(z), show(g)), abs(x))
-    end
-  end
-end
-
---- Element i of the group, of one of three sizes.
-function M.element(kit, stream, i)
-  return kit.exp(kits.normals(stream, i, kit.dimension, SIZES[i % #SIZES + 1]))
-end
-
-local function check_axioms(action)
-  local kit, stream, tested = groups.kit(action.group), core.random(20260), 0
-  for i = 1, TRIES do
-    local z = sample_point(action.on, stream, 3 * i)
-    if is_inside(action, z) then
-      local g, h = M.element(kit, stream, 3 * i + 1), M.element(kit, stream, 3 * i + 5)
-      local first, second = check_identity(action, kit, z), check_composition(action, kit, z, g, h)
-      local third = check_inverse(action, kit, z, g)
-      check_place(action, z, g)
-      if first and second and third then tested = tested + 1 end
-      if tested == POINTS then return end
-    end
-  end
-  if tested == 0 then
-    error(("dm.action: map(g, z) is finite (and inside of the domain) together with its compositions at none of %d random points, "
-      .. "so that the axioms cannot be tested: is it an action on %s?"):format(TRIES, tostring(action.on)), 0)
-  end
-end
 
 ---- making one ----
 
@@ -239,7 +58,7 @@ end
 
 -- the standard map, for a right action of the inverse
 local function standard_map(options)
-  local map, kind = require "dm.group.standard".find(options.group, options.on, M.coordinates, options.map)
+  local map, kind = require "dm.group.standard".find(options.group, options.on, points.coordinates, options.map)
   if not map then
     error(("dm.action: %s has no standard %saction on %s: give map = function(g, z)"):format(tostring(options.group),
       options.map and options.map .. " " or "", tostring(options.on)), 0)
@@ -252,9 +71,9 @@ end
 -- an action from checked parts
 local function assemble(given)
   local action = { group = given.group, on = given.on, map = given.map, side = given.side or "left", domain = given.domain,
-    name = given.name, dimension = M.coordinates(given.on), points = given.points, base = given.base, kind = given.kind,
+    name = given.name, dimension = points.coordinates(given.on), points = given.points, count = given.points, base = given.base, kind = given.kind,
     generator_by = given.generator_by }
-  action.angles = angles(given.on, {}, 0)
+  action.angles = points.angles(given.on, {}, 0)
   return setmetatable(action, class)
 end
 M.assemble = assemble
@@ -279,7 +98,7 @@ M.action = blame.caller(function(options)
   end
   local action = assemble { group = options.group, on = options.on, map = map, side = options.side, domain = options.domain,
     name = options.name, kind = kind }
-  check_axioms(action)
+  axioms.check(action)
   return action
 end)
 core.docs[M.action] = doc_action
@@ -288,10 +107,6 @@ core.docs[M.action] = doc_action
 
 --- Add a method with its doc.
 function M.method(name, f, doc) core.method("dm.action", name, blame.caller(f), doc) end
-
--- z as a vector of the right length
-local function point(action, z) return kits.vector(z, action.dimension, "the point z") end
-M.point, M.image, M.is_inside, M.moved, M.sample_point = point, image, is_inside, moved, sample_point
 
 -- numbers that are not finite are an error
 local function must_be_finite(action, value, z)

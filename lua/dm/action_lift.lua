@@ -4,6 +4,7 @@ local core = require "dm.core"
 local actions = require "dm.action"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
+local points = require "dm.action_points"
 
 local M = {}
 
@@ -39,7 +40,7 @@ local function entries(action, g) return core.vector(groups.kit(action.group).en
 -- number of these, and (entries of g, z) -> image
 local function by_entries(action)
   local kit = groups.kit(action.group)
-  return #kit.entries(kit.identity()), function(g, z) return actions.image(action, kit.rebuild(g), z) end
+  return #kit.entries(kit.identity()), function(g, z) return points.image(action, kit.rebuild(g), z) end
 end
 
 -- dm.function of (entries of g, z): rows d image_i/d(g, z); and how many columns belong to g
@@ -54,7 +55,7 @@ actions.method("tangent", function(action)
   local m, J, n = action.dimension, slope(action)
   return lifted(action, m, function(g, zu)
     local z, u = slice(zu, 0, m), slice(zu, m, m)
-    local out, rows = kits.list_of(actions.image(action, g, z)), J(entries(action, g), z)
+    local out, rows = kits.list_of(points.image(action, g, z)), J(entries(action, g), z)
     for i = 1, m do
       local sum = 0
       for k = 1, m do sum = sum + rows[i][n + k] * u[k] end
@@ -72,7 +73,7 @@ actions.method("cotangent", function(action)
   local m, J, n = action.dimension, slope(action)
   return lifted(action, m, function(g, zp)
     local z, p = slice(zp, 0, m), slice(zp, m, m)
-    local w = actions.image(action, g, z)
+    local w = points.image(action, g, z)
     local out, rows = kits.list_of(w), J(entries(action, kit.inverse(g)), w)
     for k = 1, m do
       local sum = 0
@@ -206,7 +207,7 @@ actions.method("jet", function(action, order, options)
   local space = jet_space(action, order, independent)
   local levels = moved_derivatives(action, space)
   return lifted(action, order * space.count, function(g, j)
-    local out, raw = kits.list_of(actions.image(action, g, slice(j, 0, space.m))), entries(action, g)
+    local out, raw = kits.list_of(points.image(action, g, slice(j, 0, space.m))), entries(action, g)
     for k = 1, order do append(out, levels[k](raw, slice(j, 0, length(space, k)))) end
     return core.vector(out)
   end, { lift = "jet", order = order, independent = independent, generator_by = jet_generator(action, space) })

@@ -1,8 +1,10 @@
 --- Questions to an action: isotropy, freeness, orbits, and what it leaves invariant.
 local core = require "dm.core"
 local actions = require "dm.action"
+local axioms = require "dm.action_axioms"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
+local points = require "dm.action_points"
 
 local M = {}
 
@@ -57,7 +59,7 @@ local function stabilizer(action, z)
 end
 
 actions.method("isotropy", function(action, z)
-  z = actions.point(action, z)
+  z = points.point(action, z)
   local basis = stabilizer(action, z)
   return { dimension = #basis, basis = basis, orbit_dimension = action.group.dimension - #basis }
 end, [[
@@ -65,13 +67,13 @@ action:isotropy(z) -> { dimension, basis, orbit_dimension }
 The algebra of the stabilizer of z: its dimension and an orthonormal basis, from the singular values of the generators (below
 1e-10 of the largest counts as zero), and the dimension of the orbit.]])
 
-actions.method("free", function(action, z) return #stabilizer(action, actions.point(action, z)) == 0 end, [[
+actions.method("free", function(action, z) return #stabilizer(action, points.point(action, z)) == 0 end, [[
 action:free(z) -> boolean
 Is the action locally free at z (no vector of the algebra leaves it where it is)? Then a moving frame exists near z. Discrete
 stabilizers are not looked for.]])
 
 actions.method("transitive", function(action, z)
-  local basis = stabilizer(action, actions.point(action, z))
+  local basis = stabilizer(action, points.point(action, z))
   return action.group.dimension - #basis == action.on.dimension
 end, [[
 action:transitive(z) -> boolean
@@ -84,7 +86,7 @@ local POINTS, TRIES, TOLERANCE = 24, 240, 1e-9
 local violation = { __name = "dm.violation" }
 function violation.__tostring(v)
   return ("not invariant under %s: at %s, g = %s the value %s becomes %s (by %.3g)"):format(tostring(v.action), v.where,
-    actions.show(v.g), actions.show(v.before), actions.show(v.after), v.defect)
+    points.show(v.g), points.show(v.before), points.show(v.after), v.defect)
 end
 
 -- values of f, or nothing where it fails or is not finite
@@ -115,8 +117,8 @@ local function compare(action, f, sample, where)
   local kit, stream = groups.kit(action.group), core.random(7020)
   local tested, worst, cause = 0, 0, nil
   for i = 1, TRIES do
-    local z, g = sample(stream, i), actions.element(kit, stream, 5 * i + 2)
-    local w = actions.is_inside(action, z) and actions.moved(action, g, z)
+    local z, g = sample(stream, i), axioms.element(kit, stream, 5 * i + 2)
+    local w = points.is_inside(action, z) and points.moved(action, g, z)
     local before, after
     if w then before, cause = values_of(f, z) end
     if before then after, cause = values_of(f, w) end
@@ -149,7 +151,7 @@ end
 local function named(names, n)
   return function(z)
     local out = {}
-    for k, name in ipairs(names) do out[k] = ("%s = %s"):format(name, actions.show(z:slice((k - 1) * n + 1, k * n))) end
+    for k, name in ipairs(names) do out[k] = ("%s = %s"):format(name, points.show(z:slice((k - 1) * n + 1, k * n))) end
     return table.concat(out, ", ")
   end
 end
@@ -160,7 +162,7 @@ local function of_system(action, system)
   local lifted = joint(action, n, "the system"):tangent()
   local on = lifted.base.on
   return compare(lifted, function(z) return system:lagrangian(z:slice(1, n), z:slice(n + 1, 2 * n), 0.3) end, function(stream, i)
-    local q, v = actions.sample_point(on, stream, 5 * i), kits.normals(stream, 5 * i + 1, n, 1)
+    local q, v = points.sample_point(on, stream, 5 * i), kits.normals(stream, 5 * i + 1, n, 1)
     local out = kits.list_of(q)
     for k = 1, n do out[n + k] = v[k] end
     return core.vector(out)
@@ -173,7 +175,7 @@ local function of_discrete(action, Ld)
   local base = joint(action, n, "the discrete Lagrangian")
   local k = n // action.dimension
   return compare(action:on_points(2 * k), function(z) return Ld:value(z:slice(1, n), z:slice(n + 1, 2 * n)) end, function(stream, i)
-    local q, step = actions.sample_point(base.on, stream, 5 * i), kits.normals(stream, 5 * i + 1, n, 0.3)
+    local q, step = points.sample_point(base.on, stream, 5 * i), kits.normals(stream, 5 * i + 1, n, 0.3)
     local out = kits.list_of(q)
     for c = 1, n do out[n + c] = q[c] + step[c] end
     return core.vector(out)
@@ -187,7 +189,7 @@ actions.method("invariant", function(action, f)
   if class ~= "function" and class ~= "dm.function" then
     error(("action:invariant takes a function of z, a dm.system or a dm.discrete_lagrangian (got %s)"):format(class), 0)
   end
-  return compare(action, f, function(stream, i) return actions.sample_point(action.on, stream, 5 * i) end, named({ "z" }, action.dimension))
+  return compare(action, f, function(stream, i) return points.sample_point(action.on, stream, 5 * i) end, named({ "z" }, action.dimension))
 end, [[
 action:invariant(f | system | Ld) -> true, defect   or   false, violation
 Is a function f(z), the Lagrangian of a dm.system (under the lift to velocities) or a discrete Lagrangian (under the joint action)

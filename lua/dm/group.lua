@@ -173,8 +173,8 @@ G:unflat(list) -> element
 The element of flat coordinates, which fulfil G:bonds.]], true)
 method("bonds", { "flat" }, "any", [[
 G:bonds(list) -> list of numbers
-Equations that flat coordinates fulfil: |q|^2 - 1 of a quaternion, det - 1 ...; their number is N - dim G, but for SO(n > 3),
-Sp(n) and SL(n) too, where they are R^T R = 1 on and above the diagonal, g^T J g = J above it, det g = 1.]], true)
+N - dim G equations that flat coordinates fulfil: |q|^2 - 1 of a quaternion, R^T R = 1 on and above the diagonal of other rotations,
+det - 1 of SL(n), g^T J g = J above the diagonal of Sp(n).]], true)
 method("project", { "raw" }, "g", [[
 G:project(M) -> element
 The nearest rotation of SO(n) and SE(n) (the polar factor), M/det^(1/n) of SL(n), a symplectic matrix near M of Sp(n), angles

@@ -132,6 +132,27 @@ for _, angle in ipairs { 1e-9, 1, pi - 1e-9 } do
   xi = dm.vector { 0.3, -1, angle }
   ok((dm.SE(2):log(dm.SE(2):exp(xi)) - xi):norm() < 2e-15, "  and of SE(2)")
 end
+-- SO(n): several planes at once near half turns, at them, and at angles near zero
+local worst_round, worst_length = 0, 0
+for n = 4, 8 do
+  local G = dm.SO(n)
+  for i = 1, 6 do
+    local M = dm.zeros(n, n)
+    for k = 1, n // 2 do
+      local angles = { pi, pi - 10 ^ -(15 * stream:uniform(i, 60 + k)), 10 ^ -(10 * stream:uniform(i, 70 + k)), 3.1 * stream:uniform(i, 80 + k) }
+      local angle = angles[(i + k * k) % 4 + 1]
+      M[2 * k][2 * k - 1], M[2 * k - 1][2 * k] = angle, -angle
+    end
+    local Q = G:random(stream, i)
+    local xi = G:vee(Q * M * Q:transpose())
+    local R = G:exp(xi)
+    local back = G:log(R)
+    worst_round = max(worst_round, entries(G:exp(back) - R):norm())
+    worst_length = max(worst_length, abs(back:norm() - xi:norm()))
+  end
+end
+ok(worst_round < 1e-13, "exp(log R) = R for SO(4) to SO(8) near half turns", worst_round)
+ok(worst_length < 1e-13, "and the logarithm is the shortest", worst_length)
 -- SL(2): elliptic, parabolic, hyperbolic
 local SL2 = dm.SL(2)
 for _, xi in ipairs { { 0, -3.1, 3.1 }, { 0, 1, 0 }, { 1e-9, 1, -1e-12 }, { 3, 1, 2 }, { 0.2, 0.5, -0.08 } } do

@@ -139,6 +139,16 @@ local function near_log(a, terms)
   return z * sum * 2
 end
 
+-- x + log(exp(-x) a) to first order, where x is nearly log a; raises where it is not near enough
+local function corrected(x, a)
+  local rest = M.exp(-x) * a - core.identity(a.rows)
+  local size = M.size(rest)
+  if not (size < 1e-4) then
+    error("the matrix has no principal logarithm to working precision: an eigenvalue is too near the negative axis", 0)
+  end
+  return x + rest
+end
+
 local SYMBOL_ROOTS = 3
 
 --- The principal logarithm, by square roots until A is near 1. Symbols: three roots, for matrices whose eigenvalues are not
@@ -148,8 +158,9 @@ function M.log(a)
   local one, roots = core.identity(a.rows), 0
   if plain then
     refuse_negative(a)
-    while M.size(a - one) > 0.15 do a, roots = square_root(a, true), roots + 1 end
-    return near_log(a, 7) * 2.0 ^ roots
+    local root = a
+    while M.size(root - one) > 0.15 do root, roots = square_root(root, true), roots + 1 end
+    return corrected(near_log(root, 7) * 2.0 ^ roots, a)
   end
   for _ = 1, SYMBOL_ROOTS do a = square_root(a, false) end
   return near_log(a, 12) * 2.0 ^ SYMBOL_ROOTS

@@ -123,7 +123,13 @@ end
 
 function M.kit(n)
   if n == 3 then return three() end
-  return matrices.complete(common(n, so.kit(n)), n + 1)
+  local turns = so.kit(n)
+  local kit = common(n, turns)
+  function kit.log(g)
+    local omega = turns.log(rotation(g, n))
+    return core.vector(sequence(linear.phi(turns.hat(omega)):solve(shift(g, n)), omega))
+  end
+  return matrices.complete(kit, n + 1)
 end
 
 return M

@@ -87,6 +87,9 @@ function M.kit(n)
   function kit.hat(xi) return core.matrix(M.hat(xi, n, n, 0)) end
   function kit.vee(m) return core.vector(M.vee(m, n)) end
   function kit.inverse(g) return g:transpose() end
+  function kit.log(g)
+    return kit.vee(linear.is_plain(g) and require "dm.group.rotation_log".log(g) or linear.log(g))
+  end
   function kit.bonds(list) return M.bonds(kit.rebuild(list), n) end
   function kit.project(m) return linear.nearest_rotation(m) end
   function kit.defect(g) return M.defect(g, n) end

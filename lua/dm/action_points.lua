@@ -1,0 +1,102 @@
+--- The points that groups act on, as vectors, and the map of an action at them: shared by what makes, tests and lifts actions.
+local core = require "dm.core"
+local groups = require "dm.group"
+local kits = require "dm.group.kit"
+
+local M = {}
+
+local abs = math.abs
+
+---- spaces that are acted on: points are vectors ----
+
+local VECTORS = { R = true, T = true, S = true, Heisenberg = true }
+
+--- Numbers of a point of the space.
+function M.coordinates(space)
+  local kit = groups.kit(space)
+  if space.name == "product" then
+    local sum = 0
+    for _, part in ipairs(space.parts) do sum = sum + M.coordinates(part) end
+    return sum
+  end
+  if VECTORS[space.name] or (space.n == 2 and (space.name == "SE" or space.name == "SO")) then return kit.coordinates end
+  error(("dm.action: the points of %s are no vectors: let the group act on the entries, in dm.R(%d)")
+    :format(tostring(space), #kit.entries(kit.identity())), 0)
+end
+
+-- which coordinates are angles
+local function angles(space, out, first)
+  if space.name == "product" then
+    for _, part in ipairs(space.parts) do
+      angles(part, out, first)
+      first = first + M.coordinates(part)
+    end
+  elseif space.name == "T" then
+    for i = 1, space.n do out[first + i] = true end
+  elseif space.name == "SO" or space.name == "SE" then
+    out[first + M.coordinates(space)] = true
+  end
+  return out
+end
+
+--- A random point of the space as a vector.
+function M.sample_point(space, stream, i)
+  return core.vector(groups.kit(space).flat(groups.kit(space).sample(stream, i)))
+end
+
+---- the map ----
+
+-- map(g, z) as a vector, unchecked arguments
+local function image(action, g, z) return kits.vector(action.map(g, z), action.dimension, "what map(g, z) returns") end
+
+local function is_inside(action, z)
+  if not action.domain then return true end
+  local value = action.domain(z)
+  if type(value) ~= "number" then error(("domain(z) must return a number, > 0 inside (got %s)"):format(kits.class_of(value)), 0) end
+  return value > 0
+end
+
+--- Largest difference of two points; angles by the circle.
+function M.apart(action, a, b)
+  local worst = 0
+  for i = 1, #a do
+    local d = abs(a[i] - b[i])
+    if action.angles[i] then d = 2 * abs(math.sin(0.5 * (a[i] - b[i]))) end
+    if not (d <= worst) then worst = d end
+  end
+  return worst
+end
+
+local function size_of(z)
+  local most = 0
+  for i = 1, #z do
+    if not (abs(z[i]) <= most) then most = abs(z[i]) end
+  end
+  return most
+end
+
+-- the moved point, or nothing where it is not finite, huge or outside of the domain
+local FAR = 1e4
+local function moved(action, g, z)
+  local w = image(action, g, z)
+  local size = size_of(w)
+  if size < FAR and is_inside(action, w) then return w end
+end
+
+--- Text of a point or group element, on one line.
+local function show(x)
+  if type(x) == "table" then
+    local out = {}
+    for i, part in ipairs(x) do out[i] = show(part) end
+    return "{" .. table.concat(out, ", ") .. "}"
+  end
+  return (tostring(x):gsub("%s*\n%s*", " "))
+end
+M.show = show
+
+M.image, M.is_inside, M.moved, M.angles, M.size = image, is_inside, moved, angles, size_of
+
+--- z as a vector of the right length.
+function M.point(action, z) return kits.vector(z, action.dimension, "the point z") end
+
+return M

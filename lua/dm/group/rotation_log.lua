@@ -1,0 +1,171 @@
+--- The logarithm of a rotation matrix of any size, numbers only, to all digits near the identity and near half turns.
+--
+-- S = (R + R^T)/2 and K = (R - R^T)/2 commute; in the eigenvectors of S a plane turned by x has S = cos x, K = sin x J. Where cos x
+-- is away from -1 the logarithm is x/sin x K, a smooth function of S times K. Near half turns, x = pi - s, it is pi J - asin(sin s)/sin s K:
+-- there J is found by pairing vectors, since K says little about it.
+local core = require "dm.core"
+
+local M = {}
+
+local abs, sqrt = math.abs, math.sqrt
+
+-- one rotation in the plane (p, q) that makes A[p][q] zero; A rows and columns, V columns (as rows of the list)
+local function rotate(A, V, p, q)
+  local n, zeta = #A, (A[q][q] - A[p][p]) / (2 * A[p][q])
+  local t = (zeta >= 0 and 1 or -1) / (abs(zeta) + sqrt(1 + zeta * zeta))
+  local c = 1 / sqrt(1 + t * t)
+  local s = c * t
+  for k = 1, n do
+    local x, y = A[k][p], A[k][q]
+    A[k][p], A[k][q] = c * x - s * y, s * x + c * y
+  end
+  for k = 1, n do
+    local x, y = A[p][k], A[q][k]
+    A[p][k], A[q][k] = c * x - s * y, s * x + c * y
+    x, y = V[p][k], V[q][k]
+    V[p][k], V[q][k] = c * x - s * y, s * x + c * y
+  end
+end
+
+--- Eigenvalues of a symmetric matrix (a table of rows, overwritten) by Jacobi's rotations, ascending, and unit eigenvectors.
+function M.symmetric(A)
+  local n, V = #A, core.identity(#A):totable()
+  for _ = 1, 40 do
+    local off, size = 0, 0
+    for p = 1, n do
+      size = math.max(size, abs(A[p][p]))
+      for q = p + 1, n do
+        off = math.max(off, abs(A[p][q]))
+        if abs(A[p][q]) > 1e-300 then rotate(A, V, p, q) end
+      end
+    end
+    if off <= 1e-17 * size then break end
+  end
+  local order, values, vectors = {}, {}, {}
+  for k = 1, n do order[k] = k end
+  table.sort(order, function(a, b) return A[a][a] < A[b][b] or A[a][a] == A[b][b] and a < b end)
+  for k, i in ipairs(order) do values[k], vectors[k] = A[i][i], core.vector(V[i]) end
+  return values, vectors
+end
+
+-- where to part the half turns from the rest: the middle of the largest gap of the cosines between -0.97 and -0.6
+local function threshold(cosines)
+  local low, high, last, widest, at = -0.97, -0.6, -0.97, 0, -0.97
+  for _, c in ipairs(cosines) do
+    local now = math.min(math.max(c, low), high)
+    if now - last > widest then widest, at = now - last, 0.5 * (now + last) end
+    last = now
+  end
+  if high - last > widest then at = 0.5 * (high + last) end
+  return at
+end
+
+-- x/sin x at c = cos x
+local function ratio(c)
+  local d = math.max(0, 1 - c)
+  local s = sqrt(d * (2 - d))
+  return s < 1e-4 and 1 + d / 3 or math.atan(s, 1 - d) / s
+end
+
+-- asin(x)/x from x^2
+local function asin_ratio(square)
+  local x = sqrt(math.min(1, math.max(0, square)))
+  return x < 1e-4 and 1 + square / 6 or math.asin(x) / x
+end
+
+-- v without its parts along the list, and its length
+local function residual(v, list)
+  for _ = 1, 2 do
+    for _, u in ipairs(list) do v = v - u * u:dot(v) end
+  end
+  return v, v:norm()
+end
+
+-- the candidate that the list spans least, made orthogonal to it, as a unit vector
+local function least_spanned(candidates, list)
+  local best, most = nil, 0
+  for _, v in ipairs(candidates) do
+    local rest, size = residual(v, list)
+    if size > most then best, most = rest * (1 / size), size end
+  end
+  if not best or most < 1e-3 then error("the matrix is no rotation: an eigenvalue -1 stands alone", 0) end
+  return residual(best, list)
+end
+
+-- the unit vector that B, restricted to the span of the basis, stretches most
+local function most_stretched(B, basis)
+  local images, square = {}, {}
+  for a, u in ipairs(basis) do
+    local image = B * u
+    images[a] = core.vector(#basis)
+    for c, w in ipairs(basis) do images[a][c] = w:dot(image) end
+  end
+  for a in ipairs(basis) do
+    square[a] = {}
+    for c in ipairs(basis) do square[a][c] = images[a]:dot(images[c]) end
+  end
+  local _, vectors = M.symmetric(square)
+  local v = core.zeros(B.rows)
+  for a, u in ipairs(basis) do v = v + u * vectors[#basis][a] end
+  return v
+end
+
+-- J of B = sin(s) J: pairs v, J v, the largest sine first; each is taken away before the next is looked for, as its square would
+-- hide what is 1e-8 of it. Where B v is nothing any partner will do.
+local function complex_structure(B)
+  local m, taken, J = B.rows, {}, core.zeros(B.rows, B.rows)
+  local basis = {}
+  for k = 1, m do basis[k] = core.identity(m):row(k) end
+  while #basis > 0 do
+    local v = most_stretched(B, basis)
+    taken[#taken + 1] = v
+    local image, size = residual(B * v, taken)
+    local w = size > 0 and image * (1 / size) or least_spanned(basis, taken)
+    taken[#taken + 1] = w
+    J = J + (w:outer(v) - v:outer(w))
+    local rest, known = {}, { table.unpack(taken) }
+    for k = 1, #basis - 2 do
+      rest[k] = least_spanned(basis, known)
+      known[#known + 1] = rest[k]
+    end
+    basis = rest
+  end
+  return J
+end
+
+-- pi J - asin(B), in the basis of the vectors of the span, where B is K
+local function of_half_turns(K, span)
+  local m = #span
+  local B = core.zeros(m, m)
+  for a = 1, m do
+    for b = 1, a - 1 do
+      B[a][b] = span[a]:dot(K * span[b])
+      B[b][a] = -B[a][b]
+    end
+  end
+  local squares, vectors = M.symmetric((B:transpose() * B):totable())
+  local L = complex_structure(B) * math.pi
+  for k, v in ipairs(vectors) do L = L - (B * v):outer(v) * asin_ratio(squares[k]) end
+  local basis = core.matrix(span)
+  return basis:transpose() * L * basis
+end
+
+--- log R as a skew matrix.
+function M.log(R)
+  local transposed = R:transpose()
+  local K = (R - transposed) * 0.5
+  local cosines, vectors = M.symmetric(((R + transposed) * 0.5):totable())
+  local part, span, out = threshold(cosines), {}, core.zeros(R.rows, R.rows)
+  for k, c in ipairs(cosines) do
+    local v = vectors[k]
+    if c < part then
+      span[#span + 1] = v
+    else
+      out = out + (K * v):outer(v) * ratio(c)
+    end
+  end
+  if #span > 0 then out = out + of_half_turns(K, span) end
+  return (out - out:transpose()) * 0.5
+end
+
+return M
