@@ -146,7 +146,7 @@ local function corrected(x, a)
   if not (size < 1e-4) then
     error("the matrix has no principal logarithm to working precision: an eigenvalue is too near the negative axis", 0)
   end
-  return x + rest
+  return size < 1e-9 and x or x + rest  -- below that it is round-off of exp(-x) a
 end
 
 local SYMBOL_ROOTS = 3
