@@ -2,6 +2,7 @@
  * rule. */
 #include "bind/discrete_rule.h"
 #include "bind/model_ties.h"
+#include "bind/root.h"
 #include "bind/space.h"
 #include "bind/system.h"
 
@@ -27,13 +28,16 @@ static momenta of_formula(lua_State *L) {
     dml_model *m = dml_pushlast(L, 1, NULL);
     dml_want(L, m, DM_WANT_PAIR, NULL);
     double *out = lua_newuserdatauv(L, m->model.pair.outputs * sizeof *out, 0);
+    dml_forgetroots(m);
     dm_kernel_prepare(&m->model.pair, out);
     dm_kernel_eval(&m->model.pair, x, out);
     dml_rethrow(L, m);
     for (uint32_t i = 0; i < m->model.pair.outputs; i++) {
         if (!isfinite(out[i]))
-            luaL_error(L, "a derivative of Ld is not finite at (q0, q1): is it inside "
-                          "the domain of Ld?");
+            luaL_error(L,
+                       "a derivative of Ld is not finite at (q0, q1): is it inside the "
+                       "domain of Ld?%s",
+                       dml_modeltrouble(L, m));
         if (i < n || i >= 2 * n) out[i] = -out[i];
     }
     return (momenta){out, out + n, out + 2 * (size_t)n};
@@ -95,11 +99,13 @@ static double value_of_formula(lua_State *L) {
     dml_vectorarg(L, 3, "q1", x + n, n);
     dml_model *m = dml_pushlast(L, 1, NULL);
     dml_want(L, m, DM_WANT_PAIR, NULL);
+    dml_forgetroots(m);
     dm_kernel_prepare(&m->model.value, &value);
     dm_kernel_eval(&m->model.value, x, &value);
     dml_rethrow(L, m);
     if (!isfinite(value))
-        luaL_error(L, "Ld is not finite at (q0, q1): is it inside its domain?");
+        luaL_error(L, "Ld is not finite at (q0, q1): is it inside its domain?%s",
+                   dml_modeltrouble(L, m));
     return value;
 }
 

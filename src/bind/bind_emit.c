@@ -17,9 +17,11 @@ typedef struct {
 
 static void emit(const emitter *e, const char *name, const dm_node *roots, uint32_t m) {
     if (!dm_emit_c(e->graph, roots, m, name, e->names, put, e->b))
-        luaL_error(e->L, dm_graph_status(e->graph) == DM_OK
-                             ? "an operation of this function has no C text (dm.sum_over)"
-                             : "not enough memory");
+        luaL_error(
+            e->L,
+            dm_graph_status(e->graph) == DM_OK
+                ? "an operation of this function has no C text (dm.sum_over, dm.root)"
+                : "not enough memory");
     luaL_addchar(e->b, '\n');
 }
 

@@ -1,6 +1,8 @@
 /* bind_failure.c - `dm.failure`: what a solver raises, with the path computed so far. */
 #include "bind/failure.h"
 
+#include <string.h>
+
 static const char *const TNAME = "dm.failure";
 
 static int failure_tostring(lua_State *L) {
@@ -85,7 +87,10 @@ void dml_fail(lua_State *L, const dml_failure *f, int path) {
                         f->iterations);
     else
         lua_pushstring(L, "); ");
-    push_advice(L, f);
+    if (f->root && *f->root)
+        lua_pushstring(L, f->root + strspn(f->root, "; "));
+    else
+        push_advice(L, f);
     lua_concat(L, 4);
     lua_setfield(L, -2, "message");
     luaL_setmetatable(L, TNAME);

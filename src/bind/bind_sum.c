@@ -8,6 +8,7 @@
 #include "bind/call.h"
 #include "bind/state.h"
 #include "bind/sum_request.h"
+#include "expr/implicit.h"
 #include "expr/sum.h"
 
 #include <math.h>
@@ -162,6 +163,7 @@ static void trace_term(lua_State *L, const request *r, dm_arena *arena, dm_sum *
 
 static int keep_loop(lua_State *L, const request *r, dml_frame *frame, dm_sum *s) {
     trace_term(L, r, dm_graph_arena(frame->graph), s);
+    if (dm_has_roots(s->term, &s->value, 1)) return loop_in_lua(L, r);
     const dml_scalar x = {.kind = DML_SYMBOL,
                           .serial = frame->serial,
                           .as.node = dm_sum_leaf(frame->graph, s)};

@@ -4,6 +4,7 @@
 #include "expr/emit_c.h"
 #include "expr/fma.h"
 #include "expr/functions.h"
+#include "expr/implicit.h"
 #include "expr/tape.h"
 
 #include <dlfcn.h>
@@ -139,6 +140,8 @@ dm_status dml_cc_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32
     workshop w;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
     const uint32_t operations = dm_operations(g, roots, m);
+    if (dm_has_roots(g, roots, m))
+        return dm_root_kernel(out, g, roots, m, dml_cc_or_tape, arena);
     if (!open_workshop(&w)) return DM_NO_NATIVE;
     object *o =
         write_source(&w, g, roots, m) && run_compiler(&w) ? load(&w, arena) : NULL;

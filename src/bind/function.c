@@ -2,6 +2,7 @@
 ** that are asked for. */
 #include "bind/function.h"
 
+#include "bind/root.h"
 #include "expr/derive.h"
 #include "expr/tape.h"
 
@@ -53,12 +54,13 @@ static const dml_part *want(lua_State *L, dml_function *f, int which) {
 const double *dml_function_evaluate(lua_State *L, dml_function *f, int which,
                                     const char *what) {
     const dml_part *p = want(L, f, which);
+    dm_root_forget(f->graph);
     dm_kernel_eval(&p->kernel, f->x, p->out);
     for (uint32_t i = 0; i < p->kernel.outputs; i++)
         if (isnan(p->out[i]))
             luaL_error(
-                L, "%s is NaN at this point: is it inside the domain of the function?",
-                what);
+                L, "%s is NaN at this point: is it inside the domain of the function?%s",
+                what, dml_roottrouble(L, f->graph));
     return p->out;
 }
 
@@ -90,7 +92,7 @@ static void read_lengths(lua_State *L, int first, dml_signature *s) {
 static void read_function(lua_State *L, dml_signature *s) {
     const dml_function *given = luaL_testudata(L, 1, DML_FUNCTION);
     *s = (dml_signature){.what = "the function"};
-    if (!given) luaL_checktype(L, 1, LUA_TFUNCTION);
+    if (!given && !luaL_testudata(L, 1, DML_ROOT)) luaL_checktype(L, 1, LUA_TFUNCTION);
     if (given && lua_gettop(L) == 1)
         *s = given->s, s->outputs = 0;
     else

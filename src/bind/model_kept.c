@@ -23,7 +23,7 @@ static void push_table(lua_State *L) {
 
 static int same_node(const dm_expr *a, const dm_expr *b) {
     if (a->op != b->op) return 0;
-    if (a->op == DM_OP_CONSTANT)
+    if (a->op == DM_OP_CONSTANT || a->op == DM_OP_IMPLICIT)
         return memcmp(&a->as.value, &b->as.value, sizeof a->as.value) == 0;
     if (a->op == DM_OP_INPUT) return a->as.input == b->as.input;
     for (int k = 0; k < dm_op_operands(a->op); k++)

@@ -2,6 +2,7 @@
 #include "bind/checkpoint.h"
 #include "bind/failure.h"
 #include "bind/path.h"
+#include "bind/root.h"
 #include "bind/run_events.h"
 #include "bind/run_file.h"
 #include "bind/terminal.h"
@@ -120,6 +121,7 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
     dml_rethrow(L, r->model);
     if (status == DM_OK) return;
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    const char *rule = lua_tostring(L, -1);
     const dm_ties *ties = r->model->model.ties;
     const int tie = r->stepper.report.tie, rolls = ties && tie > (int)ties->holonomic;
     const dml_failure f = {.constraint = rolls ? 0 : tie,
@@ -130,7 +132,8 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
                            .h = s->h,
                            .residual = r->stepper.report.residual,
                            .iterations = r->stepper.report.iterations,
-                           .rule = lua_tostring(L, -1)};
+                           .root = dml_modeltrouble(L, r->model),
+                           .rule = rule};
     dml_fail(L, &f, path);
 }
 

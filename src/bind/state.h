@@ -39,6 +39,7 @@ typedef struct {
     dml_given *given;  /* or NULL */
     dml_frame *frames; /* newest first */
     uint32_t serial;   /* of the newest trace */
+    double roots;      /* serial number of the newest implicit function */
     int depth;         /* callbacks inside callbacks */
 } dml_state;
 

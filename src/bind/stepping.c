@@ -1,5 +1,6 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/stepping.h"
+#include "bind/root.h"
 #include "bind/start_ties.h"
 
 #include <math.h>
@@ -119,8 +120,8 @@ static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     if (status != DM_OK)
         luaL_error(L,
                    "no start: %s in the Legendre transform at the given q; is it inside "
-                   "the domain of L?",
-                   dm_status_text(status));
+                   "the domain of L?%s",
+                   dm_status_text(status), dml_modeltrouble(L, r->model));
 }
 
 /* L = alpha(q) . v - H: p = alpha(q) whatever v is; a p that is given must be it */
@@ -268,6 +269,7 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
 
 void dml_stepping_open(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
+    dml_forgetroots(r->model);
     const dm_status status = s->method->open ? s->method->open(&r->stepper) : DM_OK;
     if (status == DM_OK) dml_stepping_checkplain(L, r);
     if (status == DM_OK) return;

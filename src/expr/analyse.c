@@ -20,7 +20,7 @@ void dm_operation_counts(dm_graph *g, const dm_node *roots, uint32_t m,
     const uint32_t end = dm_mark(g, roots, m);
     memset(counts, 0, DM_OP_COUNT * sizeof *counts);
     for (dm_node i = 0; i < end; i++)
-        if (dm_is_marked(g, i) && dm_arity(dm_at(g, i)->op)) counts[dm_at(g, i)->op]++;
+        if (dm_is_marked(g, i) && dm_at(g, i)->op >= DM_OP_NEG) counts[dm_at(g, i)->op]++;
 }
 
 uint32_t dm_operations(dm_graph *g, const dm_node *roots, uint32_t m) {

@@ -190,6 +190,7 @@ static dm_graph *extract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node 
     dm_node *copied = dm_arena_take(g->arena, (end + 1) * sizeof *copied);
     if (!h || !stack || !copied) return NULL;
     h->verbatim = g->verbatim;
+    h->implicits = g->implicits;
     memset(copied, 0, (end + 1) * sizeof *copied);
     for (uint32_t i = 0; i < m; i++) {
         copy_below(h, g, roots[i], stack, copied);

@@ -33,6 +33,7 @@ static dm_node copy_of(pass *p, dm_node n) {
     const dm_node *arg = e.as.arg, *copy = p->copy;
     if (e.op == DM_OP_CONSTANT) return dm_constant(p->to, e.as.value);
     if (e.op == DM_OP_INPUT) return dm_input(p->to, e.as.input);
+    if (e.op == DM_OP_IMPLICIT) return dm_node_make(p->to, &e);
     const int k = product_of(p, &e);
     if (k >= 0) {
         const dm_expr product = *dm_at(p->from, arg[k]);
@@ -51,6 +52,7 @@ dm_graph *dm_contract_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_no
     p.copy = dm_arena_take(g->arena, (end + (size_t)1) * sizeof *p.copy);
     if (!p.to || !p.uses || !p.copy) return NULL;
     dm_graph_verbatim(p.to, 1);
+    p.to->implicits = g->implicits;
     count_uses(&p, roots, m, end);
     for (dm_node n = 0; n < end; n++) p.copy[n] = dm_is_marked(g, n) ? copy_of(&p, n) : 0;
     for (uint32_t i = 0; i < m; i++) out[i] = p.copy[roots[i]];

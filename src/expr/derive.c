@@ -9,6 +9,7 @@
 
 #include "expr/analyse.h"
 #include "expr/compact.h"
+#include "expr/derive_inside.h"
 #include "expr/nodes.h"
 
 #include <string.h>
@@ -36,13 +37,13 @@ static dm_node inverse(dm_graph *g, dm_node a) {
 
 /* a + b for derivatives: what stands under the same condition stays together, so that the side that is
 ** not taken stays zero */
-static dm_node join(dm_graph *g, dm_node a, dm_node b) {
+dm_node dm_derive_join(dm_graph *g, dm_node a, dm_node b) {
     const dm_expr x = *dm_at(g, a), y = *dm_at(g, b);
     if (!a || !b) return a ? a : b;
     if (x.op != DM_OP_WHERE || y.op != DM_OP_WHERE || x.as.arg[0] != y.as.arg[0])
         return dm_add(g, a, b);
-    const dm_node yes = join(g, x.as.arg[1], y.as.arg[1]);
-    const dm_node no = join(g, x.as.arg[2], y.as.arg[2]);
+    const dm_node yes = dm_derive_join(g, x.as.arg[1], y.as.arg[1]);
+    const dm_node no = dm_derive_join(g, x.as.arg[2], y.as.arg[2]);
     return dm_apply(g, DM_OP_WHERE, x.as.arg[0], yes, no);
 }
 
@@ -61,14 +62,14 @@ static int vanishes(const dm_graph *g, dm_node n, int depth) {
 }
 
 /* factor * slope; a factor that a branch makes zero stays zero whatever the slope is */
-static dm_node times(dm_graph *g, dm_node factor, dm_node slope) {
+dm_node dm_derive_times(dm_graph *g, dm_node factor, dm_node slope) {
     const dm_expr e = *dm_at(g, factor);
     if (factor == 0) return 0;
     if (!vanishes(g, factor, DEEPEST_BRANCH)) return dm_mul(g, factor, slope);
     const int is_sum = e.op == DM_OP_ADD;
-    const dm_node first = times(g, e.as.arg[is_sum ? 0 : 1], slope);
-    const dm_node second = times(g, e.as.arg[is_sum ? 1 : 2], slope);
-    return is_sum ? join(g, first, second)
+    const dm_node first = dm_derive_times(g, e.as.arg[is_sum ? 0 : 1], slope);
+    const dm_node second = dm_derive_times(g, e.as.arg[is_sum ? 1 : 2], slope);
+    return is_sum ? dm_derive_join(g, first, second)
                   : dm_apply(g, DM_OP_WHERE, e.as.arg[0], first, second);
 }
 
@@ -190,18 +191,12 @@ static int is_choice(dm_graph *g, dm_node n, choice *out) {
 static dm_node share(dm_graph *g, dm_node n, int k, dm_node factor) {
     choice c;
     if (factor == 0) return 0;
-    if (!is_choice(g, n, &c)) return times(g, factor, slope(g, n, k));
+    if (!is_choice(g, n, &c)) return dm_derive_times(g, factor, slope(g, n, k));
     if (k == c.yes) return dm_apply(g, DM_OP_WHERE, c.condition, factor, 0);
     return k == c.no ? dm_apply(g, DM_OP_WHERE, c.condition, 0, factor) : 0;
 }
 
-/* scratch of the sweeps: one derivative per node and whether it can differ from zero */
-typedef struct {
-    dm_node *d;
-    uint8_t *active;
-    uint32_t first, n; /* the inputs in question */
-    uint32_t room;
-} sweep;
+typedef dm_derive_sweep sweep;
 
 static int sweep_open(sweep *s, dm_graph *g, uint32_t first, uint32_t n) {
     s->first = first;
@@ -236,14 +231,20 @@ static void reverse(sweep *s, dm_graph *g, dm_node f, dm_node *out) {
     memset(out, 0, s->n * sizeof *out);
     const uint32_t end = dm_mark(g, &f, 1);
     find_active(s, g, end);
+    s->roots = NULL;
     if (s->active[f]) s->d[f] = one(g);
     for (dm_node n = end; n-- > 0 && g->status == DM_OK;) {
         const dm_expr e = *dm_at(g, n);
         if (!s->active[n] || !s->d[n]) continue;
         if (e.op == DM_OP_INPUT) out[e.as.input - s->first] = s->d[n];
+        if (e.op == DM_OP_ROOT || e.op == DM_OP_WITH) {
+            dm_derive_root(s, g, n);
+            continue;
+        }
         for (int k = 0; k < dm_arity(e.op); k++) {
             const dm_node a = e.as.arg[k];
-            if (s->active[a]) s->d[a] = join(g, s->d[a], share(g, n, k, s->d[n]));
+            if (s->active[a])
+                s->d[a] = dm_derive_join(g, s->d[a], share(g, n, k, s->d[n]));
         }
     }
 }
@@ -256,7 +257,7 @@ static void forward(sweep *s, dm_graph *g, uint32_t end, uint32_t j) {
         if (!s->active[n]) continue;
         if (e.op == DM_OP_INPUT) s->d[n] = e.as.input == s->first + j ? one(g) : 0;
         for (int k = 0; k < dm_arity(e.op); k++)
-            s->d[n] = join(g, s->d[n], share(g, n, k, s->d[e.as.arg[k]]));
+            s->d[n] = dm_derive_join(g, s->d[n], share(g, n, k, s->d[e.as.arg[k]]));
     }
 }
 
@@ -304,6 +305,7 @@ void dm_jacobian(dm_graph *g, const dm_node *f, uint32_t m, uint32_t first, uint
     if (g->status != DM_OK || !sweep_open(&s, g, first, n)) return;
     memcpy(all, f, m * sizeof *all);
     jacobian_by_rows(&s, g, f, m, out);
+    if (dm_has_roots(g, f, m)) return; /* whose rules are those of a reverse sweep */
     jacobian_by_columns(&s, g, f, m, other);
     if (g->status == DM_OK && cost(g, all, m, other, count) < cost(g, all, m, out, count))
         memcpy(out, other, count * sizeof *out);
@@ -347,7 +349,9 @@ void dm_hessian(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *gra
     memcpy(all, gradient, n * sizeof *all);
     jacobian_by_rows(&s, g, gradient, n, tried);
     keep_smaller(g, hessian, &least, all, tried, n);
-    jacobian_by_columns(&s, g, gradient, n, tried);
-    keep_smaller(g, hessian, &least, all, tried, n);
+    if (!dm_has_roots(g, gradient, n)) {
+        jacobian_by_columns(&s, g, gradient, n, tried);
+        keep_smaller(g, hessian, &least, all, tried, n);
+    }
     if (g->status != DM_OK) memset(hessian, 0, count * sizeof *hessian);
 }

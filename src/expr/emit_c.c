@@ -2,6 +2,7 @@
 
 #include "expr/compact.h"
 #include "expr/fma.h"
+#include "expr/implicit.h"
 #include "expr/nodes.h"
 
 #include <math.h>
@@ -93,6 +94,7 @@ static int body(const writer *w, uint32_t end) {
 
 int dm_emit_c(dm_graph *g, const dm_node *roots, uint32_t m, const char *name,
               const char *const *names, dm_put *put, void *ud) {
+    if (dm_has_roots(g, roots, m)) return 0;
     dm_node *compact = dm_arena_take(g->arena, m * sizeof *compact);
     dm_graph *small = compact ? dm_compact_graph(g, roots, m, compact) : NULL;
     if (!small) return 0;

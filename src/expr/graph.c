@@ -61,7 +61,7 @@ dm_node dm_graph_fail(dm_graph *g, dm_status why) {
 static void content(uint32_t key[4], const dm_expr *e) {
     key[0] = (uint32_t)e->op;
     key[1] = key[2] = key[3] = 0;
-    if (e->op == DM_OP_CONSTANT)
+    if (e->op == DM_OP_CONSTANT || e->op == DM_OP_IMPLICIT)
         memcpy(key + 1, &e->as.value, sizeof e->as.value);
     else if (e->op == DM_OP_INPUT)
         key[1] = e->as.input;

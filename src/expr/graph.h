@@ -28,7 +28,7 @@ typedef struct {
     dm_op op;
     union {
         dm_node arg[3]; /* operands; unused ones are 0 */
-        double value;   /* DM_OP_CONSTANT */
+        double value; /* DM_OP_CONSTANT; DM_OP_IMPLICIT: serial number of the function */
         uint32_t input; /* DM_OP_INPUT: number of the input, from 0 */
     } as;
 } dm_expr;

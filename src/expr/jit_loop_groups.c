@@ -1,5 +1,7 @@
 /* jit_loop_groups.c - groups of lanes whose operations take turns. */
 #include "expr/jit_loop.h"
+
+#include "expr/implicit.h"
 #include "expr/nodes.h"
 
 #include <string.h>
@@ -40,6 +42,9 @@ static uint32_t choose_together(uint32_t size, uint32_t lanes) {
 
 dm_status dm_loop_native(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
                          uint32_t size, uint32_t lanes, dm_arena *arena) {
+    for (int k = 0; k < DM_LOOP_PARTS; k++)
+        if (part[k].graph && dm_has_roots(part[k].graph, part[k].roots, size))
+            return DM_NO_NATIVE;
     const uint32_t together = choose_together(size, lanes);
     dm_loop_part more[DM_LOOP_PARTS] = {{0}};
     if (together == 1) return dm_loop_code(out, part, size, lanes, arena);

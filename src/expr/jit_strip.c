@@ -6,6 +6,7 @@
 #include "expr/strip.h"
 
 #include "expr/code_memory.h"
+#include "expr/implicit.h"
 #include "expr/jit.h"
 #include "expr/jit_exp.h"
 #include "expr/jit_pool.h"
@@ -202,6 +203,7 @@ dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *are
     const void *code = NULL;
     dm_plan plan;
     dm_emitter e;
+    if (dm_has_roots(s->g, s->root, m)) return DM_NO_NATIVE;
     if (!lanes || !is_within(s->in, s->one.inputs) || !is_within(s->out, m))
         return DM_NO_NATIVE;
     if (!dm_plan_make(&plan, s->g, s->root, m) ||

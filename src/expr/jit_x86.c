@@ -8,6 +8,7 @@
 #include "expr/code_memory.h"
 #include "expr/compact.h"
 #include "expr/fma.h"
+#include "expr/implicit.h"
 #include "expr/jit_pool.h"
 #include "expr/jit_root.h"
 #include "expr/nodes.h"
@@ -285,6 +286,7 @@ dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
     if (lanes > dm_jit_lanes() || (lanes != 1 && lanes != 4 && lanes != 8))
         return DM_NO_NATIVE;
+    if (dm_has_roots(g, roots, m)) return DM_NO_NATIVE;
     if (!dm_plan_make(&plan, g, roots, m)) return DM_NO_MEMORY;
     if (is_too_large(&plan, k.inputs, lanes)) return DM_NO_NATIVE;
     if (!dm_emit_open(&e, g, &plan, lanes) || !(pool = dm_pool_make(&e, g, arena)) ||
@@ -321,6 +323,9 @@ dm_status dm_jit_build_lanes(dm_kernel *out, dm_graph *g, const dm_node *roots,
     dm_node *compact = dm_arena_take(dm_graph_arena(g), m * sizeof *compact);
     if (!compact) return DM_NO_MEMORY;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
+    if (dm_has_roots(g, roots, m))
+        return lanes == 1 ? dm_root_kernel(out, g, roots, m, dm_jit_build, arena)
+                          : DM_NO_NATIVE;
     dm_graph *small = dm_compact_graph(g, roots, m, compact);
     return small ? dm_jit_build_exact(out, small, compact, m, lanes, arena)
                  : DM_NO_MEMORY;

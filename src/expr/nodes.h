@@ -15,9 +15,10 @@ struct dm_graph {
     uint32_t mask;
     dm_node *leaf; /* [leaves] the nodes of inputs, 0: not made yet */
     uint32_t leaves;
-    uint32_t inputs;     /* with the leaves of sums behind them */
-    struct dm_sum *sums; /* sum.h */
-    struct dm_extremum *extrema; /* extremum.h */
+    uint32_t inputs;                     /* with the leaves of sums behind them */
+    struct dm_sum *sums;                 /* sum.h */
+    struct dm_extremum *extrema;         /* extremum.h */
+    const struct dm_implicit *implicits; /* implicit.h, newest first */
     uint32_t *mark; /* [capacity] scratch of one sweep: marked when equal to `stamp` */
     uint32_t stamp;
     uint8_t
@@ -44,7 +45,7 @@ static inline int dm_arity(dm_op op) {
 /* The same operation of the same nodes; constants bit for bit. */
 static inline int dm_same_expr(const dm_expr *a, const dm_expr *b) {
     if (a->op != b->op) return 0;
-    if (a->op == DM_OP_CONSTANT)
+    if (a->op == DM_OP_CONSTANT || a->op == DM_OP_IMPLICIT)
         return memcmp(&a->as.value, &b->as.value, sizeof a->as.value) == 0;
     if (a->op == DM_OP_INPUT) return a->as.input == b->as.input;
     for (int k = 0; k < dm_arity(a->op); k++)

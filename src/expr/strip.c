@@ -78,7 +78,7 @@ static int is_product(const contraction *c, dm_node n) {
 static dm_node contract(const contraction *c, dm_node n) {
     const dm_expr *e = dm_at(c->from, n);
     dm_node arg[3] = {0, 0, 0};
-    if (e->op == DM_OP_CONSTANT || e->op == DM_OP_INPUT) return dm_node_make(c->to, e);
+    if (dm_arity(e->op) == 0) return dm_node_make(c->to, e);
     for (int k = 0; e->op == DM_OP_ADD && k < 2; k++) {
         if (!is_product(c, e->as.arg[k])) continue;
         const dm_expr *product = dm_at(c->from, e->as.arg[k]);
@@ -97,6 +97,7 @@ static dm_graph *contract_all(dm_graph *g, dm_node *roots, uint32_t m) {
     c.uses = dm_arena_take(arena, end + 1);
     c.now = dm_arena_take(arena, (end + 1) * sizeof *c.now);
     if (!c.to || !c.uses || !c.now) return NULL;
+    c.to->implicits = g->implicits;
     memset(c.uses, 0, end + 1);
     for (dm_node n = 0; n < end; n++)
         for (int k = 0; dm_is_marked(g, n) && k < dm_arity(dm_at(g, n)->op); k++)

@@ -1,5 +1,6 @@
 /* substitute.c - the same expressions of other inputs, in the same graph or another one. */
 #include "expr/derive.h"
+#include "expr/implicit.h"
 #include "expr/nodes.h"
 
 #include <string.h>
@@ -21,6 +22,8 @@ void dm_transplant(dm_graph *to, dm_graph *from, const dm_node *roots, uint32_t 
             now[n] = with[e.as.input];
         else if (e.op == DM_OP_CONSTANT)
             now[n] = dm_constant(to, e.as.value);
+        else if (e.op == DM_OP_IMPLICIT)
+            now[n] = dm_implicit_leaf(to, dm_implicit_find(from, e.as.value));
         else
             now[n] = dm_apply(to, e.op, arg[0], arg[1], arg[2]);
     }

@@ -11,6 +11,7 @@
 #include "expr/compact.h"
 #include "expr/fma.h"
 #include "expr/functions.h"
+#include "expr/implicit.h"
 #include "expr/nodes.h"
 
 #include <math.h>
@@ -105,6 +106,9 @@ SINCOS:
     goto * i->go;
 CONSTANT:
 INPUT:
+IMPLICIT:
+WITH:
+ROOT:
 END:
 #undef DO
 #undef A
@@ -340,6 +344,8 @@ dm_status dm_tape_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
                               uint32_t m, dm_arena *arena) {
     builder w;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
+    if (dm_has_roots(g, roots, m))
+        return dm_root_kernel(out, g, roots, m, dm_tape_build_exact, arena);
     tape *t = dm_arena_take(arena, sizeof *t);
     dm_kernel k = {.eval = evaluate,
                    .pool = t,
@@ -362,6 +368,8 @@ dm_status dm_tape_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint3
     dm_node *compact = dm_arena_take(dm_graph_arena(g), m * sizeof *compact);
     if (!compact) return DM_NO_MEMORY;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
+    if (dm_has_roots(g, roots, m))
+        return dm_root_kernel(out, g, roots, m, dm_tape_build, arena);
     dm_graph *small = dm_compact_graph(g, roots, m, compact);
     return small ? dm_tape_build_exact(out, small, compact, m, arena) : DM_NO_MEMORY;
 }

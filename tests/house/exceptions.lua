@@ -10,6 +10,6 @@ return {
   },
   -- functions over the limit: file, name, lines, why
   functions = {
-    { "src/expr/tape.c", "engine", 70, "the loop of the tape: one label per operation" },
+    { "src/expr/tape.c", "engine", 76, "the loop of the tape: one label per operation" },
   },
 }

@@ -23,6 +23,11 @@ dm.solver { Ld }:run { q0 = { 1, 0 }, q1 = { 1, 0.1 }, steps = 3 }
 swing:solver({ rule = dm.sprk { a = { { 0.5 } }, b = { 1 } }, h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 2 }
 assert(#dm.rules() > 20)
 
+local cubic = dm.root { start = 1, equations = function(y, x) return y ^ 3 + x[1] * y - 1 end, branch = function(y) return y end }
+assert(cubic { 0 } == 1 and dm.trace(function(x) return cubic(x) ^ 2 end, 1):hessian { 0.5 }[1][1] < 1)
+dm.system({ Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - cubic { q[1] ^ 2 + 1 } end })
+  :solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 2 }
+
 local sphere = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end, force = function(q) return -q end,
   constraint = function(q) return q:dot(q) - 1 end }
 path = sphere:solver({ rule = "rattle", h = 0.1 }):run { q = { 0.6, 0, -0.7 }, v = { 0, 1, 1 }, steps = 20, project = true }
