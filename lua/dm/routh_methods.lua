@@ -83,6 +83,17 @@ shape:holonomy(loop [, {t=, steps=}]) -> dm.vector of dim G entries
 can be traced; by the trapezoidal rule with `steps` points (default 256), which for a smooth loop errs less than any power of
 1/steps.]])
 
+add("dm.system", "discrete", "dm.routh_discrete", [[
+shape:discrete{rule=, h=} -> dm.discrete_shape   or   shape:discrete(Ld) -> dm.discrete_shape
+A discrete Lagrangian of the unreduced system without its group variables: that of a stage rule, or a dm.discrete_lagrangian in the unreduced
+coordinates, which the group must leave as it is. It has psi_mu, the discrete connection, the discrete Routh equations.]])
+
+add("dm.system", "rsprk", "dm.routh_literal", [[
+shape:rsprk{rule=, h=, a=, b=, A=, beta=} -> function(x0, s0) -> x1, s1
+One step of the reduced symplectic partitioned Runge-Kutta rule as it is written down (Leok 2.5.14), in the momentum s = p - mu A(x) of the magnetic form
+(shape:magnetic_momentum): a check of shape:solver{rule = "rsprk(...)"}, which takes the same steps quickly. rule: gauss(s) or lobatto(s); or the coefficients a,
+b and, if they are not the partner, A, refused where they are not symplectic. beta(x): another magnetic form, to see what it changes.]])
+
 -- rsprk(rule) is one more name of a rule, of reduced systems
 local plain
 for f, doc in pairs(core.docs) do

@@ -152,6 +152,8 @@ local function transfer(system, Phi, m, n)
     local y = find(Phi, m, n, core.vector(q))
     return y, core.vector(solve(Phi:jacobian(y), v))
   end
+  function T.place(q) return find(Phi, m, n, core.vector(q)) end
+  function T.frame(y) return Phi(y), Phi:jacobian(y) end
   function T.lift(y, w) return Phi(y), Phi:jacobian(y) * core.vector(w) end
   -- (y, p_y) -> (q, p): J^T p = p_y
   function T.point(y, p)
