@@ -223,7 +223,7 @@ M.discrete = blame.caller(function(shape, given)
   local own = {}
   for key, value in pairs(info) do own[key] = value end
   if type(given) == "table" then own.ambient = nil end
-  local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape }, class)
+  local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape, slopes = psi_of.slopes(Ld) }, class)
   return D
 end)
 

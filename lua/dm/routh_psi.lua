@@ -36,17 +36,36 @@ local function sandwich(J0, T, J1, n)
   return out
 end
 
+--- The function of (q0, q1) -> -D1 Ld, D2 Ld, -D1D2 Ld, lists: of a formula traced once, of a rule by its solver.
+function M.slopes(Ld)
+  local n, f, h, params = Ld.Q.dimension, Ld.Ld, Ld.h, Ld.params
+  if not f then
+    return function(q0, q1) return Ld:legendre_minus(q0, q1), Ld:legendre_plus(q0, q1), Ld:two_form(q0, q1) end
+  end
+  local traced = core.trace(function(q0, q1) return f(q0, q1, h, params) end, n, n)
+  return function(q0, q1)
+    local g, H, p0, p1, T = traced:gradient(q0, q1), traced:hessian(q0, q1), {}, {}, {}
+    for i = 1, n do
+      p0[i], p1[i], T[i] = -g[i], g[n + i], {}
+      for k = 1, n do T[i][k] = -H[i][n + k] end
+    end
+    return p0, p1, T
+  end
+end
+
 -- p0 = -D1 Ld, p1 = D2 Ld, T = -D1D2 Ld at ((0, x0), (psi, x1)), in the order of (theta, x) of the reduction
 local function ends(D, x0, x1, psi)
-  local info, Ld = D.info, D.Ld
+  local info = D.info
   local q0, q1 = model.embed(info, x0), model.embed(info, x1, psi)
-  if not info.ambient then return Ld:legendre_minus(q0, q1), Ld:legendre_plus(q0, q1), Ld:two_form(q0, q1), q0, q1 end
+  if not info.ambient then
+    local p0, p1, T = D.slopes(q0, q1)
+    return p0, p1, T, q0, q1
+  end
   local ones = info.ambient.frame
   local Q0, J0 = ones(q0)
   local Q1, J1 = ones(q1)
-  local n = info.n
-  return transposed_times(J0, Ld:legendre_minus(Q0, Q1), n), transposed_times(J1, Ld:legendre_plus(Q0, Q1), n),
-    sandwich(J0, Ld:two_form(Q0, Q1), J1, n), Q0, Q1
+  local n, p0, p1, T = info.n, D.slopes(Q0, Q1)
+  return transposed_times(J0, p0, n), transposed_times(J1, p1, n), sandwich(J0, T, J1, n), Q0, Q1
 end
 
 ---- psi_mu ----

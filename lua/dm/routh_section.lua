@@ -76,13 +76,17 @@ local function slice(move, m, n, at)
   end
   local held = moved_most(generators(move, m, at), n)
   if not held then error("the group does not move the point 'at' in as many directions as it has dimensions: take another one", 0) end
+  local home = {}
+  for i = 1, n do
+    if not held[i] then home[#home + 1] = at[i] end
+  end
   return function(x)
     local q, j = {}, 0
     for i = 1, n do
       if held[i] then q[i] = at[i] else j = j + 1; q[i] = x[j] end
     end
     return core.vector(q)
-  end, held
+  end, home
 end
 
 -- is it an action, and abelian: (a b) q = a (b q) = b (a q)?
@@ -125,23 +129,50 @@ local function invert(Phi, q, start)
   return (Phi(y) - q):norm() < 1e-12 and y or nil
 end
 
--- starts of that: theta anywhere, the shape near q itself or near one
-local function find(Phi, m, n, q)
+-- whole turns taken off theta, where they bring q back
+local function unwound(Phi, m, q, y)
+  for a = 1, m do
+    local turns = math.floor(y[a] / (2 * math.pi) + 0.5)
+    local less = core.vector(y)
+    less[a] = y[a] - 2 * math.pi * turns
+    if turns ~= 0 and (Phi(less) - q):norm() <= 1e-12 * max(1, q:norm()) then y = less end
+  end
+  return y
+end
+
+-- starts of that: theta anywhere, the shape of other entries of q, or near one
+local function start_of(q, m, n, try)
+  local start = {}
+  for a = 1, m do start[a] = (try % 8) * 0.785 end
+  for i = m + 1, n do
+    local j = i - m
+    start[i] = try < 8 and max(0.1, abs(q[j])) or try < 16 and q[j + m] or try < 24 and q[j] or 0.5 + 0.1 * try % 1
+  end
+  return start
+end
+
+-- how well a solution is liked: near the shape `home` where there is one, else with positive entries (r rather than -r and half a turn)
+local function liking(y, m, n, home)
+  local sum = 0
+  for i = m + 1, n do sum = sum + (home and -abs(y[i] - home[i - m]) or y[i]) end
+  return sum
+end
+
+local function find(Phi, m, n, q, home)
+  local best, most
   for try = 0, 31 do
-    local start, j = {}, 0
-    for a = 1, m do start[a] = (try % 8) * 0.785 end
-    for i = m + 1, n do
-      j = j + 1
-      start[i] = try < 8 and max(0.1, abs(q[j])) or try < 16 and q[j + m] or try < 24 and q[j] or 0.5 + 0.1 * try % 1
+    local fine, y = pcall(invert, Phi, q, start_of(q, m, n, try))
+    if fine and y then
+      local liked = liking(y, m, n, home)
+      if not best or liked > most + 1e-9 then best, most = y, liked end
     end
-    local fine, y = pcall(invert, Phi, q, start)
-    if fine and y then return y end
+    if best and try % 8 == 7 then return unwound(Phi, m, q, best) end
   end
   error("this point is not on an orbit through the section (no theta and shape were found for it)", 0)
 end
 
 -- from states of the system to those of (theta, x) and back
-local function transfer(system, Phi, m, n)
+local function transfer(system, Phi, m, n, home)
   local T = {}
   local function solve(J, b)
     local order = linear.order(J)
@@ -149,10 +180,10 @@ local function transfer(system, Phi, m, n)
     return linear.solve(J, { b }, order)[1]
   end
   function T.split(q, v)
-    local y = find(Phi, m, n, core.vector(q))
+    local y = find(Phi, m, n, core.vector(q), home)
     return y, core.vector(solve(Phi:jacobian(y), v))
   end
-  function T.place(q) return find(Phi, m, n, core.vector(q)) end
+  function T.place(q) return find(Phi, m, n, core.vector(q), home) end
   function T.frame(y) return Phi(y), Phi:jacobian(y) end
   function T.lift(y, w) return Phi(y), Phi:jacobian(y) * core.vector(w) end
   -- (y, p_y) -> (q, p): J^T p = p_y
@@ -204,7 +235,8 @@ function M.split(system, options)
   local map, m = read_action(options)
   check_dimension(m, n)
   local move = mover(map, m)
-  local section = options.section or slice(move, m, n, options.at or options.q)
+  local section, home = options.section, nil
+  if not section then section, home = slice(move, m, n, options.at or options.q) end
   local function chart(y)
     local theta, x = {}, {}
     for i = 1, m do theta[i] = y[i] end
@@ -215,7 +247,7 @@ function M.split(system, options)
   local given = system.given
   check_action(move, m, check.points(n, function(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end))
   local split = pulled_back(system, Phi, core.derivative(chart, n), n, names_of(options, m, n))
-  local T, other = transfer(system, Phi, m, n), { mu = options.mu, connection = options.connection, cyclic = {} }
+  local T, other = transfer(system, Phi, m, n, home), { mu = options.mu, connection = options.connection, cyclic = {} }
   for a = 1, m do other.cyclic[a] = a end
   if options.q and options.v then other.q, other.v = T.split(options.q, options.v) end
   return split, other, T
