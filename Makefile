@@ -109,6 +109,11 @@ docs: all
 	  -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.reference".text(dm))'
 	for example in $(EXAMPLES); do $(B)/dmlua $$example docs/images >/dev/null || exit 1; done
 
+# the gallery of work-precision charts, measured again: two minutes of a quiet machine
+charts: all
+	@.ci/setup --install pictures
+	$(B)/dmlua tests/bench/charts.lua docs $(sort $(wildcard tests/bench/gallery/*.lua))
+
 SHARE = $(DESTDIR)$(PREFIX)/share
 install: all
 	@install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm $(SHARE)/dmlua/lua/dm \
@@ -139,12 +144,13 @@ help:
 	@echo "make valgrind   the tests under valgrind"
 	@echo "make house      only the checks of structure: floors, symbols, docs, sizes"
 	@echo "make bench      measured times"
+	@echo "make charts     measure the gallery of docs/charts.md again"
 	@echo "make docs       write docs/reference.md, the man page and the completions again"
 	@echo "make format, make lint"
 	@echo "make install, make uninstall   PREFIX=$(PREFIX) DESTDIR="
 	@echo "make clean"
 	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
 
-.PHONY: all setup programs test house demo san sanitized valgrind bench format lint docs \
+.PHONY: all setup programs test house demo san sanitized valgrind bench charts format lint docs \
   install uninstall clean help always
 -include $(shell find $(B) -name '*.d' -not -path '$(B)/san/*' 2>/dev/null)

@@ -88,9 +88,10 @@ local function size_of_points(n)
   return n > 2000 and 0.2 or n > 200 and 0.35 or 0.7
 end
 
-local function draw_style(series, colour)
-  local paint = "lc rgb '" .. colour .. "'"
-  local dots = ("pt 7 ps %.2f "):format(size_of_points(#series.x))
+-- the colours are used again after the last: then dashed, with open points; and a third time with squares
+local function draw_style(series, colour, round)
+  local paint = "lc rgb '" .. colour .. "'" .. (round > 0 and series.style ~= "points" and " dt 2" or "")
+  local dots = ("pt %d ps %.2f "):format(round == 0 and 7 or round == 1 and 6 or 4, size_of_points(#series.x) * (round > 0 and 1.4 or 1))
   if series.style == "cells" then return "boxxyerror fs solid 1 noborder " .. paint end
   if series.style == "points" then return "points " .. dots .. paint end
   local width = #series.x > 4000 and not series_.rises(series.x) and 0.7 or 1.3
@@ -108,7 +109,7 @@ local function add_series(add, panel, number, prefix)
     local title = panel.legend and "title " .. quote(series.name) or "notitle"
     add_data(add, block, series, panel)
     plots[#plots + 1] = ("%s using %s with %s %s"):format(block, series.style == "cells" and "1:2:3:4:5:6" or "1:2",
-      draw_style(series, colour), title)
+      draw_style(series, colour, (i - 1) // #COLOURS), title)
     local alone = series.style == "lines" and isolated(series) or { x = {} }
     if #alone.x > 0 then
       add_data(add, block .. "_alone", alone, panel)

@@ -5,6 +5,7 @@
 ** so that no derivative of L_v by t is needed and the state of a run is taken as it is.
 */
 #include "integ/method.h"
+#include "mech/ties.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -17,7 +18,7 @@ static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
 typedef struct {
     const dm_model *m;
     double *x;                          /* [2n+1] (q, v, t) */
-    double *force;                      /* [n] */
+    double *force, *tie;                /* [n] dL/dq; a force beside L */
     double *y, *error, *before, *after; /* [2n] state, its error, slopes at the ends */
     double *end;                        /* [2n] where `after` holds */
     double end_time;
@@ -31,10 +32,16 @@ static const char *check(const dm_rule *rule) {
     return rule->count ? "an explicit Runge-Kutta rule takes no argument" : NULL;
 }
 
-static unsigned wants(const dm_rule *rule, const dm_model *m) {
+static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return (m->structure & SIMPLE) == SIMPLE ? DM_WANT_FORCE
-                                             : DM_WANT_FORCE | DM_WANT_MASS;
+    return m->ties && m->ties->controls ? "it knows no controls; take midpoint or gauss"
+                                        : NULL;
+}
+
+static unsigned wants(const dm_rule *rule, const dm_model *m) {
+    const unsigned mass = (m->structure & SIMPLE) == SIMPLE ? 0 : DM_WANT_MASS;
+    (void)rule;
+    return DM_WANT_FORCE | mass | (m->ties ? DM_WANT_TIE_FORCE : 0);
 }
 
 static size_t head(void) {
@@ -44,7 +51,7 @@ static size_t head(void) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     (void)rule;
-    return head() + 2 * n + 1 + n + 10 * n + dm_legendre_work(m);
+    return head() + 2 * n + 1 + 2 * n + 10 * n + dm_legendre_work(m);
 }
 
 static int right_hand_side(double t, const double y[], double slope[], void *params) {
@@ -60,6 +67,7 @@ static int right_hand_side(double t, const double y[], double slope[], void *par
     dm_kernel_eval(&e->m->force, e->x, e->force);
     memcpy(slope, v, n * sizeof *slope);
     memcpy(slope + n, e->force, n * sizeof *slope);
+    dm_ties_add_force(slope + n, e->m->ties, e->x, e->tie);
     e->evaluations++;
     return GSL_SUCCESS;
 }
@@ -69,7 +77,8 @@ static dm_status open(dm_stepper *s, const gsl_odeiv2_step_type *type) {
     const size_t n = s->model->n;
     *e = (explicit){.m = s->model, .x = s->work + head()};
     e->force = e->x + 2 * n + 1;
-    e->y = e->force + n;
+    e->tie = e->force + n;
+    e->y = e->tie + n;
     e->error = e->y + 2 * n;
     e->before = e->error + 2 * n;
     e->after = e->before + 2 * n;
@@ -160,8 +169,9 @@ const dm_method dm_method_rk4 = {
     .doc = "Classical Runge-Kutta of order 4, two half steps, 11 forces a step; not "
            "symplectic, a "
            "baseline (GSL).",
-    .traits = DM_EXPLICIT | DM_KEEPS,
+    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
     .check = check,
+    .fits = fits,
     .order = order4,
     .wants = wants,
     .work = work,
@@ -176,8 +186,9 @@ const dm_method dm_method_rkf45 = {
     .doc = "Runge-Kutta-Fehlberg 4(5) with a fixed step, order 5, 6 forces a step; not "
            "symplectic, a "
            "baseline (GSL).",
-    .traits = DM_EXPLICIT | DM_KEEPS,
+    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
     .check = check,
+    .fits = fits,
     .order = order5,
     .wants = wants,
     .work = work,
@@ -192,8 +203,9 @@ const dm_method dm_method_rk8pd = {
     .doc = "Runge-Kutta Prince-Dormand 8(9) with a fixed step, order 8, 13 forces a "
            "step; not "
            "symplectic, a strong baseline (GSL).",
-    .traits = DM_EXPLICIT | DM_KEEPS,
+    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
     .check = check,
+    .fits = fits,
     .order = order8,
     .wants = wants,
     .work = work,

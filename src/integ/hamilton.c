@@ -2,6 +2,7 @@
 
 #include "expr/derive.h"
 #include "expr/jit.h"
+#include "mech/ties.h"
 
 #include <string.h>
 
@@ -131,6 +132,22 @@ static void carry_mass(elimination *e, const dm_model *m, const dm_node *hessian
     }
 }
 
+/* f(q, v, t) of a model that has a force is added to L_q, with v as it stands in `with`; 0: no memory */
+static int add_force(elimination *e, const dm_model *m) {
+    const dm_ties *ties = m->ties;
+    const uint32_t n = e->n;
+    if (!ties || !ties->forced) return 1;
+    const uint32_t inputs = dm_graph_inputs(ties->graph);
+    dm_node *with = dm_arena_take(m->source.arena, (inputs + n) * sizeof *with);
+    if (!with) return 0;
+    memset(with, 0, inputs * sizeof *with);
+    memcpy(with, e->with, (2 * n + 1) * sizeof *with);
+    dm_transplant(e->g, ties->graph, ties->f, n, with, with + inputs);
+    for (uint32_t i = 0; i < n; i++)
+        e->roots[n + i] = dm_add(e->g, e->roots[n + i], with[inputs + i]);
+    return 1;
+}
+
 static int write_out(elimination *e, const dm_model *m, const dm_node *hessian) {
     const uint32_t n = e->n;
     memset(e->with, 0, (2 * n + 1) * sizeof *e->with);
@@ -142,7 +159,7 @@ static int write_out(elimination *e, const dm_model *m, const dm_node *hessian) 
     memcpy(e->roots, e->shift, n * sizeof *e->roots);
     memcpy(e->with + n, e->shift, n * sizeof *e->with);
     dm_transplant(e->g, m->source.graph, m->source.gradient, n, e->with, e->roots + n);
-    return dm_graph_status(e->g) == DM_OK;
+    return add_force(e, m) && dm_graph_status(e->g) == DM_OK;
 }
 
 uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages) {

@@ -1,7 +1,7 @@
 /*
 ** hamilton.h - Hamilton's equations of a Lagrangian quadratic in v as one kernel, for methods that make kernels
 ** of their own: inputs (q[n], p[n], t), outputs v[n] = M^-1 (p - b), L_q(q, v, t)[n] and the n pivots of
-** M = L_vv, where L_v = M(q, t) v + b(q, t). The elimination is exact to round-off where all pivots are positive.
+** M = L_vv, where L_v = M(q, t) v + b(q, t); to L_q a force f(q, v, t) of the model is added. The elimination is exact to round-off where all pivots are positive.
 */
 #ifndef DM_HAMILTON_H
 #define DM_HAMILTON_H

@@ -9,6 +9,7 @@
 #include "integ/hamilton.h"
 #include "integ/kept.h"
 #include "integ/method.h"
+#include "mech/ties.h"
 
 #include <string.h>
 
@@ -72,11 +73,17 @@ static int order(const dm_rule *rule) {
     return 8;
 }
 
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    return m->ties && m->ties->controls ? "it knows no controls; take midpoint or gauss"
+                                        : NULL;
+}
+
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    const unsigned mass = (m->structure & simple) == simple ? 0 : DM_WANT_MASS;
     (void)rule;
-    return (m->structure & simple) == simple ? DM_WANT_FORCE
-                                             : DM_WANT_FORCE | DM_WANT_MASS;
+    return DM_WANT_FORCE | mass | (m->ties ? DM_WANT_TIE_FORCE : 0);
 }
 
 static size_t head(void) {
@@ -149,6 +156,7 @@ static dm_status by_legendre(explicit8 *e, double *slope) {
     memcpy(slope, v, n * sizeof *slope);
     dm_kernel_prepare(&e->m->force, slope + n);
     dm_kernel_eval(&e->m->force, e->x, slope + n);
+    dm_ties_add_force(slope + n, e->m->ties, e->x, e->out);
     return DM_OK;
 }
 
@@ -189,8 +197,9 @@ const dm_method dm_method_rk8 = {
     .signature = "rk8",
     .doc = "Explicit Runge-Kutta of Dormand and Prince, order 8, 12 stages; not "
            "symplectic, energy drifts: for short runs and comparison (HNW I, II.5).",
-    .traits = DM_EXPLICIT | DM_KEEPS,
+    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
     .check = check,
+    .fits = fits,
     .order = order,
     .wants = wants,
     .work = work,

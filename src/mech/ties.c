@@ -184,6 +184,13 @@ static dm_status make_reaction(dm_ties *t, dm_compile *compile) {
     return end(&b, &t->reaction, DM_WANT_REACTION, compile);
 }
 
+void dm_ties_add_force(double *sum, const dm_ties *ties, const double *x, double *f) {
+    if (!ties || !ties->forced) return;
+    dm_kernel_prepare(&ties->force, f);
+    dm_kernel_eval(&ties->force, x, f);
+    for (uint32_t i = 0; i < ties->n; i++) sum[i] += f[i];
+}
+
 dm_status dm_ties_want(dm_ties *t, unsigned want, dm_compile *compile) {
     const unsigned missing = want & ~t->has;
     dm_status status = DM_OK;

@@ -62,6 +62,9 @@ dm_status dm_ties_want(dm_ties *ties, unsigned want, dm_compile *compile);
 /* A row of zeros: which constraint does not depend on what it must depend on (g on q, phi on v); k + l: none. */
 uint32_t dm_ties_idle(const dm_ties *ties);
 
+/* Add f(q, v, t) at x = (q, v, t) to sum[n], where there are ties and a force; f[n] is scratch. Needs DM_WANT_TIE_FORCE, and no controls. */
+void dm_ties_add_force(double *sum, const dm_ties *ties, const double *x, double *f);
+
 /* ---- the start (ties_start.c); W[n*n] is the inverse of the mass matrix there ---- */
 
 /* Doubles of scratch for all functions below. */
