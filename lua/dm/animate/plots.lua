@@ -18,7 +18,8 @@ local function quantity(path, what)
   end
   local fine, J = pcall(path.momentum, path, what)
   if not fine then
-    fail("option 'plots' holds \"energy\", names of columns, groups as dm.SO(2), or { name, numbers } (%s)", tostring(J):match "^[^\n]*")
+    local why = tostring(J):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
+    fail("option 'plots' holds \"energy\", names of columns, groups as dm.SO(2), or { name, numbers } (%s)", why)
   end
   local lines = {}
   if type(J[1]) == "number" then
