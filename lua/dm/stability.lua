@@ -261,7 +261,7 @@ list of growing numbers or one number. A parameter is an argument of that name o
 function(k) return dm.system{...} end), or of functions q, v, p that give the start, or is among the params of a system. Every cell is run
 in C, on all cores, over the same number of steps or the same duration t, and told apart by its rows: bounded, drifting (a slope of the energy
 above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy), chaotic (MEGNO above 4, by the exact tangent map;
-chaos = false leaves that out), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost.
+chaos = false leaves that out, as is the default for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost.
 watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost are refined to resolution = 1e-3 (refine
 = false: not). map:limit(row), :theory(row), :at(row, column), :table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows.
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends it with dm.failure, whose field `map` is what is there.]]
@@ -281,10 +281,25 @@ end
 
 local NO_EXPONENT = { "^log%-hamiltonian", "^degenerate" }
 
+local MANY = 4096  -- cells of which an implicit rule follows no tangent vectors unless asked to
+
+-- are all steps of the rules kicks and drifts or explicit stages?
+local function is_costly(map, system)
+  if #map.rows * #map.column <= MANY then return false end
+  local separable, cheap = system:structure().separable, {}
+  for _, row in ipairs(core.rules()) do
+    cheap[row.name] = row.explicit or separable and row.instances[1] and row.instances[1].forces > 0
+  end
+  for _, rule in ipairs(map.rules) do
+    if not cheap[rule:match "^[%w_-]+"] then return true end
+  end
+  return false
+end
+
 -- exponents need the prolonged system
 local function wants_chaos(map, cell)
-  if map.options.chaos == false then return false end
   local system = map.system_of(cell)
+  if map.options.chaos == false or map.options.chaos == nil and is_costly(map, system) then return false end
   if not (system.given and system.given.L) or system.given.control or system:structure().linear_in_v then return false end
   for _, rule in ipairs(map.rules) do
     for _, pattern in ipairs(NO_EXPONENT) do

@@ -48,10 +48,10 @@ local orbit = { q = { 0.8, 0 }, v = { 0, sqrt(1.5) }, t = 400 }
 map = kepler:stability(with(orbit, { rules = { "verlet", "rk4" }, h = { 0.1 } }))
 ok(map:at({ rule = "verlet" }, 0.1).class == "bounded", "Kepler: Verlet is bounded", map:at({ rule = "verlet" }, 0.1).why)
 cell = map:at({ rule = "rk4" }, 0.1)
-local path = kepler:solver { rule = "rk4", h = 0.1 }:run(with(orbit, { every = 11 }))
+local path = kepler:solver { rule = "rk4", h = 0.1 }:run(with(orbit, { t = 1600 }))
 local drift = path:drift "energy"
 ok(cell.class == "drifting" and abs(cell.slope) > 5 * cell.slope_error, "rk4 drifts", cell.why)
-near(cell.slope, drift.per_time, 1e-12 * abs(drift.per_time), "by the slope that path:drift fits")
+near(cell.slope, drift.per_time, 0.01 * abs(drift.per_time), "by the slope that path:drift fits to every step of a longer run")
 map = kepler:stability(with(orbit, { rule = "verlet", h = { 0.1, 0.8, 8, "linear" }, inside = function(q) return 2 - q:norm() end, chaos = false }))
 ok(map:limit(1) < 0.8 and select(2, map:limit(1)):find "left", "an orbit that leaves the region that it should stay in", select(2, map:limit(1)))
 local henon = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - (q:dot(q) / 2 + q[1] ^ 2 * q[2] - q[2] ^ 3 / 3) end }

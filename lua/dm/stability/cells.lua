@@ -6,7 +6,7 @@ local M = {}
 local abs, max, sqrt, log, huge = math.abs, math.max, math.sqrt, math.log, math.huge
 
 local ROWS, MEMBERS = 64, 2048  -- rows of a cell; members of one ensemble
-local OTHER_ROWS = 389          -- of the second look at what drifts: an oscillation that fits one spacing of rows does not fit both
+local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
 local FEWEST = 8                -- steps that show anything
 local GROWTH = 1e3              -- energy error of the last quarter over that of the first: it grows without bound
 local JUMP = 10                 -- the same where it has only gone elsewhere
@@ -155,16 +155,26 @@ local function base_pass(map, system, rule, cells, rows)
   return stopped
 end
 
--- cells that drift are looked at again with other rows: one that does so only in the first look is a beat of the orbit with its rows
+-- cells that drift are looked at for LONGER, with other rows: what was a part of a slow oscillation, or a beat of the orbit with its
+-- rows, has another slope then
 local function second_look(map, system, rule, all)
-  local cells, before = {}, {}
+  local cells, column = {}, nil
   for _, cell in ipairs(all) do
-    if cell.class == NUMBER.drifting then cells[#cells + 1], before[#cells + 1] = cell, cell.slope end
+    if cell.class == NUMBER.drifting then cells[#cells + 1] = cell end
   end
   if #cells == 0 then return end
-  local stopped = base_pass(map, system, rule, cells, OTHER_ROWS)
+  local o = starts(map, cells)
+  o.watch, column = watch_of(map, system)
+  o.rows, o.steps, o.t = OTHER_ROWS, map.options.steps and LONGER * map.options.steps, map.options.t and LONGER * map.options.t
+  local e, stopped = guarded(function() return ensemble(map, system, rule, cells, o) end)
+  local s = e:summary(column)
   for i, cell in ipairs(cells) do
-    if cell.class == NUMBER.drifting and abs(cell.slope - before[i]) > 0.5 * abs(cell.slope) then cell.class = NUMBER.bounded end
+    local slope = s.slope[i]
+    if e.status[i] == "ok" and slope == slope then
+      local same = abs(slope - cell.slope) < 0.5 * abs(cell.slope) and abs(slope) > SIGMA * s.error[i]
+      if not same then cell.class = NUMBER.bounded end
+      cell.slope, cell.slope_error = finite(slope), finite(s.error[i])
+    end
   end
   return stopped
 end

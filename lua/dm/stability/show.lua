@@ -151,7 +151,7 @@ local function panel_of(map, panel, along)
       out[#out + 1] = box
     end
   end
-  for _, line in ipairs { { "limit", "measured limit", "#000000", "points" }, { "theory", "linear theory", "#ffffff", "lines" } } do
+  for _, line in ipairs { { "limit", "measured limit", "#000000", "points" }, { "theory", "linear theory", "#4477aa", "lines" } } do
     local x, y = line_of(map, panel, along, line[1])
     if #x > 1 or #x == 1 and not along then
       out[#out + 1] = { x = x, y = y, name = line[2], colour = line[3], style = #x == 1 and "points" or line[4] }
