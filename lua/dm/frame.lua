@@ -133,13 +133,27 @@ local function least(values)
   return out
 end
 
+-- where Newton's method begins, in turn: the identity, and a quarter, a half and a whole turn's worth from it along every axis
+local TURNS = { 1.6, -1.6, 3.1, 0.7, -0.7, -2.4, 2.4 }
+local function beginnings(G, r)
+  local out = { linear.entries(G:flat(G:identity())) }
+  for _, angle in ipairs(TURNS) do
+    for j = 1, r do
+      local xi = {}
+      for i = 1, r do xi[i] = i == j and angle or 0 end
+      out[#out + 1] = linear.entries(G:flat(G:exp(core.vector(xi))))
+    end
+  end
+  return out
+end
+
 -- the root y(z) of Z(g(y) z) = 0, bonds(y) = 0
 local function solved(self, start)
   local G, k, m = self.group, self.k, self.m
-  local begin = start or G:flat(G:identity())
+  local begin = start or beginnings(G, self.r)
   local function at(y, z) return moved(self, G:unflat(y), split(z, k, m)) end
   return core.root {
-    name = "moving frame", start = begin,
+    name = text.name(self), start = begin, failure = text.advice,
     equations = function(y, z)
       local out = section(self, at(y, z))
       for _, bond in ipairs(linear.entries(G:bonds(y))) do out[#out + 1] = bond end

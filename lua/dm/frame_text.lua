@@ -14,12 +14,15 @@ function M.points(list)
   return table.concat(out, ", ")
 end
 
-function M.name(frame) return frame.name and ("the moving frame '%s'"):format(frame.name) or "the moving frame" end
+function M.name(frame) return frame.name and ("moving frame '%s'"):format(frame.name) or "the moving frame" end
 
 function M.describe(frame)
   return ("moving frame of %s on %d point%s of %s, %s"):format(tostring(frame.group), frame.k, frame.k == 1 and "" or "s",
     tostring(frame.action.on), frame.solution and "given by a formula" or "solved for")
 end
+
+--- what a root that has no value says behind what it met
+M.advice = "no moving frame near there: the cross-section may not be transversal to the orbit, or the branch ends"
 
 --- why there is no frame at the points: condition is that of J psi
 function M.no_frame(frame, list, condition, why)
