@@ -41,7 +41,7 @@ M.stream = stream
 function M.sample(frame, seed, count)
   local source, out = core.random(7), {}
   for i = 1, count or frame.k do
-    local z = require "dm.action".sample_point(frame.action.on, source, 64 * seed + i)
+    local z = require "dm.action_points".sample_point(frame.action.on, source, 64 * seed + i)
     for j = 1, #z do z[j] = z[j] + 0 end
     out[i] = z
   end
