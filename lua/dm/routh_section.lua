@@ -246,8 +246,10 @@ function M.split(system, options)
   local Phi = core.trace(chart, n)
   local given = system.given
   check_action(move, m, check.points(n, function(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end))
-  local split = pulled_back(system, Phi, core.derivative(chart, n), n, names_of(options, m, n))
+  local slope = core.derivative(chart, n)
+  local split = pulled_back(system, Phi, slope, n, names_of(options, m, n))
   local T, other = transfer(system, Phi, m, n, home), { mu = options.mu, connection = options.connection, cyclic = {} }
+  T.chart, T.slope = Phi, slope  -- which take symbols too
   for a = 1, m do other.cyclic[a] = a end
   if options.q and options.v then other.q, other.v = T.split(options.q, options.v) end
   return split, other, T

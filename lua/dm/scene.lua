@@ -20,7 +20,7 @@ local function fail(...) error("dm.scene: " .. (...):format(select(2, ...)), 0) 
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t", "rules", "profile", "seconds", "project" }
+local KNOWN = { "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t", "rules", "symmetry", "profile", "seconds", "project" }
 
 local function check_keys(options)
   if type(options) ~= "table" then
@@ -214,7 +214,8 @@ local function decide(scene)
   local given = model.given(scene.problem):ready()
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
-  local rungs = reduce.ladder(scene.search, given)
+  local split = scene.options.symmetry and require "dm.scene.symmetry".model(scene.problem, scene.options)
+  local rungs = reduce.ladder(scene.search, given, split)
   for i = #rungs, 1, -1 do search.model(scene.search, rungs[i]) end
   scene.finalists = search.finalists(scene.search)
   choose(scene)
@@ -288,11 +289,11 @@ function M:__tostring()
 end
 
 local doc_scene = [[
-dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, rules=, profile=, seconds=, project=} -> dm.scene
+dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, symmetry=, rules=, profile=, seconds=, project=} -> dm.scene
 The cheapest model and method that deliver what is watched. watch: names of coordinates, momenta ("p1") or "energy", name = function(q, v,
 t, p) ... end, or "picture": every coordinate, to a pixel. tolerance: the largest error of each watched number up to the time
 until_t, in its units, or a table name -> tolerance. Models: the system as given; without coordinates that nothing watched feels; cyclic
-ones that are not watched reduced away (Routh); stiff terms of L as constraints; coordinates at rest held; terms of L and of the force left out
+ones that are not watched reduced away (Routh), also those of a symmetry = { action = f(theta, q), section = f(x) } as for system:routh; stiff terms of L as constraints; coordinates at rest held; terms of L and of the force left out
 where that stays inside the tolerance. Rules: all of dm.rules(), or a list `rules`. All of it is decided by pilot runs against a
 reference of two unlike methods, and checked at other times and with half the step; where the tolerance cannot be promised, scene:run() raises
 with everything that was measured. profile: a file of scene.profile:save(file): costs are then not measured, and the choice is always the

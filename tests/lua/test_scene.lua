@@ -56,6 +56,126 @@ ok(again.best.rule == third.best.rule and again.best.N == third.best.N and again
 ok(again.best.rule == scene.best.rule and again.best.N == scene.best.N, "which is that of the scene that measured it")
 os.remove(file)
 
+-- the cheapest model, for other systems
+local function kinds(options)
+  local all = dm.scene(options)
+  all:run()
+  return all.best.model:words(), all
+end
+local fast = { "gauss(4)", "blanes-moan(6)", "verlet", "rattle", "gauss(2)" }
+local function newton(name, L, more)
+  local options = { system = dm.system { Q = dm.R(#more.q), L = L, force = more.force, constraint = more.constraint, name = name }, rules = fast }
+  for key, value in pairs(more) do
+    if key ~= "force" and key ~= "constraint" then options[key] = value end
+  end
+  return kinds(options)
+end
+local function attraction(q, v) return v:dot(v) / 2 + 1 / q:norm() end
+
+-- what is watched does not feel two of three oscillators
+local words, all = newton("three oscillators", function(q, v) return v:dot(v) / 2 - q[1] ^ 2 / 2 - q[2] ^ 4 / 4 - q[3] ^ 2 / 2 - q[1] * q[3] / 5 end,
+  { q = { 1, 0.5, 1 }, v = { 0, 0.1, 0 }, watch = { "q2" }, tolerance = 1e-6, until_t = 20 })
+ok(words:find "without q1, q3" and all.best.n == 1, "coordinates that nothing watched feels fall off", words)
+words = newton("two of them", function(q, v) return v:dot(v) / 2 - q[1] ^ 2 / 2 - q[2] ^ 4 / 4 - q[3] ^ 2 / 2 - q[1] * q[3] / 5 end,
+  { q = { 1, 0.5, 1 }, v = { 0, 0.1, 0 }, watch = { "q3" }, tolerance = 1e-6, until_t = 20 })
+ok(words:find "without q2" and not words:find "q1", "those that are felt stay", words)
+
+-- motion in a plane, drag too weak to be seen, and strong enough
+local plane = { q = { 1, 0, 0 }, v = { 0, 1.2, 0 }, watch = { "q1" }, tolerance = 1e-4, until_t = 30 }
+local function drag(c)
+  local options = { force = function(_, v) return -c * v end }
+  for key, value in pairs(plane) do options[key] = value end
+  return newton("drag", attraction, options)
+end
+words = drag(1e-9)
+ok(words:find "q3 held at 0" and words:find "without the force", "a plane is enough, and drag of 1e-9 is nothing", words)
+words, all = drag(1e-3)
+ok(words:find "q3 held at 0" and not words:find "without the force", "drag of 1e-3 stays", words)
+ok(all.best.error < 1 and all:why():find "without the force: dimension 3", "and why")
+
+-- a term too small to be seen
+local function flat(c)
+  return newton("J2", function(q, v)
+    local r = q:norm()
+    return attraction(q, v) - c / 2 * (3 * q[3] ^ 2 / r ^ 2 - 1) / r ^ 3
+  end, { q = { 1, 0, 0 }, v = { 0, 0.96, 0.28 }, watch = { "q1" }, tolerance = 1e-4, until_t = 20 })
+end
+words = flat(1e-9)
+ok(words:find "without", "a J2 of 1e-9 is nothing", words)
+words = flat(1e-2)
+ok(not words:find "without", "a J2 of 1e-2 is", words)
+
+-- a stiff rod becomes a constraint of two coordinates
+words, all = newton("stiff rod", function(q, v) return v:dot(v) / 2 - 9.81 * q[2] - 1e7 / 2 * (q:norm() - 1) ^ 2 end,
+  { q = { math.sin(0.5), -cos(0.5) }, v = { 0, 0 }, watch = { "q1" }, tolerance = 1e-3, until_t = 4 })
+ok(words:find "as a constraint" and all.best.n == 2, "a stiff rod is a constraint", words)
+-- but not when its oscillation is what is watched
+words = newton("stretched rod", function(q, v) return v:dot(v) / 2 - 9.81 * q[2] - 1e5 / 2 * (q:norm() - 1) ^ 2 end,
+  { q = { 1.01 * math.sin(0.5), -1.01 * cos(0.5) }, v = { 0, 0 }, watch = { r = function(q) return q:norm() end }, tolerance = 1e-3, until_t = 1 })
+ok(not words:find "constraint", "unless its oscillation is watched", words)
+
+-- cyclic coordinates that are not watched are reduced away; watched rates of theirs are known all the same
+local function spherical(what, more)
+  local options = { system = dm.system { Q = dm.R(2), coordinates = { "theta", "phi" }, L = function(q, v)
+    return (v[1] ^ 2 + math.sin(q[1]) ^ 2 * v[2] ^ 2) / 2 + cos(q[1])
+  end }, q = { 1, 0 }, v = { 0, 0.9 }, watch = what, tolerance = 1e-5, until_t = 20, rules = fast }
+  for key, value in pairs(more or {}) do options[key] = value end
+  if what == "picture" then options.tolerance = nil end
+  return kinds(options)
+end
+words, all = spherical { "theta", spin = function(_, v) return v[2] end }
+ok(words:find "reduced by phi" and all.best.n == 1, "a spherical pendulum of which phi is not watched is reduced", words)
+words = spherical { "phi" }
+ok(not words:find "reduced", "where phi is watched it is not", words)
+local turn = { action = function(a, q) return { q[1] * cos(a) - q[2] * math.sin(a), q[1] * math.sin(a) + q[2] * cos(a), q[3] } end,
+  section = function(x) return { x[1], 0, x[2] } end }
+local told = { system = dm.system { Q = dm.R(3), L = function(q, v)
+  local r = q:norm()
+  return attraction(q, v) - 0.02 * (3 * q[3] ^ 2 / r ^ 2 - 1) / r ^ 3
+end }, q = { 1, 0, 0 }, v = { 0, 0.96, 0.28 }, watch = { r = function(q) return q:norm() end }, tolerance = 1e-8, until_t = 20, rules = { "gauss(6)" },
+  symmetry = turn }
+words, all = kinds(told)
+local rung
+for _, row in ipairs(all.search.models) do rung = row.model:words():find "coordinates of the symmetry" and row or rung end
+ok(rung and rung.kept and rung.error < 1e-2, "a symmetry that is told gives a reduced model", rung and rung.error)
+told.watch = { "q1" }
+words, all = kinds(told)
+ok(not words:find "symmetry" and not all:why():find "coordinates of the symmetry", "unless what is watched turns with it", words)
+told.symmetry = { map = turn.action }
+raises("'symmetry'", kinds, told)
+
+-- what is watched may be several numbers, momenta, the energy; each with a tolerance of its own
+words, all = spherical({ "p_phi", "energy", e = function(q) return { cos(q[1]), math.sin(q[1]) } end },
+  { tolerance = { p_phi = 1e-3, energy = 1e-3, e = 1e-4 } })
+local columns = all:run()
+ok(#columns.columns == 5 and columns.error_estimate <= 1, "several columns, errors in parts of their tolerances", columns.error_estimate)
+near(columns:column "p_phi"[#columns], 0.9 * math.sin(1) ^ 2, 1e-3, "a momentum, of a model without its coordinate (" .. words .. ")")
+raises("the one of 'energy'", spherical, { "energy" }, { tolerance = { theta = 1 } })
+
+-- a picture: every coordinate to a pixel, with rows for lines
+words, all = spherical "picture"
+local picture = all:run()
+ok(#picture.columns == 3 and #picture > 20, "a picture watches every coordinate", #picture)
+ok(all.problem.tolerance.theta < 0.1 and all.problem.tolerance.theta > 1e-4, "to a pixel of its size", all.problem.tolerance.theta)
+
+-- L linear in v, forces, time, constraints as they are given
+words, all = newton("first order", function(q, v) return q[2] * v[1] - (q[1] ^ 2 + q[2] ^ 2) / 2 end,
+  { q = { 1, 0 }, v = { 0, -1 }, watch = { "q1" }, tolerance = 1e-6, until_t = 10, rules = { "gauss(2)", "degenerate(2)" } })
+ok(all.best.rule == "degenerate(2)" and all:why():find "left out: gauss", "rules that cannot are left out, and it is said why", all.best.rule)
+words, all = newton("driven", function(q, v, t) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 + q[1] * math.sin(2 * t) / 10 end,
+  { q = { 1 }, v = { 0 }, t0 = 1, watch = { "q1" }, tolerance = 1e-5, until_t = 6, force = function(_, v) return { -v[1] / 10 } end })
+local last = all:run { at = { 6 } }
+-- x'' + x'/10 + x = sin(2 t)/10: the particular solution A sin 2t + B cos 2t, the rest decays
+local A, B = -0.3 / 9.04, -0.02 / 9.04
+local function forced(t) return A * math.sin(2 * t) + B * cos(2 * t), 2 * A * cos(2 * t) - 2 * B * math.sin(2 * t) end
+local x0, v0 = forced(1)
+local w = sqrt(1 - 0.0025)
+local a, b = 1 - x0, ((0 - v0) + 0.05 * (1 - x0)) / w
+near(last:column "q1"[1], forced(6) + math.exp(-0.25) * (a * cos(5 * w) + b * math.sin(5 * w)), 1e-5, "a driven oscillator in closed form")
+words = newton("rod", function(q, v) return v:dot(v) / 2 - 9.81 * q[3] end, { q = { 1, 0, 0 }, v = { 0, 0, 0 }, watch = { "q3" }, tolerance = 1e-4,
+  until_t = 2, constraint = function(q) return q:dot(q) - 1 end })
+ok(words:find "q2 held at 0", "a pendulum on a rod that swings in a plane", words)
+
 -- what cannot be promised
 raises("tolerance", function() spring(1e6, { tolerance = 1e-30 }):run() end)
 raises("tolerance", function() spring(1e6, { rules = { "symplectic-euler(a)" }, tolerance = 1e-9, seconds = 1 }):run() end)

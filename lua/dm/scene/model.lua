@@ -1,5 +1,7 @@
 --- Models of a scene: the system as given, or fewer terms of L and of the force on fewer coordinates, with further constraints.
 local core = require "dm.core"
+local routh = require "dm.routh"
+local routh_model = require "dm.routh_model"
 local watch = require "dm.scene.watch"
 
 local M = {}
@@ -101,7 +103,8 @@ end
 
 --- The system as it is given.
 function M.given(problem)
-  local model = setmetatable({ problem = problem, active = {}, keep = {}, value = {}, ties = {}, steps = {} }, M)
+  local model = setmetatable({ problem = problem, active = {}, keep = {}, value = {}, ties = {}, steps = {},
+    untouched = true }, M)
   for k = 1, #(problem.units or {}) do model.active[k] = true end
   for i = 1, problem.n do model.keep[i], model.value[i] = true, problem.q[i] end
   return model
@@ -144,19 +147,32 @@ function M:kept()
   return out
 end
 
--- all coordinates from those that are left; rates of the others are zero
+--- The model without cyclic coordinates, at the momentum of the start: Routh's reduction.
+function M:reduced(list, words)
+  return self:changed(words, function(m)
+    m.base = self
+    for _, i in ipairs(list) do m.keep[i] = false end
+  end)
+end
+
+-- q(x), v(x, y, t): all coordinates from those that are left; rates of the others are zero, of reduced ones those of the momentum
 local function embedding(self)
   local place, value, n = {}, self.value, self.problem.n
   for at, i in ipairs(self:kept()) do place[i] = at end
-  local function of(x, fixed)
+  local function of(x, others)
     local out = {}
-    for i = 1, n do out[i] = place[i] and x[place[i]] or fixed and fixed[i] or 0 end
+    for i = 1, n do out[i] = place[i] and x[place[i]] or others and others[i] or 0 end
     return core.vector(out)
   end
-  return function(x) return of(x, value) end, function(y) return of(y, nil) end
+  local info = self.base and routh.info(self.system)
+  local function rates(x, y, t)
+    if not info then return nil end
+    local rate, out, kept = routh_model.group_velocity(info, x, y, t), {}, self.base:kept()
+    for a, at in ipairs(info.cyclic) do out[kept[at]] = rate[a] end
+    return out
+  end
+  return function(x) return of(x, value) end, function(x, y, t) return of(y, rates(x, y, t)) end
 end
-
-local function is_whole(self) return #self.steps == 0 end
 
 -- the sum of the terms that act, as a Lagrangian of the coordinates that are left
 local function lagrangian(self, q_of, v_of)
@@ -165,7 +181,7 @@ local function lagrangian(self, q_of, v_of)
     if unit.kind == "L" and self:acts(k) then terms[#terms + 1] = unit.f end
   end
   return function(x, y, t)
-    local q, v, sum = q_of(x), v_of(y), 0
+    local q, v, sum = q_of(x), v_of(x, y, t), 0
     for _, f in ipairs(terms) do sum = sum + f(q, v, t) end
     return sum
   end
@@ -182,7 +198,7 @@ local function force(self, q_of, v_of)
     end
   end
   return any and function(x, y, t)
-    local q, v, out = q_of(x), v_of(y), {}
+    local q, v, out = q_of(x), v_of(x, y, t), {}
     for at, row in ipairs(rows) do
       out[at] = 0
       for _, f in ipairs(row) do out[at] = out[at] + f(q, v, t) end
@@ -202,25 +218,45 @@ local function constraint(self, q_of)
   end
 end
 
+-- entries of a list of all coordinates that are left
+local function left(self, list)
+  local out = {}
+  for at, i in ipairs(self:kept()) do out[at] = list[i] end
+  return out
+end
+
+local function start_of(self, project)
+  local problem = self.problem
+  return { q = core.vector(left(self, problem.q)), v = core.vector(left(self, problem.v)), t0 = problem.t0, project = project }
+end
+
+-- the system reduced by the coordinates that its base has more
+local function build_reduced(self)
+  local base, cyclic = self.base:ready(), {}
+  for at, i in ipairs(base:kept()) do
+    if not self.keep[i] then cyclic[#cyclic + 1] = at end
+  end
+  return base.system:routh { cyclic = cyclic, q = base.start.q, v = base.start.v }, start_of(self, base.start.project)
+end
+
 -- the system of the model and where it starts
 local function build(self)
   local problem = self.problem
-  if is_whole(self) then
-    return problem.system, { q = problem.q, v = problem.v, t0 = problem.t0, project = problem.project }
-  end
+  if self.untouched then return problem.system, start_of(self, problem.project) end
+  if self.base then return build_reduced(self) end
   local q_of, v_of = embedding(self)
-  local kept, names, x, y = self:kept(), {}, {}, {}
-  for at, i in ipairs(kept) do names[at], x[at], y[at] = problem.names[i], problem.q[i], problem.v[i] end
   local tied = constraint(self, q_of)
-  local system = core.system { Q = #kept == problem.n and problem.given.Q or core.R(#kept), L = lagrangian(self, q_of, v_of),
-    force = force(self, q_of, v_of), constraint = tied, coordinates = names, units = problem.given.units, name = problem.given.name }
-  return system, { q = core.vector(x), v = core.vector(y), t0 = problem.t0, project = tied and true or nil }
+  local whole = #self:kept() == problem.n
+  local system = core.system { Q = whole and problem.given.Q or core.R(#self:kept()), L = lagrangian(self, q_of, v_of),
+    force = force(self, q_of, v_of), constraint = tied, coordinates = left(self, problem.names), units = problem.given.units,
+    name = problem.given.name }
+  return system, start_of(self, tied and true or nil)
 end
 
 -- what is watched, as functions of the state of the model; momenta are those of the system as given
 local function observables(self)
   local problem, out = self.problem, {}
-  if is_whole(self) then
+  if self.untouched then
     for name, f in pairs(problem.watched) do out[name] = f end
     return out
   end
@@ -231,7 +267,7 @@ local function observables(self)
     local any = false
     for i = 1, problem.n do any = any or needs_p[i] end
     out[name] = function(x, y, t)
-      local q, v = q_of(x), v_of(y)
+      local q, v = q_of(x), v_of(x, y, t)
       local p = any and slope(q, v, t)
       local momentum = {}
       for i = 1, problem.n do momentum[i] = p and p[problem.n + i] or 0 end

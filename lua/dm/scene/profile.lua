@@ -94,12 +94,12 @@ function M:about(model, rule, N)
   local key, nearest, distance = key_of(model, rule), nil, nil
   for other, entry in pairs(self.rows[key] or {}) do
     local d = other > N and other / N or N / other
-    if d < 2 and (not distance or d < distance or (d == distance and other > N)) then nearest, distance = entry.ns * N / other, d end
+    if d < 1.15 and (not distance or d < distance or (d == distance and other > N)) then nearest, distance = entry.ns * N / other, d end
   end
-  if nearest or N <= FEW or not self.measures then return nearest or self:cost(model, rule, N) end
+  if nearest or not self.measures then return nearest or self:cost(model, rule, N) end
   local row = self.few[key] or {}
   self.few[key] = row
-  row[N] = row[N] or measure(model, rule, N, FEW, LONG_ENOUGH / 4)
+  row[N] = row[N] or measure(model, rule, N, min(N, FEW), LONG_ENOUGH / 5)
   return row[N] * N
 end
 

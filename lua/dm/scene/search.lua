@@ -71,25 +71,37 @@ function M.prepare(search, problem)
   return search
 end
 
--- how many steps the bound pays for, beginning with a guess; nil and why where a run that cheap fails
-local function affordable(search, model, rule, N)
-  local failures, why = 0, nil
-  for _ = 1, 10 do
-    local fine, ns = pcall(search.profile.about, search.profile, model, rule, N)
-    if not fine then
-      pilot.pass_stop(ns)
-      why, failures = first_line(ns), failures + 1
-      if failures > 4 or pilot.is_refusal(why) then return nil, why, N end
-      N = 2 * N
-    else
-      local ratio = search.bound * SLACK / ns
-      if why and ratio < 1 then return nil, why, N end
-      local next_N = max(FEWEST, floor(N * min(16, max(1 / 16, ratio))))
-      if next_N == N or why or (ratio > 0.97 and ratio < 1.03) then break end
-      N = next_N
+-- does the bound pay for N steps? Or why such a run fails
+local function pays(search, model, rule, N)
+  local fine, ns = pcall(search.profile.about, search.profile, model, rule, N)
+  if fine then return ns <= SLACK * search.bound, nil, ns end
+  pilot.pass_stop(ns)
+  return false, first_line(ns)
+end
+
+local LADDER = { 4, 2, 1, 0.5, 0.25, 0.1, 0.03 }  -- times a guess
+
+-- The largest number of steps that the bound pays for, beginning with a guess; nil and why where there is none. Downwards, since
+-- implicit rules may cost more in all with fewer steps.
+local function affordable(search, model, rule, guess)
+  local why, last
+  for at, factor in ipairs(LADDER) do
+    local N = max(FEWEST, floor(factor * guess))
+    local fits, failed, ns = pays(search, model, rule, N)
+    if failed and (pilot.is_refusal(failed) or (why and at > 3)) then return nil, failed, N end
+    if fits then
+      while at == 1 and fits and N < 1e9 do
+        N = 4 * N
+        fits, failed, ns = pays(search, model, rule, N)
+      end
+      if not fits then N = N // 4; fits, failed, ns = pays(search, model, rule, N) end
+      local more = fits and floor(N * min(4, SLACK * search.bound / ns)) or N
+      return pays(search, model, rule, more) and more or N
     end
+    why, last = failed or why, N
+    if N == FEWEST then break end
   end
-  return N
+  return nil, why or ("%d steps cost more than the best"):format(last), last
 end
 
 -- the least number of steps that is enough, between `fails` and `enough`, by the order of the rule
@@ -154,18 +166,30 @@ local function first_enough(search, model, row)
   end
   local N, why, at = affordable(search, model, row.rule, max(FEWEST, ceil(search.guess / row.stages)))
   if not N then return give_up(search, model, row, why, at) end
-  if N == FEWEST and search.profile:about(model, row.rule, N) > SLACK * search.bound then
-    return give_up(search, model, row, ("%d steps cost more than the best"):format(N), N)
-  end
   local err, failed = error_of(search, model, row.rule, N)
   if err <= TARGET then return N, err end
   candidate(search, model, row, N, err, failed and short(failed) or "not accurate enough at the cost of the best", false)
+end
+
+-- more steps that cost less: where those of an implicit rule then converge so much faster
+local function cheaper(search, model, rule, N, err)
+  local least, best = search.profile:cost(model, rule, N), N
+  for _, factor in ipairs { 1.1, 1.25, 1.5, 2 } do
+    local more = ceil(N * factor)
+    local fine, ns = pcall(search.profile.cost, search.profile, model, rule, more)
+    if fine and ns < 0.9 * least then least, best = ns, more end
+  end
+  if best == N then return N, err end
+  local now = error_of(search, model, rule, best)
+  if now <= TARGET then return best, now end
+  return N, err
 end
 
 local function try_rule(search, model, row)
   local N, err = first_enough(search, model, row)
   if not N then return end
   N, err = shrink(search, model, row, N, err)
+  N, err = cheaper(search, model, row.rule, N, err)
   local found = candidate(search, model, row, N, err, "reaches the tolerance", true)
   if found.ns < search.bound then search.bound, search.guess = found.ns, N * row.stages end
 end
