@@ -229,13 +229,6 @@ end
 
 ---- what a scene does ----
 
--- evenly spaced times over the whole
-local function even_times(problem, count)
-  local out = {}
-  for i = 0, count do out[i + 1] = problem.t0 + problem.T * i / count end
-  return out
-end
-
 local ROWS = { at = true, every = true, file = true }
 
 -- which rows: as asked for; of a picture those that lines need; else one in so many steps
@@ -245,7 +238,7 @@ local function rows_of(scene, options)
   end
   if options.at then return options end
   if scene.options.watch == "picture" and not options.every and scene.lines then
-    return { at = even_times(scene.problem, scene.lines), file = options.file }
+    return { at = rows.times(scene.problem, scene.lines), file = options.file }
   end
   return { steps = scene.best.N, every = options.every or scene.every, file = options.file }
 end
@@ -279,7 +272,7 @@ local FRAMES = 600
 
 M.animate = blame.caller(function(scene, file, options)
   decide(scene)
-  local path = M.run(scene, { at = even_times(scene.problem, max(FRAMES, min(scene.lines or 0, 4 * FRAMES))) })
+  local path = M.run(scene, { at = rows.times(scene.problem, max(FRAMES, min(scene.lines or 0, 4 * FRAMES))) })
   return path:animate(file, options)
 end)
 

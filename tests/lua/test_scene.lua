@@ -155,7 +155,15 @@ raises("the one of 'energy'", spherical, { "energy" }, { tolerance = { theta = 1
 -- a picture: every coordinate to a pixel, with rows for lines
 words, all = spherical "picture"
 local picture = all:run()
-ok(#picture.columns == 3 and #picture > 20, "a picture watches every coordinate", #picture)
+ok(#picture.columns == 3, "a picture watches every coordinate", #picture.columns)
+local middles = {}
+for i = 1, #picture - 1 do middles[i] = (picture.t[i] + picture.t[i + 1]) / 2 end
+local between, bend = all:run { at = middles }, 0
+for i = 1, #middles do
+  local line = (picture:column "theta"[i] + picture:column "theta"[i + 1]) / 2
+  bend = math.max(bend, math.abs(between:column "theta"[i] - line) / all.problem.tolerance.theta)
+end
+ok(bend < 1.3, "with rows so close that straight lines between them are as good as the tolerance", bend)
 ok(all.problem.tolerance.theta < 0.1 and all.problem.tolerance.theta > 1e-4, "to a pixel of its size", all.problem.tolerance.theta)
 
 -- L linear in v, forces, time, constraints as they are given

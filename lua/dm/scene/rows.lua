@@ -45,9 +45,27 @@ function M.every(c)
   return every * stride, err
 end
 
---- How many rows, evenly spaced, straight lines need; nil where steps are close enough. Lines err by the square of their length.
+--- `count` + 1 evenly spaced times over the whole of a problem.
+function M.times(problem, count)
+  local out = {}
+  for i = 0, count do out[i + 1] = problem.t0 + problem.T * i / count end
+  return out
+end
+
+local TRIES = 4
+
+--- How many rows, evenly spaced, straight lines need; nil where steps are close enough. Lines err by the square of their length, so that
+-- a number that is too small tells a better one.
 function M.lines(c, every, err)
-  return err > 1 and math.min(MOST_ROWS, math.ceil(1.1 * c.N / every * math.sqrt(err))) or nil
+  if err <= 1 then return nil end
+  local count = c.N // every
+  for _ = 1, TRIES do
+    count = math.ceil(1.1 * count * math.sqrt(err))
+    if count >= MOST_ROWS then return MOST_ROWS end
+    err = bent(c.model.problem, run(c, { at = M.times(c.model.problem, count) }), 1)
+    if err <= 1 then break end
+  end
+  return count
 end
 
 ---- the path ----
