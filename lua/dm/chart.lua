@@ -13,7 +13,7 @@ local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) 
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "error", "samples", "repeats", "reference" }
+local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error", "samples", "repeats", "reference" }
 
 local function check_keys(options)
   for key in pairs(options) do
@@ -35,8 +35,13 @@ local function check_options(options)
   local system = options.system or options[1]
   if not system then fail("the system is missing: dm.chart { system, q =, v =, t =, rules =, h = }") end
   if type(options.t) ~= "number" or not (options.t > 0) then fail("option 't' must be a duration > 0") end
-  for _, h in ipairs(check_list(options, "h", "steps")) do
-    if type(h) ~= "number" or not (h > 0 and h < math.huge) then fail("option 'h' must hold steps > 0 (got %s)", tostring(h)) end
+  if options.against ~= nil and options.against ~= "reference" then
+    fail("option 'against' must be \"reference\", which is what errors are measured against (got %s); chart:plot{against =} chooses the axis",
+      tostring(options.against))
+  end
+  local key = options.h == nil and options.steps ~= nil and "steps" or "h"
+  for _, h in ipairs(options[key] ~= nil and check_list(options, key, "steps") or {}) do
+    if type(h) ~= "number" or not (h > 0 and h < math.huge) then fail("option '%s' must hold steps > 0 (got %s)", key, tostring(h)) end
   end
   for _, rule in ipairs(check_list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")) do
     system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
@@ -312,12 +317,21 @@ end
 
 local doc_chart = [[
 dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, samples=, repeats=, reference=, t0=} -> dm.chart
-Run every rule with every step h over the duration t (h is made to fit a whole number of steps) and measure error against CPU time
+Run every rule with every step h (or `steps`; left out: seven, from the coarsest that shows the motion, by halves) over the duration t (h is made
+to fit a whole number of steps) and measure error against CPU time
 (median of batches, set-up included), evaluations and steps. error: "position" (default: the largest difference of a coordinate from a
 reference over 32 times), "energy", a function f(q, v, t, p) compared with the reference, or { f }: the change of f along the run.
 The reference is found: two unlike methods, each refined until they agree; where they do not come close enough, dm.chart raises and
 says how far apart they are; reference = { rule =, h = } takes one on your word. chart:table(), :order(rule), :cheapest(error), :pareto(), :plot{}, :csv().
 On Ctrl-C the error's `chart` field has what was measured so far.]]
+
+-- the options with steps in h: those given, as h or steps, or found
+local function with_steps(system, options)
+  local out = {}
+  for key, value in pairs(options) do out[key] = value end
+  out.h = options.h or options.steps or require "dm.chart_steps".find(system, options)
+  return out
+end
 
 local function distinct_names(rules)
   local out = {}
@@ -327,6 +341,7 @@ end
 
 M.chart = blame.caller(function(options)
   local system = check_options(options)
+  options = with_steps(system, options)
   local what_measure, what, needs_reference, watched = make_measure(options)
   local chart = setmetatable({ system = system, options = options, points = {}, failures = {}, rules = distinct_names(options.rules),
     measure = what_measure, what = what, times = sample_times(options), load = core.load_average(), floor = 1e-15,

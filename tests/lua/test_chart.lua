@@ -53,4 +53,20 @@ raises("option 'rules'", dm.chart, { kepler, t = 1, h = { 0.1 } })
 raises("option 'h'", dm.chart, { kepler, t = 1, rules = { "verlet" }, h = { -1 } })
 raises("unknown option 'rule'", dm.chart, { kepler, t = 1, rule = "verlet" })
 raises("no point of rule", chart.order, chart, "gauss(9)")
+---- steps that are not given ----
+
+local orbit = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local found = orbit:chart { q = { 0.4, 0 }, v = { 0, 2 }, t = 20, rules = { "gauss(2)", "rk4" }, repeats = 1 }
+local fewest = math.huge
+for _, p in ipairs(found.points) do fewest = math.min(fewest, p.h) end
+tap.ok(#found.points == 14, "seven steps are found, by halves", #found.points)
+tap.ok(math.abs(found:order "gauss(2)" - 4) < 0.2 and fewest < 0.05, "fine enough to see the order", found:order "gauss(2)")
+local linear = dm.system { Q = dm.R(2), L = function(q, v) return q[2] * v[1] - q:dot(q) / 2 end }
+tap.ok(#linear:chart { q = { 1, 0 }, v = { 0, 0 }, t = 10, rules = { "degenerate(2)" }, repeats = 1 }.points == 7, "also where L is linear in v")
+local synonym = dm.chart { orbit, q = { 0.4, 0 }, v = { 0, 2 }, t = 5, rules = { "gauss(2)" }, steps = { 0.1 }, against = "reference", repeats = 1 }
+tap.ok(#synonym.points == 1 and math.abs(synonym.points[1].h - 0.1) < 1e-12, "steps = is another name of h =")
+tap.raises("'steps' must hold steps > 0", dm.chart, { orbit, q = { 0.4, 0 }, v = { 0, 2 }, t = 5, rules = { "gauss(2)" }, steps = { -1 } })
+tap.raises("against", dm.chart, { orbit, q = { 0.4, 0 }, v = { 0, 2 }, t = 5, rules = { "gauss(2)" }, against = "time" })
+tap.raises("did not settle", dm.chart, { orbit, q = { 0.001, 0 }, v = { 0, 0 }, t = 100, rules = { "verlet" } })
+
 tap.done()

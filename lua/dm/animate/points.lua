@@ -27,14 +27,16 @@ local function grouped(names, d)
   return out
 end
 
--- the columns that hold positions: those of q
+-- the columns that hold positions: those of q; of a run that watched, whatever it watched but the energy
 local function positions(path)
-  if path.watched then
-    fail("this run recorded only what it watched: say which columns are points, points = { {\"x\", \"y\"} }; there are %s",
-      table.concat(path.columns, ", "))
-  end
   local names, columns = {}, path.columns
-  for i = 2, 1 + #path.q[1] do names[#names + 1] = columns[i] end
+  local last = path.watched and #columns or 1 + #path.q[1]
+  for i = 2, last do
+    if columns[i] ~= "energy" then names[#names + 1] = columns[i] end
+  end
+  if #names == 0 then
+    fail("this run recorded only what it watched, and that is no point; there are %s", table.concat(columns, ", "))
+  end
   return names
 end
 
@@ -45,6 +47,7 @@ local function chosen(path, dim)
   if found and not dim then return found end
   local n = #names
   if n == 1 and not dim then return { names } end
+  if path.watched and not dim then return { { names[1], names[2] } } end  -- they need not be coordinates: a plane of two of them
   if not dim then dim = n == 3 and 3 or n % 2 == 0 and 2 or n % 3 == 0 and 3 or nil end
   if not dim or n % dim ~= 0 then
     fail("%d coordinates (%s) are not points of the plane or of space: say where the points are with "

@@ -1,0 +1,43 @@
+--- The steps of a chart for which none were given: from the coarsest that still shows the motion, by halves.
+local M = {}
+
+local SHOWN, COUNT = 0.03, 7             -- relative change of the end when a step is halved; how many steps
+local FEWEST, MOST, PATIENCE = 8, 2 ^ 22, 3  -- steps of a pilot run; how often in a row the change must be small
+
+local PILOTS = { "gauss(2)", "degenerate(2)" }  -- between them they step every system
+
+local function last(system, options, rule, n)
+  local path = system:solver({ rule = rule, h = options.t / n }):run {
+    q = options.q, v = options.v, p = options.p, t0 = options.t0, steps = n, every = n }
+  return path.q[#path]
+end
+
+-- the largest h at which a pilot sees the motion, and its next halves too (a coarse end may be near by chance); nil: at none
+local function coarsest(system, options, rule)
+  local before, good, first, n = nil, 0, nil, FEWEST
+  while n <= MOST do
+    local fine, q = pcall(last, system, options, rule, n)
+    if not fine and type(q) == "table" and q.code == "stopped" then error(q, 0) end
+    local near = fine and before and (q - before):norm() <= SHOWN * (q:norm() + 1e-300)
+    good = near and good + 1 or 0
+    if good == 1 then first = n / 2 end
+    if good == PATIENCE then return options.t / first end
+    before, n = fine and q or nil, 2 * n
+  end
+end
+
+--- A list of steps for the run of a chart; raises where a pilot run does not settle.
+function M.find(system, options)
+  for _, rule in ipairs(PILOTS) do
+    local h = coarsest(system, options, rule)
+    if h then
+      local out = {}
+      for i = 1, COUNT do out[i] = h / 2 ^ (i - 1) end
+      return out
+    end
+  end
+  error("dm.chart: no steps were given, and pilot runs with gauss(2) did not settle over t = "
+    .. ("%g: give steps, h = { 0.1, 0.05, 0.025 }, or a shorter t"):format(options.t), 0)
+end
+
+return M
