@@ -153,6 +153,10 @@ local function describe(info, out)
 end
 
 local function make(info)
+  if not info.quadratic then
+    info.autonomous = info.full:structure().autonomous
+    info.root = require "dm.routh_quadratic".root(info)
+  end
   local out = { L = function(x, u, t) return model.routhian(info, x, u, t) end }
   describe(info, out)
   tie(info, out)
@@ -185,8 +189,11 @@ local function examine(info, start)
   end
   check.lagrangian(info, slope)
   local sample = info.sample
-  local x, u = model.split(info, sample.q), model.split(info, sample.v)
-  local _, I = model.momentum_parts(info, x, u, sample.t)
+  local rows, I = model.derived(info).rows(sample.q, sample.v, sample.t), {}
+  for a = 1, info.m do
+    I[a] = {}
+    for b, i in ipairs(info.cyclic) do I[a][b] = rows[a][n + i] end
+  end
   info.order = check.inertia(info, I)
 end
 
@@ -199,7 +206,7 @@ M.routh = blame.caller(function(system, options)
   info.ambient = ambient
   info.mu = read_mu(info, options)
   examine(info, options.q and options.v and { q = options.q, v = options.v })
-  require "dm.routh_quadratic".check(info)
+  info.quadratic = require "dm.routh_quadratic".is(info)
   return make(info)
 end)
 

@@ -1,7 +1,7 @@
 --- What reduction reads off a Lagrangian that does not depend on m of its coordinates, theta, as graphs of (x, x', t):
 --   momentum c + I theta' + C x', locked inertia I = L_theta'theta', C = L_theta'x', connection A = I^-1 C,
 --   theta' = I^-1 (mu - L_theta'(x, x', 0)), classical Routhian R = L(x, x', 0) - (mu - L_theta').I^-1 (mu - L_theta') / 2,
--- which is L - mu . theta' at the momentum mu (Marsden & Scheurle 1993) where L is quadratic in theta'.
+-- which is L - mu . theta' at the momentum mu (Marsden & Scheurle 1993) where L is quadratic in theta'; dm.routh_quadratic has the rest.
 local core = require "dm.core"
 local linear = require "dm.routh_linear"
 
@@ -58,8 +58,15 @@ function M.momentum_parts(info, x, u, t)
   return c, I, C
 end
 
---- theta' at the momentum mu; also mu - p_theta at theta' = 0.
+--- Arguments of the implicit theta': t only where L depends on it, so that what does not is seen not to.
+function M.of_root(info, x, u, t)
+  if info.autonomous then return core.vector(x), core.vector(u) end
+  return core.vector(x), core.vector(u), t
+end
+
+--- theta' at the momentum mu; where L is quadratic in theta' also mu - p_theta at theta' = 0.
 function M.group_velocity(info, x, u, t)
+  if info.root then return info.root(M.of_root(info, x, u, t)) end
   local c, I = M.momentum_parts(info, x, u, t)
   local rest = {}
   for a = 1, info.m do rest[a] = info.mu[a] - c[a] end
@@ -68,6 +75,7 @@ end
 
 --- The classical Routhian: the stationary value of L - mu . theta' over theta'.
 function M.routhian(info, x, u, t)
+  if info.root then return info.root:value(M.of_root(info, x, u, t)) end
   local rate, rest = M.group_velocity(info, x, u, t)
   local sum, L = 0, info.L
   for a = 1, info.m do sum = sum + rest[a] * rate[a] end

@@ -1,11 +1,11 @@
---- Is L quadratic in theta'? Then theta' is eliminated by a linear system in the graph.
+--- Is L quadratic in theta'? Then theta' is eliminated by a linear system in the graph; else it is an implicit function, dm.root.
 local core = require "dm.core"
 local model = require "dm.routh_model"
 
 local M = {}
 
--- does the locked inertia change with theta'?
-local function varies(info)
+--- Does the locked inertia not change with theta'?
+function M.is(info)
   local rows = model.derived(info).rows
   local n = info.n
   for _, p in ipairs(info.points) do
@@ -16,19 +16,33 @@ local function varies(info)
     for a = 1, fine and info.m or 0 do
       for _, i in ipairs(info.cyclic) do
         local x, y = one[a][n + i], two[a][n + i]
-        if math.abs(x - y) > 1e-10 * math.max(1, math.abs(x)) then return p end
+        if math.abs(x - y) > 1e-10 * math.max(1, math.abs(x)) then return false end
       end
     end
   end
+  return true
 end
 
---- Raises where it is not.
-function M.check(info)
-  local p = varies(info)
-  if p then
-    error("L is not quadratic in the velocity of the group (its locked inertia changes with it, near "
-      .. require "dm.routh_check".at(p) .. "), so the momentum is no linear equation for it", 0)
+-- velocities of the group to begin Newton's method with: at rest, and those of the points that were looked at
+local function starts(info)
+  local out = { {} }
+  for a = 1, info.m do out[1][a] = 0 end
+  for k = 1, math.min(4, #info.points) do
+    local _, rate = model.split(info, info.points[k].v)
+    out[k + 1] = rate
   end
+  return out
+end
+
+--- theta'(x, x', t) at the momentum, where L - mu . theta' is stationary; its value is the classical Routhian.
+function M.root(info)
+  local L, mu = info.L, info.mu
+  return core.root { name = "velocity of the group at this momentum", unknowns = info.m, start = starts(info),
+    stationary = function(y, x, u, t)
+      local value = L(model.embed(info, x), model.embed(info, u, y), t or 0)
+      for a = 1, info.m do value = value - mu[a] * y[a] end
+      return value
+    end }
 end
 
 return M
