@@ -229,4 +229,6 @@ end)
 
 M.class = class
 
+require "dm.routh_del"
+
 return M

@@ -63,6 +63,8 @@ end
 M.reconstruct = blame.caller(function(path, options)
   options = options or {}
   check_keys(options, { theta = true }, "path:reconstruct")
+  local D = require "dm.routh_del".of(path.system)
+  if D then return require "dm.routh_del".reconstruct(D, path, shape_of.theta_list(D.info, options.theta)) end
   local info = info_of(path, "path:reconstruct")
   local theta = group_along(path, info, shape_of.theta_list(info, options.theta))
   local columns = columns_of(path, info, theta)

@@ -196,6 +196,7 @@ local function transfer(system, Phi, m, n, home)
     return Phi(y), solve(transposed, p)
   end
   T.system = system
+  T.chart = function(y) return Phi(y) end
   return T
 end
 

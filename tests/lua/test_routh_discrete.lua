@@ -62,6 +62,9 @@ end
 near((b - dm.vector(below(41))):norm(), 0, 1e-12, "the discrete Routh equations step along it")
 near(b[1] * cos(theta), orbit.q[41][1], 1e-12, "with the angle")
 near((D:residual(below(5), below(6), below(7)) - D:residual(below(5), below(6), below(7), "direct")):norm(), 0, 1e-14, "literal = direct")
+local flow = D:solver():run { q = { 1, 0 }, p = { 0, 0.28 }, steps = 1000 }
+local above = flow:reconstruct { theta = 0 }
+ok(dm.compare(orbit, above).worst < 1e-11, "stepped in C for 1000 steps and lifted, it is the unreduced path", tostring(dm.compare(orbit, above)))
 -- 3.1 the momentum map of the unreduced one
 worst = 0
 for k = 1, 1001 do worst = math.max(worst, abs(orbit.q[k][1] * orbit.p[k][2] - orbit.q[k][2] * orbit.p[k][1] - 0.96)) end
@@ -253,6 +256,7 @@ raises("two paths", function() dm.compare(p, 1) end)
 raises("unknown option", function() dm.compare(p, p, { column = "q1" }) end)
 
 -- misuse
+raises("every step must have been kept", function() D:solver():run({ q = { 1, 0 }, p = { 0, 0.28 }, steps = 10, every = 5 }):reconstruct() end)
 raises("not symplectic", function() shape:rsprk { h = 0.1, a = { { 0, 0 }, { 0.5, 0.5 } }, b = { 0.5, 0.5 }, A = { { 0.5, 0 }, { 0.5, 0.1 } } } end)
 raises("weight b_2 is zero", function() shape:rsprk { h = 0.1, a = { { 0, 0 }, { 0.5, 0.5 } }, b = { 1, 0 } } end)
 raises("gauss(s) or lobatto(s)", function() shape:rsprk { rule = "rk4", h = 0.1 } end)
