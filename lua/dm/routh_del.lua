@@ -1,6 +1,5 @@
 --- The discrete Routh equations of a formula Ld(q0, q1), stepped in C: they are the discrete Euler-Lagrange equations of the discrete Routhian
 -- W(x0, x1) = Ld(x0, x1, psi) - mu . psi, which is stationary in psi at psi_mu: an implicit function in its graph (dm.root).
-local blame = require "dm.blame"
 local core = require "dm.core"
 local model = require "dm.routh_model"
 
@@ -96,11 +95,5 @@ function M.reconstruct(D, path, theta)
   return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h, rule = path.rule, steps = path.steps,
     columns = columns_of(D, path, theta) }
 end
-
-core.method("dm.discrete_shape", "solver", blame.caller(M.solver), [[
-D:solver{...} -> dm.solver
-A solver of the discrete Routh equations, in C: of a formula Ld as the discrete Euler-Lagrange equations of D:routhian, with psi_mu an implicit function
-in its graph (run it from q0 and q1, or q and p; p is the canonical momentum s + mu A); of a rule the solver of the shape. path:reconstruct
-adds psi_mu from step to step. Options as for dm.solver.]])
 
 return M

@@ -169,6 +169,8 @@ function methods.step(D, x0, x1)
   error(("step: no next point was found after x1 = %s"):format(tostring(core.vector(x1))), 0)
 end
 
+function methods.solver(D, options) return require "dm.routh_del".solver(D, options) end
+
 ---- docs ----
 
 local function doc(name, text) core.method("dm.discrete_shape", name, blame.caller(methods[name]), text) end
@@ -209,6 +211,12 @@ D:step(x0, x1) -> x2, psi
 The next point of the discrete Routh equations after x0 and x1, and psi_mu(x1, x2), by Newton's method to round-off. For long runs of a rule use
 shape:solver, which takes the same steps.]])
 
+doc("solver", [[
+D:solver{...} -> dm.solver
+A solver of the discrete Routh equations, in C: of a formula Ld as the discrete Euler-Lagrange equations of D:routhian, with psi_mu an implicit function
+in its graph (run it from q0 and q1, or q and p; p is the canonical momentum s + mu A); of a rule the solver of the shape. path:reconstruct
+adds psi_mu from step to step. Options as for dm.solver.]])
+
 ---- its maker ----
 
 M.discrete = blame.caller(function(shape, given)
@@ -228,7 +236,5 @@ M.discrete = blame.caller(function(shape, given)
 end)
 
 M.class = class
-
-require "dm.routh_del"
 
 return M

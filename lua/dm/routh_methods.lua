@@ -13,8 +13,8 @@ system:routh{action=, section=, dimension=, names=, at=, mu=, ...} -> dm.system
 The system without its group variables: an ordinary dm.system in the dim Q - m coordinates that are left, whose Lagrangian is the
 classical Routhian L - mu . theta' at the momentum mu. cyclic: the coordinates that L does not depend on, by name or number (default: all
 of them); mu: their momentum, a number or a list (default: that of the start q, v). action(theta, q) moves points of Q (theta: a number,
-or a vector of `dimension` angles), or is a dm.action; section(x) gives a point of Q for every shape x (default: the points near `at` where as many
-coordinates as the group has dimensions are held); names: of theta and x. connection(x): m rows of dim Q - m
+or a vector of `dimension` angles), or is a dm.action; section(x) gives a point of Q for every shape x (default: the points near `at`, or near one that
+is found, where as many coordinates as the group has dimensions are held); names: of theta and x. connection(x): m rows of dim Q - m
 numbers, in place of the mechanical connection. Invariance is checked, and the first point that violates it is named; constraints and forces that the group
 keeps are reduced too. The reduced system also has connection, curvature, locked_inertia, amended_potential, lift, start,
 and its paths have reconstruct. Raises when L is no invariant, a force pushes along the group, or the locked inertia is singular.]])

@@ -69,11 +69,28 @@ local function moved_most(columns, n)
   return held
 end
 
+-- a point where L is finite and that the group moves in all its directions: a unit vector if one will do, so that what is held is zero
+local function somewhere(move, m, n, L, points)
+  local rest = core.vector(zeros(n))
+  local function will_do(q)
+    local fine, value = pcall(L, q, rest, 0)
+    local moves, columns = pcall(generators, move, m, q)
+    return fine and value == value and abs(value) < math.huge and moves and moved_most(columns, n)
+  end
+  for i = 1, n do
+    local q = zeros(n)
+    q[i] = 1
+    if will_do(core.vector(q)) then return q end
+  end
+  for _, p in ipairs(points) do
+    if will_do(p.q) then return p.q end
+  end
+  error("no point was found that the group moves in as many directions as it has dimensions: give 'section', or a point 'at' near which "
+    .. "one is made", 0)
+end
+
 -- the points where the coordinates that move most at `at` stay as they are there
 local function slice(move, m, n, at)
-  if not at then
-    error("option 'section' must be given, a function that gives a point of Q for every shape x; or 'at', a point near which one is made", 0)
-  end
   local held = moved_most(generators(move, m, at), n)
   if not held then error("the group does not move the point 'at' in as many directions as it has dimensions: take another one", 0) end
   local home = {}
@@ -196,7 +213,6 @@ local function transfer(system, Phi, m, n, home)
     return Phi(y), solve(transposed, p)
   end
   T.system = system
-  T.chart = function(y) return Phi(y) end
   return T
 end
 
@@ -237,7 +253,10 @@ function M.split(system, options)
   check_dimension(m, n)
   local move = mover(map, m)
   local section, home = options.section, nil
-  if not section then section, home = slice(move, m, n, options.at or options.q) end
+  local given = system.given
+  local function L(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end
+  local points = check.points(n, L)
+  if not section then section, home = slice(move, m, n, options.at or options.q or somewhere(move, m, n, L, points)) end
   local function chart(y)
     local theta, x = {}, {}
     for i = 1, m do theta[i] = y[i] end
@@ -245,8 +264,7 @@ function M.split(system, options)
     return move(theta, section(core.vector(x)))
   end
   local Phi = core.trace(chart, n)
-  local given = system.given
-  check_action(move, m, check.points(n, function(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end))
+  check_action(move, m, points)
   local slope = core.derivative(chart, n)
   local split = pulled_back(system, Phi, slope, n, names_of(options, m, n))
   local T, other = transfer(system, Phi, m, n, home), { mu = options.mu, connection = options.connection, cyclic = {} }
