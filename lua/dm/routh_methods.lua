@@ -106,7 +106,7 @@ local function solver(system, options)
   return plain(system, options)
 end
 
-core.method("dm.system", "solver", solver, core.docs[plain] .. [[
+core.method("dm.system", "solver", require "dm.blame".caller(solver), core.docs[plain] .. [[
 
 Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps as `rule`, whose p is s + mu A.]])
 
