@@ -77,9 +77,9 @@ local function read_mu(info, options)
   local mu, m = options.mu, info.m
   if mu == nil then
     if not options.q or not options.v then error("option 'mu' must be given, or the start q, v that has it", 0) end
-    local p = info.full:momentum(options.q, options.v)
+    local p = info.derived.slope(options.q, options.v, 0)
     mu = {}
-    for a, i in ipairs(info.cyclic) do mu[a] = p[i] end
+    for a, i in ipairs(info.cyclic) do mu[a] = p[info.n + i] end
     return mu
   end
   if type(mu) == "number" then mu = { mu } end
@@ -180,8 +180,7 @@ end
 
 -- invariance, a regular locked inertia that does not depend on theta', at points in the domain
 local function examine(info, start)
-  local n, L = info.n, info.L
-  local slope = core.derivative(function(q, v, t) return L(q, v, t) end, n, n, "number")
+  local n, slope = info.n, info.derived.slope
   info.points = check.points(n, slope, start)
   info.sample = info.points[1]
   if not info.sample then
@@ -204,6 +203,7 @@ M.routh = blame.caller(function(system, options)
   if options.action then system, options, ambient = require "dm.routh_section".split(system, options) end
   local info = read(system, options)
   info.ambient = ambient
+  info.derived = model.derive(info)
   info.mu = read_mu(info, options)
   examine(info, options.q and options.v and { q = options.q, v = options.v })
   info.quadratic = require "dm.routh_quadratic".is(info)

@@ -24,7 +24,7 @@ function M.split(info, q)
 end
 
 -- dL/d(q, v) and the rows dp_theta/d(q, v), traced
-local function derive(info)
+function M.derive(info)
   local n, L = info.n, info.L
   local slope = core.derivative(function(q, v, t) return L(q, v, t) end, n, n, "number")
   local rows = core.derivative(function(q, v, t)
@@ -32,14 +32,18 @@ local function derive(info)
     for a, at in ipairs(info.cyclic) do out[a] = g[n + at] end
     return core.vector(out)
   end, n, n, "number")
-  return { slope = slope, rows = rows, value = L(info.sample.q, info.sample.v, info.sample.t) }
+  return { slope = slope, rows = rows }
 end
+
+local function value_at_sample(info) return info.L(info.sample.q, info.sample.v, info.sample.t) end
 
 --- The derivatives of L as it is now: traced again when a number that L uses has changed.
 function M.derived(info)
   local kept = info.derived
-  if not kept or kept.value ~= info.L(info.sample.q, info.sample.v, info.sample.t) then
-    info.derived = derive(info)
+  local now = value_at_sample(info)
+  if not kept or kept.value ~= now then
+    if not kept or kept.value then info.derived = M.derive(info) end
+    info.derived.value = now
     info.shown = {}
   end
   return info.derived
