@@ -23,6 +23,15 @@ function M.need(system, what)
   return info
 end
 
+--- Raises where constraints or forces are in the way of what asked.
+function M.untied(info, what)
+  local given = info.full.given
+  if given.constraint or given.force then
+    error(("%s: this system has %s, for which shape:solver has the reduced equations"):format(what,
+      given.constraint and "constraints" or "a force"), 0)
+  end
+end
+
 local KNOWN = { "cyclic", "action", "section", "dimension", "names", "at", "mu", "connection", "q", "v" }
 
 local function check_keys(options)

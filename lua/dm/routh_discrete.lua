@@ -221,6 +221,7 @@ adds psi_mu from step to step. Options as for dm.solver.]])
 
 M.discrete = blame.caller(function(shape, given)
   local info = routh.need(shape, "discrete")
+  routh.untied(info, "discrete")
   local full = info.ambient and info.ambient.system or info.full
   local Ld = given
   if type(given) == "table" then Ld = core.discrete_lagrangian(info.full, { rule = given.rule, h = given.h }) end

@@ -112,6 +112,7 @@ M.rsprk = blame.caller(function(shape, options)
   if type(options) ~= "table" or type(options.h) ~= "number" or not (options.h > 0) then
     error("shape:rsprk takes a table { rule = \"gauss(2)\", h = a step > 0 }", 0)
   end
+  routh.untied(info, "rsprk")
   local a, A, b = tableau.read(options)
   local k = ingredients(info, options.beta)
   local d, s = info.d, #b
