@@ -10,13 +10,13 @@ local part = equations.part_of
 
 ---- multipliers that the given points imply ----
 
--- x with the least |A x - b|, by the normal equations of few unknowns
+-- the shortest x with the least |A x - b|, by singular values
 local function least_squares(A, b)
-  local m = core.matrix(A)
-  local t = m:transpose()
-  local fine, x = pcall(function() return (t * m):solve(t * core.vector(b)) end)
-  if not fine then
-    error("the multipliers do not follow from the points: give more of them, or `multiplier`", 0)
+  local m, x = core.matrix(A), core.zeros(#A[1])
+  local values, vectors = require "dm.action_test".singular(m)
+  local most = math.max(table.unpack(values))
+  for k, v in ipairs(vectors) do
+    if values[k] > 1e-9 * most then x = x + v * ((m * v):dot(core.vector(b)) / values[k] ^ 2) end
   end
   return x
 end
