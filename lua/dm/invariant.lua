@@ -210,6 +210,8 @@ end
 
 local Failure = { __name = "dm.failure", __tostring = function(f) return f.message end }
 
+M.Failure = Failure
+
 local function fail(p, report, curve, at)
   local why = report.text
   if report.outside > 0 then why = ("the root breaks condition %d of 'inside'"):format(report.outside) end
