@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, near, raises = tap.ok, tap.near, tap.raises
-local abs, atan, cos, exp, max, sin, sqrt = math.abs, math.atan, math.cos, math.exp, math.max, math.sin, math.sqrt
+local abs, atan, cos, exp, max, sin = math.abs, math.atan, math.cos, math.exp, math.max, math.sin
 local frame = dm.moving_frame
 
 -- rotations of the sphere about y^1, in the stereographic plane (Bogfjellmo 4.10)
