@@ -215,8 +215,8 @@ local function decide(scene)
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
   local split = scene.options.symmetry and require "dm.scene.symmetry".model(scene.problem, scene.options)
-  local rungs = reduce.ladder(scene.search, given, split)
-  for i = #rungs, 1, -1 do search.model(scene.search, rungs[i]) end
+  scene.rungs = reduce.ladder(scene.search, given, split)
+  for i = #scene.rungs, 1, -1 do search.model(scene.search, scene.rungs[i]) end
   scene.finalists = search.finalists(scene.search)
   choose(scene)
   scene.solver = pilot.solver(scene.best.model, scene.best.rule, scene.best.N)

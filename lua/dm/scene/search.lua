@@ -206,7 +206,7 @@ function M.model(search, model)
   end
 end
 
-local AS_GOOD = 1.08    -- costs that differ by less are equal: the smaller model is then preferred
+local AS_GOOD = 1.15    -- costs that differ by less are equal: the smaller model is then preferred
 local NEAR, ROUNDS = 1.6, 5  -- what cost so many times the best is timed again, so often
 
 -- candidates that are near to the best, timed once more; their least cost
