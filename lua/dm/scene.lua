@@ -110,7 +110,7 @@ end
 
 local PILOT_TIMES, HOLD_OUT_TIMES = 96, 61
 local GOLDEN, SILVER = 0.6180339887498949, 0.4142135623730951
-local SECONDS = 20
+local SECONDS, WITHOUT_CLOCK = 20, 600  -- of CPU; with a profile that was given no clock shall decide
 
 local function merged(a, b)
   local out = { table.unpack(a) }
@@ -298,8 +298,9 @@ M.scene = blame.caller(function(options)
   for key, value in pairs(options) do given[key] = value end
   local wanted = given.tolerance
   given.tolerance = wanted or 1
-  local scene = setmetatable({ system = system, options = given, profile = read_profile(options.profile),
-    allowed = options.seconds or SECONDS }, M)
+  local costs = read_profile(options.profile)
+  local scene = setmetatable({ system = system, options = given, profile = costs,
+    allowed = options.seconds or (costs.measures and SECONDS or WITHOUT_CLOCK) }, M)
   scene.problem = model.problem(system, given)
   if wanted == nil then
     local pixel = picture_tolerance(scene.problem, model.given(scene.problem):ready())

@@ -88,7 +88,7 @@ local function compare(costs, found, choice)
   costs:again(list, ROUNDS, 4)
   local best
   for _, c in ipairs(list) do
-    c.ns = costs:cost(c.model, c.rule, c.N)
+    c.ns = costs:least(c.model, c.rule, c.N)
     best = (not best or c.ns < best.ns) and c or best
   end
   return best

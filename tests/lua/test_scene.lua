@@ -44,7 +44,7 @@ near(run:column "theta"[#run], exact.q[#exact][2], 1e-3, "as an independent run 
 local why = scene:why()
 ok(why:find "dropped" and why:find "chosen" and why:find "as given" and why:find "agree to", "why: the ladder")
 ok(tostring(scene):find "theta" and tostring(run):find "error", "both print themselves")
-ok(#run == #run.t and run.t[#run] > 4.99, "a run is like a path")
+ok(#run == #run.t and run.t[#run] > 4.99 and #run:csv() > 20, "a run is like a path")
 
 -- a profile that is given decides without a clock
 local file = os.tmpname()
@@ -54,6 +54,19 @@ again:run()
 third:run()
 ok(again.best.rule == third.best.rule and again.best.N == third.best.N and again.best.ns == third.best.ns, "the same choice for one profile")
 ok(again.best.rule == scene.best.rule and again.best.N == scene.best.N, "which is that of the scene that measured it")
+local foreign = {}
+for i = 1, 2 do
+  foreign[i] = dm.scene { system = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }, q = { 0.8, 0 }, v = { 0, 1.2 },
+    watch = { "q1" }, tolerance = 1e-5, until_t = 20, rules = few, profile = file }
+  foreign[i]:run()
+end
+ok(foreign[1].best.rule == foreign[2].best.rule and foreign[1].best.N == foreign[2].best.N and foreign[1].best.ns == foreign[2].best.ns,
+  "also for a system that the profile does not know")
+ok(tostring(scene.profile):find "measured" and tostring(foreign[1].profile):find "as given", "profiles say what they are")
+local handle = assert(io.open(file, "a"))
+handle:write "0123 4 x y z verlet\n"
+handle:close()
+raises("does not read", spring, 1e6, { profile = file })
 os.remove(file)
 
 -- the cheapest model, for other systems

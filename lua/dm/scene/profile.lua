@@ -11,7 +11,7 @@ local min, max, huge = math.min, math.max, math.huge
 local function fail(...) error("dm.scene: " .. (...):format(select(2, ...)), 0) end
 
 --- An empty profile, which measures what it is asked for.
-function M.new() return setmetatable({ rows = {}, few = {}, measures = true }, M) end
+function M.new() return setmetatable({ rows = {}, few = {}, guessed = {}, measures = true }, M) end
 
 local LONG_ENOUGH, LONGEST = 4e-3, 60  -- s of CPU spent on one figure; repeats
 
@@ -52,8 +52,7 @@ local function estimate(self, model, rule, N)
   local steps = min(N, 64)
   solver:run(pilot.options_of(model, { steps = steps, every = steps }))
   local n = model.system.Q.dimension
-  local work = work_of(solver:report(), n) * N / steps
-  return { ns = work * rates[(#rates + 1) // 2], work = work }
+  return work_of(solver:report(), n) * N / steps * rates[(#rates + 1) // 2]
 end
 
 --- ns of N steps. What is not known is measured, or, in a profile that was given, estimated from its rates.
@@ -61,18 +60,21 @@ function M:cost(model, rule, N)
   local key = key_of(model, rule)
   local row = self.rows[key] or {}
   if row[N] then return row[N].ns end
-  local entry
-  if self.measures then
-    local ns, report = measure(model, rule, N, N, LONG_ENOUGH)
-    entry = { ns = ns * N, work = work_of(report, model.system.Q.dimension) }
-  else
-    self.guessed = self.guessed or {}
-    local known = self.guessed[key .. N] or estimate(self, model, rule, N)
-    self.guessed[key .. N] = known
-    return known.ns
+  if not self.measures then
+    local place = key .. " " .. N
+    self.guessed[place] = self.guessed[place] or estimate(self, model, rule, N)
+    return self.guessed[place]
   end
-  row[N], self.rows[key] = entry, row
-  return entry.ns
+  local ns, report = measure(model, rule, N, N, LONG_ENOUGH)
+  row[N] = { ns = ns * N, least = ns * N, work = work_of(report, model.system.Q.dimension) }
+  self.rows[key] = row
+  return ns * N
+end
+
+--- The least that N steps cost in all measurements.
+function M:least(model, rule, N)
+  local entry = (self.rows[key_of(model, rule)] or {})[N]
+  return entry and entry.least or self:cost(model, rule, N)
 end
 
 --- Time some runs once more, in turn, so that what else the machine does meets all of them alike; runs: list of { model, rule, N }.
@@ -81,7 +83,7 @@ function M:again(runs, rounds, seconds)
   for _ = 1, self.measures and rounds or 0 do
     for _, c in ipairs(runs) do
       local entry = self.rows[key_of(c.model, c.rule)][c.N]
-      entry.ns = min(entry.ns, measure(c.model, c.rule, c.N, c.N, 0) * c.N)
+      entry.least = min(entry.least, measure(c.model, c.rule, c.N, c.N, 0) * c.N)
     end
     if core.cpu() - began > seconds then break end
   end
@@ -96,8 +98,9 @@ function M:about(model, rule, N)
     local d = other > N and other / N or N / other
     if d < 1.15 and (not distance or d < distance or (d == distance and other > N)) then nearest, distance = entry.ns * N / other, d end
   end
-  if nearest or not self.measures then return nearest or self:cost(model, rule, N) end
+  if nearest then return nearest end
   local row = self.few[key] or {}
+  if not row[N] and not self.measures then return self:cost(model, rule, N) end
   self.few[key] = row
   row[N] = row[N] or measure(model, rule, N, min(N, FEW), LONG_ENOUGH / 5)
   return row[N] * N
@@ -105,21 +108,51 @@ end
 
 local doc_save = [[
 profile:save(file) -> file name
-Write the measured costs, a line each: model, steps, ns of CPU, operations, rule. dm.scene{profile = file} then chooses by these
-figures, without a clock, and so always the same.]]
+Write the measured costs, a line each: model, steps, ns, least ns, operations, rule. dm.scene{profile = file} then chooses by these figures, without
+a clock, and so always the same.]]
 
-function M:save(file)
+local HEAD = "dmlua scene profile 1"
+
+-- a line each: runs with their operations, short runs with none
+local function lines_of(self)
   local lines = {}
-  for key, row in pairs(self.rows) do
+  local function add(key, N, ns, least, work)
     local print, rule = key:match "^(%x+) (.*)$"
-    for N, entry in pairs(row) do lines[#lines + 1] = ("%s %d %.17g %.17g %s"):format(print, N, entry.ns, entry.work, rule) end
+    lines[#lines + 1] = ("%s %d %.17g %.17g %.17g %s"):format(print, N, ns, least, work, rule)
+  end
+  for key, row in pairs(self.rows) do
+    for N, entry in pairs(row) do add(key, N, entry.ns, entry.least, entry.work) end
+  end
+  for key, row in pairs(self.few) do
+    for N, ns in pairs(row) do add(key, N, ns, ns, 0) end
   end
   table.sort(lines)
+  return lines
+end
+
+function M:save(file)
   local handle, why = io.open(file, "w")
   if not handle then fail("cannot write the profile: %s", why) end
-  handle:write("dmlua scene profile 1\n", table.concat(lines, "\n"), "\n")
+  handle:write(HEAD, "\n", table.concat(lines_of(self), "\n"), "\n")
   handle:close()
   return file
+end
+
+local function positive(text)
+  local x = tonumber(text)
+  return x and x > 0 and x < huge and x or nil
+end
+
+-- one line of a profile into it; false where it does not read
+local function read_line(self, line)
+  local print, N, ns, least, work, rule = line:match "^(%x+) (%d+) (%S+) (%S+) (%S+) (.*)$"
+  N, ns, least, work = math.tointeger(positive(N)), positive(ns), positive(least), tonumber(work)
+  if not (rule and N and ns and least and work and work >= 0 and work < huge) then return false end
+  local key = print .. " " .. rule
+  local rows = work > 0 and self.rows or self.few
+  rows[key] = rows[key] or {}
+  rows[key][N] = work > 0 and { ns = ns, least = least, work = work } or ns
+  return true
 end
 
 --- The profile in a file, which no longer measures.
@@ -128,16 +161,12 @@ function M.read(file)
   if not handle then fail("option 'profile': %s", why) end
   local text = handle:read "a"
   handle:close()
-  local first, rest = text:match "^([^\n]*)\n(.*)$"
-  if first ~= "dmlua scene profile 1" then fail("option 'profile': %s is not a profile that scene.profile:save wrote", file) end
-  local out = setmetatable({ rows = {}, measures = false }, M)
+  local first, rest = (text or ""):match "^([^\n]*)\n(.*)$"
+  if first ~= HEAD then fail("option 'profile': %s is not a profile that scene.profile:save wrote", file) end
+  local out = M.new()
+  out.measures = false
   for line in rest:gmatch "[^\n]+" do
-    local print, N, ns, work, rule = line:match "^(%x+) (%d+) (%S+) (%S+) (.*)$"
-    ns, work = tonumber(ns), tonumber(work)
-    if not (rule and ns and work and ns > 0 and work > 0) then fail("option 'profile': %s has a line that does not read: %s", file, line) end
-    local key = print .. " " .. rule
-    out.rows[key] = out.rows[key] or {}
-    out.rows[key][math.tointeger(tonumber(N))] = { ns = ns, work = work }
+    if not read_line(out, line) then fail("option 'profile': %s has a line that does not read: %s", file, line) end
   end
   return out
 end

@@ -217,7 +217,7 @@ local function near(search)
   end
   search.profile:again(out, ROUNDS, search.seconds / 20)
   for _, c in ipairs(out) do
-    c.ns = search.profile:cost(c.model, c.rule, c.N)
+    c.ns = search.profile:least(c.model, c.rule, c.N)
     least = min(least, c.ns)
   end
   return out, least
