@@ -60,10 +60,10 @@ ok(#long == 0, "and no line of code that is too long to be read", table.concat(l
 
 -- with their own numbers: what is claimed is seen, in the same words from a shell
 for _, name in ipairs(demo.names()) do
-  local start = dm.clock()
+  local start = dm.cpu()
   local text, fine, seen, sentence = quiet(demo.run, name)
   ok(fine and seen, name .. ": " .. tostring(sentence):gsub("%s+", " "):gsub("#", "no."), not fine and seen or text)
-  ok(dm.clock() - start < 5, name .. " takes less than five seconds", dm.clock() - start)
+  ok(dm.cpu() - start < 3, name .. " takes less than three seconds", dm.cpu() - start)
 end
 
 -- with the least and the largest of every number: an answer, or a failure in words
@@ -114,12 +114,9 @@ if require "dm.manual".readline and os.execute(pty .. " true </dev/null >/dev/nu
   for _, name in ipairs(demo.names()) do
     local d, script = demo.find(name), {}
     for _ = 2, #d.steps do script[#script + 1], script[#script + 2] = "wait q: stop] ", "send \\r" end
-    local number = d.numbers[1]
-    for _, line in ipairs { "wait done > ", ("send %s = %g\\r"):format(number.name, number.value), "wait done > ", "send \\r" } do
-      script[#script + 1] = line
-    end
+    script[#script + 1], script[#script + 2] = "wait done > ", "send \\r"
     text = play("--demo " .. name, script)
-    ok(text:find "exit 0" and text:find "Change a number", name .. " on a terminal, and again", text)
+    ok(text:find "exit 0" and text:find "Change a number", name .. " on a terminal", text)
   end
   text = play("--demo noether", { "wait q: stop] ", "send q\\r" })
   ok(text:find "exit 0" and not text:find "angular momentum changed", "q stops", text)

@@ -3,7 +3,7 @@ return {
   title = "Many at once: a cloud of pendulums",
   about = [[The same system from many starts: members go side by side through vector registers and over all cores, and each ends with the bits it
     would have alone. A cloud of starts keeps its area (Liouville), but winds itself up.]],
-  numbers = { { name = "members", value = 2000, least = 10, most = 200000, what = "how many" },
+  numbers = { { name = "members", value = 2000, least = 10, most = 20000, what = "how many" },
     { name = "t", value = 40, least = 1, most = 2000, what = "how long" } },
   steps = {
     { "Starts in a disk, numbered random numbers: member i has the same ones in any order.", [[
