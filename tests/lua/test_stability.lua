@@ -111,4 +111,13 @@ raises("there are rows 1 to 5", map.limit, map, 9)
 raises("there are columns 1 to 31", map.at, map, 1, 99)
 raises("no row of rule 'rk4'", map.limit, map, { rule = "rk4" })
 raises("cannot be called 'table'", given { table = { 1 } })
+-- rows in beat with the orbit: the kinetic energy of the first of them is small by chance, and nothing has gone anywhere
+do
+  local springs = function(k) return dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - k * q[1] ^ 2) / 2 end } end
+  for _, count in ipairs { 30, 40 } do
+    local beat = dm.stability { system = springs, rule = "verlet", q = { 1 }, v = { 0 }, h = { 0.01, 1, count, "log" }, k = { 100 }, steps = 1000 }
+    tap.ok(math.abs(beat:limit(1) - 0.2) < 0.001, "the limit of Verlet is not moved by rows in beat with the orbit", beat:limit(1))
+  end
+end
+
 tap.done()

@@ -155,22 +155,25 @@ local function base_pass(map, system, rule, cells, rows)
   return stopped
 end
 
--- cells that drift are looked at for LONGER, with other rows: what was a part of a slow oscillation, or a beat of the orbit with its
--- rows, has another slope then
+-- cells that drift, or have gone elsewhere, are looked at for LONGER, with other rows: what was a part of a slow oscillation, or a beat of
+-- the orbit with its rows, has another slope then, and no jump
 local function second_look(map, system, rule, all)
   local cells, column = {}, nil
   for _, cell in ipairs(all) do
-    if cell.class == NUMBER.drifting then cells[#cells + 1] = cell end
+    if cell.class == NUMBER.drifting or cell.class == NUMBER.off then cells[#cells + 1] = cell end
   end
   if #cells == 0 then return end
   local o = starts(map, cells)
   o.watch, column = watch_of(map, system)
   o.rows, o.steps, o.t = OTHER_ROWS, map.options.steps and LONGER * map.options.steps, map.options.t and LONGER * map.options.t
   local e, stopped = guarded(function() return ensemble(map, system, rule, cells, o) end)
-  local s = e:summary(column)
+  local s, K = e:summary(column), o.watch.K and e:summary "K"
   for i, cell in ipairs(cells) do
     local slope = s.slope[i]
-    if e.status[i] == "ok" and slope == slope then
+    if cell.class == NUMBER.off then
+      local kinetic = K and abs(K.first[i]) + K.early[i] or 0
+      if e.status[i] == "ok" and not has_jumped(s, i, kinetic) and not is_growing(s, i, kinetic) then cell.class = NUMBER.bounded end
+    elseif e.status[i] == "ok" and slope == slope then
       local same = abs(slope - cell.slope) < 0.5 * abs(cell.slope) and abs(slope) > SIGMA * s.error[i]
       if not same then cell.class = NUMBER.bounded end
       cell.slope, cell.slope_error = finite(slope), finite(s.error[i])
