@@ -83,6 +83,11 @@ near(r[1] + r[2] + r[3], 6, 1e-12, "roots of (x - 1)(x - 2)(x - 3)"); near(r[1] 
 r, i = dm.polynomial_roots { 1, 0, 1, 0 }
 near(i[1] ^ 2, 1, 1e-14, "roots of 1 + x^2, a leading zero left out"); ok(#r == 2, "two of them")
 ok(dm.recurrence { 1, -1.9, 1 }.stable, "x - 1.9 + 1/x is bounded"); ok(not dm.recurrence { 1, -2, 1 }.stable, "a double root on the circle is not")
+local triple = dm.recurrence { -1, 3, -3, 1 }
+ok(not triple.stable and triple.times[1] == 3 and triple.why:find "k^2", "a triple root 1 grows like k^2", triple.why)
+near(triple.re[1], 1, 1e-14, "and is found to round-off")
+ok(dm.recurrence { 1, -1.9999, 1 }.stable, "two near ones on the circle are two")
+ok(dm.recurrence({ 0.25, -1, 1 }).stable, "a double root inside is harmless")
 local grow = dm.recurrence { 1, -2.1, 1 }
 ok(not grow.stable and grow.why:find "grows by that factor", "a root outside", grow.why); near(grow.largest, 1.05 + sqrt(1.05 ^ 2 - 1), 1e-12, "and its factor")
 
