@@ -92,7 +92,7 @@ local function finite(x) return x == x and abs(x) < huge and x or nil end
 local function look(map, cell, sums, i, name)
   local s, K = sums[name], sums.K
   local kinetic = K and abs(K.first[i]) + K.early[i] or 0
-  cell.kinetic = finite(kinetic)
+  cell.kinetic = finite(K and max(abs(K.least[i]), K.largest[i]) or 0)
   cell.error = finite(max(s.largest[i] - s.first[i], s.first[i] - s.least[i]))
   cell.slope, cell.slope_error = finite(s.slope[i]), finite(s.error[i])
   if sums.inside and not (sums.inside.least[i] > 0) then return "left" end
@@ -155,27 +155,34 @@ local function base_pass(map, system, rule, cells, rows)
   return stopped
 end
 
--- cells that drift, or have gone elsewhere, are looked at for LONGER, with other rows: what was a part of a slow oscillation, or a beat of
--- the orbit with its rows, has another slope then, and no jump
+-- cells that are lost by what their rows show, not by a failure, are looked at with other rows, which no beat of the orbit fits as well
+local function other_look(map, system, rule, all)
+  local cells = {}
+  for _, cell in ipairs(all) do
+    if cell.code == "ok" and (cell.class == NUMBER.off or cell.class == NUMBER["blow-up"]) then cells[#cells + 1] = cell end
+  end
+  if #cells > 0 then return base_pass(map, system, rule, cells, OTHER_ROWS) end
+end
+
+-- cells that drift are looked at for LONGER, with other rows: what was a part of a slow oscillation, or a beat of the orbit with its
+-- rows, has another slope then; what is damped away does not come back
 local function second_look(map, system, rule, all)
   local cells, column = {}, nil
   for _, cell in ipairs(all) do
-    if cell.class == NUMBER.drifting or cell.class == NUMBER.off then cells[#cells + 1] = cell end
+    if cell.class == NUMBER.drifting then cells[#cells + 1] = cell end
   end
   if #cells == 0 then return end
   local o = starts(map, cells)
   o.watch, column = watch_of(map, system)
   o.rows, o.steps, o.t = OTHER_ROWS, map.options.steps and LONGER * map.options.steps, map.options.t and LONGER * map.options.t
   local e, stopped = guarded(function() return ensemble(map, system, rule, cells, o) end)
-  local s, K = e:summary(column), o.watch.K and e:summary "K"
+  local s = e:summary(column)
   for i, cell in ipairs(cells) do
     local slope = s.slope[i]
-    if cell.class == NUMBER.off then
-      local kinetic = K and abs(K.first[i]) + K.early[i] or 0
-      if e.status[i] == "ok" and not has_jumped(s, i, kinetic) and not is_growing(s, i, kinetic) then cell.class = NUMBER.bounded end
-    elseif e.status[i] == "ok" and slope == slope then
-      local same = abs(slope - cell.slope) < 0.5 * abs(cell.slope) and abs(slope) > SIGMA * s.error[i]
-      if not same then cell.class = NUMBER.bounded end
+    if e.status[i] == "ok" and slope == slope then
+      local goes_on = slope * cell.slope > 0.5 * cell.slope ^ 2 and abs(slope) > SIGMA * s.error[i]
+      local is_gone = abs(s.mean[i] - s.first[i]) > 0.75 * max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
+      if not goes_on and not is_gone then cell.class = NUMBER.bounded end
       cell.slope, cell.slope_error = finite(slope), finite(s.error[i])
     end
   end
@@ -248,7 +255,7 @@ local function run_group(map, group, chaos)
   for from = 1, #group, MEMBERS do
     local part = table.move(group, from, math.min(from + MEMBERS - 1, #group), 1, {})
     local rule = map.rule_list[group[1].rule]
-    local stopped = base_pass(map, system, rule, part, ROWS) or second_look(map, system, rule, part)
+    local stopped = base_pass(map, system, rule, part, ROWS) or other_look(map, system, rule, part) or second_look(map, system, rule, part)
     if not stopped and chaos then stopped = chaos_pass(map, system, rule, part) end
     if stopped then return stopped end
   end

@@ -1,0 +1,137 @@
+-- docs/failures.md, line by line: where each method fails, measured, beside the theory
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sqrt, sin, cos, pi, abs, huge = math.sqrt, math.sin, math.cos, math.pi, math.abs, math.huge
+
+local function with(a, b)
+  local out = {}
+  for key, value in pairs(a) do out[key] = value end
+  for key, value in pairs(b) do out[key] = value end
+  return out
+end
+local function within(a, b, part, sentence) tap.ok(abs(a / b - 1) < part, sentence, ("%.6g against %.6g"):format(a, b)) end
+
+---- oscillators ----
+
+local spring = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+local map = spring:stability { rules = { "verlet", "lobatto(3)", "midpoint", "gauss(2)", "rkf45" }, h = { 0.05, 1e3, 80, "log" }, q = { 1 }, v = { 0 }, steps = 3000 }
+within(map:limit { rule = "verlet" }, 2, 0.005, "Verlet: h omega = 2")
+within(map:limit { rule = "lobatto(3)" }, sqrt(8), 0.005, "Lobatto 3: h omega = sqrt 8")
+ok(map:limit { rule = "midpoint" } == huge and map:limit { rule = "gauss(2)" } == huge, "midpoint and Gauss: no limit up to h omega = 1000")
+ok(map:at({ rule = "lobatto(3)" }, 3.2).class ~= "bounded" and map:at({ rule = "lobatto(3)" }, 4).class == "bounded", "Lobatto 3 is stable again between sqrt 12 and sqrt 24")
+ok(map:at({ rule = "rkf45" }, 0.8).class ~= "bounded", "GSL's rkf45 gains energy from small steps on", map:at({ rule = "rkf45" }, 0.8).why)
+
+-- a resonance at h omega = pi of a composition of order 6: a window a thousandth wide, which a coarse look passes over
+local _, told = dm.stability_limit "blanes-moan(6)"
+local gap = told.gaps[1]
+local here = spring:stability { rule = "blanes-moan(6)", h = { gap[1] - 2e-3, (gap[1] + gap[2]) / 2, gap[2] + 2e-3 }, q = { 1 }, v = { 0.5 }, steps = 400000, refine = false, chaos = false }
+ok(here:at(1, 1).class == "bounded" and here:at(1, 2).class ~= "bounded" and here:at(1, 3).class == "bounded", "Blanes-Moan 6: a narrow window of growth at h omega = pi", here:at(1, 2).why)
+
+---- the stiff spring in two dimensions ----
+
+local function stiff(k)
+  return dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - k / 2 * (q:norm() - 1) ^ 2 - 9.81 * q[2] end }
+end
+local swing = { q = { sin(1), -cos(1) }, v = { 0, 0 }, steps = 2000, chaos = false }
+local rules = { "verlet", "yoshida(4)", "suzuki(4)", "blanes-moan(4)", "kahan-li(6)", "blanes-moan(6)", "blanes-moan(6, 14)", "suzuki-umeno(8)", "sofroniou-spaletta(10)", "rk4" }
+map = stiff(1e6):stability(with(swing, { rules = rules, h = { 1.4e-3, 1.1e-2, 24, "log" } }))
+for i, rule in ipairs(rules) do
+  within(map:limit(i), map:theory(i), 0.03, ("stiff spring, %s: h sqrt(k) = %.4g"):format(rule, map:limit(i) * 1e3))
+end
+within(map:limit(1) * 1e3, 2, 0.01, "of which Verlet's is 2"); within(map:limit(2) * 1e3, 1.5734, 0.01, "and Yoshida's 1.5734")
+-- the midpoint rule has no linear limit, but the rod of a pendulum swings through its chords
+map = stiff(1e6):stability(with(swing, { rule = "midpoint", h = { 4e-3, 0.1 }, refine = false }))
+ok(map:at(1, 1).class == "bounded" and map:at(1, 2).class ~= "bounded", "midpoint on the stiff spring: fine at h sqrt(k) = 4, lost at 100", map:at(1, 2).why)
+
+---- Kepler at fixed steps ----
+
+local function kepler_limit(e, rule)
+  local turn = sqrt(1 + e) / (1 - e) ^ 1.5  -- rad per unit of time at the pericentre
+  local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+  return kepler:stability { rule = rule, h = { 0.2 / turn, 2 / turn, 24, "log" }, q = { 1 - e, 0 }, v = { 0, sqrt((1 + e) / (1 - e)) }, t = 200 * pi,
+    chaos = false, inside = function(q) return 4 - q:norm() end }:limit(1) * turn
+end
+for _, case in ipairs { { 0.3, "verlet" }, { 0.6, "verlet" }, { 0.6, "yoshida(4)" } } do
+  local turn = kepler_limit(case[1], case[2])
+  ok(turn > 0.8 and turn < 1.3, ("Kepler e = %.1f, %s: leaves the ellipse when a step turns about 1 rad at the pericentre"):format(case[1], case[2]), turn)
+end
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local orbit = { q = { 0.4, 0 }, v = { 0, 2 }, t = 200 * pi }
+map = kepler:stability(with(orbit, { rules = { "rk4", "rk8", "verlet", "gauss(2)" }, h = 0.1, chaos = false }))
+ok(map:at(1, 1).class == "drifting" and map:at(2, 1).class == "drifting", "explicit Runge-Kutta methods drift", map:at(1, 1).why .. " " .. map:at(2, 1).why)
+ok(map:at(3, 1).class == "bounded" and map:at(4, 1).class == "bounded", "Verlet and Gauss do not")
+raises("not finite", function() error((select(2, pcall(function()
+  kepler:solver({ rule = "log-hamiltonian", h = 0.1 }):run { q = { 1, 0 }, v = { 0, 1.5 }, steps = 10000 }
+end))).code:gsub("_", " ")) end)
+
+-- Newton's method stopped by a tolerance: what round-off kept is lost to the tolerance
+local function momentum_lost(tolerance)
+  local path = kepler:solver({ rule = "midpoint", h = 0.05, newton = { tolerance = tolerance } }):run(with(orbit, { every = 100 }))
+  local J = path:momentum(dm.SO(2))
+  return abs(J[#J] - J[1])
+end
+ok(momentum_lost(4e-15) < 1e-13 and momentum_lost(1e-3) > 1e-8, "a loose Newton loses the angular momentum of the midpoint rule", momentum_lost(1e-3))
+
+---- step-size resonances ----
+
+-- Verlet on q'' = -q - q^2 has a period of 3 steps a, a, b with b = c - a, c = (3 - h^2)/h^2, h^2 a^2 + (h^2 - 2) a + c = 0; at b it is at rest
+local function third(h)
+  local c, d = (3 - h * h) / (h * h), h * h - 2
+  return c - (-d + sqrt(d * d - 4 * h * h * c)) / (2 * h * h)
+end
+local well = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 - q[1] ^ 3 / 3 end }
+local function amplitude(h, side)
+  return (well:stability { rule = "verlet", h = h, a = { 1e-4, 0.45, 30, "log" }, q = function(a) return { side * a } end, v = { 0 }, steps = 20000, chaos = false }:limit(1))
+end
+for _, h in ipairs { 1.7, 1.72, 1.74, 1.76, 1.8 } do
+  local b = third(h)
+  within(amplitude(h, b > 0 and 1 or -1), abs(b), 0.02, ("resonance at h omega = sqrt 3: at h = %g stable up to the period of 3 steps, %.4f"):format(h, b))
+end
+ok(amplitude(sqrt(3), 1) < 1e-3 and amplitude(1, 1) > 0.4, "at h = sqrt 3 nothing is stable, at h = 1 most of the well", amplitude(1, 1))
+
+---- implicit steps without a solution ----
+
+local cubic = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + q[1] ^ 3 / 3 end }
+local fold = cubic:solver({ rule = "midpoint", h = 0.1 }):fold { q = { 1 }, v = { 0 } }
+near(fold.h, 1, 1e-8, "midpoint on q'' = q^2 from rest at 1: no step beyond h = 1 (closed form)"); ok(fold.fold, "since two solutions meet", fold.why)
+raises("did not converge", function() cubic:solver({ rule = "midpoint", h = 1.01 }):step { q = { 1 }, v = { 0 } } end)
+-- the angle of a discrete free rotor: r0 r1 sin psi = mu h has no root beyond mu h = r0 r1
+local psi = dm.root { equations = function(y, mh) return { math.sin(y[1]) - mh[1] } end, start = { 0 } }
+near(psi { 0.999 }[1], math.asin(0.999), 1e-12, "psi of a discrete reduction up to mu h = r0 r1")
+raises("no value", function() psi { 1.001 } end)
+
+---- coordinates ----
+
+local angles = dm.system { Q = dm.R(2), coordinates = { "theta", "phi" }, L = function(q, v) return (v[1] ^ 2 + sin(q[1]) ^ 2 * v[2] ^ 2) / 2 + 9.81 * cos(q[1]) end }
+angles = dm.system(with(angles.given, { L = function(q, v) return (v[1] ^ 2 + math.sin(q[1]) ^ 2 * v[2] ^ 2) / 2 + 9.81 * math.cos(q[1]) end }))
+local pole = angles:solver({ rule = "gauss(2)", h = 0.01 }):singularities { q = { 1, 0 }, v = { 0, 1e-4 }, t = 5 }
+ok(pole.why:find "'phi'" or pole.failure, "spherical angles at the pole", pole.why)
+local rod = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - 9.81 * q[3] end, constraint = function(q) return { q:dot(q) - 1 } end }
+local regular = rod:solver({ rule = "gauss(2)", h = 0.01 }):singularities { q = { sin(1), 0, -cos(1) }, v = { 0, 1e-4, 0 }, t = 5 }
+ok(#regular.places == 0, "the same pendulum in R^3 passes", regular.why)
+-- reduced: the hidden angle turns v^2/mu rad per unit of time at the bottom, and a step must follow it
+local speed = 2 * 9.81 * (1 - cos(1))
+for _, mu in ipairs { 0.1, 0.01 } do
+  local turn = angles:routh({ cyclic = { "phi" }, mu = mu }):stability { rule = "verlet", h = { 1e-2 * mu, mu, 20, "log" }, q = { 1 }, v = { 0 }, t = 10, chaos = false }:limit(1) * speed / mu
+  ok(turn > 0.5 and turn < 1.3, ("reduced by its symmetry at mu = %g: a step may turn the hidden angle by about 1 rad"):format(mu), turn)
+end
+local polar = dm.system { Q = dm.R(2), coordinates = { "r", "phi" }, L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 - q[1] ^ 2 / 2 end }
+near(polar:routh({ cyclic = { "phi" }, mu = 0.1 }):locked_inertia({ 0 })[1][1], 0, 0, "no inertia of the group where the bodies are in line with its axis")
+raises("infinite at the start", function() polar:routh({ cyclic = { "phi" }, mu = 0.1 }):solver({ rule = "midpoint", h = 0.01 }):run { q = { 0 }, v = { 1 }, steps = 1 } end)
+
+---- rolling, recurrences, chaos ----
+
+local function contact(shift)
+  return dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 + shift * math.sin(q[3]) * v[3] end,
+    rolling = function(q, v) return v[1] + q[2] * v[3] end }
+end
+local function drift_of(shift)
+  return contact(shift):solver({ rule = "midpoint", h = 2 * sin(pi / 40) }):run({ q = { sqrt(1.5), 1, -sqrt(0.5) }, v = { 0, 0, 0 }, steps = 10000 }):drift "energy".per_time
+end
+ok(abs(drift_of(1)) > 10 * abs(drift_of(0)), "a nonholonomic system that hides its reversal drifts", ("%g, %g"):format(drift_of(1), drift_of(0)))
+local recurrence = dm.recurrence { -1, 3, -3, 1 }
+ok(not recurrence.stable and recurrence.why:find "multiplicity 3", "a triple root 1: round-off grows like k^2", recurrence.why)
+local henon = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - (q:dot(q) / 2 + q[1] ^ 2 * q[2] - q[2] ^ 3 / 3) end }
+raises("disagree", function() henon:chart { q = { 0, -0.016 }, p = { 0.49974, 0 }, t = 2000, rules = { "verlet" }, h = { 0.05 }, samples = 4, repeats = 1 } end)
+tap.done()
