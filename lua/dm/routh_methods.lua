@@ -94,6 +94,19 @@ One step of the reduced symplectic partitioned Runge-Kutta rule as it is written
 (shape:magnetic_momentum): a check of shape:solver{rule = "rsprk(...)"}, which takes the same steps quickly. rule: gauss(s) or lobatto(s); or the coefficients a,
 b and, if they are not the partner, A, refused where they are not symplectic. beta(x): another magnetic form, to see what it changes.]])
 
+add("dm.system", "relative_equilibria", "dm.routh_equilibria", [[
+shape:relative_equilibria{region=, starts=, copies=} -> list of {x, mu, energy, velocity, index, values, stable}
+Motions along the group alone: stationary points of the amended potential in the region, a pair { least, most } for each coordinate of the shape, found by
+Newton's method from `starts` points (default 200) that fill it. velocity: of the group; index: negative directions of V_mu; values: {re, im}, the characteristic
+values of small motions, with the magnetic term; stable: "energy" (a minimum of V_mu), "spectral" (all values imaginary) or false. copies = false:
+mirror images, with the same energy, velocity and index, are listed once. print shows the list.]])
+
+add("dm.system", "continue", "dm.routh_equilibria", [[
+shape:continue(equilibrium, {mu = {from, to}, step=, points=, back=}) -> dm.branch
+The relative equilibria that go on from one, followed by arc length (Keller) in (x, mu), through folds, while mu is in the range; along its own direction where the group has
+several dimensions. step: largest step of arc length; back = true: towards smaller mu first. branch[i] as in relative_equilibria with momentum; branch.mu,
+.energy, .velocity, .growth, .x1 ...: columns; branch.events: folds, changes of stability, crossings of other branches.]])
+
 -- rsprk(rule) is one more name of a rule, of reduced systems
 local plain
 for f, doc in pairs(core.docs) do

@@ -64,8 +64,9 @@ end
 
 --- Arguments of the implicit theta': t only where L depends on it, so that what does not is seen not to.
 function M.of_root(info, x, u, t)
-  if info.autonomous then return core.vector(x), core.vector(u) end
-  return core.vector(x), core.vector(u), t
+  local mu = core.vector(info.mu)
+  if info.autonomous then return core.vector(x), core.vector(u), mu end
+  return core.vector(x), core.vector(u), mu, t
 end
 
 --- theta' at the momentum mu; where L is quadratic in theta' also mu - p_theta at theta' = 0.

@@ -34,11 +34,11 @@ local function starts(info)
   return out
 end
 
---- theta'(x, x', t) at the momentum, where L - mu . theta' is stationary; its value is the classical Routhian.
+--- theta'(x, x', mu, t), where L - mu . theta' is stationary; its value is the classical Routhian.
 function M.root(info)
-  local L, mu = info.L, info.mu
+  local L = info.L
   return core.root { name = "velocity of the group at this momentum", unknowns = info.m, start = starts(info),
-    stationary = function(y, x, u, t)
+    stationary = function(y, x, u, mu, t)
       local value = L(model.embed(info, x), model.embed(info, u, y), t or 0)
       for a = 1, info.m do value = value - mu[a] * y[a] end
       return value

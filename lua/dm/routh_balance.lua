@@ -1,0 +1,151 @@
+--- Relative equilibria of a reduced system, motions along the group alone: stationary points of the amended potential, and how small motions about
+-- them behave. With R^ = M x'.x'/2 + gyroscopic terms - V_mu: M y'' + S y' + K y = 0, S_ij = R_x'i xj - R_xi x'j, K = V_mu's Hessian.
+-- Stable by energy where K is positive definite; spectrally where all characteristic values are imaginary (Simo, Lewis & Marsden 1991).
+local core = require "dm.core"
+local linear = require "dm.routh_linear"
+local model = require "dm.routh_model"
+
+local M = {}
+
+local abs, max, sqrt = math.abs, math.max, math.sqrt
+
+-- what reduction knows, at the momentum mu (numbers or symbols)
+local function at_momentum(info, mu)
+  return setmetatable({ mu = mu }, { __index = info })
+end
+
+local function zeros(n)
+  local out = {}
+  for i = 1, n do out[i] = 0 end
+  return core.vector(out)
+end
+
+--- V_mu(x, mu) as a traced function of both, with exact derivatives.
+function M.potential(info)
+  model.derived(info)
+  return core.trace(function(x, mu)
+    return -model.routhian(at_momentum(info, mu), x, zeros(info.d), 0)
+  end, info.d, info.m)
+end
+
+--- R(x, x', mu) likewise.
+function M.routhian(info)
+  return core.trace(function(x, u, mu)
+    return model.routhian(at_momentum(info, mu), x, u, 0)
+  end, info.d, info.d, info.m)
+end
+
+local MOST, SMALL = 40, 1e-13
+
+local function rows_of(H, first, count, from)
+  local out = {}
+  for i = 1, count do
+    out[i] = {}
+    for k = 1, count do out[i][k] = H[first + i][from + k] end
+  end
+  return out
+end
+
+local function size_of(v, n)
+  local size = 0
+  for i = 1, n do size = max(size, abs(v[i])) end
+  return size
+end
+
+--- x with V_x = 0 by Newton's method from a start, with the step cut where the slope does not shrink; nothing where it ends elsewhere.
+function M.stationary(V, x, mu, d)
+  x = core.vector(x)
+  local fine, g = pcall(V.gradient, V, x, mu)
+  if not fine then return nil end
+  for _ = 1, MOST do
+    local H = V:hessian(x, mu)
+    local A, rest = rows_of(H, 0, d, 0), {}
+    for i = 1, d do rest[i] = g[i] end
+    local order = linear.order(A)
+    if not order then return nil end
+    local step, part, before = linear.solve(A, { rest }, order)[1], 1, size_of(g, d)
+    local trial, slope
+    repeat
+      trial = core.vector(x)
+      for i = 1, d do trial[i] = x[i] - part * step[i] end
+      local there, new = pcall(V.gradient, V, trial, mu)
+      slope = there and new or nil
+      part = part / 2
+    until slope and (size_of(slope, d) < before or part == 0.5 and size_of(step, d) < 1e-6) or part < 1e-3
+    if not slope then return nil end
+    local moved = 0
+    for i = 1, d do moved = max(moved, abs(trial[i] - x[i])) end
+    x, g = trial, slope
+    if moved <= SMALL * max(1, x:norm()) then break end
+    if part < 1e-3 then return nil end
+  end
+  if size_of(g, d) > 1e-9 * max(1, size_of(V:hessian(x, mu)[1], d)) then return nil end
+  return x
+end
+
+-- characteristic values of M y'' + S y' + K y = 0, as those of a matrix of twice the size
+local function characteristic(mass, S, K, d)
+  local order = linear.order(mass)
+  if not order then return nil end
+  local columns = {}
+  for k = 1, d do
+    columns[k], columns[d + k] = {}, {}
+    for i = 1, d do columns[k][i], columns[d + k][i] = -K[i][k], -S[i][k] end
+  end
+  local solved, A = linear.solve(mass, columns, order), {}
+  for i = 1, d do
+    A[i], A[d + i] = {}, {}
+    for k = 1, 2 * d do A[i][k], A[d + i][k] = k == d + i and 1 or 0, solved[k][i] end
+  end
+  return core.matrix(A):eigenvalues()
+end
+
+-- how many negative pivots: the index of a symmetric matrix
+local function index_of(K, d)
+  local A, index = {}, 0
+  for i = 1, d do
+    A[i] = {}
+    for k = 1, d do A[i][k] = K[i][k] end
+  end
+  for c = 1, d do  -- symmetric elimination by the largest diagonal entry that is left
+    local best = c
+    for i = c + 1, d do if abs(A[i][i]) > abs(A[best][best]) then best = i end end
+    A[c], A[best] = A[best], A[c]
+    for i = 1, d do A[i][c], A[i][best] = A[i][best], A[i][c] end
+    if A[c][c] < 0 then index = index + 1 end
+    for i = c + 1, d do
+      local factor = A[i][c] / A[c][c]
+      for k = c, d do A[i][k] = A[i][k] - factor * A[c][k] end
+    end
+  end
+  return index
+end
+
+local CLOSE = 1e-6  -- real part of a value that counts as imaginary, relative to the largest: double ones split by the root of round-off
+
+--- What a stationary point is: energy, velocity of the group, characteristic values, stability.
+function M.describe(info, R, V, x, mu)
+  local d, u = info.d, zeros(info.d)
+  local H = R:hessian(x, u, mu)
+  local mass, cross, K = rows_of(H, d, d, d), rows_of(H, d, d, 0), rows_of(V:hessian(x, mu), 0, d, 0)
+  local S = {}
+  for i = 1, d do
+    S[i] = {}
+    for k = 1, d do S[i][k] = cross[i][k] - cross[k][i] end
+  end
+  local list = {}
+  for a = 1, info.m do list[a] = mu[a] end
+  local rate = model.group_velocity(at_momentum(info, list), x, u, 0)
+  local out = { x = x, mu = core.vector(list), energy = V(x, mu), velocity = core.vector(rate), index = index_of(K, d), values = {} }
+  local re, im = characteristic(mass, S, K, d)
+  local largest, growth = 1e-300, 0
+  for i = 1, re and #re or 0 do
+    out.values[i] = { re[i], im[i] }
+    largest, growth = max(largest, sqrt(re[i] ^ 2 + im[i] ^ 2)), max(growth, re[i])
+  end
+  local spectral = re ~= nil and growth <= CLOSE * largest
+  out.stable = out.index == 0 and "energy" or spectral and "spectral" or false
+  return out
+end
+
+return M
