@@ -53,6 +53,8 @@ typedef struct {
     long first, count, steps;
     int velocity; /* starts are q and v, not q and p */
     int varied;   /* these are not the parameters of the system */
+    int names; /* stack index of parameters that are inputs of the kernels; 0: none are */
+    const double *values; /* of these */
 } dml_part;
 
 /* The options q, and v or p: raises unless they are sources; 1 for v. */
@@ -69,6 +71,12 @@ const double *dml_read_vary(lua_State *L, long members, uint32_t *count);
 
 /* Members from `first` on that have the same values. */
 long dml_vary_alike(const double *values, uint32_t count, long first, long members);
+
+/* True when the solver at 1 can step its system with the parameters in the list at `names` as inputs of one kernel. */
+int dml_vary_is_input(lua_State *L, int names);
+
+/* The same looked at where all members start: true when the trace with these inputs is the function. */
+int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r);
 
 /* Replace the solver at 1 by one of the same rule for a system with these values; names at `names`. */
 dml_solver *dml_vary_solver(lua_State *L, const double *values, int names);

@@ -79,7 +79,7 @@ static void open_steppers(lua_State *L, dml_stepping *r, int threads,
     for (int i = 1; i < threads; i++) {
         luaL_checkstack(L, 8, "too many threads");
         dml_stepping *other = lua_newuserdatauv(L, sizeof *other, 0);
-        *other = (dml_stepping){.solver = r->solver, .apart = 1};
+        *other = (dml_stepping){.solver = r->solver, .apart = 1, .names = r->names};
         dml_stepping_prepare(L, other, r->t0);
         steppers[i] = &other->stepper;
     }
@@ -127,19 +127,21 @@ static dm_ensemble_rows rows_of(const dml_part *p) {
 static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
                           int threads, clock_of_run *clock) {
     /* the first thread takes the kernels of the last run, where the system is the same one */
-    dml_stepping r = {.solver = solver, .apart = p->varied};
+    dml_stepping r = {.solver = solver, .apart = p->varied, .names = p->names};
     dm_stepper *steppers[DM_ENSEMBLE_THREADS];
     ensemble *e = p->e;
     dml_stepping_prepare(L, &r, e->t);
     if (r.model->callback) threads = 1; /* Lua runs in one thread */
     if (threads > p->count) threads = (int)p->count;
     dml_read_starts(L, p, &r);
+    if (p->names && !dml_vary_is_traced(L, p, &r)) return DM_NO_NATIVE;
     open_steppers(L, &r, threads, steppers);
     const dm_ensemble_rows rows = rows_of(p);
     const dm_ensemble plan = {.members = p->count,
                               .steps = p->steps,
                               .t0 = e->t,
                               .pace = e->pace ? e->pace + p->first : NULL,
+                              .params = p->values,
                               .state = e->state + (size_t)p->first * dm_state_size(e->n),
                               .member = e->member + p->first,
                               .rows = rows.room ? &rows : NULL,
@@ -155,6 +157,22 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
     for (int i = 0; i < threads; i++)
         if (solver->method->close) solver->method->close(steppers[i]);
     dml_rethrow(L, r.model);
+    return status;
+}
+
+/* all members by one kernel; DM_NO_NATIVE: that cannot be */
+static dm_status run_inputs(lua_State *L, const dml_part *p, const double *values,
+                            int names) {
+    clock_of_run clock = {.L = L, .start = now(), .all = p->e->members};
+    const int threads = read_threads(L), top = lua_gettop(L);
+    dml_part all = *p;
+    if (!values || !dml_vary_is_input(L, names)) return DM_NO_NATIVE;
+    all.varied = 1;
+    all.values = values;
+    all.names = names;
+    all.count = p->e->members;
+    const dm_status status = run_part(L, &all, lua_touserdata(L, 1), threads, &clock);
+    lua_settop(L, top);
     return status;
 }
 
@@ -177,7 +195,6 @@ static dm_status run_parts(lua_State *L, dml_part *p, const double *values,
         lua_settop(L, top);
         if (k % SWEEP == 0) lua_gc(L, LUA_GCCOLLECT, 0);
     }
-    dml_progress_end(L);
     return status;
 }
 
@@ -251,7 +268,10 @@ int dml_solver_ensemble(lua_State *L) {
         lua_pushvalue(L, lua_gettop(L));
         lua_setiuservalue(L, at, DML_ENSEMBLE_NAMES);
     }
-    const dm_status status = run_parts(L, &p, values, count, lua_gettop(L));
+    const int names = lua_gettop(L);
+    dm_status status = run_inputs(L, &p, values, names);
+    if (status == DM_NO_NATIVE) status = run_parts(L, &p, values, count, names);
+    dml_progress_end(L);
     p.e->t = t0 + p.e->h * (double)p.steps;
     if (status == DM_STOPPED) raise_stopped(L, p.e, t0, at);
     lua_settop(L, at);

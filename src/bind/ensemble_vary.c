@@ -1,5 +1,6 @@
 /* ensemble_vary.c - `vary = { name = ... }`: members of one ensemble with parameters of their own. */
 #include "bind/ensemble.h"
+#include "bind/model_params.h"
 #include "bind/system.h"
 
 #include <math.h>
@@ -82,21 +83,12 @@ long dml_vary_alike(const double *values, uint32_t count, long first, long membe
     return last - first;
 }
 
-static void push_copy(lua_State *L, int table) {
-    lua_newtable(L);
-    for (lua_pushnil(L); lua_next(L, table);) {
-        lua_pushvalue(L, -2);
-        lua_insert(L, -2);
-        lua_rawset(L, -4);
-    }
-}
-
 /* fields of the system, with these numbers among its params */
 static void push_fields(lua_State *L, int system, const double *values, int names) {
     lua_getiuservalue(L, system, 1);
-    push_copy(L, lua_gettop(L));
+    dml_pushcopy(L, -1);
     lua_getfield(L, -1, "params");
-    push_copy(L, lua_gettop(L));
+    dml_pushcopy(L, -1);
     for (lua_Integer k = 1; k <= luaL_len(L, names); k++) {
         lua_rawgeti(L, names, k);
         lua_pushnumber(L, values[k - 1]);
@@ -132,4 +124,59 @@ dml_solver *dml_vary_solver(lua_State *L, const double *values, int names) {
     lua_settop(L, twin);
     lua_replace(L, 1);
     return solver;
+}
+
+/* ---- parameters as inputs of one kernel ---- */
+
+/* what may fail: (solver, options, names) */
+static int try_inputs(lua_State *L) {
+    dml_stepping r = {.solver = lua_touserdata(L, 1), .apart = 1, .names = 3};
+    const dm_method *m = r.solver->method;
+    dml_stepping_prepare(L, &r, 0.0);
+    const dm_model *model = &r.model->model;
+    lua_pushboolean(L, m->widen && !(m->traits & DM_OWN_TIME) &&
+                           m->wants(r.solver->nodes, model) == DM_WANT_FORCE);
+    return 1;
+}
+
+int dml_vary_is_input(lua_State *L, int names) {
+    lua_pushcfunction(L, try_inputs);
+    lua_pushvalue(L, 1);
+    lua_pushvalue(L, 2);
+    lua_pushvalue(L, names);
+    const int fits = lua_pcall(L, 3, 1, 0) == LUA_OK && lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    return fits;
+}
+
+/* (what is compared): raises where trace and function differ at r->x, with the values behind it */
+static int compare(lua_State *L) {
+    const dml_stepping *r = lua_touserdata(L, 1);
+    const dml_signature sig = dml_withsignature(r->model->n, r->model->params);
+    dml_trace_check_start(L, 2, &sig, &r->model->model.value, lua_touserdata(L, 3));
+    return 0;
+}
+
+int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r) {
+    const uint32_t n = p->e->n, many = r->model->params;
+    const dm_model *model = &r->model->model;
+    const int top = lua_gettop(L);
+    double *x = lua_newuserdatauv(L, (2 * n + 1 + many) * sizeof *x, 0);
+    int same = 1;
+    dml_pushwith(L, r->system, r->names);
+    for (long i = 0; same && i < p->count; i++) {
+        const double *state = p->e->state + (size_t)i * dm_state_size(n);
+        memcpy(x, state, 2 * n * sizeof *x);
+        x[2 * n] = r->t0;
+        memcpy(x + 2 * n + 1, p->values + (size_t)i * many, many * sizeof *x);
+        if (dm_legendre_inverse(model, x + n, state, state + n, r->t0, r->work) != DM_OK)
+            continue;
+        lua_pushcfunction(L, compare);
+        lua_pushlightuserdata(L, r);
+        lua_pushvalue(L, top + 2);
+        lua_pushlightuserdata(L, x);
+        same = lua_pcall(L, 3, 0, 0) == LUA_OK;
+    }
+    lua_settop(L, top);
+    return same;
 }

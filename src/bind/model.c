@@ -101,6 +101,7 @@ static void refuse_many(lua_State *L, const dml_model *m) {
 
 /* after every dm_model_build, which knows nothing of them */
 static void attach_ties(dml_model *m) {
+    m->model.params = m->params;
     if (!m->tied.graph) return;
     m->model.ties = &m->ties;
     if (m->ties.structure & DM_TIES_TIMED) m->model.structure &= ~(unsigned)DM_AUTONOMOUS;

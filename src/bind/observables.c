@@ -51,7 +51,7 @@ void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping
     if (r->solver->pair)
         luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
     dml_want(L, r->model, DM_WANT_ENERGY, NULL);
-    *next(L, o) = (dm_observable){.kernel = &r->model->model.energy};
+    *next(L, o) = (dm_observable){.kernel = &r->model->model.energy, .of_model = 1};
     o->observer.work = r->work;
 }
 
@@ -61,7 +61,9 @@ void dml_observables_entry(lua_State *L, dml_observables *o, uint32_t entry) {
 
 void dml_observables_end(lua_State *L, dml_observables *o) {
     const dm_model *m = o->observer.model;
-    const size_t inputs = 3 * (size_t)m->n + 1, size = inputs + dm_legendre_work(m);
+    const size_t own = m->params ? 2 * (size_t)m->n + 1 + m->params : 0;
+    const size_t inputs = 3 * (size_t)m->n + 1 + own;
+    const size_t size = inputs + dm_legendre_work(m);
     o->observer.x = lua_newuserdatauv(L, size * sizeof(double), 0);
     memset(o->observer.x, 0, size * sizeof(double));
     if (o->observer.work) o->observer.work = o->observer.x + inputs;

@@ -1,5 +1,6 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/stepping.h"
+#include "bind/model_params.h"
 #include "bind/root.h"
 #include "bind/start_ties.h"
 
@@ -36,9 +37,12 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     r->system = lua_gettop(L);
     r->t0 = t0;
-    r->model = s->method->traits & DM_KEEPS && !r->apart
-                   ? dml_pushlast(L, r->system, backend_name(L))
-                   : dml_pushmodel(L, r->system);
+    if (r->names)
+        r->model = dml_pushwithparams(L, r->system, r->names);
+    else
+        r->model = s->method->traits & DM_KEEPS && !r->apart
+                       ? dml_pushlast(L, r->system, backend_name(L))
+                       : dml_pushmodel(L, r->system);
     r->model_at = lua_gettop(L);
     if (r->model->model.structure & DM_LINEAR_IN_V &&
         !(s->method->traits & (DM_DEGENERATE | DM_FOR_PAIRS)))

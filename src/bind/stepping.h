@@ -37,8 +37,9 @@ typedef struct {
     dml_solver *solver; /* at stack index 1; the options are at 2 */
     dml_model *model;
     int system, model_at; /* stack indices */
-    int apart;            /* a model of its own: other threads step with theirs */
-    unsigned wants;       /* kernels of the rule */
+    int names; /* stack index of the parameters that are inputs (model_params.h); 0: none are */
+    int apart;      /* a model of its own: other threads step with theirs */
+    unsigned wants; /* kernels of the rule */
     dm_stepper stepper;
     double t0;
     double *x;     /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */

@@ -53,6 +53,7 @@ typedef struct {
     dm_graph *graph; /* NULL when on hyper-dual numbers */
     dm_node lagrangian;
     uint32_t n;
+    uint32_t params; /* inputs behind t (model_params.h) */
     dm_model model;
     dml_callback *callback; /* NULL when traced */
     const char *backend;    /* of the kernels: "tape", "hyperdual" */

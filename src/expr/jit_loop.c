@@ -52,6 +52,7 @@ static void put_field(maker *m, const char *instruction, size_t offset) {
 #define LOAD_R14 "\x4D\x8B\x75"
 #define LOAD_R15 "\x4D\x8B\x7D"
 #define STORE_R15 "\x4D\x89\x7D"
+#define ADD_TO_R15 "\x4D\x03\x7D"
 #define DECREMENT "\x49\xFF\x4D"
 
 static void put_again(maker *m, size_t counter, size_t target) {
@@ -205,8 +206,8 @@ static dm_status open_part(maker *m, const dm_loop_part *p, dm_plan *plan, void 
 static uint32_t count_uses(const maker *m, const dm_loop_part *p, dm_node n) {
     const dm_expr *x = dm_at(p->graph, n);
     uint32_t uses = 0;
-    if (!(x->op == DM_OP_CONSTANT || (x->op == DM_OP_INPUT && x->as.input >= m->size)))
-        return 0;
+    const int shared = x->op == DM_OP_INPUT && x->as.input >= m->size && !p->own;
+    if (!(x->op == DM_OP_CONSTANT || shared)) return 0;
     for (uint32_t i = 0; i < m->e.plan->count; i++)
         for (int k = 0; k < m->e.plan->steps[i].operands; k++)
             uses += m->e.plan->steps[i].arg[k] == n;
@@ -278,6 +279,7 @@ static dm_status emit_part(maker *m, const dm_loop_part *p, const dm_plan *plan)
 /* a part for all groups, then on to the coefficients behind its own */
 static dm_status put_part(maker *m, const dm_loop_part *part, dm_loop_kind kind) {
     const dm_loop_part *p = part + kind;
+    const int own = p->own && m->width != DM_SCALAR;
     dm_plan plan;
     void *pool = NULL;
     if (!p->graph) return DM_OK;
@@ -289,6 +291,7 @@ static dm_status put_part(maker *m, const dm_loop_part *part, dm_loop_kind kind)
         put_field(m, LOAD_R14, FIELD(state));
         put_copy(m, FIELD(groups_left), FIELD(groups));
     }
+    if (own) put_field(m, STORE_R15, FIELD(part_now));
     m->e.code = m->code;
     if (m->width != DM_SCALAR) fix_constants(m, p);
     if (m->width != DM_SCALAR) fix_masks(m);
@@ -296,11 +299,13 @@ static dm_status put_part(maker *m, const dm_loop_part *part, dm_loop_kind kind)
     const size_t again = m->code.size;
     status = emit_part(m, p, &plan);
     if (status != DM_OK) return status;
+    if (own) put_field(m, ADD_TO_R15, FIELD(group_stride));
     if (m->width != DM_SCALAR) {
         PUT(m, "\x49\x81\xC6"); /* r14 += a group */
         put_number(m, (int32_t)m->size * m->bytes);
         put_again(m, FIELD(groups_left), again);
     }
+    if (own) put_field(m, LOAD_R15, FIELD(part_now));
     PUT(m, "\x49\x81\xC7"); /* r15 += coefficients */
     put_number(m, (int32_t)p->coefficients * m->bytes);
     m->loop->pool[kind] = pool;

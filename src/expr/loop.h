@@ -26,6 +26,7 @@ typedef struct {
     const dm_node
         *roots; /* [size]; no other carried input than i itself may stand for i */
     uint32_t coefficients;
+    int own; /* every group of lanes has coefficients of its own */
 } dm_loop_part;
 
 /* One call; native code reads and counts here. */
@@ -40,6 +41,10 @@ typedef struct {
         stride; /* bytes from the coefficients of a step to those of the next; 0: the same */
     int64_t groups_left, repeats_left;
     const double *now;
+    int64_t
+        group_stride; /* bytes between the coefficients of passes, where groups have their own: of a pass
+** coefficient j of its group k is at [j][k][lanes] */
+    const double *part_now;
 } dm_loop_call;
 
 typedef struct {

@@ -132,7 +132,7 @@ int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t
     const dm_source *s = &m->source;
     const uint32_t inputs = dm_graph_inputs(s->graph), n = m->n;
     *b = (dm_fusion){.model = m, .kicks = k, .size = size};
-    b->graph = dm_graph_new(s->arena, size + MOST_COEFFICIENTS);
+    b->graph = dm_graph_new(s->arena, size + MOST_COEFFICIENTS + m->params);
     b->state = dm_arena_take(s->arena, (size + (size_t)inputs) * sizeof *b->state);
     b->late = dm_arena_take(s->arena, 2 * (size_t)n * sizeof *b->late);
     if (!b->graph || !b->state || !b->late) return 0;
@@ -150,6 +150,12 @@ int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t
 
 dm_node dm_fusion_coefficient(dm_fusion *b) {
     return dm_input(b->graph, b->size + b->coefficients++);
+}
+
+void dm_fusion_params(dm_fusion *b) {
+    const uint32_t first = 2 * b->model->n + 1;
+    for (uint32_t j = 0; j < b->model->params; j++)
+        b->with[first + j] = dm_fusion_coefficient(b);
 }
 
 /* about the cycles from the inputs to every node */
@@ -341,7 +347,7 @@ void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p) {
 
 int dm_fusion_end(dm_fusion *b, dm_loop_part *out) {
     dm_fusion_settle(b);
-    *out = (dm_loop_part){b->graph, b->state, b->coefficients};
+    *out = (dm_loop_part){b->graph, b->state, b->coefficients, b->model->params > 0};
     return !b->failed && dm_graph_status(b->graph) == DM_OK;
 }
 

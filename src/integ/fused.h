@@ -64,6 +64,9 @@ int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t
 /* The next coefficient of the part. */
 dm_node dm_fusion_coefficient(dm_fusion *b);
 
+/* The parameters of the model are the next coefficients. */
+void dm_fusion_params(dm_fusion *b);
+
 /* factors[kicks->count] at b->q and time t, those of coordinates times hb; minus = -hb. */
 void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
                        dm_node minus);

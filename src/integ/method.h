@@ -24,8 +24,9 @@ struct dm_galerkin; /* stage.h */
 /* Members of an ensemble side by side in the lanes of vector registers, several groups of them. */
 typedef struct {
     uint32_t lanes, groups;
-    uint32_t together; /* groups is a multiple of it; 0 is 1 */
-    double *state;     /* [groups][dm_state_size][lanes] */
+    uint32_t together;    /* groups is a multiple of it; 0 is 1 */
+    double *state;        /* [groups][dm_state_size][lanes] */
+    const double *params; /* [groups x lanes][params of the model], by member */
 } dm_lanes;
 
 enum {
@@ -98,8 +99,9 @@ struct dm_stepper {
     int plain; /* sums without compensation are asked for; report.plain: they are had */
     double tolerance; /* Newton: relative, 4e-15 unless the user says otherwise */
     int max_iterations;
-    double *work;  /* method->work doubles */
-    void *outside; /* what close gives back */
+    const double *params; /* [params of the model] */
+    double *work;         /* method->work doubles */
+    void *outside;        /* what close gives back */
     double *
         aside; /* room for `memory` while a side step is taken (run/land.h); NULL: none */
     dm_report report;

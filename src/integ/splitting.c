@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* workspace: this, then x = (q, v, t), force[n], kicked[n], the state at the start of a burst, what the loop
+/* workspace: this, then x = (q, v, t, parameters), force[n], kicked[n], the state at the start of a burst, what the loop
 ** needs */
 typedef struct {
     dm_splitting table;
@@ -36,12 +36,13 @@ static size_t layout_size(void) {
 size_t dm_splitting_work(const dm_model *m) {
     const size_t loops =
         m->structure & DM_LOOPS ? dm_chain_work(m) : dm_splitting_loop_work(m);
-    return layout_size() + 4 * (size_t)m->n + 1 + dm_state_size(m->n) + loops;
+    return layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n) + loops;
 }
 
 static double *loop_work(const dm_stepper *s) {
     const uint32_t n = s->model->n;
-    return s->work + layout_size() + 4 * (size_t)n + 1 + dm_state_size(n);
+    return s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params +
+           dm_state_size(n);
 }
 
 /* forces a step: one for every kick but the first, which has that of the step before */
@@ -101,22 +102,35 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha,
     }
 }
 
+static dm_splitting_burst burst_of(const dm_stepper *s, double t, long count) {
+    const layout *l = (const layout *)(const void *)s->work;
+    return (dm_splitting_burst){.table = &l->table,
+                                .c = l->c,
+                                .h = s->h,
+                                .t = t,
+                                .count = count,
+                                .many = s->model->params,
+                                .params = s->params};
+}
+
 /* count steps with no look at what comes out */
 static void run(dm_stepper *s, double *state, double t, long count) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
     layout *l = (layout *)(void *)s->work;
     if (l->loop) {
-        const dm_splitting_burst burst = {&l->table, l->c, s->h, t, count};
+        const dm_splitting_burst burst = burst_of(s, t, count);
         dm_splitting_loop_run(l->loop, m, state, &burst, loop_work(s));
         s->report.evaluations += 1 + count * evaluations(&l->table);
         return;
     }
     const dm_splitting *table = &l->table;
-    double *x = s->work + layout_size(), *force = x + 2 * n + 1, *kicked = force + n;
+    double *x = s->work + layout_size(), *force = x + 2 * n + 1 + m->params,
+           *kicked = force + n;
     double *p = state + n, *low_q = state + 2 * n, *low_p = state + 3 * n;
     memcpy(x, state, n * sizeof *x);
     x[2 * n] = t;
+    if (m->params) memcpy(x + 2 * n + 1, s->params, m->params * sizeof *x);
     dm_kernel_prepare(&m->force, force);
     if (table->b[0] != 0.0) dm_kernel_eval(&m->force, x, force);
     for (long step = 0; step < count; step++) {
@@ -149,7 +163,7 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
                                long *done) {
     const uint32_t n = s->model->n;
     const size_t bytes = dm_state_size(n) * sizeof *state;
-    double *start = s->work + layout_size() + 4 * (size_t)n + 1;
+    double *start = s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params;
     *done = count;
     if (((const layout *)(const void *)s->work)->chain) {
         if (run_chain(s, state, t, count)) return DM_OK;
@@ -165,7 +179,7 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long coun
 
 void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
     const layout *l = (const layout *)(const void *)s->work;
-    const dm_splitting_burst burst = {&l->table, l->c, s->h, t, count};
+    const dm_splitting_burst burst = burst_of(s, t, count);
     dm_splitting_loop_run_lanes(l->loop, s->model, x, &burst, loop_work(s));
 }
 

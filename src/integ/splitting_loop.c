@@ -23,12 +23,13 @@ static unsigned shape_of(const dm_splitting *table) {
 
 /* ---- parts ---- */
 
-/* coefficients: force: t, h b, -h b; drift: h a; the first kick of a head: h b_0; in the order of use */
+/* coefficients: force: t, h b, -h b, parameters; drift: h a; the first kick of a head: h b_0; in the order of use */
 
 /* new factors, and where there is a low[n], p with other increments in its low parts, the kick by them */
 static void fuse_force(dm_fusion *b, dm_node *low) {
     const dm_node t = dm_fusion_coefficient(b), hb = dm_fusion_coefficient(b),
                   minus = dm_fusion_coefficient(b);
+    dm_fusion_params(b);
     dm_fusion_factors(b, b->more, t, hb, minus);
     for (uint32_t i = 0; low && i < b->model->n; i++) {
         dm_node *to = b->plain ? b->p : b->low_p;
@@ -164,7 +165,8 @@ int dm_splitting_loop_widen(dm_splitting_loop *l, const dm_model *m, dm_lanes *x
     *w = (dm_splitting_wide){0};
     if (!l->one.native || !dm_lanes_open(x, m, l->size)) return 0;
     const size_t group = (size_t)l->size * x->lanes;
-    const size_t spread = DM_LOOP_COEFFICIENTS * (size_t)x->lanes;
+    const size_t spread =
+        DM_LOOP_COEFFICIENTS * (size_t)x->lanes * (m->params ? x->groups : 1);
     w->wide = dm_arena_take(arena, group * x->groups * sizeof *w->wide);
     if (!w->wide || !dm_fused_build(&w->loop, m, l->part, l->size, x->lanes)) return 0;
     if ((l->shape & DM_LOOP_MERGED) &&

@@ -16,6 +16,8 @@ typedef struct {
     const double *c; /* [stages + 1] time of kick k is t + c_k h */
     double h, t;
     long count;
+    uint32_t many; /* parameters of the model */
+    const double *params;
 } dm_splitting_burst;
 
 /* Doubles that a run needs. */

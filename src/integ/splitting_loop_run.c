@@ -5,9 +5,10 @@
 /* ---- coefficients ---- */
 
 /* of a force at time `at` and of the kick by it */
-static double *put_force(double *c, double at, double hb) {
+static double *put_force(double *c, const dm_splitting_burst *x, double at, double hb) {
     c[0] = at, c[1] = hb, c[2] = -hb;
-    return c + 3;
+    if (x->many) memcpy(c + 3, x->params, x->many * sizeof *c);
+    return c + 3 + x->many;
 }
 
 /* of a merged step: the last kick is also the first one of the next step */
@@ -16,7 +17,7 @@ static double *put_merged(double *c, const dm_splitting_burst *x) {
     for (int k = 0; k < table->stages; k++) {
         const double next = k + 1 < table->stages ? 0.0 : table->b[0];
         *c++ = x->h * table->a[k];
-        c = put_force(c, 0.0, x->h * (table->b[k + 1] + next));
+        c = put_force(c, x, 0.0, x->h * (table->b[k + 1] + next));
     }
     return c;
 }
@@ -33,9 +34,9 @@ static double *put_step(double *c, unsigned shape, const dm_splitting_burst *x,
     for (int k = 0; k < table->stages; k++) {
         const int kick = kick_only_first ? k : k + 1;
         const double at = t + x->c[kick] * x->h, hb = x->h * table->b[kick];
-        if (kick_only_first) c = put_force(c, at, hb);
+        if (kick_only_first) c = put_force(c, x, at, hb);
         *c++ = x->h * table->a[k];
-        if (!kick_only_first && k < forces) c = put_force(c, at, hb);
+        if (!kick_only_first && k < forces) c = put_force(c, x, at, hb);
     }
     return c;
 }
@@ -56,10 +57,11 @@ static coefficients put_steps(double *c, const dm_splitting_loop *l, const dm_mo
     coefficients put = {.steps = left};
     if (dm_splitting_loop_ends(l->shape) == DM_LOOP_KICKS_AT_BOTH_ENDS &&
         !(l->shape & DM_LOOP_MERGED))
-        to = put_force(to, x->t + (double)done * x->h,
+        to = put_force(to, x, x->t + (double)done * x->h,
                        x->h * x->table->b[x->table->stages]);
+    const long of_step = DM_LOOP_OF_STEP + (DM_SPLITTING_STAGES + 1) * (long)x->many;
     for (long k = 0; k < different; k++) {
-        if (to - c > DM_LOOP_COEFFICIENTS - DM_LOOP_OF_STEP) {
+        if (to - c > DM_LOOP_COEFFICIENTS - of_step) {
             put.steps = k;
             break;
         }
@@ -81,9 +83,10 @@ static int64_t repeats(const dm_splitting_loop *l, const dm_splitting *table) {
 
 /* ---- one member ---- */
 
-/* p += hb force, for merged steps */
-static void kick_alone(const dm_loop *l, double *state, double *c, double hb) {
-    put_force(c, 0.0, hb);
+/* p += share h force, for merged steps */
+static void kick_alone(const dm_loop *l, double *state, double *c,
+                       const dm_splitting_burst *x, double share) {
+    put_force(c, x, 0.0, x->h * share);
     dm_loop_call call = {
         .state = state, .coefficients = c, .groups = 1, .repeats = 1, .steps = 1};
     dm_loop_run(l, &call);
@@ -106,8 +109,8 @@ static void begin(const dm_splitting_loop *l, uint32_t n, double *state, double 
     memcpy(work, state, merged ? 2 * each : 4 * each);
     if (made) memcpy(work + n, staggered(state, n), each);
     if (merged && !made)
-        kick_alone(&l->one_kick, work, work + dm_splitting_loop_carried(n),
-                   x->h * x->table->b[0]);
+        kick_alone(&l->one_kick, work, work + dm_splitting_loop_carried(n), x,
+                   x->table->b[0]);
 }
 
 static void end(const dm_splitting_loop *l, uint32_t n, double *state, double *work,
@@ -117,8 +120,8 @@ static void end(const dm_splitting_loop *l, uint32_t n, double *state, double *w
     if (merged) {
         memcpy(staggered(state, n), work + n, each);
         *staggered_by(state, n) = x->h;
-        kick_alone(&l->one_kick, work, work + dm_splitting_loop_carried(n),
-                   -(x->h * x->table->b[0]));
+        kick_alone(&l->one_kick, work, work + dm_splitting_loop_carried(n), x,
+                   -x->table->b[0]);
     }
     memcpy(state, work, merged ? 2 * each : 4 * each);
 }
@@ -149,6 +152,16 @@ static void spread(double *to, const double *c, size_t count, uint32_t lanes) {
         for (uint32_t lane = 0; lane < lanes; lane++) *to++ = c[i];
 }
 
+/* those of member i among members with their own: [pass][coefficient][group of the pass][lane] */
+static void spread_own(const dm_splitting_wide *w, const double *c, size_t count,
+                       uint32_t i) {
+    const uint32_t lanes = w->lanes.lanes, together = w->lanes.together;
+    const uint32_t group = i / lanes, pass = group / together;
+    double *to = w->spread + pass * count * together * lanes +
+                 (size_t)(group % together) * lanes + i % lanes;
+    for (size_t k = 0; k < count; k++) to[k * together * lanes] = c[k];
+}
+
 /* entries first .. first + count - 1 of all states to entries `at` .. of the carried values, or back */
 typedef struct {
     uint32_t first, count, at;
@@ -165,16 +178,56 @@ static void move(const dm_splitting_wide *w, const dm_model *m, uint32_t size,
     }
 }
 
-/* the same for all lanes: they go in step */
-static void kick_lanes(const dm_splitting_wide *w, double *c, double hb) {
-    put_force(c, 0.0, hb);
-    spread(w->spread, c, 3, w->lanes.lanes);
-    dm_loop_call call = {.state = w->wide,
-                         .coefficients = w->spread,
-                         .groups = w->lanes.groups,
-                         .repeats = 1,
-                         .steps = 1};
-    dm_loop_run(&w->kick, &call);
+/* what calls for members side by side share */
+typedef struct {
+    const dm_splitting_loop *l;
+    const dm_model *m;
+    const dm_splitting_wide *w;
+    double *c; /* coefficients of one member */
+} band;
+
+/* of steps from `done` on, or of a kick alone by a share of h */
+static coefficients put_call(const band *b, const dm_splitting_burst *x, long done,
+                             double share) {
+    if (share == 0.0) return put_steps(b->c, b->l, b->m, x, done);
+    const double *end = put_force(b->c, x, 0.0, x->h * share);
+    return (coefficients){.steps = 1, .count = (size_t)(end - b->c)};
+}
+
+/* the same for all lanes, or for every member with its parameters */
+static coefficients put_all(const band *b, const dm_splitting_burst *burst, long done,
+                            double share) {
+    const dm_lanes *x = &b->w->lanes;
+    dm_splitting_burst own = *burst;
+    coefficients put = {0};
+    if (!own.many) {
+        put = put_call(b, burst, done, share);
+        spread(b->w->spread, b->c, put.count, x->lanes);
+    }
+    for (uint32_t i = 0; own.many && i < x->groups * x->lanes; i++) {
+        own.params = x->params + (size_t)i * own.many;
+        put = put_call(b, &own, done, share);
+        spread_own(b->w, b->c, put.count, i);
+    }
+    return put;
+}
+
+/* one call of machine code; the steps it made */
+static long call_lanes(const band *b, const dm_splitting_burst *burst, long done,
+                       double share) {
+    const dm_lanes *x = &b->w->lanes;
+    const coefficients put = put_all(b, burst, done, share);
+    const int64_t each =
+        (int64_t)(x->lanes * sizeof *b->c) * (burst->many ? x->together : 1);
+    dm_loop_call call = {.state = b->w->wide,
+                         .coefficients = b->w->spread,
+                         .groups = x->groups,
+                         .repeats = repeats(b->l, burst->table),
+                         .steps = put.steps,
+                         .stride = put.stride * each,
+                         .group_stride = (int64_t)put.count * each};
+    dm_loop_run(share == 0.0 ? &b->w->loop : &b->w->kick, &call);
+    return put.steps;
 }
 
 /* momenta between kicks from where they were left; 0: there are none for this h */
@@ -198,27 +251,17 @@ void dm_splitting_loop_run_lanes(const dm_splitting_loop *l, const dm_model *m,
                                  dm_lanes *x, const dm_splitting_burst *burst,
                                  double *work) {
     dm_splitting_wide w = l->many;
+    const band b = {l, m, &w, work};
     const int merged = (l->shape & DM_LOOP_MERGED) != 0;
     const transfer main = {.count = merged ? 2 * m->n : 4 * m->n};
-    const double first = burst->h * burst->table->b[0];
+    const double first = burst->table->b[0];
     w.lanes = *x;
     move(&w, m, l->size, &main);
-    if (merged && !begin_staggered(&w, m, burst->h)) kick_lanes(&w, work, first);
-    for (long done = 0; done < burst->count;) {
-        const coefficients put = put_steps(work, l, m, burst, done);
-        spread(w.spread, work, put.count, x->lanes);
-        dm_loop_call call = {.state = w.wide,
-                             .coefficients = w.spread,
-                             .groups = x->groups,
-                             .repeats = repeats(l, burst->table),
-                             .steps = put.steps,
-                             .stride = put.stride * (int64_t)(x->lanes * sizeof *work)};
-        dm_loop_run(&w.loop, &call);
-        done += put.steps;
-    }
+    if (merged && !begin_staggered(&w, m, burst->h)) call_lanes(&b, burst, 0, first);
+    for (long done = 0; done < burst->count;) done += call_lanes(&b, burst, done, 0.0);
     if (merged) {
         end_staggered(&w, m, burst->h);
-        kick_lanes(&w, work, -first);
+        call_lanes(&b, burst, 0, -first);
     }
     move(&w, m, l->size, &(transfer){.count = main.count, .back = 1});
 }

@@ -80,6 +80,7 @@ typedef struct {
         *momentum_shift;   /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
     const uint8_t *cyclic; /* [n]: 1 where L does not depend on q_i */
     uint32_t operations;   /* of L itself */
+    uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;
     const struct dm_ties *ties; /* NULL: none */
 } dm_model;

@@ -25,7 +25,10 @@ typedef struct {
 
 /* one member as a run of its own; only the end is kept, in its place */
 static void run_member(const worker *w, const dm_ensemble *e, long i) {
+    const uint32_t many = w->stepper->model->params;
     double *state = e->state + (size_t)i * dm_state_size(w->stepper->model->n);
+    if (many) w->stepper->params = e->params + (size_t)i * many;
+    if (many && w->watch) w->watch->params = w->stepper->params;
     const dm_run_plan plan = {.t0 = e->t0,
                               .steps = e->steps,
                               .every = e->rows    ? e->rows->every
@@ -79,7 +82,8 @@ static void *work(void *arg) {
     const worker *w = arg;
     const dm_ensemble *e = w->common->e;
     const long share = w->block ? w->common->share : BLOCK;
-    const long size = e->pace && share > BLOCK ? BLOCK : share;
+    const int alike = !e->pace || (e->members > 1 && is_same_pace(e->pace, e->pace + 1));
+    const long size = !alike && share > BLOCK ? BLOCK : share;
     for (;;) {
         const long from = atomic_fetch_add(&w->common->next, size);
         if (from >= e->members || (e->stop && *e->stop)) return NULL;

@@ -26,6 +26,7 @@ typedef struct {
     double t0;
     const dm_pace *
         pace; /* [members]; NULL: the step of the steppers, `steps`, the rows' `every` for all */
+    const double *params; /* [members][params of the model] */
     double *
         state; /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
     dm_member *member;            /* [members] */

@@ -10,6 +10,7 @@ typedef struct {
     dm_lanes lanes;     /* as many groups as the members in hand need */
     uint32_t most;      /* groups */
     long burst;         /* steps between looks at the stop flag, from block to block */
+    double *params;     /* of the lanes, where the model has some */
     double *kept;       /* the states of the lanes when a burst began */
     double *alone;      /* one state */
     dm_observer *watch; /* what rows hold; NULL: q, p */

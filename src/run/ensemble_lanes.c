@@ -33,6 +33,22 @@ static dm_member *member_of(const block *x, long i) {
     return x->e->member + x->first + i;
 }
 
+/* parameters of member i of the block to the place of lane `to` */
+static void put_params(const block *x, long i, uint32_t to) {
+    const uint32_t many = x->b->stepper->model->params;
+    if (many)
+        memcpy(x->b->params + (size_t)to * many,
+               x->e->params + (size_t)(x->first + i) * many, many * sizeof(double));
+}
+
+/* what is computed for member i alone has its parameters */
+static void choose_params(const block *x, long i) {
+    const uint32_t many = x->b->stepper->model->params;
+    if (!many) return;
+    x->b->stepper->params = x->e->params + (size_t)(x->first + i) * many;
+    if (x->b->watch) x->b->watch->params = x->b->stepper->params;
+}
+
 /* a lane without a member of its own runs along with another's numbers */
 static void pad(block *x) {
     const uint32_t all = x->b->lanes.lanes * x->b->lanes.groups, n = dim(x);
@@ -41,8 +57,10 @@ static void pad(block *x) {
     if (whole == x->count) return;
     dm_lanes_get(&x->b->lanes, n, (uint32_t)whole, x->b->alone);
     for (uint32_t i = 0; i < all; i++)
-        if (i >= x->count || member_of(x, i)->status != DM_OK)
+        if (i >= x->count || member_of(x, i)->status != DM_OK) {
             dm_lanes_put(&x->b->lanes, n, i, x->b->alone);
+            put_params(x, whole, i);
+        }
 }
 
 /* ---- rows ---- */
@@ -58,6 +76,7 @@ static void keep_row(block *x, long i, const double *state, long steps) {
     const double t = x->b->stepper->method->traits & DM_OWN_TIME
                          ? state[4 * (size_t)dim(x)]
                          : time_of(x, steps);
+    choose_params(x, i);
     const dm_status status =
         dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
     if (status == DM_OK || m->status != DM_OK) return;
@@ -104,6 +123,7 @@ static void begin(block *x) {
         if (s->method->start) m->status = s->method->start(s, state_of(x, i), x->e->t0);
         if (m->status != DM_OK) continue;
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
+        put_params(x, i, (uint32_t)i);
         x->alive++;
     }
     pad(x);
@@ -116,6 +136,7 @@ static void repeat_alone(block *x, long i, double t, long count) {
     dm_member *m = member_of(x, i);
     double *state = state_of(x, i);
     long done = 0;
+    choose_params(x, i);
     kept.state = x->b->kept;
     dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
     m->status = dm_advance(s, state, t, count, &done);
@@ -188,8 +209,12 @@ int dm_block_open(dm_block *b, dm_stepper *s) {
     if (!s->method->widen || !s->method->widen(s, &b->lanes)) return 0;
     const size_t size = dm_state_size(s->model->n);
     const size_t all = size * b->lanes.lanes * b->lanes.groups;
-    b->kept = dm_arena_take(s->model->source.arena, (all + size) * sizeof(double));
+    const size_t params = (size_t)s->model->params * b->lanes.lanes * b->lanes.groups;
+    b->kept =
+        dm_arena_take(s->model->source.arena, (all + size + params) * sizeof(double));
     b->alone = b->kept + all;
+    b->params = b->alone + size;
+    b->lanes.params = b->params;
     b->most = b->lanes.groups;
     return b->kept != NULL;
 }

@@ -25,6 +25,16 @@ static dm_status place(dm_observer *o, const double *state, double t) {
     return dm_legendre_inverse(o->model, o->x + n, state, state + n, t, o->work);
 }
 
+/* the inputs of an observable */
+static const double *inputs_of(const dm_observer *o, const dm_observable *what) {
+    const uint32_t n = o->model->n, params = o->model->params;
+    double *own = o->x + 3 * n + 1;
+    if (!params || !what->of_model) return o->x;
+    memcpy(own, o->x, (2 * n + 1) * sizeof *own);
+    memcpy(own + 2 * n + 1, o->params, params * sizeof *own);
+    return own;
+}
+
 dm_status dm_observe(dm_observer *o, double *out, const double *state, double t) {
     const dm_status status = place(o, state, t);
     if (status != DM_OK) return status;
@@ -32,7 +42,7 @@ dm_status dm_observe(dm_observer *o, double *out, const double *state, double t)
         const dm_observable *what = o->list + i;
         if (what->kernel) {
             dm_kernel_prepare(what->kernel, out);
-            dm_kernel_eval(what->kernel, o->x, out);
+            dm_kernel_eval(what->kernel, inputs_of(o, what), out);
             out += what->kernel->outputs;
         } else {
             *out++ = state[what->entry];

@@ -8,14 +8,16 @@ typedef struct {
     const dm_kernel
         *kernel;    /* of x = (q[n], v[n], t, p[n]) or of its head; NULL: an entry */
     uint32_t entry; /* of (q[n], p[n]) */
+    int of_model; /* the kernel takes (q[n], v[n], t, params): it is one of the model's */
 } dm_observable;
 
 typedef struct {
     const dm_model *model;
     const dm_observable *list;
     uint32_t count;
-    double *x;    /* [3n + 1] */
-    double *work; /* dm_legendre_work doubles; NULL: no kernel reads v */
+    double *x;            /* [3n + 1], then (q, v, t, params) of models that have some */
+    const double *params; /* [params of the model] */
+    double *work;         /* dm_legendre_work doubles; NULL: no kernel reads v */
 } dm_observer;
 
 /* Numbers that dm_observe writes. */

@@ -14,7 +14,7 @@ static long loops_compared;
 static dm_loop_part random_part(random_source *r, dm_arena *arena, uint32_t size,
                                 int calls) {
     const uint32_t coefficients = random_below(r, COEFFICIENTS);
-    dm_loop_part p = {dm_graph_new(arena, size + coefficients), NULL, coefficients};
+    dm_loop_part p = {dm_graph_new(arena, size + coefficients), NULL, coefficients, 0};
     dm_node *roots = dm_arena_take(arena, size * sizeof *roots);
     const uint32_t count = 1 + random_below(r, 80);
     for (uint32_t i = 0; i < count; i++) {
