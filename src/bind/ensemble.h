@@ -72,10 +72,20 @@ const double *dml_read_vary(lua_State *L, long members, uint32_t *count);
 /* Members from `first` on that have the same values. */
 long dml_vary_alike(const double *values, uint32_t count, long first, long members);
 
-/* True when the solver at 1 can step its system with the parameters in the list at `names` as inputs of one kernel. */
-int dml_vary_is_input(lua_State *L, int names);
+/* What vary = {} asks for: values[members][count], names in a list on the stack; values NULL: nothing. */
+typedef struct {
+    const double *values;
+    uint32_t count;
+    int names;
+} dml_varied;
 
-/* The same looked at where all members start: true when the trace with these inputs is the function. */
+/*
+** Values of all parameters that kernels of the solver at 1 have as inputs, for every member: pushes a userdata. NULL
+** and another value pushed where it has none, or where something varies that is no input.
+*/
+const double *dml_vary_inputs(lua_State *L, long members, const dml_varied *v);
+
+/* True when the trace with these inputs is the function where the members of a part start. */
 int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r);
 
 /* Replace the solver at 1 by one of the same rule for a system with these values; names at `names`. */

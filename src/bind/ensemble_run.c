@@ -79,7 +79,7 @@ static void open_steppers(lua_State *L, dml_stepping *r, int threads,
     for (int i = 1; i < threads; i++) {
         luaL_checkstack(L, 8, "too many threads");
         dml_stepping *other = lua_newuserdatauv(L, sizeof *other, 0);
-        *other = (dml_stepping){.solver = r->solver, .apart = 1, .names = r->names};
+        *other = (dml_stepping){.solver = r->solver, .apart = 1, .numbers = r->numbers};
         dml_stepping_prepare(L, other, r->t0);
         steppers[i] = &other->stepper;
     }
@@ -127,14 +127,14 @@ static dm_ensemble_rows rows_of(const dml_part *p) {
 static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
                           int threads, clock_of_run *clock) {
     /* the first thread takes the kernels of the last run, where the system is the same one */
-    dml_stepping r = {.solver = solver, .apart = p->varied, .names = p->names};
+    dml_stepping r = {.solver = solver, .apart = p->varied, .numbers = !p->values};
     dm_stepper *steppers[DM_ENSEMBLE_THREADS];
     ensemble *e = p->e;
     dml_stepping_prepare(L, &r, e->t);
     if (r.model->callback) threads = 1; /* Lua runs in one thread */
     if (threads > p->count) threads = (int)p->count;
     dml_read_starts(L, p, &r);
-    if (p->names && !dml_vary_is_traced(L, p, &r)) return DM_NO_NATIVE;
+    if (p->values && !dml_vary_is_traced(L, p, &r)) return DM_NO_NATIVE;
     open_steppers(L, &r, threads, steppers);
     const dm_ensemble_rows rows = rows_of(p);
     const dm_ensemble plan = {.members = p->count,
@@ -160,41 +160,48 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
     return status;
 }
 
-/* all members by one kernel; DM_NO_NATIVE: that cannot be */
-static dm_status run_inputs(lua_State *L, const dml_part *p, const double *values,
-                            int names) {
-    clock_of_run clock = {.L = L, .start = now(), .all = p->e->members};
+/* a part, its parameters as inputs where that can be: then one kernel serves for all */
+static dm_status run_alike(lua_State *L, const dml_part *p, const dml_varied *v,
+                           clock_of_run *clock) {
     const int threads = read_threads(L), top = lua_gettop(L);
-    dml_part all = *p;
-    if (!values || !dml_vary_is_input(L, names)) return DM_NO_NATIVE;
-    all.varied = 1;
-    all.values = values;
-    all.names = names;
-    all.count = p->e->members;
-    const dm_status status = run_part(L, &all, lua_touserdata(L, 1), threads, &clock);
+    dml_part with = *p;
+    dm_status status = DM_NO_NATIVE;
+    with.values = dml_vary_inputs(L, p->count, v);
+    if (with.values) status = run_part(L, &with, lua_touserdata(L, 1), threads, clock);
     lua_settop(L, top);
+    if (status != DM_NO_NATIVE || v->values) return status;
+    return run_part(L, p, lua_touserdata(L, 1), threads, clock);
+}
+
+/* members by parts of the same parameters, each a system of its own */
+static dm_status run_parts(lua_State *L, dml_part *p, const dml_varied *v,
+                           clock_of_run *clock) {
+    enum { SWEEP = 32 }; /* parts after which their memory is asked back */
+    const int top = lua_gettop(L);
+    const long members = p->e->members;
+    dm_status status = DM_OK;
+    p->varied = 1;
+    lua_pushvalue(L, 1);
+    for (long k = 1; p->first < members && status == DM_OK; k++) {
+        p->count = dml_vary_alike(v->values, v->count, p->first, members);
+        dml_vary_solver(L, v->values + (size_t)p->first * v->count, v->names);
+        clock->before = p->first;
+        status = run_alike(L, p, &(dml_varied){0}, clock);
+        p->first += p->count;
+        lua_pushvalue(L, top + 1);
+        lua_replace(L, 1);
+        lua_settop(L, top + 1);
+        if (k % SWEEP == 0) lua_gc(L, LUA_GCCOLLECT, 0);
+    }
     return status;
 }
 
-/* members by parts of the same parameters, `values` of them (NULL: all have those of the system) */
-static dm_status run_parts(lua_State *L, dml_part *p, const double *values,
-                           uint32_t count, int names) {
-    enum { SWEEP = 32 }; /* parts after which their memory is asked back */
-    p->varied = values != NULL;
-    const int threads = read_threads(L), top = lua_gettop(L);
-    const long members = p->e->members;
-    clock_of_run clock = {.L = L, .start = now(), .all = members};
-    dml_solver *solver = lua_touserdata(L, 1);
-    dm_status status = DM_OK;
-    for (long k = 1; p->first < members && status == DM_OK; k++) {
-        p->count = values ? dml_vary_alike(values, count, p->first, members) : members;
-        if (values) solver = dml_vary_solver(L, values + (size_t)p->first * count, names);
-        clock.before = p->first;
-        status = run_part(L, p, solver, threads, &clock);
-        p->first += p->count;
-        lua_settop(L, top);
-        if (k % SWEEP == 0) lua_gc(L, LUA_GCCOLLECT, 0);
-    }
+static dm_status run_all(lua_State *L, dml_part *p, const dml_varied *v) {
+    clock_of_run clock = {.L = L, .start = now(), .all = p->e->members};
+    p->count = p->e->members;
+    dm_status status = run_alike(L, p, v, &clock);
+    if (status == DM_NO_NATIVE) status = run_parts(L, p, v, &clock);
+    dml_progress_end(L);
     return status;
 }
 
@@ -260,18 +267,16 @@ int dml_solver_ensemble(lua_State *L) {
     lua_pushvalue(L, 3);
     lua_setiuservalue(L, at, DML_ENSEMBLE_PACE);
     p.e->t = t0;
-    uint32_t count = 0;
-    const double *values = dml_read_vary(L, members, &count);
-    if (values) {
+    dml_varied v = {0};
+    v.values = dml_read_vary(L, members, &v.count);
+    if (v.values) {
         lua_pushvalue(L, at + 1);
         lua_setiuservalue(L, at, DML_ENSEMBLE_VARIED);
         lua_pushvalue(L, lua_gettop(L));
         lua_setiuservalue(L, at, DML_ENSEMBLE_NAMES);
     }
-    const int names = lua_gettop(L);
-    dm_status status = run_inputs(L, &p, values, names);
-    if (status == DM_NO_NATIVE) status = run_parts(L, &p, values, count, names);
-    dml_progress_end(L);
+    v.names = lua_gettop(L);
+    const dm_status status = run_all(L, &p, &v);
     p.e->t = t0 + p.e->h * (double)p.steps;
     if (status == DM_STOPPED) raise_stopped(L, p.e, t0, at);
     lua_settop(L, at);

@@ -149,7 +149,7 @@ static void start_on_ties(lua_State *L, const dml_part *these, dml_stepping *r, 
 void dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     const uint32_t n = these->e->n;
     read_columns(L, these);
-    if (!these->names) check_trace(L, these, r);
+    if (!these->values) check_trace(L, these, r);
     for (long i = these->first; i < these->first + these->count; i++) {
         double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *x = r->x;
         if (these->velocity) {

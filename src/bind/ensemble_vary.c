@@ -128,54 +128,105 @@ dml_solver *dml_vary_solver(lua_State *L, const double *values, int names) {
 
 /* ---- parameters as inputs of one kernel ---- */
 
-/* what may fail: (solver, options, names) */
-static int try_inputs(lua_State *L) {
-    dml_stepping r = {.solver = lua_touserdata(L, 1), .apart = 1, .names = 3};
-    const dm_method *m = r.solver->method;
+/* (solver, options) -> names of all parameters that its kernels have as inputs, or nothing */
+static int find_names(lua_State *L) {
+    dml_stepping r = {.solver = lua_touserdata(L, 1)};
     dml_stepping_prepare(L, &r, 0.0);
-    const dm_model *model = &r.model->model;
-    lua_pushboolean(L, m->widen && !(m->traits & DM_OWN_TIME) &&
-                           m->wants(r.solver->nodes, model) == DM_WANT_FORCE);
+    if (!r.inputs) return 0;
+    dml_pushnames(L, &r);
     return 1;
 }
 
-int dml_vary_is_input(lua_State *L, int names) {
-    lua_pushcfunction(L, try_inputs);
-    lua_pushvalue(L, 1);
-    lua_pushvalue(L, 2);
-    lua_pushvalue(L, names);
-    const int fits = lua_pcall(L, 3, 1, 0) == LUA_OK && lua_toboolean(L, -1);
-    lua_pop(L, 1);
-    return fits;
+/* the place of a name in the list at `names`, from 0; -1: none */
+static lua_Integer place_of(lua_State *L, int names, const char *name) {
+    const lua_Integer count = luaL_len(L, names);
+    lua_Integer found = -1;
+    for (lua_Integer k = 1; k <= count && found < 0; k++) {
+        lua_rawgeti(L, names, k);
+        if (strcmp(lua_tostring(L, -1), name) == 0) found = k - 1;
+        lua_pop(L, 1);
+    }
+    return found;
 }
 
-/* (what is compared): raises where trace and function differ at r->x, with the values behind it */
+/* the varied ones are all among the inputs */
+static int are_inputs(lua_State *L, int inputs, int varied, uint32_t count) {
+    int all = 1;
+    for (uint32_t k = 0; k < count; k++) {
+        lua_rawgeti(L, varied, k + 1);
+        all = all && place_of(L, inputs, lua_tostring(L, -1)) >= 0;
+        lua_pop(L, 1);
+    }
+    return all;
+}
+
+/* one column of the inputs: varied, or as the system has it */
+static void fill_column(lua_State *L, double *out, uint32_t many, long members,
+                        const dml_varied *v) {
+    const char *name = lua_tostring(L, -1);
+    const lua_Integer k = v->values ? place_of(L, v->names, name) : -1;
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    dml_systemfield(L, -1, "params");
+    lua_getfield(L, -1, name);
+    const double own = lua_tonumber(L, -1);
+    lua_pop(L, 3);
+    for (long i = 0; i < members; i++)
+        out[(size_t)i * many] = k < 0 ? own : v->values[(size_t)i * v->count + (size_t)k];
+}
+
+const double *dml_vary_inputs(lua_State *L, long members, const dml_varied *v) {
+    const int inputs = lua_gettop(L) + 1;
+    lua_pushcfunction(L, find_names);
+    lua_pushvalue(L, 1);
+    lua_pushvalue(L, 2);
+    if (lua_pcall(L, 2, 1, 0) != LUA_OK || !lua_istable(L, inputs) ||
+        (v->values && !are_inputs(L, inputs, v->names, v->count)))
+        return lua_settop(L, inputs), NULL;
+    const uint32_t many = (uint32_t)luaL_len(L, inputs);
+    double *out = lua_newuserdatauv(L, (size_t)members * many * sizeof *out, 0);
+    for (uint32_t j = 0; j < many; j++) {
+        lua_rawgeti(L, inputs, j + 1);
+        fill_column(L, out + j, many, members, v);
+        lua_pop(L, 1);
+    }
+    lua_replace(L, inputs);
+    return out;
+}
+
+/* (what is compared, function, inputs): raises where trace and function differ */
 static int compare(lua_State *L) {
     const dml_stepping *r = lua_touserdata(L, 1);
-    const dml_signature sig = dml_withsignature(r->model->n, r->model->params);
-    dml_trace_check_start(L, 2, &sig, &r->model->model.value, lua_touserdata(L, 3));
+    const dml_model *m = r->inputs;
+    const dml_signature sig = dml_withsignature(m->n, m->params);
+    dml_trace_check_start(L, 2, &sig, &m->model.value, lua_touserdata(L, 3));
     return 0;
 }
 
 int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r) {
-    const uint32_t n = p->e->n, many = r->model->params;
-    const dm_model *model = &r->model->model;
+    const uint32_t n = p->e->n, many = r->inputs->params;
+    const size_t bytes = many * sizeof(double);
     const int top = lua_gettop(L);
-    double *x = lua_newuserdatauv(L, (2 * n + 1 + many) * sizeof *x, 0);
+    double *x = lua_newuserdatauv(L, (2 * n + 1) * sizeof *x + bytes, 0);
     int same = 1;
-    dml_pushwith(L, r->system, r->names);
+    dml_pushnames(L, r);
+    dml_pushwith(L, r->system, -1);
+    const int fn = lua_gettop(L);
     for (long i = 0; same && i < p->count; i++) {
-        const double *state = p->e->state + (size_t)i * dm_state_size(n);
+        const double *state = p->e->state + (size_t)(p->first + i) * dm_state_size(n);
+        const double *values = p->values + (size_t)i * many;
+        if (i && memcmp(values, values - many, bytes) == 0) continue;
         memcpy(x, state, 2 * n * sizeof *x);
         x[2 * n] = r->t0;
-        memcpy(x + 2 * n + 1, p->values + (size_t)i * many, many * sizeof *x);
-        if (dm_legendre_inverse(model, x + n, state, state + n, r->t0, r->work) != DM_OK)
+        memcpy(x + 2 * n + 1, values, bytes);
+        if (dm_legendre_inverse(&r->model->model, x + n, state, state + n, r->t0,
+                                r->work) != DM_OK)
             continue;
         lua_pushcfunction(L, compare);
         lua_pushlightuserdata(L, r);
-        lua_pushvalue(L, top + 2);
+        lua_pushvalue(L, fn);
         lua_pushlightuserdata(L, x);
         same = lua_pcall(L, 3, 0, 0) == LUA_OK;
+        lua_settop(L, fn);
     }
     lua_settop(L, top);
     return same;

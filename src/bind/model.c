@@ -166,7 +166,8 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     const double start = now_ms();
     push_function(L, arg, s);
     const int fn = lua_gettop(L);
-    dml_model *m = lua_newuserdatauv(L, sizeof *m, 3); /* arena, function, callback */
+    dml_model *m = lua_newuserdatauv(L, sizeof *m, 4); /* arena, function, callback, the
+** model with parameters as inputs (model_params.h) or false */
     *m = (dml_model){.n = s->n};
     m->arena = dml_pusharena(L);
     lua_setiuservalue(L, -2, 1);

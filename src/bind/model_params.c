@@ -2,7 +2,9 @@
 #include "bind/model_params.h"
 
 #include "expr/analyse.h"
-#include "expr/sum.h"
+
+#include <math.h>
+#include <string.h>
 
 void dml_pushcopy(lua_State *L, int table) {
     table = lua_absindex(L, table);
@@ -47,6 +49,8 @@ dml_signature dml_withsignature(uint32_t n, uint32_t params) {
                            .may_grow = 1};
 }
 
+/* ---- which of them ---- */
+
 /* L alone: nothing that ties it is traced with them */
 static int is_bare(lua_State *L, int system, const dml_system *s) {
     static const char *const ties[] = {"constraint", "rolling",  "control",
@@ -59,40 +63,162 @@ static int is_bare(lua_State *L, int system, const dml_system *s) {
     return bare;
 }
 
-/* forces see the parameters, momenta do not */
-static int is_split(const dml_model *m) {
-    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
-    return (m->model.structure & simple) == simple && m->model.inverse_mass &&
-           !(m->model.structure & DM_LOOPS) &&
-           !dm_depends(m->graph, m->model.source.gradient + m->n, m->n, 2 * m->n + 1,
-                       m->params);
+/* push the names of the parameters that are numbers, in alphabetical order */
+static void push_numbers(lua_State *L, int system) {
+    lua_newtable(L);
+    const int names = lua_gettop(L);
+    if (dml_systemfield(L, system, "params") != LUA_TTABLE) return lua_settop(L, names);
+    for (lua_pushnil(L); lua_next(L, names + 1); lua_pop(L, 1)) {
+        if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != LUA_TNUMBER) continue;
+        lua_pushvalue(L, -2);
+        lua_rawseti(L, names, luaL_len(L, names) + 1);
+    }
+    lua_getglobal(L, "table");
+    lua_getfield(L, -1, "sort");
+    lua_pushvalue(L, names);
+    lua_call(L, 1, 0);
+    lua_settop(L, names);
 }
 
-dml_model *dml_pushwithparams(lua_State *L, int system, int names) {
-    system = lua_absindex(L, system);
+/* a list of those of the names that momenta do not depend on */
+static void push_of_forces(lua_State *L, int names, const dml_model *m) {
+    const dm_node *momenta = m->model.source.gradient + m->n;
+    lua_Integer kept = 0;
+    lua_newtable(L);
+    for (uint32_t j = 0; j < m->params; j++) {
+        if (dm_depends(m->graph, momenta, m->n, 2 * m->n + 1 + j, 1)) continue;
+        lua_rawgeti(L, names, j + 1);
+        lua_rawseti(L, -2, ++kept);
+    }
+}
+
+/* kicks and drifts can step it */
+static int is_split(const dm_model *m) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    return (m->structure & simple) == simple && m->inverse_mass &&
+           !(m->structure & DM_LOOPS);
+}
+
+/* push the model of L traced with these names as inputs */
+static dml_model *push_traced(lua_State *L, int system, int names) {
     const dml_system *s = dml_checksystem(L, system);
     const uint32_t params = (uint32_t)luaL_len(L, names);
     const dml_signature sig = dml_withsignature(s->n, params);
     dml_traced traced;
-    if (params > DML_MOST_PARAMS || !is_bare(L, system, s))
-        luaL_error(L, "parameters cannot be inputs here");
     dml_pushwith(L, system, names);
     const int fn = lua_gettop(L);
-    dml_model *m = lua_newuserdatauv(L, sizeof *m, 3); /* arena, function */
+    dml_model *m = lua_newuserdatauv(L, sizeof *m, 4); /* arena, function, -, names */
     *m = (dml_model){.n = s->n, .params = params};
     m->arena = dml_pusharena(L);
     lua_setiuservalue(L, -2, 1);
     lua_pushvalue(L, fn);
     lua_setiuservalue(L, -2, 2);
+    lua_pushvalue(L, names);
+    lua_setiuservalue(L, -2, 4);
     dml_trace(L, fn, &sig, m->arena, &traced);
     m->graph = traced.graph;
-    if (!m->graph) luaL_error(L, "too large");
+    if (!m->graph) luaL_error(L, "too large a graph");
     m->lagrangian = traced.out[0];
-    const dm_status status =
-        dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena);
-    if (status != DM_OK || !is_split(m))
-        luaL_error(L, "parameters are more than a part of the potential");
+    if (dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena) !=
+        DM_OK)
+        m->model.structure = 0;
     m->model.params = params;
     lua_remove(L, fn);
     return m;
+}
+
+/* (system) -> the model with as many inputs as there can be, or nothing; raises what tracing raises */
+static int find_inputs(lua_State *L) {
+    push_numbers(L, 1);
+    for (int tries = 0; tries < 2; tries++) {
+        const lua_Integer count = luaL_len(L, -1);
+        const int names = lua_gettop(L);
+        if (count == 0 || count > DML_MOST_PARAMS) return 0;
+        const dml_model *m = push_traced(L, 1, names);
+        push_of_forces(L, names, m);
+        if (luaL_len(L, -1) == count) return lua_pop(L, 1), is_split(&m->model);
+    }
+    return 0;
+}
+
+dml_model *dml_pushinputs(lua_State *L, int system) {
+    system = lua_absindex(L, system);
+    lua_pushcfunction(L, find_inputs);
+    lua_pushvalue(L, system);
+    if (!is_bare(L, system, dml_checksystem(L, system)) ||
+        lua_pcall(L, 1, 1, 0) != LUA_OK) {
+        lua_settop(L, lua_gettop(L) - 1);
+        lua_pushnil(L);
+    }
+    return lua_touserdata(L, -1);
+}
+
+/* ---- the model that a stepper steps ---- */
+
+/* the rule makes kicks and drifts of this model */
+static int takes_inputs(const dml_stepping *r) {
+    const dm_method *m = r->solver->method;
+    const dm_model *model = &r->model->model;
+    return m->widen && !(m->traits & DM_OWN_TIME) && !r->solver->pair &&
+           !r->model->callback && is_split(model) && !model->ties &&
+           m->wants(r->solver->nodes, model) == DM_WANT_FORCE;
+}
+
+/* values of the parameters in the list on top of the stack, which is dropped */
+static void read_values(lua_State *L, int system, double *out) {
+    const int names = lua_gettop(L);
+    dml_systemfield(L, system, "params");
+    for (lua_Integer k = 1; k <= luaL_len(L, names); k++) {
+        lua_rawgeti(L, names, k);
+        lua_gettable(L, names + 1);
+        *out++ = lua_tonumber(L, -1);
+        lua_pop(L, 1);
+    }
+    lua_settop(L, names - 1);
+}
+
+/* push what the model keeps: the one with inputs, false where there is none */
+static void push_kept(lua_State *L, const dml_stepping *r) {
+    if (lua_getiuservalue(L, r->model_at, 4) != LUA_TNIL) return;
+    lua_pop(L, 1);
+    if (!dml_pushinputs(L, r->system)) {
+        lua_pop(L, 1);
+        lua_pushboolean(L, 0);
+    }
+    lua_pushvalue(L, -1);
+    lua_setiuservalue(L, r->model_at, 4);
+}
+
+void dml_pushnames(lua_State *L, const dml_stepping *r) {
+    lua_getiuservalue(L, r->model_at, 4);
+    lua_getiuservalue(L, -1, 4);
+    lua_remove(L, -2);
+}
+
+void dml_stepping_inputs(lua_State *L, dml_stepping *r) {
+    if (r->numbers || !takes_inputs(r)) return;
+    push_kept(L, r);
+    dml_model *m = lua_touserdata(L, -1);
+    if (!m) return lua_pop(L, 1);
+    m->compile = r->model->compile;
+    r->inputs = m;
+    const uint32_t first = 2 * m->n + 1;
+    r->given = lua_newuserdatauv(L, (first + m->params) * sizeof(double), 0);
+    lua_getiuservalue(L, -2, 4);
+    read_values(L, r->system, r->given + first);
+}
+
+/* L by both kernels at the start; tracing changes round-off only, `==` on a parameter would change more */
+int dml_stepping_agrees(dml_stepping *r) {
+    const uint32_t n = r->model->n;
+    const dm_kernel *with = &r->inputs->model.value, *plain = &r->model->model.value;
+    double *x = r->given, a = 0.0, b = 0.0;
+    memcpy(x, r->state, n * sizeof *x);
+    x[2 * n] = r->t0;
+    memset(x + n, 0, n * sizeof *x);
+    dm_kernel_prepare(with, &a);
+    dm_kernel_eval(with, x, &a);
+    dm_kernel_prepare(plain, &b);
+    dm_kernel_eval(plain, x, &b);
+    return a == b || (a != a && b != b) || fabs(a - b) <= 1e-8 * fmax(fabs(a), fabs(b));
 }

@@ -3,8 +3,15 @@
 
 #include <string.h>
 
+/* whose energy it is: that of the model that is stepped */
+static dml_model *model_of(const dml_stepping *r) {
+    return r->inputs ? r->inputs : r->model;
+}
+
 void dml_observables_start(dml_observables *o, const dml_stepping *r) {
-    o->observer = (dm_observer){.model = &r->model->model, .list = o->list};
+    const dml_model *m = model_of(r);
+    o->observer =
+        (dm_observer){.model = &m->model, .list = o->list, .params = r->stepper.params};
 }
 
 static dm_observable *next(lua_State *L, dml_observables *o) {
@@ -50,8 +57,9 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
 void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping *r) {
     if (r->solver->pair)
         luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
-    dml_want(L, r->model, DM_WANT_ENERGY, NULL);
-    *next(L, o) = (dm_observable){.kernel = &r->model->model.energy, .of_model = 1};
+    dml_model *m = model_of(r);
+    dml_want(L, m, DM_WANT_ENERGY | dml_legendre_wants(m, 0), NULL);
+    *next(L, o) = (dm_observable){.kernel = &m->model.energy, .of_model = 1};
     o->observer.work = r->work;
 }
 

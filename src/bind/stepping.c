@@ -18,7 +18,8 @@ static const char *backend_name(lua_State *L) {
 static void take_memory(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
     const dm_model *m = &r->model->model;
-    const size_t work = s->method->work(s->nodes, m), state = dm_state_size(s->n);
+    const dm_model *stepped = r->inputs ? &r->inputs->model : m;
+    const size_t work = s->method->work(s->nodes, stepped), state = dm_state_size(s->n);
     const size_t mass = s->n * (m->structure & DM_LOOPS ? 0 : (size_t)s->n);
     const size_t scratch =
         s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
@@ -37,12 +38,9 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     r->system = lua_gettop(L);
     r->t0 = t0;
-    if (r->names)
-        r->model = dml_pushwithparams(L, r->system, r->names);
-    else
-        r->model = s->method->traits & DM_KEEPS && !r->apart
-                       ? dml_pushlast(L, r->system, backend_name(L))
-                       : dml_pushmodel(L, r->system);
+    r->model = s->method->traits & DM_KEEPS && !r->apart
+                   ? dml_pushlast(L, r->system, backend_name(L))
+                   : dml_pushmodel(L, r->system);
     r->model_at = lua_gettop(L);
     if (r->model->model.structure & DM_LINEAR_IN_V &&
         !(s->method->traits & (DM_DEGENERATE | DM_FOR_PAIRS)))
@@ -64,12 +62,15 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     if (refusal)
         luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = s->method->wants(s->nodes, &r->model->model);
+    dml_stepping_inputs(L, r);
+    if (r->inputs) dml_want(L, r->inputs, DM_WANT_FORCE | DM_WANT_VALUE, backend_name(L));
     dml_want(L, r->model,
-             r->wants | DM_WANT_VALUE | dml_start_wants(r) |
+             (r->inputs ? 0 : r->wants) | DM_WANT_VALUE | dml_start_wants(r) |
                  (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants)),
              backend_name(L));
     r->stepper = (dm_stepper){.method = s->method,
-                              .model = &r->model->model,
+                              .model = r->inputs ? &r->inputs->model : &r->model->model,
+                              .params = r->inputs ? r->given + 2 * s->n + 1 : NULL,
                               .rule = s->nodes,
                               .h = s->h,
                               .plain = s->plain,
@@ -274,6 +275,11 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
 void dml_stepping_open(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
     dml_forgetroots(r->model);
+    if (r->inputs) dml_forgetroots(r->inputs);
+    if (r->inputs && !dml_stepping_agrees(r)) {
+        dml_want(L, r->model, r->wants, backend_name(L));
+        r->stepper.model = &r->model->model;
+    }
     const dm_status status = s->method->open ? s->method->open(&r->stepper) : DM_OK;
     if (status == DM_OK) dml_stepping_checkplain(L, r);
     if (status == DM_OK) return;

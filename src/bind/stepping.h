@@ -37,7 +37,10 @@ typedef struct {
     dml_solver *solver; /* at stack index 1; the options are at 2 */
     dml_model *model;
     int system, model_at; /* stack indices */
-    int names; /* stack index of the parameters that are inputs (model_params.h); 0: none are */
+    int numbers;          /* parameters are not inputs (model_params.h) */
+    dml_model *
+        inputs; /* what the stepper steps: *model, but parameters are inputs; NULL: *model */
+    double *given;  /* (q, v, t, values) of it */
     int apart;      /* a model of its own: other threads step with theirs */
     unsigned wants; /* kernels of the rule */
     dm_stepper stepper;
