@@ -82,6 +82,12 @@ int dm_terms_reserve(dm_terms *s, uint32_t count) {
     return grow_parts(s, &s->scratch, &s->scratch_capacity, count);
 }
 
+double dm_terms_times(dm_terms *s, double a, double b) {
+    const double c = a * b;
+    if (c == 0.0 && a != 0.0 && b != 0.0) s->unfit = 1;
+    return c;
+}
+
 int dm_terms_open(dm_terms *s, dm_graph *g, dm_arena *arena) {
     *s = (dm_terms){.g = g, .arena = arena};
     if (!grow_entries(s) || !dm_terms_reserve(s, 4 * DM_MOST_FACTORS)) return 0;

@@ -51,6 +51,9 @@ int dm_terms_open(dm_terms *s, dm_graph *g, dm_arena *arena);
 /* Room for `count` parts in s->scratch; 0 without memory. */
 int dm_terms_reserve(dm_terms *s, uint32_t count);
 
+/* a b of two coefficients; a product that is lost to underflow makes the graph unfit. */
+double dm_terms_times(dm_terms *s, double a, double b);
+
 /* The term of this content. Products and sums bring parts that are sorted and merged. */
 dm_term dm_terms_make(dm_terms *s, const dm_term_entry *head, const dm_part *parts);
 

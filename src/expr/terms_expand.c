@@ -84,7 +84,8 @@ static dm_scaled multiply_out(expansion *x, dm_scaled whole, dm_part *p, uint32_
     x->count = 0;
     for (uint32_t i = 0; i < parts; i++) {
         const dm_part part = x->s->parts[x->s->entries[sum].first + i];
-        if (!push_product(x, whole.c * part.c, p, count - 1, part.t)) return whole;
+        const double c = dm_terms_times(x->s, whole.c, part.c);
+        if (!push_product(x, c, p, count - 1, part.t)) return whole;
     }
     return sum_of_list(x, whole);
 }
@@ -104,7 +105,8 @@ static dm_scaled square_out(expansion *x, dm_scaled whole, dm_part *p, uint32_t 
             dm_part rest[DM_MOST_FACTORS * 2 + 1];
             if (count > 1) memcpy(rest, p, (count - 1) * sizeof *p);
             const uint32_t more = dm_terms_factors(s, a.t, rest + count - 1);
-            const double c = whole.c * a.c * b.c * (i == j ? 1.0 : 2.0);
+            const double c =
+                dm_terms_times(x->s, whole.c * a.c, b.c) * (i == j ? 1.0 : 2.0);
             if (!push_product(x, c, rest, count - 1 + more, b.t)) return whole;
         }
     return sum_of_list(x, whole);
@@ -118,7 +120,7 @@ static uint32_t new_factors(expansion *x, const dm_part *p, dm_part *to, double 
     *to = *p;
     if (!whole || e->kind == DM_TERM_PRODUCT || now.t == 0) return 1;
     to->t = now.t;
-    for (int32_t k = 0; k < p->e; k += 2) *c *= now.c;
+    for (int32_t k = 0; k < p->e; k += 2) *c = dm_terms_times(x->s, *c, now.c);
     return 1;
 }
 
@@ -227,10 +229,11 @@ static dm_scaled expand_sum(expansion *x, dm_term t) {
         const dm_term_entry *e = s->entries + now.t;
         const uint32_t parts = is_open(s, now.t) ? e->count : 0;
         if (x->count + parts + 1 > 2 * LONGEST_SUM) return (dm_scaled){1.0, t};
-        if (!parts) x->list[x->count++] = (dm_part){.c = kept[i].c * now.c, .t = now.t};
+        const double c = dm_terms_times(x->s, kept[i].c, now.c);
+        if (!parts) x->list[x->count++] = (dm_part){.c = c, .t = now.t};
         for (uint32_t k = 0; k < parts; k++) {
             x->list[x->count] = s->parts[e->first + k];
-            x->list[x->count++].c *= kept[i].c * now.c;
+            x->list[x->count++].c *= c;
         }
     }
     dm_scaled sum = sum_of_list(x, (dm_scaled){1.0, t});

@@ -62,13 +62,15 @@ static uint32_t open_part(reader *r, uint32_t depth, uint32_t *count) {
     const dm_expr *e = dm_at(g, n);
     if (!r->inner[n]) {
         const dm_scaled v = r->value[n];
-        r->s->scratch[(*count)++] = (dm_part){.c = c * v.c, .t = v.t};
+        r->s->scratch[(*count)++] =
+            (dm_part){.c = dm_terms_times(r->s, c, v.c), .t = v.t};
         return depth;
     }
     if (is_scale(g, e)) {
         const int neg = e->op == DM_OP_NEG;
         r->stack[depth] = e->as.arg[neg ? 0 : 1];
-        r->factor[depth++] = neg ? -c : c * dm_at(g, e->as.arg[0])->as.value;
+        const double by = neg ? -1.0 : dm_at(g, e->as.arg[0])->as.value;
+        r->factor[depth++] = dm_terms_times(r->s, c, by);
         return depth;
     }
     r->stack[depth] = e->as.arg[1];
@@ -97,7 +99,8 @@ static dm_scaled read_sum(reader *r, dm_node n) {
 static dm_scaled read_product(reader *r, dm_node x, dm_node y, int sign) {
     dm_terms *s = r->s;
     const dm_scaled a = r->value[x], b = r->value[y];
-    const double c = sign > 0 ? a.c * b.c : a.c / b.c;
+    const double c = sign > 0 ? dm_terms_times(s, a.c, b.c) : a.c / b.c;
+    if (c == 0.0 && a.c != 0.0) s->unfit |= b.c != 0.0;
     const uint32_t from = dm_terms_factors(s, a.t, s->scratch);
     const uint32_t count = from + dm_terms_factors(s, b.t, s->scratch + from);
     for (uint32_t i = from; i < count; i++) s->scratch[i].e *= sign;

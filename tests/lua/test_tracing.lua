@@ -212,4 +212,12 @@ for _, scale in ipairs { 1, 1e-170, 1e170 } do
 end
 tap.near((math.sqrt(x * 1e220) / 1e110).ab, -0.25 / 2 ^ 1.5, 1e-16, "d2 sqrt at a large scale")
 
+-- coefficients that gather to less than any number: the value itself is not small where x is large
+local powers = dm.trace(function(x)
+  local s = 1e-12 * (x[1] + x[2])
+  for _ = 1, 5 do s = s * s end
+  return s
+end, 2)
+near(powers { 6e11, 4e11 }, 1, 1e-13, "coefficients are not lost to underflow")
+
 tap.done()
