@@ -184,6 +184,45 @@ for _, G in ipairs { SO3, SE3, dm.SE(2), SL2, dm.SO(4), dm.GL(2), dm.Sp(4) } do
   ok(most < 1e-12, "with symbols log(exp x) = x and its derivative is 1: " .. tostring(G), most)
 end
 
+-- every method takes symbols: traced, it gives what it gives with numbers
+local function numbers_of(x)
+  if type(x) == "number" then return { x } end
+  if type(x) == "table" then
+    local out = {}
+    for _, part in ipairs(x) do
+      for _, y in ipairs(numbers_of(part)) do out[#out + 1] = y end
+    end
+    return out
+  end
+  if getmetatable(x).__name == "dm.matrix" then return numbers_of(x:totable()) end
+  if getmetatable(x).__name == "dm.vector" then return x:totable() end
+  return { x }
+end
+local methods = { compose = "gg", inverse = "g", exp = "x", log = "g", Ad = "gx", ad = "xx", coAd = "gx", coad = "xx", hat = "x", cayley = "x",
+  dexp = "xx", dexpinv = "xx", dcay = "xx", dcayinv = "xx", matrix = "g", flat = "g", project = "g", distance = "gg", left = "gg", right = "gg",
+  left_tangent = "ggg", right_tangent = "ggg" }
+for _, G in ipairs { dm.T(2), dm.SO(2), SO3, dm.SO(4), dm.SE(2), SE3, dm.SE(4), SL2, dm.SL(3), dm.GL(2), dm.GL(3), dm.Sp(4), dm.Heisenberg(),
+  dm.product(SO3, dm.R(2)), dm.semidirect(SL2, dm.R(2)) } do
+  local kit, r = require "dm.group".kit(G), G.dimension
+  local a, b, x, y = G:random(stream, 1, 0.4), G:random(stream, 2, 0.4), vector(r, 3, 0.4), vector(r, 4, 0.4)
+  local n, most, name = #kit.entries(a), 0, "none"
+  for method, kinds in pairs(methods) do
+    local function call(g, h, xi, eta_)
+      local list = { g = { g, h, g }, x = { xi, eta_ } }
+      local arguments = {}
+      for k = 1, #kinds do arguments[k] = table.remove(list[kinds:sub(k, k)], 1) end
+      return dm.vector(numbers_of(G[method](G, table.unpack(arguments))))
+    end
+    local fine, value = pcall(call, a, b, x, y)
+    if fine then
+      local traced = dm.trace(function(g, h, xi, eta_) return call(kit.rebuild(g), kit.rebuild(h), xi, eta_) end, n, n, r, r)
+      local off = (traced(kit.entries(a), kit.entries(b), x, y) - value):norm()
+      if not (off <= most) then most, name = off, method end
+    end
+  end
+  ok(most < 1e-12, "with symbols as with numbers: " .. tostring(G), name .. " " .. most)
+end
+
 ---- closed forms ----
 
 local R = SO3:exp { 0, 0, pi / 2 }

@@ -101,18 +101,24 @@ function M.exp(a)
   return core.identity(a.rows) + f
 end
 
--- the square root of A by Denman and Beavers' product iteration with Byers' scaling where sizes are known
-local function square_root(a, plain)
+-- |det A|^(-1/n): A times it is of determinant 1, which starts Newton's methods below near the unit matrix
+local function scale_of(a)
+  local det = a:det()
+  return (type(det) == "number" and abs(det) or core.abs(det)) ^ (-1 / a.rows)
+end
+
+-- the square root of A, of determinant 1, by Denman and Beavers' product iteration: until it stays, or `steps` times
+local function square_root(a, steps)
   local one = core.identity(a.rows)
   local m, x = a, a
-  for _ = 1, plain and 60 or 9 do
+  for k = 1, steps or 60 do
     local inverse = m:inverse()
-    if plain then
+    if not steps then
       local distance = M.size(m - one)
       if distance < 1e-15 * a.rows then break end
-      if distance > 1 then
-        local scale = abs(m:det()) ^ (-0.5 / a.rows)
-        x, m, inverse = x * scale, m * scale ^ 2, inverse * scale ^ -2
+      if distance > 1 and k > 1 then
+        local scale = scale_of(m)
+        x, m, inverse = x * scale ^ 0.5, m * scale, inverse * scale ^ -1
       end
     end
     x = (x + x * inverse) * 0.5
@@ -149,27 +155,36 @@ local function corrected(x, a)
   return size < 1e-9 and x or x + rest  -- below that it is round-off of exp(-x) a
 end
 
-local SYMBOL_ROOTS = 3
+-- roots of symbols: many steps for the first, whose argument may be near the negative axis, few for what is near 1
+local SYMBOL_STEPS = { 12, 7, 6 }
 
 --- The principal logarithm, by square roots until A is near 1. Symbols: three roots, for matrices whose eigenvalues are not
 -- near the negative axis.
 function M.log(a)
-  local plain = M.is_plain(a)
-  local one, roots = core.identity(a.rows), 0
-  if plain then
-    refuse_negative(a)
-    local root = a
-    while M.size(root - one) > 0.15 do root, roots = square_root(root, true), roots + 1 end
-    return corrected(near_log(root, 7) * 2.0 ^ roots, a)
+  local one = core.identity(a.rows)
+  if M.is_plain(a) then refuse_negative(a) end
+  local scale = scale_of(a)
+  local root, shift = a * scale, one * core.log(scale)
+  if M.is_plain(a) then
+    local roots = 0
+    while M.size(root - one) > 0.15 do root, roots = square_root(root), roots + 1 end
+    return corrected(near_log(root, 7) * 2.0 ^ roots - shift, a)
   end
-  for _ = 1, SYMBOL_ROOTS do a = square_root(a, false) end
-  return near_log(a, 12) * 2.0 ^ SYMBOL_ROOTS
+  for _, steps in ipairs(SYMBOL_STEPS) do root = square_root(root, steps) end
+  return near_log(root, 12) * 2.0 ^ #SYMBOL_STEPS - shift
 end
 
--- x -> (x + dual(x))/2 until it stays: Newton's method for a matrix with x = dual(x)
+local SYMBOL_AVERAGES = 9
+
+-- x -> (x + dual(x))/2 until it stays; the determinant is brought to 1 before each step but the last ones
 local function average(x, dual, what)
   local plain = M.is_plain(x)
-  for i = 1, plain and 100 or 8 do
+  for i = 1, plain and 100 or SYMBOL_AVERAGES do
+    if i < 5 then
+      local fine, scale = pcall(scale_of, x)
+      if not fine or scale == math.huge then error(("there is no nearest %s matrix: it is singular"):format(what), 0) end
+      x = x * scale
+    end
     local fine, other = pcall(dual, x)
     if not fine then error(("there is no nearest %s matrix: %s"):format(what, other), 0) end
     local y = (x + other) * 0.5

@@ -73,9 +73,19 @@ function M.sample(n, stream, i)
   return core.matrix(rows)
 end
 
+-- the logarithm of a rotation matrix; of numbers that are none it is an error.
+local function log_of(R, n)
+  if not linear.is_plain(R) then return linear.log(R) end
+  local defect, why = M.defect(R, n)
+  if not (defect < 1e-6) then error(("the matrix is no rotation: %s"):format(why or ("off by %g"):format(defect)), 0) end
+  return require "dm.group.rotation_log".log(R)
+end
+
 -- angles of the planes of a rotation, each found twice among the eigenvalues
 local function angle_norm(R)
   if not linear.is_plain(R) then return kits.norm(M.vee(linear.log(R), R.rows)) end
+  local defect = M.defect(R, R.rows)
+  if not (defect < 1e-6) then error(("the matrix a^T b is no rotation: off by %g"):format(defect), 0) end
   local re, im = R:eigenvalues()
   local sum = 0
   for i = 1, #re do sum = sum + math.atan(math.abs(im[i]), re[i]) ^ 2 end
@@ -88,7 +98,7 @@ function M.kit(n)
   function kit.vee(m) return core.vector(M.vee(m, n)) end
   function kit.inverse(g) return g:transpose() end
   function kit.log(g)
-    return kit.vee(linear.is_plain(g) and require "dm.group.rotation_log".log(g) or linear.log(g))
+    return kit.vee(log_of(g, n))
   end
   function kit.bonds(list) return M.bonds(kit.rebuild(list), n) end
   function kit.project(m) return linear.nearest_rotation(m) end
