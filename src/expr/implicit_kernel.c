@@ -168,33 +168,52 @@ typedef struct {
     dm_root_solver solver;
     dm_kernel arguments;  /* to next[n]; no eval: they are copied */
     const uint32_t *from; /* [n] from here, then */
-    double *x, *next;     /* [n] of the root that there is, and asked for */
-    double *y, *inverse;  /* where it is; inverse may be NULL */
-    int known;
+    double *next;         /* [n] the arguments that are asked for */
+    /* in the memory of the kernel: */
+    double *y, *inverse;       /* of the root that there is, [r*r] */
+    double *known, *x, *slope; /* is there one? its arguments [n]; dy/dx [r*n] */
 } stage;
 
 typedef struct {
-    double *in; /* of `last`: inputs, then roots */
+    double *in; /* of `last`: inputs, then roots; then the rest of the memory */
     uint32_t inputs, count;
     stage *stages;
     dm_kernel last;
+    const double *remembers;
 } composite;
 
-static void solve(stage *s, const double *in) {
+/* y + dy/dx (next - x) */
+static void continue_root(const stage *s) {
+    const uint32_t r = s->solver.r, n = s->solver.n;
+    for (uint32_t i = 0; i < r; i++)
+        for (uint32_t j = 0; j < n; j++)
+            s->y[i] += s->slope[i * (size_t)n + j] * (s->next[j] - s->x[j]);
+}
+
+static void solve(stage *s, const double *in, int remembers) {
     const uint32_t n = s->solver.n;
+    dm_root_outcome outcome;
     if (s->arguments.eval)
         dm_kernel_eval(&s->arguments, in, s->next);
     else
         for (uint32_t i = 0; i < n; i++) s->next[i] = in[s->from[i]];
-    if (s->known && memcmp(s->x, s->next, n * sizeof *s->x) == 0) return;
+    if (*s->known != 0.0 && memcmp(s->x, s->next, n * sizeof *s->x) == 0) return;
+    if (remembers && *s->known != 0.0) {
+        continue_root(s);
+        outcome = dm_root_solve_near(&s->solver, s->next, s->y, s->inverse);
+    } else {
+        outcome = dm_root_solve(&s->solver, s->next, s->y, s->inverse);
+    }
     memcpy(s->x, s->next, n * sizeof *s->x);
-    s->known = dm_root_solve(&s->solver, s->x, s->y, s->inverse) == DM_ROOT_FOUND;
+    *s->known = outcome == DM_ROOT_FOUND;
+    if (remembers && *s->known != 0.0) dm_root_slope(&s->solver, s->slope, s->inverse);
 }
 
 static void evaluate(const void *pool, const double *in, double *out) {
     const composite *c = pool;
+    const int remembers = *c->remembers != 0.0;
     memcpy(c->in, in, c->inputs * sizeof *in);
-    for (uint32_t i = 0; i < c->count; i++) solve(c->stages + i, c->in);
+    for (uint32_t i = 0; i < c->count; i++) solve(c->stages + i, c->in, remembers);
     dm_kernel_eval(&c->last, c->in, out);
 }
 
@@ -218,32 +237,58 @@ static dm_status make_arguments(stage *s, const cut *c, const instance *x,
     return status;
 }
 
-static dm_status make_stage(stage *s, const composite *k, const cut *c, const instance *x,
-                            dm_root_compile *compile, dm_arena *arena) {
+/* the memory of a stage beside y (and J^-1, where that is an input too) at *at, which moves on */
+static void place(stage *s, const composite *k, const instance *x, double **at) {
     const uint32_t r = x->f->unknowns, n = x->f->inputs;
-    double *block = dm_arena_take(arena, 2 * (n + (size_t)1) * sizeof *block);
-    if (!block) return DM_NO_MEMORY;
-    memset(block, 0, 2 * (n + (size_t)1) * sizeof *block);
-    *s = (stage){.x = block, .next = block + n + 1, .y = k->in + x->at};
-    if (x->has_inverse) s->inverse = s->y + r;
+    s->y = k->in + x->at;
+    s->inverse = s->y + r;
+    if (!x->has_inverse) s->inverse = *at, *at += r * (size_t)r;
+    s->known = *at;
+    s->x = s->known + 1;
+    s->slope = s->x + n;
+    *at = s->slope + r * (size_t)n;
+}
+
+static dm_status make_stage(stage *s, const cut *c, const instance *x,
+                            dm_root_compile *compile, dm_arena *arena) {
+    const uint32_t n = x->f->inputs;
+    s->next = dm_arena_take(arena, (n + (size_t)1) * sizeof *s->next);
+    if (!s->next) return DM_NO_MEMORY;
+    memset(s->next, 0, (n + (size_t)1) * sizeof *s->next);
     const dm_status status = make_arguments(s, c, x, compile, arena);
     if (status != DM_OK) return status;
     return dm_root_solver_build(&s->solver, x->f, compile, arena,
                                 arena == c->from->arena);
 }
 
+/* room for inputs, roots and the rest of the memory; 0 without memory */
+static int take_memory(composite *k, const cut *c, dm_arena *arena) {
+    const size_t inputs = dm_graph_inputs(c->to);
+    size_t size = inputs + 1;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const size_t r = c->instances[i].f->unknowns, n = c->instances[i].f->inputs;
+        size += r * r + 1 + n + r * n;
+    }
+    k->in = dm_arena_take(arena, size * sizeof *k->in);
+    k->stages = dm_arena_take(arena, c->count * sizeof *k->stages);
+    if (!k->in || !k->stages) return 0;
+    memset(k->in, 0, size * sizeof *k->in);
+    memset(k->stages, 0, c->count * sizeof *k->stages);
+    double *at = k->in + inputs;
+    for (uint32_t i = 0; i < c->count; i++)
+        place(k->stages + i, k, c->instances + i, &at);
+    k->remembers = at;
+    return 1;
+}
+
 static dm_status build(composite *k, const cut *c, const dm_node *roots, uint32_t m,
                        dm_root_compile *compile, dm_arena *arena) {
     dm_node *node = dm_arena_take(c->to->arena, m * sizeof *node);
-    const size_t inputs = dm_graph_inputs(c->to);
     k->inputs = c->from->inputs;
-    k->in = dm_arena_take(arena, inputs * sizeof *k->in);
-    k->stages = dm_arena_take(arena, c->count * sizeof *k->stages);
-    if (!node || !k->in || !k->stages) return DM_NO_MEMORY;
-    memset(k->in, 0, inputs * sizeof *k->in);
+    if (!node || !take_memory(k, c, arena)) return DM_NO_MEMORY;
     for (; k->count < c->count; k->count++) {
-        const dm_status status = make_stage(k->stages + k->count, k, c,
-                                            c->instances + k->count, compile, arena);
+        const dm_status status =
+            make_stage(k->stages + k->count, c, c->instances + k->count, compile, arena);
         if (status != DM_OK) return status;
     }
     for (uint32_t i = 0; i < m; i++) node[i] = c->now[roots[i]];
@@ -263,6 +308,8 @@ dm_status dm_root_kernel(dm_kernel *out, dm_graph *g, const dm_node *roots, uint
     out->eval = evaluate;
     out->pool = k;
     out->inputs = k->inputs;
+    out->memory = k->in + k->inputs;
+    out->memory_size = (uint32_t)(k->remembers + 1 - out->memory);
     for (uint32_t i = 0; i < k->count; i++)
         out->operations +=
             k->stages[i].arguments.operations + k->stages[i].solver.equation.operations;

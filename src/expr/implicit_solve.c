@@ -12,10 +12,11 @@
 
 enum {
     ITERATIONS = 60,
+    AT_MOST_NEAR = 8, /* from a y that should be near */
     HALVINGS = 16,
-    SCATTERED = 24, /* starts beside those of the function */
+    SCATTERED = 32, /* starts beside those of the function */
     SLOW =
-        8, /* full steps that but halve the error, and no two quick ones after: a root of higher order */
+        8, /* full steps that halve the error, no quick ones after: a root of higher order */
     FORGOTTEN = 64 /* roots found after a trouble */
 };
 static const double EXACT = 0x1p-50; /* increment, relative: nothing is left to gain */
@@ -25,7 +26,7 @@ static const double ROOT = 1e-9; /* |F| at a root, of that at the start */
 static const double RANK = 1e13; /* | |J^-1| |J| |: beyond, J has lost its rank */
 static const double UNKNOWN =
     1e7; /* the same of y when terms of F are rounded: 1e-9 are wrong */
-static const double radii[] = {0.3, 1.0, 0.1, 3.0};
+static const double radii[] = {1.0, 3.0, 0.3, 6.0};
 
 /* ---- making one ---- */
 
@@ -38,7 +39,7 @@ static int all_constant(const dm_implicit *f, double *value) {
 static int take_memory(dm_root_solver *s, const dm_implicit *f, dm_arena *arena) {
     const size_t r = f->unknowns, in = dm_graph_inputs(f->graph);
     const size_t total =
-        in + (r + r * r + 1) + f->starts * r + 2 * r * r + 4 * r + r * f->inputs;
+        in + (r + r * r + 1) + f->starts * r + 2 * r * r + 5 * r + r * f->inputs;
     double *block = dm_arena_take(arena, total * sizeof *block);
     s->pivot = dm_arena_take(arena, r * sizeof *s->pivot);
     if (!block || !s->pivot) return 0;
@@ -53,7 +54,15 @@ static int take_memory(dm_root_solver *s, const dm_implicit *f, dm_arena *arena)
     s->next = s->trial + r;
     s->best = s->next + r;
     s->by_x = s->best + r;
+    s->stride = s->by_x + r * f->inputs;
     return 1;
+}
+
+/* strides 1/g, 1/g^2, ... of a sequence that fills the cube evenly, g^(r+1) = g + 1 (Roberts 2018) */
+static void find_strides(dm_root_solver *s) {
+    double g = 2.0, stride = 1.0;
+    for (int k = 0; k < 64; k++) g = pow(1.0 + g, 1.0 / (s->r + 1.0));
+    for (uint32_t i = 0; i < s->r; i++) s->stride[i] = stride /= g;
 }
 
 dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
@@ -63,6 +72,7 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
                         .n = f->inputs,
                         .starts = f->starts,
                         .has_branch = f->has_branch,
+                        .most = ITERATIONS,
                         .trouble = noted ? f->trouble : NULL};
     if (!take_memory(&s, f, arena)) return DM_NO_MEMORY;
     dm_status status = compile(&s.equation, f->graph, f->equation,
@@ -74,6 +84,7 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
         if (status == DM_OK) dm_kernel_prepare(&s.start, s.from);
     }
     if (status != DM_OK) return status;
+    find_strides(&s);
     dm_kernel_prepare(&s.equation, s.out);
     dm_kernel_prepare(&s.slope, s.by_x);
     *out = s;
@@ -102,6 +113,11 @@ static double increment(const dm_root_solver *s, double *dy) {
     return norm(dy, s->r);
 }
 
+/* of the branch condition, where it was last evaluated */
+static double branch(const dm_root_solver *s) {
+    return s->has_branch ? s->out[s->r + (size_t)s->r * s->r] : 1.0;
+}
+
 static int factor(dm_root_solver *s) {
     const size_t size = (size_t)s->r * s->r * sizeof *s->factors;
     memcpy(s->factors, s->out + s->r, size);
@@ -113,6 +129,7 @@ typedef struct {
     double *y;
     double step, size; /* |dy|; what y is measured against */
     double first;      /* |F| at the start */
+    int inside;        /* stay where the branch condition holds */
     int quick;
     int slow; /* iterations that halved the step at best, since quick ones */
 } path;
@@ -127,7 +144,7 @@ static double search(dm_root_solver *s, const path *p) {
     double part = 1.0;
     for (int k = 0; k < most; k++, part *= 0.5) {
         move(s->trial, p->y, s->dy, part, s->r);
-        if (!evaluate(s, s->trial)) continue;
+        if (!evaluate(s, s->trial) || (p->inside && !(branch(s) > 0.0))) continue;
         const double next = increment(s, s->next);
         if (next <= (1.0 - 0.25 * part) * p->step || next <= EXACT * p->size) return part;
     }
@@ -143,12 +160,13 @@ static dm_root_outcome rankless(const dm_root_solver *s, const path *p) {
 /* to the root: y, with the factors of F_y next to it */
 static dm_root_outcome iterate(dm_root_solver *s, path *p) {
     if (!evaluate(s, p->y)) return DM_ROOT_NONE;
+    if (p->inside && !(branch(s) > 0.0)) return DM_ROOT_BRANCH;
     p->first = norm(s->out, s->r);
     p->step = INFINITY;
     if (!factor(s)) return rankless(s, p);
     p->step = increment(s, s->dy);
     p->size = norm(p->y, s->r);
-    for (int k = 0; k < ITERATIONS && isfinite(p->step); k++) {
+    for (int k = 0; k < s->most && isfinite(p->step); k++) {
         p->size = fmax(p->size, p->step);
         if (p->step <= EXACT * p->size) {
             move(p->y, p->y, s->dy, 1.0, s->r);
@@ -216,24 +234,20 @@ static int is_known(dm_root_solver *s, const double *y, const double *inverse,
 
 /* ---- starts ---- */
 
-/* uniform in [-1, 1), the same in every call (xorshift64*, Vigna 2016) */
-static double scatter(uint64_t *state) {
-    *state ^= *state >> 12;
-    *state ^= *state << 25;
-    *state ^= *state >> 27;
-    return (double)((*state * 0x2545F4914F6CDD1Du) >> 11) * 0x1p-52 - 1.0;
-}
-
 /* y = start number k: those of the function, then around the first one */
-static void choose(const dm_root_solver *s, uint32_t k, double *y, uint64_t *random) {
+static void choose(const dm_root_solver *s, uint32_t k, double *y) {
     const uint32_t r = s->r;
     if (k < s->starts) {
         memcpy(y, s->from + k * (size_t)r, r * sizeof *y);
         return;
     }
-    const double radius = radii[(k - s->starts) % (sizeof radii / sizeof *radii)];
-    for (uint32_t i = 0; i < r; i++)
-        y[i] = s->from[i] + radius * (1.0 + fabs(s->from[i])) * scatter(random);
+    k -= s->starts;
+    const double radius = radii[k % (sizeof radii / sizeof *radii)];
+    for (uint32_t i = 0; i < r; i++) {
+        const double u = (k + 1.0) * s->stride[i];
+        y[i] =
+            s->from[i] + radius * (1.0 + fabs(s->from[i])) * (2.0 * (u - floor(u)) - 1.0);
+    }
 }
 
 /* a root of another branch is told rather than a singular point, that rather than none */
@@ -257,12 +271,12 @@ static void keep(const dm_root_solver *s, const dm_root_trouble *found, const do
 }
 
 /* one start; what is found is in y, the matrix in s */
-static dm_root_trouble attempt(dm_root_solver *s, double *y, double *inverse) {
-    path p = {.y = y};
-    const size_t at = s->r + (size_t)s->r * s->r;
-    dm_root_trouble t = {.outcome = iterate(s, &p), .residual = norm(s->out, s->r)};
-    t.condition = INFINITY;
-    t.branch = s->has_branch ? s->out[at] : 1.0;
+static dm_root_trouble attempt(dm_root_solver *s, double *y, double *inverse,
+                               int inside) {
+    path p = {.y = y, .inside = inside};
+    dm_root_trouble t = {.outcome = iterate(s, &p), .condition = INFINITY};
+    t.residual = norm(s->out, s->r);
+    t.branch = branch(s);
     if (!(t.residual <= INFINITY)) t.residual = INFINITY;
     if (t.outcome != DM_ROOT_FOUND) return t;
     invert(s, inverse);
@@ -273,14 +287,52 @@ static dm_root_trouble attempt(dm_root_solver *s, double *y, double *inverse) {
     return t;
 }
 
+/* all starts, one after the other; inside: only those where the branch condition holds, on paths where it does */
+static int try_all(dm_root_solver *s, double *y, double *inverse, int inside,
+                   dm_root_trouble *found) {
+    for (uint32_t k = 0; k < s->starts + SCATTERED; k++) {
+        choose(s, k, y);
+        const dm_root_trouble now = attempt(s, y, inverse, inside);
+        if (now.outcome == DM_ROOT_FOUND) return 1;
+        if (!inside) note(s, found, &now, y);
+    }
+    return 0;
+}
+
 static void give_nothing(const dm_root_solver *s, double *y, double *inverse) {
     for (uint32_t i = 0; i < s->r; i++) y[i] = NAN;
     for (uint32_t i = 0; inverse && i < s->r * s->r; i++) inverse[i] = NAN;
 }
 
+static void forget(dm_root_trouble *t) {
+    if (t && t->outcome != DM_ROOT_FOUND && ++t->since > FORGOTTEN)
+        t->outcome = DM_ROOT_FOUND;
+}
+
+dm_root_outcome dm_root_solve_near(dm_root_solver *s, const double *x, double *y,
+                                   double *inverse) {
+    memcpy(s->in + s->r, x, s->n * sizeof *x);
+    s->most = AT_MOST_NEAR;
+    const dm_root_trouble now = attempt(s, y, inverse, s->has_branch);
+    s->most = ITERATIONS;
+    if (now.outcome != DM_ROOT_FOUND) return dm_root_solve(s, x, y, inverse);
+    forget(s->trouble);
+    return DM_ROOT_FOUND;
+}
+
+void dm_root_slope(const dm_root_solver *s, double *slope, const double *inverse) {
+    const uint32_t r = s->r, n = s->n;
+    for (uint32_t i = 0; i < r; i++)
+        for (uint32_t j = 0; j < n; j++) {
+            double sum = 0.0;
+            for (uint32_t k = 0; k < r; k++)
+                sum -= inverse[i * (size_t)r + k] * s->by_x[k * (size_t)n + j];
+            slope[i * (size_t)n + j] = sum;
+        }
+}
+
 dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y,
                               double *inverse) {
-    uint64_t random = 0x9E3779B97F4A7C15u;
     dm_root_trouble found = {.outcome = DM_ROOT_NONE, .residual = INFINITY};
     double *matrix = inverse ? inverse : s->row;
     if (!isfinite(norm(x, s->n))) { /* the trouble is elsewhere */
@@ -290,16 +342,9 @@ dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y,
     memcpy(s->in + s->r, x, s->n * sizeof *x);
     if (s->start.eval) dm_kernel_eval(&s->start, s->in, s->from);
     memcpy(s->best, s->from, s->r * sizeof *s->best);
-    for (uint32_t k = 0; k < s->starts + SCATTERED; k++) {
-        choose(s, k, y, &random);
-        const dm_root_trouble now = attempt(s, y, matrix);
-        if (now.outcome != DM_ROOT_FOUND) {
-            note(s, &found, &now, y);
-            continue;
-        }
-        if (s->trouble && s->trouble->outcome != DM_ROOT_FOUND &&
-            ++s->trouble->since > FORGOTTEN)
-            s->trouble->outcome = DM_ROOT_FOUND;
+    if ((s->has_branch && try_all(s, y, matrix, 1, &found)) ||
+        try_all(s, y, matrix, 0, &found)) {
+        forget(s->trouble);
         return DM_ROOT_FOUND;
     }
     if (s->trouble) keep(s, &found, x);

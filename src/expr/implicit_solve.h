@@ -6,11 +6,12 @@
 
 typedef struct {
     uint32_t r, n, starts;
-    int has_branch;
+    int has_branch, most;  /* iterations */
     dm_kernel equation;    /* (y[r], x[n], ...) to F[r], F_y[r*r], branch */
     dm_kernel slope;       /* to F_x[r*n] */
     dm_kernel start;       /* the same inputs to [starts*r]; no eval: constants */
     double *in, *out;      /* of `equation` */
+    double *stride;        /* [r] of the scattered starts */
     double *by_x;          /* of `slope` */
     double *from;          /* [starts*r] */
     double *factors, *row; /* [r*r] of F_y at y; [r*r] scratch */
@@ -28,5 +29,12 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
 ** points scattered around the first one; the first root on the branch is taken. */
 dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y,
                               double *inverse);
+
+/* The same from y itself, which is near; where that does not lead to a root soon, as above. */
+dm_root_outcome dm_root_solve_near(dm_root_solver *s, const double *x, double *y,
+                                   double *inverse);
+
+/* dy/dx[r*n] = -J^-1 F_x at the root that was found last. */
+void dm_root_slope(const dm_root_solver *s, double *slope, const double *inverse);
 
 #endif

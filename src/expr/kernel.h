@@ -2,7 +2,9 @@
 ** kernel.h - a compiled function from doubles to doubles: tape, native code or a callback.
 ** eval is straight-line: no allocation, no Lua inside (a callback kernel is the named
 ** exception). It writes only the outputs that vary: call dm_kernel_prepare once on every
-** output buffer, which fills in the constant ones; they are then never touched.
+** output buffer, which fills in the constant ones; they are then never touched. A kernel with implicit functions
+** (implicit.h) can be told to remember: it then begins to look for a root at the last one. Who does so counts
+** the kernel's memory among what a run goes on from.
 */
 #ifndef DM_KERNEL_H
 #define DM_KERNEL_H
@@ -19,13 +21,22 @@ typedef struct {
     const char *backend;  /* "tape", "jit", "cc", "hyperdual" */
     const uint8_t *fixed; /* [outputs]: 1 where the output is a constant; NULL: none is */
     const double *constant; /* [outputs]: its value there */
+    double *memory;         /* what an evaluation leaves to the next one; NULL: nothing */
+    uint32_t memory_size;
 } dm_kernel;
 
 static inline void dm_kernel_eval(const dm_kernel *k, const double *in, double *out) {
     k->eval(k->pool, in, out);
 }
 
+/* The last entry of the memory: is it used? Outputs depend on inputs alone where it is not. */
+static inline void dm_kernel_remember(const dm_kernel *k, int on) {
+    for (uint32_t i = 0; i < k->memory_size; i++) k->memory[i] = 0.0;
+    if (k->memory_size) k->memory[k->memory_size - 1] = on;
+}
+
 static inline void dm_kernel_prepare(const dm_kernel *k, double *out) {
+    dm_kernel_remember(k, 0);
     for (uint32_t i = 0; k->fixed && i < k->outputs; i++)
         if (k->fixed[i]) out[i] = k->constant[i];
 }

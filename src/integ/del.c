@@ -1,18 +1,23 @@
 /* del.c - the discrete Euler-Lagrange equations of a user's Ld(q0, q1), position-momentum form. */
 #include "base/sum.h"
 #include "integ/method.h"
+#include "linalg/lu.h"
 #include "solve/newton.h"
 
 #include <math.h>
 #include <string.h>
 
-/* p0 + D1 Ld(q0, q0 + z) = 0 for z[n]; out = D1[n], D2[n], D1D2[n*n] */
+/*
+** p0 + D1 Ld(q0, q0 + z) = 0 for z[n]; out = D1[n], D2[n], D1D2[n*n]. What a step leaves to the next one: how many steps
+** there are, the state at the end of the last [4n], the last three z, the last first, and what the kernel
+** remembers of its implicit functions; the parabola through the z is where Newton's method begins.
+*/
+enum { COUNT, END, KEPT = 3 };
+
 typedef struct {
     const dm_model *m;
     const double *state;
-    double *x, *out, *z, *next, *scratch;
-    double *
-        left; /* by the step before: h, the state behind it, q1 - q0, and how much that grew */
+    double *x, *out, *z, *next, *memory, *roots, *scratch;
     double size;
     long evaluations;
 } pair;
@@ -32,10 +37,15 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return DM_WANT_PAIR;
 }
 
+/* with what the kernel remembers */
+static size_t memory_size(const dm_model *m) {
+    return END + 4 * (size_t)m->n + KEPT * (size_t)m->n + m->pair.memory_size;
+}
+
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     (void)rule;
-    return 2 * n + (2 * n + n * n) + n + 4 * n + (1 + 6 * n) + dm_newton_work(m->n);
+    return 2 * n + (2 * n + n * n) + n + 4 * n + memory_size(m) + dm_newton_work(m->n);
 }
 
 static pair lay_out(const dm_stepper *s) {
@@ -44,38 +54,40 @@ static pair lay_out(const dm_stepper *s) {
     e.out = e.x + 2 * n;
     e.z = e.out + 2 * n + n * n;
     e.next = e.z + n;
-    e.left = e.next + 4 * n;
-    e.scratch = e.left + 1 + 6 * n;
+    e.memory = e.next + 4 * n;
+    e.roots = e.memory + END + (4 + KEPT) * n;
+    e.scratch = e.memory + memory_size(s->model);
     return e;
 }
 
-static size_t memory(dm_stepper *s, double **place) {
-    *place = lay_out(s).left;
-    return 1 + 6 * (size_t)s->model->n;
+/* what the kernel remembers is that of the last step, whatever it was asked for since */
+static void take_roots(const pair *e) {
+    const dm_kernel *k = &e->m->pair;
+    if (k->memory) memcpy(k->memory, e->roots, k->memory_size * sizeof *k->memory);
 }
 
-/* was the step before one of h that led to this state? */
-static int is_known(const pair *e, double h) {
-    return e->left[0] == h &&
-           memcmp(e->left + 1, e->state, 4 * (size_t)e->m->n * sizeof *e->state) == 0;
-}
-
-static void remember(pair *e, double h, int known) {
-    const uint32_t n = e->m->n;
-    double *z = e->left + 1 + 4 * (size_t)n, *growth = z + n;
-    for (uint32_t i = 0; i < n; i++) {
-        growth[i] = known ? e->z[i] - z[i] : 0.0;
-        z[i] = e->z[i];
-    }
-    e->left[0] = h;
-    memcpy(e->left + 1, e->next, 4 * (size_t)n * sizeof *e->next);
+static void leave_roots(const pair *e) {
+    const dm_kernel *k = &e->m->pair;
+    if (k->memory) memcpy(e->roots, k->memory, k->memory_size * sizeof *k->memory);
 }
 
 static dm_status open(dm_stepper *s) {
     const pair e = lay_out(s);
     dm_kernel_prepare(&s->model->pair, e.out);
-    memset(e.left, 0, (1 + 6 * (size_t)s->model->n) * sizeof *e.left);
+    memset(e.memory, 0, memory_size(s->model) * sizeof *e.memory);
+    dm_kernel_remember(&s->model->pair, 1);
+    leave_roots(&e);
     return DM_OK;
+}
+
+static dm_status start(dm_stepper *s, double *state, double t) {
+    (void)state, (void)t;
+    return open(s);
+}
+
+static size_t memory(dm_stepper *s, double **place) {
+    *place = lay_out(s).memory;
+    return memory_size(s->model);
 }
 
 static void evaluate(pair *e, const double *z) {
@@ -116,22 +128,75 @@ static dm_status finish(pair *e) {
     return DM_OK;
 }
 
-/* from where the last two steps lead; else from z = 0, where one iteration finds h M^-1 p0 whatever the masses; where
-** Ld(q, q) is not defined from z = h p0 */
-static dm_status solve(pair *e, const dm_stepper *s, dm_newton_report *report,
-                       int known) {
+/* z by the parabola, the line or the value of the last steps; 0: there are none */
+static int continued(pair *e) {
+    static const double weight[KEPT][KEPT] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
     const uint32_t n = e->m->n;
-    const double *last = e->left + 1 + 4 * (size_t)n;
+    const double *end = e->memory + END, *last = end + 4 * (size_t)n;
+    if (e->memory[COUNT] == 0.0 || memcmp(end, e->state, 4 * n * sizeof *end) != 0)
+        return 0;
+    const double *w = weight[(int)e->memory[COUNT] - 1];
+    for (uint32_t i = 0; i < n; i++)
+        e->z[i] = w[0] * last[i] + (w[1] * last[n + i] + w[2] * last[2 * n + i]);
+    return 1;
+}
+
+static void keep(pair *e, int follows) {
+    const uint32_t n = e->m->n;
+    double *end = e->memory + END, *last = end + 4 * (size_t)n;
+    const double count = follows ? e->memory[COUNT] + 1.0 : 1.0;
+    e->memory[COUNT] = fmin(count, KEPT);
+    memmove(last + n, last, (KEPT - 1) * n * sizeof *last);
+    memcpy(last, e->z, n * sizeof *last);
+    memcpy(end, e->next, 4 * n * sizeof *end);
+    leave_roots(e);
+}
+
+static double norm(const double *a, uint32_t n) {
+    double largest = 0.0;
+    for (uint32_t i = 0; i < n; i++)
+        if (!(fabs(a[i]) <= largest)) largest = fabs(a[i]);
+    return largest;
+}
+
+/*
+** Newton's method from the continued z with the exact matrix at every iterate, which the kernel gives anyway. Errors are
+** squared: the last increment need not be small, but the next one, foretold by the last two. 0: it does not go
+** that well.
+*/
+static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
+    enum { MOST = 6 };
+    static const double FAST = 0.1, NEGLIGIBLE = 1e-17;
+    const uint32_t n = e->m->n;
+    double *r = e->scratch, *J = r + n, before = INFINITY;
+    uint32_t *pivot = (uint32_t *)(void *)(J + n * (size_t)n);
+    for (int k = 0; k < MOST; k++) {
+        if (equation(e, r, J, e->z) != DM_OK) return 0;
+        report->residual = norm(r, n);
+        if (!isfinite(report->residual) || dm_lu_factor(J, pivot, n) != DM_OK) return 0;
+        dm_lu_solve(r, J, pivot, n);
+        const double step = norm(r, n), size = norm(e->z, n) + step;
+        if (!(step <= FAST * before || step <= s->tolerance * size)) return 0;
+        for (uint32_t i = 0; i < n; i++) e->z[i] -= r[i];
+        report->iterations++;
+        const double rate = before < INFINITY ? step / before : 1.0;
+        if (step <= s->tolerance * size || rate * rate * step <= NEGLIGIBLE * size)
+            return 1;
+        before = step;
+    }
+    return 0;
+}
+
+/* from z = 0, where one iteration finds h M^-1 p0 whatever the masses; where Ld(q, q) is not
+** defined from z = h p0 */
+static dm_status solve_far(pair *e, const dm_stepper *s, dm_newton_report *report) {
+    const uint32_t n = e->m->n;
     const dm_newton_problem problem = {.m = n,
                                        .equation = equation,
                                        .ctx = e,
                                        .size = &e->size,
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
-    if (known) {
-        for (uint32_t i = 0; i < n; i++) e->z[i] = last[i] + last[n + i];
-        if (dm_newton(e->z, &problem, e->scratch, report) == DM_OK) return DM_OK;
-    }
     memset(e->z, 0, n * sizeof *e->z);
     dm_status status = dm_newton(e->z, &problem, e->scratch, report);
     if (status != DM_NOT_FINITE && status != DM_SINGULAR) return status;
@@ -141,20 +206,23 @@ static dm_status solve(pair *e, const dm_stepper *s, dm_newton_report *report,
 
 static dm_status step(dm_stepper *s, double *state, double t) {
     pair e = lay_out(s);
-    dm_newton_report report;
+    dm_newton_report report = {0};
     (void)t;
     e.state = state;
-    const int known = is_known(&e, s->h);
-    dm_status status = solve(&e, s, &report, known);
+    take_roots(&e);
+    const int follows = continued(&e);
+    dm_status status = DM_OK;
+    if (!follows || !solve_near(&e, s, &report)) status = solve_far(&e, s, &report);
     if (status == DM_OK) status = finish(&e);
-    if (status == DM_OK) remember(&e, s->h, known);
     s->report.iterations = report.iterations;
     s->report.residual = report.residual;
     s->report.solves++;
     s->report.newton += report.iterations;
     s->report.evaluations += e.evaluations;
-    if (status == DM_OK) memcpy(state, e.next, 4 * (size_t)e.m->n * sizeof *state);
-    return status;
+    if (status != DM_OK) return status;
+    keep(&e, follows);
+    memcpy(state, e.next, 4 * (size_t)e.m->n * sizeof *state);
+    return DM_OK;
 }
 
 const dm_method dm_method_del = {
@@ -170,6 +238,7 @@ const dm_method dm_method_del = {
     .wants = wants,
     .work = work,
     .open = open,
-    .memory = memory,
+    .start = start,
     .step = step,
+    .memory = memory,
 };

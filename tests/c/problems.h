@@ -138,7 +138,12 @@ static inline void problem_stage(const void *pool, const double *x, double *out)
 
 static inline dm_kernel problem_kernel(const problem *p, dm_eval *eval,
                                        uint32_t outputs) {
-    return (dm_kernel){eval, p, 2 * p->n + 1, outputs, 1, "by hand", NULL, NULL};
+    return (dm_kernel){.eval = eval,
+                       .pool = p,
+                       .inputs = 2 * p->n + 1,
+                       .outputs = outputs,
+                       .operations = 1,
+                       .backend = "by hand"};
 }
 
 /* structure = 0 hides what L is: the general solver must find the same */
