@@ -67,6 +67,11 @@ static int has_changed(lua_State *L, const dml_root_shape *s) {
     return dml_rootdiffers(s, out);
 }
 
+/* of all arguments those that the root depends on */
+static void choose(const dml_root_shape *s, dml_scalar *x) {
+    for (uint32_t i = 0; i < s->uses; i++) x[i] = x[s->used[i]];
+}
+
 static void push_root(lua_State *L, const dml_root_shape *s, const dml_scalar *y) {
     if (s->s.length[0] == DML_SCALAR_ARGUMENT)
         dml_pushscalar(L, y);
@@ -82,7 +87,9 @@ static dml_root_shape *solve(lua_State *L, int top) {
         dml_scalar *x = lua_newuserdatauv(L, (s->inputs + 1) * sizeof *x, 0);
         read_arguments(L, s, top, x);
         check_finite(L, x, s->inputs, s->x);
-        const dm_root_outcome outcome = dm_root_solve(&s->solver, s->x, s->y, s->inverse);
+        for (uint32_t i = 0; i < s->uses; i++) s->chosen[i] = s->x[s->used[i]];
+        const dm_root_outcome outcome =
+            dm_root_solve(&s->solver, s->chosen, s->y, s->inverse);
         if (outcome == DM_ROOT_FOUND && !has_changed(L, s)) return s;
         if (outcome != DM_ROOT_FOUND && tries) dml_raiseroot(L, s->f);
         if (tries)
@@ -116,8 +123,9 @@ static int call_on_symbols(lua_State *L, int top, int value) {
     dml_scalar *x = lua_newuserdatauv(L, (s->inputs + r + 1) * sizeof *x, 0);
     dml_scalar *y = x + s->inputs + 1;
     read_arguments(L, s, top, x);
+    choose(s, x);
     for (uint32_t k = 0; k < (value ? 1 : r); k++)
-        y[k] = dml_rootentry(L, s->f, x, s->inputs, first + k);
+        y[k] = dml_rootentry(L, s->f, x, s->uses, first + k);
     if (value)
         dml_pushscalar(L, y);
     else
@@ -130,8 +138,9 @@ static int call_on_hyperduals(lua_State *L, int top, int value) {
     dml_scalar *x = lua_newuserdatauv(L, (s->inputs + s->unknowns + 1) * sizeof *x, 0);
     dml_scalar *y = x + s->inputs + 1;
     read_arguments(L, s, top, x);
+    choose(s, x);
     if (value) {
-        *y = dml_rootentry(L, s->f, x, s->inputs, s->unknowns);
+        *y = dml_rootentry(L, s->f, x, s->uses, s->unknowns);
         dml_pushscalar(L, y);
         return 1;
     }

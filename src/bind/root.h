@@ -12,12 +12,14 @@ typedef struct {
     dm_arena *arena;
     dml_signature s; /* of the equations: y, then the arguments */
     uint32_t unknowns, inputs;
+    uint32_t *used,
+        uses; /* entries of the arguments that y depends on, and their number: those of f */
     dml_traced equation, branch,
         start; /* as the functions of the script gave them; graph NULL: there is none */
     dm_implicit *f;
-    dm_root_solver solver; /* on the tape */
-    dm_kernel value;       /* S, where F = dS/dy */
-    double *x, *y, *inverse;
+    dm_root_solver solver;            /* on the tape */
+    dm_kernel value;                  /* S, where F = dS/dy */
+    double *x, *chosen, *y, *inverse; /* all arguments, those that are used */
     uint32_t
         trace; /* the outermost one in which the functions were last compared with these */
 } dml_root_shape;

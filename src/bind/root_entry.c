@@ -14,7 +14,7 @@ int dml_rootdiffers(const dml_root_shape *s, const double *plain) {
     const dm_root_solver *solver = &s->solver;
     const uint32_t r = s->unknowns;
     memcpy(solver->in, s->y, r * sizeof *s->y);
-    memcpy(solver->in + r, s->x, s->inputs * sizeof *s->x);
+    memcpy(solver->in + r, s->chosen, s->uses * sizeof *s->x);
     if (s->value.eval) {
         const double S = dml_rootvalue(s);
         return fabs(S - *plain) > 1e-8 * fmax(1.0, fmax(fabs(S), fabs(*plain)));
@@ -32,7 +32,7 @@ int dml_rootdiffers(const dml_root_shape *s, const double *plain) {
 double dml_rootvalue(const dml_root_shape *s) {
     double out = 0.0;
     memcpy(s->solver.in, s->y, s->unknowns * sizeof *s->y);
-    memcpy(s->solver.in + s->unknowns, s->x, s->inputs * sizeof *s->x);
+    memcpy(s->solver.in + s->unknowns, s->chosen, s->uses * sizeof *s->x);
     dm_kernel_prepare(&s->value, &out);
     dm_kernel_eval(&s->value, s->solver.in, &out);
     return out;

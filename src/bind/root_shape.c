@@ -4,6 +4,7 @@
 #include "bind/model_kept.h"
 #include "bind/root.h"
 #include "bind/state.h"
+#include "expr/analyse.h"
 #include "expr/derive.h"
 #include "expr/tape.h"
 
@@ -195,24 +196,42 @@ static int is_same(const shape *a, const shape *b) {
 
 /* ---- the function ---- */
 
-/* nodes of another trace in the graph of the equations; its inputs are those from `first` on */
+static int is_used(const dml_traced *t, uint32_t input) {
+    return t->graph && dm_depends(t->graph, t->out, t->outputs, input, 1);
+}
+
+static void find_used(lua_State *L, shape *s) {
+    const uint32_t r = s->unknowns;
+    s->used = take(L, s->arena, (s->inputs + (size_t)1) * sizeof *s->used);
+    for (uint32_t i = 0; i < s->inputs; i++)
+        if (is_used(&s->equation, r + i) || is_used(&s->branch, r + i) ||
+            is_used(&s->start, i))
+            s->used[s->uses++] = i;
+}
+
+/* nodes of another trace in the graph of the function, whose inputs are y and what is used; `unknowns` of its own
+** inputs are y */
 static const dm_node *bring(lua_State *L, const shape *s, const dml_traced *t,
-                            dm_graph *g, uint32_t first) {
-    const uint32_t inputs = dm_graph_inputs(g);
-    dm_node *with = take(L, s->arena, (inputs + (size_t)1) * sizeof *with);
+                            dm_graph *g, uint32_t unknowns) {
+    const size_t inputs = unknowns + (size_t)s->inputs;
+    dm_node *with = take(L, s->arena, (inputs + 1) * sizeof *with);
     dm_node *out = take(L, s->arena, t->outputs * sizeof *out);
-    for (uint32_t i = first; i < inputs; i++) with[i - first] = dm_input(g, i);
+    memset(with, 0, (inputs + 1) * sizeof *with);
+    for (uint32_t i = 0; i < unknowns; i++) with[i] = dm_input(g, i);
+    for (uint32_t i = 0; i < s->uses; i++)
+        with[unknowns + s->used[i]] = dm_input(g, s->unknowns + i);
     dm_transplant(g, t->graph, t->out, t->outputs, with, out);
     return out;
 }
 
 static void make_function(lua_State *L, shape *s) {
-    const uint32_t r = s->unknowns, inputs = r + s->inputs;
+    const uint32_t r = s->unknowns;
     const char *name = dml_rootname(L, 1);
     push_field(L, "failure");
-    dm_graph *g = dm_graph_new(s->arena, inputs);
+    find_used(L, s);
+    dm_graph *g = dm_graph_new(s->arena, r + s->uses);
     if (!g) luaL_error(L, "not enough memory");
-    const dm_node *equation = bring(L, s, &s->equation, g, 0);
+    const dm_node *equation = bring(L, s, &s->equation, g, r);
     push_field(L, "stationary");
     const int stationary = !lua_isnil(L, -1);
     const dm_implicit_draft draft = {
@@ -220,13 +239,13 @@ static void make_function(lua_State *L, shape *s) {
         .name = name,
         .advice = lua_tostring(L, -2),
         .unknowns = r,
-        .inputs = s->inputs,
+        .inputs = s->uses,
         .starts = s->start.outputs / r,
         .graph = g,
         .equation = stationary ? NULL : equation,
         .value = stationary ? equation : NULL,
-        .branch = s->branch.graph ? bring(L, s, &s->branch, g, 0) : NULL,
-        .start = bring(L, s, &s->start, g, r)};
+        .branch = s->branch.graph ? bring(L, s, &s->branch, g, r) : NULL,
+        .start = bring(L, s, &s->start, g, 0)};
     dm_status status = dm_graph_status(g);
     if (status == DM_OK) s->f = dm_implicit_make(&draft, s->arena, &status);
     check_status(L, name, status);
@@ -264,8 +283,9 @@ static void make(lua_State *L, shape *s) {
     const size_t n = s->inputs + (size_t)1, r = s->unknowns;
     make_function(L, s);
     check_trace(L, s);
-    s->x = take(L, s->arena, (n + r + r * r) * sizeof(double));
-    s->y = s->x + n;
+    s->x = take(L, s->arena, (2 * n + r + r * r) * sizeof(double));
+    s->chosen = s->x + n;
+    s->y = s->chosen + n;
     s->inverse = s->y + r;
 }
 

@@ -159,6 +159,12 @@ static double norm(const double *a, uint32_t n) {
     return largest;
 }
 
+/* is an increment that does not shrink what rounding leaves? */
+static int is_noise(const pair *e, double step, double size, double residual) {
+    static const double ROUND_OFF = 1e-12, NOISE = 1e-13;
+    return step <= ROUND_OFF * size || residual <= NOISE * e->size;
+}
+
 /*
 ** Newton's method from the continued z with the exact matrix at every iterate, which the kernel gives anyway. Errors are
 ** squared: the last increment need not be small, but the next one, foretold by the last two. 0: it does not go
@@ -176,11 +182,13 @@ static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
         if (!isfinite(report->residual) || dm_lu_factor(J, pivot, n) != DM_OK) return 0;
         dm_lu_solve(r, J, pivot, n);
         const double step = norm(r, n), size = norm(e->z, n) + step;
-        if (!(step <= FAST * before || step <= s->tolerance * size)) return 0;
+        const double rate = before < INFINITY ? step / before : 1.0;
+        const int noise = is_noise(e, step, size, report->residual);
+        if (!(step <= FAST * before || noise)) return 0;
         for (uint32_t i = 0; i < n; i++) e->z[i] -= r[i];
         report->iterations++;
-        const double rate = before < INFINITY ? step / before : 1.0;
-        if (step <= s->tolerance * size || rate * rate * step <= NEGLIGIBLE * size)
+        if (step <= s->tolerance * size || rate * rate * step <= NEGLIGIBLE * size ||
+            (rate > 0.5 && noise))
             return 1;
         before = step;
     }
