@@ -1,0 +1,45 @@
+-- How much model does a question need? A pendulum on a stiff spring, watched in its angle only, as well as one asks for: dm.scene
+-- finds the cheapest model, rule and step. Up to some accuracy a rigid pendulum is enough; beyond it the spring must be followed.
+local dm = require "dm"
+local picture = (arg and arg[1] or "build/pictures") .. "/least_model.png"
+
+local g, T = 9.81, 10
+local function pendulum(k)  -- a: stretch, m; theta: angle; mass and length 1
+  return dm.system { name = "pendulum on a spring", Q = dm.R(2), coordinates = { "a", "theta" }, L = function(q, v)
+    local a, theta = q[1], q[2]
+    return (v[1] ^ 2 + (1 + a) ^ 2 * v[2] ^ 2) / 2 + g * (1 + a) * math.cos(theta) - k / 2 * a ^ 2
+  end }
+end
+local function start(k) return { q = { g * math.cos(0.5) / k, 0.5 }, v = { 0, 0 } } end
+
+-- what the rigid pendulum costs in accuracy, by runs of both that have nothing to do with the scene
+local rigid = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + g * math.cos(q[1]) end }
+local function difference(k)
+  local at, s, worst = {}, start(k), 0
+  for i = 1, 400 do at[i] = T * i / 400 end
+  local a = pendulum(k):solver({ rule = "gauss(4)", h = 2e-3 }):run { q = s.q, v = s.v, at = at }
+  local b = rigid:solver({ rule = "gauss(4)", h = 0.02 }):run { q = { 0.5 }, v = { 0 }, at = at }
+  for i = 1, 400 do worst = math.max(worst, math.abs(a.q[i][2] - b.q[i][1])) end
+  return worst
+end
+
+local series = {}
+for _, k in ipairs { 1e4, 1e6 } do
+  local limit, x, y, dearest = difference(k), {}, {}, 0
+  for _, tolerance in ipairs { 10, 3, 2, 0.5, 0.1, 0.03 } do
+    local s = start(k)
+    local scene = dm.scene { pendulum(k), q = s.q, v = s.v, watch = { "theta" }, tolerance = tolerance * limit, until_t = T,
+      rules = { "gauss(4)", "gauss(6)", "blanes-moan(6)", "verlet", "rk8" } }
+    local run, one = scene:run(), scene.best.model.system.Q.dimension == 1
+    assert(run.error_estimate <= tolerance * limit, "the tolerance is delivered")
+    assert(one or tolerance < 2, "one coordinate answers what a rigid pendulum can answer")
+    assert(not one or tolerance > 0.1, "and no more")
+    x[#x + 1], y[#y + 1] = tolerance * limit, scene.best.ns * 1e-3
+    dearest = math.max(dearest, y[#y] / y[1])
+  end
+  print(("k = %.0e: the rigid pendulum is good to %.1e rad; beyond that the answer costs %.0f times as much"):format(k, limit, dearest))
+  series[#series + 1] = { x = x, y = y, name = ("k = %.0e N/m"):format(k) }
+end
+
+print("picture  " .. dm.plot(series, { log = "xy", style = "linespoints", file = picture, xlabel = "tolerance of the angle", xunit = "rad",
+  ylabel = "least cost of the steps", yunit = "us", title = "Pendulum on a stiff spring, 10 s: what an answer costs" }))
