@@ -172,8 +172,10 @@ function M.phantom(frame, count)
   local out, values = {}, {}
   for seed = 1, 60 do
     local fine, list = pcall(function()
-      local z = M.sample(frame, seed, count)
-      return require "dm.frame".moved(frame, require "dm.frame".element(frame, z), z)
+      local z, F = M.sample(frame, seed, count), require "dm.frame"
+      -- again from the section, where the frame is the identity and rounds least
+      for _ = 1, 3 do z = F.moved(frame, F.element(frame, z), z) end
+      return z
     end)
     if fine then values[#values + 1] = list end
     if #values == 4 then break end
@@ -184,7 +186,7 @@ function M.phantom(frame, count)
     for j = 1, frame.m do
       local first, spread = values[1][i][j], 0
       for _, list in ipairs(values) do spread = max(spread, abs(list[i][j] - first)) end
-      out[i][j] = spread < 1e-9 * (1 + abs(first)) and math.floor(first * 1e9 + 0.5) / 1e9
+      out[i][j] = spread < 1e-12 * (1 + abs(first)) and (abs(first) < 1e-15 and 0 or first)
     end
   end
   return out

@@ -105,6 +105,12 @@ local function functions_of_windows(p, o)
     for i, name in ipairs(p.names) do out[i] = I[name] end
     return out
   end
+  -- the same of points as they are
+  local function with_names(I)
+    for _, name in ipairs(p.names) do I[name] = p.functions[name](table.unpack(I, 1, p.N)) end
+    return I
+  end
+  p.bare_slope = core.derivative(function(x) return o.L(with_names(windowed(x))) end, p.N * p.d)
   function p.lagrangian(list) return o.L(p.invariants_of(list)) end
   p.slope = core.derivative(function(x) return p.lagrangian(windowed(x)) end, p.N * p.d)
   if not o.constraint then return end
@@ -115,6 +121,7 @@ local function functions_of_windows(p, o)
   end
   if p.constraints == 0 then error("dm.invariant_problem: the constraint fails at all random points: " .. tostring(select(2, pcall(p.phi, linear.sample(p.frame, 1, p.N)))), 0) end
   p.phi_slope = core.derivative(function(x) return core.vector(p.phi(windowed(x))) end, p.N * p.d)
+  p.bare_phi_slope = core.derivative(function(x) return core.vector(linear.entries(o.constraint(with_names(windowed(x))))) end, p.N * p.d)
   p.reach = reach_of(p, p.phi_slope, p.constraints)
   if p.reach == 0 then error("dm.invariant_problem: the constraint does not depend on the points", 0) end
 end
@@ -153,13 +160,14 @@ M.invariant_problem = blame.caller(function(o)
   left_action(p)
   functions_of_windows(p, o)
   p.may_reduce = p.N - 1 >= p.k and (p.N - 1) * p.d >= p.r
+  p.fixed = linear.phantom(frame, math.max(p.N - 1, p.k))
   function p.section_points()
-    local phantom, out = linear.phantom(frame, p.N - 1), {}
+    local out = {}
     for i = 1, p.N - 1 do
       out[i] = core.zeros(p.d)
       for a = 1, p.d do
-        if not phantom[i][a] then error("a start from a frame needs a section that fixes all numbers of the window: give points", 0) end
-        out[i][a] = phantom[i][a]
+        if not p.fixed[i][a] then error("a start from a frame needs a section that fixes all numbers of the window: give points", 0) end
+        out[i][a] = p.fixed[i][a]
       end
     end
     return out
@@ -260,7 +268,7 @@ method("solve", function(p, o)
   local form = equations[name .. "_form"](p)
   local steps = o.n - #before - p.window
   if steps < 0 then error(("problem:solve: n = %d is less than the %d points given"):format(o.n, #before + p.window), 0) end
-  local rows, report = core.sequence { equation = form.equation, next = form.next, start = form.start, inside = form.inside,
+  local rows, report = core.sequence { equation = form.equation, next = form.next, start = form.start, inside = form.inside, scale = form.scale,
     y = form.layout:pack(values), unknowns = p.d + p.constraints, steps = steps, every = o.every or 1, check = false }
   local curve = curve_of(p, form, rows, before)
   curve.form = name

@@ -11,6 +11,9 @@
 --              point, m_j+1 + D_j+1 L are the new covectors. They are kept as J = sum_j m_j . v(U_j) and the entries that J does not
 --              give: Noether's law says that J changes by the coadjoint action of P alone, so no difference of large
 --              numbers is ever taken (docs/theory/frames.md).
+--
+-- The unknown is not the next point but how far it lies from where the last two lead, and what the section fixes stands as a number in the
+-- graph: with points h apart, differences of order h^3 keep all their digits.
 local core = require "dm.core"
 local frames = require "dm.frame"
 local linear = require "dm.frame_linear"
@@ -73,12 +76,67 @@ end
 
 ---- L and its constraint at windows ----
 
--- (D L^c)(window) by blocks, L^c = L - mu . phi
-local function slopes(p, window, mu)
-  local z = frames.flat(window)
-  local g = p.slope(z)
+-- generators at a list of points: rows by point and entry
+local function psi_rows(p, list)
+  local rows = {}
+  for _, z in ipairs(list) do
+    local v = p.generator(z)
+    for a = 1, p.d do
+      local row = {}
+      for j = 1, p.r do row[j] = v[a][j] end
+      rows[#rows + 1] = row
+    end
+  end
+  return rows
+end
+M.psi_rows = psi_rows
+
+-- slopes by all points of invariantized functions on the section, from those of the functions themselves: g (1 - psi (J psi)^-1 J), by
+-- Bogfjellmo's thm 3, without the frame. `rows` are numbers or symbols, a list for each function.
+local function projected(p, window, rows)
+  local psi, known = psi_rows(p, window), p.frame.k * p.d
+  local J = linear.section_slope(p.frame, window)
+  local A = {}
+  for i = 1, p.r do
+    A[i] = {}
+    for j = 1, p.r do
+      A[i][j] = 0
+      for l = 1, known do A[i][j] = A[i][j] + J[i][l] * psi[l][j] end
+    end
+  end
+  local turned, out = core.matrix(A):transpose(), {}
+  for f, g in ipairs(rows) do
+    local along = {}
+    for j = 1, p.r do
+      along[j] = 0
+      for l = 1, p.N * p.d do along[j] = along[j] + g[l] * psi[l][j] end
+    end
+    local c = turned:solve(core.vector(along))
+    out[f] = {}
+    for l = 1, p.N * p.d do
+      out[f][l] = g[l]
+      for i = 1, l <= known and p.r or 0 do out[f][l] = out[f][l] - J[i][l] * c[i] end
+    end
+  end
+  return out
+end
+
+-- (D L)(window), and that of every constraint
+local function slopes_apart(p, window, on_section)
+  local z, rows = frames.flat(window), {}
+  if not on_section then return p.slope(z), p.constraints > 0 and p.phi_slope(z) end
+  rows[1] = p.bare_slope(z)
+  local phi = p.constraints > 0 and p.bare_phi_slope(z)
+  for c = 1, p.constraints do rows[c + 1] = phi[c] end
+  rows = projected(p, window, rows)
+  return table.remove(rows, 1), rows
+end
+
+-- (D L^c)(window) by blocks, L^c = L - mu . phi; on_section: the window's first points lie there
+local function slopes(p, window, mu, on_section)
+  local g, phi = slopes_apart(p, window, on_section)
   if p.constraints == 0 or not mu then return blocks(g, p.N, p.d) end
-  local phi, out = p.phi_slope(z), {}
+  local out = {}
   for i = 1, p.N * p.d do
     out[i] = g[i]
     for c = 1, p.constraints do out[i] = out[i] - mu[c] * phi[c][i] end
@@ -95,12 +153,31 @@ end
 
 local function first_of(x, d) return part(x, 1, d) end
 
--- X and mu of the unknowns
-local function unknowns(p, x)
+-- where the last points of a list lead
+local function ahead(list)
+  local last, before = list[#list], list[#list - 1]
+  return before and last * 2 - before or last
+end
+M.ahead = ahead
+
+-- X and mu of the unknowns x = (X - ahead(list), mu)
+local function unknowns(p, list, x)
   local X, mu = {}, {}
-  for i = 1, p.d do X[i] = x[i] end
+  local base = ahead(list)
+  for i = 1, p.d do X[i] = base[i] + x[i] end
   for c = 1, p.constraints do mu[c] = x[p.d + c] end
   return core.vector(X), mu
+end
+
+-- the window of a state; entries that the section fixes are numbers
+local function window_of(p, layout, y)
+  local U = blocks(layout:get(y, "U"), p.window, p.d)
+  for j, z in ipairs(U) do
+    local out = {}
+    for a = 1, p.d do out[a] = p.fixed[j] and p.fixed[j][a] or z[a] end
+    U[j] = core.vector(out)
+  end
+  return U
 end
 
 ---- what both forms do after the step: move the window, multiply the frame up, recover the first point ----
@@ -108,14 +185,14 @@ end
 local function renewed(p, step, values, list)
   local layout, y, x = step.layout, step.y, step.x
   local P = p.rho(list)
+  local U = window_of(p, layout, y)
   local window = p.move(P, list)
   local g = p.group:compose(P, p.group:unflat(layout:get(y, "g")))
-  local X = unknowns(p, x)
   values.U, values.g = numbers(window), linear.entries(p.group:flat(g))
   values.u = linear.entries(p.act(p.group:inverse(g), window[1]))
   values.x1, values.x2 = linear.entries(x), layout:get(y, "x1")
-  local all = part(blocks(layout:get(y, "U"), p.window, p.d), p.window - p.N + 2, p.N - 1)
-  all[p.N] = X
+  local all = part(U, p.window - p.N + 2, p.N - 1)
+  all[p.N] = unknowns(p, U, x)
   values.I = p.named(all)
   return P, window
 end
@@ -129,11 +206,22 @@ local function guess(p, layout)
   end
 end
 
+-- sizes of what the unknowns are added to
+local function scale(p, layout)
+  return function(y)
+    local base, out = ahead(window_of(p, layout, y)), {}
+    for a = 1, p.d do out[a] = base[a] end
+    for c = 1, p.constraints do out[p.d + c] = 0 end
+    return out
+  end
+end
+
 local function inside_of(p, layout)
   if not p.inside then return nil end
   return function(y, x)
-    local list = part(blocks(layout:get(y, "U"), p.window, p.d), p.window - p.N + 2, p.N - 1)
-    list[p.N] = unknowns(p, x)
+    local U = window_of(p, layout, y)
+    local list = part(U, p.window - p.N + 2, p.N - 1)
+    list[p.N] = unknowns(p, U, x)
     return linear.entries(p.inside(p.invariants_of(list)))
   end
 end
@@ -164,8 +252,8 @@ function M.points_form(p)
   for _, row in ipairs(common_parts(p)) do parts[#parts + 1] = row end
   local layout, N, c = Layout.new(parts), p.N, p.constraints
   local function read(y, x)
-    local U = blocks(layout:get(y, "U"), p.window, p.d)
-    local X, last = unknowns(p, x)
+    local U = window_of(p, layout, y)
+    local X, last = unknowns(p, U, x)
     local list, history, mu = part(U, p.window - 2 * N + 3, 2 * N - 2), layout:get(y, "history"), {}
     list[2 * N - 1] = X
     for j = 1, c > 0 and p.reach - 1 or 0 do mu[N - p.reach + j] = part(history, (j - 1) * c + 1, c) end
@@ -188,26 +276,11 @@ function M.points_form(p)
     renewed(p, { layout = layout, y = y, x = x }, values, list)
     return layout:pack(values)
   end
-  return { layout = layout, equation = equation, next = next_state, start = guess(p, layout),
+  return { layout = layout, equation = equation, next = next_state, start = guess(p, layout), scale = scale(p, layout),
     inside = inside_of(p, layout), core = { "U", "history" } }
 end
 
 ---- the form of momenta ----
-
--- generators at a list of points: rows by point and entry
-local function psi_rows(p, list)
-  local rows = {}
-  for _, z in ipairs(list) do
-    local v = p.generator(z)
-    for a = 1, p.d do
-      local row = {}
-      for j = 1, p.r do row[j] = v[a][j] end
-      rows[#rows + 1] = row
-    end
-  end
-  return rows
-end
-M.psi_rows = psi_rows
 
 --- r rows of psi that are far from dependent, by elimination with pivots, and the others.
 function M.choose_rows(rows, r)
@@ -294,7 +367,7 @@ end
 
 -- the points of L's window that are known, and the covectors at them
 local function known(p, layout, y)
-  local U = blocks(layout:get(y, "U"), p.window, p.d)
+  local U = window_of(p, layout, y)
   local list, mom = part(U, p.window - p.N + 2, p.N - 1), layout:get(y, "momentum")
   if not p.reduced then return U, list, blocks(mom, p.N - 1, p.d) end
   return U, list, covectors(p, list, mom, part(mom, p.r + 1, #mom - p.r))
@@ -307,19 +380,19 @@ function M.momentum_form(p)
   for _, row in ipairs(common_parts(p)) do parts[#parts + 1] = row end
   local layout = Layout.new(parts)
   local function equation(y, x)
-    local _, list, m = known(p, layout, y)
-    local X, mu = unknowns(p, x)
+    local U, list, m = known(p, layout, y)
+    local X, mu = unknowns(p, U, x)
     list[p.N] = X
-    local g, out = slopes(p, list, mu)[1], first_of(m[1], p.d)
+    local g, out = slopes(p, list, mu, p.window == p.N - 1)[1], first_of(m[1], p.d)
     for a = 1, p.d do out[a] = m[1][a] + g[a] end
     for _, value in ipairs(constraint_at_end(p, list)) do out[#out + 1] = value end
     return out
   end
   local function next_state(y, x)
     local U, list, m = known(p, layout, y)
-    local X, mu = unknowns(p, x)
+    local X, mu = unknowns(p, U, x)
     list[p.N] = X
-    local g, left, all = slopes(p, list, mu), {}, part(U, 2, p.window - 1)
+    local g, left, all = slopes(p, list, mu, p.window == p.N - 1), {}, part(U, 2, p.window - 1)
     for j = 1, p.N - 1 do left[j] = m[j + 1] and m[j + 1] + g[j + 1] or g[j + 1] end
     all[p.window] = X
     local values = {}
@@ -334,7 +407,7 @@ function M.momentum_form(p)
     end
     return layout:pack(values)
   end
-  return { layout = layout, equation = equation, next = next_state, start = guess(p, layout),
+  return { layout = layout, equation = equation, next = next_state, start = guess(p, layout), scale = scale(p, layout),
     inside = inside_of(p, layout), core = { "U", "momentum" } }
 end
 

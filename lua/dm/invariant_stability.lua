@@ -184,7 +184,7 @@ local function of_form(p, name, o)
   local values = starts.from_points(p, name, list, o.multiplier)
   local form = equations[name .. "_form"](p)
   local y = form.layout:pack(values)
-  local rows, report = core.sequence { equation = form.equation, next = form.next, start = form.start, y = y,
+  local rows, report = core.sequence { equation = form.equation, next = form.next, start = form.start, scale = form.scale, y = y,
     unknowns = p.d + p.constraints, steps = 1, check = false }
   if report.code ~= "ok" then error("problem:stability: the step from these points fails: " .. report.text, 0) end
   local x, places = core.vector(form.layout:get(rows[2], "x1")), core_places(form)

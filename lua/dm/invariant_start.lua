@@ -92,10 +92,8 @@ end
 
 -- values that every form begins with: the window at its frame
 local function begin(p, window, g)
-  local last = window[#window]
-  local step = #window > 1 and last - window[#window - 1] or last * 0
-  local x = linear.entries(last + step)
-  for _ = 1, p.constraints do x[#x + 1] = 0 end
+  local x = {}
+  for i = 1, p.d + p.constraints do x[i] = 0 end
   local named = {}
   for i = 1, #p.names do named[i] = 0 end
   return { U = equations.numbers(window), g = linear.entries(p.group:flat(g)), x1 = x, x2 = x, I = named,
@@ -109,9 +107,10 @@ local function better_guess(p, values, list, mu)
     return p.move(p.rho(before), before)
   end)
   if not fine or #list <= p.window then return end
-  local x = linear.entries(seen[#seen])
-  local last = mu[#list - p.N + 1]
-  for i = 1, p.constraints do x[p.d + i] = last and last[i] or 0 end
+  local found = table.remove(seen)
+  local x = linear.entries(found - equations.ahead(seen))
+  local known = mu[#list - p.N + 1]
+  for i = 1, p.constraints do x[p.d + i] = known and known[i] or 0 end
   values.x1, values.x2 = x, x
 end
 

@@ -8,8 +8,8 @@
 #include <string.h>
 
 /* the functions of the options, by their place on the stack */
-enum { OPTIONS = 1, ARENA, EQUATION, NEXT, START, INSIDE, COUNT = 4 };
-static const char *const keys[COUNT] = {"equation", "next", "start", "inside"};
+enum { OPTIONS = 1, ARENA, EQUATION, NEXT, START, INSIDE, SCALE, COUNT = 5 };
+static const char *const keys[COUNT] = {"equation", "next", "start", "inside", "scale"};
 
 typedef struct {
     dm_arena *arena;
@@ -23,7 +23,8 @@ static void check_status(lua_State *L, dm_status status, const char *what) {
 }
 
 static dml_signature signature(const maker *k, int which, int outputs) {
-    dml_signature s = {.what = keys[which], .arguments = which == 2 ? 1 : 2};
+    dml_signature s = {.what = keys[which],
+                       .arguments = which == 2 || which == 4 ? 1 : 2};
     s.length[0] = (int)k->r.n;
     s.length[1] = (int)k->r.m;
     s.outputs = outputs;
@@ -52,7 +53,7 @@ static void build(lua_State *L, maker *k, int which, int outputs, dm_kernel *out
 static void read_functions(lua_State *L, maker *k) {
     for (int i = 0; i < COUNT; i++) {
         lua_getfield(L, OPTIONS, keys[i]);
-        if (lua_isnil(L, -1) && EQUATION + i == INSIDE) break;
+        if (lua_isnil(L, -1) && EQUATION + i >= INSIDE) continue;
         if (!lua_isfunction(L, -1))
             luaL_error(L, "field '%s' must be a function (got %s)", keys[i],
                        luaL_typename(L, -1));
@@ -61,6 +62,7 @@ static void read_functions(lua_State *L, maker *k) {
     build(L, k, 1, (int)k->r.n, &k->r.next, NULL);
     build(L, k, 2, (int)k->r.m, &k->r.start, NULL);
     if (!lua_isnil(L, INSIDE)) build(L, k, 3, 0, &k->r.inside, NULL);
+    if (!lua_isnil(L, SCALE)) build(L, k, 4, (int)k->r.m, &k->r.scale, NULL);
 }
 
 static void push_report(lua_State *L, const dm_sequence_report *report,
@@ -99,8 +101,9 @@ static double *room(lua_State *L, size_t count) {
 }
 
 static int sequence(lua_State *L) {
-    static const char *const known[] = {"equation", "next",  "start", "inside", "y",
-                                        "unknowns", "steps", "every", "check",  NULL};
+    static const char *const known[] = {"equation", "next",     "start", "inside",
+                                        "y",        "unknowns", "steps", "every",
+                                        "check",    "scale",    NULL};
     luaL_checktype(L, OPTIONS, LUA_TTABLE);
     lua_settop(L, OPTIONS);
     dml_options(L, OPTIONS, known);
@@ -139,7 +142,9 @@ static const dml_row functions[] = {
      "The sequence y, y', y'' ... with y' = next(y, x) where x, of `unknowns` numbers, "
      "is the root of equation(y, x) = 0 that Newton's method finds from start(y). The "
      "functions are traced once, with vectors y and x, and run in C. inside(y, x) gives "
-     "numbers that must be > 0 at the root. check = false trusts the "
+     "numbers that must be > 0 at the root. scale(y) gives the sizes "
+     "of what the unknowns are added to, where x is a small difference. check = false "
+     "trusts the "
      "traces without comparing them with plain calls. Rows: y at the start, every "
      "`every` steps, "
      "and at the end. report: code (\"ok\", \"no_convergence\", \"singular\", "

@@ -8,7 +8,7 @@ enum { BURST = 64 }; /* steps between looks at the stop flag */
 /* in: y, x; out: R, dR/dx; beyond: y' and the conditions */
 typedef struct {
     const dm_sequence *r;
-    double *in, *residual, *out, *after, *conditions, *newton;
+    double *in, *residual, *out, *after, *conditions, *scale, *newton;
     double size; /* of the terms of R, as |dR/dx| |x| tells */
 } stage;
 
@@ -17,7 +17,7 @@ static size_t outputs(const dm_sequence *r) {
 }
 
 size_t dm_sequence_work(const dm_sequence *r) {
-    return 2 * (size_t)r->n + 3 * (size_t)r->m + outputs(r) + r->inside.outputs +
+    return 2 * (size_t)r->n + 3 * (size_t)r->m + outputs(r) + r->inside.outputs + r->m +
            dm_newton_work(r->m);
 }
 
@@ -31,20 +31,25 @@ static stage lay_out(const dm_sequence *r, double *work) {
     s.residual = s.after + r->n;
     s.out = s.residual + r->m;
     s.conditions = s.out + outputs(r);
-    s.newton = s.conditions + r->inside.outputs;
+    s.scale = s.conditions + r->inside.outputs;
+    s.newton = s.scale + r->m;
+    memset(s.scale, 0, r->m * sizeof *s.scale);
     dm_kernel_prepare(&r->equation, s.residual);
     dm_kernel_prepare(&r->tangent, s.out);
     dm_kernel_prepare(&r->next, s.after);
+    if (r->scale.outputs) dm_kernel_prepare(&r->scale, s.scale);
     if (r->inside.outputs) dm_kernel_prepare(&r->inside, s.conditions);
     return s;
 }
 
-/* max_i sum_j |J_ij x_j|: what cancels in R is not smaller */
-static double size_of_terms(const double *J, const double *x, uint32_t m) {
+/* max_i sum_j |J_ij| (|x_j| + scale_j): what cancels in R is not smaller */
+static double size_of_terms(const double *J, const double *x, const double *scale,
+                            uint32_t m) {
     double largest = 0.0;
     for (uint32_t i = 0; i < m; i++) {
         double sum = 0.0;
-        for (uint32_t j = 0; j < m; j++) sum += fabs(J[i * m + j] * x[j]);
+        for (uint32_t j = 0; j < m; j++)
+            sum += fabs(J[i * m + j]) * (fabs(x[j]) + fabs(scale[j]));
         if (sum > largest) largest = sum;
     }
     return largest;
@@ -58,7 +63,7 @@ static dm_status residual(void *ctx, double *r, double *J, const double *x) {
     memcpy(r, J ? s->out : s->residual, m * sizeof *r);
     if (!J) return DM_OK;
     memcpy(J, s->out + m, (size_t)m * m * sizeof *J);
-    s->size = size_of_terms(J, x, m);
+    s->size = size_of_terms(J, x, s->scale, m);
     return DM_OK;
 }
 
@@ -82,6 +87,7 @@ static dm_status step(stage *s, const dm_newton_problem *problem, double *x,
     const dm_sequence *r = s->r;
     dm_kernel_prepare(&r->start, x);
     dm_kernel_eval(&r->start, s->in, x);
+    if (r->scale.outputs) dm_kernel_eval(&r->scale, s->in, s->scale);
     if (!finite(x, r->m)) return DM_NOT_FINITE;
     const dm_status status = dm_newton(x, problem, s->newton, &report->newton);
     if (status != DM_OK) return status;
