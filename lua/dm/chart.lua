@@ -1,19 +1,21 @@
 --- dm.chart: what accuracy costs. Every rule at every step: the error of what one looks at against CPU time, evaluations, steps.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local measures = require "dm.chart.measures"
 local reference = require "dm.reference_run"
 
 local M = {}
 M.__index = M
 M.__name = "dm.chart"
 
-local abs, max, min, log, floor = math.abs, math.max, math.min, math.log, math.floor
+local max, min, log, floor = math.max, math.min, math.log, math.floor
 
 local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error", "samples", "repeats", "reference" }
+local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error", "samples", "repeats", "reference",
+  "tolerances", "rivals" }
 
 local function check_keys(options)
   for key in pairs(options) do
@@ -47,44 +49,6 @@ local function check_options(options)
     system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
   end
   return system
-end
-
----- errors ----
-
--- largest entry of |q - q_ref| over all samples
-local function position_error(path, ref)
-  local worst = 0
-  for i = 1, #path do
-    local q, r = path.q[i], ref.q[i]
-    for k = 1, #q do worst = max(worst, abs(q[k] - r[k])) end
-  end
-  return worst
-end
-
--- the largest change of one number along the path
-local function change(values)
-  local worst = 0
-  for i = 1, #values do worst = max(worst, abs(values[i] - values[1])) end
-  return worst
-end
-
--- error = "position", "energy", or f(q, v, t, p): against the reference; { f } : against its own start
-local function make_measure(options)
-  local what = options.error or "position"
-  if what == "position" then return position_error, "position", true end
-  if what == "energy" then return function(path) return change(path:energy()) end, "energy", false end
-  if type(what) == "table" and type(what[1]) == "function" then
-    return function(path) return change(path:column "watched") end, "change of what is watched", false, what[1]
-  end
-  if type(what) ~= "function" then
-    fail("option 'error' must be \"position\", \"energy\", a function of (q, v, t, p) compared with the reference, or { f } for "
-      .. "the change of f along the run (got %s)", tostring(what))
-  end
-  return function(path, ref)
-    local worst, x, y = 0, path:column "watched", ref:column "watched"
-    for i = 1, #path do worst = max(worst, abs(x[i] - y[i])) end
-    return worst
-  end, "what is watched", true, what
 end
 
 --- A rule as it is written: of an object what it prints without the word "rule".
@@ -126,14 +90,14 @@ end
 -- number of steps for the whole duration; rules with a time of their own are timed as they are run
 local function steps_for(options, h) return max(1, floor(options.t / h + 0.5)) end
 
-local function measure(chart, rule, h)
-  local options = chart.options
+local function measure(chart, entry, h)
+  local options, rule = chart.options, entry.rule
   local steps = steps_for(options, h)
   local step = options.t / steps
   local own = tostring(rule):find "^log%-hamiltonian"
-  local solver = chart.system:solver { rule = rule, h = own and h or step }
+  local solver = chart.system:solver { rule = rule, h = own and h or step, newton = entry.newton }
   local path = solver:run(run_options(options, { at = chart.times, watch = chart.watch }))
-  local point = { rule = M.name(rule), h = own and h or step, error = chart.measure(path, chart.reference) }
+  local point = { rule = entry.name, h = own and h or step, error = chart.measure(path, chart.reference) }
   local timed = own and { at = { (options.t0 or 0) + options.t } } or { steps = steps, every = steps }
   local plain = run_options(options, timed)
   point.ns = 1e9 * cpu_seconds(function() solver:run(plain) end, options.repeats or BATCHES)
@@ -143,14 +107,14 @@ local function measure(chart, rule, h)
 end
 
 -- a failure belongs into the chart: it says where a rule stops working
-local function try_point(chart, rule, h)
-  local fine, point = pcall(measure, chart, rule, h)
+local function try_point(chart, entry, h, points)
+  local fine, point = pcall(measure, chart, entry, h)
   if not fine and type(point) ~= "string" and point.code == "stopped" then error(point, 0) end
   if fine and point.error == point.error and point.error < math.huge then
-    chart.points[#chart.points + 1] = point
-  else
+    points[#points + 1] = point
+  elseif points == chart.points then
     local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
-    chart.failures[#chart.failures + 1] = { rule = M.name(rule), h = h, why = fine and "the error is not finite" or why }
+    chart.failures[#chart.failures + 1] = { rule = entry.name, h = h, why = fine and "the error is not finite" or why }
   end
 end
 
@@ -190,13 +154,15 @@ local doc_cheapest = [[
 chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
 The cheapest measured point whose error is at most the given one, by CPU time.]]
 
-function M:cheapest(target)
+local function cheapest_of(points, target)
   local best
-  for _, p in ipairs(self.points) do
+  for _, p in ipairs(points) do
     if p.error <= target and (not best or p.ns < best.ns) then best = p end
   end
   return best
 end
+
+function M:cheapest(target) return cheapest_of(self.points, target) end
 
 local doc_pareto = [[
 chart:pareto() -> list of points
@@ -234,14 +200,30 @@ end
 local function cheapest_lines(chart, lines)
   for _, target in ipairs { 1e-4, 1e-8, 1e-12 } do
     local p = chart:cheapest(target)
-    lines[#lines + 1] = p and ("cheapest at %.0e: %s, h = %.4g, %s%s"):format(target, p.rule, p.h, time_text(p.ns),
+    local text = p and ("cheapest at %.0e: %s, h = %.4g, %s%s"):format(target, p.rule, p.h, time_text(p.ns),
       is_symplectic(p.rule) and "" or " (not symplectic)") or ("none of these reaches %.0e"):format(target)
+    local r = chart.rival and cheapest_of(chart.rival.points, target)
+    if r and (not p or r.ns < p.ns) then
+      text = text .. ("; %s, which preserves nothing, wins with %s"):format(r.rule, time_text(r.ns))
+    elseif r then
+      text = text .. ("; %s, which preserves nothing, takes %.3g times as long"):format(r.rule, r.ns / p.ns)
+    end
+    lines[#lines + 1] = text
   end
+end
+
+local function front_line(chart)
+  local out = {}
+  for i, p in ipairs(chart:pareto()) do
+    if out[#out] ~= p.rule then out[#out + 1] = p.rule end
+    if i == 40 then break end
+  end
+  return "front of error and time, from the cheapest: " .. table.concat(out, ", ")
 end
 
 local doc_table = [[
 chart:table() -> string
-A line per rule: measured order, number of points, least error and its cost; then the cheapest at 1e-4, 1e-8, 1e-12, what failed and
+A line per rule: measured order, number of points, least error and its cost; then the cheapest at 1e-4, 1e-8, 1e-12 beside the rival, the rules on the front, what failed and
 why, how far the two references are apart, and the load of the machine when it was measured.]]
 
 function M:table()
@@ -253,6 +235,7 @@ function M:table()
       or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
   end
   cheapest_lines(self, lines)
+  lines[#lines + 1] = front_line(self)
   for _, f in ipairs(self.failures) do lines[#lines + 1] = ("%s, h = %.4g: %s"):format(f.rule, f.h, f.why) end
   lines[#lines + 1] = self.reference_text
   lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up"):format(self.load, self.options.repeats or BATCHES)
@@ -260,17 +243,17 @@ function M:table()
 end
 
 local doc_plot = [[
-chart:plot{file=, against = "ns" | "evaluations" | "steps" | "h", ...} -> file name or nothing
+chart:plot{file=, against = "ns" | "evaluations" | "newton" | "steps" | "h", ...} -> file name or nothing
 Error over cost, both logarithmic, a line per rule with its measured order in the legend; without a file in the terminal. Other
 options as in dm.plot.]]
 
-local AGAINST = { ns = { "CPU time", "s", 1e-9 }, evaluations = { "evaluations", nil, 1 }, steps = { "steps", nil, 1 }, h = { "h", nil, 1 } }
+local AGAINST = { ns = { "CPU time", "s", 1e-9 }, evaluations = { "evaluations", nil, 1 }, newton = { "Newton iterations", nil, 1 }, steps = { "steps", nil, 1 }, h = { "h", nil, 1 } }
 
 M.plot = blame.caller(function(self, options)
   local given = {}
   for key, value in pairs(options or {}) do given[key] = value end
   local axis = AGAINST[given.against or "ns"]
-  if not axis then fail("option 'against' must be \"ns\", \"evaluations\", \"steps\" or \"h\" (got %s)", tostring(given.against)) end
+  if not axis then fail("option 'against' must be \"ns\", \"evaluations\", \"newton\", \"steps\" or \"h\" (got %s)", tostring(given.against)) end
   local key, series = given.against or "ns", {}
   given.against = nil
   for _, rule in ipairs(self.rules) do
@@ -281,6 +264,13 @@ M.plot = blame.caller(function(self, options)
     if #x > 0 then
       series[#series + 1] = { x = x, y = y, name = ("%s (order %s)"):format(rule, number(self:order(rule))), style = "linespoints" }
     end
+  end
+  if self.rival and #series > 0 then
+    local x, y = {}, {}
+    for _, p in ipairs(self.rival.points) do
+      if p.error > 0 and p[key] > 0 then x[#x + 1], y[#y + 1] = p[key] * axis[3], p.error end
+    end
+    if #x > 0 then series[#series + 1] = { x = x, y = y, name = self.rival.name .. ", preserves nothing", style = "linespoints", colour = "#888888" } end
   end
   if #series == 0 then fail("there is no point to draw") end
   given.log, given.xlabel, given.xunit = "xy", given.xlabel or axis[1], given.xunit or axis[2]
@@ -316,13 +306,14 @@ end
 ---- making one ----
 
 local doc_chart = [[
-dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, samples=, repeats=, reference=, t0=} -> dm.chart
+dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, tolerances=, rivals=, samples=, repeats=, reference=, t0=} -> dm.chart
 Run every rule with every step h (or `steps`; left out: seven, from the coarsest that shows the motion, by halves) over the duration t (h is made
 to fit a whole number of steps) and measure error against CPU time
-(median of batches, set-up included), evaluations and steps. error: "position" (default: the largest difference of a coordinate from a
-reference over 32 times), "energy", a function f(q, v, t, p) compared with the reference, or { f }: the change of f along the run.
+(median of batches, set-up included, pinned to one core), evaluations, Newton iterations and steps. error: "position" (default: the largest difference of a coordinate from a
+reference over 32 times), "energy", "momentum" (of coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p) compared with the reference, or { f }: the change of f along the run.
 The reference is found: two unlike methods, each refined until they agree; where they do not come close enough, dm.chart raises and
-says how far apart they are; reference = { rule =, h = } takes one on your word. chart:table(), :order(rule), :cheapest(error), :pareto(), :plot{}, :csv().
+says how far apart they are; reference = { rule =, h = } takes one on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method stopped at these. Where no rule is of the
+kind that preserves nothing, rk8 is measured beside them (chart.rival; rivals = false: not), and the table says when it wins. chart:table(), :order(rule), :cheapest(error), :pareto(), :plot{}, :csv().
 On Ctrl-C the error's `chart` field has what was measured so far.]]
 
 -- the options with steps in h: those given, as h or steps, or found
@@ -333,31 +324,42 @@ local function with_steps(system, options)
   return out
 end
 
-local function distinct_names(rules)
+local function distinct_names(entries)
   local out = {}
-  for i, rule in ipairs(rules) do out[i] = M.name(rule) end
+  for i, entry in ipairs(entries) do out[i] = entry.name end
   return out
+end
+
+-- all steps of a rule, pinned to one core
+local function measure_all(chart, entry, points)
+  for _, h in ipairs(chart.options.h) do
+    local pinned = core.pin()
+    local fine, failure = pcall(try_point, chart, entry, h, points)
+    core.unpin(pinned)
+    if not fine then
+      if type(failure) == "table" then failure.chart = chart end
+      error(failure, 0)
+    end
+  end
 end
 
 M.chart = blame.caller(function(options)
   local system = check_options(options)
   options = with_steps(system, options)
-  local what_measure, what, needs_reference, watched = make_measure(options)
-  local chart = setmetatable({ system = system, options = options, points = {}, failures = {}, rules = distinct_names(options.rules),
+  local what_measure, what, needs_reference, watched = measures.make(system, options.error)
+  local entries = measures.entries(options.rules, options.tolerances, M.name)
+  local chart = setmetatable({ system = system, options = options, points = {}, failures = {}, rules = distinct_names(entries),
     measure = what_measure, what = what, times = sample_times(options), load = core.load_average(), floor = 1e-15,
     watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" }, M)
   if needs_reference then
     local ref, apart, text = reference.find(chart)
     chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
   end
-  for _, rule in ipairs(options.rules) do
-    for _, h in ipairs(options.h) do
-      local fine, failure = pcall(try_point, chart, rule, h)
-      if not fine then
-        if type(failure) == "table" then failure.chart = chart end
-        error(failure, 0)
-      end
-    end
+  for _, entry in ipairs(entries) do measure_all(chart, entry, chart.points) end
+  local rival = options.rivals ~= false and measures.rival(system, options.rules, M.name)
+  if rival then
+    rival.points, chart.rival = {}, rival
+    measure_all(chart, rival, rival.points)
   end
   return chart
 end)

@@ -69,4 +69,28 @@ tap.raises("'steps' must hold steps > 0", dm.chart, { orbit, q = { 0.4, 0 }, v =
 tap.raises("against", dm.chart, { orbit, q = { 0.4, 0 }, v = { 0, 2 }, t = 5, rules = { "gauss(2)" }, against = "time" })
 tap.raises("did not settle", dm.chart, { orbit, q = { 0.001, 0 }, v = { 0, 0 }, t = 100, rules = { "verlet" } })
 
+---- other errors, tolerances, rivals ----
+
+local polar = dm.system { Q = dm.R(2), coordinates = { "r", "phi" }, L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 + 1 / q[1] end }
+local turning = polar:chart { q = { 0.8, 0 }, v = { 0, sqrt(1.5) / 0.8 }, t = 6, rules = { "midpoint" }, h = { 0.1, 0.05 }, error = "momentum", repeats = 1, tolerances = { 1e-2 } }
+ok(#turning.rules == 2 and turning.rules[2]:find "Newton to 1e%-02", "a loose Newton is a line of its own", turning.rules[2])
+ok(turning.points[1].error < 1e-13, "the momentum of a cyclic coordinate is kept", turning.points[1].error)
+local loose = kepler:chart { q = { 0.4, 0 }, v = { 0, 2 }, t = 60, rules = { "midpoint" }, h = { 0.05 }, error = dm.SO(2), repeats = 1, tolerances = { 1e-2 } }
+ok(loose.points[1].error < 1e-13 and loose.points[2].error > 1e-9, "angular momentum to round-off, and lost where Newton's method stops early", loose.points[2].error)
+ok(turning.points[1].newton > turning.points[3].newton, "for fewer iterations", turning.points[3].newton)
+ok(turning.rival and turning.rival.rule == "rk8" and #turning.rival.points == 2 and #turning.points == 4, "a rival that preserves nothing is measured beside them")
+ok(turning:table():find "front of error and time", "the table has the front")
+ok(not polar:chart({ q = { 0.8, 0 }, v = { 0, 1 }, t = 1, rules = { "midpoint" }, h = { 0.1 }, error = "energy", repeats = 1, rivals = false }).rival, "unless it is not wanted")
+ok(not kepler:chart({ q = { 0.8, 0 }, v = { 0, 1 }, t = 1, rules = { "midpoint", "rk4" }, h = { 0.1 }, error = "energy", repeats = 1 }).rival, "or there is one")
+local around = kepler:chart { q = { 0.8, 0 }, v = { 0, sqrt(1.5) }, t = 6, rules = { "verlet", "rk4" }, h = { 0.1 }, error = dm.SO(2), repeats = 1 }
+ok(around.points[1].error < 1e-14 and around.points[2].error > 1e-9 and around.what:find "momentum of", "the momentum of a group", around.what)
+local rod = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return { q:dot(q) - 1 } end }
+local tied = rod:chart { q = { 1, 0 }, v = { 0, 0 }, t = 5, rules = { "rattle", "rk8" }, h = { 0.1 }, error = "constraint", repeats = 1 }
+ok(tied.points[1].error < 1e-13, "the constraint of RATTLE is kept to round-off", tied.points[1].error)
+raises("the system has none", dm.chart, { kepler, q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, h = { 0.1 }, error = "constraint" })
+raises("L depends on every coordinate", dm.chart, { kepler, q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, h = { 0.1 }, error = "momentum" })
+raises("'tolerances' must hold numbers", dm.chart, { kepler, q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "midpoint" }, h = { 0.1 }, tolerances = { 2 } })
+local pinned = dm.pin()
+ok(pinned == nil or dm.unpin(pinned) == true, "pinned to a core and back")
+raises("not what dm.pin() gave", dm.unpin, "x")
 tap.done()

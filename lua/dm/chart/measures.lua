@@ -1,0 +1,113 @@
+--- What the errors of a chart are of: positions, energies, momenta, constraints, observables.
+local core = require "dm.core"
+
+local M = {}
+
+local abs, max = math.abs, math.max
+
+local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+
+-- largest entry of |q - q_ref| over all samples
+local function position_error(path, ref)
+  local worst = 0
+  for i = 1, #path do
+    local q, r = path.q[i], ref.q[i]
+    for k = 1, #q do worst = max(worst, abs(q[k] - r[k])) end
+  end
+  return worst
+end
+
+-- the largest change of one number along the path
+local function change(values)
+  local worst = 0
+  for i = 1, #values do worst = max(worst, abs(values[i] - values[1])) end
+  return worst
+end
+
+-- change of the momenta of coordinates that L does not depend on
+local function cyclic_momenta(system)
+  local cyclic, names = {}, system.coordinates
+  for _, name in ipairs(system:structure().cyclic) do
+    for i = 1, system.Q.dimension do
+      if name == (names and names[i] or "q" .. i) then cyclic[#cyclic + 1] = i end
+    end
+  end
+  if #cyclic == 0 then fail("error = \"momentum\": L depends on every coordinate; give the group whose momentum it is, error = dm.SO(2), or { f }") end
+  return function(path)
+    local worst = 0
+    for _, k in ipairs(cyclic) do worst = max(worst, change(path:column("p" .. k))) end
+    return worst
+  end
+end
+
+-- change of Noether's momentum of a group
+local function group_momentum(group)
+  return function(path)
+    local J, worst = path:momentum(group), 0
+    for i = 1, #path do
+      local now, first = J[i], J[1]
+      if type(now) == "number" then now, first = { now }, { first } end
+      for k = 1, #now do worst = max(worst, abs(now[k] - first[k])) end
+    end
+    return worst
+  end
+end
+
+local function ties(system)
+  local s = system:structure()
+  local what = s.constraints > 0 and "constraint" or s.rolling > 0 and "rolling"
+  if not what then fail("error = \"constraint\": the system has none") end
+  return function(path) return path:worst(what) end
+end
+
+local function is_space(x) return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.space" end
+
+--- measure(path, reference), its name, whether a reference is needed, what is to be watched.
+function M.make(system, what)
+  what = what or "position"
+  if what == "position" then return position_error, "position", true end
+  if what == "energy" then return function(path) return change(path:energy()) end, "energy", false end
+  if what == "momentum" then return cyclic_momenta(system), "momentum", false end
+  if what == "constraint" then return ties(system), "constraint", false end
+  if is_space(what) then return group_momentum(what), "momentum of " .. tostring(what), false end
+  if type(what) == "table" and type(what[1]) == "function" then
+    return function(path) return change(path:column "watched") end, "change of what is watched", false, what[1]
+  end
+  if type(what) ~= "function" then
+    fail("option 'error' must be \"position\", \"energy\", \"momentum\" or a group, \"constraint\", a function of (q, v, t, p) compared with the "
+      .. "reference, or { f } for the change of f along the run (got %s)", tostring(what))
+  end
+  return function(path, ref)
+    local worst, x, y = 0, path:column "watched", ref:column "watched"
+    for i = 1, #path do worst = max(worst, abs(x[i] - y[i])) end
+    return worst
+  end, "what is watched", true, what
+end
+
+--- The rules of a chart with the tolerances of Newton's method: { rule, name, newton }.
+function M.entries(rules, tolerances, name)
+  local explicit = {}
+  for _, row in ipairs(core.rules()) do explicit[row.name] = row.explicit end
+  local out = {}
+  for _, rule in ipairs(rules) do
+    out[#out + 1] = { rule = rule, name = name(rule) }
+    for _, tolerance in ipairs(not explicit[name(rule):match "^[%w_-]+"] and tolerances or {}) do
+      if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then fail("option 'tolerances' must hold numbers between 0 and 1") end
+      out[#out + 1] = { rule = rule, name = ("%s, Newton to %.0e"):format(name(rule), tolerance), newton = { tolerance = tolerance } }
+    end
+  end
+  return out
+end
+
+--- The rule that preserves nothing, which every chart is measured against where it has none; nil where it cannot step the system.
+function M.rival(system, rules, name)
+  local symplectic = {}
+  for _, row in ipairs(core.rules()) do symplectic[row.name] = row.symplectic end
+  for _, rule in ipairs(rules) do
+    if symplectic[name(rule):match "^[%w_-]+"] == false then return nil end
+  end
+  if system:structure().linear_in_v then return nil end
+  return { rule = "rk8", name = "rk8" }
+end
+
+return M
