@@ -213,10 +213,9 @@ local function cheapest_lines(chart, lines)
 end
 
 local function front_line(chart)
-  local out = {}
-  for i, p in ipairs(chart:pareto()) do
-    if out[#out] ~= p.rule then out[#out + 1] = p.rule end
-    if i == 40 then break end
+  local out, seen = {}, {}
+  for _, p in ipairs(chart:pareto()) do
+    if not seen[p.rule] then out[#out + 1], seen[p.rule] = p.rule, true end
   end
   return "front of error and time, from the cheapest: " .. table.concat(out, ", ")
 end

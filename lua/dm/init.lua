@@ -8,6 +8,7 @@ local lazy = {
   load = "dm.load",
   time = "dm.time",
   chart = "dm.chart",
+  scaling = "dm.scaling",
   scene = "dm.scene",
   stability = "dm.stability",
   amplification = "dm.linear_stability",

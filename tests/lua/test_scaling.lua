@@ -1,0 +1,38 @@
+-- dm.scaling: cost against the size of a system and of an ensemble; then misuse
+local tap = require "tap"
+local dm = require "dm"
+local ok, raises = tap.ok, tap.raises
+
+local function chain(n)
+  return dm.system { Q = dm.R(n), L = function(q, v)
+    return dm.sum_over(v, function(u) return u * u / 2 end) - dm.sum_over(q, function(a, b) return (b - a) ^ 2 / 2 + (b - a) ^ 4 / 4 end, { shift = 1, periodic = true })
+  end }
+end
+local function wave(n)
+  local q, v = {}, {}
+  for i = 1, n do q[i], v[i] = 0.1 * math.sin(i), 0 end
+  return q, v
+end
+local grown = dm.scaling { system = chain, start = wave, n = { 64, 256, 1024, 4096 }, rules = { "verlet" }, h = 0.01, steps = 200 }
+local e = grown:exponent "verlet"
+ok(#grown.points == 4 and e > 0.5 and e < 1.5, "a chain costs about linearly in its length", e)
+ok(grown:table():find "like n%^" and tostring(grown):find "set%-up", "told in a table")
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local function start(i) return { 0.4 + i * 1e-4, 0 }, { 0, 2 } end
+local wide = dm.scaling { system = kepler, start = start, members = { 1, 8, 64, 256 }, rules = { "verlet", "gauss(2)", "rattle" }, h = 0.01, steps = 400 }
+ok(#wide.points >= 8, "ensembles of many sizes", #wide.points)
+local alone, many
+for _, p in ipairs(wide.points) do
+  if p.rule == "verlet" and p.size == 1 then alone = p.ns end
+  if p.rule == "verlet" and p.size == 256 then many = p.ns end
+end
+local lanes = kepler:solver({ rule = "verlet", h = 0.01 }):ensemble({ members = 8, q = function(i) return (start(i)) end, v = function(i) return select(2, start(i)) end, steps = 1 }).lanes
+ok(lanes == 1 or many < alone, "a member costs less among many where there are lanes", ("%g %g"):format(many, alone))
+raises("give sizes n", dm.scaling, { system = chain, start = wave, rules = { "verlet" }, h = 0.1 })
+raises("growing whole numbers", dm.scaling, { system = chain, start = wave, n = { 4, 2 }, rules = { "verlet" }, h = 0.1 })
+raises("must be a function(n)", dm.scaling, { system = kepler, start = wave, n = { 2 }, rules = { "verlet" }, h = 0.1 })
+raises("'h' must be a step", dm.scaling, { system = chain, start = wave, n = { 2 }, rules = { "verlet" } })
+raises("unknown option 'size'", dm.scaling, { size = 1 })
+raises("nothing could be measured", dm.scaling, { system = kepler, start = start, members = { 1 }, rules = { "verlett" }, h = 0.1 })
+raises("no point of rule", grown.exponent, grown, "gauss(2)")
+tap.done()
