@@ -164,6 +164,9 @@ end
 
 local function sentence_of_limit(map, i)
   local b, name = map.borders[i], map.column.name
+  for _, cell in ipairs(b.high and {} or map.cells[i]) do
+    if cell.class == cells.NUMBER["not run"] then return nil, "stopped before all cells of the row were run" end
+  end
   if not b.high then return math.huge, ("none is lost up to %s = %.4g"):format(name, map.column[#map.column]) end
   local why = ("%s from %s = %.6g on: %s"):format(cells.CLASSES[b.high.class].name, name, b.high.x, cells.CLASSES[b.high.class].text)
   if not b.low then return map.column == map.h and 0 or -math.huge, "lost from the first cell on, " .. why end
@@ -189,9 +192,9 @@ local function find_row(map, which)
 end
 
 local doc_limit = [[
-map:limit(row) -> number, sentence
+map:limit(row) -> number, sentence   or   nil, sentence
 The largest value of the columns (the step h, or the last parameter of a map with one step) before the first that is lost in a row, found to
-`resolution` (1e-3, relative) by cells in between; infinity when none is lost, 0 when the first is. row: its number, or a table such as
+`resolution` (1e-3, relative) by cells in between; infinity when none is lost, 0 when the first is, nil where the map was stopped before. row: its number, or a table such as
 { rule = "verlet", k = 100 } (the nearest). The sentence says what happens beyond.]]
 
 M.limit = blame.caller(function(self, which) return sentence_of_limit(self, find_row(self, which)) end)

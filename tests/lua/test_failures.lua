@@ -130,6 +130,33 @@ local function drift_of(shift)
   return contact(shift):solver({ rule = "midpoint", h = 2 * sin(pi / 40) }):run({ q = { sqrt(1.5), 1, -sqrt(0.5) }, v = { 0, 0, 0 }, steps = 10000 }):drift "energy".per_time
 end
 ok(abs(drift_of(1)) > 10 * abs(drift_of(0)), "a nonholonomic system that hides its reversal drifts", ("%g, %g"):format(drift_of(1), drift_of(0)))
+-- SL(2), the Schwarzian: the tool finds the triple root of its own recurrence (Bogfjellmo 2011, 6.1)
+local width = 0.01
+local rho = dm.moving_frame { action = dm.action { group = dm.SL(2), on = dm.R(1) }, points = 3,
+  cross_section = function(a, b, c) return { a[1] + width, b[1], c[1] - width } end,
+  solution = function(a, b, c)
+    local u, v, w = a[1], b[1], c[1]
+    return dm.matrix { { width * (w - u), -width * (w - u) * v }, { (w - v) - (v - u), (w - u) * v - 2 * u * (w - v) } } / dm.sqrt(2 * width * (w - u) * (w - v) * (v - u))
+  end }
+local schwarzian = dm.invariant_problem { frame = rho, L = function(I) return (I[4][1] - 2 * I[3][1] + I[2][1]) ^ 2 / (width ^ 2 * 0.01 ^ 3) end }
+local said = schwarzian:stability { points = { 0, 0.01, 0.02, 0.03, 0.04, 0.05 }, steps = 64 }.why
+ok(said:find "root 3 times" and said:find "n%^2", "the SL(2) recurrence has a triple root 1", said)
+-- SE(2), the elastica: at chords of 1/25 no bend solves the scalar equation where the strip turns most; what was found is kept
+local function elastica(n)
+  local fine = 8 * n
+  local strip = dm.system { Q = dm.R(4), L = function(q, v) return v:dot(v) / 2 end,
+    force = function(q, v) return { -q[1] ^ 3 / 2, v[1], -math.sin(q[2]) * q[1], math.cos(q[2]) * q[1] } end }
+    :solver({ rule = "gauss(5)", h = 1 / fine }):run { q = { 0, 0, 0, 0 }, v = { 200, 0, 1, 0 }, steps = fine }
+  local first = {}
+  for i = 0, 4 do first[i + 1] = { strip.q[1 + 8 * i][3], strip.q[1 + 8 * i][4] } end
+  local frame = dm.moving_frame { action = dm.action { group = dm.SE(2), on = dm.R(2) }, points = 2,
+    cross_section = function(a, b) return { a[1], a[2], b[2] } end, branch = function(a, b) return b[1] end }
+  return dm.invariant_problem { frame = frame, invariants = { lambda = { 2, 1 }, sigma = { 3, 2 } }, L = function(I) return I.sigma ^ 2 / I.lambda ^ 3 end,
+    constraint = function(I) return I.lambda - 1 / n end, inside = function(I) return I.lambda ^ 2 / 2 - I.sigma ^ 2 end }:solve { points = first, n = n + 1 }
+end
+local found, broken = pcall(elastica, 25)
+ok(not found and broken.code == "no_convergence" and #broken.path > 5, "the elastica at 1/25: no root, and the points so far", not found and tostring(broken))
+ok(pcall(elastica, 50), "at 1/50 there is one")
 local recurrence = dm.recurrence { -1, 3, -3, 1 }
 ok(not recurrence.stable and recurrence.why:find "multiplicity 3", "a triple root 1: round-off grows like k^2", recurrence.why)
 local henon = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - (q:dot(q) / 2 + q[1] ^ 2 * q[2] - q[2] ^ 3 / 3) end }

@@ -88,6 +88,11 @@ if pcall(map.plot, map, { file = png }) then
   os.remove(png)
 end
 
+-- a map that was stopped tells what it has
+local stopped = dm.stability(with(base, { rule = "verlet" }))
+stopped.cells[2][9].class, stopped.borders[2] = require("dm.stability.cells").NUMBER["not run"], {}
+ok(stopped:limit(2) == nil and select(2, stopped:limit(2)):find "stopped before" and tostring(stopped):find "not run", "rows that were not run have no limit")
+
 -- misuse
 local function given(more) return function() dm.stability(with(base, with({ rule = "verlet" }, more))) end end
 raises("give 'steps' or 't'", given { t = 1 })

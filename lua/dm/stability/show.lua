@@ -34,6 +34,7 @@ local function row_text(map, row)
 end
 
 local function limit_text(x)
+  if not x then return "not run" end
   if x == math.huge then return "none" end
   return ("%.5g"):format(x)
 end
