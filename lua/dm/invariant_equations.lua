@@ -67,11 +67,14 @@ local function numbers(list)
 end
 M.blocks, M.numbers, M.part_of = blocks, numbers, part
 
--- points `count` of them behind a list, along its last difference
-local function padded(list, count)
+-- the last `count` points of a list and behind them `more`, on the parabola through its last three (so that they have a frame where these have)
+local function padded(list, count, more)
   local out = part(list, 1, #list)
-  while #out < count do out[#out + 1] = out[#out] * 2 - out[#out - 1] end
-  return out
+  for _ = 1, more do
+    local n = #out
+    out[n + 1] = n > 2 and (out[n] - out[n - 1]) * 3 + out[n - 2] or n > 1 and out[n] * 2 - out[n - 1] or out[n]
+  end
+  return part(out, #list - count + 1, count + more)
 end
 
 ---- L and its constraint at windows ----
@@ -148,7 +151,7 @@ M.slopes = slopes
 -- phi of the window that ends with the list
 local function constraint_at_end(p, list)
   if p.constraints == 0 then return {} end
-  return p.phi(padded(part(list, #list - p.reach + 1, p.reach), p.N))
+  return p.phi(padded(list, p.reach, p.N - p.reach))
 end
 
 local function first_of(x, d) return part(x, 1, d) end
@@ -385,7 +388,8 @@ function M.momentum_form(p)
     list[p.N] = X
     local g, out = slopes(p, list, mu, p.window == p.N - 1)[1], first_of(m[1], p.d)
     for a = 1, p.d do out[a] = m[1][a] + g[a] end
-    for _, value in ipairs(constraint_at_end(p, list)) do out[#out + 1] = value end
+    U[#U + 1] = X
+    for _, value in ipairs(constraint_at_end(p, U)) do out[#out + 1] = value end
     return out
   end
   local function next_state(y, x)
