@@ -174,11 +174,11 @@ function M.phantom(frame, count)
     local fine, list = pcall(function()
       local z, F = M.sample(frame, seed, count), require "dm.frame"
       -- again from the section, where the frame is the identity and rounds least
-      for _ = 1, 3 do z = F.moved(frame, F.element(frame, z), z) end
+      for _ = 1, 2 do z = F.moved(frame, F.element(frame, z), z) end
       return z
     end)
     if fine then values[#values + 1] = list end
-    if #values == 4 then break end
+    if #values == 2 then break end
   end
   if #values < 2 then error("rho:phantom: no frame was found at random points", 0) end
   for i = 1, count do

@@ -132,7 +132,7 @@ The variational problem sum L(I) = extremal over sequences of points, invariant 
 first of them, I.name what `invariants` names: {name = {point, entry} or function(I1, ..., IN)}. points = N (default: one more than the
 frame looks at). constraint(I) gives numbers that vanish at every site, with multipliers mu in L - mu . constraint;
 inside(I) gives numbers that are > 0 where a root is allowed. The discrete Euler-Lagrange equations are derived and solved for the
-next invariants (Bogfjellmo ch. 5). Methods: solve, boundary, stability, momentum, action_sum.]]
+next invariants (Bogfjellmo ch. 5). Methods: solve, boundary, stability, momentum, action_sum, both_ways.]]
 
 local function check_options(o)
   if type(o) ~= "table" then error("dm.invariant_problem takes a table { action =, frame =, L = }", 0) end
@@ -299,6 +299,30 @@ method("action_sum", function(p, points)
   for i = 1, #list - p.N + 1 do sum = sum + p.lagrangian { table.unpack(list, i, i + p.N - 1) } end
   return sum
 end, doc_action)
+
+local doc_both = [[
+problem:both_ways{points=, n=, form=} -> {difference, first, second}
+For problems of two points: the sequence from the two given ones by the first way, a path of the discrete Lagrangian q0, q1 -> L(I) in the original
+coordinates, and by the second, problem:solve; and their largest distance. They solve the same equations (docs/theory/frames.md): it is round-off.]]
+
+method("both_ways", function(p, o)
+  if p.N ~= 2 or p.constraints > 0 then error("problem:both_ways is for problems of two points without constraint", 0) end
+  if type(o) ~= "table" or type(o.points) ~= "table" or #o.points < 2 then error("problem:both_ways takes a table { points = two points, n = }", 0) end
+  local second = p:solve { points = o.points, n = o.n, form = o.form }
+  local a, b = frames.point(o.points[1], p.d, "point 1"), frames.point(o.points[2], p.d, "point 2")
+  local function lagrangian(h)
+    return core.discrete_lagrangian { Q = core.R(p.d), h = h, Ld = function(q0, q1) return p.lagrangian { q0, q1 } end }
+  end
+  local momentum = lagrangian(1):legendre_minus(a, b)
+  -- h is of no consequence but for where the search for the first point begins
+  local h = (b - a):norm() / math.max(momentum:norm(), 1e-300)
+  local first = core.solver { lagrangian(h) }:run { q = a, p = momentum, steps = o.n - 1, every = 1 }
+  local worst = 0
+  for i = 1, o.n do
+    for j = 1, p.d do worst = math.max(worst, math.abs(first.q[i][j] - second.points[i][j])) end
+  end
+  return { difference = worst, first = first, second = second }
+end, doc_both)
 
 method("stability", stability.stability, stability.doc)
 method("boundary", boundary.solve, boundary.doc)

@@ -100,6 +100,23 @@ for _, form in ipairs { "points", "momentum" } do
   for i = 1, 401 do apart = max(apart, (two.points[i] - one.q[i]):norm()) end
   ok(apart < 1e-10, "first order: both ways are one sequence, " .. form, apart)
 end
+-- geodesic sequences of the hyperbolic plane: SL(2) on the half-plane, the frame of a pair
+local half = dm.action { group = dm.SL(2), on = dm.R(2), domain = function(z) return z[2] end, map = function(g, z)
+  local a, b, c, d, x, y = g[1][1], g[1][2], g[2][1], g[2][2], z[1], z[2]
+  local n = (c * x + d) ^ 2 + (c * y) ^ 2
+  return { ((a * x + b) * (c * x + d) + a * c * y * y) / n, y / n }
+end }
+local upright = dm.moving_frame { action = half, points = 2, cross_section = function(a, b) return { a[1], a[2] - 1, b[1] } end, branch = function(_, b) return b[2] - 1 end }
+local hyperbolic = dm.invariant_problem { frame = upright, points = 2, L = function(I) return (I[2][2] - 1) ^ 2 / (2 * I[2][2]) end }
+local both = hyperbolic:both_ways { points = { { 0.1, 1 }, { 0.12, 1.01 } }, n = 100 }
+ok(both.difference < 1e-12, "geodesics of the half-plane: both ways are one sequence", both.difference)
+-- they lie on a circle about a point of the axis: x^2 + y^2 - 2 c x is the same
+local P, c = both.second.points, nil
+local function circle_of(i, j) return (P[j][1] ^ 2 + P[j][2] ^ 2 - P[i][1] ^ 2 - P[i][2] ^ 2) / (2 * (P[j][1] - P[i][1])) end
+c = circle_of(1, 50)
+near(circle_of(50, 100), c, 1e-10 * abs(c), "which are circles across the axis")
+raises("is for problems of two points", function() return schwarz:both_ways { points = start, n = 9 } end)
+
 -- a frame that needs both points of the pair, so that the window is longer than L's
 local pair = dm.invariant_problem { frame = planar, points = 2, L = function(I) return (I[2][1] - 1) ^ 2 + I[2][1] ^ 4 end, invariants = {} }
 local straight = pair:solve { points = { { 0, 0 }, { 0.6, 0.8 }, { 1.2, 1.6 } }, n = 8 }
