@@ -3,7 +3,7 @@
 -- moment are the same everywhere (Noether), so that curvature^2 torsion is a constant of every such wire: here from five
 -- points of a twisted cubic, with the third bend nobody asked for. The thesis of Bogfjellmo does not treat this action.
 local dm = require "dm"
-local abs, asin, max, sqrt = math.abs, math.asin, math.max, math.sqrt
+local abs, asin, max = math.abs, math.asin, math.max
 local picture = (arg and arg[1] or "build/pictures") .. "/space_elastica.png"
 
 local rho = dm.moving_frame { action = dm.action { group = dm.SE(3), on = dm.R(3) }, points = 3,

@@ -6,6 +6,7 @@ local core = require "dm.core"
 local equations = require "dm.invariant_equations"
 local frames = require "dm.frame"
 local linear = require "dm.frame_linear"
+local windows = require "dm.invariant_windows"
 local stability = require "dm.invariant_stability"
 local starts = require "dm.invariant_start"
 
@@ -196,7 +197,7 @@ local function curve_of(p, form, rows, before)
   for i, z in ipairs(before) do points[i] = z:totable() end
   for i = 1, #rows do points[#points + 1] = layout:get(rows[i], "u") end
   local g = p.group:unflat(core.vector(layout:get(last, "g")))
-  for j, z in ipairs(equations.blocks(layout:get(last, "U"), p.window, p.d)) do
+  for j, z in ipairs(windows.blocks(layout:get(last, "U"), p.window, p.d)) do
     if j > 1 then points[#points + 1] = p.act(p.group:inverse(g), z):totable() end
   end
   local curve = setmetatable({ points = core.matrix(points), frame = g, invariants = {}, multiplier = nil }, Curve)

@@ -8,6 +8,7 @@ local core = require "dm.core"
 local equations = require "dm.invariant_equations"
 local frames = require "dm.frame"
 local linear = require "dm.frame_linear"
+local windows = require "dm.invariant_windows"
 local starts = require "dm.invariant_start"
 
 local M = {}
@@ -63,7 +64,7 @@ end
 
 -- directions of the core that keep the window on the section
 local function tangents(p, form, y, places)
-  local window = equations.blocks(form.layout:get(y, "U"), p.window, p.d)
+  local window = windows.blocks(form.layout:get(y, "U"), p.window, p.d)
   local J = linear.section_slope(p.frame, window)
   local given, out = {}, {}
   -- the section looks at its first points only

@@ -3,10 +3,11 @@ local core = require "dm.core"
 local equations = require "dm.invariant_equations"
 local frames = require "dm.frame"
 local linear = require "dm.frame_linear"
+local windows = require "dm.invariant_windows"
 
 local M = {}
 
-local part = equations.part_of
+local part = windows.part
 
 ---- multipliers that the given points imply ----
 
@@ -68,7 +69,7 @@ local function left_over(p, list, first, mu)
     local sum = {}
     for a = 1, p.d do sum[a] = 0 end
     for s = first + j - p.N, first - 1 do
-      local g = equations.slopes(p, part(list, s, p.N), mu[s])[first + j - s]
+      local g = windows.slopes(p, part(list, s, p.N), mu[s])[first + j - s]
       for a = 1, p.d do sum[a] = sum[a] + g[a] end
     end
     m[j] = core.vector(sum)
@@ -80,7 +81,7 @@ M.left_over = left_over
 --- J of the momenta at points as they are given: <J, e_j> = sum m . v_j(u).
 function M.spatial(p, list, mu)
   local first = #list - p.N + 2
-  local m, psi, out = equations.numbers(left_over(p, list, first, mu)), equations.psi_rows(p, part(list, first, p.N - 1)), {}
+  local m, psi, out = windows.numbers(left_over(p, list, first, mu)), windows.psi_rows(p, part(list, first, p.N - 1)), {}
   for j = 1, p.r do
     out[j] = 0
     for i = 1, #m do out[j] = out[j] + psi[i][j] * m[i] end
@@ -96,7 +97,7 @@ local function begin(p, window, g)
   for i = 1, p.d + p.constraints do x[i] = 0 end
   local named = {}
   for i = 1, #p.names do named[i] = 0 end
-  return { U = equations.numbers(window), g = linear.entries(p.group:flat(g)), x1 = x, x2 = x, I = named,
+  return { U = windows.numbers(window), g = linear.entries(p.group:flat(g)), x1 = x, x2 = x, I = named,
     u = linear.entries(p.act(p.group:inverse(g), window[1])) }
 end
 
@@ -108,7 +109,7 @@ local function better_guess(p, values, list, mu)
   end)
   if not fine or #list <= p.window then return end
   local found = table.remove(seen)
-  local x = linear.entries(found - equations.ahead(seen))
+  local x = linear.entries(found - windows.ahead(seen))
   local known = mu[#list - p.N + 1]
   for i = 1, p.constraints do x[p.d + i] = known and known[i] or 0 end
   values.x1, values.x2 = x, x
@@ -117,7 +118,7 @@ end
 -- the choice of entries kept beside J needs a window
 local function choose(p, window)
   if not p.may_reduce then return end
-  p.pivots, p.others = equations.choose_rows(equations.psi_rows(p, window), p.r)
+  p.pivots, p.others = equations.choose_rows(windows.psi_rows(p, window), p.r)
   p.reduced = p.pivots ~= nil
 end
 M.choose = choose

@@ -12,4 +12,11 @@ return {
   functions = {
     { "src/expr/tape.c", "engine", 76, "the loop of the tape: one label per operation" },
   },
+  -- examples without a chart of rules: name, why
+  charts = {
+    runge_lenz = "one discrete Lagrangian and its invariantization, no rules of the table",
+    elastica = "a variational problem in invariants, stepped by dm.invariant_problem",
+    schwarzian = "a variational problem in invariants, stepped by dm.invariant_problem",
+    space_elastica = "a variational problem in invariants, stepped by dm.invariant_problem",
+  },
 }

@@ -13,7 +13,7 @@ for _, file in ipairs(house.files "^examples/.*%.lua$") do
   local place = "tests/bench/gallery/" .. name .. ".lua"
   local chunk = loadfile(place)
   if not chunk then
-    missing[#missing + 1] = name
+    if not require "exceptions".charts[name] then missing[#missing + 1] = name end
   else
     local entry, rival = chunk(), false
     for _, options in ipairs(entry) do
@@ -29,7 +29,7 @@ for _, file in ipairs(house.files "^examples/.*%.lua$") do
     if picture then picture:close() end
   end
 end
-house.check("every example has a chart in tests/bench/gallery", missing)
+house.check("every example of rules has a chart in tests/bench/gallery", missing)
 house.check("every rule of a chart can be had", unknown)
 house.check("every chart has a rival that preserves nothing", alone)
 house.check("docs/charts.md, made by `make charts`, shows them all", unshown)
