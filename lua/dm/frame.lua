@@ -43,6 +43,14 @@ local function points_of(self, list, least)
   return out
 end
 
+-- points given one by one, or as one list
+local function listed(self, ...)
+  local first = ...
+  if select("#", ...) > 1 or type(first) ~= "table" then return { ... } end
+  if self.m > 1 and type(first[1]) == "number" then return { first } end
+  return first
+end
+
 local function flat(list)
   local out = {}
   for _, z in ipairs(list) do
@@ -229,7 +237,7 @@ end
 M.element = element
 
 class.__call = blame.caller(function(self, ...)
-  return element(self, points_of(self, { ... }, self.k))
+  return element(self, points_of(self, listed(self, ...), self.k))
 end)
 
 local doc_invariants = [[
@@ -241,10 +249,7 @@ local function invariants(self, list)
   local z = points_of(self, list, self.k)
   return moved(self, element(self, z), z)
 end
-method("invariants", function(self, list, ...)
-  if select("#", ...) > 0 then list = { list, ... } end
-  return invariants(self, list)
-end, doc_invariants)
+method("invariants", function(self, ...) return invariants(self, listed(self, ...)) end, doc_invariants)
 
 ---- invariantization ----
 
@@ -318,11 +323,11 @@ end, doc_invariantize)
 ---- what belongs to the linear algebra of frames ----
 
 method("transversality", function(self, ...)
-  return linear.transversality(self, points_of(self, { ... }, self.k))
+  return linear.transversality(self, points_of(self, listed(self, ...), self.k))
 end, linear.docs.transversality)
-method("tangent", function(self, ...) return linear.tangent(self, points_of(self, { ... }, self.k)) end, linear.docs.tangent)
+method("tangent", function(self, ...) return linear.tangent(self, points_of(self, listed(self, ...), self.k)) end, linear.docs.tangent)
 method("correction", function(self, ...)
-  local z = points_of(self, { ... }, self.k + 1)
+  local z = points_of(self, listed(self, ...), self.k + 1)
   local there = moved(self, element(self, z), z)
   return element(self, { table.unpack(there, 2, self.k + 1) })
 end, linear.docs.correction)

@@ -25,6 +25,12 @@ local KNOWN = { action = true, frame = true, L = true, points = true, invariants
 
 ---- what the invariants are called ----
 
+-- I.name that is not there
+local Invariants = { __index = function(_, name)
+  if type(name) == "number" then return nil end
+  error(("there is no invariant '%s': name it by invariants = { %s = { point, entry } }"):format(tostring(name), tostring(name)), 0)
+end }
+
 -- name -> function of normalized points; {j, a} stands for entry a of point j
 local function named_functions(given)
   local names, functions = {}, {}
@@ -96,20 +102,18 @@ end
 
 local function functions_of_windows(p, o)
   local function windowed(x) return frames.split(x, p.N, p.d) end
+  local function with_names(I)
+    for _, name in ipairs(p.names) do I[name] = p.functions[name](table.unpack(I, 1, p.N)) end
+    return setmetatable(I, Invariants)
+  end
   function p.invariants_of(list)
     local I = p.move(p.rho(list), list)
-    for _, name in ipairs(p.names) do I[name] = p.functions[name](table.unpack(I, 1, p.N)) end
-    return I
+    return with_names(I)
   end
   function p.named(list)
     local I, out = p.invariants_of(list), {}
     for i, name in ipairs(p.names) do out[i] = I[name] end
     return out
-  end
-  -- the same of points as they are
-  local function with_names(I)
-    for _, name in ipairs(p.names) do I[name] = p.functions[name](table.unpack(I, 1, p.N)) end
-    return I
   end
   p.bare_slope = core.derivative(function(x) return o.L(with_names(windowed(x))) end, p.N * p.d)
   function p.lagrangian(list) return o.L(p.invariants_of(list)) end
@@ -224,8 +228,11 @@ M.Failure = Failure
 local function fail(p, report, curve, at)
   local why = report.text
   if report.outside > 0 then why = ("the root breaks condition %d of 'inside'"):format(report.outside) end
-  local message = ("%s: %s at point %d (step %d, residual %.3g after %d iterations): the equation for the next invariants has no root there that follows from the last ones; try closer points, or look at failure.path, the %d points so far")
-    :format(p.name or "invariant problem", why, at, report.done + 1, report.residual, report.iterations, #curve.points)
+  local advice = report.code == "singular"
+    and "the equations do not determine the next point: is L degenerate (does it see all of the last point, beside the first?), or is a constraint missing"
+    or "the equation for the next invariants has no root there that follows from the last ones; try closer points"
+  local message = ("%s: %s at point %d (step %d, residual %.3g after %d iterations): %s; failure.path has the %d points so far")
+    :format(p.name or "invariant problem", why, at, report.done + 1, report.residual, report.iterations, advice, #curve.points)
   error(setmetatable({ code = report.code, step = report.done + 1, residual = report.residual, iterations = report.iterations,
     message = message, path = curve, points = curve.points }, Failure), 0)
 end

@@ -165,6 +165,10 @@ ok(worst < 1e-10, "which turn by twice its angle", worst)
 ---- misuse ----
 raises("'frame' must be a moving frame", dm.invariant_problem, { frame = 3, L = print })
 raises("'L' must be a function", dm.invariant_problem, { frame = planar })
+raises("there is no invariant 'kappa'", dm.invariant_problem, { frame = planar, L = function(I) return I.kappa end })
+raises("is L degenerate", function()
+  return dm.invariant_problem { frame = planar, L = function(I) return I.lambda ^ 2 end, points = 3 }:solve { points = { { 0, 0 }, { 1, 0 }, { 2, 0.1 }, { 3, 0 } }, n = 8 }
+end)
 raises("unknown option 'lagrangian'", dm.invariant_problem, { frame = planar, lagrangian = print })
 raises("'points' must be a whole number", dm.invariant_problem, { frame = planar, L = print, points = 1 })
 raises("starts from 6 points (got 2)", function() return schwarz:solve { points = { 1, 2 }, n = 9 } end)
