@@ -3,6 +3,7 @@ local axes = require "dm.stability.axes"
 local blame = require "dm.blame"
 local cells = require "dm.stability.cells"
 local core = require "dm.core"
+local prolong = require "dm.prolong"
 local given_ = require "dm.stability.given"
 
 local M = {}
@@ -264,7 +265,7 @@ list of growing numbers or one number. A parameter is an argument of that name o
 function(k) return dm.system{...} end), or of functions q, v, p that give the start, or is among the params of a system. Every cell is run
 in C, on all cores, over the same number of steps or the same duration t, and told apart by its rows: bounded, drifting (a slope of the energy
 above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy), chaotic (MEGNO above 4, by the exact tangent map;
-chaos = false leaves that out, as is the default for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost.
+chaos = false leaves that out, as is the default for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost, no start (L has no value there).
 watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost are refined to resolution = 1e-3 (refine
 = false: not). map:limit(row), :theory(row), :at(row, column), :table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows.
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends it with dm.failure, whose field `map` is what is there.]]
@@ -302,6 +303,7 @@ end
 -- exponents need the prolonged system
 local function wants_chaos(map, cell)
   local system = map.system_of(cell)
+  if not pcall(prolong.system, system) then return false end  -- not traced
   if map.options.chaos == false or map.options.chaos == nil and is_costly(map, system) then return false end
   if not (system.given and system.given.L) or system.given.control or system:structure().linear_in_v then return false end
   for _, rule in ipairs(map.rules) do
@@ -323,7 +325,9 @@ M.stability = blame.caller(function(options)
   given_.check_first(map, all[1])
   local start = core.clock()
   map.chaos = wants_chaos(map, all[1])
+  map.count = #all
   local stopped = cells.run(map, all, map.chaos)
+  if not map.started and not stopped then error(map.refusal, 0) end
   for i, row in ipairs(map.cells) do
     compare_row(map, row)
     local low, high = border(row)

@@ -88,6 +88,15 @@ if pcall(map.plot, map, { file = png }) then
   os.remove(png)
 end
 
+-- starts where L has no value are cells of their own; functions that are not traced have no exponents
+local centre = kepler:stability { rule = "verlet", h = 0.05, x = { -0.5, 0.5, 5, "linear" }, q = function(x) return { x, 0 } end, v = { 0, 1 }, steps = 50 }
+ok(centre:at(1, 3).class == "no start" and centre:at(1, 2).class == "bounded" and centre:at(1, 5).class == "bounded", "a start at the centre of the force is lost alone", tostring(centre))
+local first = kepler:stability { rule = "verlet", h = 0.05, x = { 0, 0.5, 5, "linear" }, q = function(x) return { x, 0 } end, v = { 0, 1 }, steps = 50 }
+ok(first:at(1, 1).class == "no start" and first:at(1, 4).class ~= "no start", "also where it is the first", tostring(first))
+raises("infinite at the start", function() kepler:stability { rule = "verlet", h = { 0.05, 0.1 }, q = { 0, 0 }, v = { 0, 1 }, steps = 50 } end)
+local kinked = dm.system { Q = dm.R(1), derivatives = "hyperdual", L = function(q, v) return v[1] ^ 2 / 2 - (q[1] > 0 and q[1] ^ 2 or q[1] ^ 2 / 2) end }
+ok(kinked:stability { rule = "verlet", h = { 0.05, 0.1 }, q = { 1 }, v = { 0 }, steps = 50 }:at(1, 1).class == "bounded", "a function that branches")
+
 -- a map that was stopped tells what it has
 local stopped = dm.stability(with(base, { rule = "verlet" }))
 stopped.cells[2][9].class, stopped.borders[2] = require("dm.stability.cells").NUMBER["not run"], {}

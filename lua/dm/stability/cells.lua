@@ -25,6 +25,7 @@ M.CLASSES = {
   { name = "left", lost = true, text = "the state left the region that was given as inside" },
   { name = "no convergence", lost = true, text = "the step equation could not be solved" },
   { name = "constraint lost", lost = true, text = "the constraints lost rank or are not kept" },
+  { name = "no start", lost = true, text = "L has no value at the start" },
   { name = "not run", text = "stopped before" },
 }
 local NUMBER = {}
@@ -150,6 +151,7 @@ local function base_pass(map, system, rule, cells, rows)
     cell.steps, cell.code, cell.growth = steps[i], status[i], nil
     local class = status[i] == "stopped" and "not run" or look(map, cell, sums, i, name)
     if status[i] ~= "ok" and class ~= "left" then class = of_failure(status[i], tied) end
+    if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then class = "no start" end
     cell.class = NUMBER[class]
   end
   return stopped
@@ -245,6 +247,30 @@ function M.compare(cell, smaller)
   if cell.error > FAR * smaller.kinetic * ratio ^ 2 then cell.class = NUMBER.off end
 end
 
+local function all_passes(map, system, part, chaos)
+  local rule = map.rule_list[part[1].rule]
+  local stopped = base_pass(map, system, rule, part, ROWS) or other_look(map, system, rule, part) or second_look(map, system, rule, part)
+  if not stopped and chaos then stopped = chaos_pass(map, system, rule, part) end
+  map.started = true
+  return stopped
+end
+
+local REFUSALS = 64  -- starts that are refused, with none that is not, before that is an error of all
+
+-- a start that is refused (L is infinite there, say) is that of one cell: the others run without it
+local function run_part(map, system, part, chaos)
+  local fine, result = pcall(all_passes, map, system, part, chaos)
+  if fine then return result end
+  map.refused = (map.refused or 0) + 1
+  if type(result) ~= "string" or not map.started and map.refused > REFUSALS or map.count == 1 then error(result, 0) end
+  if #part == 1 then
+    part[1].class, part[1].code, part[1].steps, map.refusal = NUMBER["no start"], "no_start", 0, result
+    return nil
+  end
+  local half = #part // 2
+  return run_part(map, system, table.move(part, 1, half, 1, {}), chaos) or run_part(map, system, table.move(part, half + 1, #part, 1, {}), chaos)
+end
+
 -- cells of one group in parts that fit into memory
 local function run_group(map, group, chaos)
   table.sort(group, function(a, b)
@@ -253,10 +279,7 @@ local function run_group(map, group, chaos)
   end)
   local system = map.system_of(group[1])
   for from = 1, #group, MEMBERS do
-    local part = table.move(group, from, math.min(from + MEMBERS - 1, #group), 1, {})
-    local rule = map.rule_list[group[1].rule]
-    local stopped = base_pass(map, system, rule, part, ROWS) or other_look(map, system, rule, part) or second_look(map, system, rule, part)
-    if not stopped and chaos then stopped = chaos_pass(map, system, rule, part) end
+    local stopped = run_part(map, system, table.move(group, from, math.min(from + MEMBERS - 1, #group), 1, {}), chaos)
     if stopped then return stopped end
   end
 end

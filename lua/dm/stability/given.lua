@@ -28,7 +28,7 @@ local function make_systems(map, system, names)
       return made
     end, used
   end
-  if not is_system(system) then fail("the system is missing: system = dm.system{...}, or a function of the parameters that returns one") end
+  if not is_system(system) then fail("the system is missing: system = dm.system{...}, or a function of the parameters that returns one (a discrete Lagrangian has one step only)") end
   local used = {}
   for _, name in ipairs(names) do
     if type(system.params) == "table" and type(system.params[name]) == "number" then used[#used + 1] = name end

@@ -7,7 +7,7 @@ local core = require "dm.core"
 local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)), 0) end
 
 local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee", ["blow-up"] = "#ee6677", left = "#ee99aa",
-  ["no convergence"] = "#777777", ["constraint lost"] = "#222222", ["not run"] = "#dddddd" }
+  ["no convergence"] = "#777777", ["constraint lost"] = "#222222", ["no start"] = "#aaaaaa", ["not run"] = "#dddddd" }
 
 -- how many cells there are of each class
 local function counts(map)
@@ -36,6 +36,7 @@ end
 local function limit_text(x)
   if not x then return "not run" end
   if x == math.huge then return "none" end
+  if x == -math.huge then return "all lost" end
   return ("%.5g"):format(x)
 end
 
@@ -175,7 +176,7 @@ row parameters (at most 12), with the measured and the theoretical limit; withou
 ---- in a terminal: a character for each cell ----
 
 local LETTERS = { bounded = "\u{b7}", drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#", left = "/", ["no convergence"] = "n",
-  ["constraint lost"] = "k", ["not run"] = " " }
+  ["constraint lost"] = "k", ["no start"] = "x", ["not run"] = " " }
 local WIDE, HIGH = 72, 24
 
 -- at most `most` of the numbers 1 .. n, evenly
