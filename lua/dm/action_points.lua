@@ -46,8 +46,8 @@ end
 
 ---- the map ----
 
--- map(g, z) as a vector, unchecked arguments
-local function image(action, g, z) return kits.vector(action.map(g, z), action.dimension, "what map(g, z) returns") end
+-- map(g, z) as a vector, of a copy of z that the map may write on; unchecked arguments
+local function image(action, g, z) return kits.vector(action.map(g, core.vector(z)), action.dimension, "what map(g, z) returns") end
 
 local function is_inside(action, z)
   if not action.domain then return true end

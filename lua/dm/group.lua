@@ -1,6 +1,7 @@
 --- What groups can do, as methods of dm.space: checked arguments, then the group's own file in lua/dm/group.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 
 local M = {}
 
@@ -31,6 +32,13 @@ function makers.semidirect(_, space)
   return require "dm.group.semidirect".kit(part, M.kit(V), space.representation, tostring(G))
 end
 
+-- raises where G.exp(xi) was written for G:exp(xi)
+local function check_space(space)
+  if kits.class_of(space) ~= "dm.space" then
+    error(("methods of a group are called with a colon, G:exp(xi): a dm.space is needed (got %s)"):format(kits.class_of(space)), 0)
+  end
+end
+
 local of_space, of_name = setmetatable({}, { __mode = "k" }), {}
 
 --- The kit of a space: the table of its functions, for elements that are known to be right.
@@ -55,10 +63,23 @@ end
 
 ---- arguments ----
 
-local kits = require "dm.group.kit"
+local LOOSE = 1e-6  -- how far a matrix may be from its group: what products drift by, no more
+
+-- an element; a matrix of numbers that is not on the group is an error
+local function element(kit, x)
+  local g = kit.element(x)
+  local list = kit.entries and kit.entries(g) or g
+  for i = 1, #list do
+    if type(list[i]) ~= "number" then return g end
+  end
+  if not kits.is_finite(list) then error("the group element is not finite", 0) end
+  local defect, why = kit.defect(g)
+  if not (defect <= LOOSE) then error(("this is no element of the group: %s"):format(why or ("it is off by %g"):format(defect)), 0) end
+  return g
+end
 
 local checks = {
-  g = function(kit, x) return kit.element(x) end,
+  g = element,
   raw = function(kit, x) return kit.raw(x) end,
   x = function(kit, x) return kits.vector(x, kit.dimension, "the algebra element") end,
   mu = function(kit, x) return kits.vector(x, kit.dimension, "the covector") end,
@@ -85,6 +106,7 @@ end
 -- name, kinds of the arguments, kind of the result ("g", "x", "number", "any"), doc
 local function method(name, kinds, result, doc, also_manifolds)
   core.method("dm.space", name, blame.caller(function(space, ...)
+    check_space(space)
     local kit = also_manifolds and M.kit(space) or M.group(space)
     local f = kit[name]
     if not f then error(("%s has no '%s'"):format(tostring(space), name), 0) end
@@ -187,6 +209,7 @@ R(n), SE(n), Heisenberg(n), the Frobenius norm of a - b for GL(n), SL(n), Sp(n).
 ---- what has arguments of other kinds ----
 
 core.method("dm.space", "random", blame.caller(function(space, stream, i, size)
+  check_space(space)
   local kit = M.kit(space)
   checks.stream(kit, stream)
   i = i or 0
@@ -203,6 +226,7 @@ product of exponentials. With size: exp of normal numbers of that deviation.]==]
 local VALID = 1e-9
 
 core.method("dm.space", "valid", blame.caller(function(space, g)
+  check_space(space)
   local kit = M.kit(space)
   local fine, element = pcall(kit.element, g)
   if not fine then return false, element end

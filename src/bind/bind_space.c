@@ -132,7 +132,7 @@ static const dml_row functions[] = {
      "dm.product(G, H, ...) -> dm.space\n"
      "The product of two or more spaces. Of groups: the group of lists {g, h, ...}, "
      "whose "
-     "algebra has the vectors of the factors one after the other; of R(n) and T(n): a "
+     "algebra has the vectors of the factors one after the other; of R(n), T(n), S(n): a "
      "space that a system can live on."},
     {"semidirect", dml_semidirect,
      "dm.semidirect(G, V [, action]) -> dm.space\n"

@@ -21,6 +21,10 @@ const dml_space *dml_checkspace(lua_State *L, int arg);
 int dml_product(lua_State *L);
 int dml_semidirect(lua_State *L);
 
+/* The options of a system at 1: where Q holds spheres, in a copy Q becomes R^N and their equations |q|^2 = 1 join
+ * the constraint. */
+void dml_unfold_spheres(lua_State *L);
+
 /* Push a space with no parts yet. */
 dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n);
 

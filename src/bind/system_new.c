@@ -1,5 +1,4 @@
 /* system_new.c - from a table of options to a system or a discrete Lagrangian. */
-#include "bind/array.h"
 #include "bind/model_ties.h"
 #include "bind/space.h"
 #include "bind/system.h"
@@ -86,47 +85,11 @@ static void keep_fields(lua_State *L, const char *const *known) {
     }
 }
 
-/* q . q - 1 */
-static int sphere_equation(lua_State *L) {
-    const dml_array *q = dml_checkarray(L, 1, 1);
-    const dml_scalar one = {.kind = DML_NUMBER, .as.number = 1.0};
-    dml_scalar sum = dml_inner(L, (dml_run){q, 0, 1}, (dml_run){q, 0, 1}, q->rows);
-    sum = dml_apply(L, DM_OP_SUB, &sum, &one, NULL);
-    dml_pushscalar(L, &sum);
-    return 1;
-}
-
-/* Q = S(n): R^(n+1) with the constraint q . q = 1, in a copy of the options at 1 */
-static void unfold_sphere(lua_State *L) {
-    lua_getfield(L, 1, "Q");
-    const dml_space *Q = luaL_testudata(L, -1, "dm.space");
-    lua_pop(L, 1);
-    if (!Q || !Q->row->sphere) return;
-    lua_getfield(L, 1, "constraint");
-    if (!lua_isnil(L, -1))
-        luaL_error(L,
-                   "field 'constraint': S(%d) has one of its own; use Q = dm.R(%d), and "
-                   "q:dot(q) - 1 among the constraints",
-                   (int)Q->n, (int)Q->n + 1);
-    lua_newtable(L);
-    for (lua_pushnil(L); lua_next(L, 1);) {
-        lua_pushvalue(L, -2);
-        lua_insert(L, -2);
-        lua_rawset(L, -4);
-    }
-    dml_pushspace(L, &dm_space_rn, Q->n + 1);
-    lua_setfield(L, -2, "Q");
-    lua_pushcfunction(L, sphere_equation);
-    lua_setfield(L, -2, "constraint");
-    lua_replace(L, 1);
-    lua_settop(L, 1);
-}
-
 void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
-    if (!pair) unfold_sphere(L);
+    if (!pair) dml_unfold_spheres(L);
     const uint32_t n = check_Q(L);
     require_field(L, pair ? "Ld" : "L", LUA_TFUNCTION,
                   pair ? "a function of (q0, q1) or (q0, q1, h)"

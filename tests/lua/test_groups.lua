@@ -262,6 +262,26 @@ local path = pendulum:solver { rule = "rattle", h = 0.01 }:run { q = { 1, 0, 0 }
 ok(path:worst "constraint" < 1e-13, "a system on S(2) stays there", path:worst "constraint")
 near(path:momentum(dm.SO(2))[201], 1, 1e-13, "and keeps what turns about the vertical")
 
+-- spheres among other coordinates, with a constraint of the user's: two spherical pendula on a cart; a bead on a ring held by a slide
+local pendula = dm.system { Q = dm.product(dm.S(2), dm.R(1), dm.S(2)), L = function(q, v)
+  local a, b = v:slice(1, 3), v:slice(5, 7)
+  a[1], b[1] = a[1] + v[4], b[1] + v[4]
+  return a:dot(a) / 2 + b:dot(b) / 2 + v[4] ^ 2 / 2 - 9.81 * (q[3] + q[7])
+end }
+ok(pendula.Q == dm.R(7) and pendula:structure().constraints == 2, "two spheres and a line are R^7 with two constraints")
+path = pendula:solver { rule = "rattle", h = 0.005 }:run { q = { 0, 1, 0, 0.3, 0.6, 0, -0.8 }, v = { 0.5, 0, 0, 0, 0, 1, 0 }, steps = 400 }
+ok(path:worst "constraint" < 1e-13, "which are kept", path:worst "constraint")
+near(path.p[401][4], path.p[1][4], 1e-13, "as is the momentum along the line")
+local held = dm.system { Q = dm.product(dm.S(1), dm.R(1)), L = function(q, v) return v:dot(v) / 2 end, constraint = function(q) return q[1] - q[3] end }
+path = held:solver { rule = "rattle", h = 0.01 }:run { q = { 0, 1, 0 }, v = { 1, 0, 1 }, steps = 300 }
+ok(held:structure().constraints == 2 and path:worst "constraint" < 1e-13, "a constraint of the user's joins", path:worst "constraint")
+-- the same in the angle: L = (1 + sin^2) w^2 / 2 with x = cos(angle) from pi/2 on
+local by_angle = dm.system { Q = dm.T(1), L = function(q, v) return (1 + sin(q[1]) ^ 2) * v[1] ^ 2 / 2 end }
+local reference = by_angle:solver { rule = "gauss(4)", h = 0.01 }:run { q = { pi / 2 }, v = { -1 }, steps = 300 }
+near(path.q[301][1], cos(reference.q[301][1]), 2e-4, "and moves as in the angle")
+local fine_path = held:solver { rule = "rattle", h = 0.005 }:run { q = { 0, 1, 0 }, v = { 1, 0, 1 }, steps = 600 }
+near((path.q[301][1] - cos(reference.q[301][1])) / (fine_path.q[601][1] - cos(reference.q[301][1])), 4, 0.05, "to second order")
+
 ---- misuse ----
 
 raises("manifold, not a group", function() return dm.S(2):exp { 1, 2 } end)
@@ -280,8 +300,12 @@ raises("give the action", function() return dm.semidirect(dm.SO(3), dm.R(2)):ide
 raises("list of 2 factors", function() return dm.product(dm.R(1), dm.R(2)):inverse { { 1 } } end)
 raises("no standard action", function() return dm.discrete_lagrangian { Q = dm.R(2), h = 1, Ld = function(a, b) return a:dot(b) end }
   :momentum(dm.SE(3), { 1, 2 }, { 3, 4 }) end)
-raises("has one of its own", function() return dm.system { Q = dm.S(2), L = function(q, v) return v:dot(v) end,
-  constraint = function(q) return q[1] end } end)
+raises("no global coordinates", function() return dm.system { Q = dm.product(SO3, dm.S(2)), L = function(q, v) return v:dot(v) end } end)
+raises("no element of the group: its determinant is -1", function() return SO3:log { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } } end)
+raises("it is off by 8", function() return SO3:inverse { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 3 } } end)
+raises("called with a colon", function() return SO3.exp { 1, 2, 3 } end)
+raises("not finite", function() return SO3:exp { 0 / 0, 0, 0 } end)
+raises("out of reach", function() return dm.GL(2):exp { 1e7, 0, 0, 0 } end)
 local fine, why = SO3:valid { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } }
 ok(fine == false and why:find "determinant", "a reflection is no rotation", why)
 tap.done()

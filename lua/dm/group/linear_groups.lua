@@ -114,7 +114,7 @@ function M.sl(n)
   end
   function kit.bonds(list) return { kit.rebuild(list):det() - 1 } end
   function kit.project(g) return unit_determinant(g, n) end
-  function kit.defect(g) return abs(g:det() - 1) end
+  function kit.defect(g) return abs(g:det() - 1) / math.max(1, linear.largest(g)) ^ n end
   if n == 2 then kit.exp, kit.log, kit.inverse = exp2, log2, adjugate end
   kit.sample = from_exponentials(kit)
   return matrices.complete(kit, n)
@@ -173,7 +173,7 @@ function M.sp(n)
     return out
   end
   function kit.project(g) return linear.near_symplectic(g, J) end
-  function kit.defect(g) return linear.largest(g:transpose() * J * g - J) end
+  function kit.defect(g) return linear.largest(g:transpose() * J * g - J) / math.max(1, linear.largest(g)) ^ 2 end
   kit.sample = from_exponentials(kit)
   return matrices.complete(kit, n)
 end
