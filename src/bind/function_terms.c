@@ -28,35 +28,53 @@ static void add_factor(product *p, dm_node base, double power) {
     p->power[p->count++] = power;
 }
 
-/* p times n^power; a product is opened where (a b)^power = a^power b^power for all numbers */
-static void collect(const dm_graph *g, product *p, dm_node n, double power) {
-    const dm_expr e = *dm_graph_at(g, n);
-    const int whole = power == floor(power), one = fabs(power) == 1.0;
-    const int room = p->count + 2 <= MOST_FACTORS;
-    double k;
-    if (e.op == DM_OP_CONSTANT && (whole || e.as.value > 0.0) && e.as.value != 0.0)
-        p->c *= pow(e.as.value, power);
-    else if (e.op == DM_OP_NEG && whole && room)
-        p->c *= fmod(power, 2.0) != 0.0 ? -1.0 : 1.0, collect(g, p, e.as.arg[0], power);
-    else if (e.op == DM_OP_MUL && whole && room)
-        collect(g, p, e.as.arg[0], power), collect(g, p, e.as.arg[1], power);
-    else if (e.op == DM_OP_DIV && whole && room)
-        collect(g, p, e.as.arg[0], power), collect(g, p, e.as.arg[1], -power);
-    else if (e.op == DM_OP_POW && one && dm_is_constant(g, e.as.arg[1], &k))
-        collect(g, p, e.as.arg[0], power * k);
-    else if (e.op == DM_OP_SQRT && whole)
-        collect(g, p, e.as.arg[0], 0.5 * power);
-    else if (e.op == DM_OP_RSQRT && whole)
-        collect(g, p, e.as.arg[0], -0.5 * power);
-    else if (e.op == DM_OP_RSQRT3 && whole)
-        collect(g, p, e.as.arg[0], -1.5 * power);
-    else
-        add_factor(p, n, power);
+/* parts of a product that are still to be looked at */
+typedef struct {
+    product *p;
+    uint32_t count;
+    dm_node node[MOST_FACTORS];
+    double power[MOST_FACTORS];
+} todo;
+
+static void later(todo *t, dm_node n, double power) {
+    t->node[t->count] = n;
+    t->power[t->count++] = power;
 }
 
+/* Open n^power where (a b)^power = a^power b^power for all numbers; what cannot be opened is a factor. */
+static void open_factor(const dm_graph *g, todo *t, dm_node n, double power) {
+    const dm_expr e = *dm_graph_at(g, n);
+    const int whole = power == floor(power), one = fabs(power) == 1.0;
+    const int room = t->p->count + t->count + 2 <= MOST_FACTORS;
+    double k;
+    if (e.op == DM_OP_CONSTANT && (whole || e.as.value > 0.0) && e.as.value != 0.0)
+        t->p->c *= pow(e.as.value, power);
+    else if (e.op == DM_OP_NEG && whole && room)
+        t->p->c *= fmod(power, 2.0) != 0.0 ? -1.0 : 1.0, later(t, e.as.arg[0], power);
+    else if ((e.op == DM_OP_MUL || e.op == DM_OP_DIV) && whole && room)
+        later(t, e.as.arg[1], e.op == DM_OP_DIV ? -power : power),
+            later(t, e.as.arg[0], power);
+    else if (e.op == DM_OP_POW && one && room && dm_is_constant(g, e.as.arg[1], &k))
+        later(t, e.as.arg[0], power * k);
+    else if (e.op == DM_OP_SQRT && whole && room)
+        later(t, e.as.arg[0], 0.5 * power);
+    else if (e.op == DM_OP_RSQRT && whole && room)
+        later(t, e.as.arg[0], -0.5 * power);
+    else if (e.op == DM_OP_RSQRT3 && whole && room)
+        later(t, e.as.arg[0], -1.5 * power);
+    else
+        add_factor(t->p, n, power);
+}
+
+/* *p = n as a product */
 static void factor(const dm_graph *g, product *p, dm_node n) {
+    todo t = {.p = p};
     p->c = 1.0, p->count = 0;
-    collect(g, p, n, 1.0);
+    later(&t, n, 1.0);
+    while (t.count) {
+        t.count--;
+        open_factor(g, &t, t.node[t.count], t.power[t.count]);
+    }
 }
 
 /* the first factor that is a sum to the power 1; count: none */
@@ -79,26 +97,32 @@ static dm_node rest_of(dm_graph *g, const product *p, uint32_t left) {
 
 typedef struct {
     dm_graph *graph;
-    uint32_t count;
-    dm_node term[MOST_TERMS];
+    uint32_t count, waiting; /* terms so far; nodes that may be sums */
+    dm_node term[MOST_TERMS], wait[MOST_TERMS];
 } sum;
 
-/* add the terms of node n: sums opened, products of sums multiplied out, powers of sums kept */
-static void split(sum *s, dm_node n) {
+/* Two nodes in the place of n = rest (a + b), or n as a term. */
+static void open_term(sum *s, dm_node n) {
     product p;
     factor(s->graph, &p, n);
     const uint32_t i = open_sum(s->graph, &p);
-    if (i == p.count || s->count + 2 > MOST_TERMS) {
-        if (p.c != 0.0 && n != 0 && s->count < MOST_TERMS) s->term[s->count++] = n;
+    if (i == p.count || s->count + s->waiting + 2 > MOST_TERMS) {
+        if (p.c != 0.0 && n != 0) s->term[s->count++] = n;
         return;
     }
     const dm_expr e = *dm_graph_at(s->graph, p.base[i]);
     const dm_node rest = rest_of(s->graph, &p, i);
     const dm_node a = dm_mul(s->graph, rest, e.as.arg[0]);
-    dm_node b = dm_mul(s->graph, rest, e.as.arg[1]);
-    if (e.op == DM_OP_SUB) b = dm_neg(s->graph, b);
-    split(s, a);
-    split(s, b);
+    const dm_node b = dm_mul(s->graph, rest, e.as.arg[1]);
+    s->wait[s->waiting++] = e.op == DM_OP_SUB ? dm_neg(s->graph, b) : b;
+    s->wait[s->waiting++] = a;
+}
+
+/* the terms of node n: sums opened, products of sums multiplied out, powers of sums kept */
+static void split(sum *s, dm_node n) {
+    s->count = 0, s->waiting = 1;
+    s->wait[0] = n;
+    while (s->waiting) open_term(s, s->wait[--s->waiting]);
 }
 
 /* push the function of the same arguments whose value is node n; the one at 1 keeps the graph */
@@ -132,7 +156,7 @@ static dml_function *check_number(lua_State *L, const char *what) {
 static int function_terms(lua_State *L) {
     dml_function *f = check_number(L, "terms");
     sum *s = lua_newuserdatauv(L, sizeof *s, 0);
-    s->graph = f->graph, s->count = 0;
+    s->graph = f->graph;
     split(s, *f->parts[DML_VALUE].nodes);
     lua_createtable(L, (int)s->count, 0);
     for (uint32_t i = 0; i < s->count; i++) {
