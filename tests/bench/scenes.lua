@@ -1,5 +1,5 @@
 -- scenes.lua [KEY ...] - is the choice of dm.scene the cheapest there is? For each system every model of its ladder is run by every rule with
--- every number of steps of a fine grid, up to twice the cost of the choice; what delivers the tolerance at other times is compared in cost.
+-- every number of steps of a fine grid, up to a little more than the cost of the choice; what delivers the tolerance at other times is compared in cost.
 local core = require "dm.core"
 local dm = require "dm"
 local pilot = require "dm.scene.pilot"
@@ -52,7 +52,7 @@ local SCENES = {
 }
 
 local RATIO = 1.07   -- from one number of steps to the next
-local DEARER = 2     -- times the cost of the choice, where the grid of a rule ends
+local DEARER = 1.3   -- times the cost of the choice, where the grid of a rule ends
 local MOST = 1 << 17
 local ROUNDS = 15
 
