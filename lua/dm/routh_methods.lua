@@ -108,9 +108,10 @@ several dimensions. step: largest step of arc length; back = true: towards small
 .energy, .velocity, .growth, .x1 ...: columns; branch.events: folds, changes of stability, crossings of other branches.]])
 
 -- rsprk(rule) is one more name of a rule, of reduced systems
-local plain
+local plain, run
 for f, doc in pairs(core.docs) do
   if type(f) == "function" and doc:find("system:solver{", 1, true) == 1 then plain = f end
+  if type(f) == "function" and doc:find("solver:run{", 1, true) == 1 then run = f end
 end
 
 local function solver(system, options)
@@ -122,5 +123,19 @@ end
 core.method("dm.system", "solver", require "dm.blame".caller(solver), core.docs[plain] .. [[
 
 Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps as `rule`, whose p is s + mu A.]])
+
+-- a run of a reduced system that fails says what of the reduction is in the way
+local function guarded(solver, options)
+  local routh = package.loaded["dm.routh"]
+  if routh and pcall(function() return solver.system end) and routh.info(solver.system) then
+    return require "dm.routh_failure".run(run, solver, options)
+  end
+  return run(solver, options)
+end
+
+core.method("dm.solver", "run", guarded, core.docs[run] .. [[
+
+A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes; also raised where a step jumped through such a shape), "pole" or
+"edge" of the coordinates.]])
 
 return {}

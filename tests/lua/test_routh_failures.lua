@@ -1,0 +1,88 @@
+-- where reduced runs fail: recognised, named, with the path so far, and the way through (spec, "where methods must fail cleanly")
+local tap = require "tap"
+local dm = require "dm"
+local models = require "routh_models"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sqrt, sin, cos = math.sqrt, math.sin, math.cos
+
+local function try(shape, options, h, rule)
+  local fine, result = pcall(function()
+    local path = shape:solver({ rule = rule or "gauss(2)", h = h }):run(options)
+    return path
+  end)
+  return fine, result
+end
+
+-- a small momentum: a wall of width mu, that a long step jumps
+local satellite = models.satellite(0.05)
+local function start(mu) return { q = { 1, 0 }, v = { 0, sqrt(1 - mu * mu) }, t = 30 } end
+for _, case in ipairs { { 0.3, 0.3, true }, { 0.1, 0.1, true }, { 0.03, 0.03, true }, { 0.03, 0.3, false }, { 0.03, 0.1, false }, { 0.01, 0.3, false }, { 0.01, 0.1, false } } do
+  local mu, h, should = table.unpack(case)
+  local fine, result = try(satellite:routh { cyclic = { 1 }, mu = mu }, start(mu), h)
+  ok(fine == should, ("mu = %g, h = %g: %s"):format(mu, h, should and "goes through" or "is stopped"), tostring(result))
+  if not should and not fine then
+    local path, least = result.path, math.huge
+    for i = 1, #path do least = math.min(least, path.q[i][1]) end
+    ok(result.reason == "collapse" and tostring(result):find("locked inertia", 1, true), "and told why", tostring(result))
+    ok(#path >= 2 and least > 0 and result.step == #path, "with the path up to the wall", ("%d rows, step %d, r %g"):format(#path, result.step, least))
+  end
+end
+
+-- without momentum there is no wall: r goes on to -r
+local through = satellite:routh { cyclic = { 1 }, mu = 0 }
+local fine, path = try(through, { q = { 1, 0.2 }, v = { -0.3, 0.6 }, t = 6 }, 0.05)
+local least = 0
+for i = 1, fine and #path or 0 do least = math.min(least, path.q[i][1]) end
+ok(fine and least < 0, "mu = 0 passes the axis", tostring(path))
+
+-- rods near their length: an edge of the chart
+local pole = models.near_pole
+local pendulum = models.pendulum():routh { cyclic = { 1 }, q = pole.q, v = pole.v }
+local x, u = pendulum:start(pole.q, pole.v)
+fine, path = try(pendulum, { q = x, v = u, steps = 2000 }, 0.02)
+ok(not fine and path.reason == "edge" and tostring(path):find("'r2'", 1, true) and tostring(path):find("constraint =", 1, true),
+  "a rod that would leave its sphere is named, and the way through", tostring(path))
+ok(#path.path > 500, "with the path so far", path.path)
+
+-- the way through: rods as constraints in ambient coordinates, the same start, ten units of time
+local m1, m2, l1, l2, g = models.m1, models.m2, models.l1, models.l2, models.g
+local ambient = dm.system { Q = dm.R(6), L = function(p, w)
+  local b = (w[1] + w[4]) ^ 2 + (w[2] + w[5]) ^ 2 + (w[3] + w[6]) ^ 2
+  return m1 * (w[1] ^ 2 + w[2] ^ 2 + w[3] ^ 2) / 2 + m2 * b / 2 - m1 * g * p[3] - m2 * g * (p[3] + p[6])
+end, constraint = function(p)
+  return { (p[1] ^ 2 + p[2] ^ 2 + p[3] ^ 2 - l1 ^ 2) / 2, (p[4] ^ 2 + p[5] ^ 2 + p[6] ^ 2 - l2 ^ 2) / 2 }
+end }
+local function turn(t, p)
+  local c, s = cos(t), sin(t)
+  return { c * p[1] - s * p[2], s * p[1] + c * p[2], p[3], c * p[4] - s * p[5], s * p[4] + c * p[5], p[6] }
+end
+local Q, V = { 0.6, 0, -0.8, 0.27, 0.36, -0.6 }, { 0.4, 1.2, 0.3, -0.64, -0.02, -0.3 }
+local plane = ambient:routh { action = turn, q = Q, v = V }
+local y, w = plane:start(Q, V)
+fine, path = try(plane, { q = y, v = w, steps = 1000, project = true }, 0.02, "gauss(1)")
+ok(fine and path:drift("energy").largest < 0.05 and path:worst "constraint" < 1e-12, "goes on in ambient coordinates", tostring(path))
+
+-- a pole of the chart, met head-on
+local bob = dm.system { Q = dm.R(2), coordinates = { "azimuth", "angle" }, L = function(q, v)
+  return (v[2] ^ 2 + sin(q[2]) ^ 2 * v[1] ^ 2) / 2 + cos(q[2])
+end }
+fine, path = try(bob:routh { cyclic = { 1 }, mu = 1e-3 }, { q = { 1 }, v = { 0 }, t = 10 }, 0.1)
+ok(not fine and path.reason == "collapse", "a pendulum that all but hits its pole", tostring(path))
+
+-- what was wrong before there was a path
+local kept = satellite:routh { cyclic = { 1 }, mu = 0.96 }
+raises("reduced at mu = 0.96", function() kept:start({ 0, 1, 0 }, { 0.5, 0, 0 }) end)
+raises("must have 2 entries", function() kept:solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 1 }, v = { 0, 0.2 }, steps = 1 } end)
+local where = select(2, pcall(function() local p = kept:solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 1 }, v = { 0, 0.2 }, steps = 1 }; return p end))
+ok(tostring(where):find "test_routh_failures%.lua:%d+: ", "errors name the line of the script", tostring(where))
+
+-- psi_mu with two solutions: the one near the guess (free rotor, r0 r1 sin psi = mu h)
+local rotor = dm.system { Q = dm.R(3), L = function(_, v) return v:dot(v) / 2 end }
+local spun = rotor:routh { action = function(t, p) return { cos(t) * p[1] - sin(t) * p[2], sin(t) * p[1] + cos(t) * p[2], p[3] } end,
+  section = function(z) return { z[1], 0, z[2] } end, mu = 0.5 }
+local D = spun:discrete(dm.discrete_lagrangian(rotor, { rule = "midpoint", h = 1 }))
+near(D:psi({ 1, 0 }, { 1, 0 })[1], math.asin(0.5), 1e-15, "psi_mu with two solutions: that of small steps")
+near(D:psi({ 1, 0 }, { 1, 0 }, 2.5)[1], math.pi - math.asin(0.5), 1e-15, "or that near the guess")
+raises("too long", function() spun:at_momentum(5):discrete(dm.discrete_lagrangian(rotor, { rule = "midpoint", h = 1 })):psi({ 1, 0 }, { 1, 0 }) end)
+
+tap.done()
