@@ -1,11 +1,11 @@
 /*
 ** implicit_solve.c - damped Newton's method with the natural monotonicity test (Deuflhard 2004, 3.3): a step is short
 ** enough when the increment that its end asks for, with the same matrix, is shorter than the step's own. That test does
-** not depend on how the equations are scaled, and costs one solution with factors that are there.
+** not depend on how the equations are scaled. The matrix is inverted: the inverse is wanted at the root anyway.
 */
 #include "expr/implicit_solve.h"
 
-#include "linalg/lu.h"
+#include "linalg/inverse.h"
 
 #include <math.h>
 #include <string.h>
@@ -39,7 +39,7 @@ static int all_constant(const dm_implicit *f, double *value) {
 static int take_memory(dm_root_solver *s, const dm_implicit *f, dm_arena *arena) {
     const size_t r = f->unknowns, in = dm_graph_inputs(f->graph);
     const size_t total =
-        in + (r + r * r + 1) + f->starts * r + 2 * r * r + 5 * r + r * f->inputs;
+        in + (r + r * r + 1) + f->starts * r + 2 * r * r + 6 * r + r * f->inputs;
     double *block = dm_arena_take(arena, total * sizeof *block);
     s->pivot = dm_arena_take(arena, r * sizeof *s->pivot);
     if (!block || !s->pivot) return 0;
@@ -47,13 +47,14 @@ static int take_memory(dm_root_solver *s, const dm_implicit *f, dm_arena *arena)
     s->in = block;
     s->out = s->in + in;
     s->from = s->out + r + r * r + 1;
-    s->factors = s->from + f->starts * r;
-    s->row = s->factors + r * r;
-    s->dy = s->row + r * r;
+    s->inverse = s->from + f->starts * r;
+    s->other = s->inverse + r * r;
+    s->dy = s->other + r * r;
     s->trial = s->dy + r;
     s->next = s->trial + r;
     s->best = s->next + r;
-    s->by_x = s->best + r;
+    s->scratch = s->best + r;
+    s->by_x = s->scratch + r;
     s->stride = s->by_x + r * f->inputs;
     return 1;
 }
@@ -106,11 +107,15 @@ static int evaluate(dm_root_solver *s, const double *y) {
     return isfinite(norm(s->out, s->r));
 }
 
-/* dy = -F_y^-1 F with the factors that there are; its length */
-static double increment(const dm_root_solver *s, double *dy) {
-    for (uint32_t i = 0; i < s->r; i++) dy[i] = -s->out[i];
-    dm_lu_solve(dy, s->factors, s->pivot, s->r);
-    return norm(dy, s->r);
+/* dy = -J^-1 F; its length */
+static double increment(const dm_root_solver *s, double *dy, const double *inverse) {
+    const uint32_t r = s->r;
+    for (uint32_t i = 0; i < r; i++) {
+        double sum = 0.0;
+        for (uint32_t k = 0; k < r; k++) sum -= inverse[i * (size_t)r + k] * s->out[k];
+        dy[i] = sum;
+    }
+    return norm(dy, r);
 }
 
 /* of the branch condition, where it was last evaluated */
@@ -118,18 +123,18 @@ static double branch(const dm_root_solver *s) {
     return s->has_branch ? s->out[s->r + (size_t)s->r * s->r] : 1.0;
 }
 
-static int factor(dm_root_solver *s) {
-    const size_t size = (size_t)s->r * s->r * sizeof *s->factors;
-    memcpy(s->factors, s->out + s->r, size);
-    return dm_lu_factor(s->factors, s->pivot, s->r) == DM_OK;
+/* J^-1 where F was last evaluated; 0: there is none */
+static int invert(dm_root_solver *s, double *inverse) {
+    memcpy(inverse, s->out + s->r, (size_t)s->r * s->r * sizeof *inverse);
+    return dm_invert(inverse, s->pivot, s->r) == DM_OK;
 }
 
 /* one Newton iteration on its way */
 typedef struct {
     double *y;
-    double step, size; /* |dy|; what y is measured against */
-    double first;      /* |F| at the start */
-    int inside;        /* stay where the branch condition holds */
+    double step, next, size; /* |dy|, the next one; what y is measured against */
+    double first;            /* |F| at the start */
+    int inside;              /* stay where the branch condition holds */
     int quick;
     int slow; /* iterations that halved the step at best, since quick ones */
 } path;
@@ -138,17 +143,38 @@ static void move(double *to, const double *y, const double *dy, double part, uin
     for (uint32_t i = 0; i < r; i++) to[i] = y[i] + part * dy[i];
 }
 
-/* trial = y + dy, y + dy/2, ...: the first where the next increment is shorter; the part taken, 0: none */
-static double search(dm_root_solver *s, const path *p) {
+/* is trial = y + part dy nearer to a root? Then the next increment is shorter, or the one with the old matrix is; the next one
+** and its matrix are in s */
+static int is_nearer(dm_root_solver *s, path *p, double part) {
+    move(s->trial, p->y, s->dy, part, s->r);
+    if (!evaluate(s, s->trial) || (p->inside && !(branch(s) > 0.0))) return 0;
+    if (!invert(s, s->other)) return 0;
+    p->next = increment(s, s->next, s->other);
+    if (p->next <= 0.5 * p->step) return 1;
+    const double old = increment(s, s->scratch, s->inverse);
+    return old <= (1.0 - 0.25 * part) * p->step || old <= EXACT * p->size;
+}
+
+/* y + dy, y + dy/2, ...: the first that is nearer; the part taken, 0: none */
+static double search(dm_root_solver *s, path *p) {
     const int most = p->step > NEAR * p->size ? HALVINGS : 1;
     double part = 1.0;
-    for (int k = 0; k < most; k++, part *= 0.5) {
-        move(s->trial, p->y, s->dy, part, s->r);
-        if (!evaluate(s, s->trial) || (p->inside && !(branch(s) > 0.0))) continue;
-        const double next = increment(s, s->next);
-        if (next <= (1.0 - 0.25 * part) * p->step || next <= EXACT * p->size) return part;
-    }
+    for (int k = 0; k < most; k++, part *= 0.5)
+        if (is_nearer(s, p, part)) return part;
     return 0.0;
+}
+
+static void swap(double **a, double **b) {
+    double *const kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+static void take_step(dm_root_solver *s, path *p) {
+    memcpy(p->y, s->trial, s->r * sizeof *p->y);
+    swap(&s->inverse, &s->other);
+    swap(&s->dy, &s->next);
+    p->step = p->next;
 }
 
 /* J lost its rank: at a root, or where the function begins, it is that; else on the way to nowhere */
@@ -157,14 +183,14 @@ static dm_root_outcome rankless(const dm_root_solver *s, const path *p) {
     return at_root || p->step == INFINITY ? DM_ROOT_SINGULAR : DM_ROOT_NONE;
 }
 
-/* to the root: y, with the factors of F_y next to it */
+/* to the root: y, with J^-1 next to it */
 static dm_root_outcome iterate(dm_root_solver *s, path *p) {
     if (!evaluate(s, p->y)) return DM_ROOT_NONE;
     if (p->inside && !(branch(s) > 0.0)) return DM_ROOT_BRANCH;
     p->first = norm(s->out, s->r);
     p->step = INFINITY;
-    if (!factor(s)) return rankless(s, p);
-    p->step = increment(s, s->dy);
+    if (!invert(s, s->inverse)) return rankless(s, p);
+    p->step = increment(s, s->dy, s->inverse);
     p->size = norm(p->y, s->r);
     for (int k = 0; k < s->most && isfinite(p->step); k++) {
         p->size = fmax(p->size, p->step);
@@ -178,24 +204,12 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
             if (before > NEAR * p->size) return DM_ROOT_NONE;
             return p->slow < SLOW ? DM_ROOT_FOUND : DM_ROOT_SINGULAR; /* F is noise */
         }
-        memcpy(p->y, s->trial, s->r * sizeof *p->y);
-        if (!factor(s)) return rankless(s, p);
-        p->step = increment(s, s->dy);
+        take_step(s, p);
         p->quick = p->step < QUICK * before ? p->quick + 1 : 0;
         if (p->quick == 2) p->slow = 0; /* one may be F that rounds to zero */
         if (p->step > 0.3 * before && part == 1.0) p->slow++;
     }
-    return p->slow < SLOW ? DM_ROOT_NONE : DM_ROOT_SINGULAR;
-}
-
-static void invert(const dm_root_solver *s, double *inverse) {
-    const uint32_t r = s->r;
-    for (uint32_t k = 0; k < r; k++) {
-        memset(s->next, 0, r * sizeof *s->next);
-        s->next[k] = 1.0;
-        dm_lu_solve(s->next, s->factors, s->pivot, r);
-        for (uint32_t i = 0; i < r; i++) inverse[i * (size_t)r + k] = s->next[i];
-    }
+    return p->slow < SLOW ? DM_ROOT_NONE : rankless(s, p);
 }
 
 /* sum_l |a_kl x_l| of row k, |a_kl| where x is NULL */
@@ -218,9 +232,9 @@ static double amplified(const double *inverse, const double *t, uint32_t r) {
 
 /* Is y known at the root y? With t_k = sum_l |J_kl| a condition number that scaling the equations does not change
 ** (Skeel 1979); with the size of the terms of F, t = |J| |y| + |F_x| |x|, what their rounding does to y. */
-static int is_known(dm_root_solver *s, const double *y, const double *inverse,
-                    double *condition) {
+static int is_known(dm_root_solver *s, const double *y, double *condition) {
     const uint32_t r = s->r;
+    const double *inverse = s->inverse;
     double *t = s->trial;
     for (uint32_t k = 0; k < r; k++) t[k] = row_sum(s->out + r, NULL, k, r);
     *condition = amplified(inverse, t, r);
@@ -279,8 +293,8 @@ static dm_root_trouble attempt(dm_root_solver *s, double *y, double *inverse,
     t.branch = branch(s);
     if (!(t.residual <= INFINITY)) t.residual = INFINITY;
     if (t.outcome != DM_ROOT_FOUND) return t;
-    invert(s, inverse);
-    if (!is_known(s, y, inverse, &t.condition))
+    if (inverse) memcpy(inverse, s->inverse, (size_t)s->r * s->r * sizeof *inverse);
+    if (!is_known(s, y, &t.condition))
         t.outcome = DM_ROOT_SINGULAR;
     else if (!(t.branch > 0.0))
         t.outcome = DM_ROOT_BRANCH;
@@ -334,7 +348,6 @@ void dm_root_slope(const dm_root_solver *s, double *slope, const double *inverse
 dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y,
                               double *inverse) {
     dm_root_trouble found = {.outcome = DM_ROOT_NONE, .residual = INFINITY};
-    double *matrix = inverse ? inverse : s->row;
     if (!isfinite(norm(x, s->n))) { /* the trouble is elsewhere */
         give_nothing(s, y, inverse);
         return DM_ROOT_NONE;
@@ -342,8 +355,8 @@ dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y,
     memcpy(s->in + s->r, x, s->n * sizeof *x);
     if (s->start.eval) dm_kernel_eval(&s->start, s->in, s->from);
     memcpy(s->best, s->from, s->r * sizeof *s->best);
-    if ((s->has_branch && try_all(s, y, matrix, 1, &found)) ||
-        try_all(s, y, matrix, 0, &found)) {
+    if ((s->has_branch && try_all(s, y, inverse, 1, &found)) ||
+        try_all(s, y, inverse, 0, &found)) {
         forget(s->trouble);
         return DM_ROOT_FOUND;
     }

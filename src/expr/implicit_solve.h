@@ -6,16 +6,16 @@
 
 typedef struct {
     uint32_t r, n, starts;
-    int has_branch, most;  /* iterations */
-    dm_kernel equation;    /* (y[r], x[n], ...) to F[r], F_y[r*r], branch */
-    dm_kernel slope;       /* to F_x[r*n] */
-    dm_kernel start;       /* the same inputs to [starts*r]; no eval: constants */
-    double *in, *out;      /* of `equation` */
-    double *stride;        /* [r] of the scattered starts */
-    double *by_x;          /* of `slope` */
-    double *from;          /* [starts*r] */
-    double *factors, *row; /* [r*r] of F_y at y; [r*r] scratch */
-    double *dy, *trial, *next, *best; /* [r] */
+    int has_branch, most;    /* iterations */
+    dm_kernel equation;      /* (y[r], x[n], ...) to F[r], F_y[r*r], branch */
+    dm_kernel slope;         /* to F_x[r*n] */
+    dm_kernel start;         /* the same inputs to [starts*r]; no eval: constants */
+    double *in, *out;        /* of `equation` */
+    double *stride;          /* [r] of the scattered starts */
+    double *by_x;            /* of `slope` */
+    double *from;            /* [starts*r] */
+    double *inverse, *other; /* [r*r] (dF/dy)^-1 at y, at the trial point */
+    double *dy, *next, *trial, *best, *scratch; /* [r] */
     uint32_t *pivot;
     dm_root_trouble *trouble; /* NULL: nobody asks */
 } dm_root_solver;

@@ -1,0 +1,51 @@
+#include "linalg/inverse.h"
+
+#include <math.h>
+#include <stddef.h>
+
+static uint32_t largest_in(const double *A, uint32_t n, uint32_t k) {
+    uint32_t best = k;
+    double most = fabs(A[k * (size_t)n + k]);
+    for (uint32_t i = k + 1; i < n; i++) {
+        const double size = fabs(A[i * (size_t)n + k]);
+        if (!(size <= most)) best = i, most = size;
+    }
+    return best;
+}
+
+static void exchange(double *a, double *b, uint32_t n, size_t stride) {
+    for (uint32_t j = 0; j < n; j++) {
+        const double kept = a[j * stride];
+        a[j * stride] = b[j * stride];
+        b[j * stride] = kept;
+    }
+}
+
+/* row k is that of the pivot, which becomes 1 in the row and 0 in all others */
+static void eliminate(double *A, uint32_t n, uint32_t k) {
+    double *row = A + k * (size_t)n;
+    const double reciprocal = 1.0 / row[k];
+    row[k] = 1.0;
+    for (uint32_t j = 0; j < n; j++) row[j] *= reciprocal;
+    for (uint32_t i = 0; i < n; i++) {
+        double *other = A + i * (size_t)n;
+        const double factor = other[k];
+        if (i == k || factor == 0.0) continue;
+        other[k] = 0.0;
+        for (uint32_t j = 0; j < n; j++) other[j] -= factor * row[j];
+    }
+}
+
+dm_status dm_invert(double *A, uint32_t *pivot, uint32_t n) {
+    for (uint32_t k = 0; k < n; k++) {
+        pivot[k] = largest_in(A, n, k);
+        if (pivot[k] != k) exchange(A + k * (size_t)n, A + pivot[k] * (size_t)n, n, 1);
+        const double size = fabs(A[k * (size_t)n + k]);
+        if (size == 0.0) return DM_SINGULAR;
+        if (!isfinite(size)) return DM_NOT_FINITE;
+        eliminate(A, n, k);
+    }
+    for (uint32_t k = n; k-- > 0;)
+        if (pivot[k] != k) exchange(A + k, A + pivot[k], n, n);
+    return DM_OK;
+}
