@@ -9,10 +9,10 @@
 
 /*
 ** p0 + D1 Ld(q0, q0 + z) = 0 for z[n]; out = D1[n], D2[n], D1D2[n*n]. What a step leaves to the next one: how many steps
-** there are, the state at the end of the last [4n], the last three z, the last first, and what the kernel
-** remembers of its implicit functions; the parabola through the z is where Newton's method begins.
+** there are, the state at the end of the last [4n], the last four z, the last first, and what the kernel
+** remembers of its implicit functions; the cubic through the z is where Newton's method begins.
 */
-enum { COUNT, END, KEPT = 3 };
+enum { COUNT, END, KEPT = 4 };
 
 typedef struct {
     const dm_model *m;
@@ -128,16 +128,17 @@ static dm_status finish(pair *e) {
     return DM_OK;
 }
 
-/* z by the parabola, the line or the value of the last steps; 0: there are none */
+/* z by the cubic, the parabola, the line or the value of the last steps; 0: there are none */
 static int continued(pair *e) {
-    static const double weight[KEPT][KEPT] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
+    static const double weight[KEPT][KEPT] = {{1}, {2, -1}, {3, -3, 1}, {4, -6, 4, -1}};
     const uint32_t n = e->m->n;
     const double *end = e->memory + END, *last = end + 4 * (size_t)n;
     if (e->memory[COUNT] == 0.0 || memcmp(end, e->state, 4 * n * sizeof *end) != 0)
         return 0;
     const double *w = weight[(int)e->memory[COUNT] - 1];
     for (uint32_t i = 0; i < n; i++)
-        e->z[i] = w[0] * last[i] + (w[1] * last[n + i] + w[2] * last[2 * n + i]);
+        e->z[i] = (w[0] * last[i] + w[1] * last[n + i]) +
+                  (w[2] * last[2 * n + i] + w[3] * last[3 * n + i]);
     return 1;
 }
 
