@@ -132,7 +132,7 @@ static int invert(dm_root_solver *s, double *inverse) {
 /* one Newton iteration on its way */
 typedef struct {
     double *y;
-    double step, next, size; /* |dy|, the next one; what y is measured against */
+    double step, next, size; /* |dy|, the next one, the largest and |y| */
     double first;            /* |F| at the start */
     int inside;              /* stay where the branch condition holds */
     int quick;
@@ -141,6 +141,11 @@ typedef struct {
 
 static void move(double *to, const double *y, const double *dy, double part, uint32_t r) {
     for (uint32_t i = 0; i < r; i++) to[i] = y[i] + part * dy[i];
+}
+
+/* an increment that changes no digit of y */
+static double exact(const path *p, uint32_t r) {
+    return EXACT * norm(p->y, r);
 }
 
 /* is trial = y + part dy nearer to a root? Then the next increment is shorter, or the one with the old matrix is; the next one
@@ -152,7 +157,7 @@ static int is_nearer(dm_root_solver *s, path *p, double part) {
     p->next = increment(s, s->next, s->other);
     if (p->next <= 0.5 * p->step) return 1;
     const double old = increment(s, s->scratch, s->inverse);
-    return old <= (1.0 - 0.25 * part) * p->step || old <= EXACT * p->size;
+    return old <= (1.0 - 0.25 * part) * p->step || old <= exact(p, s->r);
 }
 
 /* y + dy, y + dy/2, ...: the first that is nearer; the part taken, 0: none */
@@ -194,7 +199,7 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
     p->size = norm(p->y, s->r);
     for (int k = 0; k < s->most && isfinite(p->step); k++) {
         p->size = fmax(p->size, p->step);
-        if (p->step <= EXACT * p->size) {
+        if (p->step <= exact(p, s->r)) {
             move(p->y, p->y, s->dy, 1.0, s->r);
             return p->slow < SLOW ? DM_ROOT_FOUND : DM_ROOT_SINGULAR;
         }

@@ -241,7 +241,7 @@ const dm_method dm_method_del = {
         "Discrete Euler-Lagrange equations of a discrete Lagrangian: p0 = -D1 Ld(q0, "
         "q1), "
         "p1 = D2 Ld(q0, q1); n unknowns a step (Marsden-West 2001 sec. 1.5, Leok 2.2).",
-    .traits = DM_SYMPLECTIC | DM_FOR_PAIRS,
+    .traits = DM_SYMPLECTIC | DM_FOR_PAIRS | DM_KEEPS,
     .check = check,
     .order = order,
     .wants = wants,
