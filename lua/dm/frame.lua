@@ -155,10 +155,18 @@ local function beginnings(G, r)
   return out
 end
 
+-- a start that is a function of the points gives an element
+local function start_of(self, start)
+  local G, k, m = self.group, self.k, self.m
+  if start == nil then return beginnings(G, self.r) end
+  if type(start) ~= "function" then return start end
+  return function(z) return linear.entries(G:flat(start(table.unpack(split(z, k, m))))) end
+end
+
 -- the root y(z) of Z(g(y) z) = 0, bonds(y) = 0
 local function solved(self, start)
   local G, k, m = self.group, self.k, self.m
-  local begin = start or beginnings(G, self.r)
+  local begin = start_of(self, start)
   local function at(y, z) return moved(self, G:unflat(y), split(z, k, m)) end
   return core.root {
     name = text.name(self), start = begin, failure = text.advice,
@@ -176,8 +184,8 @@ dm.moving_frame{action=, points=, cross_section=, branch=, solution=, start=, na
 The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`points`, default 1; or action:on_points(k),
 action:on_pairs(), a tangent or jet action with one): the group element g with cross_section(g z1, ..., g zk) = 0, which
 gives as many numbers as the group has dimensions. branch(z1, ..., zk) gives a number (or several) that must be > 0 on the section, where the
-equations have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for (dm.root) from `start`, flat coordinates,
-default the identity. invariants: names for entries, {name = {point, entry}}, which dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
+equations have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for (dm.root) from `start`: flat coordinates, or a function of the points
+that gives an element (default: from the identity and turns about every axis). A solution is trusted inside of runs; a root looks at branch and transversality every time. invariants: names for entries, {name = {point, entry}}, which dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
 exists. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent, correction, derivative_correction,
 syzygies, check.]]
 

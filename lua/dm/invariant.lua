@@ -266,7 +266,8 @@ problem:solve{points=, n=, form=, every=, momentum=, frame=, multiplier=} -> cur
 The sequence of n points that starts with the given ones: 2 N - 2 of them, one more with a constraint (whose multipliers then follow; or give
 them). Or from N - 1 points, or a frame there, and the Noether momentum J (dim G numbers, problem:momentum), where the section fixes
 all of them. form = "momentum" (default) or "points", the recurrence as it is printed: the same equations, with other round-off (problem:stability).
-curve: points (dm.matrix, a row each; every `every` sites and the last ones), invariants (by name, vectors along the curve), multiplier, frame (the last). A step that has no root
+curve: points (dm.matrix, a row each; every `every` sites and the last ones), invariants (by name, vectors along the curve), multiplier (row k of the
+window that begins at point first_site + k - 1), frame (the last). A step that has no root
 raises a dm.failure with the points so far in its `path`.]]
 
 method("solve", function(p, o)
@@ -279,22 +280,22 @@ method("solve", function(p, o)
   local rows, report = core.sequence { equation = form.equation, next = form.next, start = form.start, inside = form.inside, scale = form.scale,
     y = form.layout:pack(values), unknowns = p.d + p.constraints, steps = steps, every = o.every or 1, check = false }
   local curve = curve_of(p, form, rows, before)
-  curve.form = name
+  curve.form, curve.first_site = name, #before + p.window - p.N + 2
   if report.code ~= "ok" then fail(p, report, curve, #before + p.window + report.done + 1) end
   return curve
 end, doc_solve)
 
 local doc_momentum = [[
-problem:momentum{u1, ..., u2N-2} -> dm.vector
-The Noether momentum J of the discrete problem at these points, <J, e_j> = sum p . v_j over the last N - 1 of them: the same at every window of a solution. Without
-constraint.]]
+problem:momentum({u1, ..., u2N-2} [, multiplier]) -> dm.vector
+The Noether momentum J of the discrete problem at these points, <J, e_j> = sum p . v_j over the last N - 1 of them: the same at every window of a
+solution. With a constraint the multipliers of the last windows are given as a list (of `curve.multiplier`; row k belongs to the window that begins at
+point curve.first_site + k - 1), or follow from one point more.]]
 
-method("momentum", function(p, points)
+method("momentum", function(p, points, multiplier)
   local list = {}
   for i, z in ipairs(points) do list[i] = frames.point(z, p.d, "point " .. i) end
   if #list < 2 * p.N - 2 then error(("problem:momentum takes %d points (got %d)"):format(2 * p.N - 2, #list), 0) end
-  if p.constraints > 0 then error("problem:momentum is for problems without constraint", 0) end
-  return starts.spatial(p, list, {})
+  return starts.spatial(p, list, multiplier)
 end, doc_momentum)
 
 local doc_action = [[

@@ -79,7 +79,8 @@ end
 M.left_over = left_over
 
 --- J of the momenta at points as they are given: <J, e_j> = sum m . v_j(u).
-function M.spatial(p, list, mu)
+function M.spatial(p, list, multiplier)
+  local mu = multipliers(p, list, multiplier)
   local first = #list - p.N + 2
   local m, psi, out = windows.numbers(left_over(p, list, first, mu)), windows.psi_rows(p, part(list, first, p.N - 1)), {}
   for j = 1, p.r do

@@ -83,6 +83,11 @@ for i, row in ipairs(given) do
   ok(worst < 1e-13, "solved = given, case " .. i, worst)
 end
 
+-- a formula as the start of the root
+local from_formula = { start = given[1][2] }
+for key, value in pairs(given[1][1]) do from_formula[key] = value end
+near((frame(from_formula):invariants(places[1][1])[2] - frame(given[1][1]):invariants(places[1][1])[2]):norm(), 0, 1e-15, "a start that is a function of the points")
+
 -- closed forms: chord and bend; cross-ratio (6.6)
 local planar = frame { action = plane, points = 3, cross_section = chord, branch = along }
 local I = planar:invariants { { 0.2, 0.1 }, { 0.5, 0.5 }, { 0.4, 1.1 } }

@@ -80,6 +80,12 @@ for k, n in ipairs { 200, 400, 800 } do
     end
     ok(most < 1e-12, "every chord has its length", most)
     ok(c.multiplier.rows > 390, "the multiplier comes with the curve")
+    -- force and moment, the same along the strip
+    local function J(i) -- at the points i ... i + 3
+      local site = i + 1 - c.first_site + 1 -- the last window that they hold
+      return elastica(1 / n):momentum({ c.points[i], c.points[i + 1], c.points[i + 2], c.points[i + 3] }, { c.multiplier[site - 1], c.multiplier[site] })
+    end
+    near((J(20) - J(300)):norm() / J(20):norm(), 0, 1e-9, "force and moment are the same along the strip")
   end
 end
 near(math.log(errors[1] / errors[2], 2), 2, 0.05, "elastica: order 2"); near(math.log(errors[2] / errors[3], 2), 2, 0.02, "and again")
