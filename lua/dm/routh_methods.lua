@@ -107,6 +107,11 @@ The relative equilibria that go on from one, followed by arc length (Keller) in 
 several dimensions. step: largest step of arc length; back = true: towards smaller mu first. branch[i] as in relative_equilibria with momentum; branch.mu,
 .energy, .velocity, .growth, .x1 ...: columns; branch.events: folds, changes of stability, crossings of other branches.]])
 
+add("dm.system", "slice", "dm.routh_slice", [[
+shape:slice(what, {from=, to=, points=, t=}) -> list of series for dm.plot
+"amended_potential", "connection", "curvature" or "locked_inertia" along the straight line between two shapes, a series { x =, y =, name = } for each entry against the
+coordinate that changes most: dm.plot(shape:slice("curvature", { from = a, to = b }), { file = "curvature.png" }).]])
+
 -- rsprk(rule) is one more name of a rule, of reduced systems
 local plain, run
 for f, doc in pairs(core.docs) do

@@ -99,6 +99,14 @@ local phases = run:phases()
 near(phases.total[#run][1], run:reconstruct().q[#run][1], 1e-13, "phases add up to the group variable")
 ok(abs(phases.geometric[#run][1]) > 0.05, "and the geometric one is not nothing", phases.geometric[#run][1])
 
+-- along a line of shapes, for plots
+local line = shape:slice("curvature", { from = { 0.2, 0.3, 0 }, to = { 0.6, 0.3, 1 }, points = 5 })
+ok(#line == 3 and #line[2].x == 5 and line[2].name == "curvature r1, phi", "a slice has a series for each entry", line[2].name)
+near(line[2].y[3], shape:curvature({ 0.4, 0.3, 0.5 })[1][3], 1e-15, "of its values")
+near(shape:slice("amended_potential", { from = { 0.2, 0.3, 0 }, to = { 0.6, 0.3, 1 }, points = 3 })[1].y[2], shape:amended_potential { 0.4, 0.3, 0.5 }, 1e-13, "of any kind")
+raises("slice: give", function() shape:slice("mass", {}) end)
+raises("option 'to'", function() shape:slice("connection", { from = { 1, 1, 1 }, to = { 1 } }) end)
+
 -- rows at any times; a chaotic orbit over many Lyapunov times follows its own rows
 local whole = one:run { q = x, v = u, steps = 60 }:reconstruct()
 local some = one:run { q = x, v = u, at = { 0.1, 0.25, 0.6 } }:reconstruct()
