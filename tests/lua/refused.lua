@@ -36,3 +36,11 @@ assert(path:worst "constraint" < 1e-14)
 local own = dm.curve { method = function(x, f, h) return x + h * f(x + h / 2 * f(x)) end, bias = 0.5 }
 swing:solver { rule = own, h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 5 }
 assert(dm.bundle({ system = swing, h = 0.1, segments = own }):check({ q = { 1 }, v = { 0 } }).ok)
+
+-- q + v y - y^2/2 over y: an extremum, its Hessian by a Schur complement
+local top = dm.system { Q = dm.R(1), L = function(q, v)
+  local y = v[1] * q[1]
+  return dm.extremum(v[1] ^ 2 + y * y / 2 - q[1] ^ 2, function(x, u, z) return u[1] ^ 2 + u[1] * x[1] * z[1] - z[1] ^ 2 / 2 - x[1] ^ 2 end, { y }, q, v)
+end }
+path = top:solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 2 }
+assert(#dm.path { system = top, h = 0.1, columns = { path:column "t", path:column "q1", path:column "p1" } } == 3)
