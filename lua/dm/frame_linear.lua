@@ -172,7 +172,7 @@ function M.phantom(frame, count)
   local out, values = {}, {}
   for seed = 1, 60 do
     local fine, list = pcall(function()
-      local z, F = M.sample(frame, seed, count), require "dm.frame"
+      local z, F = M.sample(frame, seed, max(count, frame.k)), require "dm.frame"
       -- again from the section, where the frame is the identity and rounds least
       for _ = 1, 2 do z = F.moved(frame, F.element(frame, z), z) end
       return z

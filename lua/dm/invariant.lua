@@ -60,7 +60,7 @@ local function left_action(p)
     for i, z in ipairs(list) do out[i] = p.act(g, z) end
     return out
   end
-  function p.rho(list) return element(frames.element(p.frame, list)) end
+  function p.rho(list) return element(frames.element(p.frame, windows.for_frame(p, list))) end
   function p.generator(z) return right and action:generator(z) * -1 or action:generator(z) end
   p.flat_size = #linear.entries(G:flat(G:identity()))
   p.motion = core.derivative(function(y, z) return p.act(G:unflat(y), z):map(function(w) return 1 + w end) end, p.flat_size, p.d)

@@ -65,12 +65,12 @@ end
 -- directions of the core that keep the window on the section
 local function tangents(p, form, y, places)
   local window = windows.blocks(form.layout:get(y, "U"), p.window, p.d)
-  local J = linear.section_slope(p.frame, window)
+  local J = linear.section_slope(p.frame, windows.for_frame(p, window))
   local given, out = {}, {}
   -- the section looks at its first points only
   for i = 1, p.r do
     given[i] = {}
-    for j = 1, p.window * p.d do given[i][j] = j <= p.frame.k * p.d and J[i][j] or 0 end
+    for j = 1, p.window * p.d do given[i][j] = j <= p.k * p.d and J[i][j] or 0 end
   end
   for _, v in ipairs(kernel(given, p.r, p.window * p.d)) do
     local w = {}

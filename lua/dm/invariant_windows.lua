@@ -22,13 +22,19 @@ end
 M.blocks, M.numbers, M.part = blocks, numbers, part
 
 -- the last `count` points of a list and behind them `more`, on the parabola through its last three (so that they have a frame where these have)
-local function padded(list, count, more)
+function M.padded(list, count, more)
   local out = part(list, 1, #list)
   for _ = 1, more do
     local n = #out
     out[n + 1] = n > 2 and (out[n] - out[n - 1]) * 3 + out[n - 2] or n > 1 and out[n] * 2 - out[n - 1] or out[n]
   end
   return part(out, #list - count + 1, count + more)
+end
+
+--- A list as long as the frame wants, behind what its section looks at.
+function M.for_frame(p, list)
+  if #list >= p.frame.k then return list end
+  return M.padded(list, #list, p.frame.k - #list)
 end
 
 ---- L and its constraint at windows ----
@@ -51,8 +57,8 @@ M.psi_rows = psi_rows
 -- slopes by all points of invariantized functions on the section, from those of the functions themselves: g (1 - psi (J psi)^-1 J), by
 -- Bogfjellmo's thm 3, without the frame. `rows` are numbers or symbols, a list for each function.
 local function projected(p, window, rows)
-  local psi, known = psi_rows(p, window), p.frame.k * p.d
-  local J = linear.section_slope(p.frame, window)
+  local psi, known = psi_rows(p, window), p.k * p.d
+  local J = linear.section_slope(p.frame, M.for_frame(p, window))
   local A = {}
   for i = 1, p.r do
     A[i] = {}
@@ -105,7 +111,7 @@ M.slopes = slopes
 --- phi of the window that ends with the list.
 function M.constraint_at_end(p, list)
   if p.constraints == 0 then return {} end
-  return p.phi(padded(list, p.reach, p.N - p.reach))
+  return p.phi(M.padded(list, p.reach, p.N - p.reach))
 end
 
 -- where the last points of a list lead

@@ -28,6 +28,11 @@ assert(cubic { 0 } == 1 and dm.trace(function(x) return cubic(x) ^ 2 end, 1):hes
 dm.system({ Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - cubic { q[1] ^ 2 + 1 } end })
   :solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 2 }
 
+local rows = dm.sequence { y = { 2 }, unknowns = 1, steps = 3, start = function(y) return y end, next = function(y, x) return x end,
+  equation = function(y, x) return { x[1] ^ 2 - y[1] } end }
+assert(rows.rows == 4 and dm.stationary { term = function(w) return (w[2] - w[1]) ^ 2 end, sites = 3, block = 1, window = 2, x = { 0, 5, 2 },
+  given = { true, false, true } }[2] == 1)
+
 local sphere = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end, force = function(q) return -q end,
   constraint = function(q) return q:dot(q) - 1 end }
 path = sphere:solver({ rule = "rattle", h = 0.1 }):run { q = { 0.6, 0, -0.7 }, v = { 0, 1, 1 }, steps = 20, project = true }

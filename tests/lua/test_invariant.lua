@@ -93,6 +93,16 @@ local failed, failure = pcall(elastica(1 / 25).solve, elastica(1 / 25), { points
 ok(not failed and failure.code == "no_convergence" and #failure.path.points >= 8 and tostring(failure):find "no root", "Lambda = 1/25: a failure with the points so far", tostring(failure))
 near(failure.path.points[5][1], reference(4, 25)[1], 1e-14, "which begin with those given")
 
+-- a frame that is declared on more points than its section looks at: the same curve
+local three = dm.moving_frame { action = plane, points = 3, cross_section = function(a, b) return { a[1], a[2], b[2] } end, branch = function(_, b) return b[1] end,
+  invariants = { lambda = { 2, 1 }, sigma = { 3, 2 } } }
+local wide = dm.invariant_problem { action = plane, frame = three, L = function(I) return I.sigma ^ 2 / I.lambda ^ 3 end, constraint = function(I) return I.lambda - 1 / 200 end }
+for _, form in ipairs { "points", "momentum" } do
+  local a, b = wide:solve { points = first(200), n = 60, form = form }, elastica(1 / 200):solve { points = first(200), n = 60 }
+  near((a.points[60] - b.points[60]):norm(), 0, 1e-11, "points that the section does not look at are of no consequence, " .. form)
+end
+ok(wide:stability({ points = first(200) }).momentum ~= nil, "nor for the roots")
+
 -- first order, both ways: the same sequence (Bogfjellmo leaves it open)
 local spin = dm.action { group = dm.SO(2), on = dm.R(2) }
 local polar = dm.moving_frame { action = spin, points = 1, cross_section = function(q) return q[2] end, branch = function(q) return q[1] end }

@@ -44,6 +44,28 @@ raises("did you mean 'steps'", dm.sequence, { step = 1 })
 raises("must return 2 numbers", golden, { unknowns = 2 })
 raises("too many", golden, { steps = 2 ^ 40 })
 
+-- sums over windows made stationary: a hanging chain of two coordinates a site against its own equations, natural ends, misuse
+local function stationary(more)
+  local o = { term = function(w) return (w[2] - w[1]) ^ 2 / 2 + 0.1 * w[1] ^ 4 end, sites = 9, block = 1, window = 2,
+    x = { 1, 0, 0, 0, 0, 0, 0, 0, 2 }, given = { true, false, false, false, false, false, false, false, true } }
+  for k, v in pairs(more or {}) do o[k] = v end
+  return dm.stationary(o)
+end
+local x, found = stationary()
+local defect = 0
+for i = 2, 8 do defect = math.max(defect, math.abs(2 * x[i] - x[i - 1] - x[i + 1] + 0.4 * x[i] ^ 3)) end
+ok(found.code == "ok" and defect < 1e-15 and x[1] == 1 and x[9] == 2, "a chain with both ends given: its own equations hold", defect)
+local free = stationary { given = { true, false, false, false, false, false, false, false, false } }
+near(free[9], free[8], 1e-15, "a free end has the natural condition")
+local _, lost = stationary { term = function(w) return math.log(w[1]) + w[2] end, x = { 1, -1, 0, 0, 0, 0, 0, 0, 2 } }
+ok(lost.code == "not_finite", "a guess outside of the domain is reported", lost.code)
+local _, flat = stationary { term = function(w) return w[2] - w[1] end }
+ok(flat.code == "singular", "and a term without curvature", flat.code)
+raises("'term' must be a function", dm.stationary, {})
+raises("must be a list of booleans", stationary, { given = { true } })
+raises("more sites than there are", stationary, { window = 10 })
+raises("must return a number", stationary, { term = function() return {} end })
+
 -- a sum that cancels while it is written keeps the sign of what comes behind it
 local function cancelling(z)
   local p, q, r, u, a, b, c, s = table.unpack(z, 1, 8)
