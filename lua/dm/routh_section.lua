@@ -17,7 +17,9 @@ local function read_action(options)
     error("option 'action' must be a function of (theta, q) that gives the point to which theta moves q, or a dm.action", 0)
   end
   local group = action.group
-  return function(theta, q) return map(theta, q) end, options.dimension or group and group.dimension or 1
+  if not action.act then return function(theta, q) return map(theta, q) end, options.dimension or group and group.dimension or 1 end
+  -- elements are lists or vectors for some groups; exp makes them of angles
+  return function(theta, q) return action:act(group:exp(theta), q) end, options.dimension or group.dimension
 end
 
 local function check_dimension(m, n)

@@ -182,6 +182,16 @@ raises("whole number from 1 to 8", function() return so3:jet(0) end)
 raises("'independent' must be", function() return so3:jet(1, { independent = 4 }) end)
 raises("unknown option", function() return so3:jet(1, { dependent = 1 }) end)
 
+-- Routh reduction takes abelian actions of any group, whatever its elements look like
+local well = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - (q[1] ^ 2 + q[2] ^ 2) / 2 end }
+local screw = dm.action { group = dm.product(dm.SO(2), dm.R(1)), on = dm.R(3), map = function(g, z)
+  return { cos(g[1]) * z[1] - sin(g[1]) * z[2], sin(g[1]) * z[1] + cos(g[1]) * z[2], z[3] + g[2][1] }
+end }
+local shape = well:routh { action = screw, at = { 1, 0.2, 0 }, mu = { 0.5, 0.1 } }
+ok(shape.Q.dimension == 1, "Routh reduction by SO(2) x R^1", tostring(shape))
+ok(well:routh({ action = dm.action { group = dm.R(1), on = dm.R(3), map = function(g, z) return { z[1], z[2], z[3] + g[1] } end },
+  at = { 1, 0.2, 0 }, mu = 0.1 }).Q.dimension == 2, "and by R^1")
+
 ---- what is no action ----
 
 raises("axiom of composition", function() return dm.action { group = dm.R(1), on = dm.R(1), map = function(g, z) return { z[1] + g[1] ^ 3 } end } end)
