@@ -195,7 +195,8 @@ G:unflat(list) -> element
 The element of flat coordinates, which fulfil G:bonds.]], true)
 method("bonds", { "flat" }, "any", [[
 G:bonds(list) -> list of numbers
-N - dim G equations that flat coordinates fulfil: |q|^2 - 1 of a quaternion, R^T R = 1 on and above the diagonal of other rotations,
+N - dim G equations that flat coordinates fulfil: |q|^2 - 1 of a quaternion, orthonormal columns of other rotations, the last
+across the others,
 det - 1 of SL(n), g^T J g = J above the diagonal of Sp(n).]], true)
 method("project", { "raw" }, "g", [[
 G:project(M) -> element

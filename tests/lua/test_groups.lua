@@ -153,6 +153,14 @@ for n = 4, 8 do
 end
 ok(worst_round < 1e-13, "exp(log R) = R for SO(4) to SO(8) near half turns", worst_round)
 ok(worst_length < 1e-13, "and the logarithm is the shortest", worst_length)
+-- the flat coordinates of a reflection do not pass for a rotation
+for n = 4, 6 do
+  local G = dm.SO(n)
+  local list = G:flat(G:random(stream, n))
+  ok(#list - #G:bonds(list) == G.dimension and dm.vector(G:bonds(list)):norm() < 1e-14, ("bonds of SO(%d)"):format(n))
+  for j = 1, n do list[j] = -list[j] end
+  ok(dm.vector(G:bonds(list)):norm() > 1, "  a reflection breaks them")
+end
 -- SL(2): elliptic, parabolic, hyperbolic
 local SL2 = dm.SL(2)
 for _, xi in ipairs { { 0, -3.1, 3.1 }, { 0, 1, 0 }, { 1e-9, 1, -1e-12 }, { 3, 1, 2 }, { 0.2, 0.5, -0.08 } } do

@@ -36,11 +36,11 @@ function M.vee(m, n)
   return out
 end
 
---- R^T R - 1 above and on the diagonal.
-function M.bonds(R, n)
+-- R^T R - 1 above and on the diagonal, of the first m columns
+local function orthonormal(R, n, m)
   local out = {}
-  for i = 1, n do
-    for j = i, n do
+  for i = 1, m do
+    for j = i, m do
       local sum = i == j and -1 or 0
       for k = 1, n do sum = sum + R[k][i] * R[k][j] end
       out[#out + 1] = sum
@@ -49,10 +49,51 @@ function M.bonds(R, n)
   return out
 end
 
+-- determinants of the first k columns in all choices of k rows, from those of one column less: sets of rows as bits
+local function more_minors(minors, R, n, k)
+  local out = {}
+  for set = 0, 1 << n + 1 do
+    local minor, after = minors[set], 0  -- rows of the set below the new one
+    for r = minor and n or 0, 1, -1 do
+      local bit = 1 << r
+      if set & bit ~= 0 then
+        after = after + 1
+      else
+        local term = R[r][k] * minor
+        if after % 2 == 1 then term = -term end
+        out[set | bit] = out[set | bit] and out[set | bit] + term or term
+      end
+    end
+  end
+  return out
+end
+
+-- the vector across the first n - 1 columns, which is the last one of a rotation
+local function across(R, n)
+  local minors, all, out = { [0] = 1 }, (1 << n + 1) - 2, {}
+  for k = 1, n - 1 do minors = more_minors(minors, R, n, k) end
+  for r = 1, n do
+    local minor = minors[all ~ (1 << r)]
+    out[r] = (n - r) % 2 == 0 and minor or -minor
+  end
+  return out
+end
+
+local LARGEST_MINORS = 8  -- 2^n determinants
+
+--- The n(n + 1)/2 equations of a rotation: orthonormal columns, the last of which is across the others, so that the determinant is
+-- not -1; above n = 8, where that is long, orthonormal columns alone.
+function M.bonds(R, n)
+  if n > LARGEST_MINORS then return orthonormal(R, n, n) end
+  local out, w = orthonormal(R, n, n - 1), across(R, n)
+  for r = 1, n do out[#out + 1] = R[r][n] - w[r] end
+  return out
+end
+
 --- How far R is from a rotation.
 function M.defect(R, n)
   local worst = 0
-  for _, x in ipairs(M.bonds(R, n)) do
+  for _, x in ipairs(orthonormal(R, n, n)) do
     if not (math.abs(x) <= worst) then worst = math.abs(x) end
   end
   if worst < 0.5 and linear.fill(n, n, function(i, j) return R[i][j] end):det() < 0 then return 2, "its determinant is -1" end
