@@ -263,6 +263,22 @@ for _, row in ipairs { { dm.SE(2), 2 }, { dm.SE(3), 3 }, { dm.SL(2), 2 }, { dm.S
   ok((J - K):norm() < 1e-14, ("momentum of %s on R^%d"):format(tostring(G), n), (J - K):norm())
 end
 
+---- a free rigid body in exponential coordinates: body rates are the left-trivialized differential of exp ----
+
+local inertia = dm.matrix { { 1, 0, 0 }, { 0, 2, 0 }, { 0, 0, 2.5 } }
+local body = dm.system { Q = dm.R(3), L = function(q, v)
+  local rate = SO3:dexp(-q, v)
+  return (inertia * rate):dot(rate) / 2
+end }
+local tumble = body:solver { rule = "gauss(4)", h = 0.05 }:run { q = { 0, 0, 0 }, v = { 0.2, 1, 0.1 }, steps = 40, every = 1 }
+local start, most = inertia * dm.vector { 0.2, 1, 0.1 }, 0
+local rates = tumble:velocity()
+for i = 1, #tumble do
+  local q = tumble.q[i]
+  most = max(most, (SO3:exp(q) * (inertia * SO3:dexp(-q, rates[i])) - start):norm())
+end
+ok(most < 1e-9, "a rigid body in exponential coordinates, from q = 0 on, keeps its momentum in space", most)
+
 ---- a system on the sphere ----
 
 local pendulum = dm.system { Q = dm.S(2), L = function(q, v) return v:dot(v) / 2 - 9.81 * q[3] end }
@@ -299,6 +315,9 @@ raises("(got 2 x 2)", function() return SO3:log { { 1, 0 }, { 0, 1 } } end)
 raises("no real logarithm", function() return SL2:log { { -2, 0 }, { 0, -0.5 } } end)
 raises("no principal logarithm", function() return dm.GL(3):log { { -1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } end)
 raises("-1 is one of its eigenvalues", function() return SO3:cayleyinv(SO3:exp { pi, 0, 0 }) end)
+raises("does not reach", function() return dm.SO(2):cayleyinv(pi) end)
+raises("multiple of 2 pi", function() return SO3:dexpinv({ 0, 2 * pi, 0 }, { 1, 0, 0 }) end)
+raises("multiple of 2 pi", function() return SE3:dexpinv({ 1, 2, 3, 0, 2 * pi, 0 }, { 1, 0, 0, 1, 0, 0 }) end)
 raises("has no 'cayley'", function() return dm.SL(3):cayley(dm.zeros(8)) end)
 raises("nearest rotation", function() return SO3:project { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } } end)
 raises("multiple of 2", function() return dm.Sp(3) end)

@@ -89,7 +89,11 @@ function M.half_cotangent(t)
   return choose(far, function()
     local safe = guarded(far, t)
     local x = 0.5 * sqrt(safe)
-    return (1 - x * cos(x) / sin(x)) / safe
+    local s = sin(x)
+    if type(s) == "number" and math.abs(s) < 1e-13 * x then
+      error("the differential of exp has no inverse here: the algebra element is a rotation by a multiple of 2 pi", 0)
+    end
+    return (1 - x * cos(x) / s) / safe
   end, function() return horner(bernoulli, t) end)
 end
 
