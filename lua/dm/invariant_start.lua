@@ -94,8 +94,11 @@ end
 
 -- values that every form begins with: the window at its frame
 local function begin(p, window, g)
-  local x = {}
-  for i = 1, p.d + p.constraints do x[i] = 0 end
+  local x, n = {}, #window
+  for i = 1, p.d + p.constraints do
+    -- on the parabola of the last three: on a line frames and slopes may be singular
+    x[i] = n > 2 and i <= p.d and window[n][i] - 2 * window[n - 1][i] + window[n - 2][i] or 0
+  end
   local named = {}
   for i = 1, #p.names do named[i] = 0 end
   return { U = windows.numbers(window), g = linear.entries(p.group:flat(g)), x1 = x, x2 = x, I = named,

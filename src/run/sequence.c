@@ -4,12 +4,15 @@
 #include <string.h>
 
 enum { BURST = 64 }; /* steps between looks at the stop flag */
+static const double LEFT =
+    1e-6; /* of the terms at the start: a residual above is no root's */
 
 /* in: y, x; out: R, dR/dx; beyond: y' and the conditions */
 typedef struct {
     const dm_sequence *r;
     double *in, *residual, *out, *after, *conditions, *scale, *newton;
-    double size; /* of the terms of R, as |dR/dx| |x| tells */
+    double size;  /* of the terms of R, as |dR/dx| |x| tells */
+    double first; /* that size where the search began, |R| included; < 0: not known yet */
 } stage;
 
 static size_t outputs(const dm_sequence *r) {
@@ -55,6 +58,12 @@ static double size_of_terms(const double *J, const double *x, const double *scal
     return largest;
 }
 
+static double largest_of(const double *x, uint32_t m) {
+    double largest = 0.0;
+    for (uint32_t i = 0; i < m; i++) largest = fmax(largest, fabs(x[i]));
+    return largest;
+}
+
 static dm_status residual(void *ctx, double *r, double *J, const double *x) {
     stage *s = ctx;
     const uint32_t m = s->r->m;
@@ -64,6 +73,7 @@ static dm_status residual(void *ctx, double *r, double *J, const double *x) {
     if (!J) return DM_OK;
     memcpy(J, s->out + m, (size_t)m * m * sizeof *J);
     s->size = size_of_terms(J, x, s->scale, m);
+    if (s->first < 0.0) s->first = s->size + largest_of(r, m);
     return DM_OK;
 }
 
@@ -89,8 +99,10 @@ static dm_status step(stage *s, const dm_newton_problem *problem, double *x,
     dm_kernel_eval(&r->start, s->in, x);
     if (r->scale.outputs) dm_kernel_eval(&r->scale, s->in, s->scale);
     if (!finite(x, r->m)) return DM_NOT_FINITE;
+    s->first = -1.0;
     const dm_status status = dm_newton(x, problem, s->newton, &report->newton);
     if (status != DM_OK) return status;
+    if (report->newton.residual > LEFT * s->first) return DM_NO_CONVERGENCE;
     memcpy(s->in + r->n, x, r->m * sizeof *x);
     report->outside = first_broken(s);
     if (report->outside) return DM_NO_CONVERGENCE;
