@@ -151,6 +151,15 @@ local function check_options(o)
   end
 end
 
+-- every number of a point must be free to vary
+local function check_space(p)
+  local kit = require "dm.group".kit(p.action.on)
+  if kit.bonds and #linear.entries(kit.bonds(linear.sample(p.frame, 1)[1])) > 0 then
+    error(("dm.invariant_problem: the %d numbers of a point of %s are not independent: let the group act on dm.R(%d) and give the rest as a constraint, for a sphere function(I) return I[1]:dot(I[1]) - 1 end")
+      :format(p.d, tostring(p.action.on), p.d), 0)
+  end
+end
+
 M.invariant_problem = blame.caller(function(o)
   check_options(o)
   local frame = o.frame
@@ -162,6 +171,7 @@ M.invariant_problem = blame.caller(function(o)
   if not math.tointeger(p.N) or p.N < 2 or p.N > 12 or p.N < frame.k and p.N < p.k then
     error(("dm.invariant_problem: 'points' must be a whole number from %d to 12"):format(math.max(2, p.k)), 0)
   end
+  check_space(p)
   left_action(p)
   functions_of_windows(p, o)
   p.may_reduce = p.N - 1 >= p.k and (p.N - 1) * p.d >= p.r
@@ -187,8 +197,13 @@ end
 
 ---- solving ----
 
-local Curve = { __name = "dm.invariant_curve" }
+local Curve = { __name = "dm.invariant_curve", methods = {} }
 Curve.__index = Curve
+debug.getregistry()["dm.invariant_curve"] = Curve
+core.docs["dm.invariant_curve"] = [[
+dm.invariant_curve: a sequence of points, from problem:solve or problem:boundary
+fields: points (dm.matrix, a row each), invariants (vectors by name), multiplier, first_site, frame (the last group element), form; iterations, residual (of
+problem:boundary); #curve is the number of points.]]
 M.Curve = Curve
 function Curve.__tostring(c)
   return ("curve of %d points%s"):format(#c.points, c.form and (", by the form of " .. c.form) or "")

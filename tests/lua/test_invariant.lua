@@ -178,6 +178,18 @@ worst = 1
 for i = 1, #ring.points.re do worst = math.min(worst, abs(ring.points.re[i] - cos(2 * angle)) + abs(abs(ring.points.im[i]) - sin(2 * angle))) end
 ok(worst < 1e-10, "which turn by twice its angle", worst)
 
+-- a constraint on one point alone: great circles of the sphere, SO(3) on R^3, frame of a pair
+local turns = dm.moving_frame { action = dm.action { group = dm.SO(3), on = dm.R(3) }, points = 2,
+  cross_section = function(a, b) return { a[2], a[3], b[3] } end, branch = function(a, b) return { a[1], b[2] } end }
+local globe = dm.invariant_problem { frame = turns, points = 2, L = function(I) return (I[2] - I[1]):dot(I[2] - I[1]) / 2 end,
+  constraint = function(I) return I[1]:dot(I[1]) - 1 end }
+local way_round = globe:solve { points = { { 1, 0, 0 }, { cos(0.1), 0.6 * sin(0.1), 0.8 * sin(0.1) }, { cos(0.2), 0.6 * sin(0.2), 0.8 * sin(0.2) } }, n = 41 }
+near((way_round.points[41] - dm.vector { cos(4), 0.6 * sin(4), 0.8 * sin(4) }):norm(), 0, 1e-12, "free motion on the sphere is along a great circle, evenly")
+raises("are not independent", function()
+  return dm.invariant_problem { frame = dm.moving_frame { action = dm.action { group = dm.SO(3), on = dm.S(2) }, points = 2,
+    cross_section = function(a, b) return { a[2], a[3], b[3] } end, branch = function(a, b) return { a[1], b[2] } end }, points = 2, L = function(I) return I[2][1] end }
+end)
+
 ---- misuse ----
 raises("'frame' must be a moving frame", dm.invariant_problem, { frame = 3, L = print })
 raises("'L' must be a function", dm.invariant_problem, { frame = planar })
