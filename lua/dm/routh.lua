@@ -32,6 +32,14 @@ function M.untied(info, what)
   end
 end
 
+--- Raises where L depends on time.
+function M.steady(info, what)
+  if info.steady == nil then info.steady = info.full:structure().autonomous end
+  if not info.steady then
+    error(what .. ": L depends on the time, and this is for one that does not; shape:solver and reconstruction know the time", 0)
+  end
+end
+
 local KNOWN = { "cyclic", "action", "section", "dimension", "names", "at", "mu", "connection", "q", "v" }
 
 local function check_keys(options)

@@ -224,6 +224,7 @@ M.discrete = blame.caller(function(shape, given)
   routh.untied(info, "discrete")
   local full = info.ambient and info.ambient.system or info.full
   local Ld = given
+  if type(given) == "table" then routh.steady(info, "discrete") end
   if type(given) == "table" then Ld = core.discrete_lagrangian(info.full, { rule = given.rule, h = given.h }) end
   local fine, n = pcall(function() return Ld.Q.dimension, Ld.h end)
   if not fine or type(Ld) ~= "userdata" or n ~= full.Q.dimension then
@@ -233,6 +234,7 @@ M.discrete = blame.caller(function(shape, given)
   for key, value in pairs(info) do own[key] = value end
   if type(given) == "table" then own.ambient = nil end
   local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape, slopes = psi_of.slopes(Ld) }, class)
+  if type(given) ~= "table" then psi_of.check_invariance(D) end
   return D
 end)
 

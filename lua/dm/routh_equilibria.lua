@@ -35,6 +35,7 @@ local function need(shape, what, options, known)
   for key in pairs(options) do
     if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
   end
+  routh.steady(info, what)
   if info.full.given.constraint or info.full.given.force then
     error(what .. ": with constraints or forces balance is another equation; give coordinates without them", 0)
   end

@@ -96,8 +96,7 @@ local function is_suspect(path, info)
   for a = 1, info.m do pushed = max(pushed, abs(info.mu[a])) end
   if pushed == 0 then return false end  -- without momentum there is no wall
   if path.watched or #path < 2 or #path < path.steps + 1 or info.full.given.force then return false end
-  if info.steady == nil then info.steady = path.system:structure().autonomous end
-  if not info.steady then return false end
+  if not pcall(routh.steady, info, "energy") then return false end
   local fine, E = pcall(path.energy, path)
   if not fine then return false end
   local scale = abs(E[1])

@@ -113,6 +113,7 @@ M.rsprk = blame.caller(function(shape, options)
     error("shape:rsprk takes a table { rule = \"gauss(2)\", h = a step > 0 }", 0)
   end
   routh.untied(info, "rsprk")
+  routh.steady(info, "rsprk")
   local a, A, b = tableau.read(options)
   local k = ingredients(info, options.beta)
   local d, s = info.d, #b

@@ -68,6 +68,24 @@ local function ends(D, x0, x1, psi)
   return transposed_times(J0, p0, n), transposed_times(J1, p1, n), sandwich(J0, T, J1, n), Q0, Q1
 end
 
+--- Does a formula Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group? At the points at which L was looked at, which are in its domain.
+function M.check_invariance(D)
+  local info = D.info
+  for _, p in ipairs(info.points) do
+    local x, u, psi = model.split(info, p.q), model.split(info, p.v), {}
+    for a = 1, info.m do psi[a] = 0.2 + 0.1 * a end
+    local y = {}
+    for j = 1, info.d do y[j] = x[j] + math.min(D.h, 0.1) * u[j] end
+    local fine, p0, p1 = pcall(ends, D, x, y, psi)
+    for _, i in ipairs(fine and info.cyclic or {}) do
+      if abs(p0[i] - p1[i]) > 1e-8 * max(1, abs(p0[i])) then
+        error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, for x0 = %s, x1 = %s")
+          :format(info.names[i], p0[i], p1[i], tostring(core.vector(x)), tostring(core.vector(y))), 0)
+      end
+    end
+  end
+end
+
 ---- psi_mu ----
 
 local MOST = 60

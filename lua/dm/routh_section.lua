@@ -8,6 +8,8 @@ local M = {}
 
 local abs, max = math.abs, math.max
 
+local NOT_ABELIAN = { SO = true, SE = true, SL = true, GL = true, Sp = true, Heisenberg = true }
+
 -- the map of an action given as a function, or as a dm.action, and the dimension of its group
 local function read_action(options)
   local action = options.action
@@ -17,6 +19,11 @@ local function read_action(options)
     error("option 'action' must be a function of (theta, q) that gives the point to which theta moves q, or a dm.action", 0)
   end
   local group = action.group
+  local name = group and group.name
+  if NOT_ABELIAN[name] and not (name == "SO" and group.n == 2) then
+    error(("option 'action': %s is not abelian, and Routh reduction is for abelian groups: give the action of a subgroup, such as the turns about "
+      .. "one axis"):format(tostring(group)), 0)
+  end
   if not action.act then return function(theta, q) return map(theta, q) end, options.dimension or group and group.dimension or 1 end
   -- elements are lists or vectors for some groups; exp makes them of angles
   return function(theta, q) return action:act(group:exp(theta), q) end, options.dimension or group.dimension

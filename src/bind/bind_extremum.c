@@ -5,6 +5,7 @@
 #include "bind/state.h"
 #include "bind/trace.h"
 #include "expr/extremum.h"
+#include "expr/sum.h"
 
 #include <math.h>
 
@@ -119,11 +120,11 @@ static int are_inputs(lua_State *L, int arg, const dml_frame *frame, uint32_t fi
     return 1;
 }
 
-/* is this the Lagrangian of a system, at its own q and v? */
+/* is this the Lagrangian of a system, at its own q and v? With sums that stay loops it is left as it is. */
 static int fits(lua_State *L, const dml_frame *frame) {
     const uint32_t n = frame ? (dm_graph_inputs(frame->graph) - 1) / 2 : 0;
-    return frame && frame->keeps_sums && are_inputs(L, 4, frame, 0, n) &&
-           are_inputs(L, 5, frame, n, n);
+    return frame && frame->keeps_sums && !dm_sums(frame->graph) &&
+           are_inputs(L, 4, frame, 0, n) && are_inputs(L, 5, frame, n, n);
 }
 
 static int extremum(lua_State *L) {

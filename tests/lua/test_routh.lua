@@ -176,6 +176,22 @@ raises("reduced at mu = 0.96", function() kept:start({ 0, 1, 0 }, { 0.9, 0, 0 })
 raises("steps a reduced system", function() satellite:solver { rule = "rsprk(gauss(2))", h = 0.1 } end)
 raises("known rules", function() kept:solver { rule = "rsprk(gaus(2))", h = 0.1 } end)
 raises("abelian", function() cartesian:routh { action = function(t, p) return { p[1] * (1 + t), p[2], p[3] } end, at = { 1, 0, 0 }, mu = 1 } end)
+raises("not abelian", function()
+  local act = dm.action { group = dm.SO(3), on = dm.R(3), map = function(R, p) return R * p end }
+  dm.system { Q = dm.R(3), L = function(p, w) return w:dot(w) / 2 - p:norm() end }:routh { action = act, mu = 1 }
+end)
+local driven = dm.system { Q = dm.R(2), L = function(p, w, t) return (1 + p[2] ^ 2 + 0.3 * sin(t)) * w[1] ^ 2 / 2 + w[2] ^ 2 / 2 - p[2] ^ 2 * (1 + 0.2 * cos(t)) + 0.4 * t * w[1] * p[2] end }
+local pushed = driven:routh { mu = (2 + 0.3 * sin(0.5)) * 0.3 + 0.4 * 0.5 }
+local above = driven:solver({ rule = "gauss(2)", h = 0.05 }):run { q = { 0, 1 }, v = { 0.3, 0.2 }, steps = 50, t0 = 0.5 }
+local beneath = pushed:solver({ rule = "gauss(2)", h = 0.05 }):run { q = { 1 }, v = { 0.2 }, steps = 50, t0 = 0.5 }
+ok(models.apart(above, beneath:reconstruct()) < 1e-14, "L that depends on time", models.apart(above, beneath:reconstruct()))
+raises("depends on the time", function() pushed:rsprk { rule = "gauss(1)", h = 0.1 } end)
+local many = dm.system { Q = dm.R(21), L = function(p, w)  -- a sum that stays a loop
+  local x, u = {}, {}
+  for i = 1, 20 do x[i], u[i] = p[i + 1], w[i + 1] end
+  return dm.sum_over(dm.vector(x), dm.vector(u), function(a, b) return b ^ 2 / 2 - a ^ 2 / 2 - a ^ 4 / 8 end) + w[1] ^ 2 / 2 * (1 + p[2] ^ 2)
+end }
+near(many:routh({ cyclic = { 1 }, mu = 0.5 }):amended_potential(dm.vector { 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }), 0.625 + 0.0625, 1e-15, "sums over bodies")
 raises("singular", function()
   dm.system { Q = dm.R(2), L = function(_, w) return w[2] ^ 2 / 2 end }:routh { cyclic = { 1 }, mu = 1 }
 end)

@@ -263,6 +263,9 @@ raises("gauss(s) or lobatto(s)", function() shape:rsprk { rule = "rk4", h = 0.1 
 raises("point of the shape space", function() E:psi({ 1 }, { 2 }) end)
 raises("literal", function() E:residual(z0, z1, z1, "other") end)
 raises("reduced system", function() pendulum:discrete { rule = "gauss(2)", h = 0.1 } end)
+raises("this Ld is not invariant", function()
+  kept:discrete(dm.discrete_lagrangian { Q = dm.R(3), h = 0.1, Ld = function(p0, p1) return (p1 - p0):dot(p1 - p0) / 0.2 - sin(p0[1]) * p0[2] end })
+end)
 raises("shape:discrete takes", function() shape:discrete(3) end)
 raises("no psi_mu", function()  -- a free rotor in Cartesian coordinates: r0 r1 sin psi = mu h has no root
   local rotor = dm.system { Q = dm.R(3), L = function(_, v) return v:dot(v) / 2 end }
