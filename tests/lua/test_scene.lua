@@ -219,4 +219,19 @@ raises("the start is missing", dm.scene, { stiff(1), watch = "theta", tolerance 
 raises("must be a dm.system", dm.scene, { 1, watch = "theta", tolerance = 1, until_t = 1 })
 raises("profile", spring, 1e4, { profile = "/nowhere/at all" })
 
+-- a long run whose coarse steps fail again and again before one holds
+do
+  local sqrt, sin, cos = math.sqrt, math.sin, math.cos
+  local double = dm.system { Q = dm.R(4), coordinates = { "theta", "r1", "r2", "phi" }, L = function(q, v)
+    local r1, r2, c, s = q[2], q[3], cos(q[4]), sin(q[4])
+    local z1, z2, radial, around = -sqrt(1 - r1 ^ 2), -sqrt(0.5625 - r2 ^ 2), v[3], r2 * (v[1] + v[4])
+    local a = dm.vector { v[2], r1 * v[1], -r1 * v[2] / z1 }
+    local b = a + dm.vector { c * radial - s * around, s * radial + c * around, -r2 * v[3] / z2 }
+    return a:dot(a) + 0.75 * b:dot(b) - 19.6 * z1 - 14.7 * (z1 + z2)
+  end }
+  local far = dm.scene { double, q = { 0, 0.6, 0.45, 0.64 }, v = { 3.5, 0, 0, 0 }, watch = { "r1", "r2", "phi" }, tolerance = 1e-4,
+    until_t = 100, rules = { "gauss(4)", "rk8" } }
+  tap.ok(far:run().error_estimate <= 1e-4, "where only fine steps get through, more of them are tried")
+end
+
 tap.done()

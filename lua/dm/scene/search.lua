@@ -119,18 +119,20 @@ local function shrink(search, model, row, enough, err)
   return enough, err
 end
 
-local STUCK = 3  -- times that more steps did not help, in a row
+local STUCK = 3   -- times that more steps did not help, in a row
+local FAILING = 12  -- times that a run with twice the steps still failed, in a row: coarse steps of long runs fail for a while
 
 -- more steps until it is enough; nil where nothing comes of it
 local function grow(search, model, row, N)
-  local err, why, last, stuck = huge, nil, huge, 0
+  local err, why, last, stuck, failing = huge, nil, huge, 0, 0
   local until_ = core.cpu() + search.seconds / 5
   while core.cpu() < until_ do
     err, why = error_of(search, model, row.rule, N)
     if err <= TARGET then return N, err end
     if why and pilot.is_refusal(why) then return nil, err, why, N end
-    stuck = not (err < 0.5 * last) and stuck + 1 or 0
-    if stuck > STUCK then break end
+    failing = err == huge and failing + 1 or 0
+    stuck = err < huge and not (err < 0.5 * last) and stuck + 1 or 0
+    if stuck > STUCK or failing > FAILING then break end
     last = err
     local more = err < huge and (err / TARGET) ^ (1 / row.order) * 1.05 or 2
     N = ceil(N * min(12, max(1.1, more)))
