@@ -121,6 +121,26 @@ dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 end }:solver { r
   :animate(html)
 if node then ok(watch(html, 1).text:find "drawn yes", "a point at rest on a line is a picture") end
 
+-- paths that no single run made: reduced and reconstructed ones, members of an ensemble, columns put together, what was only watched
+do
+  local turning = dm.system { Q = dm.R(2), coordinates = { "theta", "r" },
+    L = function(q, v) return (v[2] ^ 2 + q[2] ^ 2 * v[1] ^ 2) / 2 + 1 / q[2] end }
+  local reduced = turning:routh { cyclic = { "theta" }, mu = 1 }:solver { rule = "gauss(2)", h = 0.1 }:run { q = { 1.2 }, v = { 0 }, steps = 50 }
+  local full = reduced:reconstruct()
+  full:animate(html, { draw = function(q) return { { q[2] * cos(q[1]), q[2] * sin(q[1]) } } end })
+  ok(not node or off(watch(html, 3).rows[1], full.q[31][2] * cos(full.q[31][1]), full.q[31][2] * sin(full.q[31][1])) < 1e-6, "a reconstructed path")
+  reduced:animate(html)
+  ok(not node or off(watch(html, 3).rows[1], reduced.q[31][1], 0) < 1e-6, "the reduced one: a point on a line")
+  local many = kepler:solver { rule = "verlet", h = 0.1 }:ensemble { members = 3, q = function(i) return { 0.3 + 0.1 * i, 0 } end,
+    v = function() return { 0, 1.8 } end, steps = 40, every = 1 }
+  dm.animate({ many:path(1), many:path(3) }, html, { names = { "near", "far" } })
+  ok(not node or off(watch(html, 2).rows[2], many:path(3).q[21][1], many:path(3).q[21][2]) < 1e-6, "members of an ensemble")
+  local seen = kepler:solver { rule = "verlet", h = 0.1 }:run { q = { 0.4, 0 }, v = { 0, 2 }, steps = 30,
+    watch = { r = function(q) return q:norm() end, angle = function(q, v) return q:dot(v) end } }
+  seen:animate(html)
+  ok(not node or watch(html, 1).text:find "drawn yes", "two numbers that were watched, in their plane")
+end
+
 ---- in a browser ----
 
 local browser = has "chromium" and "chromium --headless --no-sandbox --disable-gpu" or nil
