@@ -42,12 +42,13 @@ end
 
 local function finite(x) return type(x) == "number" and x == x and x > -math.huge and x < math.huge end
 
-local function check_rules(rules)
+local function check_rules(rules, system)
   if rules == nil then return end
   if type(rules) ~= "table" or #rules == 0 then fail("option 'rules' must be a list of rules") end
   for _, rule in ipairs(rules) do
     if type(rule) ~= "string" then fail("option 'rules' must hold rules as texts, such as \"gauss(4)\" (got %s)", type(rule)) end
     if rule:find "^log%-hamiltonian" then fail("option 'rules': '%s' has a time of its own, so that a scene cannot choose its step", rule) end
+    system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
   end
 end
 
@@ -64,7 +65,7 @@ local function check_options(options)
   end
   local seconds = options.seconds
   if seconds and not (finite(seconds) and seconds > 0) then fail("option 'seconds' must be a number > 0 (got %s)", tostring(seconds)) end
-  check_rules(options.rules)
+  check_rules(options.rules, system)
   return system
 end
 
@@ -233,10 +234,17 @@ local ROWS = { at = true, every = true, file = true }
 
 -- which rows: as asked for; of a picture those that lines need; else one in so many steps
 local function rows_of(scene, options)
+  if type(options) ~= "table" then fail("scene:run takes a table { at =, every =, file = } or nothing (got %s)", type(options)) end
   for key in pairs(options) do
     if not ROWS[key] then fail("scene:run: unknown option '%s'; it takes at, every, file", tostring(key)) end
   end
-  if options.at then return options end
+  if options.at then
+    local last = options.at[#options.at]
+    if type(last) == "number" and last > scene.options.until_t then
+      fail("scene:run: option 'at': t = %g is after until_t = %g, up to which the tolerance is known", last, scene.options.until_t)
+    end
+    return options
+  end
   if scene.options.watch == "picture" and not options.every and scene.lines then
     return { at = rows.times(scene.problem, scene.lines), file = options.file }
   end
@@ -298,6 +306,7 @@ M.scene = blame.caller(function(options)
   for key, value in pairs(options) do given[key] = value end
   local wanted = given.tolerance
   given.tolerance = wanted or 1
+  if options.symmetry ~= nil then require "dm.scene.symmetry".check(options.symmetry) end
   local costs = read_profile(options.profile)
   local scene = setmetatable({ system = system, options = given, profile = costs,
     allowed = options.seconds or (costs.measures and SECONDS or WITHOUT_CLOCK) }, M)

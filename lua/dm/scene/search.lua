@@ -179,6 +179,7 @@ local function cheaper(search, model, rule, N, err)
   for _, factor in ipairs { 1.1, 1.25, 1.5, 2 } do
     local more = ceil(N * factor)
     local fine, ns = pcall(search.profile.cost, search.profile, model, rule, more)
+    if not fine then pilot.pass_stop(ns) end
     if fine and ns < 0.9 * least then least, best = ns, more end
   end
   if best == N then return N, err end

@@ -7,7 +7,8 @@ local M = {}
 
 local KNOWN = { action = true, section = true, dimension = true, names = true, at = true }
 
-local function check(symmetry)
+--- Is it a table with an action? Raises where not.
+function M.check(symmetry)
   if type(symmetry) ~= "table" or not symmetry.action then
     error("dm.scene: option 'symmetry' must be a table { action = f(theta, q), section = f(x) ... }, as for system:routh", 0)
   end
@@ -59,7 +60,6 @@ end
 --- The problem in (theta, x) and its model; what the group does not change does not need theta.
 function M.model(problem, options)
   local symmetry = options.symmetry
-  check(symmetry)
   local given = { q = problem.q, v = problem.v }
   for key, value in pairs(symmetry) do given[key] = value end
   local split, start, T = section.split(problem.system, given)
