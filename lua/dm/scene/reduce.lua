@@ -107,10 +107,14 @@ local function early(search, model, rule, N)
   if err > 3 and pilot.apart(model.problem, coarse, fine) < 0.2 * err then return err, times[count] end
 end
 
+-- Steps from which a model is refined, although they may step over fast oscillations: what follows from it is compared with the
+-- reference once more before it is chosen.
+local COARSE = 512
+
 --- The error that a model makes however small the step is, in tolerances, and words where that says less.
 function M.measure(search, model)
   local problem, why = model.problem, nil
-  local N0 = pilot.first_N(model)
+  local N0 = math.min(pilot.first_N(model), COARSE)
   local how = { from = N0, goal = 0.05, times = search.times, seconds = search.seconds / 8 }
   for _, rule in ipairs(ROADS) do
     local err, t = early(search, model, rule, N0)
