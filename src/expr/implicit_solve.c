@@ -135,6 +135,7 @@ typedef struct {
     double step, next, size; /* |dy|, the next one, the largest and |y| */
     double first;            /* |F| at the start */
     int inside;              /* stay where the branch condition holds */
+    int blocked;             /* by that, lately */
     int quick;
     int slow; /* iterations that halved the step at best, since quick ones */
 } path;
@@ -152,7 +153,9 @@ static double exact(const path *p, uint32_t r) {
 ** and its matrix are in s */
 static int is_nearer(dm_root_solver *s, path *p, double part) {
     move(s->trial, p->y, s->dy, part, s->r);
-    if (!evaluate(s, s->trial) || (p->inside && !(branch(s) > 0.0))) return 0;
+    if (!evaluate(s, s->trial)) return 0;
+    p->blocked = p->inside && !(branch(s) > 0.0);
+    if (p->blocked) return 0;
     if (!invert(s, s->other)) return 0;
     p->next = increment(s, s->next, s->other);
     if (p->next <= 0.5 * p->step) return 1;
@@ -206,13 +209,13 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
         const double part = search(s, p), before = p->step;
         if (part == 0.0) {
             evaluate(s, p->y);
-            if (before > NEAR * p->size) return DM_ROOT_NONE;
+            if (before > NEAR * p->size || p->blocked) return DM_ROOT_NONE;
             return p->slow < SLOW ? DM_ROOT_FOUND : DM_ROOT_SINGULAR; /* F is noise */
         }
         take_step(s, p);
         p->quick = p->step < QUICK * before ? p->quick + 1 : 0;
         if (p->quick == 2) p->slow = 0; /* one may be F that rounds to zero */
-        if (p->step > 0.3 * before && part == 1.0) p->slow++;
+        if (p->step > 0.3 * before) p->slow++;
     }
     return p->slow < SLOW ? DM_ROOT_NONE : rankless(s, p);
 }
