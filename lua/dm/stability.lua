@@ -336,7 +336,8 @@ M.stability = blame.caller(function(options)
   if not stopped and options.refine ~= false then stopped = refine(map) end
   map.seconds = core.clock() - start
   if stopped then
-    stopped.map = map
+    stopped.map, stopped.path = map, map
+    stopped.message = "dm.stability: stopped on request; what is there is in the failure's field map"
     error(stopped, 0)
   end
   return map

@@ -76,6 +76,10 @@ near(m.largest, math.exp(3 * T), 1e-9 * math.exp(3 * T), "the upper equilibrium:
 local circle = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
 m = circle:solver({ rule = "gauss(6)", h = 2 * pi / 64 }):multipliers { q = { 1, 0 }, v = { 0, 1 }, steps = 64 }
 ok(m.stable and m.closes < 1e-12, "a circular orbit has multipliers 1", m.why)
+m = polar:solver({ rule = "gauss(4)", h = 0.1 }):multipliers { q = { 1, 0 }, v = { 0, 1 }, steps = 1 }
+local turn = 0
+for k = 1, 4 do turn = math.max(turn, m.im[k]) end
+near(turn, sin(0.1), 1e-9, "one step of a relative equilibrium: the radius turns by h"); ok(m.stable and m.why:find "up to a symmetry", "and nothing grows", m.why)
 
 -- recurrences
 local r, i = dm.polynomial_roots { -6, 11, -6, 1 }

@@ -134,4 +134,19 @@ do
   end
 end
 
+-- the same map on every road
+local dmlua = os.getenv "DMLUA" or arg[-1]
+local script = [[
+  local henon = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - (q:dot(q) / 2 + q[1] ^ 2 * q[2] - q[2] ^ 3 / 3) end }
+  local m = henon:stability { rules = { "verlet", "gauss(2)" }, h = { 0.1, 3, 5, "log" }, y = { -0.3, 0.5, 3, "linear" },
+    q = function(y) return { 0, y } end, v = { 0.3, 0 }, steps = 200, threads = tonumber(os.getenv "THREADS") }
+  io.write(m:csv(), m:limit(1), m:limit(6))]]
+local function under(environment)
+  local pipe = io.popen(("%s %s -e '%s' 2>&1"):format(environment, dmlua, script))
+  local text = pipe:read "a"
+  pipe:close()
+  return text
+end
+local plain = under "THREADS=1"
+ok(#plain > 1000 and plain == under "THREADS=3 DMLUA_LANES=0" and plain == under "THREADS=2 DMLUA_BACKEND=tape", "threads, lanes and backends change no digit of a map", plain:sub(1, 200))
 tap.done()
