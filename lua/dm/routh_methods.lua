@@ -33,6 +33,10 @@ shape:curvature(x [, t] [, a]) -> dm.matrix, dim shape x dim shape
 The magnetic form at momentum mu, beta_ij = d_i B_j - d_j B_i of B = mu A (the exact derivative of the connection); with a, a
 number from 1 to dim G, the curvature of component a alone, without mu.]])
 
+add("dm.system", "symplectic_form", "dm.routh_shape", [[
+shape:symplectic_form(x [, t]) -> dm.matrix, 2 dim shape x 2 dim shape
+The reduced form dx ^ ds - beta on (x, s), s = p - mu A(x): rows (-beta, 1), (-1, 0). RSPRK keeps it; that of pairs of shapes is D:two_form.]])
+
 add("dm.system", "locked_inertia", "dm.routh_shape", [[
 shape:locked_inertia(x [, t]) -> dm.matrix, dim G x dim G
 d2L/dtheta'2 at the shape x: the inertia of the system moved by the group as a rigid body.]])

@@ -75,6 +75,19 @@ M.curvature = blame.caller(function(shape, x, t, a)
   return core.matrix(out)
 end)
 
+M.symplectic_form = blame.caller(function(shape, x, t)
+  local info = routh.need(shape, "symplectic_form")
+  local beta, d, out = M.curvature(shape, x, t), info.d, {}
+  for i = 1, d do
+    out[i], out[d + i] = {}, {}
+    for k = 1, d do
+      out[i][k], out[i][d + k] = -beta[i][k], i == k and 1 or 0
+      out[d + i][k], out[d + i][d + k] = i == k and -1 or 0, 0
+    end
+  end
+  return core.matrix(out)
+end)
+
 M.locked_inertia = blame.caller(function(shape, x, t)
   local info = routh.need(shape, "locked_inertia")
   x, t = place(info, "locked_inertia", x, t)

@@ -119,15 +119,12 @@ local function transpose(A)
   end
   return out
 end
--- dx ^ ds - beta at x
+-- dx ^ ds - beta at x, or without beta
 local function reduced_form(s, x, d, with)
-  local beta, out = s:curvature(x), {}
-  for i = 1, d do
-    out[i], out[d + i] = {}, {}
-    for k = 1, d do
-      out[i][k], out[i][d + k] = with and -beta[i][k] or 0, i == k and 1 or 0
-      out[d + i][k], out[d + i][d + k] = i == k and -1 or 0, 0
-    end
+  local form, out = s:symplectic_form(x), {}
+  for i = 1, 2 * d do
+    out[i] = {}
+    for k = 1, 2 * d do out[i][k] = (with or i > d or k > d) and form[i][k] or 0 end
   end
   return out
 end
