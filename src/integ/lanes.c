@@ -16,10 +16,15 @@ int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size) {
     const uint32_t lanes = dm_jit_lanes();
     if (lanes < 4) return 0;
     *x = (dm_lanes){.lanes = lanes, .groups = choose_groups(size, lanes)};
-    const size_t each = dm_state_size(m->n) * lanes * sizeof *x->state;
-    x->state = dm_arena_take(m->source.arena, x->groups * each);
+    const size_t one = dm_state_size(m->n), members = (size_t)lanes * x->groups;
+    const size_t all = members * one;
+    x->state = dm_arena_take(m->source.arena,
+                             (2 * all + one + members * m->params) * sizeof *x->state);
     if (!x->state) return 0;
-    memset(x->state, 0, x->groups * each);
+    x->kept = x->state + all;
+    x->alone = x->kept + all;
+    x->params = x->alone + one;
+    memset(x->state, 0, all * sizeof *x->state);
     return 1;
 }
 

@@ -8,7 +8,7 @@ enum { DM_LANES_GROUPS = 8 };
 
 /*
 ** Choose lanes, and the number of groups for `size` carried numbers a member, and take x->state. 0: there are
-** no lanes, or no memory.
+** no lanes, or no memory. A method that leaves its loops to the model leaves *x too.
 */
 int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size);
 

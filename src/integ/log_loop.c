@@ -2,6 +2,7 @@
 
 #include "expr/compact.h"
 #include "expr/derive.h"
+#include "expr/jit.h"
 #include "integ/fused.h"
 #include "integ/kept.h"
 
@@ -15,6 +16,7 @@ struct dm_log_loop {
     dm_loop_part part[DM_LOOP_PARTS];
     dm_loop one, many; /* for one member, for lanes; what is carried is the state */
     double *spread;    /* lanes: coefficients */
+    dm_lanes lanes;
 };
 
 /* ---- parts of the loop: head: drift; body: kick, drift; tail: a look at the well ---- */
@@ -154,12 +156,16 @@ dm_log_loop *dm_log_loop_open(const dm_model *m) {
 }
 
 int dm_log_loop_widen(dm_log_loop *l, const dm_model *m, dm_lanes *x) {
+    if (l->spread && l->lanes.lanes == dm_jit_lanes()) return *x = l->lanes, 1;
+    l->spread = NULL;
     if (!l->one.native || !dm_lanes_open(x, m, 4 * m->n + DM_STATE_OWN)) return 0;
+    if (!build(&l->many, m, l, x->lanes)) return 0;
+    x->together = l->many.together;
+    if (x->groups % x->together != 0) return 0;
+    l->lanes = *x;
     l->spread = dm_arena_take(m->source.arena,
                               DM_LOG_LOOP_WORK * (size_t)x->lanes * sizeof *l->spread);
-    if (!l->spread || !build(&l->many, m, l, x->lanes)) return 0;
-    x->together = l->many.together;
-    return x->groups % x->together == 0;
+    return l->spread != NULL;
 }
 
 /* ---- running ---- */

@@ -26,7 +26,8 @@ typedef struct {
     uint32_t lanes, groups;
     uint32_t together;    /* groups is a multiple of it; 0 is 1 */
     double *state;        /* [groups][dm_state_size][lanes] */
-    const double *params; /* [groups x lanes][params of the model], by member */
+    double *params;       /* [groups x lanes][params of the model], by member */
+    double *kept, *alone; /* room for all states once more, for one */
 } dm_lanes;
 
 enum {

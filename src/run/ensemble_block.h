@@ -10,13 +10,10 @@ typedef struct {
     dm_lanes lanes;     /* as many groups as the members in hand need */
     uint32_t most;      /* groups */
     long burst;         /* steps between looks at the stop flag, from block to block */
-    double *params;     /* of the lanes, where the model has some */
-    double *kept;       /* the states of the lanes when a burst began */
-    double *alone;      /* one state */
     dm_observer *watch; /* what rows hold; NULL: q, p */
 } dm_block;
 
-/* Memory and kernels for an opened stepper, in the arena of its model. 0: members go one by one. */
+/* Kernels for an opened stepper, in the arena of its model. 0: members go one by one. */
 int dm_block_open(dm_block *b, dm_stepper *s);
 
 /* Members first .. first + count - 1, at most lanes x most, to the end, to their failures or to the stop flag. */

@@ -37,7 +37,7 @@ static dm_member *member_of(const block *x, long i) {
 static void put_params(const block *x, long i, uint32_t to) {
     const uint32_t many = x->b->stepper->model->params;
     if (many)
-        memcpy(x->b->params + (size_t)to * many,
+        memcpy(x->b->lanes.params + (size_t)to * many,
                x->e->params + (size_t)(x->first + i) * many, many * sizeof(double));
 }
 
@@ -55,10 +55,10 @@ static void pad(block *x) {
     long whole = 0;
     while (whole < x->count && member_of(x, whole)->status != DM_OK) whole++;
     if (whole == x->count) return;
-    dm_lanes_get(&x->b->lanes, n, (uint32_t)whole, x->b->alone);
+    dm_lanes_get(&x->b->lanes, n, (uint32_t)whole, x->b->lanes.alone);
     for (uint32_t i = 0; i < all; i++)
         if (i >= x->count || member_of(x, i)->status != DM_OK) {
-            dm_lanes_put(&x->b->lanes, n, i, x->b->alone);
+            dm_lanes_put(&x->b->lanes, n, i, x->b->lanes.alone);
             put_params(x, whole, i);
         }
 }
@@ -91,8 +91,8 @@ static void keep_rows(block *x) {
     if (!x->e->rows || x->done % x->e->rows->every != 0) return;
     for (long i = 0; i < x->count; i++) {
         if (member_of(x, i)->status != DM_OK) continue;
-        dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->alone);
-        keep_row(x, i, x->b->alone, x->done);
+        dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
+        keep_row(x, i, x->b->lanes.alone, x->done);
     }
     if (x->alive < before) pad(x);
 }
@@ -137,7 +137,7 @@ static void repeat_alone(block *x, long i, double t, long count) {
     double *state = state_of(x, i);
     long done = 0;
     choose_params(x, i);
-    kept.state = x->b->kept;
+    kept.state = x->b->lanes.kept;
     dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
     m->status = dm_advance(s, state, t, count, &done);
     m->steps = x->done + done;
@@ -155,7 +155,7 @@ static void advance(block *x, long count) {
     const size_t all = (size_t)lanes->groups * lanes->lanes;
     const double t = x->e->t0 + (double)x->done * s->h;
     const long before = x->alive;
-    memcpy(x->b->kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
+    memcpy(x->b->lanes.kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
     s->method->advance_lanes(s, lanes, t, count);
     for (long i = 0; i < x->count; i++)
         if (member_of(x, i)->status == DM_OK &&
@@ -207,14 +207,6 @@ void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
 int dm_block_open(dm_block *b, dm_stepper *s) {
     *b = (dm_block){.stepper = s, .burst = FIRST};
     if (!s->method->widen || !s->method->widen(s, &b->lanes)) return 0;
-    const size_t size = dm_state_size(s->model->n);
-    const size_t all = size * b->lanes.lanes * b->lanes.groups;
-    const size_t params = (size_t)s->model->params * b->lanes.lanes * b->lanes.groups;
-    b->kept =
-        dm_arena_take(s->model->source.arena, (all + size + params) * sizeof(double));
-    b->alone = b->kept + all;
-    b->params = b->alone + size;
-    b->lanes.params = b->params;
     b->most = b->lanes.groups;
-    return b->kept != NULL;
+    return 1;
 }

@@ -16,7 +16,7 @@ typedef struct {
     dm_kernel tangent;  /* -> R[m], dR/dx[m*m] */
     dm_kernel next;     /* -> y'[n] */
     dm_kernel start;    /* y alone -> x[m], where Newton's method begins */
-    dm_kernel scale; /* y alone -> sizes[m] of what x is added to; outputs = 0: none */
+    dm_kernel scale;    /* y alone -> sizes[m] of what x is added to; outputs = 0: none */
     dm_kernel
         inside; /* -> numbers that are > 0 at an allowed root; outputs = 0: all are */
 } dm_sequence;

@@ -228,6 +228,20 @@ for _, case in ipairs { { kepler, "verlet" }, { kepler, "kahan-li(6)" }, { keple
   local half = plain:run { q = q0(1), v = v0(1), steps = 70 }
   ok(dm.resume(half):run({ steps = 80 }).q[81] == plain:run({ q = q0(1), v = v0(1), steps = 150 }).q[151], case[2] .. ": they are resumed as plain ones")
 end
+-- what an ensemble makes for a system is made once
+local function held()
+  collectgarbage()
+  collectgarbage()
+  return collectgarbage "count"
+end
+for _, case in ipairs { { kepler, "verlet" }, { kepler, "log-hamiltonian" }, { pulled, "verlet" }, { pulled, "blanes-moan(6, 11)" } } do
+  local one = case[1]:solver { rule = case[2], h = 0.01 }
+  local function often() for _ = 1, 60 do one:ensemble { members = 9, q = q0, v = v0, steps = 2, threads = 1 } end end
+  often()
+  local before = held()
+  often()
+  ok(held() - before < 50, case[2] .. ": ensembles leave no memory behind", held() - before)
+end
 raises("always compensates", function() kepler:solver({ rule = "gauss(2)", h = 0.01, sums = "plain" }):run { q = q0(1), v = v0(1), steps = 1 } end)
 raises("always compensates", function() kepler:solver({ rule = "gauss(2)", h = 0.01, sums = "plain" }):ensemble { members = 3, q = q0, v = v0, steps = 1 } end)
 raises("field 'sums'", kepler.solver, kepler, { rule = "verlet", h = 0.01, sums = 3 })
