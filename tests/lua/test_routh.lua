@@ -116,6 +116,22 @@ local long = free:solver({ rule = "gauss(2)", h = 0.05 }):run { q = { 0.6, 0.45,
 local around = long:reconstruct()
 ok(models.apart(long, long) == 0 and #around == #long and abs(around:drift "theta1".mean) > 0, "a long run is reconstructed", #around)
 
+-- a chaotic shape: two runs part company, reconstruction stays with the rows it was given
+local plate = dm.system { Q = dm.R(4), L = function(z, w)
+  local a, b, c = z[2], z[3], z[4]
+  return w[1] ^ 2 * (1 + cos(a) ^ 2 * 0.5) / 2 + (w[2] + 0.4 * w[1]) ^ 2 / 2 + w[3] ^ 2 / 2 + 0.8 * w[2] * w[3] * cos(a - b)
+    + (w[4] + 0.3 * w[1] * sin(b)) ^ 2 / 2 + 4 * cos(a) + 2 * cos(b) + 3 * cos(c - a)
+end }
+local spin = plate:routh { q = { 0, 2.5, 1.5, 2 }, v = { 0.5, 0.3, -0.2, 0.1 } }
+local wild = spin:solver({ rule = "gauss(2)", h = 0.05 }):run { q = { 2.5, 1.5, 2 }, v = { 0.3, -0.2, 0.1 }, steps = 4000 }
+local kept_to, D = wild:reconstruct(), spin:discrete { rule = "gauss(2)", h = 0.05 }
+worst = 0
+for k = 1, 4000, 190 do worst = math.max(worst, abs(D:psi(wild.q[k], wild.q[k + 1])[1] - (kept_to.q[k + 1][1] - kept_to.q[k][1]))) end
+ok(worst < 1e-11, "a chaotic run: the angle between its rows is psi_mu", worst)
+raises("is the motion chaotic", function()
+  spin:solver({ rule = "gauss(2)", h = 0.05 }):run({ q = { 2.5, 1.5, 2 }, v = { 0.3, -0.2, 0.1 }, steps = 8000, every = 1000 }):reconstruct()
+end)
+
 -- rules that are explicit on what is left
 local verlet = kept:solver({ rule = "verlet", h = 0.01 }):run { q = { 1, 0 }, v = { 0, 0.28 }, steps = 300 }:reconstruct()
 local fine = satellite:solver({ rule = "gauss(4)", h = 0.05 }):run { q = models.orbit.q, v = models.orbit.v, steps = 60 }
