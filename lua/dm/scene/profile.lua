@@ -91,19 +91,15 @@ end
 
 local FEW = 256  -- steps of a run that tells about what more of them cost
 
---- About what N steps cost: from a figure for a number of steps that is not far, or from a few of them.
+--- About what N steps cost, from a few of them. What was told once is told again, whatever has been measured since, so that a profile
+-- that was saved leads to the same choice.
 function M:about(model, rule, N)
-  local key, nearest, distance = key_of(model, rule), nil, nil
-  for other, entry in pairs(self.rows[key] or {}) do
-    local d = other > N and other / N or N / other
-    if d < 1.15 and (not distance or d < distance or (d == distance and other > N)) then nearest, distance = entry.ns * N / other, d end
-  end
-  if nearest then return nearest end
-  local row = self.few[key] or {}
-  if not row[N] and not self.measures then return self:cost(model, rule, N) end
-  self.few[key] = row
-  row[N] = row[N] or measure(model, rule, N, min(N, FEW), LONG_ENOUGH / 5)
-  return row[N] * N
+  local key = key_of(model, rule)
+  local few, row = self.few[key] or {}, self.rows[key] or {}
+  if not few[N] and (row[N] or not self.measures) then return self:cost(model, rule, N) end
+  self.few[key] = few
+  few[N] = few[N] or measure(model, rule, N, min(N, FEW), LONG_ENOUGH / 5)
+  return few[N] * N
 end
 
 local doc_save = [[
