@@ -1,6 +1,7 @@
 /* text.c - how scalars, vectors and matrices print. */
 #include "bind/array.h"
 #include "bind/state.h"
+#include "expr/implicit.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -57,6 +58,29 @@ static void write_call(writer *w, const dm_expr *e, int depth) {
     write_text(w, ")");
 }
 
+static void write_arguments(writer *w, dm_node with, int depth) {
+    const dm_expr *e = dm_graph_at(w->graph, with);
+    if (e->op != DM_OP_WITH) return;
+    write_arguments(w, e->as.arg[0], depth);
+    if (dm_graph_at(w->graph, e->as.arg[0])->op == DM_OP_WITH) write_text(w, ", ");
+    write_node(w, e->as.arg[1], 0, depth);
+}
+
+/* an entry of an implicit function: name(x1, x2)[1] */
+static void write_root(writer *w, const dm_expr *e, int depth) {
+    char entry[24];
+    dm_node leaf = e->as.arg[0];
+    while (dm_graph_at(w->graph, leaf)->op == DM_OP_WITH)
+        leaf = dm_graph_at(w->graph, leaf)->as.arg[0];
+    const double serial = dm_graph_at(w->graph, leaf)->as.value;
+    snprintf(entry, sizeof entry, ")[%lu]",
+             1 + (unsigned long)dm_graph_at(w->graph, e->as.arg[1])->as.value);
+    write_text(w, dm_implicit_find(w->graph, serial)->name);
+    write_text(w, "(");
+    write_arguments(w, e->as.arg[0], depth);
+    write_text(w, entry);
+}
+
 static void write_infix(writer *w, const dm_expr *e, int depth) {
     const int own = strength(e->op), loose = e->op == DM_OP_ADD || e->op == DM_OP_MUL;
     if (e->op == DM_OP_NEG) {
@@ -88,6 +112,8 @@ static void write_node(writer *w, dm_node n, int least, int depth) {
         write_leaf(w, e);
     } else if (depth == DEEPEST_EXPRESSION) {
         write_text(w, "(...)");
+    } else if (e->op == DM_OP_ROOT) {
+        write_root(w, e, depth + 1);
     } else if (own == 5) {
         write_call(w, e, depth + 1);
     } else {

@@ -6,6 +6,7 @@
 */
 #include "expr/analyse.h"
 
+#include "expr/implicit.h"
 #include "expr/nodes.h"
 
 #include <stdio.h>
@@ -128,6 +129,28 @@ static void call(printer *p, const dm_expr *e) {
     text(p, ")");
 }
 
+/* the links of an implicit function's arguments, the first one first */
+static void arguments(printer *p, dm_node with) {
+    const dm_expr *e = dm_at(p->g, with);
+    if (e->op != DM_OP_WITH) return;
+    arguments(p, e->as.arg[0]);
+    if (dm_is_op(p->g, e->as.arg[0], DM_OP_WITH)) text(p, ", ");
+    node(p, e->as.arg[1], 0);
+}
+
+/* name(x1, x2)[1]: an entry of the root; behind its arguments may stand what J^-T and J^-1 work on */
+static void implicit(printer *p, const dm_expr *e) {
+    dm_node leaf = e->as.arg[0];
+    while (dm_is_op(p->g, leaf, DM_OP_WITH)) leaf = dm_at(p->g, leaf)->as.arg[0];
+    const dm_implicit *f = dm_implicit_find(p->g, dm_at(p->g, leaf)->as.value);
+    text(p, f->name);
+    text(p, "(");
+    arguments(p, e->as.arg[0]);
+    text(p, ")");
+    numbered(p, "[", 1 + (uint32_t)dm_at(p->g, e->as.arg[1])->as.value);
+    text(p, "]");
+}
+
 static void leaf(printer *p, const dm_expr *e) {
     if (e->op == DM_OP_CONSTANT)
         number(p, e->as.value);
@@ -169,6 +192,9 @@ static void body(printer *p, dm_node n) {
     case DM_OP_RSQRT3:
         node(p, a, ATOM);
         text(p, "^(-3/2)");
+        break;
+    case DM_OP_ROOT:
+        implicit(p, e);
         break;
     case DM_OP_POW:
         node(p, a, ATOM);
@@ -215,7 +241,7 @@ static void shared_lines(printer *p, uint32_t end) {
         for (int k = 0; k < dm_arity(e->op); k++)
             if (p->height[e->as.arg[k]] >= p->height[n])
                 p->height[n] = (uint8_t)(p->height[e->as.arg[k]] + 1);
-        if (p->uses[n] < 2 && p->height[n] < DEEPEST) continue;
+        if ((p->uses[n] < 2 && p->height[n] < DEEPEST) || e->op == DM_OP_WITH) continue;
         numbered(p, "t", ++names);
         text(p, " = ");
         body(p, n);

@@ -95,6 +95,27 @@ ok(solver:run(long):drift("energy").largest < 1e-6, "energy through a root", sol
 ok(solver:symplecticity { q = start.q, v = start.v, steps = 20 } < 1e-11, "gauss(2) is symplectic through a root",
   solver:symplecticity { q = start.q, v = start.v, steps = 20 })
 
+---- constraints, forces, events ----
+local bead = dm.root { name = "wire", start = 0, equations = function(u, x) return u ^ 3 + u - x end }
+local at, rate = bead(0.5), 0.1 / (3 * bead(0.5) ^ 2 + 1)
+for _, rule in ipairs { "rattle", "gauss(2)" } do
+  local function slide(constraint)
+    return dm.system({ Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = constraint })
+      :solver({ rule = rule, h = 0.01 }):run { q = { 0.5, at }, v = { 0.1, rate }, steps = 100, project = true }
+  end
+  local p, r = slide(function(q) return q[2] - bead(q[1]) end), slide(function(q) return q[2] ^ 3 + q[2] - q[1] end)
+  near((p.q[101] - r.q[101]):norm(), 0, 1e-15, rule .. ": a wire known by its equation")
+end
+local function drag(force)
+  local p = dm.system({ Q = dm.R(1), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end, force = force })
+    :solver({ rule = "gauss(2)", h = 0.05 }):run { q = { 0.5 }, v = { 0 }, steps = 100 }
+  return p.q[101][1]
+end
+near(drag(function(_, v) return { -bead(v[1] ^ 3 + v[1]) } end), drag(function(_, v) return { -v[1] } end), 1e-14, "a force")
+local crossing = dm.system({ Q = dm.R(1), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end }):solver({ rule = "gauss(4)", h = 0.05 })
+  :run { q = { 1 }, v = { 0 }, steps = 40, events = { zero = function(q) return bead(q[1] + 0.5) - at end } }
+near(crossing.events[1].t, math.pi / 2, 1e-9, "an event")
+
 ---- bits: backends, members, restarts ----
 local function last(options)
   local p = implicit:solver(options):run(start)
@@ -184,6 +205,7 @@ near(changing(3), 15, 0, "that changes is seen, on numbers")
 near(dm.trace(changing)(2), 10, 0, "and by a trace")
 k = 7
 near(dm.trace(changing)(2), 14, 0, "at once")
+ok(dm.trace(changing):graph() == "y1 = dm.root(x1)[1]\n", "the text of a graph", dm.trace(changing):graph())
 ok(tostring(kepler) == "implicit function 'anomaly'", "its text", tostring(kepler))
 
 ---- failures ----
