@@ -151,7 +151,10 @@ function M.run(plain, solver, options)
   local shape, where = solver.system, place()
   local info = routh.info(shape)
   local fine, path = pcall(plain, solver, options)
-  if not fine and type(path) == "string" then error(path, 2) end
+  if not fine and type(path) == "string" then
+    local unreduced = path:find(("must have %d entries (got %d)"):format(info.d, info.n), 1, true)
+    error(unreduced and path .. ": this system is reduced, and shape:start(q, v) gives the start below an unreduced one" or path, 2)
+  end
   local failure = not fine and type(path) == "table" and path.message and path
   if not fine and not failure then error(path, 0) end
   if failure then path = failure.path end

@@ -73,6 +73,7 @@ ok(not fine and path.reason == "collapse", "a pendulum that all but hits its pol
 local kept = satellite:routh { cyclic = { 1 }, mu = 0.96 }
 raises("reduced at mu = 0.96", function() kept:start({ 0, 1, 0 }, { 0.5, 0, 0 }) end)
 raises("must have 2 entries", function() kept:solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 1 }, v = { 0, 0.2 }, steps = 1 } end)
+raises("shape:start(q, v) gives", function() kept:solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 0, 1, 0 }, v = { 0.96, 0, 0.28 }, steps = 1 } end)
 local where = select(2, pcall(function() local p = kept:solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 1 }, v = { 0, 0.2 }, steps = 1 }; return p end))
 ok(tostring(where):find "test_routh_failures%.lua:%d+: ", "errors name the line of the script", tostring(where))
 
