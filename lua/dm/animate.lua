@@ -118,7 +118,7 @@ local function check_finite(numbers, path, rows, size, which)
     local x = numbers[k]
     if x ~= x or abs(x) > 1e37 then
       local i = rows[(k - 1) // size + 1]
-      fail("%s: a point is not finite in row %d, t = %g: show what is before with t = {%g, %g}", which, i, path.t[i], path.t[1],
+      fail("%s: a point is not finite, or beyond 1e37, in row %d, t = %g: show what is before with t = {%g, %g}", which, i, path.t[i], path.t[1],
         path.t[max(1, i - 1)])
     end
   end

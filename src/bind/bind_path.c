@@ -1,5 +1,6 @@
 /* bind_path.c - `dm.path`: the rows that a run recorded.
  */
+#include "bind/array.h"
 #include "bind/path.h"
 #include "run/drift.h"
 
@@ -63,6 +64,11 @@ static void add_energy(lua_State *L, luaL_Buffer *b, const double *E, const dml_
     char text[128];
     dm_drift d;
     (void)L;
+    for (long i = 0; i < p->rows; i++) {
+        if (isfinite(E[i])) continue;
+        luaL_addstring(b, ": energy beyond all bounds");
+        return;
+    }
     dm_drift_fit(&d, p->data, dml_path_width(p), E, p->rows);
     const double change = fabs(d.slope) * (p->t - p->t0);
     if (change > 3 * d.error * (p->t - p->t0) && change > 1e-14 * fabs(d.mean))
@@ -74,12 +80,12 @@ static void add_energy(lua_State *L, luaL_Buffer *b, const double *E, const dml_
 }
 
 /* energies of the path as a vector on the stack, NULL when it has none */
-static const double *try_energy(lua_State *L, double *E, const dml_path *p) {
+static const double *try_energy(lua_State *L, const dml_path *p) {
     lua_pushcfunction(L, dml_path_energy);
     lua_pushvalue(L, 1);
     if (p->rows < 3 || lua_pcall(L, 1, 1, 0) != LUA_OK) return NULL;
-    dml_vectorarg(L, -1, "energy", E, (uint32_t)p->rows);
-    return E;
+    const dml_array *E = dml_toarray(L, -1, 1);
+    return E && dml_size(E) == (uint32_t)p->rows ? dml_numbersof(E) : NULL;
 }
 
 /* "; 100 rows, 2 columns q, 2 columns p", or what was watched, and where the rows are */
@@ -107,8 +113,7 @@ static int path_tostring(lua_State *L) {
     luaL_Buffer b;
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     const int pair = dml_checksystem(L, -1)->pair;
-    double *E = lua_newuserdatauv(L, (size_t)p->rows * sizeof *E + 1, 0);
-    const int there = !pair && try_energy(L, E, p);
+    const double *E = pair ? NULL : try_energy(L, p);
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "path of ");
     add_grouped(&b, p->steps);
@@ -118,7 +123,7 @@ static int path_tostring(lua_State *L) {
     luaL_addstring(&b, text);
     snprintf(text, sizeof text, " (%.3g ns/step)", p->ns_per_step);
     if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
-    if (there) add_energy(L, &b, E, p);
+    if (E) add_energy(L, &b, E, p);
     add_columns(L, &b, p);
     luaL_pushresult(&b);
     return 1;
