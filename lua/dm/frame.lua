@@ -28,15 +28,23 @@ local KNOWN = { action = true, points = true, cross_section = true, branch = tru
 
 -- a point as a dm.vector of m entries: from a vector, a table or, where m = 1, a number
 local function point(z, m, what)
-  if m == 1 and (type(z) == "number" or not pcall(function() return #z end)) then return core.vector { z } end
+  if m == 1 and (type(z) == "number" or not pcall(function() return #z end)) then z = { z } end
   local fine, v = pcall(function() return type(z) == "table" and core.vector(z) or z end)
   if not fine or #v ~= m then error(("%s must have %d entries"):format(what, m), 0) end
+  for j = 1, m do
+    if type(v[j]) == "number" and not (math.abs(v[j]) < math.huge) then
+      error(("%s is not finite: entry %d is %s"):format(what, j, tostring(v[j])), 0)
+    end
+  end
   return v
 end
 
 local function points_of(self, list, least)
   local out = {}
-  for i, z in ipairs(list) do out[i] = point(z, self.m, "point " .. i) end
+  if type(list) ~= "table" then error("a list of points is wanted (got " .. type(list) .. ")", 0) end
+  for i, z in ipairs(list) do
+    out[i] = point(z, self.m, "point " .. i)
+  end
   if #out < least then
     error(("%s is made of %d points (got %d)"):format(text.name(self), least, #out), 0)
   end
@@ -123,6 +131,11 @@ local function check_section(self)
   local list = linear.sample(self, 1)
   local fine, value = pcall(section, self, list)
   if not fine then error("dm.moving_frame: the cross-section fails at " .. text.points(list) .. ": " .. tostring(value), 0) end
+  for i = 1, #value do
+    if type(value[i]) ~= "number" then
+      error(("dm.moving_frame: entry %d of the cross-section must be a number (got %s)"):format(i, type(value[i])), 0)
+    end
+  end
   if #value ~= self.r then
     error(("dm.moving_frame: the cross-section has %d equation%s, but the group has %d dimension%s: a frame needs as many equations as dimensions")
       :format(#value, #value == 1 and "" or "s", self.r, self.r == 1 and "" or "s"), 0)
@@ -318,7 +331,7 @@ method("invariantize", function(self, what)
     for key in pairs(what) do
       if not SPARE[key] then error(("rho:invariantize: unknown option '%s'"):format(tostring(key)), 0) end
     end
-    if not what.Ld then error("rho:invariantize: field 'Ld' must be a dm.discrete_lagrangian", 0) end
+    if type(what.Ld) ~= "userdata" then error("rho:invariantize: field 'Ld' must be a dm.discrete_lagrangian", 0) end
     return invariant_lagrangian(self, what.Ld, what.sigma and reparametrized(what.Ld, what) or what.Ld.Ld)
   end
   local fine, formula = pcall(function() return what.h and what end)
@@ -347,7 +360,11 @@ method("syzygies", function(self, points, velocities)
   local z = points_of(self, points, self.k + 1)
   return linear.syzygies(self, z, velocities and points_of(self, velocities, #z))
 end, linear.docs.syzygies)
-method("phantom", function(self, count) return linear.phantom(self, count or self.k) end, linear.docs.phantom)
+method("phantom", function(self, count)
+  count = count or self.k
+  if not math.tointeger(count) or count < 1 or count > 100 then error("rho:phantom: the number of points must be a whole number from 1 to 100", 0) end
+  return linear.phantom(self, count)
+end, linear.docs.phantom)
 
 package.loaded["dm.frame"] = M
 local check = require "dm.frame_check"

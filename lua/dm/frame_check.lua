@@ -81,6 +81,7 @@ derivatives (against the graph), relative to the size of what is compared; and a
 ill-conditioned one, are passed over; an error says when that is all of them.]]
 
 function M.run(frame, options)
+  if options ~= nil and type(options) ~= "table" then error("rho:check takes a table { samples = }", 0) end
   local wanted = options and options.samples or 8
   if not math.tointeger(wanted) or wanted < 1 then error("rho:check: 'samples' must be a whole number >= 1", 0) end
   local worst, found, last = {}, 0, nil

@@ -32,12 +32,17 @@ local Invariants = { __index = function(_, name)
 end }
 
 -- name -> function of normalized points; {j, a} stands for entry a of point j
-local function named_functions(given)
+local function named_functions(given, points, entries)
   local names, functions = {}, {}
+  if given ~= nil and type(given) ~= "table" then error("field 'invariants' must be a table { name = { point, entry } or a function }", 0) end
   for name, what in pairs(given or {}) do
+    if type(name) ~= "string" then error("field 'invariants' must be a table { name = { point, entry } or a function }", 0) end
     names[#names + 1] = name
     if type(what) == "table" then
       local j, a = what[1], what[2] or 1
+      if not (math.tointeger(j) and math.tointeger(a) and j >= 1 and j <= points and a >= 1 and a <= entries) then
+        error(("invariant '%s': there is no entry %s of point %s among %d points of %d numbers"):format(name, tostring(a), tostring(j), points, entries), 0)
+      end
       what = function(...) return (select(j, ...))[a] end
     elseif type(what) ~= "function" then
       error(("invariant '%s' must be a function of the normalized points, or { point, entry }"):format(tostring(name)), 0)
@@ -146,6 +151,11 @@ local function check_options(o)
   end
   if not frames.is_frame(o.frame) then error("dm.invariant_problem: field 'frame' must be a moving frame, dm.moving_frame{...}", 0) end
   if type(o.L) ~= "function" then error("dm.invariant_problem: field 'L' must be a function of the invariants I", 0) end
+  for _, key in ipairs { "constraint", "inside" } do
+    if o[key] ~= nil and type(o[key]) ~= "function" then
+      error(("dm.invariant_problem: field '%s' must be a function of the invariants I (got %s)"):format(key, type(o[key])), 0)
+    end
+  end
   if o.action and o.frame.action ~= o.action and o.action.base ~= o.frame.action then
     error("dm.invariant_problem: the frame belongs to another action", 0)
   end
@@ -165,12 +175,12 @@ M.invariant_problem = blame.caller(function(o)
   local frame = o.frame
   local p = setmetatable({ frame = frame, action = frame.action, group = frame.group, d = frame.m, r = frame.r,
     constraints = 0, reach = 0, inside = o.inside, name = o.name }, class)
-  p.names, p.functions = named_functions(o.invariants or frame.invariants_named)
   p.k = reach_of_section(frame)
   p.N = o.points or math.max(frame.k, p.k + 1)
   if not math.tointeger(p.N) or p.N < 2 or p.N > 12 or p.N < frame.k and p.N < p.k then
     error(("dm.invariant_problem: 'points' must be a whole number from %d to 12"):format(math.max(2, p.k)), 0)
   end
+  p.names, p.functions = named_functions(o.invariants or frame.invariants_named, p.N, p.d)
   check_space(p)
   left_action(p)
   functions_of_windows(p, o)

@@ -121,8 +121,8 @@ static int sequence(lua_State *L) {
     read_functions(L, &k);
     const long most = dm_sequence_rows(&plan);
     if ((double)most * (double)n > 1e9)
-        luaL_error(L, "%d rows of %d numbers are too many: raise 'every'", (int)most,
-                   (int)n);
+        luaL_error(L, "%I rows of %d numbers are too many: raise 'every'",
+                   (LUAI_UACINT)most, (int)n);
     double *rows = room(L, (size_t)most * (size_t)n);
     double *work = room(L, dm_sequence_work(&k.r));
     dml_numbers(L, OPTIONS, "y", rows, k.r.n);
