@@ -85,11 +85,11 @@ local function reach_of_section(frame)
   return reach
 end
 
--- largest number of first points that f (a list of c numbers, its slope by all points) depends on
-local function reach_of(p, slope, c)
+-- largest number of first points that the constraint (c numbers) depends on
+local function reach_of(p, c)
   local reach, seen = 0, 0
   for seed = 1, 60 do
-    local fine, J = pcall(slope, frames.flat(linear.sample(p.frame, seed, p.N)))
+    local fine, _, J = pcall(windows.slopes_apart, p, linear.sample(p.frame, seed, p.N))
     if fine then
       seen = seen + 1
       for i = 1, c do
@@ -104,6 +104,15 @@ local function reach_of(p, slope, c)
 end
 
 ---- L and the constraint of windows of N points ----
+
+-- the derivative of f, made when it is first called
+local function when_wanted(f, n)
+  local made
+  return function(x)
+    made = made or core.derivative(f, n)
+    return made(x)
+  end
+end
 
 local function functions_of_windows(p, o)
   local function windowed(x) return frames.split(x, p.N, p.d) end
@@ -122,7 +131,7 @@ local function functions_of_windows(p, o)
   end
   p.bare_slope = core.derivative(function(x) return o.L(with_names(windowed(x))) end, p.N * p.d)
   function p.lagrangian(list) return o.L(p.invariants_of(list)) end
-  p.slope = core.derivative(function(x) return p.lagrangian(windowed(x)) end, p.N * p.d)
+  p.slope = when_wanted(function(x) return p.lagrangian(windowed(x)) end, p.N * p.d)
   if not o.constraint then return end
   function p.phi(list) return linear.entries(o.constraint(p.invariants_of(list))) end
   for seed = 1, 60 do
@@ -130,9 +139,9 @@ local function functions_of_windows(p, o)
     if fine then p.constraints = #value break end
   end
   if p.constraints == 0 then error("dm.invariant_problem: the constraint fails at all random points: " .. tostring(select(2, pcall(p.phi, linear.sample(p.frame, 1, p.N)))), 0) end
-  p.phi_slope = core.derivative(function(x) return core.vector(p.phi(windowed(x))) end, p.N * p.d)
+  p.phi_slope = when_wanted(function(x) return core.vector(p.phi(windowed(x))) end, p.N * p.d)
   p.bare_phi_slope = core.derivative(function(x) return core.vector(linear.entries(o.constraint(with_names(windowed(x))))) end, p.N * p.d)
-  p.reach = reach_of(p, p.phi_slope, p.constraints)
+  p.reach = reach_of(p, p.constraints)
   if p.reach == 0 then error("dm.invariant_problem: the constraint does not depend on the points", 0) end
 end
 

@@ -43,7 +43,7 @@ local function multipliers(p, list, given)
       local row = {}
       for j = 1, (last - first_site + 1) * c do row[j] = 0 end
       for s = reaching(p, e), e do
-        local phi = p.phi_slope(frames.flat(part(list, s, N)))
+        local _, phi = windows.slopes_apart(p, part(list, s, N))
         for i = 1, c do row[(s - first_site) * c + i] = phi[i][(e - s) * p.d + a] end
       end
       rows[#rows + 1], right[#right + 1] = row, E[a]

@@ -84,16 +84,37 @@ local function projected(p, window, rows)
   return out
 end
 
--- (D L)(window), and that of every constraint
+-- a covector at the points moved by g, seen at the points themselves: (T Psi_g)^T
+local function pulled_back(p, g, window, row)
+  local y, out = core.vector(linear.entries(p.group:flat(g))), {}
+  for j, z in ipairs(window) do
+    local D = p.motion(y, z)
+    for a = 1, p.d do
+      local sum = 0
+      for b = 1, p.d do sum = sum + D[b][p.flat_size + a] * row[(j - 1) * p.d + b] end
+      out[#out + 1] = sum
+    end
+  end
+  return out
+end
+
+-- (D L)(window), and that of every constraint; numbers go by way of the section, symbols through the graph of the frame
 local function slopes_apart(p, window, on_section)
   local z, rows = frames.flat(window), {}
-  if not on_section then return p.slope(z), p.constraints > 0 and p.phi_slope(z) end
+  if not on_section and linear.symbolic(window) then return p.slope(z), p.constraints > 0 and p.phi_slope(z) end
+  if not on_section then
+    local g = p.rho(window)
+    local first, others = slopes_apart(p, p.move(g, window), true)
+    for c = 1, p.constraints do rows[c] = pulled_back(p, g, window, others[c]) end
+    return pulled_back(p, g, window, first), rows
+  end
   rows[1] = p.bare_slope(z)
   local phi = p.constraints > 0 and p.bare_phi_slope(z)
   for c = 1, p.constraints do rows[c + 1] = phi[c] end
   rows = projected(p, window, rows)
   return table.remove(rows, 1), rows
 end
+M.slopes_apart = slopes_apart
 
 -- (D L^c)(window) by blocks, L^c = L - mu . phi; on_section: the window's first points lie there
 local function slopes(p, window, mu, on_section)
