@@ -132,10 +132,21 @@ end
 local doc_order = [[
 chart:order(rule) -> number
 The measured order of a rule: the slope of ln error over ln h, least squares over the four finest steps whose error is well above (30 times)
-what the references differ by; nan with fewer than two such points. Coarse steps may lie before the limit where the order shows.]]
+what the references differ by, and above the rule's own round-off where finer steps have larger errors; nan with fewer than two such points.
+Coarse steps may lie before the limit where the order shows.]]
+
+-- where errors of a rule grow again with finer steps its own round-off is what is seen there
+local function round_off(points)
+  local best = 1
+  for i, p in ipairs(points) do
+    if p.error <= points[best].error then best = i end
+  end
+  return points[best] and best < #points and points[best].error or 0
+end
 
 function M:order(rule)
-  local points, floor_, n, sx, sy, sxx, sxy = of_rule(self, rule), 30 * self.floor, 0, 0, 0, 0, 0
+  local points, n, sx, sy, sxx, sxy = of_rule(self, rule), 0, 0, 0, 0, 0
+  local floor_ = 30 * max(self.floor, round_off(points))
   if #points == 0 then fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(self.rules, ", ")) end
   -- the finest steps above round-off, at most four, are nearest to the limit
   local used = {}

@@ -191,6 +191,9 @@ local function read(system, options)
     if not is_cyclic[i] then shape[#shape + 1] = i end
   end
   local given = system.given
+  if options.connection ~= nil and type(options.connection) ~= "function" then
+    error(("option 'connection' must be a function of the shape (got %s)"):format(type(options.connection)), 0)
+  end
   return { full = system, names = names, n = n, m = #cyclic, d = #shape, cyclic = cyclic, shape = shape,
     L = bound(given.L, given.params), given_connection = options.connection, shown = {} }
 end
@@ -211,6 +214,7 @@ local function examine(info, start)
     for b, i in ipairs(info.cyclic) do I[a][b] = rows[a][n + i] end
   end
   info.order = check.inertia(info, I)
+  if info.given_connection then model.connection(info, model.split(info, sample.q), sample.t) end
 end
 
 M.routh = blame.caller(function(system, options)
@@ -229,10 +233,11 @@ end)
 
 M.at_momentum = blame.caller(function(shape, mu)
   local info = M.need(shape, "at_momentum")
+  if mu == nil then error(("at_momentum takes a momentum, a number or a list of %d"):format(info.m), 0) end
   local other = {}
   for key, value in pairs(info) do other[key] = value end
   other.shown = {}
-  other.mu = read_mu(other, { mu = mu == nil and "nothing" or mu })
+  other.mu = read_mu(other, { mu = mu })
   return make(other)
 end)
 

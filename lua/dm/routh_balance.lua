@@ -100,35 +100,33 @@ local function characteristic(mass, S, K, d)
   return core.matrix(A):eigenvalues()
 end
 
--- how many negative pivots: the index of a symmetric matrix
-local function index_of(K, d)
-  local A, index = {}, 0
+local FLAT = 1e-10  -- a value that is zero, relative to the largest: what round-off leaves along a family of equilibria
+
+-- how many negative values K has, its index, and how many that are zero; in lengths of the mass, so that units of coordinates do not matter
+local function index_of(K, mass, d)
+  local A, index, flat, size = {}, 0, 0, 0
   for i = 1, d do
     A[i] = {}
-    for k = 1, d do A[i][k] = K[i][k] end
+    for k = 1, d do A[i][k] = K[i][k] / sqrt(abs(mass[i][i] * mass[k][k])) end
   end
-  for c = 1, d do  -- symmetric elimination by the largest diagonal entry that is left
-    local best = c
-    for i = c + 1, d do if abs(A[i][i]) > abs(A[best][best]) then best = i end end
-    A[c], A[best] = A[best], A[c]
-    for i = 1, d do A[i][c], A[i][best] = A[i][best], A[i][c] end
-    if A[c][c] < 0 then index = index + 1 end
-    for i = c + 1, d do
-      local factor = A[i][c] / A[c][c]
-      for k = c, d do A[i][k] = A[i][k] - factor * A[c][k] end
-    end
+  local values = core.matrix(A):eigenvalues()
+  for i = 1, d do size = max(size, abs(values[i])) end
+  for i = 1, d do
+    if abs(values[i]) <= FLAT * size then flat = flat + 1 elseif values[i] < 0 then index = index + 1 end
   end
-  return index
+  return index, flat
 end
 
 local CLOSE = 1e-6  -- real part of a value that counts as imaginary, relative to the largest: double ones split by the root of round-off
 
---- What a stationary point is: energy, velocity of the group, characteristic values, stability.
+--- What a stationary point is: energy, velocity of the group, characteristic values, stability. Nothing where the mass is singular: at a
+-- pole of the coordinates V_mu is stationary along directions that are none.
 function M.describe(info, R, V, x, mu)
   local d, u = info.d, zeros(info.d)
   local H = R:hessian(x, u, mu)
   local mass, cross, K = rows_of(H, d, d, d), rows_of(H, d, d, 0), rows_of(V:hessian(x, mu), 0, d, 0)
   local S = {}
+  if not linear.order(mass) then return nil end
   for i = 1, d do
     S[i] = {}
     for k = 1, d do S[i][k] = cross[i][k] - cross[k][i] end
@@ -136,7 +134,8 @@ function M.describe(info, R, V, x, mu)
   local list = {}
   for a = 1, info.m do list[a] = mu[a] end
   local rate = model.group_velocity(at_momentum(info, list), x, u, 0)
-  local out = { x = x, mu = core.vector(list), energy = V(x, mu), velocity = core.vector(rate), index = index_of(K, d), values = {} }
+  local out = { x = x, mu = core.vector(list), energy = V(x, mu), velocity = core.vector(rate), values = {} }
+  out.index, out.flat = index_of(K, mass, d)
   local re, im = characteristic(mass, S, K, d)
   local largest, growth = 1e-300, 0
   for i = 1, re and #re or 0 do
@@ -144,7 +143,7 @@ function M.describe(info, R, V, x, mu)
     largest, growth = max(largest, sqrt(re[i] ^ 2 + im[i] ^ 2)), max(growth, re[i])
   end
   local spectral = re ~= nil and growth <= CLOSE * largest
-  out.stable = out.index == 0 and "energy" or spectral and "spectral" or false
+  out.stable = out.index == 0 and out.flat == 0 and "energy" or spectral and "spectral" or false
   return out
 end
 

@@ -24,7 +24,8 @@ local WORD = { energy = "stable (minimum)", spectral = "stable (spectrum)", [fal
 function class.__tostring(list)
   local out = { ("%d relative equilibri%s"):format(#list, #list == 1 and "um" or "a") }
   for _, e in ipairs(list) do
-    out[#out + 1] = ("  x = %-36s energy %-12.6g velocity %-14s index %d  %s"):format(list_text(e.x), e.energy, list_text(e.velocity), e.index, WORD[e.stable])
+    out[#out + 1] = ("  x = %-36s energy %-12.6g velocity %-14s index %d  %s%s"):format(list_text(e.x), e.energy, list_text(e.velocity), e.index, WORD[e.stable],
+      e.flat > 0 and (", V_mu is flat in %d direction%s"):format(e.flat, e.flat == 1 and "" or "s") or "")
   end
   return table.concat(out, "\n")
 end
@@ -103,7 +104,7 @@ M.relative_equilibria = blame.caller(function(shape, options)
     local found = balance.stationary(V, x, mu, d)
     if found and inside(found, region) and is_new(list, found) then
       local fine, e = pcall(balance.describe, info, R, V, found, mu)
-      if fine and not (options.copies == false and is_copy(list, e)) then list[#list + 1] = e end
+      if fine and e and not (options.copies == false and is_copy(list, e)) then list[#list + 1] = e end
     end
   end
   table.sort(list, function(a, b) return a.energy < b.energy end)
@@ -236,7 +237,7 @@ local function follow(info, b, first, options, sign)
       local ahead = tangent(next_rows, t, d)
       if not ahead or next_z[d + 1] < options.mu[1] or next_z[d + 1] > options.mu[2] then return end
       local there, e = pcall(describe, info, R, V, next_z, n)
-      if not there then return end
+      if not there or not e then return end
       b[#b + 1] = e
       note(b, now, e, ahead, t)
       z, t, now = next_z, ahead, e

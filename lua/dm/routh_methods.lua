@@ -99,10 +99,10 @@ One step of the reduced symplectic partitioned Runge-Kutta rule as it is written
 b and, if they are not the partner, A, refused where they are not symplectic. beta(x): another magnetic form, to see what it changes.]])
 
 add("dm.system", "relative_equilibria", "dm.routh_equilibria", [[
-shape:relative_equilibria{region=, starts=, copies=} -> list of {x, mu, energy, velocity, index, values, stable}
+shape:relative_equilibria{region=, starts=, copies=} -> list of {x, mu, energy, velocity, index, flat, values, stable}
 Motions along the group alone: stationary points of the amended potential in the region, a pair { least, most } for each coordinate of the shape, found by
-Newton's method from `starts` points (default 200) that fill it. velocity: of the group; index: negative directions of V_mu; values: {re, im}, the characteristic
-values of small motions, with the magnetic term; stable: "energy" (a minimum of V_mu), "spectral" (all values imaginary) or false. copies = false:
+Newton's method from `starts` points (default 200) that fill it. velocity: of the group; index, flat: negative directions of V_mu, and those in which it has no slope; values: {re, im}, the characteristic
+values of small motions, with the magnetic term; stable: "energy" (a minimum of V_mu), "spectral" (all values imaginary) or false. Poles of the coordinates are left out. copies = false:
 mirror images, with the same energy, velocity and index, are listed once. print shows the list.]])
 
 add("dm.system", "continue", "dm.routh_equilibria", [[

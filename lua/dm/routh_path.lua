@@ -16,6 +16,7 @@ local function info_of(path, what)
 end
 
 local function check_keys(options, known, what)
+  if type(options) ~= "table" then error(("%s takes a table of options (got %s)"):format(what, type(options)), 0) end
   for key in pairs(options) do
     if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
   end

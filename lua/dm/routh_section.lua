@@ -38,8 +38,9 @@ end
 -- g . q with theta a number where the group has one dimension
 local function mover(map, m)
   return function(theta, q)
-    local moved = map(m == 1 and theta[1] or core.vector(theta), core.vector(q))
-    return core.vector(moved)
+    local moved = core.vector(map(m == 1 and theta[1] or core.vector(theta), core.vector(q)))
+    if #moved ~= #q then error(("option 'action' must return a point of Q: %d numbers (got %d)"):format(#q, #moved), 0) end
+    return moved
   end
 end
 
@@ -265,12 +266,15 @@ function M.split(system, options)
   local given = system.given
   local function L(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end
   local points = check.points(n, L)
+  if points[1] then move(zeros(m), points[1].q) end  -- an action that returns no point of Q is told here
   if not section then section, home = slice(move, m, n, options.at or options.q or somewhere(move, m, n, L, points)) end
   local function chart(y)
     local theta, x = {}, {}
     for i = 1, m do theta[i] = y[i] end
     for i = m + 1, n do x[i - m] = y[i] end
-    return move(theta, section(core.vector(x)))
+    local point = core.vector(section(core.vector(x)))
+    if #point ~= n then error(("option 'section' must return a point of Q: %d numbers (got %d)"):format(n, #point), 0) end
+    return move(theta, point)
   end
   local Phi = core.trace(chart, n)
   check_action(move, m, points)

@@ -138,7 +138,13 @@ M.lift = blame.caller(function(shape, x, v, theta, t)
   x, t = place(info, "lift", x, t)
   v = place(info, "lift", v)
   theta = M.theta_list(info, theta)
-  local q, u = model.embed(info, x, theta), model.embed(info, v, M.rate_of(info)(x, v, t))
+  local rate = M.rate_of(info)(x, v, t)
+  for a = 1, info.m do
+    if not (math.abs(rate[a]) < math.huge) then
+      error(("lift: there is no velocity of '%s' at this shape: the locked inertia is singular there"):format(info.names[info.cyclic[a]]), 0)
+    end
+  end
+  local q, u = model.embed(info, x, theta), model.embed(info, v, rate)
   if info.ambient then return info.ambient.lift(q, u) end
   return q, u
 end)

@@ -26,6 +26,11 @@ ok(tostring(chart):find "not symplectic" or tostring(chart):find "cheapest at", 
 ok(chart:table():find "agree to", "the references are told")
 ok(select(2, chart:csv():gsub("\n", "")) == 17, "a line of csv per point")
 
+-- steps so fine that a rule's own round-off grows with their number say nothing of its order
+local fine = dm.chart { kepler, q = { 0.4, 0 }, v = { 0, 2 }, t = 20 * pi, repeats = 1, rivals = false,
+  rules = { "rk8pd" }, h = { 0.1, 0.07, 0.04, 0.025, 0.015, 0.009, 0.005, 0.003, 0.002 } }
+ok(fine:order "rk8pd" > 7.5 and fine:order "rk8pd" < 10.5, "an order is measured above the round-off of the rule", fine:order "rk8pd")
+
 -- the errors are right: the oscillator's Verlet has a closed form
 local spring = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
 chart = spring:chart { q = { 1 }, v = { 0 }, t = 2, rules = { "verlet" }, h = { 0.1 }, samples = 1, repeats = 1 }

@@ -107,6 +107,25 @@ local ring = fast:routh { cyclic = { 2 }, mu = 0.5 }:relative_equilibria { regio
 local r = ring[1].x[1]
 near(0.25 / (r ^ 3 * sqrt(1 + 0.25 / r ^ 2)) - r, 0, 1e-12, "a fast particle on a circle: closed form")
 
+-- a saddle without diagonal entries; a circle of equilibria, which no round-off may call minima or saddles
+local saddle = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[2] * q[3] end }:routh { cyclic = { 1 }, mu = 1 }
+local cross = saddle:relative_equilibria { region = { { -1, 1 }, { -1, 1 } } }
+ok(#cross == 1 and cross[1].index == 1 and cross[1].flat == 0 and not cross[1].stable, "V = x y has a saddle", tostring(cross))
+local hat = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - (q[2] ^ 2 + q[3] ^ 2 - 1) ^ 2 end }
+local circle, flat = hat:routh { cyclic = { 1 }, mu = 1 }:relative_equilibria { region = { { -2, 2 }, { -2, 2 } } }, true
+for _, e in ipairs(circle) do
+  local rim = e.x:norm() > 0.5
+  flat = flat and e.index == (rim and 0 or 2) and e.flat == (rim and 1 or 0) and e.stable ~= "energy"
+end
+ok(#circle > 2 and flat and tostring(circle):find("flat in 1 direction", 1, true), "a circle of equilibria is flat along itself", tostring(circle))
+-- at the poles of the coordinates, one rod vertical, V_mu is stationary and nothing is in balance
+local everywhere = slow:relative_equilibria { region = { { -3.13, 3.13 }, { -3.13, 3.13 }, { -3.2, 3.2 } }, starts = 400 }
+local in_balance = #everywhere >= 4
+for _, e in ipairs(everywhere) do
+  in_balance = in_balance and abs(sin(e.x[1])) > 1e-3 and abs(sin(e.x[2])) > 1e-3 and abs(sin(e.x[3])) < 1e-9 and #e.values == 6
+end
+ok(in_balance, "no equilibria at poles of the coordinates", tostring(everywhere))
+
 raises("option 'region'", function() shape:relative_equilibria {} end)
 raises("'region'[2]", function() shape:relative_equilibria { region = { { 0, 1 }, { 2, 1 }, { 0, 1 } } } end)
 raises("unknown option", function() shape:relative_equilibria { region = region, start = 3 } end)
