@@ -62,7 +62,7 @@ function M.apart(action, a, b)
   for i = 1, #a do
     local d = abs(a[i] - b[i])
     if action.angles[i] then d = 2 * abs(math.sin(0.5 * (a[i] - b[i]))) end
-    if not (d <= worst) then worst = d end
+    if not (d <= worst) and worst == worst then worst = d end
   end
   return worst
 end
@@ -70,7 +70,7 @@ end
 local function size_of(z)
   local most = 0
   for i = 1, #z do
-    if not (abs(z[i]) <= most) then most = abs(z[i]) end
+    if not (abs(z[i]) <= most) and most == most then most = abs(z[i]) end
   end
   return most
 end

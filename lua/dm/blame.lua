@@ -4,14 +4,18 @@ local M = {}
 -- positions that error and C functions put in front, inside lua/dm
 local INSIDE = "^[^\n]-lua/dm/[%w_/]+%.lua:%d+: "
 
+-- a dm.failure whose message names a line in here
+local function is_placed_inside(value) return type(value) == "table" and type(value.message) == "string" and value.message:find(INSIDE) end
+
 local function finish(fine, ...)
   if fine then return ... end
   local message = ...
   if type(message) == "string" then message = message:gsub(INSIDE, "") end
+  if is_placed_inside(message) then message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "") end
   error(message, 2)  -- the caller: finish took its place by a tail call
 end
 
---- f, with the position of its caller in its error messages; other error values pass as they are.
+--- f, with the position of its caller in its error messages, those of a dm.failure too; other error values pass as they are.
 function M.caller(f)
   return function(...) return finish(pcall(f, ...)) end
 end

@@ -55,7 +55,7 @@ local function difference(a, b, names, rows, t)
   local x, y, worst, when = a:column(names[1]), b:column(names[2]), 0, t[rows[1][1]]
   for _, pair in ipairs(rows) do
     local d = abs(x[pair[1]] - y[pair[2]])
-    if not (d <= worst) then worst, when = d, t[pair[1]] end
+    if not (d <= worst) and worst == worst then worst, when = d, t[pair[1]] end
   end
   return { name = names[1], difference = worst, t = when }
 end

@@ -142,7 +142,7 @@ local function guarded(solver, options)
   return run(solver, options)
 end
 
-core.method("dm.solver", "run", guarded, core.docs[run] .. [[
+core.method("dm.solver", "run", require "dm.blame".caller(guarded), core.docs[run] .. [[
 
 A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes; also raised where a step jumped through such a shape), "pole" or
 "edge" of the coordinates.]])

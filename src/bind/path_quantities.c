@@ -1,5 +1,6 @@
 /* path_quantities.c - energy, velocity, momentum maps and drifts along a recorded path.
  */
+#include "base/largest.h"
 #include "bind/checkpoint.h"
 #include "bind/path.h"
 #include "bind/space.h"
@@ -85,7 +86,7 @@ int dml_path_energy(lua_State *L) {
 /* largest of |y[i]|; NaN stays */
 static double largest(double so_far, const double *y, uint32_t count) {
     for (uint32_t i = 0; i < count; i++)
-        if (!(fabs(y[i]) <= so_far)) so_far = fabs(y[i]);
+        so_far = dm_largest(so_far, y[i]);
     return so_far;
 }
 

@@ -5,6 +5,7 @@
 */
 #include "expr/implicit_solve.h"
 
+#include "base/largest.h"
 #include "linalg/inverse.h"
 
 #include <math.h>
@@ -97,7 +98,7 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
 static double norm(const double *a, uint32_t m) {
     double largest = 0.0;
     for (uint32_t i = 0; i < m; i++)
-        if (!(fabs(a[i]) <= largest)) largest = fabs(a[i]);
+        largest = dm_largest(largest, a[i]);
     return largest;
 }
 
@@ -233,7 +234,7 @@ static double amplified(const double *inverse, const double *t, uint32_t r) {
     double worst = 0.0;
     for (uint32_t i = 0; i < r; i++) {
         const double sum = row_sum(inverse, t, i, r);
-        if (!(sum <= worst)) worst = sum;
+        worst = dm_largest(worst, sum);
     }
     return worst;
 }

@@ -8,6 +8,7 @@
 #include "integ/curve.h"
 #include "integ/curve_inside.h"
 
+#include "base/largest.h"
 #include "base/sum.h"
 #include "linalg/lu.h"
 #include "solve/newton.h"
@@ -198,7 +199,7 @@ static dm_status guess(dm_curve_step *e, const dm_model *m) {
 static double norm(const double *x, size_t n) {
     double largest = 0.0;
     for (size_t i = 0; i < n; i++)
-        if (!(fabs(x[i]) <= largest)) largest = fabs(x[i]);
+        largest = dm_largest(largest, x[i]);
     return largest;
 }
 

@@ -1,4 +1,5 @@
 /* del.c - the discrete Euler-Lagrange equations of a user's Ld(q0, q1), position-momentum form. */
+#include "base/largest.h"
 #include "base/sum.h"
 #include "integ/method.h"
 #include "linalg/lu.h"
@@ -156,7 +157,7 @@ static void keep(pair *e, int follows) {
 static double norm(const double *a, uint32_t n) {
     double largest = 0.0;
     for (uint32_t i = 0; i < n; i++)
-        if (!(fabs(a[i]) <= largest)) largest = fabs(a[i]);
+        largest = dm_largest(largest, a[i]);
     return largest;
 }
 

@@ -8,6 +8,8 @@
 */
 #include "integ/stage_inside.h"
 
+#include "base/largest.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -104,7 +106,7 @@ static double relative(const iteration *it) {
     for (int k = 0; k < 2; k++) {
         const double change = it->moved[k];
         const double ratio = change > 0.0 ? change / it->size[k] : change;
-        if (!(ratio <= largest)) largest = ratio;
+        largest = dm_largest(largest, ratio);
     }
     return sqrt(largest);
 }

@@ -1,6 +1,8 @@
 /* tied_point.c - kernels of L and of its ties at points of the curve. */
 #include "integ/tied_inside.h"
 
+#include "base/largest.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -128,7 +130,7 @@ void dm_tied_ties(dm_tied *g, const double *V, int with_curve) {
 static double largest(const double *a, size_t count) {
     double most = 0.0;
     for (size_t i = 0; i < count; i++)
-        if (!(fabs(a[i]) <= most)) most = fabs(a[i]);
+        most = dm_largest(most, a[i]);
     return most;
 }
 

@@ -1,5 +1,7 @@
 #include "run/boundary.h"
 
+#include "base/largest.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -54,7 +56,7 @@ static double residual(solver *s, const double *x) {
     }
     for (uint32_t i = 0; i < unknowns(p); i++) {
         if (p->given[i]) s->r[i] = 0.0;
-        if (!(fabs(s->r[i]) <= largest)) largest = fabs(s->r[i]);
+        largest = dm_largest(largest, s->r[i]);
     }
     return largest;
 }
@@ -82,7 +84,7 @@ static void assemble(solver *s, const double *x) {
 static double norm(const double *x, uint32_t n) {
     double largest = 0.0;
     for (uint32_t i = 0; i < n; i++)
-        if (!(fabs(x[i]) <= largest)) largest = fabs(x[i]);
+        largest = dm_largest(largest, x[i]);
     return largest;
 }
 

@@ -1,5 +1,6 @@
 #include "run/summary.h"
 
+#include "base/largest.h"
 #include "run/drift.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@ static double farthest(const double *y, long first, long last) {
     double far = 0.0;
     for (long i = first; i < last; i++) {
         const double d = fabs(y[i] - y[0]);
-        if (!(d <= far)) far = d; /* NaN too */
+        far = dm_largest(far, d); /* NaN too */
     }
     return far;
 }

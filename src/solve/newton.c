@@ -1,5 +1,6 @@
 #include "solve/newton.h"
 
+#include "base/largest.h"
 #include "linalg/lu.h"
 
 #include <math.h>
@@ -29,7 +30,7 @@ size_t dm_newton_work(uint32_t m) {
 static double norm(const double *a, uint32_t m) {
     double largest = 0.0;
     for (uint32_t i = 0; i < m; i++)
-        if (!(fabs(a[i]) <= largest)) largest = fabs(a[i]);
+        largest = dm_largest(largest, a[i]);
     return largest;
 }
 

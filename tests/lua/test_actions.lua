@@ -215,4 +215,5 @@ raises("moves points of 3 numbers", function() return path.momentum(two:solver {
 local half = dm.action { group = dm.R(1), on = dm.R(1), domain = function(z) return z[1] end,
   map = function(g, z) return { z[1] * math.exp(g[1]) } end }
 near(half({ 0.5 }, { 2 })[1], 2 * math.exp(0.5), 1e-15, "a local action")
+raises("finite (and inside of the domain)", dm.action, { group = dm.R(1), on = dm.R(2), map = function(_, z) return { 0 / 0, z[2] } end })  -- NaN before a number
 tap.done()

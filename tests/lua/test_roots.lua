@@ -212,6 +212,7 @@ ok(tostring(kepler) == "implicit function 'anomaly'", "its text", tostring(keple
 local none = dm.root { name = "shadow", failure = "look elsewhere", start = 1, equations = function(u, x) return u ^ 2 + x end }
 raises("shadow has no value at (2): Newton's method found no root", none, 2)
 raises("look elsewhere", none, 2)
+raises("the residual is inf", dm.root { start = { 0, 1 }, equations = function(y, x) return { dm.sqrt(y[1] - 2), y[2] - x } end }, 1)  -- NaN before a zero
 raises("the branch condition, which must be > 0, is -", dm.root { start = -1, branch = function(u) return u - 9 end,
   equations = function(u) return u ^ 2 - 4 end })
 raises("singular", dm.root { start = 1, equations = function(u) return u ^ 2 end })

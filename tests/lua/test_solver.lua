@@ -118,6 +118,12 @@ ok(tostring(failure):find "try", "and what to try")
 local bowl = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + sqrt(1 - q[1] ^ 2) end }
 fine, failure = pcall(function() return bowl:solver { rule = "verlet", h = 0.05 }:run { q = { 0 }, v = { 10 }, steps = 100 } end)
 ok(not fine and failure.code == "not_finite" and #failure.path >= 1, "leaving the domain: not_finite", failure)
+local far, line = bowl:solver { rule = "verlet", h = 0.05 }, nil
+fine, failure = pcall(function() line = debug.getinfo(1, "l").currentline; local path = far:run { q = { 0 }, v = { 10 }, steps = 100 }; return path end)
+ok(tostring(failure):find("test_solver.lua:" .. line .. ": verlet", 1, true), "a failure names the line of the script", failure)
+fine, failure = pcall(function() local path = far:run { stps = 1 }; return path end)
+ok(tostring(failure):find("test_solver.lua:" .. line + 2 .. ": unknown", 1, true), "misuse too", failure)
+fine, failure = pcall(function() return far:run { q = { 0 }, v = { 10 }, steps = 100 } end)
 for i = 1, #failure.path do ok(failure.path.q[i][1] == failure.path.q[i][1], "row " .. i .. " of the kept path is finite") end
 
 -- cancellation inside L makes the residual noisier than its terms tell: converged steps are not refused

@@ -22,7 +22,7 @@ function M.size(a)
   for i = 1, a.rows do
     local row, sum = a[i], 0
     for j = 1, a.columns do sum = sum + abs(row[j]) end
-    if not (sum <= largest) then largest = sum end
+    if not (sum <= largest) and largest == largest then largest = sum end
   end
   return largest
 end
@@ -220,7 +220,7 @@ function M.largest(a)
   for i = 1, a.rows do
     for j = 1, a.columns do
       local x = abs(a[i][j])
-      if not (x <= most) then most = x end
+      if not (x <= most) and most == most then most = x end
     end
   end
   return most

@@ -167,7 +167,7 @@ local function as_manifold(kit, parts)
     local worst, why = 0, nil
     for k, part in ipairs(parts) do
       local defect, text = part.defect(g[k])
-      if not (defect <= worst) then worst, why = defect, text end
+      if not (defect <= worst) and worst == worst then worst, why = defect, text end
     end
     return worst, why
   end

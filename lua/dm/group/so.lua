@@ -94,7 +94,7 @@ end
 function M.defect(R, n)
   local worst = 0
   for _, x in ipairs(orthonormal(R, n, n)) do
-    if not (math.abs(x) <= worst) then worst = math.abs(x) end
+    if not (math.abs(x) <= worst) and worst == worst then worst = math.abs(x) end
   end
   if worst < 0.5 and linear.fill(n, n, function(i, j) return R[i][j] end):det() < 0 then return 2, "its determinant is -1" end
   return worst
