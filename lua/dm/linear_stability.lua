@@ -41,6 +41,9 @@ local function check_rule(rule, what)
   if tostring(rule):find "^log%-hamiltonian" then
     error(what .. ": 'log-hamiltonian' changes the time with the state: its step on an oscillator is not linear", 0)
   end
+  if tostring(rule):find "gauss%s*%(%s*%d+%s*,%s*%d" then
+    error(what .. ": a number of sweeps starts each step from the stages of the last one: one step is no matrix for (q, p); try runs, dm.stability", 0)
+  end
   if tostring(rule):find "^degenerate" then error(what .. ": 'degenerate' is for L linear in v, which an oscillator is not", 0) end
 end
 
@@ -169,8 +172,10 @@ local function cause(rule, out)
   local z = out.gaps[1][1]
   if z < 1e-3 then return ("%s: a root of the amplification matrix is outside the unit circle for every step: it grows from the start"):format(name) end
   local m = looked_at(rule, { z })[1]
-  local where = m.trace < -0.5 and "meet at -1 and part along the real axis: every step turns the oscillation by half a turn"
-    or m.trace > 0.5 and "meet at 1 and part along the real axis" or "leave the unit circle as a pair: the rule feeds energy into the oscillation"
+  if m.trace ~= m.trace then return ("%s: at h omega = %.6g there is no amplification matrix: its step has no solution"):format(name, z) end
+  -- z is just outside: real roots have |trace| > 1
+  local where = m.trace <= -1 and "meet at -1 and part along the real axis: every step turns the oscillation by half a turn"
+    or m.trace >= 1 and "meet at 1 and part along the real axis" or "leave the unit circle as a pair: the rule feeds energy into the oscillation"
   return ("%s: at h omega = %.6g the roots of the amplification matrix %s"):format(name, z, where)
 end
 

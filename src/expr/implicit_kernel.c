@@ -212,7 +212,7 @@ static void solve(stage *s, const double *in, int remembers) {
 static void evaluate(const void *pool, const double *in, double *out) {
     const composite *c = pool;
     const int remembers = *c->remembers != 0.0;
-    memcpy(c->in, in, c->inputs * sizeof *in);
+    if (c->inputs) memcpy(c->in, in, c->inputs * sizeof *in);
     for (uint32_t i = 0; i < c->count; i++) solve(c->stages + i, c->in, remembers);
     dm_kernel_eval(&c->last, c->in, out);
 }

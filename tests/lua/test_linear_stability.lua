@@ -36,6 +36,10 @@ for _, case in ipairs { { "verlet", 2 }, { "yoshida(4)", leaves { y1, 1 - 2 * y1
   near(limit, case[2], 2e-6 * case[2], ("%s: limit h omega = %.6f"):format(case[1], case[2]))
   ok(told.cause:find "amplification matrix", "with its cause", told.cause)
 end
+for rule, words in pairs { verlet = "meet at -1", ["yoshida(4)"] = "meet at 1", rk4 = "as a pair", rk8 = "as a pair", rkf45 = "as a pair" } do
+  ok(select(2, dm.stability_limit(rule)).cause:find(words, 1, true), rule .. ": its roots " .. words)
+end
+raises("a number of sweeps", dm.stability_limit, "gauss(3, 5)")
 local _, told = dm.stability_limit "lobatto(3)"
 near(told.gaps[1][2], sqrt(12), 1e-5, "Lobatto 3 is stable again from sqrt 12 on")
 for _, rule in ipairs { "midpoint", "gauss(2)", "gauss(4)" } do
