@@ -20,4 +20,16 @@ function M.caller(f)
   return function(...) return finish(pcall(f, ...)) end
 end
 
+-- the same around a method written in C, which puts a position in front itself: that of a function of the user stays alone
+local function relay(fine, ...)
+  local what = ...
+  if not fine and type(what) == "string" and what:find "^[^\n]-:%d+: " and not what:find(INSIDE) then error(what, 0) end
+  return finish(fine, ...)
+end
+
+--- f, which calls a method written in C, with the position of its caller in place of one inside these modules.
+function M.relay(f)
+  return function(...) return relay(pcall(f, ...)) end
+end
+
 return M

@@ -12,30 +12,35 @@ local function last(system, options, rule, n)
   return path.q[#path]
 end
 
--- the largest h at which a pilot sees the motion, and its next halves too (a coarse end may be near by chance); nil: at none
+-- the largest h at which a pilot sees the motion, and its next halves too (a coarse end may be near by chance); nil: at none, and a refusal
 local function coarsest(system, options, rule)
-  local before, good, first, n = nil, 0, nil, FEWEST
+  local before, good, first, n, wrong = nil, 0, nil, FEWEST, nil
   while n <= MOST do
     local fine, q = pcall(last, system, options, rule, n)
     if not fine and type(q) == "table" and q.code == "stopped" then error(q, 0) end
+    wrong = wrong or not fine and type(q) == "string" and q or nil
     local near = fine and before and (q - before):norm() <= SHOWN * (q:norm() + 1e-300)
     good = near and good + 1 or 0
     if good == 1 then first = n / 2 end
     if good == PATIENCE then return options.t / first end
     before, n = fine and q or nil, 2 * n
   end
+  return nil, wrong
 end
 
 --- A list of steps for the run of a chart; raises where a pilot run does not settle.
 function M.find(system, options)
+  local refused = nil  -- by the first pilot: a start that no rule takes
   for _, rule in ipairs(PILOTS) do
-    local h = coarsest(system, options, rule)
+    local h, wrong = coarsest(system, options, rule)
+    refused = refused or rule == PILOTS[1] and wrong
     if h then
       local out = {}
       for i = 1, COUNT do out[i] = h / 2 ^ (i - 1) end
       return out
     end
   end
+  if refused and not refused:find("degenerate", 1, true) then error(refused, 0) end
   error("dm.chart: no steps were given, and pilot runs with gauss(2) did not settle over t = "
     .. ("%g: give steps, h = { 0.1, 0.05, 0.025 }, or a shorter t"):format(options.t), 0)
 end

@@ -30,7 +30,7 @@ local KNOWN = { action = true, points = true, cross_section = true, branch = tru
 local function point(z, m, what)
   if m == 1 and (type(z) == "number" or not pcall(function() return #z end)) then z = { z } end
   local fine, v = pcall(function() return type(z) == "table" and core.vector(z) or z end)
-  if not fine or #v ~= m then error(("%s must have %d entries"):format(what, m), 0) end
+  if not fine or not pcall(function() return #v end) or #v ~= m then error(("%s must have %d entries"):format(what, m), 0) end
   for j = 1, m do
     if type(v[j]) == "number" and not (math.abs(v[j]) < math.huge) then
       error(("%s is not finite: entry %d is %s"):format(what, j, tostring(v[j])), 0)
@@ -97,7 +97,10 @@ M.point, M.points_of, M.flat, M.split, M.moved, M.section = point, points_of, fl
 local function check_options(o)
   if type(o) ~= "table" then error("dm.moving_frame takes a table { action =, points =, cross_section = }", 0) end
   for key in pairs(o) do
-    if not KNOWN[key] then error(("dm.moving_frame: unknown option '%s'"):format(tostring(key)), 0) end
+    if not KNOWN[key] then
+      error(("dm.moving_frame: unknown option '%s'; options are action, points, cross_section, branch, solution, start, name, invariants")
+        :format(tostring(key)), 0)
+    end
   end
   if not actions.is_action(o.action) then error("dm.moving_frame: field 'action' must be a dm.action", 0) end
   if type(o.cross_section) ~= "function" then
@@ -120,7 +123,7 @@ local function base_of(o)
     action, k = action.base, action.points
   end
   k = k or 1
-  if not math.tointeger(k) or k < 1 or k > 16 then
+  if type(k) ~= "number" or not math.tointeger(k) or k < 1 or k > 16 then
     error("dm.moving_frame: field 'points' must be a whole number from 1 to 16", 0)
   end
   return action, math.tointeger(k)

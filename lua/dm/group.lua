@@ -243,13 +243,13 @@ Is g an element: of the right shape, finite, and on the group to 1e-9?]==])
 
 -- the method `momentum` of a class, which asks `other` when its argument is a dm.action
 local function also_of_actions(class, other, signature)
-  local standard = debug.getregistry()[class].methods.momentum
-  local doc = core.docs[standard]:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
-  core.method(class, "momentum", function(object, action, ...)
+  local momentum = debug.getregistry()[class].methods.momentum
+  local doc = core.docs[momentum]:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
+  core.method(class, "momentum", blame.relay(function(object, action, ...)
     local meta = type(action) == "table" and getmetatable(action)
-    if not meta or meta.__name ~= "dm.action" then return standard(object, action, ...) end
+    if not meta or meta.__name ~= "dm.action" then return momentum(object, action, ...) end
     return other(object, action, ...)
-  end, doc)
+  end), doc)
 end
 
 -- J of a point of one or several blocks of the size the action has

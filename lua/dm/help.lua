@@ -200,6 +200,16 @@ local function method_of_class(name)
   return methods and methods[method]
 end
 
+-- "shape.lift", "rho:check", "problem.solve": the doc that writes itself so, where the word before the dot is no class
+local function as_written(name)
+  local owner, method = name:match "^([%a_]+)[.:]([%w_]+)$"
+  if not owner then return nil end
+  local start = owner .. ":" .. method
+  for line, doc in pairs(all_docs()) do
+    if line:sub(1, #start) == start and line:find("^[%({]", #start + 1) then return doc end
+  end
+end
+
 local function help_name(name)
   if topics[name] then return topics[name]() end
   local same_name = docs[name] and require "dm.complete".look_up(name)
@@ -215,6 +225,8 @@ local function help_name(name)
       return write(rule.signature or name, "\n", wrapped(rule.doc or "", text_width(), "  "))
     end
   end
+  local written = as_written(name)
+  if written then return write(shown_doc(written)) end
   M.apropos(name)
 end
 

@@ -1,4 +1,5 @@
 --- Methods of reduction, by name and doc; their modules are loaded when one is first called.
+local blame = require "dm.blame"
 local core = require "dm.core"
 
 local function late(module, name)
@@ -117,19 +118,19 @@ shape:slice(what, {from=, to=, points=, t=}) -> list of series for dm.plot
 coordinate that changes most: dm.plot(shape:slice("curvature", { from = a, to = b }), { file = "curvature.png" }).]])
 
 -- rsprk(rule) is one more name of a rule, of reduced systems
-local plain, run
+local solver, run
 for f, doc in pairs(core.docs) do
-  if type(f) == "function" and doc:find("system:solver{", 1, true) == 1 then plain = f end
+  if type(f) == "function" and doc:find("system:solver{", 1, true) == 1 then solver = f end
   if type(f) == "function" and doc:find("solver:run{", 1, true) == 1 then run = f end
 end
 
-local function solver(system, options)
+local function of_rule(system, options)
   local rule = type(options) == "table" and options.rule
-  if type(rule) == "string" and rule:find "^%s*rsprk" then return require "dm.routh_solver".solver(plain, system, options) end
-  return plain(system, options)
+  if type(rule) == "string" and rule:find "^%s*rsprk" then return require "dm.routh_solver".solver(solver, system, options) end
+  return solver(system, options)
 end
 
-core.method("dm.system", "solver", require "dm.blame".caller(solver), core.docs[plain] .. [[
+core.method("dm.system", "solver", blame.relay(of_rule), core.docs[solver] .. [[
 
 Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps as `rule`, whose p is s + mu A.]])
 
@@ -142,7 +143,7 @@ local function guarded(solver, options)
   return run(solver, options)
 end
 
-core.method("dm.solver", "run", require "dm.blame".caller(guarded), core.docs[run] .. [[
+core.method("dm.solver", "run", blame.relay(guarded), core.docs[run] .. [[
 
 A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes; also raised where a step jumped through such a shape), "pole" or
 "edge" of the coordinates.]])

@@ -155,6 +155,14 @@ local LARGEST = 200  -- growth of ln |tangent vector| within a block: far from o
 
 -- the tangent vector: given, or one without symmetry, made a unit vector
 local function first_vector(options, n)
+  for _, name in ipairs { "u", "dp" } do
+    local given = options[name]
+    local kind = type(given) == "userdata" and (getmetatable(given) or {}).__name or type(given)
+    if given ~= nil and ((kind ~= "table" and kind ~= "dm.vector") or #given ~= n) then
+      error(("solver:lyapunov: option '%s' must be a vector or table of %d numbers (got %s)"):format(name, n,
+        (kind == "table" or kind == "dm.vector") and #given or kind), 0)
+    end
+  end
   local u, dp = options.u or {}, options.dp or {}
   local out = {}
   for i = 1, n do

@@ -25,7 +25,9 @@ static const dm_method *read_rule(lua_State *L, int at, dm_rule *nodes) {
     const char *text = luaL_tolstring(L, -1, NULL);
     const dm_method *method = wrong ? NULL : dm_method_find(nodes[0].name, &nearest);
     if (wrong) luaL_error(L, "field 'rule': '%s': %s", text, wrong);
-    if (!method) luaL_error(L, "unknown rule '%s'; did you mean '%s'?", text, nearest);
+    if (!method && nearest)
+        luaL_error(L, "unknown rule '%s'; did you mean '%s'?", text, nearest);
+    if (!method) luaL_error(L, "unknown rule '%s'; ?rules lists them", text);
     wrong = method->check ? method->check(nodes) : NULL;
     if (wrong)
         luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong,

@@ -32,12 +32,26 @@ static int distance(const char *a, const char *b) {
     return row[length];
 }
 
+/* what others call a rule that is here, or NULL */
+static const char *usual_name(const char *name) {
+    static const char *const others[][2] = {
+        {"leapfrog", "verlet"}, {"stoermer-verlet", "verlet"}, {"stormer-verlet", "verlet"},
+        {"strang", "verlet"}, {"euler", "symplectic-euler"}, {"implicit-midpoint", "midpoint"},
+        {"rk45", "rkf45"}, {"ruth", "yoshida"}};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        if (strcmp(name, others[i][0]) == 0) return others[i][1];
+    return NULL;
+}
+
 const dm_method *dm_method_find(const char *name, const char **nearest) {
-    int best = DM_RULE_NAME + 1;
+    const int length = (int)strlen(name);
+    const char *usual = usual_name(name);
+    int best = usual ? 0 : 2 + length / 4; /* further away is no misprint */
+    if (nearest) *nearest = usual;
     for (const dm_method *const *m = dm_methods; *m; m++) {
         if (strcmp((*m)->name, name) == 0) return *m;
         const int d = distance(name, (*m)->name);
-        if (d < best) {
+        if (d < best && d < length) {
             best = d;
             if (nearest) *nearest = (*m)->name;
         }

@@ -77,7 +77,8 @@ static void survives_any_bytes(void) {
 static void finds_every_method_and_the_nearest_name(void) {
     static const char *const wrong[][2] = {
         {"verlot", "verlet"},   {"Gauss", "gauss"}, {"mid-point", "midpoint"},
-        {"labatto", "lobatto"}, {"rk8dp", "rk8pd"}, {"trapezoid", "trapezoidal"}};
+        {"labatto", "lobatto"}, {"rk8dp", "rk8pd"}, {"trapezoid", "trapezoidal"},
+        {"leapfrog", "verlet"}, {"rk45", "rkf45"}, {"euler", "symplectic-euler"}};
     for (const dm_method *const *m = dm_methods; *m; m++) {
         CHECK(dm_method_find((*m)->name, NULL) == *m);
         CHECK((*m)->doc && (*m)->signature && (*m)->check && (*m)->order && (*m)->wants);
@@ -89,6 +90,8 @@ static void finds_every_method_and_the_nearest_name(void) {
         CHECK(dm_method_find(wrong[i][0], &nearest) == NULL);
         CHECK(nearest && strcmp(nearest, wrong[i][1]) == 0);
     }
+    const char *none = "verlet";
+    CHECK(dm_method_find("foo", &none) == NULL && none == NULL);
 }
 
 /* 1 when the method refuses the arguments of this rule */

@@ -132,13 +132,15 @@ completes("io.open('" .. home .. "/some_f", "io.open('" .. home .. "/some_file.c
 
 -- help
 text = session { "?dm.solver", "?", "help 'keys'", "?dm.path", "?string.find", "apropos 'legendre'", "x = 4", "who()",
-  "help(nil)" }
+  "help(nil)", "?rho.invariantize", "?problem:solve" }
 has(text, "dm.solver{system, rule=", "?x prints the doc")
 has(text, 'apropos "word"', "? lists the topics")
 has(text, "a trailing ; evaluates without printing", "help 'keys'")
 has(text, "path:drift", "a class lists its methods")
 has(text, "reference manual section 6.4", "standard functions name their section")
 has(text, "system:legendre(q, v [, t])", "apropos finds")
+has(text, "Every solver takes the new Ld", "a method as the docs write it, where no class has the name")
+has(text, "The sequence of n points", "also with a colon")
 has(text, "x  4", "who")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 

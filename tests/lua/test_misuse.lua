@@ -1,0 +1,53 @@
+-- errors name the line of the script that called, whoever wraps the method, and say what is wrong
+local tap = require "tap"
+local dm = require "dm"
+local ok, raises = tap.ok, tap.raises
+
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local solver = kepler:solver { rule = "gauss(2)", h = 0.5 }
+local path = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 2 }
+
+local function here() return debug.getinfo(2, "l").currentline end
+local function message(f)
+  local _, what = pcall(f)
+  return tostring(what), what
+end
+local function told(line, words, f, name)
+  local text = message(f)
+  ok(text:find("test_misuse.lua:" .. line .. ": " .. words, 1, true) and not text:find("lua/dm/", 1, true), name .. ": the caller's line", text)
+end
+
+told(here(), "field 'q' must have 2 entries", function() local _ = solver:run { q = { 1 }, v = { 0, 1 }, steps = 1 } end, "solver:run")
+told(here(), "unknown rule 'verlett'", function() local _ = kepler:solver { rule = "verlett", h = 1 } end, "system:solver")
+told(here(), "SO(3) has no standard action", function() local _ = path:momentum(dm.SO(3)) end, "path:momentum")
+told(here(), "gauss(2): the step equation", function() local _ = solver:run { q = { 0.1, 0 }, v = { 0, 0 }, t = 10 } end, "a failure")
+local function go(q) return solver:run { q = q, v = { 0, 1 }, steps = 1 } end
+told(here(), "field 'q' must have 2 entries", function() local _ = go { 1 } end, "a run in a tail call")
+local text, failure = message(function() local _ = solver:run { q = { 0.1, 0 }, v = { 0, 0 }, t = 10 } end)
+ok(failure.code == "no_convergence" and failure.path and text == failure.message, "a failure stays one, with its path", text)
+told(here() + 1, "oops", function()
+  local _ = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1, watch = { r = function() error "oops" end } }
+end, "an error of the user's own function")
+raises("bad argument #1 to 'run'", function() local _ = solver.run { q = { 1, 0 } } end)
+raises("bad argument #1 to 'solver'", function() local _ = kepler.solver { rule = "verlet", h = 1 } end)
+
+-- what is wrong, not what follows from it
+raises("test_misuse.lua:" .. here() .. ": oops", function() kepler:routh { mu = 1, action = function() error "oops" end } end)
+raises("attempt to index a number value", function() kepler:routh { mu = 1, action = function(th, q) return { q[1] + th[1], q[2] } end } end)
+raises("L is infinite at the start", function() kepler:chart { q = { 0, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" } } end)
+raises("field 'q' must have 2 entries", function() kepler:chart { q = { 1 }, v = { 0, 1 }, t = 1, rules = { "verlet" } } end)
+raises("option 'u' must be a vector or table of 2 numbers (got 3)", function() solver:lyapunov { q = { 1, 0 }, v = { 0, 1 }, t = 1, u = { 1, 0, 0 } } end)
+raises("option 'dp' must be a vector or table of 2 numbers (got string)",
+  function() solver:lyapunov { q = { 1, 0 }, v = { 0, 1 }, t = 1, dp = "x" } end)
+raises("did you mean 'verlet'", function() kepler:solver { rule = "leapfrog", h = 1 } end)
+ok(not message(function() kepler:solver { rule = "foo", h = 1 } end):find "did you mean", "no guess where nothing is near")
+raises("unknown rule 'foo'; ?rules", function() dm.discrete_lagrangian(kepler, { rule = "foo", h = 1 }) end)
+
+local moved = dm.action { group = dm.SE(2), on = dm.R(2) }
+local function section(a, b) return { a[1], a[2], b[2] } end
+raises("'points' must be a whole number", function() dm.moving_frame { action = moved, points = "2", cross_section = section } end)
+raises("unknown option 'section'; options are", function() dm.moving_frame { action = moved, section = section } end)
+local rho = dm.moving_frame { action = moved, points = 2, cross_section = section, branch = function(_, b) return b[1] end }
+raises("point 1 must have 2 entries", function() rho(1, 2) end)
+
+tap.done()
