@@ -15,6 +15,13 @@ local function finish(fine, ...)
   error(message, 2)  -- the caller: finish took its place by a tail call
 end
 
+--- Is it what Ctrl-C raises, in a C loop or between two instructions of Lua? What runs things under pcall passes it on.
+function M.is_stop(failure)
+  if type(failure) == "string" then return failure:find("interrupted!", 1, true) ~= nil end
+  local fine, code = pcall(function() return failure.code end)
+  return fine and code == "stopped"
+end
+
 --- f, with the position of its caller in its error messages, those of a dm.failure too; other error values pass as they are.
 function M.caller(f)
   return function(...) return finish(pcall(f, ...)) end

@@ -109,7 +109,7 @@ end
 -- a failure belongs into the chart: it says where a rule stops working
 local function try_point(chart, entry, h, points)
   local fine, point = pcall(measure, chart, entry, h)
-  if not fine and type(point) ~= "string" and point.code == "stopped" then error(point, 0) end
+  if not fine and blame.is_stop(point) then error(point, 0) end
   if fine and point.error == point.error and point.error < math.huge then
     points[#points + 1] = point
   elseif points == chart.points then
@@ -347,6 +347,10 @@ local function measure_all(chart, entry, points)
     local fine, failure = pcall(try_point, chart, entry, h, points)
     core.unpin(pinned)
     if not fine then
+      if type(failure) == "string" and blame.is_stop(failure) then
+        failure = setmetatable({ code = "stopped", message = "dm.chart: stopped on request; what is there is in the failure's field chart" },
+          debug.getregistry()["dm.failure"])
+      end
       if type(failure) == "table" then failure.chart = chart end
       error(failure, 0)
     end

@@ -1,4 +1,5 @@
 --- The steps of a chart for which none were given: from the coarsest that still shows the motion, by halves.
+local blame = require "dm.blame"
 local M = {}
 
 local SHOWN, COUNT = 0.03, 7             -- relative change of the end when a step is halved; how many steps
@@ -17,7 +18,7 @@ local function coarsest(system, options, rule)
   local before, good, first, n, wrong = nil, 0, nil, FEWEST, nil
   while n <= MOST do
     local fine, q = pcall(last, system, options, rule, n)
-    if not fine and type(q) == "table" and q.code == "stopped" then error(q, 0) end
+    if not fine and blame.is_stop(q) then error(q, 0) end
     wrong = wrong or not fine and type(q) == "string" and q or nil
     local near = fine and before and (q - before):norm() <= SHOWN * (q:norm() + 1e-300)
     good = near and good + 1 or 0

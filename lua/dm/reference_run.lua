@@ -1,4 +1,5 @@
 --- A reference path that is itself checked: two unlike methods, refined until they agree.
+local blame = require "dm.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -42,8 +43,8 @@ local function refine(chart, rule)
     local start = core.cpu()
     local fine, path = pcall(run, chart, rule, h)
     took = core.cpu() - start
+    if not fine and blame.is_stop(path) then error(path, 0) end
     if not fine and type(path) == "string" then return nil, path end
-    if not fine and path.code == "stopped" then error(path, 0) end
     if fine and last then
       local now = apart(path, last)
       if change and (now < 1e-14 or (now < 1e-10 and now > NOT_SMALLER * change)) then

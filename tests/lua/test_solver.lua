@@ -197,4 +197,22 @@ for _ = 1, 200 do
 end
 ok(found > 185, "long midpoint steps: nearly all are solved", found)
 ok(off < 1e-12, "and solve the equation of the step", off)
+
+-- errors of runs name the line of the script: of a string, of a failure with a path, and not at all where a module called
+local function line() return debug.getinfo(2, "l").currentline end
+local here
+local _, word = pcall(function()
+  here = line() + 1
+  local p = kepler:solver { rule = "verlet", h = 0.1 }:run { q = start.q, v = start.v, stepz = 3 }
+  return p
+end)
+ok(word:find(("test_solver.lua:%d: unknown field 'stepz'"):format(here), 1, true), "misuse of run is told with the line that called", word)
+local quick = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + q[1] ^ 3 / 3 end }
+local _, lost = pcall(function()
+  here = line() + 1
+  local p = quick:solver { rule = "midpoint", h = 3 }:run { q = { 1 }, v = { 0 }, steps = 3 }
+  return p
+end)
+ok(lost.code == "no_convergence" and lost.message:find(("test_solver.lua:%d: midpoint"):format(here), 1, true), "and so is a run that fails", lost)
+
 tap.done()

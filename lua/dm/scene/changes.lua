@@ -122,6 +122,7 @@ local function stiff_changes(problem, out)
       local function slope(s) return U:gradient(with(model, i, s), problem.v, problem.t0)[i] end
       local function curve(s) return U:hessian(with(model, i, s), problem.v, problem.t0)[i][i] end
       local fine, s = pcall(function() return U and zero_near(slope, curve, problem.q[i]) end)
+      if not fine then pilot.pass_stop(s) end
       return fine and s and curve(s) < 0 and held(model, i, s, "where its own potential is least") or nil
     end
   end
@@ -194,6 +195,7 @@ local function by_size(model)
   local along = states(model)
   for k, unit in ipairs(problem.units) do
     local fine, size = pcall(size_of, unit, problem.n, along)
+    if not fine then pilot.pass_stop(size) end
     sizes[k], order[k] = fine and size or math.huge, k
   end
   table.sort(order, function(a, b) return sizes[a] < sizes[b] or (sizes[a] == sizes[b] and a < b) end)

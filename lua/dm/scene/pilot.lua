@@ -1,4 +1,5 @@
 --- Pilot runs of a scene: a model stepped N times over the whole time, what is watched at given times, distances between such records.
+local blame = require "dm.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -17,7 +18,7 @@ end
 
 --- A failure that only the person at the keyboard can mean is passed on.
 function M.pass_stop(failure)
-  if type(failure) ~= "string" and failure.code == "stopped" then error(failure, 0) end
+  if blame.is_stop(failure) then error(failure, 0) end
 end
 
 local REFUSALS = { "cannot step this system", "needs a regular Lagrangian", "^field 'rule'" }
@@ -125,6 +126,7 @@ function M.frequency(model, term)
     local H = core.trace(L, n, n, "number"):hessian(start.q, start.v, start.t0)
     return stiffness(H, term and term:hessian(start.q, start.v, start.t0) or H, n)
   end)
+  if not fine then M.pass_stop(squared) end
   return fine and squared == squared and math.sqrt(squared) or 0
 end
 
