@@ -4,7 +4,7 @@ local linear = require "dm.frame_linear"
 
 local M = {}
 
-local abs, max = math.abs, math.max
+local abs = math.abs
 
 local ILL = 50 -- condition number of J psi beyond which round-off is all that would be measured
 
@@ -15,11 +15,17 @@ local function element_near(frame, next_number)
   return frame.group:exp(core.vector(xi))
 end
 
--- largest distance between lists of points, relative to their size
-local function defect(a, b)
-  local worst = 0
+-- the larger one; a NaN stays
+local function larger(a, b) return (b <= a or a ~= a) and a or b end
+
+-- largest distance between lists of points, relative to their size; angles by the circle
+local function defect(frame, a, b)
+  local worst, angles = 0, frame.action.angles
   for i = 1, #a do
-    for j = 1, #a[i] do worst = max(worst, abs(a[i][j] - b[i][j]) / (1 + abs(a[i][j]))) end
+    for j = 1, #a[i] do
+      local d = a[i][j] - b[i][j]
+      worst = larger(worst, angles[j] and 2 * abs(math.sin(d / 2)) or abs(d) / (1 + abs(a[i][j])))
+    end
   end
   return worst
 end
@@ -61,8 +67,8 @@ local function sample(frame, seed)
   local probe = linear.sample(frame, seed + 500, 2)
   local out = { condition = condition }
   -- rho(h z) h = rho(z), seen by what they do to points
-  out.equivariance = defect(F.moved(frame, g, probe), F.moved(frame, g2, F.moved(frame, h, probe)))
-  out.invariance = defect(there, there2)
+  out.equivariance = defect(frame, F.moved(frame, g, probe), F.moved(frame, g2, F.moved(frame, h, probe)))
+  out.invariance = defect(frame, there, there2)
   -- an invariant function is its own invariantization
   local f, again = test_function(there), test_function(F.moved(frame, F.element(frame, there), there))
   out.replacement = abs(f - again) / (1 + abs(f))
@@ -90,7 +96,7 @@ function M.run(frame, options)
     if not fine then last = got end
     if fine and got then
       found = found + 1
-      for key, value in pairs(got) do worst[key] = max(worst[key] or 0, value) end
+      for key, value in pairs(got) do worst[key] = larger(worst[key] or 0, value) end
     end
     if found == wanted then break end
   end
@@ -99,7 +105,7 @@ function M.run(frame, options)
   end
   local largest = 0
   for key, value in pairs(worst) do
-    if key ~= "condition" then largest = max(largest, value) end
+    if key ~= "condition" then largest = larger(largest, value) end
   end
   worst.samples = found
   return largest, worst

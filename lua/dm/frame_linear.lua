@@ -192,11 +192,15 @@ function M.phantom(frame, count)
   return out
 end
 
--- largest |a - b| over lists of points
-local function apart(a, b)
+-- largest |a - b| over lists of points, NaN when there is one; entries of `angles` by the circle
+local function apart(a, b, angles)
   local worst = 0
   for i = 1, #a do
-    for j = 1, #a[i] do worst = max(worst, abs(a[i][j] - b[i][j])) end
+    for j = 1, #a[i] do
+      local d = a[i][j] - b[i][j]
+      d = angles and angles[j] and 2 * abs(math.sin(d / 2)) or abs(d)
+      if not (d <= worst) and worst == worst then worst = d end
+    end
   end
   return worst
 end
@@ -223,7 +227,7 @@ function M.syzygies(frame, list, velocities)
   local shifted = { table.unpack(list, 2) }
   local left = F.moved(frame, F.element(frame, shifted), shifted)
   local right = F.moved(frame, P, { table.unpack(there, 2) })
-  local out = { shift = apart(left, right) }
+  local out = { shift = apart(left, right, frame.action.angles) }
   if velocities then
     local _, change = M.derivative_correction(frame, list, velocities)
     out.derivative = apart(change, through_the_graph(frame, list, velocities))

@@ -50,6 +50,11 @@ for _, case in ipairs(cases) do
   ok(what.shift ~= nil and what.derivative ~= nil, case[1] .. ": both corrections were compared")
 end
 
+-- angles are compared by the circle: which turn the root is found in does not matter
+local torus = frame { action = dm.action { group = dm.T(1), on = dm.T(2), map = function(g, z) return { z[1] + g[1], z[2] + 2 * g[1] } end },
+  cross_section = function(z) return sin(z[1]) end, branch = function(z) return cos(z[1]) end }
+ok(torus:check { samples = 40 } < 1e-12, "a frame on the torus", torus:check { samples = 40 })
+
 -- given = solved, as what they do to points
 local given = {
   { cases[1][2], function(w) return -atan(w:dot(w) - 1, 2 * w[2]) end },
