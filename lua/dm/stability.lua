@@ -261,7 +261,7 @@ end)
 local doc_stability = [[
 dm.stability{system=, q=, v= | p=, rule= | rules=, h=, steps= | t=, k=, ..., watch=, inside=, drift=, chaos=, refine=, ...} -> dm.stability_map
 Where does a method fail? A map over the step h and up to two parameters of any name. An axis is {least, largest, count, "log" | "linear"}, a
-list of growing numbers or one number. A parameter is an argument of that name of the function that makes the system (system =
+list of growing numbers (three numbers without the word are one, too) or one number. A parameter is an argument of that name of the function that makes the system (system =
 function(k) return dm.system{...} end), or of functions q, v, p that give the start, or is among the params of a system. Every cell is run
 in C, on all cores, over the same number of steps or the same duration t, and told apart by its rows: bounded, drifting (a slope of the energy
 above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy), chaotic (MEGNO above 4, by the exact tangent map;

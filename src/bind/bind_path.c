@@ -58,12 +58,11 @@ static void add_grouped(luaL_Buffer *b, long n) {
     }
 }
 
-/* ": energy 6.4e-05 bounded, no drift" or with the drift; nothing when there is no energy
- */
-static void add_energy(lua_State *L, luaL_Buffer *b, const double *E, const dml_path *p) {
+/* ": energy off by 6.4e-05, no drift" or with the drift; how much it changes where the
+** system does not keep it */
+static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int keeps) {
     char text[128];
     dm_drift d;
-    (void)L;
     for (long i = 0; i < p->rows; i++) {
         if (isfinite(E[i])) continue;
         luaL_addstring(b, ": energy beyond all bounds");
@@ -71,7 +70,9 @@ static void add_energy(lua_State *L, luaL_Buffer *b, const double *E, const dml_
     }
     dm_drift_fit(&d, p->data, dml_path_width(p), E, p->rows);
     const double change = fabs(d.slope) * (p->t - p->t0);
-    if (change > 3 * d.error * (p->t - p->t0) && change > 1e-14 * fabs(d.mean))
+    if (!keeps)
+        snprintf(text, sizeof text, ": energy changes by up to %.2g", d.largest);
+    else if (change > 3 * d.error * (p->t - p->t0) && change > 1e-14 * fabs(d.mean))
         snprintf(text, sizeof text, ": energy off by %.2g, drift %.2g per unit of time",
                  d.largest, d.slope);
     else
@@ -107,13 +108,24 @@ static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
     luaL_addvalue(b);
 }
 
+/* does the exact motion keep the energy: no time in L, no force? */
+static int keeps_energy(lua_State *L, int system) {
+    if (dml_checksystem(L, system)->hyperdual) return 1;
+    const dm_model *m = &dml_pushmodel(L, system)->model;
+    const int keeps = (m->structure & DM_AUTONOMOUS) && !(m->ties && m->ties->forced);
+    lua_pop(L, 1);
+    return keeps;
+}
+
 static int path_tostring(lua_State *L) {
     const dml_path *p = check(L);
     char text[128];
     luaL_Buffer b;
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
-    const int pair = dml_checksystem(L, -1)->pair;
+    const int system = lua_gettop(L);
+    const int pair = dml_checksystem(L, system)->pair;
     const double *E = pair ? NULL : try_energy(L, p);
+    const int keeps = E && keeps_energy(L, system);
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "path of ");
     add_grouped(&b, p->steps);
@@ -123,7 +135,7 @@ static int path_tostring(lua_State *L) {
     luaL_addstring(&b, text);
     snprintf(text, sizeof text, " (%.3g ns/step)", p->ns_per_step);
     if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
-    if (E) add_energy(L, &b, E, p);
+    if (E) add_energy(&b, E, p, keeps);
     add_columns(L, &b, p);
     luaL_pushresult(&b);
     return 1;

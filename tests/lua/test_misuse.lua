@@ -49,5 +49,18 @@ raises("'points' must be a whole number", function() dm.moving_frame { action = 
 raises("unknown option 'section'; options are", function() dm.moving_frame { action = moved, section = section } end)
 local rho = dm.moving_frame { action = moved, points = 2, cross_section = section, branch = function(_, b) return b[1] end }
 raises("point 1 must have 2 entries", function() rho(1, 2) end)
+raises("\"picture\" is every coordinate and stands alone", function()
+  dm.scene { system = kepler, q = { 1, 0 }, v = { 0, 1 }, watch = { "picture" }, tolerance = 1e-3, until_t = 1 }
+end)
+
+-- an energy that the motion does not keep is not "off"
+local function energy_of(o)
+  o.Q = dm.R(1)
+  return tostring(dm.system(o):solver({ rule = "gauss(2)", h = 0.1 }):run { q = { 1 }, v = { 0 }, t = 2 }):match "energy %a+"
+end
+local function L(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 end
+ok(energy_of { L = L } == "energy off", "energy off: where it is kept")
+ok(energy_of { L = L, force = function(_, v) return -v end } == "energy changes", "energy changes: by a force")
+ok(energy_of { L = function(q, v, t) return L(q, v) + q[1] * math.cos(t) end } == "energy changes", "energy changes: by time")
 
 tap.done()

@@ -45,6 +45,7 @@ local function functions(problem, watch)
     fail("option 'watch' says what is looked at: { \"theta\", r = function(q, v, t, p) ... end }, or \"picture\" (got %s)", type(watch))
   end
   for key, value in pairs(watch) do
+    if value == "picture" then fail("option 'watch': \"picture\" is every coordinate and stands alone: watch = \"picture\", in no list") end
     if type(value) == "string" then
       out[value] = of_name(problem, value)
     elseif type(key) == "string" and type(value) == "function" then
