@@ -157,8 +157,9 @@ local function least(values)
   return out
 end
 
--- where Newton's method begins, in turn: the identity, and a quarter, a half and a whole turn's worth from it along every axis
-local TURNS = { 1.6, -1.6, 3.1, 0.7, -0.7, -2.4, 2.4 }
+-- where Newton's method begins, in turn: the identity, a quarter, a half and a whole turn's worth from it along every axis, and, where one axis
+-- is not enough (SO(4), SL(3)), elements that are spread over the group, always the same
+local TURNS, SPREAD = { 1.6, -1.6, 3.1, 0.7, -0.7, -2.4, 2.4 }, 8
 local function beginnings(G, r)
   local out = { linear.entries(G:flat(G:identity())) }
   for _, angle in ipairs(TURNS) do
@@ -168,6 +169,8 @@ local function beginnings(G, r)
       out[#out + 1] = linear.entries(G:flat(G:exp(core.vector(xi))))
     end
   end
+  local stream = core.random(5)
+  for i = 1, r > 3 and SPREAD or 0 do out[#out + 1] = linear.entries(G:flat(G:random(stream, i, 1))) end
   return out
 end
 
@@ -201,7 +204,7 @@ The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`p
 action:on_pairs(), a tangent or jet action with one): the group element g with cross_section(g z1, ..., g zk) = 0, which
 gives as many numbers as the group has dimensions. branch(z1, ..., zk) gives a number (or several) that must be > 0 on the section, where the
 equations have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for (dm.root) from `start`: flat coordinates, or a function of the points
-that gives an element (default: from the identity and turns about every axis). A solution is trusted inside of runs; a root looks at branch and transversality every time. invariants: names for entries, {name = {point, entry}}, which dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
+that gives an element (default: from the identity, turns about every axis and a few elements spread over the group). A solution is trusted inside of runs; a root looks at branch and transversality every time. invariants: names for entries, {name = {point, entry}}, which dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
 exists. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent, correction, derivative_correction,
 syzygies, check.]]
 

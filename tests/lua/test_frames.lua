@@ -50,6 +50,12 @@ for _, case in ipairs(cases) do
   ok(what.shift ~= nil and what.derivative ~= nil, case[1] .. ": both corrections were compared")
 end
 
+-- turns about one axis do not lead Newton's method to every branch
+local four = frame { action = dm.action { group = dm.SO(4), on = dm.R(4) }, points = 3,
+  cross_section = function(a, b, c) return { a[2], a[3], a[4], b[3], b[4], c[4] } end, branch = function(a, b, c) return { a[1], b[2], c[3] } end }
+local J = four:invariants { { -2.22301, 1.32716, -7.0793, 3.7693 }, { -0.120669, -2.09878, 1.9013, -2.09676 }, { 2.43149, -3.03629, -2.55405, -2.969 } }
+near(J[1][1], dm.vector { -2.22301, 1.32716, -7.0793, 3.7693 }:norm(), 1e-13, "a frame of SO(4) far from the identity")
+
 -- angles are compared by the circle: which turn the root is found in does not matter
 local torus = frame { action = dm.action { group = dm.T(1), on = dm.T(2), map = function(g, z) return { z[1] + g[1], z[2] + 2 * g[1] } end },
   cross_section = function(z) return sin(z[1]) end, branch = function(z) return cos(z[1]) end }
