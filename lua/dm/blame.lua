@@ -30,8 +30,10 @@ end
 -- the same around a method written in C, which puts a position in front itself: that of a function of the user stays alone
 local function relay(fine, ...)
   local what = ...
-  if not fine and type(what) == "string" and what:find "^[^\n]-:%d+: " and not what:find(INSIDE) then error(what, 0) end
-  return finish(fine, ...)
+  if fine or type(what) ~= "string" then return finish(fine, ...) end
+  if what:find "^[^\n]-:%d+: " and not what:find(INSIDE) then error(what, 0) end
+  local method = what:match "bad argument #1 to '(%w+)' %(dm%."
+  return finish(fine, method and ("%s; a method is called with a colon, x:%s(...)"):format(what, method) or what)
 end
 
 --- f, which calls a method written in C, with the position of its caller in place of one inside these modules.

@@ -133,6 +133,14 @@ long dml_length(lua_State *L, int arg) {
     return dml_toscalar(L, arg, &x) ? 1 : -1;
 }
 
+/* the class of a value of dm, else its type in Lua */
+static const char *kind_of(lua_State *L, int arg) {
+    if (luaL_getmetafield(L, arg, "__name") == LUA_TNIL) return luaL_typename(L, arg);
+    const char *name = lua_tostring(L, -1); /* lives on in the metatable */
+    lua_pop(L, 1);
+    return name ? name : luaL_typename(L, arg);
+}
+
 /* entry i, or 0 with *type what stands there instead */
 static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x,
                       const char **type) {
@@ -143,7 +151,7 @@ static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x,
     luaL_checkstack(L, 4, NULL);
     lua_geti(L, arg, (lua_Integer)i + 1);
     const int there = dml_toscalar(L, -1, x);
-    *type = luaL_typename(L, -1);
+    *type = kind_of(L, -1);
     lua_pop(L, 1);
     return there;
 }

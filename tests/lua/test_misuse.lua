@@ -28,7 +28,7 @@ ok(failure.code == "no_convergence" and failure.path and text == failure.message
 told(here() + 1, "oops", function()
   local _ = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1, watch = { r = function() error "oops" end } }
 end, "an error of the user's own function")
-raises("bad argument #1 to 'run'", function() local _ = solver.run { q = { 1, 0 } } end)
+raises("a method is called with a colon, x:run(...)", function() local _ = solver.run { q = { 1, 0 } } end)
 raises("bad argument #1 to 'solver'", function() local _ = kepler.solver { rule = "verlet", h = 1 } end)
 
 -- what is wrong, not what follows from it
@@ -51,6 +51,9 @@ local rho = dm.moving_frame { action = moved, points = 2, cross_section = sectio
 raises("point 1 must have 2 entries", function() rho(1, 2) end)
 raises("\"picture\" is every coordinate and stands alone", function()
   dm.scene { system = kepler, q = { 1, 0 }, v = { 0, 1 }, watch = { "picture" }, tolerance = 1e-3, until_t = 1 }
+end)
+raises("entry 1 must be a number, got dm.vector", function()
+  dm.action { group = dm.GL(1), on = dm.R(2), map = function(g, z) return { g[1] * z[1], g[1] * z[2] } end }
 end)
 
 -- an energy that the motion does not keep is not "off"
