@@ -131,6 +131,13 @@ ok(worst < 1e-11, "a chaotic run: the angle between its rows is psi_mu", worst)
 raises("is the motion chaotic", function()
   spin:solver({ rule = "gauss(2)", h = 0.05 }):run({ q = { 2.5, 1.5, 2 }, v = { 0.3, -0.2, 0.1 }, steps = 8000, every = 1000 }):reconstruct()
 end)
+-- rows between steps: with the start before them the steps are known, without it they are not
+local function between(at)
+  return kept:solver({ rule = "gauss(2)", h = 0.05 }):run({ q = { 1, 0 }, v = { 0, 0.28 }, at = at }):reconstruct()
+end
+local whole = satellite:solver({ rule = "gauss(2)", h = 0.05 }):run { q = models.orbit.q, v = models.orbit.v, at = { 0, 0.111, 0.777 } }
+ok((between { 0, 0.111, 0.777 }.q[3] - whole.q[3]):norm() < 1e-13, "rows between steps are reconstructed", tostring(whole.q[3]))
+raises("let 'at' begin with the start", between, { 0.111, 0.777 })
 
 -- rules that are explicit on what is left
 local verlet = kept:solver({ rule = "verlet", h = 0.01 }):run { q = { 1, 0 }, v = { 0, 0.28 }, steps = 300 }:reconstruct()
