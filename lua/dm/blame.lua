@@ -4,14 +4,19 @@ local M = {}
 -- positions that error and C functions put in front, inside lua/dm
 local INSIDE = "^[^\n]-lua/dm/[%w_/]+%.lua:%d+: "
 
--- a dm.failure whose message names a line in here
-local function is_placed_inside(value) return type(value) == "table" and type(value.message) == "string" and value.message:find(INSIDE) end
+local PLACE = "^[^\n]-:%d+: "
+
+-- a dm.failure whose message names a line in here, or none
+local function is_misplaced(value)
+  local meta = type(value) == "table" and getmetatable(value)
+  return meta and meta.__name == "dm.failure" and (value.message:find(INSIDE) or not value.message:find(PLACE))
+end
 
 local function finish(fine, ...)
   if fine then return ... end
   local message = ...
   if type(message) == "string" then message = message:gsub(INSIDE, "") end
-  if is_placed_inside(message) then message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "") end
+  if is_misplaced(message) then message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "") end
   error(message, 2)  -- the caller: finish took its place by a tail call
 end
 
@@ -31,7 +36,7 @@ end
 local function relay(fine, ...)
   local what = ...
   if fine or type(what) ~= "string" then return finish(fine, ...) end
-  if what:find "^[^\n]-:%d+: " and not what:find(INSIDE) then error(what, 0) end
+  if what:find(PLACE) and not what:find(INSIDE) then error(what, 0) end
   local method = what:match "bad argument #1 to '(%w+)' %(dm%."
   return finish(fine, method and ("%s; a method is called with a colon, x:%s(...)"):format(what, method) or what)
 end

@@ -133,36 +133,30 @@ local function head(path, rows)
   return core.path { system = path.system, h = path.h, rule = path.rule, steps = rows - 1, columns = columns }
 end
 
-local function raise_jump(path, row, where)
+local function raise_jump(path, row)
   local step = math.floor((path.t[row] - path.t[1]) / path.h + 0.5)
   local failure = { code = "collapse", reason = "collapse", step = step, time = path.t[row - 1], rule = path.rule, path = head(path, row - 1),
-    message = where .. ("%s: step %d (t = %.6g) jumped through a shape at which the locked inertia vanishes (r = 0), which the momentum forbids: "
+    message = ("%s: step %d (t = %.6g) jumped through a shape at which the locked inertia vanishes (r = 0), which the momentum forbids: "
       .. "take smaller steps near it; the path up to there is in failure.path"):format(path.rule, step, path.t[row - 1]) }
   error(setmetatable(failure, debug.getregistry()["dm.failure"]), 0)
 end
 
-local function place()
-  local here = debug.getinfo(3, "Sl")
-  return here and here.currentline > 0 and ("%s:%d: "):format(here.short_src, here.currentline) or ""
-end
-
---- solver:run of a reduced system; plain is the method without this.
+--- solver:run of a reduced system; plain is the method without this. Positions are put in front by blame.
 function M.run(plain, solver, options)
-  local shape, where = solver.system, place()
+  local shape = solver.system
   local info = routh.info(shape)
   local fine, path = pcall(plain, solver, options)
   if not fine and type(path) == "string" then
     local unreduced = path:find(("must have %d entries (got %d)"):format(info.d, info.n), 1, true)
-    error(unreduced and path .. ": this system is reduced, and shape:start(q, v) gives the start below an unreduced one" or path, 2)
+    error(unreduced and path .. ": this system is reduced, and shape:start(q, v) gives the start below an unreduced one" or path, 0)
   end
   local failure = not fine and type(path) == "table" and path.message and path
   if not fine and not failure then error(path, 0) end
   if failure then path = failure.path end
   local row = path and is_suspect(path, info) and jump(path, shape)
-  if row then raise_jump(path, row, where) end
+  if row then raise_jump(path, row) end
   if failure then
     explain(shape, info, failure)
-    failure.message = where .. failure.message
     error(failure, 0)
   end
   return path

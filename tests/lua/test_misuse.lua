@@ -28,6 +28,10 @@ ok(failure.code == "no_convergence" and failure.path and text == failure.message
 told(here() + 1, "oops", function()
   local _ = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1, watch = { r = function() error "oops" end } }
 end, "an error of the user's own function")
+local polar = dm.system { Q = dm.R(2), L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 - math.log(q[1] - 0.5) * 3 end }
+local shape = polar:routh { mu = 0.01 }:solver { rule = "verlet", h = 1 }
+told(here(), "verlet: ", function() local _ = shape:run { q = { 1 }, v = { -3 }, t = 10 } end, "a reduced run")
+told(here(), "field 'q' must have 1 entries (got 2): this system is reduced", function() local _ = shape:run { q = { 1, 0 }, v = { 0, 0 }, t = 1 } end, "a reduced start")
 raises("a method is called with a colon, x:run(...)", function() local _ = solver.run { q = { 1, 0 } } end)
 raises("bad argument #1 to 'solver'", function() local _ = kepler.solver { rule = "verlet", h = 1 } end)
 
