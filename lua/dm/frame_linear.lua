@@ -126,12 +126,18 @@ local function size(A, rows, columns)
   return math.sqrt(sum)
 end
 
---- J psi of the cross-section at these very points, and its condition number in the norm of Frobenius
+--- J psi of the cross-section at these very points, and its condition number in the norm of Frobenius; or, if that is larger, how much
+-- the frame turns for a relative change of the points, |(J psi)^-1| |J| |z|: near a fixed point psi itself vanishes
 function M.transversality(frame, list)
   local first = { table.unpack(list, 1, frame.k) }
-  local A, r = J_at(frame, first) * psi_at(frame, first), frame.r
+  local J, r = J_at(frame, first), frame.r
+  local A = J * psi_at(frame, first)
   local fine, inverse = pcall(function() return A:inverse() end)
-  local condition = fine and size(A, r, r) * size(inverse, r, r) / r or math.huge
+  local condition = math.huge
+  if fine then
+    local turns = size(J, r, frame.k * frame.m) * require("dm.frame").flat(first):norm()
+    condition = size(inverse, r, r) * math.max(size(A, r, r) / r, turns)
+  end
   if condition ~= condition then condition = math.huge end
   return A, condition
 end

@@ -182,4 +182,19 @@ end)
 raises("write Ld as a function of (q0, q1, h)", function()
   return rho:invariantize { Ld = dm.discrete_lagrangian { Q = dm.R(2), h = 1, Ld = function(x, y) return x:dot(y) end }, sigma = function() return 1 end }
 end)
+-- near a fixed point a given frame is refused as a solved one is, before its digits are gone
+do
+  local function rotate(theta, w)
+    local n = w:dot(w)
+    local d = 1 + n - math.cos(theta) * (n - 1) - 2 * math.sin(theta) * w[2]
+    return { 2 * w[1] / d, (-math.sin(theta) * (n - 1) + 2 * math.cos(theta) * w[2]) / d }
+  end
+  local given = dm.moving_frame { action = dm.action { group = dm.SO(2), on = dm.R(2), map = rotate }, points = 2,
+    cross_section = function(w) return { w:dot(w) - 1 } end, branch = function(w) return w[2] end,
+    solution = function(w) return -dm.atan(w:dot(w) - 1, 2 * w[2]) end }
+  local function second(e) return given:invariants { { 1 + e, 0.3 * e }, { 1, 0.1 } }[2][1] end
+  near(second(1e-8), second(1e-6), 1e-8, "near the fixed point the invariants go on")
+  for _, e in ipairs { 1e-11, 1e-13, 1e-15, 0 } do raises("not transversal", second, e) end
+end
+
 tap.done()
