@@ -155,7 +155,7 @@ static void evaluate(dm_stage *g, const double *V, int with_curve) {
 static void residual(dm_stage *g, double *R) {
     const uint32_t n = g->n, s = g->table.s;
     const double *p0 = g->state + n, *low = g->state + 3 * n;
-    g->size = 0.0;
+    double largest = 0.0;
     for (uint32_t j = 0; j < s; j++) {
         double *Rj = R + j * (size_t)n;
         const dm_weight beta = g->table.beta[j];
@@ -168,25 +168,36 @@ static void residual(dm_stage *g, double *R) {
                     dm_weighted(wq, slope[k]) + dm_weighted(wv, slope[n + k]);
                 const double size = fabs(term);
                 Rj[k] += term;
-                if (size > g->size) g->size = size;
+                largest = size > largest ? size : largest;
             }
         }
         for (uint32_t k = 0; k < n; k++)
             Rj[k] = (Rj[k] - dm_weighted(beta, p0[k])) - beta.top * low[k];
     }
+    g->size = largest;
 }
 
-/* block += w B, or w B^T; rows of J are m long */
-static void add_block(double *J, size_t m, double w, const double *B, uint32_t n) {
-    if (w == 0.0) return;
+/* block += w0 A + w1 B + w2 B^T + w3 C for the second derivatives A = L_qq, B = L_qv, C = L_vv, in that order behind
+** each other; rows of J are m long */
+static void add_block(double *J, size_t m, const double w[4], const double *A,
+                      uint32_t n) {
+    const double *B = A + (size_t)n * n, *C = B + (size_t)n * n;
     for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < n; j++) J[i * m + j] += w * B[i * (size_t)n + j];
+        for (uint32_t j = 0; j < n; j++) {
+            const size_t at = i * (size_t)n + j;
+            const double mixed = w[1] * B[at] + w[2] * B[j * (size_t)n + i];
+            J[i * m + j] += (w[0] * A[at] + w[3] * C[at]) + mixed;
+        }
 }
 
-static void add_transposed(double *J, size_t m, double w, const double *B, uint32_t n) {
-    if (w == 0.0) return;
+/* the same for w1 = w3 = 0 */
+static void add_half(double *J, size_t m, const double w[4], const double *A,
+                     uint32_t n) {
+    const double *B = A + (size_t)n * n;
+    if (w[0] == 0.0 && w[2] == 0.0) return;
     for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < n; j++) J[i * m + j] += w * B[j * (size_t)n + i];
+        for (uint32_t j = 0; j < n; j++)
+            J[i * m + j] += w[0] * A[i * (size_t)n + j] + w[2] * B[j * (size_t)n + i];
 }
 
 /* dR_j/dV_k = sum_i b_i [h (a_ij - beta_j) (h a_ik L_qq + d_ik L_qv)
@@ -197,7 +208,7 @@ static void jacobian(const dm_stage *g, double *J) {
     const size_t m = (size_t)s * n, nn = (size_t)n * n, width = 2 * n + 3 * nn;
     memset(J, 0, m * m * sizeof *J);
     for (uint32_t i = 0; i < t->r; i++) {
-        const double *qq = g->curve + i * width + 2 * n, *qv = qq + nn, *vv = qv + nn;
+        const double *second = g->curve + i * width + 2 * n;
         for (uint32_t j = 0; j < s; j++) {
             const double wq = dm_weight_double(g->wq[i * s + j]);
             const double wv = dm_weight_double(g->wv[i * s + j]);
@@ -205,10 +216,11 @@ static void jacobian(const dm_stage *g, double *J) {
                 double *block = J + j * n * m + k * n;
                 const double ha = dm_weight_double(g->ha[i * s + k]);
                 const double d = dm_weight_double(t->d[i * s + k]);
-                add_block(block, m, wq * ha, qq, n);
-                add_block(block, m, wq * d, qv, n);
-                add_transposed(block, m, wv * ha, qv, n);
-                add_block(block, m, wv * d, vv, n);
+                const double w[4] = {wq * ha, wq * d, wv * ha, wv * d};
+                if (d == 0.0)
+                    add_half(block, m, w, second, n);
+                else
+                    add_block(block, m, w, second, n);
             }
         }
     }

@@ -1,28 +1,31 @@
 /*
 ** stage_warm.c - what a step of the general form by Newton's method leaves to the next one: h, how many steps are
-** there, the state at the end of the last [4n], velocities of the stages, the last first. They are continued: one
-** stage by the parabola through three steps, several by their own polynomial (HLW VIII.6.1). Another h neither uses
-** nor changes them.
+** there, the state at the end of the last [4n], velocities of its stages, and differences. Velocities are continued
+** by their own polynomial (HLW VIII.6.1; of one stage: a constant, and then at least the parabola). By how much that has missed so far is continued,
+** too: with D, D', D'' what it missed in the last steps, the guess is the polynomial's + D + (D - D') + (D - 2 D' + D'')
+** + ..., as long as the differences get much smaller: on rough motion a guess that is further out than the polynomial
+** may lead to another root. Another h neither uses nor changes them.
 */
 #include "integ/stage_inside.h"
 
+#include <math.h>
+
+static const double NEARER = 0.5; /* what a difference may leave of what was missing */
+
 enum { STEP, COUNT, END };
 enum {
-    OF_ONE = 3,
-    STAGES = 8
-}; /* steps kept of one stage; stages whose polynomial may be continued */
-
-static size_t steps(const dm_stage *g) {
-    return g->table.s == 1 ? OF_ONE : 1;
-}
+    TERMS = 6,    /* differences */
+    PARABOLA = 2, /* differences that one stage always takes */
+    STAGES = 8    /* whose polynomial may be continued */
+};
 
 size_t dm_stage_warm_size(size_t s, uint32_t n) {
     if (s > STAGES) return 0;
-    return END + 4 * (size_t)n + (s == 1 ? OF_ONE : 1) * s * n + s * s;
+    return END + 4 * (size_t)n + (1 + TERMS) * s * n + s * s;
 }
 
 size_t dm_stage_warm_memory(const dm_stage *g) {
-    return END + 4 * (size_t)g->n + steps(g) * g->table.s * g->n;
+    return END + 4 * (size_t)g->n + (1 + TERMS) * g->table.s * g->n;
 }
 
 void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
@@ -30,7 +33,7 @@ void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
     if (s > STAGES) return;
     g->warm = memory;
     g->ahead = memory + dm_stage_warm_memory(g);
-    for (int i = 0; i < s && s > 1; i++) {
+    for (int i = 0; i < s; i++) {
         long double value[STAGES];
         dm_lagrange_value(value, basis->node, s, 1.0L + basis->node[i]);
         for (int j = 0; j < s; j++) g->ahead[i * s + j] = (double)value[j];
@@ -43,44 +46,77 @@ void dm_stage_warm_clear(dm_stage *g, double h) {
     g->warm[STEP] = h;
 }
 
-/* by the parabola, the line or the value of the last steps */
-static void continue_one(dm_stage *g, const double *V) {
-    static const double weight[OF_ONE][OF_ONE] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
-    const uint32_t n = g->n;
-    const double *w = weight[(int)g->warm[COUNT] - 1];
-    for (uint32_t k = 0; k < n; k++)
-        g->root[k] = w[0] * V[k] + (w[1] * V[n + k] + w[2] * V[2 * n + k]);
-}
-
-static void continue_many(dm_stage *g, const double *V) {
+/* to[s][n] = V of the next step by the polynomial of the last one */
+static void continue_polynomial(const dm_stage *g, double *to, const double *V) {
     const uint32_t n = g->n, s = g->table.s;
-    memset(g->root, 0, (size_t)s * n * sizeof *g->root);
+    if (s == 1) {
+        dm_stage_copy(to, V, n);
+        return;
+    }
+    memset(to, 0, (size_t)s * n * sizeof *to);
     for (uint32_t i = 0; i < s; i++)
         for (uint32_t j = 0; j < s; j++)
             for (uint32_t k = 0; k < n; k++)
-                g->root[i * (size_t)n + k] += g->ahead[i * s + j] * V[j * (size_t)n + k];
+                to[i * (size_t)n + k] += g->ahead[i * s + j] * V[j * (size_t)n + k];
+}
+
+static double largest_of(const double *a, size_t size) {
+    double largest = 0.0;
+    for (size_t k = 0; k < size; k++) {
+        const double x = fabs(a[k]);
+        largest = x > largest ? x : largest;
+    }
+    return largest;
+}
+
+/* to += D of differences [count][size], as far as adding one would have brought the last step much nearer: what was
+** missing then is the difference behind it */
+static void add_missed(double *to, const double *D, int count, int at_least,
+                       size_t size) {
+    double missing = count > 0 ? largest_of(D, size) : 0.0;
+    for (int i = 0; i < count; i++, D += size) {
+        const double left = i + 1 < count ? largest_of(D + size, size) : missing;
+        if (i >= at_least && !(left <= NEARER * missing)) return;
+        for (size_t k = 0; k < size; k++) to[k] += D[k];
+        missing = left;
+    }
 }
 
 int dm_stage_warm_guess(dm_stage *g) {
-    const double *memory = g->warm, *end = memory + END;
+    const double *memory = g->warm, *end = memory + END, *V = end + 4 * g->n;
+    const size_t size = g->table.s * (size_t)g->n;
     if (memory[STEP] != g->h || memory[COUNT] == 0.0) return 0;
     for (uint32_t k = 0; k < 4 * g->n; k++)
         if (end[k] != g->state[k]) return 0;
-    if (g->table.s == 1)
-        continue_one(g, end + 4 * g->n);
-    else
-        continue_many(g, end + 4 * g->n);
+    continue_polynomial(g, g->root, V);
+    add_missed(g->root, V + size, (int)memory[COUNT] - 1, g->table.s == 1 ? PARABOLA : 0,
+               size);
     return 1;
 }
 
+/* D[count][size] of a step more, which has missed by `missed`; that is overwritten */
+static void renew_differences(double *D, double *missed, int count, size_t size) {
+    for (int i = 0; i < count; i++, D += size)
+        for (size_t k = 0; k < size; k++) {
+            const double now = missed[k];
+            missed[k] -= D[k];
+            D[k] = now;
+        }
+}
+
 void dm_stage_warm_keep(dm_stage *g) {
-    const size_t size = g->table.s * (size_t)g->n, most = steps(g);
+    const size_t size = g->table.s * (size_t)g->n;
     if (g->warm[STEP] != g->h) return;
-    double *end = g->warm + END, *V = end + 4 * g->n;
-    const int follows = memcmp(end, g->state, 4 * g->n * sizeof *end) == 0;
-    const double count = follows ? g->warm[COUNT] + 1.0 : 1.0;
-    g->warm[COUNT] = count < (double)most ? count : (double)most;
-    memmove(V + size, V, (most - 1) * size * sizeof *V);
-    memcpy(V, g->root, size * sizeof *V);
+    double *end = g->warm + END, *V = end + 4 * g->n, *missed = g->before;
+    int count = 0;
+    while (count < 4 * (int)g->n && end[count] == g->state[count]) count++;
+    count = count == 4 * (int)g->n ? (int)g->warm[COUNT] : 0;
+    if (count > 0) {
+        continue_polynomial(g, missed, V);
+        for (size_t k = 0; k < size; k++) missed[k] = g->root[k] - missed[k];
+        renew_differences(V + size, missed, count < TERMS ? count : TERMS, size);
+    }
+    g->warm[COUNT] = count <= TERMS ? count + 1 : TERMS + 1;
+    dm_stage_copy(V, g->root, (uint32_t)size);
     dm_stage_copy(end, g->next, 4 * g->n);
 }

@@ -1,6 +1,5 @@
 #include "solve/newton.h"
 
-#include "base/largest.h"
 #include "linalg/lu.h"
 
 #include <math.h>
@@ -20,18 +19,22 @@ typedef struct {
     uint32_t *pivot;
     dm_newton_report *report;
     double step, last; /* |dx| of this iteration and the one before */
+    double rate;       /* of the iteration before, 1 when not known */
 } solver;
 
 size_t dm_newton_work(uint32_t m) {
     return 4 * (size_t)m + (size_t)m * m + (m + 1) / 2;
 }
 
-/* max |a|, NaN when there is one */
+/* max |a|, NaN when there is one or an infinity; which is the largest cannot be foreseen, so there are no branches */
 static double norm(const double *a, uint32_t m) {
-    double largest = 0.0;
-    for (uint32_t i = 0; i < m; i++)
-        largest = dm_largest(largest, a[i]);
-    return largest;
+    double largest = 0.0, bad = 0.0;
+    for (uint32_t i = 0; i < m; i++) {
+        const double size = fabs(a[i]);
+        largest = size > largest ? size : largest;
+        bad += 0.0 * size;
+    }
+    return largest + bad;
 }
 
 static dm_status evaluate(solver *s, const double *x, int with_jacobian) {
@@ -53,6 +56,7 @@ static void find_increment(solver *s) {
         dm_band_solve(s->dx, s->J, s->pivot, s->p->band, s->trial);
     else if (s->report->jacobians)
         dm_lu_solve(s->dx, s->J, s->pivot, s->p->m);
+    s->rate = s->step < INFINITY && s->last < INFINITY ? s->step / s->last : 1.0;
     s->last = s->step;
     s->step = norm(s->dx, s->p->m);
     s->report->iterations++;
@@ -63,6 +67,15 @@ static int is_noise(const solver *s) {
     return s->p->size && s->report->residual <= NOISE * *s->p->size;
 }
 
+/* By the rate so far, which one Jacobian does not lose (from its first increment to the second it may double),
+** what dx leaves does not count; what makes |dx| larger than foretold is the noise of the residual, of which the
+** next one would be made as well. */
+static int is_drowned(const solver *s, double size) {
+    const double rate = 2.0 * s->rate;
+    return rate < SLOW && s->step <= ROUND_OFF * size &&
+           rate * rate * s->last <= NEGLIGIBLE * s->p->tolerance * size;
+}
+
 /* x + dx is the root to round-off: the error that dx leaves, rate * |dx|, does not count.
 ** A first-order correction of results needs a Jacobian; without one |dx| itself must stall. */
 static int is_last(const solver *s) {
@@ -71,6 +84,7 @@ static int is_last(const solver *s) {
     const int stalled = rate > 0.5;
     if (s->step == 0.0) return 1;
     if (s->report->jacobians && s->step <= s->p->tolerance * size) return 1;
+    if (s->report->jacobians && is_drowned(s, size)) return 1;
     if (rate < SLOW && rate * s->step <= NEGLIGIBLE * s->p->tolerance * size) return 1;
     return stalled && (s->step <= ROUND_OFF * size || is_noise(s));
 }
@@ -150,6 +164,7 @@ dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
     s.trial = s.r + m;
     s.start = s.trial + m;
     s.J = s.start + m;
+    s.last = INFINITY;
     s.pivot = (uint32_t *)(void *)(s.J + (size_t)m * m);
     *report = (dm_newton_report){0};
     memcpy(s.start, x, m * sizeof *x);
