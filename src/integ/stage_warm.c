@@ -1,10 +1,10 @@
 /*
 ** stage_warm.c - what a step of the general form by Newton's method leaves to the next one: h, how many steps are
 ** there, the state at the end of the last [4n], velocities of its stages, and differences. Velocities are continued
-** by their own polynomial (HLW VIII.6.1; of one stage: a constant, and then at least the parabola). By how much that has missed so far is continued,
-** too: with D, D', D'' what it missed in the last steps, the guess is the polynomial's + D + (D - D') + (D - 2 D' + D'')
-** + ..., as long as the differences get much smaller: on rough motion a guess that is further out than the polynomial
-** may lead to another root. Another h neither uses nor changes them.
+** by their own polynomial (HLW VIII.6.1; of one stage: a constant, and then at least the parabola). What that has
+** missed so far is continued, too: with D, D', D'' of the last steps the guess is the polynomial's + D + (D - D')
+** + (D - 2 D' + D'') + ..., as long as the differences get much smaller: on rough motion a guess further out than
+** the polynomial may lead to another root. Another h neither uses nor changes them.
 */
 #include "integ/stage_inside.h"
 
@@ -69,8 +69,8 @@ static double largest_of(const double *a, size_t size) {
     return largest;
 }
 
-/* to += D of differences [count][size], as far as adding one would have brought the last step much nearer: what was
-** missing then is the difference behind it */
+/* to += D of differences [count][size]: so many in any case, then as long as adding one would have brought the last
+** step much nearer. What was missing then is the difference behind it */
 static void add_missed(double *to, const double *D, int count, int at_least,
                        size_t size) {
     double missing = count > 0 ? largest_of(D, size) : 0.0;
