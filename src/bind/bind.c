@@ -8,6 +8,14 @@
 
 volatile sig_atomic_t dml_stop = 0;
 
+int dml_try(lua_State *L, int arguments, int results) {
+    const int status = lua_pcall(L, arguments, results, 0);
+    if (status == LUA_OK) return 1;
+    const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+    if (status == LUA_ERRMEM || dml_stop || strstr(text, "interrupted!")) lua_error(L);
+    return 0;
+}
+
 /* ---- classes ---- */
 
 void dml_setfunctions(lua_State *L, const dml_row *rows) {

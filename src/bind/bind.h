@@ -53,6 +53,10 @@ const char *dml_nearest(const char *word, const char *const *known);
 /* Set by the cli's SIGINT handler; cleared when a run has seen it. */
 extern volatile sig_atomic_t dml_stop;
 
+/* lua_pcall for what may fail: true when it did not. Ctrl-C, which may come between any two instructions of
+** Lua, and want of memory are passed on. */
+int dml_try(lua_State *L, int arguments, int results);
+
 /* One opener per binding file, listed in classes.def; each adds to the table on top. */
 #define X(name) void dml_open_##name(lua_State *L);
 #include "bind/classes.def"

@@ -84,7 +84,7 @@ static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int k
 static const double *try_energy(lua_State *L, const dml_path *p) {
     lua_pushcfunction(L, dml_path_energy);
     lua_pushvalue(L, 1);
-    if (p->rows < 3 || lua_pcall(L, 1, 1, 0) != LUA_OK) return NULL;
+    if (p->rows < 3 || !dml_try(L, 1, 1)) return NULL;
     const dml_array *E = dml_toarray(L, -1, 1);
     return E && dml_size(E) == (uint32_t)p->rows ? dml_numbersof(E) : NULL;
 }

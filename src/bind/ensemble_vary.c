@@ -179,7 +179,7 @@ const double *dml_vary_inputs(lua_State *L, long members, const dml_varied *v) {
     lua_pushcfunction(L, find_names);
     lua_pushvalue(L, 1);
     lua_pushvalue(L, 2);
-    if (lua_pcall(L, 2, 1, 0) != LUA_OK || !lua_istable(L, inputs) ||
+    if (!dml_try(L, 2, 1) || !lua_istable(L, inputs) ||
         (v->values && !are_inputs(L, inputs, v->names, v->count)))
         return lua_settop(L, inputs), NULL;
     const uint32_t many = (uint32_t)luaL_len(L, inputs);
@@ -225,7 +225,7 @@ int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r) {
         lua_pushlightuserdata(L, r);
         lua_pushvalue(L, fn);
         lua_pushlightuserdata(L, x);
-        same = lua_pcall(L, 3, 0, 0) == LUA_OK;
+        same = dml_try(L, 3, 0);
         lua_settop(L, fn);
     }
     lua_settop(L, top);

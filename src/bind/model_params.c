@@ -145,8 +145,7 @@ dml_model *dml_pushinputs(lua_State *L, int system) {
     system = lua_absindex(L, system);
     lua_pushcfunction(L, find_inputs);
     lua_pushvalue(L, system);
-    if (!is_bare(L, system, dml_checksystem(L, system)) ||
-        lua_pcall(L, 1, 1, 0) != LUA_OK) {
+    if (!is_bare(L, system, dml_checksystem(L, system)) || !dml_try(L, 1, 1)) {
         lua_settop(L, lua_gettop(L) - 1);
         lua_pushnil(L);
     }

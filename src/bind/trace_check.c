@@ -171,9 +171,7 @@ static void check_near(lua_State *L, check *c) {
     lua_pushcfunction(L, compare);
     lua_pushlightuserdata(L, c);
     lua_pushvalue(L, c->fn);
-    const int status = lua_pcall(L, 2, 1, 0);
-    const long k = status == LUA_OK ? (long)lua_tointeger(L, -1) : -1;
-    if (status == LUA_ERRMEM || (status != LUA_OK && dml_stop)) lua_error(L);
+    const long k = dml_try(L, 2, 1) ? (long)lua_tointeger(L, -1) : -1;
     lua_pop(L, 1);
     check_terms(L, c);
     if (k >= 0) raise_mismatch(L, c, k);
