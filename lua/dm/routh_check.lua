@@ -52,8 +52,19 @@ local function text(x)
   return "{" .. table.concat(out, ", ") .. "}"
 end
 
-local function at(p) return ("q = %s, v = %s, t = %.6g"):format(text(p.q), text(p.v), p.t) end
+local function at(p)
+  return ("q = %s, v = %s, t = %.6g"):format(text(p.q), text(p.v), p.t)
+end
 M.at = at
+
+-- the same in the coordinates that the user has: those which an action moves, where there is one
+local function place(info, p)
+  if not info.ambient then return at(p) end
+  local q, v = info.ambient.lift(p.q, p.v)
+  return at { q = q, v = v, t = p.t }
+end
+
+local NO_SYMMETRY = "L is not invariant under the action: it changes by %.6g along '%s' at %s"
 
 --- dL/dtheta = 0 at all points; slope(q, v, t) is the gradient of L.
 function M.lagrangian(info, slope)
@@ -62,6 +73,7 @@ function M.lagrangian(info, slope)
     for i = 1, 2 * info.n do size = max(size, abs(g[i])) end
     for _, i in ipairs(info.cyclic) do
       if abs(g[i]) > TOLERANCE * size then
+        if info.ambient then error(NO_SYMMETRY:format(g[i], info.names[i], place(info, p)), 0) end
         error(("L is not invariant under translations of '%s': dL/d%s = %.6g at %s")
           :format(info.names[i], info.names[i], g[i], at(p)), 0)
       end
@@ -92,7 +104,7 @@ local function compare(what, f, info, read)
     for i = 1, fine and #a or 0 do
       if abs(a[i] - b[i]) > TOLERANCE * max(1, abs(a[i])) then
         error(("%s is not invariant: entry %d changes from %.6g to %.6g when the group moves q at %s")
-          :format(what, i, a[i], b[i], at(p)), 0)
+          :format(what, i, a[i], b[i], place(info, p)), 0)
       end
     end
   end
@@ -106,7 +118,7 @@ function M.force(info, f)
     for _, i in ipairs(fine and info.cyclic or {}) do
       if abs(F[i]) > TOLERANCE then
         error(("the force has a component along the group: it pushes '%s' with %.6g at %s, so the momentum of '%s' is not kept and "
-          .. "cannot be eliminated"):format(info.names[i], F[i], at(p), info.names[i]), 0)
+          .. "cannot be eliminated"):format(info.names[i], F[i], place(info, p), info.names[i]), 0)
       end
     end
   end

@@ -2,17 +2,12 @@
 -- A shape at which the group does not act freely (r = 0, all rods vertical) has a singular locked inertia: with mu it is behind a wall of
 -- V_mu, which a step that is too long may jump; a pole or an edge of the coordinates makes the mass d2R/dx'2 singular or infinite.
 local core = require "dm.core"
+local jumps = require "dm.routh_jump"
 local routh = require "dm.routh"
 
 local M = {}
 
 local abs, min, max = math.abs, math.min, math.max
-
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return core.vector(out)
-end
 
 -- least and largest characteristic value of the locked inertia at x, or nothing outside of the domain
 local function inertia(shape, x, t)
@@ -23,13 +18,11 @@ local function inertia(shape, x, t)
   return least
 end
 
--- the diagonal of the mass of the shape
-local function masses(shape, x, t)
-  local fine, G = pcall(function() return shape:mass(x, zeros(#x), t) end)
-  return fine and G or nil
-end
-
 local WAY = "; with constraint = in coordinates without such a place, system:routh { action = ... } reduces it too"
+local SECTION = "; take another section there, or leave 'section' out for one that is regular wherever the group acts freely"
+
+-- what to do at a pole or an edge
+local function way(info) return info.ambient and info.ambient.given and SECTION or WAY end
 
 local LOW, FAR = 0.02, 50  -- of the value at the start
 
@@ -40,13 +33,13 @@ local function reason(shape, info, x, t, x0, t0)
     return "collapse", ("the locked inertia has fallen from %.3g to %.3g: the shape comes near one at which the group does not act freely (r = 0), behind a "
       .. "centrifugal wall as narrow as the momentum is small; take smaller steps there, or no reduction"):format(before, least)
   end
-  local G, G0 = masses(shape, x, t), masses(shape, x0, t0)
+  local G, G0 = jumps.mass(shape, x, t), jumps.mass(shape, x0, t0)
   for i = 1, G and G0 and info.d or 0 do
     local name, ratio = info.names[info.shape[i]], abs(G[i][i] / G0[i][i])
     if not (ratio <= FAR) then
-      return "edge", ("the inertia of '%s' has grown %.0f-fold at %s = %.6g: an edge of these coordinates%s"):format(name, ratio, name, x[i], WAY)
+      return "edge", ("the inertia of '%s' has grown %.0f-fold at %s = %.6g: an edge of these coordinates%s"):format(name, ratio, name, x[i], way(info))
     elseif ratio < LOW then
-      return "pole", ("the inertia of '%s' has fallen %.0f-fold: a pole of these coordinates, where it has no meaning%s"):format(name, 1 / ratio, WAY)
+      return "pole", ("the inertia of '%s' has fallen %.0f-fold: a pole of these coordinates, where it has no meaning%s"):format(name, 1 / ratio, way(info))
     end
   end
 end
@@ -64,22 +57,68 @@ local function leaves(shape, info, x, v, t, h)
         z[j] = y[j]
         if not pcall(shape.lagrangian, shape, z, v, t) and abs(v[j]) > worst then worst, name = abs(v[j]), info.names[info.shape[j]] end
       end
-      return "edge", ("the next step would leave the domain of L%s%s"):format(name and (" by '%s'"):format(name) or "", WAY), value
+      return "edge", ("the next step would leave the domain of L%s%s"):format(name and (" by '%s'"):format(name) or "", way(info)), value
     end
   end
+end
+
+local POLE = "the mass of the shape vanishes along '%s' at %s: a pole of these coordinates, behind which they have no points%s"
+
+-- a shape where the mass is singular, with the coordinate whose inertia is the least there beside what it is at x
+local function vanishing(shape, info, where, x, t)
+  local G, G0, least, best = jumps.mass(shape, where, t), jumps.mass(shape, x, t), math.huge, 1
+  for i = 1, G and G0 and info.d or 0 do
+    local ratio = abs(G[i][i] / G0[i][i])
+    if ratio < least then least, best = ratio, i end
+  end
+  local place = {}
+  for i, at in ipairs(info.shape) do place[i] = ("%s = %.3g"):format(info.names[at], where[i]) end
+  return POLE:format(info.names[info.shape[best]], table.concat(place, ", "), way(info))
+end
+
+-- what is wrong in the last rows
+local function behind(shape, info, path)
+  local n = #path
+  for i = n, max(2, n - 3), -1 do
+    local where = #path >= path.steps + 1 and jumps.over(path, shape, i, math.huge)
+    if where then
+      return "pole", vanishing(shape, info, where, path.q[i - 1], path.t[i])
+    end
+  end
+end
+
+local AHEAD, PARTS = 2, 32  -- steps that the line ahead is followed
+
+-- what the last row heads for
+local function ahead(shape, info, path, v)
+  local n = #path
+  local x, t = path.q[n], path.t[n]
+  for k = 1, PARTS do
+    local code, why = reason(shape, info, x + AHEAD * path.h * k / PARTS * v, t, path.q[1], path.t[1])
+    if code then return code, "the last row heads for such a place: " .. why end
+  end
+  local where = jumps.singular(shape, x, x + AHEAD * path.h * v, t)
+  if where then
+    return "pole", "the last row heads for such a place: " .. vanishing(shape, info, where, x, t)
+  end
+end
+
+local function reason_of(shape, info, path)
+  local n = #path
+  local x, t = path.q[n], path.t[n]
+  local code, why = reason(shape, info, x, t, path.q[1], path.t[1])
+  local known, v = pcall(shape.velocity, shape, x, path.p[n], t)
+  if not code and known then code, why = leaves(shape, info, x, v, t, path.h) end
+  if not code and known then code, why = ahead(shape, info, path, v) end
+  if not code then code, why = behind(shape, info, path) end
+  return code, why
 end
 
 -- adds reason and a sentence to a failure whose path has rows
 local function explain(shape, info, failure)
   local path = failure.path
   if not path or path.watched or #path < 1 or failure.code == "stopped" then return end
-  local n = #path
-  local x, t = path.q[n], path.t[n]
-  local fine, code, why = pcall(reason, shape, info, x, t, path.q[1], path.t[1])
-  if not fine or not code then
-    local known, v = pcall(function() return shape:velocity(x, path.p[n], t) end)
-    if known then code, why = leaves(shape, info, x, v, t, path.h) end
-  end
+  local fine, code, why = pcall(reason_of, shape, info, path)
   if fine and code then
     failure.reason = code
     failure.message = ("%s (%s)"):format(failure.message, why)
@@ -133,12 +172,61 @@ local function head(path, rows)
   return core.path { system = path.system, h = path.h, rule = path.rule, steps = rows - 1, columns = columns }
 end
 
-local function raise_jump(path, row)
+local function raise(path, row, code, why)
   local step = math.floor((path.t[row] - path.t[1]) / path.h + 0.5)
-  local failure = { code = "collapse", reason = "collapse", step = step, time = path.t[row - 1], rule = path.rule, path = head(path, row - 1),
-    message = ("%s: step %d (t = %.6g) jumped through a shape at which the locked inertia vanishes (r = 0), which the momentum forbids: "
-      .. "take smaller steps near it; the path up to there is in failure.path"):format(path.rule, step, path.t[row - 1]) }
+  local failure = { code = code, reason = code, step = step, time = path.t[row - 1], rule = path.rule, path = head(path, row - 1),
+    message = ("%s: step %d (t = %.6g) %s; the path up to there is in failure.path"):format(path.rule, step, path.t[row - 1], why) }
   error(setmetatable(failure, debug.getregistry()["dm.failure"]), 0)
+end
+
+local FORBIDDEN = "jumped through a shape at which the locked inertia vanishes (r = 0), which the momentum forbids: take smaller steps near it"
+
+local LOST = 1  -- of the energy's size: no more than the sign of it is left
+
+-- the first row at which the energy is off by more than its size, at a place that says why: its row, code and sentence;
+-- `whole` is the path that begins with the start
+local function lost(path, shape, info, whole)
+  if path.watched or info.full.given.force or not pcall(routh.steady, info, "energy") then return nil end
+  local E = path:energy()
+  local q, p, t = whole.q[1], whole.p[1], whole.t[1]
+  local first = shape:energy(q, shape:velocity(q, p, t), t)
+  local size = max(abs(first), abs(shape:velocity(q, p, t):dot(p)))
+  for i = 2, #E do
+    if not (abs(E[i] - first) <= LOST * size) then
+      for row = i, i - 1, -1 do
+        local code, why = reason(shape, info, path.q[row], path.t[row], q, t)
+        if code then return i, code, why end
+      end
+      return nil
+    end
+  end
+end
+
+local OVER, LEFT = "jumped over a pole: ", "left its energy: "
+
+-- the first row behind a place that no motion crosses, the code and a sentence; run(options) steps again
+local function wrong(path, shape, info, run)
+  local row = is_suspect(path, info) and jump(path, shape)
+  if row then return row, "collapse", FORBIDDEN end
+  local where, code, why
+  row, where, code, why = jumps.find(path, shape, info, run, function(dense)
+    if is_suspect(dense, info) and jump(dense, shape) then return "collapse", FORBIDDEN end
+    local there, what, sentence = lost(dense, shape, info, path)
+    return there and what, there and LEFT .. sentence
+  end)
+  if where then return row, "pole", OVER .. vanishing(shape, info, where, path.q[row - 1], path.t[row - 1]) end
+  if row then return row, code, why end
+  row, code, why = lost(path, shape, info, path)
+  return row, code, row and LEFT .. why
+end
+
+-- raises for such a path; a run that failed at an edge keeps that reason, with what was wrong before
+local function look(path, shape, info, run, failure)
+  local fine, row, code, why = pcall(wrong, path, shape, info, run)
+  if failure then explain(shape, info, failure) end
+  if not fine or not row then return end
+  if not failure or failure.reason ~= "edge" then raise(path, row, code, why) end
+  failure.message = ("%s; before that step %d %s"):format(failure.message, math.floor((path.t[row] - path.t[1]) / path.h + 0.5), why)
 end
 
 --- solver:run of a reduced system; plain is the method without this. Positions are put in front by blame.
@@ -153,12 +241,13 @@ function M.run(plain, solver, options)
   local failure = not fine and type(path) == "table" and path.message and path
   if not fine and not failure then error(path, 0) end
   if failure then path = failure.path end
-  local row = path and is_suspect(path, info) and jump(path, shape)
-  if row then raise_jump(path, row) end
-  if failure then
-    explain(shape, info, failure)
-    error(failure, 0)
+  if path then
+    look(path, shape, info, function(again)
+      again.project = options.project
+      return plain(solver, again)
+    end, failure)
   end
+  if failure then error(failure, 0) end
   return path
 end
 

@@ -14,11 +14,13 @@ system:routh{action=, section=, dimension=, names=, at=, mu=, ...} -> dm.system
 The system without its group variables: an ordinary dm.system in the dim Q - m coordinates that are left, whose Lagrangian is the
 classical Routhian L - mu . theta' at the momentum mu. cyclic: the coordinates that L does not depend on, by name or number (default: all
 of them); mu: their momentum, a number or a list (default: that of the start q, v). action(theta, q) moves points of Q (theta: a number,
-or a vector of `dimension` angles), or is a dm.action; section(x) gives a point of Q for every shape x (default: the points near `at`, or near one that
-is found, where as many coordinates as the group has dimensions are held); names: of theta and x. connection(x): m rows of dim Q - m
-numbers, in place of the mechanical connection. Invariance is checked, and the first point that violates it is named; constraints and forces that the group
-keeps are reduced too. The reduced system also has connection, curvature, locked_inertia, amended_potential, lift, start,
-and its paths have reconstruct. Raises when L is no invariant, a force pushes along the group, or the locked inertia is singular.]])
+or a vector of `dimension` angles), or is a dm.action; section(x) gives a point of Q for every shape x (default: as many coordinates as the group has
+dimensions are held at 0 wherever the orbit of `at`, of the start q or of a point that is found comes to such points, else at their values there, and
+theta is 0 at that point: turns leave r, which is singular at r = 0 alone); names: of theta and x. connection(x): m rows of dim Q - m
+numbers, in place of the mechanical connection. Invariance is checked at a dozen points, and the first that violates it is named: what differs nowhere
+there, such as a force along the group that sets in only beyond some distance, is not seen, and the reduced run leaves it out. Constraints and forces
+that the group keeps are reduced too. A run that jumps over a shape with a singular mass or locked inertia fails, with reason "pole" or "collapse".
+The reduced system also has connection, curvature, locked_inertia, amended_potential, lift, start, and its paths have reconstruct. Raises when L is no invariant, a force pushes along the group, or the locked inertia is singular.]])
 
 add("dm.system", "at_momentum", "dm.routh", [[
 shape:at_momentum(mu) -> dm.system

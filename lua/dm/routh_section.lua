@@ -3,6 +3,7 @@
 local core = require "dm.core"
 local check = require "dm.routh_check"
 local linear = require "dm.routh_linear"
+local zero = require "dm.routh_zero"
 
 local M = {}
 
@@ -61,31 +62,13 @@ local function generators(move, m, q)
   return columns
 end
 
--- m coordinates that the group moves most at q, found by elimination
-local function moved_most(columns, n)
-  local held = {}
-  for a = 1, #columns do
-    local best = 0
-    for i = 1, n do
-      if not held[i] and (best == 0 or abs(columns[a][i]) > abs(columns[a][best])) then best = i end
-    end
-    if best == 0 or not (abs(columns[a][best]) > 1e-12) then return nil end
-    held[best] = true
-    for b = a + 1, #columns do
-      local factor = columns[b][best] / columns[a][best]
-      for i = 1, n do columns[b][i] = columns[b][i] - factor * columns[a][i] end
-    end
-  end
-  return held
-end
-
 -- a point where L is finite and that the group moves in all its directions: a unit vector if one will do, so that what is held is zero
 local function somewhere(move, m, n, L, points)
   local rest = core.vector(zeros(n))
   local function will_do(q)
     local fine, value = pcall(L, q, rest, 0)
     local moves, columns = pcall(generators, move, m, q)
-    return fine and value == value and abs(value) < math.huge and moves and moved_most(columns, n)
+    return fine and value == value and abs(value) < math.huge and moves and zero.moved_most(columns, n)
   end
   for i = 1, n do
     local q = zeros(n)
@@ -99,21 +82,22 @@ local function somewhere(move, m, n, L, points)
     .. "one is made", 0)
 end
 
--- the points where the coordinates that move most at `at` stay as they are there
+-- the slice of dm.routh_zero through the orbit of `at`, where its shape is there, and the theta that the group moves it by so that `at` is at theta = 0
 local function slice(move, m, n, at)
-  local held = moved_most(generators(move, m, at), n)
-  if not held then error("the group does not move the point 'at' in as many directions as it has dimensions: take another one", 0) end
-  local home = {}
+  local S = zero.through(move, m, n, at)
+  if not S then error("the group does not move the point 'at' in as many directions as it has dimensions: take another one", 0) end
+  local home, back = {}, {}
   for i = 1, n do
-    if not held[i] then home[#home + 1] = at[i] end
+    if not S.held[i] then home[#home + 1] = S.q[i] end
   end
+  for a = 1, m do back[a] = -S.theta[a] end
   return function(x)
     local q, j = {}, 0
     for i = 1, n do
-      if held[i] then q[i] = at[i] else j = j + 1; q[i] = x[j] end
+      if S.held[i] then q[i] = S.value[i] else j = j + 1; q[i] = x[j] end
     end
     return core.vector(q)
-  end, home
+  end, home, back
 end
 
 -- is it an action, and abelian: (a b) q = a (b q) = b (a q)?
@@ -168,12 +152,12 @@ local function unwound(Phi, m, q, y)
 end
 
 -- starts of that: theta anywhere, the shape of other entries of q, or near one
-local function start_of(q, m, n, try)
+local function start_of(q, m, n, try, home)
   local start = {}
   for a = 1, m do start[a] = (try % 8) * 0.785 end
   for i = m + 1, n do
     local j = i - m
-    start[i] = try < 8 and max(0.1, abs(q[j])) or try < 16 and q[j + m] or try < 24 and q[j] or 0.5 + 0.1 * try % 1
+    start[i] = try == 0 and home and home[j] or try < 8 and max(0.1, abs(q[j])) or try < 16 and q[j + m] or try < 24 and q[j] or 0.5 + 0.1 * try % 1
   end
   return start
 end
@@ -188,7 +172,7 @@ end
 local function find(Phi, m, n, q, home)
   local best, most
   for try = 0, 31 do
-    local fine, y = pcall(invert, Phi, q, start_of(q, m, n, try))
+    local fine, y = pcall(invert, Phi, q, start_of(q, m, n, try, home))
     if fine and y then
       local liked = liking(y, m, n, home)
       if not best or liked > most + 1e-9 then best, most = y, liked end
@@ -262,15 +246,15 @@ function M.split(system, options)
   local map, m = read_action(options)
   check_dimension(m, n)
   local move = mover(map, m)
-  local section, home = options.section, nil
+  local section, home, back = options.section, nil, zeros(m)
   local given = system.given
   local function L(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end
   local points = check.points(n, L)
   if points[1] then move(zeros(m), points[1].q) end  -- an action that returns no point of Q is told here
-  if not section then section, home = slice(move, m, n, options.at or options.q or somewhere(move, m, n, L, points)) end
+  if not section then section, home, back = slice(move, m, n, options.at or options.q or somewhere(move, m, n, L, points)) end
   local function chart(y)
     local theta, x = {}, {}
-    for i = 1, m do theta[i] = y[i] end
+    for i = 1, m do theta[i] = back[i] == 0 and y[i] or y[i] + back[i] end
     for i = m + 1, n do x[i - m] = y[i] end
     local point = core.vector(section(core.vector(x)))
     if #point ~= n then error(("option 'section' must return a point of Q: %d numbers (got %d)"):format(n, #point), 0) end
@@ -281,6 +265,7 @@ function M.split(system, options)
   local slope = core.derivative(chart, n)
   local split = pulled_back(system, Phi, slope, n, names_of(options, m, n))
   local T, other = transfer(system, Phi, m, n, home), { mu = options.mu, connection = options.connection, cyclic = {} }
+  T.given = options.section ~= nil
   T.chart, T.slope = Phi, slope  -- which take symbols too
   for a = 1, m do other.cyclic[a] = a end
   if options.q and options.v then other.q, other.v = T.split(options.q, options.v) end

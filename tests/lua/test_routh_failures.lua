@@ -86,4 +86,65 @@ near(D:psi({ 1, 0 }, { 1, 0 })[1], math.asin(0.5), 1e-15, "psi_mu with two solut
 near(D:psi({ 1, 0 }, { 1, 0 }, 2.5)[1], math.pi - math.asin(0.5), 1e-15, "or that near the guess")
 raises("too long", function() spun:at_momentum(5):discrete(dm.discrete_lagrangian(rotor, { rule = "midpoint", h = 1 })):psi({ 1, 0 }, { 1, 0 }) end)
 
+-- two oscillators on R^4 reduced by both turns: the second comes down to r = 0.395, below the value of a slice through the start
+local both = dm.system { Q = dm.R(4), L = function(q, v)
+  local a, b = q[1] ^ 2 + q[2] ^ 2, q[3] ^ 2 + q[4] ^ 2
+  return v:dot(v) / 2 - a / 2 - b - a * b
+end }
+local function turns(t, p)
+  local c, s, C, S = cos(t[1]), sin(t[1]), cos(t[2]), sin(t[2])
+  return { c * p[1] - s * p[2], s * p[1] + c * p[2], C * p[3] - S * p[4], S * p[3] + C * p[4] }
+end
+local q0, v0 = { 1, .2, .4, .7 }, { .1, .3, .6, -.5 }
+local full = both:solver({ rule = "gauss(6)", h = 0.02 }):run { q = q0, v = v0, steps = 100 }
+local rounded = both:routh { action = turns, dimension = 2, q = q0, v = v0 }
+local x0, u0, theta0 = rounded:start(q0, v0)
+near((x0 - dm.vector { sqrt(1.04), sqrt(0.65) }):norm(), 0, 1e-14, "the slice that is found has the radii as its shape")
+near(theta0:norm(), 0, 1e-14, "with theta = 0 at the start")
+for rule, bar in pairs { ["gauss(6)"] = 1e-13, ["gauss(2)"] = 1e-5, ["lobatto(3)"] = 1e-5, midpoint = 1e-2 } do
+  local apart = dm.compare(full, rounded:solver({ rule = rule, h = 0.02 }):run({ q = x0, v = u0, steps = 100 }):reconstruct()).worst
+  ok(apart < bar, rule .. ": and back is the path of the start itself, below the radius that was its coordinate", apart)
+end
+near(rounded:mass({ 0.3, 0.2 }, { 0, 0 })[2][2], 1, 1e-14, "its mass is that of a radius")
+local function screw(t, p) return { cos(t[1]) * p[1] - sin(t[1]) * p[2], sin(t[1]) * p[1] + cos(t[1]) * p[2], p[3] + t[2] } end
+local well = dm.system { Q = dm.R(3), L = function(p, w) return w:dot(w) / 2 - (p[1] ^ 2 + p[2] ^ 2) / 2 end }
+local wound = well:routh { action = screw, dimension = 2, q = { .3, .4, 5 }, v = { .1, .2, .3 } }
+near(wound:start({ .3, .4, 5 }, { .1, .2, .3 })[1], 0.5, 1e-14, "a screw leaves the radius")
+near((wound:lift({ 0.5 }, { 0.22 }) - dm.vector { .3, .4, 5 }):norm(), 0, 1e-14, "over the start")
+local free = dm.system { Q = dm.R(2), L = function(p, w) return w:dot(w) / p:dot(p) / 2 end }
+local grown = free:routh { action = function(t, p) return { math.exp(t) * p[1], math.exp(t) * p[2] } end, q = { .3, .8 }, v = { .1, .2 } }
+near(grown:start({ .3, .8 }, { .1, .2 })[1], 0.3, 1e-14, "growth never comes to 0: its slice goes through the start")
+
+-- a section that stays at q3 = 0.4 has no points there: told, never stepped over, whatever rows are kept
+local cut = both:routh { action = turns, dimension = 2, section = function(z) return { z[1], .2, .4, z[2] } end, q = q0, v = v0 }
+local xc, uc = cut:start(q0, v0)
+for _, rule in ipairs { "gauss(5)", "gauss(2)", "lobatto(3)", "midpoint", "verlet" } do
+  for _, every in ipairs { 1, 25 } do
+    fine, path = try(cut, { q = xc, v = uc, steps = 100, every = every }, 0.02, rule)
+    ok(not fine and path.reason == "pole" and tostring(path):find("'x2'", 1, true) and tostring(path):find("another section", 1, true),
+      ("%s, every %d: a pole of the section"):format(rule, every), tostring(path))
+    ok(not fine and path.path.t[#path.path] < 0.7, "with the path before it", tostring(path))
+  end
+end
+-- r = 1 is where the path of that section is safe
+local safe = both:solver({ rule = "gauss(5)", h = 0.02 }):run { q = q0, v = v0, steps = 25 }
+near(dm.compare(safe, cut:solver({ rule = "gauss(5)", h = 0.02 }):run({ q = xc, v = uc, steps = 25 }):reconstruct()).worst, 0, 1e-6, "up to there it is right")
+
+-- steps that do not end at the wall name it, and rows that are far apart hide nothing
+for rule, case in pairs { ["gauss(1)"] = { 0.02, 0.3 }, ["lobatto(3)"] = { 0.03, 0.1 }, ["gauss(2)"] = { 0.01, 0.3 } } do
+  for _, every in ipairs { 1, 10 } do
+    local given = start(case[1])
+    given.every = every
+    fine, path = try(satellite:routh { cyclic = { 1 }, mu = case[1] }, given, case[2], rule)
+    ok(not fine and path.reason == "collapse", ("%s, mu = %g, every %d: a wall that is not resolved"):format(rule, case[1], every), tostring(path))
+  end
+end
+
+-- no symmetry: said at a point of Q
+local function round(t, p) return { cos(t) * p[1] - sin(t) * p[2], sin(t) * p[1] + cos(t) * p[2], p[3] } end
+local lame = dm.system { Q = dm.R(3), L = function(p, w) return w:dot(w) / 2 - p[1] ^ 2 end }
+local told = select(2, pcall(lame.routh, lame, { action = round, section = function(z) return { z[1], 0, z[2] } end, mu = 1 }))
+local change, a, b = tostring(told):match "not invariant under the action: it changes by (%S+) along 'theta' at q = {(%S+), (%S+),"
+near(tonumber(change), 2 * tonumber(a) * tonumber(b), 1e-5, "dL/dtheta = 2 q1 q2 at the point that is named")
+
 tap.done()
