@@ -190,14 +190,15 @@ local function lost(path, shape, info, whole)
   local E = path:energy()
   local q, p, t = whole.q[1], whole.p[1], whole.t[1]
   local first = shape:energy(q, shape:velocity(q, p, t), t)
-  local size = max(abs(first), abs(shape:velocity(q, p, t):dot(p)))
+  local size = jumps.energy_size(whole, first)
   for i = 2, #E do
     if not (abs(E[i] - first) <= LOST * size) then
       for row = i, i - 1, -1 do
         local code, why = reason(shape, info, path.q[row], path.t[row], q, t)
         if code then return i, code, why end
       end
-      return nil
+      local code, why = reason_of(shape, info, head(path, i - 1))
+      return code and i, code, why
     end
   end
 end

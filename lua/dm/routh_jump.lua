@@ -88,15 +88,28 @@ function M.over(path, shape, i, change)
   end
 end
 
+local SAMPLES, AT_REST = 9, 1e-6
+
+--- The size of energies on a path: that of the start and of p.v there, or, from rest with energy 0, what p.v is in the middle of a few rows.
+function M.energy_size(path, first)
+  local system, kinetic = path.system, {}
+  for k = 0, SAMPLES - 1 do
+    local i = 1 + k * (#path - 1) // (SAMPLES - 1)
+    local known, v = pcall(system.velocity, system, path.q[i], path.p[i], path.t[i])
+    kinetic[#kinetic + 1] = known and abs(v:dot(path.p[i])) or 0
+  end
+  local start = max(abs(first), kinetic[1])
+  table.sort(kinetic)
+  local middle = kinetic[#kinetic // 2 + 1]
+  return start > AT_REST * middle and start or max(middle, 1e-300)
+end
+
 -- how much the energy moves in every step to a row, of its size; nothing where it need not be kept
 local function changes(path, info)
   if info.full.given.force or not pcall(routh.steady, info, "energy") then return nil end
   local fine, E = pcall(path.energy, path)
   if not fine then return nil end
-  local out, size = {}, abs(E[1])
-  local known, v = pcall(path.system.velocity, path.system, path.q[1], path.p[1], path.t[1])
-  if known then size = max(size, abs(v:dot(path.p[1]))) end
-  size = max(size, 1e-300)
+  local out, size = {}, M.energy_size(path, E[1])
   for i = 2, #E do out[i - 1] = E[i] == E[i] and abs(E[i] - E[i - 1]) / size or math.huge end
   return out
 end
