@@ -112,7 +112,7 @@ docs: all
 # the gallery of work-precision charts, measured again: two minutes of a quiet machine
 charts: all
 	@.ci/setup --install pictures
-	$(B)/dmlua tests/bench/charts.lua docs $(sort $(wildcard tests/bench/gallery/*.lua))
+	$(B)/dmlua tests/bench/dm/charts.lua docs $(sort $(wildcard tests/bench/gallery/*.lua))
 
 SHARE = $(DESTDIR)$(PREFIX)/share
 install: all
