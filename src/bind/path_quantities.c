@@ -85,8 +85,7 @@ int dml_path_energy(lua_State *L) {
 
 /* largest of |y[i]|; NaN stays */
 static double largest(double so_far, const double *y, uint32_t count) {
-    for (uint32_t i = 0; i < count; i++)
-        so_far = dm_largest(so_far, y[i]);
+    for (uint32_t i = 0; i < count; i++) so_far = dm_largest(so_far, y[i]);
     return so_far;
 }
 

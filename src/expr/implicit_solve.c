@@ -97,8 +97,7 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
 
 static double norm(const double *a, uint32_t m) {
     double largest = 0.0;
-    for (uint32_t i = 0; i < m; i++)
-        largest = dm_largest(largest, a[i]);
+    for (uint32_t i = 0; i < m; i++) largest = dm_largest(largest, a[i]);
     return largest;
 }
 

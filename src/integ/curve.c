@@ -198,8 +198,7 @@ static dm_status guess(dm_curve_step *e, const dm_model *m) {
 
 static double norm(const double *x, size_t n) {
     double largest = 0.0;
-    for (size_t i = 0; i < n; i++)
-        largest = dm_largest(largest, x[i]);
+    for (size_t i = 0; i < n; i++) largest = dm_largest(largest, x[i]);
     return largest;
 }
 

@@ -156,8 +156,7 @@ static void keep(pair *e, int follows) {
 
 static double norm(const double *a, uint32_t n) {
     double largest = 0.0;
-    for (uint32_t i = 0; i < n; i++)
-        largest = dm_largest(largest, a[i]);
+    for (uint32_t i = 0; i < n; i++) largest = dm_largest(largest, a[i]);
     return largest;
 }
 

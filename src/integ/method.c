@@ -34,10 +34,14 @@ static int distance(const char *a, const char *b) {
 
 /* what others call a rule that is here, or NULL */
 static const char *usual_name(const char *name) {
-    static const char *const others[][2] = {
-        {"leapfrog", "verlet"}, {"stoermer-verlet", "verlet"}, {"stormer-verlet", "verlet"},
-        {"strang", "verlet"}, {"euler", "symplectic-euler"}, {"implicit-midpoint", "midpoint"},
-        {"rk45", "rkf45"}, {"ruth", "yoshida"}};
+    static const char *const others[][2] = {{"leapfrog", "verlet"},
+                                            {"stoermer-verlet", "verlet"},
+                                            {"stormer-verlet", "verlet"},
+                                            {"strang", "verlet"},
+                                            {"euler", "symplectic-euler"},
+                                            {"implicit-midpoint", "midpoint"},
+                                            {"rk45", "rkf45"},
+                                            {"ruth", "yoshida"}};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
         if (strcmp(name, others[i][0]) == 0) return others[i][1];
     return NULL;

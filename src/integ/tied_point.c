@@ -129,8 +129,7 @@ void dm_tied_ties(dm_tied *g, const double *V, int with_curve) {
 /* NaN when there is one */
 static double largest(const double *a, size_t count) {
     double most = 0.0;
-    for (size_t i = 0; i < count; i++)
-        most = dm_largest(most, a[i]);
+    for (size_t i = 0; i < count; i++) most = dm_largest(most, a[i]);
     return most;
 }
 

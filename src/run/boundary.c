@@ -83,8 +83,7 @@ static void assemble(solver *s, const double *x) {
 
 static double norm(const double *x, uint32_t n) {
     double largest = 0.0;
-    for (uint32_t i = 0; i < n; i++)
-        largest = dm_largest(largest, x[i]);
+    for (uint32_t i = 0; i < n; i++) largest = dm_largest(largest, x[i]);
     return largest;
 }
 

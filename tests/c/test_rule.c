@@ -78,7 +78,7 @@ static void finds_every_method_and_the_nearest_name(void) {
     static const char *const wrong[][2] = {
         {"verlot", "verlet"},   {"Gauss", "gauss"}, {"mid-point", "midpoint"},
         {"labatto", "lobatto"}, {"rk8dp", "rk8pd"}, {"trapezoid", "trapezoidal"},
-        {"leapfrog", "verlet"}, {"rk45", "rkf45"}, {"euler", "symplectic-euler"}};
+        {"leapfrog", "verlet"}, {"rk45", "rkf45"},  {"euler", "symplectic-euler"}};
     for (const dm_method *const *m = dm_methods; *m; m++) {
         CHECK(dm_method_find((*m)->name, NULL) == *m);
         CHECK((*m)->doc && (*m)->signature && (*m)->check && (*m)->order && (*m)->wants);
