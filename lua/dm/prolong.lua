@@ -135,6 +135,6 @@ function M.system(system)
   return core.system(out)
 end
 
-M.part, M.joined = part, joined
+M.part, M.joined, M.bound, M.entries = part, joined, bound, entries
 
 return M

@@ -1,5 +1,6 @@
 --- Models of a scene: the system as given, or fewer terms of L and of the force on fewer coordinates, with further constraints.
 local core = require "dm.core"
+local prolong = require "dm.prolong"
 local routh = require "dm.routh"
 local routh_model = require "dm.routh_model"
 local watch = require "dm.scene.watch"
@@ -9,20 +10,7 @@ M.__index = M
 
 local MOST_COORDINATES, MOST_TERMS = 48, 200  -- beyond, a system is taken as a whole
 
-local function bound(f, params)
-  if not params then return f end
-  return function(q, v, t) return f(q, v, t, params) end
-end
-
--- entries of what a force or a constraint returns
-local function entries(value)
-  if type(value) == "table" then return value end
-  local fine, count = pcall(function() return #value end)
-  if not fine then return { value } end
-  local out = {}
-  for i = 1, count do out[i] = value[i] end
-  return out
-end
+local bound, entries = prolong.bound, prolong.entries
 
 M.entries = entries
 
