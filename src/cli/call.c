@@ -5,6 +5,8 @@
 
 #include <signal.h>
 #include <stdio.h>
+#include <string.h>
+#include <unistd.h>
 
 const char *dml_program = "dmlua";
 
@@ -12,32 +14,57 @@ static lua_State *called; /* for the signal handler */
 
 /* ---- Ctrl-C ---- */
 
+/* by `interrupt`, and since then no function of the user has gone on */
+static int raised;
+
+/* is the Lua function that runs, or has called what runs, one of our modules? */
+static int in_module(lua_State *L) {
+    lua_Debug ar;
+    for (int level = 0; lua_getstack(L, level, &ar); level++) {
+        lua_getinfo(L, "S", &ar);
+        if (*ar.what != 'C') return strstr(ar.source, "lua/dm/") != NULL;
+    }
+    return 0;
+}
+
 /*
 ** Runs before the next instruction after Ctrl-C. A C loop that polls dml_stop answers itself, and
-** has answered when dml_stop is clear again.
+** has answered when dml_stop is clear again. What was raised is raised again where one of our
+** modules has caught it, as they try things under pcall; a pcall of the user may keep it.
 */
 static void interrupt(lua_State *L, lua_Debug *ar) {
     (void)ar;
-    lua_sethook(L, NULL, 0, 0);
-    if (!dml_stop) return;
+    const int inside = in_module(L);
+    raised = dml_stop || (raised && inside);
     dml_stop = 0;
-    luaL_error(L, "interrupted!");
+    alarm(0);
+    if (raised && inside) lua_pushliteral(L, "interrupted!"), lua_error(L);
+    if (raised) luaL_error(L, "interrupted!"); /* with the place in the script */
+    lua_sethook(L, NULL, 0, 0);
 }
 
-static void set_signal(void (*handler)(int), struct sigaction *before) {
+static void set_signal(int number, void (*handler)(int), struct sigaction *before) {
     struct sigaction action = {0};
     action.sa_handler = handler;
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, before);
+    sigaction(number, &action, before);
+}
+
+/* every second until Ctrl-C is answered: it may have come just before a read of the terminal */
+static void wake(int signal) {
+    (void)signal;
+    if (dml_stop) alarm(1);
 }
 
 /* a second Ctrl-C finds the default action, which kills */
 static void stop(int signal) {
     (void)signal;
-    set_signal(SIG_DFL, NULL);
+    set_signal(SIGINT, SIG_DFL, NULL);
     dml_stop = 1;
     lua_sethook(called, interrupt,
                 LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT, 1);
+    set_signal(SIGALRM, wake, NULL);
+    alarm(1);
 }
 
 static void drop(int signal) {
@@ -45,7 +72,7 @@ static void drop(int signal) {
 }
 
 void dml_drop_interrupts(void) {
-    set_signal(drop, NULL);
+    set_signal(SIGINT, drop, NULL);
 }
 
 static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int results) {
@@ -54,12 +81,12 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
     lua_pushcfunction(L, handler);
     lua_insert(L, base);
     called = L;
-    dml_stop = 0;
-    set_signal(stop, &before);
+    dml_stop = raised = 0;
+    set_signal(SIGINT, stop, &before);
     const int status = lua_pcall(L, arguments, results, base);
     sigaction(SIGINT, &before, NULL);
     dml_stop = 0;
-    if (lua_gethook(L) == interrupt) lua_sethook(L, NULL, 0, 0);
+    if (lua_gethook(L) == interrupt) lua_sethook(L, NULL, 0, 0), alarm(0);
     lua_remove(L, base);
     return status;
 }

@@ -43,7 +43,6 @@ static void pass_signals(void) {
 */
 static int next_key(FILE *in) {
     (void)in;
-    (void)in;
     for (;;) {
         unsigned char key;
         fd_set input;

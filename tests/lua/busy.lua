@@ -9,7 +9,8 @@ io.stdout:flush()
 for _ = 1, 1000 do
   kepler:solver { rule = "verlet", h = 0.001 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 20000 }
   pendulum:solver { rule = "gauss(2)", h = 0.05 }:run { q = { 1 }, v = { 0 }, steps = 2000 }
-  pcall(error, setmetatable({}, { __gc = function() collectgarbage "step" end }))
+  local _, e = pcall(error, setmetatable({}, { __gc = function() collectgarbage "step" end }))
+  if type(e) == "string" then error(e, 0) end  -- Ctrl-C in there
   local s = 0
   for i = 1, 1e5 do s = s + math.sin(i) end
   for i = 1, 1e4 do s = dm.vector { i, s }:norm() end
