@@ -51,11 +51,25 @@ local function points_of(self, list, least)
   return out
 end
 
--- points given one by one, or as one list
+-- the points z[1 ...] of a flat vector
+local function split(z, count, m)
+  local out = {}
+  for i = 1, count do
+    local p = {}
+    for j = 1, m do p[j] = z[(i - 1) * m + j] end
+    out[i] = core.vector(p)
+  end
+  return out
+end
+
+-- points given one by one, as one list, or as one flat vector of k m entries
 local function listed(self, ...)
   local first = ...
-  if select("#", ...) > 1 or type(first) ~= "table" then return { ... } end
-  if self.m > 1 and type(first[1]) == "number" then return { first } end
+  local fine, size = pcall(function() return #first end)
+  if select("#", ...) > 1 or not fine then return { ... } end
+  local numbers = type(first) ~= "table" or type(first[1]) == "number"
+  if self.m > 1 and numbers and size > self.m and size % self.m == 0 then return split(first, size // self.m, self.m) end
+  if type(first) ~= "table" or self.m > 1 and numbers then return { first } end
   return first
 end
 
@@ -65,17 +79,6 @@ local function flat(list)
     for i = 1, #z do out[#out + 1] = z[i] end
   end
   return core.vector(out)
-end
-
--- the points z[first + 1 ...] of a flat vector
-local function split(z, count, m)
-  local out = {}
-  for i = 1, count do
-    local p = {}
-    for j = 1, m do p[j] = z[(i - 1) * m + j] end
-    out[i] = core.vector(p)
-  end
-  return out
 end
 
 local function moved(self, g, list)
@@ -268,7 +271,7 @@ class.__call = blame.caller(function(self, ...)
 end)
 
 local doc_invariants = [[
-rho:invariants{z1, ..., zn} -> {I1, ..., In}
+rho:invariants{z1, ..., zn} -> {I1, ..., In}; also of points one by one, or as one flat vector
 The points moved by the frame of the first k of them: I_j = rho(z1, ..., zk) . z_j, whose entries are the fundamental invariants of the
 joint action (vectors; those the cross-section fixes are constant, rho:phantom()).]]
 

@@ -102,6 +102,7 @@ near((frame(from_formula):invariants(places[1][1])[2] - frame(given[1][1]):invar
 -- closed forms: chord and bend; cross-ratio (6.6)
 local planar = frame { action = plane, points = 3, cross_section = chord, branch = along }
 local I = planar:invariants { { 0.2, 0.1 }, { 0.5, 0.5 }, { 0.4, 1.1 } }
+near((planar:invariants { 0.2, 0.1, 0.5, 0.5, 0.4, 1.1 }[3] - I[3]):norm(), 0, 0, "points as one flat vector")
 near(I[2][1], 0.5, 1e-15, "the chord length"); near(I[3][2], (1 * 0.3 - 0.2 * 0.4) / 0.5, 1e-15, "and the bend")
 local moebius = frame(cases[4][2])
 local u = { 0.1, 0.5, 1.2, 3 }
