@@ -1,4 +1,6 @@
 --- Errors name the line of the script that called, not a line inside these modules.
+local explain = require "dm.missed".explain
+
 local M = {}
 
 -- positions that error and C functions put in front, inside lua/dm
@@ -29,7 +31,7 @@ end
 
 --- f, with the position of its caller in its error messages, those of a dm.failure too; other error values pass as they are.
 function M.caller(f)
-  return function(...) return finish(pcall(f, ...)) end
+  return function(...) return finish(xpcall(f, explain, ...)) end
 end
 
 -- the same around a method written in C, which puts a position in front itself: that of a function of the user stays alone
@@ -43,7 +45,7 @@ end
 
 --- f, which calls a method written in C, with the position of its caller in place of one inside these modules.
 function M.relay(f)
-  return function(...) return relay(pcall(f, ...)) end
+  return function(...) return relay(xpcall(f, explain, ...)) end
 end
 
 return M

@@ -7,6 +7,7 @@ local reference = require "dm.reference_run"
 local M = {}
 M.__index = M
 M.__name = "dm.chart"
+setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
 local max, min, log, floor = math.max, math.min, math.log, math.floor
 

@@ -192,6 +192,11 @@ local function members(object, start, with_colon)
   return list
 end
 
+--- The names of all methods and documented fields of a class ("dm.path"), or of the table dm ("dm").
+function M.names_of(class)
+  return members(class == "dm" and { value = require "dm" } or { class = class }, "")
+end
+
 local function names(start)
   local list, seen = {}, {}
   add_table(list, seen, _G, start)

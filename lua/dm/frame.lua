@@ -13,7 +13,11 @@ local M = {}
 
 local class = { __name = "dm.frame", methods = {} }
 debug.getregistry()["dm.frame"] = class
-function class.__index(frame, key) return class.methods[key] or rawget(frame, key) end
+function class.__index(frame, key)
+  local found = class.methods[key] or rawget(frame, key)
+  if found == nil then core.miss("dm.frame", key) end
+  return found
+end
 class.__tostring = text.describe
 core.docs["dm.frame"] = [[
 dm.frame: a moving frame, made by dm.moving_frame{action=, points=, cross_section=}

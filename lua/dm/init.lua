@@ -29,7 +29,7 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
+local extensions = { "dm.missed", "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
   "dm.routh_methods", "dm.stability_methods", "dm.group",
 }
 
@@ -40,7 +40,10 @@ local M = { __name = "dm", lazy = lazy }
 
 function M.__index(t, name)
   local module = lazy[name]
-  if not module then return nil end
+  if not module then
+    core.miss("dm", name)
+    return nil
+  end
   local value = require(module)[name]
   rawset(t, name, value)
   return value

@@ -14,7 +14,11 @@ local M = {}
 
 local class = { __name = "dm.invariant_problem", methods = {} }
 debug.getregistry()["dm.invariant_problem"] = class
-function class.__index(p, key) return class.methods[key] or rawget(p, key) end
+function class.__index(p, key)
+  local found = class.methods[key] or rawget(p, key)
+  if found == nil then core.miss("dm.invariant_problem", key) end
+  return found
+end
 core.docs["dm.invariant_problem"] = [[
 dm.invariant_problem: a variational problem in invariants of an action, made by dm.invariant_problem{frame=, L=}
 fields: frame, action, group, N (points of L), constraints (how many)]]
@@ -218,6 +222,7 @@ end
 
 local Curve = { __name = "dm.invariant_curve", methods = {} }
 Curve.__index = Curve
+setmetatable(Curve, { __index = function(_, key) core.miss("dm.invariant_curve", key) end })
 debug.getregistry()["dm.invariant_curve"] = Curve
 core.docs["dm.invariant_curve"] = [[
 dm.invariant_curve: a sequence of points, from problem:solve or problem:boundary

@@ -21,7 +21,11 @@ core.docs["dm.discrete_shape"] = [[
 dm.discrete_shape: a discrete Lagrangian without its group variables, made by shape:discrete{rule=, h=} or shape:discrete(Ld)
 fields: shape (the reduced system), Ld (of the unreduced system), h; points x0, x1 are dim shape numbers each.]]
 
-function class.__index(D, key) return class.methods[key] or rawget(D, key) end
+function class.__index(D, key)
+  local found = class.methods[key] or rawget(D, key)
+  if found == nil then core.miss("dm.discrete_shape", key) end
+  return found
+end
 
 function class.__tostring(D) return ("reduced %s"):format(tostring(D.Ld)) end
 

@@ -5,6 +5,7 @@ local core = require "dm.core"
 local M = {}
 M.__index = M
 M.__name = "dm.scaling"
+setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
 local log, max, min, huge = math.log, math.max, math.min, math.huge
 

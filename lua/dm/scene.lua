@@ -13,6 +13,7 @@ local search = require "dm.scene.search"
 local M = {}
 M.__index = M
 M.__name = "dm.scene"
+setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
 local max, min, floor = math.max, math.min, math.floor
 

@@ -9,6 +9,7 @@ local given_ = require "dm.stability.given"
 local M = {}
 M.__index = M
 M.__name = "dm.stability_map"
+setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
 local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)), 0) end
 

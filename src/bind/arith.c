@@ -1,5 +1,6 @@
 /* arith.c - + - * / ^ and unary minus on scalars, vectors and matrices of every kind. */
 #include "bind/array.h"
+#include "bind/missed.h"
 
 #include <math.h>
 
@@ -19,12 +20,19 @@ static const char *type_name(lua_State *L, int arg) {
     return luaL_typename(L, arg);
 }
 
+static void refuse_operands(lua_State *L, dm_op op) {
+    const char *a = type_name(L, 1), *b = type_name(L, 2);
+    luaL_where(L, 1);
+    lua_pushfstring(L, "%scannot compute %s %s %s", lua_tostring(L, -1), a,
+                    dm_op_text(op), b);
+    dml_explain(L);
+    lua_error(L);
+}
+
 static void read_operands(lua_State *L, dm_op op, dml_operand *a, dml_operand *b) {
     lua_settop(L, 2);
     luaL_checkstack(L, 10, NULL);
-    if (!read_operand(L, 1, a) || !read_operand(L, 2, b))
-        luaL_error(L, "cannot compute %s %s %s", type_name(L, 1), dm_op_text(op),
-                   type_name(L, 2));
+    if (!read_operand(L, 1, a) || !read_operand(L, 2, b)) refuse_operands(L, op);
 }
 
 static dml_scalar kind_of(const dml_operand *x) {

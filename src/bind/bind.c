@@ -1,5 +1,6 @@
 #include "bind/bind.h"
 
+#include "bind/missed.h"
 #include "bind/value.h"
 
 #include <ctype.h>
@@ -31,14 +32,16 @@ void dml_setfunctions(lua_State *L, const dml_row *rows) {
 }
 
 /* value.key: the class's own field function first (upvalue 2), then its methods
-** (upvalue 1) */
+** (upvalue 1); upvalue 3: its name */
 static int class_index(lua_State *L) {
     const lua_CFunction field = lua_tocfunction(L, lua_upvalueindex(2));
     lua_settop(L, 2);
     const int results = field ? field(L) : 0;
     if (results) return results;
     lua_settop(L, 2);
-    lua_rawget(L, lua_upvalueindex(1));
+    lua_pushvalue(L, 2);
+    if (lua_rawget(L, lua_upvalueindex(1)) == LUA_TNIL)
+        dml_miss(L, 1, lua_tostring(L, lua_upvalueindex(3)), 2);
     return 1;
 }
 
@@ -59,7 +62,8 @@ void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_ro
         lua_pushcfunction(L, field);
     else
         lua_pushnil(L);
-    lua_pushcclosure(L, class_index, 2);
+    lua_pushstring(L, tname);
+    lua_pushcclosure(L, class_index, 3);
     lua_setfield(L, -2, "__index");
     lua_pop(L, 1);
     set_doc(L, tname, doc);

@@ -1,5 +1,6 @@
 /* bind_matrix.c - `dm.matrix`: rows in one block; m[i] is a view of row i. */
 #include "bind/linear.h"
+#include "bind/missed.h"
 #include "bind/state.h"
 
 #include <gsl/gsl_errno.h>
@@ -124,6 +125,8 @@ static int matrix_field(lua_State *L) {
         lua_pushinteger(L, rows ? m->rows : m->columns);
     } else if (lua_type(L, 2) == LUA_TNUMBER &&
                lua_tointeger(L, 2) == (lua_Integer)m->rows + 1) {
+        lua_pushfstring(L, "a matrix of %d rows", (int)m->rows);
+        dml_miss(L, 1, lua_tostring(L, -1), 2);
         lua_pushnil(L); /* one past the end: ipairs stops here */
     } else {
         dml_pushrow(L, 1, check_index(L, 2, m->rows, "row"));

@@ -1,6 +1,7 @@
 /* bind_vector.c - `dm.vector`: entries from 1; numbers, symbols and hyper-dual numbers
 ** alike. */
 #include "bind/array.h"
+#include "bind/missed.h"
 #include "bind/state.h"
 
 #include <float.h>
@@ -94,6 +95,8 @@ static int vector_field(lua_State *L) {
     if (lua_type(L, 2) == LUA_TSTRING) return 0;
     if (lua_type(L, 2) == LUA_TNUMBER &&
         lua_tointeger(L, 2) == (lua_Integer)a->rows + 1) {
+        lua_pushfstring(L, "a vector of %d", (int)a->rows);
+        dml_miss(L, 1, lua_tostring(L, -1), 2);
         lua_pushnil(L); /* one past the end: ipairs stops here */
         return 1;
     }

@@ -1,5 +1,6 @@
 /* model.c - from the Lua function of a system to the kernels of a run. */
 #include "bind/backend.h"
+#include "bind/missed.h"
 #include "bind/model_kept.h"
 #include "bind/model_sums.h"
 #include "bind/model_ties.h"
@@ -40,7 +41,7 @@ static int bound_call(lua_State *L) {
     int extra = 0;
     for (int i = 2; i <= 3; i++) {
         if (lua_isnone(L, lua_upvalueindex(i))) break;
-        lua_pushvalue(L, lua_upvalueindex(i));
+        dml_pushparams(L, lua_upvalueindex(i));
         extra++;
     }
     lua_call(L, given + extra, 1);

@@ -1,6 +1,7 @@
 /* open.c - `require "dm.core"`: every class of classes.def, docs, and the door for Lua
 ** modules. */
 #include "bind/bind.h"
+#include "bind/missed.h"
 
 /* method(tname, name, f, doc): also for classes whose methods are all in Lua */
 static int add_method(lua_State *L) {
@@ -28,6 +29,14 @@ static const dml_row functions[] = {
      "Add the Lua function f as method `name` to a class (\"dm.path\"); doc: signature "
      "line, "
      "then shapes, units, errors. Raises on an unknown class."},
+    {"miss", dml_core_miss,
+     "core.miss(class, key [, names])\n"
+     "Note that class has no such key, for the message of an error on the same line; "
+     "called from the __index of a class in Lua; names: a table with the keys there are, "
+     "where methods and docs do not say."},
+    {"nearest", dml_core_nearest,
+     "core.nearest(word, names) -> name or nil\n"
+     "The name of the list that is spelt most like the word, nil when none is near."},
     {NULL, NULL, NULL}};
 
 int luaopen_dm_core(lua_State *L) {

@@ -1,6 +1,7 @@
 /* call.c - protected calls, Ctrl-C, messages. */
 #include "cli/call.h"
 
+#include "bind/missed.h"
 #include "bind/terminal.h"
 
 #include <signal.h>
@@ -94,12 +95,14 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
 /* ---- messages ---- */
 
 static int add_traceback(lua_State *L) {
-    const char *text = lua_tostring(L, 1);
-    if (!text) {
+    if (!lua_tostring(L, 1)) {
         if (luaL_callmeta(L, 1, "__tostring") && lua_type(L, -1) == LUA_TSTRING) return 1;
-        text = lua_pushfstring(L, "(error object is a %s value)", luaL_typename(L, 1));
+        lua_pushfstring(L, "(error object is a %s value)", luaL_typename(L, 1));
+        lua_replace(L, 1);
     }
-    luaL_traceback(L, L, text, 1);
+    lua_settop(L, 1);
+    dml_explain(L);
+    luaL_traceback(L, L, lua_tostring(L, 1), 1);
     return 1;
 }
 

@@ -1,0 +1,73 @@
+--- Errors about a nil say which name or index was asked for in vain, and the nearest there is.
+local core = require "dm.core"
+
+local M = {}
+
+local getregistry = debug.getregistry
+local next, type, tonumber, find, match = next, type, tonumber, string.find, string.match
+local OWN = { params = "the table of params", dm = "dm" }
+local MOST = 12  -- names that are listed
+
+local function sorted(list)
+  table.sort(list)
+  return list
+end
+
+-- names of methods and documented fields of a class, of dm, or of the parameters
+local function names_of(note)
+  if not note.names then return sorted(require "dm.complete".names_of(note.of)) end
+  local names = {}
+  for name in next, note.names do names[#names + 1] = type(name) == "string" and not find(name, "^_") and name or nil end
+  return sorted(names)
+end
+
+-- the first class by name that has this method
+local function owner(name)
+  local complete, found = require "dm.complete", nil
+  getmetatable(require "dm").load_all()  -- some classes come with a module
+  for class in next, core.docs do
+    local has = type(class) == "string" and (complete.methods_of(class) or {})[name]
+    if has and (not found or class < found) then found = class end
+  end
+  return found
+end
+
+local function what_there_is(note)
+  local names = names_of(note)
+  local near = core.nearest(note.key, names)
+  if near then return ("; did you mean '%s'?"):format(near) end
+  local other = owner(note.key)
+  if other then return ("; it is a method of %s"):format(other) end
+  if #names == 0 then return "" end
+  if #names <= MOST then return ": there is " .. table.concat(names, ", ") end
+  return note.of == "dm" and "; help(dm) lists what there is" or "; help(x) lists what there is"
+end
+
+local function explained(note)
+  if math.type(note.key) == "integer" then return ("%s has no entry %d"):format(note.of, note.key) end
+  local of = OWN[note.of] or "a " .. note.of
+  return ("%s has no '%s'%s"):format(of, note.key, what_there_is(note))
+end
+
+-- does the message speak of that nil? Its name, or that of an index, and a line that is the same or, of a name, near
+local function is_about(note, message)
+  local source, line, rest = match(message, "^([^\n]-):(%d+): ([^\n]*)")
+  if source ~= note.source then return false end
+  local same = tonumber(line) == note.line
+  if find(rest, "cannot compute nil", 1, true) or find(rest, "^cannot compute .* nil$") then return same end
+  local name = find(rest, "a nil value", 1, true) and match(rest, "%(%a+ '([^']*)'%)")
+  return name == note.key or same and (name == nil or name == "integer index" or name == "?") and find(rest, "a nil value", 1, true) ~= nil
+end
+
+--- The message with what was noted about the nil in it; any other message as it is.
+function M.explain(message)
+  local note = getregistry().dm_missed
+  if type(message) ~= "string" or not note or not note.of or not is_about(note, message) then return message end
+  local why = (type(note.key) == "string" or math.type(note.key) == "integer") and explained(note)
+  note.of = nil
+  return why and message .. ": " .. why or message
+end
+
+getregistry().dm_explain = M.explain
+
+return M

@@ -1,0 +1,61 @@
+-- a name or index that is not there is nil, and the error that comes of the nil says which and what is near
+local tap = require "tap"
+local dm = require "dm"
+local explain = require "dm.missed".explain
+local ok = tap.ok
+
+local function says(words, f)
+  local _, text = xpcall(f, explain)
+  ok(tostring(text):find(words, 1, true), "says '" .. words .. "'", text)
+end
+local function is_plain(f, name)
+  local _, text = xpcall(f, explain)
+  local _, bare = pcall(f)
+  ok(text == bare, name .. ": Lua's own message", text)
+end
+
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local solver = kepler:solver { rule = "verlet", h = 0.1 }
+local path = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 2 }
+local v = dm.vector { 1, 2 }
+
+says("a dm.system has no 'solvr'; did you mean 'solver'?", function() kepler:solvr { h = 1 } end)
+says("a dm.solver has no 'rnu'; did you mean 'run'?", function()
+  solver
+    :rnu {
+      q = v,
+    }
+end)
+says("a dm.path has no 'enrgy'; did you mean 'energy'?", function() return path.enrgy + 1 end)
+says("a dm.action has no 'on_pints'; did you mean 'on_points'?", function() dm.action { group = dm.SE(2), on = dm.R(2) }:on_pints(2) end)
+says("a dm.space has no 'on_pairs'; it is a method of dm.action", function() dm.SE(2):on_pairs() end)
+says("dm has no 'sytem'; did you mean 'system'?", function() dm.sytem {} end)
+says("a vector of 2 has no entry 3", function() return v[3] + 1 end)
+says("cannot compute nil * dm.vector: a vector of 2 has no entry 3", function() return v[3] * v end)
+says("a matrix of 1 rows has no entry 2", function() return dm.matrix { { 1, 2 } }[2][1] end)
+says("a dm.chart has no 'cheapst'; did you mean 'cheapest'?", function()
+  kepler:chart({ q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, steps = { 10, 20 } }):cheapst()
+end)
+
+-- in functions that are traced, under pcall too where the message is ours
+local function oscillator(L) return dm.system { Q = dm.R(1), params = { stiffness = 2 }, L = L } end
+says("the table of params has no 'stifness'; did you mean 'stiffness'?",
+  function() oscillator(function(q, w, _, P) return w[1] ^ 2 / 2 - P.stifness * q[1] ^ 2 / 2 end) end)
+says("the table of params has no 'k': there is stiffness", function() oscillator(function(q, w, _, P) return w[1] ^ 2 / 2 - q[1] ^ P.k end) end)
+tap.raises("cannot compute nil * dm.symbol: a vector of 1 has no entry 2",
+  function() oscillator(function(q, w) return w[1] ^ 2 / 2 - q[2] * q[1] end) end)
+ok(oscillator(function(q, w, _, P) return w[1] ^ 2 / 2 - (P.k or P.stiffness) * q[1] ^ 2 end):energy({ 1 }, { 0 }) == 2,
+  "a parameter that may be missing can be asked for")
+says("a dm.vector has no 'nrm'; did you mean 'norm'?", function() kepler:routh { mu = 1, action = function(_, q) return q:nrm() end } end)
+
+-- and says nothing where the nil is another
+is_plain(function() local t = {} return kepler.foo == nil and t.bar + 1 end, "a nil field of a table after a probe")
+is_plain(function() for _ in ipairs(v) do local _ = 0 end local t = {} return t[1] + 1 end, "an index after ipairs over a vector")
+is_plain(function() local t = {} t:run() end, "a method of a table of one's own")
+ok(kepler.solvr == nil and dm.sytem == nil and v[3] == nil, "names that are not there can be probed")
+
+local pipe = io.popen((os.getenv "DMLUA" or "build/dmlua") .. " -e 'dm.R(2):dimenson()' 2>&1")
+ok(pipe:read "a":find("a dm.space has no 'dimenson'; did you mean 'dimension'?", 1, true), "dmlua says so of a script")
+pipe:close()
+
+tap.done()
