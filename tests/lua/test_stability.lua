@@ -134,6 +134,20 @@ do
   end
 end
 
+-- what is lost in the first step: no cell beside it is needed to see that
+do
+  local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+  local thrown = kepler:stability { rule = "verlet", q = { 0.1, 0 }, v = { 0, 19 ^ 0.5 }, h = { 0.005, 1, 6 }, steps = 2000 }
+  tap.ok(thrown:at(1, 1).class == "bounded" and thrown:at(1, 2).class == "off" and thrown:at(1, 3).class == "off", "a planet that the first step throws out", tostring(thrown))
+  -- a = 0.1: neighbouring orbits part by e^1500, more than a number holds
+  local pendulum = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.cos(q[1]) end }
+  for _, a in ipairs { 0.1, 3 } do
+    local wild = pendulum:stability { rule = "verlet", q = { a }, v = { 0 }, h = { 0.1, 3, 10 }, steps = 1000 }
+    local cell = wild:at(1, 2)
+    tap.ok(wild:at(1, 1).class == "bounded" and cell.class == "chaotic" and math.abs(cell.exponent * 3 - math.log(4.5)) < 0.2, "strong chaos", cell.why)
+  end
+end
+
 -- the same map on every road
 local dmlua = os.getenv "DMLUA" or arg[-1]
 local script = [[

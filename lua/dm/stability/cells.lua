@@ -1,9 +1,10 @@
 --- Cells of a stability map: run by ensembles, and told apart by what their rows show.
+local core = require "dm.core"
 local prolong = require "dm.prolong"
 
 local M = {}
 
-local abs, max, sqrt, log, huge = math.abs, math.max, math.sqrt, math.log, math.huge
+local abs, max, min, sqrt, log, huge = math.abs, math.max, math.min, math.sqrt, math.log, math.huge
 
 local ROWS, MEMBERS = 64, 2048  -- rows of a cell; members of one ensemble
 local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
@@ -14,6 +15,7 @@ local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
 local TIE = 1e-6                -- |g| of a constraint that is lost
 local TINY = 1e-120             -- length of the tangent vector at the start: room to grow
+local ROOM = 985                -- by e to this power
 
 --- Classes: name, whether the motion is lost, what it says.
 M.CLASSES = {
@@ -82,6 +84,15 @@ local function has_jumped(s, i, kinetic)
   return kinetic > 0 and s.late[i] > JUMP * s.early[i] and s.late[i] > kinetic and s.late[i] > 1e-6 * abs(s.first[i])
 end
 
+-- the same from the first row on: at none of the others is the energy near its start, and nearly all of the motion is that error
+local function left_at_once(s, i, K, rows_of)
+  local error = max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
+  if not K or not (error > abs(K.first[i])) or not (2 * error > K.largest[i]) then return false end
+  local rows, nearest = rows_of(i), huge
+  for k = 2, #rows do nearest = min(nearest, abs(rows[k] - s.first[i])) end
+  return 2 * nearest > error and nearest < huge
+end
+
 local function is_drifting(map, s, i, kinetic, T)
   local slope = abs(s.slope[i])
   return slope > SIGMA * s.error[i] and slope * T > map.drift * max(kinetic, 1e-6 * abs(s.first[i]))
@@ -89,8 +100,8 @@ end
 
 local function finite(x) return x == x and abs(x) < huge and x or nil end
 
--- the class by what the rows show; sums: summaries by column
-local function look(map, cell, sums, i, name)
+-- the class by what the rows show; sums: summaries by column; rows_of(i): the rows of what is watched
+local function look(map, cell, sums, i, name, rows_of)
   local s, K = sums[name], sums.K
   local kinetic = K and abs(K.first[i]) + K.early[i] or 0
   cell.kinetic = finite(K and max(abs(K.least[i]), K.largest[i]) or 0)
@@ -105,7 +116,7 @@ local function look(map, cell, sums, i, name)
   end
   if name == "size" then return "bounded" end
   if is_drifting(map, s, i, kinetic, cell.steps * cell.h) then return "drifting" end
-  if name == "energy" and has_jumped(s, i, kinetic) then return "off" end
+  if name == "energy" and (has_jumped(s, i, kinetic) or left_at_once(s, i, K, rows_of)) then return "off" end
   return "bounded"
 end
 
@@ -147,9 +158,10 @@ local function base_pass(map, system, rule, cells, rows)
     sums[column] = sums[column] or e:summary(column)
   end
   local tied = system.given.constraint ~= nil or system.given.rolling ~= nil
+  local function rows_of(i) return e:path(i):column(name) end
   for i, cell in ipairs(cells) do
     cell.steps, cell.code, cell.growth = steps[i], status[i], nil
-    local class = status[i] == "stopped" and "not run" or look(map, cell, sums, i, name)
+    local class = status[i] == "stopped" and "not run" or look(map, cell, sums, i, name, rows_of)
     if status[i] ~= "ok" and class ~= "left" then class = of_failure(status[i], tied) end
     if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then class = "no start" end
     cell.class = NUMBER[class]
@@ -202,11 +214,12 @@ local function tangent_start(n)
   return u, w
 end
 
+-- log of its length, as the sum of the sizes of its entries, whose squares would overflow half way
 local function growth_of(n)
   return function(x, _, _, p)
     local sum = 0
-    for i = 1, n do sum = sum + (x[n + i] / TINY) ^ 2 + (p[i] / TINY) ^ 2 end
-    return 0.5 * log(sum)
+    for i = 1, n do sum = sum + core.abs(x[n + i]) + core.abs(p[i]) end
+    return log(sum) - log(TINY)
   end
 end
 
@@ -229,7 +242,10 @@ local function chaos_pass(map, system, rule, all)
   local s, steps = e:summary "growth", e.steps
   for i, cell in ipairs(cells) do
     if e.status[i] ~= "stopped" and steps[i] > 0 then
-      cell.exponent, cell.megno = (s.last[i] - s.first[i]) / (steps[i] * cell.h), s.megno[i]
+      local rise, megno = s.last[i] - s.first[i], s.megno[i]
+      -- a tangent vector that has outgrown all numbers: MEGNO of a straight line is half of its rise
+      if e.status[i] == "not_finite" and cell.code == "ok" and megno ~= megno then rise, megno = ROOM, ROOM / 2 end
+      cell.exponent, cell.megno = rise / (steps[i] * cell.h), megno
       if cell.megno > REGULAR and cell.exponent > 0 and cell.class ~= NUMBER.drifting then cell.class = NUMBER.chaotic end
     end
   end
