@@ -85,8 +85,38 @@ int dml_arenalost(const dm_arena *arena) {
     return 0;
 }
 
+/* its address is the registry key of an arena that was given back */
+static const char spare_key;
+enum { LARGEST_SPARE = 1 << 20 }; /* bytes */
+
+void dml_sparearena(lua_State *L, int arg) {
+    owned_arena *a = lua_touserdata(L, arg);
+    arg = lua_absindex(L, arg);
+    if (a->things || !a->arena.chunks) return;
+    dm_arena_reset(&a->arena);
+    if (lua_gettop(a->keeper) > 2) lua_replace(a->keeper, 2); /* the newest block stays */
+    lua_settop(a->keeper, 2);
+    if (a->arena.room > LARGEST_SPARE) return;
+    lua_pushvalue(L, arg);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &spare_key);
+    dml_getstate(L)->spare = 1;
+}
+
+/* the arena that was given back, if there is one */
+static owned_arena *push_spare(lua_State *L) {
+    dml_state *state = dml_getstate(L);
+    if (!state->spare) return NULL;
+    state->spare = 0;
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &spare_key);
+    lua_pushnil(L);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &spare_key);
+    return lua_touserdata(L, -1);
+}
+
 dm_arena *dml_pusharena(lua_State *L) {
     luaL_checkstack(L, 4, NULL);
+    owned_arena *spare = push_spare(L);
+    if (spare) return &spare->arena;
     owned_arena *a = lua_newuserdatauv(L, sizeof *a, 1);
     a->keeper = lua_newthread(L);
     lua_sethook(a->keeper, NULL, 0, 0); /* hooks of the script see no allocation */

@@ -1,15 +1,19 @@
 /* arith.c - + - * / ^ and unary minus on scalars, vectors and matrices of every kind. */
 #include "bind/array.h"
 #include "bind/missed.h"
+#include "bind/state.h"
 
 #include <math.h>
 
 /* operand at arg; a table is taken as a vector and replaced by one */
 static int read_operand(lua_State *L, int arg, dml_operand *out) {
-    *out = (dml_operand){.rank = 0};
+    const int class = dml_classof(L, arg);
+    out->rank = 0;
+    if (class == DML_CLASS_VECTOR || class == DML_CLASS_MATRIX) {
+        out->array = lua_touserdata(L, arg);
+        return out->rank = class == DML_CLASS_VECTOR ? 1 : 2;
+    }
     if (dml_toscalar(L, arg, &out->scalar)) return 1;
-    if ((out->array = dml_toarray(L, arg, 1))) return out->rank = 1;
-    if ((out->array = dml_toarray(L, arg, 2))) return out->rank = 2;
     if (!lua_istable(L, arg)) return 0;
     out->array = dml_vectorat(L, arg);
     return out->rank = 1;
@@ -29,10 +33,14 @@ static void refuse_operands(lua_State *L, dm_op op) {
     lua_error(L);
 }
 
-static void read_operands(lua_State *L, dm_op op, dml_operand *a, dml_operand *b) {
+/* 1: both were scalars of a trace, and the result is pushed */
+static int read_operands(lua_State *L, dm_op op, dml_operand *a, dml_operand *b) {
+    lua_settop(L, 2);
+    if (dml_symbolic(L, op)) return 1;
     lua_settop(L, 2);
     luaL_checkstack(L, 10, NULL);
     if (!read_operand(L, 1, a) || !read_operand(L, 2, b)) refuse_operands(L, op);
+    return 0;
 }
 
 static dml_scalar kind_of(const dml_operand *x) {
@@ -71,6 +79,32 @@ static void number_loop(double *out, dm_op op, const dml_operand *a, const dml_o
     }
 }
 
+/* nodes of an operand, step 0 repeats a scalar; a number becomes a constant. NULL: a vector of numbers */
+static const dm_node *nodes_of(const dml_operand *x, uint32_t *step, dm_graph *graph,
+                               dm_node *alone) {
+    *step = x->rank ? 1 : 0;
+    if (x->rank) return dml_nodesof(x->array);
+    *alone = x->scalar.kind == DML_NUMBER ? dm_constant(graph, x->scalar.as.number)
+                                          : x->scalar.as.node;
+    return alone;
+}
+
+/* 0: a vector of numbers is among them */
+static int symbol_loop(lua_State *L, dml_array *out, dm_op op, const dml_operand *a,
+                       const dml_operand *b) {
+    const dml_frame *frame = dml_findframe(L, out->serial);
+    if (!frame) return 0;
+    uint32_t da, db;
+    dm_node alone[2], *nodes = out->entries;
+    const dm_node *x = nodes_of(a, &da, frame->graph, alone);
+    const dm_node *y = nodes_of(b, &db, frame->graph, alone + 1);
+    if (!x || !y) return 0;
+    for (uint32_t i = 0; i < dml_size(out); i++)
+        nodes[i] = dm_apply(frame->graph, op, x[i * da], y[i * db], 0);
+    dml_checkgraph(L, frame);
+    return 1;
+}
+
 /* entry by entry; a scalar meets every entry */
 static int elementwise(lua_State *L, dm_op op, const dml_operand *a,
                        const dml_operand *b) {
@@ -82,6 +116,7 @@ static int elementwise(lua_State *L, dm_op op, const dml_operand *a,
         number_loop(out->entries, op, a, b, n);
         return 1;
     }
+    if (kind.kind == DML_SYMBOL && symbol_loop(L, out, op, a, b)) return 1;
     for (uint32_t i = 0; i < n; i++) {
         const dml_scalar x = entry_of(a, i), y = entry_of(b, i);
         const dml_scalar z = dml_apply(L, op, &x, &y, NULL);
@@ -116,7 +151,7 @@ static int apply_scalars(lua_State *L, dm_op op, const dml_operand *a,
 
 static int sum(lua_State *L, dm_op op) {
     dml_operand a, b;
-    read_operands(L, op, &a, &b);
+    if (read_operands(L, op, &a, &b)) return 1;
     if (!a.rank && !b.rank) return apply_scalars(L, op, &a, &b);
     if (a.rank + b.rank == 2 && a.rank != b.rank)
         return luaL_error(L, "cannot compute matrix %s number: use dm.identity(n) * x",
@@ -139,7 +174,7 @@ int dml_sub(lua_State *L) {
 
 int dml_mul(lua_State *L) {
     dml_operand a, b;
-    read_operands(L, DM_OP_MUL, &a, &b);
+    if (read_operands(L, DM_OP_MUL, &a, &b)) return 1;
     if (!a.rank && !b.rank) return apply_scalars(L, DM_OP_MUL, &a, &b);
     if (!a.rank || !b.rank) return elementwise(L, DM_OP_MUL, &a, &b);
     if (a.rank == 2) return product(L, a.array, b.array);
@@ -151,7 +186,7 @@ int dml_mul(lua_State *L) {
 
 int dml_div(lua_State *L) {
     dml_operand a, b;
-    read_operands(L, DM_OP_DIV, &a, &b);
+    if (read_operands(L, DM_OP_DIV, &a, &b)) return 1;
     if (!a.rank && !b.rank) return apply_scalars(L, DM_OP_DIV, &a, &b);
     if (a.rank && b.rank)
         return luaL_error(
@@ -165,7 +200,7 @@ int dml_div(lua_State *L) {
 
 int dml_pow(lua_State *L) {
     dml_operand a, b;
-    read_operands(L, DM_OP_POW, &a, &b);
+    if (read_operands(L, DM_OP_POW, &a, &b)) return 1;
     if (!a.rank && !b.rank) return apply_scalars(L, DM_OP_POW, &a, &b);
     return luaL_error(
         L, "a power of a vector or matrix is ambiguous: use v:dot(v), m * m, or "

@@ -187,6 +187,27 @@ static double inner_numbers(const double *a, uint32_t da, const double *b, uint3
     return sum;
 }
 
+/* a and b hold symbols of one trace */
+static dml_scalar inner_symbols(lua_State *L, dml_run a, dml_run b, uint32_t n) {
+    const dml_frame *frame = dml_findframe(L, dml_kindof(a.array).serial);
+    const dm_node *x = dml_nodesof(a.array) + a.first,
+                  *y = dml_nodesof(b.array) + b.first;
+    dm_node sum = 0;
+    for (uint32_t k = 0; k < n; k++) {
+        const dm_node product = dm_apply(frame->graph, DM_OP_MUL, x[(size_t)k * a.step],
+                                         y[(size_t)k * b.step], 0);
+        sum = k ? dm_apply(frame->graph, DM_OP_ADD, sum, product, 0) : product;
+    }
+    dml_checkgraph(L, frame);
+    return (dml_scalar){.kind = DML_SYMBOL, .serial = frame->serial, .as.node = sum};
+}
+
+static int are_symbols(lua_State *L, const dml_array *a, const dml_array *b) {
+    const dml_scalar x = dml_kindof(a), y = dml_kindof(b);
+    return x.kind == DML_SYMBOL && y.kind == DML_SYMBOL && x.serial == y.serial &&
+           dml_findframe(L, x.serial);
+}
+
 dml_scalar dml_inner(lua_State *L, dml_run a, dml_run b, uint32_t n) {
     const double *x = dml_numbersof(a.array), *y = dml_numbersof(b.array);
     dml_scalar sum = {.kind = DML_NUMBER, .as.number = 0};
@@ -194,6 +215,7 @@ dml_scalar dml_inner(lua_State *L, dml_run a, dml_run b, uint32_t n) {
         sum.as.number = inner_numbers(x + a.first, a.step, y + b.first, b.step, n);
         return sum;
     }
+    if (n && are_symbols(L, a.array, b.array)) return inner_symbols(L, a, b, n);
     for (uint32_t k = 0; k < n; k++) {
         const dml_scalar p = dml_get(a.array, a.first + k * a.step),
                          q = dml_get(b.array, b.first + k * b.step);

@@ -126,7 +126,7 @@ const char *dml_nearest(const char *word, const char *const *known) {
 /* ---- options tables ---- */
 
 static int is_known(const char *key, const char *const *known) {
-    while (*known && strcmp(*known, key) != 0) known++;
+    while (*known && (**known != *key || strcmp(*known, key) != 0)) known++;
     return *known != NULL;
 }
 

@@ -25,10 +25,14 @@ dml_path *dml_path_states(lua_State *L, const char *what) {
     return p;
 }
 
+static double memory_of_machine(void) {
+    return (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+}
+
 dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width) {
-    const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    static const double small = 1e6; /* bytes: no need to ask the system */
     const double bytes = (double)rows * width * sizeof(double);
-    if (bytes > 0.5 * memory)
+    if (bytes > small && bytes > 0.5 * memory_of_machine())
         luaL_error(L,
                    "recording %f rows needs %f GB, more than half of this machine's "
                    "memory: keep fewer with "

@@ -185,6 +185,9 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
         if (last) {
             last->trace_ms = now_ms() - start;
             last->compile_ms = 0.0;
+            lua_getiuservalue(L, fn + 1, 1);
+            dml_sparearena(L, -1);
+            lua_pop(L, 1);
             lua_replace(L, fn);
             lua_settop(L, fn);
             return last;

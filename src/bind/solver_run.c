@@ -368,6 +368,7 @@ int dml_solver_run(lua_State *L) {
     keep_report(L, &u.r, done, seconds);
     u.r.t0 = u.plan.t0 + u.r.solver->h * (double)u.resume.steps;
     dml_solver_fail(L, &u.r, status, done, u.path);
+    dml_stepping_leave(L, &u.r);
     lua_settop(L, u.path);
     return 1;
 }

@@ -41,6 +41,8 @@ typedef struct {
     uint32_t serial;   /* of the newest trace */
     double roots;      /* serial number of the newest implicit function */
     int depth;         /* callbacks inside callbacks */
+    int spare;         /* an arena waits to be used again */
+    int closing;       /* its Lua is about to go */
 } dml_state;
 
 dml_state *dml_getstate(lua_State *L);
@@ -59,6 +61,10 @@ dml_frame *dml_findframe(lua_State *L, uint32_t serial);
 
 /* Push what keeps the memory of an arena of dml_pusharena alive. */
 void dml_pushkeeper(lua_State *L, const dm_arena *arena);
+
+/* Give back the arena at arg, of dml_pusharena: nothing in it is needed any more. The next one that is asked for gets its memory, which
+** saves the collector work. */
+void dml_sparearena(lua_State *L, int arg);
 
 /* Has the collector given back what kernels of the arena had outside of Lua? Only finalizers can see that. */
 int dml_arenalost(const dm_arena *arena);

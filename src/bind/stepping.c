@@ -14,6 +14,28 @@ static const char *backend_name(lua_State *L) {
     return name;
 }
 
+/* its address is the registry key of the block of a run that has ended */
+static const char spare_key;
+enum { LARGEST_SPARE = 1 << 22 }; /* bytes */
+
+/* a userdata of that size: the block of the last run where it is large enough, which saves the collector work */
+static void *push_block(lua_State *L, size_t size) {
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &spare_key);
+    if (lua_rawlen(L, -1) < size) {
+        lua_pop(L, 1);
+        return lua_newuserdatauv(L, size, 0);
+    }
+    lua_pushnil(L); /* a run inside this one needs its own */
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &spare_key);
+    return lua_touserdata(L, -1);
+}
+
+void dml_stepping_leave(lua_State *L, const dml_stepping *r) {
+    if (lua_rawlen(L, r->block_at) > LARGEST_SPARE) return;
+    lua_pushvalue(L, r->block_at);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &spare_key);
+}
+
 /* one block: workspace of the rule, state, inputs, scratch */
 static void take_memory(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
@@ -24,7 +46,8 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     const size_t scratch =
         s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
     const size_t total = work + state + 2 * s->n + 1 + scratch + dml_start_work(m);
-    r->stepper.work = lua_newuserdatauv(L, total * sizeof(double), 0);
+    r->stepper.work = push_block(L, total * sizeof(double));
+    r->block_at = lua_gettop(L);
     memset(r->stepper.work + work, 0,
            (total - work) * sizeof(double)); /* open lays out the rest */
     r->state = r->stepper.work + work;

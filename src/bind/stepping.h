@@ -36,8 +36,8 @@ int dml_solver_of(lua_State *L);
 typedef struct {
     dml_solver *solver; /* at stack index 1; the options are at 2 */
     dml_model *model;
-    int system, model_at; /* stack indices */
-    int numbers;          /* parameters are not inputs (model_params.h) */
+    int system, model_at, block_at; /* stack indices; the last: the memory of the run */
+    int numbers;                    /* parameters are not inputs (model_params.h) */
     dml_model *
         inputs; /* what the stepper steps: *model, but parameters are inputs; NULL: *model */
     double *given;  /* (q, v, t, values) of it */
@@ -75,6 +75,9 @@ void dml_stepping_checkplain(lua_State *L, dml_stepping *r);
 
 /* Close the stepper. */
 void dml_stepping_end(dml_stepping *r);
+
+/* Leave the memory of a run that is over to the next one. */
+void dml_stepping_leave(lua_State *L, const dml_stepping *r);
 
 /* solver:run, as a C function (solver_run.c). */
 int dml_solver_run(lua_State *L);

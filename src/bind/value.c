@@ -120,6 +120,39 @@ dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scal
     return kind;
 }
 
+/* node of the symbol at arg, whose metatable is pushed; 0: it is none, or not of the newest trace */
+static int symbol_node(lua_State *L, int arg, const dml_state *state, dm_node *node) {
+    if (lua_type(L, arg) != LUA_TUSERDATA || !lua_getmetatable(L, arg)) return 0;
+    if (lua_topointer(L, -1) != state->metatable[DML_CLASS_SYMBOL]) return 0;
+    const symbol *s = lua_touserdata(L, arg);
+    *node = s->node;
+    return state->frames && s->serial == state->frames->serial;
+}
+
+int dml_symbolic(lua_State *L, dm_op op) {
+    const dml_state *state = dml_getstate(L);
+    dm_node node[2] = {0, 0};
+    int number[2];
+    for (int k = 0; k < 2; k++) {
+        number[k] = lua_type(L, k + 1) == LUA_TNUMBER;
+        if (!number[k] && !symbol_node(L, k + 1, state, node + k)) return 0;
+    }
+    if (number[0] && number[1]) return 0;
+    const dml_frame *frame = state->frames;
+    for (int k = 0; k < 2; k++)
+        if (number[k]) node[k] = dm_constant(frame->graph, lua_tonumber(L, k + 1));
+    const symbol made = {op == DM_OP_POW
+                             ? dm_power(frame->graph, node[0], node[1])
+                             : dm_apply(frame->graph, op, node[0], node[1], 0),
+                         frame->serial};
+    dml_checkgraph(L, frame);
+    symbol *s = lua_newuserdatauv(L, sizeof *s, 0);
+    *s = made;
+    lua_pushvalue(L, 3); /* the class of an operand */
+    lua_setmetatable(L, -2);
+    return 1;
+}
+
 /* ---- anything that can stand for a vector ---- */
 
 long dml_length(lua_State *L, int arg) {

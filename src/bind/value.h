@@ -34,6 +34,10 @@ void dml_pushscalar(lua_State *L, const dml_scalar *x);
 dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scalar *b,
                      const dml_scalar *c);
 
+/* op on the two values that are all of the stack: the result is pushed where both are symbols of the newest trace, or one of them
+** a number, which is most of what a trace does. 0: they are something else, and the stack may have grown. */
+int dml_symbolic(lua_State *L, dm_op op);
+
 /* Push a new vector or matrix of zeros, owned by Lua; returns its entries (row-major). */
 double *dml_pushvector(lua_State *L, uint32_t n);
 double *dml_pushmatrix(lua_State *L, uint32_t rows, uint32_t columns);

@@ -1,9 +1,11 @@
 /* gauss.c - Gauss collocation of any stage number. */
 #include "integ/hamilton.h"
+#include "integ/kept.h"
 #include "integ/stage.h"
 #include "integ/sweep.h"
 
 #include <math.h>
+#include <string.h>
 
 static int stages(const dm_rule *rule) {
     return (int)rule->arg[0].number;
@@ -59,9 +61,22 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
     g->sweeps = sweeps(rule);
 }
 
+/* zeros of a polynomial are dear next to a few steps: they stay with the model */
 static dm_status open(dm_stepper *s) {
+    static const char maker;
+    const double key = stages(s->rule);
     dm_galerkin g;
-    basis(&g, s->rule);
+    const double *kept = dm_kept_numbers(s->model, &maker, &key, 1);
+    if (!kept) {
+        basis(&g, s->rule);
+        dm_kept_leave(s->model, &maker, &key, 1, (const double *)(const void *)&g.q,
+                      sizeof g.q / sizeof(double));
+        return dm_stage_open(s, &g);
+    }
+    dm_quadrature q;
+    memcpy(&q, kept, sizeof q);
+    dm_galerkin_collocation(&g, &q);
+    g.sweeps = sweeps(s->rule);
     return dm_stage_open(s, &g);
 }
 

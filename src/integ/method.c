@@ -49,11 +49,12 @@ static const char *usual_name(const char *name) {
 
 const dm_method *dm_method_find(const char *name, const char **nearest) {
     const int length = (int)strlen(name);
+    for (const dm_method *const *m = dm_methods; *m; m++)
+        if (strcmp((*m)->name, name) == 0) return *m;
     const char *usual = usual_name(name);
     int best = usual ? 0 : 2 + length / 4; /* further away is no misprint */
     if (nearest) *nearest = usual;
     for (const dm_method *const *m = dm_methods; *m; m++) {
-        if (strcmp((*m)->name, name) == 0) return *m;
         const int d = distance(name, (*m)->name);
         if (d < best && d < length) {
             best = d;

@@ -336,6 +336,7 @@ static void prepare(dm_stage *g) {
 }
 
 static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
+    if (!g->weighed) dm_stage_weights_complete(g);
     return g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
 }
 

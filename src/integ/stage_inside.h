@@ -48,7 +48,7 @@ typedef struct {
     const dm_model *m;
     uint32_t n;
     int separable;         /* the cheaper form for L = T(v) - V(q, t), constant mass */
-    int prepared;          /* for Newton's method */
+    int prepared, weighed; /* for Newton's method; its weights are those of h */
     double h, t;           /* step, its start */
     dm_weight *hA, *hmean; /* [r*r], [r]: h^2 A, h^2 mean */
     dm_weight *ha;         /* [r*s]: h a */
@@ -75,10 +75,11 @@ typedef struct {
     long evaluations;
 } dm_stage;
 
-/* Doubles of the weights above; lay them out; compute them for a step h. */
+/* Doubles of the weights above; lay them out; compute those of the sweeps for a step h, and what Newton's method needs besides. */
 size_t dm_stage_weights_size(size_t s, size_t r);
 void dm_stage_weights_place(dm_stage *g, double *memory);
 void dm_stage_weights_scale(dm_stage *g, double h);
+void dm_stage_weights_complete(dm_stage *g);
 
 /* Doubles of the sweeps; make their kernel and lay them out, or leave them without one; for a new step h. */
 size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m);

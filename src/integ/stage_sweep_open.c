@@ -133,7 +133,7 @@ void dm_stage_sweeps_scale(dm_stage *g) {
         w->after[i] = dm_weight_double(g->hc[i]);
         split(&w->line, i, g->hc[i]);
         split(&w->b, i, g->hb[i]);
-        split(&w->mean, i, g->hmean[i]);
+        if (g->separable) split(&w->mean, i, g->hmean[i]);
         for (uint32_t m = 0; m < r; m++) {
             const uint32_t at = m * width + i;
             split(&columns, at, A[i * r + m]);

@@ -28,13 +28,25 @@ void dm_stage_weights_scale(dm_stage *g, double h) {
     const dm_stage_table *t = &g->table;
     const uint32_t s = t->s, r = t->r;
     g->h = h;
-    scale(g->hA, t->A, (long double)h * h, r * r);
-    scale(g->hmean, t->mean, (long double)h * h, r);
-    scale(g->ha, t->a, h, r * s);
-    scale(g->hbeta, t->beta, h, s);
+    g->weighed = 0;
+    if (g->separable) {
+        scale(g->hA, t->A, (long double)h * h, r * r);
+        scale(g->hmean, t->mean, (long double)h * h, r);
+    } else {
+        scale(g->ha, t->a, h, r * s);
+    }
     scale(g->hb, t->b, h, r);
     scale(g->hc, t->c, h, r);
+}
+
+void dm_stage_weights_complete(dm_stage *g) {
+    const dm_stage_table *t = &g->table;
+    const uint32_t s = t->s, r = t->r;
+    const double h = g->h;
+    g->weighed = 1;
     scale(g->hreach, t->reach, h, r);
+    if (g->separable) return;
+    scale(g->hbeta, t->beta, h, s);
     for (uint32_t i = 0; i < r; i++)
         for (uint32_t j = 0; j < s; j++) {
             const long double b = dm_weight_exact(t->b[i]);
