@@ -4,6 +4,9 @@
 
 #include <math.h>
 
+const double dm_exp_powers[2][16] __attribute__((aligned(64))) = {
+    {EXP_POWERS, EXP_LATER_POWERS}, {EXP_LOWS, EXP_LATER_LOWS}};
+
 typedef double one(double x);
 typedef double two(double x, double *cosine);
 

@@ -32,6 +32,10 @@ INLINE int any(whole mask) {
     return _mm_movemask_pd((__m128d)mask) & 1;
 }
 
+INLINE real picked(const double *table, whole n) {
+    return (real){table[n[0] & 15], 0.0};
+}
+
 INLINE real times_power(real y, real k);
 
 #include "expr/functions_text.h"

@@ -32,6 +32,10 @@ INLINE int any(whole mask) {
     return _mm256_movemask_pd((__m256d)mask);
 }
 
+INLINE real picked(const double *table, whole n) {
+    return (real){table[n[0] & 15], table[n[1] & 15], table[n[2] & 15], table[n[3] & 15]};
+}
+
 INLINE real times_power(real y, real k);
 
 #include "expr/functions_text.h"

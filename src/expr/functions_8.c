@@ -32,6 +32,11 @@ INLINE int any(whole mask) {
     return _mm512_movepi64_mask((__m512i)mask) != 0;
 }
 
+INLINE real picked(const double *table, whole n) {
+    return (real)_mm512_permutex2var_pd(_mm512_load_pd(table), (__m512i)n,
+                                        _mm512_load_pd(table + 8));
+}
+
 INLINE real times_power(real y, real k) {
     return (real)_mm512_scalef_pd((__m512d)y, (__m512d)k);
 }

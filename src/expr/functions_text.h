@@ -2,14 +2,15 @@
 ** functions_text.h - elementary functions written once for all widths. A file that includes this says before what
 ** `real` (a vector of doubles), `whole` (unsigned 64-bit integers, as many) are, and INLINE, all(c),
 ** fused(a, b, c) = a b + c rounded once, smaller and larger(a, b), which give b where one is a NaN, any(mask) and
-** times_power(y, k) = y 2^k. Every width does the same operations in the same order, so a lane has the bits of a single
-** call. Nothing is looked up; what is added last is small, so that the last rounding is nearly the only one. Reduction
+** times_power(y, k) = y 2^k, picked(table, n) = the entries of 16 that the low bits of n say. Every width does the same operations in the same order, so a lane has the bits of a single
+** call. What is added last is small, so that the last rounding is nearly the only one. Reduction
 ** after Cody & Waite (1980), with products that are exact by fused multiply-add; polynomials are minimax (Remez), their
 ** errors relative to the function.
 */
 
 /* 1.5 2^52: adding it rounds to a whole number, which is then in the low bits */
 #define SHIFT 6755399441055744.0
+#define SIXTEENTHS 0x1.8p48 /* to sixteenths */
 #define SIGN_BIT ((uint64_t)1 << 63)
 
 /* pi/2 and log 2 in parts of 53 bits */
@@ -66,9 +67,19 @@ INLINE real between(real x, double least, double most) {
     return smaller(all(most), larger(all(least), x));
 }
 
+/* x = (m + j/16) log 2 + r, |r| < 0.02167: e^x = 2^m 2^(j/16) (1 + r + r^2 p(r)), the powers from a table, p to 2^-56 of the
+** whole; 1.5 2^48 rounds to sixteenths, j is the low bits then */
 INLINE real exponential(real x) {
-    const exponent e = split_exponent(between(x, -746.0, 710.0));
-    return times_power(1.0 + (e.r + (e.rest + e.low)), e.k);
+    const real y = between(x, -746.0, 710.0);
+    const real t = fused(y, all(0x1.71547652b82fep+0), all(SIXTEENTHS));
+    const real k = t - SIXTEENTHS, m = (real)((whole)t & ~(uint64_t)15) - SIXTEENTHS;
+    const real r = fused(k, all(-LOG2_2), fused(k, all(-LOG2_1), y)), r2 = r * r;
+    const real c01 = fused(all(EXP_1), r, all(EXP_0));
+    const real c23 = fused(all(EXP_3), r, all(EXP_2));
+    const real p = fused(fused(all(EXP_4), r2, c23), r2, c01);
+    const real high = picked(dm_exp_powers[0], (whole)t);
+    const real low = picked(dm_exp_powers[1], (whole)t);
+    return times_power(high + fused(high, fused(p, r2, r), low), m);
 }
 
 /* ---- log: x = 2^k (1 + f), s = f/(2 + f), log(1 + f) = 2 s + 2/3 s^3 + ...; the tail to 2^-58 ---- */

@@ -1,51 +1,47 @@
 /*
-** jit_exp.c - exp(x) = 2^k (1 + r + r^2 p(r)), k log 2 + r + low = x: operation by operation what `exponential` in
-** functions_text.h does, whose numbers these are.
+** jit_exp.c - exp(x) = 2^m 2^(j/16) (1 + r + r^2 p(r)), (m + j/16) log 2 + r = x: operation by operation what `exponential`
+** in functions_text.h does, but that r is kept between bounds and not x: where x is beyond them the last operation, 2^m,
+** decides alone, and where it is no number that gives it back.
 */
 #include "expr/jit_exp.h"
 
+#include "expr/functions.h"
+
 enum {
-    LEAST,
-    MOST,
     TO_POWER,
     SHIFT,
     LOG2_1,
     LOG2_2,
-    ONE,
+    BOUND,
     C0,
     C1,
     C2,
     C3,
     C4,
-    C5,
-    C6,
-    C7,
-    C8,
-    C9,
-    C10
+    POWERS,
+    LATER_POWERS,
+    LOWS,
+    LATER_LOWS,
+    NUMBERS
 };
 
 #define ALL(c)                                                                           \
     { c, c, c, c, c, c, c, c }
-const double dm_exp_table[][8] = {
-    [LEAST] = ALL(-746.0),
-    [MOST] = ALL(710.0),
+const double dm_exp_table[][8] __attribute__((aligned(64))) = {
     [TO_POWER] = ALL(0x1.71547652b82fep+0),
-    [SHIFT] = ALL(6755399441055744.0),
+    [SHIFT] = ALL(0x1.8p48),
     [LOG2_1] = ALL(-0x1.62e42fefa39efp-1),
     [LOG2_2] = ALL(-0x1.abc9e3b39803fp-56),
-    [ONE] = ALL(1.0),
-    [C0] = ALL(0.5),
-    [C1] = ALL(0x1.555555555555cp-3),
-    [C2] = ALL(0x1.555555555555ep-5),
-    [C3] = ALL(0x1.111111110ebb0p-7),
-    [C4] = ALL(0x1.6c16c16c13564p-10),
-    [C5] = ALL(0x1.a01a01b3bc314p-13),
-    [C6] = ALL(0x1.a01a01b45dd8dp-16),
-    [C7] = ALL(0x1.71ddef91216c9p-19),
-    [C8] = ALL(0x1.27e4bf230b4f3p-22),
-    [C9] = ALL(0x1.af6cd1891ec5bp-26),
-    [C10] = ALL(0x1.1f9dfff721344p-29),
+    [BOUND] = ALL(0.025),
+    [C0] = ALL(EXP_0),
+    [C1] = ALL(EXP_1),
+    [C2] = ALL(EXP_2),
+    [C3] = ALL(EXP_3),
+    [C4] = ALL(EXP_4),
+    [POWERS] = {EXP_POWERS},
+    [LATER_POWERS] = {EXP_LATER_POWERS},
+    [LOWS] = {EXP_LOWS},
+    [LATER_LOWS] = {EXP_LATER_LOWS},
 };
 #undef ALL
 
@@ -55,7 +51,7 @@ static dm_operand number(const dm_emitter *e, int which) {
 }
 
 void dm_shelve_exponential(dm_emitter *e, dm_code *before, int least) {
-    const int room = e->registers - least, all = C10 + 1;
+    const int room = e->registers - least, all = NUMBERS;
     const int count = room < 0 ? 0 : room < all ? room : all;
     e->registers -= count;
     e->shelf = e->registers;
@@ -83,62 +79,55 @@ static void operate(dm_emitter *e, int opcode, int d, int a, dm_operand b) {
     dm_x86_op(&e->code, DM_LANES8, opcode, d, a, b);
 }
 
-/* registers: what x is reduced to, its powers, and what the polynomial wants */
+/* registers: sixteenths, what they leave of x, its square, and what the polynomial wants */
 typedef struct {
-    int k, r, low, r2, r4, t[6];
+    int t, k, r, r2, low, high, p;
 } registers;
 
-/* t0 = x between its bounds; k, r, low */
 static void reduce(dm_emitter *e, const registers *u, int x) {
-    const int y = u->t[0], exact = u->t[1];
-    fetch(e, y, LEAST);
-    operate(e, DM_X86_MAX, y, y, dm_in_register(x));
-    fetch(e, exact, MOST);
-    operate(e, DM_X86_MIN, y, exact, dm_in_register(y));
-    fetch(e, u->k, TO_POWER);
-    fuse(e, u->k, y, number(e, SHIFT));
-    operate(e, DM_X86_SUB, u->k, u->k, number(e, SHIFT));
-    fetch(e, exact, LOG2_1);
-    fuse(e, exact, u->k, dm_in_register(y));
-    fetch(e, u->r, LOG2_2);
-    fuse(e, u->r, u->k, dm_in_register(exact));
-    operate(e, DM_X86_SUB, u->low, exact, dm_in_register(u->r));
-    dm_x86_fma(&e->code, DM_LANES8, 1, u->low, u->k, number(e, LOG2_2));
+    fetch(e, u->t, TO_POWER);
+    fuse(e, u->t, x, number(e, SHIFT));
+    operate(e, DM_X86_SUB, u->k, u->t, number(e, SHIFT));
+    fetch(e, u->r, LOG2_1);
+    fuse(e, u->r, u->k, dm_in_register(x));
+    dm_x86_fma(&e->code, DM_LANES8, 1, u->r, u->k, number(e, LOG2_2));
+    dm_x86_bound(&e->code, u->r, u->r, number(e, BOUND));
 }
 
-/* t5 = r^2 p(r) */
+/* p = r + r^2 p(r) */
 static void polynomial(dm_emitter *e, const registers *u) {
-    const int *t = u->t, r = u->r, high = t[5];
-    operate(e, DM_X86_MUL, u->r2, r, dm_in_register(r));
-    operate(e, DM_X86_MUL, u->r4, u->r2, dm_in_register(u->r2));
-    line(e, t[0], r, C1, C0);
-    line(e, t[1], r, C3, C2);
-    line(e, t[2], r, C5, C4);
-    line(e, t[3], r, C7, C6);
-    line(e, t[4], r, C9, C8);
-    fetch(e, high, C10);
-    fuse(e, high, u->r2, dm_in_register(t[4]));
-    fuse(e, t[3], u->r2, dm_in_register(t[2]));
-    fuse(e, high, u->r4, dm_in_register(t[3]));
-    fuse(e, t[1], u->r2, dm_in_register(t[0]));
-    fuse(e, high, u->r4, dm_in_register(t[1]));
-    operate(e, DM_X86_MUL, high, u->r2, dm_in_register(high));
+    const int p = u->p, r = u->r, r2 = u->r2;
+    operate(e, DM_X86_MUL, r2, r, dm_in_register(r));
+    line(e, u->low, r, C1, C0);
+    line(e, u->high, r, C3, C2);
+    fetch(e, p, C4);
+    fuse(e, p, r2, dm_in_register(u->high));
+    fuse(e, p, r2, dm_in_register(u->low));
+    fuse(e, p, r2, dm_in_register(r));
+}
+
+/* d = entries of table `first` and the one behind it that the sixteenths say; `room` may be used */
+static void pick(dm_emitter *e, const registers *u, int d, int first, int room) {
+    const dm_operand table = number(e, first);
+    const int in = table.reg < 0 ? room : table.reg;
+    if (d != u->t) dm_x86_load(&e->code, DM_LANES8, d, dm_in_register(u->t));
+    if (table.reg < 0) fetch(e, in, first);
+    dm_x86_pick(&e->code, d, in, number(e, first + 1));
 }
 
 void dm_emit_exponential(dm_emitter *e, const dm_step *s) {
     registers u;
-    int *const all[] = {&u.k,    &u.r,    &u.low,  &u.r2,   &u.r4,  u.t,
-                        u.t + 1, u.t + 2, u.t + 3, u.t + 4, u.t + 5};
+    int *const all[] = {&u.t, &u.k, &u.r, &u.r2, &u.low, &u.high, &u.p};
     dm_bury_slots(e);
     const int x = dm_in_a_register(e, s->arg[0]);
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) *all[i] = dm_take_register(e);
-    const int y = u.t[5];
     reduce(e, &u, x);
     polynomial(e, &u);
-    operate(e, DM_X86_ADD, y, y, dm_in_register(u.low));
-    operate(e, DM_X86_ADD, y, u.r, dm_in_register(y));
-    operate(e, DM_X86_ADD, y, y, number(e, ONE));
-    dm_x86_scale(&e->code, y, y, u.k);
+    pick(e, &u, u.high, POWERS, u.r);
+    pick(e, &u, u.t, LOWS, u.r2);
+    fuse(e, u.p, u.high, dm_in_register(u.t));
+    operate(e, DM_X86_ADD, u.p, u.high, dm_in_register(u.p));
+    dm_x86_scale(&e->code, u.p, u.p, u.k);
     dm_pass_operands(e, s);
-    dm_define(e, s->d, y);
+    dm_define(e, s->d, u.p);
 }

@@ -23,7 +23,7 @@ enum {
     LARGEST_FRAME = 1 << 16,
     ALIGN = 32,
     MOST_NUMBERS = 12,
-    FOR_EXPONENTIALS = 13
+    FOR_EXPONENTIALS = 12
 };
 
 /* the plan's steps, then one step that writes for every output: an operand like others */

@@ -215,6 +215,19 @@ void dm_x86_fix(dm_code *c, int d, int a, dm_operand table) {
     byte(c, 0); /* no flags */
 }
 
+void dm_x86_bound(dm_code *c, int d, int a, dm_operand b) {
+    const form f = {
+        .map = MAP_0F3A, .opcode = 0x50, .reg = d, .vvvv = a, .prefix = PP_66, .wide = 1};
+    emit_evex(c, DM_LANES8, &f, b);
+    byte(c, 2); /* the smaller size, the first one's sign */
+}
+
+void dm_x86_pick(dm_code *c, int d, int a, dm_operand b) {
+    const form f = {
+        .map = MAP_0F38, .opcode = 0x77, .reg = d, .vvvv = a, .prefix = PP_66, .wide = 1};
+    emit_evex(c, DM_LANES8, &f, b);
+}
+
 void dm_x86_scale(dm_code *c, int d, int a, int b) {
     const form f = {
         .map = MAP_0F38, .opcode = 0x2C, .reg = d, .vvvv = a, .prefix = PP_66};

@@ -99,6 +99,12 @@ void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int rela
 /* 8 lanes: d = a where a nibble of the table for its kind says 1, as it was where 0 */
 void dm_x86_fix(dm_code *c, int d, int a, dm_operand table);
 
+/* 8 lanes: d = a, at most as large as b and with its sign; b where a is no number */
+void dm_x86_bound(dm_code *c, int d, int a, dm_operand b);
+
+/* 8 lanes: d = those of the 16 numbers in a and b that the low bits of d say */
+void dm_x86_pick(dm_code *c, int d, int a, dm_operand b);
+
 /* 8 lanes: d = a 2^floor(b) */
 void dm_x86_scale(dm_code *c, int d, int a, int b);
 

@@ -2,6 +2,7 @@
 #include "expr/functions.h"
 #include "expr/jit.h"
 #include "expr/processor.h"
+#include "expr/strip.h"
 #include "expr/tape.h"
 
 #include "check.h"
@@ -197,6 +198,35 @@ static void all_widths(void) {
     at_every_level(all_widths_at);
 }
 
+/* exp along an array, where 8 lanes have it written out */
+static void along_an_array_at(dm_processor_level level) {
+    enum { COUNT = 4096 };
+    static double x[2 * COUNT + 8];
+    static const double fixed[8] = {0.0};
+    random_source r = {7};
+    dm_arena arena = new_arena();
+    dm_strip_draft d;
+    dm_strip s;
+    (void)level;
+    CHECK(dm_strip_begin(&d, &arena));
+    const dm_node root = dm_strip_read(&d, (dm_strand){DM_STRAND_MAIN, 0});
+    dm_strip_write(&d, (dm_strand){DM_STRAND_MAIN, COUNT},
+                   dm_apply(d.g, DM_OP_EXP, root, 0, 0));
+    CHECK(dm_strip_end(&s, &d, dm_native_build, &arena) == DM_OK);
+    for (int i = 0; i < COUNT; i++)
+        x[i] = i < 2 * HARD ? (i % 2 ? 1.0 : 720.0) * hard[i / 2]
+               : i % 3      ? random_between(&r, -750.0, 715.0)
+               : i % 2      ? random_double(&r)
+                            : random_between(&r, -0.1, 0.1);
+    dm_strip_run(&s, (dm_strip_bases){x, x, fixed}, COUNT);
+    for (int i = 0; i < COUNT; i++) CHECK(same_bits(x[COUNT + i], dm_exp(x[i])));
+    dm_arena_release(&arena);
+}
+
+static void along_an_array(void) {
+    at_every_level(along_an_array_at);
+}
+
 int main(void) {
     if (!doubles_only())
         RUN(reciprocal_root, "1/sqrt(x): its error, and the ends of the range");
@@ -208,5 +238,6 @@ int main(void) {
     RUN(ends, "ends of the range, infinite, no number, huge angles");
     RUN(all_widths,
         "every operation: native code of every width and level = dm_op_value");
+    RUN(along_an_array, "exponentials along an array = dm_exp");
     return check_finish();
 }
