@@ -77,6 +77,7 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_stage_weights_scale(g, stepper->h);
     memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     if (g->separable) dm_stage_separable_open(g);
+    g->one = !g->separable && dm_stage_is_one(g);
     dm_stage_sweeps_open(g, basis, memory + dm_stage_warm_size(g->table.s, g->n));
     if (!g->sweeps.row && !g->separable) dm_stage_warm_open(g, basis, memory);
     return DM_OK;
@@ -291,6 +292,7 @@ static void correct_force(dm_stage *g, uint32_t i, const double *dV) {
 static dm_status finish(dm_stage *g) {
     const uint32_t n = g->n;
     double *dq = g->v0, *dp = g->a0;
+    if (g->one) return dm_stage_one_finish(g, g->scratch);
     for (uint32_t i = 0; i < g->table.r; i++) correct_force(g, i, g->scratch);
     memset(dq, 0, n * sizeof *dq);
     memset(dp, 0, n * sizeof *dp);
@@ -304,7 +306,7 @@ static dm_status finish(dm_stage *g) {
 static dm_status general(dm_stage *g, dm_stepper *stepper) {
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = g->table.s * g->n,
-                                       .equation = equation,
+                                       .equation = g->one ? dm_stage_one : equation,
                                        .ctx = g,
                                        .size = &g->size,
                                        .tolerance = stepper->tolerance,

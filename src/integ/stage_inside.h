@@ -70,6 +70,8 @@ typedef struct {
     double ratio;          /* h over that of `before`; 0: there is none */
     uint32_t *known;       /* [r] separable: how point m is found */
     double size;           /* of the terms of the residual */
+    int one;               /* one velocity at one point: stage_one.c */
+    const double *newest;  /* its slope at the last evaluation */
     dm_stage_sweeps sweeps;
     double *warm, *ahead; /* stage_warm.c; NULL: nothing is kept */
     long evaluations;
@@ -119,6 +121,11 @@ enum { DM_POINT_FIRST, DM_POINT_SOLVED, DM_POINT_LAST };
 /* One step with unknown displacements; leaves the end in g->next. */
 dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper);
 void dm_stage_separable_open(dm_stage *g);
+
+/* One velocity at one point, Qdot = V: the step equation, for dm_newton, and the end with the last increment. */
+int dm_stage_is_one(const dm_stage *g);
+dm_status dm_stage_one(void *ctx, double *R, double *J, const double *V);
+dm_status dm_stage_one_finish(dm_stage *g, const double *dV);
 
 /* next = state + (dq[n], dp[n]) with compensation; DM_NOT_FINITE when it is not. */
 dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp);

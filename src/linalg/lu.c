@@ -1,14 +1,20 @@
 #include "linalg/lu.h"
 
+#include "base/written_out.h"
+
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
 
 /* row of the largest entry of column k at or below the diagonal */
-static uint32_t pivot_row(const double *A, uint32_t k, uint32_t n) {
+DM_WRITTEN_OUT uint32_t pivot_row(const double *A, uint32_t k, uint32_t n) {
     uint32_t best = k;
-    for (uint32_t i = k + 1; i < n; i++)
-        if (fabs(A[i * (size_t)n + k]) > fabs(A[best * (size_t)n + k])) best = i;
+    double largest = fabs(A[k * (size_t)n + k]);
+#pragma GCC unroll 4
+    for (uint32_t i = k + 1; i < n; i++) {
+        const double size = fabs(A[i * (size_t)n + k]);
+        if (size > largest) best = i, largest = size;
+    }
     return best;
 }
 
@@ -21,17 +27,21 @@ static void exchange(double *a, double *b, uint32_t n) {
 }
 
 /* rows below k minus their multiple of row k; the multiples stay in column k */
-static void eliminate(double *restrict A, uint32_t k, uint32_t n) {
+DM_WRITTEN_OUT void eliminate(double *restrict A, uint32_t k, uint32_t n) {
     const double *row = A + k * (size_t)n;
+#pragma GCC unroll 4
     for (uint32_t i = k + 1; i < n; i++) {
         double *below = A + i * (size_t)n;
         const double factor = below[k] * row[k];
         below[k] = factor;
+#pragma GCC unroll 4
         for (uint32_t j = k + 1; j < n; j++) below[j] -= factor * row[j];
     }
 }
 
-dm_status dm_lu_factor(double *A, uint32_t *pivot, uint32_t n) {
+/* sizes of short steps are written out */
+DM_WRITTEN_OUT dm_status factor(double *A, uint32_t *pivot, uint32_t n) {
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t p = pivot_row(A, k, n);
         double *row = A + k * (size_t)n;
@@ -45,23 +55,75 @@ dm_status dm_lu_factor(double *A, uint32_t *pivot, uint32_t n) {
     return DM_OK;
 }
 
-void dm_lu_solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n) {
-    for (uint32_t k = 0; k < n; k++) {
-        const double t = x[pivot[k]];
-        x[pivot[k]] = x[k];
-        x[k] = t;
+dm_status dm_lu_factor(double *A, uint32_t *pivot, uint32_t n) {
+    switch (n) {
+    case 1:
+        return factor(A, pivot, 1);
+    case 2:
+        return factor(A, pivot, 2);
+    case 3:
+        return factor(A, pivot, 3);
+    case 4:
+        return factor(A, pivot, 4);
+    default:
+        return factor(A, pivot, n);
     }
-    for (uint32_t i = 1; i < n; i++) {
+}
+
+/* x[n] in the order of the rows of the factors */
+DM_WRITTEN_OUT void permute(double *x, const uint32_t *pivot, uint32_t n) {
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < n; k++)
+        if (pivot[k] != k) {
+            const double t = x[pivot[k]];
+            x[pivot[k]] = x[k];
+            x[k] = t;
+        }
+}
+
+/* x = U^-1 L^-1 x; `at` may be x, and stays in registers where it is not */
+DM_WRITTEN_OUT void substitute(double *at, double *x, const double *LU, uint32_t n) {
+#pragma GCC unroll 4
+    for (uint32_t i = 0; i < n; i++) {
         const double *row = LU + i * (size_t)n;
         double sum = x[i];
-        for (uint32_t j = 0; j < i; j++) sum -= row[j] * x[j];
-        x[i] = sum;
+#pragma GCC unroll 4
+        for (uint32_t j = 0; j < i; j++) sum -= row[j] * at[j];
+        at[i] = sum;
     }
+#pragma GCC unroll 4
     for (uint32_t i = n; i-- > 0;) {
         const double *row = LU + i * (size_t)n;
-        double sum = x[i];
-        for (uint32_t j = i + 1; j < n; j++) sum -= row[j] * x[j];
-        x[i] = sum * row[i];
+        double sum = at[i];
+#pragma GCC unroll 4
+        for (uint32_t j = i + 1; j < n; j++) sum -= row[j] * at[j];
+        x[i] = at[i] = sum * row[i];
+    }
+}
+
+DM_WRITTEN_OUT void solve(double *x, const double *LU, const uint32_t *pivot,
+                          uint32_t n) {
+    double at[4];
+    permute(x, pivot, n);
+    substitute(n <= 4 ? at : x, x, LU, n);
+}
+
+void dm_lu_solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n) {
+    switch (n) {
+    case 1:
+        solve(x, LU, pivot, 1);
+        break;
+    case 2:
+        solve(x, LU, pivot, 2);
+        break;
+    case 3:
+        solve(x, LU, pivot, 3);
+        break;
+    case 4:
+        solve(x, LU, pivot, 4);
+        break;
+    default:
+        solve(x, LU, pivot, n);
     }
 }
 

@@ -1,5 +1,6 @@
 #include "solve/newton.h"
 
+#include "base/written_out.h"
 #include "linalg/lu.h"
 
 #include <math.h>
@@ -27,14 +28,30 @@ size_t dm_newton_work(uint32_t m) {
 }
 
 /* max |a|, NaN when there is one or an infinity; which is the largest cannot be foreseen, so there are no branches */
-static double norm(const double *a, uint32_t m) {
+DM_WRITTEN_OUT double norm_of(const double *a, uint32_t m) {
     double largest = 0.0, bad = 0.0;
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < m; i++) {
         const double size = fabs(a[i]);
         largest = size > largest ? size : largest;
         bad += 0.0 * size;
     }
     return largest + bad;
+}
+
+static double norm(const double *a, uint32_t m) {
+    switch (m) {
+    case 1:
+        return norm_of(a, 1);
+    case 2:
+        return norm_of(a, 2);
+    case 3:
+        return norm_of(a, 3);
+    case 4:
+        return norm_of(a, 4);
+    default:
+        return norm_of(a, m);
+    }
 }
 
 static dm_status evaluate(solver *s, const double *x, int with_jacobian) {
