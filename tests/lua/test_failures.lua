@@ -61,6 +61,11 @@ for _, case in ipairs { { 0.3, "verlet" }, { 0.6, "verlet" }, { 0.6, "yoshida(4)
   local turn = kepler_limit(case[1], case[2])
   ok(turn > 0.8 and turn < 1.3, ("Kepler e = %.1f, %s: leaves the ellipse when a step turns about 1 rad at the pericentre"):format(case[1], case[2]), turn)
 end
+-- others bear a little more, each as often as docs/failures.md says
+for rule, h in pairs { midpoint = 0.24, ["gauss(2)"] = 0.27, ["kahan-li(6)"] = 0.36 } do
+  local turn = kepler_limit(0.6, rule)
+  near(turn / 5, h, 0.02, ("Kepler e = 0.6, %s: up to h = %g"):format(rule, h))
+end
 local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
 local orbit = { q = { 0.4, 0 }, v = { 0, 2 }, t = 200 * pi }
 map = kepler:stability(with(orbit, { rules = { "rk4", "rk8", "verlet", "gauss(2)" }, h = 0.1, chaos = false }))
@@ -111,7 +116,8 @@ raises("no value", function() psi { 1.001 } end)
 local angles = dm.system { Q = dm.R(2), coordinates = { "theta", "phi" }, L = function(q, v) return (v[1] ^ 2 + sin(q[1]) ^ 2 * v[2] ^ 2) / 2 + 9.81 * cos(q[1]) end }
 angles = dm.system(with(angles.given, { L = function(q, v) return (v[1] ^ 2 + math.sin(q[1]) ^ 2 * v[2] ^ 2) / 2 + 9.81 * math.cos(q[1]) end }))
 local pole = angles:solver({ rule = "gauss(2)", h = 0.01 }):singularities { q = { 1, 0 }, v = { 0, 1e-4 }, t = 5 }
-ok(pole.why:find "'phi'" or pole.failure, "spherical angles at the pole", pole.why)
+ok(pole.why:find "'phi'", "spherical angles at the pole", pole.why)
+ok(pole.worst > 5e3 and pole.worst < 5e4, "pass so near that the mass matrix has condition 10^4", pole.worst)
 local rod = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - 9.81 * q[3] end, constraint = function(q) return { q:dot(q) - 1 } end }
 local regular = rod:solver({ rule = "gauss(2)", h = 0.01 }):singularities { q = { sin(1), 0, -cos(1) }, v = { 0, 1e-4, 0 }, t = 5 }
 ok(#regular.places == 0, "the same pendulum in R^3 passes", regular.why)
