@@ -60,12 +60,25 @@ local function check_options(options)
   end
 end
 
+-- R^4 may be meant as two points of R^2: says so, where the group acts on such points
+local function on_parts(options)
+  local n = options.on.dimension
+  if options.on.name ~= "R" then return "" end
+  for k = 2, n do
+    local part = n % k == 0 and core.R(n // k)
+    if part and require "dm.group.standard".find(options.group, part, points.coordinates, options.map) then
+      return (", or take the action on dm.R(%d) and %d points of it, action:on_points(%d)"):format(n // k, k, k)
+    end
+  end
+  return ""
+end
+
 -- the standard map, for a right action of the inverse
 local function standard_map(options)
   local map, kind = require "dm.group.standard".find(options.group, options.on, points.coordinates, options.map)
   if not map then
-    error(("dm.action: %s has no standard %saction on %s: give map = function(g, z)"):format(tostring(options.group),
-      options.map and options.map .. " " or "", tostring(options.on)), 0)
+    error(("dm.action: %s has no standard %saction on %s: give map = function(g, z)%s"):format(tostring(options.group),
+      options.map and options.map .. " " or "", tostring(options.on), on_parts(options)), 0)
   end
   if options.side ~= "right" then return map, kind end
   local inverse = groups.group(options.group).inverse
@@ -81,6 +94,16 @@ local function assemble(given)
   return setmetatable(action, class)
 end
 M.assemble = assemble
+
+-- map is called once before the axioms, for the error of one that takes g or z for something else
+local function try_map(action)
+  local kit, name = groups.kit(action.group), tostring(action.group)
+  local z = points.sample_point(action.on, core.random(20260), 3)
+  local fine, message = pcall(image, action, kit.identity(), z)
+  if fine or type(message) ~= "string" then return end
+  error(("%s; map(g, z) gets g in %s, %s, and z, a vector of %d number%s, and returns such a vector"):format(message, name,
+    require "dm.group.shape".of(kit, name), action.dimension, action.dimension == 1 and "" or "s"), 0)
+end
 
 local doc_action = [[
 dm.action{group=, on=, map=, side=, domain=, name=} -> dm.action
@@ -102,6 +125,7 @@ M.action = blame.caller(function(options)
   end
   local action = assemble { group = options.group, on = options.on, map = map, side = options.side, domain = options.domain,
     name = options.name, kind = kind }
+  if options.map == map then try_map(action) end
   axioms.check(action)
   return action
 end)
@@ -118,15 +142,20 @@ local function must_be_finite(action, value, z)
   return value
 end
 
-local function act(action, g, z)
-  local kit = groups.kit(action.group)
+--- The moved point, of an element that is known to be one, or holds symbols.
+function M.move(action, g, z)
   z = point(action, z)
-  return must_be_finite(action, image(action, kit.element(g), z), z)
+  return must_be_finite(action, image(action, groups.kit(action.group).element(g), z), z)
+end
+
+local function act(action, g, z)
+  z = point(action, z)
+  return must_be_finite(action, image(action, groups.element(action.group, g), z), z)
 end
 class.__call = blame.caller(act)
 M.method("act", act, [[
 action:act(g, z) -> dm.vector
-The moved point; the same as action(g, z). Raises where it is not finite.]])
+The moved point; the same as action(g, z). Raises where g is no element of the group (to 1e-6), where the point is not finite.]])
 
 -- dm.function (xi, z) -> d map(exp(xi), z)/d(xi, z) at xi = 0
 local function slope(action)

@@ -84,7 +84,7 @@ end
 
 local function described(value)
   if value == nil then return nil end
-  if type(value) == "userdata" then return { class = class_of(value) } end
+  if type(value) == "userdata" then return { class = class_of(value), value = value } end
   return { value = value }
 end
 

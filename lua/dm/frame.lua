@@ -4,6 +4,7 @@
 -- the fundamental invariants, and F(rho(z) z) is an invariant function whatever F is (Bogfjellmo ch. 2).
 -- rho is the user's formula, or the root of Z(g z) = 0 in flat coordinates of the group; both take symbols.
 local actions = require "dm.action"
+local groups = require "dm.group"
 local blame = require "dm.blame"
 local core = require "dm.core"
 local linear = require "dm.frame_linear"
@@ -87,7 +88,7 @@ end
 
 local function moved(self, g, list)
   local out = {}
-  for i, z in ipairs(list) do out[i] = point(self.action:act(g, z), self.m, "what the action gives") end
+  for i, z in ipairs(list) do out[i] = point(actions.move(self.action, g, z), self.m, "what the action gives") end
   return out
 end
 
@@ -150,6 +151,21 @@ local function check_section(self)
     error(("dm.moving_frame: the cross-section has %d equation%s, but the group has %d dimension%s: a frame needs as many equations as dimensions")
       :format(#value, #value == 1 and "" or "s", self.r, self.r == 1 and "" or "s"), 0)
   end
+end
+
+local CONDITION = 1e10 -- of J psi: beyond it the frame turns on round-off
+local SAMPLES = 6  -- of general points; what is singular at all of them is singular everywhere
+
+-- does the section cross the orbits anywhere? Where J psi is singular at general points it is everywhere
+local function check_orbits(self)
+  local crossed, free, seen = false, self.k * self.m >= self.r, 0
+  for seed = 1, free and SAMPLES or 0 do
+    local list = linear.sample(self, seed)
+    local fine, _, condition = pcall(linear.transversality, self, list)
+    seen, crossed = seen + (fine and 1 or 0), crossed or fine and condition < CONDITION
+    if crossed then return end
+  end
+  if seen == SAMPLES or not free then text.refuse(self, linear.orbit_dimension(self)) end
 end
 
 -- the branch condition at a list of points: a number that must be > 0, or several
@@ -222,6 +238,7 @@ M.moving_frame = blame.caller(function(o)
     r = action.group.dimension, cross_section = o.cross_section, branch = o.branch, solution = o.solution,
     name = o.name, invariants_named = o.invariants }, class)
   check_section(self)
+  check_orbits(self)
   if not self.solution then self.root = solved(self, o.start) end
   return self
 end)
@@ -234,7 +251,6 @@ local function no_frame(self, list, why)
   error(text.no_frame(self, list, fine and condition or math.huge, why), 0)
 end
 
-local CONDITION = 1e10 -- of J psi: beyond it the frame turns on round-off
 local ON_SECTION = 1e-8
 
 -- is g really the frame of the points? Numbers only
@@ -259,7 +275,7 @@ local function element(self, list)
   local first = { table.unpack(list, 1, k) }
   local g
   if self.solution then
-    g = self.solution(table.unpack(first))
+    g = groups.element(self.group, self.solution(table.unpack(first)))
   else
     local fine, y = pcall(self.root, flat(first))
     if not fine then no_frame(self, first, tostring(y):gsub("^.-root of ", "")) end
@@ -361,7 +377,12 @@ method("transversality", function(self, ...)
 end, linear.docs.transversality)
 method("tangent", function(self, ...) return linear.tangent(self, points_of(self, listed(self, ...), self.k)) end, linear.docs.tangent)
 method("correction", function(self, ...)
-  local z = points_of(self, listed(self, ...), self.k + 1)
+  local given = listed(self, ...)
+  if #given == self.k then
+    error(("rho:correction compares the frame of points 1 to %d with that of points 2 to %d, so it takes %d points (got %d)"):format(self.k,
+      self.k + 1, self.k + 1, self.k), 0)
+  end
+  local z = points_of(self, given, self.k + 1)
   local there = moved(self, element(self, z), z)
   return element(self, { table.unpack(there, 2, self.k + 1) })
 end, linear.docs.correction)

@@ -95,7 +95,7 @@ local function slope_of_action(frame)
   if not frame.motion then
     frame.width = #M.entries(G:flat(G:identity()))
     frame.motion = core.derivative(function(y, z)
-      local out = frame.action:act(G:unflat(y), z)
+      local out = require "dm.action".move(frame.action, G:unflat(y), z)
       return core.vector(M.entries(out))
     end, frame.width, frame.m)
   end
@@ -140,6 +140,27 @@ function M.transversality(frame, list)
   end
   if condition ~= condition then condition = math.huge end
   return A, condition
+end
+
+--- The dimension of the orbits at general points: the rank of psi, by elimination with the largest pivot.
+function M.orbit_dimension(frame)
+  local rows, rank = psi_at(frame, M.sample(frame, 1)):totable(), 0
+  for _ = 1, math.min(#rows, frame.r) do
+    local row, column, most = nil, nil, 1e-9
+    for i = rank + 1, #rows do
+      for j = 1, frame.r do
+        if abs(rows[i][j]) > most then row, column, most = i, j, abs(rows[i][j]) end
+      end
+    end
+    if not row then break end
+    rank = rank + 1
+    rows[rank], rows[row] = rows[row], rows[rank]
+    for i = rank + 1, #rows do
+      local factor = rows[i][column] / rows[rank][column]
+      for j = 1, frame.r do rows[i][j] = j == column and 0 or rows[i][j] - factor * rows[rank][j] end
+    end
+  end
+  return rank
 end
 
 ---- what comes of them ----
@@ -250,6 +271,7 @@ rho:tangent(z1, ..., zn) -> dm.matrix
 The derivative of the normalized points in the points, T iota = (1 - psi (J psi)^-1 J) T Psi_rho (Bogfjellmo thm 3), n dim M x n dim M.]]
 M.docs.correction = [[
 rho:correction(z1, ..., zk+1) -> group element
+Of one point more than the frame is made of, since it compares the frame of the first k points with that of the last k:
 P = rho(z2, ..., zk+1) rho(z1, ..., zk)^-1, as the frame of the normalized points (Bogfjellmo thm 12): S(I) = P . I.]]
 M.docs.derivative_correction = [[
 rho:derivative_correction(points, velocities) -> C, changes, moved

@@ -33,4 +33,16 @@ function M.no_frame(frame, list, condition, why)
     singular and "try another cross-section, more points, or stay away from this point" or "try another branch or cross-section, or give `start`")
 end
 
+--- a frame that cannot be: orbits on the k points have this dimension
+function M.refuse(frame, dimension)
+  local r, k = frame.r, frame.k
+  local points = ("%d point%s"):format(k, k == 1 and "" or "s")
+  if dimension < r then
+    error(("dm.moving_frame: the orbits of %s on %s of %s have %d dimension%s, the group has %d: no cross-section crosses them once; take more points (points = %d)")
+      :format(tostring(frame.group), points, tostring(frame.action.on), dimension, dimension == 1 and "" or "s", r, k + 1), 0)
+  end
+  error(("dm.moving_frame: the cross-section is nowhere transversal to the orbits: it is tangent to some direction of those of %s at general points; "
+    .. "choose functions of the points that the group does change"):format(tostring(frame.group)), 0)
+end
+
 return M

@@ -65,18 +65,32 @@ end
 
 local LOOSE = 1e-6  -- how far a matrix may be from its group: what products drift by, no more
 
+-- what an element of this space looks like, behind a message; nothing for manifolds, whose points are vectors
+local function looks(kit, space)
+  if kit.manifold then return "" end
+  return ("; an element of %s is %s"):format(tostring(space), require "dm.group.shape".of(kit, tostring(space)))
+end
+
 -- an element; a matrix of numbers that is not on the group is an error
-local function element(kit, x)
-  local g = kit.element(x)
+local function element(kit, x, space)
+  local right, g = pcall(kit.element, x)
+  if not right then error(tostring(g) .. looks(kit, space), 0) end
   local list = kit.entries and kit.entries(g) or g
   for i = 1, #list do
     if type(list[i]) ~= "number" then return g end
   end
   if not kits.is_finite(list) then error("the group element is not finite", 0) end
   local defect, why = kit.defect(g)
-  if not (defect <= LOOSE) then error(("this is no element of the group: %s"):format(why or ("it is off by %g"):format(defect)), 0) end
+  if not (defect <= LOOSE) then
+    local fine, near = pcall(kit.project, g)
+    local hint = fine and kit.defect(near) <= LOOSE and "; G:project(g) is an element near it" or looks(kit, space)
+    error(("this is no element of %s: %s%s"):format(tostring(space), why or ("it is off by %.3g"):format(defect), hint), 0)
+  end
   return g
 end
+
+--- x as an element of the space that the kit belongs to, checked: shape, finite, on the group.
+function M.element(space, x) return element(M.kit(space), x, space) end
 
 local checks = {
   g = element,
@@ -111,7 +125,7 @@ local function method(name, kinds, result, doc, also_manifolds)
     local f = kit[name]
     if not f then error(("%s has no '%s'"):format(tostring(space), name), 0) end
     local given = { ... }
-    for i, kind in ipairs(kinds) do given[i] = checks[kind](kit, given[i]) end
+    for i, kind in ipairs(kinds) do given[i] = checks[kind](kit, given[i], space) end
     local value = f(table.unpack(given, 1, #kinds))
     return result == "any" and value or finite(kit, value, result)
   end), doc)

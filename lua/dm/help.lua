@@ -216,7 +216,7 @@ local function help_name(name)
   if same_name and docs[same_name.value or name] then write(shown_doc(docs[same_name.value or name])) end
   if help_class(name) then return end
   local object = require "dm.complete".look_up(name) or require "dm.complete".look_up("dm." .. name)
-  if object and object.class then return help_class(object.class) end
+  if object and object.class and object.value == nil then return help_class(object.class) end
   if object and object.value ~= nil and type(object.value) ~= "string" then return M.help(object.value) end
   local method = method_of_class(name)
   if method and docs[method] then return help_function(method) end
@@ -230,6 +230,14 @@ local function help_name(name)
   M.apropos(name)
 end
 
+-- a group: what its elements look like
+local function help_elements(space)
+  local kit = require "dm.group".kit(space)
+  if kit.manifold then return write(("%s: a manifold of dimension %d"):format(tostring(space), space.dimension)) end
+  write(wrapped(("%s: a group of dimension %d. An element is %s; an element of its algebra is a vector of %d numbers."):format(tostring(space),
+    space.dimension, require "dm.group.shape".of(kit, tostring(space)), space.dimension), text_width(), ""))
+end
+
 local doc_help = [[
 help(x)
 What x is: the doc of a function, the class and methods of a value, the content of a table; for a string
@@ -241,6 +249,7 @@ function M.help(...)
   local kind, class = type(x), require "dm.complete".class_of(x)
   if kind == "string" then return help_name(x) end
   if kind == "function" then return help_function(x) end
+  if class == "dm.space" then help_elements(x) end
   if (kind == "userdata" or kind == "table") and class and help_class(class) then return end
   if kind == "table" then return help_table(x) end
   if kind == "userdata" then return write(tostring(x)) end

@@ -63,7 +63,7 @@ local function left_action(p)
   local action, G = p.action, p.group
   local right = action.side == "right"
   local function element(g) return right and G:inverse(g) or g end
-  function p.act(g, z) return frames.point(action:act(element(g), z), p.d, "what the action gives") end
+  function p.act(g, z) return frames.point(require "dm.action".move(action, element(g), z), p.d, "what the action gives") end
   function p.move(g, list)
     local out = {}
     for i, z in ipairs(list) do out[i] = p.act(g, z) end

@@ -21,12 +21,15 @@ static int read_operand(lua_State *L, int arg, dml_operand *out) {
 
 static const char *type_name(lua_State *L, int arg) {
     if (luaL_getmetafield(L, arg, "__name") == LUA_TSTRING) return lua_tostring(L, -1);
+    if (lua_type(L, arg) == LUA_TSTRING)
+        return lua_pushfstring(L, "the string \"%s\"", lua_tostring(L, arg));
     return luaL_typename(L, arg);
 }
 
 static void refuse_operands(lua_State *L, dm_op op) {
     const char *a = type_name(L, 1), *b = type_name(L, 2);
     luaL_where(L, 1);
+    if (!*lua_tostring(L, -1)) luaL_where(L, 2); /* the string library is between */
     lua_pushfstring(L, "%scannot compute %s %s %s", lua_tostring(L, -1), a,
                     dm_op_text(op), b);
     dml_explain(L);

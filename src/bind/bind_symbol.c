@@ -57,7 +57,9 @@ static int refuse_call(lua_State *L) {
 static int refuse_field(lua_State *L) {
     lua_settop(L, 2);
     const char *key = luaL_tolstring(L, 2, NULL);
-    return luaL_error(L, "a symbol has no field '%s': it stands for one number of %s",
+    return luaL_error(L,
+                      "a symbol has no field '%s': it stands for one number of %s "
+                      "(the params of a system are the fourth argument, after q, v, t)",
                       key, traced_function(L));
 }
 

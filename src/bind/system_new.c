@@ -85,6 +85,17 @@ static void keep_fields(lua_State *L, const char *const *known) {
     }
 }
 
+/* what L can index */
+static void check_params(lua_State *L) {
+    const int type = lua_getfield(L, 1, "params");
+    if (type != LUA_TNIL && type != LUA_TTABLE && type != LUA_TUSERDATA)
+        luaL_error(L,
+                   "field 'params' must be a table that L gets as its last argument, for "
+                   "instance { k = 2 } (got %s)",
+                   luaL_typename(L, -1));
+    lua_pop(L, 1);
+}
+
 void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
@@ -95,6 +106,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
                   pair ? "a function of (q0, q1) or (q0, q1, h)"
                        : "a function of (q, v) or (q, v, t)");
     check_coordinates(L, n);
+    check_params(L);
     if (!pair) dml_checktiefields(L, wants_hyperdual(L));
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);

@@ -216,4 +216,18 @@ local half = dm.action { group = dm.R(1), on = dm.R(1), domain = function(z) ret
   map = function(g, z) return { z[1] * math.exp(g[1]) } end }
 near(half({ 0.5 }, { 2 })[1], 2 * math.exp(0.5), 1e-15, "a local action")
 raises("finite (and inside of the domain)", dm.action, { group = dm.R(1), on = dm.R(2), map = function(_, z) return { 0 / 0, z[2] } end })  -- NaN before a number
+-- what an element looks like, and elements that are none
+local space, rigid = dm.action { group = dm.SO(3), on = dm.R(3) }, dm.action { group = dm.SE(2), on = dm.R(2) }
+raises("no element of SO(3): its columns are off orthonormal ones by 1; G:project(g) is an element near it",
+  space, { { 1, 1, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 1, 2, 3 })
+raises("no element of SL(2): its determinant is 2, not 1", moebius, { { 2, 0 }, { 0, 1 } }, { 1 })
+raises("the group element is not finite", rigid, { 0 / 0, 0, 0 }, { 1, 2 })
+raises("an element of SO(3) is a matrix of 3 x 3, for instance {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}} or G:exp{0.1, 0.2, 0.3}", space, 0.3, { 1, 2, 3 })
+raises("an element of SE(2) is a vector of 3 numbers (x, y, theta)", rigid, 1, { 1, 2 })
+raises("an element of GL(1) is a matrix of 1 x 1, for instance {{1}} or G:exp{0.1}", dm.action { group = dm.GL(1), on = dm.R(2) }, 2, { 1, 2 })
+raises("a list {a number, the angle, a vector of 1 number}, for instance {0, {0}} or G:exp{0.1, 0.2}",
+  function() dm.product(dm.SO(2), dm.R(1)):inverse(3) end)
+raises("map(g, z) gets g in SO(2), a number, the angle", function() dm.action { group = dm.SO(2), on = dm.R(2), map = function(g, z) return { z[1] * g[1], z[2] } end } end)
+raises("map(g, z) gets g in R^1, a vector of 1 number", function() dm.action { group = dm.R(1), on = dm.R(2), map = function(g, z) return { z[1] + g, z[2] } end } end)
+raises("take the action on dm.R(2) and 2 points of it, action:on_points(2)", function() dm.action { group = dm.SE(2), on = dm.R(4) } end)
 tap.done()

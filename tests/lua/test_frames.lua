@@ -164,6 +164,16 @@ raises("no moving frame near z = (1, 0), (1, 0.1): the cross-section is not tran
 raises("transversal", function() return frame { action = sphere, points = 2, cross_section = function() return 3 end }:invariants { { 0.3, 0.4 }, { 0.5, 0.1 } } end)
 raises("has 2 equations, but the group has 3 dimensions", frame, { action = plane, points = 2, cross_section = function(a) return { a[1], a[2] } end })
 raises("tangent", function() return frame { action = spin, cross_section = function(q) return q:dot(q) - 1 end }:invariants { { 1, 0 } } end)
+raises("nowhere transversal to the orbits", frame, { action = spin, cross_section = function(q) return q:dot(q) + 1 end })
+raises("have 2 dimensions, the group has 3: no cross-section crosses them once; take more points (points = 2)",
+  frame, { action = plane, cross_section = function(q) return { q[1], q[2], q[1] } end })
+raises("have 2 dimensions, the group has 3", frame, { action = dm.action { group = dm.SO(3), on = dm.R(3) }, cross_section = function(q) return q end })
+raises("have 3 dimensions, the group has 6", frame, { action = dm.action { group = dm.SE(3), on = dm.R(3) },
+  solution = function() return dm.SE(3):identity() end, cross_section = function(q) return { q[1], q[2], q[3], 0, 0, 0 } end })
+raises("this is no element of SO(3)", frame { action = dm.action { group = dm.SO(3), on = dm.R(3) }, points = 2,
+  cross_section = function(a, b) return { a[2], a[3], b[3] } end, solution = function() return { { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } end },
+  { 1, 2, 3 }, { 0, 1, 0 })
+raises("compares the frame of points 1 to 2 with that of points 2 to 3, so it takes 3 points (got 2)", function() return rho:correction({ 1, 2 }, { 1, 3 }) end)
 raises("is made of 2 points (got 1)", function() return rho { 1, 2 } end)
 raises("point 2 must have 2 entries", function() return rho({ 1, 2 }, { 1, 2, 3 }) end)
 raises("the branch condition does not hold", function()

@@ -328,8 +328,8 @@ raises("list of 2 factors", function() return dm.product(dm.R(1), dm.R(2)):inver
 raises("no standard action", function() return dm.discrete_lagrangian { Q = dm.R(2), h = 1, Ld = function(a, b) return a:dot(b) end }
   :momentum(dm.SE(3), { 1, 2 }, { 3, 4 }) end)
 raises("no global coordinates", function() return dm.system { Q = dm.product(SO3, dm.S(2)), L = function(q, v) return v:dot(v) end } end)
-raises("no element of the group: its determinant is -1", function() return SO3:log { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } } end)
-raises("it is off by 8", function() return SO3:inverse { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 3 } } end)
+raises("no element of SO(3): its determinant is -1", function() return SO3:log { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } } end)
+raises("its columns are off orthonormal ones by 8", function() return SO3:inverse { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 3 } } end)
 raises("called with a colon", function() return SO3.exp { 1, 2, 3 } end)
 raises("not finite", function() return SO3:exp { 0 / 0, 0, 0 } end)
 raises("out of reach", function() return dm.GL(2):exp { 1e7, 0, 0, 0 } end)

@@ -49,6 +49,11 @@ raises("unknown rule 'foo'; ?rules", function() dm.discrete_lagrangian(kepler, {
 
 local moved = dm.action { group = dm.SE(2), on = dm.R(2) }
 local function section(a, b) return { a[1], a[2], b[2] } end
+local function with(params, L) return dm.system { Q = dm.R(1), params = params, L = L } end
+raises("test_misuse.lua:" .. here() + 1 .. ": cannot compute the string \"x\" * dm.symbol",
+  function() with({ k = "x" }, function(q, v, _, P) return v[1] ^ 2 - P.k * q[1] end) end)
+raises("field 'params' must be a table that L gets as its last argument, for instance { k = 2 } (got number)", with, 3, function(_, v) return v[1] ^ 2 end)
+raises("the params of a system are the fourth argument", with, { k = 3 }, function(_, v, P) return P.k * v[1] ^ 2 end)
 raises("'points' must be a whole number", function() dm.moving_frame { action = moved, points = "2", cross_section = section } end)
 raises("unknown option 'section'; options are", function() dm.moving_frame { action = moved, section = section } end)
 local rho = dm.moving_frame { action = moved, points = 2, cross_section = section, branch = function(_, b) return b[1] end }

@@ -132,7 +132,7 @@ completes("io.open('" .. home .. "/some_f", "io.open('" .. home .. "/some_file.c
 
 -- help
 text = session { "?dm.solver", "?", "help 'keys'", "?dm.path", "?string.find", "apropos 'legendre'", "x = 4", "who()",
-  "help(nil)", "?rho.invariantize", "?problem:solve" }
+  "help(nil)", "G = dm.SE(2);", "?G", "?rho.invariantize", "?problem:solve" }
 has(text, "dm.solver{system, rule=", "?x prints the doc")
 has(text, 'apropos "word"', "? lists the topics")
 has(text, "a trailing ; evaluates without printing", "help 'keys'")
@@ -142,6 +142,7 @@ has(text, "system:legendre(q, v [, t])", "apropos finds")
 has(text, "Every solver takes the new Ld", "a method as the docs write it, where no class has the name")
 has(text, "The sequence of n points", "also with a colon")
 has(text, "x  4", "who")
+has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers (x, y, theta)", "a group says what its elements look like")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 
 -- errors

@@ -114,7 +114,10 @@ function M.sl(n)
   end
   function kit.bonds(list) return { kit.rebuild(list):det() - 1 } end
   function kit.project(g) return unit_determinant(g, n) end
-  function kit.defect(g) return abs(g:det() - 1) / math.max(1, linear.largest(g)) ^ n end
+  function kit.defect(g)
+    local det = g:det()
+    return abs(det - 1) / math.max(1, linear.largest(g)) ^ n, ("its determinant is %.9g, not 1"):format(det)
+  end
   if n == 2 then kit.exp, kit.log, kit.inverse = exp2, log2, adjugate end
   kit.sample = from_exponentials(kit)
   return matrices.complete(kit, n)
@@ -173,7 +176,10 @@ function M.sp(n)
     return out
   end
   function kit.project(g) return linear.near_symplectic(g, J) end
-  function kit.defect(g) return linear.largest(g:transpose() * J * g - J) / math.max(1, linear.largest(g)) ^ 2 end
+  function kit.defect(g)
+    local off = linear.largest(g:transpose() * J * g - J)
+    return off / math.max(1, linear.largest(g)) ^ 2, ("g^T J g is off J by %.3g"):format(off)
+  end
   kit.sample = from_exponentials(kit)
   return matrices.complete(kit, n)
 end

@@ -92,12 +92,14 @@ end
 
 --- How far R is from a rotation.
 function M.defect(R, n)
-  local worst = 0
-  for _, x in ipairs(orthonormal(R, n, n)) do
+  local worst, rows = 0, R:totable()
+  for _, x in ipairs(orthonormal(rows, n, n)) do
     if not (math.abs(x) <= worst) and worst == worst then worst = math.abs(x) end
   end
-  if worst < 0.5 and linear.fill(n, n, function(i, j) return R[i][j] end):det() < 0 then return 2, "its determinant is -1" end
-  return worst
+  if worst < 0.5 and (R.rows == n and R or linear.fill(n, n, function(i, j) return rows[i][j] end)):det() < 0 then
+    return 2, "its determinant is -1"
+  end
+  return worst, worst > 1e-9 and ("its columns are off orthonormal ones by %.3g"):format(worst) or nil
 end
 
 --- Uniform: Gram and Schmidt on normal numbers; the last row is turned to make the determinant 1.
