@@ -153,21 +153,6 @@ local function check_section(self)
   end
 end
 
-local CONDITION = 1e10 -- of J psi: beyond it the frame turns on round-off
-local SAMPLES = 6  -- of general points; what is singular at all of them is singular everywhere
-
--- does the section cross the orbits anywhere? Where J psi is singular at general points it is everywhere
-local function check_orbits(self)
-  local crossed, free, seen = false, self.k * self.m >= self.r, 0
-  for seed = 1, free and SAMPLES or 0 do
-    local list = linear.sample(self, seed)
-    local fine, _, condition = pcall(linear.transversality, self, list)
-    seen, crossed = seen + (fine and 1 or 0), crossed or fine and condition < CONDITION
-    if crossed then return end
-  end
-  if seen == SAMPLES or not free then text.refuse(self, linear.orbit_dimension(self)) end
-end
-
 -- the branch condition at a list of points: a number that must be > 0, or several
 local function branch_values(self, list)
   if not self.branch then return {} end
@@ -238,7 +223,7 @@ M.moving_frame = blame.caller(function(o)
     r = action.group.dimension, cross_section = o.cross_section, branch = o.branch, solution = o.solution,
     name = o.name, invariants_named = o.invariants }, class)
   check_section(self)
-  check_orbits(self)
+  linear.check_orbits(self)
   if not self.solution then self.root = solved(self, o.start) end
   return self
 end)
@@ -263,7 +248,7 @@ local function verify(self, g, list)
     if not (b > 0) then no_frame(self, list, "the branch condition does not hold") end
   end
   local _, condition = linear.transversality(self, there)
-  if not (condition < CONDITION) then no_frame(self, list) end
+  if not (condition < linear.CONDITION) then no_frame(self, list) end
 end
 
 local function element(self, list)

@@ -4,7 +4,7 @@
 --   S(I) = P . I with the shifted points, P = rho(S z) rho(z)^-1 = rho(iota(S z))                (thm 12)
 local core = require "dm.core"
 
-local M = { docs = {} }
+local M = { docs = {}, CONDITION = 1e10 } -- of J psi: beyond it the frame turns on round-off
 
 local abs, max = math.abs, math.max
 
@@ -142,8 +142,8 @@ function M.transversality(frame, list)
   return A, condition
 end
 
---- The dimension of the orbits at general points: the rank of psi, by elimination with the largest pivot.
-function M.orbit_dimension(frame)
+-- the dimension of the orbits at general points: the rank of psi, by elimination with the largest pivot.
+local function orbit_dimension(frame)
   local rows, rank = psi_at(frame, M.sample(frame, 1)):totable(), 0
   for _ = 1, math.min(#rows, frame.r) do
     local row, column, most = nil, nil, 1e-9
@@ -161,6 +161,19 @@ function M.orbit_dimension(frame)
     end
   end
   return rank
+end
+
+local SAMPLES = 6  -- of general points; what is singular at all of them is singular everywhere
+
+--- Does the section cross the orbits anywhere? Where J psi is singular at general points it is everywhere: an error.
+function M.check_orbits(frame)
+  local enough, seen = frame.k * frame.m >= frame.r, 0
+  for seed = 1, enough and SAMPLES or 0 do
+    local fine, _, condition = pcall(M.transversality, frame, M.sample(frame, seed))
+    if fine and condition < M.CONDITION then return end
+    seen = seen + (fine and 1 or 0)
+  end
+  if seen == SAMPLES or not enough then require "dm.frame_text".refuse(frame, orbit_dimension(frame)) end
 end
 
 ---- what comes of them ----

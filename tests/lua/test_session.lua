@@ -142,7 +142,7 @@ has(text, "system:legendre(q, v [, t])", "apropos finds")
 has(text, "Every solver takes the new Ld", "a method as the docs write it, where no class has the name")
 has(text, "The sequence of n points", "also with a colon")
 has(text, "x  4", "who")
-has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers (x, y, theta)", "a group says what its elements look like")
+has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers", "a group says what its elements look like")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 
 -- errors
