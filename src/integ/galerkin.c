@@ -1,5 +1,5 @@
 /* galerkin.c - polynomials of degree s with any quadrature (Marsden-West 2001 sec. 2.2.6, Leok 2.4). */
-#include "integ/stage.h"
+#include "integ/stage_lanes.h"
 
 #include <math.h>
 
@@ -126,4 +126,6 @@ const dm_method dm_method_galerkin = {
     .start = dm_stage_start,
     .step = dm_stage_step,
     .memory = dm_stage_memory,
+    .widen = dm_stage_widen,
+    .advance_lanes = dm_stage_advance_lanes,
 };

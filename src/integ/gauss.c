@@ -1,7 +1,7 @@
 /* gauss.c - Gauss collocation of any stage number. */
 #include "integ/hamilton.h"
 #include "integ/kept.h"
-#include "integ/stage.h"
+#include "integ/stage_lanes.h"
 #include "integ/sweep.h"
 
 #include <math.h>
@@ -101,4 +101,6 @@ const dm_method dm_method_gauss = {
     .start = dm_stage_start,
     .step = dm_stage_step,
     .memory = dm_stage_memory,
+    .widen = dm_stage_widen,
+    .advance_lanes = dm_stage_advance_lanes,
 };

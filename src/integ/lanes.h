@@ -17,6 +17,11 @@ static inline double *dm_lanes_member(const dm_lanes *x, uint32_t n, uint32_t i)
     return x->state + i / x->lanes * dm_state_size(n) * x->lanes + i % x->lanes;
 }
 
+/* Entry 0 of what member i leaves to its next step. */
+static inline double *dm_lanes_memory(const dm_lanes *x, uint32_t i) {
+    return x->memory + i / x->lanes * x->memory_size * x->lanes + i % x->lanes;
+}
+
 /* A member's state into its lane, and out of it. */
 void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state);
 void dm_lanes_get(const dm_lanes *x, uint32_t n, uint32_t i, double *state);

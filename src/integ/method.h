@@ -28,6 +28,12 @@ typedef struct {
     double *state;        /* [groups][dm_state_size][lanes] */
     double *params;       /* [groups x lanes][params of the model], by member */
     double *kept, *alone; /* room for all states once more, for one */
+    /* methods with a `memory`: [groups][memory_size][lanes] what members leave to their next step, and what has
+    ** become of members, [groups x lanes]: DM_OK, or why a step failed after so many of a burst. NULL: neither */
+    double *memory;
+    size_t memory_size;
+    dm_status *failed;
+    long *done;
 } dm_lanes;
 
 enum {
@@ -77,7 +83,8 @@ typedef struct {
     size_t (*memory)(dm_stepper *s, double **place);
     /* kernels for as many lanes as there can be, after open; *x in the model's arena. 0: no lanes; NULL: never */
     int (*widen)(dm_stepper *s, dm_lanes *x);
-    /* as `advance` for every member, same bits; what fails has a state that is not finite, and stays so */
+    /* as `advance` for every member, same bits; what fails has a state that is not finite, and stays so, or where
+     * x->failed is there says so and keeps its last good state, and lanes that have failed are left alone */
     void (*advance_lanes)(dm_stepper *s, dm_lanes *x, double t, long count);
     void (*close)(
         dm_stepper *s); /* what open took outside the workspace (GSL); may be NULL */

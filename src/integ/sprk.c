@@ -1,5 +1,7 @@
 #include "integ/sprk.h"
 
+#include "integ/stage_lanes.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -203,7 +205,14 @@ static size_t memory(dm_stepper *s, double **place) {
 }
 
 static int widen(dm_stepper *s, dm_lanes *x) {
-    return is_split(s->rule, s->model) && dm_splitting_widen(s, x);
+    return is_split(s->rule, s->model) ? dm_splitting_widen(s, x) : dm_stage_widen(s, x);
+}
+
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+    if (is_split(s->rule, s->model))
+        dm_splitting_advance_lanes(s, x, t, count);
+    else
+        dm_stage_advance_lanes(s, x, t, count);
 }
 
 const dm_method dm_method_sprk = {
@@ -229,5 +238,5 @@ const dm_method dm_method_sprk = {
     .advance = advance,
     .memory = memory,
     .widen = widen,
-    .advance_lanes = dm_splitting_advance_lanes,
+    .advance_lanes = advance_lanes,
 };

@@ -73,7 +73,8 @@ typedef struct {
     int one;               /* one velocity at one point: stage_one.c */
     const double *newest;  /* its slope at the last evaluation */
     dm_stage_sweeps sweeps;
-    double *warm, *ahead; /* stage_warm.c; NULL: nothing is kept */
+    double *warm, *ahead;         /* stage_warm.c; NULL: nothing is kept */
+    struct dm_stage_lanes *lanes; /* stage_lanes.h; NULL: this is no ensemble */
     long evaluations;
 } dm_stage;
 
@@ -88,6 +89,9 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m);
 void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory);
 void dm_stage_sweeps_scale(dm_stage *g);
 
+/* Their kernels, one in the separable form, for `width` arguments at once; how many one evaluation takes, 0: there are none. */
+uint32_t dm_stage_sweeps_kernels(dm_kernel out[3], const dm_stage *g, uint32_t width);
+
 /* One step by sweeps, of g->state in place; DM_NO_CONVERGENCE where they contract too slowly, and Newton's method is for it. */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper);
 
@@ -97,6 +101,9 @@ double dm_stage_heaviest(const dm_stage *g);
 /* u of the sweeps as the last of them left it, [n][width] */
 const double *dm_stage_sweeps_u(const dm_stage *g);
 
+/* Where the memory of steps by sweeps has what: h, a mark, contraction, the state at its end [4n], u [n][width]. */
+enum { DM_SWEPT_STEP, DM_SWEPT_MARK, DM_SWEPT_RATE, DM_SWEPT_END, DM_SWEPT_FULL = 1 };
+
 /* What a step leaves to the next one: the forces of its stages, valid where that step begins at its end. */
 size_t dm_stage_memory_size(const dm_stage *g);
 void dm_stage_memory_clear(dm_stage *g, double h);
@@ -105,6 +112,17 @@ double dm_stage_memory_rate(const dm_stage *g);      /* contraction of the sweep
 int dm_stage_memory_is_stiff(const dm_stage *g);     /* sweeps failed not long ago */
 void dm_stage_memory_keep(dm_stage *g, double rate); /* after a step by sweeps */
 void dm_stage_memory_newton(dm_stage *g);            /* after a step by Newton's method */
+
+/* And that of Newton's method: h, steps, the state at the end of the last [4n], its V[s][n], differences. */
+enum {
+    DM_WARM_STEP,
+    DM_WARM_COUNT,
+    DM_WARM_END,
+    DM_WARM_TERMS = 6,   /* differences */
+    DM_WARM_PARABOLA = 2 /* differences that one stage always takes */
+};
+static const double DM_WARM_NEARER =
+    0.5; /* what a difference may leave of what was missing */
 
 /* Newton's method of the general form: doubles for s stages; what of them is memory of the last steps. */
 size_t dm_stage_warm_size(size_t s, uint32_t n);

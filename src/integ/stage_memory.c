@@ -6,10 +6,9 @@
 
 #include <string.h>
 
-enum { STEP, MARK, RATE, END };
 enum {
     EMPTY,
-    FULL,
+    FULL = DM_SWEPT_FULL,
     PATIENCE = 16
 }; /* a mark below zero: steps by Newton's method before sweeps are tried again */
 
@@ -20,38 +19,39 @@ static size_t unknowns(const dm_stage *g) {
 static const double USUAL = 0.1; /* contraction, where none was measured */
 
 size_t dm_stage_memory_size(const dm_stage *g) {
-    return END + 4 * (size_t)g->n + unknowns(g);
+    return DM_SWEPT_END + 4 * (size_t)g->n + unknowns(g);
 }
 
 void dm_stage_memory_clear(dm_stage *g, double h) {
     double *memory = g->sweeps.memory;
     memset(memory, 0, dm_stage_memory_size(g) * sizeof *memory);
-    memory[STEP] = h;
+    memory[DM_SWEPT_STEP] = h;
 }
 
 int dm_stage_memory_fits(const dm_stage *g) {
     const double *memory = g->sweeps.memory;
-    return memory[STEP] == g->h && memory[MARK] == FULL &&
-           memcmp(memory + END, g->state, 4 * (size_t)g->n * sizeof *memory) == 0;
+    return memory[DM_SWEPT_STEP] == g->h && memory[DM_SWEPT_MARK] == FULL &&
+           memcmp(memory + DM_SWEPT_END, g->state, 4 * (size_t)g->n * sizeof *memory) ==
+               0;
 }
 
 int dm_stage_memory_is_stiff(const dm_stage *g) {
     const double *memory = g->sweeps.memory;
-    return memory[STEP] == g->h && memory[MARK] < EMPTY;
+    return memory[DM_SWEPT_STEP] == g->h && memory[DM_SWEPT_MARK] < EMPTY;
 }
 
 double dm_stage_memory_rate(const dm_stage *g) {
-    return g->sweeps.memory[RATE];
+    return g->sweeps.memory[DM_SWEPT_RATE];
 }
 
 static void keep(dm_stage *g, double rate, const double *end, const double *u) {
     double *memory = g->sweeps.memory;
     const size_t n = g->n;
-    if (memory[STEP] != g->h) return;
-    memory[MARK] = FULL;
-    memory[RATE] = rate;
-    dm_stage_copy(memory + END, end, 4 * g->n);
-    memcpy(memory + END + 4 * n, u, unknowns(g) * sizeof *memory);
+    if (memory[DM_SWEPT_STEP] != g->h) return;
+    memory[DM_SWEPT_MARK] = FULL;
+    memory[DM_SWEPT_RATE] = rate;
+    dm_stage_copy(memory + DM_SWEPT_END, end, 4 * g->n);
+    memcpy(memory + DM_SWEPT_END + 4 * n, u, unknowns(g) * sizeof *memory);
 }
 
 void dm_stage_memory_keep(dm_stage *g, double rate) {
@@ -70,11 +70,11 @@ static void take_root(const dm_stage *g, double *u) {
 /* sweeps that failed from a straight line may do from the polynomial of this step; from there, not soon again */
 void dm_stage_memory_newton(dm_stage *g) {
     double *memory = g->sweeps.memory;
-    if (memory[STEP] != g->h) return;
-    if (memory[MARK] < EMPTY) {
-        memory[MARK] += 1;
-    } else if (memory[MARK] == FULL) {
-        memory[MARK] = -PATIENCE;
+    if (memory[DM_SWEPT_STEP] != g->h) return;
+    if (memory[DM_SWEPT_MARK] < EMPTY) {
+        memory[DM_SWEPT_MARK] += 1;
+    } else if (memory[DM_SWEPT_MARK] == FULL) {
+        memory[DM_SWEPT_MARK] = -PATIENCE;
     } else {
         take_root(g, g->sweeps.u);
         keep(g, USUAL, g->next, g->sweeps.u);

@@ -7,22 +7,12 @@
 ** bases once, from a u that is near enough to the last one.
 */
 #include "integ/stage_inside.h"
+#include "integ/stage_limits.h"
 
 #include "base/largest.h"
 
 #include <math.h>
 #include <string.h>
-
-/* error left in the sums, relative to the state, for the usual tolerance 4e-15: 1e-19 */
-static const double LEFT = 2.5e-5;
-static const double CLEAN =
-    1e-14; /* changes below are mostly rounding: foretold, not measured */
-static const double SETTLED =
-    1e-4; /* changes below: u serves for the rest of a coefficient */
-static const double SLOW = 0.35; /* contraction that calls for Newton's method */
-static const double LEAST =
-    0.01; /* contraction taken for granted before it is measured */
-enum { MOST = 60 };
 
 /* ---- evaluation ---- */
 
@@ -74,7 +64,8 @@ typedef struct {
     int rated;                /* the rate is of this step */
     int count;                /* sweeps */
     double size[2], moved[2]; /* of positions and momenta, squared */
-    double change; /* of the sums by the last sweep, relative; below CLEAN as foretold */
+    double
+        change; /* of the sums by the last sweep, relative; below DM_SWEEP_CLEAN as foretold */
     double
         rate; /* by which it shrinks: of this step, or of the one before with a margin */
 } iteration;
@@ -130,7 +121,7 @@ static void sweep(iteration *it) {
     it->moved[0] = move(it, &it->g->sweeps.q);
     if (it->measured) it->change = relative(it);
     evaluate(it);
-    if (before <= CLEAN && it->change <= 10.0 * CLEAN) {
+    if (before <= DM_SWEEP_CLEAN && it->change <= 10.0 * DM_SWEEP_CLEAN) {
         it->change = it->rate * before;
     } else if (it->measured && it->count > 0) {
         it->rate = it->change / before;
@@ -177,7 +168,7 @@ static void prepare(iteration *it, int warm) {
     w->q.start = w->ahead.start = g->state;
     w->p.start = g->state + n;
     set_off(it, warm);
-    if (warm) it->rate = fmax(LEAST, 2.0 * dm_stage_memory_rate(g));
+    if (warm) it->rate = fmax(DM_SWEEP_LEAST, 2.0 * dm_stage_memory_rate(g));
 }
 
 /* the first one, which tells what changes are compared with */
@@ -201,14 +192,14 @@ static dm_status count_out(iteration *it, int fixed) {
 /* until what is left is round-off */
 static dm_status iterate(iteration *it, double tolerance) {
     evaluate_first(it);
-    for (int k = 1; k < MOST; k++) {
+    for (int k = 1; k < DM_STAGE_SWEEPS; k++) {
         const int settled = it->settled;
-        if (!settled && it->change < SETTLED) settle(it);
+        if (!settled && it->change < DM_SWEEP_SETTLED) settle(it);
         sweep(it);
         if (!isfinite(it->change)) return DM_NOT_FINITE;
-        if (it->rated && it->rate > (it->count > 5 ? SLOW : 2.0))
+        if (it->rated && it->rate > (it->count > 5 ? DM_SWEEP_SLOW : 2.0))
             return DM_NO_CONVERGENCE;
-        if (it->settled && left(it) <= LEFT * tolerance) return DM_OK;
+        if (it->settled && left(it) <= DM_SWEEP_LEFT * tolerance) return DM_OK;
     }
     return DM_NO_CONVERGENCE;
 }
@@ -252,7 +243,7 @@ static dm_status find_velocity(dm_stage *g, int warm) {
 static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
     dm_stage *g = it->g;
     const int fixed = warm ? g->sweeps.count : 0;
-    *it = (iteration){.g = g, .measured = !fixed, .change = 1.0, .rate = SLOW};
+    *it = (iteration){.g = g, .measured = !fixed, .change = 1.0, .rate = DM_SWEEP_SLOW};
     dm_status status = find_velocity(g, warm);
     if (status != DM_OK) return status;
     prepare(it, warm);

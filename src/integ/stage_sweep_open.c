@@ -207,41 +207,48 @@ static int has_unknowns(const dm_stage *g) {
 }
 
 /* 0 where there are no kernels */
-static int build(dm_stage_sweeps *w, const dm_model *m, int separable, uint32_t width) {
+static uint32_t build(dm_kernel *out, const dm_model *m, int separable, uint32_t width) {
     dm_hamilton parts;
     if (separable)
-        w->force.lanes = dm_lanes_build(&w->force.kernel, m, m->source.graph,
-                                        m->source.gradient, m->n, width);
-    else
-        w->force.lanes = dm_hamilton_split(&parts, m, width);
-    if (separable || !w->force.lanes) return w->force.lanes > 0;
-    w->force.kernel = parts.force;
-    w->factors.kernel = parts.factors;
-    w->velocity.kernel = parts.velocity;
-    w->factors.lanes = w->velocity.lanes = w->force.lanes;
-    return 1;
+        return dm_lanes_build(out, m, m->source.graph, m->source.gradient, m->n, width);
+    const uint32_t lanes = dm_hamilton_split(&parts, m, width);
+    out[0] = parts.force;
+    out[1] = parts.factors;
+    out[2] = parts.velocity;
+    return lanes;
+}
+
+uint32_t dm_stage_sweeps_kernels(dm_kernel out[3], const dm_stage *g, uint32_t width) {
+    static const char makers[3];
+    const uint32_t count = g->separable ? 1 : 3;
+    uint32_t found = 0, lanes = 0;
+    for (; found < count; found++) {
+        lanes = dm_kept_find(out + found, g->m, makers + found, width);
+        if (!lanes) break;
+    }
+    if (found == count) return lanes;
+    lanes = build(out, g->m, g->separable, width);
+    for (uint32_t i = 0; lanes && i < count; i++)
+        dm_kept_add(g->m, makers + i, width, out + i, lanes);
+    return lanes;
 }
 
 /* the kernels of the model's last stepper, or new ones */
 static int find_kernels(dm_stage *g, const dm_galerkin *basis) {
-    static const char makers[3];
-    dm_stage_kernel *const kernels[] = {&g->sweeps.force, &g->sweeps.factors,
-                                        &g->sweeps.velocity};
-    const uint32_t r = g->table.r, count = g->separable ? 1 : 3;
+    dm_stage_sweeps *w = &g->sweeps;
+    dm_kernel kernels[3];
+    const uint32_t r = g->table.r;
     if (r > DM_SWEEP_WIDTH || !g->m->source.graph) return 0;
     if (r == 1 && !g->separable) return 0; /* Newton's method is cheaper */
     if (g->separable ? !has_unknowns(g) : !is_collocation(g, basis)) return 0;
-    const uint32_t width = dm_sweep_find(r)->width;
-    uint32_t found = 0;
-    for (; found < count; found++) {
-        dm_stage_kernel *k = kernels[found];
-        k->lanes = dm_kept_find(&k->kernel, g->m, makers + found, width);
-        if (!k->lanes) break;
-    }
-    if (found == count) return 1;
-    if (!build(&g->sweeps, g->m, g->separable, width)) return 0;
-    for (uint32_t i = 0; i < count; i++)
-        dm_kept_add(g->m, makers + i, width, &kernels[i]->kernel, kernels[i]->lanes);
+    const uint32_t lanes = dm_stage_sweeps_kernels(kernels, g, dm_sweep_find(r)->width);
+    if (!lanes) return 0;
+    w->force.lanes = lanes;
+    w->force.kernel = kernels[0];
+    if (g->separable) return 1;
+    w->factors.lanes = w->velocity.lanes = lanes;
+    w->factors.kernel = kernels[1];
+    w->velocity.kernel = kernels[2];
     return 1;
 }
 

@@ -10,22 +10,15 @@
 
 #include <math.h>
 
-static const double NEARER = 0.5; /* what a difference may leave of what was missing */
-
-enum { STEP, COUNT, END };
-enum {
-    TERMS = 6,    /* differences */
-    PARABOLA = 2, /* differences that one stage always takes */
-    STAGES = 8    /* whose polynomial may be continued */
-};
+enum { STAGES = 8 }; /* whose polynomial may be continued */
 
 size_t dm_stage_warm_size(size_t s, uint32_t n) {
     if (s > STAGES) return 0;
-    return END + 4 * (size_t)n + (1 + TERMS) * s * n + s * s;
+    return DM_WARM_END + 4 * (size_t)n + (1 + DM_WARM_TERMS) * s * n + s * s;
 }
 
 size_t dm_stage_warm_memory(const dm_stage *g) {
-    return END + 4 * (size_t)g->n + (1 + TERMS) * g->table.s * g->n;
+    return DM_WARM_END + 4 * (size_t)g->n + (1 + DM_WARM_TERMS) * g->table.s * g->n;
 }
 
 void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
@@ -43,7 +36,7 @@ void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
 
 void dm_stage_warm_clear(dm_stage *g, double h) {
     memset(g->warm, 0, dm_stage_warm_memory(g) * sizeof *g->warm);
-    g->warm[STEP] = h;
+    g->warm[DM_WARM_STEP] = h;
 }
 
 /* to[s][n] = V of the next step by the polynomial of the last one */
@@ -76,21 +69,21 @@ static void add_missed(double *to, const double *D, int count, int at_least,
     double missing = count > 0 ? largest_of(D, size) : 0.0;
     for (int i = 0; i < count; i++, D += size) {
         const double left = i + 1 < count ? largest_of(D + size, size) : missing;
-        if (i >= at_least && !(left <= NEARER * missing)) return;
+        if (i >= at_least && !(left <= DM_WARM_NEARER * missing)) return;
         for (size_t k = 0; k < size; k++) to[k] += D[k];
         missing = left;
     }
 }
 
 int dm_stage_warm_guess(dm_stage *g) {
-    const double *memory = g->warm, *end = memory + END, *V = end + 4 * g->n;
+    const double *memory = g->warm, *end = memory + DM_WARM_END, *V = end + 4 * g->n;
     const size_t size = g->table.s * (size_t)g->n;
-    if (memory[STEP] != g->h || memory[COUNT] == 0.0) return 0;
+    if (memory[DM_WARM_STEP] != g->h || memory[DM_WARM_COUNT] == 0.0) return 0;
     for (uint32_t k = 0; k < 4 * g->n; k++)
         if (end[k] != g->state[k]) return 0;
     continue_polynomial(g, g->root, V);
-    add_missed(g->root, V + size, (int)memory[COUNT] - 1, g->table.s == 1 ? PARABOLA : 0,
-               size);
+    add_missed(g->root, V + size, (int)memory[DM_WARM_COUNT] - 1,
+               g->table.s == 1 ? DM_WARM_PARABOLA : 0, size);
     return 1;
 }
 
@@ -106,17 +99,18 @@ static void renew_differences(double *D, double *missed, int count, size_t size)
 
 void dm_stage_warm_keep(dm_stage *g) {
     const size_t size = g->table.s * (size_t)g->n;
-    if (g->warm[STEP] != g->h) return;
-    double *end = g->warm + END, *V = end + 4 * g->n, *missed = g->before;
+    if (g->warm[DM_WARM_STEP] != g->h) return;
+    double *end = g->warm + DM_WARM_END, *V = end + 4 * g->n, *missed = g->before;
     int count = 0;
     while (count < 4 * (int)g->n && end[count] == g->state[count]) count++;
-    count = count == 4 * (int)g->n ? (int)g->warm[COUNT] : 0;
+    count = count == 4 * (int)g->n ? (int)g->warm[DM_WARM_COUNT] : 0;
     if (count > 0) {
         continue_polynomial(g, missed, V);
         for (size_t k = 0; k < size; k++) missed[k] = g->root[k] - missed[k];
-        renew_differences(V + size, missed, count < TERMS ? count : TERMS, size);
+        renew_differences(V + size, missed, count < DM_WARM_TERMS ? count : DM_WARM_TERMS,
+                          size);
     }
-    g->warm[COUNT] = count <= TERMS ? count + 1 : TERMS + 1;
+    g->warm[DM_WARM_COUNT] = count <= DM_WARM_TERMS ? count + 1 : DM_WARM_TERMS + 1;
     dm_stage_copy(V, g->root, (uint32_t)size);
     dm_stage_copy(end, g->next, 4 * g->n);
 }

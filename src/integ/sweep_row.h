@@ -9,6 +9,8 @@
 #define OWN(name) JOIN(name, ROW)
 #define INLINE static inline __attribute__((always_inline))
 
+#define BITS JOIN(bits, ROW)
+typedef long long BITS __attribute__((vector_size(8 * W)));
 #define LOAD(x) (*(const V *)(const void *)(x))
 #define SAME(x) ((x) - (V){0})
 
@@ -83,11 +85,14 @@ HOW static double OWN(finish)(const dm_sweep_end *a) {
     const dm_sweep_end at = *a;
     const V top_q = LOAD(at.b[0]->top), rest_q = LOAD(at.b[0]->rest);
     const V top_p = LOAD(at.b[1]->top), rest_p = LOAD(at.b[1]->rest);
+    /* lanes without a weight are no stages, and may be at a pole */
+    const BITS used_q = (BITS)(top_q != (V){0}), used_p = (BITS)(top_p != (V){0});
     const uint32_t n = at.rows;
     double *high = at.state, *low = at.state + 2 * (size_t)n;
     v2 bad = {0};
     for (uint32_t k = 0; k < n; k++) {
-        const V u = LOAD(at.u[0] + (size_t)k * W), f = LOAD(at.u[1] + (size_t)k * W);
+        const V u = (V)(used_q & (BITS)LOAD(at.u[0] + (size_t)k * W));
+        const V f = (V)(used_p & (BITS)LOAD(at.u[1] + (size_t)k * W));
         const V q = MADD(top_q, u, rest_q * u), p = MADD(top_p, f, rest_p * f);
         const H *x = (const H *)(const void *)&q, *y = (const H *)(const void *)&p;
         const H q_half = x[0] + x[1], p_half = y[0] + y[1];
@@ -108,6 +113,7 @@ static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), OWN(finish)}
 
 #undef INLINE
 #undef LOAD
+#undef BITS
 #undef SAME
 #undef OWN
 #undef JOIN

@@ -1,6 +1,6 @@
 /* symplectic_euler.c - Ld = h L(q0, v) or h L(q1, v) with v = (q1 - q0)/h. */
 #include "integ/splitting.h"
-#include "integ/stage.h"
+#include "integ/stage_lanes.h"
 
 #include <string.h>
 
@@ -51,6 +51,14 @@ static dm_status open(dm_stepper *s) {
     return dm_stage_open(s, &g);
 }
 
+static dm_status start(dm_stepper *s, double *state, double t) {
+    return dm_splitting_fits(s->model) ? DM_OK : dm_stage_start(s, state, t);
+}
+
+static size_t memory(dm_stepper *s, double **place) {
+    return dm_splitting_fits(s->model) ? 0 : dm_stage_memory(s, place);
+}
+
 static dm_status step(dm_stepper *s, double *state, double t) {
     return dm_splitting_fits(s->model) ? dm_splitting_step(s, state, t)
                                        : dm_stage_step(s, state, t);
@@ -62,7 +70,14 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
 }
 
 static int widen(dm_stepper *s, dm_lanes *x) {
-    return dm_splitting_fits(s->model) && dm_splitting_widen(s, x);
+    return dm_splitting_fits(s->model) ? dm_splitting_widen(s, x) : dm_stage_widen(s, x);
+}
+
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+    if (dm_splitting_fits(s->model))
+        dm_splitting_advance_lanes(s, x, t, count);
+    else
+        dm_stage_advance_lanes(s, x, t, count);
 }
 
 const dm_method dm_method_symplectic_euler = {
@@ -79,8 +94,10 @@ const dm_method dm_method_symplectic_euler = {
     .wants = wants,
     .work = work,
     .open = open,
+    .start = start,
     .step = step,
     .advance = advance,
+    .memory = memory,
     .widen = widen,
-    .advance_lanes = dm_splitting_advance_lanes,
+    .advance_lanes = advance_lanes,
 };

@@ -1,6 +1,6 @@
 /* verlet.c - Stoermer-Verlet: explicit when L = T(v) - V(q, t), else Lobatto IIIA-IIIB of 2 stages. */
 #include "integ/splitting.h"
-#include "integ/stage.h"
+#include "integ/stage_lanes.h"
 
 static const char *check(const dm_rule *rule) {
     return rule->count ? "verlet takes no argument" : NULL;
@@ -42,6 +42,14 @@ static dm_status open(dm_stepper *s) {
     return DM_OK;
 }
 
+static dm_status start(dm_stepper *s, double *state, double t) {
+    return dm_splitting_fits(s->model) ? DM_OK : dm_stage_start(s, state, t);
+}
+
+static size_t memory(dm_stepper *s, double **place) {
+    return dm_splitting_fits(s->model) ? 0 : dm_stage_memory(s, place);
+}
+
 static dm_status step(dm_stepper *s, double *state, double t) {
     return dm_splitting_fits(s->model) ? dm_splitting_step(s, state, t)
                                        : dm_stage_step(s, state, t);
@@ -53,7 +61,14 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
 }
 
 static int widen(dm_stepper *s, dm_lanes *x) {
-    return dm_splitting_fits(s->model) && dm_splitting_widen(s, x);
+    return dm_splitting_fits(s->model) ? dm_splitting_widen(s, x) : dm_stage_widen(s, x);
+}
+
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+    if (dm_splitting_fits(s->model))
+        dm_splitting_advance_lanes(s, x, t, count);
+    else
+        dm_stage_advance_lanes(s, x, t, count);
 }
 
 const dm_method dm_method_verlet = {
@@ -70,8 +85,10 @@ const dm_method dm_method_verlet = {
     .wants = wants,
     .work = work,
     .open = open,
+    .start = start,
     .step = step,
     .advance = advance,
+    .memory = memory,
     .widen = widen,
-    .advance_lanes = dm_splitting_advance_lanes,
+    .advance_lanes = advance_lanes,
 };

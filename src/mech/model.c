@@ -191,6 +191,8 @@ static dm_status make_stage(builder *b, unsigned want) {
         return dm_graph_status(b->g) != DM_OK ? dm_graph_status(b->g) : DM_NO_MEMORY;
     memcpy(mass, roots + n, n * sizeof *mass);
     memcpy(mass + n, roots + 2 * n + 2 * nn, nn * sizeof *mass);
+    b->m.source.stage_graph = small;
+    b->m.source.stage = roots;
     status = make_verbatim(b, small, &b->m.stage, roots, count, DM_WANT_STAGE);
     if (status == DM_OK && want & DM_WANT_SLOPE)
         status = make_verbatim(b, small, &b->m.slope, roots, 2 * n, DM_WANT_SLOPE);

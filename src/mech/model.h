@@ -63,6 +63,9 @@ typedef struct {
     dm_graph *sums;  /* DM_LOOPS: the graph with sums as leaves; `graph` is NULL then */
     dm_node lagrangian, well; /* L; L at v = 0 (with DM_WANT_WELL) */
     const dm_node *gradient;  /* L_q[n], L_v[n] */
+    dm_graph *
+        stage_graph; /* of the stage kernel (with DM_WANT_STAGE), to be taken as it stands, */
+    const dm_node *stage; /* and its roots; the first 2n are those of the slope */
     dm_compile *compile;
     dm_arena *arena;
     dm_kept **kept; /* NULL: nothing is kept */

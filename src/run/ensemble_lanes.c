@@ -49,7 +49,17 @@ static void choose_params(const block *x, long i) {
     if (x->b->watch) x->b->watch->params = x->b->stepper->params;
 }
 
-/* a lane without a member of its own runs along with another's numbers */
+/* what member i of the block leaves to its next step, which `start` has made */
+static void put_memory(const block *x, uint32_t i) {
+    const dm_lanes *lanes = &x->b->lanes;
+    double *place;
+    if (!lanes->memory) return;
+    x->b->stepper->method->memory(x->b->stepper, &place);
+    for (size_t k = 0; k < lanes->memory_size; k++)
+        dm_lanes_memory(lanes, i)[k * lanes->lanes] = place[k];
+}
+
+/* a lane without a member of its own runs along with another's numbers, or is left alone */
 static void pad(block *x) {
     const uint32_t all = x->b->lanes.lanes * x->b->lanes.groups, n = dim(x);
     long whole = 0;
@@ -60,6 +70,7 @@ static void pad(block *x) {
         if (i >= x->count || member_of(x, i)->status != DM_OK) {
             dm_lanes_put(&x->b->lanes, n, i, x->b->lanes.alone);
             put_params(x, whole, i);
+            if (x->b->lanes.failed) x->b->lanes.failed[i] = DM_STOPPED;
         }
 }
 
@@ -124,6 +135,8 @@ static void begin(block *x) {
         if (m->status != DM_OK) continue;
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
         put_params(x, i, (uint32_t)i);
+        put_memory(x, (uint32_t)i);
+        if (x->b->lanes.failed) x->b->lanes.failed[i] = DM_OK;
         x->alive++;
     }
     pad(x);
@@ -149,18 +162,46 @@ static void repeat_alone(block *x, long i, double t, long count) {
     keep_last_row(x, i);
 }
 
-static void advance(block *x, long count) {
+/* member i failed, as the method says, in the step after those that it has done of a burst */
+static void leave(block *x, long i) {
+    const dm_lanes *lanes = &x->b->lanes;
+    *member_of(x, i) =
+        (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
+    dm_lanes_get(lanes, dim(x), (uint32_t)i, state_of(x, i));
+    x->alive--;
+    choose_params(x, i);
+    keep_last_row(x, i);
+}
+
+/* a burst of a method that tells who failed */
+static void advance_told(block *x, double t, long count) {
+    dm_lanes *lanes = &x->b->lanes;
+    dm_stepper *s = x->b->stepper;
+    s->method->advance_lanes(s, lanes, t, count);
+    for (long i = 0; i < x->count; i++)
+        if (member_of(x, i)->status == DM_OK && lanes->failed[i] != DM_OK) leave(x, i);
+}
+
+/* a burst of one whose members that failed have a state that is not finite */
+static void advance_seen(block *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
     dm_stepper *s = x->b->stepper;
     const size_t all = (size_t)lanes->groups * lanes->lanes;
-    const double t = x->e->t0 + (double)x->done * s->h;
-    const long before = x->alive;
-    memcpy(x->b->lanes.kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
+    memcpy(lanes->kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
     s->method->advance_lanes(s, lanes, t, count);
     for (long i = 0; i < x->count; i++)
         if (member_of(x, i)->status == DM_OK &&
             !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
             repeat_alone(x, i, t, count);
+}
+
+static void advance(block *x, long count) {
+    const double t = x->e->t0 + (double)x->done * x->b->stepper->h;
+    const long before = x->alive;
+    if (x->b->lanes.failed)
+        advance_told(x, t, count);
+    else
+        advance_seen(x, t, count);
     x->done += count;
     if (x->alive < before) pad(x);
 }

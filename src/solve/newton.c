@@ -2,16 +2,11 @@
 
 #include "base/written_out.h"
 #include "linalg/lu.h"
+#include "solve/newton_limits.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
-static const double NOISE = 1e-13;     /* and so may a residual, of its terms */
-static const double FLOOR = 1e-9;      /* an increment that small may be all noise */
-static const double NEGLIGIBLE =
-    2.5e-6; /* of the tolerance: error left that is not worth a step */
-static const double SLOW = 0.1; /* rate that calls for a new Jacobian */
 enum { HALVINGS = 12 };
 
 typedef struct {
@@ -81,7 +76,7 @@ static void find_increment(solver *s) {
 
 /* the residual is what rounding its terms leaves */
 static int is_noise(const solver *s) {
-    return s->p->size && s->report->residual <= NOISE * *s->p->size;
+    return s->p->size && s->report->residual <= DM_NEWTON_NOISE * *s->p->size;
 }
 
 /* By the rate so far, which one Jacobian does not lose (from its first increment to the second it may double),
@@ -89,21 +84,24 @@ static int is_noise(const solver *s) {
 ** next one would be made as well. */
 static int is_drowned(const solver *s, double size) {
     const double rate = 2.0 * s->rate;
-    return rate < SLOW && s->step <= ROUND_OFF * size &&
-           rate * rate * s->last <= NEGLIGIBLE * s->p->tolerance * size;
+    return rate < DM_NEWTON_SLOW && s->step <= DM_NEWTON_ROUND_OFF * size &&
+           rate * rate * s->last <= DM_NEWTON_NEGLIGIBLE * s->p->tolerance * size;
 }
 
 /* x + dx is the root to round-off: the error that dx leaves, rate * |dx|, does not count.
 ** A first-order correction of results needs a Jacobian; without one |dx| itself must stall. */
 static int is_last(const solver *s) {
     const double size = norm(s->x, s->p->m) + s->step;
-    const double rate = s->last < INFINITY ? s->step / s->last : SLOW; /* not known yet */
+    const double rate =
+        s->last < INFINITY ? s->step / s->last : DM_NEWTON_SLOW; /* not known yet */
     const int stalled = rate > 0.5;
     if (s->step == 0.0) return 1;
     if (s->report->jacobians && s->step <= s->p->tolerance * size) return 1;
     if (s->report->jacobians && is_drowned(s, size)) return 1;
-    if (rate < SLOW && rate * s->step <= NEGLIGIBLE * s->p->tolerance * size) return 1;
-    return stalled && (s->step <= ROUND_OFF * size || is_noise(s));
+    if (rate < DM_NEWTON_SLOW &&
+        rate * s->step <= DM_NEWTON_NEGLIGIBLE * s->p->tolerance * size)
+        return 1;
+    return stalled && (s->step <= DM_NEWTON_ROUND_OFF * size || is_noise(s));
 }
 
 static void move(double *to, const double *x, const double *dx, double part, uint32_t m) {
@@ -121,7 +119,7 @@ static dm_status chord(solver *s) {
         const int last = is_last(s);
         move(s->x, s->x, s->dx, 1.0, s->p->m);
         if (last) return DM_OK;
-        const int slow = s->step > SLOW * s->last;
+        const int slow = s->step > DM_NEWTON_SLOW * s->last;
         if (fresh && slow && s->step > s->last) return DM_NO_CONVERGENCE;
         fresh = slow;
         if (!s->report->jacobians && s->step > s->last)
@@ -152,7 +150,7 @@ static dm_status search(solver *s) {
 ** residual, which cancellation inside L (a stiff k (r - 1)) makes larger than its terms tell. With the exact
 ** Jacobian of this very point there is nothing nearer to be had. */
 static int is_floor(const solver *s) {
-    return s->step <= FLOOR * (norm(s->x, s->p->m) + s->step);
+    return s->step <= DM_NEWTON_FLOOR * (norm(s->x, s->p->m) + s->step);
 }
 
 /* Newton with a Jacobian at every iterate and a line search */

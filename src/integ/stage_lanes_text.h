@@ -1,0 +1,18 @@
+/* stage_lanes_text.h - what steps of W members by sweeps and by Newton's method have in common; a text. */
+#ifndef DM_STAGE_LANES_TEXT_H
+#define DM_STAGE_LANES_TEXT_H
+
+#include "base/lanes_text.h"
+#include "integ/stage_lanes.h"
+
+/* (high, low) + d in next; the lanes where that is finite */
+INLINE I add_to_state(const dm_stage_lanes *w, uint32_t k, V d) {
+    const uint32_t n = w->g->n;
+    const V old = load(w->state + k * W), e = load(w->state + (2 * n + k) * W) + d;
+    const V sum = old + e, low = e + (old - sum);
+    store(w->next + k * W, sum);
+    store(w->next + (2 * n + k) * W, low);
+    return is_finite(low);
+}
+
+#endif
