@@ -185,6 +185,12 @@ int dm_stage_widen(dm_stepper *s, dm_lanes *x) {
 
 /* ---- stepping ---- */
 
+/* what Newton's method needs, which continuation in h leaves undone when it gives up */
+static void complete_weights(dm_stepper *s) {
+    dm_stage *g = (dm_stage *)(void *)s->work;
+    if (!g->sweeps.row && !g->weighed) dm_stage_weights_complete(g);
+}
+
 /* one step of member i by the stepper itself */
 static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t) {
     const uint32_t n = s->model->n;
@@ -194,6 +200,7 @@ static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t) {
     dm_lanes_get(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) place[k] = memory[k * x->lanes];
     x->failed[i] = s->method->step(s, x->alone, t);
+    complete_weights(s);
     if (x->failed[i] != DM_OK) return;
     dm_lanes_put(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) memory[k * x->lanes] = place[k];
@@ -233,6 +240,6 @@ void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
         dm_stage_weights_scale(g, s->h);
         dm_stage_sweeps_scale(g);
     }
-    if (!g->sweeps.row && !g->weighed) dm_stage_weights_complete(g);
+    complete_weights(s);
     for (uint32_t i = 0; i < x->groups; i++) advance_group(s, x, i, t, count);
 }

@@ -1,0 +1,134 @@
+/* stage_lanes_walk.h - sums over stages of W members, and where what they add up lies; a text, see stage_lanes_sweep.h. */
+#ifndef DM_STAGE_LANES_WALK_H
+#define DM_STAGE_LANES_WALK_H
+
+#include "integ/stage_lanes_text.h"
+
+/* x = start + (base + factor sum_m column_m u_m) at every stage; distances in doubles, from row to row where not W */
+typedef struct {
+    double *x;
+    const double *base, *column, *u, *factor, *start; /* start [rows][W] */
+    size_t x_stage, u_stage, u_row;
+} lanes_walk;
+
+typedef struct {
+    const dm_stage_lanes *w;
+    uint32_t n, r, width;
+    int fused, measured, count;
+    I settled, rated;
+    V size[2], moved[2], change, rate;
+} lanes_sweeps;
+
+/* of terms[width], as lanes of one register are added up there: halves, then their halves */
+INLINE V total_of(const V *t, uint32_t width) {
+    if (width == 1) return t[0];
+    if (width == 4) return (t[0] + t[2]) + (t[1] + t[3]);
+    return ((t[0] + t[4]) + (t[1] + t[5])) + ((t[2] + t[6]) + (t[3] + t[7]));
+}
+
+INLINE V moved_of(const V *t, uint32_t width) {
+    if (width == 1) return t[0];
+    if (width == 4) return (t[0] + t[2]) + (t[1] + t[3]);
+    return ((t[0] + t[4]) + (t[2] + t[6])) + ((t[1] + t[5]) + (t[3] + t[7]));
+}
+
+/* even and odd columns are summed apart */
+INLINE V weigh(const double *column, uint32_t width, const V *u, uint32_t columns,
+               int fused) {
+    V even = column[0] * u[0], odd = columns > 1 ? column[width] * u[1] : (V){0};
+    for (uint32_t m = 2; m < columns; m += 2) {
+        even = madd(same(column[m * width]), u[m], even, fused);
+        if (m + 1 < columns)
+            odd = madd(same(column[(m + 1) * width]), u[m + 1], odd, fused);
+    }
+    return columns > 1 ? even + odd : even;
+}
+
+/* columns, fused and measured are constants where this is called; lanes that are not in `where` keep x */
+INLINE V walk_columns(const lanes_sweeps *it, const lanes_walk *a, uint32_t columns,
+                      int measured, const I *where) {
+    V moved[8] = {{0}}, u[8];
+    for (uint32_t k = 0; k < it->n; k++) {
+        const V factor = same(a->factor[k]), start = load(a->start + k * W);
+        for (uint32_t m = 0; m < columns; m++)
+            u[m] = load(a->u + m * a->u_stage + k * a->u_row);
+        for (uint32_t i = 0; i < columns; i++) {
+            double *x = a->x + i * a->x_stage + k * W;
+            const V sum = weigh(a->column + i, it->width, u, columns, it->fused);
+            const V base = load(a->base + (i * it->n + k) * W);
+            const V now = start + madd(factor, sum, base, it->fused);
+            if (measured) {
+                const V d = now - load(x);
+                moved[i] = madd(d, d, moved[i], it->fused);
+            }
+            store(x, where ? pick(*where, now, load(x)) : now);
+        }
+    }
+    return measured ? moved_of(moved, it->width) : (V){0};
+}
+
+INLINE V walk(const lanes_sweeps *it, const lanes_walk *a, int measured, const I *where) {
+    if (it->r == 1) return walk_columns(it, a, 1, measured, where);
+    if (it->r == 2) return walk_columns(it, a, 2, measured, where);
+    if (it->r == 3) return walk_columns(it, a, 3, measured, where);
+    if (it->r == 4) return walk_columns(it, a, 4, measured, where);
+    return walk_columns(it, a, it->r, measured, where);
+}
+
+/* doubles from stage to stage of what kernels take and give */
+INLINE size_t taken(const lanes_sweeps *it) {
+    return (2 * (size_t)it->n + 1) * W;
+}
+
+INLINE size_t given(const lanes_sweeps *it) {
+    const size_t n = it->n;
+    return (it->w->g->separable ? n : 2 * n + n * (n + 1) / 2) * W;
+}
+
+INLINE size_t factored(const lanes_sweeps *it) {
+    const size_t n = it->n;
+    return (3 * n + n * (n + 1) / 2) * W;
+}
+
+INLINE int is_full_mass(const dm_stage *g) {
+    return g->separable && !(g->m->structure & DM_DIAGONAL_MASS);
+}
+
+/* u, and what one finds it by */
+INLINE const double *unknowns_of(const lanes_sweeps *it, size_t *from_stage) {
+    const dm_stage_lanes *w = it->w;
+    *from_stage = taken(it);
+    if (!w->g->separable) return w->in + it->n * W;
+    *from_stage = it->n * W;
+    return is_full_mass(w->g) ? w->u : w->out;
+}
+
+INLINE lanes_walk walk_of_q(const lanes_sweeps *it) {
+    const dm_stage_lanes *w = it->w;
+    const dm_stage_sweeps *one = &w->g->sweeps;
+    lanes_walk a = {.x = w->in,
+                    .base = w->base,
+                    .column = one->whole,
+                    .factor = one->q.factor,
+                    .start = w->state,
+                    .x_stage = taken(it),
+                    .u_row = W};
+    a.u = unknowns_of(it, &a.u_stage);
+    return a;
+}
+
+INLINE lanes_walk walk_of_p(const lanes_sweeps *it) {
+    const dm_stage_lanes *w = it->w;
+    const dm_stage_sweeps *one = &w->g->sweeps;
+    return (lanes_walk){.x = w->factored + factored(it) - it->n * W,
+                        .base = w->lift,
+                        .column = one->whole,
+                        .u = w->out,
+                        .factor = one->one,
+                        .start = w->state + it->n * W,
+                        .x_stage = factored(it),
+                        .u_stage = given(it),
+                        .u_row = W};
+}
+
+#endif
