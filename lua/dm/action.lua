@@ -190,7 +190,7 @@ Infinitesimal generators at z, a column for each basis vector of the algebra: d/
 graph. z may hold symbols.]])
 
 M.method("momentum", function(action, q, p)
-  q, p = point(action, q), kits.vector(p, action.dimension, "the momentum p")
+  q, p = point(action, q), point(action, p, "the momentum p")
   local rows, out = M.generator_rows(action, q), {}
   for a = 1, action.group.dimension do
     local sum = 0
@@ -239,7 +239,7 @@ end
 
 M.method("on_points", on_points, [[
 action:on_points(k) -> dm.action
-The joint (diagonal) action on k points, z = their numbers one after the other; fields points = k, base = action.]])
+The joint (diagonal) action on k points, z = their numbers one after the other, or a list of them; fields points = k, base = action.]])
 M.method("on_pairs", function(action) return on_points(action, 2) end, [[
 action:on_pairs() -> dm.action
 The joint action on two points, action:on_points(2).]])

@@ -96,7 +96,23 @@ M.show = show
 
 M.image, M.is_inside, M.moved, M.angles, M.size = image, is_inside, moved, angles, size_of
 
---- z as a vector of the right length.
-function M.point(action, z) return kits.vector(z, action.dimension, "the point z") end
+-- the numbers of the points of a list, or of the rows of a matrix, one after the other
+local function joined(list)
+  local out = {}
+  for i = 1, #list do
+    local part = list[i]
+    if kits.is_scalar(part) then part = { part } end
+    for j = 1, #part do out[#out + 1] = part[j] end
+  end
+  return out
+end
+
+--- z as a vector of the right length; also a list of points, or of a point and its derivatives.
+function M.point(action, z, what)
+  local class = kits.class_of(z)
+  local first = class == "table" and kits.class_of(z[1])
+  local nested = class == "dm.matrix" or first == "table" or first == "dm.vector"
+  return kits.vector(nested and joined(z) or z, action.dimension, what or "the point z")
+end
 
 return M

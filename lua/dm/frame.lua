@@ -7,6 +7,7 @@ local actions = require "dm.action"
 local groups = require "dm.group"
 local blame = require "dm.blame"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local linear = require "dm.frame_linear"
 local text = require "dm.frame_text"
 
@@ -45,11 +46,7 @@ local function point(z, m, what)
 end
 
 local function points_of(self, list, least)
-  local out = {}
-  if type(list) ~= "table" then error("a list of points is wanted (got " .. type(list) .. ")", 0) end
-  for i, z in ipairs(list) do
-    out[i] = point(z, self.m, "point " .. i)
-  end
+  local out = M.list(list, self.m, "a list of points is wanted (got " .. kits.class_of(list) .. ")")
   if #out < least then
     error(("%s is made of %d points (got %d)"):format(text.name(self), least, #out), 0)
   end
@@ -67,15 +64,29 @@ local function split(z, count, m)
   return out
 end
 
--- points given one by one, as one list, or as one flat vector of k m entries
+-- one list of points: a table of them as it is, the rows of a matrix, one flat vector of k m entries
+local function unstacked(list, m)
+  if kits.class_of(list) == "dm.matrix" then return list:totable() end
+  local size, numbers = #list, type(list) ~= "table" or type(list[1]) == "number"
+  if numbers and size > m and size % m == 0 then return split(list, size // m, m) end
+  if type(list) ~= "table" or m > 1 and numbers then return { list } end
+  return list
+end
+
+-- points given one by one or as one list
 local function listed(self, ...)
   local first = ...
-  local fine, size = pcall(function() return #first end)
-  if select("#", ...) > 1 or not fine then return { ... } end
-  local numbers = type(first) ~= "table" or type(first[1]) == "number"
-  if self.m > 1 and numbers and size > self.m and size % self.m == 0 then return split(first, size // self.m, self.m) end
-  if type(first) ~= "table" or self.m > 1 and numbers then return { first } end
-  return first
+  if select("#", ...) > 1 or not pcall(function() return #first end) then return { ... } end
+  return unstacked(first, self.m)
+end
+
+--- Points of d numbers that a caller gives as a list; `what` names what is wanted in its place.
+function M.list(given, d, what)
+  local class = kits.class_of(given)
+  if class ~= "table" and class ~= "dm.matrix" and class ~= "dm.vector" then error(what, 0) end
+  local out = {}
+  for i, z in ipairs(unstacked(given, d)) do out[i] = point(z, d, "point " .. i) end
+  return out
 end
 
 local function flat(list)
@@ -94,8 +105,7 @@ end
 
 -- Z of a list of k points as a list of numbers
 local function section(self, list)
-  local value = self.cross_section(table.unpack(list, 1, self.k))
-  return linear.entries(value)
+  return linear.entries(self.cross_section(table.unpack(list, 1, self.k)))
 end
 
 M.point, M.points_of, M.flat, M.split, M.moved, M.section = point, points_of, flat, split, moved, section
@@ -308,7 +318,8 @@ local function reparametrized(Ld, o)
   end
   local both, H0 = parameters(o.sigma) == 2, o.H0 or 0
   return function(q0, q1, h, params)
-    local step = h * (both and o.sigma(q0, q1) or o.sigma(q0))
+    local sigma = both and o.sigma(q0, q1) or o.sigma(q0)
+    local step = h * core.where(sigma, sigma, 0 / 0) -- time must not run backwards
     return Ld.Ld(q0, q1, step, params) + H0 * step
   end
 end

@@ -8,8 +8,9 @@ local M = { docs = {}, CONDITION = 1e10 } -- of J psi: beyond it the frame turns
 
 local abs, max = math.abs, math.max
 
---- a number, a table or a vector as a list
-function M.entries(value)
+--- a number, a table or a vector as a list; also what a function returns as several values
+function M.entries(value, ...)
+  if select("#", ...) > 0 then return { value, ... } end
   if type(value) == "table" then return { table.unpack(value) } end
   local fine, count = pcall(function() return #value end)
   if not fine or type(value) == "string" then return { value } end

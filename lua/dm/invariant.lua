@@ -294,9 +294,7 @@ local function state_of(p, name, o)
     if name == "points" then error("problem:solve: a start from `momentum` is for the form \"momentum\"", 0) end
     return starts.from_momentum(p, o)
   end
-  local list = {}
-  if type(o.points) ~= "table" then error("problem:solve: give the first points, or `momentum` with points or a frame", 0) end
-  for i, z in ipairs(o.points) do list[i] = frames.point(z, p.d, "point " .. i) end
+  local list = frames.list(o.points, p.d, "problem:solve: give the first points, a list, or `momentum` with points or a frame")
   return starts.from_points(p, name, list, o.multiplier)
 end
 
@@ -331,8 +329,7 @@ solution. With a constraint the multipliers of the last windows are given as a l
 point curve.first_site + k - 1), or follow from one point more.]]
 
 method("momentum", function(p, points, multiplier)
-  local list = {}
-  for i, z in ipairs(points) do list[i] = frames.point(z, p.d, "point " .. i) end
+  local list = frames.list(points, p.d, "problem:momentum takes a list of points")
   if #list < 2 * p.N - 2 then error(("problem:momentum takes %d points (got %d)"):format(2 * p.N - 2, #list), 0) end
   return starts.spatial(p, list, multiplier)
 end, doc_momentum)
@@ -342,8 +339,7 @@ problem:action_sum{u1, ..., un} -> number
 The sum of L over all windows of N points.]]
 
 method("action_sum", function(p, points)
-  local list, sum = {}, 0
-  for i = 1, #points do list[i] = frames.point(points[i], p.d, "point " .. i) end
+  local list, sum = frames.list(points, p.d, "problem:action_sum takes a list of points"), 0
   for i = 1, #list - p.N + 1 do sum = sum + p.lagrangian { table.unpack(list, i, i + p.N - 1) } end
   return sum
 end, doc_action)
@@ -355,9 +351,11 @@ coordinates, and by the second, problem:solve; and their largest distance. They 
 
 method("both_ways", function(p, o)
   if p.N ~= 2 or p.constraints > 0 then error("problem:both_ways is for problems of two points without constraint", 0) end
-  if type(o) ~= "table" or type(o.points) ~= "table" or #o.points < 2 then error("problem:both_ways takes a table { points = two points, n = }", 0) end
-  local second = p:solve { points = o.points, n = o.n, form = o.form }
-  local a, b = frames.point(o.points[1], p.d, "point 1"), frames.point(o.points[2], p.d, "point 2")
+  local wanted = "problem:both_ways takes a table { points = two points, n = }"
+  if type(o) ~= "table" then error(wanted, 0) end
+  local a, b = table.unpack(frames.list(o.points, p.d, wanted))
+  if not b then error(wanted, 0) end
+  local second = p:solve { points = { a, b }, n = o.n, form = o.form }
   local function lagrangian(h)
     return core.discrete_lagrangian { Q = core.R(p.d), h = h, Ld = function(q0, q1) return p.lagrangian { q0, q1 } end }
   end

@@ -15,20 +15,27 @@ local function check(o)
     if not KNOWN[key] then error(("problem:boundary: unknown option '%s'"):format(tostring(key)), 0) end
   end
   if not math.tointeger(o.n) or o.n < 3 then error("problem:boundary: 'n', the number of points, must be a whole number >= 3", 0) end
-  if type(o.first) ~= "table" or type(o.last) ~= "table" then
-    error("problem:boundary: 'first' and 'last' must be lists of the points given at both ends", 0)
-  end
   if o.guess ~= nil and type(o.guess) ~= "function" then
     error("problem:boundary: 'guess' must be a function of the number of a point", 0)
   end
 end
 
+-- the options with both ends as lists of vectors
+local function ends_of(p, o)
+  check(o)
+  local out = { n = o.n, guess = o.guess }
+  for _, key in ipairs { "first", "last" } do
+    out[key] = frames.list(o[key], p.d, "problem:boundary: 'first' and 'last' must be lists of the points given at both ends")
+  end
+  return out
+end
+
 -- points by number: given, or guessed: on the line between the ends where nothing is said
 local function points_of(p, o)
   local n, out = o.n, {}
-  for i, z in ipairs(o.first) do out[i] = frames.point(z, p.d, "first point " .. i) end
+  for i, z in ipairs(o.first) do out[i] = z end
   local ends = #o.last
-  for i, z in ipairs(o.last) do out[n - ends + i] = frames.point(z, p.d, "last point " .. i) end
+  for i, z in ipairs(o.last) do out[n - ends + i] = z end
   if #o.first + ends >= n then error("problem:boundary: all points are given", 0) end
   local a, b = out[#o.first], out[n - ends + 1]
   if not (o.guess or a and b) then error("problem:boundary: without points at both ends give a 'guess'", 0) end
@@ -87,8 +94,8 @@ The sequence of n points with the given first and last ones (lists of points: N 
 the sum) that makes the sum of L stationary: Newton's method on all points at once, from guess(i) or the line between the ends. curve: points (dm.matrix),
 multiplier, iterations, residual. Raises a dm.failure with the points it had where it does not converge.]]
 
-function M.solve(p, o)
-  check(o)
+function M.solve(p, options)
+  local o = ends_of(p, options)
   local points = points_of(p, o)
   if o.n < p.N then error(("problem:boundary: n must be at least %d"):format(p.N), 0) end
   local x, given = sites(p, o, points)

@@ -85,11 +85,15 @@ local function tangents(p, form, y, places)
   return out
 end
 
+-- the derivative of f(a, b); what cancels is compared with its trace beside 1
+local function slope_of(f, y, x)
+  return core.derivative(function(a, b) return core.vector(f(a, b)):map(function(w) return 1 + w end) end, #y, #x)(y, x)
+end
+
 -- d y'/d y on the core, as rows
 local function slope(form, y, x, places)
   local n, m = #y, #x
-  local R = core.derivative(function(a, b) return core.vector(form.equation(a, b)) end, n, m)(y, x)
-  local S = core.derivative(function(a, b) return form.next(a, b):map(function(w) return 1 + w end) end, n, m)(y, x)
+  local R, S = slope_of(form.equation, y, x), slope_of(form.next, y, x)
   local Rx, Ry, Sx = {}, {}, {}
   for i = 1, m do
     Rx[i], Ry[i] = {}, {}
@@ -175,12 +179,12 @@ local function words(form, out)
     return text .. (": the matrix is not near 1 (by %.2g), so these roots stand in a Jordan block: an error grows like n^%d, those of n steps like n^%d, and with a smaller h round-off wins")
       :format(out.distance, k - 1, k)
   end
-  return text .. (" (its matrix is 1 to %.2g): errors grow as those of a differential equation do"):format(out.distance)
+  local near = out.distance < FAR and ("its matrix is 1 to %.2g"):format(out.distance) or "no Jordan block of the root 1 lasts"
+  return ("%s (%s): errors grow as those of a differential equation do"):format(text, near)
 end
 
 local function of_form(p, name, o)
-  local list = {}
-  for i, z in ipairs(o.points) do list[i] = frames.point(z, p.d, "point " .. i) end
+  local list = frames.list(o.points, p.d, "problem:stability: 'points' must be a list of points")
   p.window = name == "points" and max(2 * p.N - 2, p.k) or max(p.N - 1, p.k)
   local values = starts.from_points(p, name, list, o.multiplier)
   local form = equations[name .. "_form"](p)
@@ -214,7 +218,7 @@ stay as they are from step to step, so that the roots belong to the whole run (e
 local Report = { __name = "dm.invariant_stability", __tostring = function(s) return s.why end }
 
 function M.stability(p, o)
-  if type(o) ~= "table" or type(o.points) ~= "table" then
+  if type(o) ~= "table" or o.points == nil then
     error("problem:stability takes a table { points = the first points of a solution }", 0)
   end
   for key in pairs(o) do

@@ -25,6 +25,14 @@ end
 -- sites whose multipliers reach the middle e of 2 N - 1 points (in points of the list, from 1)
 local function reaching(p, e) return e - p.reach + 1, e end
 
+-- each point more brings d equations and the multipliers of one site
+local function too_few(p, equations_there, unknowns, count)
+  local N, gain = p.N, p.d - p.constraints
+  local more = gain > 0 and ("starts from %d points, or "):format(math.max(count, 2 * N - 2) + math.ceil((unknowns - equations_there) / gain)) or "starts "
+  error(("a constrained problem of %d points %sfrom %d with their `multiplier`s (%d points give %d equations for %d multipliers)")
+    :format(N, more, 2 * N - 2, count, equations_there, unknowns), 0)
+end
+
 -- multipliers by site, from E = 0 at every site that has all its points
 local function multipliers(p, list, given)
   local out, N, c = {}, p.N, p.constraints
@@ -50,7 +58,7 @@ local function multipliers(p, list, given)
     end
   end
   if #rows < (last - first_site + 1) * c then
-    error(("a constrained problem of %d points starts from %d points, or from %d with their `multiplier`s"):format(N, 2 * N - 1, 2 * N - 2), 0)
+    too_few(p, #rows, (last - first_site + 1) * c, #list)
   end
   local mu = least_squares(rows, right)
   for s = first_site, last do
@@ -165,8 +173,7 @@ function M.from_momentum(p, o)
   if g then
     there = p.section_points()
   else
-    local window = {}
-    for i, z in ipairs(o.points) do window[i] = frames.point(z, p.d, "point " .. i) end
+    local window = frames.list(o.points, p.d, "with `momentum`, give the first points or a `frame`")
     if #window ~= p.N - 1 then
       error(("with `momentum`, give %d points (got %d)"):format(p.N - 1, #window), 0)
     end

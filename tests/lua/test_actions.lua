@@ -230,4 +230,14 @@ raises("a list {a number, the angle, a vector of 1 number}, for instance {0, {0}
 raises("map(g, z) gets g in SO(2), a number, the angle", function() dm.action { group = dm.SO(2), on = dm.R(2), map = function(g, z) return { z[1] * g[1], z[2] } end } end)
 raises("map(g, z) gets g in R^1, a vector of 1 number", function() dm.action { group = dm.R(1), on = dm.R(2), map = function(g, z) return { z[1] + g, z[2] } end } end)
 raises("take the action on dm.R(2) and 2 points of it, action:on_points(2)", function() dm.action { group = dm.SE(2), on = dm.R(4) } end)
+-- joint and prolonged actions take lists of points
+do
+  local plane = dm.action { group = dm.SE(2), on = dm.R(2) }
+  local pairs_of, g = plane:on_pairs(), { 0.1, 0.2, 1 }
+  near((pairs_of(g, { { 1, 2 }, { 3, 4 } }) - pairs_of(g, { 1, 2, 3, 4 })):norm(), 0, 0, "a joint action on a list of points")
+  near((pairs_of(g, dm.matrix { { 1, 2 }, { 3, 4 } }) - pairs_of(g, { 1, 2, 3, 4 })):norm(), 0, 0, "and on the rows of a matrix")
+  ok(pairs_of:free { { 1, 2 }, { 3, 4 } } and pairs_of:isotropy { { 1, 2 }, dm.vector { 1, 2 } }.dimension == 1, "isotropy of a list of points")
+  near(plane:cotangent()(g, { { 1, 2 }, { 3, 4 } })[3], plane:cotangent()(g, { 1, 2, 3, 4 })[3], 0, "a covector beside its point")
+  raises("must have 4 entries (got 6)", pairs_of, g, { { 1, 2 }, { 3, 4 }, { 5, 6 } })
+end
 tap.done()

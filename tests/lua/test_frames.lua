@@ -208,4 +208,23 @@ do
   for _, e in ipairs { 1e-11, 1e-13, 1e-15, 0 } do raises("not transversal", second, e) end
 end
 
+-- a matrix is the list of its rows; several values are as good as a list
+do
+  local space = dm.action { group = dm.SE(3), on = dm.R(3) }
+  local rho = dm.moving_frame { action = space, points = 3, cross_section = function(a, b, c) return a[1], a[2], a[3], b[2], b[3], c[3] end,
+    branch = function(_, b, c) return b[1], c[2] end }
+  near(rho:check(), 0, 1e-12, "all conditions of a branch that returns several numbers are kept")
+  local rows = { { 1, 2, 3 }, { 2, 2, 4 }, { 0, 1, 5 } }
+  near((rho:invariants(dm.matrix(rows))[3] - rho:invariants(rows)[3]):norm(), 0, 0, "the points of a frame as rows of a matrix")
+  -- time that would run backwards
+  local circle = dm.moving_frame { action = dm.action { group = dm.SO(2), on = dm.R(2) }, points = 2,
+    cross_section = function(a) return a[2] end, branch = function(a) return a[1] end }
+  local Ld = dm.discrete_lagrangian { Q = dm.R(2), h = 0.1, Ld = function(a, b, h) return (b - a):dot(b - a) / (2 * h) end }
+  local back = circle:invariantize { Ld = Ld, sigma = function(q) return -q:norm() end }
+  raises("not_finite\nNaN", function()
+    local fine, failure = pcall(function() return dm.solver { back }:run { q = { 1, 0 }, p = { 0, 1 }, steps = 3 } end)
+    error(fine and "it runs" or failure.code .. "\n" .. tostring(failure):match "NaN", 0)
+  end)
+end
+
 tap.done()

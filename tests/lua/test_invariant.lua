@@ -211,4 +211,24 @@ raises("has dim G = 3 entries", function() return schwarz:solve { points = { 1, 
 raises("all points are given", function() return harmonic:boundary { first = { 0, 1 }, last = { 2 }, n = 3 } end)
 raises("give a 'guess'", function() return harmonic:boundary { first = { 0 }, last = {}, n = 5 } end)
 raises("the constraint does not depend on the points", dm.invariant_problem, { frame = planar, L = function(I) return I.sigma end, constraint = function() return 1 end })
+
+-- points as rows of a matrix, such as those of another curve; as one flat list
+do
+  local space = dm.moving_frame { action = dm.action { group = dm.SO(3), on = dm.R(3) }, points = 2,
+    cross_section = function(a, b) return { a[2], a[3], b[3] } end, branch = function(a, b) return { a[1], b[2] } end }
+  local central = dm.invariant_problem { frame = space, points = 2, L = function(I)
+    local d = I[2] - I[1]
+    return d:dot(d) / 2 - 0.01 / I[1]:norm()
+  end }
+  local first = central:solve { points = { 1, 0, 0, 1, 0.1, 0.05 }, n = 20 }
+  local on = central:solve { points = first.points, n = 40 }
+  near((dm.vector(on.points[40]) - central:solve { points = { { 1, 0, 0 }, { 1, 0.1, 0.05 } }, n = 40 }.points[40]):norm(), 0, 1e-12,
+    "a curve goes on from the points of another")
+  near((central:momentum(first.points) - central:momentum { { 1, 0, 0 }, { 1, 0.1, 0.05 } }):norm(), 0, 1e-14, "momentum of the points of a curve")
+  near(central:boundary { first = { 1, 0, 0 }, last = dm.matrix { on.points[40] }, n = 40 }.points[20][2], on.points[20][2], 1e-11, "ends as a point, and as a matrix")
+  ok(central:stability { points = on.points }.momentum.largest < 1.5, "residuals that cancel are not taken for a wrong trace")
+  local ray = dm.moving_frame { action = dm.action { group = dm.R(1), on = dm.R(1) }, cross_section = function(z) return z[1] end }
+  local tied = dm.invariant_problem { frame = ray, points = 3, L = function(I) return I[3][1] ^ 2 end, constraint = function(I) return I[2][1] - 1 end }
+  raises("starts from 4 with their `multiplier`s (5 points give 1 equations for 2", tied.solve, tied, { points = { 0, 1, 2, 3, 4 }, n = 9 })
+end
 tap.done()
