@@ -9,9 +9,11 @@ local blame = require "dm.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.frame_linear"
+local points = require "dm.frame_points"
 local text = require "dm.frame_text"
 
 local M = {}
+local point, split, flat = points.point, points.split, points.flat
 
 local class = { __name = "dm.frame", methods = {} }
 debug.getregistry()["dm.frame"] = class
@@ -32,69 +34,19 @@ local KNOWN = { action = true, points = true, cross_section = true, branch = tru
 
 ---- lists of points ----
 
--- a point as a dm.vector of m entries: from a vector, a table or, where m = 1, a number
-local function point(z, m, what)
-  if m == 1 and (type(z) == "number" or not pcall(function() return #z end)) then z = { z } end
-  local fine, v = pcall(function() return type(z) == "table" and core.vector(z) or z end)
-  if not fine or not pcall(function() return #v end) or #v ~= m then error(("%s must have %d entries"):format(what, m), 0) end
-  for j = 1, m do
-    if type(v[j]) == "number" and not (math.abs(v[j]) < math.huge) then
-      error(("%s is not finite: entry %d is %s"):format(what, j, tostring(v[j])), 0)
-    end
-  end
-  return v
-end
-
 local function points_of(self, list, least)
-  local out = M.list(list, self.m, "a list of points is wanted (got " .. kits.class_of(list) .. ")")
+  local out = points.list(list, self.m, "a list of points is wanted (got " .. kits.class_of(list) .. ")")
   if #out < least then
     error(("%s is made of %d points (got %d)"):format(text.name(self), least, #out), 0)
   end
   return out
 end
 
--- the points z[1 ...] of a flat vector
-local function split(z, count, m)
-  local out = {}
-  for i = 1, count do
-    local p = {}
-    for j = 1, m do p[j] = z[(i - 1) * m + j] end
-    out[i] = core.vector(p)
-  end
-  return out
-end
-
--- one list of points: a table of them as it is, the rows of a matrix, one flat vector of k m entries
-local function unstacked(list, m)
-  if kits.class_of(list) == "dm.matrix" then return list:totable() end
-  local size, numbers = #list, type(list) ~= "table" or type(list[1]) == "number"
-  if numbers and size > m and size % m == 0 then return split(list, size // m, m) end
-  if type(list) ~= "table" or m > 1 and numbers then return { list } end
-  return list
-end
-
 -- points given one by one or as one list
 local function listed(self, ...)
   local first = ...
   if select("#", ...) > 1 or not pcall(function() return #first end) then return { ... } end
-  return unstacked(first, self.m)
-end
-
---- Points of d numbers that a caller gives as a list; `what` names what is wanted in its place.
-function M.list(given, d, what)
-  local class = kits.class_of(given)
-  if class ~= "table" and class ~= "dm.matrix" and class ~= "dm.vector" then error(what, 0) end
-  local out = {}
-  for i, z in ipairs(unstacked(given, d)) do out[i] = point(z, d, "point " .. i) end
-  return out
-end
-
-local function flat(list)
-  local out = {}
-  for _, z in ipairs(list) do
-    for i = 1, #z do out[#out + 1] = z[i] end
-  end
-  return core.vector(out)
+  return points.unstacked(first, self.m)
 end
 
 local function moved(self, g, list)
@@ -108,7 +60,7 @@ local function section(self, list)
   return linear.entries(self.cross_section(table.unpack(list, 1, self.k)))
 end
 
-M.point, M.points_of, M.flat, M.split, M.moved, M.section = point, points_of, flat, split, moved, section
+M.point, M.points_of, M.flat, M.split, M.list, M.moved, M.section = point, points_of, flat, split, points.list, moved, section
 
 ---- making one ----
 
