@@ -16,7 +16,7 @@ static const char *backend_name(lua_State *L) {
 
 /* its address is the registry key of the block of a run that has ended */
 static const char spare_key;
-enum { LARGEST_SPARE = 1 << 22 }; /* bytes */
+enum { LARGEST_SPARE = 1 << 22, LINE = 64 }; /* bytes */
 
 /* a userdata of that size: the block of the last run where it is large enough, which saves the collector work */
 static void *push_block(lua_State *L, size_t size) {
@@ -45,12 +45,12 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     const size_t mass = s->n * (m->structure & DM_LOOPS ? 0 : (size_t)s->n);
     const size_t scratch =
         s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
-    const size_t total = work + state + 2 * s->n + 1 + scratch + dml_start_work(m);
-    r->stepper.work = push_block(L, total * sizeof(double));
+    const size_t rest = state + 2 * s->n + 1 + scratch + dml_start_work(m);
+    r->stepper.work = push_block(L, (work + rest) * sizeof(double) + LINE);
     r->block_at = lua_gettop(L);
-    memset(r->stepper.work + work, 0,
-           (total - work) * sizeof(double)); /* open lays out the rest */
-    r->state = r->stepper.work + work;
+    r->state = r->stepper.work + work; /* at the beginning of a line of the cache */
+    r->state += (LINE - (uintptr_t)r->state % LINE) % LINE / sizeof(double);
+    memset(r->state, 0, rest * sizeof(double)); /* open lays out what is before */
     r->x = r->state + state;
     r->work = r->x + 2 * s->n + 1;
     r->metric = r->work + scratch;
@@ -355,8 +355,8 @@ void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
     luaL_error(
         L,
         "field 'sums': rule '%s' always compensates on this system; plain sums are "
-        "for explicit kicks and drifts "
-        "of a traced, separable L of few coordinates",
+        "for explicit kicks and drifts of a traced, separable L of few coordinates, or of "
+        "sums over equal bodies and neighbours (dm.sum_over)",
         r->solver->nodes[0].name);
 }
 

@@ -17,6 +17,7 @@ struct dm_chain {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
     int first, last; /* kicks of a step; the first one of all may belong to the turn */
+    int plain;
     uint32_t q, q0, p0, dq, dp, weight;
     double same_weight; /* 1/m where it is that of all, else 0 */
     dm_strip lead[2], middle[2], turn[2], stop[2]; /* alone; joined with the slopes */
@@ -32,20 +33,26 @@ struct dm_chain {
 typedef struct {
     dm_strip_draft *d;
     dm_node q0, p0, dq, dp, weight, force;
+    int plain;
 } body;
 
 static dm_node number(body *b, uint32_t slot) {
     return dm_strip_read(b->d, dm_lattice_number(slot));
 }
 
+/* *sum += number in the slot times factor */
+static void add(body *b, dm_node *sum, uint32_t slot, dm_node factor) {
+    *sum = dm_apply(b->d->g, DM_OP_FMA, number(b, slot), factor, *sum);
+}
+
 static void add_kick(body *b, uint32_t slot) {
-    b->dp = dm_apply(b->d->g, DM_OP_FMA, number(b, slot), b->force, b->dp);
+    add(b, b->plain ? &b->p0 : &b->dp, slot, b->force);
 }
 
 static void add_drift(body *b, uint32_t slot) {
-    const dm_node p = dm_add(b->d->g, b->p0, b->dp);
+    const dm_node p = b->plain ? b->p0 : dm_add(b->d->g, b->p0, b->dp);
     const dm_node v = b->weight ? dm_mul(b->d->g, b->weight, p) : p;
-    b->dq = dm_apply(b->d->g, DM_OP_FMA, number(b, slot), v, b->dq);
+    add(b, b->plain ? &b->q0 : &b->dq, slot, v);
 }
 
 /* high + low exactly, whichever is larger (Knuth): low is at most half a unit of high then, so that the sum of both
@@ -60,7 +67,7 @@ static void add_up(dm_graph *g, dm_node *high, dm_node *low) {
 static void go_through(body *b, pass what) {
     if (what.kick) add_kick(b, KICK);
     if (what.drift) add_drift(b, DRIFT);
-    if (what.end) {
+    if (what.end && !b->plain) {
         add_up(b->d->g, &b->q0, &b->dq);
         add_up(b->d->g, &b->p0, &b->dp);
     }
@@ -79,13 +86,22 @@ static dm_node weight_of(const dm_chain *c, dm_strip_draft *d, uint32_t k) {
 }
 
 static void write_body(const dm_chain *c, body *b, pass what, uint32_t k) {
-    const dm_node q = dm_add(b->d->g, b->q0, b->dq);
+    const dm_node q = c->plain ? b->q0 : dm_add(b->d->g, b->q0, b->dq);
     dm_strip_write(b->d, entry(c, c->q, k), q);
-    dm_strip_write(b->d, entry(c, c->dq, k), b->dq);
-    dm_strip_write(b->d, entry(c, c->dp, k), b->dp);
-    if (!what.end) return;
+    if (!c->plain) {
+        dm_strip_write(b->d, entry(c, c->dq, k), b->dq);
+        dm_strip_write(b->d, entry(c, c->dp, k), b->dp);
+    }
+    if (!what.end && !c->plain) return;
     dm_strip_write(b->d, entry(c, c->q0, k), b->q0);
     dm_strip_write(b->d, entry(c, c->p0, k), b->p0);
+}
+
+static void read_body(const dm_chain *c, body *b, uint32_t k) {
+    b->q0 = dm_strip_read(b->d, entry(c, c->q0, k));
+    if (!c->plain) b->dq = dm_strip_read(b->d, entry(c, c->dq, k));
+    b->p0 = dm_strip_read(b->d, entry(c, c->p0, k));
+    if (!c->plain) b->dp = dm_strip_read(b->d, entry(c, c->dp, k));
 }
 
 static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
@@ -97,11 +113,9 @@ static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
     dm_graph_verbatim(d.g, 1);
     if (what.kick || what.again_kick) dm_lattice_force(&c->lattice, &d, F);
     for (uint32_t k = 0; k < c->lattice.block; k++) {
-        body b = {.d = &d, .force = F[k], .weight = weight_of(c, &d, k)};
-        b.q0 = dm_strip_read(&d, entry(c, c->q0, k));
-        b.dq = dm_strip_read(&d, entry(c, c->dq, k));
-        b.p0 = dm_strip_read(&d, entry(c, c->p0, k));
-        b.dp = dm_strip_read(&d, entry(c, c->dp, k));
+        body b = {
+            .d = &d, .force = F[k], .weight = weight_of(c, &d, k), .plain = c->plain};
+        read_body(c, &b, k);
         go_through(&b, what);
         write_body(c, &b, what, k);
     }
@@ -121,12 +135,16 @@ static void plan_step(dm_chain *c) {
     c->c[s] = 1.0;
 }
 
+static dm_lattice_pair positions(const dm_chain *c) {
+    return (dm_lattice_pair){c->q0, c->plain ? DM_LATTICE_NONE : c->dq};
+}
+
 /* all passes or none: they differ in where positions are */
 static int join(dm_chain *c) {
     dm_strip *const all[] = {c->middle, c->turn, c->stop};
     for (int k = 0; k < 3; k++)
         if (all[k]->one.outputs &&
-            dm_lattice_join(&c->lattice, all[k] + 1, all[k], c->q0, c->dq) != DM_OK)
+            dm_lattice_join(&c->lattice, all[k] + 1, all[k], positions(c)) != DM_OK)
             return 0;
     return 1;
 }
@@ -135,8 +153,8 @@ static int join(dm_chain *c) {
 static int stack_up(dm_chain *c, dm_strip *out, int count, const dm_strip *last) {
     const dm_strip *use[DM_LATTICE_DEEP];
     for (int k = 0; k < count; k++) use[k] = k + 1 < count ? c->middle : last;
-    const dm_lattice_pair at = {c->q0, c->dq};
-    return dm_lattice_stack(&c->lattice, out, use, (uint32_t)count, at) == DM_OK;
+    return dm_lattice_stack(&c->lattice, out, use, (uint32_t)count, positions(c)) ==
+           DM_OK;
 }
 
 /* all stacks of a step, or none */
@@ -192,7 +210,8 @@ static int find(dm_chain *c, const dm_model *m) {
     static const char maker;
     const int s = c->table.stages;
     const uint32_t which =
-        (uint32_t)((c->table.b[0] != 0.0) + 2 * (c->table.b[s] != 0.0) + 4 * s);
+        (uint32_t)((c->table.b[0] != 0.0) + 2 * (c->table.b[s] != 0.0) +
+                   4 * (c->plain != 0) + 8 * s);
     dm_kernel kept;
     if (dm_kept_find(&kept, m, &maker, which)) {
         const dm_splitting table = c->table;
@@ -220,12 +239,13 @@ size_t dm_chain_work(const dm_model *m) {
     return lattice ? own_size() + lattice : 0;
 }
 
-dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *work) {
+dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain,
+                        double *work) {
     const size_t size = dm_chain_work(m);
     if (!size) return NULL;
     memset(work, 0, size * sizeof *work);
     dm_chain *c = (dm_chain *)(void *)work;
-    *c = (dm_chain){.table = *table};
+    *c = (dm_chain){.table = *table, .plain = plain != 0};
     plan_step(c);
     if (c->last < c->first || !find(c, m)) return NULL;
     plan_step(c);
@@ -240,25 +260,28 @@ dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, double *wo
 /* ---- running ---- */
 
 static void load(dm_chain *c, const double *state) {
-    const uint32_t n = c->lattice.model->n;
+    const size_t n = c->lattice.model->n;
     dm_lattice_load(&c->lattice, c->q0, state);
     dm_lattice_load(&c->lattice, c->p0, state + n);
-    dm_lattice_load(&c->lattice, c->dq, state + 2 * (size_t)n);
-    dm_lattice_load(&c->lattice, c->dp, state + 3 * (size_t)n);
-    if (!c->joined) dm_lattice_add_up(&c->lattice, c->q0, c->dq);
+    if (!c->plain) {
+        dm_lattice_load(&c->lattice, c->dq, state + 2 * n);
+        dm_lattice_load(&c->lattice, c->dp, state + 3 * n);
+    }
+    if (!c->joined) dm_lattice_add_up(&c->lattice, positions(c));
 }
 
 static void store(const dm_chain *c, double *state) {
-    const uint32_t n = c->lattice.model->n;
+    const size_t n = c->lattice.model->n;
     dm_lattice_store(&c->lattice, state, c->q0);
     dm_lattice_store(&c->lattice, state + n, c->p0);
-    dm_lattice_store(&c->lattice, state + 2 * (size_t)n, c->dq);
-    dm_lattice_store(&c->lattice, state + 3 * (size_t)n, c->dp);
+    if (c->plain) return;
+    dm_lattice_store(&c->lattice, state + 2 * n, c->dq);
+    dm_lattice_store(&c->lattice, state + 3 * n, c->dp);
 }
 
 static void run(dm_chain *c, const dm_strip *passes, double t) {
     if (c->joined)
-        dm_lattice_run_joined(&c->lattice, passes + 1, passes, c->q0, c->dq, t);
+        dm_lattice_run_joined(&c->lattice, passes + 1, passes, positions(c), t);
     else
         dm_lattice_run(&c->lattice, passes, t);
 }
@@ -287,16 +310,18 @@ static void set_numbers(dm_chain *c, int k, int at, double h, double t) {
 static void run_stack(dm_chain *c, const dm_strip *stack, int k, int count, double h,
                       double t) {
     for (int i = 0; i < count; i++) set_numbers(c, k + i, i, h, t);
-    dm_lattice_copy_ends(&c->lattice, c->dq);
-    dm_lattice_copy_ends(&c->lattice, c->dp);
+    dm_lattice_copy_ends(&c->lattice, c->plain ? c->q0 : c->dq);
+    dm_lattice_copy_ends(&c->lattice, c->plain ? c->p0 : c->dp);
     dm_lattice_run_stack(&c->lattice, stack, (uint32_t)count);
 }
 
 static void step_stacked(dm_chain *c, double h, double t, int stops) {
     const dm_strip *rest = stops || !c->first ? &c->deep_stop : &c->deep_turn;
     int k = c->first;
-    dm_lattice_copy_ends(&c->lattice, c->q0);
-    dm_lattice_copy_ends(&c->lattice, c->p0);
+    if (!c->plain) {
+        dm_lattice_copy_ends(&c->lattice, c->q0);
+        dm_lattice_copy_ends(&c->lattice, c->p0);
+    }
     for (; c->last - k >= c->deep; k += c->deep)
         run_stack(c, &c->deep_middle, k, c->deep, h, t);
     run_stack(c, rest, k, c->rest + 1, h, t);
@@ -312,19 +337,20 @@ static void step(dm_chain *c, double h, double t, int stops) {
     }
 }
 
-long dm_chain_run(dm_chain *c, double *state, double h, double t, long count) {
+long dm_chain_run(dm_chain *c, double *state, const dm_chain_burst *b) {
     const int kicks = c->first && c->table.b[0] != 0.0;
-    if (count <= 0) return 0;
-    load(c, state);
-    if (c->first) begin(c, h, t);
+    if (b->count <= 0) return 0;
+    if (!b->goes_on) load(c, state);
+    if (c->first) begin(c, b->h, b->t);
     const uint32_t slot = c->deep ? (uint32_t)c->rest * DM_LATTICE_NUMBERS : 0;
-    dm_lattice_set(&c->lattice, slot + AGAIN_KICK, h * c->table.b[0]);
-    dm_lattice_set(&c->lattice, slot + AGAIN_DRIFT, h * c->table.a[0]);
-    for (long k = 0; k < count; k++)
-        (c->deep ? step_stacked : step)(c, h, t + (double)k * h, k == count - 1);
+    dm_lattice_set(&c->lattice, slot + AGAIN_KICK, b->h * c->table.b[0]);
+    dm_lattice_set(&c->lattice, slot + AGAIN_DRIFT, b->h * c->table.a[0]);
+    for (long k = 0; k < b->count; k++)
+        (c->deep ? step_stacked : step)(c, b->h, b->t + (double)k * b->h,
+                                        k == b->count - 1);
     if (!dm_lattice_is_finite(&c->lattice, c->q0) ||
         !dm_lattice_is_finite(&c->lattice, c->p0))
         return 0; /* what is not finite stays so, and a sum whose low part is not is not either */
     store(c, state);
-    return kicks + count * (c->last - c->first + 1);
+    return kicks + b->count * (c->last - c->first + 1);
 }

@@ -104,7 +104,9 @@ struct dm_stepper {
     double h;
     double
         whole; /* h of the step that this one is a part of (compositions); 0: it is none */
-    int plain; /* sums without compensation are asked for; report.plain: they are had */
+    int plain;   /* sums without compensation are asked for; report.plain: they are had */
+    int goes_on; /* the caller's promise, for the next call alone: the state is what the last one left, and this
+                  * stepper has done nothing else since */
     double tolerance; /* Newton: relative, 4e-15 unless the user says otherwise */
     int max_iterations;
     const double *params; /* [params of the model] */

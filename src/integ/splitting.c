@@ -58,10 +58,10 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     l->c[table->stages] = 1.0;
     /* without them the loop below serves */
     if (m->structure & DM_LOOPS)
-        l->chain = dm_chain_open(m, table, loop_work(s));
+        l->chain = dm_chain_open(m, table, s->plain, loop_work(s));
     else
         l->loop = dm_splitting_loop_open(m, table, s->plain);
-    s->report.plain = s->plain && l->loop;
+    s->report.plain = s->plain && (l->loop || l->chain);
 }
 
 int dm_splitting_widen(dm_stepper *s, dm_lanes *x) {
@@ -152,7 +152,9 @@ static void run(dm_stepper *s, double *state, double t, long count) {
 /* all steps, or the state as it was */
 static int run_chain(dm_stepper *s, double *state, double t, long count) {
     const layout *l = (const layout *)(const void *)s->work;
-    const long forces = dm_chain_run(l->chain, state, s->h, t, count);
+    const dm_chain_burst burst = {s->h, t, count, s->goes_on};
+    const long forces = dm_chain_run(l->chain, state, &burst);
+    s->goes_on = 0;
     s->report.evaluations += forces;
     return forces > 0;
 }

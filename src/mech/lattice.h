@@ -82,21 +82,22 @@ int dm_lattice_is_finite(const dm_lattice *l, uint32_t first);
 /* Nodes of the force on one body in a draft: F[block]. */
 void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
 
-/* positions are the sum of two arrays: numbers of the first ones */
+/* positions are the sum of two arrays, whose first numbers these are; low DM_LATTICE_NONE: those of one array */
 typedef struct {
     uint32_t high, low;
 } dm_lattice_pair;
+#define DM_LATTICE_NONE UINT32_MAX
 
 /*
-** `use`, which adds to the arrays `low`, and the slopes that it takes as one loop in which positions high + low and
+** `use`, which changes positions by the arrays `low`, if there are any, and the slopes that it takes as one loop in which positions and
 ** slopes go from group to group in registers: neighbours one body away, eight lanes. DM_NO_NATIVE elsewhere.
 */
 dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *use,
-                          uint32_t high, uint32_t low);
+                          dm_lattice_pair at);
 
 /* What dm_lattice_run does, by such a loop; coordinates at the ends only are kept. */
 void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip *use,
-                           uint32_t high, uint32_t low, double t);
+                           dm_lattice_pair at, double t);
 
 /* How many passes over this chain fit in one loop; 0: they cannot be joined, the bodies do not fill the parts or are not
 ** periodic, or functions want the registers. */
@@ -118,8 +119,8 @@ void dm_lattice_run_stack(const dm_lattice *l, const dm_strip *stack, uint32_t c
 ** first + block - 1. */
 void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first);
 
-/* The coordinates themselves are high + low. */
-void dm_lattice_add_up(dm_lattice *l, uint32_t high, uint32_t low);
+/* The coordinates themselves are these. */
+void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at);
 
 /* The slopes at the coordinates and time t, and `use` of the forces behind them, which may move the
 ** coordinates. */

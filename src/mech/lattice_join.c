@@ -14,17 +14,20 @@ typedef struct {
     dm_strand here[MOST_BLOCK], last[MOST_SLOTS];
 } joint;
 
-/* position of coordinate c one group on */
-static dm_node read_ahead(joint *b, uint32_t c, uint32_t high, uint32_t low) {
-    dm_strand q = dm_lattice_entry(b->l, high + c), dq = dm_lattice_entry(b->l, low + c);
+dm_node dm_lattice_ahead(const dm_lattice *l, dm_strip_draft *d, dm_lattice_pair at,
+                         uint32_t c) {
+    dm_strand q = dm_lattice_entry(l, at.high + c);
     q.at += GROUP;
+    const dm_node high = dm_strip_read(d, q);
+    if (at.low == DM_LATTICE_NONE) return high;
+    dm_strand dq = dm_lattice_entry(l, at.low + c);
     dq.at += GROUP;
-    return dm_add(b->d.g, dm_strip_read(&b->d, q), dm_strip_read(&b->d, dq));
+    return dm_add(d->g, high, dm_strip_read(d, dq));
 }
 
-static void carry_positions(joint *b, uint32_t high, uint32_t low) {
+static void carry_positions(joint *b, dm_lattice_pair at) {
     for (uint32_t c = 0; c < b->l->block; c++) {
-        b->ahead[c] = read_ahead(b, c, high, low);
+        b->ahead[c] = dm_lattice_ahead(b->l, &b->d, at, c);
         b->here[c] = dm_strip_carry(&b->d, dm_lattice_entry(b->l, c), 0);
     }
 }
@@ -88,7 +91,7 @@ static int can_join(const dm_lattice *l) {
 }
 
 dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *use,
-                          uint32_t high, uint32_t low) {
+                          dm_lattice_pair at) {
     const dm_source *from = &l->model->source;
     joint *b = dm_arena_take(from->arena, sizeof *b);
     if (!can_join(l) || use->lanes != GROUP) return DM_NO_NATIVE;
@@ -96,7 +99,7 @@ dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *us
     b->l = l;
     b->d.stands = 1;
     dm_graph_verbatim(b->d.g, 1);
-    carry_positions(b, high, low);
+    carry_positions(b, at);
     for (uint32_t k = 0; k < l->sums; k++) repeat_slopes(b, l->sum + k);
     carry_slopes(b);
     repeat_use(b, use);
@@ -106,34 +109,39 @@ dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *us
 
 /* ---- running ---- */
 
-static void add_up(const dm_lattice *l, uint32_t high, uint32_t low, uint32_t first,
+static void add_up(const dm_lattice *l, dm_lattice_pair at, uint32_t first,
                    uint32_t end) {
+    const size_t from = (size_t)first * GROUP, to = (size_t)end * GROUP;
     for (uint32_t c = 0; c < l->block; c++) {
         double *q = l->space + (size_t)c * l->pitch;
-        const double *q0 = q + (size_t)high * l->pitch, *dq = q + (size_t)low * l->pitch;
-        for (size_t i = (size_t)first * GROUP; i < (size_t)end * GROUP; i++)
+        const double *q0 = q + (size_t)at.high * l->pitch;
+        const double *dq =
+            q + (at.low == DM_LATTICE_NONE ? 0 : at.low) * (size_t)l->pitch;
+        for (size_t i = from; at.low == DM_LATTICE_NONE && i < to; i++) q[i] = q0[i];
+        for (size_t i = from; at.low != DM_LATTICE_NONE && i < to; i++)
             q[i] = q0[i] + dq[i];
     }
 }
 
-void dm_lattice_add_up(dm_lattice *l, uint32_t high, uint32_t low) {
-    add_up(l, high, low, 0, l->depth);
+void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at) {
+    add_up(l, at, 0, l->depth);
 }
 
-/* positions that the loop reads beyond the bodies that are there */
-static void give_ends(const dm_lattice *l, uint32_t high, uint32_t low) {
-    const size_t bytes = (size_t)l->pad * GROUP * sizeof(double);
-    const size_t behind = (size_t)l->depth * GROUP;
+/* positions that the loop reads beyond the bodies that are there; to[] = from[], 0 where from is NULL */
+static void give_array(const dm_lattice *l, double *to, const double *from) {
+    const size_t behind = (size_t)l->depth * GROUP, count = (size_t)l->pad * GROUP;
+    for (size_t k = behind; k < behind + count; k++) to[k] = from ? from[k] : 0.0;
+    for (uint32_t i = l->bodies; i < l->depth * GROUP; i++) {
+        const size_t k = dm_lattice_at(l, i);
+        to[k] = from ? from[k] : 0.0;
+    }
+}
+
+static void give_ends(const dm_lattice *l, dm_lattice_pair at) {
     for (uint32_t c = 0; c < l->block; c++) {
         double *q = l->space + (size_t)c * l->pitch;
-        double *q0 = q + (size_t)high * l->pitch, *dq = q + (size_t)low * l->pitch;
-        memcpy(q0 + behind, q + behind, bytes);
-        memset(dq + behind, 0, bytes);
-        for (uint32_t i = l->bodies; i < l->depth * GROUP; i++) {
-            const size_t at = dm_lattice_at(l, i);
-            q0[at] = q[at];
-            dq[at] = 0.0;
-        }
+        give_array(l, q + (size_t)at.high * l->pitch, q);
+        if (at.low != DM_LATTICE_NONE) give_array(l, q + (size_t)at.low * l->pitch, NULL);
     }
 }
 
@@ -149,14 +157,14 @@ static uint32_t whole_depths(const dm_lattice *l) {
 }
 
 void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip *use,
-                           uint32_t high, uint32_t low, double t) {
+                           dm_lattice_pair at, double t) {
     const uint32_t margin = l->pad + (l->bodies % GROUP ? GROUP : 0) + 1;
     const uint32_t end = whole_depths(l), left = l->depth - end;
     dm_lattice_set(l, 0, t);
-    add_up(l, high, low, 0, margin);
-    add_up(l, high, low, (end < l->depth - margin ? end : l->depth - margin), l->depth);
+    add_up(l, at, 0, margin);
+    add_up(l, at, (end < l->depth - margin ? end : l->depth - margin), l->depth);
     dm_lattice_fill_ends(l);
-    give_ends(l, high, low);
+    give_ends(l, at);
     for (uint32_t k = 0; k < l->sums; k++)
         dm_lattice_fill(l, l->sum + k, 0, -(int64_t)l->pad, 0);
     dm_strip_run(joined, dm_lattice_bases(l, 0, 0), end * GROUP);

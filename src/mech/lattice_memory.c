@@ -76,54 +76,60 @@ static inline void turn(double *to, size_t to_row, const double *from, size_t fr
     *(pair *)(void *)(to + to_row) = __builtin_shufflevector(a, b, 1, 3);
 }
 
-/* bodies [0, depth & ~1) of all parts; gives how many of each part */
-static uint32_t load_pairs(const dm_lattice *l, double *to, const double *x) {
-    const uint32_t even = l->bodies == l->depth * GROUP ? l->depth & ~1u : 0;
-    for (uint32_t j = 0; j < even; j += 2)
+/* depths that go two by two: an even number of each part, if all are there */
+static uint32_t in_pairs(const dm_lattice *l) {
+    return l->block == 1 && l->bodies == l->depth * GROUP ? l->depth & ~1u : 0;
+}
+
+/* the start of every part at once; gives how many depths */
+static uint32_t load_start(const dm_lattice *l, double *to, const double *x) {
+    const uint32_t wide = dm_lattice_wide_load(l, to, x), even = in_pairs(l);
+    for (uint32_t j = wide; j < even; j += 2)
         for (uint32_t lane = 0; lane < GROUP; lane += 2)
             turn(to + (size_t)j * GROUP + lane, GROUP, x + (size_t)lane * l->depth + j,
                  l->depth);
-    return even;
+    return wide > even ? wide : even;
 }
 
-static uint32_t store_pairs(const dm_lattice *l, double *x, const double *from) {
-    const uint32_t even = l->bodies == l->depth * GROUP ? l->depth & ~1u : 0;
-    for (uint32_t j = 0; j < even; j += 2)
+static uint32_t store_start(const dm_lattice *l, double *x, const double *from) {
+    const uint32_t wide = dm_lattice_wide_store(l, x, from), even = in_pairs(l);
+    for (uint32_t j = wide; j < even; j += 2)
         for (uint32_t lane = 0; lane < GROUP; lane += 2)
             turn(x + (size_t)lane * l->depth + j, l->depth,
                  from + (size_t)j * GROUP + lane, GROUP);
-    return even;
+    return wide > even ? wide : even;
 }
 
 void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x) {
     double *to = l->space + (size_t)first * l->pitch;
-    for (uint32_t c = 0; c < l->block; c++, to += l->pitch) {
-        const uint32_t done = l->block == 1 ? load_pairs(l, to, x) : 0;
-        for (uint32_t j = done; j < l->depth; j++)
+    for (uint32_t c = 0; c < l->block; c++, to += l->pitch)
+        for (uint32_t j = load_start(l, to, x); j < l->depth; j++)
             for (uint32_t lane = 0, i = j; i < l->bodies; lane++, i += l->depth)
                 to[(size_t)j * GROUP + lane] = x[(size_t)i * l->block + c];
-    }
 }
 
 void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first) {
     const double *from = l->space + (size_t)first * l->pitch;
-    for (uint32_t c = 0; c < l->block; c++, from += l->pitch) {
-        const uint32_t done = l->block == 1 ? store_pairs(l, x, from) : 0;
-        for (uint32_t j = done; j < l->depth; j++)
+    for (uint32_t c = 0; c < l->block; c++, from += l->pitch)
+        for (uint32_t j = store_start(l, x, from); j < l->depth; j++)
             for (uint32_t lane = 0, i = j; i < l->bodies; lane++, i += l->depth)
                 x[(size_t)i * l->block + c] = from[(size_t)j * GROUP + lane];
-    }
 }
 
 /* 0 * infinity is NaN; entries beyond the last body are copies or zero */
-int dm_lattice_is_finite(const dm_lattice *l, uint32_t first) {
+static int is_finite(const dm_lattice *l, const double *x) {
     double sum[GROUP] = {0.0};
-    for (uint32_t c = 0; c < l->block; c++) {
-        const double *x = l->space + (size_t)(first + c) * l->pitch;
-        for (size_t i = 0; i < (size_t)l->depth * GROUP; i += GROUP)
-            for (size_t k = 0; k < GROUP; k++) sum[k] += 0.0 * x[i + k];
-    }
-    for (size_t k = 0; k < GROUP; k++)
-        if (sum[k] != 0.0) return 0;
+    int finite = 1;
+    if (dm_lattice_wide_finite(l, x, &finite)) return finite;
+    for (size_t i = 0; i < (size_t)l->depth * GROUP; i += GROUP)
+        for (size_t k = 0; k < GROUP; k++) sum[k] += 0.0 * x[i + k];
+    for (size_t k = 0; k < GROUP; k++) finite &= sum[k] == 0.0;
+    return finite;
+}
+
+int dm_lattice_is_finite(const dm_lattice *l, uint32_t first) {
+    const double *x = l->space + (size_t)first * l->pitch;
+    for (uint32_t c = 0; c < l->block; c++)
+        if (!is_finite(l, x + (size_t)c * l->pitch)) return 0;
     return 1;
 }

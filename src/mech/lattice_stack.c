@@ -40,18 +40,10 @@ static dm_node read(stack *b, uint32_t k, dm_strand from) {
 
 /* position of coordinate c one group on, when pass k begins */
 static dm_node position_ahead(stack *b, uint32_t k, uint32_t c) {
-    dm_strand q = dm_lattice_entry(b->l, b->at.high + c);
-    dm_strand dq = dm_lattice_entry(b->l, b->at.low + c);
-    if (k) {
-        const dm_strip *before = b->level[k - 1].use;
-        for (uint32_t i = 0; i < before->one.outputs; i++)
-            if (before->out[i].at == (int64_t)c * b->l->pitch)
-                return b->level[k - 1].out[i];
-        return 0;
-    }
-    q.at += GROUP;
-    dq.at += GROUP;
-    return dm_add(b->d.g, dm_strip_read(&b->d, q), dm_strip_read(&b->d, dq));
+    const dm_strip *before = k ? b->level[k - 1].use : NULL;
+    for (uint32_t i = 0; before && i < before->one.outputs; i++)
+        if (before->out[i].at == (int64_t)c * b->l->pitch) return b->level[k - 1].out[i];
+    return before ? 0 : dm_lattice_ahead(b->l, &b->d, b->at, c);
 }
 
 /* what input i of the loop of a sum is in pass k */

@@ -17,7 +17,8 @@ typedef struct {
     const dm_run_plan *plan;
     dm_stepper *s;
     double *state, *rows;
-    int own; /* the method has a time of its own */
+    int own;     /* the method has a time of its own */
+    int goes_on; /* nothing but whole steps has been made, and the state is what they left */
     long done, rows_done;
     long flushed;        /* rows that have left the block */
     long burst, until;   /* steps between looks at the clock, step of the next one */
@@ -167,8 +168,10 @@ static dm_status advance(loop *l, long end) {
     }
     while (!l->plan->events && l->done < end) {
         long finished = 0;
+        l->s->goes_on = l->goes_on;
         const dm_status status = dm_advance(l->s, l->state, time_now(l),
                                             autonomous ? end - l->done : 1, &finished);
+        l->goes_on = status == DM_OK && !l->plan->at;
         l->done += finished;
         if (status != DM_OK) return status;
     }
