@@ -1,6 +1,7 @@
 --- dm.chart: what accuracy costs. Every rule at every step: the error of what one looks at against CPU time, evaluations, steps.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local given_steps = require "dm.chart_steps"
 local measures = require "dm.chart.measures"
 local reference = require "dm.reference_run"
 
@@ -26,27 +27,23 @@ local function check_keys(options)
   end
 end
 
-local function check_list(options, key, what)
-  local list = options[key]
-  if type(list) ~= "table" or #list == 0 then fail("option '%s' must be a list of %s", key, what) end
-  return list
-end
-
 local function check_options(options)
   if type(options) ~= "table" then fail("takes a table { system, q =, v =, t =, rules = {...}, h = {...} }") end
   check_keys(options)
   local system = options.system or options[1]
   if not system then fail("the system is missing: dm.chart { system, q =, v =, t =, rules =, h = }") end
+  local fine, solver = pcall(function() return system.solver end)
+  if not (fine and solver) then
+    fail("the first entry must be one dm.system (got %s): make a chart of each system", type(system))
+  end
+  if system.Ld then fail("a discrete Lagrangian has one step only: give a dm.system, or time runs of solvers by path.ns_per_step") end
   if type(options.t) ~= "number" or not (options.t > 0) then fail("option 't' must be a duration > 0") end
   if options.against ~= nil and options.against ~= "reference" then
     fail("option 'against' must be \"reference\", which is what errors are measured against (got %s); chart:plot{against =} chooses the axis",
       tostring(options.against))
   end
-  local key = options.h == nil and options.steps ~= nil and "steps" or "h"
-  for _, h in ipairs(options[key] ~= nil and check_list(options, key, "steps") or {}) do
-    if type(h) ~= "number" or not (h > 0 and h < math.huge) then fail("option '%s' must hold steps > 0 (got %s)", key, tostring(h)) end
-  end
-  for _, rule in ipairs(check_list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")) do
+  if options.h ~= nil or options.steps ~= nil then given_steps.sizes(options) end
+  for _, rule in ipairs(given_steps.list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")) do
     system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
   end
   return system
@@ -318,7 +315,7 @@ end
 
 local doc_chart = [[
 dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, tolerances=, rivals=, samples=, repeats=, reference=, t0=} -> dm.chart
-Run every rule with every step h (or `steps`; left out: seven, from the coarsest that shows the motion, by halves) over the duration t (h is made
+Run every rule with every step h (or `steps`: the same, or how many, all larger than t; left out: seven, from the coarsest that shows the motion, by halves) over the duration t (h is made
 to fit a whole number of steps) and measure error against CPU time
 (median of batches, set-up included, pinned to one core), evaluations, Newton iterations and steps. error: "position" (default: the largest difference of a coordinate from a
 reference over 32 times), "energy", "momentum" (of coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p) compared with the reference, or { f }: the change of f along the run.
@@ -331,7 +328,8 @@ On Ctrl-C the error's `chart` field has what was measured so far.]]
 local function with_steps(system, options)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
-  out.h = options.h or options.steps or require "dm.chart_steps".find(system, options)
+  out.rules = given_steps.list(options, "rules", "rules")
+  out.h = (options.h or options.steps) and given_steps.sizes(options) or given_steps.find(system, options)
   return out
 end
 

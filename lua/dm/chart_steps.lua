@@ -1,6 +1,44 @@
---- The steps of a chart for which none were given: from the coarsest that still shows the motion, by halves.
+--- The steps of a chart: as they are given, or from the coarsest that still shows the motion, by halves.
 local blame = require "dm.blame"
 local M = {}
+
+local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+
+---- given ----
+
+--- A list; one number or name is as good as a list of it.
+function M.list(options, key, what)
+  local list = options[key]
+  if type(list) == "number" or type(list) == "string" then list = { list } end
+  if type(list) ~= "table" or #list == 0 then fail("option '%s' must be a list of %s", key, what) end
+  return list
+end
+
+-- is a rule among them whose steps are not steps of time?
+local function has_own_time(rules)
+  for _, rule in ipairs(type(rules) == "table" and rules or { rules }) do
+    if tostring(rule):find "^log%-hamiltonian" then return true end
+  end
+  return false
+end
+
+--- The sizes of all steps; whole numbers that are too large for a size count the steps of the run.
+function M.sizes(options)
+  local key = options.h == nil and "steps" or "h"
+  local out, longest, counts = {}, 0, key == "steps"
+  for i, h in ipairs(M.list(options, key, "steps")) do
+    if type(h) ~= "number" or not (h > 0 and h < math.huge) then fail("option '%s' must hold steps > 0 (got %s)", key, tostring(h)) end
+    out[i], longest, counts = h, math.max(longest, h), counts and h > options.t and math.tointeger(h) ~= nil
+  end
+  for i, n in ipairs(counts and out or {}) do out[i] = options.t / n end
+  if longest > options.t and not counts and not has_own_time(options.rules) then
+    fail("option '%s' holds %g, but the run has the duration t = %g: give sizes of steps%s", key, longest, options.t,
+      key == "steps" and ", or whole numbers of steps, all larger than t" or "")
+  end
+  return out
+end
+
+---- found ----
 
 local SHOWN, COUNT = 0.03, 7             -- relative change of the end when a step is halved; how many steps
 local FEWEST, MOST, PATIENCE = 8, 2 ^ 22, 3  -- steps of a pilot run; how often in a row the change must be small

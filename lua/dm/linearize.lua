@@ -1,6 +1,7 @@
 --- The system linearised at a state, and the exact tangent map along an orbit: eigenvalues that say whether small changes stay small.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local starts = require "dm.start"
 
 local M = {}
 
@@ -51,6 +52,7 @@ local function describe(rates, frequencies)
 end
 
 M.linearize = blame.caller(function(system, options)
+  options = starts.lists(options)
   local what = "system:linearize"
   if type(options) ~= "table" or not options.q then error(what .. " takes { q =, v = }", 0) end
   for key in pairs(options) do
@@ -73,6 +75,7 @@ end)
 ---- orbits ----
 
 M.multipliers = blame.caller(function(solver, options)
+  options = starts.lists(options)
   local matrix, q, p = solver:tangent(options)
   local re, im = matrix:eigenvalues()
   local largest, size, n = 0, 1, #q

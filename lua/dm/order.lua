@@ -1,5 +1,6 @@
 --- The order of a discrete Lagrangian, measured: how fast its trajectories approach each other when the step is halved.
 local core = require "dm.core"
+local starts = require "dm.start"
 
 -- steps of the runs that are compared; relative differences that tell something, above round-off; exponents that agree so well
 -- are taken at once, that badly never
@@ -81,7 +82,7 @@ local function search(Ld, start)
 end
 
 local function order(Ld, options)
-  options = options or {}
+  options = starts.lists(options or {})
   local q, v = anywhere(Ld.Q.dimension)
   local start = { q = options.q or q }
   start.p = options.p or momentum(Ld, start.q, options.v or v, Ld.h / 1024)

@@ -78,6 +78,7 @@ local function read_cyclic(system, cyclic, names)
       error("L depends on every coordinate, so none is cyclic: name an action, system:routh { action = f(theta, q), section = ... }", 0)
     end
   end
+  if type(cyclic) == "string" or type(cyclic) == "number" then cyclic = { cyclic } end
   if type(cyclic) ~= "table" or #cyclic == 0 then error("option 'cyclic' must be a list of coordinates, numbers or names", 0) end
   local out, seen = {}, {}
   for a, key in ipairs(cyclic) do

@@ -32,6 +32,7 @@ function class.__tostring(D) return ("reduced %s"):format(tostring(D.Ld)) end
 local MOST = 60
 
 local function point(D, x, what)
+  if type(x) == "number" then x = { x } end
   local fine, count = pcall(function() return #x end)
   if type(x) == "string" or not fine or count ~= D.info.d then
     error(("%s must be a point of the shape space: %d numbers"):format(what, D.info.d), 0)
@@ -55,14 +56,23 @@ end
 local methods = class.methods
 
 function methods.psi(D, x0, x1, guess)
-  points(D, x0, x1)
+  x0, x1 = points(D, x0, x1)
   if type(guess) == "number" then guess = { guess } end
   return core.vector(psi_of.pair(D, x0, x1, guess).psi)
 end
 
+-- a point of the unreduced system
+local function full_point(D, q, what)
+  local fine, count = pcall(function() return #q end)
+  if type(q) == "string" or not fine or count ~= D.info.n then
+    error(("%s must be a point of the unreduced system: %d numbers"):format(what, D.info.n), 0)
+  end
+  return D.info.ambient and D.info.ambient.place(q) or q
+end
+
 function methods.connection(D, q0, q1)
   local info = D.info
-  if info.ambient then q0, q1 = info.ambient.place(q0), info.ambient.place(q1) end
+  q0, q1 = full_point(D, q0, "q0"), full_point(D, q1, "q1")
   local x0, a = model.split(info, q0)
   local x1, b = model.split(info, q1)
   local psi, out = psi_of.pair(D, x0, x1).psi, {}
@@ -91,7 +101,7 @@ local function forms(D, s, x0, x1)
 end
 
 function methods.one_form(D, x0, x1)
-  points(D, x0, x1)
+  x0, x1 = points(D, x0, x1)
   return forms(D, psi_of.pair(D, x0, x1), x0, x1)
 end
 
@@ -123,8 +133,8 @@ local function canonical(D, s)
 end
 
 function methods.residual(D, x0, x1, x2, kind)
-  points(D, x0, x1)
-  point(D, x2, "x2")
+  x0, x1 = points(D, x0, x1)
+  x2 = point(D, x2, "x2")
   local s, r = psi_of.pair(D, x0, x1), psi_of.pair(D, x1, x2)
   if kind == "direct" then
     local _, y = canonical(D, s)
@@ -154,7 +164,7 @@ end
 function methods.two_form(D, x0, x1) return core.matrix(two_form(D, psi_of.pair(D, points(D, x0, x1)))) end
 
 function methods.step(D, x0, x1)
-  points(D, x0, x1)
+  x0, x1 = points(D, x0, x1)
   local s, x2 = psi_of.pair(D, x0, x1), {}
   local _, y = canonical(D, s)
   for j = 1, D.info.d do x2[j] = 2 * x1[j] - x0[j] end

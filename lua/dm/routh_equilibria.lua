@@ -46,6 +46,7 @@ end
 ---- finding them ----
 
 local function check_region(region, d)
+  if d == 1 and type(region) == "table" and type(region[1]) == "number" then region = { region } end
   if type(region) ~= "table" or #region ~= d then
     error(("relative_equilibria: option 'region' must be a list of %d pairs { least, most }, one for each coordinate of the shape"):format(d), 0)
   end
@@ -54,6 +55,7 @@ local function check_region(region, d)
       error(("relative_equilibria: 'region'[%d] must be a pair { least, most }"):format(i), 0)
     end
   end
+  return region
 end
 
 local PRIMES = { 2, 3, 5, 7, 11, 13, 17, 19, 23, 29 }
@@ -93,7 +95,7 @@ end
 M.relative_equilibria = blame.caller(function(shape, options)
   local info = need(shape, "relative_equilibria", options, { region = true, starts = true, copies = true })
   local region, d = options.region, info.d
-  check_region(region, d)
+  region = check_region(region, d)
   local starts = options.starts or 200
   if math.type(starts) ~= "integer" or starts < 1 then error("relative_equilibria: 'starts' must be a whole number > 0", 0) end
   local V, R, mu = balance.potential(info), balance.routhian(info), core.vector(info.mu)

@@ -6,6 +6,7 @@
 -- It is the classical Routhian's step moved by B, which is what shape:solver takes; here is the thing itself, to check that.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local linear = require "dm.routh_linear"
 local model = require "dm.routh_model"
 local routh = require "dm.routh"
@@ -119,7 +120,7 @@ M.rsprk = blame.caller(function(shape, options)
   local d, s = info.d, #b
   local f = make(k, a, A, b, options.h)
   return blame.caller(function(x0, s0)
-    x0, s0 = core.vector(x0), core.vector(s0)
+    x0, s0 = kits.vector(x0, d, "x0"), kits.vector(s0, d, "s0")
     local u, V = shape:velocity(x0, s0 + k.B(x0)), {}
     for i = 1, s do for j = 1, d do V[(i - 1) * d + j] = u[j] end end
     local all, x1, s1 = solve(f, V, x0, s0, s * d), {}, {}

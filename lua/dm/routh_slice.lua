@@ -32,13 +32,15 @@ local function check(shape, what, options)
   for key in pairs(options) do
     if not ({ from = true, to = true, points = true, t = true })[key] then error(("slice: unknown option '%s'"):format(tostring(key)), 0) end
   end
+  local ends = {}
   for _, key in ipairs { "from", "to" } do
-    local fine, count = pcall(function() return #options[key] end)
-    if not fine or count ~= info.d then error(("slice: option '%s' must be a shape, %d numbers"):format(key, info.d), 0) end
+    ends[key] = type(options[key]) == "number" and { options[key] } or options[key]
+    local fine, count = pcall(function() return #ends[key] end)
+    if type(ends[key]) == "string" or not fine or count ~= info.d then error(("slice: option '%s' must be a shape, %d numbers"):format(key, info.d), 0) end
   end
   local points = options.points or 200
   if math.type(points) ~= "integer" or points < 2 then error("slice: 'points' must be a whole number from 2 on", 0) end
-  return info, points
+  return info, points, core.vector(ends.from), core.vector(ends.to)
 end
 
 -- the coordinate that changes most, and its label
@@ -49,8 +51,7 @@ local function axis(info, a, b)
 end
 
 M.slice = blame.caller(function(shape, what, options)
-  local info, points = check(shape, what, options)
-  local a, b = core.vector(options.from), core.vector(options.to)
+  local info, points, a, b = check(shape, what, options)
   local best, label = axis(info, a, b)
   local series = {}
   for k = 0, points - 1 do

@@ -2,6 +2,7 @@
 -- pilot runs and checked.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local starts = require "dm.start"
 local model = require "dm.scene.model"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
@@ -302,6 +303,7 @@ with everything that was measured. profile: a file of scene.profile:save(file): 
 same. seconds: CPU time to be spent on looking (default 20). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best.]]
 
 M.scene = blame.caller(function(options)
+  options = starts.lists(options)
   local system = check_options(options)
   local given = {}
   for key, value in pairs(options) do given[key] = value end

@@ -8,6 +8,7 @@
 -- explicit rules want no product with v, with z' y' + L - y (V - q . V_q/2), and Ld is the growth of P_y + q . p/2.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local starts = require "dm.start"
 
 local M = {}
 
@@ -179,6 +180,7 @@ drift: its slope per unit of time with its standard error: round-off for a sympl
 constraints and forces.]]
 
 M.modified_energy = blame.caller(function(solver, options)
+  options = starts.lists(options)
   local system, k = check(solver, options)
   local n, simple = system.Q.dimension, is_simple(system)
   local p = options.p or system:legendre(options.q, options.v)

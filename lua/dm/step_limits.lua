@@ -1,6 +1,7 @@
 --- Where a step ends to exist: folds of implicit step equations by continuation in h, and coordinates that break down on the way.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local starts = require "dm.start"
 
 local M = {}
 
@@ -77,6 +78,7 @@ end
 local SMALL = 0.05  -- of det: the matrix is singular at the end
 
 M.fold = blame.caller(function(solver, options)
+  options = starts.lists(options)
   local what = "solver:fold"
   check_options(options, what, { q = true, v = true, p = true, up_to = true })
   local system, rule = solver.system, tostring(solver.rule or "del")

@@ -98,4 +98,19 @@ raises("'tolerances' must hold numbers", dm.chart, { kepler, q = { 1, 0 }, v = {
 local pinned = dm.pin()
 ok(pinned == nil or dm.unpin(pinned) == true, "pinned to a core and back")
 raises("not what dm.pin() gave", dm.unpin, "x")
+
+-- one number or one name is as good as a list of it; steps that are counted
+do
+  local henon = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 - q[1] ^ 2 * q[2] + q[2] ^ 3 / 3 end }
+  local function chart(more)
+    local o = { henon, q = { 0, 0.1 }, v = { 0.3, 0.1 }, t = 20, rules = "verlet", repeats = 1 }
+    for key, value in pairs(more) do o[key] = value end
+    return dm.chart(o)
+  end
+  tap.near(chart { steps = { 200, 400, 800 } }:order "verlet", 2, 0.05, "whole numbers of steps, all larger than t")
+  tap.near(chart { h = 0.1 }.points[1].h, 0.1, 1e-15, "one step")
+  tap.raises("holds 50, but the run has the duration t = 20", chart, { steps = { 0.1, 50 } })
+  tap.raises("holds 100, but the run", chart, { h = { 100 } })
+  tap.raises("must be one dm.system (got table)", dm.chart, { { henon, henon }, q = { 0, 0.1 }, v = { 0.3, 0.1 }, t = 20, rules = "verlet", h = 0.1 })
+end
 tap.done()

@@ -137,4 +137,20 @@ raises("q and v have 1 entries", pendulum.linearize, pendulum, { q = { 1, 2 } })
 raises("unknown option 'x'", pendulum.linearize, pendulum, { q = { 1 }, x = 1 })
 raises("give the start as q and v", solver.fold, solver, { q = { 1, 0 } })
 raises("give 'steps' or 't'", solver.singularities, solver, { q = { 1, 0 }, v = { 0, 0 } })
+
+-- the number of an only coordinate, as runs take it
+do
+  local pendulum = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.cos(q[1]) end }
+  local solver = pendulum:solver { rule = "gauss(2)", h = 0.1 }
+  local one, list = { q = 1, v = 0.5, steps = 30 }, { q = { 1 }, v = { 0.5 }, steps = 30 }
+  for _, name in ipairs { "tangent", "symplecticity", "lyapunov", "multipliers", "modified_energy", "backward_error", "reversal" } do
+    local a, b = solver[name](solver, one), solver[name](solver, list)
+    tap.ok(type(a) == type(b) and (type(a) ~= "number" or a == b), "a number for a list of one: " .. name)
+  end
+  tap.near(solver:fold { q = 1, v = 0.5 }.h, solver:fold { q = { 1 }, v = { 0.5 } }.h, 1e-9, "fold")
+  tap.near(pendulum:linearize { q = 1 }.matrix[2][1], -math.cos(1), 1e-15, "linearize")
+  tap.near(dm.discrete_lagrangian(pendulum, { rule = "midpoint", h = 0.1 }):order { q = 1, v = 0.5 }, 2, 0.01, "order")
+  tap.ok(pendulum:stability { rule = "verlet", q = 1, v = 0.5, h = { 0.1, 0.5 }, steps = 100 }:at(1, 1).class == "bounded", "a map")
+  tap.ok(dm.scene { system = pendulum, q = 1, v = 1, watch = { "q1" }, tolerance = 1e-2, until_t = 1 }:run().error_estimate < 1e-2, "a scene")
+end
 tap.done()

@@ -271,4 +271,18 @@ raises("no psi_mu", function()  -- a free rotor in Cartesian coordinates: r0 r1 
 end)
 raises("takes a system and", function() dm.commute(pendulum, { h = 1 }) end)
 
+
+-- numbers and names where there is one coordinate
+do
+  local planet = dm.system { Q = dm.R(2), coordinates = { "angle", "r" }, L = function(q, v) return (v[2] ^ 2 + q[2] ^ 2 * v[1] ^ 2) / 2 + 1 / q[2] end }
+  local shape = planet:routh { cyclic = "angle", mu = 1 }
+  tap.near(planet:routh { cyclic = 1, mu = 1 }:amended_potential(2), shape:amended_potential { 2 }, 0, "the only cyclic coordinate by number or name")
+  tap.near(shape:relative_equilibria { region = { 0.5, 2 } }[1].x[1], 1, 1e-12, "the region of an only coordinate")
+  local D = shape:discrete { rule = "gauss(2)", h = 0.1 }
+  tap.near(D:psi(1.5, 1.6)[1], D:psi({ 1.5 }, { 1.6 })[1], 0, "psi of numbers")
+  tap.near(D:step(1.5, 1.51)[1], D:step({ 1.5 }, { 1.51 })[1], 0, "a step from numbers")
+  tap.near(shape:rsprk { rule = "gauss(2)", h = 0.1 }(1.5, 0.1)[1], shape:rsprk { rule = "gauss(2)", h = 0.1 }({ 1.5 }, { 0.1 })[1], 0, "rsprk of numbers")
+  tap.raises("q0 must be a point of the unreduced system: 2 numbers", D.connection, D, { 1.5 }, { 1.6 })
+  tap.ok(#shape:slice("amended_potential", { from = 0.5, to = 2 }) == 1, "a slice between numbers")
+end
 tap.done()

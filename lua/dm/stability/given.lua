@@ -38,10 +38,11 @@ local function make_systems(map, system, names)
 end
 
 local function make_start(what, given, names, uses)
-  if type(given) ~= "function" then return function() return given end end
+  local function list(x) return type(x) == "number" and { x } or x end
+  if type(given) ~= "function" then return function() return list(given) end end
   local f, used = axes.bind(what, given, names)
   for _, name in ipairs(used) do uses[name] = true end
-  return function(cell) return f(cell.values) end
+  return function(cell) return list(f(cell.values)) end
 end
 
 local function make_key(used)
