@@ -24,18 +24,17 @@ print(("neighbours part as exp(%.3f t) at E = 1/8, MEGNO %.0f; at E = 1/12 MEGNO
 assert(chaos.exponent > 0.03 and chaos.megno > 20, "the orbit at E = 1/8 should be chaotic")
 assert(abs(order.megno - 2) < 0.2, "the one at E = 1/12 should be regular")
 
-local cut = { g = function(q) return q[1] end, direction = "up" }
 local panels, count, worst = { file = picture, title = "Henon-Heiles: cuts at q1 = 0", size = { 1100, 560 } }, 0, 0
 for i, E in ipairs { 1 / 12, 1 / 8 } do
   panels[i] = { title = ("E = 1/%.0f"):format(1 / E), legend = false, equal = true, style = "points" }
+  local starts = {}
   for j, point in ipairs { { -0.2, 0 }, { 0.3, 0 }, { 0.1, 0 }, { 0, 0.25 }, { 0, -0.25 }, { -0.1, 0 } } do
-    local start = on_cut(E, table.unpack(point))
-    local path = solver:run { q = start.q, v = start.v, steps = 500000, every = 500, events = { cut = cut } }  -- t = 10000
-    local x, y = {}, {}
-    for k, event in ipairs(path.events) do x[k], y[k] = event.q[2], event.p[2] end
-    panels[i][j] = { x = x, y = y, name = ("(%g, %g)"):format(point[1], point[2]), xlabel = "q2", ylabel = "p2" }
-    count, worst = count + #x, max(worst, abs(path:drift("energy").largest))
+    starts[j] = on_cut(E, table.unpack(point))
   end
+  local section = solver:section { g = "q1", starts = starts, steps = 500000, every = 500 }  -- t = 10000
+  for j, series in ipairs(section:series()) do panels[i][j] = series end
+  for _, orbit in ipairs(section.orbits) do worst = max(worst, abs(orbit.path:drift("energy").largest)) end
+  count = count + section.count
 end
 print(("%d cuts of 12 orbits, energy error at most %.1e"):format(count, worst))
 assert(worst < 1e-4, "energy in its band")

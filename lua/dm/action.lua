@@ -214,8 +214,12 @@ local function cut(z, k, m)
 end
 M.cut = cut
 
+local MOST_POINTS = 1000
+
 local function on_points(action, k)
-  if not math.tointeger(k) or k < 1 then error("action:on_points(k) takes the number of points, a whole number >= 1", 0) end
+  if not math.tointeger(k) or k < 1 or k > MOST_POINTS then
+    error(("action:on_points(k) takes the number of points, a whole number from 1 to %d (got %s)"):format(MOST_POINTS, tostring(k)), 0)
+  end
   if action.points then error("this action is on several points already: ask its base, action.base:on_points(k)", 0) end
   k = math.tointeger(k)
   local m, copies = action.dimension, {}

@@ -109,7 +109,7 @@ local function add_series(add, panel, number, prefix)
     local title = panel.legend and "title " .. quote(series.name) or "notitle"
     add_data(add, block, series, panel)
     plots[#plots + 1] = ("%s using %s with %s %s"):format(block, series.style == "cells" and "1:2:3:4:5:6" or "1:2",
-      draw_style(series, colour, (i - 1) // #COLOURS), title)
+      draw_style(series, colour, series.colour and 0 or (i - 1) // #COLOURS), title)
     local alone = series.style == "lines" and isolated(series) or { x = {} }
     if #alone.x > 0 then
       add_data(add, block .. "_alone", alone, panel)

@@ -268,7 +268,8 @@ in C, on all cores, over the same number of steps or the same duration t, and to
 above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy), chaotic (MEGNO above 4, by the exact tangent map;
 chaos = false leaves that out, as is the default for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost, no start (L has no value there).
 watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost are refined to resolution = 1e-3 (refine
-= false: not). map:limit(row), :theory(row), :at(row, column), :table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows.
+= false: not). map:limit(row), :theory(row), :at(row, column), :table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows, map.notes
+what to know of the start and the axes (an equilibrium does not move, whatever the step).
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends it with dm.failure, whose field `map` is what is there.]]
 
 local function new_map(options, names)
@@ -325,6 +326,7 @@ M.stability = blame.caller(function(options)
   local all = all_cells(map)
   given_.check_first(map, all[1])
   local start = core.clock()
+  map.notes = given_.notes(map, all[1])
   map.chaos = wants_chaos(map, all[1])
   map.count = #all
   local stopped = cells.run(map, all, map.chaos)

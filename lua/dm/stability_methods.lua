@@ -1,4 +1,4 @@
---- Methods of systems and solvers whose modules are loaded when first used: stability maps, linearised systems, multipliers.
+--- Methods of systems, solvers and ensembles whose modules are loaded when first used: stability maps, linearised systems, multipliers, sections, fans.
 local core = require "dm.core"
 
 local function later(module, name)
@@ -36,3 +36,16 @@ core.method("dm.solver", "singularities", later("dm.step_limits", "singularities
 solver:singularities{q=, v= | p=, steps= | t=, t0=} -> {worst, t, q, places, why, failure}
 Do the coordinates break down on the way? The condition of d2L/dv2 at the rows of a run (at most 4000), the worst and where; places: {t,
 condition} where it exceeds 1e4; failure: the code that ended the run, if one did. why names the coordinate that loses its inertia.]])
+
+core.method("dm.solver", "section", later("dm.section", "section"), [[
+solver:section{g=, q=, v= | p=, starts=, t= | steps=, t0=, direction=, x=, y=, xlabel=, ylabel=, every=, project=} -> dm.section
+The Poincare section of a run: where it crosses the surface g(q, v, t, p) = 0; g may be the name of a coordinate, "q1". direction: "up" (g grows; the
+default), "down" or "both". starts = { {q =, v =}, {q =, p =}, ... }: several runs, one of which may fail. x, y: what is read off a crossing, names
+of columns ("q2", "p2", "t") or functions of (q, p, t); left out: another coordinate than g and its momentum. Crossings are found by steps of
+fitting length, with the accuracy of the rule; two within one step are not seen. section:plot() draws them. every = k keeps rows of the runs, orbits[i].path.]])
+
+core.method("dm.ensemble", "plot", later("dm.fan", "plot"), [[
+ensemble:plot([x, y,] {members=, file=, title=, style=, ...}) -> file name or nothing
+With rows (every=, rows=, watch=): the fan of the members' paths, columns as in path:plot (left out: the first column against t). Without: where the members ended, a
+point each, as columns of q and p ("q1", "p1" or the names of the coordinates; left out: q1 and q2, or q1 and p1). members: how many are
+drawn, evenly chosen (default 64 paths, all points), or a list of their numbers. Colours go from blue to red with the number of the member; one that failed is grey up to there, and is not drawn as an end. Options as in dm.plot.]])

@@ -99,6 +99,9 @@ static int ensemble_field(lua_State *L) {
     if (!e->pace && strcmp(key, "t") == 0) return lua_pushnumber(L, e->t), 1;
     if (!e->pace && strcmp(key, "h") == 0) return lua_pushnumber(L, e->h), 1;
     if (strcmp(key, "lanes") == 0) return lua_pushinteger(L, e->lanes), 1;
+    if (strcmp(key, "solver") == 0)
+        return lua_getiuservalue(L, 1, DML_ENSEMBLE_SOLVER), 1;
+    if (strcmp(key, "rows") == 0) return lua_pushboolean(L, e->rows.room > 0), 1;
     if (lua_getiuservalue(L, 1, DML_ENSEMBLE_FIELDS) != LUA_TTABLE) {
         lua_newtable(L);
         lua_pushvalue(L, -1);
@@ -218,14 +221,15 @@ static void limit_lanes(lua_State *L) {
 void dml_open_ensemble(lua_State *L) {
     limit_lanes(L);
     dml_limitprocessor(L);
-    dml_newclass(L, DML_ENSEMBLE,
-                 "dm.ensemble: the ends of many runs, made by solver:ensemble{members=}\n"
-                 "fields: q, p (matrices, a row per member; of a failed one its last "
-                 "good state), status[i] (\"ok\" or a "
-                 "code of dm.failure), steps[i] (finished), t, h (vectors where members "
-                 "have steps of their own), lanes (members that "
-                 "went side by side, 1: one "
-                 "by one); #ensemble members",
-                 meta, methods, ensemble_field);
+    dml_newclass(
+        L, DML_ENSEMBLE,
+        "dm.ensemble: the ends of many runs, made by solver:ensemble{members=}\n"
+        "fields: q, p (matrices, a row per member; of a failed one its last "
+        "good state), status[i] (\"ok\" or a "
+        "code of dm.failure), steps[i] (finished), t, h (vectors where members "
+        "have steps of their own), solver, rows (were some kept?), lanes (members that "
+        "went side by side, 1: one "
+        "by one); #ensemble members",
+        meta, methods, ensemble_field);
     dml_addmethods(L, DML_SOLVER, solver_row);
 }

@@ -163,4 +163,16 @@ local function under(environment)
 end
 local plain = under "THREADS=1"
 ok(#plain > 1000 and plain == under "THREADS=3 DMLUA_LANES=0" and plain == under "THREADS=2 DMLUA_BACKEND=tape", "threads, lanes and backends change no digit of a map", plain:sub(1, 200))
+-- what a reader should know
+local spring = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
+local function notes(o)
+  o.system, o.rule, o.t, o.refine = spring, "verlet", 20, false
+  return dm.stability(o)
+end
+local still, moving = notes { h = { 0.1, 0.5 }, q = { 0 }, v = { 0 } }, notes { h = { 1e-4, 0.1 }, q = { 1e-3 }, v = { 0 } }
+tap.ok(tostring(still):find("note: the start is an equilibrium", 1, true), "a start at an equilibrium is told", tostring(still))
+tap.ok(#moving.notes == 0 and #notes { h = { 0.1, 0.2, 0.3 }, q = { 0 }, v = { 1 } }.notes == 0, "nothing is told of others")
+tap.ok(tostring(notes { h = { 0.1, 1, 30 }, q = { 1 }, v = { 0 } }):find("h = {0.1, 1, 30} is a list of three numbers; the range is written {0.1, 1, 30, \"log\"}", 1, true),
+  "what looks like a range but is a list is told")
+
 tap.done()

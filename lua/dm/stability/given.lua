@@ -84,4 +84,35 @@ function M.check_first(map, cell)
   for _, rule in ipairs(map.rule_list) do system:solver { rule = rule, h = 1 } end  -- a misspelled one is told here
 end
 
+-- does nothing move in a step from the start of the cell? Rates below are round-off
+local STILL = 1e-13
+local function rests(map, cell)
+  local h = map.h[1]
+  local path = map.system_of(cell):solver({ rule = map.rule_list[1], h = h }):run { q = map.start.q(cell), v = map.start.v and map.start.v(cell),
+    p = map.start.p and map.start.p(cell), steps = 1, t0 = map.options.t0, project = map.options.project }
+  for _, columns in ipairs { path.q, path.p } do
+    local before, after = columns[1], columns[2]
+    if not ((after - before):norm() <= STILL * h * (1 + before:norm())) then return false end
+  end
+  return true
+end
+
+--- What a reader of the map should know of its start and of its axes, as sentences.
+function M.notes(map, cell)
+  local notes, h = {}, map.options.h
+  local fine, at_rest = pcall(rests, map, cell)
+  if not fine and require "dm.blame".is_stop(at_rest) then error(at_rest, 0) end
+  if fine and at_rest then
+    notes[1] = "the start is an equilibrium: where nothing moves no instability shows; displace it, or give it a small velocity"
+  end
+  for _, name in ipairs { "h", table.unpack(map.names) } do
+    h = map.options[name]
+    if type(h) == "table" and #h == 3 and math.type(h[3]) == "integer" and h[3] >= 5 and h[3] > 5 * h[2] then
+      notes[#notes + 1] = ("%s = {%g, %g, %d} is a list of three numbers; the range is written {%g, %g, %d, \"log\"} or \"linear\""):format(
+        name, h[1], h[2], h[3], h[1], h[2], h[3])
+    end
+  end
+  return notes
+end
+
 return M

@@ -237,6 +237,11 @@ end
 
 return function(M)
   M.table, M.csv, M.plot = blame.caller(table_of), blame.caller(csv), blame.caller(plot)
-  M.__tostring = function(map) return sentence(map) .. "\n" .. table_of(map, 12) end
+  M.__tostring = function(map)
+    local lines = { sentence(map) }
+    for _, note in ipairs(map.notes or {}) do lines[#lines + 1] = "note: " .. note end
+    lines[#lines + 1] = table_of(map, 12)
+    return table.concat(lines, "\n")
+  end
   core.docs[M.table], core.docs[M.csv], core.docs[M.plot] = doc_table, doc_csv, doc_plot
 end
