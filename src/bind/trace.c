@@ -155,8 +155,8 @@ static void push_symbols(lua_State *L, int fn, const dml_signature *s,
         }
         const uint32_t n = (uint32_t)s->length[k];
         const dml_array *v = dml_newarray(L, 1, n, 1, &x);
-        dm_node *entries = v->entries;
-        for (uint32_t i = 0; i < n; i++) entries[i] = dm_input(frame->graph, input++);
+        dm_inputs(frame->graph, v->entries, input, n);
+        input += n;
     }
     dml_checkgraph(L, frame);
 }

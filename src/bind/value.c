@@ -155,6 +155,8 @@ int dml_symbolic(lua_State *L, dm_op op) {
 
 /* ---- anything that can stand for a vector ---- */
 
+enum { CHUNK = 16 }; /* entries of a table on the stack at once */
+
 long dml_length(lua_State *L, int arg) {
     dml_scalar x;
     const dml_array *a = dml_toarray(L, arg, 1);
@@ -202,6 +204,20 @@ static const char *found(lua_State *L, int arg) {
     return lua_type(L, arg) == LUA_TNUMBER ? "a number" : luaL_typename(L, arg);
 }
 
+/* entries i .. i + CHUNK - 1 of a plain table, if all are finite numbers: the stack is cleared once for all */
+static int read_chunk(lua_State *L, int arg, double *out, uint32_t i) {
+    const int top = lua_gettop(L);
+    int fine = 1;
+    for (int k = 1; k <= CHUNK; k++)
+        fine &= lua_rawgeti(L, arg, (lua_Integer)i + k) == LUA_TNUMBER;
+    for (int k = 1; fine && k <= CHUNK; k++) {
+        out[i + (uint32_t)k - 1] = lua_tonumberx(L, top + k, NULL);
+        fine = isfinite(out[i + (uint32_t)k - 1]);
+    }
+    lua_settop(L, top);
+    return fine;
+}
+
 /* the first entries of a vector or plain table that are finite numbers; gives how many */
 static uint32_t read_plain(lua_State *L, int arg, double *out, uint32_t n) {
     const dml_array *a = dml_toarray(L, arg, 1);
@@ -214,6 +230,8 @@ static uint32_t read_plain(lua_State *L, int arg, double *out, uint32_t n) {
     }
     if (a || !lua_istable(L, arg) || luaL_getmetafield(L, arg, "__index") != LUA_TNIL)
         return 0;
+    luaL_checkstack(L, CHUNK, NULL);
+    while (n - i >= CHUNK && read_chunk(L, arg, out, i)) i += CHUNK;
     for (; i < n; i++) {
         number = lua_rawgeti(L, arg, (lua_Integer)i + 1) == LUA_TNUMBER;
         if (number) out[i] = lua_tonumberx(L, -1, NULL);

@@ -230,6 +230,23 @@ dm_node dm_input(dm_graph *g, uint32_t i) {
     return dm_node_make(g, &(dm_expr){.op = DM_OP_INPUT, .as.input = i});
 }
 
+/* as dm_input one by one: the same numbers in the same order */
+void dm_inputs(dm_graph *g, dm_node *out, uint32_t first, uint32_t count) {
+    uint32_t i = 0;
+    assert((uint64_t)first + count <= g->inputs);
+    if (g->status == DM_OK && count && place_of_input(g, first + count - 1))
+        for (; i < count && (g->leaf[first + i] || g->size < g->capacity); i++) {
+            dm_node *leaf = g->leaf + first + i;
+            if (!*leaf) {
+                g->nodes[g->size] = (dm_expr){.op = DM_OP_INPUT, .as.input = first + i};
+                g->nonnegative[g->size] = 0;
+                *leaf = g->size++;
+            }
+            out[i] = *leaf;
+        }
+    for (; i < count; i++) out[i] = dm_input(g, first + i);
+}
+
 int dm_is_constant(const dm_graph *g, dm_node n, double *value) {
     if (g->nodes[n].op != DM_OP_CONSTANT) return 0;
     *value = g->nodes[n].as.value;

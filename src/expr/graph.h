@@ -51,6 +51,8 @@ int dm_op_operands(dm_op op);
 /* Leaves. */
 dm_node dm_constant(dm_graph *g, double value);
 dm_node dm_input(dm_graph *g, uint32_t i);
+void dm_inputs(dm_graph *g, dm_node *out, uint32_t first,
+               uint32_t count); /* many in a row */
 
 /* The simplified, shared node for op(a, b, c); operands past the op's count are ignored. */
 dm_node dm_apply(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c);
