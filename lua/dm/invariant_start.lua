@@ -183,7 +183,7 @@ function M.from_momentum(p, o)
   choose(p, there)
   if not p.reduced then error("the generators are dependent at the section: this problem starts from points", 0) end
   local values = begin(p, there, g)
-  local J = linear.entries(core.vector(o.momentum or o.body_momentum))
+  local J = linear.entries(o.momentum or o.body_momentum)
   if #J ~= p.r then error(("a momentum has dim G = %d entries (got %d)"):format(p.r, #J), 0) end
   values.momentum = o.momentum and equations.coadjoint(p, g, J) or J
   return values, {}

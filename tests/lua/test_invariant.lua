@@ -231,4 +231,10 @@ do
   local tied = dm.invariant_problem { frame = ray, points = 3, L = function(I) return I[3][1] ^ 2 end, constraint = function(I) return I[2][1] - 1 end }
   raises("starts from 4 with their `multiplier`s (5 points give 1 equations for 2", tied.solve, tied, { points = { 0, 1, 2, 3, 4 }, n = 9 })
 end
+-- a momentum of one entry as a number
+do
+  local ray = dm.moving_frame { action = dm.action { group = dm.R(1), on = dm.R(1) }, cross_section = function(z) return z[1] end }
+  local free = dm.invariant_problem { frame = ray, L = function(I) return I[2][1] ^ 2 / 2 end }
+  near(free:solve { points = { 0 }, momentum = 0.3, n = 5 }.points[5][1], 1.2, 1e-14, "a start from a momentum that is a number")
+end
 tap.done()

@@ -84,12 +84,12 @@ local function has_jumped(s, i, kinetic)
   return kinetic > 0 and s.late[i] > JUMP * s.early[i] and s.late[i] > kinetic and s.late[i] > 1e-6 * abs(s.first[i])
 end
 
--- the same from the first row on: at none of the others is the energy near its start, and nearly all of the motion is that error
+-- the same from early on: at no row of the second half is the energy near its start, and nearly all of the motion is that error
 local function left_at_once(s, i, K, rows_of)
   local error = max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
   if not K or not (error > abs(K.first[i])) or not (2 * error > K.largest[i]) then return false end
   local rows, nearest = rows_of(i), huge
-  for k = 2, #rows do nearest = min(nearest, abs(rows[k] - s.first[i])) end
+  for k = max(2, #rows // 2), #rows do nearest = min(nearest, abs(rows[k] - s.first[i])) end
   return 2 * nearest > error and nearest < huge
 end
 
