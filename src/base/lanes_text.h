@@ -1,6 +1,7 @@
 /*
 ** lanes_text.h - vectors of W doubles, a member in each lane, and decisions made for each: for files that exist once for
-** every kind of processor. Wanted before: W (4 or 8) and HOW, the target of the functions.
+** every kind of processor. Wanted before: W (4 or 8), HOW, the target of the functions, and DM_LANES_FUSED (0 or 1): products may be
+** fused into sums.
 */
 #ifndef DM_LANES_TEXT_H
 #define DM_LANES_TEXT_H
@@ -10,6 +11,9 @@
 #include <stdint.h>
 
 #define INLINE HOW static inline __attribute__((always_inline, unused))
+
+/* before a loop of a few rounds, a constant where its function is called: registers instead of arrays */
+#define WRITTEN_OUT _Pragma("GCC unroll 8")
 
 typedef double V __attribute__((vector_size(8 * W)));
 typedef long long I __attribute__((vector_size(8 * W))); /* -1: yes, 0: no */
@@ -66,14 +70,14 @@ INLINE V square_root(V x) {
 }
 #endif
 
-/* a b + c, with one rounding where `fused` and the target has it */
+/* a b + c, with one rounding where `fused` */
 INLINE V madd(V a, V b, V c, int fused) {
-#if W == 8
-    if (fused) return (V)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
-#elif defined(DM_LANES_FUSED)
-    if (fused) return (V)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
-#else
+#if !DM_LANES_FUSED
     (void)fused;
+#elif W == 8
+    if (fused) return (V)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+#else
+    if (fused) return (V)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
 #endif
     return a * b + c;
 }

@@ -108,8 +108,8 @@ enum { DM_SWEPT_STEP, DM_SWEPT_MARK, DM_SWEPT_RATE, DM_SWEPT_END, DM_SWEPT_FULL 
 size_t dm_stage_memory_size(const dm_stage *g);
 void dm_stage_memory_clear(dm_stage *g, double h);
 int dm_stage_memory_fits(const dm_stage *g); /* it was left by the step that ended here */
-double dm_stage_memory_rate(const dm_stage *g);      /* contraction of the sweeps */
-int dm_stage_memory_is_stiff(const dm_stage *g);     /* sweeps failed not long ago */
+double dm_stage_memory_rate(const dm_stage *g);  /* contraction of the sweeps, squared */
+int dm_stage_memory_is_stiff(const dm_stage *g); /* sweeps failed not long ago */
 void dm_stage_memory_keep(dm_stage *g, double rate); /* after a step by sweeps */
 void dm_stage_memory_newton(dm_stage *g);            /* after a step by Newton's method */
 

@@ -19,12 +19,10 @@ static int is_fused(const dm_stage *g) {
 
 static dm_stage_lanes_step *choose_step(const dm_stage *g, uint32_t lanes) {
 #ifdef __x86_64__
-    static dm_stage_lanes_step *const by[3][3] = {
-        {dm_stage_newton_avx, dm_stage_sweep_avx, NULL},
-        {dm_stage_newton_fma, dm_stage_sweep_fma, dm_stage_sweep_fma_fused},
-        {dm_stage_newton_avx512, dm_stage_sweep_avx512, dm_stage_sweep_avx512_fused}};
-    const int row = lanes == 8 ? 2 : dm_processor() >= DM_FMA ? 1 : 0;
-    return by[row][g->sweeps.row ? 1 + is_fused(g) : 0];
+    if (!g->sweeps.row) return lanes == 8 ? dm_stage_newton_avx512 : dm_stage_newton_avx;
+    if (lanes == 8)
+        return is_fused(g) ? dm_stage_sweep_avx512 : dm_stage_sweep_avx512_plain;
+    return is_fused(g) ? dm_stage_sweep_fma : dm_stage_sweep_avx;
 #else
     (void)g, (void)lanes;
     return NULL;

@@ -15,11 +15,6 @@ typedef struct dm_stage_lanes dm_stage_lanes;
 /* A step of the group in hand for the lanes that are asked; the bits of those whose step is done. */
 typedef uint32_t dm_stage_lanes_step(const dm_stage_lanes *w, uint32_t asked);
 
-/* For one kind of processor; products of sweeps are fused into sums as a member alone has it. */
-typedef struct {
-    dm_stage_lanes_step *sweep, *sweep_fused, *newton;
-} dm_stage_lanes_row;
-
 /* All arrays are [entry][lane], those of stages [stage][entry][lane]; the memory of a step is laid out as that of one member. */
 struct dm_stage_lanes {
     const dm_stage *g;
@@ -38,10 +33,9 @@ struct dm_stage_lanes {
     void *pivot, *pivot2;
 };
 
-dm_stage_lanes_step dm_stage_sweep_avx, dm_stage_newton_avx;
-dm_stage_lanes_step dm_stage_sweep_fma, dm_stage_sweep_fma_fused, dm_stage_newton_fma;
-dm_stage_lanes_step dm_stage_sweep_avx512, dm_stage_sweep_avx512_fused,
-    dm_stage_newton_avx512;
+/* One for every kind of processor; products of sweeps are fused into sums as a member alone has it. */
+dm_stage_lanes_step dm_stage_sweep_avx, dm_stage_sweep_fma, dm_stage_sweep_avx512,
+    dm_stage_sweep_avx512_plain, dm_stage_newton_avx, dm_stage_newton_avx512;
 
 /* What the rows of methods.def call. */
 int dm_stage_widen(dm_stepper *s, dm_lanes *x);

@@ -4,11 +4,12 @@
 #ifdef __x86_64__
 #define W 4
 #define HOW __attribute__((target("avx")))
+#define DM_LANES_FUSED 0
 #include "integ/stage_lanes_newton.h"
 #include "integ/stage_lanes_sweep.h"
 
 HOW uint32_t dm_stage_sweep_avx(const dm_stage_lanes *w, uint32_t asked) {
-    return step_by_sweeps(w, asked, 0);
+    return step_by_sweeps(w, asked);
 }
 
 HOW uint32_t dm_stage_newton_avx(const dm_stage_lanes *w, uint32_t asked) {

@@ -4,15 +4,12 @@
 #ifdef __x86_64__
 #define W 8
 #define HOW __attribute__((target("avx512f,avx512dq,fma")))
+#define DM_LANES_FUSED 1
 #include "integ/stage_lanes_newton.h"
 #include "integ/stage_lanes_sweep.h"
 
 HOW uint32_t dm_stage_sweep_avx512(const dm_stage_lanes *w, uint32_t asked) {
-    return step_by_sweeps(w, asked, 0);
-}
-
-HOW uint32_t dm_stage_sweep_avx512_fused(const dm_stage_lanes *w, uint32_t asked) {
-    return step_by_sweeps(w, asked, 1);
+    return step_by_sweeps(w, asked);
 }
 
 HOW uint32_t dm_stage_newton_avx512(const dm_stage_lanes *w, uint32_t asked) {

@@ -31,7 +31,10 @@ INLINE void evaluate_stages(lanes_sweeps *it) {
         dm_kernel_eval(&w->factors, w->out + m * given(it) + n * W,
                        w->factored + m * factored(it));
     const lanes_walk p = walk_of_p(it);
-    it->moved[1] = it->measured ? walk(it, &p, 1, NULL) : walk(it, &p, 0, NULL);
+    if (it->measured)
+        it->moved[1] = move(it, &p);
+    else
+        put(it, &p);
     for (uint32_t m = 0; m < it->r; m++)
         dm_kernel_eval(&w->velocity, w->factored + m * factored(it) + n * W,
                        w->in + m * taken(it) + n * W);
@@ -39,12 +42,12 @@ INLINE void evaluate_stages(lanes_sweeps *it) {
 
 INLINE V relative_change(const lanes_sweeps *it) {
     V largest = {0};
-    for (int k = 0; k < 2; k++) {
-        const V change = it->moved[k], ratio = change / it->size[k];
+    for (int k = 0; k < (it->w->g->separable ? 1 : 2); k++) {
+        const V change = it->moved[k], ratio = change * it->scale[k];
         const V x = magnitude(pick((I)(change > (V){0}), ratio, change));
         largest = pick((I)(x <= largest) | (I)(largest != largest), largest, x);
     }
-    return square_root(largest);
+    return largest;
 }
 
 /* what the coefficients lack, into the bases of the lanes of `where` */
@@ -55,8 +58,8 @@ INLINE void settle_lanes(lanes_sweeps *it, I where) {
     q.x_stage = p.x_stage = it->n * W;
     q.column = p.column = it->w->g->sweeps.rest;
     q.start = p.start = it->w->zeros;
-    walk(it, &q, 0, &where);
-    if (!it->w->g->separable) walk(it, &p, 0, &where);
+    put_some(it, &q, where);
+    if (!it->w->g->separable) put_some(it, &p, where);
     it->settled |= where;
 }
 
@@ -67,8 +70,10 @@ INLINE void draw_line(const lanes_sweeps *it, double *base, const double *low,
     for (uint32_t m = 0; m < it->r; m++)
         for (uint32_t k = 0; k < it->n; k++) {
             const V x = v ? load(v + k * W) : (V){0};
-            const V sum = madd(same(c->rest[m]), x, load(low + k * W), it->fused);
-            store(base + (m * it->n + k) * W, madd(same(c->top[m]), x, sum, it->fused));
+            const V sum =
+                madd(same(c->rest[m]), x, load(low + k * W), DM_LANES_FUSED && it->r > 1);
+            store(base + (m * it->n + k) * W,
+                  madd(same(c->top[m]), x, sum, DM_LANES_FUSED && it->r > 1));
         }
 }
 
@@ -110,8 +115,8 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
     ahead.u = w->memory + (DM_SWEPT_END + 4 * n) * W;
     ahead.u_stage = W;
     ahead.u_row = (size_t)it->width * W;
-    walk(it, &ahead, 0, NULL);
-    it->rate = 2.0 * load(w->memory + DM_SWEPT_RATE * W);
+    put(it, &ahead);
+    it->rate = 4.0 * load(w->memory + DM_SWEPT_RATE * W);
     it->rate = pick((I)(it->rate > same(DM_SWEEP_LEAST)), it->rate, same(DM_SWEEP_LEAST));
     if (g->separable) return fine;
     draw_line(it, w->lift, low + n * W, NULL);
@@ -119,7 +124,7 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
     ahead.base = ahead.start = it->w->zeros;
     ahead.column = g->sweeps.turning;
     ahead.factor = g->sweeps.one;
-    walk(it, &ahead, 0, NULL);
+    put(it, &ahead);
     return fine;
 }
 
@@ -138,18 +143,25 @@ INLINE void evaluate_first(lanes_sweeps *it) {
     const lanes_walk q = walk_of_q(it), p = walk_of_p(it);
     it->size[0] = square_of(it, &q);
     evaluate_stages(it);
-    it->moved[1] = it->size[1] = it->w->g->separable ? (V){0} : square_of(it, &p);
+    it->scale[0] = 1.0 / it->size[0];
+    if (it->w->g->separable) return;
+    it->moved[1] = it->size[1] = square_of(it, &p);
+    it->scale[1] = 1.0 / it->size[1];
 }
 
 /* one sweep, and what it tells of the contraction */
 INLINE void sweep_lanes(lanes_sweeps *it) {
     const lanes_walk q = walk_of_q(it);
     const V before = it->change;
-    it->moved[0] = it->measured ? walk(it, &q, 1, NULL) : walk(it, &q, 0, NULL);
-    if (it->measured) it->change = relative_change(it);
+    if (it->measured) {
+        it->moved[0] = move(it, &q);
+        it->change = relative_change(it);
+    } else {
+        put(it, &q);
+    }
     evaluate_stages(it);
     const I clean =
-        (I)(before <= DM_SWEEP_CLEAN) & (I)(it->change <= 10.0 * DM_SWEEP_CLEAN);
+        (I)(before <= DM_SWEEP_CLEAN) & (I)(it->change <= 100.0 * DM_SWEEP_CLEAN);
     if (it->measured && it->count > 0) {
         it->rate = pick(clean, it->rate, it->change / before);
         it->rated |= ~clean;

@@ -55,9 +55,9 @@ INLINE I iterate_lanes(lanes_sweeps *it, I todo, V *rate) {
         const I settles = todo & ~it->settled & (I)(it->change < DM_SWEEP_SETTLED);
         if (bits_of(settles)) settle_lanes(it, settles);
         sweep_lanes(it);
-        const double most = it->count > 5 ? DM_SWEEP_SLOW : 2.0;
+        const double most = it->count > 5 ? DM_SWEEP_SLOW : 4.0;
         todo &= is_finite(it->change) & ~(it->rated & (I)(it->rate > most));
-        const I now = todo & it->settled & (I)(it->rate * it->change <= enough);
+        const I now = todo & it->settled & (I)(it->rate * it->change <= enough * enough);
         if (!bits_of(now)) continue;
         const I fine = now & regular_lanes(it);
         leave_ends(it, fine, rate);
@@ -73,12 +73,17 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
     const uint32_t n = it->n, width = it->width;
     I fine = mask_of((1u << W) - 1);
     for (uint32_t k = 0; k < n; k++) {
-        V q[8] = {{0}}, p[8] = {{0}};
+        V q[8], p[8];
+        WRITTEN_OUT
+        for (uint32_t m = 0; m < 8; m++) q[m] = p[m] = (V){0};
+        WRITTEN_OUT
         for (uint32_t m = 0; m < it->r; m++) {
             const size_t at = (m * n + k) * W;
             const V u = load(w->end_u + at), f = load(w->end_f + at);
-            q[m] = madd(same(one->b[0]->top[m]), u, one->b[0]->rest[m] * u, it->fused);
-            p[m] = madd(same(one->b[1]->top[m]), f, one->b[1]->rest[m] * f, it->fused);
+            q[m] = madd(same(one->b[0]->top[m]), u, one->b[0]->rest[m] * u,
+                        DM_LANES_FUSED && it->r > 1);
+            p[m] = madd(same(one->b[1]->top[m]), f, one->b[1]->rest[m] * f,
+                        DM_LANES_FUSED && it->r > 1);
         }
         const V drift = w->g->separable ? load(w->drift + k * W) : (V){0};
         const V dq = total_of(q, width) * one->factor[k] + drift;
@@ -115,13 +120,12 @@ INLINE void keep_sweeps(const lanes_sweeps *it, I where, V rate) {
                       load(w->end_u + (m * n + k) * W));
 }
 
-INLINE uint32_t step_by_sweeps(const dm_stage_lanes *w, uint32_t asked, int fused) {
+HOW static uint32_t step_by_sweeps(const dm_stage_lanes *w, uint32_t asked) {
     const dm_stage *g = w->g;
     lanes_sweeps it = {.w = w,
                        .n = g->n,
                        .r = g->table.r,
                        .width = g->sweeps.row->width,
-                       .fused = fused,
                        .change = same(1.0)};
     I todo = mask_of(asked) & swept_before(w);
     V rate = {0};

@@ -14,9 +14,9 @@ typedef struct {
 typedef struct {
     const dm_stage_lanes *w;
     uint32_t n, r, width;
-    int fused, measured, count;
+    int measured, count;
     I settled, rated;
-    V size[2], moved[2], change, rate;
+    V size[2], scale[2], moved[2], change, rate;
 } lanes_sweeps;
 
 /* of terms[width], as lanes of one register are added up there: halves, then their halves */
@@ -35,44 +35,74 @@ INLINE V moved_of(const V *t, uint32_t width) {
 /* even and odd columns are summed apart */
 INLINE V weigh(const double *column, uint32_t width, const V *u, uint32_t columns,
                int fused) {
-    V even = column[0] * u[0], odd = columns > 1 ? column[width] * u[1] : (V){0};
+    V even = column[0] * u[0], odd;
+    if (columns == 1) return even;
+    odd = column[width] * u[1];
+    WRITTEN_OUT
     for (uint32_t m = 2; m < columns; m += 2) {
         even = madd(same(column[m * width]), u[m], even, fused);
         if (m + 1 < columns)
             odd = madd(same(column[(m + 1) * width]), u[m + 1], odd, fused);
     }
-    return columns > 1 ? even + odd : even;
+    return even + odd;
 }
 
-/* columns, fused and measured are constants where this is called; lanes that are not in `where` keep x */
-INLINE V walk_columns(const lanes_sweeps *it, const lanes_walk *a, uint32_t columns,
-                      int measured, const I *where) {
-    V moved[8] = {{0}}, u[8];
-    for (uint32_t k = 0; k < it->n; k++) {
-        const V factor = same(a->factor[k]), start = load(a->start + k * W);
-        for (uint32_t m = 0; m < columns; m++)
-            u[m] = load(a->u + m * a->u_stage + k * a->u_row);
-        for (uint32_t i = 0; i < columns; i++) {
-            double *x = a->x + i * a->x_stage + k * W;
-            const V sum = weigh(a->column + i, it->width, u, columns, it->fused);
-            const V base = load(a->base + (i * it->n + k) * W);
-            const V now = start + madd(factor, sum, base, it->fused);
+/* stages and measured are constants where this is called; lanes that are not in `where` keep x */
+INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r,
+                     int measured, const I *where) {
+    const uint32_t n = it->n, width = r == 1 ? 1 : r <= 4 ? 4 : 8;
+    const int fused = DM_LANES_FUSED && r > 1;
+    const lanes_walk at = *a; /* nothing of it changes by what is written */
+    V moved[8], u[8];
+    WRITTEN_OUT
+    for (uint32_t i = 0; i < 8; i++) moved[i] = u[i] = (V){0};
+    for (uint32_t k = 0; k < n; k++) {
+        const V factor = same(at.factor[k]), start = load(at.start + k * W);
+        WRITTEN_OUT
+        for (uint32_t m = 0; m < r; m++)
+            u[m] = load(at.u + m * at.u_stage + k * at.u_row);
+        WRITTEN_OUT
+        for (uint32_t i = 0; i < r; i++) {
+            double *x = at.x + i * at.x_stage + k * W;
+            const V sum = weigh(at.column + i, width, u, r, fused);
+            const V base = load(at.base + (i * n + k) * W);
+            const V now = start + madd(factor, sum, base, fused);
             if (measured) {
                 const V d = now - load(x);
-                moved[i] = madd(d, d, moved[i], it->fused);
+                moved[i] = madd(d, d, moved[i], fused);
             }
             store(x, where ? pick(*where, now, load(x)) : now);
         }
     }
-    return measured ? moved_of(moved, it->width) : (V){0};
+    return measured ? moved_of(moved, width) : (V){0};
 }
 
-INLINE V walk(const lanes_sweeps *it, const lanes_walk *a, int measured, const I *where) {
-    if (it->r == 1) return walk_columns(it, a, 1, measured, where);
-    if (it->r == 2) return walk_columns(it, a, 2, measured, where);
-    if (it->r == 3) return walk_columns(it, a, 3, measured, where);
-    if (it->r == 4) return walk_columns(it, a, 4, measured, where);
-    return walk_columns(it, a, it->r, measured, where);
+/* few stages are written out */
+HOW static V move(const lanes_sweeps *it, const lanes_walk *a) {
+    if (it->r == 1) return walk_stages(it, a, 1, 1, NULL);
+    if (it->r == 2) return walk_stages(it, a, 2, 1, NULL);
+    if (it->r == 3) return walk_stages(it, a, 3, 1, NULL);
+    if (it->r == 4) return walk_stages(it, a, 4, 1, NULL);
+    if (it->r == 6) return walk_stages(it, a, 6, 1, NULL);
+    return walk_stages(it, a, it->r, 1, NULL);
+}
+
+HOW static void put(const lanes_sweeps *it, const lanes_walk *a) {
+    if (it->r == 1)
+        walk_stages(it, a, 1, 0, NULL);
+    else if (it->r == 2)
+        walk_stages(it, a, 2, 0, NULL);
+    else if (it->r == 3)
+        walk_stages(it, a, 3, 0, NULL);
+    else
+        walk_stages(it, a, it->r, 0, NULL);
+}
+
+HOW static void put_some(const lanes_sweeps *it, const lanes_walk *a, I where) {
+    if (it->r == 1)
+        walk_stages(it, a, 1, 0, &where);
+    else
+        walk_stages(it, a, it->r, 0, &where);
 }
 
 /* doubles from stage to stage of what kernels take and give */

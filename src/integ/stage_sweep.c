@@ -59,11 +59,12 @@ const double *dm_stage_sweeps_u(const dm_stage *g) {
 
 typedef struct {
     dm_stage *g;
-    int measured;             /* what sweeps change is looked at */
-    int settled;              /* the bases are whole */
-    int rated;                /* the rate is of this step */
-    int count;                /* sweeps */
-    double size[2], moved[2]; /* of positions and momenta, squared */
+    int measured; /* what sweeps change is looked at */
+    int settled;  /* the bases are whole */
+    int rated;    /* the rate is of this step */
+    int count;    /* sweeps */
+    /* all squared: of positions and momenta, and 1 over their size */
+    double size[2], scale[2], moved[2];
     double
         change; /* of the sums by the last sweep, relative; below DM_SWEEP_CLEAN as foretold */
     double
@@ -96,13 +97,13 @@ static double relative(const iteration *it) {
     double largest = 0.0;
     for (int k = 0; k < 2; k++) {
         const double change = it->moved[k];
-        const double ratio = change > 0.0 ? change / it->size[k] : change;
+        const double ratio = change > 0.0 ? change * it->scale[k] : change;
         largest = dm_largest(largest, ratio);
     }
-    return sqrt(largest);
+    return largest;
 }
 
-/* error left in the sums; what it does to momenta, h L_qq of it, may be as large */
+/* error left in the sums, squared; what it does to momenta, h L_qq of it, may be as large */
 static double left(const iteration *it) {
     return it->rate * it->change;
 }
@@ -121,7 +122,7 @@ static void sweep(iteration *it) {
     it->moved[0] = move(it, &it->g->sweeps.q);
     if (it->measured) it->change = relative(it);
     evaluate(it);
-    if (before <= DM_SWEEP_CLEAN && it->change <= 10.0 * DM_SWEEP_CLEAN) {
+    if (before <= DM_SWEEP_CLEAN && it->change <= 100.0 * DM_SWEEP_CLEAN) {
         it->change = it->rate * before;
     } else if (it->measured && it->count > 0) {
         it->rate = it->change / before;
@@ -168,7 +169,7 @@ static void prepare(iteration *it, int warm) {
     w->q.start = w->ahead.start = g->state;
     w->p.start = g->state + n;
     set_off(it, warm);
-    if (warm) it->rate = fmax(DM_SWEEP_LEAST, 2.0 * dm_stage_memory_rate(g));
+    if (warm) it->rate = fmax(DM_SWEEP_LEAST, 4.0 * dm_stage_memory_rate(g));
 }
 
 /* the first one, which tells what changes are compared with */
@@ -177,6 +178,7 @@ static void evaluate_first(iteration *it) {
     it->size[0] = square(&w->q, w->row->width);
     evaluate(it);
     it->moved[1] = it->size[1] = it->g->separable ? 0.0 : square(&w->p, w->row->width);
+    for (int k = 0; k < 2; k++) it->scale[k] = 1.0 / it->size[k];
 }
 
 /* so many evaluations after a warm start; the last change is measured for the report */
@@ -191,15 +193,16 @@ static dm_status count_out(iteration *it, int fixed) {
 
 /* until what is left is round-off */
 static dm_status iterate(iteration *it, double tolerance) {
+    const double enough = DM_SWEEP_LEFT * tolerance;
     evaluate_first(it);
     for (int k = 1; k < DM_STAGE_SWEEPS; k++) {
         const int settled = it->settled;
         if (!settled && it->change < DM_SWEEP_SETTLED) settle(it);
         sweep(it);
         if (!isfinite(it->change)) return DM_NOT_FINITE;
-        if (it->rated && it->rate > (it->count > 5 ? DM_SWEEP_SLOW : 2.0))
+        if (it->rated && it->rate > (it->count > 5 ? DM_SWEEP_SLOW : 4.0))
             return DM_NO_CONVERGENCE;
-        if (it->settled && left(it) <= DM_SWEEP_LEFT * tolerance) return DM_OK;
+        if (it->settled && left(it) <= enough * enough) return DM_OK;
     }
     return DM_NO_CONVERGENCE;
 }
@@ -261,7 +264,7 @@ dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
     stepper->report.iterations = it.count;
     if (status == DM_OK) status = finish(g);
     if (status != DM_OK) return status;
-    const double missed = left(&it) * sqrt(it.size[!g->separable]);
+    const double missed = sqrt(left(&it)) * sqrt(it.size[!g->separable]);
     stepper->report.residual =
         g->separable ? missed * g->sweeps.heaviest / fabs(g->h) : missed;
     dm_stage_memory_keep(g, it.rated ? it.rate : dm_stage_memory_rate(g));
