@@ -12,9 +12,6 @@
 
 #define INLINE HOW static inline __attribute__((always_inline, unused))
 
-/* before a loop of a few rounds, a constant where its function is called: registers instead of arrays */
-#define WRITTEN_OUT _Pragma("GCC unroll 8")
-
 typedef double V __attribute__((vector_size(8 * W)));
 typedef long long I __attribute__((vector_size(8 * W))); /* -1: yes, 0: no */
 typedef V in_memory __attribute__((may_alias));

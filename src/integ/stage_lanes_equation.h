@@ -2,15 +2,8 @@
 #ifndef DM_STAGE_LANES_EQUATION_H
 #define DM_STAGE_LANES_EQUATION_H
 
-#include "integ/stage_lanes_text.h"
+#include "integ/stage_lanes_guess.h"
 #include "linalg/lu_lanes_text.h"
-
-typedef struct {
-    const dm_stage_lanes *w;
-    uint32_t n, s, r, m; /* m = s n unknowns */
-    I todo, fresh;       /* lanes that go on, that renew their matrix */
-    V step, last, rate, residual, terms;
-} lanes_newton;
 
 INLINE size_t curve_size(uint32_t n) {
     return (2 * (size_t)n + 3 * (size_t)n * n) * W;
@@ -24,6 +17,7 @@ INLINE V add_weighted(V sum, dm_weight w, V x) {
 /* max |a|, NaN where there is one or an infinity */
 INLINE V norm_of(const double *a, uint32_t m) {
     V largest = {0}, bad = {0};
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < m; i++) {
         const V size = magnitude(load(a + i * W));
         largest = larger_of(size, largest);
@@ -37,8 +31,10 @@ INLINE void place_lanes(const lanes_newton *it, uint32_t i) {
     const dm_stage_lanes *w = it->w;
     const dm_stage *g = w->g;
     const uint32_t n = it->n, s = it->s;
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
         V shift = {0}, v = {0};
+#pragma GCC unroll 4
         for (uint32_t j = 0; j < s; j++) {
             const V root = load(w->root + (j * n + k) * W);
             shift = add_weighted(shift, g->ha[i * s + j], root);
@@ -62,6 +58,7 @@ INLINE void evaluate_lanes(const lanes_newton *it, int all) {
     const I chord = it->todo & ~it->fresh;
     const size_t curve = curve_size(it->n), slope = 2 * (size_t)it->n;
     const uint32_t renews = bits_of(it->fresh), keeps = bits_of(chord);
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < it->r; i++) {
         double *own = w->curve + i * curve, *slopes = w->slopes + i * slope * W;
         place_lanes(it, i);
@@ -79,12 +76,15 @@ INLINE void find_residual(lanes_newton *it) {
     const dm_stage *g = w->g;
     const uint32_t n = it->n, s = it->s;
     it->terms = (V){0};
+#pragma GCC unroll 4
     for (uint32_t j = 0; j < s; j++)
+#pragma GCC unroll 4
         for (uint32_t k = 0; k < n; k++) {
             const dm_weight beta = g->table.beta[j];
             const V p0 = load(w->state + (n + k) * W),
                     low = load(w->state + (3 * n + k) * W);
             V sum = {0};
+#pragma GCC unroll 4
             for (uint32_t i = 0; i < it->r; i++) {
                 const double *slope = w->slopes + (i * 2 * n + k) * W;
                 const dm_weight wq = g->wq[i * s + j], wv = g->wv[i * s + j];
@@ -104,7 +104,9 @@ INLINE void add_block_lanes(const lanes_newton *it, double *block, const double 
                             int half, const double *A) {
     const uint32_t n = it->n;
     const double *B = A + n * n * W, *C = B + n * n * W;
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < n; i++)
+#pragma GCC unroll 4
         for (uint32_t j = 0; j < n; j++) {
             const size_t at = (i * n + j) * W;
             double *to = block + (i * (size_t)it->m + j) * W;
@@ -123,9 +125,12 @@ INLINE void find_matrix(const lanes_newton *it, double *J) {
     const dm_stage *g = it->w->g;
     const uint32_t n = it->n, s = it->s;
     for (size_t k = 0; k < (size_t)it->m * it->m; k++) store(J + k * W, (V){0});
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < it->r; i++) {
         const double *second = it->w->curve + i * curve_size(n) + 2 * n * W;
+#pragma GCC unroll 4
         for (uint32_t j = 0; j < s; j++)
+#pragma GCC unroll 4
             for (uint32_t k = 0; k < s; k++) {
                 const double wq = dm_weight_double(g->wq[i * s + j]);
                 const double wv = dm_weight_double(g->wv[i * s + j]);

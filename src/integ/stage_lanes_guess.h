@@ -4,20 +4,31 @@
 
 #include "integ/stage_lanes_text.h"
 
+typedef struct {
+    const dm_stage_lanes *w;
+    uint32_t n, s, r, m; /* m = s n unknowns */
+    I todo, fresh;       /* lanes that go on, that renew their matrix */
+    V step, last, rate, residual, terms;
+} lanes_newton;
+
 /* to[s][n] = V of the next step by the polynomial of the last one */
-INLINE void continue_lanes(const dm_stage_lanes *w, double *to, const double *before) {
-    const uint32_t n = w->g->n, s = w->g->table.s;
+INLINE void continue_lanes(const lanes_newton *it, double *to, const double *before) {
+    const uint32_t n = it->n, s = it->s;
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < s; i++)
+#pragma GCC unroll 4
         for (uint32_t k = 0; k < n; k++) {
             V sum = s == 1 ? load(before + k * W) : (V){0};
+#pragma GCC unroll 4
             for (uint32_t j = 0; j < s && s > 1; j++)
-                sum += w->g->ahead[i * s + j] * load(before + (j * n + k) * W);
+                sum += it->w->g->ahead[i * s + j] * load(before + (j * n + k) * W);
             store(to + (i * n + k) * W, sum);
         }
 }
 
 INLINE V largest_of_lanes(const double *a, size_t size) {
     V largest = {0};
+#pragma GCC unroll 4
     for (size_t k = 0; k < size; k++)
         largest = larger_of(magnitude(load(a + k * W)), largest);
     return largest;
@@ -36,6 +47,7 @@ INLINE void add_missed_lanes(double *to, const double *D, V count, double at_lea
         wants &= (I)(count > (double)i);
         if (i >= at_least) wants &= (I)(left <= DM_WARM_NEARER * missing);
         if (!bits_of(wants)) return;
+#pragma GCC unroll 4
         for (size_t k = 0; k < size; k++) {
             const V x = load(to + k * W);
             store(to + k * W, pick(wants, x + load(D + k * W), x));
@@ -45,18 +57,19 @@ INLINE void add_missed_lanes(double *to, const double *D, V count, double at_lea
 }
 
 /* root[s][n] from the steps before; the lanes that have some */
-INLINE I guess_lanes(const dm_stage_lanes *w) {
-    const dm_stage *g = w->g;
-    const uint32_t n = g->n, size = g->table.s * n;
+INLINE I guess_lanes(const lanes_newton *it) {
+    const dm_stage_lanes *w = it->w;
+    const uint32_t n = it->n, size = it->m;
     const double *end = w->memory + DM_WARM_END * W, *before = end + 4 * n * W;
     const V count = load(w->memory + DM_WARM_COUNT * W);
-    I has = (I)(load(w->memory + DM_WARM_STEP * W) == g->h) & (I)(count > (V){0});
+    I has = (I)(load(w->memory + DM_WARM_STEP * W) == w->g->h) & (I)(count > (V){0});
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < 4 * n; k++)
         has &= (I)(load(end + k * W) == load(w->state + k * W));
     if (!bits_of(has)) return has;
-    continue_lanes(w, w->root, before);
+    continue_lanes(it, w->root, before);
     add_missed_lanes(w->root, before + size * W, count - 1.0,
-                     g->table.s == 1 ? DM_WARM_PARABOLA : 0, size);
+                     it->s == 1 ? DM_WARM_PARABOLA : 0, size);
     return has;
 }
 

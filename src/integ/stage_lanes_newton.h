@@ -6,7 +6,6 @@
 #define DM_STAGE_LANES_NEWTON_H
 
 #include "integ/stage_lanes_equation.h"
-#include "integ/stage_lanes_guess.h"
 #include "solve/newton_limits.h"
 
 #include <math.h>
@@ -16,6 +15,7 @@
 /* dx = -J^-1 r of the lanes that go on; leaves the rate of the iteration before */
 INLINE void find_increments(lanes_newton *it) {
     const dm_stage_lanes *w = it->w;
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < it->m; k++) store(w->r + k * W, -load(w->r + k * W));
     solve_lanes(w->r, w->J, w->pivot, it->m);
     copy_where(it->todo, w->dx, w->r, it->m);
@@ -49,6 +49,7 @@ INLINE I chord_lanes(lanes_newton *it) {
         find_increments(it);
         it->todo &= is_finite(it->step);
         const I last = it->todo & last_increments(it);
+#pragma GCC unroll 4
         for (uint32_t i = 0; i < it->m; i++) {
             const V x = load(w->root + i * W);
             store(w->root + i * W, pick(it->todo, x + load(w->dx + i * W), x));
@@ -72,8 +73,10 @@ INLINE void correct_lanes(const lanes_newton *it, uint32_t i) {
     const uint32_t n = it->n, s = it->s;
     const double *qq = w->curve + i * curve_size(n) + 2 * n * W, *qv = qq + n * n * W;
     double *dq = w->x, *dv = dq + n * W; /* not needed any more */
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
         V to_q = {0}, to_v = {0};
+#pragma GCC unroll 4
         for (uint32_t j = 0; j < s; j++) {
             const V d = load(w->dx + (j * n + k) * W);
             to_q += g->ha[i * s + j].top * d;
@@ -82,9 +85,11 @@ INLINE void correct_lanes(const lanes_newton *it, uint32_t i) {
         store(dq + k * W, to_q);
         store(dv + k * W, to_v);
     }
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
         double *force = w->slopes + (i * 2 * n + k) * W;
         V sum = load(force);
+#pragma GCC unroll 4
         for (uint32_t l = 0; l < n; l++) {
             const size_t at = (k * n + l) * W;
             sum += load(qq + at) * load(dq + l * W) + load(qv + at) * load(dv + l * W);
@@ -97,15 +102,19 @@ INLINE I finish_newton(const lanes_newton *it) {
     const dm_stage_lanes *w = it->w;
     const uint32_t n = it->n;
     I fine = mask_of((1u << W) - 1);
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < it->r; i++) correct_lanes(it, i);
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
         V dq = {0}, dp = {0};
+#pragma GCC unroll 4
         for (uint32_t j = 0; j < it->s; j++)
             dq = add_weighted(dq, w->g->hbeta[j], load(w->root + (j * n + k) * W));
+#pragma GCC unroll 4
         for (uint32_t i = 0; i < it->r; i++)
             dp = add_weighted(dp, w->g->hb[i], load(w->slopes + (i * 2 * n + k) * W));
-        fine &= add_to_state(w, k, dq);
-        fine &= add_to_state(w, n + k, dp);
+        fine &= add_to_state(w, n, k, dq);
+        fine &= add_to_state(w, n, n + k, dp);
     }
     return fine;
 }
@@ -116,9 +125,11 @@ INLINE void keep_newton(const lanes_newton *it, I where) {
     const dm_stage_lanes *w = it->w;
     double *end = w->memory + DM_WARM_END * W, *before = end + 4 * it->n * W;
     double *D = before + it->m * W, *count = w->memory + DM_WARM_COUNT * W;
-    continue_lanes(w, w->missed, before);
+    continue_lanes(it, w->missed, before);
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < it->m; k++) {
         V missed = load(w->root + k * W) - load(w->missed + k * W);
+#pragma GCC unroll 4
         for (uint32_t i = 0; i < DM_WARM_TERMS; i++) {
             double *place = D + (i * it->m + k) * W;
             const V now = missed;
@@ -133,21 +144,33 @@ INLINE void keep_newton(const lanes_newton *it, I where) {
     copy_where(where, w->state, w->next, 4 * it->n);
 }
 
-INLINE uint32_t step_by_newton(const dm_stage_lanes *w, uint32_t asked) {
-    const dm_stage *g = w->g;
+INLINE uint32_t step_of(const dm_stage_lanes *w, uint32_t asked, uint32_t n, uint32_t s,
+                        uint32_t r) {
     lanes_newton it = {.w = w,
-                       .n = g->n,
-                       .s = g->table.s,
-                       .r = g->table.r,
-                       .m = g->table.s * g->n,
+                       .n = n,
+                       .s = s,
+                       .r = r,
+                       .m = s * n,
                        .step = same(INFINITY),
                        .last = same(INFINITY)};
-    it.todo = mask_of(asked) & guess_lanes(w);
+    it.todo = mask_of(asked) & guess_lanes(&it);
     if (!bits_of(it.todo)) return 0;
     I ended = chord_lanes(&it);
     ended &= finish_newton(&it);
     keep_newton(&it, ended);
     return bits_of(ended);
+}
+
+/* few coordinates and one stage are written out */
+HOW static uint32_t step_by_newton(const dm_stage_lanes *w, uint32_t asked) {
+    const dm_stage *g = w->g;
+    const uint32_t n = g->n, s = g->table.s, r = g->table.r;
+    const int one = s == 1 && r == 1;
+    if (one && n == 1) return step_of(w, asked, 1, 1, 1);
+    if (one && n == 2) return step_of(w, asked, 2, 1, 1);
+    if (one && n == 3) return step_of(w, asked, 3, 1, 1);
+    if (one && n == 4) return step_of(w, asked, 4, 1, 1);
+    return step_of(w, asked, n, s, r);
 }
 
 #endif

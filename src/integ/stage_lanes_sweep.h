@@ -74,9 +74,9 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
     I fine = mask_of((1u << W) - 1);
     for (uint32_t k = 0; k < n; k++) {
         V q[8], p[8];
-        WRITTEN_OUT
+#pragma GCC unroll 8
         for (uint32_t m = 0; m < 8; m++) q[m] = p[m] = (V){0};
-        WRITTEN_OUT
+#pragma GCC unroll 8
         for (uint32_t m = 0; m < it->r; m++) {
             const size_t at = (m * n + k) * W;
             const V u = load(w->end_u + at), f = load(w->end_f + at);
@@ -87,8 +87,8 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
         }
         const V drift = w->g->separable ? load(w->drift + k * W) : (V){0};
         const V dq = total_of(q, width) * one->factor[k] + drift;
-        fine &= add_to_state(w, k, dq);
-        fine &= add_to_state(w, n + k, total_of(p, width) + (V){0});
+        fine &= add_to_state(w, n, k, dq);
+        fine &= add_to_state(w, n, n + k, total_of(p, width) + (V){0});
     }
     return fine;
 }

@@ -6,8 +6,7 @@
 #include "integ/stage_lanes.h"
 
 /* (high, low) + d in next; the lanes where that is finite */
-INLINE I add_to_state(const dm_stage_lanes *w, uint32_t k, V d) {
-    const uint32_t n = w->g->n;
+INLINE I add_to_state(const dm_stage_lanes *w, uint32_t n, uint32_t k, V d) {
     const V old = load(w->state + k * W), e = load(w->state + (2 * n + k) * W) + d;
     const V sum = old + e, low = e + (old - sum);
     store(w->next + k * W, sum);

@@ -38,7 +38,7 @@ INLINE V weigh(const double *column, uint32_t width, const V *u, uint32_t column
     V even = column[0] * u[0], odd;
     if (columns == 1) return even;
     odd = column[width] * u[1];
-    WRITTEN_OUT
+#pragma GCC unroll 8
     for (uint32_t m = 2; m < columns; m += 2) {
         even = madd(same(column[m * width]), u[m], even, fused);
         if (m + 1 < columns)
@@ -54,14 +54,14 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r,
     const int fused = DM_LANES_FUSED && r > 1;
     const lanes_walk at = *a; /* nothing of it changes by what is written */
     V moved[8], u[8];
-    WRITTEN_OUT
+#pragma GCC unroll 8
     for (uint32_t i = 0; i < 8; i++) moved[i] = u[i] = (V){0};
     for (uint32_t k = 0; k < n; k++) {
         const V factor = same(at.factor[k]), start = load(at.start + k * W);
-        WRITTEN_OUT
+#pragma GCC unroll 8
         for (uint32_t m = 0; m < r; m++)
             u[m] = load(at.u + m * at.u_stage + k * at.u_row);
-        WRITTEN_OUT
+#pragma GCC unroll 8
         for (uint32_t i = 0; i < r; i++) {
             double *x = at.x + i * at.x_stage + k * W;
             const V sum = weigh(at.column + i, width, u, r, fused);

@@ -16,6 +16,7 @@ typedef struct {
 } lanes_pivot;
 
 INLINE void exchange_where(I yes, double *a, double *b, uint32_t n) {
+#pragma GCC unroll 4
     for (uint32_t j = 0; j < n; j++) {
         const V x = load(a + j * W), y = load(b + j * W);
         store(a + j * W, pick(yes, y, x));
@@ -27,6 +28,7 @@ INLINE void exchange_where(I yes, double *a, double *b, uint32_t n) {
 INLINE void find_pivot(lanes_pivot *pivot, const double *A, uint32_t k, uint32_t n) {
     V largest = magnitude(load(A + (k * (size_t)n + k) * W));
     I best = (I){0} + (long long)k;
+#pragma GCC unroll 4
     for (uint32_t i = k + 1; i < n; i++) {
         const V size = magnitude(load(A + (i * (size_t)n + k) * W));
         const I yes = (I)(size > largest);
@@ -39,10 +41,12 @@ INLINE void find_pivot(lanes_pivot *pivot, const double *A, uint32_t k, uint32_t
 
 INLINE void eliminate_below(double *A, uint32_t k, uint32_t n) {
     const double *row = A + k * (size_t)n * W;
+#pragma GCC unroll 4
     for (uint32_t i = k + 1; i < n; i++) {
         double *below = A + i * (size_t)n * W;
         const V factor = load(below + k * W) * load(row + k * W);
         store(below + k * W, factor);
+#pragma GCC unroll 4
         for (uint32_t j = k + 1; j < n; j++)
             store(below + j * W, load(below + j * W) - factor * load(row + j * W));
     }
@@ -51,6 +55,7 @@ INLINE void eliminate_below(double *A, uint32_t k, uint32_t n) {
 /* the lanes whose matrix is regular and finite */
 INLINE I factor_lanes(double *A, lanes_pivot *pivot, uint32_t n) {
     I fine = mask_of((1u << W) - 1);
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
         double *row = A + k * (size_t)n * W;
         find_pivot(pivot + k, A, k, n);
@@ -68,18 +73,23 @@ INLINE I factor_lanes(double *A, lanes_pivot *pivot, uint32_t n) {
 
 INLINE void solve_lanes(double *x, const double *LU, const lanes_pivot *pivot,
                         uint32_t n) {
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t i = k + 1; pivot[k].any && i < n; i++)
             exchange_where((I)(pivot[k].row == (long long)i), x + k * W, x + i * W, 1);
+#pragma GCC unroll 4
     for (uint32_t i = 1; i < n; i++) {
         const double *row = LU + i * (size_t)n * W;
         V sum = load(x + i * W);
+#pragma GCC unroll 4
         for (uint32_t j = 0; j < i; j++) sum -= load(row + j * W) * load(x + j * W);
         store(x + i * W, sum);
     }
+#pragma GCC unroll 4
     for (uint32_t i = n; i-- > 0;) {
         const double *row = LU + i * (size_t)n * W;
         V sum = load(x + i * W);
+#pragma GCC unroll 4
         for (uint32_t j = i + 1; j < n; j++) sum -= load(row + j * W) * load(x + j * W);
         store(x + i * W, sum * load(row + i * W));
     }
