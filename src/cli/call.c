@@ -11,7 +11,7 @@
 
 const char *dml_program = "dmlua";
 
-static lua_State *called; /* for the signal handler */
+static lua_State *volatile running; /* the thread, for the signal handler */
 
 /* ---- Ctrl-C ---- */
 
@@ -51,10 +51,18 @@ static void set_signal(int number, void (*handler)(int), struct sigaction *befor
     sigaction(number, &action, before);
 }
 
-/* every second until Ctrl-C is answered: it may have come just before a read of the terminal */
+/* before the next instruction of what runs */
+static void set_hook(void) {
+    lua_sethook(running, interrupt,
+                LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT, 1);
+}
+
+/* every second until Ctrl-C is answered: it may have come just before a read of the terminal, or a change of the thread */
 static void wake(int signal) {
     (void)signal;
-    if (dml_stop) alarm(1);
+    if (!dml_stop) return;
+    set_hook();
+    alarm(1);
 }
 
 /* a second Ctrl-C finds the default action, which kills */
@@ -62,14 +70,24 @@ static void stop(int signal) {
     (void)signal;
     set_signal(SIGINT, SIG_DFL, NULL);
     dml_stop = 1;
-    lua_sethook(called, interrupt,
-                LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT, 1);
+    set_hook();
     set_signal(SIGALRM, wake, NULL);
     alarm(1);
 }
 
 static void drop(int signal) {
     (void)signal;
+}
+
+lua_State *dml_running(lua_State *co) {
+    lua_State *before = running;
+    running = co;
+    return before;
+}
+
+int dml_interrupted(void) {
+    if (raised) set_hook();
+    return raised;
 }
 
 void dml_drop_interrupts(void) {
@@ -81,7 +99,7 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
     struct sigaction before;
     lua_pushcfunction(L, handler);
     lua_insert(L, base);
-    called = L;
+    dml_running(L);
     dml_stop = raised = 0;
     set_signal(SIGINT, stop, &before);
     const int status = lua_pcall(L, arguments, results, base);

@@ -13,6 +13,13 @@ int dml_call(lua_State *L, int arguments, int results);
 /* The same, but a dm.failure stays what it is. */
 int dml_call_keeping(lua_State *L, int arguments, int results);
 
+/* Ctrl-C stops what runs in the thread co from now on; gives the thread before. */
+lua_State *dml_running(lua_State *co);
+
+/* Has Ctrl-C just raised an error that no function of the user has dealt with yet? Asked when a thread ended by an error: it then
+** goes on in the one that runs. */
+int dml_interrupted(void);
+
 /* From now on Ctrl-C does nothing between calls, instead of killing: for a session. */
 void dml_drop_interrupts(void);
 

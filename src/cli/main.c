@@ -1,6 +1,7 @@
 /* main.c - dmlua: a Lua 5.4 interpreter with dm, and with lua's command line. */
 #include "bind/terminal.h"
 #include "cli/call.h"
+#include "cli/coroutine.h"
 #include "cli/home.h"
 #include "cli/options.h"
 #include "cli/repl.h"
@@ -125,6 +126,7 @@ static void open_libraries(lua_State *L, const dml_command *c) {
         lua_setfield(L, LUA_REGISTRYINDEX, "LUA_NOENV");
     }
     luaL_openlibs(L);
+    dml_open_coroutines(L);
     if (dml_open_home(L) != LUA_OK) {
         dml_message(dml_program, "dm is not available:");
         dml_report(L, LUA_ERRRUN);

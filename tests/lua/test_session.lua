@@ -163,6 +163,11 @@ has(text, "exit 0", "Ctrl-C stops Lua code, and the session goes on")
 text = stopping { "send endless = setmetatable({}, { __index = function() while true do end end })\\r", "wait 2004h",
   "send print('a path?', pcall(dm.compare, endless, endless))\\r", "wait 2004l", "pause 200", "send \\003", "wait 2004h", ANSWER }
 has(text:gsub("%s+", " "), "a path? false interrupted!", "a module that tries things under pcall passes it on; a pcall of the user has it")
+text = stopping { "send coroutine.wrap(function() coroutine.wrap(function() while true do end end)() end)()\\r", "wait 2004l", "pause 200", "send \\003",
+  "wait interrupted!", "send co = coroutine.create(function() while true do coroutine.yield() end end)\\r", "wait 2004h",
+  "send while true do coroutine.resume(co) end\\r", "wait 2004l", "pause 200", "send \\003", "wait interrupted!",
+  "send coroutine.resume(coroutine.create(function() error 'own' end))\\r", "wait own", ANSWER }
+has(text, "exit 0", "code in coroutines is stopped too, and one that fails later is its own affair")
 text = stopping { "send some rubbish", "pause 50", "send \\003", ANSWER }
 has(text, "> 40 + 2\n42", "at the prompt it clears the line")
 text = stopping { "send for i = 1, 2 do\\r", "wait >> ", "pause 50", "send \\003", ANSWER }
