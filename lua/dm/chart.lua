@@ -384,6 +384,9 @@ The same as dm.chart{system, ...}.]]
 core.docs[M.chart] = doc_chart
 core.docs[M.order], core.docs[M.cheapest], core.docs[M.pareto] = doc_order, doc_cheapest, doc_pareto
 core.docs[M.table], core.docs[M.plot], core.docs[M.csv] = doc_table, doc_plot, doc_csv
+require "dm.class".register(M, { "order", "cheapest", "pareto", "table", "plot", "csv" }, [[
+dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}
+fields: points (a list of {rule, h, error, ns, steps, evaluations, newton}), rules (names), failures (points that could not be run, and why), rival]])
 core.method("dm.system", "chart", blame.caller(function(system, options)
   local given = {}
   for key, value in pairs(type(options) == "table" and options or {}) do given[key] = value end

@@ -195,5 +195,8 @@ end)
 function M:__tostring() return self:table() end
 
 core.docs[M.scaling], core.docs[M.exponent], core.docs[M.table], core.docs[M.plot] = doc, doc_exponent, doc_table, doc_plot
+require "dm.class".register(M, { "exponent", "table", "plot" }, [[
+dm.scaling: what a step costs as things grow, made by dm.scaling{system=, start=, n= | members=, rules=}
+fields: points (a list of {rule, size, ns, setup}), rules (names)]])
 
 return M

@@ -324,5 +324,8 @@ end)
 
 core.docs[M.scene] = doc_scene
 core.docs[M.run], core.docs[M.why], core.docs[M.animate] = doc_run, doc_why, doc_animate
+require "dm.class".register(M, { "run", "why", "animate" }, [[
+dm.scene: what is watched, how exactly, for how long; made by dm.scene{system=, q=, v=, watch=, tolerance=, until_t=}
+fields: best (the choice), candidates (all that was measured), profile (the costs, to be saved)]])
 
 return M

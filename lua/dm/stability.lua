@@ -349,5 +349,8 @@ end)
 core.docs[M.stability], core.docs[M.limit], core.docs[M.at], core.docs[M.theory] = doc_stability, doc_limit, doc_at, doc_theory
 M.why = why
 require "dm.stability.show"(M)
+require "dm.class".register(M, { "limit", "at", "theory", "table", "plot", "csv" }, [[
+dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, rule=, h=, steps=}
+fields: h and the parameters by name (lists of numbers), rows (what belongs to each), rules, seconds (what it took)]])
 
 return M

@@ -113,4 +113,11 @@ do
   tap.raises("holds 100, but the run", chart, { h = { 100 } })
   tap.raises("must be one dm.system (got table)", dm.chart, { { henon, henon }, q = { 0, 0.1 }, v = { 0.3, 0.1 }, t = 20, rules = "verlet", h = 0.1 })
 end
+-- what help(), completion and the reference know of objects that are tables
+for class, method in pairs { ["dm.chart"] = "order", ["dm.stability_map"] = "limit", ["dm.scene"] = "why", ["dm.scaling"] = "exponent" } do
+  local _ = dm.chart, dm.stability, dm.scene, dm.scaling
+  local methods = require "dm.complete".methods_of(class)
+  local core = require "dm.core"
+  tap.ok(methods and core.docs[methods[method]] and core.docs[class], "the methods of " .. class .. " are known by name")
+end
 tap.done()
