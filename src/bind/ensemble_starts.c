@@ -100,14 +100,14 @@ static void read_columns(lua_State *L, const dml_part *p) {
     }
 }
 
-/* the trace is checked at the first member */
+/* the trace is checked at the first member, which may be outside of the domain where others are not */
 static void check_trace(lua_State *L, const dml_part *p, dml_stepping *r) {
     if (p->velocity) {
         const double *q = p->e->state + (size_t)p->first * dm_state_size(r->solver->n);
         memcpy(r->x, q, 2 * r->solver->n * sizeof *q);
         r->x[2 * r->solver->n] = r->t0;
     }
-    dml_checkmodel(L, r->system, r->model, p->velocity ? r->x : NULL);
+    dml_checkmember(L, r->system, r->model, p->velocity ? r->x : NULL);
 }
 
 static int has(lua_State *L, const char *key) {
@@ -145,19 +145,52 @@ static void start_on_ties(lua_State *L, const dml_part *these, dml_stepping *r, 
     lua_pop(L, 1);
 }
 
-/* starts: q, and p given or by the Legendre transform; a member whose transform fails is marked */
-void dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
+/* L is a number where member i starts with velocity v, as a run of its own asks; x: room for its arguments */
+static int is_inside(const dml_part *these, const dml_stepping *r, long i,
+                     const double *v, double *x) {
+    const dm_model *m = these->values ? &r->inputs->model : &r->model->model;
+    const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
+    const double *q = these->e->state + (size_t)i * dm_state_size(n);
+    double value = 0.0;
+    if (!(m->has & DM_WANT_VALUE) || m->value.inputs != 2 * n + 1 + many) return 1;
+    memcpy(x, q, n * sizeof *x);
+    memcpy(x + n, v, n * sizeof *x);
+    x[2 * n] = r->t0;
+    if (many)
+        memcpy(x + 2 * n + 1, these->values + (size_t)(i - these->first) * many,
+               many * sizeof *x);
+    dm_kernel_prepare(&m->value, &value);
+    dm_kernel_eval(&m->value, x, &value);
+    return isfinite(value);
+}
+
+/* q, p of member i from its q, v; marked where it is outside of the domain or the transform fails */
+static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, long i,
+                         double *room) {
     const uint32_t n = these->e->n;
+    double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *v = r->x;
+    memcpy(v, p, n * sizeof *v);
+    const int inside = is_inside(these, r, i, v, room);
+    dml_rethrow(L, r->model);
+    if (!inside || dm_legendre(&r->model->model, p, q, v, r->t0, r->work) != DM_OK)
+        p[0] = NAN;
+    dml_rethrow(L, r->model);
+    return inside;
+}
+
+/* starts: q, and p given or by the Legendre transform */
+void dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
+    const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
     read_columns(L, these);
     if (!these->values) check_trace(L, these, r);
+    double *room = lua_newuserdatauv(L, (2 * n + 1 + many) * sizeof *room, 0);
+    long inside = 0;
     for (long i = these->first; i < these->first + these->count; i++) {
-        double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *x = r->x;
-        if (these->velocity) {
-            memcpy(x, p, n * sizeof *x);
-            if (dm_legendre(&r->model->model, p, q, x, r->t0, r->work) != DM_OK)
-                p[0] = NAN;
-            dml_rethrow(L, r->model);
-        }
+        inside += !these->velocity || find_momentum(L, these, r, i, room);
         if (r->model->model.ties) start_on_ties(L, these, r, i);
     }
+    /* where none is inside that is a mistake of the whole; room has the last one */
+    if (!inside && !these->values && !these->varied)
+        dml_checkmodel(L, r->system, r->model, room);
+    lua_pop(L, 1);
 }

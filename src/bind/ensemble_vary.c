@@ -193,11 +193,12 @@ const double *dml_vary_inputs(lua_State *L, long members, const dml_varied *v) {
     return out;
 }
 
-/* (what is compared, function, inputs): raises where trace and function differ */
+/* (what is compared, function, inputs): raises where trace and function differ; a member outside of the domain fails alone */
 static int compare(lua_State *L) {
     const dml_stepping *r = lua_touserdata(L, 1);
     const dml_model *m = r->inputs;
-    const dml_signature sig = dml_withsignature(m->n, m->params);
+    dml_signature sig = dml_withsignature(m->n, m->params);
+    sig.may_be_outside = 1;
     dml_trace_check_start(L, 2, &sig, &m->model.value, lua_touserdata(L, 3));
     return 0;
 }

@@ -272,12 +272,13 @@ unsigned dml_legendre_wants(const dml_model *m, unsigned want) {
 }
 
 /* the kernel is the function: it need only be a number, and the same one when asked again */
-static void check_callback(lua_State *L, dml_model *m, const char *what,
-                           const double *x) {
+static void check_callback(lua_State *L, dml_model *m, const char *what, const double *x,
+                           int may_be_outside) {
     double once = 0.0, again = 0.0;
     dm_kernel_eval(&m->model.value, x, &once);
     dm_kernel_eval(&m->model.value, x, &again);
     dml_rethrow(L, m);
+    if (once != once && may_be_outside) return;
     if (once != once)
         luaL_error(L,
                    "%s is NaN at the start: is the start inside its domain (a logarithm, "
@@ -290,13 +291,16 @@ static void check_callback(lua_State *L, dml_model *m, const char *what,
                    what, once, again);
 }
 
-void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
+static void check_model(lua_State *L, int arg, dml_model *m, const double *x,
+                        int may_be_outside) {
+    const char *what = m->model.has & DM_WANT_PAIR ? "Ld" : "L";
     if (m->callback) {
-        if (x) check_callback(L, m, m->model.has & DM_WANT_PAIR ? "Ld" : "L", x);
+        if (x) check_callback(L, m, what, x, may_be_outside);
         return;
     }
     const dml_system *s = dml_checksystem(L, arg);
-    const dml_signature sig = signature(s);
+    dml_signature sig = signature(s);
+    sig.may_be_outside = may_be_outside;
     push_function(L, arg, s);
     const int fn = lua_gettop(L);
     const dm_kernel *kernel = &m->model.value;
@@ -308,6 +312,14 @@ void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
     lua_settop(L, fn - 1);
     dml_checkties(L, arg, m, x);
     m->checked = 1;
+}
+
+void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
+    check_model(L, arg, m, x, 0);
+}
+
+void dml_checkmember(lua_State *L, int arg, dml_model *m, const double *x) {
+    check_model(L, arg, m, x, 1);
 }
 
 void dml_rethrow(lua_State *L, dml_model *m) {

@@ -93,6 +93,9 @@ unsigned dml_legendre_wants(const dml_model *m, unsigned want);
  * (q, v, t) or (q0, q1). */
 void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x);
 
+/* The same at the start of one of many members, which may be outside of the domain of L. */
+void dml_checkmember(lua_State *L, int arg, dml_model *m, const double *x);
+
 /* A callback failed inside a kernel: raise the user's own error. Else nothing. */
 void dml_rethrow(lua_State *L, dml_model *m);
 

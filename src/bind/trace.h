@@ -20,6 +20,7 @@ typedef struct {
     int outputs; /* DML_SCALAR_ARGUMENT: a number; n: that many; 0: any number of them */
     int keeps_sums; /* dm.sum_over may stay a loop in the graph (expr/sum.h) */
     int may_grow; /* a graph that grows too large is no error: dml_traced.graph is then NULL */
+    int may_be_outside; /* where it is checked it may not be a number, when called and when traced */
 } dml_signature;
 
 typedef struct {

@@ -128,6 +128,27 @@ for _, rule in ipairs { "verlet", "gauss(2)" } do
 end
 ok(spring.params.k == 1 and spring.params.m == 1, "the system keeps its own parameters")
 
+-- a parameter, or a start, outside of the domain of L is one member's failure
+for _, rule in ipairs { "verlet", "midpoint" } do
+  local function status(L, q, k)
+    local s = dm.system { Q = dm.R(1), params = { k = 1 }, L = L }:solver { rule = rule, h = 0.1 }
+    local e = s:ensemble { members = 4, steps = 10, q = q, v = { { 0 }, { 0 }, { 0 }, { 0 } }, vary = k and { k = k } }
+    return table.concat(e.status, " "), e
+  end
+  local function root(q, v, t, c) return v[1] ^ 2 / 2 - math.sqrt(c.k) * q[1] ^ 2 / 2 end
+  local all, e = status(root, { { 1 }, { 1 }, { 1 }, { 1 } }, { 2, 3, -1, 3 })
+  ok(all == "ok ok not_finite ok" and e.steps[3] == 0 and e.q[2] == e.q[4], rule .. ": a root of a negative parameter", all)
+  local own = dm.system { Q = dm.R(1), params = { k = 3 }, L = root }:solver({ rule = rule, h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 10 }
+  ok(own.q[11] == e.q[4], rule .. ": those beside it are single runs")
+  -- log(k - q) has a finite force where it is none: L itself is looked at, as a single run does
+  local function log(q, v, t, c) return v[1] ^ 2 / 2 - math.log(c.k - q[1]) end
+  all = status(log, { { 0 }, { 0 }, { 0 }, { 0 } }, { -1, 3, 4, 2 })
+  ok(all == "not_finite ok ok ok", rule .. ": a logarithm of a negative number, the first member", all)
+  all = status(log, { { 3 }, { 0 }, { 2 }, { -1 } })
+  ok(all == "not_finite ok not_finite ok", rule .. ": starts outside, the first among them", all)
+  raises("NaN at the start", status, log, { { 3 }, { 3 }, { 4 }, { 2 } })
+end
+
 -- starts by random numbers: the same in any order
 local r = dm.random(7)
 ok(r:normal(3, 1) == dm.random(7):normal(3, 1) and r:normal(3, 1) ~= r:normal(4, 1) and r.seed == 7, "random numbers depend on seed and place")
