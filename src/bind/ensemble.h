@@ -60,8 +60,9 @@ typedef struct {
 /* The options q, and v or p: raises unless they are sources; 1 for v. */
 int dml_check_starts(lua_State *L, const dml_solver *solver, long members);
 
-/* Their numbers into the states of a part, with momenta; the trace is checked at its first member. */
-void dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r);
+/* Their numbers into the states of a part, with momenta; the trace is checked at its first member. Returns how many are
+** inside of the domain of L; raises where none is and parameters are the system's own numbers. */
+long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r);
 
 /*
 ** vary = { name = source } of the options at 2: pushes a userdata of values[members][*count], the names as a

@@ -133,7 +133,8 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
     dml_stepping_prepare(L, &r, e->t);
     if (r.model->callback) threads = 1; /* Lua runs in one thread */
     if (threads > p->count) threads = (int)p->count;
-    dml_read_starts(L, p, &r);
+    const long inside = dml_read_starts(L, p, &r);
+    if (p->values && !inside) return DM_NO_NATIVE;
     if (p->values && !dml_vary_is_traced(L, p, &r)) return DM_NO_NATIVE;
     open_steppers(L, &r, threads, steppers);
     const dm_ensemble_rows rows = rows_of(p);

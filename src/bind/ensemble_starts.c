@@ -179,7 +179,7 @@ static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, l
 }
 
 /* starts: q, and p given or by the Legendre transform */
-void dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
+long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
     read_columns(L, these);
     if (!these->values) check_trace(L, these, r);
@@ -193,4 +193,5 @@ void dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     if (!inside && !these->values && !these->varied)
         dml_checkmodel(L, r->system, r->model, room);
     lua_pop(L, 1);
+    return inside;
 }
