@@ -220,6 +220,15 @@ local function direction(mu)
   return n, size
 end
 
+-- the point of the curve between z and past where mu is `bound`, with the rows there; nothing where z is that point
+local function at_bound(V, z, past, bound, d, n)
+  local s, guess, across = (bound - z[d + 1]) / (past[d + 1] - z[d + 1]), {}, {}
+  if not (s > 1e-9) then return nil end
+  for i = 1, d + 1 do guess[i], across[i] = z[i] + s * (past[i] - z[i]), i == d + 1 and 1 or 0 end
+  guess[d + 1] = bound
+  return correct(V, guess, across, d, n)
+end
+
 local function follow(info, b, first, options, sign)
   local d, V, R = info.d, balance.potential(info), balance.routhian(info)
   local n, size = direction(first.mu)
@@ -235,13 +244,19 @@ local function follow(info, b, first, options, sign)
     local guess = {}
     for i = 1, d + 1 do guess[i] = z[i] + length * t[i] end
     local next_z, next_rows, rounds = correct(V, guess, t, d, n)
+    local bound = next_z and (next_z[d + 1] < options.mu[1] and options.mu[1] or next_z[d + 1] > options.mu[2] and options.mu[2]) or nil
+    if bound then
+      next_z, next_rows = at_bound(V, z, next_z, bound, d, n)
+      if not next_z then return end
+    end
     if next_z then
       local ahead = tangent(next_rows, t, d)
-      if not ahead or next_z[d + 1] < options.mu[1] or next_z[d + 1] > options.mu[2] then return end
+      if not ahead then return end
       local there, e = pcall(describe, info, R, V, next_z, n)
       if not there or not e then return end
       b[#b + 1] = e
       note(b, now, e, ahead, t)
+      if bound then return end
       z, t, now = next_z, ahead, e
       if rounds <= 3 then length = math.min(2 * length, options.step) end
     else

@@ -110,7 +110,7 @@ mirror images, with the same energy, velocity and index, are listed once. print 
 
 add("dm.system", "continue", "dm.routh_equilibria", [[
 shape:continue(equilibrium, {mu = {from, to}, step=, points=, back=}) -> dm.branch
-The relative equilibria that go on from one, followed by arc length (Keller) in (x, mu), through folds, while mu is in the range; along its own direction where the group has
+The relative equilibria that go on from one, followed by arc length (Keller) in (x, mu), through folds, while mu is in the range, to its very ends; along its own direction where the group has
 several dimensions. step: largest step of arc length; back = true: towards smaller mu first. branch[i] as in relative_equilibria with momentum; branch.mu,
 .energy, .velocity, .growth, .x1 ...: columns; branch.events: folds, changes of stability, crossings of other branches.]])
 
