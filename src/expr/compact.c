@@ -19,7 +19,7 @@ static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
         [DM_OP_NEG] = 1,   [DM_OP_ABS] = 1,    [DM_OP_SIGN] = 3, [DM_OP_SQRT] = 6,
         [DM_OP_RSQRT] = 5, [DM_OP_RSQRT3] = 6, [DM_OP_ADD] = 1,  [DM_OP_SUB] = 1,
         [DM_OP_MUL] = 1,   [DM_OP_DIV] = 5,    [DM_OP_MIN] = 1,  [DM_OP_MAX] = 1,
-        [DM_OP_WHERE] = 2, [DM_OP_FMA] = 1};
+        [DM_OP_WHERE] = 2, [DM_OP_FMA] = 1,    [DM_OP_FMS] = 1,  [DM_OP_FNMA] = 1};
     uint32_t counts[DM_OP_COUNT], sum = 0;
     dm_operation_counts(g, roots, m, counts);
     for (int op = DM_OP_NEG; op < DM_OP_COUNT; op++)

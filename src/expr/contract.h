@@ -11,4 +11,7 @@
 */
 dm_graph *dm_contract_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out);
 
+/* The same for differences, and for products that are used by sums and differences only: each takes them in by itself. */
+dm_graph *dm_contract_all(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out);
+
 #endif

@@ -156,6 +156,10 @@ static dm_node slope(dm_graph *g, dm_node n, int k) {
         return e.as.arg[1 - k];
     case DM_OP_FMA:
         return k == 2 ? one(g) : e.as.arg[1 - k];
+    case DM_OP_FMS:
+        return k == 2 ? dm_constant(g, -1.0) : e.as.arg[1 - k];
+    case DM_OP_FNMA:
+        return k == 2 ? one(g) : dm_neg(g, e.as.arg[1 - k]);
     case DM_OP_DIV:
         return quotient_slope(g, n, k);
     case DM_OP_POW:

@@ -327,6 +327,10 @@ double dm_op_value(dm_op op, double a, double b, double c) {
         return a > 0 ? b : c;
     case DM_OP_FMA:
         return dm_fma(a, b, c);
+    case DM_OP_FMS:
+        return dm_fma(a, b, -c);
+    case DM_OP_FNMA:
+        return dm_fma(-a, b, c);
     default:
         return NAN; /* leaves have no operands to work on */
     }

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { POINTERS = 32, START = POINTERS * 8 + 64 * DM_POOL_MASKS };
+enum { POINTERS = 40, START = POINTERS * 8 + 64 * DM_POOL_MASKS };
 _Static_assert((int)DM_OP_COUNT <= (int)POINTERS, "a pointer for every operation");
 
 dm_operand dm_pool_mask(const dm_emitter *e, int mask) {

@@ -111,7 +111,13 @@ static int dying_operand(const dm_emitter *e, const dm_step *s) {
     return -1;
 }
 
-/* a * b + c, which goes into the register of one of them, or of a copy of c */
+/* 213 and 231 */
+static const uint8_t fused_opcodes[DM_OP_COUNT][2] = {
+    [DM_OP_FMA] = {DM_X86_FMADD213, DM_X86_FMADD231},
+    [DM_OP_FMS] = {DM_X86_FMSUB213, DM_X86_FMSUB231},
+    [DM_OP_FNMA] = {DM_X86_FNMADD213, DM_X86_FNMADD231}};
+
+/* +-(a * b) +- c, which goes into the register of one of them, or of a copy of c */
 static void fused_sum(dm_emitter *e, const dm_step *s) {
     const int k = dying_operand(e, s), first = k == 0 ? 1 : 0,
               third = k == 2 || k < 0 ? 1 : 2;
@@ -125,7 +131,8 @@ static void fused_sum(dm_emitter *e, const dm_step *s) {
         dm_x86_load(&e->code, e->width, d, c);
     }
     const dm_operand last = dm_anywhere(e, s->arg[third]);
-    dm_x86_fma(&e->code, e->width, k == 2 || k < 0, d, a, last);
+    const int opcode = fused_opcodes[s->op][k == 2 || k < 0];
+    dm_x86_fused(&e->code, e->width, opcode, d, a, last, 0);
     dm_pass_operands(e, s);
     dm_define(e, s->d, d);
 }
@@ -135,7 +142,11 @@ static void plain_sum(dm_emitter *e, const dm_step *s) {
     const int a = dm_in_a_register(e, s->arg[0]);
     const int c = dm_in_a_register(e, s->arg[2]), d = dm_take_register(e);
     dm_x86_op(&e->code, e->width, DM_X86_MUL, d, a, dm_anywhere(e, s->arg[1]));
-    dm_x86_op(&e->code, e->width, DM_X86_ADD, d, d, dm_in_register(c));
+    if (s->op == DM_OP_FNMA)
+        dm_x86_op(&e->code, e->width, DM_X86_SUB, d, c, dm_in_register(d));
+    else
+        dm_x86_op(&e->code, e->width, s->op == DM_OP_FMS ? DM_X86_SUB : DM_X86_ADD, d, d,
+                  dm_in_register(c));
     dm_pass_operands(e, s);
     dm_define(e, s->d, d);
 }
@@ -196,9 +207,9 @@ void dm_emit_step(dm_emitter *e, const dm_step *s) {
         sign(e, s);
     else if (s->op == DM_OP_WHERE)
         where(e, s);
-    else if (s->op == DM_OP_FMA && dm_fma_is_fused())
+    else if (fused_opcodes[s->op][0] && dm_fma_is_fused())
         fused_sum(e, s);
-    else if (s->op == DM_OP_FMA)
+    else if (fused_opcodes[s->op][0])
         plain_sum(e, s);
     else if (e->width == DM_SCALAR)
         call_scalar(e, s);

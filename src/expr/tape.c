@@ -95,6 +95,8 @@ __attribute__((noinline)) static const void *const *engine(const tape *t, double
     DO(MAX, A < B ? B : A)
     DO(WHERE, A > 0 ? B : C)
     DO(FMA, dm_fma(A, B, C))
+    DO(FMS, dm_fma(A, B, -C))
+    DO(FNMA, dm_fma(-A, B, C))
     DO(MUL_ADD, A * B + C)
     DO(MUL_SUB, A * B - C)
     DO(SUB_MUL, C - A * B)

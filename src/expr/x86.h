@@ -83,9 +83,11 @@ void dm_x86_rsqrt14(dm_code *c, dm_width w, int d, int a);
 
 enum { /* 213: d = +-(a d) + b; 231: d = a b +- d */
        DM_X86_FMADD213 = 0xA8,
+       DM_X86_FMSUB213 = 0xAA,
        DM_X86_FNMADD213 = 0xAC,
        DM_X86_FMADD231 = 0xB8,
-       DM_X86_FMSUB231 = 0xBA
+       DM_X86_FMSUB231 = 0xBA,
+       DM_X86_FNMADD231 = 0xBC
 };
 
 /* rounded once; with AVX-512 only where a mask register (not 0) says so */

@@ -161,8 +161,8 @@ void dm_fusion_params(dm_fusion *b) {
 /* about the cycles from the inputs to every node */
 static uint16_t *measure_depth(const dm_fusion *b) {
     static const uint8_t cycles[DM_OP_COUNT] = {
-        [DM_OP_NEG] = 1,  [DM_OP_ABS] = 1,   [DM_OP_ADD] = 3,
-        [DM_OP_SUB] = 3,  [DM_OP_MUL] = 4,   [DM_OP_FMA] = 4,
+        [DM_OP_NEG] = 1,  [DM_OP_ABS] = 1,   [DM_OP_ADD] = 3,  [DM_OP_SUB] = 3,
+        [DM_OP_MUL] = 4,  [DM_OP_FMA] = 4,   [DM_OP_FMS] = 4,  [DM_OP_FNMA] = 4,
         [DM_OP_DIV] = 14, [DM_OP_SQRT] = 14, [DM_OP_WHERE] = 3};
     const uint32_t size = dm_graph_size(b->graph);
     uint16_t *depth = dm_arena_take(b->model->source.arena, size * sizeof *depth);

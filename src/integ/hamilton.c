@@ -1,6 +1,9 @@
 #include "integ/hamilton.h"
 
+#include "expr/compact.h"
+#include "expr/contract.h"
 #include "expr/derive.h"
+#include "expr/implicit.h"
 #include "expr/jit.h"
 #include "mech/ties.h"
 
@@ -27,6 +30,14 @@ uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g,
     const dm_source *s = &m->source;
     const uint32_t most = s->compile == dm_native_build ? dm_jit_lanes() : 1;
     const uint32_t lanes = stages > 4 && most >= 8 ? 8 : stages > 1 && most >= 4 ? 4 : 1;
+    dm_node *small = dm_arena_take(s->arena, count * sizeof *small);
+    if (!small || dm_graph_status(g) != DM_OK) return 0;
+    if (!dm_has_roots(g, roots, count)) { /* each sweep waits for the one before */
+        g = dm_compact_graph(g, roots, count, small);
+        g = g ? dm_contract_all(g, small, count, small) : NULL;
+        roots = small;
+    }
+    if (!g) return 0;
     if (lanes > 1 && dm_jit_build_lanes(out, g, roots, count, lanes, s->arena) == DM_OK)
         return lanes;
     return s->compile(out, g, roots, count, s->arena) == DM_OK ? 1 : 0;

@@ -36,7 +36,8 @@ typedef struct {
     double *after;            /* [width] h c */
     dm_parts line, b, mean;   /* [width] h c, h b, h^2 mean */
     double *none, *one;       /* [max(n, width)][width] zeros, [n] ones */
-    double *drift;            /* [n] h v0 in the separable form, else zero */
+    double *share;            /* [2n] factors of q's increments, ones for p */
+    double *drift;            /* [2n] h v0 in the separable form, else zero */
     dm_sweep_end end;
     double *memory;  /* what is kept from step to step, see stage_memory.c */
     double heaviest; /* largest entry of M, where it is constant */
@@ -108,6 +109,7 @@ enum { DM_SWEPT_STEP, DM_SWEPT_MARK, DM_SWEPT_RATE, DM_SWEPT_END, DM_SWEPT_FULL 
 size_t dm_stage_memory_size(const dm_stage *g);
 void dm_stage_memory_clear(dm_stage *g, double h);
 int dm_stage_memory_fits(const dm_stage *g); /* it was left by the step that ended here */
+const double *dm_stage_memory_end(const dm_stage *g); /* [4n], where that step ended */
 double dm_stage_memory_rate(const dm_stage *g);  /* contraction of the sweeps, squared */
 int dm_stage_memory_is_stiff(const dm_stage *g); /* sweeps failed not long ago */
 void dm_stage_memory_keep(dm_stage *g, double rate); /* after a step by sweeps */

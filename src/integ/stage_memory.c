@@ -40,22 +40,25 @@ int dm_stage_memory_is_stiff(const dm_stage *g) {
     return memory[DM_SWEPT_STEP] == g->h && memory[DM_SWEPT_MARK] < EMPTY;
 }
 
+const double *dm_stage_memory_end(const dm_stage *g) {
+    return g->sweeps.memory + DM_SWEPT_END;
+}
+
 double dm_stage_memory_rate(const dm_stage *g) {
     return g->sweeps.memory[DM_SWEPT_RATE];
 }
 
-static void keep(dm_stage *g, double rate, const double *end, const double *u) {
+static void keep(dm_stage *g, double rate, const double *u) {
     double *memory = g->sweeps.memory;
-    const size_t n = g->n;
-    if (memory[DM_SWEPT_STEP] != g->h) return;
     memory[DM_SWEPT_MARK] = FULL;
     memory[DM_SWEPT_RATE] = rate;
-    dm_stage_copy(memory + DM_SWEPT_END, end, 4 * g->n);
-    memcpy(memory + DM_SWEPT_END + 4 * n, u, unknowns(g) * sizeof *memory);
+    memcpy(memory + DM_SWEPT_END + 4 * (size_t)g->n, u, unknowns(g) * sizeof *memory);
 }
 
 void dm_stage_memory_keep(dm_stage *g, double rate) {
-    keep(g, rate, g->state, dm_stage_sweeps_u(g));
+    if (g->sweeps.memory[DM_SWEPT_STEP] != g->h) return;
+    keep(g, rate, dm_stage_sweeps_u(g));
+    g->sweeps.row->copy(g->sweeps.memory + DM_SWEPT_END, g->state, g->n);
 }
 
 /* u of the stages as Newton's method found them */
@@ -77,6 +80,7 @@ void dm_stage_memory_newton(dm_stage *g) {
         memory[DM_SWEPT_MARK] = -PATIENCE;
     } else {
         take_root(g, g->sweeps.u);
-        keep(g, USUAL, g->next, g->sweeps.u);
+        keep(g, USUAL, g->sweeps.u);
+        dm_stage_copy(memory + DM_SWEPT_END, g->next, 4 * g->n);
     }
 }

@@ -219,11 +219,11 @@ static int is_regular(const dm_stage *g) {
 }
 
 /* q1 = q0 + h v0 + sum mean_m u_m or q0 + h sum b_m V_m, p1 = p0 + h sum b_m L_q(m) */
-static dm_status finish(dm_stage *g) {
+static dm_status finish(dm_stage *g, const double *before) {
     dm_stage_sweeps *w = &g->sweeps;
     w->end.state = g->state;
     if (w->row->finish(&w->end) == 0.0) return DM_OK;
-    dm_stage_copy(g->state, g->next, 4 * g->n);
+    dm_stage_copy(g->state, before, 4 * g->n);
     return DM_NOT_FINITE;
 }
 
@@ -258,11 +258,13 @@ static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
     iteration it = {.g = g};
     const int warm = dm_stage_memory_fits(g);
-    dm_stage_copy(g->next, g->state, 4 * g->n); /* should the end not be finite */
+    const double *before = warm ? dm_stage_memory_end(g) : g->next;
+    if (!warm)
+        dm_stage_copy(g->next, g->state, 4 * g->n); /* should the end not be finite */
     dm_status status = attempt(&it, stepper, warm);
     if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
     stepper->report.iterations = it.count;
-    if (status == DM_OK) status = finish(g);
+    if (status == DM_OK) status = finish(g, before);
     if (status != DM_OK) return status;
     const double missed = sqrt(left(&it)) * sqrt(it.size[!g->separable]);
     stepper->report.residual =

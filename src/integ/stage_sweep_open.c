@@ -27,7 +27,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
         (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
-    return kernels_size(n, w, separable) + 4 * n * w + 5 * r * w + 7 * w + 6 * n + 3 +
+    return kernels_size(n, w, separable) + 4 * n * w + 5 * r * w + 7 * w + 9 * n + 3 +
            ARRAYS * LINE;
 }
 
@@ -78,7 +78,8 @@ static void lay_out(dm_stage *g, double *memory) {
     for (size_t i = 0; i < sizeof single / sizeof *single; i++)
         *single[i] = take(&memory, width);
     w->one = take(&memory, n);
-    w->drift = take(&memory, n);
+    w->share = take(&memory, 2 * n);
+    w->drift = take(&memory, 2 * n);
     const size_t before = dm_stage_memory_size(g) - n * width; /* u begins a line, too */
     w->memory = memory + (LINE - before % LINE) % LINE;
 }
@@ -161,10 +162,11 @@ static void plan(dm_stage *g) {
     w->p.column = w->whole;
     w->p.u = w->force.out;
     w->p.factor = w->one;
+    for (uint32_t k = 0; k < n; k++) w->share[k] = w->q.factor[k], w->share[n + k] = 1.0;
     w->end = (dm_sweep_end){.rows = n,
                             .u = {w->q.u, w->force.out},
                             .b = {g->separable ? &w->mean : &w->b, &w->b},
-                            .factor = w->q.factor,
+                            .factor = w->share,
                             .drift = w->drift};
     w->q_rest = w->q;
     w->q_rest.x = w->base;

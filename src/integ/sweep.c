@@ -50,7 +50,12 @@ static double finish_1(const dm_sweep_end *a) {
     return bad;
 }
 
-static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1};
+static void copy_state(double *to, const double *state, uint32_t rows) {
+    const volatile double *from = state; /* one by one, as it was stored */
+    for (uint32_t k = 0; k < 4 * rows; k++) to[k] = from[k];
+}
+
+static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1, copy_state};
 
 /* ---- 4 and 8, each for the processors that there are ---- */
 
@@ -121,6 +126,9 @@ __attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x)
 #define TOTALS ADDED2
 #include "integ/sweep_row.h"
 
+#include "integ/sweep_wide.h"
+#define FINISH finish_in_eights
+#define COPY copy_in_eights
 #define ROW wide8
 #define W 8
 #define V v8

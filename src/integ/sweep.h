@@ -30,7 +30,7 @@ typedef struct {
     uint32_t rows;
     const double *u[2];           /* [rows][width], of q and of p */
     const dm_parts *b[2];         /* [width] */
-    const double *factor, *drift; /* [rows] */
+    const double *factor, *drift; /* [2 rows]; 1 and 0 for p */
     double *state;                /* [4 rows]: q, p, low-order parts of both */
 } dm_sweep_end;
 
@@ -44,6 +44,8 @@ typedef struct {
                  uint32_t rows);
     /* 0, or NaN where the state is not finite any more */
     double (*finish)(const dm_sweep_end *a);
+    /* to[4 rows] = a state that finish has just left */
+    void (*copy)(double *to, const double *state, uint32_t rows);
 } dm_sweep_row;
 
 /* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors that serve. */

@@ -2,6 +2,7 @@
 ** sweep_row.h - the functions of a dm_sweep_row, once for every width and kind of processor. Wanted: ROW (name),
 ** W (width), V (vector of W doubles), H (of W/2, for sums over lanes), HOW (target of the functions),
 ** TOTALS(x, y): the sums over lanes of two vectors H,
+** FINISH and COPY where the end of a step is done in another way,
 ** MADD(a, b, c) and MADD_HALF(a, b, c): a b + c, with one rounding where the processor has it.
 */
 #define JOINED(a, b) a##_##b
@@ -81,6 +82,7 @@ HOW static void OWN(line)(double *base, const double *low, const double *v,
     }
 }
 
+#ifndef FINISH
 HOW static double OWN(finish)(const dm_sweep_end *a) {
     const dm_sweep_end at = *a;
     const V top_q = LOAD(at.b[0]->top), rest_q = LOAD(at.b[0]->rest);
@@ -108,8 +110,11 @@ HOW static double OWN(finish)(const dm_sweep_end *a) {
     }
     return bad[0] + bad[1];
 }
+#define FINISH OWN(finish)
+#define COPY copy_state
+#endif
 
-static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), OWN(finish)};
+static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), FINISH, COPY};
 
 #undef INLINE
 #undef LOAD
@@ -126,3 +131,5 @@ static const dm_sweep_row ROW = {W, OWN(put), OWN(move), OWN(line), OWN(finish)}
 #undef MADD
 #undef MADD_HALF
 #undef TOTALS
+#undef FINISH
+#undef COPY

@@ -61,10 +61,10 @@ static inline dm_op random_op(random_source *r) {
 
 /* an operation that is one instruction, so that values stay in registers until these run out */
 static inline dm_op random_arithmetic_op(random_source *r) {
-    static const dm_op ops[] = {DM_OP_ADD,  DM_OP_SUB,   DM_OP_MUL, DM_OP_DIV, DM_OP_MIN,
-                                DM_OP_MAX,  DM_OP_NEG,   DM_OP_ABS, DM_OP_ADD, DM_OP_SQRT,
-                                DM_OP_SIGN, DM_OP_WHERE, DM_OP_SUB, DM_OP_MUL, DM_OP_FMA,
-                                DM_OP_ADD,  DM_OP_FMA,   DM_OP_MUL};
+    static const dm_op ops[] = {
+        DM_OP_ADD, DM_OP_SUB, DM_OP_MUL,  DM_OP_DIV,  DM_OP_MIN,   DM_OP_MAX, DM_OP_NEG,
+        DM_OP_ABS, DM_OP_ADD, DM_OP_SQRT, DM_OP_SIGN, DM_OP_WHERE, DM_OP_SUB, DM_OP_MUL,
+        DM_OP_FMA, DM_OP_ADD, DM_OP_FMA,  DM_OP_MUL,  DM_OP_FMS,   DM_OP_FNMA};
     return ops[random_below(r, sizeof ops / sizeof ops[0])];
 }
 

@@ -159,6 +159,10 @@ static long double apply_long(dm_op op, long double a, long double b, long doubl
         return a < b ? b : a;
     case DM_OP_FMA:
         return a * b + c;
+    case DM_OP_FMS:
+        return a * b - c;
+    case DM_OP_FNMA:
+        return c - a * b;
     default:
         return a > 0 ? b : c;
     }

@@ -168,6 +168,39 @@ static void contracted_sums(void) {
     dm_arena_release(&arena);
 }
 
+/* a product of two sums and a difference vanishes into all three, one that is an output stays, and so does a product of its own */
+static void contracted_differences(void) {
+    enum { N = 4 };
+    const double in[N] = {0.3, 1.7, -0.9, 2.5};
+    const double a = in[0], b = in[1], c = in[2], d = in[3];
+    const double want[] = {c + a * b, d - a * b, a * b - c,
+                           d - c * d, c * d,     c * c + 1.0};
+    dm_arena arena;
+    dm_node x[N], roots[6], out[6];
+    double value[6];
+    dm_kernel k;
+    dm_arena_init(&arena, from_heap, NULL);
+    dm_graph *g = dm_graph_new(&arena, N);
+    dm_graph_verbatim(g, 1);
+    for (uint32_t i = 0; i < N; i++) x[i] = dm_input(g, i);
+    const dm_node ab = dm_mul(g, x[0], x[1]), square = dm_mul(g, x[2], x[2]);
+    roots[0] = dm_add(g, x[2], ab);
+    roots[1] = dm_sub(g, x[3], ab);
+    roots[2] = dm_sub(g, ab, x[2]);
+    roots[4] = dm_mul(g, x[2], x[3]);
+    roots[3] = dm_sub(g, x[3], roots[4]);
+    const dm_node one = dm_constant(g, 1.0);
+    roots[5] = dm_add(g, square, one);
+    CHECK(dm_operations(g, roots, 6) == 8);
+    dm_graph *small = dm_contract_all(g, roots, 6, out);
+    CHECK(small && dm_operations(small, out, 6) == 6);
+    CHECK(dm_tape_build_exact(&k, small, out, 6, &arena) == DM_OK);
+    dm_kernel_prepare(&k, value);
+    dm_kernel_eval(&k, in, value);
+    for (int i = 0; i < 6; i++) CHECK_NEAR(value[i], want[i], 1e-15 * fabs(want[i]));
+    dm_arena_release(&arena);
+}
+
 int main(void) {
     RUN(solutions, "solves what dense LU solves, symmetric or not");
     RUN(saddle_points, "zeros on the diagonal call for rows, not for the entries that "
@@ -175,5 +208,7 @@ int main(void) {
     RUN(costs, "a chain costs the same for each further unknown, in any order, and so "
                "does a star");
     RUN(contracted_sums, "products that are added at once");
+    RUN(contracted_differences,
+        "products that are subtracted at once, and added to several sums");
     return check_finish();
 }
