@@ -29,6 +29,12 @@ function M.is_stop(failure)
   return fine and code == "stopped"
 end
 
+--- The dm.failure of a stop by Ctrl-C, also where that came between instructions of Lua and is a string; other errors as they are.
+function M.stopped(failure)
+  if type(failure) ~= "string" or not M.is_stop(failure) then return failure end
+  return setmetatable({ code = "stopped", message = failure }, debug.getregistry()["dm.failure"])
+end
+
 --- f, with the position of its caller in its error messages, those of a dm.failure too; other error values pass as they are.
 function M.caller(f)
   return function(...) return finish(xpcall(f, explain, ...)) end

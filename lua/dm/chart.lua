@@ -339,20 +339,21 @@ local function distinct_names(entries)
   return out
 end
 
+-- what is there goes with the failure
+local function raise(chart, failure)
+  failure = blame.stopped(failure)
+  if type(failure) == "table" then failure.chart = chart end
+  if blame.is_stop(failure) then failure.message = "dm.chart: stopped on request; what is there is in the failure's field chart" end
+  error(failure, 0)
+end
+
 -- all steps of a rule, pinned to one core
 local function measure_all(chart, entry, points)
   for _, h in ipairs(chart.options.h) do
     local pinned = core.pin()
-    local fine, failure = pcall(try_point, chart, entry, h, points)
+    local fine, failure = core.until_stop(try_point, chart, entry, h, points)
     core.unpin(pinned)
-    if not fine then
-      if type(failure) == "string" and blame.is_stop(failure) then
-        failure = setmetatable({ code = "stopped", message = "dm.chart: stopped on request; what is there is in the failure's field chart" },
-          debug.getregistry()["dm.failure"])
-      end
-      if type(failure) == "table" then failure.chart = chart end
-      error(failure, 0)
-    end
+    if not fine then raise(chart, failure) end
   end
 end
 
@@ -365,7 +366,8 @@ M.chart = blame.caller(function(options)
     measure = what_measure, what = what, times = sample_times(options), load = core.load_average(), floor = 1e-15,
     watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" }, M)
   if needs_reference then
-    local ref, apart, text = reference.find(chart)
+    local fine, ref, apart, text = core.until_stop(reference.find, chart)
+    if not fine then raise(chart, ref) end
     chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
   end
   for _, entry in ipairs(entries) do measure_all(chart, entry, chart.points) end

@@ -316,6 +316,13 @@ local function wants_chaos(map, cell)
   return true
 end
 
+-- what stopped f(...), as it returns or raises it
+local function until_stop(f, ...)
+  local fine, stopped = core.until_stop(f, ...)
+  if not fine and not blame.is_stop(stopped) then error(stopped, 0) end
+  return blame.stopped(stopped)
+end
+
 M.stability = blame.caller(function(options)
   if type(options) ~= "table" then fail("takes a table { system =, q =, v =, rule =, h = {least, largest, count, \"log\"}, steps = }") end
   check_options(options)
@@ -329,14 +336,15 @@ M.stability = blame.caller(function(options)
   map.notes = given_.notes(map, all[1])
   map.chaos = wants_chaos(map, all[1])
   map.count = #all
-  local stopped = cells.run(map, all, map.chaos)
+  for _, cell in ipairs(all) do cell.class = cells.NUMBER["not run"] end
+  local stopped = until_stop(cells.run, map, all, map.chaos)
   if not map.started and not stopped then error(map.refusal, 0) end
   for i, row in ipairs(map.cells) do
     compare_row(map, row)
     local low, high = border(row)
     map.borders[i] = { low = low, high = high }
   end
-  if not stopped and options.refine ~= false then stopped = refine(map) end
+  if not stopped and options.refine ~= false then stopped = until_stop(refine, map) end
   map.seconds = core.clock() - start
   if stopped then
     stopped.map, stopped.path = map, map

@@ -8,6 +8,7 @@
 #include <string.h>
 
 volatile sig_atomic_t dml_stop = 0;
+volatile sig_atomic_t dml_raised = 0;
 
 int dml_try(lua_State *L, int arguments, int results) {
     const int status = lua_pcall(L, arguments, results, 0);

@@ -53,6 +53,9 @@ const char *dml_nearest(const char *word, const char *const *known);
 /* Set by the cli's SIGINT handler; cleared when a run has seen it. */
 extern volatile sig_atomic_t dml_stop;
 
+/* Ctrl-C as an error on its way through Lua: no pcall of our modules may keep it but core.until_stop. */
+extern volatile sig_atomic_t dml_raised;
+
 /* lua_pcall for what may fail: true when it did not. Ctrl-C, which may come between any two instructions of
 ** Lua, and want of memory are passed on. */
 int dml_try(lua_State *L, int arguments, int results);

@@ -23,12 +23,25 @@ static int add_method(lua_State *L) {
     return 0;
 }
 
+static int until_stop(lua_State *L) {
+    luaL_checkany(L, 1);
+    const int fine = lua_pcall(L, lua_gettop(L) - 1, LUA_MULTRET, 0) == LUA_OK;
+    dml_raised = 0;
+    lua_pushboolean(L, fine);
+    lua_insert(L, 1);
+    return lua_gettop(L);
+}
+
 static const dml_row functions[] = {
     {"method", add_method,
      "core.method(class, name, f, doc)\n"
      "Add the Lua function f as method `name` to a class (\"dm.path\"); doc: signature "
      "line, "
      "then shapes, units, errors. Raises on an unknown class."},
+    {"until_stop", until_stop,
+     "core.until_stop(f, ...) -> true, results   or   false, error\n"
+     "pcall for what has something to show when Ctrl-C ends it: the only one of our "
+     "modules that keeps this error."},
     {"miss", dml_core_miss,
      "core.miss(class, key [, names])\n"
      "Note that class has no such key, for the message of an error on the same line; "

@@ -15,9 +15,6 @@ static lua_State *volatile running; /* the thread, for the signal handler */
 
 /* ---- Ctrl-C ---- */
 
-/* by `interrupt`, and since then no function of the user has gone on */
-static int raised;
-
 /* is the Lua function that runs, or has called what runs, one of our modules? */
 static int in_module(lua_State *L) {
     lua_Debug ar;
@@ -31,16 +28,18 @@ static int in_module(lua_State *L) {
 /*
 ** Runs before the next instruction after Ctrl-C. A C loop that polls dml_stop answers itself, and
 ** has answered when dml_stop is clear again. What was raised is raised again where one of our
-** modules has caught it, as they try things under pcall; a pcall of the user may keep it.
+** modules has caught it, as they try things under pcall; a pcall of the user may keep it, and
+** core.until_stop of what has something to show.
 */
 static void interrupt(lua_State *L, lua_Debug *ar) {
     (void)ar;
     const int inside = in_module(L);
-    raised = dml_stop || (raised && inside);
+    /* until a function of the user goes on */
+    dml_raised = dml_stop || (dml_raised && inside);
     dml_stop = 0;
     alarm(0);
-    if (raised && inside) lua_pushliteral(L, "interrupted!"), lua_error(L);
-    if (raised) luaL_error(L, "interrupted!"); /* with the place in the script */
+    if (dml_raised && inside) lua_pushliteral(L, "interrupted!"), lua_error(L);
+    if (dml_raised) luaL_error(L, "interrupted!"); /* with the place in the script */
     lua_sethook(L, NULL, 0, 0);
 }
 
@@ -86,8 +85,8 @@ lua_State *dml_running(lua_State *co) {
 }
 
 int dml_interrupted(void) {
-    if (raised) set_hook();
-    return raised;
+    if (dml_raised) set_hook();
+    return dml_raised;
 }
 
 void dml_drop_interrupts(void) {
@@ -100,7 +99,7 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
     lua_pushcfunction(L, handler);
     lua_insert(L, base);
     dml_running(L);
-    dml_stop = raised = 0;
+    dml_stop = dml_raised = 0;
     set_signal(SIGINT, stop, &before);
     const int status = lua_pcall(L, arguments, results, base);
     sigaction(SIGINT, &before, NULL);

@@ -175,4 +175,19 @@ tap.ok(#moving.notes == 0 and #notes { h = { 0.1, 0.2, 0.3 }, q = { 0 }, v = { 1
 tap.ok(tostring(notes { h = { 0.1, 1, 30 }, q = { 1 }, v = { 0 } }):find("h = {0.1, 1, 30} is a list of three numbers; the range is written {0.1, 1, 30, \"log\"}", 1, true),
   "what looks like a range but is a list is told")
 
+
+-- Ctrl-C, wherever it comes, leaves what is there
+do
+  local spring = function(k) return dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - k / 2 * (q:norm() - 1) ^ 2 - 9.81 * q[2] end } end
+  local function interrupted(delay, f, ...)
+    local shell = io.popen "echo $PPID"
+    os.execute(("(sleep %g; kill -INT %d) &"):format(delay, shell:read "n"))
+    shell:close()
+    return select(2, pcall(f, ...))
+  end
+  local start = { q = { math.sin(1), -math.cos(1) }, v = { 0, 0 } }
+  local failure = interrupted(1.2, dm.stability, { system = spring, rule = "verlet", k = { 1e2, 1e6, 200, "log" }, h = { 1e-4, 1, 200, "log" },
+    q = start.q, v = start.v, steps = 1000 })
+  tap.ok(failure and type(failure) ~= "string" and failure.code == "stopped" and tostring(failure.map):find "not run", "a map that is interrupted", tostring(failure))
+end
 tap.done()
