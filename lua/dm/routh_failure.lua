@@ -182,6 +182,7 @@ end
 local FORBIDDEN = "jumped through a shape at which the locked inertia vanishes (r = 0), which the momentum forbids: take smaller steps near it"
 
 local LOST = 1  -- of the energy's size: no more than the sign of it is left
+local AGAIN, FEW = 1.2, 9  -- the size is looked at again that much later; rows that are looked at in any case
 
 -- the first row at which the energy is off by more than its size, at a place that says why: its row, code and sentence;
 -- `whole` is the path that begins with the start
@@ -190,9 +191,14 @@ local function lost(path, shape, info, whole)
   local E = path:energy()
   local q, p, t = whole.q[1], whole.p[1], whole.t[1]
   local first = shape:energy(q, shape:velocity(q, p, t), t)
-  local size = jumps.energy_size(whole, first)
+  local size, known = abs(first), 0
   for i = 2, #E do
-    if not (abs(E[i] - first) <= LOST * size) then
+    local off = abs(E[i] - first)
+    -- from rows before this one: behind a wall all energies are large. Not for every row of a start at rest
+    if not (off <= LOST * size) and i > AGAIN * known then
+      size, known = max(size, jumps.energy_size(path, first, max(i - 1, min(#E, FEW)))), i
+    end
+    if not (off <= LOST * size) then
       for row = i, i - 1, -1 do
         local code, why = reason(shape, info, path.q[row], path.t[row], q, t)
         if code then return i, code, why end

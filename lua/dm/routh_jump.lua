@@ -90,11 +90,12 @@ end
 
 local SAMPLES, AT_REST = 9, 1e-6
 
---- The size of energies on a path: that of the start and of p.v there, or, from rest with energy 0, what p.v is in the middle of a few rows.
-function M.energy_size(path, first)
-  local system, kinetic = path.system, {}
+--- The size of energies on the first `rows` rows of a path (default all): that of the start and of p.v there, or, from rest with energy 0, what
+-- p.v is in the middle of a few of them.
+function M.energy_size(path, first, rows)
+  local system, kinetic, last = path.system, {}, rows or #path
   for k = 0, SAMPLES - 1 do
-    local i = 1 + k * (#path - 1) // (SAMPLES - 1)
+    local i = 1 + k * (last - 1) // (SAMPLES - 1)
     local known, v = pcall(system.velocity, system, path.q[i], path.p[i], path.t[i])
     kinetic[#kinetic + 1] = known and abs(v:dot(path.p[i])) or 0
   end

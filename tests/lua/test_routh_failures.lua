@@ -147,4 +147,17 @@ local told = select(2, pcall(lame.routh, lame, { action = round, section = funct
 local change, a, b = tostring(told):match "not invariant under the action: it changes by (%S+) along 'theta' at q = {(%S+), (%S+),"
 near(tonumber(change), 2 * tonumber(a) * tonumber(b), 1e-5, "dL/dtheta = 2 q1 q2 at the point that is named")
 
+-- a wall in front of 1/r, left by the first step that meets it: energies behind it are a million times those before
+do
+  local fall = dm.system { Q = dm.R(2), L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 + 1 / q[1] end }:routh { mu = 0.2 }
+  local told = 0
+  for _, every in ipairs { 1, 50 } do
+    local fine, failure = pcall(function() return fall:solver({ rule = "verlet", h = 0.02 }):run { q = { 1 }, v = { -0.3 }, t = 20, every = every } end)
+    told = told + (not fine and failure.code == "collapse" and #failure.path >= 1 and 1 or 0)
+  end
+  tap.ok(told == 2, "a run that has lost its energy at a wall is told, however large it is behind", told)
+  local path = fall:solver({ rule = "verlet", h = 0.001 }):run { q = { 1 }, v = { -0.3 }, t = 20, every = 50 }
+  tap.ok(path:drift("energy").largest < 0.5, "and not one that dips in the bounce alone", path:drift("energy").largest)
+end
+
 tap.done()
