@@ -241,9 +241,7 @@ size_t dm_chain_work(const dm_model *m) {
 
 dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain,
                         double *work) {
-    const size_t size = dm_chain_work(m);
-    if (!size) return NULL;
-    memset(work, 0, size * sizeof *work);
+    if (!dm_chain_work(m)) return NULL;
     dm_chain *c = (dm_chain *)(void *)work;
     *c = (dm_chain){.table = *table, .plain = plain != 0};
     plan_step(c);

@@ -61,7 +61,7 @@ uint32_t dm_lattice_arrays(dm_lattice *l);
 /* Doubles of workspace, at most, with so many arrays of every coordinate; 0: not of this kind. */
 size_t dm_lattice_work(const dm_model *m, uint32_t arrays);
 
-/* Lay the arrays into workspace: any copy of an open lattice can have one. */
+/* Lay the arrays into workspace, and clear what no body is loaded to: any copy of an open lattice can have one. */
 void dm_lattice_place(dm_lattice *l, double *work);
 
 static inline dm_strand dm_lattice_entry(const dm_lattice *l, uint32_t array) {

@@ -1,8 +1,6 @@
 /* lattice_force.c - the force by loops along arrays as a kernel like others: x = (q, v, t) in, L_q and L_v out. */
 #include "mech/lattice.h"
 
-#include <string.h>
-
 typedef struct {
     dm_model model; /* as far as it is known when this is made */
     dm_lattice l;
@@ -53,7 +51,6 @@ dm_status dm_lattice_gradient(dm_kernel *out, const dm_model *m, int momenta) {
     f->force = dm_lattice_arrays(&f->l);
     status = make_strip(f, &m->source);
     if (status != DM_OK) return status;
-    memset(work, 0, size * sizeof *work);
     dm_lattice_place(&f->l, work);
     *out = (dm_kernel){.eval = eval,
                        .pool = f,

@@ -52,11 +52,25 @@ size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
            (size_t)(DM_LATTICE_FIXED + 1 + l.pad + l.room) * GROUP;
 }
 
+/* zero where no body is: the numbers, the buffer, both ends of every array */
+static void clear(const dm_lattice *l) {
+    const uint32_t first = l->depth > GROUP ? l->depth - GROUP : 0;
+    const size_t before = (size_t)l->room * GROUP;
+    const size_t behind = (size_t)(l->depth - first + l->room) * GROUP;
+    memset(l->fixed, 0, (size_t)(l->space - l->fixed) * sizeof *l->fixed);
+    for (uint32_t a = 0; a < l->arrays; a++) {
+        double *x = l->space + (size_t)a * l->pitch;
+        memset(x - before, 0, before * sizeof *x);
+        memset(x + (size_t)first * GROUP, 0, behind * sizeof *x);
+    }
+}
+
 void dm_lattice_place(dm_lattice *l, double *work) {
     const uintptr_t line = GROUP * sizeof *work;
     l->fixed = work + (line - (uintptr_t)work % line) % line / sizeof *work;
     l->buffer = l->fixed + (size_t)DM_LATTICE_FIXED * GROUP;
     l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->room * GROUP;
+    clear(l);
     fill_data(l);
 }
 
