@@ -23,8 +23,11 @@ struct dm_chain {
     dm_strip lead[2], middle[2], turn[2], stop[2]; /* alone; joined with the slopes */
     dm_strip deep_middle, deep_turn, deep_stop;    /* some passes in one loop */
     int joined;
-    int deep; /* passes of one loop, 0: one by one */
-    int rest; /* middle passes that the last loop of a step begins with */
+    int deep;                        /* passes of one loop, 0: one by one */
+    dm_layer layer[DM_LATTICE_BAND]; /* what is to be run together */
+    uint32_t layers, passes;
+    int moved, moves; /* q0 and p0, since their ends were copied; by these layers */
+    int rest;         /* middle passes that the last loop of a step begins with */
 };
 
 /* ---- passes as nodes ---- */
@@ -250,7 +253,7 @@ dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain,
     dm_lattice_place(&c->lattice, work + own_size());
     if (c->same_weight == 0.0) {
         dm_lattice_load(&c->lattice, c->weight, m->inverse_mass);
-        if (c->deep) dm_lattice_copy_ends(&c->lattice, c->weight);
+        if (c->deep) dm_lattice_copy_ends(&c->lattice, c->weight, c->lattice.room);
     }
     return c;
 }
@@ -304,34 +307,70 @@ static void set_numbers(dm_chain *c, int k, int at, double h, double t) {
     if (k < c->table.stages) dm_lattice_set(l, slot + DRIFT, h * c->table.a[k]);
 }
 
-/* kicks k .. k + count - 1 in one loop */
-static void run_stack(dm_chain *c, const dm_strip *stack, int k, int count, double h,
-                      double t) {
-    for (int i = 0; i < count; i++) set_numbers(c, k + i, i, h, t);
-    dm_lattice_copy_ends(&c->lattice, c->plain ? c->q0 : c->dq);
-    dm_lattice_copy_ends(&c->lattice, c->plain ? c->p0 : c->dp);
-    dm_lattice_run_stack(&c->lattice, stack, (uint32_t)count);
-}
-
-static void step_stacked(dm_chain *c, double h, double t, int stops) {
-    const dm_strip *rest = stops || !c->first ? &c->deep_stop : &c->deep_turn;
-    int k = c->first;
-    if (!c->plain) {
-        dm_lattice_copy_ends(&c->lattice, c->q0);
-        dm_lattice_copy_ends(&c->lattice, c->p0);
+static void copy_ends(dm_chain *c) {
+    const dm_lattice *l = &c->lattice;
+    if (c->plain || c->moved) {
+        dm_lattice_copy_ends(l, c->q0, c->passes);
+        dm_lattice_copy_ends(l, c->p0, c->passes);
     }
-    for (; c->last - k >= c->deep; k += c->deep)
-        run_stack(c, &c->deep_middle, k, c->deep, h, t);
-    run_stack(c, rest, k, c->rest + 1, h, t);
+    if (c->plain) return;
+    dm_lattice_copy_ends(l, c->dq, c->passes);
+    dm_lattice_copy_ends(l, c->dp, c->passes);
 }
 
-static void step(dm_chain *c, double h, double t, int stops) {
+/* what has come together */
+static void run_layers(dm_chain *c) {
+    if (!c->layers) return;
+    copy_ends(c);
+    dm_lattice_run_band(&c->lattice, c->layer, c->layers);
+    /* copies at the ends are for so many passes only */
+    c->moved = c->moves || c->lattice.band > 1;
+    c->layers = c->passes = 0;
+    c->moves = 0;
+    dm_lattice_choose(&c->lattice, 0);
+}
+
+/* kicks k .. k + count - 1 in one loop */
+static void add_layer(dm_chain *c, const dm_strip *stack, int k, int count,
+                      const dm_chain_burst *b) {
+    dm_lattice *l = &c->lattice;
+    if (c->layers == l->band || c->passes + (uint32_t)count > dm_lattice_reach(l))
+        run_layers(c);
+    dm_lattice_choose(l, c->layers);
+    for (int i = 0; i < count; i++) set_numbers(c, k + i, i, b->h, b->t);
+    c->layer[c->layers++] = (dm_layer){stack, (uint32_t)count};
+    c->passes += (uint32_t)count;
+}
+
+static void step_stacked(dm_chain *c, const dm_chain_burst *b, int stops) {
+    const dm_strip *rest = stops || !c->first ? &c->deep_stop : &c->deep_turn;
+    const uint32_t slot = (uint32_t)c->rest * DM_LATTICE_NUMBERS;
+    int k = c->first;
+    for (; c->last - k >= c->deep; k += c->deep)
+        add_layer(c, &c->deep_middle, k, c->deep, b);
+    add_layer(c, rest, k, c->rest + 1, b);
+    dm_lattice_set(&c->lattice, slot + AGAIN_KICK, b->h * c->table.b[0]);
+    dm_lattice_set(&c->lattice, slot + AGAIN_DRIFT, b->h * c->table.a[0]);
+    c->moves = 1;
+    if (stops) run_layers(c);
+}
+
+static void step(dm_chain *c, const dm_chain_burst *b, int stops) {
     dm_lattice *l = &c->lattice;
     for (int k = c->first; k <= c->last; k++) {
         const dm_strip *rest = stops || !c->first ? c->stop : c->turn;
-        dm_lattice_set(l, KICK, h * c->table.b[k]);
-        if (k < c->table.stages) dm_lattice_set(l, DRIFT, h * c->table.a[k]);
-        run(c, k < c->last ? c->middle : rest, t + c->c[k] * h);
+        dm_lattice_set(l, KICK, b->h * c->table.b[k]);
+        if (k < c->table.stages) dm_lattice_set(l, DRIFT, b->h * c->table.a[k]);
+        run(c, k < c->last ? c->middle : rest, b->t + c->c[k] * b->h);
+    }
+}
+
+static void steps(dm_chain *c, const dm_chain_burst *b) {
+    dm_chain_burst now = *b;
+    c->moved = 1;
+    for (long k = 0; k < b->count; k++) {
+        now.t = b->t + (double)k * b->h;
+        (c->deep ? step_stacked : step)(c, &now, k == b->count - 1);
     }
 }
 
@@ -340,12 +379,9 @@ long dm_chain_run(dm_chain *c, double *state, const dm_chain_burst *b) {
     if (b->count <= 0) return 0;
     if (!b->goes_on) load(c, state);
     if (c->first) begin(c, b->h, b->t);
-    const uint32_t slot = c->deep ? (uint32_t)c->rest * DM_LATTICE_NUMBERS : 0;
-    dm_lattice_set(&c->lattice, slot + AGAIN_KICK, b->h * c->table.b[0]);
-    dm_lattice_set(&c->lattice, slot + AGAIN_DRIFT, b->h * c->table.a[0]);
-    for (long k = 0; k < b->count; k++)
-        (c->deep ? step_stacked : step)(c, b->h, b->t + (double)k * b->h,
-                                        k == b->count - 1);
+    dm_lattice_set(&c->lattice, AGAIN_KICK, b->h * c->table.b[0]);
+    dm_lattice_set(&c->lattice, AGAIN_DRIFT, b->h * c->table.a[0]);
+    steps(c, b);
     if (!dm_lattice_is_finite(&c->lattice, c->q0) ||
         !dm_lattice_is_finite(&c->lattice, c->p0))
         return 0; /* what is not finite stays so, and a sum whose low part is not is not either */

@@ -11,6 +11,8 @@ enum {
     TILE = 128, /* of the depth, between slopes and forces, at least */
     SKEW = 72,  /* doubles: entries of one body do not share the place in a page */
     PAGE = 512,
+    LONG = 4096, /* depth from which on stacks are run in tiles */
+    LONG_ROOM = 40,
     GROUP = DM_STRIP_GROUP,
     COLUMNS = 24
 };
@@ -108,7 +110,9 @@ int dm_lattice_layout(dm_lattice *l) {
     l->tile = larger(TILE, 4 * far);
     if (l->tile > l->depth) l->tile = l->depth;
     l->row = (far + l->tile) * GROUP;
-    l->room = larger(far, 2 * DM_LATTICE_DEEP);
+    const int is_long = l->depth >= LONG;
+    l->room = larger(far, is_long ? LONG_ROOM : 2 * DM_LATTICE_DEEP);
+    l->band = is_long ? DM_LATTICE_BAND : 1;
     l->pitch =
         (((l->depth + 2 * l->room) * GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
     return far <= l->depth && l->bodies < INT32_MAX / 4096;

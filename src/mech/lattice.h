@@ -31,7 +31,8 @@ typedef struct {
 enum {
     DM_LATTICE_NUMBERS = 5, /* that are the same for all bodies; 0 is the time */
     DM_LATTICE_DEEP = 3,    /* passes of one loop at most, each with such numbers */
-    DM_LATTICE_FIXED = DM_LATTICE_NUMBERS * DM_LATTICE_DEEP
+    DM_LATTICE_FIXED = DM_LATTICE_NUMBERS * DM_LATTICE_DEEP,
+    DM_LATTICE_BAND = 16 /* loops of a band at most */
 };
 
 typedef struct {
@@ -40,6 +41,7 @@ typedef struct {
     uint32_t depth;      /* bodies of a part */
     uint32_t pad;        /* as many beyond both ends of a part that neighbours may read */
     uint32_t room;       /* entries of memory there */
+    uint32_t band;       /* loops of a band at most */
     uint32_t pitch;      /* doubles from array to array; coordinate c is array c */
     uint32_t arrays;     /* so far */
     uint32_t tile;       /* of `depth` at a time */
@@ -48,6 +50,8 @@ typedef struct {
     dm_rounds *sum;
     dm_share *share;
     double *space, *buffer, *fixed;
+    double *numbers, *carried;    /* of each loop of a band; fixed is one of the former */
+    uint32_t turn;                /* which half of `carried` is used */
     struct dm_lattice_data *data; /* [columns] of numbers */
     uint32_t columns;
 } dm_lattice;
@@ -111,13 +115,30 @@ uint32_t dm_lattice_deep(const dm_lattice *l);
 dm_status dm_lattice_stack(const dm_lattice *l, dm_strip *out, const dm_strip *const *use,
                            uint32_t count, dm_lattice_pair at);
 
-/* The numbers of pass k are those from slot k DM_LATTICE_NUMBERS on. Ends of arrays (dm_lattice_copy_ends) have to be
-** there. */
-void dm_lattice_run_stack(const dm_lattice *l, const dm_strip *stack, uint32_t count);
+/* A stack of so many passes, the numbers of pass k from slot k DM_LATTICE_NUMBERS on. */
+typedef struct {
+    const dm_strip *loop;
+    uint32_t count;
+} dm_layer;
 
-/* Behind both ends of the parts what lies at the ends of their neighbours, as far as a stack looks: arrays first ..
-** first + block - 1. */
-void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first);
+/* The numbers that dm_lattice_set sets, and that all other loops use, are those of layer k from now on; 0 at first. */
+void dm_lattice_choose(dm_lattice *l, uint32_t k);
+
+/* Passes of a band at most. */
+static inline uint32_t dm_lattice_reach(const dm_lattice *l) {
+    return l->room - DM_LATTICE_DEEP;
+}
+
+/*
+** Stacks one after the other, each with its numbers. A chain longer than a cache is done in tiles: layer k follows as close
+** behind layer k - 1 as it may, so that an entry is fetched once for all of them. Ends of arrays as long as there are
+** passes (dm_lattice_copy_ends) have to be there.
+*/
+void dm_lattice_run_band(dm_lattice *l, const dm_layer *layer, uint32_t layers);
+
+/* Behind both ends of the parts what lies at the ends of their neighbours, `count` groups of arrays first .. first +
+** block - 1. */
+void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first, uint32_t count);
 
 /* The coordinates themselves are these. */
 void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at);

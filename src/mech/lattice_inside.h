@@ -47,6 +47,6 @@ uint32_t dm_lattice_wide_store(const dm_lattice *l, double *x, const double *fro
 int dm_lattice_wide_finite(const dm_lattice *l, const double *x, int *finite);
 
 /* dm_lattice_copy_ends of one array. */
-void dm_lattice_ends_of(const dm_lattice *l, double *x);
+void dm_lattice_ends_of(const dm_lattice *l, double *x, uint32_t count);
 
 #endif

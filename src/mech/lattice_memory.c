@@ -39,7 +39,7 @@ static void fill_data(dm_lattice *l) {
         for (uint32_t i = 0; i < d->sum->bodies; i++)
             to[dm_lattice_at(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
         fill_ends(l, to);
-        if (dm_lattice_is_full(l)) dm_lattice_ends_of(l, to);
+        if (dm_lattice_is_full(l)) dm_lattice_ends_of(l, to, l->room);
     }
 }
 
@@ -49,7 +49,9 @@ size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
     if (!(m->structure & DM_LOOPS) || !m->source.sums || !dm_lattice_layout(&l)) return 0;
     for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns;
     return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
-           (size_t)(DM_LATTICE_FIXED + 1 + l.pad + l.room) * GROUP;
+           (size_t)(l.band * (DM_LATTICE_FIXED + 2 * DM_STRIP_CARRIED) + 1 + l.pad +
+                    l.room) *
+               GROUP;
 }
 
 /* zero where no body is: the numbers, the buffer, both ends of every array */
@@ -57,7 +59,7 @@ static void clear(const dm_lattice *l) {
     const uint32_t first = l->depth > GROUP ? l->depth - GROUP : 0;
     const size_t before = (size_t)l->room * GROUP;
     const size_t behind = (size_t)(l->depth - first + l->room) * GROUP;
-    memset(l->fixed, 0, (size_t)(l->space - l->fixed) * sizeof *l->fixed);
+    memset(l->numbers, 0, (size_t)(l->space - l->numbers) * sizeof *l->numbers);
     for (uint32_t a = 0; a < l->arrays; a++) {
         double *x = l->space + (size_t)a * l->pitch;
         memset(x - before, 0, before * sizeof *x);
@@ -67,11 +69,17 @@ static void clear(const dm_lattice *l) {
 
 void dm_lattice_place(dm_lattice *l, double *work) {
     const uintptr_t line = GROUP * sizeof *work;
-    l->fixed = work + (line - (uintptr_t)work % line) % line / sizeof *work;
-    l->buffer = l->fixed + (size_t)DM_LATTICE_FIXED * GROUP;
+    l->numbers = work + (line - (uintptr_t)work % line) % line / sizeof *work;
+    l->carried = l->numbers + (size_t)l->band * DM_LATTICE_FIXED * GROUP;
+    l->buffer = l->carried + (size_t)l->band * 2 * DM_STRIP_CARRIED * GROUP;
+    l->fixed = l->numbers;
     l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->room * GROUP;
     clear(l);
     fill_data(l);
+}
+
+void dm_lattice_choose(dm_lattice *l, uint32_t k) {
+    l->fixed = l->numbers + (size_t)k * DM_LATTICE_FIXED * GROUP;
 }
 
 void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { GROUP = DM_STRIP_GROUP, MOST_BLOCK = 3, MOST_SLOTS = 6 };
+enum { GROUP = DM_STRIP_GROUP, MOST_BLOCK = 3, MOST_SLOTS = 6, TILE = 512 };
 
 /* one pass at its group, and what the pass before it left for that group */
 typedef struct {
@@ -26,9 +26,10 @@ static int64_t coordinates(const stack *b) {
     return (int64_t)b->l->block * b->l->pitch;
 }
 
-/* groups before the first valid one may carry anything */
+/* from tile to tile through memory; groups before the first valid one may carry anything */
 static dm_strand carry(stack *b) {
-    return dm_strip_carry(&b->d, (dm_strand){DM_STRAND_FIXED, 0}, 0);
+    const int64_t at = (int64_t)b->d.carried * GROUP;
+    return dm_strip_carry(&b->d, (dm_strand){DM_STRAND_SIDE, at}, 1);
 }
 
 /* a strand of pass k, which is k groups behind */
@@ -110,9 +111,12 @@ static void write_pass(stack *b, uint32_t k, int last) {
 }
 
 /* functions want the registers for themselves, and cost more than memory does */
-static int has_functions(const dm_strip *s) {
-    for (dm_node n = 0; n < dm_graph_size(s->g); n++)
-        if (dm_is_call((uint8_t)dm_at(s->g, n)->op)) return 1;
+static int has_functions(const dm_lattice *l) {
+    for (uint32_t k = 0; k < l->sums; k++) {
+        const dm_strip *s = &l->sum[k].strip;
+        for (dm_node n = 0; n < dm_graph_size(s->g); n++)
+            if (dm_is_call((uint8_t)dm_at(s->g, n)->op)) return 1;
+    }
     return 0;
 }
 
@@ -121,7 +125,7 @@ static int can_stack(const dm_lattice *l) {
     if (l->block > MOST_BLOCK || l->slots > MOST_SLOTS || l->pad != 1) return 0;
     for (uint32_t k = 0; k < l->sums; k++) {
         const dm_rounds *r = l->sum + k;
-        if (r->strip.lanes != GROUP || !r->periodic || has_functions(&r->strip)) return 0;
+        if (r->strip.lanes != GROUP || !r->periodic) return 0;
     }
     return dm_lattice_is_full(l);
 }
@@ -130,6 +134,7 @@ static int can_stack(const dm_lattice *l) {
 uint32_t dm_lattice_deep(const dm_lattice *l) {
     const uint32_t own = l->block + l->slots, more = own + 2 * l->block;
     if (!can_stack(l) || own > DM_STRIP_CARRIED) return 0;
+    if (has_functions(l)) return 1;
     const uint32_t deep = 1 + (DM_STRIP_CARRIED - own) / more;
     return deep < DM_LATTICE_DEEP ? deep : DM_LATTICE_DEEP;
 }
@@ -156,8 +161,9 @@ dm_status dm_lattice_stack(const dm_lattice *l, dm_strip *out, const dm_strip *c
 
 typedef double lanes __attribute__((vector_size(64), aligned(8), may_alias));
 
-void dm_lattice_ends_of(const dm_lattice *l, double *x) {
-    for (uint32_t k = 0; k < DM_LATTICE_DEEP; k++) {
+static inline __attribute__((always_inline)) void ends_of(const dm_lattice *l, double *x,
+                                                          uint32_t count) {
+    for (uint32_t k = 0; k < count; k++) {
         double *behind = x + (size_t)(l->depth + k) * GROUP;
         double *before = x - (size_t)(k + 1) * GROUP;
         const lanes first = *(const lanes *)(const void *)(x + (size_t)k * GROUP);
@@ -170,15 +176,50 @@ void dm_lattice_ends_of(const dm_lattice *l, double *x) {
     }
 }
 
-void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first) {
-    for (uint32_t c = 0; c < l->block; c++)
-        dm_lattice_ends_of(l, l->space + (size_t)(first + c) * l->pitch);
+/* a number that the compiler knows saves two thirds of the time */
+void dm_lattice_ends_of(const dm_lattice *l, double *x, uint32_t count) {
+    ends_of(l, x, DM_LATTICE_DEEP);
+    if (count > DM_LATTICE_DEEP) ends_of(l, x, count);
 }
 
-/* The first pass begins a group before the first one from which the last pass gets what it needs: of `count` groups
-** more at both ends each pass loses one. */
-void dm_lattice_run_stack(const dm_lattice *l, const dm_strip *loop, uint32_t count) {
-    const int64_t before = count + 1;
-    dm_strip_run(loop, dm_lattice_bases(l, -before, 0),
-                 (uint32_t)(before + l->depth + count - 1) * GROUP);
+void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first, uint32_t count) {
+    for (uint32_t c = 0; c < l->block; c++)
+        dm_lattice_ends_of(l, l->space + (size_t)(first + c) * l->pitch, count);
+}
+
+/* where a layer is: groups [done, stop) are left for its first pass */
+typedef struct {
+    int64_t done, stop;
+} front;
+
+static void run_to(const dm_lattice *l, const dm_layer *layer, uint32_t k, front *f,
+                   int64_t to) {
+    dm_strip_bases at = dm_lattice_bases(l, f->done, 0);
+    if (to > f->stop) to = f->stop;
+    if (to <= f->done) return;
+    at.fixed = l->numbers + (size_t)k * DM_LATTICE_FIXED * GROUP;
+    at.side = l->carried + (size_t)(2 * k + l->turn) * DM_STRIP_CARRIED * GROUP;
+    dm_strip_run(layer[k].loop, at, (uint32_t)(to - f->done) * GROUP);
+    f->done = to;
+}
+
+/* The first pass of a layer begins a group before the first one from which its last pass gets what it needs; of the groups
+** beyond both ends each pass loses one, those of the layers behind it included. The last pass of a layer writes count - 1
+** groups behind the first, and the next layer reads a group ahead: it may come as near as `count`. */
+void dm_lattice_run_band(dm_lattice *l, const dm_layer *layer, uint32_t layers) {
+    front f[DM_LATTICE_BAND];
+    int64_t more = 0;
+    l->turn = !l->turn; /* a loop does not wait for the end of the one before */
+    for (uint32_t k = layers; k-- > 0;) {
+        more += layer[k].count;
+        f[k] = (front){-more - 1, l->depth + more - 1};
+    }
+    const int64_t tile = l->band > 1 ? TILE : f[0].stop - f[0].done;
+    for (int64_t to = f[0].done; f[layers - 1].done < f[layers - 1].stop;) {
+        int64_t least = to += tile;
+        for (uint32_t k = 0; k < layers; k++) {
+            run_to(l, layer, k, f + k, least);
+            least = f[k].done - layer[k].count;
+        }
+    }
 }

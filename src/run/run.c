@@ -7,7 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-static const double LOOK = 5e-4;    /* s between looks at the clock and the stop flag */
+static const double LOOK = 5e-3;    /* s between looks at the clock and the stop flag */
 static const double PROGRESS = 0.1; /* s between calls of progress */
 static const double SLACK =
     1e-9;                   /* of h: a time asked for this near to a step is that step */
@@ -189,7 +189,7 @@ static void look(loop *l) {
         l->plan->save(l->plan->ud, l->done);
         l->saved = t;
     }
-    if (took < 0.5 * LOOK && l->burst < LONGEST) l->burst *= 2;
+    if (took < 0.5 * LOOK && l->burst < LONGEST) l->burst *= took < 0.05 * LOOK ? 8 : 2;
     if (took > LOOK && l->burst > 1) l->burst /= 2;
     l->looked = t;
     l->until = l->done + l->burst;

@@ -120,6 +120,15 @@ for name, make in pairs(others) do
   end
 end
 
+-- longer than a cache: several loops, tile by tile, over more than a step
+local long = { ["equal bodies"] = systems, ["springs that vary, and an own force on each"] = systems, ["exponentials"] = others }
+for name, from in pairs(long) do
+  for rule, sums in pairs { verlet = "plain", ["blanes-moan(6, 11)"] = "compensated", ["symplectic-euler"] = "plain" } do
+    compare(name, 8 * 4100, from[name](8 * 4100), { rule = rule, sums = sums })
+  end
+end
+compare("two coordinates a body", 16 * 4100, systems["two coordinates a body"](), { rule = "yoshida(4)", sums = "plain" })
+
 -- an independent road: the same ring written out by hand, by another backend and another rule of high order
 do
   local n = 512
