@@ -103,7 +103,7 @@ dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *us
 void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip *use,
                            dm_lattice_pair at, double t);
 
-/* How many passes over this chain fit in one loop; 0: they cannot be joined, the bodies do not fill the parts or are not
+/* How many passes over this chain fit in one loop; 0: they cannot be joined, are not
 ** periodic, or functions want the registers. */
 uint32_t dm_lattice_deep(const dm_lattice *l);
 

@@ -34,9 +34,9 @@ void dm_lattice_fill_ends(dm_lattice *l);
 void dm_lattice_fill(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
                      int64_t end);
 
-/* The bodies fill the parts, and there are enough for a stack. */
-static inline int dm_lattice_is_full(const dm_lattice *l) {
-    return l->bodies == l->depth * DM_STRIP_GROUP && l->depth > 4 * l->room;
+/* There are enough bodies for a stack. */
+static inline int dm_lattice_is_deep(const dm_lattice *l) {
+    return l->depth > 4 * l->room;
 }
 
 /* lattice_wide.c: one array from x or to x by AVX-512; gives how many depths are done, a start of each part. */

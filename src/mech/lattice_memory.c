@@ -39,7 +39,7 @@ static void fill_data(dm_lattice *l) {
         for (uint32_t i = 0; i < d->sum->bodies; i++)
             to[dm_lattice_at(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
         fill_ends(l, to);
-        if (dm_lattice_is_full(l)) dm_lattice_ends_of(l, to, l->room);
+        if (dm_lattice_is_deep(l)) dm_lattice_ends_of(l, to, l->room);
     }
 }
 

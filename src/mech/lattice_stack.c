@@ -120,14 +120,14 @@ static int has_functions(const dm_lattice *l) {
     return 0;
 }
 
-/* neighbours at most one body away, rounds over all of them, every lane full */
+/* neighbours at most one body away, rounds over all of them, enough for what the ends do twice */
 static int can_stack(const dm_lattice *l) {
     if (l->block > MOST_BLOCK || l->slots > MOST_SLOTS || l->pad != 1) return 0;
     for (uint32_t k = 0; k < l->sums; k++) {
         const dm_rounds *r = l->sum + k;
         if (r->strip.lanes != GROUP || !r->periodic) return 0;
     }
-    return dm_lattice_is_full(l);
+    return dm_lattice_is_deep(l);
 }
 
 /* what a pass carries for itself: positions and slopes; from the one before: dq and dp too */
@@ -176,10 +176,21 @@ static inline __attribute__((always_inline)) void ends_of(const dm_lattice *l, d
     }
 }
 
+/* the last part lacks some bodies: the first ones follow before its end, and what is before the first part is there */
+static void ends_of_last(const dm_lattice *l, double *x, uint32_t count) {
+    const uint32_t lacks = l->depth * GROUP - l->bodies, own = l->depth - lacks;
+    double *last = x + (size_t)own * GROUP + GROUP - 1, *before = x - GROUP;
+    for (uint32_t k = 0; k < lacks + count; k++)
+        last[(size_t)k * GROUP] = x[(size_t)k * GROUP];
+    for (uint32_t k = 0; k < count; k++)
+        *(before - (size_t)k * GROUP) = *(last - (size_t)(k + 1) * GROUP);
+}
+
 /* a number that the compiler knows saves two thirds of the time */
 void dm_lattice_ends_of(const dm_lattice *l, double *x, uint32_t count) {
     ends_of(l, x, DM_LATTICE_DEEP);
     if (count > DM_LATTICE_DEEP) ends_of(l, x, count);
+    if (l->bodies < l->depth * GROUP) ends_of_last(l, x, count);
 }
 
 void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first, uint32_t count) {
