@@ -131,8 +131,46 @@ static int is_known(const char *key, const char *const *known) {
     return *known != NULL;
 }
 
+/* what other programs call an option; NULL when none of the known ones is meant */
+static const char *other_name(const char *key, const char *const *known) {
+    static const char *const names[][2] = {{"dt", "h"},
+                                           {"step", "h"},
+                                           {"stepsize", "h"},
+                                           {"step_size", "h"},
+                                           {"timestep", "h"},
+                                           {"method", "rule"},
+                                           {"integrator", "rule"},
+                                           {"scheme", "rule"},
+                                           {"time", "t"},
+                                           {"T", "t"},
+                                           {"duration", "t"},
+                                           {"t_end", "t"},
+                                           {"n", "steps"},
+                                           {"N", "steps"},
+                                           {"nsteps", "steps"},
+                                           {"x", "q"},
+                                           {"position", "q"},
+                                           {"velocity", "v"},
+                                           {"qdot", "v"},
+                                           {"momentum", "p"},
+                                           {"lagrangian", "L"},
+                                           {"Lagrangian", "L"},
+                                           {"H", "L"},
+                                           {"space", "Q"},
+                                           {"constraints", "constraint"},
+                                           {"parameters", "params"},
+                                           {"forces", "force"},
+                                           {"tol", "tolerance"},
+                                           {"output", "file"},
+                                           {NULL, NULL}};
+    for (int k = 0; names[k][0]; k++)
+        if (strcmp(names[k][0], key) == 0 && is_known(names[k][1], known))
+            return names[k][1];
+    return dml_nearest(key, known);
+}
+
 static void unknown_option(lua_State *L, const char *key, const char *const *known) {
-    const char *near = dml_nearest(key, known);
+    const char *near = other_name(key, known);
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     lua_pushfstring(L, "unknown field '%s'; ", key);

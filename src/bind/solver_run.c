@@ -198,6 +198,9 @@ static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double
         read_times(L, s, plan, from);
     else if (has(L, "t"))
         plan->until = from + dml_positive(L, 2, "t", 0);
+    else if (!has(L, "steps"))
+        luaL_error(L, "how long? 'steps' (how many), 't' (a duration) or 'at' "
+                      "(times) is missing");
     else
         plan->steps = dml_count(L, 2, "steps", 0, -1);
     if (!isfinite(plan->until)) return;

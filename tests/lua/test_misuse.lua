@@ -47,6 +47,12 @@ raises("did you mean 'verlet'", function() kepler:solver { rule = "leapfrog", h 
 ok(not message(function() kepler:solver { rule = "foo", h = 1 } end):find "did you mean", "no guess where nothing is near")
 raises("unknown rule 'foo'; ?rules", function() dm.discrete_lagrangian(kepler, { rule = "foo", h = 1 }) end)
 
+-- options under the names that other programs use
+raises("unknown field 'dt'; did you mean 'h'?", function() kepler:solver { rule = "verlet", dt = 1 } end)
+raises("unknown field 'integrator'; did you mean 'rule'?", function() kepler:solver { integrator = "verlet", h = 1 } end)
+raises("unknown field 'H'; did you mean 'L'?", dm.system, { Q = dm.R(1), H = function() return 0 end })
+raises("how long? 'steps' (how many), 't' (a duration) or 'at' (times) is missing", solver.run, solver, { q = { 1, 0 }, v = { 0, 1 } })
+
 local moved = dm.action { group = dm.SE(2), on = dm.R(2) }
 local function section(a, b) return { a[1], a[2], b[2] } end
 local function with(params, L) return dm.system { Q = dm.R(1), params = params, L = L } end
@@ -57,7 +63,7 @@ raises("the params of a system are the fourth argument", with, { k = 3 }, functi
 raises("'points' must be a whole number", function() dm.moving_frame { action = moved, points = "2", cross_section = section } end)
 raises("unknown option 'section'; options are", function() dm.moving_frame { action = moved, section = section } end)
 local rho = dm.moving_frame { action = moved, points = 2, cross_section = section, branch = function(_, b) return b[1] end }
-raises("point 1 must have 2 entries", function() rho(1, 2) end)
+raises("point 1 must have 2 entries", function() rho({ 1 }, { 2 }) end)
 raises("\"picture\" is every coordinate and stands alone", function()
   dm.scene { system = kepler, q = { 1, 0 }, v = { 0, 1 }, watch = { "picture" }, tolerance = 1e-3, until_t = 1 }
 end)
