@@ -114,8 +114,9 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     keep_fields(L, known);
     lua_setiuservalue(L, -2, 1);
     luaL_setmetatable(L, pair ? DML_DISCRETE : DML_SYSTEM);
-    dml_pushmodel(L,
-                  -1); /* a function that cannot be traced is refused where it is given */
+    dml_pushlast(
+        L, -1,
+        NULL); /* what cannot be traced is refused where it is given; the first run takes it over */
     lua_pop(L, 1);
 }
 

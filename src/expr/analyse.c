@@ -6,13 +6,20 @@
 
 int dm_depends(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t first,
                uint32_t n) {
-    const uint32_t end = dm_mark(g, roots, m);
-    for (dm_node i = 0; i < end; i++) {
-        const dm_expr *e = dm_at(g, i);
-        if (dm_is_marked(g, i) && e->op == DM_OP_INPUT && e->as.input - first < n)
-            return 1;
-    }
+    const uint32_t end = first + n < g->leaves ? first + n : g->leaves;
+    dm_mark(g, roots, m);
+    for (uint32_t i = first; i < end; i++)
+        if (g->leaf[i] && dm_is_marked(g, g->leaf[i])) return 1;
     return 0;
+}
+
+void dm_independent(uint8_t *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                    uint32_t first, uint32_t n) {
+    dm_mark(g, roots, m);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node leaf = first + i < g->leaves ? g->leaf[first + i] : 0;
+        out[i] = !leaf || !dm_is_marked(g, leaf);
+    }
 }
 
 void dm_operation_counts(dm_graph *g, const dm_node *roots, uint32_t m,

@@ -9,6 +9,10 @@
 /* True when some root depends on an input in first .. first+n-1. */
 int dm_depends(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t first, uint32_t n);
 
+/* out[n]: 1 where none of the roots depends on that input, from `first` on. */
+void dm_independent(uint8_t *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                    uint32_t first, uint32_t n);
+
 /* Operations (not leaves) needed for all roots together. */
 uint32_t dm_operations(dm_graph *g, const dm_node *roots, uint32_t m);
 

@@ -77,23 +77,27 @@ static uint32_t hash(const uint32_t key[4]) {
     return (uint32_t)(h >> 32);
 }
 
-/* the slot that holds this content, or the free one where it belongs */
-static uint32_t slot_of(const dm_graph *g, const uint32_t key[4]) {
-    uint32_t slot = hash(key) & g->mask, other[4];
-    for (; g->table[slot]; slot = (slot + 1) & g->mask) {
-        content(other, g->nodes + g->table[slot]);
-        if (memcmp(other, key, sizeof other) == 0) break;
+/* the slot that holds this content, or the free one where it belongs, with its hash */
+static dm_slot *slot_of(const dm_graph *g, const uint32_t key[4]) {
+    const uint32_t h = hash(key);
+    uint32_t at = h & g->mask, other[4];
+    for (; g->table[at].node; at = (at + 1) & g->mask) {
+        if (g->table[at].hash != h) continue;
+        content(other, g->nodes + g->table[at].node);
+        if (memcmp(other, key, sizeof other) == 0) return g->table + at;
     }
-    return slot;
+    g->table[at].hash = h;
+    return g->table + at;
 }
 
-static void rehash(dm_graph *g) {
-    uint32_t key[4];
+/* the entries of a smaller table into the new one */
+static void rehash(dm_graph *g, const dm_slot *old, size_t slots) {
     memset(g->table, 0, ((size_t)g->mask + 1) * sizeof *g->table);
-    for (dm_node n = 1; n < g->size; n++) {
-        if (g->nodes[n].op == DM_OP_INPUT) continue;
-        content(key, g->nodes + n);
-        g->table[slot_of(g, key)] = n;
+    for (size_t i = 0; i < slots; i++) {
+        uint32_t at = old[i].hash & g->mask;
+        if (!old[i].node) continue;
+        while (g->table[at].node) at = (at + 1) & g->mask;
+        g->table[at] = old[i];
     }
 }
 
@@ -107,7 +111,8 @@ static int grow(dm_graph *g, size_t want) {
     uint32_t *mark =
         dm_arena_grow(g->arena, g->mark, held * sizeof *mark, want * sizeof *mark);
     uint8_t *nonnegative = dm_arena_grow(g->arena, g->nonnegative, held, want);
-    dm_node *table = dm_arena_take(g->arena, 2 * want * sizeof *table);
+    dm_slot *table = dm_arena_take(g->arena, 2 * want * sizeof *table), *old = g->table;
+    const size_t slots = old ? (size_t)g->mask + 1 : 0;
     if (mark) g->mark = mark;
     if (nonnegative) g->nonnegative = nonnegative;
     if (!nodes || !mark || !nonnegative || !table)
@@ -116,7 +121,7 @@ static int grow(dm_graph *g, size_t want) {
     g->table = table;
     g->capacity = (uint32_t)want;
     g->mask = (uint32_t)(2 * want - 1);
-    rehash(g);
+    rehash(g, old, slots);
     return 1;
 }
 
@@ -178,7 +183,7 @@ dm_node dm_node_find(const dm_graph *g, const dm_expr *e) {
     if (is_zero(e)) return 0;
     if (e->op == DM_OP_INPUT) return e->as.input < g->leaves ? g->leaf[e->as.input] : 0;
     content(key, e);
-    return g->table[slot_of(g, key)];
+    return slot_of(g, key)->node;
 }
 
 /* where the node of input i is kept: not in the table, as there may be very many in a row */
@@ -199,7 +204,7 @@ static dm_node *place_of(dm_graph *g, const dm_expr *e) {
     uint32_t key[4];
     if (e->op == DM_OP_INPUT) return place_of_input(g, e->as.input);
     content(key, e);
-    return g->table + slot_of(g, key);
+    return &slot_of(g, key)->node;
 }
 
 dm_node dm_node_make(dm_graph *g, const dm_expr *e) {
@@ -253,20 +258,30 @@ int dm_is_constant(const dm_graph *g, dm_node n, double *value) {
     return 1;
 }
 
+/* 1: it was not marked yet, and has operands */
+static uint32_t mark_one(dm_graph *g, dm_node n) {
+    if (g->mark[n] == g->stamp) return 0;
+    g->mark[n] = g->stamp;
+    return dm_arity(g->nodes[n].op) > 0;
+}
+
 uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m) {
     uint32_t end = 0;
     if (++g->stamp == 0) { /* wrapped: forget all old marks */
         memset(g->mark, 0, g->capacity * sizeof *g->mark);
         g->stamp = 1;
     }
+    uint32_t pending = 0; /* marked nodes whose operands are not */
     for (uint32_t i = 0; i < m; i++) {
-        g->mark[roots[i]] = g->stamp;
+        pending += mark_one(g, roots[i]);
         if (roots[i] >= end) end = roots[i] + 1;
     }
-    for (uint32_t n = end; n-- > 0;) { /* users have larger numbers than operands */
-        if (g->mark[n] != g->stamp) continue;
+    for (uint32_t n = end;
+         pending && n-- > 0;) { /* users have larger numbers than operands */
         const dm_expr *e = g->nodes + n;
-        for (int k = 0; k < dm_arity(e->op); k++) g->mark[e->as.arg[k]] = g->stamp;
+        if (g->mark[n] != g->stamp || !dm_arity(e->op)) continue;
+        pending--;
+        for (int k = 0; k < dm_arity(e->op); k++) pending += mark_one(g, e->as.arg[k]);
     }
     return end;
 }

@@ -6,12 +6,17 @@
 
 #include <string.h>
 
+/* a place of a table of nodes; node 0 is found without it, and says that this one is free */
+typedef struct {
+    dm_node node;
+    uint32_t hash; /* so that most other nodes need not be looked at */
+} dm_slot;
+
 struct dm_graph {
     dm_arena *arena;
     dm_expr *nodes;
     uint32_t size, capacity;
-    dm_node
-        *table; /* open addressing by content; 0 is free: node 0 is found without it */
+    dm_slot *table; /* open addressing by content */
     uint32_t mask;
     dm_node *leaf; /* [leaves] the nodes of inputs, 0: not made yet */
     uint32_t leaves;

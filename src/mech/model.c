@@ -70,7 +70,7 @@ static dm_status read_structure(builder *b) {
     b->m.structure = has;
     uint8_t *cyclic = dm_arena_take(b->arena, n);
     if (!cyclic) return DM_NO_MEMORY;
-    for (uint32_t i = 0; i < n; i++) cyclic[i] = !dm_depends(b->g, &b->L, 1, i, 1);
+    dm_independent(cyclic, b->g, &b->L, 1, 0, n);
     b->m.cyclic = cyclic;
     b->m.operations = dm_operations(b->g, &b->L, 1);
     return dm_graph_status(b->g);
