@@ -1,5 +1,5 @@
--- dmlua tests/bench/setup.lua: CPU time from a Lua function to the kernels of a run, for the models of the examples; of each
--- the first time, then the median of nine systems made anew
+-- dmlua tests/bench/setup.lua: CPU time from dm.system{} through the first step of a run, for the models of the examples and
+-- n bodies; of each the first time, then the median of nine systems made anew, and of a run that finds its kernels
 local dm = require "dm"
 local sin, cos = math.sin, math.cos
 local masses = { 1, 1e-3, 3e-4, 4e-5, 5e-5, 1e-8 }
@@ -30,20 +30,41 @@ local models = {
     return L
   end },
 }
-local function once(model, rule)
-  local _, n, q, v, L = table.unpack(model)
-  local solver = dm.system { Q = dm.R(n), L = L }:solver { rule = rule, h = 1e-3 }
-  solver:run { q = q, v = v, steps = 1 }
-  local report = solver:report()
-  return report.compile_ms, report.trace_ms
+for _, bodies in ipairs { 20, 59 } do
+  local n = 3 * bodies
+  models[#models + 1] = { bodies .. " bodies", n, spread(n, function(i) return 10 * sin(i * i) end), spread(n, function(i) return 0.01 * cos(i) end), function(q, v)
+    local L = v:dot(v) / 2
+    for i = 1, bodies do
+      local at = q:slice(3 * i - 2, 3 * i)
+      for j = 1, i - 1 do L = L + 1 / (at - q:slice(3 * j - 2, 3 * j)):norm() end
+    end
+    return L
+  end, "verlet" }
 end
-print(("%-28s %-10s %10s %10s %10s"):format("ms of CPU time", "rule", "first", "median", "tracing"))
+local function median(n, f)
+  local all = {}
+  for i = 1, n do
+    local t = os.clock()
+    f()
+    all[i] = (os.clock() - t) * 1e3
+  end
+  table.sort(all)
+  return all[(n + 1) // 2]
+end
+print(("%-28s %-10s %10s %10s %10s %10s"):format("ms of CPU time", "rule", "first", "median", "again", "operations"))
 for _, model in ipairs(models) do
-  for _, rule in ipairs { "verlet", "midpoint", "gauss(2)" } do
-    local first, traced = once(model, rule)
-    local again = {}
-    for i = 1, 9 do again[i] = once(model, rule) end
-    table.sort(again)
-    print(("%-28s %-10s %10.3f %10.3f %10.3f"):format(model[1], rule, first, again[5], traced))
+  local name, n, q, v, L, only = table.unpack(model, 1, 6)
+  for _, rule in ipairs(only and { only } or { "verlet", "midpoint", "gauss(2)" }) do
+    local system, solver
+    local function run()
+      solver = system:solver { rule = rule, h = 1e-3 }
+      solver:run { q = q, v = v, steps = 1 }
+    end
+    local function anew()
+      system = dm.system { Q = dm.R(n), L = L }
+      run()
+    end
+    local first, made, again = median(1, anew), median(9, anew), median(99, run)
+    print(("%-28s %-10s %10.3f %10.3f %10.3f %10d"):format(name, rule, first, made, again, solver:report().operations))
   end
 end
