@@ -169,6 +169,7 @@ static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
     dm_transplant(d.g, s->term, term, s->columns, with, slope);
     *r = (dm_rounds){
         .rounds = dm_sum_rounds(s, s->from), .periodic = s->periodic, .slot = l->slots};
+    if (!r->periodic && r->rounds < l->bodies) r->there = l->arrays++;
     for (uint32_t c = 0; c < s->columns; c++) {
         if (!slope[c]) continue;
         const dm_share to = {.coordinate = s->column[c].first % l->block,

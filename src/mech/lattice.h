@@ -26,6 +26,7 @@ typedef struct {
     uint32_t rounds, shift; /* shift: the largest of its shares */
     int periodic;
     uint32_t slot, slots; /* of the buffer */
+    uint32_t there; /* array: 1 where a body has a round, 0 where not; 0: all have one */
 } dm_rounds;
 
 enum {

@@ -31,6 +31,16 @@ void dm_lattice_fill_ends(dm_lattice *l) {
     for (uint32_t c = 0; c < l->block; c++) fill_ends(l, l->space + (size_t)c * l->pitch);
 }
 
+/* 1 for bodies that have a round */
+static void fill_there(dm_lattice *l) {
+    for (const dm_rounds *r = l->sum; r < l->sum + l->sums; r++) {
+        double *to = l->space + (size_t)r->there * l->pitch;
+        for (uint32_t i = 0; r->there && i < l->bodies; i++)
+            to[dm_lattice_at(l, i)] = i < r->rounds;
+        if (r->there && dm_lattice_is_deep(l)) dm_lattice_ends_of(l, to, l->room);
+    }
+}
+
 static void fill_data(dm_lattice *l) {
     for (const struct dm_lattice_data *d = l->data; d < l->data + l->columns; d++) {
         double *to = l->space + (size_t)d->array * l->pitch;
@@ -47,7 +57,8 @@ size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
     dm_lattice l = {.model = m};
     uint32_t columns = 0;
     if (!(m->structure & DM_LOOPS) || !m->source.sums || !dm_lattice_layout(&l)) return 0;
-    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns;
+    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next)
+        columns += s->columns + 1;
     return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
            (size_t)(l.band * (DM_LATTICE_FIXED + 2 * DM_STRIP_CARRIED) + 1 + l.pad +
                     l.room) *
@@ -76,6 +87,7 @@ void dm_lattice_place(dm_lattice *l, double *work) {
     l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->room * GROUP;
     clear(l);
     fill_data(l);
+    fill_there(l);
 }
 
 void dm_lattice_choose(dm_lattice *l, uint32_t k) {

@@ -55,6 +55,16 @@ static dm_node slope_input(stack *b, uint32_t k, dm_strand from) {
                                  : dm_strip_read(&b->d, b->level[k].here[c]);
 }
 
+/* no slope where there is no round, whatever the term would say */
+static void leave_out(stack *b, uint32_t k, const dm_rounds *r) {
+    if (!r->there) return;
+    const dm_node there = read(b, k, dm_lattice_entry(b->l, r->there));
+    for (uint32_t slot = r->slot; slot < r->slot + r->slots; slot++) {
+        dm_node *slope = b->level[k].slope + slot;
+        *slope = dm_apply(b->d.g, DM_OP_WHERE, there, *slope, 0);
+    }
+}
+
 static void take_slopes(stack *b, uint32_t k) {
     dm_node with[DM_STRIP_MOST];
     for (uint32_t n = 0; n < b->l->sums; n++) {
@@ -62,6 +72,7 @@ static void take_slopes(stack *b, uint32_t k) {
         for (uint32_t i = 0; i < r->strip.one.inputs; i++)
             with[i] = slope_input(b, k, r->strip.in[i]);
         dm_strip_repeat(&b->d, &r->strip, with, b->level[k].slope + r->slot);
+        leave_out(b, k, r);
     }
     for (uint32_t slot = 0; slot < b->l->slots; slot++) b->level[k].last[slot] = carry(b);
 }
@@ -120,12 +131,12 @@ static int has_functions(const dm_lattice *l) {
     return 0;
 }
 
-/* neighbours at most one body away, rounds over all of them, enough for what the ends do twice */
+/* neighbours at most one body away, enough bodies for what the ends do twice; a chain that is not closed is a ring some
+** rounds of which are not there */
 static int can_stack(const dm_lattice *l) {
     if (l->block > MOST_BLOCK || l->slots > MOST_SLOTS || l->pad != 1) return 0;
     for (uint32_t k = 0; k < l->sums; k++) {
-        const dm_rounds *r = l->sum + k;
-        if (r->strip.lanes != GROUP || !r->periodic) return 0;
+        if (l->sum[k].strip.lanes != GROUP) return 0;
     }
     return dm_lattice_is_deep(l);
 }
