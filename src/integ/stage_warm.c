@@ -6,6 +6,7 @@
 ** + (D - 2 D' + D'') + ..., as long as the differences get much smaller: on rough motion a guess further out than
 ** the polynomial may lead to another root. Another h neither uses nor changes them.
 */
+#include "base/written_out.h"
 #include "integ/stage_inside.h"
 
 #include <math.h>
@@ -53,8 +54,9 @@ static void continue_polynomial(const dm_stage *g, double *to, const double *V) 
                 to[i * (size_t)n + k] += g->ahead[i * s + j] * V[j * (size_t)n + k];
 }
 
-static double largest_of(const double *a, size_t size) {
+DM_WRITTEN_OUT double largest_of(const double *a, size_t size) {
     double largest = 0.0;
+#pragma GCC unroll 4
     for (size_t k = 0; k < size; k++) {
         const double x = fabs(a[k]);
         largest = x > largest ? x : largest;
@@ -64,32 +66,56 @@ static double largest_of(const double *a, size_t size) {
 
 /* to += D of differences [count][size]: so many in any case, then as long as adding one would have brought the last
 ** step much nearer. What was missing then is the difference behind it */
-static void add_missed(double *to, const double *D, int count, int at_least,
-                       size_t size) {
+DM_WRITTEN_OUT void add_missed(double *to, const double *D, int count, int at_least,
+                               size_t size) {
     double missing = count > 0 ? largest_of(D, size) : 0.0;
     for (int i = 0; i < count; i++, D += size) {
         const double left = i + 1 < count ? largest_of(D + size, size) : missing;
         if (i >= at_least && !(left <= DM_WARM_NEARER * missing)) return;
+#pragma GCC unroll 4
         for (size_t k = 0; k < size; k++) to[k] += D[k];
         missing = left;
     }
 }
 
-int dm_stage_warm_guess(dm_stage *g) {
-    const double *memory = g->warm, *end = memory + DM_WARM_END, *V = end + 4 * g->n;
-    const size_t size = g->table.s * (size_t)g->n;
+/* the last step ended where this one begins */
+DM_WRITTEN_OUT int continues(const double *end, const double *state, uint32_t n) {
+    int differs = 0;
+#pragma GCC unroll 16
+    for (uint32_t k = 0; k < 4 * n; k++) differs |= end[k] != state[k];
+    return !differs;
+}
+
+DM_WRITTEN_OUT int guess(dm_stage *g, uint32_t s, uint32_t n) {
+    const double *memory = g->warm, *end = memory + DM_WARM_END, *V = end + 4 * n;
     if (memory[DM_WARM_STEP] != g->h || memory[DM_WARM_COUNT] == 0.0) return 0;
-    for (uint32_t k = 0; k < 4 * g->n; k++)
-        if (end[k] != g->state[k]) return 0;
+    if (!continues(end, g->state, n)) return 0;
     continue_polynomial(g, g->root, V);
-    add_missed(g->root, V + size, (int)memory[DM_WARM_COUNT] - 1,
-               g->table.s == 1 ? DM_WARM_PARABOLA : 0, size);
+    add_missed(g->root, V + (size_t)s * n, (int)memory[DM_WARM_COUNT] - 1,
+               s == 1 ? DM_WARM_PARABOLA : 0, (size_t)s * n);
     return 1;
 }
 
+int dm_stage_warm_guess(dm_stage *g) {
+    const uint32_t s = g->table.s;
+    switch (s == 1 ? g->n : 0) {
+    case 1:
+        return guess(g, 1, 1);
+    case 2:
+        return guess(g, 1, 2);
+    case 3:
+        return guess(g, 1, 3);
+    case 4:
+        return guess(g, 1, 4);
+    default:
+        return guess(g, s, g->n);
+    }
+}
+
 /* D[count][size] of a step more, which has missed by `missed`; that is overwritten */
-static void renew_differences(double *D, double *missed, int count, size_t size) {
+DM_WRITTEN_OUT void renew_differences(double *D, double *missed, int count, size_t size) {
     for (int i = 0; i < count; i++, D += size)
+#pragma GCC unroll 4
         for (size_t k = 0; k < size; k++) {
             const double now = missed[k];
             missed[k] -= D[k];
@@ -97,13 +123,11 @@ static void renew_differences(double *D, double *missed, int count, size_t size)
         }
 }
 
-void dm_stage_warm_keep(dm_stage *g) {
-    const size_t size = g->table.s * (size_t)g->n;
+DM_WRITTEN_OUT void keep(dm_stage *g, uint32_t s, uint32_t n) {
+    const size_t size = (size_t)s * n;
     if (g->warm[DM_WARM_STEP] != g->h) return;
-    double *end = g->warm + DM_WARM_END, *V = end + 4 * g->n, *missed = g->before;
-    int count = 0;
-    while (count < 4 * (int)g->n && end[count] == g->state[count]) count++;
-    count = count == 4 * (int)g->n ? (int)g->warm[DM_WARM_COUNT] : 0;
+    double *end = g->warm + DM_WARM_END, *V = end + 4 * n, *missed = g->before;
+    const int count = continues(end, g->state, n) ? (int)g->warm[DM_WARM_COUNT] : 0;
     if (count > 0) {
         continue_polynomial(g, missed, V);
         for (size_t k = 0; k < size; k++) missed[k] = g->root[k] - missed[k];
@@ -112,5 +136,25 @@ void dm_stage_warm_keep(dm_stage *g) {
     }
     g->warm[DM_WARM_COUNT] = count <= DM_WARM_TERMS ? count + 1 : DM_WARM_TERMS + 1;
     dm_stage_copy(V, g->root, (uint32_t)size);
-    dm_stage_copy(end, g->next, 4 * g->n);
+    dm_stage_copy(end, g->next, 4 * n);
+}
+
+void dm_stage_warm_keep(dm_stage *g) {
+    const uint32_t s = g->table.s;
+    switch (s == 1 ? g->n : 0) {
+    case 1:
+        keep(g, 1, 1);
+        break;
+    case 2:
+        keep(g, 1, 2);
+        break;
+    case 3:
+        keep(g, 1, 3);
+        break;
+    case 4:
+        keep(g, 1, 4);
+        break;
+    default:
+        keep(g, s, g->n);
+    }
 }
