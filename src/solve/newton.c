@@ -23,7 +23,7 @@ size_t dm_newton_work(uint32_t m) {
 }
 
 /* max |a|, NaN when there is one or an infinity; which is the largest cannot be foreseen, so there are no branches */
-DM_WRITTEN_OUT double norm_of(const double *a, uint32_t m) {
+DM_WRITTEN_OUT double norm(const double *a, uint32_t m) {
     double largest = 0.0, bad = 0.0;
 #pragma GCC unroll 4
     for (uint32_t i = 0; i < m; i++) {
@@ -34,43 +34,31 @@ DM_WRITTEN_OUT double norm_of(const double *a, uint32_t m) {
     return largest + bad;
 }
 
-static double norm(const double *a, uint32_t m) {
-    switch (m) {
-    case 1:
-        return norm_of(a, 1);
-    case 2:
-        return norm_of(a, 2);
-    case 3:
-        return norm_of(a, 3);
-    case 4:
-        return norm_of(a, 4);
-    default:
-        return norm_of(a, m);
-    }
-}
-
-static dm_status evaluate(solver *s, const double *x, int with_jacobian) {
+/* m of the problem, which is a constant for small ones, here and below */
+DM_WRITTEN_OUT dm_status evaluate(solver *s, const double *x, int with_jacobian,
+                                  uint32_t m) {
     const dm_status status =
         s->p->equation(s->p->ctx, s->r, with_jacobian ? s->J : NULL, x);
     if (status != DM_OK) return status;
-    s->report->residual = norm(s->r, s->p->m);
+    s->report->residual = norm(s->r, m);
     if (!isfinite(s->report->residual)) return DM_NOT_FINITE;
     if (!with_jacobian) return DM_OK;
     s->report->jacobians++;
     if (s->p->band) return dm_band_factor(s->J, s->pivot, s->p->band);
-    return dm_lu_factor(s->J, s->pivot, s->p->m);
+    return dm_lu_factor(s->J, s->pivot, m);
 }
 
 /* dx = -J^-1 r, with J = 1 when none was taken */
-static void find_increment(solver *s) {
-    for (uint32_t i = 0; i < s->p->m; i++) s->dx[i] = -s->r[i];
+DM_WRITTEN_OUT void find_increment(solver *s, uint32_t m) {
+#pragma GCC unroll 4
+    for (uint32_t i = 0; i < m; i++) s->dx[i] = -s->r[i];
     if (s->report->jacobians && s->p->band)
         dm_band_solve(s->dx, s->J, s->pivot, s->p->band, s->trial);
     else if (s->report->jacobians)
-        dm_lu_solve(s->dx, s->J, s->pivot, s->p->m);
+        dm_lu_solve(s->dx, s->J, s->pivot, m);
     s->rate = s->step < INFINITY && s->last < INFINITY ? s->step / s->last : 1.0;
     s->last = s->step;
-    s->step = norm(s->dx, s->p->m);
+    s->step = norm(s->dx, m);
     s->report->iterations++;
 }
 
@@ -90,8 +78,8 @@ static int is_drowned(const solver *s, double size) {
 
 /* x + dx is the root to round-off: the error that dx leaves, rate * |dx|, does not count.
 ** A first-order correction of results needs a Jacobian; without one |dx| itself must stall. */
-static int is_last(const solver *s) {
-    const double size = norm(s->x, s->p->m) + s->step;
+DM_WRITTEN_OUT int is_last(const solver *s, uint32_t m) {
+    const double size = norm(s->x, m) + s->step;
     const double rate =
         s->last < INFINITY ? s->step / s->last : DM_NEWTON_SLOW; /* not known yet */
     const int stalled = rate > 0.5;
@@ -104,29 +92,46 @@ static int is_last(const solver *s) {
     return stalled && (s->step <= DM_NEWTON_ROUND_OFF * size || is_noise(s));
 }
 
-static void move(double *to, const double *x, const double *dx, double part, uint32_t m) {
+DM_WRITTEN_OUT void move(double *to, const double *x, const double *dx, double part,
+                         uint32_t m) {
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < m; i++) to[i] = x[i] + part * dx[i];
 }
 
 /* chord iterations; DM_NO_CONVERGENCE asks for the damped ones */
-static dm_status chord(solver *s) {
+DM_WRITTEN_OUT dm_status iterate(solver *s, uint32_t m) {
     int fresh = !s->p->near_identity;
-    dm_status status = evaluate(s, s->x, fresh);
+    dm_status status = evaluate(s, s->x, fresh, m);
     s->step = INFINITY;
     while (status == DM_OK && s->report->iterations < s->p->max_iterations) {
-        find_increment(s);
+        find_increment(s, m);
         if (!isfinite(s->step)) return DM_NO_CONVERGENCE;
-        const int last = is_last(s);
-        move(s->x, s->x, s->dx, 1.0, s->p->m);
+        const int last = is_last(s, m);
+        move(s->x, s->x, s->dx, 1.0, m);
         if (last) return DM_OK;
         const int slow = s->step > DM_NEWTON_SLOW * s->last;
         if (fresh && slow && s->step > s->last) return DM_NO_CONVERGENCE;
         fresh = slow;
         if (!s->report->jacobians && s->step > s->last)
-            memcpy(s->x, s->start, s->p->m * sizeof *s->x); /* J = 1 led away */
-        status = evaluate(s, s->x, fresh);
+            memcpy(s->x, s->start, m * sizeof *s->x); /* J = 1 led away */
+        status = evaluate(s, s->x, fresh, m);
     }
     return status == DM_OK ? DM_NO_CONVERGENCE : status;
+}
+
+static dm_status chord(solver *s) {
+    switch (s->p->m) {
+    case 1:
+        return iterate(s, 1);
+    case 2:
+        return iterate(s, 2);
+    case 3:
+        return iterate(s, 3);
+    case 4:
+        return iterate(s, 4);
+    default:
+        return iterate(s, s->p->m);
+    }
 }
 
 /* the largest of dx, dx/2, dx/4, ... that makes |r| smaller; leaves r there, x moved */
@@ -135,7 +140,7 @@ static dm_status search(solver *s) {
     double part = 1.0;
     for (int k = 0; k < HALVINGS; k++, part *= 0.5) {
         move(s->trial, s->x, s->dx, part, s->p->m);
-        const dm_status status = evaluate(s, s->trial, 0);
+        const dm_status status = evaluate(s, s->trial, 0, s->p->m);
         if (status != DM_OK && status != DM_NOT_FINITE) return status;
         if (status == DM_OK && s->report->residual <= (1.0 - 0.25 * part) * before) {
             memcpy(s->x, s->trial, s->p->m * sizeof *s->x);
@@ -157,11 +162,11 @@ static int is_floor(const solver *s) {
 static dm_status damped(solver *s) {
     s->step = INFINITY;
     while (s->report->iterations < s->p->max_iterations) {
-        dm_status status = evaluate(s, s->x, 1);
+        dm_status status = evaluate(s, s->x, 1, s->p->m);
         if (status != DM_OK) return status;
-        find_increment(s);
+        find_increment(s, s->p->m);
         if (!isfinite(s->step)) return DM_NOT_FINITE;
-        if (is_last(s)) {
+        if (is_last(s, s->p->m)) {
             move(s->x, s->x, s->dx, 1.0, s->p->m);
             return DM_OK;
         }
