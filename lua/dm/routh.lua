@@ -215,6 +215,7 @@ local function examine(info, start)
     for b, i in ipairs(info.cyclic) do I[a][b] = rows[a][n + i] end
   end
   info.order = check.inertia(info, I)
+  info.diagonal = require "dm.routh_linear".diagonal_order(I)
   if info.given_connection then model.connection(info, model.split(info, sample.q), sample.t) end
 end
 

@@ -54,4 +54,79 @@ function M.solve(A, columns, order)
   return out
 end
 
+-- ---- positive definite ----
+
+-- entries other than zero that row i has among those of `order` from k on
+local function degree(A, order, k, i)
+  local count = 0
+  for c = k, #A do
+    if A[i][order[c]] ~= 0 then count = count + 1 end
+  end
+  return count
+end
+
+--- The order of elimination along the diagonal that fills in little (minimum degree, as in expr/linear.c), for numbers;
+-- nothing where A is not positive definite.
+function M.diagonal_order(A)
+  local m, rows, order = #A, {}, {}
+  for i = 1, m do
+    rows[i], order[i] = { table.unpack(A[i]) }, i
+  end
+  for k = 1, m do
+    local best = k
+    for c = k + 1, m do
+      if degree(rows, order, k, order[c]) < degree(rows, order, k, order[best]) then best = c end
+    end
+    order[k], order[best] = order[best], order[k]
+    local p = order[k]
+    if not (rows[p][p] > 1e-14 * math.abs(A[p][p])) then return nil end
+    for r = k + 1, m do
+      local i, factor = order[r], rows[order[r]][p] / rows[p][p]
+      for c = k + 1, m do rows[i][order[c]] = rows[i][order[c]] - factor * rows[p][order[c]] end
+    end
+  end
+  return order
+end
+
+-- two by two by Cramer's rule
+local function solve_two(A, b)
+  local inverse = 1 / (A[1][1] * A[2][2] - A[1][2] * A[1][2])
+  return { (A[2][2] * b[1] - A[1][2] * b[2]) * inverse, (A[1][1] * b[2] - A[1][2] * b[1]) * inverse }
+end
+
+--- x with A x = b for a positive definite A, of symbols or numbers, in the order of M.diagonal_order of a sample. The operations are those by
+-- which the second derivatives of an extremum have A^-1 (expr/linear.c), so that a kernel of both divides once.
+function M.solve_definite(A, b, order)
+  local m, x, upper, inverse = #A, {}, {}, {}
+  if m == 2 then return solve_two(A, b) end
+  for i = 1, m do
+    x[i], upper[i] = b[i], { table.unpack(A[i]) }
+  end
+  local function at(i, j) return upper[math.min(i, j)], math.max(i, j) end
+  for k = 1, m do
+    local p = order[k]
+    inverse[p] = 1 / upper[p][p]
+    for r = k + 1, m do
+      local i = order[r]
+      local from, column = at(i, p)
+      local factor = from[column] * inverse[p]
+      for c = r, m do
+        local to, j = at(i, order[c])
+        local row, l = at(p, order[c])
+        to[j] = to[j] - factor * row[l]
+      end
+      x[i] = x[i] - factor * x[p]
+    end
+  end
+  for k = m, 1, -1 do
+    local p = order[k]
+    for c = k + 1, m do
+      local row, l = at(p, order[c])
+      x[p] = x[p] - row[l] * x[order[c]]
+    end
+    x[p] = x[p] * inverse[p]
+  end
+  return x
+end
+
 return M

@@ -75,6 +75,7 @@ function M.group_velocity(info, x, u, t)
   local c, I = M.momentum_parts(info, x, u, t)
   local rest = {}
   for a = 1, info.m do rest[a] = info.mu[a] - c[a] end
+  if info.diagonal then return linear.solve_definite(I, rest, info.diagonal), rest end
   return linear.solve(I, { rest }, info.order)[1], rest
 end
 
