@@ -65,23 +65,25 @@ local function degree(A, order, k, i)
   return count
 end
 
---- The order of elimination along the diagonal that fills in little (minimum degree, as in expr/linear.c), for numbers;
--- nothing where A is not positive definite.
+--- The order of elimination along the diagonal that fills in little and has few divisions in a row (minimum degree, as in expr/linear.c),
+-- for numbers; nothing where A is not positive definite.
 function M.diagonal_order(A)
-  local m, rows, order = #A, {}, {}
+  local m, rows, order, depth = #A, {}, {}, {}
   for i = 1, m do
-    rows[i], order[i] = { table.unpack(A[i]) }, i
+    rows[i], order[i], depth[i] = { table.unpack(A[i]) }, i, 0
   end
   for k = 1, m do
-    local best = k
+    local best, least = k, degree(rows, order, k, order[k])
     for c = k + 1, m do
-      if degree(rows, order, k, order[c]) < degree(rows, order, k, order[best]) then best = c end
+      local now = degree(rows, order, k, order[c])
+      if now < least or now == least and depth[order[c]] < depth[order[best]] then best, least = c, now end
     end
     order[k], order[best] = order[best], order[k]
     local p = order[k]
     if not (rows[p][p] > 1e-14 * math.abs(A[p][p])) then return nil end
     for r = k + 1, m do
       local i, factor = order[r], rows[order[r]][p] / rows[p][p]
+      if factor ~= 0 then depth[i] = math.max(depth[i], depth[p] + 1) end
       for c = k + 1, m do rows[i][order[c]] = rows[i][order[c]] - factor * rows[p][order[c]] end
     end
   end

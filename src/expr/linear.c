@@ -72,6 +72,7 @@ typedef struct {
     dm_graph *g;
     dm_node *A, *x;
     uint32_t m, *order; /* [m]: what is eliminated first, second ... */
+    uint32_t *depth;    /* [m]: divisions in a row before the pivot of a row is known */
     int symmetric;
 } system_of;
 
@@ -88,12 +89,14 @@ static uint32_t degree(const system_of *s, uint32_t k, uint32_t i) {
     return count;
 }
 
-/* the row with the fewest entries is next (minimum degree, Tinney & Walker 1967) */
+/* the row with the fewest entries is next (minimum degree, Tinney & Walker 1967), of these the one that waits for the fewest
+** divisions: from both ends of a chain they are made side by side */
 static void choose(system_of *s, uint32_t k) {
     uint32_t best = k, least = degree(s, k, s->order[k]);
-    for (uint32_t c = k + 1; c < s->m && least > 1; c++) {
-        const uint32_t now = degree(s, k, s->order[c]);
-        if (now < least) best = c, least = now;
+    for (uint32_t c = k + 1; c < s->m; c++) {
+        const uint32_t i = s->order[c], now = degree(s, k, i);
+        const int sooner = s->depth[i] < s->depth[s->order[best]];
+        if (now < least || (now == least && sooner)) best = c, least = now;
     }
     const uint32_t kept = s->order[k];
     s->order[k] = s->order[best];
@@ -107,6 +110,7 @@ static void eliminate_one(system_of *s, uint32_t k) {
     for (uint32_t r = k + 1; r < s->m; r++) {
         const uint32_t i = s->order[r];
         if (!*entry(s, i, p)) continue;
+        if (s->depth[i] <= s->depth[p]) s->depth[i] = s->depth[p] + 1;
         const dm_node factor = dm_mul(s->g, *entry(s, i, p), *pivot);
         for (uint32_t c = s->symmetric ? r : k + 1; c < s->m; c++) {
             dm_node *to = entry(s, i, s->order[c]);
@@ -117,7 +121,7 @@ static void eliminate_one(system_of *s, uint32_t k) {
 }
 
 static void eliminate_diagonal(system_of *s) {
-    for (uint32_t k = 0; k < s->m; k++) s->order[k] = k;
+    for (uint32_t k = 0; k < s->m; k++) s->order[k] = k, s->depth[k] = 0;
     for (uint32_t k = 0; k < s->m; k++) {
         choose(s, k);
         eliminate_one(s, k);
@@ -139,7 +143,8 @@ static void solve_many(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symm
         eliminate(g, A, x, m);
         return;
     }
-    s.order = dm_arena_take(dm_graph_arena(g), m * sizeof *s.order);
+    s.order = dm_arena_take(dm_graph_arena(g), 2 * (size_t)m * sizeof *s.order);
+    s.depth = s.order + m;
     if (s.order)
         eliminate_diagonal(&s);
     else
