@@ -110,13 +110,10 @@ size_t dm_stage_memory_size(const dm_stage *g);
 void dm_stage_memory_clear(dm_stage *g, double h);
 int dm_stage_memory_fits(const dm_stage *g); /* it was left by the step that ended here */
 const double *dm_stage_memory_end(const dm_stage *g); /* [4n], where that step ended */
-const double *dm_stage_memory_guess(
-    dm_stage *g); /* u of the step before; of one stage with differences */
 double dm_stage_memory_rate(const dm_stage *g);  /* contraction of the sweeps, squared */
 int dm_stage_memory_is_stiff(const dm_stage *g); /* sweeps failed not long ago */
-void dm_stage_memory_keep(dm_stage *g, double rate,
-                          int continued); /* after a step by sweeps */
-void dm_stage_memory_newton(dm_stage *g); /* after a step by Newton's method */
+void dm_stage_memory_keep(dm_stage *g, double rate); /* after a step by sweeps */
+void dm_stage_memory_newton(dm_stage *g);            /* after a step by Newton's method */
 
 /* And that of Newton's method: h, steps, the state at the end of the last [4n], its V[s][n], differences. */
 enum {
@@ -128,16 +125,6 @@ enum {
 };
 static const double DM_WARM_NEARER =
     0.5; /* what a difference may leave of what was missing */
-
-/* Of one stage u is continued as Newton's method continues V, unless the sweeps are counted: behind u[n] the memory has a count and
-** differences [DM_WARM_TERMS][n]. */
-static inline int dm_stage_continues_u(const dm_stage *g) {
-    return g->table.r == 1 && !g->sweeps.count;
-}
-
-/* What the memory of one stage does with differences D of `count` steps: add them to a guess of the next, take in what it missed. */
-void dm_stage_warm_add(double *to, const double *D, int count, uint32_t size);
-void dm_stage_warm_renew(double *D, double *missed, int count, uint32_t size);
 
 /* Newton's method of the general form: doubles for s stages; what of them is memory of the last steps. */
 size_t dm_stage_warm_size(size_t s, uint32_t n);

@@ -2,7 +2,6 @@
 #ifndef DM_STAGE_LANES_EVALUATE_H
 #define DM_STAGE_LANES_EVALUATE_H
 
-#include "integ/stage_lanes_guess.h"
 #include "integ/stage_lanes_walk.h"
 #include "integ/stage_limits.h"
 
@@ -100,17 +99,6 @@ INLINE I find_velocities(const lanes_sweeps *it) {
     return fine;
 }
 
-/* u of the step before; of one stage with differences */
-INLINE const double *continue_u(const lanes_sweeps *it) {
-    const dm_stage_lanes *w = it->w;
-    const uint32_t n = it->n;
-    const double *u = w->memory + (DM_SWEPT_END + 4 * n) * W, *count = u + n * W;
-    if (!dm_stage_continues_u(w->g)) return u;
-    for (uint32_t k = 0; k < n; k++) store(w->end_u + k * W, load(u + k * W));
-    add_missed_lanes(w->end_u, count + W, load(count) - 1.0, DM_WARM_PARABOLA, n);
-    return w->end_u;
-}
-
 /* bases, times and first arguments, from u of the step before */
 INLINE I prepare_sweeps(lanes_sweeps *it) {
     const dm_stage_lanes *w = it->w;
@@ -124,7 +112,7 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
             store(w->in + m * taken(it) + 2 * n * W, same(w->t + g->sweeps.after[m]));
     draw_line(it, w->base, low, g->separable ? w->v0 : NULL);
     ahead.column = g->sweeps.further;
-    ahead.u = continue_u(it);
+    ahead.u = w->memory + (DM_SWEPT_END + 4 * n) * W;
     ahead.u_stage = W;
     ahead.u_row = (size_t)it->width * W;
     put(it, &ahead);

@@ -104,32 +104,12 @@ INLINE I swept_before(const dm_stage_lanes *w) {
     return fits;
 }
 
-/* differences with the u at the end of one stage */
-INLINE void keep_differences_of(const lanes_sweeps *it, I where) {
-    const dm_stage_lanes *w = it->w;
-    const uint32_t n = it->n;
-    const double *old = w->memory + (DM_SWEPT_END + 4 * n) * W;
-    double *count = w->memory + (DM_SWEPT_END + 5 * n) * W, *D = count + W;
-    for (uint32_t k = 0; k < n; k++) {
-        V missed = load(w->end_u + k * W) - load(old + k * W);
-        for (uint32_t i = 0; i < DM_WARM_TERMS; i++) {
-            double *place = D + (i * n + k) * W;
-            const V now = missed;
-            missed -= load(place);
-            put_where(where, place, now);
-        }
-    }
-    const V one_more = load(count) + 1.0, most = same(DM_WARM_TERMS + 1);
-    put_where(where, count, pick((I)(one_more <= most), one_more, most));
-}
-
 /* the new state, and what is left to the next step */
 INLINE void keep_sweeps(const lanes_sweeps *it, I where, V rate) {
     const dm_stage_lanes *w = it->w;
     const uint32_t n = it->n;
     double *u = w->memory + (DM_SWEPT_END + 4 * n) * W;
     put_where(where, w->memory + DM_SWEPT_RATE * W, rate);
-    if (dm_stage_continues_u(w->g)) keep_differences_of(it, where);
     for (uint32_t k = 0; k < 4 * n; k++) {
         put_where(where, w->state + k * W, load(w->next + k * W));
         put_where(where, w->memory + (DM_SWEPT_END + k) * W, load(w->next + k * W));

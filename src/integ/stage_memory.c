@@ -19,8 +19,7 @@ static size_t unknowns(const dm_stage *g) {
 static const double USUAL = 0.01; /* contraction, squared, where none was measured */
 
 size_t dm_stage_memory_size(const dm_stage *g) {
-    const size_t differences = g->table.r == 1 ? 1 + DM_WARM_TERMS * (size_t)g->n : 0;
-    return DM_SWEPT_END + 4 * (size_t)g->n + unknowns(g) + differences;
+    return DM_SWEPT_END + 4 * (size_t)g->n + unknowns(g);
 }
 
 void dm_stage_memory_clear(dm_stage *g, double h) {
@@ -49,37 +48,16 @@ double dm_stage_memory_rate(const dm_stage *g) {
     return g->sweeps.memory[DM_SWEPT_RATE];
 }
 
-const double *dm_stage_memory_guess(dm_stage *g) {
-    const uint32_t n = g->n;
-    const double *u = g->sweeps.memory + DM_SWEPT_END + 4 * (size_t)n, *count = u + n;
-    if (!dm_stage_continues_u(g)) return u;
-    dm_stage_copy(g->before, u, n);
-    dm_stage_warm_add(g->before, count + 1, (int)*count - 1, n);
-    return g->before;
-}
-
-/* differences with the new u, before that takes the place of the old one; not continued: there are none yet */
-static void keep_differences(dm_stage *g, const double *u, int continued) {
-    const uint32_t n = g->n;
-    const double *old = g->sweeps.memory + DM_SWEPT_END + 4 * (size_t)n;
-    double *count = g->sweeps.memory + DM_SWEPT_END + 5 * (size_t)n;
-    if (!continued) *count = 0.0;
-    for (uint32_t k = 0; k < n && continued; k++) g->before[k] = u[k] - old[k];
-    if (continued) dm_stage_warm_renew(count + 1, g->before, (int)*count, n);
-    if (*count <= DM_WARM_TERMS) *count += 1.0;
-}
-
-static void keep(dm_stage *g, double rate, const double *u, int continued) {
+static void keep(dm_stage *g, double rate, const double *u) {
     double *memory = g->sweeps.memory;
     memory[DM_SWEPT_MARK] = FULL;
     memory[DM_SWEPT_RATE] = rate;
-    if (dm_stage_continues_u(g)) keep_differences(g, u, continued);
     memcpy(memory + DM_SWEPT_END + 4 * (size_t)g->n, u, unknowns(g) * sizeof *memory);
 }
 
-void dm_stage_memory_keep(dm_stage *g, double rate, int continued) {
+void dm_stage_memory_keep(dm_stage *g, double rate) {
     if (g->sweeps.memory[DM_SWEPT_STEP] != g->h) return;
-    keep(g, rate, dm_stage_sweeps_u(g), continued);
+    keep(g, rate, dm_stage_sweeps_u(g));
     g->sweeps.row->copy(g->sweeps.memory + DM_SWEPT_END, g->state, g->n);
 }
 
@@ -102,7 +80,7 @@ void dm_stage_memory_newton(dm_stage *g) {
         memory[DM_SWEPT_MARK] = -PATIENCE;
     } else {
         take_root(g, g->sweeps.u);
-        keep(g, USUAL, g->sweeps.u, 0);
+        keep(g, USUAL, g->sweeps.u);
         dm_stage_copy(memory + DM_SWEPT_END, g->next, 4 * g->n);
     }
 }

@@ -148,7 +148,7 @@ static void set_off(iteration *it, int warm) {
     const uint32_t n = g->n, width = w->row->width;
     const double *low = g->state + 2 * n, *v = g->separable || !warm ? g->v0 : w->none;
     w->row->line(w->base, low, v, &w->line, n);
-    w->ahead.u = warm ? dm_stage_memory_guess(g) : w->none;
+    w->ahead.u = warm ? w->v_ahead.u : w->none;
     w->row->put(&w->ahead);
     if (g->separable) return;
     if (!warm) w->row->line(w->base, low, w->none, &w->line, n);
@@ -269,6 +269,6 @@ dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
     const double missed = sqrt(left(&it)) * sqrt(it.size[!g->separable]);
     stepper->report.residual =
         g->separable ? missed * g->sweeps.heaviest / fabs(g->h) : missed;
-    dm_stage_memory_keep(g, it.rated ? it.rate : dm_stage_memory_rate(g), warm);
+    dm_stage_memory_keep(g, it.rated ? it.rate : dm_stage_memory_rate(g));
     return DM_OK;
 }

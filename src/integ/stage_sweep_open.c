@@ -28,7 +28,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
     return kernels_size(n, w, separable) + 4 * n * w + 5 * r * w + 7 * w + 9 * n + 3 +
-           (r == 1 ? 1 + DM_WARM_TERMS * n : 0) + ARRAYS * LINE;
+           ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
@@ -80,7 +80,7 @@ static void lay_out(dm_stage *g, double *memory) {
     w->one = take(&memory, n);
     w->share = take(&memory, 2 * n);
     w->drift = take(&memory, 2 * n);
-    const size_t before = DM_SWEPT_END + 4 * n; /* u begins a line, too */
+    const size_t before = dm_stage_memory_size(g) - n * width; /* u begins a line, too */
     w->memory = memory + (LINE - before % LINE) % LINE;
 }
 
@@ -149,7 +149,7 @@ static void plan(dm_stage *g) {
     dm_stage_sweeps *w = &g->sweeps;
     const uint32_t n = g->n, width = w->row->width;
     const int diagonal = g->separable && g->m->structure & DM_DIAGONAL_MASS;
-    const double *kept = w->memory + DM_SWEPT_END + 4 * (size_t)n;
+    const double *kept = w->memory + dm_stage_memory_size(g) - n * width;
     const dm_sweep all = {.rows = n, .columns = g->table.r, .start = w->none};
     w->q = w->p = w->v_ahead = all;
     w->q.x = w->force.in;

@@ -78,25 +78,6 @@ DM_WRITTEN_OUT void add_missed(double *to, const double *D, int count, int at_le
     }
 }
 
-void dm_stage_warm_add(double *to, const double *D, int count, uint32_t size) {
-    switch (size) {
-    case 1:
-        add_missed(to, D, count, DM_WARM_PARABOLA, 1);
-        break;
-    case 2:
-        add_missed(to, D, count, DM_WARM_PARABOLA, 2);
-        break;
-    case 3:
-        add_missed(to, D, count, DM_WARM_PARABOLA, 3);
-        break;
-    case 4:
-        add_missed(to, D, count, DM_WARM_PARABOLA, 4);
-        break;
-    default:
-        add_missed(to, D, count, DM_WARM_PARABOLA, size);
-    }
-}
-
 /* the last step ended where this one begins */
 DM_WRITTEN_OUT int continues(const double *end, const double *state, uint32_t n) {
     int differs = 0;
@@ -140,10 +121,6 @@ DM_WRITTEN_OUT void renew_differences(double *D, double *missed, int count, size
             missed[k] -= D[k];
             D[k] = now;
         }
-}
-
-void dm_stage_warm_renew(double *D, double *missed, int count, uint32_t size) {
-    renew_differences(D, missed, count < DM_WARM_TERMS ? count : DM_WARM_TERMS, size);
 }
 
 DM_WRITTEN_OUT void keep(dm_stage *g, uint32_t s, uint32_t n) {
