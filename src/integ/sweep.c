@@ -1,6 +1,7 @@
 #include "integ/sweep.h"
 
 #include "base/sum.h"
+#include "base/written_out.h"
 #include "expr/processor.h"
 
 #include <stddef.h>
@@ -15,15 +16,31 @@ typedef double v8 __attribute__((vector_size(64), aligned(8), may_alias));
 
 /* ---- one stage ---- */
 
-static double move_1(const dm_sweep *a) {
+DM_WRITTEN_OUT double move_rows(const dm_sweep *a, uint32_t rows) {
     double moved = 0.0;
-    for (uint32_t k = 0; k < a->rows; k++) {
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < rows; k++) {
         const double sum = a->base[k] + a->factor[k] * (a->column[0] * a->u[k]);
         const double x = a->start[k] + sum, d = x - a->x[k];
         moved += d * d;
         a->x[k] = x;
     }
     return moved;
+}
+
+static double move_1(const dm_sweep *a) {
+    switch (a->rows) {
+    case 1:
+        return move_rows(a, 1);
+    case 2:
+        return move_rows(a, 2);
+    case 3:
+        return move_rows(a, 3);
+    case 4:
+        return move_rows(a, 4);
+    default:
+        return move_rows(a, a->rows);
+    }
 }
 
 static void put_1(const dm_sweep *a) {
@@ -36,10 +53,10 @@ static void line_1(double *base, const double *low, const double *v, const dm_pa
         base[k] = c->top[0] * v[k] + (c->rest[0] * v[k] + low[k]);
 }
 
-static double finish_1(const dm_sweep_end *a) {
-    const uint32_t n = a->rows;
+DM_WRITTEN_OUT double finish_rows(const dm_sweep_end *a, uint32_t n) {
     double *high = a->state, *low = a->state + 2 * (size_t)n, bad = 0.0;
     const dm_parts *b = a->b[0], *c = a->b[1];
+#pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
         const double u = a->u[0][k], f = a->u[1][k];
         dm_sum_add(high + k, low + k,
@@ -48,6 +65,21 @@ static double finish_1(const dm_sweep_end *a) {
         bad += 0.0 * (low[k] + low[n + k]);
     }
     return bad;
+}
+
+static double finish_1(const dm_sweep_end *a) {
+    switch (a->rows) {
+    case 1:
+        return finish_rows(a, 1);
+    case 2:
+        return finish_rows(a, 2);
+    case 3:
+        return finish_rows(a, 3);
+    case 4:
+        return finish_rows(a, 4);
+    default:
+        return finish_rows(a, a->rows);
+    }
 }
 
 static void copy_state(double *to, const double *state, uint32_t rows) {
