@@ -157,7 +157,7 @@ static const dml_row functions[] = {
      "its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
      "stops, 4e-15 unless a looser "
      "one is asked for. sums = \"plain\": kicks and drifts without compensation, for "
-     "wide ensembles: fewer operations, "
+     "wide ensembles and long chains: fewer operations, "
      "and round-off that grows faster (default \"compensated\")."},
     {"resume", dml_resume,
      "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) "
