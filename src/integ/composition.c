@@ -171,7 +171,7 @@ static const char *check(const dm_rule *rule) {
         method->order(base) != 2)
         return "the base must be a symmetric rule of order 2: verlet, midpoint, "
                "trapezoidal, gauss(1), lobatto(2) or rattle";
-    if (find(rule)->kind != GAMMA && rule->arg[rule->count - 1].rule)
+    if (find(rule)->kind != GAMMA && rule->count && rule->arg[rule->count - 1].rule)
         return "a Runge-Kutta-Nystroem splitting has no base rule";
     return NULL;
 }
