@@ -174,6 +174,11 @@ static int keep_loop(lua_State *L, const request *r, dml_frame *frame, dm_sum *s
 
 /* ---- a sum that is given ---- */
 
+/* a run inside of the function that is compared traces what it steps: those sums are its own */
+static int is_given(const dml_state *state) {
+    return state->given && state->given->values && state->given->within == state->frames;
+}
+
 /* the sum that this call of dm.sum_over became in the trace; NULL: none. Newer ones are made of it. */
 static const dm_sum *find_given(const dml_given *given, const request *r) {
     const dm_sum *found = NULL;
@@ -234,7 +239,7 @@ static int sum_over(lua_State *L) {
     dml_state *state = dml_getstate(L);
     luaL_checkstack(L, 2 * DML_MAX_ARGUMENTS + 20, NULL);
     dml_read_sum(L, &r);
-    if (state->given && state->given->values) {
+    if (is_given(state)) {
         const dm_sum *given = find_given(state->given, &r);
         state->given->calls++;
         if (given) return give(L, &r, state->given, given);

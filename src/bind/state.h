@@ -26,12 +26,14 @@ typedef struct dml_frame {
 
 /* While a function is compared with its trace: dm.sum_over gives these numbers where the trace has a
 ** sum, instead of a loop over all bodies, and compares two rounds of it with the term that was traced. */
-typedef struct {
+typedef struct dml_given {
     const dm_graph *graph; /* of the trace */
     const double *values;  /* of its sums; NULL: not now */
     uint32_t calls;        /* of dm.sum_over in this call of the function */
     int differs;           /* a term did */
     double plain, traced;
+    const dml_frame *within;  /* the newest trace then: later ones sum themselves */
+    struct dml_given *before; /* the comparison that this one is nested in */
 } dml_given;
 
 typedef struct {

@@ -181,6 +181,10 @@ static void check_near(lua_State *L, check *c) {
 static void check_points(lua_State *L, int fn, const dml_signature *s,
                          const dm_kernel *kernel, const double *at, size_t points) {
     const size_t n = kernel->inputs, m = kernel->outputs;
+    const size_t inputs = dml_signature_inputs(s);
+    /* of a kernel that takes sums, or of a comparison around this one */
+    dml_given *given = dml_getstate(L)->given;
+    const double *const values = given ? given->values : NULL;
     uint64_t random = 0x9E3779B97F4A7C15u;
     const int top = lua_gettop(L);
     fn = lua_absindex(L, fn);
@@ -188,7 +192,7 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
     double *block = lua_newuserdatauv(L, (2 * n + 3 * m + 1) * sizeof *block, 0);
     check c = {s,
                kernel,
-               dml_getstate(L)->given,
+               n > inputs ? given : NULL,
                fn,
                block,
                block + n,
@@ -196,7 +200,7 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
                block + n + 2 * m,
                block + n + 3 * m};
     for (size_t i = 0; i < n; i++) c.x[i] = at ? at[i] : 0.0;
-    if (c.given) c.given->values = c.x + dml_signature_inputs(s);
+    if (given) given->values = c.given ? c.x + inputs : NULL;
     if (at) check_at(L, &c);
     const size_t first = n > MANY ? points / 2 : 0;
     const size_t end = n > MANY && points ? first + 1 : points;
@@ -208,6 +212,7 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
         }
         check_near(L, &c);
     }
+    if (given) given->values = values;
     lua_settop(L, top);
 }
 

@@ -285,4 +285,29 @@ raises("written out up to", function() ring(500, toda):graph() end)
 local still = ring(200, toda):solver { rule = "gauss(1)", h = 0.1 }
 local q, v = start(200)
 ok(#still:run { q = q, v = v, steps = 1 } == 2, "200 bodies: an implicit rule still runs")
+-- a run of another system inside of L: its sums are its own, when L is traced and when it is compared with its trace
+do
+  local inner = ring(40, function(d) return 3 * d end):solver { rule = "verlet", h = 0.02 }
+  local written_out = ring(40, function(d) return d ^ 2 end):solver { rule = "midpoint", h = 0.02 }
+  local small = dm.system { Q = dm.R(1), L = function(x, u) return u[1] ^ 2 / 2 - x[1] ^ 2 end }:solver { rule = "verlet", h = 0.02 }
+  local x, u = start(40)
+  local function run(place, solver, q0, v0)
+    local function meanwhile(here)
+      if here == place then solver:run { q = q0, v = v0, steps = 2 } end
+    end
+    return dm.system { Q = dm.R(40), L = function(q, v)
+      meanwhile(1)
+      local T = dm.sum_over(v, kinetic)
+      meanwhile(2)
+      return T - dm.sum_over(q, function(a, b) return toda(a - b) end, { shift = 1, periodic = true })
+    end }:solver({ rule = "verlet", h = 0.02 }):run { q = x, v = u, steps = 5 }
+  end
+  local alone = run(0)
+  for place = 1, 2 do
+    for name, with in pairs { ["with sums"] = { inner, x, u }, ["written out"] = { written_out, x, u }, small = { small, { 0.1 }, { 0.3 } } } do
+      local path = run(place, table.unpack(with))
+      ok(path.q[6] == alone.q[6] and path.p[6] == alone.p[6], ("a run inside of L, %s, at %d"):format(name, place))
+    end
+  end
+end
 tap.done()
