@@ -5,6 +5,7 @@
 -- rho is the user's formula, or the root of Z(g z) = 0 in flat coordinates of the group; both take symbols.
 local actions = require "dm.action"
 local groups = require "dm.group"
+local missed = require "dm.missed"
 local blame = require "dm.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -102,7 +103,11 @@ end
 -- as many equations as dimensions, at a point that is not special
 local function check_section(self)
   local list = linear.sample(self, 1)
+  missed.forget()
   local fine, value = pcall(section, self, list)
+  if fine and #value == 0 then
+    error("dm.moving_frame: the cross-section gives nothing: " .. (missed.noted() or "is a return missing?"), 0)
+  end
   if not fine then error("dm.moving_frame: the cross-section fails at " .. text.points(list) .. ": " .. tostring(value), 0) end
   for i = 1, #value do
     if type(value[i]) ~= "number" then

@@ -95,7 +95,12 @@ function M.element(space, x) return element(M.kit(space), x, space) end
 local checks = {
   g = element,
   raw = function(kit, x) return kit.raw(x) end,
-  x = function(kit, x) return kits.vector(x, kit.dimension, "the algebra element") end,
+  x = function(kit, x)
+    if kit.vee and kits.class_of(x) == "dm.matrix" then
+      error(("the algebra element must be a vector of %d entries (got dm.matrix): G:vee(M) gives that of a matrix"):format(kit.dimension), 0)
+    end
+    return kits.vector(x, kit.dimension, "the algebra element")
+  end,
   mu = function(kit, x) return kits.vector(x, kit.dimension, "the covector") end,
   flat = function(kit, x) return kits.list_of(kits.vector(x, kit.coordinates, "the list of flat coordinates")) end,
   M = function(kit, x)

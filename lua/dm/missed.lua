@@ -68,6 +68,19 @@ function M.explain(message)
   return why and message .. ": " .. why or message
 end
 
-getregistry().dm_explain = M.explain
+--- What is noted in words, or nothing.
+function M.noted()
+  local note = getregistry().dm_missed
+  local is_shown = note and note.of and (type(note.key) == "string" or math.type(note.key) == "integer")
+  return is_shown and explained(note) or nil
+end
+
+--- Forget it, before a function is called whose nil is looked into.
+function M.forget()
+  local note = getregistry().dm_missed
+  if note then note.of = nil end
+end
+
+getregistry().dm_explain, getregistry().dm_noted = M.explain, M.noted
 
 return M

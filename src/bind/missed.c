@@ -46,6 +46,19 @@ void dml_explain(lua_State *L) {
     lua_settop(L, text);
 }
 
+const char *dml_noted(lua_State *L) {
+    luaL_checkstack(L, 4, NULL);
+    if (lua_getfield(L, LUA_REGISTRYINDEX, "dm_noted") != LUA_TFUNCTION) return NULL;
+    return dml_try(L, 0, 1) ? lua_tostring(L, -1) : NULL;
+}
+
+void dml_forget(lua_State *L) {
+    push_note(L);
+    lua_pushnil(L);
+    lua_setfield(L, -2, "of");
+    lua_pop(L, 1);
+}
+
 /* ---- parameters ---- */
 
 /* the __index of a copy; upvalue: the table itself */

@@ -12,6 +12,10 @@ void dml_miss(lua_State *L, int level, const char *of, int key);
 /* The message on top gets what was noted at its line, where it speaks of a nil. */
 void dml_explain(lua_State *L);
 
+/* What is noted, as words that are pushed, or NULL; and forget it, before a function is called whose nil is looked into. */
+const char *dml_noted(lua_State *L);
+void dml_forget(lua_State *L);
+
 /* Push a copy of the table at `table` that notes which name a function asked for in vain; anything else as it is. */
 void dml_pushparams(lua_State *L, int table);
 

@@ -1,5 +1,6 @@
 /* space_sphere.c - systems on S(n) and its products: R^N with the constraint q . q = 1 for each sphere. */
 #include "bind/array.h"
+#include "bind/model_params.h"
 #include "bind/space.h"
 
 enum { MOST_SPHERES = 256 };
@@ -89,12 +90,7 @@ void dml_unfold_spheres(lua_State *L) {
         lua_settop(L, 1);
         return;
     }
-    lua_newtable(L);
-    for (lua_pushnil(L); lua_next(L, 1);) {
-        lua_pushvalue(L, -2);
-        lua_insert(L, -2);
-        lua_rawset(L, -4);
-    }
+    dml_pushcopy(L, 1);
     dml_pushspace(L, &dm_space_rn, p->n);
     lua_setfield(L, 4, "Q");
     lua_pushvalue(L, 3);

@@ -1,6 +1,7 @@
 /* trace.c - calling a Lua function with symbols, with numbers, and reading what it
 ** returns. */
 #include "bind/trace.h"
+#include "bind/missed.h"
 
 #include "bind/array.h"
 #include "bind/call.h"
@@ -23,7 +24,10 @@ static const char *type_name(lua_State *L, int arg) {
 }
 
 static void wrong_result(lua_State *L, const dml_signature *s, int result) {
-    const char *hint = lua_isnil(L, result) ? ": is a return missing?" : "";
+    const char *noted = lua_isnil(L, result) ? dml_noted(L) : NULL;
+    const char *hint = noted                  ? lua_pushfstring(L, ": %s", noted)
+                       : lua_isnil(L, result) ? ": is a return missing?"
+                                              : "";
     if (s->outputs == DML_SCALAR_ARGUMENT)
         luaL_error(L, "%s must return a number, got %s%s", s->what, type_name(L, result),
                    hint);
@@ -207,6 +211,7 @@ void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
     if (!graph) luaL_error(L, "not enough memory");
     const dml_frame *frame = begin_trace(L, graph, s);
     push_symbols(L, fn, s, frame);
+    dml_forget(L);
     lua_call(L, s->arguments, 1);
     read_result(L, s, frame, out);
     dml_checkgraph(L, frame);

@@ -48,6 +48,13 @@ ok(oscillator(function(q, w, _, P) return w[1] ^ 2 / 2 - (P.k or P.stiffness) * 
   "a parameter that may be missing can be asked for")
 says("a dm.vector has no 'nrm'; did you mean 'norm'?", function() kepler:routh { mu = 1, action = function(_, q) return q:nrm() end } end)
 
+tap.raises("L must return a number, got nil: a vector of 1 has no entry 2", function() oscillator(function(q) return q[2] end) end)
+tap.raises("L must return a number, got nil: is a return missing?", function() local _ = v[3] oscillator(function() end) end)
+tap.raises("the cross-section gives nothing: a vector of 2 has no entry 3", function()
+  dm.moving_frame { action = dm.action { group = dm.SO(2), on = dm.R(2) }, cross_section = function(q) return q[3] end }
+end)
+tap.raises("G:vee(M) gives that of a matrix", function() dm.SO(3):exp(dm.matrix { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }) end)
+
 -- and says nothing where the nil is another
 is_plain(function() local t = {} return kepler.foo == nil and t.bar + 1 end, "a nil field of a table after a probe")
 is_plain(function() for _ in ipairs(v) do local _ = 0 end local t = {} return t[1] + 1 end, "an index after ipairs over a vector")
