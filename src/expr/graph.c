@@ -286,6 +286,21 @@ uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m) {
     return end;
 }
 
+static double value_of_three(dm_op op, double a, double b, double c) {
+    switch (op) {
+    case DM_OP_WHERE:
+        return a > 0 ? b : c;
+    case DM_OP_FMA:
+        return dm_fma(a, b, c);
+    case DM_OP_FMS:
+        return dm_fma(a, b, -c);
+    case DM_OP_FNMA:
+        return dm_fma(-a, b, c);
+    default:
+        return NAN; /* leaves have no operands to work on */
+    }
+}
+
 double dm_op_value(dm_op op, double a, double b, double c) {
     switch (op) {
     case DM_OP_NEG:
@@ -338,15 +353,7 @@ double dm_op_value(dm_op op, double a, double b, double c) {
         return b < a ? b : a;
     case DM_OP_MAX:
         return a < b ? b : a;
-    case DM_OP_WHERE:
-        return a > 0 ? b : c;
-    case DM_OP_FMA:
-        return dm_fma(a, b, c);
-    case DM_OP_FMS:
-        return dm_fma(a, b, -c);
-    case DM_OP_FNMA:
-        return dm_fma(-a, b, c);
     default:
-        return NAN; /* leaves have no operands to work on */
+        return value_of_three(op, a, b, c);
     }
 }

@@ -157,14 +157,10 @@ static long double apply_long(dm_op op, long double a, long double b, long doubl
         return b < a ? b : a;
     case DM_OP_MAX:
         return a < b ? b : a;
-    case DM_OP_FMA:
-        return a * b + c;
-    case DM_OP_FMS:
-        return a * b - c;
-    case DM_OP_FNMA:
-        return c - a * b;
-    default:
+    case DM_OP_WHERE:
         return a > 0 ? b : c;
+    default: /* the fused ones: a b + c, a b - c, c - a b */
+        return (op == DM_OP_FNMA ? -a : a) * b + (op == DM_OP_FMS ? -c : c);
     }
 }
 
