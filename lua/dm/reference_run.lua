@@ -63,7 +63,10 @@ local TRUSTED = 1e-7  -- two references further apart than this are none
 --- The reference of a chart: path, absolute distance to the second road, a sentence.
 function M.find(chart)
   local given = chart.options.reference
-  if type(given) == "table" then
+  if given ~= nil then
+    if type(given) ~= "table" or not (given.rule and given.h) then
+      error(("dm.chart: option 'reference' must be { rule =, h = }; left out, one is found (got %s)"):format(tostring(given)), 0)
+    end
     return run(chart, given.rule, given.h), 0, ("reference: %s, h = %g, taken as given"):format(tostring(given.rule), given.h)
   end
   local found = {}

@@ -71,8 +71,11 @@ static int solver_tostring(lua_State *L) {
     const char *rule = lua_tostring(L, -1);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     const char *system = luaL_tolstring(L, -1, NULL);
-    lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", rule,
-                    s->method->order(s->nodes), s->h, system);
+    if (s->pair) /* its order is that of Ld, which Ld:order measures */
+        lua_pushfstring(L, "solver '%s', h = %f, for %s", rule, s->h, system);
+    else
+        lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", rule,
+                        s->method->order(s->nodes), s->h, system);
     return 1;
 }
 

@@ -3,6 +3,8 @@
 #include "bind/array.h"
 #include "bind/state.h"
 
+#include <string.h>
+
 static const char *const TNAME = "dm.symbol";
 
 /* the symbol among the operands, for the name of its trace */
@@ -57,10 +59,15 @@ static int refuse_call(lua_State *L) {
 static int refuse_field(lua_State *L) {
     lua_settop(L, 2);
     const char *key = luaL_tolstring(L, 2, NULL);
-    return luaL_error(L,
-                      "a symbol has no field '%s': it stands for one number of %s "
-                      "(the params of a system are the fourth argument, after q, v, t)",
-                      key, traced_function(L));
+    const char *traced = traced_function(L);
+    const char *hint =
+        strcmp(traced, "constraint") == 0
+            ? "constraint gets (q, t); a condition on velocities is `rolling`"
+        : strcmp(traced, "the function") == 0
+            ? "of a vector argument say how many it has, as in dm.derivative(f, n)"
+            : "the params of a system are the fourth argument, after q, v, t";
+    return luaL_error(L, "a symbol has no field '%s': it stands for one number of %s (%s)",
+                      key, traced, hint);
 }
 
 static int symbol_tostring(lua_State *L) {

@@ -67,6 +67,8 @@ static void show_progress(void *ud, long done, long members) {
 
 /* steps, or t = duration, as solver:run reads them */
 static long read_steps(lua_State *L, double h) {
+    if (!has(L, "t") && !has(L, "steps"))
+        luaL_error(L, "how long? 'steps' (how many) or 't' (a duration) is missing");
     if (!has(L, "t")) return dml_count(L, 2, "steps", 0, -1);
     if (has(L, "steps"))
         luaL_error(L, "give either 'steps' or 't' (a duration), not both");

@@ -24,8 +24,10 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
                    "matrix with a row for each of the %d members (got %s)",
                    key, (int)members, luaL_typename(L, -1));
     if (type != LUA_TFUNCTION && luaL_len(L, -1) != members)
-        luaL_error(L, "field '%s' has %d rows for %d members", key, (int)luaL_len(L, -1),
-                   (int)members);
+        luaL_error(L,
+                   "field '%s' has %d rows for %d members; the same for all is "
+                   "function() return ... end",
+                   key, (int)luaL_len(L, -1), (int)members);
     lua_pop(L, 1);
 }
 

@@ -196,8 +196,10 @@ static const double *quantity(lua_State *L, const dml_path *p) {
         lua_replace(L, 2);
     }
     if (dml_length(L, 2) != p->rows)
-        luaL_error(L, "a column name or a vector of %d numbers (one a row) is needed",
-                   (int)p->rows);
+        luaL_error(L,
+                   "a column name or a vector of %d numbers (one a row) is needed, for "
+                   "instance M:column(1) of a matrix (got %s)",
+                   (int)p->rows, luaL_typename(L, 2));
     dml_vectorarg(L, 2, "quantity", y, (uint32_t)p->rows);
     return y;
 }

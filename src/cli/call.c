@@ -111,6 +111,23 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
 
 /* ---- messages ---- */
 
+/* the traceback on top without the lines of dm.blame, which raised again on behalf of the caller */
+static void leave_out_blame(lua_State *L) {
+    static const char raised[] = "\n\t[C]: in function 'error'", tail[] = "\n\t(...tail calls...)";
+    const char *text = lua_tostring(L, -1), *blame = strstr(text, "/dm/blame.lua:");
+    if (!blame) return;
+    const char *end = blame + strcspn(blame, "\n");
+    while (blame > text && *blame != '\n') blame--;
+    const size_t before = sizeof raised - 1, after = sizeof tail - 1;
+    if ((size_t)(blame - text) >= before && strncmp(blame - before, raised, before) == 0)
+        blame -= before;
+    if (strncmp(end, tail, after) == 0) end += after;
+    lua_pushlstring(L, text, (size_t)(blame - text));
+    lua_pushstring(L, end);
+    lua_concat(L, 2);
+    lua_replace(L, -2);
+}
+
 static int add_traceback(lua_State *L) {
     if (!lua_tostring(L, 1)) {
         if (luaL_callmeta(L, 1, "__tostring") && lua_type(L, -1) == LUA_TSTRING) return 1;
@@ -120,6 +137,7 @@ static int add_traceback(lua_State *L) {
     lua_settop(L, 1);
     dml_explain(L);
     luaL_traceback(L, L, lua_tostring(L, 1), 1);
+    leave_out_blame(L);
     return 1;
 }
 

@@ -2,6 +2,7 @@
 
 #include "mech/ties.h"
 
+#include <ctype.h>
 #include <string.h>
 
 const dm_method *const dm_methods[] = {
@@ -15,6 +16,10 @@ static int smallest(int a, int b, int c) {
     return ab < c ? ab : c;
 }
 
+static int differ(char a, char b) {
+    return tolower((unsigned char)a) != tolower((unsigned char)b);
+}
+
 /* letters to insert, delete or replace (Levenshtein); names are shorter than DM_RULE_NAME */
 static int distance(const char *a, const char *b) {
     int row[DM_RULE_NAME];
@@ -24,7 +29,7 @@ static int distance(const char *a, const char *b) {
         int diagonal = row[0];
         row[0] = i + 1;
         for (int j = 0; j < length; j++) {
-            const int replaced = diagonal + (a[i] != b[j]);
+            const int replaced = diagonal + differ(a[i], b[j]);
             diagonal = row[j + 1];
             row[j + 1] = smallest(replaced, diagonal + 1, row[j] + 1);
         }

@@ -71,6 +71,21 @@ raises("entry 1 must be a number, got dm.vector", function()
   dm.action { group = dm.GL(1), on = dm.R(2), map = function(g, z) return { g[1] * z[1], g[1] * z[2] } end }
 end)
 
+-- what was meant, where it can be guessed
+raises("did you mean 'rk4'", function() kepler:solver { rule = "RK4", h = 1 } end)
+raises("a condition on velocities is `rolling`",
+  function() dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end, constraint = function(_, v) return v[1] end } end)
+raises("as in dm.derivative(f, n)", function() dm.derivative(function(x) return x[1] end) end)
+raises('for 6 values from 0.1 to 10: {0.1, 10, 6, "linear"}',
+  function() kepler:stability { rule = "verlet", q = { 1, 0 }, v = { 0, 1 }, h = { 0.1, 10, 6 }, steps = 9 } end)
+raises("option 'reference' must be { rule =, h = }",
+  function() kepler:chart { q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, reference = "exact" } end)
+raises("how long? 'steps'", function() solver:ensemble { members = 1, q = { { 1, 0 } }, v = { { 0, 1 } } } end)
+raises("the same for all is function", function() solver:ensemble { members = 5, q = { 1, 0 }, v = { 0, 1 }, steps = 1 } end)
+raises("M:column(1) of a matrix", function() path:drift(path:momentum(dm.R(2))) end)
+local own = dm.discrete_lagrangian { Q = dm.R(1), h = 1, Ld = function(a, b, h) return (b[1] - a[1]) ^ 2 / h end }
+ok(not tostring(dm.solver { own }):find "order", "no order is claimed for one's own Ld", tostring(dm.solver { own }))
+
 -- an energy that the motion does not keep is not "off"
 local function energy_of(o)
   o.Q = dm.R(1)

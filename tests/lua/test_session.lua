@@ -146,6 +146,9 @@ has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers", 
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 
 -- errors
+text = session { "y = dm.moving_frame { action = 1 }" }
+has(text, "stdin:1: ", "an error of a module names the line that was typed")
+lacks(text, "blame.lua", "and its traceback only what the user wrote")
 text = session { "error 'oops'", "error { 1 }", "x = = 1", "local t <close> = 1",
   "setmetatable({}, { __tostring = function() error 'in tostring' end })", "1 + 1" }
 has(text, "oops\nstack traceback:", "an error with its traceback")

@@ -29,6 +29,11 @@ end
 
 -- given one by one: spaced as its numbers are
 local function listed(name, list)
+  local count = list[3]
+  if #list == 3 and math.type(count) == "integer" and count > 1 and list[1] < list[2] and count <= list[2] then
+    fail("axis '%s': three numbers are a list, which must grow; for %d values from %g to %g: {%g, %g, %d, \"linear\"}, or \"log\"",
+      name, count, list[1], list[2], list[1], list[2], count)
+  end
   local out, last = { log = #list > 2 and list[1] > 0 }, -math.huge
   if #list == 0 or #list > MOST then fail("axis '%s' must have 1 to %d numbers", name, MOST) end
   for i, x in ipairs(list) do
