@@ -39,7 +39,8 @@ local function what_there_is(note)
   local other = owner(note.key)
   if other then return ("; it is a method of %s"):format(other) end
   if #names == 0 then return "" end
-  if #names <= MOST then return ": there is " .. table.concat(names, ", ") end
+  local entries = note.of == "dm.vector" and "; its entries are [1], [2], ...; beside them" or ":"
+  if #names <= MOST then return entries .. " there is " .. table.concat(names, ", ") end
   return note.of == "dm" and "; help(dm) lists what there is" or "; help(x) lists what there is"
 end
 

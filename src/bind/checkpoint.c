@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static const char *const HEAD = "dmlua checkpoint 2";
 enum { LINE = 512 };
@@ -92,6 +94,19 @@ static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s,
            write_numbers(f, "state", c->state, size) &&
            write_numbers(f, "memory", c->state + size, c->memory) &&
            fputs("end\n", f) != EOF;
+}
+
+int dml_checkpoint_try(const char *file) {
+    char folder[4096];
+    struct stat at;
+    if (stat(file, &at) == 0 && S_ISDIR(at.st_mode)) {
+        errno = EISDIR;
+        return 0;
+    }
+    const char *slash = strrchr(file, '/');
+    const int length = slash ? (int)(slash - file) + 1 : 1;
+    snprintf(folder, sizeof folder, "%.*s", length, slash ? file : ".");
+    return access(folder, W_OK) == 0;
 }
 
 int dml_checkpoint_write(const dml_checkpoint *c, const dml_solver *s, const char *rule,

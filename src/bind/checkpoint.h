@@ -24,6 +24,9 @@ void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps);
 int dml_checkpoint_write(const dml_checkpoint *c, const dml_solver *s, const char *rule,
                          const char *file);
 
+/* Could it be written there? 0: no, errno says why. */
+int dml_checkpoint_try(const char *file);
+
 /* Start where the checkpoint at `arg` ended: as dml_stepping_start. Raises when the system is another one. */
 void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c);
 

@@ -8,6 +8,7 @@
 #include "bind/terminal.h"
 #include "run/run.h"
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
 #include <time.h>
@@ -230,6 +231,8 @@ static void read_saving(lua_State *L, run *u) {
                    "field 'checkpoint' must be the name of a file, or { file =, every = "
                    "seconds }");
     u->saving = lua_tostring(L, -1);
+    if (!dml_checkpoint_try(u->saving))
+        luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving, strerror(errno));
 }
 
 /* between two steps: a checkpoint of where the run is; what cannot be written is said at the end */

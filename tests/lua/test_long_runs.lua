@@ -96,7 +96,11 @@ raises("has its own state and time", function() dm.resume(file, kepler):run { st
 local text = io.open(file):read "a"
 io.open(file, "w"):write(text:sub(1, #text - 20)):close()
 raises("not a whole checkpoint", dm.resume, file, kepler)
-fine, failure = pcall(run, kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 3, checkpoint = "/no/such/folder/c" })
+raises("field 'checkpoint': cannot write /no/such/folder/c", run, kepler:solver { rule = "verlet", h = 1e-3 },
+  { steps = 3, checkpoint = "/no/such/folder/c" })
+os.execute("ln -s /dev/full " .. file .. ".new") -- a disk that is full later
+fine, failure = pcall(run, kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 3, checkpoint = file })
+os.remove(file .. ".new")
 ok(not fine and failure.code == "not_written" and failure.path.steps == 3, "a checkpoint that cannot be written keeps the path")
 
 -- events: apsides of an ellipse of period 2 pi lie at multiples of pi

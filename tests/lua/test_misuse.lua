@@ -80,6 +80,8 @@ raises('for 6 values from 0.1 to 10: {0.1, 10, 6, "linear"}',
   function() kepler:stability { rule = "verlet", q = { 1, 0 }, v = { 0, 1 }, h = { 0.1, 10, 6 }, steps = 9 } end)
 raises("option 'reference' must be { rule =, h = }",
   function() kepler:chart { q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, reference = "exact" } end)
+raises("field 'checkpoint': cannot write /nowhere/x", function() solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1, checkpoint = "/nowhere/x" } end)
+raises("field 'checkpoint': cannot write /:", function() solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1, checkpoint = "/" } end)
 raises("how long? 'steps'", function() solver:ensemble { members = 1, q = { { 1, 0 } }, v = { { 0, 1 } } } end)
 raises("the same for all is function", function() solver:ensemble { members = 5, q = { 1, 0 }, v = { 0, 1 }, steps = 1 } end)
 raises("M:column(1) of a matrix", function() path:drift(path:momentum(dm.R(2))) end)
