@@ -82,6 +82,10 @@ raises("option 'reference' must be { rule =, h = }",
   function() kepler:chart { q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, reference = "exact" } end)
 raises("field 'checkpoint': cannot write /nowhere/x", function() solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1, checkpoint = "/nowhere/x" } end)
 raises("field 'checkpoint': cannot write /:", function() solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1, checkpoint = "/" } end)
+local ball = dm.system { Q = dm.R(2), L = function(_, v) return v:dot(v) / 2 end, constraint = function(q) return q:dot(q) - 1 end }
+raises("dm.scene: no start: it is off the constraints", function()
+  dm.scene({ system = ball, q = { 2, 0 }, v = { 0, 0 }, watch = { "q1" }, tolerance = 1e-3, until_t = 1 }):run()
+end)
 raises("how long? 'steps'", function() solver:ensemble { members = 1, q = { { 1, 0 } }, v = { { 0, 1 } } } end)
 raises("the same for all is function", function() solver:ensemble { members = 5, q = { 1, 0 }, v = { 0, 1 }, steps = 1 } end)
 raises("M:column(1) of a matrix", function() path:drift(path:momentum(dm.R(2))) end)

@@ -189,6 +189,8 @@ function M.reference(model, times, seconds)
   end
   local how = { from = N0, goal = AGREED / 2, times = times, seconds = seconds }
   local a, tried = first_that_can(model, FIRST, how)
+  local nowhere = not a and tried[1] and tried[1]:match "no start: .*"
+  if nowhere then error("dm.scene: " .. nowhere, 0) end
   local b, others = nil, {}
   if a then b, others = first_that_can(model, SECOND, how) end
   local distance = a and b and M.apart(problem, a.record, b.record)
