@@ -203,6 +203,10 @@ static int show_failure(lua_State *L) {
         return 0;
     }
     keep(L, -2);
+    if (!luaL_testudata(L, -2, "dm.path")) { /* many runs: no one step */
+        dml_message(NULL, "stopped; _ is what was computed before");
+        return 0;
+    }
     lua_getfield(L, 1, "step");
     const char *step = luaL_tolstring(L, -1, NULL);
     lua_getfield(L, 1, "time");

@@ -190,6 +190,11 @@ has(text, "true\tnil", "and _ holds the path")
 text = stopping { "send " .. system:gsub(" }$", ", derivatives = 'hyperdual' }") .. "\\r", "wait 2004h", orbit, "wait 2004l", "pause 600",
   table.unpack(stopped) }
 has(text, "_ is the path so far", "also one whose Lagrangian runs in Lua")
+local many = "send s:solver { rule = 'verlet', h = 0.01 }:ensemble { members = 9, steps = 1e10, q = function() return { 1 } end, "
+  .. "v = function() return { 0 } end }\r"
+text = stopping { "send " .. system .. "\r", "wait 2004h", many, "wait 2004l", "pause 600", "send \003", "wait stopped; _ is what",
+  "wait 2004h", "send _\r", "wait ensemble of", BYE }
+has(text, "stopped; _ is what was computed before", "of an ensemble no single step is told")
 
 -- not a terminal
 local pipe = io.popen(("echo '1 + 1; print(3)' | %s 2>&1; printf 'print(3)' | FORCE_COLOR= %s 2>&1 | od -c | head -1")
