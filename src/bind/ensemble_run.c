@@ -101,6 +101,18 @@ static dm_status open_all(dm_stepper **steppers, int threads) {
     return DM_OK;
 }
 
+static void close_all(dm_stepper **steppers, int first, int threads) {
+    for (int i = first; i < threads; i++)
+        if (steppers[i]->method->close) steppers[i]->method->close(steppers[i]);
+}
+
+/* raises, with all closed, where sums are to be plain and the rule has none */
+static void check_plain(lua_State *L, dml_stepping *r, dm_stepper **steppers,
+                        int threads) {
+    if (r->solver->plain && !r->stepper.report.plain) close_all(steppers, 1, threads);
+    dml_stepping_checkplain(L, r);
+}
+
 /* what every thread records, by kernels of its own; leaves them on the stack */
 static dm_observer *read_watch(lua_State *L, dm_stepper **steppers, int threads) {
     if (!has(L, "watch")) return NULL;
@@ -155,10 +167,9 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
                               .ud = clock};
     dm_status status = open_all(steppers, threads);
     if (status != DM_OK) luaL_error(L, "rule cannot start: %s", dm_status_text(status));
-    dml_stepping_checkplain(L, &r); /* such rules hold nothing outside of Lua */
+    check_plain(L, &r, steppers, threads);
     status = dm_ensemble_run(&plan, steppers, threads);
-    for (int i = 0; i < threads; i++)
-        if (solver->method->close) solver->method->close(steppers[i]);
+    close_all(steppers, 0, threads);
     dml_rethrow(L, r.model);
     return status;
 }
