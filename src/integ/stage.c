@@ -17,6 +17,28 @@ unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
     return DM_WANT_STAGE | (simple ? DM_WANT_FORCE : DM_WANT_SLOPE | DM_WANT_MASS);
 }
 
+/*
+** Newton's method halves the evaluations that sweeps of one stage need, which has no polynomial to start from, but
+** adds to what is between them: cheaper for few coordinates and a force that is not short.
+*/
+enum { FEW = 4, SHORT = 12 };
+
+static int few_and_long(const dm_model *m) {
+    return m->n <= FEW && m->operations > SHORT;
+}
+
+unsigned dm_stage_wants_one(const dm_rule *rule, const dm_model *m) {
+    const unsigned all = dm_stage_wants(rule, m);
+    return m->ties || !few_and_long(m) ? all : all | DM_WANT_SLOPE | DM_WANT_MASS;
+}
+
+/* the cheaper form for L = T(v) - V(q, t) */
+static int by_displacements(const dm_model *m, const dm_galerkin *basis) {
+    const int one = basis->s == 1 && basis->q.r == 1 && !basis->sweeps;
+    if ((m->structure & SIMPLE) != SIMPLE) return 0;
+    return !one || !few_and_long(m) || !(m->has & DM_WANT_SLOPE);
+}
+
 static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
@@ -70,7 +92,7 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     double *memory = stepper->work + doubles(sizeof *g);
     if (m->ties) return dm_tied_open(stepper, basis);
     *g = (dm_stage){.m = m, .n = m->n};
-    g->separable = (m->structure & SIMPLE) == SIMPLE;
+    g->separable = by_displacements(m, basis);
     dm_stage_table_find(&g->table, basis, m, memory);
     memory += dm_stage_table_size(g->table.s, g->table.r);
     dm_stage_weights_place(g, memory);
