@@ -113,7 +113,8 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
 
 /* the traceback on top without the lines of dm.blame, which raised again on behalf of the caller */
 static void leave_out_blame(lua_State *L) {
-    static const char raised[] = "\n\t[C]: in function 'error'", tail[] = "\n\t(...tail calls...)";
+    static const char raised[] = "\n\t[C]: in function 'error'",
+                      tail[] = "\n\t(...tail calls...)";
     const char *text = lua_tostring(L, -1), *blame = strstr(text, "/dm/blame.lua:");
     if (!blame) return;
     const char *end = blame + strcspn(blame, "\n");
