@@ -1,4 +1,4 @@
---- Poincare sections: where runs cross a surface g = 0, as points of a plot. solver:section{g =, q =, v =, t =}.
+--- Poincare sections: where runs cross a surface g = 0, or each period of a driven system, as points of a plot. solver:section{g =, q =, v =, t =}.
 local blame = require "dm.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -74,18 +74,22 @@ end
 
 ---- runs ----
 
-local KNOWN = { g = true, direction = true, q = true, v = true, p = true, starts = true, t = true, steps = true, t0 = true, every = true,
+local KNOWN = { g = true, period = true, direction = true, q = true, v = true, p = true, starts = true, t = true, steps = true, t0 = true, every = true,
   project = true, x = true, y = true, xlabel = true, ylabel = true }
 
 local function check(o)
   if type(o) ~= "table" then fail("takes a table { g =, q =, v =, t = } (got %s)", type(o)) end
   for key in pairs(o) do
     if not KNOWN[key] then
-      fail("unknown option '%s'; options are direction, every, g, p, project, q, starts, steps, t, t0, v, x, xlabel, y, ylabel", tostring(key))
+      fail("unknown option '%s'; options are direction, every, g, p, period, project, q, starts, steps, t, t0, v, x, xlabel, y, ylabel", tostring(key))
     end
   end
   if o.direction ~= nil and not ({ up = true, down = true, both = true })[o.direction] then
     fail("'direction' must be \"up\" (the default), \"down\" or \"both\" (got %s)", tostring(o.direction))
+  end
+  if o.period ~= nil then
+    if type(o.period) ~= "number" or not (o.period > 0 and o.period < math.huge) then fail("'period' must be a duration > 0 (got %s)", tostring(o.period)) end
+    if o.g ~= nil or o.direction ~= nil then fail "'period' stands in place of 'g' and 'direction'" end
   end
   if o.starts ~= nil and (type(o.starts) ~= "table" or type(o.starts[1]) ~= "table") then
     fail("'starts' must be a list of starts { q =, v = } or { q =, p = } (got %s)", type(o.starts))
@@ -95,7 +99,9 @@ end
 
 -- g as a function of (q, v, t, p)
 local function surface(o, read, names)
+  if o.period then return function(_, _, t) return math.sin(2 * math.pi / o.period * (t - (o.t0 or 0))) end end
   if type(o.g) == "function" then return o.g end
+  if o.g == "t" then fail "t passes 0 once: for a section each period T, period = T" end
   local f = type(o.g) == "string" and read[o.g]
   if not f then
     fail("'g' must be a function of (q, v, t, p) that is 0 on the surface, or one of %s (got %s)", known(names),

@@ -38,8 +38,9 @@ Do the coordinates break down on the way? The condition of d2L/dv2 at the rows o
 condition} where it exceeds 1e4; failure: the code that ended the run, if one did. why names the coordinate that loses its inertia.]])
 
 core.method("dm.solver", "section", later("dm.section", "section"), [[
-solver:section{g=, q=, v= | p=, starts=, t= | steps=, t0=, direction=, x=, y=, xlabel=, ylabel=, every=, project=} -> dm.section
-The Poincare section of a run: where it crosses the surface g(q, v, t, p) = 0; g may be the name of a coordinate, "q1". direction: "up" (g grows; the
+solver:section{g= | period=, q=, v= | p=, starts=, t= | steps=, t0=, direction=, x=, y=, xlabel=, ylabel=, every=, project=} -> dm.section
+The Poincare section of a run: where it crosses the surface g(q, v, t, p) = 0; g may be the name of a coordinate, "q1"; period = T in its
+place: each period of a driven system from t0 on (a stroboscope). direction: "up" (g grows; the
 default), "down" or "both". starts = { {q =, v =}, {q =, p =}, ... }: several runs, one of which may fail. x, y: what is read off a crossing, names
 of columns ("q2", "p2", "t") or functions of (q, p, t); left out: another coordinate than g and its momentum. Crossings are found by steps of
 fitting length, with the accuracy of the rule; two within one step are not seen. section:plot() draws them. every = k keeps rows of the runs, orbits[i].path.]])

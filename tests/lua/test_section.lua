@@ -28,6 +28,15 @@ near(down.orbits[1].y[2], -cos(sqrt(2) * 3 * pi), 1e-12, "y is a function of (q,
 local strobe = fine:section { g = function(_, _, t) return sin(t) end, x = "x", y = "p_x", q = start.q, v = start.v, t = 50 }
 ok(strobe.orbits[1].x:norm() < 1e-12 and math.abs(strobe.orbits[1].y[3] - 1) < 1e-12, "a surface of time: a stroboscope")
 
+-- a driven oscillator: at multiples of the period of the drive, from t0 on, on the line of its closed form
+local driven = dm.system { Q = dm.R(1), L = function(q, v, t) return (v[1] ^ 2 - q[1] ^ 2) / 2 + q[1] * math.cos(t / 2) end }
+strobe = driven:solver({ rule = "gauss(6)", h = 0.1 }):section { period = 4 * pi, t0 = 1, q = { 0 }, v = { 0 }, t = 60 }
+near(strobe.orbits[1].t[2], 1 + 8 * pi, 1e-10, "period: a row each period after the start")
+near(strobe.orbits[1].x[2], 0, 1e-9, "where it is at rest again, since the drive takes two of its own periods")
+raises("for a section each period T", function() driven:solver({ rule = "gauss(6)", h = 0.1 }):section { g = "t", q = { 0 }, v = { 0 }, t = 60 } end)
+raises("in place of 'g'", function() fine:section { g = "x", period = 1, q = start.q, v = start.v, t = 1 } end)
+raises("duration > 0", function() fine:section { period = 0, x = "x", y = "y", q = start.q, v = start.v, t = 1 } end)
+
 -- several starts, of which one leaves the domain
 local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() - 1e-3 / (q[1] - 3) end }
 local coarse = kepler:solver { rule = "gauss(1)", h = 0.1 }
