@@ -41,9 +41,11 @@ static void push_advice(lua_State *L, const dml_failure *f) {
         break;
     case DM_NOT_FINITE:
         lua_pushfstring(
-            L,
-            "the state left the domain of L or grew without bound: try a smaller step "
-            "(h = %f), or another start",
+            L, "%s: try a smaller step (h = %f), or another start",
+            f->step > 1
+                ? "the state left the domain of L or grew without bound"
+                : "the first step leaves the domain of L, or a derivative of L is "
+                  "infinite at the start",
             f->h / 2);
         break;
     case DM_STOPPED:
