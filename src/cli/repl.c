@@ -113,6 +113,23 @@ static void remember(const session *s, const char *entry) {
     if (s->history) dml_history_append(s->L, s->history, entry);
 }
 
+/* "exit" and "quit" leave like the end of the input, unless the user has something of that name */
+static int is_farewell(lua_State *L, const char *text) {
+    static const char *const words[] = {"exit", "quit"};
+    for (int i = 0; i < 2; i++) {
+        const size_t n = strlen(words[i]);
+        if (strncmp(text, words[i], n) != 0) continue;
+        const char *rest = text + n + (strncmp(text + n, "()", 2) == 0 ? 2 : 0);
+        if (rest[strspn(rest, " \t")] != '\0') continue;
+        lua_pushglobaltable(L);
+        lua_pushstring(L, words[i]);
+        const int unused = lua_rawget(L, -2) == LUA_TNIL;
+        lua_pop(L, 2);
+        return unused;
+    }
+    return 0;
+}
+
 /* Leave the text and the function (or message) of one entry on the stack. A status, -1 when there
  * is nothing to do, -2 at the end of the input. */
 static int read_entry(const session *s) {
@@ -128,6 +145,7 @@ static int read_entry(const session *s) {
         lua_pushcclosure(L, explain, 1);
         return LUA_OK;
     }
+    if (is_farewell(L, first)) return -2;
     drop_equals(L);
     const int status = finish_entry(L, 1);
     if (status >= 0) remember(s, lua_tostring(L, 1));

@@ -157,6 +157,13 @@ has(text, "unexpected symbol near '='", "a syntax error")
 has(text, "in tostring", "an error while printing")
 has(text, "\n2\n", "and the session goes on")
 
+for _, farewell in ipairs { "quit", "exit()" } do
+  text = play("", "wait 2004h\nsend exit = nil\\r\nwait 2004h\nsend " .. farewell .. "\\r\npause 100\n")
+  has(text, "exit 0", farewell .. " leaves")
+end
+text = session { "quit = 6", "quit", "quit * 7" }
+has(text, "\n42\n", "unless there is something of that name")
+
 -- Ctrl-C: after each, the session must still answer
 local ANSWER = "wait 2004h\nsend 40 + 2\\r\nwait 42\n" .. BYE
 local function stopping(lines) return play("", "wait 2004h\n" .. table.concat(lines, "\n") .. "\n") end
