@@ -125,10 +125,8 @@ INLINE void find_matrix(const lanes_newton *it, double *J) {
     const dm_stage *g = it->w->g;
     const uint32_t n = it->n, s = it->s;
     for (size_t k = 0; k < (size_t)it->m * it->m; k++) store(J + k * W, (V){0});
-#pragma GCC unroll 4
     for (uint32_t i = 0; i < it->r; i++) {
         const double *second = it->w->curve + i * curve_size(n) + 2 * n * W;
-#pragma GCC unroll 4
         for (uint32_t j = 0; j < s; j++)
 #pragma GCC unroll 4
             for (uint32_t k = 0; k < s; k++) {
