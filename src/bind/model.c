@@ -9,7 +9,6 @@
 #include "expr/sum.h"
 
 #include <stdio.h>
-#include <string.h>
 #include <time.h>
 
 static double now_ms(void) {
@@ -292,16 +291,6 @@ static void check_callback(lua_State *L, dml_model *m, const char *what, const d
                    what, once, again);
 }
 
-/* the last start again: the function has given the graph that was compared there */
-static int is_checked_at(const dml_model *m, const double *x, size_t size) {
-    return x && m->checked_at && memcmp(m->checked_at, x, size) == 0;
-}
-
-static void keep_checked_at(dml_model *m, const double *x, size_t size) {
-    if (x && !m->checked_at) m->checked_at = dm_arena_take(m->arena, size);
-    if (x && m->checked_at) memcpy(m->checked_at, x, size);
-}
-
 static void check_model(lua_State *L, int arg, dml_model *m, const double *x,
                         int may_be_outside) {
     const char *what = m->model.has & DM_WANT_PAIR ? "Ld" : "L";
@@ -310,8 +299,6 @@ static void check_model(lua_State *L, int arg, dml_model *m, const double *x,
         return;
     }
     const dml_system *s = dml_checksystem(L, arg);
-    const size_t size = (2 * (size_t)m->n + !s->pair) * sizeof *x;
-    if (is_checked_at(m, x, size)) return;
     dml_signature sig = signature(s);
     sig.may_be_outside = may_be_outside;
     push_function(L, arg, s);
@@ -324,7 +311,6 @@ static void check_model(lua_State *L, int arg, dml_model *m, const double *x,
         dml_trace_check(L, fn, &sig, kernel, at);
     lua_settop(L, fn - 1);
     dml_checkties(L, arg, m, x);
-    if (!may_be_outside) keep_checked_at(m, x, size);
     m->checked = 1;
 }
 

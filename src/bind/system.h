@@ -60,7 +60,6 @@ typedef struct {
     double trace_ms, compile_ms;
     uint32_t traced;     /* nodes of the graph when only L was in it */
     int checked;         /* compared with the function around the start of a run */
-    double *checked_at;  /* and last at this start; NULL: at none */
     dm_compile *compile; /* of a model that is kept (model_kept.h), else NULL */
     dm_kept *kept;       /* kernels of methods */
     dml_traced tie

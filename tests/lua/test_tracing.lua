@@ -220,4 +220,14 @@ local powers = dm.trace(function(x)
 end, 2)
 near(powers { 6e11, 4e11 }, 1, 1e-13, "coefficients are not lost to underflow")
 
+-- an upvalue that changes what numbers see, and not what symbols see, is found out from the same start, too
+local lies = false
+local liar = dm.system({ Q = dm.R(1), L = function(q, v)
+  if lies and type(q[1]) == "number" then return v[1] ^ 2 end
+  return v[1] ^ 2 / 2 - q[1] ^ 2
+end }):solver { rule = "verlet", h = 0.01 }
+liar:run { q = { 0.2 }, v = { 0 }, steps = 2 }
+lies = true
+raises("is not what its trace says", function() liar:run { q = { 0.2 }, v = { 0 }, steps = 2 } end)
+
 tap.done()
