@@ -185,7 +185,8 @@ function M.apropos(word)
   end
   local lines = {}
   for line, doc in pairs(all_docs()) do
-    if doc:lower():find(word:lower(), 1, true) then lines[#lines + 1] = line end
+    local ours = line:find "^core%."  -- for modules, not for sessions
+    if not ours and doc:lower():find(word:lower(), 1, true) then lines[#lines + 1] = line end
   end
   if #lines == 0 then return write(("nothing mentions %q; ?topics lists where to look"):format(word)) end
   write(table.concat(sorted(lines), "\n"))
