@@ -66,7 +66,8 @@ static int refuse_field(lua_State *L) {
         : strcmp(traced, "the function") == 0
             ? "of a vector argument say how many it has, as in dm.derivative(f, n)"
             : "the params of a system are the fourth argument, after q, v, t";
-    return luaL_error(L, "a symbol has no field '%s': it stands for one number of %s (%s)",
+    return luaL_error(L,
+                      "a symbol has no field '%s': it stands for one number of %s (%s)",
                       key, traced, hint);
 }
 

@@ -232,7 +232,8 @@ static void read_saving(lua_State *L, run *u) {
                    "seconds }");
     u->saving = lua_tostring(L, -1);
     if (!dml_checkpoint_try(u->saving))
-        luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving, strerror(errno));
+        luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving,
+                   strerror(errno));
 }
 
 /* between two steps: a checkpoint of where the run is; what cannot be written is said at the end */

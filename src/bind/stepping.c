@@ -355,7 +355,8 @@ void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
     luaL_error(
         L,
         "field 'sums': rule '%s' always compensates on this system; plain sums are "
-        "for explicit kicks and drifts of a traced, separable L of few coordinates, or of "
+        "for explicit kicks and drifts of a traced, separable L of few coordinates, or "
+        "of "
         "sums over equal bodies and neighbours (dm.sum_over)",
         r->solver->nodes[0].name);
 }
