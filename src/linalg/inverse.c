@@ -36,7 +36,17 @@ static void eliminate(double *A, uint32_t n, uint32_t k) {
     }
 }
 
+/* one number, as frames of groups of dimension one need at every evaluation: the same bits as by the loops */
+static dm_status invert_one(double *a, uint32_t *pivot) {
+    if (*a == 0.0) return DM_SINGULAR;
+    if (!isfinite(*a)) return DM_NOT_FINITE;
+    *pivot = 0;
+    *a = 1.0 / *a;
+    return DM_OK;
+}
+
 dm_status dm_invert(double *A, uint32_t *pivot, uint32_t n) {
+    if (n == 1) return invert_one(A, pivot);
     for (uint32_t k = 0; k < n; k++) {
         pivot[k] = largest_in(A, n, k);
         if (pivot[k] != k) exchange(A + k * (size_t)n, A + pivot[k] * (size_t)n, n, 1);
