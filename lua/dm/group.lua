@@ -265,8 +265,8 @@ local function also_of_actions(class, other, signature)
   local momentum = debug.getregistry()[class].methods.momentum
   local doc = core.docs[momentum]:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
   core.method(class, "momentum", blame.relay(function(object, action, ...)
-    if type(action) == "function" or type(action) == "string" then
-      error(("momentum: of what? a group with its number, such as dm.SO(2), or a dm.action (got a %s)"):format(type(action)), 0)
+    if type(action) == "string" then
+      error("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got a string)", 0)
     end
     local meta = type(action) == "table" and getmetatable(action)
     if not meta or meta.__name ~= "dm.action" then return momentum(object, action, ...) end
