@@ -231,6 +231,7 @@ static void run_to(const dm_lattice *l, const dm_layer *layer, uint32_t k, front
 void dm_lattice_run_band(dm_lattice *l, const dm_layer *layer, uint32_t layers) {
     front f[DM_LATTICE_BAND];
     int64_t more = 0;
+    if (layers == 0) return;
     l->turn = !l->turn; /* a loop does not wait for the end of the one before */
     for (uint32_t k = layers; k-- > 0;) {
         more += layer[k].count;
