@@ -101,14 +101,14 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
 }
 
 /* 1/sqrt(u) where n = sqrt(u) and that is needed too, else 0 */
-static dm_node inverse_of_root(const dm_graph *g, dm_node n) {
+static dm_node inverse_of_root(dm_graph *g, dm_node n) {
     const dm_expr *e = dm_at(g, n),
                   inverse = {.op = DM_OP_RSQRT, .as.arg = {e->as.arg[0]}};
     const dm_node found = e->op == DM_OP_SQRT ? dm_node_find(g, &inverse) : 0;
     return dm_is_marked(g, found) ? found : 0;
 }
 
-static int has_inverse_roots(const dm_graph *g, uint32_t end) {
+static int has_inverse_roots(dm_graph *g, uint32_t end) {
     for (dm_node n = 1; n < end; n++)
         if (dm_is_marked(g, n) && inverse_of_root(g, n)) return 1;
     return 0;
@@ -177,7 +177,7 @@ static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack
             continue;
         }
         for (int k = 0; k < dm_arity(e.op); k++) e.as.arg[k] = copied[e.as.arg[k]] - 1;
-        copied[v->n] = dm_node_make(h, &e) + 1;
+        copied[v->n] = dm_node_copy(h, &e) + 1;
         depth--;
     }
 }

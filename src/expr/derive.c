@@ -265,11 +265,32 @@ static void forward(sweep *s, dm_graph *g, uint32_t end, uint32_t j) {
     }
 }
 
+/* the last gradient is asked for again by who compiles what somebody else has looked at */
+static int is_last(const dm_graph *g, dm_node f, uint32_t first, uint32_t n) {
+    const dm_gradient_kept *last = &g->gradient;
+    return g->status == DM_OK && last->of && last->f == f && last->first == first &&
+           last->n == n;
+}
+
+static void keep_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n,
+                          const dm_node *out) {
+    dm_node *of = dm_arena_take(g->arena, n * sizeof *of);
+    if (!of || g->status != DM_OK || g->verbatim) return;
+    memcpy(of, out, n * sizeof *of);
+    g->gradient = (dm_gradient_kept){f, first, n, of};
+}
+
 static void gradient_of(dm_graph *g, dm_node f, uint32_t first, uint32_t n,
                         dm_node *out) {
     sweep s;
+    if (is_last(g, f, first, n)) {
+        memcpy(out, g->gradient.of, n * sizeof *out);
+        return;
+    }
     memset(out, 0, n * sizeof *out);
-    if (sweep_open(&s, g, first, n)) reverse(&s, g, f, out);
+    if (!sweep_open(&s, g, first, n)) return;
+    reverse(&s, g, f, out);
+    keep_gradient(g, f, first, n, out);
 }
 
 void dm_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *out) {

@@ -57,51 +57,7 @@ dm_node dm_graph_fail(dm_graph *g, dm_status why) {
     return 0;
 }
 
-/* what tells one node from another: op and three words */
-static void content(uint32_t key[4], const dm_expr *e) {
-    key[0] = (uint32_t)e->op;
-    key[1] = key[2] = key[3] = 0;
-    if (e->op == DM_OP_CONSTANT || e->op == DM_OP_IMPLICIT)
-        memcpy(key + 1, &e->as.value, sizeof e->as.value);
-    else if (e->op == DM_OP_INPUT)
-        key[1] = e->as.input;
-    else
-        memcpy(key + 1, e->as.arg, sizeof e->as.arg);
-}
-
-/* multiply and fold, twice: good enough for small integers in neighbouring words */
-static uint32_t hash(const uint32_t key[4]) {
-    uint64_t h = (key[0] | (uint64_t)key[1] << 32) * 0x9E3779B97F4A7C15u;
-    h ^= h >> 32;
-    h = (h + (key[2] | (uint64_t)key[3] << 32)) * 0xD6E8FEB86659FD93u;
-    return (uint32_t)(h >> 32);
-}
-
-/* the slot that holds this content, or the free one where it belongs, with its hash */
-static dm_slot *slot_of(const dm_graph *g, const uint32_t key[4]) {
-    const uint32_t h = hash(key);
-    uint32_t at = h & g->mask, other[4];
-    for (; g->table[at].node; at = (at + 1) & g->mask) {
-        if (g->table[at].hash != h) continue;
-        content(other, g->nodes + g->table[at].node);
-        if (memcmp(other, key, sizeof other) == 0) return g->table + at;
-    }
-    g->table[at].hash = h;
-    return g->table + at;
-}
-
-/* the entries of a smaller table into the new one */
-static void rehash(dm_graph *g, const dm_slot *old, size_t slots) {
-    memset(g->table, 0, ((size_t)g->mask + 1) * sizeof *g->table);
-    for (size_t i = 0; i < slots; i++) {
-        uint32_t at = old[i].hash & g->mask;
-        if (!old[i].node) continue;
-        while (g->table[at].node) at = (at + 1) & g->mask;
-        g->table[at] = old[i];
-    }
-}
-
-/* room for `want` nodes, a power of two; the table stays at most half full */
+/* room for `want` nodes, a power of two; the table is made anew when it is asked next */
 static int grow(dm_graph *g, size_t want) {
     const size_t held = g->capacity;
     if (held >= DM_GRAPH_LIMIT) return dm_graph_fail(g, DM_TOO_LARGE), 0;
@@ -111,17 +67,12 @@ static int grow(dm_graph *g, size_t want) {
     uint32_t *mark =
         dm_arena_grow(g->arena, g->mark, held * sizeof *mark, want * sizeof *mark);
     uint8_t *nonnegative = dm_arena_grow(g->arena, g->nonnegative, held, want);
-    dm_slot *table = dm_arena_take(g->arena, 2 * want * sizeof *table), *old = g->table;
-    const size_t slots = old ? (size_t)g->mask + 1 : 0;
     if (mark) g->mark = mark;
     if (nonnegative) g->nonnegative = nonnegative;
-    if (!nodes || !mark || !nonnegative || !table)
-        return dm_graph_fail(g, DM_NO_MEMORY), 0;
+    if (!nodes || !mark || !nonnegative) return dm_graph_fail(g, DM_NO_MEMORY), 0;
     memset(mark + held, 0, (want - held) * sizeof *mark);
-    g->table = table;
     g->capacity = (uint32_t)want;
-    g->mask = (uint32_t)(2 * want - 1);
-    rehash(g, old, slots);
+    g->tabled = 0;
     return 1;
 }
 
@@ -178,12 +129,11 @@ static int is_zero(const dm_expr *e) {
     return e->op == DM_OP_CONSTANT && e->as.value == 0.0;
 }
 
-dm_node dm_node_find(const dm_graph *g, const dm_expr *e) {
-    uint32_t key[4];
+dm_node dm_node_find(dm_graph *g, const dm_expr *e) {
     if (is_zero(e)) return 0;
     if (e->op == DM_OP_INPUT) return e->as.input < g->leaves ? g->leaf[e->as.input] : 0;
-    content(key, e);
-    return slot_of(g, key)->node;
+    const dm_node *place = dm_table_place(g, e);
+    return place ? *place : 0;
 }
 
 /* where the node of input i is kept: not in the table, as there may be very many in a row */
@@ -201,10 +151,14 @@ static dm_node *place_of_input(dm_graph *g, uint32_t i) {
 }
 
 static dm_node *place_of(dm_graph *g, const dm_expr *e) {
-    uint32_t key[4];
-    if (e->op == DM_OP_INPUT) return place_of_input(g, e->as.input);
-    content(key, e);
-    return &slot_of(g, key)->node;
+    return e->op == DM_OP_INPUT ? place_of_input(g, e->as.input) : dm_table_place(g, e);
+}
+
+/* without a look whether it is there already, or whether there is room */
+static dm_node append(dm_graph *g, const dm_expr *e) {
+    g->nodes[g->size] = *e;
+    g->nonnegative[g->size] = nonnegative(g, e);
+    return g->size++;
 }
 
 dm_node dm_node_make(dm_graph *g, const dm_expr *e) {
@@ -213,12 +167,17 @@ dm_node dm_node_make(dm_graph *g, const dm_expr *e) {
     if (!place) return 0;
     if (*place) return *place;
     if (g->size == g->capacity) {
-        if (!grow(g, 2 * (size_t)g->capacity)) return 0;
-        place = place_of(g, e);
+        if (!grow(g, 2 * (size_t)g->capacity) || !(place = place_of(g, e))) return 0;
     }
-    g->nodes[g->size] = *e;
-    g->nonnegative[g->size] = nonnegative(g, e);
-    return *place = g->size++;
+    g->tabled += g->tabled == g->size;
+    return *place = append(g, e);
+}
+
+dm_node dm_node_copy(dm_graph *g, const dm_expr *e) {
+    if (e->op == DM_OP_INPUT || g->status != DM_OK || is_zero(e))
+        return dm_node_make(g, e);
+    if (g->size == g->capacity && !grow(g, 2 * (size_t)g->capacity)) return 0;
+    return append(g, e);
 }
 
 dm_node dm_node_plain(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c) {

@@ -30,7 +30,7 @@ static void add_step(dm_plan *p, const dm_graph *g, dm_node n, dm_node *cosine,
 }
 
 /* the sine of the angle of a cosine, should it be needed too; else 0 */
-static dm_node partner(const dm_graph *g, const dm_expr *e) {
+static dm_node partner(dm_graph *g, const dm_expr *e) {
     const dm_expr sine = {.op = DM_OP_SIN, .as.arg = {e->as.arg[0]}};
     const dm_node n = e->op == DM_OP_COS ? dm_node_find(g, &sine) : 0;
     return dm_is_marked(g, n) ? n : 0;

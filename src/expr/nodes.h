@@ -12,12 +12,21 @@ typedef struct {
     uint32_t hash; /* so that most other nodes need not be looked at */
 } dm_slot;
 
+/* df/dx_i for n inputs from the first on */
+typedef struct {
+    dm_node f;
+    uint32_t first, n;
+    const dm_node *of; /* [n]; NULL: nothing is kept */
+} dm_gradient_kept;
+
 struct dm_graph {
     dm_arena *arena;
     dm_expr *nodes;
     uint32_t size, capacity;
-    dm_slot *table; /* open addressing by content */
+    dm_slot *table; /* node_table.c: open addressing by content */
     uint32_t mask;
+    uint32_t
+        tabled; /* nodes below are in the table, but for inputs; 0: none, and it has no room */
     dm_node *leaf; /* [leaves] the nodes of inputs, 0: not made yet */
     uint32_t leaves;
     uint32_t inputs;                     /* with the leaves of sums behind them */
@@ -31,6 +40,7 @@ struct dm_graph {
     dm_status status;
     dm_node
         source[2]; /* the last function prepared for derivatives, and what it became */
+    dm_gradient_kept gradient; /* the last one */
     int verbatim;
 };
 
@@ -62,7 +72,14 @@ static inline int dm_same_expr(const dm_expr *a, const dm_expr *b) {
 dm_node dm_node_make(dm_graph *g, const dm_expr *e);
 
 /* The same, but 0 when there is none yet. */
-dm_node dm_node_find(const dm_graph *g, const dm_expr *e);
+dm_node dm_node_find(dm_graph *g, const dm_expr *e);
+
+/* The same for content that is known to be new, which is not looked for. */
+dm_node dm_node_copy(dm_graph *g, const dm_expr *e);
+
+/* node_table.c: where the number of this node is, or belongs (0); not for inputs and the constant zero. NULL: no
+** memory, and the graph has failed. */
+dm_node *dm_table_place(dm_graph *g, const dm_expr *e);
 
 /* op(a, b, c) as it stands. */
 dm_node dm_node_plain(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c);
