@@ -6,9 +6,11 @@
 #include "bind/model_ties.h"
 #include "bind/state.h"
 #include "bind/system.h"
+#include "expr/jit.h"
 #include "expr/sum.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 
 static double now_ms(void) {
@@ -223,6 +225,15 @@ static void want_ties(lua_State *L, dml_model *m, unsigned want, const char *bac
     m->compile_ms += now_ms() - start;
 }
 
+/* the backend of the kernels that step; the value is on the tape */
+static const char *built_by(const dm_model *m, const char *wanted) {
+    const dm_kernel *const all[] = {&m->stage, &m->force, &m->slope, &m->well,
+                                    &m->pair,  &m->mass,  &m->energy};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (all[i]->eval && all[i]->backend) return all[i]->backend;
+    return strcmp(wanted, "jit") == 0 && !dm_jit_lanes() ? "tape" : wanted;
+}
+
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (dml_arenalost(m->arena))
         m->model.has = m->ties.has =
@@ -248,7 +259,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
         check_status(L, status);
         attach_ties(m);
         if (m->compile) m->model.source.kept = &m->kept;
-        m->backend = pair ? m->model.pair.backend : m->model.value.backend;
+        m->backend = built_by(&m->model, row->name);
     }
     m->compile_ms += now_ms() - start;
 }
@@ -268,7 +279,9 @@ void dml_writeout(lua_State *L, dml_model *m) {
 }
 
 unsigned dml_legendre_wants(const dml_model *m, unsigned want) {
-    return m->model.structure & DM_LOOPS && !(want & DM_WANT_DENSE) ? 0 : DM_WANT_MASS;
+    const unsigned structure = m->model.structure;
+    if (structure & DM_LOOPS && !(want & DM_WANT_DENSE)) return 0;
+    return structure & DM_DIAGONAL_MASS ? 0 : DM_WANT_MASS;
 }
 
 /* the kernel is the function: it need only be a number, and the same one when asked again */

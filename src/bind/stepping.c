@@ -42,7 +42,7 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     const dm_model *m = &r->model->model;
     const dm_model *stepped = r->inputs ? &r->inputs->model : m;
     const size_t work = s->method->work(s->nodes, stepped), state = dm_state_size(s->n);
-    const size_t mass = s->n * (m->structure & DM_LOOPS ? 0 : (size_t)s->n);
+    const size_t mass = s->n * (m->structure & DM_DIAGONAL_MASS ? 0 : (size_t)s->n);
     const size_t scratch =
         s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
     const size_t rest = state + 2 * s->n + 1 + scratch + dml_start_work(m);
@@ -245,7 +245,7 @@ static void add_product(double *p, const double *mass, const double *v, uint32_t
 static dm_status shoot(dml_stepping *r, const double *q1) {
     enum { TRIES = 100 };
     const uint32_t n = r->solver->n;
-    const int diagonal = (r->model->model.structure & DM_LOOPS) != 0;
+    const int diagonal = (r->model->model.structure & DM_DIAGONAL_MASS) != 0;
     const double *mass = r->work + n;
     double *end = r->work + n + (diagonal ? 0 : n * (size_t)n), last = INFINITY;
     for (int k = 0; k < TRIES; k++) {
@@ -283,7 +283,7 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
     for (uint32_t i = 0; i < n; i++) q1[i] = (q1[i] - r->x[i]) / r->solver->h;
     r->x[2 * n] = r->t0;
     dml_checkmodel(L, r->system, r->model, r->x);
-    if (mass->eval) {
+    if (mass->eval && !(r->model->model.structure & DM_DIAGONAL_MASS)) {
         dm_kernel_prepare(mass, r->work);
         dm_kernel_eval(mass, r->x, r->work);
         dml_rethrow(L, r->model);

@@ -15,7 +15,7 @@ typedef struct {
 
 size_t dm_legendre_work(const dm_model *m) {
     const size_t n = m->n;
-    if (m->structure & DM_LOOPS) return n;
+    if (m->structure & DM_DIAGONAL_MASS) return 3 * n + 1;
     return 2 * n + 1 + n + n * n + n + dm_newton_work(m->n);
 }
 
@@ -47,7 +47,7 @@ static dm_status by_mass(const dm_model *m, double *p, const double *v) {
 
 dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v,
                       double t, double *work) {
-    if (m->structure & DM_LOOPS) return by_mass(m, p, v);
+    if (m->structure & DM_DIAGONAL_MASS) return by_mass(m, p, v);
     equation e = prepare(m, q, t, work);
     evaluate(m, e.x, e.out, v);
     if (!all_finite(e.out, m->n)) return DM_NOT_FINITE;

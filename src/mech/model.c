@@ -5,6 +5,7 @@
 #include "expr/derive.h"
 #include "expr/extremum.h"
 #include "expr/sum.h"
+#include "expr/tape.h"
 #include "linalg/lu.h"
 
 #include <math.h>
@@ -225,8 +226,11 @@ static dm_status make_well(builder *b) {
 
 static dm_status make_kernels(builder *b, unsigned want) {
     dm_status status = DM_OK;
-    if (want & DM_WANT_VALUE) /* evaluated a few times, to check the trace */
-        status = make_verbatim(b, b->g, &b->m.value, &b->L, 1, DM_WANT_VALUE);
+    if (want &
+        DM_WANT_VALUE) { /* evaluated a few times, to check the trace: not worth native code */
+        status = dm_tape_build_exact(&b->m.value, b->g, &b->L, 1, b->arena);
+        if (status == DM_OK) b->m.has |= DM_WANT_VALUE;
+    }
     if (status == DM_OK && want & DM_WANT_STAGE) status = make_stage(b, want);
     want &= ~b->m.has;
     if (status == DM_OK && want & DM_WANT_SLOPE)

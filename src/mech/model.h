@@ -23,7 +23,7 @@ enum {                         /* structure, read off the graph */
 };
 
 enum {                    /* kernels; each takes x = (q[n], v[n], t) */
-       DM_WANT_VALUE = 1, /* L */
+       DM_WANT_VALUE = 1, /* L, on the tape */
        DM_WANT_SLOPE = 2, /* L_q[n], L_v[n] */
        DM_WANT_STAGE =
            4, /* L_q[n], L_v[n], L_qq[n*n], L_qv[n*n] (row q, column v), L_vv[n*n] */
@@ -111,7 +111,7 @@ dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int
 /* Doubles of scratch that the two functions below need. */
 size_t dm_legendre_work(const dm_model *m);
 
-/* p = dL/dv at (q, v, t). Needs DM_WANT_MASS. */
+/* p = dL/dv at (q, v, t). Needs DM_WANT_MASS or DM_DIAGONAL_MASS. */
 dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v,
                       double t, double *work);
 
