@@ -27,13 +27,14 @@ local function way(info) return info.ambient and info.ambient.given and SECTION 
 local LOW, FAR = 0.02, 50  -- of the value at the start
 
 -- code and sentence for the state (x, t), next to the start; nothing where all looks regular
-local function reason(shape, info, x, t, x0, t0)
+local function reason(path, info, x, t, x0, t0)
+  local shape = path.system
   local least, before = inertia(shape, x, t), inertia(shape, x0, t0)
   if least and before and least < LOW * before then
     return "collapse", ("the locked inertia has fallen from %.3g to %.3g: the shape comes near one at which the group does not act freely (r = 0), behind a "
       .. "centrifugal wall as narrow as the momentum is small; take smaller steps there, or no reduction"):format(before, least)
   end
-  local G, G0 = jumps.mass(shape, x, t), jumps.mass(shape, x0, t0)
+  local G, G0 = jumps.mass(path, x, t), jumps.mass(path, x0, t0)
   for i = 1, G and G0 and info.d or 0 do
     local name, ratio = info.names[info.shape[i]], abs(G[i][i] / G0[i][i])
     if not (ratio <= FAR) then
@@ -65,8 +66,8 @@ end
 local POLE = "the mass of the shape vanishes along '%s' at %s: a pole of these coordinates, behind which they have no points%s"
 
 -- a shape where the mass is singular, with the coordinate whose inertia is the least there beside what it is at x
-local function vanishing(shape, info, where, x, t)
-  local G, G0, least, best = jumps.mass(shape, where, t), jumps.mass(shape, x, t), math.huge, 1
+local function vanishing(path, info, where, x, t)
+  local G, G0, least, best = jumps.mass(path, where, t), jumps.mass(path, x, t), math.huge, 1
   for i = 1, G and G0 and info.d or 0 do
     local ratio = abs(G[i][i] / G0[i][i])
     if ratio < least then least, best = ratio, i end
@@ -77,12 +78,12 @@ local function vanishing(shape, info, where, x, t)
 end
 
 -- what is wrong in the last rows
-local function behind(shape, info, path)
+local function behind(info, path)
   local n = #path
   for i = n, max(2, n - 3), -1 do
-    local where = #path >= path.steps + 1 and jumps.over(path, shape, i, math.huge)
+    local where = #path >= path.steps + 1 and jumps.over(path, i, math.huge)
     if where then
-      return "pole", vanishing(shape, info, where, path.q[i - 1], path.t[i])
+      return "pole", vanishing(path, info, where, path.q[i - 1], path.t[i])
     end
   end
 end
@@ -90,27 +91,27 @@ end
 local AHEAD, PARTS = 2, 32  -- steps that the line ahead is followed
 
 -- what the last row heads for
-local function ahead(shape, info, path, v)
+local function ahead(info, path, v)
   local n = #path
   local x, t = path.q[n], path.t[n]
   for k = 1, PARTS do
-    local code, why = reason(shape, info, x + AHEAD * path.h * k / PARTS * v, t, path.q[1], path.t[1])
+    local code, why = reason(path, info, x + AHEAD * path.h * k / PARTS * v, t, path.q[1], path.t[1])
     if code then return code, "the last row heads for such a place: " .. why end
   end
-  local where = jumps.singular(shape, x, x + AHEAD * path.h * v, t)
+  local where = jumps.singular(path, x, x + AHEAD * path.h * v, t)
   if where then
-    return "pole", "the last row heads for such a place: " .. vanishing(shape, info, where, x, t)
+    return "pole", "the last row heads for such a place: " .. vanishing(path, info, where, x, t)
   end
 end
 
 local function reason_of(shape, info, path)
   local n = #path
   local x, t = path.q[n], path.t[n]
-  local code, why = reason(shape, info, x, t, path.q[1], path.t[1])
-  local known, v = pcall(shape.velocity, shape, x, path.p[n], t)
+  local code, why = reason(path, info, x, t, path.q[1], path.t[1])
+  local known, v = pcall(path.velocity, path, n)
   if not code and known then code, why = leaves(shape, info, x, v, t, path.h) end
-  if not code and known then code, why = ahead(shape, info, path, v) end
-  if not code then code, why = behind(shape, info, path) end
+  if not code and known then code, why = ahead(info, path, v) end
+  if not code then code, why = behind(info, path) end
   return code, why
 end
 
@@ -189,8 +190,8 @@ local AGAIN, FEW = 1.2, 9  -- the size is looked at again that much later; rows 
 local function lost(path, shape, info, whole)
   if path.watched or info.full.given.force or not pcall(routh.steady, info, "energy") then return nil end
   local E = path:energy()
-  local q, p, t = whole.q[1], whole.p[1], whole.t[1]
-  local first = shape:energy(q, shape:velocity(q, p, t), t)
+  local q, t = whole.q[1], whole.t[1]
+  local first = (whole == path and E or whole:energy())[1]
   local size, known = abs(first), 0
   for i = 2, #E do
     local off = abs(E[i] - first)
@@ -200,7 +201,7 @@ local function lost(path, shape, info, whole)
     end
     if not (off <= LOST * size) then
       for row = i, i - 1, -1 do
-        local code, why = reason(shape, info, path.q[row], path.t[row], q, t)
+        local code, why = reason(path, info, path.q[row], path.t[row], q, t)
         if code then return i, code, why end
       end
       local code, why = reason_of(shape, info, head(path, i - 1))
@@ -216,12 +217,12 @@ local function wrong(path, shape, info, run)
   local row = is_suspect(path, info) and jump(path, shape)
   if row then return row, "collapse", FORBIDDEN end
   local where, code, why
-  row, where, code, why = jumps.find(path, shape, info, run, function(dense)
+  row, where, code, why = jumps.find(path, info, run, function(dense)
     if is_suspect(dense, info) and jump(dense, shape) then return "collapse", FORBIDDEN end
     local there, what, sentence = lost(dense, shape, info, path)
     return there and what, there and LEFT .. sentence
   end)
-  if where then return row, "pole", OVER .. vanishing(shape, info, where, path.q[row - 1], path.t[row - 1]) end
+  if where then return row, "pole", OVER .. vanishing(path, info, where, path.q[row - 1], path.t[row - 1]) end
   if row then return row, code, why end
   row, code, why = lost(path, shape, info, path)
   return row, code, row and LEFT .. why

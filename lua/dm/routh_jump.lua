@@ -1,7 +1,6 @@
 --- Steps of a reduced run that jumped over a shape at which its mass d2R/dx'2 is singular: a pole of the section or of the coordinates, through
 -- which no motion goes and behind which the rows mean nothing. Looked for where the energy moves more than it does elsewhere in the same run:
 -- between rows that are far apart the steps are run again.
-local core = require "dm.core"
 local routh = require "dm.routh"
 
 local M = {}
@@ -15,21 +14,18 @@ local TINY, LARGE, HUGE, STANDS_OUT = 1e-7, 1e-3, 0.1, 30
 local ZERO, SINGULAR = 1e-6, 1e-3  -- determinant of the mass, of the lesser one at both ends of a step: for a change that is tiny, and that is large
 local LOOKED_AT, FEW, AGAIN, LONGEST = 64, 2000, 8, 20000  -- rows looked at; rows of which all are; rows run again, and their steps
 
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return core.vector(out)
-end
-
---- The mass of the shape at (x, t), or nothing.
-function M.mass(shape, x, t)
-  local fine, G = pcall(function() return shape:mass(x, zeros(#x), t) end)
+--- The mass of the shape that a path is of at (x, t), or nothing.
+function M.mass(path, x, t)
+  local fine, G = pcall(path.mass, path, x, t)
+  for i = 1, fine and #x or 0 do
+    for k = 1, #x do fine = fine and abs(G[i][k]) < math.huge end
+  end
   return fine and G or nil
 end
 
 -- |det| of the mass as it is at the start: 1 there. By elimination with the largest pivots
-local function determinant(shape, x, t)
-  local G = M.mass(shape, x, t)
+local function determinant(path, x, t)
+  local G = M.mass(path, x, t)
   if not G then return nil end
   local n, rows, product = #x, {}, 1
   for i = 1, n do
@@ -49,8 +45,8 @@ local function determinant(shape, x, t)
 end
 
 -- least determinant on the line from a to b, and where; refined where the line dips below half of `ends`, the lesser one at both ends
-local function least_between(shape, a, b, t, ends)
-  local function value(s) return determinant(shape, (1 - s) * a + s * b, t) or math.huge end
+local function least_between(path, a, b, t, ends)
+  local function value(s) return determinant(path, (1 - s) * a + s * b, t) or math.huge end
   local best, at = math.huge, 0
   for k = 1, PARTS - 1 do
     local now = value(k / PARTS)
@@ -68,22 +64,21 @@ local function least_between(shape, a, b, t, ends)
 end
 
 --- The shape at which the mass is singular on the line from a to b, if there is one; both ends are regular.
-function M.singular(shape, a, b, t, share)
-  local before, after = determinant(shape, a, t), determinant(shape, b, t)
+function M.singular(path, a, b, t, share)
+  local before, after = determinant(path, a, t), determinant(path, b, t)
   if not before or not after then return nil end
-  local least, where = least_between(shape, a, b, t, min(before, after))
+  local least, where = least_between(path, a, b, t, min(before, after))
   if least <= (share or SINGULAR) * min(before, after) then return where end
 end
 
 --- The same for the step that ends in row i, in which the energy changed by so much: straight on, and as the velocities at its ends lead.
-function M.over(path, shape, i, change)
+function M.over(path, i, change)
   local a, b, t, dt = path.q[i - 1], path.q[i], path.t[i], path.t[i] - path.t[i - 1]
-  local where = M.singular(shape, a, b, t, change > LARGE and SINGULAR or ZERO)
+  local where = M.singular(path, a, b, t, change > LARGE and SINGULAR or ZERO)
   if where or change <= HUGE then return where end
   for side, x in ipairs { a, b } do
-    local row = i - 2 + side
-    local fine, v = pcall(shape.velocity, shape, x, path.p[row], path.t[row])
-    where = fine and M.singular(shape, x, x + (side == 1 and dt or -dt) * v, t)
+    local fine, v = pcall(path.velocity, path, i - 2 + side)
+    where = fine and M.singular(path, x, x + (side == 1 and dt or -dt) * v, t)
     if where then return where end
   end
 end
@@ -93,10 +88,10 @@ local SAMPLES, AT_REST = 9, 1e-6
 --- The size of energies on the first `rows` rows of a path (default all): that of the start and of p.v there, or, from rest with energy 0, what
 -- p.v is in the middle of a few of them.
 function M.energy_size(path, first, rows)
-  local system, kinetic, last = path.system, {}, rows or #path
+  local kinetic, last = {}, rows or #path
   for k = 0, SAMPLES - 1 do
     local i = 1 + k * (last - 1) // (SAMPLES - 1)
-    local known, v = pcall(system.velocity, system, path.q[i], path.p[i], path.t[i])
+    local known, v = pcall(path.velocity, path, i)
     kinetic[#kinetic + 1] = known and abs(v:dot(path.p[i])) or 0
   end
   local start = max(abs(first), kinetic[1])
@@ -139,11 +134,11 @@ local function suspects(path, info, most)
 end
 
 -- is the mass the same everywhere? then it is singular nowhere
-local function is_constant(path, shape)
-  local first = determinant(shape, path.q[1], path.t[1])
+local function is_constant(path)
+  local first = determinant(path, path.q[1], path.t[1])
   for k = 1, 8 do
     local i = 1 + k * (#path - 1) // 8
-    local now = determinant(shape, path.q[i], path.t[i])
+    local now = determinant(path, path.q[i], path.t[i])
     if not first or not now or abs(now - first) > 1e-12 * first then return false end
   end
   return true
@@ -158,27 +153,27 @@ local function between(path, run, i)
 end
 
 -- the first of the steps of a path that were all kept that went over a singular mass, and where
-local function first_over(path, shape, info)
-  if is_constant(path, shape) then return nil end
+local function first_over(path, info)
+  if is_constant(path) then return nil end
   local rows, change = suspects(path, info, LOOKED_AT)
   for _, i in ipairs(rows) do
-    local where = M.over(path, shape, i, change and change[i - 1] or 0)
+    local where = M.over(path, i, change and change[i - 1] or 0)
     if where then return i, where end
   end
 end
 
 --- The first row behind a shape with a singular mass, and that shape; run(options) steps again between rows that are far apart, and also(dense)
 --- gives code and sentence where something else is wrong with those steps: they are returned in place of the shape.
-function M.find(path, shape, info, run, also)
+function M.find(path, info, run, also)
   if path.watched or #path < 2 then return nil end
-  if #path >= path.steps + 1 then return first_over(path, shape, info) end
+  if #path >= path.steps + 1 then return first_over(path, info) end
   local rows, change = suspects(path, info, AGAIN)
   for _, i in ipairs(change and rows or {}) do
     local steps = between(path, run, i)
     if steps and #steps >= 2 then
       local code, why = also(steps)
       if code then return i, nil, code, why end
-      local _, where = first_over(steps, shape, info)
+      local _, where = first_over(steps, info)
       if where then return i, where end
     end
   end

@@ -54,12 +54,12 @@ static void check_finite(lua_State *L, const double *y, uint32_t n, const char *
                 what, isnan(y[i]) ? "NaN" : "infinite");
 }
 
-/* the kernel of a fresh model, evaluated at the arguments; out is a userdata on the stack
+/* the kernel of a model, evaluated at the arguments; out is a userdata on the stack
  */
 static double *evaluate(lua_State *L, unsigned want, size_t which, const char *what) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "v");
-    dml_model *m = dml_pushmodel(L, 1);
+    dml_model *m = dml_pushlast(L, 1, NULL);
     dml_want(L, m, want, NULL);
     const dm_kernel *kernel = (const dm_kernel *)((const char *)&m->model + which);
     double *out = lua_newuserdatauv(L, kernel->outputs * sizeof *out, 0);
@@ -107,7 +107,7 @@ static int system_mass(lua_State *L) {
 static int system_velocity(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "p");
-    dml_model *m = dml_pushmodel(L, 1);
+    dml_model *m = dml_pushlast(L, 1, NULL);
     if (m->model.structure & DM_LINEAR_IN_V)
         luaL_error(L, "no velocity has this momentum: L is linear in v, so that p = "
                       "dL/dv does not depend on v");

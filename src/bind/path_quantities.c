@@ -119,17 +119,44 @@ static int path_worst(lua_State *L) {
     return 1;
 }
 
+/* of the row whose number is at stack index 2 */
+static int velocity_of_row(lua_State *L, const dml_path *p, dml_model *m) {
+    const lua_Integer i = luaL_checkinteger(L, 2);
+    luaL_argcheck(L, i >= 1 && i <= p->rows, 2, "the number of a row expected");
+    double *x = scratch(L, p, m), *v = dml_pushvector(L, p->n);
+    check_row(L, m, read_row(p, m, (long)i - 1, x, x + 2 * p->n + 1), (long)i - 1);
+    memcpy(v, x + p->n, p->n * sizeof *v);
+    return 1;
+}
+
 static int path_velocity(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the velocity");
     dml_model *m = model_for(L, 0);
     if (m->model.structure & DM_LINEAR_IN_V)
         luaL_error(L, "L is linear in v: no momentum determines a velocity");
+    if (!lua_isnoneornil(L, 2)) return velocity_of_row(L, p, m);
     double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
     double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->n);
     for (long i = 0; i < p->rows; i++) {
         check_row(L, m, read_row(p, m, i, x, work), i);
         memcpy(v + (size_t)i * p->n, x + p->n, p->n * sizeof *v);
     }
+    return 1;
+}
+
+static int path_mass(lua_State *L) {
+    const dml_path *p = dml_path_states(L, "the mass matrix");
+    const double t = luaL_optnumber(L, 3, p->t0);
+    dml_model *m = model_for(L, DM_WANT_MASS);
+    const dm_kernel *mass = &m->model.mass;
+    double *x = scratch(L, p, m), *y = lua_newuserdatauv(L, mass->outputs * sizeof *y, 0);
+    dml_vectorarg(L, 2, "q", x, p->n);
+    memset(x + p->n, 0, p->n * sizeof *x);
+    x[2 * p->n] = t;
+    dm_kernel_prepare(mass, y);
+    dm_kernel_eval(mass, x, y);
+    dml_rethrow(L, m);
+    memcpy(dml_pushmatrix(L, p->n, p->n), y + p->n, (size_t)p->n * p->n * sizeof *y);
     return 1;
 }
 
@@ -258,8 +285,13 @@ const dml_row dml_path_quantities[] = {
      "path:energy() -> dm.vector of #path entries\n"
      "v . dL/dv - L at every row, v from p by the inverse Legendre transform."},
     {"velocity", path_velocity,
-     "path:velocity() -> dm.matrix, #path x dim Q\nThe velocity at every row, from p by "
-     "the inverse Legendre transform."},
+     "path:velocity([row]) -> dm.matrix, #path x dim Q, or dm.vector of one row\nThe "
+     "velocity at every row, or at that one, from p by the inverse Legendre transform."},
+    {"mass", path_mass,
+     "path:mass(q [, t]) -> dm.matrix, dim Q x dim Q\n"
+     "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L "
+     "again; t: default that of the first row. Entries outside of the domain of L are "
+     "NaN or infinite."},
     {"momentum", path_momentum,
      "path:momentum(group [, {block=}]) -> dm.vector   or   path:momentum(generator) -> "
      "dm.vector\n"
