@@ -61,11 +61,22 @@ static void *hold(lua_State *keeper, lua_CFunction make, size_t size) {
     return NULL;
 }
 
-/* Blocks are never resized, and given back all together by the collector. */
+/* leave the block to the collector: what is scratch is among the newest */
+static void let_go(lua_State *keeper, const void *block) {
+    for (int i = lua_gettop(keeper); i > 1; i--)
+        if (lua_touserdata(keeper, i) == block) {
+            lua_remove(keeper, i);
+            return;
+        }
+}
+
+/* Blocks are never resized. Those that are not given back live as long as the arena. */
 static void *allocate(void *ud, void *block, size_t old_size, size_t new_size) {
+    lua_State *keeper = ((owned_arena *)ud)->keeper;
     (void)old_size;
-    if (block || !new_size) return NULL;
-    return hold(((owned_arena *)ud)->keeper, make_block, new_size);
+    if (!block) return new_size ? hold(keeper, make_block, new_size) : NULL;
+    if (!new_size) let_go(keeper, block);
+    return NULL;
 }
 
 static int keep(void *ud, dm_giveback *how, void *thing, size_t size) {
@@ -93,9 +104,7 @@ void dml_sparearena(lua_State *L, int arg) {
     owned_arena *a = lua_touserdata(L, arg);
     arg = lua_absindex(L, arg);
     if (a->things || !a->arena.chunks) return;
-    dm_arena_reset(&a->arena);
-    if (lua_gettop(a->keeper) > 2) lua_replace(a->keeper, 2); /* the newest block stays */
-    lua_settop(a->keeper, 2);
+    dm_arena_reset(&a->arena); /* the newest block stays */
     if (a->arena.room > LARGEST_SPARE) return;
     lua_pushvalue(L, arg);
     lua_rawsetp(L, LUA_REGISTRYINDEX, &spare_key);

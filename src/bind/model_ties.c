@@ -224,6 +224,16 @@ static void arguments_of(const dml_model *m, int which, const double *x, double 
     if (which == DML_CONSTRAINT) out[n] = x[2 * n];
 }
 
+/* the tie function as it was traced, on the tape; made once for all comparisons */
+static const dm_kernel *traced_kernel(lua_State *L, dml_model *m, int which) {
+    dm_kernel *kernel = m->tie_kernel + which;
+    const dml_traced *one = m->tie + which;
+    if (!kernel->eval &&
+        dm_tape_build(kernel, one->graph, one->out, one->outputs, m->arena) != DM_OK)
+        luaL_error(L, "not enough memory");
+    return kernel;
+}
+
 void dml_checkties(lua_State *L, int arg, dml_model *m, const double *x) {
     if (!m->tied.graph) return;
     const int top = lua_gettop(L);
@@ -232,25 +242,21 @@ void dml_checkties(lua_State *L, int arg, dml_model *m, const double *x) {
     double *at = lua_newuserdatauv(L, (room + 2 * m->tied.controls) * sizeof *at, 0);
     double *u = at + room, *held = u + m->tied.controls;
     memset(at, 0, (room + 2 * m->tied.controls) * sizeof *at);
-    dm_arena *arena = dml_pusharena(L);
     for (int i = 0; i < DML_TIE_FUNCTIONS; i++) {
-        const dml_traced *one = m->tie + i;
-        dm_kernel kernel;
-        if (!one->graph) continue;
-        if (dm_tape_build(&kernel, one->graph, one->out, one->outputs, arena) != DM_OK)
-            luaL_error(L, "not enough memory");
+        if (!m->tie[i].graph) continue;
+        const dm_kernel *kernel = traced_kernel(L, m, i);
         if (x) arguments_of(m, i, x, at);
         if (x && i == DML_CONTROL) {
-            dm_kernel_prepare(&kernel, held);
-            dm_kernel_eval(&kernel, at, held);
+            dm_kernel_prepare(kernel, held);
+            dm_kernel_eval(kernel, at, held);
         }
         if (m->tied.controls) memcpy(u, held, m->tied.controls * sizeof *u);
         const dml_signature s = signature(m, i);
         push_function(L, arg, i);
         if (m->checked)
-            dml_trace_check_start(L, lua_gettop(L), &s, &kernel, x ? at : NULL);
+            dml_trace_check_start(L, lua_gettop(L), &s, kernel, x ? at : NULL);
         else
-            dml_trace_check(L, lua_gettop(L), &s, &kernel, x ? at : NULL);
+            dml_trace_check(L, lua_gettop(L), &s, kernel, x ? at : NULL);
         lua_pop(L, 1);
     }
     lua_settop(L, top);

@@ -64,8 +64,9 @@ typedef struct {
     dm_kept *kept;       /* kernels of methods */
     dml_traced tie
         [DML_TIE_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
-    dm_ties_traced tied;     /* all in one graph, NULL without any */
-    uint32_t ties_traced;    /* its nodes, before derivatives */
+    dm_kernel tie_kernel[DML_TIE_FUNCTIONS]; /* the same for comparisons, once made */
+    dm_ties_traced tied;                     /* all in one graph, NULL without any */
+    uint32_t ties_traced;                    /* its nodes, before derivatives */
     dm_ties ties;
 } dml_model;
 

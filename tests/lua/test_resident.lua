@@ -27,6 +27,38 @@ many()
 local watched = (os.getenv "UNDER" or "") ~= ""
 ok(watched or resident() - before < 4000, "a thousand runs with kernels of their own leave nothing behind", resident() - before .. " kB")
 
+-- what a system keeps from run to run does not grow with the runs
+local function held()
+  for _ = 1, 3 do collectgarbage() end
+  return collectgarbage "count"
+end
+local function growth(f)  -- kB a call
+  for _ = 1, 20 do f() end
+  local first = held()
+  for _ = 1, 100 do f() end
+  return (held() - first) / 100
+end
+local function free(_, v) return v:dot(v) / 2 end
+local kinds = {
+  { "constraint", Q = dm.R(2), L = free, constraint = function(q) return q:dot(q) - 1 end },
+  { "rolling constraint", Q = dm.R(2), L = free, rolling = function(q, v) return v[1] - q[2] * v[2] end },
+  { "force", Q = dm.R(2), L = free, force = function(_, v) return -0.1 * v end },
+}
+for _, made in ipairs(kinds) do
+  local what = table.remove(made, 1)
+  local system = dm.system(made)
+  local run = system:solver { rule = "gauss(2)", h = 0.01 }
+  local kB = growth(function() run:run { q = { 1, 0 }, v = { 0, 1 }, steps = 2 } end)
+  ok(kB < 1, "a run with a " .. what .. " leaves nothing with its system", kB)
+end
+local round = dm.system { Q = dm.R(2), L = function(q, v) return (v[2] ^ 2 + q[2] ^ 2 * v[1] ^ 2) / 2 + 1 / q[2] end }
+local shape = round:routh { cyclic = { 1 }, mu = 1 }
+local reduced = shape:solver { rule = "gauss(2)", h = 0.01 }
+local kB = growth(function() reduced:run { q = { 1 }, v = { 0.1 }, steps = 4 } end)
+ok(kB < 1, "nor does one of a reduced system", kB)
+kB = growth(function() shape:energy({ 1 }, { 0.1 }) end)
+ok(kB < 1, "nor a question for its energy", kB)
+
 -- finalizers that run after the kernels were given back
 local seen = {}
 local function leave(what, use) setmetatable({}, { __gc = function() seen[what] = { pcall(use) } end }) end

@@ -19,6 +19,13 @@ local count = 0
 for _ in ipairs(path.q) do count = count + 1 end
 ok(count == 4, "ipairs over a column")
 near(path:velocity()[1][2], 2, 0, "velocity from momentum")
+ok(#path:velocity(4) == 2 and (path:velocity(4) - path:velocity()[4]):norm() < 1e-15, "of one row")
+ok(not pcall(path.velocity, path, 5) and not pcall(path.velocity, path, 0), "there are no other rows")
+do -- m(q) = (1 + q1^2) and 1 along v = (v1, v2)
+  local bent = dm.system { Q = dm.R(2), L = function(q, v) return ((1 + q[1] ^ 2) * v[1] ^ 2 + v[2] ^ 2) / 2 + q[2] end }
+  local M = bent:solver({ rule = "midpoint", h = 0.1 }):run({ q = { 0.5, 0 }, v = { 0, 1 }, steps = 3 }):mass { 2, 0 }
+  ok(M[1][1] == 5 and M[2][2] == 1 and M[1][2] == 0, "the mass at a place by the kernels of the run", M)
+end
 ok(tostring(path):find "25 steps of verlet", "a path prints itself as a sentence", tostring(path))
 local none = kepler:solver { rule = "verlet", h = 0.01 }:run { q = start.q, v = start.v, steps = 0 }
 ok(#none == 1 and none.t[1] == 0, "no steps: the start alone")

@@ -9,16 +9,16 @@ local function alpha(q)
 end
 local function energy(q) return q[4] ^ 2 / 2 + mu * sqrt((q[1] - 1) ^ 2 + q[2] ^ 2 + 4) / (2 * q[1]) end
 -- L = alpha . q' - H: W q' = grad H with W_ij = d_i alpha_j - d_j alpha_i; nothing depends on phi, alpha_u = 0
-local gradient = dm.derivative(energy, 4)
+local gradient, slope = dm.derivative(energy, 4), dm.derivative(function(x) return { alpha(x) } end, 4)
 local function velocity(q)
-  local d, W = {}, {}
-  for j = 1, 3 do d[j] = dm.derivative(function(x) return (select(j, alpha(x))) end, 4)(q) end
+  local d, W = slope(q), {}
   for i = 1, 4 do
     W[i] = {}
     for j = 1, 4 do W[i][j] = (j < 4 and d[j][i] or 0) - (i < 4 and d[i][j] or 0) end
   end
   return dm.matrix(W):solve(gradient(q))
 end
+local change = dm.derivative(velocity, 4)
 local q, h = { 1.05, 0, 0, -4.306e-4 }, { 1600, 800, 400, 200, 100 }
 return {
   title = "Guiding centre in a tokamak, two bounces",
@@ -30,10 +30,6 @@ run that is long enough to forget it, what decides is that only the symplectic r
       return a * v[1] + b * v[2] + c * v[3] - energy(x)
     end }, q = q, v = { 0, 0, 0, 0 }, t = 86000, error = function(x) return x[1] end,
     rules = { "degenerate(1)", "degenerate(2)", "degenerate(3)" }, h = h },
-  { dm.system { Q = dm.R(4), L = function(_, v) return v:dot(v) / 2 end, force = function(x, v)
-      local out = {}
-      for i = 1, 4 do out[i] = dm.derivative(function(y) return velocity(y)[i] end, 4)(x):dot(v) end
-      return out
-    end }, suffix = "solved for q'", q = q, v = velocity(dm.vector(q)), t = 86000, error = function(x) return x[1] end,
+  { dm.system { Q = dm.R(4), L = function(_, v) return v:dot(v) / 2 end, force = function(x, v) return change(x) * v end }, suffix = "solved for q'", q = q, v = velocity(dm.vector(q)), t = 86000, error = function(x) return x[1] end,
     rules = { "rk4", "rk8" }, h = h },
 }
