@@ -125,6 +125,13 @@ static long count_failed(const ensemble *e) {
     return failed;
 }
 
+/* why member i of the ensemble at 1 has no start, or nil */
+static void push_message(lua_State *L, long i) {
+    if (lua_getiuservalue(L, 1, DML_ENSEMBLE_MESSAGES) != LUA_TTABLE) return;
+    lua_rawgeti(L, -1, i + 1);
+    lua_remove(L, -2);
+}
+
 /* e:failures() -> { {member =, code =, step =}, ... } */
 static int ensemble_failures(lua_State *L) {
     const ensemble *e = check(L);
@@ -137,6 +144,8 @@ static int ensemble_failures(lua_State *L) {
         lua_pushstring(L, dm_status_code(e->member[i].status)),
             lua_setfield(L, -2, "code");
         lua_pushinteger(L, e->member[i].steps + 1), lua_setfield(L, -2, "step");
+        push_message(L, i);
+        lua_setfield(L, -2, "message");
         lua_rawseti(L, -2, ++count);
     }
     return 1;
@@ -159,9 +168,10 @@ static const dml_row meta[] = {{"__len", ensemble_len, NULL},
                                {NULL, NULL, NULL}};
 static const dml_row methods[] = {
     {"failures", ensemble_failures,
-     "ensemble:failures() -> table of {member, code, step}\n"
+     "ensemble:failures() -> table of {member, code, step, message}\n"
      "The members that did not reach the end, why (see dm.failure), and the step that "
-     "failed."},
+     "failed. Code \"no_start\": its parameters (vary=) leave no equations of motion, "
+     "a mass of zero for instance; the message says why."},
     {"path", dml_ensemble_path,
      "ensemble:path(i) -> dm.path\n"
      "The rows of member i, of an ensemble that was asked to keep some (every=, watch=): "

@@ -18,7 +18,7 @@ typedef struct {
 } dml_ensemble;
 
 /* user values of dm.ensemble: fields made so far, the solver, the values that vary and their names (or nil), the names of
-** columns that were watched (or nil), the paces of members (or nil) */
+** columns that were watched (or nil), the paces of members (or nil), messages of those without a start (or nil) */
 enum {
     DML_ENSEMBLE_FIELDS = 1,
     DML_ENSEMBLE_SOLVER,
@@ -26,7 +26,8 @@ enum {
     DML_ENSEMBLE_NAMES,
     DML_ENSEMBLE_COLUMNS,
     DML_ENSEMBLE_PACE,
-    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_PACE
+    DML_ENSEMBLE_MESSAGES,
+    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_MESSAGES
 };
 
 extern const char *const DML_ENSEMBLE; /* "dm.ensemble" */
@@ -51,6 +52,7 @@ void dml_push_source(lua_State *L, int arg, const char *key, long i);
 typedef struct {
     dml_ensemble *e;
     long first, count, steps;
+    int at;       /* stack index of the ensemble */
     int velocity; /* starts are q and v, not q and p */
     int varied;   /* these are not the parameters of the system */
     int names; /* stack index of parameters that are inputs of the kernels; 0: none are */
@@ -63,6 +65,9 @@ int dml_check_starts(lua_State *L, const dml_solver *solver, long members);
 /* Their numbers into the states of a part, with momenta; the trace is checked at its first member. Returns how many are
 ** inside of the domain of L; raises where none is and parameters are the system's own numbers. */
 long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r);
+
+/* q, and v or p as they are given, into the states of a part. */
+void dml_read_places(lua_State *L, const dml_part *these);
 
 /*
 ** vary = { name = source } of the options at 2: pushes a userdata of values[members][*count], the names as a
@@ -91,6 +96,16 @@ int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r);
 
 /* Replace the solver at 1 by one of the same rule for a system with these values; names at `names`. */
 dml_solver *dml_vary_solver(lua_State *L, const double *values, int names);
+
+/* Run one part with the solver at 1 and the options at 2. */
+typedef dm_status dml_part_run(lua_State *L, const dml_part *p, void *ud);
+
+/*
+** All members by parts of the same parameters, each a system of its own. What a part raises fails its members alone;
+** raises only where no part could be run.
+*/
+dm_status dml_run_parts(lua_State *L, dml_part *p, const dml_varied *v, dml_part_run *run,
+                        void *ud);
 
 /*
 ** h = source of the options at 2: a step of its own for every member; with t = duration as many as cover it, else

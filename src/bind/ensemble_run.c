@@ -187,34 +187,18 @@ static dm_status run_alike(lua_State *L, const dml_part *p, const dml_varied *v,
     return run_part(L, p, lua_touserdata(L, 1), threads, clock);
 }
 
-/* members by parts of the same parameters, each a system of its own */
-static dm_status run_parts(lua_State *L, dml_part *p, const dml_varied *v,
-                           clock_of_run *clock) {
-    enum { SWEEP = 32 }; /* parts after which their memory is asked back */
-    const int top = lua_gettop(L);
-    const long members = p->e->members;
-    dm_status status = DM_OK;
-    p->varied = 1;
-    lua_pushvalue(L, 1);
-    for (long k = 1; p->first < members && status == DM_OK; k++) {
-        p->count = dml_vary_alike(v->values, v->count, p->first, members);
-        dml_vary_solver(L, v->values + (size_t)p->first * v->count, v->names);
-        clock->before = p->first;
-        status = run_alike(L, p, &(dml_varied){0}, clock);
-        p->first += p->count;
-        lua_pushvalue(L, top + 1);
-        lua_replace(L, 1);
-        lua_settop(L, top + 1);
-        if (k % SWEEP == 0) lua_gc(L, LUA_GCCOLLECT, 0);
-    }
-    return status;
+/* a part that is a system of its own; ud: the clock */
+static dm_status run_own(lua_State *L, const dml_part *p, void *ud) {
+    clock_of_run *clock = ud;
+    clock->before = p->first;
+    return run_alike(L, p, &(dml_varied){0}, clock);
 }
 
 static dm_status run_all(lua_State *L, dml_part *p, const dml_varied *v) {
     clock_of_run clock = {.L = L, .start = now(), .all = p->e->members};
     p->count = p->e->members;
     dm_status status = run_alike(L, p, v, &clock);
-    if (status == DM_NO_NATIVE) status = run_parts(L, p, v, &clock);
+    if (status == DM_NO_NATIVE) status = dml_run_parts(L, p, v, run_own, &clock);
     dml_progress_end(L);
     return status;
 }
@@ -270,7 +254,7 @@ int dml_solver_ensemble(lua_State *L) {
     p.velocity = dml_check_starts(L, solver, members);
     const dm_ensemble_rows rows = read_rows(L, p.steps, t0);
     p.e = dml_pushensemble(L, members, solver->n, &rows);
-    const int at = lua_gettop(L);
+    const int at = p.at = lua_gettop(L);
     lua_pushvalue(L, at - 1);
     lua_setiuservalue(L, at, DML_ENSEMBLE_COLUMNS);
     lua_pushvalue(L, 1);

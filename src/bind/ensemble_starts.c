@@ -87,7 +87,7 @@ static int is_function(lua_State *L, const char *key) {
 }
 
 /* q, and v or p; functions are called member by member */
-static void read_columns(lua_State *L, const dml_part *p) {
+void dml_read_places(lua_State *L, const dml_part *p) {
     const char *second = p->velocity ? "v" : "p";
     dml_part one = *p;
     one.count = 1;
@@ -183,7 +183,7 @@ static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, l
 /* starts: q, and p given or by the Legendre transform */
 long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
     const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
-    read_columns(L, these);
+    dml_read_places(L, these);
     if (!these->values) check_trace(L, these, r);
     double *room = lua_newuserdatauv(L, (2 * n + 1 + many) * sizeof *room, 0);
     long inside = 0;
