@@ -1,6 +1,7 @@
 /* bind_root.c - `dm.root`: functions that are only known by an equation, called on numbers, symbols and hyper-dual
 ** numbers. */
 #include "bind/array.h"
+#include "bind/model_sums.h"
 #include "bind/root.h"
 #include "bind/state.h"
 
@@ -55,6 +56,7 @@ static void check_finite(lua_State *L, const dml_scalar *x, uint32_t n, double *
 static int has_changed(lua_State *L, const dml_root_shape *s) {
     const uint32_t m = s->equation.outputs, size = s->unknowns + s->inputs;
     const int top = lua_gettop(L);
+    dml_pushapart(L);
     double *block = lua_newuserdatauv(L, (size + m) * sizeof *block, 0),
            *out = block + size;
     lua_getiuservalue(L, 1, FIELDS);

@@ -1,5 +1,6 @@
 /* trace_check.c - a kernel against plain calls of the function it was traced from. */
 #include "bind/call.h"
+#include "bind/model_sums.h"
 #include "bind/state.h"
 
 #include <math.h>
@@ -186,14 +187,11 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
     const size_t inputs = dml_signature_inputs(s);
     /* of a kernel that takes sums, or of a comparison around this one */
     dml_given *given = dml_getstate(L)->given;
-    const double *const values = given ? given->values : NULL;
-    /* sums of a function that is compared while another is traced are not counted there */
-    dml_frame *const around = dml_getstate(L)->frames;
-    const uint32_t sums = around ? around->sums : 0;
     uint64_t random = 0x9E3779B97F4A7C15u;
     const int top = lua_gettop(L);
     fn = lua_absindex(L, fn);
     luaL_checkstack(L, 12, NULL);
+    dml_pushapart(L);
     double *block = lua_newuserdatauv(L, (2 * n + 3 * m + 1) * sizeof *block, 0);
     check c = {s,
                kernel,
@@ -218,8 +216,6 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
         }
         check_near(L, &c);
     }
-    if (given) given->values = values;
-    if (around) around->sums = sums;
     lua_settop(L, top);
 }
 

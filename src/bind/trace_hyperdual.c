@@ -5,6 +5,7 @@
 ** needs no lua_State of its caller.
 */
 #include "bind/call.h"
+#include "bind/model_sums.h"
 #include "bind/state.h"
 
 #include <math.h>
@@ -115,6 +116,7 @@ static void eval(const void *pool, const double *in, double *out) {
         fill_nan(out, outputs(c, at->order));
         return;
     }
+    const dml_apart apart = dml_setapart(c->state);
     c->busy = 1;
     c->state->depth++;
     lua_pushcfunction(c->thread, work);
@@ -123,6 +125,7 @@ static void eval(const void *pool, const double *in, double *out) {
     c->failed = lua_pcall(c->thread, 2, 0, 0) != LUA_OK;
     c->state->depth--;
     c->busy = 0;
+    dml_endapart(&apart);
     if (c->failed) fill_nan(out, outputs(c, at->order));
 }
 
