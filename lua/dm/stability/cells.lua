@@ -64,7 +64,7 @@ end
 
 ---- one cell ----
 
-local FAILED = { not_finite = "blow-up", no_convergence = "no convergence", singular = "no convergence", stopped = "not run" }
+local FAILED = { not_finite = "blow-up", no_convergence = "no convergence", singular = "no convergence", stopped = "not run", no_start = "no start" }
 
 local function of_failure(code, tied)
   if code == "singular" and tied then return "constraint lost" end
