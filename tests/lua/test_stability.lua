@@ -190,4 +190,20 @@ do
     q = start.q, v = start.v, steps = 1000 })
   tap.ok(failure and type(failure) ~= "string" and failure.code == "stopped" and tostring(failure.map):find "not run", "a map that is interrupted", tostring(failure))
 end
+-- few steps from near the top of a pendulum: the motion grows by itself, and its energy error with it
+local hill = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.cos(q[1]) end }
+for _, rule in ipairs { "verlet", "midpoint", "rk4" } do
+  local lost = 0
+  for _, q in ipairs { 3, 3.1, 3.13, 3.14 } do
+    for _, steps in ipairs { 8, 10, 20, 50 } do
+      local map = dm.stability { system = hill, rule = rule, q = { q }, v = { 0 }, h = { 0.01, 0.1, 0.2, 0.5 }, steps = steps, refine = false }
+      if map:limit(1) < math.huge then lost = lost + 1 end
+    end
+  end
+  ok(lost == 0, rule .. " loses no motion that leaves the top of a hill", lost)
+end
+-- a planet that one step throws out of its orbit: its energy is another and stays
+local thrown = dm.stability { system = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }, rule = "rk4", q = { 0.9, 0 },
+  v = { 0, math.sqrt(1.1 / 0.9) }, h = { 0.1, 6 }, steps = 1000, refine = false }
+ok(thrown:at(1, 1).class == "bounded" and thrown:at(1, 2).class == "off", "an escape is off, however small its energy", thrown:at(1, 2).class)
 tap.done()

@@ -11,6 +11,7 @@ local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and 
 local FEWEST = 8                -- steps that show anything
 local GROWTH = 1e3              -- energy error of the last quarter over that of the first: it grows without bound
 local JUMP = 10                 -- the same where it has only gone elsewhere
+local STILL = 0.02              -- change of the energy, in parts of its error, of what flew off
 local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
 local TIE = 1e-6                -- |g| of a constraint that is lost
@@ -71,6 +72,11 @@ local function of_failure(code, tied)
   return FAILED[code] or "no convergence"
 end
 
+local SHARE = 0.2  -- of the kinetic energy: an error below it is one of motion that grows by itself, off the top of a hill
+
+-- the energy error of the last quarter is no small part of the kinetic energy then
+local function is_much(s, K, i) return not (K and s.late[i] < SHARE * K.late[i]) end
+
 -- growth of the error of y, which only an instability has: from the first to the last quarter
 local function is_growing(s, i, kinetic, free)
   local early, late = s.early[i], s.late[i]
@@ -87,10 +93,15 @@ end
 -- the same from early on: at no row of the second half is the energy near its start, and nearly all of the motion is that error
 local function left_at_once(s, i, K, rows_of)
   local error = max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
-  if not K or not (error > abs(K.first[i])) or not (2 * error > K.largest[i]) then return false end
-  local rows, nearest = rows_of(i), huge
-  for k = max(2, #rows // 2), #rows do nearest = min(nearest, abs(rows[k] - s.first[i])) end
-  return 2 * nearest > error and nearest < huge
+  if not K or not (2 * error > abs(K.first[i])) then return false end
+  local rows, nearest, least, largest = rows_of(i), huge, huge, -huge
+  for k = max(2, #rows // 2), #rows do
+    nearest, least, largest = min(nearest, abs(rows[k] - s.first[i])), min(least, rows[k]), max(largest, rows[k])
+  end
+  if nearest == huge then return false end
+  -- it flew off: nothing acts on it any more, and the energy does not change
+  if nearest > 0.9 * error and largest - least < STILL * error then return true end
+  return error > abs(K.first[i]) and 2 * error > K.largest[i] and 2 * nearest > error
 end
 
 local function is_drifting(map, s, i, kinetic, T)
@@ -110,13 +121,13 @@ local function look(map, cell, sums, i, name, rows_of)
   if sums.inside and not (sums.inside.least[i] > 0) then return "left" end
   if sums.tie and not (sqrt(sums.tie.largest[i]) < TIE) then return "constraint lost" end
   if cell.steps < FEWEST then return "bounded" end
-  if is_growing(s, i, kinetic, name == "size") then
+  if is_growing(s, i, kinetic, name == "size") and (name ~= "energy" or is_much(s, K, i)) then
     if s.early[i] > 0 then cell.growth = finite((s.late[i] / s.early[i]) ^ (1 / (0.75 * max(cell.steps, 1)))) end
     return "blow-up"
   end
   if name == "size" then return "bounded" end
   if is_drifting(map, s, i, kinetic, cell.steps * cell.h) then return "drifting" end
-  if name == "energy" and (has_jumped(s, i, kinetic) or left_at_once(s, i, K, rows_of)) then return "off" end
+  if name == "energy" and (has_jumped(s, i, kinetic) and is_much(s, K, i) or left_at_once(s, i, K, rows_of)) then return "off" end
   return "bounded"
 end
 
