@@ -1,7 +1,7 @@
 /* arith.c - + - * / ^ and unary minus on scalars, vectors and matrices of every kind. */
 #include "bind/array.h"
 #include "bind/missed.h"
-#include "bind/state.h"
+#include "bind/trace_log.h"
 
 #include <math.h>
 
@@ -83,11 +83,11 @@ static void number_loop(double *out, dm_op op, const dml_operand *a, const dml_o
 }
 
 /* nodes of an operand, step 0 repeats a scalar; a number becomes a constant. NULL: a vector of numbers */
-static const dm_node *nodes_of(const dml_operand *x, uint32_t *step, dm_graph *graph,
-                               dm_node *alone) {
+static const dm_node *nodes_of(lua_State *L, const dml_operand *x, uint32_t *step,
+                               dml_frame *frame, dm_node *alone) {
     *step = x->rank ? 1 : 0;
     if (x->rank) return dml_nodesof(x->array);
-    *alone = x->scalar.kind == DML_NUMBER ? dm_constant(graph, x->scalar.as.number)
+    *alone = x->scalar.kind == DML_NUMBER ? dml_constant(L, frame, x->scalar.as.number)
                                           : x->scalar.as.node;
     return alone;
 }
@@ -95,15 +95,15 @@ static const dm_node *nodes_of(const dml_operand *x, uint32_t *step, dm_graph *g
 /* 0: a vector of numbers is among them */
 static int symbol_loop(lua_State *L, dml_array *out, dm_op op, const dml_operand *a,
                        const dml_operand *b) {
-    const dml_frame *frame = dml_findframe(L, out->serial);
+    dml_frame *frame = dml_findframe(L, out->serial);
     if (!frame) return 0;
     uint32_t da, db;
     dm_node alone[2], *nodes = out->entries;
-    const dm_node *x = nodes_of(a, &da, frame->graph, alone);
-    const dm_node *y = nodes_of(b, &db, frame->graph, alone + 1);
+    const dm_node *x = nodes_of(L, a, &da, frame, alone);
+    const dm_node *y = nodes_of(L, b, &db, frame, alone + 1);
     if (!x || !y) return 0;
     for (uint32_t i = 0; i < dml_size(out); i++)
-        nodes[i] = dm_apply(frame->graph, op, x[i * da], y[i * db], 0);
+        nodes[i] = dml_operation(L, frame, op, x[i * da], y[i * db], 0);
     dml_checkgraph(L, frame);
     return 1;
 }

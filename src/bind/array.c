@@ -1,6 +1,6 @@
 /* array.c - storage of vectors and matrices. */
 #include "bind/array.h"
-#include "bind/state.h"
+#include "bind/trace_log.h"
 
 #include <math.h>
 #include <string.h>
@@ -189,14 +189,14 @@ static double inner_numbers(const double *a, uint32_t da, const double *b, uint3
 
 /* a and b hold symbols of one trace */
 static dml_scalar inner_symbols(lua_State *L, dml_run a, dml_run b, uint32_t n) {
-    const dml_frame *frame = dml_findframe(L, dml_kindof(a.array).serial);
+    dml_frame *frame = dml_findframe(L, dml_kindof(a.array).serial);
     const dm_node *x = dml_nodesof(a.array) + a.first,
                   *y = dml_nodesof(b.array) + b.first;
     dm_node sum = 0;
     for (uint32_t k = 0; k < n; k++) {
-        const dm_node product = dm_apply(frame->graph, DM_OP_MUL, x[(size_t)k * a.step],
-                                         y[(size_t)k * b.step], 0);
-        sum = k ? dm_apply(frame->graph, DM_OP_ADD, sum, product, 0) : product;
+        const dm_node product = dml_operation(L, frame, DM_OP_MUL, x[(size_t)k * a.step],
+                                              y[(size_t)k * b.step], 0);
+        sum = k ? dml_operation(L, frame, DM_OP_ADD, sum, product, 0) : product;
     }
     dml_checkgraph(L, frame);
     return (dml_scalar){.kind = DML_SYMBOL, .serial = frame->serial, .as.node = sum};

@@ -2,8 +2,7 @@
 ** bind_extremum.c - dm.extremum: the value of a function at its stationary point, whose derivatives in a
 ** Lagrangian are then made by the envelope property (expr/extremum.h).
 */
-#include "bind/state.h"
-#include "bind/trace.h"
+#include "bind/trace_log.h"
 #include "expr/extremum.h"
 #include "expr/sum.h"
 
@@ -71,11 +70,11 @@ static void check(lua_State *L, const dm_graph *g, const dm_extremum *e) {
 }
 
 /* y at 3 as nodes of the trace; 0 when one is of another kind */
-static int read_y(lua_State *L, const dml_frame *frame, uint32_t m, dm_node *y) {
+static int read_y(lua_State *L, dml_frame *frame, uint32_t m, dm_node *y) {
     for (uint32_t a = 0; a < m; a++) {
         const dml_scalar x = dml_entry(L, 3, a);
         if (x.kind == DML_NUMBER)
-            y[a] = dm_constant(frame->graph, x.as.number);
+            y[a] = dml_constant(L, frame, x.as.number);
         else if (x.kind == DML_SYMBOL && x.serial == frame->serial)
             y[a] = x.as.node;
         else
@@ -85,17 +84,17 @@ static int read_y(lua_State *L, const dml_frame *frame, uint32_t m, dm_node *y) 
 }
 
 /* trace f(q, v, y, t) on symbols of its own */
-static void keep(lua_State *L, const dml_frame *frame, dm_node value, uint32_t m) {
+static void keep(lua_State *L, dml_frame *frame, dm_node value, uint32_t m) {
     dml_traced traced;
     const int n = (int)(dm_graph_inputs(frame->graph) - 1) / 2;
-    dm_node *y = dm_arena_take(dm_graph_arena(frame->graph), m * sizeof *y);
+    dm_node *y = dm_arena_take(frame->arena, m * sizeof *y);
     if (!y) luaL_error(L, "not enough memory");
     if (!read_y(L, frame, m, y)) return;
     const dml_signature s = {.what = "the function of dm.extremum",
                              .arguments = 4,
                              .length = {n, n, (int)m, DML_SCALAR_ARGUMENT},
                              .outputs = DML_SCALAR_ARGUMENT};
-    dml_trace(L, 2, &s, dm_graph_arena(frame->graph), &traced);
+    dml_trace(L, 2, &s, frame->arena, &traced);
     const dm_extremum e = {.value = value,
                            .n = 2 * (uint32_t)n,
                            .m = m,
@@ -103,28 +102,30 @@ static void keep(lua_State *L, const dml_frame *frame, dm_node value, uint32_t m
                            .of = traced.graph,
                            .f = traced.out[0]};
     dml_checkgraph(L, frame);
-    check(L, frame->graph, &e);
-    dm_extremum_keep(frame->graph, &e);
+    check(L, dml_owngraph(L, frame), &e);
+    dm_extremum_keep(dml_owngraph(L, frame), &e);
 }
 
 /* are the n entries at `arg` the inputs of the trace from number `first` on? */
-static int are_inputs(lua_State *L, int arg, const dml_frame *frame, uint32_t first,
-                      uint32_t n) {
+static int are_inputs(lua_State *L, int arg, dm_graph *g, const dml_frame *frame,
+                      uint32_t first, uint32_t n) {
     if (dml_length(L, arg) != (long)n) return 0;
     for (uint32_t i = 0; i < n; i++) {
         const dml_scalar x = dml_entry(L, arg, i);
         if (x.kind != DML_SYMBOL || x.serial != frame->serial ||
-            x.as.node != dm_input(frame->graph, first + i))
+            x.as.node != dm_input(g, first + i))
             return 0;
     }
     return 1;
 }
 
 /* is this the Lagrangian of a system, at its own q and v? With sums that stay loops it is left as it is. */
-static int fits(lua_State *L, const dml_frame *frame) {
-    const uint32_t n = frame ? (dm_graph_inputs(frame->graph) - 1) / 2 : 0;
-    return frame && frame->keeps_sums && !dm_sums(frame->graph) &&
-           are_inputs(L, 4, frame, 0, n) && are_inputs(L, 5, frame, n, n);
+static int fits(lua_State *L, dml_frame *frame) {
+    if (!frame || !frame->keeps_sums) return 0;
+    dm_graph *g = dml_owngraph(L, frame);
+    const uint32_t n = (dm_graph_inputs(g) - 1) / 2;
+    return !dm_sums(g) && are_inputs(L, 4, g, frame, 0, n) &&
+           are_inputs(L, 5, g, frame, n, n);
 }
 
 static int extremum(lua_State *L) {
@@ -134,8 +135,7 @@ static int extremum(lua_State *L) {
     luaL_checktype(L, 2, LUA_TFUNCTION);
     const long m = dml_length(L, 3);
     luaL_argcheck(L, m >= 1 && m <= MOST, 3, "a list of 1 to 64 numbers expected");
-    const dml_frame *frame =
-        value.kind == DML_SYMBOL ? dml_findframe(L, value.serial) : NULL;
+    dml_frame *frame = value.kind == DML_SYMBOL ? dml_findframe(L, value.serial) : NULL;
     if (fits(L, frame)) keep(L, frame, value.as.node, (uint32_t)m);
     lua_settop(L, 1);
     return 1;

@@ -6,8 +6,8 @@
 #include "base/sum.h"
 #include "bind/array.h"
 #include "bind/call.h"
-#include "bind/state.h"
 #include "bind/sum_request.h"
+#include "bind/trace_log.h"
 #include "expr/implicit.h"
 #include "expr/sum.h"
 
@@ -124,7 +124,7 @@ static int find_entries(lua_State *L, const request *r, const dml_frame *frame, 
         out->first = e->as.input;
         return e->op == DM_OP_INPUT && e->as.input < dm_sum_first(frame->graph);
     }
-    double *data = dm_arena_take(dm_graph_arena(frame->graph), n * sizeof *data);
+    double *data = dm_arena_take(frame->arena, n * sizeof *data);
     if (!data) luaL_error(L, "not enough memory");
     for (uint32_t i = 0; i < n; i++)
         data[i] = scalar ? x.as.number : dml_get(a, i).as.number;
@@ -153,20 +153,32 @@ static int make_columns(lua_State *L, const request *r, const dml_frame *frame, 
     return 1;
 }
 
-/* trace the function on symbols of its own */
-static void trace_term(lua_State *L, const request *r, dm_arena *arena, dm_sum *s) {
+/* trace the function on symbols of its own; *last: a trace that it may repeat, or NULL */
+static void trace_term(lua_State *L, const request *r, const dml_frame *frame, dm_sum *s,
+                       const dml_traced *last, dml_traced *out) {
+    dml_retrace(L, r->fn, &r->signature, frame->arena, last, out);
+    s->term = out->graph;
+    s->value = out->out[0];
+}
+
+/* the leaf of the sum that was noted next, where this is it again; 0: it is another one */
+static dm_node repeat_sum(lua_State *L, const request *r, dml_frame *frame, dm_sum *s) {
+    const dml_summed *next = dml_nextsum(frame);
     dml_traced traced;
-    dml_trace(L, r->fn, &r->signature, arena, &traced);
-    s->term = traced.graph;
-    s->value = traced.out[0];
+    if (!next || !dm_sum_alike(next->sum, s)) return 0;
+    trace_term(L, r, frame, s, &next->term, &traced);
+    return traced.graph == next->term.graph ? dml_sumagain(frame) : 0;
 }
 
 static int keep_loop(lua_State *L, const request *r, dml_frame *frame, dm_sum *s) {
-    trace_term(L, r, dm_graph_arena(frame->graph), s);
-    if (dm_has_roots(s->term, &s->value, 1)) return loop_in_lua(L, r);
-    const dml_scalar x = {.kind = DML_SYMBOL,
-                          .serial = frame->serial,
-                          .as.node = dm_sum_leaf(frame->graph, s)};
+    dml_traced traced;
+    dml_scalar x = {.kind = DML_SYMBOL, .serial = frame->serial};
+    x.as.node = repeat_sum(L, r, frame, s);
+    if (!x.as.node) {
+        trace_term(L, r, frame, s, NULL, &traced);
+        if (dm_has_roots(s->term, &s->value, 1)) return loop_in_lua(L, r);
+        x.as.node = dml_sumanew(L, frame, s, &traced);
+    }
     dml_checkgraph(L, frame);
     dml_pushscalar(L, &x);
     return 1;
@@ -248,8 +260,7 @@ static int sum_over(lua_State *L) {
     dm_sum s = {.bodies = r.bodies, .from = r.from, .to = r.to, .periodic = r.periodic};
     if (state->frames) s.call = state->frames->sums++;
     if (!frame || dm_sum_all_rounds(&s) < FEWEST_ROUNDS) return loop_in_lua(L, &r);
-    dm_column *column =
-        dm_arena_take(dm_graph_arena(frame->graph), DML_SUM_COLUMNS * sizeof *column);
+    dm_column *column = dm_arena_take(frame->arena, DML_SUM_COLUMNS * sizeof *column);
     if (!column) return luaL_error(L, "not enough memory");
     if (!make_columns(L, &r, frame, &s, column)) return loop_in_lua(L, &r);
     return keep_loop(L, &r, frame, &s);

@@ -13,9 +13,9 @@
 #include <string.h>
 #include <time.h>
 
-static double now_ms(void) {
+static double now_ms(clockid_t by) {
     struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    clock_gettime(by, &t);
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
@@ -157,6 +157,60 @@ static void warn_too_large(dml_system *s, const char *what) {
             what, DM_GRAPH_LIMIT);
 }
 
+/* push a model with the arena on top and the function at fn */
+static dml_model *new_model(lua_State *L, int fn, dm_arena *arena, uint32_t n) {
+    dml_model *m = lua_newuserdatauv(L, sizeof *m, 4); /* arena, function, callback, the
+** model with parameters as inputs (model_params.h) or false */
+    *m = (dml_model){.n = n, .arena = arena};
+    lua_pushvalue(L, -2);
+    lua_setiuservalue(L, -2, 1);
+    lua_pushvalue(L, fn);
+    lua_setiuservalue(L, -2, 2);
+    return m;
+}
+
+/* Trace the function at fn, *kept (or NULL) behind it: push *kept where it is the same again, else a new model. Ties are
+** functions of their own, which are not repeated. */
+static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *kept,
+                              dm_compile *compile) {
+    const dml_system *s = dml_checksystem(L, arg);
+    const dml_signature sig = signature(s);
+    const dml_traced *last = kept && !kept->tied.graph ? &kept->trace : NULL;
+    dml_traced traced;
+    dm_arena *arena = dml_pusharena(L);
+    const int at = lua_gettop(L);
+    if (compile)
+        dml_retrace(L, fn, &sig, arena, last, &traced);
+    else
+        dml_trace(L, fn, &sig, arena, &traced);
+    int same = last && traced.graph && traced.graph == last->graph;
+    dml_model *m = same ? kept : new_model(L, fn, arena, s->n);
+    if (!same) {
+        m->trace = traced;
+        m->graph = traced.graph;
+        m->lagrangian = traced.out[0];
+        m->traced = m->graph ? dm_graph_size(m->graph) : 0;
+        dml_traceties(L, arg, m);
+        same = kept && m->graph && dml_sametrace(kept, m);
+    }
+    if (same) dml_sparearena(L, at);
+    lua_pushvalue(L, same ? fn + 1 : at + 1);
+    lua_replace(L, at);
+    lua_settop(L, at);
+    return same ? kept : m;
+}
+
+/* from the trace of a new model on top to its structure */
+static void build_model(lua_State *L, int arg, int fn, dml_model *m) {
+    dml_system *s = dml_checksystem(L, arg);
+    const dml_signature sig = signature(s);
+    if (!s->hyperdual) {
+        read_ties(L, m);
+        if (!read_structure(L, m, s->pair)) warn_too_large(s, sig.what);
+    }
+    if (s->hyperdual) go_hyperdual(L, m, fn, &sig);
+}
+
 /* compile: by which a model of an earlier run may be kept, or NULL */
 static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     arg = lua_absindex(L, arg);
@@ -165,42 +219,25 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
         luaL_error(L, "a discrete Lagrangian of a system and a rule is found by solving: "
                       "it has no formula to trace (its L "
                       "is in the field 'system')");
-    const dml_signature sig = signature(s);
-    const double start = now_ms();
     push_function(L, arg, s);
     const int fn = lua_gettop(L);
-    dml_model *m = lua_newuserdatauv(L, sizeof *m, 4); /* arena, function, callback, the
-** model with parameters as inputs (model_params.h) or false */
-    *m = (dml_model){.n = s->n};
-    m->arena = dml_pusharena(L);
-    lua_setiuservalue(L, -2, 1);
-    lua_pushvalue(L, fn);
-    lua_setiuservalue(L, -2, 2);
-    if (!s->hyperdual) {
-        dml_traced traced;
-        dml_trace(L, fn, &sig, m->arena, &traced);
-        m->graph = traced.graph;
-        m->lagrangian = traced.out[0];
-        m->traced = m->graph ? dm_graph_size(m->graph) : 0;
-        dml_traceties(L, arg, m);
-        dml_model *last = m->graph && compile ? dml_pushkept(L, arg, m, compile) : NULL;
-        if (last) {
-            last->trace_ms = now_ms() - start;
-            last->compile_ms = 0.0;
-            lua_getiuservalue(L, fn + 1, 1);
-            dml_sparearena(L, -1);
-            lua_pop(L, 1);
-            lua_replace(L, fn);
-            lua_settop(L, fn);
-            return last;
-        }
-        read_ties(L, m);
-        if (!read_structure(L, m, s->pair)) warn_too_large(s, sig.what);
+    dml_model *kept = compile && !s->hyperdual ? dml_pushkept(L, arg, compile) : NULL;
+    const clockid_t by = kept ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
+    const double start =
+        now_ms(by); /* asking for CPU time takes as long as five operations */
+    dml_model *m;
+    if (s->hyperdual) {
+        dm_arena *arena = dml_pusharena(L);
+        m = new_model(L, fn, arena, s->n);
+    } else {
+        m = trace_model(L, arg, fn, kept, compile);
     }
-    if (s->hyperdual) go_hyperdual(L, m, fn, &sig);
-    if (m->graph && compile) dml_keep(L, arg, m, compile);
-    m->trace_ms = now_ms() - start;
-    lua_remove(L, fn);
+    if (m != kept) build_model(L, arg, fn, m);
+    if (m != kept && m->graph && compile) dml_keep(L, arg, m, compile);
+    if (m == kept) m->compile_ms = 0.0;
+    m->trace_ms = now_ms(by) - start;
+    lua_replace(L, fn);
+    lua_settop(L, fn);
     return m;
 }
 
@@ -220,9 +257,9 @@ static const dml_backend *backend_of(lua_State *L, const dml_model *m,
 static void want_ties(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     const unsigned missing = want & DM_WANT_TIES & ~m->ties.has;
     if (!m->tied.graph || !missing) return;
-    const double start = now_ms();
+    const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
     check_status(L, dm_ties_want(&m->ties, missing, backend_of(L, m, backend)->compile));
-    m->compile_ms += now_ms() - start;
+    m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
 }
 
 /* the backend of the kernels that step; the value is on the tape */
@@ -246,7 +283,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (m->model.structure & DM_LOOPS && want & DM_WANT_DENSE && dm_sums(m->graph) &&
         m->n > DM_MODEL_DENSE)
         refuse_dense(L, m, want & DM_WANT_MASS ? "this" : "this rule");
-    const double start = now_ms();
+    const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
     if (m->callback) {
         dml_hyperdual_model(L, m, missing, pair);
     } else {
@@ -261,7 +298,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
         if (m->compile) m->model.source.kept = &m->kept;
         m->backend = built_by(&m->model, row->name);
     }
-    m->compile_ms += now_ms() - start;
+    m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
 }
 
 void dml_writeout(lua_State *L, dml_model *m) {

@@ -37,7 +37,7 @@ int dml_samenodes(const dm_graph *a, const dm_graph *b, uint32_t size) {
 }
 
 /* the trace of *fresh is the beginning of the graph of *kept, to which derivatives were added */
-static int same_trace(const dml_model *kept, const dml_model *fresh) {
+int dml_sametrace(const dml_model *kept, const dml_model *fresh) {
     const uint32_t size = dm_graph_size(fresh->graph);
     if (kept->traced != size || kept->lagrangian != fresh->lagrangian ||
         kept->n != fresh->n)
@@ -46,16 +46,14 @@ static int same_trace(const dml_model *kept, const dml_model *fresh) {
            dm_sums_same(kept->graph, fresh->graph) && dml_sameties(kept, fresh);
 }
 
-dml_model *dml_pushkept(lua_State *L, int arg, const dml_model *m, dm_compile *compile) {
+dml_model *dml_pushkept(lua_State *L, int arg, dm_compile *compile) {
     arg = lua_absindex(L, arg);
     push_table(L);
     lua_pushvalue(L, arg);
     lua_rawget(L, -2);
     lua_remove(L, -2);
     dml_model *kept = lua_touserdata(L, -1);
-    if (kept && kept->compile == compile && !dml_arenalost(kept->arena) &&
-        same_trace(kept, m))
-        return kept;
+    if (kept && kept->compile == compile && !dml_arenalost(kept->arena)) return kept;
     lua_pop(L, 1);
     return NULL;
 }

@@ -7,9 +7,11 @@
 
 #include "bind/system.h"
 
-/* Push the kept model of the system at `arg` that has the graph of *m and kernels by `compile`; NULL and nothing
-** pushed when there is none. */
-dml_model *dml_pushkept(lua_State *L, int arg, const dml_model *m, dm_compile *compile);
+/* Push the kept model of the system at `arg` with kernels by `compile`; NULL and nothing pushed when there is none. */
+dml_model *dml_pushkept(lua_State *L, int arg, dm_compile *compile);
+
+/* Has the kept model the graph of *fresh, which was just traced? */
+int dml_sametrace(const dml_model *kept, const dml_model *fresh);
 
 /* Are the first `size` nodes of both graphs the same? */
 int dml_samenodes(const dm_graph *a, const dm_graph *b, uint32_t size);

@@ -2,7 +2,7 @@
 ** iterations for hyper-dual numbers. */
 #include "bind/array.h"
 #include "bind/root.h"
-#include "bind/state.h"
+#include "bind/trace_log.h"
 #include "expr/tape.h"
 
 #include <math.h>
@@ -52,14 +52,14 @@ static dm_node *nodes_of(lua_State *L, dm_arena *arena, uint32_t m) {
 
 static dml_scalar of_symbols(lua_State *L, const dm_implicit *f, const dml_scalar *a,
                              uint32_t m, uint32_t k) {
-    const dml_frame *frame = NULL;
+    dml_frame *frame = NULL;
     dml_scalar like = {.kind = DML_NUMBER};
     for (uint32_t i = 0; i < m; i++) like = dml_common(L, &like, a + i);
     frame = dml_findframe(L, like.serial);
     if (!frame) luaL_error(L, "a symbol was used after its trace had ended");
-    dm_node *nodes = nodes_of(L, dm_graph_arena(frame->graph), m);
+    dm_node *nodes = nodes_of(L, frame->arena, m);
     for (uint32_t i = 0; i < m; i++) nodes[i] = dml_lift(L, a + i, &like).as.node;
-    like.as.node = entry_in(frame->graph, f, nodes, m, k);
+    like.as.node = entry_in(dml_owngraph(L, frame), f, nodes, m, k);
     dml_checkgraph(L, frame);
     return like;
 }

@@ -14,9 +14,19 @@ enum {
     DML_NO_CLASS = DML_CLASSES
 };
 
-/* A trace in progress: its symbols carry the serial number. */
+struct dml_log;
+struct dml_step;
+struct dml_traced;
+
+/* A trace in progress: its symbols carry the serial number. What adds to its graph goes by trace_log.h. */
 typedef struct dml_frame {
-    dm_graph *graph;
+    const dm_graph *graph; /* its own, or that of the trace that it repeats */
+    dm_graph *own;         /* NULL while it repeats one */
+    dm_arena *arena;
+    struct dml_log *log;           /* being written, or NULL */
+    const struct dml_traced *last; /* being repeated, or NULL */
+    const struct dml_step *step,
+        *end;         /* of the log of that: the next, and one past the last */
     const char *what; /* "L": the function as messages name it */
     uint32_t serial;
     int keeps_sums;         /* as its signature says */

@@ -58,6 +58,7 @@ typedef struct {
     dml_callback *callback; /* NULL when traced */
     const char *backend;    /* of the kernels: "tape", "hyperdual" */
     double trace_ms, compile_ms;
+    dml_traced trace;    /* of L, to be repeated; log NULL: none */
     uint32_t traced;     /* nodes of the graph when only L was in it */
     int checked;         /* compared with the function around the start of a run */
     dm_compile *compile; /* of a model that is kept (model_kept.h), else NULL */

@@ -5,7 +5,7 @@
 
 #include "bind/array.h"
 #include "bind/call.h"
-#include "bind/state.h"
+#include "bind/trace_log.h"
 
 #include <string.h>
 
@@ -126,12 +126,16 @@ static int end_trace(lua_State *L) {
     return 0;
 }
 
-static dml_frame *begin_trace(lua_State *L, dm_graph *graph, const dml_signature *s) {
+/* it is on top of the stack from here on, and keeps the arena; one that repeats another keeps that one's too */
+static dml_frame *begin_trace(lua_State *L, dm_arena *arena, const dml_signature *s,
+                              const dml_traced *last) {
     dml_state *state = dml_getstate(L);
-    dml_frame *frame = lua_newuserdatauv(L, sizeof *frame, 1);
-    *frame = (dml_frame){.graph = graph, .what = s->what, .keeps_sums = s->keeps_sums};
-    dml_pushkeeper(L, dm_graph_arena(graph));
+    dml_frame *frame = lua_newuserdatauv(L, sizeof *frame, 2);
+    *frame = (dml_frame){.arena = arena, .what = s->what, .keeps_sums = s->keeps_sums};
+    dml_pushkeeper(L, arena);
     lua_setiuservalue(L, -2, 1);
+    if (last) dml_pushkeeper(L, dm_graph_arena(last->graph));
+    if (last) lua_setiuservalue(L, -2, 2);
     if (luaL_newmetatable(L, "dm.trace")) {
         lua_pushcfunction(L, end_trace);
         lua_setfield(L, -2, "__gc");
@@ -146,6 +150,13 @@ static dml_frame *begin_trace(lua_State *L, dm_graph *graph, const dml_signature
     return frame;
 }
 
+/* the nodes of inputs first .. first + count - 1: the first ones of every trace */
+static void make_inputs(const dml_frame *frame, dm_node *out, uint32_t first,
+                        uint32_t count) {
+    if (frame->own) dm_inputs(frame->own, out, first, count);
+    for (uint32_t i = 0; !frame->own && i < count; i++) out[i] = 1 + first + i;
+}
+
 static void push_symbols(lua_State *L, int fn, const dml_signature *s,
                          const dml_frame *frame) {
     dml_scalar x = {.kind = DML_SYMBOL, .serial = frame->serial};
@@ -153,13 +164,13 @@ static void push_symbols(lua_State *L, int fn, const dml_signature *s,
     lua_pushvalue(L, fn);
     for (int k = 0; k < s->arguments; k++) {
         if (s->length[k] == DML_SCALAR_ARGUMENT) {
-            x.as.node = dm_input(frame->graph, input++);
+            make_inputs(frame, &x.as.node, input++, 1);
             dml_pushscalar(L, &x);
             continue;
         }
         const uint32_t n = (uint32_t)s->length[k];
         const dml_array *v = dml_newarray(L, 1, n, 1, &x);
-        dm_inputs(frame->graph, v->entries, input, n);
+        make_inputs(frame, v->entries, input, n);
         input += n;
     }
     dml_checkgraph(L, frame);
@@ -170,7 +181,7 @@ static void read_result(lua_State *L, const dml_signature *s, const dml_frame *f
     const int result = lua_gettop(L);
     const dml_scalar like = {.kind = DML_SYMBOL, .serial = frame->serial};
     const uint32_t n = dml_result_length(L, s, result);
-    dm_node *nodes = dm_arena_take(dm_graph_arena(frame->graph), n * sizeof *nodes);
+    dm_node *nodes = dm_arena_take(frame->arena, n * sizeof *nodes);
     if (!nodes) luaL_error(L, "not enough memory");
     for (uint32_t i = 0; i < n; i++) {
         const dml_scalar x = dml_result_entry(L, s, result, i);
@@ -201,21 +212,49 @@ static int is_too_large(lua_State *L, const dml_frame *frame, int may_grow) {
     return 1;
 }
 
-void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
-               dml_traced *out) {
-    const uint32_t inputs = dml_signature_inputs(s);
-    const int top = lua_gettop(L);
-    fn = lua_absindex(L, fn);
-    luaL_checkstack(L, s->arguments + 12, NULL);
-    dm_graph *graph = dm_graph_new(arena, inputs);
-    if (!graph) luaL_error(L, "not enough memory");
-    const dml_frame *frame = begin_trace(L, graph, s);
+/* the trace of `frame`, on top of the stack, from its symbols to its results; closes it */
+static void trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame,
+                  dml_traced *out) {
+    const int top = lua_gettop(L) - 1;
     push_symbols(L, fn, s, frame);
     dml_forget(L);
     lua_call(L, s->arguments, 1);
     read_result(L, s, frame, out);
     dml_checkgraph(L, frame);
-    out->graph = is_too_large(L, frame, s->may_grow) ? NULL : graph;
-    out->inputs = inputs;
-    lua_settop(L, top); /* closes the trace */
+    const dml_traced *last = dml_repeated(frame, out->out, out->outputs);
+    if (last) {
+        *out = *last;
+    } else {
+        dml_leavelast(L, frame);
+        out->log = frame->log;
+        out->graph = is_too_large(L, frame, s->may_grow) ? NULL : frame->own;
+        out->inputs = dml_signature_inputs(s);
+    }
+    lua_settop(L, top);
+}
+
+static void need(lua_State *L, int memory) {
+    if (!memory) luaL_error(L, "not enough memory");
+}
+
+void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
+               dml_traced *out) {
+    fn = lua_absindex(L, fn);
+    luaL_checkstack(L, s->arguments + 12, NULL);
+    dml_frame *frame = begin_trace(L, arena, s, NULL);
+    frame->graph = frame->own = dm_graph_new(arena, dml_signature_inputs(s));
+    need(L, frame->own != NULL);
+    trace(L, fn, s, frame, out);
+}
+
+void dml_retrace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
+                 const dml_traced *last, dml_traced *out) {
+    fn = lua_absindex(L, fn);
+    luaL_checkstack(L, s->arguments + 12, NULL);
+    dml_frame *frame = begin_trace(L, arena, s, last);
+    need(L, dml_beginlog(frame, last));
+    if (!frame->last)
+        frame->graph = frame->own = dm_graph_new(arena, dml_signature_inputs(s));
+    need(L, frame->graph != NULL);
+    trace(L, fn, s, frame, out);
 }

@@ -23,9 +23,10 @@ typedef struct {
     int may_be_outside; /* where it is checked it may not be a number, when called and when traced */
 } dml_signature;
 
-typedef struct {
+typedef struct dml_traced {
     dm_graph *graph;
-    const dm_node *out; /* [outputs], in the graph's arena */
+    const dm_node *out;        /* [outputs], in the graph's arena */
+    const struct dml_log *log; /* of dml_retrace: what the function did (trace_log.h) */
     uint32_t outputs;
     uint32_t inputs;
     int bare; /* the result was a number, not a vector or table of one */
@@ -39,6 +40,11 @@ typedef struct {
 */
 void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
                dml_traced *out);
+
+/* The same with a log. Where the function does what it did in *last (or NULL), *out is *last, and nothing was made; its
+** memory must be held by the caller until then. */
+void dml_retrace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
+                 const dml_traced *last, dml_traced *out);
 
 /*
 ** Compare `kernel` (of the traced outputs) with plain calls of the function: at `at`

@@ -2,7 +2,7 @@
 ** them. */
 #include "bind/array.h"
 #include "bind/hyperdual.h"
-#include "bind/state.h"
+#include "bind/trace_log.h"
 
 #include <math.h>
 #include <string.h>
@@ -77,8 +77,8 @@ dml_scalar dml_lift(lua_State *L, const dml_scalar *x, const dml_scalar *like) {
         luaL_error(L, "a symbol or hyper-dual number cannot become a plain number");
     dml_scalar lifted = *like;
     if (like->kind == DML_SYMBOL) {
-        const dml_frame *frame = live_frame(L, like->serial);
-        lifted.as.node = dm_constant(frame->graph, x->as.number);
+        dml_frame *frame = live_frame(L, like->serial);
+        lifted.as.node = dml_constant(L, frame, x->as.number);
         dml_checkgraph(L, frame);
     } else {
         lifted.as.hyper = (dml_hyperdual){.f = x->as.number};
@@ -89,12 +89,11 @@ dml_scalar dml_lift(lua_State *L, const dml_scalar *x, const dml_scalar *like) {
 /* ---- operations ---- */
 
 static dml_scalar symbolic(lua_State *L, dm_op op, const dml_scalar *x, int n) {
-    const dml_frame *frame = live_frame(L, x[0].serial);
+    dml_frame *frame = live_frame(L, x[0].serial);
     dm_node node[3] = {0, 0, 0};
     for (int k = 0; k < n; k++) node[k] = x[k].as.node;
     dml_scalar y = x[0];
-    y.as.node = op == DM_OP_POW ? dm_power(frame->graph, node[0], node[1])
-                                : dm_apply(frame->graph, op, node[0], node[1], node[2]);
+    y.as.node = dml_operation(L, frame, op, node[0], node[1], node[2]);
     dml_checkgraph(L, frame);
     return y;
 }
@@ -138,13 +137,10 @@ int dml_symbolic(lua_State *L, dm_op op) {
         if (!number[k] && !symbol_node(L, k + 1, state, node + k)) return 0;
     }
     if (number[0] && number[1]) return 0;
-    const dml_frame *frame = state->frames;
+    dml_frame *frame = state->frames;
     for (int k = 0; k < 2; k++)
-        if (number[k]) node[k] = dm_constant(frame->graph, lua_tonumber(L, k + 1));
-    const symbol made = {op == DM_OP_POW
-                             ? dm_power(frame->graph, node[0], node[1])
-                             : dm_apply(frame->graph, op, node[0], node[1], 0),
-                         frame->serial};
+        if (number[k]) node[k] = dml_constant(L, frame, lua_tonumber(L, k + 1));
+    const symbol made = {dml_operation(L, frame, op, node[0], node[1], 0), frame->serial};
     dml_checkgraph(L, frame);
     symbol *s = lua_newuserdatauv(L, sizeof *s, 0);
     *s = made;

@@ -63,14 +63,19 @@ static int same_column(const dm_sum *s, const dm_column *a, const dm_column *b) 
                               (last + 1) * sizeof *a->data) == 0;
 }
 
-static int same_sum(const dm_sum *kept, const dm_sum *fresh) {
-    if (kept->value != fresh->value || kept->columns != fresh->columns ||
-        kept->bodies != fresh->bodies || kept->from != fresh->from ||
-        kept->to != fresh->to || kept->periodic != fresh->periodic ||
-        kept->input != fresh->input || kept->call != fresh->call)
+int dm_sum_alike(const dm_sum *a, const dm_sum *b) {
+    if (a->columns != b->columns || a->bodies != b->bodies || a->from != b->from ||
+        a->to != b->to || a->periodic != b->periodic || a->call != b->call)
         return 0;
-    for (uint32_t c = 0; c < fresh->columns; c++)
-        if (!same_column(fresh, kept->column + c, fresh->column + c)) return 0;
+    for (uint32_t c = 0; c < b->columns; c++)
+        if (!same_column(b, a->column + c, b->column + c)) return 0;
+    return 1;
+}
+
+static int same_sum(const dm_sum *kept, const dm_sum *fresh) {
+    if (kept->value != fresh->value || kept->input != fresh->input ||
+        !dm_sum_alike(kept, fresh))
+        return 0;
     for (dm_node k = 0; k <= fresh->value; k++)
         if (!dm_same_expr(dm_at(kept->term, k), dm_at(fresh->term, k))) return 0;
     return 1;

@@ -58,6 +58,9 @@ double dm_sum_term(const dm_sum *s, const double *in, double *work);
 ** since makes no difference. */
 int dm_sums_same(const dm_graph *kept, const dm_graph *fresh);
 
+/* The same pattern, columns and data; the terms may differ. */
+int dm_sum_alike(const dm_sum *a, const dm_sum *b);
+
 /* The same sum of another term with the same columns. */
 dm_node dm_sum_of(dm_graph *g, const dm_sum *like, dm_node value);
 
