@@ -53,6 +53,34 @@ local function check_keys(options)
   end
 end
 
+-- the start: as many finite numbers as Q has dimensions
+local function check_start(options, n)
+  for _, key in ipairs { "q", "v", "at" } do
+    local given = options[key]
+    local fine, count = pcall(function() return #given end)
+    if given ~= nil and (type(given) == "string" or not fine or count ~= n) then
+      error(("option '%s' must be %d numbers, one for each coordinate (got %s)"):format(key, n, fine and type(given) ~= "string" and count or type(given)), 0)
+    end
+    for i = 1, given ~= nil and n or 0 do
+      if type(given[i]) ~= "number" or not (abs(given[i]) < math.huge) then
+        error(("option '%s'[%d] must be a finite number (got %s)"):format(key, i, tostring(given[i])), 0)
+      end
+    end
+  end
+end
+
+local OF_ACTIONS = { "section", "dimension", "names", "at" }
+
+-- cyclic coordinates or an action, and what belongs to the latter
+local function check_kind(options)
+  if options.action and options.cyclic then
+    error("system:routh takes 'cyclic' or 'action', not both: an action has its own group coordinates", 0)
+  end
+  for _, key in ipairs(options.action and {} or OF_ACTIONS) do
+    if options[key] ~= nil then error(("option '%s' belongs to an action: system:routh { action = ..., %s = ... }"):format(key, key), 0) end
+  end
+end
+
 local function names_of(system)
   local names, n = system.coordinates, system.Q.dimension
   if names then return names end
@@ -63,7 +91,8 @@ end
 
 -- the number of the coordinate called `key`, or numbered so
 local function coordinate(names, key)
-  if math.type(key) == "integer" and names[key] then return key end
+  local number = math.tointeger(key)
+  if number and type(key) == "number" and names[number] then return number end
   for i, name in ipairs(names) do
     if name == key then return i end
   end
@@ -79,6 +108,7 @@ local function read_cyclic(system, cyclic, names)
     end
   end
   if type(cyclic) == "string" or type(cyclic) == "number" then cyclic = { cyclic } end
+  if type(cyclic) == "userdata" and pcall(function() return #cyclic end) then cyclic = { table.unpack(cyclic) } end
   if type(cyclic) ~= "table" or #cyclic == 0 then error("option 'cyclic' must be a list of coordinates, numbers or names", 0) end
   local out, seen = {}, {}
   for a, key in ipairs(cyclic) do
@@ -221,6 +251,8 @@ end
 
 M.routh = blame.caller(function(system, options)
   check_keys(options)
+  check_kind(options)
+  check_start(options, system.Q.dimension)
   refuse(system)
   local ambient
   if options.action then system, options, ambient = require "dm.routh_section".split(system, options) end
@@ -228,7 +260,7 @@ M.routh = blame.caller(function(system, options)
   info.ambient = ambient
   info.derived = model.derive(info)
   info.mu = read_mu(info, options)
-  examine(info, options.q and options.v and { q = options.q, v = options.v })
+  examine(info, options.q and { q = options.q, v = options.v })
   info.quadratic = require "dm.routh_quadratic".is(info)
   return make(info)
 end)

@@ -46,14 +46,45 @@ local function rows_of(H, first, count, from)
   return out
 end
 
-local function size_of(v, n)
+-- is a slope g none? Beside what it would be a length away, len[k] for each coordinate, and beside what it is elsewhere, so that units do not matter
+local function is_flat(g, H, d, scale)
+  for i = 1, d do
+    local size = 1e-6 * scale.slope[i]
+    for k = 1, d do size = size + abs(H[i][k]) * scale.length[k] end
+    if not (abs(g[i]) <= 1e-9 * size) then return false end
+  end
+  return true
+end
+
+local function length_of(step, d, scale)
   local size = 0
-  for i = 1, n do size = max(size, abs(v[i])) end
+  for i = 1, d do size = max(size, abs(step[i]) / scale.length[i]) end
   return size
 end
 
+local function slope_of(g, d, scale)
+  local size = 0
+  for i = 1, d do size = max(size, scale.slope[i] > 0 and abs(g[i]) / scale.slope[i] or abs(g[i])) end
+  return size
+end
+
+--- Lengths of the coordinates, and what the slopes of V are among the points: { length =, slope = }, d numbers each.
+function M.scale(V, points, lengths, mu, d)
+  local seen, slope = {}, {}
+  for i = 1, d do seen[i] = {} end
+  for _, x in ipairs(points) do
+    local fine, g = pcall(V.gradient, V, core.vector(x), mu)
+    for i = 1, fine and d or 0 do seen[i][#seen[i] + 1] = abs(g[i]) end
+  end
+  for i = 1, d do
+    table.sort(seen[i])
+    slope[i] = seen[i][#seen[i] // 2 + 1] or 0
+  end
+  return { length = lengths, slope = slope }
+end
+
 --- x with V_x = 0 by Newton's method from a start, with the step cut where the slope does not shrink; nothing where it ends elsewhere.
-function M.stationary(V, x, mu, d)
+function M.stationary(V, x, mu, d, scale)
   x = core.vector(x)
   local fine, g = pcall(V.gradient, V, x, mu)
   if not fine then return nil end
@@ -63,7 +94,7 @@ function M.stationary(V, x, mu, d)
     for i = 1, d do rest[i] = g[i] end
     local order = linear.order(A)
     if not order then return nil end
-    local step, part, before = linear.solve(A, { rest }, order)[1], 1, size_of(g, d)
+    local step, part, before = linear.solve(A, { rest }, order)[1], 1, slope_of(g, d, scale)
     local trial, slope
     repeat
       trial = core.vector(x)
@@ -71,16 +102,14 @@ function M.stationary(V, x, mu, d)
       local there, new = pcall(V.gradient, V, trial, mu)
       slope = there and new or nil
       part = part / 2
-    until slope and (size_of(slope, d) < before or part == 0.5 and size_of(step, d) < 1e-6) or part < 1e-3
+    until slope and (slope_of(slope, d, scale) < before or part == 0.5 and length_of(step, d, scale) < 1e-6) or part < 1e-3
     if not slope then return nil end
-    local moved = 0
-    for i = 1, d do moved = max(moved, abs(trial[i] - x[i])) end
+    local moved = length_of(trial - x, d, scale)
     x, g = trial, slope
-    if moved <= SMALL * max(1, x:norm()) then break end
+    if moved <= SMALL then break end
     if part < 1e-3 then return nil end
   end
-  if size_of(g, d) > 1e-9 * max(1, size_of(V:hessian(x, mu)[1], d)) then return nil end
-  return x
+  return is_flat(g, V:hessian(x, mu), d, scale) and x or nil
 end
 
 -- characteristic values of M y'' + S y' + K y = 0, as those of a matrix of twice the size

@@ -51,6 +51,7 @@ local function text(x)
   for i = 1, #x do out[i] = ("%.6g"):format(x[i]) end
   return "{" .. table.concat(out, ", ") .. "}"
 end
+M.text = text
 
 local function at(p)
   return ("q = %s, v = %s, t = %.6g"):format(text(p.q), text(p.v), p.t)

@@ -35,9 +35,10 @@ local function point(D, x, what)
   if type(x) == "number" then x = { x } end
   local fine, count = pcall(function() return #x end)
   if type(x) == "string" or not fine or count ~= D.info.d then
-    error(("%s must be a point of the shape space: %d numbers"):format(what, D.info.d), 0)
+    error(("%s must be a point of the shape space: %d number%s (got %s)"):format(what, D.info.d, D.info.d == 1 and "" or "s",
+      fine and type(x) ~= "string" and count or type(x)), 0)
   end
-  return x
+  return core.vector(x)
 end
 
 local function points(D, x0, x1) return point(D, x0, "x0"), point(D, x1, "x1") end
@@ -57,7 +58,7 @@ local methods = class.methods
 
 function methods.psi(D, x0, x1, guess)
   x0, x1 = points(D, x0, x1)
-  if type(guess) == "number" then guess = { guess } end
+  if guess ~= nil then guess = shape_of.theta_list(D.info, guess, "the guess of psi") end
   return core.vector(psi_of.pair(D, x0, x1, guess).psi)
 end
 
@@ -114,12 +115,14 @@ local function slopes(D, s)
 end
 
 function methods.legendre_minus(D, x0, x1)
-  local s = psi_of.pair(D, points(D, x0, x1))
+  x0, x1 = points(D, x0, x1)
+  local s = psi_of.pair(D, x0, x1)
   return forms(D, s, x0, x1) - slopes(D, s)
 end
 
 function methods.legendre_plus(D, x0, x1)
-  local s = psi_of.pair(D, points(D, x0, x1))
+  x0, x1 = points(D, x0, x1)
+  local s = psi_of.pair(D, x0, x1)
   local _, A2 = forms(D, s, x0, x1)
   local _, D2 = slopes(D, s)
   return D2 - A2

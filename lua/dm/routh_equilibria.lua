@@ -51,8 +51,9 @@ local function check_region(region, d)
     error(("relative_equilibria: option 'region' must be a list of %d pairs { least, most }, one for each coordinate of the shape"):format(d), 0)
   end
   for i, pair in ipairs(region) do
-    if type(pair) ~= "table" or type(pair[1]) ~= "number" or type(pair[2]) ~= "number" or not (pair[1] <= pair[2]) then
-      error(("relative_equilibria: 'region'[%d] must be a pair { least, most }"):format(i), 0)
+    local fine = type(pair) == "table" and type(pair[1]) == "number" and type(pair[2]) == "number"
+    if not fine or not (pair[1] <= pair[2] and pair[1] > -math.huge and pair[2] < math.huge) then
+      error(("relative_equilibria: 'region'[%d] must be a pair { least, most } of finite numbers"):format(i), 0)
     end
   end
   return region
@@ -69,16 +70,39 @@ local function radical(k, base)
   return out
 end
 
-local function inside(x, region)
+-- that many points in a region
+local function fill(region, count)
+  local out = {}
+  for k = 1, count do
+    out[k] = {}
+    for i, pair in ipairs(region) do out[k][i] = pair[1] + (pair[2] - pair[1]) * radical(k, PRIMES[(i - 1) % #PRIMES + 1]) end
+  end
+  return out
+end
+
+-- of each coordinate: the width of the region, or the size of what is held at one value there
+local function lengths_of(region)
+  local out = {}
   for i, pair in ipairs(region) do
-    if not (x[i] >= pair[1] - 1e-9 and x[i] <= pair[2] + 1e-9) then return false end
+    local width = pair[2] - pair[1]
+    out[i] = width > 0 and width or pair[1] ~= 0 and abs(pair[1]) or 1
+  end
+  return out
+end
+
+local function inside(x, region, length)
+  for i, pair in ipairs(region) do
+    local rim = 1e-9 * length[i]
+    if not (x[i] >= pair[1] - rim and x[i] <= pair[2] + rim) then return false end
   end
   return true
 end
 
-local function is_new(list, x)
+local function is_new(list, x, length)
   for _, e in ipairs(list) do
-    if (e.x - x):norm() < 1e-6 * max(1, x:norm()) then return false end
+    local apart = 0
+    for i = 1, #x do apart = max(apart, abs(e.x[i] - x[i]) / length[i]) end
+    if apart < 1e-6 then return false end
   end
   return true
 end
@@ -86,8 +110,9 @@ end
 -- a mirror image of one that is there: the same energy, velocity and values
 local function is_copy(list, e)
   for _, other in ipairs(list) do
-    local far = abs(other.energy - e.energy) / max(1, abs(e.energy)) + (other.velocity - e.velocity):norm() / max(1, e.velocity:norm())
-    if far < 1e-8 and other.index == e.index then return true end
+    local turned = abs(e.mu:dot(e.velocity)) + abs(e.energy)  -- the energy itself may be 0
+    local near = abs(other.energy - e.energy) <= 1e-8 * turned and (other.velocity - e.velocity):norm() <= 1e-8 * e.velocity:norm()
+    if near and other.index == e.index then return true end
   end
   return false
 end
@@ -99,12 +124,11 @@ M.relative_equilibria = blame.caller(function(shape, options)
   local starts = options.starts or 200
   if math.type(starts) ~= "integer" or starts < 1 then error("relative_equilibria: 'starts' must be a whole number > 0", 0) end
   local V, R, mu = balance.potential(info), balance.routhian(info), core.vector(info.mu)
-  local list = setmetatable({}, class)
-  for k = 1, starts do
-    local x = {}
-    for i, pair in ipairs(region) do x[i] = pair[1] + (pair[2] - pair[1]) * radical(k, PRIMES[(i - 1) % #PRIMES + 1]) end
-    local found = balance.stationary(V, x, mu, d)
-    if found and inside(found, region) and is_new(list, found) then
+  local list, points, scale = setmetatable({}, class), fill(region, starts), nil
+  scale = balance.scale(V, points, lengths_of(region), mu, d)
+  for _, x in ipairs(points) do
+    local found = balance.stationary(V, x, mu, d, scale)
+    if found and inside(found, region, scale.length) and is_new(list, found, scale.length) then
       local fine, e = pcall(balance.describe, info, R, V, found, mu)
       if fine and e and not (options.copies == false and is_copy(list, e)) then list[#list + 1] = e end
     end

@@ -74,6 +74,16 @@ M.reconstruct = blame.caller(function(path, options)
     columns = columns }
 end)
 
+local phases_class = { __name = "dm.phases" }
+
+function phases_class.__tostring(p)
+  local last, out = #p.total, {}
+  for a = 1, #p.total[last] do
+    out[a] = ("%.9g = %.9g dynamic + %.9g geometric"):format(p.total[last][a], p.dynamic[last][a], p.geometric[last][a])
+  end
+  return ("phases of %d rows; the group has come %s"):format(last, table.concat(out, "; "))
+end
+
 M.phases = blame.caller(function(path)
   local info = info_of(path, "path:phases")
   local rest = {}
@@ -92,7 +102,7 @@ M.phases = blame.caller(function(path)
       geometric[i][a] = both[a][i] - both[info.m + a][i]
     end
   end
-  return { total = core.matrix(total), dynamic = core.matrix(dynamic), geometric = core.matrix(geometric) }
+  return setmetatable({ total = core.matrix(total), dynamic = core.matrix(dynamic), geometric = core.matrix(geometric) }, phases_class)
 end)
 
 M.holonomy = blame.caller(function(shape, loop, options)

@@ -123,7 +123,10 @@ local function solve(D, x0, x1, guess)
     local step, part, next_one = linear.solve(I, { now.r }, order)[1], 1, nil
     repeat
       local trial = {}
-      for a = 1, info.m do trial[a] = now.psi[a] + part * step[a] end
+      for a = 1, info.m do
+        trial[a] = now.psi[a] + part * step[a]
+        if not (abs(trial[a]) < math.huge) then no_solution(D, x0, x1, "d2Ld/dpsi2 vanishes, so that no angle gives the momentum") end
+      end
       next_one = rest(trial)
       part = part / 2
     until next_one.size < now.size or part < 1e-4
@@ -149,7 +152,7 @@ local function first_guess(D, x0, x1)
   for j = 1, info.d do x[j], u[j] = (x0[j] + x1[j]) / 2, (x1[j] - x0[j]) / D.h end
   local fine, rate = pcall(function() return shape_of.rate_of(info)(x, u, 0) end)
   local out = {}
-  for a = 1, info.m do out[a] = fine and D.h * rate[a] or 0 end
+  for a = 1, info.m do out[a] = fine and abs(rate[a]) < math.huge and D.h * rate[a] or 0 end
   return out
 end
 

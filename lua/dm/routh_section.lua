@@ -36,12 +36,19 @@ local function check_dimension(m, n)
   end
 end
 
+-- a point of Q that a function of the user gave, as a vector
+local function point(value, n, option)
+  local fine, count = pcall(function() return #value end)
+  if type(value) == "string" or not fine or count ~= n then
+    error(("option '%s' must return a point of Q: %d numbers (got %s)"):format(option, n, fine and type(value) ~= "string" and count or type(value)), 0)
+  end
+  return core.vector(value)
+end
+
 -- g . q with theta a number where the group has one dimension
 local function mover(map, m)
   return function(theta, q)
-    local moved = core.vector(map(m == 1 and theta[1] or core.vector(theta), core.vector(q)))
-    if #moved ~= #q then error(("option 'action' must return a point of Q: %d numbers (got %d)"):format(#q, #moved), 0) end
-    return moved
+    return point(map(m == 1 and theta[1] or core.vector(theta), core.vector(q)), #q, "action")
   end
 end
 
@@ -85,7 +92,10 @@ end
 -- the slice of dm.routh_zero through the orbit of `at`, where its shape is there, and the theta that the group moves it by so that `at` is at theta = 0
 local function slice(move, m, n, at)
   local S = zero.through(move, m, n, at)
-  if not S then error("the group does not move the point 'at' in as many directions as it has dimensions: take another one", 0) end
+  if not S then
+    error(("the group does not move the point %s in as many directions as it has dimensions (it is held by a part of the group): take another one")
+      :format(check.text(at)), 0)
+  end
   local home, back = {}, {}
   for i = 1, n do
     if not S.held[i] then home[#home + 1] = S.q[i] end
@@ -179,7 +189,8 @@ local function find(Phi, m, n, q, home)
     end
     if best and try % 8 == 7 then return unwound(Phi, m, q, best) end
   end
-  error("this point is not on an orbit through the section (no theta and shape were found for it)", 0)
+  error(("the point %s is not on an orbit through the section: no theta and shape were found for it. Does the group move it, and does its orbit meet "
+    .. "the section?"):format(check.text(q)), 0)
 end
 
 -- from states of the system to those of (theta, x) and back
@@ -216,6 +227,9 @@ local function names_of(options, m, n)
     names = {}
     for i = 1, n do names[i] = i <= m and (m == 1 and "theta" or "theta" .. i) or "x" .. i - m end
   end
+  if type(names) ~= "table" or #names ~= n then
+    error(("option 'names' must be %d names, of theta (%d) and of the shape (%d)"):format(n, m, n - m), 0)
+  end
   return names
 end
 
@@ -249,19 +263,20 @@ function M.split(system, options)
   local section, home, back = options.section, nil, zeros(m)
   local given = system.given
   local function L(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end
-  local points = check.points(n, L)
+  local points = check.points(n, L, options.q and { q = options.q, v = options.v })
+  if section ~= nil and type(section) ~= "function" then
+    error(("option 'section' must be a function that gives a point of Q for every shape (got %s)"):format(type(section)), 0)
+  end
   if points[1] then move(zeros(m), points[1].q) end  -- an action that returns no point of Q is told here
+  check_action(move, m, points)
   if not section then section, home, back = slice(move, m, n, options.at or options.q or somewhere(move, m, n, L, points)) end
   local function chart(y)
     local theta, x = {}, {}
     for i = 1, m do theta[i] = back[i] == 0 and y[i] or y[i] + back[i] end
     for i = m + 1, n do x[i - m] = y[i] end
-    local point = core.vector(section(core.vector(x)))
-    if #point ~= n then error(("option 'section' must return a point of Q: %d numbers (got %d)"):format(n, #point), 0) end
-    return move(theta, point)
+    return move(theta, point(section(core.vector(x)), n, "section"))
   end
   local Phi = core.trace(chart, n)
-  check_action(move, m, points)
   local slope = core.derivative(chart, n)
   local split = pulled_back(system, Phi, slope, n, names_of(options, m, n))
   local T, other = transfer(system, Phi, m, n, home), { mu = options.mu, connection = options.connection, cyclic = {} }

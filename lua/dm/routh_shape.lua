@@ -20,6 +20,7 @@ local function place(info, what, x, t)
     error(("%s takes a point of the shape space: %d number%s (got %s)")
       :format(what, info.d, info.d == 1 and "" or "s", fine and type(x) ~= "string" and count or type(x)), 0)
   end
+  if t ~= nil and type(t) ~= "number" then error(("%s: the time must be a number (got %s)"):format(what, type(t)), 0) end
   return core.vector(x), t or 0
 end
 
@@ -149,19 +150,26 @@ M.lift = blame.caller(function(shape, x, v, theta, t)
   return q, u
 end)
 
---- theta as a list of m numbers.
-function M.theta_list(info, theta)
+--- theta, or what is called so, as a list of m numbers.
+function M.theta_list(info, theta, what)
   if theta == nil then return zeros(info.m) end
   if type(theta) == "number" then theta = { theta } end
   local fine, count = pcall(function() return #theta end)
-  if not fine or count ~= info.m then
-    error(("theta must be %d number%s"):format(info.m, info.m == 1 and "" or "s"), 0)
+  if type(theta) == "string" or not fine or count ~= info.m then
+    error(("%s must be %d number%s"):format(what or "theta", info.m, info.m == 1 and "" or "s"), 0)
   end
   return core.vector(theta)
 end
 
 M.start = blame.caller(function(shape, q, v, t)
   local info = routh.need(shape, "start")
+  for name, given in pairs { q = q or false, v = v or false } do
+    local fine, count = pcall(function() return #given end)
+    if type(given) == "string" or not fine or count ~= info.n then
+      error(("start: %s must be %d numbers, as in the unreduced system (got %s)"):format(name, info.n, fine and type(given) ~= "string" and count
+        or given and type(given) or "nothing"), 0)
+    end
+  end
   if info.ambient then q, v = info.ambient.split(q, v) end
   local p = info.full:momentum(q, v, t or 0)
   for a, i in ipairs(info.cyclic) do
@@ -175,13 +183,21 @@ M.start = blame.caller(function(shape, q, v, t)
   return core.vector(x), core.vector(u), core.vector(theta)
 end)
 
+local reduction_class = { __name = "dm.reduction" }
+
+function reduction_class.__tostring(r)
+  local gone = {}
+  for a, name in ipairs(r.group) do gone[a] = ("%s (momentum %.6g)"):format(name, r.mu[a]) end
+  return ("reduction by %s of %s"):format(table.concat(gone, ", "), tostring(r.full))
+end
+
 M.reduction = blame.caller(function(shape)
   local info = routh.info(shape)
   if not info then return nil end
   local names = {}
   for a, i in ipairs(info.cyclic) do names[a] = info.names[i] end
-  return { full = info.ambient and info.ambient.system or info.full, mu = core.vector(info.mu), group = names,
-    cyclic = { table.unpack(info.cyclic) }, shape = { table.unpack(info.shape) } }
+  return setmetatable({ full = info.ambient and info.ambient.system or info.full, mu = core.vector(info.mu), group = names,
+    cyclic = { table.unpack(info.cyclic) }, shape = { table.unpack(info.shape) } }, reduction_class)
 end)
 
 return M

@@ -5,11 +5,17 @@ local routh = require "dm.routh"
 
 local M = {}
 
+local NONE = { rk4 = true, rkf45 = true, rk8pd = true, rk8 = true }  -- no partitioned rule makes these symplectic (Leok 2.4.2)
+
 -- "gauss(2)" of "rsprk(gauss(2))" and "rsprk(gauss, 2)"
 local function inner(text)
   local inside = text:match "^%s*rsprk%s*%((.*)%)%s*$"
   if not inside then
     error(("rule '%s': write rsprk(rule) with the name of a rule, for instance \"rsprk(gauss(2))\""):format(text), 0)
+  end
+  if NONE[inside:match "^%s*([%w]+)"] then
+    error(("rule '%s': %s is not symplectic, so it is no reduced symplectic rule; shape:solver { rule = \"%s\" } steps the shape with it")
+      :format(text, inside, inside), 0)
   end
   local name, stages = inside:match "^%s*([%a%-]+)%s*,%s*(%d+)%s*$"
   return name and ("%s(%s)"):format(name, stages) or inside
