@@ -2,6 +2,7 @@
 -- momenta. Its discrete faces commute to round-off, those between continuous and discrete to the order of the rule.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local routh = require "dm.routh"
 
 local M = {}
 
@@ -128,8 +129,8 @@ local function add_order(rows, name, order, one, two)
   rows[#rows + 1] = { name = name, difference = one, order = measured, commutes = fine }
 end
 
-local function continuous_faces(rows, c, options)
-  local above = ends(c.system, c, options.q, options.v)
+local function continuous_faces(rows, c)
+  local above = ends(c.system, c, c.q, c.v)
   local below = ends(c.shape, c, c.x, c.u)
   local order = c.shape:solver({ rule = c.rule, h = c.h }).order
   local x, y = {}, {}
@@ -150,29 +151,32 @@ local function read(system, options)
   if type(options.h) ~= "number" or not (options.h > 0) then error("dm.commute: option 'h' must be a step > 0", 0) end
   local steps = options.steps or 40
   if math.type(steps) ~= "integer" or steps < 4 or steps > 10000 then error("dm.commute: 'steps' must be a whole number from 4 to 10000", 0) end
-  if options.action then
-    error("dm.commute: rules commute with reduction in coordinates in which the group adds to some of them; give such a system and 'cyclic'", 0)
-  end
-  local how = {}
+  local how, q, v = {}, options.q, options.v
   for key, value in pairs(options) do
     if not OWN[key] then how[key] = value end
   end
   local shape = system:routh(how)
-  local x, u, theta = shape:start(options.q, options.v)
+  if options.action then
+    local info = routh.info(shape)
+    q, v = info.ambient.split(q, v)
+    system = info.full
+    shape = system:routh { cyclic = info.cyclic, mu = info.mu, q = q, v = v, connection = options.connection }
+  end
+  local x, u, theta = shape:start(q, v)
   local reduction = shape:reduction()
-  return { system = system, shape = shape, reduction = reduction, mu = reduction.mu, x = x, u = u, theta = theta,
+  return { system = system, q = q, v = v, shape = shape, reduction = reduction, mu = reduction.mu, x = x, u = u, theta = theta,
     rule = options.rule or "gauss(2)", h = options.h, steps = steps }
 end
 
 local doc = [[
-dm.commute(system, {q=, v=, h=, rule=, steps=, cyclic=, mu=, connection=}) -> dm.cube {rule, h, steps, mu, commutes, {name, difference, order, commutes}, ...}
+dm.commute(system, {q=, v=, h=, rule=, steps=, cyclic=, action=, mu=, connection=}) -> dm.cube {rule, h, steps, mu, commutes, {name, difference, order, commutes}, ...}
 The cube of discrete Routh reduction for a system (Leok, figure 2.1): Euler-Lagrange and Hamilton's equations, Routh's equations, and for each its discrete
 one (DEL, SPRK, DR, RSPRK), run from one start and compared edge by edge. Edges among discrete corners commute to round-off where the rule is a partitioned
-Runge-Kutta rule; those from continuous to discrete to its order, which is measured. print shows the table; commutes: all of them. Options as in system:routh.]]
+Runge-Kutta rule; those from continuous to discrete to its order, which is measured. print shows the table; commutes: all of them. Options as in system:routh: with an action the cube is that of the system in (theta, x), in which rules commute with reduction.]]
 
 M.commute = blame.caller(function(system, options)
   local c = read(system, options)
-  c.full = system:solver({ rule = c.rule, h = c.h }):run { q = options.q, v = options.v, steps = c.steps }
+  c.full = c.system:solver({ rule = c.rule, h = c.h }):run { q = c.q, v = c.v, steps = c.steps }
   c.reduced = c.shape:solver({ rule = c.rule, h = c.h }):run { q = c.x, v = c.u, steps = c.steps }
   local rows = setmetatable({ rule = c.rule, h = c.h, steps = c.steps, mu = c.mu }, class)
   local fine, D = pcall(c.shape.discrete, c.shape, { rule = c.rule, h = c.h })
@@ -182,7 +186,7 @@ M.commute = blame.caller(function(system, options)
   end
   step_faces(rows, c)
   literal_face(rows, c)
-  continuous_faces(rows, c, options)
+  continuous_faces(rows, c)
   rows.commutes = true
   for _, row in ipairs(rows) do rows.commutes = rows.commutes and row.commutes end
   return rows

@@ -108,7 +108,7 @@ Newton's method from `starts` points (default 200) that fill it. velocity: of th
 values of small motions, with the magnetic term; stable: "energy" (a minimum of V_mu), "spectral" (all values imaginary) or false. Poles of the coordinates are left out. copies = false:
 mirror images, with the same energy, velocity and index, are listed once. print shows the list.]])
 
-add("dm.system", "continue", "dm.routh_equilibria", [[
+add("dm.system", "continue", "dm.routh_continue", [[
 shape:continue(equilibrium, {mu = {from, to}, step=, points=, back=}) -> dm.branch
 The relative equilibria that go on from one, followed by arc length (Keller) in (x, mu), through folds, while mu is in the range, to its very ends; along its own direction where the group has
 several dimensions. step: largest step of arc length; back = true: towards smaller mu first. branch[i] as in relative_equilibria with momentum; branch.mu,

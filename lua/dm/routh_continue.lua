@@ -1,0 +1,222 @@
+--- shape:continue: relative equilibria followed in the momentum by arc length (Keller), with what happens to them on the way.
+local blame = require "dm.blame"
+local balance = require "dm.routh_balance"
+local core = require "dm.core"
+local equilibria = require "dm.routh_equilibria"
+local linear = require "dm.routh_linear"
+
+local M = {}
+
+local abs, max, sqrt = math.abs, math.max, math.sqrt
+
+local WORD, list_text = equilibria.WORD, equilibria.list_text
+
+local branch_class = { __name = "dm.branch" }
+
+function branch_class.__tostring(b)
+  local out = { ("branch of %d relative equilibria, mu from %.6g to %.6g"):format(#b, b[1].momentum, b[#b].momentum) }
+  for _, e in ipairs(b.events) do
+    out[#out + 1] = ("  %s near mu = %.6g, x = %s"):format(e.what, e.momentum, list_text(e.x))
+  end
+  return table.concat(out, "\n")
+end
+
+-- columns of a branch
+function branch_class.__index(b, key)
+  local rows = rawget(b, "rows_of")
+  local read = rows and rows[key]
+  if not read then return nil end
+  local out = {}
+  for i = 1, #b do out[i] = read(b[i]) end
+  return core.vector(out)
+end
+
+local READ = {
+  mu = function(e) return e.momentum end,
+  energy = function(e) return e.energy end,
+  velocity = function(e) return e.velocity[1] end,
+  growth = function(e)
+    local worst = 0
+    for _, value in ipairs(e.values) do worst = max(worst, value[1]) end
+    return worst
+  end,
+}
+
+-- slope of V in x at (x, m) and its derivatives [d][d + 1], mu = m n along the direction n
+local function equation(V, z, d, n)
+  local x, mu = {}, {}
+  for i = 1, d do x[i] = z[i] end
+  for a = 1, #n do mu[a] = z[d + 1] * n[a] end
+  local g, H, rows = V:gradient(x, mu), V:hessian(x, mu), {}
+  for i = 1, d do
+    rows[i] = {}
+    for k = 1, d do rows[i][k] = H[i][k] end
+    rows[i][d + 1] = 0
+    for a = 1, #n do rows[i][d + 1] = rows[i][d + 1] + H[i][d + a] * n[a] end
+  end
+  return g, rows
+end
+
+-- the unit tangent that goes on in the direction of `before`
+local function tangent(rows, before, d)
+  local A, rest = {}, {}
+  for i = 1, d do A[i], rest[i] = rows[i], 0 end
+  A[d + 1], rest[d + 1] = before, 1
+  local order = linear.order(A)
+  if not order then return nil end
+  local t, sum = linear.solve(A, { rest }, order)[1], 0
+  for i = 1, d + 1 do sum = sum + t[i] ^ 2 end
+  for i = 1, d + 1 do t[i] = t[i] / sqrt(sum) end
+  return t
+end
+
+-- back to the curve in the plane at right angles to the tangent; nothing where Newton's method does not end
+local function correct(V, z, t, d, n)
+  local foot = z
+  z = table.move(z, 1, d + 1, 1, {})
+  for round = 1, 12 do
+    local fine, g, rows = pcall(equation, V, z, d, n)
+    if not fine then return nil end
+    local A, rest, off = {}, {}, 0
+    for i = 1, d do A[i], rest[i] = rows[i], g[i] end
+    for i = 1, d + 1 do off = off + t[i] * (z[i] - foot[i]) end
+    A[d + 1], rest[d + 1] = t, off
+    local order = linear.order(A)
+    if not order then return nil end
+    local step, size = linear.solve(A, { rest }, order)[1], 0
+    for i = 1, d + 1 do z[i] = z[i] - step[i]; size = max(size, abs(step[i])) end
+    if size < 1e-11 then return z, rows, round end
+  end
+  return nil
+end
+
+local function describe(info, R, V, z, n)
+  local x, mu = {}, {}
+  for i = 1, info.d do x[i] = z[i] end
+  for a = 1, info.m do mu[a] = z[info.d + 1] * n[a] end
+  local e = balance.describe(info, R, V, core.vector(x), core.vector(mu))
+  e.momentum = z[info.d + 1]
+  return e
+end
+
+-- what can happen between two points of a branch, and what it is called: z, t, e of a point
+local EVENTS = {
+  { function(a, b) return a.t[#a.t] * b.t[#b.t] < 0 end, function() return "fold" end },
+  { function(a, b) return a.e.index ~= b.e.index and a.t[#a.t] * b.t[#b.t] > 0 end,
+    function(a, b) return ("index %d to %d (another branch crosses)"):format(a.e.index, b.e.index) end },
+  { function(a, b) return a.e.stable ~= b.e.stable end, function(a, b) return ("%s to %s"):format(WORD[a.e.stable], WORD[b.e.stable]) end },
+}
+
+-- the point of the branch in the middle of two, or nothing
+local function middle(c, a, b)
+  local guess, chord, size = {}, {}, 0
+  for i = 1, c.d + 1 do
+    guess[i], chord[i] = (a.z[i] + b.z[i]) / 2, b.z[i] - a.z[i]
+    size = size + chord[i] ^ 2
+  end
+  for i = 1, c.d + 1 do chord[i] = chord[i] / sqrt(size) end
+  local z, rows = correct(c.V, guess, chord, c.d, c.n)
+  local t = z and tangent(rows, a.t, c.d)
+  local there, e = pcall(describe, c.info, c.R, c.V, z, c.n)
+  return t and there and e and { z = z, t = t, e = e } or nil
+end
+
+local HALVINGS = 20
+
+-- folds in mu, changes of stability and of index between two points, where they are by bisection
+local function note(c, b, before, now)
+  for _, event in ipairs(EVENTS) do
+    local happens, name = table.unpack(event)
+    if happens(before, now) then
+      local near, far = before, now
+      for _ = 1, HALVINGS do
+        local between = middle(c, near, far)
+        if not between then break end
+        if happens(near, between) then far = between else near = between end
+      end
+      b.events[#b.events + 1] = { what = name(before, now), momentum = far.e.momentum, x = far.e.x, at = #b }
+    end
+  end
+end
+
+-- the unit direction in which mu goes, and how far along it
+local function direction(mu)
+  local size = mu:norm()
+  local n = {}
+  for a = 1, #mu do n[a] = size > 0 and mu[a] / size or a == 1 and 1 or 0 end
+  if #mu == 1 then return { 1 }, mu[1] end
+  return n, size
+end
+
+-- the point of the curve between z and past where mu is `bound`, with the rows there; nothing where z is that point
+local function at_bound(V, z, past, bound, d, n)
+  local s, guess, across = (bound - z[d + 1]) / (past[d + 1] - z[d + 1]), {}, {}
+  if not (s > 1e-9) then return nil end
+  for i = 1, d + 1 do guess[i], across[i] = z[i] + s * (past[i] - z[i]), i == d + 1 and 1 or 0 end
+  guess[d + 1] = bound
+  return correct(V, guess, across, d, n)
+end
+
+local function follow(info, b, first, options, sign)
+  local d, V, R = info.d, balance.potential(info), balance.routhian(info)
+  local n, size = direction(first.mu)
+  local z, before = {}, {}
+  for i = 1, d do z[i], before[i] = first.x[i], 0 end
+  z[d + 1], before[d + 1] = size, sign
+  local _, rows = equation(V, z, d, n)
+  local t = tangent(rows, before, d)
+  if not t then return end
+  local c, length, least = { info = info, V = V, R = R, d = d, n = n }, options.step, options.step / 1024
+  local now = { z = z, t = t, e = describe(info, R, V, z, n) }
+  while #b < options.points do
+    local guess = {}
+    for i = 1, d + 1 do guess[i] = z[i] + length * t[i] end
+    local next_z, next_rows, rounds = correct(V, guess, t, d, n)
+    local bound = next_z and (next_z[d + 1] < options.mu[1] and options.mu[1] or next_z[d + 1] > options.mu[2] and options.mu[2]) or nil
+    if bound then
+      next_z, next_rows = at_bound(V, z, next_z, bound, d, n)
+      if not next_z then return end
+    end
+    if next_z then
+      local ahead = tangent(next_rows, t, d)
+      if not ahead then return end
+      local there, e = pcall(describe, info, R, V, next_z, n)
+      if not there or not e then return end
+      b[#b + 1] = e
+      local before = now
+      z, t, now = next_z, ahead, { z = next_z, t = ahead, e = e }
+      note(c, b, before, now)
+      if bound then return end
+      if rounds <= 3 then length = math.min(2 * length, options.step) end
+    else
+      length = length / 2
+      if length < least then return end
+    end
+  end
+end
+
+M.continue = blame.caller(function(shape, first, options)
+  options = options or {}
+  local info = equilibria.need(shape, "continue", options, { mu = true, step = true, points = true, back = true })
+  if type(first) ~= "table" or not first.x or not first.mu then
+    error("continue takes one of shape:relative_equilibria{...} and a table { mu = { from, to } }", 0)
+  end
+  local range = options.mu
+  if type(range) ~= "table" or type(range[1]) ~= "number" or type(range[2]) ~= "number" or not (range[1] < range[2]) then
+    error("continue: option 'mu' must be a pair { from, to } with from < to", 0)
+  end
+  local step = options.step or (range[2] - range[1]) / 100
+  if type(step) ~= "number" or not (step > 0) then error("continue: option 'step' must be a length > 0", 0) end
+  local points = options.points or 2000
+  if math.type(points) ~= "integer" or points < 1 then error("continue: option 'points' must be a whole number > 0", 0) end
+  local b = { events = {}, rows_of = setmetatable({}, { __index = READ }) }
+  for i = 1, info.d do b.rows_of["x" .. i] = function(e) return e.x[i] end end
+  setmetatable(b, branch_class)
+  local _, size = direction(first.mu)
+  first.momentum = size
+  b[1] = first
+  follow(info, b, first, { mu = range, step = step, points = points }, options.back and -1 or 1)
+  return b
+end)
+
+return M
