@@ -191,10 +191,17 @@ static int is_choice(dm_graph *g, dm_node n, choice *out) {
     return 1;
 }
 
+static int is_sum(dm_op op) {
+    return op == DM_OP_ADD || op == DM_OP_SUB;
+}
+
 /* what operand k gets of, or gives to, a derivative `factor` at n */
 static dm_node share(dm_graph *g, dm_node n, int k, dm_node factor) {
     choice c;
+    const dm_op op = dm_at(g, n)->op;
     if (factor == 0) return 0;
+    if (is_sum(op) && !vanishes(g, factor, DEEPEST_BRANCH))
+        return op == DM_OP_SUB && k == 1 ? dm_neg(g, factor) : factor;
     if (!is_choice(g, n, &c)) return dm_derive_times(g, factor, slope(g, n, k));
     if (k == c.yes) return dm_apply(g, DM_OP_WHERE, c.condition, factor, 0);
     return k == c.no ? dm_apply(g, DM_OP_WHERE, c.condition, 0, factor) : 0;
@@ -230,6 +237,24 @@ static void find_active(sweep *s, dm_graph *g, uint32_t end) {
     }
 }
 
+static int is_square(const dm_expr *e) {
+    return e->op == DM_OP_MUL && e->as.arg[0] == e->as.arg[1];
+}
+
+/* operand k of n gets its share of d[n]; what is taken away need not be negated, nor a square looked at twice */
+static void hand_down(sweep *s, dm_graph *g, dm_node n, int k) {
+    const dm_expr e = *dm_at(g, n);
+    const dm_node a = e.as.arg[k], held = s->d[a], factor = s->d[n];
+    if (!s->active[a]) return;
+    if (is_square(&e) && !vanishes(g, factor, DEEPEST_BRANCH)) {
+        if (k == 0)
+            s->d[a] = dm_derive_join(g, held, dm_mul(g, dm_add(g, factor, factor), a));
+    } else if (e.op == DM_OP_SUB && k == 1 && held && !vanishes(g, factor, DEEPEST_BRANCH))
+        s->d[a] = dm_sub(g, held, factor);
+    else
+        s->d[a] = dm_derive_join(g, held, share(g, n, k, factor));
+}
+
 /* out[n] = df/dx_i */
 static void reverse(sweep *s, dm_graph *g, dm_node f, dm_node *out) {
     memset(out, 0, s->n * sizeof *out);
@@ -245,11 +270,7 @@ static void reverse(sweep *s, dm_graph *g, dm_node f, dm_node *out) {
             dm_derive_root(s, g, n);
             continue;
         }
-        for (int k = 0; k < dm_arity(e.op); k++) {
-            const dm_node a = e.as.arg[k];
-            if (s->active[a])
-                s->d[a] = dm_derive_join(g, s->d[a], share(g, n, k, s->d[n]));
-        }
+        for (int k = 0; k < dm_arity(e.op); k++) hand_down(s, g, n, k);
     }
 }
 
