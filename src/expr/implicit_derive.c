@@ -55,11 +55,12 @@ static void gather(const place *p, dm_node with, uint32_t k, dm_node d) {
     dm_root_adjoint *all = gathered(p->s, p->g, with, 2 * p->r + 1);
     if (!all) return;
     all->of[k] = dm_derive_join(p->g, all->of[k], d);
-    p->s->d[with] = dm_constant(p->g, 1.0);
+    dm_derive_hold(p->s, with, dm_constant(p->g, 1.0));
 }
 
 static void give(const place *p, dm_node to, dm_node d) {
-    if (d && p->s->active[to]) p->s->d[to] = dm_derive_join(p->g, p->s->d[to], d);
+    if (d && p->s->active[to])
+        dm_derive_hold(p->s, to, dm_derive_join(p->g, dm_derive_held(p->s, to), d));
 }
 
 /* ---- conditions ---- */

@@ -41,6 +41,7 @@ struct dm_graph {
     dm_node
         source[2]; /* the last function prepared for derivatives, and what it became */
     dm_gradient_kept gradient; /* the last one */
+    struct dm_compacted *compacted; /* compact.c, newest first */
     int verbatim;
 };
 
