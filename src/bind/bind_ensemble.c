@@ -21,13 +21,17 @@ static size_t bytes_of_member(uint32_t n, const dm_ensemble_rows *rows) {
            (size_t)rows->room * rows->width * sizeof(double);
 }
 
+static double memory_of_machine(void) {
+    return (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+}
+
 dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
                                const dm_ensemble_rows *rows) {
-    const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    static const double small = 1e6; /* bytes: no need to ask the system */
     const size_t each = bytes_of_member(n, rows);
     const double bytes =
         (double)members * ((double)each + (double)rows->room * rows->width * 8.0);
-    if (bytes > 0.5 * memory)
+    if (bytes > small && bytes > 0.5 * memory_of_machine())
         luaL_error(L,
                    "%d members need %f GB, more than half of this machine's memory: run "
                    "them in parts%s",

@@ -28,7 +28,8 @@ static int default_threads(void) {
 }
 
 static int read_threads(lua_State *L) {
-    const long threads = dml_count(L, 2, "threads", 1, default_threads());
+    if (!has(L, "threads")) return default_threads();
+    const long threads = dml_count(L, 2, "threads", 1, 1);
     if (threads > DM_ENSEMBLE_THREADS)
         luaL_error(L, "field 'threads' must be at most %d", DM_ENSEMBLE_THREADS);
     return (int)threads;

@@ -1,4 +1,5 @@
 /* ensemble_starts.c - where the members of an ensemble start: functions, tables or matrices of numbers. */
+#include "base/few.h"
 #include "bind/array.h"
 #include "bind/ensemble.h"
 #include "bind/start_ties.h"
@@ -73,7 +74,7 @@ static void read_column(lua_State *L, const dml_part *p, const char *key,
     const double *rows = entries_of(L, at, n);
     for (long i = p->first; i < p->first + p->count; i++, out += size) {
         if (rows)
-            memcpy(out, rows + (size_t)i * n, n * sizeof *out);
+            dm_few(out, rows + (size_t)i * n, n);
         else
             read_member(L, at, key, i, out, n);
     }
@@ -155,8 +156,8 @@ static int is_inside(const dml_part *these, const dml_stepping *r, long i,
     const double *q = these->e->state + (size_t)i * dm_state_size(n);
     double value = 0.0;
     if (!(m->has & DM_WANT_VALUE) || m->value.inputs != 2 * n + 1 + many) return 1;
-    memcpy(x, q, n * sizeof *x);
-    memcpy(x + n, v, n * sizeof *x);
+    dm_few(x, q, n);
+    dm_few(x + n, v, n);
     x[2 * n] = r->t0;
     if (many)
         memcpy(x + 2 * n + 1, these->values + (size_t)(i - these->first) * many,
@@ -171,7 +172,7 @@ static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, l
                          double *room) {
     const uint32_t n = these->e->n;
     double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *v = r->x;
-    memcpy(v, p, n * sizeof *v);
+    dm_few(v, p, n);
     const int inside = is_inside(these, r, i, v, room);
     dml_rethrow(L, r->model);
     if (!inside || dm_legendre(&r->model->model, p, q, v, r->t0, r->work) != DM_OK)

@@ -2,6 +2,7 @@
 
 #include "expr/jit.h"
 
+#include <math.h>
 #include <string.h>
 
 /* bytes that stay in the first-level cache; enough groups hide the latency of a stage */
@@ -36,6 +37,17 @@ void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state) {
 void dm_lanes_get(const dm_lanes *x, uint32_t n, uint32_t i, double *state) {
     const double *from = dm_lanes_member(x, n, i);
     for (size_t k = 0; k < dm_state_size(n); k++) state[k] = from[k * x->lanes];
+}
+
+/* their sum is not, where one is not */
+int dm_lanes_are_finite(const dm_lanes *x, uint32_t n) {
+    const size_t count = x->groups * dm_state_size(n) * x->lanes;
+    double sum[8] = {0.0}, all = 0.0;
+    for (size_t i = 0; i + 8 <= count; i += 8)
+        for (int k = 0; k < 8; k++) sum[k] += x->state[i + (size_t)k];
+    for (size_t i = count / 8 * 8; i < count; i++) all += x->state[i];
+    for (int k = 0; k < 8; k++) all += sum[k];
+    return isfinite(all);
 }
 
 int dm_lanes_is_finite(const dm_lanes *x, uint32_t n, uint32_t i) {

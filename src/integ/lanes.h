@@ -26,6 +26,9 @@ static inline double *dm_lanes_memory(const dm_lanes *x, uint32_t i) {
 void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state);
 void dm_lanes_get(const dm_lanes *x, uint32_t n, uint32_t i, double *state);
 
+/* True only when no entry of any lane is NaN or infinite; 0 also where a sum of all would overflow. */
+int dm_lanes_are_finite(const dm_lanes *x, uint32_t n);
+
 /* True when no entry of member i is NaN or infinite. */
 int dm_lanes_is_finite(const dm_lanes *x, uint32_t n, uint32_t i);
 

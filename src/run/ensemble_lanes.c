@@ -189,6 +189,7 @@ static void advance_seen(block *x, double t, long count) {
     const size_t all = (size_t)lanes->groups * lanes->lanes;
     memcpy(lanes->kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
     s->method->advance_lanes(s, lanes, t, count);
+    if (dm_lanes_are_finite(lanes, dim(x))) return;
     for (long i = 0; i < x->count; i++)
         if (member_of(x, i)->status == DM_OK &&
             !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
