@@ -39,13 +39,10 @@ dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t
                    "a larger 'every', watch less, or write them to a file (file = "
                    "\"rows.npy\")",
                    (double)rows, bytes * 1e-9);
-    const size_t doubles = (size_t)rows * width + dm_state_size(n);
+    const size_t doubles = (size_t)rows * width;
     dml_path *p =
         lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);
-    *p = (dml_path){.n = n, .width = width};
-    p->state = (double *)(p + 1);
-    p->data = p->state + dm_state_size(n);
-    memset(p->state, 0, dm_state_size(n) * sizeof(double));
+    *p = (dml_path){.n = n, .width = width, .data = (double *)(p + 1)};
     luaL_setmetatable(L, DML_PATH);
     lua_pushvalue(L, system);
     lua_setiuservalue(L, -2, DML_PATH_SYSTEM);

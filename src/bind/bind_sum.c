@@ -98,15 +98,12 @@ static dml_frame *find_trace(lua_State *L, const request *r) {
 
 /* the entries of argument k: neighbouring inputs of the graph from *first on, or numbers */
 static int is_run_of_inputs(const dml_frame *frame, const dml_array *a, uint32_t *first) {
-    const uint32_t inputs = dm_sum_first(frame->graph);
-    const dm_node *nodes = dml_nodesof(a);
-    for (uint32_t i = 0; i < a->rows; i++) {
-        const dm_expr *e = dm_graph_at(frame->graph, nodes[i]);
-        if (i == 0) *first = e->as.input;
-        if (e->op != DM_OP_INPUT || e->as.input != *first + i || e->as.input >= inputs)
-            return 0;
-    }
-    return 1;
+    const dm_node inputs = dm_sum_first(frame->graph), *nodes = dml_nodesof(a);
+    dm_node differ = 0;
+    if (!a->rows || !nodes[0] || nodes[0] > inputs || a->rows > inputs) return 0;
+    for (uint32_t i = 0; i < a->rows; i++) differ |= nodes[i] ^ (nodes[0] + i);
+    *first = nodes[0] - 1; /* input i is node i + 1 of every trace */
+    return !differ && *first + a->rows <= inputs;
 }
 
 /* what argument k is in the graph: inputs from first on, or a copy of its numbers */

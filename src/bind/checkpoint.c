@@ -24,22 +24,44 @@ dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r) {
     const size_t memory = s->method->memory ? s->method->memory(s, &place) : 0;
     const size_t doubles = dm_state_size(n) + memory;
     dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + doubles * sizeof(double), 0);
-    memset(c, 0, sizeof *c + doubles * sizeof(double));
-    c->n = n;
-    c->memory = memory;
+    *c = (dml_checkpoint){.n = n, .memory = memory};
+    memset(c->state + dm_state_size(n), 0, memory * sizeof(double));
     return c;
 }
 
 /* a number that tells one system from another: L or Ld at the state, p taken for a velocity or a position */
-static double fingerprint(dml_stepping *r, const double *state, double t) {
-    const uint32_t n = r->solver->n;
+static double fingerprint(const dml_model *m, double *x, const double *state, double t) {
     double value = NAN;
-    if (r->model->callback) return value;
-    memcpy(r->x, state, 2 * (size_t)n * sizeof *r->x);
-    r->x[2 * n] = t;
-    dm_kernel_prepare(&r->model->model.value, &value);
-    dm_kernel_eval(&r->model->model.value, r->x, &value);
+    if (m->callback) return value;
+    memcpy(x, state, 2 * (size_t)m->n * sizeof *x);
+    x[2 * m->n] = t;
+    dm_kernel_prepare(&m->model.value, &value);
+    dm_kernel_eval(&m->model.value, x, &value);
     return value;
+}
+
+static void check(dml_checkpoint *c, const dml_model *m, double *x, double h) {
+    if (!c->checked) c->check = fingerprint(m, x, c->state, c->t0 + h * (double)c->steps);
+    c->checked = 1;
+}
+
+void dml_checkpoint_check(dml_checkpoint *c, dml_stepping *r) {
+    check(c, r->model, r->x, r->solver->h);
+}
+
+/* push the end of the path at 1, whose solver has the step h */
+static dml_checkpoint *push_end(lua_State *L, double h) {
+    lua_getiuservalue(L, 1, DML_PATH_MODEL);
+    const dml_model *m = lua_touserdata(L, -1);
+    lua_getiuservalue(L, 1, DML_PATH_END);
+    dml_checkpoint *c = lua_touserdata(L, -1);
+    if (c && !c->checked) {
+        double *x = lua_newuserdatauv(L, (2 * (size_t)c->n + 1) * sizeof *x, 0);
+        check(c, m, x, h);
+        lua_pop(L, 1);
+    }
+    lua_remove(L, -2);
+    return c;
 }
 
 void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps) {
@@ -48,14 +70,14 @@ void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps) {
     c->t0 = r->t0;
     c->steps = steps;
     memcpy(c->state, r->state, size * sizeof(double));
-    c->check = fingerprint(r, c->state, r->t0 + r->solver->h * (double)steps);
+    c->checked = 0;
     if (c->memory && r->solver->method->memory(&r->stepper, &place) == c->memory)
         memcpy(c->state + size, place, c->memory * sizeof(double));
 }
 
 void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c) {
     const double t = c->t0 + r->solver->h * (double)c->steps;
-    const double check = fingerprint(r, c->state, t);
+    const double check = fingerprint(r->model, r->x, c->state, t);
     if (fabs(check - c->check) > 1e-9 * (fabs(check) + fabs(c->check)))
         luaL_error(
             L,
@@ -131,9 +153,9 @@ int dml_path_checkpoint(lua_State *L) {
     const char *file = luaL_checkstring(L, 2);
     if (lua_getiuservalue(L, 1, DML_PATH_END) == LUA_TNIL)
         luaL_error(L, "this path has no end to go on from: its run did not begin");
-    const dml_checkpoint *c = lua_touserdata(L, -1);
     lua_getiuservalue(L, 1, DML_PATH_SOLVER);
     const dml_solver *s = luaL_checkudata(L, -1, DML_SOLVER);
+    const dml_checkpoint *c = push_end(L, s->h);
     lua_getiuservalue(L, 1, DML_PATH_RULE);
     if (!dml_checkpoint_write(c, s, luaL_tolstring(L, -1, NULL), file))
         luaL_error(L, "path:checkpoint: cannot write %s: %s", file, strerror(errno));
@@ -215,8 +237,12 @@ static dml_checkpoint *read_checkpoint(reader *r) {
     const size_t memory = (size_t)read_count(r, "memory", MOST);
     dml_checkpoint *c =
         lua_newuserdatauv(L, sizeof *c + (size + memory) * sizeof(double), 0);
-    *c = (dml_checkpoint){
-        .t0 = t0, .steps = steps, .n = (uint32_t)n, .memory = memory, .check = check};
+    *c = (dml_checkpoint){.t0 = t0,
+                          .steps = steps,
+                          .n = (uint32_t)n,
+                          .memory = memory,
+                          .check = check,
+                          .checked = 1};
     memcpy(c->state, state, size * sizeof *state);
     read_numbers(r, c->state + size, memory);
     read_line(r, text, "end");
@@ -261,7 +287,7 @@ static void read_path(lua_State *L) {
     set_number(L, "tolerance", s->tolerance);
     set_number(L, "max_iterations", s->max_iterations);
     lua_setfield(L, -2, "newton");
-    lua_getiuservalue(L, 1, DML_PATH_END);
+    push_end(L, s->h);
 }
 
 /* is the rule of the checkpoint an object that its text does not give? */

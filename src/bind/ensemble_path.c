@@ -65,7 +65,5 @@ int dml_ensemble_path(lua_State *L) {
     path->rows = rows;
     path->steps = e->member[i].steps;
     path->t = rows ? path->data[(size_t)(rows - 1) * width] : e->t0;
-    memcpy(path->state, e->state + (size_t)i * dm_state_size(e->n),
-           dm_state_size(e->n) * sizeof(double));
     return 1;
 }

@@ -15,8 +15,7 @@ typedef struct {
     double ns_per_step;
     double constraint, rolling; /* largest |g|, |phi| that the solver saw */
     const char *rule;           /* as the user gave it; kept by the path */
-    double *state; /* the last state with its low-order parts: dm_state_size(n) doubles */
-    double *data;  /* rows x width: t, q[n], p[n], or t and what was watched */
+    double *data; /* rows x width: t, q[n], p[n], or t and what was watched */
 } dml_path;
 
 /* user values of dm.path: the system, the rule as written, the traced model, the names of columns of a path that

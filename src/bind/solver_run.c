@@ -240,6 +240,7 @@ static void read_saving(lua_State *L, run *u) {
 static void save(void *ud, long done) {
     run *u = ud;
     dml_checkpoint_take(u->end, &u->r, done + u->resume.steps);
+    dml_checkpoint_check(u->end, &u->r);
     dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving);
 }
 
@@ -324,7 +325,6 @@ static void fill_path(run *u, dml_path *path, long done, long rows, double secon
     path->ns_per_step = done ? seconds * 1e9 / (double)done : 0.0;
     path->constraint = u->r.stepper.report.constraint;
     path->rolling = u->r.stepper.report.rolling;
-    memcpy(path->state, u->r.state, dm_state_size(path->n) * sizeof(double));
 }
 
 /* where the run is, before its stepper is closed */
@@ -333,6 +333,7 @@ static void keep_end(run *u, long done) {
     const double t0 = u->r.t0;
     if (ended) u->r.t0 = u->events.events.end;
     dml_checkpoint_take(u->end, &u->r, ended ? 0 : done + u->resume.steps);
+    if (u->saving) dml_checkpoint_check(u->end, &u->r);
     u->r.t0 = t0;
 }
 
