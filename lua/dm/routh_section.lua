@@ -2,7 +2,6 @@
 -- not depend on theta, if the action is abelian and leaves L as it is.
 local core = require "dm.core"
 local check = require "dm.routh_check"
-local linear = require "dm.routh_linear"
 local zero = require "dm.routh_zero"
 
 local M = {}
@@ -132,17 +131,23 @@ end
 
 local MOST = 50
 
+-- J^-1 b; raises where J is singular, up to round-off
+local function solve(J, b)
+  local x = J:solve(b)
+  for i = 1, #x do
+    if not (abs(x[i]) < math.huge) then error("singular", 0) end
+  end
+  return x
+end
+
 -- y = (theta, x) with Phi(y) = q by Newton's method
 local function invert(Phi, q, start)
   local n = #q
   local y = core.vector(start)
   for _ = 1, MOST do
-    local r, J, size = Phi(y) - q, Phi:jacobian(y), 0
-    local order = linear.order(J)
-    if not order then return nil end
-    local rest = {}
-    for i = 1, n do rest[i] = r[i] end
-    local step = linear.solve(J, { rest }, order)[1]
+    local fine, step = pcall(solve, Phi:jacobian(y), Phi(y) - q)
+    if not fine then return nil end
+    local size = 0
     for i = 1, n do y[i] = y[i] - step[i]; size = max(size, abs(step[i])) end
     if not (size < 1e8) then return nil end
     if size < 1e-14 * max(1, y:norm()) then return y end
@@ -187,7 +192,7 @@ local function find(Phi, m, n, q, home)
       local liked = liking(y, m, n, home)
       if not best or liked > most + 1e-9 then best, most = y, liked end
     end
-    if best and try % 8 == 7 then return unwound(Phi, m, q, best) end
+    if best and (try % 8 == 7 or home and most > -1e-9) then return unwound(Phi, m, q, best) end
   end
   error(("the point %s is not on an orbit through the section: no theta and shape were found for it. Does the group move it, and does its orbit meet "
     .. "the section?"):format(check.text(q)), 0)
@@ -196,26 +201,23 @@ end
 -- from states of the system to those of (theta, x) and back
 local function transfer(system, Phi, m, n, home)
   local T = {}
-  local function solve(J, b)
-    local order = linear.order(J)
-    if not order then error("the section touches an orbit of the group here: take another section", 0) end
-    return linear.solve(J, { b }, order)[1]
+  local function crossed(J, b, q)
+    local fine, x = pcall(solve, J, b)
+    if fine then return x end
+    error(("at %s the group does not cross the section: it does not move this point in all its directions, or along the section; take another one")
+      :format(check.text(q)), 0)
   end
   function T.split(q, v)
     local y = find(Phi, m, n, core.vector(q), home)
-    return y, core.vector(solve(Phi:jacobian(y), v))
+    return y, crossed(Phi:jacobian(y), core.vector(v), q)
   end
   function T.place(q) return find(Phi, m, n, core.vector(q), home) end
   function T.frame(y) return Phi(y), Phi:jacobian(y) end
   function T.lift(y, w) return Phi(y), Phi:jacobian(y) * core.vector(w) end
   -- (y, p_y) -> (q, p): J^T p = p_y
   function T.point(y, p)
-    local J, transposed = Phi:jacobian(y), {}
-    for i = 1, n do
-      transposed[i] = {}
-      for k = 1, n do transposed[i][k] = J[k][i] end
-    end
-    return Phi(y), solve(transposed, p)
+    local q = Phi(y)
+    return q, crossed(Phi:jacobian(y):transpose(), core.vector(p), q)
   end
   T.system = system
   return T

@@ -118,6 +118,12 @@ local function candidate(orbit, m, n, held, at, mask, least)
   return best
 end
 
+local function bits(mask)
+  local count = 0
+  while mask > 0 do count, mask = count + (mask & 1), mask >> 1 end
+  return count
+end
+
 --- The slice through the orbit of `at`: held coordinates (a set), their values, the point of it on the orbit, and theta with g . at = that point.
 --- Nothing where the group does not move `at` in all its directions.
 function M.through(move, m, n, at)
@@ -127,10 +133,12 @@ function M.through(move, m, n, at)
   if not most then return nil end
   local sets, best = sets_of(n, m), nil
   if #sets > CANDIDATES then sets = { most } end
-  for _, held in ipairs(sets) do
-    for mask = 0, m <= 3 and (1 << m) - 2 or 0 do
-      local found = candidate(orbit, m, n, held, at, mask, steep)
-      if found and better(found, best) then best = found end
+  for kept = 0, m <= 3 and m - 1 or 0 do  -- as few as will do are held elsewhere than at 0
+    for _, held in ipairs(best and {} or sets) do
+      for mask = 0, (1 << m) - 2 do
+        local found = bits(mask) == kept and candidate(orbit, m, n, held, at, mask, steep)
+        if found and better(found, best) then best = found end
+      end
     end
   end
   if best then return best end
