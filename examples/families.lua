@@ -50,6 +50,6 @@ end
 assert(modes == 4, "every family begins at a normal mode")
 local mark = { x = marks.x, y = marks.y, name = "loses stability", style = "points" }
 energy[#energy + 1], velocity[#velocity + 1] = mark, { x = marks.x, y = marks.z, name = "loses stability", style = "points" }
-energy.xlabel, energy.ylabel, energy.title, velocity.xlabel, velocity.ylabel, velocity.title = "mu", "energy", "energy of the families", "mu", "angular velocity", "and how fast they turn"
+energy.xlabel, energy.ylabel, energy.title, velocity.xlabel, velocity.ylabel, velocity.title = "mu (kg m^2/s)", "energy (J)", "energy of the families", "mu (kg m^2/s)", "angular velocity (rad/s)", "and how fast they turn"
 velocity.yrange = { 0, 25 }
 print("picture  " .. dm.figure { energy, velocity, file = picture, width = 1000, height = 420 })

@@ -53,7 +53,7 @@ for i = 1, 400 do
 end
 local function first(name) return { x = t, y = { table.unpack(path:column(name):totable(), 1, 400) }, name = name } end
 print("picture  " .. dm.figure { file = picture, columns = 2, width = 1000, height = 720,
-  { first "r1", first "r2", first "phi", xlabel = "t", title = "shape" },
-  { east, north, equal = true, xlabel = "x", ylabel = "y", title = "lower mass from above, 20 s" },
-  { path:series("t", reduced_error, "reduced gauss(2), h = 0.05"), rk4:series("t", rk4_error, "rk4, h = 0.0125"), title = "relative energy error" },
-  { { table.unpack(path:column("t"):totable(), 2, 201) }, apart, log = "y", xlabel = "t", ylabel = "difference", title = "as written - classical Routhian" } })
+  { first "r1", first "r2", first "phi", xlabel = "t (s)", ylabel = "r (m), phi (rad)", title = "shape" },
+  { east, north, equal = true, xlabel = "x (m)", ylabel = "y (m)", title = "lower mass from above, 20 s" },
+  { path:series("t", reduced_error, "reduced gauss(2), h = 0.05"), rk4:series("t", rk4_error, "rk4, two halves of 0.025"), xlabel = "t (s)", ylabel = "E/E0 - 1", title = "relative energy error" },
+  { { table.unpack(path:column("t"):totable(), 2, 201) }, apart, log = "y", xlabel = "t (s)", ylabel = "difference (m, kg m/s)", title = "as written - classical Routhian" } })

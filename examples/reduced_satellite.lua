@@ -46,7 +46,7 @@ for k, case in ipairs(wanted) do
   print(("%-30s node %+.4f rad per unit, distance from the centre %.4f to %.4f"):format(name, turning, least, most))
   assert(abs(turning - rate) < 2e-4 and abs(least - inner) < 2e-4, name)
   assert((most - least > 0.1) == (J2 > 0), "only J2 makes a band")
-  panels[k] = { x, y, title = name, xlabel = "x", ylabel = "z + 0.3 y", equal = true }
-  panels[4 + k] = { path:column "r", path:column "z", title = "reduced: r, z", xlabel = "r", ylabel = "z", xrange = { 0.8, 1.02 }, yrange = { -0.3, 0.3 } }
+  panels[k] = { x, y, title = name, xlabel = "x (radii)", ylabel = "z + 0.3 y (radii)", equal = true }
+  panels[4 + k] = { path:column "r", path:column "z", title = "reduced: r, z", xlabel = "r (radii)", ylabel = "z (radii)", xrange = { 0.8, 1.02 }, yrange = { -0.3, 0.3 } }
 end
 print("picture  " .. dm.figure(panels))
