@@ -34,6 +34,7 @@ typedef struct {
     dm_arena scratch; /* of one pass at a time */
     dm_node *now, *best;
     uint64_t least; /* cost of the best */
+    uint32_t kept;  /* nodes of the graph when it was found: later ones are for nothing */
     int passes;     /* at most, on one road */
 } search;
 
@@ -72,6 +73,7 @@ static void follow(search *x, const dm_node *roots, int expand, uint32_t percent
         const uint64_t now = own * percent;
         if (now < x->least) {
             x->least = now;
+            x->kept = dm_graph_size(x->g);
             memcpy(x->best, x->now, x->m * sizeof *x->best);
         }
         if (100 * now > far * x->least || own > before - before / patience(own)) return;
@@ -82,7 +84,7 @@ static void follow(search *x, const dm_node *roots, int expand, uint32_t percent
 /* the cheapest form found; the expanded ones counted at `favour` percent of their cost */
 static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favour,
                     dm_node *out) {
-    search x = {.g = g, .m = m};
+    search x = {.g = g, .m = m, .kept = dm_graph_size(g)};
     dm_node *start = dm_arena_take(g->arena, (m + 1) * sizeof *start);
     if (out != roots) memcpy(out, roots, m * sizeof *out);
     const uint32_t operations = dm_operations(g, roots, m);
@@ -98,6 +100,7 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     if (operations <= LARGE) follow(&x, start, 1, favour);
     follow(&x, start, 0, 100);
     dm_arena_release(&x.scratch);
+    if (g->status == DM_OK) dm_graph_forget(g, x.kept);
 }
 
 /* 1/sqrt(u) where n = sqrt(u) and that is needed too, else 0 */

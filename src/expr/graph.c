@@ -180,6 +180,13 @@ dm_node dm_node_copy(dm_graph *g, const dm_expr *e) {
     return append(g, e);
 }
 
+void dm_graph_forget(dm_graph *g, uint32_t size) {
+    dm_table_forget(g, size);
+    for (dm_node n = size; n < g->size; n++)
+        if (g->nodes[n].op == DM_OP_INPUT) g->leaf[g->nodes[n].as.input] = 0;
+    if (size < g->size) g->size = size;
+}
+
 dm_node dm_node_plain(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c) {
     return dm_node_make(g, &(dm_expr){.op = op, .as.arg = {a, b, c}});
 }

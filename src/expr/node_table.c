@@ -67,6 +67,13 @@ static dm_slot *slot_of(const dm_graph *g, const dm_expr *e) {
     }
 }
 
+/* the newest first: every place is then again what it was before the node was made */
+void dm_table_forget(dm_graph *g, uint32_t size) {
+    for (; g->tabled > size; g->tabled--)
+        if (g->nodes[g->tabled - 1].op != DM_OP_INPUT)
+            slot_of(g, g->nodes + g->tabled - 1)->node = 0;
+}
+
 /* an empty table for all that there is room for, at most half full */
 static int open_table(dm_graph *g) {
     const size_t slots = 2 * (size_t)g->capacity;

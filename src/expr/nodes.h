@@ -85,6 +85,12 @@ dm_node *dm_table_place(dm_graph *g, const dm_expr *e);
 /* op(a, b, c) as it stands. */
 dm_node dm_node_plain(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c);
 
+/* Take the newest nodes away, which nothing refers to, until so many are left. */
+void dm_graph_forget(dm_graph *g, uint32_t size);
+
+/* node_table.c: the same for the table alone. */
+void dm_table_forget(dm_graph *g, uint32_t size);
+
 /* Stop building: the first reason is kept. Returns node 0. */
 dm_node dm_graph_fail(dm_graph *g, dm_status why);
 
