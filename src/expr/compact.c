@@ -30,7 +30,7 @@ static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
 /* roots on their way to fewer operations */
 typedef struct {
     dm_graph *g;
-    uint32_t m;
+    uint32_t m, operations;
     dm_arena scratch; /* of one pass at a time */
     dm_node *now, *best;
     uint64_t least; /* cost of the best */
@@ -45,7 +45,7 @@ static uint64_t pass(search *x, int expand) {
     dm_arena_reset(&x->scratch);
     dm_scaled *value = dm_arena_take(&x->scratch, (x->m + 1) * sizeof *value);
     if (!value) dm_graph_fail(x->g, DM_NO_MEMORY);
-    if (!value || !dm_terms_open(&s, x->g, &x->scratch)) return UINT64_MAX;
+    if (!value || !dm_terms_open(&s, x->g, x->operations, &x->scratch)) return UINT64_MAX;
     if (!dm_terms_read(&s, x->now, x->m, value)) return UINT64_MAX;
     if (expand) dm_terms_expand(&s, value, x->m);
     dm_terms_factor(&s, value, x->m);
@@ -87,7 +87,7 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     search x = {.g = g, .m = m, .kept = dm_graph_size(g)};
     dm_node *start = dm_arena_take(g->arena, (m + 1) * sizeof *start);
     if (out != roots) memcpy(out, roots, m * sizeof *out);
-    const uint32_t operations = dm_operations(g, roots, m);
+    const uint32_t operations = x.operations = dm_operations(g, roots, m);
     if (!start || g->verbatim || operations > LARGEST) return;
     x.now = dm_arena_take(g->arena, (m + 1) * sizeof *x.now);
     x.best = out;
@@ -173,14 +173,16 @@ static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack
     if (!copied[top]) stack[depth++] = (visit){top, 0};
     while (depth > 0) {
         visit *v = stack + depth - 1;
-        dm_expr e = *dm_at(g, v->n);
-        if (v->next < dm_arity(e.op)) {
-            const dm_node a = e.as.arg[v->next++];
-            if (!copied[a]) stack[depth++] = (visit){a, 0};
+        const dm_expr *e = dm_at(g, v->n);
+        const int count = dm_arity(e->op);
+        while (v->next < count && copied[e->as.arg[v->next]]) v->next++;
+        if (v->next < count) {
+            stack[depth++] = (visit){e->as.arg[v->next++], 0};
             continue;
         }
-        for (int k = 0; k < dm_arity(e.op); k++) e.as.arg[k] = copied[e.as.arg[k]] - 1;
-        copied[v->n] = dm_node_copy(h, &e) + 1;
+        dm_expr own = *e;
+        for (int k = 0; k < count; k++) own.as.arg[k] = copied[own.as.arg[k]] - 1;
+        copied[v->n] = dm_node_copy(h, &own, g->nonnegative[v->n]) + 1;
         depth--;
     }
 }

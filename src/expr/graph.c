@@ -94,7 +94,7 @@ dm_graph *dm_graph_sized(dm_arena *arena, uint32_t inputs, uint32_t nodes) {
 }
 
 /* the sign of a result that is known from its operands; NaN is left out of the promise */
-static uint8_t nonnegative(const dm_graph *g, const dm_expr *e) {
+static uint8_t sign_of(const dm_graph *g, const dm_expr *e) {
     const dm_node a = e->as.arg[0], b = e->as.arg[1], c = e->as.arg[2];
     switch (e->op) {
     case DM_OP_CONSTANT:
@@ -155,9 +155,9 @@ static dm_node *place_of(dm_graph *g, const dm_expr *e) {
 }
 
 /* without a look whether it is there already, or whether there is room */
-static dm_node append(dm_graph *g, const dm_expr *e) {
+static dm_node append(dm_graph *g, const dm_expr *e, uint8_t nonnegative) {
     g->nodes[g->size] = *e;
-    g->nonnegative[g->size] = nonnegative(g, e);
+    g->nonnegative[g->size] = nonnegative;
     return g->size++;
 }
 
@@ -170,14 +170,14 @@ dm_node dm_node_make(dm_graph *g, const dm_expr *e) {
         if (!grow(g, 2 * (size_t)g->capacity) || !(place = place_of(g, e))) return 0;
     }
     g->tabled += g->tabled == g->size;
-    return *place = append(g, e);
+    return *place = append(g, e, sign_of(g, e));
 }
 
-dm_node dm_node_copy(dm_graph *g, const dm_expr *e) {
+dm_node dm_node_copy(dm_graph *g, const dm_expr *e, uint8_t nonnegative) {
     if (e->op == DM_OP_INPUT || g->status != DM_OK || is_zero(e))
         return dm_node_make(g, e);
     if (g->size == g->capacity && !grow(g, 2 * (size_t)g->capacity)) return 0;
-    return append(g, e);
+    return append(g, e, nonnegative);
 }
 
 void dm_graph_forget(dm_graph *g, uint32_t size) {

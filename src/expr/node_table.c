@@ -12,7 +12,7 @@ typedef struct {
     uint64_t first, second;
 } content;
 
-static content content_of(const dm_expr *e) {
+static inline content content_of(const dm_expr *e) {
     const int is_value = e->op == DM_OP_CONSTANT || e->op == DM_OP_IMPLICIT;
     uint64_t bits;
     memcpy(&bits, &e->as.value, sizeof bits);
@@ -42,7 +42,7 @@ static uint32_t line_of(const dm_graph *g, const dm_expr *e, uint32_t h) {
     return 2 * newest & g->mask & ~(uint32_t)(LINE - 1);
 }
 
-static int holds(const dm_graph *g, const dm_slot *slot, content c, uint32_t h) {
+static inline int holds(const dm_graph *g, const dm_slot *slot, content c, uint32_t h) {
     if (slot->hash != h) return 0;
     const content other = content_of(g->nodes + slot->node);
     return other.first == c.first && other.second == c.second;

@@ -40,7 +40,7 @@ struct dm_graph {
     dm_status status;
     dm_node
         source[2]; /* the last function prepared for derivatives, and what it became */
-    dm_gradient_kept gradient; /* the last one */
+    dm_gradient_kept gradient;      /* the last one */
     struct dm_compacted *compacted; /* compact.c, newest first */
     int verbatim;
 };
@@ -75,8 +75,8 @@ dm_node dm_node_make(dm_graph *g, const dm_expr *e);
 /* The same, but 0 when there is none yet. */
 dm_node dm_node_find(dm_graph *g, const dm_expr *e);
 
-/* The same for content that is known to be new, which is not looked for. */
-dm_node dm_node_copy(dm_graph *g, const dm_expr *e);
+/* The same for content that is known to be new, which is not looked for, and of which the sign is known. */
+dm_node dm_node_copy(dm_graph *g, const dm_expr *e, uint8_t nonnegative);
 
 /* node_table.c: where the number of this node is, or belongs (0); not for inputs and the constant zero. NULL: no
 ** memory, and the graph has failed. */

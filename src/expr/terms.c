@@ -48,9 +48,9 @@ static uint32_t slot_of(const dm_terms *s, const dm_term_entry *head,
     return slot;
 }
 
-static int grow_entries(dm_terms *s) {
+static int grow_entries(dm_terms *s, size_t want) {
     dm_arena *arena = s->arena;
-    const size_t held = s->capacity, want = held ? 2 * held : FIRST_TERMS;
+    const size_t held = s->capacity;
     dm_term_entry *entries =
         dm_arena_grow(arena, s->entries, held * sizeof *entries, want * sizeof *entries);
     dm_term *table = dm_arena_take(arena, 2 * want * sizeof *table);
@@ -88,9 +88,11 @@ double dm_terms_times(dm_terms *s, double a, double b) {
     return c;
 }
 
-int dm_terms_open(dm_terms *s, dm_graph *g, dm_arena *arena) {
+int dm_terms_open(dm_terms *s, dm_graph *g, uint32_t operations, dm_arena *arena) {
+    size_t room = FIRST_TERMS;
     *s = (dm_terms){.g = g, .arena = arena};
-    if (!grow_entries(s) || !dm_terms_reserve(s, 4 * DM_MOST_FACTORS)) return 0;
+    while (room < operations) room *= 2;
+    if (!grow_entries(s, room) || !dm_terms_reserve(s, 4 * DM_MOST_FACTORS)) return 0;
     s->entries[0] = (dm_term_entry){.kind = DM_TERM_PRODUCT, .nonnegative = 1};
     s->size = 1;
     return 1;
@@ -100,7 +102,7 @@ dm_term dm_terms_make(dm_terms *s, const dm_term_entry *head, const dm_part *par
     uint32_t slot = slot_of(s, head, parts);
     if (s->table[slot]) return s->table[slot];
     if (s->size == s->capacity) {
-        if (!grow_entries(s)) return 0;
+        if (!grow_entries(s, 2 * (size_t)s->capacity)) return 0;
         slot = slot_of(s, head, parts);
     }
     if (!grow_parts(s, &s->parts, &s->parts_capacity, s->parts_size + head->count))
@@ -259,21 +261,35 @@ static uint32_t walk(const dm_terms *s, dm_term top, visit *stack, dm_term *orde
             continue;
         }
         const dm_term part = s->parts[e->body + v->next++].t;
-        if (uses[part]++ == 0) stack[depth++] = (visit){part, 0};
+        if (uses[part]++ > 0) continue;
+        if (s->entries[part].size == 0)
+            order[done++] = part; /* on and off the stack at once */
+        else
+            stack[depth++] = (visit){part, 0};
     }
     return done;
 }
 
+/* room for walks over all terms: there are several, the store hardly grows in between */
+static int reserve_walk(dm_terms *s) {
+    if (s->size <= s->walk_capacity) return 1;
+    s->walk_capacity = s->capacity;
+    s->stack = dm_arena_take(s->arena, s->capacity * sizeof(visit));
+    s->order = dm_arena_take(s->arena, s->capacity * sizeof *s->order);
+    s->uses = dm_arena_take(s->arena, s->capacity * sizeof *s->uses);
+    if (s->stack && s->order && s->uses) return 1;
+    s->walk_capacity = 0;
+    return fail(s);
+}
+
 uint32_t dm_terms_order(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_term **order,
                         uint32_t **uses) {
-    dm_arena *arena = s->arena;
     uint32_t done = 0;
-    visit *stack = dm_arena_take(arena, s->size * sizeof *stack);
-    *order = dm_arena_take(arena, s->size * sizeof **order);
-    *uses = dm_arena_take(arena, s->size * sizeof **uses);
-    if (!stack || !*order || !*uses) return (uint32_t)fail(s);
-    memset(*uses, 0, s->size * sizeof **uses);
+    if (!reserve_walk(s)) return 0;
+    *order = s->order;
+    *uses = s->uses;
+    memset(s->uses, 0, s->size * sizeof *s->uses);
     for (uint32_t i = 0; i < m; i++)
-        done = walk(s, roots[i].t, stack, *order, done, *uses);
+        done = walk(s, roots[i].t, s->stack, s->order, done, s->uses);
     return done;
 }

@@ -43,10 +43,15 @@ typedef struct {
     uint32_t mask;
     dm_part *scratch; /* parts on their way to a term */
     uint32_t scratch_capacity;
+    void *stack; /* of a walk, as the next two: dm_terms_order */
+    dm_term *order;
+    uint32_t *uses;
+    uint32_t walk_capacity;
     int unfit; /* a coefficient left the normal range: leave the graph as it is */
 } dm_terms;
 
-int dm_terms_open(dm_terms *s, dm_graph *g, dm_arena *arena);
+/* An empty store, with room for what so many operations become. */
+int dm_terms_open(dm_terms *s, dm_graph *g, uint32_t operations, dm_arena *arena);
 
 /* Room for `count` parts in s->scratch; 0 without memory. */
 int dm_terms_reserve(dm_terms *s, uint32_t count);
@@ -70,7 +75,7 @@ int dm_terms_read(dm_terms *s, const dm_node *roots, uint32_t m, dm_scaled *out)
 void dm_terms_rewrite(dm_terms *s, dm_term t, uint32_t count);
 
 /* What the roots are made of, parts before wholes: order[], and how often each is a part:
-** uses[size of the store]. Both in the arena; gives their number, 0 without memory. */
+** uses[size of the store]. Both hold until the next call; gives their number, 0 without memory. */
 uint32_t dm_terms_order(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_term **order,
                         uint32_t **uses);
 

@@ -32,6 +32,7 @@ typedef struct {
     pair *pairs;
     uint32_t *table; /* number of a pair plus one, 0 is free */
     occurrence *seen;
+    uint32_t *uses; /* [terms] as parts */
     uint32_t pairs_size, seen_size, mask, room;
 } sharing;
 
@@ -134,12 +135,23 @@ static void take_coefficients(dm_terms *s, dm_scaled *roots, uint32_t m) {
     }
 }
 
-static uint32_t count_pairs(const dm_terms *s, const dm_term *order, uint32_t count,
-                            dm_term_kind kind) {
+/* a part that nothing else has is in no pair that something else has: those left, copied to `to` */
+static uint32_t parts_of_several(const sharing *w, dm_term t, dm_part *to) {
+    const dm_term_entry *e = w->s->entries + t;
+    const dm_part *p = w->s->parts + e->body;
+    uint32_t kept = 0;
+    if (e->kind != w->kind || e->size > LONGEST) return 0;
+    for (uint32_t i = 0; i < e->size; i++)
+        if (w->uses[p[i].t] > 1) to[kept++] = p[i];
+    return kept;
+}
+
+static uint32_t count_pairs(const sharing *w, const dm_term *order, uint32_t count) {
     uint32_t sum = 0;
+    dm_part parts[LONGEST];
     for (uint32_t i = 0; i < count; i++) {
-        const dm_term_entry *e = s->entries + order[i];
-        if (e->kind == kind && e->size <= LONGEST) sum += e->size * (e->size - 1) / 2;
+        const uint32_t kept = parts_of_several(w, order[i], parts);
+        sum += kept * (kept - (kept > 0)) / 2;
     }
     return sum;
 }
@@ -163,12 +175,10 @@ static int open_round(sharing *w, uint32_t room) {
 }
 
 static void note_pairs(sharing *w, dm_term t) {
-    const dm_terms *s = w->s;
-    const dm_term_entry *e = s->entries + t;
-    if (e->kind != w->kind || e->size > LONGEST) return;
-    const dm_part *p = s->parts + e->body;
-    for (uint32_t i = 0; i < e->size; i++)
-        for (uint32_t j = i + 1; j < e->size; j++) note(w, t, p + i, p + j);
+    dm_part p[LONGEST];
+    const uint32_t count = parts_of_several(w, t, p);
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t j = i + 1; j < count; j++) note(w, t, p + i, p + j);
 }
 
 /* where the pair is in a whole, now; 0 when it is gone */
@@ -242,11 +252,10 @@ void dm_terms_share(dm_terms *s, dm_scaled *roots, uint32_t m, dm_term_kind kind
     if (kind == DM_TERM_PRODUCT) take_coefficients(s, roots, m);
     for (int round = 0; round < MOST_ROUNDS; round++) {
         dm_term *order;
-        uint32_t *uses;
-        const uint32_t count = dm_terms_order(s, roots, m, &order, &uses);
+        const uint32_t count = dm_terms_order(s, roots, m, &order, &w.uses);
         for (uint32_t i = 0; i < count && kind == DM_TERM_PRODUCT; i++)
             if (s->entries[order[i]].kind == kind) write_out(s, order[i]);
-        if (!open_round(&w, count_pairs(s, order, count, kind) + 1)) return;
+        if (!open_round(&w, count_pairs(&w, order, count) + 1)) return;
         for (uint32_t i = 0; i < count; i++) note_pairs(&w, order[i]);
         if (dm_graph_status(s->g) != DM_OK || share_round(&w) < FEW) return;
     }
