@@ -14,17 +14,22 @@ enum {
 };
 
 /* clock cycles, roughly, of what a kernel has to do */
-static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
+static uint32_t cost_of(const uint32_t counts[DM_OP_COUNT]) {
     static const uint8_t cycles[DM_OP_COUNT] = {
         [DM_OP_NEG] = 1,   [DM_OP_ABS] = 1,    [DM_OP_SIGN] = 3, [DM_OP_SQRT] = 6,
         [DM_OP_RSQRT] = 5, [DM_OP_RSQRT3] = 6, [DM_OP_ADD] = 1,  [DM_OP_SUB] = 1,
         [DM_OP_MUL] = 1,   [DM_OP_DIV] = 5,    [DM_OP_MIN] = 1,  [DM_OP_MAX] = 1,
         [DM_OP_WHERE] = 2, [DM_OP_FMA] = 1,    [DM_OP_FMS] = 1,  [DM_OP_FNMA] = 1};
-    uint32_t counts[DM_OP_COUNT], sum = 0;
-    dm_operation_counts(g, roots, m, counts);
+    uint32_t sum = 0;
     for (int op = DM_OP_NEG; op < DM_OP_COUNT; op++)
         sum += counts[op] * (cycles[op] ? cycles[op] : 20);
     return sum;
+}
+
+static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
+    uint32_t counts[DM_OP_COUNT];
+    dm_operation_counts(g, roots, m, counts);
+    return cost_of(counts);
 }
 
 /* roots on their way to fewer operations */
@@ -87,17 +92,20 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     search x = {.g = g, .m = m, .kept = dm_graph_size(g)};
     dm_node *start = dm_arena_take(g->arena, (m + 1) * sizeof *start);
     if (out != roots) memcpy(out, roots, m * sizeof *out);
-    const uint32_t operations = x.operations = dm_operations(g, roots, m);
-    if (!start || g->verbatim || operations > LARGEST) return;
+    uint32_t counts[DM_OP_COUNT];
+    if (!start || g->verbatim) return;
+    dm_operation_counts(g, roots, m, counts);
+    for (int op = 0; op < DM_OP_COUNT; op++) x.operations += counts[op];
+    if (x.operations > LARGEST) return;
     x.now = dm_arena_take(g->arena, (m + 1) * sizeof *x.now);
     x.best = out;
     if (!x.now) return;
     memcpy(start, roots, m * sizeof *start);
     dm_arena_init(&x.scratch, g->arena->allocate, g->arena->ud);
-    x.least = 100 * (uint64_t)cost(g, start, m);
+    x.least = 100 * (uint64_t)cost_of(counts);
     if (x.least < 100 * WORTH) return;
-    x.passes = operations > LARGE ? 1 : MOST_PASSES;
-    if (operations <= LARGE) follow(&x, start, 1, favour);
+    x.passes = x.operations > LARGE ? 1 : MOST_PASSES;
+    if (x.operations <= LARGE) follow(&x, start, 1, favour);
     follow(&x, start, 0, 100);
     dm_arena_release(&x.scratch);
     if (g->status == DM_OK) dm_graph_forget(g, x.kept);

@@ -51,6 +51,7 @@ static dm_node negated(dm_graph *g, dm_node x) {
 /* c * n; a factor that would leave the normal range stays apart */
 static dm_node scaled(dm_graph *g, double c, dm_node n) {
     dm_node rest;
+    if (c == 1.0) return n;
     if (c == 0.0) return 0;
     if (is_constant(g, n)) return dm_constant(g, c * value(g, n));
     const double k = split(g, n, &rest);
@@ -354,8 +355,10 @@ static rule *const rules[DM_OP_COUNT] = {
 /* all operands constant: the value itself */
 static int fold(dm_graph *g, dm_op op, const dm_node arg[3], double *result) {
     double x[3] = {0.0, 0.0, 0.0};
-    for (int k = 0; k < dm_arity(op); k++)
-        if (!dm_is_constant(g, arg[k], x + k)) return 0;
+    for (int k = 0; k < dm_arity(op); k++) {
+        if (!is_constant(g, arg[k])) return 0;
+        x[k] = value(g, arg[k]);
+    }
     *result = dm_op_value(op, x[0], x[1], x[2]);
     return 1;
 }
