@@ -88,6 +88,20 @@ static int keep(void *ud, dm_giveback *how, void *thing, size_t size) {
     return 1;
 }
 
+/* protected: a thread */
+static int make_stack(lua_State *L) {
+    lua_sethook(lua_newthread(L), NULL, 0, 0);
+    return 1;
+}
+
+lua_State *dml_arenastack(const dm_arena *arena) {
+    const owned_arena *a = arena->ud;
+    if (arena->allocate != allocate) return NULL;
+    const int before = lua_gettop(a->keeper);
+    hold(a->keeper, make_stack, 0);
+    return lua_gettop(a->keeper) > before ? lua_tothread(a->keeper, -1) : NULL;
+}
+
 int dml_arenalost(const dm_arena *arena) {
     const owned_arena *a = arena->ud;
     if (arena->allocate != allocate) return 0;

@@ -38,7 +38,6 @@ static void refuse_operands(lua_State *L, dm_op op) {
 
 /* 1: both were scalars of a trace, and the result is pushed */
 static int read_operands(lua_State *L, dm_op op, dml_operand *a, dml_operand *b) {
-    lua_settop(L, 2);
     if (dml_symbolic(L, op)) return 1;
     lua_settop(L, 2);
     luaL_checkstack(L, 10, NULL);

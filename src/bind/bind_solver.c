@@ -58,10 +58,40 @@ static int solver_step(lua_State *L) {
     return 1;
 }
 
+static void set_number(lua_State *L, const char *key, double x) {
+    lua_pushnumber(L, x);
+    lua_setfield(L, -2, key);
+}
+
+static void set_count(lua_State *L, const char *key, long n) {
+    lua_pushinteger(L, n);
+    lua_setfield(L, -2, key);
+}
+
+/* what the last run cost */
 static int solver_report(lua_State *L) {
-    check(L);
-    if (lua_getiuservalue(L, 1, DML_SOLVER_REPORT) == LUA_TNIL)
-        luaL_error(L, "no report yet: run the solver first");
+    const solver *s = check(L);
+    const dml_last_run *last = &s->last;
+    if (!last->backend) luaL_error(L, "no report yet: run the solver first");
+    lua_createtable(L, 0, 12);
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    lua_setfield(L, -2, "rule");
+    lua_pushstring(L, last->backend);
+    lua_setfield(L, -2, "backend");
+    set_number(L, "h", s->h);
+    set_count(L, "order", s->method->order(s->nodes));
+    set_count(L, "operations", last->operations);
+    set_number(L, "trace_ms", last->trace_ms);
+    set_number(L, "compile_ms", last->compile_ms);
+    set_count(L, "steps", last->steps);
+    set_number(L, "ns_per_step", last->ns_per_step);
+    set_count(L, "newton", last->newton);
+    set_count(L, "evaluations", last->evaluations);
+    set_number(L, "newton_per_step",
+               last->steps ? (double)last->newton / (double)last->steps : 0.0);
+    if (!last->tied) return 1;
+    set_number(L, "constraint", last->constraint);
+    set_number(L, "rolling", last->rolling);
     return 1;
 }
 

@@ -92,6 +92,11 @@ static uint32_t check_index(lua_State *L, int arg, uint32_t limit) {
 
 static int vector_field(lua_State *L) {
     const dml_array *a = check(L);
+    if (lua_isinteger(L, 2)) {
+        const lua_Unsigned i = (lua_Unsigned)lua_tointeger(L, 2) - 1;
+        const dml_scalar x = i < a->rows ? dml_get(a, (uint32_t)i) : zero;
+        if (i < a->rows) return dml_pushscalar(L, &x), 1;
+    }
     if (lua_type(L, 2) == LUA_TSTRING) return 0;
     if (lua_type(L, 2) == LUA_TNUMBER &&
         lua_tointeger(L, 2) == (lua_Integer)a->rows + 1) {

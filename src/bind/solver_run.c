@@ -77,43 +77,22 @@ static uint32_t operations(const dm_model *m, unsigned wants) {
            (m->ties ? tie_operations(m->ties, wants) : 0);
 }
 
-static void set_number(lua_State *L, const char *key, double x) {
-    lua_pushnumber(L, x);
-    lua_setfield(L, -2, key);
-}
-
-static void set_count(lua_State *L, const char *key, long n) {
-    lua_pushinteger(L, n);
-    lua_setfield(L, -2, key);
-}
-
-/* what the last run cost: user value 3 of the solver */
-static void keep_report(lua_State *L, const dml_stepping *r, long steps, double seconds) {
-    const solver *s = r->solver;
+/* what the run cost; solver:report() shows it */
+static void keep_report(const dml_stepping *r, long steps, double seconds) {
     const dm_report *report = &r->stepper.report;
-    lua_createtable(L, 0, 12);
-    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
-    lua_setfield(L, -2, "rule");
-    lua_pushstring(L, r->model->backend);
-    lua_setfield(L, -2, "backend");
-    set_number(L, "h", s->h);
-    set_count(L, "order", s->method->order(s->nodes));
-    set_count(L, "operations",
-              report->operations ? report->operations
-                                 : (long)operations(&r->model->model, r->wants));
-    set_number(L, "trace_ms", r->model->trace_ms);
-    set_number(L, "compile_ms", r->model->trace_ms + r->model->compile_ms);
-    set_count(L, "steps", steps);
-    set_number(L, "ns_per_step", steps ? seconds * 1e9 / (double)steps : 0.0);
-    set_count(L, "newton", report->newton);
-    set_count(L, "evaluations", report->evaluations);
-    set_number(L, "newton_per_step",
-               steps ? (double)report->newton / (double)steps : 0.0);
-    if (r->model->model.ties) {
-        set_number(L, "constraint", report->constraint);
-        set_number(L, "rolling", report->rolling);
-    }
-    lua_setiuservalue(L, 1, DML_SOLVER_REPORT);
+    r->solver->last = (dml_last_run){
+        .backend = r->model->backend ? r->model->backend : "tape",
+        .operations = report->operations ? report->operations
+                                         : (long)operations(&r->model->model, r->wants),
+        .trace_ms = r->model->trace_ms,
+        .compile_ms = r->model->trace_ms + r->model->compile_ms,
+        .steps = steps,
+        .ns_per_step = steps ? seconds * 1e9 / (double)steps : 0.0,
+        .newton = report->newton,
+        .evaluations = report->evaluations,
+        .tied = r->model->model.ties != NULL,
+        .constraint = report->constraint,
+        .rolling = report->rolling};
 }
 
 void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done,
@@ -373,7 +352,7 @@ int dml_solver_run(lua_State *L) {
     dml_progress_end(L);
     fill_path(&u, path, done, rows, seconds);
     status = finish(L, &u, status);
-    keep_report(L, &u.r, done, seconds);
+    keep_report(&u.r, done, seconds);
     u.r.t0 = u.plan.t0 + u.r.solver->h * (double)u.resume.steps;
     dml_solver_fail(L, &u.r, status, done, u.path);
     dml_stepping_leave(L, &u.r);

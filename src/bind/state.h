@@ -14,6 +14,21 @@ enum {
     DML_NO_CLASS = DML_CLASSES
 };
 
+/* What a symbol of a trace is in Lua. */
+typedef struct {
+    dm_node node;
+    uint32_t serial; /* of the trace */
+    int slot;        /* among those that are kept, or 0 */
+} dml_symbol;
+
+/* Symbols of a trace that is repeated: the next time they are given out again. */
+typedef struct {
+    lua_State *keeper; /* they stand on its stack; NULL: none are kept */
+    dml_symbol **of;   /* [count] by node, NULL: not made yet */
+    uint32_t count;
+    int busy; /* a trace that repeats has them */
+} dml_symbols;
+
 struct dml_log;
 struct dml_step;
 struct dml_traced;
@@ -23,11 +38,11 @@ typedef struct dml_frame {
     const dm_graph *graph; /* its own, or that of the trace that it repeats */
     dm_graph *own;         /* NULL while it repeats one */
     dm_arena *arena;
-    struct dml_log *log;           /* being written, or NULL */
-    const struct dml_traced *last; /* being repeated, or NULL */
-    const struct dml_step *step,
-        *end;         /* of the log of that: the next, and one past the last */
-    const char *what; /* "L": the function as messages name it */
+    struct dml_log *log;               /* being written, or NULL */
+    const struct dml_traced *last;     /* being repeated, or NULL */
+    const struct dml_step *step, *end; /* of its log: the next, and one past the last */
+    dml_symbols *symbols;              /* of its log, or NULL */
+    const char *what;                  /* "L": the function as messages name it */
     uint32_t serial;
     int keeps_sums;         /* as its signature says */
     uint32_t sums;          /* calls of dm.sum_over so far */
@@ -77,6 +92,9 @@ void dml_pushkeeper(lua_State *L, const dm_arena *arena);
 /* Give back the arena at arg, of dml_pusharena: nothing in it is needed any more. The next one that is asked for gets its memory, which
 ** saves the collector work. */
 void dml_sparearena(lua_State *L, int arg);
+
+/* A stack of its own for values that live as long as the arena, which is one of dml_pusharena; NULL: no memory. */
+lua_State *dml_arenastack(const dm_arena *arena);
 
 /* Has the collector given back what kernels of the arena had outside of Lua? Only finalizers can see that. */
 int dml_arenalost(const dm_arena *arena);

@@ -5,6 +5,15 @@
 #include "bind/path.h"
 #include "integ/method.h"
 
+/* what the last run of a solver cost */
+typedef struct {
+    const char *backend; /* NULL: there was no run */
+    long operations, steps, newton, evaluations;
+    double trace_ms, compile_ms, ns_per_step;
+    int tied; /* the rest is known */
+    double constraint, rolling;
+} dml_last_run;
+
 typedef struct {
     dm_rule nodes[DM_RULE_NODES];
     const dm_method *method;
@@ -13,14 +22,14 @@ typedef struct {
     int plain; /* sums = "plain" */
     uint32_t n;
     int pair; /* steps a discrete Lagrangian */
+    dml_last_run last;
 } dml_solver;
 
-/* user values of dm.solver: the system, the rule as written, the report of the last run,
- * the backend's name or nil, the dm.rule (its text is the rule) or nil, the checkpoint it starts from or nil */
+/* user values of dm.solver: the system, the rule as written, the backend's name or nil, the dm.rule (its text is the
+** rule) or nil, the checkpoint it starts from or nil */
 enum {
     DML_SOLVER_SYSTEM = 1,
     DML_SOLVER_RULE,
-    DML_SOLVER_REPORT,
     DML_SOLVER_BACKEND,
     DML_SOLVER_OBJECT,
     DML_SOLVER_START,

@@ -119,10 +119,11 @@ void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double
 
 /* __close and __gc: its symbols are dead from here on */
 static int end_trace(lua_State *L) {
-    const dml_frame *frame = luaL_checkudata(L, 1, "dm.trace");
+    dml_frame *frame = luaL_checkudata(L, 1, "dm.trace");
     dml_frame **link = &dml_getstate(L)->frames;
     while (*link && *link != frame) link = &(*link)->next;
     if (*link) *link = frame->next;
+    dml_leavesymbols(frame);
     return 0;
 }
 

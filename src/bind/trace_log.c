@@ -4,8 +4,44 @@
 
 enum {
     FIRST = 64,
-    MOST = 1 << 16 /* steps; no log is longer */
+    MOST = 1 << 16,        /* steps; no log is longer */
+    MOST_SYMBOLS = 1 << 12 /* nodes of a trace whose symbols are kept */
 };
+
+/* symbols for the nodes of a log that is repeated for the first time */
+static void make_symbols(const dml_traced *last) {
+    dm_arena *arena = dm_graph_arena(last->graph);
+    dml_symbols *s = last->log->symbols;
+    const uint32_t count = last->log->count;
+    s->count = count ? last->log->step[count - 1].size : 1 + last->inputs;
+    if (s->count > MOST_SYMBOLS) s->count = 0;
+    s->of = dm_arena_take(arena, s->count * sizeof(dml_symbol *));
+    if (!s->of) return;
+    memset(s->of, 0, s->count * sizeof(dml_symbol *));
+    s->keeper = dml_arenastack(arena);
+}
+
+static void take_symbols(dml_frame *f) {
+    dml_symbols *s = f->last->log->symbols;
+    if (!s->of) make_symbols(f->last);
+    if (s->busy || !s->keeper) return;
+    s->busy = 1;
+    f->symbols = s;
+}
+
+void dml_leavesymbols(dml_frame *f) {
+    if (f->symbols) f->symbols->busy = 0;
+    f->symbols = NULL;
+}
+
+static dml_log *new_log(dm_arena *arena) {
+    dml_log *log = dm_arena_take(arena, sizeof *log);
+    dml_symbols *symbols = dm_arena_take(arena, sizeof *symbols);
+    if (!log || !symbols) return NULL;
+    *symbols = (dml_symbols){0};
+    *log = (dml_log){.symbols = symbols};
+    return log;
+}
 
 int dml_beginlog(dml_frame *f, const dml_traced *last) {
     f->last = last && last->log && dm_graph_status(last->graph) == DM_OK ? last : NULL;
@@ -13,10 +49,10 @@ int dml_beginlog(dml_frame *f, const dml_traced *last) {
         f->graph = last->graph;
         f->step = last->log->step;
         f->end = f->step + last->log->count;
+        take_symbols(f);
         return 1;
     }
-    f->log = dm_arena_take(f->arena, sizeof *f->log);
-    if (f->log) *f->log = (dml_log){0};
+    f->log = new_log(f->arena);
     return f->log != NULL;
 }
 
@@ -53,14 +89,13 @@ static void note(dml_frame *f, const dml_deed *d, dm_node node) {
 
 static dml_traced copy_term(dm_arena *arena, const dm_sum *s, const dml_traced *term) {
     dml_traced copy = *term;
-    dml_log *log = dm_arena_take(arena, sizeof *log);
+    dml_log *log = new_log(arena);
     dm_node *out = dm_arena_take(arena, sizeof *out);
     copy.graph = s->term;
     copy.out = out;
     copy.log = NULL;
     if (out) *out = s->value;
     if (!log || !term->log || !out) return copy;
-    *log = (dml_log){0};
     if (!make_room(arena, log, term->log->count, 0)) return copy;
     memcpy(log->step, term->log->step, term->log->count * sizeof *log->step);
     log->count = term->log->count;
@@ -78,10 +113,8 @@ static const dm_sum *sum_of(const dm_graph *g, dm_node node) {
 
 /* the first `count` steps, for the frame's own graph */
 static int copy_log(dml_frame *f, const dml_log *from, uint32_t count) {
-    dml_log *log = dm_arena_take(f->arena, sizeof *log);
-    if (!log) return 0;
-    *log = (dml_log){0};
-    if (!make_room(f->arena, log, count, from->sums)) return 0;
+    dml_log *log = new_log(f->arena);
+    if (!log || !make_room(f->arena, log, count, from->sums)) return 0;
     if (count) memcpy(log->step, from->step, count * sizeof *log->step);
     log->count = count;
     for (uint32_t i = 0; i < count; i++) {
@@ -103,6 +136,7 @@ void dml_leavelast(lua_State *L, dml_frame *f) {
     if (!f->own || !copy_log(f, log, count)) luaL_error(L, "not enough memory");
     f->graph = f->own;
     f->last = NULL;
+    dml_leavesymbols(f);
     f->step = f->end = NULL;
 }
 

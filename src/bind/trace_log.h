@@ -34,6 +34,7 @@ typedef struct dml_log {
     uint32_t count, room;
     dml_summed *sum;
     uint32_t sums, sums_room;
+    dml_symbols *symbols; /* made when it is repeated first */
 } dml_log;
 
 /* The trace has a graph of its own from here on. Raises without memory. */
@@ -68,6 +69,9 @@ dm_node dml_sumagain(dml_frame *f);
 
 /* A new sum, of a term that was just traced into the arena of the frame. */
 dm_node dml_sumanew(lua_State *L, dml_frame *f, const dm_sum *s, const dml_traced *term);
+
+/* The trace has no kept symbols any more: others may have them. */
+void dml_leavesymbols(dml_frame *f);
 
 /* Begin the log of a trace with its own graph, or repeat *last where that has a log. 0: no memory. */
 int dml_beginlog(dml_frame *f, const dml_traced *last);

@@ -7,11 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-typedef struct {
-    dm_node node;
-    uint32_t serial;
-} symbol;
-
 int dml_toscalar(lua_State *L, int arg, dml_scalar *out) {
     *out = (dml_scalar){.kind = DML_NUMBER};
     if (lua_type(L, arg) == LUA_TNUMBER) {
@@ -20,7 +15,7 @@ int dml_toscalar(lua_State *L, int arg, dml_scalar *out) {
     }
     const int class = dml_classof(L, arg);
     if (class == DML_CLASS_SYMBOL) {
-        const symbol *s = lua_touserdata(L, arg);
+        const dml_symbol *s = lua_touserdata(L, arg);
         *out = (dml_scalar){.kind = DML_SYMBOL, .serial = s->serial, .as.node = s->node};
     } else if (class == DML_CLASS_HYPERDUAL) {
         out->kind = DML_HYPERDUAL;
@@ -29,12 +24,38 @@ int dml_toscalar(lua_State *L, int arg, dml_scalar *out) {
     return class == DML_CLASS_SYMBOL || class == DML_CLASS_HYPERDUAL;
 }
 
+/* the kept symbol of that node, made when it is missing; 0: none is kept */
+static int push_kept(lua_State *L, const dml_frame *frame, dm_node node) {
+    dml_symbols *kept = frame->symbols;
+    if (!kept || node >= kept->count) return 0;
+    dml_symbol *s = kept->of[node];
+    if (!s) {
+        if (!lua_checkstack(kept->keeper, 2)) return 0;
+        s = dml_newvalue(L, DML_CLASS_SYMBOL, sizeof *s, 0);
+        lua_pushvalue(L, -1);
+        lua_xmove(L, kept->keeper, 1);
+        *s = (dml_symbol){node, frame->serial, lua_gettop(kept->keeper)};
+        kept->of[node] = s;
+        return 1;
+    }
+    s->serial = frame->serial;
+    lua_pushvalue(kept->keeper, s->slot);
+    lua_xmove(kept->keeper, L, 1);
+    return 1;
+}
+
+static void push_symbol(lua_State *L, dm_node node, uint32_t serial) {
+    const dml_frame *frame = dml_getstate(L)->frames;
+    if (frame && frame->serial == serial && push_kept(L, frame, node)) return;
+    dml_symbol *s = dml_newvalue(L, DML_CLASS_SYMBOL, sizeof *s, 0);
+    *s = (dml_symbol){.node = node, .serial = serial};
+}
+
 void dml_pushscalar(lua_State *L, const dml_scalar *x) {
     if (x->kind == DML_NUMBER) {
         lua_pushnumber(L, x->as.number);
     } else if (x->kind == DML_SYMBOL) {
-        symbol *s = dml_newvalue(L, DML_CLASS_SYMBOL, sizeof *s, 0);
-        *s = (symbol){x->as.node, x->serial};
+        push_symbol(L, x->as.node, x->serial);
     } else {
         dml_hyperdual *h = dml_newvalue(L, DML_CLASS_HYPERDUAL, sizeof *h, 0);
         *h = x->as.hyper;
@@ -119,33 +140,34 @@ dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scal
     return kind;
 }
 
-/* node of the symbol at arg, whose metatable is pushed; 0: it is none, or not of the newest trace */
+/* Node of the symbol at arg; 0: it is none, or not of the newest trace. A kept one is known by where it is: at that place
+** nothing else can be. */
 static int symbol_node(lua_State *L, int arg, const dml_state *state, dm_node *node) {
-    if (lua_type(L, arg) != LUA_TUSERDATA || !lua_getmetatable(L, arg)) return 0;
-    if (lua_topointer(L, -1) != state->metatable[DML_CLASS_SYMBOL]) return 0;
-    const symbol *s = lua_touserdata(L, arg);
+    const dml_symbol *s = lua_touserdata(L, arg);
+    if (!s || lua_rawlen(L, arg) != sizeof *s) return 0;
     *node = s->node;
-    return state->frames && s->serial == state->frames->serial;
+    const dml_symbols *kept = state->frames->symbols;
+    const int is_kept = kept && s->node < kept->count && kept->of[s->node] == s;
+    if (!is_kept && dml_classof(L, arg) != DML_CLASS_SYMBOL) return 0;
+    return s->serial == state->frames->serial;
 }
 
 int dml_symbolic(lua_State *L, dm_op op) {
     const dml_state *state = dml_getstate(L);
-    dm_node node[2] = {0, 0};
-    int number[2];
-    for (int k = 0; k < 2; k++) {
-        number[k] = lua_type(L, k + 1) == LUA_TNUMBER;
-        if (!number[k] && !symbol_node(L, k + 1, state, node + k)) return 0;
-    }
-    if (number[0] && number[1]) return 0;
     dml_frame *frame = state->frames;
+    dm_node node[2] = {0, 0};
+    int symbol[2];
+    if (!frame) return 0;
+    for (int k = 0; k < 2; k++) {
+        symbol[k] = symbol_node(L, k + 1, state, node + k);
+        if (!symbol[k] && lua_type(L, k + 1) != LUA_TNUMBER) return 0;
+    }
+    if (!symbol[0] && !symbol[1]) return 0;
     for (int k = 0; k < 2; k++)
-        if (number[k]) node[k] = dml_constant(L, frame, lua_tonumber(L, k + 1));
-    const symbol made = {dml_operation(L, frame, op, node[0], node[1], 0), frame->serial};
+        if (!symbol[k]) node[k] = dml_constant(L, frame, lua_tonumber(L, k + 1));
+    const dm_node made = dml_operation(L, frame, op, node[0], node[1], 0);
     dml_checkgraph(L, frame);
-    symbol *s = lua_newuserdatauv(L, sizeof *s, 0);
-    *s = made;
-    lua_pushvalue(L, 3); /* the class of an operand */
-    lua_setmetatable(L, -2);
+    if (!push_kept(L, frame, made)) push_symbol(L, made, frame->serial);
     return 1;
 }
 

@@ -34,8 +34,8 @@ void dml_pushscalar(lua_State *L, const dml_scalar *x);
 dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scalar *b,
                      const dml_scalar *c);
 
-/* op on the two values that are all of the stack: the result is pushed where both are symbols of the newest trace, or one of them
-** a number, which is most of what a trace does. 0: they are something else, and the stack may have grown. */
+/* op on the values at 1 and 2: the result is pushed where both are symbols of the newest trace, or one of them
+** a number, which is most of what a trace does. 0: they are something else. */
 int dml_symbolic(lua_State *L, dm_op op);
 
 /* Push a new vector or matrix of zeros, owned by Lua; returns its entries (row-major). */
