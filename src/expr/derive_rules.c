@@ -199,7 +199,7 @@ dm_node dm_derive_share(dm_graph *g, dm_node n, int k, dm_node factor) {
     return k == c.no ? dm_apply(g, DM_OP_WHERE, c.condition, 0, factor) : 0;
 }
 
-/* what is taken away need not be negated first, nor a square looked at twice: 2 factor is shared by all squares of a sum */
+/* what is taken away need not be negated first, nor a square looked at twice: all squares of a sum share 2 factor */
 dm_node dm_derive_pass(dm_graph *g, dm_node n, int k, dm_node factor, dm_node held) {
     const dm_expr e = *dm_at(g, n);
     const int square = e.op == DM_OP_MUL && e.as.arg[0] == e.as.arg[1];

@@ -64,8 +64,7 @@ static dm_node scaled(dm_graph *g, double c, dm_node n) {
     return dm_node_plain(g, DM_OP_MUL, dm_constant(g, c), rest, 0);
 }
 
-/* (c1 + x) or (c1 - x) with a further constant c: c + sign * n, or 0 when n has no
- * constant */
+/* (c1 + x) or (c1 - x) with a further constant c: c + sign * n, or 0 when n has no constant */
 static dm_node shifted(dm_graph *g, double c, dm_node n, double sign) {
     const dm_expr e = *dm_at(g, n);
     if ((e.op != DM_OP_ADD && e.op != DM_OP_SUB) || !is_constant(g, e.as.arg[0]))
@@ -89,16 +88,14 @@ static dm_node add_constant(dm_graph *g, double c, dm_node n) {
     return dm_node_plain(g, DM_OP_ADD, dm_constant(g, c), n, 0);
 }
 
-/* both are sums with a constant: (c1 + x) + sign * (c2 + y) = (c1 + sign c2) + (x + sign
- * y) */
+/* both are sums with a constant: (c1 + x) + sign * (c2 + y) = (c1 + sign c2) + (x + sign y) */
 static int both_shifted(const dm_graph *g, dm_node a, dm_node b) {
     const dm_expr *x = dm_at(g, a), *y = dm_at(g, b);
     return x->op == DM_OP_ADD && y->op == DM_OP_ADD && is_constant(g, x->as.arg[0]) &&
            is_constant(g, y->as.arg[0]);
 }
 
-/* where(c, a, 0) + where(c, 0, b) = where(c, a, b): derivatives of branches come in such
- * halves */
+/* where(c, a, 0) + where(c, 0, b) = where(c, a, b): derivatives of branches come in such halves */
 static int are_halves(const dm_graph *g, dm_node a, dm_node b) {
     const dm_expr *p = dm_at(g, a), *q = dm_at(g, b);
     if (p->op != DM_OP_WHERE || q->op != DM_OP_WHERE || p->as.arg[0] != q->as.arg[0])
@@ -355,10 +352,9 @@ static rule *const rules[DM_OP_COUNT] = {
 /* all operands constant: the value itself */
 static int fold(dm_graph *g, dm_op op, const dm_node arg[3], double *result) {
     double x[3] = {0.0, 0.0, 0.0};
-    for (int k = 0; k < dm_arity(op); k++) {
-        if (!is_constant(g, arg[k])) return 0;
-        x[k] = value(g, arg[k]);
-    }
+    if (!is_constant(g, arg[0])) return 0;
+    for (int k = 0; k < dm_arity(op); k++)
+        if (!dm_is_constant(g, arg[k], x + k)) return 0;
     *result = dm_op_value(op, x[0], x[1], x[2]);
     return 1;
 }
