@@ -2,6 +2,7 @@
  * geom/spaces.def. */
 #include "bind/space.h"
 
+#include <math.h>
 #include <string.h>
 
 static const char *const TNAME = "dm.space";
@@ -43,8 +44,10 @@ dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n) {
 
 static int space_new(lua_State *L) {
     const dm_space *row = lua_touserdata(L, lua_upvalueindex(1));
+    const lua_Number given =
+        row->usual ? luaL_optnumber(L, 1, row->usual) : luaL_checknumber(L, 1);
     const lua_Integer n =
-        row->usual ? luaL_optinteger(L, 1, row->usual) : luaL_checkinteger(L, 1);
+        given == floor(given) && fabs(given) < 1e9 ? (lua_Integer)given : -1;
     luaL_argcheck(L, n >= (lua_Integer)row->least && n <= (lua_Integer)row->most, 1,
                   lua_pushfstring(L, "%s needs a whole number from %d to %d",
                                   row->signature, (int)row->least, (int)row->most));

@@ -74,6 +74,9 @@ static void push_function(lua_State *L, int arg, const dml_system *s) {
 
 static void check_status(lua_State *L, dm_status status) {
     if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
+    if (status == DM_NOT_FINITE)
+        luaL_error(L, "L or a derivative of it is NaN or infinite whatever its arguments "
+                      "are: is there a number in it that is 0/0 or overflows?");
     if (status != DM_OK && status != DM_SINGULAR)
         luaL_error(L, "%s", dm_status_text(status));
 }

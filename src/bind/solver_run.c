@@ -38,7 +38,7 @@ static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double 
     const long count = dml_length(L, -1);
     if (count < 1)
         luaL_error(L, "field 'at' must be a vector or table of times (got %s)",
-                   luaL_typename(L, -1));
+                   count ? luaL_typename(L, -1) : "none");
     lua_pop(L, 1);
     double *at =
         lua_newuserdatauv(L, ((size_t)count + 2 * dm_state_size(s->n)) * sizeof *at, 0);

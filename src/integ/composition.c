@@ -163,14 +163,27 @@ static int is_splitting(const dm_rule *rule, const dm_model *m) {
     return dm_splitting_fits(m) && !(rule->count && rule->arg[rule->count - 1].rule);
 }
 
+/* order, for splittings the number of stages, then the base */
+static int is_well_formed(const dm_rule *rule) {
+    const int has_base = rule->count && rule->arg[rule->count - 1].rule;
+    const int numbers = rule->count - (has_base ? 1 : 0);
+    const scheme *s = find(rule);
+    for (int k = 0; k < numbers; k++)
+        if (rule->arg[k].rule || rule->arg[k].number != floor(rule->arg[k].number))
+            return 0;
+    return numbers <= (s && s->kind != GAMMA ? 2 : 1);
+}
+
 static const char *check(const dm_rule *rule) {
     const dm_rule *base = base_rule(rule);
     const dm_method *method = base_method(rule);
-    if (!find(rule)) return "there is no such order or number of stages";
+    if (!find(rule) || !is_well_formed(rule))
+        return "there is no such order or number of stages";
     if (!method || !(method->traits & DM_SYMMETRIC) || method->traits & DM_FOR_PAIRS ||
         method->order(base) != 2)
         return "the base must be a symmetric rule of order 2: verlet, midpoint, "
                "trapezoidal, gauss(1), lobatto(2) or rattle";
+    if (method->check && method->check(base)) return method->check(base);
     if (find(rule)->kind != GAMMA && rule->count && rule->arg[rule->count - 1].rule)
         return "a Runge-Kutta-Nystroem splitting has no base rule";
     return NULL;
