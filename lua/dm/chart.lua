@@ -4,6 +4,7 @@ local core = require "dm.core"
 local given_steps = require "dm.chart_steps"
 local measures = require "dm.chart.measures"
 local reference = require "dm.reference_run"
+local starts = require "dm.start"
 
 local M = {}
 M.__index = M
@@ -359,7 +360,7 @@ end
 
 M.chart = blame.caller(function(options)
   local system = check_options(options)
-  options = with_steps(system, options)
+  options = with_steps(system, starts.lists(options, system))
   local what_measure, what, needs_reference, watched = measures.make(system, options.error)
   local entries = measures.entries(options.rules, options.tolerances, M.name)
   local chart = setmetatable({ system = system, options = options, points = {}, failures = {}, rules = distinct_names(entries),

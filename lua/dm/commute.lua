@@ -3,6 +3,7 @@
 local blame = require "dm.blame"
 local core = require "dm.core"
 local routh = require "dm.routh"
+local starts = require "dm.start"
 
 local M = {}
 
@@ -175,6 +176,7 @@ one (DEL, SPRK, DR, RSPRK), run from one start and compared edge by edge. Edges 
 Runge-Kutta rule; those from continuous to discrete to its order, which is measured. print shows the table; commutes: all of them. Options as in system:routh: with an action the cube is that of the system in (theta, x), in which rules commute with reduction.]]
 
 M.commute = blame.caller(function(system, options)
+  options = starts.lists(options, system)
   local c = read(system, options)
   c.full = c.system:solver({ rule = c.rule, h = c.h }):run { q = c.q, v = c.v, steps = c.steps }
   c.reduced = c.shape:solver({ rule = c.rule, h = c.h }):run { q = c.x, v = c.u, steps = c.steps }

@@ -52,7 +52,7 @@ local function describe(rates, frequencies)
 end
 
 M.linearize = blame.caller(function(system, options)
-  options = starts.lists(options)
+  options = starts.lists(options, system)
   local what = "system:linearize"
   if type(options) ~= "table" or not options.q then error(what .. " takes { q =, v = }", 0) end
   for key in pairs(options) do
@@ -75,7 +75,7 @@ end)
 ---- orbits ----
 
 M.multipliers = blame.caller(function(solver, options)
-  options = starts.lists(options)
+  options = starts.lists(options, solver)
   local matrix, q, p = solver:tangent(options)
   local re, im = matrix:eigenvalues()
   local largest, size, n = 0, 1, #q

@@ -82,7 +82,7 @@ local function search(Ld, start)
 end
 
 local function order(Ld, options)
-  options = starts.lists(options or {})
+  options = starts.lists(options or {}, Ld)
   local q, v = anywhere(Ld.Q.dimension)
   local start = { q = options.q or q }
   start.p = options.p or momentum(Ld, start.q, options.v or v, Ld.h / 1024)

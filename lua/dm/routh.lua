@@ -5,6 +5,7 @@ local blame = require "dm.blame"
 local check = require "dm.routh_check"
 local core = require "dm.core"
 local model = require "dm.routh_model"
+local starts = require "dm.start"
 
 local M = {}
 
@@ -254,6 +255,7 @@ M.routh = blame.caller(function(system, options)
   check_kind(options)
   check_start(options, system.Q.dimension)
   refuse(system)
+  options = starts.lists(options, system)
   local ambient
   if options.action then system, options, ambient = require "dm.routh_section".split(system, options) end
   local info = read(system, options)

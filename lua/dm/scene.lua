@@ -305,6 +305,7 @@ same. seconds: CPU time to be spent on looking (default 20). scene:run(), scene:
 M.scene = blame.caller(function(options)
   options = starts.lists(options)
   local system = check_options(options)
+  options = starts.lists(options, system)
   local given = {}
   for key, value in pairs(options) do given[key] = value end
   local wanted = given.tolerance

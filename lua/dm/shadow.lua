@@ -180,7 +180,7 @@ drift: its slope per unit of time with its standard error: round-off for a sympl
 constraints and forces.]]
 
 M.modified_energy = blame.caller(function(solver, options)
-  options = starts.lists(options)
+  options = starts.lists(options, solver)
   local system, k = check(solver, options)
   local n, simple = system.Q.dimension, is_simple(system)
   local p = options.p or system:legendre(options.q, options.v)

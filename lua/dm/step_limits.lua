@@ -78,7 +78,7 @@ end
 local SMALL = 0.05  -- of det: the matrix is singular at the end
 
 M.fold = blame.caller(function(solver, options)
-  options = starts.lists(options)
+  options = starts.lists(options, solver)
   local what = "solver:fold"
   check_options(options, what, { q = true, v = true, p = true, up_to = true })
   local system, rule = solver.system, tostring(solver.rule or "del")

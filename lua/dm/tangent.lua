@@ -111,7 +111,7 @@ the rule steps the prolonged Lagrangian dL . (u, w), whose step is the tangent o
 With constraints the start must lie on them, and so must each column: use tangent vectors of solver:lyapunov instead.]]
 
 M.tangent = blame.caller(function(solver, options)
-  options = starts.lists(options)
+  options = starts.lists(options, solver)
   check_options(options, "solver:tangent")
   refuse(solver, "solver:tangent")
   if is_tied(solver) then
@@ -145,7 +145,7 @@ entry of M where that is above 1: round-off for a symplectic rule, the defect of
 two-form on the vectors that are tangent to them.]]
 
 M.symplecticity = blame.caller(function(solver, options)
-  options = starts.lists(options)
+  options = starts.lists(options, solver)
   check_options(options, "solver:symplecticity")
   refuse(solver, "solver:symplecticity")
   local cols, first = columns(solver, options)
@@ -225,7 +225,7 @@ ln |growth| / t, the largest Lyapunov exponent, per unit of time, of the last ro
 (default: 1000 rows).]]
 
 M.lyapunov = blame.caller(function(solver, options)
-  options = starts.lists(options)
+  options = starts.lists(options, solver)
   check_options(options, "solver:lyapunov", { every = true, u = true, dp = true })
   refuse(solver, "solver:lyapunov")
   local n, steps = #(options.q or {}), steps_of(solver, options)
@@ -281,7 +281,7 @@ Round-off, as far as the orbit lets it stay so, for a symmetric rule; the error 
 
 M.reversal = blame.caller(function(solver, options)
   check_options(options, "solver:reversal")
-  options = starts.lists(options)
+  options = starts.lists(options, solver)
   local what = "solver:reversal"
   refuse(solver, what)
   local steps = steps_of(solver, options)

@@ -1,5 +1,6 @@
 /* bind_system.c - `dm.system`: a configuration space and a Lagrangian L(q, v, t). */
 #include "bind/model_ties.h"
+#include "bind/named.h"
 #include "bind/system.h"
 #include "expr/analyse.h"
 
@@ -40,6 +41,8 @@ static double *arguments(lua_State *L, const dml_system *s, const char *second) 
     lua_settop(L, 4);
     const double t = luaL_optnumber(L, 4, 0.0);
     double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
+    dml_unname(L, 1, 2, "q");
+    dml_unname(L, 1, 3, second);
     dml_vectorarg(L, 2, "q", x, s->n);
     dml_vectorarg(L, 3, second, x + s->n, s->n);
     x[2 * s->n] = t;

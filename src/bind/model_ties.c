@@ -1,5 +1,6 @@
 /* model_ties.c - from constraint =, rolling =, force =, reaction = to the ties of a model. */
 #include "bind/model_ties.h"
+#include "bind/named.h"
 
 #include "bind/model_kept.h"
 #include "expr/derive.h"
@@ -310,6 +311,8 @@ static dml_model *read_point(lua_State *L, int which, double **x) {
         2 * n + 1 + m->ties.holonomic + m->ties.rolling + m->ties.controls;
     *x = lua_newuserdatauv(L, room * sizeof **x, 0);
     memset(*x, 0, room * sizeof **x);
+    dml_unname(L, 1, 2, "q");
+    if (sees_v) dml_unname(L, 1, 3, "v");
     dml_vectorarg(L, 2, "q", *x, s->n);
     if (sees_v) dml_vectorarg(L, 3, "v", *x + n, s->n);
     (*x)[2 * n] = t;

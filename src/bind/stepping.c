@@ -1,6 +1,7 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/stepping.h"
 #include "bind/model_params.h"
+#include "bind/named.h"
 #include "bind/root.h"
 #include "bind/start_ties.h"
 
@@ -138,6 +139,21 @@ void dml_stepping_names(lua_State *L) {
     lua_replace(L, 2);
 }
 
+/* n numbers of the start, in a list or by the names of coordinates */
+static void numbers(lua_State *L, const dml_stepping *r, const char *key, double *out) {
+    const uint32_t n = r->solver->n;
+    lua_getfield(L, 2, key);
+    if (!dml_is_named(L, -1)) {
+        lua_pop(L, 1);
+        dml_numbers(L, 2, key, out, n);
+        return;
+    }
+    const char *what = lua_pushfstring(L, "field '%s'", key);
+    dml_unname(L, r->system, -2, what);
+    dml_vectorarg(L, -2, what, out, n);
+    lua_pop(L, 2);
+}
+
 static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     dml_rethrow(L, r->model);
     if (status == DM_SINGULAR)
@@ -160,7 +176,7 @@ static void start_on_alpha(lua_State *L, dml_stepping *r) {
     check_legendre(L, r,
                    dm_legendre(&r->model->model, p, r->state, r->x + n, r->t0, r->work));
     if (!has(L, "p")) return;
-    dml_numbers(L, 2, "p", r->work, n);
+    numbers(L, r, "p", r->work);
     for (uint32_t k = 0; k < n; k++) {
         distance = fmax(distance, fabs(p[k] - r->work[k]));
         size = fmax(size, fabs(p[k]));
@@ -177,7 +193,7 @@ static void start_here(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     const dm_model *m = &r->model->model;
     double *q = r->state, *p = q + n, *v = r->x + n;
-    dml_numbers(L, 2, "q", q, n);
+    numbers(L, r, "q", q);
     memcpy(r->x, q, n * sizeof *q);
     r->x[2 * n] = r->t0;
     if (m->structure & DM_LINEAR_IN_V) {
@@ -190,7 +206,7 @@ static void start_here(lua_State *L, dml_stepping *r) {
                    "(velocity) and 'p' "
                    "(momentum) is needed, %d numbers",
                    (int)n);
-    dml_numbers(L, 2, has(L, "v") ? "v" : "p", has(L, "v") ? v : p, n);
+    numbers(L, r, has(L, "v") ? "v" : "p", has(L, "v") ? v : p);
     if (has(L, "v")) {
         dml_checkmodel(L, r->system, r->model, r->x);
         check_legendre(L, r, dm_legendre(m, p, q, v, r->t0, r->work));
@@ -206,8 +222,8 @@ static void start_here(lua_State *L, dml_stepping *r) {
 static void start_pair(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     const dm_kernel *pair = &r->model->model.pair;
-    dml_numbers(L, 2, "q0", r->state, n);
-    dml_numbers(L, 2, "q1", r->x + n, n);
+    numbers(L, r, "q0", r->state);
+    numbers(L, r, "q1", r->x + n);
     memcpy(r->x, r->state, n * sizeof(double));
     dml_checkmodel(L, r->system, r->model, r->x);
     dm_kernel_prepare(pair, r->work);
@@ -223,8 +239,8 @@ static void start_momentum(lua_State *L, dml_stepping *r) {
         luaL_error(L, "a discrete Lagrangian knows no velocity: start it from q and the "
                       "momentum p, or from "
                       "two positions q0 and q1");
-    dml_numbers(L, 2, "q", r->state, n);
-    dml_numbers(L, 2, "p", r->state + n, n);
+    numbers(L, r, "q", r->state);
+    numbers(L, r, "p", r->state + n);
     dml_checkmodel(L, r->system, r->model, NULL);
 }
 
@@ -274,10 +290,10 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     const dm_kernel *mass = &r->model->model.mass;
     double *q1 = r->x + n;
-    dml_numbers(L, 2, "q1", r->x, n);
+    numbers(L, r, "q1", r->x);
     dml_check_on_ties(L, r, "q1: ");
-    dml_numbers(L, 2, "q0", r->state, n);
-    dml_numbers(L, 2, "q1", q1, n);
+    numbers(L, r, "q0", r->state);
+    numbers(L, r, "q1", q1);
     memcpy(r->x, r->state, n * sizeof(double));
     dml_check_on_ties(L, r, "q0: ");
     for (uint32_t i = 0; i < n; i++) q1[i] = (q1[i] - r->x[i]) / r->solver->h;
@@ -292,7 +308,7 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
         check_legendre(
             L, r, dm_legendre(&r->model->model, r->state + n, NULL, q1, r->t0, r->work));
     }
-    dml_numbers(L, 2, "q1", q1, n);
+    numbers(L, r, "q1", q1);
 }
 
 void dml_stepping_open(lua_State *L, dml_stepping *r) {

@@ -104,17 +104,18 @@ static void call_plain(lua_State *L, check *c, int fn) {
 
 static void raise_difference(lua_State *L, const char *what, double plain, double traced,
                              const char *point) {
-    luaL_error(L,
-               "%s is not what its trace says: %f when called, %f when traced, at %s. "
-               "Likely causes: == "
-               "or ~= between a number and an argument, a truth test, type() or "
-               "tostring() of an argument "
-               "(these see a symbol while tracing), a global that changes, or a "
-               "difference in which nearly "
-               "all digits cancel (simplifying then changes the rest). Use "
-               "dm.where(c, a, b), "
-               "dm.abs, dm.max, or derivatives = \"hyperdual\"",
-               what, plain, traced, point);
+    luaL_error(
+        L,
+        "%s is not what its trace says: %f when called, %f when traced, at %s. "
+        "Likely causes: == "
+        "or ~= between a number and an argument, a truth test, type() or "
+        "tostring() of an argument "
+        "(these see a symbol while tracing), random numbers, a global that changes, or a "
+        "difference in which nearly "
+        "all digits cancel (simplifying then changes the rest). Use "
+        "dm.where(c, a, b), "
+        "dm.abs, dm.max, or derivatives = \"hyperdual\"",
+        what, plain, traced, point);
 }
 
 static void raise_mismatch(lua_State *L, check *c, long k) {

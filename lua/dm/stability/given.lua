@@ -1,6 +1,7 @@
 --- What a map is given: a system and a start, as they are or as functions of the parameters.
 local axes = require "dm.stability.axes"
 local core = require "dm.core"
+local starts = require "dm.start"
 
 local M = {}
 
@@ -37,12 +38,12 @@ local function make_systems(map, system, names)
   return function(cell) return with_params(system, cell.values, used) end, used
 end
 
-local function make_start(what, given, names, uses)
-  local function list(x) return type(x) == "number" and { x } or x end
-  if type(given) ~= "function" then return function() return list(given) end end
+local function make_start(map, what, given, names, uses)
+  local function list(x, cell) return starts.list(x, map.system_of(cell), what) end
+  if type(given) ~= "function" then return function(cell) return list(given, cell) end end
   local f, used = axes.bind(what, given, names)
   for _, name in ipairs(used) do uses[name] = true end
-  return function(cell) return list(f(cell.values)) end
+  return function(cell) return list(f(cell.values), cell) end
 end
 
 local function make_key(used)
@@ -64,8 +65,8 @@ function M.read(map, options, names)
     if key ~= last then last, kept = key, of(cell) end
     return kept
   end
-  map.start = { q = make_start("q", options.q, names, uses), v = options.v and make_start("v", options.v, names, uses),
-    p = options.p and make_start("p", options.p, names, uses) }
+  map.start = { q = make_start(map, "q", options.q, names, uses), v = options.v and make_start(map, "v", options.v, names, uses),
+    p = options.p and make_start(map, "p", options.p, names, uses) }
   for _, name in ipairs(names) do
     if not uses[name] then
       fail("parameter '%s' changes nothing: 'system', 'q', 'v' or 'p' must be a function with an argument %s, or the system have it among its params", name, name)
