@@ -253,9 +253,9 @@ end
 M.routh = blame.caller(function(system, options)
   check_keys(options)
   check_kind(options)
+  options = starts.lists(options, system)
   check_start(options, system.Q.dimension)
   refuse(system)
-  options = starts.lists(options, system)
   local ambient
   if options.action then system, options, ambient = require "dm.routh_section".split(system, options) end
   local info = read(system, options)

@@ -8,6 +8,19 @@ static void put(void *ud, const char *text, size_t length) {
     luaL_addlstring(ud, text, length);
 }
 
+/* push what was written as a file, with what stands before it */
+static int push_file(luaL_Buffer *b) {
+    lua_State *L = b->L;
+    luaL_Buffer file;
+    luaL_pushresult(b);
+    const char *body = lua_tostring(L, -1);
+    luaL_buffinit(L, &file);
+    dm_emit_c_head(put, &file, body);
+    luaL_addstring(&file, body);
+    luaL_pushresult(&file);
+    return 1;
+}
+
 typedef struct {
     lua_State *L;
     luaL_Buffer *b;
@@ -70,7 +83,6 @@ static int system_emit(lua_State *L) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     const emitter e = {.L = L, .b = &b, .graph = m->graph, .names = names};
-    dm_emit_c_head(put, &b);
     dm_gradient(m->graph, m->lagrangian, 0, 2 * n, slope);
     emit(&e, s->pair ? "Ld" : "lagrangian", &m->lagrangian, 1);
     emit(&e, "slope", slope, 2 * n);
@@ -84,8 +96,7 @@ static int system_emit(lua_State *L) {
         emit(&e, "energy", &E, 1);
     }
     emit_ties(e, &m->tied);
-    luaL_pushresult(&b);
-    return 1;
+    return push_file(&b);
 }
 
 static int function_emit(lua_State *L) {
@@ -94,10 +105,8 @@ static int function_emit(lua_State *L) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     const emitter e = {.L = L, .b = &b, .graph = f->graph};
-    dm_emit_c_head(put, &b);
     emit(&e, name, f->parts[DML_VALUE].nodes, dml_outputs(f));
-    luaL_pushresult(&b);
-    return 1;
+    return push_file(&b);
 }
 
 static const dml_row of_systems[] = {

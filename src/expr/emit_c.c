@@ -118,13 +118,15 @@ int dm_emit_c(dm_graph *g, const dm_node *roots, uint32_t m, const char *name,
     return 1;
 }
 
-void dm_emit_c_head(dm_put *put, void *ud) {
-    static const char head[] = "#include <math.h>\n\n"
-                               "static inline double reciprocal_root(double x) {\n"
+void dm_emit_c_head(dm_put *put, void *ud, const char *body) {
+    static const char library[] = "#include <math.h>\n\n",
+                      root[] = "static inline double reciprocal_root(double x) {\n"
                                "    return 1.0 / sqrt(x);\n"
-                               "}\n\n"
-                               "static inline double reciprocal_root3(double x) {\n"
-                               "    return 1.0 / (x * sqrt(x));\n"
-                               "}\n\n";
-    put(ud, head, sizeof head - 1);
+                               "}\n\n",
+                      root3[] = "static inline double reciprocal_root3(double x) {\n"
+                                "    return 1.0 / (x * sqrt(x));\n"
+                                "}\n\n";
+    put(ud, library, sizeof library - 1);
+    if (strstr(body, "reciprocal_root(")) put(ud, root, sizeof root - 1);
+    if (strstr(body, "reciprocal_root3(")) put(ud, root3, sizeof root3 - 1);
 }

@@ -13,7 +13,7 @@
 int dm_emit_c(dm_graph *g, const dm_node *roots, uint32_t m, const char *name,
               const char *const *names, dm_put *put, void *ud);
 
-/* What stands before them in a file: the library, the reciprocal roots as root and division. */
-void dm_emit_c_head(dm_put *put, void *ud);
+/* What stands before their text, `body`, in a file: the library, and the reciprocal roots that it calls as root and division. */
+void dm_emit_c_head(dm_put *put, void *ud, const char *body);
 
 #endif

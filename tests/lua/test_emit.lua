@@ -34,4 +34,7 @@ raises("dm.sum_over", function()
     return dm.sum_over(v, function(a) return a ^ 2 / 2 end) - dm.sum_over(q, function(a, b) return math.exp(a - b) end, { shift = 1 })
   end }:emit_c()
 end)
+local function text_of(V) return dm.system({ Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - V(q) end }):emit_c() end
+local quartic, kepler = text_of(function(q) return q[1] ^ 4 + q[2] ^ 2 end), text_of(function(q) return -1 / q:norm() end)
+tap.ok(not quartic:find "reciprocal_root" and kepler:find "double reciprocal_root%(" ~= nil, "a file has the helpers that it calls, and no others")
 tap.done()

