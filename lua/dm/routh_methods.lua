@@ -86,7 +86,7 @@ shapes (Marsden, Montgomery & Ratiu 1990).]])
 
 add("dm.system", "holonomy", "dm.routh_path", [[
 shape:holonomy(loop [, {t=, steps=}]) -> dm.vector of dim G entries
--closed integral A . dx of the connection along a loop of shapes: loop(s) for 0 <= s <= 1 with loop(0) = loop(1), a function of one number that
+-closed integral A . dx of the connection along a loop of shapes: loop(s) for 0 <= s <= 1 with loop(0) = loop(1) (where Q = dm.T(n): up to whole turns), a function of one number that
 can be traced; by the trapezoidal rule with `steps` points (default 256), which for a smooth loop errs less than any power of
 1/steps.]])
 

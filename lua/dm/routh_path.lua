@@ -105,6 +105,15 @@ M.phases = blame.caller(function(path)
   return setmetatable({ total = core.matrix(total), dynamic = core.matrix(dynamic), geometric = core.matrix(geometric) }, phases_class)
 end)
 
+-- the ends of a loop are the same shape; angles, on dm.T(n), up to whole turns
+local function check_closed(shape, gap)
+  local turned, rest = core.vector(gap), gap:norm()
+  for j = 1, #gap do turned[j] = gap[j] - 2 * math.pi * math.floor(gap[j] / (2 * math.pi) + 0.5) end
+  if rest <= 1e-9 or shape.Q.name == "T" and turned:norm() <= 1e-9 then return end
+  error(("holonomy: the loop does not close: its ends are %.3g apart%s"):format(rest,
+    turned:norm() <= 1e-9 and ", whole turns; with Q = dm.T(n) coordinates are angles and a turn is a loop" or ""), 0)
+end
+
 M.holonomy = blame.caller(function(shape, loop, options)
   local info = routh.need(shape, "holonomy")
   options = options or {}
@@ -113,8 +122,7 @@ M.holonomy = blame.caller(function(shape, loop, options)
   local steps, t = options.steps or 256, options.t or 0
   if math.type(steps) ~= "integer" or steps < 2 then error("holonomy: 'steps' must be a whole number from 2 on", 0) end
   local curve = core.trace(function(s) return core.vector(loop(s)) end, "number")
-  local gap = (curve(1) - curve(0)):norm()
-  if not (gap <= 1e-9) then error(("holonomy: the loop does not close: its ends are %.3g apart"):format(gap), 0) end
+  check_closed(shape, curve(1) - curve(0))
   local sum = {}
   for a = 1, info.m do sum[a] = 0 end
   for k = 0, steps - 1 do

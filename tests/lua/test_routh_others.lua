@@ -122,6 +122,25 @@ end
 near(off, 0, 1e-15, "body with two rotors: connection"); near(rotors:amended_potential { 1.2, 0.4 }, 0.490402711431675652, 1e-15, "amended potential")
 near(rotors:curvature { 1.2, 0.4 }[1][2], -1.10188717992438046, 1e-14, "magnetic form")
 
+-- two links hinged to each other, free in the plane: one whole turn of the second beside the first turns both by
+-- -int (a + b cos x)/(A + 2 b cos x) dx = -pi (1 + (2 a - A)/sqrt(A^2 - 4 b^2)), although nothing turns them
+local function hinged(Q) return dm.system { Q = Q, L = function(q, v) return 0.3 * v[1] ^ 2 / 2 + 0.4 * (v[1] + v[2]) ^ 2 / 2 + 0.1 * cos(q[2]) * v[1] * (v[1] + v[2]) end } end
+local function whole_turn(s) return { 2 * math.pi * s } end
+near(hinged(dm.T(2)):routh({ cyclic = 1, mu = 0 }):holonomy(whole_turn)[1], -math.pi * (1 + 0.1 / sqrt(0.7 ^ 2 - 0.2 ^ 2)), 1e-14, "falling cat of two links: one turn")
+raises("whole turns; with Q = dm.T(n)", function() hinged(dm.R(2)):routh({ cyclic = 1, mu = 0 }):holonomy(whole_turn) end)
+-- a steady heavy top: I1 W^2 cos - p3 W + m g l = 0 gives its precession, which reconstruction must return
+local th, p3, I1 = 0.6, 3, 1.3
+local W = (p3 - sqrt(p3 ^ 2 - 4 * I1 * cos(th) * 1.1)) / (2 * I1 * cos(th))
+local top = system(3, function(q, v) return (I1 * (v[2] ^ 2 + sin(q[2]) ^ 2 * v[1] ^ 2) + 0.7 * (v[3] + v[1] * cos(q[2])) ^ 2) / 2 - 1.1 * cos(q[2]) end)
+local steady = top:routh { cyclic = { 1, 3 }, mu = { I1 * sin(th) ^ 2 * W + p3 * cos(th), p3 } }
+local turns = steady:solver({ rule = "gauss(2)", h = 0.05 }):run({ q = th, v = 0, steps = 100 }):phases()
+near(turns.total[101][1], 5 * W, 1e-13, "steady precession of a heavy top"); near(turns.total[101][2], 5 * (p3 / 0.7 - W * cos(th)), 1e-13, "and its spin")
+near(steady:relative_equilibria({ region = { 0.1, 3 } })[1].x[1], th, 1e-12, "found as a relative equilibrium")
+-- Foucault: a plane oscillator seen from a table that turns by Omega; after a period its angle has gone a whole turn less Omega T
+local foucault = system(2, function(q, v) return (v[2] ^ 2 + q[2] ^ 2 * (v[1] + 0.05) ^ 2) / 2 - q[2] ^ 2 / 2 end):routh { cyclic = 1, mu = 0.3 }
+local swing = foucault:solver({ rule = "gauss(4)", h = 2 * math.pi / 200 }):run({ q = 1, v = 0, steps = 200 }):phases()
+near(swing.total[201][1], 2 * math.pi * (1 - 0.05), 1e-9, "Foucault's pendulum")
+
 -- three bodies, by translations and then by turns: three collinear equilibria (Euler) and two triangles (Lagrange), whatever the size of the figure;
 -- the triangles are stable where (m1 m2 + m2 m3 + m3 m1)/M^2 < 1/27 (Routh)
 local function bodies(m)
