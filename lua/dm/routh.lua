@@ -191,10 +191,10 @@ end
 local function describe(info, out)
   local full = info.full
   out.Q = (full.Q.name == "T" and core.T or core.R)(info.d)
-  if full.coordinates or info.ambient then
-    out.coordinates = {}
-    for i, at in ipairs(info.shape) do out.coordinates[i] = info.names[at] end
-  end
+  local named = full.coordinates or info.ambient
+  info.own = {}
+  for i, at in ipairs(info.shape) do info.own[i] = named and info.names[at] or "q" .. i end  -- as columns of its paths are called
+  if named then out.coordinates = info.own end
   out.units = full.units
   local gone = {}
   for a, i in ipairs(info.cyclic) do gone[a] = ("%s = %.6g"):format("momentum of " .. info.names[i], info.mu[a]) end

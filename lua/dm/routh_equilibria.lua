@@ -59,7 +59,17 @@ local function check_region(region, d)
   return region
 end
 
-local PRIMES = { 2, 3, 5, 7, 11, 13, 17, 19, 23, 29 }
+-- the first n primes
+local function primes(n)
+  local out, k = {}, 1
+  while #out < n do
+    k = k + 1
+    local is = true
+    for _, p in ipairs(out) do is = is and k % p ~= 0 end
+    if is then out[#out + 1] = k end
+  end
+  return out
+end
 
 -- the k-th number of van der Corput's sequence in a base: Halton's points fill a region evenly
 local function radical(k, base)
@@ -72,10 +82,10 @@ end
 
 -- that many points in a region
 local function fill(region, count)
-  local out = {}
+  local out, bases = {}, primes(#region)
   for k = 1, count do
     out[k] = {}
-    for i, pair in ipairs(region) do out[k][i] = pair[1] + (pair[2] - pair[1]) * radical(k, PRIMES[(i - 1) % #PRIMES + 1]) end
+    for i, pair in ipairs(region) do out[k][i] = pair[1] + (pair[2] - pair[1]) * radical(k, bases[i]) end
   end
   return out
 end

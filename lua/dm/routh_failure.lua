@@ -36,7 +36,7 @@ local function reason(path, info, x, t, x0, t0)
   end
   local G, G0 = jumps.mass(path, x, t), jumps.mass(path, x0, t0)
   for i = 1, G and G0 and info.d or 0 do
-    local name, ratio = info.names[info.shape[i]], abs(G[i][i] / G0[i][i])
+    local name, ratio = info.own[i], abs(G[i][i] / G0[i][i])
     if not (ratio <= FAR) then
       return "edge", ("the inertia of '%s' has grown %.0f-fold at %s = %.6g: an edge of these coordinates%s"):format(name, ratio, name, x[i], way(info))
     elseif ratio < LOW then
@@ -56,7 +56,7 @@ local function leaves(shape, info, x, v, t, h)
       for j = 1, info.d do
         local z = { table.unpack(core.vector(x):totable()) }
         z[j] = y[j]
-        if not pcall(shape.lagrangian, shape, z, v, t) and abs(v[j]) > worst then worst, name = abs(v[j]), info.names[info.shape[j]] end
+        if not pcall(shape.lagrangian, shape, z, v, t) and abs(v[j]) > worst then worst, name = abs(v[j]), info.own[j] end
       end
       return "edge", ("the next step would leave the domain of L%s%s"):format(name and (" by '%s'"):format(name) or "", way(info)), value
     end
@@ -73,8 +73,8 @@ local function vanishing(path, info, where, x, t)
     if ratio < least then least, best = ratio, i end
   end
   local place = {}
-  for i, at in ipairs(info.shape) do place[i] = ("%s = %.3g"):format(info.names[at], where[i]) end
-  return POLE:format(info.names[info.shape[best]], table.concat(place, ", "), way(info))
+  for i, name in ipairs(info.own) do place[i] = ("%s = %.3g"):format(name, where[i]) end
+  return POLE:format(info.own[best], table.concat(place, ", "), way(info))
 end
 
 -- what is wrong in the last rows

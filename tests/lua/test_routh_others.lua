@@ -197,6 +197,13 @@ near(D:legendre_plus(1, 1.01)[1], D:legendre_plus({ 1 }, { 1.01 })[1], 0, "Legen
 near(D:legendre_minus(1, 1.01)[1], D:legendre_minus({ 1 }, { 1.01 })[1], 0, "and backwards")
 near(hoop:routh({ cyclic = dm.vector { 1 }, mu = 1 }):amended_potential(1), shape:amended_potential(1), 0, "cyclic may be a vector")
 
+-- a failure names the columns of the path that it has: q1 of the shape, whatever number that was above
+do
+  local bob = system(2, function(q, v) return (v[2] ^ 2 / cos(q[2]) ^ 2 + sin(q[2]) ^ 2 * v[1] ^ 2) / 2 - cos(q[2]) end)
+  local fine, failure = pcall(function() bob:routh({ cyclic = 1, mu = 0.01 }):solver({ rule = "gauss(2)", h = 0.1 }):run { q = 1, v = 0.9, t = 20 } end)
+  ok(not fine and failure.reason ~= nil and tostring(failure):find("'q1'", 1, true) and failure.path.columns[2] == "q1", "a failure names the columns of its path", tostring(failure))
+end
+
 -- misuse
 local function routh(options) return function() return hoop:routh(options) end end
 local function move(t, q) return { q[1] + t, q[2] } end
