@@ -54,6 +54,15 @@ function M.kit(space)
   return kit
 end
 
+-- the action of a semidirect product is looked at when it is made, not at its first use
+local semidirect = core.semidirect
+core.semidirect = blame.caller(function(...)
+  local space = semidirect(...)
+  M.kit(space)
+  return space
+end)
+core.docs[core.semidirect] = core.docs[semidirect]
+
 --- The kit of a group; raises for another manifold.
 function M.group(space)
   local kit = M.kit(space)

@@ -34,7 +34,6 @@ local extensions = { "dm.missed", "dm.path", "dm.animate", "dm.export", "dm.tang
 }
 
 local dm = {}
-for name, value in pairs(core) do dm[name] = value end
 
 local M = { __name = "dm", lazy = lazy }
 
@@ -57,7 +56,8 @@ function M.load_all()
   return dm
 end
 
-setmetatable(dm, M)
 for _, module in ipairs(extensions) do require(module) end
+for name, value in pairs(core) do dm[name] = value end
+setmetatable(dm, M)
 
 return dm

@@ -322,8 +322,9 @@ raises("has no 'cayley'", function() return dm.SL(3):cayley(dm.zeros(8)) end)
 raises("nearest rotation", function() return SO3:project { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } } end)
 raises("multiple of 2", function() return dm.Sp(3) end)
 raises("two or more spaces", function() return dm.product(dm.R(1)) end)
-raises("not linear in v", function() return dm.semidirect(dm.SO(2), dm.R(1), function(g, v) return { v[1] ^ 2 } end):identity() end)
-raises("give the action", function() return dm.semidirect(dm.SO(3), dm.R(2)):identity() end)
+raises("not linear in v", function() return dm.semidirect(dm.SO(2), dm.R(1), function(g, v) return { v[1] ^ 2 } end) end)
+raises("give the action", function() return dm.semidirect(dm.SO(3), dm.R(2)) end)  -- when it is made, not at its first use
+raises("must have 3 entries (got 1)", function() return dm.semidirect(dm.SO(3), dm.R(3), function() return { 1 } end) end)
 raises("list of 2 factors", function() return dm.product(dm.R(1), dm.R(2)):inverse { { 1 } } end)
 raises("no standard action", function() return dm.discrete_lagrangian { Q = dm.R(2), h = 1, Ld = function(a, b) return a:dot(b) end }
   :momentum(dm.SE(3), { 1, 2 }, { 3, 4 }) end)
