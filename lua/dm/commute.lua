@@ -17,6 +17,7 @@ function class.__tostring(c)
     local what = row.order and ("%9.2e  order %.2f"):format(row.difference, row.order) or ("%9.2e"):format(row.difference)
     out[#out + 1] = ("  %-48s %-22s %s"):format(row.name, what, row.commutes and "commutes" or "DOES NOT COMMUTE")
   end
+  if c.without then out[#out + 1] = "  without the faces of DEL and DR: " .. c.without end
   return table.concat(out, "\n")
 end
 
@@ -173,7 +174,7 @@ local doc = [[
 dm.commute(system, {q=, v=, h=, rule=, steps=, cyclic=, action=, mu=, connection=}) -> dm.cube {rule, h, steps, mu, commutes, {name, difference, order, commutes}, ...}
 The cube of discrete Routh reduction for a system (Leok, figure 2.1): Euler-Lagrange and Hamilton's equations, Routh's equations, and for each its discrete
 one (DEL, SPRK, DR, RSPRK), run from one start and compared edge by edge. Edges among discrete corners commute to round-off where the rule is a partitioned
-Runge-Kutta rule; those from continuous to discrete to its order, which is measured. print shows the table; commutes: all of them. Options as in system:routh: with an action the cube is that of the system in (theta, x), in which rules commute with reduction.]]
+Runge-Kutta rule; those from continuous to discrete to its order, which is measured. print shows the table; commutes: all of them; without: why the faces of DEL and DR are not there, if so (time, constraints, forces, rules without an Ld). Options as in system:routh: with an action the cube is that of the system in (theta, x), in which rules commute with reduction.]]
 
 M.commute = blame.caller(function(system, options)
   options = starts.lists(options, system)
@@ -185,6 +186,8 @@ M.commute = blame.caller(function(system, options)
   if fine then
     c.D = D
     discrete_faces(rows, c)
+  else
+    rows.without = tostring(D):gsub("^.-%.lua:%d+: ", "")
   end
   step_faces(rows, c)
   literal_face(rows, c)

@@ -1,6 +1,7 @@
 --- Relative equilibria of a reduced system, motions along the group alone: stationary points of the amended potential, and how small motions about
 -- them behave. With R^ = M x'.x'/2 + gyroscopic terms - V_mu: M y'' + S y' + K y = 0, S_ij = R_x'i xj - R_xi x'j, K = V_mu's Hessian.
 -- Stable by energy where K is positive definite; spectrally where all characteristic values are imaginary (Simo, Lewis & Marsden 1991).
+local branches = require "dm.routh_branch"
 local core = require "dm.core"
 local linear = require "dm.routh_linear"
 local model = require "dm.routh_model"
@@ -163,7 +164,7 @@ function M.describe(info, R, V, x, mu)
   local list = {}
   for a = 1, info.m do list[a] = mu[a] end
   local rate = model.group_velocity(at_momentum(info, list), x, u, 0)
-  local out = { x = x, mu = core.vector(list), energy = V(x, mu), velocity = core.vector(rate), values = {} }
+  local out = branches.equilibrium { x = x, mu = core.vector(list), energy = V(x, mu), velocity = core.vector(rate), values = {} }
   out.index, out.flat = index_of(K, mass, d)
   local re, im = characteristic(mass, S, K, d)
   local largest, growth = 1e-300, 0

@@ -1,6 +1,7 @@
 --- shape:continue: relative equilibria followed in the momentum by arc length (Keller), with what happens to them on the way.
 local blame = require "dm.blame"
 local balance = require "dm.routh_balance"
+local branches = require "dm.routh_branch"
 local core = require "dm.core"
 local equilibria = require "dm.routh_equilibria"
 local linear = require "dm.routh_linear"
@@ -9,38 +10,7 @@ local M = {}
 
 local abs, max, sqrt = math.abs, math.max, math.sqrt
 
-local WORD, list_text = equilibria.WORD, equilibria.list_text
-
-local branch_class = { __name = "dm.branch" }
-
-function branch_class.__tostring(b)
-  local out = { ("branch of %d relative equilibria, mu from %.6g to %.6g"):format(#b, b[1].momentum, b[#b].momentum) }
-  for _, e in ipairs(b.events) do
-    out[#out + 1] = ("  %s near mu = %.6g, x = %s"):format(e.what, e.momentum, list_text(e.x))
-  end
-  return table.concat(out, "\n")
-end
-
--- columns of a branch
-function branch_class.__index(b, key)
-  local rows = rawget(b, "rows_of")
-  local read = rows and rows[key]
-  if not read then return nil end
-  local out = {}
-  for i = 1, #b do out[i] = read(b[i]) end
-  return core.vector(out)
-end
-
-local READ = {
-  mu = function(e) return e.momentum end,
-  energy = function(e) return e.energy end,
-  velocity = function(e) return e.velocity[1] end,
-  growth = function(e)
-    local worst = 0
-    for _, value in ipairs(e.values) do worst = max(worst, value[1]) end
-    return worst
-  end,
-}
+local WORD = branches.WORD
 
 -- slope of V in x at (x, m) and its derivatives [d][d + 1], mu = m n along the direction n
 local function equation(V, z, d, n)
@@ -209,12 +179,12 @@ M.continue = blame.caller(function(shape, first, options)
   if type(step) ~= "number" or not (step > 0) then error("continue: option 'step' must be a length > 0", 0) end
   local points = options.points or 2000
   if math.type(points) ~= "integer" or points < 1 then error("continue: option 'points' must be a whole number > 0", 0) end
-  local b = { events = {}, rows_of = setmetatable({}, { __index = READ }) }
-  for i = 1, info.d do b.rows_of["x" .. i] = function(e) return e.x[i] end end
-  setmetatable(b, branch_class)
   local _, size = direction(first.mu)
+  if not (size >= range[1] - 1e-12 * abs(size) and size <= range[2] + 1e-12 * abs(size)) then
+    error(("continue: this equilibrium has mu = %.6g, which is not in the range from %.6g to %.6g: shape:at_momentum has others"):format(size, range[1], range[2]), 0)
+  end
   first.momentum = size
-  b[1] = first
+  local b = branches.branch(info, first)
   follow(info, b, first, { mu = range, step = step, points = points }, options.back and -1 or 1)
   return b
 end)

@@ -12,20 +12,9 @@ local abs, max = math.abs, math.max
 
 local class = { __name = "dm.relative_equilibria" }
 
-function M.list_text(v)
-  local out = {}
-  for i = 1, #v do out[i] = ("%.6g"):format(v[i]) end
-  return "(" .. table.concat(out, ", ") .. ")"
-end
-
-M.WORD = { energy = "stable (minimum)", spectral = "stable (spectrum)", [false] = "unstable" }
-
 function class.__tostring(list)
   local out = { ("%d relative equilibri%s"):format(#list, #list == 1 and "um" or "a") }
-  for _, e in ipairs(list) do
-    out[#out + 1] = ("  x = %-36s energy %-12.6g velocity %-14s index %d  %s%s"):format(M.list_text(e.x), e.energy, M.list_text(e.velocity), e.index, M.WORD[e.stable],
-      e.flat > 0 and (", V_mu is flat in %d direction%s"):format(e.flat, e.flat == 1 and "" or "s") or "")
-  end
+  for _, e in ipairs(list) do out[#out + 1] = "  " .. tostring(e) end
   return table.concat(out, "\n")
 end
 

@@ -180,12 +180,17 @@ local fast = slow:at_momentum(4)
 local arm = fast:continue(fast:relative_equilibria({ region = { 0.1, 1.5 } })[1], { mu = { 0.1, 6 }, step = 0.1, back = true })
 ok(arm.events[1].what == "fold" and abs(arm.events[1].momentum - 2 * sqrt(1.5)) < 1e-5 and abs(arm.events[1].x[1]) < 1e-3, "where the tilted ones begin", tostring(arm))
 
+ok(#arm:series().x == #arm and arm:series("mu", "q1").y[1] == arm.x1[1] and tostring(arm[1]):find("stable (minimum)", 1, true), "columns, series and points of a branch", tostring(arm[1]))
+
 -- the cube of an action
 local planet = system(3, function(q, v) return v:dot(v) / 2 + 1 / q:norm() end)
 local function turn(t, q) return { cos(t) * q[1] - sin(t) * q[2], sin(t) * q[1] + cos(t) * q[2], q[3] } end
 local cube = dm.commute(planet, { action = turn, q = { 1, 0, 0.1 }, v = { 0, 0.9, 0.1 }, h = 0.05, steps = 10 })
 ok(cube.commutes and #cube == 12, "an action has a cube, too", tostring(cube))
 near(cube.mu[1], 0.9, 1e-15, "at the momentum of the start")
+
+local less = dm.commute(timed, { cyclic = 1, q = { 0, 1 }, v = { 1, 0.1 }, h = 0.02, steps = 10 })
+ok(less.commutes and #less == 6 and tostring(less):find("without the faces of DEL and DR: discrete: L depends on the time", 1, true), "a cube says which faces it lacks", tostring(less))
 
 -- what prints itself
 local shape = hoop:routh { cyclic = 1, mu = 1 }
@@ -228,6 +233,11 @@ raises("the guess of psi must be 1 number", function() D:psi(1, 1, "x") end)
 raises("no psi_mu between x0 = [0.1] and x1 = [-0.1]", function()  -- the midpoint is the axis
   system(2, function(q, v) return (v[2] ^ 2 + q[2] ^ 2 * v[1] ^ 2) / 2 end):routh({ cyclic = 1, mu = 1 }):discrete({ rule = "midpoint", h = 0.1 }):psi(0.1, -0.1)
 end)
+raises("with a colon", function() hoop.routh { cyclic = 1, mu = 1 } end)
+raises("with a colon, D:psi(...)", function() D.psi(1, 1.01) end)
+raises("with a colon on a path", function() path.reconstruct {} end)
+raises("which is not in the range", function() slow:continue(bottom[1], { mu = { 2, 3 } }) end)
+raises("there is no column 'nu'", function() bottom:series("nu", "energy") end)
 raises("is not symplectic", function() shape:solver { rule = "rsprk(rk4)", h = 0.1 } end)
 raises("of finite numbers", function() shape:relative_equilibria { region = { 0, math.huge } } end)
 raises("'points' must be a whole number", function() slow:continue(bottom[1], { mu = { 0, 1 }, points = "x" }) end)
