@@ -213,14 +213,45 @@ static int is_too_large(lua_State *L, const dml_frame *frame, int may_grow) {
     return 1;
 }
 
-/* the trace of `frame`, on top of the stack, from its symbols to its results; closes it */
-static void trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame,
-                  dml_traced *out) {
-    const int top = lua_gettop(L) - 1;
-    push_symbols(L, fn, s, frame);
+typedef struct {
+    const dml_signature *s;
+    dml_frame *frame;
+    dml_traced *out;
+} tracing;
+
+/* (function, arguments ..., what is traced): the call and its results */
+static int call_traced(lua_State *L) {
+    const tracing *t = lua_touserdata(L, -1);
+    lua_pop(L, 1);
+    lua_call(L, t->s->arguments, 1);
+    read_result(L, t->s, t->frame, t->out);
+    return 0;
+}
+
+/* The function on symbols. 0: it fails, on symbols that are those of the last time: it may have kept some of what it made of
+** them then, by a table that remembers results, say. */
+static int call_with_symbols(lua_State *L, int fn, const tracing *t) {
+    const int again = t->frame->symbols != NULL;
+    if (again) lua_pushcfunction(L, call_traced);
+    push_symbols(L, fn, t->s, t->frame);
     dml_forget(L);
-    lua_call(L, s->arguments, 1);
-    read_result(L, s, frame, out);
+    lua_pushlightuserdata(L, (void *)(uintptr_t)t);
+    if (again) return dml_try(L, t->s->arguments + 2, 0);
+    lua_pop(L, 1);
+    lua_call(L, t->s->arguments, 1);
+    read_result(L, t->s, t->frame, t->out);
+    return 1;
+}
+
+/* the trace of `frame`, on top of the stack, from its symbols to its results; closes it. 0: it wants new symbols */
+static int trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame,
+                 dml_traced *out) {
+    const int top = lua_gettop(L) - 1;
+    if (!call_with_symbols(L, fn, &(tracing){s, frame, out})) {
+        dml_dropsymbols(frame);
+        lua_settop(L, top);
+        return 0;
+    }
     dml_checkgraph(L, frame);
     const dml_traced *last = dml_repeated(frame, out->out, out->outputs);
     if (last) {
@@ -232,6 +263,7 @@ static void trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame
         out->inputs = dml_signature_inputs(s);
     }
     lua_settop(L, top);
+    return 1;
 }
 
 static void need(lua_State *L, int memory) {
@@ -257,5 +289,5 @@ void dml_retrace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
     if (!frame->last)
         frame->graph = frame->own = dm_graph_new(arena, dml_signature_inputs(s));
     need(L, frame->graph != NULL);
-    trace(L, fn, s, frame, out);
+    if (!trace(L, fn, s, frame, out)) dml_retrace(L, fn, s, arena, NULL, out);
 }

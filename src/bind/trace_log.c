@@ -34,6 +34,14 @@ void dml_leavesymbols(dml_frame *f) {
     f->symbols = NULL;
 }
 
+void dml_dropsymbols(dml_frame *f) {
+    const dml_traced *last = f->last;
+    dml_leavesymbols(f);
+    if (!last) return;
+    last->log->symbols->count = 0;
+    last->log->symbols->keeper = NULL;
+}
+
 static dml_log *new_log(dm_arena *arena) {
     dml_log *log = dm_arena_take(arena, sizeof *log);
     dml_symbols *symbols = dm_arena_take(arena, sizeof *symbols);

@@ -70,8 +70,9 @@ dm_node dml_sumagain(dml_frame *f);
 /* A new sum, of a term that was just traced into the arena of the frame. */
 dm_node dml_sumanew(lua_State *L, dml_frame *f, const dm_sum *s, const dml_traced *term);
 
-/* The trace has no kept symbols any more: others may have them. */
+/* The trace has no kept symbols any more: others may have them, or, where they are dropped, nobody ever. */
 void dml_leavesymbols(dml_frame *f);
+void dml_dropsymbols(dml_frame *f);
 
 /* Begin the log of a trace with its own graph, or repeat *last where that has a log. 0: no memory. */
 int dml_beginlog(dml_frame *f, const dml_traced *last);

@@ -98,6 +98,36 @@ for _, case in ipairs { { "breaks", "no more" }, { "text", "must return a number
   ok(go() == first, "after '" .. case[1] .. "' the run is what it was")
 end
 
+-- a function that remembers its results by their arguments: numbers, and symbols of another run
+local function remembering(f)
+  local memory = {}
+  return function(x)
+    memory[x] = memory[x] or f(x)
+    return memory[x]
+  end
+end
+local well = remembering(function(x) return x ^ 4 / 4 - x ^ 2 / 2 end)
+local pull = remembering(function(x) return dm.vector { x, 2 * x } end)
+local whole = remembering(function(x) return x ^ 2 end)
+local makes = {
+  function(f) return function(x, u) return T(u) - f[1](x[1]) - f[2](x[2]):norm() end end,
+  function(f) return function(x, u) return f[3](u[1]) / 2 + f[3](u[2]) / 2 - f[1](x[1]) end end,
+  function(f) return function(x) return f[3](x[1]) end end,
+}
+for k, make in ipairs(makes) do
+  local function ends(f) -- of six runs
+    local all, s = {}, dm.system { Q = dm.R(2), L = make(f) }
+    for i = 1, 6 do
+      local fine, path = pcall(function() return s:solver({ rule = "verlet", h = 0.1 }):run { q = { 1, 0.5 }, v = { 0, 1 }, steps = 5 } end)
+      all[i] = fine and bits(path) or path
+    end
+    return table.concat(all, "\n")
+  end
+  local forgetful = { function(x) return x ^ 4 / 4 - x ^ 2 / 2 end, function(x) return dm.vector { x, 2 * x } end, function(x) return x ^ 2 end }
+  local a, b = ends { well, pull, whole }, ends(forgetful)
+  ok(a == b, "results that are remembered by symbols, " .. k, a .. "\nagainst\n" .. b)
+end
+
 -- a run inside of L, of another system and of the same one
 local inner = dm.system { Q = dm.R(1), L = function(x, u) return u[1] ^ 2 / 2 - x[1] ^ 2 / 2 end }
 local function inner_length() return inner:solver({ rule = "verlet", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 3 }.q[4][1] end
