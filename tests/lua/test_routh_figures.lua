@@ -134,6 +134,32 @@ local function error_of(steps)
 end
 near(error_of(10), 1.08e-2, 1e-4, "lobatto(2): the error at t = 3"); near(math.log(error_of(20) / error_of(40), 2), 2, 0.1, "and its order")
 
+-- other coordinates, other points: the Cartesian midpoint rule beside the cylindrical one, apart by the order of both (Leok 2.9.6)
+local function apart(steps)
+  local h = 3 / steps
+  local a = models.satellite(J2):routh({ cyclic = 1, mu = 0.96 }):solver({ rule = "midpoint", h = h }):run({ q = { 1, 0 }, v = { 0, 0.28 }, steps = steps }).q[steps + 1]
+  local b = cartesian:solver({ rule = "midpoint", h = h }):run({ q = { 1, 0, 0 }, v = { 0, 0.96, 0.28 }, steps = steps }).q[steps + 1]
+  return abs(a[1] - sqrt(b[1] ^ 2 + b[2] ^ 2)) + abs(a[2] - b[3])
+end
+ok(apart(10) > 1e-3, "Cartesian steps have other reduced points", apart(10)); near(math.log(apart(40) / apart(80), 2), 2, 0.1, "apart by the order of the rule")
+
+-- rods as constraints: the trapezoidal rule after ten steps by four names, and past the pole where the chart ends (spec 4, 2.2)
+local l1, l2, g = models.l1, models.l2, models.g
+local ambient = dm.system { Q = dm.R(6), L = function(p, w)
+  local b = (w[1] + w[4]) ^ 2 + (w[2] + w[5]) ^ 2 + (w[3] + w[6]) ^ 2
+  return m1 * (w[1] ^ 2 + w[2] ^ 2 + w[3] ^ 2) / 2 + m2 * b / 2 - m1 * g * p[3] - m2 * g * (p[3] + p[6])
+end, constraint = function(p) return { (p[1] ^ 2 + p[2] ^ 2 + p[3] ^ 2 - l1 ^ 2) / 2, (p[4] ^ 2 + p[5] ^ 2 + p[6] ^ 2 - l2 ^ 2) / 2 } end }
+local start = { q = { 0.6, 0, -0.8, 0.27, 0.36, -0.6 }, v = { 0.4, 1.2, 0.3, -0.64, -0.02, -0.3 } }
+local wanted = dm.vector { 0.60579018825290294, 0.130205165646526727, -0.784897995063991072, 0.227682293074725703, 0.330183927935511475, -0.633750224578509855 }
+for _, rule in ipairs { "rattle", "shake", "trapezoidal", "lobatto(2)" } do
+  local last = ambient:solver({ rule = rule, h = 0.01 }):run({ q = start.q, v = start.v, steps = 10 }).q[11]
+  near((last - wanted):norm(), 0, 1e-14, rule .. ": constrained, ten steps")
+end
+local past = ambient:solver({ rule = "trapezoidal", h = 0.02 }):run { q = start.q, v = start.v, steps = 2000, project = true }
+local spread = 0
+for _, now in ipairs(past:energy():totable()) do spread = math.max(spread, abs(now / -33.4825 - 1)) end
+ok(spread < 3.3e-4 and past:worst "constraint" < 1e-14, "goes past the pole, with its energy", spread)
+
 -- 3.20: tableaus that are not symplectic, with the place
 local a2 = { { 0.25, 0.25 - sqrt(3) / 6 }, { 0.25 + sqrt(3) / 6, 0.25 } }
 local rk4 = { { 0, 0, 0, 0 }, { 0.5, 0, 0, 0 }, { 0, 0.5, 0, 0 }, { 0, 0, 1, 0 } }
