@@ -143,8 +143,7 @@ void dml_leavelast(lua_State *L, dml_frame *f) {
     f->own = dm_graph_prefix(f->arena, f->last->graph, size);
     if (!f->own || !copy_log(f, log, count)) luaL_error(L, "not enough memory");
     f->graph = f->own;
-    f->last = NULL;
-    dml_leavesymbols(f);
+    f->last = NULL; /* its symbols stay with this trace: the function has them in its hands */
     f->step = f->end = NULL;
 }
 

@@ -147,4 +147,25 @@ end }
 local deep = length_of(nested)
 ok(length_of(nested) == deep and length_of(nested) == deep, "a run of the same system inside of its L")
 
+local stiffness, inside, parted = 1, false, nil
+parted = dm.system { Q = dm.R(1), L = function(x, u)
+  local x1, energy = x[1], u[1] ^ 2 / 2 - stiffness * x[1] ^ 2
+  if inside then
+    inside = false
+    length_of(parted)
+    inside = true
+  end
+  return energy - x1 ^ 2 / 2
+end }
+local alone = {}
+for k = 1, 2 do
+  stiffness = k
+  for _ = 1, 3 do alone[k] = length_of(parted) end
+end
+inside = true
+ok(pcall(length_of, parted) and length_of(parted) == alone[2], "or where L is what it was")
+stiffness = 1
+local went, got = pcall(length_of, parted)
+ok(went and got == alone[1], "or after its L has become another one", got)
+
 tap.done()
