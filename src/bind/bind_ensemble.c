@@ -25,6 +25,17 @@ static double memory_of_machine(void) {
     return (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
 }
 
+/* zeros: gigabytes of them take seconds, which Ctrl-C may end */
+static void clear(lua_State *L, char *data, size_t size) {
+    enum { BLOCK = 1 << 24 };
+    for (size_t done = 0; done < size; done += BLOCK) {
+        memset(data + done, 0, size - done < BLOCK ? size - done : BLOCK);
+        if (!dml_stop) continue;
+        dml_stop = 0;
+        luaL_error(L, "interrupted!");
+    }
+}
+
 dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
                                const dm_ensemble_rows *rows) {
     static const double small = 1e6; /* bytes: no need to ask the system */
@@ -40,7 +51,7 @@ dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
     ensemble *e =
         lua_newuserdatauv(L, sizeof *e + (size_t)members * each, DML_ENSEMBLE_VALUES);
     *e = (ensemble){.members = members, .n = n, .rows = *rows};
-    memset(e + 1, 0, (size_t)members * each);
+    clear(L, (char *)(e + 1), (size_t)members * each);
     e->state = (double *)(e + 1);
     e->rows.data = e->state + (size_t)members * dm_state_size(n);
     e->member = (dm_member *)(void *)(e->rows.data +
