@@ -63,7 +63,8 @@ static double *evaluate(lua_State *L, unsigned want, size_t which, const char *w
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "v");
     dml_model *m = dml_pushlast(L, 1, NULL);
-    dml_want(L, m, want, NULL);
+    dml_want(L, m, want | DM_WANT_VALUE, NULL);
+    dml_checkmember(L, 1, m, x); /* what the trace did not see is told, not computed */
     const dm_kernel *kernel = (const dm_kernel *)((const char *)&m->model + which);
     double *out = lua_newuserdatauv(L, kernel->outputs * sizeof *out, 0);
     dm_kernel_prepare(kernel, out);
@@ -114,12 +115,16 @@ static int system_velocity(lua_State *L) {
     if (m->model.structure & DM_LINEAR_IN_V)
         luaL_error(L, "no velocity has this momentum: L is linear in v, so that p = "
                       "dL/dv does not depend on v");
-    dml_want(L, m, dml_legendre_wants(m, 0), NULL);
+    dml_want(L, m, DM_WANT_VALUE | dml_legendre_wants(m, 0), NULL);
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
+    double *at = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *at, 0);
     double *v = dml_pushvector(L, s->n);
     const dm_status status =
         dm_legendre_inverse(&m->model, v, x, x + s->n, x[2 * s->n], work);
     dml_rethrow(L, m);
+    memcpy(at, x, (2 * (size_t)s->n + 1) * sizeof *x);
+    memcpy(at + s->n, v, s->n * sizeof *v);
+    if (status == DM_OK) dml_checkmember(L, 1, m, at);
     if (status != DM_OK)
         luaL_error(
             L,

@@ -230,4 +230,11 @@ liar:run { q = { 0.2 }, v = { 0 }, steps = 2 }
 lies = true
 raises("is not what its trace says", function() liar:run { q = { 0.2 }, v = { 0 }, steps = 2 } end)
 
+-- what a system says of itself is compared, too
+local branches = dm.system { Q = dm.R(1), L = function(q, v) return q[1] == 0 and v[1] ^ 2 / 2 or v[1] ^ 2 end }
+for _, name in ipairs { "energy", "momentum", "mass", "velocity", "lagrangian" } do
+  tap.raises("L is not what its trace says", branches[name], branches, { 0 }, { 1 })
+end
+local dice = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - math.random() * q[1] ^ 2 end }
+tap.raises("it must not use random numbers", dice.energy, dice, { 1 }, { 1 })
 tap.done()
