@@ -69,7 +69,7 @@ M.linearize = blame.caller(function(system, options)
   end
   local re, im = A:eigenvalues()
   local stable, why, fastest = describe(re:totable(), im:totable())
-  return { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im, matrix = A }
+  return core.result { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im, matrix = A }
 end)
 
 ---- orbits ----
@@ -91,7 +91,7 @@ M.multipliers = blame.caller(function(solver, options)
   local why = stable and ("no multiplier is outside of the unit circle (largest modulus %.9g, known to %.1g)"):format(largest, slack)
     or ("unstable: a small change grows by a factor of %.6g"):format(largest)
   if closes > slack then why = why .. ("; the run ends %.2g from its start, so they are those of a closed orbit only up to a symmetry"):format(closes) end
-  return { stable = stable, why = why, largest = largest, re = re, im = im, matrix = matrix, closes = closes }
+  return core.result { stable = stable, why = why, largest = largest, re = re, im = im, matrix = matrix, closes = closes }
 end)
 
 return M

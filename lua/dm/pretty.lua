@@ -110,7 +110,7 @@ end
 
 local function show_table(state, t, depth)
   local meta = getmetatable(t)
-  if type(meta) == "table" and rawget(meta, "__tostring") then return tostring(t) end
+  if type(meta) == "table" and rawget(meta, "__tostring") and rawget(meta, "__name") ~= "dm.result" then return tostring(t) end
   if state.open[t] then return paint(state, "table", "<cycle>") end
   if next(t) == nil then return "{}" end
   if depth >= state.depth then return paint(state, "table", "{...}") end

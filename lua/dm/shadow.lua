@@ -198,7 +198,7 @@ M.modified_energy = blame.caller(function(solver, options)
   end
   for _, value in ipairs(values) do worst = max(worst, abs(value - mean)) end
   local slope = core.drift(core.vector(t), core.vector(values))
-  return { energy = core.vector(values), H = core.vector(E), t = core.vector(t), mean = mean, amplitude = worst,
+  return core.result { energy = core.vector(values), H = core.vector(E), t = core.vector(t), mean = mean, amplitude = worst,
     drift = slope.per_time, error = slope.error }
 end)
 

@@ -239,7 +239,7 @@ M.at = blame.caller(function(self, which, column)
   local out = { class = cells.CLASSES[cell.class].name, why = why(cell), rule = self.rules[cell.rule] }
   for _, name in ipairs(FIELDS) do out[name] = cell[name] end
   for name, value in pairs(cell.values) do out[name] = value end
-  return out
+  return core.result(out)
 end)
 
 local doc_theory = [[

@@ -107,7 +107,7 @@ M.fold = blame.caller(function(solver, options)
   local why = ratio < SMALL and ("%s: fold at h = %.8g: two solutions of the step equation meet there, its matrix is singular (determinant %.1g of that of a small step), and beyond there is none")
     :format(rule, h, ratio) or ("%s: Newton's method finds no solution beyond h = %.8g, although the matrix of the step is regular there (determinant %.2g of that of a small step): "
       .. "the solution leaves the domain of L, or is further than Newton's method reaches"):format(rule, h, ratio)
-  return { h = h, fold = ratio < SMALL, q1 = here.q1, why = why }
+  return core.result { h = h, fold = ratio < SMALL, q1 = here.q1, why = why }
 end)
 
 ---- coordinates ----
@@ -147,7 +147,7 @@ M.singularities = blame.caller(function(solver, options)
     if type(path) == "string" or path.code == "stopped" or not path.path then error(path, 0) end
     path = failure.path
   end
-  local out, start = { worst = 0, places = {} }, nil
+  local out, start = core.result { worst = 0, places = {} }, nil
   for i = 1, #path do
     local q, t = path.q[i], path.t[i]
     local known, v = pcall(system.velocity, system, q, path.p[i], t)

@@ -253,7 +253,7 @@ M.lyapunov = blame.caller(function(solver, options)
     end
   end
   local last = #record.t
-  return { exponent = record.exponent[last], megno = record.megno[last], t = record.t[last],
+  return core.result { exponent = record.exponent[last], megno = record.megno[last], t = record.t[last],
     history = { t = core.vector(record.t), exponent = core.vector(record.exponent), megno = core.vector(record.megno) },
     q = prolong.part(s.x, 0, n), p = prolong.part(s.p, n, n) }
 end)
@@ -323,7 +323,7 @@ M.backward_error = blame.caller(function(solver, options)
   local drift, spread, E0 = energies(solver, options, steps, every)
   local finer, less = energies(solver_of(solver, solver.system, solver.h / 2), options, 2 * steps, 2 * every)
   local order = less > 0 and log(spread / less, 2) or math.huge
-  return { amplitude = spread, order = order, drift = drift.per_time, error = drift.error, energy = E0,
+  return core.result { amplitude = spread, order = order, drift = drift.per_time, error = drift.error, energy = E0,
     mean = drift.mean, finer = { amplitude = less, drift = finer.per_time, error = finer.error, mean = finer.mean } }
 end)
 

@@ -68,4 +68,7 @@ int dml_try(lua_State *L, int arguments, int results);
 /* require "dm.core" */
 int luaopen_dm_core(lua_State *L);
 
+/* Make the table on top a result: tostring shows its entries. */
+void dml_setresult(lua_State *L);
+
 #endif

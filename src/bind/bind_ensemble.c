@@ -152,6 +152,7 @@ static int ensemble_failures(lua_State *L) {
     const ensemble *e = check(L);
     lua_Integer count = 0;
     lua_newtable(L);
+    dml_setresult(L);
     for (long i = 0; i < e->members; i++) {
         if (e->member[i].status == DM_OK) continue;
         lua_createtable(L, 0, 3);

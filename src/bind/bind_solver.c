@@ -74,6 +74,7 @@ static int solver_report(lua_State *L) {
     const dml_last_run *last = &s->last;
     if (!last->backend) luaL_error(L, "no report yet: run the solver first");
     lua_createtable(L, 0, 12);
+    dml_setresult(L);
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
     lua_setfield(L, -2, "rule");
     lua_pushstring(L, last->backend);

@@ -143,6 +143,7 @@ static int system_structure(lua_State *L) {
     const dml_model *m = dml_pushmodel(L, 1);
     const unsigned bits = m->model.structure;
     lua_newtable(L);
+    dml_setresult(L);
     set_flag(L, "separable", (bits & DM_SEPARABLE) != 0);
     set_flag(L, "constant_mass", (bits & DM_CONSTANT_MASS) != 0);
     set_flag(L, "diagonal_mass", (bits & DM_DIAGONAL_MASS) != 0);

@@ -46,6 +46,7 @@ int dml_ensemble_summary(lua_State *L) {
     const int first = lua_gettop(L) + 2;
     luaL_checkstack(L, FIELDS + 4, NULL);
     lua_createtable(L, 0, FIELDS);
+    dml_setresult(L);
     for (int k = 0; k < FIELDS; k++) {
         lua_createtable(L, (int)e->members, 0);
         lua_pushvalue(L, -1);

@@ -32,7 +32,39 @@ static int until_stop(lua_State *L) {
     return lua_gettop(L);
 }
 
+/* what a session shows of it */
+static int result_tostring(lua_State *L) {
+    lua_settop(L, 1);
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "dm.pretty");
+    lua_call(L, 1, 1);
+    lua_getfield(L, -1, "pretty");
+    lua_pushvalue(L, 1);
+    lua_call(L, 1, 1);
+    return 1;
+}
+
+void dml_setresult(lua_State *L) {
+    if (luaL_newmetatable(L, "dm.result")) {
+        lua_pushcfunction(L, result_tostring);
+        lua_setfield(L, -2, "__tostring");
+    }
+    lua_setmetatable(L, -2);
+}
+
+static int make_result(lua_State *L) {
+    luaL_checktype(L, 1, LUA_TTABLE);
+    lua_settop(L, 1);
+    dml_setresult(L);
+    return 1;
+}
+
 static const dml_row functions[] = {
+    {"result", make_result,
+     "core.result(t) -> t\n"
+     "The table t as what a method returns: print(t) and tostring(t) show its entries, "
+     "in "
+     "scripts as in a session."},
     {"method", add_method,
      "core.method(class, name, f, doc)\n"
      "Add the Lua function f as method `name` to a class (\"dm.path\"); doc: signature "

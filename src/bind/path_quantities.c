@@ -209,6 +209,7 @@ static void push_drift(lua_State *L, const dm_drift *d) {
                   {"mean", d->mean},
                   {"largest", d->largest}};
     lua_createtable(L, 0, 4);
+    dml_setresult(L);
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         lua_pushnumber(L, fields[i].value);
         lua_setfield(L, -2, fields[i].key);

@@ -100,4 +100,11 @@ ok(long / short > 30 and long / short < 300, "a hundred times the work takes abo
 raises("a function is needed (got number)", dm.time, 3)
 raises("oops", dm.time, function() error "oops" end)
 
+-- what methods return prints itself in a script, too
+local swing = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
+local solver = swing:solver { rule = "midpoint", h = 0.1 }
+local path = solver:run { q = { 1 }, v = { 0 }, steps = 50 }
+for name, result in pairs { drift = path:drift "energy", report = solver:report(), structure = swing:structure(), linear = swing:linearize { q = { 0 } } } do
+  ok(tostring(result) == pretty(result) and tostring(result):match "^{.* = ", name .. " is shown by its entries", tostring(result))
+end
 tap.done()
