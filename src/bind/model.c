@@ -172,13 +172,12 @@ static dml_model *new_model(lua_State *L, int fn, dm_arena *arena, uint32_t n) {
     return m;
 }
 
-/* Trace the function at fn, *kept (or NULL) behind it: push *kept where it is the same again, else a new model. Ties are
-** functions of their own, which are not repeated. */
+/* Trace the function at fn, *kept (or NULL) behind it: push *kept where it is the same again, else a new model. */
 static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *kept,
                               dm_compile *compile) {
     const dml_system *s = dml_checksystem(L, arg);
     const dml_signature sig = signature(s);
-    const dml_traced *last = kept && !kept->tied.graph ? &kept->trace : NULL;
+    const dml_traced *last = kept ? &kept->trace : NULL;
     dml_traced traced;
     dm_arena *arena = dml_pusharena(L);
     const int at = lua_gettop(L);
@@ -187,6 +186,10 @@ static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *kept,
     else
         dml_trace(L, fn, &sig, arena, &traced);
     int same = last && traced.graph && traced.graph == last->graph;
+    if (same && !dml_repeatties(L, arg, kept, arena)) {
+        dml_retrace(L, fn, &sig, arena, NULL, &traced); /* of a model of its own */
+        same = 0;
+    }
     dml_model *m = same ? kept : new_model(L, fn, arena, s->n);
     if (!same) {
         m->trace = traced;

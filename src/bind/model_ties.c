@@ -167,7 +167,7 @@ void dml_traceties(lua_State *L, int arg, dml_model *m) {
         if (!has_field(L, arg, keys[i])) continue;
         const dml_signature s = signature(m, i);
         push_function(L, arg, i);
-        dml_trace(L, lua_gettop(L), &s, m->arena, m->tie + i);
+        dml_retrace(L, lua_gettop(L), &s, m->arena, NULL, m->tie + i);
         lua_pop(L, 1);
         if (!m->tie[i].graph)
             luaL_error(L, "%s makes more than %d operations: too many to trace", keys[i],
@@ -177,6 +177,21 @@ void dml_traceties(lua_State *L, int arg, dml_model *m) {
     if (!any) return;
     check_lengths(L, m);
     join(L, m);
+}
+
+int dml_repeatties(lua_State *L, int arg, const dml_model *kept, dm_arena *arena) {
+    arg = lua_absindex(L, arg);
+    for (int i = 0; i < DML_TIE_FUNCTIONS && kept->tied.graph; i++) {
+        const dml_traced *last = kept->tie + i;
+        dml_traced now;
+        if (!last->graph) continue;
+        const dml_signature s = signature(kept, i);
+        push_function(L, arg, i);
+        dml_retrace(L, lua_gettop(L), &s, arena, last, &now);
+        lua_pop(L, 1);
+        if (now.graph != last->graph) return 0;
+    }
+    return 1;
 }
 
 void dml_buildties(lua_State *L, dml_model *m) {

@@ -13,6 +13,9 @@ void dml_checktiefields(lua_State *L, int hyperdual);
 /* Trace them into m->tied; raises what dml_trace raises, and wrong lengths. */
 void dml_traceties(lua_State *L, int arg, dml_model *m);
 
+/* Do the functions do what they did when *kept was traced? What is made on the way is in `arena`. */
+int dml_repeatties(lua_State *L, int arg, const dml_model *kept, dm_arena *arena);
+
 /* Derivatives and structure, into m->ties; raises where one constrains nothing. */
 void dml_buildties(lua_State *L, dml_model *m);
 

@@ -5,7 +5,7 @@
 enum {
     FIRST = 64,
     MOST = 1 << 16,        /* steps; no log is longer */
-    MOST_SYMBOLS = 1 << 12 /* nodes of a trace whose symbols are kept */
+    MOST_SYMBOLS = 1 << 11 /* nodes of a trace whose symbols are kept */
 };
 
 /* symbols for the nodes of a log that is repeated for the first time */
@@ -35,11 +35,11 @@ void dml_leavesymbols(dml_frame *f) {
 }
 
 void dml_dropsymbols(dml_frame *f) {
-    const dml_traced *last = f->last;
+    dml_symbols *s = f->symbols;
     dml_leavesymbols(f);
-    if (!last) return;
-    last->log->symbols->count = 0;
-    last->log->symbols->keeper = NULL;
+    if (!s) return;
+    s->count = 0;
+    s->keeper = NULL;
 }
 
 static dml_log *new_log(dm_arena *arena) {
@@ -143,7 +143,8 @@ void dml_leavelast(lua_State *L, dml_frame *f) {
     f->own = dm_graph_prefix(f->arena, f->last->graph, size);
     if (!f->own || !copy_log(f, log, count)) luaL_error(L, "not enough memory");
     f->graph = f->own;
-    f->last = NULL; /* its symbols stay with this trace: the function has them in its hands */
+    f->last =
+        NULL; /* its symbols stay with this trace: the function has them in its hands */
     f->step = f->end = NULL;
 }
 

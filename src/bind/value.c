@@ -24,10 +24,11 @@ int dml_toscalar(lua_State *L, int arg, dml_scalar *out) {
     return class == DML_CLASS_SYMBOL || class == DML_CLASS_HYPERDUAL;
 }
 
-/* the kept symbol of that node, made when it is missing; 0: none is kept */
+/* the kept symbol of that node, made when it is missing; 0: none is kept. Nodes of a trace that has become another one have
+** new symbols: theirs mean something else. */
 static int push_kept(lua_State *L, const dml_frame *frame, dm_node node) {
     dml_symbols *kept = frame->symbols;
-    if (!kept || node >= kept->count) return 0;
+    if (!kept || !frame->last || node >= kept->count) return 0;
     dml_symbol *s = kept->of[node];
     if (!s) {
         if (!lua_checkstack(kept->keeper, 2)) return 0;

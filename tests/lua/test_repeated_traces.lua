@@ -78,6 +78,35 @@ compare("a chain", dm.R(n), {
   function(x, u) return dm.sum_over(u, kinetic) - 0.5 * dm.sum_over(x, spring(1), ring) end,
 }, { { rule = "verlet", h = 0.01 }, { rule = "blanes-moan(6)", h = 0.1 }, { rule = "gauss(2)", h = 0.05 } }, { q = q, v = v })
 
+-- constraints and forces are functions of their own
+local function tied(changes)
+  local parts, mode, same, all = {}, 1, 0, orders(#changes)
+  local rules = { { rule = "rattle", h = 0.05 }, { rule = "gauss(2)", h = 0.05 } }
+  local function system(look)
+    return dm.system { Q = dm.R(3), L = function(x, u) return T(u) - look().g * x[3] end,
+      constraint = function(x) return look().on(x) end, force = function(x, u) return look().push(x, u) end }
+  end
+  local function run(s, rule) return bits(s:solver(rule):run { q = { 1, 0, 0 }, v = { 0, 0.6, 0.3 }, steps = 6 }) end
+  local changing = system(function() return changes[mode] end)
+  for _, rule in ipairs(rules) do
+    for k = 1, #changes do parts[k] = run(system(function() return changes[k] end), rule) end
+    for _, k in ipairs(all) do
+      mode = k
+      if run(changing, rule) == parts[k] then same = same + 1 end
+    end
+  end
+  ok(same == 2 * #all, "constraints and forces: what they do now is what is stepped", ("%d of %d runs"):format(same, 2 * #all))
+end
+local function sphere(x) return x:dot(x) - 1 end
+local function drag(_, u) return -0.1 * u end
+tied {
+  { g = 1, on = sphere, push = drag },
+  { g = 2, on = sphere, push = drag },
+  { g = 1, on = function(x) return 2 * x:dot(x) - 2 end, push = drag },
+  { g = 1, on = sphere, push = function(_, u) return -0.2 * u end },
+  { g = 1, on = sphere, push = function(x, u) return { -u[1], x[1], 0 } end },
+}
+
 -- what is wrong is still found, and leaves nothing behind
 local mode, saved = "fine", nil
 local fragile = dm.system { Q = dm.R(2), L = function(x, u)
