@@ -21,10 +21,14 @@ uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages);
 
 /*
 ** The same in three parts, between which momenta may be renewed. Where M = l D l^T with blocks of two in D:
-** force takes (q, v, t) and gives L_q[n], the lower triangle of M by rows and b[n]; factors takes (triangle, b) and
-** gives n pivots, a triangle with l below the blocks and D^-1 in them, and b again; velocity takes (that triangle,
-** b, p) and gives v[n]. So a division never waits for p.
+** force takes (q, v, t) and gives L_q[n] and what is known of M; factors takes that and gives n pivots, a triangle with
+** l below the blocks and D^-1 in them, and b; velocity takes (that triangle, b, p) and gives v[n]. So a division never waits for p.
+** Known are the lower triangle of M by rows and b[n]; of an extremum (expr/extremum.h) with one unknown y those of (v, y), so
+** that M waits for no division by f_yy, which L_q needs meanwhile.
 */
+/* numbers that are known of M at most, where the kernels can be made: inputs of factors */
+uint32_t dm_hamilton_known(const dm_model *m);
+
 typedef struct {
     dm_kernel force, factors, velocity;
 } dm_hamilton;
@@ -34,5 +38,9 @@ uint32_t dm_hamilton_split(dm_hamilton *out, const dm_model *m, uint32_t stages)
 /* The same for roots[count] of a graph of the model's. */
 uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g,
                         const dm_node *roots, uint32_t count, uint32_t stages);
+
+/* And of a graph that dm_compact_graph made, to which some nodes may have been added. */
+uint32_t dm_lanes_build_compacted(dm_kernel *out, const dm_model *m, dm_graph *g,
+                                  const dm_node *roots, uint32_t count, uint32_t stages);
 
 #endif

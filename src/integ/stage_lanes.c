@@ -79,7 +79,7 @@ static int lay_out_sweeps(dm_stage_lanes *w) {
     const dm_stage *g = w->g;
     const size_t n = g->n, r = g->table.r;
     const size_t triangle = g->separable ? 0 : n * (n + 1) / 2;
-    const size_t taken = 2 * n + 1, given = g->separable ? n : 2 * n + triangle,
+    const size_t taken = 2 * n + 1, given = g->sweeps.force.outputs,
                  factored = g->separable ? 0 : 3 * n + triangle;
     const array arrays[] = {
         {&w->next, 4 * n},  {&w->in, r * taken}, {&w->out, r * given},

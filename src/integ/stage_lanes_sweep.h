@@ -11,8 +11,10 @@
 INLINE I regular_lanes(const lanes_sweeps *it) {
     I fine = mask_of((1u << W) - 1);
     for (uint32_t m = 0; m < it->r && !it->w->g->separable; m++)
-        for (uint32_t k = 0; k < it->n; k++)
-            fine &= (I)(load(it->w->factored + m * factored(it) + k * W) > (V){0});
+        for (uint32_t k = 0; k < it->n; k++) {
+            const V pivot = load(it->w->factored + m * factored(it) + k * W);
+            fine &= (I)(pivot > DM_PIVOT_LEAST) & (I)(pivot < DM_PIVOT_MOST);
+        }
     return fine;
 }
 

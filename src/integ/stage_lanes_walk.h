@@ -111,8 +111,7 @@ INLINE size_t taken(const lanes_sweeps *it) {
 }
 
 INLINE size_t given(const lanes_sweeps *it) {
-    const size_t n = it->n;
-    return (it->w->g->separable ? n : 2 * n + n * (n + 1) / 2) * W;
+    return it->w->g->sweeps.force.outputs * (size_t)W;
 }
 
 INLINE size_t factored(const lanes_sweeps *it) {

@@ -9,6 +9,8 @@ static const double DM_SWEEP_CLEAN = 1e-28;  /* mostly rounding: foretold, not m
 static const double DM_SWEEP_SETTLED = 1e-8; /* u serves for the rest of a coefficient */
 static const double DM_SWEEP_SLOW = 0.35 * 0.35; /* calls for Newton's method */
 static const double DM_SWEEP_LEAST = 1e-4; /* taken for granted before it is measured */
-enum { DM_STAGE_SWEEPS = 60 };             /* at most */
+/* pivots of M: determinants of up to three rows, which must have all their digits */
+static const double DM_PIVOT_LEAST = 1e-290, DM_PIVOT_MOST = 1e290;
+enum { DM_STAGE_SWEEPS = 60 }; /* at most */
 
 #endif

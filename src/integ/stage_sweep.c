@@ -213,8 +213,10 @@ static int is_regular(const dm_stage *g) {
     const uint32_t n = g->n, width = w->row->width;
     int bad = 0;
     for (uint32_t k = 0; k < n && !g->separable; k++)
-        for (uint32_t l = 0; l < g->table.r; l++)
-            bad |= !(w->factors.out[k * width + l] > 0.0);
+        for (uint32_t l = 0; l < g->table.r; l++) {
+            const double pivot = w->factors.out[k * width + l];
+            bad |= !(pivot > DM_PIVOT_LEAST && pivot < DM_PIVOT_MOST);
+        }
     return !bad;
 }
 

@@ -16,9 +16,10 @@ static size_t width_of(size_t stages) {
 
 /* of the kernels: positions, velocities, time; L_q, triangle, b; pivots, triangle, b, p; and copies for four lanes of
 ** what each takes and gives */
-static size_t kernels_size(size_t n, size_t width, int separable) {
-    const size_t triangle = separable ? 0 : n * (n + 1) / 2;
-    return width * (7 * n + 1 + 2 * triangle) + 4 * (10 * n + 1 + 4 * triangle);
+static size_t kernels_size(size_t n, size_t width, size_t known) {
+    const size_t triangle = known ? n * (n + 1) / 2 : 0;
+    return width * (6 * n + 1 + known + triangle) +
+           4 * (9 * n + 1 + 2 * (known + triangle));
 }
 
 size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
@@ -27,8 +28,8 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
         (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
-    return kernels_size(n, w, separable) + 4 * n * w + 5 * r * w + 7 * w + 9 * n + 3 +
-           ARRAYS * LINE;
+    return kernels_size(n, w, separable ? 0 : dm_hamilton_known(m)) + 4 * n * w +
+           5 * r * w + 7 * w + 9 * n + 3 + ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
@@ -273,8 +274,8 @@ void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory)
     w->row = dm_sweep_find(r);
     w->count = basis->sweeps;
     w->force.inputs = 2 * n + 1;
-    w->force.outputs = w->velocity.lanes ? 2 * n + triangle : n;
-    w->factors.inputs = triangle + n;
+    w->force.outputs = w->force.kernel.outputs;
+    w->factors.inputs = w->force.outputs - n;
     w->factors.outputs = triangle + 2 * n;
     w->velocity.inputs = triangle + 2 * n;
     w->velocity.outputs = n;

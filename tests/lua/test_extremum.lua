@@ -48,6 +48,50 @@ worst = 0
 for i = 1, 4 do for k = 1, 4 do worst = math.max(worst, math.abs(M[i][k] - N[i][k])) end end
 ok(worst < 1e-14, "the tangent map sees the formula", worst)
 
+-- one unknown: sweeps evaluate the force as a polynomial in y, and eliminate M times f_yy
+local function single(sign, unit)
+  local function g(x, w, y, t) -- f_yy = sign (2 + cos x1), M of w positive definite at its y
+    return unit * (sign * (2 + cos(x[1])) * y[1] ^ 2 / 2 + (0.4 * w[1] * x[2] - 0.3 * w[3] + 0.2 * sin(x[3]) + 0.1 * cos(t)) * y[1]
+      + 2 * w:dot(w) + 0.3 * cos(x[2]) * w[1] * w[2] + 0.2 * x[1] * w[3] - x:dot(x) / 2 - 0.1 * x[1] ^ 2 * x[3])
+  end
+  local function at(x, w, t)
+    return { -sign * (0.4 * w[1] * x[2] - 0.3 * w[3] + 0.2 * sin(x[3]) + 0.1 * cos(t)) / (2 + cos(x[1])) }
+  end
+  local function value(x, w, t) return g(x, w, dm.vector(at(x, w, t)), t) end
+  return dm.system { Q = dm.R(3), L = value }, dm.system { Q = dm.R(3), L = function(x, w, t)
+    return dm.extremum(value(x, w, t), g, at(x, w, t), x, w)
+  end }
+end
+local function same_paths(rule, L, R, start, size, what)
+  local a = L:solver({ rule = rule, h = 0.05 }):run(start)
+  local solver = R:solver { rule = rule, h = 0.05 }
+  local b = solver:run(start)
+  local last = #b.t
+  local apart = math.max((a.q[last] - b.q[last]):norm(), (a.p[last] - b.p[last]):norm() / size)
+  ok(apart < 1e-13, rule .. ": the same path, " .. what, apart)
+  local c = R:solver({ rule = rule, h = 0.05, backend = "tape" }):run(start)
+  ok(c.q[last] == b.q[last] and c.p[last] == b.p[last], rule .. ": the same bits on the tape, " .. what)
+  local members = solver:ensemble { members = 9, q = function(i) return i == 4 and start.q or dm.vector(start.q) * (1 - 0.01 * i) end, v = function() return start.v end, steps = start.steps }
+  ok(members.q[4] == b.q[last] and members.p[4] == b.p[last], rule .. ": the same bits in an ensemble, " .. what)
+  return solver:report().newton_per_step
+end
+local begin = { q = { 0.4, -0.3, 0.2 }, v = { 0.2, 0.5, -0.1 }, steps = 100 }
+for _, rule in ipairs { "gauss(2)", "gauss(3)", "gauss(5)" } do
+  local L, R = single(1, 1)
+  ok(same_paths(rule, L, R, begin, 1, "one unknown") < 12, rule .. ": by sweeps")
+  same_paths(rule, single(-1, 1), select(2, single(-1, 1)), begin, 1, "f_yy negative")
+end
+for _, unit in ipairs { 1e-60, 1e60, 1e-120, 1e120 } do -- pivots out of range are left to Newton's method
+  local L, R = single(1, unit)
+  same_paths("gauss(3)", L, R, begin, unit, ("in units of %g"):format(unit))
+end
+-- a square of y that depends on v: no polynomial, though L is quadratic in v at its y
+local bent = function(x, w, y) return (y[1] - w[1] ^ 2) ^ 2 / 2 + (2 + x[2] ^ 2) * w[1] ^ 2 + w[2] ^ 2 - x:dot(x) / 2 end
+local straight = function(x, w) return (2 + x[2] ^ 2) * w[1] ^ 2 + w[2] ^ 2 - x:dot(x) / 2 end
+same_paths("gauss(3)", dm.system { Q = dm.R(2), L = straight }, dm.system { Q = dm.R(2), L = function(x, w)
+  return dm.extremum(straight(x, w), bent, { w[1] ^ 2 }, x, w)
+end }, { q = q, v = v, steps = 100 }, 1, "not quadratic in (v, y)")
+
 -- numbers pass through, and so does a value of another function
 near(dm.extremum(3, f, { 1, 2 }, { 1, 1 }, { 1, 1 }), 3, 0, "a number is itself")
 near(dm.trace(function(x) return dm.extremum(x[1] ^ 2, f, { x[1] }, x, x) end, 2)({ 3, 0 }), 9, 0, "and so is a value outside of a Lagrangian")
