@@ -1,4 +1,5 @@
--- make bench: a step of a reduced system next to one of the unreduced system by the same rule, and what making the reduced one costs.
+-- make bench: a step of a reduced system next to one of the unreduced system by the same rule, alone and of a member of an ensemble, and what
+-- making the reduced one costs. An argument: only models whose name begins so.
 local dm = require "dm"
 local sqrt, sin, cos = math.sqrt, math.sin, math.cos
 
@@ -49,15 +50,33 @@ for _, k in ipairs { 1, 2, 4, 6 } do
   models[#models + 1] = { ("%d rotors on a carrier, %d -> 2"):format(k, k + 2), rotors(k), k + 2, cyclic, q, v, 0.05 }
 end
 
+local RULES = { "gauss(1)", "gauss(2)", "gauss(3)", "lobatto(3)" }
 local STEPS, REPEATS = 2000, 15
+local MEMBERS, MEMBER_STEPS, APART = 2048, 200, 1e-2
 
--- ns a step, best of runs that take turns
-local function race(a, b)
+-- ns a step of a side
+local function alone(s)
+  return s.solver:run({ q = s.q, v = s.v, steps = STEPS, every = STEPS }).ns_per_step
+end
+
+-- and of a member of an ensemble on one core, set-up and start included; members start apart, so that lanes differ in their iterations
+local function member(s)
+  local q, v, last = {}, {}, #s.q
+  for i = 1, MEMBERS do
+    q[i], v[i] = { table.unpack(s.q) }, s.v
+    q[i][last] = q[i][last] + APART * (i / MEMBERS - 0.5)
+  end
+  q, v = dm.matrix(q), dm.matrix(v)
+  local start = os.clock()
+  s.solver:ensemble { members = MEMBERS, q = q, v = v, steps = MEMBER_STEPS, threads = 1 }
+  return (os.clock() - start) * 1e9 / (MEMBERS * MEMBER_STEPS)
+end
+
+-- best of runs that take turns
+local function race(ns, a, b, repeats)
   local best = { math.huge, math.huge }
-  for _ = 1, REPEATS do
-    for i, s in ipairs { a, b } do
-      best[i] = math.min(best[i], s.solver:run({ q = s.q, v = s.v, steps = STEPS, every = STEPS }).ns_per_step)
-    end
+  for _ = 1, repeats do
+    for i, s in ipairs { a, b } do best[i] = math.min(best[i], ns(s)) end
   end
   return best[1], best[2]
 end
@@ -73,16 +92,22 @@ local function building(system, options)
   return best * 1e3
 end
 
-print(("%-36s %-12s %10s %10s %7s %12s"):format("reduced next to unreduced", "rule", "ns/step", "reduced", "ratio", "building, ms"))
-for _, m in ipairs(models) do
+print(("%-36s %-12s %10s %10s %7s %10s %10s %7s %12s"):format("reduced next to unreduced", "rule", "ns/step", "reduced", "ratio",
+  "member", "reduced", "ratio", "building, ms"))
+local function race_all(m)
   local system = dm.system { Q = dm.R(m[3]), L = m[2] }
   local options = { cyclic = m[4], q = m[5], v = m[6] }
   local shape = system:routh(options)
   local x, u = shape:start(m[5], m[6])
   local ms = building(system, options)
-  for _, rule in ipairs { "gauss(1)", "gauss(2)", "gauss(3)", "lobatto(3)" } do
-    local full, reduced = race({ solver = system:solver { rule = rule, h = m[7] }, q = m[5], v = m[6] },
-      { solver = shape:solver { rule = rule, h = m[7] }, q = x, v = u })
-    print(("%-36s %-12s %10.1f %10.1f %7.2f %12.2f"):format(m[1], rule, full, reduced, reduced / full, ms))
+  for _, rule in ipairs(RULES) do
+    local full = { solver = system:solver { rule = rule, h = m[7] }, q = m[5], v = m[6] }
+    local reduced = { solver = shape:solver { rule = rule, h = m[7] }, q = x, v = u }
+    local a, b = race(alone, full, reduced, REPEATS)
+    local c, d = race(member, full, reduced, 3)
+    print(("%-36s %-12s %10.1f %10.1f %7.2f %10.1f %10.1f %7.2f %12.2f"):format(m[1], rule, a, b, b / a, c, d, d / c, ms))
   end
+end
+for _, m in ipairs(models) do
+  if m[1]:find(arg[1] or "", 1, true) == 1 then race_all(m) end
 end
