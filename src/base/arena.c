@@ -31,12 +31,32 @@ static size_t rounded(size_t size) {
     return (size + ALIGNMENT - 1) & ~(size_t)(ALIGNMENT - 1);
 }
 
+/* one of those kept from before that is large enough, or NULL */
+static dm_arena_chunk *reuse(dm_arena *arena, size_t size) {
+    for (dm_arena_chunk **at = &arena->spare; *at; at = &(*at)->next) {
+        dm_arena_chunk *chunk = *at;
+        if (chunk->size < size) continue;
+        *at = chunk->next;
+        return chunk;
+    }
+    return NULL;
+}
+
 /* chunks double with what is held, so that their number stays logarithmic */
 static int add_chunk(dm_arena *arena, size_t size) {
+    const size_t around = sizeof(dm_arena_chunk) + ALIGNMENT;
+    dm_arena_chunk *old = reuse(arena, size + around);
+    if (old) {
+        old->next = arena->chunks;
+        arena->chunks = old;
+        arena->used = 0;
+        arena->room = old->size - around;
+        return 1;
+    }
     size_t room = arena->total < FIRST_CHUNK ? FIRST_CHUNK : arena->total;
     if (room > LARGEST_STEP) room = LARGEST_STEP;
     if (room < size) room = size;
-    const size_t whole = room + sizeof(dm_arena_chunk) + ALIGNMENT;
+    const size_t whole = room + around;
     dm_arena_chunk *chunk = arena->allocate(arena->ud, NULL, 0, whole);
     if (!chunk) return 0;
     *chunk = (dm_arena_chunk){.next = arena->chunks, .size = whole};
@@ -91,7 +111,33 @@ static void release_chunks(dm_arena *arena, dm_arena_chunk *chunk) {
     }
 }
 
+/* all chunks to the spare ones, the newest and largest first */
+static void set_aside(dm_arena *arena) {
+    dm_arena_chunk **end = &arena->chunks;
+    while (*end) end = &(*end)->next;
+    *end = arena->spare;
+    arena->spare = arena->chunks;
+    arena->chunks = NULL;
+    arena->used = arena->room = 0;
+}
+
+dm_arena *dm_arena_scratch(dm_arena *arena) {
+    if (arena->scratch) {
+        set_aside(arena->scratch);
+    } else {
+        arena->scratch = dm_arena_take(arena, sizeof *arena->scratch);
+        if (arena->scratch) dm_arena_init(arena->scratch, arena->allocate, arena->ud);
+    }
+    return arena->scratch;
+}
+
+static void release_scratch(dm_arena *arena) {
+    if (arena->scratch) dm_arena_release(arena->scratch);
+    arena->scratch = NULL;
+}
+
 void dm_arena_reset(dm_arena *arena) {
+    release_scratch(arena);
     if (!arena->chunks) return;
     release_chunks(arena, arena->chunks->next);
     arena->chunks->next = NULL;
@@ -99,8 +145,10 @@ void dm_arena_reset(dm_arena *arena) {
 }
 
 void dm_arena_release(dm_arena *arena) {
+    release_scratch(arena);
     for (const dm_arena_cleanup *c = arena->cleanups; c; c = c->next)
         c->give_back(c->thing, c->size);
     release_chunks(arena, arena->chunks);
+    release_chunks(arena, arena->spare);
     dm_arena_init(arena, arena->allocate, arena->ud);
 }

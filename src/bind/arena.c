@@ -117,7 +117,7 @@ enum { LARGEST_SPARE = 1 << 20 }; /* bytes */
 void dml_sparearena(lua_State *L, int arg) {
     owned_arena *a = lua_touserdata(L, arg);
     arg = lua_absindex(L, arg);
-    if (a->things || !a->arena.chunks) return;
+    if (a->things || a->arena.scratch || !a->arena.chunks) return;
     dm_arena_reset(&a->arena); /* the newest block stays */
     if (a->arena.room > LARGEST_SPARE) return;
     lua_pushvalue(L, arg);

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* MAP_ANONYMOUS */
+#define _GNU_SOURCE /* MAP_ANONYMOUS, MAP_POPULATE */
 #include "expr/code_memory.h"
 
 #include <string.h>
@@ -10,8 +10,8 @@ static void unmap(void *at, size_t size) {
 
 dm_status dm_code_place(const void **code, const unsigned char *bytes, size_t size,
                         dm_arena *arena) {
-    void *at =
-        mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    const int kind = MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE; /* all pages at once */
+    void *at = mmap(NULL, size, PROT_READ | PROT_WRITE, kind, -1, 0);
     if (at == MAP_FAILED) return DM_NO_NATIVE;
     memcpy(at, bytes, size);
     const int executable = mprotect(at, size, PROT_READ | PROT_EXEC) == 0;

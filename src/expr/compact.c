@@ -36,7 +36,6 @@ static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
 typedef struct {
     dm_graph *g;
     uint32_t m, operations;
-    dm_arena scratch; /* of one pass at a time */
     dm_node *now, *best;
     uint64_t least; /* cost of the best */
     uint32_t kept;  /* nodes of the graph when it was found: later ones are for nothing */
@@ -47,10 +46,11 @@ typedef struct {
 ** to the next one, which takes them apart anyway. */
 static uint64_t pass(search *x, int expand) {
     dm_terms s;
-    dm_arena_reset(&x->scratch);
-    dm_scaled *value = dm_arena_take(&x->scratch, (x->m + 1) * sizeof *value);
+    dm_arena *scratch = dm_arena_scratch(x->g->arena);
+    dm_scaled *value =
+        scratch ? dm_arena_take(scratch, (x->m + 1) * sizeof *value) : NULL;
     if (!value) dm_graph_fail(x->g, DM_NO_MEMORY);
-    if (!value || !dm_terms_open(&s, x->g, x->operations, &x->scratch)) return UINT64_MAX;
+    if (!value || !dm_terms_open(&s, x->g, x->operations, scratch)) return UINT64_MAX;
     if (!dm_terms_read(&s, x->now, x->m, value)) return UINT64_MAX;
     if (expand) dm_terms_expand(&s, value, x->m);
     dm_terms_factor(&s, value, x->m);
@@ -101,13 +101,11 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
     x.best = out;
     if (!x.now) return;
     memcpy(start, roots, m * sizeof *start);
-    dm_arena_init(&x.scratch, g->arena->allocate, g->arena->ud);
     x.least = 100 * (uint64_t)cost_of(counts);
     if (x.least < 100 * WORTH) return;
     x.passes = x.operations > LARGE ? 1 : MOST_PASSES;
     if (x.operations <= LARGE) follow(&x, start, 1, favour);
     follow(&x, start, 0, 100);
-    dm_arena_release(&x.scratch);
     if (g->status == DM_OK) dm_graph_forget(g, x.kept);
 }
 
@@ -199,9 +197,11 @@ static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack
 static dm_graph *extract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     const uint32_t end = dm_mark(g, roots, m), needed = count_marked(g, end);
     dm_graph *h = dm_graph_sized(g->arena, g->inputs, needed + 1);
-    visit *stack = dm_arena_take(g->arena, (needed + 1) * sizeof *stack);
-    dm_node *copied = dm_arena_take(g->arena, (end + 1) * sizeof *copied);
-    if (!h || !stack || !copied) return NULL;
+    dm_arena *scratch = dm_arena_scratch(g->arena);
+    if (!h || !scratch) return NULL;
+    visit *stack = dm_arena_take(scratch, (needed + 1) * sizeof *stack);
+    dm_node *copied = dm_arena_take(scratch, (end + 1) * sizeof *copied);
+    if (!stack || !copied) return NULL;
     h->verbatim = g->verbatim;
     h->implicits = g->implicits;
     memset(copied, 0, (end + 1) * sizeof *copied);

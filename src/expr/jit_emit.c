@@ -15,17 +15,16 @@ static void drop(dm_emitter *e, int reg) {
 }
 
 static void take_slot(dm_emitter *e, dm_place *v) {
-    v->slot = e->frees ? e->free[--e->frees] : e->slots++;
-    v->home = dm_in_memory(DM_RSP, v->slot * e->bytes);
-    v->homed = 1;
+    const int32_t slot = e->frees ? e->free[--e->frees] : e->slots++;
+    v->home = dm_in_memory(DM_RSP, slot * e->bytes);
+    v->slotted = v->homed = 1;
 }
 
 /* free for the next step: this one may still read it after it has put another value away */
 static void give_slot_back(dm_emitter *e, dm_place *v) {
-    if (v->slot == DM_NO_SLOT) return;
-    e->dying[e->dead++] = v->slot;
-    v->slot = DM_NO_SLOT;
-    v->homed = 0;
+    if (!v->slotted) return;
+    e->dying[e->dead++] = v->home.disp / e->bytes;
+    v->slotted = v->homed = 0;
 }
 
 void dm_bury_slots(dm_emitter *e) {
@@ -40,14 +39,16 @@ static void give_home(dm_emitter *e, dm_node n) {
     dm_x86_store(&e->code, e->width, v->home, v->reg);
 }
 
-/* the register whose value is needed latest */
+/* the register whose value is needed latest, the first of several */
 static int furthest(const dm_emitter *e) {
-    int best = -1;
-    for (int r = 0; r < e->registers; r++)
-        if (!((e->pinned | e->fixed) >> r & 1) &&
-            (best < 0 || e->until[r] > e->until[best]))
-            best = r;
-    return best;
+    const uint32_t taken = e->pinned | e->fixed;
+    uint64_t most = 0;
+    for (int r = 0; r < e->registers; r++) {
+        const uint64_t key = (uint64_t)e->until[r] << 8 | (uint64_t)(64 - r);
+        const uint64_t own = taken >> r & 1 ? 0 : key;
+        most = own > most ? own : most;
+    }
+    return 64 - (int)(most & 0xFF);
 }
 
 int dm_take_register(dm_emitter *e) {
@@ -162,8 +163,8 @@ void dm_take_from_memory(dm_emitter *e, dm_node n) {
     }
 }
 
-int dm_emit_open(dm_emitter *e, dm_graph *g, const dm_plan *plan, uint32_t lanes) {
-    dm_arena *arena = dm_graph_arena(g);
+int dm_emit_open(dm_emitter *e, const dm_graph *g, const dm_plan *plan, uint32_t lanes) {
+    dm_arena *arena = plan->scratch;
     *e = (dm_emitter){.width = (dm_width)lanes,
                       .registers = lanes == 8 ? 32 : 16,
                       .bytes = (int32_t)lanes * 8,
@@ -178,7 +179,7 @@ int dm_emit_open(dm_emitter *e, dm_graph *g, const dm_plan *plan, uint32_t lanes
     if (!e->at || !e->free) return 0;
     for (dm_node n = 0; n < plan->end; n++) {
         const dm_expr *x = dm_at(g, n);
-        e->at[n] = (dm_place){.next = plan->first[n], .reg = -1, .slot = DM_NO_SLOT};
+        e->at[n] = (dm_place){.next = plan->first[n], .reg = -1};
         e->at[n].homed = x->op == DM_OP_INPUT || x->op == DM_OP_CONSTANT;
         if (x->op == DM_OP_INPUT)
             e->at[n].home = dm_in_memory(e->in, (int32_t)x->as.input * e->bytes);

@@ -10,14 +10,13 @@
 #include "expr/jit_plan.h"
 #include "expr/x86.h"
 
-enum { DM_NO_SLOT = -1 };
-
+/* small, as there is one for every node */
 typedef struct {
-    uint32_t next; /* position of the next use */
-    int8_t reg;    /* -1: in none */
-    uint8_t homed; /* home is a copy in memory */
-    int32_t slot;  /* stack slot that is the home, or DM_NO_SLOT */
-    dm_operand home;
+    dm_operand home; /* in memory, or a register that the body of a loop only reads */
+    uint32_t next;   /* position of the next use */
+    int8_t reg;      /* -1: in none */
+    uint8_t homed;   /* home is a copy */
+    uint8_t slotted; /* home is a slot of the stack */
 } dm_place;
 
 typedef struct {
@@ -46,8 +45,8 @@ typedef struct {
     const dm_plan *plan;
 } dm_emitter;
 
-/* 0 without memory. lanes is 1, 4 or 8. */
-int dm_emit_open(dm_emitter *e, dm_graph *g, const dm_plan *plan, uint32_t lanes);
+/* 0 without memory, which is the scratch of the plan. lanes is 1, 4 or 8. */
+int dm_emit_open(dm_emitter *e, const dm_graph *g, const dm_plan *plan, uint32_t lanes);
 
 int dm_take_register(dm_emitter *e);              /* a free one, pinned */
 int dm_in_a_register(dm_emitter *e, dm_node n);   /* n in one, pinned */

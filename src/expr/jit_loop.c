@@ -19,7 +19,7 @@ enum { FREE_REGISTERS = 6 }; /* at least so many without a carried value */
 
 typedef struct {
     dm_loop *loop;
-    dm_arena *arena;
+    dm_arena *arena, *scratch;
     dm_code code;
     dm_width width;
     uint32_t size, held; /* carried values; the first `held` of them are in registers */
@@ -188,7 +188,8 @@ static dm_status open_part(maker *m, const dm_loop_part *p, dm_plan *plan, void 
     const uint64_t inputs = m->size + (uint64_t)p->coefficients;
     if (dm_graph_status(p->graph) != DM_OK) return dm_graph_status(p->graph);
     if (!is_orderly(m, p)) return DM_NO_NATIVE;
-    if (!dm_plan_make_part(plan, p->graph, p->roots, m->size)) return DM_NO_MEMORY;
+    if (!dm_plan_make_part(plan, p->graph, p->roots, m->size, m->scratch))
+        return DM_NO_MEMORY;
     if ((plan->end + inputs) * m->width * 8 > INT32_MAX / 4) return DM_NO_NATIVE;
     if (!dm_emit_open(&m->e, p->graph, plan, m->width)) return DM_NO_MEMORY;
     m->e.pool = DM_RBX;
@@ -362,7 +363,7 @@ dm_status dm_loop_code(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
     dm_loop l = {.size = size, .lanes = lanes, .together = 1};
     maker m = {.loop = &l,
                .arena = arena,
-               .code.arena = arena,
+               .scratch = dm_arena_scratch(arena),
                .width = (dm_width)lanes,
                .size = size,
                .bytes = (int32_t)lanes * 8};
@@ -370,7 +371,9 @@ dm_status dm_loop_code(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
     if (lanes > dm_jit_lanes() || (lanes != 1 && lanes != 4 && lanes != 8))
         return DM_NO_NATIVE;
     if (lanes == 1) m.held = size < 16 - FREE_REGISTERS ? size : 16 - FREE_REGISTERS;
-    m.done = dm_arena_take(arena, size + 1);
+    if (!m.scratch) return DM_NO_MEMORY;
+    m.code.arena = m.scratch;
+    m.done = dm_arena_take(m.scratch, size + 1);
     if (!m.done) return DM_NO_MEMORY;
     for (int k = 0; k < DM_LOOP_PARTS; k++) l.coefficients[k] = part[k].coefficients;
     dm_status status = put_all(&m, part);

@@ -36,8 +36,8 @@ static dm_node partner(dm_graph *g, const dm_expr *e) {
     return dm_is_marked(g, n) ? n : 0;
 }
 
-static void order_steps(dm_plan *p, dm_graph *g, const uint8_t *early, dm_node *cosine,
-                        uint8_t *done) {
+static void order_around_calls(dm_plan *p, dm_graph *g, const uint8_t *early,
+                               dm_node *cosine, uint8_t *done) {
     for (int late = 0; late < 2; late++)
         for (dm_node n = 1; n < p->end; n++) {
             const dm_expr *e = dm_at(g, n);
@@ -67,33 +67,65 @@ static void find_outputs(dm_plan *p) {
     }
 }
 
-static int make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m, int part) {
-    dm_arena *arena = dm_graph_arena(g);
-    const uint32_t end = dm_mark(g, roots, m);
-    *p = (dm_plan){.end = end, .roots = roots, .m = m};
-    uint8_t *early = dm_arena_take(arena, end), *done = dm_arena_take(arena, end);
-    dm_node *cosine = dm_arena_take(arena, end * sizeof *cosine);
-    p->steps = dm_arena_take(arena, end * sizeof *p->steps);
-    p->first = dm_arena_take(arena, end * sizeof *p->first);
-    p->output = dm_arena_take(arena, end * sizeof *p->output);
-    p->also = dm_arena_take(arena, m * sizeof *p->also);
-    if (!early || !done || !cosine || !p->steps || !p->first || !p->output || !p->also)
-        return 0;
-    memset(early, 0, end);
-    memset(done, 0, end);
-    memset(cosine, 0, end * sizeof *cosine);
+static int has_calls(const dm_graph *g, uint32_t end) {
+    for (dm_node n = 1; n < end; n++)
+        if (dm_is_marked(g, n) && dm_is_call((uint8_t)dm_at(g, n)->op)) return 1;
+    return 0;
+}
+
+/* operations as they are numbered */
+static void order_plainly(dm_plan *p, const dm_graph *g) {
+    dm_step *s = p->steps;
+    for (dm_node n = 1; n < p->end; n++) {
+        const dm_expr *e = dm_at(g, n);
+        const int operands = dm_arity(e->op);
+        if (!operands || !dm_is_marked(g, n)) continue;
+        *s = (dm_step){.op = (uint8_t)e->op, .operands = (uint8_t)operands, .d = n};
+        for (int k = 0; k < operands; k++) s->arg[k] = e->as.arg[k];
+        s++;
+    }
+    p->count = (uint32_t)(s - p->steps);
+}
+
+static int order_steps(dm_plan *p, dm_graph *g) {
+    dm_arena *arena = p->scratch;
+    if (!has_calls(g, p->end)) {
+        order_plainly(p, g);
+        return 1;
+    }
+    uint8_t *early = dm_arena_take(arena, p->end), *done = dm_arena_take(arena, p->end);
+    dm_node *cosine = dm_arena_take(arena, p->end * sizeof *cosine);
+    if (!early || !done || !cosine) return 0;
+    memset(early, 0, p->end);
+    memset(done, 0, p->end);
+    memset(cosine, 0, p->end * sizeof *cosine);
+    find_early(g, p->end, early, cosine);
+    order_around_calls(p, g, early, cosine, done);
+    return 1;
+}
+
+static int make(dm_plan *p, dm_graph *g, int part) {
+    const uint32_t end = p->end = dm_mark(g, p->roots, p->m);
+    p->steps = dm_arena_take(p->scratch, end * sizeof *p->steps);
+    p->first = dm_arena_take(p->scratch, end * sizeof *p->first);
+    p->output = dm_arena_take(p->scratch, end * sizeof *p->output);
+    p->also = dm_arena_take(p->scratch, p->m * sizeof *p->also);
+    if (!p->steps || !p->first || !p->output || !p->also) return 0;
     memset(p->output, 0, end * sizeof *p->output);
-    find_early(g, end, early, cosine);
-    order_steps(p, g, early, cosine, done);
+    if (!order_steps(p, g)) return 0;
     find_uses(p, part);
     if (!part) find_outputs(p);
     return 1;
 }
 
-int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m) {
-    return make(p, g, roots, m, 0);
+int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m,
+                 dm_arena *scratch) {
+    *p = (dm_plan){.roots = roots, .m = m, .scratch = scratch};
+    return make(p, g, 0);
 }
 
-int dm_plan_make_part(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m) {
-    return make(p, g, roots, m, 1);
+int dm_plan_make_part(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m,
+                      dm_arena *scratch) {
+    *p = (dm_plan){.roots = roots, .m = m, .scratch = scratch};
+    return make(p, g, 1);
 }

@@ -27,14 +27,17 @@ typedef struct {
     uint32_t *also;   /* [m] another output of the same node plus one, 0: no more */
     const dm_node *roots;
     uint32_t m;
+    dm_arena *scratch; /* for all that is not needed once there is code */
 } dm_plan;
 
-/* 0 without memory, which comes from the graph's arena. */
-int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m);
+/* 0 without memory, which comes from `scratch`. */
+int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m,
+                 dm_arena *scratch);
 
 /* The same for a part of a loop: every root is used once more at the end, at position `count`, and none is
 ** written. */
-int dm_plan_make_part(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m);
+int dm_plan_make_part(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m,
+                      dm_arena *scratch);
 
 static inline int dm_is_call(uint8_t op) {
     return (op >= DM_OP_EXP && op <= DM_OP_TANH) || op == DM_OP_POW || op == DM_OP_ATAN2;

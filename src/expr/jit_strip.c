@@ -27,8 +27,8 @@ enum {
 };
 
 /* the plan's steps, then one step that writes for every output: an operand like others */
-static int add_writes(dm_plan *p, dm_arena *arena) {
-    dm_step *steps = dm_arena_take(arena, (p->count + p->m) * sizeof *steps);
+static int add_writes(dm_plan *p) {
+    dm_step *steps = dm_arena_take(p->scratch, (p->count + p->m) * sizeof *steps);
     if (!steps) return 0;
     memcpy(steps, p->steps, p->count * sizeof *steps);
     for (uint32_t k = 0; k < p->m; k++)
@@ -206,8 +206,9 @@ dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *are
     if (dm_has_roots(s->g, s->root, m)) return DM_NO_NATIVE;
     if (!lanes || !is_within(s->in, s->one.inputs) || !is_within(s->out, m))
         return DM_NO_NATIVE;
-    if (!dm_plan_make(&plan, s->g, s->root, m) ||
-        !add_writes(&plan, dm_graph_arena(s->g)) || !dm_emit_open(&e, s->g, &plan, lanes))
+    dm_arena *scratch = dm_arena_scratch(arena);
+    if (!scratch || !dm_plan_make(&plan, s->g, s->root, m, scratch) ||
+        !add_writes(&plan) || !dm_emit_open(&e, s->g, &plan, lanes))
         return DM_NO_MEMORY;
     count_calls(&plan, lanes);
     if (!can_carry(d, &plan, lanes) || hands_on(d, s->g, s->root)) return DM_NO_NATIVE;
@@ -215,7 +216,7 @@ dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *are
     place_inputs(&e, s->g, s->in);
     void *pool = dm_pool_make(&e, s->g, arena);
     if (!pool) return DM_NO_MEMORY;
-    dm_code numbers = {.arena = dm_graph_arena(s->g)};
+    dm_code numbers = {.arena = scratch};
     fetch_table(&numbers);
     load_carried(&numbers, d);
     place_numbers(&e, s->g, &numbers);

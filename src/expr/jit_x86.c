@@ -256,15 +256,25 @@ static void epilogue(dm_code *c, const dm_emitter *e) {
     dm_x86_bytes(c, "\xC3", 1);
 }
 
+enum { FRONT = 64, USUAL = 16 }; /* bytes: left for the prologue, of the code of a step */
+
+/* room for the code, all of which is seldom used */
+static void open_code(dm_code *c, uint32_t steps) {
+    dm_x86_reserve(c, FRONT + USUAL * (size_t)steps);
+    if (!c->failed) c->size = FRONT;
+}
+
 /* the body is made first, when it is known how much stack it wants */
 static dm_status place_code(const void **at, dm_emitter *e, dm_arena *arena) {
-    dm_code whole = {.arena = e->code.arena};
+    unsigned char front[FRONT];
+    dm_code before = {.bytes = front, .capacity = FRONT};
     if ((int64_t)e->slots * e->bytes > DM_LARGEST_FRAME) return DM_NO_NATIVE;
     epilogue(&e->code, e);
-    prologue(&whole, e);
-    dm_x86_bytes(&whole, e->code.bytes, e->code.size);
-    if (whole.failed || e->code.failed) return DM_NO_MEMORY;
-    return dm_code_place(at, whole.bytes, whole.size, arena);
+    prologue(&before, e);
+    if (e->code.failed) return DM_NO_MEMORY;
+    unsigned char *begin = e->code.bytes + FRONT - before.size;
+    memcpy(begin, front, before.size);
+    return dm_code_place(at, begin, e->code.size - FRONT + before.size, arena);
 }
 
 static int report_fixed(dm_kernel *k, const dm_graph *g, const dm_node *roots,
@@ -298,11 +308,14 @@ dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
     if (lanes > dm_jit_lanes() || (lanes != 1 && lanes != 4 && lanes != 8))
         return DM_NO_NATIVE;
     if (dm_has_roots(g, roots, m)) return DM_NO_NATIVE;
-    if (!dm_plan_make(&plan, g, roots, m)) return DM_NO_MEMORY;
+    dm_arena *scratch = dm_arena_scratch(dm_graph_arena(g));
+    if (!scratch || !dm_plan_make(&plan, g, roots, m, scratch)) return DM_NO_MEMORY;
     if (is_too_large(&plan, k.inputs, lanes)) return DM_NO_NATIVE;
     if (!dm_emit_open(&e, g, &plan, lanes) || !(pool = dm_pool_make(&e, g, arena)) ||
         !report_fixed(&k, g, roots, arena))
         return DM_NO_MEMORY;
+    open_code(&e.code, plan.count);
+    if (e.code.failed) return DM_NO_MEMORY;
     copy_inputs(&e, g);
     for (uint32_t i = 0; i < plan.count; i++) dm_emit_step(&e, plan.steps + i);
     const dm_status status = place_code(&code, &e, arena);

@@ -272,8 +272,10 @@ static void place_leaves(builder *w, uint32_t inputs) {
 
 static int open_builder(builder *w, dm_graph *g, const dm_node *roots, uint32_t m) {
     *w = (builder){.g = g, .end = dm_mark(g, roots, m)};
-    w->d = dm_arena_take(dm_graph_arena(g), (w->end + 1) * sizeof *w->d);
-    w->free = dm_arena_take(dm_graph_arena(g), (w->end + 1) * sizeof *w->free);
+    dm_arena *scratch = dm_arena_scratch(dm_graph_arena(g));
+    if (!scratch) return 0;
+    w->d = dm_arena_take(scratch, (w->end + 1) * sizeof *w->d);
+    w->free = dm_arena_take(scratch, (w->end + 1) * sizeof *w->free);
     if (!w->d || !w->free) return 0;
     memset(w->free, 0, (w->end + 1) * sizeof *w->free);
     draft_nodes(w, roots, m);

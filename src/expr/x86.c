@@ -16,46 +16,64 @@ typedef struct {
     int mask, zeroing; /* EVEX only */
 } form;
 
+void dm_x86_reserve(dm_code *c, size_t count) {
+    if (c->failed || c->size + count <= c->capacity) return;
+    const size_t room = c->capacity ? 2 * c->capacity + count : 4096 + count;
+    unsigned char *grown = dm_arena_grow(c->arena, c->bytes, c->size, room);
+    c->failed = !grown;
+    if (!grown) return;
+    c->bytes = grown;
+    c->capacity = room;
+}
+
 void dm_x86_bytes(dm_code *c, const void *bytes, size_t count) {
+    dm_x86_reserve(c, count);
     if (c->failed) return;
-    if (c->size + count > c->capacity) {
-        const size_t room = c->capacity ? 2 * c->capacity + count : 4096 + count;
-        unsigned char *grown = dm_arena_grow(c->arena, c->bytes, c->size, room);
-        c->failed = !grown;
-        if (!grown) return;
-        c->bytes = grown;
-        c->capacity = room;
-    }
     memcpy(c->bytes + c->size, bytes, count);
     c->size += count;
 }
 
-static void byte(dm_code *c, int value) {
-    const unsigned char b = (unsigned char)value;
-    if (!c->failed && c->size < c->capacity)
-        c->bytes[c->size++] = b;
-    else
-        dm_x86_bytes(c, &b, 1);
+enum { LONGEST = 16 }; /* bytes of an instruction, and some to spare */
+
+/* An instruction on its way, in registers: bytes that were written one by one could not be read together
+** before they are in the cache. */
+typedef struct {
+    uint64_t head; /* all before the displacement: up to 7 bytes */
+    int size;
+    int moved; /* bytes of the displacement: 0, 1 or 4 */
+    int32_t disp;
+} instruction;
+
+static inline void byte(instruction *i, int value) {
+    i->head |= (uint64_t)(value & 0xFF) << 8 * i->size++;
 }
 
-static void word(dm_code *c, int32_t value) {
-    dm_x86_bytes(c, &value, sizeof value);
+/* with one byte more at the end, or NONE */
+enum { NONE = -1 };
+
+static inline void put(dm_code *c, const instruction *i, int last) {
+    if (c->size + LONGEST > c->capacity) dm_x86_reserve(c, LONGEST);
+    if (c->failed) return;
+    unsigned char *to = c->bytes + c->size;
+    memcpy(to, &i->head, sizeof i->head);
+    memcpy(to + i->size, &i->disp, sizeof i->disp);
+    to[i->size + i->moved] = (unsigned char)last;
+    c->size += (size_t)(i->size + i->moved + (last != NONE));
 }
 
-/* ModRM and what follows; an 8-bit displacement counts in units of `unit` bytes */
-static void address(dm_code *c, int reg, dm_operand o, int unit) {
+/* ModRM and what follows; an 8-bit displacement counts in units of `unit` bytes, a power of two */
+static inline void address(instruction *i, int reg, dm_operand o, int unit) {
     const int middle = (reg & 7) << 3;
     if (o.reg >= 0) {
-        byte(c, 0xC0 | middle | (o.reg & 7));
+        byte(i, 0xC0 | middle | (o.reg & 7));
         return;
     }
-    const int small = o.disp % unit == 0 && o.disp / unit >= -128 && o.disp / unit <= 127;
-    byte(c, (small ? 0x40 : 0x80) | middle | (o.base & 7));
-    if ((o.base & 7) == DM_RSP) byte(c, 0x24);
-    if (small)
-        byte(c, o.disp / unit);
-    else
-        word(c, o.disp);
+    const int small =
+        !(o.disp & (unit - 1)) && o.disp >= -128 * unit && o.disp <= 127 * unit;
+    byte(i, (small ? 0x40 : 0x80) | middle | (o.base & 7));
+    if ((o.base & 7) == DM_RSP) byte(i, 0x24);
+    i->disp = small ? o.disp / unit : o.disp;
+    i->moved = small ? 1 : 4;
 }
 
 /* high bits of ModRM.rm: register or base */
@@ -63,43 +81,52 @@ static int high(dm_operand o) {
     return (o.reg >= 0 ? o.reg : o.base) >> 3;
 }
 
-static void vex(dm_code *c, const form *f, int length, dm_operand o) {
+static inline void vex(instruction *i, const form *f, int length, dm_operand o) {
     const int r = f->reg >> 3 & 1, b = high(o) & 1, last = length << 2 | f->prefix;
     const int vvvv = (~f->vvvv & 15) << 3;
     if (!b && f->map == MAP_0F && !f->wide) {
-        byte(c, 0xC5);
-        byte(c, (!r << 7) | vvvv | last);
+        byte(i, 0xC5);
+        byte(i, (!r << 7) | vvvv | last);
     } else {
-        byte(c, 0xC4);
-        byte(c, (!r << 7) | 0x40 | (!b << 5) | f->map);
-        byte(c, f->wide << 7 | vvvv | last);
+        byte(i, 0xC4);
+        byte(i, (!r << 7) | 0x40 | (!b << 5) | f->map);
+        byte(i, f->wide << 7 | vvvv | last);
     }
-    byte(c, f->opcode);
-    address(c, f->reg, o, 1);
+    byte(i, f->opcode);
+    address(i, f->reg, o, 1);
 }
 
 /* length 0, 1, 2: 128 bits or scalar, 256, 512; short displacements count in the size of a memory operand */
-static void evex(dm_code *c, const form *f, int length, int unit, dm_operand o) {
+static inline void evex(instruction *i, const form *f, int length, int unit,
+                        dm_operand o) {
     const int top = o.reg >= 0 ? o.reg >> 4 & 1 : 0; /* bit 4 of a register goes to X */
-    byte(c, 0x62);
-    byte(c, (!(f->reg >> 3 & 1) << 7) | (!top << 6) | (!(high(o) & 1) << 5) |
+    byte(i, 0x62);
+    byte(i, (!(f->reg >> 3 & 1) << 7) | (!top << 6) | (!(high(o) & 1) << 5) |
                 (!(f->reg >> 4 & 1) << 4) | f->map);
-    byte(c, 0x80 | (~f->vvvv & 15) << 3 | 4 | f->prefix);
-    byte(c, f->zeroing << 7 | length << 5 | (!(f->vvvv >> 4 & 1) << 3) | f->mask);
-    byte(c, f->opcode);
-    address(c, f->reg, o, unit);
+    byte(i, 0x80 | (~f->vvvv & 15) << 3 | 4 | f->prefix);
+    byte(i, f->zeroing << 7 | length << 5 | (!(f->vvvv >> 4 & 1) << 3) | f->mask);
+    byte(i, f->opcode);
+    address(i, f->reg, o, unit);
 }
 
 /* EVEX in all widths */
-static void emit_evex(dm_code *c, dm_width w, const form *f, dm_operand o) {
-    evex(c, f, w == DM_LANES8 ? 2 : w == DM_LANES4, 8 * (int)w, o);
+static void emit_evex(dm_code *c, dm_width w, const form *f, dm_operand o, int last) {
+    instruction i = {.size = 0};
+    evex(&i, f, w == DM_LANES8 ? 2 : w == DM_LANES4, 8 * (int)w, o);
+    put(c, &i, last);
 }
 
-static void emit(dm_code *c, dm_width w, const form *f, dm_operand o) {
+static void emit_vex(dm_code *c, dm_width w, const form *f, dm_operand o, int last) {
+    instruction i = {.size = 0};
+    vex(&i, f, w == DM_LANES4, o);
+    put(c, &i, last);
+}
+
+static void emit(dm_code *c, dm_width w, const form *f, dm_operand o, int last) {
     if (w == DM_LANES8)
-        emit_evex(c, w, f, o);
+        emit_evex(c, w, f, o, last);
     else
-        vex(c, f, w == DM_LANES4, o);
+        emit_vex(c, w, f, o, last);
 }
 
 void dm_x86_op(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b) {
@@ -110,7 +137,7 @@ void dm_x86_op(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b) {
                     .prefix = w == DM_SCALAR && !bits ? PP_F2 : PP_66,
                     /* the packed root has one source */
                     .vvvv = opcode == DM_X86_SQRT && w != DM_SCALAR ? 0 : a};
-    emit(c, w, &f, b);
+    emit(c, w, &f, b, NONE);
 }
 
 void dm_x86_load(dm_code *c, dm_width w, int d, dm_operand from) {
@@ -120,7 +147,7 @@ void dm_x86_load(dm_code *c, dm_width w, int d, dm_operand from) {
                        .reg = d,
                        .prefix = w == DM_SCALAR ? PP_F2 : PP_66};
     if (from.reg == d) return;
-    emit(c, w, from.reg >= 0 ? &move : &load, from);
+    emit(c, w, from.reg >= 0 ? &move : &load, from, NONE);
 }
 
 void dm_x86_store(dm_code *c, dm_width w, dm_operand to, int from) {
@@ -128,7 +155,7 @@ void dm_x86_store(dm_code *c, dm_width w, dm_operand to, int from) {
                     .opcode = 0x11,
                     .reg = from,
                     .prefix = w == DM_SCALAR ? PP_F2 : PP_66};
-    emit(c, w, &f, to);
+    emit(c, w, &f, to, NONE);
 }
 
 void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int relation) {
@@ -137,8 +164,7 @@ void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int rela
                     .reg = d,
                     .vvvv = a,
                     .prefix = w == DM_SCALAR ? PP_F2 : PP_66};
-    emit(c, w, &f, b);
-    byte(c, relation);
+    emit(c, w, &f, b, relation);
 }
 
 void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask) {
@@ -149,13 +175,12 @@ void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask) {
                         .vvvv = no,
                         .prefix = PP_66,
                         .mask = mask};
-        emit_evex(c, w, &f, dm_in_register(yes));
+        emit_evex(c, w, &f, dm_in_register(yes), NONE);
         return;
     }
     const form f = {
         .map = MAP_0F3A, .opcode = 0x4B, .reg = d, .vvvv = no, .prefix = PP_66};
-    vex(c, &f, w == DM_LANES4, dm_in_register(yes));
-    byte(c, mask << 4);
+    emit_vex(c, w, &f, dm_in_register(yes), mask << 4);
 }
 
 void dm_x86_load_masked(dm_code *c, int d, int mask, dm_operand from) {
@@ -165,7 +190,7 @@ void dm_x86_load_masked(dm_code *c, int d, int mask, dm_operand from) {
                     .prefix = PP_66,
                     .mask = mask,
                     .zeroing = 1};
-    emit_evex(c, DM_LANES8, &f, from);
+    emit_evex(c, DM_LANES8, &f, from, NONE);
 }
 
 void dm_x86_rsqrt14(dm_code *c, dm_width w, int d, int a) {
@@ -174,7 +199,7 @@ void dm_x86_rsqrt14(dm_code *c, dm_width w, int d, int a) {
                     .reg = d,
                     .vvvv = w == DM_SCALAR ? a : 0,
                     .prefix = PP_66};
-    emit_evex(c, w, &f, dm_in_register(a));
+    emit_evex(c, w, &f, dm_in_register(a), NONE);
 }
 
 void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b,
@@ -187,9 +212,9 @@ void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b
                     .wide = 1,
                     .mask = mask};
     if (mask)
-        emit_evex(c, w, &f, b);
+        emit_evex(c, w, &f, b, NONE);
     else
-        emit(c, w, &f, b);
+        emit(c, w, &f, b, NONE);
 }
 
 void dm_x86_fma(dm_code *c, dm_width w, int accumulate, int d, int a, dm_operand b) {
@@ -204,46 +229,47 @@ void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int rela
                     .vvvv = a,
                     .prefix = w == DM_SCALAR ? PP_F2 : PP_66,
                     .mask = under};
-    emit_evex(c, w, &f, b);
-    byte(c, relation);
+    emit_evex(c, w, &f, b, relation);
 }
 
 void dm_x86_fix(dm_code *c, int d, int a, dm_operand table) {
     const form f = {
         .map = MAP_0F3A, .opcode = 0x54, .reg = d, .vvvv = a, .prefix = PP_66};
-    emit_evex(c, DM_LANES8, &f, table);
-    byte(c, 0); /* no flags */
+    emit_evex(c, DM_LANES8, &f, table, 0); /* no flags */
 }
 
 void dm_x86_bound(dm_code *c, int d, int a, dm_operand b) {
     const form f = {
         .map = MAP_0F3A, .opcode = 0x50, .reg = d, .vvvv = a, .prefix = PP_66, .wide = 1};
-    emit_evex(c, DM_LANES8, &f, b);
-    byte(c, 2); /* the smaller size, the first one's sign */
+    emit_evex(c, DM_LANES8, &f, b, 2); /* the smaller size, the first one's sign */
 }
 
 void dm_x86_pick(dm_code *c, int d, int a, dm_operand b) {
     const form f = {
         .map = MAP_0F38, .opcode = 0x77, .reg = d, .vvvv = a, .prefix = PP_66, .wide = 1};
-    emit_evex(c, DM_LANES8, &f, b);
+    emit_evex(c, DM_LANES8, &f, b, NONE);
 }
 
 void dm_x86_scale(dm_code *c, int d, int a, int b) {
     const form f = {
         .map = MAP_0F38, .opcode = 0x2C, .reg = d, .vvvv = a, .prefix = PP_66};
-    emit_evex(c, DM_LANES8, &f, dm_in_register(b));
+    emit_evex(c, DM_LANES8, &f, dm_in_register(b), NONE);
 }
 
 void dm_x86_call(dm_code *c, dm_operand pointer) {
-    if (pointer.base >> 3) byte(c, 0x41);
-    byte(c, 0xFF);
-    address(c, 2, pointer, 1);
+    instruction i = {.size = 0};
+    if (pointer.base >> 3) byte(&i, 0x41);
+    byte(&i, 0xFF);
+    address(&i, 2, pointer, 1);
+    put(c, &i, NONE);
 }
 
 void dm_x86_lea(dm_code *c, int d, dm_operand memory) {
-    byte(c, 0x48 | (d >> 3) << 2 | memory.base >> 3);
-    byte(c, 0x8D);
-    address(c, d, memory, 1);
+    instruction i = {.size = 0};
+    byte(&i, 0x48 | (d >> 3) << 2 | memory.base >> 3);
+    byte(&i, 0x8D);
+    address(&i, d, memory, 1);
+    put(c, &i, NONE);
 }
 
 void dm_x86_clear_uppers(dm_code *c) {

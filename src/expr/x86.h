@@ -28,19 +28,19 @@ typedef struct {
     int failed;
 } dm_code;
 
-/* a vector register, or memory at base + disp */
+/* a vector register, or memory at base + disp; fits into a register itself */
 typedef struct {
-    int reg; /* -1: memory */
-    int base;
+    int16_t reg; /* -1: memory */
+    int16_t base;
     int32_t disp;
 } dm_operand;
 
 static inline dm_operand dm_in_register(int reg) {
-    return (dm_operand){.reg = reg};
+    return (dm_operand){.reg = (int16_t)reg};
 }
 
 static inline dm_operand dm_in_memory(int base, int32_t disp) {
-    return (dm_operand){.reg = -1, .base = base, .disp = disp};
+    return (dm_operand){.reg = -1, .base = (int16_t)base, .disp = disp};
 }
 
 /* doubles that one instruction works on: 1 (VEX scalar), 4 (VEX 256), 8 (EVEX 512) */
@@ -59,6 +59,7 @@ enum { /* operations d = a op b with one opcode in all widths */
 };
 
 void dm_x86_bytes(dm_code *c, const void *bytes, size_t count);
+void dm_x86_reserve(dm_code *c, size_t count); /* room for so many more */
 void dm_x86_op(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b);
 void dm_x86_load(dm_code *c, dm_width w, int d, dm_operand from);
 void dm_x86_store(dm_code *c, dm_width w, dm_operand to, int from);
