@@ -82,7 +82,8 @@ static void open_steppers(lua_State *L, dml_stepping *r, int threads,
     for (int i = 1; i < threads; i++) {
         luaL_checkstack(L, 8, "too many threads");
         dml_stepping *other = lua_newuserdatauv(L, sizeof *other, 0);
-        *other = (dml_stepping){.solver = r->solver, .apart = 1, .numbers = r->numbers};
+        *other = (dml_stepping){
+            .solver = r->solver, .apart = 1, .complete = 1, .numbers = r->numbers};
         dml_stepping_prepare(L, other, r->t0);
         steppers[i] = &other->stepper;
     }
@@ -142,7 +143,8 @@ static dm_ensemble_rows rows_of(const dml_part *p) {
 static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
                           int threads, clock_of_run *clock) {
     /* the first thread takes the kernels of the last run, where the system is the same one */
-    dml_stepping r = {.solver = solver, .apart = p->varied, .numbers = !p->values};
+    dml_stepping r = {
+        .solver = solver, .apart = p->varied, .complete = 1, .numbers = !p->values};
     dm_stepper *steppers[DM_ENSEMBLE_THREADS];
     ensemble *e = p->e;
     dml_stepping_prepare(L, &r, e->t);

@@ -86,6 +86,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     if (refusal)
         luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = s->method->wants(s->nodes, &r->model->model);
+    if (r->complete && r->wants & DM_WANT_STAGE_LATER) r->wants |= DM_WANT_STAGE;
     dml_stepping_inputs(L, r);
     if (r->inputs) dml_want(L, r->inputs, DM_WANT_FORCE | DM_WANT_VALUE, backend_name(L));
     dml_want(L, r->model,

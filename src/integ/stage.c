@@ -68,7 +68,7 @@ static void evaluate(dm_stage *g, const double *V, int with_curve) {
         double *slope = g->slope + i * 2 * n, *curve = g->curve + i * width;
         place_point(g, i, V);
         if (with_curve) {
-            dm_kernel_eval(&g->m->stage, g->x, curve);
+            dm_kernel_eval(g->stage, g->x, curve);
             memcpy(slope, curve, 2 * n * sizeof *slope);
         } else {
             dm_kernel_eval(&g->m->slope, g->x, slope);
@@ -169,7 +169,7 @@ static dm_status find_acceleration(dm_stage *g) {
     uint32_t *pivot = (uint32_t *)(void *)(M + nn);
     memset(g->base, 0, n * sizeof *g->base);
     dm_stage_at(g, g->base, g->v0, 0.0);
-    dm_kernel_eval(&g->m->stage, g->x, g->curve);
+    dm_kernel_eval(g->stage, g->x, g->curve);
     g->evaluations++;
     memcpy(M, qv + nn, nn * sizeof *M);
     for (uint32_t i = 0; i < n; i++) {
@@ -252,14 +252,17 @@ static dm_status general(dm_stage *g, dm_stepper *stepper) {
 }
 
 /* the constant outputs of the kernels for Newton's method, when it is needed first */
-static void prepare(dm_stage *g) {
+static dm_status prepare(dm_stage *g) {
     const size_t n = g->n, curve = 2 * n + 3 * n * n;
+    const dm_status status = dm_model_stage(&g->stage, g->m);
+    if (status != DM_OK) return status;
     const dm_kernel *slope = g->separable ? &g->m->force : &g->m->slope;
     for (uint32_t i = 0; i < g->table.r; i++) {
-        dm_kernel_prepare(&g->m->stage, g->curve + i * curve);
+        dm_kernel_prepare(g->stage, g->curve + i * curve);
         dm_kernel_prepare(slope, g->slope + i * (size_t)slope->outputs);
     }
     g->prepared = 1;
+    return DM_OK;
 }
 
 static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
@@ -292,7 +295,8 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     if (g->sweeps.row && !dm_stage_memory_is_stiff(g))
         status = dm_stage_sweep(g, stepper);
     if (status == DM_OK) return DM_OK;
-    if (!g->prepared) prepare(g);
+    status = g->prepared ? DM_OK : prepare(g);
+    if (status != DM_OK) return status;
     status = by_newton(g, stepper);
     if (status == DM_NO_CONVERGENCE || status == DM_SINGULAR) {
         const dm_status again = by_continuation(g, stepper);

@@ -48,31 +48,32 @@ typedef struct {
     dm_stage_table table;
     const dm_model *m;
     uint32_t n;
-    int separable;         /* the cheaper form for L = T(v) - V(q, t), constant mass */
-    int prepared, weighed; /* for Newton's method; its weights are those of h */
-    double h, t;           /* step, its start */
-    dm_weight *hA, *hmean; /* [r*r], [r]: h^2 A, h^2 mean */
-    dm_weight *ha;         /* [r*s]: h a */
-    dm_weight *wq, *wv;    /* [r*s]: h b_i (a_ij - beta_j), b_i d_ij */
-    dm_weight *hbeta;      /* [s] */
-    dm_weight *hb, *hc;    /* [r] */
-    dm_weight *hreach;     /* [r]: h times the sums of the rows of a */
-    double *state;         /* at the start of the step; after sweeps at its end */
-    double *x;             /* [2n+1] arguments of a kernel */
-    double *slope;         /* [r][2n] L_q, L_v; separable: [r][n] L_q */
-    double *curve;         /* [r][2n + 3n^2] outputs of the stage kernel */
-    double *root;          /* [r or s][n] unknowns */
-    double *v0, *a0;       /* [n] velocity and acceleration at the start */
-    double *push;          /* [r][n] M^-1 L_q(m) of the separable form */
-    double *base;          /* [r][n] what Q_m - q0 is without the unknown forces */
-    double *next;          /* [4n] state at the end */
-    double *scratch;       /* of Newton, and of what comes before it */
-    double *before;        /* [r or s][n] roots of a shorter step (continuation in h) */
-    double ratio;          /* h over that of `before`; 0: there is none */
-    uint32_t *known;       /* [r] separable: how point m is found */
-    double size;           /* of the terms of the residual */
-    int one;               /* one velocity at one point: stage_one.c */
-    const double *newest;  /* its slope at the last evaluation */
+    int separable;          /* the cheaper form for L = T(v) - V(q, t), constant mass */
+    int prepared, weighed;  /* for Newton's method; its weights are those of h */
+    const dm_kernel *stage; /* where it is prepared: of a fallback it is made then */
+    double h, t;            /* step, its start */
+    dm_weight *hA, *hmean;  /* [r*r], [r]: h^2 A, h^2 mean */
+    dm_weight *ha;          /* [r*s]: h a */
+    dm_weight *wq, *wv;     /* [r*s]: h b_i (a_ij - beta_j), b_i d_ij */
+    dm_weight *hbeta;       /* [s] */
+    dm_weight *hb, *hc;     /* [r] */
+    dm_weight *hreach;      /* [r]: h times the sums of the rows of a */
+    double *state;          /* at the start of the step; after sweeps at its end */
+    double *x;              /* [2n+1] arguments of a kernel */
+    double *slope;          /* [r][2n] L_q, L_v; separable: [r][n] L_q */
+    double *curve;          /* [r][2n + 3n^2] outputs of the stage kernel */
+    double *root;           /* [r or s][n] unknowns */
+    double *v0, *a0;        /* [n] velocity and acceleration at the start */
+    double *push;           /* [r][n] M^-1 L_q(m) of the separable form */
+    double *base;           /* [r][n] what Q_m - q0 is without the unknown forces */
+    double *next;           /* [4n] state at the end */
+    double *scratch;        /* of Newton, and of what comes before it */
+    double *before;         /* [r or s][n] roots of a shorter step (continuation in h) */
+    double ratio;           /* h over that of `before`; 0: there is none */
+    uint32_t *known;        /* [r] separable: how point m is found */
+    double size;            /* of the terms of the residual */
+    int one;                /* one velocity at one point: stage_one.c */
+    const double *newest;   /* its slope at the last evaluation */
     dm_stage_sweeps sweeps;
     double *warm, *ahead;         /* stage_warm.c; NULL: nothing is kept */
     struct dm_stage_lanes *lanes; /* stage_lanes.h; NULL: this is no ensemble */

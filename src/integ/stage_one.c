@@ -60,7 +60,7 @@ DM_WRITTEN_OUT void jacobian(const dm_stage *g, double *J, uint32_t n) {
 DM_WRITTEN_OUT void equation(dm_stage *g, double *R, double *J, const double *V,
                              uint32_t n) {
     place(g, V, n);
-    dm_kernel_eval(J ? &g->m->stage : &g->m->slope, g->x, J ? g->curve : g->slope);
+    dm_kernel_eval(J ? g->stage : &g->m->slope, g->x, J ? g->curve : g->slope);
     g->evaluations++;
     residual(g, R, J ? g->curve : g->slope, n);
     g->newest = J ? g->curve : g->slope;

@@ -12,7 +12,8 @@ unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     if (m->ties) return dm_tied_wants(m);
     const int simple = (m->structure & SIMPLE) == SIMPLE;
-    return DM_WANT_STAGE | (simple ? DM_WANT_FORCE : DM_WANT_SLOPE | DM_WANT_MASS);
+    return simple ? DM_WANT_STAGE_LATER | DM_WANT_FORCE
+                  : DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS;
 }
 
 /*
@@ -27,14 +28,16 @@ static int few_and_long(const dm_model *m) {
 
 unsigned dm_stage_wants_one(const dm_rule *rule, const dm_model *m) {
     const unsigned all = dm_stage_wants(rule, m);
-    return m->ties || !few_and_long(m) ? all : all | DM_WANT_SLOPE | DM_WANT_MASS;
+    return m->ties || !few_and_long(m)
+               ? all
+               : all | DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS;
 }
 
 /* the cheaper form for L = T(v) - V(q, t) */
 static int by_displacements(const dm_model *m, const dm_galerkin *basis) {
     const int one = basis->s == 1 && basis->q.r == 1 && !basis->sweeps;
     if ((m->structure & SIMPLE) != SIMPLE) return 0;
-    return !one || !few_and_long(m) || !(m->has & DM_WANT_SLOPE);
+    return !one || !few_and_long(m) || !(m->has & DM_WANT_SLOPE) || !m->stage.eval;
 }
 
 static size_t doubles(size_t bytes) {

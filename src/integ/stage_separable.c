@@ -63,7 +63,7 @@ static void evaluate(dm_stage *g, uint32_t m, const double *Z, int with_curve) {
     double *force = slope_of(g, m), *curve = g->curve + m * (2 * n + 3 * n * n);
     dm_stage_at(g, Z, NULL, dm_weight_double(g->hc[m]));
     if (with_curve) {
-        dm_kernel_eval(&g->m->stage, g->x, curve);
+        dm_kernel_eval(g->stage, g->x, curve);
         memcpy(force, curve, n * sizeof *force);
     } else {
         dm_kernel_eval(&g->m->force, g->x, force);

@@ -4,6 +4,7 @@
 #include "expr/compact.h"
 #include "expr/derive.h"
 #include "expr/extremum.h"
+#include "expr/implicit.h"
 #include "expr/sum.h"
 #include "expr/tape.h"
 #include "linalg/lu.h"
@@ -246,6 +247,28 @@ static dm_status make_kernels(builder *b, unsigned want) {
     return status;
 }
 
+/* what a model remembers of its making */
+struct dm_later {
+    builder b;
+};
+
+static dm_status make_later(builder *b) {
+    struct dm_later *later = dm_arena_take(b->arena, sizeof *later);
+    if (!later) return DM_NO_MEMORY;
+    b->m.has |= DM_WANT_STAGE_LATER;
+    later->b = *b;
+    b->m.later = later;
+    return DM_OK;
+}
+
+dm_status dm_model_stage(const dm_kernel **out, const dm_model *m) {
+    *out = &m->stage;
+    if (m->stage.eval) return DM_OK;
+    builder *b = &m->later->b;
+    *out = &b->m.stage;
+    return b->m.stage.eval ? DM_OK : make_stage(b, 0);
+}
+
 static dm_status differentiate(builder *b) {
     const uint32_t n = b->m.n;
     b->gradient = take_nodes(b, 2 * (size_t)n);
@@ -284,7 +307,10 @@ static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n,
                              .gradient = b.gradient,
                              .compile = compile,
                              .arena = arena};
+    /* what a root leaves to the next evaluation has to be known from the start */
+    if (want & DM_WANT_STAGE_LATER && dm_has_roots(g, &L, 1)) want |= DM_WANT_STAGE;
     status = make_kernels(&b, want);
+    if (status == DM_OK && want & DM_WANT_STAGE_LATER) status = make_later(&b);
     if (status != DM_OK) return status;
     *m = b.m;
     return mass;

@@ -33,13 +33,14 @@ enum {                    /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_WELL = 128,  /* L(q, 0, t) = -V, then L_q[n]: separable L only */
        DM_WANT_PAIR =
            64, /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
-       DM_WANT_DENSE =
-           DM_WANT_STAGE | DM_WANT_MASS | DM_WANT_WELL, /* with sums written out */
-       DM_WANT_HOLONOMIC = 256,    /* of the ties (mech/ties.h): g, G, g_t */
-       DM_WANT_ROLLING = 512,      /* phi, E, phi_v, phi_q */
-       DM_WANT_TIE_FORCE = 1024,   /* f */
-       DM_WANT_FORCE_CURVE = 2048, /* f, f_q, f_v */
-       DM_WANT_REACTION = 4096,    /* r = G^T lambda + E^T mu, r_q, r_v */
+       DM_WANT_STAGE_LATER = 8192, /* when dm_model_stage asks for it, mostly never */
+       DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_STAGE_LATER | DM_WANT_MASS |
+                       DM_WANT_WELL, /* with sums written out */
+       DM_WANT_HOLONOMIC = 256,      /* of the ties (mech/ties.h): g, G, g_t */
+       DM_WANT_ROLLING = 512,        /* phi, E, phi_v, phi_q */
+       DM_WANT_TIE_FORCE = 1024,     /* f */
+       DM_WANT_FORCE_CURVE = 2048,   /* f, f_q, f_v */
+       DM_WANT_REACTION = 4096,      /* r = G^T lambda + E^T mu, r_q, r_v */
        DM_WANT_TIES = 7936 /* all of these; what a model does not have is not made */
 };
 
@@ -86,6 +87,7 @@ typedef struct {
     uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;
     const struct dm_ties *ties; /* NULL: none */
+    struct dm_later *later;     /* how to make the stage kernel; NULL: nobody asked */
 } dm_model;
 
 /* With sums (expr/sum.h) or very many coordinates: so many rounds are written out as they are; above, loops are kept where mass is
@@ -100,6 +102,12 @@ enum { DM_MODEL_WRITTEN_OUT = 40, DM_MODEL_DENSE = 400 };
 */
 dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                          dm_compile *compile, dm_arena *arena);
+
+/*
+** The stage kernel of a model that was built with DM_WANT_STAGE or DM_WANT_STAGE_LATER, made now where it is
+** not there yet, in the arena of the model: the caller owns it, other threads have models of their own.
+*/
+dm_status dm_model_stage(const dm_kernel **out, const dm_model *m);
 
 /* The same for a discrete Lagrangian in g with inputs q0[n], q1[n]: value takes (q0, q1). */
 dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n,
