@@ -17,6 +17,10 @@ path:momentum(dm.SO(2))
 local swing = dm.system { Q = dm.T(1), L = function(q, v) return v:dot(v) / 2 * (2 + math.cos(q[1])) end }
 swing:solver { rule = "gauss(2)", h = 0.1 }:run { q = { 1 }, v = { 0 }, steps = 20 }
 
+-- sweeps do not contract: Newton's kernel is made within the first step
+local stiff = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - 1e6 * q:dot(q) + math.cos(q[1]) end }
+stiff:solver { rule = "gauss(2)", h = 0.1 }:run { q = { 1, 0 }, v = { 0, 1 }, steps = 2 }
+
 local Ld = dm.discrete_lagrangian(kepler, { rule = dm.galerkin { degree = 2, nodes = { 0, 0.5, 1 } }, h = 0.1 })
 assert(Ld({ 1, 0 }, { 1, 0.1 }) > 0 and Ld:hamilton_pontryagin({ 1, 0 }, { 1, 0.1 }).residual < 1e-13 and #tostring(Ld) > 0)
 dm.solver { Ld }:run { q0 = { 1, 0 }, q1 = { 1, 0.1 }, steps = 3 }
