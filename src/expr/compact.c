@@ -193,8 +193,7 @@ static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack
     }
 }
 
-/* a new graph with the roots alone */
-static dm_graph *extract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
+dm_graph *dm_graph_copy(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     const uint32_t end = dm_mark(g, roots, m), needed = count_marked(g, end);
     dm_graph *h = dm_graph_sized(g->arena, g->inputs, needed + 1);
     dm_arena *scratch = dm_arena_scratch(g->arena);
@@ -214,12 +213,12 @@ static dm_graph *extract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node 
 
 static dm_graph *compact_graph(dm_graph *g, const dm_node *roots, uint32_t m,
                                dm_node *out) {
-    dm_graph *h = g->status == DM_OK ? extract(g, roots, m, out) : NULL;
+    dm_graph *h = g->status == DM_OK ? dm_graph_copy(g, roots, m, out) : NULL;
     if (!h) return NULL;
     const uint32_t size = h->size;
     dm_compact(h, out, m, out);
     if (h->status != DM_OK) return NULL;
-    return h->size == size ? h : extract(h, out, m, out);
+    return h->size == size ? h : dm_graph_copy(h, out, m, out);
 }
 
 /* several kernels have the same roots: a force alone, and in lanes */

@@ -16,8 +16,11 @@ void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out);
 ** terms of the derivatives meet. */
 dm_node dm_compact_source(dm_graph *g, dm_node f);
 
+/* The roots alone in a graph of their own, their nodes in the order of a walk from the roots. NULL without memory. */
+dm_graph *dm_graph_copy(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out);
+
 /*
-** The same as a graph of its own, in the arena of g, with nothing else in it and its nodes in
+** Compacted as a graph of its own, in the arena of g, with nothing else in it and its nodes in
 ** the order of a walk from the roots: what else g holds makes no difference, so that all
 ** kernels of the same roots round alike. NULL without memory.
 */

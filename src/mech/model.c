@@ -182,7 +182,7 @@ static dm_status make_verbatim(builder *b, dm_graph *g, dm_kernel *out,
 }
 
 /* compacting is most of the work: the slope and the mass are taken out of the compacted stage */
-static dm_status make_stage(builder *b, unsigned want) {
+static dm_status make_stage_from(builder *b, unsigned want) {
     const size_t n = b->m.n, nn = n * n, count = 2 * n + 3 * nn;
     dm_node *roots = take_nodes(b, 2 * count), *mass = roots + count;
     if (!roots) return DM_NO_MEMORY;
@@ -200,6 +200,18 @@ static dm_status make_stage(builder *b, unsigned want) {
         status = make_verbatim(b, small, &b->m.slope, roots, 2 * n, DM_WANT_SLOPE);
     if (status == DM_OK && want & DM_WANT_MASS)
         status = make_verbatim(b, small, &b->m.mass, mass, n + nn, DM_WANT_MASS);
+    return status;
+}
+
+/* where the kernel may be made late: from a graph of its own, so that it rounds alike whatever the other one holds by then */
+static dm_status make_stage(builder *b, unsigned want) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    builder apart = *b;
+    if ((b->m.structure & simple) != simple) return make_stage_from(b, want);
+    apart.g = dm_graph_copy(b->g, &b->L, 1, &apart.L);
+    if (!apart.g) return DM_NO_MEMORY;
+    const dm_status status = make_stage_from(&apart, want);
+    b->m = apart.m;
     return status;
 }
 
