@@ -28,9 +28,9 @@ static int few_and_long(const dm_model *m) {
 
 unsigned dm_stage_wants_one(const dm_rule *rule, const dm_model *m) {
     const unsigned all = dm_stage_wants(rule, m);
-    return m->ties || !few_and_long(m)
-               ? all
-               : all | DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS;
+    const unsigned mass = m->structure & DM_DIAGONAL_MASS ? 0 : DM_WANT_MASS;
+    if (m->ties || !few_and_long(m)) return all;
+    return all | DM_WANT_STAGE | DM_WANT_SLOPE | mass;
 }
 
 /* the cheaper form for L = T(v) - V(q, t) */

@@ -203,14 +203,15 @@ static dm_status make_stage_from(builder *b, unsigned want) {
     return status;
 }
 
-/* where the kernel may be made late: from a graph of its own, so that it rounds alike whatever the other one holds by then */
+/* Where the kernel may be made late: from a graph of its own, so that it rounds alike whatever the other one holds by
+** then; and the mass, which a start needs, is not taken out of it. */
 static dm_status make_stage(builder *b, unsigned want) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     builder apart = *b;
     if ((b->m.structure & simple) != simple) return make_stage_from(b, want);
     apart.g = dm_graph_copy(b->g, &b->L, 1, &apart.L);
     if (!apart.g) return DM_NO_MEMORY;
-    const dm_status status = make_stage_from(&apart, want);
+    const dm_status status = make_stage_from(&apart, want & DM_WANT_SLOPE);
     b->m = apart.m;
     return status;
 }
