@@ -6,14 +6,14 @@
 #include <math.h>
 #include <string.h>
 
+/* a function of more operations or inputs is compared at the start and in one point near it */
+enum { LONG = 2000, MANY = 1000 };
 enum {
-    POINTS = 3, /* at each scale */
-    LONG =
-        2000, /* operations; a function of more is looked at in one point at each scale */
-    MANY = 1000,     /* inputs; a function of more is looked at in two points only */
+    POINTS = 3,      /* at each scale */
     MOST_MOVES = 256 /* groups of inputs that are moved together */
 };
-static const double scales[] = {1e-3, 0.1, 1.0};
+static const double scales[] = {0.1, 1e-3, 1.0};
+enum { SCALES = sizeof scales / sizeof *scales };
 
 /*
 ** Tracing and rewriting the expression change round-off only: differences are measured
@@ -27,6 +27,7 @@ typedef struct {
     dml_given *given; /* numbers for sums, or NULL */
     int fn;
     double *x, *plain, *kernel_out, *moved, *kept;
+    int compared; /* points with a number on either road */
 } check;
 
 /* uniform in [-1, 1), the same numbers in every run (xorshift64*, Vigna 2016) */
@@ -167,6 +168,7 @@ static int compare(lua_State *L) {
     check *c = lua_touserdata(L, 1);
     call_plain(L, c, 2);
     eval(c, c->kernel_out);
+    c->compared += isfinite(c->plain[0]) && isfinite(c->kernel_out[0]);
     lua_pushinteger(L, mismatch(c));
     return 1;
 }
@@ -182,13 +184,29 @@ static void check_near(lua_State *L, check *c) {
     if (k >= 0) raise_mismatch(L, c, k);
 }
 
+/* Made-up points around the start, the same in every run; of a long function, whose plain call takes time, as many as
+** are compared with the start two points in all. */
+static void check_around(lua_State *L, check *c, const double *at) {
+    const size_t n = c->kernel->inputs;
+    const int is_long = n > MANY || c->kernel->operations > LONG;
+    const int enough = is_long ? (at ? 1 : 2) : POINTS * SCALES;
+    uint64_t random = 0x9E3779B97F4A7C15u;
+    for (int k = 0; k < POINTS * SCALES && c->compared < enough; k++) {
+        for (size_t i = 0; i < n; i++) {
+            const double centre = at ? at[i] : 0.0;
+            c->x[i] =
+                centre + scales[k % SCALES] * (1 + fabs(centre)) * next_random(&random);
+        }
+        check_near(L, c);
+    }
+}
+
 static void check_points(lua_State *L, int fn, const dml_signature *s,
-                         const dm_kernel *kernel, const double *at, size_t points) {
+                         const dm_kernel *kernel, const double *at, int around) {
     const size_t n = kernel->inputs, m = kernel->outputs;
     const size_t inputs = dml_signature_inputs(s);
     /* of a kernel that takes sums, or of a comparison around this one */
     dml_given *given = dml_getstate(L)->given;
-    uint64_t random = 0x9E3779B97F4A7C15u;
     const int top = lua_gettop(L);
     fn = lua_absindex(L, fn);
     luaL_checkstack(L, 12, NULL);
@@ -202,27 +220,18 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
                block + n,
                block + n + m,
                block + n + 2 * m,
-               block + n + 3 * m};
+               block + n + 3 * m,
+               0};
     for (size_t i = 0; i < n; i++) c.x[i] = at ? at[i] : 0.0;
     if (given) given->values = c.given ? c.x + inputs : NULL;
     if (at) check_at(L, &c);
-    const size_t first = n > MANY ? points / 2 : 0;
-    const size_t end = n > MANY && points ? first + 1 : points;
-    const size_t stride = kernel->operations > LONG ? POINTS : 1;
-    for (size_t k = first; k < end; k += stride) {
-        for (size_t i = 0; i < n; i++) {
-            const double centre = at ? at[i] : 0.0;
-            c.x[i] =
-                centre + scales[k / POINTS] * (1 + fabs(centre)) * next_random(&random);
-        }
-        check_near(L, &c);
-    }
+    if (around) check_around(L, &c, at);
     lua_settop(L, top);
 }
 
 void dml_trace_check(lua_State *L, int fn, const dml_signature *s,
                      const dm_kernel *kernel, const double *at) {
-    check_points(L, fn, s, kernel, at, sizeof scales / sizeof *scales * POINTS);
+    check_points(L, fn, s, kernel, at, 1);
 }
 
 void dml_trace_check_start(lua_State *L, int fn, const dml_signature *s,

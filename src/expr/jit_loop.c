@@ -28,7 +28,8 @@ typedef struct {
     size_t frame_at;     /* place of that number in the code */
     dm_emitter e;        /* of the part in hand */
     const dm_node *roots;
-    uint8_t *done; /* [size] 1: carried value i is where it has to be */
+    uint8_t *done;    /* [size] 1: carried value i is where it has to be */
+    uint8_t *carried; /* [nodes] 1: of the part in hand, a value that is carried on */
 } maker;
 
 #define PUT(m, bytes) dm_x86_bytes(&(m)->code, bytes, sizeof bytes - 1)
@@ -104,6 +105,7 @@ static int is_over(const maker *m, const dm_graph *g, uint32_t i) {
 /* a new value that lives in memory goes there when nobody needs the old one */
 static void put_away(maker *m, const dm_graph *g, dm_node n) {
     dm_place *v = m->e.at + n;
+    if (!m->carried[n]) return;
     for (uint32_t i = m->held; i < m->size && v->reg >= 0; i++) {
         if (m->roots[i] != n || m->done[i] || !is_over(m, g, i)) continue;
         dm_x86_store(&m->e.code, m->width, in_state(m, i), v->reg);
@@ -116,6 +118,7 @@ static void put_away(maker *m, const dm_graph *g, dm_node n) {
 
 /* the register in which the carried value n is expected, -1: none */
 static int wished(const maker *m, dm_node n) {
+    if (!m->carried[n]) return -1;
     for (uint32_t i = 0; i < m->held; i++)
         if (m->roots[i] == n) return (int)i;
     return -1;
@@ -198,6 +201,10 @@ static dm_status open_part(maker *m, const dm_loop_part *p, dm_plan *plan, void 
     m->e.kept = (1u << m->held) - 1;
     m->e.code = m->code;
     m->roots = p->roots;
+    m->carried = dm_arena_take(m->scratch, plan->end);
+    if (!m->carried) return DM_NO_MEMORY;
+    memset(m->carried, 0, plan->end);
+    for (uint32_t i = 0; i < m->size; i++) m->carried[p->roots[i]] = 1;
     memset(m->done, 0, m->size);
     place_inputs(m, p->graph, p->coefficients);
     return DM_OK;

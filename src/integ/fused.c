@@ -15,9 +15,9 @@ static dm_op op_of(const dm_graph *g, dm_node n) {
 }
 
 /* operand k of x is a coordinate: its number, else -1 */
-static int32_t coordinate_of(const dm_model *m, const dm_expr *x, int k) {
-    const dm_expr *a = dm_graph_at(m->source.graph, x->as.arg[k]);
-    return a->op == DM_OP_INPUT && a->as.input < m->n ? (int32_t)a->as.input : -1;
+static int32_t coordinate_of(const dm_graph *g, uint32_t n, dm_node factor) {
+    const dm_expr *a = dm_graph_at(g, factor);
+    return a->op == DM_OP_INPUT && a->as.input < n ? (int32_t)a->as.input : -1;
 }
 
 /* f without a constant that is added to it, which goes to *c; *sign = -1 where f has the rest with a minus */
@@ -43,8 +43,8 @@ static dm_node without_number(const dm_graph *g, dm_node f, double *times) {
 }
 
 /* expression i as factor and coordinate, and perhaps a constant */
-static void take_apart(dm_kicks *k, const dm_model *m, dm_node f, uint32_t i) {
-    dm_graph *g = m->source.graph;
+static void take_apart(dm_kicks *k, uint32_t n, dm_node f, uint32_t i) {
+    dm_graph *g = k->graph;
     double sign, times;
     const dm_node whole = f, rest = without_constant(g, without_number(g, f, &times),
                                                      k->constant + i, &sign);
@@ -53,7 +53,7 @@ static void take_apart(dm_kicks *k, const dm_model *m, dm_node f, uint32_t i) {
     const dm_expr *x = dm_graph_at(g, minus ? dm_graph_at(g, rest)->as.arg[0] : rest);
     k->coordinate[i] = -1;
     for (int a = 0; x->op == DM_OP_MUL && a < 2 && k->coordinate[i] < 0; a++) {
-        k->coordinate[i] = coordinate_of(m, x, a);
+        k->coordinate[i] = coordinate_of(g, n, x->as.arg[a]);
         if (k->coordinate[i] < 0) continue;
         f = x->as.arg[1 - a];
     }
@@ -108,14 +108,11 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions,
                     .constant = dm_arena_take(s->arena, n * sizeof *k->constant)};
     if (!f || !k->constant || !k->factor || !k->negative || !k->which || !k->coordinate)
         return 0;
-    dm_compact(s->graph, expressions, n, f);
-    if (dm_graph_status(s->graph) != DM_OK ||
-        dm_operations(s->graph, f, n) > DM_FUSED_LARGEST)
-        return 0;
+    k->graph = dm_compact_graph(s->graph, expressions, n, f); /* as the force has it */
+    if (!k->graph || dm_operations(k->graph, f, n) > DM_FUSED_LARGEST) return 0;
     for (uint32_t i = 0; scaled && n <= MOST_SCALED && i < n; i++)
-        take_apart(k, m, f[i], i);
+        take_apart(k, n, f[i], i);
     if (!k->count || is_mixed(k, n)) take_whole(k, f, n);
-    k->graph = s->graph;
     return 1;
 }
 
