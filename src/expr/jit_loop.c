@@ -33,7 +33,6 @@ typedef struct {
 } maker;
 
 #define PUT(m, bytes) dm_x86_bytes(&(m)->code, bytes, sizeof bytes - 1)
-
 static void put_number(maker *m, int32_t x) {
     dm_x86_bytes(&m->code, &x, sizeof x);
 }
@@ -70,8 +69,6 @@ static void put_copy(maker *m, size_t to, size_t from) {
 static dm_operand in_state(const maker *m, uint32_t i) {
     return dm_in_memory(DM_R14, (int32_t)i * m->bytes);
 }
-
-/* ---- one part ---- */
 
 static dm_node input_of(const dm_graph *g, uint32_t i) {
     return i < g->leaves ? g->leaf[i] : 0;
