@@ -97,9 +97,10 @@ static void add_arguments(lua_State *L, dml_sum_request *r, int scalars) {
 /* a Lua function that names fewer or more arguments than it gets is a mistake */
 static void check_arity(lua_State *L, const dml_sum_request *r) {
     lua_Debug about;
+    if (lua_iscfunction(L, r->fn)) return;
     lua_pushvalue(L, r->fn);
-    lua_getinfo(L, ">Su", &about);
-    if (about.what[0] == 'C' || about.isvararg) return;
+    lua_getinfo(L, ">u", &about);
+    if (about.isvararg) return;
     if (about.nparams != r->signature.arguments)
         luaL_error(
             L, "%s takes %d argument%s, but gets %d: what a body has of each vector%s",
@@ -110,17 +111,16 @@ static void check_arity(lua_State *L, const dml_sum_request *r) {
 void dml_read_sum(lua_State *L, dml_sum_request *r) {
     static const char *const known[] = {"shift", "periodic", "pairs", "block", NULL};
     find_function(L, r);
-    const int options = r->fn + 1;
-    if (lua_isnil(L, options)) lua_newtable(L), lua_replace(L, options);
-    luaL_checktype(L, options, LUA_TTABLE);
-    dml_options(L, options, known);
-    const long block = dml_count(L, options, "block", 1, 1);
+    const int options = r->fn + 1, plain = lua_isnil(L, options);
+    if (!plain) luaL_checktype(L, options, LUA_TTABLE);
+    if (!plain) dml_options(L, options, known);
+    const long block = plain ? 1 : dml_count(L, options, "block", 1, 1);
     if (block > INT32_MAX) luaL_error(L, "field 'block' must be at most %d", INT32_MAX);
     r->block = (uint32_t)block;
     for (int k = 1; k <= r->given; k++) read_vector(L, r, k);
     if (!r->bodies)
         luaL_error(L, "dm.sum_over: one argument before the function must be a vector");
-    read_pattern(L, r, options);
+    if (!plain) read_pattern(L, r, options);
     r->signature = (dml_signature){.what = what, .outputs = DML_SCALAR_ARGUMENT};
     add_arguments(L, r, 0);
     if (r->to) add_arguments(L, r, 0);
