@@ -14,9 +14,33 @@ local function is_misplaced(value)
   return meta and meta.__name == "dm.failure" and (value.message:find(INSIDE) or not value.message:find(PLACE))
 end
 
-local function finish(fine, ...)
+-- functions that caller made, and those that stand for one of them in a class
+local wrapped = setmetatable({}, { __mode = "k" })
+
+-- class and name of a method
+local function find_method(f)
+  if not f then return end
+  for class, meta in pairs(debug.getregistry()) do
+    local methods = type(class) == "string" and type(meta) == "table" and rawget(meta, "methods")
+    for name, method in pairs(type(methods) == "table" and methods or {}) do
+      if method == f then return class, name end
+    end
+  end
+end
+
+-- what to say of a method that was called with something else in the place of its object, or nothing
+local function misused(f, object)
+  local class, name = find_method(f and wrapped[f])
+  local meta = debug.getmetatable(object)
+  if not class or type(meta) == "table" and meta.__name == class then return end
+  return ("bad argument #1 to '%s' (%s expected, got %s); a method is called with a colon, x:%s(...)"):format(name, class,
+    type(meta) == "table" and type(meta.__name) == "string" and meta.__name or type(object), name)
+end
+
+local function finish(f, object, fine, ...)
   if fine then return ... end
   local message = ...
+  if type(message) == "string" and not M.is_stop(message) then message = misused(f, object) or message end
   if type(message) == "string" then message = message:gsub(INSIDE, "") end
   if is_misplaced(message) then message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "") end
   error(message, 2)  -- the caller: finish took its place by a tail call
@@ -37,16 +61,33 @@ end
 
 --- f, with the position of its caller in its error messages, those of a dm.failure too; other error values pass as they are.
 function M.caller(f)
-  return function(...) return finish(xpcall(f, explain, ...)) end
+  local function call(...) return finish(f, (...), xpcall(f, explain, ...)) end
+  wrapped[f] = call
+  return call
+end
+
+--- Is f one that M.caller made?
+function M.is_caller(f)
+  for _, call in pairs(wrapped) do
+    if call == f then return true end
+  end
+  return false
+end
+
+--- The method of a class is `method`, which calls f of M.caller.
+function M.stands_for(method, f)
+  for inner, call in pairs(wrapped) do
+    if call == f then wrapped[inner] = method end
+  end
 end
 
 -- the same around a method written in C, which puts a position in front itself: that of a function of the user stays alone
 local function relay(fine, ...)
   local what = ...
-  if fine or type(what) ~= "string" then return finish(fine, ...) end
+  if fine or type(what) ~= "string" then return finish(nil, nil, fine, ...) end
   if what:find(PLACE) and not what:find(INSIDE) then error(what, 0) end
   local method = what:match "bad argument #1 to '(%w+)' %(dm%."
-  return finish(fine, method and ("%s; a method is called with a colon, x:%s(...)"):format(what, method) or what)
+  return finish(nil, nil, fine, method and ("%s; a method is called with a colon, x:%s(...)"):format(what, method) or what)
 end
 
 --- f, which calls a method written in C, with the position of its caller in place of one inside these modules.

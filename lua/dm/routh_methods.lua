@@ -3,7 +3,15 @@ local blame = require "dm.blame"
 local core = require "dm.core"
 
 local function late(module, name)
-  return function(...) return require(module)[name](...) end
+  local f
+  local function method(...)
+    if not f then
+      f = require(module)[name]
+      blame.stands_for(method, f)
+    end
+    return f(...)
+  end
+  return method
 end
 
 local function add(class, name, module, doc) core.method(class, name, late(module, name), doc) end

@@ -1,8 +1,17 @@
 --- Methods of systems, solvers and ensembles whose modules are loaded when first used: stability maps, linearised systems, multipliers, sections, fans.
+local blame = require "dm.blame"
 local core = require "dm.core"
 
 local function later(module, name)
-  return function(...) return require(module)[name](...) end
+  local f
+  local function method(...)
+    if not f then
+      f = require(module)[name]
+      blame.stands_for(method, f)
+    end
+    return f(...)
+  end
+  return method
 end
 
 core.method("dm.system", "stability", function(system, options)

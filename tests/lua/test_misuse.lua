@@ -105,4 +105,18 @@ ok(energy_of { L = function(q, v, t) return L(q, v) + q[1] * math.cos(t) end } =
 local still = dm.system({ Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 end }):solver({ rule = "verlet", h = 0.1 }):run { q = { 1, 0 }, v = { 0, 1 }, steps = 3 }
 raises("a group, such as dm.SO(2)", function() still:momentum "SO(2)" end)
 
+-- a dot in place of a colon, in methods that are written in Lua
+local function dotted(class, f, ...) tap.raises(class .. " expected, got ", f, ...) end
+local orbit = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
+local turning = orbit:solver { rule = "midpoint", h = 0.1 }
+local track = turning:run { q = { 1 }, v = { 0 }, steps = 5 }
+local limits = dm.stability { system = orbit, rule = "verlet", q = { 1 }, v = { 0 }, h = { 0.1, 0.2 }, steps = 10, refine = false }
+dotted("dm.solver", turning.fold, { q = { 1 }, v = { 0 } })
+dotted("dm.solver", turning.tangent, { q = { 1 }, v = { 0 }, steps = 1 })
+dotted("dm.path", track.plot, "q1", "p1")
+dotted("dm.path", track.csv, "x.csv")
+dotted("dm.system", orbit.routh, { cyclic = { 1 } })
+dotted("dm.stability_map", limits.limit, 1)
+dotted("dm.stability_map", limits.table)
+tap.raises("there are rows 1 to 1", limits.limit, limits, 77)
 tap.done()
