@@ -111,10 +111,16 @@ static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favo
 
 /* 1/sqrt(u) where n = sqrt(u) and that is needed too, else 0 */
 static dm_node inverse_of_root(dm_graph *g, dm_node n) {
-    const dm_expr *e = dm_at(g, n),
-                  inverse = {.op = DM_OP_RSQRT, .as.arg = {e->as.arg[0]}};
-    const dm_node found = e->op == DM_OP_SQRT ? dm_node_find(g, &inverse) : 0;
+    if (!dm_is_op(g, n, DM_OP_SQRT)) return 0;
+    const dm_expr inverse = {.op = DM_OP_RSQRT, .as.arg = {dm_at(g, n)->as.arg[0]}};
+    const dm_node found = dm_node_find(g, &inverse);
     return dm_is_marked(g, found) ? found : 0;
+}
+
+static int has_op(const dm_graph *g, dm_op op) {
+    for (dm_node n = 1; n < g->size; n++)
+        if (dm_is_op(g, n, op)) return 1;
+    return 0;
 }
 
 static int has_inverse_roots(dm_graph *g, uint32_t end) {
@@ -132,6 +138,7 @@ static dm_node by_inverse(dm_graph *g, dm_node u) {
 }
 
 static void replace_roots(dm_graph *g, dm_node *roots, uint32_t m) {
+    if (!has_op(g, DM_OP_SQRT)) return;
     const uint32_t end = dm_mark(g, roots, m);
     if (!has_inverse_roots(g, end)) return;
     dm_node *now = dm_arena_take(g->arena, end * sizeof *now);
@@ -158,12 +165,6 @@ dm_node dm_compact_source(dm_graph *g, dm_node f) {
     g->source[0] = f;
     g->source[1] = out;
     return out;
-}
-
-static uint32_t count_marked(const dm_graph *g, uint32_t end) {
-    uint32_t count = 0;
-    for (dm_node n = 0; n < end; n++) count += (uint32_t)dm_is_marked(g, n);
-    return count;
 }
 
 /* a node on the way down: which operand comes next */
@@ -194,7 +195,7 @@ static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack
 }
 
 dm_graph *dm_graph_copy(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
-    const uint32_t end = dm_mark(g, roots, m), needed = count_marked(g, end);
+    const uint32_t end = dm_mark(g, roots, m), needed = g->marked;
     dm_graph *h = dm_graph_sized(g->arena, g->inputs, needed + 1);
     dm_arena *scratch = dm_arena_scratch(g->arena);
     if (!h || !scratch) return NULL;

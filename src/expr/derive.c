@@ -45,8 +45,12 @@ static void find_active(const sweep *s, const dm_graph *g) {
     }
 }
 
-static int sweep_open(sweep *s, dm_graph *g, uint32_t first, uint32_t n) {
-    const uint32_t room = dm_graph_size(g), words = room / 64 + 1;
+/* for derivatives of f[m], and so of nothing behind them */
+static int sweep_open(sweep *s, dm_graph *g, const dm_node *f, uint32_t m, uint32_t first,
+                      uint32_t n) {
+    uint32_t room = 1;
+    for (uint32_t i = 0; i < m; i++) room = f[i] < room ? room : f[i] + 1;
+    const uint32_t words = room / 64 + 1;
     *s = (sweep){.first = first, .n = n, .room = room};
     s->d = dm_arena_take(g->arena, room * sizeof *s->d);
     s->active = dm_arena_take(g->arena, room);
@@ -125,7 +129,7 @@ static void gradient_of(dm_graph *g, dm_node f, uint32_t first, uint32_t n,
         return;
     }
     memset(out, 0, n * sizeof *out);
-    if (!sweep_open(&s, g, first, n)) return;
+    if (!sweep_open(&s, g, &f, 1, first, n)) return;
     reverse(&s, g, f, out);
     keep_gradient(g, f, first, n, out);
 }
@@ -226,7 +230,7 @@ void dm_jacobian(dm_graph *g, const dm_node *f, uint32_t m, uint32_t first, uint
     dm_node *other = dm_arena_take(g->arena, (count + 1) * sizeof *other);
     dm_node *all = dm_arena_take(g->arena, (m + count + 1) * sizeof *all);
     if (!other || !all) dm_graph_fail(g, DM_NO_MEMORY);
-    if (g->status != DM_OK || !sweep_open(&s, g, first, n)) return;
+    if (g->status != DM_OK || !sweep_open(&s, g, f, m, first, n)) return;
     memcpy(all, f, m * sizeof *all);
     jacobian_by_rows(&s, g, f, m, out);
     if (all_constant(g, out, count)) return; /* as of a constant mass: nothing is less */
@@ -271,7 +275,7 @@ void dm_hessian(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *gra
     dm_node *tried = dm_arena_take(g->arena, (count + 1) * sizeof *tried);
     dm_node *all = dm_arena_take(g->arena, (n + count + 1) * sizeof *all);
     if (!tried || !all) dm_graph_fail(g, DM_NO_MEMORY);
-    if (g->status != DM_OK || !sweep_open(&s, g, first, n)) return;
+    if (g->status != DM_OK || !sweep_open(&s, g, gradient, n, first, n)) return;
     memcpy(all, gradient, n * sizeof *all);
     jacobian_by_rows(&s, g, gradient, n, tried);
     keep_smaller(g, hessian, &least, all, tried, n);

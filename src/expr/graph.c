@@ -228,11 +228,13 @@ int dm_is_constant(const dm_graph *g, dm_node n, double *value) {
 static uint32_t mark_one(dm_graph *g, dm_node n) {
     if (g->mark[n] == g->stamp) return 0;
     g->mark[n] = g->stamp;
+    g->marked++;
     return dm_arity(g->nodes[n].op) > 0;
 }
 
 uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m) {
     uint32_t end = 0;
+    g->marked = 0;
     if (++g->stamp == 0) { /* wrapped: forget all old marks */
         memset(g->mark, 0, g->capacity * sizeof *g->mark);
         g->stamp = 1;

@@ -34,7 +34,7 @@ struct dm_graph {
     struct dm_extremum *extrema;         /* extremum.h */
     const struct dm_implicit *implicits; /* implicit.h, newest first */
     uint32_t *mark; /* [capacity] scratch of one sweep: marked when equal to `stamp` */
-    uint32_t stamp;
+    uint32_t stamp, marked; /* marked: nodes with it */
     uint8_t
         *nonnegative; /* [capacity] 1 where the value is >= 0 whenever it is a number */
     dm_status status;
