@@ -130,7 +130,7 @@ dml_solver *dml_vary_solver(lua_State *L, const double *values, int names) {
 
 /* (solver, options) -> names of all parameters that its kernels have as inputs, or nothing */
 static int find_names(lua_State *L) {
-    dml_stepping r = {.solver = lua_touserdata(L, 1)};
+    dml_stepping r = {.solver = lua_touserdata(L, 1), .varied = 1};
     dml_stepping_prepare(L, &r, 0.0);
     if (!r.inputs) return 0;
     dml_pushnames(L, &r);
@@ -199,7 +199,8 @@ static int compare(lua_State *L) {
     const dml_model *m = r->inputs;
     dml_signature sig = dml_withsignature(m->n, m->params);
     sig.may_be_outside = 1;
-    dml_trace_check_start(L, 2, &sig, &m->model.value, lua_touserdata(L, 3));
+    dml_trace_check_beside(L, 2, &sig, &m->model.value, lua_touserdata(L, 3),
+                           2 * (size_t)m->n + 1);
     return 0;
 }
 

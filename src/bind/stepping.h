@@ -51,6 +51,7 @@ typedef struct {
         inputs; /* what the stepper steps: *model, but parameters are inputs; NULL: *model */
     double *given;  /* (q, v, t, values) of it */
     int apart;      /* a model of its own: other threads step with theirs */
+    int varied;     /* parameters will have other values than the system's */
     int complete;   /* all kernels before the first step: threads cannot make any */
     unsigned wants; /* kernels of the rule */
     dm_stepper stepper;

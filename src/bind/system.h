@@ -54,6 +54,7 @@ typedef struct {
     dm_node lagrangian;
     uint32_t n;
     uint32_t params; /* inputs behind t (model_params.h) */
+    double *values;  /* [params] of the system when it was traced */
     dm_model model;
     dml_callback *callback; /* NULL when traced */
     const char *backend;    /* of the kernels: "tape", "hyperdual" */

@@ -59,6 +59,11 @@ void dml_trace_check(lua_State *L, int fn, const dml_signature *s,
 void dml_trace_check_start(lua_State *L, int fn, const dml_signature *s,
                            const dm_kernel *kernel, const double *at);
 
+/* In one point beside `at`, which may be an equilibrium where many a function has the same value; the inputs from `moved` on,
+** parameters that the function may look at by ==, are as in `at`. */
+void dml_trace_check_beside(lua_State *L, int fn, const dml_signature *s,
+                            const dm_kernel *kernel, const double *at, size_t moved);
+
 /* The function on numbers: pushes nothing, fills out[outputs]; raises as dml_trace does. */
 void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double *in,
                       double *out, uint32_t outputs);

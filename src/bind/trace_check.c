@@ -206,8 +206,23 @@ static void check_around(lua_State *L, check *c, const double *at) {
     }
 }
 
+/* one made-up point near `at` where there are numbers, else `at` itself; only the first inputs are moved */
+static void check_beside(lua_State *L, check *c, const double *at, size_t moved) {
+    uint64_t random = 0x9E3779B97F4A7C15u;
+    for (int k = 0; k < POINTS && c->compared == 0; k++) {
+        for (size_t i = 0; i < moved; i++)
+            c->x[i] = at[i] + scales[0] * (1 + fabs(at[i])) * next_random(&random);
+        check_near(L, c);
+    }
+    memcpy(c->x, at, moved * sizeof *at);
+    if (c->compared == 0) check_at(L, c);
+}
+
+enum { START, AROUND, BESIDE };
+
 static void check_points(lua_State *L, int fn, const dml_signature *s,
-                         const dm_kernel *kernel, const double *at, int around) {
+                         const dm_kernel *kernel, const double *at, int where,
+                         size_t moved) {
     const size_t n = kernel->inputs, m = kernel->outputs;
     const size_t inputs = dml_signature_inputs(s);
     /* of a kernel that takes sums, or of a comparison around this one */
@@ -229,17 +244,23 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
                0};
     for (size_t i = 0; i < n; i++) c.x[i] = at ? at[i] : 0.0;
     if (given) given->values = c.given ? c.x + inputs : NULL;
-    if (at) check_at(L, &c);
-    if (around) check_around(L, &c, at);
+    if (at && where != BESIDE) check_at(L, &c);
+    if (where == AROUND) check_around(L, &c, at);
+    if (where == BESIDE) check_beside(L, &c, at, moved);
     lua_settop(L, top);
 }
 
 void dml_trace_check(lua_State *L, int fn, const dml_signature *s,
                      const dm_kernel *kernel, const double *at) {
-    check_points(L, fn, s, kernel, at, 1);
+    check_points(L, fn, s, kernel, at, AROUND, 0);
 }
 
 void dml_trace_check_start(lua_State *L, int fn, const dml_signature *s,
                            const dm_kernel *kernel, const double *at) {
-    check_points(L, fn, s, kernel, at, 0);
+    check_points(L, fn, s, kernel, at, START, 0);
+}
+
+void dml_trace_check_beside(lua_State *L, int fn, const dml_signature *s,
+                            const dm_kernel *kernel, const double *at, size_t moved) {
+    check_points(L, fn, s, kernel, at, BESIDE, moved);
 }

@@ -197,4 +197,35 @@ stiffness = 1
 local went, got = pcall(length_of, parted)
 ok(went and got == alone[1], "or after its L has become another one", got)
 
+-- parameters are inputs of the kernels of explicit rules: what their own values hide may change, too
+local hidden, options = 1, { q = { 0 }, v = { 1 }, steps = 5 }
+local function swept(made, rule)
+  local e = made:solver({ rule = rule, h = 0.1 }):ensemble { members = 3, q = function() return { 0 } end, v = function() return { 1 } end, steps = 5,
+    vary = { k = function(i) return i end } }
+  return ("%a %a %a"):format(e.q[1][1], e.q[2][1], e.q[3][1])
+end
+for _, rule in ipairs { "verlet", "blanes-moan(6)" } do
+  local given = { k = 1 }
+  local function weighed() return dm.system { Q = dm.R(1), params = given, L = function(x, u, _, c)
+    return u[1] ^ 2 / 2 - (1 + (c.k - 1) * hidden) * x[1] ^ 2 / 2
+  end } end
+  local function stretched() return dm.system { Q = dm.R(1), params = given, L = function(x, u, _, c) return u[1] ^ 2 / 2 - c.k * hidden * x[1] ^ 2 end } end
+  local one, other, same = weighed(), stretched(), true
+  for _, g in ipairs { 1, 5, 2 } do
+    hidden, given.k = g, 1
+    same = same and swept(one, rule) == swept(weighed(), rule)
+    given.k = 10 / g
+    same = same and bits(other:solver({ rule = rule, h = 0.1 }):run(options)) == bits(stretched():solver({ rule = rule, h = 0.1 }):run(options))
+  end
+  ok(same, rule .. ": an upvalue beside parameters, from an equilibrium")
+end
+
+-- == on a parameter, where L at the start is the same on both sides
+local function stiffer(k, params) return dm.system { Q = dm.R(1), params = params, L = function(x, u, _, c)
+  return u[1] ^ 2 / 2 - ((c and c.k or k) == 2 and 10 * x[1] ^ 4 or x[1] ^ 2)
+end } end
+local function end_of(made) return bits(made:solver({ rule = "verlet", h = 0.1 }):run(options)) end
+ok(end_of(stiffer(2, { k = 2 })) == end_of(stiffer(2)), "== on a parameter, from an equilibrium")
+ok(swept(stiffer(1, { k = 1 }), "verlet"):match "%s(%S+)%s" == end_of(stiffer(2)):match "%S+", "and in an ensemble")
+
 tap.done()
