@@ -18,7 +18,8 @@ function class.__tostring(c)
 end
 
 local function is_path(x)
-  return pcall(function() return x.columns, x.steps, x.column end) and type(x) == "userdata"
+  local fine, is = pcall(function() return x.columns ~= nil and x.steps ~= nil and x.column ~= nil end)
+  return type(x) == "userdata" and fine and is
 end
 
 -- pairs of rows at the same times

@@ -31,15 +31,9 @@ function class.__tostring(D) return ("reduced %s"):format(tostring(D.Ld)) end
 
 local MOST = 60
 
-local function point(D, x, what)
-  if type(x) == "number" then x = { x } end
-  local fine, count = pcall(function() return #x end)
-  if type(x) == "string" or not fine or count ~= D.info.d then
-    error(("%s must be a point of the shape space: %d number%s (got %s)"):format(what, D.info.d, D.info.d == 1 and "" or "s",
-      fine and type(x) ~= "string" and count or type(x)), 0)
-  end
-  return core.vector(x)
-end
+local POINT = "%s must be a point of the shape space: %d number%s (got %s)"
+
+local function point(D, x, what) return shape_of.numbers(what, x, D.info.d, POINT) end
 
 local function points(D, x0, x1) return point(D, x0, "x0"), point(D, x1, "x1") end
 
@@ -62,12 +56,11 @@ function methods.psi(D, x0, x1, guess)
   return core.vector(psi_of.pair(D, x0, x1, guess).psi)
 end
 
+local FULL = "%s must be a point of the unreduced system: %d number%s (got %s)"
+
 -- a point of the unreduced system
 local function full_point(D, q, what)
-  local fine, count = pcall(function() return #q end)
-  if type(q) == "string" or not fine or count ~= D.info.n then
-    error(("%s must be a point of the unreduced system: %d numbers"):format(what, D.info.n), 0)
-  end
+  q = shape_of.numbers(what, q, D.info.n, FULL)
   return D.info.ambient and D.info.ambient.place(q) or q
 end
 

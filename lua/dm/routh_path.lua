@@ -121,6 +121,8 @@ local function check_closed(shape, gap)
     turned:norm() <= 1e-9 and ", whole turns; with Q = dm.T(n) coordinates are angles and a turn is a loop" or ""), 0)
 end
 
+local LOOP = "%s must give a shape, %d number%s (got %s)"
+
 M.holonomy = blame.caller(function(shape, loop, options)
   local info = routh.need(shape, "holonomy")
   options = options or {}
@@ -128,7 +130,7 @@ M.holonomy = blame.caller(function(shape, loop, options)
   if type(loop) ~= "function" then error("holonomy: the loop must be a function of one number from 0 to 1", 0) end
   local steps, t = options.steps or 256, options.t or 0
   if math.type(steps) ~= "integer" or steps < 2 then error("holonomy: 'steps' must be a whole number from 2 on", 0) end
-  local curve = core.trace(function(s) return core.vector(loop(s)) end, "number")
+  local curve = core.trace(function(s) return shape_of.numbers("holonomy: the loop", loop(s), info.d, LOOP) end, "number")
   check_closed(shape, curve(1) - curve(0))
   local sum = {}
   for a = 1, info.m do sum[a] = 0 end

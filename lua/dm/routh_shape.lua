@@ -12,16 +12,33 @@ local function zeros(n)
   return core.vector(out)
 end
 
+local TAKES = "%s takes a point of the shape space: %d number%s (got %s)"
+
+--- x as a vector of `count` finite numbers; text is the complaint, with what, count, plural s and what was given.
+function M.numbers(what, x, count, text)
+  if type(x) == "number" and count == 1 then x = { x } end
+  local fine, length = pcall(function() return #x end)
+  local is_list = fine and type(x) ~= "string"
+  local there, out = pcall(core.vector, is_list and length == count and x or nil)
+  if not is_list or length ~= count or not there then
+    error(text:format(what, count, count == 1 and "" or "s", is_list and length ~= count and length or is_list and "something else" or type(x)), 0)
+  end
+  for i = 1, count do
+    if type(out[i]) == "number" and not (math.abs(out[i]) < math.huge) then error(("%s: entry %d is %s, but must be finite"):format(what, i, out[i]), 0) end
+  end
+  return out
+end
+
+local function time(what, t)
+  if t ~= nil and not (type(t) == "number" and math.abs(t) < math.huge) then
+    error(("%s: the time must be a finite number (got %s)"):format(what, type(t) == "number" and t or type(t)), 0)
+  end
+  return t or 0
+end
+
 -- x as a vector of dim shape, t (default 0)
 local function place(info, what, x, t)
-  local fine, count = pcall(function() return #x end)
-  if type(x) == "number" and info.d == 1 then x, fine, count = { x }, true, 1 end
-  if type(x) == "string" or not fine or count ~= info.d then
-    error(("%s takes a point of the shape space: %d number%s (got %s)")
-      :format(what, info.d, info.d == 1 and "" or "s", fine and type(x) ~= "string" and count or type(x)), 0)
-  end
-  if t ~= nil and type(t) ~= "number" then error(("%s: the time must be a number (got %s)"):format(what, type(t)), 0) end
-  return core.vector(x), t or 0
+  return M.numbers(what, x, info.d, TAKES), time(what, t)
 end
 
 -- the function of the shape called `name`, traced once for L as it is
@@ -153,25 +170,17 @@ end)
 --- theta, or what is called so, as a list of m numbers.
 function M.theta_list(info, theta, what)
   if theta == nil then return zeros(info.m) end
-  if type(theta) == "number" then theta = { theta } end
-  local fine, count = pcall(function() return #theta end)
-  if type(theta) == "string" or not fine or count ~= info.m then
-    error(("%s must be %d number%s"):format(what or "theta", info.m, info.m == 1 and "" or "s"), 0)
-  end
-  return core.vector(theta)
+  return M.numbers(what or "theta", theta, info.m, "%s must be %d number%s (got %s)")
 end
+
+local OF_FULL = "%s must be %d number%s, as in the unreduced system (got %s)"
 
 M.start = blame.caller(function(shape, q, v, t)
   local info = routh.need(shape, "start")
-  for name, given in pairs { q = q or false, v = v or false } do
-    local fine, count = pcall(function() return #given end)
-    if type(given) == "string" or not fine or count ~= info.n then
-      error(("start: %s must be %d numbers, as in the unreduced system (got %s)"):format(name, info.n, fine and type(given) ~= "string" and count
-        or given and type(given) or "nothing"), 0)
-    end
-  end
+  q, v = M.numbers("start: q", q, info.n, OF_FULL), M.numbers("start: v", v, info.n, OF_FULL)
+  t = time("start", t)
   if info.ambient then q, v = info.ambient.split(q, v) end
-  local p = info.full:momentum(q, v, t or 0)
+  local p = info.full:momentum(q, v, t)
   for a, i in ipairs(info.cyclic) do
     if not (math.abs(p[i] - info.mu[a]) <= 1e-10 * math.max(1, math.abs(info.mu[a]))) then
       error(("this start has the momentum %.15g of '%s', but the system was reduced at mu = %.15g: reduce it with q = and v = of the start "
