@@ -33,6 +33,9 @@ local extensions = { "dm.missed", "dm.path", "dm.animate", "dm.export", "dm.tang
   "dm.routh_methods", "dm.stability_methods", "dm.group",
 }
 
+-- modules of classes that methods give, loaded when one is first made
+local late_classes = { "dm.section", "dm.routh_discrete", "dm.routh_branch" }
+
 local dm = {}
 
 local M = { __name = "dm", lazy = lazy }
@@ -50,9 +53,10 @@ end
 
 function M.__tostring() return "dm: discrete mechanics; help(dm) lists what it has" end
 
--- every name of dm, loaded, so that help and completion see it
+-- every name of dm and every class, loaded, so that help, completion and the reference see them
 function M.load_all()
   for name in pairs(lazy) do local _ = dm[name] end
+  for _, module in ipairs(late_classes) do require(module) end
   return dm
 end
 

@@ -92,8 +92,15 @@ add(kepler, swing, mine, solver, path, failure, stale, stale_vector, dm.R(2), dm
   solver:ensemble { members = 3, q = function(i) return { i, 0 } end, v = function() return { 0, 1 } end,
     steps = 10 })
 
+-- a reduced system and what comes of it
+local planet = dm.system { Q = dm.R(2), L = function(q, v) return (v[2] ^ 2 + q[2] ^ 2 * v[1] ^ 2) / 2 + 1 / q[2] end }
+local shape = planet:routh { cyclic = 1, mu = 1 }
+local at_rest = shape:relative_equilibria { region = { 0.5, 2 }, starts = 5 }[1]
+add(planet, shape, shape:discrete { rule = "gauss(2)", h = 0.1 }, shape:solver { rule = "gauss(2)", h = 0.1 }, at_rest,
+  shape:solver({ rule = "gauss(2)", h = 0.1 }):run { q = 1, v = 0.1, steps = 20 }, shape:continue(at_rest, { mu = { 0.5, 1.5 }, step = 0.2 }))
+
 local value
-local keys = { "q", "v", "p", "q0", "q1", "p0", "p1", "h", "t", "rule", "steps", "every", "Q", "L", "Ld", "params", "newton",
+local keys = { "cyclic", "action", "section", "mu", "connection", "region", "theta", "from", "to", "q", "v", "p", "q0", "q1", "p0", "p1", "h", "t", "rule", "steps", "every", "Q", "L", "Ld", "params", "newton",
   "tolerance", "derivatives", "name", "units", "coordinates", "file", "title", "log", "degree", "quadrature", "x", "y",
   "width", "height", "at", "t0", "members", "threads",
   "backend", "max_iterations", 1, 2, 3 }
@@ -106,6 +113,8 @@ local fitting = {
   threads = { 0, 1, 2, 3, 1000 }, newton = { {}, { tolerance = 1e-6 }, { tolerance = -1 }, { max_iterations = 1 } },
   q = { { 1, 0 }, { 1 }, { 0, 0 }, dm.vector { 1, 0 }, { 1, 0 / 0 } }, v = { { 0, 1 }, { 1 }, { 0, 0 } },
   p = { { 0, 1 }, { 1 } }, q0 = { { 1, 0 }, { 1 } }, q1 = { { 1, 0.01 }, { 1 } }, file = { "f.csv", "f.npy", "no/such/f" },
+  cyclic = { 1, { 1 }, "q1", { 1, 1 } }, mu = { 1, { 1 }, { 0.5, 1.5 }, 0 / 0 }, region = { { 0.5, 2 }, { { 0, 1 }, { 0, 1 } } }, theta = { 0.1, { 0.1 } },
+  action = { function(t, q) return { q[1] + t, q[2] } end, functions[4] }, from = { 1, { 0.5 } }, to = { 2, { 1.5 } },
   steps = { 0, 1, 10, 100, 1.5, -1, 2 ^ 62 // 1 | 0, "10" }, every = { 1, 3, 0, -1, 1000 },
 }
 local function options(depth)
