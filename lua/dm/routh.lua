@@ -251,7 +251,6 @@ local function examine(info, start)
 end
 
 M.routh = blame.caller(function(system, options)
-  if type(system) ~= "userdata" then error("routh is called with a colon on a system, system:routh { cyclic = ..., mu = ... }", 0) end
   check_keys(options)
   check_kind(options)
   options = starts.lists(options, system)

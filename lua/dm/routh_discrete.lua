@@ -183,13 +183,7 @@ function methods.solver(D, options) return require "dm.routh_del".solver(D, opti
 
 ---- docs ----
 
-local function doc(name, text)
-  local plain = methods[name]
-  core.method("dm.discrete_shape", name, blame.caller(function(D, ...)
-    if getmetatable(D) ~= class then error(("methods are called with a colon, D:%s(...), on what shape:discrete gives"):format(name), 0) end
-    return plain(D, ...)
-  end), text)
-end
+local function doc(name, text) core.method("dm.discrete_shape", name, blame.caller(methods[name]), text) end
 
 doc("psi", [[
 D:psi(x0, x1 [, guess]) -> dm.vector of dim G entries

@@ -8,13 +8,7 @@ local shape_of = require "dm.routh_shape"
 
 local M = {}
 
-local function check_path(path, what)
-  local fine = type(path) == "userdata" and pcall(function() return path.system end)
-  if not fine then error(("%s() is called with a colon on a path of a reduced system"):format(what), 0) end
-end
-
 local function info_of(path, what)
-  check_path(path, what)
   local info = routh.info(path.system)
   if not info then error(what .. " is for a path of a reduced system (system:routh)", 0) end
   if path.watched then error(what .. " needs q and p, but this run recorded only what it watched", 0) end
@@ -70,7 +64,6 @@ end
 M.reconstruct = blame.caller(function(path, options)
   options = options or {}
   check_keys(options, { theta = true }, "path:reconstruct")
-  check_path(path, "path:reconstruct")
   local D = require "dm.routh_del".of(path.system)
   if D then return require "dm.routh_del".reconstruct(D, path, shape_of.theta_list(D.info, options.theta)) end
   local info = info_of(path, "path:reconstruct")
