@@ -1,4 +1,5 @@
 --- The order of a discrete Lagrangian, measured: how fast its trajectories approach each other when the step is halved.
+local blame = require "dm.blame"
 local core = require "dm.core"
 local starts = require "dm.start"
 
@@ -99,6 +100,7 @@ Ld:order([{q=, v=, p=}]) -> number
 The order, measured on the system itself: by how much runs over the same time approach each other when their step is halved, from
 q and the velocity v or momentum p (left out: a point without meaning). A formula Ld(q0, q1, h) must use its h. Raises when no rate
 is to be seen.]]
+order = blame.caller(order)
 core.method("dm.discrete_lagrangian", "order", order, doc)
 
 return { order = order }

@@ -137,6 +137,7 @@ characters of a line (80), colours (false).]]
 
 function M.pretty(value, options)
   local state = { open = {} }
+  if options ~= nil and type(options) ~= "table" then error("dm.pretty: options are a table (got " .. type(options) .. ")", 2) end
   for key, default in next, LIMITS do
     local given = options and options[key]
     if given ~= nil and (mathtype(given) ~= "integer" or given < 0) then

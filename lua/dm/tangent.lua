@@ -80,8 +80,8 @@ end
 
 -- where the unit vectors of (q, p), or what of them is tangent to the constraints, lead; and these; and the end of the run
 local function columns(solver, options)
-  local n, steps = #options.q, steps_of(solver, options)
   local q, p, t0 = start_of(solver, options)
+  local n, steps = #q, steps_of(solver, options)
   local lifted = solver_of(solver, prolong.system(solver.system))
   local out, first, last = {}, {}, nil
   for k = 1, 2 * n do

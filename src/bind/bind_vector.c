@@ -214,6 +214,9 @@ static int vector_outer(lua_State *L) {
 static int vector_map(lua_State *L) {
     const dml_array *a = check(L);
     lua_settop(L, 2);
+    if (!lua_isfunction(L, 2) && !luaL_getmetafield(L, 2, "__call"))
+        luaL_typeerror(L, 2, "function");
+    lua_settop(L, 2);
     dml_newarray(L, 1, a->rows, 1, &zero);
     for (uint32_t i = 0; i < a->rows; i++) {
         const dml_scalar x = dml_get(a, i);
