@@ -1,6 +1,7 @@
 /* nodes are shared and simplified, and keep their values */
 #include "expr/analyse.h"
 #include "expr/compact.h"
+#include "expr/derive.h"
 
 #include "check.h"
 #include "models.h"
@@ -32,6 +33,85 @@ static void sharing(void) {
     const uint32_t before = dm_graph_size(g);
     for (int i = 0; i < 100; i++) dm_mul(g, dm_add(g, x, y), call(DM_OP_SIN, x));
     CHECK(dm_graph_size(g) == before + 1);
+    dm_arena_release(&arena);
+}
+
+/* all nodes from `first` on are found under their numbers; gives how many are not */
+static uint32_t count_lost(dm_node first) {
+    uint32_t lost = 0;
+    for (dm_node n = first; n < dm_graph_size(g); n++) {
+        const dm_expr e = *dm_graph_at(g, n);
+        lost += dm_node_make(g, &e) != n;
+    }
+    return lost;
+}
+
+/* nodes of one newest operand have few places near it and go anywhere, as do numbers */
+static void crowds(void) {
+    open_graph();
+    for (int i = 1; i <= 5000; i++) dm_add(g, call(DM_OP_SIN, x), number(1.0 / i));
+    for (int i = 1; i <= 500; i++) dm_mul(g, z, dm_input(g, (uint32_t)i % 3));
+    CHECK(dm_graph_size(g) > 10000 && count_lost(1) == 0);
+    dm_arena_release(&arena);
+}
+
+/* what is taken away leaves a graph that goes on as if it had not been there, over growth of the table too */
+static void forgetting(void) {
+    for (uint32_t kept = 10; kept < 3000; kept = 3 * kept + 1) {
+        open_graph();
+        random_source first = {.state = kept}, again;
+        while (dm_graph_size(g) < kept) {
+            const dm_node a = random_operand(&first, g), b = random_operand(&first, g);
+            dm_apply(g, random_op(&first), a, b, x);
+        }
+        const uint32_t size = dm_graph_size(g);
+        dm_node made[2][2000];
+        for (int round = 0; round < 2; round++) {
+            again = first;
+            for (int i = 0; i < 2000; i++) {
+                const dm_node a = random_operand(&again, g);
+                made[round][i] = dm_apply(g, random_op(&again), a, y, z);
+            }
+            CHECK(count_lost(1) == 0);
+            if (round == 0) dm_graph_forget(g, size);
+        }
+        CHECK(memcmp(made[0], made[1], sizeof made[0]) == 0);
+        dm_arena_release(&arena);
+    }
+}
+
+/* sum over i < j of 1/|x_i - x_j|, in which rewriting finds nothing */
+static dm_node many_bodies(uint32_t bodies) {
+    dm_node sum = 0;
+    for (uint32_t i = 0; i < bodies; i++)
+        for (uint32_t j = 0; j < i; j++) {
+            dm_node r2 = 0;
+            for (uint32_t k = 0; k < 3; k++) {
+                const dm_node d =
+                    dm_sub(g, dm_input(g, 3 * i + k), dm_input(g, 3 * j + k));
+                r2 = dm_add(g, r2, dm_mul(g, d, d));
+            }
+            sum = dm_add(g, sum, dm_div(g, number(1.0), call(DM_OP_SQRT, r2)));
+        }
+    return sum;
+}
+
+static void nothing_twice(void) {
+    enum { BODIES = 20, N = 3 * BODIES };
+    dm_node one[N], two[N], small[N];
+    arena = new_arena();
+    g = dm_graph_new(&arena, N);
+    const dm_node f = many_bodies(BODIES);
+    const uint32_t traced = dm_graph_size(g);
+    CHECK(dm_compact_source(g, f) == f && dm_graph_size(g) == traced);
+    dm_gradient(g, f, 0, N, one);
+    const uint32_t derived = dm_graph_size(g);
+    CHECK(derived < traced + 2 * dm_operations(g, &f, 1));
+    dm_gradient(g, f, 0, N, two);
+    CHECK(memcmp(one, two, sizeof one) == 0);
+    const dm_graph *h = dm_compact_graph(g, one, N, small);
+    CHECK(h && h == dm_compact_graph(g, two, N, two) && h != g);
+    CHECK(memcmp(small, two, sizeof small) == 0 && dm_graph_size(g) == derived);
     dm_arena_release(&arena);
 }
 
@@ -276,6 +356,10 @@ static void refused_memory(void) {
 
 int main(void) {
     RUN(sharing, "equal nodes are one node");
+    RUN(crowds, "nodes of one operand, and numbers, are found in crowds");
+    RUN(forgetting, "what is taken away leaves no trace");
+    RUN(nothing_twice,
+        "rewriting for nothing leaves nothing; derivatives and kernels are made once");
     RUN(identities, "identities of arithmetic");
     RUN(functions, "signs leave functions; sqrt(u)^2 = u only where u >= 0");
     RUN(powers, "whole and half powers from -64 to 64, shared");
