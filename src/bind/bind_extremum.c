@@ -4,6 +4,7 @@
 */
 #include "bind/trace_log.h"
 #include "expr/extremum.h"
+#include "expr/implicit.h"
 #include "expr/sum.h"
 
 #include <math.h>
@@ -18,6 +19,8 @@ static double evaluate(const dm_graph *g, dm_node last, const double *in, double
             work[k] = e->as.value;
         else if (e->op == DM_OP_INPUT)
             work[k] = in[e->as.input];
+        else if (e->op == DM_OP_IMPLICIT) /* of other nodes, see keep */
+            work[k] = NAN;
         else
             work[k] = dm_op_value(e->op, work[e->as.arg[0]], work[e->as.arg[1]],
                                   work[e->as.arg[2]]);
@@ -83,7 +86,7 @@ static int read_y(lua_State *L, dml_frame *frame, uint32_t m, dm_node *y) {
     return 1;
 }
 
-/* trace f(q, v, y, t) on symbols of its own */
+/* trace f(q, v, y, t) on symbols of its own; with functions that are only known by an equation the formula stays alone */
 static void keep(lua_State *L, dml_frame *frame, dm_node value, uint32_t m) {
     dml_traced traced;
     const int n = (int)(dm_graph_inputs(frame->graph) - 1) / 2;
@@ -95,13 +98,16 @@ static void keep(lua_State *L, dml_frame *frame, dm_node value, uint32_t m) {
                              .length = {n, n, (int)m, DML_SCALAR_ARGUMENT},
                              .outputs = DML_SCALAR_ARGUMENT};
     dml_trace(L, 2, &s, frame->arena, &traced);
+    dml_checkgraph(L, frame);
+    if (dm_has_roots(dml_owngraph(L, frame), &value, 1) ||
+        dm_has_roots(traced.graph, traced.out, 1))
+        return;
     const dm_extremum e = {.value = value,
                            .n = 2 * (uint32_t)n,
                            .m = m,
                            .y = y,
                            .of = traced.graph,
                            .f = traced.out[0]};
-    dml_checkgraph(L, frame);
     check(L, dml_owngraph(L, frame), &e);
     dm_extremum_keep(dml_owngraph(L, frame), &e);
 }

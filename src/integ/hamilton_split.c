@@ -114,6 +114,7 @@ uint32_t dm_hamilton_split(dm_hamilton *out, const dm_model *m, uint32_t stages)
     const dm_extremum *e = dm_split_extremum(m);
     uint32_t lanes = e ? dm_split_extremum_force(&out->force, &x, e) : 0;
     if (!lanes) lanes = build_force(&out->force, &x);
+    if (lanes == 1) x.stages = 1; /* implicit functions have no lanes: then none */
     if (!lanes || build_factors(&out->factors, &x) != lanes) return 0;
     return build_velocity(&out->velocity, &x) == lanes ? lanes : 0;
 }

@@ -92,6 +92,24 @@ same_paths("gauss(3)", dm.system { Q = dm.R(2), L = straight }, dm.system { Q = 
   return dm.extremum(straight(x, w), bent, { w[1] ^ 2 }, x, w)
 end }, { q = q, v = v, steps = 100 }, 1, "not quadratic in (v, y)")
 
+-- functions that are only known by an equation: the formula alone, one stage after the other in every backend
+local depth = dm.root { name = "depth", start = 0, equations = function(z, x) return z + 0.2 * sin(z) - 0.3 * x end }
+local turning = dm.system { Q = dm.R(3), L = function(x, w)
+  return (1 + 0.3 * cos(x[2]) + depth(x[3]) ^ 2) * (w[1] + 0.2 * w[2]) ^ 2 / 2 + w[2] ^ 2 / 2 + w[3] ^ 2 - x[2] ^ 2 / 2 - x[3] ^ 2
+end }
+local shape = turning:routh { cyclic = { 1 }, q = begin.q, v = begin.v }
+local x, u = shape:start(begin.q, begin.v)
+for _, rule in ipairs { "gauss(2)", "gauss(3)" } do
+  local a = turning:solver({ rule = rule, h = 0.05 }):run(begin)
+  local b = shape:solver({ rule = rule, h = 0.05 }):run { q = x, v = u, steps = 100 }
+  local apart = math.max(math.abs(a.q[101][2] - b.q[101][1]), math.abs(a.q[101][3] - b.q[101][2]))
+  ok(apart < 1e-13, rule .. ": an implicit function in a reduced system", apart)
+  for name, s in pairs { unreduced = { turning, begin, a }, reduced = { shape, { q = x, v = u, steps = 100 }, b } } do
+    local c = s[1]:solver({ rule = rule, h = 0.05, backend = "tape" }):run(s[2])
+    ok(c.q[101] == s[3].q[101] and c.p[101] == s[3].p[101], rule .. ": the same bits on the tape, " .. name)
+  end
+end
+
 -- numbers pass through, and so does a value of another function
 near(dm.extremum(3, f, { 1, 2 }, { 1, 1 }, { 1, 1 }), 3, 0, "a number is itself")
 near(dm.trace(function(x) return dm.extremum(x[1] ^ 2, f, { x[1] }, x, x) end, 2)({ 3, 0 }), 9, 0, "and so is a value outside of a Lagrangian")
