@@ -28,7 +28,7 @@ end
 
 function class.__tostring(a)
   local text = ("%s action of %s on %s"):format(a.side, tostring(a.group), tostring(a.on))
-  if a.points then text = ("%s on %d points"):format(tostring(a.base), a.points) end
+  if a.points then return ("%s on %d points"):format(tostring(a.base), a.points) end
   return a.name and ("action '%s': %s"):format(a.name, text) or text
 end
 

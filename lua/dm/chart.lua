@@ -143,7 +143,7 @@ local function round_off(points)
   return points[best] and best < #points and points[best].error or 0
 end
 
-function M:order(rule)
+M.order = blame.caller(function(self, rule)
   local points, n, sx, sy, sxx, sxy = of_rule(self, rule), 0, 0, 0, 0, 0
   local floor_ = 30 * max(self.floor, round_off(points))
   if #points == 0 then fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(self.rules, ", ")) end
@@ -158,13 +158,14 @@ function M:order(rule)
   end
   if n < 2 then return 0 / 0 end
   return (n * sxy - sx * sy) / (n * sxx - sx * sx)
-end
+end)
 
 local doc_cheapest = [[
 chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
 The cheapest measured point whose error is at most the given one, by CPU time.]]
 
 local function cheapest_of(points, target)
+  if type(target) ~= "number" then fail("chart:cheapest takes an error, a number such as 1e-6 (got %s)", type(target)) end
   local best
   for _, p in ipairs(points) do
     if p.error <= target and (not best or p.ns < best.ns) then best = p end
@@ -172,7 +173,7 @@ local function cheapest_of(points, target)
   return best
 end
 
-function M:cheapest(target) return cheapest_of(self.points, target) end
+M.cheapest = blame.caller(function(self, target) return cheapest_of(self.points, target) end)
 
 local doc_pareto = [[
 chart:pareto() -> list of points
@@ -188,10 +189,7 @@ function M:pareto()
   return out
 end
 
-local function number(x)
-  if x ~= x then return "-" end
-  return ("%.2f"):format(x)
-end
+local function number(x) return x ~= x and "-" or ("%.2f"):format(x) end
 
 local function time_text(ns)
   for _, unit in ipairs { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } } do

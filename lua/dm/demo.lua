@@ -214,8 +214,9 @@ end
 --- The words after dmlua --demo: nothing, or a name and number=value ...; raises where what it is about was not seen with its own
 -- numbers. A message of ours is an object, so that no traceback is printed with it.
 function M.command(...)
-  local fine, message = pcall(command, ...)
+  local fine, message = core.until_stop(command, ...)
   if fine then return end
+  if blame.is_stop(message) then message = "demo: stopped" end
   if type(message) ~= "string" or not message:find "^demo" then error(message, 0) end
   error(setmetatable({}, { __tostring = function() return message end }), 0)
 end

@@ -1,4 +1,5 @@
 --- help, apropos, who: what the docs of the registration rows say, asked from a session.
+local blame = require "dm.blame"
 local core = require "dm.core"
 
 local M = {}
@@ -24,12 +25,24 @@ local function wrapped(text, width, indent)
   return table.concat(lines, "\n")
 end
 
+-- the lines of a doc, a sentence that goes on in the next line in one
+local function paragraphs(doc)
+  local lines = {}
+  for line in (doc .. "\n"):gmatch "(.-)\n" do
+    local before = lines[#lines]
+    if #lines > 1 and before:find "[%w,;=%)%]]$" and not before:find("->", 1, true) then
+      lines[#lines] = before .. " " .. line
+    else
+      lines[#lines + 1] = line
+    end
+  end
+  return lines
+end
+
 -- the signature, then the rest wrapped to the terminal
 local function shown_doc(doc)
-  local width, lines = text_width(), {}
-  for line in (doc .. "\n"):gmatch "(.-)\n" do
-    lines[#lines + 1] = #lines == 0 and line or wrapped(line, width, "  ")
-  end
+  local width, lines = text_width(), paragraphs(doc)
+  for i = 2, #lines do lines[i] = wrapped(lines[i], width, "  ") end
   return table.concat(lines, "\n")
 end
 
@@ -141,6 +154,7 @@ function topics.rules()
 end
 
 function topics.classes()
+  load_all(require "dm")
   local lines = {}
   for class, doc in pairs(docs) do
     if type(class) == "string" then lines[#lines + 1] = "  " .. first_line(doc) end
@@ -172,6 +186,11 @@ local function all_docs()
       found[first_line(doc)] = doc
     end
   end
+  for line in pairs(found) do  -- the doc of a method that was replaced by one that can do more
+    for other in pairs(found) do
+      if #other > #line and other:sub(1, #line + 3) == line .. "   " then found[line] = nil end
+    end
+  end
   return found
 end
 
@@ -179,9 +198,9 @@ local doc_apropos = [[
 apropos(word)
 List every documented name whose doc mentions the word, capitals or not.]]
 
-function M.apropos(word)
+M.apropos = blame.caller(function(word)
   if type(word) ~= "string" or word == "" then
-    error(("apropos: a word is needed, apropos \"energy\" (got %s)"):format(type(word)), 2)
+    error(("apropos: a word is needed, apropos \"energy\" (got %s)"):format(word == "" and "none" or type(word)), 0)
   end
   local lines = {}
   for line, doc in pairs(all_docs()) do
@@ -190,7 +209,7 @@ function M.apropos(word)
   end
   if #lines == 0 then return write(("nothing mentions %q; ?topics lists where to look"):format(word)) end
   write(table.concat(sorted(lines), "\n"))
-end
+end)
 
 ---- help ----
 
@@ -211,7 +230,18 @@ local function as_written(name)
   end
 end
 
+-- "routh", "plot": the functions and methods of that name: their docs, where they are few, else their signatures; or nothing
+local function of_name(name)
+  local found, lines, MOST = {}, {}, 3
+  for line, doc in pairs(name:find "^[%a_][%w_]*$" and all_docs() or {}) do
+    local owner, own = line:match "^([%a_]+)[.:]([%w_]+)[%({]"
+    if own == name and owner ~= "core" then found[#found + 1], lines[#lines + 1] = shown_doc(doc), line end
+  end
+  return #found > 0 and table.concat(sorted(#found <= MOST and found or lines), "\n") or nil
+end
+
 local function help_name(name)
+  load_all(require "dm")
   if topics[name] then return topics[name]() end
   local same_name = docs[name] and require "dm.complete".look_up(name)
   if same_name and docs[same_name.value or name] then write(shown_doc(docs[same_name.value or name])) end
@@ -228,6 +258,9 @@ local function help_name(name)
   end
   local written = as_written(name)
   if written then return write(shown_doc(written)) end
+  if docs["dm." .. name] then return help_name("dm." .. name) end
+  local same = of_name(name)
+  if same then return write(same) end
   M.apropos(name)
 end
 
@@ -254,7 +287,8 @@ function M.help(...)
   if (kind == "userdata" or kind == "table") and class and help_class(class) then return end
   if kind == "table" then return help_table(x) end
   if kind == "userdata" then return write(tostring(x)) end
-  write(("%s: a %s of Lua"):format(tostring(x), math.type(x) or kind))
+  local of = math.type(x) or kind
+  write(("%s: %s %s of Lua"):format(tostring(x), of == "integer" and "an" or "a", of))
 end
 
 --- ?text of a session.

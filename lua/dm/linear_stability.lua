@@ -212,6 +212,25 @@ local function first_seen(gaps, axis)
   return huge, before
 end
 
+-- Runge-Kutta rules take any linear system apart into its oscillations; rules that treat q and v differently those without
+-- forces that are linear in v (Coriolis, magnetic, friction) alone
+local function takes_apart(rule, matrix)
+  local name = tostring(rule)
+  for _, pattern in ipairs { "^gauss%(", "^midpoint$", "^rk%d", "^rkf45", ",%s*midpoint%s*%)$", ",%s*gauss%(1%)%s*%)$" } do
+    if name:find(pattern) and not name:find "^galerkin" and not name:find "^sprk" then return true end
+  end
+  local n, size = matrix.rows // 2, 0
+  for i = 1, n do
+    for j = 1, n do size = max(size, sqrt(abs(matrix[n + i][j]))) end
+  end
+  for i = 1, n do
+    for j = 1, n do
+      if abs(matrix[n + i][n + j]) > 1e-9 * size then return false end
+    end
+  end
+  return true
+end
+
 --- The limit of a cell of a map, whose axis of steps is `axis`: that of the rule over the fastest frequency at its start, or nil; and a sentence.
 function M.limit_at_start(map, cell, axis)
   local fine, z, told = pcall(M.stability_limit, map.rule_list[cell.rule])
@@ -221,6 +240,9 @@ function M.limit_at_start(map, cell, axis)
   fine, linear = pcall(require "dm.linearize".linearize, system, { q = map.start.q(cell), v = map.start.v and map.start.v(cell) })
   if not fine then return nil, (tostring(linear):gsub("^[^\n]-lua:%d+: ", "")) end
   if not (linear.fastest > 0) then return nil, "nothing oscillates at the start" end
+  if not takes_apart(map.rule_list[cell.rule], linear.matrix) then
+    return nil, "forces linear in v (magnetic, Coriolis, friction) couple the oscillations, and this rule does not step each by itself"
+  end
   local why, narrow_ones = ("%s; omega = %.6g at the start"):format(told.cause, linear.fastest), nil
   if z > 0 then
     z, narrow_ones = first_seen(told.gaps, axis)

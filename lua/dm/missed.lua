@@ -60,10 +60,19 @@ local function is_about(note, message)
   return name == note.key or same and (name == nil or name == "integer index" or name == "?") and find(rest, "a nil value", 1, true) ~= nil
 end
 
---- The message with what was noted about the nil in it; any other message as it is.
+-- a global that is not there but in math or dm, as sin and pi are: where it is
+local function of_library(message)
+  local name = find(message, "a nil value", 1, true) and match(message, "%(global '([%a_][%w_]*)'%)")
+  if not name or find(name, "^_") then return message end
+  local where = math[name] ~= nil and "math" or find(message, "attempt to call", 1, true) and core[name] ~= nil and "dm"
+  return where and ("%s: it is %s.%s"):format(message, where, name) or message
+end
+
+--- The message with what was noted about the nil in it, or where a global of that name is; any other message as it is.
 function M.explain(message)
   local note = getregistry().dm_missed
-  if type(message) ~= "string" or not note or not note.of or not is_about(note, message) then return message end
+  if type(message) ~= "string" then return message end
+  if not note or not note.of or not is_about(note, message) then return of_library(message) end
   local why = (type(note.key) == "string" or math.type(note.key) == "integer") and explained(note)
   note.of = nil
   return why and message .. ": " .. why or message

@@ -53,6 +53,14 @@ static void set_doc(lua_State *L, const char *key, const char *doc) {
     lua_pop(L, 1);
 }
 
+/* __newindex of objects whose fields say what they are; tables of a class take what they are given */
+static int refuse_field(lua_State *L) {
+    if (lua_istable(L, 1)) return lua_rawset(L, 1), 0;
+    const char *class = lua_tostring(L, lua_upvalueindex(1));
+    return luaL_error(L, "the field '%s' of a %s cannot be set: make another %s with it",
+                      luaL_tolstring(L, 2, NULL), class, class);
+}
+
 void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_row *meta,
                   const dml_row *methods, lua_CFunction field) {
     luaL_newmetatable(L, tname);
@@ -66,7 +74,12 @@ void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_ro
     lua_pushstring(L, tname);
     lua_pushcclosure(L, class_index, 3);
     lua_setfield(L, -2, "__index");
-    lua_pop(L, 1);
+    if (lua_getfield(L, -1, "__newindex") == LUA_TNIL) {
+        lua_pushstring(L, tname);
+        lua_pushcclosure(L, refuse_field, 1);
+        lua_setfield(L, -3, "__newindex");
+    }
+    lua_pop(L, 2);
     set_doc(L, tname, doc);
 }
 

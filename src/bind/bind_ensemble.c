@@ -3,6 +3,7 @@
 #include "bind/ensemble.h"
 #include "expr/jit.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -42,12 +43,15 @@ dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
     const size_t each = bytes_of_member(n, rows);
     const double bytes =
         (double)members * ((double)each + (double)rows->room * rows->width * 8.0);
-    if (bytes > small && bytes > 0.5 * memory_of_machine())
+    if (bytes > small && bytes > 0.5 * memory_of_machine()) {
+        char size[24];
+        snprintf(size, sizeof size, "%.3g GB", bytes * 1e-9);
         luaL_error(L,
-                   "%d members need %f GB, more than half of this machine's memory: run "
+                   "%d members need %s, more than half of this machine's memory: run "
                    "them in parts%s",
-                   (int)members, bytes * 1e-9,
+                   (int)members, size,
                    rows->room ? ", or keep fewer rows with a larger 'every'" : "");
+    }
     ensemble *e =
         lua_newuserdatauv(L, sizeof *e + (size_t)members * each, DML_ENSEMBLE_VALUES);
     *e = (ensemble){.members = members, .n = n, .rows = *rows};

@@ -32,13 +32,17 @@ static double memory_of_machine(void) {
 dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width) {
     static const double small = 1e6; /* bytes: no need to ask the system */
     const double bytes = (double)rows * width * sizeof(double);
-    if (bytes > small && bytes > 0.5 * memory_of_machine())
-        luaL_error(L,
-                   "recording %f rows needs %f GB, more than half of this machine's "
-                   "memory: keep fewer with "
-                   "a larger 'every', watch less, or write them to a file (file = "
-                   "\"rows.npy\")",
-                   (double)rows, bytes * 1e-9);
+    if (bytes > small && bytes > 0.5 * memory_of_machine()) {
+        char size[48];
+        snprintf(size, sizeof size, "%.6g rows needs %.3g GB", (double)rows,
+                 bytes * 1e-9);
+        luaL_error(
+            L,
+            "recording %s, more than half of this machine's memory: keep fewer with "
+            "a larger 'every', watch less, or write them to a file (file = "
+            "\"rows.npy\")",
+            size);
+    }
     const size_t doubles = (size_t)rows * width;
     dml_path *p =
         lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);

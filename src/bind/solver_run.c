@@ -36,7 +36,8 @@ static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double 
                       "instead of 'at'");
     lua_getfield(L, 2, "at");
     const long count = dml_length(L, -1);
-    if (count < 1)
+    if (count == 0) luaL_error(L, "field 'at' is empty: give it times, growing ones");
+    if (count < 0)
         luaL_error(L, "field 'at' must be a vector or table of times (got %s)",
                    count ? luaL_typename(L, -1) : "none");
     lua_pop(L, 1);
@@ -335,7 +336,10 @@ int dml_solver_run(lua_State *L) {
     run u = {.r.solver = check(L), .L = L};
     long done = 0, rows = 0;
     lua_settop(L, 2);
-    luaL_checktype(L, 2, LUA_TTABLE);
+    if (!lua_istable(L, 2))
+        luaL_error(
+            L, "a run takes a table of options: solver:run { q =, v =, t = } (got %s)",
+            luaL_typename(L, 2));
     dml_options(L, 2, known);
     dml_stepping_names(L);
     read_plan(L, &u);

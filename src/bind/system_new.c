@@ -96,6 +96,26 @@ static void check_params(lua_State *L) {
     lua_pop(L, 1);
 }
 
+/* name -> unit */
+static void check_units(lua_State *L) {
+    const int type = lua_getfield(L, 1, "units");
+    if (type != LUA_TNIL && type != LUA_TTABLE)
+        luaL_error(
+            L,
+            "field 'units' must be a table name -> unit, for instance { q1 = \"m\", "
+            "t = \"s\" } (got %s)",
+            luaL_typename(L, -1));
+    if (type == LUA_TTABLE)
+        for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+            if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != LUA_TSTRING)
+                luaL_error(
+                    L,
+                    "field 'units'[%s] must be a text under the name of what has it, "
+                    "for instance { q1 = \"m\", t = \"s\" }",
+                    luaL_tolstring(L, -2, NULL));
+    lua_pop(L, 1);
+}
+
 void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
@@ -106,6 +126,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
                   pair ? "a function of (q0, q1) or (q0, q1, h)"
                        : "a function of (q, v) or (q, v, t)");
     check_coordinates(L, n);
+    check_units(L);
     check_params(L);
     if (!pair) dml_checktiefields(L, wants_hyperdual(L));
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;

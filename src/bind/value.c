@@ -220,7 +220,7 @@ dml_scalar dml_entry(lua_State *L, int arg, uint32_t i) {
 
 /* what stands at arg instead of a vector */
 static const char *found(lua_State *L, int arg) {
-    return lua_type(L, arg) == LUA_TNUMBER ? "a number" : luaL_typename(L, arg);
+    return lua_type(L, arg) == LUA_TNUMBER ? "a number" : kind_of(L, arg);
 }
 
 /* entries i .. i + CHUNK - 1 of a plain table, if all are finite numbers: the stack is cleared once for all */

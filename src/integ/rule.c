@@ -98,6 +98,9 @@ const char *dm_rule_parse(dm_rule nodes[DM_RULE_NODES], const char *text) {
     reader r = {.at = text, .nodes = nodes};
     read_rule(&r);
     skip_blanks(&r);
-    if (!r.wrong && *r.at) fail(&r, "there is something after the rule");
+    if (!r.wrong && *r.at)
+        fail(&r, "there is something after the rule; its name is one word, and arguments "
+                 "stand in "
+                 "parentheses, as in gauss(2)");
     return r.wrong;
 }

@@ -39,8 +39,12 @@ static void says_what_is_wrong(void) {
         {"gauss(2 3)", "a comma or a closing parenthesis is missing"},
         {"gauss()", "an argument is missing"},
         {"gauss(,2)", "an argument is missing"},
-        {"gauss(2)x", "there is something after the rule"},
-        {"gauss 2", "there is something after the rule"},
+        {"gauss(2)x", "there is something after the rule; its name is one word, and "
+                      "arguments stand in "
+                      "parentheses, as in gauss(2)"},
+        {"gauss 2", "there is something after the rule; its name is one word, and "
+                    "arguments stand in "
+                    "parentheses, as in gauss(2)"},
         {"gauss(*)", "an argument must be a number or another rule"},
         {"gauss(2x)", "an argument must be a number or another rule"},
         {"gauss(1e999)", "an argument must be a number or another rule"},

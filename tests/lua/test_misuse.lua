@@ -124,4 +124,25 @@ tap.raises("give the start as q and v, or as q and p", turning.symplecticity, tu
 tap.raises("function expected, got table", dm.vector({ 1 }).map, dm.vector { 1 }, {})
 tap.raises("dm.pretty: options are a table", dm.pretty, 1, 2)
 tap.raises("dm.discrete_lagrangian expected", dm.discrete_lagrangian(orbit, { rule = "midpoint", h = 0.1 }).order, { q = { 1 }, v = { 0 } })
+
+-- what is set, or not there
+raises("the field 'h' of a dm.solver cannot be set: make another dm.solver", function() solver.h = 0.1 end)
+raises("a run takes a table of options: solver:run { q =, v =, t = } (got nil)", function() solver:run() end)
+local explain = require "dm.missed".explain
+ok(explain "x.lua:1: attempt to call a nil value (global 'sin')" == "x.lua:1: attempt to call a nil value (global 'sin'): it is math.sin", "sin is math.sin")
+ok(explain "x.lua:1: attempt to call a nil value (global 'vector')":find "it is dm.vector", "vector is dm.vector")
+ok(not explain "x.lua:1: attempt to index a nil value (global 'T')":find "it is", "T may be anything")
+raises("field 'units' must be a table name -> unit", dm.system, { Q = dm.R(1), L = L, units = "m" })
+raises("field 'units'[1] must be a text under the name of what has it", dm.system, { Q = dm.R(1), L = L, units = { "m" } })
+raises("field 'at' is empty", function() solver:run { q = { 1, 0 }, v = { 0, 1 }, at = {} } end)
+raises("(got dm.space)", function() solver:run { q = dm.R(2), v = { 0, 1 }, t = 1 } end)
+raises("rows needs 4e+04 GB", function() solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1e12 } end)
+raises("its name is one word", function() kepler:solver { rule = "implicit midpoint", h = 1 } end)
+raises("slice: 'from' and 'to' are the same shape", function() polar:routh { mu = 1 }:slice("curvature", { from = { 1 }, to = { 1 } }) end)
+local short = dm.chart { kepler, q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, h = { 0.1, 0.05 }, rivals = false, repeats = 1 }
+told(here(), "dm.chart: no point of rule 'foo'", function() local _ = short:order "foo" end, "chart:order")
+told(here(), "dm.chart: chart:cheapest takes an error", function() local _ = short:cheapest "x" end, "chart:cheapest")
+local scaled = dm.action { name = "scaling", group = dm.R(1), on = dm.R(2), map = function(s, z) return math.exp(s[1]) * z end }
+ok(tostring(scaled:on_pairs()) == "action 'scaling': left action of R^1 on R^2 on 2 points", "one name for an action on pairs")
+
 tap.done()

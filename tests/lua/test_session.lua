@@ -145,6 +145,15 @@ has(text, "x  4", "who")
 has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers", "a group says what its elements look like")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 
+text = session { "?classes", "?routh", "?frame", "?plot", "?dm.demo", "help(7)" }
+has(text, "dm.stability_map: where a method fails", "every class, also one that was not used")
+has(text, "The system without its group variables", "a method by its name alone")
+has(text, "rho:check{samples=}", "a class without its dm.")
+has(text, "path:plot(x, y", "several of one name")
+ok(not text:find("shape:slice", 1, true), "and no more than these", text)
+has(text:gsub("%s+", " "), "runs it and explains what came out. On a terminal", "prose is wrapped once")
+has(text, "7: an integer of Lua", "help(7)")
+
 -- errors
 text = session { "y = dm.moving_frame { action = 1 }" }
 has(text, "stdin:1: ", "an error of a module names the line that was typed")

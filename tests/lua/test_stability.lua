@@ -27,6 +27,24 @@ near(map:limit { rule = "yoshida(4)" } * 100, 1.5734, 0.004, "Yoshida 4: the roo
 near(map:limit { rule = "suzuki(4)" } * 100, 2.7210, 0.004, "Suzuki 4")
 near(map:limit { rule = "trapezoidal" } * 100, 2, 0.004, "the trapezoidal discrete Lagrangian is Verlet")
 ok(map:limit { rule = "midpoint" } == huge and map:limit { rule = "gauss(2)" } == huge, "midpoint and Gauss: none up to h omega = 1000")
+
+-- the theory of one oscillation is not that of two that a magnetic field couples, but for rules that take linear systems apart
+local charged = dm.system { Q = dm.R(2), params = { B = 0, k = 1 }, L = function(q, v, _, P)
+  return v:dot(v) / 2 + P.B * (q[1] * v[2] - q[2] * v[1]) / 2 - P.k * q:dot(q) / 2
+end }
+local field = charged:stability { rules = { "symplectic-euler", "rk4", "yoshida(4, midpoint)" }, q = { 1, 0 }, v = { 0, 0.5 }, B = { 0, 2 },
+  h = { 0.5, 3, 12, "log" }, steps = 300 }
+near(field:theory { rule = "symplectic-euler", B = 0 }, 2, 1e-5, "without a field the theory of symplectic Euler")
+local none, coupled = field:theory { rule = "symplectic-euler", B = 2 }
+ok(none == nil and coupled:find "couple the oscillations", "with a field none", coupled)
+near(field:limit { rule = "rk4", B = 2 }, field:theory { rule = "rk4", B = 2 }, 0.004, "but that of RK4 holds")
+ok(field:theory { rule = "yoshida(4, midpoint)", B = 2 } ~= nil, "and of a composition of midpoint steps")
+local panels, print_ = {}, print
+_G.print = function(text) panels[#panels + 1] = text end
+charged:stability({ rule = "verlet", q = { 1, 0 }, v = { 0, 0.5 }, B = { 0, 2, 13, "linear" }, k = { 1, 2 }, h = { 0.5, 1 }, steps = 9 }):plot()
+_G.print = print_
+ok(panels[#panels] == "(12 of 13 panels)", "a plot says of how many panels it is", panels[#panels])
+
 local params = dm.system { Q = dm.R(1), params = { k = 1, m = 1 }, L = function(q, v, _, P) return (P.m * v[1] ^ 2 - P.k * q[1] ^ 2) / 2 end }
 map = params:stability { k = { 1, 4 }, m = { 0.25, 1 }, rule = "verlet", h = { 0.1, 10, 21, "log" }, q = { 1 }, p = { 0 }, t = 300 }
 for i, row in ipairs(map.rows) do

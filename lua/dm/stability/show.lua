@@ -211,6 +211,7 @@ local function plot(map, options)
   local given = {}
   for key, value in pairs(options or {}) do given[key] = value end
   local all, along = panels_of(map)
+  local there = #all
   if #all > MOST_PANELS then
     local some = {}
     for k = 1, MOST_PANELS do some[k] = all[1 + (k - 1) * (#all - 1) // (MOST_PANELS - 1)] end
@@ -218,6 +219,7 @@ local function plot(map, options)
   end
   if not given.file then
     for _, panel in ipairs(all) do print_panel(map, panel, along) end
+    if there > #all then print(("(%d of %d panels)"):format(#all, there)) end
     return
   end
   local panels = {}
@@ -231,6 +233,7 @@ local function plot(map, options)
     if given.file and not (given.size or given.width or given.height) then rest.size = { 900, 600 } end
     return require "dm.plot".plot(table.move(panel, 1, #panel, 1, {}), rest)
   end
+  if there > #all then panels.title = ("%d of %d panels"):format(#all, there) end
   for key, value in pairs(given) do panels[key] = value end
   return require "dm.plot".figure(panels)
 end
