@@ -149,7 +149,7 @@ end
 
 local CLOSE = 1e-6  -- real part of a value that counts as imaginary, relative to the largest: double ones split by the root of round-off
 
---- What a stationary point is: energy, velocity of the group, characteristic values, stability. Nothing where the mass is singular: at a
+--- What a stationary point is: energy, velocity of the group, characteristic values, stability. Nothing where the mass or the locked inertia is singular: at a
 -- pole of the coordinates V_mu is stationary along directions that are none.
 function M.describe(info, R, V, x, mu)
   local d, u = info.d, zeros(info.d)
@@ -164,6 +164,9 @@ function M.describe(info, R, V, x, mu)
   local list = {}
   for a = 1, info.m do list[a] = mu[a] end
   local rate = model.group_velocity(at_momentum(info, list), x, u, 0)
+  for a = 1, info.m do
+    if not (abs(rate[a]) < math.huge) then return nil end
+  end
   local out = branches.equilibrium { x = x, mu = core.vector(list), energy = V(x, mu), velocity = core.vector(rate), values = {} }
   out.index, out.flat = index_of(K, mass, d)
   local re, im = characteristic(mass, S, K, d)

@@ -2,6 +2,7 @@
 local blame = require "dm.blame"
 local balance = require "dm.routh_balance"
 local core = require "dm.core"
+local model = require "dm.routh_model"
 local routh = require "dm.routh"
 
 local M = {}
@@ -116,6 +117,31 @@ local function is_copy(list, e)
   return false
 end
 
+local function zeros(n)
+  local out = {}
+  for i = 1, n do out[i] = 0 end
+  return out
+end
+
+local POLE = 1e-9  -- of the locked inertia in the middle of the points: less is a place where the group does not act freely
+
+-- |det I| at x, 0 outside of the domain
+local function inertia(info, x)
+  local fine, det = pcall(function()
+    local _, I = model.momentum_parts(info, x, zeros(info.d), 0)
+    return abs(core.matrix(I):det())
+  end)
+  return fine and det < math.huge and det or 0
+end
+
+-- what there is to a locked inertia among the points, times POLE
+local function least_inertia(info, points)
+  local all = {}
+  for k, x in ipairs(points) do all[k] = inertia(info, x) end
+  table.sort(all)
+  return POLE * all[#all // 2 + 1]
+end
+
 M.relative_equilibria = blame.caller(function(shape, options)
   local info = M.need(shape, "relative_equilibria", options, { region = true, starts = true, copies = true })
   local region, d = options.region, info.d
@@ -125,9 +151,10 @@ M.relative_equilibria = blame.caller(function(shape, options)
   local V, R, mu = balance.potential(info), balance.routhian(info), core.vector(info.mu)
   local list, points, scale = setmetatable({}, class), fill(region, starts), nil
   scale = balance.scale(V, points, lengths_of(region), mu, d)
+  local least = least_inertia(info, points)
   for _, x in ipairs(points) do
     local found = balance.stationary(V, x, mu, d, scale)
-    if found and inside(found, region, scale.length) and is_new(list, found, scale.length) then
+    if found and inside(found, region, scale.length) and inertia(info, found) > least and is_new(list, found, scale.length) then
       local fine, e = pcall(balance.describe, info, R, V, found, mu)
       if fine and e and not (options.copies == false and is_copy(list, e)) then list[#list + 1] = e end
     end
