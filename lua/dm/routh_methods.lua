@@ -113,7 +113,7 @@ add("dm.system", "relative_equilibria", "dm.routh_equilibria", [[
 shape:relative_equilibria{region=, starts=, copies=} -> list of {x, mu, energy, velocity, index, flat, values, stable}
 Motions along the group alone: stationary points of the amended potential in the region, a pair { least, most } for each coordinate of the shape, found by
 Newton's method from `starts` points (default 200) that fill it. velocity: of the group; index, flat: negative directions of V_mu, and those in which it has no slope; values: {re, im}, the characteristic
-values of small motions, with the magnetic term; stable: "energy" (a minimum of V_mu), "spectral" (all values imaginary) or false. Poles of the coordinates are left out. copies = false:
+values of small motions, with the magnetic term; stable: "energy" (a minimum of V_mu), "spectral" (all values imaginary) or false. Poles of the coordinates, also where the group does not act freely (a top upright, all rods vertical), are left out. copies = false:
 mirror images, with the same energy, velocity and index, are listed once. print shows the list.]])
 
 add("dm.system", "continue", "dm.routh_continue", [[

@@ -1,5 +1,6 @@
 --- What a reduced system shows of the bundle it came from: locked inertia, connection, curvature, amended potential, lift.
 local blame = require "dm.blame"
+local check = require "dm.routh_check"
 local core = require "dm.core"
 local model = require "dm.routh_model"
 local routh = require "dm.routh"
@@ -61,10 +62,20 @@ local function connection_of(info)
   end, info.d, "number")
 end
 
+-- f(...), or an error that says at which shape there is no value
+local function at_shape(what, x, f, ...)
+  local fine, out = pcall(f, ...)
+  if fine then return out end
+  local message = tostring(out)
+  if not (message:find(" is NaN ", 1, true) or message:find("infinite", 1, true)) then error(out, 0) end
+  error(("%s: there is no value at the shape %s: the locked inertia is singular there (the group does not act freely), or it is outside of the domain of L")
+    :format(what, check.text(x)), 0)
+end
+
 M.connection = blame.caller(function(shape, x, t)
   local info = routh.need(shape, "connection")
   x, t = place(info, "connection", x, t)
-  local flat, rows = connection_of(info)(x, t), {}
+  local flat, rows = at_shape("connection", x, connection_of(info), x, t), {}
   for a = 1, info.m do
     rows[a] = {}
     for j = 1, info.d do rows[a][j] = flat[(a - 1) * info.d + j] end
@@ -78,7 +89,8 @@ M.curvature = blame.caller(function(shape, x, t, a)
   if a ~= nil and (math.type(a) ~= "integer" or a < 1 or a > info.m) then
     error(("curvature: the component must be a whole number from 1 to %d"):format(info.m), 0)
   end
-  local J, d, out = connection_of(info):jacobian(x, t), info.d, {}
+  local A = connection_of(info)
+  local J, d, out = at_shape("curvature", x, A.jacobian, A, x, t), info.d, {}
   for i = 1, d do
     out[i] = {}
     for j = 1, d do
@@ -109,19 +121,21 @@ end)
 M.locked_inertia = blame.caller(function(shape, x, t)
   local info = routh.need(shape, "locked_inertia")
   x, t = place(info, "locked_inertia", x, t)
-  local _, I = model.momentum_parts(info, x, zeros(info.d), t)
-  return core.matrix(I)
+  return at_shape("locked_inertia", x, function()
+    local _, I = model.momentum_parts(info, x, zeros(info.d), t)
+    return core.matrix(I)
+  end)
 end)
 
 M.amended_potential = blame.caller(function(shape, x, t)
   local info = routh.need(shape, "amended_potential")
   x, t = place(info, "amended_potential", x, t)
-  return -shape:lagrangian(x, zeros(info.d), t)
+  return -at_shape("amended_potential", x, shape.lagrangian, shape, x, zeros(info.d), t)
 end)
 
 -- B = mu A
 local function potential_of(info, x, t)
-  local A, B, d = connection_of(info)(x, t), {}, info.d
+  local A, B, d = at_shape("connection", x, connection_of(info), x, t), {}, info.d
   for j = 1, d do
     B[j] = 0
     for a = 1, info.m do B[j] = B[j] + info.mu[a] * A[(a - 1) * d + j] end

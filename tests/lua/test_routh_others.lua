@@ -254,6 +254,12 @@ raises("x0 must be a point of the shape space: 1 number (got something else)", f
 raises("entry 1 is", function() shape:magnetic_momentum(1, 0 / 0) end)
 raises("the loop must give a shape, 1 number (got 2)", function() shape:holonomy(function() return { 1, 2 } end) end)
 raises("dm.compare takes two paths", function() dm.compare(dm.R(2), dm.vector { 1 }) end)
+for _, what in ipairs { "connection", "curvature", "amended_potential" } do  -- both masses on the axis
+  raises(what .. ": there is no value at the shape {0, 0}", function()
+    local pair = system(3, function(q, v) return (q[2] ^ 2 * v[1] ^ 2 + q[3] ^ 2 * (v[1] + v[2]) ^ 2 + v[2] ^ 2 + v[3] ^ 2) / 2 end):routh { cyclic = 1, mu = 1 }
+    return pair[what](pair, { 0, 0 })
+  end)
+end
 raises("is not symplectic", function() shape:solver { rule = "rsprk(rk4)", h = 0.1 } end)
 raises("of finite numbers", function() shape:relative_equilibria { region = { 0, math.huge } } end)
 raises("'points' must be a whole number", function() slow:continue(bottom[1], { mu = { 0, 1 }, points = "x" }) end)
