@@ -245,7 +245,8 @@ end)
 local doc_theory = [[
 map:theory(row) -> number, sentence   or   nil, sentence
 The step at which the linear theory of the rule loses the fastest oscillation of the system linearised at the start of the row: the limit
-of h omega from dm.stability_limit over the largest frequency from system:linearize. Beside map:limit(row), which is measured.]]
+of h omega from dm.stability_limit over the largest frequency from system:linearize. Beside map:limit(row), which is measured. nil, and why, where there is none: for rules
+other than Runge-Kutta ones also where forces linear in v (magnetic, Coriolis, friction) couple the oscillations.]]
 
 M.theory = blame.caller(function(self, which)
   local i = find_row(self, which)
