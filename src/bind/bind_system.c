@@ -1,5 +1,6 @@
 /* bind_system.c - `dm.system`: a configuration space and a Lagrangian L(q, v, t). */
 #include "bind/model_ties.h"
+#include "bind/model_sums.h"
 #include "bind/named.h"
 #include "bind/system.h"
 #include "expr/analyse.h"
@@ -62,7 +63,8 @@ static void check_finite(lua_State *L, const double *y, uint32_t n, const char *
 static double *evaluate(lua_State *L, unsigned want, size_t which, const char *what) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "v");
-    dml_model *m = dml_pushlast(L, 1, NULL);
+    dml_pushlast(L, 1, NULL);
+    dml_model *m = dml_withtables(L, -1, want);
     dml_want(L, m, want | DM_WANT_VALUE, NULL);
     dml_checkmember(L, 1, m, x); /* what the trace did not see is told, not computed */
     const dm_kernel *kernel = (const dm_kernel *)((const char *)&m->model + which);

@@ -40,6 +40,38 @@ const double *dml_givesums(lua_State *L, const dml_model *m, const dm_kernel **k
     return x ? with : NULL;
 }
 
+/* push a model of the same trace as the one at `at`, which keeps it */
+static void push_twin(lua_State *L, int at, const dml_model *m) {
+    dml_model *twin = lua_newuserdatauv(L, sizeof *twin, 5);
+    *twin = *m;
+    twin->kept = NULL;
+    twin->model.has = 0;
+    twin->checked = 0;
+    for (int k = 1; k <= 3; k++) {
+        lua_getiuservalue(L, at, k);
+        lua_setiuservalue(L, -2, k);
+    }
+    lua_pushvalue(L, -1);
+    lua_setiuservalue(L, at, 5);
+}
+
+dml_model *dml_withtables(lua_State *L, int at, unsigned want) {
+    dml_model *m = lua_touserdata(L, at);
+    at = lua_absindex(L, at);
+    if (!(want & DM_WANT_DENSE) || !(m->model.structure & DM_LOOPS) || !dm_sums(m->graph) ||
+        m->n > DM_MODEL_DENSE)
+        return m;
+    if (lua_getiuservalue(L, at, 5) != LUA_TUSERDATA) {
+        lua_pop(L, 1);
+        push_twin(L, at, m);
+    }
+    dml_model *twin = lua_touserdata(L, -1);
+    twin->trace_ms = m->trace_ms;
+    twin->compile_ms = 0.0;
+    lua_replace(L, at);
+    return twin;
+}
+
 dml_apart dml_setapart(dml_state *state) {
     dml_given *given = state->given;
     dml_frame *frame = state->frames;

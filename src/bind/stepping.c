@@ -1,6 +1,7 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/stepping.h"
 #include "bind/model_params.h"
+#include "bind/model_sums.h"
 #include "bind/named.h"
 #include "bind/root.h"
 #include "bind/start_ties.h"
@@ -89,10 +90,11 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     if (r->complete && r->wants & DM_WANT_STAGE_LATER) r->wants |= DM_WANT_STAGE;
     dml_stepping_inputs(L, r);
     if (r->inputs) dml_want(L, r->inputs, DM_WANT_FORCE | DM_WANT_VALUE, backend_name(L));
-    dml_want(L, r->model,
-             (r->inputs ? 0 : r->wants) | DM_WANT_VALUE | dml_start_wants(r) |
-                 (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants)),
-             backend_name(L));
+    const unsigned wants =
+        (r->inputs ? 0 : r->wants) | DM_WANT_VALUE | dml_start_wants(r) |
+        (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants));
+    r->model = dml_withtables(L, r->model_at, wants);
+    dml_want(L, r->model, wants, backend_name(L));
     r->stepper = (dm_stepper){.method = s->method,
                               .model = r->inputs ? &r->inputs->model : &r->model->model,
                               .params = r->inputs ? r->given + 2 * s->n + 1 : NULL,

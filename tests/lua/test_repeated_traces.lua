@@ -228,4 +228,13 @@ local function end_of(made) return bits(made:solver({ rule = "verlet", h = 0.1 }
 ok(end_of(stiffer(2, { k = 2 })) == end_of(stiffer(2)), "== on a parameter, from an equilibrium")
 ok(swept(stiffer(1, { k = 1 }), "verlet"):match "%s(%S+)%s" == end_of(stiffer(2)):match "%S+", "and in an ensemble")
 
+-- a rule that needs tables, or a question for the mass, leaves the loops of other runs alone
+local links = dm.system { Q = dm.R(n), L = function(x, u) return dm.sum_over(u, kinetic) - dm.sum_over(x, spring(2), ring) end }
+local function stepped(rule) return bits(links:solver({ rule = rule, h = 0.02 }):run { q = q, v = v, steps = 3 }) end
+local alike, by_loops, by_tables = true, stepped "verlet", stepped "gauss(2)"
+for _ = 1, 2 do
+  alike = alike and links:mass(q, v)[2][2] == 1 and stepped "verlet" == by_loops and stepped "gauss(2)" == by_tables
+end
+ok(alike, "runs by loops and by tables do not disturb each other")
+
 tap.done()
