@@ -233,6 +233,7 @@ static void start_pair(lua_State *L, dml_stepping *r) {
     dm_kernel_eval(pair, r->x, r->work);
     dml_rethrow(L, r->model);
     for (uint32_t i = 0; i < n; i++) r->state[n + i] = -r->work[i];
+    r->stepper.toward = r->x + n;
 }
 
 /* q and p of a discrete Lagrangian: the trace is checked near (q, q + h p) */

@@ -154,12 +154,12 @@ static int read_entry(const session *s) {
 
 /* ---- printing ---- */
 
-/* keep the value at `index` as _ and, unless it is nil, as the next of out */
+/* keep the value at `index` as _ and as the next of out; a nil leaves what was there */
 static void keep(lua_State *L, int index) {
+    if (lua_isnil(L, index)) return;
     index = lua_absindex(L, index);
     lua_pushvalue(L, index);
     lua_setglobal(L, "_");
-    if (lua_isnil(L, index)) return;
     lua_getfield(L, LUA_REGISTRYINDEX, "dm_out");
     lua_pushvalue(L, index);
     lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);

@@ -81,9 +81,20 @@ static dm_status open(dm_stepper *s) {
     return DM_OK;
 }
 
+/* a step that is known to lead to q1 begins there, as one that continues others */
+static void begin_toward(const dm_stepper *s, const double *state) {
+    const uint32_t n = s->model->n;
+    double *memory = lay_out(s).memory, *end = memory + END, *last = end + 4 * (size_t)n;
+    memory[COUNT] = 1.0;
+    memcpy(end, state, 4 * (size_t)n * sizeof *end);
+    for (uint32_t i = 0; i < n; i++) last[i] = s->toward[i] - state[i];
+}
+
 static dm_status start(dm_stepper *s, double *state, double t) {
-    (void)state, (void)t;
-    return open(s);
+    const dm_status status = open(s);
+    (void)t;
+    if (status == DM_OK && s->toward) begin_toward(s, state);
+    return status;
 }
 
 static size_t memory(dm_stepper *s, double **place) {

@@ -104,6 +104,8 @@ struct dm_stepper {
     double h;
     double
         whole; /* h of the step that this one is a part of (compositions); 0: it is none */
+    const double *toward; /* q1[n] that the first step leads to, of a start from two
+                           * positions; NULL: not known */
     int plain;   /* sums without compensation are asked for; report.plain: they are had */
     int goes_on; /* the caller's promise, for the next call alone: the state is what the last one left, and this
                   * stepper has done nothing else since */

@@ -127,4 +127,11 @@ raises("no stages", function() own:hamilton_pontryagin(q0, q1) end)
 raises("q0", function() Ld({ 1 }, q1) end)
 raises("inside the domain", function() Ld({ 0, 0 }, { 0, 0 }) end)
 raises("p0 with the position q0", function() flow:run { q = q0, p0 = q1, steps = 1 } end)
+
+-- an Ld that is not defined where q0 = q1: 1/(q2 - q1) = 1/(q1 - q0) - h q1
+local apart = dm.discrete_lagrangian { Q = dm.R(1), h = 0.1, Ld = function(a, b, h) return -math.log(b[1] - a[1]) + h * a[1] ^ 2 / 2 end }
+local line = dm.solver({ apart }):run { q0 = { 1 }, q1 = { 1.1 }, steps = 2 }
+near(line.q[2][1], 1.1, 1e-15, "a start from two positions knows where its first step leads")
+near(line.q[3][1], 1.1 + 1 / (10 - 0.11), 1e-14, "and the next one goes on from there")
+near(dm.solver({ apart }):step({ 1 }, { 1.1 })[1], 1.1 + 1 / (10 - 0.11), 1e-14, "so does a single step")
 tap.done()

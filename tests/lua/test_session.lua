@@ -53,7 +53,7 @@ if not os.execute(pty .. " true </dev/null >/dev/null 2>&1") then
 end
 
 -- printing
-local text, raw = session { "1 + 1", "_ * 10", "out[1] + out[2]", "3 + 4;", "_", "s = 'a;'", "s", "{ 1, { 2 }, x = 'y' }", "nil" }
+local text, raw = session { "1 + 1", "_ * 10", "out[1] + out[2]", "3 + 4;", "_", "s = 'a;'", "s", "{ 1, { 2 }, x = 'y' }", "nil", "#_" }
 has(text, "type ? for help", "one line of banner")
 has(text, "> 1 + 1\n2\n", "an expression prints")
 has(text, "> _ * 10\n20\n", "_ is the last value")
@@ -61,7 +61,7 @@ has(text, "\n22\n", "out[n] is the n-th")
 has(text, "> 3 + 4;\n> _\n7\n", "a trailing ; prints nothing but sets _")
 has(text, "> s\na;\n", "a ; in a string does not count")
 has(text, '{ 1, { 2 }, x = "y" }', "a table prints")
-has(text, "> nil\nnil\n", "nil prints")
+has(text, "> nil\nnil\n> #_\n2\n", "nil prints, and leaves _ as it is")
 has(text, "exit 0", "Ctrl-D ends with 0")
 has(raw, "\27[36m2\27[0m", "numbers are coloured on a terminal")
 
