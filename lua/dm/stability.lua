@@ -324,6 +324,26 @@ local function until_stop(f, ...)
   return blame.stopped(stopped)
 end
 
+local function find_borders(map)
+  for i, row in ipairs(map.cells) do
+    compare_row(map, row)
+    local low, high = border(row)
+    map.borders[i] = { low = low, high = high }
+  end
+end
+
+-- runs the cells; returns what stopped it, if anything
+local function fill(map, all)
+  given_.check_first(map, all[1])
+  map.notes = given_.notes(map, all[1])
+  map.chaos = wants_chaos(map, all[1])
+  local stopped = cells.run(map, all, map.chaos)
+  if not map.started and not stopped then error(map.refusal, 0) end
+  find_borders(map)
+  if stopped or map.options.refine == false then return stopped end
+  return refine(map)
+end
+
 M.stability = blame.caller(function(options)
   if type(options) ~= "table" then fail("takes a table { system =, q =, v =, rule =, h = {least, largest, count, \"log\"}, steps = }") end
   check_options(options)
@@ -331,23 +351,13 @@ M.stability = blame.caller(function(options)
   local map = new_map(options, names)
   given_.read(map, options, names)
   lay_out(map)
-  local all = all_cells(map)
-  given_.check_first(map, all[1])
-  local start = core.clock()
-  map.notes = given_.notes(map, all[1])
-  map.chaos = wants_chaos(map, all[1])
-  map.count = #all
+  local all, start = all_cells(map), core.clock()
+  map.notes, map.count = {}, #all
   for _, cell in ipairs(all) do cell.class = cells.NUMBER["not run"] end
-  local stopped = until_stop(cells.run, map, all, map.chaos)
-  if not map.started and not stopped then error(map.refusal, 0) end
-  for i, row in ipairs(map.cells) do
-    compare_row(map, row)
-    local low, high = border(row)
-    map.borders[i] = { low = low, high = high }
-  end
-  if not stopped and options.refine ~= false then stopped = until_stop(refine, map) end
+  local stopped = until_stop(fill, map, all)
   map.seconds = core.clock() - start
   if stopped then
+    if #map.borders < #map.cells then find_borders(map) end
     stopped.map, stopped.path = map, map
     stopped.message = "dm.stability: stopped on request; what is there is in the failure's field map"
     error(stopped, 0)
