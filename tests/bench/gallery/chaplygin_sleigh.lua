@@ -4,9 +4,9 @@ local sin, cos, I, a = math.sin, math.cos, 0.75, 0.5
 local start, h = { q = { 0, 0, 0 }, v = { 0, 0, 1 } }, { 0.4, 0.2, 0.1, 0.05, 0.025 }
 return {
   title = "Chaplygin sleigh, twenty units of time",
-  text = [[A skate that cannot slip. The rivals integrate the accelerations with the multiplier eliminated by hand; they do not know that the skate must not slip,
-and leave it by their own error. The motion settles to a glide, which any method follows: no structure decides here, only order, and rk8 wins where its form is known. Most
-of the time of these short runs is set-up.]],
+  text = [[A skate that cannot slip. The rivals integrate the accelerations with the multiplier eliminated by hand; they do not know that the skate must not
+slip, and leave it by their own error. The motion settles to a glide, which any method follows: no structure decides here, only order, and rk8 wins
+where its form is known.]],
   { dm.system { Q = dm.R(3), L = function(q, v)
       local x, y = v[1] - a * v[3] * sin(q[3]), v[2] + a * v[3] * cos(q[3])
       return (x * x + y * y) / 2 + I * v[3] ^ 2 / 2

@@ -24,8 +24,9 @@ for i = 1, n do angles[i] = math.asin(0.3) end
 local h = { 0.1, 0.05, 0.025, 0.0125, 0.00625 }
 return {
   title = "Chain of eight rods, ten units of time",
-  text = [[Eight rods as eight constraints, and as rivals eight angles, whose mass matrix is full (error: where the end of the chain is, horizontally). For two digits
-RATTLE is cheapest, beyond that rk8 in angles wins here. In angles the work of a step grows like n^3, by constraints like n, so this is a matter of how many rods.]],
+  text = [[Eight rods as eight constraints, and as rivals eight angles, whose mass matrix is full (error: where the end of the chain is, horizontally). For
+four digits RATTLE is cheapest, beyond that rk8 in angles wins here. In angles the work of a step grows like n^3, by constraints like n, so this is
+a matter of how many rods.]],
   { dm.system { Q = dm.R(2 * n), L = function(z, u)
       local L = u:dot(u) / 2
       for i = 1, n do L = L - z[2 * i] end
