@@ -1,6 +1,6 @@
 /* bind_system.c - `dm.system`: a configuration space and a Lagrangian L(q, v, t). */
-#include "bind/model_ties.h"
 #include "bind/model_sums.h"
+#include "bind/model_ties.h"
 #include "bind/named.h"
 #include "bind/system.h"
 #include "expr/analyse.h"

@@ -270,10 +270,10 @@ static void want_ties(lua_State *L, dml_model *m, unsigned want, const char *bac
 
 /* the backend of the kernels that step; the value is on the tape */
 static const char *built_by(const dm_model *m, const char *wanted) {
-    const dm_kernel *const all[] = {&m->stage, &m->force, &m->slope, &m->well,
-                                    &m->pair,  &m->mass,  &m->energy};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        if (all[i]->eval && all[i]->backend) return all[i]->backend;
+    const dm_kernel *const all[] = {&m->stage, &m->force, &m->slope,  &m->well,
+                                    &m->pair,  &m->mass,  &m->energy, NULL};
+    for (const dm_kernel *const *k = all; *k; k++)
+        if ((*k)->eval && (*k)->backend) return (*k)->backend;
     return strcmp(wanted, "jit") == 0 && !dm_jit_lanes() ? "tape" : wanted;
 }
 

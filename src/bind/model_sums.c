@@ -58,8 +58,8 @@ static void push_twin(lua_State *L, int at, const dml_model *m) {
 dml_model *dml_withtables(lua_State *L, int at, unsigned want) {
     dml_model *m = lua_touserdata(L, at);
     at = lua_absindex(L, at);
-    if (!(want & DM_WANT_DENSE) || !(m->model.structure & DM_LOOPS) || !dm_sums(m->graph) ||
-        m->n > DM_MODEL_DENSE)
+    if (!(want & DM_WANT_DENSE) || !(m->model.structure & DM_LOOPS) ||
+        !dm_sums(m->graph) || m->n > DM_MODEL_DENSE)
         return m;
     if (lua_getiuservalue(L, at, 5) != LUA_TUSERDATA) {
         lua_pop(L, 1);
