@@ -95,4 +95,17 @@ function M.relay(f)
   return function(...) return relay(xpcall(f, explain, ...)) end
 end
 
+--- The function `name` of a module that is loaded when the function is first called.
+function M.later(module, name)
+  local f
+  local function method(...)
+    if not f then
+      f = require(module)[name]
+      M.stands_for(method, f)
+    end
+    return f(...)
+  end
+  return method
+end
+
 return M

@@ -17,9 +17,6 @@ local LOOKED_AT, FEW, AGAIN, LONGEST = 64, 2000, 8, 20000  -- rows looked at; ro
 --- The mass of the shape that a path is of at (x, t), or nothing.
 function M.mass(path, x, t)
   local fine, G = pcall(path.mass, path, x, t)
-  for i = 1, fine and #x or 0 do
-    for k = 1, #x do fine = fine and abs(G[i][k]) < math.huge end
-  end
   return fine and G or nil
 end
 

@@ -2,19 +2,7 @@
 local blame = require "dm.blame"
 local core = require "dm.core"
 
-local function late(module, name)
-  local f
-  local function method(...)
-    if not f then
-      f = require(module)[name]
-      blame.stands_for(method, f)
-    end
-    return f(...)
-  end
-  return method
-end
-
-local function add(class, name, module, doc) core.method(class, name, late(module, name), doc) end
+local function add(class, name, module, doc) core.method(class, name, blame.later(module, name), doc) end
 
 add("dm.system", "routh", "dm.routh", [[
 system:routh{cyclic=, mu=, q=, v=, connection=} -> dm.system

@@ -157,6 +157,10 @@ static int path_mass(lua_State *L) {
     dm_kernel_prepare(mass, y);
     dm_kernel_eval(mass, x, y);
     dml_rethrow(L, m);
+    for (uint32_t i = p->n; i < mass->outputs; i++)
+        if (!isfinite(y[i]))
+            luaL_error(L, "the mass matrix is not finite at this q: is it inside the "
+                          "domain of L?");
     memcpy(dml_pushmatrix(L, p->n, p->n), y + p->n, (size_t)p->n * p->n * sizeof *y);
     return 1;
 }
@@ -292,8 +296,7 @@ const dml_row dml_path_quantities[] = {
     {"mass", path_mass,
      "path:mass(q [, t]) -> dm.matrix, dim Q x dim Q\n"
      "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L "
-     "again; t: default that of the first row. Entries outside of the domain of L are "
-     "NaN or infinite."},
+     "again; t: default that of the first row. Raises where it is not finite."},
     {"momentum", path_momentum,
      "path:momentum(group [, {block=}]) -> dm.vector   or   path:momentum(generator) -> "
      "dm.vector\n"

@@ -1,5 +1,5 @@
 -- dmlua tests/bench/setup.lua: CPU time from dm.system{} through the first step of a run, for the models of the examples and
--- n bodies; of each the first time, then the median of nine systems made anew, and of a run that finds its kernels
+-- n bodies, with constraints and reduced; of each the first time, then the median of nine systems made anew, and of a run that finds its kernels
 local dm = require "dm"
 local sin, cos = math.sin, math.cos
 local masses = { 1, 1e-3, 3e-4, 4e-5, 5e-5, 1e-8 }
@@ -41,6 +41,17 @@ for _, bodies in ipairs { 20, 59 } do
     return L
   end, "verlet" }
 end
+models[#models + 1] = { "double pendulum, rods", 4, { 1, 0, 1, -1 }, { 0, 0, 0, 0 }, function(q, v) return v:dot(v) / 2 - 9.81 * (q[2] + q[4]) end, "rattle",
+  { constraint = function(q) return { q[1] ^ 2 + q[2] ^ 2 - 1, (q[3] - q[1]) ^ 2 + (q[4] - q[2]) ^ 2 - 1 } end } }
+models[#models + 1] = { "Chaplygin sleigh", 3, { 0, 0, 0 }, { 0, 0, 1 }, function(q, v)
+  local x, y = v[1] - 0.5 * v[3] * sin(q[3]), v[2] + 0.5 * v[3] * cos(q[3])
+  return (x * x + y * y) / 2 + 0.375 * v[3] ^ 2
+end, "gauss(2)", { rolling = function(q, v) return cos(q[3]) * v[2] - sin(q[3]) * v[1] end } }
+-- in (theta, r, z) and as what is left of it, q and v of the shape
+models[#models + 1] = { "J2 satellite, reduced", 3, { 1, 0 }, { 0, 0.28 }, function(q, v)
+  local r = (q[2] ^ 2 + q[3] ^ 2) ^ 0.5
+  return (v[2] ^ 2 + q[2] ^ 2 * v[1] ^ 2 + v[3] ^ 2) / 2 + 1 / r - 0.05 / r ^ 3 * (1.5 * q[3] ^ 2 / r ^ 2 - 0.5)
+end, "gauss(2)", { mu = 0.96 } }
 local function median(n, f)
   local all = {}
   for i = 1, n do
@@ -53,7 +64,8 @@ local function median(n, f)
 end
 print(("%-28s %-10s %10s %10s %10s %10s"):format("ms of CPU time", "rule", "first", "median", "again", "operations"))
 for _, model in ipairs(models) do
-  local name, n, q, v, L, only = table.unpack(model, 1, 6)
+  local name, n, q, v, L, only, more = table.unpack(model, 1, 7)
+  more = more or {}
   for _, rule in ipairs(only and { only } or { "verlet", "midpoint", "gauss(2)" }) do
     local system, solver
     local function run()
@@ -61,7 +73,8 @@ for _, model in ipairs(models) do
       solver:run { q = q, v = v, steps = 1 }
     end
     local function anew()
-      system = dm.system { Q = dm.R(n), L = L }
+      system = dm.system { Q = dm.R(n), L = L, constraint = more.constraint, rolling = more.rolling }
+      if more.mu then system = system:routh { cyclic = { 1 }, mu = more.mu } end
       run()
     end
     local first, made, again = median(1, anew), median(9, anew), median(99, run)

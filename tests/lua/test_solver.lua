@@ -25,6 +25,9 @@ do -- m(q) = (1 + q1^2) and 1 along v = (v1, v2)
   local bent = dm.system { Q = dm.R(2), L = function(q, v) return ((1 + q[1] ^ 2) * v[1] ^ 2 + v[2] ^ 2) / 2 + q[2] end }
   local M = bent:solver({ rule = "midpoint", h = 0.1 }):run({ q = { 0.5, 0 }, v = { 0, 1 }, steps = 3 }):mass { 2, 0 }
   ok(M[1][1] == 5 and M[2][2] == 1 and M[1][2] == 0, "the mass at a place by the kernels of the run", M)
+  local inside = dm.system { Q = dm.R(1), L = function(q, v) return math.log(q[1]) * v[1] ^ 2 / 2 end }
+  local short = inside:solver({ rule = "midpoint", h = 0.01 }):run { q = { 2 }, v = { 1 }, steps = 3 }
+  raises("not finite at this q", function() short:mass { -1 } end)
 end
 ok(tostring(path):find "25 steps of verlet", "a path prints itself as a sentence", tostring(path))
 local none = kepler:solver { rule = "verlet", h = 0.01 }:run { q = start.q, v = start.v, steps = 0 }
