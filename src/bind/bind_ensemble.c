@@ -199,14 +199,15 @@ static const dml_row methods[] = {
      "given, of a failed member up to its last good state."},
     {"summary", dml_ensemble_summary,
      "ensemble:summary(name) -> {first, last, least, largest, mean, slope, error, early, "
-     "late, megno}\n"
+     "late, nearest, span, megno}\n"
      "What the rows of every member say of a watched column y, as tables with an entry "
      "for each: slope per unit of time "
      "with its standard error as path:drift finds them; early, late: largest |y - first| "
      "in the first and the last quarter of "
-     "the rows; megno: the mean of 2 (y - its mean so far), which is MEGNO where y is "
-     "the logarithm of the length of a "
-     "tangent vector. NaN without rows."},
+     "the rows; nearest, span: least |y - first| and largest - least in their second "
+     "half (infinite without rows there); megno: "
+     "the mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of "
+     "the length of a tangent vector. NaN without rows."},
     {NULL, NULL, NULL}};
 static const dml_row solver_row[] = {
     {"ensemble", dml_solver_ensemble,

@@ -13,7 +13,8 @@ static const struct {
     {"least", offsetof(dm_summary, least)}, {"largest", offsetof(dm_summary, largest)},
     {"mean", offsetof(dm_summary, mean)},   {"slope", offsetof(dm_summary, slope)},
     {"error", offsetof(dm_summary, error)}, {"early", offsetof(dm_summary, early)},
-    {"late", offsetof(dm_summary, late)},   {"megno", offsetof(dm_summary, megno)}};
+    {"late", offsetof(dm_summary, late)},   {"nearest", offsetof(dm_summary, nearest)},
+    {"span", offsetof(dm_summary, span)},   {"megno", offsetof(dm_summary, megno)}};
 enum { FIELDS = sizeof fields / sizeof *fields };
 
 /* place of a watched column in a row */

@@ -15,6 +15,19 @@ static double farthest(const double *y, long first, long last) {
     return far;
 }
 
+/* where y stays late, beside its start */
+static void look_late(dm_summary *out, const double *y, long rows) {
+    const long half = rows / 2 - 1;
+    double least = INFINITY, largest = -INFINITY;
+    out->nearest = INFINITY;
+    for (long i = half > 1 ? half : 1; i < rows; i++) {
+        out->nearest = fmin(out->nearest, fabs(y[i] - y[0]));
+        least = fmin(least, y[i]);
+        largest = fmax(largest, y[i]);
+    }
+    out->span = least <= largest ? largest - least : INFINITY;
+}
+
 /*
 ** MEGNO is Y(t) = 2/t int s y'(s) ds = 2 (y(t) - mean of y over [0, t]), y = ln |tangent vector|, and its mean over time:
 ** by the trapezoidal rule.
@@ -34,7 +47,7 @@ static double megno(const double *t, size_t stride, const double *y, long rows) 
 
 void dm_summary_make(dm_summary *out, const double *t, size_t stride, const double *y,
                      long rows) {
-    *out = (dm_summary){NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    *out = (dm_summary){NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     if (rows < 1) return;
     dm_drift drift;
     dm_drift_fit(&drift, t, stride, y, rows);
@@ -47,5 +60,6 @@ void dm_summary_make(dm_summary *out, const double *t, size_t stride, const doub
     out->mean = drift.mean, out->slope = drift.slope, out->error = drift.error;
     out->early = farthest(y, 0, rows / 4 + 1);
     out->late = farthest(y, rows - rows / 4 - 1, rows);
+    look_late(out, y, rows);
     out->megno = megno(t, stride, y, rows);
 }

@@ -9,6 +9,8 @@ typedef struct {
     double mean, slope, error; /* as dm_drift_fit finds them */
     double early,
         late; /* max |y - y_0| over the first and the last quarter of the rows */
+    double nearest, span; /* min |y - y_0| and max y - min y over the second half of the
+                           * rows, without y_0 itself; infinite where these are none */
     double
         megno; /* mean over the rows of 2 (y - mean of y so far) (Cincotta & Simo 2000) */
 } dm_summary;

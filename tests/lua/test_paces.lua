@@ -46,6 +46,7 @@ for i = 1, 2 do
   near(r.slope[i], 3, 1e-13, "the slope of a ramp"); near(r.megno[i], 3 * 6.4 / 2, 0.02, "MEGNO of a growth exp(3 t) is 3 t/2")
   near(r.late[i], 19.2, 1e-13, "its end"); ok(r.early[i] < r.late[i] / 3.9, "and its first quarter")
 end
+near(r.nearest[1], 9.3, 1e-12, "the row of the second half nearest to the start: the 32nd of 65, at t = 3.1"); near(r.span[1], 19.2 - 9.3, 1e-12, "and what they span")
 raises("no column 'x'", e.summary, e, "x")
 raises("watched nothing", function() spring:solver({ rule = "verlet", h = 0.1 }):ensemble({ members = 1, q = { { 1 } }, p = { { 0 } }, steps = 1 }):summary "q1" end)
 local function run(more)

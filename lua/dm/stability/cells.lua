@@ -91,16 +91,12 @@ local function has_jumped(s, i, kinetic)
 end
 
 -- the same from early on: at no row of the second half is the energy near its start, and nearly all of the motion is that error
-local function left_at_once(s, i, K, rows_of)
+local function left_at_once(s, i, K)
   local error = max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
-  if not K or not (2 * error > abs(K.first[i])) then return false end
-  local rows, nearest, least, largest = rows_of(i), huge, huge, -huge
-  for k = max(2, #rows // 2), #rows do
-    nearest, least, largest = min(nearest, abs(rows[k] - s.first[i])), min(least, rows[k]), max(largest, rows[k])
-  end
-  if nearest == huge then return false end
+  local nearest = s.nearest[i]
+  if not K or not (2 * error > abs(K.first[i])) or not (nearest < huge) then return false end
   -- it flew off: nothing acts on it any more, and the energy does not change
-  if nearest > 0.9 * error and largest - least < STILL * error then return true end
+  if nearest > 0.9 * error and s.span[i] < STILL * error then return true end
   return error > abs(K.first[i]) and 2 * error > K.largest[i] and 2 * nearest > error
 end
 
@@ -111,8 +107,8 @@ end
 
 local function finite(x) return x == x and abs(x) < huge and x or nil end
 
--- the class by what the rows show; sums: summaries by column; rows_of(i): the rows of what is watched
-local function look(map, cell, sums, i, name, rows_of)
+-- the class by what the rows show; sums: summaries by column
+local function look(map, cell, sums, i, name)
   local s, K = sums[name], sums.K
   local kinetic = K and abs(K.first[i]) + K.early[i] or 0
   cell.kinetic = finite(K and max(abs(K.least[i]), K.largest[i]) or 0)
@@ -127,7 +123,7 @@ local function look(map, cell, sums, i, name, rows_of)
   end
   if name == "size" then return "bounded" end
   if is_drifting(map, s, i, kinetic, cell.steps * cell.h) then return "drifting" end
-  if name == "energy" and (has_jumped(s, i, kinetic) and is_much(s, K, i) or left_at_once(s, i, K, rows_of)) then return "off" end
+  if name == "energy" and (has_jumped(s, i, kinetic) and is_much(s, K, i) or left_at_once(s, i, K)) then return "off" end
   return "bounded"
 end
 
@@ -169,10 +165,9 @@ local function base_pass(map, system, rule, cells, rows)
     sums[column] = sums[column] or e:summary(column)
   end
   local tied = system.given.constraint ~= nil or system.given.rolling ~= nil
-  local function rows_of(i) return e:path(i):column(name) end
   for i, cell in ipairs(cells) do
     cell.steps, cell.code, cell.growth = steps[i], status[i], nil
-    local class = status[i] == "stopped" and "not run" or look(map, cell, sums, i, name, rows_of)
+    local class = status[i] == "stopped" and "not run" or look(map, cell, sums, i, name)
     if status[i] ~= "ok" and class ~= "left" then class = of_failure(status[i], tied) end
     if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then class = "no start" end
     cell.class = NUMBER[class]
