@@ -64,6 +64,27 @@ local function lift_lagrangian(L, n)
   end
 end
 
+-- a copy of params with the numbers of these names from list[first + 1] on
+local function with_numbers(params, names, list, first)
+  local out = {}
+  for key, value in pairs(params) do out[key] = value end
+  for i, name in ipairs(names) do out[name] = list[first + i] end
+  return out
+end
+
+-- the same with parameters of these names left open: to the derivative they are coordinates more
+local function lift_open(L, n, params, names)
+  local function all(q, v, t) return L(part(q, 0, n), v, t, with_numbers(params, names, q, n)) end
+  local slope, many = require "dm.core".derivative(all, n + #names, n, "number"), #names
+  return function(x, y, t, P)
+    local values = {}
+    for i, name in ipairs(names) do values[i] = P[name] end
+    local g, sum = slope(joined(part(x, 0, n), values), part(y, 0, n), t), 0
+    for k = 1, n do sum = sum + g[k] * x[n + k] + g[n + many + k] * y[n + k] end
+    return sum
+  end
+end
+
 -- reactions along (E, 0) for the change of phi, and along (dE, E) for phi itself
 local function lift_reaction(E, n)
   local lifted = with_change(E, n)
@@ -105,11 +126,13 @@ local function reaction_rows(given, phi, n)
   end
 end
 
---- The prolonged system of a dm.system, on R^(2n).
-function M.system(system)
+--- The prolonged system of a dm.system, on R^(2n). names: parameters that it has, too, where L alone makes the system; all others
+-- are the numbers that they are.
+function M.system(system, names)
   local core = require "dm.core"
   local given, n = system.given, system.Q.dimension
   local params = given.params
+  if names then return core.system { Q = core.R(2 * n), params = params, L = lift_open(given.L, n, params, names) } end
   local out = { Q = core.R(2 * n), L = lift_lagrangian(bound(given.L, params), n) }
   if given.constraint then
     local g = given.constraint

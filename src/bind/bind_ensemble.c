@@ -118,6 +118,7 @@ static int ensemble_field(lua_State *L) {
     if (!e->pace && strcmp(key, "t") == 0) return lua_pushnumber(L, e->t), 1;
     if (!e->pace && strcmp(key, "h") == 0) return lua_pushnumber(L, e->h), 1;
     if (strcmp(key, "lanes") == 0) return lua_pushinteger(L, e->lanes), 1;
+    if (strcmp(key, "systems") == 0) return lua_pushinteger(L, e->systems), 1;
     if (strcmp(key, "solver") == 0)
         return lua_getiuservalue(L, 1, DML_ENSEMBLE_SOLVER), 1;
     if (strcmp(key, "rows") == 0) return lua_pushboolean(L, e->rows.room > 0), 1;
@@ -260,7 +261,8 @@ void dml_open_ensemble(lua_State *L) {
         "code of dm.failure), steps[i] (finished), t, h (vectors where members "
         "have steps of their own), solver, rows (were some kept?), lanes (members that "
         "went side by side, 1: one "
-        "by one); #ensemble members",
+        "by one), systems (made for the parameters of members, 1: one kernel served "
+        "all); #ensemble members",
         meta, methods, ensemble_field);
     dml_addmethods(L, DML_SOLVER, solver_row);
 }

@@ -9,6 +9,7 @@ typedef struct {
     long members;
     uint32_t n;
     uint32_t lanes; /* members that went side by side */
+    long systems;   /* parts that were a system of their own; 1: all members */
     double t, h;
     const dm_pace *pace;   /* members with steps of their own, or NULL */
     double *state;         /* members x dm_state_size(n) */

@@ -75,6 +75,7 @@ dm_status dml_run_parts(lua_State *L, dml_part *p, const dml_varied *v, dml_part
     for (long k = 1; p->first < p->e->members && a.status == DM_OK; k++) {
         take_part(L, p, v);
         good += is_run(L, &a);
+        p->e->systems = k;
         p->first += p->count;
         give_back(L, own);
         if (k % SWEEP == 0) lua_gc(L, LUA_GCCOLLECT, 0);

@@ -200,6 +200,7 @@ static dm_status run_own(lua_State *L, const dml_part *p, void *ud) {
 static dm_status run_all(lua_State *L, dml_part *p, const dml_varied *v) {
     clock_of_run clock = {.L = L, .start = now(), .all = p->e->members};
     p->count = p->e->members;
+    p->e->systems = 1;
     dm_status status = run_alike(L, p, v, &clock);
     if (status == DM_NO_NATIVE) status = dml_run_parts(L, p, v, run_own, &clock);
     dml_progress_end(L);

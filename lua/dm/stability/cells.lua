@@ -1,38 +1,20 @@
---- Cells of a stability map: run by ensembles, and told apart by what their rows show.
+--- Cells of a stability map: run by ensembles, cells of one rule and different parameters together where one kernel serves them.
+local blame = require "dm.blame"
+local classes = require "dm.stability.classes"
 local core = require "dm.core"
 local prolong = require "dm.prolong"
 
-local M = {}
+local M = { CLASSES = classes.CLASSES, NUMBER = classes.NUMBER, compare = classes.compare }
 
-local abs, max, min, sqrt, log, huge = math.abs, math.max, math.min, math.sqrt, math.log, math.huge
+local CLASSES, NUMBER, finite = classes.CLASSES, classes.NUMBER, classes.finite
+local abs, max, min, sqrt, log = math.abs, math.max, math.min, math.sqrt, math.log
 
 local ROWS, MEMBERS = 64, 2048  -- rows of a cell; members of one ensemble
 local OTHER_ROWS, LONGER = 389, 4  -- the second look at what drifts: rows, and times the steps
-local FEWEST = 8                -- steps that show anything
-local GROWTH = 1e3              -- energy error of the last quarter over that of the first: it grows without bound
-local JUMP = 10                 -- the same where it has only gone elsewhere
-local STILL = 0.02              -- change of the energy, in parts of its error, of what flew off
 local SIGMA = 5                 -- standard errors of a slope that is one
 local REGULAR = 4               -- MEGNO: 2 on a regular orbit, exponent * t / 2 on a chaotic one
-local TIE = 1e-6                -- |g| of a constraint that is lost
 local TINY = 1e-120             -- length of the tangent vector at the start: room to grow
 local ROOM = 985                -- by e to this power
-
---- Classes: name, whether the motion is lost, what it says.
-M.CLASSES = {
-  { name = "bounded", text = "the energy error stays in its band" },
-  { name = "drifting", text = "the energy error grows steadily" },
-  { name = "chaotic", text = "neighbouring orbits separate exponentially" },
-  { name = "off", lost = true, text = "the energy has gone far elsewhere, and stays there: another motion" },
-  { name = "blow-up", lost = true, text = "the energy error grows without bound" },
-  { name = "left", lost = true, text = "the state left the region that was given as inside" },
-  { name = "no convergence", lost = true, text = "the step equation could not be solved" },
-  { name = "constraint lost", lost = true, text = "the constraints lost rank or are not kept" },
-  { name = "no start", lost = true, text = "L has no value at the start" },
-  { name = "not run", text = "stopped before" },
-}
-local NUMBER = {}
-for i, class in ipairs(M.CLASSES) do NUMBER[class.name] = i end
 
 ---- what is watched ----
 
@@ -63,103 +45,49 @@ local function watch_of(map, system)
   return out, out.y and "y" or out.size and "size" or "energy"
 end
 
----- one cell ----
+---- ensembles of cells ----
 
-local FAILED = { not_finite = "blow-up", no_convergence = "no convergence", singular = "no convergence", stopped = "not run", no_start = "no start" }
+-- A job: { map =, rule =, system =, vary = names of the parameters that differ from cell to cell, or nil }
 
-local function of_failure(code, tied)
-  if code == "singular" and tied then return "constraint lost" end
-  return FAILED[code] or "no convergence"
-end
-
-local SHARE = 0.2  -- of the kinetic energy: an error below it is one of motion that grows by itself, off the top of a hill
-
--- the energy error of the last quarter is no small part of the kinetic energy then
-local function is_much(s, K, i) return not (K and s.late[i] < SHARE * K.late[i]) end
-
--- growth of the error of y, which only an instability has: from the first to the last quarter
-local function is_growing(s, i, kinetic, free)
-  local early, late = s.early[i], s.late[i]
-  if late ~= late or s.largest[i] == huge then return true end
-  if free then return late > GROWTH ^ 2 * max(early, abs(s.first[i])) and late > 0 end
-  return late > GROWTH * early and late > kinetic and late > 1e-7 * abs(s.first[i])
-end
-
--- the energy has gone elsewhere in the middle of the run, and stays there
-local function has_jumped(s, i, kinetic)
-  return kinetic > 0 and s.late[i] > JUMP * s.early[i] and s.late[i] > kinetic and s.late[i] > 1e-6 * abs(s.first[i])
-end
-
--- the same from early on: at no row of the second half is the energy near its start, and nearly all of the motion is that error
-local function left_at_once(s, i, K)
-  local error = max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
-  local nearest = s.nearest[i]
-  if not K or not (2 * error > abs(K.first[i])) or not (nearest < huge) then return false end
-  -- it flew off: nothing acts on it any more, and the energy does not change
-  if nearest > 0.9 * error and s.span[i] < STILL * error then return true end
-  return error > abs(K.first[i]) and 2 * error > K.largest[i] and 2 * nearest > error
-end
-
-local function is_drifting(map, s, i, kinetic, T)
-  local slope = abs(s.slope[i])
-  return slope > SIGMA * s.error[i] and slope * T > map.drift * max(kinetic, 1e-6 * abs(s.first[i]))
-end
-
-local function finite(x) return x == x and abs(x) < huge and x or nil end
-
--- the class by what the rows show; sums: summaries by column
-local function look(map, cell, sums, i, name)
-  local s, K = sums[name], sums.K
-  local kinetic = K and abs(K.first[i]) + K.early[i] or 0
-  cell.kinetic = finite(K and max(abs(K.least[i]), K.largest[i]) or 0)
-  cell.error = finite(max(s.largest[i] - s.first[i], s.first[i] - s.least[i]))
-  cell.slope, cell.slope_error = finite(s.slope[i]), finite(s.error[i])
-  if sums.inside and not (sums.inside.least[i] > 0) then return "left" end
-  if sums.tie and not (sqrt(sums.tie.largest[i]) < TIE) then return "constraint lost" end
-  if cell.steps < FEWEST then return "bounded" end
-  if is_growing(s, i, kinetic, name == "size") and (name ~= "energy" or is_much(s, K, i)) then
-    if s.early[i] > 0 then cell.growth = finite((s.late[i] / s.early[i]) ^ (1 / (0.75 * max(cell.steps, 1)))) end
-    return "blow-up"
-  end
-  if name == "size" then return "bounded" end
-  if is_drifting(map, s, i, kinetic, cell.steps * cell.h) then return "drifting" end
-  if name == "energy" and (has_jumped(s, i, kinetic) and is_much(s, K, i) or left_at_once(s, i, K)) then return "off" end
-  return "bounded"
-end
-
----- many cells of one system and rule ----
-
--- positions, velocities or momenta, steps
-local function starts(map, cells)
-  local second = map.start.v and "v" or "p"
-  local out = { q = {}, h = {}, [second] = {} }
+-- positions, velocities or momenta, steps, parameters
+local function starts(job, cells)
+  local second = job.map.start.v and "v" or "p"
+  local out, q, other = { q = {}, h = {}, [second] = {} }, job.map.start.q, job.map.start[second]
   for i, cell in ipairs(cells) do
-    out.q[i], out[second][i], out.h[i] = map.start.q(cell), map.start[second](cell), cell.h
+    out.q[i], out[second][i], out.h[i] = q(cell), other(cell), cell.h
+  end
+  for _, name in ipairs(job.vary or {}) do
+    local values = {}
+    for i, cell in ipairs(cells) do values[i] = cell.values[name] end
+    out.vary = out.vary or {}
+    out.vary[name] = values
   end
   return out
 end
 
-local function ensemble(map, system, rule, cells, more)
-  local o = { members = #cells, steps = map.options.steps, t = map.options.t, t0 = map.options.t0, threads = map.options.threads,
-    project = map.options.project }
-  for key, value in pairs(more) do o[key] = value end
-  return system:solver({ rule = rule, h = 1, newton = map.options.newton, backend = map.options.backend, sums = map.options.sums }):ensemble(o)
+local function ensemble(job, system, o)
+  local given = job.map.options
+  o.members, o.t0, o.threads, o.project = #o.h, given.t0, given.threads, given.project
+  if not o.steps and not o.t then o.steps, o.t = given.steps, given.t end
+  return system:solver({ rule = job.rule, h = 1, newton = given.newton, backend = given.backend, sums = given.sums }):ensemble(o)
 end
 
--- runs and keeps what a stop on request leaves
-local function guarded(run)
-  local fine, result = pcall(run)
-  if fine then return result end
-  if type(result) ~= "string" and result.code == "stopped" and result.path then return result.path, result end
-  error(result, 0)
+-- runs and keeps what a stop on request leaves; was there a system for every cell where one was meant to serve all?
+local function guarded(job, system, o)
+  local fine, e = pcall(ensemble, job, system, o)
+  local stopped = not fine and e
+  if stopped and not (type(e) ~= "string" and e.code == "stopped" and e.path) then error(e, 0) end
+  if stopped then e = stopped.path end
+  if o.vary and e.systems > 1 then job.split = true end
+  return e, stopped or nil
 end
 
 -- class and evidence of cells from one ensemble of `rows` rows
-local function base_pass(map, system, rule, cells, rows)
-  local watch, name = watch_of(map, system)
-  local o = starts(map, cells)
+local function base_pass(job, cells, rows)
+  local system, o = job.system, starts(job, cells)
+  local watch, name = watch_of(job.map, system)
   o.watch, o.rows = watch, rows
-  local e, stopped = guarded(function() return ensemble(map, system, rule, cells, o) end)
+  local e, stopped = guarded(job, system, o)
   local sums, status, steps = {}, e.status, e.steps
   for _, column in ipairs { name, watch.K and "K" or name, watch.inside and "inside" or name, watch.tie and "tie" or name } do
     sums[column] = sums[column] or e:summary(column)
@@ -167,8 +95,8 @@ local function base_pass(map, system, rule, cells, rows)
   local tied = system.given.constraint ~= nil or system.given.rolling ~= nil
   for i, cell in ipairs(cells) do
     cell.steps, cell.code, cell.growth = steps[i], status[i], nil
-    local class = status[i] == "stopped" and "not run" or look(map, cell, sums, i, name)
-    if status[i] ~= "ok" and class ~= "left" then class = of_failure(status[i], tied) end
+    local class = status[i] == "stopped" and "not run" or classes.look(job.map, cell, sums, i, name)
+    if status[i] ~= "ok" and class ~= "left" then class = classes.of_failure(status[i], tied) end
     if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then class = "no start" end
     cell.class = NUMBER[class]
   end
@@ -176,26 +104,26 @@ local function base_pass(map, system, rule, cells, rows)
 end
 
 -- cells that are lost by what their rows show, not by a failure, are looked at with other rows, which no beat of the orbit fits as well
-local function other_look(map, system, rule, all)
+local function other_look(job, all)
   local cells = {}
   for _, cell in ipairs(all) do
     if cell.code == "ok" and (cell.class == NUMBER.off or cell.class == NUMBER["blow-up"]) then cells[#cells + 1] = cell end
   end
-  if #cells > 0 then return base_pass(map, system, rule, cells, OTHER_ROWS) end
+  if #cells > 0 then return base_pass(job, cells, OTHER_ROWS) end
 end
 
 -- cells that drift are looked at for LONGER, with other rows: what was a part of a slow oscillation, or a beat of the orbit with its
 -- rows, has another slope then; what is damped away does not come back
-local function second_look(map, system, rule, all)
-  local cells, column = {}, nil
+local function second_look(job, all)
+  local cells, given, column = {}, job.map.options, nil
   for _, cell in ipairs(all) do
     if cell.class == NUMBER.drifting then cells[#cells + 1] = cell end
   end
   if #cells == 0 then return end
-  local o = starts(map, cells)
-  o.watch, column = watch_of(map, system)
-  o.rows, o.steps, o.t = OTHER_ROWS, map.options.steps and LONGER * map.options.steps, map.options.t and LONGER * map.options.t
-  local e, stopped = guarded(function() return ensemble(map, system, rule, cells, o) end)
+  local o = starts(job, cells)
+  o.watch, column = watch_of(job.map, job.system)
+  o.rows, o.steps, o.t = OTHER_ROWS, given.steps and LONGER * given.steps, given.t and LONGER * given.t
+  local e, stopped = guarded(job, job.system, o)
   local s = e:summary(column)
   for i, cell in ipairs(cells) do
     local slope = s.slope[i]
@@ -208,6 +136,8 @@ local function second_look(map, system, rule, all)
   end
   return stopped
 end
+
+---- chaos ----
 
 -- a tangent vector without symmetry: of positions, and of velocities or momenta
 local function tangent_start(n)
@@ -229,22 +159,19 @@ local function growth_of(n)
   end
 end
 
--- growth of a tangent vector in the cells that are not lost
-local function chaos_pass(map, system, rule, all)
-  local n, cells = system.Q.dimension, {}
-  for _, cell in ipairs(all) do
-    if not M.CLASSES[cell.class].lost and cell.class ~= NUMBER["not run"] then cells[#cells + 1] = cell end
+-- starts of the prolonged system: the momentum of u is p, that of q the varied one (dm.prolong)
+local function lifted_starts(job, cells)
+  local o, u, w = starts(job, cells), tangent_start(job.system.Q.dimension)
+  for i = 1, #cells do
+    o.q[i] = prolong.joined(o.q[i], u)
+    if o.v then o.v[i] = prolong.joined(o.v[i], w) else o.p[i] = prolong.joined(w, o.p[i]) end
   end
-  if #cells == 0 then return end
-  local u, w = tangent_start(n)
-  local given = starts(map, cells)
-  local o = { q = {}, v = given.v and {}, p = given.p and {} }
-  for i = 1, #cells do  -- the momentum of u is p, that of q the varied one (dm.prolong)
-    o.q[i] = prolong.joined(given.q[i], u)
-    if o.v then o.v[i] = prolong.joined(given.v[i], w) else o.p[i] = prolong.joined(w, given.p[i]) end
-  end
-  o.h, o.rows, o.watch = given.h, ROWS, { growth = growth_of(n) }
-  local e, stopped = guarded(function() return ensemble(map, prolong.system(system), rule, cells, o) end)
+  o.rows, o.watch = ROWS, { growth = growth_of(job.system.Q.dimension) }
+  return o
+end
+
+-- exponent and MEGNO of cells from one ensemble
+local function measure_growth(e, cells)
   local s, steps = e:summary "growth", e.steps
   for i, cell in ipairs(cells) do
     if e.status[i] ~= "stopped" and steps[i] > 0 then
@@ -255,33 +182,36 @@ local function chaos_pass(map, system, rule, all)
       if cell.megno > REGULAR and cell.exponent > 0 and cell.class ~= NUMBER.drifting then cell.class = NUMBER.chaotic end
     end
   end
+end
+
+-- growth of a tangent vector in the cells that are not lost
+local function chaos_pass(job, all)
+  local cells = {}
+  for _, cell in ipairs(all) do
+    if not CLASSES[cell.class].lost and cell.class ~= NUMBER["not run"] then cells[#cells + 1] = cell end
+  end
+  if #cells == 0 then return end
+  job.lifted = job.lifted or prolong.system(job.system, job.vary)
+  local e, stopped = guarded(job, job.lifted, lifted_starts(job, cells))
+  measure_growth(e, cells)
   return stopped
 end
 
-local FAR = 1e3  -- energy error over the kinetic energy of the same motion with a smaller step
+---- jobs ----
 
---- A growth that ended early, where a nonlinear force holds it, shows beside a bounded cell of smaller step: its energy error is far above the
--- kinetic energy there, which grows with the duration squared at most.
-function M.compare(cell, smaller)
-  local class = M.CLASSES[cell.class].name
-  if M.CLASSES[cell.class].lost or class == "not run" or not (cell.error and smaller.kinetic and smaller.kinetic > 0) then return end
-  local ratio = max(1, cell.steps * cell.h / (max(smaller.steps, 1) * smaller.h))
-  if cell.error > FAR * smaller.kinetic * ratio ^ 2 then cell.class = NUMBER.off end
-end
-
-local function all_passes(map, system, part, chaos)
-  local rule = map.rule_list[part[1].rule]
-  local stopped = base_pass(map, system, rule, part, ROWS) or other_look(map, system, rule, part) or second_look(map, system, rule, part)
-  if not stopped and chaos then stopped = chaos_pass(map, system, rule, part) end
-  map.started = true
+local function all_passes(job, part, chaos)
+  local stopped = base_pass(job, part, ROWS) or other_look(job, part) or second_look(job, part)
+  if not stopped and chaos then stopped = chaos_pass(job, part) end
+  job.map.started = true
   return stopped
 end
 
 local REFUSALS = 64  -- starts that are refused, with none that is not, before that is an error of all
 
 -- a start that is refused (L is infinite there, say) is that of one cell: the others run without it
-local function run_part(map, system, part, chaos)
-  local fine, result = pcall(all_passes, map, system, part, chaos)
+local function run_part(job, part, chaos)
+  local map = job.map
+  local fine, result = pcall(all_passes, job, part, chaos)
   if fine then return result end
   map.refused = (map.refused or 0) + 1
   if type(result) ~= "string" or not map.started and map.refused > REFUSALS or map.count == 1 then error(result, 0) end
@@ -290,42 +220,102 @@ local function run_part(map, system, part, chaos)
     return nil
   end
   local half = #part // 2
-  return run_part(map, system, table.move(part, 1, half, 1, {}), chaos) or run_part(map, system, table.move(part, half + 1, #part, 1, {}), chaos)
+  return run_part(job, table.move(part, 1, half, 1, {}), chaos) or run_part(job, table.move(part, half + 1, #part, 1, {}), chaos)
 end
 
--- cells of one group in parts that fit into memory
-local function run_group(map, group, chaos)
-  table.sort(group, function(a, b)
-    if a.h ~= b.h then return a.h < b.h end
-    return a.number < b.number
-  end)
-  local system = map.system_of(group[1])
-  for from = 1, #group, MEMBERS do
-    local stopped = run_part(map, system, table.move(group, from, math.min(from + MEMBERS - 1, #group), 1, {}), chaos)
+-- neighbours of one step go side by side
+local function by_step(a, b)
+  if a.h ~= b.h then return a.h < b.h end
+  return a.number < b.number
+end
+
+-- cells of one job in parts that fit into memory; what stopped it, or the cells that are left when it is seen to need a system for each
+local function run_job(job, cells, chaos)
+  table.sort(cells, by_step)
+  for from = 1, #cells, MEMBERS do
+    local last = min(from + MEMBERS - 1, #cells)
+    local stopped = run_part(job, table.move(cells, from, last, 1, {}), chaos)
     if stopped then return stopped end
+    if job.split then return nil, table.move(cells, last + 1, #cells, 1, {}) end
   end
+end
+
+-- lists of cells by what f says of them, in the order in which that is said first
+local function grouped(cells, f)
+  local by, order = {}, {}
+  for _, cell in ipairs(cells) do
+    local key = f(cell)
+    if not by[key] then
+      by[key] = {}
+      order[#order + 1] = by[key]
+    end
+    table.insert(by[key], cell)
+  end
+  return order
+end
+
+-- what decides how cells are watched and stepped, beside the numbers of their parameters: cells that agree in it may have one kernel
+local function family_of(map, cell)
+  local key = map.key_of(cell)
+  if not map.base or #map.used == 0 then return key end
+  if not map.families[key] then
+    local fine, s = pcall(function() return map.system_of(cell):structure() end)
+    if not fine and blame.is_stop(s) then error(s, 0) end
+    map.families[key] = fine and table.concat({ tostring(s.separable), tostring(s.autonomous), tostring(s.linear_in_v), tostring(s.constant_mass) }, " ") or key
+  end
+  return map.families[key]
+end
+
+-- does one kernel serve two cells of different parameters, and their tangent vectors?
+local function is_shared(map, rule, cells, chaos)
+  local job = { map = map, rule = rule, system = map.system_of(cells[1]), vary = map.used }
+  local fine, e = pcall(function()
+    local o = starts(job, cells)
+    o.steps = 1
+    local first = ensemble(job, job.system, o)
+    if not chaos or first.systems > 1 then return first end
+    o = lifted_starts(job, cells)
+    o.steps = 1
+    return ensemble(job, prolong.system(job.system, map.used), o)
+  end)
+  if not fine and blame.is_stop(e) then error(e, 0) end
+  return fine and e.systems == 1
+end
+
+-- cells of one family of several systems for which one kernel does
+local function are_shared(map, rule, cells, chaos)
+  local key = map.key_of(cells[1])
+  for _, other in ipairs(cells) do
+    if map.key_of(other) ~= key then return is_shared(map, rule, { cells[1], other }, chaos) end
+  end
+  return false
+end
+
+-- cells of one system, or (shared) of one family; after all in systems of their own what is left where one kernel does not do
+local function run_group(map, cells, chaos, shared)
+  local rule = map.rule_list[cells[1].rule]
+  local stopped, left = run_job({ map = map, rule = rule, system = map.system_of(cells[1]), vary = shared and map.used or nil }, cells, chaos)
+  for _, group in ipairs(not stopped and left and grouped(left, map.key_of) or {}) do
+    stopped = stopped or run_group(map, group, chaos)
+  end
+  return stopped
 end
 
 --- Run cells { number =, rule = (its number), h =, values = { name = } } and fill in their class and its evidence; what a stop
 -- on request was, or nothing.
 function M.run(map, cells, chaos)
-  local groups, order = {}, {}
+  local shared = {}
   for _, cell in ipairs(cells) do
-    local key = cell.rule .. "/" .. map.key_of(cell)
-    if not groups[key] then
-      groups[key] = {}
-      order[#order + 1] = key
-    end
-    local group = groups[key]
-    group[#group + 1] = cell
-    cell.class = NUMBER["not run"]
+    cell.class, cell.family = NUMBER["not run"], cell.rule .. "/" .. family_of(map, cell)
   end
-  for _, key in ipairs(order) do
-    local stopped = run_group(map, groups[key], chaos)
+  for _, family in ipairs(grouped(cells, function(cell) return cell.family end)) do
+    shared[family[1].family] = are_shared(map, map.rule_list[family[1].rule], family, chaos)
+  end
+  local function group_of(cell) return shared[cell.family] and cell.family or cell.rule .. "/" .. map.key_of(cell) end
+  for _, group in ipairs(grouped(cells, group_of)) do
+    local stopped = run_group(map, group, chaos, shared[group[1].family])
     if stopped then return stopped end
   end
 end
-
-M.NUMBER = NUMBER
 
 return M

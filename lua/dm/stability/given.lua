@@ -19,7 +19,7 @@ end
 
 local function is_system(x) return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.system" end
 
--- system_of(cell), and the parameters that it depends on
+-- system_of(cell), and the parameters that it depends on; map.base: the system whose params these are
 local function make_systems(map, system, names)
   if type(system) == "function" then
     local make, used = axes.bind("system", system, names)
@@ -34,12 +34,13 @@ local function make_systems(map, system, names)
   for _, name in ipairs(names) do
     if type(system.params) == "table" and type(system.params[name]) == "number" then used[#used + 1] = name end
   end
+  map.base = system
   if #used == 0 then return function() return system end, used end
   return function(cell) return with_params(system, cell.values, used) end, used
 end
 
 local function make_start(map, what, given, names, uses)
-  local function list(x, cell) return starts.list(x, map.system_of(cell), what) end
+  local function list(x, cell) return starts.list(x, map.base or map.system_of(cell), what) end
   if type(given) ~= "function" then return function(cell) return list(given, cell) end end
   local f, used = axes.bind(what, given, names)
   for _, name in ipairs(used) do uses[name] = true end
@@ -54,12 +55,13 @@ local function make_key(used)
   end
 end
 
---- map.system_of(cell), map.key_of(cell) (cells of one key have one system) and map.start.q, .v, .p of a cell.
+--- map.system_of(cell), map.key_of(cell) (cells of one key have one system), map.used (the parameters that it depends on) and
+-- map.start.q, .v, .p of a cell.
 function M.read(map, options, names)
   local of, used = make_systems(map, options.system or options[1], names)
   local uses, last, kept = {}, nil, nil
   for _, name in ipairs(used) do uses[name] = true end
-  map.key_of = make_key(used)
+  map.key_of, map.used, map.families = make_key(used), used, {}
   map.system_of = function(cell)
     local key = map.key_of(cell)
     if key ~= last then last, kept = key, of(cell) end
