@@ -1,6 +1,8 @@
 --- Errors name the line of the script that called, not a line inside these modules.
 local explain = require "dm.missed".explain
 
+local getinfo = debug.getinfo
+
 local M = {}
 
 -- positions that error and C functions put in front, inside lua/dm
@@ -86,13 +88,32 @@ local function relay(fine, ...)
   local what = ...
   if fine or type(what) ~= "string" then return finish(nil, nil, fine, ...) end
   if what:find(PLACE) and not what:find(INSIDE) then error(what, 0) end
-  local method = what:match "bad argument #1 to '(%w+)' %(dm%."
-  return finish(nil, nil, fine, method and ("%s; a method is called with a colon, x:%s(...)"):format(what, method) or what)
+  return finish(nil, nil, fine, what)
 end
 
---- f, which calls a method written in C, with the position of its caller in place of one inside these modules.
-function M.relay(f)
-  return function(...) return relay(xpcall(f, explain, ...)) end
+-- was the method `call` called with a colon? A tail call, as that of a session, hides it: a colon is likelier
+local function has_colon(call)
+  for level = 3, 100 do
+    local info = getinfo(level, "fnt")
+    if not info then return false end
+    if info.func == call then return info.namewhat == "method" or info.istailcall end
+  end
+end
+
+--- f, which calls the method `name` written in C, with the position of its caller in place of one inside these modules, and
+-- arguments counted from the first one behind the colon, as Lua does where C is called directly.
+function M.relay(f, name)
+  local bad = "bad argument #(%d+) to '" .. name .. "'"
+  local call
+  local function look(what)
+    what = explain(what)
+    local number = type(what) == "string" and tonumber(what:match(bad))
+    if number == 1 then return ("%s; a method is called with a colon, x:%s(...)"):format(what, name) end
+    if not number or not has_colon(call) then return what end
+    return (what:gsub(bad, ("bad argument #%d to '%s'"):format(number - 1, name), 1))
+  end
+  call = function(...) return relay(xpcall(f, look, ...)) end
+  return call
 end
 
 --- The function `name` of a module that is loaded when the function is first called.

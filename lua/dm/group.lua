@@ -280,7 +280,7 @@ local function also_of_actions(class, other, signature)
     local meta = type(action) == "table" and getmetatable(action)
     if not meta or meta.__name ~= "dm.action" then return momentum(object, action, ...) end
     return other(object, action, ...)
-  end), doc)
+  end, "momentum"), doc)
 end
 
 -- J of a point of one or several blocks of the size the action has
@@ -305,7 +305,8 @@ also_of_actions("dm.path", blame.caller(function(path, action)
 end), "path:momentum(action)")
 
 also_of_actions("dm.discrete_lagrangian", blame.caller(function(Ld, action, q0, q1)
-  return blockwise(action, core.vector(q1), Ld:legendre_plus(q0, q1))
+  local p1 = Ld:legendre_plus(q0, q1)  -- checks the points
+  return blockwise(action, core.vector(q1), p1)
 end), "Ld:momentum(action, q0, q1)")
 
 return M

@@ -1,55 +1,14 @@
 --- help, apropos, who: what the docs of the registration rows say, asked from a session.
-local blame = require "dm.blame"
 local core = require "dm.core"
+local layout = require "dm.help.text"
+local search = require "dm.help.apropos"
 
-local M = {}
+local M = { apropos = search.apropos }
 
 local docs = core.docs
 
-local function first_line(doc) return doc:match("^[^\n]*") end
-
-local function write(...) print(table.concat({ ... })) end
-
-local function text_width() return math.min(core.terminal().width, 100) - 2 end
-
--- a long line of prose in lines of at most `width` characters
-local function wrapped(text, width, indent)
-  local lines, line = {}, nil
-  for word in text:gmatch "%S+" do
-    if line and #line + 1 + #word > width then
-      lines[#lines + 1], line = line, nil
-    end
-    line = line and line .. " " .. word or indent .. word
-  end
-  lines[#lines + 1] = line
-  return table.concat(lines, "\n")
-end
-
--- the lines of a doc, a sentence that goes on in the next line in one
-local function paragraphs(doc)
-  local lines = {}
-  for line in (doc .. "\n"):gmatch "(.-)\n" do
-    local before = lines[#lines]
-    if #lines > 1 and before:find "[%w,;=%)%]]$" and not before:find("->", 1, true) then
-      lines[#lines] = before .. " " .. line
-    else
-      lines[#lines + 1] = line
-    end
-  end
-  return lines
-end
-
--- the signature, then the rest wrapped to the terminal
-local function shown_doc(doc)
-  local width, lines = text_width(), paragraphs(doc)
-  for i = 2, #lines do lines[i] = wrapped(lines[i], width, "  ") end
-  return table.concat(lines, "\n")
-end
-
-local function sorted(list)
-  table.sort(list)
-  return list
-end
+local first_line, write, wrapped, shown_doc = layout.first_line, layout.write, layout.wrapped, layout.doc
+local text_width, sorted = layout.width, layout.sorted
 
 ---- names of the standard library ----
 
@@ -162,54 +121,29 @@ function topics.classes()
   write("classes:\n", table.concat(sorted(lines), "\n"))
 end
 
+function topics.demos() search.demos() end
+
+function topics.examples()
+  if search.examples() == 0 then write "the examples did not come with this dmlua: docs/examples.md of its source has them" end
+end
+
+function topics.failures()
+  search.failures()
+  write "?dm.failure has its fields; ensemble:failures() lists the members that failed"
+end
+
 function topics.topics()
   write [[
 ?x or help(x)      on a function, value, class or name: ?dm.solver, ?path.drift, ?dm.path
 help(dm)           everything that dm has
 ?classes ?rules    the kinds of values; the rules of solvers
+?demos ?examples   what can be run to see how things are done
+?failures          what the codes of a dm.failure mean, and what to try
 ?keys ?options     keys and commands of a session; the command line
-apropos "word"     every doc that mentions the word
+apropos "word"     every doc, demonstration, example and failure that mentions the word
 who()              the globals of this session
 demo()             guided demonstrations]]
 end
-
----- apropos ----
-
--- name -> doc of everything documented
-local function all_docs()
-  load_all(require "dm")
-  local found = {}
-  for key, doc in pairs(docs) do
-    if type(key) == "string" then
-      found[first_line(doc)] = doc
-    elseif type(doc) == "string" then
-      found[first_line(doc)] = doc
-    end
-  end
-  for line in pairs(found) do  -- the doc of a method that was replaced by one that can do more
-    for other in pairs(found) do
-      if #other > #line and other:sub(1, #line + 3) == line .. "   " then found[line] = nil end
-    end
-  end
-  return found
-end
-
-local doc_apropos = [[
-apropos(word)
-List every documented name whose doc mentions the word, capitals or not.]]
-
-M.apropos = blame.caller(function(word)
-  if type(word) ~= "string" or word == "" then
-    error(("apropos: a word is needed, apropos \"energy\" (got %s)"):format(word == "" and "none" or type(word)), 0)
-  end
-  local lines = {}
-  for line, doc in pairs(all_docs()) do
-    local ours = line:find "^core%."  -- for modules, not for sessions
-    if not ours and doc:lower():find(word:lower(), 1, true) then lines[#lines + 1] = line end
-  end
-  if #lines == 0 then return write(("nothing mentions %q; ?topics lists where to look"):format(word)) end
-  write(table.concat(sorted(lines), "\n"))
-end)
 
 ---- help ----
 
@@ -225,7 +159,7 @@ local function as_written(name)
   local owner, method = name:match "^([%a_]+)[.:]([%w_]+)$"
   if not owner then return nil end
   local start = owner .. ":" .. method
-  for line, doc in pairs(all_docs()) do
+  for line, doc in pairs(search.docs()) do
     if line:sub(1, #start) == start and line:find("^[%({]", #start + 1) then return doc end
   end
 end
@@ -233,7 +167,7 @@ end
 -- "routh", "plot": the functions and methods of that name: their docs, where they are few, else their signatures; or nothing
 local function of_name(name)
   local found, lines, MOST = {}, {}, 3
-  for line, doc in pairs(name:find "^[%a_][%w_]*$" and all_docs() or {}) do
+  for line, doc in pairs(name:find "^[%a_][%w_]*$" and search.docs() or {}) do
     local owner, own = line:match "^([%a_]+)[.:]([%w_]+)[%({]"
     if own == name and owner ~= "core" then found[#found + 1], lines[#lines + 1] = shown_doc(doc), line end
   end
@@ -261,7 +195,7 @@ local function help_name(name)
   if docs["dm." .. name] then return help_name("dm." .. name) end
   local same = of_name(name)
   if same then return write(same) end
-  M.apropos(name)
+  if not search.about(name) then M.apropos(name) end
 end
 
 -- a group: what its elements look like
@@ -275,7 +209,8 @@ end
 local doc_help = [[
 help(x)
 What x is: the doc of a function, the class and methods of a value, the content of a table; for a string
-a topic ("keys", "options", "rules", "classes"), a class ("dm.path"), a name ("solver.run") or a rule.]]
+a topic ("keys", "options", "rules", "classes", "demos", "examples", "failures"), a class ("dm.path"), a name ("solver.run"), a rule, a code of
+a failure ("no_convergence"), a demonstration or an example.]]
 
 function M.help(...)
   if select("#", ...) == 0 then return topics.topics() end
@@ -333,7 +268,7 @@ function M.who()
   if #names == 0 then write "no globals yet" end
 end
 
-docs[M.help], docs[M.apropos], docs[M.who] = doc_help, doc_apropos, doc_who
+docs[M.help], docs[M.who] = doc_help, doc_who
 
 --- The globals of a session; names that are taken stay. who() tells of what comes later.
 function M.open()

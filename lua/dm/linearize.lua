@@ -40,6 +40,9 @@ local function check_plain(system, what)
   if given.constraint or given.rolling or given.force then
     error(what .. ": for systems without constraints and forces; solver:multipliers has the tangent map of any", 0)
   end
+  if system:structure().linear_in_v then
+    error(what .. ": L has no term quadratic in v, so that no acceleration follows from it: its equations are not of second order", 0)
+  end
 end
 
 local function describe(rates, frequencies)

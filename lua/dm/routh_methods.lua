@@ -128,7 +128,7 @@ local function of_rule(system, options)
   return solver(system, options)
 end
 
-core.method("dm.system", "solver", blame.relay(of_rule), core.docs[solver] .. [[
+core.method("dm.system", "solver", blame.relay(of_rule, "solver"), core.docs[solver] .. [[
 
 Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps as `rule`, whose p is s + mu A.]])
 
@@ -141,7 +141,7 @@ local function guarded(solver, options)
   return run(solver, options)
 end
 
-core.method("dm.solver", "run", blame.relay(guarded), core.docs[run] .. [[
+core.method("dm.solver", "run", blame.relay(guarded, "run"), core.docs[run] .. [[
 
 A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes; also raised where a step jumped through such a shape), "pole" or
 "edge" of the coordinates.]])

@@ -38,6 +38,9 @@ local function check(shape, what, options)
     local fine, count = pcall(function() return #ends[key] end)
     if type(ends[key]) == "string" or not fine or count ~= info.d then error(("slice: option '%s' must be a shape, %d numbers"):format(key, info.d), 0) end
   end
+  if what == "curvature" and info.d < 2 then
+    error("slice: a shape of one coordinate has no curvature: it is a two-form, and needs two directions", 0)
+  end
   local points = options.points or 200
   if math.type(points) ~= "integer" or points < 2 then error("slice: 'points' must be a whole number from 2 on", 0) end
   return info, points, core.vector(ends.from), core.vector(ends.to)

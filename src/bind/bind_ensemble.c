@@ -145,11 +145,15 @@ static long count_failed(const ensemble *e) {
     return failed;
 }
 
-/* why member i of the ensemble at 1 has no start, or nil */
-static void push_message(lua_State *L, long i) {
-    if (lua_getiuservalue(L, 1, DML_ENSEMBLE_MESSAGES) != LUA_TTABLE) return;
-    lua_rawgeti(L, -1, i + 1);
-    lua_remove(L, -2);
+/* why member i of the ensemble at 1 has no start, else what its status means */
+static void push_message(lua_State *L, long i, dm_status status) {
+    if (lua_getiuservalue(L, 1, DML_ENSEMBLE_MESSAGES) == LUA_TTABLE) {
+        lua_rawgeti(L, -1, i + 1);
+        lua_remove(L, -2);
+    }
+    if (lua_type(L, -1) == LUA_TSTRING) return;
+    lua_pop(L, 1);
+    lua_pushstring(L, dm_status_text(status));
 }
 
 /* e:failures() -> { {member =, code =, step =}, ... } */
@@ -165,7 +169,7 @@ static int ensemble_failures(lua_State *L) {
         lua_pushstring(L, dm_status_code(e->member[i].status)),
             lua_setfield(L, -2, "code");
         lua_pushinteger(L, e->member[i].steps + 1), lua_setfield(L, -2, "step");
-        push_message(L, i);
+        push_message(L, i, e->member[i].status);
         lua_setfield(L, -2, "message");
         lua_rawseti(L, -2, ++count);
     }

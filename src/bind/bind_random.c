@@ -34,7 +34,8 @@ static int random_uniform(lua_State *L) {
     const uint64_t seed = seed_of(L), i = (uint64_t)luaL_checkinteger(L, 2);
     const uint32_t k = check_place(L);
     const double a = check_finite(L, 4, 0.0), b = check_finite(L, 5, a + 1.0);
-    luaL_argcheck(L, lua_isnoneornil(L, 4) == lua_isnoneornil(L, 5), 5,
+    luaL_argcheck(L, lua_isnoneornil(L, 4) == lua_isnoneornil(L, 5),
+                  lua_isnoneornil(L, 4) ? 4 : 5,
                   "give both ends of the interval or none");
     const double x = dm_random_uniform(seed, i, k);
     lua_pushnumber(L, a * (1.0 - x) + b * x);

@@ -114,6 +114,9 @@ static int system_velocity(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "p");
     dml_model *m = dml_pushlast(L, 1, NULL);
+    if (m->model.structure & DM_NO_VELOCITY)
+        luaL_error(L, "no velocity has this momentum: L has no velocity in it, so that "
+                      "p = dL/dv is 0");
     if (m->model.structure & DM_LINEAR_IN_V)
         luaL_error(L, "no velocity has this momentum: L is linear in v, so that p = "
                       "dL/dv does not depend on v");
@@ -219,9 +222,10 @@ static int system_tostring(lua_State *L) {
     if (s->hyperdual)
         luaL_addstring(&b, "L on hyper-dual numbers");
     else {
-        luaL_addstring(&b, bits & DM_LINEAR_IN_V ? "linear in v, "
-                           : bits & DM_SEPARABLE ? "separable, "
-                                                 : "not separable, ");
+        luaL_addstring(&b, bits & DM_NO_VELOCITY   ? "no velocity in L, "
+                           : bits & DM_LINEAR_IN_V ? "linear in v, "
+                           : bits & DM_SEPARABLE   ? "separable, "
+                                                   : "not separable, ");
         if (!(bits & DM_LINEAR_IN_V))
             luaL_addstring(&b, bits & DM_CONSTANT_MASS ? "constant mass, "
                                                        : "mass depends on the state, ");

@@ -14,7 +14,8 @@ typedef struct {
     int constraint,
         rolling; /* from 1: the one that depends on the others there, 0: none */
     const char *rule;
-    const char *root; /* why an implicit function had no value, "; ...", or NULL */
+    const char *
+        root; /* why an implicit function had no value, "; ...", what the method knows, or NULL */
 } dml_failure;
 
 /* Raise a dm.failure {code, step, time, residual, iterations, rule, message, path}; the

@@ -96,6 +96,12 @@ static void keep_report(const dml_stepping *r, long steps, double seconds) {
         .rolling = report->rolling};
 }
 
+/* what the method itself knows of it, or NULL */
+static const char *why_of(const dml_stepping *r, dm_status status) {
+    dm_stepper s = r->stepper;
+    return s.method->why ? s.method->why(&s, r->state, status) : NULL;
+}
+
 void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done,
                      int path) {
     const solver *s = r->solver;
@@ -104,6 +110,7 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
     const char *rule = lua_tostring(L, -1);
     const dm_ties *ties = r->model->model.ties;
+    const char *trouble = dml_modeltrouble(L, r->model);
     const int tie = r->stepper.report.tie, rolls = ties && tie > (int)ties->holonomic;
     const dml_failure f = {.constraint = rolls ? 0 : tie,
                            .rolling = rolls ? tie - (int)ties->holonomic : 0,
@@ -113,7 +120,7 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
                            .h = s->h,
                            .residual = r->stepper.report.residual,
                            .iterations = r->stepper.report.iterations,
-                           .root = dml_modeltrouble(L, r->model),
+                           .root = *trouble ? trouble : why_of(r, status),
                            .rule = rule};
     dml_fail(L, &f, path);
 }

@@ -67,6 +67,11 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                    ? dml_pushlast(L, r->system, backend_name(L))
                    : dml_pushmodel(L, r->system);
     r->model_at = lua_gettop(L);
+    if (r->model->model.structure & DM_NO_VELOCITY)
+        luaL_error(
+            L,
+            "L has no velocity in it, so that nothing moves: L(q, v) needs terms in v, "
+            "such as m*v:dot(v)/2 with m not 0");
     if (r->model->model.structure & DM_LINEAR_IN_V &&
         !(s->method->traits & (DM_DEGENERATE | DM_FOR_PAIRS)))
         luaL_error(L,

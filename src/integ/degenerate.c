@@ -350,6 +350,15 @@ static dm_status step(dm_stepper *stepper, double *state, double t) {
     return status;
 }
 
+static const char *why(dm_stepper *stepper, const double *state, dm_status status) {
+    (void)stepper, (void)state;
+    if (status != DM_SINGULAR) return NULL;
+    return "the two-form d alpha of L = alpha(q) . v - H(q) is singular there, so that "
+           "the "
+           "motion is not determined: is alpha more than the gradient of a function, has "
+           "every coordinate a partner?";
+}
+
 const dm_method dm_method_degenerate = {
     .name = "degenerate",
     .signature = "degenerate(s [, free])",
@@ -370,4 +379,5 @@ const dm_method dm_method_degenerate = {
     .work = work,
     .open = open,
     .step = step,
+    .why = why,
 };

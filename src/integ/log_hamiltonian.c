@@ -202,11 +202,31 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
     return dm_advance_by_step(s, state, t, count, done);
 }
 
+/* U = -V at the state of the step; T + B = U on the orbit's own energy, so that its fall is what ends a step */
+static const char *why(dm_stepper *s, const double *state, dm_status status) {
+    const dm_model *m = s->model;
+    double *x = s->work + table_size(), *well = x + 2 * m->n + 1;
+    if (status != DM_NOT_FINITE) return NULL;
+    memcpy(x, state, m->n * sizeof *x);
+    dm_kernel_eval(&m->well, x, well);
+    if (well[0] <= 0.0)
+        return "this rule needs an attracting well, V < 0 in L = T(v) - V(q), and there "
+               "V "
+               ">= 0: take another rule (verlet, gauss(s)), or, where V has a bound on "
+               "the orbit, add a constant to L, which changes no motion";
+    if (isfinite(well[0]))
+        return "the potential V rises to 0 or beyond within the step, and this rule "
+               "needs "
+               "an attracting well, V < 0: try a smaller step, another rule, or add a "
+               "constant to L, which changes no motion";
+    return NULL;
+}
+
 const dm_method dm_method_log_hamiltonian = {
     .name = "log-hamiltonian",
     .signature = "log-hamiltonian(composition)",
     .doc = "Splitting of the logarithmic Hamiltonian in a fictitious time s, for "
-           "attracting V < 0: small steps of t "
+           "attracting V < 0 along the orbit: small steps of t "
            "near a centre, the two-body orbit exact but for its timing. h is the step of "
            "s; dt is about h/|V|. "
            "composition: verlet (the default), kahan-li(8) ... Mikkola & Tanikawa 1999; "
@@ -224,4 +244,5 @@ const dm_method dm_method_log_hamiltonian = {
     .advance = advance,
     .widen = widen,
     .advance_lanes = advance_lanes,
+    .why = why,
 };

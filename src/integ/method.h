@@ -86,6 +86,8 @@ typedef struct {
     /* as `advance` for every member, same bits; what fails has a state that is not finite, and stays so, or where
      * x->failed is there says so and keeps its last good state, and lanes that have failed are left alone */
     void (*advance_lanes)(dm_stepper *s, dm_lanes *x, double t, long count);
+    /* why a step from this state failed and what to try, a static sentence; NULL, or gives it: the general advice */
+    const char *(*why)(dm_stepper *s, const double *state, dm_status status);
     void (*close)(
         dm_stepper *s); /* what open took outside the workspace (GSL); may be NULL */
 } dm_method;

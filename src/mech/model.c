@@ -69,6 +69,7 @@ static dm_status read_structure(builder *b) {
     if (all_constant(b->g, b->mass, (size_t)n * n)) has |= DM_CONSTANT_MASS;
     if (!dm_depends(b->g, b->mass, n * n, n, n)) has |= DM_QUADRATIC_IN_V;
     if (all_zero(b->mass, (size_t)n * n)) has |= DM_LINEAR_IN_V;
+    if (all_zero(momentum, n)) has |= DM_NO_VELOCITY;
     b->m.structure = has;
     uint8_t *cyclic = dm_arena_take(b->arena, n);
     if (!cyclic) return DM_NO_MEMORY;

@@ -18,6 +18,7 @@ enum {                         /* structure, read off the graph */
        DM_AUTONOMOUS = 8,      /* neither L nor its ties depend on t */
        DM_LINEAR_IN_V = 16,    /* d2L/dv2 = 0: degenerate */
        DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
+       DM_NO_VELOCITY = 128,   /* dL/dv = 0, DM_LINEAR_IN_V too: nothing moves */
        DM_LOOPS =
            64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
 };

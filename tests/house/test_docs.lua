@@ -21,6 +21,24 @@ for class, methods in pairs(classes) do
   look(class, core.docs[class])
   for name, f in pairs(methods) do look(class .. ":" .. name, core.docs[f]) end
 end
+
+-- what ?examples and ?failures list is what there is
+local listed, there, codes = {}, {}, {}
+for _, name in ipairs(require "dm.help.examples".names) do listed[name] = true end
+for _, file in ipairs(house.files "^examples/.*%.lua$") do
+  local name = file:match "([%w_]+)%.lua$"
+  if not listed[name] then there[#there + 1] = name .. " is not listed" end
+  listed[name] = nil
+end
+for name in pairs(listed) do there[#there + 1] = name .. " is no file" end
+house.check("lua/dm/help/examples.lua lists the files of examples/", there)
+local known = {}
+for _, row in ipairs(require "dm.help.failures") do known[row[1]] = true end
+for code in house.read "src/base/status.h":gmatch 'X%(%u[%u_]*, "([%l_]+)"' do
+  if code ~= "ok" and not known[code] then codes[#codes + 1] = code end
+end
+house.check("?failures explains every status", codes)
+
 house.check("there are functions and methods to look at", n > 80 and {} or { n .. " found" })
 house.check("each has a doc", silent)
 house.check("the first line of a doc is the signature", unsigned)

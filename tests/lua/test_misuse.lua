@@ -138,11 +138,33 @@ raises("field 'at' is empty", function() solver:run { q = { 1, 0 }, v = { 0, 1 }
 raises("(got dm.space)", function() solver:run { q = dm.R(2), v = { 0, 1 }, t = 1 } end)
 raises("rows needs 4e+04 GB", function() solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 1e12 } end)
 raises("its name is one word", function() kepler:solver { rule = "implicit midpoint", h = 1 } end)
-raises("slice: 'from' and 'to' are the same shape", function() polar:routh { mu = 1 }:slice("curvature", { from = { 1 }, to = { 1 } }) end)
+raises("slice: 'from' and 'to' are the same shape", function() polar:routh { mu = 1 }:slice("connection", { from = { 1 }, to = { 1 } }) end)
 local short = dm.chart { kepler, q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, h = { 0.1, 0.05 }, rivals = false, repeats = 1 }
 told(here(), "dm.chart: no point of rule 'foo'", function() local _ = short:order "foo" end, "chart:order")
 told(here(), "dm.chart: chart:cheapest takes an error", function() local _ = short:cheapest "x" end, "chart:cheapest")
 local scaled = dm.action { name = "scaling", group = dm.R(1), on = dm.R(2), map = function(s, z) return math.exp(s[1]) * z end }
 ok(tostring(scaled:on_pairs()) == "action 'scaling': left action of R^1 on R^2 on 2 points", "one name for an action on pairs")
+
+-- a Lagrangian without velocities; a rule that needs a well, and a two-form that is singular
+local still = dm.system { Q = dm.R(2), L = function(q) return -q:dot(q) end }
+ok(tostring(still):find("no velocity in L", 1, true), "a system says that its L has no velocity", tostring(still))
+for _, rule in ipairs { "verlet", "gauss(2)", "degenerate(2)", "curve(rk4)" } do
+  raises("L has no velocity in it", function() still:solver { rule = rule, h = 0.1 }:run { q = { 1, 0 }, v = { 0, 0 }, steps = 1 } end)
+end
+raises("L has no velocity in it", still.velocity, still, { 1, 0 }, { 0, 0 })
+raises("no acceleration follows", still.linearize, still, { q = { 1, 0 } })
+local function bowl(c, start, h)
+  local sprung = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 + c end }
+  return sprung:solver { rule = "log-hamiltonian", h = h }:run { q = start, v = { 0.3 }, steps = 100 }
+end
+raises("needs an attracting well, V < 0 in L", bowl, 0, { 0.4 }, 0.1)
+raises("needs an attracting well, V < 0 in L", bowl, 0, { 0 }, 0.1)
+ok(bowl(1, { 0.4 }, 0.1):drift "energy".largest < 1e-3, "a constant in L makes a well of a bowl, and changes no motion")
+raises("rises to 0 or beyond within the step", bowl, 0.09, { 0.1 }, 50)
+local gradient = dm.system { Q = dm.R(2), L = function(q, v) return q:dot(v) - q:dot(q) end }
+raises("two-form d alpha", function() gradient:solver { rule = "degenerate(1)", h = 0.1 }:run { q = { 1, 0 }, steps = 1 } end)
+raises("has no curvature", function() polar:routh { mu = 1 }:slice("curvature", { from = { 1 }, to = { 2 } }) end)
+local lost = kepler:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, q = { { 1, 0 }, { 1e-160, 0 } }, v = { { 0, 1 }, { 0, 0 } }, steps = 2 }
+ok(lost:failures()[1].message == "a value became NaN or infinite", "a failed member says why", lost:failures()[1].message)
 
 tap.done()

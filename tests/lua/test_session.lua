@@ -145,6 +145,18 @@ has(text, "x  4", "who")
 has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers", "a group says what its elements look like")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 
+text = session { "apropos 'soliton'", "apropos 'no_convergence'", "?no_convergence", "?soliton_of_nothing", "?noether", "?henon_heiles", "?examples" }
+has(text, "  chain  Chains: a soliton", "apropos finds demonstrations")
+has(text, 'demo "name" runs one', "and says how to open them")
+has(text, "  chain  Toda (1967)", "and examples")
+has(text, "/examples/name.lua . runs one", "with their files")
+has(text, "  no_convergence  the step equation did not converge", "and codes of failures")
+has(text, "Take a smaller h; solver:fold says", "?code says what to try")
+has(text, 'nothing mentions "soliton_of_nothing"', "and where nothing is found it says so")
+has(text, 'demo "noether" runs it', "?name of a demonstration")
+has(text, "Henon and Heiles (1964): is a star's motion in a galaxy orderly or chaotic?", "?name of an example")
+has(text, "guiding_centre", "?examples lists them")
+
 text = session { "?classes", "?routh", "?frame", "?plot", "?dm.demo", "help(7)" }
 has(text, "dm.stability_map: where a method fails", "every class, also one that was not used")
 has(text, "The system without its group variables", "a method by its name alone")

@@ -44,7 +44,7 @@ function M.matrix(x, n, what)
   end
   if class == "table" then
     local fine, m = pcall(core.matrix, x)
-    if not fine then error(("%s must be a matrix of %d x %d: %s"):format(what, n, n, m), 0) end
+    if not fine then error(("%s must be a matrix of %d x %d: %s"):format(what, n, n, m:match "%((.*)%)$" or m), 0) end
     x = m
   end
   if x.rows ~= n or x.columns ~= n then

@@ -1,0 +1,67 @@
+--- The examples that come with dmlua: their names, what each asks, and where its file is.
+local M = {}
+
+--- Files of examples/, without .lua.
+M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite", "double_spherical_pendulum", "reduced_pendulum", "families",
+  "spherical_pendulum", "damped_double_pendulum", "pendulum_chain", "chain", "carousel", "charged_particle", "runge_lenz", "sliding_plate",
+  "elastica", "space_elastica", "schwarzian", "rolling_disk", "chaplygin_sleigh", "contact_oscillator", "cart", "guiding_centre",
+  "henon_heiles", "stiff_spring", "resonance_tongues", "least_model", "exact_oscillator", "variational_runge_kutta" }
+
+local function text_of(file)
+  local handle = io.open(file)
+  if not handle then return nil end
+  local text = handle:read "a"
+  handle:close()
+  return text
+end
+
+-- "a/b/../c" as "a/c"
+local function shortened(path)
+  local count
+  repeat path, count = path:gsub("/[^/.]+/%.%./", "/", 1) until count == 0
+  return path
+end
+
+local folder  -- false: they did not come along
+
+-- beside lua/: in the tree, and under share/dmlua, where share/lua/5.4 points to for a stock Lua
+local function find_folder()
+  local root = debug.getinfo(1, "S").source:match "^@(.*)/dm/help/[^/]+$"
+  for _, place in ipairs(root and { "/../examples/", "/../../dmlua/examples/" } or {}) do
+    for _, path in ipairs { shortened(root .. place), root .. place } do
+      if text_of(path .. M.names[1] .. ".lua") then return path end
+    end
+  end
+  return false
+end
+
+--- The file of an example, or nothing where the examples did not come along.
+function M.file(name)
+  if folder == nil then folder = find_folder() end
+  return folder and folder .. name .. ".lua" or nil
+end
+
+--- The text of an example, or nothing.
+function M.text(name)
+  local file = M.file(name)
+  return file and text_of(file) or nil
+end
+
+--- The comment at the head of a text, in one line.
+function M.head(text)
+  local lines = {}
+  for line in text:gmatch "[^\n]+" do
+    local comment = line:match "^%-%-%s?(.*)$"
+    if not comment then break end
+    lines[#lines + 1] = comment:match "^%s*(.-)%s*$"
+  end
+  return table.concat(lines, " ")
+end
+
+--- What an example asks: the head up to its question mark, or its first sentence.
+function M.title(head)
+  local question, sentence = head:match "^.-%?", head:match "^.-%.%f[%s]"
+  return question and #question < 300 and question or sentence or head
+end
+
+return M

@@ -1,0 +1,147 @@
+-- the number of an argument that a message tells is the position that was typed: x:method(a, b) has a in position 1
+local tap = require "tap"
+local dm = require "dm"
+local reference = require "dm.reference"
+local ok = tap.ok
+
+---- one value of every class, with arguments that its methods take ----
+
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local ball = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end, force = function(q, v) return -v end,
+  constraint = function(q) return q:dot(q) - 1 end }
+local disk = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 end, rolling = function(q, v) return v[1] end,
+  control = function(q) return -q end, force = function(_, _, _, u) return u end }
+local polar = dm.system { Q = dm.R(2), coordinates = { "r", "theta" }, L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 - q[1] ^ 2 end }
+local shape = polar:routh { cyclic = { "theta" }, mu = 1 }
+local discrete = shape:discrete { rule = "midpoint", h = 0.1 }
+local solver = kepler:solver { rule = "gauss(2)", h = 0.05 }
+local path = solver:run { q = { 1, 0 }, v = { 0, 1 }, steps = 20 }
+local swung = ball:solver({ rule = "rattle", h = 0.02 }):run { q = { 0.6, 0, -0.8 }, v = { 0, 1, 0 }, steps = 5 }
+local Ld = dm.discrete_lagrangian(kepler, { rule = "midpoint", h = 0.1 })
+local staged = dm.discrete_lagrangian(kepler, { rule = dm.galerkin { degree = 2, nodes = { 0, 0.5, 1 } }, h = 0.1 })
+local turn = dm.action { group = dm.SO(2), on = dm.R(2) }
+local rho = dm.moving_frame { action = dm.action { group = dm.SE(2), on = dm.R(2) }, points = 2,
+  cross_section = function(a, b) return { a[1], a[2], b[2] } end, branch = function(_, b) return b[1] end }
+local members = solver:ensemble { members = 3, q = function(i) return { i, 0 } end, v = function() return { 0, 1 } end, steps = 10, every = 5, watch = { "energy" } }
+local f = dm.trace(function(x) return x[1] * x[2] end, 2)
+local root = dm.root { start = 1, equations = function(y, x) return y ^ 3 + x[1] * y - 1 end }
+local least = dm.root { start = 1, stationary = function(y, x) return y ^ 2 + x[1] * y end }
+local equilibrium = shape:relative_equilibria { region = { 0.5, 2 }, starts = 5 }[1]
+local branch = shape:continue(equilibrium, { mu = { 0.8, 1.2 } })
+local map = dm.stability { system = kepler, rule = "verlet", q = { 1, 0 }, v = { 0, 1 }, h = { 0.1, 0.2, 2, "linear" }, steps = 10 }
+local chart = kepler:chart { q = { 1, 0 }, v = { 0, 1 }, t = 1, rules = { "verlet" }, h = { 0.1, 0.05 } }
+local G, g, xi, M = dm.SO(3), dm.SO(3):exp { 0.1, 0.2, 0.3 }, { 0.1, 0.2, 0.3 }, dm.matrix { { 2, 1 }, { 1, 3 } }
+local a, b, x, y = { 1, 0 }, { 1, 0.1 }, { 1 }, { 1.01 }
+local reduced = shape:solver({ rule = "gauss(2)", h = 0.1 }):run { q = x, v = { 0.1 }, steps = 20 }
+local random, bundle = dm.random(1), dm.bundle { system = kepler, h = 0.1 }
+local chords = dm.invariant_problem { frame = rho, invariants = { lambda = { 2, 1 }, sigma = { 3, 2 } },
+  L = function(I) return I.sigma ^ 2 / I.lambda ^ 3 + I.lambda end }
+local scaling = dm.scaling { rules = { "verlet" }, n = { 1, 2 }, h = 0.1, steps = 10, repeats = 1,
+  system = function(n) return dm.system { Q = dm.R(n), L = function(q, v) return (v:dot(v) - q:dot(q)) / 2 end } end,
+  start = function(n) return dm.zeros(n), dm.zeros(n) end }
+local rows = solver:section { g = function(q) return q[2] end, starts = { { q = { 1, 0 }, v = { 0, 1.1 } } }, t = 40, x = "q1", y = "p1" }
+
+-- class -> method -> a list of calls that are right: { object, arguments }
+local calls = {
+  ["dm.vector"] = { { dm.vector { 1, 2, 3 }, cross = { xi }, dot = { xi }, map = { math.sin }, outer = { xi }, slice = { 1, 2 } } },
+  ["dm.matrix"] = { { M, column = { 1 }, row = { 1 }, solve = { a } } },
+  ["dm.function"] = { { f, emit_c = { "f" }, gradient = { a }, hessian = { a }, jacobian = { a } } },
+  ["dm.root"] = { { root, inverse = { { 1 } } }, { least, value = { { 1 } } } },
+  ["dm.random"] = { { random, normal = { 1, 1, 0, 1 }, uniform = { 1, 1, 0, 1 } } },
+  ["dm.system"] = {
+    { kepler, energy = { a, b, 0 }, lagrangian = { a, b, 0 }, legendre = { a, b, 0 }, mass = { a, b, 0 }, momentum = { a, b, 0 }, velocity = { a, b, 0 } },
+    { ball, constraint = { xi, 0 }, force = { xi, xi, 0 } }, { disk, rolling = { a, b, 0 }, control = { a, b, 0 } },
+    { shape, amended_potential = { x, 0 }, at_momentum = { 1 }, connection = { x, 0 }, continue = { equilibrium, { mu = { 0.9, 1.1 } } },
+      curvature = { x, 0 }, lift = { x, x, 0, 0 }, locked_inertia = { x, 0 }, magnetic_momentum = { x, x, 0 }, routhian = { x, x, 0 },
+      slice = { "connection", { from = x, to = { 2 }, points = 5 } }, discrete = { { rule = "midpoint", h = 0.1 } }, start = { { 1, 0 }, { 0, 1 }, 0 }, symplectic_form = { x, 0 }, holonomy = { function(s) return { 1 + 0.1 * math.cos(2 * math.pi * s) } end } } },
+  ["dm.discrete_shape"] = { { discrete, connection = { a, b }, legendre_minus = { x, y }, legendre_plus = { x, y }, one_form = { x, y }, psi = { x, y, { 0 } },
+    residual = { x, y, x }, routhian = { x, y }, step = { x, y }, two_form = { x, y }, value = { x, y } } },
+  ["dm.discrete_lagrangian"] = { { Ld, legendre_minus = { a, b }, legendre_plus = { a, b }, momentum = { dm.SO(2), a, b },
+    two_form = { a, b }, value = { a, b, 0 } }, { staged, hamilton_pontryagin = { a, b, 0 } }, { staged, momentum = { turn, a, b } } },
+  ["dm.bundle"] = { { bundle, action = { a, b, 0 }, minus = { a, b, 0 }, momenta = { a, b, 0 }, pair = { a, b, 0 }, plus = { a, b, 0 },
+    split = { a, b, a, b, 0 }, tangent_minus = { a, b, 0 }, tangent_plus = { a, b, 0 }, velocity = { a, b, 0 }, vertical_minus = { a, b, a, 0 },
+    vertical_plus = { a, b, a, 0 } } },
+  ["dm.path"] = { { path, column = { "q1" }, drift = { "energy" }, mass = { a, 0 }, momentum = { dm.SO(2), { block = 2 } },
+    plot = { "q1", "q2", {} }, series = { "q1", "q2", "orbit" }, velocity = { 1 } }, { swung, worst = { "constraint" } }, { path, momentum = { turn } },
+    { reduced, reconstruct = {} } },
+  ["dm.ensemble"] = { { members, path = { 1 }, summary = { "energy" } } },
+  ["dm.branch"] = { { branch, series = { "mu", "energy" } } },
+  ["dm.solver"] = { { dm.solver { Ld }, step = { a, b } } },
+  ["dm.scaling"] = { { scaling, exponent = { "verlet" } } },
+  ["dm.invariant_problem"] = { { chords, momentum = { { { 0, 0 }, { 1, 0 }, { 2, 0.1 }, { 3, 0.3 } } } } },
+  ["dm.section"] = { { rows, plot = { {} } } },
+  ["dm.chart"] = { { chart, cheapest = { 0.1 }, order = { "verlet" } } },
+  ["dm.stability_map"] = { { map, at = { 1, 1 }, limit = { 1 }, theory = { 1 }, table = { 3 } } },
+  ["dm.action"] = { { turn, act = { { 0.1 }, a }, free = { a }, generator = { a }, isotropy = { a }, momentum = { a, b }, on_points = { 2 }, jet = { 1 },
+    transitive = { a }, invariant = { kepler } } },
+  ["dm.frame"] = { { rho, correction = { a, b, a }, derivative_correction = { { a, b }, { a, b } }, invariants = { a, b }, tangent = { a, b },
+    transversality = { a, b }, phantom = { 3 }, invariantize = { function(p, q) return (p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2 end }, syzygies = { { a, b, { 2, 1 } } } } },
+  ["dm.space"] = { { G, Ad = { g, xi }, ad = { xi, xi }, cayley = { xi }, cayleyinv = { g }, coAd = { g, xi }, coad = { xi, xi }, compose = { g, g },
+    dcay = { xi, xi }, dcayinv = { xi, xi }, dexp = { xi, xi }, dexpinv = { xi, xi }, distance = { g, g }, exp = { xi }, flat = { g }, hat = { xi },
+    inverse = { g }, left = { g, g }, left_tangent = { g, g, g }, right_tangent = { g, g, g }, bonds = { { 1, 0, 0, 0 } }, unflat = { { 1, 0, 0, 0 } },
+       log = { g }, matrix = { g }, project = { g }, random = { random, 1, 0.5 }, right = { g, g }, valid = { g },
+    vee = { G:hat(xi) } } },
+}
+
+---- one argument wrong ----
+
+local WRONG = { "no such word", true, 1e99, {}, print, path, { {} }, nil }
+
+local function arity(list)
+  local names = {}
+  for k = 1, #list do names[k] = "a" .. k end
+  return table.concat(names, ", ")
+end
+
+-- x:name(...) as someone types it, with a position
+local function typed(name, list)
+  local names = arity(list)
+  return load(("local x%s = ...\nlocal out = x:%s(%s)\nreturn out"):format(names == "" and "" or ", " .. names, name, names), "=typed")
+end
+
+local function text_of(fine, what) return not fine and tostring(what) or nil end
+
+local told, seen, counted = {}, {}, 0
+local function try(class, name, object, list, k, wrong)
+  local given = table.move(list, 1, #list, 1, {})
+  given[k] = wrong
+  local text = text_of(pcall(typed(name, list), object, table.unpack(given, 1, #list)))
+  local number = text and tonumber(text:match "argument #(%d+)")
+  if not number then return end
+  counted = counted + 1
+  if number ~= k then told[#told + 1] = ("%s:%s, argument %d = %s: %s"):format(class, name, k, tostring(wrong), text) end
+end
+
+for class, list in pairs(calls) do
+  for _, row in ipairs(list) do
+    for name, arguments in pairs(row) do
+      if type(name) == "string" then
+        seen[class .. ":" .. name] = true
+        local text = text_of(pcall(typed(name, arguments), row[1], table.unpack(arguments)))
+        ok(not text, ("%s:%s takes what this test calls right"):format(class, name), text)
+        for k = 1, #arguments do
+          for i = 1, 8 do try(class, name, row[1], arguments, k, WRONG[i]) end
+        end
+      end
+    end
+  end
+end
+ok(#told == 0 and counted > 100, ("messages of methods count as one types (%d numbers told)"):format(counted), table.concat(told, "\n# "))
+
+local function told_by(f, ...) return text_of(pcall(f, ...)) end
+ok(told_by(dm.R, "x"):find("to 'dm.R'", 1, true), "a function is told by its name in dm", told_by(dm.R, "x"))
+local tail = load("local x = ... return x:momentum(3)", "=tail")
+ok(told_by(tail, path):find("#1 to 'momentum' (dm.space", 1, true), "a method in a tail call, as in a session", told_by(tail, path))
+ok(told_by(path.momentum, 3):find("a method is called with a colon", 1, true), "a method without its object", told_by(path.momentum, 3))
+
+-- methods whose arguments have places, by their docs; those that take a file name have one argument at most
+local missing = {}
+for class, methods in pairs(reference.classes()) do
+  for name, method in pairs(methods) do
+    local first = dm.docs[method]:match "^[^\n]-:[%w_]+%(([^)]*)"
+    local placed = first and first:find "%S" and not first:find "^file" and not first:find "^%["
+    if placed and not seen[class .. ":" .. name] then missing[#missing + 1] = class .. ":" .. name end
+  end
+end
+ok(#missing == 0, "every method with arguments in places is tried", table.concat(missing, ", "))
+tap.done()
