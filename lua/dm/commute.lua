@@ -17,6 +17,9 @@ function class.__tostring(c)
     local what = row.order and ("%9.2e  order %.2f"):format(row.difference, row.order) or ("%9.2e"):format(row.difference)
     out[#out + 1] = ("  %-48s %-22s %s"):format(row.name, what, row.commutes and "commutes" or "DOES NOT COMMUTE")
   end
+  if c.apart then
+    out[#out + 1] = ("  reduced and unreduced steps of this rule are not the same: they agree to order %.2f (those of partitioned Runge-Kutta rules are)"):format(c.apart)
+  end
   if c.without then out[#out + 1] = "  without the faces of DEL and DR: " .. c.without end
   return table.concat(out, "\n")
 end
@@ -78,12 +81,26 @@ local function discrete_faces(rows, c)
   end))
 end
 
+-- where stepping does not commute with reduction, as by curves of less degree than their quadrature has points: the order in h to which it does
+local function order_apart(c)
+  local gap = {}
+  for k = 1, 2 do
+    local h, steps = c.h / k, c.steps * k
+    local full = c.system:solver({ rule = c.rule, h = h }):run { q = c.q, v = c.v, steps = steps, every = steps }
+    local reduced = c.shape:solver({ rule = c.rule, h = h }):run { q = c.x, v = c.u, steps = steps, every = steps }
+    local x, y = projected(full, c.reduction)
+    gap[k] = max(distance(reduced.q[#reduced], x[#x]), distance(reduced.p[#reduced], y[#y]))
+  end
+  return gap[2] > 0 and log(gap[1] / gap[2], 2) or nil
+end
+
 local function step_faces(rows, c)
   local full, reduced = c.full, c.reduced
   local x, y, theta = projected(full, c.reduction)
   local worst = 0
   for k = 1, #full do worst = max(worst, distance(reduced.q[k], x[k]), distance(reduced.p[k], y[k])) end
   add(rows, "SPRK -> RSPRK: projection", worst)
+  if worst > ROUND_OFF then rows.apart = order_apart(c) end
   worst = 0
   for a, i in ipairs(c.reduction.cyclic) do
     for k = 1, #full do worst = max(worst, abs(full.p[k][i] - c.mu[a]) / max(1, abs(c.mu[a]))) end
@@ -146,10 +163,20 @@ end
 
 local OWN = { rule = true, h = true, steps = true }
 
+local function check_keys(options)
+  local known = { "rule", "h", "steps", table.unpack(routh.OPTIONS) }
+  for key in pairs(options) do
+    local fine = false
+    for _, name in ipairs(known) do fine = fine or name == key end
+    if not fine then error(("dm.commute: unknown option '%s'; options are %s"):format(tostring(key), table.concat(known, ", ")), 0) end
+  end
+end
+
 local function read(system, options)
   if type(options) ~= "table" or not options.q or not options.v then
     error("dm.commute takes a system and { q =, v =, rule =, h =, steps =, cyclic = ... }", 0)
   end
+  check_keys(options)
   if type(options.h) ~= "number" or not (options.h > 0) then error("dm.commute: option 'h' must be a step > 0", 0) end
   local steps = options.steps or 40
   if math.type(steps) ~= "integer" or steps < 4 or steps > 10000 then error("dm.commute: 'steps' must be a whole number from 4 to 10000", 0) end
@@ -174,7 +201,7 @@ local doc = [[
 dm.commute(system, {q=, v=, h=, rule=, steps=, cyclic=, action=, mu=, connection=}) -> dm.cube {rule, h, steps, mu, commutes, {name, difference, order, commutes}, ...}
 The cube of discrete Routh reduction for a system (Leok, figure 2.1): Euler-Lagrange and Hamilton's equations, Routh's equations, and for each its discrete
 one (DEL, SPRK, DR, RSPRK), run from one start and compared edge by edge. Edges among discrete corners commute to round-off where the rule is a partitioned
-Runge-Kutta rule; those from continuous to discrete to its order, which is measured. print shows the table; commutes: all of them; without: why the faces of DEL and DR are not there, if so (time, constraints, forces, rules without an Ld). Options as in system:routh: with an action the cube is that of the system in (theta, x), in which rules commute with reduction.]]
+Runge-Kutta rule; those from continuous to discrete to its order, which is measured. print shows the table; commutes: all of them; without: why the faces of DEL and DR are not there, if so (time, constraints, forces, rules without an Ld); apart: the order in h to which reduced and unreduced steps agree, for rules with which they are not the same. Options as in system:routh: with an action the cube is that of the system in (theta, x), in which rules commute with reduction.]]
 
 M.commute = blame.caller(function(system, options)
   options = starts.lists(options, system)

@@ -43,6 +43,8 @@ end
 
 local KNOWN = { "cyclic", "action", "section", "dimension", "names", "at", "mu", "connection", "q", "v" }
 
+M.OPTIONS = KNOWN
+
 local function check_keys(options)
   if type(options) ~= "table" then error("system:routh takes a table { cyclic = ..., mu = ... }", 0) end
   for key in pairs(options) do
@@ -113,6 +115,9 @@ local function read_cyclic(system, cyclic, names)
   if type(cyclic) ~= "table" or #cyclic == 0 then error("option 'cyclic' must be a list of coordinates, numbers or names", 0) end
   local out, seen = {}, {}
   for a, key in ipairs(cyclic) do
+    if type(key) ~= "number" and type(key) ~= "string" then
+      error(("option 'cyclic'[%d] must be a coordinate, a number or a name (got %s)"):format(a, type(key)), 0)
+    end
     local i = coordinate(names, key)
     if seen[i] then error(("option 'cyclic': '%s' stands there twice"):format(names[i]), 0) end
     seen[i], out[a] = true, i
@@ -126,7 +131,10 @@ local function read_mu(info, options)
   local mu, m = options.mu, info.m
   if mu == nil then
     if not options.q or not options.v then error("option 'mu' must be given, or the start q, v that has it", 0) end
-    local p = info.derived.slope(options.q, options.v, 0)
+    local fine, p = pcall(info.derived.slope, options.q, options.v, 0)
+    if not fine then
+      error(("L is not finite at the start q = %s, v = %s, or its momentum is not"):format(check.text(options.q), check.text(options.v)), 0)
+    end
     mu = {}
     for a, i in ipairs(info.cyclic) do mu[a] = p[info.n + i] end
     return mu

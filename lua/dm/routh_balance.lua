@@ -113,6 +113,9 @@ function M.stationary(V, x, mu, d, scale)
   return is_flat(g, V:hessian(x, mu), d, scale) and x or nil
 end
 
+--- The mass of the shape at rest, d2R/dx'2.
+function M.mass(R, x, mu, d) return rows_of(R:hessian(core.vector(x), zeros(d), mu), d, d, d) end
+
 -- characteristic values of M y'' + S y' + K y = 0, as those of a matrix of twice the size
 local function characteristic(mass, S, K, d)
   local order = linear.order(mass)

@@ -27,6 +27,9 @@ end
 --- The fields of an equilibrium as a value that prints itself.
 function M.equilibrium(fields) return setmetatable(fields, one) end
 
+--- Is a value one of them?
+function M.is_equilibrium(value) return type(value) == "table" and getmetatable(value) == one end
+
 ---- a branch ----
 
 local branch = { __name = "dm.branch" }

@@ -32,16 +32,17 @@ local function point(random, try, n, at)
   return out
 end
 
---- Points (q, v, t) at which f(q, v, t) is finite, at most ENOUGH of them; near the start where one is given.
-function M.points(n, f, start)
+--- Points (q, v, t) at which f(q, v, t) is finite, at most `enough` (ENOUGH) of them; near the start where one is given.
+function M.points(n, f, start, enough)
   local random, out = generator(), {}
+  enough = enough or ENOUGH
   for try = 1, TRIES do
     local near = start and try <= TRIES / 4
     local q = point(random, try, n, near and start.q or nil)
     local v = point(random, try, n, near and start.v or nil)
     local t = 0.3 * abs(random())
     if pcall(f, q, v, t) then out[#out + 1] = { q = core.vector(q), v = core.vector(v), t = t } end
-    if #out == ENOUGH then break end
+    if #out == enough then break end
   end
   return out
 end
@@ -133,8 +134,12 @@ end
 --- The locked inertia can be solved with: the order of its rows in elimination.
 function M.inertia(info, I)
   local order = linear.order(I)
+  if not order and info.full:structure().linear_in_v then
+    error("L is linear in the velocities: its momentum is a function of q alone, which determines no velocity of the group; degenerate(s) steps this "
+      .. "system unreduced", 0)
+  end
   if not order then
-    error("the locked inertia is singular at " .. at(info.sample) .. ": the momentum does not determine the velocity of the group", 0)
+    error("the locked inertia is singular at " .. place(info, info.sample) .. ": the momentum does not determine the velocity of the group", 0)
   end
   return order
 end

@@ -168,7 +168,7 @@ end
 M.continue = blame.caller(function(shape, first, options)
   options = options or {}
   local info = equilibria.need(shape, "continue", options, { mu = true, step = true, points = true, back = true })
-  if type(first) ~= "table" or not first.x or not first.mu then
+  if not branches.is_equilibrium(first) then
     error("continue takes one of shape:relative_equilibria{...} and a table { mu = { from, to } }", 0)
   end
   local range = options.mu

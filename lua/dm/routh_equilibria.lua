@@ -123,23 +123,36 @@ local function zeros(n)
   return out
 end
 
-local POLE = 1e-9  -- of the locked inertia in the middle of the points: less is a place where the group does not act freely
+local POLE = 1e-9  -- of what it is in the middle of the points: less is a place where the group does not act freely, or the coordinates have a pole
 
--- |det I| at x, 0 outside of the domain
-local function inertia(info, x)
-  local fine, det = pcall(function()
-    local _, I = model.momentum_parts(info, x, zeros(info.d), 0)
-    return abs(core.matrix(I):det())
-  end)
-  return fine and det < math.huge and det or 0
+local function size_of_det(A)
+  local det = abs(core.matrix(A):det())
+  return det < math.huge and det or 0
 end
 
--- what there is to a locked inertia among the points, times POLE
-local function least_inertia(info, points)
-  local all = {}
-  for k, x in ipairs(points) do all[k] = inertia(info, x) end
-  table.sort(all)
-  return POLE * all[#all // 2 + 1]
+-- |det| of the locked inertia and of the mass that is left, at x; 0, 0 outside of the domain
+local function regularity(info, R, mu, x)
+  local fine, inertia, mass = pcall(function()
+    local _, I = model.momentum_parts(info, x, zeros(info.d), 0)
+    return size_of_det(I), size_of_det(balance.mass(R, x, mu, info.d))
+  end)
+  if not fine then return 0, 0 end
+  return inertia, mass
+end
+
+-- what there is to both among the points, times POLE
+local function least_regular(info, R, mu, points)
+  local inertias, masses = {}, {}
+  for k, x in ipairs(points) do inertias[k], masses[k] = regularity(info, R, mu, x) end
+  table.sort(inertias)
+  table.sort(masses)
+  local middle = #points // 2 + 1
+  return { inertia = POLE * inertias[middle], mass = POLE * masses[middle] }
+end
+
+local function is_regular(info, R, mu, x, least)
+  local inertia, mass = regularity(info, R, mu, x)
+  return inertia > least.inertia and mass > least.mass
 end
 
 M.relative_equilibria = blame.caller(function(shape, options)
@@ -151,10 +164,10 @@ M.relative_equilibria = blame.caller(function(shape, options)
   local V, R, mu = balance.potential(info), balance.routhian(info), core.vector(info.mu)
   local list, points, scale = setmetatable({}, class), fill(region, starts), nil
   scale = balance.scale(V, points, lengths_of(region), mu, d)
-  local least = least_inertia(info, points)
+  local least = least_regular(info, R, mu, points)
   for _, x in ipairs(points) do
     local found = balance.stationary(V, x, mu, d, scale)
-    if found and inside(found, region, scale.length) and inertia(info, found) > least and is_new(list, found, scale.length) then
+    if found and inside(found, region, scale.length) and is_new(list, found, scale.length) and is_regular(info, R, mu, found, least) then
       local fine, e = pcall(balance.describe, info, R, V, found, mu)
       if fine and e and not (options.copies == false and is_copy(list, e)) then list[#list + 1] = e end
     end

@@ -15,6 +15,9 @@ local function read_action(options)
   local action = options.action
   if type(action) == "function" then return action, options.dimension or 1 end
   local fine, map = pcall(function() return action.map end)
+  if fine and not map and pcall(function() return action.dimension, action.exp end) and action.name then
+    error(("option 'action': %s is a group, which acts in many ways: give function(theta, q) or a dm.action"):format(tostring(action)), 0)
+  end
   if not fine or not map then
     error("option 'action' must be a function of (theta, q) that gives the point to which theta moves q, or a dm.action", 0)
   end
@@ -41,7 +44,9 @@ local function point(value, n, option)
   if type(value) == "string" or not fine or count ~= n then
     error(("option '%s' must return a point of Q: %d numbers (got %s)"):format(option, n, fine and type(value) ~= "string" and count or type(value)), 0)
   end
-  return core.vector(value)
+  local is, out = pcall(core.vector, value)
+  if not is then error(("option '%s' must return a point of Q: %s"):format(option, tostring(out):gsub("^.-%.lua:%d+: ", "")), 0) end
+  return out
 end
 
 -- g . q with theta a number where the group has one dimension
@@ -223,6 +228,14 @@ local function transfer(system, Phi, m, n, home)
   return T
 end
 
+-- somewhere the group leaves the section: Phi is a chart there
+local function check_section(Phi, n)
+  local found = check.points(n, function(y) solve(Phi:jacobian(y), y) end, nil, 1)
+  if #found == 0 then
+    error("option 'section': no shape was found at which the group crosses it: does the group move points along the section, or do many shapes give one point?", 0)
+  end
+end
+
 local function names_of(options, m, n)
   local names = options.names
   if names == nil then
@@ -280,6 +293,7 @@ function M.split(system, options)
   end
   local Phi = core.trace(chart, n)
   local slope = core.derivative(chart, n)
+  if options.section then check_section(Phi, n) end
   local split = pulled_back(system, Phi, slope, n, names_of(options, m, n))
   local T, other = transfer(system, Phi, m, n, home), { mu = options.mu, connection = options.connection, cyclic = {} }
   T.given = options.section ~= nil

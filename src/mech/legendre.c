@@ -95,6 +95,9 @@ static dm_status by_inverse(const dm_model *m, double *v, const double *p, doubl
     return DM_OK;
 }
 
+/* Other guesses where d2L/dv2 is singular at the first one, as that of v^4 is at v = 0: so far along p. */
+static const double along[] = {1.0, 0.125, 8.0};
+
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
                               const double *p, double t, double *work) {
     if (m->structure & DM_LINEAR_IN_V) return DM_OK;
@@ -106,7 +109,11 @@ dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
     double *root = e.out + n + (size_t)n * n;
     e.p = p;
     memcpy(root, v, n * sizeof *v);
-    const dm_status status = solve(m, &e, root, root + n);
+    dm_status status = solve(m, &e, root, root + n);
+    for (size_t k = 0; status == DM_SINGULAR && k < sizeof along / sizeof *along; k++) {
+        for (uint32_t i = 0; i < n; i++) root[i] = along[k] * p[i];
+        status = solve(m, &e, root, root + n);
+    }
     if (status == DM_OK) memcpy(v, root, n * sizeof *v);
     return status;
 }
