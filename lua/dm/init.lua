@@ -29,7 +29,7 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.missed", "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
+local extensions = { "dm.missed", "dm.multipliers", "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
   "dm.routh_methods", "dm.stability_methods", "dm.group",
 }
 

@@ -9,9 +9,9 @@ local function place_of(path, name)
   if name == "t" or name == "time" then return "t" end
   if path.watched then return name end
   local columns = path.columns
-  local n = (#columns - 1) // 2
+  local n = #path > 0 and #path.q[1] or (#columns - 1) // 2
   for i, column in ipairs(columns) do
-    if column == name then return i <= n + 1 and "q" or "p" end
+    if column == name then return i <= n + 1 and "q" or i <= 2 * n + 1 and "p" or name end
   end
   return name:match("^([qp])%d+$") or name
 end
@@ -51,7 +51,8 @@ end
 -- every q against time
 local function default_columns(path)
   local columns, y = path.columns, {}
-  for i = 2, (#columns + 1) // 2 do y[#y + 1] = columns[i] end
+  local last = path.watched and (#columns + 1) // 2 or #path > 0 and #path.q[1] + 1 or 1
+  for i = 2, last do y[#y + 1] = columns[i] end
   return "t", y
 end
 

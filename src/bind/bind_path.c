@@ -97,7 +97,11 @@ static const double *try_energy(lua_State *L, const dml_path *p) {
 /* "; 100 rows, 2 columns q, 2 columns p", or what was watched, and where the rows are */
 static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
     char text[128];
-    if (!p->watched)
+    const uint32_t beside = p->width - 1 - 2 * p->n;
+    if (!p->watched && beside)
+        snprintf(text, sizeof text, "; %ld rows, %u columns q, %u columns p, %u beside",
+                 p->rows, p->n, p->n, beside);
+    else if (!p->watched)
         snprintf(text, sizeof text, "; %ld rows, %u columns q, %u columns p", p->rows,
                  p->n, p->n);
     else
@@ -161,9 +165,24 @@ static void push_title(lua_State *L, const dml_path *p) {
         lua_pushfstring(L, "%s, h = %f", p->rule, p->h);
 }
 
+/* path.lambda, path.impulses: columns that were recorded beside q and p */
+static int recorded(lua_State *L, const char *key, const char *stem) {
+    uint32_t first = 0;
+    const uint32_t count = dml_path_group(L, stem, &first);
+    if (!count)
+        luaL_error(
+            L,
+            "path.%s: this run did not record it; run it with record = { \"%s\" }, "
+            "or take path:multipliers(), those at its states",
+            key, key);
+    return dml_path_columns(L, key, first, count);
+}
+
 static int path_field(lua_State *L) {
     const dml_path *p = check(L);
     const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "lambda") == 0) return recorded(L, "lambda", "lambda");
+    if (strcmp(key, "impulses") == 0) return recorded(L, "impulses", "impulse");
     if (strcmp(key, "t") == 0) return dml_path_columns(L, "t", 0, 1);
     if (strcmp(key, "q") == 0)
         return dml_path_states(L, "path.q"), dml_path_columns(L, "q", 1, p->n);
@@ -202,12 +221,14 @@ static const dml_row meta[] = {
 
 void dml_open_path(lua_State *L) {
     dml_path_open_columns(L);
-    dml_newclass(L, DML_PATH,
-                 "dm.path: what a run recorded, one row per kept step\n"
-                 "fields: t[i] (number), q[i], p[i] (vectors), columns (names), steps, "
-                 "h, rule, system, solver, title, units, "
-                 "ns_per_step, events (of a run that looked for some), file (of a run "
-                 "that wrote its rows); #path rows",
-                 meta, dml_path_quantities, path_field);
+    dml_newclass(
+        L, DML_PATH,
+        "dm.path: what a run recorded, one row per kept step\n"
+        "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs "
+        "that recorded them), columns (names), steps, "
+        "h, rule, system, solver, title, units, "
+        "ns_per_step, events (of a run that looked for some), file (of a run "
+        "that wrote its rows); #path rows",
+        meta, dml_path_quantities, path_field);
     dml_setfunctions(L, dml_path_functions);
 }

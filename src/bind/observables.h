@@ -3,7 +3,7 @@
 #define DML_OBSERVABLES_H
 
 #include "bind/stepping.h"
-#include "run/observe.h"
+#include "run/run.h"
 
 enum { DML_OBSERVABLES = 64 }; /* of one run, at most */
 
@@ -35,5 +35,10 @@ void dml_pushkeys(lua_State *L, int table, const char *field);
 /* The columns that field 'watch' of the options at 2 asks for; the list of their names is left at the old top of the stack
 ** + 1, under what keeps the kernels. */
 void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r);
+
+/* The same for field 'record': names of columns beside t, q and p, to be appended to those. "impulses" and "inner" are
+** noted: their names follow behind all others. */
+void dml_record_read(lua_State *L, dml_observables *o, const dml_stepping *r,
+                     dm_impulses *impulses);
 
 #endif

@@ -15,11 +15,12 @@ typedef struct {
     double ns_per_step;
     double constraint, rolling; /* largest |g|, |phi| that the solver saw */
     const char *rule;           /* as the user gave it; kept by the path */
-    double *data; /* rows x width: t, q[n], p[n], or t and what was watched */
+    double *
+        data; /* rows x width: t, q[n], p[n] and what was recorded beside, or t and what was watched */
 } dml_path;
 
 /* user values of dm.path: the system, the rule as written, the traced model, the names of columns of a path that
-** watched (else nil), the events (else nil), the end from which a run can go on (checkpoint.h), the solver, the name of the file of rows */
+** watched or recorded (else nil), the events (else nil), the end from which a run can go on (checkpoint.h), the solver, the name of the file of rows */
 enum {
     DML_PATH_SYSTEM = 1,
     DML_PATH_RULE,
@@ -51,6 +52,9 @@ dml_path *dml_path_states(lua_State *L, const char *what);
 /* Push the view path.<name> of `count` columns from `first`; register its class. */
 int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t count);
 void dml_path_open_columns(lua_State *L);
+
+/* How many columns are called `stem` or stem1, stem2 ..., and the first of them. */
+uint32_t dml_path_group(lua_State *L, const char *stem, uint32_t *first);
 
 /* Push the table of column names; number of the column called `name` (raises when there
  * is none). */

@@ -60,7 +60,8 @@ static int columns_tostring(lua_State *L) {
 
 int dml_path_names(lua_State *L) {
     const dml_path *p = check(L);
-    if (p->watched) return lua_getiuservalue(L, 1, DML_PATH_NAMES), 1;
+    if (lua_getiuservalue(L, 1, DML_PATH_NAMES) != LUA_TNIL) return 1;
+    lua_pop(L, 1);
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     const int system = lua_gettop(L);
     lua_createtable(L, (int)dml_path_width(p), 0);
@@ -78,6 +79,24 @@ int dml_path_names(lua_State *L) {
         lua_rawseti(L, -2, 2 + (lua_Integer)i);
     }
     return 1;
+}
+
+/* columns called `stem`, or stem1, stem2 ... in a row */
+uint32_t dml_path_group(lua_State *L, const char *stem, uint32_t *first) {
+    const dml_path *p = check(L);
+    const size_t length = strlen(stem);
+    uint32_t count = 0;
+    dml_path_names(L);
+    for (uint32_t c = 0; c < dml_path_width(p); c++, lua_pop(L, 1)) {
+        lua_rawgeti(L, -1, (lua_Integer)c + 1);
+        const char *name = lua_tostring(L, -1);
+        if (strncmp(name, stem, length) != 0 ||
+            strspn(name + length, "0123456789") != strlen(name + length))
+            continue;
+        if (!count++) *first = c;
+    }
+    lua_pop(L, 1);
+    return count;
 }
 
 /* number of the column called `name`, -1: none; q1, p1 work beside given names */

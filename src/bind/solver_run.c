@@ -134,6 +134,7 @@ typedef struct {
     lua_State *L;
     double began; /* s */
     dml_observables watch;
+    dm_impulses impulses;
     dml_run_events events;
     dml_run_file file;
     dm_resumption resume;
@@ -243,16 +244,37 @@ static void read_plan(lua_State *L, run *u) {
     u->plan.save = save;
 }
 
+/* columns beside q and p; how many */
+static uint32_t read_record(lua_State *L, run *u) {
+    u->names = lua_gettop(L) + 1;
+    dml_record_read(L, &u->watch, &u->r, &u->impulses);
+    u->plan.beside = 1;
+    if (u->watch.observer.count) u->plan.watch = &u->watch.observer;
+    const uint32_t watched = dm_observer_width(&u->watch.observer);
+    if (!u->impulses.ties) return watched;
+    if (u->plan.at || has(L, "events"))
+        luaL_error(L, "field 'record': impulses are those of steps, and rows at times or "
+                      "events lie inside of them; record \"lambda\", the multipliers at "
+                      "the state");
+    u->plan.impulses = &u->impulses;
+    return watched + dm_impulses_width(&u->impulses);
+}
+
 /* what it records and looks for; the empty path is left on the stack */
 static dml_path *make_path(lua_State *L, run *u) {
     const uint32_t n = u->r.solver->n;
     uint32_t width = 1 + 2 * n;
+    if (has(L, "watch") && has(L, "record"))
+        luaL_error(L,
+                   "give 'watch' (rows hold this instead of q and p) or 'record' (rows "
+                   "hold it too), not both");
     if (has(L, "watch")) {
         u->names = lua_gettop(L) + 1;
         dml_watch_read(L, &u->watch, &u->r);
         u->plan.watch = &u->watch.observer;
         width = 1 + dm_observer_width(&u->watch.observer);
     }
+    if (has(L, "record")) width += read_record(L, u);
     if (has(L, "events")) {
         dml_events_read(L, &u->events, &u->r);
         u->plan.events = &u->events.events;
@@ -261,7 +283,7 @@ static dml_path *make_path(lua_State *L, run *u) {
     if (has(L, "file") && rows > DML_ROWS_IN_MEMORY) rows = DML_ROWS_IN_MEMORY;
     dml_path *path = dml_pushpath(L, u->r.system, n, rows, width);
     u->path = lua_gettop(L);
-    path->watched = u->names != 0;
+    path->watched = has(L, "watch");
     if (u->names)
         lua_pushvalue(L, u->names), lua_setiuservalue(L, u->path, DML_PATH_NAMES);
     dml_stepping_describe(L, &u->r, path);
@@ -338,8 +360,8 @@ static dm_status finish(lua_State *L, run *u, dm_status status) {
 
 int dml_solver_run(lua_State *L) {
     static const char *const known[] = {
-        "q", "v",  "p",     "q0",     "q1",   "p0",         "steps",   "t0", "every",
-        "t", "at", "watch", "events", "file", "checkpoint", "project", NULL};
+        "q", "v",  "p",     "q0",     "q1",     "p0",   "steps",      "t0",      "every",
+        "t", "at", "watch", "record", "events", "file", "checkpoint", "project", NULL};
     run u = {.r.solver = check(L), .L = L};
     long done = 0, rows = 0;
     lua_settop(L, 2);

@@ -1,5 +1,6 @@
 /* galerkin.c - polynomials of degree s with any quadrature (Marsden-West 2001 sec. 2.2.6, Leok 2.4). */
 #include "integ/stage_lanes.h"
+#include "integ/tied.h"
 
 #include <math.h>
 
@@ -126,6 +127,7 @@ const dm_method dm_method_galerkin = {
     .start = dm_stage_start,
     .step = dm_stage_step,
     .memory = dm_stage_memory,
+    .impulses = dm_tied_impulses,
     .widen = dm_stage_widen,
     .advance_lanes = dm_stage_advance_lanes,
 };

@@ -3,6 +3,7 @@
 #include "integ/kept.h"
 #include "integ/stage_lanes.h"
 #include "integ/sweep.h"
+#include "integ/tied.h"
 
 #include <math.h>
 #include <string.h>
@@ -106,6 +107,7 @@ const dm_method dm_method_gauss = {
     .start = dm_stage_start,
     .step = dm_stage_step,
     .memory = dm_stage_memory,
+    .impulses = dm_tied_impulses,
     .widen = dm_stage_widen,
     .advance_lanes = dm_stage_advance_lanes,
 };

@@ -1,5 +1,6 @@
 /* lobatto.c - the Lobatto IIIA-IIIB pair of any stage number. */
 #include "integ/stage_lanes.h"
+#include "integ/tied.h"
 
 static int stages(const dm_rule *rule) {
     return (int)rule->arg[0].number;
@@ -51,6 +52,7 @@ const dm_method dm_method_lobatto = {
     .start = dm_stage_start,
     .step = dm_stage_step,
     .memory = dm_stage_memory,
+    .impulses = dm_tied_impulses,
     .widen = dm_stage_widen,
     .advance_lanes = dm_stage_advance_lanes,
 };

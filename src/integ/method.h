@@ -81,6 +81,10 @@ typedef struct {
     /* doubles inside work that a step leaves to the next one beside the state, and where they are: from the
      * state and these a run goes on bit for bit; NULL: none */
     size_t (*memory)(dm_stepper *s, double **place);
+    /* impulses that the ties gave the momentum in the last step, at the tie points from its start to its end:
+     * out[points][ties] in units of momentum, the multipliers of the rows of the reactions. Two steps meet at a node, where the
+     * discrete equations have the sum of both. Points: dm_tied_nodes, or without a basis both ends. NULL: it keeps none */
+    void (*impulses)(const dm_stepper *s, double *out);
     /* kernels for as many lanes as there can be, after open; *x in the model's arena. 0: no lanes; NULL: never */
     int (*widen)(dm_stepper *s, dm_lanes *x);
     /* as `advance` for every member, same bits; what fails has a state that is not finite, and stays so, or where

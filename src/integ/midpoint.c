@@ -1,5 +1,6 @@
 /* midpoint.c - the implicit midpoint rule: Ld = h L((q0 + q1)/2, (q1 - q0)/h). */
 #include "integ/stage_lanes.h"
+#include "integ/tied.h"
 
 static const char *check(const dm_rule *rule) {
     return rule->count ? "midpoint takes no argument" : NULL;
@@ -45,6 +46,7 @@ const dm_method dm_method_midpoint = {
     .start = dm_stage_start,
     .step = dm_stage_step,
     .memory = dm_stage_memory,
+    .impulses = dm_tied_impulses,
     .widen = dm_stage_widen,
     .advance_lanes = dm_stage_advance_lanes,
 };

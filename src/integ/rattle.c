@@ -104,6 +104,17 @@ static size_t memory(dm_stepper *s, double **place) {
     return MU + layout_of(s)->at.m;
 }
 
+/* lambda of the last step, which is in the buffer it began in, and mu; of SHAKE the next lambda does all */
+static void impulses(const dm_stepper *s, double *out) {
+    const layout *l = layout_of(s);
+    const uint32_t m = l->at.m;
+    const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
+    for (uint32_t i = 0; i < m; i++) {
+        out[i] = l->next[l->at.lambda + i];
+        out[m + i] = shake ? 0.0 : l->now[l->at.guess + i];
+    }
+}
+
 /* ---- a step ---- */
 
 /* The squares of the last two changes and of q1 say that q1 is known to round-off: the last change is, or what
@@ -232,6 +243,7 @@ const dm_method dm_method_rattle = {
     .step = step,
     .advance = advance,
     .memory = memory,
+    .impulses = impulses,
 };
 
 const dm_method dm_method_shake = {
@@ -252,4 +264,5 @@ const dm_method dm_method_shake = {
     .step = step,
     .advance = advance,
     .memory = memory,
+    .impulses = impulses,
 };

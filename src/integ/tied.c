@@ -178,6 +178,20 @@ size_t dm_tied_memory(dm_stepper *stepper, double **place) {
     return dm_tied_memory_size(g->n, dm_tied_unknowns(g), g->k + g->l);
 }
 
+/* multipliers of the last step: rows of ties in their own units */
+void dm_tied_impulses(const dm_stepper *stepper, double *out) {
+    const dm_tied *g = (const dm_tied *)(const void *)stepper->work;
+    const uint32_t m = g->k + g->l;
+    const double *inner = g->root + (size_t)g->table.s * g->n, *end = g->end + g->n;
+    for (uint32_t k = 0; k <= g->K; k++)
+        for (uint32_t c = 0; c < m; c++)
+            out[k * m + c] = (k < g->K ? inner[k * m + c] : end[c]) * g->impulse_unit[c];
+}
+
+uint32_t dm_tied_nodes(const dm_galerkin *g) {
+    return dm_tied_count((size_t)g->s, (size_t)g->q.r, g) + 1;
+}
+
 /* ---- the step ---- */
 
 dm_status dm_tied_newton(dm_tied *g, const dm_stepper *stepper) {

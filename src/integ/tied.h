@@ -18,5 +18,9 @@ dm_status dm_tied_open(dm_stepper *stepper, const dm_galerkin *g);
 dm_status dm_tied_start(dm_stepper *stepper, double *state, double t);
 dm_status dm_tied_step(dm_stepper *stepper, double *state, double t);
 size_t dm_tied_memory(dm_stepper *stepper, double **place);
+void dm_tied_impulses(const dm_stepper *stepper, double *out);
+
+/* Tie points of a step, both ends too. */
+uint32_t dm_tied_nodes(const dm_galerkin *g);
 
 #endif

@@ -20,8 +20,9 @@ typedef struct {
     int own;     /* the method has a time of its own */
     int goes_on; /* nothing but whole steps has been made, and the state is what they left */
     long done, rows_done;
-    long flushed;        /* rows that have left the block */
-    long burst, until;   /* steps between looks at the clock, step of the next one */
+    long flushed;      /* rows that have left the block */
+    double *open;      /* impulses of a row whose next step is not done yet; NULL: none */
+    long burst, until; /* steps between looks at the clock, step of the next one */
     double looked, told; /* s, time of the last look and of the last call of progress */
     double saved;        /* s, time of the last call of save */
 } loop;
@@ -54,8 +55,11 @@ static int is_ended(const loop *l) {
 }
 
 static size_t width(const loop *l) {
-    const dm_observer *watch = l->plan->watch;
-    return 1 + (watch ? dm_observer_width(watch) : 2 * (size_t)l->s->model->n);
+    const dm_run_plan *plan = l->plan;
+    const size_t states = 2 * (size_t)l->s->model->n;
+    return 1 + (plan->watch ? dm_observer_width(plan->watch) : 0) +
+           (plan->watch && !plan->beside ? 0 : states) +
+           (plan->impulses ? dm_impulses_width(plan->impulses) : 0);
 }
 
 static dm_status flush(loop *l) {
@@ -66,18 +70,43 @@ static dm_status flush(loop *l) {
     return out->flush(out->ud, l->rows, held);
 }
 
+/* what the step before gave the node of this row; the step behind it adds its part */
+static void open_impulses(loop *l, double *row) {
+    const dm_impulses *i = l->plan->impulses;
+    const double *last = i->step + (size_t)(i->points - 1) * i->ties;
+    memset(row, 0, dm_impulses_width(i) * sizeof *row);
+    if (l->done) memcpy(row, last, i->ties * sizeof *row);
+    l->open = row;
+}
+
+/* after a step: its impulses, the first of which belong to the row that it began at */
+static void take_impulses(loop *l) {
+    const dm_impulses *i = l->plan->impulses;
+    l->s->method->impulses(l->s, i->step);
+    if (!l->open) return;
+    for (uint32_t c = 0; c < i->ties; c++) l->open[c] += i->step[c];
+    for (uint32_t c = i->ties; c < dm_impulses_width(i); c++) l->open[c] = i->step[c];
+    l->open = NULL;
+}
+
 static dm_status record(loop *l, const double *state, double t) {
     const dm_outlet *out = l->plan->outlet;
+    const size_t states = 2 * (size_t)l->s->model->n;
     dm_status status = DM_OK;
     if (!l->rows) return DM_OK;
     if (out && l->rows_done - l->flushed == out->room) status = flush(l);
     if (status != DM_OK) return status;
     double *row = l->rows + width(l) * (size_t)(l->rows_done - l->flushed);
-    row[0] = t;
-    if (l->plan->watch)
-        status = dm_observe(l->plan->watch, row + 1, state, t);
-    else
-        memcpy(row + 1, state, (width(l) - 1) * sizeof *row);
+    *row++ = t;
+    if (!l->plan->watch || l->plan->beside) {
+        memcpy(row, state, states * sizeof *row);
+        row += states;
+    }
+    if (l->plan->watch) {
+        status = dm_observe(l->plan->watch, row, state, t);
+        row += dm_observer_width(l->plan->watch);
+    }
+    if (l->plan->impulses) open_impulses(l, row);
     if (status == DM_OK) l->rows_done++;
     return status;
 }
@@ -157,10 +186,11 @@ static dm_status advance_own(loop *l, long end) {
 }
 
 /* steps up to `end`; one by one when L depends on t, so that the time of a step, and with it
-** every bit of the result, does not depend on where bursts happen to end */
+** every bit of the result, does not depend on where bursts happen to end; where impulses are wanted too */
 static dm_status advance(loop *l, long end) {
-    const int autonomous =
-        (l->s->model->structure & DM_AUTONOMOUS) || (l->s->method->traits & DM_FOR_PAIRS);
+    const int timed = !(l->s->model->structure & DM_AUTONOMOUS) &&
+                      !(l->s->method->traits & DM_FOR_PAIRS);
+    const int by_one = timed || l->plan->impulses;
     if (l->own) return advance_own(l, end);
     while (l->plan->events && l->done < end && !is_ended(l)) {
         const dm_status status = step_watched(l, time_now(l));
@@ -170,9 +200,10 @@ static dm_status advance(loop *l, long end) {
         long finished = 0;
         l->s->goes_on = l->goes_on;
         const dm_status status = dm_advance(l->s, l->state, time_now(l),
-                                            autonomous ? end - l->done : 1, &finished);
+                                            by_one ? 1 : end - l->done, &finished);
         l->goes_on = status == DM_OK && !l->plan->at;
         l->done += finished;
+        if (status == DM_OK && l->plan->impulses) take_impulses(l);
         if (status != DM_OK) return status;
     }
     return DM_OK;
