@@ -131,10 +131,27 @@ local function finite(kit, value, kind)
   return value
 end
 
+-- exp and log of a manifold begin at a point: method name -> function of a space
+local geodesics = {}
+
+local function from_a_point(name, f, check)
+  geodesics[name] = function(space, z, x)
+    if x == nil then
+      error(("%s is a manifold, not a group: %s takes two arguments, a point and a %s"):format(tostring(space), name,
+        name == "exp" and "tangent vector there" or "second point"), 0)
+    end
+    local kit = M.kit(space)
+    z = element(kit, z, space)
+    return kits[f](kit, z, check(kit, z, x, space))
+  end
+end
+
 -- name, kinds of the arguments, kind of the result ("g", "x", "number", "any"), doc
 local function method(name, kinds, result, doc, also_manifolds)
   core.method("dm.space", name, blame.caller(function(space, ...)
     check_space(space)
+    local own = geodesics[name]
+    if own and M.kit(space).manifold then return own(space, ...) end
     local kit = also_manifolds and M.kit(space) or M.group(space)
     local f = kit[name]
     if not f then error(("%s has no '%s'"):format(tostring(space), name), 0) end
@@ -167,13 +184,17 @@ The tangent T_h R_g w of the right translation at h; w, a change of h, has the s
 method("inverse", { "g" }, "g", [[
 G:inverse(g) -> element
 The inverse element.]])
+from_a_point("exp", "shoot", function(kit, z, w) return kits.tangent(kit, z, w) end)
+from_a_point("log", "aim", function(kit, _, y, space) return element(kit, y, space) end)
 method("exp", { "x" }, "g", [[
-G:exp(xi) -> element
+G:exp(xi) -> element   or   S:exp(z, w) -> point
 The exponential of an algebra vector of dim G entries (a number will do for dim 1), with exact derivatives at 0 too. Closed
-forms; for GL(n), Sp(2n), SL(n > 2), SO(n > 3) scaling and squaring (of symbols for norms up to 32).]])
+forms; for GL(n), Sp(2n), SL(n > 2), SO(n > 3) scaling and squaring (of symbols for norms up to 32). Of a manifold, S(n) or a product with one: the point at the end of
+the geodesic (great circle) of length |w| from z along the tangent vector w, z cos|w| + w sin|w|/|w|; of a product lists, with g exp(xi) for factors that are groups.]])
 method("log", { "g" }, "x", [[
-G:log(g) -> dm.vector of dim G entries
-The principal logarithm: exp(log(g)) is g; rotations by up to pi, with all digits near 0 and near pi. Raises where there is none.]])
+G:log(g) -> dm.vector of dim G entries   or   S:log(z, y) -> w
+The principal logarithm: exp(log(g)) is g; rotations by up to pi, with all digits near 0 and near pi. Raises where there is none.
+Of a manifold, S(n) or a product with one: the tangent vector w at z of the shortest geodesic to y, exp(z, w) = y, |w| = distance(z, y). Raises at antipodes.]])
 method("Ad", { "g", "x" }, "x", [[
 G:Ad(g, xi) -> dm.vector
 The adjoint action g xi g^-1 on the algebra.]])

@@ -20,8 +20,9 @@ enum {
         8, /* full steps that halve the error, no quick ones after: a root of higher order */
     FORGOTTEN = 64 /* roots found after a trouble */
 };
-static const double EXACT = 0x1p-50; /* increment, relative: nothing is left to gain */
-static const double NEAR = 1e-9;     /* and one that rounding may keep from shrinking */
+static const double EXACT = 0x1p-50;   /* increment, relative: nothing is left to gain */
+static const double NEAR = 1e-9;       /* and one that rounding may keep from shrinking */
+static const double ROUNDED = 0x1p-40; /* of the terms of F */
 static const double QUICK = 0.1;
 static const double ROOT = 1e-9; /* |F| at a root, of that at the start */
 static const double RANK = 1e13; /* | |J^-1| |J| |: beyond, J has lost its rank */
@@ -134,6 +135,7 @@ typedef struct {
     double *y;
     double step, next, size; /* |dy|, the next one, the largest and |y| */
     double first;            /* |F| at the start */
+    double noise;            /* what rounding may leave of F where the start is a root */
     int inside;              /* stay where the branch condition holds */
     int blocked;             /* by that, lately */
     int quick;
@@ -191,11 +193,34 @@ static dm_root_outcome rankless(const dm_root_solver *s, const path *p) {
     return at_root || p->step == INFINITY ? DM_ROOT_SINGULAR : DM_ROOT_NONE;
 }
 
+/* sum_l |a_kl x_l| of row k, |a_kl| where x is NULL */
+static double row_sum(const double *a, const double *x, uint32_t k, uint32_t columns) {
+    double sum = 0.0;
+    for (uint32_t l = 0; l < columns; l++)
+        sum += fabs(a[k * (size_t)columns + l] * (x ? x[l] : 1.0));
+    return sum;
+}
+
+/* |F| at the start and what of it may be rounding */
+static void note_first(const dm_root_solver *s, path *p) {
+    double largest = 0.0;
+    for (uint32_t k = 0; k < s->r; k++)
+        largest = dm_largest(largest, row_sum(s->out + s->r, NULL, k, s->r));
+    p->first = norm(s->out, s->r);
+    p->noise = ROUNDED * largest * fmax(1.0, norm(p->y, s->r));
+}
+
+/* a short increment is that of a root, or of a pole, where J grows faster than F: there F is larger than at the start */
+static dm_root_outcome arrived(const dm_root_solver *s, const path *p) {
+    if (!(norm(s->out, s->r) <= fmax(ROOT * p->first, p->noise))) return DM_ROOT_NONE;
+    return p->slow < SLOW ? DM_ROOT_FOUND : DM_ROOT_SINGULAR;
+}
+
 /* to the root: y, with J^-1 next to it */
 static dm_root_outcome iterate(dm_root_solver *s, path *p) {
     if (!evaluate(s, p->y)) return DM_ROOT_NONE;
     if (p->inside && !(branch(s) > 0.0)) return DM_ROOT_BRANCH;
-    p->first = norm(s->out, s->r);
+    note_first(s, p);
     p->step = INFINITY;
     if (!invert(s, s->inverse)) return rankless(s, p);
     p->step = increment(s, s->dy, s->inverse);
@@ -204,13 +229,13 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
         p->size = fmax(p->size, p->step);
         if (p->step <= exact(p, s->r)) {
             move(p->y, p->y, s->dy, 1.0, s->r);
-            return p->slow < SLOW ? DM_ROOT_FOUND : DM_ROOT_SINGULAR;
+            return arrived(s, p);
         }
         const double part = search(s, p), before = p->step;
         if (part == 0.0) {
             evaluate(s, p->y);
             if (before > NEAR * p->size || p->blocked) return DM_ROOT_NONE;
-            return p->slow < SLOW ? DM_ROOT_FOUND : DM_ROOT_SINGULAR; /* F is noise */
+            return arrived(s, p); /* F is noise */
         }
         take_step(s, p);
         p->quick = p->step < QUICK * before ? p->quick + 1 : 0;
@@ -218,14 +243,6 @@ static dm_root_outcome iterate(dm_root_solver *s, path *p) {
         if (p->step > 0.3 * before) p->slow++;
     }
     return p->slow < SLOW ? DM_ROOT_NONE : rankless(s, p);
-}
-
-/* sum_l |a_kl x_l| of row k, |a_kl| where x is NULL */
-static double row_sum(const double *a, const double *x, uint32_t k, uint32_t columns) {
-    double sum = 0.0;
-    for (uint32_t l = 0; l < columns; l++)
-        sum += fabs(a[k * (size_t)columns + l] * (x ? x[l] : 1.0));
-    return sum;
 }
 
 /* max_i sum_k |J^-1_ik| t_k */

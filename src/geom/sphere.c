@@ -21,7 +21,8 @@ const dm_space dm_space_sphere = {
     .signature = "S(n)",
     .doc = "Sphere S^n of unit vectors of R^(n+1): a manifold that groups act on. A "
            "system on it has n+1 coordinates "
-           "q and the constraint q . q = 1, which dm.system adds.",
+           "q and the constraint q . q = 1, which dm.system adds. It is no group: "
+           "S:exp(z, w) and S:log(z, y) are those of its great circles, from a point z.",
     .least = 1,
     .most = DM_LARGEST_SPACE,
     .multiple = 1,

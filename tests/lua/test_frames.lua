@@ -227,4 +227,37 @@ do
   end)
 end
 
+-- rotations of a sphere in its stereographic plane or space: points near the pole are far away, and a pole of Z is no root of it
+for n, count in pairs { [3] = 150, [4] = 25 } do
+  local m = n - 1
+  local rho = frame { action = dm.action { group = dm.SO(n), on = dm.R(m) }, points = m,
+    cross_section = function(...)
+      local out = {}
+      for k, z in ipairs { ... } do
+        for j = k, m do out[#out + 1] = z[j] end
+      end
+      return out
+    end,
+    branch = function(...)
+      local out = {}
+      for k = 2, m do out[k - 1] = select(k, ...)[k - 1] end
+      return out
+    end }
+  local random, off, missing = dm.random(3), 0, 0
+  for i = 1, count do
+    local list = {}
+    for k = 1, m do
+      list[k] = {}
+      for j = 1, m do list[k][j] = 5 * random:normal(i, 10 * k + j) end
+    end
+    local fine, I = pcall(rho.invariants, rho, list)
+    if not fine then missing = missing + 1 end
+    -- the chordal distance of two points of the sphere, 2 |a - b|/sqrt((1 + a^2)(1 + b^2)), does not change
+    local a, b = dm.vector(list[1]), dm.vector(list[2])
+    if fine then off = max(off, abs((a - b):norm() / ((1 + a:dot(a)) * (1 + b:dot(b))) ^ 0.5 - I[2]:norm() / (1 + I[2]:dot(I[2])) ^ 0.5)) end
+  end
+  ok(missing == 0, ("SO(%d), stereographic: a frame at %d random points"):format(n, count), missing)
+  ok(off < 1e-13, ("SO(%d): it keeps distances on the sphere"):format(n), off)
+end
+
 tap.done()

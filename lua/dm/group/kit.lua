@@ -183,4 +183,21 @@ end
 
 M.list_of = list_of
 
+---- geodesics of a manifold from a point; the factors of a product that are groups go by left translation, g exp(xi) ----
+
+function M.tangent(kit, z, w)
+  if kit.tangent then return kit.tangent(z, w) end
+  return M.vector(w, kit.dimension, "the tangent vector of a group, an element of its algebra,")
+end
+
+function M.shoot(kit, z, w)
+  if kit.shoot then return kit.shoot(z, w) end
+  return kit.compose(z, kit.exp(w))
+end
+
+function M.aim(kit, z, y)
+  if kit.aim then return kit.aim(z, y) end
+  return kit.log(kit.compose(kit.inverse(z), y))
+end
+
 return M

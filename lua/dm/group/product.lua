@@ -172,6 +172,19 @@ local function as_manifold(kit, parts)
     return worst, why
   end
   kit.project = by_factors(parts, "project", ELEMENTS.project)
+  kit.tangent = function(z, w)
+    if type(w) ~= "table" or #w ~= #parts then error(("the tangent vector must be a list of %d, one for each factor"):format(#parts), 0) end
+    local out = {}
+    for k, part in ipairs(parts) do out[k] = kits.tangent(part, z[k], w[k]) end
+    return out
+  end
+  for _, name in ipairs { "shoot", "aim" } do
+    kit[name] = function(z, x)
+      local out = {}
+      for k, part in ipairs(parts) do out[k] = kits[name](part, z[k], x[k]) end
+      return out
+    end
+  end
 end
 
 function M.kit(parts)

@@ -1,8 +1,47 @@
---- S(n): unit vectors of R^(n+1); a manifold, not a group.
+--- S(n): unit vectors of R^(n+1); a manifold, not a group: exp and log are those of its great circles, from a point.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
+local smooth = require "dm.group.smooth"
 
 local M = {}
+
+local LOOSE = 1e-6  -- how far a vector may lean out of the tangent space, of its length
+
+-- w without its part along z, which must be small
+local function tangent(z, w)
+  local along, size = w:dot(z), w:norm()
+  if type(along) == "number" and type(size) == "number" and not (math.abs(along) <= LOOSE * size) then
+    error(("this is no tangent vector at the point: w . z = %.6g; w - z*(w . z) is one"):format(along), 0)
+  end
+  return w - z * along
+end
+
+-- z cos|w| + w sin|w|/|w|
+local function shoot(z, w)
+  local square = w:dot(w)
+  return z * smooth.stumpff_circular(0, square) + w * smooth.stumpff_circular(1, square)
+end
+
+local OPPOSITE = 1e-14  -- sine of the angle below which round-off alone says where the antipode is seen
+
+-- theta u/|u|: u = y - z (z . y), taken from the smaller of y - z and y + z
+local function aim_of_numbers(z, y)
+  local cosine = z:dot(y)
+  local d = cosine < 0 and y + z or y - z
+  local u = d - z * z:dot(d)
+  local sine = u:norm()
+  if cosine < 0 and sine < OPPOSITE then error("log: the points are antipodes: every great circle from one goes through the other", 0) end
+  return sine == 0 and u or u * (math.atan(sine, cosine) / sine)
+end
+
+-- the same, smooth through y = z: with the half angle a, theta/sin theta = (a/sin a)/cos a
+local function aim(z, y)
+  if type(z:dot(y)) == "number" then return aim_of_numbers(z, y) end
+  local d = y - z
+  local square = d:dot(d) / 4
+  local cosine = core.sqrt(1 - square)
+  return (d - z * z:dot(d)) * (smooth.arc(cosine, square) / cosine)
+end
 
 function M.kit(n)
   local kit = { dimension = n, coordinates = n + 1, manifold = true, entries = kits.list_of, rebuild = core.vector }
@@ -23,6 +62,8 @@ function M.kit(n)
   function kit.sample(stream, i) return kit.project(kits.normals(stream, i, n + 1, 1)) end
   -- the angle: 2 atan2(|a - b|, |a + b|) has all digits at 0 and at pi
   function kit.distance(a, b) return 2 * core.atan(kits.norm(a - b), kits.norm(a + b)) end
+  function kit.tangent(z, w) return tangent(z, kits.vector(w, n + 1, "the tangent vector")) end
+  kit.shoot, kit.aim = shoot, aim
   return kit
 end
 
