@@ -28,6 +28,10 @@ typedef struct {
     double *state;        /* [groups][dm_state_size][lanes] */
     double *params;       /* [groups x lanes][params of the model], by member */
     double *kept, *alone; /* room for all states once more, for one */
+    /* a method that sets paced steps members of an autonomous model with steps of their own: h [groups x lanes], by member; NULL:
+    ** that of the stepper */
+    int paced;
+    const double *h;
     /* methods with a `memory`: [groups][memory_size][lanes] what members leave to their next step, and what has
     ** become of members, [groups x lanes]: DM_OK, or why a step failed after so many of a burst. NULL: neither */
     double *memory;

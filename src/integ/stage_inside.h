@@ -90,6 +90,8 @@ void dm_stage_weights_complete(dm_stage *g);
 size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m);
 void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory);
 void dm_stage_sweeps_scale(dm_stage *g);
+/* Its coefficients, a block of as many doubles as it returns. */
+size_t dm_stage_sweeps_scaled(const dm_stage *g, const double **first);
 
 /* Their kernels, one in the separable form, for `width` arguments at once; how many one evaluation takes, 0: there are none. */
 uint32_t dm_stage_sweeps_kernels(dm_kernel out[3], const dm_stage *g, uint32_t width);

@@ -140,6 +140,64 @@ static int open_members(dm_stage_lanes *w, size_t memory_size) {
     return 1;
 }
 
+/* ---- steps of their own ---- */
+
+static size_t paces_size(const dm_stage_lanes *w) {
+    return (1 + w->entries) * w->members.lanes;
+}
+
+/* room for coefficients that are multiplied by h, for every member; steps are unknown yet */
+static int lay_out_paces(dm_stage_lanes *w) {
+    const dm_stage *g = w->g;
+    dm_lanes *x = &w->members;
+    w->one = &g->hA->top;
+    w->entries = dm_stage_weights_size(g->table.s, g->table.r);
+    if (g->sweeps.row) w->entries = dm_stage_sweeps_scaled(g, &w->one);
+    const size_t all = x->groups * paces_size(w);
+    w->paces = dm_arena_take(g->m->source.arena, all * sizeof *w->paces);
+    if (!w->paces) return 0;
+    memset(w->paces, 0, all * sizeof *w->paces);
+    x->paced = 1;
+    return 1;
+}
+
+/* those that a method of other coefficients left */
+static void forget_paces(dm_stage_lanes *w, const dm_stage *g) {
+    w->one = &g->hA->top;
+    if (g->sweeps.row) dm_stage_sweeps_scaled(g, &w->one);
+    for (uint32_t i = 0; i < w->members.groups; i++)
+        memset(w->paces + i * paces_size(w), 0, w->members.lanes * sizeof *w->paces);
+}
+
+/* what Newton's method needs, which continuation in h leaves undone when it gives up */
+static void complete_weights(dm_stage *g) {
+    if (!g->sweeps.row && !g->weighed) dm_stage_weights_complete(g);
+}
+
+/* the coefficients of one lane for a step h */
+static void scale_lane(dm_stage_lanes *w, dm_stage *g, double *place, double h) {
+    const uint32_t lanes = w->members.lanes;
+    if (g->h != h) {
+        dm_stage_weights_scale(g, h);
+        dm_stage_sweeps_scale(g);
+    }
+    complete_weights(g);
+    *place = h;
+    for (size_t k = 0; k < w->entries; k++) place[(k + 1) * lanes] = w->one[k];
+}
+
+/* of the lanes of a group whose step is another one than it was */
+static void scale_group(dm_stage_lanes *w, dm_stage *g, const dm_lanes *x, uint32_t group,
+                        double h) {
+    double *paces = w->paces + group * paces_size(w);
+    for (uint32_t l = 0; l < x->lanes; l++) {
+        const double own = x->h ? x->h[group * x->lanes + l] : h;
+        if (paces[l] != own) scale_lane(w, g, paces + l, own);
+    }
+    w->h = paces;
+    w->scaled = paces + x->lanes;
+}
+
 /* ---- opening ---- */
 
 static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
@@ -147,7 +205,7 @@ static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
     dm_stage_lanes *w = dm_arena_take(g->m->source.arena, sizeof *w);
     if (!w) return NULL;
     *w = (dm_stage_lanes){.g = g};
-    if (!open_members(w, s->method->memory(s, &place))) return NULL;
+    if (!open_members(w, s->method->memory(s, &place)) || !lay_out_paces(w)) return NULL;
     if (g->sweeps.row) return build_sweeps(w, g, lanes) && lay_out_sweeps(w) ? w : NULL;
     return build_curves(w, g, lanes) && lay_out_newton(w) ? w : NULL;
 }
@@ -176,18 +234,13 @@ int dm_stage_widen(dm_stepper *s, dm_lanes *x) {
         dm_kept_add(g->m, &maker, which, &(dm_kernel){.pool = g->lanes}, lanes);
     }
     g->lanes->g = g;
+    forget_paces(g->lanes, g);
     g->lanes->step = choose_step(g, lanes);
     *x = g->lanes->members;
     return g->lanes->step != NULL;
 }
 
 /* ---- stepping ---- */
-
-/* what Newton's method needs, which continuation in h leaves undone when it gives up */
-static void complete_weights(dm_stepper *s) {
-    dm_stage *g = (dm_stage *)(void *)s->work;
-    if (!g->sweeps.row && !g->weighed) dm_stage_weights_complete(g);
-}
 
 /* one step of member i by the stepper itself */
 static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t) {
@@ -197,8 +250,8 @@ static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t) {
     s->method->memory(s, &place);
     dm_lanes_get(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) place[k] = memory[k * x->lanes];
+    if (x->h) s->h = x->h[i];
     x->failed[i] = s->method->step(s, x->alone, t);
-    complete_weights(s);
     if (x->failed[i] != DM_OK) return;
     dm_lanes_put(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) memory[k * x->lanes] = place[k];
@@ -207,9 +260,11 @@ static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t) {
 
 static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t,
                           long count) {
-    dm_stage_lanes *w = ((dm_stage *)(void *)s->work)->lanes;
+    dm_stage *g = (dm_stage *)(void *)s->work;
+    dm_stage_lanes *w = g->lanes;
     const uint32_t first = group * x->lanes;
     uint32_t asked = 0;
+    scale_group(w, g, x, group, s->h);
     w->state = x->state + first * dm_state_size(s->model->n);
     w->memory = x->memory + first * x->memory_size;
     for (uint32_t l = 0; l < x->lanes; l++) {
@@ -234,10 +289,7 @@ void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
     dm_stage *g = (dm_stage *)(void *)s->work;
     g->lanes->tolerance = s->tolerance;
     g->lanes->max_iterations = s->max_iterations;
-    if (g->h != s->h) { /* a pace of their own */
-        dm_stage_weights_scale(g, s->h);
-        dm_stage_sweeps_scale(g);
-    }
-    complete_weights(s);
+    const double h = s->h;
     for (uint32_t i = 0; i < x->groups; i++) advance_group(s, x, i, t, count);
+    s->h = h;
 }

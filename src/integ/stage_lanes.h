@@ -20,6 +20,12 @@ struct dm_stage_lanes {
     const dm_stage *g;
     dm_stage_lanes_step *step;
     dm_lanes members; /* kept for the next ensemble of the model */
+    /* what is multiplied by h, a step for every lane: the stepper's own coefficients from `one` on, as many as `entries`, and
+    ** [groups][1 + entries][lanes] steps and coefficients of all; those of the group in hand */
+    const double *one;
+    size_t entries;
+    double *paces;
+    const double *h, *scaled;
     double t, tolerance;
     int max_iterations;
     double *state, *memory; /* of the group in hand */

@@ -10,8 +10,13 @@ INLINE size_t curve_size(uint32_t n) {
 }
 
 /* sum += w x */
-INLINE V add_weighted(V sum, dm_weight w, V x) {
+INLINE V add_weighted(V sum, lanes_weight w, V x) {
     return sum + (w.top * x + w.rest * x);
+}
+
+/* a coefficient that is the same for all steps */
+INLINE lanes_weight fixed_weight(dm_weight w) {
+    return (lanes_weight){same(w.top), same(w.rest)};
 }
 
 /* max |a|, NaN where there is one or an infinity */
@@ -37,15 +42,16 @@ INLINE void place_lanes(const lanes_newton *it, uint32_t i) {
 #pragma GCC unroll 4
         for (uint32_t j = 0; j < s; j++) {
             const V root = load(w->root + (j * n + k) * W);
-            shift = add_weighted(shift, g->ha[i * s + j], root);
+            shift = add_weighted(shift, weight_of(w, g->ha + i * s + j), root);
             if (g->table.d[i * s + j].top != 0.0)
-                v = add_weighted(v, g->table.d[i * s + j], root);
+                v = add_weighted(v, fixed_weight(g->table.d[i * s + j]), root);
         }
         store(w->x + k * W,
               load(w->state + k * W) + (load(w->state + (2 * n + k) * W) + shift));
         store(w->x + (n + k) * W, v);
     }
-    store(w->x + 2 * n * W, same(w->t + dm_weight_double(g->hc[i])));
+    const lanes_weight hc = weight_of(w, g->hc + i);
+    store(w->x + 2 * n * W, w->t + (hc.top + hc.rest));
 }
 
 INLINE void copy_where(I yes, double *to, const double *from, size_t count) {
@@ -87,7 +93,8 @@ INLINE void find_residual(lanes_newton *it) {
 #pragma GCC unroll 4
             for (uint32_t i = 0; i < it->r; i++) {
                 const double *slope = w->slopes + (i * 2 * n + k) * W;
-                const dm_weight wq = g->wq[i * s + j], wv = g->wv[i * s + j];
+                const lanes_weight wq = weight_of(w, g->wq + i * s + j),
+                                   wv = weight_of(w, g->wv + i * s + j);
                 const V q = load(slope), v = load(slope + n * W);
                 const V term = (wq.top * q + wq.rest * q) + (wv.top * v + wv.rest * v);
                 sum += term;
@@ -100,8 +107,8 @@ INLINE void find_residual(lanes_newton *it) {
 }
 
 /* a block of the matrix += its part from point i */
-INLINE void add_block_lanes(const lanes_newton *it, double *block, const double c[4],
-                            int half, const double *A) {
+INLINE void add_block_lanes(const lanes_newton *it, double *block, const V c[4], int half,
+                            const double *A) {
     const uint32_t n = it->n;
     const double *B = A + n * n * W, *C = B + n * n * W;
 #pragma GCC unroll 4
@@ -120,22 +127,30 @@ INLINE void add_block_lanes(const lanes_newton *it, double *block, const double 
         }
 }
 
+/* its value */
+INLINE V weight_sum(const dm_stage_lanes *w, const dm_weight *one) {
+    const lanes_weight x = weight_of(w, one);
+    return x.top + x.rest;
+}
+
 /* dR_j/dV_k, as in stage.c */
 INLINE void find_matrix(const lanes_newton *it, double *J) {
-    const dm_stage *g = it->w->g;
+    const dm_stage_lanes *w = it->w;
+    const dm_stage *g = w->g;
     const uint32_t n = it->n, s = it->s;
     for (size_t k = 0; k < (size_t)it->m * it->m; k++) store(J + k * W, (V){0});
     for (uint32_t i = 0; i < it->r; i++) {
-        const double *second = it->w->curve + i * curve_size(n) + 2 * n * W;
+        const double *second = w->curve + i * curve_size(n) + 2 * n * W;
         for (uint32_t j = 0; j < s; j++)
 #pragma GCC unroll 4
             for (uint32_t k = 0; k < s; k++) {
-                const double wq = dm_weight_double(g->wq[i * s + j]);
-                const double wv = dm_weight_double(g->wv[i * s + j]);
-                const double ha = dm_weight_double(g->ha[i * s + k]);
+                const V wq = weight_sum(w, g->wq + i * s + j);
+                const V wv = weight_sum(w, g->wv + i * s + j);
+                const V ha = weight_sum(w, g->ha + i * s + k);
                 const double d = dm_weight_double(g->table.d[i * s + k]);
-                const double c[4] = {wq * ha, wq * d, wv * ha, wv * d};
-                if (d == 0.0 && c[0] == 0.0 && c[2] == 0.0) continue;
+                const V c[4] = {wq * ha, wq * d, wv * ha, wv * d};
+                if (d == 0.0 && !bits_of((I)(c[0] != (V){0}) | (I)(c[2] != (V){0})))
+                    continue;
                 add_block_lanes(it, J + (j * n * (size_t)it->m + k * n) * W, c, d == 0.0,
                                 second);
             }

@@ -56,7 +56,7 @@ INLINE void settle_lanes(lanes_sweeps *it, I where) {
     q.x = it->w->base;
     p.x = it->w->lift;
     q.x_stage = p.x_stage = it->n * W;
-    q.column = p.column = it->w->g->sweeps.rest;
+    q.column = p.column = columns_of(it->w, it->w->g->sweeps.rest);
     q.start = p.start = it->w->zeros;
     put_some(it, &q, where);
     if (!it->w->g->separable) put_some(it, &p, where);
@@ -70,10 +70,10 @@ INLINE void draw_line(const lanes_sweeps *it, double *base, const double *low,
     for (uint32_t m = 0; m < it->r; m++)
         for (uint32_t k = 0; k < it->n; k++) {
             const V x = v ? load(v + k * W) : (V){0};
-            const V sum =
-                madd(same(c->rest[m]), x, load(low + k * W), DM_LANES_FUSED && it->r > 1);
+            const V sum = madd(scaled(it->w, c->rest + m), x, load(low + k * W),
+                               DM_LANES_FUSED && it->r > 1);
             store(base + (m * it->n + k) * W,
-                  madd(same(c->top[m]), x, sum, DM_LANES_FUSED && it->r > 1));
+                  madd(scaled(it->w, c->top + m), x, sum, DM_LANES_FUSED && it->r > 1));
         }
 }
 
@@ -94,7 +94,7 @@ INLINE I find_velocities(const lanes_sweeps *it) {
             fine &= is_finite(v);
         }
         store(w->v0 + i * W, v);
-        store(w->drift + i * W, w->g->h * v);
+        store(w->drift + i * W, load(w->h) * v);
     }
     return fine;
 }
@@ -109,9 +109,10 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
     lanes_walk ahead = walk_of_q(it);
     if (!(g->m->structure & DM_AUTONOMOUS))
         for (uint32_t m = 0; m < it->r; m++)
-            store(w->in + m * taken(it) + 2 * n * W, same(w->t + g->sweeps.after[m]));
+            store(w->in + m * taken(it) + 2 * n * W,
+                  w->t + scaled(w, g->sweeps.after + m));
     draw_line(it, w->base, low, g->separable ? w->v0 : NULL);
-    ahead.column = g->sweeps.further;
+    ahead.column = columns_of(w, g->sweeps.further);
     ahead.u = w->memory + (DM_SWEPT_END + 4 * n) * W;
     ahead.u_stage = W;
     ahead.u_row = (size_t)it->width * W;
@@ -122,7 +123,7 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
     draw_line(it, w->lift, low + n * W, NULL);
     ahead.x = w->in + n * W;
     ahead.base = ahead.start = it->w->zeros;
-    ahead.column = g->sweeps.turning;
+    ahead.column = columns_of(w, g->sweeps.turning);
     ahead.factor = g->sweeps.one;
     put(it, &ahead);
     return fine;

@@ -62,7 +62,7 @@ INLINE I guess_lanes(const lanes_newton *it) {
     const uint32_t n = it->n, size = it->m;
     const double *end = w->memory + DM_WARM_END * W, *before = end + 4 * n * W;
     const V count = load(w->memory + DM_WARM_COUNT * W);
-    I has = (I)(load(w->memory + DM_WARM_STEP * W) == w->g->h) & (I)(count > (V){0});
+    I has = (I)(load(w->memory + DM_WARM_STEP * W) == load(w->h)) & (I)(count > (V){0});
 #pragma GCC unroll 4
     for (uint32_t k = 0; k < 4 * n; k++)
         has &= (I)(load(end + k * W) == load(w->state + k * W));

@@ -79,7 +79,7 @@ INLINE void correct_lanes(const lanes_newton *it, uint32_t i) {
 #pragma GCC unroll 4
         for (uint32_t j = 0; j < s; j++) {
             const V d = load(w->dx + (j * n + k) * W);
-            to_q += g->ha[i * s + j].top * d;
+            to_q += scaled(w, &g->ha[i * s + j].top) * d;
             to_v += g->table.d[i * s + j].top * d;
         }
         store(dq + k * W, to_q);
@@ -109,10 +109,12 @@ INLINE I finish_newton(const lanes_newton *it) {
         V dq = {0}, dp = {0};
 #pragma GCC unroll 4
         for (uint32_t j = 0; j < it->s; j++)
-            dq = add_weighted(dq, w->g->hbeta[j], load(w->root + (j * n + k) * W));
+            dq = add_weighted(dq, weight_of(w, w->g->hbeta + j),
+                              load(w->root + (j * n + k) * W));
 #pragma GCC unroll 4
         for (uint32_t i = 0; i < it->r; i++)
-            dp = add_weighted(dp, w->g->hb[i], load(w->slopes + (i * 2 * n + k) * W));
+            dp = add_weighted(dp, weight_of(w, w->g->hb + i),
+                              load(w->slopes + (i * 2 * n + k) * W));
         fine &= add_to_state(w, n, k, dq);
         fine &= add_to_state(w, n, n + k, dp);
     }

@@ -82,10 +82,10 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
         for (uint32_t m = 0; m < it->r; m++) {
             const size_t at = (m * n + k) * W;
             const V u = load(w->end_u + at), f = load(w->end_f + at);
-            q[m] = madd(same(one->b[0]->top[m]), u, one->b[0]->rest[m] * u,
-                        DM_LANES_FUSED && it->r > 1);
-            p[m] = madd(same(one->b[1]->top[m]), f, one->b[1]->rest[m] * f,
-                        DM_LANES_FUSED && it->r > 1);
+            q[m] = madd(scaled(w, one->b[0]->top + m), u,
+                        scaled(w, one->b[0]->rest + m) * u, DM_LANES_FUSED && it->r > 1);
+            p[m] = madd(scaled(w, one->b[1]->top + m), f,
+                        scaled(w, one->b[1]->rest + m) * f, DM_LANES_FUSED && it->r > 1);
         }
         const V drift = w->g->separable ? load(w->drift + k * W) : (V){0};
         const V dq = total_of(q, width) * one->factor[k] + drift;
@@ -98,7 +98,7 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
 /* lanes whose memory is that of the step that ended here */
 INLINE I swept_before(const dm_stage_lanes *w) {
     const uint32_t n = w->g->n;
-    I fits = (I)(load(w->memory + DM_SWEPT_STEP * W) == w->g->h) &
+    I fits = (I)(load(w->memory + DM_SWEPT_STEP * W) == load(w->h)) &
              (I)(load(w->memory + DM_SWEPT_MARK * W) == (double)DM_SWEPT_FULL);
     for (uint32_t k = 0; k < 4 * n; k++)
         fits &=

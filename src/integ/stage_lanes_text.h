@@ -5,6 +5,19 @@
 #include "base/lanes_text.h"
 #include "integ/stage_lanes.h"
 
+typedef struct {
+    V top, rest;
+} lanes_weight;
+
+/* a coefficient of the stepper's for every lane */
+INLINE V scaled(const dm_stage_lanes *w, const double *one) {
+    return load(w->scaled + (one - w->one) * W);
+}
+
+INLINE lanes_weight weight_of(const dm_stage_lanes *w, const dm_weight *one) {
+    return (lanes_weight){scaled(w, &one->top), scaled(w, &one->rest)};
+}
+
 /* (high, low) + d in next; the lanes where that is finite */
 INLINE I add_to_state(const dm_stage_lanes *w, uint32_t n, uint32_t k, V d) {
     const V old = load(w->state + k * W), e = load(w->state + (2 * n + k) * W) + d;

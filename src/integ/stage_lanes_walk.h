@@ -4,7 +4,7 @@
 
 #include "integ/stage_lanes_text.h"
 
-/* x = start + (base + factor sum_m column_m u_m) at every stage; distances in doubles, from row to row where not W */
+/* x = start + (base + factor sum_m column_m u_m) at every stage, column [r][width][W]; distances in doubles, from row to row where not W */
 typedef struct {
     double *x;
     const double *base, *column, *u, *factor, *start; /* start [rows][W] */
@@ -35,14 +35,14 @@ INLINE V moved_of(const V *t, uint32_t width) {
 /* even and odd columns are summed apart */
 INLINE V weigh(const double *column, uint32_t width, const V *u, uint32_t columns,
                int fused) {
-    V even = column[0] * u[0], odd;
+    V even = load(column) * u[0], odd;
     if (columns == 1) return even;
-    odd = column[width] * u[1];
+    odd = load(column + width * W) * u[1];
 #pragma GCC unroll 8
     for (uint32_t m = 2; m < columns; m += 2) {
-        even = madd(same(column[m * width]), u[m], even, fused);
+        even = madd(load(column + m * width * W), u[m], even, fused);
         if (m + 1 < columns)
-            odd = madd(same(column[(m + 1) * width]), u[m + 1], odd, fused);
+            odd = madd(load(column + (m + 1) * width * W), u[m + 1], odd, fused);
     }
     return even + odd;
 }
@@ -64,7 +64,7 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r,
 #pragma GCC unroll 8
         for (uint32_t i = 0; i < r; i++) {
             double *x = at.x + i * at.x_stage + k * W;
-            const V sum = weigh(at.column + i, width, u, r, fused);
+            const V sum = weigh(at.column + i * W, width, u, r, fused);
             const V base = load(at.base + (i * n + k) * W);
             const V now = start + madd(factor, sum, base, fused);
             if (measured) {
@@ -132,12 +132,17 @@ INLINE const double *unknowns_of(const lanes_sweeps *it, size_t *from_stage) {
     return is_full_mass(w->g) ? w->u : w->out;
 }
 
+/* columns of the stepper's for every lane */
+INLINE const double *columns_of(const dm_stage_lanes *w, const double *one) {
+    return w->scaled + (one - w->one) * W;
+}
+
 INLINE lanes_walk walk_of_q(const lanes_sweeps *it) {
     const dm_stage_lanes *w = it->w;
     const dm_stage_sweeps *one = &w->g->sweeps;
     lanes_walk a = {.x = w->in,
                     .base = w->base,
-                    .column = one->whole,
+                    .column = columns_of(w, one->whole),
                     .factor = one->q.factor,
                     .start = w->state,
                     .x_stage = taken(it),
@@ -151,7 +156,7 @@ INLINE lanes_walk walk_of_p(const lanes_sweeps *it) {
     const dm_stage_sweeps *one = &w->g->sweeps;
     return (lanes_walk){.x = w->factored + factored(it) - it->n * W,
                         .base = w->lift,
-                        .column = one->whole,
+                        .column = columns_of(w, one->whole),
                         .u = w->out,
                         .factor = one->one,
                         .start = w->state + it->n * W,

@@ -144,6 +144,12 @@ void dm_stage_sweeps_scale(dm_stage *g) {
     }
 }
 
+size_t dm_stage_sweeps_scaled(const dm_stage *g, const double **first) {
+    const dm_stage_sweeps *w = &g->sweeps;
+    *first = w->whole;
+    return (size_t)(w->mean.rest + w->row->width - w->whole);
+}
+
 /* ---- the sums ---- */
 
 static void plan(dm_stage *g) {

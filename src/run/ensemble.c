@@ -59,9 +59,13 @@ static int is_same_pace(const dm_pace *a, const dm_pace *b) {
 static void run_members(const worker *w, long from, long to) {
     dm_ensemble e = *w->common->e;
     dm_ensemble_rows rows;
-    if (!e.pace) run_alike(w, &e, from, to);
+    const int paced = w->block && dm_block_is_paced(w->block) && to - from > 1;
+    if (!e.pace || paced) {
+        run_alike(w, &e, from, to);
+        return;
+    }
     if (e.rows) rows = *e.rows, e.rows = &rows;
-    for (long i = from; e.pace && i < to; i = from) {
+    for (long i = from; i < to; i = from) {
         const dm_pace *pace = e.pace + i;
         while (from < to && is_same_pace(e.pace + from, pace)) from++;
         w->stepper->h = pace->h;

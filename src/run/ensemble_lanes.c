@@ -10,9 +10,10 @@ enum { FIRST = 16, LONGEST = 1 << 16 }; /* steps between them */
 typedef struct {
     const dm_ensemble *e;
     dm_block *b;
-    long first, count; /* members of the block */
-    long done;         /* steps */
-    long alive;        /* members that still run */
+    long first, count;               /* members of the block */
+    long done;                       /* steps */
+    long alive;                      /* members that still run */
+    char ended[DM_LANES_GROUPS * 8]; /* members that have done all of their steps */
 } block;
 
 static double now(void) {
@@ -33,6 +34,24 @@ static dm_member *member_of(const block *x, long i) {
     return x->e->member + x->first + i;
 }
 
+/* member i still runs */
+static int runs(const block *x, long i) {
+    return member_of(x, i)->status == DM_OK && !x->ended[i];
+}
+
+static int has_paces(const block *x) {
+    return x->b->lanes.h != NULL;
+}
+
+/* its steps, and how many of them from row to row */
+static long steps_of(const block *x, long i) {
+    return has_paces(x) ? x->e->pace[x->first + i].steps : x->e->steps;
+}
+
+static long every_of(const block *x, long i) {
+    return has_paces(x) ? x->e->pace[x->first + i].every : x->e->rows->every;
+}
+
 /* parameters of member i of the block to the place of lane `to` */
 static void put_params(const block *x, long i, uint32_t to) {
     const uint32_t many = x->b->stepper->model->params;
@@ -41,9 +60,10 @@ static void put_params(const block *x, long i, uint32_t to) {
                x->e->params + (size_t)(x->first + i) * many, many * sizeof(double));
 }
 
-/* what is computed for member i alone has its parameters */
-static void choose_params(const block *x, long i) {
+/* what is computed for member i alone has its step and its parameters */
+static void choose_member(const block *x, long i) {
     const uint32_t many = x->b->stepper->model->params;
+    if (has_paces(x)) x->b->stepper->h = x->b->h[i];
     if (!many) return;
     x->b->stepper->params = x->e->params + (size_t)(x->first + i) * many;
     if (x->b->watch) x->b->watch->params = x->b->stepper->params;
@@ -63,11 +83,11 @@ static void put_memory(const block *x, uint32_t i) {
 static void pad(block *x) {
     const uint32_t all = x->b->lanes.lanes * x->b->lanes.groups, n = dim(x);
     long whole = 0;
-    while (whole < x->count && member_of(x, whole)->status != DM_OK) whole++;
+    while (whole < x->count && !runs(x, whole)) whole++;
     if (whole == x->count) return;
     dm_lanes_get(&x->b->lanes, n, (uint32_t)whole, x->b->lanes.alone);
     for (uint32_t i = 0; i < all; i++)
-        if (i >= x->count || member_of(x, i)->status != DM_OK) {
+        if (i >= x->count || !runs(x, i)) {
             dm_lanes_put(&x->b->lanes, n, i, x->b->lanes.alone);
             put_params(x, whole, i);
             if (x->b->lanes.failed) x->b->lanes.failed[i] = DM_STOPPED;
@@ -76,8 +96,8 @@ static void pad(block *x) {
 
 /* ---- rows ---- */
 
-static double time_of(const block *x, long steps) {
-    return x->e->t0 + (double)steps * x->b->stepper->h;
+static double time_of(const block *x, long i, long steps) {
+    return x->e->t0 + (double)steps * (has_paces(x) ? x->b->h[i] : x->b->stepper->h);
 }
 
 /* the row of a state of member i; one that cannot be watched fails */
@@ -86,8 +106,8 @@ static void keep_row(block *x, long i, const double *state, long steps) {
     dm_member *m = member_of(x, i);
     const double t = x->b->stepper->method->traits & DM_OWN_TIME
                          ? state[4 * (size_t)dim(x)]
-                         : time_of(x, steps);
-    choose_params(x, i);
+                         : time_of(x, i, steps);
+    choose_member(x, i);
     const dm_status status =
         dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
     if (status == DM_OK || m->status != DM_OK) return;
@@ -99,9 +119,9 @@ static void keep_row(block *x, long i, const double *state, long steps) {
 /* a row of every member that still runs */
 static void keep_rows(block *x) {
     const long before = x->alive;
-    if (!x->e->rows || x->done % x->e->rows->every != 0) return;
+    if (!x->e->rows) return;
     for (long i = 0; i < x->count; i++) {
-        if (member_of(x, i)->status != DM_OK) continue;
+        if (!runs(x, i) || x->done % every_of(x, i) != 0) continue;
         dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
         keep_row(x, i, x->b->lanes.alone, x->done);
     }
@@ -112,18 +132,37 @@ static void keep_rows(block *x) {
 static void keep_last_row(block *x, long i) {
     const dm_ensemble_rows *rows = x->e->rows;
     const long steps = member_of(x, i)->steps;
-    if (rows && (steps % rows->every != 0 || !rows->count[x->first + i]))
+    if (rows && (steps % every_of(x, i) != 0 || !rows->count[x->first + i]))
         keep_row(x, i, state_of(x, i), steps);
 }
 
 /* ---- steps ---- */
 
-/* steps to the next row */
-static long to_row(const block *x, long goal) {
-    const dm_ensemble_rows *rows = x->e->rows;
-    if (!rows) return goal;
-    const long left = rows->every - x->done % rows->every;
-    return left < goal ? left : goal;
+static long lesser(long a, long b) {
+    return a < b ? a : b;
+}
+
+/* at most `most` steps to the next row or the end of a member */
+static long to_event(const block *x, long most) {
+    const int rows = x->e->rows != NULL;
+    if (!has_paces(x)) {
+        most = lesser(most, x->e->steps - x->done);
+        return rows ? lesser(most, every_of(x, 0) - x->done % every_of(x, 0)) : most;
+    }
+    for (long i = 0; i < x->count; i++) {
+        if (!runs(x, i)) continue;
+        most = lesser(most, steps_of(x, i) - x->done);
+        if (rows) most = lesser(most, every_of(x, i) - x->done % every_of(x, i));
+    }
+    return most;
+}
+
+/* steps of the members, and any for lanes without one */
+static void set_paces(block *x) {
+    const int own = x->e->pace && dm_block_is_paced(x->b);
+    x->b->lanes.h = own ? x->b->h : NULL;
+    for (size_t i = 0; own && i < sizeof x->b->h / sizeof *x->b->h; i++)
+        x->b->h[i] = x->e->pace[x->first + ((long)i < x->count ? (long)i : 0)].h;
 }
 
 static void begin(block *x) {
@@ -131,6 +170,7 @@ static void begin(block *x) {
     for (long i = 0; i < x->count; i++) {
         dm_member *m = member_of(x, i);
         *m = (dm_member){.status = DM_OK};
+        choose_member(x, i);
         if (s->method->start) m->status = s->method->start(s, state_of(x, i), x->e->t0);
         if (m->status != DM_OK) continue;
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
@@ -149,7 +189,7 @@ static void repeat_alone(block *x, long i, double t, long count) {
     dm_member *m = member_of(x, i);
     double *state = state_of(x, i);
     long done = 0;
-    choose_params(x, i);
+    choose_member(x, i);
     kept.state = x->b->lanes.kept;
     dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
     m->status = dm_advance(s, state, t, count, &done);
@@ -169,7 +209,7 @@ static void leave(block *x, long i) {
         (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
     dm_lanes_get(lanes, dim(x), (uint32_t)i, state_of(x, i));
     x->alive--;
-    choose_params(x, i);
+    choose_member(x, i);
     keep_last_row(x, i);
 }
 
@@ -179,7 +219,7 @@ static void advance_told(block *x, double t, long count) {
     dm_stepper *s = x->b->stepper;
     s->method->advance_lanes(s, lanes, t, count);
     for (long i = 0; i < x->count; i++)
-        if (member_of(x, i)->status == DM_OK && lanes->failed[i] != DM_OK) leave(x, i);
+        if (runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);
 }
 
 /* a burst of one whose members that failed have a state that is not finite */
@@ -191,8 +231,7 @@ static void advance_seen(block *x, double t, long count) {
     s->method->advance_lanes(s, lanes, t, count);
     if (dm_lanes_are_finite(lanes, dim(x))) return;
     for (long i = 0; i < x->count; i++)
-        if (member_of(x, i)->status == DM_OK &&
-            !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
+        if (runs(x, i) && !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
             repeat_alone(x, i, t, count);
 }
 
@@ -207,19 +246,39 @@ static void advance(block *x, long count) {
     if (x->alive < before) pad(x);
 }
 
+/* what becomes of member i, which goes no further */
+static void end(block *x, long i, dm_status status) {
+    dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
+    *member_of(x, i) = (dm_member){.status = status, .steps = x->done};
+    keep_last_row(x, i);
+}
+
+/* members that have done all of their steps leave */
+static void end_some(block *x) {
+    const long before = x->alive;
+    for (long i = 0; i < x->count; i++) {
+        if (!runs(x, i) || x->done < steps_of(x, i)) continue;
+        end(x, i, DM_OK);
+        x->ended[i] = 1;
+        x->alive--;
+    }
+    if (x->alive < before) pad(x);
+}
+
 /* steps up to the end or the stop flag; where L depends on t one by one, as a run of its own does */
 static dm_status run(block *x) {
     const dm_stepper *s = x->b->stepper;
     const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;
     double looked = now();
     long burst = x->b->burst;
-    while (x->alive && x->done < x->e->steps) {
-        const long left = x->e->steps - x->done;
-        const long goal = to_row(x, left < burst ? left : burst);
+    end_some(x);
+    while (x->alive) {
+        const long goal = to_event(x, burst);
         if (x->e->stop && *x->e->stop) return DM_STOPPED;
         for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
             advance(x, autonomous ? goal : 1);
         keep_rows(x);
+        end_some(x);
         const double took = now() - looked;
         looked += took;
         if (took < 0.5 * LOOK && burst < LONGEST) burst *= took < 0.125 * LOOK ? 4 : 2;
@@ -234,16 +293,16 @@ void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
     const uint32_t together = b->lanes.together ? b->lanes.together : 1;
     const long pass = (long)b->lanes.lanes * together;
     b->lanes.groups = (uint32_t)((count - 1) / pass + 1) * together;
+    set_paces(&x);
     begin(&x);
     keep_rows(&x);
     const dm_status status = run(&x);
-    for (long i = 0; i < count; i++) {
-        dm_member *m = member_of(&x, i);
-        if (m->status != DM_OK) continue;
-        dm_lanes_get(&b->lanes, dim(&x), (uint32_t)i, state_of(&x, i));
-        *m = (dm_member){.status = status, .steps = x.done};
-        keep_last_row(&x, i);
-    }
+    for (long i = 0; i < count; i++)
+        if (runs(&x, i)) end(&x, i, status);
+}
+
+int dm_block_is_paced(const dm_block *b) {
+    return b->lanes.paced && (b->stepper->model->structure & DM_AUTONOMOUS);
 }
 
 int dm_block_open(dm_block *b, dm_stepper *s) {
