@@ -87,10 +87,13 @@ local function lay_out(map)
   end
 end
 
+-- cells of a row share its parameters, where the columns are steps
 local function cell_at(map, row, x)
-  local values = {}
-  for name, value in pairs(row.values) do values[name] = value end
-  if map.column ~= map.h then values[map.column.name] = x end
+  local values = row.values
+  if map.column ~= map.h then
+    values = { [map.column.name] = x }
+    for name, value in pairs(row.values) do values[name] = value end
+  end
   return { rule = row.number, h = map.column == map.h and x or map.h[1], values = values, x = x, row = row }
 end
 

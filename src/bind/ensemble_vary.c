@@ -204,19 +204,71 @@ static int compare(lua_State *L) {
     return 0;
 }
 
+/* ---- members that start alike ---- */
+
+/* numbers of members (from 1) by hash, 0: free; as many places as a power of two above their number */
+typedef struct {
+    uint32_t *member;
+    size_t places;
+    const dml_part *part;
+    uint32_t many;
+} seen;
+
+static void open_seen(lua_State *L, seen *s) {
+    s->places = 4;
+    while (s->places < 2 * (size_t)s->part->count) s->places *= 2;
+    s->member = lua_newuserdatauv(L, s->places * sizeof *s->member, 0);
+    memset(s->member, 0, s->places * sizeof *s->member);
+}
+
+static const double *state_of(const dml_part *p, long i) {
+    return p->e->state + (size_t)(p->first + i) * dm_state_size(p->e->n);
+}
+
+/* FNV-1a of words */
+static uint64_t add_words(uint64_t hash, const double *x, size_t count) {
+    for (size_t k = 0; k < count; k++) {
+        uint64_t word;
+        memcpy(&word, x + k, sizeof word);
+        hash = (hash ^ word) * 1099511628211u;
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
+
+/* has a member before i the same start and values, bit for bit? */
+static int is_seen(seen *s, long i) {
+    const dml_part *p = s->part;
+    const size_t n = p->e->n, own = 2 * n * sizeof(double);
+    const size_t bytes = s->many * sizeof(double);
+    const double *values = p->values + (size_t)i * s->many;
+    uint64_t at = add_words(14695981039346656037u, state_of(p, i), 2 * n);
+    for (at = add_words(at, values, s->many);; at++) {
+        uint32_t *place = s->member + (at & (s->places - 1));
+        if (!*place) return *place = (uint32_t)i + 1, 0;
+        const long other = (long)*place - 1;
+        if (memcmp(state_of(p, other), state_of(p, i), own) == 0 &&
+            memcmp(p->values + (size_t)other * s->many, values, bytes) == 0)
+            return 1;
+    }
+}
+
 int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r) {
     const uint32_t n = p->e->n, many = r->inputs->params;
     const size_t bytes = many * sizeof(double);
     const int top = lua_gettop(L);
     double *x = lua_newuserdatauv(L, (2 * n + 1) * sizeof *x + bytes, 0);
+    seen before = {.part = p, .many = many};
     int same = 1;
+    open_seen(L, &before);
     dml_pushnames(L, r);
     dml_pushwith(L, r->system, -1);
     const int fn = lua_gettop(L);
     for (long i = 0; same && i < p->count; i++) {
-        const double *state = p->e->state + (size_t)(p->first + i) * dm_state_size(n);
+        const double *state = state_of(p, i);
         const double *values = p->values + (size_t)i * many;
         if (i && memcmp(values, values - many, bytes) == 0) continue;
+        if (is_seen(&before, i)) continue;
         memcpy(x, state, 2 * n * sizeof *x);
         x[2 * n] = r->t0;
         memcpy(x + 2 * n + 1, values, bytes);

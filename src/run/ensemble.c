@@ -12,7 +12,7 @@ enum { BLOCK = 16 }; /* members that a thread takes at a time */
 typedef struct {
     const dm_ensemble *e;
     atomic_long next, done;
-    long share; /* members that a thread takes at a time when it steps them in lanes */
+    long share; /* members that a thread takes at a time */
 } shared;
 
 typedef struct {
@@ -75,17 +75,18 @@ static void run_members(const worker *w, long from, long to) {
     }
 }
 
-/* whole groups, no more than leave every thread something to do */
+/* members that a thread takes at a time: whole groups of lanes, no more than leave every thread something to do */
 static long choose_share(const dm_ensemble *e, const dm_block *b, int threads) {
-    const long lanes = b->lanes.lanes, each = (e->members + threads - 1) / threads;
+    const long lanes = b ? b->lanes.lanes : 1, most = b ? b->most : BLOCK;
+    const long each = (e->members + threads - 1) / threads;
     const long groups = (each + lanes - 1) / lanes;
-    return lanes * (groups < b->most ? groups : b->most);
+    return lanes * (groups < most ? groups : most);
 }
 
 static void *work(void *arg) {
     const worker *w = arg;
     const dm_ensemble *e = w->common->e;
-    const long share = w->block ? w->common->share : BLOCK;
+    const long share = w->common->share;
     const int alike = !e->pace || (e->members > 1 && is_same_pace(e->pace, e->pace + 1));
     const long size = !alike && share > BLOCK ? BLOCK : share;
     for (;;) {
@@ -115,7 +116,7 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers,
                               .block = wide ? blocks + i : NULL,
                               .watch = e->watch ? e->watch + i : NULL,
                               .first = i == 0};
-        if (wide) common.share = choose_share(e, blocks + i, threads);
+        common.share = choose_share(e, wide ? blocks + i : NULL, threads);
     }
     if (e->lanes) *e->lanes = workers[0].block ? workers[0].block->lanes.lanes : 1;
     /* this thread works too; when no more threads can be had, those there are do it all */

@@ -28,6 +28,40 @@ for _, case in ipairs { { kepler, "verlet" }, { kepler, "kahan-li(8)" }, { keple
   ok(fine and not i, case[2] .. ": members with steps of their own are runs of their own", fine and i or solver)
 end
 
+-- steps over three decades, some of which the rule cannot solve: one by one what a run of its own does, with all rows
+local stiff = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - 500 * (q:norm() - 1) ^ 2 - 9.81 * q[2] end }
+local cubic = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + q[1] ^ 3 end }
+local curved = dm.system { Q = dm.R(2), L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 + 1 / q[1] end }
+local function far_step(i) return 1e-3 * 10 ^ (3 * (i - 1) / 36) end
+local function lonely(case, how)
+  local system, rule, start = case[1], case[2], case[3]
+  local e = system:solver({ rule = rule, h = 1 }):ensemble { members = 37, q = function() return start[1] end, v = function() return start[2] end, h = far_step, rows = 9,
+    watch = { "q1", "p1", "energy" }, steps = how.steps, t = how.t, threads = 2 }
+  local failed = 0
+  for i = 1, 37 do
+    local path, failure
+    local fine, result = pcall(function()
+      local steps = how.steps or math.ceil(how.t / far_step(i) - 1e-9)
+      return system:solver({ rule = rule, h = far_step(i) }):run { q = start[1], v = start[2], steps = how.steps, t = how.t, every = (steps - 1) // 9 + 1 }
+    end)
+    if fine then path = result else path, failure = result.path, result end
+    failed = failed + (failure and 1 or 0)
+    local rows = e:path(i)
+    if e.status[i] ~= (failure and failure.code or "ok") or e.steps[i] ~= path.steps or #rows ~= #path or rows:column "q1" ~= path:column "q1"
+      or rows:column "p1" ~= path:column "p1" or rows.t[#rows] ~= path.t[#path] or path.q[#path] ~= e.q[i] or path.p[#path] ~= e.p[i] then return i, failed end
+  end
+  return nil, failed
+end
+local hang, fall, orbit = { { math.sin(1), -math.cos(1) }, { 0, 0 } }, { { 1 }, { 0 } }, { { 1, 0 }, { 0, 1.1 } }
+for _, case in ipairs { { stiff, "midpoint", hang }, { stiff, "gauss(2)", hang }, { stiff, "gauss(3)", hang }, { stiff, "lobatto(3)", hang }, { stiff, "trapezoidal", hang },
+  { stiff, "galerkin(2, gauss(3))", hang }, { cubic, "midpoint", fall }, { cubic, "gauss(2)", fall }, { curved, "midpoint", orbit }, { curved, "gauss(2)", orbit }, { curved, "lobatto(3)", orbit },
+  { curved, "gauss(2, 6)", orbit }, { stiff, "verlet", hang } } do
+  for _, how in ipairs { { steps = 150 }, { t = 0.4 } } do
+    local i, failed = lonely(case, how)
+    ok(not i, ("%s: 37 steps over three decades are 37 runs, %d of which fail"):format(case[2], failed), i)
+  end
+end
+
 -- summaries against numbers worked out here
 local spring = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
 local e = spring:solver({ rule = "gauss(4)", h = 0.1 }):ensemble { members = 2, q = function(i) return { i } end, v = function() return { 0 } end, steps = 64, every = 1,

@@ -166,6 +166,34 @@ do
   end
 end
 
+-- parameters of one system against systems made for each: one kernel or many, the same map
+do
+  local function map_of(system, more)
+    return dm.stability(with({ system = system, q = { 1, 0.2 }, v = { 0, 0.1 }, h = { 0.05, 4, 12, "log" }, steps = 300 }, more))
+  end
+  local function same(a, b)
+    for i, row in ipairs(a.rows) do
+      local x, y = a:limit(i), b:limit(i)
+      if x ~= y and not (abs(x - y) <= 0.01 * y) then return false, i, 0 end
+      for j = 1, #a.column do
+        local one, other = a:at(i, j), b:at(i, j)
+        if one.class ~= other.class or one.code == "ok" and one.steps ~= other.steps or row.rule ~= b.rows[i].rule then return false, i, j, one.class .. " " .. other.class end
+      end
+    end
+    return true
+  end
+  local function made(L) return function(a, k) return dm.system { Q = dm.R(2), L = function(q, v, t) return L(q, v, t, { a = a, k = k }) end } end end
+  for name, L in pairs {
+    ["of the potential"] = function(q, v, _, P) return v:dot(v) / 2 - P.k * q[1] ^ 2 / 2 - q[2] ^ 2 - P.a * q[1] ^ 2 * q[2] ^ 2 end,
+    ["of the mass, zero among them"] = function(q, v, _, P) return (P.a * v[1] ^ 2 + v[2] ^ 2) / 2 - P.k * q:dot(q) / 2 end,
+    ["that end the dependence on time"] = function(q, v, t, P) return v:dot(v) / 2 - P.k * q:dot(q) / 2 + P.a * q[1] * math.cos(t) end,
+    ["that are compared"] = function(q, v, _, P) return v:dot(v) / 2 - (P.k == 4 and 9 or P.k) * q:dot(q) / 2 - P.a * q[1] ^ 4 end } do
+    local axis = { a = { -0.2, 0, 0.5 }, k = { 1, 4, 16 }, rules = { "verlet", "yoshida(4)", "midpoint" } }
+    local fine, i, j, what = same(map_of(dm.system { Q = dm.R(2), params = { a = 0.3, k = 2 }, L = L }, axis), map_of(made(L), axis))
+    ok(fine, "parameters " .. name, fine or ("%d, %d: %s"):format(i, j, what))
+  end
+end
+
 -- the same map on every road
 local dmlua = os.getenv "DMLUA" or arg[-1]
 local script = [[

@@ -65,10 +65,19 @@ local function starts(job, cells)
   return out
 end
 
+local SMALL = 5e4  -- steps of all cells that are done sooner than a second thread has its kernels
+
+local function is_small(o)
+  local steps = o.steps and o.steps * #o.h or 0
+  for i = 1, o.steps and 0 or #o.h do steps = steps + o.t / o.h[i] end
+  return steps < SMALL
+end
+
 local function ensemble(job, system, o)
   local given = job.map.options
-  o.members, o.t0, o.threads, o.project = #o.h, given.t0, given.threads, given.project
+  o.members, o.t0, o.project = #o.h, given.t0, given.project
   if not o.steps and not o.t then o.steps, o.t = given.steps, given.t end
+  o.threads = is_small(o) and 1 or given.threads
   return system:solver({ rule = job.rule, h = 1, newton = given.newton, backend = given.backend, sums = given.sums }):ensemble(o)
 end
 
@@ -159,12 +168,20 @@ local function growth_of(n)
   end
 end
 
+-- 2n numbers
+local function joined(a, b, n)
+  local out = {}
+  for i = 1, n do out[i], out[n + i] = a[i], b[i] end
+  return out
+end
+
 -- starts of the prolonged system: the momentum of u is p, that of q the varied one (dm.prolong)
 local function lifted_starts(job, cells)
-  local o, u, w = starts(job, cells), tangent_start(job.system.Q.dimension)
+  local n = job.system.Q.dimension
+  local o, u, w = starts(job, cells), tangent_start(n)
   for i = 1, #cells do
-    o.q[i] = prolong.joined(o.q[i], u)
-    if o.v then o.v[i] = prolong.joined(o.v[i], w) else o.p[i] = prolong.joined(w, o.p[i]) end
+    o.q[i] = joined(o.q[i], u, n)
+    if o.v then o.v[i] = joined(o.v[i], w, n) else o.p[i] = joined(w, o.p[i], n) end
   end
   o.rows, o.watch = ROWS, { growth = growth_of(job.system.Q.dimension) }
   return o
@@ -223,23 +240,6 @@ local function run_part(job, part, chaos)
   return run_part(job, table.move(part, 1, half, 1, {}), chaos) or run_part(job, table.move(part, half + 1, #part, 1, {}), chaos)
 end
 
--- neighbours of one step go side by side
-local function by_step(a, b)
-  if a.h ~= b.h then return a.h < b.h end
-  return a.number < b.number
-end
-
--- cells of one job in parts that fit into memory; what stopped it, or the cells that are left when it is seen to need a system for each
-local function run_job(job, cells, chaos)
-  table.sort(cells, by_step)
-  for from = 1, #cells, MEMBERS do
-    local last = min(from + MEMBERS - 1, #cells)
-    local stopped = run_part(job, table.move(cells, from, last, 1, {}), chaos)
-    if stopped then return stopped end
-    if job.split then return nil, table.move(cells, last + 1, #cells, 1, {}) end
-  end
-end
-
 -- lists of cells by what f says of them, in the order in which that is said first
 local function grouped(cells, f)
   local by, order = {}, {}
@@ -249,9 +249,29 @@ local function grouped(cells, f)
       by[key] = {}
       order[#order + 1] = by[key]
     end
-    table.insert(by[key], cell)
+    local list = by[key]
+    list[#list + 1] = cell
   end
   return order
+end
+
+-- in the order of their steps: neighbours of one step go side by side
+local function by_step(cells)
+  local groups, out = grouped(cells, function(cell) return cell.h end), {}
+  table.sort(groups, function(a, b) return a[1].h < b[1].h end)
+  for _, group in ipairs(groups) do table.move(group, 1, #group, #out + 1, out) end
+  return out
+end
+
+-- cells of one job in parts that fit into memory; what stopped it, or the cells that are left when it is seen to need a system for each
+local function run_job(job, cells, chaos)
+  cells = by_step(cells)
+  for from = 1, #cells, MEMBERS do
+    local last = min(from + MEMBERS - 1, #cells)
+    local stopped = run_part(job, table.move(cells, from, last, 1, {}), chaos)
+    if stopped then return stopped end
+    if job.split then return nil, table.move(cells, last + 1, #cells, 1, {}) end
+  end
 end
 
 -- what decides how cells are watched and stepped, beside the numbers of their parameters: cells that agree in it may have one kernel
@@ -305,16 +325,20 @@ end
 -- on request was, or nothing.
 function M.run(map, cells, chaos)
   local shared = {}
-  for _, cell in ipairs(cells) do
-    cell.class, cell.family = NUMBER["not run"], cell.rule .. "/" .. family_of(map, cell)
-  end
-  for _, family in ipairs(grouped(cells, function(cell) return cell.family end)) do
-    shared[family[1].family] = are_shared(map, map.rule_list[family[1].rule], family, chaos)
-  end
-  local function group_of(cell) return shared[cell.family] and cell.family or cell.rule .. "/" .. map.key_of(cell) end
-  for _, group in ipairs(grouped(cells, group_of)) do
-    local stopped = run_group(map, group, chaos, shared[group[1].family])
-    if stopped then return stopped end
+  for _, cell in ipairs(cells) do cell.class = NUMBER["not run"] end
+  for _, of_rule in ipairs(grouped(cells, function(cell) return cell.rule end)) do
+    local rule = of_rule[1].rule
+    for _, family in ipairs(grouped(of_rule, function(cell) return family_of(map, cell) end)) do
+      shared[family_of(map, family[1])] = are_shared(map, map.rule_list[rule], family, chaos)
+    end
+    local function group_of(cell)
+      local family = family_of(map, cell)
+      return shared[family] and family or map.key_of(cell)
+    end
+    for _, group in ipairs(grouped(of_rule, group_of)) do
+      local stopped = run_group(map, group, chaos, shared[family_of(map, group[1])])
+      if stopped then return stopped end
+    end
   end
 end
 

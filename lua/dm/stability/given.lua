@@ -41,17 +41,25 @@ end
 
 local function make_start(map, what, given, names, uses)
   local function list(x, cell) return starts.list(x, map.base or map.system_of(cell), what) end
+  local all = type(given) ~= "function" and map.base and list(given)
+  if all then return function() return all end end
   if type(given) ~= "function" then return function(cell) return list(given, cell) end end
   local f, used = axes.bind(what, given, names)
   for _, name in ipairs(used) do uses[name] = true end
   return function(cell) return list(f(cell.values), cell) end
 end
 
+-- a text for every combination of these parameters, kept with the values of a cell
 local function make_key(used)
+  local keys = setmetatable({}, { __mode = "k" })
   return function(cell)
+    local key = keys[cell.values]
+    if key then return key end
     local text = {}
     for i, name in ipairs(used) do text[i] = ("%a"):format(cell.values[name]) end
-    return table.concat(text, "/")
+    key = table.concat(text, "/")
+    keys[cell.values] = key
+    return key
   end
 end
 
