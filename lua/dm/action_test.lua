@@ -61,7 +61,7 @@ end
 actions.method("isotropy", function(action, z)
   z = points.point(action, z)
   local basis = stabilizer(action, z)
-  return { dimension = #basis, basis = basis, orbit_dimension = action.group.dimension - #basis }
+  return core.result { dimension = #basis, basis = basis, orbit_dimension = action.group.dimension - #basis }
 end, [[
 action:isotropy(z) -> { dimension, basis, orbit_dimension }
 The algebra of the stabilizer of z: its dimension and an orthonormal basis, from the singular values of the generators (below

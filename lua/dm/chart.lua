@@ -110,7 +110,7 @@ local function try_point(chart, entry, h, points)
   local fine, point = pcall(measure, chart, entry, h)
   if not fine and blame.is_stop(point) then error(point, 0) end
   if fine and point.error == point.error and point.error < math.huge then
-    points[#points + 1] = point
+    points[#points + 1] = core.result(point)
   elseif points == chart.points then
     local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
     chart.failures[#chart.failures + 1] = { rule = entry.name, h = h, why = fine and "the error is not finite" or why }
@@ -180,7 +180,7 @@ chart:pareto() -> list of points
 The points that no other beats in both error and time, from the cheapest to the most accurate.]]
 
 function M:pareto()
-  local sorted, out, best = {}, {}, math.huge
+  local sorted, out, best = {}, core.result {}, math.huge
   for i, p in ipairs(self.points) do sorted[i] = p end
   table.sort(sorted, function(a, b) return a.ns < b.ns end)
   for _, p in ipairs(sorted) do
@@ -306,8 +306,8 @@ M.csv = blame.caller(function(self, file)
 end)
 
 function M:__tostring()
-  return ("work-precision chart of %d points, %d rules, error of %s over t = %g\n"):format(#self.points, #self.rules, self.what,
-    self.options.t) .. self:table()
+  return ("work-precision chart of %d point%s, %d rule%s, error of %s over t = %g\n"):format(#self.points, #self.points == 1 and "" or "s",
+    #self.rules, #self.rules == 1 and "" or "s", self.what, self.options.t) .. self:table()
 end
 
 ---- making one ----

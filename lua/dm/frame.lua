@@ -249,7 +249,7 @@ joint action (vectors; those the cross-section fixes are constant, rho:phantom()
 
 local function invariants(self, list)
   local z = points_of(self, list, self.k)
-  return moved(self, element(self, z), z)
+  return core.result(moved(self, element(self, z), z))
 end
 method("invariants", function(self, ...) return invariants(self, listed(self, ...)) end, doc_invariants)
 
@@ -341,7 +341,8 @@ method("correction", function(self, ...)
 end, linear.docs.correction)
 method("derivative_correction", function(self, points, velocities)
   local z = points_of(self, points, self.k)
-  return linear.derivative_correction(self, z, points_of(self, velocities, #z))
+  local C, changes, there = linear.derivative_correction(self, z, points_of(self, velocities, #z))
+  return C, core.result(changes), core.result(there)
 end, linear.docs.derivative_correction)
 method("syzygies", function(self, points, velocities)
   local z = points_of(self, points, self.k + 1)
@@ -350,7 +351,7 @@ end, linear.docs.syzygies)
 method("phantom", function(self, count)
   count = count or self.k
   if not math.tointeger(count) or count < 1 or count > 100 then error("rho:phantom: the number of points must be a whole number from 1 to 100", 0) end
-  return linear.phantom(self, count)
+  return core.result(linear.phantom(self, count))
 end, linear.docs.phantom)
 
 package.loaded["dm.frame"] = M

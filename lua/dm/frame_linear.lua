@@ -268,7 +268,7 @@ function M.syzygies(frame, list, velocities)
   local shifted = { table.unpack(list, 2) }
   local left = F.moved(frame, F.element(frame, shifted), shifted)
   local right = F.moved(frame, P, { table.unpack(there, 2) })
-  local out = { shift = apart(left, right, frame.action.angles) }
+  local out = core.result { shift = apart(left, right, frame.action.angles) }
   if velocities then
     local _, change = M.derivative_correction(frame, list, velocities)
     out.derivative = apart(change, through_the_graph(frame, list, velocities))

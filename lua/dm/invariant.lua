@@ -367,7 +367,7 @@ method("both_ways", function(p, o)
   for i = 1, o.n do
     for j = 1, p.d do worst = math.max(worst, math.abs(first.q[i][j] - second.points[i][j])) end
   end
-  return { difference = worst, first = first, second = second }
+  return core.result { difference = worst, first = first, second = second }
 end, doc_both)
 
 method("stability", stability.stability, stability.doc)

@@ -198,7 +198,7 @@ M.stability_limit = blame.caller(function(rule, options)
   local out = profile(rule, tolerance)
   local z = out.gaps[1] and out.gaps[1][1] or huge
   if z < 1e-3 then z = 0 end
-  return z, { cause = cause(rule, out), gaps = out.gaps, resonances = out.resonances }
+  return z, core.result { cause = cause(rule, out), gaps = out.gaps, resonances = out.resonances }
 end)
 
 -- the first interval of growth that an axis of steps can see: wider than the ratio of neighbours; and those before it

@@ -38,7 +38,7 @@ legend. Labels and units come along.]]
 M.series = blame.caller(function(path, x, y, name)
   local xs, xlabel, xunit, xplace = column(path, x, "x")
   local ys, ylabel, yunit, yplace = column(path, y, "y")
-  return { x = xs, y = ys, name = name or ylabel, xlabel = xlabel, ylabel = ylabel, xunit = xunit,
+  return core.result { x = xs, y = ys, name = name or ylabel, xlabel = xlabel, ylabel = ylabel, xunit = xunit,
     yunit = yunit, xplace = xplace, yplace = yplace, title = path.title }
 end)
 

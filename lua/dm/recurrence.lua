@@ -119,7 +119,7 @@ M.recurrence = blame.caller(function(given)
     if times[i] > 1 and abs(modulus(re[i], im[i]) - 1) < CLOSE and times[i] > (multiple and times[multiple] or 1) then multiple = i end
   end
   local largest = modulus(re[at], im[at])
-  local out = { largest = largest, re = re, im = im, times = times, stable = largest <= 1 + CLOSE and not multiple }
+  local out = core.result { largest = largest, re = re, im = im, times = times, stable = largest <= 1 + CLOSE and not multiple }
   if largest > 1 + CLOSE then
     out.why = ("unstable: the root %.6g%+.6gi has modulus %.6g and grows by that factor in every step"):format(re[at], im[at], largest)
   elseif multiple then

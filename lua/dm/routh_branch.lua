@@ -59,7 +59,7 @@ end
 
 branch.series = blame.caller(function(b, x, y)
   x, y = x or "mu", y or "energy"
-  local out = { xlabel = x, ylabel = y }
+  local out = core.result { xlabel = x, ylabel = y }
   for axis, key in pairs { x = x, y = y } do
     out[axis] = type(key) == "string" and column(b, key)
     if not out[axis] then

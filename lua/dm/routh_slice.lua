@@ -57,7 +57,7 @@ M.slice = blame.caller(function(shape, what, options)
   local info, points, a, b = check(shape, what, options)
   local best, label = axis(info, a, b)
   if a == b then error("slice: 'from' and 'to' are the same shape: a line goes from one to another", 0) end
-  local series = {}
+  local series = core.result {}
   for k = 0, points - 1 do
     local x = a + (k / (points - 1)) * (b - a)
     local fine, value = pcall(shape[what], shape, x, options.t)

@@ -132,7 +132,7 @@ local function orbit(path, failure, fx, fy)
       if type(number) ~= "number" then fail("%s of crossing %d is no number (got %s)", list == x and "x" or "y", k, kits.class_of(number)) end
     end
   end
-  return { x = core.vector(x), y = core.vector(y), t = core.vector(t), path = path, failure = failure }
+  return core.result { x = core.vector(x), y = core.vector(y), t = core.vector(t), path = path, failure = failure }
 end
 
 M.section = blame.caller(function(solver, o)
@@ -154,7 +154,7 @@ M.section = blame.caller(function(solver, o)
 end)
 
 core.method("dm.section", "series", function(section)
-  local out = {}
+  local out = core.result {}
   for i, one in ipairs(section.orbits) do
     if #one.x > 0 then
       out[#out + 1] = { x = one.x, y = one.y, name = "orbit " .. i, style = "points", xlabel = section.xlabel, ylabel = section.ylabel }

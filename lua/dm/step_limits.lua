@@ -99,7 +99,7 @@ M.fold = blame.caller(function(solver, options)
   local before, here, reached = follow(solver, q0, p0, v0, min(solver.h, up_to) / 64, up_to)
   if not here then error(("%s: not even h = %g has a solution near q + h v"):format(what, min(solver.h, up_to) / 64), 0) end
   if reached then
-    return { h = huge, fold = false, q1 = here.q1, why = ("%s: the step equation is solvable up to h = %.6g, without a fold"):format(rule, up_to) }
+    return core.result { h = huge, fold = false, q1 = here.q1, why = ("%s: the step equation is solvable up to h = %.6g, without a fold"):format(rule, up_to) }
   end
   local first = solve(solver, q0, p0, q0 + v0 * (here.h / 512), here.h / 512) and select(2, solve(solver, q0, p0, q0 + v0 * (here.h / 512), here.h / 512)) or here.det
   local ratio = abs(here.det / first)

@@ -140,6 +140,7 @@ static int hamilton_pontryagin(lua_State *L) {
                       "Lagrangian of a system and a rule");
     dml_solveruled(L, &d);
     lua_createtable(L, 0, 7);
+    dml_setresult(L);
     lua_pushnumber(L, d.value), lua_setfield(L, -2, "value");
     lua_pushnumber(L, d.residual), lua_setfield(L, -2, "residual");
     push_vector(L, d.p0, s->n), lua_setfield(L, -2, "p0");

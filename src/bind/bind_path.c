@@ -94,19 +94,22 @@ static const double *try_energy(lua_State *L, const dml_path *p) {
     return E && dml_size(E) == (uint32_t)p->rows ? dml_numbersof(E) : NULL;
 }
 
+static const char *plural(long count) {
+    return count == 1 ? "" : "s";
+}
+
 /* "; 100 rows, 2 columns q, 2 columns p", or what was watched, and where the rows are */
 static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
-    char text[128];
+    char text[128], aside[32] = "";
     const uint32_t beside = p->width - 1 - 2 * p->n;
-    if (!p->watched && beside)
-        snprintf(text, sizeof text, "; %ld rows, %u columns q, %u columns p, %u beside",
-                 p->rows, p->n, p->n, beside);
-    else if (!p->watched)
-        snprintf(text, sizeof text, "; %ld rows, %u columns q, %u columns p", p->rows,
-                 p->n, p->n);
+    const char *rows = plural(p->rows), *more = plural(p->n);
+    if (beside) snprintf(aside, sizeof aside, ", %u beside", beside);
+    if (!p->watched)
+        snprintf(text, sizeof text, "; %ld row%s, %u column%s q, %u column%s p%s",
+                 p->rows, rows, p->n, more, p->n, more, aside);
     else
-        snprintf(text, sizeof text, "; %ld rows of %u columns that were watched", p->rows,
-                 p->width);
+        snprintf(text, sizeof text, "; %ld row%s of %u column%s that were watched",
+                 p->rows, rows, p->width, plural(p->width));
     luaL_addstring(b, text);
     if (lua_getiuservalue(L, 1, DML_PATH_FILE) == LUA_TNIL) {
         lua_pop(L, 1);
@@ -138,7 +141,7 @@ static int path_tostring(lua_State *L) {
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "path of ");
     add_grouped(&b, p->steps);
-    luaL_addstring(&b, " steps of ");
+    luaL_addstring(&b, p->steps == 1 ? " step of " : " steps of ");
     luaL_addstring(&b, p->rule);
     snprintf(text, sizeof text, " to t = %.6g", p->t);
     luaL_addstring(&b, text);

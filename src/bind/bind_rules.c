@@ -60,9 +60,11 @@ static void push_instances(lua_State *L, const char *text) {
 static int rules(lua_State *L) {
     lua_Integer i = 0;
     lua_newtable(L);
+    dml_setresult(L);
     for (const dm_method *const *m = dm_methods; *m; m++) {
         const dm_claim *claim = dm_claim_find((*m)->name);
         lua_createtable(L, 0, 12);
+        dml_setresult(L);
         set_text(L, "name", (*m)->name);
         set_text(L, "signature", (*m)->signature);
         set_text(L, "doc", (*m)->doc);

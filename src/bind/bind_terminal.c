@@ -109,6 +109,7 @@ static int describe(lua_State *L) {
     int width, height;
     dml_terminal_size(&width, &height);
     lua_createtable(L, 0, 4);
+    dml_setresult(L);
     set_flag(L, "tty", isatty(fd));
     set_flag(L, "colour", dml_terminal_colour(fd));
     lua_pushinteger(L, width);

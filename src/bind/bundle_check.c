@@ -63,6 +63,7 @@ static void set(lua_State *L, const char *key, double x) {
 
 static void push_table(lua_State *L, const dm_bundle *b, const findings *f) {
     lua_createtable(L, 0, 8);
+    dml_setresult(L);
     lua_pushinteger(L, 2 * (lua_Integer)b->n);
     lua_setfield(L, -2, "dimension");
     set(L, "minus", f->minus);

@@ -159,6 +159,7 @@ static int function_terms(lua_State *L) {
     s->graph = f->graph;
     split(s, *f->parts[DML_VALUE].nodes);
     lua_createtable(L, (int)s->count, 0);
+    dml_setresult(L);
     for (uint32_t i = 0; i < s->count; i++) {
         push_part(L, f, s->term[i]);
         lua_rawseti(L, -2, (lua_Integer)i + 1);
@@ -172,6 +173,7 @@ static int function_factors(lua_State *L) {
     factor(f->graph, p, *f->parts[DML_VALUE].nodes);
     lua_pushnumber(L, p->c);
     lua_createtable(L, (int)p->count, 0);
+    dml_setresult(L);
     for (uint32_t i = 0; i < p->count; i++) {
         lua_createtable(L, 0, 2);
         push_part(L, f, p->base[i]);
@@ -188,6 +190,7 @@ static int function_depends(lua_State *L) {
     const dm_node *roots = f->parts[DML_VALUE].nodes;
     uint32_t input = 0;
     lua_createtable(L, f->s.arguments, 0);
+    dml_setresult(L);
     for (int k = 0; k < f->s.arguments; k++) {
         const int scalar = f->s.length[k] == DML_SCALAR_ARGUMENT;
         const uint32_t n = scalar ? 1 : (uint32_t)f->s.length[k];

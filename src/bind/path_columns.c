@@ -65,6 +65,7 @@ int dml_path_names(lua_State *L) {
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     const int system = lua_gettop(L);
     lua_createtable(L, (int)dml_path_width(p), 0);
+    dml_setresult(L);
     lua_pushstring(L, "t");
     lua_rawseti(L, -2, 1);
     for (uint32_t i = 0; i < p->n; i++) {
