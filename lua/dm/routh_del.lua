@@ -46,7 +46,7 @@ local function make(D)
       for a = 1, info.m do value = value - mu[a] * y[a] end
       return value
     end }
-  local W = core.discrete_lagrangian { Q = core.R(info.d), h = h, coordinates = D.shape.coordinates, name = "discrete Routhian",
+  local W = core.discrete_lagrangian { Q = core.R(info.d), h = h, coordinates = D.shape.coordinates, name = "discrete Routhian", constraint = D.constraint,
     Ld = function(x0, x1) return psi:value(x0, x1) end }
   known[W], D.implicit = D, psi
   return W
@@ -60,6 +60,13 @@ function M.solver(D, options)
   end
   D.W = D.W or make(D)
   return D.W:solver(options)
+end
+
+-- the unreduced state over the first row, whose momentum is not -D1 Ld where there are constraints
+local function first_state(info, path, theta)
+  local q, p = model.embed(info, path.q[1], theta), model.embed(info, path.p[1], info.mu)
+  if not info.ambient then return q, p end
+  return info.ambient.point(q, p)
 end
 
 -- columns of the unreduced path: psi_mu is added from row to row
@@ -79,7 +86,8 @@ local function columns_of(D, path, theta)
     local q1 = model.embed(info, path.q[k], sum)
     if info.ambient then q0, q1 = info.ambient.chart(q0), info.ambient.chart(q1) end
     local p0, p1 = D.slopes(q0, q1)
-    if k == 2 then put(1, q0, p0) end
+    if k == 2 and not D.constraint then put(1, q0, p0) end
+    if k == 2 and D.constraint then put(1, first_state(info, path, theta)) end
     put(k, q1, p1)
     before = path.q[k]
   end

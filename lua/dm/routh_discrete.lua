@@ -160,6 +160,7 @@ end
 function methods.two_form(D, x0, x1) return core.matrix(two_form(D, psi_of.pair(D, points(D, x0, x1)))) end
 
 function methods.step(D, x0, x1)
+  if D.constraint then error("step: this system has constraints, with which D:solver{} steps it", 0) end
   x0, x1 = points(D, x0, x1)
   local s, x2 = psi_of.pair(D, x0, x1), {}
   local _, y = canonical(D, s)
@@ -225,13 +226,25 @@ doc("solver", [[
 D:solver{...} -> dm.solver
 A solver of the discrete Routh equations, in C: of a formula Ld as the discrete Euler-Lagrange equations of D:routhian, with psi_mu an implicit function
 in its graph (run it from q0 and q1, or q and p; p is the canonical momentum s + mu A); of a rule the solver of the shape. path:reconstruct
-adds psi_mu from step to step. Options as for dm.solver.]])
+adds psi_mu from step to step. Constraints of the system are those of the shape, with the multipliers of the unreduced equations (run with record = { "impulses" },
+Leok 2.8.1). Options as for dm.solver.]])
 
 ---- its maker ----
 
+-- forces have no place in a formula; constraints have one at its nodes, and rules with stages inside
+local function check_ties(info, given)
+  local ties, rule = info.full.given, type(given) == "table" and tostring(given.rule)
+  if ties.constraint and not ties.force and (not rule or rule == "midpoint" or rule == "trapezoidal") then return end
+  if ties.constraint and not ties.force then
+    error(("discrete: this system has constraints, and '%s' has them at points inside of its steps, for which shape:solver has the reduced equations; "
+      .. "\"midpoint\", \"trapezoidal\" and a dm.discrete_lagrangian have them at their nodes alone"):format(rule), 0)
+  end
+  routh.untied(info, "discrete")
+end
+
 M.discrete = blame.caller(function(shape, given)
   local info = routh.need(shape, "discrete")
-  routh.untied(info, "discrete")
+  check_ties(info, given)
   local full = info.ambient and info.ambient.system or info.full
   local Ld = given
   if type(given) == "table" then routh.steady(info, "discrete") end
@@ -243,7 +256,8 @@ M.discrete = blame.caller(function(shape, given)
   local own = {}
   for key, value in pairs(info) do own[key] = value end
   if type(given) == "table" then own.ambient = nil end
-  local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape, slopes = psi_of.slopes(Ld) }, class)
+  local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape, slopes = psi_of.slopes(Ld),
+    constraint = shape.given.constraint }, class)
   if type(given) ~= "table" then psi_of.check_invariance(D) end
   return D
 end)

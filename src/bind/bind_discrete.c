@@ -171,8 +171,9 @@ static int discrete_tostring(lua_State *L) {
 static int discrete_field(lua_State *L) {
     const dml_system *s = check(L);
     const char *key = luaL_checkstring(L, 2);
-    static const char *const fields[] = {
-        "Q", "Ld", "name", "coordinates", "units", "params", "system", "rule", NULL};
+    static const char *const fields[] = {"Q",          "Ld",     "name",   "coordinates",
+                                         "units",      "params", "system", "rule",
+                                         "constraint", NULL};
     if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
@@ -222,8 +223,8 @@ static int composed(lua_State *L) {
  * at 1 */
 static void options_of_system(lua_State *L) {
     static const char *const known[] = {"rule", "h", "name", NULL};
-    static const char *const copied[] = {"Q",     "name",   "coordinates",
-                                         "units", "params", NULL};
+    static const char *const copied[] = {"Q",      "name",       "coordinates", "units",
+                                         "params", "constraint", NULL};
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
     lua_getfield(L, 2, "rule");
@@ -240,14 +241,6 @@ static void options_of_system(lua_State *L) {
     lua_replace(L, 1);
 }
 
-static void check_of_system(lua_State *L) {
-    luaL_checktype(L, 2, LUA_TTABLE);
-    if (dml_istied(L, 1))
-        luaL_error(L, "a discrete Lagrangian has no place for the constraints and forces "
-                      "of a system: solve it with a rule, for instance "
-                      "system:solver{rule = \"rattle\", h = 0.01}");
-}
-
 /* the rule of the options at 2 has one velocity, (q1 - q0)/h: nothing is to be solved */
 static int has_formula(lua_State *L) {
     lua_getfield(L, 2, "rule");
@@ -257,9 +250,31 @@ static int has_formula(lua_State *L) {
     return simple;
 }
 
+static int has_field(lua_State *L, const char *key) {
+    const int there = dml_systemfield(L, 1, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+/* holonomic constraints go with a formula, whose nodes are the ends */
+static void check_of_system(lua_State *L) {
+    luaL_checktype(L, 2, LUA_TTABLE);
+    const int holonomic =
+        has_field(L, "constraint") && !has_field(L, "rolling") && !has_field(L, "force");
+    if (dml_istied(L, 1) && !(holonomic && has_formula(L)))
+        luaL_error(L,
+                   "a discrete Lagrangian has no place for %s: solve the system with a "
+                   "rule, for instance system:solver{rule = \"%s\", h = 0.01}",
+                   holonomic ? "the constraints of a system but at its nodes (rules "
+                               "\"midpoint\" and \"trapezoidal\")"
+                             : "rolling constraints and forces",
+                   holonomic ? "rattle" : "midpoint");
+}
+
 static int discrete_new(lua_State *L) {
-    static const char *const known[] = {
-        "Q", "h", "Ld", "name", "coordinates", "units", "params", "derivatives", NULL};
+    static const char *const known[] = {"Q",           "h",     "Ld",     "name",
+                                        "coordinates", "units", "params", "derivatives",
+                                        "constraint",  NULL};
     lua_settop(L, 2);
     if (luaL_testudata(L, 1, DML_SYSTEM)) {
         check_of_system(L);
@@ -306,13 +321,15 @@ static const dml_row methods[] = {
 static const dml_row functions[] = {
     {"discrete_lagrangian", discrete_new,
      "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, "
-     "derivatives=} -> dm.discrete_lagrangian\n"
+     "derivatives=, constraint=} -> dm.discrete_lagrangian\n"
      "or dm.discrete_lagrangian(system, {rule=, h=}) with any stage rule (\"galerkin(3, "
      "lobatto(4))\", \"gauss(2)\", "
      "\"midpoint\" ...)\n"
      "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from "
      "q0 to q1 in the time h. Step it with "
-     "dm.solver{Ld}; Ld(q0, q1) is its value."},
+     "dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every "
+     "node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with "
+     "record = { \"impulses\" }); momenta are D2 Ld, as they are."},
     {NULL, NULL, NULL}};
 
 void dml_open_discrete(lua_State *L) {
@@ -321,7 +338,8 @@ void dml_open_discrete(lua_State *L) {
         "dm.discrete_lagrangian: Ld(q0, q1), made by dm.discrete_lagrangian{Q=, "
         "h=, Ld=}\n"
         "or, of a system and a rule, by dm.discrete_lagrangian(system, {rule=, h=})\n"
-        "fields: Q, Ld, h, name, coordinates, units, params, system, rule",
+        "fields: Q, Ld, h, name, coordinates, units, params, system, rule, "
+        "constraint",
         meta, methods, discrete_field);
     dml_setfunctions(L, functions);
 }

@@ -212,6 +212,7 @@ static void build_model(lua_State *L, int arg, int fn, dml_model *m) {
     const dml_signature sig = signature(s);
     if (!s->hyperdual) {
         read_ties(L, m);
+        if (s->pair) dml_checkpairties(L, m);
         if (!read_structure(L, m, s->pair)) warn_too_large(s, sig.what);
     }
     if (s->hyperdual) go_hyperdual(L, m, fn, &sig);

@@ -162,7 +162,6 @@ static void join(lua_State *L, dml_model *m) {
 void dml_traceties(lua_State *L, int arg, dml_model *m) {
     int any = 0;
     arg = lua_absindex(L, arg);
-    if (dml_checksystem(L, arg)->pair) return;
     for (int i = 0; i < DML_TIE_FUNCTIONS; i++) {
         if (!has_field(L, arg, keys[i])) continue;
         const dml_signature s = signature(m, i);
@@ -192,6 +191,13 @@ int dml_repeatties(lua_State *L, int arg, const dml_model *kept, dm_arena *arena
         if (now.graph != last->graph) return 0;
     }
     return 1;
+}
+
+/* a discrete Lagrangian knows no time */
+void dml_checkpairties(lua_State *L, const dml_model *m) {
+    if (m->ties.structure & DM_TIES_TIMED)
+        luaL_error(L, "the constraint of a discrete Lagrangian is a function of q alone: "
+                      "Ld(q0, q1) knows no time");
 }
 
 void dml_buildties(lua_State *L, dml_model *m) {

@@ -19,6 +19,9 @@ int dml_repeatties(lua_State *L, int arg, const dml_model *kept, dm_arena *arena
 /* Derivatives and structure, into m->ties; raises where one constrains nothing. */
 void dml_buildties(lua_State *L, dml_model *m);
 
+/* Raise where the ties of a discrete Lagrangian see the time. */
+void dml_checkpairties(lua_State *L, const dml_model *m);
+
 /* Is the trace that of the other model, node for node? */
 int dml_sameties(const dml_model *kept, const dml_model *fresh);
 

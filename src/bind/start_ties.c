@@ -47,7 +47,7 @@ void dml_refuseties(lua_State *L, const dml_stepping *r) {
 
 unsigned dml_start_wants(const dml_stepping *r) {
     if (!r->model->model.ties) return 0;
-    return DM_WANT_HOLONOMIC | DM_WANT_ROLLING | DM_WANT_MASS;
+    return DM_WANT_HOLONOMIC | DM_WANT_ROLLING | (r->solver->pair ? 0 : DM_WANT_MASS);
 }
 
 size_t dml_start_work(const dm_model *m) {
@@ -58,6 +58,15 @@ size_t dml_start_work(const dm_model *m) {
 static const char *push_name(lua_State *L, const dm_ties *t, uint32_t i) {
     if (i <= t->holonomic) return lua_pushfstring(L, "constraint %d", (int)i);
     return lua_pushfstring(L, "rolling constraint %d", (int)(i - t->holonomic));
+}
+
+static int wants_projection(lua_State *L) {
+    const int type = lua_getfield(L, 2, "project");
+    const int yes = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    if (type != LUA_TNIL && type != LUA_TBOOLEAN)
+        luaL_error(L, "field 'project' must be true or false");
+    return yes;
 }
 
 static void check_rank(lua_State *L, const dm_ties *t, const dm_ties_defect *d,
@@ -116,15 +125,6 @@ static void check_velocity(lua_State *L, dml_stepping *r, const char *who, int l
                d.row <= t->holonomic ? "|G v + dg/dt|" : "|phi(q, v)|", d.distance);
 }
 
-static int wants_projection(lua_State *L) {
-    const int type = lua_getfield(L, 2, "project");
-    const int yes = lua_toboolean(L, -1);
-    lua_pop(L, 1);
-    if (type != LUA_TNIL && type != LUA_TBOOLEAN)
-        luaL_error(L, "field 'project' must be true or false");
-    return yes;
-}
-
 /* onto the ties, then the momentum of that velocity */
 static void project(lua_State *L, dml_stepping *r, const char *who) {
     const dm_model *m = &r->model->model;
@@ -144,8 +144,15 @@ static void project(lua_State *L, dml_stepping *r, const char *who) {
     memcpy(r->state, r->x, m->n * sizeof *r->state);
 }
 
+/* of the mass; of a discrete Lagrangian, which has none, 1 */
 static void take_metric(lua_State *L, dml_stepping *r, const char *who) {
     const dm_model *m = &r->model->model;
+    const size_t n = m->n;
+    if (r->solver->pair) {
+        memset(r->metric, 0, n * n * sizeof *r->metric);
+        for (size_t i = 0; i < n; i++) r->metric[i * (n + 1)] = 1.0;
+        return;
+    }
     check_status(
         L, dm_ties_inverse_mass(r->metric, m, r->x, r->metric + m->n * (size_t)m->n),
         who);
@@ -153,6 +160,11 @@ static void take_metric(lua_State *L, dml_stepping *r, const char *who) {
 
 void dml_check_on_ties(lua_State *L, dml_stepping *r, const char *who) {
     if (!r->model->model.ties) return;
+    if (r->solver->pair && wants_projection(L))
+        luaL_error(L,
+                   "%sno start: a discrete Lagrangian has no mass, and 'project' moves "
+                   "a start in its metric: begin on the constraint",
+                   who);
     take_metric(L, r, who);
     check_position(L, r, who);
 }

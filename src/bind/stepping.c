@@ -230,10 +230,13 @@ static void start_here(lua_State *L, dml_stepping *r) {
 static void start_pair(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     const dm_kernel *pair = &r->model->model.pair;
+    numbers(L, r, "q1", r->x);
+    dml_check_on_ties(L, r, "q1: ");
     numbers(L, r, "q0", r->state);
     numbers(L, r, "q1", r->x + n);
     memcpy(r->x, r->state, n * sizeof(double));
     dml_checkmodel(L, r->system, r->model, r->x);
+    dml_check_on_ties(L, r, "q0: ");
     dm_kernel_prepare(pair, r->work);
     dm_kernel_eval(pair, r->x, r->work);
     dml_rethrow(L, r->model);
@@ -251,6 +254,8 @@ static void start_momentum(lua_State *L, dml_stepping *r) {
     numbers(L, r, "q", r->state);
     numbers(L, r, "p", r->state + n);
     dml_checkmodel(L, r->system, r->model, NULL);
+    memcpy(r->x, r->state, n * sizeof(double));
+    dml_check_on_ties(L, r, "");
 }
 
 static void add_diagonal(double *p, const double *mass, const double *v, uint32_t n) {

@@ -120,7 +120,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
-    if (!pair) dml_unfold_spheres(L);
+    dml_unfold_spheres(L);
     const uint32_t n = check_Q(L);
     require_field(L, pair ? "Ld" : "L", LUA_TFUNCTION,
                   pair ? "a function of (q0, q1) or (q0, q1, h)"
@@ -128,7 +128,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     check_coordinates(L, n);
     check_units(L);
     check_params(L);
-    if (!pair) dml_checktiefields(L, wants_hyperdual(L));
+    dml_checktiefields(L, wants_hyperdual(L));
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
     *s = (dml_system){.n = n, .pair = pair, .hyperdual = wants_hyperdual(L), .h = h};

@@ -69,7 +69,12 @@ static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r,
         dml_observables_energy(L, o, r);
     else if (entry >= 0)
         dml_observables_entry(L, o, (uint32_t)entry);
-    else if (strcmp(name, "lambda") == 0 && !r->solver->pair)
+    else if (strcmp(name, "lambda") == 0 && r->solver->pair)
+        luaL_error(L,
+                   "field '%s': a discrete Lagrangian has no equations at a state; the "
+                   "multipliers of its steps are record = { \"impulses\" }",
+                   field);
+    else if (strcmp(name, "lambda") == 0)
         add_lambda(L, o, r);
     else
         luaL_error(L,

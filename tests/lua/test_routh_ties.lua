@@ -22,7 +22,7 @@ local s = models.near_pole
 local q = { 0, 0.6, -0.8, 0.45, -0.6, s.q[4] }
 local v = { s.v[1], s.v[2], 0.6 * s.v[2] / 0.8, s.v[3], 0.45 * s.v[3] / 0.6, s.v[4] }
 
--- 3.11, 3.12: constraints, with and without a force, every kind of stage rule with its inner multipliers
+-- 3.11 (Cartesian and with multipliers: test_discrete_ties), 3.12: constraints, with and without a force, every kind of stage rule with its inner multipliers
 for name, friction in pairs { ["rods"] = false, ["rods and friction"] = 0.2 } do
   local full = rods(friction or nil)
   local shape = full:routh { q = q, v = v }
