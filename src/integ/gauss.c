@@ -62,11 +62,6 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
     g->sweeps = sweeps(rule);
 }
 
-static unsigned wants(const dm_rule *rule, const dm_model *m) {
-    return stages(rule) == 1 && !sweeps(rule) ? dm_stage_wants_one(rule, m)
-                                              : dm_stage_wants(rule, m);
-}
-
 /* zeros of a polynomial are dear next to a few steps: they stay with the model */
 static dm_status open(dm_stepper *s) {
     static const char maker;
@@ -101,7 +96,7 @@ const dm_method dm_method_gauss = {
     .fits = fits,
     .order = order,
     .basis = basis,
-    .wants = wants,
+    .wants = dm_stage_wants,
     .work = work,
     .open = open,
     .start = dm_stage_start,

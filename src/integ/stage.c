@@ -13,14 +13,18 @@ dm_status dm_stage_start(dm_stepper *stepper, double *state, double t) {
     if (stepper->model->ties) return dm_tied_start(stepper, state, t);
     if (g->sweeps.row) dm_stage_memory_clear(g, stepper->h);
     if (g->warm) dm_stage_warm_clear(g, stepper->h);
+    if (g->pushes.memory) dm_stage_push_clear(g, stepper->h);
     return DM_OK;
 }
 
 size_t dm_stage_memory(dm_stepper *stepper, double **place) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     if (stepper->model->ties) return dm_tied_memory(stepper, place);
-    *place = g->sweeps.row ? g->sweeps.memory : g->warm;
+    *place = g->sweeps.row      ? g->sweeps.memory
+             : g->pushes.memory ? g->pushes.memory
+                                : g->warm;
     if (g->sweeps.row) return dm_stage_memory_size(g);
+    if (g->pushes.memory) return dm_stage_push_memory(g);
     return g->warm ? dm_stage_warm_memory(g) : 0;
 }
 
@@ -265,9 +269,20 @@ static dm_status prepare(dm_stage *g) {
     return DM_OK;
 }
 
-static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
+static dm_status from_state(dm_stage *g, dm_stepper *stepper) {
     if (!g->weighed) dm_stage_weights_complete(g);
     return g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
+}
+
+/* from where the steps before lead, where that is known, and else from the state */
+static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
+    dm_status status = DM_NO_CONVERGENCE;
+    if (g->pushes.memory && g->ratio == 0.0 && dm_stage_push_guess(g)) {
+        g->ratio = 1.0;
+        status = from_state(g, stepper);
+        g->ratio = 0.0;
+    }
+    return status == DM_OK ? DM_OK : from_state(g, stepper);
 }
 
 /* Where Newton's method fails from its guess: h/16, h/8, ... h from the same state, each from the root before. What fails then has
@@ -294,6 +309,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     dm_status status = DM_NO_CONVERGENCE;
     if (g->sweeps.row && !dm_stage_memory_is_stiff(g))
         status = dm_stage_sweep(g, stepper);
+    if (g->pushes.memory) status = dm_stage_push(g, stepper);
     if (status == DM_OK) return DM_OK;
     status = g->prepared ? DM_OK : prepare(g);
     if (status != DM_OK) return status;
@@ -303,8 +319,10 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
         if (again == DM_OK) status = DM_OK;
     }
     if (status == DM_OK && g->sweeps.row) dm_stage_memory_newton(g);
-    if (status == DM_OK) dm_stage_copy(g->state, g->next, 4 * g->n);
-    return status;
+    if (status != DM_OK) return status;
+    dm_stage_copy(g->state, g->next, 4 * g->n);
+    if (g->pushes.memory) dm_stage_push_newton(g);
+    return DM_OK;
 }
 
 dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {

@@ -59,7 +59,6 @@ uint32_t dm_stage_key(double *key, const dm_galerkin *g);
 
 /* What the rows of methods.def call. */
 unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m);
-unsigned dm_stage_wants_one(const dm_rule *rule, const dm_model *m); /* of one stage */
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m);
 dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *g);
 dm_status dm_stage_start(dm_stepper *stepper, double *state, double t);

@@ -43,6 +43,17 @@ typedef struct {
     double heaviest; /* largest entry of M, where it is constant */
 } dm_stage_sweeps;
 
+/* The step of one stage by push.h, see stage_push.c. */
+typedef struct {
+    dm_kernel kernel;
+    double *
+        memory; /* what a step leaves to the next one; NULL: steps are made another way */
+    double *in, *out; /* of the kernel */
+    int known;        /* the step in hand goes on from the memory */
+    double over;      /* 1 / (h^2 A) */
+    double heaviest;  /* largest entry of M */
+} dm_stage_pushes;
+
 /* Laid out at the head of stepper->work by dm_stage_open. */
 typedef struct {
     dm_stage_table table;
@@ -75,6 +86,7 @@ typedef struct {
     int one;                /* one velocity at one point: stage_one.c */
     const double *newest;   /* its slope at the last evaluation */
     dm_stage_sweeps sweeps;
+    dm_stage_pushes pushes;
     double *warm, *ahead;         /* stage_warm.c; NULL: nothing is kept */
     struct dm_stage_lanes *lanes; /* stage_lanes.h; NULL: this is no ensemble */
     long evaluations;
@@ -137,6 +149,27 @@ void dm_stage_warm_clear(dm_stage *g, double h);
 int dm_stage_warm_guess(
     dm_stage *g); /* g->root from the steps before; 0: none ended here */
 void dm_stage_warm_keep(dm_stage *g);
+
+/* One stage, separable, few coordinates: doubles; what of them is memory of the last steps; 0 where there is no kernel for it. */
+size_t dm_stage_push_size(const dm_model *m);
+size_t dm_stage_push_memory(const dm_stage *g);
+int dm_stage_push_open(dm_stage *g, double *memory);
+void dm_stage_push_clear(dm_stage *g, double h);
+
+/* One step of g->state in place; DM_NO_CONVERGENCE leaves it to Newton's method, whose root is kept then. */
+dm_status dm_stage_push(dm_stage *g, dm_stepper *stepper);
+int dm_stage_push_guess(dm_stage *g); /* Z of the steps before into g->before; 0: none */
+void dm_stage_push_newton(dm_stage *g);
+
+/* Where its memory has what: h, number of P, the state at the end of the last step [4n], the next u [n], P [terms][n]. */
+enum {
+    DM_PUSHED_STEP,
+    DM_PUSHED_COUNT,
+    DM_PUSHED_END,
+    DM_PUSHED_TERMS = 6, /* polynomials P, of degrees 0 to 5 */
+    DM_PUSHED_CALLS = 6  /* of the kernel in a step, at most */
+};
+static const double DM_PUSHED_NEAR = 0.25;
 
 /* How a point of the separable form is found. */
 enum { DM_POINT_FIRST, DM_POINT_SOLVED, DM_POINT_LAST };

@@ -5,6 +5,7 @@
 #include "expr/processor.h"
 #include "integ/kept.h"
 #include "integ/lanes.h"
+#include "integ/push.h"
 
 #include <string.h>
 
@@ -19,6 +20,7 @@ static int is_fused(const dm_stage *g) {
 
 static dm_stage_lanes_step *choose_step(const dm_stage *g, uint32_t lanes) {
 #ifdef __x86_64__
+    if (g->pushes.memory) return lanes == 8 ? dm_stage_push_avx512 : dm_stage_push_avx;
     if (!g->sweeps.row) return lanes == 8 ? dm_stage_newton_avx512 : dm_stage_newton_avx;
     if (lanes == 8)
         return is_fused(g) ? dm_stage_sweep_avx512 : dm_stage_sweep_avx512_plain;
@@ -126,6 +128,21 @@ static int lay_out_newton(dm_stage_lanes *w) {
     return 1;
 }
 
+static int lay_out_pushes(dm_stage_lanes *w) {
+    const size_t n = w->g->n;
+    const array arrays[] = {{&w->next, 4 * n},
+                            {&w->in, dm_push_inputs(w->g->n)},
+                            {&w->out, dm_push_outputs(w->g->n)},
+                            {&w->v0, n},
+                            {&w->u, n},
+                            {&w->root, n},
+                            {&w->end_u, n},
+                            {&w->end_f, n}};
+    if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
+    dm_kernel_prepare_lanes(&w->stage, w->members.lanes, w->out);
+    return 1;
+}
+
 static int open_members(dm_stage_lanes *w, size_t memory_size) {
     dm_lanes *x = &w->members;
     const dm_model *m = w->g->m;
@@ -206,6 +223,8 @@ static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
     if (!w) return NULL;
     *w = (dm_stage_lanes){.g = g};
     if (!open_members(w, s->method->memory(s, &place)) || !lay_out_paces(w)) return NULL;
+    if (g->pushes.memory)
+        return dm_push_kernel(&w->stage, g->m, lanes) && lay_out_pushes(w) ? w : NULL;
     if (g->sweeps.row) return build_sweeps(w, g, lanes) && lay_out_sweeps(w) ? w : NULL;
     return build_curves(w, g, lanes) && lay_out_newton(w) ? w : NULL;
 }
@@ -214,7 +233,8 @@ static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
 static int is_usual(const dm_stage *g) {
     const uint32_t unknowns = g->table.s * g->n;
     if (!g->m->source.graph || g->m->source.compile != dm_native_build) return 0;
-    return g->sweeps.row || (g->warm && unknowns <= DM_STAGE_LANES_UNKNOWNS);
+    return g->sweeps.row || g->pushes.memory ||
+           (g->warm && unknowns <= DM_STAGE_LANES_UNKNOWNS);
 }
 
 /* those of the model's last ensemble, or new ones */

@@ -34,14 +34,15 @@ struct dm_stage_lanes {
     /* sweeps: arguments and results of the kernels, M^-1 L_q, bases of positions and momenta, v and h v at the start,
     ** u and L_q where lanes ended */
     double *in, *out, *factored, *u, *base, *lift, *v0, *drift, *end_u, *end_f, *zeros;
-    /* Newton's method: as in dm_stage; a second curve, matrix and pivots for lanes that renew theirs apart */
+    /* push.h: its kernel is `stage`, with in and out, v0, end_u and end_f. Newton's method: as in dm_stage; a second curve, matrix and pivots for lanes that renew theirs apart */
     double *x, *curve, *slopes, *other, *root, *dx, *r, *missed, *J, *J2;
     void *pivot, *pivot2;
 };
 
 /* One for every kind of processor; products of sweeps are fused into sums as a member alone has it. */
 dm_stage_lanes_step dm_stage_sweep_avx, dm_stage_sweep_fma, dm_stage_sweep_avx512,
-    dm_stage_sweep_avx512_plain, dm_stage_newton_avx, dm_stage_newton_avx512;
+    dm_stage_sweep_avx512_plain, dm_stage_newton_avx, dm_stage_newton_avx512,
+    dm_stage_push_avx, dm_stage_push_avx512;
 
 /* What the rows of methods.def call. */
 int dm_stage_widen(dm_stepper *s, dm_lanes *x);

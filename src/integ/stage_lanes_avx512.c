@@ -6,6 +6,7 @@
 #define HOW __attribute__((target("avx512f,avx512dq,fma")))
 #define DM_LANES_FUSED 1
 #include "integ/stage_lanes_newton.h"
+#include "integ/stage_lanes_push.h"
 #include "integ/stage_lanes_sweep.h"
 
 HOW uint32_t dm_stage_sweep_avx512(const dm_stage_lanes *w, uint32_t asked) {
@@ -14,5 +15,9 @@ HOW uint32_t dm_stage_sweep_avx512(const dm_stage_lanes *w, uint32_t asked) {
 
 HOW uint32_t dm_stage_newton_avx512(const dm_stage_lanes *w, uint32_t asked) {
     return step_by_newton(w, asked);
+}
+
+HOW uint32_t dm_stage_push_avx512(const dm_stage_lanes *w, uint32_t asked) {
+    return step_by_push(w, asked);
 }
 #endif

@@ -16,30 +16,6 @@ unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
                   : DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS;
 }
 
-/*
-** Newton's method halves the evaluations that sweeps of one stage need, which has no polynomial to start from, but
-** adds to what is between them: cheaper for few coordinates and a force that is not short.
-*/
-enum { FEW = 4, SHORT = 12 };
-
-static int few_and_long(const dm_model *m) {
-    return m->n <= FEW && m->operations > SHORT;
-}
-
-unsigned dm_stage_wants_one(const dm_rule *rule, const dm_model *m) {
-    const unsigned all = dm_stage_wants(rule, m);
-    const unsigned mass = m->structure & DM_DIAGONAL_MASS ? 0 : DM_WANT_MASS;
-    if (m->ties || !few_and_long(m)) return all;
-    return all | DM_WANT_STAGE | DM_WANT_SLOPE | mass;
-}
-
-/* the cheaper form for L = T(v) - V(q, t) */
-static int by_displacements(const dm_model *m, const dm_galerkin *basis) {
-    const int one = basis->s == 1 && basis->q.r == 1 && !basis->sweeps;
-    if ((m->structure & SIMPLE) != SIMPLE) return 0;
-    return !one || !few_and_long(m) || !(m->has & DM_WANT_SLOPE) || !m->stage.eval;
-}
-
 static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
@@ -59,7 +35,7 @@ size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
            dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve +
            2 * larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
-           scratch_size(s, r, m) + dm_stage_warm_size(s, m->n) +
+           scratch_size(s, r, m) + dm_stage_push_size(m) + dm_stage_warm_size(s, m->n) +
            dm_stage_sweeps_size(s, r, m);
 }
 
@@ -93,7 +69,7 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     double *memory = stepper->work + doubles(sizeof *g);
     if (m->ties) return dm_tied_open(stepper, basis);
     *g = (dm_stage){.m = m, .n = m->n};
-    g->separable = by_displacements(m, basis);
+    g->separable = (m->structure & SIMPLE) == SIMPLE;
     dm_stage_table_find(&g->table, basis, m, memory);
     memory += dm_stage_table_size(g->table.s, g->table.r);
     dm_stage_weights_place(g, memory);
@@ -101,6 +77,8 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     if (g->separable) dm_stage_separable_open(g);
     g->one = !g->separable && dm_stage_is_one(g);
+    if (!basis->sweeps && dm_stage_push_open(g, memory)) return DM_OK;
+    memory += dm_stage_push_size(m);
     dm_stage_sweeps_open(g, basis, memory + dm_stage_warm_size(g->table.s, g->n));
     if (!g->sweeps.row && !g->separable) dm_stage_warm_open(g, basis, memory);
     return DM_OK;

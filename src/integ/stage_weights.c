@@ -45,6 +45,7 @@ void dm_stage_weights_complete(dm_stage *g) {
     const double h = g->h;
     g->weighed = 1;
     scale(g->hreach, t->reach, h, r);
+    g->pushes.over = 1.0 / dm_weight_double(*g->hA);
     if (g->separable) return;
     scale(g->hbeta, t->beta, h, s);
     for (uint32_t i = 0; i < r; i++)

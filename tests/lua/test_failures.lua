@@ -81,7 +81,7 @@ end))).code:gsub("_", " ")) end)
 
 -- Newton's method stopped by a tolerance: what round-off kept is lost to the tolerance
 local function momentum_lost(tolerance)
-  local path = kepler:solver({ rule = "midpoint", h = 0.05, newton = { tolerance = tolerance } }):run(with(orbit, { every = 100 }))
+  local path = kepler:solver({ rule = "midpoint", h = 0.1, newton = { tolerance = tolerance } }):run(with(orbit, { every = 100 }))
   local J = path:momentum(dm.SO(2))
   return abs(J[#J] - J[1])
 end

@@ -1,0 +1,208 @@
+/*
+** stage_lanes_push.h - a step of one stage by push.h for W members, as stage_push.c makes it for one, operation by operation; a
+** text for the files of stage_lanes.h.
+*/
+#ifndef DM_STAGE_LANES_PUSH_H
+#define DM_STAGE_LANES_PUSH_H
+
+#include "integ/push.h"
+#include "integ/stage_lanes_text.h"
+#include "solve/newton_limits.h"
+
+#include <math.h>
+
+/* ---- memory ---- */
+
+/* lanes whose last step ended where this one begins, and was as long */
+INLINE I pushed_before(const dm_stage_lanes *w, uint32_t n) {
+    const double *memory = w->memory, *end = memory + DM_PUSHED_END * W;
+    I fits = (I)(load(memory + DM_PUSHED_STEP * W) == load(w->h)) &
+             (I)(load(memory + DM_PUSHED_COUNT * W) > (V){0});
+#pragma GCC unroll 16
+    for (uint32_t k = 0; k < 4 * n; k++)
+        fits &= (I)(load(end + k * W) == load(w->state + k * W));
+    return fits;
+}
+
+/* differences that each lane takes: -1 where it takes the one of that degree */
+INLINE void choose_terms(I *takes, const V *size, V count) {
+    I wants = (I)(count > (V){0});
+#pragma GCC unroll 6
+    for (int j = 0; j < DM_PUSHED_TERMS; j++) {
+        V left = size[j];
+        if (j + 1 < DM_PUSHED_TERMS)
+            left = pick((I)(count > (double)(j + 1)), size[j + 1], size[j]);
+        wants &= (I)(count > (double)j);
+        if (j >= DM_WARM_PARABOLA) wants &= (I)(left <= DM_WARM_NEARER * size[j]);
+        takes[j] = wants;
+    }
+}
+
+/* P, the next guess and the new end, in the lanes of `where` */
+INLINE void keep_pushes(const dm_stage_lanes *w, I where, const double *Z, uint32_t n) {
+    double *end = w->memory + DM_PUSHED_END * W, *guess = end + 4 * n * W;
+    double *P = guess + n * W, *number = w->memory + DM_PUSHED_COUNT * W;
+    const V count = load(number), most = same(DM_PUSHED_TERMS);
+    V size[DM_PUSHED_TERMS];
+    I takes[DM_PUSHED_TERMS];
+#pragma GCC unroll 6
+    for (uint32_t j = 0; j < DM_PUSHED_TERMS; j++) {
+        size[j] = (V){0};
+#pragma GCC unroll 4
+        for (uint32_t k = 0; k < n; k++)
+            size[j] = larger_of(magnitude(load(Z + k * W) - load(P + (j * n + k) * W)),
+                                size[j]);
+    }
+    choose_terms(takes, size, count);
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < n; k++) {
+        const V now = load(Z + k * W);
+        V sum = {0}, times = same(1.0), next = now;
+#pragma GCC unroll 6
+        for (uint32_t j = 0; j < DM_PUSHED_TERMS; j++) {
+            double *place = P + (j * n + k) * W;
+            const V before = load(place);
+            sum = pick(takes[j], sum + before, sum);
+            times = pick(takes[j], times + 1.0, times);
+            put_where(where, place, next);
+            next += now - before;
+        }
+        put_where(where, guess + k * W, times * now - sum);
+    }
+    put_where(where, number, pick((I)(count < most), count + 1.0, most));
+#pragma GCC unroll 16
+    for (uint32_t k = 0; k < 4 * n; k++) {
+        put_where(where, end + k * W, load(w->next + k * W));
+        put_where(where, w->state + k * W, load(w->next + k * W));
+    }
+}
+
+/* ---- the step ---- */
+
+/* out = M^-1 (x - shift); shift NULL: none */
+INLINE void divide_lanes(const dm_model *m, double *out, const double *x,
+                         const double *shift, uint32_t n) {
+    const double *c = m->inverse_mass;
+    if (m->structure & DM_DIAGONAL_MASS) {
+#pragma GCC unroll 4
+        for (uint32_t i = 0; i < n; i++) store(out + i * W, c[i] * load(x + i * W));
+        return;
+    }
+#pragma GCC unroll 4
+    for (uint32_t i = 0; i < n; i++) {
+        V sum = {0};
+#pragma GCC unroll 4
+        for (uint32_t j = 0; j < n; j++) {
+            const V from = load(x + j * W);
+            sum += c[i * n + j] * (shift ? from - shift[j] : from);
+        }
+        store(out + i * W, sum);
+    }
+}
+
+INLINE V largest_of_members(const double *a, uint32_t n) {
+    V largest = {0};
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < n; k++)
+        largest = larger_of(magnitude(load(a + k * W)), largest);
+    return largest;
+}
+
+INLINE I is_root(V first, V second, V small) {
+    const I slow = (I)(second <= DM_NEWTON_SLOW * first) | (I)(first <= small);
+    return (I)(second * second <= DM_NEWTON_NEGLIGIBLE * small * first) |
+           ((I)(second <= small) & slow);
+}
+
+INLINE V weighted(lanes_weight c, V x) {
+    return c.top * x + c.rest * x;
+}
+
+/* v0 and the arguments of the kernel */
+INLINE void place_members(const dm_stage_lanes *w, uint32_t n) {
+    const dm_stage *g = w->g;
+    const double *low = w->state + 2 * n * W;
+    const double *guess = w->memory + (DM_PUSHED_END + 4 * n) * W;
+    double *numbers = w->in + 3 * n * W;
+    divide_lanes(g->m, w->v0, w->state + n * W, g->m->momentum_shift, n);
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < n; k++) {
+        const V v = load(w->v0 + k * W);
+        const V reach = weighted(weight_of(w, g->hreach), v);
+        store(w->in + k * W, load(w->state + k * W));
+        store(w->in + (n + k) * W, load(low + k * W) + reach);
+        store(w->in + (2 * n + k) * W, load(guess + k * W));
+    }
+    const lanes_weight hA = weight_of(w, g->hA), hc = weight_of(w, g->hc);
+    store(numbers + DM_PUSH_WEIGHT * W, hA.top + hA.rest);
+    store(numbers + DM_PUSH_OVER * W, 1.0 / (hA.top + hA.rest));
+    store(numbers + DM_PUSH_TIME * W, w->t + (hc.top + hc.rest));
+}
+
+/* forces, u and Z of the lanes that end, in end_f, end_u and root */
+INLINE I iterate_members(const dm_stage_lanes *w, I todo, uint32_t n) {
+    const V c = load(w->in + (3 * n + DM_PUSH_WEIGHT) * W);
+    const double *base = w->in + n * W;
+    double *Z = w->in + 2 * n * W;
+    const V reach = largest_of_members(Z, n), near = DM_PUSHED_NEAR * reach;
+    const V small = w->tolerance * (largest_of_members(w->in, n) + reach);
+    I ended = {0};
+    for (int i = 0; i < DM_PUSHED_CALLS && bits_of(todo); i++) {
+        dm_kernel_eval(&w->stage, w->in, w->out);
+        const V first = magnitude(c) * largest_of_members(w->out + n * W, n);
+        const V second = magnitude(c) * largest_of_members(w->out + 2 * n * W, n);
+        const I now = todo & is_root(first, second, small);
+        divide_lanes(w->g->m, w->u, w->out, NULL, n);
+#pragma GCC unroll 4
+        for (uint32_t k = 0; k < n; k++) {
+            const V u = load(w->u + k * W), shift = load(base + k * W) + c * u;
+            store(Z + k * W, shift);
+            put_where(now, w->end_u + k * W, u);
+            put_where(now, w->end_f + k * W, load(w->out + k * W));
+            put_where(now, w->root + k * W, shift);
+        }
+        ended |= now;
+        todo &= ~now & (I)(second <= DM_NEWTON_SLOW * first);
+        if (i == 0) todo &= (I)(first <= near);
+    }
+    return ended;
+}
+
+/* lanes whose end, in next, is finite */
+INLINE I finish_members(const dm_stage_lanes *w, uint32_t n) {
+    const dm_stage *g = w->g;
+    I fine = mask_of((1u << W) - 1);
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < n; k++) {
+        const V u = load(w->end_u + k * W), f = load(w->end_f + k * W);
+        const V drift = load(w->h) * load(w->v0 + k * W);
+        fine &= add_to_state(w, n, k, drift + weighted(weight_of(w, g->hmean), u));
+        fine &= add_to_state(w, n, n + k, weighted(weight_of(w, g->hb), f));
+    }
+    return fine;
+}
+
+INLINE uint32_t push_members(const dm_stage_lanes *w, uint32_t asked, uint32_t n) {
+    const I todo = mask_of(asked) & pushed_before(w, n);
+    if (!bits_of(todo)) return 0;
+    place_members(w, n);
+    I ended = iterate_members(w, todo, n);
+    ended &= finish_members(w, n);
+    keep_pushes(w, ended, w->root, n);
+    return bits_of(ended);
+}
+
+HOW static uint32_t step_by_push(const dm_stage_lanes *w, uint32_t asked) {
+    switch (w->g->n) {
+    case 1:
+        return push_members(w, asked, 1);
+    case 2:
+        return push_members(w, asked, 2);
+    case 3:
+        return push_members(w, asked, 3);
+    default:
+        return push_members(w, asked, 4);
+    }
+}
+
+#endif
