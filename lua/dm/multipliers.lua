@@ -174,12 +174,16 @@ end
 -- a state as it is given: vectors of n entries, numbers or symbols
 local function state(system, q, v, t, what)
   local n = system.Q.dimension
-  for key, x in pairs { q = q or false, v = v or false } do
+  local function check(key, x)
     local fine, count = pcall(function() return #x end)
     if type(x) == "string" or not fine or count ~= n then
       error(("%s: %s must be %d numbers (got %s)"):format(what, key, n, fine and type(x) ~= "string" and count or type(x)), 0)
     end
   end
+  check("q", q)
+  check("v", v)
+  local fine, symbol = pcall(function() return t == nil or type(t) == "number" or t + 0 end)
+  if not fine or type(symbol) == "table" then error(("%s: t must be a number (got %s)"):format(what, type(t)), 0) end
   return core.vector(q), core.vector(v), t or 0
 end
 

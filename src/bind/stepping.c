@@ -267,11 +267,8 @@ static void add_product(double *p, const double *mass, const double *v, uint32_t
         for (uint32_t j = 0; j < n; j++) p[i] += mass[i * (size_t)n + j] * v[j];
 }
 
-/*
-** Two positions of a Lagrangian: the momentum p with step(q0, p) = q1, by p += M (q1 -
-*Q(p)) / h, which
-** contracts like h^2; M = d2L/dv2 at the start.
-*/
+/* Two positions of a Lagrangian: the momentum p with step(q0, p) = q1, by p += M (q1 - Q(p)) / h, which contracts like h^2;
+** M = d2L/dv2 at the start. */
 static dm_status shoot(dml_stepping *r, const double *q1) {
     enum { TRIES = 100 };
     const uint32_t n = r->solver->n;
