@@ -5,21 +5,29 @@ local blame = require "dm.blame"
 local check = require "dm.routh_check"
 local core = require "dm.core"
 local model = require "dm.routh_model"
+local parameters = require "dm.routh_params"
 local starts = require "dm.start"
 
 local M = {}
 
 local abs = math.abs
 
--- shape -> what it was made from
+-- shape -> what it was made from; also by its L, which copies with other params share
 local known = setmetatable({}, { __mode = "k" })
+local of_lagrangian = setmetatable({}, { __mode = "k" })
 
 --- What a reduced system was made from, or nothing.
-function M.info(system) return known[system] end
+function M.info(system)
+  local info = known[system]
+  local meta = not info and getmetatable(system)
+  if not meta or meta.__name ~= "dm.system" then return info end
+  info = of_lagrangian[system.L]
+  return info and parameters.at(info, system.params)
+end
 
 --- The same, or an error that names what asked.
 function M.need(system, what)
-  local info = known[system]
+  local info = M.info(system)
   if not info then error(what .. " is for a reduced system, made by system:routh { cyclic = ..., mu = ... }", 0) end
   return info
 end
@@ -156,15 +164,6 @@ local function read_mu(info, options)
   return out
 end
 
--- L(q, v, t), g(q, t), F(q, v, t) with the params of the system bound
-local function bound(f, params)
-  if not f or params == nil then return f end
-  return function(a, b, t)
-    if t == nil then return f(a, b, params) end
-    return f(a, b, t, params)
-  end
-end
-
 -- what reduction cannot do
 local function refuse(system)
   local given = system.given
@@ -180,17 +179,16 @@ end
 
 -- the constraint and the force of the reduced system, checked
 local function tie(info, out)
-  local given = info.full.given
-  local g, F = bound(given.constraint, given.params), bound(given.force, given.params)
-  if g then
-    check.constraint(info, g)
-    out.constraint = function(x, t) return g(model.embed(info, x), t) end
+  if info.g then
+    check.constraint(info, info.g)
+    out.constraint = function(x, t, p) return parameters.at(info, p).g(model.embed(info, x), t) end
   end
-  if F then
-    check.force(info, F)
-    out.force = function(x, u, t)
-      local theta = model.group_velocity(info, x, u, t)
-      return (model.split(info, F(model.embed(info, x), model.embed(info, u, theta), t)))
+  if info.F then
+    check.force(info, info.F)
+    out.force = function(x, u, t, p)
+      local now = parameters.at(info, p)
+      local theta = model.group_velocity(now, x, u, t)
+      return (model.split(now, now.F(model.embed(now, x), model.embed(now, u, theta), t)))
     end
   end
 end
@@ -214,11 +212,11 @@ local function make(info)
     info.autonomous = info.full:structure().autonomous
     info.root = require "dm.routh_quadratic".root(info)
   end
-  local out = { L = function(x, u, t) return model.routhian(info, x, u, t) end }
+  local out = { L = function(x, u, t, p) return model.routhian(parameters.at(info, p), x, u, t) end, params = parameters.of(info) }
   describe(info, out)
   tie(info, out)
   local shape = core.system(out)
-  known[shape] = info
+  known[shape], of_lagrangian[out.L] = info, info
   return shape
 end
 
@@ -235,7 +233,8 @@ local function read(system, options)
     error(("option 'connection' must be a function of the shape (got %s)"):format(type(options.connection)), 0)
   end
   return { full = system, names = names, n = n, m = #cyclic, d = #shape, cyclic = cyclic, shape = shape,
-    L = bound(given.L, given.params), given_connection = options.connection, shown = {} }
+    L = parameters.bound(given.L, given.params), g = parameters.bound(given.constraint, given.params),
+    F = parameters.bound(given.force, given.params), params = given.params, given_connection = options.connection, shown = {} }
 end
 
 -- invariance, a regular locked inertia that does not depend on theta', at points in the domain
@@ -280,7 +279,7 @@ M.at_momentum = blame.caller(function(shape, mu)
   if mu == nil then error(("at_momentum takes a momentum, a number or a list of %d"):format(info.m), 0) end
   local other = {}
   for key, value in pairs(info) do other[key] = value end
-  other.shown = {}
+  other.shown, other.variants = {}, nil
   other.mu = read_mu(other, { mu = mu })
   return make(other)
 end)

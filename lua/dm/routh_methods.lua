@@ -15,7 +15,8 @@ dimensions are held at 0 wherever the orbit of `at`, of the start q or of a poin
 theta is 0 at that point: turns leave r, which is singular at r = 0 alone); names: of theta and x. connection(x): m rows of dim Q - m
 numbers, in place of the mechanical connection. Invariance is checked at a dozen points, and the first that violates it is named: what differs nowhere
 there, such as a force along the group that sets in only beyond some distance, is not seen, and the reduced run leaves it out. Constraints and forces
-that the group keeps are reduced too. A run that jumps over a shape with a singular mass or locked inertia fails, with reason "pole" or "collapse".
+that the group keeps are reduced too. The params of the system are those of the shape, with the momentum as mu (mu1, mu2, ... of a group of more dimensions; mu_theta where a parameter is called
+mu): ensembles and stability maps vary them. A run that jumps over a shape with a singular mass or locked inertia fails, with reason "pole" or "collapse".
 The reduced system also has connection, curvature, locked_inertia, amended_potential, lift, start, and its paths have reconstruct. Raises when L is no invariant, a force pushes along the group, or the locked inertia is singular.]])
 
 add("dm.system", "at_momentum", "dm.routh", [[

@@ -39,6 +39,7 @@ local function value_at_sample(info) return info.L(info.sample.q, info.sample.v,
 
 --- The derivatives of L as it is now: traced again when a number that L uses has changed.
 function M.derived(info)
+  if info.fixed then return info.fixed end
   local kept = info.derived
   local now = value_at_sample(info)
   if not kept or kept.value ~= now then
@@ -86,6 +87,7 @@ function M.routhian(info, x, u, t)
   local sum, L = 0, info.L
   for a = 1, info.m do sum = sum + rest[a] * rate[a] end
   local R = L(M.embed(info, x), M.embed(info, u), t) - sum / 2
+  if info.fixed then return R end
   return core.extremum(R, function(y, w, z, s)
     local value = L(M.embed(info, y), M.embed(info, w, z), s)
     for a = 1, info.m do value = value - info.mu[a] * z[a] end

@@ -251,14 +251,13 @@ end
 -- L, constraint and force in (theta, x)
 local function pulled_back(system, Phi, slope, n, names)
   local given = system.given
-  local params = given.params
-  local out = { Q = core.R(n), name = system.name, coordinates = names, units = system.units }
-  out.L = function(y, w, t) return given.L(Phi(y), slope(y) * w, t, params) end
-  if given.constraint then out.constraint = function(y, t) return given.constraint(Phi(y), t, params) end end
+  local out = { params = given.params, Q = core.R(n), name = system.name, coordinates = names, units = system.units }
+  out.L = function(y, w, t, p) return given.L(Phi(y), slope(y) * w, t, p) end
+  if given.constraint then out.constraint = function(y, t, p) return given.constraint(Phi(y), t, p) end end
   if given.force then
-    out.force = function(y, w, t)
+    out.force = function(y, w, t, p)
       local J, q = slope(y), Phi(y)
-      local F, all = given.force(q, J * w, t, params), {}
+      local F, all = given.force(q, J * w, t, p), {}
       for k = 1, n do
         all[k] = 0
         for i = 1, n do all[k] = all[k] + F[i] * J[i][k] end

@@ -1,0 +1,119 @@
+--- Parameters of a reduced system: the numbers among the params of the system it was made from, and the momentum as mu (mu1, mu2, ...), so that
+-- members of ensembles and cells of maps vary them. At other values the reduction is made again from L with these; where they are symbols (inputs of
+-- kernels: one trace for all members) derivatives take them as arguments.
+local core = require "dm.core"
+
+local M = {}
+
+--- f(a [, b], t, params) with the params bound.
+function M.bound(f, params)
+  if not f or params == nil then return f end
+  return function(a, b, t)
+    if t == nil then return f(a, b, params) end
+    return f(a, b, t, params)
+  end
+end
+
+-- mu, or mu1, mu2, ...; with _ in front of the number where a parameter has that name
+local function names_of_mu(info, taken)
+  local out = {}
+  for a = 1, info.m do
+    local name = info.m == 1 and "mu" or "mu" .. a
+    while taken[name] ~= nil do name = name .. "_" .. info.names[info.cyclic[a]] end
+    out[a] = name
+  end
+  return out
+end
+
+--- The params of the shape; info.numbers = { name = value now } and info.mu_names are set.
+function M.of(info)
+  local given = info.params
+  local out = {}
+  for key, value in pairs(type(given) == "table" and given or {}) do out[key] = value end
+  info.mu_names = names_of_mu(info, out)
+  for a, name in ipairs(info.mu_names) do out[name] = info.mu[a] end
+  info.numbers = {}
+  for key, value in pairs(out) do
+    if type(key) == "string" and type(value) == "number" then info.numbers[key] = value end
+  end
+  return out
+end
+
+-- the params of the unreduced system with these values among them
+local function merged(info, p)
+  local out = {}
+  for key, value in pairs(type(info.params) == "table" and info.params or {}) do out[key] = value end
+  for key in pairs(info.numbers) do
+    if out[key] ~= nil then out[key] = p[key] end
+  end
+  return out
+end
+
+-- a copy of the reduction with other functions
+local function variant(info, p)
+  local out, given = {}, info.full.given
+  for key, value in pairs(info) do out[key] = value end
+  out.shown, out.variants, out.derived, out.mu = {}, nil, nil, {}
+  for a, name in ipairs(info.mu_names) do out.mu[a] = p[name] end
+  if info.params ~= nil then
+    out.params = merged(info, p)
+    out.L, out.g, out.F = M.bound(given.L, out.params), M.bound(given.constraint, out.params), M.bound(given.force, out.params)
+  end
+  return out
+end
+
+-- at other numbers
+local function at_numbers(info, p)
+  local out = variant(info, p)
+  out.numbers = {}
+  for key in pairs(info.numbers) do out.numbers[key] = p[key] end
+  if info.root then out.root = require "dm.routh_quadratic".root(out) end
+  return out
+end
+
+-- at symbols: dL/d(q, v) and dp_theta/d(q, v) as functions of the values too
+local function at_symbols(info, p)
+  if info.root then error("parameters of an implicit reduction are numbers", 0) end
+  local out, n, names, values = variant(info, p), info.n, {}, {}
+  for key in pairs(info.numbers) do names[#names + 1] = key end
+  table.sort(names)
+  for i, key in ipairs(names) do values[i] = p[key] end
+  local L = info.full.given.L
+  local slope = core.derivative(function(q, v, t, all)
+    local now = {}
+    for i, key in ipairs(names) do now[key] = all[i] end
+    return L(q, v, t, info.params ~= nil and merged(info, now) or nil)
+  end, n, n, "number", #names)
+  local rows = core.derivative(function(q, v, t, all)
+    local g, some = slope(q, v, t, all), {}
+    for a, i in ipairs(info.cyclic) do some[a] = g[n + i] end
+    return core.vector(some)
+  end, n, n, "number", #names)
+  local all = core.vector(values)
+  out.fixed = { slope = function(q, v, t) return slope(q, v, t, all) end, rows = function(q, v, t) return rows(q, v, t, all) end }
+  return out
+end
+
+local MOST = 16  -- reductions that are kept, of the last values
+
+--- The reduction with these params; p may hold symbols.
+function M.at(info, p)
+  if p == nil or not info.numbers then return info end
+  local same, key = true, {}
+  for name, value in pairs(info.numbers) do same = same and rawequal(p[name], value) end
+  if same then return info end
+  for name in pairs(info.numbers) do
+    local x = p[name]
+    if type(x) ~= "number" then return at_symbols(info, p) end
+    key[#key + 1] = ("%s=%a"):format(name, x)
+  end
+  table.sort(key)
+  local text = table.concat(key, " ")
+  local kept = info.variants
+  if not kept or not kept[text] and kept.count >= MOST then kept = { count = 0 } end
+  if not kept[text] then kept[text], kept.count = at_numbers(info, p), kept.count + 1 end
+  info.variants = kept
+  return kept[text]
+end
+
+return M
