@@ -121,8 +121,10 @@ static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s,
 int dml_checkpoint_try(const char *file) {
     char folder[4096];
     struct stat at;
-    if (stat(file, &at) == 0 && S_ISDIR(at.st_mode)) {
-        errno = EISDIR;
+    const int there = stat(file, &at) == 0;
+    /* a checkpoint takes the place of what has its name: of a file, not of /dev/null */
+    if (!*file || (there && !S_ISREG(at.st_mode))) {
+        errno = !*file ? ENOENT : S_ISDIR(at.st_mode) ? EISDIR : EPERM;
         return 0;
     }
     const char *slash = strrchr(file, '/');
@@ -134,6 +136,7 @@ int dml_checkpoint_try(const char *file) {
 int dml_checkpoint_write(const dml_checkpoint *c, const dml_solver *s, const char *rule,
                          const char *file) {
     char name[4096];
+    if (!dml_checkpoint_try(file)) return 0;
     if (snprintf(name, sizeof name, "%s.new", file) >= (int)sizeof name) {
         errno = ENAMETOOLONG;
         return 0;

@@ -96,6 +96,15 @@ raises("has its own state and time", function() dm.resume(file, kepler):run { st
 local text = io.open(file):read "a"
 io.open(file, "w"):write(text:sub(1, #text - 20)):close()
 raises("not a whole checkpoint", dm.resume, file, kepler)
+-- a checkpoint takes the place of a file, and of nothing else that has its name
+local fifo = os.tmpname()
+os.remove(fifo)
+if os.execute(("mkfifo %s 2>/dev/null"):format(fifo)) then
+  raises("cannot write " .. fifo, function() half:checkpoint(fifo) end)
+  raises("cannot write " .. fifo, run, kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 3, checkpoint = fifo })
+  ok(os.execute("test -p " .. fifo), "what is no file stays")
+  os.remove(fifo)
+end
 raises("field 'checkpoint': cannot write /no/such/folder/c", run, kepler:solver { rule = "verlet", h = 1e-3 },
   { steps = 3, checkpoint = "/no/such/folder/c" })
 os.execute("ln -s /dev/full " .. file .. ".new") -- a disk that is full later
