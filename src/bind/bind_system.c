@@ -64,7 +64,7 @@ static double *evaluate(lua_State *L, unsigned want, size_t which, const char *w
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "v");
     dml_pushlast(L, 1, NULL);
-    dml_model *m = dml_withtables(L, -1, want);
+    dml_model *m = dml_standin(L, -1, want);
     dml_want(L, m, want | DM_WANT_VALUE, NULL);
     dml_checkmember(L, 1, m, x); /* what the trace did not see is told, not computed */
     const dm_kernel *kernel = (const dm_kernel *)((const char *)&m->model + which);

@@ -163,7 +163,7 @@ static void warn_too_large(dml_system *s, const char *what) {
 /* push a model with the arena on top and the function at fn */
 static dml_model *new_model(lua_State *L, int fn, dm_arena *arena, uint32_t n) {
     dml_model *m = lua_newuserdatauv(L, sizeof *m, 5); /* arena, function, callback, the
-** model with parameters as inputs (model_params.h) or false, the one with tables (dml_withtables) */
+** model with parameters as inputs (model_params.h) or false, the one with tables (dml_standin) */
     *m = (dml_model){.n = n, .arena = arena};
     lua_pushvalue(L, -2);
     lua_setiuservalue(L, -2, 1);

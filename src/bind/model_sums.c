@@ -55,11 +55,26 @@ static void push_twin(lua_State *L, int at, const dml_model *m) {
     lua_setiuservalue(L, at, 5);
 }
 
-dml_model *dml_withtables(lua_State *L, int at, unsigned want) {
+static int needs_tables(const dml_model *m, unsigned want) {
+    return want & DM_WANT_DENSE && m->model.structure & DM_LOOPS && dm_sums(m->graph) &&
+           m->n <= DM_MODEL_DENSE;
+}
+
+/* Slope and mass are taken out of the stage kernel where there is one, and round in another way than alone: a rule that does
+** without it shall have the same bits whatever ran before it. */
+static int needs_own(const dml_model *m, unsigned want) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    const unsigned shared = (m->model.structure & simple) == simple
+                                ? DM_WANT_SLOPE
+                                : DM_WANT_SLOPE | DM_WANT_MASS;
+    return m->model.has & DM_WANT_STAGE &&
+           !(want & (DM_WANT_STAGE | DM_WANT_STAGE_LATER)) && want & shared;
+}
+
+dml_model *dml_standin(lua_State *L, int at, unsigned want) {
     dml_model *m = lua_touserdata(L, at);
     at = lua_absindex(L, at);
-    if (!(want & DM_WANT_DENSE) || !(m->model.structure & DM_LOOPS) ||
-        !dm_sums(m->graph) || m->n > DM_MODEL_DENSE)
+    if (m->callback || !m->graph || (!needs_tables(m, want) && !needs_own(m, want)))
         return m;
     if (lua_getiuservalue(L, at, 5) != LUA_TUSERDATA) {
         lua_pop(L, 1);

@@ -30,8 +30,9 @@ void dml_endapart(const dml_apart *a);
 /* The same until the stack is cut back behind it, or an error passes; pushes nothing where nothing is under way. */
 void dml_pushapart(lua_State *L);
 
-/* Where the sums of the model at `at` stay loops and `want` needs tables: put a model of the same trace in its place, which
-** it keeps, so that what steps by loops goes on doing so. Gives the model that is there then. */
-dml_model *dml_withtables(lua_State *L, int at, unsigned want);
+/* Where the sums of the model at `at` stay loops and `want` needs tables, or its slope and mass are parts of a stage kernel that
+** `want` does without: put a model of the same trace in its place, which it keeps, so that what steps by loops goes on doing so,
+** and a rule has the same bits whatever ran before it. Gives the model that is there then. */
+dml_model *dml_standin(lua_State *L, int at, unsigned want);
 
 #endif

@@ -16,7 +16,7 @@ static dml_path *check(lua_State *L) {
 
 static dml_model *model_for(lua_State *L, unsigned want) {
     lua_getiuservalue(L, 1, DML_PATH_MODEL);
-    dml_model *m = dml_withtables(L, -1, want); /* kept by the path */
+    dml_model *m = dml_standin(L, -1, want); /* kept by the path */
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     if (dml_checksystem(L, -1)->pair)
         luaL_error(L, "a discrete Lagrangian alone has no energy and no velocity: make "

@@ -98,7 +98,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     const unsigned wants =
         (r->inputs ? 0 : r->wants) | DM_WANT_VALUE | dml_start_wants(r) |
         (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants));
-    r->model = dml_withtables(L, r->model_at, wants);
+    r->model = dml_standin(L, r->model_at, wants);
     dml_want(L, r->model, wants, backend_name(L));
     r->stepper = (dm_stepper){.method = s->method,
                               .model = r->inputs ? &r->inputs->model : &r->model->model,
