@@ -5,6 +5,7 @@ local branches = require "dm.routh_branch"
 local core = require "dm.core"
 local equilibria = require "dm.routh_equilibria"
 local linear = require "dm.routh_linear"
+local pole = require "dm.routh_pole"
 
 local M = {}
 
@@ -127,6 +128,70 @@ local function at_bound(V, z, past, bound, d, n)
   return correct(V, guess, across, d, n)
 end
 
+local AHEAD = 4  -- steps: so near to its end a branch is asked whether a pole ends it
+
+-- a pole on the line from z to far is noted; a single momentum is 0 there, since the velocity mu/I is finite
+local function note_pole(c, b, z, far)
+  local s, x = pole.between(c.info, z, far)
+  if not s then return false end
+  b.events[#b.events + 1] = { what = "pole (the locked inertia vanishes)", x = core.vector(x), at = #b,
+    momentum = c.info.m == 1 and 0 or (1 - s) * z[c.d + 1] + s * far[c.d + 1] }
+  return true
+end
+
+-- did mu change its sign, and the velocity of the group mu/I with it at once? Where I does not vanish that goes through 0
+local function turned_round(before, a, b)
+  if a.e.momentum * b.e.momentum >= 0 or not before then return false end
+  return (b.e.velocity - a.e.velocity):norm() > 10 * (a.e.velocity - before.e.velocity):norm()
+end
+
+local function point_ahead(z, t, length)
+  local out = {}
+  for i = 1, #z do out[i] = z[i] + length * t[i] end
+  return out
+end
+
+-- from the point `now` a step of at most `length` along the curve: where, rows and rounds there, and the bound that cuts it; nothing: shorter
+local function advance(c, now, length, range)
+  local z, d = now.z, c.d
+  local next_z, rows, rounds = correct(c.V, point_ahead(z, now.t, length), now.t, d, c.n)
+  local bound = next_z and (next_z[d + 1] < range[1] and range[1] or next_z[d + 1] > range[2] and range[2]) or nil
+  if bound then next_z, rows = at_bound(c.V, z, next_z, bound, d, c.n) end
+  return next_z, rows, rounds, bound
+end
+
+-- what belongs to the next point, or nothing where the curve ends
+local function arrive(c, now, z, rows)
+  local t = tangent(rows, now.t, c.d)
+  if not t then return nil end
+  local there, e = pcall(describe, c.info, c.R, c.V, z, c.n)
+  return there and e and { z = z, t = t, e = e } or nil
+end
+
+-- points up to the end of the range, of the points asked for (true), or of the curve (the last point)
+local function walk(c, b, now, options)
+  local length, least, before = options.step, options.step / 1024, nil
+  while #b < options.points do
+    local z, rows, rounds, bound = advance(c, now, length, options.mu)
+    if z and note_pole(c, b, now.z, z) then return true end
+    if z then
+      local ahead = arrive(c, now, z, rows)
+      if not ahead or turned_round(before, now, ahead) then return now end
+      b[#b + 1] = ahead.e
+      note(c, b, now, ahead)
+      before, now = now, ahead
+      if bound then return true end
+      if rounds <= 3 then length = math.min(2 * length, options.step) end
+    elseif bound then
+      return now
+    else
+      length = length / 2
+      if length < least then return now end
+    end
+  end
+  return true
+end
+
 local function follow(info, b, first, options, sign)
   local d, V, R = info.d, balance.potential(info), balance.routhian(info)
   local n, size = direction(first.mu)
@@ -136,33 +201,9 @@ local function follow(info, b, first, options, sign)
   local _, rows = equation(V, z, d, n)
   local t = tangent(rows, before, d)
   if not t then return end
-  local c, length, least = { info = info, V = V, R = R, d = d, n = n }, options.step, options.step / 1024
-  local now = { z = z, t = t, e = describe(info, R, V, z, n) }
-  while #b < options.points do
-    local guess = {}
-    for i = 1, d + 1 do guess[i] = z[i] + length * t[i] end
-    local next_z, next_rows, rounds = correct(V, guess, t, d, n)
-    local bound = next_z and (next_z[d + 1] < options.mu[1] and options.mu[1] or next_z[d + 1] > options.mu[2] and options.mu[2]) or nil
-    if bound then
-      next_z, next_rows = at_bound(V, z, next_z, bound, d, n)
-      if not next_z then return end
-    end
-    if next_z then
-      local ahead = tangent(next_rows, t, d)
-      if not ahead then return end
-      local there, e = pcall(describe, info, R, V, next_z, n)
-      if not there or not e then return end
-      b[#b + 1] = e
-      local before = now
-      z, t, now = next_z, ahead, { z = next_z, t = ahead, e = e }
-      note(c, b, before, now)
-      if bound then return end
-      if rounds <= 3 then length = math.min(2 * length, options.step) end
-    else
-      length = length / 2
-      if length < least then return end
-    end
-  end
+  local c = { info = info, V = V, R = R, d = d, n = n }
+  local last = walk(c, b, { z = z, t = t, e = describe(info, R, V, z, n) }, options)
+  if last ~= true then note_pole(c, b, last.z, point_ahead(last.z, last.t, AHEAD * options.step)) end
 end
 
 M.continue = blame.caller(function(shape, first, options)

@@ -109,7 +109,7 @@ add("dm.system", "continue", "dm.routh_continue", [[
 shape:continue(equilibrium, {mu = {from, to}, step=, points=, back=}) -> dm.branch
 The relative equilibria that go on from one, followed by arc length (Keller) in (x, mu), through folds, while mu is in the range, to its very ends; along its own direction where the group has
 several dimensions. step: largest step of arc length; back = true: towards smaller mu first. branch[i] as in relative_equilibria with momentum; branch.mu,
-.energy, .velocity, .growth, .x1 ... and coordinates by name: columns; branch:series("mu", "energy") for dm.plot; branch.events: folds, changes of stability, crossings of other branches.]])
+.energy, .velocity, .growth, .x1 ... and coordinates by name: columns; branch:series("mu", "energy") for dm.plot; branch.events: folds, changes of stability, crossings of other branches, a pole (the locked inertia vanishes: mu = 0) at which a branch ends.]])
 
 add("dm.system", "slice", "dm.routh_slice", [[
 shape:slice(what, {from=, to=, points=, t=}) -> list of series for dm.plot

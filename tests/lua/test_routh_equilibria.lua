@@ -133,4 +133,23 @@ raises("{ from, to }", function() shape:continue(all[1], {}) end)
 raises("continue takes one of", function() shape:continue({}, { mu = { 0, 1 } }) end)
 raises("reduced system", function() double:relative_equilibria { region = region } end)
 
+-- a branch that runs into a pole of the group ends there, by that name; one that passes mu = 0 elsewhere goes on
+local function sphere(k)
+  return dm.system { Q = dm.R(2), L = function(q, v)
+    return (v[2] ^ 2 + (math.sin(q[2]) ^ 2 + k) * v[1] ^ 2) / 2 + 9.81 * math.cos(q[2]) + (k > 0 and q[2] or 0)
+  end }:routh { cyclic = { 1 }, mu = 0.5 }
+end
+for _, range in ipairs { { 0, 1 }, { -1, 1 } } do
+  for _, step in ipairs { 0.02, 0.01, 0.003 } do
+    local spun = sphere(0)
+    local branch = spun:continue(spun:relative_equilibria({ region = { { 0.05, 1.5 } }, starts = 20 })[1], { mu = range, step = step, back = true })
+    local event = branch.events[1]
+    ok(#branch.events == 1 and event.what:find "pole" and event.momentum == 0 and math.abs(event.x[1]) < 1e-6 and branch[#branch].x[1] > 0,
+      ("the spherical pendulum's branch ends at the pole, mu from %g, step %g"):format(range[1], step), tostring(branch))
+  end
+end
+local regular = sphere(0.3)
+local across = regular:continue(regular:relative_equilibria({ region = { { 0.05, 1.5 } }, starts = 20 })[1], { mu = { -0.5, 1 }, back = true })
+ok(#across.events == 0 and math.abs(across[#across].momentum + 0.5) < 1e-9, "mu = 0 where the locked inertia is regular is no event", tostring(across))
+
 tap.done()
