@@ -77,7 +77,10 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     if (g->separable) dm_stage_separable_open(g);
     g->one = !g->separable && dm_stage_is_one(g);
-    if (!basis->sweeps && dm_stage_push_open(g, memory)) return DM_OK;
+    if (!basis->sweeps && dm_stage_push_open(g, memory)) {
+        stepper->report.operations = g->pushes.kernel.operations;
+        return DM_OK;
+    }
     memory += dm_stage_push_size(m);
     dm_stage_sweeps_open(g, basis, memory + dm_stage_warm_size(g->table.s, g->n));
     if (!g->sweeps.row && !g->separable) dm_stage_warm_open(g, basis, memory);
