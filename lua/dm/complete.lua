@@ -48,10 +48,17 @@ local function inherited(value, name)
   end
 end
 
+-- classes of C whose fields are read without running anything of the user's
+local OWN_FIELDS = { ["dm.path"] = true, ["dm.solver"] = true, ["dm.ensemble"] = true, ["dm.space"] = true }
+
 local function member(object, name)
   local found
   if object.class then
     found = (methods_of(object.class) or {})[name]
+    if found == nil and OWN_FIELDS[object.class] and object.value ~= nil then
+      local fine, field = pcall(function() return object.value[name] end)  -- C of ours
+      found = fine and field or nil
+    end
   elseif type(object.value) == "string" then
     found = string_library[name]
   elseif type(object.value) == "table" then
@@ -118,6 +125,7 @@ end
 local function resolve_index(tokens, at)
   local open = opening(tokens, at)
   local object = open == at - 2 and open > 1 and resolve(tokens, open - 1)
+  if object and object.class == "dm.matrix" then return { class = "dm.vector" } end
   if not object or type(object.value) ~= "table" then return nil end
   local key, kind = tokens[at - 1].text, tokens[at - 1].kind
   if kind == "string" then key = match(key, "^[\"'](.*)[\"']$") end
@@ -252,17 +260,14 @@ local function option_keys(tokens, at, start)
   return #list > 0 and list or nil
 end
 
--- inside of rule = "...: the names of the rules; else true, for file names
+-- inside of a string: the words that are known to fit; else true, for file names
 local function in_string(tokens)
-  local key, equals = tokens[#tokens - 2], tokens[#tokens - 1]
-  local start = sub(tokens[#tokens].text, 2)
-  if not (key and key.text == "rule" and equals.text == "=" and core.rules) then return true end
-  local list = {}
-  for _, rule in ipairs(core.rules()) do
-    if sub(rule.name, 1, #start) == start then list[#list + 1] = rule.name end
+  local words, start, list = require "dm.complete_words".words(tokens, resolve, enclosing), sub(tokens[#tokens].text, 2), {}
+  for _, word in ipairs(words or {}) do
+    if sub(word, 1, #start) == start then list[#list + 1] = word end
   end
   sort(list)
-  return list
+  return not words or list
 end
 
 --- What can complete the last word of `text`: a list of words, or true for file names, or nil.
