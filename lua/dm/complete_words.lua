@@ -14,7 +14,7 @@ end
 local OPTIONS = {
   rule = rules, rules = rules, backend = { "jit", "tape", "cc" }, derivatives = { "exact", "hyperdual" }, side = { "left", "right" },
   map = { "linear", "affine", "projective", "stereographic", "translation" }, direction = { "up", "down", "both" },
-  style = { "lines", "points", "linespoints" }, reference = rules,
+  style = { "lines", "points", "linespoints" },
 }
 
 local function topics()

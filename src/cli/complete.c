@@ -79,8 +79,23 @@ static int is_quoted(char *text, int index) {
     return quote != '\0';
 }
 
+static int is_blank(const char *text, int length) {
+    for (int i = 0; i < length; i++)
+        if (text[i] != ' ' && text[i] != '\t') return 0;
+    return 1;
+}
+
+/* Tab: at the start of a line of an entry that goes on it indents, as in text that is pasted */
+static int tab(int count, int key) {
+    if (*before && is_blank(rl_line_buffer, rl_point)) return rl_insert(count, key);
+    if (rl_last_func == tab) rl_last_func = rl_complete; /* the second one lists */
+    return rl_complete(count, key);
+}
+
 void dml_complete_open(lua_State *L) {
     asked = L;
+    rl_initialize();
+    if (rl_function_of_keyseq("\t", NULL, NULL) == rl_complete) rl_bind_key('\t', tab);
     rl_char_is_quoted_p = is_quoted;
     rl_completer_word_break_characters = breaks;
     rl_completer_quote_characters = "\"'";

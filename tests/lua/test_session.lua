@@ -112,6 +112,8 @@ local function completes(typed, result, setup)
   ok(got:find("\n<" .. result .. ">", 1, true), typed:gsub("\\t", "") .. " completes to " .. result, got)
 end
 local system = "s = dm.system { Q = dm.R(1), L = function(q, v) return v:dot(v) / 2 - q:dot(q) end }"
+text = play("", "wait 2004h\nsend for i = 1, 1 do\\r\nwait >>\nsend \\t\\tprint(i * 55)\\r\nwait >>\nsend end\\r\nwait 55\n" .. BYE)
+has(text, "end\n55\n", "Tab at the start of a line of a longer entry indents")
 completes("setmet", "setmetatable")
 completes("string.for", "string.format")
 completes("('x'):rep", "('x'):rep")
