@@ -20,7 +20,7 @@ local start = { q = { 1.05, 0, 0, -4.306e-4 } }
 start.steps, start.every = 100000, 1
 local path = particle:solver { rule = "degenerate(2)", h = 800 }:run(start)
 local E, p, worst, turn = path:energy(), path.p, 0, 0
-local banana = { { x = {}, y = {}, name = "first 3 bounces" }, { x = {}, y = {}, name = "last 3 of 1,800" } }
+local banana = { { x = {}, y = {}, name = "first 3 bounces", style = "lines" }, { x = {}, y = {}, name = "last 3 of 1,800" } }
 local width = { math.huge, 0 }
 for i = 1, #path do
   worst, turn = max(worst, abs(E[i] / E[1] - 1)), max(turn, abs(p[i][3] - p[1][3]))

@@ -38,7 +38,7 @@ for _, k in ipairs { 1e4, 1e6 } do
     dearest = math.max(dearest, y[#y] / y[1])
   end
   print(("k = %.0e: the rigid pendulum is good to %.1e rad; beyond that the answer costs %.0f times as much"):format(k, limit, dearest))
-  series[#series + 1] = { x = x, y = y, name = ("k = %.0e N/m"):format(k) }
+  series[#series + 1] = { x = x, y = y, name = ("k = 10^%.0f N/m"):format(math.log(k, 10)) }
 end
 
 print("picture  " .. dm.plot(series, { log = "xy", style = "linespoints", file = picture, xlabel = "tolerance of the angle", xunit = "rad",

@@ -12,6 +12,11 @@ local function power_of_ten(k)
   return "10" .. ("%d"):format(k):gsub(".", superscripts)
 end
 
+--- The text with whole powers written above the line: "m^2/s" as "m²/s".
+function M.raised(text)
+  return (text:gsub("%^(%-?%d+)%f[^%w.]", function(power) return (power:gsub(".", superscripts)) end))
+end
+
 local function decade(x) return floor(log(x, 10) + 1e-9) end
 
 --- Where x lies between the ends of the axis: 0 at lo, 1 at hi.
@@ -130,7 +135,7 @@ function M.caption(axis, label, unit)
   local scale = axis.power ~= 0 and power_of_ten(axis.power) or nil
   local inside = scale and unit and scale .. " " .. unit or scale or unit
   if inside then parts[#parts + 1] = "(" .. inside .. ")" end
-  return table.concat(parts, " ")
+  return M.raised(table.concat(parts, " "))
 end
 
 --- The ranges that give both axes the same length per unit on an area of w by h (any unit of length).

@@ -21,7 +21,7 @@ local TERMINALS = {
 }
 
 local function quote(text)
-  return "'" .. tostring(text):gsub("%c", " "):gsub("'", "''") .. "'"
+  return "'" .. axis.raised(tostring(text)):gsub("%c", " "):gsub("'", "''") .. "'"
 end
 
 -- gnuplot reads a leading | as a command, ~ as a home folder
@@ -165,8 +165,8 @@ local function add_look(add, figure)
   add "set title font ',12' textcolor rgb '#101010'"
   add "set key at graph 0.5,1.01 center bottom horizontal Left reverse samplen 2 textcolor rgb '#303030'"
   if #figure.panels > 1 then
-    add(("set multiplot layout %d,%d title %s font ',14'"):format(figure.rows, figure.columns,
-      quote(figure.title or "")))
+    local title = figure.title and (" title %s font ',14'"):format(quote(figure.title)) or ""
+    add(("set multiplot layout %d,%d%s"):format(figure.rows, figure.columns, title))
   end
 end
 

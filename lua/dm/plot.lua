@@ -220,6 +220,7 @@ end
 local function to_terminal(panels, options)
   local here = terminal()
   local w, h = check_size(options)
+  if options.title and #panels > 1 then io.write(options.title, "\n") end
   local room = { colour = here.colour, width = math.max(20, math.min(w or here.width, 400)),
     height = math.max(8, math.min(h or 24, 200)) }
   for _, panel in ipairs(panels) do
@@ -253,6 +254,9 @@ dm.figure{panel, panel, ..., file=, title=, columns=, width=, height=, size=} ->
 Several plots in one picture. Each panel is a list of series { x =, y =, name = } (path:series makes
 them), or x, y, with the options of dm.plot: { orbit:series("q1", "q2"), equal = true, title = "orbit" }.]]
 
+-- of the whole picture, not of one panel
+local OF_FIGURE = { "file", "width", "height", "size" }
+
 local FIGURE_KNOWN = { "file", "title", "columns", "width", "height", "size" }
 
 M.figure = blame.caller(function(given)
@@ -266,9 +270,15 @@ M.figure = blame.caller(function(given)
   local panels = {}
   for i, panel in ipairs(given) do
     if type(panel) ~= "table" then fail("panel %d must be a list of series (got %s)", i, type(panel)) end
+    for _, key in ipairs(OF_FIGURE) do
+      if panel[key] ~= nil then fail("panel %d: '%s' belongs to the figure, behind its panels", i, key) end
+    end
     panels[i] = make_panel(is_column(panel[1]) and { panel } or panel, panel)
   end
   if #panels == 0 then fail "a figure needs at least one panel: a list of series" end
+  if #panels == 1 and given.title then  -- there is no other place for it
+    panels[1].title = panels[1].title and given.title .. ": " .. panels[1].title or given.title
+  end
   return show(panels, given)
 end)
 

@@ -111,7 +111,7 @@ static const dml_row functions[] = {
      "degree). Quadratures with "
      "names need no object: rule = \"galerkin(3, lobatto(4))\". Raises, with the degree, "
      "when the quadrature is not "
-     "exact enough."},
+     "exact enough (Marsden & West 2001, 2.6; HLW VI.6)."},
     {NULL, NULL, NULL}};
 
 void dml_open_galerkin(lua_State *L) {

@@ -158,7 +158,7 @@ static const dml_row functions[] = {
      "b_j (1 - a_ji / b_i). Raises when b_i A_ij + B_j a_ji = b_i B_j or b = B is "
      "violated, with the defect and where; b and B "
      "may differ in tables of kicks and drifts, which step L = T(v) - V(q). Its order is "
-     "measured when it is made."},
+     "measured when it is made (HLW VI.4)."},
     {NULL, NULL, NULL}};
 
 void dml_open_sprk(lua_State *L) {

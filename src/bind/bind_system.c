@@ -266,21 +266,27 @@ static const dml_row meta[] = {{"__tostring", system_tostring, NULL}, {NULL, NUL
 static const dml_row methods[] = {
     {"energy", system_energy,
      "system:energy(q, v [, t]) -> number\n"
-     "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers."},
+     "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers, t: 0 "
+     "unless given. Raises where it is not finite, as do the other methods of a state."},
     {"lagrangian", system_lagrangian,
-     "system:lagrangian(q, v [, t]) -> number\nL(q, v, t) through its kernel."},
+     "system:lagrangian(q, v [, t]) -> number\n"
+     "L(q, v, t) through the kernel that was traced from it, in the units of L."},
     {"legendre", system_legendre,
      "system:legendre(q, v [, t]) -> dm.vector\n"
-     "The momentum p = dL/dv of dim Q entries (the Legendre transform); inverse: "
-     "system:velocity."},
+     "The momentum p = dL/dv of dim Q entries (the Legendre transform), entry "
+     "i in units of L over those of v_i; inverse: system:velocity."},
     {"momentum", system_momentum,
-     "system:momentum(q, v [, t]) -> dm.vector\nThe same as system:legendre."},
+     "system:momentum(q, v [, t]) -> dm.vector\n"
+     "The same as system:legendre, p = dL/dv; the momentum map of a group along a path "
+     "is "
+     "path:momentum(group)."},
     {"velocity", system_velocity,
      "system:velocity(q, p [, t]) -> dm.vector\n"
      "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off. Raises when "
-     "d2L/dv2 is singular."},
+     "d2L/dv2 is singular, or L linear in v."},
     {"mass", system_mass,
-     "system:mass(q, v [, t]) -> dm.matrix\nThe mass matrix d2L/dv2, dim Q x dim Q."},
+     "system:mass(q, v [, t]) -> dm.matrix\n"
+     "The mass matrix d2L/dv2, dim Q x dim Q; singular where L is degenerate."},
     {"structure", system_structure,
      "system:structure() -> table\n"
      "What was read off the graph of L: separable, constant_mass, diagonal_mass, "

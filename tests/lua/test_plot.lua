@@ -208,6 +208,21 @@ raises("options must be a table", dm.plot, u, u, 7)
 raises("equal", dm.plot, u, u, { log = "y", equal = true })
 raises(".png, .svg or .pdf", dm.plot, u, u, { file = "picture.jpeg" })
 raises("does the folder exist", dm.plot, u, u, { file = "/no/such/folder/a.png" })
+raises("panel 1: 'file' belongs to the figure", dm.figure, { { u, u, file = "a.png" } })
+do
+  local function script(figure) return require "dm.gnuplot".script(figure, "a.png") end
+  local gnuplot, kept = require "dm.gnuplot", nil
+  local write = gnuplot.write
+  gnuplot.write = function(figure) kept = script(figure) end
+  dm.figure { { u, u, xunit = "m^2/s^-2" }, title = "one panel", file = "a.png" }
+  ok(kept:find("set title 'one panel'", 1, true), "the title of a figure of one panel", kept)
+  ok(kept:find("(m²/s⁻²)", 1, true), "powers in units are raised", kept)
+  dm.figure { { u, u, title = "right" }, title = "left", file = "a.png" }
+  ok(kept:find("set title 'left: right'", 1, true), "both titles")
+  dm.figure { { u, u }, { u, u }, file = "a.png" }
+  ok(kept:find("set multiplot layout 1,2\n", 1, true), "no room for a title that is not there")
+  gnuplot.write = write
+end
 raises("at least one panel", dm.figure, {})
 raises("a table of panels", dm.figure, 3)
 raises("'columns' must be", dm.figure, { { u, u }, columns = 0 })
