@@ -104,7 +104,7 @@ local function all_cells(map)
     for j, x in ipairs(map.column) do
       local cell = cell_at(map, row, x)
       map.cells[i][j], out[#out + 1] = cell, cell
-      cell.number = #out
+      cell.number, cell.class = #out, cells.NUMBER["not run"]
     end
   end
   return out
@@ -336,7 +336,9 @@ local function find_borders(map)
 end
 
 -- runs the cells; returns what stopped it, if anything
-local function fill(map, all)
+local function fill(map)
+  local all = all_cells(map)
+  map.count = #all
   given_.check_first(map, all[1])
   map.notes = given_.notes(map, all[1])
   map.chaos = wants_chaos(map, all[1])
@@ -354,15 +356,16 @@ M.stability = blame.caller(function(options)
   local map = new_map(options, names)
   given_.read(map, options, names)
   lay_out(map)
-  local all, start = all_cells(map), core.clock()
-  map.notes, map.count = {}, #all
-  for _, cell in ipairs(all) do cell.class = cells.NUMBER["not run"] end
-  local stopped = until_stop(fill, map, all)
+  map.notes = {}
+  local start = core.clock()
+  local stopped = until_stop(fill, map)
+  if not map.count then map.count = #all_cells(map) end  -- stopped among them: laid out anew, none is run
   map.seconds = core.clock() - start
   if stopped then
     if #map.borders < #map.cells then find_borders(map) end
     stopped.map, stopped.path = map, map
-    stopped.message = "dm.stability: stopped on request; what is there is in the failure's field map"
+    stopped.message = map.started and "dm.stability: stopped on request; what is there is in the failure's field map"
+      or "dm.stability: stopped on request before a cell was run"
     error(stopped, 0)
   end
   return map

@@ -236,6 +236,18 @@ do
     q = start.q, v = start.v, steps = 1000 })
   tap.ok(failure and type(failure) ~= "string" and failure.code == "stopped" and tostring(failure.map):find "not run", "a map that is interrupted", tostring(failure))
 end
+-- among the first instructions, where cells are laid out, too; what the hook does here Ctrl-C does
+do
+  local spring = dm.system { Q = dm.R(1), params = { k = 1 }, L = function(q, v, _, P) return v[1] ^ 2 / 2 - P.k * q[1] ^ 2 / 2 end }
+  for _, count in ipairs { 20000, 200000, 600000 } do
+    debug.sethook(function() debug.sethook() error("interrupted!", 0) end, "", count)
+    local _, failure = pcall(dm.stability, { system = spring, rule = "verlet", k = { 1, 2, 100, "linear" }, h = { 0.01, 1, 100, "log" }, q = { 1 }, v = { 0 }, steps = 20 })
+    debug.sethook()
+    local map = type(failure) ~= "string" and failure.map
+    tap.ok(map and failure.code == "stopped" and map:csv() and tostring(map):find "not run" and map:limit(100) == nil and map:at(100, 100).class == "not run",
+      ("a map that is stopped at its instruction %d"):format(count), map and tostring(map) or failure)
+  end
+end
 -- few steps from near the top of a pendulum: the motion grows by itself, and its energy error with it
 local hill = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.cos(q[1]) end }
 for _, rule in ipairs { "verlet", "midpoint", "rk4" } do
