@@ -129,9 +129,9 @@ local function of_rule(chart, rule)
 end
 
 local doc_order = [[
-chart:order(rule) -> number
+chart:order(rule) -> number   or   nil, sentence
 The measured order of a rule: the slope of ln error over ln h, least squares over the four finest steps whose error is well above (30 times)
-what the references differ by, and above the rule's own round-off where finer steps have larger errors; nan with fewer than two such points.
+what the references differ by, and above the rule's own round-off where finer steps have larger errors. nil, and why, with fewer than two such steps.
 Coarse steps may lie before the limit where the order shows.]]
 
 -- where errors of a rule grow again with finer steps its own round-off is what is seen there
@@ -143,22 +143,48 @@ local function round_off(points)
   return points[best] and best < #points and points[best].error or 0
 end
 
-M.order = blame.caller(function(self, rule)
-  local points, n, sx, sy, sxx, sxy = of_rule(self, rule), 0, 0, 0, 0, 0
-  local floor_ = 30 * max(self.floor, round_off(points))
-  if #points == 0 then fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(self.rules, ", ")) end
-  -- the finest steps above round-off, at most four, are nearest to the limit
-  local used = {}
+-- the finest steps above round-off, at most four, are nearest to the limit
+local function finest(points, floor_)
+  local used, sizes, last = {}, 0, nil
   for i = #points, 1, -1 do
-    if points[i].error > floor_ and #used < 4 then used[#used + 1] = points[i] end
+    local p = points[i]
+    if p.error > floor_ and #used < 4 then
+      used[#used + 1], sizes, last = p, sizes + (p.h ~= last and 1 or 0), p.h
+    end
   end
-  for _, p in ipairs(used) do
+  return used, sizes
+end
+
+local function slope_of(points)
+  local n, sx, sy, sxx, sxy = #points, 0, 0, 0, 0
+  for _, p in ipairs(points) do
     local x, y = log(p.h), log(p.error)
-    n, sx, sy, sxx, sxy = n + 1, sx + x, sy + y, sxx + x * x, sxy + x * y
+    sx, sy, sxx, sxy = sx + x, sy + y, sxx + x * x, sxy + x * y
   end
-  if n < 2 then return 0 / 0 end
   return (n * sxy - sx * sy) / (n * sxx - sx * sx)
-end)
+end
+
+local function find_name(names, wanted)
+  for _, name in ipairs(names) do
+    if name == wanted then return name end
+  end
+end
+
+local function order_of(chart, rule)
+  if type(rule) ~= "string" and rule ~= nil then rule = M.name(rule) end
+  if not find_name(chart.rules, rule) then fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(chart.rules, ", ")) end
+  local points = of_rule(chart, rule)
+  if #points < 2 then
+    return nil, ("not measurable: %s of %s gave an error; at least two are needed"):format(#points == 0 and "no step" or "one step", rule)
+  end
+  local floor_ = 30 * max(chart.floor, round_off(points))
+  local used, sizes = finest(points, floor_)
+  if sizes > 1 then return slope_of(used) end
+  return nil, ("not measurable: at %s step of %s is the error above %.1e, which is 30 times round-off or what the references differ by; coarser steps show more")
+    :format(sizes == 0 and "no" or "only one", rule, floor_)
+end
+
+M.order = blame.caller(order_of)
 
 local doc_cheapest = [[
 chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
@@ -189,7 +215,7 @@ function M:pareto()
   return out
 end
 
-local function number(x) return x ~= x and "-" or ("%.2f"):format(x) end
+local function number(x) return x and ("%.2f"):format(x) or "-" end
 
 local function time_text(ns)
   for _, unit in ipairs { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } } do
@@ -238,7 +264,7 @@ function M:table()
   for _, rule in ipairs(self.rules) do
     local points, least = of_rule(self, rule), nil
     for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
-    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s"):format(rule, number(self:order(rule)), #points, least.error, time_text(least.ns))
+    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s"):format(rule, number((self:order(rule))), #points, least.error, time_text(least.ns))
       or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
   end
   cheapest_lines(self, lines)
@@ -253,6 +279,12 @@ local doc_plot = [[
 chart:plot{file=, against = "ns" | "evaluations" | "newton" | "steps" | "h", ...} -> file name or nothing
 Error over cost, both logarithmic, a line per rule with its measured order in the legend; without a file in the terminal. Other
 options as in dm.plot.]]
+
+-- a rule with its order, where that is measurable
+local function named(chart, rule)
+  local order = chart:order(rule)
+  return order and ("%s (order %.2f)"):format(rule, order) or rule
+end
 
 local AGAINST = { ns = { "CPU time", "s", 1e-9 }, evaluations = { "evaluations", nil, 1 }, newton = { "Newton iterations", nil, 1 }, steps = { "steps", nil, 1 }, h = { "h", nil, 1 } }
 
@@ -269,7 +301,7 @@ M.plot = blame.caller(function(self, options)
       if p.error > 0 and p[key] > 0 then x[#x + 1], y[#y + 1] = p[key] * axis[3], p.error end
     end
     if #x > 0 then
-      series[#series + 1] = { x = x, y = y, name = ("%s (order %s)"):format(rule, number(self:order(rule))), style = "linespoints" }
+      series[#series + 1] = { x = x, y = y, name = named(self, rule), style = "linespoints" }
     end
   end
   if self.rival and #series > 0 then

@@ -58,6 +58,20 @@ raises("option 'rules'", dm.chart, { kepler, t = 1, h = { 0.1 } })
 raises("option 'h'", dm.chart, { kepler, t = 1, rules = { "verlet" }, h = { -1 } })
 raises("unknown option 'rule'", dm.chart, { kepler, t = 1, rule = "verlet" })
 raises("no point of rule", chart.order, chart, "gauss(9)")
+-- an order that is not to be measured is told with its reason
+do
+  local function told(o, wanted, what)
+    o[1], o.q, o.v, o.repeats, o.rivals = spring, { 1 }, { 0 }, 1, false
+    local c = dm.chart(o)
+    local order, why = c:order(c.rules[1])
+    ok(order == nil and why:find(wanted, 1, true) and not tostring(c):find "nan", what, tostring(order) .. " " .. tostring(why))
+  end
+  told({ t = 2, rules = "verlet", h = 0.1 }, "one step of verlet gave an error", "one step has no order")
+  told({ t = 2, rules = "gauss(6)", h = { 0.1, 0.05, 0.025 } }, "at no step of gauss(6) is the error above", "nor have errors at round-off")
+  told({ t = 2, rules = "gauss(5)", h = { 1, 0.05, 0.025 } }, "at only one step of gauss(5)", "nor has one step above it")
+  told({ t = 2, rules = "verlet", h = { 0.1, 0.1 } }, "only one step", "nor has the same step twice")
+  told({ t = 4000, rules = "verlet", h = { 2.5, 3 }, samples = 2 }, "no step of verlet gave an error", "nor have steps that all fail")
+end
 ---- steps that are not given ----
 
 local orbit = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }

@@ -20,17 +20,18 @@ chart:plot { against = "h", height = 16 }]] },
     { "Slopes are orders:", [[
 measured = {}
 for k, rule in ipairs(rules) do
-  measured[k] = chart:order(rule)
-  print(rule, "order " .. string.format("%.2f", measured[k]))
+  local order, why = chart:order(rule)
+  measured[k] = order
+  print(rule, order and ("order %.2f"):format(order) or why)
 end]] },
   },
   claim = function(e)
     local fine, last = true, 0
     for k = 1, math.min(e.s, 3) do
-      fine = fine and math.abs(e.measured[k] - 2 * k) < 0.25
+      fine = fine and e.measured[k] and math.abs(e.measured[k] - 2 * k) < 0.25
       last = k
     end
     return fine, ([[Gauss with s points has order 2 s: measured %.2f for s = %d. Beyond s = 4 the last steps are at round-off, and there is no slope left
-      to measure.]]):format(e.measured[last], last)
+      to measure.]]):format(e.measured[last] or 0 / 0, last)
   end,
 }
