@@ -288,6 +288,8 @@ end
 
 local AGAINST = { ns = { "CPU time", "s", 1e-9 }, evaluations = { "evaluations", nil, 1 }, newton = { "Newton iterations", nil, 1 }, steps = { "steps", nil, 1 }, h = { "h", nil, 1 } }
 
+local UNIT = { position = "q", energy = "energy", momentum = "p" }  -- of errors: what it is filed under
+
 M.plot = blame.caller(function(self, options)
   local given = {}
   for key, value in pairs(options or {}) do given[key] = value end
@@ -304,6 +306,7 @@ M.plot = blame.caller(function(self, options)
       series[#series + 1] = { x = x, y = y, name = named(self, rule), style = "linespoints" }
     end
   end
+  if axis[1] == "h" then given.xunit = given.xunit or (self.system.units or {}).t end
   if self.rival and #series > 0 then
     local x, y = {}, {}
     for _, p in ipairs(self.rival.points) do
@@ -313,9 +316,10 @@ M.plot = blame.caller(function(self, options)
   end
   if #series == 0 then fail("there is no point to draw") end
   given.log, given.xlabel, given.xunit = "xy", given.xlabel or axis[1], given.xunit or axis[2]
-  given.ylabel = given.ylabel or "error of " .. self.what
+  local units = self.system.units or {}
+  given.ylabel, given.yunit = given.ylabel or "error of " .. self.what, given.yunit or units[UNIT[self.what]]
   if given.file and not (given.size or given.width or given.height) then given.size = { 1000, 640 } end
-  given.title = given.title or (self.system.name and self.system.name .. ": " or "") .. ("accuracy against cost, t = %.4g"):format(self.options.t)
+  given.title = given.title or (self.system.name and self.system.name .. ": " or "") .. ("accuracy against cost, t = %.4g"):format(self.options.t) .. (units.t and " " .. units.t or "")
   return require "dm.plot".plot(series, given)
 end)
 

@@ -45,14 +45,14 @@ end
 
 local function set_axis(add, name, a, caption, notes)
   local shown, ticks = scaled(a), {}
-  for i, tick in ipairs(a.ticks) do
+  for i, tick in ipairs(caption:find "%S" and a.ticks or {}) do  -- what has no name has no numbers
     ticks[i] = ("%s %.17g"):format(quote(tick.text), tick.shown)
   end
   local below = ""
   for _, note in ipairs(notes) do below = below .. '."\\n".' .. quote(note) end
   add(("set %srange [%.17g:%.17g]"):format(name, shown(a.lo), shown(a.hi)))
   add((a.log and "set logscale %s" or "unset logscale %s"):format(name))
-  add(("set %stics (%s)"):format(name, table.concat(ticks, ", ")))
+  add(#ticks > 0 and ("set %stics (%s)"):format(name, table.concat(ticks, ", ")) or ("unset %stics"):format(name))
   add(("set %slabel %s%s"):format(name, quote(caption), below))
 end
 
@@ -85,7 +85,7 @@ local function isolated(series)
 end
 
 local function size_of_points(n)
-  return n > 2000 and 0.2 or n > 200 and 0.35 or 0.7
+  return n > 2000 and 0.2 or n > 200 and 0.35 or n > 80 and 0.45 or 0.7
 end
 
 -- the colours are used again after the last: then dashed, with open points; and a third time with squares

@@ -182,7 +182,7 @@ local function make_panel(given, options)
   for _, s in ipairs(list) do rising = rising and s.style == "lines" and series_.rises(s.x) end
   set_range(panel, "x", rising and 0 or 0.04)
   set_range(panel, "y", 0.04)
-  panel.legend = #list > 1 and options.legend ~= false
+  panel.legend = (#list > 1 or list[1].style == "cells") and options.legend ~= false
   panel.equal = decide_equal(panel, list, options)
   for _, name in ipairs { "xrange", "yrange" } do
     local asked = options[name]

@@ -158,14 +158,19 @@ static int path_len(lua_State *L) {
     return 1;
 }
 
+/* "name: rule, h = 0.1 s", for pictures: few digits, and the unit of time where it is known */
 static void push_title(lua_State *L, const dml_path *p) {
+    char h[32];
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
-    dml_systemfield(L, -1, "name");
-    const char *name = lua_tostring(L, -1);
-    if (name)
-        lua_pushfstring(L, "%s: %s, h = %f", name, p->rule, p->h);
-    else
-        lua_pushfstring(L, "%s, h = %f", p->rule, p->h);
+    const int system = lua_gettop(L);
+    dml_systemfield(L, system, "name");
+    const char *name = lua_tostring(L, -1), *unit = NULL;
+    if (dml_systemfield(L, system, "units") == LUA_TTABLE &&
+        lua_getfield(L, -1, "t") == LUA_TSTRING)
+        unit = lua_tostring(L, -1);
+    snprintf(h, sizeof h, "%.4g", p->h);
+    lua_pushfstring(L, "%s%s%s, h = %s%s%s", name ? name : "", name ? ": " : "", p->rule,
+                    h, unit ? " " : "", unit ? unit : "");
 }
 
 /* path.lambda, path.impulses: columns that were recorded beside q and p */

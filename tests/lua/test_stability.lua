@@ -106,6 +106,26 @@ if pcall(map.plot, map, { file = png }) then
   os.remove(png)
 end
 
+-- what the picture says of itself: name, step, units, four digits
+do
+  local named = dm.system { name = "clock", Q = dm.R(1), params = { k = 1 }, units = { t = "s", k = "N/m" }, L = function(q, v, _, P) return v[1] ^ 2 / 2 - P.k * q[1] ^ 2 / 2 end }
+  local function drawn(o)
+    o.rule, o.q, o.v, o.steps = "verlet", { 1 }, { 0 }, 50
+    local file = os.tmpname() .. ".svg"
+    local fine = pcall(function() named:stability(o):plot { file = file } end)
+    local f = fine and io.open(file)
+    local text = f and f:read "a"
+    if f then f:close() os.remove(file) end
+    return text
+  end
+  local text = drawn { h = 1 / 3, k = { 1, 100, 5, "log" } }
+  ok(not text or text:find("clock: verlet, h = 0.3333 s, 50 steps", 1, true) and text:find("k (N/m)", 1, true), "title and units of a picture", text)
+  text = drawn { h = 1e-3 }
+  ok(not text or text:find ">bounded<" and text:find("h (s)", 1, true) and not text:find "0%.[56]<", "one cell has a legend, its own scale, and no numbers where nothing is drawn along", text)
+  local path = named:solver({ rule = "verlet", h = 1 / 3 }):run { q = { 1 }, v = { 0 }, steps = 3 }
+  ok(path.title == "clock: verlet, h = 0.3333 s", "so has that of a path", path.title)
+end
+
 -- starts where L has no value are cells of their own; functions that are not traced have no exponents
 local centre = kepler:stability { rule = "verlet", h = 0.05, x = { -0.5, 0.5, 5, "linear" }, q = function(x) return { x, 0 } end, v = { 0, 1 }, steps = 50 }
 ok(centre:at(1, 3).class == "no start" and centre:at(1, 2).class == "off" and centre:at(1, 5).class == "bounded", "a start at the centre of the force is lost alone", tostring(centre))

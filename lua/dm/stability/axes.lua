@@ -107,7 +107,10 @@ end
 function M.edges(axis, i)
   local function half(a, b) return M.between(axis, a, b, 0.5) end
   local here, before, after = axis[i], axis[i - 1], axis[i + 1]
-  if not before and not after then return here * 0.9 - 0.05, here * 1.1 + 0.05 end
+  if not before and not after then
+    local half_width = here ~= 0 and math.abs(here) / 10 or 0.05
+    return here - half_width, here + half_width
+  end
   local lo = before and half(before, here)
   local hi = after and half(here, after)
   if axis.log then return lo or here * here / hi, hi or here * here / lo end

@@ -144,6 +144,29 @@ local function line_of(map, panel, along, what)
   return x, y
 end
 
+-- units of the system by name; of time under t
+local function units_of(map)
+  local fine, units = pcall(function() return (map.base or map.system_of(map.cells[1][1])).units end)
+  return fine and units or {}
+end
+
+local function name_of(map)
+  local fine, name = pcall(function() return (map.base or map.system_of(map.cells[1][1])).name end)
+  return fine and name or nil
+end
+
+local function unit_of(units, axis) return axis and units[axis.name == "h" and "t" or axis.name] end
+
+local function with_unit(number, unit) return ("%.4g"):format(number) .. (unit and " " .. unit or "") end
+
+-- what all panels share: "name", the step where it is one, how long
+local function setting_of(map)
+  local units, text, o = units_of(map), {}, map.options
+  if map.column ~= map.h then text[1] = "h = " .. with_unit(map.h[1], units.t) end
+  text[#text + 1] = o.steps and ("%d steps"):format(o.steps) or "t = " .. with_unit(o.t, units.t)
+  return name_of(map), table.concat(text, ", ")
+end
+
 local function panel_of(map, panel, along)
   local out, by_class = {}, rectangles(map, panel, along)
   for k, class in ipairs(cells.CLASSES) do
@@ -164,7 +187,9 @@ local function panel_of(map, panel, along)
   out.xrange, out.yrange = { x1, x2 }, { (axes.edges(map.column, 1)), select(2, axes.edges(map.column, #map.column)) }
   out.log = (along and along.log and "x" or "") .. (map.column.log and "y" or "")
   out.log = out.log ~= "" and out.log or nil
+  local units = units_of(map)
   out.xlabel, out.ylabel, out.title = along and along.name or " ", map.column.name, panel.title
+  out.xunit, out.yunit = unit_of(units, along), unit_of(units, map.column)
   return out
 end
 
@@ -222,18 +247,19 @@ local function plot(map, options)
     if there > #all then print(("(%d of %d panels)"):format(#all, there)) end
     return
   end
-  local panels = {}
+  local panels, name, setting = {}, setting_of(map)
   for i, panel in ipairs(all) do panels[i] = panel_of(map, panel, along) end
   if #panels == 1 then
     local panel, rest = panels[1], {}
     for key, value in pairs(panel) do
       if type(key) == "string" then rest[key] = value end
     end
+    rest.title = ("%s%s, %s"):format(name and name .. ": " or "", panel.title, setting)
     for key, value in pairs(given) do rest[key] = value end
     if given.file and not (given.size or given.width or given.height) then rest.size = { 900, 600 } end
     return require "dm.plot".plot(table.move(panel, 1, #panel, 1, {}), rest)
   end
-  if there > #all then panels.title = ("%d of %d panels"):format(#all, there) end
+  panels.title = (name and name .. ", " or "") .. setting .. (there > #all and (" (%d of %d panels)"):format(#all, there) or "")
   for key, value in pairs(given) do panels[key] = value end
   return require "dm.plot".figure(panels)
 end
