@@ -3,7 +3,9 @@ local blame = require "dm.blame"
 local core = require "dm.core"
 local given_steps = require "dm.chart_steps"
 local measures = require "dm.chart.measures"
+local orders = require "dm.chart.orders"
 local reference = require "dm.reference_run"
+local show = require "dm.chart.show"
 local starts = require "dm.start"
 
 local M = {}
@@ -11,7 +13,7 @@ M.__index = M
 M.__name = "dm.chart"
 setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
-local max, min, log, floor = math.max, math.min, math.log, math.floor
+local max, min, floor = math.max, math.min, math.floor
 
 local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
 
@@ -119,72 +121,7 @@ end
 
 ---- what the chart tells ----
 
-local function of_rule(chart, rule)
-  local out = {}
-  for _, p in ipairs(chart.points) do
-    if p.rule == rule then out[#out + 1] = p end
-  end
-  table.sort(out, function(a, b) return a.h > b.h end)
-  return out
-end
-
-local doc_order = [[
-chart:order(rule) -> number   or   nil, sentence
-The measured order of a rule: the slope of ln error over ln h, least squares over the four finest steps whose error is well above (30 times)
-what the references differ by, and above the rule's own round-off where finer steps have larger errors. nil, and why, with fewer than two such steps.
-Coarse steps may lie before the limit where the order shows.]]
-
--- where errors of a rule grow again with finer steps its own round-off is what is seen there
-local function round_off(points)
-  local best = 1
-  for i, p in ipairs(points) do
-    if p.error <= points[best].error then best = i end
-  end
-  return points[best] and best < #points and points[best].error or 0
-end
-
--- the finest steps above round-off, at most four, are nearest to the limit
-local function finest(points, floor_)
-  local used, sizes, last = {}, 0, nil
-  for i = #points, 1, -1 do
-    local p = points[i]
-    if p.error > floor_ and #used < 4 then
-      used[#used + 1], sizes, last = p, sizes + (p.h ~= last and 1 or 0), p.h
-    end
-  end
-  return used, sizes
-end
-
-local function slope_of(points)
-  local n, sx, sy, sxx, sxy = #points, 0, 0, 0, 0
-  for _, p in ipairs(points) do
-    local x, y = log(p.h), log(p.error)
-    sx, sy, sxx, sxy = sx + x, sy + y, sxx + x * x, sxy + x * y
-  end
-  return (n * sxy - sx * sy) / (n * sxx - sx * sx)
-end
-
-local function find_name(names, wanted)
-  for _, name in ipairs(names) do
-    if name == wanted then return name end
-  end
-end
-
-local function order_of(chart, rule)
-  if type(rule) ~= "string" and rule ~= nil then rule = M.name(rule) end
-  if not find_name(chart.rules, rule) then fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(chart.rules, ", ")) end
-  local points = of_rule(chart, rule)
-  if #points < 2 then
-    return nil, ("not measurable: %s of %s gave an error; at least two are needed"):format(#points == 0 and "no step" or "one step", rule)
-  end
-  local floor_ = 30 * max(chart.floor, round_off(points))
-  local used, sizes = finest(points, floor_)
-  if sizes > 1 then return slope_of(used) end
-  return nil, ("not measurable: at %s step of %s is the error above %.1e, which is 30 times round-off or what the references differ by; coarser steps show more")
-    :format(sizes == 0 and "no" or "only one", rule, floor_)
-end
-
-M.order = blame.caller(order_of)
+local of_rule = orders.of_rule
 
 local doc_cheapest = [[
 chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
@@ -275,72 +212,6 @@ function M:table()
   return table.concat(lines, "\n")
 end
 
-local doc_plot = [[
-chart:plot{file=, against = "ns" | "evaluations" | "newton" | "steps" | "h", ...} -> file name or nothing
-Error over cost, both logarithmic, a line per rule with its measured order in the legend; without a file in the terminal. Other
-options as in dm.plot.]]
-
--- a rule with its order, where that is measurable
-local function named(chart, rule)
-  local order = chart:order(rule)
-  return order and ("%s (order %.2f)"):format(rule, order) or rule
-end
-
-local AGAINST = { ns = { "CPU time", "s", 1e-9 }, evaluations = { "evaluations", nil, 1 }, newton = { "Newton iterations", nil, 1 }, steps = { "steps", nil, 1 }, h = { "h", nil, 1 } }
-
-local UNIT = { position = "q", energy = "energy", momentum = "p" }  -- of errors: what it is filed under
-
-M.plot = blame.caller(function(self, options)
-  local given = {}
-  for key, value in pairs(options or {}) do given[key] = value end
-  local axis = AGAINST[given.against or "ns"]
-  if not axis then fail("option 'against' must be \"ns\", \"evaluations\", \"newton\", \"steps\" or \"h\" (got %s)", tostring(given.against)) end
-  local key, series = given.against or "ns", {}
-  given.against = nil
-  for _, rule in ipairs(self.rules) do
-    local x, y = {}, {}
-    for _, p in ipairs(of_rule(self, rule)) do
-      if p.error > 0 and p[key] > 0 then x[#x + 1], y[#y + 1] = p[key] * axis[3], p.error end
-    end
-    if #x > 0 then
-      series[#series + 1] = { x = x, y = y, name = named(self, rule), style = "linespoints" }
-    end
-  end
-  if axis[1] == "h" then given.xunit = given.xunit or (self.system.units or {}).t end
-  if self.rival and #series > 0 then
-    local x, y = {}, {}
-    for _, p in ipairs(self.rival.points) do
-      if p.error > 0 and p[key] > 0 then x[#x + 1], y[#y + 1] = p[key] * axis[3], p.error end
-    end
-    if #x > 0 then series[#series + 1] = { x = x, y = y, name = self.rival.name .. ", preserves nothing", style = "linespoints", colour = "#888888" } end
-  end
-  if #series == 0 then fail("there is no point to draw") end
-  given.log, given.xlabel, given.xunit = "xy", given.xlabel or axis[1], given.xunit or axis[2]
-  local units = self.system.units or {}
-  given.ylabel, given.yunit = given.ylabel or "error of " .. self.what, given.yunit or units[UNIT[self.what]]
-  if given.file and not (given.size or given.width or given.height) then given.size = { 1000, 640 } end
-  given.title = given.title or (self.system.name and self.system.name .. ": " or "") .. ("accuracy against cost, t = %.4g"):format(self.options.t) .. (units.t and " " .. units.t or "")
-  return require "dm.plot".plot(series, given)
-end)
-
-local doc_csv = [[
-chart:csv(file) -> file name   or   chart:csv() -> string
-A line per point: rule, h, error, ns, steps, evaluations, newton.]]
-
-M.csv = blame.caller(function(self, file)
-  local lines = { "rule,h,error,ns,steps,evaluations,newton" }
-  for _, p in ipairs(self.points) do
-    lines[#lines + 1] = ('"%s",%.17g,%.17g,%.17g,%d,%d,%d'):format(p.rule, p.h, p.error, p.ns, p.steps, p.evaluations, p.newton)
-  end
-  local text = table.concat(lines, "\n") .. "\n"
-  if not file then return text end
-  local handle, why = io.open(file, "w")
-  if not handle then fail("cannot open %s", why) end
-  handle:write(text)
-  handle:close()
-  return file
-end)
-
 function M:__tostring()
   return ("work-precision chart of %d point%s, %d rule%s, error of %s over t = %g\n"):format(#self.points, #self.points == 1 and "" or "s",
     #self.rules, #self.rules == 1 and "" or "s", self.what, self.options.t) .. self:table()
@@ -419,8 +290,9 @@ system:chart{q=, v= | p=, t=, rules={...}, h={...}, ...} -> dm.chart
 The same as dm.chart{system, ...}.]]
 
 core.docs[M.chart] = doc_chart
-core.docs[M.order], core.docs[M.cheapest], core.docs[M.pareto] = doc_order, doc_cheapest, doc_pareto
-core.docs[M.table], core.docs[M.plot], core.docs[M.csv] = doc_table, doc_plot, doc_csv
+M.order, M.plot, M.csv = orders.order, show.plot, show.csv
+core.docs[M.order], core.docs[M.cheapest], core.docs[M.pareto] = orders.doc, doc_cheapest, doc_pareto
+core.docs[M.table], core.docs[M.plot], core.docs[M.csv] = doc_table, show.doc_plot, show.doc_csv
 require "dm.class".register(M, { "order", "cheapest", "pareto", "table", "plot", "csv" }, [[
 dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}
 fields: points (a list of {rule, h, error, ns, steps, evaluations, newton}), rules (names), failures (points that could not be run, and why), rival]])

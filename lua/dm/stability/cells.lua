@@ -133,13 +133,13 @@ local function second_look(job, all)
   o.watch, column = watch_of(job.map, job.system)
   o.rows, o.steps, o.t = OTHER_ROWS, given.steps and LONGER * given.steps, given.t and LONGER * given.t
   local e, stopped = guarded(job, job.system, o)
-  local s = e:summary(column)
+  local s, K = e:summary(column), o.watch.K and e:summary "K"
   for i, cell in ipairs(cells) do
     local slope = s.slope[i]
     if e.status[i] == "ok" and slope == slope then
       local goes_on = slope * cell.slope > 0.5 * cell.slope ^ 2 and abs(slope) > SIGMA * s.error[i]
       local is_gone = abs(s.mean[i] - s.first[i]) > 0.75 * max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
-      if not goes_on and not is_gone then cell.class = NUMBER.bounded end
+      if not goes_on and not is_gone or classes.is_early(s, K, i) then cell.class = NUMBER.bounded end
       cell.slope, cell.slope_error = finite(slope), finite(s.error[i])
     end
   end

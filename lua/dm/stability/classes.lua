@@ -90,6 +90,16 @@ function M.look(map, cell, sums, i, name)
   return "bounded"
 end
 
+local EARLY = 0.01  -- of the change of K: an error below it is no drift before the motion has turned
+
+--- The motion has not turned yet: K goes one way, from the one end of what it takes to the other, farther and farther, and by much more
+-- than the error of y; so early that says nothing.
+function M.is_early(s, K, i)
+  if not K or K.early[i] > 0.5 * K.late[i] then return false end
+  if not (max(s.largest[i] - s.first[i], s.first[i] - s.least[i]) < EARLY * K.late[i]) then return false end
+  return K.first[i] == K.least[i] and K.last[i] == K.largest[i] or K.first[i] == K.largest[i] and K.last[i] == K.least[i]
+end
+
 local FAR = 1e3  -- energy error over the kinetic energy of the same motion with a smaller step
 
 --- A growth that ended early, where a nonlinear force holds it, shows beside a bounded cell of smaller step: its energy error is far above the
