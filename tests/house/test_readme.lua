@@ -25,6 +25,19 @@ local got, want = timeless(text:gsub("> %s*$", "")), timeless(session or "")
 house.check("README has a session of about ten lines", #typed >= 4 and {} or { #typed .. " entries" })
 house.check("its answers are what the interpreter says", got == want and {} or { "answered:\n" .. got, "printed:\n" .. want })
 
+-- its scripts leave out what is told elsewhere, but are Lua; the calls that are whole name options that there are
+local broken = {}
+for block in readme:gmatch "```lua\n(.-)```" do
+  local chunk, why = load((block:gsub("%.%.%. end", "end")), "=README")
+  if not chunk then broken[#broken + 1] = why end
+end
+house.check("its scripts are Lua", broken)
+local dm = require "dm"
+local map = readme:match "(dm%.stability %b{})"
+local spring = dm.system { Q = dm.R(1), params = { k = 1 }, L = function(q, v, _, p) return (v[1] ^ 2 - p.k * q[1] ^ 2) / 2 end }
+local drawn, what = pcall(load("local dm, spring = ... return " .. tostring(map)), dm, spring)
+house.check("its stability map can be had", drawn and {} or { tostring(what) })
+
 local missing = {}
 for file in readme:gmatch "%]%(([%w_./-]+)%)" do
   local f = io.open(file)
