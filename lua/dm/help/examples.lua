@@ -17,8 +17,11 @@ end
 
 -- "a/b/../c" as "a/c"
 local function shortened(path)
-  local count
-  repeat path, count = path:gsub("/[^/.]+/%.%./", "/", 1) until count == 0
+  local before
+  repeat
+    before = path
+    path = path:gsub("/([^/]+)/%.%./", function(folder_of) return folder_of ~= ".." and "/" or nil end, 1)
+  until path == before
   return path
 end
 
