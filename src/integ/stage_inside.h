@@ -35,7 +35,7 @@ typedef struct {
     double *turning;          /* [r][width] columns of v_ahead */
     double *after;            /* [width] h c */
     dm_parts line, b, mean;   /* [width] h c, h b, h^2 mean */
-    double *none, *one;       /* [max(n, width)][width] zeros, [n] ones */
+    double *none;             /* [max(n, width)][width] zeros */
     double *share;            /* [2n] factors of q's increments, ones for p */
     double *drift;            /* [2n] h v0 in the separable form, else zero */
     dm_sweep_end end;

@@ -124,7 +124,7 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
     ahead.x = w->in + n * W;
     ahead.base = ahead.start = it->w->zeros;
     ahead.column = columns_of(w, g->sweeps.turning);
-    ahead.factor = g->sweeps.one;
+    ahead.factor = NULL;
     put(it, &ahead);
     return fine;
 }

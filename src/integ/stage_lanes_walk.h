@@ -32,10 +32,11 @@ INLINE V moved_of(const V *t, uint32_t width) {
     return ((t[0] + t[4]) + (t[2] + t[6])) + ((t[1] + t[5]) + (t[3] + t[7]));
 }
 
-/* even and odd columns are summed apart */
-INLINE V weigh(const double *column, uint32_t width, const V *u, uint32_t columns,
-               int fused) {
+/* even and odd columns are summed apart, the even ones on to a base unless that is NULL */
+INLINE V weigh(const double *column, uint32_t width, const V *base, const V *u,
+               uint32_t columns, int fused) {
     V even = load(column) * u[0], odd;
+    if (base) even = madd(load(column), u[0], *base, fused);
     if (columns == 1) return even;
     odd = load(column + width * W) * u[1];
 #pragma GCC unroll 8
@@ -57,16 +58,18 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r,
 #pragma GCC unroll 8
     for (uint32_t i = 0; i < 8; i++) moved[i] = u[i] = (V){0};
     for (uint32_t k = 0; k < n; k++) {
-        const V factor = same(at.factor[k]), start = load(at.start + k * W);
+        const V start = load(at.start + k * W);
 #pragma GCC unroll 8
         for (uint32_t m = 0; m < r; m++)
             u[m] = load(at.u + m * at.u_stage + k * at.u_row);
 #pragma GCC unroll 8
         for (uint32_t i = 0; i < r; i++) {
             double *x = at.x + i * at.x_stage + k * W;
-            const V sum = weigh(at.column + i * W, width, u, r, fused);
             const V base = load(at.base + (i * n + k) * W);
-            const V now = start + madd(factor, sum, base, fused);
+            V sum =
+                weigh(at.column + i * W, width, at.factor ? NULL : &base, u, r, fused);
+            if (at.factor) sum = madd(same(at.factor[k]), sum, base, fused);
+            const V now = start + sum;
             if (measured) {
                 const V d = now - load(x);
                 moved[i] = madd(d, d, moved[i], fused);
@@ -158,7 +161,6 @@ INLINE lanes_walk walk_of_p(const lanes_sweeps *it) {
                         .base = w->lift,
                         .column = columns_of(w, one->whole),
                         .u = w->out,
-                        .factor = one->one,
                         .start = w->state + it->n * W,
                         .x_stage = factored(it),
                         .u_stage = given(it),

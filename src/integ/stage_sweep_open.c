@@ -29,7 +29,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
     return kernels_size(n, w, separable ? 0 : dm_hamilton_known(m)) + 4 * n * w +
-           5 * r * w + 7 * w + 9 * n + 3 + ARRAYS * LINE;
+           5 * r * w + 7 * w + 8 * n + 3 + ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
@@ -78,7 +78,6 @@ static void lay_out(dm_stage *g, double *memory) {
     w->turning = w->flying + r * width;
     for (size_t i = 0; i < sizeof single / sizeof *single; i++)
         *single[i] = take(&memory, width);
-    w->one = take(&memory, n);
     w->share = take(&memory, 2 * n);
     w->drift = take(&memory, 2 * n);
     const size_t before = dm_stage_memory_size(g) - n * width; /* u begins a line, too */
@@ -163,13 +162,13 @@ static void plan(dm_stage *g) {
     w->q.base = w->base;
     w->q.column = w->whole;
     w->q.u = dm_stage_sweeps_u(g);
-    w->q.factor = diagonal ? g->m->inverse_mass : w->one;
+    w->q.factor = diagonal ? g->m->inverse_mass : NULL;
     w->p.x = w->factors.out + (size_t)w->factors.outputs * width;
     w->p.base = w->lift;
     w->p.column = w->whole;
     w->p.u = w->force.out;
-    w->p.factor = w->one;
-    for (uint32_t k = 0; k < n; k++) w->share[k] = w->q.factor[k], w->share[n + k] = 1.0;
+    for (uint32_t k = 0; k < n; k++)
+        w->share[k] = diagonal ? w->q.factor[k] : 1.0, w->share[n + k] = 1.0;
     w->end = (dm_sweep_end){.rows = n,
                             .u = {w->q.u, w->force.out},
                             .b = {g->separable ? &w->mean : &w->b, &w->b},
@@ -190,7 +189,6 @@ static void plan(dm_stage *g) {
     w->v_ahead.base = w->none;
     w->v_ahead.column = w->turning;
     w->v_ahead.u = kept;
-    w->v_ahead.factor = w->one;
 }
 
 /* ---- opening ---- */
@@ -292,7 +290,6 @@ void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory)
     open_kernel(&w->force, w->row->width);
     if (w->factors.lanes) open_kernel(&w->factors, w->row->width);
     if (w->velocity.lanes) open_kernel(&w->velocity, w->row->width);
-    for (uint32_t k = 0; k < n; k++) w->one[k] = 1.0;
     w->heaviest = g->separable ? dm_stage_heaviest(g) : 0.0;
     find_ahead(g, basis);
     dm_stage_sweeps_scale(g);

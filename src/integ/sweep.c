@@ -20,7 +20,8 @@ DM_WRITTEN_OUT double move_rows(const dm_sweep *a, uint32_t rows) {
     double moved = 0.0;
 #pragma GCC unroll 4
     for (uint32_t k = 0; k < rows; k++) {
-        const double sum = a->base[k] + a->factor[k] * (a->column[0] * a->u[k]);
+        const double factor = a->factor ? a->factor[k] : 1.0;
+        const double sum = a->base[k] + factor * (a->column[0] * a->u[k]);
         const double x = a->start[k] + sum, d = x - a->x[k];
         moved += d * d;
         a->x[k] = x;

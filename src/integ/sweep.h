@@ -15,14 +15,15 @@ typedef struct {
     double *top, *rest;
 } dm_parts;
 
-/* x = start + (base + factor sum_m column_m u[.][m]) */
+/* x = start + (base + factor sum_m column_m u[.][m]); without factors the base is the first of the sum, which is then
+** known a product earlier */
 typedef struct {
     uint32_t rows, columns;       /* as many columns as stages */
     double *x;                    /* [rows][width] arguments of a kernel */
     const double *base;           /* [rows][width], may be x */
     const double *column;         /* [columns][width] */
     const double *u;              /* [rows][width] */
-    const double *factor, *start; /* [rows] */
+    const double *factor, *start; /* [rows]; factors NULL: all are 1 */
 } dm_sweep;
 
 /* q += drift + factor sum b_q u_q and p += sum b_p u_p over the stages, in place with compensation (base/sum.h) */

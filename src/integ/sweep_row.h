@@ -20,9 +20,11 @@ HOW INLINE double OWN(total)(const double *x) {
     return W == 8 ? (x[0] + x[2]) + (x[1] + x[3]) : x[0] + x[1];
 }
 
-/* sum_m c_m u_m; even and odd columns are summed apart, as neither waits for the other */
-HOW INLINE void OWN(inner)(V *sum, const V *c, const double *u, uint32_t columns) {
+/* sum_m c_m u_m, on to a base unless that is NULL; even and odd columns are summed apart, as neither waits for the other */
+HOW INLINE void OWN(inner)(V *sum, const V *base, const V *c, const double *u,
+                           uint32_t columns) {
     V even = c[0] * u[0], odd = c[1] * u[1];
+    if (base) even = MADD(c[0], SAME(u[0]), *base);
     if (columns > 2) even = MADD(c[2], SAME(u[2]), even);
     if (columns > 3) odd = MADD(c[3], SAME(u[3]), odd);
     if (columns > 4) even = MADD(c[4], SAME(u[4]), even);
@@ -45,9 +47,11 @@ HOW INLINE double OWN(walk)(const dm_sweep *a, uint32_t columns, int measured) {
     if (columns > 7) c[7] = from[7];
     for (uint32_t k = 0; k < at.rows; k++) {
         const size_t row = (size_t)k * W;
+        const V base = LOAD(at.base + row);
         V *x = (V *)(void *)(at.x + row), sum;
-        OWN(inner)(&sum, c, at.u + row, columns);
-        sum = at.start[k] + MADD(SAME(at.factor[k]), sum, LOAD(at.base + row));
+        OWN(inner)(&sum, at.factor ? NULL : &base, c, at.u + row, columns);
+        if (at.factor) sum = MADD(SAME(at.factor[k]), sum, base);
+        sum = at.start[k] + sum;
         if (measured) {
             const V d = sum - *x;
             moved = MADD(d, d, moved);
