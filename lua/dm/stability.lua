@@ -42,7 +42,7 @@ local function check_options(options)
   if (options.steps == nil) == (options.t == nil) then fail("give 'steps' or 't' (a duration)") end
   local length = options.steps or options.t
   if type(length) ~= "number" or not (length > 0 and length < 2 ^ 53) or options.steps and not math.tointeger(length) then
-    fail("'steps' must be a whole number > 0, 't' a duration > 0 (got %s)", tostring(length))
+    fail("'steps' must be a whole number > 0, 't' a duration > 0 (got %s)", type(length) == "number" and tostring(length) or type(length))
   end
   if not options.q then fail("the start is missing: q, and v or p, as numbers or as functions of the parameters") end
   if options.v and options.p then fail("give the start as q and v or as q and p, not both") end
@@ -167,13 +167,24 @@ end
 
 ---- what the map tells ----
 
+-- what the class of a cell says here: of the energy, or of what is watched in its place
+local function text_of(map, cell)
+  local class = cells.CLASSES[cell.class]
+  if class.name == "no start" and cell.reason then return cell.reason end
+  if class.name == "blow-up" and cell.code == "not_finite" and cell.error and cell.error < (cell.kinetic or 0) then
+    return "the motion left all bounds at once, or the domain of L"
+  end
+  if not map.options.watch then return class.text end
+  return (class.text:gsub("the energy error", "the change of what is watched"):gsub("the energy", "what is watched"))
+end
+
 local function sentence_of_limit(map, i)
   local b, name = map.borders[i], map.column.name
   for _, cell in ipairs(b.high and {} or map.cells[i]) do
     if cell.class == cells.NUMBER["not run"] then return nil, "stopped before all cells of the row were run" end
   end
   if not b.high then return math.huge, ("none is lost up to %s = %.4g"):format(name, map.column[#map.column]) end
-  local why = ("%s from %s = %.6g on: %s"):format(cells.CLASSES[b.high.class].name, name, b.high.x, cells.CLASSES[b.high.class].text)
+  local why = ("%s from %s = %.6g on: %s"):format(cells.CLASSES[b.high.class].name, name, b.high.x, text_of(map, b.high))
   if not b.low then return map.column == map.h and 0 or -math.huge, "lost from the first cell on, " .. why end
   return b.low.x, why
 end
@@ -214,16 +225,16 @@ end
 
 local FIELDS = { "h", "steps", "error", "slope", "slope_error", "growth", "exponent", "megno", "code" }
 
-local function why(cell)
+local function why(map, cell)
   local class = cells.CLASSES[cell.class]
-  local text = ("%s: %s"):format(class.name, class.text)
+  local text = ("%s: %s"):format(class.name, text_of(map, cell))
   local function add(...) text = text .. (...):format(select(2, ...)) end
   if class.name == "blow-up" and cell.code == "not_finite" then add("; not finite at step %d", cell.steps + 1) end
   if class.lost and cell.code == "ok" and cell.growth then add("; by a factor of %.6g a step", cell.growth) end
   if class.name == "no convergence" then add(" (step %d)", cell.steps + 1) end
   if class.name == "drifting" then add("; slope %.3g +- %.1g per unit of time", cell.slope, cell.slope_error) end
   if class.name == "chaotic" then add("; Lyapunov exponent %.3g, MEGNO %.3g", cell.exponent, cell.megno) end
-  if class.name == "bounded" or class.name == "off" then add("; energy error %.2g", cell.error) end
+  if class.name == "bounded" or class.name == "off" then add(map.options.watch and "; it changes by %.2g" or "; energy error %.2g", cell.error) end
   return text
 end
 
@@ -239,7 +250,7 @@ M.at = blame.caller(function(self, which, column)
   local j = type(which) == "table" and nearest_column(self, column) or column
   local cell = self.cells[i][j]
   if not cell then fail("there are columns 1 to %d (got %s)", #self.column, tostring(column)) end
-  local out = { class = cells.CLASSES[cell.class].name, why = why(cell), rule = self.rules[cell.rule] }
+  local out = { class = cells.CLASSES[cell.class].name, why = why(self, cell), rule = self.rules[cell.rule] }
   for _, name in ipairs(FIELDS) do out[name] = cell[name] end
   for name, value in pairs(cell.values) do out[name] = value end
   return core.result(out)
@@ -276,6 +287,9 @@ watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to 
 what to know of the start and the axes (an equilibrium does not move, whatever the step).
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends it with dm.failure, whose field `map` is what is there.]]
 
+local RESERVED = { class = true, why = true, rule = true }
+for _, name in ipairs(FIELDS) do RESERVED[name] = true end
+
 local function new_map(options, names)
   local map = setmetatable({ options = options, names = names, rule_list = read_rules(options), rules = {}, borders = {},
     drift = options.drift or 1e-6, resolution = options.resolution or 1e-3 }, M)
@@ -283,7 +297,7 @@ local function new_map(options, names)
   map.h = axes.read("h", options.h)
   if map.h[1] <= 0 then fail("axis 'h': steps must be > 0") end
   for _, name in ipairs(names) do
-    if M[name] or map[name] ~= nil then fail("a parameter cannot be called '%s' here", name) end
+    if M[name] or map[name] ~= nil or RESERVED[name] then fail("a parameter cannot be called '%s' here", name) end
     map[name] = axes.read(name, options[name])
   end
   return map
@@ -339,13 +353,16 @@ end
 local function fill(map)
   local all = all_cells(map)
   map.count = #all
-  given_.check_first(map, all[1])
-  map.notes = given_.notes(map, all[1])
-  map.chaos = wants_chaos(map, all[1])
+  local first = given_.first(map)
+  given_.check_first(map, first)
+  map.notes = given_.notes(map, first)
+  map.chaos = wants_chaos(map, first)
   local stopped = cells.run(map, all, map.chaos)
   if not map.started and not stopped then error(map.refusal, 0) end
   find_borders(map)
-  if stopped or map.options.refine == false then return stopped end
+  if stopped then return stopped end
+  given_.note_idle(map)
+  if map.options.refine == false then return nil end
   return refine(map)
 end
 
@@ -372,7 +389,6 @@ M.stability = blame.caller(function(options)
 end)
 
 core.docs[M.stability], core.docs[M.limit], core.docs[M.at], core.docs[M.theory] = doc_stability, doc_limit, doc_at, doc_theory
-M.why = why
 require "dm.stability.show"(M)
 require "dm.class".register(M, { "limit", "at", "theory", "table", "plot", "csv" }, [[
 dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, rule=, h=, steps=}

@@ -135,6 +135,37 @@ raises("infinite at the start", function() kepler:stability { rule = "verlet", h
 local kinked = dm.system { Q = dm.R(1), derivatives = "hyperdual", L = function(q, v) return v[1] ^ 2 / 2 - (q[1] > 0 and q[1] ^ 2 or q[1] ^ 2 / 2) end }
 ok(kinked:stability { rule = "verlet", h = { 0.05, 0.1 }, q = { 1 }, v = { 0 }, steps = 50 }:at(1, 1).class == "bounded", "a function that branches")
 
+-- cells that have no start say why, whatever it is; the others have theirs
+do
+  local function why(map, i) return select(2, map:limit(i)) end
+  local function tried(more) return dm.stability(with({ rule = "verlet", h = { 0.1, 0.5, 1 }, q = { 1 }, v = { 0 }, steps = 50 }, more)) end
+  local some = tried { system = function(k) if k == 2 then error "bad k" end return spring(k) end, k = { 1, 2, 3 } }
+  ok(some:at(1, 1).class == "bounded" and some:at(2, 1).class == "no start" and why(some, 2):find "bad k" and some:at(3, 1).class == "bounded", "a system that cannot be made", why(some, 2))
+  local first = tried { system = function(m) return dm.system { Q = dm.R(2), L = function(q, v) return (m * v[1] ^ 2 + v[2] ^ 2 - q:dot(q)) / 2 end } end, m = { 0, 1 }, q = { 1, 1 }, v = { 0, 0 } }
+  ok(first:at(1, 1).why:find "degenerate" and not first:at(1, 1).why:find "dm/stability" and first:at(2, 1).class == "bounded", "nor one without a mass, though it is the first", first:at(1, 1).why)
+  some = tried { system = spring(1), a = { 1, 2 }, q = function(a) if a < 2 then return a end end }
+  ok(why(some, 2):find("the function 'q' returns nothing at a = 2", 1, true) and some:at(1, 1).class == "bounded", "a start that is not there", why(some, 2))
+  some = tried { system = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end, force = function(_, v) return { -0.1 * v[1] } end }, rule = false, rules = { "verlet", "midpoint" } }
+  ok(why(some, 1):find "it knows no forces" and some:at(2, 1).class == "bounded", "a rule that does not fit", why(some, 1))
+  raises("bad k", tried, { system = function() error "bad k" end, k = { 1, 2 } })
+  -- the domain of L ends on the way: no error of the energy grew there
+  local fall = tried { system = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - dm.sqrt(q[1]) end }, h = { 0.3, 0.5 } }
+  ok(fall:at(1, 1).class == "blow-up" and fall:at(1, 1).why:find "the domain of L", "a motion that leaves the domain of L", fall:at(1, 1).why)
+  -- what is watched
+  local watched = tried { system = spring(1), watch = function(q) return dm.sqrt(q[1]) end }
+  ok(watched:at(1, 1).class == "no value", "what is watched has no value", watched:at(1, 1).why)
+  watched = tried { system = spring(1), watch = function(q) return q[1] end }
+  ok(watched:at(1, 1).why:find "what is watched" and not watched:at(1, 1).why:find "energy", "and is not called energy", watched:at(1, 1).why)
+  -- parameters: without effect, with odd names
+  local idle = tried { system = dm.system { Q = dm.R(1), params = { k = 1, z = 1 }, L = function(q, v, _, P) return (v[1] ^ 2 - P.k * q[1] ^ 2) / 2 end }, k = { 1, 2 }, z = { 1, 2, 3 } }
+  ok(#idle.notes == 1 and idle.notes[1]:find("'z' changes no cell", 1, true), "a parameter without effect is noted", idle.notes[1])
+  local odd = tried { system = spring(1), ['a,"b'] = { 1, 2 }, q = function(x) return { x } end }
+  ok(odd:csv():find('rule,"a,""b",h,class', 1, true), "a name with commas in the file", odd:csv():match "^[^\n]*")
+  raises("cannot be called 'class'", tried, { system = spring(1), class = { 1, 2 }, q = function(class) return { class } end })
+  raises("(got table)", tried, { system = spring(1), steps = { 1, 2 } })
+  raises("'threads' must be", tried, { system = spring(1), threads = 0 })
+end
+
 -- a map that was stopped tells what it has
 local stopped = dm.stability(with(base, { rule = "verlet" }))
 stopped.cells[2][9].class, stopped.borders[2] = require("dm.stability.cells").NUMBER["not run"], {}

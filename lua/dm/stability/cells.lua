@@ -77,7 +77,7 @@ local function ensemble(job, system, o)
   local given = job.map.options
   o.members, o.t0, o.project = #o.h, given.t0, given.project
   if not o.steps and not o.t then o.steps, o.t = given.steps, given.t end
-  o.threads = is_small(o) and 1 or given.threads
+  o.threads = given.threads or is_small(o) and 1 or nil
   return system:solver({ rule = job.rule, h = 1, newton = given.newton, backend = given.backend, sums = given.sums }):ensemble(o)
 end
 
@@ -89,6 +89,15 @@ local function guarded(job, system, o)
   if stopped then e = stopped.path end
   if o.vary and e.systems > 1 then job.split = true end
   return e, stopped or nil
+end
+
+-- why cells have no start, where more is known than that L has no value
+local function tell_reasons(e, cells)
+  local any = false
+  for _, cell in ipairs(cells) do any = any or cell.code == "no_start" end
+  for _, failure in ipairs(any and e:failures() or {}) do
+    if failure.code == "no_start" then cells[failure.member].reason = failure.message:match("^[^\n]*"):gsub("^%S*dm/stability/%w+%.lua:%d+: ", "") end
+  end
 end
 
 -- class and evidence of cells from one ensemble of `rows` rows
@@ -107,8 +116,9 @@ local function base_pass(job, cells, rows)
     local class = status[i] == "stopped" and "not run" or classes.look(job.map, cell, sums, i, name)
     if status[i] ~= "ok" and class ~= "left" then class = classes.of_failure(status[i], tied) end
     if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then class = "no start" end
-    cell.class = NUMBER[class]
+    cell.class, cell.reason = NUMBER[class], nil
   end
+  tell_reasons(e, cells)
   return stopped
 end
 
@@ -225,6 +235,15 @@ end
 
 local REFUSALS = 64  -- starts that are refused, with none that is not, before that is an error of all
 
+-- cells that have no start, and why
+local function refuse(map, cells, why)
+  map.refusal = why
+  local text = tostring(why):match("^[^\n]*"):gsub("^%S*dm/stability/%w+%.lua:%d+: ", "")
+  for _, cell in ipairs(cells) do
+    cell.class, cell.code, cell.steps, cell.reason = NUMBER["no start"], "no_start", 0, text
+  end
+end
+
 -- a start that is refused (L is infinite there, say) is that of one cell: the others run without it
 local function run_part(job, part, chaos)
   local map = job.map
@@ -232,10 +251,7 @@ local function run_part(job, part, chaos)
   if fine then return result end
   map.refused = (map.refused or 0) + 1
   if type(result) ~= "string" or not map.started and map.refused > REFUSALS or map.count == 1 then error(result, 0) end
-  if #part == 1 then
-    part[1].class, part[1].code, part[1].steps, map.refusal = NUMBER["no start"], "no_start", 0, result
-    return nil
-  end
+  if #part == 1 then return refuse(map, part, result) end
   local half = #part // 2
   return run_part(job, table.move(part, 1, half, 1, {}), chaos) or run_part(job, table.move(part, half + 1, #part, 1, {}), chaos)
 end
@@ -288,8 +304,9 @@ end
 
 -- does one kernel serve two cells of different parameters, and their tangent vectors?
 local function is_shared(map, rule, cells, chaos)
-  local job = { map = map, rule = rule, system = map.system_of(cells[1]), vary = map.used }
+  local job = { map = map, rule = rule, vary = map.used }
   local fine, e = pcall(function()
+    job.system = map.system_of(cells[1])
     local o = starts(job, cells)
     o.steps = 1
     local first = ensemble(job, job.system, o)
@@ -313,8 +330,10 @@ end
 
 -- cells of one system, or (shared) of one family; after all in systems of their own what is left where one kernel does not do
 local function run_group(map, cells, chaos, shared)
-  local rule = map.rule_list[cells[1].rule]
-  local stopped, left = run_job({ map = map, rule = rule, system = map.system_of(cells[1]), vary = shared and map.used or nil }, cells, chaos)
+  local rule, fine, system = map.rule_list[cells[1].rule], pcall(map.system_of, cells[1])
+  if not fine and blame.is_stop(system) then error(system, 0) end
+  if not fine then return refuse(map, cells, system) end
+  local stopped, left = run_job({ map = map, rule = rule, system = system, vary = shared and map.used or nil }, cells, chaos)
   for _, group in ipairs(not stopped and left and grouped(left, map.key_of) or {}) do
     stopped = stopped or run_group(map, group, chaos)
   end

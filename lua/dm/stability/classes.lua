@@ -17,6 +17,7 @@ M.CLASSES = {
   { name = "chaotic", text = "neighbouring orbits separate exponentially" },
   { name = "off", lost = true, text = "the energy has gone far elsewhere, and stays there: another motion" },
   { name = "blow-up", lost = true, text = "the energy error grows without bound" },
+  { name = "no value", lost = true, text = "what is watched is no number on the way" },
   { name = "left", lost = true, text = "the state left the region that was given as inside" },
   { name = "no convergence", lost = true, text = "the step equation could not be solved" },
   { name = "constraint lost", lost = true, text = "the constraints lost rank or are not kept" },
@@ -79,6 +80,7 @@ function M.look(map, cell, sums, i, name)
   cell.slope, cell.slope_error = finite(s.slope[i]), finite(s.error[i])
   if sums.inside and not (sums.inside.least[i] > 0) then return "left" end
   if sums.tie and not (sqrt(sums.tie.largest[i]) < TIE) then return "constraint lost" end
+  if name == "y" and cell.code == "ok" and not finite(s.first[i] + s.late[i] + s.early[i]) then return "no value" end
   if cell.steps < FEWEST then return "bounded" end
   if is_growing(s, i, kinetic, name == "size") and (name ~= "energy" or is_much(s, K, i)) then
     if s.early[i] > 0 then cell.growth = finite((s.late[i] / s.early[i]) ^ (1 / (0.75 * max(cell.steps, 1)))) end

@@ -39,6 +39,13 @@ local function make_systems(map, system, names)
   return function(cell) return with_params(system, cell.values, used) end, used
 end
 
+local function text_of(values)
+  local text = {}
+  for name, x in pairs(values) do text[#text + 1] = ("%s = %.6g"):format(name, x) end
+  table.sort(text)
+  return table.concat(text, ", ")
+end
+
 local function make_start(map, what, given, names, uses)
   local function list(x, cell) return starts.list(x, map.base or map.system_of(cell), what) end
   local all = type(given) ~= "function" and map.base and list(given)
@@ -46,7 +53,11 @@ local function make_start(map, what, given, names, uses)
   if type(given) ~= "function" then return function(cell) return list(given, cell) end end
   local f, used = axes.bind(what, given, names)
   for _, name in ipairs(used) do uses[name] = true end
-  return function(cell) return list(f(cell.values), cell) end
+  return function(cell)
+    local given_there = f(cell.values)
+    if given_there == nil then fail("the function '%s' returns nothing at %s", what, text_of(cell.values)) end
+    return list(given_there, cell)
+  end
 end
 
 -- a text for every combination of these parameters, kept with the values of a cell
@@ -82,6 +93,18 @@ function M.read(map, options, names)
       fail("parameter '%s' changes nothing: 'system', 'q', 'v' or 'p' must be a function with an argument %s, or the system have it among its params", name, name)
     end
   end
+end
+
+--- The first cell that has a system; raises what the very first raises where none has.
+function M.first(map)
+  local why
+  for _, row in ipairs(map.cells) do
+    local fine, text = pcall(map.system_of, row[1])
+    if fine then return row[1] end
+    if require "dm.blame".is_stop(text) then error(text, 0) end
+    why = why or text
+  end
+  error(why, 0)
 end
 
 --- Look at the first cell: a start that needs no velocity where L is linear in v; misspelled rules.
@@ -124,6 +147,31 @@ function M.notes(map, cell)
     end
   end
   return notes
+end
+
+-- rows that belong together but for this parameter, and those that differ from the first of these
+local function differs(map, name)
+  local first = {}
+  for i, row in ipairs(map.rows) do
+    local key = row.rule
+    for other, x in pairs(row.values) do key = other == name and key or key .. "/" .. x end
+    local before = first[key]
+    first[key] = before or i
+    for j, cell in ipairs(before and map.cells[i] or {}) do
+      local twin = map.cells[before][j]
+      if cell.class ~= twin.class or cell.error ~= twin.error or cell.steps ~= twin.steps or cell.slope ~= twin.slope then return true end
+    end
+  end
+  return false
+end
+
+--- Note the parameters that change no cell: L may not use them.
+function M.note_idle(map)
+  for _, axis in ipairs(map.row_axes) do
+    if #axis > 1 and not differs(map, axis.name) then
+      map.notes[#map.notes + 1] = ("'%s' changes no cell, to the last digit: does anything here depend on it?"):format(axis.name)
+    end
+  end
 end
 
 return M

@@ -6,7 +6,7 @@ local core = require "dm.core"
 
 local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)), 0) end
 
-local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee", ["blow-up"] = "#ee6677", left = "#ee99aa",
+local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee", ["no value"] = "#eedd88", ["blow-up"] = "#ee6677", left = "#ee99aa",
   ["no convergence"] = "#777777", ["constraint lost"] = "#222222", ["no start"] = "#aaaaaa", ["not run"] = "#dddddd" }
 
 -- how many cells there are of each class
@@ -65,7 +65,7 @@ local function sentence(map)
   size[#size + 1] = ("%d %s"):format(#map.column, map.column.name)
   local o = map.options
   return ("stability map of %s over %s, %s: %s"):format(table.concat(map.rules, ", "), table.concat(size, " x "),
-    o.steps and ("%d steps"):format(o.steps) or ("t = %g"):format(o.t), counted(map))
+    o.steps and ("%d step%s"):format(o.steps, o.steps == 1 and "" or "s") or ("t = %g"):format(o.t), counted(map))
 end
 
 ---- csv ----
@@ -78,7 +78,7 @@ local EVIDENCE = { "steps", "error", "slope", "slope_error", "growth", "exponent
 
 local function csv(map, file)
   local head = { "rule" }
-  for _, name in ipairs(map.names) do head[#head + 1] = name end
+  for _, name in ipairs(map.names) do head[#head + 1] = name:find '[,"%c]' and '"' .. name:gsub('"', '""') .. '"' or name end
   local lines = { table.concat(head, ",") .. ",h,class," .. table.concat(EVIDENCE, ",") }
   for _, row in ipairs(map.cells) do
     for _, cell in ipairs(row) do
@@ -163,7 +163,7 @@ local function with_unit(number, unit) return ("%.4g"):format(number) .. (unit a
 local function setting_of(map)
   local units, text, o = units_of(map), {}, map.options
   if map.column ~= map.h then text[1] = "h = " .. with_unit(map.h[1], units.t) end
-  text[#text + 1] = o.steps and ("%d steps"):format(o.steps) or "t = " .. with_unit(o.t, units.t)
+  text[#text + 1] = o.steps and ("%d step%s"):format(o.steps, o.steps == 1 and "" or "s") or "t = " .. with_unit(o.t, units.t)
   return name_of(map), table.concat(text, ", ")
 end
 
@@ -200,7 +200,7 @@ row parameters (at most 12), with the measured and the theoretical limit; withou
 
 ---- in a terminal: a character for each cell ----
 
-local LETTERS = { bounded = "\u{b7}", drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#", left = "/", ["no convergence"] = "n",
+local LETTERS = { bounded = "\u{b7}", drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#", ["no value"] = "?", left = "/", ["no convergence"] = "n",
   ["constraint lost"] = "k", ["no start"] = "x", ["not run"] = " " }
 local WIDE, HIGH = 72, 24
 
