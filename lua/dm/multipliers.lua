@@ -103,6 +103,57 @@ local function equations_of(f, n, k, l)
   end
 end
 
+local MOST = 64  -- unknowns of an implicit function
+
+-- constant mass: v' = M^-1 (rest - what the equations have without v'), so that multipliers alone are unknown
+local function of_multipliers(system, f, n, k, l)
+  local zero = {}
+  for i = 1, n do zero[i] = 0 end
+  local inverse, all = system:mass(zero, zero):inverse(), equations_of(f, n, k, l)
+  local function accelerations(lambda, q, v, t)
+    local full, a = table.move(zero, 1, n, 1, {}), {}
+    for c = 1, k + l do full[n + c] = lambda[c] end
+    local rest = all(full, q, v, t)
+    for i = 1, n do
+      a[i] = 0
+      for j = 1, n do
+        if inverse[i][j] ~= 0 then a[i] = a[i] - inverse[i][j] * rest[j] end
+      end
+    end
+    return a
+  end
+  local function equations(lambda, q, v, t)
+    local full, out = accelerations(lambda, q, v, t), {}
+    for c = 1, k + l do full[n + c] = lambda[c] end
+    local rest = all(full, q, v, t)
+    for c = 1, k + l do out[c] = rest[n + c] end
+    return out
+  end
+  return equations, accelerations
+end
+
+-- (q, v, t) -> v', multipliers, as one list; of many coordinates by way of the multipliers
+local function solution(system, f, n, k, l)
+  local failure = k + l > 0 and "are the constraints independent of each other here, and d2L/dv2 regular along them?"
+    or "is d2L/dv2 regular here?"
+  local function root(count, equations)
+    return core.root { name = "the acceleration", unknowns = count, equations = equations, failure = failure }
+  end
+  if n + k + l <= MOST then return root(n + k + l, equations_of(f, n, k, l)) end
+  if k + l > MOST or not system:structure().constant_mass then
+    error(("multipliers are found for up to %d accelerations and multipliers, or up to %d multipliers where the mass is constant (this system has %d and %d); "
+      .. "a run with record = { \"impulses\" } has those of its steps"):format(MOST, MOST, n, k + l), 0)
+  end
+  local equations, accelerations = of_multipliers(system, f, n, k, l)
+  local lambda = k + l > 0 and root(k + l, equations)
+  return function(q, v, t)
+    local found = lambda and lambda(q, v, t) or {}
+    local out = accelerations(found, q, v, t)
+    for c = 1, k + l do out[n + c] = found[c] end
+    return out
+  end
+end
+
 -- values of all functions at a state, to see whether a number that they use has changed
 local function fingerprint(f, at)
   local out = { f.L(at.q, at.v, at.t) }
@@ -127,10 +178,7 @@ local function make(system)
     error("multipliers and accelerations need the graph of L, and this system runs on hyper-dual numbers", 0)
   end
   local made = { f = functions_of(system), n = system.Q.dimension, k = ties.constraints or 0, l = ties.rolling or 0 }
-  made.root = core.root { name = "the acceleration", unknowns = made.n + made.k + made.l,
-    equations = equations_of(made.f, made.n, made.k, made.l),
-    failure = made.k + made.l > 0 and "are the constraints independent of each other here, and d2L/dv2 regular along them?"
-      or "is d2L/dv2 regular here?" }
+  made.root = solution(system, made.f, made.n, made.k, made.l)
   return made
 end
 

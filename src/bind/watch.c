@@ -179,18 +179,19 @@ void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r) {
 
 /* columns of every path */
 static void add_state_names(lua_State *L, const dml_stepping *r, const reading *in) {
-    const uint32_t n = r->solver->n;
+    const lua_Integer n = r->solver->n;
     const int given = dml_systemfield(L, r->system, "coordinates") != LUA_TNIL;
-    lua_pop(L, 1);
+    const int top = lua_gettop(L) - 1;
     add_name(L, in, "t");
-    for (uint32_t i = 0; i < n; i++) add_name(L, in, dml_coordinate(L, r->system, i));
-    for (uint32_t i = 0; i < n; i++, lua_pop(L, 1)) {
-        const char *q = dml_coordinate(L, r->system, i);
+    for (lua_Integer i = 1; i <= n; i++, lua_settop(L, top)) {
+        const char *q = dml_coordinate(L, r->system, (uint32_t)i - 1);
+        lua_pushstring(L, q);
+        lua_rawseti(L, in->names, 1 + i);
         if (given)
             lua_pushfstring(L, "p_%s", q);
         else
-            lua_pushfstring(L, "p%d", (int)i + 1);
-        add_name(L, in, lua_tostring(L, -1));
+            lua_pushfstring(L, "p%d", (int)i);
+        lua_rawseti(L, in->names, 1 + n + i);
     }
 }
 

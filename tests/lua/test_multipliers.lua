@@ -122,6 +122,29 @@ near(kepler:acceleration({ 3, 4 }, { 1, 0 })[2], -4 / 125, 1e-15, "acceleration 
 local sphere = dm.system { Q = dm.S(2), L = function(q, v) return v:dot(v) / 2 - g * q[3] end }
 near(2 * sphere:multipliers({ 0, 0, -1 }, { 1.5, 0, 0 })[1], -(g + 2.25), 1e-12, "a sphere: |q|^2 - 1, whose gradient is 2 q")
 
+-- a chain that hangs at rest: every rod bears what is below it; accelerations and multipliers are more than 64
+do
+  local N, hanging, still = 24, {}, {}
+  for i = 1, N do hanging[2 * i - 1], hanging[2 * i], still[2 * i - 1], still[2 * i] = 0, -i, 0, 0 end
+  local chain = dm.system { Q = dm.R(2 * N), L = function(q, v)
+    local L = 0
+    for i = 1, N do L = L + (v[2 * i - 1] ^ 2 + v[2 * i] ^ 2) / 2 - g * q[2 * i] end
+    return L
+  end, constraint = function(q)
+    local out, x, y = {}, 0, 0
+    for i = 1, N do
+      out[i] = ((q[2 * i - 1] - x) ^ 2 + (q[2 * i] - y) ^ 2 - 1) / 2
+      x, y = q[2 * i - 1], q[2 * i]
+    end
+    return out
+  end }
+  local p = chain:solver({ rule = "rattle", h = 0.01 }):run { q = hanging, v = still, steps = 3, record = { "lambda", "impulses" } }
+  local worst = 0
+  for i = 1, N do worst = max(worst, abs(p.lambda[3][i] + (N + 1 - i) * g), abs(p.impulses[3][i] / 0.01 + (N + 1 - i) * g)) end
+  ok(worst < 1e-10 and #p.columns == 1 + 6 * N, "a hanging chain: tensions and impulses of all rods", worst)
+  ok(chain:acceleration(hanging, still):norm() < 1e-11, "and nothing moves")
+end
+
 -- numbers that L uses may change; params
 local pull = 1
 local changing = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - pull * q[2] end, constraint = function(q) return q:norm() - 1 end }
