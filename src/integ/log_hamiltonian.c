@@ -227,7 +227,8 @@ const dm_method dm_method_log_hamiltonian = {
     .signature = "log-hamiltonian(composition)",
     .doc = "Splitting of the logarithmic Hamiltonian in a fictitious time s, for "
            "attracting V < 0 along the orbit: small steps of t "
-           "near a centre, the two-body orbit exact but for its timing. h is the step of "
+           "near a centre (eccentric orbits, close encounters), the two-body orbit exact "
+           "but for its timing. h is the step of "
            "s; dt is about h/|V|. "
            "composition: verlet (the default), kahan-li(8) ... Mikkola & Tanikawa 1999; "
            "Preto & Tremaine 1999.",

@@ -156,7 +156,8 @@ has(text, "x  4", "who")
 has(text, "SE(2): a group of dimension 3. An element is a vector of 3 numbers", "a group says what its elements look like")
 has(text, "nil: a nil of Lua", "help(nil) does not mind")
 
-text = session { "apropos 'soliton'", "apropos 'no_convergence'", "?no_convergence", "?soliton_of_nothing", "?noether", "?henon_heiles", "?examples" }
+text = session { "apropos 'soliton'", "apropos 'no_convergence'", "?no_convergence", "?soliton_of_nothing", "?noether", "?henon_heiles", "?examples",
+  "apropos 'damping'", "apropos 'Poincaré'", "apropos 'eccentric'" }
 has(text, "  chain  Chains: a soliton", "apropos finds demonstrations")
 has(text, 'demo "name" runs one', "and says how to open them")
 has(text, "  chain  Toda (1967)", "and examples")
@@ -167,6 +168,9 @@ has(text, 'nothing mentions "soliton_of_nothing"', "and where nothing is found i
 has(text, 'demo "noether" runs it', "?name of a demonstration")
 has(text, "Henon and Heiles (1964): is a star's motion in a galaxy orderly or chaotic?", "?name of an example")
 has(text, "guiding_centre", "?examples lists them")
+has(text, 'but "friction" is spoken of:', "apropos knows what others call it")
+has(text, "  log-hamiltonian  Splitting of the logarithmic", "and rules")
+has(text, "> apropos 'Poincaré'\nG:coad(xi, mu)", "accents do not count")
 
 text = session { "?classes", "?routh", "?frame", "?plot", "?dm.demo", "help(7)" }
 has(text, "dm.stability_map: where a method fails", "every class, also one that was not used")

@@ -42,6 +42,18 @@ end
 
 local function always() return true end
 
+---- rules ----
+
+--- The rules of whose doc `has` is true; returns how many.
+function M.rules(has)
+  local rows = {}
+  for _, rule in ipairs(core.rules()) do
+    if has(rule.signature .. "\n" .. rule.doc) then rows[#rows + 1] = { rule.name, rule.doc:match "^.-%.%f[%s\0]" or rule.doc } end
+  end
+  write_rows("rules of dm.solver{ rule = }, ?name says more:", rows)
+  return #rows
+end
+
 ---- demonstrations ----
 
 local function spoken(demo)
@@ -114,7 +126,7 @@ end
 
 local doc_apropos = [[
 apropos(word)
-List what mentions the word, capitals or not: documented names, demonstrations, examples and codes of failures, with how to open them.]]
+List what mentions the word, capitals or not: documented names, rules, demonstrations, examples and codes of failures, with how to open them.]]
 
 -- signatures of the docs of which `has` is true
 local function documented(has)
@@ -125,15 +137,35 @@ local function documented(has)
   return text.sorted(lines)
 end
 
+-- what others call it -> what the docs say
+local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "friction", dissipative = "friction", drag = "friction",
+  adaptive = "eccentric", ["variable step"] = "eccentric", ["step size"] = "step h", ["time step"] = "step h", timestep = "step h",
+  animation = "animate", movie = "animate", video = "animate", parallel = "threads", multithread = "threads", noise = "random", ["n-body"] = "bodies", nbody = "bodies",
+  ["phase portrait"] = "plot", ["phase space"] = "plot", gyroscope = "rotation", graph = "plot", figure = "plot", picture = "plot", export = "csv",
+  collision = "encounter", integrator = "rule", scheme = "rule", error = "drift", conserved = "noether", invariant = "noether", ["error message"] = "failure" }
+
+local PLAIN = { ["é"] = "e", ["è"] = "e", ["ö"] = "oe", ["ä"] = "ae", ["ü"] = "ue" }
+
+-- everything that mentions the word; returns how many
+local function mentions(word)
+  local function has(what) return what:lower():find(word, 1, true) end
+  local lines = documented(has)
+  if #lines > 0 then write(table.concat(lines, "\n")) end
+  return #lines + M.rules(has) + M.demos(has) + M.examples(has) + M.failures(has)
+end
+
 M.apropos = blame.caller(function(word)
   if type(word) ~= "string" or word == "" then
     error(("apropos: a word is needed, apropos \"energy\" (got %s)"):format(word == "" and "none" or type(word)), 0)
   end
-  local function has(what) return what:lower():find(word:lower(), 1, true) end
-  local lines = documented(has)
-  if #lines > 0 then write(table.concat(lines, "\n")) end
-  local count = #lines + M.demos(has) + M.examples(has) + M.failures(has)
-  if count == 0 then write(("nothing mentions %q; ?topics lists where to look"):format(word)) end
+  local plain = word:gsub("[\xc3][\x80-\xbf]", PLAIN):lower()
+  if mentions(plain) > 0 then return end
+  local other = OTHER_WORDS[plain] or OTHER_WORDS[plain:match "^(.-)s?$"]
+  write(("nothing mentions %q; ?topics lists where to look"):format(word))
+  if other then
+    write(("but %q is spoken of:"):format(other))
+    mentions(other)
+  end
 end)
 
 docs[M.apropos] = doc_apropos
