@@ -196,7 +196,14 @@ demo("noether", { squash = 0.1 }) begins with another number. From a shell: dmlu
 M.demo = blame.caller(function(name, given)
   if name == nil then return list() end
   if given ~= nil and type(given) ~= "table" then fail("numbers are given as a table, { name = value } (got %s)", type(given)) end
-  M.run(name, given)
+  if not screen().asks then
+    M.run(name, given)
+    return
+  end
+  local fine, why = core.until_stop(M.run, name, given)
+  if fine then return end
+  if not blame.is_stop(why) then error(why, 0) end
+  print "\ndemo: stopped"  -- by whom the demonstration is for: nothing to trace
 end)
 
 local function command(name, ...)

@@ -127,7 +127,7 @@ if require "dm.manual".readline and os.execute(pty .. " true </dev/null >/dev/nu
   text = play("-q -n", { "wait 2004h", "send demo 'rolling'\\r", "wait q: stop] ", "send \\r", "wait q: stop] ", "send q\\r", "wait 2004h",
     "send 40 + 2\\r", "wait 42", "wait 2004h", "pause 50", "send \\004" })
   ok(text:find "exit 0", "in a session, which goes on afterwards", text)
-  text = play("-q -n", { "wait 2004h", "send demo 'drift'\\r", "wait q: stop] ", "send \\003", "wait interrupted!", "wait 2004h", "send 40 + 2\\r",
+  text = play("-q -n", { "wait 2004h", "send demo 'drift'\\r", "wait q: stop] ", "send \\003", "wait demo: stopped", "wait 2004h", "send 40 + 2\\r",
     "wait 42", "wait 2004h", "pause 50", "send \\004" })
   ok(text:find "exit 0", "Ctrl-C leaves it", text)
 else

@@ -61,10 +61,12 @@ function M.head(text)
   return table.concat(lines, " ")
 end
 
---- What an example asks: the head up to its question mark, or its first sentence.
+--- What an example asks: the clause before the first question mark of its head, or its first sentence.
 function M.title(head)
   local question, sentence = head:match "^.-%?", head:match "^.-%.%f[%s]"
-  return question and #question < 300 and question or sentence or head
+  if not question or #question > 300 then return sentence or head end
+  local clause = question:match "^.*[.:] (.-)$" or question
+  return clause:sub(1, 1):upper() .. clause:sub(2)
 end
 
 return M
