@@ -68,22 +68,30 @@ static dm_graph *write_out(dm_node *roots, const dm_model *m, const dm_extremum 
     return dm_compact_graph(g, with + inputs, count, roots);
 }
 
-/* a + y b as it stands: a factor in common, once taken out, would be waited for behind y */
-static dm_node plus(dm_graph *g, dm_node a, dm_node y, dm_node b) {
-    if (!y || !b) return a;
-    const dm_node product = dm_mul(g, y, b);
-    return a ? dm_add(g, a, product) : product;
+enum { PRODUCT = 4 }; /* clock cycles */
+
+/* y = -f_y / I, or f_y times -1/I where the division can then begin earlier than the product would take */
+static dm_node solve(dm_graph *g, dm_node fy, dm_node I) {
+    const dm_node both[2] = {fy, I}, minus_one = dm_constant(g, -1.0);
+    uint32_t at[2];
+    dm_depths(at, g, both, 2);
+    if (at[0] > at[1] + PRODUCT) return dm_mul(g, fy, dm_div(g, minus_one, I));
+    const dm_node minus = dm_neg(g, fy);
+    dm_graph_verbatim(g, 1); /* dm_div would take the constants of I out */
+    const dm_node y = minus ? dm_div(g, minus, I) : 0;
+    dm_graph_verbatim(g, 0);
+    return y;
 }
 
 /* f_q[n] behind that, at its y, for it must not be multiplied out */
 static void evaluate(dm_node *fq, dm_graph *g, const dm_node *roots, uint32_t n) {
     const dm_node *c0 = roots, *c1 = c0 + n, *c2 = c1 + n, *fy = c2 + n;
     const dm_node I = fy[dm_known(n + 1) - (n + 1)]; /* the last of the triangle */
-    const dm_node minus = dm_neg(g, *fy);
-    dm_graph_verbatim(g, 1);
-    const dm_node y = minus ? dm_div(g, minus, I) : 0;
-    for (uint32_t i = 0; i < n; i++) fq[i] = plus(g, c0[i], y, plus(g, c1[i], y, c2[i]));
-    dm_graph_verbatim(g, 0);
+    const dm_node y = solve(g, *fy, I);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node inner = dm_add(g, c1[i], dm_mul(g, y, c2[i]));
+        fq[i] = dm_add(g, c0[i], dm_mul(g, y, inner));
+    }
 }
 
 uint32_t dm_split_extremum_force(dm_kernel *out, dm_splitting *x, const dm_extremum *e) {
