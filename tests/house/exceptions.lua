@@ -14,6 +14,7 @@ return {
   },
   -- examples without a chart of rules: name, why
   charts = {
+    slack_rope = "a force that is read off a run; how well rules know it is in its picture",
     sliding_plate = "what a symmetry keeps, asked of one rule",
     runge_lenz = "one discrete Lagrangian and its invariantization, no rules of the table",
     elastica = "a variational problem in invariants, stepped by dm.invariant_problem",
