@@ -3,7 +3,7 @@ local M = {}
 
 --- Files of examples/, without .lua.
 M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite", "double_spherical_pendulum", "reduced_pendulum", "families",
-  "spherical_pendulum", "damped_double_pendulum", "pendulum_chain", "chain", "carousel", "charged_particle", "runge_lenz", "sliding_plate",
+  "spherical_pendulum", "slack_rope", "damped_double_pendulum", "pendulum_chain", "chain", "carousel", "charged_particle", "runge_lenz", "sliding_plate",
   "elastica", "space_elastica", "schwarzian", "rolling_disk", "chaplygin_sleigh", "contact_oscillator", "cart", "guiding_centre",
   "henon_heiles", "stiff_spring", "resonance_tongues", "least_model", "exact_oscillator", "variational_runge_kutta" }
 
