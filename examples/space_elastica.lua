@@ -48,7 +48,7 @@ for k, n in ipairs { 100, 200, 400, 800 } do
   if n == 400 then
     local x, y, z = P:column(1), P:column(2), P:column(3)
     figure = { { title = "the wire, two views", equal = true, xlabel = "x", ylabel = "y, z", { x = x, y = y, name = "(x, y)" }, { x = x, y = z, name = "(x, z)" } },
-      { title = "along it", log = "y", xlabel = "arc length", ylabel = "", { x = s, y = kappa, name = "curvature" }, { x = s, y = tau, name = "torsion" },
+      { title = "along it", log = "y", xlabel = "arc length", ylabel = "curvature, torsion", { x = s, y = kappa, name = "curvature" }, { x = s, y = tau, name = "torsion" },
         { x = s, y = both, name = "curvature^2 torsion" } }, file = picture, size = { 1100, 480 }, title = "elastica in space, in the invariants of SE(3)" }
   end
 end

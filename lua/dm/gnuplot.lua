@@ -45,7 +45,7 @@ end
 
 local function set_axis(add, name, a, caption, notes)
   local shown, ticks = scaled(a), {}
-  for i, tick in ipairs(caption:find "%S" and a.ticks or {}) do  -- what has no name has no numbers
+  for i, tick in ipairs(a.bare and {} or a.ticks) do
     ticks[i] = ("%s %.17g"):format(quote(tick.text), tick.shown)
   end
   local below = ""
@@ -124,14 +124,16 @@ local function make_axes(panel)
   local x, y = panel.xrange, panel.yrange
   panel.x = axis.new(x[1], x[2], math.max(2, panel.width // 90), panel.logx)
   panel.y = axis.new(y[1], y[2], math.max(2, panel.height // 55), panel.logy)
+  -- an axis whose name is a blank has no numbers, as that of a map without rows; one without a name, as of several columns, has
+  panel.x.bare, panel.y.bare = (panel.xlabel or ""):find "^%s+$", (panel.ylabel or ""):find "^%s+$"
 end
 
--- how many rows the legend needs above the panel; about 7 pixels a letter
+-- how many rows the legend needs above the panel; gnuplot counts 9 pixels a letter (pngcairo, 11 points)
 local function legend_rows(add, panel)
   if not panel.legend then return 0 end
   local widest = 0
   for _, s in ipairs(panel.series) do widest = math.max(widest, utf8.len(s.name) or #s.name) end
-  local columns = math.max(1, math.min(#panel.series, (panel.width - 120) // (7 * widest + 50)))
+  local columns = math.max(1, math.min(#panel.series, (panel.width - 85) // (9 * widest + 45)))
   add("set key maxcols " .. columns)
   return math.ceil(#panel.series / columns)
 end

@@ -221,6 +221,12 @@ do
   ok(kept:find("set title 'left: right'", 1, true), "both titles")
   dm.figure { { u, u }, { u, u }, file = "a.png" }
   ok(kept:find("set multiplot layout 1,2\n", 1, true), "no room for a title that is not there")
+  dm.figure { { { x = u, y = u }, { x = u, y = u } }, file = "a.png" }
+  ok(kept:find("set ytics ('1.0' 1", 1, true), "several series without a common name have numbers on their axis", kept)
+  dm.figure { { u, u, ylabel = "" }, file = "a.png" }
+  ok(kept:find("set ytics ('1.0' 1", 1, true), "nor has one without a name lost them", kept)
+  dm.figure { { u, u, ylabel = " " }, file = "a.png" }
+  ok(kept:find("unset ytics", 1, true), "an axis whose name is blank has none", kept)
   gnuplot.write = write
 end
 raises("at least one panel", dm.figure, {})
