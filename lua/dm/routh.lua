@@ -207,10 +207,11 @@ local function describe(info, out)
   out.name = (full.name and full.name .. ", " or "") .. "reduced, " .. table.concat(gone, ", ")
 end
 
-local function make(info)
+local function make(info, start)
   if not info.quadratic then
     info.autonomous = info.full:structure().autonomous
     info.root = require "dm.routh_quadratic".root(info)
+    if start then require "dm.routh_quadratic".branch(info, start) end
   end
   local out = { L = function(x, u, t, p) return model.routhian(parameters.at(info, p), x, u, t) end, params = parameters.of(info) }
   describe(info, out)
@@ -271,7 +272,7 @@ M.routh = blame.caller(function(system, options)
   info.mu = read_mu(info, options)
   examine(info, options.q and { q = options.q, v = options.v })
   info.quadratic = require "dm.routh_quadratic".is(info)
-  return make(info)
+  return make(info, options.q and options.v and not options.mu and options)
 end)
 
 M.at_momentum = blame.caller(function(shape, mu)

@@ -23,10 +23,10 @@ function M.is(info)
   return true
 end
 
--- velocities of the group to begin Newton's method with: at rest, and those of the points that were looked at
+-- velocities of the group to begin Newton's method with: one that is known (M.branch), at rest, and those of the points that were looked at
 local function starts(info)
-  local out = { {} }
-  for a = 1, info.m do out[1][a] = 0 end
+  local out = { info.rate or {} }
+  for a = 1, info.rate and 0 or info.m do out[1][a] = 0 end
   for k = 1, math.min(4, #info.points) do
     local _, rate = model.split(info, info.points[k].v)
     out[k + 1] = rate
@@ -43,6 +43,29 @@ function M.root(info)
       for a = 1, info.m do value = value - mu[a] * y[a] end
       return value
     end }
+end
+
+--- Is theta' at the momentum mu the one of this state, not another with the same momentum?
+function M.is_branch(info, q, v, t)
+  local x, u = model.split(info, q), nil
+  local rate
+  u, rate = model.split(info, v)
+  local fine, found = pcall(model.group_velocity, info, core.vector(x), core.vector(u), t or 0)
+  for a = 1, fine and info.m or 0 do
+    if math.abs(found[a] - rate[a]) > 1e-5 * math.max(math.abs(rate[a]), math.abs(found[a])) then return false, rate end
+  end
+  return true
+end
+
+--- The root on the branch of a start: where L is not convex in theta' several velocities have its momentum.
+function M.branch(info, start)
+  local fine, rate = M.is_branch(info, start.q, start.v)
+  if fine then return end
+  info.rate = rate
+  info.root = M.root(info)
+  if not M.is_branch(info, start.q, start.v) then
+    error("L is not convex in the velocity of the group: several have the momentum of this start, and the one of the start is not found again", 0)
+  end
 end
 
 return M

@@ -201,6 +201,10 @@ M.start = blame.caller(function(shape, q, v, t)
         .. "in place of mu, or take another velocity"):format(p[i], info.names[i], info.mu[a]), 0)
     end
   end
+  if info.root and not require "dm.routh_quadratic".is_branch(info, q, v, t) then
+    error("L is not convex in the velocity of the group: several have the momentum of this start, and this reduction has another one; reduce with q = and v = of the "
+      .. "start in place of mu", 0)
+  end
   local x, theta = model.split(info, q)
   local u = model.split(info, v)
   return core.vector(x), core.vector(u), core.vector(theta)

@@ -3,6 +3,7 @@
 #include "bind/array.h"
 #include "bind/ensemble.h"
 #include "bind/named.h"
+#include "bind/start_branch.h"
 #include "bind/start_ties.h"
 
 #include <math.h>
@@ -183,6 +184,10 @@ static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, l
     dml_rethrow(L, r->model);
     if (!inside || dm_legendre(&r->model->model, p, q, v, r->t0, r->work) != DM_OK)
         p[0] = NAN;
+    else if (!(r->model->model.structure & DM_QUADRATIC_IN_V)) {
+        dml_check_velocity(L, r, q, v, lua_pushfstring(L, "member %d: ", (int)i + 1));
+        lua_pop(L, 1);
+    }
     dml_rethrow(L, r->model);
     return inside;
 }

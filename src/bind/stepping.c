@@ -4,6 +4,7 @@
 #include "bind/model_sums.h"
 #include "bind/named.h"
 #include "bind/root.h"
+#include "bind/start_branch.h"
 #include "bind/start_ties.h"
 
 #include <math.h>
@@ -211,13 +212,13 @@ static void start_here(lua_State *L, dml_stepping *r) {
     if (has(L, "v") == has(L, "p"))
         luaL_error(L,
                    "give the start as q and v, as q and p, or as q0 and q1: one of 'v' "
-                   "(velocity) and 'p' "
-                   "(momentum) is needed, %d numbers",
+                   "(velocity) and 'p' (momentum) is needed, %d numbers",
                    (int)n);
     numbers(L, r, has(L, "v") ? "v" : "p", has(L, "v") ? v : p);
     if (has(L, "v")) {
         dml_checkmodel(L, r->system, r->model, r->x);
         check_legendre(L, r, dm_legendre(m, p, q, v, r->t0, r->work));
+        dml_check_velocity(L, r, r->state, r->x + n, "");
         dml_start_on_ties(L, r, "", 0);
         return;
     }
@@ -295,8 +296,7 @@ static dm_status shoot(dml_stepping *r, const double *q1) {
     return DM_NO_CONVERGENCE;
 }
 
-/* q0 and q1 of a Lagrangian; the velocity guess (q1 - q0) / h gives the first momentum
- * and M */
+/* q0 and q1 of a Lagrangian; the guess v = (q1 - q0)/h gives the first momentum and M */
 static void guess_momentum(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     const dm_kernel *mass = &r->model->model.mass;

@@ -95,7 +95,7 @@ static dm_status by_inverse(const dm_model *m, double *v, const double *p, doubl
     return DM_OK;
 }
 
-/* Other guesses where d2L/dv2 is singular at the first one, as that of v^4 is at v = 0: so far along p. */
+/* Other guesses where d2L/dv2 is singular at the first one, as that of v^4 is at v = 0, or it leads nowhere: so far along p. */
 static const double along[] = {1.0, 0.125, 8.0};
 
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
@@ -110,7 +110,9 @@ dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
     e.p = p;
     memcpy(root, v, n * sizeof *v);
     dm_status status = solve(m, &e, root, root + n);
-    for (size_t k = 0; status == DM_SINGULAR && k < sizeof along / sizeof *along; k++) {
+    for (size_t k = 0; (status == DM_SINGULAR || status == DM_NO_CONVERGENCE) &&
+                       k < sizeof along / sizeof *along;
+         k++) {
         for (uint32_t i = 0; i < n; i++) root[i] = along[k] * p[i];
         status = solve(m, &e, root, root + n);
     }

@@ -60,6 +60,22 @@ for _, rule in ipairs { "gauss(1)", "gauss(2)", "lobatto(3)", "rk4" } do
   near(dm.compare(path, back).worst, 0, rule == "rk4" and 1e-11 or 1e-13, rule .. ": a quartic energy, reduced and back = unreduced")
 end
 
+-- L that is not convex in v: a momentum belongs to several velocities. The reduction takes that of its start; a run, whose state is (q, p), is refused where it
+-- would begin with another one
+local crystal = dm.system { Q = dm.R(2), L = function(p, w) return w[2] ^ 2 / 2 + w[1] ^ 4 / 4 - w[1] ^ 2 / 2 - p[2] ^ 2 / 2 end }
+for _, rate in ipairs { 1.2, 0.8, -0.8, -0.2 } do
+  local kept = crystal:routh { cyclic = 1, q = { 0, 1 }, v = { rate, 0 } }
+  local x, u = kept:start({ 0, 1 }, { rate, 0 })
+  local path = kept:solver({ rule = "gauss(2)", h = 0.05 }):run({ q = x, v = u, t = 5 }):reconstruct()
+  near(path.q[101][1], 5 * rate, 1e-12, ("theta' = %g, which its momentum alone does not tell"):format(rate))
+end
+local other = crystal:routh { cyclic = 1, mu = 0.8 ^ 3 - 0.8 }
+raises("this reduction has another one", function() other:start({ 0, 1 }, { 0.8, 0 }) end)
+raises("no start: L is not convex in v", function() crystal:solver({ rule = "gauss(2)", h = 0.05 }):run { q = { 0, 1 }, v = { 0.8, 0 }, t = 5 } end)
+raises("member 2: no start: L is not convex in v", function()
+  crystal:solver({ rule = "gauss(2)", h = 0.05 }):ensemble { members = 2, q = function() return { 0, 1 } end, v = { { 0.1, 0 }, { 0.8, 0 } }, t = 5 }
+end)
+
 -- what cannot be reduced
 local free = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[2] ^ 2 end }
 local function shift(t, p) return { p[1] + t, p[2], p[3] } end
