@@ -12,7 +12,7 @@ local GOOD, BAD = 0.02, 0.2
 -- the same discrete Lagrangian with another step, as a solver
 local function with_step(Ld, h)
   if Ld.system then return Ld.system:solver { rule = Ld.rule, h = h } end
-  local copy = core.discrete_lagrangian { Q = Ld.Q, h = h, Ld = Ld.Ld, params = Ld.params }
+  local copy = core.discrete_lagrangian { Q = Ld.Q, h = h, Ld = Ld.Ld, params = Ld.params, constraint = Ld.constraint }
   return copy:solver {}, copy
 end
 
@@ -85,6 +85,9 @@ end
 local function order(Ld, options)
   options = starts.lists(options or {}, Ld)
   local q, v = anywhere(Ld.Q.dimension)
+  if not Ld.system and Ld.constraint and not options.q then
+    error("Ld:order: a start on the constraint is needed, Ld:order { q =, v = }", 2)
+  end
   local start = { q = options.q or q }
   start.p = options.p or momentum(Ld, start.q, options.v or v, Ld.h / 1024)
   local p = search(Ld, start)

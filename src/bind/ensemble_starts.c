@@ -146,6 +146,11 @@ static void start_on_ties(lua_State *L, const dml_part *these, dml_stepping *r, 
     memcpy(x, state, n * sizeof *x);
     memset(x + n, 0, n * sizeof *x);
     x[2 * n] = r->t0;
+    if (r->solver->pair) {
+        dml_check_on_ties(L, r, who);
+        lua_pop(L, 1);
+        return;
+    }
     if (dm_legendre_inverse(&r->model->model, x + n, x, state + n, r->t0, r->work) ==
         DM_OK) {
         memcpy(r->state, state, dm_state_size(n) * sizeof *state);

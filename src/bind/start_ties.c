@@ -103,10 +103,10 @@ static void check_position(lua_State *L, dml_stepping *r, const char *who) {
         who);
     check_rank(L, t, &d, who);
     if (!(d.move <= ON))
-        luaL_error(L,
-                   "%sno start: it is off the constraints: %s: |g(q)| = %f; project = "
-                   "true moves it to the nearest q on them",
-                   who, push_name(L, t, d.row), d.distance);
+        luaL_error(
+            L, "%sno start: it is off the constraints: %s: |g(q)| = %f%s", who,
+            push_name(L, t, d.row), d.distance,
+            r->solver->pair ? "" : "; project = true moves it to the nearest q on them");
 }
 
 static void check_velocity(lua_State *L, dml_stepping *r, const char *who, int loose) {

@@ -141,6 +141,14 @@ first:checkpoint(file)
 local second = dm.resume(file, ball):run { steps = 15 }
 os.remove(file)
 ok(second.q[16][1] == long.q[41][1] and second.p[16][3] == long.p[41][3], "goes on bit for bit from a checkpoint")
+local two = solver:ensemble { members = 2, q = function() return { 1, 0, 0 } end, p = function(i) return { 0, i, 0 } end, steps = 40 }
+ok(two.q[1][1] == long.q[41][1] and two.status[2] == "ok", "members of an ensemble")
+near(dm.discrete_lagrangian(dm.system { Q = dm.R(2), L = mass, constraint = bob }, { rule = "midpoint", h = 0.02 }):order { q = { 0, -1 }, v = { 1, 0 } }, 2, 0.01,
+  "the order of a discrete Lagrangian with a constraint")
+raises("start on the constraint", function() ball:order() end)
+raises("member 2: no start", function()
+  solver:ensemble { members = 2, q = function(i) return { i, 0, 0 } end, p = function() return { 0, 1, 0 } end, steps = 4 }
+end)
 raises("off the constraints", function() solver:run { q = { 1, 0.1, 0 }, p = { 0, 1, 0 }, steps = 1 } end)
 raises("q1: no start", function() solver:run { q0 = { 1, 0, 0 }, q1 = { 1, 0.1, 0 }, steps = 1 } end)
 raises("has no mass", function() solver:run { q = { 1, 0.1, 0 }, p = { 0, 1, 0 }, steps = 1, project = true } end)
