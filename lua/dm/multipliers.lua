@@ -260,6 +260,9 @@ function M.watched(system) return (traced(system, "lambda")) end
 
 M.along = blame.caller(function(path)
   if path.watched then error("path:multipliers needs q and p, but this run recorded only what it watched: watch \"lambda\"", 0) end
+  if getmetatable(path.system).__name ~= "dm.system" then
+    error("path:multipliers: a discrete Lagrangian has no equations at a state; the multipliers of its steps are record = { \"impulses\" }", 0)
+  end
   local f, made = traced(path.system, "path:multipliers")
   local lambda, v, out = core.trace(f, made.n, made.n, "number"), path:velocity(), {}
   for i = 1, #path do out[i] = lambda(path.q[i], v[i], path.t[i]) end

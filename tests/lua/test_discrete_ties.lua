@@ -156,6 +156,7 @@ raises("knows no time", function()
   dm.discrete_lagrangian { Q = dm.R(2), h = 0.1, Ld = function(q0, q1) return q0:dot(q1) end, constraint = function(q, t) return q[1] - t end }
 end)
 raises("impulses", function() solver:run { q = { 1, 0, 0 }, p = { 0, 1, 0 }, steps = 1, record = { "lambda" } } end)
+raises("multipliers of its steps", function() return long:multipliers() end)
 raises("at its nodes", function() dm.discrete_lagrangian(pendulum, { rule = "gauss(2)", h = 0.1 }) end)
 raises("at points inside", function() shape:discrete { rule = "gauss(2)", h = 0.1 } end)
 raises("has constraints", function() D:step(x, x) end)
