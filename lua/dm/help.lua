@@ -158,10 +158,13 @@ end
 local function as_written(name)
   local owner, method = name:match "^([%a_]+)[.:]([%w_]+)$"
   if not owner then return nil end
-  local start = owner .. ":" .. method
+  local start, second = owner .. ":" .. method, nil  -- second: behind an "or" of the signature
   for line, doc in pairs(search.docs()) do
     if line:sub(1, #start) == start and line:find("^[%({]", #start + 1) then return doc end
+    local other = line:find("   or   " .. start, 1, true)
+    if other and line:find("^[%({]", other + 8 + #start) and (not second or doc < second) then second = doc end
   end
+  return second
 end
 
 -- "routh", "plot": the functions and methods of that name: their docs, where they are few, else their signatures; or nothing

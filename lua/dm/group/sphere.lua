@@ -9,6 +9,7 @@ local LOOSE = 1e-6  -- how far a vector may lean out of the tangent space, of it
 
 -- w without its part along z, which must be small
 local function tangent(z, w)
+  if not kits.is_finite(w) then error("the tangent vector is not finite", 0) end
   local along, size = w:dot(z), w:norm()
   if type(along) == "number" and type(size) == "number" and not (math.abs(along) <= LOOSE * size) then
     error(("this is no tangent vector at the point: w . z = %.6g; w - z*(w . z) is one"):format(along), 0)
@@ -18,7 +19,8 @@ end
 
 -- z cos|w| + w sin|w|/|w|
 local function shoot(z, w)
-  local square = w:dot(w)
+  local square, size = w:dot(w), w:norm()
+  if type(size) == "number" then return size == 0 and z or z * math.cos(size) + w * (math.sin(size) / size) end
   return z * smooth.stumpff_circular(0, square) + w * smooth.stumpff_circular(1, square)
 end
 
