@@ -17,7 +17,7 @@ for _, rule in ipairs { "verlet", "midpoint" } do
     return spring:stability { rule = rule, k = { 1e2, 1e6, 200, "log" }, h = { 1e-4, 1, 200, "log" }, q = { math.sin(1), -math.cos(1) }, v = { 0, 0 }, steps = 2000 }
   end)
   print((tostring(map):match "^[^\n]*"))
-  if folder then map:plot { file = ("%s/stability-%s.png"):format(folder, rule), title = "pendulum on a stiff spring, " .. rule .. ", 2000 steps" } end
+  if folder then map:plot { file = ("%s/stability-%s.png"):format(folder, rule) } end
 end
 
 local kepler = dm.system { name = "Kepler", Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
