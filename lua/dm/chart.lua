@@ -40,7 +40,11 @@ local function check_options(options)
     fail("the first entry must be one dm.system (got %s): make a chart of each system", type(system))
   end
   if system.Ld then fail("a discrete Lagrangian has one step only: give a dm.system, or time runs of solvers by path.ns_per_step") end
-  if type(options.t) ~= "number" or not (options.t > 0) then fail("option 't' must be a duration > 0") end
+  if type(options.t) ~= "number" or not (options.t > 0 and options.t < math.huge) then fail("option 't' must be a duration > 0") end
+  for _, key in ipairs { "samples", "repeats" } do
+    local n = options[key]
+    if n ~= nil and not (math.type(n) == "integer" and n > 0) then fail("option '%s' must be a whole number > 0 (got %s)", key, tostring(n)) end
+  end
   if options.against ~= nil and options.against ~= "reference" then
     fail("option 'against' must be \"reference\", which is what errors are measured against (got %s); chart:plot{against =} chooses the axis",
       tostring(options.against))

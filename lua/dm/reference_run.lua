@@ -1,6 +1,7 @@
 --- A reference path that is itself checked: two unlike methods, refined until they agree.
 local blame = require "dm.blame"
 local core = require "dm.core"
+local worse = require "dm.chart.measures".worse
 
 local M = {}
 
@@ -24,7 +25,7 @@ local function apart(a, b)
   local worst, size = 0, 1
   for _, name in ipairs(a.columns) do
     local x, y = a:column(name), b:column(name)
-    for i = 1, #x do worst, size = max(worst, abs(x[i] - y[i])), max(size, abs(x[i])) end
+    for i = 1, #x do worst, size = worse(worst, abs(x[i] - y[i])), max(size, abs(x[i])) end
   end
   return worst / size, worst
 end
@@ -47,6 +48,7 @@ local function refine(chart, rule)
     if not fine and type(path) == "string" then return nil, path end
     if fine and last then
       local now = apart(path, last)
+      if now ~= now then return nil, "it has no value at some of the samples" end
       if change and (now < 1e-14 or (now < 1e-10 and now > NOT_SMALLER * change)) then
         return now < change and path or best, math.min(now, change)
       end
@@ -69,13 +71,14 @@ function M.find(chart)
     end
     return run(chart, given.rule, given.h), 0, ("reference: %s, h = %g, taken as given"):format(tostring(given.rule), given.h)
   end
-  local found = {}
+  local found, why = {}, nil
   for _, road in ipairs(ROADS) do
     local path, change = refine(chart, road[1])
+    why = why or not path and type(change) == "string" and change
     if path and #found < 2 then found[#found + 1] = { rule = road[1], path = path, change = change } end
     if #found == 2 then break end
   end
-  if #found == 0 then error("dm.chart: no rule could make a reference: does the run reach its end?", 0) end
+  if #found == 0 then error("dm.chart: no rule could make a reference: " .. (why or "does the run reach its end?"), 0) end
   if #found == 1 then
     return found[1].path, found[1].change, ("reference: %s, which changes by %.1e when its step is halved; no second method fits this system")
       :format(found[1].rule, found[1].change)

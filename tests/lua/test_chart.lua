@@ -58,6 +58,18 @@ raises("option 'rules'", dm.chart, { kepler, t = 1, h = { 0.1 } })
 raises("option 'h'", dm.chart, { kepler, t = 1, rules = { "verlet" }, h = { -1 } })
 raises("unknown option 'rule'", dm.chart, { kepler, t = 1, rule = "verlet" })
 raises("no point of rule", chart.order, chart, "gauss(9)")
+-- numbers that are none are no errors of 0
+local gone = dm.chart { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = { 0.1, 0.05 }, repeats = 1, rivals = false, error = { function(q) return dm.sqrt(q[1]) end } }
+ok(#gone.points == 0 and gone.failures[1].why:find "not finite", "what has no value on the way has no error", gone:table())
+raises("no value at some of the samples", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, error = function(q) return dm.sqrt(q[1]) end })
+raises("got nil: is a return missing", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, error = function() end })
+raises("'samples' must be a whole number > 0", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, samples = 0 })
+raises("'repeats' must be a whole number > 0", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, repeats = "x" })
+raises("no error above 0 with Newton iterations above 0", function() gone:plot { against = "newton" } end)
+raises("rule 'verlet' is given twice", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = { "verlet", "verlet" }, h = 0.1 })
+raises("'tolerances' must hold numbers", dm.chart, { spring, q = { 1 }, v = { 0 }, t = 5, rules = "midpoint", h = 0.1, tolerances = 2 })
+local pushed = dm.system { Q = dm.R(1), L = function(q, v, t) return (v[1] ^ 2 - q[1] ^ 2) / 2 + q[1] * cos(t) end }
+raises("the energy of this system changes by itself (L depends on t)", dm.chart, { pushed, q = { 1 }, v = { 0 }, t = 5, rules = "verlet", h = 0.1, error = "energy" })
 -- an order that is not to be measured is told with its reason
 do
   local function told(o, wanted, what)

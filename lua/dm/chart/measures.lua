@@ -3,16 +3,19 @@ local core = require "dm.core"
 
 local M = {}
 
-local abs, max = math.abs, math.max
+local abs = math.abs
 
 local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+
+-- the larger one, NaN where one is
+local function worse(worst, x) return (x ~= x or x > worst) and x or worst end
 
 -- largest entry of |q - q_ref| over all samples
 local function position_error(path, ref)
   local worst = 0
   for i = 1, #path do
     local q, r = path.q[i], ref.q[i]
-    for k = 1, #q do worst = max(worst, abs(q[k] - r[k])) end
+    for k = 1, #q do worst = worse(worst, abs(q[k] - r[k])) end
   end
   return worst
 end
@@ -20,7 +23,7 @@ end
 -- the largest change of one number along the path
 local function change(values)
   local worst = 0
-  for i = 1, #values do worst = max(worst, abs(values[i] - values[1])) end
+  for i = 1, #values do worst = worse(worst, abs(values[i] - values[1])) end
   return worst
 end
 
@@ -35,7 +38,7 @@ local function cyclic_momenta(system)
   if #cyclic == 0 then fail("error = \"momentum\": L depends on every coordinate; give the group whose momentum it is, error = dm.SO(2), or { f }") end
   return function(path)
     local worst = 0
-    for _, k in ipairs(cyclic) do worst = max(worst, change(path:column("p" .. k))) end
+    for _, k in ipairs(cyclic) do worst = worse(worst, change(path:column("p" .. k))) end
     return worst
   end
 end
@@ -47,7 +50,7 @@ local function group_momentum(group)
     for i = 1, #path do
       local now, first = J[i], J[1]
       if type(now) == "number" then now, first = { now }, { first } end
-      for k = 1, #now do worst = max(worst, abs(now[k] - first[k])) end
+      for k = 1, #now do worst = worse(worst, abs(now[k] - first[k])) end
     end
     return worst
   end
@@ -66,7 +69,14 @@ local function is_space(x) return type(x) == "userdata" and getmetatable(x) and 
 function M.make(system, what)
   what = what or "position"
   if what == "position" then return position_error, "position", true end
-  if what == "energy" then return function(path) return change(path:energy()) end, "energy", false end
+  if what == "energy" then
+    local s = system:structure()
+    if not s.autonomous or s.forced then
+      fail("error = \"energy\": the energy of this system changes by itself (%s); give a function of (q, v, t, p), compared with the reference",
+        s.forced and "forces" or "L depends on t")
+    end
+    return function(path) return change(path:energy()) end, "energy", false
+  end
   if what == "momentum" then return cyclic_momenta(system), "momentum", false end
   if what == "constraint" then return ties(system), "constraint", false end
   if is_space(what) then return group_momentum(what), "momentum of " .. tostring(what), false end
@@ -79,7 +89,7 @@ function M.make(system, what)
   end
   return function(path, ref)
     local worst, x, y = 0, path:column "watched", ref:column "watched"
-    for i = 1, #path do worst = max(worst, abs(x[i] - y[i])) end
+    for i = 1, #path do worst = worse(worst, abs(x[i] - y[i])) end
     return worst
   end, "what is watched", true, what
 end
@@ -88,9 +98,12 @@ end
 function M.entries(rules, tolerances, name)
   local explicit = {}
   for _, row in ipairs(core.rules()) do explicit[row.name] = row.explicit end
-  local out = {}
+  local out, seen = {}, {}
+  if type(tolerances) == "number" then tolerances = { tolerances } end
+  if tolerances and type(tolerances) ~= "table" then fail("option 'tolerances' must hold numbers between 0 and 1") end
   for _, rule in ipairs(rules) do
-    out[#out + 1] = { rule = rule, name = name(rule) }
+    if seen[name(rule)] then fail("rule '%s' is given twice", name(rule)) end
+    seen[name(rule)], out[#out + 1] = true, { rule = rule, name = name(rule) }
     for _, tolerance in ipairs(not explicit[name(rule):match "^[%w_-]+"] and tolerances or {}) do
       if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then fail("option 'tolerances' must hold numbers between 0 and 1") end
       out[#out + 1] = { rule = rule, name = ("%s, Newton to %.0e"):format(name(rule), tolerance), newton = { tolerance = tolerance } }
@@ -109,5 +122,7 @@ function M.rival(system, rules, name)
   if system:structure().linear_in_v then return nil end
   return { rule = "rk8", name = "rk8" }
 end
+
+M.worse = worse
 
 return M

@@ -43,7 +43,7 @@ local draw = blame.caller(function(self, options)
     end
     if #x > 0 then series[#series + 1] = { x = x, y = y, name = self.rival.name .. ", preserves nothing", style = "linespoints", colour = "#888888" } end
   end
-  if #series == 0 then fail("there is no point to draw") end
+  if #series == 0 then fail("there is no point to draw: no error above 0 with %s above 0", axis[1]) end
   given.log, given.xlabel, given.xunit = "xy", given.xlabel or axis[1], given.xunit or axis[2]
   local units = self.system.units or {}
   given.ylabel, given.yunit = given.ylabel or "error of " .. self.what, given.yunit or units[UNIT[self.what]]
