@@ -281,10 +281,11 @@ list of growing numbers (three numbers without the word are one, too) or one num
 function(k) return dm.system{...} end), or of functions q, v, p that give the start, or is among the params of a system. Every cell is run
 in C, on all cores, over the same number of steps or the same duration t, and told apart by its rows: bounded, drifting (a slope of the energy
 above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy), chaotic (MEGNO above 4, by the exact tangent map;
-chaos = false leaves that out, as is the default for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost, no start (L has no value there).
+chaos = false leaves that out, as is the default for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost,
+no start (map:at says why), no value (of watch).
 watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost are refined to resolution = 1e-3 (refine
 = false: not). map:limit(row), :theory(row), :at(row, column), :table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows, map.notes
-what to know of the start and the axes (an equilibrium does not move, whatever the step).
+what to know of the start and the axes (an equilibrium does not move, whatever the step; a parameter that changes no cell).
 Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends it with dm.failure, whose field `map` is what is there.]]
 
 local RESERVED = { class = true, why = true, rule = true }
