@@ -181,12 +181,12 @@ end
 local function tie(info, out)
   if info.g then
     check.constraint(info, info.g)
-    out.constraint = function(x, t, p) return parameters.at(info, p).g(model.embed(info, x), t) end
+    out.constraint = function(x, t, p) return parameters.at(info, p, x).g(model.embed(info, x), t) end
   end
   if info.F then
     check.force(info, info.F)
     out.force = function(x, u, t, p)
-      local now = parameters.at(info, p)
+      local now = parameters.at(info, p, x)
       local theta = model.group_velocity(now, x, u, t)
       return (model.split(now, now.F(model.embed(now, x), model.embed(now, u, theta), t)))
     end
@@ -213,7 +213,7 @@ local function make(info, start)
     info.root = require "dm.routh_quadratic".root(info)
     if start then require "dm.routh_quadratic".branch(info, start) end
   end
-  local out = { L = function(x, u, t, p) return model.routhian(parameters.at(info, p), x, u, t) end, params = parameters.of(info) }
+  local out = { L = function(x, u, t, p) return model.routhian(parameters.at(info, p, x), x, u, t) end, params = parameters.of(info) }
   describe(info, out)
   tie(info, out)
   local shape = core.system(out)
@@ -280,7 +280,7 @@ M.at_momentum = blame.caller(function(shape, mu)
   if mu == nil then error(("at_momentum takes a momentum, a number or a list of %d"):format(info.m), 0) end
   local other = {}
   for key, value in pairs(info) do other[key] = value end
-  other.shown, other.variants = {}, nil
+  other.shown, other.variants, other.general = {}, nil, nil
   other.mu = read_mu(other, { mu = mu })
   return make(other)
 end)
