@@ -145,6 +145,6 @@ end
 core.method("dm.solver", "run", blame.relay(guarded, "run"), core.docs[run] .. [[
 
 A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes; also raised where a step jumped through such a shape), "pole" or
-"edge" of the coordinates.]])
+"edge" of the coordinates. Members of ensembles are not looked through for jumps: watch = { "energy" } shows them.]])
 
 return {}
