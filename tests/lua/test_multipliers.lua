@@ -169,6 +169,18 @@ for _, rule in ipairs { "midpoint", "trapezoidal" } do
   local half = p.p[1] - Ld:legendre_minus(p.q[1], p.q[2]) + p.impulses[1][1] * p.q[1] / l
   ok(half:norm() < 2e-13, "that of the start is what its step needs alone", half:norm())
 end
+-- rolling too: reactions along E = dphi/dv at the node (Cuell-Patrick)
+do
+  local Ld = dm.discrete_lagrangian(dm.system { Q = dm.R(4), L = disc.L }, { rule = "midpoint", h = 0.05 })
+  local p = disc:solver({ rule = "midpoint", h = 0.05 }):run { q = { 0, 0, 0.3, 0 }, v = { cos(0.3), sin(0.3), 0.7, 2 }, steps = 20, record = { "impulses" } }
+  local worst = 0
+  for i = 2, #p - 1 do
+    local phi, I = p.q[i][3], p.impulses[i]
+    local push = dm.vector { I[1], I[2], 0, -0.5 * (cos(phi) * I[1] + sin(phi) * I[2]) }
+    worst = max(worst, (Ld:legendre_plus(p.q[i - 1], p.q[i]) - Ld:legendre_minus(p.q[i], p.q[i + 1]) + push):norm())
+  end
+  ok(worst < 2e-13, "impulses of a rolling disc are those of the discrete equations", worst)
+end
 -- over the time that a node stands for they are forces: order 2 for nodes at the ends, for all rules of one stage; weights of the ends of s tie intervals
 for rule, weight in pairs { rattle = 1, shake = 1, midpoint = 1, trapezoidal = 1, ["gauss(2)"] = 1 / 3, ["lobatto(3)"] = 1 / 3, ["gauss(3)"] = 1 / 6 } do
   local errors = {}
