@@ -185,7 +185,7 @@ end
 actions.method("invariant", function(action, f)
   local class = kits.class_of(f)
   if class == "dm.system" then return of_system(action, f) end
-  if class == "dm.discrete_lagrangian" then return of_discrete(action, f) end
+  if class == "dm.discrete_lagrangian" then return of_discrete(action.points and action.base or action, f) end
   if class ~= "function" and class ~= "dm.function" then
     error(("action:invariant takes a function of z, a dm.system or a dm.discrete_lagrangian (got %s)"):format(class), 0)
   end

@@ -173,13 +173,38 @@ local function solved(self, start)
   }
 end
 
+local ON_SECTION = 1e-8
+local SAMPLES = 12
+
+-- a formula that is on the section nowhere is wrong; where it has no finite value nothing is known
+local function check_solution(self)
+  local where, got, inverse
+  for seed = 1, SAMPLES do
+    local list = linear.sample(self, seed)
+    local fine, size, back = pcall(function()
+      local g = groups.element(self.group, self.solution(table.unpack(list)))
+      local function off(h)
+        local worst = 0
+        for _, z in ipairs(section(self, moved(self, h, list))) do worst = math.max(worst, math.abs(z)) end
+        return worst
+      end
+      return off(g), off(self.group:inverse(g))
+    end)
+    if fine and size <= ON_SECTION then return end
+    if fine and size < math.huge and not where then where, got, inverse = list, size, back <= ON_SECTION end
+  end
+  if not where then return end
+  error(("dm.moving_frame: the solution is not on the cross-section at any of %d random points: at %s it leaves %.3g of its equations%s")
+    :format(SAMPLES, text.points(where), got, inverse and "; its inverse is: solution gives the element that moves the points to the section" or ""), 0)
+end
+
 local doc_new = [[
 dm.moving_frame{action=, points=, cross_section=, branch=, solution=, start=, name=} -> rho
 The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`points`, default 1; or action:on_points(k),
 action:on_pairs(), a tangent or jet action with one): the group element g with cross_section(g z1, ..., g zk) = 0, which
 gives as many numbers as the group has dimensions. branch(z1, ..., zk) gives a number (or several) that must be > 0 on the section, where the
 equations have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for (dm.root) from `start`: flat coordinates, or a function of the points
-that gives an element (default: from the identity, turns about every axis and a few elements spread over the group). A solution is trusted inside of runs; a root looks at branch and transversality every time. invariants: names for entries, {name = {point, entry}}, which dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
+that gives an element (default: from the identity, turns about every axis and a few elements spread over the group). A solution is tried at random points, and trusted inside of runs; a root looks at branch and transversality every time. invariants: names for entries, {name = {point, entry}}, which dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
 exists. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent, correction, derivative_correction,
 syzygies, check.]]
 
@@ -191,7 +216,7 @@ M.moving_frame = blame.caller(function(o)
     name = o.name, invariants_named = o.invariants }, class)
   check_section(self)
   linear.check_orbits(self)
-  if not self.solution then self.root = solved(self, o.start) end
+  if self.solution then check_solution(self) else self.root = solved(self, o.start) end
   return self
 end)
 
@@ -202,8 +227,6 @@ local function no_frame(self, list, why)
   local fine, _, condition = pcall(linear.transversality, self, list)
   error(text.no_frame(self, list, fine and condition or math.huge, why), 0)
 end
-
-local ON_SECTION = 1e-8
 
 -- is g really the frame of the points? Numbers only
 local function verify(self, g, list)

@@ -21,22 +21,27 @@ local function names_of(note)
   return sorted(names)
 end
 
--- the first class by name that has this method
-local function owner(name)
-  local complete, found = require "dm.complete", nil
+-- the classes that have this method, by name, joined; nil for none
+local function owners(name)
+  local complete, found = require "dm.complete", {}
   getmetatable(require "dm").load_all()  -- some classes come with a module
   for class in next, core.docs do
-    local has = type(class) == "string" and (complete.methods_of(class) or {})[name]
-    if has and (not found or class < found) then found = class end
+    if type(class) == "string" and (complete.methods_of(class) or {})[name] then found[#found + 1] = class end
   end
-  return found
+  return #found > 0 and table.concat(sorted(found), ", ") or nil
+end
+
+-- a system takes no step itself
+local function of_solver(note)
+  return note.of == "dm.system" and (require "dm.complete".methods_of "dm.solver" or {})[note.key]
 end
 
 local function what_there_is(note)
   local names = names_of(note)
   local near = core.nearest(note.key, names)
   if near then return ("; did you mean '%s'?"):format(near) end
-  local other = owner(note.key)
+  if of_solver(note) then return ("; a solver of it has: system:solver { rule =, h = }:%s"):format(note.key) end
+  local other = owners(note.key)
   if other then return ("; it is a method of %s"):format(other) end
   if #names == 0 then return "" end
   local entries = note.of == "dm.vector" and "; its entries are [1], [2], ...; beside them" or ":"

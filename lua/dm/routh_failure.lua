@@ -175,8 +175,11 @@ end
 
 local function raise(path, row, code, why)
   local step = math.floor((path.t[row] - path.t[1]) / path.h + 0.5)
+  local first = math.floor((path.t[row - 1] - path.t[1]) / path.h + 0.5) + 1
+  local which = step > first and ("one of the steps %d to %d (from t = %.6g on)"):format(first, step, path.t[row - 1])
+    or ("step %d (t = %.6g)"):format(step, path.t[row - 1])
   local failure = { code = code, reason = code, step = step, time = path.t[row - 1], rule = path.rule, path = head(path, row - 1),
-    message = ("%s: step %d (t = %.6g) %s; the path up to there is in failure.path"):format(path.rule, step, path.t[row - 1], why) }
+    message = ("%s: %s %s; the path up to there is in failure.path"):format(path.rule, which, why) }
   error(setmetatable(failure, debug.getregistry()["dm.failure"]), 0)
 end
 

@@ -92,6 +92,9 @@ int dml_equal(lua_State *L);
 /* Shape, for messages: "2 x 3". Pushes it. */
 const char *dml_shape(lua_State *L, const dml_array *a);
 
+/* The class of a value of dm, else its type in Lua, for messages. */
+const char *dml_kindname(lua_State *L, int arg);
+
 /* Text of a scalar; a symbol shows its expression, cut off when long. */
 enum { DML_TEXT = 132 };
 void dml_scalartext(lua_State *L, char out[DML_TEXT], const dml_scalar *x);

@@ -50,7 +50,9 @@ int dml_ensemble_path(lua_State *L) {
     const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
     const lua_Integer i = luaL_checkinteger(L, 2) - 1;
     lua_settop(L, 2);
-    luaL_argcheck(L, i >= 0 && i < e->members, 2, "not the number of a member");
+    if (i < 0 || i >= e->members)
+        luaL_error(L, "ensemble:path: there are members 1 to %I (got %I)",
+                   (LUAI_UACINT)e->members, (LUAI_UACINT)(i + 1));
     if (!e->rows.room)
         luaL_error(L, "this ensemble kept only the ends: ask for rows with every = or "
                       "watch = { ... }");

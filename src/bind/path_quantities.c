@@ -1,6 +1,7 @@
 /* path_quantities.c - energy, velocity, momentum maps and drifts along a recorded path.
  */
 #include "base/largest.h"
+#include "bind/array.h"
 #include "bind/checkpoint.h"
 #include "bind/model_sums.h"
 #include "bind/path.h"
@@ -107,9 +108,14 @@ static double worst_of_rows(lua_State *L, const dml_path *p, int rolling) {
 }
 
 static int path_worst(lua_State *L) {
-    static const char *const names[] = {"constraint", "rolling", NULL};
     const dml_path *p = dml_path_states(L, "the worst defect");
-    const int rolling = luaL_checkoption(L, 2, NULL, names);
+    const char *of = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "";
+    const int rolling = !strcmp(of, "rolling");
+    if (!rolling && strcmp(of, "constraint") != 0)
+        luaL_error(L,
+                   "path:worst takes \"constraint\" or \"rolling\" (got %s); path:drift "
+                   "has the error of the energy or of a column",
+                   *of ? of : luaL_typename(L, 2));
     lua_getiuservalue(L, 1, DML_PATH_MODEL);
     const dml_model *m = lua_touserdata(L, -1);
     if (!m->model.ties || !(rolling ? m->ties.rolling : m->ties.holonomic))
@@ -126,7 +132,9 @@ static int path_worst(lua_State *L) {
 /* of the row whose number is at stack index 2 */
 static int velocity_of_row(lua_State *L, const dml_path *p, dml_model *m) {
     const lua_Integer i = luaL_checkinteger(L, 2);
-    luaL_argcheck(L, i >= 1 && i <= p->rows, 2, "the number of a row expected");
+    if (i < 1 || i > p->rows)
+        luaL_error(L, "path:velocity: there are rows 1 to %d (got %I)", (int)p->rows,
+                   (LUAI_UACINT)i);
     double *x = scratch(L, p, m), *v = dml_pushvector(L, p->n);
     check_row(L, m, read_row(p, m, (long)i - 1, x, x + 2 * p->n + 1), (long)i - 1);
     memcpy(v, x + p->n, p->n * sizeof *v);
@@ -235,7 +243,7 @@ static const double *quantity(lua_State *L, const dml_path *p) {
         luaL_error(L,
                    "a column name or a vector of %d numbers (one a row) is needed, for "
                    "instance M:column(1) of a matrix (got %s)",
-                   (int)p->rows, luaL_typename(L, 2));
+                   (int)p->rows, dml_kindname(L, 2));
     dml_vectorarg(L, 2, "quantity", y, (uint32_t)p->rows);
     return y;
 }

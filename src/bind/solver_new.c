@@ -168,7 +168,11 @@ int dml_solver_of(lua_State *L) {
     lua_settop(L, 2);
     dml_checksystem(L, 1);
     if (lua_isnil(L, 2)) lua_newtable(L), lua_replace(L, 2);
-    luaL_checktype(L, 2, LUA_TTABLE);
+    if (!lua_istable(L, 2))
+        luaL_error(L,
+                   "a solver takes a table of options: system:solver { rule = "
+                   "\"verlet\", h = 0.01 } (got %s)",
+                   luaL_typename(L, 2));
     lua_insert(L, 1);
     return new_solver(L);
 }

@@ -187,8 +187,7 @@ long dml_length(lua_State *L, int arg) {
     return dml_toscalar(L, arg, &x) ? 1 : -1;
 }
 
-/* the class of a value of dm, else its type in Lua */
-static const char *kind_of(lua_State *L, int arg) {
+const char *dml_kindname(lua_State *L, int arg) {
     if (luaL_getmetafield(L, arg, "__name") == LUA_TNIL) return luaL_typename(L, arg);
     const char *name = lua_tostring(L, -1); /* lives on in the metatable */
     lua_pop(L, 1);
@@ -205,7 +204,7 @@ static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x,
     luaL_checkstack(L, 4, NULL);
     lua_geti(L, arg, (lua_Integer)i + 1);
     const int there = dml_toscalar(L, -1, x);
-    *type = kind_of(L, -1);
+    *type = dml_kindname(L, -1);
     lua_pop(L, 1);
     return there;
 }
@@ -220,7 +219,7 @@ dml_scalar dml_entry(lua_State *L, int arg, uint32_t i) {
 
 /* what stands at arg instead of a vector */
 static const char *found(lua_State *L, int arg) {
-    return lua_type(L, arg) == LUA_TNUMBER ? "a number" : kind_of(L, arg);
+    return lua_type(L, arg) == LUA_TNUMBER ? "a number" : dml_kindname(L, arg);
 }
 
 /* entries i .. i + CHUNK - 1 of a plain table, if all are finite numbers: the stack is cleared once for all */

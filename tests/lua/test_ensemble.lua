@@ -225,7 +225,7 @@ for _, rule in ipairs { "verlet", "gauss(2)" } do
   ok(e:path(5):column "q1" == failure.path:column "q1" and #e:path(4) == 46, rule .. ": a member that fails keeps its rows")
 end
 raises("kept only the ends", function() solver:ensemble({ members = 2, q = q0, v = v0, steps = 3 }):path(1) end)
-raises("not the number of a member", function() solver:ensemble({ members = 2, q = q0, v = v0, steps = 3, every = 1 }):path(3) end)
+raises("ensemble:path: there are members 1 to 2 (got 3)", function() solver:ensemble({ members = 2, q = q0, v = v0, steps = 3, every = 1 }):path(3) end)
 raises("larger 'every'", function() solver:ensemble { members = 1e6, q = q0, v = v0, steps = 1e6, every = 1 } end)
 -- plain sums, by name: the same bits alone, side by side, on the tape and from a checkpoint; other rules refuse them
 local drawn = dm.system { Q = dm.R(2), L = function(q, v, t) return v:dot(v) / 2 + 1 / q:norm() + 0.1 * q[1] * math.cos(t) + q[2] / 8 end }

@@ -167,4 +167,21 @@ raises("has no curvature", function() polar:routh { mu = 1 }:slice("curvature", 
 local lost = kepler:solver({ rule = "verlet", h = 0.1 }):ensemble { members = 2, q = { { 1, 0 }, { 1e-160, 0 } }, v = { { 0, 1 }, { 0, 0 } }, steps = 2 }
 ok(lost:failures()[1].message == "a value became NaN or infinite", "a failed member says why", lost:failures()[1].message)
 
+-- what there is, in place of Lua's own words
+raises("ensemble:path: there are members 1 to 2 (got 3)", function()
+  solver:ensemble({ members = 2, q = function() return { 1, 0 } end, v = function() return { 0, 1 } end, steps = 1, every = 1 }):path(3)
+end)
+raises('path:worst takes "constraint" or "rolling" (got energy)', path.worst, path, "energy")
+raises("path:velocity: there are rows 1 to 3 (got 4)", path.velocity, path, 4)
+raises("(got dm.matrix)", path.drift, path, dm.matrix { { 1, 2 }, { 3, 4 } })
+raises('system:solver { rule = "verlet", h = 0.01 } (got string)', kepler.solver, kepler, "verlet", 0.1)
+local turn = dm.action { group = dm.SO(2), on = dm.R(2) }
+local pair = dm.discrete_lagrangian { Q = dm.R(4), h = 0.1, Ld = function(a, b, h) return (b - a):dot(b - a) / (2 * h) end }
+ok(turn:on_pairs():invariant(pair), "a joint action moves a discrete Lagrangian of two bodies")
+local function angle(z) return math.atan(z[2], z[1]) end
+local function frame(solution) return dm.moving_frame { action = turn, cross_section = function(z) return z[2] end, solution = solution } end
+raises("the solution is not on the cross-section at any of 12 random points", frame, function() return 0.3 end)
+raises("its inverse is: solution gives the element that moves the points to the section", frame, angle)
+ok(frame(function(z) return -angle(z) end), "a formula that is right is taken")
+
 tap.done()
