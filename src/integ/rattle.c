@@ -82,7 +82,8 @@ static dm_status open(dm_stepper *s) {
     l->now = l->memory + MU + l->at.m;
     l->next = l->now + l->at.size;
     l->iterate = l->next + l->at.size;
-    memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
+    memset(l->memory, 0,
+           (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
     const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
     const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
     if (status != DM_OK) return status;

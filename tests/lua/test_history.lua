@@ -57,4 +57,15 @@ for name, case in pairs { pendulum = { pendulum, { 0, 2, 0.5 }, { 0.8, 0, 0.1 } 
   end
 end
 
+-- a single step from two positions, by a rule that begins with what its last step left
+local ball = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return q:dot(q) - 1 end }
+local function two_steps(before)
+  local solver = ball:solver { rule = "rattle", h = 0.1 }
+  if before then solver:run { q = { sin(1), -cos(1) }, v = { 0, 0 }, steps = before } end
+  local q2 = solver:step({ sin(0.5), -cos(0.5) }, { sin(0.55), -cos(0.55) })
+  return ("%a %a"):format(q2[1], q2[2])
+end
+local first = two_steps()
+ok(two_steps(1) == first and two_steps(50) == first, "a step from two positions, whatever ran before")
+
 tap.done()
