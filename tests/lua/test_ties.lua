@@ -131,5 +131,5 @@ raises("force is not what its trace says", function() blind:solver({ rule = "rat
 local undefined = system { force = function(x) return { math.log(x[1]), 0, 0 } end }
 raises("force is", function() undefined:solver({ rule = "rattle", h = 0.1 }):run { q = { -1, 0, 0 }, v = { 0, 0, 0 }, steps = 1 } end)
 raises("no rolling constraint", straight.worst, straight, "rolling")
-raises("invalid option", straight.worst, straight, "energy")
+raises("path:worst takes \"constraint\" or \"rolling\"", straight.worst, straight, "energy")
 tap.done()
