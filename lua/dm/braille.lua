@@ -192,7 +192,7 @@ function M.lines(panel, room)
   local w, h = fit(panel, max(8, room.width - 12), max(3, room.height - 5))
   make_axes(panel, w, h)
   local canvas = new_canvas(w, h)
-  canvas.letters = not room.colour and #panel.series > 1
+  canvas.letters = not room.colour and #panel.series > 1 and panel.legend ~= false
   fill(canvas, panel)
   local texts, margin = left_texts(panel, h)
   local indent = (" "):rep(margin + 1)

@@ -41,6 +41,8 @@ local function what_there_is(note)
   local near = core.nearest(note.key, names)
   if near then return ("; did you mean '%s'?"):format(near) end
   if of_solver(note) then return ("; a solver of it has: system:solver { rule =, h = }:%s"):format(note.key) end
+  local here = note.of ~= "dm" and rawget(require "dm", note.key)
+  if type(here) == "function" and not math[note.key] then return ("; it is dm.%s, a function"):format(note.key) end
   local other = owners(note.key)
   if other then return ("; it is a method of %s"):format(other) end
   if #names == 0 then return "" end

@@ -132,6 +132,7 @@ ok(widest <= 60 and #lines <= 20, "the plot keeps to the size asked for", widest
 ok(not text:find "\27", "no colour when the output is not a terminal")
 text = shown({ 1, 2, 3 }, { { 1, 2, 3 }, { 3, 2, 1 } }, { names = { "up", "down" } })
 ok(text:find "a up" and text:find "b down", "without colour the legend has letters")
+ok(not shown({ 1, 2, 3 }, { { 1, 2, 3 }, { 3, 2, 1 } }, { xlabel = "", ylabel = "", legend = false }):find "%a", "and without a legend there are none")
 local panel = { series = { { x = { 1, 2 }, y = { 1, 2 }, name = "one", style = "lines" }, { x = { 1, 2 }, y = { 2, 1 },
   name = "two", style = "lines" } },
   notes = {}, xrange = { 1, 2 }, yrange = { 1, 2 }, xlabel = "x", legend = true }

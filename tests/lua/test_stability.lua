@@ -269,6 +269,8 @@ end
 local still, moving = notes { h = { 0.1, 0.5 }, q = { 0 }, v = { 0 } }, notes { h = { 1e-4, 0.1 }, q = { 1e-3 }, v = { 0 } }
 tap.ok(tostring(still):find("note: the start is an equilibrium", 1, true), "a start at an equilibrium is told", tostring(still))
 tap.ok(#moving.notes == 0 and #notes { h = { 0.1, 0.2, 0.3 }, q = { 0 }, v = { 1 } }.notes == 0, "nothing is told of others")
+tap.ok(#notes { h = { 0.5, 1, 5 }, q = { 1 }, v = { 0 } }.notes == 1 and #notes { h = { 1, 2, 5 }, q = { 1 }, v = { 0 } }.notes == 0,
+  "a count as third number is told where the first is none")
 tap.ok(tostring(notes { h = { 0.1, 1, 30 }, q = { 1 }, v = { 0 } }):find("h = {0.1, 1, 30} is a list of three numbers; the range is written {0.1, 1, 30, \"log\"}", 1, true),
   "what looks like a range but is a list is told")
 

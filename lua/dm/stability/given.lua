@@ -141,7 +141,8 @@ function M.notes(map, cell)
   end
   for _, name in ipairs { "h", table.unpack(map.names) } do
     h = map.options[name]
-    if type(h) == "table" and #h == 3 and math.type(h[3]) == "integer" and h[3] >= 5 and h[3] > 5 * h[2] then
+    local far = type(h) == "table" and #h == 3 and (h[1] % 1 ~= 0 and 2 or 5)  -- 0.5, 4, 12 is more of a count than 1, 4, 12
+    if far and math.type(h[3]) == "integer" and h[3] >= 5 and h[3] > far * h[2] then
       notes[#notes + 1] = ("%s = {%g, %g, %d} is a list of three numbers; the range is written {%g, %g, %d, \"log\"} or \"linear\""):format(
         name, h[1], h[2], h[3], h[1], h[2], h[3])
     end
