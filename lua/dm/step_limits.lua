@@ -120,14 +120,28 @@ local function condition(system, q, v, t)
   return least > 0 and most / least or huge
 end
 
--- the coordinate whose inertia is the least of what it was at the start
+local function name_of(system, i) return system.coordinates and system.coordinates[i] or "q" .. i end
+
+local KEPT, SAME = 0.1, 0.99  -- as much of its inertia left: it is no coordinate of its own; so near to 1: two move the same
+
+-- which coordinate, or which two, make the mass singular: the one whose inertia is the least of what it was at the start, or those that
+-- move the same there, as two angles of Euler do
 local function weakest(system, q, v, t, start)
   local mass, best, ratio = system:mass(q, v, t), 1, huge
   for i = 1, #q do
     local r = abs(mass[i][i] / start[i][i])
     if r < ratio then best, ratio = i, r end
   end
-  return system.coordinates and system.coordinates[best] or "q" .. best, ratio
+  if ratio < KEPT then return ("'%s' has %.1g of the inertia that it had at the start"):format(name_of(system, best), ratio) end
+  local most, one, other = 0, nil, nil
+  for i = 1, #q do
+    for j = 1, i - 1 do
+      local together = abs(mass[i][j]) / (abs(mass[i][i] * mass[j][j])) ^ 0.5
+      if together > most then most, one, other = together, j, i end
+    end
+  end
+  if most > SAME then return ("'%s' and '%s' move the same there"):format(name_of(system, one), name_of(system, other)) end
+  return "a combination of them loses its inertia"
 end
 
 local MOST_ROWS, BAD = 4000, 1e4
@@ -164,9 +178,9 @@ M.singularities = blame.caller(function(solver, options)
   if out.worst < BAD then
     out.why = ("the coordinates stay regular: the condition of d2L/dv2 is at most %.3g (t = %.5g)"):format(out.worst, out.t)
   elseif out.v then
-    local name, ratio = weakest(system, out.q, out.v, out.t, start)
-    out.why = ("the coordinates come near a singular place at t = %.6g: '%s' has %.1g of the inertia that it had at the start, condition %.2g; use other "
-      .. "coordinates there (a constraint in R^n has no such places)"):format(out.t, name, ratio, out.worst)
+    local which = weakest(system, out.q, out.v, out.t, start)
+    out.why = ("the coordinates come near a singular place at t = %.6g: %s, condition %.2g; use other "
+      .. "coordinates there (a constraint in R^n has no such places)"):format(out.t, which, out.worst)
   else
     out.why = ("d2L/dv2 is singular at t = %.6g: no velocity belongs to the momentum there"):format(out.t)
   end

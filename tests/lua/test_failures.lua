@@ -123,6 +123,13 @@ local pole = angles:solver({ rule = "gauss(2)", h = 0.01 }):singularities { q = 
 ok(pole.why:find "'phi'", "spherical angles at the pole", pole.why)
 ok(pole.worst > 5e3 and pole.worst < 5e4, "pass so near that the mass matrix has condition 10^4", pole.worst)
 local rod = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - 9.81 * q[3] end, constraint = function(q) return { q:dot(q) - 1 } end }
+-- Euler's angles of a free body near theta = 0, where phi and psi are one turn
+local euler = dm.system { Q = dm.R(3), coordinates = { "phi", "theta", "psi" }, L = function(q, v)
+  local th = q[2]
+  return (v[2] ^ 2 + v[1] ^ 2 * math.sin(th) ^ 2 + (v[3] + v[1] * math.cos(th)) ^ 2) / 2
+end }
+local gimbal = euler:solver({ rule = "gauss(2)", h = 0.001 }):singularities { q = { 0, 1, 0 }, v = { 0, -1, 0 }, t = 0.999 }
+ok(gimbal.worst > 1e4 and gimbal.why:find("'phi' and 'psi' move the same there", 1, true), "two angles that become one are named", gimbal.why)
 local regular = rod:solver({ rule = "gauss(2)", h = 0.01 }):singularities { q = { sin(1), 0, -cos(1) }, v = { 0, 1e-4, 0 }, t = 5 }
 ok(#regular.places == 0, "the same pendulum in R^3 passes", regular.why)
 -- reduced: the hidden angle turns v^2/mu rad per unit of time at the bottom, and a step must follow it
