@@ -269,20 +269,9 @@ static dm_status prepare(dm_stage *g) {
     return DM_OK;
 }
 
-static dm_status from_state(dm_stage *g, dm_stepper *stepper) {
+static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
     if (!g->weighed) dm_stage_weights_complete(g);
     return g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
-}
-
-/* from where the steps before lead, where that is known, and else from the state */
-static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
-    dm_status status = DM_NO_CONVERGENCE;
-    if (g->pushes.memory && g->ratio == 0.0 && dm_stage_push_guess(g)) {
-        g->ratio = 1.0;
-        status = from_state(g, stepper);
-        g->ratio = 0.0;
-    }
-    return status == DM_OK ? DM_OK : from_state(g, stepper);
 }
 
 /* Where Newton's method fails from its guess: h/16, h/8, ... h from the same state, each from the root before. What fails then has
@@ -313,8 +302,9 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     if (status == DM_OK) return DM_OK;
     status = g->prepared ? DM_OK : prepare(g);
     if (status != DM_OK) return status;
-    status = by_newton(g, stepper);
-    if (status == DM_NO_CONVERGENCE || status == DM_SINGULAR) {
+    if (g->pushes.memory) status = by_continuation(g, stepper);
+    if (!g->pushes.memory || status != DM_OK) status = by_newton(g, stepper);
+    if (!g->pushes.memory && (status == DM_NO_CONVERGENCE || status == DM_SINGULAR)) {
         const dm_status again = by_continuation(g, stepper);
         if (again == DM_OK) status = DM_OK;
     }

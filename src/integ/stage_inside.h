@@ -46,8 +46,7 @@ typedef struct {
 /* The step of one stage by push.h, see stage_push.c. */
 typedef struct {
     dm_kernel kernel;
-    double *
-        memory; /* what a step leaves to the next one; NULL: steps are made another way */
+    double *memory;   /* what a step leaves to the next one; NULL: made another way */
     double *in, *out; /* of the kernel */
     int known;        /* the step in hand goes on from the memory */
     double over;      /* 1 / (h^2 A) */
@@ -158,7 +157,6 @@ void dm_stage_push_clear(dm_stage *g, double h);
 
 /* One step of g->state in place; DM_NO_CONVERGENCE leaves it to Newton's method, whose root is kept then. */
 dm_status dm_stage_push(dm_stage *g, dm_stepper *stepper);
-int dm_stage_push_guess(dm_stage *g); /* Z of the steps before into g->before; 0: none */
 void dm_stage_push_newton(dm_stage *g);
 
 /* Where its memory has what: h, number of P, the state at the end of the last step [4n], the next u [n], P [terms][n]. */

@@ -76,8 +76,8 @@ INLINE I iterate_members(const dm_stage_lanes *w, I todo, uint32_t n) {
     const V c = load(w->in + (3 * n + DM_PUSH_WEIGHT) * W);
     const double *base = w->in + n * W;
     double *Z = w->in + 2 * n * W;
-    const V reach = largest_of_members(Z, n), near = DM_PUSHED_NEAR * reach;
-    const V small = w->tolerance * (largest_of_members(w->in, n) + reach);
+    const V small =
+        w->tolerance * (largest_of_members(w->in, n) + largest_of_members(Z, n));
     I ended = {0};
     for (int i = 0; i < DM_PUSHED_CALLS && bits_of(todo); i++) {
         dm_kernel_eval(&w->stage, w->in, w->out);
@@ -95,7 +95,7 @@ INLINE I iterate_members(const dm_stage_lanes *w, I todo, uint32_t n) {
         }
         ended |= now;
         todo &= ~now & (I)(second <= DM_NEWTON_SLOW * first);
-        if (i == 0) todo &= (I)(first <= near);
+        if (i == 0) todo &= (I)(first <= DM_PUSHED_NEAR * largest_of_members(Z, n));
     }
     return ended;
 }

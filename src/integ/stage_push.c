@@ -5,7 +5,7 @@
 ** j through j + 1 of them at the next point, a new Z has the differences D_j = Z - P_(j-1) and the new P_j = P_(j-1) + D_j; so
 ** that (K + 1) Z - sum of P_i, i < K, is the new P_K, and waits for nothing but Z. Differences are taken up to the parabola's and then as long as
 ** they get much smaller. Where increments do not shrink at once, from a poor guess on rough motion, there may be another
-** root than the one of a small step: such a step is left to Newton's method from the state (stage.c).
+** root than the one of a small step: such a step is left to continuation in h (stage.c).
 */
 #include "base/sum.h"
 #include "base/written_out.h"
@@ -139,7 +139,6 @@ DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u, in
     const double *force = p->out, *base = p->in + n, w = p->in[3 * n + DM_PUSH_WEIGHT];
     double *Z = p->in + 2 * n;
     const double small = stepper->tolerance * (largest_of(p->in, n) + largest_of(Z, n));
-    const double near = DM_PUSHED_NEAR * largest_of(Z, n);
     for (int i = 0; i < DM_PUSHED_CALLS; i++) {
         dm_kernel_eval(&p->kernel, p->in, p->out);
         const double first = fabs(w) * largest_of(force + n, n);
@@ -152,7 +151,8 @@ DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u, in
         for (uint32_t k = 0; k < n; k++) Z[k] = base[k] + w * u[k];
         if (is_root(first, second, small)) return DM_OK;
         if (!(second <= DM_NEWTON_SLOW * first)) return DM_NO_CONVERGENCE;
-        if (warm && i == 0 && !(first <= near)) return DM_NO_CONVERGENCE;
+        if (warm && i == 0 && !(first <= DM_PUSHED_NEAR * largest_of(Z, n)))
+            return DM_NO_CONVERGENCE;
     }
     return DM_NO_CONVERGENCE;
 }
@@ -226,12 +226,6 @@ dm_status dm_stage_push(dm_stage *g, dm_stepper *stepper) {
     default:
         return step(g, stepper, 4);
     }
-}
-
-int dm_stage_push_guess(dm_stage *g) {
-    if (!continues(g, g->n)) return 0;
-    dm_stage_copy(g->before, g->pushes.memory + DM_PUSHED_END + 4 * g->n, g->n);
-    return 1;
 }
 
 /* its root is Z without what the state lacks */

@@ -80,6 +80,14 @@ for _, h in ipairs { 0.2, 0.215, 0.23 } do
   ok(furthest < 1, ("an ellipse of e = 0.6 is not left at h = %g"):format(h), furthest)
 end
 
+for _, case in ipairs { { 1, 2.6 }, { 2.2, 2.3 }, { 2.2, 3 }, { 4, 2.6 } } do
+  local w, h = case[1], case[2]
+  local coupled = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[1] ^ 2 / 2 - w ^ 2 * q[2] ^ 2 / 2 - 0.3 * q[1] ^ 2 * q[2] end }
+  local path, furthest = coupled:solver({ rule = "midpoint", h = h }):run { q = { 0.5, 0.3 }, v = { 0, 0.1 }, steps = 1000 }, 0
+  for i = 1, #path do furthest = max(furthest, path.q[i]:norm()) end
+  ok(furthest < 0.8, ("coupled oscillators, frequencies 1 and %g, stay small at h = %g"):format(w, h), furthest)
+end
+
 ---- what it rests on ----
 
 local order = {}
