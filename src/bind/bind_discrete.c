@@ -271,6 +271,18 @@ static void check_of_system(lua_State *L) {
                    holonomic ? "rattle" : "midpoint");
 }
 
+/* a formula Ld(q0, q1) has no time: stages have */
+static int is_timed(lua_State *L) {
+    const dm_model *m = &dml_pushmodel(L, 1)->model;
+    const int timed = m->source.graph && !(m->structure & DM_AUTONOMOUS);
+    lua_settop(L, 2);
+    if (timed && dml_istied(L, 1))
+        luaL_error(L, "a discrete Lagrangian with constraints knows no time, on which "
+                      "this system depends: solve the system with a rule, for instance "
+                      "system:solver{rule = \"rattle\", h = 0.01}");
+    return timed;
+}
+
 static int discrete_new(lua_State *L) {
     static const char *const known[] = {"Q",           "h",     "Ld",     "name",
                                         "coordinates", "units", "params", "derivatives",
@@ -278,7 +290,7 @@ static int discrete_new(lua_State *L) {
     lua_settop(L, 2);
     if (luaL_testudata(L, 1, DML_SYSTEM)) {
         check_of_system(L);
-        if (!has_formula(L)) return dml_pushruled(L), 1;
+        if (!has_formula(L) || is_timed(L)) return dml_pushruled(L), 1;
         options_of_system(L);
     }
     dml_newsystem(L, known, 1);

@@ -102,6 +102,15 @@ end)
 local driven = dm.system { Q = dm.R(1), L = function(q, v, t) return v[1] ^ 2 / 2 + q[1] * cos(2 * t) end }
 local forced = dm.discrete_lagrangian(driven, { rule = "gauss(3)", h = 0.1 })
 ok(forced({ 0 }, { 0.1 }, 1) ~= forced({ 0 }, { 0.1 }), "a time is heard where L depends on it")
+for rule, stages in pairs { midpoint = "gauss(1)", trapezoidal = "galerkin(1, lobatto(2))" } do
+  local timed = dm.discrete_lagrangian(driven, { rule = rule, h = 0.1 })
+  near(timed({ 0 }, { 0.1 }, 1), dm.discrete_lagrangian(driven, { rule = stages, h = 0.1 })({ 0 }, { 0.1 }, 1), 1e-15, rule .. ": the same")
+  local path = dm.solver({ timed }):run { q = { 1 }, p = { 0 }, steps = 30 }
+  near(path.q[31][1], driven:solver({ rule = rule, h = 0.1 }):run({ q = { 1 }, v = { 0 }, steps = 30 }).q[31][1], 1e-13, rule .. ": and in its steps")
+end
+raises("knows no time", function()
+  dm.discrete_lagrangian(dm.system { Q = dm.R(1), L = driven.L, constraint = function(q) return q[1] end }, { rule = "midpoint", h = 0.1 })
+end)
 local slow = dm.system { Q = dm.R(2), derivatives = "hyperdual", L = twisted.L }
 near(dm.discrete_lagrangian(slow, { rule = "gauss(2)", h = 0.1 })(q0, q1), dm.discrete_lagrangian(twisted, { rule = "gauss(2)", h = 0.1 })(q0, q1), 1e-15, "on hyper-dual numbers")
 
