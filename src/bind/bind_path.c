@@ -63,7 +63,7 @@ static void add_grouped(luaL_Buffer *b, long n) {
     }
 }
 
-/* ": energy off by 6.4e-05, no drift" or with the drift; how much it changes where the
+/* ": energy off by 6.4e-05, no drift", with the drift, or since when where it jumped; how much it changes where the
 ** system does not keep it */
 static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int keeps) {
     char text[128];
@@ -75,7 +75,11 @@ static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int k
     }
     dm_drift_fit(&d, p->data, dml_path_width(p), E, p->rows);
     const double change = fabs(d.slope) * (p->t - p->t0);
-    if (!keeps)
+    const long jump = dm_drift_jump(E, p->rows);
+    if (keeps && jump && d.largest > 1e-10 * fabs(E[0]))
+        snprintf(text, sizeof text, ": energy off by %.2g since t = %.4g", d.largest,
+                 p->data[(size_t)jump * dml_path_width(p)]);
+    else if (!keeps)
         snprintf(text, sizeof text, ": energy changes by up to %.2g", d.largest);
     else if (change > 3 * d.error * (p->t - p->t0) && change > 1e-14 * fabs(d.mean))
         snprintf(text, sizeof text, ": energy off by %.2g, drift %.2g per unit of time",

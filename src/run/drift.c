@@ -95,3 +95,27 @@ void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y
     /* two lengths of block: an oscillation may fit one exactly and vanish from its means */
     out->error = fmax(slope_error(&s, rows, m, BLOCKS), slope_error(&s, rows, m, FEWER));
 }
+
+/* largest and least distance from y0 over rows first .. last-1 */
+static void reach_of(const double *y, long first, long last, double *least,
+                     double *largest) {
+    *least = INFINITY;
+    *largest = 0.0;
+    for (long i = first; i < last; i++) {
+        const double size = fabs(y[i] - y[0]);
+        *least = fmin(*least, size);
+        *largest = fmax(*largest, size);
+    }
+}
+
+long dm_drift_jump(const double *y, long rows) {
+    enum { WITHIN = 3 };
+    long row = 0;
+    double most, least, before, ignored;
+    reach_of(y, 0, rows, &ignored, &most);
+    while (row < rows && fabs(y[row] - y[0]) <= 0.5 * most) row++;
+    if (row <= WITHIN || rows - row <= WITHIN) return 0;
+    reach_of(y, 0, row - WITHIN, &ignored, &before);
+    reach_of(y, row, rows, &least, &ignored);
+    return before < 0.1 * most && least > 0.25 * most ? row : 0;
+}

@@ -20,4 +20,10 @@ typedef struct {
 void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y,
                   long rows);
 
+/*
+** The row at which y[rows] has gone, within three rows, to another level where it stays: before them it is near the first row,
+** by a tenth of its largest distance, and from there on never back within a quarter of that. 0: it does not.
+*/
+long dm_drift_jump(const double *y, long rows);
+
 #endif

@@ -215,6 +215,24 @@ static void lines_constants_and_short_columns(void) {
     CHECK(d.slope == 0.0 && d.error == 0.0);
 }
 
+/* to another level within three rows; a line, a spike, what comes back and what began so are none */
+static void a_jump_is_told_from_a_drift(void) {
+    for (int kind = 0; kind < 5; kind++) {
+        for (int i = 0; i < POINTS; i++) {
+            const double rest = 0.01 * sin(0.3 * i);
+            const int after = i >= 60, spike = i == 60;
+            const double shape[] = {after     ? 3.0
+                                    : i == 59 ? 0.7
+                                              : 0.0,
+                                    0.05 * i, 3.0 * spike, after && i < 90 ? 3.0 : 0.0,
+                                    i > 0 ? 3.0 : 0.0};
+            y[i] = -1.0 + rest + shape[kind];
+        }
+        CHECK(dm_drift_jump(y, POINTS) == (kind ? 0 : 60));
+    }
+    CHECK(dm_drift_jump(y, 1) == 0 && dm_drift_jump(y, 5) == 0);
+}
+
 /* a large constant must not cost the digits of a small drift */
 static void a_small_drift_of_a_large_number(void) {
     dm_drift d;
@@ -235,6 +253,7 @@ int main(void) {
     RUN(finds_a_slope_and_its_error, "finds a slope within its error");
     RUN(an_oscillation_is_no_drift, "an oscillation is no drift");
     RUN(lines_constants_and_short_columns, "lines, constants, short columns");
+    RUN(a_jump_is_told_from_a_drift, "a jump is told from a drift");
     RUN(a_small_drift_of_a_large_number, "a small drift of a large number");
     return check_finish();
 }
