@@ -271,11 +271,13 @@ static void check_of_system(lua_State *L) {
                    holonomic ? "rattle" : "midpoint");
 }
 
-/* a formula Ld(q0, q1) has no time: stages have */
+/* a formula Ld(q0, q1) has no time: stages have; of hyper-dual numbers it is not known */
 static int is_timed(lua_State *L) {
     const dm_model *m = &dml_pushmodel(L, 1)->model;
-    const int timed = m->source.graph && !(m->structure & DM_AUTONOMOUS);
+    const int known = m->source.graph != NULL;
+    const int timed = !(m->structure & DM_AUTONOMOUS);
     lua_settop(L, 2);
+    if (!known) return !dml_istied(L, 1);
     if (timed && dml_istied(L, 1))
         luaL_error(L, "a discrete Lagrangian with constraints knows no time, on which "
                       "this system depends: solve the system with a rule, for instance "

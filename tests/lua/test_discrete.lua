@@ -108,6 +108,8 @@ for rule, stages in pairs { midpoint = "gauss(1)", trapezoidal = "galerkin(1, lo
   local path = dm.solver({ timed }):run { q = { 1 }, p = { 0 }, steps = 30 }
   near(path.q[31][1], driven:solver({ rule = rule, h = 0.1 }):run({ q = { 1 }, v = { 0 }, steps = 30 }).q[31][1], 1e-13, rule .. ": and in its steps")
 end
+local dual = dm.discrete_lagrangian(dm.system { Q = dm.R(1), derivatives = "hyperdual", L = driven.L }, { rule = "midpoint", h = 0.1 })
+near(dual({ 0 }, { 0.1 }, 1), dm.discrete_lagrangian(driven, { rule = "midpoint", h = 0.1 })({ 0 }, { 0.1 }, 1), 1e-15, "and on hyper-dual numbers")
 raises("knows no time", function()
   dm.discrete_lagrangian(dm.system { Q = dm.R(1), L = driven.L, constraint = function(q) return q[1] end }, { rule = "midpoint", h = 0.1 })
 end)
