@@ -145,6 +145,7 @@ end
 core.method("dm.solver", "run", blame.relay(guarded, "run"), core.docs[run] .. [[
 
 A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes; also raised where a step jumped through such a shape), "pole" or
-"edge" of the coordinates. Members of ensembles are not looked through for jumps: watch = { "energy" } shows them.]])
+"edge" of the coordinates. Jumps are looked for at the rows that are kept and, where these are suspect, between them: with every = k fewer may be seen. Members of ensembles are not
+looked through for jumps: watch = { "energy" } shows them.]])
 
 return {}
