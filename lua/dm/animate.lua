@@ -200,19 +200,10 @@ local function pack(scene, names)
   return page.text(scene)
 end
 
-local function write(file, text)
-  local handle, why = io.open(file, "w")
-  if not handle then fail("cannot open %s", why) end
-  local fine, reason = handle:write(text)
-  local closed, late = handle:close()
-  if not (fine and closed) then fail("cannot write %s: %s", file, reason or late) end
-  return file
-end
-
 local function make(paths, file, options)
   check_file(file)
   check_options(options)
-  return write(file, pack(scene_of(paths, options)))
+  return require "dm.text_file".write(file, pack(scene_of(paths, options)), "animate")
 end
 
 local doc_animate = [[

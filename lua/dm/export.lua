@@ -1,6 +1,9 @@
 --- Paths to files and back: csv (17 significant digits) and npy (the bits themselves).
 local blame = require "dm.blame"
 local core = require "dm.core"
+local text_file = require "dm.text_file"
+
+local open, write_all = text_file.open, text_file.write_all
 
 local M = {}
 
@@ -13,28 +16,6 @@ local function columns_of(path)
     columns[i] = require "dm.series".numbers(path:column(name), name)
   end
   return columns, names
-end
-
-local function open(file, mode, what)
-  if type(file) ~= "string" then
-    error(("%s: a file name is needed (got %s)"):format(what, type(file)), 0)
-  end
-  local handle, why = io.open(file, mode)
-  if not handle then error(("%s: cannot open %s"):format(what, why), 0) end
-  return handle
-end
-
--- everything that `rows` yields, or the error of a full disk
-local function write_all(handle, file, pieces)
-  for piece in pieces do
-    local fine, why = handle:write(piece)
-    if not fine then
-      handle:close()
-      error(("cannot write %s: %s"):format(file, why), 0)
-    end
-  end
-  local fine, why = handle:close()
-  if not fine then error(("cannot write %s: %s"):format(file, why), 0) end
 end
 
 -- iterator over strings of up to CHUNK rows each, header first

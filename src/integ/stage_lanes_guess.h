@@ -26,14 +26,6 @@ INLINE void continue_lanes(const lanes_newton *it, double *to, const double *bef
         }
 }
 
-INLINE V largest_of_lanes(const double *a, size_t size) {
-    V largest = {0};
-#pragma GCC unroll 4
-    for (size_t k = 0; k < size; k++)
-        largest = larger_of(magnitude(load(a + k * W)), largest);
-    return largest;
-}
-
 /* to += differences, as many as each lane has and wants */
 INLINE void add_missed_lanes(double *to, const double *D, V count, double at_least,
                              size_t size) {

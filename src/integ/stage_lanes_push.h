@@ -32,14 +32,6 @@ INLINE void divide_lanes(const dm_model *m, double *out, const double *x,
     }
 }
 
-INLINE V largest_of_members(const double *a, uint32_t n) {
-    V largest = {0};
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < n; k++)
-        largest = larger_of(magnitude(load(a + k * W)), largest);
-    return largest;
-}
-
 INLINE I is_root(V first, V second, V small) {
     const I slow = (I)(second <= DM_NEWTON_SLOW * first) | (I)(first <= small);
     return (I)(second * second <= DM_NEWTON_NEGLIGIBLE * small * first) |
@@ -76,13 +68,12 @@ INLINE I iterate_members(const dm_stage_lanes *w, I todo, uint32_t n) {
     const V c = load(w->in + (3 * n + DM_PUSH_WEIGHT) * W);
     const double *base = w->in + n * W;
     double *Z = w->in + 2 * n * W;
-    const V small =
-        w->tolerance * (largest_of_members(w->in, n) + largest_of_members(Z, n));
+    const V small = w->tolerance * (largest_of_lanes(w->in, n) + largest_of_lanes(Z, n));
     I ended = {0};
     for (int i = 0; i < DM_PUSHED_CALLS && bits_of(todo); i++) {
         dm_kernel_eval(&w->stage, w->in, w->out);
-        const V first = magnitude(c) * largest_of_members(w->out + n * W, n);
-        const V second = magnitude(c) * largest_of_members(w->out + 2 * n * W, n);
+        const V first = magnitude(c) * largest_of_lanes(w->out + n * W, n);
+        const V second = magnitude(c) * largest_of_lanes(w->out + 2 * n * W, n);
         const I now = todo & is_root(first, second, small);
         divide_lanes(w->g->m, w->u, w->out, NULL, n);
 #pragma GCC unroll 4
@@ -95,7 +86,7 @@ INLINE I iterate_members(const dm_stage_lanes *w, I todo, uint32_t n) {
         }
         ended |= now;
         todo &= ~now & (I)(second <= DM_NEWTON_SLOW * first);
-        if (i == 0) todo &= (I)(first <= DM_PUSHED_NEAR * largest_of_members(Z, n));
+        if (i == 0) todo &= (I)(first <= DM_PUSHED_NEAR * largest_of_lanes(Z, n));
     }
     return ended;
 }

@@ -18,6 +18,15 @@ INLINE lanes_weight weight_of(const dm_stage_lanes *w, const dm_weight *one) {
     return (lanes_weight){scaled(w, &one->top), scaled(w, &one->rest)};
 }
 
+/* max |a| of every lane */
+INLINE V largest_of_lanes(const double *a, size_t size) {
+    V largest = {0};
+#pragma GCC unroll 4
+    for (size_t k = 0; k < size; k++)
+        largest = larger_of(magnitude(load(a + k * W)), largest);
+    return largest;
+}
+
 /* (high, low) + d in next; the lanes where that is finite */
 INLINE I add_to_state(const dm_stage_lanes *w, uint32_t n, uint32_t k, V d) {
     const V old = load(w->state + k * W), e = load(w->state + (2 * n + k) * W) + d;

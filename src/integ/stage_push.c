@@ -7,6 +7,7 @@
 ** they get much smaller. Where increments do not shrink at once, from a poor guess on rough motion, there may be another
 ** root than the one of a small step: such a step is left to continuation in h (stage.c).
 */
+#include "base/largest.h"
 #include "base/sum.h"
 #include "base/written_out.h"
 #include "integ/push.h"
@@ -115,16 +116,6 @@ DM_WRITTEN_OUT void divide_by_mass(const dm_model *m, double *out, const double 
     }
 }
 
-DM_WRITTEN_OUT double largest_of(const double *a, uint32_t n) {
-    double largest = 0.0;
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < n; k++) {
-        const double x = fabs(a[k]);
-        largest = x > largest ? x : largest;
-    }
-    return largest;
-}
-
 /* By the rate from one increment to the next, what the second leaves does not count; or it is the noise of Q. */
 static inline int is_root(double first, double second, double small) {
     if (second * second <= DM_NEWTON_NEGLIGIBLE * small * first) return 1;
@@ -138,11 +129,12 @@ DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u, in
     dm_stage_pushes *p = &g->pushes;
     const double *force = p->out, *base = p->in + n, w = p->in[3 * n + DM_PUSH_WEIGHT];
     double *Z = p->in + 2 * n;
-    const double small = stepper->tolerance * (largest_of(p->in, n) + largest_of(Z, n));
+    const double small =
+        stepper->tolerance * (dm_largest_of(p->in, n) + dm_largest_of(Z, n));
     for (int i = 0; i < DM_PUSHED_CALLS; i++) {
         dm_kernel_eval(&p->kernel, p->in, p->out);
-        const double first = fabs(w) * largest_of(force + n, n);
-        const double second = fabs(w) * largest_of(force + 2 * n, n);
+        const double first = fabs(w) * dm_largest_of(force + n, n);
+        const double second = fabs(w) * dm_largest_of(force + 2 * n, n);
         g->evaluations += 2;
         stepper->report.iterations += 2;
         stepper->report.residual = second * p->heaviest / fabs(g->h);
@@ -151,7 +143,7 @@ DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u, in
         for (uint32_t k = 0; k < n; k++) Z[k] = base[k] + w * u[k];
         if (is_root(first, second, small)) return DM_OK;
         if (!(second <= DM_NEWTON_SLOW * first)) return DM_NO_CONVERGENCE;
-        if (warm && i == 0 && !(first <= DM_PUSHED_NEAR * largest_of(Z, n)))
+        if (warm && i == 0 && !(first <= DM_PUSHED_NEAR * dm_largest_of(Z, n)))
             return DM_NO_CONVERGENCE;
     }
     return DM_NO_CONVERGENCE;

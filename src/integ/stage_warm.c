@@ -6,6 +6,7 @@
 ** + (D - 2 D' + D'') + ..., as long as the differences get much smaller: on rough motion a guess further out than
 ** the polynomial may lead to another root. Another h neither uses nor changes them.
 */
+#include "base/largest.h"
 #include "base/written_out.h"
 #include "integ/stage_inside.h"
 
@@ -54,23 +55,13 @@ static void continue_polynomial(const dm_stage *g, double *to, const double *V) 
                 to[i * (size_t)n + k] += g->ahead[i * s + j] * V[j * (size_t)n + k];
 }
 
-DM_WRITTEN_OUT double largest_of(const double *a, size_t size) {
-    double largest = 0.0;
-#pragma GCC unroll 4
-    for (size_t k = 0; k < size; k++) {
-        const double x = fabs(a[k]);
-        largest = x > largest ? x : largest;
-    }
-    return largest;
-}
-
 /* to += D of differences [count][size]: so many in any case, then as long as adding one would have brought the last
 ** step much nearer. What was missing then is the difference behind it */
 DM_WRITTEN_OUT void add_missed(double *to, const double *D, int count, int at_least,
                                size_t size) {
-    double missing = count > 0 ? largest_of(D, size) : 0.0;
+    double missing = count > 0 ? dm_largest_of(D, size) : 0.0;
     for (int i = 0; i < count; i++, D += size) {
-        const double left = i + 1 < count ? largest_of(D + size, size) : missing;
+        const double left = i + 1 < count ? dm_largest_of(D + size, size) : missing;
         if (i >= at_least && !(left <= DM_WARM_NEARER * missing)) return;
 #pragma GCC unroll 4
         for (size_t k = 0; k < size; k++) to[k] += D[k];

@@ -25,6 +25,13 @@ ok(chart:cheapest(1e-30) == nil, "no point where none is good enough")
 ok(tostring(chart):find "not symplectic" or tostring(chart):find "cheapest at", "a chart prints itself with its table")
 ok(chart:table():find "agree to", "the references are told")
 ok(select(2, chart:csv():gsub("\n", "")) == 17, "a line of csv per point")
+tap.raises("chart:csv: a file name is needed", chart.csv, chart, 7)
+tap.raises("chart:csv: cannot open", chart.csv, chart, "/absent/a.csv")
+local full = io.open("/dev/full", "w")
+if full then
+  full:close()
+  tap.raises("cannot write /dev/full", chart.csv, chart, "/dev/full")
+end
 
 -- steps so fine that a rule's own round-off grows with their number say nothing of its order
 local fine = dm.chart { kepler, q = { 0.4, 0 }, v = { 0, 2 }, t = 20 * pi, repeats = 1, rivals = false,

@@ -97,6 +97,8 @@ ok(map:limit(1) == huge and map:at(1, 1).class == "bounded", "L linear in v need
 map = dm.stability(with(base, { rule = "verlet" }))
 ok(tostring(map):find "155 cells" or tostring(map):find "bounded", "a map prints itself")
 ok(select(2, map:csv():gsub("\n", "")) == 156 and map:csv():find '"verlet",100', "a line of csv for every cell")
+raises("map:csv: cannot open", map.csv, map, "/absent/a.csv")
+if io.open("/dev/full") then raises("cannot write /dev/full", map.csv, map, "/dev/full") end
 ok(select(2, map:table(3):gsub("\n", "")) == 4, "a table of three rows", map:table(3))
 local png = os.tmpname() .. ".png"
 if pcall(map.plot, map, { file = png }) then

@@ -61,13 +61,7 @@ local csv = blame.caller(function(self, file)
   for _, p in ipairs(self.points) do
     lines[#lines + 1] = ('"%s",%.17g,%.17g,%.17g,%d,%d,%d'):format(p.rule, p.h, p.error, p.ns, p.steps, p.evaluations, p.newton)
   end
-  local text = table.concat(lines, "\n") .. "\n"
-  if not file then return text end
-  local handle, why = io.open(file, "w")
-  if not handle then fail("cannot open %s", why) end
-  handle:write(text)
-  handle:close()
-  return file
+  return require "dm.text_file".write(file, table.concat(lines, "\n") .. "\n", "chart:csv")
 end)
 
 return { plot = draw, csv = csv, doc_plot = doc_plot, doc_csv = doc_csv }

@@ -4,8 +4,6 @@ local blame = require "dm.blame"
 local cells = require "dm.stability.cells"
 local core = require "dm.core"
 
-local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)), 0) end
-
 local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee", ["no value"] = "#eedd88", ["blow-up"] = "#ee6677", left = "#ee99aa",
   ["no convergence"] = "#777777", ["constraint lost"] = "#222222", ["no start"] = "#aaaaaa", ["not run"] = "#dddddd" }
 
@@ -89,13 +87,7 @@ local function csv(map, file)
       lines[#lines + 1] = table.concat(out, ",")
     end
   end
-  local text = table.concat(lines, "\n") .. "\n"
-  if not file then return text end
-  local handle, why = io.open(file, "w")
-  if not handle then fail("cannot open %s", why) end
-  handle:write(text)
-  handle:close()
-  return file
+  return require "dm.text_file".write(file, table.concat(lines, "\n") .. "\n", "map:csv")
 end
 
 ---- picture ----

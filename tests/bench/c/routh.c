@@ -3,11 +3,11 @@
 ** (theta, r, z) with theta' found by hand, as mu / r^2 of the midpoint; in (theta, r, z) with all three velocities solved for by Newton's method.
 ** cc -O3 -march=native -o routh tests/bench/c/routh.c -lm
 */
-#include <math.h>
-#include <stdio.h>
-#include <time.h>
+#include "routh_race.h"
 
-enum { TERMS = 4, STEPS = 200000, REPEATS = 15 };
+#include <math.h>
+
+enum { TERMS = 4 };
 
 static const double J2 = 0.05, h = 0.05, theta0 = 0.0, x0[2] = {1.0, 0.0},
                     v0[3] = {0.96, 0.0, 0.28};
@@ -130,7 +130,7 @@ static inline void step_all(orbit *o) {
     for (int k = 0; k < 3; k++) add(o->q + k, o->q_low + k, h * V[k]);
 }
 
-static orbit run(int how) {
+static race_end run(int how) {
     orbit o = {{theta0, x0[0], x0[1]},
                {x0[0] * x0[0] * v0[0], v0[1], v0[2]},
                {0},
@@ -145,30 +145,10 @@ static orbit run(int how) {
         for (long k = 0; k < STEPS; k++) step_shape(&o, 1);
     else
         for (long k = 0; k < STEPS; k++) step_all(&o);
-    return o;
-}
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e9 + (double)t.tv_nsec;
+    return (race_end){o.iterations, o.q[1]};
 }
 
 int main(void) {
-    static const char *const name[] = {"reduced", "unreduced, theta' by hand",
-                                       "unreduced, all solved for"};
-    double best[3] = {1e9, 1e9, 1e9};
-    orbit end[3];
-    for (int i = 0; i < REPEATS; i++)
-        for (int how = 0; how < 3; how++) {
-            const double start = now();
-            end[how] = run(how);
-            best[how] = fmin(best[how], (now() - start) / STEPS);
-        }
-    for (int how = 0; how < 3; how++)
-        printf("%-28s %6.1f ns a step, %.2f iterations, the reduced one is %.2f of it; r "
-               "= %.12f\n",
-               name[how], best[how], (double)end[how].iterations / STEPS,
-               best[0] / best[how], end[how].q[1]);
+    race(run, "r");
     return 0;
 }

@@ -5,11 +5,11 @@
 ** cc -O3 -march=native -o routh_pendulum tests/bench/c/routh_pendulum.c -lm
 */
 #define _GNU_SOURCE /* sincos */
-#include <math.h>
-#include <stdio.h>
-#include <time.h>
+#include "routh_race.h"
 
-enum { TERMS = 6, STEPS = 50000, REPEATS = 15 };
+#include <math.h>
+
+enum { TERMS = 6 };
 enum { THETA, R1, R2, PHI };
 
 typedef double v4 __attribute__((vector_size(32)));
@@ -210,7 +210,7 @@ INLINE void step(orbit *o, int first, int with_theta) {
     }
 }
 
-static orbit run(int how) {
+static race_end run(int how) {
     orbit o = {.iterations = 0};
     point z = {0};
     slopes L;
@@ -226,31 +226,10 @@ static orbit run(int how) {
         for (long k = 0; k < STEPS; k++) step(&o, 1, 1);
     else
         for (long k = 0; k < STEPS; k++) step(&o, 0, 1);
-    return o;
-}
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e9 + (double)t.tv_nsec;
+    return (race_end){o.iterations, o.q[R1]};
 }
 
 int main(void) {
-    static const char *const name[] = {"reduced", "unreduced, theta' by hand",
-                                       "unreduced, all solved for"};
-    double best[3] = {1e9, 1e9, 1e9};
-    orbit end[3];
-    for (int i = 0; i < REPEATS; i++)
-        for (int how = 0; how < 3; how++) {
-            const double start = now();
-            end[how] = run(how);
-            best[how] = fmin(best[how], (now() - start) / STEPS);
-        }
-    for (int how = 0; how < 3; how++)
-        printf(
-            "%-28s %6.1f ns a step, %.2f iterations, the reduced one is %.2f of it; r1 "
-            "= %.9f\n",
-            name[how], best[how], (double)end[how].iterations / STEPS,
-            best[0] / best[how], end[how].q[R1]);
+    race(run, "r1");
     return 0;
 }
