@@ -167,7 +167,6 @@ enum {
     DM_PUSHED_TERMS = 6, /* polynomials P, of degrees 0 to 5 */
     DM_PUSHED_CALLS = 6  /* of the kernel in a step, at most */
 };
-static const double DM_PUSHED_NEAR = 0.25;
 
 /* How a point of the separable form is found. */
 enum { DM_POINT_FIRST, DM_POINT_SOLVED, DM_POINT_LAST };

@@ -86,7 +86,6 @@ INLINE I iterate_members(const dm_stage_lanes *w, I todo, uint32_t n) {
         }
         ended |= now;
         todo &= ~now & (I)(second <= DM_NEWTON_SLOW * first);
-        if (i == 0) todo &= (I)(first <= DM_PUSHED_NEAR * largest_of_lanes(Z, n));
     }
     return ended;
 }

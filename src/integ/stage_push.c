@@ -122,9 +122,8 @@ static inline int is_root(double first, double second, double small) {
     return second <= small && (second <= DM_NEWTON_SLOW * first || first <= small);
 }
 
-/* The root from the guess among the arguments; there Z is renewed, and u = M^-1 L_q. warm: the guess is of the steps before, from
-** where it must not be far. */
-DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u, int warm,
+/* The root from the guess among the arguments; there Z is renewed, and u = M^-1 L_q. */
+DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u,
                                  uint32_t n) {
     dm_stage_pushes *p = &g->pushes;
     const double *force = p->out, *base = p->in + n, w = p->in[3 * n + DM_PUSH_WEIGHT];
@@ -143,8 +142,6 @@ DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u, in
         for (uint32_t k = 0; k < n; k++) Z[k] = base[k] + w * u[k];
         if (is_root(first, second, small)) return DM_OK;
         if (!(second <= DM_NEWTON_SLOW * first)) return DM_NO_CONVERGENCE;
-        if (warm && i == 0 && !(first <= DM_PUSHED_NEAR * dm_largest_of(Z, n)))
-            return DM_NO_CONVERGENCE;
     }
     return DM_NO_CONVERGENCE;
 }
@@ -194,11 +191,11 @@ DM_WRITTEN_OUT dm_status step(dm_stage *g, dm_stepper *stepper, uint32_t n) {
     place(g, v0, n);
     if (known) {
         dm_stage_copy(Z, guess, n);
-        status = iterate(g, stepper, u, 1, n);
+        status = iterate(g, stepper, u, n);
     }
     if (status != DM_OK) {
         dm_stage_copy(Z, Z - n, n);
-        status = iterate(g, stepper, u, 0, n);
+        status = iterate(g, stepper, u, n);
     }
     if (status == DM_OK) status = finish(g, v0, u, n);
     if (status == DM_OK) keep(g, Z, known, n);
