@@ -1,7 +1,6 @@
 #include "action/momentum.h"
 
-void dm_momentum(double *J, const dm_action *action, uint32_t n, const double *q,
-                 const double *p) {
+void dm_momentum(double *J, const dm_action *action, uint32_t n, const double *q, const double *p) {
     const dm_space *group = action->group;
     const uint32_t block = action->block;
     double xi[DM_MAX_BLOCK];

@@ -93,8 +93,7 @@ void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size
     return block;
 }
 
-int dm_arena_on_release(dm_arena *arena, dm_giveback *give_back, void *thing,
-                        size_t size) {
+int dm_arena_on_release(dm_arena *arena, dm_giveback *give_back, void *thing, size_t size) {
     if (arena->keep) return arena->keep(arena->ud, give_back, thing, size);
     dm_arena_cleanup *c = dm_arena_take(arena, sizeof *c);
     if (!c) return 0;

@@ -17,7 +17,7 @@ typedef struct dm_arena {
     dm_allocator *allocate;
     void *ud;
     int (*keep)(void *ud, dm_giveback *give_back, void *thing, size_t size); /* or NULL */
-    dm_arena_chunk *chunks;     /* newest first */
+    dm_arena_chunk *chunks;                                                  /* newest first */
     size_t used, room;          /* of the newest chunk, bytes */
     size_t total;               /* bytes held */
     dm_arena_cleanup *cleanups; /* newest first */
@@ -33,19 +33,18 @@ void *dm_arena_take(dm_arena *arena, size_t size);
 /* Grow the array `old` of old_size bytes: the newest block grows in place, else it is copied. */
 void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size);
 
-/*
-** An arena beside this one, from the same allocator and released with it, for what is not needed for long: it is
-** empty after every call, but keeps its memory, so that one computation after the other works in the same pages. NULL without memory.
-*/
+/* An arena beside this one, from the same allocator and released with it, for what is not needed
+ * for long: it is empty after every call, but keeps its memory, so that one computation after
+ * the other works in the same pages. NULL without memory. */
 dm_arena *dm_arena_scratch(dm_arena *arena);
 
-/* Call give_back(thing, size) when the arena is released, or when the owner of its memory says so (`keep`,
-** if it has set that). 0 without memory for it: the caller then gives it back itself. */
-int dm_arena_on_release(dm_arena *arena, dm_giveback *give_back, void *thing,
-                        size_t size);
+/* Call give_back(thing, size) when the arena is released, or when the owner of its memory says
+ * so (`keep`, if it has set that). 0 without memory for it: the caller then gives it back
+ * itself. */
+int dm_arena_on_release(dm_arena *arena, dm_giveback *give_back, void *thing, size_t size);
 
 /* Forget what was taken, for new use; the newest block stays, the others are given back. Not
-** for an arena that something is to be called for on release. */
+ * for an arena that something is to be called for on release. */
 void dm_arena_reset(dm_arena *arena);
 
 /* Give everything back; the arena is empty and can be used again. */

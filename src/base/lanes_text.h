@@ -1,8 +1,6 @@
-/*
-** lanes_text.h - vectors of W doubles, a member in each lane, and decisions made for each: for files that exist once for
-** every kind of processor. Wanted before: W (4 or 8), HOW, the target of the functions, and DM_LANES_FUSED (0 or 1): products may be
-** fused into sums.
-*/
+/* lanes_text.h - vectors of W doubles, a member in each lane, and decisions made for each: for
+ * files that exist once for every kind of processor. Wanted before: W (4 or 8), HOW, the target
+ * of the functions, and DM_LANES_FUSED (0 or 1): products may be fused into sums. */
 #ifndef DM_LANES_TEXT_H
 #define DM_LANES_TEXT_H
 
@@ -59,8 +57,8 @@ INLINE uint32_t bits_of(I yes) {
     return (uint32_t)_mm256_movemask_pd((__m256d)yes);
 }
 INLINE I mask_of(uint32_t bits) {
-    return (I){-(long long)(bits & 1), -(long long)(bits >> 1 & 1),
-               -(long long)(bits >> 2 & 1), -(long long)(bits >> 3 & 1)};
+    return (I){-(long long)(bits & 1), -(long long)(bits >> 1 & 1), -(long long)(bits >> 2 & 1),
+               -(long long)(bits >> 3 & 1)};
 }
 INLINE V square_root(V x) {
     return (V)_mm256_sqrt_pd((__m256d)x);

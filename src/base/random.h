@@ -1,4 +1,5 @@
-/* random.h - random numbers by counting: a number depends on its seed and its place alone (Salmon et al. 2011). */
+/* random.h - random numbers by counting: a number depends on its seed and its place alone
+ * (Salmon et al. 2011). */
 #ifndef DM_RANDOM_H
 #define DM_RANDOM_H
 

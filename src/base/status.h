@@ -2,17 +2,17 @@
 #ifndef DM_STATUS_H
 #define DM_STATUS_H
 
-#define DM_STATUS_LIST(X)                                                                \
-    X(OK, "ok", "done")                                                                  \
-    X(NO_CONVERGENCE, "no_convergence", "the step equation did not converge")            \
-    X(SINGULAR, "singular", "the matrix of the step equation is singular")               \
-    X(NOT_FINITE, "not_finite", "a value became NaN or infinite")                        \
-    X(CALLBACK, "callback", "a function of the script failed")                           \
-    X(STOPPED, "stopped", "stopped on request")                                          \
-    X(NO_MEMORY, "no_memory", "not enough memory")                                       \
-    X(TOO_LARGE, "too_large", "the expression graph grew too large")                     \
-    X(NO_NATIVE, "no_native", "native code is not possible here")                        \
-    X(NOT_WRITTEN, "not_written", "a file could not be written")                         \
+#define DM_STATUS_LIST(X)                                                                          \
+    X(OK, "ok", "done")                                                                            \
+    X(NO_CONVERGENCE, "no_convergence", "the step equation did not converge")                      \
+    X(SINGULAR, "singular", "the matrix of the step equation is singular")                         \
+    X(NOT_FINITE, "not_finite", "a value became NaN or infinite")                                  \
+    X(CALLBACK, "callback", "a function of the script failed")                                     \
+    X(STOPPED, "stopped", "stopped on request")                                                    \
+    X(NO_MEMORY, "no_memory", "not enough memory")                                                 \
+    X(TOO_LARGE, "too_large", "the expression graph grew too large")                               \
+    X(NO_NATIVE, "no_native", "native code is not possible here")                                  \
+    X(NOT_WRITTEN, "not_written", "a file could not be written")                                   \
     X(NO_START, "no_start", "the run could not start")
 
 #define DM_STATUS_ENUM(name, code, text) DM_##name,

@@ -1,11 +1,9 @@
-/*
-** arena.c - arenas whose memory is userdata of Lua: the collector sees their size, and
-** what a finalizer can still reach is still there. The blocks stand on the stack of a
-** thread, the keeper, which lives as long as the arena. What a kernel has outside of Lua (pages of
-** native code, a shared object) stands there too, as a userdata with a finalizer of its own: the large
-** blocks have none and go at once. A finalizer of the script may run after it; it finds the
-** arena lost (dml_arenalost), and its kernels are made again.
-*/
+/* arena.c - arenas whose memory is userdata of Lua: the collector sees their size, and what a
+ * finalizer can still reach is still there. The blocks stand on the stack of a thread, the
+ * keeper, which lives as long as the arena. What a kernel has outside of Lua (pages of native
+ * code, a shared object) stands there too, as a userdata with a finalizer of its own: the large
+ * blocks have none and go at once. A finalizer of the script may run after it; it finds the
+ * arena lost (dml_arenalost), and its kernels are made again. */
 #include "bind/state.h"
 
 typedef struct outside {
@@ -46,8 +44,8 @@ static int make_block(lua_State *L) {
     return 1;
 }
 
-/* The userdata that `make` makes, on the keeper's stack. The collector rests meanwhile: a finalizer must
-** not find a graph that is half made. */
+/* The userdata that `make` makes, on the keeper's stack. The collector rests meanwhile: a
+ * finalizer must not find a graph that is half made. */
 static void *hold(lua_State *keeper, lua_CFunction make, size_t size) {
     if (!lua_checkstack(keeper, 3)) return NULL;
     const int running = lua_gc(keeper, LUA_GCISRUNNING) > 0;

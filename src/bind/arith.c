@@ -30,8 +30,7 @@ static void refuse_operands(lua_State *L, dm_op op) {
     const char *a = type_name(L, 1), *b = type_name(L, 2);
     luaL_where(L, 1);
     if (!*lua_tostring(L, -1)) luaL_where(L, 2); /* the string library is between */
-    lua_pushfstring(L, "%scannot compute %s %s %s", lua_tostring(L, -1), a,
-                    dm_op_text(op), b);
+    lua_pushfstring(L, "%scannot compute %s %s %s", lua_tostring(L, -1), a, dm_op_text(op), b);
     dml_explain(L);
     lua_error(L);
 }
@@ -76,14 +75,14 @@ static void number_loop(double *out, dm_op op, const dml_operand *a, const dml_o
         for (uint32_t i = 0; i < n; i++) out[i] = x[i * da] * y[i * db];
         break;
     default:
-        for (uint32_t i = 0; i < n; i++)
-            out[i] = dm_op_value(op, x[i * da], y[i * db], 0);
+        for (uint32_t i = 0; i < n; i++) out[i] = dm_op_value(op, x[i * da], y[i * db], 0);
     }
 }
 
-/* nodes of an operand, step 0 repeats a scalar; a number becomes a constant. NULL: a vector of numbers */
-static const dm_node *nodes_of(lua_State *L, const dml_operand *x, uint32_t *step,
-                               dml_frame *frame, dm_node *alone) {
+/* nodes of an operand, step 0 repeats a scalar; a number becomes a constant. NULL: a vector of
+ * numbers */
+static const dm_node *nodes_of(lua_State *L, const dml_operand *x, uint32_t *step, dml_frame *frame,
+                               dm_node *alone) {
     *step = x->rank ? 1 : 0;
     if (x->rank) return dml_nodesof(x->array);
     *alone = x->scalar.kind == DML_NUMBER ? dml_constant(L, frame, x->scalar.as.number)
@@ -108,8 +107,7 @@ static int symbol_loop(lua_State *L, dml_array *out, dm_op op, const dml_operand
 }
 
 /* entry by entry; a scalar meets every entry */
-static int elementwise(lua_State *L, dm_op op, const dml_operand *a,
-                       const dml_operand *b) {
+static int elementwise(lua_State *L, dm_op op, const dml_operand *a, const dml_operand *b) {
     const dml_array *shape = a->rank ? a->array : b->array;
     const dml_scalar ka = kind_of(a), kb = kind_of(b), kind = dml_common(L, &ka, &kb);
     dml_array *out = dml_newarray(L, shape->rank, shape->rows, shape->columns, &kind);
@@ -130,10 +128,8 @@ static int elementwise(lua_State *L, dm_op op, const dml_operand *a,
 /* a (rows x n) times b (n x columns), or a vector b */
 static int product(lua_State *L, const dml_array *a, const dml_array *b) {
     if (a->columns != b->rows)
-        return luaL_error(L, "cannot multiply %s by %s", dml_shape(L, a),
-                          dml_shape(L, b));
-    const dml_scalar ka = dml_kindof(a), kb = dml_kindof(b),
-                     kind = dml_common(L, &ka, &kb);
+        return luaL_error(L, "cannot multiply %s by %s", dml_shape(L, a), dml_shape(L, b));
+    const dml_scalar ka = dml_kindof(a), kb = dml_kindof(b), kind = dml_common(L, &ka, &kb);
     dml_array *out = dml_newarray(L, b->rank, a->rows, b->columns, &kind);
     for (uint32_t i = 0; i < a->rows; i++)
         for (uint32_t j = 0; j < b->columns; j++) {
@@ -144,8 +140,7 @@ static int product(lua_State *L, const dml_array *a, const dml_array *b) {
     return 1;
 }
 
-static int apply_scalars(lua_State *L, dm_op op, const dml_operand *a,
-                         const dml_operand *b) {
+static int apply_scalars(lua_State *L, dm_op op, const dml_operand *a, const dml_operand *b) {
     const dml_scalar z = dml_apply(L, op, &a->scalar, &b->scalar, NULL);
     dml_pushscalar(L, &z);
     return 1;
@@ -161,8 +156,8 @@ static int sum(lua_State *L, dm_op op) {
     if (a.rank && b.rank &&
         (a.rank != b.rank || a.array->rows != b.array->rows ||
          a.array->columns != b.array->columns))
-        return luaL_error(L, "cannot compute %s %s %s: the shapes differ",
-                          dml_shape(L, a.array), dm_op_text(op), dml_shape(L, b.array));
+        return luaL_error(L, "cannot compute %s %s %s: the shapes differ", dml_shape(L, a.array),
+                          dm_op_text(op), dml_shape(L, b.array));
     return elementwise(L, op, &a, &b);
 }
 
@@ -180,10 +175,10 @@ int dml_mul(lua_State *L) {
     if (!a.rank && !b.rank) return apply_scalars(L, DM_OP_MUL, &a, &b);
     if (!a.rank || !b.rank) return elementwise(L, DM_OP_MUL, &a, &b);
     if (a.rank == 2) return product(L, a.array, b.array);
-    return luaL_error(
-        L, b.rank == 1
-               ? "vector * vector is ambiguous: use a:dot(b), a:cross(b) or a:outer(b)"
-               : "vector * matrix is not defined: use m:transpose() * v");
+    return luaL_error(L,
+                      b.rank == 1
+                          ? "vector * vector is ambiguous: use a:dot(b), a:cross(b) or a:outer(b)"
+                          : "vector * matrix is not defined: use m:transpose() * v");
 }
 
 int dml_div(lua_State *L) {
@@ -191,12 +186,11 @@ int dml_div(lua_State *L) {
     if (read_operands(L, DM_OP_DIV, &a, &b)) return 1;
     if (!a.rank && !b.rank) return apply_scalars(L, DM_OP_DIV, &a, &b);
     if (a.rank && b.rank)
-        return luaL_error(
-            L, b.rank == 2
-                   ? "cannot divide by a matrix: use m:solve(v) or m:inverse()"
-                   : "cannot divide by a vector: use a:map(f) or a loop over entries");
-    if (b.rank == 2)
-        return luaL_error(L, "cannot divide a number by a matrix: use m:inverse()");
+        return luaL_error(L,
+                          b.rank == 2
+                              ? "cannot divide by a matrix: use m:solve(v) or m:inverse()"
+                              : "cannot divide by a vector: use a:map(f) or a loop over entries");
+    if (b.rank == 2) return luaL_error(L, "cannot divide a number by a matrix: use m:inverse()");
     return elementwise(L, DM_OP_DIV, &a, &b);
 }
 
@@ -204,9 +198,8 @@ int dml_pow(lua_State *L) {
     dml_operand a, b;
     if (read_operands(L, DM_OP_POW, &a, &b)) return 1;
     if (!a.rank && !b.rank) return apply_scalars(L, DM_OP_POW, &a, &b);
-    return luaL_error(
-        L, "a power of a vector or matrix is ambiguous: use v:dot(v), m * m, or "
-           "v:map(function(x) return x^2 end)");
+    return luaL_error(L, "a power of a vector or matrix is ambiguous: use v:dot(v), m * m, or "
+                         "v:map(function(x) return x^2 end)");
 }
 
 int dml_unm(lua_State *L) {
@@ -222,8 +215,7 @@ int dml_unm(lua_State *L) {
     const dml_scalar kind = dml_kindof(a.array);
     dml_array *out = dml_newarray(L, a.rank, a.array->rows, a.array->columns, &kind);
     for (uint32_t i = 0; i < dml_size(out); i++) {
-        const dml_scalar x = dml_get(a.array, i),
-                         z = dml_apply(L, DM_OP_NEG, &x, NULL, NULL);
+        const dml_scalar x = dml_get(a.array, i), z = dml_apply(L, DM_OP_NEG, &x, NULL, NULL);
         dml_put(L, out, i, &z);
     }
     return 1;

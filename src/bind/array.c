@@ -16,14 +16,11 @@ dml_array *dml_newarray(lua_State *L, int rank, uint32_t rows, uint32_t columns,
                         const dml_scalar *like) {
     const uint64_t n = (uint64_t)rows * columns;
     if (n > LARGEST)
-        luaL_error(L, "%d x %d entries are too many: at most %d", (int)rows, (int)columns,
-                   LARGEST);
-    if (rank == 2 && n == 0)
-        luaL_error(L, "a matrix needs at least one row and one column");
+        luaL_error(L, "%d x %d entries are too many: at most %d", (int)rows, (int)columns, LARGEST);
+    if (rank == 2 && n == 0) luaL_error(L, "a matrix needs at least one row and one column");
     luaL_checkstack(L, 4, NULL);
     const size_t size = sizeof(dml_array) + (size_t)n * entry_size(like->kind);
-    dml_array *a =
-        dml_newvalue(L, rank == 1 ? DML_CLASS_VECTOR : DML_CLASS_MATRIX, size, 1);
+    dml_array *a = dml_newvalue(L, rank == 1 ? DML_CLASS_VECTOR : DML_CLASS_MATRIX, size, 1);
     *a = (dml_array){.rows = rows,
                      .columns = columns,
                      .rank = rank,
@@ -35,9 +32,8 @@ dml_array *dml_newarray(lua_State *L, int rank, uint32_t rows, uint32_t columns,
 
 dml_array *dml_toarray(lua_State *L, int arg, int rank) {
     const int class = dml_classof(L, arg);
-    return class == (rank == 1 ? DML_CLASS_VECTOR : DML_CLASS_MATRIX)
-               ? lua_touserdata(L, arg)
-               : NULL;
+    return class == (rank == 1 ? DML_CLASS_VECTOR : DML_CLASS_MATRIX) ? lua_touserdata(L, arg)
+                                                                      : NULL;
 }
 
 dml_array *dml_checkarray(lua_State *L, int arg, int rank) {
@@ -124,7 +120,7 @@ void dml_put(lua_State *L, dml_array *a, uint32_t i, const dml_scalar *x) {
 }
 
 /* the holder of entries on top of the stack gets entries of another kind, in a block
-** of their own */
+ * of their own */
 static void change_kind(lua_State *L, dml_array *h, const dml_scalar *kind) {
     const uint32_t n = dml_size(h);
     dml_array old = *h, fresh = *h;
@@ -142,7 +138,7 @@ static void change_kind(lua_State *L, dml_array *h, const dml_scalar *kind) {
 }
 
 /* entries that belong to a trace that has ended become NaN: a scratch vector of a
-** traced function is filled anew by every call, and what was not filled is found */
+ * traced function is filled anew by every call, and what was not filled is found */
 static void forget_symbols(lua_State *L, dml_array *h) {
     const uint32_t n = dml_size(h);
     double *entries = lua_newuserdatauv(L, (size_t)n * sizeof *entries, 0);
@@ -190,12 +186,11 @@ static double inner_numbers(const double *a, uint32_t da, const double *b, uint3
 /* a and b hold symbols of one trace */
 static dml_scalar inner_symbols(lua_State *L, dml_run a, dml_run b, uint32_t n) {
     dml_frame *frame = dml_findframe(L, dml_kindof(a.array).serial);
-    const dm_node *x = dml_nodesof(a.array) + a.first,
-                  *y = dml_nodesof(b.array) + b.first;
+    const dm_node *x = dml_nodesof(a.array) + a.first, *y = dml_nodesof(b.array) + b.first;
     dm_node sum = 0;
     for (uint32_t k = 0; k < n; k++) {
-        const dm_node product = dml_operation(L, frame, DM_OP_MUL, x[(size_t)k * a.step],
-                                              y[(size_t)k * b.step], 0);
+        const dm_node product =
+            dml_operation(L, frame, DM_OP_MUL, x[(size_t)k * a.step], y[(size_t)k * b.step], 0);
         sum = k ? dml_operation(L, frame, DM_OP_ADD, sum, product, 0) : product;
     }
     dml_checkgraph(L, frame);

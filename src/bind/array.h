@@ -1,15 +1,13 @@
 /* array.h - vectors and matrices of numbers, symbols or hyper-dual numbers: one layout
-** for all. */
+ * for all. */
 #ifndef DML_ARRAY_H
 #define DML_ARRAY_H
 
 #include "bind/value.h"
 
-/*
-** Entries are row-major and of one kind. They stand behind the header, or (after an entry
-** of another kind was assigned) in a block that user value 1 keeps. A row view has an
-** owner, kept by user value 1, and reads the owner's entries.
-*/
+/* Entries are row-major and of one kind. They stand behind the header, or (after an entry
+ * of another kind was assigned) in a block that user value 1 keeps. A row view has an
+ * owner, kept by user value 1, and reads the owner's entries. */
 typedef struct dml_array {
     uint32_t rows, columns; /* a vector has one column */
     int rank;               /* 1: vector, 2: matrix */
@@ -36,7 +34,7 @@ dml_array *dml_toarray(lua_State *L, int arg, int rank);
 dml_array *dml_checkarray(lua_State *L, int arg, int rank);
 
 /* A vector from the vector or table at arg: a table is replaced by a vector on the
-** stack. */
+ * stack. */
 const dml_array *dml_vectorat(lua_State *L, int arg);
 
 /* Push a vector that reads and writes row i of the matrix at arg. */
@@ -61,7 +59,7 @@ dml_scalar dml_get(const dml_array *a, uint32_t i);
 void dml_put(lua_State *L, dml_array *a, uint32_t i, const dml_scalar *x);
 
 /* Entry i = x for the array at stack index arg, which takes the kind of x when it
-** must. */
+ * must. */
 void dml_assign(lua_State *L, int arg, uint32_t i, const dml_scalar *x);
 
 /* The kind that holds both: numbers are lifted; raises when it cannot be. */
@@ -78,7 +76,7 @@ typedef struct {
 dml_scalar dml_inner(lua_State *L, dml_run a, dml_run b, uint32_t n);
 
 /* Metamethods of all four classes (numbers, symbols, hyper-dual numbers, arrays
-** mixed). */
+ * mixed). */
 int dml_add(lua_State *L);
 int dml_sub(lua_State *L);
 int dml_mul(lua_State *L);

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* "jit" is the tape where the processor or the system has no native code for it, "cc" where
-** there is no compiler */
+ * there is no compiler */
 static const dml_backend backends[] = {{"jit", dm_native_build, NULL},
                                        {"tape", dm_tape_build, NULL},
                                        {"cc", dml_cc_or_tape, NULL},
@@ -19,8 +19,7 @@ static const dml_backend backends[] = {{"jit", dm_native_build, NULL},
 static const dml_backend *by_name(lua_State *L, const char *name, const char *from) {
     luaL_Buffer b;
     for (const dml_backend *row = backends; row->name; row++)
-        if (strcmp(row->name, name) == 0 && (!row->available || row->available()))
-            return row;
+        if (strcmp(row->name, name) == 0 && (!row->available || row->available())) return row;
     luaL_buffinit(L, &b);
     for (const dml_backend *row = backends; row->name; row++) {
         if (row != backends) luaL_addstring(&b, ", ");
@@ -41,8 +40,8 @@ const dml_backend *dml_findbackend(lua_State *L, const char *name) {
 }
 
 void dml_limitprocessor(lua_State *L) {
-    static const char *const names[] = {
-        [DM_PLAIN] = "plain", [DM_FMA] = "fma", [DM_AVX512] = "avx512"};
+    static const char *const names[] =
+        {[DM_PLAIN] = "plain", [DM_FMA] = "fma", [DM_AVX512] = "avx512"};
     const char *text = getenv("DMLUA_PROCESSOR");
     if (!text || !*text) return;
     for (int level = DM_PLAIN; level <= DM_AVX512; level++)
@@ -51,7 +50,6 @@ void dml_limitprocessor(lua_State *L) {
             dm_fma_allow(level > DM_PLAIN);
             return;
         }
-    luaL_error(
-        L, "environment variable DMLUA_PROCESSOR must be plain, fma or avx512 (got '%s')",
-        text);
+    luaL_error(L, "environment variable DMLUA_PROCESSOR must be plain, fma or avx512 (got '%s')",
+               text);
 }

@@ -13,11 +13,12 @@ typedef struct {
 } dml_backend;
 
 /* The backend of that name; NULL: the one of DMLUA_BACKEND, else the first that is
- *available.
- ** Raises on an unknown name. */
+ * available.
+ * Raises on an unknown name. */
 const dml_backend *dml_findbackend(lua_State *L, const char *name);
 
-/* DMLUA_PROCESSOR: elementary functions and fma as on a plain, fma or avx512 processor, at most this one's own level. */
+/* DMLUA_PROCESSOR: elementary functions and fma as on a plain, fma or avx512 processor, at most
+ * this one's own level. */
 void dml_limitprocessor(lua_State *L);
 
 #endif

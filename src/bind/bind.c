@@ -33,7 +33,7 @@ void dml_setfunctions(lua_State *L, const dml_row *rows) {
 }
 
 /* value.key: the class's own field function first (upvalue 2), then its methods
-** (upvalue 1); upvalue 3: its name */
+ * (upvalue 1); upvalue 3: its name */
 static int class_index(lua_State *L) {
     const lua_CFunction field = lua_tocfunction(L, lua_upvalueindex(2));
     lua_settop(L, 2);
@@ -53,7 +53,8 @@ static void set_doc(lua_State *L, const char *key, const char *doc) {
     lua_pop(L, 1);
 }
 
-/* __newindex of objects whose fields say what they are; tables of a class take what they are given */
+/* __newindex of objects whose fields say what they are; tables of a class take what they are
+ * given */
 static int refuse_field(lua_State *L) {
     if (lua_istable(L, 1)) return lua_rawset(L, 1), 0;
     const char *class = lua_tostring(L, lua_upvalueindex(1));
@@ -112,8 +113,7 @@ static int distance(const char *a, const char *b) {
     for (int i = 0; a[i]; i++) {
         now[0] = i + 1;
         for (int j = 0; j < n; j++) {
-            now[j + 1] =
-                smallest(last[j] + differ(a[i], b[j]), last[j + 1] + 1, now[j] + 1);
+            now[j + 1] = smallest(last[j] + differ(a[i], b[j]), last[j + 1] + 1, now[j] + 1);
             const int swap = i && j && !differ(a[i], b[j - 1]) && !differ(a[i - 1], b[j]);
             if (swap && before[j - 1] + 1 < now[j + 1]) now[j + 1] = before[j - 1] + 1;
         }
@@ -177,8 +177,7 @@ static const char *other_name(const char *key, const char *const *known) {
                                            {"output", "file"},
                                            {NULL, NULL}};
     for (int k = 0; names[k][0]; k++)
-        if (strcmp(names[k][0], key) == 0 && is_known(names[k][1], known))
-            return names[k][1];
+        if (strcmp(names[k][0], key) == 0 && is_known(names[k][1], known)) return names[k][1];
     return dml_nearest(key, known);
 }
 
@@ -208,9 +207,7 @@ void dml_options(lua_State *L, int arg, const char *const *known) {
     for (lua_pushnil(L); lua_next(L, arg); lua_pop(L, 1)) {
         if (lua_type(L, -2) != LUA_TSTRING) {
             const char *key = luaL_tolstring(L, -2, NULL);
-            luaL_error(L,
-                       "unexpected entry [%s] in a table of options: write name = value",
-                       key);
+            luaL_error(L, "unexpected entry [%s] in a table of options: write name = value", key);
         }
         const char *key = lua_tostring(L, -2);
         if (!is_known(key, known)) unknown_option(L, key, known);
@@ -287,8 +284,7 @@ long dml_count(lua_State *L, int arg, const char *key, long least, long fallback
 
 void dml_numbers(lua_State *L, int arg, const char *key, double *out, uint32_t n) {
     if (!push_field(L, arg, key)) {
-        const char *expected =
-            lua_pushfstring(L, "a vector or table of %d numbers", (int)n);
+        const char *expected = lua_pushfstring(L, "a vector or table of %d numbers", (int)n);
         lua_pushvalue(L, -2);
         wrong_field(L, key, expected);
     }

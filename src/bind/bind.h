@@ -10,7 +10,7 @@
 #include <signal.h>
 
 /* One row per function that Lua sees: name, C function, docstring for help(). Its first line
-** is "signature -> result", then shapes, units, errors, source. Metamethods may have none. */
+ * is "signature -> result", then shapes, units, errors, source. Metamethods may have none. */
 typedef struct {
     const char *name;
     lua_CFunction call;
@@ -18,12 +18,12 @@ typedef struct {
 } dml_row;
 
 /* Add `rows` (name = NULL ends it) to the table on top and file their docs under
-** registry.dm_docs[function]. */
+ * registry.dm_docs[function]. */
 void dml_setfunctions(lua_State *L, const dml_row *rows);
 
 /* Register class `tname` ("dm.path"): its doc (dm_docs["dm.path"]), metamethods, methods.
-** value.key asks `field` first (may be NULL; returns 0 results to decline), then the
-** methods, to which Lua modules add with dm.core.method(tname, name, f, doc). */
+ * value.key asks `field` first (may be NULL; returns 0 results to decline), then the
+ * methods, to which Lua modules add with dm.core.method(tname, name, f, doc). */
 void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_row *meta,
                   const dml_row *methods, lua_CFunction field);
 
@@ -31,16 +31,14 @@ void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_ro
 void dml_addmethods(lua_State *L, const char *tname, const dml_row *methods);
 
 /* An arena owned by Lua: pushes a userdata that keeps its memory, which the collector takes
-** back. It comes from the allocator of the state: one that refuses is felt here too. */
+ * back. It comes from the allocator of the state: one that refuses is felt here too. */
 dm_arena *dml_pusharena(lua_State *L);
 
-/*
-** Options tables. Each raises "field 'h' must be ... (got ...)" with what to try.
-** options: the keys that may occur, NULL at the end; another one: "did you mean".
-** number: finite, required when fallback is NaN. positive: > 0 and finite, required when
-** fallback is 0. count: whole and >= least, required when fallback < least.
-** numbers: a table or vector of n finite numbers.
-*/
+/* Options tables. Each raises "field 'h' must be ... (got ...)" with what to try.
+ * options: the keys that may occur, NULL at the end; another one: "did you mean".
+ * number: finite, required when fallback is NaN. positive: > 0 and finite, required when
+ * fallback is 0. count: whole and >= least, required when fallback < least.
+ * numbers: a table or vector of n finite numbers. */
 void dml_options(lua_State *L, int arg, const char *const *known);
 double dml_number(lua_State *L, int arg, const char *key, double fallback);
 double dml_positive(lua_State *L, int arg, const char *key, double fallback);
@@ -53,11 +51,12 @@ const char *dml_nearest(const char *word, const char *const *known);
 /* Set by the cli's SIGINT handler; cleared when a run has seen it. */
 extern volatile sig_atomic_t dml_stop;
 
-/* Ctrl-C as an error on its way through Lua: no pcall of our modules may keep it but core.until_stop. */
+/* Ctrl-C as an error on its way through Lua: no pcall of our modules may keep it but
+ * core.until_stop. */
 extern volatile sig_atomic_t dml_raised;
 
-/* lua_pcall for what may fail: true when it did not. Ctrl-C, which may come between any two instructions of
-** Lua, and want of memory are passed on. */
+/* lua_pcall for what may fail: true when it did not. Ctrl-C, which may come between any two
+ * instructions of Lua, and want of memory are passed on. */
 int dml_try(lua_State *L, int arguments, int results);
 
 /* One opener per binding file, listed in classes.def; each adds to the table on top. */

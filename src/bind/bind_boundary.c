@@ -58,8 +58,7 @@ static uint8_t *read_given(lua_State *L, uint32_t n) {
     return given;
 }
 
-static void push_report(lua_State *L, const dm_boundary_report *report,
-                        dm_status status) {
+static void push_report(lua_State *L, const dm_boundary_report *report, dm_status status) {
     lua_createtable(L, 0, 4);
     lua_pushstring(L, dm_status_code(status)), lua_setfield(L, -2, "code");
     lua_pushstring(L, dm_status_text(status)), lua_setfield(L, -2, "text");
@@ -68,8 +67,7 @@ static void push_report(lua_State *L, const dm_boundary_report *report,
 }
 
 static int stationary(lua_State *L) {
-    static const char *const known[] = {"term", "sites", "block", "window",
-                                        "x",    "given", NULL};
+    static const char *const known[] = {"term", "sites", "block", "window", "x", "given", NULL};
     luaL_checktype(L, OPTIONS, LUA_TTABLE);
     lua_settop(L, OPTIONS);
     dml_options(L, OPTIONS, known);
@@ -95,17 +93,17 @@ static int stationary(lua_State *L) {
     return 2;
 }
 
-static const dml_row functions[] = {
-    {"stationary", stationary,
-     "dm.stationary{term=, sites=, block=, window=, x=, given=} -> dm.vector, report\n"
-     "The sequence x of `sites` blocks of `block` numbers for which the sum of term(w) "
-     "over all windows w of `window` neighbouring blocks (a vector) is stationary, from "
-     "the guess x by Newton's method on the whole (a band). given: a list of booleans, "
-     "true for the numbers that stay. report: code (\"ok\", \"no_convergence\", "
-     "\"singular\", \"not_finite\", \"stopped\"), text, iterations, residual (the "
-     "largest derivative left). Look at report.code: x is no solution when it is not "
-     "\"ok\"."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"stationary", stationary,
+      "dm.stationary{term=, sites=, block=, window=, x=, given=} -> dm.vector, report\n"
+      "The sequence x of `sites` blocks of `block` numbers for which the sum of term(w) "
+      "over all windows w of `window` neighbouring blocks (a vector) is stationary, from "
+      "the guess x by Newton's method on the whole (a band). given: a list of booleans, "
+      "true for the numbers that stay. report: code (\"ok\", \"no_convergence\", "
+      "\"singular\", \"not_finite\", \"stopped\"), text, iterations, residual (the "
+      "largest derivative left). Look at report.code: x is no solution when it is not "
+      "\"ok\"."},
+     {NULL, NULL, NULL}};
 
 void dml_open_boundary(lua_State *L) {
     dml_setfunctions(L, functions);

@@ -1,4 +1,5 @@
-/* bind_curve.c - `dm.curve`: an explicit one-step method as the curve segments of a variational rule. */
+/* bind_curve.c - `dm.curve`: an explicit one-step method as the curve segments of a variational
+ * rule. */
 #include "bind/curve.h"
 
 #include <math.h>
@@ -33,11 +34,10 @@ static void own_method(lua_State *L, dm_curve *c, int fn) {
     c->order = c->lifted ? dm_curve_measure(c) : dm_curve_conditions(c, NULL);
     const long claimed = dml_count(L, 1, "order", 1, 1);
     if (claimed > c->order && c->order < 8)
-        luaL_error(L, "field 'order' is %d, but the method has order %d only (%s)",
-                   (int)claimed, c->order,
-                   c->lifted
-                       ? "measured where accelerations depend on q"
-                       : "its coefficients satisfy the order conditions up to there");
+        luaL_error(L, "field 'order' is %d, but the method has order %d only (%s)", (int)claimed,
+                   c->order,
+                   c->lifted ? "measured where accelerations depend on q"
+                             : "its coefficients satisfy the order conditions up to there");
 }
 
 /* method = a name or a function, of the options at 1 */
@@ -48,22 +48,20 @@ static void read_method(lua_State *L, dm_curve *c) {
     else if (lua_isfunction(L, -1))
         own_method(L, c, lua_gettop(L));
     else
-        luaL_error(
-            L,
-            "field 'method' must be the name of a one-step method, for instance \"rk4\", "
-            "or a function(x, f, h) that gives x after a step h of x' = f(x) (got %s)",
-            luaL_typename(L, -1));
+        luaL_error(L,
+                   "field 'method' must be the name of a one-step method, for instance \"rk4\", "
+                   "or a function(x, f, h) that gives x after a step h of x' = f(x) (got %s)",
+                   luaL_typename(L, -1));
     lua_pop(L, 1);
 }
 
 static void read_bias(lua_State *L, dm_curve *c) {
     const double bias = dml_number(L, 1, "bias", c->bias);
     if (!(bias >= 0.0 && bias <= 1.0))
-        luaL_error(
-            L,
-            "field 'bias' must be a number from 0 to 1, the part of a step that lies "
-            "behind (q, v) (got %f)",
-            bias);
+        luaL_error(L,
+                   "field 'bias' must be a number from 0 to 1, the part of a step that lies "
+                   "behind (q, v) (got %f)",
+                   bias);
     if (!dm_curve_bias(c, bias))
         luaL_error(L,
                    "field 'bias': a method of %d stages can begin or end a segment (bias "
@@ -106,27 +104,27 @@ int dml_curve_new(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] = {
-    {"curve", dml_curve_new,
-     "dm.curve(name [, {bias=}]) -> dm.rule   or   dm.curve{method=, bias=, order=}\n"
-     "Curve segments for rule =: an explicit one-step method made variational, "
-     "symplectic and of the order of the "
-     "method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, butcher6, "
-     "fehlberg7, dop853, and GSL's "
-     "gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. method may be a function(x, f, "
-     "h) or function(x, f, h, t) "
-     "that gives the state x = (q, v), a vector of 2 n entries, after a step h of x' = "
-     "f(x) (f(x, t) takes the time "
-     "too): any method that is linear in the values of f, as Runge-Kutta, leapfrog and "
-     "Nystroem methods are, with "
-     "numbers for coefficients; its order is found, and `order` (optional) checked "
-     "against it. bias in [0, 1]: the part of "
-     "a step behind (q, v), 1 unless given, 1/2 for \"straight\" and for symmetric "
-     "rules; straight segments with bias "
-     "1/2 are the midpoint rule, with 0 and 1 the two symplectic Euler methods. The rule "
-     "as text: rule = "
-     "\"curve(rk4)\", \"curve(rk4, 0.5)\" (Cuell-Patrick 2008)."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"curve", dml_curve_new,
+      "dm.curve(name [, {bias=}]) -> dm.rule   or   dm.curve{method=, bias=, order=}\n"
+      "Curve segments for rule =: an explicit one-step method made variational, "
+      "symplectic and of the order of the "
+      "method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, butcher6, "
+      "fehlberg7, dop853, and GSL's "
+      "gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. method may be a function(x, f, "
+      "h) or function(x, f, h, t) "
+      "that gives the state x = (q, v), a vector of 2 n entries, after a step h of x' = "
+      "f(x) (f(x, t) takes the time "
+      "too): any method that is linear in the values of f, as Runge-Kutta, leapfrog and "
+      "Nystroem methods are, with "
+      "numbers for coefficients; its order is found, and `order` (optional) checked "
+      "against it. bias in [0, 1]: the part of "
+      "a step behind (q, v), 1 unless given, 1/2 for \"straight\" and for symmetric "
+      "rules; straight segments with bias "
+      "1/2 are the midpoint rule, with 0 and 1 the two symplectic Euler methods. The rule "
+      "as text: rule = "
+      "\"curve(rk4)\", \"curve(rk4, 0.5)\" (Cuell-Patrick 2008)."},
+     {NULL, NULL, NULL}};
 
 void dml_open_curve(lua_State *L) {
     dml_setfunctions(L, functions);

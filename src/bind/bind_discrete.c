@@ -125,8 +125,7 @@ static int discrete_value(lua_State *L) {
     return discrete_call(L);
 }
 
-static void set_matrix(lua_State *L, const char *key, const double *x, uint32_t rows,
-                       uint32_t n) {
+static void set_matrix(lua_State *L, const char *key, const double *x, uint32_t rows, uint32_t n) {
     memcpy(dml_pushmatrix(L, rows, n), x, (size_t)rows * n * sizeof *x);
     lua_setfield(L, -2, key);
 }
@@ -171,9 +170,8 @@ static int discrete_tostring(lua_State *L) {
 static int discrete_field(lua_State *L) {
     const dml_system *s = check(L);
     const char *key = luaL_checkstring(L, 2);
-    static const char *const fields[] = {"Q",          "Ld",     "name",   "coordinates",
-                                         "units",      "params", "system", "rule",
-                                         "constraint", NULL};
+    static const char *const fields[] = {"Q",      "Ld",     "name", "coordinates", "units",
+                                         "params", "system", "rule", "constraint",  NULL};
     if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
@@ -302,58 +300,57 @@ static int discrete_new(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", discrete_tostring, NULL},
                                {"__call", discrete_call, NULL},
                                {NULL, NULL, NULL}};
-static const dml_row methods[] = {
-    {"value", discrete_value,
-     "Ld:value(q0, q1 [, t]) -> number\n"
-     "The discrete Lagrangian, the same as Ld(q0, q1): of a rule, the action of the "
-     "curve of that rule from q0 at the time t "
-     "(0) to q1, found by Newton to round-off."},
-    {"hamilton_pontryagin", hamilton_pontryagin,
-     "Ld:hamilton_pontryagin(q0, q1 [, t]) -> {value, p0, p1, q, v, p, residual}\n"
-     "The stationary point of h sum_i b_i [L(q_i, v_i) + p_i . (dq_i/dt - v_i)] over the "
-     "curves of the rule from q0 to q1: "
-     "positions, velocities and momenta p_i = dL/dv at its points (matrices, a row "
-     "each), the multipliers p0 and p1 of the ends, "
-     "which are the discrete Legendre transforms, and what is left of its equations "
-     "(Leok 5.2)."},
-    {"legendre_minus", discrete_minus,
-     "Ld:legendre_minus(q0, q1) -> dm.vector\nThe momentum p0 = -D1 Ld(q0, q1) at q0 "
-     "(Leok 2.3)."},
-    {"legendre_plus", discrete_plus,
-     "Ld:legendre_plus(q0, q1) -> dm.vector\nThe momentum p1 = D2 Ld(q0, q1) at q1 (Leok "
-     "2.3)."},
-    {"two_form", discrete_two_form,
-     "Ld:two_form(q0, q1) -> dm.matrix\n"
-     "The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = "
-     "-d2Ld/dq0dq1 dq0 ^ dq1."},
-    {"momentum", discrete_momentum,
-     "Ld:momentum(group, q0, q1 [, {block=}]) -> dm.vector of dim G entries\n"
-     "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; "
-     "kept along a "
-     "path when Ld is invariant."},
-    {NULL, NULL, NULL}};
-static const dml_row functions[] = {
-    {"discrete_lagrangian", discrete_new,
-     "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, "
-     "derivatives=, constraint=} -> dm.discrete_lagrangian\n"
-     "or dm.discrete_lagrangian(system, {rule=, h=}) with any stage rule (\"galerkin(3, "
-     "lobatto(4))\", \"gauss(2)\", "
-     "\"midpoint\" ...)\n"
-     "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from "
-     "q0 to q1 in the time h. Step it with "
-     "dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every "
-     "node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with "
-     "record = { \"impulses\" }); momenta are D2 Ld, as they are."},
-    {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"value", discrete_value,
+      "Ld:value(q0, q1 [, t]) -> number\n"
+      "The discrete Lagrangian, the same as Ld(q0, q1): of a rule, the action of the "
+      "curve of that rule from q0 at the time t "
+      "(0) to q1, found by Newton to round-off."},
+     {"hamilton_pontryagin", hamilton_pontryagin,
+      "Ld:hamilton_pontryagin(q0, q1 [, t]) -> {value, p0, p1, q, v, p, residual}\n"
+      "The stationary point of h sum_i b_i [L(q_i, v_i) + p_i . (dq_i/dt - v_i)] over the "
+      "curves of the rule from q0 to q1: "
+      "positions, velocities and momenta p_i = dL/dv at its points (matrices, a row "
+      "each), the multipliers p0 and p1 of the ends, "
+      "which are the discrete Legendre transforms, and what is left of its equations "
+      "(Leok 5.2)."},
+     {"legendre_minus", discrete_minus,
+      "Ld:legendre_minus(q0, q1) -> dm.vector\nThe momentum p0 = -D1 Ld(q0, q1) at q0 "
+      "(Leok 2.3)."},
+     {"legendre_plus", discrete_plus,
+      "Ld:legendre_plus(q0, q1) -> dm.vector\nThe momentum p1 = D2 Ld(q0, q1) at q1 (Leok "
+      "2.3)."},
+     {"two_form", discrete_two_form,
+      "Ld:two_form(q0, q1) -> dm.matrix\n"
+      "The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = "
+      "-d2Ld/dq0dq1 dq0 ^ dq1."},
+     {"momentum", discrete_momentum,
+      "Ld:momentum(group, q0, q1 [, {block=}]) -> dm.vector of dim G entries\n"
+      "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; "
+      "kept along a "
+      "path when Ld is invariant."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"discrete_lagrangian", discrete_new,
+      "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, "
+      "derivatives=, constraint=} -> dm.discrete_lagrangian\n"
+      "or dm.discrete_lagrangian(system, {rule=, h=}) with any stage rule (\"galerkin(3, "
+      "lobatto(4))\", \"gauss(2)\", "
+      "\"midpoint\" ...)\n"
+      "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from "
+      "q0 to q1 in the time h. Step it with "
+      "dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every "
+      "node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with "
+      "record = { \"impulses\" }); momenta are D2 Ld, as they are."},
+     {NULL, NULL, NULL}};
 
 void dml_open_discrete(lua_State *L) {
-    dml_newclass(
-        L, DML_DISCRETE,
-        "dm.discrete_lagrangian: Ld(q0, q1), made by dm.discrete_lagrangian{Q=, "
-        "h=, Ld=}\n"
-        "or, of a system and a rule, by dm.discrete_lagrangian(system, {rule=, h=})\n"
-        "fields: Q, Ld, h, name, coordinates, units, params, system, rule, "
-        "constraint",
-        meta, methods, discrete_field);
+    dml_newclass(L, DML_DISCRETE,
+                 "dm.discrete_lagrangian: Ld(q0, q1), made by dm.discrete_lagrangian{Q=, "
+                 "h=, Ld=}\n"
+                 "or, of a system and a rule, by dm.discrete_lagrangian(system, {rule=, h=})\n"
+                 "fields: Q, Ld, h, name, coordinates, units, params, system, rule, "
+                 "constraint",
+                 meta, methods, discrete_field);
     dml_setfunctions(L, functions);
 }

@@ -30,11 +30,9 @@ typedef struct {
 
 static void emit(const emitter *e, const char *name, const dm_node *roots, uint32_t m) {
     if (!dm_emit_c(e->graph, roots, m, name, e->names, put, e->b))
-        luaL_error(
-            e->L,
-            dm_graph_status(e->graph) == DM_OK
-                ? "an operation of this function has no C text (dm.sum_over, dm.root)"
-                : "not enough memory");
+        luaL_error(e->L, dm_graph_status(e->graph) == DM_OK
+                             ? "an operation of this function has no C text (dm.sum_over, dm.root)"
+                             : "not enough memory");
     luaL_addchar(e->b, '\n');
 }
 
@@ -73,8 +71,7 @@ static int system_emit(lua_State *L) {
     const char *const *names = input_names(L, s);
     dml_model *m = dml_pushmodel(L, 1);
     if (!m->graph)
-        return luaL_error(
-            L, "this system runs on hyper-dual numbers: it has no graph to write");
+        return luaL_error(L, "this system runs on hyper-dual numbers: it has no graph to write");
     if (dm_graph_inputs(m->graph) > (s->pair ? 2 * n : 2 * n + 1))
         return luaL_error(L, "this system keeps a loop over its bodies (dm.sum_over), "
                              "which has no C text; one "
@@ -89,8 +86,7 @@ static int system_emit(lua_State *L) {
     if (!s->pair) {
         dm_node E = dm_neg(m->graph, m->lagrangian);
         for (uint32_t i = 0; i < n; i++) {
-            const dm_node v = dm_input(m->graph, n + i),
-                          term = dm_mul(m->graph, v, slope[n + i]);
+            const dm_node v = dm_input(m->graph, n + i), term = dm_mul(m->graph, v, slope[n + i]);
             E = dm_add(m->graph, E, term);
         }
         emit(&e, "energy", &E, 1);
@@ -109,21 +105,21 @@ static int function_emit(lua_State *L) {
     return push_file(&b);
 }
 
-static const dml_row of_systems[] = {
-    {"emit_c", system_emit,
-     "system:emit_c() -> string\n"
-     "C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 "
-     "output), slope (dL/dq, dL/dv: 2 dim Q) "
-     "and energy, and constraint, rolling, reaction, force where there are such, each "
-     "void f(const double *in, double *out) with in = q, v, t; of a "
-     "discrete Lagrangian Ld and slope with "
-     "in = q0, q1. Compile with -ffp-contract=off for the same bits."},
-    {NULL, NULL, NULL}};
-static const dml_row of_functions[] = {
-    {"emit_c", function_emit,
-     "f:emit_c([name]) -> string\nC17 text of f: void name(const double *in, double "
-     "*out); name defaults to f."},
-    {NULL, NULL, NULL}};
+static const dml_row of_systems[] =
+    {{"emit_c", system_emit,
+      "system:emit_c() -> string\n"
+      "C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 "
+      "output), slope (dL/dq, dL/dv: 2 dim Q) "
+      "and energy, and constraint, rolling, reaction, force where there are such, each "
+      "void f(const double *in, double *out) with in = q, v, t; of a "
+      "discrete Lagrangian Ld and slope with "
+      "in = q0, q1. Compile with -ffp-contract=off for the same bits."},
+     {NULL, NULL, NULL}};
+static const dml_row of_functions[] =
+    {{"emit_c", function_emit,
+      "f:emit_c([name]) -> string\nC17 text of f: void name(const double *in, double "
+      "*out); name defaults to f."},
+     {NULL, NULL, NULL}};
 
 void dml_open_emit(lua_State *L) {
     dml_addmethods(L, DML_SYSTEM, of_systems);

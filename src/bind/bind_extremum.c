@@ -1,7 +1,5 @@
-/*
-** bind_extremum.c - dm.extremum: the value of a function at its stationary point, whose derivatives in a
-** Lagrangian are then made by the envelope property (expr/extremum.h).
-*/
+/* bind_extremum.c - dm.extremum: the value of a function at its stationary point, whose
+ * derivatives in a Lagrangian are then made by the envelope property (expr/extremum.h). */
 #include "bind/trace_log.h"
 #include "expr/extremum.h"
 #include "expr/implicit.h"
@@ -22,15 +20,14 @@ static double evaluate(const dm_graph *g, dm_node last, const double *in, double
         else if (e->op == DM_OP_IMPLICIT) /* of other nodes, see keep */
             work[k] = NAN;
         else
-            work[k] = dm_op_value(e->op, work[e->as.arg[0]], work[e->as.arg[1]],
-                                  work[e->as.arg[2]]);
+            work[k] =
+                dm_op_value(e->op, work[e->as.arg[0]], work[e->as.arg[1]], work[e->as.arg[2]]);
     }
     return work[last];
 }
 
 /* f at (x, y + e in entry a, t), with the inputs of e->of in `at` */
-static double off_by(const dm_extremum *e, double *at, uint32_t a, double step,
-                     double *work) {
+static double off_by(const dm_extremum *e, double *at, uint32_t a, double step, double *work) {
     at[e->n + a] += step;
     const double f = evaluate(e->of, e->f, at, work);
     at[e->n + a] -= step;
@@ -38,25 +35,22 @@ static double off_by(const dm_extremum *e, double *at, uint32_t a, double step,
 }
 
 /* is the value that of f at y, and f stationary there? Compared at points where they are finite. */
-static void check_at(lua_State *L, const dm_graph *g, const dm_extremum *e,
-                     const double *x, double *at, double *work) {
+static void check_at(lua_State *L, const dm_graph *g, const dm_extremum *e, const double *x,
+                     double *at, double *work) {
     const double step = 1e-4, value = evaluate(g, e->value, x, work);
     for (uint32_t i = 0; i < e->n; i++) at[i] = x[i];
     for (uint32_t i = e->n; i < dm_graph_inputs(g); i++) at[i + e->m] = x[i];
     for (uint32_t a = 0; a < e->m; a++) at[e->n + a] = evaluate(g, e->y[a], x, work);
     const double f = off_by(e, at, 0, 0.0, work), size = fmax(1.0, fabs(f));
     if (isfinite(value) && isfinite(f) && fabs(f - value) > 1e-8 * size)
-        luaL_error(L, "dm.extremum: f(x, y) is %f at a point where the value is %f", f,
-                   value);
+        luaL_error(L, "dm.extremum: f(x, y) is %f at a point where the value is %f", f, value);
     for (uint32_t a = 0; a < e->m; a++) {
-        const double up = off_by(e, at, a, step, work),
-                     down = off_by(e, at, a, -step, work),
+        const double up = off_by(e, at, a, step, work), down = off_by(e, at, a, -step, work),
                      slope = (up - down) / (2 * step);
         const double bend = fabs(up - 2 * f + down) / (step * step);
         if (isfinite(slope) && isfinite(bend) && fabs(slope) > 1e-5 * (size + bend))
-            luaL_error(
-                L, "dm.extremum: f is not stationary at y: its derivative by y[%d] is %f",
-                (int)a + 1, slope);
+            luaL_error(L, "dm.extremum: f is not stationary at y: its derivative by y[%d] is %f",
+                       (int)a + 1, slope);
     }
 }
 
@@ -86,7 +80,8 @@ static int read_y(lua_State *L, dml_frame *frame, uint32_t m, dm_node *y) {
     return 1;
 }
 
-/* trace f(q, v, y, t) on symbols of its own; with functions that are only known by an equation the formula stays alone */
+/* trace f(q, v, y, t) on symbols of its own; with functions that are only known by an equation
+ * the formula stays alone */
 static void keep(lua_State *L, dml_frame *frame, dm_node value, uint32_t m) {
     dml_traced traced;
     const int n = (int)(dm_graph_inputs(frame->graph) - 1) / 2;
@@ -113,8 +108,8 @@ static void keep(lua_State *L, dml_frame *frame, dm_node value, uint32_t m) {
 }
 
 /* are the n entries at `arg` the inputs of the trace from number `first` on? */
-static int are_inputs(lua_State *L, int arg, dm_graph *g, const dml_frame *frame,
-                      uint32_t first, uint32_t n) {
+static int are_inputs(lua_State *L, int arg, dm_graph *g, const dml_frame *frame, uint32_t first,
+                      uint32_t n) {
     if (dml_length(L, arg) != (long)n) return 0;
     for (uint32_t i = 0; i < n; i++) {
         const dml_scalar x = dml_entry(L, arg, i);
@@ -125,13 +120,13 @@ static int are_inputs(lua_State *L, int arg, dm_graph *g, const dml_frame *frame
     return 1;
 }
 
-/* is this the Lagrangian of a system, at its own q and v? With sums that stay loops it is left as it is. */
+/* is this the Lagrangian of a system, at its own q and v? With sums that stay loops it is left
+ * as it is. */
 static int fits(lua_State *L, dml_frame *frame) {
     if (!frame || !frame->keeps_sums) return 0;
     dm_graph *g = dml_owngraph(L, frame);
     const uint32_t n = (dm_graph_inputs(g) - 1) / 2;
-    return !dm_sums(g) && are_inputs(L, 4, g, frame, 0, n) &&
-           are_inputs(L, 5, g, frame, n, n);
+    return !dm_sums(g) && are_inputs(L, 4, g, frame, 0, n) && are_inputs(L, 5, g, frame, n, n);
 }
 
 static int extremum(lua_State *L) {
@@ -147,17 +142,17 @@ static int extremum(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] = {
-    {"extremum", extremum,
-     "dm.extremum(value, f, y, q, v) -> value\n"
-     "Says of the value that a Lagrangian returns at its own arguments q and v that it "
-     "is f(q, v, y, t) at the y (a "
-     "list) for which f is stationary: its derivatives are then "
-     "made from those of f (f_x, and f_xx - f_xy f_yy^-1 f_yx), which is less to compute "
-     "than those of a formula with y eliminated. Raises "
-     "when f(q, v, y, t) is not the value, or not stationary at y. Changes nothing "
-     "anywhere else."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"extremum", extremum,
+      "dm.extremum(value, f, y, q, v) -> value\n"
+      "Says of the value that a Lagrangian returns at its own arguments q and v that it "
+      "is f(q, v, y, t) at the y (a "
+      "list) for which f is stationary: its derivatives are then "
+      "made from those of f (f_x, and f_xx - f_xy f_yy^-1 f_yx), which is less to compute "
+      "than those of a formula with y eliminated. Raises "
+      "when f(q, v, y, t) is not the value, or not stationary at y. Changes nothing "
+      "anywhere else."},
+     {NULL, NULL, NULL}};
 
 void dml_open_extremum(lua_State *L) {
     dml_setfunctions(L, functions);

@@ -25,28 +25,25 @@ static void push_tie(lua_State *L, const dml_failure *f) {
 static void push_advice(lua_State *L, const dml_failure *f) {
     switch (f->status) {
     case DM_NO_CONVERGENCE:
-        lua_pushfstring(
-            L, "try a smaller step (h = %f), or look at failure.path for a singularity",
-            f->h / 2);
+        lua_pushfstring(L, "try a smaller step (h = %f), or look at failure.path for a singularity",
+                        f->h / 2);
         break;
     case DM_SINGULAR:
         if (f->constraint || f->rolling) {
             push_tie(L, f);
             break;
         }
-        lua_pushstring(
-            L,
-            "d2L/dv2 or the discrete d2Ld/dq0dq1 loses rank there: is L regular, are the "
-            "coordinates good at this point?");
+        lua_pushstring(L, "d2L/dv2 or the discrete d2Ld/dq0dq1 loses rank there: is L regular, are "
+                          "the "
+                          "coordinates good at this point?");
         break;
     case DM_NOT_FINITE:
-        lua_pushfstring(
-            L, "%s: try a smaller step (h = %f), or another start",
-            f->step > 1
-                ? "the state left the domain of L or grew without bound"
-                : "the first step leaves the domain of L, or a derivative of L is "
-                  "infinite at the start",
-            f->h / 2);
+        lua_pushfstring(L, "%s: try a smaller step (h = %f), or another start",
+                        f->step > 1
+                            ? "the state left the domain of L or grew without bound"
+                            : "the first step leaves the domain of L, or a derivative of L is "
+                              "infinite at the start",
+                        f->h / 2);
         break;
     case DM_STOPPED:
         lua_pushstring(L, "the path so far is in failure.path");
@@ -85,8 +82,7 @@ void dml_fail(lua_State *L, const dml_failure *f, int path) {
     lua_pushfstring(L, "%s: %s at step %I (t = %f", f->rule, dm_status_text(f->status),
                     (LUAI_UACINT)f->step, f->time);
     if (f->status == DM_NO_CONVERGENCE)
-        lua_pushfstring(L, ", residual %f after %d iterations); ", f->residual,
-                        f->iterations);
+        lua_pushfstring(L, ", residual %f after %d iterations); ", f->residual, f->iterations);
     else
         lua_pushstring(L, "); ");
     if (f->root && *f->root)

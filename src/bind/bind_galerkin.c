@@ -14,9 +14,8 @@ static int read_numbers(lua_State *L, const char *key, long double *out, int *co
     if (there) {
         const long length = dml_length(L, -1);
         if (length < 1 || length > DM_QUADRATURE_NODES)
-            luaL_error(L,
-                       "field '%s' must be a table or vector of 1 to %d numbers (got %s)",
-                       key, DM_QUADRATURE_NODES, luaL_typename(L, -1));
+            luaL_error(L, "field '%s' must be a table or vector of 1 to %d numbers (got %s)", key,
+                       DM_QUADRATURE_NODES, luaL_typename(L, -1));
         *count = (int)length;
         dml_numbers(L, 1, key, x, (uint32_t)length);
         for (int i = 0; i < *count; i++) out[i] = (long double)x[i];
@@ -29,12 +28,10 @@ static void check_nodes(lua_State *L, const dm_quadrature *q) {
     for (int i = 0; i < q->r; i++) {
         const double c = (double)q->c[i];
         if (c < 0.0 || c > 1.0)
-            luaL_error(
-                L, "field 'nodes': entry %d is %f; nodes lie in [0, 1], the step as unit",
-                i + 1, c);
-        if (i && q->c[i] <= q->c[i - 1])
-            luaL_error(L, "field 'nodes' must hold growing numbers (entry %d is %f)",
+            luaL_error(L, "field 'nodes': entry %d is %f; nodes lie in [0, 1], the step as unit",
                        i + 1, c);
+        if (i && q->c[i] <= q->c[i - 1])
+            luaL_error(L, "field 'nodes' must hold growing numbers (entry %d is %f)", i + 1, c);
     }
 }
 
@@ -65,10 +62,8 @@ static void read_quadrature(lua_State *L, dm_quadrature *q) {
 static void check_degree(lua_State *L, int s, const dm_quadrature *q) {
     const int degree = dm_quadrature_degree(q, EXACT);
     if (q->r < s)
-        luaL_error(
-            L,
-            "field 'degree' is %d: curves of degree %d need %d nodes at least (got %d)",
-            s, s, s, q->r);
+        luaL_error(L, "field 'degree' is %d: curves of degree %d need %d nodes at least (got %d)",
+                   s, s, s, q->r);
     if (degree < s - 1)
         luaL_error(L,
                    "curves of degree %d need a quadrature exact to degree %d; these "
@@ -102,17 +97,17 @@ static int galerkin_new(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] = {
-    {"galerkin", galerkin_new,
-     "dm.galerkin{degree=, nodes=, weights=} -> dm.rule\n"
-     "A Galerkin variational integrator for rule =: curves of that degree, the action by "
-     "a quadrature with these "
-     "nodes in [0, 1] (growing) and weights (sum 1; left out: those exact to the highest "
-     "degree). Quadratures with "
-     "names need no object: rule = \"galerkin(3, lobatto(4))\". Raises, with the degree, "
-     "when the quadrature is not "
-     "exact enough (Marsden & West 2001, 2.6; HLW VI.6)."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"galerkin", galerkin_new,
+      "dm.galerkin{degree=, nodes=, weights=} -> dm.rule\n"
+      "A Galerkin variational integrator for rule =: curves of that degree, the action by "
+      "a quadrature with these "
+      "nodes in [0, 1] (growing) and weights (sum 1; left out: those exact to the highest "
+      "degree). Quadratures with "
+      "names need no object: rule = \"galerkin(3, lobatto(4))\". Raises, with the degree, "
+      "when the quadrature is not "
+      "exact enough (Marsden & West 2001, 2.6; HLW VI.6)."},
+     {NULL, NULL, NULL}};
 
 void dml_open_galerkin(lua_State *L) {
     dml_setfunctions(L, functions);

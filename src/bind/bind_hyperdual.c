@@ -1,5 +1,5 @@
 /* bind_hyperdual.c - `dm.hyperdual`: a number that carries its derivatives along two
-** directions. */
+ * directions. */
 #include "bind/array.h"
 #include "bind/state.h"
 
@@ -13,9 +13,8 @@ static void read_pair(lua_State *L, dml_scalar *x, double *a, double *b) {
     dml_scalar y;
     if (!dml_toscalar(L, 1, x) || !dml_toscalar(L, 2, &y) || x->kind == DML_SYMBOL ||
         y.kind == DML_SYMBOL)
-        luaL_error(
-            L, "a hyper-dual number can be compared with numbers only (got %s and %s)",
-            luaL_typename(L, 1), luaL_typename(L, 2));
+        luaL_error(L, "a hyper-dual number can be compared with numbers only (got %s and %s)",
+                   luaL_typename(L, 1), luaL_typename(L, 2));
     *a = x->kind ? x->as.hyper.f : x->as.number;
     *b = y.kind ? y.as.hyper.f : y.as.number;
 }
@@ -98,19 +97,12 @@ static int hyper_new(lua_State *L) {
     return 1;
 }
 
-static const dml_row meta[] = {{"__add", dml_add, NULL},
-                               {"__sub", dml_sub, NULL},
-                               {"__mul", dml_mul, NULL},
-                               {"__div", dml_div, NULL},
-                               {"__pow", dml_pow, NULL},
-                               {"__unm", dml_unm, NULL},
-                               {"__lt", hyper_lt, NULL},
-                               {"__le", hyper_le, NULL},
-                               {"__eq", hyper_eq, NULL},
-                               {"__mod", hyper_mod, NULL},
-                               {"__idiv", hyper_idiv, NULL},
-                               {"__tostring", hyper_tostring, NULL},
-                               {NULL, NULL, NULL}};
+static const dml_row meta[] =
+    {{"__add", dml_add, NULL},   {"__sub", dml_sub, NULL},     {"__mul", dml_mul, NULL},
+     {"__div", dml_div, NULL},   {"__pow", dml_pow, NULL},     {"__unm", dml_unm, NULL},
+     {"__lt", hyper_lt, NULL},   {"__le", hyper_le, NULL},     {"__eq", hyper_eq, NULL},
+     {"__mod", hyper_mod, NULL}, {"__idiv", hyper_idiv, NULL}, {"__tostring", hyper_tostring, NULL},
+     {NULL, NULL, NULL}};
 static const dml_row functions[] = {{"hyperdual", hyper_new,
                                      "dm.hyperdual(f [, a, b, ab]) -> dm.hyperdual\n"
                                      "The number f with the derivatives a, b along two "

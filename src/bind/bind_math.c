@@ -1,15 +1,13 @@
-/*
-** bind_math.c - math.* for numbers, symbols and hyper-dual numbers, and the same
-** functions in dm. Plain numbers, and whatever is wrong, go straight to Lua's own
-** function, so that results and messages are its own.
-*/
+/* bind_math.c - math.* for numbers, symbols and hyper-dual numbers, and the same
+ * functions in dm. Plain numbers, and whatever is wrong, go straight to Lua's own
+ * function, so that results and messages are its own. */
 #include "bind/array.h"
 #include "bind/state.h"
 
 #include <math.h>
 
 /* one wrapped function; `call` gets 1 .. 3 arguments of which one is a symbol or
-** hyper-dual number */
+ * hyper-dual number */
 typedef struct {
     const char *name;
     dm_op op;
@@ -139,13 +137,10 @@ static const wrapper wrappers[] = {
     {"log", DM_OP_LOG, logarithm,
      "math.log(x [, base]) -> number\nThe logarithm, natural when base is left out; NaN "
      "for x < 0."},
-    {"sqrt", DM_OP_SQRT, unary,
-     "math.sqrt(x) -> number\nThe square root; NaN for x < 0."},
+    {"sqrt", DM_OP_SQRT, unary, "math.sqrt(x) -> number\nThe square root; NaN for x < 0."},
     {"abs", DM_OP_ABS, unary, "math.abs(x) -> number\nThe absolute value."},
-    {"max", DM_OP_MAX, extremum,
-     "math.max(x, ...) -> number\nThe largest of its arguments."},
-    {"min", DM_OP_MIN, extremum,
-     "math.min(x, ...) -> number\nThe smallest of its arguments."},
+    {"max", DM_OP_MAX, extremum, "math.max(x, ...) -> number\nThe largest of its arguments."},
+    {"min", DM_OP_MIN, extremum, "math.min(x, ...) -> number\nThe smallest of its arguments."},
     {"sinh", DM_OP_SINH, unary, "dm.sinh(x) -> number\nThe hyperbolic sine."},
     {"cosh", DM_OP_COSH, unary, "dm.cosh(x) -> number\nThe hyperbolic cosine."},
     {"tanh", DM_OP_TANH, unary, "dm.tanh(x) -> number\nThe hyperbolic tangent."},
@@ -186,7 +181,7 @@ static int plain(lua_State *L, const wrapper *w) {
 }
 
 /* upvalue 1: Lua's own function or nil, 2: the row, 3: true when the former may be
-** entered directly */
+ * entered directly */
 static int wrapped(lua_State *L) {
     const wrapper *w = lua_touserdata(L, lua_upvalueindex(2));
     const int top = lua_gettop(L);
@@ -253,7 +248,7 @@ static void wrap(lua_State *L, const wrapper *w) {
 }
 
 /* the wrapper on top takes every name in math of Lua's own function at index `own` (on
-** some systems math.atan2 is math.atan) */
+ * some systems math.atan2 is math.atan) */
 static void rename_all(lua_State *L, int math, int own) {
     for (lua_pushnil(L); lua_next(L, math); lua_pop(L, 1)) {
         if (!lua_rawequal(L, -1, own)) continue;
@@ -278,7 +273,7 @@ static void wrap_in_place(lua_State *L, const wrapper *w, int math, int dm_math)
 }
 
 /* core on top. core.sin is a function of its own, so that messages of math.sin say
-** math.sin */
+ * math.sin */
 void dml_open_math(lua_State *L) {
     const int core = lua_gettop(L), math = core + 1, dm_math = core + 2;
     dml_setfunctions(L, functions);

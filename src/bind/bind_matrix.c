@@ -17,8 +17,7 @@ static dml_array *check(lua_State *L) {
 
 static uint32_t check_extent(lua_State *L, int arg) {
     const lua_Integer n = luaL_checkinteger(L, arg);
-    luaL_argcheck(L, n >= 1 && n <= 1 << 24, arg,
-                  "a number of rows or columns >= 1 expected");
+    luaL_argcheck(L, n >= 1 && n <= 1 << 24, arg, "a number of rows or columns >= 1 expected");
     return (uint32_t)n;
 }
 
@@ -53,8 +52,7 @@ static int from_rows(lua_State *L) {
     push_row_of_table(L, 0);
     const long columns = dml_length(L, -1);
     lua_pop(L, 1);
-    luaL_argcheck(L, columns >= 1 && columns <= 1 << 24, 1,
-                  "the first row is empty or too long");
+    luaL_argcheck(L, columns >= 1 && columns <= 1 << 24, 1, "the first row is empty or too long");
     dml_newarray(L, 2, (uint32_t)n, (uint32_t)columns, &zero);
     const int m = lua_gettop(L);
     for (uint32_t i = 0; i < (uint32_t)n; i++) {
@@ -111,8 +109,7 @@ static uint32_t check_index(lua_State *L, int arg, uint32_t limit, const char *w
         luaL_error(L, "a %s is given by a whole number, got %s", what,
                    luaL_tolstring(L, arg, NULL));
     if (i < 1 || i > (lua_Integer)limit)
-        luaL_error(L, "%s %I is out of range: the matrix has %d", what, (LUAI_UACINT)i,
-                   (int)limit);
+        luaL_error(L, "%s %I is out of range: the matrix has %d", what, (LUAI_UACINT)i, (int)limit);
     return (uint32_t)(i - 1);
 }
 
@@ -123,8 +120,7 @@ static int matrix_field(lua_State *L) {
         const int rows = strcmp(key, "rows") == 0;
         if (!rows && strcmp(key, "columns") != 0) return 0;
         lua_pushinteger(L, rows ? m->rows : m->columns);
-    } else if (lua_type(L, 2) == LUA_TNUMBER &&
-               lua_tointeger(L, 2) == (lua_Integer)m->rows + 1) {
+    } else if (lua_type(L, 2) == LUA_TNUMBER && lua_tointeger(L, 2) == (lua_Integer)m->rows + 1) {
         lua_pushfstring(L, "a matrix of %d rows", (int)m->rows);
         dml_miss(L, 1, lua_tostring(L, -1), 2);
         lua_pushnil(L); /* one past the end: ipairs stops here */
@@ -200,8 +196,7 @@ static int matrix_transpose(lua_State *L) {
 }
 
 static void check_square(lua_State *L, const dml_array *m) {
-    if (m->rows != m->columns)
-        luaL_error(L, "a square matrix is needed, not %s", dml_shape(L, m));
+    if (m->rows != m->columns) luaL_error(L, "a square matrix is needed, not %s", dml_shape(L, m));
 }
 
 static int matrix_trace(lua_State *L) {
@@ -253,56 +248,54 @@ static const dml_row meta[] = {{"__add", dml_add, NULL},
                                {"__newindex", matrix_set, NULL},
                                {"__tostring", dml_matrixtext, NULL},
                                {NULL, NULL, NULL}};
-static const dml_row methods[] = {
-    {"row", matrix_row,
-     "m:row(i) -> dm.vector\nA copy of row i; m[i] is a view that can be assigned to."},
-    {"column", matrix_column, "m:column(j) -> dm.vector\nA copy of column j."},
-    {"transpose", matrix_transpose,
-     "m:transpose() -> dm.matrix\nThe matrix with m[j][i] at i, j."},
-    {"trace", matrix_trace,
-     "m:trace() -> number\nThe sum of the diagonal. Raises when m is not square."},
-    {"det", matrix_det,
-     "m:det() -> number\nThe determinant. Raises when m is not square."},
-    {"solve", matrix_solve,
-     "m:solve(b) -> dm.vector or dm.matrix\n"
-     "x with m * x = b, for a vector (or table) or a matrix b with as many rows as m. "
-     "Numbers by LU with "
-     "row exchanges; symbols up to 4 x 4 by cofactors, larger ones by elimination. "
-     "Raises when m is not "
-     "square, or singular (with its condition)."},
-    {"inverse", matrix_inverse,
-     "m:inverse() -> dm.matrix\nThe inverse; m:solve(b) is more exact. Raises as m:solve "
-     "does."},
-    {"eigenvalues", matrix_eigenvalues,
-     "m:eigenvalues() -> dm.vector, dm.vector\n"
-     "Real and imaginary parts of the eigenvalues, sorted; the latter are zero for a "
-     "symmetric matrix. "
-     "Numbers only."},
-    {"copy", matrix_copy, "m:copy() -> dm.matrix\nA new matrix with the same entries."},
-    {"totable", matrix_totable, "m:totable() -> table\nThe rows as a table of tables."},
-    {NULL, NULL, NULL}};
-static const dml_row functions[] = {
-    {"matrix", matrix_new,
-     "dm.matrix{{a11, a12, ...}, ...} -> dm.matrix\n"
-     "A matrix from a table of rows (tables or vectors of one length); dm.matrix(rows, "
-     "columns) has zeros. "
-     "m[i][j] counts from 1, m[i] is a view of row i; * takes numbers, vectors and "
-     "matrices. Raises when "
-     "the rows differ in length."},
-    {"zeros", zeros,
-     "dm.zeros(n [, columns]) -> dm.vector or dm.matrix\nn zeros, or n x columns of "
-     "them."},
-    {"identity", identity, "dm.identity(n) -> dm.matrix\nThe n x n unit matrix."},
-    {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"row", matrix_row,
+      "m:row(i) -> dm.vector\nA copy of row i; m[i] is a view that can be assigned to."},
+     {"column", matrix_column, "m:column(j) -> dm.vector\nA copy of column j."},
+     {"transpose", matrix_transpose,
+      "m:transpose() -> dm.matrix\nThe matrix with m[j][i] at i, j."},
+     {"trace", matrix_trace,
+      "m:trace() -> number\nThe sum of the diagonal. Raises when m is not square."},
+     {"det", matrix_det, "m:det() -> number\nThe determinant. Raises when m is not square."},
+     {"solve", matrix_solve,
+      "m:solve(b) -> dm.vector or dm.matrix\n"
+      "x with m * x = b, for a vector (or table) or a matrix b with as many rows as m. "
+      "Numbers by LU with "
+      "row exchanges; symbols up to 4 x 4 by cofactors, larger ones by elimination. "
+      "Raises when m is not "
+      "square, or singular (with its condition)."},
+     {"inverse", matrix_inverse,
+      "m:inverse() -> dm.matrix\nThe inverse; m:solve(b) is more exact. Raises as m:solve "
+      "does."},
+     {"eigenvalues", matrix_eigenvalues,
+      "m:eigenvalues() -> dm.vector, dm.vector\n"
+      "Real and imaginary parts of the eigenvalues, sorted; the latter are zero for a "
+      "symmetric matrix. "
+      "Numbers only."},
+     {"copy", matrix_copy, "m:copy() -> dm.matrix\nA new matrix with the same entries."},
+     {"totable", matrix_totable, "m:totable() -> table\nThe rows as a table of tables."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"matrix", matrix_new,
+      "dm.matrix{{a11, a12, ...}, ...} -> dm.matrix\n"
+      "A matrix from a table of rows (tables or vectors of one length); dm.matrix(rows, "
+      "columns) has zeros. "
+      "m[i][j] counts from 1, m[i] is a view of row i; * takes numbers, vectors and "
+      "matrices. Raises when "
+      "the rows differ in length."},
+     {"zeros", zeros,
+      "dm.zeros(n [, columns]) -> dm.vector or dm.matrix\nn zeros, or n x columns of "
+      "them."},
+     {"identity", identity, "dm.identity(n) -> dm.matrix\nThe n x n unit matrix."},
+     {NULL, NULL, NULL}};
 
 void dml_open_matrix(lua_State *L) {
     gsl_set_error_handler_off(); /* statuses, not abort() */
-    dml_newclass(
-        L, TNAME,
-        "dm.matrix: rows x columns entries in one block, made by dm.matrix{{...}, ...}\n"
-        "fields: rows, columns; m[i][j] from 1, #m rows, + - * with matrices, vectors, "
-        "numbers",
-        meta, methods, matrix_field);
+    dml_newclass(L, TNAME,
+                 "dm.matrix: rows x columns entries in one block, made by dm.matrix{{...}, ...}\n"
+                 "fields: rows, columns; m[i][j] from 1, #m rows, + - * with matrices, vectors, "
+                 "numbers",
+                 meta, methods, matrix_field);
     dml_setclass(L, DML_CLASS_MATRIX, TNAME);
     dml_setfunctions(L, functions);
 }

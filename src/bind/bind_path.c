@@ -34,18 +34,15 @@ dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t
     const double bytes = (double)rows * width * sizeof(double);
     if (bytes > small && bytes > 0.5 * memory_of_machine()) {
         char size[48];
-        snprintf(size, sizeof size, "%.6g rows needs %.3g GB", (double)rows,
-                 bytes * 1e-9);
-        luaL_error(
-            L,
-            "recording %s, more than half of this machine's memory: keep fewer with "
-            "a larger 'every', watch less, or write them to a file (file = "
-            "\"rows.npy\")",
-            size);
+        snprintf(size, sizeof size, "%.6g rows needs %.3g GB", (double)rows, bytes * 1e-9);
+        luaL_error(L,
+                   "recording %s, more than half of this machine's memory: keep fewer with "
+                   "a larger 'every', watch less, or write them to a file (file = "
+                   "\"rows.npy\")",
+                   size);
     }
     const size_t doubles = (size_t)rows * width;
-    dml_path *p =
-        lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);
+    dml_path *p = lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);
     *p = (dml_path){.n = n, .width = width, .data = (double *)(p + 1)};
     luaL_setmetatable(L, DML_PATH);
     lua_pushvalue(L, system);
@@ -63,8 +60,8 @@ static void add_grouped(luaL_Buffer *b, long n) {
     }
 }
 
-/* ": energy off by 6.4e-05, no drift", with the drift, or since when where it jumped; how much it changes where the
-** system does not keep it */
+/* ": energy off by 6.4e-05, no drift", with the drift, or since when where it jumped; how much
+ * it changes where the system does not keep it */
 static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int keeps) {
     char text[128];
     dm_drift d;
@@ -82,8 +79,8 @@ static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int k
     else if (!keeps)
         snprintf(text, sizeof text, ": energy changes by up to %.2g", d.largest);
     else if (change > 3 * d.error * (p->t - p->t0) && change > 1e-14 * fabs(d.mean))
-        snprintf(text, sizeof text, ": energy off by %.2g, drift %.2g per unit of time",
-                 d.largest, d.slope);
+        snprintf(text, sizeof text, ": energy off by %.2g, drift %.2g per unit of time", d.largest,
+                 d.slope);
     else
         snprintf(text, sizeof text, ": energy off by %.2g, no drift", d.largest);
     luaL_addstring(b, text);
@@ -109,11 +106,11 @@ static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
     const char *rows = plural(p->rows), *more = plural(p->n);
     if (beside) snprintf(aside, sizeof aside, ", %u beside", beside);
     if (!p->watched)
-        snprintf(text, sizeof text, "; %ld row%s, %u column%s q, %u column%s p%s",
-                 p->rows, rows, p->n, more, p->n, more, aside);
+        snprintf(text, sizeof text, "; %ld row%s, %u column%s q, %u column%s p%s", p->rows, rows,
+                 p->n, more, p->n, more, aside);
     else
-        snprintf(text, sizeof text, "; %ld row%s of %u column%s that were watched",
-                 p->rows, rows, p->width, plural(p->width));
+        snprintf(text, sizeof text, "; %ld row%s of %u column%s that were watched", p->rows, rows,
+                 p->width, plural(p->width));
     luaL_addstring(b, text);
     if (lua_getiuservalue(L, 1, DML_PATH_FILE) == LUA_TNIL) {
         lua_pop(L, 1);
@@ -173,8 +170,8 @@ static void push_title(lua_State *L, const dml_path *p) {
         lua_getfield(L, -1, "t") == LUA_TSTRING)
         unit = lua_tostring(L, -1);
     snprintf(h, sizeof h, "%.4g", p->h);
-    lua_pushfstring(L, "%s%s%s, h = %s%s%s", name ? name : "", name ? ": " : "", p->rule,
-                    h, unit ? " " : "", unit ? unit : "");
+    lua_pushfstring(L, "%s%s%s, h = %s%s%s", name ? name : "", name ? ": " : "", p->rule, h,
+                    unit ? " " : "", unit ? unit : "");
 }
 
 /* path.lambda, path.impulses: columns that were recorded beside q and p */
@@ -182,11 +179,10 @@ static int recorded(lua_State *L, const char *key, const char *stem) {
     uint32_t first = 0;
     const uint32_t count = dml_path_group(L, stem, &first);
     if (!count)
-        luaL_error(
-            L,
-            "path.%s: this run did not record it; run it with record = { \"%s\" }, "
-            "or take path:multipliers(), those at its states",
-            key, key);
+        luaL_error(L,
+                   "path.%s: this run did not record it; run it with record = { \"%s\" }, "
+                   "or take path:multipliers(), those at its states",
+                   key, key);
     return dml_path_columns(L, key, first, count);
 }
 
@@ -228,19 +224,19 @@ static int path_field(lua_State *L) {
     return 1;
 }
 
-static const dml_row meta[] = {
-    {"__len", path_len, NULL}, {"__tostring", path_tostring, NULL}, {NULL, NULL, NULL}};
+static const dml_row meta[] = {{"__len", path_len, NULL},
+                               {"__tostring", path_tostring, NULL},
+                               {NULL, NULL, NULL}};
 
 void dml_open_path(lua_State *L) {
     dml_path_open_columns(L);
-    dml_newclass(
-        L, DML_PATH,
-        "dm.path: what a run recorded, one row per kept step\n"
-        "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs "
-        "that recorded them), columns (names), steps, "
-        "h, rule, system, solver, title, units, "
-        "ns_per_step, events (of a run that looked for some), file (of a run "
-        "that wrote its rows); #path rows",
-        meta, dml_path_quantities, path_field);
+    dml_newclass(L, DML_PATH,
+                 "dm.path: what a run recorded, one row per kept step\n"
+                 "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs "
+                 "that recorded them), columns (names), steps, "
+                 "h, rule, system, solver, title, units, "
+                 "ns_per_step, events (of a run that looked for some), file (of a run "
+                 "that wrote its rows); #path rows",
+                 meta, dml_path_quantities, path_field);
     dml_setfunctions(L, dml_path_functions);
 }

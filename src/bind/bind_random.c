@@ -1,4 +1,5 @@
-/* bind_random.c - `dm.random`: random numbers that depend on a seed and a place alone, for starts of ensembles. */
+/* bind_random.c - `dm.random`: random numbers that depend on a seed and a place alone, for
+ * starts of ensembles. */
 #include "base/random.h"
 #include "bind/bind.h"
 
@@ -34,8 +35,7 @@ static int random_uniform(lua_State *L) {
     const uint64_t seed = seed_of(L), i = (uint64_t)luaL_checkinteger(L, 2);
     const uint32_t k = check_place(L);
     const double a = check_finite(L, 4, 0.0), b = check_finite(L, 5, a + 1.0);
-    luaL_argcheck(L, lua_isnoneornil(L, 4) == lua_isnoneornil(L, 5),
-                  lua_isnoneornil(L, 4) ? 4 : 5,
+    luaL_argcheck(L, lua_isnoneornil(L, 4) == lua_isnoneornil(L, 5), lua_isnoneornil(L, 4) ? 4 : 5,
                   "give both ends of the interval or none");
     const double x = dm_random_uniform(seed, i, k);
     lua_pushnumber(L, a * (1.0 - x) + b * x);
@@ -65,25 +65,25 @@ static int random_tostring(lua_State *L) {
 }
 
 static const dml_row meta[] = {{"__tostring", random_tostring, NULL}, {NULL, NULL, NULL}};
-static const dml_row methods[] = {
-    {"uniform", random_uniform,
-     "random:uniform(i, k [, a, b]) -> number\n"
-     "Number k (0 to 2^32 - 1) of member i, uniform in (0, 1) or between a and b. The "
-     "same "
-     "arguments give the same number, in any order of asking."},
-    {"normal", random_normal,
-     "random:normal(i, k [, mean, deviation]) -> number\n"
-     "Number k (0 to 2^32 - 1) of member i, normal with that mean (0) and standard "
-     "deviation (1); independent of uniform(i, k)."},
-    {NULL, NULL, NULL}};
-static const dml_row functions[] = {
-    {"random", random_new,
-     "dm.random(seed) -> dm.random\n"
-     "Random numbers for starts of ensembles: r:uniform(i, k), r:normal(i, k) depend on "
-     "the "
-     "whole number `seed` and their place alone, not on what was asked before. "
-     "Philox4x32-10, Salmon et al. 2011."},
-    {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"uniform", random_uniform,
+      "random:uniform(i, k [, a, b]) -> number\n"
+      "Number k (0 to 2^32 - 1) of member i, uniform in (0, 1) or between a and b. The "
+      "same "
+      "arguments give the same number, in any order of asking."},
+     {"normal", random_normal,
+      "random:normal(i, k [, mean, deviation]) -> number\n"
+      "Number k (0 to 2^32 - 1) of member i, normal with that mean (0) and standard "
+      "deviation (1); independent of uniform(i, k)."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"random", random_new,
+      "dm.random(seed) -> dm.random\n"
+      "Random numbers for starts of ensembles: r:uniform(i, k), r:normal(i, k) depend on "
+      "the "
+      "whole number `seed` and their place alone, not on what was asked before. "
+      "Philox4x32-10, Salmon et al. 2011."},
+     {NULL, NULL, NULL}};
 
 void dml_open_random(lua_State *L) {
     dml_newclass(L, TNAME,

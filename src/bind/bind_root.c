@@ -1,5 +1,5 @@
-/* bind_root.c - `dm.root`: functions that are only known by an equation, called on numbers, symbols and hyper-dual
-** numbers. */
+/* bind_root.c - `dm.root`: functions that are only known by an equation, called on numbers,
+ * symbols and hyper-dual numbers. */
 #include "bind/array.h"
 #include "bind/model_sums.h"
 #include "bind/root.h"
@@ -15,12 +15,10 @@ enum { FIELDS = 1, SHAPES = 2 };
 /* ---- calls ---- */
 
 /* all entries of the arguments from index 2 on, and what kind they have in common */
-static dml_scalar read_arguments(lua_State *L, const dml_root_shape *s, int top,
-                                 dml_scalar *x) {
+static dml_scalar read_arguments(lua_State *L, const dml_root_shape *s, int top, dml_scalar *x) {
     dml_scalar kind = {.kind = DML_NUMBER};
     for (int arg = 2; arg <= top; arg++) {
-        const int n =
-            s->s.length[arg - 1] == DML_SCALAR_ARGUMENT ? 1 : s->s.length[arg - 1];
+        const int n = s->s.length[arg - 1] == DML_SCALAR_ARGUMENT ? 1 : s->s.length[arg - 1];
         for (int i = 0; i < n; i++) {
             *x = dml_entry(L, arg, (uint32_t)i);
             kind = dml_common(L, &kind, x++);
@@ -47,8 +45,7 @@ static void check_finite(lua_State *L, const dml_scalar *x, uint32_t n, double *
         out[i] = x[i].kind == DML_NUMBER ? x[i].as.number : x[i].as.hyper.f;
         if (!isfinite(out[i]))
             luaL_error(L, "%s: entry %d of its arguments is %s, but must be finite",
-                       dml_rootname(L, 1), (int)i + 1,
-                       isnan(out[i]) ? "NaN" : "infinite");
+                       dml_rootname(L, 1), (int)i + 1, isnan(out[i]) ? "NaN" : "infinite");
     }
 }
 
@@ -57,8 +54,7 @@ static int has_changed(lua_State *L, const dml_root_shape *s) {
     const uint32_t m = s->equation.outputs, size = s->unknowns + s->inputs;
     const int top = lua_gettop(L);
     dml_pushapart(L);
-    double *block = lua_newuserdatauv(L, (size + m) * sizeof *block, 0),
-           *out = block + size;
+    double *block = lua_newuserdatauv(L, (size + m) * sizeof *block, 0), *out = block + size;
     lua_getiuservalue(L, 1, FIELDS);
     const int stationary = lua_getfield(L, -1, "stationary") != LUA_TNIL;
     if (!stationary) lua_getfield(L, -2, "equations");
@@ -81,7 +77,8 @@ static void push_root(lua_State *L, const dml_root_shape *s, const dml_scalar *y
         dml_pushscalars(L, y, s->unknowns);
 }
 
-/* on numbers; the functions are traced anew where a call of the equations shows that they have changed */
+/* on numbers; the functions are traced anew where a call of the equations shows that they have
+ * changed */
 static dml_root_shape *solve(lua_State *L, int top) {
     for (int tries = 0;; tries++) {
         lua_settop(L, top);
@@ -90,8 +87,7 @@ static dml_root_shape *solve(lua_State *L, int top) {
         read_arguments(L, s, top, x);
         check_finite(L, x, s->inputs, s->x);
         for (uint32_t i = 0; i < s->uses; i++) s->chosen[i] = s->x[s->used[i]];
-        const dm_root_outcome outcome =
-            dm_root_solve(&s->solver, s->chosen, s->y, s->inverse);
+        const dm_root_outcome outcome = dm_root_solve(&s->solver, s->chosen, s->y, s->inverse);
         if (outcome == DM_ROOT_FOUND && !has_changed(L, s)) return s;
         if (outcome != DM_ROOT_FOUND && tries) dml_raiseroot(L, s->f);
         if (tries)
@@ -152,8 +148,7 @@ static int call_on_hyperduals(lua_State *L, int top, int value) {
 }
 
 static int call_special(lua_State *L, dml_kind kind, int top, int value) {
-    return kind == DML_SYMBOL ? call_on_symbols(L, top, value)
-                              : call_on_hyperduals(L, top, value);
+    return kind == DML_SYMBOL ? call_on_symbols(L, top, value) : call_on_hyperduals(L, top, value);
 }
 
 static int root_call(lua_State *L) {
@@ -174,8 +169,7 @@ static int root_value(lua_State *L) {
     const int top = lua_gettop(L);
     lua_getiuservalue(L, 1, FIELDS);
     if (lua_getfield(L, -1, "stationary") == LUA_TNIL)
-        luaL_error(L,
-                   "%s is given by 'equations': only a root of 'stationary' has a value",
+        luaL_error(L, "%s is given by 'equations': only a root of 'stationary' has a value",
                    dml_rootname(L, 1));
     lua_settop(L, top);
     const dml_kind kind = kind_of(L, top);
@@ -185,7 +179,8 @@ static int root_value(lua_State *L) {
     return 1;
 }
 
-/* f:condition(x...): Skeel's condition number is in the solver; the inverse is what a script may look at */
+/* f:condition(x...): Skeel's condition number is in the solver; the inverse is what a script may
+ * look at */
 static int root_inverse(lua_State *L) {
     luaL_checkudata(L, 1, DML_ROOT);
     const dml_root_shape *s = solve(L, lua_gettop(L));
@@ -199,8 +194,7 @@ static int root_inverse(lua_State *L) {
 static void check_type(lua_State *L, const char *key, int needed) {
     const int type = lua_getfield(L, 1, key);
     if (type != LUA_TFUNCTION && (needed || type != LUA_TNIL))
-        luaL_error(L, "field '%s' must be a function (got %s)", key,
-                   luaL_typename(L, -1));
+        luaL_error(L, "field '%s' must be a function (got %s)", key, luaL_typename(L, -1));
     lua_pop(L, 1);
 }
 
@@ -219,9 +213,8 @@ static void check_options(lua_State *L) {
     const int stationary = lua_getfield(L, 1, "stationary") != LUA_TNIL;
     const int equations = lua_getfield(L, 1, "equations") != LUA_TNIL;
     if (stationary == equations)
-        luaL_error(L,
-                   "give one of 'equations', a function(y, x, ...) of as many numbers "
-                   "as unknowns, and 'stationary', a function(y, x, ...) of one number");
+        luaL_error(L, "give one of 'equations', a function(y, x, ...) of as many numbers "
+                      "as unknowns, and 'stationary', a function(y, x, ...) of one number");
     check_type(L, "equations", !stationary);
     check_type(L, "stationary", stationary);
     check_type(L, "branch", 0);
@@ -272,41 +265,42 @@ static int root_tostring(lua_State *L) {
     return 1;
 }
 
-static const dml_row meta[] = {
-    {"__call", root_call, NULL}, {"__tostring", root_tostring, NULL}, {NULL, NULL, NULL}};
-static const dml_row methods[] = {
-    {"value", root_value,
-     "f:value(x, ...) -> number\n"
-     "S(y, x, ...) at the point y where it is stationary. Its first derivatives are "
-     "those of S at fixed y, so a "
-     "Lagrangian that is such a value costs no derivative of y."},
-    {"inverse", root_inverse,
-     "f:inverse(x, ...) -> dm.matrix\n"
-     "The inverse of dF/dy at the root: entry (i, k) is how much unknown i moves where "
-     "equation k is off by one. "
-     "On numbers."},
-    {NULL, NULL, NULL}};
-static const dml_row functions[] = {
-    {"root", root_new,
-     "dm.root{equations= | stationary=, start= | unknowns=, branch=, name=, failure=} -> "
-     "dm.root\n"
-     "The function y = f(x, ...) with equations(y, x, ...) = 0: as many numbers as "
-     "unknowns; or for which "
-     "stationary(y, x, ...), one number, is stationary in y. Arguments are numbers, "
-     "vectors or tables of numbers. "
-     "start: where Newton's method begins, a list (or a number: then y is one), a list "
-     "of lists to be tried in turn, "
-     "or a function of the arguments; unknowns = r without a start: r zeros. branch(y, "
-     "x, ...) > 0 tells the root that "
-     "is meant from others. y depends on the arguments alone, not on earlier calls. In a "
-     "function that is traced f has "
-     "exact derivatives of any order, so Lagrangians, discrete Lagrangians, constraints, "
-     "forces and events may use it; "
-     "it may call other roots. Raises, or ends a run, where there is no root, dF/dy is "
-     "singular or the branch "
-     "is left: the message has the name, where, the residual or condition number, and "
-     "the text of failure."},
-    {NULL, NULL, NULL}};
+static const dml_row meta[] = {{"__call", root_call, NULL},
+                               {"__tostring", root_tostring, NULL},
+                               {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"value", root_value,
+      "f:value(x, ...) -> number\n"
+      "S(y, x, ...) at the point y where it is stationary. Its first derivatives are "
+      "those of S at fixed y, so a "
+      "Lagrangian that is such a value costs no derivative of y."},
+     {"inverse", root_inverse,
+      "f:inverse(x, ...) -> dm.matrix\n"
+      "The inverse of dF/dy at the root: entry (i, k) is how much unknown i moves where "
+      "equation k is off by one. "
+      "On numbers."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"root", root_new,
+      "dm.root{equations= | stationary=, start= | unknowns=, branch=, name=, failure=} -> "
+      "dm.root\n"
+      "The function y = f(x, ...) with equations(y, x, ...) = 0: as many numbers as "
+      "unknowns; or for which "
+      "stationary(y, x, ...), one number, is stationary in y. Arguments are numbers, "
+      "vectors or tables of numbers. "
+      "start: where Newton's method begins, a list (or a number: then y is one), a list "
+      "of lists to be tried in turn, "
+      "or a function of the arguments; unknowns = r without a start: r zeros. branch(y, "
+      "x, ...) > 0 tells the root that "
+      "is meant from others. y depends on the arguments alone, not on earlier calls. In a "
+      "function that is traced f has "
+      "exact derivatives of any order, so Lagrangians, discrete Lagrangians, constraints, "
+      "forces and events may use it; "
+      "it may call other roots. Raises, or ends a run, where there is no root, dF/dy is "
+      "singular or the branch "
+      "is left: the message has the name, where, the residual or condition number, and "
+      "the text of failure."},
+     {NULL, NULL, NULL}};
 
 void dml_open_root(lua_State *L) {
     dml_newclass(L, DML_ROOT,

@@ -30,7 +30,8 @@ static void set_traits(lua_State *L, unsigned traits) {
     }
 }
 
-/* push { rule =, order =, stages =, forces =, ... } of "gauss(2):2:0"; the order is that of the method */
+/* push { rule =, order =, stages =, forces =, ... } of "gauss(2):2:0"; the order is that of the
+ * method */
 static void push_instance(lua_State *L, const char *text, size_t length) {
     dm_rule nodes[DM_RULE_NODES];
     int stages = 0, forces = 0;
@@ -79,16 +80,16 @@ static int rules(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] = {
-    {"rules", rules,
-     "dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, "
-     "symplectic, explicit, for_pairs, instances}\n"
-     "Every rule that a solver can use. order and stages as formulas, cost a step with n "
-     "coordinates; instances: {rule, order, "
-     "stages, forces, symmetric, symplectic ...}, rules on which all this is measured by "
-     "the tests (forces a step when L = T(v) - "
-     "V(q), 0 where the rule stays implicit)."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"rules", rules,
+      "dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, "
+      "symplectic, explicit, for_pairs, instances}\n"
+      "Every rule that a solver can use. order and stages as formulas, cost a step with n "
+      "coordinates; instances: {rule, order, "
+      "stages, forces, symmetric, symplectic ...}, rules on which all this is measured by "
+      "the tests (forces a step when L = T(v) - "
+      "V(q), 0 where the rule stays implicit)."},
+     {NULL, NULL, NULL}};
 
 void dml_open_rules(lua_State *L) {
     dml_setfunctions(L, functions);

@@ -23,8 +23,7 @@ static void check_status(lua_State *L, dm_status status, const char *what) {
 }
 
 static dml_signature signature(const maker *k, int which, int outputs) {
-    dml_signature s = {.what = keys[which],
-                       .arguments = which == 2 || which == 4 ? 1 : 2};
+    dml_signature s = {.what = keys[which], .arguments = which == 2 || which == 4 ? 1 : 2};
     s.length[0] = (int)k->r.n;
     s.length[1] = (int)k->r.m;
     s.outputs = outputs;
@@ -55,8 +54,7 @@ static void read_functions(lua_State *L, maker *k) {
         lua_getfield(L, OPTIONS, keys[i]);
         if (lua_isnil(L, -1) && EQUATION + i >= INSIDE) continue;
         if (!lua_isfunction(L, -1))
-            luaL_error(L, "field '%s' must be a function (got %s)", keys[i],
-                       luaL_typename(L, -1));
+            luaL_error(L, "field '%s' must be a function (got %s)", keys[i], luaL_typename(L, -1));
     }
     build(L, k, 0, (int)k->r.m, &k->r.equation, &k->r.tangent);
     build(L, k, 1, (int)k->r.n, &k->r.next, NULL);
@@ -65,8 +63,7 @@ static void read_functions(lua_State *L, maker *k) {
     if (!lua_isnil(L, SCALE)) build(L, k, 4, (int)k->r.m, &k->r.scale, NULL);
 }
 
-static void push_report(lua_State *L, const dm_sequence_report *report,
-                        dm_status status) {
+static void push_report(lua_State *L, const dm_sequence_report *report, dm_status status) {
     lua_createtable(L, 0, 6);
     lua_pushstring(L, dm_status_code(status)), lua_setfield(L, -2, "code");
     lua_pushstring(L, dm_status_text(status)), lua_setfield(L, -2, "text");
@@ -101,9 +98,8 @@ static double *room(lua_State *L, size_t count) {
 }
 
 static int sequence(lua_State *L) {
-    static const char *const known[] = {"equation", "next",     "start", "inside",
-                                        "y",        "unknowns", "steps", "every",
-                                        "check",    "scale",    NULL};
+    static const char *const known[] = {"equation", "next",  "start", "inside", "y", "unknowns",
+                                        "steps",    "every", "check", "scale",  NULL};
     luaL_checktype(L, OPTIONS, LUA_TTABLE);
     lua_settop(L, OPTIONS);
     dml_options(L, OPTIONS, known);
@@ -121,8 +117,8 @@ static int sequence(lua_State *L) {
     read_functions(L, &k);
     const long most = dm_sequence_rows(&plan);
     if ((double)most * (double)n > 1e9)
-        luaL_error(L, "%I rows of %d numbers are too many: raise 'every'",
-                   (LUAI_UACINT)most, (int)n);
+        luaL_error(L, "%I rows of %d numbers are too many: raise 'every'", (LUAI_UACINT)most,
+                   (int)n);
     double *rows = room(L, (size_t)most * (size_t)n);
     double *work = room(L, dm_sequence_work(&k.r));
     dml_numbers(L, OPTIONS, "y", rows, k.r.n);
@@ -134,24 +130,24 @@ static int sequence(lua_State *L) {
     return 2;
 }
 
-static const dml_row functions[] = {
-    {"sequence", sequence,
-     "dm.sequence{equation=, next=, start=, y=, unknowns=, steps=, inside=, every=, "
-     "check=} -> "
-     "dm.matrix, report\n"
-     "The sequence y, y', y'' ... with y' = next(y, x) where x, of `unknowns` numbers, "
-     "is the root of equation(y, x) = 0 that Newton's method finds from start(y). The "
-     "functions are traced once, with vectors y and x, and run in C. inside(y, x) gives "
-     "numbers that must be > 0 at the root. scale(y) gives the sizes "
-     "of what the unknowns are added to, where x is a small difference. check = false "
-     "trusts the "
-     "traces without comparing them with plain calls. Rows: y at the start, every "
-     "`every` steps, "
-     "and at the end. report: code (\"ok\", \"no_convergence\", \"singular\", "
-     "\"not_finite\", \"stopped\"), text, done (steps), outside (which condition the "
-     "root broke, from 1), iterations, residual. A step that fails ends the sequence "
-     "without an error: look at report.code."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"sequence", sequence,
+      "dm.sequence{equation=, next=, start=, y=, unknowns=, steps=, inside=, every=, "
+      "check=} -> "
+      "dm.matrix, report\n"
+      "The sequence y, y', y'' ... with y' = next(y, x) where x, of `unknowns` numbers, "
+      "is the root of equation(y, x) = 0 that Newton's method finds from start(y). The "
+      "functions are traced once, with vectors y and x, and run in C. inside(y, x) gives "
+      "numbers that must be > 0 at the root. scale(y) gives the sizes "
+      "of what the unknowns are added to, where x is a small difference. check = false "
+      "trusts the "
+      "traces without comparing them with plain calls. Rows: y at the start, every "
+      "`every` steps, "
+      "and at the end. report: code (\"ok\", \"no_convergence\", \"singular\", "
+      "\"not_finite\", \"stopped\"), text, done (steps), outside (which condition the "
+      "root broke, from 1), iterations, residual. A step that fails ends the sequence "
+      "without an error: look at report.code."},
+     {NULL, NULL, NULL}};
 
 void dml_open_sequence(lua_State *L) {
     dml_setfunctions(L, functions);

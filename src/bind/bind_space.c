@@ -27,11 +27,10 @@ dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n) {
                    "function of q, for instance function(q) return {-q[2], q[1]} end",
                    luaL_tolstring(L, arg, NULL), (int)n);
     if (other)
-        luaL_error(
-            L,
-            "%s(%d) can act on %d coordinates in blocks of %d or of %d: say which with "
-            "{ block = %d }",
-            s->row->name, (int)s->n, (int)n, (int)block, (int)other, (int)block);
+        luaL_error(L,
+                   "%s(%d) can act on %d coordinates in blocks of %d or of %d: say which with "
+                   "{ block = %d }",
+                   s->row->name, (int)s->n, (int)n, (int)block, (int)other, (int)block);
     return (dm_action){.group = s->row, .k = s->n, .block = block};
 }
 
@@ -44,13 +43,11 @@ dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n) {
 
 static int space_new(lua_State *L) {
     const dm_space *row = lua_touserdata(L, lua_upvalueindex(1));
-    const lua_Number given =
-        row->usual ? luaL_optnumber(L, 1, row->usual) : luaL_checknumber(L, 1);
-    const lua_Integer n =
-        given == floor(given) && fabs(given) < 1e9 ? (lua_Integer)given : -1;
+    const lua_Number given = row->usual ? luaL_optnumber(L, 1, row->usual) : luaL_checknumber(L, 1);
+    const lua_Integer n = given == floor(given) && fabs(given) < 1e9 ? (lua_Integer)given : -1;
     luaL_argcheck(L, n >= (lua_Integer)row->least && n <= (lua_Integer)row->most, 1,
-                  lua_pushfstring(L, "%s needs a whole number from %d to %d",
-                                  row->signature, (int)row->least, (int)row->most));
+                  lua_pushfstring(L, "%s needs a whole number from %d to %d", row->signature,
+                                  (int)row->least, (int)row->most));
     luaL_argcheck(L, n % (lua_Integer)row->multiple == 0, 1,
                   lua_pushfstring(L, "%s needs a multiple of %d", row->signature,
                                   (int)row->multiple));
@@ -127,34 +124,34 @@ static int space_field(lua_State *L) {
     return 1;
 }
 
-static const dml_row meta[] = {
-    {"__tostring", space_tostring, NULL}, {"__eq", space_eq, NULL}, {NULL, NULL, NULL}};
+static const dml_row meta[] = {{"__tostring", space_tostring, NULL},
+                               {"__eq", space_eq, NULL},
+                               {NULL, NULL, NULL}};
 static const dml_row methods[] = {{NULL, NULL, NULL}};
-static const dml_row functions[] = {
-    {"product", dml_product,
-     "dm.product(G, H, ...) -> dm.space\n"
-     "The product of two or more spaces. Of groups: the group of lists {g, h, ...}, "
-     "whose "
-     "algebra has the vectors of the factors one after the other; of R(n), T(n), S(n): a "
-     "space that a system can live on."},
-    {"semidirect", dml_semidirect,
-     "dm.semidirect(G, V [, action]) -> dm.space\n"
-     "The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, "
-     "w) "
-     "= (g h, v + g w), where g w is "
-     "action(g, w), linear in w (left out: the standard one of G, matrix times vector). "
-     "The algebra has that of G first, then V."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"product", dml_product,
+      "dm.product(G, H, ...) -> dm.space\n"
+      "The product of two or more spaces. Of groups: the group of lists {g, h, ...}, "
+      "whose "
+      "algebra has the vectors of the factors one after the other; of R(n), T(n), S(n): a "
+      "space that a system can live on."},
+     {"semidirect", dml_semidirect,
+      "dm.semidirect(G, V [, action]) -> dm.space\n"
+      "The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, "
+      "w) "
+      "= (g h, v + g w), where g w is "
+      "action(g, w), linear in w (left out: the standard one of G, matrix times vector). "
+      "The algebra has that of G first, then V."},
+     {NULL, NULL, NULL}};
 
 void dml_open_space(lua_State *L) {
-    dml_newclass(
-        L, TNAME,
-        "dm.space: a manifold or group, made by dm.R(n), dm.T(n), dm.S(n), dm.SO(n), "
-        "dm.SE(n), "
-        "dm.SL(n), dm.GL(n), dm.Sp(n), dm.Heisenberg(n), dm.product, dm.semidirect\n"
-        "fields: name, n, dimension, chart (can a system live on it with these "
-        "coordinates), parts (of a product)",
-        meta, methods, space_field);
+    dml_newclass(L, TNAME,
+                 "dm.space: a manifold or group, made by dm.R(n), dm.T(n), dm.S(n), dm.SO(n), "
+                 "dm.SE(n), "
+                 "dm.SL(n), dm.GL(n), dm.Sp(n), dm.Heisenberg(n), dm.product, dm.semidirect\n"
+                 "fields: name, n, dimension, chart (can a system live on it with these "
+                 "coordinates), parts (of a product)",
+                 meta, methods, space_field);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
     for (const dm_space *const *row = dm_spaces; *row; row++) {
         lua_pushlightuserdata(L, (void *)(uintptr_t)*row);

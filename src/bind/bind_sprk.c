@@ -78,8 +78,7 @@ static void check_kind(lua_State *L, const dm_tableau *t, const dm_sprk *m) {
 static void read_pair(lua_State *L, dm_tableau *t) {
     read_matrix(L, "a", t->a, t->s);
     if (has(L, "A") != has(L, "B"))
-        luaL_error(L,
-                   "give A and B together, or leave both out for the partner of a and b");
+        luaL_error(L, "give A and B together, or leave both out for the partner of a and b");
     for (int i = 0; i < t->s; i++)
         for (int j = 0; j < t->s; j++) t->c[i] += t->a[i][j];
     if (has(L, "c")) read_row(L, "c", t->c, t->s);
@@ -108,12 +107,11 @@ static void check_times(lua_State *L, const dm_tableau *t, int order) {
         long double sum = 0.0L;
         for (int i = 0; i < t->s; i++) sum += t->b[i] * powl(t->c[i], k);
         if (fabsl(sum - 1.0L / (k + 1)) > loose)
-            luaL_error(
-                L,
-                "field 'c': the times do not fit an order of %d: sum b_i c_i^%d is %f, "
-                "not 1/%d; leave c out "
-                "for the sums of the rows of a",
-                order, k, (double)sum, k + 1);
+            luaL_error(L,
+                       "field 'c': the times do not fit an order of %d: sum b_i c_i^%d is %f, "
+                       "not 1/%d; leave c out "
+                       "for the sums of the rows of a",
+                       order, k, (double)sum, k + 1);
     }
 }
 
@@ -125,10 +123,8 @@ static int sprk_new(lua_State *L) {
     lua_getfield(L, 1, "b");
     const long s = dml_length(L, -1);
     if (s < 1 || s > DM_SPRK_STAGES)
-        luaL_error(
-            L,
-            "field 'b' must be a table of weights, one a stage, 1 to %d of them (got %s)",
-            DM_SPRK_STAGES, luaL_typename(L, -1));
+        luaL_error(L, "field 'b' must be a table of weights, one a stage, 1 to %d of them (got %s)",
+                   DM_SPRK_STAGES, luaL_typename(L, -1));
     dm_tableau *t = lua_newuserdatauv(L, sizeof *t, 0);
     *t = (dm_tableau){.s = (int)s};
     read_row(L, "b", t->b, t->s);
@@ -148,18 +144,18 @@ static int sprk_new(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] = {
-    {"sprk", sprk_new,
-     "dm.sprk{a=, b=, A=, B=, c=, name=} -> dm.rule\n"
-     "A symplectic partitioned Runge-Kutta method for rule =: positions by (a, b), "
-     "momenta by (A, B), s rows of s numbers "
-     "and s weights, c the times of the stages (left out: the sums of the rows of a). A "
-     "and B left out: the partner, A_ij = "
-     "b_j (1 - a_ji / b_i). Raises when b_i A_ij + B_j a_ji = b_i B_j or b = B is "
-     "violated, with the defect and where; b and B "
-     "may differ in tables of kicks and drifts, which step L = T(v) - V(q). Its order is "
-     "measured when it is made (HLW VI.4)."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"sprk", sprk_new,
+      "dm.sprk{a=, b=, A=, B=, c=, name=} -> dm.rule\n"
+      "A symplectic partitioned Runge-Kutta method for rule =: positions by (a, b), "
+      "momenta by (A, B), s rows of s numbers "
+      "and s weights, c the times of the stages (left out: the sums of the rows of a). A "
+      "and B left out: the partner, A_ij = "
+      "b_j (1 - a_ji / b_i). Raises when b_i A_ij + B_j a_ji = b_i B_j or b = B is "
+      "violated, with the defect and where; b and B "
+      "may differ in tables of kicks and drifts, which step L = T(v) - V(q). Its order is "
+      "measured when it is made (HLW VI.4)."},
+     {NULL, NULL, NULL}};
 
 void dml_open_sprk(lua_State *L) {
     dml_setfunctions(L, functions);

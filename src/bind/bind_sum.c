@@ -1,8 +1,6 @@
-/*
-** bind_sum.c - dm.sum_over: a sum over equal bodies, neighbours or pairs. On numbers and
-** hyper-dual numbers it is a loop; in a Lagrangian that is traced the function is called once, with
-** symbols of its own, and the sum stays a loop in the kernels (expr/sum.h).
-*/
+/* bind_sum.c - dm.sum_over: a sum over equal bodies, neighbours or pairs. On numbers and
+ * hyper-dual numbers it is a loop; in a Lagrangian that is traced the function is called once, with
+ * symbols of its own, and the sum stays a loop in the kernels (expr/sum.h). */
 #include "base/sum.h"
 #include "bind/array.h"
 #include "bind/call.h"
@@ -82,7 +80,7 @@ static int loop_in_lua(lua_State *L, const request *r) {
 /* ---- the loop of a trace ---- */
 
 /* the trace that the symbols among the arguments belong to; NULL: there are none, or a mixture,
-** or its function is not one that keeps loops */
+ * or its function is not one that keeps loops */
 static dml_frame *find_trace(lua_State *L, const request *r) {
     dml_frame *frame = NULL;
     for (int k = 1; k <= r->given; k++) {
@@ -123,8 +121,7 @@ static int find_entries(lua_State *L, const request *r, const dml_frame *frame, 
     }
     double *data = dm_arena_take(frame->arena, n * sizeof *data);
     if (!data) luaL_error(L, "not enough memory");
-    for (uint32_t i = 0; i < n; i++)
-        data[i] = scalar ? x.as.number : dml_get(a, i).as.number;
+    for (uint32_t i = 0; i < n; i++) data[i] = scalar ? x.as.number : dml_get(a, i).as.number;
     out->data = data;
     return 1;
 }
@@ -188,7 +185,8 @@ static int is_given(const dml_state *state) {
     return state->given && state->given->values && state->given->within == state->frames;
 }
 
-/* the sum that this call of dm.sum_over became in the trace; NULL: none. Newer ones are made of it. */
+/* the sum that this call of dm.sum_over became in the trace; NULL: none. Newer ones are made of
+ * it. */
 static const dm_sum *find_given(const dml_given *given, const request *r) {
     const dm_sum *found = NULL;
     for (const dm_sum *s = dm_sums(given->graph); s; s = s->next)
@@ -198,8 +196,7 @@ static const dm_sum *find_given(const dml_given *given, const request *r) {
 }
 
 /* entry of column c, which the function takes, in a round */
-static double column_value(lua_State *L, const request *r, uint32_t c, uint32_t i,
-                           uint32_t shift) {
+static double column_value(lua_State *L, const request *r, uint32_t c, uint32_t i, uint32_t shift) {
     const uint32_t bodies[3] = {i, (i + shift) % r->bodies, 0};
     for (int part = 0; part < 3; part++)
         for (int k = 1; k <= r->given; k++) {
@@ -216,8 +213,8 @@ static double column_value(lua_State *L, const request *r, uint32_t c, uint32_t 
 }
 
 /* one round, plain and as it was traced; rounding differs where simplifying changed the order */
-static void compare_round(lua_State *L, const request *r, dml_given *given,
-                          const dm_sum *s, uint32_t i) {
+static void compare_round(lua_State *L, const request *r, dml_given *given, const dm_sum *s,
+                          uint32_t i) {
     static const double tolerance = 1e-8;
     double in[DML_SUM_COLUMNS];
     const dml_scalar plain = call(L, r, i, r->from);
@@ -263,24 +260,24 @@ static int sum_over(lua_State *L) {
     return keep_loop(L, &r, frame, &s);
 }
 
-static const dml_row functions[] = {
-    {"sum_over", sum_over,
-     "dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, block=}]) -> number\n"
-     "Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, "
-     "m_i) for "
-     "dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = "
-     "k: f also gets "
-     "the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the "
-     "first. pairs = true: "
-     "all pairs i < j. block = 3: a body has 3 neighbouring entries, f gets vectors. In "
-     "L of a system f is "
-     "traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs "
-     "100 times one of "
-     "10^3. f must not use other arguments of L than those it is given. Loops are for "
-     "explicit rules, for kinetic energies that are sums of m v^2/2 and without ties; "
-     "implicit rules, constraints and forces write the sums out, up to 400 "
-     "coordinates."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"sum_over", sum_over,
+      "dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, block=}]) -> number\n"
+      "Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, "
+      "m_i) for "
+      "dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = "
+      "k: f also gets "
+      "the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the "
+      "first. pairs = true: "
+      "all pairs i < j. block = 3: a body has 3 neighbouring entries, f gets vectors. In "
+      "L of a system f is "
+      "traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs "
+      "100 times one of "
+      "10^3. f must not use other arguments of L than those it is given. Loops are for "
+      "explicit rules, for kinetic energies that are sums of m v^2/2 and without ties; "
+      "implicit rules, constraints and forces write the sums out, up to 400 "
+      "coordinates."},
+     {NULL, NULL, NULL}};
 
 void dml_open_sum(lua_State *L) {
     dml_setfunctions(L, functions);

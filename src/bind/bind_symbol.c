@@ -1,5 +1,5 @@
 /* bind_symbol.c - `dm.symbol`: what a traced function gets instead of numbers.
-** Arithmetic records; what would need a value raises. */
+ * Arithmetic records; what would need a value raises. */
 #include "bind/array.h"
 #include "bind/state.h"
 
@@ -20,12 +20,11 @@ static const char *traced_function(lua_State *L) {
 
 static int refuse(lua_State *L, const char *what) {
     lua_settop(L, 2);
-    return luaL_error(
-        L,
-        "%s met a symbol while %s is traced, when its arguments have no values: use "
-        "dm.where(c, a, b) (a where c > 0, else b), dm.abs, dm.max or dm.min, or "
-        "derivatives = \"hyperdual\"",
-        what, traced_function(L));
+    return luaL_error(L,
+                      "%s met a symbol while %s is traced, when its arguments have no values: use "
+                      "dm.where(c, a, b) (a where c > 0, else b), dm.abs, dm.max or dm.min, or "
+                      "derivatives = \"hyperdual\"",
+                      what, traced_function(L));
 }
 
 static int refuse_lt(lua_State *L) {
@@ -60,22 +59,19 @@ static int refuse_field(lua_State *L) {
     lua_settop(L, 2);
     const char *key = luaL_tolstring(L, 2, NULL);
     const char *traced = traced_function(L);
-    const char *hint =
-        strcmp(traced, "constraint") == 0
-            ? "constraint gets (q, t); a condition on velocities is `rolling`"
-        : strcmp(traced, "the function") == 0
-            ? "of a vector argument say how many it has, as in dm.derivative(f, n)"
-            : "the params of a system are the fourth argument, after q, v, t";
-    return luaL_error(L,
-                      "a symbol has no field '%s': it stands for one number of %s (%s)",
-                      key, traced, hint);
+    const char *hint = strcmp(traced, "constraint") == 0
+                           ? "constraint gets (q, t); a condition on velocities is `rolling`"
+                       : strcmp(traced, "the function") == 0
+                           ? "of a vector argument say how many it has, as in dm.derivative(f, n)"
+                           : "the params of a system are the fourth argument, after q, v, t";
+    return luaL_error(L, "a symbol has no field '%s': it stands for one number of %s (%s)", key,
+                      traced, hint);
 }
 
 static int symbol_tostring(lua_State *L) {
     dml_scalar x;
     char text[DML_TEXT];
-    if (!dml_toscalar(L, 1, &x) || x.kind != DML_SYMBOL)
-        return luaL_typeerror(L, 1, TNAME);
+    if (!dml_toscalar(L, 1, &x) || x.kind != DML_SYMBOL) return luaL_typeerror(L, 1, TNAME);
     dml_scalartext(L, text, &x);
     lua_pushstring(L, text);
     return 1;

@@ -53,9 +53,8 @@ static double *arguments(lua_State *L, const dml_system *s, const char *second) 
 static void check_finite(lua_State *L, const double *y, uint32_t n, const char *what) {
     for (uint32_t i = 0; i < n; i++)
         if (!isfinite(y[i]))
-            luaL_error(
-                L, "%s is not finite (%s) at this point: is it inside the domain of L?",
-                what, isnan(y[i]) ? "NaN" : "infinite");
+            luaL_error(L, "%s is not finite (%s) at this point: is it inside the domain of L?",
+                       what, isnan(y[i]) ? "NaN" : "infinite");
 }
 
 /* the kernel of a model, evaluated at the arguments; out is a userdata on the stack
@@ -77,8 +76,7 @@ static double *evaluate(lua_State *L, unsigned want, size_t which, const char *w
 }
 
 static int system_energy(lua_State *L) {
-    const double *E =
-        evaluate(L, DM_WANT_ENERGY, offsetof(dm_model, energy), "the energy");
+    const double *E = evaluate(L, DM_WANT_ENERGY, offsetof(dm_model, energy), "the energy");
     lua_pushnumber(L, *E);
     return 1;
 }
@@ -91,8 +89,7 @@ static int system_lagrangian(lua_State *L) {
 
 static int system_legendre(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    const double *p =
-        evaluate(L, DM_WANT_SLOPE, offsetof(dm_model, slope), "the momentum");
+    const double *p = evaluate(L, DM_WANT_SLOPE, offsetof(dm_model, slope), "the momentum");
     memcpy(dml_pushvector(L, s->n), p + s->n, s->n * sizeof *p);
     return 1;
 }
@@ -104,8 +101,7 @@ static int system_momentum(lua_State *L) {
 
 static int system_mass(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    const double *p =
-        evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the mass matrix");
+    const double *p = evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the mass matrix");
     memcpy(dml_pushmatrix(L, s->n, s->n), p + s->n, (size_t)s->n * s->n * sizeof *p);
     return 1;
 }
@@ -124,17 +120,14 @@ static int system_velocity(lua_State *L) {
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
     double *at = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *at, 0);
     double *v = dml_pushvector(L, s->n);
-    const dm_status status =
-        dm_legendre_inverse(&m->model, v, x, x + s->n, x[2 * s->n], work);
+    const dm_status status = dm_legendre_inverse(&m->model, v, x, x + s->n, x[2 * s->n], work);
     dml_rethrow(L, m);
     memcpy(at, x, (2 * (size_t)s->n + 1) * sizeof *x);
     memcpy(at + s->n, v, s->n * sizeof *v);
     if (status == DM_OK) dml_checkmember(L, 1, m, at);
     if (status != DM_OK)
-        luaL_error(
-            L,
-            "no velocity has this momentum: %s; is L regular (d2L/dv2 invertible) at q?",
-            dm_status_text(status));
+        luaL_error(L, "no velocity has this momentum: %s; is L regular (d2L/dv2 invertible) at q?",
+                   dm_status_text(status));
     return 1;
 }
 
@@ -196,8 +189,7 @@ static int system_graph(lua_State *L) {
     dml_model *m = dml_pushmodel(L, 1);
     luaL_Buffer b;
     dml_writeout(L, m);
-    if (!m->graph)
-        return luaL_error(L, "this system runs on hyper-dual numbers: it has no graph");
+    if (!m->graph) return luaL_error(L, "this system runs on hyper-dual numbers: it has no graph");
     luaL_buffinit(L, &b);
     dm_print(m->graph, &m->lagrangian, 1, names, put, &b);
     luaL_pushresult(&b);
@@ -255,82 +247,80 @@ static int system_field(lua_State *L) {
     luaL_checkudata(L, 1, DML_SYSTEM);
     const char *key = luaL_checkstring(L, 2);
     if (strcmp(key, "given") == 0) return push_given(L);
-    static const char *const fields[] = {"Q",     "L",      "name", "coordinates",
-                                         "units", "params", NULL};
+    static const char *const fields[] = {"Q", "L", "name", "coordinates", "units", "params", NULL};
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
     return 0;
 }
 
 static const dml_row meta[] = {{"__tostring", system_tostring, NULL}, {NULL, NULL, NULL}};
-static const dml_row methods[] = {
-    {"energy", system_energy,
-     "system:energy(q, v [, t]) -> number\n"
-     "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers, t: 0 "
-     "unless given. Raises where it is not finite, as do the other methods of a state."},
-    {"lagrangian", system_lagrangian,
-     "system:lagrangian(q, v [, t]) -> number\n"
-     "L(q, v, t) through the kernel that was traced from it, in the units of L."},
-    {"legendre", system_legendre,
-     "system:legendre(q, v [, t]) -> dm.vector\n"
-     "The momentum p = dL/dv of dim Q entries (the Legendre transform), entry "
-     "i in units of L over those of v_i; inverse: system:velocity."},
-    {"momentum", system_momentum,
-     "system:momentum(q, v [, t]) -> dm.vector\n"
-     "The same as system:legendre, p = dL/dv; the momentum map of a group along a path "
-     "is "
-     "path:momentum(group)."},
-    {"velocity", system_velocity,
-     "system:velocity(q, p [, t]) -> dm.vector\n"
-     "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off. Raises when "
-     "d2L/dv2 is singular, or L linear in v."},
-    {"mass", system_mass,
-     "system:mass(q, v [, t]) -> dm.matrix\n"
-     "The mass matrix d2L/dv2, dim Q x dim Q; singular where L is degenerate."},
-    {"structure", system_structure,
-     "system:structure() -> table\n"
-     "What was read off the graph of L: separable, constant_mass, diagonal_mass, "
-     "autonomous, linear_in_v "
-     "(booleans), cyclic (names of coordinates that L does not depend on), operations; "
-     "and how the system is tied: constraints, rolling (how many), forced (boolean)."},
-    {"graph", system_graph,
-     "system:graph() -> string\nThe expression graph of L, one assignment a line; "
-     "coordinates and their rates by name."},
-    {NULL, NULL, NULL}};
-static const dml_row functions[] = {
-    {"system", dml_system_new,
-     "dm.system{Q=, L=, constraint=, rolling=, force=, control=, reaction=, name=, "
-     "coordinates=, "
-     "units=, params=, derivatives=} -> dm.system\n"
-     "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, "
-     "with params, "
-     "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at "
-     "every run, so a "
-     "changed upvalue is picked up. coordinates: dim Q names, used for columns; units: "
-     "table name -> unit, used "
-     "for labels; derivatives: \"exact\" (traced, the default) or \"hyperdual\" for "
-     "functions that "
-     "branch on the state. Raises when L cannot be traced, with what to use instead.\n"
-     "constraint(q [, t]) returns what shall be zero along every path (holonomic: "
-     "reactions along its gradient), "
-     "rolling(q, v [, t]) what shall be zero of the velocities (reactions along its "
-     "derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) "
-     "returns), "
-     "force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq "
-     "(discrete "
-     "Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is "
-     "what control returned at the start of the step and is held over it; "
-     "each a number, a vector or a table, traced like L. Rules "
-     "that do not know them refuse the system and name those that do."},
-    {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"energy", system_energy,
+      "system:energy(q, v [, t]) -> number\n"
+      "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers, t: 0 "
+      "unless given. Raises where it is not finite, as do the other methods of a state."},
+     {"lagrangian", system_lagrangian,
+      "system:lagrangian(q, v [, t]) -> number\n"
+      "L(q, v, t) through the kernel that was traced from it, in the units of L."},
+     {"legendre", system_legendre,
+      "system:legendre(q, v [, t]) -> dm.vector\n"
+      "The momentum p = dL/dv of dim Q entries (the Legendre transform), entry "
+      "i in units of L over those of v_i; inverse: system:velocity."},
+     {"momentum", system_momentum,
+      "system:momentum(q, v [, t]) -> dm.vector\n"
+      "The same as system:legendre, p = dL/dv; the momentum map of a group along a path "
+      "is "
+      "path:momentum(group)."},
+     {"velocity", system_velocity,
+      "system:velocity(q, p [, t]) -> dm.vector\n"
+      "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off. Raises when "
+      "d2L/dv2 is singular, or L linear in v."},
+     {"mass", system_mass,
+      "system:mass(q, v [, t]) -> dm.matrix\n"
+      "The mass matrix d2L/dv2, dim Q x dim Q; singular where L is degenerate."},
+     {"structure", system_structure,
+      "system:structure() -> table\n"
+      "What was read off the graph of L: separable, constant_mass, diagonal_mass, "
+      "autonomous, linear_in_v "
+      "(booleans), cyclic (names of coordinates that L does not depend on), operations; "
+      "and how the system is tied: constraints, rolling (how many), forced (boolean)."},
+     {"graph", system_graph,
+      "system:graph() -> string\nThe expression graph of L, one assignment a line; "
+      "coordinates and their rates by name."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"system", dml_system_new,
+      "dm.system{Q=, L=, constraint=, rolling=, force=, control=, reaction=, name=, "
+      "coordinates=, "
+      "units=, params=, derivatives=} -> dm.system\n"
+      "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, "
+      "with params, "
+      "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at "
+      "every run, so a "
+      "changed upvalue is picked up. coordinates: dim Q names, used for columns; units: "
+      "table name -> unit, used "
+      "for labels; derivatives: \"exact\" (traced, the default) or \"hyperdual\" for "
+      "functions that "
+      "branch on the state. Raises when L cannot be traced, with what to use instead.\n"
+      "constraint(q [, t]) returns what shall be zero along every path (holonomic: "
+      "reactions along its gradient), "
+      "rolling(q, v [, t]) what shall be zero of the velocities (reactions along its "
+      "derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) "
+      "returns), "
+      "force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq "
+      "(discrete "
+      "Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is "
+      "what control returned at the start of the step and is held over it; "
+      "each a number, a vector or a table, traced like L. Rules "
+      "that do not know them refuse the system and name those that do."},
+     {NULL, NULL, NULL}};
 
 void dml_open_system(lua_State *L) {
-    dml_newclass(
-        L, DML_SYSTEM,
-        "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
-        "fields: Q, L, name, coordinates, units, params, given (all options as they were "
-        "given)",
-        meta, methods, system_field);
+    dml_newclass(L, DML_SYSTEM,
+                 "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
+                 "fields: Q, L, name, coordinates, units, params, given (all options as they were "
+                 "given)",
+                 meta, methods, system_field);
     dml_addmethods(L, DML_SYSTEM, dml_tie_methods);
     dml_setfunctions(L, functions);
 }

@@ -1,5 +1,5 @@
 /* bind_vector.c - `dm.vector`: entries from 1; numbers, symbols and hyper-dual numbers
-** alike. */
+ * alike. */
 #include "bind/array.h"
 #include "bind/missed.h"
 #include "bind/state.h"
@@ -45,8 +45,8 @@ static int copy(lua_State *L, const dml_array *a, uint32_t first, uint32_t n) {
 
 static int vector_new(lua_State *L) {
     if (lua_gettop(L) > 1)
-        return luaL_error(
-            L, "dm.vector takes one table of entries, or a length: write dm.vector{...}");
+        return luaL_error(L, "dm.vector takes one table of entries, or a length: write "
+                             "dm.vector{...}");
     if (lua_type(L, 1) == LUA_TNUMBER) {
         dml_newarray(L, 1, check_length(L, 1), 1, &zero);
         return 1;
@@ -64,8 +64,7 @@ static int vector_copy(lua_State *L) {
 
 static int vector_slice(lua_State *L) {
     const dml_array *a = check(L);
-    const lua_Integer n = a->rows, i = luaL_checkinteger(L, 2),
-                      j = luaL_optinteger(L, 3, n);
+    const lua_Integer n = a->rows, i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, n);
     if (i < 1 || j > n || i > j + 1)
         return luaL_error(L, "slice(%I, %I) is out of range: the vector has %I entries",
                           (LUAI_UACINT)i, (LUAI_UACINT)j, (LUAI_UACINT)n);
@@ -79,14 +78,12 @@ static uint32_t check_index(lua_State *L, int arg, uint32_t limit) {
     int whole;
     const lua_Integer i = lua_tointegerx(L, arg, &whole);
     if (dml_classof(L, arg) == DML_CLASS_SYMBOL)
-        luaL_error(
-            L, "a symbol cannot be an index: it has no value while a function is traced");
+        luaL_error(L, "a symbol cannot be an index: it has no value while a function is traced");
     if (!whole || lua_type(L, arg) != LUA_TNUMBER)
-        luaL_error(L, "an index must be a whole number, got %s",
-                   luaL_tolstring(L, arg, NULL));
+        luaL_error(L, "an index must be a whole number, got %s", luaL_tolstring(L, arg, NULL));
     if (i < 1 || i > (lua_Integer)limit)
-        luaL_error(L, "index %I is out of range: the vector has %d entries",
-                   (LUAI_UACINT)i, (int)limit);
+        luaL_error(L, "index %I is out of range: the vector has %d entries", (LUAI_UACINT)i,
+                   (int)limit);
     return (uint32_t)(i - 1);
 }
 
@@ -98,8 +95,7 @@ static int vector_field(lua_State *L) {
         if (i < a->rows) return dml_pushscalar(L, &x), 1;
     }
     if (lua_type(L, 2) == LUA_TSTRING) return 0;
-    if (lua_type(L, 2) == LUA_TNUMBER &&
-        lua_tointeger(L, 2) == (lua_Integer)a->rows + 1) {
+    if (lua_type(L, 2) == LUA_TNUMBER && lua_tointeger(L, 2) == (lua_Integer)a->rows + 1) {
         lua_pushfstring(L, "a vector of %d", (int)a->rows);
         dml_miss(L, 1, lua_tostring(L, -1), 2);
         lua_pushnil(L); /* one past the end: ipairs stops here */
@@ -174,8 +170,7 @@ static int vector_sum(lua_State *L) {
 /* a_i b_j - a_j b_i */
 static dml_scalar minor(lua_State *L, const dml_array *a, const dml_array *b, uint32_t i,
                         uint32_t j) {
-    const dml_scalar ai = dml_get(a, i), aj = dml_get(a, j), bi = dml_get(b, i),
-                     bj = dml_get(b, j);
+    const dml_scalar ai = dml_get(a, i), aj = dml_get(a, j), bi = dml_get(b, i), bj = dml_get(b, j);
     const dml_scalar plus = dml_apply(L, DM_OP_MUL, &ai, &bj, NULL);
     const dml_scalar minus = dml_apply(L, DM_OP_MUL, &aj, &bi, NULL);
     return dml_apply(L, DM_OP_SUB, &plus, &minus, NULL);
@@ -189,18 +184,15 @@ static int vector_cross(lua_State *L) {
         return 1;
     }
     if (a->rows != 3)
-        return luaL_error(L, "cross needs vectors of 2 or 3 entries (got %d)",
-                          (int)a->rows);
-    const dml_scalar c[3] = {minor(L, a, b, 1, 2), minor(L, a, b, 2, 0),
-                             minor(L, a, b, 0, 1)};
+        return luaL_error(L, "cross needs vectors of 2 or 3 entries (got %d)", (int)a->rows);
+    const dml_scalar c[3] = {minor(L, a, b, 1, 2), minor(L, a, b, 2, 0), minor(L, a, b, 0, 1)};
     dml_pushscalars(L, c, 3);
     return 1;
 }
 
 static int vector_outer(lua_State *L) {
     const dml_array *a = check(L), *b = dml_vectorat(L, 2);
-    const dml_scalar ka = dml_kindof(a), kb = dml_kindof(b),
-                     kind = dml_common(L, &ka, &kb);
+    const dml_scalar ka = dml_kindof(a), kb = dml_kindof(b), kind = dml_common(L, &ka, &kb);
     dml_array *m = dml_newarray(L, 2, a->rows, b->rows, &kind);
     for (uint32_t i = 0; i < a->rows; i++)
         for (uint32_t j = 0; j < b->rows; j++) {
@@ -226,9 +218,8 @@ static int vector_map(lua_State *L) {
         lua_pushinteger(L, (lua_Integer)i + 1);
         lua_call(L, 2, 1);
         if (!dml_toscalar(L, -1, &y))
-            return luaL_error(
-                L, "map: the function must return a number (got %s for entry %d)",
-                luaL_typename(L, -1), (int)i + 1);
+            return luaL_error(L, "map: the function must return a number (got %s for entry %d)",
+                              luaL_typename(L, -1), (int)i + 1);
         dml_assign(L, 3, i, &y);
         lua_pop(L, 1);
     }
@@ -253,10 +244,9 @@ int dml_equal(lua_State *L) {
     for (uint32_t i = 0; equal && i < dml_size(a); i++) {
         const dml_scalar x = dml_get(a, i), y = dml_get(b, i);
         if (x.kind == DML_SYMBOL || y.kind == DML_SYMBOL)
-            return luaL_error(
-                L, "== met symbols while a function is traced: use dm.where(c, a, b)");
-        equal = (x.kind ? x.as.hyper.f : x.as.number) ==
-                (y.kind ? y.as.hyper.f : y.as.number);
+            return luaL_error(L,
+                              "== met symbols while a function is traced: use dm.where(c, a, b)");
+        equal = (x.kind ? x.as.hyper.f : x.as.number) == (y.kind ? y.as.hyper.f : y.as.number);
     }
     lua_pushboolean(L, equal);
     return 1;
@@ -273,47 +263,45 @@ static const dml_row meta[] = {{"__add", dml_add, NULL},
                                {"__newindex", vector_set, NULL},
                                {"__tostring", dml_vectortext, NULL},
                                {NULL, NULL, NULL}};
-static const dml_row methods[] = {
-    {"dot", vector_dot,
-     "v:dot(w) -> number\nThe inner product of two vectors of the same length. Raises "
-     "when the lengths "
-     "differ."},
-    {"norm", vector_norm,
-     "v:norm() -> number\nThe Euclidean norm sqrt(v . v), without overflow."},
-    {"cross", vector_cross,
-     "v:cross(w) -> dm.vector or number\nThe cross product of two vectors of 3 entries; "
-     "of 2 entries "
-     "the number v1 w2 - v2 w1. Raises for other lengths."},
-    {"outer", vector_outer, "v:outer(w) -> dm.matrix\nThe matrix v_i w_j, #v x #w."},
-    {"sum", vector_sum, "v:sum() -> number\nThe sum of the entries."},
-    {"map", vector_map,
-     "v:map(f) -> dm.vector\nA new vector of f(v[i], i). Raises when f returns no "
-     "number."},
-    {"slice", vector_slice,
-     "v:slice(i [, j]) -> dm.vector\nA copy of the entries i to j (the last one when "
-     "left out). Raises "
-     "when they are out of range."},
-    {"copy", vector_copy, "v:copy() -> dm.vector\nA new vector with the same entries."},
-    {"totable", vector_totable, "v:totable() -> table\nThe entries as a Lua table."},
-    {NULL, NULL, NULL}};
-static const dml_row functions[] = {
-    {"vector", vector_new,
-     "dm.vector{x1, x2, ...} -> dm.vector\n"
-     "A vector of the entries of a table or another vector; dm.vector(n) has n zeros. "
-     "Entries are "
-     "numbers, or symbols and hyper-dual numbers inside a traced function. + - * / work "
-     "with vectors "
-     "and numbers; tables of numbers are taken as vectors; v[i] counts from 1. Raises "
-     "when an entry is "
-     "no number."},
-    {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"dot", vector_dot,
+      "v:dot(w) -> number\nThe inner product of two vectors of the same length. Raises "
+      "when the lengths "
+      "differ."},
+     {"norm", vector_norm, "v:norm() -> number\nThe Euclidean norm sqrt(v . v), without overflow."},
+     {"cross", vector_cross,
+      "v:cross(w) -> dm.vector or number\nThe cross product of two vectors of 3 entries; "
+      "of 2 entries "
+      "the number v1 w2 - v2 w1. Raises for other lengths."},
+     {"outer", vector_outer, "v:outer(w) -> dm.matrix\nThe matrix v_i w_j, #v x #w."},
+     {"sum", vector_sum, "v:sum() -> number\nThe sum of the entries."},
+     {"map", vector_map,
+      "v:map(f) -> dm.vector\nA new vector of f(v[i], i). Raises when f returns no "
+      "number."},
+     {"slice", vector_slice,
+      "v:slice(i [, j]) -> dm.vector\nA copy of the entries i to j (the last one when "
+      "left out). Raises "
+      "when they are out of range."},
+     {"copy", vector_copy, "v:copy() -> dm.vector\nA new vector with the same entries."},
+     {"totable", vector_totable, "v:totable() -> table\nThe entries as a Lua table."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"vector", vector_new,
+      "dm.vector{x1, x2, ...} -> dm.vector\n"
+      "A vector of the entries of a table or another vector; dm.vector(n) has n zeros. "
+      "Entries are "
+      "numbers, or symbols and hyper-dual numbers inside a traced function. + - * / work "
+      "with vectors "
+      "and numbers; tables of numbers are taken as vectors; v[i] counts from 1. Raises "
+      "when an entry is "
+      "no number."},
+     {NULL, NULL, NULL}};
 
 void dml_open_vector(lua_State *L) {
-    dml_newclass(
-        L, TNAME,
-        "dm.vector: entries in one block, made by dm.vector{...} or dm.zeros(n)\n"
-        "v[i] from 1, #v, + - * / with vectors and numbers, == entry by entry",
-        meta, methods, vector_field);
+    dml_newclass(L, TNAME,
+                 "dm.vector: entries in one block, made by dm.vector{...} or dm.zeros(n)\n"
+                 "v[i] from 1, #v, + - * / with vectors and numbers, == entry by entry",
+                 meta, methods, vector_field);
     dml_setclass(L, DML_CLASS_VECTOR, TNAME);
     dml_setfunctions(L, functions);
 }

@@ -28,8 +28,7 @@ static dm_status measure_limit(dm_bundle *b, const dm_element *e, double *order)
     return status;
 }
 
-static dm_status measure_submersions(dm_bundle *b, findings *f, const dm_element *e,
-                                     double *D) {
+static dm_status measure_submersions(dm_bundle *b, findings *f, const dm_element *e, double *D) {
     const dm_status status = dm_bundle_tangents(b, D, e);
     if (status != DM_OK) return status;
     f->minus = dm_bundle_submersion(b, D);
@@ -43,8 +42,7 @@ static void measure(lua_State *L, dm_bundle *b, findings *f, const dm_element *e
     const double *both[2] = {e->q, e->q};
     f->zero = D + 4 * (size_t)n * n;
     dml_bundle_raise(L, measure_submersions(b, f, e, D), "the segment");
-    dml_bundle_raise(L, dm_bundle_transversality(b, &f->transversal, NULL, e),
-                     "the segment");
+    dml_bundle_raise(L, dm_bundle_transversality(b, &f->transversal, NULL, e), "the segment");
     dml_bundle_raise(L, measure_limit(b, e, &f->limit), "the segment");
     f->has_zero = dm_bundle_find(b, f->zero + n, f->zero, both, e->t) == DM_OK;
     f->largest = dm_bundle_largest_step(b, e);
@@ -80,8 +78,7 @@ static void push_table(lua_State *L, const dm_bundle *b, const findings *f) {
 }
 
 static void push_sentence(lua_State *L, const dm_bundle *b, const findings *f) {
-    const char *what =
-        holds(f) ? "a discrete tangent bundle" : "NO discrete tangent bundle";
+    const char *what = holds(f) ? "a discrete tangent bundle" : "NO discrete tangent bundle";
     if (isfinite(f->largest))
         lua_pushfstring(L,
                         "%s near this element at h = %f; the kernels of T d- and T d+ "

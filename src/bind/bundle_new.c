@@ -18,22 +18,17 @@ static void push_system(lua_State *L, const dm_curve *c) {
     const int given = lua_getfield(L, 1, "system") != LUA_TNIL;
     const int space = lua_getfield(L, 1, "Q") != LUA_TNIL;
     if (given == space)
-        luaL_error(
-            L, "give either 'system' (whose field the segments follow) or 'Q' (straight "
-               "segments of a space)");
+        luaL_error(L, "give either 'system' (whose field the segments follow) or 'Q' (straight "
+                      "segments of a space)");
     if (given) {
         lua_pop(L, 1);
         const dml_system *s = luaL_testudata(L, -1, DML_SYSTEM);
-        if (!s)
-            luaL_error(L, "field 'system' must be a dm.system (got %s)",
-                       luaL_typename(L, -1));
+        if (!s) luaL_error(L, "field 'system' must be a dm.system (got %s)", luaL_typename(L, -1));
         return;
     }
     if (c->s != 1)
-        luaL_error(
-            L,
-            "segments of '%s' follow the field of a system: give 'system' instead of 'Q'",
-            c->name);
+        luaL_error(L, "segments of '%s' follow the field of a system: give 'system' instead of 'Q'",
+                   c->name);
     lua_remove(L, -2);
     lua_createtable(L, 0, 2);
     lua_insert(L, -2);
@@ -52,15 +47,13 @@ static const dm_curve *push_segments(lua_State *L) {
     const dm_curve *c = dml_tocurve(L, -1);
     const int biased = lua_getfield(L, 1, "bias") != LUA_TNIL;
     if (c && biased)
-        luaL_error(
-            L, "field 'bias': the segments are a dm.curve, which has a bias of its own");
+        luaL_error(L, "field 'bias': the segments are a dm.curve, which has a bias of its own");
     if (c) return lua_pop(L, 1), c;
     if (lua_type(L, -2) != LUA_TSTRING)
-        luaL_error(
-            L,
-            "field 'segments' must be \"straight\", the name of a one-step method or a "
-            "dm.curve (got %s)",
-            luaL_typename(L, -2));
+        luaL_error(L,
+                   "field 'segments' must be \"straight\", the name of a one-step method or a "
+                   "dm.curve (got %s)",
+                   luaL_typename(L, -2));
     lua_newtable(L);
     lua_insert(L, -2);
     lua_setfield(L, -2, "bias");

@@ -32,10 +32,9 @@ typedef struct {
 
 static int open_workshop(workshop *w) {
     const char *tmp = getenv("TMPDIR");
-    const int n = snprintf(w->folder, sizeof w->folder, "%s/dmlua-XXXXXX",
-                           tmp && *tmp ? tmp : "/tmp");
-    if (n < 0 || n >= (int)sizeof w->folder || !mkdtemp(w->folder))
-        return 0; /* mode 0700 */
+    const int n =
+        snprintf(w->folder, sizeof w->folder, "%s/dmlua-XXXXXX", tmp && *tmp ? tmp : "/tmp");
+    if (n < 0 || n >= (int)sizeof w->folder || !mkdtemp(w->folder)) return 0; /* mode 0700 */
     snprintf(w->source, sizeof w->source, "%s/k.c", w->folder);
     snprintf(w->object, sizeof w->object, "%s/k.so", w->folder);
     return 1;
@@ -51,10 +50,10 @@ static void put(void *ud, const char *text, size_t length) {
     fwrite(text, 1, length, ud);
 }
 
-/* the elementary functions are those of the tape, called through a table that is filled in when it is loaded */
+/* the elementary functions are those of the tape, called through a table that is filled in when
+ * it is loaded */
 static void write_head(FILE *f) {
-    fprintf(f, "#include <math.h>\n\ndouble (*functions[%d])(double);\n",
-            (int)DM_OP_COUNT);
+    fprintf(f, "#include <math.h>\n\ndouble (*functions[%d])(double);\n", (int)DM_OP_COUNT);
     for (int op = DM_OP_RSQRT; op <= DM_OP_TANH; op++) {
         const char *name = op == DM_OP_RSQRT    ? "reciprocal_root"
                            : op == DM_OP_RSQRT3 ? "reciprocal_root3"
@@ -63,8 +62,7 @@ static void write_head(FILE *f) {
     }
 }
 
-static int write_source(const workshop *w, dm_graph *g, const dm_node *roots,
-                        uint32_t m) {
+static int write_source(const workshop *w, dm_graph *g, const dm_node *roots, uint32_t m) {
     FILE *f = fopen(w->source, "w");
     if (!f) return 0;
     write_head(f);
@@ -91,8 +89,7 @@ static int run_compiler(workshop *w) {
     pid_t child;
     int status;
     if (posix_spawnp(&child, argv[0], NULL, NULL, argv, environ) != 0) return 0;
-    return waitpid(child, &status, 0) == child && WIFEXITED(status) &&
-           WEXITSTATUS(status) == 0;
+    return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 /* the function of the shared object behind a kernel */
@@ -130,8 +127,7 @@ static object *load(const workshop *w, dm_arena *arena) {
         return NULL;
     }
     give_functions(handle);
-    memcpy(&o->kernel, &symbol,
-           sizeof symbol); /* POSIX lets a function pointer be data */
+    memcpy(&o->kernel, &symbol, sizeof symbol); /* POSIX lets a function pointer be data */
     return o;
 }
 
@@ -140,11 +136,9 @@ dm_status dml_cc_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32
     workshop w;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
     const uint32_t operations = dm_operations(g, roots, m);
-    if (dm_has_roots(g, roots, m))
-        return dm_root_kernel(out, g, roots, m, dml_cc_or_tape, arena);
+    if (dm_has_roots(g, roots, m)) return dm_root_kernel(out, g, roots, m, dml_cc_or_tape, arena);
     if (!open_workshop(&w)) return DM_NO_NATIVE;
-    object *o =
-        write_source(&w, g, roots, m) && run_compiler(&w) ? load(&w, arena) : NULL;
+    object *o = write_source(&w, g, roots, m) && run_compiler(&w) ? load(&w, arena) : NULL;
     close_workshop(&w);
     if (!o) return DM_NO_NATIVE;
     *out = (dm_kernel){.eval = eval,

@@ -5,10 +5,9 @@
 #include "expr/graph.h"
 #include "expr/kernel.h"
 
-/*
-** As dm_tape_build. The C text of the roots is compiled in a private folder that is gone again afterwards, by the
-** program that CC names (default cc), started without a shell. DM_NO_NATIVE: no compiler, or it failed.
-*/
+/* As dm_tape_build. The C text of the roots is compiled in a private folder that is gone again
+ * afterwards, by the program that CC names (default cc), started without a shell. DM_NO_NATIVE:
+ * no compiler, or it failed. */
 dm_status dml_cc_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
                        dm_arena *arena);
 

@@ -1,7 +1,6 @@
-/*
-** checkpoint.c - `path:checkpoint(file)`: a text of names and numbers, the numbers in hexadecimal, so with all their
-** bits:  dmlua checkpoint 2 / rule gauss(2) / n, h, tolerance, ... / state ... / memory ... / end
-*/
+/* checkpoint.c - `path:checkpoint(file)`: a text of names and numbers, the numbers in
+ * hexadecimal, so with all their bits:  dmlua checkpoint 2 / rule gauss(2) / n, h, tolerance,
+ * ... / state ... / memory ... / end */
 #include "bind/checkpoint.h"
 
 #include <errno.h>
@@ -29,7 +28,8 @@ dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r) {
     return c;
 }
 
-/* a number that tells one system from another: L or Ld at the state, p taken for a velocity or a position */
+/* a number that tells one system from another: L or Ld at the state, p taken for a velocity or a
+ * position */
 static double fingerprint(const dml_model *m, double *x, const double *state, double t) {
     double value = NAN;
     if (m->callback) return value;
@@ -79,12 +79,11 @@ void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c)
     const double t = c->t0 + r->solver->h * (double)c->steps;
     const double check = fingerprint(r->model, r->x, c->state, t);
     if (fabs(check - c->check) > 1e-9 * (fabs(check) + fabs(c->check)))
-        luaL_error(
-            L,
-            "the system is not the one of the checkpoint: at its state L was %f and is "
-            "%f; for another system "
-            "start a new run from q and p",
-            c->check, check);
+        luaL_error(L,
+                   "the system is not the one of the checkpoint: at its state L was %f and is "
+                   "%f; for another system "
+                   "start a new run from q and p",
+                   c->check, check);
     memcpy(r->state, c->state, dm_state_size(c->n) * sizeof(double));
     dml_stepping_open(L, r);
     double *place;
@@ -104,18 +103,15 @@ static int write_numbers(FILE *f, const char *name, const double *x, size_t coun
     return fine;
 }
 
-static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s,
-                     const char *rule) {
+static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s, const char *rule) {
     const size_t size = dm_state_size(c->n);
-    return fprintf(
-               f,
-               "%s\nrule %s\nsums %s\nn %u\nh %a\ntolerance %a\nmax_iterations %d\nt0 "
-               "%a\nsteps %ld\ncheck %a\n",
-               HEAD, rule, s->plain ? "plain" : "compensated", (unsigned)c->n, s->h,
-               s->tolerance, s->max_iterations, c->t0, c->steps, c->check) > 0 &&
+    return fprintf(f,
+                   "%s\nrule %s\nsums %s\nn %u\nh %a\ntolerance %a\nmax_iterations %d\nt0 "
+                   "%a\nsteps %ld\ncheck %a\n",
+                   HEAD, rule, s->plain ? "plain" : "compensated", (unsigned)c->n, s->h,
+                   s->tolerance, s->max_iterations, c->t0, c->steps, c->check) > 0 &&
            write_numbers(f, "state", c->state, size) &&
-           write_numbers(f, "memory", c->state + size, c->memory) &&
-           fputs("end\n", f) != EOF;
+           write_numbers(f, "memory", c->state + size, c->memory) && fputs("end\n", f) != EOF;
 }
 
 int dml_checkpoint_try(const char *file) {
@@ -176,8 +172,8 @@ typedef struct {
 } reader;
 
 static void fail(const reader *r, const char *expected) {
-    luaL_error(r->L, "%s, line %d: not a whole checkpoint (%s expected)", r->file,
-               (int)r->line, *expected ? expected : "a number");
+    luaL_error(r->L, "%s, line %d: not a whole checkpoint (%s expected)", r->file, (int)r->line,
+               *expected ? expected : "a number");
 }
 
 /* the rest of the next line after `name ` */
@@ -238,8 +234,7 @@ static dml_checkpoint *read_checkpoint(reader *r) {
     double *state = lua_newuserdatauv(L, size * sizeof *state, 0);
     read_numbers(r, state, size);
     const size_t memory = (size_t)read_count(r, "memory", MOST);
-    dml_checkpoint *c =
-        lua_newuserdatauv(L, sizeof *c + (size + memory) * sizeof(double), 0);
+    dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + (size + memory) * sizeof(double), 0);
     *c = (dml_checkpoint){.t0 = t0,
                           .steps = steps,
                           .n = (uint32_t)n,
@@ -320,11 +315,10 @@ static void override(lua_State *L, int options) {
         const char *now = luaL_tolstring(L, -1, NULL);
         if (strncmp(now, "rule ", 5) == 0) now += 5;
         if (strcmp(now, rule) != 0)
-            luaL_error(
-                L,
-                "the checkpoint is of rule '%s', not '%s': with another rule start "
-                "a new run from q and p",
-                rule, now);
+            luaL_error(L,
+                       "the checkpoint is of rule '%s', not '%s': with another rule start "
+                       "a new run from q and p",
+                       rule, now);
         lua_getfield(L, 3, "rule");
         lua_setfield(L, options, "rule");
     }
@@ -349,8 +343,8 @@ int dml_resume(lua_State *L) {
     const dml_checkpoint *c = lua_touserdata(L, end);
     if (!c) luaL_error(L, "this path has no end to go on from");
     if (c->n != system->n)
-        luaL_error(L, "the checkpoint is of a system of %d coordinates, this one has %d",
-                   (int)c->n, (int)system->n);
+        luaL_error(L, "the checkpoint is of a system of %d coordinates, this one has %d", (int)c->n,
+                   (int)system->n);
     override(L, options);
     lua_pushcfunction(L, dml_solver_of);
     lua_pushvalue(L, 2);

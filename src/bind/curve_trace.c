@@ -1,9 +1,9 @@
-/*
-** curve_trace.c - the coefficients of a one-step method written in Lua. It is traced with symbols for x = (q, v) and h and
-** with a field f whose i-th call answers with symbols k_i = (V_i, A_i) of its own. What it put into that call, and gives in
-** the end, must be (q + h g v + h sum_j a_j V_j + h^2 sum_j lift_j A_j, v + h sum_j push_j A_j): a Runge-Kutta method where
-** push is a and the others are zero, else one that treats q and v each in its way (Nystroem; leapfrog).
-*/
+/* curve_trace.c - the coefficients of a one-step method written in Lua. It is traced with
+ * symbols for x = (q, v) and h and with a field f whose i-th call answers with symbols k_i =
+ * (V_i, A_i) of its own. What it put into that call, and gives in the end, must be (q + h g v +
+ * h sum_j a_j V_j + h^2 sum_j lift_j A_j, v + h sum_j push_j A_j): a Runge-Kutta method where
+ * push is a and the others are zero, else one that treats q and v each in its way (Nystroem;
+ * leapfrog). */
 #include "bind/array.h"
 #include "bind/curve.h"
 #include "bind/trace.h"
@@ -12,13 +12,9 @@
 #include <math.h>
 #include <string.h>
 
-/* x of the trace: positions and velocities of two coordinates; a call of f is its point and its time */
-enum {
-    HALF = 2,
-    SIZE = 2 * HALF,
-    CALL = SIZE + 1,
-    INPUTS = SIZE + 1 + DM_CURVE_STAGES * SIZE + 1
-};
+/* x of the trace: positions and velocities of two coordinates; a call of f is its point and its
+ * time */
+enum { HALF = 2, SIZE = 2 * HALF, CALL = SIZE + 1, INPUTS = SIZE + 1 + DM_CURVE_STAGES * SIZE + 1 };
 static const double NOISE = 1e-12; /* of what is linear to round-off */
 
 /* ---- the call ---- */
@@ -27,13 +23,11 @@ static const double NOISE = 1e-12; /* of what is linear to round-off */
 static void append(lua_State *L, int list, int arg, const char *what) {
     const long n = dml_length(L, arg);
     if (n != SIZE || (!lua_istable(L, arg) && !dml_toarray(L, arg, 1)))
-        luaL_error(
-            L,
-            "%s must be a vector of as many entries as x, positions and velocities "
-            "(got %s)",
-            what,
-            n > 1 ? lua_pushfstring(L, "%d for %d", (int)n, SIZE)
-                  : luaL_typename(L, arg));
+        luaL_error(L,
+                   "%s must be a vector of as many entries as x, positions and velocities "
+                   "(got %s)",
+                   what,
+                   n > 1 ? lua_pushfstring(L, "%d for %d", (int)n, SIZE) : luaL_typename(L, arg));
     for (uint32_t i = 0; i < SIZE; i++) {
         const dml_scalar x = dml_entry(L, arg, i);
         dml_pushscalar(L, &x);
@@ -61,7 +55,8 @@ static int field(lua_State *L) {
     return 1;
 }
 
-/* times that were not given are those of the coefficients: marked by t itself, told apart by `timed` */
+/* times that were not given are those of the coefficients: marked by t itself, told apart by
+ * `timed` */
 static void settle_times(lua_State *L, int list, int t) {
     const lua_Integer length = (lua_Integer)lua_rawlen(L, list);
     for (lua_Integer i = CALL; i <= length; i += CALL) {
@@ -202,14 +197,12 @@ static int has_right_times(probe *p) {
 static void read_coefficients(lua_State *L, probe *p) {
     read_sums(p);
     if (!is_linear(p))
-        luaL_error(
-            L, "the method is not linear in the values of f: every argument of f, "
-               "and the result, must be x + h times a sum of numbers times values of f "
-               "(positions may also take h v, and h^2 times accelerations)");
+        luaL_error(L, "the method is not linear in the values of f: every argument of f, "
+                      "and the result, must be x + h times a sum of numbers times values of f "
+                      "(positions may also take h v, and h^2 times accelerations)");
     if (!has_right_times(p))
-        luaL_error(
-            L, "the method gives f a time that is not t + c h, where c is the sum of the "
-               "coefficients of that call");
+        luaL_error(L, "the method gives f a time that is not t + c h, where c is the sum of the "
+                      "coefficients of that call");
 }
 
 static int is_runge_kutta(const probe *p) {
@@ -225,8 +218,7 @@ static int is_runge_kutta(const probe *p) {
 /* point 0 is x itself: the first call, or a point more before it */
 static void fill_runge_kutta(dm_curve *out, const probe *p) {
     double a[DM_CURVE_STAGES * DM_CURVE_STAGES] = {0};
-    for (int i = 0; i < p->s; i++)
-        memcpy(a + i * p->s, p->rows[i].a, (size_t)p->s * sizeof *a);
+    for (int i = 0; i < p->s; i++) memcpy(a + i * p->s, p->rows[i].a, (size_t)p->s * sizeof *a);
     dm_curve_fill(out, p->s, a, p->rows[p->s].a);
 }
 
@@ -237,8 +229,7 @@ static int is_at_start(const sums *row) {
 static void fill_lifted(lua_State *L, dm_curve *out, const probe *p) {
     const int before = !is_at_start(p->rows), s = p->s + before;
     if (s > DM_CURVE_STAGES)
-        luaL_error(L, "the method calls f more than %d times a step",
-                   DM_CURVE_STAGES - 1);
+        luaL_error(L, "the method calls f more than %d times a step", DM_CURVE_STAGES - 1);
     memset(out, 0, sizeof *out);
     out->s = s;
     out->bias = 1.0;
@@ -257,21 +248,18 @@ static void fill_lifted(lua_State *L, dm_curve *out, const probe *p) {
     }
 }
 
-static void build(lua_State *L, dm_kernel *out, const dml_traced *traced,
-                  dm_arena *arena) {
-    const dm_status status =
-        dm_tape_build(out, traced->graph, traced->out, traced->outputs, arena);
+static void build(lua_State *L, dm_kernel *out, const dml_traced *traced, dm_arena *arena) {
+    const dm_status status = dm_tape_build(out, traced->graph, traced->out, traced->outputs, arena);
     if (status != DM_OK) luaL_error(L, "the method: %s", dm_status_text(status));
 }
 
 static void check_consistent(lua_State *L, const dm_curve *c) {
     const double moved = sum_of(c->plus, c->s), pushed = sum_of(c->arrival, c->s);
     if (!(fabs(moved - 1.0) <= 1e-10 && fabs(pushed - 1.0) <= 1e-10))
-        luaL_error(
-            L,
-            "the method is not consistent: for small h it must give x + h f(x), this one "
-            "gives q + %f h v and v + %f h a",
-            moved, pushed);
+        luaL_error(L,
+                   "the method is not consistent: for small h it must give x + h f(x), this one "
+                   "gives q + %f h v and v + %f h a",
+                   moved, pushed);
 }
 
 void dml_curve_trace(lua_State *L, int fn, dm_curve *out) {

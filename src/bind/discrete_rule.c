@@ -5,7 +5,8 @@
 
 #include <string.h>
 
-/* nodes of the rule in field `rule` of the table at `at`; nested ones point into nodes; the text is left on the stack */
+/* nodes of the rule in field `rule` of the table at `at`; nested ones point into nodes; the text
+ * is left on the stack */
 static const dm_method *read_rule(lua_State *L, int at, dm_rule *nodes) {
     const dml_rule *object;
     const char *wrong = NULL, *nearest = NULL;
@@ -25,13 +26,11 @@ static const dm_method *read_rule(lua_State *L, int at, dm_rule *nodes) {
     const char *text = luaL_tolstring(L, -1, NULL);
     const dm_method *method = wrong ? NULL : dm_method_find(nodes[0].name, &nearest);
     if (wrong) luaL_error(L, "field 'rule': '%s': %s", text, wrong);
-    if (!method && nearest)
-        luaL_error(L, "unknown rule '%s'; did you mean '%s'?", text, nearest);
+    if (!method && nearest) luaL_error(L, "unknown rule '%s'; did you mean '%s'?", text, nearest);
     if (!method) luaL_error(L, "unknown rule '%s'; ?rules lists them", text);
     wrong = method->check ? method->check(nodes) : NULL;
     if (wrong)
-        luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong,
-                   method->signature);
+        luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong, method->signature);
     return method;
 }
 
@@ -51,11 +50,11 @@ static void read_basis(lua_State *L, int at, dm_galerkin *g) {
     lua_pop(L, 2);
 }
 
-/* rule = "galerkin", degree = 3, quadrature = "lobatto(4)" at 2 become rule = "galerkin(3, lobatto(4))" in a new table there */
+/* rule = "galerkin", degree = 3, quadrature = "lobatto(4)" at 2 become rule = "galerkin(3,
+ * lobatto(4))" in a new table there */
 static void join_galerkin(lua_State *L) {
     static const char *const kept[] = {"h", "name", NULL};
-    const int degree = lua_getfield(L, 2, "degree"),
-              quadrature = lua_getfield(L, 2, "quadrature");
+    const int degree = lua_getfield(L, 2, "degree"), quadrature = lua_getfield(L, 2, "quadrature");
     if (degree == LUA_TNIL && quadrature == LUA_TNIL) {
         lua_pop(L, 2);
         return;
@@ -64,9 +63,8 @@ static void join_galerkin(lua_State *L) {
     if (lua_type(L, -1) != LUA_TSTRING || strcmp(lua_tostring(L, -1), "galerkin") != 0)
         luaL_error(L, "fields 'degree' and 'quadrature' go with rule = \"galerkin\"");
     if (quadrature != LUA_TSTRING)
-        luaL_error(
-            L, "field 'quadrature' must be text, for instance \"lobatto(4)\" (got %s)",
-            luaL_typename(L, -2));
+        luaL_error(L, "field 'quadrature' must be text, for instance \"lobatto(4)\" (got %s)",
+                   luaL_typename(L, -2));
     const long s = dml_count(L, 2, "degree", 1, 0);
     lua_newtable(L);
     lua_pushfstring(L, "galerkin(%I, %s)", (LUAI_UACINT)s, lua_tostring(L, -3));
@@ -78,10 +76,8 @@ static void join_galerkin(lua_State *L) {
 }
 
 void dml_pushruled(lua_State *L) {
-    static const char *const known[] = {"rule",   "h",          "name",
-                                        "degree", "quadrature", NULL};
-    static const char *const copied[] = {"Q",     "name",   "coordinates",
-                                         "units", "params", NULL};
+    static const char *const known[] = {"rule", "h", "name", "degree", "quadrature", NULL};
+    static const char *const copied[] = {"Q", "name", "coordinates", "units", "params", NULL};
     dm_galerkin g;
     dml_options(L, 2, known);
     join_galerkin(L);
@@ -105,8 +101,7 @@ void dml_pushruled(lua_State *L) {
     luaL_setmetatable(L, DML_DISCRETE);
 }
 
-static void check_status(lua_State *L, dml_model *m, dm_status status,
-                         const dml_system *s) {
+static void check_status(lua_State *L, dml_model *m, dm_status status, const dml_system *s) {
     dml_rethrow(L, m);
     if (status == DM_SINGULAR)
         luaL_error(L,
@@ -137,8 +132,8 @@ void dml_solveruled(lua_State *L, dm_discrete *out) {
     memset(q0, 0, size * sizeof *q0);
     dml_vectorarg(L, 2, "q0", q0, n);
     dml_vectorarg(L, 3, "q1", q0 + n, n);
-    const dm_discrete_problem problem = {
-        .model = &m->model, .basis = &g, .q0 = q0, .q1 = q0 + n, .h = s->h, .t = t};
+    const dm_discrete_problem problem =
+        {.model = &m->model, .basis = &g, .q0 = q0, .q1 = q0 + n, .h = s->h, .t = t};
     check_status(L, m, dm_discrete_solve(out, &problem, q0 + 2 * (size_t)n), s);
 }
 
@@ -150,16 +145,12 @@ void dml_unfoldruled(lua_State *L) {
         lua_insert(L, -2);
         lua_rawset(L, -4);
     }
-    if (lua_getfield(L, -1, "rule") != LUA_TNIL &&
-        strcmp(luaL_tolstring(L, -1, NULL), "del") != 0)
-        luaL_error(
-            L, "field 'rule': this discrete Lagrangian has its rule: leave it out here");
+    if (lua_getfield(L, -1, "rule") != LUA_TNIL && strcmp(luaL_tolstring(L, -1, NULL), "del") != 0)
+        luaL_error(L, "field 'rule': this discrete Lagrangian has its rule: leave it out here");
     lua_settop(L, 3);
     if (dml_positive(L, 3, "h", s->h) != s->h)
-        luaL_error(
-            L,
-            "field 'h': the discrete Lagrangian was made with h = %f: leave it out here",
-            s->h);
+        luaL_error(L, "field 'h': the discrete Lagrangian was made with h = %f: leave it out here",
+                   s->h);
     dml_systemfield(L, 2, "rule");
     lua_setfield(L, 3, "rule");
     lua_pushnumber(L, s->h);

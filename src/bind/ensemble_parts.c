@@ -1,5 +1,6 @@
-/* ensemble_parts.c - members whose parameters are no inputs of one kernel: parts with the same ones, each a system of its
-** own. A part that has no equations of motion (a mass that is zero) fails without the others. */
+/* ensemble_parts.c - members whose parameters are no inputs of one kernel: parts with the same
+ * ones, each a system of its own. A part that has no equations of motion (a mass that is zero)
+ * fails without the others. */
 #include "bind/ensemble.h"
 
 #include <math.h>
@@ -22,7 +23,8 @@ static int try_part(lua_State *L) {
     return 0;
 }
 
-/* keep what was raised, on top of the stack, as the message of every member of a part that has no start */
+/* keep what was raised, on top of the stack, as the message of every member of a part that has
+ * no start */
 static void fail_part(lua_State *L, const dml_part *p) {
     const size_t n = p->e->n, size = dm_state_size(p->e->n);
     luaL_tolstring(L, -1, NULL);

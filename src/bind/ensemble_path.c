@@ -31,8 +31,7 @@ static dml_solver *push_solver(lua_State *L, long i) {
 }
 
 /* what a path says of itself; the solver is at index `at` */
-static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e,
-                     long i) {
+static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e, long i) {
     lua_getiuservalue(L, at, DML_SOLVER_RULE);
     path->h = e->pace ? e->pace[i].h : e->h, path->t0 = e->t0;
     path->rule = lua_tostring(L, -1);
@@ -51,8 +50,8 @@ int dml_ensemble_path(lua_State *L) {
     const lua_Integer i = luaL_checkinteger(L, 2) - 1;
     lua_settop(L, 2);
     if (i < 0 || i >= e->members)
-        luaL_error(L, "ensemble:path: there are members 1 to %I (got %I)",
-                   (LUAI_UACINT)e->members, (LUAI_UACINT)(i + 1));
+        luaL_error(L, "ensemble:path: there are members 1 to %I (got %I)", (LUAI_UACINT)e->members,
+                   (LUAI_UACINT)(i + 1));
     if (!e->rows.room)
         luaL_error(L, "this ensemble kept only the ends: ask for rows with every = or "
                       "watch = { ... }");

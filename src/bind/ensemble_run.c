@@ -38,8 +38,7 @@ static int read_threads(lua_State *L) {
 static long read_members(lua_State *L) {
     const long members = dml_count(L, 2, "members", 1, 0);
     if (members > MOST_MEMBERS)
-        luaL_error(L, "field 'members' must be at most %d: run more in parts",
-                   MOST_MEMBERS);
+        luaL_error(L, "field 'members' must be at most %d: run more in parts", MOST_MEMBERS);
     return members;
 }
 
@@ -71,19 +70,18 @@ static long read_steps(lua_State *L, double h) {
     if (!has(L, "t") && !has(L, "steps"))
         luaL_error(L, "how long? 'steps' (how many) or 't' (a duration) is missing");
     if (!has(L, "t")) return dml_count(L, 2, "steps", 0, -1);
-    if (has(L, "steps"))
-        luaL_error(L, "give either 'steps' or 't' (a duration), not both");
+    if (has(L, "steps")) luaL_error(L, "give either 'steps' or 't' (a duration), not both");
     return dml_stepping_cover(L, dml_positive(L, 2, "t", 0), h);
 }
 
-/* a model and stepper for every thread but the first, which has those of *r; leaves them on the stack */
-static void open_steppers(lua_State *L, dml_stepping *r, int threads,
-                          dm_stepper **steppers) {
+/* a model and stepper for every thread but the first, which has those of *r; leaves them on the
+ * stack */
+static void open_steppers(lua_State *L, dml_stepping *r, int threads, dm_stepper **steppers) {
     for (int i = 1; i < threads; i++) {
         luaL_checkstack(L, 8, "too many threads");
         dml_stepping *other = lua_newuserdatauv(L, sizeof *other, 0);
-        *other = (dml_stepping){
-            .solver = r->solver, .apart = 1, .complete = 1, .numbers = r->numbers};
+        *other =
+            (dml_stepping){.solver = r->solver, .apart = 1, .complete = 1, .numbers = r->numbers};
         dml_stepping_prepare(L, other, r->t0);
         steppers[i] = &other->stepper;
     }
@@ -109,8 +107,7 @@ static void close_all(dm_stepper **steppers, int first, int threads) {
 }
 
 /* raises, with all closed, where sums are to be plain and the rule has none */
-static void check_plain(lua_State *L, dml_stepping *r, dm_stepper **steppers,
-                        int threads) {
+static void check_plain(lua_State *L, dml_stepping *r, dm_stepper **steppers, int threads) {
     if (r->solver->plain && !r->stepper.report.plain) close_all(steppers, 1, threads);
     dml_stepping_checkplain(L, r);
 }
@@ -140,11 +137,10 @@ static dm_ensemble_rows rows_of(const dml_part *p) {
 }
 
 /* all threads with one part; what it leaves on the stack is dropped by the caller */
-static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver,
-                          int threads, clock_of_run *clock) {
+static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, int threads,
+                          clock_of_run *clock) {
     /* the first thread takes the kernels of the last run, where the system is the same one */
-    dml_stepping r = {
-        .solver = solver, .apart = p->varied, .complete = 1, .numbers = !p->values};
+    dml_stepping r = {.solver = solver, .apart = p->varied, .complete = 1, .numbers = !p->values};
     dm_stepper *steppers[DM_ENSEMBLE_THREADS];
     ensemble *e = p->e;
     dml_stepping_prepare(L, &r, e->t);
@@ -207,7 +203,8 @@ static dm_status run_all(lua_State *L, dml_part *p, const dml_varied *v) {
     return status;
 }
 
-/* one state in `every`, or what is watched; room 0: only the ends. Pushes the names of watched columns, or nil. */
+/* one state in `every`, or what is watched; room 0: only the ends. Pushes the names of watched
+ * columns, or nil. */
 static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
     dm_ensemble_rows rows = {.every = dml_read_every(L, steps)};
     dml_stepping r = {.solver = lua_touserdata(L, 1)};
@@ -231,8 +228,7 @@ static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
 }
 
 static void raise_stopped(lua_State *L, const ensemble *e, double t0, int at) {
-    const dml_failure f = {
-        .status = DM_STOPPED, .time = t0, .h = e->h, .rule = "ensemble"};
+    const dml_failure f = {.status = DM_STOPPED, .time = t0, .h = e->h, .rule = "ensemble"};
     dml_stop = 0;
     dml_fail(L, &f, at);
 }

@@ -1,4 +1,5 @@
-/* ensemble_starts.c - where the members of an ensemble start: functions, tables or matrices of numbers. */
+/* ensemble_starts.c - where the members of an ensemble start: functions, tables or matrices of
+ * numbers. */
 #include "base/few.h"
 #include "bind/array.h"
 #include "bind/ensemble.h"
@@ -34,11 +35,12 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
     lua_pop(L, 1);
 }
 
-/* member i of the source at `at`, a table of plain tables of n numbers, as most are; 0: it is not */
+/* member i of the source at `at`, a table of plain tables of n numbers, as most are; 0: it is
+ * not */
 static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
     if (lua_type(L, at) != LUA_TTABLE) return 0;
-    int plain = lua_geti(L, at, i + 1) == LUA_TTABLE && !lua_getmetatable(L, -1) &&
-                lua_rawlen(L, -1) == n;
+    int plain =
+        lua_geti(L, at, i + 1) == LUA_TTABLE && !lua_getmetatable(L, -1) && lua_rawlen(L, -1) == n;
     for (uint32_t k = 0; plain && k < n; k++) {
         lua_rawgeti(L, at + 1, (lua_Integer)k + 1);
         out[k] = lua_tonumberx(L, -1, &plain);
@@ -50,8 +52,7 @@ static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
 }
 
 /* n numbers for member i from the source at `at`, field `key` of the options */
-static void read_member(lua_State *L, int at, const char *key, long i, double *out,
-                        uint32_t n) {
+static void read_member(lua_State *L, int at, const char *key, long i, double *out, uint32_t n) {
     if (read_plain(L, at, i, out, n)) return;
     dml_push_source(L, 2, key, i);
     const char *name = lua_pushfstring(L, "'%s' of member %d", key, (int)i + 1);
@@ -64,15 +65,15 @@ static void read_member(lua_State *L, int at, const char *key, long i, double *o
     lua_settop(L, at);
 }
 
-/* the entries of a matrix of numbers with a row of n for every member; NULL: the source at `at` is none */
+/* the entries of a matrix of numbers with a row of n for every member; NULL: the source at `at`
+ * is none */
 static const double *entries_of(lua_State *L, int at, uint32_t n) {
     const dml_array *a = dml_toarray(L, at, 2);
     return a && a->columns == n ? dml_numbersof(a) : NULL;
 }
 
 /* field `key` for all members of a part, from entry `first` of their states on */
-static void read_column(lua_State *L, const dml_part *p, const char *key,
-                        uint32_t first) {
+static void read_column(lua_State *L, const dml_part *p, const char *key, uint32_t first) {
     const uint32_t n = p->e->n;
     const size_t size = dm_state_size(n);
     double *out = p->e->state + (size_t)p->first * size + first;
@@ -110,7 +111,8 @@ void dml_read_places(lua_State *L, const dml_part *p) {
     }
 }
 
-/* the trace is checked at the first member, which may be outside of the domain where others are not */
+/* the trace is checked at the first member, which may be outside of the domain where others are
+ * not */
 static void check_trace(lua_State *L, const dml_part *p, dml_stepping *r) {
     if (p->velocity) {
         const double *q = p->e->state + (size_t)p->first * dm_state_size(r->solver->n);
@@ -129,8 +131,7 @@ static int has(lua_State *L, const char *key) {
 int dml_check_starts(lua_State *L, const dml_solver *solver, long members) {
     const int velocity = has(L, "v");
     if (velocity == has(L, "p"))
-        luaL_error(
-            L, "give the starts as q and v or as q and p: one of 'v' and 'p' is needed");
+        luaL_error(L, "give the starts as q and v or as q and p: one of 'v' and 'p' is needed");
     if (velocity && solver->pair)
         luaL_error(L, "a discrete Lagrangian knows no velocity: give the momentum 'p'");
     dml_check_source(L, 2, "q", members);
@@ -151,8 +152,7 @@ static void start_on_ties(lua_State *L, const dml_part *these, dml_stepping *r, 
         lua_pop(L, 1);
         return;
     }
-    if (dm_legendre_inverse(&r->model->model, x + n, x, state + n, r->t0, r->work) ==
-        DM_OK) {
+    if (dm_legendre_inverse(&r->model->model, x + n, x, state + n, r->t0, r->work) == DM_OK) {
         memcpy(r->state, state, dm_state_size(n) * sizeof *state);
         dml_start_on_ties(L, r, who, !these->velocity);
         memcpy(state, r->state, dm_state_size(n) * sizeof *state);
@@ -160,9 +160,10 @@ static void start_on_ties(lua_State *L, const dml_part *these, dml_stepping *r, 
     lua_pop(L, 1);
 }
 
-/* L is a number where member i starts with velocity v, as a run of its own asks; x: room for its arguments */
-static int is_inside(const dml_part *these, const dml_stepping *r, long i,
-                     const double *v, double *x) {
+/* L is a number where member i starts with velocity v, as a run of its own asks; x: room for its
+ * arguments */
+static int is_inside(const dml_part *these, const dml_stepping *r, long i, const double *v,
+                     double *x) {
     const dm_model *m = these->values ? &r->inputs->model : &r->model->model;
     const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
     const double *q = these->e->state + (size_t)i * dm_state_size(n);
@@ -172,14 +173,14 @@ static int is_inside(const dml_part *these, const dml_stepping *r, long i,
     dm_few(x + n, v, n);
     x[2 * n] = r->t0;
     if (many)
-        memcpy(x + 2 * n + 1, these->values + (size_t)(i - these->first) * many,
-               many * sizeof *x);
+        memcpy(x + 2 * n + 1, these->values + (size_t)(i - these->first) * many, many * sizeof *x);
     dm_kernel_prepare(&m->value, &value);
     dm_kernel_eval(&m->value, x, &value);
     return isfinite(value);
 }
 
-/* q, p of member i from its q, v; marked where it is outside of the domain or the transform fails */
+/* q, p of member i from its q, v; marked where it is outside of the domain or the transform
+ * fails */
 static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, long i,
                          double *room) {
     const uint32_t n = these->e->n;
@@ -209,8 +210,7 @@ long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
         if (r->model->model.ties) start_on_ties(L, these, r, i);
     }
     /* where none is inside that is a mistake of the whole; room has the last one */
-    if (!inside && !these->values && !these->varied)
-        dml_checkmodel(L, r->system, r->model, room);
+    if (!inside && !these->values && !these->varied) dml_checkmodel(L, r->system, r->model, room);
     lua_pop(L, 1);
     return inside;
 }

@@ -1,4 +1,5 @@
-/* ensemble_summary.c - `ensemble:summary(name)`: what the rows of members say of a watched column. */
+/* ensemble_summary.c - `ensemble:summary(name)`: what the rows of members say of a watched
+ * column. */
 #include "bind/ensemble.h"
 #include "run/summary.h"
 
@@ -8,13 +9,12 @@
 static const struct {
     const char *name;
     size_t offset;
-} fields[] = {
-    {"first", offsetof(dm_summary, first)}, {"last", offsetof(dm_summary, last)},
-    {"least", offsetof(dm_summary, least)}, {"largest", offsetof(dm_summary, largest)},
-    {"mean", offsetof(dm_summary, mean)},   {"slope", offsetof(dm_summary, slope)},
-    {"error", offsetof(dm_summary, error)}, {"early", offsetof(dm_summary, early)},
-    {"late", offsetof(dm_summary, late)},   {"nearest", offsetof(dm_summary, nearest)},
-    {"span", offsetof(dm_summary, span)},   {"megno", offsetof(dm_summary, megno)}};
+} fields[] = {{"first", offsetof(dm_summary, first)}, {"last", offsetof(dm_summary, last)},
+              {"least", offsetof(dm_summary, least)}, {"largest", offsetof(dm_summary, largest)},
+              {"mean", offsetof(dm_summary, mean)},   {"slope", offsetof(dm_summary, slope)},
+              {"error", offsetof(dm_summary, error)}, {"early", offsetof(dm_summary, early)},
+              {"late", offsetof(dm_summary, late)},   {"nearest", offsetof(dm_summary, nearest)},
+              {"span", offsetof(dm_summary, span)},   {"megno", offsetof(dm_summary, megno)}};
 enum { FIELDS = sizeof fields / sizeof *fields };
 
 /* place of a watched column in a row */
@@ -31,12 +31,10 @@ static uint32_t find_column(lua_State *L, const char *name) {
     return (uint32_t)luaL_error(L, "no column '%s' was watched", name);
 }
 
-static void summarize(dm_summary *out, const dml_ensemble *e, long i, uint32_t column,
-                      double *y) {
+static void summarize(dm_summary *out, const dml_ensemble *e, long i, uint32_t column, double *y) {
     const dm_ensemble_rows *rows = &e->rows;
     const double *data = dm_ensemble_rows_of(rows, i);
-    for (long r = 0; r < rows->count[i]; r++)
-        y[r] = data[(size_t)r * rows->width + column];
+    for (long r = 0; r < rows->count[i]; r++) y[r] = data[(size_t)r * rows->width + column];
     dm_summary_make(out, data, rows->width, y, rows->count[i]);
 }
 
@@ -57,8 +55,7 @@ int dml_ensemble_summary(lua_State *L) {
         dm_summary s;
         summarize(&s, e, i, column, y);
         for (int k = 0; k < FIELDS; k++) {
-            lua_pushnumber(
-                L, *(const double *)(const void *)((const char *)&s + fields[k].offset));
+            lua_pushnumber(L, *(const double *)(const void *)((const char *)&s + fields[k].offset));
             lua_rawseti(L, first + k, i + 1);
         }
     }

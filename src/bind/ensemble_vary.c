@@ -1,4 +1,5 @@
-/* ensemble_vary.c - `vary = { name = ... }`: members of one ensemble with parameters of their own. */
+/* ensemble_vary.c - `vary = { name = ... }`: members of one ensemble with parameters of their
+ * own. */
 #include "bind/ensemble.h"
 #include "bind/model_params.h"
 #include "bind/system.h"
@@ -10,9 +11,8 @@
 static void check_parameter(lua_State *L, const char *name) {
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     if (dml_systemfield(L, lua_gettop(L), "params") != LUA_TTABLE)
-        luaL_error(L,
-                   "field 'vary': the system has no parameters; give them as "
-                   "dm.system{params = {...}} and take them as the fourth argument of L");
+        luaL_error(L, "field 'vary': the system has no parameters; give them as "
+                      "dm.system{params = {...}} and take them as the fourth argument of L");
     if (lua_getfield(L, -1, name) != LUA_TNUMBER)
         luaL_error(L,
                    "field 'vary': '%s' is not a number among the params of the system "
@@ -26,9 +26,8 @@ static void push_names(lua_State *L, int vary) {
     lua_newtable(L);
     for (lua_pushnil(L); lua_next(L, vary); lua_pop(L, 1)) {
         if (lua_type(L, -2) != LUA_TSTRING)
-            luaL_error(L,
-                       "field 'vary' must be a table { name = function or table }, for "
-                       "instance vary = { k = function(i) return i / 10 end }");
+            luaL_error(L, "field 'vary' must be a table { name = function or table }, for "
+                          "instance vary = { k = function(i) return i / 10 end }");
         check_parameter(L, lua_tostring(L, -2));
         lua_pushvalue(L, -2);
         lua_rawseti(L, -4, luaL_len(L, -4) + 1);
@@ -43,8 +42,8 @@ static void push_names(lua_State *L, int vary) {
 static double read_value(lua_State *L, int vary, const char *name, long i) {
     dml_push_source(L, vary, name, i);
     if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(lua_tonumber(L, -1)))
-        luaL_error(L, "field 'vary': '%s' of member %d must be a finite number (got %s)",
-                   name, (int)i + 1, luaL_tolstring(L, -1, NULL));
+        luaL_error(L, "field 'vary': '%s' of member %d must be a finite number (got %s)", name,
+                   (int)i + 1, luaL_tolstring(L, -1, NULL));
     const double x = lua_tonumber(L, -1);
     lua_pop(L, 1);
     return x;
@@ -54,13 +53,11 @@ const double *dml_read_vary(lua_State *L, long members, uint32_t *count) {
     const int type = lua_getfield(L, 2, "vary"), vary = lua_gettop(L);
     if (type == LUA_TNIL) return lua_pop(L, 1), NULL;
     if (type != LUA_TTABLE)
-        luaL_error(L,
-                   "field 'vary' must be a table { name = function or table } (got %s)",
+        luaL_error(L, "field 'vary' must be a table { name = function or table } (got %s)",
                    luaL_typename(L, -1));
     push_names(L, vary);
     *count = (uint32_t)luaL_len(L, -1);
-    double *values =
-        lua_newuserdatauv(L, ((size_t)members * *count + 1) * sizeof *values, 0);
+    double *values = lua_newuserdatauv(L, ((size_t)members * *count + 1) * sizeof *values, 0);
     for (uint32_t k = 0; k < *count; k++) {
         lua_rawgeti(L, vary + 1, k + 1);
         const char *name = lua_tostring(L, -1);
@@ -78,8 +75,7 @@ long dml_vary_alike(const double *values, uint32_t count, long first, long membe
     const size_t bytes = count * sizeof *values;
     const double *row = values + (size_t)first * count;
     long last = first + 1;
-    while (last < members && memcmp(row, values + (size_t)last * count, bytes) == 0)
-        last++;
+    while (last < members && memcmp(row, values + (size_t)last * count, bytes) == 0) last++;
     return last - first;
 }
 
@@ -193,20 +189,21 @@ const double *dml_vary_inputs(lua_State *L, long members, const dml_varied *v) {
     return out;
 }
 
-/* (what is compared, function, inputs): raises where trace and function differ; a member outside of the domain fails alone */
+/* (what is compared, function, inputs): raises where trace and function differ; a member outside
+ * of the domain fails alone */
 static int compare(lua_State *L) {
     const dml_stepping *r = lua_touserdata(L, 1);
     const dml_model *m = r->inputs;
     dml_signature sig = dml_withsignature(m->n, m->params);
     sig.may_be_outside = 1;
-    dml_trace_check_beside(L, 2, &sig, &m->model.value, lua_touserdata(L, 3),
-                           2 * (size_t)m->n + 1);
+    dml_trace_check_beside(L, 2, &sig, &m->model.value, lua_touserdata(L, 3), 2 * (size_t)m->n + 1);
     return 0;
 }
 
 /* ---- members that start alike ---- */
 
-/* numbers of members (from 1) by hash, 0: free; as many places as a power of two above their number */
+/* numbers of members (from 1) by hash, 0: free; as many places as a power of two above their
+ * number */
 typedef struct {
     uint32_t *member;
     size_t places;
@@ -272,8 +269,7 @@ int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r) {
         memcpy(x, state, 2 * n * sizeof *x);
         x[2 * n] = r->t0;
         memcpy(x + 2 * n + 1, values, bytes);
-        if (dm_legendre_inverse(&r->model->model, x + n, state, state + n, r->t0,
-                                r->work) != DM_OK)
+        if (dm_legendre_inverse(&r->model->model, x + n, state, state + n, r->t0, r->work) != DM_OK)
             continue;
         lua_pushcfunction(L, compare);
         lua_pushlightuserdata(L, r);

@@ -11,16 +11,15 @@ typedef struct {
     double h;
     double residual; /* of its step equation */
     int iterations;
-    int constraint,
-        rolling; /* from 1: the one that depends on the others there, 0: none */
+    int constraint, rolling; /* from 1: the one that depends on the others there, 0: none */
     const char *rule;
-    const char *
-        root; /* why an implicit function had no value, "; ...", what the method knows, or NULL */
+    const char
+        *root; /* why an implicit function had no value, "; ...", what the method knows, or NULL */
 } dml_failure;
 
 /* Raise a dm.failure {code, step, time, residual, iterations, rule, message, path}; the
- *path so far is the
- ** value at stack index `path` (0: none). */
+ * path so far is the
+ * value at stack index `path` (0: none). */
 void dml_fail(lua_State *L, const dml_failure *f, int path);
 
 #endif

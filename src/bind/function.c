@@ -1,5 +1,5 @@
 /* function.c - making a `dm.function`: trace, check, differentiate, build the kernels
-** that are asked for. */
+ * that are asked for. */
 #include "bind/function.h"
 
 #include "bind/root.h"
@@ -51,33 +51,29 @@ static const dml_part *want(lua_State *L, dml_function *f, int which) {
     return p;
 }
 
-const double *dml_function_evaluate(lua_State *L, dml_function *f, int which,
-                                    const char *what) {
+const double *dml_function_evaluate(lua_State *L, dml_function *f, int which, const char *what) {
     const dml_part *p = want(L, f, which);
     dm_root_forget(f->graph);
     dm_kernel_eval(&p->kernel, f->x, p->out);
     for (uint32_t i = 0; i < p->kernel.outputs; i++)
         if (isnan(p->out[i]))
-            luaL_error(
-                L, "%s is NaN at this point: is it inside the domain of the function?%s",
-                what, dml_roottrouble(L, f->graph));
+            luaL_error(L, "%s is NaN at this point: is it inside the domain of the function?%s",
+                       what, dml_roottrouble(L, f->graph));
     return p->out;
 }
 
 /* ---- making one ---- */
 
 /* lengths of the arguments from stack index `first` on: a number of entries, or
-** "number" */
+ * "number" */
 static void read_lengths(lua_State *L, int first, dml_signature *s) {
     const int given = lua_gettop(L) - first + 1;
-    luaL_argcheck(L, given <= DML_MAX_ARGUMENTS, first + DML_MAX_ARGUMENTS,
-                  "at most 8 arguments");
+    luaL_argcheck(L, given <= DML_MAX_ARGUMENTS, first + DML_MAX_ARGUMENTS, "at most 8 arguments");
     s->arguments = given > 0 ? given : 1;
     s->length[0] = DML_SCALAR_ARGUMENT; /* f(x) of one number when nothing is said */
     for (int k = 0; k < given; k++) {
         const int arg = first + k;
-        if (lua_type(L, arg) == LUA_TSTRING &&
-            strcmp(lua_tostring(L, arg), "number") == 0) {
+        if (lua_type(L, arg) == LUA_TSTRING && strcmp(lua_tostring(L, arg), "number") == 0) {
             s->length[k] = DML_SCALAR_ARGUMENT;
             continue;
         }

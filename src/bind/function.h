@@ -1,5 +1,5 @@
 /* function.h - `dm.function`: a traced Lua function, its derivatives and their
-** kernels. */
+ * kernels. */
 #ifndef DML_FUNCTION_H
 #define DML_FUNCTION_H
 
@@ -34,14 +34,13 @@ int dml_function_trace(lua_State *L);
 int dml_function_derivative(lua_State *L);
 
 /* The part at f->x; kept by f. Raises where it is NaN. */
-const double *dml_function_evaluate(lua_State *L, dml_function *f, int which,
-                                    const char *what);
+const double *dml_function_evaluate(lua_State *L, dml_function *f, int which, const char *what);
 
 /* Arguments from stack index 2 on, fewer or more than f takes: raises. */
 void dml_function_checkcount(lua_State *L, const dml_function *f);
 
 /* Does an argument hold symbols or hyper-dual numbers? Then the call does the
-** operations of f again on them. */
+ * operations of f again on them. */
 int dml_function_isspecial(lua_State *L, const dml_function *f);
 int dml_function_replay(lua_State *L, dml_function *f);
 

@@ -1,5 +1,5 @@
 /* function_replay.c - a traced function called inside another one, or on hyper-dual
-** numbers: its operations are done again on what it is given. */
+ * numbers: its operations are done again on what it is given. */
 #include "bind/array.h"
 #include "bind/function.h"
 #include "bind/root.h"
@@ -38,8 +38,7 @@ static const uint8_t *needed_nodes(lua_State *L, const dm_graph *g, const dm_nod
     for (uint32_t i = 0; i < m; i++) needed[out[i]] = 1;
     for (dm_node n = size; n-- > 0;) {
         const dm_expr *e = dm_graph_at(g, n);
-        for (int k = 0; needed[n] && k < dm_op_operands(e->op); k++)
-            needed[e->as.arg[k]] = 1;
+        for (int k = 0; needed[n] && k < dm_op_operands(e->op); k++) needed[e->as.arg[k]] = 1;
     }
     return needed;
 }

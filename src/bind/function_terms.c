@@ -1,5 +1,6 @@
-/* function_terms.c - a traced function taken apart: the terms of its sum, the factors of a product, the inputs that it
-** depends on. The parts are functions of the same arguments, in the same graph. */
+/* function_terms.c - a traced function taken apart: the terms of its sum, the factors of a
+ * product, the inputs that it depends on. The parts are functions of the same arguments, in the
+ * same graph. */
 #include "bind/function.h"
 #include "expr/analyse.h"
 
@@ -41,7 +42,8 @@ static void later(todo *t, dm_node n, double power) {
     t->power[t->count++] = power;
 }
 
-/* Open n^power where (a b)^power = a^power b^power for all numbers; what cannot be opened is a factor. */
+/* Open n^power where (a b)^power = a^power b^power for all numbers; what cannot be opened is a
+ * factor. */
 static void open_factor(const dm_graph *g, todo *t, dm_node n, double power) {
     const dm_expr e = *dm_graph_at(g, n);
     const int whole = power == floor(power), one = fabs(power) == 1.0;
@@ -52,8 +54,7 @@ static void open_factor(const dm_graph *g, todo *t, dm_node n, double power) {
     else if (e.op == DM_OP_NEG && whole && room)
         t->p->c *= fmod(power, 2.0) != 0.0 ? -1.0 : 1.0, later(t, e.as.arg[0], power);
     else if ((e.op == DM_OP_MUL || e.op == DM_OP_DIV) && whole && room)
-        later(t, e.as.arg[1], e.op == DM_OP_DIV ? -power : power),
-            later(t, e.as.arg[0], power);
+        later(t, e.as.arg[1], e.op == DM_OP_DIV ? -power : power), later(t, e.as.arg[0], power);
     else if (e.op == DM_OP_POW && one && room && dm_is_constant(g, e.as.arg[1], &k))
         later(t, e.as.arg[0], power * k);
     else if (e.op == DM_OP_SQRT && whole && room)
@@ -90,8 +91,7 @@ static uint32_t open_sum(const dm_graph *g, const product *p) {
 static dm_node rest_of(dm_graph *g, const product *p, uint32_t left) {
     dm_node n = dm_constant(g, p->c);
     for (uint32_t i = 0; i < p->count; i++)
-        if (i != left)
-            n = dm_mul(g, n, dm_power(g, p->base[i], dm_constant(g, p->power[i])));
+        if (i != left) n = dm_mul(g, n, dm_power(g, p->base[i], dm_constant(g, p->power[i])));
     return n;
 }
 
@@ -138,8 +138,7 @@ static void push_part(lua_State *L, const dml_function *f, dm_node n) {
     lua_setiuservalue(L, -2, 1);
     dm_node *node = dm_arena_take(f->arena, sizeof *node);
     part->x = dm_arena_take(f->arena, f->inputs * sizeof *part->x);
-    if (!node || !part->x || dm_graph_status(f->graph) != DM_OK)
-        luaL_error(L, "not enough memory");
+    if (!node || !part->x || dm_graph_status(f->graph) != DM_OK) luaL_error(L, "not enough memory");
     *node = n;
     part->parts[DML_VALUE].nodes = node;
     luaL_setmetatable(L, DML_FUNCTION);
@@ -148,8 +147,8 @@ static void push_part(lua_State *L, const dml_function *f, dm_node n) {
 static dml_function *check_number(lua_State *L, const char *what) {
     dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
     if (dml_outputs(f) != 1)
-        luaL_error(L, "%s are of a function that gives one number (this one gives %d)",
-                   what, (int)dml_outputs(f));
+        luaL_error(L, "%s are of a function that gives one number (this one gives %d)", what,
+                   (int)dml_outputs(f));
     return f;
 }
 
@@ -204,19 +203,19 @@ static int function_depends(lua_State *L) {
     return 1;
 }
 
-const dml_row dml_function_parts[] = {
-    {"terms", function_terms,
-     "f:terms() -> list of dm.function\n"
-     "The terms of which f, a function that gives one number, is the sum: sums opened, "
-     "products of sums multiplied out, "
-     "powers of sums kept. Each is a function of the same arguments."},
-    {"factors", function_factors,
-     "f:factors() -> c, list of {base =, power =}\n"
-     "f = c * product of base^power: the constant factor, and the functions whose powers "
-     "are multiplied. A spring k/2 g^2 "
-     "gives k/2 and { { base = g, power = 2 } }."},
-    {"depends", function_depends,
-     "f:depends() -> table of tables of booleans\n"
-     "depends[k][i]: is entry i of argument k (i = 1 for a bare number) in the "
-     "expression of f?"},
-    {NULL, NULL, NULL}};
+const dml_row dml_function_parts[] =
+    {{"terms", function_terms,
+      "f:terms() -> list of dm.function\n"
+      "The terms of which f, a function that gives one number, is the sum: sums opened, "
+      "products of sums multiplied out, "
+      "powers of sums kept. Each is a function of the same arguments."},
+     {"factors", function_factors,
+      "f:factors() -> c, list of {base =, power =}\n"
+      "f = c * product of base^power: the constant factor, and the functions whose powers "
+      "are multiplied. A spring k/2 g^2 "
+      "gives k/2 and { { base = g, power = 2 } }."},
+     {"depends", function_depends,
+      "f:depends() -> table of tables of booleans\n"
+      "depends[k][i]: is entry i of argument k (i = 1 for a bare number) in the "
+      "expression of f?"},
+     {NULL, NULL, NULL}};

@@ -74,8 +74,7 @@ static dm_kernel kernel(const hyper *c, dm_eval *eval, uint32_t outputs) {
 void dml_hyperdual_model(lua_State *L, dml_model *m, unsigned want, int pair) {
     const uint32_t n = m->n, inputs = pair ? 2 * n : 2 * n + 1;
     hyper *c = dm_arena_take(m->arena, sizeof *c);
-    double *buffer =
-        dm_arena_take(m->arena, (inputs + (size_t)inputs * inputs) * sizeof *buffer);
+    double *buffer = dm_arena_take(m->arena, (inputs + (size_t)inputs * inputs) * sizeof *buffer);
     if (!c || !buffer) luaL_error(L, "not enough memory");
     *c = (hyper){.n = n, .inputs = inputs, .buffer = buffer};
     dml_hyperdual_kernel(m->callback, 0, &c->value);

@@ -1,8 +1,6 @@
-/*
-** hyperdual.c - g(x) = g + g' a e1 + g' b e2 + (g' ab + g'' a b) e1 e2, and for two
-** arguments g_x a + g_y a', g_x ab + g_y ab' + g_xx a b + g_xy (a b' + a' b) + g_yy a' b'
-** (Fike & Alonso 2011).
-*/
+/* hyperdual.c - g(x) = g + g' a e1 + g' b e2 + (g' ab + g'' a b) e1 e2, and for two
+ * arguments g_x a + g_y a', g_x ab + g_y ab' + g_xx a b + g_xy (a b' + a' b) + g_yy a' b'
+ * (Fike & Alonso 2011). */
 #include "bind/hyperdual.h"
 
 #include <math.h>
@@ -18,7 +16,7 @@ typedef struct {
 } jet2;
 
 /* a direction in which nothing moves contributes nothing, even where the slope is
-** infinite */
+ * infinite */
 static double times(double slope, double move) {
     return move == 0 ? 0.0 : slope * move;
 }
@@ -32,8 +30,7 @@ static dml_hyperdual chain1(const jet1 *j, const dml_hyperdual *x) {
     };
 }
 
-static dml_hyperdual chain2(const jet2 *j, const dml_hyperdual *x,
-                            const dml_hyperdual *y) {
+static dml_hyperdual chain2(const jet2 *j, const dml_hyperdual *x, const dml_hyperdual *y) {
     return (dml_hyperdual){
         .f = j->g,
         .a = times(j->gx, x->a) + times(j->gy, y->a),
@@ -109,7 +106,7 @@ static jet1 jet_of_one(dm_op op, double x) {
 }
 
 /* x^y; where a coefficient such as y (y - 1) vanishes the power beside it does not
-** matter */
+ * matter */
 static jet2 power(double x, double y) {
     const double g = pow(x, y), l = log(x);
     return (jet2){

@@ -1,5 +1,5 @@
 /* hyperdual.h - arithmetic of hyper-dual numbers: x + a e1 + b e2 + c e1 e2, e1^2 =
-** e2^2 = 0. */
+ * e2^2 = 0. */
 #ifndef DML_HYPERDUAL_H
 #define DML_HYPERDUAL_H
 

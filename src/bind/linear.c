@@ -1,9 +1,7 @@
-/*
-** linear.c - numbers by LU with row exchanges (GSL). Symbols have no size to choose a
-** pivot by: up to 4 x 4 by cofactors, which hold wherever the determinant does not
-** vanish; larger ones by elimination on the pivots that are constants when there are any.
-** Hyper-dual numbers by elimination on the largest value.
-*/
+/* linear.c - numbers by LU with row exchanges (GSL). Symbols have no size to choose a
+ * pivot by: up to 4 x 4 by cofactors, which hold wherever the determinant does not
+ * vanish; larger ones by elimination on the pivots that are constants when there are any.
+ * Hyper-dual numbers by elimination on the largest value. */
 #include "bind/linear.h"
 #include "bind/state.h"
 
@@ -26,8 +24,7 @@ typedef struct {
 /* P A = L U in a workspace that is left on the stack */
 static void factor(lua_State *L, factors *f, const double *a, size_t n) {
     double *lu = lua_newuserdatauv(L, n * n * sizeof *lu, 0);
-    f->p =
-        (gsl_permutation){.size = n, .data = lua_newuserdatauv(L, n * sizeof(size_t), 0)};
+    f->p = (gsl_permutation){.size = n, .data = lua_newuserdatauv(L, n * sizeof(size_t), 0)};
     memcpy(lu, a, n * n * sizeof *lu);
     f->lu = gsl_matrix_view_array(lu, n, n);
     if (gsl_linalg_LU_decomp(&f->lu.matrix, &f->p, &f->sign) != GSL_SUCCESS)
@@ -63,9 +60,8 @@ static void raise_singular(lua_State *L, const factors *f, const double *a, size
     if (gsl_linalg_LU_invert(&f->lu.matrix, &f->p, &view.matrix) == GSL_SUCCESS)
         condition = norm1(a, n) * norm1(inverse, n);
     if (!isfinite(condition))
-        luaL_error(
-            L, "the matrix is singular (its condition is infinite): rows or columns are "
-               "linearly dependent");
+        luaL_error(L, "the matrix is singular (its condition is infinite): rows or columns are "
+                      "linearly dependent");
     luaL_error(L,
                "the matrix is singular to working precision: its condition is %f, so no "
                "digit of a "
@@ -121,7 +117,7 @@ static dml_scalar subtract(lua_State *L, const dml_scalar *a, const dml_scalar *
 }
 
 /* determinant of the rows from `row` on (without row `skip`) in the columns of the bit
-** set */
+ * set */
 static dml_scalar expand(lua_State *L, const dml_array *m, uint32_t row, uint32_t skip,
                          unsigned columns) {
     dml_scalar sum = {.kind = DML_NUMBER, .as.number = columns ? 0 : 1};
@@ -143,8 +139,7 @@ static dml_scalar cofactor_det(lua_State *L, const dml_array *m) {
 }
 
 /* x_jk = sum_i C_ij b_ik / det */
-static void cofactor_solve(lua_State *L, dml_array *x, const dml_array *m,
-                           const dml_array *b) {
+static void cofactor_solve(lua_State *L, dml_array *x, const dml_array *m, const dml_array *b) {
     const uint32_t n = m->rows, k = b->columns;
     const dml_scalar det = cofactor_det(L, m);
     for (uint32_t j = 0; j < n; j++)
@@ -153,8 +148,7 @@ static void cofactor_solve(lua_State *L, dml_array *x, const dml_array *m,
             for (uint32_t i = 0; i < n; i++) {
                 const dml_scalar c = expand(L, m, 0, i, ((1u << n) - 1) & ~(1u << j));
                 const dml_scalar r = dml_get(b, i * k + l), term = multiply(L, &c, &r);
-                sum =
-                    dml_apply(L, (i + j) % 2 ? DM_OP_SUB : DM_OP_ADD, &sum, &term, NULL);
+                sum = dml_apply(L, (i + j) % 2 ? DM_OP_SUB : DM_OP_ADD, &sum, &term, NULL);
             }
             sum = dml_apply(L, DM_OP_DIV, &sum, &det, NULL);
             dml_put(L, x, j * k + l, &sum);
@@ -227,16 +221,13 @@ static tableau make_tableau(lua_State *L, const dml_array *m, const dml_array *b
     t.a = lua_newuserdatauv(L, (size_t)n * t.width * sizeof *t.a, 0);
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < t.width; j++)
-            t.a[i * t.width + j] =
-                j < n ? dml_get(m, i * n + j) : dml_get(b, i * more + j - n);
+            t.a[i * t.width + j] = j < n ? dml_get(m, i * n + j) : dml_get(b, i * more + j - n);
     return t;
 }
 
-static void eliminate_solve(lua_State *L, dml_array *x, const dml_array *m,
-                            const dml_array *b) {
+static void eliminate_solve(lua_State *L, dml_array *x, const dml_array *m, const dml_array *b) {
     tableau t = make_tableau(L, m, b);
-    if (!eliminate(L, &t))
-        luaL_error(L, "the matrix is singular (its condition is infinite)");
+    if (!eliminate(L, &t)) luaL_error(L, "the matrix is singular (its condition is infinite)");
     for (uint32_t i = 0; i < t.n; i++)
         for (uint32_t j = 0; j < b->columns; j++)
             dml_put(L, x, i * b->columns + j, t.a + i * t.width + t.n + j);
@@ -246,8 +237,7 @@ static void eliminate_solve(lua_State *L, dml_array *x, const dml_array *m,
 /* ---- any kind ---- */
 
 static void check_square(lua_State *L, const dml_array *m) {
-    if (m->rows != m->columns)
-        luaL_error(L, "a square matrix is needed, not %s", dml_shape(L, m));
+    if (m->rows != m->columns) luaL_error(L, "a square matrix is needed, not %s", dml_shape(L, m));
 }
 
 static int by_cofactors(const dml_array *m) {
@@ -275,14 +265,13 @@ void dml_solve(lua_State *L, const dml_array *m, const dml_array *b) {
     const double *numbers = dml_numbersof(m);
     check_square(L, m);
     if (b->rows != m->rows)
-        luaL_error(L, "cannot solve with %s and a right-hand side that is %s",
-                   dml_shape(L, m), dml_shape(L, b));
+        luaL_error(L, "cannot solve with %s and a right-hand side that is %s", dml_shape(L, m),
+                   dml_shape(L, b));
     if (numbers && dml_numbersof(b)) {
         solve_numbers(L, numbers, b);
         return;
     }
-    const dml_scalar km = dml_kindof(m), kb = dml_kindof(b),
-                     kind = dml_common(L, &km, &kb);
+    const dml_scalar km = dml_kindof(m), kb = dml_kindof(b), kind = dml_common(L, &km, &kb);
     dml_array *x = dml_newarray(L, b->rank, b->rows, b->columns, &kind);
     if (by_cofactors(m))
         cofactor_solve(L, x, m, b);
@@ -345,9 +334,8 @@ void dml_eigenvalues(lua_State *L, const dml_array *m) {
                       "hyper-dual numbers");
     check_finite(L, numbers, n * n);
     memcpy(scratch, numbers, n * n * sizeof *scratch);
-    const int status = is_symmetric(numbers, n)
-                           ? symmetric(re, scratch, n)
-                           : general(re, im, scratch, scratch + n * n, n);
+    const int status = is_symmetric(numbers, n) ? symmetric(re, scratch, n)
+                                                : general(re, im, scratch, scratch + n * n, n);
     if (status != GSL_SUCCESS)
         luaL_error(L, "the eigenvalues did not converge: %s", gsl_strerror(status));
     sort_pairs(re, im, n);

@@ -5,7 +5,7 @@
 #include "bind/array.h"
 
 /* The square matrix m at stack index `arg`; each pushes its result. Singular matrices
-** raise. */
+ * raise. */
 void dml_det(lua_State *L, const dml_array *m);
 /* x with m x = b for a vector or matrix b. */
 void dml_solve(lua_State *L, const dml_array *m, const dml_array *b);

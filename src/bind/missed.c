@@ -12,8 +12,7 @@ static void push_note(lua_State *L) {
 void dml_miss(lua_State *L, int level, const char *of, int key) {
     lua_Debug ar;
     key = lua_absindex(L, key);
-    if (!lua_getstack(L, level, &ar) || !lua_getinfo(L, "Sl", &ar) || ar.currentline < 0)
-        return;
+    if (!lua_getstack(L, level, &ar) || !lua_getinfo(L, "Sl", &ar) || ar.currentline < 0) return;
     push_note(L);
     lua_pushstring(L, of);
     lua_setfield(L, -2, "of");
@@ -72,8 +71,7 @@ static int missed_parameter(lua_State *L) {
 void dml_pushparams(lua_State *L, int table) {
     table = lua_absindex(L, table);
     luaL_checkstack(L, 6, NULL);
-    if (!lua_istable(L, table) || lua_getmetatable(L, table))
-        return lua_pushvalue(L, table);
+    if (!lua_istable(L, table) || lua_getmetatable(L, table)) return lua_pushvalue(L, table);
     dml_pushcopy(L, table);
     lua_createtable(L, 0, 1);
     lua_pushvalue(L, table);

@@ -77,8 +77,7 @@ static void check_status(lua_State *L, dm_status status) {
     if (status == DM_NOT_FINITE)
         luaL_error(L, "L or a derivative of it is NaN or infinite whatever its arguments "
                       "are: is there a number in it that is 0/0 or overflows?");
-    if (status != DM_OK && status != DM_SINGULAR)
-        luaL_error(L, "%s", dm_status_text(status));
+    if (status != DM_OK && status != DM_SINGULAR) luaL_error(L, "%s", dm_status_text(status));
 }
 
 /* loops are not possible, and written out they would be too large */
@@ -120,11 +119,9 @@ static int read_structure(lua_State *L, dml_model *m, int pair) {
     if (status == DM_OK && pair)
         m->model.n = m->n;
     else if (status == DM_OK)
-        status =
-            dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena);
+        status = dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena);
     if (status == DM_TOO_LARGE && m->graph && dm_sums(m->graph))
-        refuse_dense(L, m,
-                     "a kinetic energy that is no sum of m v^2/2 with constant masses");
+        refuse_dense(L, m, "a kinetic energy that is no sum of m v^2/2 with constant masses");
     if (status == DM_TOO_LARGE) return 0;
     check_status(L, status);
     attach_ties(m);
@@ -162,8 +159,9 @@ static void warn_too_large(dml_system *s, const char *what) {
 
 /* push a model with the arena on top and the function at fn */
 static dml_model *new_model(lua_State *L, int fn, dm_arena *arena, uint32_t n) {
-    dml_model *m = lua_newuserdatauv(L, sizeof *m, 5); /* arena, function, callback, the
-** model with parameters as inputs (model_params.h) or false, the one with tables (dml_standin) */
+    /* arena, function, callback, the model with parameters as inputs (model_params.h) or false,
+     * the one with tables (dml_standin) */
+    dml_model *m = lua_newuserdatauv(L, sizeof *m, 5);
     *m = (dml_model){.n = n, .arena = arena};
     lua_pushvalue(L, -2);
     lua_setiuservalue(L, -2, 1);
@@ -172,9 +170,9 @@ static dml_model *new_model(lua_State *L, int fn, dm_arena *arena, uint32_t n) {
     return m;
 }
 
-/* Trace the function at fn, *kept (or NULL) behind it: push *kept where it is the same again, else a new model. */
-static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *kept,
-                              dm_compile *compile) {
+/* Trace the function at fn, *kept (or NULL) behind it: push *kept where it is the same again,
+ * else a new model. */
+static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *kept, dm_compile *compile) {
     const dml_system *s = dml_checksystem(L, arg);
     const dml_signature sig = signature(s);
     const dml_traced *last = kept ? &kept->trace : NULL;
@@ -230,8 +228,7 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     const int fn = lua_gettop(L);
     dml_model *kept = compile && !s->hyperdual ? dml_pushkept(L, arg, compile) : NULL;
     const clockid_t by = kept ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
-    const double start =
-        now_ms(by); /* asking for CPU time takes as long as five operations */
+    const double start = now_ms(by); /* asking for CPU time takes as long as five operations */
     dml_model *m;
     if (s->hyperdual) {
         dm_arena *arena = dml_pusharena(L);
@@ -256,8 +253,7 @@ dml_model *dml_pushlast(lua_State *L, int arg, const char *backend) {
     return push_model(L, arg, dml_findbackend(L, backend)->compile);
 }
 
-static const dml_backend *backend_of(lua_State *L, const dml_model *m,
-                                     const char *backend) {
+static const dml_backend *backend_of(lua_State *L, const dml_model *m, const char *backend) {
     return dml_findbackend(L, dml_arenalost(m->arena) ? "tape" : backend);
 }
 
@@ -280,8 +276,7 @@ static const char *built_by(const dm_model *m, const char *wanted) {
 
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (dml_arenalost(m->arena))
-        m->model.has = m->ties.has =
-            0; /* called by a finalizer: made again, on the tape */
+        m->model.has = m->ties.has = 0; /* called by a finalizer: made again, on the tape */
     want_ties(L, m, want, backend);
     want &= ~(unsigned)DM_WANT_TIES;
     const unsigned missing = want & ~m->model.has;
@@ -295,11 +290,10 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
         dml_hyperdual_model(L, m, missing, pair);
     } else {
         const dml_backend *row = backend_of(L, m, backend);
-        const dm_status status =
-            pair ? dm_model_build_pair(&m->model, m->graph, m->lagrangian, m->n,
-                                       row->compile, m->arena)
-                 : dm_model_build(&m->model, m->graph, m->lagrangian, m->n,
-                                  want | m->model.has, row->compile, m->arena);
+        const dm_status status = pair ? dm_model_build_pair(&m->model, m->graph, m->lagrangian,
+                                                            m->n, row->compile, m->arena)
+                                      : dm_model_build(&m->model, m->graph, m->lagrangian, m->n,
+                                                       want | m->model.has, row->compile, m->arena);
         check_status(L, status);
         attach_ties(m);
         if (m->compile) m->model.source.kept = &m->kept;
@@ -348,8 +342,7 @@ static void check_callback(lua_State *L, dml_model *m, const char *what, const d
                    what, once, again);
 }
 
-static void check_model(lua_State *L, int arg, dml_model *m, const double *x,
-                        int may_be_outside) {
+static void check_model(lua_State *L, int arg, dml_model *m, const double *x, int may_be_outside) {
     const char *what = m->model.has & DM_WANT_PAIR ? "Ld" : "L";
     if (m->callback) {
         if (x) check_callback(L, m, what, x, may_be_outside);

@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-/* its address is the registry key of a table from systems to models, which holds neither alive for the other */
+/* its address is the registry key of a table from systems to models, which holds neither alive
+ * for the other */
 static const char key;
 
 static void push_table(lua_State *L) {
@@ -39,8 +40,7 @@ int dml_samenodes(const dm_graph *a, const dm_graph *b, uint32_t size) {
 /* the trace of *fresh is the beginning of the graph of *kept, to which derivatives were added */
 int dml_sametrace(const dml_model *kept, const dml_model *fresh) {
     const uint32_t size = dm_graph_size(fresh->graph);
-    if (kept->traced != size || kept->lagrangian != fresh->lagrangian ||
-        kept->n != fresh->n)
+    if (kept->traced != size || kept->lagrangian != fresh->lagrangian || kept->n != fresh->n)
         return 0;
     return dml_samenodes(kept->graph, fresh->graph, size) &&
            dm_sums_same(kept->graph, fresh->graph) && dml_sameties(kept, fresh);

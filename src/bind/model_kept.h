@@ -1,13 +1,13 @@
-/*
-** model_kept.h - the model of the last run of a system, for the next one: the function is traced at every run,
-** and when its graph is the one of the last run, node for node, so are the kernels.
-*/
+/* model_kept.h - the model of the last run of a system, for the next one: the function is traced
+ * at every run, and when its graph is the one of the last run, node for node, so are the
+ * kernels. */
 #ifndef DML_MODEL_KEPT_H
 #define DML_MODEL_KEPT_H
 
 #include "bind/system.h"
 
-/* Push the kept model of the system at `arg` with kernels by `compile`; NULL and nothing pushed when there is none. */
+/* Push the kept model of the system at `arg` with kernels by `compile`; NULL and nothing pushed
+ * when there is none. */
 dml_model *dml_pushkept(lua_State *L, int arg, dm_compile *compile);
 
 /* Has the kept model the graph of *fresh, which was just traced? */

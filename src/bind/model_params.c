@@ -1,4 +1,5 @@
-/* model_params.c - L with some of its parameters as inputs behind t: one trace and one kernel for all their values. */
+/* model_params.c - L with some of its parameters as inputs behind t: one trace and one kernel
+ * for all their values. */
 #include "bind/model_params.h"
 
 #include "bind/state.h"
@@ -96,8 +97,7 @@ static void push_of_forces(lua_State *L, int names, const dml_model *m) {
 /* kicks and drifts can step it */
 static int is_split(const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
-    return (m->structure & simple) == simple && m->inverse_mass &&
-           !(m->structure & DM_LOOPS);
+    return (m->structure & simple) == simple && m->inverse_mass && !(m->structure & DM_LOOPS);
 }
 
 /* values of the parameters in the list on top of the stack, which is dropped */
@@ -136,15 +136,15 @@ static dml_model *push_traced(lua_State *L, int system, int names) {
     if (!m->values) luaL_error(L, "not enough memory");
     lua_pushvalue(L, names);
     read_values(L, system, m->values);
-    if (dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena) !=
-        DM_OK)
+    if (dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena) != DM_OK)
         m->model.structure = 0;
     m->model.params = params;
     lua_remove(L, fn);
     return m;
 }
 
-/* (system) -> the model with as many inputs as there can be, or nothing; raises what tracing raises */
+/* (system) -> the model with as many inputs as there can be, or nothing; raises what tracing
+ * raises */
 static int find_inputs(lua_State *L) {
     push_numbers(L, 1);
     for (int tries = 0; tries < 2; tries++) {
@@ -175,12 +175,12 @@ dml_model *dml_pushinputs(lua_State *L, int system) {
 static int takes_inputs(const dml_stepping *r) {
     const dm_method *m = r->solver->method;
     const dm_model *model = &r->model->model;
-    return m->widen && !(m->traits & DM_OWN_TIME) && !r->solver->pair &&
-           !r->model->callback && is_split(model) && !model->ties &&
-           m->wants(r->solver->nodes, model) == DM_WANT_FORCE;
+    return m->widen && !(m->traits & DM_OWN_TIME) && !r->solver->pair && !r->model->callback &&
+           is_split(model) && !model->ties && m->wants(r->solver->nodes, model) == DM_WANT_FORCE;
 }
 
-/* (system, model with inputs) -> does L do what it did when the model was traced? Raises what L raises. */
+/* (system, model with inputs) -> does L do what it did when the model was traced? Raises what L
+ * raises. */
 static int trace_again(lua_State *L) {
     const dml_model *m = lua_touserdata(L, 2);
     const dml_signature sig = dml_withsignature(m->n, m->params);
@@ -195,15 +195,17 @@ static int trace_again(lua_State *L) {
     return 1;
 }
 
-/* have the parameters the values that they had when *m was traced, whose names are on top of the stack and dropped? */
+/* have the parameters the values that they had when *m was traced, whose names are on top of the
+ * stack and dropped? */
 static int has_values(lua_State *L, int system, const dml_model *m) {
     double now[DML_MOST_PARAMS];
     read_values(L, system, now);
     return memcmp(now, m->values, m->params * sizeof *now) == 0;
 }
 
-/* Is the model on top of the stack, with inputs, still that of L? Where the parameters are what they were, it is, for the
-** trace of L with numbers is the same; other values may show what these hid: g in 1 + (k - 1) g, where k was 1. */
+/* Is the model on top of the stack, with inputs, still that of L? Where the parameters are what
+ * they were, it is, for the trace of L with numbers is the same; other values may show what
+ * these hid: g in 1 + (k - 1) g, where k was 1. */
 static int is_current(lua_State *L, const dml_stepping *r) {
     lua_getiuservalue(L, -1, 4);
     if (has_values(L, r->system, lua_touserdata(L, -2)) && !r->varied) return 1;
@@ -247,8 +249,8 @@ void dml_stepping_inputs(lua_State *L, dml_stepping *r) {
     read_values(L, r->system, r->given + first);
 }
 
-/* L by both kernels at x: tracing changes round-off only, `==` on a parameter would change more. Where it is no number,
-** only the start tells. */
+/* L by both kernels at x: tracing changes round-off only, `==` on a parameter would change more.
+ * Where it is no number, only the start tells. */
 static int agrees_at(const dml_stepping *r, const double *x, int is_start) {
     const dm_kernel *with = &r->inputs->model.value, *plain = &r->model->model.value;
     double a = 0.0, b = 0.0;

@@ -1,4 +1,5 @@
-/* model_params.h - a system whose varied parameters are inputs of its kernels, not constants in them. */
+/* model_params.h - a system whose varied parameters are inputs of its kernels, not constants in
+ * them. */
 #ifndef DML_MODEL_PARAMS_H
 #define DML_MODEL_PARAMS_H
 
@@ -10,20 +11,19 @@ enum { DML_MOST_PARAMS = 16 };
 /* Push a copy of a table. */
 void dml_pushcopy(lua_State *L, int table);
 
-/* Push L of the system at `system` as a function of (q, v, t, values), values of the parameters in the list of names at
-** `names`; and how it is traced. */
+/* Push L of the system at `system` as a function of (q, v, t, values), values of the parameters
+ * in the list of names at `names`; and how it is traced. */
 void dml_pushwith(lua_State *L, int system, int names);
 dml_signature dml_withsignature(uint32_t n, uint32_t params);
 
-/*
-** Push the model of that function with all parameters that can be inputs of an explicit rule: numbers that the potential
-** alone depends on. Its kernels of L take (q, v, t, values).
-** Its user value 4 is the list of their names. Pushes nil and returns NULL where there are none, where L is tied or not
-** separable, or where the function needs them as numbers.
-*/
+/* Push the model of that function with all parameters that can be inputs of an explicit rule:
+ * numbers that the potential alone depends on. Its kernels of L take (q, v, t, values). Its user
+ * value 4 is the list of their names. Pushes nil and returns NULL where there are none, where L
+ * is tied or not separable, or where the function needs them as numbers. */
 dml_model *dml_pushinputs(lua_State *L, int system);
 
-/* Let *r step the model with inputs where it can: r->inputs and its values; the stack grows by what keeps them. */
+/* Let *r step the model with inputs where it can: r->inputs and its values; the stack grows by
+ * what keeps them. */
 void dml_stepping_inputs(lua_State *L, dml_stepping *r);
 
 /* Push the list of names of the inputs of r->inputs. */

@@ -16,8 +16,7 @@ static int end_given(lua_State *L) {
 static void push_given(lua_State *L, const dml_model *m) {
     dml_state *state = dml_getstate(L);
     dml_given *given = lua_newuserdatauv(L, sizeof *given, 0);
-    *given =
-        (dml_given){.graph = m->graph, .within = state->frames, .before = state->given};
+    *given = (dml_given){.graph = m->graph, .within = state->frames, .before = state->given};
     if (luaL_newmetatable(L, "dm.given")) {
         lua_pushcfunction(L, end_given);
         lua_setfield(L, -2, "__gc");
@@ -60,22 +59,20 @@ static int needs_tables(const dml_model *m, unsigned want) {
            m->n <= DM_MODEL_DENSE;
 }
 
-/* Slope and mass are taken out of the stage kernel where there is one, and round in another way than alone: a rule that does
-** without it shall have the same bits whatever ran before it. */
+/* Slope and mass are taken out of the stage kernel where there is one, and round in another way
+ * than alone: a rule that does without it shall have the same bits whatever ran before it. */
 static int needs_own(const dml_model *m, unsigned want) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
-    const unsigned shared = (m->model.structure & simple) == simple
-                                ? DM_WANT_SLOPE
-                                : DM_WANT_SLOPE | DM_WANT_MASS;
-    return m->model.has & DM_WANT_STAGE &&
-           !(want & (DM_WANT_STAGE | DM_WANT_STAGE_LATER)) && want & shared;
+    const unsigned shared =
+        (m->model.structure & simple) == simple ? DM_WANT_SLOPE : DM_WANT_SLOPE | DM_WANT_MASS;
+    return m->model.has & DM_WANT_STAGE && !(want & (DM_WANT_STAGE | DM_WANT_STAGE_LATER)) &&
+           want & shared;
 }
 
 dml_model *dml_standin(lua_State *L, int at, unsigned want) {
     dml_model *m = lua_touserdata(L, at);
     at = lua_absindex(L, at);
-    if (m->callback || !m->graph || (!needs_tables(m, want) && !needs_own(m, want)))
-        return m;
+    if (m->callback || !m->graph || (!needs_tables(m, want) && !needs_own(m, want))) return m;
     if (lua_getiuservalue(L, at, 5) != LUA_TUSERDATA) {
         lua_pop(L, 1);
         push_twin(L, at, m);
@@ -90,8 +87,7 @@ dml_model *dml_standin(lua_State *L, int at, unsigned want) {
 dml_apart dml_setapart(dml_state *state) {
     dml_given *given = state->given;
     dml_frame *frame = state->frames;
-    const dml_apart apart = {given, given ? given->values : NULL, frame,
-                             frame ? frame->sums : 0};
+    const dml_apart apart = {given, given ? given->values : NULL, frame, frame ? frame->sums : 0};
     if (given) given->values = NULL;
     return apart;
 }

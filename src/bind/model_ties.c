@@ -9,8 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const keys[] = {"constraint", "rolling",  "control",
-                                   "force",      "reaction", NULL};
+static const char *const keys[] = {"constraint", "rolling", "control", "force", "reaction", NULL};
 
 /* constraint(q, t); force(q, v, t, u) where there are controls; all others (q, v, t) */
 static dml_signature signature(const dml_model *m, int which) {
@@ -40,12 +39,12 @@ int dml_istied(lua_State *L, int arg) {
 }
 
 void dml_checktiefields(lua_State *L, int hyperdual) {
-    static const char *const forms[] = {
-        "function(q) or function(q, t) that returns what shall be zero",
-        "function(q, v) or function(q, v, t) that returns what shall be zero",
-        "function(q, v) or function(q, v, t) that returns the controls u of a step",
-        "function of (q, v [, t [, u]]), u the controls, that returns dim Q numbers",
-        "function(q, v) or function(q, v, t) that returns a row for every rolling one"};
+    static const char *const forms[] =
+        {"function(q) or function(q, t) that returns what shall be zero",
+         "function(q, v) or function(q, v, t) that returns what shall be zero",
+         "function(q, v) or function(q, v, t) that returns the controls u of a step",
+         "function of (q, v [, t [, u]]), u the controls, that returns dim Q numbers",
+         "function(q, v) or function(q, v, t) that returns a row for every rolling one"};
     for (int i = 0; keys[i]; i++, lua_pop(L, 1)) {
         const int type = lua_getfield(L, 1, keys[i]);
         if (type == LUA_TNIL) continue;
@@ -107,8 +106,7 @@ static void push_function(lua_State *L, int arg, int which) {
 }
 
 static void check_lengths(lua_State *L, const dml_model *m) {
-    const uint32_t n = m->n, k = m->tie[DML_CONSTRAINT].outputs,
-                   l = m->tie[DML_ROLLING].outputs;
+    const uint32_t n = m->n, k = m->tie[DML_CONSTRAINT].outputs, l = m->tie[DML_ROLLING].outputs;
     const uint32_t given = m->tie[DML_REACTION].outputs;
     if (m->tie[DML_FORCE].graph && m->tie[DML_FORCE].outputs != n)
         luaL_error(L, "force must return %d numbers, one per coordinate, got %d", (int)n,
@@ -119,8 +117,8 @@ static void check_lengths(lua_State *L, const dml_model *m) {
                    "constraint, got %d numbers in all",
                    (int)l, (int)n, (int)given);
     if (k + l > n)
-        luaL_error(L, "%d constraints for %d coordinates: they leave no motion",
-                   (int)(k + l), (int)n);
+        luaL_error(L, "%d constraints for %d coordinates: they leave no motion", (int)(k + l),
+                   (int)n);
 }
 
 /* the traced function with its inputs q, v, t in the graph of all */
@@ -152,9 +150,8 @@ static void join(lua_State *L, dml_model *m) {
     t->u = transplant(m, DML_CONTROL);
     t->f = transplant(m, DML_FORCE);
     t->E = transplant(m, DML_REACTION);
-    const int missing = (k && !t->g) || (l && !t->phi) ||
-                        (m->tie[DML_FORCE].graph && !t->f) || (c && !t->u) ||
-                        (m->tie[DML_REACTION].graph && !t->E);
+    const int missing = (k && !t->g) || (l && !t->phi) || (m->tie[DML_FORCE].graph && !t->f) ||
+                        (c && !t->u) || (m->tie[DML_REACTION].graph && !t->E);
     if (missing || dm_graph_status(t->graph) != DM_OK) luaL_error(L, "not enough memory");
     m->ties_traced = dm_graph_size(t->graph);
 }
@@ -203,8 +200,7 @@ void dml_checkpairties(lua_State *L, const dml_model *m) {
 void dml_buildties(lua_State *L, dml_model *m) {
     const uint32_t k = m->tied.holonomic;
     const dm_status status = dm_ties_build(&m->ties, &m->tied, m->arena);
-    if (status != DM_OK)
-        luaL_error(L, "constraints or force: %s", dm_status_text(status));
+    if (status != DM_OK) luaL_error(L, "constraints or force: %s", dm_status_text(status));
     const uint32_t idle = dm_ties_idle(&m->ties);
     if (idle < k)
         luaL_error(L,
@@ -225,14 +221,12 @@ static int same_roots(const dm_node *a, const dm_node *b, size_t count) {
 
 int dml_sameties(const dml_model *kept, const dml_model *fresh) {
     const dm_ties_traced *a = &kept->tied, *b = &fresh->tied;
-    if (!a->graph != !b->graph || a->holonomic != b->holonomic ||
-        a->rolling != b->rolling || a->controls != b->controls ||
-        kept->ties_traced != fresh->ties_traced)
+    if (!a->graph != !b->graph || a->holonomic != b->holonomic || a->rolling != b->rolling ||
+        a->controls != b->controls || kept->ties_traced != fresh->ties_traced)
         return 0;
     return !a->graph ||
-           (same_roots(a->g, b->g, a->holonomic) &&
-            same_roots(a->phi, b->phi, a->rolling) && same_roots(a->f, b->f, a->n) &&
-            same_roots(a->u, b->u, a->controls) &&
+           (same_roots(a->g, b->g, a->holonomic) && same_roots(a->phi, b->phi, a->rolling) &&
+            same_roots(a->f, b->f, a->n) && same_roots(a->u, b->u, a->controls) &&
             same_roots(a->E, b->E, (size_t)a->rolling * a->n) &&
             dml_samenodes(a->graph, b->graph, kept->ties_traced));
 }
@@ -300,8 +294,8 @@ void dml_describeties(lua_State *L, luaL_Buffer *b, const dml_model *m) {
 }
 
 /* the first `count` outputs of a kernel of the ties at x = (q, v, t) */
-static int push_outputs(lua_State *L, const dm_kernel *kernel, const double *x,
-                        uint32_t count, const char *what) {
+static int push_outputs(lua_State *L, const dm_kernel *kernel, const double *x, uint32_t count,
+                        const char *what) {
     double *all = lua_newuserdatauv(L, kernel->outputs * sizeof *all, 0);
     double *out = dml_pushvector(L, count);
     dm_kernel_prepare(kernel, all);
@@ -309,8 +303,8 @@ static int push_outputs(lua_State *L, const dm_kernel *kernel, const double *x,
     memcpy(out, all, count * sizeof *out);
     for (uint32_t i = 0; i < count; i++)
         if (!isfinite(out[i]))
-            luaL_error(L, "%s %d is not finite at this point: is it inside its domain?",
-                       what, (int)i + 1);
+            luaL_error(L, "%s %d is not finite at this point: is it inside its domain?", what,
+                       (int)i + 1);
     return 1;
 }
 
@@ -328,8 +322,7 @@ static dml_model *read_point(lua_State *L, int which, double **x) {
                    keys[which]);
     const double t = luaL_optnumber(L, sees_v ? 4 : 3, 0.0);
     dml_model *m = dml_pushmodel(L, 1);
-    const size_t room =
-        2 * n + 1 + m->ties.holonomic + m->ties.rolling + m->ties.controls;
+    const size_t room = 2 * n + 1 + m->ties.holonomic + m->ties.rolling + m->ties.controls;
     *x = lua_newuserdatauv(L, room * sizeof **x, 0);
     memset(*x, 0, room * sizeof **x);
     dml_unname(L, 1, 2, "q");
@@ -351,8 +344,7 @@ static int system_rolling(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_ROLLING, &x);
     dml_want(L, m, DM_WANT_ROLLING, NULL);
-    return push_outputs(L, &m->ties.rolling_kernel, x, m->ties.rolling,
-                        "rolling constraint");
+    return push_outputs(L, &m->ties.rolling_kernel, x, m->ties.rolling, "rolling constraint");
 }
 
 static int system_force(lua_State *L) {
@@ -374,18 +366,18 @@ static int system_control(lua_State *L) {
     return push_outputs(L, &m->ties.control, x, m->ties.controls, "control");
 }
 
-const dml_row dml_tie_methods[] = {
-    {"constraint", system_constraint,
-     "system:constraint(q [, t]) -> dm.vector\n"
-     "g(q, t) of the holonomic constraints, in their units: zero on the constraint."},
-    {"rolling", system_rolling,
-     "system:rolling(q, v [, t]) -> dm.vector\n"
-     "phi(q, v, t) of the rolling constraints: zero where they hold."},
-    {"force", system_force,
-     "system:force(q, v [, t]) -> dm.vector of dim Q entries\n"
-     "The force f(q, v, t) of the system, a covector: f . dq is the work; with controls, "
-     "as at the start of a step."},
-    {"control", system_control,
-     "system:control(q, v [, t]) -> dm.vector\n"
-     "The controls u of a step that starts at (q, v, t)."},
-    {NULL, NULL, NULL}};
+const dml_row dml_tie_methods[] =
+    {{"constraint", system_constraint,
+      "system:constraint(q [, t]) -> dm.vector\n"
+      "g(q, t) of the holonomic constraints, in their units: zero on the constraint."},
+     {"rolling", system_rolling,
+      "system:rolling(q, v [, t]) -> dm.vector\n"
+      "phi(q, v, t) of the rolling constraints: zero where they hold."},
+     {"force", system_force,
+      "system:force(q, v [, t]) -> dm.vector of dim Q entries\n"
+      "The force f(q, v, t) of the system, a covector: f . dq is the work; with controls, "
+      "as at the start of a step."},
+     {"control", system_control,
+      "system:control(q, v [, t]) -> dm.vector\n"
+      "The controls u of a step that starts at (q, v, t)."},
+     {NULL, NULL, NULL}};

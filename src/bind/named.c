@@ -59,8 +59,8 @@ void dml_unname(lua_State *L, int system, int at, const char *what) {
         if (lua_getfield(L, at, name) == LUA_TNIL) {
             check_keys(L, system, at, what);
             const char *names = push_names(L, system, n);
-            luaL_error(L, "%s: the coordinate '%s' is missing; all of %s are needed",
-                       what, name, names);
+            luaL_error(L, "%s: the coordinate '%s' is missing; all of %s are needed", what, name,
+                       names);
         }
         lua_rawseti(L, list, (lua_Integer)i + 1);
         lua_settop(L, list);

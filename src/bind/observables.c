@@ -10,8 +10,7 @@ static dml_model *model_of(const dml_stepping *r) {
 
 void dml_observables_start(dml_observables *o, const dml_stepping *r) {
     const dml_model *m = model_of(r);
-    o->observer =
-        (dm_observer){.model = &m->model, .list = o->list, .params = r->stepper.params};
+    o->observer = (dm_observer){.model = &m->model, .list = o->list, .params = r->stepper.params};
 }
 
 static dm_observable *next(lua_State *L, dml_observables *o) {
@@ -26,8 +25,8 @@ static dm_compile *compiler(lua_State *L, const dml_stepping *r) {
     return dml_findbackend(L, name)->compile;
 }
 
-void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r,
-                         const char *what, int any) {
+void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r, const char *what,
+                         int any) {
     const int n = (int)r->solver->n, fn = lua_gettop(L);
     const dml_signature s = {.what = what,
                              .arguments = 4,
@@ -35,8 +34,7 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
                              .outputs = any ? 0 : DML_SCALAR_ARGUMENT};
     dml_traced traced;
     if (!lua_isfunction(L, fn))
-        luaL_error(L, "%s must be a function of (q, v, t, p) (got %s)", what,
-                   luaL_typename(L, fn));
+        luaL_error(L, "%s must be a function of (q, v, t, p) (got %s)", what, luaL_typename(L, fn));
     if (r->solver->pair)
         luaL_error(L,
                    "%s: a discrete Lagrangian knows no velocity: only columns of the "
@@ -55,8 +53,7 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
 }
 
 void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping *r) {
-    if (r->solver->pair)
-        luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
+    if (r->solver->pair) luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
     dml_model *m = model_of(r);
     dml_want(L, m, DM_WANT_ENERGY | dml_legendre_wants(m, 0), NULL);
     *next(L, o) = (dm_observable){.kernel = &m->model.energy, .of_model = 1};
@@ -97,16 +94,13 @@ void dml_pushkeys(lua_State *L, int table, const char *field) {
     lua_Integer count = listed;
     lua_newtable(L);
     const int keys = lua_gettop(L);
-    for (lua_Integer i = 1; i <= listed; i++)
-        lua_pushinteger(L, i), lua_rawseti(L, keys, i);
+    for (lua_Integer i = 1; i <= listed; i++) lua_pushinteger(L, i), lua_rawseti(L, keys, i);
     for (lua_pushnil(L); lua_next(L, table);) {
         lua_pop(L, 1);
-        if (lua_isinteger(L, -1) && lua_tointeger(L, -1) >= 1 &&
-            lua_tointeger(L, -1) <= listed)
+        if (lua_isinteger(L, -1) && lua_tointeger(L, -1) >= 1 && lua_tointeger(L, -1) <= listed)
             continue;
         if (lua_type(L, -1) != LUA_TSTRING)
-            luaL_error(L, "field '%s': its keys are names (got a %s)", field,
-                       luaL_typename(L, -1));
+            luaL_error(L, "field '%s': its keys are names (got a %s)", field, luaL_typename(L, -1));
         lua_pushvalue(L, -1);
         insert_name(L, keys, listed + 1, ++count);
     }

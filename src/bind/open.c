@@ -1,5 +1,5 @@
 /* open.c - `require "dm.core"`: every class of classes.def, docs, and the door for Lua
-** modules. */
+ * modules. */
 #include "bind/bind.h"
 #include "bind/missed.h"
 
@@ -8,8 +8,7 @@ static int add_method(lua_State *L) {
     const char *tname = luaL_checkstring(L, 1), *name = luaL_checkstring(L, 2);
     luaL_checktype(L, 3, LUA_TFUNCTION);
     luaL_checkstring(L, 4);
-    if (luaL_getmetatable(L, tname) != LUA_TTABLE ||
-        lua_getfield(L, -1, "methods") != LUA_TTABLE)
+    if (luaL_getmetatable(L, tname) != LUA_TTABLE || lua_getfield(L, -1, "methods") != LUA_TTABLE)
         return luaL_error(L,
                           "unknown class '%s': give the name that tostring and help use, "
                           "for instance \"dm.path\"",
@@ -59,30 +58,30 @@ static int make_result(lua_State *L) {
     return 1;
 }
 
-static const dml_row functions[] = {
-    {"result", make_result,
-     "core.result(t) -> t\n"
-     "The table t as what a method returns: print(t) and tostring(t) show its entries, "
-     "in "
-     "scripts as in a session."},
-    {"method", add_method,
-     "core.method(class, name, f, doc)\n"
-     "Add the Lua function f as method `name` to a class (\"dm.path\"); doc: signature "
-     "line, "
-     "then shapes, units, errors. Raises on an unknown class."},
-    {"until_stop", until_stop,
-     "core.until_stop(f, ...) -> true, results   or   false, error\n"
-     "pcall for what has something to show when Ctrl-C ends it: the only one of our "
-     "modules that keeps this error."},
-    {"miss", dml_core_miss,
-     "core.miss(class, key [, names])\n"
-     "Note that class has no such key, for the message of an error on the same line; "
-     "called from the __index of a class in Lua; names: a table with the keys there are, "
-     "where methods and docs do not say."},
-    {"nearest", dml_core_nearest,
-     "core.nearest(word, names) -> name or nil\n"
-     "The name of the list that is spelt most like the word, nil when none is near."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"result", make_result,
+      "core.result(t) -> t\n"
+      "The table t as what a method returns: print(t) and tostring(t) show its entries, "
+      "in "
+      "scripts as in a session."},
+     {"method", add_method,
+      "core.method(class, name, f, doc)\n"
+      "Add the Lua function f as method `name` to a class (\"dm.path\"); doc: signature "
+      "line, "
+      "then shapes, units, errors. Raises on an unknown class."},
+     {"until_stop", until_stop,
+      "core.until_stop(f, ...) -> true, results   or   false, error\n"
+      "pcall for what has something to show when Ctrl-C ends it: the only one of our "
+      "modules that keeps this error."},
+     {"miss", dml_core_miss,
+      "core.miss(class, key [, names])\n"
+      "Note that class has no such key, for the message of an error on the same line; "
+      "called from the __index of a class in Lua; names: a table with the keys there are, "
+      "where methods and docs do not say."},
+     {"nearest", dml_core_nearest,
+      "core.nearest(word, names) -> name or nil\n"
+      "The name of the list that is spelt most like the word, nil when none is near."},
+     {NULL, NULL, NULL}};
 
 int luaopen_dm_core(lua_State *L) {
     lua_newtable(L);

@@ -16,11 +16,13 @@ typedef struct {
     double constraint, rolling; /* largest |g|, |phi| that the solver saw */
     const char *rule;           /* as the user gave it; kept by the path */
     double *
-        data; /* rows x width: t, q[n], p[n] and what was recorded beside, or t and what was watched */
+        /* rows x width: t, q[n], p[n] and what was recorded beside, or t and what was watched */
+        data;
 } dml_path;
 
-/* user values of dm.path: the system, the rule as written, the traced model, the names of columns of a path that
-** watched or recorded (else nil), the events (else nil), the end from which a run can go on (checkpoint.h), the solver, the name of the file of rows */
+/* user values of dm.path: the system, the rule as written, the traced model, the names of
+ * columns of a path that watched or recorded (else nil), the events (else nil), the end from
+ * which a run can go on (checkpoint.h), the solver, the name of the file of rows */
 enum {
     DML_PATH_SYSTEM = 1,
     DML_PATH_RULE,
@@ -35,8 +37,8 @@ enum {
 
 extern const char *const DML_PATH; /* "dm.path" */
 
-/* Push an empty path with room for `rows` rows of `width` columns for the system at stack index `system`. Raises
-** when the block would not fit in half of the machine's memory. */
+/* Push an empty path with room for `rows` rows of `width` columns for the system at stack index
+ * `system`. Raises when the block would not fit in half of the machine's memory. */
 dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width);
 
 /* Columns of a row: t, q[n], p[n], or t and what was watched. */

@@ -31,8 +31,8 @@ static int columns_index(lua_State *L) {
     int whole;
     const lua_Integer i = lua_tointegerx(L, 2, &whole);
     if (!whole)
-        return luaL_error(L, "path.%s is indexed by a row number from 1 to %d (got %s)",
-                          c->name, (int)p->rows, luaL_tolstring(L, 2, NULL));
+        return luaL_error(L, "path.%s is indexed by a row number from 1 to %d (got %s)", c->name,
+                          (int)p->rows, luaL_tolstring(L, 2, NULL));
     if (i == (lua_Integer)p->rows + 1) return 0; /* ends ipairs */
     if (i < 1 || i > p->rows)
         return luaL_error(L, "path.%s has rows 1 to %d (got %I)", c->name, (int)p->rows,
@@ -53,8 +53,8 @@ static int columns_len(lua_State *L) {
 
 static int columns_tostring(lua_State *L) {
     const columns *c = luaL_checkudata(L, 1, COLUMNS);
-    lua_pushfstring(L, "columns %s of a path: %d rows of %d numbers", c->name,
-                    (int)c->path->rows, (int)c->count);
+    lua_pushfstring(L, "columns %s of a path: %d rows of %d numbers", c->name, (int)c->path->rows,
+                    (int)c->count);
     return 1;
 }
 
@@ -114,8 +114,7 @@ static int find_column(lua_State *L, const char *name) {
     }
     lua_settop(L, top);
     if (p->watched) return found;
-    if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 &&
-        i <= p->n) {
+    if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 && i <= p->n) {
         if (kind == 'q') found = (int)i;
         if (kind == 'p') found = (int)(p->n + i);
     }

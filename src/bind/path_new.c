@@ -8,8 +8,7 @@ static void read_column(lua_State *L, int list, uint32_t c, dml_path *p, double 
     const char *what = lua_pushfstring(L, "column %d", (int)c + 1);
     lua_geti(L, list, (lua_Integer)c + 1);
     if (dml_length(L, -1) != p->rows)
-        luaL_error(L, "%s must have one number for each of the %d times", what,
-                   (int)p->rows);
+        luaL_error(L, "%s must have one number for each of the %d times", what, (int)p->rows);
     dml_vectorarg(L, lua_gettop(L), what, column, (uint32_t)p->rows);
     for (long i = 0; i < p->rows; i++) p->data[(size_t)i * p->width + c] = column[i];
     lua_pop(L, 2);

@@ -30,13 +30,11 @@ static dml_model *model_for(lua_State *L, unsigned want) {
 
 /* x = (q, v, t) of row i, v from p by the inverse Legendre transform starting from the v
  * in x */
-static dm_status read_row(const dml_path *p, const dml_model *m, long i, double *x,
-                          double *work) {
+static dm_status read_row(const dml_path *p, const dml_model *m, long i, double *x, double *work) {
     const double *row = p->data + (size_t)i * dml_path_width(p);
     memcpy(x, row + 1, p->n * sizeof *x);
     x[2 * p->n] = row[0];
-    return dm_legendre_inverse(&m->model, x + p->n, row + 1, row + 1 + p->n, row[0],
-                               work);
+    return dm_legendre_inverse(&m->model, x + p->n, row + 1, row + 1 + p->n, row[0], work);
 }
 
 /* room for x and the Legendre transform; v of the first row starts from p */
@@ -51,8 +49,8 @@ static double *scratch(lua_State *L, const dml_path *p, const dml_model *m) {
 static void check_row(lua_State *L, dml_model *m, dm_status status, long i) {
     dml_rethrow(L, m);
     if (status != DM_OK)
-        luaL_error(L, "row %d has no velocity: %s (is d2L/dv2 singular there?)",
-                   (int)i + 1, dm_status_text(status));
+        luaL_error(L, "row %d has no velocity: %s (is d2L/dv2 singular there?)", (int)i + 1,
+                   dm_status_text(status));
 }
 
 /* of a run that watched: the column, if it is one */
@@ -63,8 +61,7 @@ static int watched_energy(lua_State *L) {
         lua_rawgeti(L, -1, i);
         if (strcmp(lua_tostring(L, -1), "energy") != 0) continue;
         double *E = dml_pushvector(L, (uint32_t)p->rows);
-        for (long k = 0; k < p->rows; k++)
-            E[k] = p->data[(size_t)k * p->width + (size_t)i - 1];
+        for (long k = 0; k < p->rows; k++) E[k] = p->data[(size_t)k * p->width + (size_t)i - 1];
         return 1;
     }
     return 0;
@@ -178,8 +175,10 @@ static int path_mass(lua_State *L) {
 
 /* J = p . xi(q) along the path for a generator xi written in Lua, at stack index 2 */
 static int momentum_of_generator(lua_State *L, const dml_path *p) {
-    const dml_signature s = {
-        .what = "generator", .arguments = 1, .length = {(int)p->n}, .outputs = (int)p->n};
+    const dml_signature s = {.what = "generator",
+                             .arguments = 1,
+                             .length = {(int)p->n},
+                             .outputs = (int)p->n};
     double *xi = lua_newuserdatauv(L, p->n * sizeof *xi, 0);
     double *J = dml_pushvector(L, (uint32_t)p->rows);
     for (long i = 0; i < p->rows; i++) {
@@ -211,8 +210,7 @@ static int path_column(lua_State *L) {
     if (!p->watched && strcmp(name, "energy") == 0) return dml_path_energy(L);
     const uint32_t c = dml_path_find(L, name);
     double *out = dml_pushvector(L, (uint32_t)p->rows);
-    for (long i = 0; i < p->rows; i++)
-        out[i] = p->data[(size_t)i * dml_path_width(p) + c];
+    for (long i = 0; i < p->rows; i++) out[i] = p->data[(size_t)i * dml_path_width(p) + c];
     return 1;
 }
 
@@ -275,58 +273,58 @@ static int drift_of(lua_State *L) {
     return 1;
 }
 
-const dml_row dml_path_functions[] = {
-    {"path", dml_path_new,
-     "dm.path{system=, h=, rule=, steps=, columns = {t, q1, ..., p1, ...}} -> dm.path\n"
-     "A path from numbers that were computed elsewhere: 1 + 2 dim Q columns of one "
-     "number "
-     "a row, growing times first; h: the "
-     "step, rule: what made it (a text), steps: how many (default: rows - 1). It has "
-     "energy, drift, plots and files like that of a run."},
-    {"drift", drift_of,
-     "dm.drift(t, y) -> {per_time, error, mean, largest}\n"
-     "What path:drift finds, for numbers y at growing times t (vectors of at least 3 "
-     "entries)."},
-    {NULL, NULL, NULL}};
+const dml_row dml_path_functions[] =
+    {{"path", dml_path_new,
+      "dm.path{system=, h=, rule=, steps=, columns = {t, q1, ..., p1, ...}} -> dm.path\n"
+      "A path from numbers that were computed elsewhere: 1 + 2 dim Q columns of one "
+      "number "
+      "a row, growing times first; h: the "
+      "step, rule: what made it (a text), steps: how many (default: rows - 1). It has "
+      "energy, drift, plots and files like that of a run."},
+     {"drift", drift_of,
+      "dm.drift(t, y) -> {per_time, error, mean, largest}\n"
+      "What path:drift finds, for numbers y at growing times t (vectors of at least 3 "
+      "entries)."},
+     {NULL, NULL, NULL}};
 
-const dml_row dml_path_quantities[] = {
-    {"worst", path_worst,
-     "path:worst(\"constraint\" | \"rolling\") -> number\n"
-     "The largest |g(q, t)| or |phi(q, v, t)| at the rows (v from the momentum) and, "
-     "where "
-     "the rule looks at it in every step, over all of its steps."},
-    {"column", path_column,
-     "path:column(name) -> dm.vector of #path entries\n"
-     "A column by its name (see path.columns; \"time\" and \"energy\" too)."},
-    {"energy", dml_path_energy,
-     "path:energy() -> dm.vector of #path entries\n"
-     "v . dL/dv - L at every row, v from p by the inverse Legendre transform."},
-    {"velocity", path_velocity,
-     "path:velocity([row]) -> dm.matrix, #path x dim Q, or dm.vector of one row\nThe "
-     "velocity at every row, or at that one, from p by the inverse Legendre transform."},
-    {"mass", path_mass,
-     "path:mass(q [, t]) -> dm.matrix, dim Q x dim Q\n"
-     "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L "
-     "again; t: default that of the first row. Raises where it is not finite."},
-    {"momentum", path_momentum,
-     "path:momentum(group [, {block=}]) -> dm.vector   or   path:momentum(generator) -> "
-     "dm.vector\n"
-     "Noether's momentum map at every row: of a group by its standard action on blocks "
-     "of coordinates (dm.SO(2), dm.SO(3), "
-     "dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator "
-     "xi(q), a Lua function that returns "
-     "dim Q numbers."},
-    {"drift", path_drift,
-     "path:drift(name | vector) -> {per_time, error, mean, largest}\n"
-     "Least squares slope of a column, of \"energy\" or of any vector of #path entries "
-     "against time: slope per unit "
-     "of time, its standard error from block means, the mean, and the largest distance "
-     "from the first row."},
-    {"checkpoint", dml_path_checkpoint,
-     "path:checkpoint(file) -> file name\n"
-     "Write where the run ended: the state with its low-order parts, what the rule keeps "
-     "from step to step, rule, step "
-     "and time, as a text with all bits. dm.resume(file, system) goes on from it bit for "
-     "bit. Raises when the file "
-     "cannot be written; an old one is replaced only by a whole one."},
-    {NULL, NULL, NULL}};
+const dml_row dml_path_quantities[] =
+    {{"worst", path_worst,
+      "path:worst(\"constraint\" | \"rolling\") -> number\n"
+      "The largest |g(q, t)| or |phi(q, v, t)| at the rows (v from the momentum) and, "
+      "where "
+      "the rule looks at it in every step, over all of its steps."},
+     {"column", path_column,
+      "path:column(name) -> dm.vector of #path entries\n"
+      "A column by its name (see path.columns; \"time\" and \"energy\" too)."},
+     {"energy", dml_path_energy,
+      "path:energy() -> dm.vector of #path entries\n"
+      "v . dL/dv - L at every row, v from p by the inverse Legendre transform."},
+     {"velocity", path_velocity,
+      "path:velocity([row]) -> dm.matrix, #path x dim Q, or dm.vector of one row\nThe "
+      "velocity at every row, or at that one, from p by the inverse Legendre transform."},
+     {"mass", path_mass,
+      "path:mass(q [, t]) -> dm.matrix, dim Q x dim Q\n"
+      "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L "
+      "again; t: default that of the first row. Raises where it is not finite."},
+     {"momentum", path_momentum,
+      "path:momentum(group [, {block=}]) -> dm.vector   or   path:momentum(generator) -> "
+      "dm.vector\n"
+      "Noether's momentum map at every row: of a group by its standard action on blocks "
+      "of coordinates (dm.SO(2), dm.SO(3), "
+      "dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator "
+      "xi(q), a Lua function that returns "
+      "dim Q numbers."},
+     {"drift", path_drift,
+      "path:drift(name | vector) -> {per_time, error, mean, largest}\n"
+      "Least squares slope of a column, of \"energy\" or of any vector of #path entries "
+      "against time: slope per unit "
+      "of time, its standard error from block means, the mean, and the largest distance "
+      "from the first row."},
+     {"checkpoint", dml_path_checkpoint,
+      "path:checkpoint(file) -> file name\n"
+      "Write where the run ended: the state with its low-order parts, what the rule keeps "
+      "from step to step, rule, step "
+      "and time, as a text with all bits. dm.resume(file, system) goes on from it bit for "
+      "bit. Raises when the file "
+      "cannot be written; an old one is replaced only by a whole one."},
+     {NULL, NULL, NULL}};

@@ -1,5 +1,5 @@
-/* root_entry.c - implicit functions of arguments of any kind: nodes for symbols, values for numbers, two more Newton
-** iterations for hyper-dual numbers. */
+/* root_entry.c - implicit functions of arguments of any kind: nodes for symbols, values for
+ * numbers, two more Newton iterations for hyper-dual numbers. */
 #include "bind/array.h"
 #include "bind/root.h"
 #include "bind/trace_log.h"
@@ -8,8 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-/* F as it was traced against a plain call of the equations at the same (y, x): 1e-8 of the size of the terms, which
-** |F_y| |y| and |F| stand for */
+/* F as it was traced against a plain call of the equations at the same (y, x): 1e-8 of the size
+ * of the terms, which
+ * |F_y| |y| and |F| stand for */
 int dml_rootdiffers(const dml_root_shape *s, const double *plain) {
     const dm_root_solver *solver = &s->solver;
     const uint32_t r = s->unknowns;
@@ -50,8 +51,8 @@ static dm_node *nodes_of(lua_State *L, dm_arena *arena, uint32_t m) {
     return nodes;
 }
 
-static dml_scalar of_symbols(lua_State *L, const dm_implicit *f, const dml_scalar *a,
-                             uint32_t m, uint32_t k) {
+static dml_scalar of_symbols(lua_State *L, const dm_implicit *f, const dml_scalar *a, uint32_t m,
+                             uint32_t k) {
     dml_frame *frame = NULL;
     dml_scalar like = {.kind = DML_NUMBER};
     for (uint32_t i = 0; i < m; i++) like = dml_common(L, &like, a + i);
@@ -65,8 +66,8 @@ static dml_scalar of_symbols(lua_State *L, const dm_implicit *f, const dml_scala
 }
 
 /* a graph of constants, evaluated */
-static dml_scalar of_numbers(lua_State *L, const dm_implicit *f, const dml_scalar *a,
-                             uint32_t m, uint32_t k) {
+static dml_scalar of_numbers(lua_State *L, const dm_implicit *f, const dml_scalar *a, uint32_t m,
+                             uint32_t k) {
     dm_arena *arena = dml_pusharena(L);
     dm_kernel kernel;
     double out = NAN;
@@ -75,8 +76,7 @@ static dml_scalar of_numbers(lua_State *L, const dm_implicit *f, const dml_scala
     dm_node *nodes = nodes_of(L, arena, m);
     for (uint32_t i = 0; i < m; i++) nodes[i] = dm_constant(g, a[i].as.number);
     const dm_node root = entry_in(g, f, nodes, m, k);
-    if (dm_tape_build(&kernel, g, &root, 1, arena) != DM_OK)
-        luaL_error(L, "not enough memory");
+    if (dm_tape_build(&kernel, g, &root, 1, arena) != DM_OK) luaL_error(L, "not enough memory");
     dm_kernel_eval(&kernel, NULL, &out);
     const dm_implicit *troubled = dm_root_troubled(g);
     if (troubled) dml_raiseroot(L, troubled);
@@ -91,9 +91,10 @@ static dml_scalar hyper(const dml_scalar *x) {
     return (dml_scalar){.kind = DML_HYPERDUAL, .as.hyper = {.f = x->as.number}};
 }
 
-/* y -= J^-1 F(y, x): the parts along one direction are right after the first time, those along both after the second */
-static void correct(lua_State *L, const dm_implicit *f, const double *inverse,
-                    dml_scalar *in, dml_scalar *F) {
+/* y -= J^-1 F(y, x): the parts along one direction are right after the first time, those along
+ * both after the second */
+static void correct(lua_State *L, const dm_implicit *f, const double *inverse, dml_scalar *in,
+                    dml_scalar *F) {
     const uint32_t r = f->unknowns;
     dml_replay(L, f->graph, f->equation, r, in, F);
     for (uint32_t i = 0; i < r; i++)
@@ -106,8 +107,8 @@ static void correct(lua_State *L, const dm_implicit *f, const double *inverse,
         }
 }
 
-void dml_roothyper(lua_State *L, const dm_implicit *f, dm_root_solver *solver,
-                   const dml_scalar *x, dml_scalar *y) {
+void dml_roothyper(lua_State *L, const dm_implicit *f, dm_root_solver *solver, const dml_scalar *x,
+                   dml_scalar *y) {
     const uint32_t r = f->unknowns, n = f->inputs, top = (uint32_t)lua_gettop(L);
     const size_t numbers = n + r + (size_t)r * r;
     double *real = lua_newuserdatauv(L, (numbers + 1) * sizeof *real, 0);
@@ -127,8 +128,8 @@ void dml_roothyper(lua_State *L, const dm_implicit *f, dm_root_solver *solver,
 }
 
 /* y, or S at y; of a function that has no solver of its own at hand */
-static dml_scalar of_hyperduals(lua_State *L, const dm_implicit *f, const dml_scalar *a,
-                                uint32_t m, uint32_t k) {
+static dml_scalar of_hyperduals(lua_State *L, const dm_implicit *f, const dml_scalar *a, uint32_t m,
+                                uint32_t k) {
     const uint32_t r = f->unknowns, n = f->inputs;
     const int top = lua_gettop(L);
     dm_root_solver solver;
@@ -151,8 +152,8 @@ static dml_scalar of_hyperduals(lua_State *L, const dm_implicit *f, const dml_sc
     return out;
 }
 
-dml_scalar dml_rootentry(lua_State *L, const dm_implicit *f, const dml_scalar *a,
-                         uint32_t m, uint32_t k) {
+dml_scalar dml_rootentry(lua_State *L, const dm_implicit *f, const dml_scalar *a, uint32_t m,
+                         uint32_t k) {
     dml_kind kind = DML_NUMBER;
     luaL_checkstack(L, 20, NULL);
     for (uint32_t i = 0; i < m; i++)

@@ -157,8 +157,8 @@ static void find_start(lua_State *L, shape *s) {
     else
         list_start(L, s, unknowns);
     if (s->unknowns < 1 || s->unknowns > DM_ROOT_MOST)
-        luaL_error(L, "%s: there must be from 1 to %d unknowns (got %d)",
-                   dml_rootname(L, 1), DM_ROOT_MOST, (int)s->unknowns);
+        luaL_error(L, "%s: there must be from 1 to %d unknowns (got %d)", dml_rootname(L, 1),
+                   DM_ROOT_MOST, (int)s->unknowns);
     if (!s->s.length[0]) s->s.length[0] = (int)s->unknowns;
     lua_settop(L, top);
 }
@@ -204,15 +204,14 @@ static void find_used(lua_State *L, shape *s) {
     const uint32_t r = s->unknowns;
     s->used = take(L, s->arena, (s->inputs + (size_t)1) * sizeof *s->used);
     for (uint32_t i = 0; i < s->inputs; i++)
-        if (is_used(&s->equation, r + i) || is_used(&s->branch, r + i) ||
-            is_used(&s->start, i))
+        if (is_used(&s->equation, r + i) || is_used(&s->branch, r + i) || is_used(&s->start, i))
             s->used[s->uses++] = i;
 }
 
-/* nodes of another trace in the graph of the function, whose inputs are y and what is used; `unknowns` of its own
-** inputs are y */
-static const dm_node *bring(lua_State *L, const shape *s, const dml_traced *t,
-                            dm_graph *g, uint32_t unknowns) {
+/* nodes of another trace in the graph of the function, whose inputs are y and what is used;
+ * `unknowns` of its own inputs are y */
+static const dm_node *bring(lua_State *L, const shape *s, const dml_traced *t, dm_graph *g,
+                            uint32_t unknowns) {
     const size_t inputs = unknowns + (size_t)s->inputs;
     dm_node *with = take(L, s->arena, (inputs + 1) * sizeof *with);
     dm_node *out = take(L, s->arena, t->outputs * sizeof *out);
@@ -234,26 +233,24 @@ static void make_function(lua_State *L, shape *s) {
     const dm_node *equation = bring(L, s, &s->equation, g, r);
     push_field(L, "stationary");
     const int stationary = !lua_isnil(L, -1);
-    const dm_implicit_draft draft = {
-        .serial = ++dml_getstate(L)->roots,
-        .name = name,
-        .advice = lua_tostring(L, -2),
-        .unknowns = r,
-        .inputs = s->uses,
-        .starts = s->start.outputs / r,
-        .graph = g,
-        .equation = stationary ? NULL : equation,
-        .value = stationary ? equation : NULL,
-        .branch = s->branch.graph ? bring(L, s, &s->branch, g, r) : NULL,
-        .start = bring(L, s, &s->start, g, 0)};
+    const dm_implicit_draft draft = {.serial = ++dml_getstate(L)->roots,
+                                     .name = name,
+                                     .advice = lua_tostring(L, -2),
+                                     .unknowns = r,
+                                     .inputs = s->uses,
+                                     .starts = s->start.outputs / r,
+                                     .graph = g,
+                                     .equation = stationary ? NULL : equation,
+                                     .value = stationary ? equation : NULL,
+                                     .branch =
+                                         s->branch.graph ? bring(L, s, &s->branch, g, r) : NULL,
+                                     .start = bring(L, s, &s->start, g, 0)};
     dm_status status = dm_graph_status(g);
     if (status == DM_OK) s->f = dm_implicit_make(&draft, s->arena, &status);
     check_status(L, name, status);
-    check_status(L, name,
-                 dm_root_solver_build(&s->solver, s->f, dm_tape_build, s->arena, 1));
+    check_status(L, name, dm_root_solver_build(&s->solver, s->f, dm_tape_build, s->arena, 1));
     if (stationary)
-        check_status(L, name,
-                     dm_tape_build(&s->value, s->f->graph, s->f->value, 1, s->arena));
+        check_status(L, name, dm_tape_build(&s->value, s->f->graph, s->f->value, 1, s->arena));
     lua_pop(L, 3);
 }
 
@@ -261,8 +258,8 @@ static void make_function(lua_State *L, shape *s) {
 static void check_trace(lua_State *L, shape *s) {
     dm_kernel kernel;
     check_status(L, s->s.what,
-                 dm_tape_build(&kernel, s->equation.graph, s->equation.out,
-                               s->equation.outputs, s->arena));
+                 dm_tape_build(&kernel, s->equation.graph, s->equation.out, s->equation.outputs,
+                               s->arena));
     push_field(L, has(L, "stationary") ? "stationary" : "equations");
     dml_trace_check(L, -1, &s->s, &kernel, NULL);
     lua_pop(L, 1);

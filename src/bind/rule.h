@@ -1,4 +1,5 @@
-/* rule.h - `dm.rule`: a rule that brings data of its own (a quadrature, a tableau, a curve), for `rule =`. */
+/* rule.h - `dm.rule`: a rule that brings data of its own (a quadrature, a tableau, a curve), for
+ * `rule =`. */
 #ifndef DML_RULE_H
 #define DML_RULE_H
 
@@ -12,8 +13,8 @@ typedef struct {
     dm_rule rule; /* name of a row of methods.def; `data` is what that method reads */
 } dml_rule;
 
-/* Pop what keeps `data` alive (the userdata that it is in) and push a rule of the method `name` with it;
-** it calls itself `text`. */
+/* Pop what keeps `data` alive (the userdata that it is in) and push a rule of the method `name`
+ * with it; it calls itself `text`. */
 void dml_pushrule(lua_State *L, const char *name, const void *data, const char *text);
 
 /* The rule object at arg, or NULL. */

@@ -62,8 +62,7 @@ static void take_room(lua_State *L, dml_run_events *e, const dml_stepping *r) {
     const size_t size = dm_events_size(e->g.observer.count, r->solver->n);
     double *memory = lua_newuserdatauv(L, size * sizeof *memory, 0);
     memset(memory, 0, size * sizeof *memory);
-    e->events =
-        (dm_events){.observer = &e->g.observer, .list = e->list, .found = found, .ud = e};
+    e->events = (dm_events){.observer = &e->g.observer, .list = e->list, .found = found, .ud = e};
     dm_events_lay_out(&e->events, memory, r->solver->n);
     e->arena = dml_pusharena(L);
     e->first = NULL;
@@ -72,9 +71,8 @@ static void take_room(lua_State *L, dml_run_events *e, const dml_stepping *r) {
 
 void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r) {
     if (r->solver->pair)
-        luaL_error(L,
-                   "a discrete Lagrangian has a fixed step: no state between two steps "
-                   "is known, so no events");
+        luaL_error(L, "a discrete Lagrangian has a fixed step: no state between two steps "
+                      "is known, so no events");
     lua_getfield(L, 2, "events");
     const int table = lua_gettop(L);
     if (!lua_istable(L, table))
@@ -86,8 +84,7 @@ void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r) {
     dml_pushkeys(L, table, "events");
     e->names = lua_gettop(L);
     const lua_Integer count = (lua_Integer)lua_rawlen(L, e->names);
-    if (!count)
-        luaL_error(L, "field 'events' is empty: leave it out, or name a function");
+    if (!count) luaL_error(L, "field 'events' is empty: leave it out, or name a function");
     for (lua_Integer i = 1; i <= count; i++) {
         luaL_checkstack(L, 12, NULL);
         lua_rawgeti(L, e->names, i);

@@ -24,10 +24,8 @@ static void add_fields(lua_State *L, luaL_Buffer *b, int names) {
     }
 }
 
-/*
-** Push the header of version 1.0, or of 3.0 (UTF-8) with its longer size: a text of a length that does not depend on the
-** number of rows, so that it can be written again at the end.
-*/
+/* Push the header of version 1.0, or of 3.0 (UTF-8) with its longer size: a text of a length
+ * that does not depend on the number of rows, so that it can be written again at the end. */
 static void push_header(lua_State *L, int names, long rows) {
     enum { ROOM = 32, UNIT = 64 };
     luaL_Buffer b;
@@ -49,8 +47,7 @@ static void push_header(lua_State *L, int names, long rows) {
     length += pad;
     luaL_buffinit(L, &b);
     luaL_addlstring(&b, wide ? "\x93NUMPY\3\0" : "\x93NUMPY\1\0", 8);
-    for (int i = 0; i < (wide ? 4 : 2); i++)
-        luaL_addchar(&b, (char)(length >> (8 * i) & 0xff));
+    for (int i = 0; i < (wide ? 4 : 2); i++) luaL_addchar(&b, (char)(length >> (8 * i) & 0xff));
     lua_pushvalue(L, text);
     luaL_addvalue(&b);
     for (size_t i = 0; i < pad; i++) luaL_addchar(&b, ' ');
@@ -90,8 +87,7 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names) {
     f->stream->f = NULL;
     luaL_setmetatable(L, LUA_FILEHANDLE);
     f->stream->f = fopen(f->name, "w+b");
-    if (!f->stream->f)
-        luaL_error(L, "field 'file': cannot open %s: %s", f->name, strerror(errno));
+    if (!f->stream->f) luaL_error(L, "field 'file': cannot open %s: %s", f->name, strerror(errno));
     f->stream->closef = close_stream;
     f->names = names;
     f->width = (size_t)lua_rawlen(L, names);

@@ -18,8 +18,9 @@ typedef struct {
     int names; /* stack index of the names of columns */
 } dml_run_file;
 
-/* Open the file that field 'file' of the options at 2 names and write the header for the columns whose names are the list at
-** `names`. Raises when that is not possible. Leaves things on the stack that must stay. */
+/* Open the file that field 'file' of the options at 2 names and write the header for the columns
+ * whose names are the list at `names`. Raises when that is not possible. Leaves things on the
+ * stack that must stay. */
 void dml_file_open(lua_State *L, dml_run_file *f, int names);
 
 /* Write the number of rows into the header and close. 0: the disk is full. */

@@ -23,8 +23,7 @@ static void unknown_rule(lua_State *L, const char *text, const char *nearest) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     if (nearest)
-        lua_pushfstring(L, "unknown rule '%s'; did you mean '%s'? known rules: ", text,
-                        nearest);
+        lua_pushfstring(L, "unknown rule '%s'; did you mean '%s'? known rules: ", text, nearest);
     else
         lua_pushfstring(L, "unknown rule '%s'; known rules: ", text);
     luaL_addvalue(&b);
@@ -38,19 +37,18 @@ static void check_rule(lua_State *L, solver *s, const char *text) {
     s->method = dm_method_find(s->nodes[0].name, &nearest);
     if (!s->method) unknown_rule(L, text, nearest);
     if (!(s->method->traits & DM_FOR_PAIRS) != !s->pair)
-        luaL_error(
-            L,
-            s->pair
-                ? "rule '%s' steps a Lagrangian; a discrete Lagrangian is stepped by "
-                  "'del'"
-                : "rule '%s' steps a discrete Lagrangian Ld(q0, q1), not a Lagrangian",
-            text);
+        luaL_error(L,
+                   s->pair ? "rule '%s' steps a Lagrangian; a discrete Lagrangian is stepped by "
+                             "'del'"
+                           : "rule '%s' steps a discrete Lagrangian Ld(q0, q1), not a Lagrangian",
+                   text);
     if (s->method->check && (wrong = s->method->check(s->nodes)))
         luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong,
                    s->method->signature);
 }
 
-/* the rule on top of the stack, a string or a dm.rule; what the solver keeps of it takes its place */
+/* the rule on top of the stack, a string or a dm.rule; what the solver keeps of it takes its
+ * place */
 static void read_rule(lua_State *L, solver *s) {
     const dml_rule *object = dml_torule(L, -1);
     if (object) {
@@ -79,13 +77,11 @@ static void read_newton(lua_State *L, solver *s) {
     if (lua_getfield(L, 1, "newton") != LUA_TNIL) {
         const int at = lua_gettop(L);
         if (!lua_istable(L, at))
-            luaL_error(
-                L, "field 'newton' must be a table { tolerance =, max_iterations = }");
+            luaL_error(L, "field 'newton' must be a table { tolerance =, max_iterations = }");
         dml_options(L, at, known);
         s->tolerance = dml_positive(L, at, "tolerance", s->tolerance);
         const long most = dml_count(L, at, "max_iterations", 1, s->max_iterations);
-        if (most > 1000000)
-            luaL_error(L, "field 'max_iterations' must be at most 1000000");
+        if (most > 1000000) luaL_error(L, "field 'max_iterations' must be at most 1000000");
         s->max_iterations = (int)most;
     }
     lua_pop(L, 1);
@@ -93,8 +89,7 @@ static void read_newton(lua_State *L, solver *s) {
 
 /* sums = "compensated" or "plain" */
 static void read_sums(lua_State *L, solver *s) {
-    const char *kind =
-        lua_getfield(L, 1, "sums") == LUA_TNIL ? "compensated" : lua_tostring(L, -1);
+    const char *kind = lua_getfield(L, 1, "sums") == LUA_TNIL ? "compensated" : lua_tostring(L, -1);
     if (!kind || (strcmp(kind, "plain") != 0 && strcmp(kind, "compensated") != 0))
         luaL_error(L, "field 'sums' must be \"compensated\" (the default) or \"plain\"");
     s->plain = strcmp(kind, "plain") == 0;
@@ -156,9 +151,8 @@ int dml_solver_new(lua_State *L) {
         lua_rawset(L, 2);
     }
     if (lua_geti(L, 1, 1) == LUA_TNIL)
-        luaL_error(L,
-                   "dm.solver needs a system or discrete Lagrangian as its first entry: "
-                   "dm.solver{ system, rule = \"verlet\", h = 0.01 }");
+        luaL_error(L, "dm.solver needs a system or discrete Lagrangian as its first entry: "
+                      "dm.solver{ system, rule = \"verlet\", h = 0.01 }");
     lua_remove(L, 1);
     return new_solver(L);
 }

@@ -1,4 +1,5 @@
-/* solver_run.c - solver:run: from its options to a path, or to a dm.failure with the path so far. */
+/* solver_run.c - solver:run: from its options to a path, or to a dm.failure with the path so
+ * far. */
 #include "bind/checkpoint.h"
 #include "bind/failure.h"
 #include "bind/path.h"
@@ -41,8 +42,7 @@ static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double 
         luaL_error(L, "field 'at' must be a vector or table of times (got %s)",
                    count ? luaL_typename(L, -1) : "none");
     lua_pop(L, 1);
-    double *at =
-        lua_newuserdatauv(L, ((size_t)count + 2 * dm_state_size(s->n)) * sizeof *at, 0);
+    double *at = lua_newuserdatauv(L, ((size_t)count + 2 * dm_state_size(s->n)) * sizeof *at, 0);
     dml_numbers(L, 2, "at", at, (uint32_t)count);
     for (long i = 0; i < count; i++)
         if (!(at[i] > (i ? at[i - 1] : nextafter(from, -INFINITY))))
@@ -81,19 +81,20 @@ static uint32_t operations(const dm_model *m, unsigned wants) {
 /* what the run cost; solver:report() shows it */
 static void keep_report(const dml_stepping *r, long steps, double seconds) {
     const dm_report *report = &r->stepper.report;
-    r->solver->last = (dml_last_run){
-        .backend = r->model->backend ? r->model->backend : "tape",
-        .operations = report->operations ? report->operations
+    r->solver->last =
+        (dml_last_run){.backend = r->model->backend ? r->model->backend : "tape",
+                       .operations = report->operations
+                                         ? report->operations
                                          : (long)operations(&r->model->model, r->wants),
-        .trace_ms = r->model->trace_ms,
-        .compile_ms = r->model->trace_ms + r->model->compile_ms,
-        .steps = steps,
-        .ns_per_step = steps ? seconds * 1e9 / (double)steps : 0.0,
-        .newton = report->newton,
-        .evaluations = report->evaluations,
-        .tied = r->model->model.ties != NULL,
-        .constraint = report->constraint,
-        .rolling = report->rolling};
+                       .trace_ms = r->model->trace_ms,
+                       .compile_ms = r->model->trace_ms + r->model->compile_ms,
+                       .steps = steps,
+                       .ns_per_step = steps ? seconds * 1e9 / (double)steps : 0.0,
+                       .newton = report->newton,
+                       .evaluations = report->evaluations,
+                       .tied = r->model->model.ties != NULL,
+                       .constraint = report->constraint,
+                       .rolling = report->rolling};
 }
 
 /* what the method itself knows of it, or NULL */
@@ -102,8 +103,7 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
     return s.method->why ? s.method->why(&s, r->state, status) : NULL;
 }
 
-void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done,
-                     int path) {
+void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path) {
     const solver *s = r->solver;
     dml_rethrow(L, r->model);
     if (status == DM_OK) return;
@@ -147,8 +147,7 @@ typedef struct {
 static void show_progress(void *ud, long done, long steps) {
     const run *u = ud;
     const double seconds = now() - u->began, rate = (double)done / seconds;
-    dml_progress(u->L, "run", (double)done / (double)steps, rate,
-                 (double)(steps - done) / rate);
+    dml_progress(u->L, "run", (double)done / (double)steps, rate, (double)(steps - done) / rate);
 }
 
 /* time of the first state, from the options or the checkpoint that the solver starts from */
@@ -168,20 +167,19 @@ static double find_start(lua_State *L, run *u) {
     u->resume = (dm_resumption){.steps = u->from->steps,
                                 .memory = u->from->state + dm_state_size(u->from->n)};
     u->plan.resume = &u->resume;
-    if (u->r.solver->method->traits & DM_OWN_TIME)
-        return u->from->state[4 * (size_t)u->from->n];
+    if (u->r.solver->method->traits & DM_OWN_TIME) return u->from->state[4 * (size_t)u->from->n];
     return u->r.t0 + (double)u->from->steps * u->r.solver->h;
 }
 
-/* how long: steps = n, or t = duration, or up to the last of the times `at`, from the time `from` */
+/* how long: steps = n, or t = duration, or up to the last of the times `at`, from the time
+ * `from` */
 static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double from) {
     const int own = (s->method->traits & DM_OWN_TIME) != 0;
     plan->until = INFINITY;
     if (has(L, "t") + has(L, "at") + has(L, "steps") > 1)
         luaL_error(L, "give one of 'steps', 't' (a duration) and 'at' (times)");
     if (has(L, "at") && has(L, "every"))
-        luaL_error(
-            L, "give either 'every' (rows of steps) or 'at' (rows at times), not both");
+        luaL_error(L, "give either 'every' (rows of steps) or 'at' (rows at times), not both");
     plan->every = dml_count(L, 2, "every", 1, 1);
     if (has(L, "at"))
         read_times(L, s, plan, from);
@@ -193,8 +191,7 @@ static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double
     else
         plan->steps = dml_count(L, 2, "steps", 0, -1);
     if (!isfinite(plan->until)) return;
-    plan->steps =
-        own ? LONGEST_OWN_TIME : dml_stepping_cover(L, plan->until - from, s->h);
+    plan->steps = own ? LONGEST_OWN_TIME : dml_stepping_cover(L, plan->until - from, s->h);
     if (own && !plan->at)
         luaL_error(L,
                    "rule '%s' has a time of its own: give 'steps', or 'at' for the "
@@ -215,13 +212,11 @@ static void read_saving(lua_State *L, run *u) {
         lua_getfield(L, at, "file");
     }
     if (lua_type(L, -1) != LUA_TSTRING)
-        luaL_error(L,
-                   "field 'checkpoint' must be the name of a file, or { file =, every = "
-                   "seconds }");
+        luaL_error(L, "field 'checkpoint' must be the name of a file, or { file =, every = "
+                      "seconds }");
     u->saving = lua_tostring(L, -1);
     if (!dml_checkpoint_try(u->saving))
-        luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving,
-                   strerror(errno));
+        luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving, strerror(errno));
 }
 
 /* between two steps: a checkpoint of where the run is; what cannot be written is said at the end */
@@ -265,9 +260,8 @@ static dml_path *make_path(lua_State *L, run *u) {
     const uint32_t n = u->r.solver->n;
     uint32_t width = 1 + 2 * n;
     if (has(L, "watch") && has(L, "record"))
-        luaL_error(L,
-                   "give 'watch' (rows hold this instead of q and p) or 'record' (rows "
-                   "hold it too), not both");
+        luaL_error(L, "give 'watch' (rows hold this instead of q and p) or 'record' (rows "
+                      "hold it too), not both");
     if (has(L, "watch")) {
         u->names = lua_gettop(L) + 1;
         dml_watch_read(L, &u->watch, &u->r);
@@ -284,8 +278,7 @@ static dml_path *make_path(lua_State *L, run *u) {
     dml_path *path = dml_pushpath(L, u->r.system, n, rows, width);
     u->path = lua_gettop(L);
     path->watched = has(L, "watch");
-    if (u->names)
-        lua_pushvalue(L, u->names), lua_setiuservalue(L, u->path, DML_PATH_NAMES);
+    if (u->names) lua_pushvalue(L, u->names), lua_setiuservalue(L, u->path, DML_PATH_NAMES);
     dml_stepping_describe(L, &u->r, path);
     return path;
 }
@@ -299,8 +292,8 @@ static void open_file(lua_State *L, run *u) {
     lua_setiuservalue(L, u->path, DML_PATH_FILE);
 }
 
-/* The stepper is opened last, since what it holds outside of Lua is not given back when an error is raised. Rules with a
-** memory hold nothing there, and how large that is is known only then. */
+/* The stepper is opened last, since what it holds outside of Lua is not given back when an error
+ * is raised. Rules with a memory hold nothing there, and how large that is is known only then. */
 static void start(lua_State *L, run *u) {
     const int early = u->r.solver->method->memory == NULL;
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
@@ -349,8 +342,7 @@ static void keep_end(run *u, long done) {
 /* files and events of a run whose path is whole */
 static dm_status finish(lua_State *L, run *u, dm_status status) {
     int written = !u->plan.outlet || dml_file_close(L, &u->file);
-    if (u->saving)
-        written &= dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving);
+    if (u->saving) written &= dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving);
     if (u->plan.events) {
         dml_pushevents(L, &u->events);
         lua_setiuservalue(L, u->path, DML_PATH_EVENTS);
@@ -359,16 +351,16 @@ static dm_status finish(lua_State *L, run *u, dm_status status) {
 }
 
 int dml_solver_run(lua_State *L) {
-    static const char *const known[] = {
-        "q", "v",  "p",     "q0",     "q1",     "p0",   "steps",      "t0",      "every",
-        "t", "at", "watch", "record", "events", "file", "checkpoint", "project", NULL};
+    static const char *const known[] = {"q",          "v",       "p",      "q0",     "q1",
+                                        "p0",         "steps",   "t0",     "every",  "t",
+                                        "at",         "watch",   "record", "events", "file",
+                                        "checkpoint", "project", NULL};
     run u = {.r.solver = check(L), .L = L};
     long done = 0, rows = 0;
     lua_settop(L, 2);
     if (!lua_istable(L, 2))
-        luaL_error(
-            L, "a run takes a table of options: solver:run { q =, v =, t = } (got %s)",
-            luaL_typename(L, 2));
+        luaL_error(L, "a run takes a table of options: solver:run { q =, v =, t = } (got %s)",
+                   luaL_typename(L, 2));
     dml_options(L, 2, known);
     dml_stepping_names(L);
     read_plan(L, &u);

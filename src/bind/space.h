@@ -21,17 +21,17 @@ const dml_space *dml_checkspace(lua_State *L, int arg);
 int dml_product(lua_State *L);
 int dml_semidirect(lua_State *L);
 
-/* The options of a system at 1: where Q holds spheres, in a copy Q becomes R^N and their equations |q|^2 = 1 join
- * the constraint. */
+/* The options of a system at 1: where Q holds spheres, in a copy Q becomes R^N and their
+ * equations |q|^2 = 1 join the constraint. */
 void dml_unfold_spheres(lua_State *L);
 
 /* Push a space with no parts yet. */
 dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n);
 
 /* The standard action of the group at `arg` on n coordinates; the block may be given by
- *field
- ** `block` of the options table at `options` (0: none). Raises when there is no such
- *action. */
+ * field
+ * `block` of the options table at `options` (0: none). Raises when there is no such
+ * action. */
 dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n);
 
 #endif

@@ -1,4 +1,5 @@
-/* space_sphere.c - systems on S(n) and its products: R^N with the constraint q . q = 1 for each sphere. */
+/* space_sphere.c - systems on S(n) and its products: R^N with the constraint q . q = 1 for each
+ * sphere. */
 #include "bind/array.h"
 #include "bind/model_params.h"
 #include "bind/space.h"
@@ -47,9 +48,8 @@ static void append_own(lua_State *L, int arguments, int out) {
     const int own = lua_gettop(L);
     const long count = dml_length(L, own);
     if (count < 0)
-        luaL_error(
-            L, "the constraint must return a number or a table or vector of them, got %s",
-            luaL_typename(L, own));
+        luaL_error(L, "the constraint must return a number or a table or vector of them, got %s",
+                   luaL_typename(L, own));
     for (long i = 0; i < count; i++) {
         const dml_scalar x = dml_entry(L, own, (uint32_t)i);
         dml_pushscalar(L, &x);

@@ -1,4 +1,5 @@
-/* start_ties.c - is the start on the constraints, are they independent there, where is the nearest start that is? */
+/* start_ties.c - is the start on the constraints, are they independent there, where is the
+ * nearest start that is? */
 #include "bind/start_ties.h"
 
 #include "mech/ties.h"
@@ -33,8 +34,7 @@ void dml_refuseties(lua_State *L, const dml_stepping *r) {
     luaL_Buffer b;
     if (!lacking) return;
     luaL_buffinit(L, &b);
-    lua_pushfstring(L,
-                    "rule '%s' cannot step this system: it knows no %s; rules that do: ",
+    lua_pushfstring(L, "rule '%s' cannot step this system: it knows no %s; rules that do: ",
                     r->solver->nodes[0].name, name_of(lacking));
     luaL_addvalue(&b);
     add_rules(&b, needs);
@@ -69,8 +69,7 @@ static int wants_projection(lua_State *L) {
     return yes;
 }
 
-static void check_rank(lua_State *L, const dm_ties *t, const dm_ties_defect *d,
-                       const char *who) {
+static void check_rank(lua_State *L, const dm_ties *t, const dm_ties_defect *d, const char *who) {
     if (!d->depends) return;
     const char *name = push_name(L, t, d->depends);
     if (!d->on)
@@ -78,12 +77,11 @@ static void check_rank(lua_State *L, const dm_ties *t, const dm_ties_defect *d,
                    "%sno start: the gradient of %s is zero at this q, so it holds "
                    "nothing there (is it the square of a constraint?)",
                    who, name);
-    luaL_error(
-        L,
-        "%sno start: the constraints are redundant at this q: %s depends on those "
-        "before it, most of all on %s; leave it out, or begin elsewhere if they are so "
-        "in this position only",
-        who, name, push_name(L, t, d->on));
+    luaL_error(L,
+               "%sno start: the constraints are redundant at this q: %s depends on those "
+               "before it, most of all on %s; leave it out, or begin elsewhere if they are so "
+               "in this position only",
+               who, name, push_name(L, t, d->on));
 }
 
 static void check_status(lua_State *L, dm_status status, const char *who) {
@@ -97,32 +95,29 @@ static void check_status(lua_State *L, dm_status status, const char *who) {
 static void check_position(lua_State *L, dml_stepping *r, const char *who) {
     const dm_ties *t = r->model->model.ties;
     dm_ties_defect d;
-    check_status(
-        L,
-        dm_ties_position_defect(&d, t, r->x, r->metric, r->metric + t->n * (size_t)t->n),
-        who);
+    check_status(L,
+                 dm_ties_position_defect(&d, t, r->x, r->metric, r->metric + t->n * (size_t)t->n),
+                 who);
     check_rank(L, t, &d, who);
     if (!(d.move <= ON))
-        luaL_error(
-            L, "%sno start: it is off the constraints: %s: |g(q)| = %f%s", who,
-            push_name(L, t, d.row), d.distance,
-            r->solver->pair ? "" : "; project = true moves it to the nearest q on them");
+        luaL_error(L, "%sno start: it is off the constraints: %s: |g(q)| = %f%s", who,
+                   push_name(L, t, d.row), d.distance,
+                   r->solver->pair ? "" : "; project = true moves it to the nearest q on them");
 }
 
 static void check_velocity(lua_State *L, dml_stepping *r, const char *who, int loose) {
     const dm_ties *t = r->model->model.ties;
     dm_ties_defect d;
-    check_status(
-        L,
-        dm_ties_velocity_defect(&d, t, r->x, r->metric, r->metric + t->n * (size_t)t->n),
-        who);
+    check_status(L,
+                 dm_ties_velocity_defect(&d, t, r->x, r->metric, r->metric + t->n * (size_t)t->n),
+                 who);
     check_rank(L, t, &d, who);
     if (loose || d.move <= ON) return;
     luaL_error(L,
                "%sno start: the velocity does not fit %s: %s = %f; project = true moves "
                "it to the nearest velocity that does",
-               who, push_name(L, t, d.row),
-               d.row <= t->holonomic ? "|G v + dg/dt|" : "|phi(q, v)|", d.distance);
+               who, push_name(L, t, d.row), d.row <= t->holonomic ? "|G v + dg/dt|" : "|phi(q, v)|",
+               d.distance);
 }
 
 /* onto the ties, then the momentum of that velocity */
@@ -132,8 +127,7 @@ static void project(lua_State *L, dml_stepping *r, const char *who) {
     dm_status status = dm_ties_project_position(m->ties, r->x, r->metric, work);
     if (status == DM_OK && !m->inverse_mass)
         status = dm_ties_inverse_mass(r->metric, m, r->x, work);
-    if (status == DM_OK)
-        status = dm_ties_project_velocity(m->ties, r->x, r->metric, work);
+    if (status == DM_OK) status = dm_ties_project_velocity(m->ties, r->x, r->metric, work);
     if (status == DM_OK)
         status = dm_legendre(m, r->state + m->n, r->x, r->x + m->n, r->t0, r->work);
     if (status != DM_OK)
@@ -153,9 +147,7 @@ static void take_metric(lua_State *L, dml_stepping *r, const char *who) {
         for (size_t i = 0; i < n; i++) r->metric[i * (n + 1)] = 1.0;
         return;
     }
-    check_status(
-        L, dm_ties_inverse_mass(r->metric, m, r->x, r->metric + m->n * (size_t)m->n),
-        who);
+    check_status(L, dm_ties_inverse_mass(r->metric, m, r->x, r->metric + m->n * (size_t)m->n), who);
 }
 
 void dml_check_on_ties(lua_State *L, dml_stepping *r, const char *who) {
@@ -176,8 +168,8 @@ dm_status dml_tangent_momentum(dml_stepping *r) {
     memcpy(r->x, r->state, m->n * sizeof *r->x);
     dm_status status = dm_legendre_inverse(m, v, r->x, p, r->t0, r->work);
     if (status == DM_OK)
-        status = dm_ties_project_velocity(m->ties, r->x, r->metric,
-                                          r->metric + m->n * (size_t)m->n);
+        status =
+            dm_ties_project_velocity(m->ties, r->x, r->metric, r->metric + m->n * (size_t)m->n);
     return status == DM_OK ? dm_legendre(m, p, r->x, v, r->t0, r->work) : status;
 }
 

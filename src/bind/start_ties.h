@@ -13,15 +13,14 @@ unsigned dml_start_wants(const dml_stepping *r);
 /* Doubles of workspace for them. */
 size_t dml_start_work(const dm_model *m);
 
-/*
-** The start in r->x = (q, v, t) and r->state, whose momentum is known. With project = true among the options at 2 it
-** is moved to the nearest state on the ties, in the metric of the mass; else a start off them raises with the
-** distance. `who` begins the message ("" or "member 3: "); given_p: the momentum was given, not v.
-*/
+/* The start in r->x = (q, v, t) and r->state, whose momentum is known. With project = true among
+ * the options at 2 it is moved to the nearest state on the ties, in the metric of the mass; else
+ * a start off them raises with the distance. `who` begins the message ("" or "member 3: ");
+ * given_p: the momentum was given, not v. */
 void dml_start_on_ties(lua_State *L, dml_stepping *r, const char *who, int given_p);
 
-/* The state that a search left there: the part of its momentum that the constraints take up, which does not
-** change the step, is made to fit the velocity. */
+/* The state that a search left there: the part of its momentum that the constraints take up,
+ * which does not change the step, is made to fit the velocity. */
 dm_status dml_tangent_momentum(dml_stepping *r);
 
 /* r->x = (q, v, t): only the positions. */

@@ -7,8 +7,9 @@
 static const char state_key;
 static const char class_key[DML_CLASSES];
 
-/* The state that this thread used last, by the registry of its Lua, since every operation on a symbol asks for it. A registry
-** may come to lie where one lay that is gone: what was seen before any Lua closed is not believed. */
+/* The state that this thread used last, by the registry of its Lua, since every operation on a
+ * symbol asks for it. A registry may come to lie where one lay that is gone: what was seen
+ * before any Lua closed is not believed. */
 static _Thread_local struct {
     const void *registry;
     dml_state *state;
@@ -61,8 +62,7 @@ void dml_setclass(lua_State *L, int class, const char *tname) {
 }
 
 int dml_classof(lua_State *L, int arg) {
-    if (lua_type(L, arg) != LUA_TUSERDATA || !lua_getmetatable(L, arg))
-        return DML_NO_CLASS;
+    if (lua_type(L, arg) != LUA_TUSERDATA || !lua_getmetatable(L, arg)) return DML_NO_CLASS;
     const void *metatable = lua_topointer(L, -1);
     lua_pop(L, 1);
     const dml_state *s = dml_getstate(L);

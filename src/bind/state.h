@@ -1,5 +1,5 @@
 /* state.h - what the bindings keep per Lua state: the classes of values, the traces in
-** progress, the memory of arenas. */
+ * progress, the memory of arenas. */
 #ifndef DML_STATE_H
 #define DML_STATE_H
 
@@ -33,7 +33,8 @@ struct dml_log;
 struct dml_step;
 struct dml_traced;
 
-/* A trace in progress: its symbols carry the serial number. What adds to its graph goes by trace_log.h. */
+/* A trace in progress: its symbols carry the serial number. What adds to its graph goes by
+ * trace_log.h. */
 typedef struct dml_frame {
     const dm_graph *graph; /* its own, or that of the trace that it repeats */
     dm_graph *own;         /* NULL while it repeats one */
@@ -49,8 +50,9 @@ typedef struct dml_frame {
     struct dml_frame *next; /* the trace that this one is nested in */
 } dml_frame;
 
-/* While a function is compared with its trace: dm.sum_over gives these numbers where the trace has a
-** sum, instead of a loop over all bodies, and compares two rounds of it with the term that was traced. */
+/* While a function is compared with its trace: dm.sum_over gives these numbers where the trace
+ * has a sum, instead of a loop over all bodies, and compares two rounds of it with the term that
+ * was traced. */
 typedef struct dml_given {
     const dm_graph *graph; /* of the trace */
     const double *values;  /* of its sums; NULL: not now */
@@ -89,14 +91,16 @@ dml_frame *dml_findframe(lua_State *L, uint32_t serial);
 /* Push what keeps the memory of an arena of dml_pusharena alive. */
 void dml_pushkeeper(lua_State *L, const dm_arena *arena);
 
-/* Give back the arena at arg, of dml_pusharena: nothing in it is needed any more. The next one that is asked for gets its memory, which
-** saves the collector work. */
+/* Give back the arena at arg, of dml_pusharena: nothing in it is needed any more. The next one
+ * that is asked for gets its memory, which saves the collector work. */
 void dml_sparearena(lua_State *L, int arg);
 
-/* A stack of its own for values that live as long as the arena, which is one of dml_pusharena; NULL: no memory. */
+/* A stack of its own for values that live as long as the arena, which is one of dml_pusharena;
+ * NULL: no memory. */
 lua_State *dml_arenastack(const dm_arena *arena);
 
-/* Has the collector given back what kernels of the arena had outside of Lua? Only finalizers can see that. */
+/* Has the collector given back what kernels of the arena had outside of Lua? Only finalizers can
+ * see that. */
 int dml_arenalost(const dm_arena *arena);
 
 /* Raise when the graph refused to grow. */

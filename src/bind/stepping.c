@@ -21,7 +21,8 @@ static const char *backend_name(lua_State *L) {
 static const char spare_key;
 enum { LARGEST_SPARE = 1 << 22, LINE = 64 }; /* bytes */
 
-/* a userdata of that size: the block of the last run where it is large enough, which saves the collector work */
+/* a userdata of that size: the block of the last run where it is large enough, which saves the
+ * collector work */
 static void *push_block(lua_State *L, size_t size) {
     lua_rawgetp(L, LUA_REGISTRYINDEX, &spare_key);
     if (lua_rawlen(L, -1) < size) {
@@ -46,8 +47,7 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     const dm_model *stepped = r->inputs ? &r->inputs->model : m;
     const size_t work = s->method->work(s->nodes, stepped), state = dm_state_size(s->n);
     const size_t mass = s->n * (m->structure & DM_DIAGONAL_MASS ? 0 : (size_t)s->n);
-    const size_t scratch =
-        s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
+    const size_t scratch = s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
     const size_t rest = state + 2 * s->n + 1 + scratch + dml_start_work(m);
     r->stepper.work = push_block(L, (work + rest) * sizeof(double) + LINE);
     r->block_at = lua_gettop(L);
@@ -69,10 +69,8 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                    : dml_pushmodel(L, r->system);
     r->model_at = lua_gettop(L);
     if (r->model->model.structure & DM_NO_VELOCITY)
-        luaL_error(
-            L,
-            "L has no velocity in it, so that nothing moves: L(q, v) needs terms in v, "
-            "such as m*v:dot(v)/2 with m not 0");
+        luaL_error(L, "L has no velocity in it, so that nothing moves: L(q, v) needs terms in v, "
+                      "such as m*v:dot(v)/2 with m not 0");
     if (r->model->model.structure & DM_LINEAR_IN_V &&
         !(s->method->traits & (DM_DEGENERATE | DM_FOR_PAIRS)))
         luaL_error(L,
@@ -88,17 +86,14 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                    "'%s' needs a regular Lagrangian",
                    s->nodes[0].name);
     dml_refuseties(L, r);
-    const char *refusal =
-        s->method->fits ? s->method->fits(s->nodes, &r->model->model) : NULL;
-    if (refusal)
-        luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
+    const char *refusal = s->method->fits ? s->method->fits(s->nodes, &r->model->model) : NULL;
+    if (refusal) luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
     r->wants = s->method->wants(s->nodes, &r->model->model);
     if (r->complete && r->wants & DM_WANT_STAGE_LATER) r->wants |= DM_WANT_STAGE;
     dml_stepping_inputs(L, r);
     if (r->inputs) dml_want(L, r->inputs, DM_WANT_FORCE | DM_WANT_VALUE, backend_name(L));
-    const unsigned wants =
-        (r->inputs ? 0 : r->wants) | DM_WANT_VALUE | dml_start_wants(r) |
-        (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants));
+    const unsigned wants = (r->inputs ? 0 : r->wants) | DM_WANT_VALUE | dml_start_wants(r) |
+                           (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants));
     r->model = dml_standin(L, r->model_at, wants);
     dml_want(L, r->model, wants, backend_name(L));
     r->stepper = (dm_stepper){.method = s->method,
@@ -166,10 +161,8 @@ static void numbers(lua_State *L, const dml_stepping *r, const char *key, double
 static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     dml_rethrow(L, r->model);
     if (status == DM_SINGULAR)
-        luaL_error(
-            L,
-            "no start: d2L/dv2 is singular at the given q: L is degenerate there, or the "
-            "coordinates are");
+        luaL_error(L, "no start: d2L/dv2 is singular at the given q: L is degenerate there, or the "
+                      "coordinates are");
     if (status != DM_OK)
         luaL_error(L,
                    "no start: %s in the Legendre transform at the given q; is it inside "
@@ -182,8 +175,7 @@ static void start_on_alpha(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     double *p = r->state + n, distance = 0.0, size = 0.0;
     dml_checkmodel(L, r->system, r->model, r->x);
-    check_legendre(L, r,
-                   dm_legendre(&r->model->model, p, r->state, r->x + n, r->t0, r->work));
+    check_legendre(L, r, dm_legendre(&r->model->model, p, r->state, r->x + n, r->t0, r->work));
     if (!has(L, "p")) return;
     numbers(L, r, "p", r->work);
     for (uint32_t k = 0; k < n; k++) {
@@ -268,8 +260,8 @@ static void add_product(double *p, const double *mass, const double *v, uint32_t
         for (uint32_t j = 0; j < n; j++) p[i] += mass[i * (size_t)n + j] * v[j];
 }
 
-/* Two positions of a Lagrangian: the momentum p with step(q0, p) = q1, by p += M (q1 - Q(p)) / h, which contracts like h^2;
-** M = d2L/dv2 at the start. */
+/* Two positions of a Lagrangian: the momentum p with step(q0, p) = q1, by p += M (q1 - Q(p)) /
+ * h, which contracts like h^2; M = d2L/dv2 at the start. */
 static dm_status shoot(dml_stepping *r, const double *q1) {
     enum { TRIES = 100 };
     const uint32_t n = r->solver->n;
@@ -316,8 +308,7 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
         dml_rethrow(L, r->model);
         memcpy(r->state + n, r->work, n * sizeof(double));
     } else {
-        check_legendre(
-            L, r, dm_legendre(&r->model->model, r->state + n, NULL, q1, r->t0, r->work));
+        check_legendre(L, r, dm_legendre(&r->model->model, r->state + n, NULL, q1, r->t0, r->work));
     }
     numbers(L, r, "q1", q1);
 }
@@ -354,8 +345,7 @@ static void start_between(lua_State *L, dml_stepping *r) {
 void dml_stepping_start(lua_State *L, dml_stepping *r) {
     const int two = has(L, "q0") || has(L, "q1");
     if (two && (has(L, "q") || has(L, "v") || has(L, "p")))
-        luaL_error(
-            L, "give the start as q and v, as q and p, or as q0 and q1, not a mixture");
+        luaL_error(L, "give the start as q and v, as q and p, or as q0 and q1, not a mixture");
     if (two && r->solver->method->traits & DM_OWN_TIME)
         luaL_error(L,
                    "rule '%s' has a time of its own, its steps are not h apart: give q "
@@ -379,13 +369,12 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
 void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
     if (!r->solver->plain || r->stepper.report.plain) return;
     dml_stepping_end(r);
-    luaL_error(
-        L,
-        "field 'sums': rule '%s' always compensates on this system; plain sums are "
-        "for explicit kicks and drifts of a traced, separable L of few coordinates, or "
-        "of "
-        "sums over equal bodies and neighbours (dm.sum_over)",
-        r->solver->nodes[0].name);
+    luaL_error(L,
+               "field 'sums': rule '%s' always compensates on this system; plain sums are "
+               "for explicit kicks and drifts of a traced, separable L of few coordinates, or "
+               "of "
+               "sums over equal bodies and neighbours (dm.sum_over)",
+               r->solver->nodes[0].name);
 }
 
 void dml_stepping_end(dml_stepping *r) {

@@ -25,8 +25,8 @@ typedef struct {
     dml_last_run last;
 } dml_solver;
 
-/* user values of dm.solver: the system, the rule as written, the backend's name or nil, the dm.rule (its text is the
-** rule) or nil, the checkpoint it starts from or nil */
+/* user values of dm.solver: the system, the rule as written, the backend's name or nil, the
+ * dm.rule (its text is the rule) or nil, the checkpoint it starts from or nil */
 enum {
     DML_SOLVER_SYSTEM = 1,
     DML_SOLVER_RULE,
@@ -47,20 +47,18 @@ typedef struct {
     dml_model *model;
     int system, model_at, block_at; /* stack indices; the last: the memory of the run */
     int numbers;                    /* parameters are not inputs (model_params.h) */
-    dml_model *
-        inputs; /* what the stepper steps: *model, but parameters are inputs; NULL: *model */
-    double *given;  /* (q, v, t, values) of it */
-    int apart;      /* a model of its own: other threads step with theirs */
-    int varied;     /* parameters will have other values than the system's */
-    int complete;   /* all kernels before the first step: threads cannot make any */
-    unsigned wants; /* kernels of the rule */
+    dml_model *inputs; /* what the stepper steps: *model, but parameters are inputs; NULL: *model */
+    double *given;     /* (q, v, t, values) of it */
+    int apart;         /* a model of its own: other threads step with theirs */
+    int varied;        /* parameters will have other values than the system's */
+    int complete;      /* all kernels before the first step: threads cannot make any */
+    unsigned wants;    /* kernels of the rule */
     dm_stepper stepper;
     double t0;
-    double *x;     /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
-    double *state; /* dm_state_size doubles */
-    double *work;  /* for the Legendre transform */
-    double *
-        metric; /* with ties: the inverse of the mass matrix, then scratch (start_ties.h) */
+    double *x;      /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
+    double *state;  /* dm_state_size doubles */
+    double *work;   /* for the Legendre transform */
+    double *metric; /* with ties: the inverse of the mass matrix, then scratch (start_ties.h) */
 } dml_stepping;
 
 /* Trace, make the kernels and take all memory. Leaves system, model and workspace on the
@@ -74,8 +72,8 @@ void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);
 void dml_stepping_names(lua_State *L);
 
 /* Read the start from the options at 2, check the trace there, open the stepper. Raises
- *only before
- ** the stepper holds anything. */
+ * only before
+ * the stepper holds anything. */
 void dml_stepping_start(lua_State *L, dml_stepping *r);
 
 /* Open the stepper; dml_stepping_start and dml_stepping_resume do. */
@@ -93,10 +91,9 @@ void dml_stepping_leave(lua_State *L, const dml_stepping *r);
 /* solver:run, as a C function (solver_run.c). */
 int dml_solver_run(lua_State *L);
 
-/* Raise what a run ended with: the user's own error, or a dm.failure with the path at stack index `path` (0: none);
-** DM_OK: nothing. */
-void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done,
-                     int path);
+/* Raise what a run ended with: the user's own error, or a dm.failure with the path at stack
+ * index `path` (0: none); DM_OK: nothing. */
+void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path);
 
 /* Steps of h that cover a duration; raises when they are too many to count. */
 long dml_stepping_cover(lua_State *L, double duration, double h);

@@ -9,14 +9,11 @@ static void find_function(lua_State *L, dml_sum_request *r) {
     const int top = lua_gettop(L);
     for (r->fn = 1; r->fn <= top && !lua_isfunction(L, r->fn); r->fn++) {}
     if (r->fn > top || r->fn == 1)
-        luaL_error(
-            L,
-            "dm.sum_over needs vectors and then a function of what one body has of them: "
-            "dm.sum_over(q, v, function(x, u) return u^2/2 - x^4 end)");
+        luaL_error(L, "dm.sum_over needs vectors and then a function of what one body has of them: "
+                      "dm.sum_over(q, v, function(x, u) return u^2/2 - x^4 end)");
     r->given = r->fn - 1;
     if (r->given > DML_SUM_VECTORS)
-        luaL_error(L, "dm.sum_over takes at most %d vectors (got %d)", DML_SUM_VECTORS,
-                   r->given);
+        luaL_error(L, "dm.sum_over takes at most %d vectors (got %d)", DML_SUM_VECTORS, r->given);
     if (top > r->fn + 1)
         luaL_error(L,
                    "dm.sum_over takes vectors, a function and one table of options (got "
@@ -28,8 +25,7 @@ static void find_function(lua_State *L, dml_sum_request *r) {
 static int flag(lua_State *L, int options, const char *key) {
     const int type = lua_getfield(L, options, key);
     if (type != LUA_TNIL && type != LUA_TBOOLEAN)
-        luaL_error(L, "field '%s' must be true or false (got %s)", key,
-                   luaL_typename(L, -1));
+        luaL_error(L, "field '%s' must be true or false (got %s)", key, luaL_typename(L, -1));
     const int on = lua_toboolean(L, -1);
     lua_pop(L, 1);
     return on;
@@ -102,10 +98,9 @@ static void check_arity(lua_State *L, const dml_sum_request *r) {
     lua_getinfo(L, ">u", &about);
     if (about.isvararg) return;
     if (about.nparams != r->signature.arguments)
-        luaL_error(
-            L, "%s takes %d argument%s, but gets %d: what a body has of each vector%s",
-            what, about.nparams, about.nparams == 1 ? "" : "s", r->signature.arguments,
-            r->to ? ", then the same of its partner, then numbers" : ", then numbers");
+        luaL_error(L, "%s takes %d argument%s, but gets %d: what a body has of each vector%s", what,
+                   about.nparams, about.nparams == 1 ? "" : "s", r->signature.arguments,
+                   r->to ? ", then the same of its partner, then numbers" : ", then numbers");
 }
 
 void dml_read_sum(lua_State *L, dml_sum_request *r) {
@@ -118,8 +113,7 @@ void dml_read_sum(lua_State *L, dml_sum_request *r) {
     if (block > INT32_MAX) luaL_error(L, "field 'block' must be at most %d", INT32_MAX);
     r->block = (uint32_t)block;
     for (int k = 1; k <= r->given; k++) read_vector(L, r, k);
-    if (!r->bodies)
-        luaL_error(L, "dm.sum_over: one argument before the function must be a vector");
+    if (!r->bodies) luaL_error(L, "dm.sum_over: one argument before the function must be a vector");
     if (!plain) read_pattern(L, r, options);
     r->signature = (dml_signature){.what = what, .outputs = DML_SCALAR_ARGUMENT};
     add_arguments(L, r, 0);

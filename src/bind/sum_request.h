@@ -8,9 +8,8 @@ enum { DML_SUM_VECTORS = 7, DML_SUM_COLUMNS = 24 };
 
 /* what the arguments ask for; vectors and scalars are numbered by their stack index */
 typedef struct {
-    int fn, given; /* stack index of the function; arguments before it */
-    uint32_t
-        width[DML_SUM_VECTORS + 1]; /* entries a body has of argument k, 0: a scalar */
+    int fn, given;                       /* stack index of the function; arguments before it */
+    uint32_t width[DML_SUM_VECTORS + 1]; /* entries a body has of argument k, 0: a scalar */
     uint32_t bodies, from, to, block;
     int periodic;
     dml_signature signature; /* of the function */

@@ -37,14 +37,7 @@ int dml_systemfield(lua_State *L, int arg, const char *key);
 const char *dml_coordinate(lua_State *L, int arg, uint32_t i);
 
 /* The functions that tie a system (model_ties.h). */
-enum {
-    DML_CONSTRAINT,
-    DML_ROLLING,
-    DML_CONTROL,
-    DML_FORCE,
-    DML_REACTION,
-    DML_TIE_FUNCTIONS
-};
+enum { DML_CONSTRAINT, DML_ROLLING, DML_CONTROL, DML_FORCE, DML_REACTION, DML_TIE_FUNCTIONS };
 
 /* A traced system: what one run uses. Pushed as a userdata that keeps arena and function
  * alive. */
@@ -59,13 +52,12 @@ typedef struct {
     dml_callback *callback; /* NULL when traced */
     const char *backend;    /* of the kernels: "tape", "hyperdual" */
     double trace_ms, compile_ms;
-    dml_traced trace;    /* of L, to be repeated; log NULL: none */
-    uint32_t traced;     /* nodes of the graph when only L was in it */
-    int checked;         /* compared with the function around the start of a run */
-    dm_compile *compile; /* of a model that is kept (model_kept.h), else NULL */
-    dm_kept *kept;       /* kernels of methods */
-    dml_traced tie
-        [DML_TIE_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
+    dml_traced trace;                  /* of L, to be repeated; log NULL: none */
+    uint32_t traced;                   /* nodes of the graph when only L was in it */
+    int checked;                       /* compared with the function around the start of a run */
+    dm_compile *compile;               /* of a model that is kept (model_kept.h), else NULL */
+    dm_kept *kept;                     /* kernels of methods */
+    dml_traced tie[DML_TIE_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
     dm_kernel tie_kernel[DML_TIE_FUNCTIONS]; /* the same for comparisons, once made */
     dm_ties_traced tied;                     /* all in one graph, NULL without any */
     uint32_t ties_traced;                    /* its nodes, before derivatives */
@@ -75,15 +67,16 @@ typedef struct {
 /* Trace the system at `arg` and push its model with no kernels yet but its structure. */
 dml_model *dml_pushmodel(lua_State *L, int arg);
 
-/* The same for a run with the backend of that name by a method that DM_KEEPS: the model of the last such run
-** where the trace is the same, with all its kernels. */
+/* The same for a run with the backend of that name by a method that DM_KEEPS: the model of the
+ * last such run where the trace is the same, with all its kernels. */
 dml_model *dml_pushlast(lua_State *L, int arg, const char *backend);
 
 /* Make the kernels `want` (DM_WANT_*) that are missing, with the backend of that name
  * (NULL: the default). */
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend);
 
-/* From now on the graph of *m has no sums, every round is written out; raises where that is too large. */
+/* From now on the graph of *m has no sums, every round is written out; raises where that is too
+ * large. */
 void dml_writeout(lua_State *L, dml_model *m);
 
 /* Push function `key` of the system at `arg`, its params bound as the last argument. */

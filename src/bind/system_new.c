@@ -8,8 +8,7 @@
 /* field `key` of the table at 1, or an error that shows what is expected */
 static void require_field(lua_State *L, const char *key, int type, const char *expected) {
     if (lua_getfield(L, 1, key) != type)
-        luaL_error(L, "field '%s' must be %s (got %s)", key, expected,
-                   luaL_typename(L, -1));
+        luaL_error(L, "field '%s' must be %s (got %s)", key, expected, luaL_typename(L, -1));
     lua_pop(L, 1);
 }
 
@@ -17,15 +16,13 @@ static uint32_t check_Q(lua_State *L) {
     lua_getfield(L, 1, "Q");
     const dml_space *Q = luaL_testudata(L, -1, "dm.space");
     if (!Q)
-        luaL_error(L,
-                   "field 'Q' must be a space, for instance dm.R(2) or dm.T(1) (got %s)",
+        luaL_error(L, "field 'Q' must be a space, for instance dm.R(2) or dm.T(1) (got %s)",
                    luaL_typename(L, -1));
     if (!Q->chart)
-        luaL_error(
-            L,
-            "field 'Q': %s has no global coordinates; use dm.R(n) or dm.T(n), with a "
-            "constraint where it must be",
-            luaL_tolstring(L, -1, NULL));
+        luaL_error(L,
+                   "field 'Q': %s has no global coordinates; use dm.R(n) or dm.T(n), with a "
+                   "constraint where it must be",
+                   luaL_tolstring(L, -1, NULL));
     lua_pop(L, 1);
     return Q->n;
 }
@@ -34,8 +31,7 @@ static uint32_t check_Q(lua_State *L) {
 static void check_name(lua_State *L, int names, uint32_t i) {
     static const char *const taken[] = {"t", "time", "energy", NULL};
     size_t length;
-    const char *name =
-        lua_type(L, -1) == LUA_TSTRING ? lua_tolstring(L, -1, &length) : NULL;
+    const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tolstring(L, -1, &length) : NULL;
     if (!name || !length || strlen(name) != length || strpbrk(name, "\n\r\",\t "))
         luaL_error(L, "field 'coordinates'[%d] must be a name of one word", (int)i);
     for (const char *const *other = taken; *other; other++)
@@ -100,19 +96,17 @@ static void check_params(lua_State *L) {
 static void check_units(lua_State *L) {
     const int type = lua_getfield(L, 1, "units");
     if (type != LUA_TNIL && type != LUA_TTABLE)
-        luaL_error(
-            L,
-            "field 'units' must be a table name -> unit, for instance { q1 = \"m\", "
-            "t = \"s\" } (got %s)",
-            luaL_typename(L, -1));
+        luaL_error(L,
+                   "field 'units' must be a table name -> unit, for instance { q1 = \"m\", "
+                   "t = \"s\" } (got %s)",
+                   luaL_typename(L, -1));
     if (type == LUA_TTABLE)
         for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
             if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != LUA_TSTRING)
-                luaL_error(
-                    L,
-                    "field 'units'[%s] must be a text under the name of what has it, "
-                    "for instance { q1 = \"m\", t = \"s\" }",
-                    luaL_tolstring(L, -2, NULL));
+                luaL_error(L,
+                           "field 'units'[%s] must be a text under the name of what has it, "
+                           "for instance { q1 = \"m\", t = \"s\" }",
+                           luaL_tolstring(L, -2, NULL));
     lua_pop(L, 1);
 }
 
@@ -136,16 +130,16 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     lua_setiuservalue(L, -2, 1);
     luaL_setmetatable(L, pair ? DML_DISCRETE : DML_SYSTEM);
     dml_pushlast(
-        L, -1,
-        NULL); /* what cannot be traced is refused where it is given; the first run takes it over */
+        /* what cannot be traced is refused where it is given; the first run takes it over */
+        L, -1, NULL);
     lua_pop(L, 1);
 }
 
 int dml_system_new(lua_State *L) {
-    static const char *const known[] = {
-        "Q",      "L",           "name",       "coordinates", "units",
-        "params", "derivatives", "constraint", "rolling",     "control",
-        "force",  "reaction",    NULL};
+    static const char *const known[] = {"Q",       "L",       "name",        "coordinates",
+                                        "units",   "params",  "derivatives", "constraint",
+                                        "rolling", "control", "force",       "reaction",
+                                        NULL};
     dml_newsystem(L, known, 0);
     return 1;
 }

@@ -13,10 +13,8 @@ void dml_terminal_choose(int colour, int environment);
 int dml_terminal_colour(int fd);
 void dml_terminal_size(int *width, int *height); /* characters; 80 x 24 when unknown */
 
-/*
-** A line of progress on stderr: only on a terminal, only from half a second after the first call
-** on. fraction done, rate per second. The end erases the line.
-*/
+/* A line of progress on stderr: only on a terminal, only from half a second after the first call
+ * on. fraction done, rate per second. The end erases the line. */
 void dml_progress(lua_State *L, const char *what, double fraction, double rate,
                   double seconds_left);
 void dml_progress_end(lua_State *L);

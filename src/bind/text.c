@@ -145,8 +145,8 @@ void dml_scalartext(lua_State *L, char out[DML_TEXT], const dml_scalar *x) {
     else if (x->kind == DML_SYMBOL)
         symbol_text(L, out, x);
     else
-        snprintf(out, DML_TEXT, "%.14g + %.14g e1 + %.14g e2 + %.14g e1e2", h->f, h->a,
-                 h->b, h->ab);
+        snprintf(out, DML_TEXT, "%.14g + %.14g e1 + %.14g e2 + %.14g e1e2", h->f, h->a, h->b,
+                 h->ab);
 }
 
 /* ---- arrays ---- */
@@ -167,8 +167,7 @@ static uint32_t most_shown(const dml_array *a) {
 }
 
 /* entries first .. first+n-1 in brackets, each at least `width` wide */
-static void add_row(luaL_Buffer *b, const dml_array *a, uint32_t first, uint32_t n,
-                    size_t width) {
+static void add_row(luaL_Buffer *b, const dml_array *a, uint32_t first, uint32_t n, size_t width) {
     const uint32_t most = most_shown(a);
     char text[DML_TEXT];
     luaL_addchar(b, '[');
@@ -188,8 +187,7 @@ static size_t widest(lua_State *L, const dml_array *m) {
     char text[DML_TEXT];
     size_t width = 0;
     for (uint32_t i = 0; i < m->rows; i = next_shown(i, m->rows, LONGEST_MATRIX))
-        for (uint32_t j = 0; j < m->columns;
-             j = next_shown(j, m->columns, LONGEST_MATRIX)) {
+        for (uint32_t j = 0; j < m->columns; j = next_shown(j, m->columns, LONGEST_MATRIX)) {
             const dml_scalar x = dml_get(m, i * m->columns + j);
             dml_scalartext(L, text, &x);
             if (strlen(text) > width) width = strlen(text);
@@ -224,8 +222,7 @@ int dml_matrixtext(lua_State *L) {
     luaL_addchar(&b, ']');
     snprintf(count, sizeof count, " (%lu x %lu)", (unsigned long)m->rows,
              (unsigned long)m->columns);
-    if (m->rows > LONGEST_MATRIX || m->columns > LONGEST_MATRIX)
-        luaL_addstring(&b, count);
+    if (m->rows > LONGEST_MATRIX || m->columns > LONGEST_MATRIX) luaL_addstring(&b, count);
     luaL_pushresult(&b);
     return 1;
 }

@@ -1,5 +1,5 @@
 /* trace.c - calling a Lua function with symbols, with numbers, and reading what it
-** returns. */
+ * returns. */
 #include "bind/trace.h"
 #include "bind/missed.h"
 
@@ -29,14 +29,12 @@ static void wrong_result(lua_State *L, const dml_signature *s, int result) {
                        : lua_isnil(L, result) ? ": is a return missing?"
                                               : "";
     if (s->outputs == DML_SCALAR_ARGUMENT)
-        luaL_error(L, "%s must return a number, got %s%s", s->what, type_name(L, result),
-                   hint);
+        luaL_error(L, "%s must return a number, got %s%s", s->what, type_name(L, result), hint);
     if (s->outputs == 0)
-        luaL_error(L,
-                   "%s must return a number, or a vector or table of numbers, got %s%s",
-                   s->what, type_name(L, result), hint);
-    luaL_error(L, "%s must return a vector or table of %d numbers, got %s%s", s->what,
-               s->outputs, type_name(L, result), hint);
+        luaL_error(L, "%s must return a number, or a vector or table of numbers, got %s%s", s->what,
+                   type_name(L, result), hint);
+    luaL_error(L, "%s must return a vector or table of %d numbers, got %s%s", s->what, s->outputs,
+               type_name(L, result), hint);
 }
 
 uint32_t dml_result_length(lua_State *L, const dml_signature *s, int result) {
@@ -48,14 +46,12 @@ uint32_t dml_result_length(lua_State *L, const dml_signature *s, int result) {
     if (s->outputs > 0 && n != s->outputs)
         luaL_error(L, "%s must return %d numbers, got %d", s->what, s->outputs, (int)n);
     if (n == 0)
-        luaL_error(L,
-                   "%s must return a number, or a vector or table of numbers, got none",
+        luaL_error(L, "%s must return a number, or a vector or table of numbers, got none",
                    s->what);
     return (uint32_t)n;
 }
 
-dml_scalar dml_result_entry(lua_State *L, const dml_signature *s, int result,
-                            uint32_t i) {
+dml_scalar dml_result_entry(lua_State *L, const dml_signature *s, int result, uint32_t i) {
     dml_scalar x;
     if (dml_toscalar(L, result, &x)) return x;
     if (dml_toarray(L, result, 1)) return dml_entry(L, result, i);
@@ -91,8 +87,8 @@ static void push_numbers(lua_State *L, int fn, const dml_signature *s, const dou
     }
 }
 
-void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double *in,
-                      double *out, uint32_t outputs) {
+void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double *in, double *out,
+                      uint32_t outputs) {
     fn = lua_absindex(L, fn);
     luaL_checkstack(L, s->arguments + 10, NULL);
     push_numbers(L, fn, s, in);
@@ -127,7 +123,8 @@ static int end_trace(lua_State *L) {
     return 0;
 }
 
-/* it is on top of the stack from here on, and keeps the arena; one that repeats another keeps that one's too */
+/* it is on top of the stack from here on, and keeps the arena; one that repeats another keeps
+ * that one's too */
 static dml_frame *begin_trace(lua_State *L, dm_arena *arena, const dml_signature *s,
                               const dml_traced *last) {
     dml_state *state = dml_getstate(L);
@@ -152,14 +149,12 @@ static dml_frame *begin_trace(lua_State *L, dm_arena *arena, const dml_signature
 }
 
 /* the nodes of inputs first .. first + count - 1: the first ones of every trace */
-static void make_inputs(const dml_frame *frame, dm_node *out, uint32_t first,
-                        uint32_t count) {
+static void make_inputs(const dml_frame *frame, dm_node *out, uint32_t first, uint32_t count) {
     if (frame->own) dm_inputs(frame->own, out, first, count);
     for (uint32_t i = 0; !frame->own && i < count; i++) out[i] = 1 + first + i;
 }
 
-static void push_symbols(lua_State *L, int fn, const dml_signature *s,
-                         const dml_frame *frame) {
+static void push_symbols(lua_State *L, int fn, const dml_signature *s, const dml_frame *frame) {
     dml_scalar x = {.kind = DML_SYMBOL, .serial = frame->serial};
     uint32_t input = 0;
     lua_pushvalue(L, fn);
@@ -197,19 +192,17 @@ static void read_result(lua_State *L, const dml_signature *s, const dml_frame *f
     }
     out->out = nodes;
     out->outputs = n;
-    out->bare = dml_length(L, result) == 1 && !lua_istable(L, result) &&
-                !dml_toarray(L, result, 1);
+    out->bare = dml_length(L, result) == 1 && !lua_istable(L, result) && !dml_toarray(L, result, 1);
 }
 
 /* the function ran on to its end although the graph had no more room */
 static int is_too_large(lua_State *L, const dml_frame *frame, int may_grow) {
     if (dm_graph_status(frame->graph) == DM_OK) return 0;
     if (!may_grow)
-        luaL_error(
-            L,
-            "%s: %s (more than %d nodes): is there a loop with very many rounds? make it "
-            "shorter, or use derivatives = \"hyperdual\"",
-            frame->what, dm_status_text(dm_graph_status(frame->graph)), DM_GRAPH_LIMIT);
+        luaL_error(L,
+                   "%s: %s (more than %d nodes): is there a loop with very many rounds? make it "
+                   "shorter, or use derivatives = \"hyperdual\"",
+                   frame->what, dm_status_text(dm_graph_status(frame->graph)), DM_GRAPH_LIMIT);
     return 1;
 }
 
@@ -228,8 +221,8 @@ static int call_traced(lua_State *L) {
     return 0;
 }
 
-/* The function on symbols. 0: it fails, on symbols that are those of the last time: it may have kept some of what it made of
-** them then, by a table that remembers results, say. */
+/* The function on symbols. 0: it fails, on symbols that are those of the last time: it may have
+ * kept some of what it made of them then, by a table that remembers results, say. */
 static int call_with_symbols(lua_State *L, int fn, const tracing *t) {
     const int again = t->frame->symbols != NULL;
     if (again) lua_pushcfunction(L, call_traced);
@@ -243,9 +236,9 @@ static int call_with_symbols(lua_State *L, int fn, const tracing *t) {
     return 1;
 }
 
-/* the trace of `frame`, on top of the stack, from its symbols to its results; closes it. 0: it wants new symbols */
-static int trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame,
-                 dml_traced *out) {
+/* the trace of `frame`, on top of the stack, from its symbols to its results; closes it. 0: it
+ * wants new symbols */
+static int trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame, dml_traced *out) {
     const int top = lua_gettop(L) - 1;
     if (!call_with_symbols(L, fn, &(tracing){s, frame, out})) {
         dml_dropsymbols(frame);
@@ -270,8 +263,7 @@ static void need(lua_State *L, int memory) {
     if (!memory) luaL_error(L, "not enough memory");
 }
 
-void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
-               dml_traced *out) {
+void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena, dml_traced *out) {
     fn = lua_absindex(L, fn);
     luaL_checkstack(L, s->arguments + 12, NULL);
     dml_frame *frame = begin_trace(L, arena, s, NULL);
@@ -286,8 +278,7 @@ void dml_retrace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
     luaL_checkstack(L, s->arguments + 12, NULL);
     dml_frame *frame = begin_trace(L, arena, s, last);
     need(L, dml_beginlog(frame, last));
-    if (!frame->last)
-        frame->graph = frame->own = dm_graph_new(arena, dml_signature_inputs(s));
+    if (!frame->last) frame->graph = frame->own = dm_graph_new(arena, dml_signature_inputs(s));
     need(L, frame->graph != NULL);
     if (!trace(L, fn, s, frame, out)) dml_retrace(L, fn, s, arena, NULL, out);
 }

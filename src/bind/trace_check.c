@@ -16,10 +16,8 @@ enum {
 static const double scales[] = {0.1, 1e-3, 1.0};
 enum { SCALES = sizeof scales / sizeof *scales };
 
-/*
-** Tracing and rewriting the expression change round-off only: differences are measured
-** against the size of the terms, |f| + sum_i |x_i df/dx_i|, since L = T - V may cancel.
-*/
+/* Tracing and rewriting the expression change round-off only: differences are measured
+ * against the size of the terms, |f| + sum_i |x_i df/dx_i|, since L = T - V may cancel. */
 static const double tolerance = 1e-8, nudge = 1e-6;
 
 /* arguments of values that are looked at for scatter: so many, so far apart */
@@ -50,7 +48,7 @@ static void eval(const check *c, double *out) {
 }
 
 /* |f_k| + sum_i |x_i df_k/dx_i| by differences of the kernel; of very many inputs every so many'th
-** one moves together, each with its own sign */
+ * one moves together, each with its own sign */
 static double size_of_terms(const check *c, uint32_t k) {
     const uint32_t n = c->kernel->inputs, groups = n < MOST_MOVES ? n : MOST_MOVES;
     double size = fabs(c->kernel_out[k]) + fabs(c->plain[k]);
@@ -65,7 +63,8 @@ static double size_of_terms(const check *c, uint32_t k) {
     return size;
 }
 
-/* the output where kernel and function differ, or -1. Entries are made of one another's parts: what is round-off of the largest is none. */
+/* the output where kernel and function differ, or -1. Entries are made of one another's parts:
+ * what is round-off of the largest is none. */
 static long mismatch(const check *c) {
     double largest = 0.0;
     for (uint32_t k = 0; k < c->kernel->outputs; k++)
@@ -114,18 +113,17 @@ static void call_plain(lua_State *L, check *c, int fn) {
 
 static void raise_difference(lua_State *L, const char *what, double plain, double traced,
                              const char *point) {
-    luaL_error(
-        L,
-        "%s is not what its trace says: %f when called, %f when traced, at %s. "
-        "Likely causes: == "
-        "or ~= between a number and an argument, a truth test, type() or "
-        "tostring() of an argument "
-        "(these see a symbol while tracing), random numbers, a global that changes, or a "
-        "difference in which nearly "
-        "all digits cancel (simplifying then changes the rest). Use "
-        "dm.where(c, a, b), "
-        "dm.abs, dm.max, or derivatives = \"hyperdual\"",
-        what, plain, traced, point);
+    luaL_error(L,
+               "%s is not what its trace says: %f when called, %f when traced, at %s. "
+               "Likely causes: == "
+               "or ~= between a number and an argument, a truth test, type() or "
+               "tostring() of an argument "
+               "(these see a symbol while tracing), random numbers, a global that changes, or a "
+               "difference in which nearly "
+               "all digits cancel (simplifying then changes the rest). Use "
+               "dm.where(c, a, b), "
+               "dm.abs, dm.max, or derivatives = \"hyperdual\"",
+               what, plain, traced, point);
 }
 
 static void raise_mismatch(lua_State *L, check *c, long k) {
@@ -144,8 +142,7 @@ static void raise_mismatch(lua_State *L, check *c, long k) {
 static void raise_not_finite(lua_State *L, const check *c) {
     for (uint32_t k = 0; k < c->kernel->outputs; k++) {
         const double a = c->plain[k], b = c->kernel_out[k], bad = isfinite(a) ? b : a;
-        if (isfinite(bad) || (c->s->may_be_outside && !isfinite(a) && !isfinite(b)))
-            continue;
+        if (isfinite(bad) || (c->s->may_be_outside && !isfinite(a) && !isfinite(b))) continue;
         luaL_error(L,
                    "%s is %s at the start %s: is the start inside its domain (a "
                    "logarithm, root or "
@@ -159,8 +156,8 @@ static void raise_not_finite(lua_State *L, const check *c) {
 /* a term of a sum that is not what its trace says */
 static void check_terms(lua_State *L, check *c) {
     if (c->given && c->given->differs)
-        raise_difference(L, "the function of dm.sum_over", c->given->plain,
-                         c->given->traced, push_point(L, c));
+        raise_difference(L, "the function of dm.sum_over", c->given->plain, c->given->traced,
+                         push_point(L, c));
 }
 
 static void check_at(lua_State *L, check *c) {
@@ -179,18 +176,19 @@ static int is_repeated(lua_State *L, check *c, int fn, long k) {
     return c->plain[k] == before;
 }
 
-/* the largest fourth difference of values at equal distances, in units of what it is of random ones of size 1; 0 where they are not finite */
+/* the largest fourth difference of values at equal distances, in units of what it is of random
+ * ones of size 1; 0 where they are not finite */
 static double scatter(const double *f) {
     double largest = 0.0;
     for (int i = 0; i + 4 < ROW; i++)
-        largest = fmax(
-            largest, fabs(f[i] - 4 * f[i + 1] + 6 * f[i + 2] - 4 * f[i + 3] + f[i + 4]));
+        largest = fmax(largest, fabs(f[i] - 4 * f[i + 1] + 6 * f[i + 2] - 4 * f[i + 3] + f[i + 4]));
     return isfinite(largest) ? largest / sqrt(70) : 0.0;
 }
 
-/* Is what output k differs by round-off of digits that cancel inside, as in a determinant near a pole of the coordinates? Then
-** the values scatter by it, on either road, where the arguments move a little. The point itself, where == may hold, is not
-** among these. `fn` is called; the values at the point stay. */
+/* Is what output k differs by round-off of digits that cancel inside, as in a determinant near a
+ * pole of the coordinates? Then the values scatter by it, on either road, where the arguments
+ * move a little. The point itself, where == may hold, is not among these. `fn` is called; the
+ * values at the point stay. */
 static int is_scatter(lua_State *L, check *c, int fn, long k) {
     const size_t n = c->kernel->inputs;
     const double difference = fabs(c->plain[k] - c->kernel_out[k]);
@@ -229,8 +227,8 @@ static void check_near(lua_State *L, check *c) {
     if (k >= 0) raise_mismatch(L, c, k);
 }
 
-/* Made-up points around the start, the same in every run; of a long function, whose plain call takes time, as many as
-** are compared with the start two points in all. */
+/* Made-up points around the start, the same in every run; of a long function, whose plain call
+ * takes time, as many as are compared with the start two points in all. */
 static void check_around(lua_State *L, check *c, const double *at) {
     const size_t n = c->kernel->inputs;
     const int is_long = n > MANY || c->kernel->operations > LONG;
@@ -239,14 +237,14 @@ static void check_around(lua_State *L, check *c, const double *at) {
     for (int k = 0; k < POINTS * SCALES && c->compared < enough; k++) {
         for (size_t i = 0; i < n; i++) {
             const double centre = at ? at[i] : 0.0;
-            c->x[i] =
-                centre + scales[k % SCALES] * (1 + fabs(centre)) * next_random(&random);
+            c->x[i] = centre + scales[k % SCALES] * (1 + fabs(centre)) * next_random(&random);
         }
         check_near(L, c);
     }
 }
 
-/* one made-up point near `at` where there are numbers, else `at` itself; only the first inputs are moved */
+/* one made-up point near `at` where there are numbers, else `at` itself; only the first inputs
+ * are moved */
 static void check_beside(lua_State *L, check *c, const double *at, size_t moved) {
     uint64_t random = 0x9E3779B97F4A7C15u;
     for (int k = 0; k < POINTS && c->compared == 0; k++) {
@@ -260,9 +258,8 @@ static void check_beside(lua_State *L, check *c, const double *at, size_t moved)
 
 enum { START, AROUND, BESIDE };
 
-static void check_points(lua_State *L, int fn, const dml_signature *s,
-                         const dm_kernel *kernel, const double *at, int where,
-                         size_t moved) {
+static void check_points(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
+                         const double *at, int where, size_t moved) {
     const size_t n = kernel->inputs, m = kernel->outputs;
     const size_t inputs = dml_signature_inputs(s);
     /* of a kernel that takes sums, or of a comparison around this one */
@@ -290,17 +287,17 @@ static void check_points(lua_State *L, int fn, const dml_signature *s,
     lua_settop(L, top);
 }
 
-void dml_trace_check(lua_State *L, int fn, const dml_signature *s,
-                     const dm_kernel *kernel, const double *at) {
+void dml_trace_check(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
+                     const double *at) {
     check_points(L, fn, s, kernel, at, AROUND, 0);
 }
 
-void dml_trace_check_start(lua_State *L, int fn, const dml_signature *s,
-                           const dm_kernel *kernel, const double *at) {
+void dml_trace_check_start(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
+                           const double *at) {
     check_points(L, fn, s, kernel, at, START, 0);
 }
 
-void dml_trace_check_beside(lua_State *L, int fn, const dml_signature *s,
-                            const dm_kernel *kernel, const double *at, size_t moved) {
+void dml_trace_check_beside(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
+                            const double *at, size_t moved) {
     check_points(L, fn, s, kernel, at, BESIDE, moved);
 }

@@ -1,9 +1,7 @@
-/*
-** trace_hyperdual.c - callback kernels: a Lua function called with hyper-dual numbers.
-** One call gives the derivatives along two directions, so a gradient takes n / 2 calls
-** and a Hessian n (n + 1) / 2. The calls run in a thread of their own, so that a kernel
-** needs no lua_State of its caller.
-*/
+/* trace_hyperdual.c - callback kernels: a Lua function called with hyper-dual numbers.
+ * One call gives the derivatives along two directions, so a gradient takes n / 2 calls
+ * and a Hessian n (n + 1) / 2. The calls run in a thread of their own, so that a kernel
+ * needs no lua_State of its caller. */
 #include "bind/call.h"
 #include "bind/model_sums.h"
 #include "bind/state.h"
@@ -39,7 +37,7 @@ typedef struct {
 } job;
 
 /* f with direction a along input i and direction b along input j (or none where out of
-** range) */
+ * range) */
 static dml_hyperdual call(lua_State *L, const job *j, uint32_t a, uint32_t b) {
     dml_callback *c = j->callback;
     const dml_signature *s = &c->s;
@@ -57,8 +55,7 @@ static dml_hyperdual call(lua_State *L, const job *j, uint32_t a, uint32_t b) {
     dml_result_length(L, s, result);
     dml_scalar y = dml_result_entry(L, s, result, 0);
     if (y.kind == DML_SYMBOL)
-        luaL_error(L, "%s returned a symbol: it was kept in a global or an upvalue",
-                   s->what);
+        luaL_error(L, "%s returned a symbol: it was kept in a global or an upvalue", s->what);
     lua_settop(L, result - 1);
     return y.kind == DML_HYPERDUAL ? y.as.hyper : (dml_hyperdual){.f = y.as.number};
 }
@@ -88,8 +85,7 @@ static int work(lua_State *L) {
     const job *j = lua_touserdata(L, 1);
     luaL_checkstack(L, DML_MAX_ARGUMENTS + 10, NULL);
     if (j->callback->state->depth > DEEPEST)
-        return luaL_error(L, "%s calls itself through too many solvers",
-                          j->callback->s.what);
+        return luaL_error(L, "%s calls itself through too many solvers", j->callback->s.what);
     if (j->order == 0)
         dml_call_numbers(L, 2, &j->callback->s, j->in, j->out, 1);
     else if (j->order == 1)

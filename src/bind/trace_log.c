@@ -70,8 +70,8 @@ static int make_room(dm_arena *arena, dml_log *log, uint32_t steps, uint32_t sum
     if (steps > MOST) return 0;
     while (room < steps) room *= 2;
     if (steps > log->room) {
-        dml_step *step = dm_arena_grow(arena, log->step, log->room * sizeof *step,
-                                       room * sizeof *step);
+        dml_step *step =
+            dm_arena_grow(arena, log->step, log->room * sizeof *step, room * sizeof *step);
         if (!step) return 0;
         log->step = step;
         log->room = room;
@@ -143,8 +143,7 @@ void dml_leavelast(lua_State *L, dml_frame *f) {
     f->own = dm_graph_prefix(f->arena, f->last->graph, size);
     if (!f->own || !copy_log(f, log, count)) luaL_error(L, "not enough memory");
     f->graph = f->own;
-    f->last =
-        NULL; /* its symbols stay with this trace: the function has them in its hands */
+    f->last = NULL; /* its symbols stay with this trace: the function has them in its hands */
     f->step = f->end = NULL;
 }
 
@@ -152,10 +151,9 @@ dm_node dml_doanew(lua_State *L, dml_frame *f, const dml_deed *d) {
     dml_leavelast(L, f);
     double x;
     memcpy(&x, d->word, sizeof x);
-    const dm_node node =
-        d->op == DM_OP_CONSTANT
-            ? dm_constant(f->own, x)
-            : dm_apply(f->own, (dm_op)d->op, d->word[0], d->word[1], d->word[2]);
+    const dm_node node = d->op == DM_OP_CONSTANT
+                             ? dm_constant(f->own, x)
+                             : dm_apply(f->own, (dm_op)d->op, d->word[0], d->word[1], d->word[2]);
     note(f, d, node);
     return node;
 }

@@ -1,5 +1,5 @@
 /* value.c - scalars of the three kinds: in and out of Lua, and every operation on
-** them. */
+ * them. */
 #include "bind/array.h"
 #include "bind/hyperdual.h"
 #include "bind/trace_log.h"
@@ -24,8 +24,8 @@ int dml_toscalar(lua_State *L, int arg, dml_scalar *out) {
     return class == DML_CLASS_SYMBOL || class == DML_CLASS_HYPERDUAL;
 }
 
-/* the kept symbol of that node, made when it is missing; 0: none is kept. Nodes of a trace that has become another one have
-** new symbols: theirs mean something else. */
+/* the kept symbol of that node, made when it is missing; 0: none is kept. Nodes of a trace that
+ * has become another one have new symbols: theirs mean something else. */
 static int push_kept(lua_State *L, const dml_frame *frame, dm_node node) {
     dml_symbols *kept = frame->symbols;
     if (!kept || !frame->last || node >= kept->count) return 0;
@@ -68,10 +68,8 @@ void dml_pushscalar(lua_State *L, const dml_scalar *x) {
 static dml_frame *live_frame(lua_State *L, uint32_t serial) {
     dml_frame *frame = dml_findframe(L, serial);
     if (!frame)
-        luaL_error(
-            L,
-            "a symbol was used after its trace had ended: it was kept in a global or an "
-            "upvalue of the traced function; keep numbers there instead");
+        luaL_error(L, "a symbol was used after its trace had ended: it was kept in a global or an "
+                      "upvalue of the traced function; keep numbers there instead");
     return frame;
 }
 
@@ -79,10 +77,8 @@ dml_scalar dml_common(lua_State *L, const dml_scalar *a, const dml_scalar *b) {
     if (a->kind == DML_NUMBER) return *b;
     if (b->kind == DML_NUMBER) return *a;
     if (a->kind != b->kind)
-        luaL_error(
-            L,
-            "a symbol and a hyper-dual number cannot be combined: one function is being "
-            "traced while another is differentiated by hyper-dual numbers");
+        luaL_error(L, "a symbol and a hyper-dual number cannot be combined: one function is being "
+                      "traced while another is differentiated by hyper-dual numbers");
     if (a->kind == DML_SYMBOL && a->serial != b->serial) {
         live_frame(L, a->serial);
         live_frame(L, b->serial);
@@ -122,8 +118,7 @@ static dml_scalar symbolic(lua_State *L, dm_op op, const dml_scalar *x, int n) {
 
 static dml_scalar numeric(dm_op op, const dml_scalar *const x[3], int n) {
     const double b = n > 1 ? x[1]->as.number : 0.0, c = n > 2 ? x[2]->as.number : 0.0;
-    return (dml_scalar){.kind = DML_NUMBER,
-                        .as.number = dm_op_value(op, x[0]->as.number, b, c)};
+    return (dml_scalar){.kind = DML_NUMBER, .as.number = dm_op_value(op, x[0]->as.number, b, c)};
 }
 
 dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scalar *b,
@@ -136,13 +131,13 @@ dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scal
     if (kind.kind == DML_NUMBER) return numeric(op, x, n);
     for (int k = 0; k < n; k++) lifted[k] = dml_lift(L, x[k], &kind);
     if (kind.kind == DML_SYMBOL) return symbolic(L, op, lifted, n);
-    kind.as.hyper = dml_hyper_apply(op, &lifted[0].as.hyper, &lifted[1].as.hyper,
-                                    &lifted[2].as.hyper);
+    kind.as.hyper =
+        dml_hyper_apply(op, &lifted[0].as.hyper, &lifted[1].as.hyper, &lifted[2].as.hyper);
     return kind;
 }
 
-/* Node of the symbol at arg; 0: it is none, or not of the newest trace. A kept one is known by where it is: at that place
-** nothing else can be. */
+/* Node of the symbol at arg; 0: it is none, or not of the newest trace. A kept one is known by
+ * where it is: at that place nothing else can be. */
 static int symbol_node(lua_State *L, int arg, const dml_state *state, dm_node *node) {
     const dml_symbol *s = lua_touserdata(L, arg);
     if (!s || lua_rawlen(L, arg) != sizeof *s) return 0;
@@ -195,8 +190,7 @@ const char *dml_kindname(lua_State *L, int arg) {
 }
 
 /* entry i, or 0 with *type what stands there instead */
-static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x,
-                      const char **type) {
+static int read_entry(lua_State *L, int arg, uint32_t i, dml_scalar *x, const char **type) {
     const dml_array *a = dml_toarray(L, arg, 1);
     *type = luaL_typename(L, arg);
     if (a && i < a->rows) return *x = dml_get(a, i), 1;
@@ -222,12 +216,12 @@ static const char *found(lua_State *L, int arg) {
     return lua_type(L, arg) == LUA_TNUMBER ? "a number" : dml_kindname(L, arg);
 }
 
-/* entries i .. i + CHUNK - 1 of a plain table, if all are finite numbers: the stack is cleared once for all */
+/* entries i .. i + CHUNK - 1 of a plain table, if all are finite numbers: the stack is cleared
+ * once for all */
 static int read_chunk(lua_State *L, int arg, double *out, uint32_t i) {
     const int top = lua_gettop(L);
     int fine = 1;
-    for (int k = 1; k <= CHUNK; k++)
-        fine &= lua_rawgeti(L, arg, (lua_Integer)i + k) == LUA_TNUMBER;
+    for (int k = 1; k <= CHUNK; k++) fine &= lua_rawgeti(L, arg, (lua_Integer)i + k) == LUA_TNUMBER;
     for (int k = 1; fine && k <= CHUNK; k++) {
         out[i + (uint32_t)k - 1] = lua_tonumberx(L, top + k, NULL);
         fine = isfinite(out[i + (uint32_t)k - 1]);
@@ -246,8 +240,7 @@ static uint32_t read_plain(lua_State *L, int arg, double *out, uint32_t n) {
         for (; i < n && isfinite(entries[i]); i++) out[i] = entries[i];
         return i;
     }
-    if (a || !lua_istable(L, arg) || luaL_getmetafield(L, arg, "__index") != LUA_TNIL)
-        return 0;
+    if (a || !lua_istable(L, arg) || luaL_getmetafield(L, arg, "__index") != LUA_TNIL) return 0;
     luaL_checkstack(L, CHUNK, NULL);
     while (n - i >= CHUNK && read_chunk(L, arg, out, i)) i += CHUNK;
     for (; i < n; i++) {
@@ -272,8 +265,7 @@ void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_
         dml_scalar x;
         const char *type;
         if (!read_entry(L, arg, i, &x, &type))
-            luaL_error(L, "%s: entry %d must be a number, got %s", name, (int)i + 1,
-                       type);
+            luaL_error(L, "%s: entry %d must be a number, got %s", name, (int)i + 1, type);
         if (x.kind != DML_NUMBER)
             luaL_error(L, "%s: entry %d is a %s, but a plain number is needed here", name,
                        (int)i + 1,

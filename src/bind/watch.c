@@ -1,4 +1,5 @@
-/* watch.c - `watch = { "q1", "energy", r = function(q, v, t, p) ... end }`: what a run records beside t. */
+/* watch.c - `watch = { "q1", "energy", r = function(q, v, t, p) ... end }`: what a run records
+ * beside t. */
 #include "bind/observables.h"
 #include "integ/tied.h"
 #include "mech/ties.h"
@@ -15,8 +16,7 @@ static int find_entry(lua_State *L, const dml_stepping *r, const char *name) {
     for (uint32_t k = 0; k < n && found < 0; k++, lua_pop(L, 1)) {
         const char *coordinate = dml_coordinate(L, r->system, k);
         if (strcmp(coordinate, name) == 0) found = (int)k;
-        if (strncmp(name, "p_", 2) == 0 && strcmp(coordinate, name + 2) == 0)
-            found = (int)(n + k);
+        if (strncmp(name, "p_", 2) == 0 && strcmp(coordinate, name + 2) == 0) found = (int)(n + k);
     }
     if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 && i <= n &&
         (kind == 'q' || kind == 'p'))
@@ -36,8 +36,7 @@ static void add_name(lua_State *L, const reading *in, const char *name) {
     for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, names); i++, lua_pop(L, 1)) {
         lua_rawgeti(L, names, i);
         if (strcmp(lua_tostring(L, -1), name) == 0)
-            luaL_error(L,
-                       "field '%s': there is a column '%s' already; choose another name",
+            luaL_error(L, "field '%s': there is a column '%s' already; choose another name",
                        in->field, name);
     }
     lua_pushstring(L, name);
@@ -62,8 +61,8 @@ static void add_lambda(lua_State *L, dml_observables *o, const dml_stepping *r) 
 }
 
 /* a name alone: a column, the energy or the multipliers */
-static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r,
-                       const char *field, const char *name) {
+static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, const char *field,
+                       const char *name) {
     const int entry = find_entry(L, r, name);
     if (strcmp(name, "energy") == 0)
         dml_observables_energy(L, o, r);
@@ -85,8 +84,7 @@ static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r,
 }
 
 /* r, or r1, r2, ... where the function gives several numbers */
-static void add_names(lua_State *L, const reading *in, const char *name,
-                      const dm_kernel *kernel) {
+static void add_names(lua_State *L, const reading *in, const char *name, const dm_kernel *kernel) {
     if (kernel->outputs == 1) {
         add_name(L, in, name);
         return;
@@ -107,8 +105,7 @@ static int is_impulse(const reading *in, const char *name) {
 }
 
 /* the name on top */
-static void read_name(lua_State *L, dml_observables *o, const dml_stepping *r,
-                      const reading *in) {
+static void read_name(lua_State *L, dml_observables *o, const dml_stepping *r, const reading *in) {
     const char *name = lua_tostring(L, -1);
     const uint32_t before = o->observer.count;
     if (is_impulse(in, name)) return;
@@ -121,8 +118,7 @@ static void read_name(lua_State *L, dml_observables *o, const dml_stepping *r,
 }
 
 /* the entry whose key is on top */
-static void read_entry(lua_State *L, dml_observables *o, const dml_stepping *r,
-                       const reading *in) {
+static void read_entry(lua_State *L, dml_observables *o, const dml_stepping *r, const reading *in) {
     const int named = lua_type(L, -1) == LUA_TSTRING;
     lua_pushvalue(L, -1);
     lua_gettable(L, in->table);
@@ -132,8 +128,7 @@ static void read_entry(lua_State *L, dml_observables *o, const dml_stepping *r,
                        "field '%s': entry %d must be the name of a column (got %s); a "
                        "function needs a "
                        "name: %s = { r = function(q, v, t, p) ... end }",
-                       in->field, (int)lua_tointeger(L, -2), luaL_typename(L, -1),
-                       in->field);
+                       in->field, (int)lua_tointeger(L, -2), luaL_typename(L, -1), in->field);
         read_name(L, o, r, in);
         return;
     }
@@ -145,8 +140,7 @@ static void read_entry(lua_State *L, dml_observables *o, const dml_stepping *r,
 }
 
 /* all entries of the field; names on the stack under what keeps the kernels */
-static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r,
-                     reading *in) {
+static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r, reading *in) {
     lua_getfield(L, 2, in->field);
     in->table = lua_gettop(L);
     if (!lua_istable(L, in->table))
@@ -154,14 +148,12 @@ static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r,
                    "field '%s' must be a table of names of columns and of functions: { "
                    "\"%s\", \"energy\", r = "
                    "function(q, v, t, p) ... end } (got %s)",
-                   in->field, in->impulses ? "lambda" : "q1",
-                   luaL_typename(L, in->table));
+                   in->field, in->impulses ? "lambda" : "q1", luaL_typename(L, in->table));
     dml_observables_start(o, r);
     dml_pushkeys(L, in->table, in->field);
     const int keys = lua_gettop(L);
     const lua_Integer count = (lua_Integer)lua_rawlen(L, keys);
-    if (!count)
-        luaL_error(L, "field '%s' is empty: leave it out, or name a column", in->field);
+    if (!count) luaL_error(L, "field '%s' is empty: leave it out, or name a column", in->field);
     for (lua_Integer i = 1; i <= count; i++) {
         luaL_checkstack(L, 12, NULL);
         lua_rawgeti(L, keys, i);
@@ -215,7 +207,8 @@ static void read_impulses(lua_State *L, const dml_stepping *r, dm_impulses *out)
     out->points = dm_tied_nodes(&basis);
 }
 
-/* behind all others: impulse1 ... of the node, inner1_1 ... of the points inside the step; impulse, inner1 where there is one tie */
+/* behind all others: impulse1 ... of the node, inner1_1 ... of the points inside the step;
+ * impulse, inner1 where there is one tie */
 static void add_impulse_names(lua_State *L, const dm_impulses *i, const reading *in) {
     for (uint32_t c = 1; c <= i->ties; c++, lua_pop(L, 1)) {
         lua_pushfstring(L, i->ties > 1 ? "impulse%d" : "impulse", (int)c);

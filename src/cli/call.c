@@ -25,12 +25,10 @@ static int in_module(lua_State *L) {
     return 0;
 }
 
-/*
-** Runs before the next instruction after Ctrl-C. A C loop that polls dml_stop answers itself, and
-** has answered when dml_stop is clear again. What was raised is raised again where one of our
-** modules has caught it, as they try things under pcall; a pcall of the user may keep it, and
-** core.until_stop of what has something to show.
-*/
+/* Runs before the next instruction after Ctrl-C. A C loop that polls dml_stop answers itself, and
+ * has answered when dml_stop is clear again. What was raised is raised again where one of our
+ * modules has caught it, as they try things under pcall; a pcall of the user may keep it, and
+ * core.until_stop of what has something to show. */
 static void interrupt(lua_State *L, lua_Debug *ar) {
     (void)ar;
     const int inside = in_module(L);
@@ -52,11 +50,11 @@ static void set_signal(int number, void (*handler)(int), struct sigaction *befor
 
 /* before the next instruction of what runs */
 static void set_hook(void) {
-    lua_sethook(running, interrupt,
-                LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT, 1);
+    lua_sethook(running, interrupt, LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT, 1);
 }
 
-/* every second until Ctrl-C is answered: it may have come just before a read of the terminal, or a change of the thread */
+/* every second until Ctrl-C is answered: it may have come just before a read of the terminal, or
+ * a change of the thread */
 static void wake(int signal) {
     (void)signal;
     if (!dml_stop) return;
@@ -113,8 +111,7 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
 
 /* the traceback on top without the lines of dm.blame, which raised again on behalf of the caller */
 static void leave_out_blame(lua_State *L) {
-    static const char raised[] = "\n\t[C]: in function 'error'",
-                      tail[] = "\n\t(...tail calls...)";
+    static const char raised[] = "\n\t[C]: in function 'error'", tail[] = "\n\t(...tail calls...)";
     const char *text = lua_tostring(L, -1), *blame = strstr(text, "/dm/blame.lua:");
     if (!blame) return;
     const char *end = blame + strcspn(blame, "\n");

@@ -16,8 +16,8 @@ int dml_call_keeping(lua_State *L, int arguments, int results);
 /* Ctrl-C stops what runs in the thread co from now on; gives the thread before. */
 lua_State *dml_running(lua_State *co);
 
-/* Has Ctrl-C just raised an error that no function of the user has dealt with yet? Asked when a thread ended by an error: it then
-** goes on in the one that runs. */
+/* Has Ctrl-C just raised an error that no function of the user has dealt with yet? Asked when a
+ * thread ended by an error: it then goes on in the one that runs. */
 int dml_interrupted(void);
 
 /* From now on Ctrl-C does nothing between calls, instead of killing: for a session. */

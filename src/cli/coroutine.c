@@ -1,4 +1,5 @@
-/* coroutine.c - hooks belong to a thread: Ctrl-C sets its own on the one that runs, which these two know. */
+/* coroutine.c - hooks belong to a thread: Ctrl-C sets its own on the one that runs, which these
+ * two know. */
 #include "cli/coroutine.h"
 
 #include "cli/call.h"
@@ -44,7 +45,8 @@ static int resume(lua_State *L) {
     return results < 0 ? 2 : results + 1;
 }
 
-/* raise what co did; variables that wait to be closed are closed first, and a message gets its place */
+/* raise what co did; variables that wait to be closed are closed first, and a message gets its
+ * place */
 static int raise_again(lua_State *L, lua_State *co) {
     const int status = lua_status(co);
     if (status != LUA_OK && status != LUA_YIELD) {
@@ -78,8 +80,7 @@ static int wrap(lua_State *L) {
 }
 
 void dml_open_coroutines(lua_State *L) {
-    static const luaL_Reg functions[] = {
-        {"resume", resume}, {"wrap", wrap}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {{"resume", resume}, {"wrap", wrap}, {NULL, NULL}};
     if (lua_getglobal(L, "coroutine") == LUA_TTABLE) luaL_setfuncs(L, functions, 0);
     lua_pop(L, 1);
 }

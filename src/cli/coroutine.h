@@ -1,4 +1,5 @@
-/* coroutine.h - coroutine.resume and coroutine.wrap that tell which thread runs, so that Ctrl-C reaches it. */
+/* coroutine.h - coroutine.resume and coroutine.wrap that tell which thread runs, so that Ctrl-C
+ * reaches it. */
 #ifndef DML_COROUTINE_H
 #define DML_COROUTINE_H
 

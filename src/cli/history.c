@@ -12,8 +12,7 @@
 /* entries recalled; a file of twice as many is cut */
 enum { KEPT = 2000 };
 
-void dml_history_path(lua_State *L, const char *variable, const char *fallback,
-                      const char *name) {
+void dml_history_path(lua_State *L, const char *variable, const char *fallback, const char *name) {
     const char *base = getenv(variable), *home = getenv("HOME");
     if (base && base[0] == '/')
         lua_pushfstring(L, "%s/dmlua/%s", base, name);
@@ -83,8 +82,7 @@ void dml_history_load(lua_State *L, const char *path) {
 
 /* make the folders that lead to a file */
 static void make_folders(lua_State *L, const char *path) {
-    for (const char *slash = strchr(path + 1, '/'); slash;
-         slash = strchr(slash + 1, '/')) {
+    for (const char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
         lua_pushlstring(L, path, (size_t)(slash - path));
         mkdir(lua_tostring(L, -1), 0700);
         lua_pop(L, 1);

@@ -5,8 +5,7 @@
 #include <lua.h>
 
 /* Push $<variable>/dmlua/<name>, by default under ~/<fallback>; nil without a home. */
-void dml_history_path(lua_State *L, const char *variable, const char *fallback,
-                      const char *name);
+void dml_history_path(lua_State *L, const char *variable, const char *fallback, const char *name);
 
 /* Give every kept entry to dml_line_remember; a file grown too long is cut to its end. */
 void dml_history_load(lua_State *L, const char *path);

@@ -55,8 +55,7 @@ static int search(lua_State *L) {
     const char *file = lua_tostring(L, -2);
     if (!file) return 1; /* the list of files tried */
     if (luaL_loadfile(L, file) != LUA_OK)
-        return luaL_error(L, "error loading module '%s':\n\t%s", name,
-                          lua_tostring(L, -1));
+        return luaL_error(L, "error loading module '%s':\n\t%s", name, lua_tostring(L, -1));
     lua_pushstring(L, file);
     return 2;
 }
@@ -77,8 +76,9 @@ static void add_searcher(lua_State *L) {
 }
 
 static int open_home(lua_State *L) {
-    static const luaL_Reg modules[] = {
-        {"dm.core", luaopen_dm_core}, {"dm.manual", dml_open_manual}, {NULL, NULL}};
+    static const luaL_Reg modules[] = {{"dm.core", luaopen_dm_core},
+                                       {"dm.manual", dml_open_manual},
+                                       {NULL, NULL}};
     luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_PRELOAD_TABLE);
     luaL_setfuncs(L, modules, 0);
     add_searcher(L);

@@ -36,11 +36,10 @@ static void pass_signals(void) {
     sigprocmask(SIG_SETMASK, &before, NULL);
 }
 
-/*
-** The next key. SIGINT is blocked except inside pselect, so none is missed between a test and the
-** wait. After one, the entry is ended by Return; Ctrl-G in between leaves what does not take that,
-** such as a question. Ctrl-C also drops what was typed ahead, so a key that was there may be gone.
-*/
+/* The next key. SIGINT is blocked except inside pselect, so none is missed between a test and
+ * the wait. After one, the entry is ended by Return; Ctrl-G in between leaves what does not take
+ * that, such as a question. Ctrl-C also drops what was typed ahead, so a key that was there may
+ * be gone. */
 static int next_key(FILE *in) {
     (void)in;
     for (;;) {
@@ -112,8 +111,7 @@ void dml_line_before(const char *text) {
 
 /* an entry equal to the last one is not kept twice */
 void dml_line_remember(const char *entry) {
-    const HIST_ENTRY *last =
-        history_length ? history_get(history_base + history_length - 1) : NULL;
+    const HIST_ENTRY *last = history_length ? history_get(history_base + history_length - 1) : NULL;
     if (!last || strcmp(last->line, entry) != 0) add_history(entry);
 }
 

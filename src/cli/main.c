@@ -65,8 +65,8 @@ static int do_options(lua_State *L, char **argv, int n) {
         if (option == 'W') lua_warning(L, "@on", 0);
         if (option != 'e' && option != 'l') continue;
         const char *argument = argv[i][2] ? argv[i] + 2 : argv[++i];
-        const int status = option == 'e' ? do_string(L, argument, "=(command line)")
-                                         : do_library(L, argument);
+        const int status =
+            option == 'e' ? do_string(L, argument, "=(command line)") : do_library(L, argument);
         if (status != LUA_OK) return 0;
     }
     return 1;
@@ -144,13 +144,11 @@ static int session_follows(const dml_command *c, int argc) {
 
 /* what is to be executed, in lua's order; 0 after an error that decides the exit status */
 static int execute(lua_State *L, const dml_command *c, char **argv, int argc) {
-    const int session = session_follows(c, argc),
-              environment = !(c->flags & DML_NO_ENVIRONMENT);
+    const int session = session_follows(c, argc), environment = !(c->flags & DML_NO_ENVIRONMENT);
     if (environment && do_init(L) != LUA_OK) return 0;
     if (session && environment && !(c->flags & DML_NO_STARTUP)) dml_startup(L);
     if (!do_options(L, argv, c->script)) return 0;
-    if (c->flags & DML_DEMO)
-        return do_demo(L, argv + c->script, argc - c->script) == LUA_OK;
+    if (c->flags & DML_DEMO) return do_demo(L, argv + c->script, argc - c->script) == LUA_OK;
     if (c->script < argc && do_script(L, argv + c->script) != LUA_OK) return 0;
     if (session) {
         if (!(c->flags & (DML_VERSION_LINE | DML_QUIET))) dml_banner();
@@ -184,8 +182,8 @@ static int protected_main(lua_State *L) {
     return 1;
 }
 
-/* Memory that is free stays with the process: every run makes a path, and pages that go back to the system
-** are cleared anew, half a microsecond each, for the next one. */
+/* Memory that is free stays with the process: every run makes a path, and pages that go back to
+ * the system are cleared anew, half a microsecond each, for the next one. */
 static void keep_memory(void) {
 #ifdef __GLIBC__
     enum { LARGEST_KEPT = 32 << 20, MOST_KEPT = 256 << 20 }; /* bytes */

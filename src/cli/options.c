@@ -75,8 +75,7 @@ dml_command dml_command_read(char **argv) {
             c.script = argv[i][6] ? i : i + 1;
             return c;
         }
-        const int fine =
-            argv[i][1] == '-' ? long_option(&c, argv[i]) : short_option(&c, argv, &i);
+        const int fine = argv[i][1] == '-' ? long_option(&c, argv[i]) : short_option(&c, argv, &i);
         if (!fine) {
             c.flags |= DML_BAD_OPTION;
             return c;
@@ -115,8 +114,7 @@ static const row statuses[] = {
 
 void dml_command_help(const char *program, int to_stderr) {
     FILE *out = to_stderr ? stderr : stdout;
-    fprintf(out, "usage: %s [options] [script [args]]\nAvailable options are:\n",
-            program);
+    fprintf(out, "usage: %s [options] [script [args]]\nAvailable options are:\n", program);
     for (const row *r = options; r->name; r++) {
         const int is_long = strncmp(r->name, "--", 2) == 0;
         const char *gap = *r->argument ? (is_long ? "=" : " ") : "";
@@ -131,8 +129,7 @@ void dml_command_wrong(const char *program, const char *option) {
     if (option[1] == 'e' || option[1] == 'l')
         fprintf(stderr, "'%s' needs argument\n", option);
     else if (strncmp(option, "--color", 7) == 0)
-        fprintf(stderr, "'%s': write --color=auto, --color=always or --color=never\n",
-                option);
+        fprintf(stderr, "'%s': write --color=auto, --color=always or --color=never\n", option);
     else
         fprintf(stderr, "unrecognized option '%s'\n", option);
     dml_command_help(program, 1);

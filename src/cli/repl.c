@@ -37,8 +37,7 @@ static const char *push_prompt(lua_State *L, int first) {
     }
     lua_pop(L, 1);
     const int colour = dml_terminal_colour(1) && isatty(STDIN_FILENO);
-    lua_pushfstring(L, colour ? "\001\x1b[1;32m\002%s\001\x1b[0m\002" : "%s",
-                    first ? "> " : ">> ");
+    lua_pushfstring(L, colour ? "\001\x1b[1;32m\002%s\001\x1b[0m\002" : "%s", first ? "> " : ">> ");
     return lua_tostring(L, -1);
 }
 
@@ -209,8 +208,8 @@ static void show_results(lua_State *L) {
 /* a dm.failure on top: say what happened, and keep the path of a stopped run, else the failure */
 static int show_failure(lua_State *L) {
     lua_settop(L, 1);
-    const int stopped = lua_getfield(L, 1, "code") == LUA_TSTRING &&
-                        strcmp(lua_tostring(L, -1), "stopped") == 0;
+    const int stopped =
+        lua_getfield(L, 1, "code") == LUA_TSTRING && strcmp(lua_tostring(L, -1), "stopped") == 0;
     const int has_path = lua_getfield(L, 1, "path") != LUA_TNIL;
     lua_getfield(L, 1, "message");
     if (!stopped || !has_path) {
@@ -229,9 +228,8 @@ static int show_failure(lua_State *L) {
     const char *step = luaL_tolstring(L, -1, NULL);
     lua_getfield(L, 1, "time");
     const char *time = luaL_tolstring(L, -1, NULL);
-    dml_message(NULL,
-                lua_pushfstring(L, "stopped after step %s, t = %s; _ is the path so far",
-                                step, time));
+    dml_message(NULL, lua_pushfstring(L, "stopped after step %s, t = %s; _ is the path so far",
+                                      step, time));
     return 0;
 }
 

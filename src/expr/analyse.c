@@ -4,8 +4,7 @@
 
 #include <string.h>
 
-int dm_depends(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t first,
-               uint32_t n) {
+int dm_depends(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t first, uint32_t n) {
     const uint32_t end = first + n < g->leaves ? first + n : g->leaves;
     dm_mark(g, roots, m);
     for (uint32_t i = first; i < end; i++)
@@ -13,8 +12,8 @@ int dm_depends(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t first,
     return 0;
 }
 
-void dm_independent(uint8_t *out, dm_graph *g, const dm_node *roots, uint32_t m,
-                    uint32_t first, uint32_t n) {
+void dm_independent(uint8_t *out, dm_graph *g, const dm_node *roots, uint32_t m, uint32_t first,
+                    uint32_t n) {
     dm_mark(g, roots, m);
     for (uint32_t i = 0; i < n; i++) {
         const dm_node leaf = first + i < g->leaves ? g->leaf[first + i] : 0;
@@ -22,8 +21,7 @@ void dm_independent(uint8_t *out, dm_graph *g, const dm_node *roots, uint32_t m,
     }
 }
 
-void dm_operation_counts(dm_graph *g, const dm_node *roots, uint32_t m,
-                         uint32_t *counts) {
+void dm_operation_counts(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t *counts) {
     const uint32_t end = dm_mark(g, roots, m);
     memset(counts, 0, DM_OP_COUNT * sizeof *counts);
     for (dm_node i = 0; i < end; i++)
@@ -38,12 +36,12 @@ uint32_t dm_operations(dm_graph *g, const dm_node *roots, uint32_t m) {
 }
 
 static uint32_t latency(dm_op op) {
-    static const uint8_t cycles[DM_OP_COUNT] = {
-        [DM_OP_CONSTANT] = 0, [DM_OP_INPUT] = 0,  [DM_OP_NEG] = 1,     [DM_OP_ABS] = 1,
-        [DM_OP_SQRT] = 18,    [DM_OP_RSQRT] = 28, [DM_OP_RSQRT3] = 28, [DM_OP_ADD] = 3,
-        [DM_OP_SUB] = 3,      [DM_OP_MUL] = 4,    [DM_OP_DIV] = 14,    [DM_OP_MIN] = 4,
-        [DM_OP_MAX] = 4,      [DM_OP_WHERE] = 6,  [DM_OP_SIGN] = 8,    [DM_OP_FMA] = 4,
-        [DM_OP_FMS] = 4,      [DM_OP_FNMA] = 4};
+    static const uint8_t cycles[DM_OP_COUNT] =
+        {[DM_OP_CONSTANT] = 0, [DM_OP_INPUT] = 0,  [DM_OP_NEG] = 1,     [DM_OP_ABS] = 1,
+         [DM_OP_SQRT] = 18,    [DM_OP_RSQRT] = 28, [DM_OP_RSQRT3] = 28, [DM_OP_ADD] = 3,
+         [DM_OP_SUB] = 3,      [DM_OP_MUL] = 4,    [DM_OP_DIV] = 14,    [DM_OP_MIN] = 4,
+         [DM_OP_MAX] = 4,      [DM_OP_WHERE] = 6,  [DM_OP_SIGN] = 8,    [DM_OP_FMA] = 4,
+         [DM_OP_FMS] = 4,      [DM_OP_FNMA] = 4};
     const int leaf = op == DM_OP_CONSTANT || op == DM_OP_INPUT || op == DM_OP_IMPLICIT;
     return cycles[op] || leaf ? cycles[op] : 50;
 }

@@ -5,10 +5,8 @@
 #include "base/arena.h"
 #include "base/status.h"
 
-/*
-** A copy of bytes[size] that can be executed and no longer written; unmapped when the arena is
-** released. DM_NO_NATIVE when the system refuses executable memory, DM_NO_MEMORY.
-*/
+/* A copy of bytes[size] that can be executed and no longer written; unmapped when the arena is
+ * released. DM_NO_NATIVE when the system refuses executable memory, DM_NO_MEMORY. */
 dm_status dm_code_place(const void **code, const unsigned char *bytes, size_t size,
                         dm_arena *arena);
 

@@ -15,11 +15,11 @@ enum {
 
 /* clock cycles, roughly, of what a kernel has to do */
 static uint32_t cost_of(const uint32_t counts[DM_OP_COUNT]) {
-    static const uint8_t cycles[DM_OP_COUNT] = {
-        [DM_OP_NEG] = 1,   [DM_OP_ABS] = 1,    [DM_OP_SIGN] = 3, [DM_OP_SQRT] = 6,
-        [DM_OP_RSQRT] = 5, [DM_OP_RSQRT3] = 6, [DM_OP_ADD] = 1,  [DM_OP_SUB] = 1,
-        [DM_OP_MUL] = 1,   [DM_OP_DIV] = 5,    [DM_OP_MIN] = 1,  [DM_OP_MAX] = 1,
-        [DM_OP_WHERE] = 2, [DM_OP_FMA] = 1,    [DM_OP_FMS] = 1,  [DM_OP_FNMA] = 1};
+    static const uint8_t cycles[DM_OP_COUNT] =
+        {[DM_OP_NEG] = 1,   [DM_OP_ABS] = 1,    [DM_OP_SIGN] = 3, [DM_OP_SQRT] = 6,
+         [DM_OP_RSQRT] = 5, [DM_OP_RSQRT3] = 6, [DM_OP_ADD] = 1,  [DM_OP_SUB] = 1,
+         [DM_OP_MUL] = 1,   [DM_OP_DIV] = 5,    [DM_OP_MIN] = 1,  [DM_OP_MAX] = 1,
+         [DM_OP_WHERE] = 2, [DM_OP_FMA] = 1,    [DM_OP_FMS] = 1,  [DM_OP_FNMA] = 1};
     uint32_t sum = 0;
     for (int op = DM_OP_NEG; op < DM_OP_COUNT; op++)
         sum += counts[op] * (cycles[op] ? cycles[op] : 20);
@@ -43,12 +43,11 @@ typedef struct {
 } search;
 
 /* one pass over `now`; its cost, or UINT64_MAX where it failed. An expanding pass leaves products
-** to the next one, which takes them apart anyway. */
+ * to the next one, which takes them apart anyway. */
 static uint64_t pass(search *x, int expand) {
     dm_terms s;
     dm_arena *scratch = dm_arena_scratch(x->g->arena);
-    dm_scaled *value =
-        scratch ? dm_arena_take(scratch, (x->m + 1) * sizeof *value) : NULL;
+    dm_scaled *value = scratch ? dm_arena_take(scratch, (x->m + 1) * sizeof *value) : NULL;
     if (!value) dm_graph_fail(x->g, DM_NO_MEMORY);
     if (!value || !dm_terms_open(&s, x->g, x->operations, scratch)) return UINT64_MAX;
     if (!dm_terms_read(&s, x->now, x->m, value)) return UINT64_MAX;
@@ -67,7 +66,7 @@ static uint64_t patience(uint64_t own) {
 }
 
 /* passes from the roots on, each over what the one before left, as long as they help and are
-** not far behind the best; costs of the expanded road count `percent` */
+ * not far behind the best; costs of the expanded road count `percent` */
 static void follow(search *x, const dm_node *roots, int expand, uint32_t percent) {
     const uint64_t far = expand ? 140 : 105; /* percent of the best */
     uint64_t before = UINT64_MAX;
@@ -87,8 +86,7 @@ static void follow(search *x, const dm_node *roots, int expand, uint32_t percent
 }
 
 /* the cheapest form found; the expanded ones counted at `favour` percent of their cost */
-static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favour,
-                    dm_node *out) {
+static void compact(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t favour, dm_node *out) {
     search x = {.g = g, .m = m, .kept = dm_graph_size(g)};
     dm_node *start = dm_arena_take(g->arena, (m + 1) * sizeof *start);
     if (out != roots) memcpy(out, roots, m * sizeof *out);
@@ -133,8 +131,7 @@ static int has_inverse_roots(dm_graph *g, uint32_t end) {
 static dm_node by_inverse(dm_graph *g, dm_node u) {
     const dm_node inverse = dm_node_plain(g, DM_OP_RSQRT, u, 0, 0);
     const dm_node bound = dm_constant(g, 1e300);
-    return dm_node_plain(g, DM_OP_MUL, u, dm_node_plain(g, DM_OP_MIN, inverse, bound, 0),
-                         0);
+    return dm_node_plain(g, DM_OP_MUL, u, dm_node_plain(g, DM_OP_MIN, inverse, bound, 0), 0);
 }
 
 static void replace_roots(dm_graph *g, dm_node *roots, uint32_t m) {
@@ -174,8 +171,7 @@ typedef struct {
 } visit;
 
 /* copy what is below n, operands first; copied[] is the number in h plus one */
-static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack,
-                       dm_node *copied) {
+static void copy_below(dm_graph *h, const dm_graph *g, dm_node top, visit *stack, dm_node *copied) {
     uint32_t depth = 0;
     if (!copied[top]) stack[depth++] = (visit){top, 0};
     while (depth > 0) {
@@ -212,8 +208,7 @@ dm_graph *dm_graph_copy(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *
     return h->status == DM_OK ? h : NULL;
 }
 
-static dm_graph *compact_graph(dm_graph *g, const dm_node *roots, uint32_t m,
-                               dm_node *out) {
+static dm_graph *compact_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     dm_graph *h = g->status == DM_OK ? dm_graph_copy(g, roots, m, out) : NULL;
     if (!h) return NULL;
     const uint32_t size = h->size;
@@ -231,8 +226,7 @@ typedef struct dm_compacted {
     const dm_node *roots, *out;
 } compacted;
 
-static const compacted *find_compacted(const dm_graph *g, const dm_node *roots,
-                                       uint32_t m) {
+static const compacted *find_compacted(const dm_graph *g, const dm_node *roots, uint32_t m) {
     const compacted *c = g->compacted;
     while (c && (c->m != m || c->verbatim != g->verbatim ||
                  memcmp(c->roots, roots, m * sizeof *roots) != 0))
@@ -240,7 +234,8 @@ static const compacted *find_compacted(const dm_graph *g, const dm_node *roots,
     return c;
 }
 
-/* before `out` is written, which may be the same array; NULL without memory, and then nothing is kept */
+/* before `out` is written, which may be the same array; NULL without memory, and then nothing is
+ * kept */
 static dm_node *copy_roots(dm_graph *g, const dm_node *roots, uint32_t m) {
     dm_node *both = dm_arena_take(g->arena, 2 * (size_t)m * sizeof *both);
     if (both) memcpy(both, roots, m * sizeof *both);

@@ -7,10 +7,11 @@
 typedef struct {
     dm_graph *from, *to;
     uint32_t *
-        uses; /* of every node of `from`: by others, and of a product by sums that would take it in */
+        /* of every node of `from`: by others, and of a product by sums that would take it in */
+        uses;
     uint32_t *taken;
     int differences; /* take products into these, too, and products of several sums into each */
-    dm_node *copy; /* what stands for it in `to`, once it is made */
+    dm_node *copy;   /* what stands for it in `to`, once it is made */
 } pass;
 
 static int is_product(const pass *p, dm_node n) {
@@ -21,7 +22,8 @@ static int may_take(const pass *p, const dm_expr *e) {
     return e->op == DM_OP_ADD || (p->differences && e->op == DM_OP_SUB);
 }
 
-/* which operand of a sum is a product to be taken in, one that is used once, or else the second rather; -1: none */
+/* which operand of a sum is a product to be taken in, one that is used once, or else the second
+ * rather; -1: none */
 static int product_of(const pass *p, const dm_expr *e) {
     int found = -1;
     for (int k = 0; k < 2 && may_take(p, e); k++) {
@@ -72,8 +74,7 @@ static dm_node copy_of(pass *p, dm_node n) {
 static dm_graph *contract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out,
                           int differences) {
     const uint32_t end = dm_mark(g, roots, m);
-    pass p = {
-        .from = g, .to = dm_graph_new(g->arena, g->inputs), .differences = differences};
+    pass p = {.from = g, .to = dm_graph_new(g->arena, g->inputs), .differences = differences};
     p.uses = dm_arena_take(g->arena, 2 * (end + (size_t)1) * sizeof *p.uses);
     p.taken = p.uses + end + 1;
     p.copy = dm_arena_take(g->arena, (end + (size_t)1) * sizeof *p.copy);

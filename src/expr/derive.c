@@ -1,9 +1,8 @@
-/*
-** Derivatives as nodes. A reverse sweep carries df/dn ("bar") from f down to the inputs, a forward sweep dn/dx
-** ("dot") from one input up to the results, by the local rules of derive_rules.c. A sweep goes only where something
-** is to be done: one bit a node, in order of number, so that a row or column of a large sparse matrix costs what
-** stands in it and not a look at every node.
-*/
+/* Derivatives as nodes. A reverse sweep carries df/dn ("bar") from f down to the inputs, a
+ * forward sweep dn/dx ("dot") from one input up to the results, by the local rules of
+ * derive_rules.c. A sweep goes only where something is to be done: one bit a node, in order of
+ * number, so that a row or column of a large sparse matrix costs what stands in it and not a
+ * look at every node. */
 #include "expr/derive.h"
 
 #include "expr/analyse.h"
@@ -109,20 +108,17 @@ static void reverse(sweep *s, dm_graph *g, dm_node f, dm_node *out) {
 /* the last gradient is asked for again by who compiles what somebody else has looked at */
 static int is_last(const dm_graph *g, dm_node f, uint32_t first, uint32_t n) {
     const dm_gradient_kept *last = &g->gradient;
-    return g->status == DM_OK && last->of && last->f == f && last->first == first &&
-           last->n == n;
+    return g->status == DM_OK && last->of && last->f == f && last->first == first && last->n == n;
 }
 
-static void keep_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n,
-                          const dm_node *out) {
+static void keep_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, const dm_node *out) {
     dm_node *of = dm_arena_take(g->arena, n * sizeof *of);
     if (!of || g->status != DM_OK || g->verbatim) return;
     memcpy(of, out, n * sizeof *of);
     g->gradient = (dm_gradient_kept){f, first, n, of};
 }
 
-static void gradient_of(dm_graph *g, dm_node f, uint32_t first, uint32_t n,
-                        dm_node *out) {
+static void gradient_of(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *out) {
     sweep s;
     if (is_last(g, f, first, n)) {
         memcpy(out, g->gradient.of, n * sizeof *out);
@@ -138,12 +134,12 @@ void dm_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *ou
     gradient_of(g, dm_compact_source(g, f), first, n, out);
 }
 
-static void jacobian_by_rows(sweep *s, dm_graph *g, const dm_node *f, uint32_t m,
-                             dm_node *out) {
+static void jacobian_by_rows(sweep *s, dm_graph *g, const dm_node *f, uint32_t m, dm_node *out) {
     for (uint32_t i = 0; i < m; i++) reverse(s, g, f[i], out + (size_t)i * s->n);
 }
 
-/* what uses n, of all that f is made of and that is active: user[start[n]], ..., user[start[n + 1] - 1] */
+/* what uses n, of all that f is made of and that is active: user[start[n]], ..., user[start[n +
+ * 1] - 1] */
 typedef struct {
     uint32_t *start;
     dm_node *user;
@@ -193,8 +189,7 @@ static void forward(sweep *s, dm_graph *g, const users *u, uint32_t end, dm_node
         }
 }
 
-static void jacobian_by_columns(sweep *s, dm_graph *g, const dm_node *f, uint32_t m,
-                                dm_node *out) {
+static void jacobian_by_columns(sweep *s, dm_graph *g, const dm_node *f, uint32_t m, dm_node *out) {
     users u;
     const uint32_t end = dm_mark(g, f, m);
     memset(out, 0, (size_t)m * s->n * sizeof *out);
@@ -216,8 +211,7 @@ static int all_constant(const dm_graph *g, const dm_node *nodes, size_t count) {
 }
 
 /* operations for f and its derivatives together: what a kernel of both has to do */
-static uint32_t cost(dm_graph *g, dm_node *all, uint32_t m, const dm_node *d,
-                     size_t count) {
+static uint32_t cost(dm_graph *g, dm_node *all, uint32_t m, const dm_node *d, size_t count) {
     memcpy(all + m, d, count * sizeof *d);
     return dm_operations(g, all, m + (uint32_t)count);
 }
@@ -234,7 +228,7 @@ void dm_jacobian(dm_graph *g, const dm_node *f, uint32_t m, uint32_t first, uint
     memcpy(all, f, m * sizeof *all);
     jacobian_by_rows(&s, g, f, m, out);
     if (all_constant(g, out, count)) return; /* as of a constant mass: nothing is less */
-    if (dm_has_roots(g, f, m)) return; /* whose rules are those of a reverse sweep */
+    if (dm_has_roots(g, f, m)) return;       /* whose rules are those of a reverse sweep */
     jacobian_by_columns(&s, g, f, m, other);
     if (g->status == DM_OK && cost(g, all, m, other, count) < cost(g, all, m, out, count))
         memcpy(out, other, count * sizeof *out);

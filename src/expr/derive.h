@@ -12,7 +12,7 @@ void dm_jacobian(dm_graph *g, const dm_node *f, uint32_t m, uint32_t first, uint
                  dm_node *out);
 
 /* gradient[n] and hessian[n*n] (symmetric, same node at (i,j) and (j,i)) of f in the inputs
-** first .. first+n-1; both orders of differentiation are tried, the smaller kept. */
+ * first .. first+n-1; both orders of differentiation are tried, the smaller kept. */
 void dm_hessian(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *gradient,
                 dm_node *hessian);
 

@@ -1,8 +1,6 @@
-/*
-** The local rules of derivatives: what operand k of a node gets of df/dn, or gives to dn/dx. Results reuse the
-** node itself where they can: d sqrt(u) = du / (2 sqrt(u)). A branch that is not taken adds nothing, even where
-** its derivative is not finite.
-*/
+/* The local rules of derivatives: what operand k of a node gets of df/dn, or gives to dn/dx.
+ * Results reuse the node itself where they can: d sqrt(u) = du / (2 sqrt(u)). A branch that is
+ * not taken adds nothing, even where its derivative is not finite. */
 #include "expr/derive_inside.h"
 #include "expr/nodes.h"
 
@@ -27,8 +25,8 @@ static dm_node inverse(dm_graph *g, dm_node a) {
     return dm_div(g, one(g), a);
 }
 
-/* a + b for derivatives: what stands under the same condition stays together, so that the side that is
-** not taken stays zero */
+/* a + b for derivatives: what stands under the same condition stays together, so that the side
+ * that is not taken stays zero */
 dm_node dm_derive_join(dm_graph *g, dm_node a, dm_node b) {
     const dm_expr x = *dm_at(g, a), y = *dm_at(g, b);
     if (!a || !b) return a ? a : b;
@@ -47,8 +45,7 @@ static int vanishes(const dm_graph *g, dm_node n, int depth) {
     if (n == 0) return 1;
     if (depth == 0) return 0;
     if (e->op == DM_OP_WHERE)
-        return vanishes(g, e->as.arg[1], depth - 1) ||
-               vanishes(g, e->as.arg[2], depth - 1);
+        return vanishes(g, e->as.arg[1], depth - 1) || vanishes(g, e->as.arg[2], depth - 1);
     return e->op == DM_OP_ADD && vanishes(g, e->as.arg[0], depth - 1) &&
            vanishes(g, e->as.arg[1], depth - 1);
 }
@@ -199,7 +196,8 @@ dm_node dm_derive_share(dm_graph *g, dm_node n, int k, dm_node factor) {
     return k == c.no ? dm_apply(g, DM_OP_WHERE, c.condition, 0, factor) : 0;
 }
 
-/* what is taken away need not be negated first, nor a square looked at twice: all squares of a sum share 2 factor */
+/* what is taken away need not be negated first, nor a square looked at twice: all squares of a
+ * sum share 2 factor */
 dm_node dm_derive_pass(dm_graph *g, dm_node n, int k, dm_node factor, dm_node held) {
     const dm_expr e = *dm_at(g, n);
     const int square = e.op == DM_OP_MUL && e.as.arg[0] == e.as.arg[1];

@@ -64,9 +64,8 @@ static void operand(const writer *w, dm_node n) {
 
 /* the C text of an operation with %a, %b, %c filled in */
 static void operation(const writer *w, const dm_expr *e) {
-    static const char *const twice[DM_OP_COUNT] = {[DM_OP_FMA] = "%a * %b + %c",
-                                                   [DM_OP_FMS] = "%a * %b - %c",
-                                                   [DM_OP_FNMA] = "%c - %a * %b"};
+    static const char *const twice[DM_OP_COUNT] =
+        {[DM_OP_FMA] = "%a * %b + %c", [DM_OP_FMS] = "%a * %b - %c", [DM_OP_FNMA] = "%c - %a * %b"};
     const char *apart = dm_fma_is_fused() ? NULL : twice[e->op];
     for (const char *c = apart ? apart : c_text[e->op]; *c; c++) {
         if (*c == '%')

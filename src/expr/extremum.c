@@ -21,9 +21,9 @@ const dm_extremum *dm_extremum_find(const dm_graph *g, dm_node value) {
     return e;
 }
 
-/* H[w*w], w = n + m, of which the first n rows and columns become those of the Schur complement of the last m */
-static void complement(dm_graph *g, dm_node *H, uint32_t n, uint32_t m, dm_node *A,
-                       dm_node *x) {
+/* H[w*w], w = n + m, of which the first n rows and columns become those of the Schur complement
+ * of the last m */
+static void complement(dm_graph *g, dm_node *H, uint32_t n, uint32_t m, dm_node *A, dm_node *x) {
     const size_t w = (size_t)n + m;
     for (uint32_t j = 0; j < n; j++) {
         for (uint32_t a = 0; a < m; a++) {
@@ -33,12 +33,12 @@ static void complement(dm_graph *g, dm_node *H, uint32_t n, uint32_t m, dm_node 
         dm_graph_solve(g, A, x, m, 1);
         for (uint32_t i = 0; i <= j; i++)
             for (uint32_t a = 0; a < m; a++)
-                H[i * w + j] =
-                    dm_subtract_product(g, H[i * w + j], H[i * w + n + a], x[a]);
+                H[i * w + j] = dm_subtract_product(g, H[i * w + j], H[i * w + n + a], x[a]);
     }
 }
 
-/* gradient[n] and the upper half of hessian[n*n], one after the other, as nodes of e->of; returns how many */
+/* gradient[n] and the upper half of hessian[n*n], one after the other, as nodes of e->of;
+ * returns how many */
 static uint32_t collect(const dm_extremum *e, dm_node *out, const dm_node *gradient,
                         const dm_node *H) {
     const size_t w = (size_t)e->n + e->m;
@@ -53,15 +53,12 @@ static uint32_t collect(const dm_extremum *e, dm_node *out, const dm_node *gradi
 static void inputs_of(dm_graph *g, const dm_extremum *e, dm_node *with) {
     for (uint32_t i = 0; i < e->n; i++) with[i] = dm_input(g, i);
     memcpy(with + e->n, e->y, e->m * sizeof *with);
-    for (uint32_t i = e->n; i + e->m < dm_graph_inputs(e->of); i++)
-        with[i + e->m] = dm_input(g, i);
+    for (uint32_t i = e->n; i + e->m < dm_graph_inputs(e->of); i++) with[i + e->m] = dm_input(g, i);
 }
 
-void dm_extremum_derive(dm_graph *g, const dm_extremum *e, dm_node *gradient,
-                        dm_node *hessian) {
+void dm_extremum_derive(dm_graph *g, const dm_extremum *e, dm_node *gradient, dm_node *hessian) {
     const uint32_t n = e->n, m = e->m, w = n + m, inputs = dm_graph_inputs(e->of);
-    const size_t count =
-        (size_t)w * w + 2 * (size_t)w + m * (m + 1) + 2 * (n + n * (size_t)n);
+    const size_t count = (size_t)w * w + 2 * (size_t)w + m * (m + 1) + 2 * (n + n * (size_t)n);
     dm_node *all = dm_arena_take(g->arena, (count + inputs) * sizeof *all);
     memset(gradient, 0, n * sizeof *gradient);
     memset(hessian, 0, (size_t)n * n * sizeof *hessian);
@@ -69,8 +66,7 @@ void dm_extremum_derive(dm_graph *g, const dm_extremum *e, dm_node *gradient,
         dm_graph_fail(g, DM_NO_MEMORY);
         return;
     }
-    dm_node *G = all + inputs, *H = G + w, *A = H + (size_t)w * w, *x = A + m * m,
-            *out = x + m;
+    dm_node *G = all + inputs, *H = G + w, *A = H + (size_t)w * w, *x = A + m * m, *out = x + m;
     dm_hessian(e->of, e->f, 0, w, G, H);
     complement(e->of, H, n, m, A, x);
     const uint32_t made = collect(e, out, G, H);

@@ -1,8 +1,7 @@
-/*
-** extremum.h - a function of x that is f(x, y) at the y for which f is stationary. Where y has a formula
-** the value is a node like any other; what is kept beside the graph is f, for smaller derivatives: by the envelope
-** property the gradient is f_x, and the Hessian f_xx - f_xy f_yy^-1 f_yx, both at that y.
-*/
+/* extremum.h - a function of x that is f(x, y) at the y for which f is stationary. Where y has a
+ * formula the value is a node like any other; what is kept beside the graph is f, for smaller
+ * derivatives: by the envelope property the gradient is f_x, and the Hessian f_xx - f_xy f_yy^-1
+ * f_yx, both at that y. */
 #ifndef DM_EXTREMUM_H
 #define DM_EXTREMUM_H
 
@@ -24,7 +23,6 @@ void dm_extremum_keep(dm_graph *g, const dm_extremum *e);
 const dm_extremum *dm_extremum_find(const dm_graph *g, dm_node value);
 
 /* gradient[n], hessian[n*n] (symmetric) of e->value as nodes of g. */
-void dm_extremum_derive(dm_graph *g, const dm_extremum *e, dm_node *gradient,
-                        dm_node *hessian);
+void dm_extremum_derive(dm_graph *g, const dm_extremum *e, dm_node *gradient, dm_node *hessian);
 
 #endif

@@ -4,15 +4,15 @@
 
 #include <math.h>
 
-const double dm_exp_powers[2][16] __attribute__((aligned(64))) = {
-    {EXP_POWERS, EXP_LATER_POWERS}, {EXP_LOWS, EXP_LATER_LOWS}};
+const double dm_exp_powers[2][16]
+    __attribute__((aligned(64))) = {{EXP_POWERS, EXP_LATER_POWERS}, {EXP_LOWS, EXP_LATER_LOWS}};
 
 typedef double one(double x);
 typedef double two(double x, double *cosine);
 
-#define FUNCTION(name, op)                                                               \
-    double dm_##name(double x) {                                                         \
-        return ((one *)dm_function_for(op, 1))(x);                                       \
+#define FUNCTION(name, op)                                                                         \
+    double dm_##name(double x) {                                                                   \
+        return ((one *)dm_function_for(op, 1))(x);                                                 \
     }
 FUNCTION(exp, DM_OP_EXP)
 FUNCTION(log, DM_OP_LOG)

@@ -89,14 +89,10 @@ TARGET static double sincos_of(double x, double *cosine) {
 
 dm_function *dm_own_function1(int op) {
     static dm_function *const table[DM_OP_COUNT] = {
-        [DM_OP_EXP] = (dm_function *)exp_of,
-        [DM_OP_LOG] = (dm_function *)log_of,
-        [DM_OP_SIN] = (dm_function *)sin_of,
-        [DM_OP_COS] = (dm_function *)cos_of,
-        [DM_OP_TAN] = (dm_function *)tan_of,
-        [DM_OP_SINH] = (dm_function *)sinh_of,
-        [DM_OP_COSH] = (dm_function *)cosh_of,
-        [DM_OP_TANH] = (dm_function *)tanh_of,
+        [DM_OP_EXP] = (dm_function *)exp_of,         [DM_OP_LOG] = (dm_function *)log_of,
+        [DM_OP_SIN] = (dm_function *)sin_of,         [DM_OP_COS] = (dm_function *)cos_of,
+        [DM_OP_TAN] = (dm_function *)tan_of,         [DM_OP_SINH] = (dm_function *)sinh_of,
+        [DM_OP_COSH] = (dm_function *)cosh_of,       [DM_OP_TANH] = (dm_function *)tanh_of,
         [DM_OP_CONSTANT] = (dm_function *)sincos_of,
     };
     return table[op];

@@ -48,11 +48,11 @@ INLINE real times_power(real y, real k) {
 /* through memory: how vectors are passed depends on the compiler's switches */
 typedef real anywhere __attribute__((aligned(8)));
 
-#define IN_LANES(f)                                                                      \
-    TARGET static void f##_in_lanes(anywhere *d, anywhere *d2, const anywhere *a,        \
-                                    const anywhere *b) {                                 \
-        (void)d2, (void)b;                                                               \
-        *d = f(*a);                                                                      \
+#define IN_LANES(f)                                                                                \
+    TARGET static void f##_in_lanes(anywhere *d, anywhere *d2, const anywhere *a,                  \
+                                    const anywhere *b) {                                           \
+        (void)d2, (void)b;                                                                         \
+        *d = f(*a);                                                                                \
     }
 IN_LANES(exponentials)
 IN_LANES(logarithms)
@@ -63,8 +63,7 @@ IN_LANES(hyperbolic_sines)
 IN_LANES(hyperbolic_cosines)
 IN_LANES(hyperbolic_tangents)
 
-TARGET static void both_in_lanes(anywhere *s, anywhere *c, const anywhere *a,
-                                 const anywhere *b) {
+TARGET static void both_in_lanes(anywhere *s, anywhere *c, const anywhere *a, const anywhere *b) {
     real cosine;
     (void)b;
     *s = both(*a, &cosine);

@@ -1,12 +1,12 @@
-/* functions_entry.h - behind functions_text.h: the functions of a width, as its file calls them. Angles beyond 2^30 go to the C library, one by one, in every width. */
+/* functions_entry.h - behind functions_text.h: the functions of a width, as its file calls them.
+ * Angles beyond 2^30 go to the C library, one by one, in every width. */
 
 #include "expr/functions_hyperbolic.h"
 
 #define LARGEST_ANGLE 0x1p30
 
 /* where(large, f(x), y) lane by lane */
-TARGET __attribute__((noinline, cold)) static real by_library(real x, real y,
-                                                              double f(double)) {
+TARGET __attribute__((noinline, cold)) static real by_library(real x, real y, double f(double)) {
     for (size_t i = 0; i < sizeof x / sizeof(double); i++)
         if (!(fabs(x[i]) <= LARGEST_ANGLE)) y[i] = f(x[i]);
     return y;

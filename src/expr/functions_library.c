@@ -4,13 +4,13 @@
 
 #include <math.h>
 
-#define CALLS(X)                                                                         \
-    X(EXP, exp)                                                                          \
-    X(LOG, log)                                                                          \
-    X(SIN, sin)                                                                          \
-    X(COS, cos)                                                                          \
-    X(TAN, tan)                                                                          \
-    X(ASIN, asin)                                                                        \
+#define CALLS(X)                                                                                   \
+    X(EXP, exp)                                                                                    \
+    X(LOG, log)                                                                                    \
+    X(SIN, sin)                                                                                    \
+    X(COS, cos)                                                                                    \
+    X(TAN, tan)                                                                                    \
+    X(ASIN, asin)                                                                                  \
     X(ACOS, acos) X(ATAN, atan) X(SINH, sinh) X(COSH, cosh) X(TANH, tanh)
 
 static double sine_and_cosine(double x, double *cosine) {
@@ -30,20 +30,20 @@ dm_function *dm_library_function1(int op) {
     return table[op];
 }
 
-#define ONE(n, f)                                                                        \
-    static void f##_in_##n(double *d, double *d2, const double *a, const double *b) {    \
-        (void)d2, (void)b;                                                               \
-        for (int i = 0; i < n; i++) d[i] = f(a[i]);                                      \
+#define ONE(n, f)                                                                                  \
+    static void f##_in_##n(double *d, double *d2, const double *a, const double *b) {              \
+        (void)d2, (void)b;                                                                         \
+        for (int i = 0; i < n; i++) d[i] = f(a[i]);                                                \
     }
-#define TWO(n, f)                                                                        \
-    static void f##_in_##n(double *d, double *d2, const double *a, const double *b) {    \
-        (void)d2;                                                                        \
-        for (int i = 0; i < n; i++) d[i] = f(a[i], b[i]);                                \
+#define TWO(n, f)                                                                                  \
+    static void f##_in_##n(double *d, double *d2, const double *a, const double *b) {              \
+        (void)d2;                                                                                  \
+        for (int i = 0; i < n; i++) d[i] = f(a[i], b[i]);                                          \
     }
-#define BOTH(n)                                                                          \
-    static void sincos_in_##n(double *s, double *c, const double *a, const double *b) {  \
-        (void)b;                                                                         \
-        for (int i = 0; i < n; i++) sincos(a[i], s + i, c + i);                          \
+#define BOTH(n)                                                                                    \
+    static void sincos_in_##n(double *s, double *c, const double *a, const double *b) {            \
+        (void)b;                                                                                   \
+        for (int i = 0; i < n; i++) sincos(a[i], s + i, c + i);                                    \
     }
 #define X(name, f) ONE(4, f) ONE(8, f)
 CALLS(X)
@@ -57,22 +57,20 @@ BOTH(8)
 
 dm_function *dm_library_function4(int op) {
 #define X(name, f) [DM_OP_##name] = (dm_function *)f##_in_4,
-    static dm_function *const table[DM_OP_COUNT] = {
-        [DM_OP_CONSTANT] = (dm_function *)sincos_in_4,
-        [DM_OP_POW] = (dm_function *)pow_in_4,
-        [DM_OP_ATAN2] = (dm_function *)atan2_in_4,
-        CALLS(X)};
+    static dm_function *const table[DM_OP_COUNT] = {[DM_OP_CONSTANT] = (dm_function *)sincos_in_4,
+                                                    [DM_OP_POW] = (dm_function *)pow_in_4,
+                                                    [DM_OP_ATAN2] = (dm_function *)atan2_in_4,
+                                                    CALLS(X)};
 #undef X
     return table[op];
 }
 
 dm_function *dm_library_function8(int op) {
 #define X(name, f) [DM_OP_##name] = (dm_function *)f##_in_8,
-    static dm_function *const table[DM_OP_COUNT] = {
-        [DM_OP_CONSTANT] = (dm_function *)sincos_in_8,
-        [DM_OP_POW] = (dm_function *)pow_in_8,
-        [DM_OP_ATAN2] = (dm_function *)atan2_in_8,
-        CALLS(X)};
+    static dm_function *const table[DM_OP_COUNT] = {[DM_OP_CONSTANT] = (dm_function *)sincos_in_8,
+                                                    [DM_OP_POW] = (dm_function *)pow_in_8,
+                                                    [DM_OP_ATAN2] = (dm_function *)atan2_in_8,
+                                                    CALLS(X)};
 #undef X
     return table[op];
 }

@@ -1,12 +1,12 @@
-/*
-** functions_text.h - elementary functions written once for all widths. A file that includes this says before what
-** `real` (a vector of doubles), `whole` (unsigned 64-bit integers, as many) are, and INLINE, all(c),
-** fused(a, b, c) = a b + c rounded once, smaller and larger(a, b), which give b where one is a NaN, any(mask) and
-** times_power(y, k) = y 2^k, picked(table, n) = the entries of 16 that the low bits of n say. Every width does the same operations in the same order, so a lane has the bits of a single
-** call. What is added last is small, so that the last rounding is nearly the only one. Reduction
-** after Cody & Waite (1980), with products that are exact by fused multiply-add; polynomials are minimax (Remez), their
-** errors relative to the function.
-*/
+/* functions_text.h - elementary functions written once for all widths. A file that includes this
+ * says before what `real` (a vector of doubles), `whole` (unsigned 64-bit integers, as many)
+ * are, and INLINE, all(c), fused(a, b, c) = a b + c rounded once, smaller and larger(a, b),
+ * which give b where one is a NaN, any(mask) and times_power(y, k) = y 2^k, picked(table, n) =
+ * the entries of 16 that the low bits of n say. Every width does the same operations in the same
+ * order, so a lane has the bits of a single call. What is added last is small, so that the last
+ * rounding is nearly the only one. Reduction after Cody & Waite (1980), with products that are
+ * exact by fused multiply-add; polynomials are minimax (Remez), their errors relative to the
+ * function. */
 
 /* 1.5 2^52: adding it rounds to a whole number, which is then in the low bits */
 #define SHIFT 6755399441055744.0
@@ -51,8 +51,7 @@ INLINE real exponential_tail(real r) {
     const real c45 = fused(all(0x1.a01a01b3bc314p-13), r, all(0x1.6c16c16c13564p-10));
     const real c67 = fused(all(0x1.71ddef91216c9p-19), r, all(0x1.a01a01b45dd8dp-16));
     const real c89 = fused(all(0x1.af6cd1891ec5bp-26), r, all(0x1.27e4bf230b4f3p-22));
-    const real high =
-        fused(fused(all(0x1.1f9dfff721344p-29), r2, c89), r4, fused(c67, r2, c45));
+    const real high = fused(fused(all(0x1.1f9dfff721344p-29), r2, c89), r4, fused(c67, r2, c45));
     return r2 * fused(high, r4, fused(c23, r2, c01));
 }
 
@@ -67,8 +66,8 @@ INLINE real between(real x, double least, double most) {
     return smaller(all(most), larger(all(least), x));
 }
 
-/* x = (m + j/16) log 2 + r, |r| < 0.02167: e^x = 2^m 2^(j/16) (1 + r + r^2 p(r)), the powers from a table, p to 2^-56 of the
-** whole; 1.5 2^48 rounds to sixteenths, j is the low bits then */
+/* x = (m + j/16) log 2 + r, |r| < 0.02167: e^x = 2^m 2^(j/16) (1 + r + r^2 p(r)), the powers
+ * from a table, p to 2^-56 of the whole; 1.5 2^48 rounds to sixteenths, j is the low bits then */
 INLINE real exponential(real x) {
     const real y = between(x, -746.0, 710.0);
     const real t = fused(y, all(0x1.71547652b82fep+0), all(SIXTEENTHS));
@@ -82,7 +81,8 @@ INLINE real exponential(real x) {
     return times_power(high + fused(high, fused(p, r2, r), low), m);
 }
 
-/* ---- log: x = 2^k (1 + f), s = f/(2 + f), log(1 + f) = 2 s + 2/3 s^3 + ...; the tail to 2^-58 ---- */
+/* ---- log: x = 2^k (1 + f), s = f/(2 + f), log(1 + f) = 2 s + 2/3 s^3 + ...; the tail to 2^-58
+ * ---- */
 
 INLINE real logarithm_tail(real z) {
     const real z2 = z * z;
@@ -96,8 +96,8 @@ INLINE real logarithm_tail(real z) {
 INLINE real logarithm_of_normal(real x, real offset) {
     const whole root = (whole)all(0x1.6a09e667f3bcdp-1), one = (whole)all(1.0);
     const whole bits = (whole)x;
-    const whole power = (bits - root + one) &
-                        (whole)all(-INFINITY); /* exponent of x/sqrt(1/2), in place */
+    const whole power =
+        (bits - root + one) & (whole)all(-INFINITY); /* exponent of x/sqrt(1/2), in place */
     const real f = (real)(bits - power + one) - 1.0;
     /* the biased exponent as the low bits of 2^52 + exponent */
     const real k = (real)((power >> 52) | (whole)all(0x1p52)) - offset;
@@ -109,9 +109,8 @@ INLINE real logarithm_of_normal(real x, real offset) {
 /* of any x, the same bits */
 INLINE real logarithm(real x) {
     const whole tiny = (whole)(x < 0x1p-1022);
-    const real y =
-        logarithm_of_normal(choose(tiny, x * 0x1p54, x),
-                            choose(tiny, all(0x1p52 + 1077.0), all(0x1p52 + 1023.0)));
+    const real y = logarithm_of_normal(choose(tiny, x * 0x1p54, x),
+                                       choose(tiny, all(0x1p52 + 1077.0), all(0x1p52 + 1023.0)));
     const real low_end = choose((whole)(x == 0.0), all(-INFINITY), all(NAN));
     return choose((whole)(x < INFINITY), choose((whole)(x > 0.0), y, low_end), x);
 }
@@ -119,13 +118,12 @@ INLINE real logarithm(real x) {
 /* ---- sine and cosine: x = k pi/2 + r + low, |r| < 0.7856 ---- */
 
 typedef struct {
-    real sine, cosine, sine_low,
-        cosine_low; /* of r + low; the low parts are what rounding lost */
-    whole quadrant; /* k */
+    real sine, cosine, sine_low, cosine_low; /* of r + low; the low parts are what rounding lost */
+    whole quadrant;                          /* k */
 } angle;
 
-/* p = k pi/2's second part has an error of its own; |exact| is a multiple of the last place of p, so that
-** (exact - r) - p is what rounding lost in r */
+/* p = k pi/2's second part has an error of its own; |exact| is a multiple of the last place of
+ * p, so that (exact - r) - p is what rounding lost in r */
 INLINE angle reduced(real x) {
     const real t = fused(x, all(0x1.45f306dc9c883p-1), all(SHIFT)), k = t - SHIFT;
     const real exact = fused(k, all(-HALF_PI_1), x), p = k * HALF_PI_2, r = exact - p;
@@ -142,11 +140,9 @@ INLINE angle reduced(real x) {
     const real sine_rest =
         fused(z * r, fused(fused(s45, z2, s23), z2, s01), fused(-half, low, low));
     const real quartic = z2 * fused(fused(c45, z2, c23), z2, c01);
-    const real cosine_rest =
-        ((1.0 - main) - half) + (quartic - fused(r, low, 0.5 * z_low));
+    const real cosine_rest = ((1.0 - main) - half) + (quartic - fused(r, low, 0.5 * z_low));
     const real sine = r + sine_rest, cosine = main + cosine_rest;
-    return (angle){sine, cosine, (r - sine) + sine_rest, (main - cosine) + cosine_rest,
-                   (whole)t};
+    return (angle){sine, cosine, (r - sine) + sine_rest, (main - cosine) + cosine_rest, (whole)t};
 }
 
 INLINE whole is_odd(whole quadrant) {
@@ -176,8 +172,8 @@ INLINE ratio quotient(real a, real a_low, real b, real b_low) {
 
 INLINE real tangent_of(const angle *a) {
     const whole odd = is_odd(a->quadrant);
-    const ratio q = quotient(
-        choose(odd, a->cosine, a->sine), choose(odd, a->cosine_low, a->sine_low),
-        choose(odd, a->sine, a->cosine), choose(odd, a->sine_low, a->cosine_low));
+    const ratio q =
+        quotient(choose(odd, a->cosine, a->sine), choose(odd, a->cosine_low, a->sine_low),
+                 choose(odd, a->sine, a->cosine), choose(odd, a->sine_low, a->cosine_low));
     return turned(q.high + q.low, odd);
 }

@@ -61,11 +61,9 @@ dm_node dm_graph_fail(dm_graph *g, dm_status why) {
 static int grow(dm_graph *g, size_t want) {
     const size_t held = g->capacity;
     if (held >= DM_GRAPH_LIMIT) return dm_graph_fail(g, DM_TOO_LARGE), 0;
-    dm_expr *nodes =
-        dm_arena_grow(g->arena, g->nodes, held * sizeof *nodes, want * sizeof *nodes);
+    dm_expr *nodes = dm_arena_grow(g->arena, g->nodes, held * sizeof *nodes, want * sizeof *nodes);
     if (nodes) g->nodes = nodes;
-    uint32_t *mark =
-        dm_arena_grow(g->arena, g->mark, held * sizeof *mark, want * sizeof *mark);
+    uint32_t *mark = dm_arena_grow(g->arena, g->mark, held * sizeof *mark, want * sizeof *mark);
     uint8_t *nonnegative = dm_arena_grow(g->arena, g->nonnegative, held, want);
     if (mark) g->mark = mark;
     if (nonnegative) g->nonnegative = nonnegative;
@@ -140,8 +138,7 @@ dm_node dm_node_find(dm_graph *g, const dm_expr *e) {
 static dm_node *place_of_input(dm_graph *g, uint32_t i) {
     if (i >= g->leaves) {
         const size_t held = g->leaves, want = g->inputs + (size_t)1;
-        dm_node *leaf =
-            dm_arena_grow(g->arena, g->leaf, held * sizeof *leaf, want * sizeof *leaf);
+        dm_node *leaf = dm_arena_grow(g->arena, g->leaf, held * sizeof *leaf, want * sizeof *leaf);
         if (!leaf) return dm_graph_fail(g, DM_NO_MEMORY), NULL;
         memset(leaf + held, 0, (want - held) * sizeof *leaf);
         g->leaf = leaf;
@@ -174,8 +171,7 @@ dm_node dm_node_make(dm_graph *g, const dm_expr *e) {
 }
 
 dm_node dm_node_copy(dm_graph *g, const dm_expr *e, uint8_t nonnegative) {
-    if (e->op == DM_OP_INPUT || g->status != DM_OK || is_zero(e))
-        return dm_node_make(g, e);
+    if (e->op == DM_OP_INPUT || g->status != DM_OK || is_zero(e)) return dm_node_make(g, e);
     if (g->size == g->capacity && !grow(g, 2 * (size_t)g->capacity)) return 0;
     return append(g, e, nonnegative);
 }
@@ -244,8 +240,7 @@ uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m) {
         pending += mark_one(g, roots[i]);
         if (roots[i] >= end) end = roots[i] + 1;
     }
-    for (uint32_t n = end;
-         pending && n-- > 0;) { /* users have larger numbers than operands */
+    for (uint32_t n = end; pending && n-- > 0;) { /* users have larger numbers than operands */
         const dm_expr *e = g->nodes + n;
         if (g->mark[n] != g->stamp || !dm_arity(e->op)) continue;
         pending--;

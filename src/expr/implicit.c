@@ -1,4 +1,5 @@
-/* implicit.c - implicit functions: made with their derivatives, kept by graphs, written as chains of nodes. */
+/* implicit.c - implicit functions: made with their derivatives, kept by graphs, written as
+ * chains of nodes. */
 #include "expr/implicit.h"
 
 #include "expr/compact.h"
@@ -161,8 +162,8 @@ static int find_bend(dm_implicit *f, dm_node *bend) {
 }
 
 /* the nodes of the draft in the graph of f */
-static void transplant(dm_implicit *f, const dm_implicit_draft *d, const dm_node *from,
-                       uint32_t m, dm_node *to) {
+static void transplant(dm_implicit *f, const dm_implicit_draft *d, const dm_node *from, uint32_t m,
+                       dm_node *to) {
     dm_node with[DM_ROOT_MOST + 1], *all = with;
     const uint32_t inputs = d->unknowns + d->inputs;
     if (!m) return;
@@ -192,8 +193,7 @@ static int fill(dm_implicit *f, const dm_implicit_draft *d, dm_node *nodes) {
     return differentiate(f, equation, slope) && find_bend(f, bend);
 }
 
-dm_implicit *dm_implicit_make(const dm_implicit_draft *d, dm_arena *arena,
-                              dm_status *status) {
+dm_implicit *dm_implicit_make(const dm_implicit_draft *d, dm_arena *arena, dm_status *status) {
     const uint32_t r = d->unknowns, n = d->inputs;
     dm_implicit *f = dm_arena_take(arena, sizeof *f);
     *status = DM_NO_MEMORY;

@@ -1,13 +1,12 @@
-/*
-** implicit.h - functions that are only known by an equation: y(x) with F(y, x) = 0, as nodes of a graph. A leaf
-** DM_OP_IMPLICIT names the function by its serial number, a chain of DM_OP_WITH adds its arguments one by one,
-** DM_OP_ROOT takes entry k of what comes out: of (f, x[n]) the root y, and S at y where F = dS/dy; of
-** (f, x[n], s[r]), with the matrix J = dF/dy at the root, J^-T s and then J^-1 s. So the chain rule
-**   dy = -J^-1 F_x dx,  d(J^-T s) = J^-T (ds - dJ^T J^-T s),  d(J^-1 s) = J^-1 (ds - dJ J^-1 s)
-** closes, and derivatives of any order are made of these nodes. All passes see operations with two operands. A kernel
-** finds the roots first and then does its straight line (dm_root_kernel): y depends on x alone, not on where it
-** was before, since Newton's method begins where the function says; only the last x is kept, with its y.
-*/
+/* implicit.h - functions that are only known by an equation: y(x) with F(y, x) = 0, as nodes of
+ * a graph. A leaf DM_OP_IMPLICIT names the function by its serial number, a chain of DM_OP_WITH
+ * adds its arguments one by one, DM_OP_ROOT takes entry k of what comes out: of (f, x[n]) the
+ * root y, and S at y where F = dS/dy; of (f, x[n], s[r]), with the matrix J = dF/dy at the root,
+ * J^-T s and then J^-1 s. So the chain rule dy = -J^-1 F_x dx,  d(J^-T s) = J^-T (ds - dJ^T J^-T
+ * s),  d(J^-1 s) = J^-1 (ds - dJ J^-1 s) closes, and derivatives of any order are made of these
+ * nodes. All passes see operations with two operands. A kernel finds the roots first and then
+ * does its straight line (dm_root_kernel): y depends on x alone, not on where it was before,
+ * since Newton's method begins where the function says; only the last x is kept, with its y. */
 #ifndef DM_IMPLICIT_H
 #define DM_IMPLICIT_H
 
@@ -60,8 +59,7 @@ typedef struct {
 } dm_implicit_draft;
 
 /* The function with its derivatives, in `arena`; texts are copied. NULL: *status says why. */
-dm_implicit *dm_implicit_make(const dm_implicit_draft *draft, dm_arena *arena,
-                              dm_status *status);
+dm_implicit *dm_implicit_make(const dm_implicit_draft *draft, dm_arena *arena, dm_status *status);
 
 /* The leaf for f in g; g keeps a copy of its own where it has another arena. */
 dm_node dm_implicit_leaf(dm_graph *g, const dm_implicit *f);
@@ -74,7 +72,8 @@ const dm_implicit *dm_implicit_find(const dm_graph *g, double serial);
 dm_node dm_implicit_with(dm_graph *g, dm_node f, const dm_node *a, uint32_t m);
 dm_node dm_implicit_root(dm_graph *g, dm_node with, uint32_t k);
 
-/* What the chain that ends in `with` is: its function (of g's, NULL: none), and a[<= 2 DM_ROOT..] arguments. */
+/* What the chain that ends in `with` is: its function (of g's, NULL: none), and a[<= 2
+ * DM_ROOT..] arguments. */
 uint32_t dm_implicit_length(const dm_graph *g, dm_node with);
 const dm_implicit *dm_implicit_read(const dm_graph *g, dm_node with, dm_node *a);
 
@@ -82,15 +81,17 @@ const dm_implicit *dm_implicit_read(const dm_graph *g, dm_node with, dm_node *a)
 int dm_has_roots(dm_graph *g, const dm_node *roots, uint32_t m);
 
 /* How graphs without implicit functions become kernels: dm_tape_build, for instance. */
-typedef dm_status dm_root_compile(dm_kernel *out, dm_graph *g, const dm_node *roots,
-                                  uint32_t m, dm_arena *arena);
+typedef dm_status dm_root_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                                  dm_arena *arena);
 
-/* out[m] = roots of a graph with implicit functions. The kernel is for one thread. Where a function has no value
-** its outputs are NaN, and its `trouble` says why, if `arena` is that of the graph. */
+/* out[m] = roots of a graph with implicit functions. The kernel is for one thread. Where a
+ * function has no value its outputs are NaN, and its `trouble` says why, if `arena` is that of
+ * the graph. */
 dm_status dm_root_kernel(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
                          dm_root_compile *compile, dm_arena *arena);
 
-/* A function that lately had no value, of g or inside of its functions; NULL: none. forget: begin anew. */
+/* A function that lately had no value, of g or inside of its functions; NULL: none. forget:
+ * begin anew. */
 const dm_implicit *dm_root_troubled(const dm_graph *g);
 void dm_root_forget(const dm_graph *g);
 

@@ -1,9 +1,8 @@
-/*
-** implicit_derive.c - reverse sweeps through implicit functions. Adjoints of all outputs of a chain are gathered at its
-** last link, which comes after them in the sweep, and then go on at once: with a of the root, c of the value,
-**   w = J^-T a,  x gets c S_x - F_x^T w;
-** with b of w = J^-T s and u = J^-1 b: s gets u, and y, x get -d(w^T J u); the same for J^-1 s with w = J^-T b.
-*/
+/* implicit_derive.c - reverse sweeps through implicit functions. Adjoints of all outputs of a
+ * chain are gathered at its last link, which comes after them in the sweep, and then go on at
+ * once: with a of the root, c of the value, w = J^-T a,  x gets c S_x - F_x^T w; with b of w =
+ * J^-T s and u = J^-1 b: s gets u, and y, x get -d(w^T J u); the same for J^-1 s with w = J^-T
+ * b. */
 #include "expr/derive.h"
 #include "expr/derive_inside.h"
 #include "expr/nodes.h"
@@ -37,8 +36,7 @@ static int all_zero(const dm_node *a, uint32_t m) {
 
 /* ---- what has been gathered ---- */
 
-static dm_root_adjoint *gathered(dm_derive_sweep *s, dm_graph *g, dm_node with,
-                                 uint32_t outputs) {
+static dm_root_adjoint *gathered(dm_derive_sweep *s, dm_graph *g, dm_node with, uint32_t outputs) {
     dm_root_adjoint *all = s->roots;
     while (all && all->with != with) all = all->next;
     if (all) return all;
@@ -158,8 +156,7 @@ static void pass_solution(const place *p, dm_node with, dm_node *b, uint32_t fro
     bring(p, p->f->bend, r + n, bend);
     for (uint32_t k = 0; k < r; k++)
         gather(p, p->root, k, guarded(&c, p->g, dm_neg(p->g, bend[k])));
-    for (uint32_t j = 0; j < n; j++)
-        give(p, p->a[j], guarded(&c, p->g, dm_neg(p->g, bend[r + j])));
+    for (uint32_t j = 0; j < n; j++) give(p, p->a[j], guarded(&c, p->g, dm_neg(p->g, bend[r + j])));
 }
 
 /* what the chain is; 0 without memory */

@@ -1,9 +1,8 @@
-/*
-** implicit_kernel.c - kernels of graphs with implicit functions. The graph is cut at them: in a new graph their
-** outputs are inputs behind the others, y[r] and, where products with J^-1 are asked for, its entries [r*r]. For each
-** function and set of arguments, in their order, the kernel finds the arguments and solves; then comes one kernel of
-** that new graph. All parts are made by the same backend, which never sees an implicit function.
-*/
+/* implicit_kernel.c - kernels of graphs with implicit functions. The graph is cut at them: in a
+ * new graph their outputs are inputs behind the others, y[r] and, where products with J^-1 are
+ * asked for, its entries [r*r]. For each function and set of arguments, in their order, the
+ * kernel finds the arguments and solves; then comes one kernel of that new graph. All parts are
+ * made by the same backend, which never sees an implicit function. */
 #include "expr/implicit.h"
 
 #include "expr/derive.h"
@@ -52,15 +51,13 @@ static instance *find(const cut *c, dm_node with) {
 /* links have growing numbers, so that sorting by them sorts by need */
 static instance *insert(cut *c, dm_node with) {
     uint32_t i = c->count++;
-    for (; i > 0 && c->instances[i - 1].with > with; i--)
-        c->instances[i] = c->instances[i - 1];
+    for (; i > 0 && c->instances[i - 1].with > with; i--) c->instances[i] = c->instances[i - 1];
     c->instances[i] = (instance){.with = with};
     return c->instances + i;
 }
 
 static int read_instance(cut *c, instance *x) {
-    x->a = dm_arena_take(c->from->arena,
-                         (dm_implicit_length(c->from, x->with) + 1) * sizeof *x->a);
+    x->a = dm_arena_take(c->from->arena, (dm_implicit_length(c->from, x->with) + 1) * sizeof *x->a);
     if (x->a) x->f = dm_implicit_read(c->from, x->with, x->a);
     return x->a != NULL;
 }
@@ -73,8 +70,7 @@ static int find_instances(cut *c) {
     if (!c->instances) return 0;
     for (dm_node n = 0; n < c->end; n++) {
         if (!dm_is_marked(c->from, n) || !dm_is_op(c->from, n, DM_OP_ROOT)) continue;
-        const dm_node chain = dm_at(c->from, n)->as.arg[0],
-                      with = last_argument(c->from, chain);
+        const dm_node chain = dm_at(c->from, n)->as.arg[0], with = last_argument(c->from, chain);
         instance *x = find(c, with);
         if (!x) x = insert(c, with);
         if (chain != with) x->has_inverse = 1;
@@ -104,8 +100,7 @@ static int open_graph(cut *c) {
 /* S at the root */
 static dm_node value_of(cut *c, const instance *x) {
     const uint32_t r = x->f->unknowns, n = x->f->inputs;
-    dm_node out = 0,
-            *with = dm_arena_take(c->to->arena, (n + 3 * (size_t)r) * sizeof *with);
+    dm_node out = 0, *with = dm_arena_take(c->to->arena, (n + 3 * (size_t)r) * sizeof *with);
     if (!with) return dm_graph_fail(c->to, DM_NO_MEMORY);
     memset(with, 0, (n + 3 * (size_t)r) * sizeof *with);
     for (uint32_t k = 0; k < r; k++) with[k] = dm_input(c->to, x->at + k);
@@ -157,8 +152,7 @@ static dm_node node_of(cut *c, dm_node n) {
 static dm_status cut_graph(cut *c, const dm_node *roots, uint32_t m) {
     c->end = dm_mark(c->from, roots, m);
     if (!find_instances(c) || !open_graph(c)) return DM_NO_MEMORY;
-    for (dm_node n = 0; n < c->end; n++)
-        c->now[n] = dm_is_marked(c->from, n) ? node_of(c, n) : 0;
+    for (dm_node n = 0; n < c->end; n++) c->now[n] = dm_is_marked(c->from, n) ? node_of(c, n) : 0;
     return c->to->status;
 }
 
@@ -218,8 +212,8 @@ static void evaluate(const void *pool, const double *in, double *out) {
 }
 
 /* arguments that are inputs are copied, others have a kernel */
-static dm_status make_arguments(stage *s, const cut *c, const instance *x,
-                                dm_root_compile *compile, dm_arena *arena) {
+static dm_status make_arguments(stage *s, const cut *c, const instance *x, dm_root_compile *compile,
+                                dm_arena *arena) {
     const uint32_t n = x->f->inputs;
     uint32_t *from = dm_arena_take(arena, (n + 1) * sizeof *from), copied = 0;
     dm_node *node = dm_arena_take(c->to->arena, (n + 1) * sizeof *node);
@@ -249,16 +243,15 @@ static void place(stage *s, const composite *k, const instance *x, double **at) 
     *at = s->slope + r * (size_t)n;
 }
 
-static dm_status make_stage(stage *s, const cut *c, const instance *x,
-                            dm_root_compile *compile, dm_arena *arena) {
+static dm_status make_stage(stage *s, const cut *c, const instance *x, dm_root_compile *compile,
+                            dm_arena *arena) {
     const uint32_t n = x->f->inputs;
     s->next = dm_arena_take(arena, (n + (size_t)1) * sizeof *s->next);
     if (!s->next) return DM_NO_MEMORY;
     memset(s->next, 0, (n + (size_t)1) * sizeof *s->next);
     const dm_status status = make_arguments(s, c, x, compile, arena);
     if (status != DM_OK) return status;
-    return dm_root_solver_build(&s->solver, x->f, compile, arena,
-                                arena == c->from->arena);
+    return dm_root_solver_build(&s->solver, x->f, compile, arena, arena == c->from->arena);
 }
 
 /* room for inputs, roots and the rest of the memory; 0 without memory */
@@ -275,8 +268,7 @@ static int take_memory(composite *k, const cut *c, dm_arena *arena) {
     memset(k->in, 0, size * sizeof *k->in);
     memset(k->stages, 0, c->count * sizeof *k->stages);
     double *at = k->in + inputs;
-    for (uint32_t i = 0; i < c->count; i++)
-        place(k->stages + i, k, c->instances + i, &at);
+    for (uint32_t i = 0; i < c->count; i++) place(k->stages + i, k, c->instances + i, &at);
     k->remembers = at;
     return 1;
 }

@@ -1,8 +1,7 @@
-/*
-** implicit_solve.c - damped Newton's method with the natural monotonicity test (Deuflhard 2004, 3.3): a step is short
-** enough when the increment that its end asks for, with the same matrix, is shorter than the step's own. That test does
-** not depend on how the equations are scaled. The matrix is inverted: the inverse is wanted at the root anyway.
-*/
+/* implicit_solve.c - damped Newton's method with the natural monotonicity test (Deuflhard 2004,
+ * 3.3): a step is short enough when the increment that its end asks for, with the same matrix,
+ * is shorter than the step's own. That test does not depend on how the equations are scaled. The
+ * matrix is inverted: the inverse is wanted at the root anyway. */
 #include "expr/implicit_solve.h"
 
 #include "base/largest.h"
@@ -16,18 +15,16 @@ enum {
     AT_MOST_NEAR = 8, /* from a y that should be near */
     HALVINGS = 16,
     SCATTERED = 32, /* starts beside those of the function */
-    SLOW =
-        8, /* full steps that halve the error, no quick ones after: a root of higher order */
+    SLOW = 8, /* full steps that halve the error, no quick ones after: a root of higher order */
     FORGOTTEN = 64 /* roots found after a trouble */
 };
 static const double EXACT = 0x1p-50;   /* increment, relative: nothing is left to gain */
 static const double NEAR = 1e-9;       /* and one that rounding may keep from shrinking */
 static const double ROUNDED = 0x1p-40; /* of the terms of F */
 static const double QUICK = 0.1;
-static const double ROOT = 1e-9; /* |F| at a root, of that at the start */
-static const double RANK = 1e13; /* | |J^-1| |J| |: beyond, J has lost its rank */
-static const double UNKNOWN =
-    1e7; /* the same of y when terms of F are rounded: 1e-9 are wrong */
+static const double ROOT = 1e-9;   /* |F| at a root, of that at the start */
+static const double RANK = 1e13;   /* | |J^-1| |J| |: beyond, J has lost its rank */
+static const double UNKNOWN = 1e7; /* the same of y when terms of F are rounded: 1e-9 are wrong */
 static const double radii[] = {1.0, 3.0, 0.3, 6.0};
 
 /* ---- making one ---- */
@@ -40,8 +37,7 @@ static int all_constant(const dm_implicit *f, double *value) {
 
 static int take_memory(dm_root_solver *s, const dm_implicit *f, dm_arena *arena) {
     const size_t r = f->unknowns, in = dm_graph_inputs(f->graph);
-    const size_t total =
-        in + (r + r * r + 1) + f->starts * r + 2 * r * r + 6 * r + r * f->inputs;
+    const size_t total = in + (r + r * r + 1) + f->starts * r + 2 * r * r + 6 * r + r * f->inputs;
     double *block = dm_arena_take(arena, total * sizeof *block);
     s->pivot = dm_arena_take(arena, r * sizeof *s->pivot);
     if (!block || !s->pivot) return 0;
@@ -61,15 +57,16 @@ static int take_memory(dm_root_solver *s, const dm_implicit *f, dm_arena *arena)
     return 1;
 }
 
-/* strides 1/g, 1/g^2, ... of a sequence that fills the cube evenly, g^(r+1) = g + 1 (Roberts 2018) */
+/* strides 1/g, 1/g^2, ... of a sequence that fills the cube evenly, g^(r+1) = g + 1 (Roberts
+ * 2018) */
 static void find_strides(dm_root_solver *s) {
     double g = 2.0, stride = 1.0;
     for (int k = 0; k < 64; k++) g = pow(1.0 + g, 1.0 / (s->r + 1.0));
     for (uint32_t i = 0; i < s->r; i++) s->stride[i] = stride /= g;
 }
 
-dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
-                               dm_root_compile *compile, dm_arena *arena, int noted) {
+dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_root_compile *compile,
+                               dm_arena *arena, int noted) {
     const uint32_t r = f->unknowns;
     dm_root_solver s = {.r = r,
                         .n = f->inputs,
@@ -78,10 +75,9 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
                         .most = ITERATIONS,
                         .trouble = noted ? f->trouble : NULL};
     if (!take_memory(&s, f, arena)) return DM_NO_MEMORY;
-    dm_status status = compile(&s.equation, f->graph, f->equation,
-                               r + r * r + (uint32_t)f->has_branch, arena);
-    if (status == DM_OK)
-        status = compile(&s.slope, f->graph, f->slope, r * f->inputs, arena);
+    dm_status status =
+        compile(&s.equation, f->graph, f->equation, r + r * r + (uint32_t)f->has_branch, arena);
+    if (status == DM_OK) status = compile(&s.slope, f->graph, f->slope, r * f->inputs, arena);
     if (status == DM_OK && !all_constant(f, s.from)) {
         status = compile(&s.start, f->graph, f->start, f->starts * r, arena);
         if (status == DM_OK) dm_kernel_prepare(&s.start, s.from);
@@ -151,8 +147,8 @@ static double exact(const path *p, uint32_t r) {
     return EXACT * norm(p->y, r);
 }
 
-/* is trial = y + part dy nearer to a root? Then the next increment is shorter, or the one with the old matrix is; the next one
-** and its matrix are in s */
+/* is trial = y + part dy nearer to a root? Then the next increment is shorter, or the one with
+ * the old matrix is; the next one and its matrix are in s */
 static int is_nearer(dm_root_solver *s, path *p, double part) {
     move(s->trial, p->y, s->dy, part, s->r);
     if (!evaluate(s, s->trial)) return 0;
@@ -187,7 +183,8 @@ static void take_step(dm_root_solver *s, path *p) {
     p->step = p->next;
 }
 
-/* J lost its rank: at a root, or where the function begins, it is that; else on the way to nowhere */
+/* J lost its rank: at a root, or where the function begins, it is that; else on the way to
+ * nowhere */
 static dm_root_outcome rankless(const dm_root_solver *s, const path *p) {
     const int at_root = norm(s->out, s->r) <= ROOT * p->first;
     return at_root || p->step == INFINITY ? DM_ROOT_SINGULAR : DM_ROOT_NONE;
@@ -210,7 +207,8 @@ static void note_first(const dm_root_solver *s, path *p) {
     p->noise = ROUNDED * largest * fmax(1.0, norm(p->y, s->r));
 }
 
-/* a short increment is that of a root, or of a pole, where J grows faster than F: there F is larger than at the start */
+/* a short increment is that of a root, or of a pole, where J grows faster than F: there F is
+ * larger than at the start */
 static dm_root_outcome arrived(const dm_root_solver *s, const path *p) {
     if (!(norm(s->out, s->r) <= fmax(ROOT * p->first, p->noise))) return DM_ROOT_NONE;
     return p->slow < SLOW ? DM_ROOT_FOUND : DM_ROOT_SINGULAR;
@@ -255,8 +253,9 @@ static double amplified(const double *inverse, const double *t, uint32_t r) {
     return worst;
 }
 
-/* Is y known at the root y? With t_k = sum_l |J_kl| a condition number that scaling the equations does not change
-** (Skeel 1979); with the size of the terms of F, t = |J| |y| + |F_x| |x|, what their rounding does to y. */
+/* Is y known at the root y? With t_k = sum_l |J_kl| a condition number that scaling the
+ * equations does not change (Skeel 1979); with the size of the terms of F, t = |J| |y| + |F_x|
+ * |x|, what their rounding does to y. */
 static int is_known(dm_root_solver *s, const double *y, double *condition) {
     const uint32_t r = s->r;
     const double *inverse = s->inverse;
@@ -284,16 +283,15 @@ static void choose(const dm_root_solver *s, uint32_t k, double *y) {
     const double radius = radii[k % (sizeof radii / sizeof *radii)];
     for (uint32_t i = 0; i < r; i++) {
         const double u = (k + 1.0) * s->stride[i];
-        y[i] =
-            s->from[i] + radius * (1.0 + fabs(s->from[i])) * (2.0 * (u - floor(u)) - 1.0);
+        y[i] = s->from[i] + radius * (1.0 + fabs(s->from[i])) * (2.0 * (u - floor(u)) - 1.0);
     }
 }
 
 /* a root of another branch is told rather than a singular point, that rather than none */
 static void note(dm_root_solver *s, dm_root_trouble *found, const dm_root_trouble *now,
                  const double *y) {
-    const int better = now->outcome > found->outcome || (now->outcome == found->outcome &&
-                                                         now->residual < found->residual);
+    const int better = now->outcome > found->outcome ||
+                       (now->outcome == found->outcome && now->residual < found->residual);
     if (!better) return;
     *found = *now;
     memcpy(s->best, y, s->r * sizeof *y);
@@ -310,8 +308,7 @@ static void keep(const dm_root_solver *s, const dm_root_trouble *found, const do
 }
 
 /* one start; what is found is in y, the matrix in s */
-static dm_root_trouble attempt(dm_root_solver *s, double *y, double *inverse,
-                               int inside) {
+static dm_root_trouble attempt(dm_root_solver *s, double *y, double *inverse, int inside) {
     path p = {.y = y, .inside = inside};
     dm_root_trouble t = {.outcome = iterate(s, &p), .condition = INFINITY};
     t.residual = norm(s->out, s->r);
@@ -326,7 +323,8 @@ static dm_root_trouble attempt(dm_root_solver *s, double *y, double *inverse,
     return t;
 }
 
-/* all starts, one after the other; inside: only those where the branch condition holds, on paths where it does */
+/* all starts, one after the other; inside: only those where the branch condition holds, on paths
+ * where it does */
 static int try_all(dm_root_solver *s, double *y, double *inverse, int inside,
                    dm_root_trouble *found) {
     for (uint32_t k = 0; k < s->starts + SCATTERED; k++) {
@@ -344,12 +342,10 @@ static void give_nothing(const dm_root_solver *s, double *y, double *inverse) {
 }
 
 static void forget(dm_root_trouble *t) {
-    if (t && t->outcome != DM_ROOT_FOUND && ++t->since > FORGOTTEN)
-        t->outcome = DM_ROOT_FOUND;
+    if (t && t->outcome != DM_ROOT_FOUND && ++t->since > FORGOTTEN) t->outcome = DM_ROOT_FOUND;
 }
 
-dm_root_outcome dm_root_solve_near(dm_root_solver *s, const double *x, double *y,
-                                   double *inverse) {
+dm_root_outcome dm_root_solve_near(dm_root_solver *s, const double *x, double *y, double *inverse) {
     memcpy(s->in + s->r, x, s->n * sizeof *x);
     s->most = AT_MOST_NEAR;
     const dm_root_trouble now = attempt(s, y, inverse, s->has_branch);
@@ -370,8 +366,7 @@ void dm_root_slope(const dm_root_solver *s, double *slope, const double *inverse
         }
 }
 
-dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y,
-                              double *inverse) {
+dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y, double *inverse) {
     dm_root_trouble found = {.outcome = DM_ROOT_NONE, .residual = INFINITY};
     if (!isfinite(norm(x, s->n))) { /* the trouble is elsewhere */
         give_nothing(s, y, inverse);
@@ -380,8 +375,7 @@ dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y,
     memcpy(s->in + s->r, x, s->n * sizeof *x);
     if (s->start.eval) dm_kernel_eval(&s->start, s->in, s->from);
     memcpy(s->best, s->from, s->r * sizeof *s->best);
-    if ((s->has_branch && try_all(s, y, inverse, 1, &found)) ||
-        try_all(s, y, inverse, 0, &found)) {
+    if ((s->has_branch && try_all(s, y, inverse, 1, &found)) || try_all(s, y, inverse, 0, &found)) {
         forget(s->trouble);
         return DM_ROOT_FOUND;
     }

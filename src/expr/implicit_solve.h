@@ -1,4 +1,5 @@
-/* implicit_solve.h - Newton's method for one implicit function, from starts that depend on x alone. */
+/* implicit_solve.h - Newton's method for one implicit function, from starts that depend on x
+ * alone. */
 #ifndef DM_IMPLICIT_SOLVE_H
 #define DM_IMPLICIT_SOLVE_H
 
@@ -21,18 +22,17 @@ typedef struct {
 } dm_root_solver;
 
 /* Kernels by `compile` in `arena`; troubles are noted in those of f where `noted`. */
-dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f,
-                               dm_root_compile *compile, dm_arena *arena, int noted);
+dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_root_compile *compile,
+                               dm_arena *arena, int noted);
 
-/* y[r] = the root at x[n], to round-off; inverse[r*r] = (dF/dy)^-1 there (may be NULL). NaN and the reason where there
-** is none: Newton's method, damped so that it follows its flow, from every start of the function, then from
-** points scattered around the first one; the first root on the branch is taken. */
-dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y,
-                              double *inverse);
+/* y[r] = the root at x[n], to round-off; inverse[r*r] = (dF/dy)^-1 there (may be NULL). NaN and
+ * the reason where there is none: Newton's method, damped so that it follows its flow, from
+ * every start of the function, then from points scattered around the first one; the first root
+ * on the branch is taken. */
+dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y, double *inverse);
 
 /* The same from y itself, which is near; where that does not lead to a root soon, as above. */
-dm_root_outcome dm_root_solve_near(dm_root_solver *s, const double *x, double *y,
-                                   double *inverse);
+dm_root_outcome dm_root_solve_near(dm_root_solver *s, const double *x, double *y, double *inverse);
 
 /* dy/dx[r*n] = -J^-1 F_x at the root that was found last. */
 void dm_root_slope(const dm_root_solver *s, double *slope, const double *inverse);

@@ -53,8 +53,7 @@ static int furthest(const dm_emitter *e) {
 
 int dm_take_register(dm_emitter *e) {
     const uint32_t all = e->registers == 32 ? UINT32_MAX : (1u << e->registers) - 1;
-    const uint32_t free = all & ~e->occupied & ~e->pinned & ~e->fixed,
-                   better = free & ~e->kept;
+    const uint32_t free = all & ~e->occupied & ~e->pinned & ~e->fixed, better = free & ~e->kept;
     const int granted = e->wish >= 0 && (free >> e->wish & 1);
     const int reg = granted  ? e->wish
                     : better ? __builtin_ctz(better)

@@ -1,9 +1,7 @@
-/*
-** jit_emit.h - the state of a kernel on its way to machine code: where every value is. Values
-** live in vector registers; the one whose next use is furthest away gives way (Belady 1966).
-** Constants, inputs and outputs are read from where they are, others get a stack slot, given
-** back with their last use.
-*/
+/* jit_emit.h - the state of a kernel on its way to machine code: where every value is. Values
+ * live in vector registers; the one whose next use is furthest away gives way (Belady 1966).
+ * Constants, inputs and outputs are read from where they are, others get a stack slot, given
+ * back with their last use. */
 #ifndef DM_JIT_EMIT_H
 #define DM_JIT_EMIT_H
 
@@ -22,22 +20,20 @@ typedef struct {
 typedef struct {
     dm_code code;
     dm_width width;
-    int registers;      /* 16 or 32 */
-    int32_t bytes;      /* of one value in memory */
-    int pool, in, out;  /* base registers */
-    dm_place *at;       /* [nodes] */
-    dm_node held[32];   /* node in each register that is occupied */
-    uint32_t until[32]; /* its next use */
-    uint32_t occupied,
-        pinned;     /* registers, one bit each; pinned: the current step needs it */
-    uint32_t fixed; /* registers that keep a constant all along */
-    int eager; /* what is in memory and used again is fetched while there are registers */
-    uint32_t kept; /* registers that are taken last: they have a purpose (loops) */
-    int shelf,
-        shelved; /* registers shelf, shelf + 1, ... hold the first numbers of jit_exp.c */
+    int registers;             /* 16 or 32 */
+    int32_t bytes;             /* of one value in memory */
+    int pool, in, out;         /* base registers */
+    dm_place *at;              /* [nodes] */
+    dm_node held[32];          /* node in each register that is occupied */
+    uint32_t until[32];        /* its next use */
+    uint32_t occupied, pinned; /* registers, one bit each; pinned: the current step needs it */
+    uint32_t fixed;            /* registers that keep a constant all along */
+    int eager;          /* what is in memory and used again is fetched while there are registers */
+    uint32_t kept;      /* registers that are taken last: they have a purpose (loops) */
+    int shelf, shelved; /* registers shelf, shelf + 1, ... hold the first numbers of jit_exp.c */
     int8_t mask[8], mask_register[8]; /* numbers of jit_pool.h that have a register */
     int masks;
-    int wish; /* register for the result of the current step where it is free; -1: any */
+    int wish;      /* register for the result of the current step where it is free; -1: any */
     int32_t *free; /* stack of stack slots to use again */
     int32_t frees, slots;
     int32_t dying[8]; /* slots whose value this step used last */

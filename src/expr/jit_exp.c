@@ -1,8 +1,7 @@
-/*
-** jit_exp.c - exp(x) = 2^m 2^(j/16) (1 + r + r^2 p(r)), (m + j/16) log 2 + r = x: operation by operation what `exponential`
-** in functions_text.h does, but that r is kept between bounds and not x: where x is beyond them the last operation, 2^m,
-** decides alone, and where it is no number that gives it back.
-*/
+/* jit_exp.c - exp(x) = 2^m 2^(j/16) (1 + r + r^2 p(r)), (m + j/16) log 2 + r = x: operation by
+ * operation what `exponential` in functions_text.h does, but that r is kept between bounds and
+ * not x: where x is beyond them the last operation, 2^m, decides alone, and where it is no
+ * number that gives it back. */
 #include "expr/jit_exp.h"
 
 #include "expr/functions.h"
@@ -25,7 +24,7 @@ enum {
     NUMBERS
 };
 
-#define ALL(c)                                                                           \
+#define ALL(c)                                                                                     \
     { c, c, c, c, c, c, c, c }
 const double dm_exp_table[][8] __attribute__((aligned(64))) = {
     [TO_POWER] = ALL(0x1.71547652b82fep+0),

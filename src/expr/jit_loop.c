@@ -1,9 +1,8 @@
-/*
-** Machine code for loops. A single member's carried values have a register each as far as they go, the others
-** and those of lanes stay in the state in memory, where a new value is put as soon as the old one has been
-** used. At the end of a part every carried value is where the next part expects it.
-**   rbx pool of the part   r13 the call   r14 state (of the group)   r15 coefficients   rsp stack
-*/
+/* Machine code for loops. A single member's carried values have a register each as far as they
+ * go, the others and those of lanes stay in the state in memory, where a new value is put as
+ * soon as the old one has been used. At the end of a part every carried value is where the next
+ * part expects it. rbx pool of the part   r13 the call   r14 state (of the group)   r15
+ * coefficients   rsp stack */
 #include "expr/jit_loop.h"
 
 #include "expr/code_memory.h"
@@ -81,8 +80,8 @@ static void place_inputs(maker *m, const dm_graph *g, uint32_t coefficients) {
         const dm_node n = input_of(g, i);
         if (!n || n >= e->plan->end) continue;
         dm_place *v = e->at + n;
-        v->home = i < m->size ? in_state(m, i)
-                              : dm_in_memory(DM_R15, (int32_t)(i - m->size) * m->bytes);
+        v->home =
+            i < m->size ? in_state(m, i) : dm_in_memory(DM_R15, (int32_t)(i - m->size) * m->bytes);
         if (i >= m->held) continue;
         v->homed = 0;
         if (v->next == DM_NEVER) continue;
@@ -141,8 +140,7 @@ static int is_blocked(const maker *m, uint32_t i) {
 
 static void move_to(maker *m, uint32_t i) {
     const dm_place *v = m->e.at + m->roots[i];
-    dm_x86_load(&m->e.code, m->width, (int)i,
-                v->reg >= 0 ? dm_in_register(v->reg) : v->home);
+    dm_x86_load(&m->e.code, m->width, (int)i, v->reg >= 0 ? dm_in_register(v->reg) : v->home);
     m->done[i] = 1;
 }
 
@@ -188,8 +186,7 @@ static dm_status open_part(maker *m, const dm_loop_part *p, dm_plan *plan, void 
     const uint64_t inputs = m->size + (uint64_t)p->coefficients;
     if (dm_graph_status(p->graph) != DM_OK) return dm_graph_status(p->graph);
     if (!is_orderly(m, p)) return DM_NO_NATIVE;
-    if (!dm_plan_make_part(plan, p->graph, p->roots, m->size, m->scratch))
-        return DM_NO_MEMORY;
+    if (!dm_plan_make_part(plan, p->graph, p->roots, m->size, m->scratch)) return DM_NO_MEMORY;
     if ((plan->end + inputs) * m->width * 8 > INT32_MAX / 4) return DM_NO_NATIVE;
     if (!dm_emit_open(&m->e, p->graph, plan, m->width)) return DM_NO_MEMORY;
     m->e.pool = DM_RBX;
@@ -246,8 +243,7 @@ static void fix_masks(maker *m) {
                                     DM_POOL_CUBE3};
     dm_emitter *e = &m->e;
     uint32_t cubes = 0;
-    for (uint32_t i = 0; i < e->plan->count; i++)
-        cubes += e->plan->steps[i].op == DM_OP_RSQRT3;
+    for (uint32_t i = 0; i < e->plan->count; i++) cubes += e->plan->steps[i].op == DM_OP_RSQRT3;
     if (!cubes || e->registers < 32 || e->plan->calls || e->plan->count > LARGE) return;
     for (int k = 0; k < (int)sizeof wanted; k++) {
         const int reg = e->registers - 1 - MOST_FIXED - k;
@@ -318,24 +314,20 @@ static dm_status put_part(maker *m, const dm_loop_part *part, dm_loop_kind kind)
 }
 
 static void put_beginning(maker *m) {
-    PUT(m,
-        "\x55\x48\x89\xE5\x53\x41\x54\x41\x55\x41\x56\x41\x57" /* push rbp; rbp = rsp; push 5 */
-        "\x48\x81\xEC");                                       /* rsp -= frame */
+    PUT(m, "\x55\x48\x89\xE5\x53\x41\x54\x41\x55\x41\x56\x41\x57" /* push rbp; rbp = rsp; push 5 */
+           "\x48\x81\xEC");                                       /* rsp -= frame */
     m->frame_at = m->code.size;
     put_number(m, 0);
     PUT(m, "\x48\x83\xE4\xC0\x49\x89\xFD"); /* rsp &= -64; r13 = rdi */
     put_field(m, LOAD_R14, FIELD(state));
     put_field(m, LOAD_R15, FIELD(coefficients));
-    for (uint32_t i = 0; i < m->held; i++)
-        dm_x86_load(&m->code, m->width, (int)i, in_state(m, i));
+    for (uint32_t i = 0; i < m->held; i++) dm_x86_load(&m->code, m->width, (int)i, in_state(m, i));
 }
 
 static void put_end(maker *m) {
-    for (uint32_t i = 0; i < m->held; i++)
-        dm_x86_store(&m->code, m->width, in_state(m, i), (int)i);
+    for (uint32_t i = 0; i < m->held; i++) dm_x86_store(&m->code, m->width, in_state(m, i), (int)i);
     dm_x86_clear_uppers(&m->code);
-    PUT(m,
-        "\x48\x8D\x65\xD8\x41\x5F\x41\x5E\x41\x5D\x41\x5C\x5B\x5D\xC3"); /* pop 5; ret */
+    PUT(m, "\x48\x8D\x65\xD8\x41\x5F\x41\x5E\x41\x5D\x41\x5C\x5B\x5D\xC3"); /* pop 5; ret */
     const int32_t frame = (m->frame + 63) & ~63;
     if (!m->code.failed) memcpy(m->code.bytes + m->frame_at, &frame, sizeof frame);
 }
@@ -362,8 +354,8 @@ static dm_status put_all(maker *m, const dm_loop_part *part) {
     return m->code.failed ? DM_NO_MEMORY : DM_OK;
 }
 
-dm_status dm_loop_code(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
-                       uint32_t size, uint32_t lanes, dm_arena *arena) {
+dm_status dm_loop_code(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS], uint32_t size,
+                       uint32_t lanes, dm_arena *arena) {
     dm_loop l = {.size = size, .lanes = lanes, .together = 1};
     maker m = {.loop = &l,
                .arena = arena,
@@ -372,8 +364,7 @@ dm_status dm_loop_code(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
                .size = size,
                .bytes = (int32_t)lanes * 8};
     const void *code = NULL;
-    if (lanes > dm_jit_lanes() || (lanes != 1 && lanes != 4 && lanes != 8))
-        return DM_NO_NATIVE;
+    if (lanes > dm_jit_lanes() || (lanes != 1 && lanes != 4 && lanes != 8)) return DM_NO_NATIVE;
     if (lanes == 1) m.held = size < 16 - FREE_REGISTERS ? size : 16 - FREE_REGISTERS;
     if (!m.scratch) return DM_NO_MEMORY;
     m.code.arena = m.scratch;
@@ -390,8 +381,8 @@ dm_status dm_loop_code(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
 
 #else
 
-dm_status dm_loop_code(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS],
-                       uint32_t size, uint32_t lanes, dm_arena *arena) {
+dm_status dm_loop_code(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS], uint32_t size,
+                       uint32_t lanes, dm_arena *arena) {
     (void)out, (void)part, (void)size, (void)lanes, (void)arena;
     return DM_NO_NATIVE;
 }

@@ -16,8 +16,7 @@ static void find_early(const dm_graph *g, uint32_t end, uint8_t *early, dm_node 
 }
 
 /* a sine takes the cosine of its angle along, wherever that stands */
-static void add_step(dm_plan *p, const dm_graph *g, dm_node n, dm_node *cosine,
-                     uint8_t *done) {
+static void add_step(dm_plan *p, const dm_graph *g, dm_node n, dm_node *cosine, uint8_t *done) {
     const dm_expr *e = dm_at(g, n);
     dm_step *s = p->steps + p->count++;
     *s = (dm_step){.op = (uint8_t)e->op, .d = n};
@@ -36,8 +35,8 @@ static dm_node partner(dm_graph *g, const dm_expr *e) {
     return dm_is_marked(g, n) ? n : 0;
 }
 
-static void order_around_calls(dm_plan *p, dm_graph *g, const uint8_t *early,
-                               dm_node *cosine, uint8_t *done) {
+static void order_around_calls(dm_plan *p, dm_graph *g, const uint8_t *early, dm_node *cosine,
+                               uint8_t *done) {
     for (int late = 0; late < 2; late++)
         for (dm_node n = 1; n < p->end; n++) {
             const dm_expr *e = dm_at(g, n);
@@ -118,8 +117,7 @@ static int make(dm_plan *p, dm_graph *g, int part) {
     return 1;
 }
 
-int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m,
-                 dm_arena *scratch) {
+int dm_plan_make(dm_plan *p, dm_graph *g, const dm_node *roots, uint32_t m, dm_arena *scratch) {
     *p = (dm_plan){.roots = roots, .m = m, .scratch = scratch};
     return make(p, g, 0);
 }

@@ -28,10 +28,8 @@ static void fill_pointers(unsigned char *bytes, dm_width w) {
 static void fill_masks(unsigned char *bytes) {
     static const double root[] = DM_ROOT_SERIES;
     uint64_t masks[DM_POOL_MASKS] = {
-        [DM_POOL_ONE] = 0x3FF0000000000000u,
-        [DM_POOL_SIGN_BIT] = 0x8000000000000000u,
-        [DM_POOL_ALL_BUT_SIGN] = 0x7FFFFFFFFFFFFFFFu,
-        [DM_POOL_INFINITY] = 0x7FF0000000000000u,
+        [DM_POOL_ONE] = 0x3FF0000000000000u,          [DM_POOL_SIGN_BIT] = 0x8000000000000000u,
+        [DM_POOL_ALL_BUT_SIGN] = 0x7FFFFFFFFFFFFFFFu, [DM_POOL_INFINITY] = 0x7FF0000000000000u,
         [DM_POOL_NUMBERS_PASS] = 0x11111100u,
     };
     memcpy(masks + DM_POOL_ROOT1, root, sizeof root);
@@ -44,8 +42,7 @@ static void fill_masks(unsigned char *bytes) {
 void *dm_pool_make(dm_emitter *e, const dm_graph *g, dm_arena *arena) {
     size_t size = START;
     for (dm_node n = 0; n < e->plan->end; n++)
-        if (dm_is_marked(g, n) && dm_is_op(g, n, DM_OP_CONSTANT))
-            size += (size_t)e->bytes;
+        if (dm_is_marked(g, n) && dm_is_op(g, n, DM_OP_CONSTANT)) size += (size_t)e->bytes;
     unsigned char *bytes = dm_arena_take(arena, size);
     if (!bytes) return NULL;
     fill_pointers(bytes, e->width);

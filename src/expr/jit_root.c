@@ -23,11 +23,11 @@ static void pair(const roots *r, int d, int first) {
     fused(r, DM_X86_FMADD213, d, r->error, dm_pool_mask(r->e, first));
 }
 
-/* a += a e p where the error is a number, and a finite if the mask register says so; e may be destroyed */
+/* a += a e p where the error is a number, and a finite if the mask register says so; e may be
+ * destroyed */
 static void correct(const roots *r, int a, int e, int under) {
     dm_code *c = &r->e->code;
-    dm_x86_test(c, r->e->width, 1, r->error, dm_in_register(r->error), DM_X86_NUMBERS,
-                under);
+    dm_x86_test(c, r->e->width, 1, r->error, dm_in_register(r->error), DM_X86_NUMBERS, under);
     multiply(r, e, e, a);
     dm_x86_fused(c, r->e->width, DM_X86_FMADD231, a, e, dm_in_register(r->p), 1);
 }
@@ -53,7 +53,8 @@ static void correct_lanes(const roots *r) {
     dm_x86_fix(&r->e->code, r->y, r->p, dm_pool_mask(r->e, DM_POOL_NUMBERS_PASS));
 }
 
-/* y^2 is exact where y^3 is finite, so is y^3. Lanes wait for no single result, but for their turn: one instruction fewer */
+/* y^2 is exact where y^3 is finite, so is y^3. Lanes wait for no single result, but for their
+ * turn: one instruction fewer */
 static void cube(const roots *r) {
     const int t = dm_take_register(r->e), square = dm_take_register(r->e);
     const int eight = r->e->width == DM_LANES8;
@@ -62,8 +63,8 @@ static void cube(const roots *r) {
     multiply(r, r->y, r->y, r->error);
     fused(r, DM_X86_FNMADD213, r->error, r->x, dm_pool_mask(r->e, DM_POOL_ONE)); /* e */
     if (!eight)
-        dm_x86_test(&r->e->code, r->e->width, 1, r->y,
-                    dm_pool_mask(r->e, DM_POOL_INFINITY), DM_X86_LESS, 0);
+        dm_x86_test(&r->e->code, r->e->width, 1, r->y, dm_pool_mask(r->e, DM_POOL_INFINITY),
+                    DM_X86_LESS, 0);
     pair(r, t, DM_POOL_CUBE3);
     pair(r, r->p, DM_POOL_CUBE1);
     multiply(r, square, r->error, r->error);

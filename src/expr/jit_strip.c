@@ -1,8 +1,6 @@
-/*
-** jit_strip.c - the loop of a strip as machine code: the body is a kernel whose inputs are where the
-** strands say; its outputs are kept to the end, so that all reads come before all writes.
-**   rbx pool   r14 main base   r15 fixed base   r12 end of main   r13 side base   rsp stack
-*/
+/* jit_strip.c - the loop of a strip as machine code: the body is a kernel whose inputs are where
+ * the strands say; its outputs are kept to the end, so that all reads come before all writes.
+ * rbx pool   r14 main base   r15 fixed base   r12 end of main   r13 side base   rsp stack */
 #include "expr/strip.h"
 
 #include "expr/code_memory.h"
@@ -67,20 +65,18 @@ static int is_within(const dm_strand *s, uint32_t count) {
 static void place_inputs(dm_emitter *e, const dm_graph *g, const dm_strand *in) {
     e->pool = DM_RBX;
     for (dm_node n = 0; n < e->plan->end; n++)
-        if (dm_is_op(g, n, DM_OP_INPUT))
-            e->at[n].home = home_of(in[dm_at(g, n)->as.input]);
+        if (dm_is_op(g, n, DM_OP_INPUT)) e->at[n].home = home_of(in[dm_at(g, n)->as.input]);
 }
 
-/* Numbers that are the same for all entries stay in the last registers, as far as there are some to spare;
-** a call would lose them. */
+/* Numbers that are the same for all entries stay in the last registers, as far as there are some
+ * to spare; a call would lose them. */
 static void place_numbers(dm_emitter *e, const dm_graph *g, dm_code *before) {
     const int most = e->plan->calls ? 0 : e->registers > 16 ? MOST_NUMBERS : 4;
     int taken = 0;
     for (dm_node n = 0; n < e->plan->end && taken < most; n++) {
         const dm_operand home = e->at[n].home;
         const int constant = dm_is_op(g, n, DM_OP_CONSTANT);
-        const int number =
-            dm_is_op(g, n, DM_OP_INPUT) && home.reg < 0 && home.base == DM_R15;
+        const int number = dm_is_op(g, n, DM_OP_INPUT) && home.reg < 0 && home.base == DM_R15;
         if (e->plan->first[n] == DM_NEVER || !(constant || number)) continue;
         const int reg = e->registers - 1 - taken++;
         dm_x86_load(before, e->width, reg, home);
@@ -129,8 +125,7 @@ static uint32_t has_exponentials(const dm_plan *p) {
 
 /* Our own exponentials of 8 lanes need no call, where nothing else does: calls lose registers. */
 static void count_calls(dm_plan *p, uint32_t lanes) {
-    if (lanes == 8 && dm_processor() != DM_PLAIN && has_exponentials(p) == p->calls)
-        p->calls = 0;
+    if (lanes == 8 && dm_processor() != DM_PLAIN && has_exponentials(p) == p->calls) p->calls = 0;
 }
 
 /* r9 = where the numbers of exponentials are */
@@ -156,7 +151,8 @@ static void epilogue(dm_code *c) {
     dm_x86_bytes(c, "\x48\x8D\x65\xD8\x41\x5F\x41\x5E\x41\x5D\x41\x5C\x5B\x5D\xC3", 15);
 }
 
-/* the first and the last of what is carried; the bases have moved by one group beyond the last then */
+/* the first and the last of what is carried; the bases have moved by one group beyond the last
+ * then */
 static void load_carried(dm_code *c, const dm_strip_draft *d) {
     for (uint32_t k = 0; k < d->carried; k++)
         dm_x86_load(c, DM_LANES8, 31 - (int)k, home_of(d->start[k]));
@@ -204,11 +200,10 @@ dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *are
     dm_plan plan;
     dm_emitter e;
     if (dm_has_roots(s->g, s->root, m)) return DM_NO_NATIVE;
-    if (!lanes || !is_within(s->in, s->one.inputs) || !is_within(s->out, m))
-        return DM_NO_NATIVE;
+    if (!lanes || !is_within(s->in, s->one.inputs) || !is_within(s->out, m)) return DM_NO_NATIVE;
     dm_arena *scratch = dm_arena_scratch(arena);
-    if (!scratch || !dm_plan_make(&plan, s->g, s->root, m, scratch) ||
-        !add_writes(&plan) || !dm_emit_open(&e, s->g, &plan, lanes))
+    if (!scratch || !dm_plan_make(&plan, s->g, s->root, m, scratch) || !add_writes(&plan) ||
+        !dm_emit_open(&e, s->g, &plan, lanes))
         return DM_NO_MEMORY;
     count_calls(&plan, lanes);
     if (!can_carry(d, &plan, lanes) || hands_on(d, s->g, s->root)) return DM_NO_NATIVE;

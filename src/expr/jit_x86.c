@@ -1,8 +1,6 @@
-/*
-** From a plan to machine code in one pass. All roads round as dm_op_value does: no
-** contraction, library functions called.
-**   rdi/rbx pool   rsi/r14 in   rdx/r15 out   rsp stack   (the second where there are calls)
-*/
+/* From a plan to machine code in one pass. All roads round as dm_op_value does: no
+ * contraction, library functions called.
+ *   rdi/rbx pool   rsi/r14 in   rdx/r15 out   rsp stack   (the second where there are calls) */
 #include "expr/jit.h"
 
 #include "expr/code_memory.h"
@@ -67,21 +65,17 @@ static void one_operand(dm_emitter *e, const dm_step *s, int opcode, int mask) {
 
 /* (x > 0) - (x < 0) out of ones and zeros */
 static void sign(dm_emitter *e, const dm_step *s) {
-    const int a = dm_in_a_register(e, s->arg[0]), d = dm_take_register(e),
-              t = dm_take_register(e);
+    const int a = dm_in_a_register(e, s->arg[0]), d = dm_take_register(e), t = dm_take_register(e);
     static const int relations[2] = {DM_X86_GREATER, DM_X86_LESS};
     const int to[2] = {d, t};
     for (int k = 0; k < 2; k++) {
         if (e->width == DM_LANES8) {
-            dm_x86_compare(&e->code, e->width, 1, a, dm_pool_mask(e, DM_POOL_ZERO),
-                           relations[k]);
+            dm_x86_compare(&e->code, e->width, 1, a, dm_pool_mask(e, DM_POOL_ZERO), relations[k]);
             dm_x86_load_masked(&e->code, to[k], 1, dm_pool_mask(e, DM_POOL_ONE));
             continue;
         }
-        dm_x86_compare(&e->code, e->width, to[k], a, dm_pool_mask(e, DM_POOL_ZERO),
-                       relations[k]);
-        dm_x86_op(&e->code, e->width, DM_X86_AND, to[k], to[k],
-                  dm_pool_mask(e, DM_POOL_ONE));
+        dm_x86_compare(&e->code, e->width, to[k], a, dm_pool_mask(e, DM_POOL_ZERO), relations[k]);
+        dm_x86_op(&e->code, e->width, DM_X86_AND, to[k], to[k], dm_pool_mask(e, DM_POOL_ONE));
     }
     dm_x86_op(&e->code, e->width, DM_X86_SUB, d, d, dm_in_register(t));
     dm_pass_operands(e, s);
@@ -93,14 +87,14 @@ static void where(dm_emitter *e, const dm_step *s) {
     const int a = dm_in_a_register(e, s->arg[0]), yes = dm_in_a_register(e, s->arg[1]),
               no = dm_in_a_register(e, s->arg[2]), d = dm_take_register(e);
     const int mask = e->width == DM_LANES8 ? 1 : d;
-    dm_x86_compare(&e->code, e->width, mask, a, dm_pool_mask(e, DM_POOL_ZERO),
-                   DM_X86_GREATER);
+    dm_x86_compare(&e->code, e->width, mask, a, dm_pool_mask(e, DM_POOL_ZERO), DM_X86_GREATER);
     dm_x86_blend(&e->code, e->width, d, no, yes, mask);
     dm_pass_operands(e, s);
     dm_define(e, s->d, d);
 }
 
-/* the operand of s whose register the result can have: it is in one, for the last time here; -1: none */
+/* the operand of s whose register the result can have: it is in one, for the last time here; -1:
+ * none */
 static int dying_operand(const dm_emitter *e, const dm_step *s) {
     static const int order[3] = {2, 0, 1};
     for (int i = 0; i < 3; i++) {
@@ -112,15 +106,14 @@ static int dying_operand(const dm_emitter *e, const dm_step *s) {
 }
 
 /* 213 and 231 */
-static const uint8_t fused_opcodes[DM_OP_COUNT][2] = {
-    [DM_OP_FMA] = {DM_X86_FMADD213, DM_X86_FMADD231},
-    [DM_OP_FMS] = {DM_X86_FMSUB213, DM_X86_FMSUB231},
-    [DM_OP_FNMA] = {DM_X86_FNMADD213, DM_X86_FNMADD231}};
+static const uint8_t fused_opcodes[DM_OP_COUNT][2] =
+    {[DM_OP_FMA] = {DM_X86_FMADD213, DM_X86_FMADD231},
+     [DM_OP_FMS] = {DM_X86_FMSUB213, DM_X86_FMSUB231},
+     [DM_OP_FNMA] = {DM_X86_FNMADD213, DM_X86_FNMADD231}};
 
 /* +-(a * b) +- c, which goes into the register of one of them, or of a copy of c */
 static void fused_sum(dm_emitter *e, const dm_step *s) {
-    const int k = dying_operand(e, s), first = k == 0 ? 1 : 0,
-              third = k == 2 || k < 0 ? 1 : 2;
+    const int k = dying_operand(e, s), first = k == 0 ? 1 : 0, third = k == 2 || k < 0 ? 1 : 2;
     const int a = dm_in_a_register(e, s->arg[first]);
     int d = k < 0 ? 0 : dm_in_a_register(e, s->arg[k]);
     if (k < 0) {
@@ -151,8 +144,8 @@ static void plain_sum(dm_emitter *e, const dm_step *s) {
     dm_define(e, s->d, d);
 }
 
-/* one value: argument and result as the C calling convention has them; sincos gives the sine, the cosine goes to
-** memory */
+/* one value: argument and result as the C calling convention has them; sincos gives the sine,
+ * the cosine goes to memory */
 static void call_scalar(dm_emitter *e, const dm_step *s) {
     dm_save_registers(e);
     dm_x86_load(&e->code, DM_SCALAR, 0, dm_anywhere(e, s->arg[0]));
@@ -177,19 +170,17 @@ static void call_lanes(dm_emitter *e, const dm_step *s) {
     if (s->d2) dm_expect_in_memory(e, s->d2);
     dm_x86_lea(&e->code, DM_RDI, e->at[s->d].home);
     dm_x86_lea(&e->code, DM_RSI, e->at[s->d2 ? s->d2 : s->d].home);
-    for (int k = 0; k < s->operands; k++)
-        dm_x86_lea(&e->code, argument[k], e->at[s->arg[k]].home);
-    dm_x86_clear_uppers(
-        &e->code); /* the C library's SSE code is 20 times slower otherwise */
+    for (int k = 0; k < s->operands; k++) dm_x86_lea(&e->code, argument[k], e->at[s->arg[k]].home);
+    dm_x86_clear_uppers(&e->code); /* the C library's SSE code is 20 times slower otherwise */
     dm_x86_call(&e->code, dm_pool_pointer(e, s->d2 ? DM_OP_CONSTANT : s->op));
     dm_pass_operands(e, s);
     dm_take_from_memory(e, s->d);
     if (s->d2) dm_take_from_memory(e, s->d2);
 }
 
-static const uint8_t opcodes[DM_OP_COUNT] = {
-    [DM_OP_ADD] = DM_X86_ADD, [DM_OP_SUB] = DM_X86_SUB, [DM_OP_MUL] = DM_X86_MUL,
-    [DM_OP_DIV] = DM_X86_DIV, [DM_OP_MIN] = DM_X86_MIN, [DM_OP_MAX] = DM_X86_MAX};
+static const uint8_t opcodes[DM_OP_COUNT] =
+    {[DM_OP_ADD] = DM_X86_ADD, [DM_OP_SUB] = DM_X86_SUB, [DM_OP_MUL] = DM_X86_MUL,
+     [DM_OP_DIV] = DM_X86_DIV, [DM_OP_MIN] = DM_X86_MIN, [DM_OP_MAX] = DM_X86_MAX};
 
 void dm_emit_step(dm_emitter *e, const dm_step *s) {
     dm_bury_slots(e);
@@ -229,15 +220,14 @@ static void copy_inputs(dm_emitter *e, const dm_graph *g) {
 }
 
 /* with calls: a frame with the bases in registers that survive, the stack aligned to 64;
-** without: rsp moved only when there are slots, kept in rax */
+ * without: rsp moved only when there are slots, kept in rax */
 static void prologue(dm_code *c, const dm_emitter *e) {
     const int32_t frame = (e->slots * e->bytes + 63) & ~63;
     if (e->plan->calls)
-        dm_x86_bytes(
-            c,
-            "\x55\x48\x89\xE5\x53\x41\x56\x41\x57"  /* push rbp; rbp = rsp; push 3 */
-            "\x48\x89\xFB\x49\x89\xF6\x49\x89\xD7", /* rbx = rdi, r14, r15 */
-            18);
+        dm_x86_bytes(c,
+                     "\x55\x48\x89\xE5\x53\x41\x56\x41\x57"  /* push rbp; rbp = rsp; push 3 */
+                     "\x48\x89\xFB\x49\x89\xF6\x49\x89\xD7", /* rbx = rdi, r14, r15 */
+                     18);
     else if (frame)
         dm_x86_bytes(c, "\x48\x89\xE0", 3); /* rax = rsp */
     if (!frame && !e->plan->calls) return;
@@ -249,8 +239,7 @@ static void prologue(dm_code *c, const dm_emitter *e) {
 static void epilogue(dm_code *c, const dm_emitter *e) {
     if (e->width != DM_SCALAR) dm_x86_clear_uppers(c);
     if (e->plan->calls)
-        dm_x86_bytes(c, "\x48\x8D\x65\xE8\x41\x5F\x41\x5E\x5B\x5D",
-                     10); /* rsp = rbp - 24; pop */
+        dm_x86_bytes(c, "\x48\x8D\x65\xE8\x41\x5F\x41\x5E\x5B\x5D", 10); /* rsp = rbp - 24; pop */
     else if (e->slots)
         dm_x86_bytes(c, "\x48\x89\xC4", 3); /* rsp = rax */
     dm_x86_bytes(c, "\xC3", 1);
@@ -277,8 +266,7 @@ static dm_status place_code(const void **at, dm_emitter *e, dm_arena *arena) {
     return dm_code_place(at, begin, e->code.size - FRONT + before.size, arena);
 }
 
-static int report_fixed(dm_kernel *k, const dm_graph *g, const dm_node *roots,
-                        dm_arena *arena) {
+static int report_fixed(dm_kernel *k, const dm_graph *g, const dm_node *roots, dm_arena *arena) {
     uint8_t *fixed = dm_arena_take(arena, k->outputs);
     double *constant = dm_arena_take(arena, k->outputs * sizeof *constant);
     if (!fixed || !constant) return 0;
@@ -297,16 +285,15 @@ static int is_too_large(const dm_plan *plan, uint32_t inputs, uint32_t lanes) {
     return most * lanes * 8 > INT32_MAX / 4;
 }
 
-dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
-                             uint32_t m, uint32_t lanes, dm_arena *arena) {
+dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                             uint32_t lanes, dm_arena *arena) {
     dm_plan plan;
     dm_emitter e;
     void *pool;
     dm_kernel k = {.inputs = dm_graph_inputs(g), .outputs = m, .backend = "jit"};
     const void *code = NULL;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
-    if (lanes > dm_jit_lanes() || (lanes != 1 && lanes != 4 && lanes != 8))
-        return DM_NO_NATIVE;
+    if (lanes > dm_jit_lanes() || (lanes != 1 && lanes != 4 && lanes != 8)) return DM_NO_NATIVE;
     if (dm_has_roots(g, roots, m)) return DM_NO_NATIVE;
     dm_arena *scratch = dm_arena_scratch(dm_graph_arena(g));
     if (!scratch || !dm_plan_make(&plan, g, roots, m, scratch)) return DM_NO_MEMORY;
@@ -333,26 +320,24 @@ uint32_t dm_jit_lanes(void) {
     return 0;
 }
 
-dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
-                             uint32_t m, uint32_t lanes, dm_arena *arena) {
+dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                             uint32_t lanes, dm_arena *arena) {
     (void)out, (void)g, (void)roots, (void)m, (void)lanes, (void)arena;
     return DM_NO_NATIVE;
 }
 
 #endif
 
-dm_status dm_jit_build_lanes(dm_kernel *out, dm_graph *g, const dm_node *roots,
-                             uint32_t m, uint32_t lanes, dm_arena *arena) {
+dm_status dm_jit_build_lanes(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                             uint32_t lanes, dm_arena *arena) {
     if (lanes > dm_jit_lanes()) return DM_NO_NATIVE;
     dm_node *compact = dm_arena_take(dm_graph_arena(g), m * sizeof *compact);
     if (!compact) return DM_NO_MEMORY;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
     if (dm_has_roots(g, roots, m))
-        return lanes == 1 ? dm_root_kernel(out, g, roots, m, dm_jit_build, arena)
-                          : DM_NO_NATIVE;
+        return lanes == 1 ? dm_root_kernel(out, g, roots, m, dm_jit_build, arena) : DM_NO_NATIVE;
     dm_graph *small = dm_compact_graph(g, roots, m, compact);
-    return small ? dm_jit_build_exact(out, small, compact, m, lanes, arena)
-                 : DM_NO_MEMORY;
+    return small ? dm_jit_build_exact(out, small, compact, m, lanes, arena) : DM_NO_MEMORY;
 }
 
 dm_status dm_jit_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,

@@ -1,11 +1,9 @@
-/*
-** kernel.h - a compiled function from doubles to doubles: tape, native code or a callback.
-** eval is straight-line: no allocation, no Lua inside (a callback kernel is the named
-** exception). It writes only the outputs that vary: call dm_kernel_prepare once on every
-** output buffer, which fills in the constant ones; they are then never touched. A kernel with implicit functions
-** (implicit.h) can be told to remember: it then begins to look for a root at the last one. Who does so counts
-** the kernel's memory among what a run goes on from.
-*/
+/* kernel.h - a compiled function from doubles to doubles: tape, native code or a callback. eval
+ * is straight-line: no allocation, no Lua inside (a callback kernel is the named exception). It
+ * writes only the outputs that vary: call dm_kernel_prepare once on every output buffer, which
+ * fills in the constant ones; they are then never touched. A kernel with implicit functions
+ * (implicit.h) can be told to remember: it then begins to look for a root at the last one. Who
+ * does so counts the kernel's memory among what a run goes on from. */
 #ifndef DM_KERNEL_H
 #define DM_KERNEL_H
 
@@ -17,9 +15,9 @@ typedef struct {
     dm_eval *eval;
     const void *pool; /* what eval needs: constants, tape, callback context */
     uint32_t inputs, outputs;
-    uint32_t operations;  /* per evaluation */
-    const char *backend;  /* "tape", "jit", "cc", "hyperdual" */
-    const uint8_t *fixed; /* [outputs]: 1 where the output is a constant; NULL: none is */
+    uint32_t operations;    /* per evaluation */
+    const char *backend;    /* "tape", "jit", "cc", "hyperdual" */
+    const uint8_t *fixed;   /* [outputs]: 1 where the output is a constant; NULL: none is */
     const double *constant; /* [outputs]: its value there */
     double *memory;         /* what an evaluation leaves to the next one; NULL: nothing */
     uint32_t memory_size;

@@ -60,8 +60,7 @@ static void eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m) {
     }
     for (uint32_t k = m; k-- > 0;) {
         const dm_node *row = A + k * (size_t)m;
-        for (uint32_t j = k + 1; j < m; j++)
-            x[k] = dm_subtract_product(g, x[k], row[j], x[j]);
+        for (uint32_t j = k + 1; j < m; j++) x[k] = dm_subtract_product(g, x[k], row[j], x[j]);
         if (x[k]) x[k] = dm_mul(g, x[k], row[k]);
     }
 }
@@ -89,8 +88,8 @@ static uint32_t degree(const system_of *s, uint32_t k, uint32_t i) {
     return count;
 }
 
-/* the row with the fewest entries is next (minimum degree, Tinney & Walker 1967), of these the one that waits for the fewest
-** divisions: from both ends of a chain they are made side by side */
+/* the row with the fewest entries is next (minimum degree, Tinney & Walker 1967), of these the
+ * one that waits for the fewest divisions: from both ends of a chain they are made side by side */
 static void choose(system_of *s, uint32_t k) {
     uint32_t best = k, least = degree(s, k, s->order[k]);
     for (uint32_t c = k + 1; c < s->m; c++) {

@@ -1,10 +1,9 @@
-/*
-** The table that finds a node by its content. Who makes a node has most often just made one of its operands, so
-** its first places are near that operand's: those of nodes made in a row are in a row, too, and in the processor's
-** caches. Where many nodes have one newest operand (a constant, an input) all but the first few go to places
-** anywhere, by the hash.
-** A graph that nothing is looked for in has no table: it is made when it is first asked, and again after growth.
-*/
+/* The table that finds a node by its content. Who makes a node has most often just made one of
+ * its operands, so its first places are near that operand's: those of nodes made in a row are in
+ * a row, too, and in the processor's caches. Where many nodes have one newest operand (a
+ * constant, an input) all but the first few go to places anywhere, by the hash. A graph that
+ * nothing is looked for in has no table: it is made when it is first asked, and again after
+ * growth. */
 #include "expr/nodes.h"
 
 /* what tells one node from another: op and three words */

@@ -25,22 +25,19 @@ struct dm_graph {
     uint32_t size, capacity;
     dm_slot *table; /* node_table.c: open addressing by content */
     uint32_t mask;
-    uint32_t
-        tabled; /* nodes below are in the table, but for inputs; 0: none, and it has no room */
-    dm_node *leaf; /* [leaves] the nodes of inputs, 0: not made yet */
+    uint32_t tabled; /* nodes below are in the table, but for inputs; 0: none, and it has no room */
+    dm_node *leaf;   /* [leaves] the nodes of inputs, 0: not made yet */
     uint32_t leaves;
     uint32_t inputs;                     /* with the leaves of sums behind them */
     struct dm_sum *sums;                 /* sum.h */
     struct dm_extremum *extrema;         /* extremum.h */
     const struct dm_implicit *implicits; /* implicit.h, newest first */
-    uint32_t *mark; /* [capacity] scratch of one sweep: marked when equal to `stamp` */
+    uint32_t *mark;         /* [capacity] scratch of one sweep: marked when equal to `stamp` */
     uint32_t stamp, marked; /* marked: nodes with it */
-    uint8_t
-        *nonnegative; /* [capacity] 1 where the value is >= 0 whenever it is a number */
+    uint8_t *nonnegative;   /* [capacity] 1 where the value is >= 0 whenever it is a number */
     dm_status status;
-    dm_node
-        source[2]; /* the last function prepared for derivatives, and what it became */
-    dm_gradient_kept gradient;      /* the last one */
+    dm_node source[2];         /* the last function prepared for derivatives, and what it became */
+    dm_gradient_kept gradient; /* the last one */
     struct dm_compacted *compacted; /* compact.c, newest first */
     int verbatim;
 };
@@ -75,11 +72,12 @@ dm_node dm_node_make(dm_graph *g, const dm_expr *e);
 /* The same, but 0 when there is none yet. */
 dm_node dm_node_find(dm_graph *g, const dm_expr *e);
 
-/* The same for content that is known to be new, which is not looked for, and of which the sign is known. */
+/* The same for content that is known to be new, which is not looked for, and of which the sign
+ * is known. */
 dm_node dm_node_copy(dm_graph *g, const dm_expr *e, uint8_t nonnegative);
 
-/* node_table.c: where the number of this node is, or belongs (0); not for inputs and the constant zero. NULL: no
-** memory, and the graph has failed. */
+/* node_table.c: where the number of this node is, or belongs (0); not for inputs and the
+ * constant zero. NULL: no memory, and the graph has failed. */
 dm_node *dm_table_place(dm_graph *g, const dm_expr *e);
 
 /* op(a, b, c) as it stands. */
@@ -95,7 +93,7 @@ void dm_table_forget(dm_graph *g, uint32_t size);
 dm_node dm_graph_fail(dm_graph *g, dm_status why);
 
 /* Mark what the roots need; afterwards dm_is_marked holds until the next sweep.
-** Returns one past the largest marked number. */
+ * Returns one past the largest marked number. */
 uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m);
 
 static inline int dm_is_marked(const dm_graph *g, dm_node n) {

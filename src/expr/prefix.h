@@ -4,8 +4,8 @@
 
 #include "expr/sum.h"
 
-/* The first `size` nodes of g, under the same numbers, in a new graph of `arena`, with the sums among them;
-** they must hold no implicit functions. NULL: no memory. */
+/* The first `size` nodes of g, under the same numbers, in a new graph of `arena`, with the sums
+ * among them; they must hold no implicit functions. NULL: no memory. */
 dm_graph *dm_graph_prefix(dm_arena *arena, const dm_graph *g, uint32_t size);
 
 #endif

@@ -1,9 +1,7 @@
-/*
-** A graph as text: what is used once is written in place, what is shared gets a line and
-*a
-** name t1, t2, ... of its own, results are y1, y2, ... Nesting is bounded, so that the
-** deepest graph needs no deep recursion.
-*/
+/* A graph as text: what is used once is written in place, what is shared gets a line and
+ * a
+ * name t1, t2, ... of its own, results are y1, y2, ... Nesting is bounded, so that the
+ * deepest graph needs no deep recursion. */
 #include "expr/analyse.h"
 
 #include "expr/implicit.h"
@@ -12,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DEEPEST = 12 }; /* operations written in place inside each other */
+enum { DEEPEST = 12 };                          /* operations written in place inside each other */
 enum { SUM = 1, PRODUCT, SIGNED, POWER, ATOM }; /* how strongly a text holds together */
 
 typedef struct {
@@ -52,8 +50,7 @@ static int is_one(const dm_graph *g, dm_node n) {
 
 /* 1/x written in place, so that y * (1/x) can be written y / x */
 static int is_plain_reciprocal(const printer *p, dm_node n) {
-    const int turns =
-        dm_is_op(p->g, n, DM_OP_DIV) && is_one(p->g, dm_at(p->g, n)->as.arg[0]);
+    const int turns = dm_is_op(p->g, n, DM_OP_DIV) && is_one(p->g, dm_at(p->g, n)->as.arg[0]);
     return !p->name[n] && (turns || dm_is_op(p->g, n, DM_OP_RSQRT));
 }
 
@@ -138,7 +135,8 @@ static void arguments(printer *p, dm_node with) {
     node(p, e->as.arg[1], 0);
 }
 
-/* name(x1, x2)[1]: an entry of the root; behind its arguments may stand what J^-T and J^-1 work on */
+/* name(x1, x2)[1]: an entry of the root; behind its arguments may stand what J^-T and J^-1 work
+ * on */
 static void implicit(printer *p, const dm_expr *e) {
     dm_node leaf = e->as.arg[0];
     while (dm_is_op(p->g, leaf, DM_OP_WITH)) leaf = dm_at(p->g, leaf)->as.arg[0];
@@ -222,8 +220,7 @@ static void count_uses(printer *p, const dm_node *roots, uint32_t m, uint32_t en
     for (dm_node n = 0; n < end; n++) {
         const dm_expr *e = dm_at(p->g, n);
         for (int k = 0; dm_is_marked(p->g, n) && k < dm_arity(e->op); k++) {
-            const int square =
-                e->op == DM_OP_MUL && k == 1 && e->as.arg[0] == e->as.arg[1];
+            const int square = e->op == DM_OP_MUL && k == 1 && e->as.arg[0] == e->as.arg[1];
             if (!square && p->uses[e->as.arg[k]] < 2) p->uses[e->as.arg[k]]++;
         }
     }
@@ -251,8 +248,8 @@ static void shared_lines(printer *p, uint32_t end) {
     }
 }
 
-void dm_print(dm_graph *g, const dm_node *roots, uint32_t m, const char *const *names,
-              dm_put *put, void *ud) {
+void dm_print(dm_graph *g, const dm_node *roots, uint32_t m, const char *const *names, dm_put *put,
+              void *ud) {
     printer p = {.g = g, .names = names, .put = put, .ud = ud};
     const uint32_t end = dm_mark(g, roots, m);
     p.name = dm_arena_take(g->arena, (end + 1) * sizeof *p.name);

@@ -9,8 +9,7 @@ void dm_processor_limit(dm_processor_level level) {
 #if defined(__x86_64__)
 
 static dm_processor_level own(void) {
-    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
-        return DM_PLAIN;
+    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return DM_PLAIN;
     return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                    __builtin_cpu_supports("avx512vl")
                ? DM_AVX512

@@ -1,5 +1,5 @@
 /* processor.h - what the processor can do as far as results depend on it. One level holds for all
-** backends and widths, so that they give the same bits. */
+ * backends and widths, so that they give the same bits. */
 #ifndef DM_PROCESSOR_H
 #define DM_PROCESSOR_H
 
@@ -11,8 +11,8 @@ typedef enum {
 
 dm_processor_level dm_processor(void);
 
-/* At most `level` from now on, in the whole process (tests, options); kernels built before are to be built
-** again. */
+/* At most `level` from now on, in the whole process (tests, options); kernels built before are
+ * to be built again. */
 void dm_processor_limit(dm_processor_level level);
 
 #endif

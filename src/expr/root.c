@@ -29,7 +29,8 @@ TARGET static __m128d pair(__m128d e, int first) {
     return _mm_fmadd_sd(_mm_set_sd(series[first + 1]), e, _mm_set_sd(series[first]));
 }
 
-/* a (1 + e p); where e0 is no number (x = 0, infinite, negative) or a is infinite the look-up is right as it is */
+/* a (1 + e p); where e0 is no number (x = 0, infinite, negative) or a is infinite the look-up is
+ * right as it is */
 TARGET static double corrected(__m128d a, const look_up *l, __m128d p) {
     const __mmask8 finite = _mm_cmp_sd_mask(a, _mm_set_sd(INFINITY), _CMP_LT_OQ);
     const __mmask8 valid = _mm_mask_cmp_sd_mask(finite, l->e0, l->e0, _CMP_ORD_Q);

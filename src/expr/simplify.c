@@ -1,10 +1,9 @@
-/*
-** The rules by which dm_apply makes a node. Values are kept up to rounding, for operands whose products and
-** reciprocals neither overflow nor underflow; the sign of a zero is not kept. A NaN stays a NaN, with three
-** exceptions: 0*x = 0, 0/x = 0 and x - x = 0 for any x. Canonical forms: constants first and folded together;
-** a term is c*x with x free of constant factors; sums hold positive coefficients (x - 2*y, not x + (-2)*y);
-** commutative operands in order of number; a/b is a * (1/b), so that reciprocals are shared.
-*/
+/* The rules by which dm_apply makes a node. Values are kept up to rounding, for operands whose
+ * products and reciprocals neither overflow nor underflow; the sign of a zero is not kept. A NaN
+ * stays a NaN, with three exceptions: 0*x = 0, 0/x = 0 and x - x = 0 for any x. Canonical forms:
+ * constants first and folded together; a term is c*x with x free of constant factors; sums hold
+ * positive coefficients (x - 2*y, not x + (-2)*y); commutative operands in order of number; a/b
+ * is a * (1/b), so that reciprocals are shared. */
 #include "expr/nodes.h"
 
 #include <math.h>
@@ -40,8 +39,7 @@ static double split(const dm_graph *g, dm_node n, dm_node *rest) {
 static dm_node negated(dm_graph *g, dm_node x) {
     const dm_expr *e = dm_at(g, x);
     if (e->op == DM_OP_SUB) {
-        const dm_expr opposite = {.op = DM_OP_SUB,
-                                  .as.arg = {e->as.arg[1], e->as.arg[0]}};
+        const dm_expr opposite = {.op = DM_OP_SUB, .as.arg = {e->as.arg[1], e->as.arg[0]}};
         const dm_node found = dm_node_find(g, &opposite);
         if (found) return found;
     }
@@ -67,8 +65,7 @@ static dm_node scaled(dm_graph *g, double c, dm_node n) {
 /* (c1 + x) or (c1 - x) with a further constant c: c + sign * n, or 0 when n has no constant */
 static dm_node shifted(dm_graph *g, double c, dm_node n, double sign) {
     const dm_expr e = *dm_at(g, n);
-    if ((e.op != DM_OP_ADD && e.op != DM_OP_SUB) || !is_constant(g, e.as.arg[0]))
-        return 0;
+    if ((e.op != DM_OP_ADD && e.op != DM_OP_SUB) || !is_constant(g, e.as.arg[0])) return 0;
     const dm_node sum = dm_constant(g, c + sign * value(g, e.as.arg[0]));
     const int minus = (e.op == DM_OP_SUB) != (sign < 0.0);
     return minus ? dm_sub(g, sum, e.as.arg[1]) : dm_add(g, sum, e.as.arg[1]);
@@ -98,8 +95,7 @@ static int both_shifted(const dm_graph *g, dm_node a, dm_node b) {
 /* where(c, a, 0) + where(c, 0, b) = where(c, a, b): derivatives of branches come in such halves */
 static int are_halves(const dm_graph *g, dm_node a, dm_node b) {
     const dm_expr *p = dm_at(g, a), *q = dm_at(g, b);
-    if (p->op != DM_OP_WHERE || q->op != DM_OP_WHERE || p->as.arg[0] != q->as.arg[0])
-        return 0;
+    if (p->op != DM_OP_WHERE || q->op != DM_OP_WHERE || p->as.arg[0] != q->as.arg[0]) return 0;
     return (!p->as.arg[1] || !q->as.arg[1]) && (!p->as.arg[2] || !q->as.arg[2]);
 }
 
@@ -120,8 +116,7 @@ static dm_node add(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     }
     if (are_halves(g, a, b)) {
         const dm_expr p = *dm_at(g, a), q = *dm_at(g, b);
-        return dm_apply(g, DM_OP_WHERE, p.as.arg[0],
-                        p.as.arg[1] ? p.as.arg[1] : q.as.arg[1],
+        return dm_apply(g, DM_OP_WHERE, p.as.arg[0], p.as.arg[1] ? p.as.arg[1] : q.as.arg[1],
                         p.as.arg[2] ? p.as.arg[2] : q.as.arg[2]);
     }
     return ordered(g, DM_OP_ADD, a, b);
@@ -156,8 +151,7 @@ static dm_node sub(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     }
     const dm_expr opposite = {.op = DM_OP_SUB, .as.arg = {b, a}};
     const dm_node found = dm_node_find(g, &opposite);
-    return found ? dm_node_plain(g, DM_OP_NEG, found, 0, 0)
-                 : dm_node_plain(g, DM_OP_SUB, a, b, 0);
+    return found ? dm_node_plain(g, DM_OP_NEG, found, 0, 0) : dm_node_plain(g, DM_OP_SUB, a, b, 0);
 }
 
 /* x * y without constant factors: sqrt(u)^2 = u where u >= 0, |x|^2 = x^2 */
@@ -184,8 +178,7 @@ static dm_node whole_power(dm_graph *g, dm_node x, unsigned n);
 static dm_node reciprocal(dm_graph *g, dm_node x) {
     const dm_expr e = *dm_at(g, x);
     double one;
-    if (e.op == DM_OP_DIV && dm_is_constant(g, e.as.arg[0], &one) && one == 1.0)
-        return e.as.arg[1];
+    if (e.op == DM_OP_DIV && dm_is_constant(g, e.as.arg[0], &one) && one == 1.0) return e.as.arg[1];
     if (e.op == DM_OP_SQRT) return dm_node_plain(g, DM_OP_RSQRT, e.as.arg[0], 0, 0);
     if (e.op == DM_OP_RSQRT) return dm_node_plain(g, DM_OP_SQRT, e.as.arg[0], 0, 0);
     if (e.op != DM_OP_MUL) return dm_node_plain(g, DM_OP_DIV, dm_constant(g, 1.0), x, 0);
@@ -202,8 +195,7 @@ static dm_node divide(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     if (a == 0) return 0;
     if (is_constant(g, b)) {
         const double inverse = 1.0 / value(g, b);
-        return isnormal(inverse) ? scaled(g, inverse, a)
-                                 : dm_node_plain(g, DM_OP_DIV, a, b, 0);
+        return isnormal(inverse) ? scaled(g, inverse, a) : dm_node_plain(g, DM_OP_DIV, a, b, 0);
     }
     const double cb = split(g, b, &y);
     if (dm_is_constant(g, a, &numerator)) {
@@ -253,15 +245,15 @@ static dm_node with_sign(dm_graph *g, dm_op op, dm_node a, double parity) {
     return scaled(g, parity, dm_node_plain(g, op, scaled(g, -1.0, a), 0, 0));
 }
 
-#define ODD(name, op)                                                                    \
-    static dm_node name(dm_graph *g, dm_node a, dm_node b, dm_node c) {                  \
-        (void)b, (void)c;                                                                \
-        return with_sign(g, op, a, -1.0);                                                \
+#define ODD(name, op)                                                                              \
+    static dm_node name(dm_graph *g, dm_node a, dm_node b, dm_node c) {                            \
+        (void)b, (void)c;                                                                          \
+        return with_sign(g, op, a, -1.0);                                                          \
     }
-#define EVEN(name, op)                                                                   \
-    static dm_node name(dm_graph *g, dm_node a, dm_node b, dm_node c) {                  \
-        (void)b, (void)c;                                                                \
-        return with_sign(g, op, a, 1.0);                                                 \
+#define EVEN(name, op)                                                                             \
+    static dm_node name(dm_graph *g, dm_node a, dm_node b, dm_node c) {                            \
+        (void)b, (void)c;                                                                          \
+        return with_sign(g, op, a, 1.0);                                                           \
     }
 ODD(sine, DM_OP_SIN)
 EVEN(cosine, DM_OP_COS)

@@ -45,8 +45,7 @@ dm_strand dm_strip_carry(dm_strip_draft *d, dm_strand start, int keep) {
     return (dm_strand){DM_STRAND_CARRIED, d->carried++};
 }
 
-void dm_strip_repeat(dm_strip_draft *d, const dm_strip *s, const dm_node *with,
-                     dm_node *out) {
+void dm_strip_repeat(dm_strip_draft *d, const dm_strip *s, const dm_node *with, dm_node *out) {
     dm_transplant(d->g, s->g, s->root, s->one.outputs, with, out);
 }
 
@@ -101,8 +100,7 @@ static dm_graph *contract_all(dm_graph *g, dm_node *roots, uint32_t m) {
     memset(c.uses, 0, end + 1);
     for (dm_node n = 0; n < end; n++)
         for (int k = 0; dm_is_marked(g, n) && k < dm_arity(dm_at(g, n)->op); k++)
-            c.uses[dm_at(g, n)->as.arg[k]] |=
-                (uint8_t)(c.uses[dm_at(g, n)->as.arg[k]] + 1);
+            c.uses[dm_at(g, n)->as.arg[k]] |= (uint8_t)(c.uses[dm_at(g, n)->as.arg[k]] + 1);
     for (uint32_t i = 0; i < m; i++) c.uses[roots[i]] = 2;
     for (dm_node n = 0; n < end; n++)
         if (dm_is_marked(g, n)) c.now[n] = contract(&c, n);
@@ -144,9 +142,8 @@ static void run_one_by_one(const dm_strip *s, const dm_strip_bases *at, uint32_t
     dm_kernel_prepare(&s->one, y);
     for (uint32_t i = 0; i < count; i++) {
         for (uint32_t k = 0; k < s->one.inputs; k++)
-            in[k] = s->in[k].base == DM_STRAND_FIXED
-                        ? at->fixed[s->in[k].at * DM_STRIP_GROUP]
-                        : *place(at, s->in[k], i);
+            in[k] = s->in[k].base == DM_STRAND_FIXED ? at->fixed[s->in[k].at * DM_STRIP_GROUP]
+                                                     : *place(at, s->in[k], i);
         dm_kernel_eval(&s->one, in, y);
         for (uint32_t k = 0; k < s->one.outputs; k++) *place(at, s->out[k], i) = y[k];
     }

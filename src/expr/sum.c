@@ -17,8 +17,7 @@ uint32_t dm_sum_first(const dm_graph *g) {
 
 double dm_sum_all_rounds(const dm_sum *s) {
     double rounds = 0;
-    for (uint32_t shift = s->from; shift <= s->to; shift++)
-        rounds += dm_sum_rounds(s, shift);
+    for (uint32_t shift = s->from; shift <= s->to; shift++) rounds += dm_sum_rounds(s, shift);
     return rounds;
 }
 
@@ -35,8 +34,7 @@ dm_node dm_sum_leaf(dm_graph *g, const dm_sum *s) {
 dm_node dm_sum_of(dm_graph *g, const dm_sum *like, dm_node value) {
     dm_sum s = *like;
     s.value = value;
-    if (dm_graph_status(s.term) != DM_OK)
-        return dm_graph_fail(g, dm_graph_status(s.term));
+    if (dm_graph_status(s.term) != DM_OK) return dm_graph_fail(g, dm_graph_status(s.term));
     return value ? dm_sum_leaf(g, &s) : 0;
 }
 
@@ -48,8 +46,8 @@ double dm_sum_term(const dm_sum *s, const double *in, double *work) {
         else if (e->op == DM_OP_INPUT)
             work[k] = in[e->as.input];
         else
-            work[k] = dm_op_value(e->op, work[e->as.arg[0]], work[e->as.arg[1]],
-                                  work[e->as.arg[2]]);
+            work[k] =
+                dm_op_value(e->op, work[e->as.arg[0]], work[e->as.arg[1]], work[e->as.arg[2]]);
     }
     return work[s->value];
 }
@@ -59,8 +57,8 @@ static int same_column(const dm_sum *s, const dm_column *a, const dm_column *b) 
         !a->data != !b->data)
         return 0;
     const size_t last = a->step * (size_t)(s->bodies - 1);
-    return !a->data || memcmp(a->data + a->first, b->data + b->first,
-                              (last + 1) * sizeof *a->data) == 0;
+    return !a->data ||
+           memcmp(a->data + a->first, b->data + b->first, (last + 1) * sizeof *a->data) == 0;
 }
 
 int dm_sum_alike(const dm_sum *a, const dm_sum *b) {
@@ -73,8 +71,7 @@ int dm_sum_alike(const dm_sum *a, const dm_sum *b) {
 }
 
 static int same_sum(const dm_sum *kept, const dm_sum *fresh) {
-    if (kept->value != fresh->value || kept->input != fresh->input ||
-        !dm_sum_alike(kept, fresh))
+    if (kept->value != fresh->value || kept->input != fresh->input || !dm_sum_alike(kept, fresh))
         return 0;
     for (dm_node k = 0; k <= fresh->value; k++)
         if (!dm_same_expr(dm_at(kept->term, k), dm_at(fresh->term, k))) return 0;
@@ -91,13 +88,11 @@ int dm_sums_same(const dm_graph *kept, const dm_graph *fresh) {
 }
 
 /* what the columns are in one round, as nodes of `to` */
-static void fill_columns(dm_graph *to, const dm_sum *s, dm_node *with, uint32_t i,
-                         uint32_t shift) {
+static void fill_columns(dm_graph *to, const dm_sum *s, dm_node *with, uint32_t i, uint32_t shift) {
     for (uint32_t c = 0; c < s->columns; c++) {
         const dm_column *column = s->column + c;
         const size_t at = dm_sum_entry(s, column, i, shift);
-        with[c] =
-            column->data ? dm_constant(to, column->data[at]) : dm_input(to, (uint32_t)at);
+        with[c] = column->data ? dm_constant(to, column->data[at]) : dm_input(to, (uint32_t)at);
     }
 }
 

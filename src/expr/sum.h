@@ -1,16 +1,14 @@
-/*
-** sum.h - sums over equal bodies, neighbours or pairs that a graph keeps as one leaf: the term is
-** a graph of its own, made once, and columns say where its inputs come from in every round. The
-** value of the sum is an input of the graph behind its own ones, so that all algebra works on
-** L(x, S1, S2, ...); the chain rule joins dL/dS with the loops (mech/loops.h).
-*/
+/* sum.h - sums over equal bodies, neighbours or pairs that a graph keeps as one leaf: the term is
+ * a graph of its own, made once, and columns say where its inputs come from in every round. The
+ * value of the sum is an input of the graph behind its own ones, so that all algebra works on
+ * L(x, S1, S2, ...); the chain rule joins dL/dS with the loops (mech/loops.h). */
 #ifndef DM_SUM_OVER_H
 #define DM_SUM_OVER_H
 
 #include "expr/graph.h"
 
 /* Input c of the term: entry first + step * body, of the graph's inputs or of `data`. The body is
-** i in round i, or its partner i + shift when `partner` is set; step 0: the same in all rounds. */
+ * i in round i, or its partner i + shift when `partner` is set; step 0: the same in all rounds. */
 typedef struct {
     uint32_t first, step;
     int partner;
@@ -18,7 +16,7 @@ typedef struct {
 } dm_column;
 
 /* sum over shifts from .. to, over rounds i: single bodies have the shift 0, neighbours one
-** other, pairs all of 1 .. bodies - 1 */
+ * other, pairs all of 1 .. bodies - 1 */
 typedef struct dm_sum {
     dm_graph *term; /* inputs: the columns */
     dm_node value;
@@ -44,8 +42,7 @@ static inline uint32_t dm_sum_rounds(const dm_sum *s, uint32_t shift) {
 double dm_sum_all_rounds(const dm_sum *s);
 
 /* Entry that column c reads in round i. */
-static inline size_t dm_sum_entry(const dm_sum *s, const dm_column *c, uint32_t i,
-                                  uint32_t shift) {
+static inline size_t dm_sum_entry(const dm_sum *s, const dm_column *c, uint32_t i, uint32_t shift) {
     uint32_t body = c->partner ? i + shift : i;
     if (body >= s->bodies) body -= s->bodies;
     return c->first + (size_t)c->step * body;
@@ -54,8 +51,8 @@ static inline size_t dm_sum_entry(const dm_sum *s, const dm_column *c, uint32_t 
 /* Value of the term for in[columns], node by node; work[nodes of the term]. */
 double dm_sum_term(const dm_sum *s, const double *in, double *work);
 
-/* The same sums of the same terms, as far as `fresh` has them: what was added to the terms of `kept`
-** since makes no difference. */
+/* The same sums of the same terms, as far as `fresh` has them: what was added to the terms of
+ * `kept` since makes no difference. */
 int dm_sums_same(const dm_graph *kept, const dm_graph *fresh);
 
 /* The same pattern, columns and data; the terms may differ. */

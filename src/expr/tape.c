@@ -1,11 +1,9 @@
-/*
-** The tape: the needed nodes in order of number, each an instruction on a file of doubles
-** laid out as constants, inputs, slots. A slot is given back after its last use. A
-*product
-** used once rides on the sum or product that uses it (rounded twice all the same), sine
-*and
-** cosine of one angle come from one call. Dispatch is by computed goto (GNU C).
-*/
+/* The tape: the needed nodes in order of number, each an instruction on a file of doubles
+ * laid out as constants, inputs, slots. A slot is given back after its last use. A
+ * product
+ * used once rides on the sum or product that uses it (rounded twice all the same), sine
+ * and
+ * cosine of one angle come from one call. Dispatch is by computed goto (GNU C). */
 #include "expr/tape.h"
 
 #include "expr/compact.h"
@@ -63,10 +61,10 @@ __attribute__((noinline)) static const void *const *engine(const tape *t, double
 #define A r[i->a]
 #define B r[i->b]
 #define C r[i->c]
-#define DO(name, value)                                                                  \
-    name:                                                                                \
-    r[i->d] = (value);                                                                   \
-    i++;                                                                                 \
+#define DO(name, value)                                                                            \
+    name:                                                                                          \
+    r[i->d] = (value);                                                                             \
+    i++;                                                                                           \
     goto * i->go;
     DO(NEG, -A)
     DO(ABS, fabs(A))
@@ -193,8 +191,7 @@ static void fuse_pairs(builder *w) {
         if (d->absorbed || d->operands != 2) continue;
         for (size_t p = 0; p < sizeof pairs / sizeof pairs[0]; p++) {
             const draft *part = w->d + d->arg[pairs[p][2]];
-            if (d->kind != pairs[p][0] || part->kind != pairs[p][1] || part->uses != 1)
-                continue;
+            if (d->kind != pairs[p][0] || part->kind != pairs[p][1] || part->uses != 1) continue;
             absorb(w, d, pairs[p][2], pairs[p][3]);
             break;
         }
@@ -234,8 +231,7 @@ static void release_operands(builder *w, dm_node n) {
     const draft *d = w->d + n;
     for (int k = 0; k < d->operands; k++) {
         draft *a = w->d + d->arg[k];
-        if (a->last != n || a->kept || a->kind == DO_CONSTANT || a->kind == DO_INPUT)
-            continue;
+        if (a->last != n || a->kept || a->kind == DO_CONSTANT || a->kind == DO_INPUT) continue;
         a->last = UINT32_MAX; /* x*x gives back once */
         w->free[w->frees++] = a->place;
     }
@@ -295,8 +291,7 @@ static uint32_t count_instructions(const builder *w) {
 /* the code; returns 0 without memory */
 static int write_code(tape *t, builder *w, dm_arena *arena) {
     const void *const *address = engine(NULL, NULL);
-    instruction *code =
-        dm_arena_take(arena, (count_instructions(w) + 1) * sizeof(instruction));
+    instruction *code = dm_arena_take(arena, (count_instructions(w) + 1) * sizeof(instruction));
     if (!code) return 0;
     t->code = code;
     for (dm_node n = 0; n < w->end; n++)
@@ -344,8 +339,8 @@ static int make_moves(dm_kernel *out, tape *t, const builder *w, const dm_node *
     return 1;
 }
 
-dm_status dm_tape_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots,
-                              uint32_t m, dm_arena *arena) {
+dm_status dm_tape_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                              dm_arena *arena) {
     builder w;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
     if (dm_has_roots(g, roots, m))
@@ -372,8 +367,7 @@ dm_status dm_tape_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint3
     dm_node *compact = dm_arena_take(dm_graph_arena(g), m * sizeof *compact);
     if (!compact) return DM_NO_MEMORY;
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
-    if (dm_has_roots(g, roots, m))
-        return dm_root_kernel(out, g, roots, m, dm_tape_build, arena);
+    if (dm_has_roots(g, roots, m)) return dm_root_kernel(out, g, roots, m, dm_tape_build, arena);
     dm_graph *small = dm_compact_graph(g, roots, m, compact);
     return small ? dm_tape_build_exact(out, small, compact, m, arena) : DM_NO_MEMORY;
 }

@@ -28,23 +28,19 @@ static uint32_t hash(const dm_term_entry *head, const dm_part *parts) {
     return (uint32_t)(h * 0xD6E8FEB86659FD93u >> 32);
 }
 
-static int same(const dm_terms *s, dm_term t, const dm_term_entry *head,
-                const dm_part *parts) {
+static int same(const dm_terms *s, dm_term t, const dm_term_entry *head, const dm_part *parts) {
     const dm_term_entry *e = s->entries + t;
     if (e->kind != head->kind || e->op != head->op || e->count != head->count) return 0;
     if (e->count == 0) return e->node == head->node;
     const dm_part *own = s->parts + e->first;
     for (uint32_t i = 0; i < e->count; i++)
-        if (own[i].c != parts[i].c || own[i].t != parts[i].t || own[i].e != parts[i].e)
-            return 0;
+        if (own[i].c != parts[i].c || own[i].t != parts[i].t || own[i].e != parts[i].e) return 0;
     return 1;
 }
 
-static uint32_t slot_of(const dm_terms *s, const dm_term_entry *head,
-                        const dm_part *parts) {
+static uint32_t slot_of(const dm_terms *s, const dm_term_entry *head, const dm_part *parts) {
     uint32_t slot = hash(head, parts) & s->mask;
-    while (s->table[slot] && !same(s, s->table[slot], head, parts))
-        slot = (slot + 1) & s->mask;
+    while (s->table[slot] && !same(s, s->table[slot], head, parts)) slot = (slot + 1) & s->mask;
     return slot;
 }
 
@@ -70,8 +66,8 @@ static int grow_parts(dm_terms *s, dm_part **parts, uint32_t *capacity, uint32_t
     if (want <= *capacity) return 1;
     uint32_t room = *capacity ? *capacity : FIRST_TERMS;
     while (room < want) room *= 2;
-    dm_part *grown = dm_arena_grow(s->arena, *parts, *capacity * sizeof **parts,
-                                   room * sizeof **parts);
+    dm_part *grown =
+        dm_arena_grow(s->arena, *parts, *capacity * sizeof **parts, room * sizeof **parts);
     if (!grown) return fail(s);
     *parts = grown;
     *capacity = room;
@@ -105,8 +101,7 @@ dm_term dm_terms_make(dm_terms *s, const dm_term_entry *head, const dm_part *par
         if (!grow_entries(s, 2 * (size_t)s->capacity)) return 0;
         slot = slot_of(s, head, parts);
     }
-    if (!grow_parts(s, &s->parts, &s->parts_capacity, s->parts_size + head->count))
-        return 0;
+    if (!grow_parts(s, &s->parts, &s->parts_capacity, s->parts_size + head->count)) return 0;
     dm_term_entry *e = s->entries + s->size;
     *e = *head;
     e->first = e->body = s->parts_size;
@@ -209,7 +204,7 @@ static uint32_t count_other(const dm_part *p, uint32_t count, double c) {
 }
 
 /* the coefficient to pull out of a sum: one that saves a multiplication, with the sign of
-** the first term, so that x - y and y - x are one sum */
+ * the first term, so that x - y and y - x are one sum */
 static double common_coefficient(const dm_part *p, uint32_t count) {
     double best = 1.0;
     uint32_t least = count_other(p, count, 1.0);
@@ -247,8 +242,8 @@ typedef struct {
 } visit;
 
 /* walk below `top` without recursion: order gets each term after its parts */
-static uint32_t walk(const dm_terms *s, dm_term top, visit *stack, dm_term *order,
-                     uint32_t done, uint32_t *uses) {
+static uint32_t walk(const dm_terms *s, dm_term top, visit *stack, dm_term *order, uint32_t done,
+                     uint32_t *uses) {
     uint32_t depth = 0;
     if (uses[top]++) return done;
     stack[depth++] = (visit){top, 0};
@@ -289,7 +284,6 @@ uint32_t dm_terms_order(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_term
     *order = s->order;
     *uses = s->uses;
     memset(s->uses, 0, s->size * sizeof *s->uses);
-    for (uint32_t i = 0; i < m; i++)
-        done = walk(s, roots[i].t, s->stack, s->order, done, s->uses);
+    for (uint32_t i = 0; i < m; i++) done = walk(s, roots[i].t, s->stack, s->order, done, s->uses);
     return done;
 }

@@ -1,8 +1,6 @@
-/*
-** terms.h - a graph seen as sums and products of many parts, hash-consed like the graph.
-** A product is of powers of terms, exponents counted in halves: u^(-3/2) has e = -3. A sum is
-** of terms with coefficients. Everything else is an atom. A value is c * term; term 0 is 1.
-*/
+/* terms.h - a graph seen as sums and products of many parts, hash-consed like the graph.
+ * A product is of powers of terms, exponents counted in halves: u^(-3/2) has e = -3. A sum is
+ * of terms with coefficients. Everything else is an atom. A value is c * term; term 0 is 1. */
 #ifndef DM_TERMS_H
 #define DM_TERMS_H
 
@@ -75,7 +73,7 @@ int dm_terms_read(dm_terms *s, const dm_node *roots, uint32_t m, dm_scaled *out)
 void dm_terms_rewrite(dm_terms *s, dm_term t, uint32_t count);
 
 /* What the roots are made of, parts before wholes: order[], and how often each is a part:
-** uses[size of the store]. Both hold until the next call; gives their number, 0 without memory. */
+ * uses[size of the store]. Both hold until the next call; gives their number, 0 without memory. */
 uint32_t dm_terms_order(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_term **order,
                         uint32_t **uses);
 

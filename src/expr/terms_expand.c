@@ -1,10 +1,8 @@
-/*
-** (a + b) c = a c + b c, so that like terms of different roads meet; and the squares of sums of
-** sines and cosines, so that sin^2 + cos^2 = 1 can be seen. One sum a product at most is
-** opened: with two, small differences would become differences of large products. Sums of
-** plain inputs stay closed for the same reason: x - y is exact, x c - y c is not. What is
-** divided by or under a root stays as it is.
-*/
+/* (a + b) c = a c + b c, so that like terms of different roads meet; and the squares of sums of
+ * sines and cosines, so that sin^2 + cos^2 = 1 can be seen. One sum a product at most is
+ * opened: with two, small differences would become differences of large products. Sums of
+ * plain inputs stay closed for the same reason: x - y is exact, x c - y c is not. What is
+ * divided by or under a root stays as it is. */
 #include "expr/terms.h"
 
 #include "expr/nodes.h"
@@ -56,8 +54,7 @@ static int is_trigonometric(const dm_terms *s, dm_term t) {
 }
 
 /* c * (rest[count] * t) onto the list; 0 when it is full */
-static int push_product(expansion *x, double c, const dm_part *rest, uint32_t count,
-                        dm_term t) {
+static int push_product(expansion *x, double c, const dm_part *rest, uint32_t count, dm_term t) {
     dm_terms *s = x->s;
     if (x->count == sizeof x->list / sizeof x->list[0]) return 0;
     if (!dm_terms_reserve(s, count + 2 * DM_MOST_FACTORS)) return 0;
@@ -69,8 +66,7 @@ static int push_product(expansion *x, double c, const dm_part *rest, uint32_t co
 }
 
 static dm_scaled sum_of_list(expansion *x, dm_scaled otherwise) {
-    if (x->count > 2 * LONGEST_SUM || !dm_terms_reserve(x->s, x->count + 1))
-        return otherwise;
+    if (x->count > 2 * LONGEST_SUM || !dm_terms_reserve(x->s, x->count + 1)) return otherwise;
     memcpy(x->s->scratch, x->list, x->count * sizeof *x->list);
     return dm_terms_sum(x->s, x->count);
 }
@@ -105,8 +101,7 @@ static dm_scaled square_out(expansion *x, dm_scaled whole, dm_part *p, uint32_t 
             dm_part rest[DM_MOST_FACTORS * 2 + 1];
             if (count > 1) memcpy(rest, p, (count - 1) * sizeof *p);
             const uint32_t more = dm_terms_factors(s, a.t, rest + count - 1);
-            const double c =
-                dm_terms_times(x->s, whole.c * a.c, b.c) * (i == j ? 1.0 : 2.0);
+            const double c = dm_terms_times(x->s, whole.c * a.c, b.c) * (i == j ? 1.0 : 2.0);
             if (!push_product(x, c, rest, count - 1 + more, b.t)) return whole;
         }
     return sum_of_list(x, whole);
@@ -201,8 +196,7 @@ static int has_squared_cosine(const dm_terms *s, dm_term t) {
     const dm_term_entry *e = s->entries + t;
     for (uint32_t i = 0; e->kind == DM_TERM_PRODUCT && i < e->count; i++) {
         const dm_part *p = s->parts + e->first + i;
-        if (p->e >= 4 && is_angle_function(s, p->t) && s->entries[p->t].op == DM_OP_COS)
-            return 1;
+        if (p->e >= 4 && is_angle_function(s, p->t) && s->entries[p->t].op == DM_OP_COS) return 1;
     }
     return 0;
 }

@@ -1,7 +1,5 @@
-/*
-** a b + a c = a (b + c), as long as a sum has a factor that saves a multiplication. A product
-** that has other users is left whole: pulling it apart would make it twice.
-*/
+/* a b + a c = a (b + c), as long as a sum has a factor that saves a multiplication. A product
+ * that has other users is left whole: pulling it apart would make it twice. */
 #include "expr/terms.h"
 
 #include "expr/nodes.h"
@@ -42,8 +40,7 @@ static void note(factoring *f, const dm_part *p, int saved) {
         c->saved += saved;
         return;
     }
-    if (f->founds < MOST_CANDIDATES)
-        f->found[f->founds++] = (candidate){p->t, p->e, saved};
+    if (f->founds < MOST_CANDIDATES) f->found[f->founds++] = (candidate){p->t, p->e, saved};
 }
 
 /* the power that saves most in the sum t, NULL when none saves anything */
@@ -152,6 +149,5 @@ void dm_terms_factor(dm_terms *s, const dm_scaled *roots, uint32_t m) {
     memcpy(f.uses, uses, size * sizeof *uses);
     for (uint32_t i = 0; i < count; i++)
         if (s->entries[order[i]].kind == DM_TERM_SUM) f.queue[f.queued++] = order[i];
-    for (uint32_t i = 0; i < f.queued && s->size < f.room; i++)
-        factor_sum(&f, f.queue[i]);
+    for (uint32_t i = 0; i < f.queued && s->size < f.room; i++) factor_sum(&f, f.queue[i]);
 }

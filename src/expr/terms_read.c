@@ -19,13 +19,11 @@ static int is_sum(const dm_expr *e) {
 }
 
 static int is_scale(const dm_graph *g, const dm_expr *e) {
-    return e->op == DM_OP_NEG ||
-           (e->op == DM_OP_MUL && dm_is_op(g, e->as.arg[0], DM_OP_CONSTANT));
+    return e->op == DM_OP_NEG || (e->op == DM_OP_MUL && dm_is_op(g, e->as.arg[0], DM_OP_CONSTANT));
 }
 
 /* additions, and multiples, that are used once and by a sum: uses[n] and the last user */
-static void find_inner(reader *r, const dm_graph *g, uint32_t end, uint32_t *uses,
-                       uint32_t *user) {
+static void find_inner(reader *r, const dm_graph *g, uint32_t end, uint32_t *uses, uint32_t *user) {
     for (dm_node n = 0; n < end; n++) {
         const dm_expr *e = dm_at(g, n);
         for (int k = 0; dm_is_marked(g, n) && k < dm_arity(e->op); k++) {
@@ -62,8 +60,7 @@ static uint32_t open_part(reader *r, uint32_t depth, uint32_t *count) {
     const dm_expr *e = dm_at(g, n);
     if (!r->inner[n]) {
         const dm_scaled v = r->value[n];
-        r->s->scratch[(*count)++] =
-            (dm_part){.c = dm_terms_times(r->s, c, v.c), .t = v.t};
+        r->s->scratch[(*count)++] = (dm_part){.c = dm_terms_times(r->s, c, v.c), .t = v.t};
         return depth;
     }
     if (is_scale(g, e)) {
@@ -107,7 +104,8 @@ static dm_scaled read_product(reader *r, dm_node x, dm_node y, int sign) {
     return dm_terms_product(s, c, count);
 }
 
-/* sqrt(c u)^e = sqrt(c)^e u^(e/2), where u is known to be >= 0; elsewhere a power of the atom sqrt(u) */
+/* sqrt(c u)^e = sqrt(c)^e u^(e/2), where u is known to be >= 0; elsewhere a power of the atom
+ * sqrt(u) */
 static dm_scaled read_root(reader *r, dm_node n, int e) {
     const dm_scaled a = r->value[dm_at(r->s->g, n)->as.arg[0]];
     const dm_term_entry *u = r->s->entries + a.t;

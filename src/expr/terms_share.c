@@ -1,8 +1,6 @@
-/*
-** Common parts of two: a pair of factors, or of terms up to a multiple, that several products
-** or sums contain becomes a term of its own. Pairs are counted, the commonest goes first, and
-** the rounds go on until no pair is left twice.
-*/
+/* Common parts of two: a pair of factors, or of terms up to a multiple, that several products
+ * or sums contain becomes a term of its own. Pairs are counted, the commonest goes first, and
+ * the rounds go on until no pair is left twice. */
 #include "expr/terms.h"
 
 #include "expr/nodes.h"
@@ -40,8 +38,7 @@ static uint32_t hash(const pair *p) {
     uint64_t bits, h;
     memcpy(&bits, &p->b.c, sizeof bits);
     h = (bits ^ (uint64_t)p->a.t << 32 ^ p->b.t) * 0x9E3779B97F4A7C15u;
-    h = (h ^ h >> 31 ^ (uint64_t)(uint32_t)p->a.e << 32 ^ (uint32_t)p->b.e) *
-        0xD6E8FEB86659FD93u;
+    h = (h ^ h >> 31 ^ (uint64_t)(uint32_t)p->a.e << 32 ^ (uint32_t)p->b.e) * 0xD6E8FEB86659FD93u;
     return (uint32_t)(h >> 32);
 }
 
@@ -66,8 +63,7 @@ static pair pair_of(const dm_part *x, const dm_part *y) {
 static void note(sharing *w, dm_term whole, const dm_part *x, const dm_part *y) {
     const pair p = pair_of(x, y);
     uint32_t slot = hash(&p) & w->mask;
-    while (w->table[slot] && !same(w->pairs + w->table[slot] - 1, &p))
-        slot = (slot + 1) & w->mask;
+    while (w->table[slot] && !same(w->pairs + w->table[slot] - 1, &p)) slot = (slot + 1) & w->mask;
     if (!w->table[slot]) {
         w->pairs[w->pairs_size++] = p;
         w->table[slot] = w->pairs_size;
@@ -103,8 +99,10 @@ static void take_coefficient(dm_terms *s, dm_part *p, const uint32_t *uses) {
         return;
     const double c = fabs(p->c);
     const dm_part operand = {.c = c, .t = 0};
-    const dm_term_entry head = {
-        .kind = DM_TERM_ATOM, .op = DM_OP_CONSTANT, .nonnegative = 1, .count = 1};
+    const dm_term_entry head = {.kind = DM_TERM_ATOM,
+                                .op = DM_OP_CONSTANT,
+                                .nonnegative = 1,
+                                .count = 1};
     const dm_term constant = dm_terms_make(s, &head, &operand);
     e = s->entries + p->t;
     if (!dm_terms_reserve(s, e->size + 1)) return;
@@ -166,8 +164,7 @@ static int open_round(sharing *w, uint32_t room) {
         w->table = dm_arena_take(arena, slots * sizeof *w->table);
         w->room = room;
     }
-    if (!w->pairs || !w->seen || !w->table)
-        return (int)dm_graph_fail(w->s->g, DM_NO_MEMORY);
+    if (!w->pairs || !w->seen || !w->table) return (int)dm_graph_fail(w->s->g, DM_NO_MEMORY);
     memset(w->table, 0, slots * sizeof *w->table);
     w->mask = slots - 1;
     w->pairs_size = w->seen_size = 0;
@@ -203,8 +200,7 @@ static void replace_pair(sharing *w, dm_term whole, const uint32_t at[2], dm_sca
     dm_term_entry *e = s->entries + whole;
     dm_part *p = s->parts + e->body;
     const dm_part a = p[at[0]];
-    p[at[0]] =
-        (dm_part){.c = a.c * by.c, .t = by.t, .e = w->kind == DM_TERM_PRODUCT ? 2 : 0};
+    p[at[0]] = (dm_part){.c = a.c * by.c, .t = by.t, .e = w->kind == DM_TERM_PRODUCT ? 2 : 0};
     p[at[1]] = p[--e->size];
 }
 
@@ -228,8 +224,7 @@ static int share_pair(sharing *w, const pair *p) {
     if (dm_graph_status(s->g) != DM_OK || kind != w->kind) return 0;
     for (uint32_t k = p->list; k; k = w->seen[k - 1].next) {
         const dm_term whole = w->seen[k - 1].whole;
-        while (whole != both.t && find_pair(s, whole, p, at))
-            replace_pair(w, whole, at, both);
+        while (whole != both.t && find_pair(s, whole, p, at)) replace_pair(w, whole, at, both);
     }
     return 1;
 }

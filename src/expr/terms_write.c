@@ -1,7 +1,5 @@
-/*
-** From terms to nodes. Powers of one base share their chain; a denominator that one product
-** has alone divides it, one that several have is turned over once: w = 1/sqrt(u), w^3, w^5.
-*/
+/* From terms to nodes. Powers of one base share their chain; a denominator that one product
+ * has alone divides it, one that several have is turned over once: w = 1/sqrt(u), w^3, w^5. */
 #include "expr/terms.h"
 
 #include "expr/nodes.h"
@@ -14,11 +12,10 @@ enum { CHAIN = 64 }; /* powers above are made by squaring without looking for su
 
 /* how a base is used by all products together */
 typedef struct {
-    uint64_t above,
-        below;        /* bit k: the power k of the base, of its reciprocal, is needed */
-    uint32_t under;   /* products that divide by it */
-    uint32_t squares; /* products that have its square */
-    uint8_t by_root;  /* odd halves below: w = 1/sqrt(base), else w = 1/base */
+    uint64_t above, below; /* bit k: the power k of the base, of its reciprocal, is needed */
+    uint32_t under;        /* products that divide by it */
+    uint32_t squares;      /* products that have its square */
+    uint8_t by_root;       /* odd halves below: w = 1/sqrt(base), else w = 1/base */
 } usage;
 
 enum { EITHER = 0, PLUS = 1, MINUS = 2 }; /* signs that the users of a term would like */
@@ -36,10 +33,8 @@ static dm_node multiply(dm_graph *g, dm_node a, dm_node b) {
     double one;
     if (dm_is_constant(g, a, &one) && one == 1.0) return b;
     if (dm_is_constant(g, b, &one) && one == 1.0) return a;
-    if (dm_is_op(g, a, DM_OP_CONSTANT) && dm_is_op(g, b, DM_OP_CONSTANT))
-        return dm_mul(g, a, b);
-    return a < b ? dm_node_plain(g, DM_OP_MUL, a, b, 0)
-                 : dm_node_plain(g, DM_OP_MUL, b, a, 0);
+    if (dm_is_op(g, a, DM_OP_CONSTANT) && dm_is_op(g, b, DM_OP_CONSTANT)) return dm_mul(g, a, b);
+    return a < b ? dm_node_plain(g, DM_OP_MUL, a, b, 0) : dm_node_plain(g, DM_OP_MUL, b, a, 0);
 }
 
 static dm_node times(dm_graph *g, double c, dm_node a) {
@@ -84,12 +79,11 @@ static void find_usage(writer *w, const dm_term *order, uint32_t count) {
 }
 
 /* which users would have to negate: roots and operands with a negative coefficient pass a wish
-** down, a product hands its own to one sum that nobody else uses */
-static void find_wishes(writer *w, const dm_scaled *roots, uint32_t m,
-                        const dm_term *order, const uint32_t *uses, uint32_t count) {
+ * down, a product hands its own to one sum that nobody else uses */
+static void find_wishes(writer *w, const dm_scaled *roots, uint32_t m, const dm_term *order,
+                        const uint32_t *uses, uint32_t count) {
     const dm_terms *s = w->s;
-    for (uint32_t i = 0; i < m; i++)
-        w->wish[roots[i].t] |= roots[i].c < 0.0 ? MINUS : PLUS;
+    for (uint32_t i = 0; i < m; i++) w->wish[roots[i].t] |= roots[i].c < 0.0 ? MINUS : PLUS;
     for (uint32_t i = count; i-- > 0;) {
         const dm_term_entry *e = s->entries + order[i];
         const dm_part *p = s->parts + e->body;
@@ -104,7 +98,8 @@ static void find_wishes(writer *w, const dm_scaled *roots, uint32_t m,
     }
 }
 
-/* base^k, the square being there whenever more is, through two powers that are needed anyway where there are such */
+/* base^k, the square being there whenever more is, through two powers that are needed anyway
+ * where there are such */
 static dm_node chain(dm_graph *g, dm_node base, uint32_t k, uint64_t needed) {
     if (k == 0) return dm_constant(g, 1.0);
     if (k == 1) return base;
@@ -136,8 +131,8 @@ static int is_under_root(const writer *w, dm_term t) {
     return w->use[t].by_root || dm_is_op(w->g, w->s->entries[t].node, DM_OP_SQRT);
 }
 
-/* base^(-size/2) as a power of the shared reciprocal; the cube of a reciprocal root that is needed alone is one
-** operation */
+/* base^(-size/2) as a power of the shared reciprocal; the cube of a reciprocal root that is
+ * needed alone is one operation */
 static dm_node inverse_power(const writer *w, const dm_part *p) {
     const dm_node base = w->s->entries[p->t].node;
     const uint32_t steps = whole_steps(w, p);
@@ -146,10 +141,8 @@ static dm_node inverse_power(const writer *w, const dm_part *p) {
         return chain(w->g, turned, steps, w->use[p->t].below);
     }
     const dm_node under = w->use[p->t].by_root ? base : dm_at(w->g, base)->as.arg[0];
-    if (w->use[p->t].below == (uint64_t)1 << 3)
-        return dm_apply(w->g, DM_OP_RSQRT3, under, 0, 0);
-    return chain(w->g, dm_apply(w->g, DM_OP_RSQRT, under, 0, 0), steps,
-                 w->use[p->t].below);
+    if (w->use[p->t].below == (uint64_t)1 << 3) return dm_apply(w->g, DM_OP_RSQRT3, under, 0, 0);
+    return chain(w->g, dm_apply(w->g, DM_OP_RSQRT, under, 0, 0), steps, w->use[p->t].below);
 }
 
 /* equal factors that were written out become powers again */
@@ -171,8 +164,7 @@ static uint32_t gathered(const dm_terms *s, const dm_term_entry *e, dm_part *to)
 static dm_node joint_square(const writer *w, dm_part *p, uint32_t *count) {
     dm_node joint = w->one;
     uint32_t own = 0, kept = 0;
-    for (uint32_t i = 0; i < *count; i++)
-        own += p[i].e == 4 && w->use[p[i].t].squares == 1;
+    for (uint32_t i = 0; i < *count; i++) own += p[i].e == 4 && w->use[p[i].t].squares == 1;
     if (own < 2) return joint;
     for (uint32_t i = 0; i < *count; i++)
         if (p[i].e == 4 && w->use[p[i].t].squares == 1)
@@ -202,8 +194,7 @@ static dm_node write_product(writer *w, dm_term t) {
 }
 
 static dm_node add(dm_graph *g, dm_node a, dm_node b) {
-    return a < b ? dm_node_plain(g, DM_OP_ADD, a, b, 0)
-                 : dm_node_plain(g, DM_OP_ADD, b, a, 0);
+    return a < b ? dm_node_plain(g, DM_OP_ADD, a, b, 0) : dm_node_plain(g, DM_OP_ADD, b, a, 0);
 }
 
 /* c * term, the sign of how the term was written taken in */
@@ -212,7 +203,7 @@ static double coefficient(const writer *w, const dm_part *p) {
 }
 
 /* first what is added, then what is taken away; turned round where all users want that or
-** nothing is added */
+ * nothing is added */
 static dm_node write_sum(writer *w, dm_term t) {
     const dm_term_entry *e = w->s->entries + t;
     const dm_part *p = w->s->parts + e->body;
@@ -277,8 +268,7 @@ void dm_terms_write(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_node *ou
     if (dm_graph_status(s->g) != DM_OK || !open_writer(&w, s)) return;
     find_usage(&w, order, count);
     find_wishes(&w, roots, m, order, uses, count);
-    for (uint32_t i = 0; i < count; i++)
-        s->entries[order[i]].node = write_term(&w, order[i]);
+    for (uint32_t i = 0; i < count; i++) s->entries[order[i]].node = write_term(&w, order[i]);
     for (uint32_t i = 0; i < m; i++) {
         const double c = w.minus[roots[i].t] ? -roots[i].c : roots[i].c;
         out[i] = times(s->g, c, s->entries[roots[i].t].node);

@@ -1,7 +1,5 @@
-/*
-** Encodings after the Intel 64 manual, volume 2: VEX (2.3) and EVEX (2.7). Every memory operand
-** is base + displacement. VEX scalars leave the upper lanes to the first source.
-*/
+/* Encodings after the Intel 64 manual, volume 2: VEX (2.3) and EVEX (2.7). Every memory operand
+ * is base + displacement. VEX scalars leave the upper lanes to the first source. */
 #include "expr/x86.h"
 
 #include <string.h>
@@ -35,8 +33,8 @@ void dm_x86_bytes(dm_code *c, const void *bytes, size_t count) {
 
 enum { LONGEST = 16 }; /* bytes of an instruction, and some to spare */
 
-/* An instruction on its way, in registers: bytes that were written one by one could not be read together
-** before they are in the cache. */
+/* An instruction on its way, in registers: bytes that were written one by one could not be read
+ * together before they are in the cache. */
 typedef struct {
     uint64_t head; /* all before the displacement: up to 7 bytes */
     int size;
@@ -68,8 +66,7 @@ static inline void address(instruction *i, int reg, dm_operand o, int unit) {
         byte(i, 0xC0 | middle | (o.reg & 7));
         return;
     }
-    const int small =
-        !(o.disp & (unit - 1)) && o.disp >= -128 * unit && o.disp <= 127 * unit;
+    const int small = !(o.disp & (unit - 1)) && o.disp >= -128 * unit && o.disp <= 127 * unit;
     byte(i, (small ? 0x40 : 0x80) | middle | (o.base & 7));
     if ((o.base & 7) == DM_RSP) byte(i, 0x24);
     i->disp = small ? o.disp / unit : o.disp;
@@ -96,9 +93,9 @@ static inline void vex(instruction *i, const form *f, int length, dm_operand o) 
     address(i, f->reg, o, 1);
 }
 
-/* length 0, 1, 2: 128 bits or scalar, 256, 512; short displacements count in the size of a memory operand */
-static inline void evex(instruction *i, const form *f, int length, int unit,
-                        dm_operand o) {
+/* length 0, 1, 2: 128 bits or scalar, 256, 512; short displacements count in the size of a
+ * memory operand */
+static inline void evex(instruction *i, const form *f, int length, int unit, dm_operand o) {
     const int top = o.reg >= 0 ? o.reg >> 4 & 1 : 0; /* bit 4 of a register goes to X */
     byte(i, 0x62);
     byte(i, (!(f->reg >> 3 & 1) << 7) | (!top << 6) | (!(high(o) & 1) << 5) |
@@ -169,27 +166,18 @@ void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int rela
 
 void dm_x86_blend(dm_code *c, dm_width w, int d, int no, int yes, int mask) {
     if (w == DM_LANES8) {
-        const form f = {.map = MAP_0F38,
-                        .opcode = 0x65,
-                        .reg = d,
-                        .vvvv = no,
-                        .prefix = PP_66,
-                        .mask = mask};
+        const form f =
+            {.map = MAP_0F38, .opcode = 0x65, .reg = d, .vvvv = no, .prefix = PP_66, .mask = mask};
         emit_evex(c, w, &f, dm_in_register(yes), NONE);
         return;
     }
-    const form f = {
-        .map = MAP_0F3A, .opcode = 0x4B, .reg = d, .vvvv = no, .prefix = PP_66};
+    const form f = {.map = MAP_0F3A, .opcode = 0x4B, .reg = d, .vvvv = no, .prefix = PP_66};
     emit_vex(c, w, &f, dm_in_register(yes), mask << 4);
 }
 
 void dm_x86_load_masked(dm_code *c, int d, int mask, dm_operand from) {
-    const form f = {.map = MAP_0F,
-                    .opcode = 0x10,
-                    .reg = d,
-                    .prefix = PP_66,
-                    .mask = mask,
-                    .zeroing = 1};
+    const form f =
+        {.map = MAP_0F, .opcode = 0x10, .reg = d, .prefix = PP_66, .mask = mask, .zeroing = 1};
     emit_evex(c, DM_LANES8, &f, from, NONE);
 }
 
@@ -202,8 +190,7 @@ void dm_x86_rsqrt14(dm_code *c, dm_width w, int d, int a) {
     emit_evex(c, w, &f, dm_in_register(a), NONE);
 }
 
-void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b,
-                  int mask) {
+void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b, int mask) {
     const form f = {.map = MAP_0F38,
                     .opcode = opcode + (w == DM_SCALAR),
                     .reg = d,
@@ -221,8 +208,7 @@ void dm_x86_fma(dm_code *c, dm_width w, int accumulate, int d, int a, dm_operand
     dm_x86_fused(c, w, accumulate ? DM_X86_FMADD231 : DM_X86_FMADD213, d, a, b, 0);
 }
 
-void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int relation,
-                 int under) {
+void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int relation, int under) {
     const form f = {.map = MAP_0F,
                     .opcode = 0xC2,
                     .reg = mask,
@@ -233,26 +219,24 @@ void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int rela
 }
 
 void dm_x86_fix(dm_code *c, int d, int a, dm_operand table) {
-    const form f = {
-        .map = MAP_0F3A, .opcode = 0x54, .reg = d, .vvvv = a, .prefix = PP_66};
+    const form f = {.map = MAP_0F3A, .opcode = 0x54, .reg = d, .vvvv = a, .prefix = PP_66};
     emit_evex(c, DM_LANES8, &f, table, 0); /* no flags */
 }
 
 void dm_x86_bound(dm_code *c, int d, int a, dm_operand b) {
-    const form f = {
-        .map = MAP_0F3A, .opcode = 0x50, .reg = d, .vvvv = a, .prefix = PP_66, .wide = 1};
+    const form f =
+        {.map = MAP_0F3A, .opcode = 0x50, .reg = d, .vvvv = a, .prefix = PP_66, .wide = 1};
     emit_evex(c, DM_LANES8, &f, b, 2); /* the smaller size, the first one's sign */
 }
 
 void dm_x86_pick(dm_code *c, int d, int a, dm_operand b) {
-    const form f = {
-        .map = MAP_0F38, .opcode = 0x77, .reg = d, .vvvv = a, .prefix = PP_66, .wide = 1};
+    const form f =
+        {.map = MAP_0F38, .opcode = 0x77, .reg = d, .vvvv = a, .prefix = PP_66, .wide = 1};
     emit_evex(c, DM_LANES8, &f, b, NONE);
 }
 
 void dm_x86_scale(dm_code *c, int d, int a, int b) {
-    const form f = {
-        .map = MAP_0F38, .opcode = 0x2C, .reg = d, .vvvv = a, .prefix = PP_66};
+    const form f = {.map = MAP_0F38, .opcode = 0x2C, .reg = d, .vvvv = a, .prefix = PP_66};
     emit_evex(c, DM_LANES8, &f, dm_in_register(b), NONE);
 }
 

@@ -64,11 +64,7 @@ void dm_x86_op(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b);
 void dm_x86_load(dm_code *c, dm_width w, int d, dm_operand from);
 void dm_x86_store(dm_code *c, dm_width w, dm_operand to, int from);
 
-enum {
-    DM_X86_NUMBERS = 0x07,
-    DM_X86_LESS = 0x11,
-    DM_X86_GREATER = 0x1E
-}; /* quiet; no NaN: true */
+enum { DM_X86_NUMBERS = 0x07, DM_X86_LESS = 0x11, DM_X86_GREATER = 0x1E }; /* quiet; no NaN: true */
 
 /* d = all ones where a `relation` b (8 lanes: mask register d) */
 void dm_x86_compare(dm_code *c, dm_width w, int d, int a, dm_operand b, int relation);
@@ -92,12 +88,10 @@ enum { /* 213: d = +-(a d) + b; 231: d = a b +- d */
 };
 
 /* rounded once; with AVX-512 only where a mask register (not 0) says so */
-void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b,
-                  int mask);
+void dm_x86_fused(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b, int mask);
 
 /* AVX-512: mask register `mask` = a `relation` b, and mask register `under` where that is not 0 */
-void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int relation,
-                 int under);
+void dm_x86_test(dm_code *c, dm_width w, int mask, int a, dm_operand b, int relation, int under);
 
 /* 8 lanes: d = a where a nibble of the table for its kind says 1, as it was where 0 */
 void dm_x86_fix(dm_code *c, int d, int a, dm_operand table);

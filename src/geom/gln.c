@@ -9,8 +9,7 @@ static int acts(uint32_t n, uint32_t block) {
 }
 
 /* E_ij x, row-major */
-static void generator(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a) {
+static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     for (uint32_t k = 0; k < block; k++) out[k] = 0.0;
     out[a / n] = x[a % n];
 }

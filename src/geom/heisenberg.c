@@ -8,9 +8,9 @@ static int acts(uint32_t n, uint32_t block) {
     return 2 * n + 1 == block;
 }
 
-/* of the translations from the left (a, b, c)(x, y, z) = (a + x, b + y, c + z + (a . y - b . x)/2) */
-static void generator(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a) {
+/* of the translations from the left (a, b, c)(x, y, z) = (a + x, b + y, c + z + (a . y - b .
+ * x)/2) */
+static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     for (uint32_t k = 0; k < block; k++) out[k] = 0.0;
     out[a] = 1.0;
     if (a < n) out[2 * n] = 0.5 * x[n + a];

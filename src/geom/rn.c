@@ -9,8 +9,7 @@ static int acts(uint32_t n, uint32_t block) {
 }
 
 /* translations: every basis vector is its own generator */
-static void generator(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a) {
+static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     (void)x, (void)n;
     for (uint32_t i = 0; i < block; i++) out[i] = i == a ? 1.0 : 0.0;
 }

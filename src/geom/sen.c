@@ -9,8 +9,7 @@ static int acts(uint32_t n, uint32_t block) {
 }
 
 /* n translations, then the rotations in the order of SO(n) */
-static void generator(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a) {
+static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     if (a < n)
         dm_space_rn.generator(out, x, n, block, a);
     else

@@ -9,8 +9,7 @@ static int acts(uint32_t n, uint32_t block) {
 }
 
 /* X x with the entries of X row by row, but for the last, which makes the trace zero */
-static void generator(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a) {
+static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     const uint32_t i = a / n, j = a % n;
     for (uint32_t k = 0; k < block; k++) out[k] = 0.0;
     out[i] = x[j];

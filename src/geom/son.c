@@ -20,8 +20,7 @@ static void plane(uint32_t n, uint32_t a, uint32_t *i, uint32_t *j) {
     *j = *i + 1 + a;
 }
 
-static void generator(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a) {
+static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     uint32_t i, j;
     plane(n, a, &i, &j);
     for (uint32_t k = 0; k < block; k++) out[k] = 0.0;

@@ -12,15 +12,13 @@ typedef struct {
     uint32_t multiple;     /* n is a multiple of it */
     uint32_t usual;        /* n when it is left out; 0: it must be given */
     int chart;             /* 1: coordinates are free numbers, a system can live on it */
-    int sphere; /* 1: unit vectors of R^(n+1), a system lives on it by a constraint */
+    int sphere;            /* 1: unit vectors of R^(n+1), a system lives on it by a constraint */
     uint32_t (*dimension)(uint32_t n);
     /* Standard action on vectors of `block` entries: out[block] = xi_a(x), the
-    *infinitesimal
-    ** generator of basis element a < dimension(n) at x[block]. Blocks are moved alike. */
-    int (*acts)(uint32_t n,
-                uint32_t block); /* 1 when the action on such blocks is defined */
-    void (*generator)(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a);
+     * infinitesimal
+     * generator of basis element a < dimension(n) at x[block]. Blocks are moved alike. */
+    int (*acts)(uint32_t n, uint32_t block); /* 1 when the action on such blocks is defined */
+    void (*generator)(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a);
 } dm_space;
 
 /* n of matrix groups: a block of coordinates holds a vector that they act on */

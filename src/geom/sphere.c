@@ -10,8 +10,7 @@ static int acts(uint32_t n, uint32_t block) {
     return 0;
 }
 
-static void generator(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a) {
+static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     (void)x, (void)n, (void)a;
     for (uint32_t i = 0; i < block; i++) out[i] = 0.0;
 }

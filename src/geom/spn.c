@@ -16,8 +16,7 @@ static void triangle(uint32_t k, uint32_t a, uint32_t *i, uint32_t *j) {
 }
 
 /* {{A, B}, {C, -A^T}} x, B and C symmetric */
-static void generator(double *out, const double *x, uint32_t n, uint32_t block,
-                      uint32_t a) {
+static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     const uint32_t k = n / 2, corner = k * (k + 1) / 2;
     uint32_t i, j;
     for (uint32_t l = 0; l < block; l++) out[l] = 0.0;
@@ -36,12 +35,11 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block,
 const dm_space dm_space_spn = {
     .name = "Sp",
     .signature = "Sp(n)",
-    .doc =
-        "Symplectic n x n matrices, n = 2k: g^T J g = J for x = (q, p) with k entries "
-        "each. The algebra has the "
-        "matrices {{A, B}, {C, -A^T}}, B and C symmetric: A row by row, then the upper "
-        "triangles of B and of C. They "
-        "act on blocks of n coordinates by g x.",
+    .doc = "Symplectic n x n matrices, n = 2k: g^T J g = J for x = (q, p) with k entries "
+           "each. The algebra has the "
+           "matrices {{A, B}, {C, -A^T}}, B and C symmetric: A row by row, then the upper "
+           "triangles of B and of C. They "
+           "act on blocks of n coordinates by g x.",
     .least = 2,
     .most = DM_LARGEST_GROUP,
     .multiple = 2,

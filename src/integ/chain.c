@@ -7,7 +7,7 @@
 /* ---- setting up ---- */
 
 /* kicks at both ends of a step share a force and a pass; a step that begins with a drift has that
-** in the pass before */
+ * in the pass before */
 static void plan_step(dm_chain *c) {
     const dm_splitting *table = &c->table;
     const int s = table->stages, opens = table->b[0] != 0.0, closes = table->b[s] != 0.0;
@@ -21,9 +21,8 @@ static void plan_step(dm_chain *c) {
 static int find(dm_chain *c, const dm_model *m) {
     static const char maker;
     const int s = c->table.stages;
-    const uint32_t which =
-        (uint32_t)((c->table.b[0] != 0.0) + 2 * (c->table.b[s] != 0.0) +
-                   4 * (c->plain != 0) + 8 * s);
+    const uint32_t which = (uint32_t)((c->table.b[0] != 0.0) + 2 * (c->table.b[s] != 0.0) +
+                                      4 * (c->plain != 0) + 8 * s);
     dm_kernel kept;
     if (dm_kept_find(&kept, m, &maker, which)) {
         const dm_splitting table = c->table;
@@ -51,8 +50,7 @@ size_t dm_chain_work(const dm_model *m) {
     return lattice ? own_size() + lattice : 0;
 }
 
-dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain,
-                        double *work) {
+dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain, double *work) {
     if (!dm_chain_work(m)) return NULL;
     dm_chain *c = (dm_chain *)(void *)work;
     *c = (dm_chain){.table = *table, .plain = plain != 0};
@@ -143,8 +141,7 @@ static void run_layers(dm_chain *c) {
 static void add_layer(dm_chain *c, const dm_strip *stack, int k, int count,
                       const dm_chain_burst *b) {
     dm_lattice *l = &c->lattice;
-    if (c->layers == l->band || c->passes + (uint32_t)count > dm_lattice_reach(l))
-        run_layers(c);
+    if (c->layers == l->band || c->passes + (uint32_t)count > dm_lattice_reach(l)) run_layers(c);
     dm_lattice_choose(l, c->layers);
     for (int i = 0; i < count; i++) set_numbers(c, k + i, i, b->h, b->t);
     c->layer[c->layers++] = (dm_layer){stack, (uint32_t)count};
@@ -155,8 +152,7 @@ static void step_stacked(dm_chain *c, const dm_chain_burst *b, int stops) {
     const dm_strip *rest = stops || !c->first ? &c->deep_stop : &c->deep_turn;
     const uint32_t slot = (uint32_t)c->rest * DM_LATTICE_NUMBERS;
     int k = c->first;
-    for (; c->last - k >= c->deep; k += c->deep)
-        add_layer(c, &c->deep_middle, k, c->deep, b);
+    for (; c->last - k >= c->deep; k += c->deep) add_layer(c, &c->deep_middle, k, c->deep, b);
     add_layer(c, rest, k, c->rest + 1, b);
     dm_lattice_set(&c->lattice, slot + AGAIN_KICK, b->h * c->table.b[0]);
     dm_lattice_set(&c->lattice, slot + AGAIN_DRIFT, b->h * c->table.a[0]);
@@ -191,8 +187,7 @@ long dm_chain_run(dm_chain *c, double *state, const dm_chain_burst *b) {
     dm_lattice_set(&c->lattice, AGAIN_KICK, b->h * c->table.b[0]);
     dm_lattice_set(&c->lattice, AGAIN_DRIFT, b->h * c->table.a[0]);
     steps(c, b);
-    if (!dm_lattice_is_finite(&c->lattice, c->q0) ||
-        !dm_lattice_is_finite(&c->lattice, c->p0))
+    if (!dm_lattice_is_finite(&c->lattice, c->q0) || !dm_lattice_is_finite(&c->lattice, c->p0))
         return 0; /* what is not finite stays so, and a sum whose low part is not is not either */
     store(c, state);
     return kicks + b->count * (c->last - c->first + 1);

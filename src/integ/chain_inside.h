@@ -14,7 +14,7 @@ struct dm_chain {
     int first, last; /* kicks of a step; the first one of all may belong to the turn */
     int plain;
     uint32_t q, q0, p0, dq, dp, weight;
-    double same_weight; /* 1/m where it is that of all, else 0 */
+    double same_weight;                            /* 1/m where it is that of all, else 0 */
     dm_strip lead[2], middle[2], turn[2], stop[2]; /* alone; joined with the slopes */
     dm_strip deep_middle, deep_turn, deep_stop;    /* some passes in one loop */
     int joined;
@@ -29,7 +29,8 @@ static inline dm_lattice_pair dm_chain_positions(const dm_chain *c) {
     return (dm_lattice_pair){c->q0, c->plain ? DM_LATTICE_NONE : c->dq};
 }
 
-/* chain_make.c: the loops of all steps with such a table; they take its coefficients as they run. */
+/* chain_make.c: the loops of all steps with such a table; they take its coefficients as they
+ * run. */
 dm_status dm_chain_make(dm_chain *c, const dm_model *m);
 
 #endif

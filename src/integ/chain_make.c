@@ -34,8 +34,8 @@ static void add_drift(body *b, uint32_t slot) {
     add(b, b->plain ? &b->q0 : &b->dq, slot, v);
 }
 
-/* high + low exactly, whichever is larger (Knuth): low is at most half a unit of high then, so that the sum of both
-** rounds to high and a burst begins where the last one ended */
+/* high + low exactly, whichever is larger (Knuth): low is at most half a unit of high then, so
+ * that the sum of both rounds to high and a burst begins where the last one ended */
 static void add_up(dm_graph *g, dm_node *high, dm_node *low) {
     const dm_node sum = dm_add(g, *high, *low), from_low = dm_sub(g, sum, *high);
     const dm_node from_high = dm_sub(g, sum, from_low);
@@ -92,8 +92,7 @@ static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
     dm_graph_verbatim(d.g, 1);
     if (what.kick || what.again_kick) dm_lattice_force(&c->lattice, &d, F);
     for (uint32_t k = 0; k < c->lattice.block; k++) {
-        body b = {
-            .d = &d, .force = F[k], .weight = weight_of(c, &d, k), .plain = c->plain};
+        body b = {.d = &d, .force = F[k], .weight = weight_of(c, &d, k), .plain = c->plain};
         read_body(c, &b, k);
         go_through(&b, what);
         write_body(c, &b, what, k);
@@ -107,8 +106,8 @@ static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
 static int join(dm_chain *c) {
     dm_strip *const all[] = {c->middle, c->turn, c->stop};
     for (int k = 0; k < 3; k++)
-        if (all[k]->one.outputs && dm_lattice_join(&c->lattice, all[k] + 1, all[k],
-                                                   dm_chain_positions(c)) != DM_OK)
+        if (all[k]->one.outputs &&
+            dm_lattice_join(&c->lattice, all[k] + 1, all[k], dm_chain_positions(c)) != DM_OK)
             return 0;
     return 1;
 }
@@ -117,8 +116,7 @@ static int join(dm_chain *c) {
 static int stack_up(dm_chain *c, dm_strip *out, int count, const dm_strip *last) {
     const dm_strip *use[DM_LATTICE_DEEP];
     for (int k = 0; k < count; k++) use[k] = k + 1 < count ? c->middle : last;
-    return dm_lattice_stack(&c->lattice, out, use, (uint32_t)count,
-                            dm_chain_positions(c)) == DM_OK;
+    return dm_lattice_stack(&c->lattice, out, use, (uint32_t)count, dm_chain_positions(c)) == DM_OK;
 }
 
 /* all stacks of a step, or none */
@@ -141,8 +139,7 @@ static dm_status make_passes(dm_chain *c) {
     turn.again_kick = kicks;
     turn.again_drift = c->first;
     dm_status status = make_pass(c, c->stop, stop);
-    if (status == DM_OK && (kicks || c->last > c->first))
-        status = make_pass(c, c->middle, middle);
+    if (status == DM_OK && (kicks || c->last > c->first)) status = make_pass(c, c->middle, middle);
     if (status == DM_OK && c->first) status = make_pass(c, c->turn, turn);
     if (status == DM_OK && c->first && !kicks) status = make_pass(c, c->lead, lead);
     c->joined = status == DM_OK && join(c);

@@ -19,7 +19,8 @@ const dm_claim *dm_claim_find(const char *name) {
 
 static const long double SAME = 1e-14L;
 
-/* nodes and weights are their own mirror image; a tableau: a_ij + a_(s+1-i)(s+1-j) = b_j (HLW V.2.1) */
+/* nodes and weights are their own mirror image; a tableau: a_ij + a_(s+1-i)(s+1-j) = b_j (HLW
+ * V.2.1) */
 static int is_symmetric(const dm_galerkin *g) {
     const int r = g->q.r;
     for (int i = 0; i < r; i++) {
@@ -27,8 +28,7 @@ static int is_symmetric(const dm_galerkin *g) {
             fabsl(g->q.b[i] - g->q.b[r - 1 - i]) > SAME)
             return 0;
         for (int j = 0; g->tableau && j < r; j++)
-            if (fabsl(g->a[i][j] + g->a[r - 1 - i][r - 1 - j] - g->q.b[j]) > SAME)
-                return 0;
+            if (fabsl(g->a[i][j] + g->a[r - 1 - i][r - 1 - j] - g->q.b[j]) > SAME) return 0;
     }
     return 1;
 }

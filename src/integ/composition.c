@@ -1,7 +1,5 @@
-/*
-** composition.c - symmetric compositions of a symmetric second-order rule, and Runge-Kutta-Nystroem
-** splittings: one row per table of coefficients. HLW = Hairer, Lubich & Wanner 2006, V.3.2.
-*/
+/* composition.c - symmetric compositions of a symmetric second-order rule, and Runge-Kutta-Nystroem
+ * splittings: one row per table of coefficients. HLW = Hairer, Lubich & Wanner 2006, V.3.2. */
 #include "integ/splitting.h"
 
 #include <math.h>
@@ -13,9 +11,11 @@ typedef struct {
     const char *name;
     int order;
     int stages; /* force evaluations per step */
-    int kind; /* GAMMA: multiples of the base step; else kicks and drifts of their own */
+    int kind;   /* GAMMA: multiples of the base step; else kicks and drifts of their own */
     double half
-        [20]; /* gamma_1, ..., or the alternating kicks and drifts, up to where palindrome and sum fix the rest */
+        /* gamma_1, ..., or the alternating kicks and drifts, up to where palindrome and sum fix
+         * the rest */
+        [20];
 } scheme;
 
 /* the middle coefficient of every row follows from sum = 1 and is not written */
@@ -95,8 +95,7 @@ static const scheme schemes[] = {
 /* the first row of that name and, when given, order and number of stages */
 static const scheme *find(const dm_rule *rule) {
     const int order = rule->count > 0 ? (int)rule->arg[0].number : 0;
-    const int stages =
-        rule->count > 1 && !rule->arg[1].rule ? (int)rule->arg[1].number : 0;
+    const int stages = rule->count > 1 && !rule->arg[1].rule ? (int)rule->arg[1].number : 0;
     for (size_t i = 0; i < sizeof schemes / sizeof *schemes; i++) {
         const scheme *s = schemes + i;
         if (strcmp(s->name, rule->name) == 0 && (!order || s->order == order) &&
@@ -106,7 +105,8 @@ static const scheme *find(const dm_rule *rule) {
     return NULL;
 }
 
-/* entry i of a palindrome of `count` whose first entries are given, the middle ones sharing what is left of 1 */
+/* entry i of a palindrome of `count` whose first entries are given, the middle ones sharing what
+ * is left of 1 */
 static double palindrome(const double *given, int stride, int known, int count, int i) {
     double sum = 0.0;
     const int mirrored = i < count - 1 - i ? i : count - 1 - i;
@@ -134,7 +134,8 @@ int dm_splitting_named(dm_splitting *out, const dm_rule *rule) {
     return 1;
 }
 
-/* the kind that comes first has stages + 1 entries, at even places of the half table; the other has stages */
+/* the kind that comes first has stages + 1 entries, at even places of the half table; the other
+ * has stages */
 static void lay_alternating(dm_splitting *out, const scheme *s) {
     const int n = s->stages, drift_first = s->kind == DRIFT_FIRST;
     double *first = drift_first ? out->a : out->b;
@@ -145,8 +146,8 @@ static void lay_alternating(dm_splitting *out, const scheme *s) {
     if (drift_first) out->b[0] = out->b[n + 1] = 0.0;
 }
 
-/* the implicit rule composed when L does not separate, or is not known to: the one named in the rule, else
-** verlet, which is the same map where L does separate */
+/* the implicit rule composed when L does not separate, or is not known to: the one named in the
+ * rule, else verlet, which is the same map where L does separate */
 static const dm_rule *base_rule(const dm_rule *rule) {
     static const dm_rule verlet = {.name = "verlet"};
     const dm_rule *last = rule->count ? rule->arg[rule->count - 1].rule : NULL;
@@ -169,16 +170,14 @@ static int is_well_formed(const dm_rule *rule) {
     const int numbers = rule->count - (has_base ? 1 : 0);
     const scheme *s = find(rule);
     for (int k = 0; k < numbers; k++)
-        if (rule->arg[k].rule || rule->arg[k].number != floor(rule->arg[k].number))
-            return 0;
+        if (rule->arg[k].rule || rule->arg[k].number != floor(rule->arg[k].number)) return 0;
     return numbers <= (s && s->kind != GAMMA ? 2 : 1);
 }
 
 static const char *check(const dm_rule *rule) {
     const dm_rule *base = base_rule(rule);
     const dm_method *method = base_method(rule);
-    if (!find(rule) || !is_well_formed(rule))
-        return "there is no such order or number of stages";
+    if (!find(rule) || !is_well_formed(rule)) return "there is no such order or number of stages";
     if (!method || !(method->traits & DM_SYMMETRIC) || method->traits & DM_FOR_PAIRS ||
         method->order(base) != 2)
         return "the base must be a symmetric rule of order 2: verlet, midpoint, "
@@ -216,15 +215,15 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return base_method(rule)->wants(base_rule(rule), m);
 }
 
-/* implicit: the stepper of the base, a copy of the state to go back to, the workspace of the base */
+/* implicit: the stepper of the base, a copy of the state to go back to, the workspace of the
+ * base */
 static size_t stepper_size(void) {
     return (sizeof(dm_stepper) + sizeof(double) - 1) / sizeof(double);
 }
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
     if (is_splitting(rule, m)) return dm_splitting_work(m);
-    return stepper_size() + dm_state_size(m->n) +
-           base_method(rule)->work(base_rule(rule), m);
+    return stepper_size() + dm_state_size(m->n) + base_method(rule)->work(base_rule(rule), m);
 }
 
 static dm_status open_base(dm_stepper *s) {
@@ -256,8 +255,7 @@ static dm_status step_base(dm_stepper *s, double *state, double t) {
     const size_t bytes = dm_state_size(s->model->n) * sizeof *kept;
     memcpy(kept, state, bytes);
     for (int i = 0; i < row->stages; i++) {
-        const double gamma =
-            palindrome(row->half, 1, (row->stages - 1) / 2, row->stages, i);
+        const double gamma = palindrome(row->half, 1, (row->stages - 1) / 2, row->stages, i);
         base->h = gamma * s->h;
         base->whole = s->h;
         const dm_status status = base->method->step(base, state, t);
@@ -276,9 +274,8 @@ static dm_status step(dm_stepper *s, double *state, double t) {
 }
 
 static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
-    return is_splitting(s->rule, s->model)
-               ? dm_splitting_advance(s, state, t, count, done)
-               : dm_advance_by_step(s, state, t, count, done);
+    return is_splitting(s->rule, s->model) ? dm_splitting_advance(s, state, t, count, done)
+                                           : dm_advance_by_step(s, state, t, count, done);
 }
 
 /* a splitting leaves nothing, the base may */
@@ -300,23 +297,22 @@ static int widen(dm_stepper *s, dm_lanes *x) {
 }
 
 /* a row of methods.def: only names and texts differ */
-#define COMPOSITION(id, rule_name, form, ties, text)                                     \
-    const dm_method dm_method_##id = {.name = rule_name,                                 \
-                                      .signature = form,                                 \
-                                      .doc = text,                                       \
-                                      .traits = DM_SYMMETRIC | DM_SYMPLECTIC |           \
-                                                DM_KEEPS | (ties),                       \
-                                      .check = check,                                    \
-                                      .fits = fits,                                      \
-                                      .order = order,                                    \
-                                      .wants = wants,                                    \
-                                      .work = work,                                      \
-                                      .open = open,                                      \
-                                      .start = start,                                    \
-                                      .step = step,                                      \
-                                      .memory = memory,                                  \
-                                      .advance = advance,                                \
-                                      .widen = widen,                                    \
+#define COMPOSITION(id, rule_name, form, ties, text)                                               \
+    const dm_method dm_method_##id = {.name = rule_name,                                           \
+                                      .signature = form,                                           \
+                                      .doc = text,                                                 \
+                                      .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | (ties),  \
+                                      .check = check,                                              \
+                                      .fits = fits,                                                \
+                                      .order = order,                                              \
+                                      .wants = wants,                                              \
+                                      .work = work,                                                \
+                                      .open = open,                                                \
+                                      .start = start,                                              \
+                                      .step = step,                                                \
+                                      .memory = memory,                                            \
+                                      .advance = advance,                                          \
+                                      .widen = widen,                                              \
                                       .advance_lanes = dm_splitting_advance_lanes}
 
 COMPOSITION(yoshida, "yoshida", "yoshida(4|6 [, base])", DM_TIES,
@@ -333,8 +329,7 @@ COMPOSITION(kahan_li, "kahan-li", "kahan-li(6|8 [, base])", DM_TIES,
             "(V.3.11), (V.3.13).");
 COMPOSITION(suzuki_umeno, "suzuki-umeno", "suzuki-umeno(8 [, base])", DM_TIES,
             "Suzuki and Umeno's composition of order 8, 15 stages. HLW (V.3.12).");
-COMPOSITION(sofroniou_spaletta, "sofroniou-spaletta", "sofroniou-spaletta(10 [, base])",
-            DM_TIES,
+COMPOSITION(sofroniou_spaletta, "sofroniou-spaletta", "sofroniou-spaletta(10 [, base])", DM_TIES,
             "Sofroniou and Spaletta's composition of order 10, 35 stages. HLW (V.3.14).");
 COMPOSITION(blanes_moan, "blanes-moan", "blanes-moan(4|6 [, 6|11|14])", 0,
             "Blanes and Moan's Runge-Kutta-Nystroem splittings of order 4 (6 stages) and "

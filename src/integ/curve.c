@@ -1,10 +1,9 @@
-/*
-** curve.c - an explicit one-step method made variational (Cuell-Patrick 2008; Leok-Shingel 2012, shooting). From
-** dLd = p1 dq1 - p0 dq0 with q0 = d-(y), q1 = d+(y) a step from (q0, p0) finds y = (q, v) and p1 with
-**   (Ld - p1 . d+ + p0 . d-)_y = 0,  d-(y) = q0,   then q1 = d+(y).
-** Unknowns: v, the change p1 - p0 in units of velocity, and where d- is not q itself (q - q0) / h.
-** The errors of both Legendre transforms agree to leading order, so that the step has the order of the method.
-*/
+/* curve.c - an explicit one-step method made variational (Cuell-Patrick 2008; Leok-Shingel 2012,
+ * shooting). From dLd = p1 dq1 - p0 dq0 with q0 = d-(y), q1 = d+(y) a step from (q0, p0) finds y
+ * = (q, v) and p1 with (Ld - p1 . d+ + p0 . d-)_y = 0,  d-(y) = q0,   then q1 = d+(y). Unknowns:
+ * v, the change p1 - p0 in units of velocity, and where d- is not q itself (q - q0) / h. The
+ * errors of both Legendre transforms agree to leading order, so that the step has the order of
+ * the method. */
 #include "integ/curve.h"
 #include "integ/curve_inside.h"
 
@@ -16,11 +15,10 @@
 #include <math.h>
 #include <string.h>
 
-static const double SLOW = 0.1;   /* rate of increments that one matrix must beat */
-static const double STALE = 3e-2; /* rate from which the next step takes its own matrix */
-static const double ROUND_OFF = 1e-12; /* an increment that small may stall */
-static const double NEGLIGIBLE =
-    2.5e-6; /* of the tolerance: an increment not worth a step */
+static const double SLOW = 0.1;          /* rate of increments that one matrix must beat */
+static const double STALE = 3e-2;        /* rate from which the next step takes its own matrix */
+static const double ROUND_OFF = 1e-12;   /* an increment that small may stall */
+static const double NEGLIGIBLE = 2.5e-6; /* of the tolerance: an increment not worth a step */
 enum { CHORDS = 10 };
 
 static size_t head(void) {
@@ -80,7 +78,8 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return DM_WANT_SLOPE | DM_WANT_MASS;
 }
 
-/* h, the state at the end, v of the next segment; 1 when factors hold, factors and pivots of the last matrix */
+/* h, the state at the end, v of the next segment; 1 when factors hold, factors and pivots of the
+ * last matrix */
 static size_t memory_size(const dm_curve *c, size_t n) {
     const size_t m = dm_curve_unknowns(c, n);
     return 1 + 4 * n + n + 1 + m * m + (m + 1) / 2;
@@ -96,8 +95,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     dm_curve c;
     if (!read_curve(&c, rule)) return 0;
-    return head() + n + 6 * n + 2 * n + n + 4 * n + memory_size(&c, n) + 2 * n + n * n +
-           n + scratch_size(&c, m) + dm_segment_work(&c, n);
+    return head() + n + 6 * n + 2 * n + n + 4 * n + memory_size(&c, n) + 2 * n + n * n + n +
+           scratch_size(&c, m) + dm_segment_work(&c, n);
 }
 
 static dm_status open(dm_stepper *s) {
@@ -140,7 +139,8 @@ static int fits_memory(const dm_curve_step *e) {
            memcmp(e->memory + 1, e->state, 4 * e->n * sizeof *e->state) == 0;
 }
 
-/* the velocity at the end of the last segment is that of this one to the order of the method and one more */
+/* the velocity at the end of the last segment is that of this one to the order of the method and
+ * one more */
 static dm_status guess_velocity(dm_curve_step *e, const dm_model *m, double *v) {
     const size_t n = e->n;
     if (fits_memory(e)) {
@@ -189,8 +189,7 @@ static dm_status guess(dm_curve_step *e, const dm_model *m) {
     }
     x[2 * n] = e->t + e->h;
     dm_kernel_eval(&m->slope, x, e->slope);
-    for (size_t k = 0; k < n; k++)
-        e->z[n + k] = (e->slope[n + k] - e->state[n + k]) / e->mass[k];
+    for (size_t k = 0; k < n; k++) e->z[n + k] = (e->slope[n + k] - e->state[n + k]) / e->mass[k];
     return DM_OK;
 }
 
@@ -219,8 +218,7 @@ static dm_status find_increment(dm_curve_step *e, double *dx, int fresh) {
 }
 
 /* one matrix for a whole step; DM_NO_CONVERGENCE where increments do not shrink tenfold */
-static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations,
-                       int fresh) {
+static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations, int fresh) {
     const size_t m = e->unknowns;
     double *dx = e->scratch, last = INFINITY, rate, least = SLOW;
     for (int k = 0; k < CHORDS && k < s->max_iterations; k++) {
@@ -299,8 +297,8 @@ dm_status dm_curve_solve(dm_stepper *s, const double *state, double t) {
     return status;
 }
 
-/* d+ - q0 and v of the next segment at the root: from the segment there, or, when the last increment was at round-off,
-** from the one before it, with d+ = q + bias h v to leading order */
+/* d+ - q0 and v of the next segment at the root: from the segment there, or, when the last
+ * increment was at round-off, from the one before it, with d+ = q + bias h v to leading order */
 static dm_status find_end(dm_curve_step *e, double *end, double *v) {
     const size_t n = e->n;
     const double *dv = e->scratch;

@@ -38,8 +38,7 @@ static dm_status run(dm_bundle *b, const dm_element *e) {
     const dm_segment_place at = {.q = e->q, .v = e->v, .t = e->t, .h = b->h};
     const dm_status status = dm_segment_run(&b->segment, &at);
     if (status != DM_OK) return status;
-    const int fine =
-        all_finite(b->segment.plus, b->n) && all_finite(b->segment.minus, b->n);
+    const int fine = all_finite(b->segment.plus, b->n) && all_finite(b->segment.minus, b->n);
     return fine ? DM_OK : DM_NOT_FINITE;
 }
 
@@ -139,8 +138,7 @@ static dm_status ends_apart(void *ctx, double *r, double *J, const double *z) {
     return DM_OK;
 }
 
-dm_status dm_bundle_find(dm_bundle *b, double *q, double *v, const double *ends[2],
-                         double t) {
+dm_status dm_bundle_find(dm_bundle *b, double *q, double *v, const double *ends[2], double t) {
     const size_t n = b->n;
     double *start = b->some + n, *z = b->scratch + dm_newton_work(2 * b->n);
     search s = {.b = b, .start = start, .q0 = ends[0], .q1 = ends[1], .t = t};
@@ -185,7 +183,8 @@ double dm_bundle_submersion(dm_bundle *b, const double *half) {
     return least_singular_value(b->D, N, n, b->scratch);
 }
 
-/* D becomes the mean of both tangents and their difference by h; returns the distance from the identity */
+/* D becomes the mean of both tangents and their difference by h; returns the distance from the
+ * identity */
 static double desingularize(const dm_bundle *b, double *D) {
     const size_t n = b->n, N = 2 * n;
     double furthest = 0.0;
@@ -196,8 +195,7 @@ static double desingularize(const dm_bundle *b, double *D) {
             D[(n + i) * N + j] = (plus - minus) / b->h;
         }
     for (size_t i = 0; i < N; i++)
-        for (size_t j = 0; j < N; j++)
-            furthest = fmax(furthest, fabs(D[i * N + j] - (i == j)));
+        for (size_t j = 0; j < N; j++) furthest = fmax(furthest, fabs(D[i * N + j] - (i == j)));
     return furthest;
 }
 
@@ -221,12 +219,12 @@ static double transversality_at(dm_bundle *b, const dm_element *e, double h) {
     return least;
 }
 
-/* a minimum between low and high by golden sections; it goes to zero linearly, so that places are exact */
+/* a minimum between low and high by golden sections; it goes to zero linearly, so that places
+ * are exact */
 static double refine(dm_bundle *b, const dm_element *e, double low, double high) {
     const double golden = 0.61803398874989485;
     for (int i = 0; i < 80; i++) {
-        const double left = high - golden * (high - low),
-                     right = low + golden * (high - low);
+        const double left = high - golden * (high - low), right = low + golden * (high - low);
         if (transversality_at(b, e, left) < transversality_at(b, e, right))
             high = right;
         else

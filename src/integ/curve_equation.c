@@ -20,8 +20,7 @@ dm_status dm_curve_place(dm_curve_step *e, const double *z) {
         e->y[n + k] = y[1];
     }
     if (same) return DM_OK;
-    const dm_segment_place at = {
-        .q = e->state, .shift = e->y, .v = e->y + n, .t = e->t, .h = e->h};
+    const dm_segment_place at = {.q = e->state, .shift = e->y, .v = e->y + n, .t = e->t, .h = e->h};
     const dm_status status = dm_segment_run(&e->segment, &at);
     e->ran = status == DM_OK;
     e->evaluations += (long)e->segment.points;
@@ -99,8 +98,7 @@ static void push_start(const dm_curve_step *e, double *r, size_t which) {
 }
 
 /* column `which` of the tangent from the change -dz of the unknowns */
-static void write_column(const dm_curve_step *e, double *D, const double *dz,
-                         size_t which) {
+static void write_column(const dm_curve_step *e, double *D, const double *dz, size_t which) {
     const size_t n = e->n, N = 2 * n;
     const double *Dp = e->segment.plus_tangent;
     for (size_t i = 0; i < n; i++) {

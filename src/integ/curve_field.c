@@ -95,8 +95,7 @@ static void divide_by_mass(const builder *b, dm_node *x, dm_node *y) {
 static dm_status make(const builder *b, dm_kernel *out, size_t count, uint32_t which) {
     dm_status status = dm_graph_status(b->g);
     if (status == DM_OK)
-        status = b->m->source.compile(out, b->g, b->roots, (uint32_t)count,
-                                      b->m->source.arena);
+        status = b->m->source.compile(out, b->g, b->roots, (uint32_t)count, b->m->source.arena);
     if (status == DM_OK) dm_kept_add(b->m, &maker, which, out, 1);
     return status;
 }
@@ -154,8 +153,7 @@ static dm_status build(dm_field *out, builder *b) {
 
 dm_status dm_field_build(dm_field *out, const dm_model *m) {
     const uint32_t n = m->n;
-    builder b = {
-        .m = m, .n = n, .t = 2 * n, .a = 2 * n + 1, .u = 3 * n + 1, .l = 4 * n + 1};
+    builder b = {.m = m, .n = n, .t = 2 * n, .a = 2 * n + 1, .u = 3 * n + 1, .l = 4 * n + 1};
     if (!m->source.graph || !m->source.compile) return DM_TOO_LARGE;
     if (dm_kept_find(&out->force, m, &maker, FORCE) &&
         dm_kept_find(&out->gradient, m, &maker, GRADIENT) &&

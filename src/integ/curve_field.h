@@ -1,11 +1,8 @@
-/*
-** curve_field.h - the second-order field of a Lagrangian and its exact derivatives as kernels. The acceleration a(q, v, t)
-** is what makes the Euler-Lagrange defect vanish,
-**   E(q, v, a, t) = L_q - L_vq v - L_vv a - L_vt = 0,
-** and is not written out: with M = L_vv and M u = k,
-**   (k . a)_y  = (u . E)_y,   a_y = M^-1 E_y,
-**   (k . a)_yy = (u . E)_yy + B^T a_y + (B^T a_y)^T,   B = (u . E)_ay,   y = (q, v), u and a held.
-*/
+/* curve_field.h - the second-order field of a Lagrangian and its exact derivatives as kernels.
+ * The acceleration a(q, v, t) is what makes the Euler-Lagrange defect vanish, E(q, v, a, t) =
+ * L_q - L_vq v - L_vv a - L_vt = 0, and is not written out: with M = L_vv and M u = k, (k . a)_y
+ * = (u . E)_y,   a_y = M^-1 E_y, (k . a)_yy = (u . E)_yy + B^T a_y + (B^T a_y)^T,   B = (u .
+ * E)_ay,   y = (q, v), u and a held. */
 #ifndef DM_CURVE_FIELD_H
 #define DM_CURVE_FIELD_H
 

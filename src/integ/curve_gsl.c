@@ -1,8 +1,7 @@
-/*
-** curve_gsl.c - the explicit steppers of GSL as tableaux. A stepper is run on a right-hand side whose i-th call answers
-** with the i-th unit vector: the point of call i then is (a_i1, a_i2, ...), and the end is b. So the coefficients are
-** those of the library that is linked, and a step of the tableau is a step of the stepper.
-*/
+/* curve_gsl.c - the explicit steppers of GSL as tableaux. A stepper is run on a right-hand side
+ * whose i-th call answers with the i-th unit vector: the point of call i then is (a_i1, a_i2,
+ * ...), and the end is b. So the coefficients are those of the library that is linked, and a
+ * step of the tableau is a step of the stepper. */
 #include "integ/curve.h"
 
 #include <gsl/gsl_errno.h>
@@ -42,8 +41,7 @@ static void keep_needed(dm_curve *out, const probe *p, const double *b) {
         if (needed[i]) place[s++] = i;
     for (int i = 0; i < s; i++) {
         weight[i] = b[place[i]];
-        for (int j = 0; j < s; j++)
-            a[i * s + j] = p->a[place[i] * DM_CURVE_STAGES + place[j]];
+        for (int j = 0; j < s; j++) a[i * s + j] = p->a[place[i] * DM_CURVE_STAGES + place[j]];
     }
     dm_curve_fill(out, s, a, weight);
 }
@@ -57,8 +55,7 @@ static int read_off(dm_curve *out, const gsl_odeiv2_step_type *type) {
     gsl_odeiv2_step *stepper = gsl_odeiv2_step_alloc(type, DM_CURVE_STAGES);
     if (!stepper) return 0;
     memcpy(y, none, sizeof y);
-    const int failed =
-        gsl_odeiv2_step_apply(stepper, 0.0, 1.0, y, error, NULL, NULL, &system);
+    const int failed = gsl_odeiv2_step_apply(stepper, 0.0, 1.0, y, error, NULL, NULL, &system);
     gsl_odeiv2_step_free(stepper);
     if (failed) return 0;
     keep_needed(out, &p, y);

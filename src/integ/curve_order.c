@@ -1,8 +1,6 @@
-/*
-** curve_order.c - the order of a Runge-Kutta method by its order conditions (Butcher; HNW I, II.2): for every rooted tree
-** t of order up to p, sum_i b_i phi_i(t) = 1/gamma(t). With t = [t_1, ..., t_m]: phi_i(t) = prod_k sum_j a_ij phi_j(t_k) and
-** gamma(t) = |t| prod_k gamma(t_k).
-*/
+/* curve_order.c - the order of a Runge-Kutta method by its order conditions (Butcher; HNW I,
+ * II.2): for every rooted tree t of order up to p, sum_i b_i phi_i(t) = 1/gamma(t). With t =
+ * [t_1, ..., t_m]: phi_i(t) = prod_k sum_j a_ij phi_j(t_k) and gamma(t) = |t| prod_k gamma(t_k). */
 #include "integ/curve.h"
 
 #include <math.h>

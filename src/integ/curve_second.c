@@ -1,4 +1,5 @@
-/* curve_second.c - the second derivatives of G on a segment: exact, or as the flow of the field would have them. */
+/* curve_second.c - the second derivatives of G on a segment: exact, or as the flow of the field
+ * would have them. */
 #include "integ/curve_segment.h"
 
 #include <string.h>
@@ -53,8 +54,7 @@ static void add_mass_terms(double *W, const double *B, const double *a_y, size_t
     for (size_t k = 0; k < n; k++)
         for (size_t i = 0; i < N; i++)
             for (size_t j = 0; j < N; j++)
-                W[i * N + j] +=
-                    B[k * N + i] * a_y[k * N + j] + B[k * N + j] * a_y[k * N + i];
+                W[i * N + j] += B[k * N + i] * a_y[k * N + j] + B[k * N + j] * a_y[k * N + i];
 }
 
 /* columns first .. N-1 of hessian += T^T W T */
@@ -122,8 +122,7 @@ static void run_tangents(dm_segment *g) {
 }
 
 /* hessian += sign D^T P with D = T d and P the tangent of L_v at that end, columns first .. N-1 */
-static void add_end(dm_segment *g, double sign, const double *D, const double *V,
-                    uint32_t first) {
+static void add_end(dm_segment *g, double sign, const double *D, const double *V, uint32_t first) {
     const size_t n = g->n, N = 2 * n;
     double *P = g->change;
     const size_t columns = N - first;
@@ -138,14 +137,12 @@ static void add_end(dm_segment *g, double sign, const double *D, const double *V
     for (size_t i = 0; i < n; i++) {
         add(g->hessian + i * N + first, sign, P + i * N + first, columns);
         for (size_t l = 0; l < N; l++)
-            add(g->hessian + l * N + first, sign * D[i * N + l], P + i * N + first,
-                N - first);
+            add(g->hessian + l * N + first, sign * D[i * N + l], P + i * N + first, N - first);
     }
 }
 
 /* L_vy where the segment ends; `v` the velocity there */
-static void look_at_end(dm_segment *g, const double *shift, const double *v,
-                        double after) {
+static void look_at_end(dm_segment *g, const double *shift, const double *v, double after) {
     const size_t n = g->n;
     for (size_t k = 0; k < n; k++) {
         g->end[k] = g->x[k] + shift[k]; /* point 0 is (q, v) itself */

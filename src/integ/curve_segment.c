@@ -16,10 +16,10 @@ static double *take(double **memory, size_t count) {
 
 size_t dm_segment_work(const dm_curve *c, size_t n) {
     const size_t s = (size_t)c->s, N = 2 * n;
-    return s * (dm_field_inputs(n) + n + n * n + n * n + doubles(n * sizeof(uint32_t)) +
-                N + N * N + n * N) +
-           N + 2 * N * N + (N * N + N) + 4 * n + N + N * N + 2 * n * N + 3 * s * s +
-           7 * s + 5 * n * N + dm_field_inputs(n);
+    return s * (dm_field_inputs(n) + n + n * n + n * n + doubles(n * sizeof(uint32_t)) + N + N * N +
+                n * N) +
+           N + 2 * N * N + (N * N + N) + 4 * n + N + N * N + 2 * n * N + 3 * s * s + 7 * s +
+           5 * n * N + dm_field_inputs(n);
 }
 
 static void place_coefficients(dm_segment *g, double *memory) {
@@ -37,7 +37,8 @@ static void place_coefficients(dm_segment *g, double *memory) {
     g->next_v = take(&memory, s);
 }
 
-/* a product of h and a coefficient is rounded once, for both sweeps: momentum maps would drift otherwise */
+/* a product of h and a coefficient is rounded once, for both sweeps: momentum maps would drift
+ * otherwise */
 static void scale(dm_segment *g, double h) {
     const dm_curve *c = g->curve;
     const size_t s = g->points;
@@ -59,8 +60,7 @@ static void scale(dm_segment *g, double h) {
     g->h = h;
 }
 
-dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m,
-                          double *memory) {
+dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, double *memory) {
     const size_t n = m->n, s = (size_t)c->s, N = 2 * n;
     *g = (dm_segment){.curve = c, .m = m, .n = m->n, .points = s};
     g->inputs = dm_field_inputs(n);
@@ -197,8 +197,7 @@ double dm_segment_action(const dm_segment *g) {
 /* ---- back ---- */
 
 /* k_i[2n]: what F_i is pulled back by, from the ends and the points that it moves */
-static void pull_back(dm_segment *g, double *k, size_t i, const double *p1,
-                      const double *p0) {
+static void pull_back(dm_segment *g, double *k, size_t i, const double *p1, const double *p0) {
     const size_t n = g->n, N = 2 * n, s = g->points;
     for (size_t l = 0; l < n; l++) {
         const double *y = g->gradient + l, back = p0 ? p0[l] : 0.0;

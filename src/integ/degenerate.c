@@ -1,13 +1,12 @@
-/*
-** degenerate.c - L = alpha(q, t) . v - H(q, t), linear in v: guiding centres, Lotka-Volterra, point vortices. Its equations
-** are of first order, (d alpha^T - d alpha) v = -grad H, and p = alpha(q) is a constraint on the momenta. Gauss collocation in position-
-** momentum form leaves that constraint with every step, and the parasitic motion off it is only neutrally stable; so each
-** step is projected, symmetrically (Kraus 2017, after Hairer 2000): with K = d alpha^T, sigma = (-1)^s,
-**   q~ = q0 + h l,  p~ = alpha(q0) + h K(q0) l,   (q^, p^) = one Gauss step from (q~, p~),
-**   q1 = q^ + h sigma l,  alpha(q1) = p^ + h sigma K(q1) l,
-** solved for the stage velocities V and the multiplier l together. Since L_q(q, l) - L_q(q, 0) = K(q) l, the stage kernel gives all
-** derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison.
-*/
+/* degenerate.c - L = alpha(q, t) . v - H(q, t), linear in v: guiding centres, Lotka-Volterra,
+ * point vortices. Its equations are of first order, (d alpha^T - d alpha) v = -grad H, and p =
+ * alpha(q) is a constraint on the momenta. Gauss collocation in position- momentum form leaves
+ * that constraint with every step, and the parasitic motion off it is only neutrally stable; so
+ * each step is projected, symmetrically (Kraus 2017, after Hairer 2000): with K = d alpha^T,
+ * sigma = (-1)^s, q~ = q0 + h l,  p~ = alpha(q0) + h K(q0) l,   (q^, p^) = one Gauss step from
+ * (q~, p~), q1 = q^ + h sigma l,  alpha(q1) = p^ + h sigma K(q1) l, solved for the stage
+ * velocities V and the multiplier l together. Since L_q(q, l) - L_q(q, 0) = K(q) l, the stage
+ * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison. */
 #include "base/sum.h"
 #include "integ/stage.h"
 #include "linalg/lu.h"
@@ -25,8 +24,8 @@ typedef struct {
     double h, t, sigma, size;
     const double *state;
     double *x; /* [2n+1] arguments */
-    double *at, *begin,
-        *end; /* [width] outputs of the stage kernel: at a point, at (q0, 0), at (q1, l) */
+    /* [width] outputs of the stage kernel: at a point, at (q0, 0), at (q1, l) */
+    double *at, *begin, *end;
     double *still; /* [width] at (q1, 0) */
     double *shift; /* [n] q^ - q0 */
     double *dp;    /* [n] h sum b_i L_q(i) */
@@ -50,11 +49,10 @@ static int is_free(const dm_rule *rule) {
 static const char *check(const dm_rule *rule) {
     enum { MOST = 16 };
     const double s = rule->arg[0].number;
-    if (rule->count < 1 || rule->count > 2 || rule->arg[0].rule ||
-        !(s >= 1 && s <= MOST) || s != floor(s))
+    if (rule->count < 1 || rule->count > 2 || rule->arg[0].rule || !(s >= 1 && s <= MOST) ||
+        s != floor(s))
         return "degenerate takes one whole number of stages from 1 to 16";
-    if (is_free(rule) &&
-        (!rule->arg[1].rule || strcmp(rule->arg[1].rule->name, "free") != 0))
+    if (is_free(rule) && (!rule->arg[1].rule || strcmp(rule->arg[1].rule->name, "free") != 0))
         return "the second argument of degenerate can only be the word free";
     return NULL;
 }
@@ -86,8 +84,8 @@ static size_t unknowns_of(const dm_rule *rule, const dm_model *m) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, s = (size_t)stages(rule), width = 2 * n + 3 * n * n;
     const size_t z = unknowns_of(rule, m);
-    return doubles(sizeof(degenerate)) + dm_stage_table_size(s, s) + 2 * n + 1 +
-           4 * width + 2 * n + 2 * n * n + z + 4 * n + dm_newton_work((uint32_t)z);
+    return doubles(sizeof(degenerate)) + dm_stage_table_size(s, s) + 2 * n + 1 + 4 * width + 2 * n +
+           2 * n * n + z + 4 * n + dm_newton_work((uint32_t)z);
 }
 
 static double *take(double **memory, size_t count) {
@@ -122,8 +120,7 @@ static dm_status open(dm_stepper *stepper) {
     g->z = take(&memory, g->unknowns);
     g->next = take(&memory, 4 * n);
     g->scratch = memory;
-    for (double *out = g->at; out < g->shift; out += width)
-        dm_kernel_prepare(&m->stage, out);
+    for (double *out = g->at; out < g->shift; out += width) dm_kernel_prepare(&m->stage, out);
     return DM_OK;
 }
 
@@ -162,8 +159,7 @@ static double *block(const degenerate *g, double *J, uint32_t row, uint32_t colu
     return J + row * (size_t)g->n * g->unknowns + column * (size_t)g->n;
 }
 
-static void add(const degenerate *g, double *to, double w, const double *B,
-                int transposed) {
+static void add(const degenerate *g, double *to, double w, const double *B, int transposed) {
     const uint32_t n = g->n;
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++)
@@ -188,8 +184,7 @@ static void place(degenerate *g, uint32_t i, const double *z) {
 static void add_values(degenerate *g, double *r, uint32_t i) {
     const uint32_t n = g->n, s = g->table.s;
     const double b = dm_weight_double(g->table.b[i]);
-    for (uint32_t k = 0; k < n; k++)
-        g->dp[k] += g->h * dm_weighted(g->table.b[i], g->at[k]);
+    for (uint32_t k = 0; k < n; k++) g->dp[k] += g->h * dm_weighted(g->table.b[i], g->at[k]);
     for (uint32_t j = 0; j < s; j++) {
         const double a = dm_weight_double(g->table.a[i * s + j]);
         const double w = b * g->h * (a - dm_weight_double(g->table.b[j]));
@@ -206,13 +201,11 @@ static void add_slopes(degenerate *g, double *J, uint32_t i) {
     const uint32_t s = g->table.s, columns = s + (g->projected ? 1 : 0);
     const double b = dm_weight_double(g->table.b[i]);
     for (uint32_t j = 0; j < columns; j++) {
-        const double a = j < s ? dm_weight_double(g->table.a[i * s + j]) -
-                                     dm_weight_double(g->table.b[j])
-                               : 1.0;
+        const double a =
+            j < s ? dm_weight_double(g->table.a[i * s + j]) - dm_weight_double(g->table.b[j]) : 1.0;
         const double w = b * g->h * a;
         for (uint32_t k = 0; k < columns; k++) {
-            const double ha =
-                g->h * (k < s ? dm_weight_double(g->table.a[i * s + k]) : 1.0);
+            const double ha = g->h * (k < s ? dm_weight_double(g->table.a[i * s + k]) : 1.0);
             double *to = block(g, J, j, k);
             add(g, to, w * ha, qq_of(g, g->at), 0);
             if (k == i) add(g, to, w, K_of(g, g->at), 0);
@@ -228,8 +221,7 @@ static void take_start(degenerate *g, double *r, double *J, const double *z) {
     const uint32_t n = g->n, s = g->table.s;
     const double *l = z + s * (size_t)n, *p0 = g->state + n, *low = g->state + 3 * n;
     double *p = g->next;
-    for (uint32_t k = 0; k < n; k++)
-        p[k] = g->projected ? g->begin[n + k] : p0[k] + low[k];
+    for (uint32_t k = 0; k < n; k++) p[k] = g->projected ? g->begin[n + k] : p0[k] + low[k];
     if (g->projected) multiply(p, g->h, K_of(g, g->begin), l, n, 0);
     for (uint32_t j = 0; j < s; j++) {
         const double b = dm_weight_double(g->table.b[j]);
@@ -258,15 +250,13 @@ static void close_end(degenerate *g, double *r, double *J, const double *z) {
     evaluate(g, g->end, g->shift, l, g->h);
     evaluate(g, g->still, g->shift, NULL, g->h);
     for (uint32_t k = 0; k < n; k++)
-        end[k] =
-            g->begin[n + k] + g->dp[k] + hs * (g->end[k] - g->still[k]) - g->still[n + k];
+        end[k] = g->begin[n + k] + g->dp[k] + hs * (g->end[k] - g->still[k]) - g->still[n + k];
     multiply(end, g->h, K_of(g, g->begin), l, n, 0);
     if (!J) return;
     add(g, block(g, J, s, s), g->h, K_of(g, g->begin), 0);
     add(g, block(g, J, s, s), hs, K_of(g, g->still), 0);
     for (uint32_t k = 0; k <= s; k++) { /* by way of q1 */
-        const double w =
-            g->h * (k < s ? dm_weight_double(g->table.b[k]) : 1.0 + g->sigma);
+        const double w = g->h * (k < s ? dm_weight_double(g->table.b[k]) : 1.0 + g->sigma);
         add(g, block(g, J, s, k), w * hs, qq_of(g, g->end), 0);
         add(g, block(g, J, s, k), -w * hs, qq_of(g, g->still), 0);
         add(g, block(g, J, s, k), -w, K_of(g, g->still), 1);

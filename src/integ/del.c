@@ -1,4 +1,5 @@
-/* del.c - the discrete Euler-Lagrange equations of a user's Ld(q0, q1), position-momentum form, with holonomic constraints. */
+/* del.c - the discrete Euler-Lagrange equations of a user's Ld(q0, q1), position-momentum form,
+ * with holonomic constraints. */
 #include "base/largest.h"
 #include "base/sum.h"
 #include "integ/method.h"
@@ -9,14 +10,14 @@
 #include <math.h>
 #include <string.h>
 
-/*
-** p0 + D1 Ld(q0, q0 + z) = 0 for z[n]; out = D1[n], D2[n], D1D2[n*n]. What a step leaves to the next one: how many steps
-** there are, the state at the end of the last [4n], the last four z, the last first, and what the kernel
-** remembers of its implicit functions; the cubic through the z is where Newton's method begins.
-** With constraints g: p0 + D1 Ld + G(q0)^T lambda = 0, g(q0 + z) = 0 for (z, lambda), and p1 = D2 Ld is left as it is: what it has
-** across the constraint is taken up by the next lambda (Marsden-West 2001 sec. 3.5, Leok 2.8.1). Row c is in units of momentum
-** and lambda_c in those of z by unit_c, the largest entry of D1D2 over that of row c of G.
-*/
+/* p0 + D1 Ld(q0, q0 + z) = 0 for z[n]; out = D1[n], D2[n], D1D2[n*n]. What a step leaves to the
+ * next one: how many steps there are, the state at the end of the last [4n], the last four z,
+ * the last first, and what the kernel remembers of its implicit functions; the cubic through the
+ * z is where Newton's method begins. With constraints g: p0 + D1 Ld + G(q0)^T lambda = 0, g(q0 +
+ * z) = 0 for (z, lambda), and p1 = D2 Ld is left as it is: what it has across the constraint is
+ * taken up by the next lambda (Marsden-West 2001 sec. 3.5, Leok 2.8.1). Row c is in units of
+ * momentum and lambda_c in those of z by unit_c, the largest entry of D1D2 over that of row c of
+ * G. */
 enum { COUNT, END, KEPT = 4 };
 
 typedef struct {
@@ -171,8 +172,7 @@ static void lay_matrix(const pair *e, double *J) {
     const size_t n = e->n, N = e->N;
     const double *G0 = e->here + e->k, *G1 = e->there + e->k;
     memset(J, 0, N * N * sizeof *J);
-    for (size_t i = 0; i < n; i++)
-        memcpy(J + i * N, e->out + 2 * n + i * n, n * sizeof *J);
+    for (size_t i = 0; i < n; i++) memcpy(J + i * N, e->out + 2 * n + i * n, n * sizeof *J);
     for (size_t c = 0; c < e->k; c++)
         for (size_t i = 0; i < n; i++) {
             J[i * N + n + c] = e->unit[c] * G0[c * n + i];
@@ -196,7 +196,8 @@ static dm_status equation(void *ctx, double *r, double *J, const double *z) {
     return DM_OK;
 }
 
-/* q1 = q0 + z; p1 = D2 Ld, written p0 + (D1 + D2 + G^T lambda): velocity terms cancel before they are rounded */
+/* q1 = q0 + z; p1 = D2 Ld, written p0 + (D1 + D2 + G^T lambda): velocity terms cancel before
+ * they are rounded */
 static dm_status finish(pair *e) {
     const uint32_t n = e->n;
     evaluate(e, e->z);
@@ -215,8 +216,7 @@ static int continued(pair *e) {
     static const double weight[KEPT][KEPT] = {{1}, {2, -1}, {3, -3, 1}, {4, -6, 4, -1}};
     const uint32_t n = e->n, N = e->N;
     const double *end = e->memory + END, *last = end + 4 * (size_t)n;
-    if (e->memory[COUNT] == 0.0 || memcmp(end, e->state, 4 * n * sizeof *end) != 0)
-        return 0;
+    if (e->memory[COUNT] == 0.0 || memcmp(end, e->state, 4 * n * sizeof *end) != 0) return 0;
     const double *w = weight[(int)e->memory[COUNT] - 1];
     for (uint32_t i = 0; i < N; i++)
         e->z[i] = (w[0] * last[i] + w[1] * last[N + i]) +
@@ -260,11 +260,9 @@ static void find_units(pair *e) {
     }
 }
 
-/*
-** Newton's method from the continued z with the exact matrix at every iterate, which the kernel gives anyway. Errors are
-** squared: the last increment need not be small, but the next one, foretold by the last two. 0: it does not go
-** that well.
-*/
+/* Newton's method from the continued z with the exact matrix at every iterate, which the kernel
+ * gives anyway. Errors are squared: the last increment need not be small, but the next one,
+ * foretold by the last two. 0: it does not go that well. */
 static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
     enum { MOST = 6 };
     static const double FAST = 0.1, NEGLIGIBLE = 1e-17;
@@ -292,7 +290,7 @@ static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
 }
 
 /* from z = 0, where one iteration finds h M^-1 p0 whatever the masses; where Ld(q, q) is not
-** defined from z = h p0 */
+ * defined from z = h p0 */
 static dm_status solve_far(pair *e, const dm_stepper *s, dm_newton_report *report) {
     const uint32_t n = e->n;
     const dm_newton_problem problem = {.m = e->N,
@@ -346,12 +344,11 @@ static void impulses(const dm_stepper *s, double *out) {
 const dm_method dm_method_del = {
     .name = "del",
     .signature = "del",
-    .doc =
-        "Discrete Euler-Lagrange equations of a discrete Lagrangian: p0 = -D1 Ld(q0, "
-        "q1), "
-        "p1 = D2 Ld(q0, q1); n unknowns a step (Marsden-West 2001 sec. 1.5, Leok 2.2). "
-        "With a constraint g: p0 = -D1 Ld - G^T lambda, g(q1) = 0, one more unknown for "
-        "each.",
+    .doc = "Discrete Euler-Lagrange equations of a discrete Lagrangian: p0 = -D1 Ld(q0, "
+           "q1), "
+           "p1 = D2 Ld(q0, q1); n unknowns a step (Marsden-West 2001 sec. 1.5, Leok 2.2). "
+           "With a constraint g: p0 = -D1 Ld - G^T lambda, g(q1) = 0, one more unknown for "
+           "each.",
     .traits = DM_SYMPLECTIC | DM_FOR_PAIRS | DM_KEEPS | DM_HOLONOMIC | DM_LOOSE_MOMENTUM,
     .check = check,
     .order = order,

@@ -10,8 +10,8 @@
 typedef struct {
     const dm_discrete_problem *in;
     dm_stage_table table;
-    uint32_t n, m;     /* dim Q, unknowns */
-    double *x, *curve; /* arguments and outputs of the stage kernel, one point */
+    uint32_t n, m;                 /* dim Q, unknowns */
+    double *x, *curve;             /* arguments and outputs of the stage kernel, one point */
     double *z, *q, *v, *p, *force; /* unknowns; [r][n] of the points */
     double *end, *form;            /* [n], [n*n] */
     double *J, *right, *scratch;   /* at the root; a right-hand side; of Newton */
@@ -24,8 +24,8 @@ static size_t unknowns(const dm_galerkin *g, uint32_t n) {
 
 size_t dm_discrete_work(const dm_galerkin *g, uint32_t n) {
     const size_t m = unknowns(g, n), r = (size_t)g->q.r, nn = (size_t)n * n;
-    return dm_stage_table_size((size_t)g->s, r) + (2 * (size_t)n + 1) + (2 * n + 3 * nn) +
-           m + 4 * r * n + n + nn + m * m + m + dm_newton_work((uint32_t)m) + m;
+    return dm_stage_table_size((size_t)g->s, r) + (2 * (size_t)n + 1) + (2 * n + 3 * nn) + m +
+           4 * r * n + n + nn + m * m + m + dm_newton_work((uint32_t)m) + m;
 }
 
 static double *take(double **memory, size_t count) {
@@ -35,8 +35,7 @@ static double *take(double **memory, size_t count) {
 }
 
 static between lay_out(const dm_discrete_problem *in, double *memory) {
-    const size_t n = in->model->n, m = unknowns(in->basis, (uint32_t)n),
-                 r = (size_t)in->basis->q.r;
+    const size_t n = in->model->n, m = unknowns(in->basis, (uint32_t)n), r = (size_t)in->basis->q.r;
     between e = {.in = in, .n = (uint32_t)n, .m = (uint32_t)m};
     dm_stage_table_fill(&e.table, in->basis, memory);
     memory += dm_stage_table_size(e.table.s, e.table.r);
@@ -75,8 +74,7 @@ static void place(between *e, uint32_t i, const double *z) {
 }
 
 /* J[row block][column block] += w B, or w B^T */
-static void add(const between *e, double *block, double w, const double *B,
-                int transposed) {
+static void add(const between *e, double *block, double w, const double *B, int transposed) {
     const uint32_t n = e->n;
     for (uint32_t i = 0; i < n && w != 0.0; i++)
         for (uint32_t j = 0; j < n; j++)
@@ -93,8 +91,7 @@ static void add_point(between *e, double *r, double *J, uint32_t i) {
     const double b = dm_weight_double(t->b[i]);
     for (uint32_t j = 0; j < s; j++) {
         const double d = dm_weight_double(t->d[i * s + j]);
-        const double w =
-            h * (dm_weight_double(t->a[i * s + j]) - dm_weight_double(t->beta[j]));
+        const double w = h * (dm_weight_double(t->a[i * s + j]) - dm_weight_double(t->beta[j]));
         for (uint32_t k = 0; k < n; k++) {
             const double term = b * (w * e->curve[k] + d * e->curve[n + k]);
             r[j * (size_t)n + k] += term;
@@ -193,8 +190,7 @@ static int is_finite(const between *e, const dm_discrete *out) {
     return sum == 0.0;
 }
 
-dm_status dm_discrete_solve(dm_discrete *out, const dm_discrete_problem *problem,
-                            double *work) {
+dm_status dm_discrete_solve(dm_discrete *out, const dm_discrete_problem *problem, double *work) {
     between e = lay_out(problem, work);
     const dm_newton_problem newton = {.m = e.m,
                                       .equation = equation,
@@ -209,8 +205,7 @@ dm_status dm_discrete_solve(dm_discrete *out, const dm_discrete_problem *problem
     if (status != DM_OK) return status;
     equation(&e, e.right, e.J, e.z);
     *out = (dm_discrete){.iterations = report.iterations, .points = e.table.r};
-    for (uint32_t k = 0; k < e.m; k++)
-        out->residual = fmax(out->residual, fabs(e.right[k]));
+    for (uint32_t k = 0; k < e.m; k++) out->residual = fmax(out->residual, fabs(e.right[k]));
     status = find_form(&e);
     if (status != DM_OK) return status;
     finish(&e, out);

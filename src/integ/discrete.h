@@ -1,10 +1,9 @@
-/*
-** discrete.h - the discrete Lagrangian of a stage method between two given points, beside its steps:
-**   Ld(q0, q1) = ext h sum_i b_i L(Q_i, Qdot_i)  over the V_j with  h sum_j beta_j V_j = q1 - q0,
-** with Q_i, Qdot_i of stage.h. The multiplier of that condition is the momentum p0, so that the stage equations are met by
-** (V, p0), -D1 Ld = p0, D2 Ld = p0 + h sum_i b_i L_q(i), and -D1D2 Ld = dp0/dq1 by the same matrix (Leok 2.4; with
-** P_i = L_v(i) the discrete Hamilton-Pontryagin principle, Leok 5.2, Cuell-Patrick 2009).
-*/
+/* discrete.h - the discrete Lagrangian of a stage method between two given points, beside its
+ * steps: Ld(q0, q1) = ext h sum_i b_i L(Q_i, Qdot_i)  over the V_j with  h sum_j beta_j V_j = q1
+ * - q0, with Q_i, Qdot_i of stage.h. The multiplier of that condition is the momentum p0, so
+ * that the stage equations are met by (V, p0), -D1 Ld = p0, D2 Ld = p0 + h sum_i b_i L_q(i), and
+ * -D1D2 Ld = dp0/dq1 by the same matrix (Leok 2.4; with P_i = L_v(i) the discrete
+ * Hamilton-Pontryagin principle, Leok 5.2, Cuell-Patrick 2009). */
 #ifndef DM_DISCRETE_H
 #define DM_DISCRETE_H
 
@@ -32,8 +31,8 @@ typedef struct {
 /* Doubles of workspace. */
 size_t dm_discrete_work(const dm_galerkin *g, uint32_t n);
 
-/* Newton to round-off from the straight line. DM_SINGULAR, DM_NO_CONVERGENCE, DM_NOT_FINITE: nothing is found. */
-dm_status dm_discrete_solve(dm_discrete *out, const dm_discrete_problem *problem,
-                            double *work);
+/* Newton to round-off from the straight line. DM_SINGULAR, DM_NO_CONVERGENCE, DM_NOT_FINITE:
+ * nothing is found. */
+dm_status dm_discrete_solve(dm_discrete *out, const dm_discrete_problem *problem, double *work);
 
 #endif

@@ -71,7 +71,8 @@ static int eliminate(dm_elimination *e, uint32_t j) {
     return 1;
 }
 
-/* the block at j and the row behind it, the last: its pivot is det / (a c - b^2), so that both divisions go side by side */
+/* the block at j and the row behind it, the last: its pivot is det / (a c - b^2), so that both
+ * divisions go side by side */
 static int eliminate_three(dm_elimination *e, uint32_t j) {
     const uint32_t n = e->n;
     const dm_node *M = e->mass + j * (size_t)n + j, *x = M + 2 * n;
@@ -118,8 +119,7 @@ void dm_elimination_solve(dm_elimination *e) {
     const uint32_t n = e->n;
     dm_node *v = e->shift;
     for (uint32_t i = 2; i < n; i++)
-        for (uint32_t k = 0; k < (i & ~1u); k++)
-            subtract(e->g, v + i, e->lower[i * n + k], v[k]);
+        for (uint32_t k = 0; k < (i & ~1u); k++) subtract(e->g, v + i, e->lower[i * n + k], v[k]);
     for (uint32_t j = 0; j < n; j += 2) divide(e, j, v + j);
     for (uint32_t j = n; j-- > 0;)
         for (uint32_t i = (j & ~1u) + 2; i < n; i++)

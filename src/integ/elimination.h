@@ -1,8 +1,6 @@
-/*
-** elimination.h - M^-1 written out as nodes: M = l D l^T with blocks of two in D (the last may be one), which has half
-** as many divisions that wait for each other as single pivots. M is mass / scale, so that a denominator of all its entries
-** is not divided by before the elimination.
-*/
+/* elimination.h - M^-1 written out as nodes: M = l D l^T with blocks of two in D (the last may
+ * be one), which has half as many divisions that wait for each other as single pivots. M is mass
+ * / scale, so that a denominator of all its entries is not divided by before the elimination. */
 #ifndef DM_ELIMINATION_H
 #define DM_ELIMINATION_H
 
@@ -15,7 +13,8 @@ typedef struct {
     dm_node *mass;  /* [n*n], lower triangle; what is left of it */
     dm_node *lower; /* [n*n] rows of l, and D^-1 in the blocks */
     dm_node *
-        pivot; /* [n] positive where M is positive definite, and elimination then exact to round-off */
+        /* [n] positive where M is positive definite, and elimination then exact to round-off */
+        pivot;
     dm_node *shift; /* [n] p - b, then v */
 } dm_elimination;
 

@@ -20,7 +20,8 @@ static int32_t coordinate_of(const dm_graph *g, uint32_t n, dm_node factor) {
     return a->op == DM_OP_INPUT && a->as.input < n ? (int32_t)a->as.input : -1;
 }
 
-/* f without a constant that is added to it, which goes to *c; *sign = -1 where f has the rest with a minus */
+/* f without a constant that is added to it, which goes to *c; *sign = -1 where f has the rest
+ * with a minus */
 static dm_node without_constant(const dm_graph *g, dm_node f, double *c, double *sign) {
     const dm_expr *x = dm_graph_at(g, f);
     const double second = x->op == DM_OP_SUB ? -1.0 : 1.0;
@@ -28,8 +29,7 @@ static dm_node without_constant(const dm_graph *g, dm_node f, double *c, double 
     *c = 0.0, *sign = 1.0;
     if (x->op != DM_OP_ADD && x->op != DM_OP_SUB) return f;
     if (dm_is_constant(g, x->as.arg[1], &value)) return *c = second * value, x->as.arg[0];
-    if (dm_is_constant(g, x->as.arg[0], &value))
-        return *c = value, *sign = second, x->as.arg[1];
+    if (dm_is_constant(g, x->as.arg[0], &value)) return *c = value, *sign = second, x->as.arg[1];
     return f;
 }
 
@@ -46,8 +46,8 @@ static dm_node without_number(const dm_graph *g, dm_node f, double *times) {
 static void take_apart(dm_kicks *k, uint32_t n, dm_node f, uint32_t i) {
     dm_graph *g = k->graph;
     double sign, times;
-    const dm_node whole = f, rest = without_constant(g, without_number(g, f, &times),
-                                                     k->constant + i, &sign);
+    const dm_node whole = f,
+                  rest = without_constant(g, without_number(g, f, &times), k->constant + i, &sign);
     const int minus = op_of(g, rest) == DM_OP_NEG;
     const uint8_t negative = minus != (sign < 0.0);
     const dm_expr *x = dm_graph_at(g, minus ? dm_graph_at(g, rest)->as.arg[0] : rest);
@@ -64,8 +64,7 @@ static void take_apart(dm_kicks *k, uint32_t n, dm_node f, uint32_t i) {
         f = dm_mul(g, dm_constant(g, times), f);
         k->constant[i] *= times;
     }
-    while (same < k->count && (k->factor[same] != f || k->negative[same] != turned))
-        same++;
+    while (same < k->count && (k->factor[same] != f || k->negative[same] != turned)) same++;
     k->which[i] = same;
     k->factor[same] = f;
     k->negative[same] = turned;
@@ -76,8 +75,7 @@ static void take_apart(dm_kicks *k, uint32_t n, dm_node f, uint32_t i) {
 static int is_mixed(const dm_kicks *k, uint32_t n) {
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < i; j++)
-            if (k->which[i] == k->which[j] &&
-                (k->coordinate[i] < 0) != (k->coordinate[j] < 0))
+            if (k->which[i] == k->which[j] && (k->coordinate[i] < 0) != (k->coordinate[j] < 0))
                 return 1;
     return 0;
 }
@@ -95,8 +93,7 @@ static void take_whole(dm_kicks *k, const dm_node *f, uint32_t n) {
 
 enum { MOST_SCALED = 64 }; /* coordinates that are compared with each other */
 
-int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions,
-                  int scaled) {
+int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, int scaled) {
     const dm_source *s = &m->source;
     const uint32_t n = m->n;
     if (!s->graph) return 0;
@@ -106,12 +103,10 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions,
                     .which = dm_arena_take(s->arena, n * sizeof *k->which),
                     .coordinate = dm_arena_take(s->arena, n * sizeof *k->coordinate),
                     .constant = dm_arena_take(s->arena, n * sizeof *k->constant)};
-    if (!f || !k->constant || !k->factor || !k->negative || !k->which || !k->coordinate)
-        return 0;
+    if (!f || !k->constant || !k->factor || !k->negative || !k->which || !k->coordinate) return 0;
     k->graph = dm_compact_graph(s->graph, expressions, n, f); /* as the force has it */
     if (!k->graph || dm_operations(k->graph, f, n) > DM_FUSED_LARGEST) return 0;
-    for (uint32_t i = 0; scaled && n <= MOST_SCALED && i < n; i++)
-        take_apart(k, n, f[i], i);
+    for (uint32_t i = 0; scaled && n <= MOST_SCALED && i < n; i++) take_apart(k, n, f[i], i);
     if (!k->count || is_mixed(k, n)) take_whole(k, f, n);
     return 1;
 }
@@ -151,16 +146,15 @@ dm_node dm_fusion_coefficient(dm_fusion *b) {
 
 void dm_fusion_params(dm_fusion *b) {
     const uint32_t first = 2 * b->model->n + 1;
-    for (uint32_t j = 0; j < b->model->params; j++)
-        b->with[first + j] = dm_fusion_coefficient(b);
+    for (uint32_t j = 0; j < b->model->params; j++) b->with[first + j] = dm_fusion_coefficient(b);
 }
 
 /* about the cycles from the inputs to every node */
 static uint16_t *measure_depth(const dm_fusion *b) {
-    static const uint8_t cycles[DM_OP_COUNT] = {
-        [DM_OP_NEG] = 1,  [DM_OP_ABS] = 1,   [DM_OP_ADD] = 3,  [DM_OP_SUB] = 3,
-        [DM_OP_MUL] = 4,  [DM_OP_FMA] = 4,   [DM_OP_FMS] = 4,  [DM_OP_FNMA] = 4,
-        [DM_OP_DIV] = 14, [DM_OP_SQRT] = 14, [DM_OP_WHERE] = 3};
+    static const uint8_t cycles[DM_OP_COUNT] =
+        {[DM_OP_NEG] = 1,  [DM_OP_ABS] = 1,   [DM_OP_ADD] = 3,  [DM_OP_SUB] = 3,
+         [DM_OP_MUL] = 4,  [DM_OP_FMA] = 4,   [DM_OP_FMS] = 4,  [DM_OP_FNMA] = 4,
+         [DM_OP_DIV] = 14, [DM_OP_SQRT] = 14, [DM_OP_WHERE] = 3};
     const uint32_t size = dm_graph_size(b->graph);
     uint16_t *depth = dm_arena_take(b->model->source.arena, size * sizeof *depth);
     for (dm_node i = 0; depth && i < size; i++) {
@@ -185,7 +179,8 @@ static dm_node scale(dm_fusion *b, const scaling *x, dm_node f);
 
 enum { EARLIER = 8 }; /* cycles that a product off the chain takes */
 
-/* x (p + q) or x (p - q): one of the two is there long before the other, of which it is a single operation then */
+/* x (p + q) or x (p - q): one of the two is there long before the other, of which it is a single
+ * operation then */
 static dm_node scale_sum(dm_fusion *b, const scaling *x, const dm_expr *e) {
     const scaling turned = {x->minus, x->plus, x->depth};
     const dm_node p = scale(b, x, e->as.arg[0]);
@@ -213,8 +208,7 @@ static dm_node scale(dm_fusion *b, const scaling *x, dm_node f) {
                              : dm_mul(b->graph, scaled, e.as.arg[first]);
 }
 
-void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
-                       dm_node minus) {
+void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb, dm_node minus) {
     const dm_kicks *k = b->kicks;
     const uint32_t n = b->model->n;
     memcpy(b->with, b->q, n * sizeof *b->q);
@@ -225,8 +219,7 @@ void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb,
     for (uint32_t i = 0; depth && i < n; i++) {
         const uint32_t j = k->which[i];
         int first = k->coordinate[i] >= 0;
-        for (uint32_t before = 0; before < i && first; before++)
-            first = k->which[before] != j;
+        for (uint32_t before = 0; before < i && first; before++) first = k->which[before] != j;
         const scaling plain = {hb, minus, depth}, turned = {minus, hb, depth};
         if (first) factors[j] = scale(b, k->negative[j] ? &turned : &plain, factors[j]);
     }
@@ -301,8 +294,7 @@ static dm_node move(dm_fusion *b, dm_node p, double shift) {
 }
 
 /* sum_j row_j moved_j; zeros are left out */
-static dm_node combine(dm_fusion *b, const double *row, const dm_node *p,
-                       const double *shift) {
+static dm_node combine(dm_fusion *b, const double *row, const dm_node *p, const double *shift) {
     dm_node sum = 0;
     for (uint32_t j = 0; j < b->model->n; j++) {
         if (row[j] == 0.0) continue;
@@ -319,9 +311,8 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
     const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
     for (uint32_t i = 0; i < n; i++) {
         if (moved) moved[i] = diagonal ? p[i] : move(b, p[i], m->momentum_shift[i]);
-        v[i] = diagonal
-                   ? times(b, m->inverse_mass[i], p[i])
-                   : combine(b, m->inverse_mass + i * (size_t)n, p, m->momentum_shift);
+        v[i] = diagonal ? times(b, m->inverse_mass[i], p[i])
+                        : combine(b, m->inverse_mass + i * (size_t)n, p, m->momentum_shift);
     }
 }
 
@@ -348,8 +339,8 @@ int dm_fusion_end(dm_fusion *b, dm_loop_part *out) {
     return !b->failed && dm_graph_status(b->graph) == DM_OK;
 }
 
-int dm_fused_build(dm_loop *out, const dm_model *m, const dm_loop_part *part,
-                   uint32_t size, uint32_t lanes) {
+int dm_fused_build(dm_loop *out, const dm_model *m, const dm_loop_part *part, uint32_t size,
+                   uint32_t lanes) {
     const dm_source *s = &m->source;
     const int native = lanes > 1 || s->compile == dm_native_build;
     const dm_status status =

@@ -1,4 +1,5 @@
-/* galerkin.c - polynomials of degree s with any quadrature (Marsden-West 2001 sec. 2.2.6, Leok 2.4). */
+/* galerkin.c - polynomials of degree s with any quadrature (Marsden-West 2001 sec. 2.2.6, Leok
+ * 2.4). */
 #include "integ/stage_lanes.h"
 #include "integ/tied.h"
 
@@ -42,7 +43,8 @@ static const char *check(const dm_rule *rule) {
     return wrong;
 }
 
-/* the velocities stand at the points where there are as many, else at Gauss nodes: the step does not depend on it */
+/* the velocities stand at the points where there are as many, else at Gauss nodes: the step does
+ * not depend on it */
 void dm_galerkin_of(dm_galerkin *g, int s, const dm_quadrature *q) {
     dm_galerkin_collocation(g, q);
     if (s == q->r) return;
@@ -52,7 +54,8 @@ void dm_galerkin_of(dm_galerkin *g, int s, const dm_quadrature *q) {
     for (int j = 0; j < s; j++) g->node[j] = velocities.c[j];
 }
 
-/* pivots of G_jk = sum_i b_i l_j(c_i) l_k(c_i), which are those of the kinetic energy of a unit mass */
+/* pivots of G_jk = sum_i b_i l_j(c_i) l_k(c_i), which are those of the kinetic energy of a unit
+ * mass */
 int dm_galerkin_is_regular(const dm_galerkin *g) {
     static const long double LEAST = 1e-12L;
     long double G[DM_QUADRATURE_NODES][DM_QUADRATURE_NODES] = {{0}};
@@ -84,9 +87,10 @@ static int smaller(int a, int b) {
     return a < b ? a : b;
 }
 
-/* 2 s: the best curve of degree s (Hall & Leok 2015). e + 1: the action along it by a quadrature exact to degree e.
-** 2 (e - s + 2): L_v meets variations of degree s - 1 under that quadrature, so that the velocities are off by
-** h^(e - s + 2), and their error enters the extremal value squared (measured in the tests: it is sharp). */
+/* 2 s: the best curve of degree s (Hall & Leok 2015). e + 1: the action along it by a quadrature
+ * exact to degree e. 2 (e - s + 2): L_v meets variations of degree s - 1 under that quadrature,
+ * so that the velocities are off by h^(e - s + 2), and their error enters the extremal value
+ * squared (measured in the tests: it is sharp). */
 static int order(const dm_rule *rule) {
     static const double tolerance = 1e-12; /* a user has rounded nodes */
     dm_galerkin g;
@@ -110,13 +114,12 @@ static dm_status open(dm_stepper *s) {
 const dm_method dm_method_galerkin = {
     .name = "galerkin",
     .signature = "galerkin(s, quadrature(r))",
-    .doc =
-        "Galerkin variational integrator: curves of degree s, the action by r nodes of "
-        "gauss, lobatto, radau, radau-left or clenshaw-curtis; order the smaller of 2 "
-        "s and the degree to which the quadrature is exact + 1; s n unknowns a step. "
-        "Own nodes and weights: dm.galerkin. Marsden-West 2001 sec. 2.2.6, Leok 2.4; "
-        "order: Hall & Leok 2015. Constraints, rolling, forces: s multipliers each, same "
-        "order.",
+    .doc = "Galerkin variational integrator: curves of degree s, the action by r nodes of "
+           "gauss, lobatto, radau, radau-left or clenshaw-curtis; order the smaller of 2 "
+           "s and the degree to which the quadrature is exact + 1; s n unknowns a step. "
+           "Own nodes and weights: dm.galerkin. Marsden-West 2001 sec. 2.2.6, Leok 2.4; "
+           "order: Hall & Leok 2015. Constraints, rolling, forces: s multipliers each, same "
+           "order.",
     .traits = DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .order = order,

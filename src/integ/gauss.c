@@ -35,12 +35,10 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     if (!sweeps(rule)) return NULL;
     if (m->ties) return "a number of sweeps is for systems without ties; leave it out";
-    if (rule->arg[0].number > DM_SWEEP_WIDTH)
-        return "a number of sweeps is for 8 stages at most";
+    if (rule->arg[0].number > DM_SWEEP_WIDTH) return "a number of sweeps is for 8 stages at most";
     if (m->structure & DM_LOOPS && m->n <= DM_MODEL_DENSE)
         return NULL; /* separable, and written out for this rule */
-    if (m->source.graph && ((m->structure & simple) == simple || dm_hamilton_fits(m)))
-        return NULL;
+    if (m->source.graph && ((m->structure & simple) == simple || dm_hamilton_fits(m))) return NULL;
     return "a number of sweeps needs a traced L quadratic in v, of 16 coordinates at "
            "most where the mass "
            "varies; leave it out";

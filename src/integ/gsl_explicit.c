@@ -1,9 +1,7 @@
-/*
-** gsl_explicit.c - explicit Runge-Kutta baselines from GSL, with a fixed step. They are not
-** symplectic: their use is comparison. The first-order form is Hamilton's, generated from L:
-**   q' = v(q, p, t), the inverse Legendre transform,  p' = L_q(q, v, t),
-** so that no derivative of L_v by t is needed and the state of a run is taken as it is.
-*/
+/* gsl_explicit.c - explicit Runge-Kutta baselines from GSL, with a fixed step. They are not
+ * symplectic: their use is comparison. The first-order form is Hamilton's, generated from L:
+ *   q' = v(q, p, t), the inverse Legendre transform,  p' = L_q(q, v, t),
+ * so that no derivative of L_v by t is needed and the state of a run is taken as it is. */
 #include "integ/method.h"
 #include "mech/ties.h"
 
@@ -34,8 +32,7 @@ static const char *check(const dm_rule *rule) {
 
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return m->ties && m->ties->controls ? "it knows no controls; take midpoint or gauss"
-                                        : NULL;
+    return m->ties && m->ties->controls ? "it knows no controls; take midpoint or gauss" : NULL;
 }
 
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
@@ -58,8 +55,7 @@ static int right_hand_side(double t, const double y[], double slope[], void *par
     explicit *e = params;
     const uint32_t n = e->m->n;
     double *v = e->x + n;
-    memset(v, 0,
-           n * sizeof *v); /* a function of (q, p, t) alone: no memory of the last v */
+    memset(v, 0, n * sizeof *v); /* a function of (q, p, t) alone: no memory of the last v */
     e->status = dm_legendre_inverse(e->m, v, y, y + n, t, e->scratch);
     if (e->status != DM_OK) return GSL_EBADFUNC;
     memcpy(e->x, y, n * sizeof *y);
@@ -124,8 +120,8 @@ static dm_status apply(explicit *e, dm_stepper *s, double t) {
     int failed = start_slope(e, t);
     e->has_end = 0;
     if (!failed)
-        failed = gsl_odeiv2_step_apply(s->outside, t, s->h, e->y, e->error, e->before,
-                                       e->after, &system);
+        failed = gsl_odeiv2_step_apply(s->outside, t, s->h, e->y, e->error, e->before, e->after,
+                                       &system);
     if (failed) return e->status != DM_OK ? e->status : DM_NOT_FINITE;
     for (size_t i = 0; i < size; i++)
         if (!isfinite(e->y[i])) return DM_NOT_FINITE;

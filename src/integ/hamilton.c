@@ -11,13 +11,13 @@
 #include <string.h>
 
 int dm_hamilton_fits(const dm_model *m) {
-    return m->source.graph && m->n <= DM_HAMILTON_LARGEST &&
-           (m->structure & DM_QUADRATIC_IN_V) && !(m->structure & DM_LINEAR_IN_V);
+    return m->source.graph && m->n <= DM_HAMILTON_LARGEST && (m->structure & DM_QUADRATIC_IN_V) &&
+           !(m->structure & DM_LINEAR_IN_V);
 }
 
 /* as it stands */
-static uint32_t build_lanes(dm_kernel *out, const dm_model *m, dm_graph *g,
-                            const dm_node *roots, uint32_t count, uint32_t stages) {
+static uint32_t build_lanes(dm_kernel *out, const dm_model *m, dm_graph *g, const dm_node *roots,
+                            uint32_t count, uint32_t stages) {
     const dm_source *s = &m->source;
     const uint32_t most = s->compile == dm_native_build ? dm_jit_lanes() : 1;
     const uint32_t lanes = stages > 4 && most >= 8 ? 8 : stages > 1 && most >= 4 ? 4 : 1;
@@ -35,8 +35,8 @@ uint32_t dm_lanes_build_compacted(dm_kernel *out, const dm_model *m, dm_graph *g
     return build_lanes(out, m, g, small, count, stages);
 }
 
-uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g,
-                        const dm_node *roots, uint32_t count, uint32_t stages) {
+uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g, const dm_node *roots,
+                        uint32_t count, uint32_t stages) {
     dm_node *small = dm_arena_take(m->source.arena, count * sizeof *small);
     if (!small || dm_graph_status(g) != DM_OK) return 0;
     if (dm_has_roots(g, roots, count)) /* each sweep waits for the one before */
@@ -65,7 +65,8 @@ static void carry_mass(writing *w, const dm_model *m, const dm_node *hessian) {
     }
 }
 
-/* f(q, v, t) of a model that has a force is added to L_q, with v as it stands in `with`; 0: no memory */
+/* f(q, v, t) of a model that has a force is added to L_q, with v as it stands in `with`; 0: no
+ * memory */
 static int add_force(writing *w, const dm_model *m) {
     const dm_ties *ties = m->ties;
     const uint32_t n = m->n;

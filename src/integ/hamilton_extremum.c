@@ -1,10 +1,8 @@
-/*
-** hamilton_extremum.c - forces and M of L(q, v) = ext_y f(q, v, y) with one y, f quadratic in w = (v, y), as is a Routhian: by the
-** envelope property L_q = f_q at y, which is a polynomial in y,
-**   f_q = c0 + y (c1 + y c2),  y = -f_y(q, v, 0) / I,  I = f_yy,
-** so that all but two products of an entry are made while the division is under way. M and b are left as those of w,
-** and I times M of L, M_vv I - M_vy M_yv, is what is eliminated: no division comes before that.
-*/
+/* hamilton_extremum.c - forces and M of L(q, v) = ext_y f(q, v, y) with one y, f quadratic in w
+ * = (v, y), as is a Routhian: by the envelope property L_q = f_q at y, which is a polynomial in
+ * y, f_q = c0 + y (c1 + y c2),  y = -f_y(q, v, 0) / I,  I = f_yy, so that all but two products
+ * of an entry are made while the division is under way. M and b are left as those of w, and I
+ * times M of L, M_vv I - M_vy M_yv, is what is eliminated: no division comes before that. */
 #include "integ/hamilton_inside.h"
 
 #include "expr/analyse.h"
@@ -70,7 +68,8 @@ static dm_graph *write_out(dm_node *roots, const dm_model *m, const dm_extremum 
 
 enum { PRODUCT = 4 }; /* clock cycles */
 
-/* y = -f_y / I, or f_y times -1/I where the division can then begin earlier than the product would take */
+/* y = -f_y / I, or f_y times -1/I where the division can then begin earlier than the product
+ * would take */
 static dm_node solve(dm_graph *g, dm_node fy, dm_node I) {
     const dm_node both[2] = {fy, I}, minus_one = dm_constant(g, -1.0);
     uint32_t at[2];
@@ -97,8 +96,7 @@ static void evaluate(dm_node *fq, dm_graph *g, const dm_node *roots, uint32_t n)
 uint32_t dm_split_extremum_force(dm_kernel *out, dm_splitting *x, const dm_extremum *e) {
     const uint32_t n = x->m->n, wide = n + 1, known = dm_known(wide);
     const size_t scratch = 2 * n + wide + wide * (size_t)wide + dm_graph_inputs(e->of);
-    dm_node *roots =
-        dm_arena_take(x->m->source.arena, (count_of(n) + n + scratch) * sizeof *roots);
+    dm_node *roots = dm_arena_take(x->m->source.arena, (count_of(n) + n + scratch) * sizeof *roots);
     if (!roots || !expand(roots, e, n, roots + count_of(n))) return 0;
     dm_graph *g = write_out(roots, x->m, e);
     if (!g) return 0;

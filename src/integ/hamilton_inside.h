@@ -1,4 +1,5 @@
-/* hamilton_inside.h - what the kernels of dm_hamilton_split pass on to each other, for its files only. */
+/* hamilton_inside.h - what the kernels of dm_hamilton_split pass on to each other, for its files
+ * only. */
 #ifndef DM_HAMILTON_INSIDE_H
 #define DM_HAMILTON_INSIDE_H
 
@@ -6,7 +7,8 @@
 #include "integ/elimination.h"
 #include "integ/hamilton.h"
 
-/* what is known of M and b: an entry each of the lower triangle of M[wide*wide] by rows, then of b[wide] */
+/* what is known of M and b: an entry each of the lower triangle of M[wide*wide] by rows, then of
+ * b[wide] */
 typedef struct {
     const dm_model *m;
     uint32_t stages;
@@ -30,17 +32,21 @@ static inline void dm_pack(dm_node *triangle, const dm_node *square, uint32_t n)
         for (uint32_t j = 0; j <= i; j++) *triangle++ = square[i * n + j];
 }
 
-/* M[wide*wide] = momentum_v and b[wide], the momentum at v = 0, in the graph `from` with v from its input n on. */
-void dm_split_momentum(dm_node *M, dm_node *b, dm_graph *from, const dm_node *momentum,
-                       uint32_t n, uint32_t wide);
+/* M[wide*wide] = momentum_v and b[wide], the momentum at v = 0, in the graph `from` with v from
+ * its input n on. */
+void dm_split_momentum(dm_node *M, dm_node *b, dm_graph *from, const dm_node *momentum, uint32_t n,
+                       uint32_t wide);
 
-/* The extremum that L is, where that has one unknown; NULL: none, or derivatives of L are as short. */
+/* The extremum that L is, where that has one unknown; NULL: none, or derivatives of L are as
+ * short. */
 const dm_extremum *dm_split_extremum(const dm_model *m);
 
-/* The kernel of forces of an extremum that is quadratic in (v, y); 0 lanes: it is not, or there is no kernel. */
+/* The kernel of forces of an extremum that is quadratic in (v, y); 0 lanes: it is not, or there
+ * is no kernel. */
 uint32_t dm_split_extremum_force(dm_kernel *out, dm_splitting *x, const dm_extremum *e);
 
-/* M[n+1][n+1] and b of (v, y) become, in their first n rows, I M and b of the extremum; returns I. */
+/* M[n+1][n+1] and b of (v, y) become, in their first n rows, I M and b of the extremum; returns
+ * I. */
 dm_node dm_split_eliminate(dm_graph *g, dm_node *M, dm_node *b, uint32_t n);
 
 #endif

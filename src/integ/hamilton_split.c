@@ -4,9 +4,10 @@
 
 #include <string.h>
 
-/* the nodes from[count] of another graph as inputs to[count] of g; constants and equal nodes are known as such */
-static void read_inputs(dm_graph *g, dm_node *to, const dm_graph *other,
-                        const dm_node *from, uint32_t count) {
+/* the nodes from[count] of another graph as inputs to[count] of g; constants and equal nodes are
+ * known as such */
+static void read_inputs(dm_graph *g, dm_node *to, const dm_graph *other, const dm_node *from,
+                        uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         const dm_expr *x = dm_graph_at(other, from[i]);
         to[i] = x->op == DM_OP_CONSTANT ? dm_constant(g, x->as.value) : dm_input(g, i);
@@ -20,15 +21,14 @@ uint32_t dm_hamilton_known(const dm_model *m) {
     return dm_known(m->n + (e ? 1 : 0));
 }
 
-void dm_split_momentum(dm_node *M, dm_node *b, dm_graph *from, const dm_node *momentum,
-                       uint32_t n, uint32_t wide) {
+void dm_split_momentum(dm_node *M, dm_node *b, dm_graph *from, const dm_node *momentum, uint32_t n,
+                       uint32_t wide) {
     const uint32_t inputs = dm_graph_inputs(from);
     dm_node *with = dm_arena_take(dm_graph_arena(from), inputs * sizeof *with);
     memset(M, 0, (size_t)wide * wide * sizeof *M);
     memset(b, 0, wide * sizeof *b);
     if (!with) return;
-    for (uint32_t i = 0; i < inputs; i++)
-        with[i] = i >= n && i < n + wide ? 0 : dm_input(from, i);
+    for (uint32_t i = 0; i < inputs; i++) with[i] = i >= n && i < n + wide ? 0 : dm_input(from, i);
     dm_jacobian(from, momentum, wide, n, wide, M);
     dm_substitute(from, momentum, wide, with, b);
 }
@@ -52,8 +52,7 @@ static uint32_t build_force(dm_kernel *out, dm_splitting *x) {
 }
 
 /* M[n*n] of the elimination and b in place, from what the kernel of forces gives */
-static void read_known(dm_elimination *e, dm_node *b, const dm_splitting *x,
-                       dm_node *inputs) {
+static void read_known(dm_elimination *e, dm_node *b, const dm_splitting *x, dm_node *inputs) {
     const uint32_t n = e->n, wide = x->wide;
     dm_node *M = inputs + dm_known(wide);
     read_inputs(e->g, inputs, x->graph, x->known, dm_known(wide));
@@ -71,8 +70,7 @@ static uint32_t build_factors(dm_kernel *out, dm_splitting *x) {
     const uint32_t made = n + dm_known(n);
     const size_t nn = (size_t)n * n, square = (size_t)wide * wide;
     dm_arena *arena = x->m->source.arena;
-    dm_node *roots =
-        dm_arena_take(arena, (made + 2 * nn + known + square) * sizeof *roots);
+    dm_node *roots = dm_arena_take(arena, (made + 2 * nn + known + square) * sizeof *roots);
     dm_graph *g = dm_graph_new(arena, known);
     if (!roots || !g) return 0;
     dm_elimination e = {.g = g, .n = n, .pivot = roots, .mass = roots + made};

@@ -19,8 +19,8 @@ int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size) {
     *x = (dm_lanes){.lanes = lanes, .groups = choose_groups(size, lanes)};
     const size_t one = dm_state_size(m->n), members = (size_t)lanes * x->groups;
     const size_t all = members * one;
-    x->state = dm_arena_take(m->source.arena,
-                             (2 * all + one + members * m->params) * sizeof *x->state);
+    x->state =
+        dm_arena_take(m->source.arena, (2 * all + one + members * m->params) * sizeof *x->state);
     if (!x->state) return 0;
     x->kept = x->state + all;
     x->alone = x->kept + all;

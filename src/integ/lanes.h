@@ -6,10 +6,9 @@
 
 enum { DM_LANES_GROUPS = 8 };
 
-/*
-** Choose lanes, and the number of groups for `size` carried numbers a member, and take x->state. 0: there are
-** no lanes, or no memory. A method that leaves its loops to the model leaves *x too.
-*/
+/* Choose lanes, and the number of groups for `size` carried numbers a member, and take x->state.
+ * 0: there are no lanes, or no memory. A method that leaves its loops to the model leaves *x
+ * too. */
 int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size);
 
 /* Entry 0 of member i, counted through the groups; its entries are x->lanes apart. */
@@ -26,7 +25,8 @@ static inline double *dm_lanes_memory(const dm_lanes *x, uint32_t i) {
 void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state);
 void dm_lanes_get(const dm_lanes *x, uint32_t n, uint32_t i, double *state);
 
-/* True only when no entry of any lane is NaN or infinite; 0 also where a sum of all would overflow. */
+/* True only when no entry of any lane is NaN or infinite; 0 also where a sum of all would
+ * overflow. */
 int dm_lanes_are_finite(const dm_lanes *x, uint32_t n);
 
 /* True when no entry of member i is NaN or infinite. */

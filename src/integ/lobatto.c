@@ -8,8 +8,7 @@ static int stages(const dm_rule *rule) {
 
 static const char *check(const dm_rule *rule) {
     const double s = rule->arg[0].number;
-    if (rule->count != 1 || rule->arg[0].rule || s != (int)s || s < 2 ||
-        s > DM_QUADRATURE_NODES)
+    if (rule->count != 1 || rule->arg[0].rule || s != (int)s || s < 2 || s > DM_QUADRATURE_NODES)
         return "lobatto takes one whole number of stages from 2 to 32";
     return NULL;
 }

@@ -1,17 +1,16 @@
-/*
-** log_hamiltonian.c - time-transformed splitting for close encounters and eccentric orbits.
-** With U = -V > 0 and B = -E the function ln(T + B) - ln U has the orbits of energy E in a fictitious time s:
-**   drift  dt/ds = 1/(T + B), dq/ds = v/(T + B);   kick  dp/ds = L_q/U
-** (Mikkola & Tanikawa 1999; Preto & Tremaine 1999). The motion near a centre takes small steps of t by
-** itself, and the orbit of two bodies is exact but for its timing. h is the step of s.
-*/
+/* log_hamiltonian.c - time-transformed splitting for close encounters and eccentric orbits. With
+ * U = -V > 0 and B = -E the function ln(T + B) - ln U has the orbits of energy E in a fictitious
+ * time s: drift  dt/ds = 1/(T + B), dq/ds = v/(T + B);   kick  dp/ds = L_q/U (Mikkola & Tanikawa
+ * 1999; Preto & Tremaine 1999). The motion near a centre takes small steps of t by itself, and
+ * the orbit of two bodies is exact but for its timing. h is the step of s. */
 #include "base/sum.h"
 #include "integ/log_loop.h"
 
 #include <math.h>
 #include <string.h>
 
-/* workspace: this, then x = (q, v, t), the well U, L_q[n], v[n], the state to go back to, coefficients */
+/* workspace: this, then x = (q, v, t), the well U, L_q[n], v[n], the state to go back to,
+ * coefficients */
 typedef struct {
     dm_splitting table;
     dm_log_loop *loop; /* NULL: none */
@@ -38,8 +37,7 @@ static const char *check(const dm_rule *rule) {
 
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    if (!dm_splitting_fits(m))
-        return "it needs a separable L = T(v) - V(q) with constant mass";
+    if (!dm_splitting_fits(m)) return "it needs a separable L = T(v) - V(q) with constant mass";
     if (!(m->structure & DM_AUTONOMOUS))
         return "it needs a Lagrangian that does not depend on time";
     return NULL;
@@ -69,8 +67,7 @@ static void drift_first(dm_splitting *out, const dm_splitting *in) {
 }
 
 static double *loop_work(const dm_stepper *s) {
-    return s->work + table_size() + 4 * (size_t)s->model->n + 2 +
-           dm_state_size(s->model->n);
+    return s->work + table_size() + 4 * (size_t)s->model->n + 2 + dm_state_size(s->model->n);
 }
 
 static int widen(dm_stepper *s, dm_lanes *x) {
@@ -129,13 +126,11 @@ static double pace(const dm_stepper *s, const double *state) {
 }
 
 /* p += b L_q/U; the well must be attracting */
-static int kick(const dm_model *m, double *state, const double *x, double *well,
-                double b) {
+static int kick(const dm_model *m, double *state, const double *x, double *well, double b) {
     dm_kernel_eval(&m->well, x, well);
     if (!(well[0] > 0.0)) return 0;
     for (uint32_t i = 0; i < m->n; i++)
-        dm_sum_add(state + m->n + i, state + 3 * (size_t)m->n + i,
-                   b / well[0] * well[1 + i]);
+        dm_sum_add(state + m->n + i, state + 3 * (size_t)m->n + i, b / well[0] * well[1 + i]);
     return 1;
 }
 
@@ -145,8 +140,7 @@ static int drift(const dm_model *m, double *state, double *v, double a) {
     double *own = state + 4 * (size_t)n;
     const double speed = 0.5 * velocity(m, v, state + n) + own[2], dt = a / speed;
     if (!(speed > 0.0)) return 0;
-    for (uint32_t i = 0; i < n; i++)
-        dm_sum_add(state + i, state + 2 * (size_t)n + i, dt * v[i]);
+    for (uint32_t i = 0; i < n; i++) dm_sum_add(state + i, state + 2 * (size_t)n + i, dt * v[i]);
     dm_sum_add(own, own + 1, dt);
     return 1;
 }
@@ -197,12 +191,12 @@ static dm_status step(dm_stepper *s, double *state, double t) {
 
 static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
     const layout *l = (const layout *)(const void *)s->work;
-    if (l->loop && count > 1 && steps(s, state, count) == DM_OK)
-        return *done = count, DM_OK;
+    if (l->loop && count > 1 && steps(s, state, count) == DM_OK) return *done = count, DM_OK;
     return dm_advance_by_step(s, state, t, count, done);
 }
 
-/* U = -V at the state of the step; T + B = U on the orbit's own energy, so that its fall is what ends a step */
+/* U = -V at the state of the step; T + B = U on the orbit's own energy, so that its fall is what
+ * ends a step */
 static const char *why(dm_stepper *s, const double *state, dm_status status) {
     const dm_model *m = s->model;
     double *x = s->work + table_size(), *well = x + 2 * m->n + 1;

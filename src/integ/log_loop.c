@@ -28,8 +28,7 @@ static dm_node guarded(dm_fusion *b, dm_node c, dm_node x) {
 }
 
 /* start + v . moved, as two sums that do not wait for each other */
-static dm_node fuse_product(dm_fusion *b, dm_node start, const dm_node *v,
-                            const dm_node *moved) {
+static dm_node fuse_product(dm_fusion *b, dm_node start, const dm_node *v, const dm_node *moved) {
     dm_node even = dm_multiply_add(b->graph, v[0], moved[0], start), odd = 0;
     for (uint32_t i = 1; i < b->model->n; i++) {
         dm_node *sum = i % 2 ? &odd : &even;
@@ -45,8 +44,7 @@ static dm_node denominator(const dm_fusion *b, const dm_node *factors) {
     if (!(b->model->structure & DM_DIAGONAL_MASS)) return 0;
     for (uint32_t i = 0; i < b->model->n; i++) {
         const dm_expr *x = dm_graph_at(b->graph, factors[b->kicks->which[i]]);
-        if (b->kicks->constant[i] != 0.0 || b->kicks->coordinate[i] < 0 ||
-            x->op != DM_OP_DIV)
+        if (b->kicks->constant[i] != 0.0 || b->kicks->coordinate[i] < 0 || x->op != DM_OP_DIV)
             return 0;
         if (d && x->as.arg[1] != d) return 0;
         d = x->as.arg[1];
@@ -54,7 +52,8 @@ static dm_node denominator(const dm_fusion *b, const dm_node *factors) {
     return d;
 }
 
-/* p += hb L_q/U; what the drift needs of it: d and y[n] = d p, made before the quotients are known; 0: p itself */
+/* p += hb L_q/U; what the drift needs of it: d and y[n] = d p, made before the quotients are
+ * known; 0: p itself */
 static dm_node fuse_kick(dm_fusion *b, dm_node *y, dm_node *factors) {
     const uint32_t n = b->model->n;
     const dm_node hb = dm_fusion_coefficient(b), minus = dm_fusion_coefficient(b);
@@ -73,10 +72,8 @@ static dm_node fuse_kick(dm_fusion *b, dm_node *y, dm_node *factors) {
     return d;
 }
 
-/*
-** t += dt, q += dt v with dt = ha/(T + B) = 2 ha d^2 / (d v . d (p - shift) + 2 B d^2): so the division does not
-** wait for the one of the kick. scratch[2 n]; d and y = d p as above.
-*/
+/* t += dt, q += dt v with dt = ha/(T + B) = 2 ha d^2 / (d v . d (p - shift) + 2 B d^2): so the
+ * division does not wait for the one of the kick. scratch[2 n]; d and y = d p as above. */
 static void fuse_drift(dm_fusion *b, dm_node *scratch, dm_node d, const dm_node *y) {
     const uint32_t n = b->model->n;
     dm_node *v = scratch, *moved = v + n;
@@ -136,8 +133,7 @@ static int read_pulls(dm_log_loop *l, const dm_model *m) {
     const dm_source *s = &m->source;
     dm_node *out = dm_arena_take(s->arena, m->n * sizeof *out);
     if (!out) return 0;
-    for (uint32_t i = 0; i < m->n; i++)
-        out[i] = dm_div(s->graph, s->gradient[i], s->well);
+    for (uint32_t i = 0; i < m->n; i++) out[i] = dm_div(s->graph, s->gradient[i], s->well);
     if (!dm_kicks_read(&l->kicks, m, out, 1)) return 0;
     dm_compact(s->graph, &s->well, 1, &l->well);
     return dm_graph_status(s->graph) == DM_OK;
@@ -163,8 +159,8 @@ int dm_log_loop_widen(dm_log_loop *l, const dm_model *m, dm_lanes *x) {
     x->together = l->many.together;
     if (x->groups % x->together != 0) return 0;
     l->lanes = *x;
-    l->spread = dm_arena_take(m->source.arena,
-                              DM_LOG_LOOP_WORK * (size_t)x->lanes * sizeof *l->spread);
+    l->spread =
+        dm_arena_take(m->source.arena, DM_LOG_LOOP_WORK * (size_t)x->lanes * sizeof *l->spread);
     return l->spread != NULL;
 }
 
@@ -181,8 +177,7 @@ static void put_step(double *c, const dm_log_burst *x) {
     }
 }
 
-void dm_log_loop_run(const dm_log_loop *l, double *state, const dm_log_burst *x,
-                     double *work) {
+void dm_log_loop_run(const dm_log_loop *l, double *state, const dm_log_burst *x, double *work) {
     put_step(work, x);
     dm_loop_call call = {.state = state,
                          .coefficients = work,
@@ -197,8 +192,7 @@ void dm_log_loop_run_lanes(const dm_log_loop *l, dm_lanes *lanes, const dm_log_b
     const uint32_t each = 3 * (uint32_t)x->table->stages - 2, width = lanes->lanes;
     put_step(work, x);
     for (size_t i = 0; i < each; i++)
-        for (uint32_t lane = 0; lane < width; lane++)
-            l->spread[i * width + lane] = work[i];
+        for (uint32_t lane = 0; lane < width; lane++) l->spread[i * width + lane] = work[i];
     dm_loop_call call = {.state = lanes->state,
                          .coefficients = l->spread,
                          .groups = lanes->groups,

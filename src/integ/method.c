@@ -82,8 +82,7 @@ dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *d
     return dm_advance_by_step(s, state, t, count, done);
 }
 
-dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, long count,
-                             long *done) {
+dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, long count, long *done) {
     for (*done = 0; *done < count; ++*done) {
         const dm_status status = s->method->step(s, state, t + (double)*done * s->h);
         if (status != DM_OK) return status;

@@ -32,10 +32,9 @@ static dm_status open(dm_stepper *s) {
 const dm_method dm_method_midpoint = {
     .name = "midpoint",
     .signature = "midpoint",
-    .doc =
-        "Implicit midpoint rule, order 2; n unknowns a step, bounded for stiff springs "
-        "(HLW VI.6.3, Marsden-West 2001 ex. 2.3.2). Constraints, rolling, forces: one "
-        "multiplier each, same order.",
+    .doc = "Implicit midpoint rule, order 2; n unknowns a step, bounded for stiff springs "
+           "(HLW VI.6.3, Marsden-West 2001 ex. 2.3.2). Constraints, rolling, forces: one "
+           "multiplier each, same order.",
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | DM_TIES,
     .check = check,
     .order = order,

@@ -33,8 +33,7 @@ static uint32_t triangle(uint32_t n) {
 /* From a graph of its own, so that it rounds alike whatever the model's graph holds by then. */
 static int find_slopes(writing *x, const dm_model *m) {
     const uint32_t n = x->n;
-    dm_node L, H[DM_PUSH_MOST * DM_PUSH_MOST],
-        roots[DM_PUSH_MOST + DM_PUSH_MOST * DM_PUSH_MOST];
+    dm_node L, H[DM_PUSH_MOST * DM_PUSH_MOST], roots[DM_PUSH_MOST + DM_PUSH_MOST * DM_PUSH_MOST];
     dm_graph *g = dm_graph_copy(m->source.graph, &m->source.lagrangian, 1, &L);
     if (!g || dm_has_roots(g, &L, 1)) return 0;
     dm_gradient(g, L, 0, n, roots);
@@ -80,9 +79,8 @@ static void evaluate(const writing *x, dm_node *force, dm_node *curve, const dm_
 /* by columns; 0 at a pivot that vanishes everywhere */
 static int invert(writing *x, const dm_node *curve) {
     const uint32_t n = x->n;
-    dm_node K[DM_PUSH_MOST * DM_PUSH_MOST], lower[DM_PUSH_MOST * DM_PUSH_MOST] = {0},
-                                                                 pivot[DM_PUSH_MOST],
-                                                                 column[DM_PUSH_MOST];
+    dm_node K[DM_PUSH_MOST * DM_PUSH_MOST],
+        lower[DM_PUSH_MOST * DM_PUSH_MOST] = {0}, pivot[DM_PUSH_MOST], column[DM_PUSH_MOST];
     dm_elimination e = {.g = x->g, .n = n, .mass = K, .lower = lower, .pivot = pivot};
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j <= i; j++) {
@@ -100,8 +98,7 @@ static int invert(writing *x, const dm_node *curve) {
 }
 
 /* d = (M - w L_qq)^-1 (force - M u) */
-static void find_increment(const writing *x, dm_node *d, const dm_node *force,
-                           const dm_node *u) {
+static void find_increment(const writing *x, dm_node *d, const dm_node *force, const dm_node *u) {
     const uint32_t n = x->n;
     dm_node r[DM_PUSH_MOST];
     for (uint32_t i = 0; i < n; i++) {
@@ -148,8 +145,7 @@ static int write_out(writing *x, dm_node *out) {
     advance(x, u, Z, first);
     evaluate(x, force, NULL, Z);
     find_increment(x, second, force, u);
-    for (uint32_t k = 0; k < n; k++)
-        out[k] = dm_add(x->g, force[k], product(x, curve, k, second));
+    for (uint32_t k = 0; k < n; k++) out[k] = dm_add(x->g, force[k], product(x, curve, k, second));
     return dm_graph_status(x->g) == DM_OK;
 }
 
@@ -161,8 +157,7 @@ static int build(dm_kernel *out, const dm_model *m, uint32_t lanes) {
     if (!fits(m) || !find_slopes(&x, m)) return 0;
     x.g = dm_graph_new(m->source.arena, dm_push_inputs(m->n));
     if (!x.g || !write_out(&x, roots)) return 0;
-    return dm_lanes_build_compacted(out, m, x.g, roots, dm_push_outputs(m->n), lanes) ==
-           lanes;
+    return dm_lanes_build_compacted(out, m, x.g, roots, dm_push_outputs(m->n), lanes) == lanes;
 }
 
 /* that there is none is kept, too */

@@ -32,7 +32,8 @@ static long double ratio(int r, long double x) {
     return p * ((1.0L - x) * (1.0L + x)) / (r * (before - x * p));
 }
 
-/* Newton's method; below 1e-11 the next increment would be round-off (its error is the square, times r^2) */
+/* Newton's method; below 1e-11 the next increment would be round-off (its error is the square,
+ * times r^2) */
 static long double gauss_node(int r, long double x) {
     for (int step = 0; step < STEPS; step++) {
         const long double dx = ratio(r, x);
@@ -48,8 +49,7 @@ static long double lobatto_node(int k, long double x) {
         long double p, before;
         legendre(&p, &before, k, x);
         const long double first = slope(k, x);
-        const long double second =
-            (2.0L * x * first - k * (k + 1) * p) / ((1.0L - x) * (1.0L + x));
+        const long double second = (2.0L * x * first - k * (k + 1) * p) / ((1.0L - x) * (1.0L + x));
         x -= first / second;
         if (fabsl(first / second) < 1e-19L) break;
     }
@@ -96,7 +96,8 @@ static long double radau_node(int r, long double x) {
     return x;
 }
 
-/* from the end -1; near the zeros are those of the Chebyshev polynomials: -cos(2 pi i / (2 r - 1)) */
+/* from the end -1; near the zeros are those of the Chebyshev polynomials: -cos(2 pi i / (2 r -
+ * 1)) */
 void dm_quadrature_radau_left(dm_quadrature *out, int r) {
     out->r = r;
     out->c[0] = 0.0L;
@@ -128,20 +129,18 @@ void dm_quadrature_clenshaw_curtis(dm_quadrature *out, int r) {
         const long double x = i < r - 1 - i ? cosl(PI * i / n) : -cosl(PI * (n - i) / n);
         long double w = 1.0L;
         for (int j = 1; 2 * j <= n; j++)
-            w -= (2 * j == n ? 1.0L : 2.0L) * cosl(2.0L * PI * ((i * j) % n) / n) /
-                 (4 * j * j - 1);
+            w -= (2 * j == n ? 1.0L : 2.0L) * cosl(2.0L * PI * ((i * j) % n) / n) / (4 * j * j - 1);
         out->c[i] = 2 * i == n ? 0.5L : 0.5L * (1.0L - x);
         out->b[i] = (i == 0 || i == n ? 0.5L : 1.0L) * w / n;
     }
 }
 
-const dm_quadrature_row dm_quadratures[] = {
-    {"gauss", 1, dm_quadrature_gauss},
-    {"lobatto", 2, dm_quadrature_lobatto},
-    {"radau", 1, dm_quadrature_radau},
-    {"radau-left", 1, dm_quadrature_radau_left},
-    {"clenshaw-curtis", 2, dm_quadrature_clenshaw_curtis},
-    {NULL, 0, NULL}};
+const dm_quadrature_row dm_quadratures[] = {{"gauss", 1, dm_quadrature_gauss},
+                                            {"lobatto", 2, dm_quadrature_lobatto},
+                                            {"radau", 1, dm_quadrature_radau},
+                                            {"radau-left", 1, dm_quadrature_radau_left},
+                                            {"clenshaw-curtis", 2, dm_quadrature_clenshaw_curtis},
+                                            {NULL, 0, NULL}};
 
 const dm_quadrature_row *dm_quadrature_find(const char *name) {
     for (const dm_quadrature_row *row = dm_quadratures; row->name; row++)
@@ -149,7 +148,8 @@ const dm_quadrature_row *dm_quadrature_find(const char *name) {
     return NULL;
 }
 
-/* by Legendre polynomials, whose integrals are zero: powers of large degree could not be told apart */
+/* by Legendre polynomials, whose integrals are zero: powers of large degree could not be told
+ * apart */
 int dm_quadrature_degree(const dm_quadrature *q, double tolerance) {
     for (int k = 0; k < 2 * q->r; k++) {
         long double sum = k ? 0.0L : -1.0L;
@@ -181,8 +181,7 @@ void dm_lagrange(long double *value, long double *integral, const long double *c
     for (int j = 0; j < s; j++) {
         value[j] = basis(c, s, j, x);
         integral[j] = 0.0L;
-        for (int i = 0; i < g.r; i++)
-            integral[j] += x * g.b[i] * basis(c, s, j, x * g.c[i]);
+        for (int i = 0; i < g.r; i++) integral[j] += x * g.b[i] * basis(c, s, j, x * g.c[i]);
     }
 }
 

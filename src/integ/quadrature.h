@@ -28,7 +28,8 @@ void dm_quadrature_clenshaw_curtis(dm_quadrature *out, int r);
 /* Weights that are exact to degree r - 1 for the distinct nodes that *q has. */
 void dm_quadrature_interpolate(dm_quadrature *q);
 
-/* Largest degree whose polynomials the quadrature integrates to `tolerance`; -1: not even constants. */
+/* Largest degree whose polynomials the quadrature integrates to `tolerance`; -1: not even
+ * constants. */
 int dm_quadrature_degree(const dm_quadrature *q, double tolerance);
 
 /* Quadratures by name, as in galerkin(3, radau(3)). */

@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* relative changes: of q1 at the last iteration; that may stall; that is foreseen for one more, of the tolerance */
+/* relative changes: of q1 at the last iteration; that may stall; that is foreseen for one more,
+ * of the tolerance */
 static const double STALLED = 1e-12, NEGLIGIBLE = 2.5e-3;
 
 /* workspace: this, memory, two buffers of a step, one for an iteration */
@@ -16,7 +17,8 @@ typedef struct {
     double *memory, *now, *next, *iterate;
 } layout;
 
-/* memory: h of whole steps, h of the last step or part of one, its mu; a step on the side neither uses nor changes it */
+/* memory: h of whole steps, h of the last step or part of one, its mu; a step on the side
+ * neither uses nor changes it */
 enum { WHOLE, LAST, MU };
 
 static size_t layout_size(void) {
@@ -42,8 +44,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
                "rule that solves for the multipliers in every stage, for instance "
                "midpoint or lobatto(3)";
     if (!m->source.graph) return "it needs L as an expression, not on hyper-dual numbers";
-    if (m->ties && m->ties->controls)
-        return "it knows no controls; take midpoint or gauss";
+    if (m->ties && m->ties->controls) return "it knows no controls; take midpoint or gauss";
     return NULL;
 }
 
@@ -82,8 +83,7 @@ static dm_status open(dm_stepper *s) {
     l->now = l->memory + MU + l->at.m;
     l->next = l->now + l->at.size;
     l->iterate = l->next + l->at.size;
-    memset(l->memory, 0,
-           (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
+    memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
     const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
     const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
     if (status != DM_OK) return status;
@@ -106,7 +106,8 @@ static size_t memory(dm_stepper *s, double **place) {
     return MU + layout_of(s)->at.m;
 }
 
-/* lambda of the last step, which is in the buffer it began in, and mu; of SHAKE the next lambda does all */
+/* lambda of the last step, which is in the buffer it began in, and mu; of SHAKE the next lambda
+ * does all */
 static void impulses(const dm_stepper *s, double *out) {
     const layout *l = layout_of(s);
     const uint32_t m = l->at.m;
@@ -119,14 +120,13 @@ static void impulses(const dm_stepper *s, double *out) {
 
 /* ---- a step ---- */
 
-/* The squares of the last two changes and of q1 say that q1 is known to round-off: the last change is, or what
-** Newton's method, being quadratic, would change next. */
+/* The squares of the last two changes and of q1 say that q1 is known to round-off: the last
+ * change is, or what Newton's method, being quadratic, would change next. */
 static int is_last(const dm_stepper *s, const double *norms) {
     const double before = norms[0], now = norms[1], size = norms[2];
     const double tolerance = s->tolerance * s->tolerance * size;
     if (now <= tolerance) return 1;
-    if (now < before &&
-        now * now * now <= NEGLIGIBLE * NEGLIGIBLE * tolerance * before * before)
+    if (now < before && now * now * now <= NEGLIGIBLE * NEGLIGIBLE * tolerance * before * before)
         return 1;
     return now >= before && now <= STALLED * STALLED * size;
 }
@@ -209,7 +209,8 @@ static dm_status advance(dm_stepper *s, double *state, double t, long count, lon
         status = step_once(s, l, t + (double)*done * s->h);
         if (status == DM_OK) ++*done;
     }
-    /* one look at the end of a burst; then the burst is done again to find the step and stop before it */
+    /* one look at the end of a burst; then the burst is done again to find the step and stop
+     * before it */
     if (!is_finite(l)) {
         *done = 0;
         return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
@@ -227,13 +228,12 @@ static dm_status step(dm_stepper *s, double *state, double t) {
 const dm_method dm_method_rattle = {
     .name = "rattle",
     .signature = "rattle",
-    .doc =
-        "RATTLE, order 2: Stoermer-Verlet on the constraints g(q, t) = 0, for L = T(v) "
-        "- V(q, t) with constant mass and forces f(q, t); Newton for as many unknowns "
-        "as there are constraints (cost linear in them where each touches its "
-        "neighbours only), and the hidden constraint projected once a step. The base "
-        "of compositions: yoshida(4, rattle), kahan-li(8, rattle). Andersen 1983; HLW "
-        "VII.1.4.",
+    .doc = "RATTLE, order 2: Stoermer-Verlet on the constraints g(q, t) = 0, for L = T(v) "
+           "- V(q, t) with constant mass and forces f(q, t); Newton for as many unknowns "
+           "as there are constraints (cost linear in them where each touches its "
+           "neighbours only), and the hidden constraint projected once a step. The base "
+           "of compositions: yoshida(4, rattle), kahan-li(8, rattle). Andersen 1983; HLW "
+           "VII.1.4.",
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_KEEPS,
     .check = check,
     .fits = fits,

@@ -1,12 +1,10 @@
-/*
-** rattle.h - kernels of RATTLE and SHAKE for L = T(v) - V(q, t) with constant mass M, W = M^-1, and
-** holonomic constraints g(q, t) = 0, G = dg/dq:
-**   p+ = p0 + h/2 F(q0) + G(q0)^T lambda,  q1 = q0 + h W (p+ - shift),  g(q1) = 0 by Newton in lambda,
-**   p1 = p+ + h/2 F(q1) + G(q1)^T mu,      G(q1) W (p1 - shift) + g_t(q1) = 0
-** (Andersen 1983; Leimkuhler & Skeel 1994; HLW VII.1.4). SHAKE leaves the last term out (Ryckaert, Ciccotti &
-** Berendsen 1977). F = L_q + f; an f that sees v is taken at v = (q1 - q0)/h in both kicks, which keeps the rule
-** symmetric, and v is unknown like lambda. The linear systems are eliminated in the graph, where zeros are left out.
-*/
+/* rattle.h - kernels of RATTLE and SHAKE for L = T(v) - V(q, t) with constant mass M, W = M^-1,
+ * and holonomic constraints g(q, t) = 0, G = dg/dq: p+ = p0 + h/2 F(q0) + G(q0)^T lambda,  q1 =
+ * q0 + h W (p+ - shift),  g(q1) = 0 by Newton in lambda, p1 = p+ + h/2 F(q1) + G(q1)^T mu,
+ * G(q1) W (p1 - shift) + g_t(q1) = 0 (Andersen 1983; Leimkuhler & Skeel 1994; HLW VII.1.4).
+ * SHAKE leaves the last term out (Ryckaert, Ciccotti & Berendsen 1977). F = L_q + f; an f that
+ * sees v is taken at v = (q1 - q0)/h in both kicks, which keeps the rule symmetric, and v is
+ * unknown like lambda. The linear systems are eliminated in the graph, where zeros are left out. */
 #ifndef DM_RATTLE_H
 #define DM_RATTLE_H
 
@@ -22,7 +20,8 @@ typedef struct {
     uint32_t g;                         /* at q, for the record */
     uint32_t h, half, t0, t;            /* t at the end of the step */
     uint32_t y,
-        lambda; /* iterates of q1 (of v where f sees v) and lambda, what `first` and `newton` write */
+        /* iterates of q1 (of v where f sees v) and lambda, what `first` and `newton` write */
+        lambda;
     uint32_t norms; /* squares: of the last two changes of y, of y */
     uint32_t size;
 } dm_rattle_layout;

@@ -8,8 +8,7 @@ typedef dm_rattle_frame frame;
 /* sum_c x_c^2 */
 static dm_node square(const frame *b, const dm_node *x) {
     dm_node sum = 0;
-    for (uint32_t c = 0; c < b->at.n; c++)
-        sum = dm_rattle_add_product(b, sum, x[c], x[c]);
+    for (uint32_t c = 0; c < b->at.n; c++) sum = dm_rattle_add_product(b, sum, x[c], x[c]);
     return sum;
 }
 
@@ -17,8 +16,7 @@ static dm_node square(const frame *b, const dm_node *x) {
 static dm_node mass(const frame *b, uint32_t c, uint32_t d) {
     const double *M = b->model->mass_matrix;
     const uint32_t n = b->at.n;
-    if (b->model->structure & DM_DIAGONAL_MASS)
-        return c == d ? dm_constant(b->f.graph, M[c]) : 0;
+    if (b->model->structure & DM_DIAGONAL_MASS) return c == d ? dm_constant(b->f.graph, M[c]) : 0;
     return dm_constant(b->f.graph, M[c * (size_t)n + d]);
 }
 
@@ -53,12 +51,10 @@ static int iteration(frame *b, iterate *x) {
     dm_rattle_multiply(b, J, values + m, x->B, 0);
     dm_node *minus = values; /* -dlambda */
     dm_graph_solve(b->f.graph, J, minus, m, 0);
-    for (uint32_t j = 0; j < m; j++)
-        x->lambda[j] = dm_sub(b->f.graph, x->lambda[j], minus[j]);
+    for (uint32_t j = 0; j < m; j++) x->lambda[j] = dm_sub(b->f.graph, x->lambda[j], minus[j]);
     for (uint32_t c = 0; c < n; c++) {
         for (uint32_t j = 0; j < m; j++)
-            change[c] =
-                dm_rattle_add_product(b, change[c], x->B[c * (size_t)m + j], minus[j]);
+            change[c] = dm_rattle_add_product(b, change[c], x->B[c * (size_t)m + j], minus[j]);
         if (change[c]) x->y[c] = dm_sub(b->f.graph, x->y[c], change[c]);
     }
     x->norms[0] = x->norms[1];
@@ -79,7 +75,8 @@ static int predict(frame *b, iterate *x) {
     return 1;
 }
 
-/* ---- with a force that sees v, which is that of the step, (q1 - q0)/h: unknowns v (in the place of y) and lambda ---- */
+/* ---- with a force that sees v, which is that of the step, (q1 - q0)/h: unknowns v (in the
+ * place of y) and lambda ---- */
 
 /* v = W (p + h/2 F - shift + G^T lambda), without the force */
 static int predict_velocity(frame *b, iterate *x) {
@@ -87,8 +84,8 @@ static int predict_velocity(frame *b, iterate *x) {
     dm_node *kicked = dm_rattle_take(b, n);
     if (!kicked) return 0;
     for (uint32_t c = 0; c < n; c++)
-        kicked[c] = dm_multiply_add(b->f.graph, b->half,
-                                    dm_input(b->f.graph, b->at.force + c), b->p[c]);
+        kicked[c] =
+            dm_multiply_add(b->f.graph, b->half, dm_input(b->f.graph, b->at.force + c), b->p[c]);
     dm_rattle_inputs(b, x->lambda, b->at.guess, b->at.m);
     for (uint32_t j = 0; j < b->at.m; j++)
         for (uint32_t e = b->row[j]; e < b->row[j + 1]; e++)
@@ -127,8 +124,8 @@ static void lay_matrix(frame *b, const iterate *x, dm_node *K, const dm_node *f_
     const uint32_t n = b->at.n, N = n + b->at.m;
     for (uint32_t c = 0; c < n; c++)
         for (uint32_t d = 0; d < n; d++)
-            K[c * (size_t)N + d] = dm_subtract_product(b->f.graph, mass(b, c, d), b->half,
-                                                       f_v[c * (size_t)n + d]);
+            K[c * (size_t)N + d] =
+                dm_subtract_product(b->f.graph, mass(b, c, d), b->half, f_v[c * (size_t)n + d]);
     for (uint32_t j = 0; j < b->at.m; j++)
         for (uint32_t e = b->row[j]; e < b->row[j + 1]; e++) {
             const uint32_t c = b->column[e];
@@ -177,11 +174,9 @@ dm_status dm_rattle_make_iterate(frame *b, dm_kernel *out, int first) {
     const size_t n = b->at.n, m = b->at.m;
     iterate x;
     if (!dm_rattle_begin(b) || !begin_iterate(b, &x)) return DM_NO_MEMORY;
-    if (first && !(b->drag ? predict_velocity(b, &x) : predict(b, &x)))
-        return DM_NO_MEMORY;
+    if (first && !(b->drag ? predict_velocity(b, &x) : predict(b, &x))) return DM_NO_MEMORY;
     if (!first) dm_rattle_inputs(b, x.y, b->at.y, (uint32_t)(n + m + 2));
     for (int i = 0; i < (first ? 2 : 1) && (m || b->drag); i++)
-        if (!(b->drag ? iteration_with_drag(b, &x) : iteration(b, &x)))
-            return DM_NO_MEMORY;
+        if (!(b->drag ? iteration_with_drag(b, &x) : iteration(b, &x))) return DM_NO_MEMORY;
     return dm_rattle_end(b, out, x.y, n + m + 3);
 }

@@ -75,11 +75,9 @@ static int read_model(frame *b) {
     b->with = dm_rattle_take(b, most), b->force = dm_rattle_take(b, n),
     b->G = dm_rattle_take(b, b->at.nonzeros);
     b->g = dm_rattle_take(b, m), b->g_t = dm_rattle_take(b, m);
-    if (!with || !f || !b->source || !b->with || !b->force || !b->G || !b->g || !b->g_t)
-        return 0;
+    if (!with || !f || !b->source || !b->with || !b->force || !b->G || !b->g || !b->g_t) return 0;
     for (uint32_t i = 0; i < inputs; i++) with[i] = dm_input(b->source, i);
-    dm_transplant(b->source, model->source.graph, model->source.gradient, n, with,
-                  b->force);
+    dm_transplant(b->source, model->source.graph, model->source.gradient, n, with, b->force);
     if (!ties) return 1;
     if (ties->f) dm_transplant(b->source, ties->graph, ties->f, n, with, f);
     if (b->at.drags) {
@@ -95,8 +93,8 @@ static int read_model(frame *b) {
     dm_transplant(b->source, ties->graph, ties->g_t, m, with, b->g_t);
     for (uint32_t i = 0, e = 0; i < m; i++)
         for (; e < b->row[i + 1]; e++)
-            dm_transplant(b->source, ties->graph, ties->G + i * (size_t)n + b->column[e],
-                          1, with, b->G + e);
+            dm_transplant(b->source, ties->graph, ties->G + i * (size_t)n + b->column[e], 1, with,
+                          b->G + e);
     return dm_graph_status(b->source) == DM_OK;
 }
 
@@ -128,8 +126,8 @@ void dm_rattle_spread(const frame *b, dm_node *B, const dm_node *G, dm_node h) {
     memset(B, 0, (size_t)n * m * sizeof *B);
     for (uint32_t j = 0; j < m; j++)
         for (uint32_t e = b->row[j]; e < b->row[j + 1]; e++)
-            for (uint32_t c = diagonal ? b->column[e] : 0;
-                 c < (diagonal ? b->column[e] + 1 : n); c++) {
+            for (uint32_t c = diagonal ? b->column[e] : 0; c < (diagonal ? b->column[e] + 1 : n);
+                 c++) {
                 const double w = diagonal ? W[c] : W[c * (size_t)n + b->column[e]];
                 const dm_node weight = dm_constant(b->f.graph, w);
                 const dm_node term = w == 1.0 ? G[e] : dm_mul(b->f.graph, weight, G[e]);
@@ -148,8 +146,7 @@ void dm_rattle_multiply(const frame *b, dm_node *A, const dm_node *G, const dm_n
         for (uint32_t j = symmetric ? i : 0; j < m; j++) {
             dm_node sum = 0;
             for (uint32_t e = b->row[i]; e < b->row[i + 1]; e++)
-                sum =
-                    dm_rattle_add_product(b, sum, G[e], B[b->column[e] * (size_t)m + j]);
+                sum = dm_rattle_add_product(b, sum, G[e], B[b->column[e] * (size_t)m + j]);
             A[i * (size_t)m + j] = sum;
         }
 }
@@ -213,8 +210,7 @@ static void kick(frame *b, const dm_node *G, const dm_node *lambda, const dm_nod
         push[c] = dm_rattle_add_product(b, 0, b->half, F[c]);
     for (uint32_t j = 0; push && G && j < b->at.m; j++)
         for (uint32_t e = b->row[j]; e < b->row[j + 1]; e++)
-            push[b->column[e]] =
-                dm_rattle_add_product(b, push[b->column[e]], G[e], lambda[j]);
+            push[b->column[e]] = dm_rattle_add_product(b, push[b->column[e]], G[e], lambda[j]);
     for (uint32_t c = 0; push && c < n; c++)
         if (push[c]) dm_fusion_add(&b->f, b->p + c, b->lp + c, push[c]);
 }
@@ -236,8 +232,7 @@ int dm_rattle_displace(frame *b, dm_node *out, const dm_node *F, const dm_node *
     const uint32_t n = b->at.n, m = b->at.m;
     dm_node *kicked = dm_rattle_take(b, n), *v = dm_rattle_take(b, n);
     if (!kicked || !v) return 0;
-    for (uint32_t c = 0; c < n; c++)
-        kicked[c] = dm_rattle_add_product(b, b->p[c], b->half, F[c]);
+    for (uint32_t c = 0; c < n; c++) kicked[c] = dm_rattle_add_product(b, b->p[c], b->half, F[c]);
     dm_fusion_velocity(&b->f, v, NULL, kicked);
     for (uint32_t c = 0; c < n; c++) {
         out[c] = dm_rattle_add_product(b, b->lq[c], b->h, v[c]);
@@ -286,11 +281,9 @@ static int tangent(frame *b, dm_node *mu, const dm_node *G, const dm_node *g_t) 
 static dm_status make_end(frame *b, dm_kernel *out, int shake) {
     const size_t n = b->at.n, m = b->at.m, z = b->at.nonzeros, count = n + z + 2 * m;
     if (!dm_rattle_begin(b)) return DM_NO_MEMORY;
-    dm_node *G0 = dm_rattle_take(b, z), *lambda = dm_rattle_take(b, m),
-            *F0 = dm_rattle_take(b, n);
+    dm_node *G0 = dm_rattle_take(b, z), *lambda = dm_rattle_take(b, m), *F0 = dm_rattle_take(b, n);
     const dm_node *roots = all_roots(b);
-    dm_node *values = dm_rattle_take(b, count),
-            *all = dm_rattle_take(b, 5 * n + z + 2 * m);
+    dm_node *values = dm_rattle_take(b, count), *all = dm_rattle_take(b, 5 * n + z + 2 * m);
     if (!G0 || !lambda || !F0 || !roots || !values || !all) return DM_NO_MEMORY;
     dm_rattle_inputs(b, G0, b->at.G, b->at.nonzeros);
     dm_rattle_inputs(b, lambda, b->at.lambda, b->at.m);
@@ -327,8 +320,7 @@ dm_status dm_rattle_build(dm_rattle_kernels *out, const dm_model *m, int shake) 
     const uint32_t last = shake ? SHAKE_END : END;
     if (dm_kept_find(&out->begin, m, &maker, BEGIN) &&
         dm_kept_find(&out->first, m, &maker, FIRST) &&
-        dm_kept_find(&out->newton, m, &maker, NEWTON) &&
-        dm_kept_find(&out->end, m, &maker, last))
+        dm_kept_find(&out->newton, m, &maker, NEWTON) && dm_kept_find(&out->end, m, &maker, last))
         return DM_OK;
     const dm_status status = make_all(&b, out, shake);
     if (status != DM_OK) return status;

@@ -13,12 +13,11 @@ typedef struct dm_rule {
         double number;
         const struct dm_rule *rule; /* NULL: a number */
     } arg[DM_RULE_ARGS];
-    const void
-        *data; /* coefficients that are not in the name, read by the method; NULL: none */
+    const void *data; /* coefficients that are not in the name, read by the method; NULL: none */
 } dm_rule;
 
 /* Read `text` into nodes[0]; nested rules take the further nodes. Returns NULL, or a static
-** sentence that says what is wrong with the text. Names may hold letters, digits, _ and -. */
+ * sentence that says what is wrong with the text. Names may hold letters, digits, _ and -. */
 const char *dm_rule_parse(dm_rule nodes[DM_RULE_NODES], const char *text);
 
 #endif

@@ -6,8 +6,8 @@
 
 #include <string.h>
 
-/* workspace: this, then x = (q, v, t, parameters), force[n], kicked[n], the state at the start of a burst, what the loop
-** needs */
+/* workspace: this, then x = (q, v, t, parameters), force[n], kicked[n], the state at the start
+ * of a burst, what the loop needs */
 typedef struct {
     dm_splitting table;
     double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
@@ -34,15 +34,13 @@ static size_t layout_size(void) {
 }
 
 size_t dm_splitting_work(const dm_model *m) {
-    const size_t loops =
-        m->structure & DM_LOOPS ? dm_chain_work(m) : dm_splitting_loop_work(m);
+    const size_t loops = m->structure & DM_LOOPS ? dm_chain_work(m) : dm_splitting_loop_work(m);
     return layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n) + loops;
 }
 
 static double *loop_work(const dm_stepper *s) {
     const uint32_t n = s->model->n;
-    return s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params +
-           dm_state_size(n);
+    return s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params + dm_state_size(n);
 }
 
 /* forces a step: one for every kick but the first, which has that of the step before */
@@ -69,16 +67,14 @@ int dm_splitting_widen(dm_stepper *s, dm_lanes *x) {
     return l->loop && dm_splitting_loop_widen(l->loop, s->model, x);
 }
 
-static inline void kick(uint32_t n, double *p, double *low, double hb,
-                        const double *force) {
+static inline void kick(uint32_t n, double *p, double *low, double hb, const double *force) {
     for (uint32_t i = 0; i < n; i++) dm_sum_add(p + i, low + i, hb * force[i]);
 }
 
 /* The kick that begins a step, with the force that ended the last one: p + hb force is what the
-** first drift sees; p itself gets it with the next kick, by way of the low part, so that the drift
-** does not wait for two sums. */
-static inline void begin(uint32_t n, double *kicked, double *p, double hb,
-                         const double *force) {
+ * first drift sees; p itself gets it with the next kick, by way of the low part, so that the drift
+ * does not wait for two sums. */
+static inline void begin(uint32_t n, double *kicked, double *p, double hb, const double *force) {
     double *low = p + 2 * n; /* behind p in the state */
     for (uint32_t i = 0; i < n; i++) {
         kicked[i] = p[i] + hb * force[i];
@@ -87,8 +83,7 @@ static inline void begin(uint32_t n, double *kicked, double *p, double hb,
 }
 
 /* q += h a M^-1 (p - shift) */
-static inline void drift(const dm_model *m, double *q, double *low, double ha,
-                         const double *p) {
+static inline void drift(const dm_model *m, double *q, double *low, double ha, const double *p) {
     const uint32_t n = m->n;
     const double *w = m->inverse_mass, *shift = m->momentum_shift;
     if (m->structure & DM_DIAGONAL_MASS) {
@@ -125,8 +120,7 @@ static void run(dm_stepper *s, double *state, double t, long count) {
         return;
     }
     const dm_splitting *table = &l->table;
-    double *x = s->work + layout_size(), *force = x + 2 * n + 1 + m->params,
-           *kicked = force + n;
+    double *x = s->work + layout_size(), *force = x + 2 * n + 1 + m->params, *kicked = force + n;
     double *p = state + n, *low_q = state + 2 * n, *low_p = state + 3 * n;
     memcpy(x, state, n * sizeof *x);
     x[2 * n] = t;
@@ -160,9 +154,8 @@ static int run_chain(dm_stepper *s, double *state, double t, long count) {
 }
 
 /* what is not finite stays so, hence one look at the end; then the burst is done again to find
-** the step */
-dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count,
-                               long *done) {
+ * the step */
+dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count, long *done) {
     const uint32_t n = s->model->n;
     const size_t bytes = dm_state_size(n) * sizeof *state;
     double *start = s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params;

@@ -1,10 +1,8 @@
-/*
-** splitting.h - explicit kick-drift schemes for L = T(v) - V(q, t) with constant mass:
-** kick b_1, drift a_1, kick b_2, ..., drift a_s, kick b_(s+1), with force L_q and v =
-*M^-1 (p - shift).
-** Every explicit rule is one such table: Stoermer-Verlet, its compositions,
-*Runge-Kutta-Nystroem splittings.
-*/
+/* splitting.h - explicit kick-drift schemes for L = T(v) - V(q, t) with constant mass:
+ * kick b_1, drift a_1, kick b_2, ..., drift a_s, kick b_(s+1), with force L_q and v =
+ * M^-1 (p - shift).
+ * Every explicit rule is one such table: Stoermer-Verlet, its compositions,
+ * Runge-Kutta-Nystroem splittings. */
 #ifndef DM_SPLITTING_H
 #define DM_SPLITTING_H
 
@@ -25,8 +23,8 @@ int dm_splitting_fits(const dm_model *m);
  * neighbouring kicks are merged. */
 void dm_splitting_compose(dm_splitting *out, const double *gamma, int s);
 
-/* Table of the composition named by a rule ("verlet", "kahan-li(8)" ...): 0 when it is none of multiples of
-** the base step. */
+/* Table of the composition named by a rule ("verlet", "kahan-li(8)" ...): 0 when it is none of
+ * multiples of the base step. */
 int dm_splitting_named(dm_splitting *out, const dm_rule *rule);
 
 /* Doubles of workspace, the table included. */
@@ -36,10 +34,9 @@ size_t dm_splitting_work(const dm_model *m);
 void dm_splitting_open(dm_stepper *s, const dm_splitting *table);
 
 /* `count` steps; the force after a step is the force before the next one, so a step costs
-*s evaluations.
-** Positions and momenta are summed with compensation. */
-dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count,
-                               long *done);
+ * s evaluations.
+ * Positions and momenta are summed with compensation. */
+dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count, long *done);
 dm_status dm_splitting_step(dm_stepper *s, double *state, double t);
 
 /* The same for members side by side: widen and advance_lanes of method.h. */

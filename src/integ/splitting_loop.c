@@ -7,15 +7,12 @@
 
 /* for both kinds of sums, since a model keeps them */
 size_t dm_splitting_loop_work(const dm_model *m) {
-    return m->structure & DM_LOOPS
-               ? 0
-               : dm_splitting_loop_carried(m->n) + DM_LOOP_COEFFICIENTS;
+    return m->structure & DM_LOOPS ? 0 : dm_splitting_loop_carried(m->n) + DM_LOOP_COEFFICIENTS;
 }
 
 static unsigned shape_of(const dm_splitting *table) {
     const double first = table->b[0], last = table->b[table->stages];
-    return (first != 0.0 ? DM_LOOP_KICK_FIRST : 0) |
-           (last != 0.0 ? DM_LOOP_KICK_LAST : 0) |
+    return (first != 0.0 ? DM_LOOP_KICK_FIRST : 0) | (last != 0.0 ? DM_LOOP_KICK_LAST : 0) |
            (table->stages > 1 ? DM_LOOP_MORE_STAGES : 0) |
            /* the factors of a last kick are those of the first one of the next step */
            (first == last || first == 0.0 || last == 0.0 ? DM_LOOP_SCALED : 0);
@@ -23,9 +20,11 @@ static unsigned shape_of(const dm_splitting *table) {
 
 /* ---- parts ---- */
 
-/* coefficients: force: t, h b, -h b, parameters; drift: h a; the first kick of a head: h b_0; in the order of use */
+/* coefficients: force: t, h b, -h b, parameters; drift: h a; the first kick of a head: h b_0; in
+ * the order of use */
 
-/* new factors, and where there is a low[n], p with other increments in its low parts, the kick by them */
+/* new factors, and where there is a low[n], p with other increments in its low parts, the kick
+ * by them */
 static void fuse_force(dm_fusion *b, dm_node *low) {
     const dm_node t = dm_fusion_coefficient(b), hb = dm_fusion_coefficient(b),
                   minus = dm_fusion_coefficient(b);
@@ -38,8 +37,9 @@ static void fuse_force(dm_fusion *b, dm_node *low) {
     }
 }
 
-/* The kick that begins a step has the factors of the one that ended the last step: p + kick is what the
-** drift sees; p itself gets it with the next kick, by way of the low part, so that the drift does not wait. */
+/* The kick that begins a step has the factors of the one that ended the last step: p + kick is
+ * what the drift sees; p itself gets it with the next kick, by way of the low part, so that the
+ * drift does not wait. */
 static void fuse_head(dm_fusion *b, dm_node *low, dm_node *kicked) {
     const uint32_t n = b->model->n;
     dm_product *first = dm_arena_take(b->model->source.arena, n * sizeof *first);
@@ -106,13 +106,11 @@ static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind
 
 static int build_parts(dm_splitting_loop *l, const dm_model *m) {
     const int merged = (l->shape & DM_LOOP_MERGED) != 0;
-    const int both =
-        !merged && dm_splitting_loop_ends(l->shape) == DM_LOOP_KICKS_AT_BOTH_ENDS;
-    const int wanted[DM_LOOP_PARTS] = {
-        [DM_LOOP_START] = both,
-        [DM_LOOP_HEAD] = both,
-        [DM_LOOP_BODY] = !both || (l->shape & DM_LOOP_MORE_STAGES),
-        [DM_LOOP_TAIL] = !dm_splitting_loop_ends(l->shape)};
+    const int both = !merged && dm_splitting_loop_ends(l->shape) == DM_LOOP_KICKS_AT_BOTH_ENDS;
+    const int wanted[DM_LOOP_PARTS] = {[DM_LOOP_START] = both,
+                                       [DM_LOOP_HEAD] = both,
+                                       [DM_LOOP_BODY] = !both || (l->shape & DM_LOOP_MORE_STAGES),
+                                       [DM_LOOP_TAIL] = !dm_splitting_loop_ends(l->shape)};
     for (int k = 0; k < DM_LOOP_PARTS; k++)
         if (wanted[k] && !fuse_part(l, m, (dm_loop_kind)k, l->part + k)) return 0;
     return !merged || fuse_part(l, m, DM_LOOP_START, l->kick + DM_LOOP_START);
@@ -134,15 +132,12 @@ static uint32_t size_of(const dm_splitting_loop *l, uint32_t n) {
     return 4 * n + (drops_factors(l) ? 0 : l->kicks.count);
 }
 
-dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table,
-                                          int plain) {
+dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table, int plain) {
     static const char maker;
     const unsigned shape = whole_shape(m, table, plain);
     dm_kernel kept;
-    if (dm_kept_find(&kept, m, &maker, shape))
-        return (dm_splitting_loop *)(uintptr_t)kept.pool;
-    if (!m->source.graph || (!dm_splitting_loop_ends(shape) && table->stages < 2))
-        return NULL;
+    if (dm_kept_find(&kept, m, &maker, shape)) return (dm_splitting_loop *)(uintptr_t)kept.pool;
+    if (!m->source.graph || (!dm_splitting_loop_ends(shape) && table->stages < 2)) return NULL;
     dm_splitting_loop *l = dm_arena_take(m->source.arena, sizeof *l);
     if (!l) return NULL;
     *l = (dm_splitting_loop){.shape = shape};
@@ -150,8 +145,7 @@ dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting 
         !dm_kicks_contract(&l->kicks))
         return NULL;
     l->size = size_of(l, m->n);
-    if (!build_parts(l, m) || !dm_fused_build(&l->one, m, l->part, l->size, 1))
-        return NULL;
+    if (!build_parts(l, m) || !dm_fused_build(&l->one, m, l->part, l->size, 1)) return NULL;
     if ((shape & DM_LOOP_MERGED) && !dm_fused_build(&l->one_kick, m, l->kick, l->size, 1))
         return NULL;
     dm_kept_add(m, &maker, shape, &(dm_kernel){.pool = l}, 1);
@@ -165,12 +159,10 @@ int dm_splitting_loop_widen(dm_splitting_loop *l, const dm_model *m, dm_lanes *x
     *w = (dm_splitting_wide){0};
     if (!l->one.native || !dm_lanes_open(x, m, l->size)) return 0;
     const size_t group = (size_t)l->size * x->lanes;
-    const size_t spread =
-        DM_LOOP_COEFFICIENTS * (size_t)x->lanes * (m->params ? x->groups : 1);
+    const size_t spread = DM_LOOP_COEFFICIENTS * (size_t)x->lanes * (m->params ? x->groups : 1);
     w->wide = dm_arena_take(arena, group * x->groups * sizeof *w->wide);
     if (!w->wide || !dm_fused_build(&w->loop, m, l->part, l->size, x->lanes)) return 0;
-    if ((l->shape & DM_LOOP_MERGED) &&
-        !dm_fused_build(&w->kick, m, l->kick, l->size, x->lanes))
+    if ((l->shape & DM_LOOP_MERGED) && !dm_fused_build(&w->kick, m, l->kick, l->size, x->lanes))
         return 0;
     x->together = w->loop.together;
     if (x->groups % x->together != 0) return 0;

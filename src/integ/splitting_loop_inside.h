@@ -5,16 +5,14 @@
 #include "integ/fused.h"
 #include "integ/splitting_loop.h"
 
-/*
-** A step by where its kicks are:
-**   kicks at both ends       head: kick, drift, force, kick; bodies: drift, force, kick; the factors of the
-**                            force are carried, those of the start are a part of their own
-**   kick at the beginning    bodies: force, kick, drift
-**   kick at the end          bodies: drift, force, kick
-**   at neither               bodies: drift, force, kick; tail: drift
-** Without compensation kicks at both ends become one where L does not see the time (DM_LOOP_MERGED): bodies: drift,
-** force, kick; a kick alone at the start and, for the momentum that is shown, at the end of a call.
-*/
+/* A step by where its kicks are: kicks at both ends       head: kick, drift, force, kick;
+ * bodies: drift, force, kick; the factors of the
+ *                            force are carried, those of the start are a part of their own
+ * kick at the beginning    bodies: force, kick, drift kick at the end          bodies: drift,
+ * force, kick at neither               bodies: drift, force, kick; tail: drift Without
+ * compensation kicks at both ends become one where L does not see the time (DM_LOOP_MERGED):
+ * bodies: drift, force, kick; a kick alone at the start and, for the momentum that is shown, at
+ * the end of a call. */
 enum {
     DM_LOOP_KICK_FIRST = 1,
     DM_LOOP_KICK_LAST = 2,
@@ -35,8 +33,7 @@ typedef struct {
 struct dm_splitting_loop {
     unsigned shape;
     dm_kicks kicks;
-    uint32_t
-        size; /* of the carried values: q, p, and unless merged their low parts, factors */
+    uint32_t size; /* of the carried values: q, p, and unless merged their low parts, factors */
     dm_loop_part part[DM_LOOP_PARTS], kick[DM_LOOP_PARTS];
     dm_loop one, one_kick; /* for one member */
     dm_splitting_wide many;

@@ -12,8 +12,7 @@ static const long double SAME = 1e-13L; /* tableaus are given as doubles */
 void dm_tableau_partner(dm_tableau *t) {
     for (int i = 0; i < t->s; i++) {
         t->B[i] = t->b[i];
-        for (int j = 0; j < t->s; j++)
-            t->A[i][j] = t->b[j] * (1.0L - t->a[j][i] / t->b[i]);
+        for (int j = 0; j < t->s; j++) t->A[i][j] = t->b[j] * (1.0L - t->a[j][i] / t->b[i]);
     }
 }
 
@@ -22,8 +21,7 @@ long double dm_tableau_defect(const dm_tableau *t, int *i, int *j) {
     *i = *j = 0;
     for (int k = 0; k < t->s; k++)
         for (int l = 0; l < t->s; l++) {
-            const long double d =
-                t->b[k] * t->A[k][l] + t->B[l] * t->a[l][k] - t->b[k] * t->B[l];
+            const long double d = t->b[k] * t->A[k][l] + t->B[l] * t->a[l][k] - t->b[k] * t->B[l];
             if (fabsl(d) <= fabsl(worst)) continue;
             worst = d;
             *i = k, *j = l;
@@ -32,8 +30,7 @@ long double dm_tableau_defect(const dm_tableau *t, int *i, int *j) {
 }
 
 /* m_ij = w_j up to the diagonal (whole = 1) or below it, else 0 */
-static int is_triangle(const dm_tableau *t,
-                       const long double m[DM_SPRK_STAGES][DM_SPRK_STAGES],
+static int is_triangle(const dm_tableau *t, const long double m[DM_SPRK_STAGES][DM_SPRK_STAGES],
                        const long double *w, int whole) {
     for (int i = 0; i < t->s; i++)
         for (int j = 0; j < t->s; j++) {
@@ -43,11 +40,11 @@ static int is_triangle(const dm_tableau *t,
     return 1;
 }
 
-/* drift b_1, kick B_1, drift b_2 ...; or kick B_1, drift b_1, ..., for which a drift of length zero comes first,
-** since a table that begins with a kick takes its force from the end of the step before */
+/* drift b_1, kick B_1, drift b_2 ...; or kick B_1, drift b_1, ..., for which a drift of length
+ * zero comes first, since a table that begins with a kick takes its force from the end of the
+ * step before */
 static int split(dm_splitting *out, const dm_tableau *t) {
-    const int drift_first =
-        is_triangle(t, t->a, t->b, 1) && is_triangle(t, t->A, t->B, 0);
+    const int drift_first = is_triangle(t, t->a, t->b, 1) && is_triangle(t, t->A, t->B, 0);
     const int kick_first = is_triangle(t, t->a, t->b, 0) && is_triangle(t, t->A, t->B, 1);
     const int before = kick_first;
     if ((!drift_first && !kick_first) || t->s + before > DM_SPLITTING_STAGES) return 0;
@@ -99,8 +96,7 @@ static const pair pairs[] = {{"gauss", "gauss", 0, 0},
 static const pair *find(const dm_rule *rule) {
     if (rule->count != 2 || !rule->arg[0].rule || rule->arg[1].rule) return NULL;
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
-        if (strcmp(pairs[i].name, rule->arg[0].rule->name) == 0 &&
-            !rule->arg[0].rule->count)
+        if (strcmp(pairs[i].name, rule->arg[0].rule->name) == 0 && !rule->arg[0].rule->count)
             return pairs + i;
     return NULL;
 }

@@ -1,9 +1,8 @@
-/*
-** sprk_order.c - the order of a partitioned Runge-Kutta pair, measured by one step of growing smallness. Up to order 6 on a
-** Hamiltonian whose terms couple everything: order conditions by trees would be as many as a thousand there. Above, the
-** next terms of the error hide the exponent until round-off comes; a step on the circular orbit of Kepler's problem has an error of one
-** term with small corrections.
-*/
+/* sprk_order.c - the order of a partitioned Runge-Kutta pair, measured by one step of growing
+ * smallness. Up to order 6 on a Hamiltonian whose terms couple everything: order conditions by
+ * trees would be as many as a thousand there. Above, the next terms of the error hide the
+ * exponent until round-off comes; a step on the circular orbit of Kepler's problem has an error
+ * of one term with small corrections. */
 #include "integ/sprk.h"
 
 #include <math.h>
@@ -13,9 +12,10 @@ enum { N = 2, MOST_SWEEPS = 400 };
 
 enum { MIXED, SEPARABLE, CIRCLE };
 
-/* H = (p1^2 + p2^2)/2 + q1^4/4 + q1 q2^2/2 + q2^2/2 + q1 q2/3; mixed: + p1^2 q2/4 + p2^2 q1^2/6 + p1 p2 q1/4 */
-static void coupled(long double *v, long double *f, const long double *q,
-                    const long double *p, int mixed) {
+/* H = (p1^2 + p2^2)/2 + q1^4/4 + q1 q2^2/2 + q2^2/2 + q1 q2/3; mixed: + p1^2 q2/4 + p2^2 q1^2/6
+ * + p1 p2 q1/4 */
+static void coupled(long double *v, long double *f, const long double *q, const long double *p,
+                    int mixed) {
     v[0] = p[0];
     v[1] = p[1];
     f[0] = -q[0] * q[0] * q[0] - q[1] * q[1] / 2 - q[1] / 3;
@@ -27,8 +27,8 @@ static void coupled(long double *v, long double *f, const long double *q,
     f[1] -= p[0] * p[0] / 4;
 }
 
-static void field(long double *v, long double *f, const long double *q,
-                  const long double *p, int problem) {
+static void field(long double *v, long double *f, const long double *q, const long double *p,
+                  int problem) {
     if (problem != CIRCLE) {
         coupled(v, f, q, p, problem == MIXED);
         return;
@@ -42,8 +42,8 @@ typedef struct {
 } point;
 
 /* y + h sum_j (w_j V_j, W_j F_j) */
-static point combine(const dm_tableau *t, const point *y, long double h,
-                     const long double *w, const long double *W, const point *slope) {
+static point combine(const dm_tableau *t, const point *y, long double h, const long double *w,
+                     const long double *W, const point *slope) {
     point sum = *y;
     for (int j = 0; j < t->s; j++)
         for (int k = 0; k < N; k++) {
@@ -64,8 +64,7 @@ static void step(point *y, const dm_tableau *t, long double h, int problem) {
             const point at = combine(t, y, h, t->a[i], t->A[i], slope), old = slope[i];
             field(slope[i].q, slope[i].p, at.q, at.p, problem);
             for (int k = 0; k < N; k++)
-                change +=
-                    fabsl(slope[i].q[k] - old.q[k]) + fabsl(slope[i].p[k] - old.p[k]);
+                change += fabsl(slope[i].q[k] - old.q[k]) + fabsl(slope[i].p[k] - old.p[k]);
         }
         if (change < 1e-17L) break;
     }
@@ -84,10 +83,10 @@ static void gauss_pair(dm_tableau *t, int s) {
     }
 }
 
-/* of one step h; against rotation by h, or two steps of half the size by Gauss collocation of order 24 */
+/* of one step h; against rotation by h, or two steps of half the size by Gauss collocation of
+ * order 24 */
 static double error_of(const dm_tableau *t, long double h, int problem) {
-    static const point start = {{0.7L, -0.4L}, {0.5L, 0.9L}},
-                       round = {{1.0L, 0.0L}, {0.0L, 1.0L}};
+    static const point start = {{0.7L, -0.4L}, {0.5L, 0.9L}}, round = {{1.0L, 0.0L}, {0.0L, 1.0L}};
     dm_tableau best;
     point y = problem == CIRCLE ? round : start, exact = start;
     long double sum = 0.0L;
@@ -105,7 +104,8 @@ static double error_of(const dm_tableau *t, long double h, int problem) {
     return (double)sqrtl(sum);
 }
 
-/* the error goes like h^(p + 1); between the last two steps whose error is above round-off, also where long double has 53 bits */
+/* the error goes like h^(p + 1); between the last two steps whose error is above round-off, also
+ * where long double has 53 bits */
 static int exponent(const dm_tableau *t, double h, int problem) {
     static const double FLOOR = 1e-14, SMALLER = 0.8, LEAST = 2e-3;
     double last = error_of(t, (long double)h, problem), p = 0.0;

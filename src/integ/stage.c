@@ -20,9 +20,7 @@ dm_status dm_stage_start(dm_stepper *stepper, double *state, double t) {
 size_t dm_stage_memory(dm_stepper *stepper, double **place) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     if (stepper->model->ties) return dm_tied_memory(stepper, place);
-    *place = g->sweeps.row      ? g->sweeps.memory
-             : g->pushes.memory ? g->pushes.memory
-                                : g->warm;
+    *place = g->sweeps.row ? g->sweeps.memory : g->pushes.memory ? g->pushes.memory : g->warm;
     if (g->sweeps.row) return dm_stage_memory_size(g);
     if (g->pushes.memory) return dm_stage_push_memory(g);
     return g->warm ? dm_stage_warm_memory(g) : 0;
@@ -44,8 +42,7 @@ dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp) {
     dm_stage_copy(g->next, g->state, 4 * n);
     dm_sum_add_n(high, low, dq, n);
     dm_sum_add_n(high + n, low + n, dp, n);
-    for (uint32_t i = 0; i < 2 * n; i++)
-        bad += 0.0 * low[i]; /* NaN where high is infinite */
+    for (uint32_t i = 0; i < 2 * n; i++) bad += 0.0 * low[i]; /* NaN where high is infinite */
     return bad == 0.0 ? DM_OK : DM_NOT_FINITE;
 }
 
@@ -60,8 +57,7 @@ static void place_point(dm_stage *g, uint32_t i, const double *V) {
     for (uint32_t j = 0; j < s; j++) {
         const double *Vj = V + j * (size_t)n;
         dm_weighted_add(shift, g->ha[i * s + j], Vj, n);
-        if (g->table.d[i * s + j].top != 0.0)
-            dm_weighted_add(v, g->table.d[i * s + j], Vj, n);
+        if (g->table.d[i * s + j].top != 0.0) dm_weighted_add(v, g->table.d[i * s + j], Vj, n);
     }
     dm_stage_at(g, shift, v, dm_weight_double(g->hc[i]));
 }
@@ -94,8 +90,7 @@ static void residual(dm_stage *g, double *R) {
             const double *slope = g->slope + i * 2 * (size_t)n;
             const dm_weight wq = g->wq[i * s + j], wv = g->wv[i * s + j];
             for (uint32_t k = 0; k < n; k++) {
-                const double term =
-                    dm_weighted(wq, slope[k]) + dm_weighted(wv, slope[n + k]);
+                const double term = dm_weighted(wq, slope[k]) + dm_weighted(wv, slope[n + k]);
                 const double size = fabs(term);
                 Rj[k] += term;
                 largest = size > largest ? size : largest;
@@ -107,10 +102,9 @@ static void residual(dm_stage *g, double *R) {
     g->size = largest;
 }
 
-/* block += w0 A + w1 B + w2 B^T + w3 C for the second derivatives A = L_qq, B = L_qv, C = L_vv, in that order behind
-** each other; rows of J are m long */
-static void add_block(double *J, size_t m, const double w[4], const double *A,
-                      uint32_t n) {
+/* block += w0 A + w1 B + w2 B^T + w3 C for the second derivatives A = L_qq, B = L_qv, C = L_vv,
+ * in that order behind each other; rows of J are m long */
+static void add_block(double *J, size_t m, const double w[4], const double *A, uint32_t n) {
     const double *B = A + (size_t)n * n, *C = B + (size_t)n * n;
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++) {
@@ -121,8 +115,7 @@ static void add_block(double *J, size_t m, const double w[4], const double *A,
 }
 
 /* the same for w1 = w3 = 0 */
-static void add_half(double *J, size_t m, const double w[4], const double *A,
-                     uint32_t n) {
+static void add_half(double *J, size_t m, const double w[4], const double *A, uint32_t n) {
     const double *B = A + (size_t)n * n;
     if (w[0] == 0.0 && w[2] == 0.0) return;
     for (uint32_t i = 0; i < n; i++)
@@ -131,7 +124,7 @@ static void add_half(double *J, size_t m, const double w[4], const double *A,
 }
 
 /* dR_j/dV_k = sum_i b_i [h (a_ij - beta_j) (h a_ik L_qq + d_ik L_qv)
-**                        + d_ij (h a_ik L_vq + d_ik L_vv)] */
+ *                        + d_ij (h a_ik L_vq + d_ik L_vv)] */
 static void jacobian(const dm_stage *g, double *J) {
     const dm_stage_table *t = &g->table;
     const uint32_t n = g->n, s = t->s;
@@ -189,13 +182,11 @@ static dm_status find_acceleration(dm_stage *g) {
 static dm_status guess(dm_stage *g) {
     const uint32_t n = g->n;
     memset(g->v0, 0, n * sizeof *g->v0);
-    dm_status status =
-        dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
+    dm_status status = dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
     if (status == DM_OK) status = find_acceleration(g);
     for (uint32_t j = 0; j < g->table.s && status == DM_OK; j++)
         for (uint32_t k = 0; k < n; k++)
-            g->root[j * (size_t)n + k] =
-                g->v0[k] + g->table.node[j].top * g->h * g->a0[k];
+            g->root[j * (size_t)n + k] = g->v0[k] + g->table.node[j].top * g->h * g->a0[k];
     return status;
 }
 
@@ -274,8 +265,8 @@ static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
     return g->separable ? dm_stage_separable(g, stepper) : general(g, stepper);
 }
 
-/* Where Newton's method fails from its guess: h/16, h/8, ... h from the same state, each from the root before. What fails then has
-** no root that is the one of a small step. */
+/* Where Newton's method fails from its guess: h/16, h/8, ... h from the same state, each from
+ * the root before. What fails then has no root that is the one of a small step. */
 static dm_status by_continuation(dm_stage *g, dm_stepper *stepper) {
     const size_t s = g->table.s, r = g->table.r, unknowns = (s > r ? s : r) * g->n;
     const double h = g->h;
@@ -296,8 +287,7 @@ static dm_status by_continuation(dm_stage *g, dm_stepper *stepper) {
 /* the end is in g->state */
 static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     dm_status status = DM_NO_CONVERGENCE;
-    if (g->sweeps.row && !dm_stage_memory_is_stiff(g))
-        status = dm_stage_sweep(g, stepper);
+    if (g->sweeps.row && !dm_stage_memory_is_stiff(g)) status = dm_stage_sweep(g, stepper);
     if (g->pushes.memory) status = dm_stage_push(g, stepper);
     if (status == DM_OK) return DM_OK;
     status = g->prepared ? DM_OK : prepare(g);

@@ -1,12 +1,10 @@
-/*
-** stage.h - one solver for every method whose step is a polynomial velocity and a quadrature.
-** s velocities V_j at nodes gamma_j, L at r points c_i with weights b_i (Galerkin variational
-** integrators, Marsden-West 2001 sec. 2.2.6, Leok 2.4):
-**   Q_i = q0 + h sum_j a_ij V_j,  Qdot_i = sum_j d_ij V_j,  q1 = q0 + h sum_j beta_j V_j,
-**   sum_i b_i [h (a_ij - beta_j) L_q(i) + d_ij L_v(i)] = beta_j p0,  p1 = p0 + h sum_i b_i L_q(i)
-** with d_ij = l_j(c_i), a_ij = int_0^c_i l_j, beta_j = int_0^1 l_j. When the nodes are the points
-** this is the symplectic partitioned Runge-Kutta method with weights b (HLW VI.6.4).
-*/
+/* stage.h - one solver for every method whose step is a polynomial velocity and a quadrature.
+ * s velocities V_j at nodes gamma_j, L at r points c_i with weights b_i (Galerkin variational
+ * integrators, Marsden-West 2001 sec. 2.2.6, Leok 2.4):
+ *   Q_i = q0 + h sum_j a_ij V_j,  Qdot_i = sum_j d_ij V_j,  q1 = q0 + h sum_j beta_j V_j,
+ *   sum_i b_i [h (a_ij - beta_j) L_q(i) + d_ij L_v(i)] = beta_j p0,  p1 = p0 + h sum_i b_i L_q(i)
+ * with d_ij = l_j(c_i), a_ij = int_0^c_i l_j, beta_j = int_0^1 l_j. When the nodes are the points
+ * this is the symplectic partitioned Runge-Kutta method with weights b (HLW VI.6.4). */
 #ifndef DM_STAGE_H
 #define DM_STAGE_H
 
@@ -18,8 +16,9 @@ typedef struct dm_galerkin {
     int s;                                 /* velocities */
     long double node[DM_QUADRATURE_NODES]; /* where they are taken, in [0, 1] */
     dm_quadrature q;                       /* exact to degree s - 1 at least */
-    int sweeps;  /* of the fixed point, a step; 0: to round-off */
-    int tableau; /* 1: r = s, d = 1, beta = b, and a is given instead of the Lagrange polynomials of the nodes */
+    int sweeps;                            /* of the fixed point, a step; 0: to round-off */
+    /* 1: r = s, d = 1, beta = b, and a is given instead of the Lagrange polynomials of the nodes */
+    int tableau;
     long double a[DM_QUADRATURE_NODES][DM_QUADRATURE_NODES];
 } dm_galerkin;
 
@@ -31,9 +30,9 @@ typedef struct {
     dm_weight *reach; /* [r] sums of the rows of a: c, but for some tableaus */
     dm_weight *beta;  /* [s] */
     dm_weight *node;  /* [s] */
-    dm_weight *A,
-        *mean; /* [r*r], [r]: Q_i = q0 + h reach_i v0 + h^2 sum_m A_im M^-1 L_q(m), and
-                      ** q1 = q0 + h v0 + h^2 sum_m mean_m M^-1 L_q(m), for L = T(v) - V(q) */
+    /* [r*r], [r]: Q_i = q0 + h reach_i v0 + h^2 sum_m A_im M^-1 L_q(m), and q1 = q0 + h v0 + h^2
+     * sum_m mean_m M^-1 L_q(m), for L = T(v) - V(q) */
+    dm_weight *A, *mean;
 } dm_stage_table;
 
 /* Velocities at the points of q. */
@@ -53,7 +52,8 @@ void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memo
 void dm_stage_table_find(dm_stage_table *out, const dm_galerkin *g, const dm_model *m,
                          double *memory);
 
-/* What tells a g without tableau from all others, for numbers to keep; returns how many there are. */
+/* What tells a g without tableau from all others, for numbers to keep; returns how many there
+ * are. */
 enum { DM_STAGE_KEY = 2 + 3 * DM_QUADRATURE_NODES };
 uint32_t dm_stage_key(double *key, const dm_galerkin *g);
 

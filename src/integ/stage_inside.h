@@ -15,22 +15,21 @@ typedef struct {
     double *some_in, *some_out; /* [.][lanes] for fewer lanes than stages */
 } dm_stage_kernel;
 
-/*
-** Fixed-point sweeps over all stages at once, between the kernels and the sums of sweep.h. What is iterated are
-** u = L_q (M^-1 L_q where M is not diagonal) in the separable form, S = base + h^2 A M^-1 L_q; else the velocities
-** V = u, S = base + h a V, with momenta p0 + h a L_q. Coefficients are doubles in every sweep; what those lack
-** is added to the bases once, when u has settled.
-*/
+/* Fixed-point sweeps over all stages at once, between the kernels and the sums of sweep.h. What
+ * is iterated are u = L_q (M^-1 L_q where M is not diagonal) in the separable form, S = base +
+ * h^2 A M^-1 L_q; else the velocities V = u, S = base + h a V, with momenta p0 + h a L_q.
+ * Coefficients are doubles in every sweep; what those lack is added to the bases once, when u
+ * has settled. */
 typedef struct {
     const dm_sweep_row *row;                  /* NULL: this step has no sweeps */
     dm_stage_kernel force, factors, velocity; /* the last two: general form */
     int count;                                /* sweeps a step; 0: to round-off */
     dm_sweep q, p;                            /* positions; momenta of the general form */
-    dm_sweep q_rest, p_rest; /* their bases, by the low-order parts of the coefficients */
-    dm_sweep ahead, v_ahead; /* positions, velocities from u of the step before */
-    double *u;               /* [n][width], for M that is not diagonal */
-    double *base, *lift;     /* [n][width] of positions, momenta */
-    double *whole, *rest;    /* [r][width] columns of h^2 A or h a, what they lack */
+    dm_sweep q_rest, p_rest;  /* their bases, by the low-order parts of the coefficients */
+    dm_sweep ahead, v_ahead;  /* positions, velocities from u of the step before */
+    double *u;                /* [n][width], for M that is not diagonal */
+    double *base, *lift;      /* [n][width] of positions, momenta */
+    double *whole, *rest;     /* [r][width] columns of h^2 A or h a, what they lack */
     double *further, *flying; /* [r][width] columns of ahead, and for h = 1 */
     double *turning;          /* [r][width] columns of v_ahead */
     double *after;            /* [width] h c */
@@ -91,23 +90,27 @@ typedef struct {
     long evaluations;
 } dm_stage;
 
-/* Doubles of the weights above; lay them out; compute those of the sweeps for a step h, and what Newton's method needs besides. */
+/* Doubles of the weights above; lay them out; compute those of the sweeps for a step h, and what
+ * Newton's method needs besides. */
 size_t dm_stage_weights_size(size_t s, size_t r);
 void dm_stage_weights_place(dm_stage *g, double *memory);
 void dm_stage_weights_scale(dm_stage *g, double h);
 void dm_stage_weights_complete(dm_stage *g);
 
-/* Doubles of the sweeps; make their kernel and lay them out, or leave them without one; for a new step h. */
+/* Doubles of the sweeps; make their kernel and lay them out, or leave them without one; for a
+ * new step h. */
 size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m);
 void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory);
 void dm_stage_sweeps_scale(dm_stage *g);
 /* Its coefficients, a block of as many doubles as it returns. */
 size_t dm_stage_sweeps_scaled(const dm_stage *g, const double **first);
 
-/* Their kernels, one in the separable form, for `width` arguments at once; how many one evaluation takes, 0: there are none. */
+/* Their kernels, one in the separable form, for `width` arguments at once; how many one
+ * evaluation takes, 0: there are none. */
 uint32_t dm_stage_sweeps_kernels(dm_kernel out[3], const dm_stage *g, uint32_t width);
 
-/* One step by sweeps, of g->state in place; DM_NO_CONVERGENCE where they contract too slowly, and Newton's method is for it. */
+/* One step by sweeps, of g->state in place; DM_NO_CONVERGENCE where they contract too slowly,
+ * and Newton's method is for it. */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper);
 
 /* Largest entry of a constant M: over h it turns a displacement into a momentum. */
@@ -116,20 +119,23 @@ double dm_stage_heaviest(const dm_stage *g);
 /* u of the sweeps as the last of them left it, [n][width] */
 const double *dm_stage_sweeps_u(const dm_stage *g);
 
-/* Where the memory of steps by sweeps has what: h, a mark, contraction, the state at its end [4n], u [n][width]. */
+/* Where the memory of steps by sweeps has what: h, a mark, contraction, the state at its end
+ * [4n], u [n][width]. */
 enum { DM_SWEPT_STEP, DM_SWEPT_MARK, DM_SWEPT_RATE, DM_SWEPT_END, DM_SWEPT_FULL = 1 };
 
-/* What a step leaves to the next one: the forces of its stages, valid where that step begins at its end. */
+/* What a step leaves to the next one: the forces of its stages, valid where that step begins at
+ * its end. */
 size_t dm_stage_memory_size(const dm_stage *g);
 void dm_stage_memory_clear(dm_stage *g, double h);
-int dm_stage_memory_fits(const dm_stage *g); /* it was left by the step that ended here */
+int dm_stage_memory_fits(const dm_stage *g);          /* it was left by the step that ended here */
 const double *dm_stage_memory_end(const dm_stage *g); /* [4n], where that step ended */
-double dm_stage_memory_rate(const dm_stage *g);  /* contraction of the sweeps, squared */
-int dm_stage_memory_is_stiff(const dm_stage *g); /* sweeps failed not long ago */
-void dm_stage_memory_keep(dm_stage *g, double rate); /* after a step by sweeps */
-void dm_stage_memory_newton(dm_stage *g);            /* after a step by Newton's method */
+double dm_stage_memory_rate(const dm_stage *g);       /* contraction of the sweeps, squared */
+int dm_stage_memory_is_stiff(const dm_stage *g);      /* sweeps failed not long ago */
+void dm_stage_memory_keep(dm_stage *g, double rate);  /* after a step by sweeps */
+void dm_stage_memory_newton(dm_stage *g);             /* after a step by Newton's method */
 
-/* And that of Newton's method: h, steps, the state at the end of the last [4n], its V[s][n], differences. */
+/* And that of Newton's method: h, steps, the state at the end of the last [4n], its V[s][n],
+ * differences. */
 enum {
     DM_WARM_STEP,
     DM_WARM_COUNT,
@@ -137,29 +143,31 @@ enum {
     DM_WARM_TERMS = 6,   /* differences */
     DM_WARM_PARABOLA = 2 /* differences that one stage always takes */
 };
-static const double DM_WARM_NEARER =
-    0.5; /* what a difference may leave of what was missing */
+static const double DM_WARM_NEARER = 0.5; /* what a difference may leave of what was missing */
 
-/* Newton's method of the general form: doubles for s stages; what of them is memory of the last steps. */
+/* Newton's method of the general form: doubles for s stages; what of them is memory of the last
+ * steps. */
 size_t dm_stage_warm_size(size_t s, uint32_t n);
 size_t dm_stage_warm_memory(const dm_stage *g);
 void dm_stage_warm_open(dm_stage *g, const dm_galerkin *basis, double *memory);
 void dm_stage_warm_clear(dm_stage *g, double h);
-int dm_stage_warm_guess(
-    dm_stage *g); /* g->root from the steps before; 0: none ended here */
+int dm_stage_warm_guess(dm_stage *g); /* g->root from the steps before; 0: none ended here */
 void dm_stage_warm_keep(dm_stage *g);
 
-/* One stage, separable, few coordinates: doubles; what of them is memory of the last steps; 0 where there is no kernel for it. */
+/* One stage, separable, few coordinates: doubles; what of them is memory of the last steps; 0
+ * where there is no kernel for it. */
 size_t dm_stage_push_size(const dm_model *m);
 size_t dm_stage_push_memory(const dm_stage *g);
 int dm_stage_push_open(dm_stage *g, double *memory);
 void dm_stage_push_clear(dm_stage *g, double h);
 
-/* One step of g->state in place; DM_NO_CONVERGENCE leaves it to Newton's method, whose root is kept then. */
+/* One step of g->state in place; DM_NO_CONVERGENCE leaves it to Newton's method, whose root is
+ * kept then. */
 dm_status dm_stage_push(dm_stage *g, dm_stepper *stepper);
 void dm_stage_push_newton(dm_stage *g);
 
-/* Where its memory has what: h, number of P, the state at the end of the last step [4n], the next u [n], P [terms][n]. */
+/* Where its memory has what: h, number of P, the state at the end of the last step [4n], the
+ * next u [n], P [terms][n]. */
 enum {
     DM_PUSHED_STEP,
     DM_PUSHED_COUNT,
@@ -175,7 +183,8 @@ enum { DM_POINT_FIRST, DM_POINT_SOLVED, DM_POINT_LAST };
 dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper);
 void dm_stage_separable_open(dm_stage *g);
 
-/* One velocity at one point, Qdot = V: the step equation, for dm_newton, and the end with the last increment. */
+/* One velocity at one point, Qdot = V: the step equation, for dm_newton, and the end with the
+ * last increment. */
 int dm_stage_is_one(const dm_stage *g);
 dm_status dm_stage_one(void *ctx, double *R, double *J, const double *V);
 dm_status dm_stage_one_finish(dm_stage *g, const double *dV);
@@ -183,9 +192,9 @@ dm_status dm_stage_one_finish(dm_stage *g, const double *dV);
 /* next = state + (dq[n], dp[n]) with compensation; DM_NOT_FINITE when it is not. */
 dm_status dm_stage_update(dm_stage *g, const double *dq, const double *dp);
 
-/* One double at a time where they are few: a wide load would wait for the narrow stores that a state has just had. */
-static inline void dm_stage_copy(double *to, const volatile double *from,
-                                 uint32_t count) {
+/* One double at a time where they are few: a wide load would wait for the narrow stores that a
+ * state has just had. */
+static inline void dm_stage_copy(double *to, const volatile double *from, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) to[i] = from[i];
 }
 

@@ -1,4 +1,5 @@
-/* stage_lanes.c - members of an ensemble side by side: memory, kernels, and steps that a member takes alone. */
+/* stage_lanes.c - members of an ensemble side by side: memory, kernels, and steps that a member
+ * takes alone. */
 #include "integ/stage_lanes.h"
 
 #include "expr/jit.h"
@@ -22,8 +23,7 @@ static dm_stage_lanes_step *choose_step(const dm_stage *g, uint32_t lanes) {
 #ifdef __x86_64__
     if (g->pushes.memory) return lanes == 8 ? dm_stage_push_avx512 : dm_stage_push_avx;
     if (!g->sweeps.row) return lanes == 8 ? dm_stage_newton_avx512 : dm_stage_newton_avx;
-    if (lanes == 8)
-        return is_fused(g) ? dm_stage_sweep_avx512 : dm_stage_sweep_avx512_plain;
+    if (lanes == 8) return is_fused(g) ? dm_stage_sweep_avx512 : dm_stage_sweep_avx512_plain;
     return is_fused(g) ? dm_stage_sweep_fma : dm_stage_sweep_avx;
 #else
     (void)g, (void)lanes;
@@ -37,10 +37,9 @@ static int build_curves(dm_stage_lanes *w, const dm_stage *g, uint32_t lanes) {
     const uint32_t n = g->n, all = 2 * n + 3 * n * n;
     if (!s->stage_graph || g->m->stage.memory || g->m->slope.memory) return 0;
     dm_graph_verbatim(s->stage_graph, 1);
-    const int made = dm_jit_build_lanes(&w->stage, s->stage_graph, s->stage, all, lanes,
-                                        s->arena) == DM_OK &&
-                     dm_jit_build_lanes(&w->slope, s->stage_graph, s->stage, 2 * n, lanes,
-                                        s->arena) == DM_OK;
+    const int made =
+        dm_jit_build_lanes(&w->stage, s->stage_graph, s->stage, all, lanes, s->arena) == DM_OK &&
+        dm_jit_build_lanes(&w->slope, s->stage_graph, s->stage, 2 * n, lanes, s->arena) == DM_OK;
     dm_graph_verbatim(s->stage_graph, 0);
     return made;
 }
@@ -83,11 +82,10 @@ static int lay_out_sweeps(dm_stage_lanes *w) {
     const size_t triangle = g->separable ? 0 : n * (n + 1) / 2;
     const size_t taken = 2 * n + 1, given = g->sweeps.force.outputs,
                  factored = g->separable ? 0 : 3 * n + triangle;
-    const array arrays[] = {
-        {&w->next, 4 * n},  {&w->in, r * taken}, {&w->out, r * given},
-        {&w->u, r * n},     {&w->base, r * n},   {&w->factored, r * factored},
-        {&w->lift, r * n},  {&w->v0, n},         {&w->drift, n},
-        {&w->end_u, r * n}, {&w->end_f, r * n},  {&w->zeros, r * n}};
+    const array arrays[] = {{&w->next, 4 * n},  {&w->in, r * taken}, {&w->out, r * given},
+                            {&w->u, r * n},     {&w->base, r * n},   {&w->factored, r * factored},
+                            {&w->lift, r * n},  {&w->v0, n},         {&w->drift, n},
+                            {&w->end_u, r * n}, {&w->end_f, r * n},  {&w->zeros, r * n}};
     const uint32_t lanes = w->members.lanes;
     if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
     for (size_t m = 0; m < r; m++) {
@@ -233,8 +231,7 @@ static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
 static int is_usual(const dm_stage *g) {
     const uint32_t unknowns = g->table.s * g->n;
     if (!g->m->source.graph || g->m->source.compile != dm_native_build) return 0;
-    return g->sweeps.row || g->pushes.memory ||
-           (g->warm && unknowns <= DM_STAGE_LANES_UNKNOWNS);
+    return g->sweeps.row || g->pushes.memory || (g->warm && unknowns <= DM_STAGE_LANES_UNKNOWNS);
 }
 
 /* those of the model's last ensemble, or new ones */
@@ -278,8 +275,7 @@ static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t) {
     x->done[i]++;
 }
 
-static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t,
-                          long count) {
+static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t, long count) {
     dm_stage *g = (dm_stage *)(void *)s->work;
     dm_stage_lanes *w = g->lanes;
     const uint32_t first = group * x->lanes;

@@ -1,4 +1,5 @@
-/* stage_lanes_avx512_plain.c - sweeps of eight members side by side as on a lesser processor: products are rounded. */
+/* stage_lanes_avx512_plain.c - sweeps of eight members side by side as on a lesser processor:
+ * products are rounded. */
 #include "integ/stage_lanes.h"
 
 #ifdef __x86_64__

@@ -1,4 +1,5 @@
-/* stage_lanes_equation.h - the step equation of W members, as in stage.c; a text, see stage_lanes_newton.h. */
+/* stage_lanes_equation.h - the step equation of W members, as in stage.c; a text, see
+ * stage_lanes_newton.h. */
 #ifndef DM_STAGE_LANES_EQUATION_H
 #define DM_STAGE_LANES_EQUATION_H
 
@@ -46,8 +47,7 @@ INLINE void place_lanes(const lanes_newton *it, uint32_t i) {
             if (g->table.d[i * s + j].top != 0.0)
                 v = add_weighted(v, fixed_weight(g->table.d[i * s + j]), root);
         }
-        store(w->x + k * W,
-              load(w->state + k * W) + (load(w->state + (2 * n + k) * W) + shift));
+        store(w->x + k * W, load(w->state + k * W) + (load(w->state + (2 * n + k) * W) + shift));
         store(w->x + (n + k) * W, v);
     }
     const lanes_weight hc = weight_of(w, g->hc + i);
@@ -58,7 +58,8 @@ INLINE void copy_where(I yes, double *to, const double *from, size_t count) {
     for (size_t k = 0; k < count; k++) put_where(yes, to + k * W, load(from + k * W));
 }
 
-/* slopes of the lanes that go on, second derivatives of those that renew their matrix; all: these are all lanes */
+/* slopes of the lanes that go on, second derivatives of those that renew their matrix; all:
+ * these are all lanes */
 INLINE void evaluate_lanes(const lanes_newton *it, int all) {
     const dm_stage_lanes *w = it->w;
     const I chord = it->todo & ~it->fresh;
@@ -87,8 +88,7 @@ INLINE void find_residual(lanes_newton *it) {
 #pragma GCC unroll 4
         for (uint32_t k = 0; k < n; k++) {
             const dm_weight beta = g->table.beta[j];
-            const V p0 = load(w->state + (n + k) * W),
-                    low = load(w->state + (3 * n + k) * W);
+            const V p0 = load(w->state + (n + k) * W), low = load(w->state + (3 * n + k) * W);
             V sum = {0};
 #pragma GCC unroll 4
             for (uint32_t i = 0; i < it->r; i++) {
@@ -118,8 +118,7 @@ INLINE void add_block_lanes(const lanes_newton *it, double *block, const V c[4],
             const size_t at = (i * n + j) * W;
             double *to = block + (i * (size_t)it->m + j) * W;
             if (half) {
-                store(to, load(to) +
-                              (c[0] * load(A + at) + c[2] * load(B + (j * n + i) * W)));
+                store(to, load(to) + (c[0] * load(A + at) + c[2] * load(B + (j * n + i) * W)));
                 continue;
             }
             const V mixed = c[1] * load(B + at) + c[2] * load(B + (j * n + i) * W);
@@ -149,15 +148,14 @@ INLINE void find_matrix(const lanes_newton *it, double *J) {
                 const V ha = weight_sum(w, g->ha + i * s + k);
                 const double d = dm_weight_double(g->table.d[i * s + k]);
                 const V c[4] = {wq * ha, wq * d, wv * ha, wv * d};
-                if (d == 0.0 && !bits_of((I)(c[0] != (V){0}) | (I)(c[2] != (V){0})))
-                    continue;
-                add_block_lanes(it, J + (j * n * (size_t)it->m + k * n) * W, c, d == 0.0,
-                                second);
+                if (d == 0.0 && !bits_of((I)(c[0] != (V){0}) | (I)(c[2] != (V){0}))) continue;
+                add_block_lanes(it, J + (j * n * (size_t)it->m + k * n) * W, c, d == 0.0, second);
             }
     }
 }
 
-/* residual, and matrix and factors of the lanes that renew them; lanes where that does not go well leave */
+/* residual, and matrix and factors of the lanes that renew them; lanes where that does not go
+ * well leave */
 INLINE void evaluate_equation(lanes_newton *it, int all) {
     const dm_stage_lanes *w = it->w;
     evaluate_lanes(it, all);

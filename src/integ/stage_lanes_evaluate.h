@@ -1,4 +1,5 @@
-/* stage_lanes_evaluate.h - arguments and kernels of the stages of W members, sweep by sweep; a text, see stage_lanes_sweep.h. */
+/* stage_lanes_evaluate.h - arguments and kernels of the stages of W members, sweep by sweep; a
+ * text, see stage_lanes_sweep.h. */
 #ifndef DM_STAGE_LANES_EVALUATE_H
 #define DM_STAGE_LANES_EVALUATE_H
 
@@ -28,8 +29,7 @@ INLINE void evaluate_stages(lanes_sweeps *it) {
     if (is_full_mass(w->g)) divide_lanes_by_mass(it);
     if (w->g->separable) return;
     for (uint32_t m = 0; m < it->r; m++)
-        dm_kernel_eval(&w->factors, w->out + m * given(it) + n * W,
-                       w->factored + m * factored(it));
+        dm_kernel_eval(&w->factors, w->out + m * given(it) + n * W, w->factored + m * factored(it));
     const lanes_walk p = walk_of_p(it);
     if (it->measured)
         it->moved[1] = move(it, &p);
@@ -64,14 +64,13 @@ INLINE void settle_lanes(lanes_sweeps *it, I where) {
 }
 
 /* base[stage][n][W] = low + c v */
-INLINE void draw_line(const lanes_sweeps *it, double *base, const double *low,
-                      const double *v) {
+INLINE void draw_line(const lanes_sweeps *it, double *base, const double *low, const double *v) {
     const dm_parts *c = &it->w->g->sweeps.line;
     for (uint32_t m = 0; m < it->r; m++)
         for (uint32_t k = 0; k < it->n; k++) {
             const V x = v ? load(v + k * W) : (V){0};
-            const V sum = madd(scaled(it->w, c->rest + m), x, load(low + k * W),
-                               DM_LANES_FUSED && it->r > 1);
+            const V sum =
+                madd(scaled(it->w, c->rest + m), x, load(low + k * W), DM_LANES_FUSED && it->r > 1);
             store(base + (m * it->n + k) * W,
                   madd(scaled(it->w, c->top + m), x, sum, DM_LANES_FUSED && it->r > 1));
         }
@@ -109,8 +108,7 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
     lanes_walk ahead = walk_of_q(it);
     if (!(g->m->structure & DM_AUTONOMOUS))
         for (uint32_t m = 0; m < it->r; m++)
-            store(w->in + m * taken(it) + 2 * n * W,
-                  w->t + scaled(w, g->sweeps.after + m));
+            store(w->in + m * taken(it) + 2 * n * W, w->t + scaled(w, g->sweeps.after + m));
     draw_line(it, w->base, low, g->separable ? w->v0 : NULL);
     ahead.column = columns_of(w, g->sweeps.further);
     ahead.u = w->memory + (DM_SWEPT_END + 4 * n) * W;
@@ -133,8 +131,7 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
 INLINE V square_of(const lanes_sweeps *it, const lanes_walk *a) {
     V size = {0};
     for (uint32_t k = 0; k < it->n; k++) {
-        const V x = load(a->start + k * W),
-                y = load(a->x + (it->r - 1) * a->x_stage + k * W);
+        const V x = load(a->start + k * W), y = load(a->x + (it->r - 1) * a->x_stage + k * W);
         size += x * x + y * y;
     }
     return size;
@@ -161,8 +158,7 @@ INLINE void sweep_lanes(lanes_sweeps *it) {
         put(it, &q);
     }
     evaluate_stages(it);
-    const I clean =
-        (I)(before <= DM_SWEEP_CLEAN) & (I)(it->change <= 100.0 * DM_SWEEP_CLEAN);
+    const I clean = (I)(before <= DM_SWEEP_CLEAN) & (I)(it->change <= 100.0 * DM_SWEEP_CLEAN);
     if (it->measured && it->count > 0) {
         it->rate = pick(clean, it->rate, it->change / before);
         it->rated |= ~clean;

@@ -1,4 +1,5 @@
-/* stage_lanes_guess.h - where Newton's method of W members begins, as in stage_warm.c; a text, see stage_lanes_newton.h. */
+/* stage_lanes_guess.h - where Newton's method of W members begins, as in stage_warm.c; a text,
+ * see stage_lanes_newton.h. */
 #ifndef DM_STAGE_LANES_GUESS_H
 #define DM_STAGE_LANES_GUESS_H
 
@@ -27,8 +28,7 @@ INLINE void continue_lanes(const lanes_newton *it, double *to, const double *bef
 }
 
 /* to += differences, as many as each lane has and wants */
-INLINE void add_missed_lanes(double *to, const double *D, V count, double at_least,
-                             size_t size) {
+INLINE void add_missed_lanes(double *to, const double *D, V count, double at_least, size_t size) {
     I wants = (I)(count > (V){0});
     V missing = largest_of_lanes(D, size);
     for (int i = 0; i < DM_WARM_TERMS; i++, D += size * W) {
@@ -56,12 +56,11 @@ INLINE I guess_lanes(const lanes_newton *it) {
     const V count = load(w->memory + DM_WARM_COUNT * W);
     I has = (I)(load(w->memory + DM_WARM_STEP * W) == load(w->h)) & (I)(count > (V){0});
 #pragma GCC unroll 4
-    for (uint32_t k = 0; k < 4 * n; k++)
-        has &= (I)(load(end + k * W) == load(w->state + k * W));
+    for (uint32_t k = 0; k < 4 * n; k++) has &= (I)(load(end + k * W) == load(w->state + k * W));
     if (!bits_of(has)) return has;
     continue_lanes(it, w->root, before);
-    add_missed_lanes(w->root, before + size * W, count - 1.0,
-                     it->s == 1 ? DM_WARM_PARABOLA : 0, size);
+    add_missed_lanes(w->root, before + size * W, count - 1.0, it->s == 1 ? DM_WARM_PARABOLA : 0,
+                     size);
     return has;
 }
 

@@ -1,7 +1,6 @@
-/*
-** stage_lanes_newton.h - a step of the general form by chord iterations for W members, as stage.c, stage_warm.c and
-** solve/newton.c make it for one; a text for the files of stage_lanes.h.
-*/
+/* stage_lanes_newton.h - a step of the general form by chord iterations for W members, as
+ * stage.c, stage_warm.c and solve/newton.c make it for one; a text for the files of
+ * stage_lanes.h. */
 #ifndef DM_STAGE_LANES_NEWTON_H
 #define DM_STAGE_LANES_NEWTON_H
 
@@ -109,20 +108,19 @@ INLINE I finish_newton(const lanes_newton *it) {
         V dq = {0}, dp = {0};
 #pragma GCC unroll 4
         for (uint32_t j = 0; j < it->s; j++)
-            dq = add_weighted(dq, weight_of(w, w->g->hbeta + j),
-                              load(w->root + (j * n + k) * W));
+            dq = add_weighted(dq, weight_of(w, w->g->hbeta + j), load(w->root + (j * n + k) * W));
 #pragma GCC unroll 4
         for (uint32_t i = 0; i < it->r; i++)
-            dp = add_weighted(dp, weight_of(w, w->g->hb + i),
-                              load(w->slopes + (i * 2 * n + k) * W));
+            dp =
+                add_weighted(dp, weight_of(w, w->g->hb + i), load(w->slopes + (i * 2 * n + k) * W));
         fine &= add_to_state(w, n, k, dq);
         fine &= add_to_state(w, n, n + k, dp);
     }
     return fine;
 }
 
-/* the new state, and what is left to the next step. Differences behind those that a lane has yet are numbers that
-** no step reads before they are renewed. */
+/* the new state, and what is left to the next step. Differences behind those that a lane has yet
+ * are numbers that no step reads before they are renewed. */
 INLINE void keep_newton(const lanes_newton *it, I where) {
     const dm_stage_lanes *w = it->w;
     double *end = w->memory + DM_WARM_END * W, *before = end + 4 * it->n * W;

@@ -1,7 +1,5 @@
-/*
-** stage_lanes_push.h - a step of one stage by push.h for W members, as stage_push.c makes it for one, operation by operation; a
-** text for the files of stage_lanes.h.
-*/
+/* stage_lanes_push.h - a step of one stage by push.h for W members, as stage_push.c makes it for
+ * one, operation by operation; a text for the files of stage_lanes.h. */
 #ifndef DM_STAGE_LANES_PUSH_H
 #define DM_STAGE_LANES_PUSH_H
 
@@ -12,8 +10,8 @@
 #include <math.h>
 
 /* out = M^-1 (x - shift); shift NULL: none */
-INLINE void divide_lanes(const dm_model *m, double *out, const double *x,
-                         const double *shift, uint32_t n) {
+INLINE void divide_lanes(const dm_model *m, double *out, const double *x, const double *shift,
+                         uint32_t n) {
     const double *c = m->inverse_mass;
     if (m->structure & DM_DIAGONAL_MASS) {
 #pragma GCC unroll 4

@@ -1,4 +1,5 @@
-/* stage_lanes_push_keep.h - what steps by push.h of W members leave to the next ones, as in stage_push.c; a text, see stage_lanes_push.h. */
+/* stage_lanes_push_keep.h - what steps by push.h of W members leave to the next ones, as in
+ * stage_push.c; a text, see stage_lanes_push.h. */
 #ifndef DM_STAGE_LANES_PUSH_KEEP_H
 #define DM_STAGE_LANES_PUSH_KEEP_H
 
@@ -10,8 +11,7 @@ INLINE I pushed_before(const dm_stage_lanes *w, uint32_t n) {
     I fits = (I)(load(memory + DM_PUSHED_STEP * W) == load(w->h)) &
              (I)(load(memory + DM_PUSHED_COUNT * W) > (V){0});
 #pragma GCC unroll 16
-    for (uint32_t k = 0; k < 4 * n; k++)
-        fits &= (I)(load(end + k * W) == load(w->state + k * W));
+    for (uint32_t k = 0; k < 4 * n; k++) fits &= (I)(load(end + k * W) == load(w->state + k * W));
     return fits;
 }
 
@@ -41,8 +41,7 @@ INLINE void keep_pushes(const dm_stage_lanes *w, I where, const double *Z, uint3
         size[j] = (V){0};
 #pragma GCC unroll 4
         for (uint32_t k = 0; k < n; k++)
-            size[j] = larger_of(magnitude(load(Z + k * W) - load(P + (j * n + k) * W)),
-                                size[j]);
+            size[j] = larger_of(magnitude(load(Z + k * W) - load(P + (j * n + k) * W)), size[j]);
     }
     choose_terms(takes, size, count);
 #pragma GCC unroll 4

@@ -1,7 +1,6 @@
-/*
-** stage_lanes_sweep.h - a step by sweeps for W members, as stage_sweep.c makes it for one; a text for the files of stage_lanes.h.
-** Sums over stages have the order that sweep_row.h has for as many stages; stages that this fills up with are left out.
-*/
+/* stage_lanes_sweep.h - a step by sweeps for W members, as stage_sweep.c makes it for one; a
+ * text for the files of stage_lanes.h. Sums over stages have the order that sweep_row.h has for
+ * as many stages; stages that this fills up with are left out. */
 #ifndef DM_STAGE_LANES_SWEEP_H
 #define DM_STAGE_LANES_SWEEP_H
 
@@ -82,10 +81,10 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
         for (uint32_t m = 0; m < it->r; m++) {
             const size_t at = (m * n + k) * W;
             const V u = load(w->end_u + at), f = load(w->end_f + at);
-            q[m] = madd(scaled(w, one->b[0]->top + m), u,
-                        scaled(w, one->b[0]->rest + m) * u, DM_LANES_FUSED && it->r > 1);
-            p[m] = madd(scaled(w, one->b[1]->top + m), f,
-                        scaled(w, one->b[1]->rest + m) * f, DM_LANES_FUSED && it->r > 1);
+            q[m] = madd(scaled(w, one->b[0]->top + m), u, scaled(w, one->b[0]->rest + m) * u,
+                        DM_LANES_FUSED && it->r > 1);
+            p[m] = madd(scaled(w, one->b[1]->top + m), f, scaled(w, one->b[1]->rest + m) * f,
+                        DM_LANES_FUSED && it->r > 1);
         }
         const V drift = w->g->separable ? load(w->drift + k * W) : (V){0};
         const V dq = total_of(q, width) * one->factor[k] + drift;
@@ -101,8 +100,7 @@ INLINE I swept_before(const dm_stage_lanes *w) {
     I fits = (I)(load(w->memory + DM_SWEPT_STEP * W) == load(w->h)) &
              (I)(load(w->memory + DM_SWEPT_MARK * W) == (double)DM_SWEPT_FULL);
     for (uint32_t k = 0; k < 4 * n; k++)
-        fits &=
-            (I)((I)load(w->memory + (DM_SWEPT_END + k) * W) == (I)load(w->state + k * W));
+        fits &= (I)((I)load(w->memory + (DM_SWEPT_END + k) * W) == (I)load(w->state + k * W));
     return fits;
 }
 
@@ -118,8 +116,7 @@ INLINE void keep_sweeps(const lanes_sweeps *it, I where, V rate) {
     }
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t m = 0; m < it->r; m++)
-            put_where(where, u + (k * it->width + m) * W,
-                      load(w->end_u + (m * n + k) * W));
+            put_where(where, u + (k * it->width + m) * W, load(w->end_u + (m * n + k) * W));
 }
 
 HOW static uint32_t step_by_sweeps(const dm_stage_lanes *w, uint32_t asked) {
@@ -133,8 +130,7 @@ HOW static uint32_t step_by_sweeps(const dm_stage_lanes *w, uint32_t asked) {
     V rate = {0};
     if (!bits_of(todo)) return 0;
     todo &= prepare_sweeps(&it);
-    todo = g->sweeps.count ? count_out_lanes(&it, todo, &rate)
-                           : iterate_lanes(&it, todo, &rate);
+    todo = g->sweeps.count ? count_out_lanes(&it, todo, &rate) : iterate_lanes(&it, todo, &rate);
     todo &= finish_sweeps(&it);
     keep_sweeps(&it, todo, rate);
     return bits_of(todo);

@@ -1,4 +1,5 @@
-/* stage_lanes_text.h - what steps of W members by sweeps and by Newton's method have in common; a text. */
+/* stage_lanes_text.h - what steps of W members by sweeps and by Newton's method have in common;
+ * a text. */
 #ifndef DM_STAGE_LANES_TEXT_H
 #define DM_STAGE_LANES_TEXT_H
 
@@ -22,8 +23,7 @@ INLINE lanes_weight weight_of(const dm_stage_lanes *w, const dm_weight *one) {
 INLINE V largest_of_lanes(const double *a, size_t size) {
     V largest = {0};
 #pragma GCC unroll 4
-    for (size_t k = 0; k < size; k++)
-        largest = larger_of(magnitude(load(a + k * W)), largest);
+    for (size_t k = 0; k < size; k++) largest = larger_of(magnitude(load(a + k * W)), largest);
     return largest;
 }
 

@@ -1,10 +1,12 @@
-/* stage_lanes_walk.h - sums over stages of W members, and where what they add up lies; a text, see stage_lanes_sweep.h. */
+/* stage_lanes_walk.h - sums over stages of W members, and where what they add up lies; a text,
+ * see stage_lanes_sweep.h. */
 #ifndef DM_STAGE_LANES_WALK_H
 #define DM_STAGE_LANES_WALK_H
 
 #include "integ/stage_lanes_text.h"
 
-/* x = start + (base + factor sum_m column_m u_m) at every stage, column [r][width][W]; distances in doubles, from row to row where not W */
+/* x = start + (base + factor sum_m column_m u_m) at every stage, column [r][width][W]; distances
+ * in doubles, from row to row where not W */
 typedef struct {
     double *x;
     const double *base, *column, *u, *factor, *start; /* start [rows][W] */
@@ -33,8 +35,8 @@ INLINE V moved_of(const V *t, uint32_t width) {
 }
 
 /* even and odd columns are summed apart, the even ones on to a base unless that is NULL */
-INLINE V weigh(const double *column, uint32_t width, const V *base, const V *u,
-               uint32_t columns, int fused) {
+INLINE V weigh(const double *column, uint32_t width, const V *base, const V *u, uint32_t columns,
+               int fused) {
     V even = load(column) * u[0], odd;
     if (base) even = madd(load(column), u[0], *base, fused);
     if (columns == 1) return even;
@@ -42,15 +44,14 @@ INLINE V weigh(const double *column, uint32_t width, const V *base, const V *u,
 #pragma GCC unroll 8
     for (uint32_t m = 2; m < columns; m += 2) {
         even = madd(load(column + m * width * W), u[m], even, fused);
-        if (m + 1 < columns)
-            odd = madd(load(column + (m + 1) * width * W), u[m + 1], odd, fused);
+        if (m + 1 < columns) odd = madd(load(column + (m + 1) * width * W), u[m + 1], odd, fused);
     }
     return even + odd;
 }
 
 /* stages and measured are constants where this is called; lanes that are not in `where` keep x */
-INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r,
-                     int measured, const I *where) {
+INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r, int measured,
+                     const I *where) {
     const uint32_t n = it->n, width = r == 1 ? 1 : r <= 4 ? 4 : 8;
     const int fused = DM_LANES_FUSED && r > 1;
     const lanes_walk at = *a; /* nothing of it changes by what is written */
@@ -60,14 +61,12 @@ INLINE V walk_stages(const lanes_sweeps *it, const lanes_walk *a, uint32_t r,
     for (uint32_t k = 0; k < n; k++) {
         const V start = load(at.start + k * W);
 #pragma GCC unroll 8
-        for (uint32_t m = 0; m < r; m++)
-            u[m] = load(at.u + m * at.u_stage + k * at.u_row);
+        for (uint32_t m = 0; m < r; m++) u[m] = load(at.u + m * at.u_stage + k * at.u_row);
 #pragma GCC unroll 8
         for (uint32_t i = 0; i < r; i++) {
             double *x = at.x + i * at.x_stage + k * W;
             const V base = load(at.base + (i * n + k) * W);
-            V sum =
-                weigh(at.column + i * W, width, at.factor ? NULL : &base, u, r, fused);
+            V sum = weigh(at.column + i * W, width, at.factor ? NULL : &base, u, r, fused);
             if (at.factor) sum = madd(same(at.factor[k]), sum, base, fused);
             const V now = start + sum;
             if (measured) {

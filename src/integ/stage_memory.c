@@ -1,7 +1,6 @@
-/*
-** stage_memory.c - what a step by sweeps leaves to the next one: h, a mark, contraction, the state at its end [4n], u[n][width].
-** Another h (a step to a time between, a part of a composition) neither uses it nor changes it.
-*/
+/* stage_memory.c - what a step by sweeps leaves to the next one: h, a mark, contraction, the
+ * state at its end [4n], u[n][width]. Another h (a step to a time between, a part of a
+ * composition) neither uses it nor changes it. */
 #include "integ/stage_inside.h"
 
 #include <string.h>
@@ -31,8 +30,7 @@ void dm_stage_memory_clear(dm_stage *g, double h) {
 int dm_stage_memory_fits(const dm_stage *g) {
     const double *memory = g->sweeps.memory;
     return memory[DM_SWEPT_STEP] == g->h && memory[DM_SWEPT_MARK] == FULL &&
-           memcmp(memory + DM_SWEPT_END, g->state, 4 * (size_t)g->n * sizeof *memory) ==
-               0;
+           memcmp(memory + DM_SWEPT_END, g->state, 4 * (size_t)g->n * sizeof *memory) == 0;
 }
 
 int dm_stage_memory_is_stiff(const dm_stage *g) {
@@ -70,7 +68,8 @@ static void take_root(const dm_stage *g, double *u) {
         for (uint32_t k = 0; k < n; k++) u[k * width + m] = found[m * (size_t)n + k];
 }
 
-/* sweeps that failed from a straight line may do from the polynomial of this step; from there, not soon again */
+/* sweeps that failed from a straight line may do from the polynomial of this step; from there,
+ * not soon again */
 void dm_stage_memory_newton(dm_stage *g) {
     double *memory = g->sweeps.memory;
     if (memory[DM_SWEPT_STEP] != g->h) return;

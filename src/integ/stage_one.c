@@ -1,8 +1,7 @@
-/*
-** stage_one.c - the step equation of stage.h with one velocity at one point, as of the midpoint rule. The same
-** operations in the same order as for more of them, with all loops over coordinates written out where these are few:
-** what a short step costs are otherwise loops of three rounds and sums that go through memory.
-*/
+/* stage_one.c - the step equation of stage.h with one velocity at one point, as of the midpoint
+ * rule. The same operations in the same order as for more of them, with all loops over
+ * coordinates written out where these are few: what a short step costs are otherwise loops of
+ * three rounds and sums that go through memory. */
 #include "base/written_out.h"
 #include "integ/stage_inside.h"
 
@@ -57,8 +56,7 @@ DM_WRITTEN_OUT void jacobian(const dm_stage *g, double *J, uint32_t n) {
         }
 }
 
-DM_WRITTEN_OUT void equation(dm_stage *g, double *R, double *J, const double *V,
-                             uint32_t n) {
+DM_WRITTEN_OUT void equation(dm_stage *g, double *R, double *J, const double *V, uint32_t n) {
     place(g, V, n);
     dm_kernel_eval(J ? g->stage : &g->m->slope, g->x, J ? g->curve : g->slope);
     g->evaluations++;

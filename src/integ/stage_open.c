@@ -32,11 +32,10 @@ static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, curve = 2 * n + 3 * n * n;
     if (m->ties) return dm_tied_work(s, r, m);
-    return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
-           dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve +
-           2 * larger(s, r) * n + 2 * n + 2 * r * n + 4 * n + doubles(r * 4) +
-           scratch_size(s, r, m) + dm_stage_push_size(m) + dm_stage_warm_size(s, m->n) +
-           dm_stage_sweeps_size(s, r, m);
+    return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) + dm_stage_weights_size(s, r) +
+           2 * n + 1 + r * 2 * n + r * curve + 2 * larger(s, r) * n + 2 * n + 2 * r * n + 4 * n +
+           doubles(r * 4) + scratch_size(s, r, m) + dm_stage_push_size(m) +
+           dm_stage_warm_size(s, m->n) + dm_stage_sweeps_size(s, r, m);
 }
 
 static double *take(double **memory, size_t count) {

@@ -1,12 +1,12 @@
-/*
-** stage_push.c - the step of one stage for L = T(v) - V(q, t) with constant mass and few coordinates (push.h):
-**   M u = L_q(Q, t + c h), Q = q0 + h reach v0 + h^2 A u,  q1 = q0 + h v0 + h^2 mean u,  p1 = p0 + h b M u.
-** It begins at the displacements Z = Q - q0 of the steps before, continued. With P_0 the last Z and P_j the polynomial of degree
-** j through j + 1 of them at the next point, a new Z has the differences D_j = Z - P_(j-1) and the new P_j = P_(j-1) + D_j; so
-** that (K + 1) Z - sum of P_i, i < K, is the new P_K, and waits for nothing but Z. Differences are taken up to the parabola's and then as long as
-** they get much smaller. Where increments do not shrink at once, from a poor guess on rough motion, there may be another
-** root than the one of a small step: such a step is left to continuation in h (stage.c).
-*/
+/* stage_push.c - the step of one stage for L = T(v) - V(q, t) with constant mass and few
+ * coordinates (push.h): M u = L_q(Q, t + c h), Q = q0 + h reach v0 + h^2 A u,  q1 = q0 + h v0 +
+ * h^2 mean u,  p1 = p0 + h b M u. It begins at the displacements Z = Q - q0 of the steps before,
+ * continued. With P_0 the last Z and P_j the polynomial of degree j through j + 1 of them at the
+ * next point, a new Z has the differences D_j = Z - P_(j-1) and the new P_j = P_(j-1) + D_j; so
+ * that (K + 1) Z - sum of P_i, i < K, is the new P_K, and waits for nothing but Z. Differences
+ * are taken up to the parabola's and then as long as they get much smaller. Where increments do
+ * not shrink at once, from a poor guess on rough motion, there may be another root than the one
+ * of a small step: such a step is left to continuation in h (stage.c). */
 #include "base/largest.h"
 #include "base/sum.h"
 #include "base/written_out.h"
@@ -20,8 +20,8 @@
 
 size_t dm_stage_push_size(const dm_model *m) {
     if (m->n > DM_PUSH_MOST) return 0;
-    return DM_PUSHED_END + (4 + 1 + DM_PUSHED_TERMS) * (size_t)m->n +
-           dm_push_inputs(m->n) + dm_push_outputs(m->n);
+    return DM_PUSHED_END + (4 + 1 + DM_PUSHED_TERMS) * (size_t)m->n + dm_push_inputs(m->n) +
+           dm_push_outputs(m->n);
 }
 
 size_t dm_stage_push_memory(const dm_stage *g) {
@@ -65,7 +65,8 @@ DM_WRITTEN_OUT int terms_of(const double *size, int count) {
     return K;
 }
 
-/* P and the next guess, from Z of the step that ended at g->state; known: P are those of the step before it */
+/* P and the next guess, from Z of the step that ended at g->state; known: P are those of the
+ * step before it */
 DM_WRITTEN_OUT void keep(dm_stage *g, const double *Z, int known, uint32_t n) {
     double *memory = g->pushes.memory, *end = memory + DM_PUSHED_END;
     double *guess = end + 4 * n, *P = guess + n, size[DM_PUSHED_TERMS] = {0.0};
@@ -110,26 +111,24 @@ DM_WRITTEN_OUT void divide_by_mass(const dm_model *m, double *out, const double 
     for (uint32_t i = 0; i < n; i++) {
         double sum = 0.0;
 #pragma GCC unroll 4
-        for (uint32_t j = 0; j < n; j++)
-            sum += w[i * n + j] * (shift ? x[j] - shift[j] : x[j]);
+        for (uint32_t j = 0; j < n; j++) sum += w[i * n + j] * (shift ? x[j] - shift[j] : x[j]);
         out[i] = sum;
     }
 }
 
-/* By the rate from one increment to the next, what the second leaves does not count; or it is the noise of Q. */
+/* By the rate from one increment to the next, what the second leaves does not count; or it is
+ * the noise of Q. */
 static inline int is_root(double first, double second, double small) {
     if (second * second <= DM_NEWTON_NEGLIGIBLE * small * first) return 1;
     return second <= small && (second <= DM_NEWTON_SLOW * first || first <= small);
 }
 
 /* The root from the guess among the arguments; there Z is renewed, and u = M^-1 L_q. */
-DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u,
-                                 uint32_t n) {
+DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u, uint32_t n) {
     dm_stage_pushes *p = &g->pushes;
     const double *force = p->out, *base = p->in + n, w = p->in[3 * n + DM_PUSH_WEIGHT];
     double *Z = p->in + 2 * n;
-    const double small =
-        stepper->tolerance * (dm_largest_of(p->in, n) + dm_largest_of(Z, n));
+    const double small = stepper->tolerance * (dm_largest_of(p->in, n) + dm_largest_of(Z, n));
     for (int i = 0; i < DM_PUSHED_CALLS; i++) {
         dm_kernel_eval(&p->kernel, p->in, p->out);
         const double first = fabs(w) * dm_largest_of(force + n, n);
@@ -147,8 +146,7 @@ DM_WRITTEN_OUT dm_status iterate(dm_stage *g, dm_stepper *stepper, double *u,
 }
 
 /* the end in g->state, where it is finite */
-DM_WRITTEN_OUT dm_status finish(dm_stage *g, const double *v0, const double *u,
-                                uint32_t n) {
+DM_WRITTEN_OUT dm_status finish(dm_stage *g, const double *v0, const double *u, uint32_t n) {
     const double *force = g->pushes.out;
     double next[4 * DM_PUSH_MOST], bad = 0.0;
 #pragma GCC unroll 16

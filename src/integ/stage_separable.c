@@ -1,10 +1,8 @@
-/*
-** stage_separable.c - the step of a stage method for L = v.M v/2 + b.v - V(q, t), M constant.
-** The velocities are eliminated: with f_m = M^-1 L_q(q0 + Z_m, t + c_m h),
-**   Z_i = h r_i v0 + h^2 sum_m A_im f_m, r_i = sum_j a_ij,  q1 = q0 + h v0 + h^2 sum_m mean_m f_m.
-** Points with a zero row of A come first and are explicit, points with a zero column last;
-** for Lobatto these are the ends, and Stoermer-Verlet is left with no unknown at all.
-*/
+/* stage_separable.c - the step of a stage method for L = v.M v/2 + b.v - V(q, t), M constant.
+ * The velocities are eliminated: with f_m = M^-1 L_q(q0 + Z_m, t + c_m h),
+ *   Z_i = h r_i v0 + h^2 sum_m A_im f_m, r_i = sum_j a_ij,  q1 = q0 + h v0 + h^2 sum_m mean_m f_m.
+ * Points with a zero row of A come first and are explicit, points with a zero column last;
+ * for Lobatto these are the ends, and Stoermer-Verlet is left with no unknown at all. */
 #include "integ/stage_inside.h"
 
 #include "solve/newton.h"
@@ -34,8 +32,7 @@ void dm_stage_separable_open(dm_stage *g) {
 double dm_stage_heaviest(const dm_stage *g) {
     const size_t n = g->n, count = g->m->structure & DM_DIAGONAL_MASS ? n : n * n;
     double largest = 0.0;
-    for (size_t i = 0; i < count; i++)
-        largest = fmax(largest, fabs(g->m->mass_matrix[i]));
+    for (size_t i = 0; i < count; i++) largest = fmax(largest, fabs(g->m->mass_matrix[i]));
     return largest;
 }
 
@@ -164,7 +161,7 @@ static void first_points(dm_stage *g) {
 }
 
 /* Z_i = h c_i v0 + (h c_i)^2 a0 / 2: a function of the state alone, so that a restart gives the
-** same bits; returns the number of unknowns */
+ * same bits; returns the number of unknowns */
 static uint32_t guess(dm_stage *g) {
     const uint32_t n = g->n;
     uint32_t at = 0;
@@ -172,8 +169,7 @@ static uint32_t guess(dm_stage *g) {
         if (g->known[i] != DM_POINT_SOLVED) continue;
         if (at == 0) find_acceleration(g);
         const double hc = dm_weight_double(g->hreach[i]);
-        for (uint32_t k = 0; k < n; k++)
-            g->root[at + k] = hc * (g->v0[k] + 0.5 * hc * g->a0[k]);
+        for (uint32_t k = 0; k < n; k++) g->root[at + k] = hc * (g->v0[k] + 0.5 * hc * g->a0[k]);
         at += n;
     }
     return at;
@@ -224,8 +220,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
                                        .equation = equation,
                                        .ctx = g,
                                        .size = &g->size,
-                                       .near_identity =
-                                           unknowns > g->n, /* one point: J is cheap */
+                                       .near_identity = unknowns > g->n, /* one point: J is cheap */
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);
@@ -237,8 +232,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
 
 dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper) {
     const uint32_t n = g->n;
-    dm_status status =
-        dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
+    dm_status status = dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
     if (status != DM_OK) return status;
     stepper->report.iterations = 0;
     stepper->report.residual = 0.0;
@@ -246,8 +240,7 @@ dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper) {
     g->size = 0.0;
     for (uint32_t k = 0; k < n; k++) g->size = fmax(g->size, fabs(g->state[k]));
     const uint32_t unknowns = guess(g);
-    for (uint32_t k = 0; g->ratio > 0.0 && k < unknowns; k++)
-        g->root[k] = g->ratio * g->before[k];
+    for (uint32_t k = 0; g->ratio > 0.0 && k < unknowns; k++) g->root[k] = g->ratio * g->before[k];
     if (unknowns) status = solve(g, stepper, unknowns);
     if (status != DM_OK) return status;
     last_points(g);

@@ -1,11 +1,10 @@
-/*
-** stage_sweep.c - the step of a stage method by fixed-point sweeps with all stages in lanes:
-**   S <- base + h^2 A M^-1 L_q(q0 + S)                      for L = T(v) - V(q, t), constant mass,
-**   S <- h a V(q0 + S, p0 + h a L_q(q0 + S, V))            for Gauss collocation, where V(q, p) solves p = L_v.
-** The first S comes from the polynomial through the forces of the step before (HLW VIII.6.1). Sweeps end when
-** what the last one leaves is below round-off of the sums. What the coefficients lack as doubles is added to the
-** bases once, from a u that is near enough to the last one.
-*/
+/* stage_sweep.c - the step of a stage method by fixed-point sweeps with all stages in lanes: S
+ * <- base + h^2 A M^-1 L_q(q0 + S)                      for L = T(v) - V(q, t), constant mass, S
+ * <- h a V(q0 + S, p0 + h a L_q(q0 + S, V))            for Gauss collocation, where V(q, p)
+ * solves p = L_v. The first S comes from the polynomial through the forces of the step before
+ * (HLW VIII.6.1). Sweeps end when what the last one leaves is below round-off of the sums. What
+ * the coefficients lack as doubles is added to the bases once, from a u that is near enough to
+ * the last one. */
 #include "integ/stage_inside.h"
 #include "integ/stage_limits.h"
 
@@ -65,10 +64,8 @@ typedef struct {
     int count;    /* sweeps */
     /* all squared: of positions and momenta, and 1 over their size */
     double size[2], scale[2], moved[2];
-    double
-        change; /* of the sums by the last sweep, relative; below DM_SWEEP_CLEAN as foretold */
-    double
-        rate; /* by which it shrinks: of this step, or of the one before with a margin */
+    double change; /* of the sums by the last sweep, relative; below DM_SWEEP_CLEAN as foretold */
+    double rate;   /* by which it shrinks: of this step, or of the one before with a margin */
 } iteration;
 
 static inline double move(const iteration *it, const dm_sweep *a) {
@@ -200,8 +197,7 @@ static dm_status iterate(iteration *it, double tolerance) {
         if (!settled && it->change < DM_SWEEP_SETTLED) settle(it);
         sweep(it);
         if (!isfinite(it->change)) return DM_NOT_FINITE;
-        if (it->rated && it->rate > (it->count > 5 ? DM_SWEEP_SLOW : 4.0))
-            return DM_NO_CONVERGENCE;
+        if (it->rated && it->rate > (it->count > 5 ? DM_SWEEP_SLOW : 4.0)) return DM_NO_CONVERGENCE;
         if (it->settled && left(it) <= enough * enough) return DM_OK;
     }
     return DM_NO_CONVERGENCE;
@@ -256,21 +252,20 @@ static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
     return status == DM_OK && !is_regular(g) ? DM_NO_CONVERGENCE : status;
 }
 
-/* far from its step the polynomial may leave the domain: then from a straight line. The end is in g->state */
+/* far from its step the polynomial may leave the domain: then from a straight line. The end is
+ * in g->state */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
     iteration it = {.g = g};
     const int warm = dm_stage_memory_fits(g);
     const double *before = warm ? dm_stage_memory_end(g) : g->next;
-    if (!warm)
-        dm_stage_copy(g->next, g->state, 4 * g->n); /* should the end not be finite */
+    if (!warm) dm_stage_copy(g->next, g->state, 4 * g->n); /* should the end not be finite */
     dm_status status = attempt(&it, stepper, warm);
     if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
     stepper->report.iterations = it.count;
     if (status == DM_OK) status = finish(g, before);
     if (status != DM_OK) return status;
     const double missed = sqrt(left(&it)) * sqrt(it.size[!g->separable]);
-    stepper->report.residual =
-        g->separable ? missed * g->sweeps.heaviest / fabs(g->h) : missed;
+    stepper->report.residual = g->separable ? missed * g->sweeps.heaviest / fabs(g->h) : missed;
     dm_stage_memory_keep(g, it.rated ? it.rate : dm_stage_memory_rate(g));
     return DM_OK;
 }

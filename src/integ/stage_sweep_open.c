@@ -14,22 +14,20 @@ static size_t width_of(size_t stages) {
     return stages == 1 ? 1 : stages <= 4 ? 4 : 8;
 }
 
-/* of the kernels: positions, velocities, time; L_q, triangle, b; pivots, triangle, b, p; and copies for four lanes of
-** what each takes and gives */
+/* of the kernels: positions, velocities, time; L_q, triangle, b; pivots, triangle, b, p; and
+ * copies for four lanes of what each takes and gives */
 static size_t kernels_size(size_t n, size_t width, size_t known) {
     const size_t triangle = known ? n * (n + 1) / 2 : 0;
-    return width * (6 * n + 1 + known + triangle) +
-           4 * (9 * n + 1 + 2 * (known + triangle));
+    return width * (6 * n + 1 + known + triangle) + 4 * (9 * n + 1 + 2 * (known + triangle));
 }
 
 size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, w = width_of(r);
-    const int separable =
-        (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
+    const int separable = (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
-    return kernels_size(n, w, separable ? 0 : dm_hamilton_known(m)) + 4 * n * w +
-           5 * r * w + 7 * w + 8 * n + 3 + ARRAYS * LINE;
+    return kernels_size(n, w, separable ? 0 : dm_hamilton_known(m)) + 4 * n * w + 5 * r * w +
+           7 * w + 8 * n + 3 + ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
@@ -65,19 +63,16 @@ static void lay_out(dm_stage *g, double *memory) {
     dm_stage_sweeps *w = &g->sweeps;
     const size_t n = g->n, r = g->table.r, width = w->row->width;
     double **const rows[] = {&w->u, &w->base, &w->lift, &w->none};
-    double **const columns[] = {&w->whole, &w->rest, &w->further, &w->flying,
-                                &w->turning};
+    double **const columns[] = {&w->whole, &w->rest, &w->further, &w->flying, &w->turning};
     double **const single[] = {&w->after,  &w->line.top, &w->line.rest, &w->b.top,
                                &w->b.rest, &w->mean.top, &w->mean.rest};
     memory = lay_kernels(w, n, memory);
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-        *rows[i] = take(&memory, n * width);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) *rows[i] = take(&memory, n * width);
     for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
         *columns[i] = take(&memory, r * width);
     w->flying = take(&memory, 2 * r * width);
     w->turning = w->flying + r * width;
-    for (size_t i = 0; i < sizeof single / sizeof *single; i++)
-        *single[i] = take(&memory, width);
+    for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = take(&memory, width);
     w->share = take(&memory, 2 * n);
     w->drift = take(&memory, 2 * n);
     const size_t before = dm_stage_memory_size(g) - n * width; /* u begins a line, too */
@@ -86,7 +81,8 @@ static void lay_out(dm_stage *g, double *memory) {
 
 /* ---- coefficients ---- */
 
-/* columns of A E or a E, and of E, which extrapolates the polynomial through the nodes by one step */
+/* columns of A E or a E, and of E, which extrapolates the polynomial through the nodes by one
+ * step */
 static void make_ahead(dm_stage *g, const dm_quadrature *q) {
     const int r = q->r;
     const uint32_t width = g->sweeps.row->width;
@@ -193,7 +189,8 @@ static void plan(dm_stage *g) {
 
 /* ---- opening ---- */
 
-/* the method is Gauss collocation of Hamilton's equations: b_i a_ij + b_j a_ji = b_i b_j (HLW VI.4.1) */
+/* the method is Gauss collocation of Hamilton's equations: b_i a_ij + b_j a_ji = b_i b_j (HLW
+ * VI.4.1) */
 static int is_collocation(const dm_stage *g, const dm_galerkin *basis) {
     const dm_stage_table *t = &g->table;
     if (t->s != t->r) return 0;
@@ -216,8 +213,7 @@ static int has_unknowns(const dm_stage *g) {
 /* 0 where there are no kernels */
 static uint32_t build(dm_kernel *out, const dm_model *m, int separable, uint32_t width) {
     dm_hamilton parts;
-    if (separable)
-        return dm_lanes_build(out, m, m->source.graph, m->source.gradient, m->n, width);
+    if (separable) return dm_lanes_build(out, m, m->source.graph, m->source.gradient, m->n, width);
     const uint32_t lanes = dm_hamilton_split(&parts, m, width);
     out[0] = parts.force;
     out[1] = parts.factors;
@@ -265,8 +261,7 @@ static double *aligned(double *memory) {
 }
 
 static void open_kernel(dm_stage_kernel *k, uint32_t width) {
-    dm_kernel_prepare_lanes(&k->kernel, k->lanes,
-                            k->lanes == width ? k->out : k->some_out);
+    dm_kernel_prepare_lanes(&k->kernel, k->lanes, k->lanes == width ? k->out : k->some_out);
 }
 
 void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory) {

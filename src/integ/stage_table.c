@@ -32,8 +32,7 @@ static void lay_out(dm_stage_table *t, double *memory) {
 }
 
 /* right-hand sides x[s][r] of G x = y by elimination; G is positive definite */
-static void eliminate(long double G[MOST][MOST], long double x[MOST][MOST], int s,
-                      int r) {
+static void eliminate(long double G[MOST][MOST], long double x[MOST][MOST], int s, int r) {
     for (int k = 0; k < s; k++)
         for (int i = 0; i < s; i++) {
             const long double factor = G[i][k] / G[k][k];
@@ -50,7 +49,7 @@ typedef struct {
 } exact;
 
 /* for p = M v: V_k = v0 + h sum_m x_km M^-1 L_q(m), with G x = b_m (beta_j - a_mj),
-** G_jk = sum_i b_i d_ij d_ik; then A = a x and mean = beta x */
+ * G_jk = sum_i b_i d_ij d_ik; then A = a x and mean = beta x */
 static void separable_part(dm_stage_table *t, const dm_galerkin *g, const exact *e) {
     const int s = g->s, r = g->q.r;
     long double G[MOST][MOST], x[MOST][MOST];

@@ -1,11 +1,10 @@
-/*
-** stage_warm.c - what a step of the general form by Newton's method leaves to the next one: h, how many steps are
-** there, the state at the end of the last [4n], velocities of its stages, and differences. Velocities are continued
-** by their own polynomial (HLW VIII.6.1; of one stage: a constant, and then at least the parabola). What that has
-** missed so far is continued, too: with D, D', D'' of the last steps the guess is the polynomial's + D + (D - D')
-** + (D - 2 D' + D'') + ..., as long as the differences get much smaller: on rough motion a guess further out than
-** the polynomial may lead to another root. Another h neither uses nor changes them.
-*/
+/* stage_warm.c - what a step of the general form by Newton's method leaves to the next one: h,
+ * how many steps are there, the state at the end of the last [4n], velocities of its stages, and
+ * differences. Velocities are continued by their own polynomial (HLW VIII.6.1; of one stage: a
+ * constant, and then at least the parabola). What that has missed so far is continued, too: with
+ * D, D', D'' of the last steps the guess is the polynomial's + D + (D - D') + (D - 2 D' + D'') +
+ * ..., as long as the differences get much smaller: on rough motion a guess further out than the
+ * polynomial may lead to another root. Another h neither uses nor changes them. */
 #include "base/largest.h"
 #include "base/written_out.h"
 #include "integ/stage_inside.h"
@@ -55,10 +54,9 @@ static void continue_polynomial(const dm_stage *g, double *to, const double *V) 
                 to[i * (size_t)n + k] += g->ahead[i * s + j] * V[j * (size_t)n + k];
 }
 
-/* to += D of differences [count][size]: so many in any case, then as long as adding one would have brought the last
-** step much nearer. What was missing then is the difference behind it */
-DM_WRITTEN_OUT void add_missed(double *to, const double *D, int count, int at_least,
-                               size_t size) {
+/* to += D of differences [count][size]: so many in any case, then as long as adding one would
+ * have brought the last step much nearer. What was missing then is the difference behind it */
+DM_WRITTEN_OUT void add_missed(double *to, const double *D, int count, int at_least, size_t size) {
     double missing = count > 0 ? dm_largest_of(D, size) : 0.0;
     for (int i = 0; i < count; i++, D += size) {
         const double left = i + 1 < count ? dm_largest_of(D + size, size) : missing;
@@ -122,8 +120,7 @@ DM_WRITTEN_OUT void keep(dm_stage *g, uint32_t s, uint32_t n) {
     if (count > 0) {
         continue_polynomial(g, missed, V);
         for (size_t k = 0; k < size; k++) missed[k] = g->root[k] - missed[k];
-        renew_differences(V + size, missed, count < DM_WARM_TERMS ? count : DM_WARM_TERMS,
-                          size);
+        renew_differences(V + size, missed, count < DM_WARM_TERMS ? count : DM_WARM_TERMS, size);
     }
     g->warm[DM_WARM_COUNT] = count <= DM_WARM_TERMS ? count + 1 : DM_WARM_TERMS + 1;
     dm_stage_copy(V, g->root, (uint32_t)size);

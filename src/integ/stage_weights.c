@@ -18,10 +18,8 @@ void dm_stage_weights_place(dm_stage *g, double *memory) {
     g->hreach = g->hc + r;
 }
 
-static void scale(dm_weight *out, const dm_weight *in, long double factor,
-                  uint32_t count) {
-    for (uint32_t i = 0; i < count; i++)
-        out[i] = dm_weight_of(factor * dm_weight_exact(in[i]));
+static void scale(dm_weight *out, const dm_weight *in, long double factor, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) out[i] = dm_weight_of(factor * dm_weight_exact(in[i]));
 }
 
 void dm_stage_weights_scale(dm_stage *g, double h) {

@@ -50,8 +50,7 @@ static void put_1(const dm_sweep *a) {
 
 static void line_1(double *base, const double *low, const double *v, const dm_parts *c,
                    uint32_t rows) {
-    for (uint32_t k = 0; k < rows; k++)
-        base[k] = c->top[0] * v[k] + (c->rest[0] * v[k] + low[k]);
+    for (uint32_t k = 0; k < rows; k++) base[k] = c->top[0] * v[k] + (c->rest[0] * v[k] + low[k]);
 }
 
 DM_WRITTEN_OUT double finish_rows(const dm_sweep_end *a, uint32_t n) {
@@ -94,7 +93,7 @@ static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1, copy_state}
 
 #define TWO_ROUNDINGS(a, b, c) ((a) * (b) + (c))
 #define TOTALS_OF_2(x, y) ((v2){(x)[0] + (x)[1], (y)[0] + (y)[1]})
-#define TOTALS_OF_4(x, y)                                                                \
+#define TOTALS_OF_4(x, y)                                                                          \
     ((v2){((x)[0] + (x)[1]) + ((x)[2] + (x)[3]), ((y)[0] + (y)[1]) + ((y)[2] + (y)[3])})
 
 #define ROW plain4

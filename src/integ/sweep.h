@@ -1,8 +1,7 @@
-/*
-** sweep.h - arithmetic of fixed-point sweeps over stages that lie side by side: an array [rows][width] holds
-** one stage in each lane. Lanes are added up in the same order whatever made the kernels, so the bits are the same
-** on all backends of a machine; products are fused into sums where the processor can.
-*/
+/* sweep.h - arithmetic of fixed-point sweeps over stages that lie side by side: an array
+ * [rows][width] holds one stage in each lane. Lanes are added up in the same order whatever made
+ * the kernels, so the bits are the same on all backends of a machine; products are fused into
+ * sums where the processor can. */
 #ifndef DM_SWEEP_H
 #define DM_SWEEP_H
 
@@ -15,8 +14,8 @@ typedef struct {
     double *top, *rest;
 } dm_parts;
 
-/* x = start + (base + factor sum_m column_m u[.][m]); without factors the base is the first of the sum, which is then
-** known a product earlier */
+/* x = start + (base + factor sum_m column_m u[.][m]); without factors the base is the first of
+ * the sum, which is then known a product earlier */
 typedef struct {
     uint32_t rows, columns;       /* as many columns as stages */
     double *x;                    /* [rows][width] arguments of a kernel */
@@ -26,7 +25,8 @@ typedef struct {
     const double *factor, *start; /* [rows]; factors NULL: all are 1 */
 } dm_sweep;
 
-/* q += drift + factor sum b_q u_q and p += sum b_p u_p over the stages, in place with compensation (base/sum.h) */
+/* q += drift + factor sum b_q u_q and p += sum b_p u_p over the stages, in place with
+ * compensation (base/sum.h) */
 typedef struct {
     uint32_t rows;
     const double *u[2];           /* [rows][width], of q and of p */
@@ -49,7 +49,8 @@ typedef struct {
     void (*copy)(double *to, const double *state, uint32_t rows);
 } dm_sweep_row;
 
-/* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors that serve. */
+/* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors
+ * that serve. */
 const dm_sweep_row *dm_sweep_find(uint32_t stages);
 
 #endif

@@ -1,10 +1,8 @@
-/*
-** sweep_row.h - the functions of a dm_sweep_row, once for every width and kind of processor. Wanted: ROW (name),
-** W (width), V (vector of W doubles), H (of W/2, for sums over lanes), HOW (target of the functions),
-** TOTALS(x, y): the sums over lanes of two vectors H,
-** FINISH and COPY where the end of a step is done in another way,
-** MADD(a, b, c) and MADD_HALF(a, b, c): a b + c, with one rounding where the processor has it.
-*/
+/* sweep_row.h - the functions of a dm_sweep_row, once for every width and kind of processor.
+ * Wanted: ROW (name), W (width), V (vector of W doubles), H (of W/2, for sums over lanes), HOW
+ * (target of the functions), TOTALS(x, y): the sums over lanes of two vectors H, FINISH and COPY
+ * where the end of a step is done in another way, MADD(a, b, c) and MADD_HALF(a, b, c): a b + c,
+ * with one rounding where the processor has it. */
 #define JOINED(a, b) a##_##b
 #define JOIN(a, b) JOINED(a, b)
 #define OWN(name) JOIN(name, ROW)
@@ -20,9 +18,9 @@ HOW INLINE double OWN(total)(const double *x) {
     return W == 8 ? (x[0] + x[2]) + (x[1] + x[3]) : x[0] + x[1];
 }
 
-/* sum_m c_m u_m, on to a base unless that is NULL; even and odd columns are summed apart, as neither waits for the other */
-HOW INLINE void OWN(inner)(V *sum, const V *base, const V *c, const double *u,
-                           uint32_t columns) {
+/* sum_m c_m u_m, on to a base unless that is NULL; even and odd columns are summed apart, as
+ * neither waits for the other */
+HOW INLINE void OWN(inner)(V *sum, const V *base, const V *c, const double *u, uint32_t columns) {
     V even = c[0] * u[0], odd = c[1] * u[1];
     if (base) even = MADD(c[0], SAME(u[0]), *base);
     if (columns > 2) even = MADD(c[2], SAME(u[2]), even);
@@ -77,8 +75,8 @@ HOW static double OWN(move)(const dm_sweep *a) {
     return OWN(choose)(a, 1);
 }
 
-HOW static void OWN(line)(double *base, const double *low, const double *v,
-                          const dm_parts *c, uint32_t rows) {
+HOW static void OWN(line)(double *base, const double *low, const double *v, const dm_parts *c,
+                          uint32_t rows) {
     const V top = LOAD(c->top), rest = LOAD(c->rest);
     for (uint32_t k = 0; k < rows; k++) {
         const V x = SAME(v[k]);
@@ -102,8 +100,7 @@ HOW static double OWN(finish)(const dm_sweep_end *a) {
         const V q = MADD(top_q, u, rest_q * u), p = MADD(top_p, f, rest_p * f);
         const H *x = (const H *)(const void *)&q, *y = (const H *)(const void *)&p;
         const H q_half = x[0] + x[1], p_half = y[0] + y[1];
-        const v2 d =
-            TOTALS(q_half, p_half) * (v2){at.factor[k], 1.0} + (v2){at.drift[k], 0.0};
+        const v2 d = TOTALS(q_half, p_half) * (v2){at.factor[k], 1.0} + (v2){at.drift[k], 0.0};
         const v2 old = {high[k], high[n + k]}, e = (v2){low[k], low[n + k]} + d;
         const v2 sum = old + e, rest = e + (old - sum);
         high[k] = sum[0];

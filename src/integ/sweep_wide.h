@@ -1,16 +1,13 @@
-/*
-** sweep_wide.h - the end of a step of five to eight stages with AVX-512: eight sums over lanes at a time by adding the
-** halves of pairs of vectors, then compensation of eight entries of the state at once. Entries are stored in parts
-** of eight, four and two.
-*/
+/* sweep_wide.h - the end of a step of five to eight stages with AVX-512: eight sums over lanes
+ * at a time by adding the halves of pairs of vectors, then compensation of eight entries of the
+ * state at once. Entries are stored in parts of eight, four and two. */
 #define WIDE __attribute__((target("avx512f,fma")))
 
 #define INLINE static inline __attribute__((always_inline))
 
 /* halves of a and b added up, side by side */
 WIDE INLINE __m512d halves_of(__m512d a, __m512d b) {
-    return _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x44),
-                         _mm512_shuffle_f64x2(a, b, 0xEE));
+    return _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x44), _mm512_shuffle_f64x2(a, b, 0xEE));
 }
 
 WIDE INLINE __m512d quarters_of(__m512d a, __m512d b) {
@@ -42,8 +39,7 @@ WIDE INLINE __m512d sums(const increments *x, uint32_t k) {
     const __m512d c = halves_of(product(x, k + 4), product(x, k + 6));
     const __m512d d = halves_of(product(x, k + 5), product(x, k + 7));
     const __m512d ab = quarters_of(a, b), cd = quarters_of(c, d);
-    return _mm512_add_pd(_mm512_shuffle_f64x2(ab, cd, 0x88),
-                         _mm512_shuffle_f64x2(ab, cd, 0xDD));
+    return _mm512_add_pd(_mm512_shuffle_f64x2(ab, cd, 0x88), _mm512_shuffle_f64x2(ab, cd, 0xDD));
 }
 
 /* the first of x, an even number of them */
@@ -54,26 +50,23 @@ WIDE INLINE void put_away(double *to, __m512d x, uint32_t count) {
     }
     const __m256d low = _mm512_castpd512_pd256(x), high = _mm512_extractf64x4_pd(x, 1);
     if (count >= 4) _mm256_storeu_pd(to, low);
-    if (count % 4)
-        _mm_storeu_pd(to + count - 2, _mm256_castpd256_pd128(count > 4 ? high : low));
+    if (count % 4) _mm_storeu_pd(to + count - 2, _mm256_castpd256_pd128(count > 4 ? high : low));
 }
 
 WIDE static double finish_in_eights(const dm_sweep_end *a) {
     const dm_sweep_end at = *a;
     const uint32_t entries = 2 * at.rows;
-    const increments x = {
-        {at.u[0], at.u[1]},
-        {_mm512_loadu_pd(at.b[0]->top), _mm512_loadu_pd(at.b[1]->top)},
-        {_mm512_loadu_pd(at.b[0]->rest), _mm512_loadu_pd(at.b[1]->rest)},
-        at.rows};
+    const increments x = {{at.u[0], at.u[1]},
+                          {_mm512_loadu_pd(at.b[0]->top), _mm512_loadu_pd(at.b[1]->top)},
+                          {_mm512_loadu_pd(at.b[0]->rest), _mm512_loadu_pd(at.b[1]->rest)},
+                          at.rows};
     double *high = at.state, *low = at.state + entries;
     __m512d bad = _mm512_setzero_pd();
     for (uint32_t k = 0; k < entries; k += 8) {
         const uint32_t left = entries - k;
         const __mmask8 there = (__mmask8)(left >= 8 ? 0xFFu : (1u << left) - 1u);
-        const __m512d d =
-            _mm512_fmadd_pd(sums(&x, k), _mm512_maskz_loadu_pd(there, at.factor + k),
-                            _mm512_maskz_loadu_pd(there, at.drift + k));
+        const __m512d d = _mm512_fmadd_pd(sums(&x, k), _mm512_maskz_loadu_pd(there, at.factor + k),
+                                          _mm512_maskz_loadu_pd(there, at.drift + k));
         const __m512d old = _mm512_maskz_loadu_pd(there, high + k);
         const __m512d e = _mm512_add_pd(_mm512_maskz_loadu_pd(there, low + k), d);
         const __m512d sum = _mm512_add_pd(old, e);

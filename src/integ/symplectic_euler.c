@@ -28,7 +28,8 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
     g->q.c[0] = takes_end(rule) ? 1.0L : 0.0L;
 }
 
-/* a table that begins with a kick takes its force from the end of the step before: a drift of length zero comes first */
+/* a table that begins with a kick takes its force from the end of the step before: a drift of
+ * length zero comes first */
 static const dm_splitting kick_drift = {2, {0.0, 1.0, 0.0}, {0.0, 1.0}};
 static const dm_splitting drift_kick = {1, {0.0, 1.0}, {1.0}};
 

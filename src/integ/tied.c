@@ -8,8 +8,7 @@
 unsigned dm_tied_wants(const dm_model *m) {
     const dm_ties *ties = m->ties;
     return DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS |
-           (ties->holonomic ? DM_WANT_HOLONOMIC : 0) |
-           (ties->rolling ? DM_WANT_ROLLING : 0) |
+           (ties->holonomic ? DM_WANT_HOLONOMIC : 0) | (ties->rolling ? DM_WANT_ROLLING : 0) |
            (ties->holonomic + ties->rolling ? DM_WANT_REACTION : 0) |
            (ties->forced ? DM_WANT_TIE_FORCE | DM_WANT_FORCE_CURVE : 0);
 }
@@ -38,8 +37,8 @@ static size_t doubles(size_t bytes) {
 }
 
 static size_t scratch_size(const sizes *z, const dm_model *m) {
-    const size_t newton = larger(dm_newton_work((uint32_t)z->unknowns),
-                                 dm_newton_work((uint32_t)(z->n + z->m)));
+    const size_t newton =
+        larger(dm_newton_work((uint32_t)z->unknowns), dm_newton_work((uint32_t)(z->n + z->m)));
     const size_t hidden = z->m * (z->m + z->n + 3);
     return larger(larger(newton, hidden), dm_legendre_work(m));
 }
@@ -90,8 +89,7 @@ static size_t lay_out(dm_tied *g, const sizes *z, double *memory) {
     g->dp = take(&to, n);
     g->before = take(&to, n);
     g->scratch = take(&to, scratch_size(z, g->m));
-    g->memory =
-        take(&to, dm_tied_memory_size((uint32_t)n, (uint32_t)z->unknowns, (uint32_t)m));
+    g->memory = take(&to, dm_tied_memory_size((uint32_t)n, (uint32_t)z->unknowns, (uint32_t)m));
     return to.used;
 }
 
@@ -100,8 +98,8 @@ size_t dm_tied_work(size_t s, size_t r, const dm_model *m) {
     dm_tied g = {.m = m};
     return doubles(sizeof g) + dm_stage_table_size(s, r) + dm_tied_weights_size(s, r) +
            dm_tied_entries_size((uint32_t)z.n, (uint32_t)z.k, (uint32_t)z.l) +
-           dm_tied_matrix_size((uint32_t)z.unknowns) +
-           dm_tied_matrix_size((uint32_t)(z.n + z.m)) + lay_out(&g, &z, NULL);
+           dm_tied_matrix_size((uint32_t)z.unknowns) + dm_tied_matrix_size((uint32_t)(z.n + z.m)) +
+           lay_out(&g, &z, NULL);
 }
 
 /* constant outputs of the kernels, once */
@@ -111,8 +109,7 @@ static void prepare(dm_tied *g) {
     for (uint32_t i = 0; i < g->table.r; i++) {
         dm_kernel_prepare(&g->m->stage, g->curve + i * (2 * n + 3 * nn));
         dm_kernel_prepare(&g->m->slope, g->plain + i * 2 * n);
-        if (ties->forced)
-            dm_kernel_prepare(&ties->force_curve, g->drag + i * (n + 2 * nn));
+        if (ties->forced) dm_kernel_prepare(&ties->force_curve, g->drag + i * (n + 2 * nn));
     }
     for (uint32_t k = 0; k <= g->K && g->k + g->l; k++) {
         if (g->k) dm_kernel_prepare(&ties->holonomic_kernel, dm_tied_holonomic(g, k));
@@ -155,8 +152,8 @@ dm_status dm_tied_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_tied_entries_find(g, memory);
     memory += dm_tied_entries_size(g->n, g->k, g->l);
     double *matrices = memory;
-    memory += dm_tied_matrix_size((uint32_t)z.unknowns) +
-              dm_tied_matrix_size((uint32_t)(z.n + z.m));
+    memory +=
+        dm_tied_matrix_size((uint32_t)z.unknowns) + dm_tied_matrix_size((uint32_t)(z.n + z.m));
     lay_out(g, &z, memory);
     prepare(g);
     open_matrices(g, matrices);
@@ -209,7 +206,8 @@ dm_status dm_tied_newton(dm_tied *g, const dm_stepper *stepper) {
     return status;
 }
 
-/* the equation of a step of h / 16, then of ever longer ones from the root before: the same state, the same ties */
+/* the equation of a step of h / 16, then of ever longer ones from the root before: the same
+ * state, the same ties */
 static dm_status by_continuation(dm_tied *g, const dm_stepper *stepper) {
     enum { DOUBLINGS = 4 };
     const double h = g->h;
@@ -253,18 +251,15 @@ static dm_status solve(dm_tied *g, const dm_stepper *stepper) {
 static dm_status find_lost(dm_tied *g, dm_status status) {
     if (status != DM_NO_CONVERGENCE && status != DM_SINGULAR) return status;
     g->lost = dm_tied_dependent(g, 0);
-    for (uint32_t k = 1; k <= g->K && !g->lost && !g->l; k++)
-        g->lost = dm_tied_dependent(g, k);
+    for (uint32_t k = 1; k <= g->K && !g->lost && !g->l; k++) g->lost = dm_tied_dependent(g, k);
     return g->lost ? DM_SINGULAR : status;
 }
 
 /* |g| and |phi| at the end of the step */
 static void report_ties(const dm_tied *g, dm_report *report) {
     const double *hol = dm_tied_holonomic(g, g->K), *phi = dm_tied_rolling(g, g->K);
-    for (uint32_t c = 0; c < g->k; c++)
-        report->constraint = fmax(report->constraint, fabs(hol[c]));
-    for (uint32_t c = 0; c < g->l; c++)
-        report->rolling = fmax(report->rolling, fabs(phi[c]));
+    for (uint32_t c = 0; c < g->k; c++) report->constraint = fmax(report->constraint, fabs(hol[c]));
+    for (uint32_t c = 0; c < g->l; c++) report->rolling = fmax(report->rolling, fabs(phi[c]));
 }
 
 dm_status dm_tied_step(dm_stepper *stepper, double *state, double t) {
@@ -279,8 +274,7 @@ dm_status dm_tied_step(dm_stepper *stepper, double *state, double t) {
     dm_status status = dm_tied_begin(g);
     if (status == DM_OK) status = find_lost(g, solve(g, stepper));
     if (status == DM_OK)
-        status =
-            dm_tied_is_bent(g) ? dm_tied_bend(g, stepper) : dm_tied_finish(g, stepper);
+        status = dm_tied_is_bent(g) ? dm_tied_bend(g, stepper) : dm_tied_finish(g, stepper);
     stepper->report.iterations = g->iterations;
     stepper->report.residual = g->residual;
     stepper->report.tie = (int)g->lost;

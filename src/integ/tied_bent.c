@@ -1,10 +1,9 @@
-/*
-** tied_bent.c - reactions that turn with v (nonlinear phi, or a given E(q, v)). At the inner tie points v is that of the
-** momentum there, which the forces and all impulses up to I_K give by interpolation,
-**   P~_k = p0 + h sum_i a^_ki (L_q + f)(i) + sum_m (a^_km / w_m) I_m,  L_v(Q~_k, v~_k) = P~_k
-** (Jay 2009): the velocity of the curve is known to the order of the stages only, and so would be the step. The equation is
-** solved for given v~, again and again: they change by a factor h a time.
-*/
+/* tied_bent.c - reactions that turn with v (nonlinear phi, or a given E(q, v)). At the inner tie
+ * points v is that of the momentum there, which the forces and all impulses up to I_K give by
+ * interpolation, P~_k = p0 + h sum_i a^_ki (L_q + f)(i) + sum_m (a^_km / w_m) I_m,  L_v(Q~_k,
+ * v~_k) = P~_k (Jay 2009): the velocity of the curve is known to the order of the stages only,
+ * and so would be the step. The equation is solved for given v~, again and again: they change by
+ * a factor h a time. */
 #include "integ/tied_inside.h"
 
 #include <math.h>
@@ -28,8 +27,7 @@ static void inner_momentum(dm_tied *g, double *p, uint32_t k) {
     const double *impulse = g->inner_impulse + (k - 1) * (g->K + 1);
     memcpy(p, g->state + n, n * sizeof *p);
     for (uint32_t i = 0; i < r; i++)
-        for (uint32_t j = 0; j < n; j++)
-            p[j] += g->h * force[i] * g->slope[2 * i * n + j];
+        for (uint32_t j = 0; j < n; j++) p[j] += g->h * force[i] * g->slope[2 * i * n + j];
     for (uint32_t m = 0; m <= g->K; m++)
         for (uint32_t j = 0; j < n; j++) p[j] += impulse[m] * g->impulse[m * n + j];
 }
@@ -43,8 +41,7 @@ static dm_status renew(dm_tied *g, double *change) {
         dm_tied_at_tie(g, g->root, k);
         inner_momentum(g, g->dp, k);
         memcpy(g->dq, v, n * sizeof *v);
-        const dm_status status =
-            dm_legendre_inverse(g->m, v, g->x, g->dp, g->x[2 * n], g->scratch);
+        const dm_status status = dm_legendre_inverse(g->m, v, g->x, g->dp, g->x[2 * n], g->scratch);
         if (status != DM_OK) return status;
         for (uint32_t j = 0; j < n; j++) {
             most = dm_tied_larger(fabs(v[j] - g->dq[j]), most);
@@ -64,8 +61,7 @@ dm_status dm_tied_bend(dm_tied *g, const dm_stepper *stepper) {
         last = change;
         status = renew(g, &change);
         if (status != DM_OK) return status;
-        const int done =
-            change <= stepper->tolerance || (change >= last && change < NOISE);
+        const int done = change <= stepper->tolerance || (change >= last && change < NOISE);
         status = dm_tied_newton(g, stepper);
         if (status == DM_OK) status = dm_tied_finish(g, stepper);
         if (done) return status;

@@ -1,4 +1,5 @@
-/* tied_end.c - from the root to the state at the end: forces and impulses at the root, compensated sums. */
+/* tied_end.c - from the root to the state at the end: forces and impulses at the root,
+ * compensated sums. */
 #include "integ/tied_inside.h"
 
 #include "base/sum.h"
@@ -45,8 +46,7 @@ static void correct_impulses(dm_tied *g, const double *dV) {
         if (k == 0) continue;
         moved(g, g->tie_ha + k * s, g->tie.d + k * s, dV);
         dm_tied_product(impulse, r_q, g->shift, &g->r_q);
-        if (!dm_tied_is_bent(g))
-            dm_tied_product(impulse, r_q + (size_t)n * n, g->v, &g->r_v);
+        if (!dm_tied_is_bent(g)) dm_tied_product(impulse, r_q + (size_t)n * n, g->v, &g->r_v);
     }
 }
 

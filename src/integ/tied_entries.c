@@ -1,7 +1,6 @@
-/*
-** tied_entries.c - which entries of the kernels' matrices can differ from zero, and from that the shape of the matrices
-** that Newton's method solves with: dense where they are small or full, else a band.
-*/
+/* tied_entries.c - which entries of the kernels' matrices can differ from zero, and from that
+ * the shape of the matrices that Newton's method solves with: dense where they are small or
+ * full, else a band. */
 #include "integ/tied_inside.h"
 
 #include <math.h>
@@ -26,9 +25,10 @@ static int is_zero(const dm_kernel *k, size_t i) {
     return k->fixed && k->fixed[i] && k->constant[i] == 0.0;
 }
 
-/* outputs first .. first + rows * n - 1 of a kernel, which may be absent; returns what is left of the memory */
-static uint32_t *find(dm_tied_entries *out, const dm_kernel *k, size_t first,
-                      uint32_t rows, uint32_t n, uint32_t *memory) {
+/* outputs first .. first + rows * n - 1 of a kernel, which may be absent; returns what is left
+ * of the memory */
+static uint32_t *find(dm_tied_entries *out, const dm_kernel *k, size_t first, uint32_t rows,
+                      uint32_t n, uint32_t *memory) {
     const size_t most = (size_t)rows * n;
     *out = (dm_tied_entries){0, memory, memory + most, memory + 2 * most};
     for (uint32_t i = 0; i < rows && k->eval; i++)
@@ -103,8 +103,7 @@ void dm_tied_scatter(dm_tied *g) {
     for (uint32_t k = 0; k <= g->K && g->k + g->l; k++) {
         if (g->k) scatter(&ties->holonomic_kernel, dm_tied_holonomic(g, k));
         if (g->l) scatter(&ties->rolling_kernel, dm_tied_rolling(g, k));
-        if (g->l && k < g->K)
-            scatter(&ties->rolling_kernel, g->roll + k * g->l * (1 + 3 * n));
+        if (g->l && k < g->K) scatter(&ties->rolling_kernel, g->roll + k * g->l * (1 + 3 * n));
         scatter(&ties->reaction, dm_tied_curved(g, k));
     }
     scatter(&g->m->mass, g->mass);
@@ -116,25 +115,20 @@ void dm_tied_zero(double *J, const dm_tied_matrix *m) {
     memset(J, 0, (m->banded ? dm_band_size(&m->band) : n * n) * sizeof *J);
 }
 
-void dm_tied_add(double *J, const dm_tied_matrix *m, uint32_t row, uint32_t column,
-                 double w, const double *B, const dm_tied_entries *e) {
+void dm_tied_add(double *J, const dm_tied_matrix *m, uint32_t row, uint32_t column, double w,
+                 const double *B, const dm_tied_entries *e) {
     const size_t *r = m->row + row, *c = m->column + column;
     if (w == 0.0) return;
-    for (uint32_t i = 0; i < e->count; i++)
-        J[r[e->row[i]] + c[e->column[i]]] += w * B[e->entry[i]];
+    for (uint32_t i = 0; i < e->count; i++) J[r[e->row[i]] + c[e->column[i]]] += w * B[e->entry[i]];
 }
 
-void dm_tied_add_transposed(double *J, const dm_tied_matrix *m, uint32_t row,
-                            uint32_t column, double w, const double *B,
-                            const dm_tied_entries *e) {
+void dm_tied_add_transposed(double *J, const dm_tied_matrix *m, uint32_t row, uint32_t column,
+                            double w, const double *B, const dm_tied_entries *e) {
     const size_t *r = m->row + row, *c = m->column + column;
     if (w == 0.0) return;
-    for (uint32_t i = 0; i < e->count; i++)
-        J[r[e->column[i]] + c[e->row[i]]] += w * B[e->entry[i]];
+    for (uint32_t i = 0; i < e->count; i++) J[r[e->column[i]] + c[e->row[i]]] += w * B[e->entry[i]];
 }
 
-void dm_tied_product(double *y, const double *B, const double *x,
-                     const dm_tied_entries *e) {
-    for (uint32_t i = 0; i < e->count; i++)
-        y[e->row[i]] += B[e->entry[i]] * x[e->column[i]];
+void dm_tied_product(double *y, const double *B, const double *x, const dm_tied_entries *e) {
+    for (uint32_t i = 0; i < e->count; i++) y[e->row[i]] += B[e->entry[i]] * x[e->column[i]];
 }

@@ -1,4 +1,5 @@
-/* tied_equation.c - residual and exact matrix of the step equation; unknowns V[s][n], impulses[K][m], m = k + l. */
+/* tied_equation.c - residual and exact matrix of the step equation; unknowns V[s][n],
+ * impulses[K][m], m = k + l. */
 #include "integ/tied_inside.h"
 
 #include <math.h>

@@ -1,7 +1,5 @@
-/*
-** tied_hidden.c - the impulses I_K that put p1 onto the hidden constraint, and v1:
-**   L_v(q1, v1) = p + I_K,  G v1 + g_t = 0,  phi(q1, v1) = 0.
-*/
+/* tied_hidden.c - the impulses I_K that put p1 onto the hidden constraint, and v1:
+ *   L_v(q1, v1) = p + I_K,  G v1 + g_t = 0,  phi(q1, v1) = 0. */
 #include "integ/tied_inside.h"
 
 #include "linalg/lu.h"
@@ -36,8 +34,8 @@ static void end_ties(const dm_tied *g, double *R, const double *v) {
 }
 
 /* rows across, as columns behind those of v, and rows of the equations */
-static void add_ties(const dm_tied *g, double *J, const double *across,
-                     const double *along, const dm_tied_entries *e, uint32_t first) {
+static void add_ties(const dm_tied *g, double *J, const double *across, const double *along,
+                     const dm_tied_entries *e, uint32_t first) {
     const dm_tied_matrix *m = &g->hidden;
     const double *unit = across ? g->impulse_unit + first : g->row_unit + first;
     for (uint32_t i = 0; i < e->count; i++) {
@@ -138,7 +136,8 @@ static dm_status weigh(dm_tied *g, double *S, double *push, uint32_t *pivot) {
     return dm_lu_factor(S, pivot, m);
 }
 
-/* what is missing at v1 to the ties, negative: g_t + G v, phi with phi_v v instead of its value at another v */
+/* what is missing at v1 to the ties, negative: g_t + G v, phi with phi_v v instead of its value
+ * at another v */
 static void missing(const dm_tied *g, double *out, const double *offset) {
     for (uint32_t c = 0; c < g->k + g->l; c++) {
         const double *row = row_of(g, c, 0);
@@ -154,8 +153,7 @@ static void offsets(const dm_tied *g, double *offset) {
     for (uint32_t c = 0; c < g->k + g->l; c++) {
         const double *row = row_of(g, c, 0);
         offset[c] = c < g->k ? g_t[c] : phi[c - g->k];
-        for (uint32_t i = 0; i < g->n && c >= g->k; i++)
-            offset[c] -= row[i] * g->x[g->n + i];
+        for (uint32_t i = 0; i < g->n && c >= g->k; i++) offset[c] -= row[i] * g->x[g->n + i];
     }
 }
 
@@ -187,8 +185,7 @@ static dm_status by_elimination(dm_tied *g) {
 dm_status dm_tied_hidden(dm_tied *g, const dm_stepper *stepper) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     const unsigned ties = g->ties->structure;
-    const int linear =
-        !g->l || (ties & DM_TIES_LINEAR && !(ties & DM_TIES_GIVEN_REACTIONS));
+    const int linear = !g->l || (ties & DM_TIES_LINEAR && !(ties & DM_TIES_GIVEN_REACTIONS));
     place_end(g);
     if (linear && (g->m->structure & simple) == simple && !g->hidden.banded)
         return by_elimination(g);

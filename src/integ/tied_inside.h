@@ -30,13 +30,12 @@ typedef struct {
 /* Laid out at the head of stepper->work by dm_tied_open. */
 typedef struct {
     dm_stage_table table;
-    dm_tied_points tie,
-        gauss; /* K + 1 points with impulses, K where rolling is enforced */
+    dm_tied_points tie, gauss; /* K + 1 points with impulses, K where rolling is enforced */
     const dm_model *m;
     const dm_ties *ties;
-    uint32_t n, K, k, l;   /* dim Q, tie points less one, holonomic ties, rolling ties */
-    double h, t;           /* step, its start */
-    dm_weight *hb, *hbeta; /* [r], [s] */
+    uint32_t n, K, k, l;          /* dim Q, tie points less one, holonomic ties, rolling ties */
+    double h, t;                  /* step, its start */
+    dm_weight *hb, *hbeta;        /* [r], [s] */
     dm_weight *ha, *wq, *wv;      /* [r*s]: h a_ij, h b_i (a_ij - beta_j), b_i d_ij */
     dm_weight *tie_ha, *gauss_ha; /* [(K+1)*s], [K*s] */
     dm_weight *lever;             /* [K*s]: a~_kj - beta_j */
@@ -44,44 +43,40 @@ typedef struct {
     dm_tied_entries G, E, phi_v, phi_q;                      /* [k*n], [l*n] */
     dm_tied_matrix step, hidden; /* of the step equation, of the hidden constraint */
     double *ahead;               /* [s*(s+1)]: V_j from v0 and the V of the step before */
-    double *
-        inner_force; /* [(K-1)*r]: integral to t_k of what stands at the quadrature points */
-    double *
-        inner_impulse; /* [(K-1)*(K+1)]: of the reactions at the tie points, over their weights */
-    double *
-        inner_v; /* [(K-1)*n] velocity at the inner tie points, where reactions turn with it */
-    double *longer;      /* [s*(s+1)]: and from those of a step of half the length */
-    const double *state; /* at the start of the step */
-    double *x;           /* [2n+1 + k+l + controls] arguments of a kernel */
-    double *shift, *v;   /* [n] of a point */
-    double *slope;       /* [r][2n] L_q + f, L_v */
-    double *plain;       /* [r][2n] outputs of the slope kernel */
-    double *curve;       /* [r][2n + 3n^2] outputs of the stage kernel */
-    double *drag;        /* [r][n + 2n^2] outputs of the force kernels */
-    double *holonomic;   /* [K+1][k(n+2)] g, G, g_t */
-    double *rolling;     /* [K+1][l(1+3n)] phi, E, phi_v, phi_q at the tie points */
-    double *roll;        /* [K][l(1+3n)] at the Gauss points */
-    double *reaction;    /* [K+1][n + 2n^2] I_k, its derivatives in q, v */
-    double *impulse;     /* [K+1][n] I_k */
-    double *lambda;      /* [k+l] multipliers as the reaction takes them */
-    double *row_unit,
-        *impulse_unit; /* [k+l] M over the largest entry of G, phi_v; of G, E */
-    double *mass;      /* [n + n^2] L_v, L_vv at the ends */
-    double mass_size;  /* largest entry of L_vv */
-    double *root;      /* [s][n] V, [K][k+l] impulses in units of velocity */
-    double *end;       /* [n] v1, [k+l] impulses of the last tie point */
-    double *v0;        /* [n] velocity at the start */
-    double *next;      /* [4n] state at the end */
-    double *dq, *dp;   /* [n] */
-    double *before;    /* [n] momentum at the end without I_K */
-    double *scratch;   /* of Newton and of the Legendre transform */
-    double *memory;    /* see tied_memory.c */
-    double size;       /* of the terms of the residual */
+    double *inner_force; /* [(K-1)*r]: integral to t_k of what stands at the quadrature points */
+    double
+        *inner_impulse; /* [(K-1)*(K+1)]: of the reactions at the tie points, over their weights */
+    double *inner_v; /* [(K-1)*n] velocity at the inner tie points, where reactions turn with it */
+    double *longer;  /* [s*(s+1)]: and from those of a step of half the length */
+    const double *state;             /* at the start of the step */
+    double *x;                       /* [2n+1 + k+l + controls] arguments of a kernel */
+    double *shift, *v;               /* [n] of a point */
+    double *slope;                   /* [r][2n] L_q + f, L_v */
+    double *plain;                   /* [r][2n] outputs of the slope kernel */
+    double *curve;                   /* [r][2n + 3n^2] outputs of the stage kernel */
+    double *drag;                    /* [r][n + 2n^2] outputs of the force kernels */
+    double *holonomic;               /* [K+1][k(n+2)] g, G, g_t */
+    double *rolling;                 /* [K+1][l(1+3n)] phi, E, phi_v, phi_q at the tie points */
+    double *roll;                    /* [K][l(1+3n)] at the Gauss points */
+    double *reaction;                /* [K+1][n + 2n^2] I_k, its derivatives in q, v */
+    double *impulse;                 /* [K+1][n] I_k */
+    double *lambda;                  /* [k+l] multipliers as the reaction takes them */
+    double *row_unit, *impulse_unit; /* [k+l] M over the largest entry of G, phi_v; of G, E */
+    double *mass;                    /* [n + n^2] L_v, L_vv at the ends */
+    double mass_size;                /* largest entry of L_vv */
+    double *root;                    /* [s][n] V, [K][k+l] impulses in units of velocity */
+    double *end;                     /* [n] v1, [k+l] impulses of the last tie point */
+    double *v0;                      /* [n] velocity at the start */
+    double *next;                    /* [4n] state at the end */
+    double *dq, *dp;                 /* [n] */
+    double *before;                  /* [n] momentum at the end without I_K */
+    double *scratch;                 /* of Newton and of the Legendre transform */
+    double *memory;                  /* see tied_memory.c */
+    double size;                     /* of the terms of the residual */
     long evaluations;
     int iterations; /* of Newton, in this step */
     double residual;
-    uint32_t
-        lost; /* the tie that depends on those before it, from 1; 0: none was found */
+    uint32_t lost; /* the tie that depends on those before it, from 1; 0: none was found */
 } dm_tied;
 
 /* without the call that fmax is */
@@ -115,7 +110,8 @@ void dm_tied_at(dm_tied *g, const double *shift, const double *v, double after);
 void dm_tied_at_tie(dm_tied *g, const double *V, uint32_t k);
 /* slopes (and curves) at the points of the quadrature */
 void dm_tied_slopes(dm_tied *g, const double *V, int with_curve);
-/* ties where they are wanted and the impulses of the multipliers behind V; derivatives of these too */
+/* ties where they are wanted and the impulses of the multipliers behind V; derivatives of these
+ * too */
 void dm_tied_ties(dm_tied *g, const double *V, int with_curve);
 /* rows of the ties at x, kept for the tie point k; the impulse that they make; its derivatives */
 void dm_tied_rows(dm_tied *g, uint32_t k);
@@ -137,13 +133,11 @@ void dm_tied_matrix_narrow(dm_tied_matrix *m, const double *J, uint32_t *scratch
 void dm_tied_scatter(dm_tied *g);
 
 /* J += w B at (row, column), J += w B^T, y += B x */
-void dm_tied_add(double *J, const dm_tied_matrix *m, uint32_t row, uint32_t column,
-                 double w, const double *B, const dm_tied_entries *e);
-void dm_tied_add_transposed(double *J, const dm_tied_matrix *m, uint32_t row,
-                            uint32_t column, double w, const double *B,
-                            const dm_tied_entries *e);
-void dm_tied_product(double *y, const double *B, const double *x,
-                     const dm_tied_entries *e);
+void dm_tied_add(double *J, const dm_tied_matrix *m, uint32_t row, uint32_t column, double w,
+                 const double *B, const dm_tied_entries *e);
+void dm_tied_add_transposed(double *J, const dm_tied_matrix *m, uint32_t row, uint32_t column,
+                            double w, const double *B, const dm_tied_entries *e);
+void dm_tied_product(double *y, const double *B, const double *x, const dm_tied_entries *e);
 void dm_tied_zero(double *J, const dm_tied_matrix *m);
 
 /* ---- tied_equation.c ---- */
@@ -169,7 +163,8 @@ void dm_tied_hidden_matrix(const dm_tied *g, double *J);
 
 int dm_tied_is_bent(const dm_tied *g);
 void dm_tied_bend_guess(dm_tied *g);
-/* from a root with a guess of the inner velocities to one with theirs, and to the end of the step */
+/* from a root with a guess of the inner velocities to one with theirs, and to the end of the
+ * step */
 dm_status dm_tied_bend(dm_tied *g, const dm_stepper *stepper);
 
 /* ---- tied_memory.c: V, impulses, end and start of a step, for the next one ---- */
@@ -179,7 +174,8 @@ void dm_tied_memory_clear(dm_tied *g, double h);
 int dm_tied_memory_fits(const dm_tied *g);
 const double *dm_tied_memory_velocity(const dm_tied *g); /* v1 */
 void dm_tied_memory_keep(dm_tied *g);
-/* root = a guess: from the step before where there is one (else 0), v0 alone, from V of a step half as long */
+/* root = a guess: from the step before where there is one (else 0), v0 alone, from V of a step
+ * half as long */
 int dm_tied_guess(dm_tied *g);
 void dm_tied_plain_guess(dm_tied *g);
 void dm_tied_longer_guess(dm_tied *g, const double *V);

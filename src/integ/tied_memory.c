@@ -1,7 +1,6 @@
-/*
-** tied_memory.c - what a step leaves to the next one: h, a mark, the state at its end [4n], the root, v1 and the
-** impulses of the end. Another h (a step to a time between, a part of a composition) neither uses nor changes it.
-*/
+/* tied_memory.c - what a step leaves to the next one: h, a mark, the state at its end [4n], the
+ * root, v1 and the impulses of the end. Another h (a step to a time between, a part of a
+ * composition) neither uses nor changes it. */
 #include "integ/tied_inside.h"
 
 #include <string.h>

@@ -32,8 +32,7 @@ static void place(dm_tied *g, const dm_weight *ha, const dm_weight *d, double af
 
 void dm_tied_at_tie(dm_tied *g, const double *V, uint32_t k) {
     const uint32_t s = g->table.s;
-    place(g, g->tie_ha + k * s, g->tie.d + k * s, g->h * dm_weight_double(g->tie.c[k]),
-          V);
+    place(g, g->tie_ha + k * s, g->tie.d + k * s, g->h * dm_weight_double(g->tie.c[k]), V);
 }
 
 /* L_q += f, and its curves where they are wanted */
@@ -48,8 +47,7 @@ void dm_tied_slopes(dm_tied *g, const double *V, int with_curve) {
     for (uint32_t i = 0; i < g->table.r; i++) {
         double *slope = g->slope + i * 2 * n, *curve = g->curve + i * width;
         double *out = with_curve ? curve : g->plain + i * 2 * n;
-        place(g, g->ha + i * s, g->table.d + i * s,
-              g->h * dm_weight_double(g->table.c[i]), V);
+        place(g, g->ha + i * s, g->table.d + i * s, g->h * dm_weight_double(g->table.c[i]), V);
         dm_kernel_eval(with_curve ? &g->m->stage : &g->m->slope, g->x, out);
         memcpy(slope, out, 2 * n * sizeof *slope);
         add_force(g, slope, g->drag + i * (n + 2 * n * n), with_curve);
@@ -120,8 +118,8 @@ void dm_tied_ties(dm_tied *g, const double *V, int with_curve) {
             eval_holonomic(g, k);
     }
     for (uint32_t k = 0; k < g->K && g->l; k++) {
-        place(g, g->gauss_ha + k * s, g->gauss.d + k * s,
-              g->h * dm_weight_double(g->gauss.c[k]), V);
+        place(g, g->gauss_ha + k * s, g->gauss.d + k * s, g->h * dm_weight_double(g->gauss.c[k]),
+              V);
         eval_rolling(g, g->roll + k * g->l * (1 + 3 * n));
     }
 }

@@ -1,7 +1,6 @@
-/*
-** tied_rank.c - which tie cannot be held: S = rows of the equations . rows of the reactions, both of length 1,
-** loses rank where one depends on those before it, and where its reactions do not act against it.
-*/
+/* tied_rank.c - which tie cannot be held: S = rows of the equations . rows of the reactions,
+ * both of length 1, loses rank where one depends on those before it, and where its reactions do
+ * not act against it. */
 #include "integ/tied_inside.h"
 
 #include <math.h>

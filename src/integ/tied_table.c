@@ -1,10 +1,12 @@
-/* tied_table.c - coefficients of the curve at the tie points and at the Gauss points between them. */
+/* tied_table.c - coefficients of the curve at the tie points and at the Gauss points between
+ * them. */
 #include "integ/tied_inside.h"
 
 enum { MOST = DM_QUADRATURE_NODES + 1, SMOOTH = 8 };
 
-/* s tie intervals for a curve of degree s; where velocities and quadrature share nodes with both ends the curve
-** has a degree more than the quadrature can tell apart, and its nodes are the tie points (Jay 1996) */
+/* s tie intervals for a curve of degree s; where velocities and quadrature share nodes with both
+ * ends the curve has a degree more than the quadrature can tell apart, and its nodes are the tie
+ * points (Jay 1996) */
 uint32_t dm_tied_count(size_t s, size_t r, const dm_galerkin *g) {
     const int both_ends = g->q.c[0] == 0.0L && g->q.c[r - 1] == 1.0L;
     const size_t K = s == r && both_ends ? s - 1 : s;
@@ -16,8 +18,8 @@ static size_t points_size(size_t count, size_t s) {
 }
 
 size_t dm_tied_weights_size(size_t s, size_t r) {
-    const size_t pairs = points_size(s + 1, s) + points_size(s, s) + r + s + 3 * r * s +
-                         (s + 1) * s + 2 * s * s;
+    const size_t pairs =
+        points_size(s + 1, s) + points_size(s, s) + r + s + 3 * r * s + (s + 1) * s + 2 * s * s;
     return 2 * pairs + 2 * s * (s + 1) + s * (r + s + 1);
 }
 
@@ -27,8 +29,8 @@ static dm_weight *take(dm_weight **memory, size_t count) {
     return block;
 }
 
-static void points_fill(dm_tied_points *p, const dm_quadrature *at,
-                        const dm_galerkin *basis, dm_weight **memory) {
+static void points_fill(dm_tied_points *p, const dm_quadrature *at, const dm_galerkin *basis,
+                        dm_weight **memory) {
     const int s = basis->s;
     long double d[MOST], a[MOST];
     p->count = (uint32_t)at->r;
@@ -45,10 +47,10 @@ static void points_fill(dm_tied_points *p, const dm_quadrature *at,
     }
 }
 
-/* row[s+1]: weights of the velocities at the nodes and, behind them, of one more at `extra`, that take the
-** polynomial through all of them to x; the one more is left out where a node is there */
-static void extrapolate(double *row, const dm_galerkin *basis, long double extra,
-                        long double x) {
+/* row[s+1]: weights of the velocities at the nodes and, behind them, of one more at `extra`,
+ * that take the polynomial through all of them to x; the one more is left out where a node is
+ * there */
+static void extrapolate(double *row, const dm_galerkin *basis, long double extra, long double x) {
     const int s = basis->s;
     long double node[MOST] = {0}, value[MOST];
     int count = s;
@@ -69,7 +71,8 @@ static void guesses_fill(dm_tied *g, const dm_galerkin *basis) {
     }
 }
 
-/* integrals of polynomials through the quadrature points, and through the tie points, up to the inner ones */
+/* integrals of polynomials through the quadrature points, and through the tie points, up to the
+ * inner ones */
 static void inner_fill(dm_tied *g, const dm_galerkin *basis, const dm_quadrature *ties) {
     long double value[MOST], integral[MOST];
     const int r = basis->q.r;

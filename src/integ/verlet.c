@@ -1,4 +1,5 @@
-/* verlet.c - Stoermer-Verlet: explicit when L = T(v) - V(q, t), else Lobatto IIIA-IIIB of 2 stages. */
+/* verlet.c - Stoermer-Verlet: explicit when L = T(v) - V(q, t), else Lobatto IIIA-IIIB of 2
+ * stages. */
 #include "integ/splitting.h"
 #include "integ/stage_lanes.h"
 

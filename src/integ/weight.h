@@ -1,8 +1,6 @@
-/*
-** weight.h - a coefficient of a method kept as two doubles, the first of 24 bits. Rounding a
-** coefficient to a double would make the same error in every step, and invariants would drift
-** in proportion to time; two products err at random (Hairer, McLachlan & Razakarivony 2008).
-*/
+/* weight.h - a coefficient of a method kept as two doubles, the first of 24 bits. Rounding a
+ * coefficient to a double would make the same error in every step, and invariants would drift
+ * in proportion to time; two products err at random (Hairer, McLachlan & Razakarivony 2008). */
 #ifndef DM_WEIGHT_H
 #define DM_WEIGHT_H
 
@@ -31,8 +29,7 @@ static inline double dm_weighted(dm_weight w, double x) {
 }
 
 /* out[n] += w x[n] */
-static inline void dm_weighted_add(double *out, dm_weight w, const double *x,
-                                   uint32_t n) {
+static inline void dm_weighted_add(double *out, dm_weight w, const double *x, uint32_t n) {
     for (uint32_t k = 0; k < n; k++) out[k] += dm_weighted(w, x[k]);
 }
 

@@ -7,13 +7,15 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
 }
 
-/* ---- the order: breadth first from an unknown at the rim, so that neighbours get near numbers ---- */
+/* ---- the order: breadth first from an unknown at the rim, so that neighbours get near numbers
+ * ---- */
 
 static int meet(const double *pattern, uint32_t n, uint32_t i, uint32_t j) {
     return pattern[i * (size_t)n + j] != 0.0 || pattern[j * (size_t)n + i] != 0.0;
 }
 
-/* unknowns of the part that holds `first`, level by level, into list; gives their number; met[n] marks them */
+/* unknowns of the part that holds `first`, level by level, into list; gives their number; met[n]
+ * marks them */
 static uint32_t spread(uint32_t *list, uint32_t *met, const double *pattern, uint32_t n,
                        uint32_t first) {
     uint32_t count = 1;
@@ -28,8 +30,7 @@ static uint32_t spread(uint32_t *list, uint32_t *met, const double *pattern, uin
     return count;
 }
 
-uint32_t dm_band_order(uint32_t *order, const double *pattern, uint32_t n,
-                       uint32_t *scratch) {
+uint32_t dm_band_order(uint32_t *order, const double *pattern, uint32_t n, uint32_t *scratch) {
     uint32_t *list = scratch, *met = scratch + n, done = 0, width = 0;
     memset(met, 0, n * sizeof *met);
     for (uint32_t first = 0; first < n; first++) {
@@ -45,8 +46,7 @@ uint32_t dm_band_order(uint32_t *order, const double *pattern, uint32_t n,
     for (uint32_t k = 0; k < n; k++) order[list[k]] = k;
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < i; j++) {
-            const uint32_t apart =
-                order[i] > order[j] ? order[i] - order[j] : order[j] - order[i];
+            const uint32_t apart = order[i] > order[j] ? order[i] - order[j] : order[j] - order[i];
             if (apart > width && meet(pattern, n, i, j)) width = apart;
         }
     return width;
@@ -66,8 +66,7 @@ static uint32_t largest(const double *column, uint32_t count) {
 }
 
 /* column c, from row k on: exchanged, and what the pivot leaves of it */
-static void eliminate(double *target, const double *pivots, uint32_t exchange,
-                      uint32_t below) {
+static void eliminate(double *target, const double *pivots, uint32_t exchange, uint32_t below) {
     const double top = target[exchange];
     target[exchange] = target[0];
     target[0] = top;
@@ -90,8 +89,7 @@ dm_status dm_band_factor(double *A, uint32_t *pivot, const dm_band *b) {
         for (uint32_t i = 1; i <= below; i++) column[i] *= inverse;
         const uint32_t last = smaller(k + p + w, n - 1);
         if (last > reach) reach = last;
-        for (uint32_t c = k + 1; c <= reach; c++)
-            eliminate(entry(A, b, k, c), column, p, below);
+        for (uint32_t c = k + 1; c <= reach; c++) eliminate(entry(A, b, k, c), column, p, below);
     }
     return DM_OK;
 }

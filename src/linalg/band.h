@@ -1,4 +1,5 @@
-/* band.h - LU with partial pivoting of a matrix that is a band after a renumbering of its unknowns. */
+/* band.h - LU with partial pivoting of a matrix that is a band after a renumbering of its
+ * unknowns. */
 #ifndef DM_BAND_H
 #define DM_BAND_H
 
@@ -7,7 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Entry (i, j) of A stands at row order[i], column order[j] of the band, |order[i] - order[j]| <= width. */
+/* Entry (i, j) of A stands at row order[i], column order[j] of the band, |order[i] - order[j]|
+ * <= width. */
 typedef struct {
     uint32_t n, width;
     const uint32_t *order; /* [n] a permutation */
@@ -26,12 +28,9 @@ static inline size_t dm_band_column(const dm_band *b, uint32_t j) {
     return b->order[j] * 3 * (size_t)b->width;
 }
 
-/*
-** The order of Cuthill and McKee (1969) for the entries that are not zero in pattern[n*n], and the width it leads
-** to; scratch[2n].
-*/
-uint32_t dm_band_order(uint32_t *order, const double *pattern, uint32_t n,
-                       uint32_t *scratch);
+/* The order of Cuthill and McKee (1969) for the entries that are not zero in pattern[n*n], and
+ * the width it leads to; scratch[2n]. */
+uint32_t dm_band_order(uint32_t *order, const double *pattern, uint32_t n, uint32_t *scratch);
 
 /* A becomes its factors, pivot[n] the exchanges. DM_SINGULAR: a pivot is zero; DM_NOT_FINITE. */
 dm_status dm_band_factor(double *A, uint32_t *pivot, const dm_band *b);

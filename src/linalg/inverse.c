@@ -36,7 +36,8 @@ static void eliminate(double *A, uint32_t n, uint32_t k) {
     }
 }
 
-/* one number, as frames of groups of dimension one need at every evaluation: the same bits as by the loops */
+/* one number, as frames of groups of dimension one need at every evaluation: the same bits as by
+ * the loops */
 static dm_status invert_one(double *a, uint32_t *pivot) {
     if (*a == 0.0) return DM_SINGULAR;
     if (!isfinite(*a)) return DM_NOT_FINITE;

@@ -101,8 +101,7 @@ DM_WRITTEN_OUT void substitute(double *at, double *x, const double *LU, uint32_t
     }
 }
 
-DM_WRITTEN_OUT void solve(double *x, const double *LU, const uint32_t *pivot,
-                          uint32_t n) {
+DM_WRITTEN_OUT void solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n) {
     double at[4];
     permute(x, pivot, n);
     substitute(n <= 4 ? at : x, x, LU, n);
@@ -134,14 +133,12 @@ static double column_size(const double *A, uint32_t j, uint32_t n) {
     return size;
 }
 
-dm_status dm_lu_inverse(double *inverse, double *A, uint32_t *pivot, double *column,
-                        uint32_t n) {
+dm_status dm_lu_inverse(double *inverse, double *A, uint32_t *pivot, double *column, uint32_t n) {
     for (uint32_t j = 0; j < n; j++) column[j] = column_size(A, j, n);
     const dm_status status = dm_lu_factor(A, pivot, n);
     if (status != DM_OK) return status;
     for (uint32_t k = 0; k < n; k++) /* U's diagonal against the columns as they were */
-        if (fabs(A[k * (size_t)n + k]) * column[k] > 1.0 / (DBL_EPSILON * n))
-            return DM_SINGULAR;
+        if (fabs(A[k * (size_t)n + k]) * column[k] > 1.0 / (DBL_EPSILON * n)) return DM_SINGULAR;
     for (uint32_t j = 0; j < n; j++) {
         for (uint32_t i = 0; i < n; i++) column[i] = i == j;
         dm_lu_solve(column, A, pivot, n);

@@ -6,19 +6,16 @@
 
 #include <stdint.h>
 
-/*
-** A[n*n] becomes its factors (L with unit diagonal below, U on and above it, rows exchanged
-** as pivot[n] tells; the diagonal holds the reciprocals of U's).
-** DM_SINGULAR: a pivot is zero; DM_NOT_FINITE: a pivot is NaN or infinite.
-*/
+/* A[n*n] becomes its factors (L with unit diagonal below, U on and above it, rows exchanged
+ * as pivot[n] tells; the diagonal holds the reciprocals of U's).
+ * DM_SINGULAR: a pivot is zero; DM_NOT_FINITE: a pivot is NaN or infinite. */
 dm_status dm_lu_factor(double *A, uint32_t *pivot, uint32_t n);
 
 /* x = A^-1 x in place, from the factors. */
 void dm_lu_solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n);
 
 /* inverse[n*n] of A, which becomes its factors; pivot[n], column[n] are scratch.
-** DM_SINGULAR also when a pivot is zero to round-off of its column. */
-dm_status dm_lu_inverse(double *inverse, double *A, uint32_t *pivot, double *column,
-                        uint32_t n);
+ * DM_SINGULAR also when a pivot is zero to round-off of its column. */
+dm_status dm_lu_inverse(double *inverse, double *A, uint32_t *pivot, double *column, uint32_t n);
 
 #endif

@@ -1,7 +1,6 @@
-/*
-** lu_lanes_text.h - lu.h for W matrices side by side, A[row][column][lane]: every lane has the pivots and the bits that dm_lu_factor
-** gives it alone. A text for files that have base/lanes_text.h.
-*/
+/* lu_lanes_text.h - lu.h for W matrices side by side, A[row][column][lane]: every lane has the
+ * pivots and the bits that dm_lu_factor gives it alone. A text for files that have
+ * base/lanes_text.h. */
 #ifndef DM_LU_LANES_TEXT_H
 #define DM_LU_LANES_TEXT_H
 
@@ -71,8 +70,7 @@ INLINE I factor_lanes(double *A, lanes_pivot *pivot, uint32_t n) {
     return fine;
 }
 
-INLINE void solve_lanes(double *x, const double *LU, const lanes_pivot *pivot,
-                        uint32_t n) {
+INLINE void solve_lanes(double *x, const double *LU, const lanes_pivot *pivot, uint32_t n) {
 #pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t i = k + 1; pivot[k].any && i < n; i++)
@@ -98,8 +96,7 @@ INLINE void solve_lanes(double *x, const double *LU, const lanes_pivot *pivot,
 /* factors and pivots of the lanes of `yes` from another matrix */
 INLINE void take_factors(I yes, double *to, lanes_pivot *pivot, const double *from,
                          const lanes_pivot *other, uint32_t n) {
-    for (size_t k = 0; k < (size_t)n * n; k++)
-        put_where(yes, to + k * W, load(from + k * W));
+    for (size_t k = 0; k < (size_t)n * n; k++) put_where(yes, to + k * W, load(from + k * W));
     for (uint32_t k = 0; k < n; k++) {
         pivot[k].row = (yes & other[k].row) | (~yes & pivot[k].row);
         pivot[k].any |= other[k].any;

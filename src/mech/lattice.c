@@ -64,8 +64,7 @@ static int sum_fits(const dm_lattice *l, const dm_sum *s) {
     for (uint32_t c = 0; c < s->columns; c++) {
         const dm_column *column = s->column + c;
         if (slope[c] && !is_coordinate(l, column)) return 0;
-        if (!has_place(l, s, column) && dm_depends(s->term, slope, s->columns, c, 1))
-            return 0;
+        if (!has_place(l, s, column) && dm_depends(s->term, slope, s->columns, c, 1)) return 0;
     }
     return 1;
 }
@@ -103,8 +102,7 @@ int dm_lattice_layout(dm_lattice *l) {
     find_block(l);
     if (l->model->n % l->block) return 0;
     for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next, l->sums++)
-        for (uint32_t c = 0; c < s->columns; c++)
-            far = larger(far, reach(l, s, s->column + c));
+        for (uint32_t c = 0; c < s->columns; c++) far = larger(far, reach(l, s, s->column + c));
     l->depth = (l->bodies + GROUP - 1) / GROUP;
     l->pad = far;
     l->tile = larger(TILE, 4 * far);
@@ -113,16 +111,14 @@ int dm_lattice_layout(dm_lattice *l) {
     const int is_long = l->depth >= LONG;
     l->room = larger(far, is_long ? LONG_ROOM : 2 * DM_LATTICE_DEEP);
     l->band = is_long ? DM_LATTICE_BAND : 1;
-    l->pitch =
-        (((l->depth + 2 * l->room) * GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
+    l->pitch = (((l->depth + 2 * l->room) * GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
     return far <= l->depth && l->bodies < INT32_MAX / 4096;
 }
 
 /* ---- the loops ---- */
 
 /* column c of the term in a draft */
-static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s,
-                           const dm_column *c) {
+static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s, const dm_column *c) {
     if (!c->data && !c->step) return dm_strip_read(d, dm_lattice_number(0));
     if (c->data && !c->step) return dm_constant(d->g, c->data[c->first]);
     const uint32_t array = c->data ? l->arrays++ : c->first % l->block;
@@ -151,8 +147,7 @@ static void add_share(dm_lattice *l, dm_strip_draft *d, const dm_rounds *r, dm_s
     to.slot = r->slot + k;
     to.minus ^= turned;
     if (k == d->outputs)
-        dm_strip_write(d, (dm_strand){DM_STRAND_SIDE, (int64_t)l->slots++ * l->row},
-                       value);
+        dm_strip_write(d, (dm_strand){DM_STRAND_SIDE, (int64_t)l->slots++ * l->row}, value);
     l->share[l->shares++] = to;
 }
 
@@ -167,8 +162,8 @@ static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
         if (dm_depends(s->term, term, s->columns, c, 1))
             with[c] = read_column(l, &d, s, s->column + c);
     dm_transplant(d.g, s->term, term, s->columns, with, slope);
-    *r = (dm_rounds){
-        .rounds = dm_sum_rounds(s, s->from), .periodic = s->periodic, .slot = l->slots};
+    *r =
+        (dm_rounds){.rounds = dm_sum_rounds(s, s->from), .periodic = s->periodic, .slot = l->slots};
     if (!r->periodic && r->rounds < l->bodies) r->there = l->arrays++;
     for (uint32_t c = 0; c < s->columns; c++) {
         if (!slope[c]) continue;
@@ -186,8 +181,7 @@ static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
 static dm_status make_sums(dm_lattice *l, const double *factor) {
     dm_status status = DM_OK;
     l->sums = 0;
-    for (const dm_sum *s = dm_sums(l->model->source.sums); s && status == DM_OK;
-         s = s->next)
+    for (const dm_sum *s = dm_sums(l->model->source.sums); s && status == DM_OK; s = s->next)
         status = make_sum(l, s, *factor++);
     return status;
 }
@@ -235,15 +229,14 @@ dm_strip_bases dm_lattice_bases(const dm_lattice *l, int64_t j, int64_t in_tile)
 }
 
 /* no rounds are before the first one and behind the last one: depths [first, end) of a tile at j */
-static void clear_outside(const dm_lattice *l, const dm_rounds *r, int64_t j,
-                          int64_t first, int64_t end) {
+static void clear_outside(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
+                          int64_t end) {
     for (uint32_t slot = r->slot; slot < r->slot + r->slots; slot++) {
         double *row = l->buffer + (size_t)slot * l->row + (size_t)l->pad * GROUP;
         for (int64_t k = first; k < 0; k++) row[k * GROUP] = 0.0;
         for (int64_t lane = 0; lane < GROUP; lane++) {
             const int64_t last = r->rounds - lane * l->depth - j;
-            for (int64_t k = last > first ? last : first; k < end; k++)
-                row[k * GROUP + lane] = 0.0;
+            for (int64_t k = last > first ? last : first; k < end; k++) row[k * GROUP + lane] = 0.0;
         }
     }
 }
@@ -251,8 +244,7 @@ static void clear_outside(const dm_lattice *l, const dm_rounds *r, int64_t j,
 /* slopes at depths j + first .. j + end - 1 */
 void dm_lattice_fill(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
                      int64_t end) {
-    dm_strip_run(&r->strip, dm_lattice_bases(l, j + first, first),
-                 (uint32_t)(end - first) * GROUP);
+    dm_strip_run(&r->strip, dm_lattice_bases(l, j + first, first), (uint32_t)(end - first) * GROUP);
     if (!r->periodic) clear_outside(l, r, j, first, end);
 }
 

@@ -1,13 +1,11 @@
-/*
-** lattice.h - the force of a Lagrangian whose potential is made of sums over bodies and neighbours
-** (expr/sum.h), as loops along arrays (expr/strip.h). Coordinate c of all bodies is one array, cut into
-** 8 parts that lie side by side: body l depth + j is entry 8 j + l, so that its neighbours are entries
-** 8 further on in the same lane, and what crosses from part to part is a few copies at the ends. Each
-** sum has a loop over its rounds which writes the derivatives of the term to a buffer; body i takes
-** entry i - shift of it for every place that it has in the term,
-**   F_i = sum over columns of slope[i - shift].
-** Tile by tile, so that the buffer stays in the cache.
-*/
+/* lattice.h - the force of a Lagrangian whose potential is made of sums over bodies and
+ * neighbours (expr/sum.h), as loops along arrays (expr/strip.h). Coordinate c of all bodies is
+ * one array, cut into 8 parts that lie side by side: body l depth + j is entry 8 j + l, so that
+ * its neighbours are entries 8 further on in the same lane, and what crosses from part to part
+ * is a few copies at the ends. Each sum has a loop over its rounds which writes the derivatives
+ * of the term to a buffer; body i takes entry i - shift of it for every place that it has in the
+ * term, F_i = sum over columns of slope[i - shift]. Tile by tile, so that the buffer stays in
+ * the cache. */
 #ifndef DM_LATTICE_H
 #define DM_LATTICE_H
 
@@ -26,7 +24,7 @@ typedef struct {
     uint32_t rounds, shift; /* shift: the largest of its shares */
     int periodic;
     uint32_t slot, slots; /* of the buffer */
-    uint32_t there; /* array: 1 where a body has a round, 0 where not; 0: all have one */
+    uint32_t there;       /* array: 1 where a body has a round, 0 where not; 0: all have one */
 } dm_rounds;
 
 enum {
@@ -66,7 +64,8 @@ uint32_t dm_lattice_arrays(dm_lattice *l);
 /* Doubles of workspace, at most, with so many arrays of every coordinate; 0: not of this kind. */
 size_t dm_lattice_work(const dm_model *m, uint32_t arrays);
 
-/* Lay the arrays into workspace, and clear what no body is loaded to: any copy of an open lattice can have one. */
+/* Lay the arrays into workspace, and clear what no body is loaded to: any copy of an open
+ * lattice can have one. */
 void dm_lattice_place(dm_lattice *l, double *work);
 
 static inline dm_strand dm_lattice_entry(const dm_lattice *l, uint32_t array) {
@@ -87,16 +86,16 @@ int dm_lattice_is_finite(const dm_lattice *l, uint32_t first);
 /* Nodes of the force on one body in a draft: F[block]. */
 void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
 
-/* positions are the sum of two arrays, whose first numbers these are; low DM_LATTICE_NONE: those of one array */
+/* positions are the sum of two arrays, whose first numbers these are; low DM_LATTICE_NONE: those
+ * of one array */
 typedef struct {
     uint32_t high, low;
 } dm_lattice_pair;
 #define DM_LATTICE_NONE UINT32_MAX
 
-/*
-** `use`, which changes positions by the arrays `low`, if there are any, and the slopes that it takes as one loop in which positions and
-** slopes go from group to group in registers: neighbours one body away, eight lanes. DM_NO_NATIVE elsewhere.
-*/
+/* `use`, which changes positions by the arrays `low`, if there are any, and the slopes that it
+ * takes as one loop in which positions and slopes go from group to group in registers:
+ * neighbours one body away, eight lanes. DM_NO_NATIVE elsewhere. */
 dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *use,
                           dm_lattice_pair at);
 
@@ -105,14 +104,13 @@ void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip
                            dm_lattice_pair at, double t);
 
 /* How many passes over this chain fit in one loop; 0: they cannot be joined, are not
-** periodic, or functions want the registers. */
+ * periodic, or functions want the registers. */
 uint32_t dm_lattice_deep(const dm_lattice *l);
 
-/*
-** use[0 .. count-1] one after the other as one loop, pass k a group behind pass k - 1, in which what one leaves to the
-** next stays in registers. Only the last may change arrays that the others read, other than `low` and what they all
-** change. Every part is done with copies of its neighbours' ends, so that nothing waits for what crosses.
-*/
+/* use[0 .. count-1] one after the other as one loop, pass k a group behind pass k - 1, in which
+ * what one leaves to the next stays in registers. Only the last may change arrays that the
+ * others read, other than `low` and what they all change. Every part is done with copies of its
+ * neighbours' ends, so that nothing waits for what crosses. */
 dm_status dm_lattice_stack(const dm_lattice *l, dm_strip *out, const dm_strip *const *use,
                            uint32_t count, dm_lattice_pair at);
 
@@ -122,7 +120,8 @@ typedef struct {
     uint32_t count;
 } dm_layer;
 
-/* The numbers that dm_lattice_set sets, and that all other loops use, are those of layer k from now on; 0 at first. */
+/* The numbers that dm_lattice_set sets, and that all other loops use, are those of layer k from
+ * now on; 0 at first. */
 void dm_lattice_choose(dm_lattice *l, uint32_t k);
 
 /* Passes of a band at most. */
@@ -130,26 +129,25 @@ static inline uint32_t dm_lattice_reach(const dm_lattice *l) {
     return l->room - DM_LATTICE_DEEP;
 }
 
-/*
-** Stacks one after the other, each with its numbers. A chain longer than a cache is done in tiles: layer k follows as close
-** behind layer k - 1 as it may, so that an entry is fetched once for all of them. Ends of arrays as long as there are
-** passes (dm_lattice_copy_ends) have to be there.
-*/
+/* Stacks one after the other, each with its numbers. A chain longer than a cache is done in
+ * tiles: layer k follows as close behind layer k - 1 as it may, so that an entry is fetched once
+ * for all of them. Ends of arrays as long as there are passes (dm_lattice_copy_ends) have to be
+ * there. */
 void dm_lattice_run_band(dm_lattice *l, const dm_layer *layer, uint32_t layers);
 
-/* Behind both ends of the parts what lies at the ends of their neighbours, `count` groups of arrays first .. first +
-** block - 1. */
+/* Behind both ends of the parts what lies at the ends of their neighbours, `count` groups of
+ * arrays first .. first + block - 1. */
 void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first, uint32_t count);
 
 /* The coordinates themselves are these. */
 void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at);
 
 /* The slopes at the coordinates and time t, and `use` of the forces behind them, which may move the
-** coordinates. */
+ * coordinates. */
 void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t);
 
-/* L_q, and with `momenta` L_v behind it, as a kernel of x = (q, v, t); DM_TOO_LARGE as above. The mass of *m is
-** known and diagonal. */
+/* L_q, and with `momenta` L_v behind it, as a kernel of x = (q, v, t); DM_TOO_LARGE as above.
+ * The mass of *m is known and diagonal. */
 dm_status dm_lattice_gradient(dm_kernel *out, const dm_model *m, int momenta);
 
 /* A strip without forces over all bodies. */

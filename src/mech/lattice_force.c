@@ -1,4 +1,5 @@
-/* lattice_force.c - the force by loops along arrays as a kernel like others: x = (q, v, t) in, L_q and L_v out. */
+/* lattice_force.c - the force by loops along arrays as a kernel like others: x = (q, v, t) in,
+ * L_q and L_v out. */
 #include "mech/lattice.h"
 
 typedef struct {
@@ -15,8 +16,7 @@ static void eval(const void *pool, const double *x, double *out) {
     dm_lattice_load(&f->l, 0, x);
     dm_lattice_run(&f->l, &f->strip, x[2 * (size_t)f->n]);
     dm_lattice_store(&f->l, out, f->force);
-    for (uint32_t i = 0; f->momenta && i < f->n; i++)
-        out[f->n + i] = mass[i] * x[f->n + i];
+    for (uint32_t i = 0; f->momenta && i < f->n; i++) out[f->n + i] = mass[i] * x[f->n + i];
 }
 
 static dm_status make_strip(force_loop *f, const dm_source *from) {

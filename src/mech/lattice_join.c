@@ -14,8 +14,7 @@ typedef struct {
     dm_strand here[MOST_BLOCK], last[MOST_SLOTS];
 } joint;
 
-dm_node dm_lattice_ahead(const dm_lattice *l, dm_strip_draft *d, dm_lattice_pair at,
-                         uint32_t c) {
+dm_node dm_lattice_ahead(const dm_lattice *l, dm_strip_draft *d, dm_lattice_pair at, uint32_t c) {
     dm_strand q = dm_lattice_entry(l, at.high + c);
     q.at += GROUP;
     const dm_node high = dm_strip_read(d, q);
@@ -36,15 +35,13 @@ static void carry_positions(joint *b, dm_lattice_pair at) {
 static dm_node slope_input(joint *b, dm_strand from) {
     const uint32_t c = (uint32_t)(from.at / b->l->pitch);
     const int64_t rest = from.at - (int64_t)c * b->l->pitch;
-    if (from.base != DM_STRAND_MAIN || c >= b->l->block)
-        return dm_strip_read(&b->d, from);
+    if (from.base != DM_STRAND_MAIN || c >= b->l->block) return dm_strip_read(&b->d, from);
     return rest ? b->ahead[c] : dm_strip_read(&b->d, b->here[c]);
 }
 
 static void repeat_slopes(joint *b, const dm_rounds *r) {
     dm_node with[DM_STRIP_MOST];
-    for (uint32_t k = 0; k < r->strip.one.inputs; k++)
-        with[k] = slope_input(b, r->strip.in[k]);
+    for (uint32_t k = 0; k < r->strip.one.inputs; k++) with[k] = slope_input(b, r->strip.in[k]);
     dm_strip_repeat(&b->d, &r->strip, with, b->slope + r->slot);
 }
 
@@ -73,8 +70,7 @@ static void repeat_use(joint *b, const dm_strip *use) {
 }
 
 static void write_carried(joint *b) {
-    for (uint32_t c = 0; c < b->l->block; c++)
-        dm_strip_write(&b->d, b->here[c], b->ahead[c]);
+    for (uint32_t c = 0; c < b->l->block; c++) dm_strip_write(&b->d, b->here[c], b->ahead[c]);
     for (uint32_t slot = 0; slot < b->l->slots; slot++)
         dm_strip_write(&b->d, b->last[slot], b->slope[slot]);
 }
@@ -84,8 +80,7 @@ static int can_join(const dm_lattice *l) {
     if (l->block > MOST_BLOCK || l->slots > MOST_SLOTS || l->pad > 1) return 0;
     for (uint32_t k = 0; k < l->sums; k++) {
         const dm_rounds *r = l->sum + k;
-        if (r->strip.lanes != GROUP || (!r->periodic && r->rounds + l->pad < l->bodies))
-            return 0;
+        if (r->strip.lanes != GROUP || (!r->periodic && r->rounds + l->pad < l->bodies)) return 0;
     }
     return l->depth > 4 * GROUP;
 }
@@ -109,17 +104,14 @@ dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *us
 
 /* ---- running ---- */
 
-static void add_up(const dm_lattice *l, dm_lattice_pair at, uint32_t first,
-                   uint32_t end) {
+static void add_up(const dm_lattice *l, dm_lattice_pair at, uint32_t first, uint32_t end) {
     const size_t from = (size_t)first * GROUP, to = (size_t)end * GROUP;
     for (uint32_t c = 0; c < l->block; c++) {
         double *q = l->space + (size_t)c * l->pitch;
         const double *q0 = q + (size_t)at.high * l->pitch;
-        const double *dq =
-            q + (at.low == DM_LATTICE_NONE ? 0 : at.low) * (size_t)l->pitch;
+        const double *dq = q + (at.low == DM_LATTICE_NONE ? 0 : at.low) * (size_t)l->pitch;
         for (size_t i = from; at.low == DM_LATTICE_NONE && i < to; i++) q[i] = q0[i];
-        for (size_t i = from; at.low != DM_LATTICE_NONE && i < to; i++)
-            q[i] = q0[i] + dq[i];
+        for (size_t i = from; at.low != DM_LATTICE_NONE && i < to; i++) q[i] = q0[i] + dq[i];
     }
 }
 
@@ -127,7 +119,8 @@ void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at) {
     add_up(l, at, 0, l->depth);
 }
 
-/* positions that the loop reads beyond the bodies that are there; to[] = from[], 0 where from is NULL */
+/* positions that the loop reads beyond the bodies that are there; to[] = from[], 0 where from is
+ * NULL */
 static void give_array(const dm_lattice *l, double *to, const double *from) {
     const size_t behind = (size_t)l->depth * GROUP, count = (size_t)l->pad * GROUP;
     for (size_t k = behind; k < behind + count; k++) to[k] = from ? from[k] : 0.0;
@@ -165,8 +158,7 @@ void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip
     add_up(l, at, (end < l->depth - margin ? end : l->depth - margin), l->depth);
     dm_lattice_fill_ends(l);
     give_ends(l, at);
-    for (uint32_t k = 0; k < l->sums; k++)
-        dm_lattice_fill(l, l->sum + k, 0, -(int64_t)l->pad, 0);
+    for (uint32_t k = 0; k < l->sums; k++) dm_lattice_fill(l, l->sum + k, 0, -(int64_t)l->pad, 0);
     dm_strip_run(joined, dm_lattice_bases(l, 0, 0), end * GROUP);
     if (!left) return;
     for (uint32_t k = 0; k < l->sums; k++) dm_lattice_fill(l, l->sum + k, end, 0, left);

@@ -1,4 +1,5 @@
-/* lattice_memory.c - arrays of a lattice: where they are, what is beyond their ends, states in and out. */
+/* lattice_memory.c - arrays of a lattice: where they are, what is beyond their ends, states in
+ * and out. */
 #include "mech/lattice_inside.h"
 
 #include <string.h>
@@ -10,12 +11,11 @@ uint32_t dm_lattice_arrays(dm_lattice *l) {
     return l->arrays - l->block;
 }
 
-/* Beyond the end of an array its first bodies come again, and beyond the ends of a part those of its
-** neighbours. */
+/* Beyond the end of an array its first bodies come again, and beyond the ends of a part those of
+ * its neighbours. */
 static void fill_ends(const dm_lattice *l, double *x) {
     const uint32_t all = l->depth * GROUP, n = l->bodies;
-    for (uint32_t i = n; i < all; i++)
-        x[dm_lattice_at(l, i)] = x[dm_lattice_at(l, i - n)];
+    for (uint32_t i = n; i < all; i++) x[dm_lattice_at(l, i)] = x[dm_lattice_at(l, i - n)];
     for (uint32_t k = 0; k < l->pad; k++) {
         double *behind = x + (size_t)(l->depth + k) * GROUP;
         memcpy(behind, x + (size_t)k * GROUP + 1, (GROUP - 1) * sizeof *x);
@@ -57,11 +57,9 @@ size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
     dm_lattice l = {.model = m};
     uint32_t columns = 0;
     if (!(m->structure & DM_LOOPS) || !m->source.sums || !dm_lattice_layout(&l)) return 0;
-    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next)
-        columns += s->columns + 1;
+    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns + 1;
     return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
-           (size_t)(l.band * (DM_LATTICE_FIXED + 2 * DM_STRIP_CARRIED) + 1 + l.pad +
-                    l.room) *
+           (size_t)(l.band * (DM_LATTICE_FIXED + 2 * DM_STRIP_CARRIED) + 1 + l.pad + l.room) *
                GROUP;
 }
 
@@ -120,8 +118,7 @@ static uint32_t load_start(const dm_lattice *l, double *to, const double *x) {
     const uint32_t wide = dm_lattice_wide_load(l, to, x), even = in_pairs(l);
     for (uint32_t j = wide; j < even; j += 2)
         for (uint32_t lane = 0; lane < GROUP; lane += 2)
-            turn(to + (size_t)j * GROUP + lane, GROUP, x + (size_t)lane * l->depth + j,
-                 l->depth);
+            turn(to + (size_t)j * GROUP + lane, GROUP, x + (size_t)lane * l->depth + j, l->depth);
     return wide > even ? wide : even;
 }
 
@@ -129,8 +126,7 @@ static uint32_t store_start(const dm_lattice *l, double *x, const double *from) 
     const uint32_t wide = dm_lattice_wide_store(l, x, from), even = in_pairs(l);
     for (uint32_t j = wide; j < even; j += 2)
         for (uint32_t lane = 0; lane < GROUP; lane += 2)
-            turn(x + (size_t)lane * l->depth + j, l->depth,
-                 from + (size_t)j * GROUP + lane, GROUP);
+            turn(x + (size_t)lane * l->depth + j, l->depth, from + (size_t)j * GROUP + lane, GROUP);
     return wide > even ? wide : even;
 }
 

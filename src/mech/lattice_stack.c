@@ -51,8 +51,7 @@ static dm_node position_ahead(stack *b, uint32_t k, uint32_t c) {
 static dm_node slope_input(stack *b, uint32_t k, dm_strand from) {
     const uint32_t c = (uint32_t)(from.at / b->l->pitch);
     if (from.base != DM_STRAND_MAIN || c >= b->l->block) return read(b, k, from);
-    return from.at % b->l->pitch ? b->level[k].ahead[c]
-                                 : dm_strip_read(&b->d, b->level[k].here[c]);
+    return from.at % b->l->pitch ? b->level[k].ahead[c] : dm_strip_read(&b->d, b->level[k].here[c]);
 }
 
 /* no slope where there is no round, whatever the term would say */
@@ -101,8 +100,7 @@ static void take_pass(stack *b, uint32_t k) {
     for (uint32_t i = 0; k && i < v[-1].use->one.outputs; i++)
         if (v[-1].use->out[i].at >= coordinates(b)) v->left[i] = carry(b);
     take_slopes(b, k);
-    for (uint32_t i = 0; i < v->use->one.inputs; i++)
-        with[i] = use_input(b, k, v->use->in[i]);
+    for (uint32_t i = 0; i < v->use->one.inputs; i++) with[i] = use_input(b, k, v->use->in[i]);
     dm_strip_repeat(&b->d, v->use, with, v->out);
 }
 
@@ -115,8 +113,7 @@ static void write_pass(stack *b, uint32_t k, int last) {
         to.at -= (int64_t)k * GROUP;
         dm_strip_write(&b->d, last ? to : v[1].left[i], v->out[i]);
     }
-    for (uint32_t c = 0; c < b->l->block; c++)
-        dm_strip_write(&b->d, v->here[c], v->ahead[c]);
+    for (uint32_t c = 0; c < b->l->block; c++) dm_strip_write(&b->d, v->here[c], v->ahead[c]);
     for (uint32_t slot = 0; slot < b->l->slots; slot++)
         dm_strip_write(&b->d, v->last[slot], v->slope[slot]);
 }
@@ -131,8 +128,8 @@ static int has_functions(const dm_lattice *l) {
     return 0;
 }
 
-/* neighbours at most one body away, enough bodies for what the ends do twice; a chain that is not closed is a ring some
-** rounds of which are not there */
+/* neighbours at most one body away, enough bodies for what the ends do twice; a chain that is
+ * not closed is a ring some rounds of which are not there */
 static int can_stack(const dm_lattice *l) {
     if (l->block > MOST_BLOCK || l->slots > MOST_SLOTS || l->pad != 1) return 0;
     for (uint32_t k = 0; k < l->sums; k++) {
@@ -178,21 +175,18 @@ static inline __attribute__((always_inline)) void ends_of(const dm_lattice *l, d
         double *behind = x + (size_t)(l->depth + k) * GROUP;
         double *before = x - (size_t)(k + 1) * GROUP;
         const lanes first = *(const lanes *)(const void *)(x + (size_t)k * GROUP);
-        const lanes last =
-            *(const lanes *)(const void *)(behind - (size_t)(2 * k + 1) * GROUP);
-        *(lanes *)(void *)behind =
-            __builtin_shufflevector(first, first, 1, 2, 3, 4, 5, 6, 7, 0);
-        *(lanes *)(void *)before =
-            __builtin_shufflevector(last, last, 7, 0, 1, 2, 3, 4, 5, 6);
+        const lanes last = *(const lanes *)(const void *)(behind - (size_t)(2 * k + 1) * GROUP);
+        *(lanes *)(void *)behind = __builtin_shufflevector(first, first, 1, 2, 3, 4, 5, 6, 7, 0);
+        *(lanes *)(void *)before = __builtin_shufflevector(last, last, 7, 0, 1, 2, 3, 4, 5, 6);
     }
 }
 
-/* the last part lacks some bodies: the first ones follow before its end, and what is before the first part is there */
+/* the last part lacks some bodies: the first ones follow before its end, and what is before the
+ * first part is there */
 static void ends_of_last(const dm_lattice *l, double *x, uint32_t count) {
     const uint32_t lacks = l->depth * GROUP - l->bodies, own = l->depth - lacks;
     double *last = x + (size_t)own * GROUP + GROUP - 1, *before = x - GROUP;
-    for (uint32_t k = 0; k < lacks + count; k++)
-        last[(size_t)k * GROUP] = x[(size_t)k * GROUP];
+    for (uint32_t k = 0; k < lacks + count; k++) last[(size_t)k * GROUP] = x[(size_t)k * GROUP];
     for (uint32_t k = 0; k < count; k++)
         *(before - (size_t)k * GROUP) = *(last - (size_t)(k + 1) * GROUP);
 }
@@ -214,8 +208,7 @@ typedef struct {
     int64_t done, stop;
 } front;
 
-static void run_to(const dm_lattice *l, const dm_layer *layer, uint32_t k, front *f,
-                   int64_t to) {
+static void run_to(const dm_lattice *l, const dm_layer *layer, uint32_t k, front *f, int64_t to) {
     dm_strip_bases at = dm_lattice_bases(l, f->done, 0);
     if (to > f->stop) to = f->stop;
     if (to <= f->done) return;
@@ -225,9 +218,10 @@ static void run_to(const dm_lattice *l, const dm_layer *layer, uint32_t k, front
     f->done = to;
 }
 
-/* The first pass of a layer begins a group before the first one from which its last pass gets what it needs; of the groups
-** beyond both ends each pass loses one, those of the layers behind it included. The last pass of a layer writes count - 1
-** groups behind the first, and the next layer reads a group ahead: it may come as near as `count`. */
+/* The first pass of a layer begins a group before the first one from which its last pass gets
+ * what it needs; of the groups beyond both ends each pass loses one, those of the layers behind
+ * it included. The last pass of a layer writes count - 1 groups behind the first, and the next
+ * layer reads a group ahead: it may come as near as `count`. */
 void dm_lattice_run_band(dm_lattice *l, const dm_layer *layer, uint32_t layers) {
     front f[DM_LATTICE_BAND];
     int64_t more = 0;

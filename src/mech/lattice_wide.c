@@ -1,4 +1,5 @@
-/* lattice_wide.c - states in and out of a lattice by AVX-512: 8 bodies of each of the 8 parts at a time. */
+/* lattice_wide.c - states in and out of a lattice by AVX-512: 8 bodies of each of the 8 parts at
+ * a time. */
 #include "expr/processor.h"
 #include "mech/lattice_inside.h"
 
@@ -11,20 +12,19 @@ enum { GROUP = DM_STRIP_GROUP };
 #define TARGET __attribute__((target("avx512f")))
 
 /* rows a, b of every pair side by side: even columns, odd columns */
-#define PAIR(low, high, a, b)                                                            \
+#define PAIR(low, high, a, b)                                                                      \
     const __m512d low = _mm512_unpacklo_pd(a, b), high = _mm512_unpackhi_pd(a, b)
 /* pairs of four rows: the first and third columns of each, the second and fourth */
-#define FOUR(even, odd, a, b)                                                            \
-    const __m512d even = _mm512_shuffle_f64x2(a, b, 0x88),                               \
-                  odd = _mm512_shuffle_f64x2(a, b, 0xDD)
+#define FOUR(even, odd, a, b)                                                                      \
+    const __m512d even = _mm512_shuffle_f64x2(a, b, 0x88), odd = _mm512_shuffle_f64x2(a, b, 0xDD)
 
 static inline __attribute__((always_inline)) TARGET __m512d row(const double *x) {
     return _mm512_loadu_pd(x);
 }
 
 /* columns k, k + 4 of what eight rows hold, four of them in a, four in b */
-static inline __attribute__((always_inline)) TARGET void put(double *to, size_t step,
-                                                             __m512d a, __m512d b) {
+static inline __attribute__((always_inline)) TARGET void put(double *to, size_t step, __m512d a,
+                                                             __m512d b) {
     _mm512_storeu_pd(to, _mm512_shuffle_f64x2(a, b, 0x88));
     _mm512_storeu_pd(to + 4 * step, _mm512_shuffle_f64x2(a, b, 0xDD));
 }
@@ -47,13 +47,11 @@ static inline __attribute__((always_inline)) TARGET void turn(double *to, size_t
 }
 
 TARGET static void load(double *to, const double *x, uint32_t depth, uint32_t count) {
-    for (uint32_t j = 0; j < count; j += GROUP)
-        turn(to + (size_t)j * GROUP, GROUP, x + j, depth);
+    for (uint32_t j = 0; j < count; j += GROUP) turn(to + (size_t)j * GROUP, GROUP, x + j, depth);
 }
 
 TARGET static void store(double *x, const double *from, uint32_t depth, uint32_t count) {
-    for (uint32_t j = 0; j < count; j += GROUP)
-        turn(x + j, depth, from + (size_t)j * GROUP, GROUP);
+    for (uint32_t j = 0; j < count; j += GROUP) turn(x + j, depth, from + (size_t)j * GROUP, GROUP);
 }
 
 TARGET static int is_finite(const double *x, uint32_t depth) {

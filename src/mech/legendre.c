@@ -46,8 +46,8 @@ static dm_status by_mass(const dm_model *m, double *p, const double *v) {
     return all_finite(p, m->n) ? DM_OK : DM_NOT_FINITE;
 }
 
-dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v,
-                      double t, double *work) {
+dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v, double t,
+                      double *work) {
     if (m->structure & DM_DIAGONAL_MASS) return by_mass(m, p, v);
     equation e = prepare(m, q, t, work);
     evaluate(m, e.x, e.out, v);
@@ -95,11 +95,12 @@ static dm_status by_inverse(const dm_model *m, double *v, const double *p, doubl
     return DM_OK;
 }
 
-/* Other guesses where d2L/dv2 is singular at the first one, as that of v^4 is at v = 0, or it leads nowhere: so far along p. */
+/* Other guesses where d2L/dv2 is singular at the first one, as that of v^4 is at v = 0, or it
+ * leads nowhere: so far along p. */
 static const double along[] = {1.0, 0.125, 8.0};
 
-dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
-                              const double *p, double t, double *work) {
+dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, const double *p,
+                              double t, double *work) {
     if (m->structure & DM_LINEAR_IN_V) return DM_OK;
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     const uint32_t n = m->n;
@@ -110,8 +111,8 @@ dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
     e.p = p;
     memcpy(root, v, n * sizeof *v);
     dm_status status = solve(m, &e, root, root + n);
-    for (size_t k = 0; (status == DM_SINGULAR || status == DM_NO_CONVERGENCE) &&
-                       k < sizeof along / sizeof *along;
+    for (size_t k = 0;
+         (status == DM_SINGULAR || status == DM_NO_CONVERGENCE) && k < sizeof along / sizeof *along;
          k++) {
         for (uint32_t i = 0; i < n; i++) root[i] = along[k] * p[i];
         status = solve(m, &e, root, root + n);

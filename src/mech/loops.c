@@ -21,8 +21,7 @@ typedef struct {
 /* ---- making loops ---- */
 
 /* lanes only where the backend is native: its bits are the same then */
-static dm_status make_loop(loop *l, const dm_node *roots, dm_compile *compile,
-                           dm_arena *arena) {
+static dm_status make_loop(loop *l, const dm_node *roots, dm_compile *compile, dm_arena *arena) {
     dm_graph *term = l->sum->term;
     const uint32_t lanes = dm_jit_lanes();
     dm_status status = compile(&l->one, term, roots, l->outputs, arena);
@@ -33,15 +32,14 @@ static dm_status make_loop(loop *l, const dm_node *roots, dm_compile *compile,
     return status == DM_NO_NATIVE ? DM_OK : status;
 }
 
-static dm_status make_value_loop(loop *l, const dm_sum *s, dm_compile *compile,
-                                 dm_arena *arena) {
+static dm_status make_value_loop(loop *l, const dm_sum *s, dm_compile *compile, dm_arena *arena) {
     *l = (loop){.sum = s, .outputs = 1};
     return make_loop(l, &s->value, compile, arena);
 }
 
 /* the derivatives for columns that are inputs below m, and do not vanish */
-static dm_status make_slope_loop(loop *l, const dm_sum *s, uint32_t m,
-                                 dm_compile *compile, dm_arena *arena) {
+static dm_status make_slope_loop(loop *l, const dm_sum *s, uint32_t m, dm_compile *compile,
+                                 dm_arena *arena) {
     dm_node all[COLUMNS], roots[COLUMNS];
     *l = (loop){.sum = s};
     dm_gradient(s->term, s->value, 0, s->columns, all);
@@ -56,14 +54,14 @@ static dm_status make_slope_loop(loop *l, const dm_sum *s, uint32_t m,
 /* ---- running them ---- */
 
 /* what column c reads in round i */
-static const double *entry_of(const dm_sum *s, const dm_column *c, const double *x,
-                              uint32_t i, uint32_t shift) {
+static const double *entry_of(const dm_sum *s, const dm_column *c, const double *x, uint32_t i,
+                              uint32_t shift) {
     return (c->data ? c->data : x) + dm_sum_entry(s, c, i, shift);
 }
 
 /* out[output][BLOCK] of the rounds [i, i + count), count <= BLOCK */
-static void eval_one_by_one(const loop *l, double *out, const double *x, uint32_t i,
-                            uint32_t count, uint32_t shift) {
+static void eval_one_by_one(const loop *l, double *out, const double *x, uint32_t i, uint32_t count,
+                            uint32_t shift) {
     double in[COLUMNS], y[COLUMNS];
     const dm_sum *s = l->sum;
     dm_kernel_prepare(&l->one, y);
@@ -82,8 +80,8 @@ typedef struct {
 } strip;
 
 /* 0 where a column wraps around within the block */
-static int find_strips(const loop *l, strip *strips, const double *x, uint32_t i,
-                       uint32_t count, uint32_t shift) {
+static int find_strips(const loop *l, strip *strips, const double *x, uint32_t i, uint32_t count,
+                       uint32_t shift) {
     const dm_sum *s = l->sum;
     for (uint32_t c = 0; c < s->columns; c++) {
         const dm_column *column = s->column + c;
@@ -96,8 +94,7 @@ static int find_strips(const loop *l, strip *strips, const double *x, uint32_t i
 
 /* in[group][column][lane] of `count` rounds */
 __attribute__((always_inline)) static inline void gather(const loop *l, double *in,
-                                                         const strip *strips,
-                                                         uint32_t count,
+                                                         const strip *strips, uint32_t count,
                                                          const uint32_t lanes) {
     const uint32_t columns = l->sum->columns;
     for (uint32_t c = 0; c < columns; c++, in += lanes) {
@@ -115,10 +112,10 @@ __attribute__((always_inline)) static inline void gather(const loop *l, double *
 }
 
 /* `lanes` is a constant where this is called: copies are then single moves. All is gathered before
-** the first call, since a load of all lanes at once has to wait for the stores of their parts */
-__attribute__((always_inline)) static inline void
-eval_in_lanes(const loop *l, double *out, const strip *strips, uint32_t count,
-              const uint32_t lanes) {
+ * the first call, since a load of all lanes at once has to wait for the stores of their parts */
+__attribute__((always_inline)) static inline void eval_in_lanes(const loop *l, double *out,
+                                                                const strip *strips, uint32_t count,
+                                                                const uint32_t lanes) {
     _Alignas(64) double in[COLUMNS * BLOCK], y[COLUMNS * LANES];
     const double *from = in;
     gather(l, in, strips, count, lanes);
@@ -130,8 +127,8 @@ eval_in_lanes(const loop *l, double *out, const strip *strips, uint32_t count,
     }
 }
 
-static void eval_block(const loop *l, double *out, const double *x, uint32_t i,
-                       uint32_t count, uint32_t shift) {
+static void eval_block(const loop *l, double *out, const double *x, uint32_t i, uint32_t count,
+                       uint32_t shift) {
     strip strips[COLUMNS];
     uint32_t whole = 0; /* rounds done in lanes */
     if (l->lanes && find_strips(l, strips, x, i, count, shift)) {
@@ -141,8 +138,7 @@ static void eval_block(const loop *l, double *out, const double *x, uint32_t i,
         else
             eval_in_lanes(l, out, strips, whole, 4);
     }
-    if (whole < count)
-        eval_one_by_one(l, out + whole, x, i + whole, count - whole, shift);
+    if (whole < count) eval_one_by_one(l, out + whole, x, i + whole, count - whole, shift);
 }
 
 static uint32_t smaller(uint32_t a, uint32_t b) {
@@ -158,8 +154,7 @@ static double sum_value(const loop *l, const double *x) {
         for (uint32_t i = 0; i < rounds; i += BLOCK) {
             const uint32_t count = smaller(BLOCK, rounds - i);
             eval_block(l, y, x, i, count, shift);
-            for (uint32_t r = 0; r < count; r++)
-                dm_sum_add(sum + r % LANES, low + r % LANES, y[r]);
+            for (uint32_t r = 0; r < count; r++) dm_sum_add(sum + r % LANES, low + r % LANES, y[r]);
         }
     }
     for (uint32_t k = 1; k < LANES; k++) {
@@ -170,8 +165,7 @@ static double sum_value(const loop *l, const double *x) {
 }
 
 /* are the entries of column c neighbours in rounds [i, i + count)? */
-static int is_run(const dm_sum *s, const dm_column *c, uint32_t i, uint32_t count,
-                  uint32_t shift) {
+static int is_run(const dm_sum *s, const dm_column *c, uint32_t i, uint32_t count, uint32_t shift) {
     const uint32_t body = i + (c->partner ? shift : 0);
     return c->step == 1 && (body + count <= s->bodies || body >= s->bodies);
 }
@@ -181,8 +175,8 @@ static void add_run(double *restrict to, double factor, const double *restrict y
 }
 
 /* out[entry of column] += factor y */
-static void scatter(const loop *l, double *out, double factor, const double *y,
-                    uint32_t i, uint32_t count, uint32_t shift) {
+static void scatter(const loop *l, double *out, double factor, const double *y, uint32_t i,
+                    uint32_t count, uint32_t shift) {
     const dm_sum *s = l->sum;
     for (uint32_t k = 0; k < l->outputs; k++, y += BLOCK) {
         const dm_column *c = s->column + l->column[k];
@@ -190,8 +184,7 @@ static void scatter(const loop *l, double *out, double factor, const double *y,
             add_run(out + dm_sum_entry(s, c, i, shift), factor, y);
             continue;
         }
-        for (uint32_t r = 0; r < count; r++)
-            out[dm_sum_entry(s, c, i + r, shift)] += factor * y[r];
+        for (uint32_t r = 0; r < count; r++) out[dm_sum_entry(s, c, i + r, shift)] += factor * y[r];
     }
 }
 
@@ -237,8 +230,7 @@ static void eval_gradient(const void *pool, const double *x, double *out) {
     if (w->outer.eval) eval_outer(w, x, w->y);
     memset(out, 0, w->m * sizeof *out);
     for (uint32_t k = 0; k < w->direct; k++) out[w->at[k]] = w->y[k];
-    for (uint32_t k = 0; k < w->slopes; k++)
-        add_slopes(w->slope + k, out, w->y[w->direct + k], x);
+    for (uint32_t k = 0; k < w->slopes; k++) add_slopes(w->slope + k, out, w->y[w->direct + k], x);
 }
 
 static uint32_t count_sums(const dm_graph *g) {
@@ -327,9 +319,8 @@ static void drop_constant_outer(whole *w) {
     if (fixed == m) w->outer.eval = NULL;
 }
 
-dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root,
-                            const dm_node *nodes, uint32_t m, dm_compile *compile,
-                            dm_arena *arena) {
+dm_status dm_loops_gradient(dm_kernel *out, dm_graph *g, dm_node root, const dm_node *nodes,
+                            uint32_t m, dm_compile *compile, dm_arena *arena) {
     const uint32_t most = m + count_sums(g);
     whole *w = new_whole(g, m, most, arena);
     dm_node *roots = dm_arena_take(arena, (most + 1) * sizeof *roots);

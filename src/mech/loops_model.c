@@ -1,8 +1,6 @@
-/*
-** loops_model.c - a Lagrangian with sums over many bodies as a model without n x n tables. It is
-** one when dL/dv_i depends on v_i alone, linearly and by a factor that is a number: then the mass is
-** constant and diagonal, and since mixed derivatives are symmetric, L is separable.
-*/
+/* loops_model.c - a Lagrangian with sums over many bodies as a model without n x n tables. It is
+ * one when dL/dv_i depends on v_i alone, linearly and by a factor that is a number: then the
+ * mass is constant and diagonal, and since mixed derivatives are symmetric, L is separable. */
 #include "expr/analyse.h"
 #include "expr/derive.h"
 #include "expr/tape.h"
@@ -67,8 +65,7 @@ static int is_own_momentum(const builder *b, const dm_node *momentum, dm_status 
 static int read_direct_mass(builder *b, dm_status *status) {
     const uint32_t n = b->m->n;
     const dm_node *momentum = b->gradient + n;
-    dm_node sum = 0,
-            *curve = dm_arena_take(dm_graph_arena(b->g), (n + 1) * sizeof *curve);
+    dm_node sum = 0, *curve = dm_arena_take(dm_graph_arena(b->g), (n + 1) * sizeof *curve);
     *status = curve ? DM_OK : DM_NO_MEMORY;
     if (!curve) return 0;
     for (uint32_t i = 0; i < n; i++) sum = dm_add(b->g, sum, momentum[i]);
@@ -86,13 +83,12 @@ static int read_direct_mass(builder *b, dm_status *status) {
 /* ---- sums ---- */
 
 /* the slope of a term in column c: it depends on that column and on data, linearly and without a
-** constant; *curve is then its derivative */
+ * constant; *curve is then its derivative */
 static int is_own_slope(const dm_sum *s, dm_node slope, uint32_t c, dm_node *curve) {
     dm_node with[DM_LOOP_COLUMNS], rest;
     for (uint32_t k = 0; k < s->columns; k++) {
         with[k] = k == c ? 0 : dm_input(s->term, k);
-        if (k != c && !s->column[k].data && dm_depends(s->term, &slope, 1, k, 1))
-            return 0;
+        if (k != c && !s->column[k].data && dm_depends(s->term, &slope, 1, k, 1)) return 0;
     }
     dm_gradient(s->term, slope, c, 1, curve);
     dm_substitute(s->term, &slope, 1, with, &rest);
@@ -100,8 +96,7 @@ static int is_own_slope(const dm_sum *s, dm_node slope, uint32_t c, dm_node *cur
 }
 
 /* mass += factor * curve, a function of the data of a body */
-static dm_status add_mass(builder *b, const dm_sum *s, uint32_t c, double factor,
-                          dm_node curve) {
+static dm_status add_mass(builder *b, const dm_sum *s, uint32_t c, double factor, dm_node curve) {
     double in[DM_LOOP_COLUMNS] = {0}, value = 0.0;
     dm_kernel k;
     const dm_status status = dm_tape_build(&k, s->term, &curve, 1, dm_graph_arena(b->g));
@@ -109,8 +104,7 @@ static dm_status add_mass(builder *b, const dm_sum *s, uint32_t c, double factor
     dm_kernel_prepare(&k, &value);
     for (uint32_t i = 0; i < s->bodies; i++) {
         for (uint32_t a = 0; a < s->columns; a++)
-            if (s->column[a].data)
-                in[a] = s->column[a].data[dm_sum_entry(s, s->column + a, i, 0)];
+            if (s->column[a].data) in[a] = s->column[a].data[dm_sum_entry(s, s->column + a, i, 0)];
         dm_kernel_eval(&k, in, &value);
         b->mass[dm_sum_entry(s, s->column + c, i, 0) - b->m->n] += factor * value;
     }
@@ -126,8 +120,7 @@ static int read_sum(builder *b, const dm_sum *s, dm_status *status) {
     dm_gradient(s->term, s->value, 0, s->columns, slope);
     for (uint32_t c = 0; c < s->columns; c++) {
         if (!slope[c] || !is_velocity(b, s->column + c)) continue;
-        if (s->column[c].partner || !s->column[c].step || s->from != s->to || s->from)
-            return 0;
+        if (s->column[c].partner || !s->column[c].step || s->from != s->to || s->from) return 0;
         if (!dm_is_constant(b->g, factor, &value)) return 0;
         if (!is_own_slope(s, slope[c], c, &curve)) return 0;
         *status = add_mass(b, s, c, value, curve);
@@ -143,8 +136,7 @@ static int read_sum(builder *b, const dm_sum *s, dm_status *status) {
 
 static int read_mass(builder *b, dm_status *status) {
     int fits = read_direct_mass(b, status);
-    for (const dm_sum *s = dm_sums(b->g); s && fits; s = s->next)
-        fits = read_sum(b, s, status);
+    for (const dm_sum *s = dm_sums(b->g); s && fits; s = s->next) fits = read_sum(b, s, status);
     if (*status == DM_OK) *status = dm_graph_status(b->g);
     return fits && *status == DM_OK;
 }
@@ -157,8 +149,7 @@ static void forget_cyclic(const builder *b, uint8_t *cyclic, const dm_sum *s) {
         if (column->data || !dm_depends(s->term, &s->value, 1, c, 1)) continue;
         if (column->first == 2 * b->m->n) b->m->structure &= ~(unsigned)DM_AUTONOMOUS;
         if (column->first >= b->m->n) continue;
-        for (uint32_t i = 0; i < s->bodies; i++)
-            cyclic[dm_sum_entry(s, column, i, 0)] = 0;
+        for (uint32_t i = 0; i < s->bodies; i++) cyclic[dm_sum_entry(s, column, i, 0)] = 0;
     }
 }
 
@@ -193,8 +184,7 @@ static dm_status keep_mass(const builder *b) {
 /* along arrays where that can be, else sum by sum */
 static dm_status make_gradient(const builder *b, dm_kernel *out, int momenta) {
     const dm_model *m = b->m;
-    const dm_status status =
-        m->inverse_mass ? dm_lattice_gradient(out, m, momenta) : DM_TOO_LARGE;
+    const dm_status status = m->inverse_mass ? dm_lattice_gradient(out, m, momenta) : DM_TOO_LARGE;
     if (status != DM_TOO_LARGE) return status;
     return dm_loops_gradient(out, b->g, b->L, b->gradient, momenta ? 2 * m->n : m->n,
                              m->source.compile, m->source.arena);
@@ -205,8 +195,7 @@ static dm_status make_kernels(const builder *b, unsigned want) {
     dm_compile *compile = m->source.compile;
     dm_arena *arena = m->source.arena;
     dm_status status = DM_OK;
-    if (want & DM_WANT_VALUE)
-        status = dm_loops_value(&m->value, b->g, b->L, compile, arena);
+    if (want & DM_WANT_VALUE) status = dm_loops_value(&m->value, b->g, b->L, compile, arena);
     if (status == DM_OK && want & DM_WANT_FORCE) status = make_gradient(b, &m->force, 0);
     if (status == DM_OK && want & DM_WANT_SLOPE) status = make_gradient(b, &m->slope, 1);
     if (status == DM_OK && want & DM_WANT_ENERGY) {

@@ -79,8 +79,7 @@ static dm_status read_structure(builder *b) {
     return dm_graph_status(b->g);
 }
 
-static void read_values(double *out, const dm_graph *g, const dm_node *nodes,
-                        size_t count) {
+static void read_values(double *out, const dm_graph *g, const dm_node *nodes, size_t count) {
     for (size_t i = 0; i < count; i++) dm_is_constant(g, nodes[i], out + i);
 }
 
@@ -98,8 +97,7 @@ static dm_status keep_diagonal(builder *b, double *mass, double *inverse) {
     const uint32_t n = b->m.n;
     for (uint32_t i = 0; i < n; i++) {
         const double m = mass[i * ((size_t)n + 1)];
-        if (!isfinite(1.0 / m))
-            return DM_SINGULAR; /* zero, or too small to be told from it */
+        if (!isfinite(1.0 / m)) return DM_SINGULAR; /* zero, or too small to be told from it */
         mass[i] = m;
         inverse[i] = 1.0 / m;
     }
@@ -144,8 +142,7 @@ static dm_node energy(const builder *b) {
 static void copy_block(dm_node *out, const dm_node *whole, uint32_t row, uint32_t column,
                        uint32_t n) {
     for (uint32_t i = 0; i < n; i++)
-        memcpy(out + (size_t)i * n, whole + (size_t)(row + i) * 2 * n + column,
-               n * sizeof *out);
+        memcpy(out + (size_t)i * n, whole + (size_t)(row + i) * 2 * n + column, n * sizeof *out);
 }
 
 /* L_q, L_v, L_qq, L_qv, L_vv */
@@ -173,8 +170,8 @@ static dm_status make(builder *b, dm_kernel *out, const dm_node *roots, size_t c
 }
 
 /* as they stand, from a graph that was compacted before */
-static dm_status make_verbatim(builder *b, dm_graph *g, dm_kernel *out,
-                               const dm_node *roots, size_t count, unsigned which) {
+static dm_status make_verbatim(builder *b, dm_graph *g, dm_kernel *out, const dm_node *roots,
+                               size_t count, unsigned which) {
     dm_graph_verbatim(g, 1);
     const dm_status status = b->compile(out, g, roots, (uint32_t)count, b->arena);
     dm_graph_verbatim(g, 0);
@@ -190,8 +187,7 @@ static dm_status make_stage_from(builder *b, unsigned want) {
     dm_status status = stage_roots(b, roots);
     if (status != DM_OK) return status;
     dm_graph *small = dm_compact_graph(b->g, roots, (uint32_t)count, roots);
-    if (!small)
-        return dm_graph_status(b->g) != DM_OK ? dm_graph_status(b->g) : DM_NO_MEMORY;
+    if (!small) return dm_graph_status(b->g) != DM_OK ? dm_graph_status(b->g) : DM_NO_MEMORY;
     memcpy(mass, roots + n, n * sizeof *mass);
     memcpy(mass + n, roots + 2 * n + 2 * nn, nn * sizeof *mass);
     b->m.source.stage_graph = small;
@@ -204,8 +200,8 @@ static dm_status make_stage_from(builder *b, unsigned want) {
     return status;
 }
 
-/* Where the kernel may be made late: from a graph of its own, so that it rounds alike whatever the other one holds by
-** then; and the mass, which a start needs, is not taken out of it. */
+/* Where the kernel may be made late: from a graph of its own, so that it rounds alike whatever
+ * the other one holds by then; and the mass, which a start needs, is not taken out of it. */
 static dm_status make_stage(builder *b, unsigned want) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     builder apart = *b;
@@ -305,8 +301,8 @@ static dm_status use_extremum(builder *b) {
     return dm_graph_status(b->g);
 }
 
-static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n,
-                             unsigned want, dm_compile *compile, dm_arena *arena) {
+static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
+                             dm_compile *compile, dm_arena *arena) {
     builder b = {.m = {.n = n}, .g = g, .L = L, .arena = arena, .compile = compile};
     dm_status status = dm_graph_status(g);
     if (status == DM_OK) status = differentiate(&b);
@@ -355,14 +351,13 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
     dm_status status = dm_graph_status(g);
     if (status == DM_OK && !is_short(g, n) && !(want & DM_WANT_DENSE))
         status = dm_loops_model(&now, g, L, want, &fits);
-    if (status == DM_OK && !fits)
-        status = build_written_out(&now, g, L, want, compile, arena);
+    if (status == DM_OK && !fits) status = build_written_out(&now, g, L, want, compile, arena);
     if (status == DM_OK || status == DM_SINGULAR) *m = now;
     return status;
 }
 
-dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n,
-                              dm_compile *compile, dm_arena *arena) {
+dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n, dm_compile *compile,
+                              dm_arena *arena) {
     builder b = {.m = {.n = n}, .g = g, .L = Ld, .arena = arena, .compile = compile};
     const size_t nn = (size_t)n * n;
     dm_node *roots = take_nodes(&b, 2 * n + nn), *hessian = take_nodes(&b, 4 * nn);

@@ -1,8 +1,6 @@
-/*
-** model.h - what the step kernels know of a mechanical system: its dimension, its
-** structure and the kernels derived from its Lagrangian L(q, v, t) or from a discrete
-** Lagrangian Ld(q0, q1). Kernels are made only when wanted, in the caller's arena.
-*/
+/* model.h - what the step kernels know of a mechanical system: its dimension, its
+ * structure and the kernels derived from its Lagrangian L(q, v, t) or from a discrete
+ * Lagrangian Ld(q0, q1). Kernels are made only when wanted, in the caller's arena. */
 #ifndef DM_MODEL_H
 #define DM_MODEL_H
 
@@ -19,21 +17,18 @@ enum {                         /* structure, read off the graph */
        DM_LINEAR_IN_V = 16,    /* d2L/dv2 = 0: degenerate */
        DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
        DM_NO_VELOCITY = 128,   /* dL/dv = 0, DM_LINEAR_IN_V too: nothing moves */
-       DM_LOOPS =
-           64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
+       DM_LOOPS = 64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
 };
 
-enum {                    /* kernels; each takes x = (q[n], v[n], t) */
-       DM_WANT_VALUE = 1, /* L, on the tape */
-       DM_WANT_SLOPE = 2, /* L_q[n], L_v[n] */
-       DM_WANT_STAGE =
-           4, /* L_q[n], L_v[n], L_qq[n*n], L_qv[n*n] (row q, column v), L_vv[n*n] */
+enum {                      /* kernels; each takes x = (q[n], v[n], t) */
+       DM_WANT_VALUE = 1,   /* L, on the tape */
+       DM_WANT_SLOPE = 2,   /* L_q[n], L_v[n] */
+       DM_WANT_STAGE = 4,   /* L_q[n], L_v[n], L_qq[n*n], L_qv[n*n] (row q, column v), L_vv[n*n] */
        DM_WANT_FORCE = 8,   /* L_q[n] */
        DM_WANT_ENERGY = 16, /* v . L_v - L */
        DM_WANT_MASS = 32,   /* L_v[n], L_vv[n*n] */
        DM_WANT_WELL = 128,  /* L(q, 0, t) = -V, then L_q[n]: separable L only */
-       DM_WANT_PAIR =
-           64, /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
+       DM_WANT_PAIR = 64,   /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
        DM_WANT_STAGE_LATER = 8192, /* when dm_model_stage asks for it, mostly never */
        DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_STAGE_LATER | DM_WANT_MASS |
                        DM_WANT_WELL, /* with sums written out */
@@ -42,14 +37,14 @@ enum {                    /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_TIE_FORCE = 1024,     /* f */
        DM_WANT_FORCE_CURVE = 2048,   /* f, f_q, f_v */
        DM_WANT_REACTION = 4096,      /* r = G^T lambda + E^T mu, r_q, r_v */
-       DM_WANT_TIES = 7936 /* all of these; what a model does not have is not made */
+       DM_WANT_TIES = 7936           /* all of these; what a model does not have is not made */
 };
 
 struct dm_ties;
 
 /* How graphs become kernels; dm_tape_build is one. */
-typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots,
-                             uint32_t m, dm_arena *arena);
+typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                             dm_arena *arena);
 
 /* Kernels that a method made and that the model keeps for its next stepper. */
 typedef struct dm_kept {
@@ -59,15 +54,15 @@ typedef struct dm_kept {
     dm_kernel kernel;
 } dm_kept;
 
-/* Where a model's kernels come from, for methods that make kernels of their own; graph NULL: hyper-dual numbers. */
+/* Where a model's kernels come from, for methods that make kernels of their own; graph NULL:
+ * hyper-dual numbers. */
 typedef struct {
-    dm_graph *graph; /* inputs q[n], v[n], t */
-    dm_graph *sums;  /* DM_LOOPS: the graph with sums as leaves; `graph` is NULL then */
+    dm_graph *graph;          /* inputs q[n], v[n], t */
+    dm_graph *sums;           /* DM_LOOPS: the graph with sums as leaves; `graph` is NULL then */
     dm_node lagrangian, well; /* L; L at v = 0 (with DM_WANT_WELL) */
     const dm_node *gradient;  /* L_q[n], L_v[n] */
-    dm_graph *
-        stage_graph; /* of the stage kernel (with DM_WANT_STAGE), to be taken as it stands, */
-    const dm_node *stage; /* and its roots; the first 2n are those of the slope */
+    dm_graph *stage_graph; /* of the stage kernel (with DM_WANT_STAGE), to be taken as it stands, */
+    const dm_node *stage;  /* and its roots; the first 2n are those of the slope */
     dm_compile *compile;
     dm_arena *arena;
     dm_kept **kept; /* NULL: nothing is kept */
@@ -78,41 +73,38 @@ typedef struct {
     unsigned structure;
     unsigned has; /* DM_WANT_* that are built */
     dm_kernel value, slope, stage, force, energy, mass, well, pair;
-    const double
-        *inverse_mass; /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
-    const double *mass_matrix; /* same shape */
-    const double
-        *momentum_shift;   /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
-    const uint8_t *cyclic; /* [n]: 1 where L does not depend on q_i */
-    uint32_t operations;   /* of L itself */
+    const double *inverse_mass;   /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
+    const double *mass_matrix;    /* same shape */
+    const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */
+    const uint8_t *cyclic;        /* [n]: 1 where L does not depend on q_i */
+    uint32_t operations;          /* of L itself */
     uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;
     const struct dm_ties *ties; /* NULL: none */
     struct dm_later *later;     /* how to make the stage kernel; NULL: nobody asked */
 } dm_model;
 
-/* With sums (expr/sum.h) or very many coordinates: so many rounds are written out as they are; above, loops are kept where mass is
-** constant and diagonal; what needs n x n tables writes them out up to so many coordinates. */
+/* With sums (expr/sum.h) or very many coordinates: so many rounds are written out as they are;
+ * above, loops are kept where mass is constant and diagonal; what needs n x n tables writes them
+ * out up to so many coordinates. */
 enum { DM_MODEL_WRITTEN_OUT = 40, DM_MODEL_DENSE = 400 };
 
-/*
-** Read the structure of L in g (inputs q[n], v[n], t) and build the wanted kernels.
-** Everything that *m points to is in `arena`. DM_SINGULAR: the mass matrix is constant and singular;
-** inverse_mass is then NULL and the model cannot be stepped, all the rest is usable. DM_TOO_LARGE with sums:
-** above DM_MODEL_DENSE, and d2L/dv2 not constant and diagonal or DM_WANT_DENSE.
-*/
+/* Read the structure of L in g (inputs q[n], v[n], t) and build the wanted kernels. Everything
+ * that *m points to is in `arena`. DM_SINGULAR: the mass matrix is constant and singular;
+ * inverse_mass is then NULL and the model cannot be stepped, all the rest is usable.
+ * DM_TOO_LARGE with sums: above DM_MODEL_DENSE, and d2L/dv2 not constant and diagonal or
+ * DM_WANT_DENSE. */
 dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                          dm_compile *compile, dm_arena *arena);
 
-/*
-** The stage kernel of a model that was built with DM_WANT_STAGE or DM_WANT_STAGE_LATER, made now where it is
-** not there yet, in the arena of the model: the caller owns it, other threads have models of their own.
-*/
+/* The stage kernel of a model that was built with DM_WANT_STAGE or DM_WANT_STAGE_LATER, made now
+ * where it is not there yet, in the arena of the model: the caller owns it, other threads have
+ * models of their own. */
 dm_status dm_model_stage(const dm_kernel **out, const dm_model *m);
 
 /* The same for a discrete Lagrangian in g with inputs q0[n], q1[n]: value takes (q0, q1). */
-dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n,
-                              dm_compile *compile, dm_arena *arena);
+dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n, dm_compile *compile,
+                              dm_arena *arena);
 
 /* The model with loops (loops_model.c); *fits = 0 where the mass is not constant and diagonal. */
 dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int *fits);
@@ -121,13 +113,13 @@ dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int
 size_t dm_legendre_work(const dm_model *m);
 
 /* p = dL/dv at (q, v, t). Needs DM_WANT_MASS or DM_DIAGONAL_MASS. */
-dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v,
-                      double t, double *work);
+dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v, double t,
+                      double *work);
 
 /* v with dL/dv(q, v, t) = p, Newton from the v given (which may alias p). Needs DM_WANT_MASS or
-** DM_SEPARABLE and DM_CONSTANT_MASS, where it is one product. On failure v is unchanged. Where L is linear in v no p
-** determines it: v stays as it is, which is enough for the energy. */
-dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q,
-                              const double *p, double t, double *work);
+ * DM_SEPARABLE and DM_CONSTANT_MASS, where it is one product. On failure v is unchanged. Where L
+ * is linear in v no p determines it: v stays as it is, which is enough for the energy. */
+dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, const double *p,
+                              double t, double *work);
 
 #endif

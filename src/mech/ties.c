@@ -107,8 +107,7 @@ static void add_jacobian(list *b, const dm_node *f, uint32_t m, uint32_t first) 
 static dm_status end(list *b, dm_kernel *out, unsigned which, dm_compile *compile) {
     dm_ties *t = b->t;
     dm_status status = dm_graph_status(t->graph);
-    if (status == DM_OK)
-        status = compile(out, t->graph, b->roots, (uint32_t)b->count, t->arena);
+    if (status == DM_OK) status = compile(out, t->graph, b->roots, (uint32_t)b->count, t->arena);
     if (status == DM_OK) t->has |= which;
     return status;
 }
@@ -159,8 +158,7 @@ static dm_status make_force_curve(dm_ties *t, dm_compile *compile) {
 }
 
 /* r[i] += sum_j lambda_j A_ji; the multipliers are inputs from `first` */
-static void add_reaction(dm_ties *t, dm_node *r, const dm_node *A, uint32_t rows,
-                         uint32_t first) {
+static void add_reaction(dm_ties *t, dm_node *r, const dm_node *A, uint32_t rows, uint32_t first) {
     for (uint32_t j = 0; j < rows; j++) {
         const dm_node lambda = dm_input(t->graph, first + j);
         for (uint32_t i = 0; i < t->n; i++) {

@@ -1,9 +1,7 @@
-/*
-** ties.h - what a Lagrangian is tied by: holonomic constraints g(q, t) = 0 with the reactions
-** G^T lambda, G = dg/dq; rolling constraints phi(q, v, t) = 0 with the reactions E^T mu, where E is
-** dphi/dv (Chetaev) or given; a force f(q, v, t) that is added to L_q (Marsden-West 2001, 3.2).
-** A model without any has no ties at all. Kernels are made when wanted.
-*/
+/* ties.h - what a Lagrangian is tied by: holonomic constraints g(q, t) = 0 with the reactions
+ * G^T lambda, G = dg/dq; rolling constraints phi(q, v, t) = 0 with the reactions E^T mu, where E is
+ * dphi/dv (Chetaev) or given; a force f(q, v, t) that is added to L_q (Marsden-West 2001, 3.2).
+ * A model without any has no ties at all. Kernels are made when wanted. */
 #ifndef DM_TIES_H
 #define DM_TIES_H
 
@@ -22,19 +20,20 @@ typedef struct dm_ties {
     uint32_t holonomic; /* k, entries of g */
     uint32_t rolling;   /* l, entries of phi */
     int forced;         /* is there a force? */
-    uint32_t
-        controls; /* entries of u, which is held over a step and is seen by the force alone */
+    uint32_t controls;  /* entries of u, which is held over a step and is seen by the force alone */
     unsigned structure, has; /* DM_TIES_*; DM_WANT_* that are built */
-    /* each takes x = (q[n], v[n], t), `reaction` (q, v, t, lambda[k], mu[l]); with controls the forces take
-    ** (q, v, t, k + l entries that they do not see, u[controls]); matrices are row-major */
+    /* each takes x = (q[n], v[n], t), `reaction` (q, v, t, lambda[k], mu[l]); with controls the
+     * forces take (q, v, t, k + l entries that they do not see, u[controls]); matrices are
+     * row-major */
     dm_kernel holonomic_kernel; /* g[k], G[k*n], g_t[k] */
     dm_kernel rolling_kernel;   /* phi[l], E[l*n], phi_v[l*n], phi_q[l*n] */
-    dm_kernel control;      /* u[controls] at the start of a step; made with the force */
-    dm_kernel force;        /* f[n] */
-    dm_kernel force_curve;  /* f[n], f_q[n*n], f_v[n*n] */
-    dm_kernel reaction;     /* r[n] = G^T lambda + E^T mu, r_q[n*n], r_v[n*n] */
-    const uint8_t *touches; /* [k*n]: 0 where an entry of G is zero everywhere */
-    /* for methods that make kernels of their own: nodes of a graph with the inputs q, v, t, lambda, mu */
+    dm_kernel control;          /* u[controls] at the start of a step; made with the force */
+    dm_kernel force;            /* f[n] */
+    dm_kernel force_curve;      /* f[n], f_q[n*n], f_v[n*n] */
+    dm_kernel reaction;         /* r[n] = G^T lambda + E^T mu, r_q[n*n], r_v[n*n] */
+    const uint8_t *touches;     /* [k*n]: 0 where an entry of G is zero everywhere */
+    /* for methods that make kernels of their own: nodes of a graph with the inputs q, v, t,
+     * lambda, mu */
     dm_graph *graph;
     const dm_node *g, *G, *g_t; /* [k], [k*n], [k] */
     const dm_node *phi, *E;     /* [l], [l*n] */
@@ -43,7 +42,8 @@ typedef struct dm_ties {
     dm_arena *arena;
 } dm_ties;
 
-/* What was traced: nodes of `graph`, whose inputs are q[n], v[n], t, lambda[k], mu[l], u[controls]. */
+/* What was traced: nodes of `graph`, whose inputs are q[n], v[n], t, lambda[k], mu[l],
+ * u[controls]. */
 typedef struct {
     dm_graph *graph;
     uint32_t n, holonomic, rolling, controls;
@@ -59,10 +59,12 @@ dm_status dm_ties_build(dm_ties *out, const dm_ties_traced *traced, dm_arena *ar
 /* Make the kernels `want` (DM_WANT_TIES bits) that are missing. */
 dm_status dm_ties_want(dm_ties *ties, unsigned want, dm_compile *compile);
 
-/* A row of zeros: which constraint does not depend on what it must depend on (g on q, phi on v); k + l: none. */
+/* A row of zeros: which constraint does not depend on what it must depend on (g on q, phi on v);
+ * k + l: none. */
 uint32_t dm_ties_idle(const dm_ties *ties);
 
-/* Add f(q, v, t) at x = (q, v, t) to sum[n], where there are ties and a force; f[n] is scratch. Needs DM_WANT_TIE_FORCE, and no controls. */
+/* Add f(q, v, t) at x = (q, v, t) to sum[n], where there are ties and a force; f[n] is scratch.
+ * Needs DM_WANT_TIE_FORCE, and no controls. */
 void dm_ties_add_force(double *sum, const dm_ties *ties, const double *x, double *f);
 
 /* ---- the start (ties_start.c); W[n*n] is the inverse of the mass matrix there ---- */
@@ -71,30 +73,27 @@ void dm_ties_add_force(double *sum, const dm_ties *ties, const double *x, double
 size_t dm_ties_start_work(const dm_ties *ties);
 
 /* W = (d2L/dv2)^-1 at x = (q, v, t). Needs DM_WANT_MASS. */
-dm_status dm_ties_inverse_mass(double *W, const dm_model *m, const double *x,
-                               double *work);
+dm_status dm_ties_inverse_mass(double *W, const dm_model *m, const double *x, double *work);
 
 /* Rows are counted from 1 through g and phi; 0: none. */
 typedef struct {
-    double distance; /* the largest |g_i|, or of |(G v + g_t)_i| and |phi_i| */
-    double move;  /* length of the shift that mends all, relative to 1 + |q| or 1 + |v| */
-    uint32_t row; /* the tie of that distance */
-    uint32_t
-        depends; /* a row of G, or of (G; dphi/dv), that depends on those before it */
-    uint32_t on; /* the one of these that has most part in it; 0: the row is zero here */
+    double distance;  /* the largest |g_i|, or of |(G v + g_t)_i| and |phi_i| */
+    double move;      /* length of the shift that mends all, relative to 1 + |q| or 1 + |v| */
+    uint32_t row;     /* the tie of that distance */
+    uint32_t depends; /* a row of G, or of (G; dphi/dv), that depends on those before it */
+    uint32_t on;      /* the one of these that has most part in it; 0: the row is zero here */
 } dm_ties_defect;
 
-/* How far x = (q, v, t) is from g = 0, and from G v + g_t = 0 and phi = 0. Needs DM_WANT_HOLONOMIC, DM_WANT_ROLLING. */
-dm_status dm_ties_position_defect(dm_ties_defect *out, const dm_ties *ties,
-                                  const double *x, const double *W, double *work);
-dm_status dm_ties_velocity_defect(dm_ties_defect *out, const dm_ties *ties,
-                                  const double *x, const double *W, double *work);
+/* How far x = (q, v, t) is from g = 0, and from G v + g_t = 0 and phi = 0. Needs
+ * DM_WANT_HOLONOMIC, DM_WANT_ROLLING. */
+dm_status dm_ties_position_defect(dm_ties_defect *out, const dm_ties *ties, const double *x,
+                                  const double *W, double *work);
+dm_status dm_ties_velocity_defect(dm_ties_defect *out, const dm_ties *ties, const double *x,
+                                  const double *W, double *work);
 
-/* Move q, or v, in x = (q, v, t) to the nearest point in the metric of the mass that meets these equations. On
-** failure x is not usable. */
-dm_status dm_ties_project_position(const dm_ties *ties, double *x, const double *W,
-                                   double *work);
-dm_status dm_ties_project_velocity(const dm_ties *ties, double *x, const double *W,
-                                   double *work);
+/* Move q, or v, in x = (q, v, t) to the nearest point in the metric of the mass that meets these
+ * equations. On failure x is not usable. */
+dm_status dm_ties_project_position(const dm_ties *ties, double *x, const double *W, double *work);
+dm_status dm_ties_project_velocity(const dm_ties *ties, double *x, const double *W, double *work);
 
 #endif

@@ -1,7 +1,6 @@
-/*
-** ties_start.c - is a state on its ties, are they independent there, and where is the nearest state that is on
-** them? A is G, or G above dphi/dv; c what it has to make zero: g, or (G v + g_t, phi).
-*/
+/* ties_start.c - is a state on its ties, are they independent there, and where is the nearest
+ * state that is on them? A is G, or G above dphi/dv; c what it has to make zero: g, or (G v +
+ * g_t, phi). */
 #include "linalg/lu.h"
 #include "mech/ties.h"
 
@@ -35,8 +34,7 @@ static size_t outputs(const dm_ties *t) {
 
 size_t dm_ties_start_work(const dm_ties *t) {
     const size_t n = t->n, m = rows(t), larger = n > m ? n : m;
-    return 2 * m * n + 2 * m + 2 * m * m + 2 * n + outputs(t) + 2 * n * n + 3 * larger +
-           2;
+    return 2 * m * n + 2 * m + 2 * m * m + 2 * n + outputs(t) + 2 * n * n + 3 * larger + 2;
 }
 
 static frame lay_out(const dm_ties *t, const double *W, int velocity, double *work) {
@@ -106,7 +104,8 @@ static int scale(frame *f, uint32_t i) {
     return size > 0.0;
 }
 
-/* what is left of row i after the parts along the rows before it; twice, so that it is orthogonal to round-off */
+/* what is left of row i after the parts along the rows before it; twice, so that it is
+ * orthogonal to round-off */
 static double reduce(frame *f, uint32_t i) {
     const uint32_t n = f->n;
     double *row = f->basis + i * (size_t)n, *part = f->part + i * (size_t)f->m;
@@ -208,7 +207,8 @@ dm_status dm_ties_velocity_defect(dm_ties_defect *out, const dm_ties *t, const d
     return defect(out, &f, x);
 }
 
-/* the nearest point to `from` of c + A (x' - x) = 0, again and again: x' = from - W A^T (A W A^T)^-1 (c - A (x - from)) */
+/* the nearest point to `from` of c + A (x' - x) = 0, again and again: x' = from - W A^T (A W
+ * A^T)^-1 (c - A (x - from)) */
 static dm_status project(frame *f, double *x) {
     const uint32_t n = f->n;
     double *at = x + (f->velocity ? n : 0), last = INFINITY;
@@ -229,29 +229,25 @@ static dm_status project(frame *f, double *x) {
             size = fmax(size, fabs(next));
             at[c] = next;
         }
-        if (change <= ROUND_OFF * size || (change < SETTLED * size && change >= last))
-            return DM_OK;
+        if (change <= ROUND_OFF * size || (change < SETTLED * size && change >= last)) return DM_OK;
         last = change;
     }
     return f->m ? DM_NO_CONVERGENCE : DM_OK;
 }
 
-dm_status dm_ties_project_position(const dm_ties *t, double *x, const double *W,
-                                   double *work) {
+dm_status dm_ties_project_position(const dm_ties *t, double *x, const double *W, double *work) {
     frame f = lay_out(t, W, 0, work);
     return project(&f, x);
 }
 
-dm_status dm_ties_project_velocity(const dm_ties *t, double *x, const double *W,
-                                   double *work) {
+dm_status dm_ties_project_velocity(const dm_ties *t, double *x, const double *W, double *work) {
     frame f = lay_out(t, W, 1, work);
     return project(&f, x);
 }
 
 /* ---- the metric ---- */
 
-dm_status dm_ties_inverse_mass(double *W, const dm_model *m, const double *x,
-                               double *work) {
+dm_status dm_ties_inverse_mass(double *W, const dm_model *m, const double *x, double *work) {
     const size_t n = m->n;
     double *mass = work, *column = mass + n + n * n;
     uint32_t *pivot = (uint32_t *)(void *)(column + n);

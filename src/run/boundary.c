@@ -73,12 +73,11 @@ static void assemble(solver *s, const double *x) {
         for (uint32_t i = 0; i < w; i++)
             for (uint32_t j = 0; j < w; j++)
                 if (!p->given[at + i] && !p->given[at + j])
-                    s->A[dm_band_row(&s->band, at + i) +
-                         dm_band_column(&s->band, at + j)] += s->out[w + i * w + j];
+                    s->A[dm_band_row(&s->band, at + i) + dm_band_column(&s->band, at + j)] +=
+                        s->out[w + i * w + j];
     }
     for (uint32_t i = 0; i < unknowns(p); i++)
-        if (p->given[i])
-            s->A[dm_band_row(&s->band, i) + dm_band_column(&s->band, i)] = 1.0;
+        if (p->given[i]) s->A[dm_band_row(&s->band, i) + dm_band_column(&s->band, i)] = 1.0;
 }
 
 static double norm(const double *x, uint32_t n) {

@@ -1,7 +1,6 @@
-/*
-** boundary.h - stationary points of a sum over windows of neighbours, sum_s f(x_s, ..., x_s+N-1), some numbers being given:
-** Newton's method on the whole sequence, its matrix being a band.
-*/
+/* boundary.h - stationary points of a sum over windows of neighbours, sum_s f(x_s, ...,
+ * x_s+N-1), some numbers being given: Newton's method on the whole sequence, its matrix being a
+ * band. */
 #ifndef DM_BOUNDARY_H
 #define DM_BOUNDARY_H
 
@@ -11,12 +10,11 @@
 #include <signal.h>
 
 typedef struct {
-    uint32_t sites, block,
-        window;           /* numbers of sites, of a site, sites of a window (<= sites) */
-    dm_kernel slope;      /* x[window * block] -> df/dx */
-    dm_kernel hessian;    /* -> df/dx, d2f/dx2 by rows */
-    const uint8_t *given; /* [sites * block] 1: stays as it is */
-    double tolerance;     /* of the last increment, relative to max |x| */
+    uint32_t sites, block, window; /* numbers of sites, of a site, sites of a window (<= sites) */
+    dm_kernel slope;               /* x[window * block] -> df/dx */
+    dm_kernel hessian;             /* -> df/dx, d2f/dx2 by rows */
+    const uint8_t *given;          /* [sites * block] 1: stays as it is */
+    double tolerance;              /* of the last increment, relative to max |x| */
     int max_iterations;
     const volatile sig_atomic_t *stop; /* may be NULL */
 } dm_boundary;

@@ -4,11 +4,7 @@
 
 #include <math.h>
 
-enum {
-    BLOCKS = 16,
-    FEWER = 11,
-    SHORTEST = 4
-}; /* numbers of blocks; rows of one at least */
+enum { BLOCKS = 16, FEWER = 11, SHORTEST = 4 }; /* numbers of blocks; rows of one at least */
 
 typedef struct {
     const double *t, *y;
@@ -80,8 +76,7 @@ static double error_of_few(const series *s, long rows, point m, double slope) {
     return tt > 0.0 ? sqrt(left / (double)(rows - 2) / tt) : 0.0;
 }
 
-void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y,
-                  long rows) {
+void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y, long rows) {
     const series s = {t, y, stride};
     const point m = mean_of(&s, 0, rows);
     *out = (dm_drift){.mean = y[0] + m.y};
@@ -97,8 +92,7 @@ void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y
 }
 
 /* largest and least distance from y0 over rows first .. last-1 */
-static void reach_of(const double *y, long first, long last, double *least,
-                     double *largest) {
+static void reach_of(const double *y, long first, long last, double *least, double *largest) {
     *least = INFINITY;
     *largest = 0.0;
     for (long i = first; i < last; i++) {

@@ -11,19 +11,15 @@ typedef struct {
     double largest; /* max |y - y_0|, against the first row */
 } dm_drift;
 
-/*
-** Fit y[rows] against the times t[0], t[stride], t[2 stride], ... The error comes from the means
-** of blocks, so that an oscillation, whose values are not independent, is not mistaken for many
-** of them: it holds when a block is longer than the oscillation. rows >= 1; with rows < 3 or a
-** time that stands still slope and error are 0.
-*/
-void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y,
-                  long rows);
+/* Fit y[rows] against the times t[0], t[stride], t[2 stride], ... The error comes from the means
+ * of blocks, so that an oscillation, whose values are not independent, is not mistaken for many
+ * of them: it holds when a block is longer than the oscillation. rows >= 1; with rows < 3 or a
+ * time that stands still slope and error are 0. */
+void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y, long rows);
 
-/*
-** The row at which y[rows] has gone, within three rows, to another level where it stays: before them it is near the first row,
-** by a tenth of its largest distance, and from there on never back within a quarter of that. 0: it does not.
-*/
+/* The row at which y[rows] has gone, within three rows, to another level where it stays: before
+ * them it is near the first row, by a tenth of its largest distance, and from there on never
+ * back within a quarter of that. 0: it does not. */
 long dm_drift_jump(const double *y, long rows);
 
 #endif

@@ -75,7 +75,8 @@ static void run_members(const worker *w, long from, long to) {
     }
 }
 
-/* members that a thread takes at a time: whole groups of lanes, no more than leave every thread something to do */
+/* members that a thread takes at a time: whole groups of lanes, no more than leave every thread
+ * something to do */
 static long choose_share(const dm_ensemble *e, const dm_block *b, int threads) {
     const long lanes = b ? b->lanes.lanes : 1, most = b ? b->most : BLOCK;
     const long each = (e->members + threads - 1) / threads;
@@ -99,15 +100,13 @@ static void *work(void *arg) {
     }
 }
 
-dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers,
-                          int threads) {
+dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int threads) {
     shared common = {.e = e};
     worker workers[DM_ENSEMBLE_THREADS];
     dm_block blocks[DM_ENSEMBLE_THREADS];
     pthread_t thread[DM_ENSEMBLE_THREADS];
     int made = 0;
-    for (long i = 0; i < e->members; i++)
-        e->member[i] = (dm_member){.status = DM_STOPPED};
+    for (long i = 0; i < e->members; i++) e->member[i] = (dm_member){.status = DM_STOPPED};
     for (int i = 0; i < threads; i++) {
         const int wide = dm_block_open(blocks + i, steppers[i]);
         blocks[i].watch = e->watch ? e->watch + i : NULL;
@@ -120,8 +119,7 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers,
     }
     if (e->lanes) *e->lanes = workers[0].block ? workers[0].block->lanes.lanes : 1;
     /* this thread works too; when no more threads can be had, those there are do it all */
-    while (made + 1 < threads &&
-           pthread_create(thread + made, NULL, work, workers + made + 1) == 0)
+    while (made + 1 < threads && pthread_create(thread + made, NULL, work, workers + made + 1) == 0)
         made++;
     work(workers);
     for (int i = 0; i < made; i++) pthread_join(thread[i], NULL);

@@ -1,4 +1,5 @@
-/* ensemble.h - many runs of one system side by side: members in blocks, blocks shared out to threads. */
+/* ensemble.h - many runs of one system side by side: members in blocks, blocks shared out to
+ * threads. */
 #ifndef DM_ENSEMBLE_H
 #define DM_ENSEMBLE_H
 
@@ -24,27 +25,26 @@ typedef struct {
 typedef struct {
     long members, steps;
     double t0;
-    const dm_pace *
-        pace; /* [members]; NULL: the step of the steppers, `steps`, the rows' `every` for all */
+    const dm_pace
+        *pace; /* [members]; NULL: the step of the steppers, `steps`, the rows' `every` for all */
     const double *params; /* [members][params of the model] */
     double *
-        state; /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
+        /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
+        state;
     dm_member *member;            /* [members] */
     const dm_ensemble_rows *rows; /* NULL: only the ends are kept */
     dm_observer *watch;           /* [threads] what the rows hold; NULL: q, p */
-    uint32_t *lanes; /* members that went side by side, 1: one by one; may be NULL */
+    uint32_t *lanes;              /* members that went side by side, 1: one by one; may be NULL */
     const volatile sig_atomic_t *stop;
-    void (*progress)(void *ud, long done,
-                     long members); /* called by the first thread only; may be NULL */
+    /* called by the first thread only; may be NULL */
+    void (*progress)(void *ud, long done, long members);
     void *ud;
 } dm_ensemble;
 
-/*
-** Run all members with one opened stepper per thread (steppers[threads], each with workspace and kernels of
-** its own). Every member is what dm_run would make of it alone, bit for bit, whatever the number of threads;
-** one that fails stops alone. DM_STOPPED when the flag was seen,
-** else DM_OK.
-*/
+/* Run all members with one opened stepper per thread (steppers[threads], each with workspace and
+ * kernels of its own). Every member is what dm_run would make of it alone, bit for bit, whatever
+ * the number of threads; one that fails stops alone. DM_STOPPED when the flag was seen, else
+ * DM_OK. */
 dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int threads);
 
 #endif

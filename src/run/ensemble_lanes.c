@@ -1,4 +1,5 @@
-/* ensemble_lanes.c - a block of members stepped side by side; who fails is stepped again alone and leaves. */
+/* ensemble_lanes.c - a block of members stepped side by side; who fails is stepped again alone
+ * and leaves. */
 #include "run/ensemble_block.h"
 
 #include <string.h>
@@ -56,8 +57,8 @@ static long every_of(const block *x, long i) {
 static void put_params(const block *x, long i, uint32_t to) {
     const uint32_t many = x->b->stepper->model->params;
     if (many)
-        memcpy(x->b->lanes.params + (size_t)to * many,
-               x->e->params + (size_t)(x->first + i) * many, many * sizeof(double));
+        memcpy(x->b->lanes.params + (size_t)to * many, x->e->params + (size_t)(x->first + i) * many,
+               many * sizeof(double));
 }
 
 /* what is computed for member i alone has its step and its parameters */
@@ -104,12 +105,10 @@ static double time_of(const block *x, long i, long steps) {
 static void keep_row(block *x, long i, const double *state, long steps) {
     const dm_ensemble_rows *rows = x->e->rows;
     dm_member *m = member_of(x, i);
-    const double t = x->b->stepper->method->traits & DM_OWN_TIME
-                         ? state[4 * (size_t)dim(x)]
-                         : time_of(x, i, steps);
+    const double t = x->b->stepper->method->traits & DM_OWN_TIME ? state[4 * (size_t)dim(x)]
+                                                                 : time_of(x, i, steps);
     choose_member(x, i);
-    const dm_status status =
-        dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
+    const dm_status status = dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
     if (status == DM_OK || m->status != DM_OK) return;
     *m = (dm_member){.status = status, .steps = steps};
     memcpy(state_of(x, i), state, dm_state_size(dim(x)) * sizeof *state);
@@ -182,7 +181,8 @@ static void begin(block *x) {
     pad(x);
 }
 
-/* member i is not finite after `count` steps: from the kept state alone, up to the step that fails */
+/* member i is not finite after `count` steps: from the kept state alone, up to the step that
+ * fails */
 static void repeat_alone(block *x, long i, double t, long count) {
     dm_lanes kept = x->b->lanes; /* but for the states */
     dm_stepper *s = x->b->stepper;
@@ -205,8 +205,7 @@ static void repeat_alone(block *x, long i, double t, long count) {
 /* member i failed, as the method says, in the step after those that it has done of a burst */
 static void leave(block *x, long i) {
     const dm_lanes *lanes = &x->b->lanes;
-    *member_of(x, i) =
-        (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
+    *member_of(x, i) = (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
     dm_lanes_get(lanes, dim(x), (uint32_t)i, state_of(x, i));
     x->alive--;
     choose_member(x, i);
@@ -265,7 +264,8 @@ static void end_some(block *x) {
     if (x->alive < before) pad(x);
 }
 
-/* steps up to the end or the stop flag; where L depends on t one by one, as a run of its own does */
+/* steps up to the end or the stop flag; where L depends on t one by one, as a run of its own
+ * does */
 static dm_status run(block *x) {
     const dm_stepper *s = x->b->stepper;
     const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;

@@ -22,9 +22,9 @@ dm_status dm_events_begin(dm_events *e, const double *state, double t) {
     return dm_observe(e->observer, e->before, state, t);
 }
 
-/* g_i of the state at time t between `from` and the end of the step; the state is left in e->place */
-static dm_status value(dm_events *e, dm_stepper *s, uint32_t i, double *g, double from,
-                       double t) {
+/* g_i of the state at time t between `from` and the end of the step; the state is left in
+ * e->place */
+static dm_status value(dm_events *e, dm_stepper *s, uint32_t i, double *g, double from, double t) {
     dm_status status = dm_land(s, e->place, e->start, from, t);
     if (status == DM_OK) status = dm_observe(e->observer, e->here, e->place, t);
     *g = e->here[i];
@@ -36,7 +36,8 @@ typedef struct {
     double a, ga, b, gb;
 } bracket;
 
-/* regula falsi, weighted against a standing end (Anderson & Bjoerck 1973), bisection where that is slow */
+/* regula falsi, weighted against a standing end (Anderson & Bjoerck 1973), bisection where that
+ * is slow */
 static double next_guess(const bracket *k, int tries) {
     const double middle = 0.5 * (k->a + k->b);
     const double t = k->b - k->gb * (k->b - k->a) / (k->gb - k->ga);
@@ -83,8 +84,7 @@ static uint32_t earliest(const dm_events *e) {
     const uint32_t count = e->observer->count;
     uint32_t first = count;
     for (uint32_t i = 0; i < count; i++)
-        if (isfinite(e->time[i]) && (first == count || e->time[i] < e->time[first]))
-            first = i;
+        if (isfinite(e->time[i]) && (first == count || e->time[i] < e->time[first])) first = i;
     return first;
 }
 
@@ -103,8 +103,7 @@ static dm_status tell(dm_events *e, dm_stepper *s, double *state, double from) {
     return DM_OK;
 }
 
-dm_status dm_events_look(dm_events *e, dm_stepper *s, double *state, double from,
-                         double to) {
+dm_status dm_events_look(dm_events *e, dm_stepper *s, double *state, double from, double to) {
     const uint32_t count = e->observer->count;
     int some = 0;
     dm_status status = dm_observe(e->observer, e->here, state, to);

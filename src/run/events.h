@@ -31,11 +31,9 @@ void dm_events_lay_out(dm_events *e, double *memory, uint32_t n);
 /* g at the start of a run, or where nothing was looked for. */
 dm_status dm_events_begin(dm_events *e, const double *state, double t);
 
-/*
-** After a step of s from e->start at `from` to `state` at `to`: zeros in between, by steps of fitting length (run/land.h),
-** so with the accuracy of the rule, to round-off in t. A function that changes its sign twice within a step is not seen.
-*/
-dm_status dm_events_look(dm_events *e, dm_stepper *s, double *state, double from,
-                         double to);
+/* After a step of s from e->start at `from` to `state` at `to`: zeros in between, by steps of
+ * fitting length (run/land.h), so with the accuracy of the rule, to round-off in t. A function
+ * that changes its sign twice within a step is not seen. */
+dm_status dm_events_look(dm_events *e, dm_stepper *s, double *state, double from, double to);
 
 #endif

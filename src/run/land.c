@@ -3,8 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-static dm_status step_by(dm_stepper *s, double *out, const double *state, double t,
-                         double h) {
+static dm_status step_by(dm_stepper *s, double *out, const double *state, double t, double h) {
     memcpy(out, state, dm_state_size(s->model->n) * sizeof *out);
     if (h == 0.0) return DM_OK;
     s->h = h;
@@ -24,14 +23,12 @@ static double interpolate(const point *a, const point *b, double t) {
 }
 
 /* h with t(h) = target; t(0) is known, t grows with h */
-static dm_status find_step(dm_stepper *s, double *out, const double *state,
-                           double target) {
+static dm_status find_step(dm_stepper *s, double *out, const double *state, double target) {
     enum { TRIES = 60 };
     const size_t own = 4 * (size_t)s->model->n;
     const double t0 = state[own], close = 2e-16 * fmax(fabs(target), fabs(t0));
     const double whole = s->h;
-    point a = {0.0, t0, 1.0 / s->method->pace(s, state)},
-          b = {.h = a.slope * (target - t0)};
+    point a = {0.0, t0, 1.0 / s->method->pace(s, state)}, b = {.h = a.slope * (target - t0)};
     double last = INFINITY;
     if (!(fabs(b.h) < fabs(whole))) b.h = whole;
     for (int k = 0; k < TRIES; k++) {
@@ -58,8 +55,7 @@ static void swap_memory(dm_stepper *s, int back) {
     memcpy(back ? place : s->aside, back ? s->aside : place, size * sizeof *place);
 }
 
-dm_status dm_land(dm_stepper *s, double *out, const double *state, double t,
-                  double target) {
+dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target) {
     const double h = s->h;
     swap_memory(s, 0);
     const dm_status status = s->method->traits & DM_OWN_TIME

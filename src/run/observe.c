@@ -9,8 +9,8 @@ uint32_t dm_observer_width(const dm_observer *o) {
     return width;
 }
 
-/* x = (q, v, t, p); the search for v begins at rest, or, where that fails, at p: never at what was seen before, so that a
-** number depends on its state alone */
+/* x = (q, v, t, p); the search for v begins at rest, or, where that fails, at p: never at what
+ * was seen before, so that a number depends on its state alone */
 static dm_status place(dm_observer *o, const double *state, double t) {
     const uint32_t n = o->model->n;
     memcpy(o->x, state, n * sizeof *o->x);
@@ -18,8 +18,7 @@ static dm_status place(dm_observer *o, const double *state, double t) {
     memcpy(o->x + 2 * n + 1, state + n, n * sizeof *o->x);
     if (!o->work) return DM_OK;
     memset(o->x + n, 0, n * sizeof *o->x);
-    const dm_status status =
-        dm_legendre_inverse(o->model, o->x + n, state, state + n, t, o->work);
+    const dm_status status = dm_legendre_inverse(o->model, o->x + n, state, state + n, t, o->work);
     if (status == DM_OK) return DM_OK;
     memcpy(o->x + n, state + n, n * sizeof *o->x);
     return dm_legendre_inverse(o->model, o->x + n, state, state + n, t, o->work);

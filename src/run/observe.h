@@ -5,9 +5,8 @@
 #include "mech/model.h"
 
 typedef struct {
-    const dm_kernel
-        *kernel;    /* of x = (q[n], v[n], t, p[n]) or of its head; NULL: an entry */
-    uint32_t entry; /* of (q[n], p[n]) */
+    const dm_kernel *kernel; /* of x = (q[n], v[n], t, p[n]) or of its head; NULL: an entry */
+    uint32_t entry;          /* of (q[n], p[n]) */
     int of_model; /* the kernel takes (q[n], v[n], t, params): it is one of the model's */
 } dm_observable;
 
@@ -23,8 +22,8 @@ typedef struct {
 /* Numbers that dm_observe writes. */
 uint32_t dm_observer_width(const dm_observer *o);
 
-/* out = the observables, one after the other, at a state of a run. The velocity is found from p: DM_SINGULAR or
-** DM_NO_CONVERGENCE where there is none. */
+/* out = the observables, one after the other, at a state of a run. The velocity is found from p:
+ * DM_SINGULAR or DM_NO_CONVERGENCE where there is none. */
 dm_status dm_observe(dm_observer *o, double *out, const double *state, double t);
 
 #endif

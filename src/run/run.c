@@ -9,9 +9,8 @@
 
 static const double LOOK = 5e-3;    /* s between looks at the clock and the stop flag */
 static const double PROGRESS = 0.1; /* s between calls of progress */
-static const double SLACK =
-    1e-9;                   /* of h: a time asked for this near to a step is that step */
-enum { LONGEST = 1 << 20 }; /* steps between looks at the clock */
+static const double SLACK = 1e-9;   /* of h: a time asked for this near to a step is that step */
+enum { LONGEST = 1 << 20 };         /* steps between looks at the clock */
 
 typedef struct {
     const dm_run_plan *plan;
@@ -20,9 +19,9 @@ typedef struct {
     int own;     /* the method has a time of its own */
     int goes_on; /* nothing but whole steps has been made, and the state is what they left */
     long done, rows_done;
-    long flushed;      /* rows that have left the block */
-    double *open;      /* impulses of a row whose next step is not done yet; NULL: none */
-    long burst, until; /* steps between looks at the clock, step of the next one */
+    long flushed;        /* rows that have left the block */
+    double *open;        /* impulses of a row whose next step is not done yet; NULL: none */
+    long burst, until;   /* steps between looks at the clock, step of the next one */
     double looked, told; /* s, time of the last look and of the last call of progress */
     double saved;        /* s, time of the last call of save */
 } loop;
@@ -44,8 +43,7 @@ static double time_now(const loop *l) {
     const dm_run_plan *plan = l->plan;
     if (plan->events && plan->events->ended) return plan->events->end;
     if (l->own) return l->state[4 * (size_t)l->s->model->n];
-    return plan->t0 +
-           (double)(l->done + (plan->resume ? plan->resume->steps : 0)) * l->s->h;
+    return plan->t0 + (double)(l->done + (plan->resume ? plan->resume->steps : 0)) * l->s->h;
 }
 
 /* ---- recording ---- */
@@ -129,7 +127,8 @@ static dm_status record_times(loop *l, const double *state, double from, double 
     return DM_OK;
 }
 
-/* times asked for lie ahead of a step that may be taken whole, behind one that events or a time of its own may shorten */
+/* times asked for lie ahead of a step that may be taken whole, behind one that events or a time
+ * of its own may shorten */
 static int looks_ahead(const loop *l) {
     return l->plan->at && !l->own && !l->plan->events;
 }
@@ -154,7 +153,8 @@ static dm_status record_end(loop *l) {
 
 /* ---- stepping ---- */
 
-/* times asked for between `from`, where the state was `before`, and now; one that is this step's to round-off belongs to it */
+/* times asked for between `from`, where the state was `before`, and now; one that is this step's
+ * to round-off belongs to it */
 static dm_status record_behind(loop *l, const double *before, double from) {
     if (!l->plan->at) return DM_OK;
     return record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->s->h);
@@ -164,9 +164,7 @@ static dm_status record_behind(loop *l, const double *before, double from) {
 static dm_status step_watched(loop *l, double from) {
     dm_events *events = l->plan->events;
     const size_t size = dm_state_size(l->s->model->n);
-    double *before = events             ? events->start
-                     : l->plan->landing ? l->plan->landing + size
-                                        : NULL;
+    double *before = events ? events->start : l->plan->landing ? l->plan->landing + size : NULL;
     long finished = 0;
     if (before) memcpy(before, l->state, size * sizeof *before);
     dm_status status = dm_advance(l->s, l->state, from, 1, &finished);
@@ -186,10 +184,11 @@ static dm_status advance_own(loop *l, long end) {
 }
 
 /* steps up to `end`; one by one when L depends on t, so that the time of a step, and with it
-** every bit of the result, does not depend on where bursts happen to end; where impulses are wanted too */
+ * every bit of the result, does not depend on where bursts happen to end; where impulses are
+ * wanted too */
 static dm_status advance(loop *l, long end) {
-    const int timed = !(l->s->model->structure & DM_AUTONOMOUS) &&
-                      !(l->s->method->traits & DM_FOR_PAIRS);
+    const int timed =
+        !(l->s->model->structure & DM_AUTONOMOUS) && !(l->s->method->traits & DM_FOR_PAIRS);
     const int by_one = timed || l->plan->impulses;
     if (l->own) return advance_own(l, end);
     while (l->plan->events && l->done < end && !is_ended(l)) {
@@ -199,8 +198,8 @@ static dm_status advance(loop *l, long end) {
     while (!l->plan->events && l->done < end) {
         long finished = 0;
         l->s->goes_on = l->goes_on;
-        const dm_status status = dm_advance(l->s, l->state, time_now(l),
-                                            by_one ? 1 : end - l->done, &finished);
+        const dm_status status =
+            dm_advance(l->s, l->state, time_now(l), by_one ? 1 : end - l->done, &finished);
         l->goes_on = status == DM_OK && !l->plan->at;
         l->done += finished;
         if (status == DM_OK && l->plan->impulses) take_impulses(l);
@@ -232,8 +231,7 @@ static long steps_to_row(const loop *l) {
     if (!plan->at) return plan->every - l->done % plan->every;
     if (l->own || l->rows_done >= plan->at_count) return plan->steps;
     const double before = plan->resume ? (double)plan->resume->steps : 0.0;
-    const double step =
-        floor((plan->at[l->rows_done] - plan->t0) / l->s->h + SLACK) - before;
+    const double step = floor((plan->at[l->rows_done] - plan->t0) / l->s->h + SLACK) - before;
     return step > (double)l->done + 1.0 ? (long)step - l->done : 1;
 }
 
@@ -246,8 +244,7 @@ static long next_stop(const loop *l) {
 }
 
 static int is_finished(const loop *l) {
-    return l->done >= l->plan->steps || is_ended(l) ||
-           (l->own && time_now(l) >= l->plan->until);
+    return l->done >= l->plan->steps || is_ended(l) || (l->own && time_now(l) >= l->plan->until);
 }
 
 static dm_status run(loop *l) {
@@ -279,8 +276,8 @@ static dm_status begin(loop *l) {
     return status;
 }
 
-dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows,
-                 long *done, long *rows_done) {
+dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows, long *done,
+                 long *rows_done) {
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};
     dm_status status = DM_OK;
     l.own = (s->method->traits & DM_OWN_TIME) != 0;

@@ -16,8 +16,9 @@ typedef struct {
     void *ud;
 } dm_outlet;
 
-/* Columns of rows for the impulses of the ties (dm_method.impulses): those of the node where a row is, of the step that
-** ends there and of the one that begins there, and with `inner` those of the tie points inside the latter. */
+/* Columns of rows for the impulses of the ties (dm_method.impulses): those of the node where a
+ * row is, of the step that ends there and of the one that begins there, and with `inner` those
+ * of the tie points inside the latter. */
 typedef struct {
     uint32_t ties, points; /* columns of a point, tie points of a step with both ends */
     int inner;
@@ -31,45 +32,42 @@ static inline uint32_t dm_impulses_width(const dm_impulses *i) {
 /* A run that goes on where another one was. */
 typedef struct {
     long steps; /* done before: t = t0 + (steps + k) h */
-    const double *
-        memory; /* what the method left beside the state (dm_method.memory); NULL: nothing */
+    const double
+        *memory; /* what the method left beside the state (dm_method.memory); NULL: nothing */
 } dm_resumption;
 
 typedef struct {
-    double t0;  /* time of the start */
-    long steps; /* >= 0 */
-    long every; /* keep one state in `every`, >= 1; the last is kept too */
-    const double
-        *at; /* or, not NULL: keep the states at these times, growing, from t0 on */
+    double t0;        /* time of the start */
+    long steps;       /* >= 0 */
+    long every;       /* keep one state in `every`, >= 1; the last is kept too */
+    const double *at; /* or, not NULL: keep the states at these times, growing, from t0 on */
     long at_count;
-    double until; /* methods with a time of their own: stop at the first step past it */
+    double until;          /* methods with a time of their own: stop at the first step past it */
     double *landing;       /* with `at`: room for two states */
     dm_observer *watch;    /* what a row holds beside t; NULL: q, p */
     int beside;            /* and q, p in front of what is watched */
     dm_impulses *impulses; /* behind all that; without `at` and events; NULL: none */
     dm_outlet *outlet;     /* NULL: all rows fit */
     dm_events *events;     /* NULL: none is looked for */
-    const dm_resumption *resume; /* NULL: a start */
-    double save_every;           /* s of wall time between calls of save */
-    void (*save)(void *ud,
-                 long done); /* between steps: the state can be kept; may be NULL */
+    const dm_resumption *resume;       /* NULL: a start */
+    double save_every;                 /* s of wall time between calls of save */
+    void (*save)(void *ud, long done); /* between steps: the state can be kept; may be NULL */
     const volatile sig_atomic_t *stop; /* polled between bursts of steps; may be NULL */
-    void (*progress)(void *ud, long done,
-                     long steps); /* about ten times a second; may be NULL */
+    void (*progress)(void *ud, long done, long steps); /* about ten times a second; may be NULL */
     void *ud;
 } dm_run_plan;
 
-/* Rows that dm_run fills at most: the start, one per `every` steps, the end; or one per time asked for. */
+/* Rows that dm_run fills at most: the start, one per `every` steps, the end; or one per time
+ * asked for. */
 long dm_run_rows(const dm_run_plan *plan);
 
-/*
-** Run `plan` on state (dm_state_size doubles, in place), writing rows of 1 + 2n columns,
-** t, q[n], p[n], or t and what is watched, or both. Rows at given times come from a shorter step on the side (dm_land), which does not touch the
-** run itself. *done counts finished steps and *rows_done rows, also on failure or stop, so
-** that both are valid up to there (the last row is then the last good state).
-*/
-dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows,
-                 long *done, long *rows_done);
+/* Run `plan` on state (dm_state_size doubles, in place), writing rows of 1 + 2n columns, t,
+ * q[n], p[n], or t and what is watched, or both. Rows at given times come from a shorter step on
+ * the side (dm_land), which does not touch the run itself. *done counts finished steps and
+ * *rows_done rows, also on failure or stop, so that both are valid up to there (the last row is
+ * then the last good state). */
+dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows, long *done,
+                 long *rows_done);
 
 /* The same without rows: only the end is kept, in `state`. */
 dm_status dm_run_end(const dm_run_plan *plan, dm_stepper *s, double *state, long *done);

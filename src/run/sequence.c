@@ -3,9 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { BURST = 64 }; /* steps between looks at the stop flag */
-static const double LEFT =
-    1e-6; /* of the terms at the start: a residual above is no root's */
+enum { BURST = 64 };             /* steps between looks at the stop flag */
+static const double LEFT = 1e-6; /* of the terms at the start: a residual above is no root's */
 
 /* in: y, x; out: R, dR/dx; beyond: y' and the conditions */
 typedef struct {
@@ -46,13 +45,11 @@ static stage lay_out(const dm_sequence *r, double *work) {
 }
 
 /* max_i sum_j |J_ij| (|x_j| + scale_j): what cancels in R is not smaller */
-static double size_of_terms(const double *J, const double *x, const double *scale,
-                            uint32_t m) {
+static double size_of_terms(const double *J, const double *x, const double *scale, uint32_t m) {
     double largest = 0.0;
     for (uint32_t i = 0; i < m; i++) {
         double sum = 0.0;
-        for (uint32_t j = 0; j < m; j++)
-            sum += fabs(J[i * m + j]) * (fabs(x[j]) + fabs(scale[j]));
+        for (uint32_t j = 0; j < m; j++) sum += fabs(J[i * m + j]) * (fabs(x[j]) + fabs(scale[j]));
         if (sum > largest) largest = sum;
     }
     return largest;
@@ -112,9 +109,8 @@ static dm_status step(stage *s, const dm_newton_problem *problem, double *x,
     return DM_OK;
 }
 
-dm_status dm_sequence_run(double *rows, const dm_sequence *r,
-                          const dm_sequence_plan *plan, double *work,
-                          dm_sequence_report *report) {
+dm_status dm_sequence_run(double *rows, const dm_sequence *r, const dm_sequence_plan *plan,
+                          double *work, dm_sequence_report *report) {
     double *x = work;
     stage s = lay_out(r, work + r->m);
     const dm_newton_problem problem = {.m = r->m,
@@ -131,8 +127,7 @@ dm_status dm_sequence_run(double *rows, const dm_sequence *r,
         if (status != DM_OK) break;
         report->done++;
         if (report->done % plan->every == 0)
-            memcpy(rows + (size_t)r->n * (size_t)report->rows++, s.in,
-                   r->n * sizeof *rows);
+            memcpy(rows + (size_t)r->n * (size_t)report->rows++, s.in, r->n * sizeof *rows);
         if (plan->stop && report->done % BURST == 0 && *plan->stop) status = DM_STOPPED;
     }
     if (report->done % plan->every != 0)

@@ -28,10 +28,8 @@ static void look_late(dm_summary *out, const double *y, long rows) {
     out->span = least <= largest ? largest - least : INFINITY;
 }
 
-/*
-** MEGNO is Y(t) = 2/t int s y'(s) ds = 2 (y(t) - mean of y over [0, t]), y = ln |tangent vector|, and its mean over time:
-** by the trapezoidal rule.
-*/
+/* MEGNO is Y(t) = 2/t int s y'(s) ds = 2 (y(t) - mean of y over [0, t]), y = ln |tangent
+ * vector|, and its mean over time: by the trapezoidal rule. */
 static double megno(const double *t, size_t stride, const double *y, long rows) {
     double area = 0.0, sum = 0.0, before = 0.0;
     for (long i = 1; i < rows; i++) {
@@ -45,8 +43,7 @@ static double megno(const double *t, size_t stride, const double *y, long rows) 
     return rows > 1 ? sum / (t[(size_t)(rows - 1) * stride] - t[0]) : 0.0;
 }
 
-void dm_summary_make(dm_summary *out, const double *t, size_t stride, const double *y,
-                     long rows) {
+void dm_summary_make(dm_summary *out, const double *t, size_t stride, const double *y, long rows) {
     *out = (dm_summary){NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     if (rows < 1) return;
     dm_drift drift;

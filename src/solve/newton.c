@@ -22,7 +22,8 @@ size_t dm_newton_work(uint32_t m) {
     return 4 * (size_t)m + (size_t)m * m + (m + 1) / 2;
 }
 
-/* max |a|, NaN when there is one or an infinity; which is the largest cannot be foreseen, so there are no branches */
+/* max |a|, NaN when there is one or an infinity; which is the largest cannot be foreseen, so
+ * there are no branches */
 DM_WRITTEN_OUT double norm(const double *a, uint32_t m) {
     double largest = 0.0, bad = 0.0;
 #pragma GCC unroll 4
@@ -35,10 +36,8 @@ DM_WRITTEN_OUT double norm(const double *a, uint32_t m) {
 }
 
 /* m of the problem, which is a constant for small ones, here and below */
-DM_WRITTEN_OUT dm_status evaluate(solver *s, const double *x, int with_jacobian,
-                                  uint32_t m) {
-    const dm_status status =
-        s->p->equation(s->p->ctx, s->r, with_jacobian ? s->J : NULL, x);
+DM_WRITTEN_OUT dm_status evaluate(solver *s, const double *x, int with_jacobian, uint32_t m) {
+    const dm_status status = s->p->equation(s->p->ctx, s->r, with_jacobian ? s->J : NULL, x);
     if (status != DM_OK) return status;
     s->report->residual = norm(s->r, m);
     if (!isfinite(s->report->residual)) return DM_NOT_FINITE;
@@ -67,9 +66,9 @@ static int is_noise(const solver *s) {
     return s->p->size && s->report->residual <= DM_NEWTON_NOISE * *s->p->size;
 }
 
-/* By the rate so far, which one Jacobian does not lose (from its first increment to the second it may double),
-** what dx leaves does not count; what makes |dx| larger than foretold is the noise of the residual, of which the
-** next one would be made as well. */
+/* By the rate so far, which one Jacobian does not lose (from its first increment to the second
+ * it may double), what dx leaves does not count; what makes |dx| larger than foretold is the
+ * noise of the residual, of which the next one would be made as well. */
 static int is_drowned(const solver *s, double size) {
     const double rate = 2.0 * s->rate;
     return rate < DM_NEWTON_SLOW && s->step <= DM_NEWTON_ROUND_OFF * size &&
@@ -77,23 +76,20 @@ static int is_drowned(const solver *s, double size) {
 }
 
 /* x + dx is the root to round-off: the error that dx leaves, rate * |dx|, does not count.
-** A first-order correction of results needs a Jacobian; without one |dx| itself must stall. */
+ * A first-order correction of results needs a Jacobian; without one |dx| itself must stall. */
 DM_WRITTEN_OUT int is_last(const solver *s, uint32_t m) {
     const double size = norm(s->x, m) + s->step;
-    const double rate =
-        s->last < INFINITY ? s->step / s->last : DM_NEWTON_SLOW; /* not known yet */
+    const double rate = s->last < INFINITY ? s->step / s->last : DM_NEWTON_SLOW; /* not known yet */
     const int stalled = rate > 0.5;
     if (s->step == 0.0) return 1;
     if (s->report->jacobians && s->step <= s->p->tolerance * size) return 1;
     if (s->report->jacobians && is_drowned(s, size)) return 1;
-    if (rate < DM_NEWTON_SLOW &&
-        rate * s->step <= DM_NEWTON_NEGLIGIBLE * s->p->tolerance * size)
+    if (rate < DM_NEWTON_SLOW && rate * s->step <= DM_NEWTON_NEGLIGIBLE * s->p->tolerance * size)
         return 1;
     return stalled && (s->step <= DM_NEWTON_ROUND_OFF * size || is_noise(s));
 }
 
-DM_WRITTEN_OUT void move(double *to, const double *x, const double *dx, double part,
-                         uint32_t m) {
+DM_WRITTEN_OUT void move(double *to, const double *x, const double *dx, double part, uint32_t m) {
 #pragma GCC unroll 4
     for (uint32_t i = 0; i < m; i++) to[i] = x[i] + part * dx[i];
 }
@@ -151,9 +147,9 @@ static dm_status search(solver *s) {
     return DM_NO_CONVERGENCE;
 }
 
-/* No part of a Newton step makes the residual smaller, and the step is small: what is left is the noise of the
-** residual, which cancellation inside L (a stiff k (r - 1)) makes larger than its terms tell. With the exact
-** Jacobian of this very point there is nothing nearer to be had. */
+/* No part of a Newton step makes the residual smaller, and the step is small: what is left is
+ * the noise of the residual, which cancellation inside L (a stiff k (r - 1)) makes larger than
+ * its terms tell. With the exact Jacobian of this very point there is nothing nearer to be had. */
 static int is_floor(const solver *s) {
     return s->step <= DM_NEWTON_FLOOR * (norm(s->x, s->p->m) + s->step);
 }

@@ -1,8 +1,6 @@
-/*
-** newton.h - solve r(x) = 0 to round-off from a start near the root.
-** One Jacobian is kept while the increments shrink by ten or more an iteration, then it is
-** taken anew; when that does not help the iteration is damped by a line search on |r|.
-*/
+/* newton.h - solve r(x) = 0 to round-off from a start near the root.
+ * One Jacobian is kept while the increments shrink by ten or more an iteration, then it is
+ * taken anew; when that does not help the iteration is damped by a line search on |r|. */
 #ifndef DM_NEWTON_H
 #define DM_NEWTON_H
 
@@ -15,11 +13,10 @@
 typedef struct {
     uint32_t m; /* unknowns */
     /* r[m] at x; when J is not NULL also J[m*m] = dr/dx, row-major. A NaN in r is "outside the
-    ** domain": the search steps back from there. Other failures end the solve. */
+     * domain": the search steps back from there. Other failures end the solve. */
     dm_status (*equation)(void *ctx, double *r, double *J, const double *x);
     void *ctx;
-    const double
-        *size; /* size of the terms of r at the last x, to tell round-off; may be NULL */
+    const double *size;  /* size of the terms of r at the last x, to tell round-off; may be NULL */
     const dm_band *band; /* J is such a band, and made so by `equation`; NULL: dense */
     int near_identity;   /* dr/dx is nearly 1: begin with J = 1 while that shrinks fast */
     double tolerance;    /* of the last increment, relative to max |x| */
@@ -35,11 +32,9 @@ typedef struct {
 /* Doubles of workspace for m unknowns. */
 size_t dm_newton_work(uint32_t m);
 
-/*
-** x[m] holds the start and then the root; work[0 .. m) is then the last increment: the
-** equation was last evaluated at x - work, so what depends on x to first order needs no
-** evaluation more. DM_NO_CONVERGENCE, DM_SINGULAR, DM_NOT_FINITE: x is not usable.
-*/
+/* x[m] holds the start and then the root; work[0 .. m) is then the last increment: the
+ * equation was last evaluated at x - work, so what depends on x to first order needs no
+ * evaluation more. DM_NO_CONVERGENCE, DM_SINGULAR, DM_NOT_FINITE: x is not usable. */
 dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
                     dm_newton_report *report);
 

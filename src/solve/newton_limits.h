@@ -1,10 +1,11 @@
-/* newton_limits.h - when Newton's method ends or goes another way, for one system and for systems side by side. */
+/* newton_limits.h - when Newton's method ends or goes another way, for one system and for
+ * systems side by side. */
 #ifndef DM_NEWTON_LIMITS_H
 #define DM_NEWTON_LIMITS_H
 
 static const double DM_NEWTON_ROUND_OFF = 1e-12; /* an increment that small may stall */
 static const double DM_NEWTON_NOISE = 1e-13;     /* and so may a residual, of its terms */
-static const double DM_NEWTON_FLOOR = 1e-9; /* an increment that small may be all noise */
+static const double DM_NEWTON_FLOOR = 1e-9;      /* an increment that small may be all noise */
 static const double DM_NEWTON_NEGLIGIBLE =
     1e-5; /* of the tolerance: error left that is not worth a step, 4e-20 relative */
 static const double DM_NEWTON_SLOW = 0.1; /* rate that calls for a new Jacobian */

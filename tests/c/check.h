@@ -1,9 +1,7 @@
-/*
-** check.h - a small test harness that speaks TAP. A test is a void function of CHECKs;
-** main runs each by RUN(function, "sentence") and returns check_finish().
-** A failed check prints where and what as a "# " line and fails its test, the rest runs
-*on.
-*/
+/* check.h - a small test harness that speaks TAP. A test is a void function of CHECKs;
+ * main runs each by RUN(function, "sentence") and returns check_finish().
+ * A failed check prints where and what as a "# " line and fails its test, the rest runs
+ * on. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -20,12 +18,10 @@ static inline int check_report(int right, const char *file, int line, const char
 }
 
 /* |got - want| <= tolerance; NaN never is near. */
-static inline int check_near(double got, double want, double tolerance,
-                             const char *what) {
+static inline int check_near(double got, double want, double tolerance, const char *what) {
     const int right = fabs(got - want) <= tolerance;
     if (!right && check_failures < 10)
-        printf("# %s: got %.17g, want %.17g, off by %.2g\n", what, got, want,
-               fabs(got - want));
+        printf("# %s: got %.17g, want %.17g, off by %.2g\n", what, got, want, fabs(got - want));
     return right;
 }
 
@@ -44,12 +40,13 @@ static inline int check_finish(void) {
 }
 
 #define CHECK(condition) check_report((condition), __FILE__, __LINE__, #condition)
-#define CHECK_NEAR(got, want, tolerance)                                                 \
-    check_report(check_near((got), (want), (tolerance), #got), __FILE__, __LINE__,       \
+#define CHECK_NEAR(got, want, tolerance)                                                           \
+    check_report(check_near((got), (want), (tolerance), #got), __FILE__, __LINE__,                 \
                  #got " is near " #want)
 #define RUN(test, sentence) check_run(test, sentence)
 
-/* valgrind computes long double in 64 bits: what rests on coefficients of two doubles cannot be seen there */
+/* valgrind computes long double in 64 bits: what rests on coefficients of two doubles cannot be
+ * seen there */
 static inline int doubles_only(void) {
     const char *under = getenv("UNDER");
     return under && strcmp(under, "valgrind") == 0;

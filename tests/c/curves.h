@@ -7,9 +7,9 @@
 #include "models.h"
 #include "problems.h"
 
-static const char *const methods[] = {
-    "euler",     "midpoint", "heun",    "kutta3",  "rk4",       "dopri5",   "butcher6",
-    "fehlberg7", "dop853",   "gsl-rk2", "gsl-rk4", "gsl-rkf45", "gsl-rkck", "gsl-rk8pd"};
+static const char *const methods[] = {"euler",   "midpoint",  "heun",      "kutta3",   "rk4",
+                                      "dopri5",  "butcher6",  "fehlberg7", "dop853",   "gsl-rk2",
+                                      "gsl-rk4", "gsl-rkf45", "gsl-rkck",  "gsl-rk8pd"};
 enum { METHODS = sizeof methods / sizeof *methods };
 
 /* weights of the central difference of order 6 */
@@ -49,8 +49,7 @@ static inline int bench_open(bench *b, const model *m, const char *method, doubl
     for (uint32_t i = 0; i < 2 * m->n; i++) x[i] = dm_input(g, i);
     const dm_node L = m->lagrangian(g, x, x + m->n);
     const unsigned want = DM_WANT_VALUE | DM_WANT_SLOPE | DM_WANT_MASS | DM_WANT_ENERGY;
-    if (dm_model_build(&b->model, g, L, m->n, want, dm_tape_build, &b->arena) != DM_OK)
-        return 0;
+    if (dm_model_build(&b->model, g, L, m->n, want, dm_tape_build, &b->arena) != DM_OK) return 0;
     if (!dm_curve_find(&b->curve, method) || !dm_curve_bias(&b->curve, bias)) return 0;
     b->memory = calloc(dm_segment_work(&b->curve, m->n) + 2 * m->n, sizeof(double));
     b->y = b->memory + dm_segment_work(&b->curve, m->n);

@@ -1,8 +1,6 @@
-/*
-** interrupt [ROUNDS] - sends SIGINT at random moments to a dmlua that runs a busy script. It must
-** end by itself with exit code 0 or 1, or by that very signal when it came before the handler stood
-** or came twice; never by another signal, and never hang.
-*/
+/* interrupt [ROUNDS] - sends SIGINT at random moments to a dmlua that runs a busy script. It must
+ * end by itself with exit code 0 or 1, or by that very signal when it came before the handler stood
+ * or came twice; never by another signal, and never hang. */
 #define _DEFAULT_SOURCE
 #include "check.h"
 
@@ -82,8 +80,7 @@ static void random_moments(void) {
         const unsigned signals = 1 + below(2), moment = below(100);
         CHECK(interrupt(i % 4 == 0, signals, moment));
     }
-    printf("# %d rounds: %d ended by themselves, %d by the signal\n", rounds, by_itself,
-           by_signal);
+    printf("# %d rounds: %d ended by themselves, %d by the signal\n", rounds, by_itself, by_signal);
 }
 
 int main(int argc, char **argv) {

@@ -1,6 +1,6 @@
 /* models.h - Lagrangians of inputs q[n], v[n] as a script would write them, for tests
-*that
-** measure derivatives and kernels. */
+ * that
+ * measure derivatives and kernels. */
 #ifndef MODELS_H
 #define MODELS_H
 
@@ -49,8 +49,7 @@ static inline dm_node satellite(dm_graph *g, const dm_node *q, const dm_node *v)
 }
 
 /* velocity of a unit rod with polar angle a and azimuth b */
-static inline void rod(dm_graph *g, dm_node out[3], const dm_node angle[2],
-                       const dm_node rate[2]) {
+static inline void rod(dm_graph *g, dm_node out[3], const dm_node angle[2], const dm_node rate[2]) {
     const dm_node sa = dm_apply(g, DM_OP_SIN, angle[0], 0, 0);
     const dm_node ca = dm_apply(g, DM_OP_COS, angle[0], 0, 0);
     const dm_node sb = dm_apply(g, DM_OP_SIN, angle[1], 0, 0);

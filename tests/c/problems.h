@@ -1,7 +1,5 @@
-/*
-** problems.h - mechanical systems for the tests. Unit-mass ones are kernels written by hand from
-** V' and V'', independent of the expression graph; the double spherical pendulum is a graph.
-*/
+/* problems.h - mechanical systems for the tests. Unit-mass ones are kernels written by hand from
+ * V' and V'', independent of the expression graph; the double spherical pendulum is a graph. */
 #ifndef PROBLEMS_H
 #define PROBLEMS_H
 
@@ -43,8 +41,7 @@ static inline void problem_close(problem *p) {
 
 /* ---- potentials ---- */
 
-static inline void kepler_potential(double *V, double *slope, double *curve,
-                                    const double *q) {
+static inline void kepler_potential(double *V, double *slope, double *curve, const double *q) {
     const double r2 = q[0] * q[0] + q[1] * q[1], r = sqrt(r2), r3 = r * r2;
     if (V) *V = -1.0 / r;
     for (int i = 0; i < 2; i++) {
@@ -54,8 +51,7 @@ static inline void kepler_potential(double *V, double *slope, double *curve,
     }
 }
 
-static inline void pendulum_potential(double *V, double *slope, double *curve,
-                                      const double *q) {
+static inline void pendulum_potential(double *V, double *slope, double *curve, const double *q) {
     if (V) *V = -cos(q[0]);
     if (slope) slope[0] = sin(q[0]);
     if (curve) curve[0] = cos(q[0]);
@@ -78,8 +74,7 @@ static inline void henon_heiles_potential(double *V, double *slope, double *curv
 }
 
 /* spring of length 1 and constant 1e4 in the plane, no gravity */
-static inline void spring_potential(double *V, double *slope, double *curve,
-                                    const double *q) {
+static inline void spring_potential(double *V, double *slope, double *curve, const double *q) {
     const double k = 1e4, r = sqrt(q[0] * q[0] + q[1] * q[1]), r3 = r * r * r;
     if (V) *V = 0.5 * k * (r - 1.0) * (r - 1.0);
     for (int i = 0; i < 2; i++) {
@@ -136,8 +131,7 @@ static inline void problem_stage(const void *pool, const double *x, double *out)
     }
 }
 
-static inline dm_kernel problem_kernel(const problem *p, dm_eval *eval,
-                                       uint32_t outputs) {
+static inline dm_kernel problem_kernel(const problem *p, dm_eval *eval, uint32_t outputs) {
     return (dm_kernel){.eval = eval,
                        .pool = p,
                        .inputs = 2 * p->n + 1,
@@ -147,8 +141,7 @@ static inline dm_kernel problem_kernel(const problem *p, dm_eval *eval,
 }
 
 /* structure = 0 hides what L is: the general solver must find the same */
-static inline void problem_open(problem *p, uint32_t n, potential *V,
-                                unsigned structure) {
+static inline void problem_open(problem *p, uint32_t n, potential *V, unsigned structure) {
     *p = (problem){.n = n, .V = V};
     dm_arena_init(&p->arena, problem_allocate, NULL);
     for (uint32_t i = 0; i < n; i++) p->ones[i] = 1.0;
@@ -167,8 +160,8 @@ static inline void problem_open(problem *p, uint32_t n, potential *V,
 }
 
 enum {
-    PROBLEM_SEPARABLE = DM_SEPARABLE | DM_CONSTANT_MASS | DM_DIAGONAL_MASS |
-                        DM_AUTONOMOUS | DM_QUADRATIC_IN_V,
+    PROBLEM_SEPARABLE =
+        DM_SEPARABLE | DM_CONSTANT_MASS | DM_DIAGONAL_MASS | DM_AUTONOMOUS | DM_QUADRATIC_IN_V,
     PROBLEM_GENERAL = DM_AUTONOMOUS
 };
 
@@ -198,10 +191,9 @@ static inline void problem_spring(problem *p, unsigned structure) {
 }
 
 /* ---- double spherical pendulum, unit masses and rods, angles (theta1, phi1, theta2, phi2) from
-** the downward vertical: L = |x1'|^2 + x1'.x2' + |x2'|^2/2 - V, x2 relative to x1 ---- */
+ * the downward vertical: L = |x1'|^2 + x1'.x2' + |x2'|^2/2 - V, x2 relative to x1 ---- */
 
-static inline dm_node graph_product(dm_graph *g, dm_node a, dm_node b, dm_node c,
-                                    dm_node d) {
+static inline dm_node graph_product(dm_graph *g, dm_node a, dm_node b, dm_node c, dm_node d) {
     return dm_mul(g, dm_mul(g, a, b), dm_mul(g, c, d));
 }
 
@@ -214,14 +206,11 @@ static inline dm_node double_pendulum_lagrangian(dm_graph *g, double gravity) {
     }
     const dm_node one = dm_constant(g, 1.0), half = dm_constant(g, 0.5);
     const dm_node turn = dm_sub(g, x[1], x[3]);
-    const dm_node sd = dm_apply(g, DM_OP_SIN, turn, 0, 0),
-                  cd = dm_apply(g, DM_OP_COS, turn, 0, 0);
+    const dm_node sd = dm_apply(g, DM_OP_SIN, turn, 0, 0), cd = dm_apply(g, DM_OP_COS, turn, 0, 0);
     const dm_node w1 = dm_mul(g, s[0], x[5]), w2 = dm_mul(g, s[2], x[7]);
     dm_node L = dm_add(g, dm_mul(g, x[4], x[4]), dm_mul(g, w1, w1));
-    L = dm_add(g, L,
-               dm_mul(g, half, dm_add(g, dm_mul(g, x[6], x[6]), dm_mul(g, w2, w2))));
-    const dm_node tilt =
-        dm_add(g, graph_product(g, c[0], c[2], cd, one), dm_mul(g, s[0], s[2]));
+    L = dm_add(g, L, dm_mul(g, half, dm_add(g, dm_mul(g, x[6], x[6]), dm_mul(g, w2, w2))));
+    const dm_node tilt = dm_add(g, graph_product(g, c[0], c[2], cd, one), dm_mul(g, s[0], s[2]));
     L = dm_add(g, L, graph_product(g, x[4], x[6], tilt, one));
     L = dm_add(g, L, graph_product(g, w1, w2, cd, one));
     L = dm_add(g, L, graph_product(g, x[4], w2, c[0], sd));
@@ -237,8 +226,8 @@ static inline dm_status problem_double_pendulum(problem *p) {
     dm_arena_init(&p->arena, problem_allocate, NULL);
     dm_graph *g = dm_graph_new(&p->arena, 9);
     if (!g) return DM_NO_MEMORY;
-    return dm_model_build(&p->model, g, double_pendulum_lagrangian(g, 9.81), 4, 63,
-                          dm_tape_build, &p->arena);
+    return dm_model_build(&p->model, g, double_pendulum_lagrangian(g, 9.81), 4, 63, dm_tape_build,
+                          &p->arena);
 }
 
 /* ---- steppers ---- */
@@ -259,8 +248,7 @@ static inline int session_open(session *x, const problem *p, const char *rule, d
     x->s = (dm_stepper){.method = m, .model = &p->model, .rule = x->nodes, .h = h};
     x->s.tolerance = 4e-15;
     x->s.max_iterations = 50;
-    x->work = malloc((m->work(x->nodes, &p->model) + dm_legendre_work(&p->model)) *
-                     sizeof(double));
+    x->work = malloc((m->work(x->nodes, &p->model) + dm_legendre_work(&p->model)) * sizeof(double));
     x->s.work = x->work;
     double *legendre = x->work + m->work(x->nodes, &p->model);
     if (!x->work || m->open(&x->s) != DM_OK) return 0;

@@ -1,11 +1,9 @@
-/*
-** pty PROGRAM ARGUMENT ... - runs a program on a terminal of 80 x 24 and plays the lines of stdin:
-**   send TEXT    type it; \r \t \e \\ and \ooo are escapes
-**   wait TEXT    until the output since the last match has it; after 40 s: exit code 3
-**   pause MS
-** At the end the terminal is read until the program has ended (40 s at most); then the whole output
-** is printed, and a line "exit N" or "signal N".
-*/
+/* pty PROGRAM ARGUMENT ... - runs a program on a terminal of 80 x 24 and plays the lines of stdin:
+ *   send TEXT    type it; \r \t \e \\ and \ooo are escapes
+ *   wait TEXT    until the output since the last match has it; after 40 s: exit code 3
+ *   pause MS
+ * At the end the terminal is read until the program has ended (40 s at most); then the whole output
+ * is printed, and a line "exit N" or "signal N". */
 #define _DEFAULT_SOURCE
 #define _XOPEN_SOURCE 700
 
@@ -94,10 +92,7 @@ static size_t unescape(char *text) {
             *out++ = (char)strtol(digits, &end, 8);
             in += end - digits - 1;
         } else {
-            *out++ = (char)(*in == 'r'   ? '\r'
-                            : *in == 't' ? '\t'
-                            : *in == 'e' ? 27
-                                         : *in);
+            *out++ = (char)(*in == 'r' ? '\r' : *in == 't' ? '\t' : *in == 'e' ? 27 : *in);
         }
     }
     *out = '\0';

@@ -1,6 +1,6 @@
 /* random_graph.h - graphs of random operations, the sweep that says what they are worth,
-*and
-** the heap as an allocator that can be told to refuse. */
+ * and
+ * the heap as an allocator that can be told to refuse. */
 #ifndef RANDOM_GRAPH_H
 #define RANDOM_GRAPH_H
 
@@ -61,23 +61,21 @@ static inline dm_op random_op(random_source *r) {
 
 /* an operation that is one instruction, so that values stay in registers until these run out */
 static inline dm_op random_arithmetic_op(random_source *r) {
-    static const dm_op ops[] = {
-        DM_OP_ADD, DM_OP_SUB, DM_OP_MUL,  DM_OP_DIV,  DM_OP_MIN,   DM_OP_MAX, DM_OP_NEG,
-        DM_OP_ABS, DM_OP_ADD, DM_OP_SQRT, DM_OP_SIGN, DM_OP_WHERE, DM_OP_SUB, DM_OP_MUL,
-        DM_OP_FMA, DM_OP_ADD, DM_OP_FMA,  DM_OP_MUL,  DM_OP_FMS,   DM_OP_FNMA};
+    static const dm_op ops[] = {DM_OP_ADD,  DM_OP_SUB,   DM_OP_MUL, DM_OP_DIV, DM_OP_MIN,
+                                DM_OP_MAX,  DM_OP_NEG,   DM_OP_ABS, DM_OP_ADD, DM_OP_SQRT,
+                                DM_OP_SIGN, DM_OP_WHERE, DM_OP_SUB, DM_OP_MUL, DM_OP_FMA,
+                                DM_OP_ADD,  DM_OP_FMA,   DM_OP_MUL, DM_OP_FMS, DM_OP_FNMA};
     return ops[random_below(r, sizeof ops / sizeof ops[0])];
 }
 
 enum { AS_IT_COMES, SIMPLIFIED, ARITHMETIC, KINDS_OF_GRAPHS };
 
 /* `count` operations on `inputs` inputs, simplified or as they come; m random roots */
-static inline dm_graph *random_graph(random_source *r, dm_arena *arena, uint32_t count,
-                                     int kind) {
+static inline dm_graph *random_graph(random_source *r, dm_arena *arena, uint32_t count, int kind) {
     dm_graph *g = dm_graph_new(arena, 1 + random_below(r, 6));
     for (uint32_t i = 0; g && i < count; i++) {
         const dm_op op = kind == ARITHMETIC ? random_arithmetic_op(r) : random_op(r);
-        const dm_node a = random_operand(r, g), b = random_operand(r, g),
-                      c = random_operand(r, g);
+        const dm_node a = random_operand(r, g), b = random_operand(r, g), c = random_operand(r, g);
         const int operands = dm_op_operands(op);
         if (kind == SIMPLIFIED)
             dm_apply(g, op, a, b, c);
@@ -96,8 +94,8 @@ static inline void graph_values(const dm_graph *g, const double *in, double *val
         else if (e->op == DM_OP_INPUT)
             value[n] = in[e->as.input];
         else
-            value[n] = dm_op_value(e->op, value[e->as.arg[0]], value[e->as.arg[1]],
-                                   value[e->as.arg[2]]);
+            value[n] =
+                dm_op_value(e->op, value[e->as.arg[0]], value[e->as.arg[1]], value[e->as.arg[2]]);
     }
 }
 

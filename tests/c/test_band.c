@@ -1,4 +1,5 @@
-/* banded LU: the numbering finds hidden bands, solutions are those of dense LU, broken matrices are told */
+/* banded LU: the numbering finds hidden bands, solutions are those of dense LU, broken matrices
+ * are told */
 #include "check.h"
 #include "linalg/band.h"
 #include "linalg/lu.h"
@@ -78,8 +79,7 @@ static void broken_matrices_are_told(void) {
 }
 
 int main(void) {
-    RUN(solves_as_dense_does,
-        "a shuffled band is found and solved as dense LU solves it");
+    RUN(solves_as_dense_does, "a shuffled band is found and solved as dense LU solves it");
     RUN(broken_matrices_are_told, "zero and broken pivots are told");
     return check_finish();
 }

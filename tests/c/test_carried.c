@@ -11,8 +11,7 @@ enum { MOST = 24, LANES = 8, GROUPS = 4, COEFFICIENTS = 6 };
 static long loops_compared;
 
 /* a value of its own for every carried number, itself or its input */
-static dm_loop_part random_part(random_source *r, dm_arena *arena, uint32_t size,
-                                int calls) {
+static dm_loop_part random_part(random_source *r, dm_arena *arena, uint32_t size, int calls) {
     const uint32_t coefficients = random_below(r, COEFFICIENTS);
     dm_loop_part p = {dm_graph_new(arena, size + coefficients), NULL, coefficients, 0};
     dm_node *roots = dm_arena_take(arena, size * sizeof *roots);
@@ -40,15 +39,13 @@ static void spread(double *to, const double *from, uint32_t count, uint32_t lane
 }
 
 static void compare(random_source *r, uint32_t size, uint32_t lanes, int calls) {
-    static double coefficients[1024], wide[1024 * LANES], state[GROUPS * MOST * LANES],
-        one[MOST];
+    static double coefficients[1024], wide[1024 * LANES], state[GROUPS * MOST * LANES], one[MOST];
     dm_arena arena = new_arena();
     dm_loop_part part[DM_LOOP_PARTS] = {{0}};
     dm_loop native, slow;
     int64_t step = 0;
     for (int k = 0; k < DM_LOOP_PARTS; k++)
-        if (k == DM_LOOP_BODY || random_below(r, 3))
-            part[k] = random_part(r, &arena, size, calls);
+        if (k == DM_LOOP_BODY || random_below(r, 3)) part[k] = random_part(r, &arena, size, calls);
     const uint32_t groups = lanes == 1 ? 1 : 2 + 2 * random_below(r, 2);
     const int64_t repeats = 1 + random_below(r, 3), steps = 1 + random_below(r, 4);
     for (int k = DM_LOOP_HEAD; k < DM_LOOP_PARTS; k++)
@@ -56,8 +53,7 @@ static void compare(random_source *r, uint32_t size, uint32_t lanes, int calls) 
     if (random_below(r, 2)) step = 0;
     for (int i = 0; i < 1024; i++) coefficients[i] = random_between(r, -2.0, 2.0);
     spread(wide, coefficients, 1024, lanes);
-    for (uint32_t i = 0; i < groups * size * lanes; i++)
-        state[i] = random_between(r, -2.0, 2.0);
+    for (uint32_t i = 0; i < groups * size * lanes; i++) state[i] = random_between(r, -2.0, 2.0);
     static double start[GROUPS * MOST * LANES];
     memcpy(start, state, sizeof start);
     const dm_status fast = dm_loop_native(&native, part, size, lanes, &arena);
@@ -80,8 +76,7 @@ static void compare(random_source *r, uint32_t size, uint32_t lanes, int calls) 
                               .steps = steps,
                               .stride = step * (int64_t)sizeof(double)};
             dm_loop_run(&slow, &d);
-            for (uint32_t k = 0; k < size; k++)
-                CHECK(same_bits(state[base + k * lanes], one[k]));
+            for (uint32_t k = 0; k < size; k++) CHECK(same_bits(state[base + k * lanes], one[k]));
         }
         loops_compared++;
     }

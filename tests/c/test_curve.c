@@ -16,8 +16,7 @@ static void tableaux_satisfy_their_order_conditions(void) {
         CHECK(order == 8 ? defect < 1e-13 : defect > 1e-6);
     }
     dm_curve c;
-    CHECK(!dm_curve_find(&c, "rk5") && !dm_curve_find(&c, "gsl-") &&
-          !dm_curve_find(&c, ""));
+    CHECK(!dm_curve_find(&c, "rk5") && !dm_curve_find(&c, "gsl-") && !dm_curve_find(&c, ""));
 }
 
 /* a Lorenz-like field of 3 entries */
@@ -122,8 +121,7 @@ static void check_gradient(bench *b) {
     bench_run(b, b->y);
     dm_segment_gradient(&b->segment, P1, P0);
     memcpy(slope, b->segment.slope, 2 * b->n * sizeof *slope);
-    for (uint32_t i = 0; i < 2 * b->n; i++)
-        CHECK_NEAR(slope[i], slope_by_difference(b, i), 2e-10);
+    for (uint32_t i = 0; i < 2 * b->n; i++) CHECK_NEAR(slope[i], slope_by_difference(b, i), 2e-10);
 }
 
 /* column i of the derivatives of (slope, d+, d-) by differences of what was checked before */
@@ -216,12 +214,10 @@ static void the_estimate_errs_by_the_order(void) {
 }
 
 int main(void) {
-    RUN(tableaux_satisfy_their_order_conditions,
-        "tableaux satisfy their order conditions");
+    RUN(tableaux_satisfy_their_order_conditions, "tableaux satisfy their order conditions");
     RUN(tableaux_of_gsl_step_as_gsl_does, "tableaux read off GSL step as GSL does");
     RUN(a_bias_runs_the_method_to_both_sides, "a bias runs the method to both sides");
     RUN(derivatives_of_a_segment_are_exact, "derivatives of a segment are exact");
-    RUN(the_estimate_errs_by_the_order,
-        "the estimated matrix errs by the order of the method");
+    RUN(the_estimate_errs_by_the_order, "the estimated matrix errs by the order of the method");
     return check_finish();
 }

@@ -40,8 +40,7 @@ static double symplectic_defect(run *r) {
         for (uint32_t j = 0; j < N; j++) {
             double sum = (i + n == j) ? -1.0 : (j + n == i) ? 1.0 : 0.0;
             for (uint32_t k = 0; k < n; k++)
-                sum +=
-                    D[k * N + i] * D[(n + k) * N + j] - D[(n + k) * N + i] * D[k * N + j];
+                sum += D[k * N + i] * D[(n + k) * N + j] - D[(n + k) * N + i] * D[k * N + j];
             worst = fmax(worst, fabs(sum));
         }
     return worst;
@@ -97,14 +96,14 @@ static void angular_momentum_is_kept(void) {
             double *z = r.x.state;
             const double before = z[0] * z[3] - z[1] * z[2];
             CHECK(session_run(&r.x, 2000) == DM_OK);
-            if (!CHECK_NEAR(z[0] * z[3] - z[1] * z[2], before, 1e-14))
-                printf("# %s\n", rule);
+            if (!CHECK_NEAR(z[0] * z[3] - z[1] * z[2], before, 1e-14)) printf("# %s\n", rule);
         }
         run_close(&r);
     }
 }
 
-/* straight segments: bias 1/2 is the midpoint rule; 0 and 1 are the symplectic Euler methods, explicit here */
+/* straight segments: bias 1/2 is the midpoint rule; 0 and 1 are the symplectic Euler methods,
+ * explicit here */
 static void straight_segments_are_known_methods(void) {
     run a, b;
     CHECK(run_kepler(&a, "curve(euler, 0.5)", 0.1));
@@ -127,8 +126,7 @@ static void straight_segments_are_known_methods(void) {
         CHECK_NEAR(b.x.state[k], q[k] + 0.1 * p[k], 4e-16);
     }
     r3 = pow(b.x.state[0] * b.x.state[0] + b.x.state[1] * b.x.state[1], 1.5);
-    for (int k = 0; k < 2; k++)
-        CHECK_NEAR(b.x.state[2 + k], p[k] - 0.1 * b.x.state[k] / r3, 4e-16);
+    for (int k = 0; k < 2; k++) CHECK_NEAR(b.x.state[2 + k], p[k] - 0.1 * b.x.state[k] / r3, 4e-16);
     run_close(&a);
     run_close(&b);
 }
@@ -152,7 +150,8 @@ static void half_bias_steps_are_symmetric(void) {
     }
 }
 
-/* L = v^2/2 + exp q: from (0, 0) the midpoint velocity V = (h/2) exp(h V/2) has no root for h = 2 */
+/* L = v^2/2 + exp q: from (0, 0) the midpoint velocity V = (h/2) exp(h V/2) has no root for h =
+ * 2 */
 static dm_node steep(dm_graph *g, const dm_node *q, const dm_node *v) {
     const dm_node hill = dm_apply(g, DM_OP_EXP, q[0], 0, 0);
     return dm_add(g, times_of(g, 0.5, square_of(g, v[0])), hill);
@@ -169,20 +168,17 @@ static void failure_leaves_the_state_alone(void) {
         r.x.state[1] = 0.0;
         memcpy(before, r.x.state, sizeof before);
         const dm_status status = session_run(&r.x, 1);
-        CHECK(i ? status == DM_NOT_FINITE
-                : status == DM_NO_CONVERGENCE || status == DM_SINGULAR);
+        CHECK(i ? status == DM_NOT_FINITE : status == DM_NO_CONVERGENCE || status == DM_SINGULAR);
         CHECK(memcmp(before, r.x.state, sizeof before) == 0);
         run_close(&r);
     }
 }
 
 int main(void) {
-    RUN(steps_are_symplectic_whatever_the_method,
-        "steps are symplectic whatever the method");
+    RUN(steps_are_symplectic_whatever_the_method, "steps are symplectic whatever the method");
     RUN(angular_momentum_is_kept, "angular momentum is kept to round-off");
     RUN(straight_segments_are_known_methods, "straight segments are known methods");
     RUN(half_bias_steps_are_symmetric, "segments around their middle step back");
-    RUN(failure_leaves_the_state_alone,
-        "a step that is not found leaves the state alone");
+    RUN(failure_leaves_the_state_alone, "a step that is not found leaves the state alone");
     return check_finish();
 }

@@ -172,8 +172,8 @@ static long double long_at(dm_node f, const long double *in, long double *value)
         else if (e->op == DM_OP_INPUT)
             value[n] = in[e->as.input];
         else
-            value[n] = apply_long(e->op, value[e->as.arg[0]], value[e->as.arg[1]],
-                                  value[e->as.arg[2]]);
+            value[n] =
+                apply_long(e->op, value[e->as.arg[0]], value[e->as.arg[1]], value[e->as.arg[2]]);
     }
     return value[f];
 }
@@ -188,7 +188,7 @@ static long double central(dm_node f, const double *in, int i, long double h) {
 }
 
 /* Richardson's extrapolation of central differences; 0 where the function is not smooth
-** enough there for the two steps to agree */
+ * enough there for the two steps to agree */
 static int difference(dm_node f, const double *in, int i, double *out) {
     const long double wide = central(f, in, i, 2e-4L), narrow = central(f, in, i, 1e-4L);
     const long double best = (4 * narrow - wide) / 3;
@@ -253,8 +253,7 @@ static void both_orders(void) {
         open_graph(N);
         model_roots(g, models + k, roots);
         dm_jacobian(g, roots + 1, N, 0, N, jacobian);
-        for (int i = 0; i < 20; i++)
-            in[i] = random_between(&r, 0.3, 1.2) * (i % 2 ? -1 : 1);
+        for (int i = 0; i < 20; i++) in[i] = random_between(&r, 0.3, 1.2) * (i % 2 ? -1 : 1);
         for (uint32_t i = 0; i < N * N; i++) {
             const dm_node h = roots[1 + N + i];
             CHECK(h == roots[1 + N + i % N * N + i / N]);
@@ -287,8 +286,7 @@ static void powers_stay_small(void) {
     for (int k = 0; k < 5; k++) dm_gradient(g, d[k], 0, 1, d + k + 1);
     dm_compact(g, d, 6, out);
     const double in[8] = {1.1};
-    CHECK_NEAR(value_at(out[5], in) / (32.0 * 31 * 30 * 29 * 28 * pow(1.1, 27)), 1.0,
-               1e-13);
+    CHECK_NEAR(value_at(out[5], in) / (32.0 * 31 * 30 * 29 * 28 * pow(1.1, 27)), 1.0, 1e-13);
     CHECK(dm_operations(g, out, 6) <= 20);
     dm_arena_release(&arena);
 }
@@ -306,8 +304,8 @@ static void substitution(void) {
     dm_arena_release(&arena);
 }
 
-/* what a kernel of gradient and Hessian does; `most` is today's count, a bound against decay (a full search
-** brings the third to 156, for 0.6 ms more and no faster a step) */
+/* what a kernel of gradient and Hessian does; `most` is today's count, a bound against decay (a
+ * full search brings the third to 156, for 0.6 ms more and no faster a step) */
 static void model_sizes(void) {
     static const uint32_t most[MODELS] = {20, 52, 215, 165};
     for (int k = 0; k < MODELS; k++) {
@@ -316,9 +314,9 @@ static void model_sizes(void) {
         open_graph(N);
         const uint32_t m = model_roots(g, models + k, roots);
         dm_compact(g, roots + 1, m - 1, out);
-        printf("# %s: L %u operations, gradient and Hessian %u, compacted %u\n",
-               models[k].name, dm_operations(g, roots, 1),
-               dm_operations(g, roots + 1, m - 1), dm_operations(g, out, m - 1));
+        printf("# %s: L %u operations, gradient and Hessian %u, compacted %u\n", models[k].name,
+               dm_operations(g, roots, 1), dm_operations(g, roots + 1, m - 1),
+               dm_operations(g, out, m - 1));
         CHECK(dm_operations(g, out, m - 1) <= most[k]);
         dm_arena_release(&arena);
     }

@@ -23,8 +23,7 @@ static double ulps(double y, long double exact) {
 
 /* any double: sign, exponent and digits by chance */
 static double random_double(random_source *r) {
-    const uint64_t bits =
-        (uint64_t)random_below(r, UINT32_MAX) << 32 | random_below(r, UINT32_MAX);
+    const uint64_t bits = (uint64_t)random_below(r, UINT32_MAX) << 32 | random_below(r, UINT32_MAX);
     double x;
     memcpy(&x, &bits, sizeof x);
     return x;
@@ -83,7 +82,8 @@ static void reciprocal_root(void) {
     at_every_level(root_at);
 }
 
-/* a function of our own, its exact one, a range (of log2 |x| where `scale`) and what its error must stay below */
+/* a function of our own, its exact one, a range (of log2 |x| where `scale`) and what its error
+ * must stay below */
 typedef struct {
     const char *name;
     double (*own)(double);
@@ -154,8 +154,7 @@ static void ends_at(dm_processor_level level) {
     CHECK(dm_tanh(big) == 1.0 && dm_tanh(-big) == -1.0 && dm_cosh(0.0) == 1.0);
     CHECK(dm_sin(1e22) == sin(1e22) && dm_cos(1e300) == cos(1e300));
     CHECK(dm_sincos(0.7, &c) == dm_sin(0.7) && c == dm_cos(0.7));
-    CHECK(isnan(dm_exp(none)) && isnan(dm_log(none)) && isnan(dm_sincos(none, &c)) &&
-          isnan(c));
+    CHECK(isnan(dm_exp(none)) && isnan(dm_log(none)) && isnan(dm_sincos(none, &c)) && isnan(c));
     CHECK(isnan(dm_tan(none)) && isnan(dm_sinh(none)) && isnan(dm_cosh(none)));
     CHECK(isnan(dm_tanh(none)));
 }
@@ -189,8 +188,7 @@ static void compare_op(dm_op op, uint32_t lanes) {
 static void all_widths_at(dm_processor_level level) {
     (void)level;
     for (int op = DM_OP_NEG; op < DM_OP_WHERE; op++)
-        for (uint32_t lanes = 1; lanes <= dm_jit_lanes();
-             lanes = lanes == 1 ? 4 : 2 * lanes)
+        for (uint32_t lanes = 1; lanes <= dm_jit_lanes(); lanes = lanes == 1 ? 4 : 2 * lanes)
             compare_op((dm_op)op, lanes);
 }
 
@@ -210,8 +208,7 @@ static void along_an_array_at(dm_processor_level level) {
     (void)level;
     CHECK(dm_strip_begin(&d, &arena));
     const dm_node root = dm_strip_read(&d, (dm_strand){DM_STRAND_MAIN, 0});
-    dm_strip_write(&d, (dm_strand){DM_STRAND_MAIN, COUNT},
-                   dm_apply(d.g, DM_OP_EXP, root, 0, 0));
+    dm_strip_write(&d, (dm_strand){DM_STRAND_MAIN, COUNT}, dm_apply(d.g, DM_OP_EXP, root, 0, 0));
     CHECK(dm_strip_end(&s, &d, dm_native_build, &arena) == DM_OK);
     for (int i = 0; i < COUNT; i++)
         x[i] = i < 2 * HARD ? (i % 2 ? 1.0 : 720.0) * hard[i / 2]
@@ -228,16 +225,14 @@ static void along_an_array(void) {
 }
 
 int main(void) {
-    if (!doubles_only())
-        RUN(reciprocal_root, "1/sqrt(x): its error, and the ends of the range");
+    if (!doubles_only()) RUN(reciprocal_root, "1/sqrt(x): its error, and the ends of the range");
     if (LDBL_MANT_DIG > DBL_MANT_DIG && !doubles_only()) {
         RUN(errors, "exp, log, sin, cos, tan, sinh, cosh, tanh: below one unit of the "
                     "last place");
         RUN(near_multiples, "angles next to multiples of pi/2");
     }
     RUN(ends, "ends of the range, infinite, no number, huge angles");
-    RUN(all_widths,
-        "every operation: native code of every width and level = dm_op_value");
+    RUN(all_widths, "every operation: native code of every width and level = dm_op_value");
     RUN(along_an_array, "exponentials along an array = dm_exp");
     return check_finish();
 }

@@ -55,7 +55,8 @@ static void crowds(void) {
     dm_arena_release(&arena);
 }
 
-/* what is taken away leaves a graph that goes on as if it had not been there, over growth of the table too */
+/* what is taken away leaves a graph that goes on as if it had not been there, over growth of the
+ * table too */
 static void forgetting(void) {
     for (uint32_t kept = 10; kept < 3000; kept = 3 * kept + 1) {
         open_graph();
@@ -87,8 +88,7 @@ static dm_node many_bodies(uint32_t bodies) {
         for (uint32_t j = 0; j < i; j++) {
             dm_node r2 = 0;
             for (uint32_t k = 0; k < 3; k++) {
-                const dm_node d =
-                    dm_sub(g, dm_input(g, 3 * i + k), dm_input(g, 3 * j + k));
+                const dm_node d = dm_sub(g, dm_input(g, 3 * i + k), dm_input(g, 3 * j + k));
                 r2 = dm_add(g, r2, dm_mul(g, d, d));
             }
             sum = dm_add(g, sum, dm_div(g, number(1.0), call(DM_OP_SQRT, r2)));
@@ -124,8 +124,7 @@ static void identities(void) {
     CHECK(dm_mul(g, n, y) == dm_neg(g, dm_mul(g, x, y)));
     CHECK(dm_mul(g, n, dm_neg(g, y)) == dm_mul(g, x, y));
     CHECK(dm_add(g, x, dm_neg(g, y)) == dm_sub(g, x, y));
-    CHECK(dm_sub(g, x, dm_neg(g, y)) == s &&
-          dm_add(g, x, x) == dm_mul(g, number(2.0), x));
+    CHECK(dm_sub(g, x, dm_neg(g, y)) == s && dm_add(g, x, x) == dm_mul(g, number(2.0), x));
     CHECK(dm_neg(g, dm_sub(g, y, z)) == dm_sub(g, z, y));
     CHECK(dm_mul(g, number(2.0), dm_mul(g, x, number(3.0))) == dm_mul(g, number(6.0), x));
     CHECK(dm_add(g, number(2.0), dm_add(g, s, number(-2.0))) == s);
@@ -171,7 +170,7 @@ static void powers(void) {
 }
 
 /* every node of a random graph, made by dm_apply, against the same without simplification;
-** operands in (0.2, 3) and intermediate values below 1e6 in size are compared */
+ * operands in (0.2, 3) and intermediate values below 1e6 in size are compared */
 static void values_kept(void) {
     random_source r = {31415};
     long compared = 0;
@@ -187,8 +186,7 @@ static void values_kept(void) {
         node[3] = dm_constant(h, plain[3] = random_below(&r, 7) / 2.0 - 1.5);
         node[4] = dm_constant(h, plain[4] = random_between(&r, -2.0, 2.0));
         for (int i = 5; i < 24; i++) {
-            const uint32_t p = random_below(&r, (uint32_t)i),
-                           q = random_below(&r, (uint32_t)i),
+            const uint32_t p = random_below(&r, (uint32_t)i), q = random_below(&r, (uint32_t)i),
                            s = random_below(&r, (uint32_t)i);
             const dm_op op = random_op(&r);
             node[i] = dm_apply(h, op, node[p], node[q], node[s]);
@@ -233,8 +231,7 @@ static void compaction(void) {
             const double want = value[roots[i]];
             if (!isfinite(want) || fabs(want) > 1e4) continue;
             compared++;
-            CHECK_NEAR(value[out[i]], want,
-                       1e-7 * (1.0 + fabs(want))); /* sqrt(round-off) */
+            CHECK_NEAR(value[out[i]], want, 1e-7 * (1.0 + fabs(want))); /* sqrt(round-off) */
         }
         dm_arena_release(&arena);
     }
@@ -267,8 +264,7 @@ static void compact_forms(void) {
     const dm_node sum = dm_add(g, dm_mul(g, x, y), dm_mul(g, x, z));
     dm_compact(g, &sum, 1, out);
     CHECK(dm_operations(g, out, 1) == 2);
-    const dm_node back[2] = {dm_mul(g, dm_sub(g, x, y), z),
-                             dm_mul(g, dm_sub(g, y, x), z)};
+    const dm_node back[2] = {dm_mul(g, dm_sub(g, x, y), z), dm_mul(g, dm_sub(g, y, x), z)};
     dm_compact(g, back, 2, out);
     CHECK(dm_operations(g, out, 2) <= 3);
     dm_arena_release(&arena);
@@ -322,8 +318,7 @@ static void printing(void) {
 static void limit(void) {
     open_graph();
     dm_node n = x;
-    for (uint32_t i = 0; i < DM_GRAPH_LIMIT + 10u; i++)
-        n = dm_apply(g, DM_OP_EXP, n, 0, 0);
+    for (uint32_t i = 0; i < DM_GRAPH_LIMIT + 10u; i++) n = dm_apply(g, DM_OP_EXP, n, 0, 0);
     CHECK(dm_graph_status(g) == DM_TOO_LARGE && n == 0);
     CHECK(dm_graph_size(g) == DM_GRAPH_LIMIT && dm_constant(g, 5.0) == 0);
     dm_arena_release(&arena);

@@ -1,4 +1,5 @@
-/* implicit functions in graphs: closed forms, bits of backends and copies, memory that is refused */
+/* implicit functions in graphs: closed forms, bits of backends and copies, memory that is
+ * refused */
 #include "check.h"
 #include "expr/analyse.h"
 #include "expr/derive.h"
@@ -37,8 +38,7 @@ static dm_implicit *polar(dm_arena *arena, dm_status *status) {
     *status = DM_NO_MEMORY;
     if (!g) return NULL;
     const dm_node rho = dm_input(g, 0), phi = dm_input(g, 1);
-    const dm_node c = dm_apply(g, DM_OP_COS, phi, 0, 0),
-                  s = dm_apply(g, DM_OP_SIN, phi, 0, 0);
+    const dm_node c = dm_apply(g, DM_OP_COS, phi, 0, 0), s = dm_apply(g, DM_OP_SIN, phi, 0, 0);
     const dm_node x = dm_mul(g, rho, c), z = dm_mul(g, rho, s);
     const dm_node F[2] = {dm_sub(g, x, dm_input(g, 2)), dm_sub(g, z, dm_input(g, 3))};
     const dm_node start[2] = {dm_constant(g, 1.0), dm_constant(g, 0.3)};
@@ -67,16 +67,15 @@ static dm_node made_of(dm_graph *g, const dm_implicit *f) {
 static dm_node formula(dm_graph *g) {
     const dm_node a = dm_input(g, 0), b = dm_input(g, 1);
     const dm_node x = dm_add(g, a, b), z = dm_mul(g, a, b);
-    const dm_node rho =
-        dm_apply(g, DM_OP_SQRT, dm_add(g, dm_mul(g, x, x), dm_mul(g, z, z)), 0, 0);
+    const dm_node rho = dm_apply(g, DM_OP_SQRT, dm_add(g, dm_mul(g, x, x), dm_mul(g, z, z)), 0, 0);
     const dm_node phi = dm_apply(g, DM_OP_ATAN2, z, x, 0);
     return dm_mul(g, dm_mul(g, rho, dm_mul(g, rho, rho)), phi);
 }
 
 /* value, gradient[2], Hessian[4] */
 enum { OUTPUTS = 7 };
-static dm_status build(dm_kernel *out, dm_graph *g, dm_node value,
-                       dm_root_compile *compile, dm_arena *arena) {
+static dm_status build(dm_kernel *out, dm_graph *g, dm_node value, dm_root_compile *compile,
+                       dm_arena *arena) {
     dm_node roots[OUTPUTS] = {value};
     dm_hessian(g, value, 0, 2, roots + 1, roots + 3);
     if (dm_graph_status(g) != DM_OK) return dm_graph_status(g);
@@ -105,8 +104,7 @@ static void closed_form(void) {
         const double a = 0.8 + random_number(&random), b = 0.9 + random_number(&random);
         values(&by_root, a, b, x);
         values(&by_form, a, b, y);
-        for (int i = 0; i < OUTPUTS; i++)
-            CHECK_NEAR(x[i], y[i], 1e-13 * (1.0 + fabs(y[i])));
+        for (int i = 0; i < OUTPUTS; i++) CHECK_NEAR(x[i], y[i], 1e-13 * (1.0 + fabs(y[i])));
     }
     dm_arena_release(&arena);
 }
@@ -160,7 +158,8 @@ static void bits(void) {
     dm_arena_release(&arena);
 }
 
-/* a kernel that remembers finds the same roots to round-off; prepared, it has forgotten: the same bits as at first */
+/* a kernel that remembers finds the same roots to round-off; prepared, it has forgotten: the
+ * same bits as at first */
 static void memory(void) {
     dm_arena arena;
     dm_status status;
@@ -169,8 +168,7 @@ static void memory(void) {
     dm_arena_init(&arena, allocate, &all);
     const dm_implicit *f = polar(&arena, &status);
     dm_graph *g = dm_graph_new(&arena, 2);
-    CHECK(build(&k, g, made_of(g, f), dm_tape_build, &arena) == DM_OK &&
-          k.memory_size > 0);
+    CHECK(build(&k, g, made_of(g, f), dm_tape_build, &arena) == DM_OK && k.memory_size > 0);
     for (int i = 0; i < 100; i++) {
         const double in[2] = {0.7 + 0.01 * i, 1.3 - 0.005 * i};
         values(&k, in[0], in[1], cold);
@@ -202,8 +200,7 @@ static void no_root(void) {
     values(&k, 0.0, 0.0, out); /* the origin has no phi */
     CHECK(isnan(out[0]) && isnan(out[1]));
     const dm_implicit *who = dm_root_troubled(g);
-    CHECK(who && strcmp(who->name, "polar") == 0 &&
-          who->trouble->outcome == DM_ROOT_SINGULAR);
+    CHECK(who && strcmp(who->name, "polar") == 0 && who->trouble->outcome == DM_ROOT_SINGULAR);
     dm_root_forget(g);
     CHECK(!dm_root_troubled(g));
     dm_arena_release(&arena);
@@ -253,8 +250,7 @@ static void inverses(void) {
 }
 
 int main(void) {
-    RUN(closed_form,
-        "value, gradient and Hessian of polar coordinates are those of the formula");
+    RUN(closed_form, "value, gradient and Hessian of polar coordinates are those of the formula");
     RUN(equal_calls, "equal calls are one node, substitution reaches the arguments");
     RUN(bits, "tape, native code and a copy in another arena give the same bits");
     RUN(memory, "what a kernel remembers changes round-off only, and is forgotten when "

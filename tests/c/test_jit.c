@@ -22,8 +22,7 @@
 static long graphs_compared, values_compared;
 
 /* one graph on random points, `lanes` at a time */
-static void compare(random_source *r, dm_graph *g, dm_arena *arena, uint32_t m,
-                    uint32_t lanes) {
+static void compare(random_source *r, dm_graph *g, dm_arena *arena, uint32_t m, uint32_t lanes) {
     dm_node *roots = dm_arena_take(arena, m * sizeof *roots);
     roots[0] = dm_graph_size(g) - 1;
     for (uint32_t i = 1; i < m; i++) roots[i] = random_operand(r, g);
@@ -48,8 +47,7 @@ static void many_graphs(uint64_t seed, int graphs, uint32_t most, uint32_t lanes
     random_source r = {seed};
     for (int i = 0; i < graphs && lanes <= dm_jit_lanes(); i++) {
         dm_arena arena = new_arena();
-        dm_graph *g =
-            random_graph(&r, &arena, 1 + random_below(&r, most), i % KINDS_OF_GRAPHS);
+        dm_graph *g = random_graph(&r, &arena, 1 + random_below(&r, most), i % KINDS_OF_GRAPHS);
         const uint32_t m = 1 + random_below(&r, i % 4 ? 12 : 200);
         compare(&r, g, &arena, m, lanes);
         dm_arena_release(&arena);
@@ -89,8 +87,7 @@ static void rounded_twice(void) {
 /* more live values than registers, used in an order that spills */
 static void pressure(void) {
     random_source r = {11};
-    for (uint32_t lanes = 1; lanes <= dm_jit_lanes();
-         lanes = lanes == 1 ? 4 : 2 * lanes) {
+    for (uint32_t lanes = 1; lanes <= dm_jit_lanes(); lanes = lanes == 1 ? 4 : 2 * lanes) {
         dm_arena arena = new_arena();
         dm_graph *g = dm_graph_new(&arena, 6);
         dm_node n[200];
@@ -133,7 +130,7 @@ static void model_kernels(void) {
 }
 
 /* attracting bodies in space: many values alive that are read once from memory, so that a slot
-** whose value dies in a step must not be used again within that step */
+ * whose value dies in a step must not be used again within that step */
 static void crowded(void) {
     random_source r = {29};
     for (uint32_t bodies = 2; bodies <= 9; bodies++) {
@@ -146,8 +143,7 @@ static void crowded(void) {
             for (uint32_t j = 0; j < i; j++) {
                 dm_node r2 = 0;
                 for (uint32_t k = 0; k < 3; k++) {
-                    const dm_node d =
-                        dm_sub(g, dm_input(g, 3 * i + k), dm_input(g, 3 * j + k));
+                    const dm_node d = dm_sub(g, dm_input(g, 3 * i + k), dm_input(g, 3 * j + k));
                     r2 = dm_add(g, r2, dm_mul(g, d, d));
                 }
                 const dm_node c = dm_constant(g, 0.3 + 0.7 * i + j);
@@ -158,8 +154,7 @@ static void crowded(void) {
         dm_kernel tape, jit;
         CHECK(dm_tape_build(&tape, g, roots, m, &arena) == DM_OK);
         CHECK(dm_jit_build(&jit, g, roots, m, &arena) == DM_OK);
-        a = dm_arena_take(&arena, m * sizeof *a),
-        b = dm_arena_take(&arena, m * sizeof *b);
+        a = dm_arena_take(&arena, m * sizeof *a), b = dm_arena_take(&arena, m * sizeof *b);
         dm_kernel_prepare(&tape, a);
         dm_kernel_prepare(&jit, b);
         for (uint32_t j = 0; j < n; j++) in[j] = random_between(&r, -2.0, 2.0);
@@ -236,8 +231,7 @@ int main(int argc, char **argv) {
     const time_t start = time(NULL);
     for (uint64_t seed = (uint64_t)start; time(NULL) - start < seconds; seed += 4) {
         dm_processor_limit((dm_processor_level)(seed / 4 % 3));
-        for (uint32_t lanes = 1, most = 20; lanes <= 8;
-             lanes = lanes == 1 ? 4 : 2 * lanes)
+        for (uint32_t lanes = 1, most = 20; lanes <= 8; lanes = lanes == 1 ? 4 : 2 * lanes)
             many_graphs(seed + lanes * 1000003u, 50, most = most * 5 % 3001, lanes);
     }
     dm_processor_limit(DM_AVX512);
@@ -249,8 +243,7 @@ int main(int argc, char **argv) {
     RUN(pressure, "more values alive than registers");
     RUN(model_kernels, "kernels of the models: tape = native code, bit for bit");
     if (dm_jit_lanes())
-        RUN(crowded,
-            "nine bodies: more values alive than registers, many dying in memory");
+        RUN(crowded, "nine bodies: more values alive than registers, many dying in memory");
     RUN(refusals, "no AVX, no such width: the tape takes over");
     RUN(refused_code_memory, "executable memory refused");
     RUN(refused_memory, "memory refused from the n-th request on, for all n");

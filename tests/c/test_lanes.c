@@ -1,4 +1,5 @@
-/* members in lanes: the bits of one member, for any number of them; no lanes where none can be had. */
+/* members in lanes: the bits of one member, for any number of them; no lanes where none can be
+ * had. */
 #include "check.h"
 #include "expr/jit.h"
 #include "problems.h"
@@ -40,8 +41,7 @@ static int kepler_open(kepler *k, const char *rule) {
     k->s.method = dm_method_find(k->nodes[0].name, &nearest);
     if (dm_model_build(&k->model, g, L, 2, 0, NULL, &k->arena) != DM_OK) return 0;
     const unsigned wants = k->s.method->wants(k->nodes, &k->model);
-    if (dm_model_build(&k->model, g, L, 2, wants, dm_native_build, &k->arena) != DM_OK)
-        return 0;
+    if (dm_model_build(&k->model, g, L, 2, wants, dm_native_build, &k->arena) != DM_OK) return 0;
     k->s.model = &k->model;
     const size_t work = k->s.method->work(k->nodes, &k->model) * sizeof(double);
     k->s.work = dm_arena_take(&k->arena, work);
@@ -85,8 +85,7 @@ static void compare(const char *rule, long members, long broken, uint32_t limit)
     CHECK(run_all(alone, one, members, &k) == 1);
     dm_jit_limit(limit);
     starts(state, members, broken);
-    CHECK(run_all(state, member, members, &k) ==
-          (dm_jit_lanes() < 4 ? 1 : dm_jit_lanes()));
+    CHECK(run_all(state, member, members, &k) == (dm_jit_lanes() < 4 ? 1 : dm_jit_lanes()));
     dm_jit_limit(8);
     for (long i = 0; i < members; i++) {
         CHECK(member[i].status == (i == broken ? DM_NOT_FINITE : DM_OK));
@@ -158,8 +157,7 @@ static void refused_code_memory(void) {
     const uint32_t lanes = run_all(state, member, MOST, &k);
     CHECK(setrlimit(RLIMIT_AS, &old) == 0);
     CHECK(!limited || lanes == 1);
-    for (long i = 0; i < MOST; i++)
-        CHECK(member[i].status == DM_OK && member[i].steps == STEPS);
+    for (long i = 0; i < MOST; i++) CHECK(member[i].status == DM_OK && member[i].steps == STEPS);
     dm_arena_release(&k.arena);
 }
 

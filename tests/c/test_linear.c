@@ -139,7 +139,8 @@ static void costs(void) {
     CHECK(compare(&p, 0, 1e-14) <= last + 12);
 }
 
-/* sum x_i y_i, and its square, where no product is the last term: n + 1 operations instead of 2 n */
+/* sum x_i y_i, and its square, where no product is the last term: n + 1 operations instead of 2
+ * n */
 static void contracted_sums(void) {
     enum { N = 5 };
     dm_arena arena;
@@ -168,13 +169,13 @@ static void contracted_sums(void) {
     dm_arena_release(&arena);
 }
 
-/* a product of two sums and a difference vanishes into all three, one that is an output stays, and so does a product of its own */
+/* a product of two sums and a difference vanishes into all three, one that is an output stays,
+ * and so does a product of its own */
 static void contracted_differences(void) {
     enum { N = 4 };
     const double in[N] = {0.3, 1.7, -0.9, 2.5};
     const double a = in[0], b = in[1], c = in[2], d = in[3];
-    const double want[] = {c + a * b, d - a * b, a * b - c,
-                           d - c * d, c * d,     c * c + 1.0};
+    const double want[] = {c + a * b, d - a * b, a * b - c, d - c * d, c * d, c * c + 1.0};
     dm_arena arena;
     dm_node x[N], roots[6], out[6];
     double value[6];
@@ -208,7 +209,6 @@ int main(void) {
     RUN(costs, "a chain costs the same for each further unknown, in any order, and so "
                "does a star");
     RUN(contracted_sums, "products that are added at once");
-    RUN(contracted_differences,
-        "products that are subtracted at once, and added to several sums");
+    RUN(contracted_differences, "products that are subtracted at once, and added to several sums");
     return check_finish();
 }

@@ -15,8 +15,8 @@ typedef struct {
 } built;
 
 /* a sum of f(column 0, column 1) over neighbours, or of f(column 0) over bodies */
-static dm_node sum(dm_graph *g, dm_graph *term, dm_node f, dm_column *column,
-                   uint32_t columns, uint32_t n) {
+static dm_node sum(dm_graph *g, dm_graph *term, dm_node f, dm_column *column, uint32_t columns,
+                   uint32_t n) {
     const dm_sum s = {.term = term,
                       .value = f,
                       .column = column,
@@ -47,8 +47,7 @@ static void ring_with(built *b, uint32_t n, unsigned want, dm_compile *compile) 
 }
 
 static void ring(built *b, uint32_t n, dm_compile *compile) {
-    const unsigned kernels =
-        DM_WANT_VALUE | DM_WANT_FORCE | DM_WANT_SLOPE | DM_WANT_ENERGY;
+    const unsigned kernels = DM_WANT_VALUE | DM_WANT_FORCE | DM_WANT_SLOPE | DM_WANT_ENERGY;
     ring_with(b, n, kernels, compile);
 }
 
@@ -67,8 +66,8 @@ static void forces_are_those_by_hand(void) {
     built b;
     ring(&b, N, dm_tape_build);
     fill(x, N);
-    CHECK(b.status == DM_OK && b.m.structure & DM_LOOPS &&
-          b.m.structure & DM_DIAGONAL_MASS && b.m.structure & DM_AUTONOMOUS);
+    CHECK(b.status == DM_OK && b.m.structure & DM_LOOPS && b.m.structure & DM_DIAGONAL_MASS &&
+          b.m.structure & DM_AUTONOMOUS);
     dm_kernel_eval(&b.m.force, x, force);
     dm_kernel_eval(&b.m.slope, x, slope);
     dm_kernel_eval(&b.m.value, x, &value);

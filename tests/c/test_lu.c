@@ -32,8 +32,7 @@ static void solves_random_systems(void) {
             memcpy(x, b, n * sizeof *b);
             if (!CHECK(dm_lu_factor(LU, pivot, n) == DM_OK)) return;
             dm_lu_solve(x, LU, pivot, n);
-            for (uint32_t i = 0; i < n;
-                 i++) { /* backward stable: small against |A| |x| */
+            for (uint32_t i = 0; i < n; i++) { /* backward stable: small against |A| |x| */
                 double r = -b[i], size = 0.0;
                 for (uint32_t j = 0; j < n; j++) {
                     r += A[i * n + j] * x[j];
@@ -73,8 +72,7 @@ static void small_is_not_singular(void) {
 
 static void tells_singular_and_broken_matrices(void) {
     double zero[1] = {0}, rank1[4] = {1, 2, 2, 4}, column[3], inverse[9];
-    double nearly[9] = {1, 2, 3, 4, 5,
-                        6, 7, 8, 9}; /* rank 2, but not in floating point */
+    double nearly[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9}; /* rank 2, but not in floating point */
     double broken[4] = {NAN, 1, 1, 1}, infinite[4] = {1, 1, 1, INFINITY};
     uint32_t pivot[3];
     CHECK(dm_lu_factor(zero, pivot, 1) == DM_SINGULAR);

@@ -3,9 +3,8 @@
 #include "problems.h"
 #include "run/drift.h"
 
-static const char *const variational[] = {"verlet",     "midpoint",  "trapezoidal",
-                                          "gauss(2)",   "gauss(3)",  "gauss(4)",
-                                          "lobatto(3)", "lobatto(4)"};
+static const char *const variational[] = {"verlet",   "midpoint", "trapezoidal", "gauss(2)",
+                                          "gauss(3)", "gauss(4)", "lobatto(3)",  "lobatto(4)"};
 enum { VARIATIONAL = sizeof variational / sizeof *variational };
 
 typedef void maker(problem *p);
@@ -34,8 +33,7 @@ static void whirling_pendulum(problem *p) {
     memcpy(p->v, v, sizeof v);
 }
 
-static maker *const makers[] = {kepler, hidden_kepler, henon_heiles, pendulum,
-                                double_pendulum};
+static maker *const makers[] = {kepler, hidden_kepler, henon_heiles, pendulum, double_pendulum};
 enum { MAKERS = sizeof makers / sizeof *makers };
 
 /* ---- symplecticity ---- */
@@ -54,8 +52,7 @@ static int shifted_step(double *z1, const problem *p, const char *rule, double h
 }
 
 /* column i of the tangent map by a central difference of order 6 */
-static int tangent(double *column, const problem *p, const char *rule, double h,
-                   uint32_t i) {
+static int tangent(double *column, const problem *p, const char *rule, double h, uint32_t i) {
     static const double weight[3] = {45.0, -9.0, 1.0};
     const double delta = 2e-3;
     const uint32_t m = 2 * p->n;
@@ -80,8 +77,7 @@ static double symplectic_defect(const problem *p, const char *rule, double h) {
     for (uint32_t i = 0; i < m; i++)
         for (uint32_t j = 0; j < m; j++) {
             double sum = (i + n == j) ? -1.0 : (j + n == i) ? 1.0 : 0.0;
-            for (uint32_t k = 0; k < n; k++)
-                sum += D[i][k] * D[j][n + k] - D[i][n + k] * D[j][k];
+            for (uint32_t k = 0; k < n; k++) sum += D[i][k] * D[j][n + k] - D[i][n + k] * D[j][k];
             worst = fmax(worst, fabs(sum));
         }
     return worst;
@@ -110,8 +106,7 @@ static void the_test_of_symplecticity_has_teeth(void) {
 /* ---- momentum and energy ---- */
 
 static double angular_momentum(const double *z) {
-    return (z[0] * z[3] - z[1] * z[2]) + (z[0] * z[7] - z[1] * z[6]) +
-           (z[4] * z[3] - z[5] * z[2]);
+    return (z[0] * z[3] - z[1] * z[2]) + (z[0] * z[7] - z[1] * z[6]) + (z[4] * z[3] - z[5] * z[2]);
 }
 
 static void angular_momentum_is_kept(void) {
@@ -185,8 +180,7 @@ static void energy_does_not_drift(void) {
     static const struct {
         maker *make;
         double h;
-    } cases[] = {
-        {kepler, 0.05}, {henon_heiles, 0.2}, {pendulum, 0.2}, {whirling_pendulum, 0.02}};
+    } cases[] = {{kepler, 0.05}, {henon_heiles, 0.2}, {pendulum, 0.2}, {whirling_pendulum, 0.02}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         for (int i = 0; i < VARIATIONAL; i++) {
             problem p;
@@ -196,8 +190,8 @@ static void energy_does_not_drift(void) {
             const double rounding = 1e-12 * (1.0 + fabs(fit.mean));
             if (!CHECK(change < 0.1 * fit.largest + rounding) ||
                 !CHECK(fabs(fit.slope) < 5.0 * fit.error || change < rounding))
-                printf("# problem %zu, %s: slope %g +- %g, largest %g\n", k,
-                       variational[i], fit.slope, fit.error, fit.largest);
+                printf("# problem %zu, %s: slope %g +- %g, largest %g\n", k, variational[i],
+                       fit.slope, fit.error, fit.largest);
             CHECK(fit.largest > 0.0 && fit.largest < 0.1 * fabs(fit.mean));
             problem_close(&p);
         }
@@ -212,14 +206,12 @@ static void energy_of_an_explicit_method_does(void) {
 
 int main(void) {
     RUN(steps_are_symplectic, "steps are symplectic");
-    RUN(the_test_of_symplecticity_has_teeth,
-        "and explicit Runge-Kutta is seen not to be");
+    RUN(the_test_of_symplecticity_has_teeth, "and explicit Runge-Kutta is seen not to be");
     RUN(angular_momentum_is_kept, "angular momentum is kept over 10^5 steps");
     RUN(vertical_angular_momentum_is_kept, "and that of the double spherical pendulum");
     if (!doubles_only())
         RUN(angular_momentum_walks_at_random, "the error is a random walk, not a drift");
     RUN(energy_does_not_drift, "energy does not drift");
-    RUN(energy_of_an_explicit_method_does,
-        "and that of explicit Runge-Kutta is seen to drift");
+    RUN(energy_of_an_explicit_method_does, "and that of explicit Runge-Kutta is seen to drift");
     return check_finish();
 }

@@ -61,8 +61,7 @@ static void compare(const dm_kernel *got, const dm_kernel *want, const double *x
     dm_kernel_prepare(got, a);
     dm_kernel_eval(got, x, a);
     dm_kernel_eval(want, x, c);
-    for (uint32_t i = 0; i < want->outputs; i++)
-        CHECK_NEAR(a[i], c[i], 1e-12 * (1.0 + fabs(c[i])));
+    for (uint32_t i = 0; i < want->outputs; i++) CHECK_NEAR(a[i], c[i], 1e-12 * (1.0 + fabs(c[i])));
 }
 
 static void kernels_agree_with_ones_by_hand(void) {
@@ -105,8 +104,7 @@ static void finds_cyclic_coordinates(void) {
     start(&b, 5);
     const dm_node rw = times(&b, input(&b, 0), input(&b, 3));
     dm_node L = dm_add(b.g, times(&b, input(&b, 2), input(&b, 2)), times(&b, rw, rw));
-    L = dm_add(b.g, times(&b, number(&b, 0.5), L),
-               dm_div(b.g, number(&b, 1.0), input(&b, 0)));
+    L = dm_add(b.g, times(&b, number(&b, 0.5), L), dm_div(b.g, number(&b, 1.0), input(&b, 0)));
     CHECK(finish(&b, L, 2) == DM_OK);
     CHECK(b.model.structure == (DM_AUTONOMOUS | DM_QUADRATIC_IN_V));
     CHECK(b.model.cyclic[0] == 0 && b.model.cyclic[1] == 1);
@@ -123,8 +121,7 @@ static void keeps_a_full_mass_and_its_shift(void) {
     CHECK(finish(&b, L, 2) == DM_OK);
     CHECK(b.model.structure ==
           (DM_SEPARABLE | DM_CONSTANT_MASS | DM_AUTONOMOUS | DM_QUADRATIC_IN_V));
-    static const double M[4] = {2, 1, 1, 2},
-                        inverse[4] = {2. / 3, -1. / 3, -1. / 3, 2. / 3};
+    static const double M[4] = {2, 1, 1, 2}, inverse[4] = {2. / 3, -1. / 3, -1. / 3, 2. / 3};
     for (int i = 0; i < 4; i++) {
         CHECK_NEAR(b.model.mass_matrix[i], M[i], 0.0);
         CHECK_NEAR(b.model.inverse_mass[i], inverse[i], 1e-15);
@@ -145,8 +142,7 @@ static void keeps_a_full_mass_and_its_shift(void) {
 static void tells_where_time_enters(void) {
     built b;
     start(&b, 3);
-    const dm_node kinetic =
-        times(&b, number(&b, 0.5), times(&b, input(&b, 1), input(&b, 1)));
+    const dm_node kinetic = times(&b, number(&b, 0.5), times(&b, input(&b, 1), input(&b, 1)));
     dm_node L = dm_sub(b.g, kinetic, times(&b, input(&b, 0), input(&b, 2)));
     CHECK(finish(&b, L, 1) == DM_OK);
     CHECK(b.model.structure == (PROBLEM_SEPARABLE & ~(unsigned)DM_AUTONOMOUS));
@@ -172,8 +168,7 @@ static void tells_degenerate_lagrangians(void) {
 static void inverts_the_relativistic_momentum(void) {
     built b;
     start(&b, 3);
-    const dm_node root =
-        dm_sub(b.g, number(&b, 1.0), times(&b, input(&b, 1), input(&b, 1)));
+    const dm_node root = dm_sub(b.g, number(&b, 1.0), times(&b, input(&b, 1), input(&b, 1)));
     CHECK(finish(&b, dm_neg(b.g, dm_apply(b.g, DM_OP_SQRT, root, 0, 0)), 1) == DM_OK);
     CHECK(!(b.model.structure & DM_QUADRATIC_IN_V));
     double work[64], q = 0.0;
@@ -192,8 +187,7 @@ static void inverts_the_relativistic_momentum(void) {
 static void tells_a_momentum_without_velocity(void) {
     built b;
     start(&b, 3);
-    const dm_node root =
-        dm_add(b.g, number(&b, 1.0), times(&b, input(&b, 1), input(&b, 1)));
+    const dm_node root = dm_add(b.g, number(&b, 1.0), times(&b, input(&b, 1), input(&b, 1)));
     CHECK(finish(&b, dm_apply(b.g, DM_OP_SQRT, root, 0, 0), 1) == DM_OK);
     double work[64], q = 0.0, p = 2.0, v = 0.25;
     CHECK(dm_legendre_inverse(&b.model, &v, &q, &p, 0.0, work) != DM_OK);
@@ -261,10 +255,8 @@ int main(void) {
     RUN(tells_where_time_enters, "tells where time enters");
     RUN(tells_degenerate_lagrangians, "tells degenerate Lagrangians");
     RUN(inverts_the_relativistic_momentum, "inverts the relativistic momentum");
-    RUN(tells_a_momentum_without_velocity,
-        "tells a momentum without velocity, v unchanged");
-    RUN(makes_the_kernels_of_a_discrete_lagrangian,
-        "makes the kernels of a discrete Lagrangian");
+    RUN(tells_a_momentum_without_velocity, "tells a momentum without velocity, v unchanged");
+    RUN(makes_the_kernels_of_a_discrete_lagrangian, "makes the kernels of a discrete Lagrangian");
     RUN(runs_out_of_memory_politely, "runs out of memory politely");
     return check_finish();
 }

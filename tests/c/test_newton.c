@@ -7,11 +7,10 @@
 
 static int evaluations;
 
-static dm_newton_problem problem(uint32_t m, dm_status (*f)(void *, double *, double *,
-                                                            const double *)) {
+static dm_newton_problem problem(uint32_t m,
+                                 dm_status (*f)(void *, double *, double *, const double *)) {
     evaluations = 0;
-    return (dm_newton_problem){
-        .m = m, .equation = f, .tolerance = 4e-15, .max_iterations = 50};
+    return (dm_newton_problem){.m = m, .equation = f, .tolerance = 4e-15, .max_iterations = 50};
 }
 
 static dm_status square_root(void *ctx, double *r, double *J, const double *x) {
@@ -183,20 +182,17 @@ static void fails_by_name(void) {
     p = problem(1, square_root);
     p.max_iterations = 2;
     x = 100.0;
-    CHECK(dm_newton(&x, &p, work, &report) == DM_NO_CONVERGENCE &&
-          report.iterations == 2);
+    CHECK(dm_newton(&x, &p, work, &report) == DM_NO_CONVERGENCE && report.iterations == 2);
 }
 
 int main(void) {
     RUN(finds_a_square_root, "finds a square root to round-off");
     RUN(finds_a_point_and_tells_the_last_increment, "tells where it evaluated last");
-    RUN(substitutes_where_that_is_enough,
-        "takes no Jacobian while substitution converges");
+    RUN(substitutes_where_that_is_enough, "takes no Jacobian while substitution converges");
     RUN(steps_back_into_the_domain, "steps back into the domain of the equation");
     RUN(damps_where_full_steps_diverge, "damps where full steps diverge");
     RUN(knows_a_root_at_the_start, "knows a root at the start");
     RUN(accepts_what_rounding_allows, "accepts what rounding allows");
-    RUN(fails_by_name,
-        "fails by name: no root, singular, NaN, callback, too few iterations");
+    RUN(fails_by_name, "fails by name: no root, singular, NaN, callback, too few iterations");
     return check_finish();
 }

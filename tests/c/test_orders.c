@@ -1,7 +1,5 @@
-/*
-** test_orders.c - the order of every rule, measured: the error at time T against the exact
-** solution for N and 2 N steps, N where the error is small but far above round-off.
-*/
+/* test_orders.c - the order of every rule, measured: the error at time T against the exact
+ * solution for N and 2 N steps, N where the error is small but far above round-off. */
 #include "check.h"
 #include "integ/claims.h"
 #include "integ/quadrature.h"
@@ -18,30 +16,25 @@ typedef struct {
 } row;
 
 static const row rows[] = {
-    {"verlet", 2, 800, 800},      {"midpoint", 2, 800, 800},
-    {"trapezoidal", 2, 800, 800}, {"gauss(1)", 2, 800, 800},
-    {"gauss(2)", 4, 400, 400},    {"gauss(3)", 6, 200, 100},
-    {"gauss(4)", 8, 100, 50},     {"gauss(5)", 10, 50, 0},
-    {"lobatto(2)", 2, 800, 800},  {"lobatto(3)", 4, 400, 400},
-    {"lobatto(4)", 6, 100, 100},  {"lobatto(5)", 8, 50, 50},
-    {"rk4", 4, 800, 400},         {"rkf45", 5, 800, 400},
-    {"rk8pd", 8, 100, 0},         {"rk8", 8, 100, 0},
+    {"verlet", 2, 800, 800},     {"midpoint", 2, 800, 800},   {"trapezoidal", 2, 800, 800},
+    {"gauss(1)", 2, 800, 800},   {"gauss(2)", 4, 400, 400},   {"gauss(3)", 6, 200, 100},
+    {"gauss(4)", 8, 100, 50},    {"gauss(5)", 10, 50, 0},     {"lobatto(2)", 2, 800, 800},
+    {"lobatto(3)", 4, 400, 400}, {"lobatto(4)", 6, 100, 100}, {"lobatto(5)", 8, 50, 50},
+    {"rk4", 4, 800, 400},        {"rkf45", 5, 800, 400},      {"rk8pd", 8, 100, 0},
+    {"rk8", 8, 100, 0},
 };
 
 /* distance of q at time T from `exact`; NaN when the run fails */
-static double error_of(const problem *p, const char *rule, double T, long N,
-                       const double *exact) {
+static double error_of(const problem *p, const char *rule, double T, long N, const double *exact) {
     session x;
     double sum = 0.0;
-    const int fine =
-        session_open(&x, p, rule, T / (double)N) && session_run(&x, N) == DM_OK;
+    const int fine = session_open(&x, p, rule, T / (double)N) && session_run(&x, N) == DM_OK;
     for (uint32_t i = 0; i < p->n; i++) sum += pow(x.state[i] - exact[i], 2);
     session_close(&x);
     return fine ? sqrt(sum) : NAN;
 }
 
-static void check_order(const problem *p, const row *r, double T, long N,
-                        const double *exact) {
+static void check_order(const problem *p, const row *r, double T, long N, const double *exact) {
     const double coarse = error_of(p, r->rule, T, N, exact);
     const double fine = error_of(p, r->rule, T, 2 * N, exact);
     if (!CHECK_NEAR(log2(coarse / fine), r->order, 0.05)) printf("# %s\n", r->rule);
@@ -112,8 +105,7 @@ static void orders_with_a_force_that_varies_in_time(void) {
     problem p;
     dm_graph *g = new_graph(&p);
     const dm_node q = dm_input(g, 0), v = dm_input(g, 1), t = dm_input(g, 2);
-    const dm_node half = dm_constant(g, 0.5),
-                  drive = dm_apply(g, DM_OP_COS, dm_add(g, t, t), 0, 0);
+    const dm_node half = dm_constant(g, 0.5), drive = dm_apply(g, DM_OP_COS, dm_add(g, t, t), 0, 0);
     dm_node L = dm_sub(g, dm_mul(g, v, v), dm_mul(g, q, q));
     build(&p, g, dm_add(g, dm_mul(g, half, L), dm_mul(g, q, drive)));
     CHECK(p.model.structure & DM_SEPARABLE && !(p.model.structure & DM_AUTONOMOUS));
@@ -154,8 +146,7 @@ static void orders_with_a_mass_that_grows_in_time(void) {
 static void gauss_nodes_are_those_of_gsl(void) {
     for (int r = 1; r <= 20; r++) {
         dm_quadrature q;
-        gsl_integration_glfixed_table *table =
-            gsl_integration_glfixed_table_alloc((size_t)r);
+        gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc((size_t)r);
         dm_quadrature_gauss(&q, r);
         for (int i = 0; i < r; i++) {
             double c, b;
@@ -207,8 +198,7 @@ static void quadratures_with_names(void) {
             if (!CHECK(dm_quadrature_degree(&q, 1e-12) == degree))
                 printf("# %s(%d): %d\n", by->name, r, dm_quadrature_degree(&q, 1e-12));
             for (int i = 0; i < r; i++) {
-                CHECK(q.c[i] >= (i ? q.c[i - 1] : 0.0L) && q.c[i] <= 1.0L &&
-                      q.b[i] > 0.0L);
+                CHECK(q.c[i] >= (i ? q.c[i - 1] : 0.0L) && q.c[i] <= 1.0L && q.b[i] > 0.0L);
                 dm_quadrature same = q;
                 dm_quadrature_interpolate(&same); /* the weights belong to the nodes */
                 if (r <= 12) CHECK_NEAR((double)(same.b[i] - q.b[i]), 0.0, 1e-14);
@@ -232,7 +222,7 @@ static double exact(dm_weight w) {
 }
 
 /* a Nystroem method is symplectic when mean_i = b_i (1 - c_i) and
-** b_i (mean_j - A_ij) = b_j (mean_i - A_ji) (HLW IV.2.3); collocation: A row sums c_i^2/2 */
+ * b_i (mean_j - A_ij) = b_j (mean_i - A_ji) (HLW IV.2.3); collocation: A row sums c_i^2/2 */
 static void separable_tables_are_symplectic(void) {
     for (int s = 2; s <= 12; s++)
         for (int lobatto = 0; lobatto < 2; lobatto++) {
@@ -246,13 +236,10 @@ static void separable_tables_are_symplectic(void) {
             dm_stage_table_fill(&t, &g, memory);
             for (int i = 0; i < s; i++) {
                 double sum = 0.0;
-                CHECK_NEAR(exact(t.mean[i]), exact(t.b[i]) * (1.0 - exact(t.c[i])),
-                           1e-15);
+                CHECK_NEAR(exact(t.mean[i]), exact(t.b[i]) * (1.0 - exact(t.c[i])), 1e-15);
                 for (int j = 0; j < s; j++) {
-                    const double left =
-                        exact(t.b[i]) * (exact(t.mean[j]) - exact(t.A[i * s + j]));
-                    const double right =
-                        exact(t.b[j]) * (exact(t.mean[i]) - exact(t.A[j * s + i]));
+                    const double left = exact(t.b[i]) * (exact(t.mean[j]) - exact(t.A[i * s + j]));
+                    const double right = exact(t.b[j]) * (exact(t.mean[i]) - exact(t.A[j * s + i]));
                     CHECK_NEAR(left, right, 1e-15);
                     sum += exact(t.A[i * s + j]);
                 }
@@ -261,7 +248,8 @@ static void separable_tables_are_symplectic(void) {
         }
 }
 
-/* collocation and its partner: orders 2 s, 2 s - 1 and 2 s - 2, with coefficients rounded to doubles as a user gives them */
+/* collocation and its partner: orders 2 s, 2 s - 1 and 2 s - 2, with coefficients rounded to
+ * doubles as a user gives them */
 static void orders_of_tableaus(void) {
     static const struct {
         const char *quadrature;
@@ -308,8 +296,7 @@ static void check_instance(const dm_claim *claim, const char *text, size_t lengt
 
 static void claims_are_about_methods(void) {
     for (const dm_method *const *m = dm_methods; *m; m++)
-        if (!CHECK(dm_claim_find((*m)->name) != NULL))
-            printf("# %s has no row\n", (*m)->name);
+        if (!CHECK(dm_claim_find((*m)->name) != NULL)) printf("# %s has no row\n", (*m)->name);
     for (const dm_claim *c = dm_claims; c->name; c++) {
         if (!CHECK(dm_method_find(c->name, NULL) != NULL)) continue;
         for (const char *at = c->instances; *at;) {
@@ -324,8 +311,7 @@ static void claims_are_about_methods(void) {
 int main(void) {
     RUN(gauss_nodes_are_those_of_gsl, "Gauss nodes and weights are those of GSL");
     RUN(lobatto_nodes_in_closed_form, "Lobatto nodes and weights in closed form");
-    RUN(quadratures_are_as_exact_as_promised,
-        "quadratures are as exact as promised, r to 32");
+    RUN(quadratures_are_as_exact_as_promised, "quadratures are as exact as promised, r to 32");
     RUN(quadratures_with_names, "quadratures by name: degree, weights of their nodes");
     RUN(radau_nodes_in_closed_form, "Radau nodes in closed form, Simpson's weights");
     RUN(separable_tables_are_symplectic, "tables are symplectic to 1e-15");

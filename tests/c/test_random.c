@@ -25,7 +25,8 @@ static void published_answers(void) {
 
 enum { COUNT = 200000 };
 
-/* moment m of a distribution from COUNT numbers is known to sigma / sqrt(COUNT); 5 of those are allowed */
+/* moment m of a distribution from COUNT numbers is known to sigma / sqrt(COUNT); 5 of those are
+ * allowed */
 static void moments(void) {
     double u1 = 0, u2 = 0, n1 = 0, n2 = 0, n4 = 0;
     for (uint64_t i = 0; i < COUNT; i++) {

@@ -20,8 +20,7 @@ static void reads_nested_rules(void) {
     CHECK(dm_rule_parse(nodes, "galerkin(3, lobatto(4), gauss)") == NULL);
     const dm_rule *lobatto = nodes[0].arg[1].rule, *gauss = nodes[0].arg[2].rule;
     CHECK(nodes[0].count == 3 && nodes[0].arg[0].number == 3.0);
-    CHECK(lobatto && strcmp(lobatto->name, "lobatto") == 0 &&
-          lobatto->arg[0].number == 4.0);
+    CHECK(lobatto && strcmp(lobatto->name, "lobatto") == 0 && lobatto->arg[0].number == 4.0);
     CHECK(gauss && strcmp(gauss->name, "gauss") == 0 && gauss->count == 0);
 }
 
@@ -50,8 +49,7 @@ static void says_what_is_wrong(void) {
         {"gauss(1e999)", "an argument must be a number or another rule"},
         {"a(1,2,3,4,5)", "a rule has at most 4 arguments"},
         {"a(b(c(d(e(f(g(h(i))))))))", "more than 8 rules are nested"},
-        {"a_name_that_is_much_longer_than_allowed",
-         "the name of a rule is longer than 31 letters"},
+        {"a_name_that_is_much_longer_than_allowed", "the name of a rule is longer than 31 letters"},
     };
     dm_rule nodes[DM_RULE_NODES];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -79,10 +77,10 @@ static void survives_any_bytes(void) {
 }
 
 static void finds_every_method_and_the_nearest_name(void) {
-    static const char *const wrong[][2] = {
-        {"verlot", "verlet"},   {"Gauss", "gauss"}, {"mid-point", "midpoint"},
-        {"labatto", "lobatto"}, {"rk8dp", "rk8pd"}, {"trapezoid", "trapezoidal"},
-        {"leapfrog", "verlet"}, {"rk45", "rkf45"},  {"euler", "symplectic-euler"}};
+    static const char *const wrong[][2] =
+        {{"verlot", "verlet"},   {"Gauss", "gauss"}, {"mid-point", "midpoint"},
+         {"labatto", "lobatto"}, {"rk8dp", "rk8pd"}, {"trapezoid", "trapezoidal"},
+         {"leapfrog", "verlet"}, {"rk45", "rkf45"},  {"euler", "symplectic-euler"}};
     for (const dm_method *const *m = dm_methods; *m; m++) {
         CHECK(dm_method_find((*m)->name, NULL) == *m);
         CHECK((*m)->doc && (*m)->signature && (*m)->check && (*m)->order && (*m)->wants);
@@ -107,11 +105,12 @@ static int refuses(const char *text) {
 }
 
 static void methods_check_their_arguments(void) {
-    static const char *const bad[] = {
-        "gauss",          "gauss(0)",     "gauss(33)",  "gauss(1.5)",  "gauss(2,0)",
-        "gauss(2,51)",    "gauss(2,2,2)", "gauss(rk4)", "gauss(1e99)", "gauss(-1)",
-        "lobatto(1)",     "lobatto(33)",  "lobatto",    "verlet(2)",   "midpoint(1)",
-        "trapezoidal(1)", "del(1)",       "rk4(4)"};
+    static const char *const bad[] = {"gauss",          "gauss(0)",   "gauss(33)",
+                                      "gauss(1.5)",     "gauss(2,0)", "gauss(2,51)",
+                                      "gauss(2,2,2)",   "gauss(rk4)", "gauss(1e99)",
+                                      "gauss(-1)",      "lobatto(1)", "lobatto(33)",
+                                      "lobatto",        "verlet(2)",  "midpoint(1)",
+                                      "trapezoidal(1)", "del(1)",     "rk4(4)"};
     static const char *const good[] = {"gauss(1)",   "gauss(2,3)", "gauss(32)",
                                        "lobatto(2)", "verlet",     "del"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)

@@ -18,8 +18,7 @@ static void counts_rows(void) {
     } cases[] = {{0, 1, 1},  {1, 1, 2},    {10, 1, 11}, {10, 5, 3},
                  {10, 3, 5}, {10, 100, 2}, {9, 3, 4}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const dm_run_plan plan = {
-            .t0 = 2.0, .steps = cases[i].steps, .every = cases[i].every};
+        const dm_run_plan plan = {.t0 = 2.0, .steps = cases[i].steps, .every = cases[i].every};
         problem p;
         session x;
         long done = -1, filled = -1;
@@ -215,7 +214,8 @@ static void lines_constants_and_short_columns(void) {
     CHECK(d.slope == 0.0 && d.error == 0.0);
 }
 
-/* to another level within three rows; a line, a spike, what comes back and what began so are none */
+/* to another level within three rows; a line, a spike, what comes back and what began so are
+ * none */
 static void a_jump_is_told_from_a_drift(void) {
     for (int kind = 0; kind < 5; kind++) {
         for (int i = 0; i < POINTS; i++) {
@@ -243,8 +243,7 @@ static void a_small_drift_of_a_large_number(void) {
 
 int main(void) {
     RUN(counts_rows, "rows: the start, one in every, the end");
-    RUN(rows_are_the_states_of_single_steps,
-        "rows are the states of single steps, bit for bit");
+    RUN(rows_are_the_states_of_single_steps, "rows are the states of single steps, bit for bit");
     RUN(times_do_not_depend_on_bursts, "times do not depend on bursts");
     RUN(stops_on_request_with_the_rows_so_far, "tells progress, stops on request");
     RUN(a_flag_that_is_up_stops_before_the_first_step, "a flag that is up stops at once");

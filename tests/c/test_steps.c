@@ -2,9 +2,8 @@
 #include "check.h"
 #include "problems.h"
 
-static const char *const variational[] = {"verlet",     "midpoint",  "trapezoidal",
-                                          "gauss(2)",   "gauss(3)",  "gauss(4)",
-                                          "lobatto(3)", "lobatto(4)"};
+static const char *const variational[] = {"verlet",   "midpoint", "trapezoidal", "gauss(2)",
+                                          "gauss(3)", "gauss(4)", "lobatto(3)",  "lobatto(4)"};
 enum { VARIATIONAL = sizeof variational / sizeof *variational };
 
 typedef void maker(problem *p);
@@ -33,13 +32,11 @@ static void whirling_pendulum(problem *p) {
     memcpy(p->v, v, sizeof v);
 }
 
-static maker *const makers[] = {kepler, hidden_kepler, henon_heiles, pendulum,
-                                double_pendulum};
+static maker *const makers[] = {kepler, hidden_kepler, henon_heiles, pendulum, double_pendulum};
 enum { MAKERS = sizeof makers / sizeof *makers };
 
 static double angular_momentum(const double *z) {
-    return (z[0] * z[3] - z[1] * z[2]) + (z[0] * z[7] - z[1] * z[6]) +
-           (z[4] * z[3] - z[5] * z[2]);
+    return (z[0] * z[3] - z[1] * z[2]) + (z[0] * z[7] - z[1] * z[6]) + (z[4] * z[3] - z[5] * z[2]);
 }
 
 /* ---- time reversal, equal methods, equal bits ---- */
@@ -74,8 +71,7 @@ static double gap(const problem *p, const char *one, const problem *r, const cha
     double worst = 0.0;
     const int fine = session_open(&x, p, one, h) && session_open(&y, r, other, h) &&
                      session_run(&x, 200) == DM_OK && session_run(&y, 200) == DM_OK;
-    for (uint32_t i = 0; i < 2 * p->n; i++)
-        worst = fmax(worst, fabs(x.state[i] - y.state[i]));
+    for (uint32_t i = 0; i < 2 * p->n; i++) worst = fmax(worst, fabs(x.state[i] - y.state[i]));
     session_close(&x);
     session_close(&y);
     return fine ? worst : NAN;
@@ -105,9 +101,8 @@ static void equal_methods_agree(void) {
 
 static void bursts_have_the_bits_of_single_steps(void) {
     for (const dm_method *const *m = dm_methods; *m; m++) {
-        static const char *const known[] = {"verlet", "midpoint", "trapezoidal",
-                                            "gauss",  "lobatto",  "rk4",
-                                            "rkf45",  "rk8pd",    "rk8"};
+        static const char *const known[] = {"verlet", "midpoint", "trapezoidal", "gauss", "lobatto",
+                                            "rk4",    "rkf45",    "rk8pd",       "rk8"};
         int mine = 0;
         for (size_t i = 0; i < sizeof known / sizeof *known; i++)
             mine += strcmp((*m)->name, known[i]) == 0;
@@ -265,11 +260,9 @@ int main(void) {
     RUN(bursts_have_the_bits_of_single_steps, "bursts have the bits of single steps");
     RUN(an_own_discrete_lagrangian_is_the_equal_of_midpoint, "an own Ld equals midpoint");
     RUN(a_failing_callback_ends_the_step, "a failing callback ends the step");
-    RUN(a_step_without_solution_is_reported,
-        "a step without solution: status, state unchanged");
+    RUN(a_step_without_solution_is_reported, "a step without solution: status, state unchanged");
     RUN(a_start_in_a_singularity_is_reported, "a start in a singularity is reported");
     RUN(a_blow_up_stops_at_the_last_good_step, "a blow-up stops at the last good step");
-    RUN(a_stiff_spring_separates_implicit_from_explicit,
-        "a stiff spring: midpoint bounded");
+    RUN(a_stiff_spring_separates_implicit_from_explicit, "a stiff spring: midpoint bounded");
     return check_finish();
 }

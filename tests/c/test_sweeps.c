@@ -1,4 +1,5 @@
-/* test_sweeps.c - Gauss and its kin by fixed-point sweeps over stages in lanes, on traced models. */
+/* test_sweeps.c - Gauss and its kin by fixed-point sweeps over stages in lanes, on traced
+ * models. */
 #include "check.h"
 #include "expr/jit.h"
 #include "expr/processor.h"
@@ -14,12 +15,11 @@ static void kepler(problem *p, int hidden, dm_compile *compile) {
     *p = (problem){.n = 2, .q = {0.4, 0.0}, .v = {0.0, 2.0}};
     dm_arena_init(&p->arena, problem_allocate, NULL);
     dm_graph *g = dm_graph_new(&p->arena, 5);
-    const dm_node x = dm_input(g, 0), y = dm_input(g, 1), u = dm_input(g, 2),
-                  w = dm_input(g, 3);
+    const dm_node x = dm_input(g, 0), y = dm_input(g, 1), u = dm_input(g, 2), w = dm_input(g, 3);
     const dm_node r2 = dm_add(g, dm_mul(g, x, x), dm_mul(g, y, y));
     const dm_node v2 = dm_add(g, dm_mul(g, u, u), dm_mul(g, w, w));
-    dm_node L = dm_add(g, dm_mul(g, dm_constant(g, 0.5), v2),
-                       dm_power(g, r2, dm_constant(g, -0.5)));
+    dm_node L =
+        dm_add(g, dm_mul(g, dm_constant(g, 0.5), v2), dm_power(g, r2, dm_constant(g, -0.5)));
     if (hidden) {
         const dm_node xy = dm_mul(g, x, y), xx = dm_mul(g, x, x);
         const dm_node first = dm_mul(g, dm_mul(g, dm_constant(g, 2.0), xy), u);
@@ -32,8 +32,7 @@ static void kepler(problem *p, int hidden, dm_compile *compile) {
 static void pendulum(problem *p, dm_compile *compile) {
     CHECK(problem_double_pendulum(p) == DM_OK);
     const dm_source s = p->model.source;
-    CHECK(dm_model_build(&p->model, s.graph, s.lagrangian, 4, 63, compile, &p->arena) ==
-          DM_OK);
+    CHECK(dm_model_build(&p->model, s.graph, s.lagrangian, 4, 63, compile, &p->arena) == DM_OK);
 }
 
 static void make(problem *p, int which, dm_compile *compile) {
@@ -53,8 +52,7 @@ static dm_status run(session *x, const problem *p, const char *rule, double h, l
 
 static double distance(const session *x, const session *y, uint32_t n) {
     double worst = 0.0;
-    for (uint32_t i = 0; i < 2 * n; i++)
-        worst = fmax(worst, fabs(x->state[i] - y->state[i]));
+    for (uint32_t i = 0; i < 2 * n; i++) worst = fmax(worst, fabs(x->state[i] - y->state[i]));
     return worst;
 }
 
@@ -87,7 +85,8 @@ static void every_width_has_the_same_bits(void) {
     }
 }
 
-/* sums with and without fused products come to the same end but for rounding, and so do 4 and 8 stages in them */
+/* sums with and without fused products come to the same end but for rounding, and so do 4 and 8
+ * stages in them */
 static void every_processor_finds_the_same_end(void) {
     for (int which = 0; which < 3; which++)
         for (int i = 0; i < RULES; i++) {
@@ -141,8 +140,7 @@ static void newton_finds_the_same_root(void) {
 }
 
 static double angular_momentum(const double *z) {
-    return (z[0] * z[3] - z[1] * z[2]) + (z[0] * z[7] - z[1] * z[6]) +
-           (z[4] * z[3] - z[5] * z[2]);
+    return (z[0] * z[3] - z[1] * z[2]) + (z[0] * z[7] - z[1] * z[6]) + (z[4] * z[3] - z[5] * z[2]);
 }
 
 /* what the last sweep leaves, or a rounded coefficient, would err alike in every step */
@@ -152,8 +150,7 @@ static void angular_momentum_walks_at_random(void) {
         session x;
         kepler(&p, 0, dm_native_build);
         CHECK(run(&x, &p, rules[i], 0.1, 100000, 100000) == DM_OK);
-        if (!CHECK_NEAR(angular_momentum(x.state) / 0.8, 1.0, 3e-14))
-            printf("# %s\n", rules[i]);
+        if (!CHECK_NEAR(angular_momentum(x.state) / 0.8, 1.0, 3e-14)) printf("# %s\n", rules[i]);
         session_close(&x);
         problem_close(&p);
     }
@@ -228,8 +225,7 @@ static void begin_again(session *x, const problem *p) {
     double *work = malloc(dm_legendre_work(&p->model) * sizeof *work);
     memset(x->state, 0, sizeof x->state);
     memcpy(x->state, p->q, p->n * sizeof *p->q);
-    CHECK(work &&
-          dm_legendre(&p->model, x->state + p->n, p->q, p->v, 0.0, work) == DM_OK);
+    CHECK(work && dm_legendre(&p->model, x->state + p->n, p->q, p->v, 0.0, work) == DM_OK);
     free(work);
 }
 
@@ -327,8 +323,8 @@ static void more_sweeps_come_nearer(void) {
             const double gap = distance(&x, &y, p.n);
             if (!CHECK(gap < 0.2 * before || gap < 1e-13) ||
                 !CHECK(gap < 1e-13 || y.s.report.newton < x.s.report.newton))
-                printf("# %s, problem %d: %g after %g, %ld\n", by_number[k], which, gap,
-                       before, y.s.report.newton);
+                printf("# %s, problem %d: %g after %g, %ld\n", by_number[k], which, gap, before,
+                       y.s.report.newton);
             before = gap;
             session_close(&y);
         }
@@ -339,12 +335,10 @@ static void more_sweeps_come_nearer(void) {
 
 int main(void) {
     RUN(every_width_has_the_same_bits, "tape, 1, 4 and 8 lanes have the same bits");
-    RUN(every_processor_finds_the_same_end,
-        "every processor's sums come to the same end");
+    RUN(every_processor_finds_the_same_end, "every processor's sums come to the same end");
     RUN(rows_do_not_depend_on_bursts, "rows do not depend on bursts");
     RUN(newton_finds_the_same_root, "Newton's method finds the same root");
-    if (!doubles_only())
-        RUN(angular_momentum_walks_at_random, "angular momentum walks at random");
+    if (!doubles_only()) RUN(angular_momentum_walks_at_random, "angular momentum walks at random");
     RUN(the_last_step_saves_sweeps, "the last step's polynomial saves sweeps");
     RUN(newton_saves_iterations, "the last steps' velocities save Newton's method work");
     RUN(state_and_memory_go_on_bit_for_bit, "state and memory go on bit for bit");

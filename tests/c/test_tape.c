@@ -6,8 +6,7 @@
 #include "random_graph.h"
 
 /* one graph, `points` random inputs, every root compared */
-static void compare(random_source *r, dm_graph *g, dm_arena *arena, uint32_t m,
-                    int points) {
+static void compare(random_source *r, dm_graph *g, dm_arena *arena, uint32_t m, int points) {
     dm_node *roots = dm_arena_take(arena, m * sizeof *roots);
     roots[0] = dm_graph_size(g) - 1;
     for (uint32_t i = 1; i < m; i++) roots[i] = random_operand(r, g);
@@ -48,8 +47,7 @@ static void angles(void) {
     dm_arena arena = new_arena();
     dm_graph *g = dm_graph_new(&arena, 1);
     const dm_node x = dm_input(g, 0);
-    const dm_node roots[2] = {dm_apply(g, DM_OP_SIN, x, 0, 0),
-                              dm_apply(g, DM_OP_COS, x, 0, 0)};
+    const dm_node roots[2] = {dm_apply(g, DM_OP_SIN, x, 0, 0), dm_apply(g, DM_OP_COS, x, 0, 0)};
     dm_kernel k;
     CHECK(dm_tape_build(&k, g, roots, 2, &arena) == DM_OK);
     for (int j = 0; j < 1000000; j++) {

@@ -1,4 +1,5 @@
-/* the step equation with multipliers and forces: orders, exact solutions, ties to round-off, symmetry, failures */
+/* the step equation with multipliers and forces: orders, exact solutions, ties to round-off,
+ * symmetry, failures */
 #include "check.h"
 #include "tied_problems.h"
 
@@ -9,19 +10,17 @@ typedef struct {
     const char *name;
 } start;
 
-static const start sphere = {sphere_maker,    3,       1, {0.6, 0.0, -0.8},
-                             {0.0, 1.0, 0.0}, "sphere"};
-static const start damped_sphere = {
-    damped_sphere_maker, 3, 1, {0.6, 0.0, -0.8}, {0.0, 1.0, 0.0}, "damped sphere"};
-static const start breathing = {
-    breathing_maker, 3, 1, {0.6, 0.0, -0.8}, {0.06, 1.0, -0.08}, "sphere that breathes"};
+static const start sphere = {sphere_maker, 3, 1, {0.6, 0.0, -0.8}, {0.0, 1.0, 0.0}, "sphere"};
+static const start damped_sphere = {damped_sphere_maker, 3, 1, {0.6, 0.0, -0.8}, {0.0, 1.0, 0.0},
+                                    "damped sphere"};
+static const start breathing = {breathing_maker,       3, 1, {0.6, 0.0, -0.8}, {0.06, 1.0, -0.08},
+                                "sphere that breathes"};
 static const start disk = {disk_maker, 4, 2, {0}, {1.0, 0.0, 1.0, 2.0}, "rolling disk"};
 static const start knife = {knife_maker, 3, 1, {0}, {0.0, 0.0, 1.0}, "knife edge"};
-static const start particle = {
-    particle_maker, 3, 1, {1.0, 0.5, 0.0}, {0.4, 1.0, 0.2}, "nonholonomic particle"};
+static const start particle = {particle_maker,         3, 1, {1.0, 0.5, 0.0}, {0.4, 1.0, 0.2},
+                               "nonholonomic particle"};
 static const start speed = {speed_maker, 2, 1, {0.3, 0.2}, {0.6, 0.8}, "given speed"};
-static const start pushed = {pushed_maker, 2,          1,
-                             {0.3, 0.2},   {0.6, 0.8}, "given speed, given E"};
+static const start pushed = {pushed_maker, 2, 1, {0.3, 0.2}, {0.6, 0.8}, "given speed, given E"};
 static const start damped = {damped_maker, 1, 0, {1.0}, {0.0}, "damped oscillator"};
 
 static void open_at(tied_problem *t, const start *s) {
@@ -32,8 +31,8 @@ static void open_at(tied_problem *t, const start *s) {
 /* (q, p) at time 1 after `steps` steps */
 static int end_of(double *end, const tied_problem *t, const char *rule, long steps) {
     session x;
-    const int fine = session_open(&x, &t->p, rule, 1.0 / (double)steps) &&
-                     session_run(&x, steps) == DM_OK;
+    const int fine =
+        session_open(&x, &t->p, rule, 1.0 / (double)steps) && session_run(&x, steps) == DM_OK;
     memcpy(end, x.state, 2 * t->p.n * sizeof *end);
     session_close(&x);
     return fine;
@@ -53,11 +52,10 @@ typedef struct {
     long steps; /* and twice as many */
 } row;
 
-static const row rows[] = {{"midpoint", 2, 32},   {"trapezoidal", 2, 32},
-                           {"gauss(1)", 2, 32},   {"gauss(2)", 4, 16},
-                           {"gauss(3)", 6, 8},    {"gauss(4)", 8, 4},
-                           {"lobatto(2)", 2, 32}, {"lobatto(3)", 4, 16},
-                           {"lobatto(4)", 6, 8},  {"lobatto(5)", 8, 4}};
+static const row rows[] = {{"midpoint", 2, 32},   {"trapezoidal", 2, 32}, {"gauss(1)", 2, 32},
+                           {"gauss(2)", 4, 16},   {"gauss(3)", 6, 8},     {"gauss(4)", 8, 4},
+                           {"lobatto(2)", 2, 32}, {"lobatto(3)", 4, 16},  {"lobatto(4)", 6, 8},
+                           {"lobatto(5)", 8, 4}};
 enum { ROWS = sizeof rows / sizeof *rows };
 
 static void check_orders(const start *s, const double *want, uint32_t columns) {
@@ -94,8 +92,7 @@ static void orders_with_constraints(void) {
 
 /* z from the angles of the same motion, which knows no multiplier */
 static void orders_against_angles(void) {
-    const start angles = {angles_maker,     2,       0, {acos(0.8), 0.0},
-                          {0.0, 1.0 / 0.6}, "angles"};
+    const start angles = {angles_maker, 2, 0, {acos(0.8), 0.0}, {0.0, 1.0 / 0.6}, "angles"};
     double a[8];
     find_end(a, &angles);
     const double q[3] = {sin(a[0]) * cos(a[1]), sin(a[0]) * sin(a[1]), -cos(a[0])};
@@ -133,7 +130,8 @@ static void orders_with_nonlinear_rolling(void) {
     }
 }
 
-/* |v| = 1 by Chetaev's rule bends the path by the force across it: heading' = F . (J v) (Gauss' principle) */
+/* |v| = 1 by Chetaev's rule bends the path by the force across it: heading' = F . (J v) (Gauss'
+ * principle) */
 static void given_speed_follows_its_heading(void) {
     tied_problem t, other;
     double end[8], oblique[8], x = 0.3, y = 0.2, a = atan2(0.8, 0.6);
@@ -239,7 +237,8 @@ static double damped_energy(const char *rule) {
     return E;
 }
 
-/* midpoint maps (q, p) by (1 - h A/2)^-1 (1 + h A/2), A = [0 1; -1 -c], whose determinant is the decay a step */
+/* midpoint maps (q, p) by (1 - h A/2)^-1 (1 + h A/2), A = [0 1; -1 -c], whose determinant is the
+ * decay a step */
 static void damping_is_right_at_coarse_steps(void) {
     const double c = 0.002, h = 0.3, a = 1.0 + h * h / 4.0, b = c * h / 2.0;
     const double decay = 0.5 * pow((a - b) / (a + b), 1000.0);
@@ -283,7 +282,8 @@ static void too_long_a_step_fails(void) {
     problem_close(&t.p);
 }
 
-/* a step of another length on the side leaves the run alone; state and memory are all that a run goes on from */
+/* a step of another length on the side leaves the run alone; state and memory are all that a run
+ * goes on from */
 static void memory_holds_what_a_run_needs(void) {
     const start *const problems[] = {&sphere, &disk, &speed};
     for (int k = 0; k < 3; k++) {
@@ -321,8 +321,7 @@ int main(void) {
     RUN(orders_against_angles, "the same against the motion in angles");
     RUN(orders_of_the_disk, "and against the exact motion of a rolling disk");
     RUN(orders_of_the_knife, "and of a knife edge on a slope");
-    RUN(orders_with_rolling,
-        "orders 2s and 2r - 2 of a rolling constraint in a potential");
+    RUN(orders_with_rolling, "orders 2s and 2r - 2 of a rolling constraint in a potential");
     RUN(orders_with_nonlinear_rolling, "orders where reactions turn with the velocity");
     RUN(given_speed_follows_its_heading, "given speed: Chetaev's rule, and another E");
     RUN(ties_hold_to_round_off, "constraints and rolling hold to round-off");

@@ -143,8 +143,7 @@ static inline void twice_maker(tied_draft *d) {
 
 /* ---- from a maker to a problem ---- */
 
-static inline dm_status tied_open(tied_problem *t, tied_maker *make, uint32_t n,
-                                  uint32_t ties) {
+static inline dm_status tied_open(tied_problem *t, tied_maker *make, uint32_t n, uint32_t ties) {
     *t = (tied_problem){.p = {.n = n}};
     dm_arena_init(&t->p.arena, problem_allocate, NULL);
     tied_draft d = {.g = dm_graph_new(&t->p.arena, 2 * n + 1 + ties)};
@@ -155,9 +154,9 @@ static inline dm_status tied_open(tied_problem *t, tied_maker *make, uint32_t n,
     }
     d.t = dm_input(d.g, 2 * n);
     make(&d);
-    dm_status status = dm_model_build(&t->p.model, d.g, d.L, n,
-                                      DM_WANT_DENSE | DM_WANT_SLOPE | DM_WANT_ENERGY,
-                                      dm_tape_build, &t->p.arena);
+    dm_status status =
+        dm_model_build(&t->p.model, d.g, d.L, n, DM_WANT_DENSE | DM_WANT_SLOPE | DM_WANT_ENERGY,
+                       dm_tape_build, &t->p.arena);
     if (status != DM_OK || !(d.constraints + d.rollings || d.forced)) return status;
     const dm_ties_traced traced = {.graph = d.g,
                                    .n = n,
@@ -169,8 +168,7 @@ static inline dm_status tied_open(tied_problem *t, tied_maker *make, uint32_t n,
                                    .E = d.given ? d.E : NULL};
     status = dm_ties_build(&t->ties, &traced, &t->p.arena);
     if (status == DM_OK) status = dm_ties_want(&t->ties, DM_WANT_TIES, dm_tape_build);
-    if (t->ties.structure & DM_TIES_TIMED)
-        t->p.model.structure &= ~(unsigned)DM_AUTONOMOUS;
+    if (t->ties.structure & DM_TIES_TIMED) t->p.model.structure &= ~(unsigned)DM_AUTONOMOUS;
     t->p.model.ties = &t->ties;
     return status;
 }
@@ -181,16 +179,14 @@ static inline void tied_place(tied_problem *t, const double *q, const double *v)
 }
 
 /* largest |g|, |G v + g_t| and |phi| of a state at time t */
-static inline double tied_defect(const tied_problem *t, const double *state,
-                                 double time) {
+static inline double tied_defect(const tied_problem *t, const double *state, double time) {
     double x[3 * PROBLEM_SIZE + 1] = {0}, out[PROBLEM_SIZE * (3 * PROBLEM_SIZE + 2)];
     const uint32_t n = t->p.n, k = t->ties.holonomic, l = t->ties.rolling;
     double worst = 0.0, *work = malloc(dm_legendre_work(&t->p.model) * sizeof *work);
     memcpy(x, state, n * sizeof *x);
     x[2 * n] = time;
     const dm_status status =
-        work ? dm_legendre_inverse(&t->p.model, x + n, state, state + n, time, work)
-             : DM_NO_MEMORY;
+        work ? dm_legendre_inverse(&t->p.model, x + n, state, state + n, time, work) : DM_NO_MEMORY;
     free(work);
     if (k) {
         dm_kernel_prepare(&t->ties.holonomic_kernel, out);

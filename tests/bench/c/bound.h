@@ -1,7 +1,5 @@
-/*
-** bound.h - the hand-written C that the rest is measured against: each problem with its force as
-** scalars and as lanes, and the methods made special to it by inlining.
-*/
+/* bound.h - the hand-written C that the rest is measured against: each problem with its force as
+ * scalars and as lanes, and the methods made special to it by inlining. */
 #ifndef BENCH_BOUND_H
 #define BENCH_BOUND_H
 
@@ -11,7 +9,7 @@
 #include "splitting.h"
 #include "stoermer.h"
 
-extern const bench_problem bench_kepler[], bench_satellite[], bench_planets[],
-    bench_pendulum[], bench_spring[], bench_chain[];
+extern const bench_problem bench_kepler[], bench_satellite[], bench_planets[], bench_pendulum[],
+    bench_spring[], bench_chain[];
 
 #endif

@@ -25,11 +25,9 @@ INLINE void start(double *q, double *v, double e) {
     v[0] = 0.0, v[1] = sqrt((1.0 + e) / (1.0 - e));
 }
 
-/*
-** Logarithmic Hamiltonian (Mikkola & Tanikawa 1999; Preto & Tremaine 1999):
-** log(v^2/2 + B) - log(1/r) with B = -H, in a fictitious time whose unit is dt = r ds here.
-** Drift q' = v / (v^2/2 + B), t' = 1 / (v^2/2 + B); kick v' = -q / r^2.
-*/
+/* Logarithmic Hamiltonian (Mikkola & Tanikawa 1999; Preto & Tremaine 1999):
+ * log(v^2/2 + B) - log(1/r) with B = -H, in a fictitious time whose unit is dt = r ds here.
+ * Drift q' = v / (v^2/2 + B), t' = 1 / (v^2/2 + B); kick v' = -q / r^2. */
 typedef struct {
     double x, y, u, v, t; /* position, velocity, time */
     double r2, s, v2;     /* |q|^2, q.v, |v|^2 + 2 B, carried along: shorter chains */
@@ -126,45 +124,46 @@ INLINE void log_run(double *out, const bench_method *m, long steps, double e) {
     }
 }
 
-#define FOR_ECCENTRICITY(name, e)                                                        \
-    static void name##_split(double *out, const bench_method *m, long steps) {           \
-        double q[N], v[N];                                                               \
-        start(q, v, e);                                                                  \
-        split(out, m->table, steps, N, attraction, q, v, T);                             \
-    }                                                                                    \
-    static void name##_gauss(double *out, const bench_method *m, long steps) {           \
-        double q[N], v[N];                                                               \
-        start(q, v, e);                                                                  \
-        GAUSS_CASES(out, m, N, 0, steps, attraction8, q, v, T)                           \
-    }                                                                                    \
-    static void name##_rk8(double *out, const bench_method *m, long steps) {             \
-        double q[N], v[N];                                                               \
-        (void)m;                                                                         \
-        start(q, v, e);                                                                  \
-        rk8(out, steps, N, attraction_v, q, v, T);                                       \
-    }                                                                                    \
-    static void name##_stoermer(double *out, const bench_method *m, long steps) {        \
-        double q[N], v[N];                                                               \
-        start(q, v, e);                                                                  \
-        STOERMER_CASES(out, m, N, steps, attraction8, q, v, T)                           \
-    }                                                                                    \
-    static void name##_log(double *out, const bench_method *m, long steps) {             \
-        log_run(out, m, steps, e);                                                       \
-    }                                                                                    \
-    static const bench_method name[] = {                                                 \
-        {"log-sofspa(10)", name##_log, &bench_log_splittings[6], 0},                     \
-        {"log-suzuki-umeno(8)", name##_log, &bench_log_splittings[5], 0},                \
-        {"log-kahan-li(8)", name##_log, &bench_log_splittings[4], 0},                    \
-        {"log-kahan-li(6)", name##_log, &bench_log_splittings[3], 0},                    \
-        {"log-verlet", name##_log, &bench_log_splittings[0], 0},                         \
-        GAUSS_METHODS(name##_gauss),                                                     \
-        SPLITTING_METHODS(name##_split),                                                 \
-        {"rk8", name##_rk8, NULL, 0},                                                    \
-        STOERMER_METHODS(name##_stoermer),                                               \
-        {NULL, NULL, NULL, 0}};
+#define FOR_ECCENTRICITY(name, e)                                                                  \
+    static void name##_split(double *out, const bench_method *m, long steps) {                     \
+        double q[N], v[N];                                                                         \
+        start(q, v, e);                                                                            \
+        split(out, m->table, steps, N, attraction, q, v, T);                                       \
+    }                                                                                              \
+    static void name##_gauss(double *out, const bench_method *m, long steps) {                     \
+        double q[N], v[N];                                                                         \
+        start(q, v, e);                                                                            \
+        GAUSS_CASES(out, m, N, 0, steps, attraction8, q, v, T)                                     \
+    }                                                                                              \
+    static void name##_rk8(double *out, const bench_method *m, long steps) {                       \
+        double q[N], v[N];                                                                         \
+        (void)m;                                                                                   \
+        start(q, v, e);                                                                            \
+        rk8(out, steps, N, attraction_v, q, v, T);                                                 \
+    }                                                                                              \
+    static void name##_stoermer(double *out, const bench_method *m, long steps) {                  \
+        double q[N], v[N];                                                                         \
+        start(q, v, e);                                                                            \
+        STOERMER_CASES(out, m, N, steps, attraction8, q, v, T)                                     \
+    }                                                                                              \
+    static void name##_log(double *out, const bench_method *m, long steps) {                       \
+        log_run(out, m, steps, e);                                                                 \
+    }                                                                                              \
+    static const bench_method name[] =                                                             \
+        {{"log-sofspa(10)", name##_log, &bench_log_splittings[6], 0},                              \
+         {"log-suzuki-umeno(8)", name##_log, &bench_log_splittings[5], 0},                         \
+         {"log-kahan-li(8)", name##_log, &bench_log_splittings[4], 0},                             \
+         {"log-kahan-li(6)", name##_log, &bench_log_splittings[3], 0},                             \
+         {"log-verlet", name##_log, &bench_log_splittings[0], 0},                                  \
+         GAUSS_METHODS(name##_gauss),                                                              \
+         SPLITTING_METHODS(name##_split),                                                          \
+         {"rk8", name##_rk8, NULL, 0},                                                             \
+         STOERMER_METHODS(name##_stoermer),                                                        \
+         {NULL, NULL, NULL, 0}};
 
 FOR_ECCENTRICITY(round_orbit, 0.6)
 FOR_ECCENTRICITY(long_orbit, 0.9)
 
-const bench_problem bench_kepler[] = {
-    {"P1-0.6", N, round_orbit}, {"P1-0.9", N, long_orbit}, {NULL, 0, NULL}};
+const bench_problem bench_kepler[] = {{"P1-0.6", N, round_orbit},
+                                      {"P1-0.9", N, long_orbit},
+                                      {NULL, 0, NULL}};

@@ -1,7 +1,5 @@
-/*
-** P4: double spherical pendulum, unit masses and rods. Coordinates are the two unit rods u, w:
-** u'' = g - lambda u + mu w, w'' = lambda u - 2 mu w with multipliers from |u| = |w| = 1.
-*/
+/* P4: double spherical pendulum, unit masses and rods. Coordinates are the two unit rods u, w:
+ * u'' = g - lambda u + mu w, w'' = lambda u - 2 mu w with multipliers from |u| = |w| = 1. */
 #include "bound.h"
 
 enum { N = 6 };
@@ -10,16 +8,16 @@ static const double T = 10.0, GRAVITY = 9.81;
 #define DOT(x, y) ((x)[0] * (y)[0] + (x)[1] * (y)[1] + (x)[2] * (y)[2])
 
 /* the same text for a double and for lanes: 1/det is the only division */
-#define TENSIONS(real)                                                                   \
-    const real uw = DOT(q, q + 3), uu = DOT(q, q), ww = DOT(q + 3, q + 3);               \
-    const real r1 = DOT(v, v) - GRAVITY * q[2], r2 = DOT(v + 3, v + 3);                  \
-    const real inverse = 1.0 / (2.0 * uu * ww - uw * uw);                                \
-    const real lambda = (2.0 * ww * r1 + uw * r2) * inverse;                             \
-    const real mu = (uw * r1 + uu * r2) * inverse;                                       \
-    for (int i = 0; i < 3; i++) {                                                        \
-        a[i] = mu * q[3 + i] - lambda * q[i];                                            \
-        a[3 + i] = lambda * q[i] - 2.0 * mu * q[3 + i];                                  \
-    }                                                                                    \
+#define TENSIONS(real)                                                                             \
+    const real uw = DOT(q, q + 3), uu = DOT(q, q), ww = DOT(q + 3, q + 3);                         \
+    const real r1 = DOT(v, v) - GRAVITY * q[2], r2 = DOT(v + 3, v + 3);                            \
+    const real inverse = 1.0 / (2.0 * uu * ww - uw * uw);                                          \
+    const real lambda = (2.0 * ww * r1 + uw * r2) * inverse;                                       \
+    const real mu = (uw * r1 + uu * r2) * inverse;                                                 \
+    for (int i = 0; i < 3; i++) {                                                                  \
+        a[i] = mu * q[3 + i] - lambda * q[i];                                                      \
+        a[3 + i] = lambda * q[i] - 2.0 * mu * q[3 + i];                                            \
+    }                                                                                              \
     a[2] -= GRAVITY;
 
 INLINE void tensions(double *a, const double *q, const double *v){TENSIONS(double)} INLINE
@@ -55,7 +53,8 @@ static void by_rk8(double *out, const bench_method *m, long steps) {
     positions(out);
 }
 
-static const bench_method methods[] = {
-    GAUSS_METHODS(by_gauss), {"rk8", by_rk8, NULL, 0}, {NULL, NULL, NULL, 0}};
+static const bench_method methods[] = {GAUSS_METHODS(by_gauss),
+                                       {"rk8", by_rk8, NULL, 0},
+                                       {NULL, NULL, NULL, 0}};
 
 const bench_problem bench_pendulum[] = {{"P4", N, methods}, {NULL, 0, NULL}};

@@ -8,8 +8,7 @@ static const double T = 628.31853071795864769, J2 = 0.05;
 INLINE void attraction(double *a, const double *q) {
     const double z2 = q[2] * q[2], r2 = q[0] * q[0] + q[1] * q[1] + z2;
     const double w = inverse_cube(r2), inverse = w * w * (r2 * r2); /* 1 / r^2 */
-    const double c = 1.5 * J2 * inverse,
-                 common = -w * (1.0 + c * (1.0 - 5.0 * z2 * inverse));
+    const double c = 1.5 * J2 * inverse, common = -w * (1.0 + c * (1.0 - 5.0 * z2 * inverse));
     a[0] = common * q[0], a[1] = common * q[1];
     a[2] = (common - 2.0 * c * w) * q[2];
 }

@@ -31,8 +31,7 @@ static long double lagrange(const long double *c, int s, int j, long double x) {
     return y;
 }
 
-static void multiply(long double out[8][8], long double A[8][8], long double B[8][8],
-                     int s) {
+static void multiply(long double out[8][8], long double A[8][8], long double B[8][8], int s) {
     for (int i = 0; i < s; i++)
         for (int j = 0; j < s; j++) {
             out[i][j] = 0;
@@ -51,8 +50,7 @@ static void make(gauss_table *t, int s) {
     for (int i = 0; i < s; i++)
         for (int j = 0; j < s; j++) {
             A[i][j] = 0; /* the rule itself integrates lagrange_j over [0, c_i] exactly */
-            for (int k = 0; k < s; k++)
-                A[i][j] += c[i] * w[k] * lagrange(c, s, j, c[i] * c[k]);
+            for (int k = 0; k < s; k++) A[i][j] += c[i] * w[k] * lagrange(c, s, j, c[i] * c[k]);
             E[i][j] = lagrange(c, s, j, 1 + c[i]);
         }
     *t = (gauss_table){.s = s};

@@ -1,7 +1,5 @@
-/*
-** gauss.h - Gauss collocation of s = 2 ... 8 stages for q'' = a(q, q'), one stage per SIMD lane.
-** A fixed number k of fixed-point sweeps; the first starts from the polynomial of the last step.
-*/
+/* gauss.h - Gauss collocation of s = 2 ... 8 stages for q'' = a(q, q'), one stage per SIMD lane.
+ * A fixed number k of fixed-point sweeps; the first starts from the polynomial of the last step. */
 #ifndef BENCH_GAUSS_H
 #define BENCH_GAUSS_H
 
@@ -50,8 +48,8 @@ INLINE void scale(gauss_step *out, const gauss_table *t, double h, int s) {
 }
 
 /* stage positions (and velocities where the force needs them) from the forces f */
-INLINE void stages(v8 *Q, v8 *V, const v8 *start, const double *v, const v8 *M,
-                   const v8 *M2, const double (*f)[8], int s, int n, int needs_v) {
+INLINE void stages(v8 *Q, v8 *V, const v8 *start, const double *v, const v8 *M, const v8 *M2,
+                   const double (*f)[8], int s, int n, int needs_v) {
     for (int i = 0; i < n; i++) {
         Q[i] = columns(start[i], M2, f[i], s);
         if (needs_v) V[i] = columns(v[i] + (v8){0}, M, f[i], s);
@@ -59,8 +57,8 @@ INLINE void stages(v8 *Q, v8 *V, const v8 *start, const double *v, const v8 *M,
 }
 
 /* s and n are constants where this is called, so that everything unrolls */
-INLINE void gauss(double *out, int s, int n, int needs_v, int sweeps, long steps,
-                  acceleration8 *a, double *q, double *v, double T) {
+INLINE void gauss(double *out, int s, int n, int needs_v, int sweeps, long steps, acceleration8 *a,
+                  double *q, double *v, double T) {
     gauss_step t;
     const double h = T / BENCH_OUTPUTS / (double)steps;
     double f[n][8] __attribute__((aligned(64))), q_low[n], v_low[n];
@@ -78,9 +76,7 @@ INLINE void gauss(double *out, int s, int n, int needs_v, int sweeps, long steps
             for (int k = 1; k <= count; k++) {
                 a(F, Q, V);
                 for (int i = 0; i < n; i++) *(v8 *)f[i] = F[i];
-                __asm__ volatile(
-                    ""
-                    : "+m"(f)); /* lanes are read back from memory, as broadcasts */
+                __asm__ volatile("" : "+m"(f)); /* lanes are read back from memory, as broadcasts */
                 if (k < count) stages(Q, V, straight, v, t.A, t.A2, f, s, n, needs_v);
             }
             count = sweeps;
@@ -94,42 +90,40 @@ INLINE void gauss(double *out, int s, int n, int needs_v, int sweeps, long steps
 }
 
 /* the loop for each s that the methods of a problem use; n and the force are constants */
-#define GAUSS_CASES(out, m, n, needs_v, steps, a, q, v, T)                               \
-    switch (((const gauss_table *)(m)->table)->s) {                                      \
-    case 2:                                                                              \
-        gauss(out, 2, n, needs_v, (m)->k, steps, a, q, v, T);                            \
-        break;                                                                           \
-    case 3:                                                                              \
-        gauss(out, 3, n, needs_v, (m)->k, steps, a, q, v, T);                            \
-        break;                                                                           \
-    case 4:                                                                              \
-        gauss(out, 4, n, needs_v, (m)->k, steps, a, q, v, T);                            \
-        break;                                                                           \
-    case 5:                                                                              \
-        gauss(out, 5, n, needs_v, (m)->k, steps, a, q, v, T);                            \
-        break;                                                                           \
-    case 6:                                                                              \
-        gauss(out, 6, n, needs_v, (m)->k, steps, a, q, v, T);                            \
-        break;                                                                           \
-    case 7:                                                                              \
-        gauss(out, 7, n, needs_v, (m)->k, steps, a, q, v, T);                            \
-        break;                                                                           \
-    default:                                                                             \
-        gauss(out, 8, n, needs_v, (m)->k, steps, a, q, v, T);                            \
-        break;                                                                           \
+#define GAUSS_CASES(out, m, n, needs_v, steps, a, q, v, T)                                         \
+    switch (((const gauss_table *)(m)->table)->s) {                                                \
+    case 2:                                                                                        \
+        gauss(out, 2, n, needs_v, (m)->k, steps, a, q, v, T);                                      \
+        break;                                                                                     \
+    case 3:                                                                                        \
+        gauss(out, 3, n, needs_v, (m)->k, steps, a, q, v, T);                                      \
+        break;                                                                                     \
+    case 4:                                                                                        \
+        gauss(out, 4, n, needs_v, (m)->k, steps, a, q, v, T);                                      \
+        break;                                                                                     \
+    case 5:                                                                                        \
+        gauss(out, 5, n, needs_v, (m)->k, steps, a, q, v, T);                                      \
+        break;                                                                                     \
+    case 6:                                                                                        \
+        gauss(out, 6, n, needs_v, (m)->k, steps, a, q, v, T);                                      \
+        break;                                                                                     \
+    case 7:                                                                                        \
+        gauss(out, 7, n, needs_v, (m)->k, steps, a, q, v, T);                                      \
+        break;                                                                                     \
+    default:                                                                                       \
+        gauss(out, 8, n, needs_v, (m)->k, steps, a, q, v, T);                                      \
+        break;                                                                                     \
     }
 
 /* rows for a problem: gauss(s) with k sweeps */
-#define GAUSS_ROW(run, s, k)                                                             \
+#define GAUSS_ROW(run, s, k)                                                                       \
     { "gauss(" #s ") x" #k, run, &bench_gauss[s], k }
-#define GAUSS_METHODS(run)                                                               \
-    GAUSS_ROW(run, 8, 6), GAUSS_ROW(run, 8, 4), GAUSS_ROW(run, 8, 5),                    \
-        GAUSS_ROW(run, 8, 8), GAUSS_ROW(run, 8, 3), GAUSS_ROW(run, 8, 2),                \
-        GAUSS_ROW(run, 8, 1), GAUSS_ROW(run, 7, 6), GAUSS_ROW(run, 7, 4),                \
-        GAUSS_ROW(run, 7, 5), GAUSS_ROW(run, 7, 3), GAUSS_ROW(run, 7, 2),                \
-        GAUSS_ROW(run, 6, 6), GAUSS_ROW(run, 6, 4), GAUSS_ROW(run, 6, 3),                \
-        GAUSS_ROW(run, 6, 2), GAUSS_ROW(run, 6, 1), GAUSS_ROW(run, 4, 6),                \
-        GAUSS_ROW(run, 4, 4), GAUSS_ROW(run, 4, 3), GAUSS_ROW(run, 4, 2),                \
-        GAUSS_ROW(run, 3, 4), GAUSS_ROW(run, 3, 3), GAUSS_ROW(run, 3, 2)
+#define GAUSS_METHODS(run)                                                                         \
+    GAUSS_ROW(run, 8, 6), GAUSS_ROW(run, 8, 4), GAUSS_ROW(run, 8, 5), GAUSS_ROW(run, 8, 8),        \
+        GAUSS_ROW(run, 8, 3), GAUSS_ROW(run, 8, 2), GAUSS_ROW(run, 8, 1), GAUSS_ROW(run, 7, 6),    \
+        GAUSS_ROW(run, 7, 4), GAUSS_ROW(run, 7, 5), GAUSS_ROW(run, 7, 3), GAUSS_ROW(run, 7, 2),    \
+        GAUSS_ROW(run, 6, 6), GAUSS_ROW(run, 6, 4), GAUSS_ROW(run, 6, 3), GAUSS_ROW(run, 6, 2),    \
+        GAUSS_ROW(run, 6, 1), GAUSS_ROW(run, 4, 6), GAUSS_ROW(run, 4, 4), GAUSS_ROW(run, 4, 3),    \
+        GAUSS_ROW(run, 4, 2), GAUSS_ROW(run, 3, 4), GAUSS_ROW(run, 3, 3), GAUSS_ROW(run, 3, 2)
 
 #endif

@@ -24,7 +24,8 @@ INLINE v8 seed8(v8 x) {
     return (v8)_mm512_rsqrt14_pd((__m512d)x);
 }
 
-/* x^(-3/2), x^(-1/2): one table look-up and one correction of high order instead of root and divide */
+/* x^(-3/2), x^(-1/2): one table look-up and one correction of high order instead of root and
+ * divide */
 INLINE double inverse_cube(double x) {
     const double y = seed(x), e = 1.0 - x * y * y, e2 = e * e;
     return y * y * y * CUBE_SERIES(e, e2);
@@ -86,15 +87,13 @@ INLINE v8 shift_right(v8 x, v8 y) {
 
 /* exp(x) = 2^k exp(r), |r| <= log(2)/2; Taylor to r^13, whose next term is below 2^-58 */
 INLINE v8 exp8(v8 x) {
-    const double shift =
-        6755399441055744.0; /* 1.5 2^52: adding it rounds to a whole number */
+    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to a whole number */
     const v8 k = (x * 1.4426950408889634 + shift) - shift;
     const v8 r = (x - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;
     const v8 r2 = r * r, r4 = r2 * r2;
     const v8 a = 1.0 + r + r2 * (0.5 + r * (1.0 / 6));
     const v8 b = (1.0 / 24 + r * (1.0 / 120)) + r2 * (1.0 / 720 + r * (1.0 / 5040));
-    const v8 c =
-        (1.0 / 40320 + r * (1.0 / 362880)) + r2 * (1.0 / 3628800 + r * (1.0 / 39916800));
+    const v8 c = (1.0 / 40320 + r * (1.0 / 362880)) + r2 * (1.0 / 3628800 + r * (1.0 / 39916800));
     const v8 d = 1.0 / 479001600 + r * (1.0 / 6227020800.0);
     const v8 y = a + r4 * (b + r4 * (c + r4 * d));
 #ifdef __AVX512F__

@@ -33,14 +33,12 @@ static int solve(double *A, double *b, int n) {
 }
 
 /* residual p0 - L_v + h/2 L_q and minus its derivative in v */
-static void equation(double *r, double *J, const derivatives *d, const double *p,
-                     double h, int n) {
+static void equation(double *r, double *J, const derivatives *d, const double *p, double h, int n) {
     const double half = 0.5 * h;
     for (int i = 0; i < n; i++) {
         r[i] = p[i] - d->Lv[i] + half * d->Lq[i];
         for (int j = 0; j < n; j++)
-            J[i * n + j] = d->Lvv[i * n + j] +
-                           half * (d->Lqv[j * n + i] - d->Lqv[i * n + j]) -
+            J[i * n + j] = d->Lvv[i * n + j] + half * (d->Lqv[j * n + i] - d->Lqv[i * n + j]) -
                            half * half * d->Lqq[i * n + j];
     }
 }
@@ -64,15 +62,13 @@ static int newton(double *v, derivatives *d, const double *q, const double *p,
         for (int i = 0; i < n; i++) v[i] += r[i];
         ++*iterations;
         const double change = largest(r, n), size = largest(v, n);
-        if (change <= 4e-15 * size || (change >= before && change < 1e-12 * size))
-            return 1;
+        if (change <= 4e-15 * size || (change >= before && change < 1e-12 * size)) return 1;
         before = change;
     }
     return 0;
 }
 
-int newton_run(double *q, double *p, const implicit_model *m, long steps,
-               long *iterations) {
+int newton_run(double *q, double *p, const implicit_model *m, long steps, long *iterations) {
     const int n = m->n;
     double v[NEWTON_N];
     derivatives d;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* L = v^2/2 + 1/r - J2 / (2 r^3) (3 z^2/r^2 - 1): with c = J2/2,
-** V = -1/r - c/r^3 + 3 c z^2/r^5 as f(r) + z^2 g(r) */
+ * V = -1/r - c/r^3 + 3 c z^2/r^5 as f(r) + z^2 g(r) */
 static void satellite(derivatives *d, const double *q, const double *v) {
     const double c = 0.025, z = q[2], z2 = z * z;
     const double r2 = q[0] * q[0] + q[1] * q[1] + z2, i2 = 1.0 / r2, i1 = sqrt(i2);
@@ -31,11 +31,11 @@ static void satellite(derivatives *d, const double *q, const double *v) {
     d->Lqq[8] -= 2.0 * g;
 }
 
-const implicit_model newton_satellite = {
-    "J2 satellite", 3, 0.05, {1.1, 0.0, 0.1}, {0.0, 0.95, 0.2}, satellite};
+const implicit_model newton_satellite = {"J2 satellite",   3,        0.05, {1.1, 0.0, 0.1},
+                                         {0.0, 0.95, 0.2}, satellite};
 
 /* a rod at polar angle a, azimuth b with rates x, y moves with (radial, tangential, up)
-** (x cos a, y sin a, x sin a) in the frame of its azimuth; derivatives in a, x, y */
+ * (x cos a, y sin a, x sin a) in the frame of its azimuth; derivatives in a, x, y */
 typedef struct {
     double w[3], a[3], x[3], y[3], ax[3], ay[3]; /* second derivative in a twice is -w */
 } rod;
@@ -117,9 +117,8 @@ static void pendulum(derivatives *d, const double *q, const double *v) {
     coupling(d, &f, &g);
 }
 
-const implicit_model newton_pendulum = {
-    "double spherical pendulum", 4,       0.01, {1.0, 0.0, 0.7, 0.4},
-    {0.0, 1.5, 0.0, 2.0},        pendulum};
+const implicit_model newton_pendulum =
+    {"double spherical pendulum", 4, 0.01, {1.0, 0.0, 0.7, 0.4}, {0.0, 1.5, 0.0, 2.0}, pendulum};
 
 /* three bodies of mass 1 on the figure of eight (Chenciner & Montgomery 2000) */
 static void bodies(derivatives *d, const double *q, const double *v) {
@@ -140,11 +139,11 @@ static void bodies(derivatives *d, const double *q, const double *v) {
         }
 }
 
-const implicit_model newton_bodies = {
-    "three bodies",
-    9,
-    0.01,
-    {0.97000436, -0.24308753, 0.0, -0.97000436, 0.24308753, 0.0, 0.0, 0.0, 0.0},
-    {0.466203685, 0.43236573, 0.0, 0.466203685, 0.43236573, 0.0, -0.93240737, -0.86473146,
-     0.0},
-    bodies};
+const implicit_model newton_bodies = {"three bodies",
+                                      9,
+                                      0.01,
+                                      {0.97000436, -0.24308753, 0.0, -0.97000436, 0.24308753, 0.0,
+                                       0.0, 0.0, 0.0},
+                                      {0.466203685, 0.43236573, 0.0, 0.466203685, 0.43236573, 0.0,
+                                       -0.93240737, -0.86473146, 0.0},
+                                      bodies};

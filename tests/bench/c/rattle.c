@@ -30,8 +30,7 @@ static void solve(double *x, const double *A, const double *b) {
 }
 
 /* v + M^-1 G^T l, G = (a, 0; -b, b) */
-static void push(double *out, const double *v, const double *a, const double *b,
-                 const double *l) {
+static void push(double *out, const double *v, const double *a, const double *b, const double *l) {
     for (int i = 0; i < 3; i++) {
         out[i] = v[i] + a[i] * l[0] - b[i] * l[1];
         out[3 + i] = v[3 + i] + b[i] * l[1];
@@ -39,8 +38,8 @@ static void push(double *out, const double *v, const double *a, const double *b,
 }
 
 /* q1 = q + h (v + M^-1 G^T l) with g(q1) = 0; the new rods come back in a1, b1 */
-static int drift(double *q, double *v, double *l, double h, const double *a,
-                 const double *b, double *a1, double *b1, long *iterations) {
+static int drift(double *q, double *v, double *l, double h, const double *a, const double *b,
+                 double *a1, double *b1, long *iterations) {
     double y[6], u[6];
     for (int k = 0; k < 50; k++) {
         push(u, v, a, b, l);

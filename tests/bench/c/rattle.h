@@ -1,8 +1,7 @@
-/*
-** rattle.h - RATTLE for the double spherical pendulum in R^6 as one would write it in C by hand: unit masses and
-** rods, gravity 9.81 along -z, |x1|^2 = |x2 - x1|^2 = 1. Two multipliers by Newton's method with the exact 2 x 2
-** matrix, begun at the last ones, until the constraints hold to round-off; then the velocities are made tangent.
-*/
+/* rattle.h - RATTLE for the double spherical pendulum in R^6 as one would write it in C by hand:
+ * unit masses and rods, gravity 9.81 along -z, |x1|^2 = |x2 - x1|^2 = 1. Two multipliers by
+ * Newton's method with the exact 2 x 2 matrix, begun at the last ones, until the constraints
+ * hold to round-off; then the velocities are made tangent. */
 #ifndef BENCH_RATTLE_H
 #define BENCH_RATTLE_H
 

@@ -1,9 +1,7 @@
-/*
-** reference.c - reference solutions: Gauss collocation of 10 stages (order 20), checked by
-** extrapolation of the explicit midpoint rule to order 20 (Gragg 1965; HNW I, II.9).
-**   reference KEY FILE          positions at 32 equally spaced times
-**   reference KEY FILE check    the same, and the difference of the two methods in the header
-*/
+/* reference.c - reference solutions: Gauss collocation of 10 stages (order 20), checked by
+ * extrapolation of the explicit midpoint rule to order 20 (Gragg 1965; HNW I, II.9).
+ *   reference KEY FILE          positions at 32 equally spaced times
+ *   reference KEY FILE check    the same, and the difference of the two methods in the header */
 #include "reference.h"
 
 #include <stdio.h>
@@ -13,7 +11,7 @@
 enum { S = 10, LEVELS = 10 };
 static real A[S][S], B[S], C[S]; /* stages: integrals of the Lagrange polynomials */
 static real A2[S][S], B2[S];     /* A^2, b A: for q'' = a */
-static real AHEAD[S][S]; /* value at 1 + c_i of the polynomial through the stages */
+static real AHEAD[S][S];         /* value at 1 + c_i of the polynomial through the stages */
 
 static real absolute(real x) {
     return x < 0 ? -x : x;
@@ -218,8 +216,7 @@ static void write_check(FILE *file) {
     static real keep[OUTPUTS][LARGEST];
     if (strncmp(reference_now->key, "P1", 2) == 0) {
         PRINT_REAL(text, sizeof text, 1, kepler_difference());
-        fprintf(file, "# largest difference from the solution of Kepler's equation: %s\n",
-                text);
+        fprintf(file, "# largest difference from the solution of Kepler's equation: %s\n", text);
         return;
     }
     memcpy(keep, POSITIONS, sizeof keep);
@@ -238,16 +235,15 @@ int main(int argc, char **argv) {
     while (p->key && strcmp(p->key, argv[1]) != 0) p++;
     FILE *file = p->key ? fopen(argv[2], "w") : NULL;
     if (!file) {
-        fprintf(stderr, "reference: no problem '%s', or '%s' cannot be written\n",
-                argv[1], argv[2]);
+        fprintf(stderr, "reference: no problem '%s', or '%s' cannot be written\n", argv[1],
+                argv[2]);
         return 1;
     }
     const int kept = argc > 3;
     reference_now = p;
     make_tables();
     solve(gauss, p->steps);
-    fprintf(file, "# positions of %s at t = T/32, 2T/32, ..., T, one line each\n",
-            p->key);
+    fprintf(file, "# positions of %s at t = T/32, 2T/32, ..., T, one line each\n", p->key);
     if (kept) {
         fprintf(file, "# made by: tests/bench/run --reference (Gauss, 10 stages, quad "
                       "precision)\n");

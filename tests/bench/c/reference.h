@@ -1,7 +1,5 @@
-/*
-** reference.h - the benchmark problems in a number type of more digits than double, for the
-** reference solutions. All are second-order systems q'' = a(q, q').
-*/
+/* reference.h - the benchmark problems in a number type of more digits than double, for the
+ * reference solutions. All are second-order systems q'' = a(q, q'). */
 #ifndef BENCH_REFERENCE_H
 #define BENCH_REFERENCE_H
 
@@ -17,8 +15,7 @@ typedef long double real;
 typedef __float128 real;
 #define REAL(x) x##Q
 #define FN(name) name##q
-#define PRINT_REAL(text, size, digits, x)                                                \
-    quadmath_snprintf(text, size, "%.*Qe", digits, x)
+#define PRINT_REAL(text, size, digits, x) quadmath_snprintf(text, size, "%.*Qe", digits, x)
 #endif
 
 enum { OUTPUTS = 32, LARGEST = 1024 };

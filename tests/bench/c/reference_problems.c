@@ -100,7 +100,8 @@ static void planets(real *a, const real *q, const real *v) {
 }
 
 /* P4: double spherical pendulum; q = the two unit rods, so that the masses are at u and u + w.
-** Multipliers: u'' = g - lambda u + mu w, w'' = lambda u - 2 mu w (unit masses), from |u| = |w| = 1 */
+ * Multipliers: u'' = g - lambda u + mu w, w'' = lambda u - 2 mu w (unit masses), from |u| = |w|
+ * = 1 */
 static void pendulum_start(real *q, real *v) {
     const real s[2] = {FN(sin)(REAL(0.8)), FN(sin)(REAL(0.4))};
     const real c[2] = {FN(cos)(REAL(0.8)), FN(cos)(REAL(0.4))};
@@ -186,19 +187,19 @@ static void fpu(real *a, const real *q, const real *v) {
 }
 
 #define PI REAL(3.14159265358979323846264338327950288)
-const reference_problem reference_problems[] = {
-    {"P1-0.6", 2, 200 * PI, 400, 0.6, kepler_start, kepler, NULL},
-    {"P1-0.9", 2, 200 * PI, 4000, 0.9, kepler_start, kepler, NULL},
-    {"P2", 3, 200 * PI, 160, 0, satellite_start, satellite, NULL},
-    {"P3", 18, 200000, 64, 0, planets_start, planets, NULL},
-    {"P4", 6, 10, 16, 0, pendulum_start, pendulum, masses},
-    {"P6-1e2", 2, 16, 24, 1e2, spring_start, spring, NULL},
-    {"P6-1e4", 2, 16, 120, 1e4, spring_start, spring, NULL},
-    {"P6-1e6", 2, 16, 1200, 1e6, spring_start, spring, NULL},
-    {"P8-toda-3", 3, 100, 32, 0, chain_start, toda, NULL},
-    {"P8-toda-32", 32, 100, 40, 0, chain_start, toda, NULL},
-    {"P8-toda-1024", 1024, 16, 8, 0, chain_start, toda, NULL},
-    {"P8-fpu-3", 3, 100, 32, 0, chain_start, fpu, NULL},
-    {"P8-fpu-32", 32, 100, 40, 0, chain_start, fpu, NULL},
-    {"P8-fpu-1024", 1024, 16, 8, 0, chain_start, fpu, NULL},
-    {NULL, 0, 0, 0, 0, NULL, NULL, NULL}};
+const reference_problem reference_problems[] =
+    {{"P1-0.6", 2, 200 * PI, 400, 0.6, kepler_start, kepler, NULL},
+     {"P1-0.9", 2, 200 * PI, 4000, 0.9, kepler_start, kepler, NULL},
+     {"P2", 3, 200 * PI, 160, 0, satellite_start, satellite, NULL},
+     {"P3", 18, 200000, 64, 0, planets_start, planets, NULL},
+     {"P4", 6, 10, 16, 0, pendulum_start, pendulum, masses},
+     {"P6-1e2", 2, 16, 24, 1e2, spring_start, spring, NULL},
+     {"P6-1e4", 2, 16, 120, 1e4, spring_start, spring, NULL},
+     {"P6-1e6", 2, 16, 1200, 1e6, spring_start, spring, NULL},
+     {"P8-toda-3", 3, 100, 32, 0, chain_start, toda, NULL},
+     {"P8-toda-32", 32, 100, 40, 0, chain_start, toda, NULL},
+     {"P8-toda-1024", 1024, 16, 8, 0, chain_start, toda, NULL},
+     {"P8-fpu-3", 3, 100, 32, 0, chain_start, fpu, NULL},
+     {"P8-fpu-32", 32, 100, 40, 0, chain_start, fpu, NULL},
+     {"P8-fpu-1024", 1024, 16, 8, 0, chain_start, fpu, NULL},
+     {NULL, 0, 0, 0, 0, NULL, NULL, NULL}};

@@ -1,8 +1,7 @@
-/*
-** routh - a midpoint step (gauss(1)) of the J2 satellite of tests/bench/routh.lua by hand, to round-off: in (r, z) at the momentum mu; in
-** (theta, r, z) with theta' found by hand, as mu / r^2 of the midpoint; in (theta, r, z) with all three velocities solved for by Newton's method.
-** cc -O3 -march=native -o routh tests/bench/c/routh.c -lm
-*/
+/* routh - a midpoint step (gauss(1)) of the J2 satellite of tests/bench/routh.lua by hand, to
+ * round-off: in (r, z) at the momentum mu; in (theta, r, z) with theta' found by hand, as mu /
+ * r^2 of the midpoint; in (theta, r, z) with all three velocities solved for by Newton's method.
+ * cc -O3 -march=native -o routh tests/bench/c/routh.c -lm */
 #include "routh_race.h"
 
 #include <math.h>
@@ -12,7 +11,8 @@ enum { TERMS = 4 };
 static const double J2 = 0.05, h = 0.05, theta0 = 0.0, x0[2] = {1.0, 0.0},
                     v0[3] = {0.96, 0.0, 0.28};
 
-/* state: q[3] and p[3], theta first, with low-order parts; what is kept of the last steps for the next guess */
+/* state: q[3] and p[3], theta first, with low-order parts; what is kept of the last steps for
+ * the next guess */
 typedef struct {
     double q[3], p[3], q_low[3], p_low[3];
     double last[TERMS][3];
@@ -25,12 +25,11 @@ static inline void add(double *high, double *low, double d) {
     *high = sum;
 }
 
-/* -grad of V = -1/rho + J2/rho^3 (1.5 z^2/rho^2 - 0.5) in (r, z), and its derivatives (rr, rz, zz) */
+/* -grad of V = -1/rho + J2/rho^3 (1.5 z^2/rho^2 - 0.5) in (r, z), and its derivatives (rr, rz,
+ * zz) */
 static inline void pull(double *f, double *df, double r, double z) {
-    const double i2 = 1.0 / (r * r + z * z), i = sqrt(i2), i3 = i * i2, i5 = i3 * i2,
-                 i7 = i5 * i2;
-    const double s = 1.5 * J2 * i5,
-                 w = 7.5 * J2 * z * z * i7; /* V = -i + s z^2 - J2 i3/2 */
+    const double i2 = 1.0 / (r * r + z * z), i = sqrt(i2), i3 = i * i2, i5 = i3 * i2, i7 = i5 * i2;
+    const double s = 1.5 * J2 * i5, w = 7.5 * J2 * z * z * i7; /* V = -i + s z^2 - J2 i3/2 */
     const double radial = -i3 + w - s;
     f[0] = radial * r;
     f[1] = (radial - 2.0 * s) * z;
@@ -46,8 +45,7 @@ static inline void pull(double *f, double *df, double r, double z) {
 /* x[n] = the value after those of the last steps by the cubic through them */
 static inline void foresee(double *x, const orbit *o, int n) {
     for (int k = 0; k < n; k++)
-        x[k] =
-            4.0 * (o->last[0][k] + o->last[2][k]) - 6.0 * o->last[1][k] - o->last[3][k];
+        x[k] = 4.0 * (o->last[0][k] + o->last[2][k]) - 6.0 * o->last[1][k] - o->last[3][k];
 }
 
 static inline void remember(orbit *o, const double *x, int n) {
@@ -66,8 +64,7 @@ static inline void step_shape(orbit *o, int with_theta) {
     const double mu = o->p[0], *x = o->q + 1, *p = o->p + 1, w = 0.25 * h * h;
     double F[2], f[2], df[3], m[2], d[2], a = 1, b = 0, c = 1, det = 1, before = 0;
     foresee(F, o, 2);
-    for (int k = 0; k < 2; k++)
-        m[k] = x[k] + (o->q_low[k + 1] + 0.5 * h * (p[k] + 0.5 * h * F[k]));
+    for (int k = 0; k < 2; k++) m[k] = x[k] + (o->q_low[k + 1] + 0.5 * h * (p[k] + 0.5 * h * F[k]));
     for (int i = 0; i < 20; i++) {
         const double ir = 1.0 / m[0], push = mu * mu * ir * ir * ir;
         pull(f, i ? NULL : df, m[0], m[1]);
@@ -92,8 +89,8 @@ static inline void step_shape(orbit *o, int with_theta) {
 }
 
 /* J[3][3] d = -R; the first unknown meets the second only */
-static inline void solve(double *d, const double *R, double m2, double u, double a,
-                         double b, double c) {
+static inline void solve(double *d, const double *R, double m2, double u, double a, double b,
+                         double c) {
     const double im = 1.0 / m2, first = a + u * u * im, det = 1.0 / (first * c - b * b);
     const double r = -R[1] - u * im * R[0];
     d[1] = (c * r + b * R[2]) * det;
@@ -104,8 +101,7 @@ static inline void solve(double *d, const double *R, double m2, double u, double
 /* L_v(m, V) - p - h/2 L_q(m, V) = 0, m = q + h/2 V, for V = (theta', r', z') */
 static inline void step_all(orbit *o) {
     const double e = 0.5 * h, w = e * e;
-    double V[3], f[2], df[3], d[3], R[3], m2 = 1, u = 0, a = 1, b = 0, c = 1, before = 0,
-                                          m[3];
+    double V[3], f[2], df[3], d[3], R[3], m2 = 1, u = 0, a = 1, b = 0, c = 1, before = 0, m[3];
     foresee(V, o, 3);
     for (int i = 0; i < 20; i++) {
         for (int k = 1; k < 3; k++) m[k] = o->q[k] + (o->q_low[k] + e * V[k]);
@@ -131,12 +127,7 @@ static inline void step_all(orbit *o) {
 }
 
 static race_end run(int how) {
-    orbit o = {{theta0, x0[0], x0[1]},
-               {x0[0] * x0[0] * v0[0], v0[1], v0[2]},
-               {0},
-               {0},
-               {{0}},
-               0};
+    orbit o = {{theta0, x0[0], x0[1]}, {x0[0] * x0[0] * v0[0], v0[1], v0[2]}, {0}, {0}, {{0}}, 0};
     for (int i = 0; i < TERMS; i++)
         for (int k = 0; k < 3; k++) o.last[i][k] = how == 2 ? v0[k] : 0.0;
     if (how == 0)

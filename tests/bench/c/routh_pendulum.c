@@ -1,9 +1,8 @@
-/*
-** routh_pendulum - a midpoint step (gauss(1)) of the double spherical pendulum of tests/bench/routh.lua by hand, to round-off: in
-** (r1, r2, phi) at the momentum mu, theta' from it; the same with the sum for theta; in (theta, r1, r2, phi), all four velocities solved for.
-** A Newton step with exact derivatives, then chords, from the polynomial through the last six steps.
-** cc -O3 -march=native -o routh_pendulum tests/bench/c/routh_pendulum.c -lm
-*/
+/* routh_pendulum - a midpoint step (gauss(1)) of the double spherical pendulum of
+ * tests/bench/routh.lua by hand, to round-off: in (r1, r2, phi) at the momentum mu, theta' from
+ * it; the same with the sum for theta; in (theta, r1, r2, phi), all four velocities solved for.
+ * A Newton step with exact derivatives, then chords, from the polynomial through the last six
+ * steps. cc -O3 -march=native -o routh_pendulum tests/bench/c/routh_pendulum.c -lm */
 #define _GNU_SOURCE /* sincos */
 #include "routh_race.h"
 
@@ -62,18 +61,16 @@ INLINE place look(const double *x) {
     return at;
 }
 
-/* horizontal velocities (v1, a) and (v2, b) along and across the rods, b with the turn of the frame in it; B is the second one in the first
-** frame, A the first one in the second: T = M (v1^2 + a^2)/2 + m2 (v2^2 + b^2)/2 + m2 (v1 Bx + a By) + vertical */
+/* horizontal velocities (v1, a) and (v2, b) along and across the rods, b with the turn of the
+ * frame in it; B is the second one in the first frame, A the first one in the second: T = M
+ * (v1^2 + a^2)/2 + m2 (v2^2 + b^2)/2 + m2 (v1 Bx + a By) + vertical */
 INLINE void differentiate(slopes *o, const point *z, const place *at, int with_changes) {
     const double M = m1 + m2, c = at->c, s = at->s, *x = z->x, *V = z->V;
     const double t1 = V[THETA], t2 = t1 + V[PHI], a = x[R1] * t1, b = x[R2] * t2;
     const double v1 = V[R1], v2 = V[R2];
-    const double Bx = v2 * c - b * s, By = v2 * s + b * c, Ax = v1 * c + a * s,
-                 Ay = a * c - v1 * s;
-    const double P2 = m2 * (at->f1[0] * v1 + at->f2[0] * v2),
-                 P1 = m1 * at->f1[0] * v1 + P2;
-    const double k1 = M * a + m2 * By, k2 = m2 * (b + Ay), e1 = at->f1[1] * v1,
-                 e2 = at->f2[1] * v2;
+    const double Bx = v2 * c - b * s, By = v2 * s + b * c, Ax = v1 * c + a * s, Ay = a * c - v1 * s;
+    const double P2 = m2 * (at->f1[0] * v1 + at->f2[0] * v2), P1 = m1 * at->f1[0] * v1 + P2;
+    const double k1 = M * a + m2 * By, k2 = m2 * (b + Ay), e1 = at->f1[1] * v1, e2 = at->f2[1] * v2;
     o->v[R1] = M * v1 + m2 * Bx + at->f1[0] * P1;
     o->v[R2] = m2 * (v2 + Ax) + at->f2[0] * P2;
     o->v[PHI] = x[R2] * k2;
@@ -114,8 +111,8 @@ INLINE void turn(point *z, const place *at, double mu, int with_changes) {
     const v4 dBy = dV[R2] * s + db * c + (V[R2] * c - b * s) * dx[PHI];
     const v4 dk2 = m2 * (db - dV[R1] * s - V[R1] * c * dx[PHI]);
     const v4 dA = m2 * (dx[R1] * By + x[R1] * dBy) + dx[R2] * k2 + x[R2] * dk2;
-    const v4 dI = 2.0 * ((M * x[R1] + m2 * x[R2] * c) * dx[R1] +
-                         m2 * (x[R2] + x[R1] * c) * dx[R2] - cross * s * dx[PHI]);
+    const v4 dI = 2.0 * ((M * x[R1] + m2 * x[R2] * c) * dx[R1] + m2 * (x[R2] + x[R1] * c) * dx[R2] -
+                         cross * s * dx[PHI]);
     z->dV[THETA] = -(dA + z->V[THETA] * dI) * i;
 }
 
@@ -156,18 +153,17 @@ INLINE void solve_3(double *d, double J[4][4]) {
     for (int i = 0; i < 3; i++) d[i] = J[i][0] * a + J[i][1] * b + J[i][2] * c;
 }
 
-/* what is left does not count, as in solve/newton.c, or is round-off that stays: |dx| now and before */
+/* what is left does not count, as in solve/newton.c, or is round-off that stays: |dx| now and
+ * before */
 INLINE int is_last(double now, double before) {
-    return now <= 4e-15 || now / before * now <= 4e-20 ||
-           (now < 1e-13 && 4.0 * now > before);
+    return now <= 4e-15 || now / before * now <= 4e-20 || (now < 1e-13 && 4.0 * now > before);
 }
 
 /* V after those of the last steps by the polynomial through them */
 INLINE void foresee(double *V, const orbit *o) {
     for (int k = 0; k < 4; k++)
-        V[k] = 6.0 * (o->last[0][k] + o->last[4][k]) -
-               15.0 * (o->last[1][k] + o->last[3][k]) + 20.0 * o->last[2][k] -
-               o->last[5][k];
+        V[k] = 6.0 * (o->last[0][k] + o->last[4][k]) - 15.0 * (o->last[1][k] + o->last[3][k]) +
+               20.0 * o->last[2][k] - o->last[5][k];
 }
 
 /* L_v(m, V) - p - h/2 L_q(m, V) = 0, m = q + h/2 V, for V from `first` on */

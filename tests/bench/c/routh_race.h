@@ -1,4 +1,5 @@
-/* routh_race.h - three ways of a step by hand in turns, best of some; for routh.c and routh_pendulum.c. */
+/* routh_race.h - three ways of a step by hand in turns, best of some; for routh.c and
+ * routh_pendulum.c. */
 #ifndef BENCH_ROUTH_RACE_H
 #define BENCH_ROUTH_RACE_H
 
@@ -34,8 +35,8 @@ static inline void race(race_end (*run)(int how), const char *what) {
     for (int how = 0; how < WAYS; how++)
         printf("%-28s %6.1f ns a step, %.2f iterations, the reduced one is %.2f of it; "
                "%s = %.9f\n",
-               name[how], best[how], (double)end[how].iterations / STEPS,
-               best[0] / best[how], what, end[how].last);
+               name[how], best[how], (double)end[how].iterations / STEPS, best[0] / best[how], what,
+               end[how].last);
 }
 
 #endif

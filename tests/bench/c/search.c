@@ -8,8 +8,7 @@
 
 enum { LARGEST = 1024, CURVE = 64, BATCHES = 5 };
 static const double TARGETS[] = {1e-4, 1e-8, 1e-10};
-static const double LONGEST =
-    6e7; /* ns of one run, until something has reached the last target */
+static const double LONGEST = 6e7; /* ns of one run, until something has reached the last target */
 
 typedef struct {
     const char *side;
@@ -25,8 +24,7 @@ double bench_now(void) {
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-int bench_read_reference(double *reference, const char *folder,
-                         const bench_problem *problem) {
+int bench_read_reference(double *reference, const char *folder, const bench_problem *problem) {
     char name[512], line[32768];
     int count = 0;
     snprintf(name, sizeof name, "%s/%s.txt", folder, problem->key);
@@ -81,10 +79,9 @@ double bench_time(double *out, const bench_method *method, long steps) {
     return best[BATCHES / 2];
 }
 
-static void print_line(const search *s, const char *kind, long steps, double error,
-                       double ns) {
-    printf("%s\t%s\t%s\t%s\t%ld\t%.3e\t%.1f", kind, s->side, s->problem->key,
-           s->method->name, steps * BENCH_OUTPUTS, error, ns);
+static void print_line(const search *s, const char *kind, long steps, double error, double ns) {
+    printf("%s\t%s\t%s\t%s\t%ld\t%.3e\t%.1f", kind, s->side, s->problem->key, s->method->name,
+           steps * BENCH_OUTPUTS, error, ns);
 }
 
 /* smallest number of steps in (low, high] whose error is below the target; high's is */
@@ -159,8 +156,7 @@ int bench_search(const char *side, const bench_problem *problems, const char *fo
             fprintf(stderr, "bench: no reference for %s in %s\n", p->key, folder);
             missing = 1;
         }
-        for (s.method = p->methods; !missing && s.method->name; s.method++)
-            search_method(&s);
+        for (s.method = p->methods; !missing && s.method->name; s.method++) search_method(&s);
     }
     free(s.out);
     free(s.reference);

@@ -1,7 +1,5 @@
-/*
-** splitting.h - explicit splittings of q'' = a(q): tables, and one loop that the compiler makes
-** special to a force and a number of coordinates. The force is called N-fold inlined.
-*/
+/* splitting.h - explicit splittings of q'' = a(q): tables, and one loop that the compiler makes
+ * special to a force and a number of coordinates. The force is called N-fold inlined. */
 #ifndef BENCH_SPLITTING_H
 #define BENCH_SPLITTING_H
 
@@ -13,7 +11,7 @@
 enum { KICKS = 40 };
 
 /* in one step: drift lead, then pairs (kick, drift); the last drift or kick of a step and the
-** first of the next are one. `half` = what the first kick of a run has too much. */
+ * first of the next are one. `half` = what the first kick of a run has too much. */
 typedef struct {
     int pairs;
     double lead, half;
@@ -71,18 +69,17 @@ extern splitting bench_splittings[SPLITTINGS], bench_log_splittings[SPLITTINGS];
 void bench_make_splittings(void);
 
 /* rows for a problem, the likely ones first: they shorten the search for the others */
-#define SPLITTING_METHODS(run)                                                           \
-    {"blanes-moan(6,11)", run, &bench_splittings[8], 0},                                 \
-        {"blanes-moan(6,14)", run, &bench_splittings[9], 0},                             \
-        {"sofspa(10)", run, &bench_splittings[6], 0},                                    \
-        {"kahan-li(8)", run, &bench_splittings[4], 0},                                   \
-        {"suzuki-umeno(8)", run, &bench_splittings[5], 0},                               \
-        {"kahan-li(6)", run, &bench_splittings[3], 0},                                   \
-        {"blanes-moan(4,6)", run, &bench_splittings[7], 0},                              \
-        {"sb3a(5)", run, &bench_splittings[10], 0},                                      \
-        {"suzuki(4)", run, &bench_splittings[2], 0},                                     \
-        {"yoshida(4)", run, &bench_splittings[1], 0}, {                                  \
-        "verlet", run, &bench_splittings[0], 0                                           \
+#define SPLITTING_METHODS(run)                                                                     \
+    {"blanes-moan(6,11)", run, &bench_splittings[8], 0},                                           \
+        {"blanes-moan(6,14)", run, &bench_splittings[9], 0},                                       \
+        {"sofspa(10)", run, &bench_splittings[6], 0},                                              \
+        {"kahan-li(8)", run, &bench_splittings[4], 0},                                             \
+        {"suzuki-umeno(8)", run, &bench_splittings[5], 0},                                         \
+        {"kahan-li(6)", run, &bench_splittings[3], 0},                                             \
+        {"blanes-moan(4,6)", run, &bench_splittings[7], 0},                                        \
+        {"sb3a(5)", run, &bench_splittings[10], 0}, {"suzuki(4)", run, &bench_splittings[2], 0},   \
+        {"yoshida(4)", run, &bench_splittings[1], 0}, {                                            \
+        "verlet", run, &bench_splittings[0], 0                                                     \
     }
 
 typedef void acceleration(double *a, const double *q);

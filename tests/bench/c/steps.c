@@ -1,9 +1,7 @@
-/*
-** steps - nanoseconds per step in C: leapfrog of one Kepler orbit, the same for 64 orbits in
-** lanes, implicit midpoint of three models and of one with a constraint, RATTLE. Lines: step SIDE WHAT METHOD NS ITERATIONS, where the
-** side is C for the plain text and bound for the same with reciprocal roots
-** steps FILE: where the implicit models are after 500 steps goes to FILE.
-*/
+/* steps - nanoseconds per step in C: leapfrog of one Kepler orbit, the same for 64 orbits in
+ * lanes, implicit midpoint of three models and of one with a constraint, RATTLE. Lines: step
+ * SIDE WHAT METHOD NS ITERATIONS, where the side is C for the plain text and bound for the same
+ * with reciprocal roots steps FILE: where the implicit models are after 500 steps goes to FILE. */
 #include "lanes.h"
 #include "newton.h"
 #include "rattle.h"
@@ -20,18 +18,18 @@ static double plain_cube(double r2) {
 }
 
 /* steps of h = 0.01 from q = (0.4, 0), v = (0, 2); the sum keeps the loop from vanishing */
-#define LEAPFROG(name, cube)                                                             \
-    static double name(long steps) {                                                     \
-        double x = 0.4, y = 0.0, u = 0.0, v = 2.0;                                       \
-        double w = cube(x * x + y * y);                                                  \
-        const double h = 0.01;                                                           \
-        u -= 0.5 * h * w * x, v -= 0.5 * h * w * y;                                      \
-        for (long k = 0; k < steps; k++) {                                               \
-            x += h * u, y += h * v;                                                      \
-            w = h * cube(x * x + y * y);                                                 \
-            u -= w * x, v -= w * y;                                                      \
-        }                                                                                \
-        return x + y + u + v;                                                            \
+#define LEAPFROG(name, cube)                                                                       \
+    static double name(long steps) {                                                               \
+        double x = 0.4, y = 0.0, u = 0.0, v = 2.0;                                                 \
+        double w = cube(x * x + y * y);                                                            \
+        const double h = 0.01;                                                                     \
+        u -= 0.5 * h * w * x, v -= 0.5 * h * w * y;                                                \
+        for (long k = 0; k < steps; k++) {                                                         \
+            x += h * u, y += h * v;                                                                \
+            w = h * cube(x * x + y * y);                                                           \
+            u -= w * x, v -= w * y;                                                                \
+        }                                                                                          \
+        return x + y + u + v;                                                                      \
     }
 LEAPFROG(leapfrog_divide, plain_cube)
 LEAPFROG(leapfrog_reciprocal, inverse_cube)
@@ -109,8 +107,8 @@ static int implicit(const implicit_model *m, FILE *ends) {
         if (!newton_run(q, p, m, steps, &iterations)) return 0;
         least = fmin(least, bench_now() - t);
     }
-    printf("step\tC\tmidpoint, %s\tgeneric C -O2\t%.2f\t%.2f\n", m->name,
-           least / (double)steps, (double)iterations / (double)steps);
+    printf("step\tC\tmidpoint, %s\tgeneric C -O2\t%.2f\t%.2f\n", m->name, least / (double)steps,
+           (double)iterations / (double)steps);
     if (ends) write_end(ends, m);
     return 1;
 }
@@ -143,8 +141,8 @@ static int tied(const tied_model *m, FILE *ends) {
 }
 
 /* RATTLE of the double spherical pendulum in R^6 */
-static int constrained(int run(double *, double *, double, long, long *),
-                       const char *side, const char *text, FILE *ends) {
+static int constrained(int run(double *, double *, double, long, long *), const char *side,
+                       const char *text, FILE *ends) {
     double q[6], v[6], least = INFINITY;
     const long steps = 50000;
     long iterations = 0;
@@ -158,8 +156,8 @@ static int constrained(int run(double *, double *, double, long, long *),
         least = fmin(least, bench_now() - t);
         iterations = made;
     }
-    printf("step\t%s\trattle, double spherical pendulum in R^6\t%s\t%.2f\t%.2f\n", side,
-           text, least / (double)steps, (double)iterations / (double)steps);
+    printf("step\t%s\trattle, double spherical pendulum in R^6\t%s\t%.2f\t%.2f\n", side, text,
+           least / (double)steps, (double)iterations / (double)steps);
     if (!ends) return 1;
     fprintf(ends, "rattle");
     for (int i = 0; i < 6; i++) fprintf(ends, "\t%.17g", q[i]);
@@ -176,9 +174,9 @@ int main(int argc, char **argv) {
     printf("step\tC\tleapfrog, ensemble of Kepler orbits\t64 in lanes\t%.3f\t0\n",
            best(leapfrog_lanes, STEPS / 10) / (STEPS / 10 * ORBITS));
     FILE *ends = argc > 1 ? fopen(argv[1], "w") : NULL;
-    const int fine = implicit(&newton_satellite, ends) &&
-                     implicit(&newton_pendulum, ends) && implicit(&newton_bodies, ends) &&
-                     tied(&tied_sphere, ends) && tied(&tied_double, ends) &&
+    const int fine = implicit(&newton_satellite, ends) && implicit(&newton_pendulum, ends) &&
+                     implicit(&newton_bodies, ends) && tied(&tied_sphere, ends) &&
+                     tied(&tied_double, ends) &&
                      constrained(rattle_run, "C", "by hand, -O2", ends) &&
                      constrained(rattle_run_wide, "C", "by hand, -O3 native", NULL);
     if (ends) fclose(ends);

@@ -1,8 +1,6 @@
-/*
-** stoermer.h - extrapolated Stoermer rule for q'' = a(q) (Gragg-Bulirsch-Stoer; HNW I, II.14):
-** leapfrogs of 1, 2, ..., L substeps over a step, combined to order 2 L. The L leapfrogs are
-** independent: each is a SIMD lane, and stops when its substeps are done.
-*/
+/* stoermer.h - extrapolated Stoermer rule for q'' = a(q) (Gragg-Bulirsch-Stoer; HNW I, II.14):
+ * leapfrogs of 1, 2, ..., L substeps over a step, combined to order 2 L. The L leapfrogs are
+ * independent: each is a SIMD lane, and stops when its substeps are done. */
 #ifndef BENCH_STOERMER_H
 #define BENCH_STOERMER_H
 
@@ -20,8 +18,8 @@ INLINE void neville(v8 *w, v8 *share, int levels) {
 }
 
 /* increments of q and v over h, summed over lanes */
-INLINE void stoermer_step(double *dq, double *dv, const double *q, const double *v, v8 h,
-                          v8 w, int levels, int n, acceleration8 *a) {
+INLINE void stoermer_step(double *dq, double *dv, const double *q, const double *v, v8 h, v8 w,
+                          int levels, int n, acceleration8 *a) {
     v8 Q[n], U[n], F[n], D[n]; /* U = velocity at the half substep, D = q - q0 */
     for (int i = 0; i < n; i++) Q[i] = q[i] + (v8){0};
     a(F, Q, U);
@@ -51,8 +49,8 @@ INLINE void stoermer_step(double *dq, double *dv, const double *q, const double 
     }
 }
 
-INLINE void stoermer(double *out, int levels, int n, long steps, acceleration8 *a,
-                     double *q, double *v, double T) {
+INLINE void stoermer(double *out, int levels, int n, long steps, acceleration8 *a, double *q,
+                     double *v, double T) {
     v8 w, share;
     neville(&w, &share, levels);
     const v8 h = T / BENCH_OUTPUTS / (double)steps * share;
@@ -70,21 +68,21 @@ INLINE void stoermer(double *out, int levels, int n, long steps, acceleration8 *
     }
 }
 
-#define STOERMER_CASES(out, m, n, steps, a, q, v, T)                                     \
-    switch ((m)->k) {                                                                    \
-    case 4:                                                                              \
-        stoermer(out, 4, n, steps, a, q, v, T);                                          \
-        break;                                                                           \
-    case 6:                                                                              \
-        stoermer(out, 6, n, steps, a, q, v, T);                                          \
-        break;                                                                           \
-    default:                                                                             \
-        stoermer(out, 8, n, steps, a, q, v, T);                                          \
-        break;                                                                           \
+#define STOERMER_CASES(out, m, n, steps, a, q, v, T)                                               \
+    switch ((m)->k) {                                                                              \
+    case 4:                                                                                        \
+        stoermer(out, 4, n, steps, a, q, v, T);                                                    \
+        break;                                                                                     \
+    case 6:                                                                                        \
+        stoermer(out, 6, n, steps, a, q, v, T);                                                    \
+        break;                                                                                     \
+    default:                                                                                       \
+        stoermer(out, 8, n, steps, a, q, v, T);                                                    \
+        break;                                                                                     \
     }
-#define STOERMER_METHODS(run)                                                            \
-    {"stoermer(8)", run, NULL, 4}, {"stoermer(12)", run, NULL, 6}, {                     \
-        "stoermer(16)", run, NULL, 8                                                     \
+#define STOERMER_METHODS(run)                                                                      \
+    {"stoermer(8)", run, NULL, 4}, {"stoermer(12)", run, NULL, 6}, {                               \
+        "stoermer(16)", run, NULL, 8                                                               \
     }
 
 #endif

@@ -44,8 +44,7 @@ static void equation(double *r, double *J, const derivatives *d, const constrain
         r[i] = p[i] - d->Lv[i] + half * d->Lq[i];
         for (int c = 0; c < l; c++) r[i] += start->G[c * n + i] * z[n + c];
         for (int j = 0; j < n; j++)
-            J[i * N + j] = d->Lvv[i * n + j] +
-                           half * (d->Lqv[j * n + i] - d->Lqv[i * n + j]) -
+            J[i * N + j] = d->Lvv[i * n + j] + half * (d->Lqv[j * n + i] - d->Lqv[i * n + j]) -
                            half * half * d->Lqq[i * n + j];
         for (int c = 0; c < l; c++) J[i * N + n + c] = -start->G[c * n + i];
     }
@@ -80,8 +79,7 @@ static int newton(double *z, derivatives *d, const constraints *start, const dou
         for (int i = 0; i < N; i++) z[i] += r[i];
         ++*iterations;
         const double change = largest(r, n), size = largest(z, n);
-        if (change <= 4e-15 * size || (change >= before && change < 1e-12 * size))
-            return 1;
+        if (change <= 4e-15 * size || (change >= before && change < 1e-12 * size)) return 1;
         before = change;
     }
     return 0;
@@ -146,10 +144,10 @@ static void sphere(constraints *c, const double *q) {
     for (int i = 0; i < 3; i++) c->G[i] = 2.0 * q[i];
 }
 
-const tied_model tied_sphere = {
-    {"spherical pendulum in space", 3, 0.02, {0.6, 0.0, -0.8}, {0.0, 1.0, 0.0}, pendulum},
-    1,
-    sphere};
+const tied_model tied_sphere =
+    {{"spherical pendulum in space", 3, 0.02, {0.6, 0.0, -0.8}, {0.0, 1.0, 0.0}, pendulum},
+     1,
+     sphere};
 
 /* ---- double spherical pendulum in space: two unit masses, |q1| = |q2 - q1| = 1, g = 9.81 ---- */
 

@@ -1,9 +1,7 @@
-/*
-** tied.h - the implicit midpoint step with multipliers as one would write it in C for any Lagrangian and any
-** holonomic constraints with hand-written derivatives: unknowns v = (q1 - q0)/h and impulses I,
-**   p0 = L_v - h/2 L_q - G(q0)^T I at ((q0 + q1)/2, v),  g(q1) = 0,
-** then p1 = p0 + h L_q + G(q0)^T I, put onto G(q1) v1 = 0; Newton with the exact matrix, to round-off.
-*/
+/* tied.h - the implicit midpoint step with multipliers as one would write it in C for any
+ * Lagrangian and any holonomic constraints with hand-written derivatives: unknowns v = (q1 -
+ * q0)/h and impulses I, p0 = L_v - h/2 L_q - G(q0)^T I at ((q0 + q1)/2, v),  g(q1) = 0, then p1
+ * = p0 + h L_q + G(q0)^T I, put onto G(q1) v1 = 0; Newton with the exact matrix, to round-off. */
 #ifndef BENCH_TIED_H
 #define BENCH_TIED_H
 

@@ -1,7 +1,5 @@
-/*
-** forces.h - the problems as a careful user of a library would write them in C or C++:
-** acceleration from position (and velocity), -O3 -march=native, nothing special to a method.
-*/
+/* forces.h - the problems as a careful user of a library would write them in C or C++:
+ * acceleration from position (and velocity), -O3 -march=native, nothing special to a method. */
 #ifndef BENCH_FORCES_H
 #define BENCH_FORCES_H
 
@@ -33,21 +31,22 @@ static inline void satellite(double *a, const double *q) {
 }
 
 static inline void planets_start(double *q, double *v) {
-    static const double state[36] = {
-        0,          0,           0,           -3.5023653,  -3.8169847,  -1.5507963,
-        9.0755314,  -3.0458353,  -1.6483708,  8.3101420,   -16.2901086, -7.2521278,
-        11.4707666, -25.7294829, -10.8169456, -15.5387357, -25.2225594, -3.1902382,
-        0,          0,           0,           0.00565429,  -0.00412490, -0.00190589,
-        0.00168318, 0.00483525,  0.00192462,  0.00354178,  0.00137102,  0.00055029,
-        0.00288930, 0.00114527,  0.00039677,  0.00276725,  -0.00170702, -0.00136504};
+    static const double state[36] = {0,           0,           0,           -3.5023653,
+                                     -3.8169847,  -1.5507963,  9.0755314,   -3.0458353,
+                                     -1.6483708,  8.3101420,   -16.2901086, -7.2521278,
+                                     11.4707666,  -25.7294829, -10.8169456, -15.5387357,
+                                     -25.2225594, -3.1902382,  0,           0,
+                                     0,           0.00565429,  -0.00412490, -0.00190589,
+                                     0.00168318,  0.00483525,  0.00192462,  0.00354178,
+                                     0.00137102,  0.00055029,  0.00288930,  0.00114527,
+                                     0.00039677,  0.00276725,  -0.00170702, -0.00136504};
     memcpy(q, state, 18 * sizeof *q);
     memcpy(v, state + 18, 18 * sizeof *v);
 }
 
 static inline void planets(double *a, const double *q) {
-    static const double mass[6] = {1.00000597682,      0.000954786104043,
-                                   0.000285583733151,  0.0000437273164546,
-                                   0.0000517759138449, 1 / 1.3e8};
+    static const double mass[6] = {1.00000597682,      0.000954786104043,  0.000285583733151,
+                                   0.0000437273164546, 0.0000517759138449, 1 / 1.3e8};
     memset(a, 0, 18 * sizeof *a);
     for (int i = 1; i < 6; i++)
         for (int j = 0; j < i; j++) {
@@ -77,8 +76,7 @@ static inline void pendulum(double *a, const double *q, const double *v) {
     const double g = 9.81, uu = dot3(q, q), uw = dot3(q, q + 3), ww = dot3(q + 3, q + 3);
     const double r1 = dot3(v, v) - g * q[2], r2 = dot3(v + 3, v + 3);
     const double inverse = 1.0 / (2.0 * uu * ww - uw * uw);
-    const double lambda = (2.0 * ww * r1 + uw * r2) * inverse,
-                 mu = (uw * r1 + uu * r2) * inverse;
+    const double lambda = (2.0 * ww * r1 + uw * r2) * inverse, mu = (uw * r1 + uu * r2) * inverse;
     for (int i = 0; i < 3; i++) {
         a[i] = mu * q[3 + i] - lambda * q[i];
         a[3 + i] = lambda * q[i] - 2.0 * mu * q[3 + i];

@@ -1,4 +1,5 @@
-/* gsl FOLDER [KEY] - GSL's explicit Runge-Kutta of order 8 (rk8pd), fixed steps and error control */
+/* gsl FOLDER [KEY] - GSL's explicit Runge-Kutta of order 8 (rk8pd), fixed steps and error
+ * control */
 #include "forces.h"
 #include "search.h"
 
@@ -47,13 +48,13 @@ static void start_chain(double *q, double *v, double n) {
     chain_start(q, v, (int)n);
 }
 
-#define SLOPE(name, n, call)                                                             \
-    static int slope_##name(double t, const double *y, double *f, void *params) {        \
-        (void)t;                                                                         \
-        (void)params;                                                                    \
-        memcpy(f, y + (n), (size_t)(n) * sizeof *f);                                     \
-        call;                                                                            \
-        return GSL_SUCCESS;                                                              \
+#define SLOPE(name, n, call)                                                                       \
+    static int slope_##name(double t, const double *y, double *f, void *params) {                  \
+        (void)t;                                                                                   \
+        (void)params;                                                                              \
+        memcpy(f, y + (n), (size_t)(n) * sizeof *f);                                               \
+        call;                                                                                      \
+        return GSL_SUCCESS;                                                                        \
     }
 SLOPE(kepler, 2, kepler(f + 2, y))
 SLOPE(satellite, 3, satellite(f + 3, y))
@@ -92,17 +93,17 @@ static void run(double *out, const bench_method *method, long steps) {
     gsl_odeiv2_system system = {m->slope, NULL, 2 * n, params.out};
     const double row_time = m->T / BENCH_OUTPUTS,
                  tolerance = method->k ? pow(10.0, -(double)steps / 16.0) : 1e100;
-    gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_y_new(
-        &system, gsl_odeiv2_step_rk8pd, row_time / (double)(method->k ? 64 : steps),
-        tolerance, method->k ? tolerance : 0.0);
+    gsl_odeiv2_driver *driver =
+        gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd,
+                                      row_time / (double)(method->k ? 64 : steps), tolerance,
+                                      method->k ? tolerance : 0.0);
     int status = method->k && steps > 240; /* below round-off */
     m->start(y, y + n, m->parameter);
     for (int row = 0; row < BENCH_OUTPUTS; row++) {
         if (!status)
             status = method->k
                          ? gsl_odeiv2_driver_apply(driver, &t, row_time * (row + 1), y)
-                         : gsl_odeiv2_driver_apply_fixed_step(driver, &t,
-                                                              row_time / (double)steps,
+                         : gsl_odeiv2_driver_apply_fixed_step(driver, &t, row_time / (double)steps,
                                                               (unsigned long)steps, y);
         for (size_t i = 0; i < n; i++) out[(size_t)row * n + i] = status ? NAN : y[i];
     }
