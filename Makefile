@@ -10,10 +10,12 @@ WARN = -std=c17 -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissin
 FLOAT = -ffp-contract=off
 VERSION = 0.1
 
-KERNEL = $(sort $(wildcard $(addprefix src/,$(addsuffix /*.c,base linalg solve expr geom action mech integ run))))
-BIND = $(sort $(wildcard src/bind/*.c))
-CLI = $(sort $(wildcard src/cli/*.c))
-LUA_FILES = $(sort $(wildcard lua/dm/*.lua lua/dm/*/*.lua))
+# the files of a pattern in a folder and all below it
+below = $(sort $(wildcard $(foreach stars,/ /*/ /*/*/ /*/*/*/,$(addsuffix $(stars)$(2),$(1)))))
+BIND = $(call below,src/bind,*.c)
+CLI = $(call below,src/cli,*.c)
+KERNEL = $(filter-out $(BIND) $(CLI),$(call below,src,*.c))
+LUA_FILES = $(call below,lua/dm,*.lua)
 EXAMPLES = $(sort $(wildcard examples/*.lua))
 C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(sort $(wildcard tests/c/*.c tests/bench/*.c))
 objects = $(patsubst src/%.c,$(B)/%.o,$(1))
@@ -105,8 +107,8 @@ lint: $(B)/config.mk
 
 docs: all
 	@mkdir -p docs/completion docs/images
-	$(B)/dmlua -e 'require "dm.man".write "docs"' \
-	  -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.reference".text(dm))'
+	$(B)/dmlua -e 'require "dm.session.man".write "docs"' \
+	  -e 'assert(io.open("docs/reference.md", "w")):write(require "dm.session.reference".text(dm))'
 	for example in $(EXAMPLES); do $(B)/dmlua $$example docs/images >/dev/null || exit 1; done
 
 # the gallery of work-precision charts, measured again: two minutes of a quiet machine

@@ -3,38 +3,38 @@ local core = require "dm.core"
 
 -- name in dm -> module whose field of that name it is
 local lazy = {
-  plot = "dm.plot",
-  figure = "dm.plot",
-  load = "dm.load",
-  time = "dm.time",
+  plot = "dm.show.plot",
+  figure = "dm.show.plot",
+  load = "dm.data.load",
+  time = "dm.measure.time",
   chart = "dm.chart",
-  scaling = "dm.scaling",
+  scaling = "dm.measure.scaling",
   scene = "dm.scene",
   stability = "dm.stability",
-  amplification = "dm.linear_stability",
-  stability_limit = "dm.linear_stability",
-  polynomial_roots = "dm.recurrence",
-  recurrence = "dm.recurrence",
-  animate = "dm.animate",
-  demo = "dm.demo",
+  amplification = "dm.stability.linear",
+  stability_limit = "dm.stability.linear",
+  polynomial_roots = "dm.measure.recurrence",
+  recurrence = "dm.measure.recurrence",
+  animate = "dm.show.animate",
+  demo = "dm.session.demo",
   action = "dm.action",
   moving_frame = "dm.frame",
-  invariant_problem = "dm.invariant",
-  compare = "dm.compare",
-  commute = "dm.commute",
-  help = "dm.help",
-  apropos = "dm.help",
-  who = "dm.help",
-  pretty = "dm.pretty",
+  invariant_problem = "dm.frame.invariant",
+  compare = "dm.data.compare",
+  commute = "dm.reduce.commute",
+  help = "dm.session.help",
+  apropos = "dm.session.help",
+  who = "dm.session.help",
+  pretty = "dm.session.pretty",
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.missed", "dm.multipliers", "dm.path", "dm.animate", "dm.export", "dm.tangent", "dm.shadow", "dm.chart", "dm.order",
-  "dm.routh_methods", "dm.stability_methods", "dm.group",
+local extensions = { "dm.session.missing", "dm.measure.multipliers", "dm.show.path", "dm.show.animate", "dm.data.export", "dm.measure.tangent", "dm.measure.shadow", "dm.chart", "dm.measure.order",
+  "dm.reduce.methods", "dm.stability.methods", "dm.group",
 }
 
 -- modules of classes that methods give, loaded when one is first made
-local late_classes = { "dm.section", "dm.routh_discrete", "dm.routh_branch" }
+local late_classes = { "dm.measure.section", "dm.reduce.discrete", "dm.reduce.branch" }
 
 local dm = {}
 

@@ -1,7 +1,7 @@
 /* open.c - `require "dm.core"`: every class of classes.def, docs, and the door for Lua
  * modules. */
-#include "bind/bind.h"
-#include "bind/missed.h"
+#include "bind/core/bind.h"
+#include "bind/core/missing_key.h"
 
 /* method(tname, name, f, doc): also for classes whose methods are all in Lua */
 static int add_method(lua_State *L) {
@@ -29,26 +29,6 @@ static int until_stop(lua_State *L) {
     lua_pushboolean(L, fine);
     lua_insert(L, 1);
     return lua_gettop(L);
-}
-
-/* what a session shows of it */
-static int result_tostring(lua_State *L) {
-    lua_settop(L, 1);
-    lua_getglobal(L, "require");
-    lua_pushliteral(L, "dm.pretty");
-    lua_call(L, 1, 1);
-    lua_getfield(L, -1, "pretty");
-    lua_pushvalue(L, 1);
-    lua_call(L, 1, 1);
-    return 1;
-}
-
-void dml_setresult(lua_State *L) {
-    if (luaL_newmetatable(L, "dm.result")) {
-        lua_pushcfunction(L, result_tostring);
-        lua_setfield(L, -2, "__tostring");
-    }
-    lua_setmetatable(L, -2);
 }
 
 static int make_result(lua_State *L) {

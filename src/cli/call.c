@@ -1,8 +1,8 @@
 /* call.c - protected calls, Ctrl-C, messages. */
 #include "cli/call.h"
 
-#include "bind/missed.h"
-#include "bind/terminal.h"
+#include "bind/core/missing_key.h"
+#include "bind/core/bind_terminal.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -112,7 +112,7 @@ static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int 
 /* the traceback on top without the lines of dm.blame, which raised again on behalf of the caller */
 static void leave_out_blame(lua_State *L) {
     static const char raised[] = "\n\t[C]: in function 'error'", tail[] = "\n\t(...tail calls...)";
-    const char *text = lua_tostring(L, -1), *blame = strstr(text, "/dm/blame.lua:");
+    const char *text = lua_tostring(L, -1), *blame = strstr(text, "/dm/base/blame.lua:");
     if (!blame) return;
     const char *end = blame + strcspn(blame, "\n");
     while (blame > text && *blame != '\n') blame--;

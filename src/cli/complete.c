@@ -33,7 +33,7 @@ static char *candidate(const char *text, int state) {
 /* push the list of candidates, or true for file names; a status */
 static int ask(int end) {
     lua_State *L = asked;
-    const int status = dml_push_function(L, "dm.complete", "candidates");
+    const int status = dml_push_function(L, "dm.session.complete", "candidates");
     if (status != LUA_OK) return status;
     lua_pushstring(L, before);
     lua_pushlstring(L, rl_line_buffer, (size_t)end);

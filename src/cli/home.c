@@ -1,7 +1,7 @@
 /* home.c - finding lua/dm: beside the build tree, or under PREFIX/share/dmlua. */
 #include "cli/home.h"
 
-#include "bind/bind.h"
+#include "bind/core/bind.h"
 #include "cli/options.h"
 
 #include <lualib.h>

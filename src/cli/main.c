@@ -1,5 +1,5 @@
 /* main.c - dmlua: a Lua 5.4 interpreter with dm, and with lua's command line. */
-#include "bind/terminal.h"
+#include "bind/core/bind_terminal.h"
 #include "cli/call.h"
 #include "cli/coroutine.h"
 #include "cli/home.h"
@@ -101,7 +101,7 @@ static int do_script(lua_State *L, char **argv) {
 /* the name of a demonstration and number=value ..., or nothing */
 static int do_demo(lua_State *L, char **argv, int n) {
     const int skip = n > 0 && strncmp(argv[0], DML_DEMO_IS, 7) == 0 ? 7 : 0;
-    int status = dml_push_function(L, "dm.demo", "command");
+    int status = dml_push_function(L, "dm.session.demo", "command");
     luaL_checkstack(L, n, "too many words after --demo");
     for (int i = 0; i < n; i++) lua_pushstring(L, i == 0 ? argv[i] + skip : argv[i]);
     if (status == LUA_OK) status = dml_call(L, n, 0);

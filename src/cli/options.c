@@ -1,7 +1,7 @@
 /* options.c - reading the command line, and the texts about it. */
 #include "cli/options.h"
 
-#include "bind/terminal.h"
+#include "bind/core/bind_terminal.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* repl.c - read, evaluate, print. */
 #include "cli/repl.h"
 
-#include "bind/terminal.h"
+#include "bind/core/bind_terminal.h"
 #include "cli/call.h"
 #include "cli/history.h"
 #include "cli/line.h"
@@ -75,7 +75,7 @@ static int compile(lua_State *L, int text, int *more) {
 
 /* ?x: the rest of the line is what to explain */
 static int explain(lua_State *L) {
-    if (dml_push_function(L, "dm.help", "ask") != LUA_OK) return lua_error(L);
+    if (dml_push_function(L, "dm.session.help", "ask") != LUA_OK) return lua_error(L);
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_call(L, 1, 0);
     return 0;
@@ -173,7 +173,7 @@ static int keep_protected(lua_State *L) {
 /* does the entry end in a ; outside of strings and comments? */
 static int is_silent(lua_State *L, const char *entry) {
     int silent = 0;
-    if (dml_push_function(L, "dm.complete", "is_silent") == LUA_OK) {
+    if (dml_push_function(L, "dm.session.complete", "is_silent") == LUA_OK) {
         lua_pushstring(L, entry);
         silent = lua_pcall(L, 1, 1, 0) == LUA_OK && lua_toboolean(L, -1);
     }
@@ -184,7 +184,7 @@ static int is_silent(lua_State *L, const char *entry) {
 /* the results from index 3 on, as texts, through the global print */
 static void print_results(lua_State *L) {
     const int n = lua_gettop(L) - 2;
-    int status = dml_push_function(L, "dm.pretty", "texts");
+    int status = dml_push_function(L, "dm.session.pretty", "texts");
     if (status == LUA_OK) {
         lua_insert(L, 3);
         status = dml_call(L, n, LUA_MULTRET);
@@ -251,7 +251,7 @@ static void set_globals(lua_State *L) {
     lua_pushvalue(L, -1);
     lua_setfield(L, LUA_REGISTRYINDEX, "dm_out");
     lua_setglobal(L, "out");
-    int status = dml_push_function(L, "dm.help", "open");
+    int status = dml_push_function(L, "dm.session.help", "open");
     if (status == LUA_OK) status = dml_call(L, 0, 0);
     dml_report(L, status);
 }

@@ -1,10 +1,10 @@
 /* lu_lanes_text.h - lu.h for W matrices side by side, A[row][column][lane]: every lane has the
  * pivots and the bits that dm_lu_factor gives it alone. A text for files that have
- * base/lanes_text.h. */
+ * numbers/lanes_text.h. */
 #ifndef DM_LU_LANES_TEXT_H
 #define DM_LU_LANES_TEXT_H
 
-#include "base/lanes_text.h"
+#include "numbers/lanes_text.h"
 
 #include <float.h>
 

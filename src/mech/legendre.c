@@ -1,7 +1,7 @@
 /* legendre.c - p = dL/dv and its inverse. */
-#include "base/few.h"
+#include "numbers/small_copy.h"
 #include "mech/model.h"
-#include "solve/newton.h"
+#include "linalg/solve/newton.h"
 
 #include <math.h>
 #include <string.h>

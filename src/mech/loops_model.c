@@ -1,11 +1,11 @@
 /* loops_model.c - a Lagrangian with sums over many bodies as a model without n x n tables. It is
  * one when dL/dv_i depends on v_i alone, linearly and by a factor that is a number: then the
  * mass is constant and diagonal, and since mixed derivatives are symmetric, L is separable. */
-#include "expr/analyse.h"
-#include "expr/derive.h"
-#include "expr/tape.h"
-#include "mech/lattice.h"
-#include "mech/loops.h"
+#include "graph/analyse.h"
+#include "algebra/derive.h"
+#include "code/tape/tape.h"
+#include "chain/lattice.h"
+#include "chain/loops.h"
 
 #include <math.h>
 #include <string.h>

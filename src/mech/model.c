@@ -1,12 +1,12 @@
 #include "mech/model.h"
 
-#include "expr/analyse.h"
-#include "expr/compact.h"
-#include "expr/derive.h"
-#include "expr/extremum.h"
-#include "expr/implicit.h"
-#include "expr/sum.h"
-#include "expr/tape.h"
+#include "graph/analyse.h"
+#include "algebra/compact.h"
+#include "algebra/derive.h"
+#include "algebra/extremum.h"
+#include "algebra/implicit.h"
+#include "algebra/body_sum.h"
+#include "code/tape/tape.h"
 #include "linalg/lu.h"
 
 #include <math.h>

@@ -4,8 +4,8 @@
 #ifndef DM_MODEL_H
 #define DM_MODEL_H
 
-#include "expr/graph.h"
-#include "expr/kernel.h"
+#include "graph/graph.h"
+#include "code/kernel.h"
 
 #include <stddef.h>
 
@@ -13,7 +13,7 @@ enum {                         /* structure, read off the graph */
        DM_SEPARABLE = 1,       /* L = T(v) - V(q, t): no mixed second derivatives */
        DM_CONSTANT_MASS = 2,   /* d2L/dv2 does not depend on q, v, t */
        DM_DIAGONAL_MASS = 4,   /* and is diagonal, with nothing linear in v */
-       DM_AUTONOMOUS = 8,      /* neither L nor its ties depend on t */
+       DM_AUTONOMOUS = 8,      /* neither L nor its constraints depend on t */
        DM_LINEAR_IN_V = 16,    /* d2L/dv2 = 0: degenerate */
        DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
        DM_NO_VELOCITY = 128,   /* dL/dv = 0, DM_LINEAR_IN_V too: nothing moves */
@@ -32,15 +32,15 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_STAGE_LATER = 8192, /* when dm_model_stage asks for it, mostly never */
        DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_STAGE_LATER | DM_WANT_MASS |
                        DM_WANT_WELL, /* with sums written out */
-       DM_WANT_HOLONOMIC = 256,      /* of the ties (mech/ties.h): g, G, g_t */
+       DM_WANT_HOLONOMIC = 256,      /* of the constraints (mech/constraints.h): g, G, g_t */
        DM_WANT_ROLLING = 512,        /* phi, E, phi_v, phi_q */
-       DM_WANT_TIE_FORCE = 1024,     /* f */
+       DM_WANT_CONSTRAINT_FORCE = 1024,     /* f */
        DM_WANT_FORCE_CURVE = 2048,   /* f, f_q, f_v */
        DM_WANT_REACTION = 4096,      /* r = G^T lambda + E^T mu, r_q, r_v */
-       DM_WANT_TIES = 7936           /* all of these; what a model does not have is not made */
+       DM_WANT_CONSTRAINTS = 7936           /* all of these; what a model does not have is not made */
 };
 
-struct dm_ties;
+struct dm_constraints;
 
 /* How graphs become kernels; dm_tape_build is one. */
 typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
@@ -80,11 +80,11 @@ typedef struct {
     uint32_t operations;          /* of L itself */
     uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;
-    const struct dm_ties *ties; /* NULL: none */
+    const struct dm_constraints *constraints; /* NULL: none */
     struct dm_later *later;     /* how to make the stage kernel; NULL: nobody asked */
 } dm_model;
 
-/* With sums (expr/sum.h) or very many coordinates: so many rounds are written out as they are;
+/* With sums (algebra/body_sum.h) or very many coordinates: so many rounds are written out as they are;
  * above, loops are kept where mass is constant and diagonal; what needs n x n tables writes them
  * out up to so many coordinates. */
 enum { DM_MODEL_WRITTEN_OUT = 40, DM_MODEL_DENSE = 400 };

@@ -4,7 +4,7 @@
 #ifndef DM_BOUNDARY_H
 #define DM_BOUNDARY_H
 
-#include "expr/kernel.h"
+#include "code/kernel.h"
 #include "linalg/band.h"
 
 #include <signal.h>

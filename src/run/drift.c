@@ -1,6 +1,6 @@
 #include "run/drift.h"
 
-#include "base/sum.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 #include "run/events.h"
 
-#include "run/land.h"
+#include "run/interpolate.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef DM_EVENTS_H
 #define DM_EVENTS_H
 
-#include "integ/method.h"
+#include "integ/method/method.h"
 #include "run/observe.h"
 
 typedef struct {
@@ -32,7 +32,7 @@ void dm_events_lay_out(dm_events *e, double *memory, uint32_t n);
 dm_status dm_events_begin(dm_events *e, const double *state, double t);
 
 /* After a step of s from e->start at `from` to `state` at `to`: zeros in between, by steps of
- * fitting length (run/land.h), so with the accuracy of the rule, to round-off in t. A function
+ * fitting length (run/interpolate.h), so with the accuracy of the rule, to round-off in t. A function
  * that changes its sign twice within a step is not seen. */
 dm_status dm_events_look(dm_events *e, dm_stepper *s, double *state, double from, double to);
 

@@ -1,6 +1,6 @@
 #include "run/run.h"
 
-#include "run/land.h"
+#include "run/interpolate.h"
 
 #include <limits.h>
 #include <math.h>
@@ -71,9 +71,9 @@ static dm_status flush(loop *l) {
 /* what the step before gave the node of this row; the step behind it adds its part */
 static void open_impulses(loop *l, double *row) {
     const dm_impulses *i = l->plan->impulses;
-    const double *last = i->step + (size_t)(i->points - 1) * i->ties;
+    const double *last = i->step + (size_t)(i->points - 1) * i->constraints;
     memset(row, 0, dm_impulses_width(i) * sizeof *row);
-    if (l->done) memcpy(row, last, i->ties * sizeof *row);
+    if (l->done) memcpy(row, last, i->constraints * sizeof *row);
     l->open = row;
 }
 
@@ -82,8 +82,8 @@ static void take_impulses(loop *l) {
     const dm_impulses *i = l->plan->impulses;
     l->s->method->impulses(l->s, i->step);
     if (!l->open) return;
-    for (uint32_t c = 0; c < i->ties; c++) l->open[c] += i->step[c];
-    for (uint32_t c = i->ties; c < dm_impulses_width(i); c++) l->open[c] = i->step[c];
+    for (uint32_t c = 0; c < i->constraints; c++) l->open[c] += i->step[c];
+    for (uint32_t c = i->constraints; c < dm_impulses_width(i); c++) l->open[c] = i->step[c];
     l->open = NULL;
 }
 

@@ -2,7 +2,7 @@
 #ifndef DM_RUN_H
 #define DM_RUN_H
 
-#include "integ/method.h"
+#include "integ/method/method.h"
 #include "run/events.h"
 #include "run/observe.h"
 
@@ -16,17 +16,17 @@ typedef struct {
     void *ud;
 } dm_outlet;
 
-/* Columns of rows for the impulses of the ties (dm_method.impulses): those of the node where a
+/* Columns of rows for the impulses of the constraints (dm_method.impulses): those of the node where a
  * row is, of the step that ends there and of the one that begins there, and with `inner` those
- * of the tie points inside the latter. */
+ * of the constraint points inside the latter. */
 typedef struct {
-    uint32_t ties, points; /* columns of a point, tie points of a step with both ends */
+    uint32_t constraints, points; /* columns of a point, constraint points of a step with both ends */
     int inner;
-    double *step; /* [points*ties] of the last step */
+    double *step; /* [points*constraints] of the last step */
 } dm_impulses;
 
 static inline uint32_t dm_impulses_width(const dm_impulses *i) {
-    return i->inner ? i->ties * (i->points - 1) : i->ties;
+    return i->inner ? i->constraints * (i->points - 1) : i->constraints;
 }
 
 /* A run that goes on where another one was. */

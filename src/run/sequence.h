@@ -4,8 +4,8 @@
 #ifndef DM_SEQUENCE_H
 #define DM_SEQUENCE_H
 
-#include "expr/kernel.h"
-#include "solve/newton.h"
+#include "code/kernel.h"
+#include "linalg/solve/newton.h"
 
 #include <signal.h>
 

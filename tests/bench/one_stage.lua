@@ -1,5 +1,5 @@
 -- make bench: a step of one stage (midpoint) where L = T(v) - V(q, t) with constant mass, alone and of a member of an ensemble: up to four
--- coordinates by one kernel of two iterations (src/integ/push.h), above by sweeps.
+-- coordinates by one kernel of two iterations (src/integ/stage/lanes/one_point.h), above by sweeps.
 local dm = require "dm"
 local cos, sqrt = math.cos, math.sqrt
 

@@ -3,7 +3,7 @@
 #define CURVES_H
 
 #include "check.h"
-#include "integ/curve_segment.h"
+#include "integ/curve/curve_segment.h"
 #include "models.h"
 #include "problems.h"
 

@@ -4,7 +4,7 @@
 #ifndef MODELS_H
 #define MODELS_H
 
-#include "expr/derive.h"
+#include "algebra/derive.h"
 
 static inline dm_node square_of(dm_graph *g, dm_node a) {
     return dm_mul(g, a, a);

@@ -3,9 +3,10 @@
 #ifndef PROBLEMS_H
 #define PROBLEMS_H
 
-#include "expr/derive.h"
-#include "expr/tape.h"
-#include "integ/method.h"
+#include "algebra/derive.h"
+#include "code/tape/tape.h"
+#include "integ/registry.h"
+#include "integ/method/method.h"
 #include "run/run.h"
 
 #include <math.h>
@@ -242,7 +243,7 @@ typedef struct {
 /* the rule on the problem from its start, p by the Legendre transform; 0 when something failed */
 static inline int session_open(session *x, const problem *p, const char *rule, double h) {
     memset(x, 0, sizeof *x);
-    if (dm_rule_parse(x->nodes, rule)) return 0;
+    if (dm_rule_read(x->nodes, rule, NULL)) return 0;
     const dm_method *m = dm_method_find(x->nodes[0].name, NULL);
     if (!m || m->check(x->nodes)) return 0;
     x->s = (dm_stepper){.method = m, .model = &p->model, .rule = x->nodes, .h = h};

@@ -4,7 +4,7 @@
 #ifndef RANDOM_GRAPH_H
 #define RANDOM_GRAPH_H
 
-#include "expr/nodes.h"
+#include "graph/nodes.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * refuses the n-th request, then all from the n-th on, for n = 0, 1, 2, ... (growing strides;
  * `every`: no stride) until the script passes. What must hold: no crash, every byte given back,
  * and an error about memory (`any`: or another one, for scripts that catch errors themselves). */
-#include "bind/bind.h"
+#include "bind/core/bind.h"
 #include "check.h"
 
 #include <lualib.h>

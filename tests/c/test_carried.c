@@ -1,7 +1,7 @@
 /* loops in machine code give the bits of their parts done one after the other by the tape */
-#include "expr/jit.h"
-#include "expr/loop.h"
-#include "expr/tape.h"
+#include "code/native/jit.h"
+#include "code/tape/loop.h"
+#include "code/tape/tape.h"
 
 #include "check.h"
 #include "random_graph.h"

@@ -1,7 +1,7 @@
 /* derivatives against closed forms, differences, and the mechanics they come from */
-#include "expr/analyse.h"
-#include "expr/compact.h"
-#include "expr/derive.h"
+#include "graph/analyse.h"
+#include "algebra/compact.h"
+#include "algebra/derive.h"
 
 #include "check.h"
 #include "models.h"

@@ -1,9 +1,9 @@
 /* elementary functions: their error against long double, and that all processor levels have them */
-#include "expr/functions.h"
-#include "expr/jit.h"
-#include "expr/processor.h"
-#include "expr/strip.h"
-#include "expr/tape.h"
+#include "numbers/functions.h"
+#include "code/native/jit.h"
+#include "numbers/processor.h"
+#include "code/loops/array_loop.h"
+#include "code/tape/tape.h"
 
 #include "check.h"
 #include "random_graph.h"

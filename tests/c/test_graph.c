@@ -1,7 +1,7 @@
 /* nodes are shared and simplified, and keep their values */
-#include "expr/analyse.h"
-#include "expr/compact.h"
-#include "expr/derive.h"
+#include "graph/analyse.h"
+#include "algebra/compact.h"
+#include "algebra/derive.h"
 
 #include "check.h"
 #include "models.h"

@@ -1,11 +1,11 @@
 /* implicit functions in graphs: closed forms, bits of backends and copies, memory that is
  * refused */
 #include "check.h"
-#include "expr/analyse.h"
-#include "expr/derive.h"
-#include "expr/implicit.h"
-#include "expr/jit.h"
-#include "expr/tape.h"
+#include "graph/analyse.h"
+#include "algebra/derive.h"
+#include "algebra/implicit.h"
+#include "code/native/jit.h"
+#include "code/tape/tape.h"
 #include "linalg/inverse.h"
 #include "linalg/lu.h"
 

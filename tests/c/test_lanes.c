@@ -1,9 +1,10 @@
 /* members in lanes: the bits of one member, for any number of them; no lanes where none can be
  * had. */
+#include "integ/registry.h"
 #include "check.h"
-#include "expr/jit.h"
+#include "code/native/jit.h"
 #include "problems.h"
-#include "run/ensemble.h"
+#include "run/ensemble/ensemble.h"
 
 #include <sys/resource.h>
 
@@ -36,7 +37,7 @@ static int kepler_open(kepler *k, const char *rule) {
     dm_arena_init(&k->arena, problem_allocate, NULL);
     dm_graph *g = dm_graph_new(&k->arena, 5);
     const dm_node L = lagrangian(g);
-    if (dm_rule_parse(k->nodes, rule)) return 0;
+    if (dm_rule_read(k->nodes, rule, NULL)) return 0;
     k->s.rule = k->nodes;
     k->s.method = dm_method_find(k->nodes[0].name, &nearest);
     if (dm_model_build(&k->model, g, L, 2, 0, NULL, &k->arena) != DM_OK) return 0;

@@ -1,6 +1,6 @@
 /* Newton's iteration: roots in closed form, quadratic economy, damping, every way to fail. */
 #include "check.h"
-#include "solve/newton.h"
+#include "linalg/solve/newton.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,10 +1,11 @@
 /* test_orders.c - the order of every rule, measured: the error at time T against the exact
  * solution for N and 2 N steps, N where the error is small but far above round-off. */
 #include "check.h"
-#include "integ/claims.h"
-#include "integ/quadrature.h"
-#include "integ/sprk.h"
-#include "integ/stage.h"
+#include "integ/registry.h"
+#include "integ/method/traits.h"
+#include "integ/method/quadrature.h"
+#include "integ/rules/sprk.h"
+#include "integ/stage/stage.h"
 #include "problems.h"
 
 #include <gsl/gsl_integration.h>
@@ -40,7 +41,7 @@ static void check_order(const problem *p, const row *r, double T, long N, const 
     if (!CHECK_NEAR(log2(coarse / fine), r->order, 0.05)) printf("# %s\n", r->rule);
     CHECK(fine > 1e-14);
     dm_rule nodes[DM_RULE_NODES];
-    CHECK(dm_rule_parse(nodes, r->rule) == NULL);
+    CHECK(dm_rule_read(nodes, r->rule, NULL) == NULL);
     CHECK(dm_method_find(nodes[0].name, NULL)->order(nodes) == (int)r->order);
 }
 
@@ -275,8 +276,8 @@ static void orders_of_tableaus(void) {
         }
 }
 
-/* one instance of a row of claims.def; tests/lua/test_rules.lua measures the rest */
-static void check_instance(const dm_claim *claim, const char *text, size_t length) {
+/* one instance of what a method claims; tests/lua/test_rules.lua measures the rest */
+static void check_instance(const dm_method *m, const char *text, size_t length) {
     char rule[80] = "";
     dm_rule nodes[DM_RULE_NODES];
     int stages = 0, forces = -1;
@@ -284,9 +285,8 @@ static void check_instance(const dm_claim *claim, const char *text, size_t lengt
     if (!CHECK(colon && length < sizeof rule)) return;
     memcpy(rule, text, (size_t)(colon - text));
     CHECK(sscanf(colon, ":%d:%d", &stages, &forces) == 2 && stages > 0 && forces >= 0);
-    if (!CHECK(dm_rule_parse(nodes, rule) == NULL)) return;
-    const dm_method *m = dm_method_find(claim->name, NULL);
-    CHECK(strcmp(nodes[0].name, claim->name) == 0 && m->check(nodes) == NULL);
+    if (!CHECK(dm_rule_read(nodes, rule, NULL) == NULL)) return;
+    CHECK(nodes[0].method == m && m->check(nodes) == NULL);
     if (m->basis) {
         static dm_galerkin g;
         m->basis(&g, nodes);
@@ -295,13 +295,11 @@ static void check_instance(const dm_claim *claim, const char *text, size_t lengt
 }
 
 static void claims_are_about_methods(void) {
-    for (const dm_method *const *m = dm_methods; *m; m++)
-        if (!CHECK(dm_claim_find((*m)->name) != NULL)) printf("# %s has no row\n", (*m)->name);
-    for (const dm_claim *c = dm_claims; c->name; c++) {
-        if (!CHECK(dm_method_find(c->name, NULL) != NULL)) continue;
-        for (const char *at = c->instances; *at;) {
+    for (const dm_method *const *m = dm_methods; *m; m++) {
+        if (!CHECK((*m)->orders && (*m)->stages && (*m)->cost)) printf("# %s\n", (*m)->name);
+        for (const char *at = (*m)->instances; *at;) {
             const size_t length = strcspn(at, ";");
-            check_instance(c, at, length);
+            check_instance(*m, at, length);
             at += length;
             at += strspn(at, "; ");
         }

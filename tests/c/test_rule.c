@@ -1,6 +1,7 @@
 /* names of rules: what is read, what is refused and with which words; the table of methods. */
 #include "check.h"
-#include "integ/method.h"
+#include "integ/registry.h"
+#include "integ/method/method.h"
 
 #include <string.h>
 
@@ -99,7 +100,7 @@ static void finds_every_method_and_the_nearest_name(void) {
 /* 1 when the method refuses the arguments of this rule */
 static int refuses(const char *text) {
     dm_rule nodes[DM_RULE_NODES];
-    if (dm_rule_parse(nodes, text)) return 0;
+    if (dm_rule_read(nodes, text, NULL)) return 0;
     const dm_method *m = dm_method_find(nodes[0].name, NULL);
     return m && m->check(nodes) != NULL;
 }

@@ -1,4 +1,5 @@
 /* steps compared and broken: time reversal, equal methods, equal bits, an own Ld, failures. */
+#include "integ/registry.h"
 #include "check.h"
 #include "problems.h"
 

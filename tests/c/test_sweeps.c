@@ -1,10 +1,10 @@
 /* test_sweeps.c - Gauss and its kin by fixed-point sweeps over stages in lanes, on traced
  * models. */
 #include "check.h"
-#include "expr/jit.h"
-#include "expr/processor.h"
+#include "code/native/jit.h"
+#include "numbers/processor.h"
 #include "problems.h"
-#include "run/land.h"
+#include "run/interpolate.h"
 
 static const char *const rules[] = {"midpoint", "gauss(2)", "gauss(3)",  "gauss(4)",
                                     "gauss(6)", "gauss(8)", "lobatto(4)"};

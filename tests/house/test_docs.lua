@@ -4,7 +4,7 @@ package.path = "tests/house/?.lua;" .. package.path
 local house = require "house"
 local core = require "dm.core"
 local dm = require "dm"
-local reference = require "dm.reference"
+local reference = require "dm.session.reference"
 
 local classes = reference.classes()
 
@@ -24,16 +24,16 @@ end
 
 -- what ?examples and ?failures list is what there is
 local listed, there, codes = {}, {}, {}
-for _, name in ipairs(require "dm.help.examples".names) do listed[name] = true end
+for _, name in ipairs(require "dm.session.examples".names) do listed[name] = true end
 for _, file in ipairs(house.files "^examples/.*%.lua$") do
   local name = file:match "([%w_]+)%.lua$"
   if not listed[name] then there[#there + 1] = name .. " is not listed" end
   listed[name] = nil
 end
 for name in pairs(listed) do there[#there + 1] = name .. " is no file" end
-house.check("lua/dm/help/examples.lua lists the files of examples/", there)
+house.check("lua/dm/session/examples.lua lists the files of examples/", there)
 local known = {}
-for _, row in ipairs(require "dm.help.failures") do known[row[1]] = true end
+for _, row in ipairs(require "dm.session.failures") do known[row[1]] = true end
 for code in house.read "src/base/status.h":gmatch 'X%(%u[%u_]*, "([%l_]+)"' do
   if code ~= "ok" and not known[code] then codes[#codes + 1] = code end
 end
@@ -48,7 +48,7 @@ local page = io.open "docs/reference.md"
 local kept = page and page:read "a"
 house.check("docs/reference.md is what `make docs` writes",
   kept == reference.text(dm) and {} or { "run `make docs` and look at the change" })
-local man = require "dm.man"
+local man = require "dm.session.man"
 for _, row in ipairs { { "docs/dmlua.1", man.page() }, { "docs/completion/dmlua.bash", man.bash() },
   { "docs/completion/_dmlua", man.zsh() } } do
   local file, text = row[1], row[2]

@@ -4,7 +4,7 @@ leave a message that says nothing. Prints the number of calls; under sanitizers 
 only they see. Files are written to the current folder: tests/lua/test_fuzz.lua makes an empty one.
 The call that is under way is in the file "last-call", so that a crash names it.]]
 local dm = require "dm"
-local reference = require "dm.reference"
+local reference = require "dm.session.reference"
 
 local seconds, seed = tonumber(arg[1]) or 10, math.tointeger(arg[2]) or 1
 math.randomseed(seed)

@@ -1,7 +1,7 @@
 -- the number of an argument that a message tells is the position that was typed: x:method(a, b) has a in position 1
 local tap = require "tap"
 local dm = require "dm"
-local reference = require "dm.reference"
+local reference = require "dm.session.reference"
 local ok = tap.ok
 
 ---- one value of every class, with arguments that its methods take ----

@@ -149,7 +149,7 @@ end
 -- what help(), completion and the reference know of objects that are tables
 for class, method in pairs { ["dm.chart"] = "order", ["dm.stability_map"] = "limit", ["dm.scene"] = "why", ["dm.scaling"] = "exponent" } do
   local _ = { dm.chart, dm.stability, dm.scene, dm.scaling }  -- loads them
-  local methods = require "dm.complete".methods_of(class)
+  local methods = require "dm.session.complete".methods_of(class)
   local core = require "dm.core"
   tap.ok(methods and core.docs[methods[method]] and core.docs[class], "the methods of " .. class .. " are known by name")
 end

@@ -121,7 +121,7 @@ shows("echo '?keys' | LUA -q -i", "a trailing ; evaluates without printing")
 shows("echo '1+1' | LUA -q -i | head -c 1", ">")
 
 -- every option of the table is in --help, in the man page, and known to the parser
-local man, help = require "dm.man", run(dmlua, "LUA --help")
+local man, help = require "dm.session.man", run(dmlua, "LUA --help")
 local page, bash, zsh = man.page(), man.bash(), man.zsh()
 for _, row in ipairs(require "dm.manual".options) do
   local all = help:find(row.what, 1, true) and page:find(row.name:gsub("%-", "\\-"), 1, true)

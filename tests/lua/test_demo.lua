@@ -1,7 +1,7 @@
 -- demonstrations: each shows what it claims, from a shell, on a terminal, and again with other numbers; misuse
 local tap = require "tap"
 local dm = require "dm"
-local demo = require "dm.demo"
+local demo = require "dm.session.demo"
 local ok, raises = tap.ok, tap.raises
 
 local build = os.getenv "B" or arg[-1]:match "^(.*)/"

@@ -1,7 +1,7 @@
 -- path:csv, path:npy and dm.load: the same bits come back, the formats are what others expect, misuse
 local tap = require "tap"
 local dm = require "dm"
-local export = require "dm.export"
+local export = require "dm.data.export"
 local ok, raises = tap.ok, tap.raises
 
 local function bits(x) return ("<d"):pack(x) end

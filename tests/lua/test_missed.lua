@@ -1,7 +1,7 @@
 -- a name or index that is not there is nil, and the error that comes of the nil says which and what is near
 local tap = require "tap"
 local dm = require "dm"
-local explain = require "dm.missed".explain
+local explain = require "dm.session.missing".explain
 local ok = tap.ok
 
 local function says(words, f)

@@ -128,7 +128,7 @@ tap.raises("dm.discrete_lagrangian expected", dm.discrete_lagrangian(orbit, { ru
 -- what is set, or not there
 raises("the field 'h' of a dm.solver cannot be set: make another dm.solver", function() solver.h = 0.1 end)
 raises("a run takes a table of options: solver:run { q =, v =, t = } (got nil)", function() solver:run() end)
-local explain = require "dm.missed".explain
+local explain = require "dm.session.missing".explain
 ok(explain "x.lua:1: attempt to call a nil value (global 'sin')" == "x.lua:1: attempt to call a nil value (global 'sin'): it is math.sin", "sin is math.sin")
 ok(explain "x.lua:1: attempt to call a nil value (global 'vector')":find "it is dm.vector", "vector is dm.vector")
 ok(not explain "x.lua:1: attempt to index a nil value (global 'T')":find "it is", "T may be anything")

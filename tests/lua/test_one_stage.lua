@@ -1,4 +1,4 @@
--- one stage, L = T(v) - V(q, t) with constant mass and few coordinates: two iterations written out as one kernel (integ/push.h)
+-- one stage, L = T(v) - V(q, t) with constant mass and few coordinates: two iterations written out as one kernel (integ/stage/lanes/one_point.h)
 local tap = require "tap"
 local dm = require "dm"
 local ok = tap.ok

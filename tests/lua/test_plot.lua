@@ -2,7 +2,7 @@
 -- are what their names say, and misuse is named.
 local tap = require "tap"
 local dm = require "dm"
-local axis, series, braille, gnuplot = require "dm.axis", require "dm.series", require "dm.braille", require "dm.gnuplot"
+local axis, series, braille, gnuplot = require "dm.show.axis", require "dm.show.series", require "dm.show.braille", require "dm.show.gnuplot"
 local ok, near, raises = tap.ok, tap.near, tap.raises
 local pi, abs, max, min = math.pi, math.abs, math.max, math.min
 
@@ -211,8 +211,8 @@ raises(".png, .svg or .pdf", dm.plot, u, u, { file = "picture.jpeg" })
 raises("does the folder exist", dm.plot, u, u, { file = "/no/such/folder/a.png" })
 raises("panel 1: 'file' belongs to the figure", dm.figure, { { u, u, file = "a.png" } })
 do
-  local function script(figure) return require "dm.gnuplot".script(figure, "a.png") end
-  local gnuplot, kept = require "dm.gnuplot", nil
+  local function script(figure) return require "dm.show.gnuplot".script(figure, "a.png") end
+  local gnuplot, kept = require "dm.show.gnuplot", nil
   local write = gnuplot.write
   gnuplot.write = function(figure) kept = script(figure) end
   dm.figure { { u, u, xunit = "m^2/s^-2" }, title = "one panel", file = "a.png" }

@@ -52,7 +52,7 @@ ok(colourful:gsub("\27%[%d+m", "") == pretty { 1, "a" }, "colours change no text
 raises("'depth' must be a whole number", pretty, {}, { depth = -1 })
 
 -- completion never runs a user's code
-local complete = require "dm.complete"
+local complete = require "dm.session.complete"
 local ran = false
 local function touch() ran = true end
 _G.trap = setmetatable({ seen = 1 }, { __index = touch, __pairs = touch, __len = touch, __call = touch, __eq = touch,

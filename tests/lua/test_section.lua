@@ -61,7 +61,7 @@ raises("no events", function()
 end)
 
 ---- ensembles ----
-local fan = require "dm.fan"
+local fan = require "dm.show.fan"
 local verlet = two:solver { rule = "verlet", h = 0.1 }
 local function members(more)
   local o = { members = 200, q = function(i) return { i / 200, 0 } end, v = function() return { 0, 1 } end, t = 2 }

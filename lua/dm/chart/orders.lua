@@ -1,5 +1,5 @@
 --- The orders that a chart measures.
-local blame = require "dm.blame"
+local blame = require "dm.base.blame"
 
 local max, log = math.max, math.log
 

@@ -1,5 +1,5 @@
 --- How a chart is shown: a picture, a file of comma-separated values.
-local blame = require "dm.blame"
+local blame = require "dm.base.blame"
 local of_rule = require "dm.chart.orders".of_rule
 
 local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
@@ -49,7 +49,7 @@ local draw = blame.caller(function(self, options)
   given.ylabel, given.yunit = given.ylabel or "error of " .. self.what, given.yunit or units[UNIT[self.what]]
   if given.file and not (given.size or given.width or given.height) then given.size = { 1000, 640 } end
   given.title = given.title or (self.system.name and self.system.name .. ": " or "") .. ("accuracy against cost, t = %.4g"):format(self.options.t) .. (units.t and " " .. units.t or "")
-  return require "dm.plot".plot(series, given)
+  return require "dm.show.plot".plot(series, given)
 end)
 
 local doc_csv = [[
@@ -61,7 +61,7 @@ local csv = blame.caller(function(self, file)
   for _, p in ipairs(self.points) do
     lines[#lines + 1] = ('"%s",%.17g,%.17g,%.17g,%d,%d,%d'):format(p.rule, p.h, p.error, p.ns, p.steps, p.evaluations, p.newton)
   end
-  return require "dm.text_file".write(file, table.concat(lines, "\n") .. "\n", "chart:csv")
+  return require "dm.base.text_file".write(file, table.concat(lines, "\n") .. "\n", "chart:csv")
 end)
 
 return { plot = draw, csv = csv, doc_plot = doc_plot, doc_csv = doc_csv }

@@ -1,8 +1,8 @@
 --- Models of a scene: the system as given, or fewer terms of L and of the force on fewer coordinates, with further constraints.
 local core = require "dm.core"
-local prolong = require "dm.prolong"
-local routh = require "dm.routh"
-local routh_model = require "dm.routh_model"
+local prolong = require "dm.measure.prolong"
+local routh = require "dm.reduce.routh"
+local routh_model = require "dm.reduce.model"
 local watch = require "dm.scene.watch"
 
 local M = {}

@@ -1,5 +1,5 @@
 --- Pilot runs of a scene: a model stepped N times over the whole time, what is watched at given times, distances between such records.
-local blame = require "dm.blame"
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 
 local M = {}

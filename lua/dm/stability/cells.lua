@@ -1,8 +1,8 @@
 --- Cells of a stability map: run by ensembles, cells of one rule and different parameters together where one kernel serves them.
-local blame = require "dm.blame"
+local blame = require "dm.base.blame"
 local classes = require "dm.stability.classes"
 local core = require "dm.core"
-local prolong = require "dm.prolong"
+local prolong = require "dm.measure.prolong"
 
 local M = { CLASSES = classes.CLASSES, NUMBER = classes.NUMBER, compare = classes.compare }
 

@@ -1,7 +1,7 @@
 --- What a map is given: a system and a start, as they are or as functions of the parameters.
 local axes = require "dm.stability.axes"
 local core = require "dm.core"
-local starts = require "dm.start"
+local starts = require "dm.base.start"
 
 local M = {}
 
@@ -101,7 +101,7 @@ function M.first(map)
   for _, row in ipairs(map.cells) do
     local fine, text = pcall(map.system_of, row[1])
     if fine then return row[1] end
-    if require "dm.blame".is_stop(text) then error(text, 0) end
+    if require "dm.base.blame".is_stop(text) then error(text, 0) end
     why = why or text
   end
   error(why, 0)
@@ -135,7 +135,7 @@ end
 function M.notes(map, cell)
   local notes, h = {}, map.options.h
   local fine, at_rest = pcall(rests, map, cell)
-  if not fine and require "dm.blame".is_stop(at_rest) then error(at_rest, 0) end
+  if not fine and require "dm.base.blame".is_stop(at_rest) then error(at_rest, 0) end
   if fine and at_rest then
     notes[1] = "the start is an equilibrium: where nothing moves no instability shows; displace it, or give it a small velocity"
   end

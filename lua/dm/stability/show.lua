@@ -1,6 +1,6 @@
 --- How a stability map is told: a sentence, a table, a picture, a file of comma-separated values.
 local axes = require "dm.stability.axes"
-local blame = require "dm.blame"
+local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
 local core = require "dm.core"
 
@@ -87,7 +87,7 @@ local function csv(map, file)
       lines[#lines + 1] = table.concat(out, ",")
     end
   end
-  return require "dm.text_file".write(file, table.concat(lines, "\n") .. "\n", "map:csv")
+  return require "dm.base.text_file".write(file, table.concat(lines, "\n") .. "\n", "map:csv")
 end
 
 ---- picture ----
@@ -249,11 +249,11 @@ local function plot(map, options)
     rest.title = ("%s%s, %s"):format(name and name .. ": " or "", panel.title, setting)
     for key, value in pairs(given) do rest[key] = value end
     if given.file and not (given.size or given.width or given.height) then rest.size = { 900, 600 } end
-    return require "dm.plot".plot(table.move(panel, 1, #panel, 1, {}), rest)
+    return require "dm.show.plot".plot(table.move(panel, 1, #panel, 1, {}), rest)
   end
   panels.title = (name and name .. ", " or "") .. setting .. (there > #all and (" (%d of %d panels)"):format(#all, there) or "")
   for key, value in pairs(given) do panels[key] = value end
-  return require "dm.plot".figure(panels)
+  return require "dm.show.plot".figure(panels)
 end
 
 return function(M)

@@ -54,7 +54,7 @@ static inline void remember(orbit *o, const double *x, int n) {
     for (int k = 0; k < n; k++) o->last[0][k] = x[k];
 }
 
-/* what is left does not count, as in solve/newton.c: |dx| now and before */
+/* what is left does not count, as in linalg/solve/newton.c: |dx| now and before */
 static inline int is_last(double now, double before) {
     return now <= 4e-15 || now / before * now <= 4e-20;
 }

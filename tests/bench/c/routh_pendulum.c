@@ -153,7 +153,7 @@ INLINE void solve_3(double *d, double J[4][4]) {
     for (int i = 0; i < 3; i++) d[i] = J[i][0] * a + J[i][1] * b + J[i][2] * c;
 }
 
-/* what is left does not count, as in solve/newton.c, or is round-off that stays: |dx| now and
+/* what is left does not count, as in linalg/solve/newton.c, or is round-off that stays: |dx| now and
  * before */
 INLINE int is_last(double now, double before) {
     return now <= 4e-15 || now / before * now <= 4e-20 || (now < 1e-13 && 4.0 * now > before);

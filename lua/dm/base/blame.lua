@@ -1,0 +1,134 @@
+--- Errors name the line of the script that called, not a line inside these modules.
+
+-- what an unknown key or global was, in the message (dm.session.missing, which sets it when dm is loaded)
+local function explain(message) return debug.getregistry().dm_explain(message) end
+
+local getinfo = debug.getinfo
+
+local M = {}
+
+-- positions that error and C functions put in front, inside lua/dm
+local INSIDE = "^[^\n]-lua/dm/[%w_/]+%.lua:%d+: "
+
+local PLACE = "^[^\n]-:%d+: "
+
+-- a dm.failure whose message names a line in here, or none
+local function is_misplaced(value)
+  local meta = type(value) == "table" and getmetatable(value)
+  return meta and meta.__name == "dm.failure" and (value.message:find(INSIDE) or not value.message:find(PLACE))
+end
+
+-- functions that caller made, and those that stand for one of them in a class
+local wrapped = setmetatable({}, { __mode = "k" })
+
+-- class and name of a method
+local function find_method(f)
+  if not f then return end
+  for class, meta in pairs(debug.getregistry()) do
+    local methods = type(class) == "string" and type(meta) == "table" and rawget(meta, "methods")
+    for name, method in pairs(type(methods) == "table" and methods or {}) do
+      if method == f then return class, name end
+    end
+  end
+end
+
+-- what to say of a method that was called with something else in the place of its object, or nothing
+local function misused(f, object)
+  local class, name = find_method(f and wrapped[f])
+  local meta = debug.getmetatable(object)
+  if not class or type(meta) == "table" and meta.__name == class then return end
+  return ("bad argument #1 to '%s' (%s expected, got %s); a method is called with a colon, x:%s(...)"):format(name, class,
+    type(meta) == "table" and type(meta.__name) == "string" and meta.__name or type(object), name)
+end
+
+local function finish(f, object, fine, ...)
+  if fine then return ... end
+  local message = ...
+  if type(message) == "string" and not M.is_stop(message) then message = misused(f, object) or message end
+  if type(message) == "string" then message = message:gsub(INSIDE, "") end
+  if is_misplaced(message) then message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "") end
+  error(message, 2)  -- the caller: finish took its place by a tail call
+end
+
+--- Is it what Ctrl-C raises, in a C loop or between two instructions of Lua? What runs things under pcall passes it on.
+function M.is_stop(failure)
+  if type(failure) == "string" then return failure:find("interrupted!", 1, true) ~= nil end
+  local fine, code = pcall(function() return failure.code end)
+  return fine and code == "stopped"
+end
+
+--- The dm.failure of a stop by Ctrl-C, also where that came between instructions of Lua and is a string; other errors as they are.
+function M.stopped(failure)
+  if type(failure) ~= "string" or not M.is_stop(failure) then return failure end
+  return setmetatable({ code = "stopped", message = failure }, debug.getregistry()["dm.failure"])
+end
+
+--- f, with the position of its caller in its error messages, those of a dm.failure too; other error values pass as they are.
+function M.caller(f)
+  local function call(...) return finish(f, (...), xpcall(f, explain, ...)) end
+  wrapped[f] = call
+  return call
+end
+
+--- Is f one that M.caller made?
+function M.is_caller(f)
+  for _, call in pairs(wrapped) do
+    if call == f then return true end
+  end
+  return false
+end
+
+--- The method of a class is `method`, which calls f of M.caller.
+function M.stands_for(method, f)
+  for inner, call in pairs(wrapped) do
+    if call == f then wrapped[inner] = method end
+  end
+end
+
+-- the same around a method written in C, which puts a position in front itself: that of a function of the user stays alone
+local function relay(fine, ...)
+  local what = ...
+  if fine or type(what) ~= "string" then return finish(nil, nil, fine, ...) end
+  if what:find(PLACE) and not what:find(INSIDE) then error(what, 0) end
+  return finish(nil, nil, fine, what)
+end
+
+-- was the method `call` called with a colon? A tail call, as that of a session, hides it: a colon is likelier
+local function has_colon(call)
+  for level = 3, 100 do
+    local info = getinfo(level, "fnt")
+    if not info then return false end
+    if info.func == call then return info.namewhat == "method" or info.istailcall end
+  end
+end
+
+--- f, which calls the method `name` written in C, with the position of its caller in place of one inside these modules, and
+-- arguments counted from the first one behind the colon, as Lua does where C is called directly.
+function M.relay(f, name)
+  local bad = "bad argument #(%d+) to '" .. name .. "'"
+  local call
+  local function look(what)
+    what = explain(what)
+    local number = type(what) == "string" and tonumber(what:match(bad))
+    if number == 1 then return ("%s; a method is called with a colon, x:%s(...)"):format(what, name) end
+    if not number or not has_colon(call) then return what end
+    return (what:gsub(bad, ("bad argument #%d to '%s'"):format(number - 1, name), 1))
+  end
+  call = function(...) return relay(xpcall(f, look, ...)) end
+  return call
+end
+
+--- The function `name` of a module that is loaded when the function is first called.
+function M.later(module, name)
+  local f
+  local function method(...)
+    if not f then
+      f = require(module)[name]
+      M.stands_for(method, f)
+    end
+    return f(...)
+  end
+  return method
+end
+
+return M

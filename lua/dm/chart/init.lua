@@ -1,0 +1,310 @@
+--- dm.chart: what accuracy costs. Every rule at every step: the error of what one looks at against CPU time, evaluations, steps.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local given_steps = require "dm.chart.steps"
+local measures = require "dm.chart.measures"
+local orders = require "dm.chart.orders"
+local reference = require "dm.chart.reference_run"
+local show = require "dm.chart.show"
+local starts = require "dm.base.start"
+
+local M = {}
+M.__index = M
+M.__name = "dm.chart"
+setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
+
+local max, min, floor = math.max, math.min, math.floor
+
+local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+
+---- options ----
+
+local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error", "samples", "repeats", "reference",
+  "tolerances", "rivals" }
+
+local function check_keys(options)
+  for key in pairs(options) do
+    local known = key == 1
+    for _, name in ipairs(KNOWN) do known = known or name == key end
+    if not known then fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", ")) end
+  end
+end
+
+local function check_options(options)
+  if type(options) ~= "table" then fail("takes a table { system, q =, v =, t =, rules = {...}, h = {...} }") end
+  check_keys(options)
+  local system = options.system or options[1]
+  if not system then fail("the system is missing: dm.chart { system, q =, v =, t =, rules =, h = }") end
+  local fine, solver = pcall(function() return system.solver end)
+  if not (fine and solver) then
+    fail("the first entry must be one dm.system (got %s): make a chart of each system", type(system))
+  end
+  if system.Ld then fail("a discrete Lagrangian has one step only: give a dm.system, or time runs of solvers by path.ns_per_step") end
+  if type(options.t) ~= "number" or not (options.t > 0 and options.t < math.huge) then fail("option 't' must be a duration > 0") end
+  for _, key in ipairs { "samples", "repeats" } do
+    local n = options[key]
+    if n ~= nil and not (math.type(n) == "integer" and n > 0) then fail("option '%s' must be a whole number > 0 (got %s)", key, tostring(n)) end
+  end
+  if options.against ~= nil and options.against ~= "reference" then
+    fail("option 'against' must be \"reference\", which is what errors are measured against (got %s); chart:plot{against =} chooses the axis",
+      tostring(options.against))
+  end
+  if options.h ~= nil or options.steps ~= nil then given_steps.sizes(options) end
+  for _, rule in ipairs(given_steps.list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")) do
+    system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
+  end
+  return system
+end
+
+--- A rule as it is written: of an object what it prints without the word "rule".
+function M.name(rule) return (tostring(rule):gsub("^rule ", "")) end
+
+---- one point ----
+
+local BATCHES, LONG_ENOUGH = 5, 2e-3
+
+-- median over batches of the best of the runs in a batch, seconds of CPU of one run
+local function cpu_seconds(run, repeats)
+  local all = {}
+  for b = 1, repeats do
+    local best, spent = math.huge, 0
+    repeat
+      local start = core.cpu()
+      run()
+      local took = core.cpu() - start
+      best, spent = min(best, took), spent + took
+    until spent > LONG_ENOUGH
+    all[b] = best
+  end
+  table.sort(all)
+  return all[(#all + 1) // 2]
+end
+
+local function run_options(options, more)
+  local out = { q = options.q, v = options.v, p = options.p, t0 = options.t0 }
+  for key, value in pairs(more) do out[key] = value end
+  return out
+end
+
+local function sample_times(options)
+  local count, t0, out = options.samples or 32, options.t0 or 0, {}
+  for i = 1, count do out[i] = t0 + options.t * i / count end
+  return out
+end
+
+-- number of steps for the whole duration; rules with a time of their own are timed as they are run
+local function steps_for(options, h) return max(1, floor(options.t / h + 0.5)) end
+
+local function measure(chart, entry, h)
+  local options, rule = chart.options, entry.rule
+  local steps = steps_for(options, h)
+  local step = options.t / steps
+  local own = tostring(rule):find "^log%-hamiltonian"
+  local solver = chart.system:solver { rule = rule, h = own and h or step, newton = entry.newton }
+  local path = solver:run(run_options(options, { at = chart.times, watch = chart.watch }))
+  local point = { rule = entry.name, h = own and h or step, error = chart.measure(path, chart.reference) }
+  local timed = own and { at = { (options.t0 or 0) + options.t } } or { steps = steps, every = steps }
+  local plain = run_options(options, timed)
+  point.ns = 1e9 * cpu_seconds(function() solver:run(plain) end, options.repeats or BATCHES)
+  local report = solver:report()
+  point.steps, point.evaluations, point.newton = report.steps, report.evaluations, report.newton
+  return point
+end
+
+-- a failure belongs into the chart: it says where a rule stops working
+local function try_point(chart, entry, h, points)
+  local fine, point = pcall(measure, chart, entry, h)
+  if not fine and blame.is_stop(point) then error(point, 0) end
+  if fine and point.error == point.error and point.error < math.huge then
+    points[#points + 1] = core.result(point)
+  elseif points == chart.points then
+    local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
+    chart.failures[#chart.failures + 1] = { rule = entry.name, h = h, why = fine and "the error is not finite" or why }
+  end
+end
+
+---- what the chart tells ----
+
+local of_rule = orders.of_rule
+
+local doc_cheapest = [[
+chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
+The cheapest measured point whose error is at most the given one, by CPU time.]]
+
+local function cheapest_of(points, target)
+  if type(target) ~= "number" then fail("chart:cheapest takes an error, a number such as 1e-6 (got %s)", type(target)) end
+  local best
+  for _, p in ipairs(points) do
+    if p.error <= target and (not best or p.ns < best.ns) then best = p end
+  end
+  return best
+end
+
+M.cheapest = blame.caller(function(self, target) return cheapest_of(self.points, target) end)
+
+local doc_pareto = [[
+chart:pareto() -> list of points
+The points that no other beats in both error and time, from the cheapest to the most accurate.]]
+
+function M:pareto()
+  local sorted, out, best = {}, core.result {}, math.huge
+  for i, p in ipairs(self.points) do sorted[i] = p end
+  table.sort(sorted, function(a, b) return a.ns < b.ns end)
+  for _, p in ipairs(sorted) do
+    if p.error < best then out[#out + 1], best = p, p.error end
+  end
+  return out
+end
+
+local function number(x) return x and ("%.2f"):format(x) or "-" end
+
+local function time_text(ns)
+  for _, unit in ipairs { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } } do
+    if ns < unit[1] then return ("%.3g %s"):format(ns / unit[2], unit[3]) end
+  end
+end
+
+local function is_symplectic(rule)
+  for _, row in ipairs(core.rules()) do
+    if row.name == rule:match "^[%w_-]+" then return row.symplectic end
+  end
+  return true
+end
+
+-- "cheapest at 1e-08: gauss(4), 1.2 ms"; says so when a non-geometric rule wins
+local function cheapest_lines(chart, lines)
+  for _, target in ipairs { 1e-4, 1e-8, 1e-12 } do
+    local p = chart:cheapest(target)
+    local text = p and ("cheapest at %.0e: %s, h = %.4g, %s%s"):format(target, p.rule, p.h, time_text(p.ns),
+      is_symplectic(p.rule) and "" or " (not symplectic)") or ("none of these reaches %.0e"):format(target)
+    local r = chart.rival and cheapest_of(chart.rival.points, target)
+    if r and (not p or r.ns < p.ns) then
+      text = text .. ("; %s, which preserves nothing, wins with %s"):format(r.rule, time_text(r.ns))
+    elseif r then
+      text = text .. ("; %s, which preserves nothing, takes %.3g times as long"):format(r.rule, r.ns / p.ns)
+    end
+    lines[#lines + 1] = text
+  end
+end
+
+local function front_line(chart)
+  local out, seen = {}, {}
+  for _, p in ipairs(chart:pareto()) do
+    if not seen[p.rule] then out[#out + 1], seen[p.rule] = p.rule, true end
+  end
+  return "front of error and time, from the cheapest: " .. table.concat(out, ", ")
+end
+
+local doc_table = [[
+chart:table() -> string
+A line per rule: measured order, number of points, least error and its cost; then the cheapest at 1e-4, 1e-8, 1e-12 beside the rival, the rules on the front, what failed and
+why, how far the two references are apart, and the load of the machine when it was measured.]]
+
+function M:table()
+  local lines = { ("%-28s %6s %7s %11s %10s"):format("rule", "order", "points", "least error", "for") }
+  for _, rule in ipairs(self.rules) do
+    local points, least = of_rule(self, rule), nil
+    for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
+    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s"):format(rule, number((self:order(rule))), #points, least.error, time_text(least.ns))
+      or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
+  end
+  cheapest_lines(self, lines)
+  lines[#lines + 1] = front_line(self)
+  for _, f in ipairs(self.failures) do lines[#lines + 1] = ("%s, h = %.4g: %s"):format(f.rule, f.h, f.why) end
+  lines[#lines + 1] = self.reference_text
+  lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up"):format(self.load, self.options.repeats or BATCHES)
+  return table.concat(lines, "\n")
+end
+
+function M:__tostring()
+  return ("work-precision chart of %d point%s, %d rule%s, error of %s over t = %g\n"):format(#self.points, #self.points == 1 and "" or "s",
+    #self.rules, #self.rules == 1 and "" or "s", self.what, self.options.t) .. self:table()
+end
+
+---- making one ----
+
+local doc_chart = [[
+dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, tolerances=, rivals=, samples=, repeats=, reference=, t0=} -> dm.chart
+Run every rule with every step h (or `steps`: the same, or how many, all larger than t; left out: seven, from the coarsest that shows the motion, by halves) over the duration t (h is made
+to fit a whole number of steps) and measure error against CPU time
+(median of batches, set-up included, pinned to one core), evaluations, Newton iterations and steps. error: "position" (default: the largest difference of a coordinate from a
+reference over 32 times), "energy", "momentum" (of coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p) compared with the reference, or { f }: the change of f along the run.
+The reference is found: two unlike methods, each refined until they agree; where they do not come close enough, dm.chart raises and
+says how far apart they are; reference = { rule =, h = } takes one on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method stopped at these. Where no rule is of the
+kind that preserves nothing, rk8 is measured beside them (chart.rival; rivals = false: not), and the table says when it wins. chart:table(), :order(rule), :cheapest(error), :pareto(), :plot{}, :csv().
+On Ctrl-C the error's `chart` field has what was measured so far.]]
+
+-- the options with steps in h: those given, as h or steps, or found
+local function with_steps(system, options)
+  local out = {}
+  for key, value in pairs(options) do out[key] = value end
+  out.rules = given_steps.list(options, "rules", "rules")
+  out.h = (options.h or options.steps) and given_steps.sizes(options) or given_steps.find(system, options)
+  return out
+end
+
+local function distinct_names(entries)
+  local out = {}
+  for i, entry in ipairs(entries) do out[i] = entry.name end
+  return out
+end
+
+-- what is there goes with the failure
+local function raise(chart, failure)
+  failure = blame.stopped(failure)
+  if type(failure) == "table" then failure.chart = chart end
+  if blame.is_stop(failure) then failure.message = "dm.chart: stopped on request; what is there is in the failure's field chart" end
+  error(failure, 0)
+end
+
+-- all steps of a rule, pinned to one core
+local function measure_all(chart, entry, points)
+  for _, h in ipairs(chart.options.h) do
+    local pinned = core.pin()
+    local fine, failure = core.until_stop(try_point, chart, entry, h, points)
+    core.unpin(pinned)
+    if not fine then raise(chart, failure) end
+  end
+end
+
+M.chart = blame.caller(function(options)
+  local system = check_options(options)
+  options = with_steps(system, starts.lists(options, system))
+  local what_measure, what, needs_reference, watched = measures.make(system, options.error)
+  local entries = measures.entries(options.rules, options.tolerances, M.name)
+  local chart = setmetatable({ system = system, options = options, points = {}, failures = {}, rules = distinct_names(entries),
+    measure = what_measure, what = what, times = sample_times(options), load = core.load_average(), floor = 1e-15,
+    watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" }, M)
+  if needs_reference then
+    local fine, ref, apart, text = core.until_stop(reference.find, chart)
+    if not fine then raise(chart, ref) end
+    chart.reference, chart.floor, chart.reference_text = ref, max(apart, 1e-15), text
+  end
+  for _, entry in ipairs(entries) do measure_all(chart, entry, chart.points) end
+  local rival = options.rivals ~= false and measures.rival(system, options.rules, M.name)
+  if rival then
+    rival.points, chart.rival = {}, rival
+    measure_all(chart, rival, rival.points)
+  end
+  return chart
+end)
+
+local doc_system = [[
+system:chart{q=, v= | p=, t=, rules={...}, h={...}, ...} -> dm.chart
+The same as dm.chart{system, ...}.]]
+
+core.docs[M.chart] = doc_chart
+M.order, M.plot, M.csv = orders.order, show.plot, show.csv
+core.docs[M.order], core.docs[M.cheapest], core.docs[M.pareto] = orders.doc, doc_cheapest, doc_pareto
+core.docs[M.table], core.docs[M.plot], core.docs[M.csv] = doc_table, show.doc_plot, show.doc_csv
+require "dm.base.class".register(M, { "order", "cheapest", "pareto", "table", "plot", "csv" }, [[
+dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}
+fields: points (a list of {rule, h, error, ns, steps, evaluations, newton}), rules (names), failures (points that could not be run, and why), rival]])
+core.method("dm.system", "chart", blame.caller(function(system, options)
+  local given = {}
+  for key, value in pairs(type(options) == "table" and options or {}) do given[key] = value end
+  given.system = system
+  return M.chart(given)
+end), doc_system)
+
+return M

@@ -1,0 +1,114 @@
+--- Paths to files and back: csv (17 significant digits) and npy (the bits themselves).
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local text_file = require "dm.base.text_file"
+
+local open, write_all = text_file.open, text_file.write_all
+
+local M = {}
+
+local CHUNK = 1024  -- rows put together before a write
+
+-- columns as plain tables, and their names
+local function columns_of(path)
+  local names, columns = path.columns, {}
+  for i, name in ipairs(names) do
+    columns[i] = require "dm.show.series".numbers(path:column(name), name)
+  end
+  return columns, names
+end
+
+-- iterator over strings of up to CHUNK rows each, header first
+local function chunks(columns, header, format)
+  local n, i = #columns[1], 0
+  return function()
+    if header then
+      local first = header
+      header = nil
+      return first
+    end
+    if i >= n then return nil end
+    local lines, row = {}, {}
+    for k = i + 1, math.min(n, i + CHUNK) do
+      for c = 1, #columns do row[c] = columns[c][k] end
+      lines[#lines + 1] = format(row)
+    end
+    i = i + #lines
+    return table.concat(lines)
+  end
+end
+
+---- csv ----
+
+local function csv_quote(name)
+  if name:find('[",\n\r]') then return '"' .. name:gsub('"', '""') .. '"' end
+  return name
+end
+
+local function csv_header(names)
+  local quoted = {}
+  for i, name in ipairs(names) do quoted[i] = csv_quote(name) end
+  return table.concat(quoted, ",") .. "\n"
+end
+
+local function csv_row(count)
+  local pattern = ("%.17g,"):rep(count - 1) .. "%.17g\n"
+  return function(row) return pattern:format(table.unpack(row, 1, count)) end
+end
+
+local doc_csv = [[
+path:csv(file) -> file name   or   path:csv() -> string
+The rows as comma-separated values under a line of column names, 17 significant digits: reading them
+back gives the same bits. Raises when the file cannot be written.]]
+
+M.csv = blame.caller(function(path, file)
+  local columns, names = columns_of(path)
+  local pieces = chunks(columns, csv_header(names), csv_row(#names))
+  if file == nil then
+    local all = {}
+    for piece in pieces do all[#all + 1] = piece end
+    return table.concat(all)
+  end
+  write_all(open(file, "w", "path:csv"), file, pieces)
+  return file
+end)
+
+---- npy: records of little-endian doubles with named fields ----
+
+-- magic, version, length of the text, text; all a multiple of 64 bytes that ends in a newline.
+-- Version 1.0, or 3.0 (UTF-8 text) when a name is not ASCII.
+local function npy_header(names, rows)
+  local fields = {}
+  for i, name in ipairs(names) do
+    fields[i] = ("('%s', '<f8')"):format(name:gsub("[\\']", "\\%0"))
+  end
+  local text = ("{'descr': [%s], 'fortran_order': False, 'shape': (%d,), }")
+    :format(table.concat(fields, ", "), rows)
+  local wide = #text > 65000 or text:find("[\128-\255]")
+  local fixed = wide and 12 or 10
+  local size = (fixed + #text + 1 + 63) // 64 * 64 - fixed
+  text = text .. (" "):rep(size - 1 - #text) .. "\n"
+  return "\147NUMPY" .. (wide and "\3\0" or "\1\0") .. (wide and "<I4" or "<I2"):pack(size) .. text
+end
+
+local function npy_row(count)
+  local pattern = "<" .. ("d"):rep(count)
+  return function(row) return pattern:pack(table.unpack(row, 1, count)) end
+end
+
+local doc_npy = [[
+path:npy(file) -> file name
+The rows as a NumPy array with named fields: numpy.load(file)["q1"] is the column q1. The bits of the
+numbers are kept. Raises when the file cannot be written.]]
+
+M.npy = blame.caller(function(path, file)
+  local columns, names = columns_of(path)
+  local pieces = chunks(columns, npy_header(names, #path), npy_row(#names))
+  write_all(open(file, "wb", "path:npy"), file, pieces)
+  return file
+end)
+
+core.method("dm.path", "csv", M.csv, doc_csv)
+core.method("dm.path", "npy", M.npy, doc_npy)
+
+return M

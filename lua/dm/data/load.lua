@@ -1,0 +1,138 @@
+--- dm.load: the columns of a csv or npy file as vectors.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+
+local M = {}
+
+local function fail(file, ...) error(("dm.load: %s: "):format(file) .. (...):format(select(2, ...)), 0) end
+
+---- csv ----
+
+-- one field from position `at`: its text and where the next begins
+local function csv_field(line, at)
+  if line:sub(at, at) ~= '"' then
+    local text = line:match("^[^,]*", at)
+    return text, at + #text + 1
+  end
+  local text = ""
+  repeat
+    local part, after = line:match('^"([^"]*)"()', at)
+    if not part then return nil end
+    text, at = text .. part, after
+    local doubled = line:sub(at, at) == '"'
+    if doubled then text = text .. '"' end
+  until not doubled
+  return text, at + 1
+end
+
+local function csv_fields(file, line, number)
+  local fields, at = {}, 1
+  while at <= #line + 1 do
+    local text
+    text, at = csv_field(line, at)
+    if not text then fail(file, "line %d: a quote is not closed", number) end
+    fields[#fields + 1] = text
+  end
+  return fields
+end
+
+local WORDS = { nan = 0 / 0, ["-nan"] = 0 / 0, inf = math.huge, ["-inf"] = -math.huge }
+
+local function csv_number(file, text, number, name)
+  local x = tonumber(text) or WORDS[text:match("^%s*(.-)%s*$"):lower()]
+  if not x then fail(file, "line %d, column %s: not a number: %q", number, name, text) end
+  if x == 0 and text:find "^%s*-" then return -0.0 end
+  return x + 0.0
+end
+
+local function load_csv(file, handle)
+  local line = handle:read("l")
+  if not line then fail(file, "is empty; a line of column names is needed") end
+  local names, columns, number, rows = csv_fields(file, line:gsub("\r$", ""), 1), {}, 1, 0
+  for c in ipairs(names) do columns[c] = {} end
+  for text in handle:lines("l") do
+    number, text = number + 1, text:gsub("\r$", "")
+    if text ~= "" then
+      local fields = csv_fields(file, text, number)
+      if #fields ~= #names then
+        fail(file, "line %d has %d fields, the first line names %d", number, #fields, #names)
+      end
+      rows = rows + 1
+      for c, field in ipairs(fields) do columns[c][rows] = csv_number(file, field, number, names[c]) end
+    end
+  end
+  return names, columns
+end
+
+---- npy ----
+
+-- text of the header; the file is left at the first byte of the data
+local function npy_text(file, handle)
+  local head = handle:read(8) or ""
+  if head:sub(1, 6) ~= "\147NUMPY" or #head < 8 then fail(file, "is not an npy file") end
+  local format = head:byte(7) == 1 and "<I2" or "<I4"
+  local size = handle:read(format:packsize()) or ""
+  if #size < format:packsize() then fail(file, "ends inside the header") end
+  local text = handle:read((format:unpack(size))) or ""
+  if text:find("'fortran_order': *True") then fail(file, "has Fortran order; save it in C order") end
+  return text
+end
+
+-- names of the columns and the number of rows, from named fields or a plain array
+local function npy_shape(file, text)
+  local rows, width = text:match("'shape': *%((%d+),? *(%d*)%)")
+  local fields = text:match("'descr': *%[(.-)%], *'fortran")
+  local names = {}
+  if fields then
+    for _, name, kind in fields:gmatch("%((['\"])(.-[^\\])%1, *'(.-)'%)") do
+      if kind ~= "<f8" then fail(file, "field %s has type %s; only <f8 is read", name, kind) end
+      names[#names + 1] = name:gsub("\\(.)", "%1")
+    end
+  elseif text:find("'descr': *'<f8'") and rows then
+    for c = 1, tonumber(width) or 1 do names[c] = "c" .. c end
+  else
+    fail(file, "holds neither <f8 numbers nor records of them")
+  end
+  if not rows or #names == 0 then fail(file, "has an unknown shape") end
+  return names, tonumber(rows)
+end
+
+local function load_npy(file, handle)
+  local names, rows = npy_shape(file, npy_text(file, handle))
+  local pattern, columns = "<" .. ("d"):rep(#names), {}
+  for c in ipairs(names) do columns[c] = {} end
+  for i = 1, rows do
+    local record = handle:read(8 * #names)
+    if not record or #record < 8 * #names then fail(file, "ends at row %d of %d", i, rows) end
+    local row = { pattern:unpack(record) }
+    for c in ipairs(names) do columns[c][i] = row[c] end
+  end
+  if handle:read(1) then fail(file, "holds more than the %d rows of its header", rows) end
+  return names, columns
+end
+
+---- both ----
+
+local doc_load = [[
+dm.load(file) -> table
+Columns of a .csv file (first line: names) or a .npy file, as path:csv and path:npy write them:
+data.columns lists the names, data.q1 is a dm.vector. Raises with the line and the column of what is
+not a number.]]
+
+M.load = blame.caller(function(file)
+  if type(file) ~= "string" then error("dm.load: a file name is needed (got " .. type(file) .. ")", 0) end
+  local is_npy = file:lower():find("%.npy$")
+  local handle, why = io.open(file, "rb")
+  if not handle then error("dm.load: cannot open " .. why, 0) end
+  local fine, names, columns = pcall(is_npy and load_npy or load_csv, file, handle)
+  handle:close()
+  if not fine then error(names, 0) end
+  local data = {}
+  for c, name in ipairs(names) do data[name] = core.vector(columns[c]) end
+  data.columns = names
+  return data
+end)
+
+core.docs[M.load] = doc_load
+
+return M

@@ -1,0 +1,100 @@
+--- The system linearised at a state, and the exact tangent map along an orbit: eigenvalues that say whether small changes stay small.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local starts = require "dm.base.start"
+
+local M = {}
+
+local abs, sqrt, max, huge = math.abs, math.sqrt, math.max, math.huge
+
+-- L(q, v) at a fixed time as a traced function of both
+local function traced(system, t)
+  local given, n = system.given, system.Q.dimension
+  local params = given.params
+  return core.trace(function(q, v) return given.L(q, v, t, params) end, n, n)
+end
+
+-- d(q, v)/dt of a small change: M a = L_qq q + (L_qv - L_vq) v
+local function field(system, q, v, t)
+  local n = system.Q.dimension
+  local H = traced(system, t):hessian(q, v)
+  local mass, right = core.matrix(n, n), core.matrix(n, 2 * n)
+  for i = 1, n do
+    for k = 1, n do
+      mass[i][k] = H[n + i][n + k]
+      right[i][k] = H[i][k]
+      right[i][n + k] = H[i][n + k] - H[n + i][k]
+    end
+  end
+  local solved, out = mass:solve(right), core.matrix(2 * n, 2 * n)
+  for i = 1, n do
+    out[i][n + i] = 1
+    for k = 1, 2 * n do out[n + i][k] = solved[i][k] end
+  end
+  return out
+end
+
+local function check_plain(system, what)
+  local given = system.given
+  if not (given and given.L) then error(what .. " needs a dm.system", 0) end
+  if given.constraint or given.rolling or given.force then
+    error(what .. ": for systems without constraints and forces; solver:multipliers has the tangent map of any", 0)
+  end
+  if system:structure().linear_in_v then
+    error(what .. ": L has no term quadratic in v, so that no acceleration follows from it: its equations are not of second order", 0)
+  end
+end
+
+local function describe(rates, frequencies)
+  local fastest, growth = 0, 0
+  for _, w in ipairs(frequencies) do fastest = max(fastest, w) end
+  for _, s in ipairs(rates) do growth = max(growth, s) end
+  local small = 1e-7 * max(fastest, growth)
+  if growth > small then return false, ("unstable: a small change grows like exp(%.5g t)"):format(growth), fastest end
+  return true, ("no small change grows exponentially; the fastest oscillation has omega = %.5g"):format(fastest), fastest
+end
+
+M.linearize = blame.caller(function(system, options)
+  options = starts.lists(options, system)
+  local what = "system:linearize"
+  if type(options) ~= "table" or not options.q then error(what .. " takes { q =, v = }", 0) end
+  for key in pairs(options) do
+    if key ~= "q" and key ~= "v" and key ~= "t" then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
+  end
+  check_plain(system, what)
+  local n = system.Q.dimension
+  if #options.q ~= n or options.v and #options.v ~= n then error(("%s: q and v have %d entries"):format(what, n), 0) end
+  local A = field(system, core.vector(options.q), core.vector(options.v or core.zeros(n)), options.t or 0)
+  for i = 1, 2 * n do
+    for k = 1, 2 * n do
+      if not (abs(A[i][k]) < huge) then error(what .. ": the second derivatives of L are not finite at this state", 0) end
+    end
+  end
+  local re, im = A:eigenvalues()
+  local stable, why, fastest = describe(re:totable(), im:totable())
+  return core.result { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im, matrix = A }
+end)
+
+---- orbits ----
+
+M.multipliers = blame.caller(function(solver, options)
+  options = starts.lists(options, solver)
+  local matrix, q, p = solver:tangent(options)
+  local re, im = matrix:eigenvalues()
+  local largest, size, n = 0, 1, #q
+  for i = 1, 2 * n do
+    largest = max(largest, sqrt(re[i] ^ 2 + im[i] ^ 2))
+    for k = 1, 2 * n do size = max(size, abs(matrix[i][k])) end
+  end
+  local p0 = options.p or solver.system:legendre(options.q, options.v, options.t0 or 0)
+  local closes = 0
+  for i = 1, n do closes = max(closes, abs(q[i] - options.q[i]), abs(p[i] - p0[i])) end
+  local slack = max(1e-6, 10 * sqrt(2.2e-16 * size))
+  local stable = largest <= 1 + slack
+  local why = stable and ("no multiplier is outside of the unit circle (largest modulus %.9g, known to %.1g)"):format(largest, slack)
+    or ("unstable: a small change grows by a factor of %.6g"):format(largest)
+  if closes > slack then why = why .. ("; the run ends %.2g from its start, so they are those of a closed orbit only up to a symmetry"):format(closes) end
+  return core.result { stable = stable, why = why, largest = largest, re = re, im = im, matrix = matrix, closes = closes }
+end)
+
+return M

@@ -1,0 +1,207 @@
+--- The modified energy of a symplectic rule, from a run: what the rule conserves in place of H.
+--
+-- A symplectic rule follows, up to exponentially small terms, the exact flow of a modified Hamiltonian H~ (Hairer, Lubich &
+-- Wanner IX). Along it dS = p dq - H~ dt, and S over a step is the discrete Lagrangian Ld. So
+--   H~ = (int p dq - sum Ld) / (2 h)  over two steps,
+-- int p dq of the polynomials through 2 k + 1 points of the run (error h^2k). Ld is had from the rule itself by a passive
+-- coordinate y = 0 with the momentum P_y: with z' y' + (1 + y) L in place of L, P_y grows by Ld in every step; for L = v M v/2 - V(q), where
+-- explicit rules want no product with v, with z' y' + L - y (V - q . V_q/2), and Ld is the growth of P_y + q . p/2.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local starts = require "dm.base.start"
+
+local M = {}
+
+local abs, max, cos, pi = math.abs, math.max, math.cos, math.pi
+
+---- int over [-1, 1] of l_i(s) l'_j(s) for the nodes -k .. k ----
+
+-- nodes and weights of Gauss on [-1, 1]
+local function gauss(r)
+  local x, w = {}, {}
+  for i = 1, r do
+    local z, slope = cos(pi * (i - 0.25) / (r + 0.5)), nil
+    for _ = 1, 100 do
+      local p0, p1 = 1, z
+      for j = 2, r do p0, p1 = p1, ((2 * j - 1) * z * p1 - (j - 1) * p0) / j end
+      slope = r * (z * p1 - p0) / (z * z - 1)
+      local step = p1 / slope
+      z = z - step
+      if abs(step) < 1e-16 then break end
+    end
+    x[i], w[i] = z, 2 / ((1 - z * z) * slope * slope)
+  end
+  return x, w
+end
+
+-- l_i(s) and l'_i(s) of the nodes -k .. k
+local function lagrange(k, s)
+  local value, slope = {}, {}
+  for i = -k, k do
+    local product, sum = 1, 0
+    for j = -k, k do
+      if j ~= i then product = product * (s - j) / (i - j) end
+    end
+    for m = -k, k do
+      if m ~= i then
+        local term = 1 / (i - m)
+        for j = -k, k do
+          if j ~= i and j ~= m then term = term * (s - j) / (i - j) end
+        end
+        sum = sum + term
+      end
+    end
+    value[i], slope[i] = product, sum
+  end
+  return value, slope
+end
+
+local function weights(k)
+  local x, w = gauss(2 * k + 1)
+  local W = {}
+  for i = -k, k do W[i] = {} for j = -k, k do W[i][j] = 0 end end
+  for g = 1, #x do
+    local value, slope = lagrange(k, x[g])
+    for i = -k, k do
+      for j = -k, k do W[i][j] = W[i][j] + w[g] * value[i] * slope[j] end
+    end
+  end
+  return W
+end
+
+---- the system with y and z ----
+
+local function head(x, n)
+  local out = {}
+  for i = 1, n do out[i] = x[i] end
+  return core.vector(out)
+end
+
+local function extended(system, separable)
+  local given, n = system.given, system.Q.dimension
+  local L = function(q, v) return given.L(q, v, 0, given.params) end
+  local y, z = n + 1, n + 2
+  if not separable then
+    return core.system { Q = core.R(n + 2), L = function(x, u) return u[y] * u[z] + (1 + x[y]) * L(head(x, n), head(u, n)) end }
+  end
+  local rest = {}
+  for i = 1, n do rest[i] = 0 end
+  rest = core.vector(rest)
+  local V = function(q) return -L(q, rest) end
+  local slope = core.derivative(V, n)
+  return core.system { Q = core.R(n + 2), L = function(x, u)
+    local q = head(x, n)
+    return u[y] * u[z] + L(q, head(u, n)) - x[y] * (V(q) - 0.5 * q:dot(slope(q)))
+  end }
+end
+
+-- is L = v M v/2 - V(q)?
+local function is_simple(system)
+  local s = system:structure()
+  if not (s.separable and s.constant_mass) then return false end
+  local n, rest, here = system.Q.dimension, {}, {}
+  for i = 1, n do rest[i], here[i] = 0, 0.1 * i end
+  local fine, p = pcall(system.momentum, system, here, rest)
+  return fine and p:norm() == 0
+end
+
+---- along the run ----
+
+local function columns(path, n)
+  local q, p = {}, {}
+  for i = 1, n do q[i], p[i] = path:column("q" .. i):totable(), path:column("p" .. i):totable() end
+  return q, p
+end
+
+-- S up to every row
+local function actions(path, q, p, n, simple)
+  local S = path:column("p" .. n + 1):totable()
+  if not simple then return S end
+  for r = 1, #S do
+    local sum = 0
+    for i = 1, n do sum = sum + q[i][r] * p[i][r] end
+    S[r] = S[r] + 0.5 * sum
+  end
+  return S
+end
+
+local function series(path, n, k, h, simple)
+  local q, p = columns(path, n)
+  local S, W, out = actions(path, q, p, n, simple), weights(k), {}
+  for r = 1 + k, #S - k do
+    local sum = 0
+    for i = 1, n do
+      local qi, pi_, q0 = q[i], p[i], q[i][r]
+      for a = -k, k do
+        local row, inner = W[a], 0
+        for b = -k, k do inner = inner + row[b] * (qi[r + b] - q0) end
+        sum = sum + inner * pi_[r + a]
+      end
+    end
+    out[#out + 1] = (sum - (S[r + 1] - S[r - 1])) / (2 * h)
+  end
+  return out
+end
+
+local function check(solver, options)
+  local known = { q = true, v = true, p = true, steps = true, points = true }
+  local what = "solver:modified_energy"
+  if type(options) ~= "table" then error(what .. " takes a table { q =, v =, steps = }", 0) end
+  for key in pairs(options) do
+    if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
+  end
+  local system = solver.system
+  local given = system.given
+  local s = given and given.L and system:structure()
+  if tostring(solver.rule):find "^degenerate" then
+    error(what .. ": not for rule '" .. tostring(solver.rule) .. "': L is linear in v, and its H is the energy itself", 0)
+  end
+  if not s or not s.autonomous or given.constraint or given.rolling or given.force then
+    error(what .. " needs a Lagrangian without time, constraints and forces", 0)
+  end
+  if tostring(solver.rule):find "^log%-hamiltonian" then
+    error(what .. ": '" .. tostring(solver.rule) .. "' has a time of its own; the energy it keeps is H itself", 0)
+  end
+  local steps, k = math.tointeger(options.steps or 0), options.points or 6
+  if not steps or steps > 2 ^ 24 then
+    error(what .. ": 'steps' must be a whole number up to 2^24: all rows are kept", 0)
+  end
+  if math.type(k) ~= "integer" or k < 1 or k > 10 then error(what .. ": 'points' is a whole number from 1 to 10", 0) end
+  if not (steps >= 2 * k + 3) then error(("%s needs at least %d steps"):format(what, 2 * k + 3), 0) end
+  return system, k
+end
+
+local doc = [[
+solver:modified_energy{q=, v= | p=, steps=, points=} -> {energy, H, mean, amplitude, drift, error, t}
+What a symplectic rule keeps in place of H: the modified energy along a run, from int p dq of the polynomials through 2 points + 1
+(default 13) neighbouring points and the discrete Lagrangian of every step, (int p dq - Ld)/h; right to h^(2 points), so for steps that resolve
+the motion. energy, H, t: vectors, the modified energy and H at the same rows; amplitude: the largest distance of the modified energy from its mean;
+drift: its slope per unit of time with its standard error: round-off for a symplectic rule. Needs a Lagrangian without time,
+constraints and forces.]]
+
+M.modified_energy = blame.caller(function(solver, options)
+  options = starts.lists(options, solver)
+  local system, k = check(solver, options)
+  local n, simple = system.Q.dimension, is_simple(system)
+  local p = options.p or system:legendre(options.q, options.v)
+  local x, momentum = {}, {}
+  for i = 1, n do x[i], momentum[i] = options.q[i], p[i] end
+  for i = n + 1, n + 2 do x[i], momentum[i] = 0, 0 end
+  local path = extended(system, simple):solver { rule = solver.rule, h = solver.h,
+    newton = { tolerance = solver.tolerance, max_iterations = solver.max_iterations } }
+    :run { q = x, p = momentum, steps = options.steps }
+  local values = series(path, n, k, solver.h, simple)
+  local plain = solver:run { q = options.q, v = options.v, p = options.p, steps = options.steps }
+  local H, E, t, mean, worst = plain:energy(), {}, {}, 0, 0
+  for i, value in ipairs(values) do
+    E[i], t[i], mean = H[i + k], path.t[i + k], mean + value / #values
+  end
+  for _, value in ipairs(values) do worst = max(worst, abs(value - mean)) end
+  local slope = core.drift(core.vector(t), core.vector(values))
+  return core.result { energy = core.vector(values), H = core.vector(E), t = core.vector(t), mean = mean, amplitude = worst,
+    drift = slope.per_time, error = slope.error }
+end)
+
+core.method("dm.solver", "modified_energy", M.modified_energy, doc)
+
+return M

@@ -1,0 +1,147 @@
+--- Is it a symmetry? Looked at where the derivatives are exact: at points in the domain, the first that says no is named.
+local core = require "dm.core"
+local linear = require "dm.base.linear"
+
+local M = {}
+
+local abs, max = math.abs, math.max
+local TRIES, ENOUGH, TOLERANCE = 80, 12, 1e-10
+
+-- numbers between -1 and 1, the same in every run
+local function generator()
+  local state = 12345
+  return function()
+    state = (state * 1103515245 + 12345) % 2 ^ 31
+    return state / 2 ^ 30 - 1
+  end
+end
+
+-- a point near `at`, or anywhere: the first tries are positive and below 1, then larger ones of either sign
+local function point(random, try, n, at)
+  local out = {}
+  for i = 1, n do
+    local r = random()
+    if at then
+      out[i] = at[i] + (try == 1 and 0 or 0.1 * r)
+    elseif try <= TRIES // 2 then
+      out[i] = 0.4 + 0.35 * r
+    else
+      out[i] = 2 * r
+    end
+  end
+  return out
+end
+
+--- Points (q, v, t) at which f(q, v, t) is finite, at most `enough` (ENOUGH) of them; near the start where one is given.
+function M.points(n, f, start, enough)
+  local random, out = generator(), {}
+  enough = enough or ENOUGH
+  for try = 1, TRIES do
+    local near = start and try <= TRIES / 4
+    local q = point(random, try, n, near and start.q or nil)
+    local v = point(random, try, n, near and start.v or nil)
+    local t = 0.3 * abs(random())
+    if pcall(f, q, v, t) then out[#out + 1] = { q = core.vector(q), v = core.vector(v), t = t } end
+    if #out == enough then break end
+  end
+  return out
+end
+
+local function text(x)
+  local out = {}
+  for i = 1, #x do out[i] = ("%.6g"):format(x[i]) end
+  return "{" .. table.concat(out, ", ") .. "}"
+end
+M.text = text
+
+local function at(p)
+  return ("q = %s, v = %s, t = %.6g"):format(text(p.q), text(p.v), p.t)
+end
+M.at = at
+
+-- the same in the coordinates that the user has: those which an action moves, where there is one
+local function place(info, p)
+  if not info.ambient then return at(p) end
+  local q, v = info.ambient.lift(p.q, p.v)
+  return at { q = q, v = v, t = p.t }
+end
+
+local NO_SYMMETRY = "L is not invariant under the action: it changes by %.6g along '%s' at %s"
+
+--- dL/dtheta = 0 at all points; slope(q, v, t) is the gradient of L.
+function M.lagrangian(info, slope)
+  for _, p in ipairs(info.points) do
+    local g, size = slope(p.q, p.v, p.t), 1
+    for i = 1, 2 * info.n do size = max(size, abs(g[i])) end
+    for _, i in ipairs(info.cyclic) do
+      if abs(g[i]) > TOLERANCE * size then
+        if info.ambient then error(NO_SYMMETRY:format(g[i], info.names[i], place(info, p)), 0) end
+        error(("L is not invariant under translations of '%s': dL/d%s = %.6g at %s")
+          :format(info.names[i], info.names[i], g[i], at(p)), 0)
+      end
+    end
+  end
+end
+
+-- numbers of a tie function, always as a list
+local function numbers(value)
+  if type(value) == "number" then return { value } end
+  local out = {}
+  for i = 1, #value do out[i] = value[i] end
+  return out
+end
+M.numbers = numbers
+
+-- q with the group coordinates somewhere else
+local function moved(info, p)
+  local q = {}
+  for i = 1, info.n do q[i] = p.q[i] end
+  for a, i in ipairs(info.cyclic) do q[i] = q[i] + 0.7 + 0.3 * a end
+  return core.vector(q)
+end
+
+local function compare(what, f, info, read)
+  for _, p in ipairs(info.points) do
+    local fine, a, b = pcall(function() return numbers(read(f, p.q, p.v, p.t)), numbers(read(f, moved(info, p), p.v, p.t)) end)
+    for i = 1, fine and #a or 0 do
+      if abs(a[i] - b[i]) > TOLERANCE * max(1, abs(a[i])) then
+        error(("%s is not invariant: entry %d changes from %.6g to %.6g when the group moves q at %s")
+          :format(what, i, a[i], b[i], place(info, p)), 0)
+      end
+    end
+  end
+end
+
+--- A force (q, v, t) that is invariant and does no work along the group.
+function M.force(info, f)
+  compare("the force", f, info, function(g, q, v, t) return g(q, v, t) end)
+  for _, p in ipairs(info.points) do
+    local fine, F = pcall(f, p.q, p.v, p.t)
+    for _, i in ipairs(fine and info.cyclic or {}) do
+      if abs(F[i]) > TOLERANCE then
+        error(("the force has a component along the group: it pushes '%s' with %.6g at %s, so the momentum of '%s' is not kept and "
+          .. "cannot be eliminated"):format(info.names[i], F[i], place(info, p), info.names[i]), 0)
+      end
+    end
+  end
+end
+
+--- A constraint g(q, t) that the group keeps.
+function M.constraint(info, g)
+  compare("the constraint", g, info, function(f, q, _, t) return f(q, t) end)
+end
+
+--- The locked inertia can be solved with: the order of its rows in elimination.
+function M.inertia(info, I)
+  local order = linear.order(I)
+  if not order and info.full:structure().linear_in_v then
+    error("L is linear in the velocities: its momentum is a function of q alone, which determines no velocity of the group; degenerate(s) steps this "
+      .. "system unreduced", 0)
+  end
+  if not order then
+    error("the locked inertia is singular at " .. place(info, info.sample) .. ": the momentum does not determine the velocity of the group", 0)
+  end
+  return order
+end
+
+return M

@@ -1,0 +1,230 @@
+--- What a reduced system shows of the bundle it came from: locked inertia, connection, curvature, amended potential, lift.
+local blame = require "dm.base.blame"
+local check = require "dm.reduce.check"
+local core = require "dm.core"
+local model = require "dm.reduce.model"
+local routh = require "dm.reduce.routh"
+
+local M = {}
+
+local function zeros(n)
+  local out = {}
+  for i = 1, n do out[i] = 0 end
+  return core.vector(out)
+end
+
+local TAKES = "%s takes a point of the shape space: %d number%s (got %s)"
+
+--- x as a vector of `count` finite numbers; text is the complaint, with what, count, plural s and what was given.
+function M.numbers(what, x, count, text)
+  if type(x) == "number" and count == 1 then x = { x } end
+  local fine, length = pcall(function() return #x end)
+  local is_list = fine and type(x) ~= "string"
+  local there, out = pcall(core.vector, is_list and length == count and x or nil)
+  if not is_list or length ~= count or not there then
+    error(text:format(what, count, count == 1 and "" or "s", is_list and length ~= count and length or is_list and "something else" or type(x)), 0)
+  end
+  for i = 1, count do
+    if type(out[i]) == "number" and not (math.abs(out[i]) < math.huge) then error(("%s: entry %d is %s, but must be finite"):format(what, i, out[i]), 0) end
+  end
+  return out
+end
+
+local function time(what, t)
+  if t ~= nil and not (type(t) == "number" and math.abs(t) < math.huge) then
+    error(("%s: the time must be a finite number (got %s)"):format(what, type(t) == "number" and t or type(t)), 0)
+  end
+  return t or 0
+end
+
+-- x as a vector of dim shape, t (default 0)
+local function place(info, what, x, t)
+  return M.numbers(what, x, info.d, TAKES), time(what, t)
+end
+
+-- the function of the shape called `name`, traced once for L as it is
+local function shown(info, name, f, ...)
+  model.derived(info)
+  local kept = info.shown[name]
+  if not kept then
+    kept = core.trace(f, ...)
+    info.shown[name] = kept
+  end
+  return kept
+end
+
+-- rows of A one after the other, as a function of (x, t)
+local function connection_of(info)
+  return shown(info, "connection", function(x, t)
+    local A, out = model.connection(info, x, t), {}
+    for a = 1, info.m do for j = 1, info.d do out[#out + 1] = A[a][j] end end
+    return core.vector(out)
+  end, info.d, "number")
+end
+
+-- f(...), or an error that says at which shape there is no value
+local function at_shape(what, x, f, ...)
+  local fine, out = pcall(f, ...)
+  if fine then return out end
+  local message = tostring(out)
+  if not (message:find(" is NaN ", 1, true) or message:find("infinite", 1, true)) then error(out, 0) end
+  error(("%s: there is no value at the shape %s: the locked inertia is singular there (the group does not act freely), or it is outside of the domain of L")
+    :format(what, check.text(x)), 0)
+end
+
+M.connection = blame.caller(function(shape, x, t)
+  local info = routh.need(shape, "connection")
+  x, t = place(info, "connection", x, t)
+  local flat, rows = at_shape("connection", x, connection_of(info), x, t), {}
+  for a = 1, info.m do
+    rows[a] = {}
+    for j = 1, info.d do rows[a][j] = flat[(a - 1) * info.d + j] end
+  end
+  return core.matrix(rows)
+end)
+
+M.curvature = blame.caller(function(shape, x, t, a)
+  local info = routh.need(shape, "curvature")
+  x, t = place(info, "curvature", x, t)
+  if a ~= nil and (math.type(a) ~= "integer" or a < 1 or a > info.m) then
+    error(("curvature: the component must be a whole number from 1 to %d"):format(info.m), 0)
+  end
+  local A = connection_of(info)
+  local J, d, out = at_shape("curvature", x, A.jacobian, A, x, t), info.d, {}
+  for i = 1, d do
+    out[i] = {}
+    for j = 1, d do
+      local sum = 0
+      for b = 1, info.m do
+        local weight = a and (a == b and 1 or 0) or info.mu[b]
+        sum = sum + weight * (J[(b - 1) * d + j][i] - J[(b - 1) * d + i][j])
+      end
+      out[i][j] = sum
+    end
+  end
+  return core.matrix(out)
+end)
+
+M.symplectic_form = blame.caller(function(shape, x, t)
+  local info = routh.need(shape, "symplectic_form")
+  local beta, d, out = M.curvature(shape, x, t), info.d, {}
+  for i = 1, d do
+    out[i], out[d + i] = {}, {}
+    for k = 1, d do
+      out[i][k], out[i][d + k] = -beta[i][k], i == k and 1 or 0
+      out[d + i][k], out[d + i][d + k] = i == k and -1 or 0, 0
+    end
+  end
+  return core.matrix(out)
+end)
+
+M.locked_inertia = blame.caller(function(shape, x, t)
+  local info = routh.need(shape, "locked_inertia")
+  x, t = place(info, "locked_inertia", x, t)
+  return at_shape("locked_inertia", x, function()
+    local _, I = model.momentum_parts(info, x, zeros(info.d), t)
+    return core.matrix(I)
+  end)
+end)
+
+M.amended_potential = blame.caller(function(shape, x, t)
+  local info = routh.need(shape, "amended_potential")
+  x, t = place(info, "amended_potential", x, t)
+  return -at_shape("amended_potential", x, shape.lagrangian, shape, x, zeros(info.d), t)
+end)
+
+-- B = mu A
+local function potential_of(info, x, t)
+  local A, B, d = at_shape("connection", x, connection_of(info), x, t), {}, info.d
+  for j = 1, d do
+    B[j] = 0
+    for a = 1, info.m do B[j] = B[j] + info.mu[a] * A[(a - 1) * d + j] end
+  end
+  return core.vector(B)
+end
+M.potential_of = potential_of
+
+M.routhian = blame.caller(function(shape, x, v, t, kind)
+  local info = routh.need(shape, "routhian")
+  x, t = place(info, "routhian", x, t)
+  v = place(info, "routhian", v)
+  local R = shape:lagrangian(x, v, t)
+  if kind == nil or kind == "classical" then return R end
+  if kind ~= "magnetic" then error("routhian: the kind must be \"classical\" or \"magnetic\"", 0) end
+  return R - potential_of(info, x, t):dot(v)
+end)
+
+M.magnetic_momentum = blame.caller(function(shape, x, p, t)
+  local info = routh.need(shape, "magnetic_momentum")
+  x, t = place(info, "magnetic_momentum", x, t)
+  return place(info, "magnetic_momentum", p) - potential_of(info, x, t)
+end)
+
+-- theta' as a function of (x, x', t)
+function M.rate_of(info)
+  return shown(info, "rate", function(x, u, t) return core.vector((model.group_velocity(info, x, u, t))) end, info.d, info.d, "number")
+end
+
+M.lift = blame.caller(function(shape, x, v, theta, t)
+  local info = routh.need(shape, "lift")
+  x, t = place(info, "lift", x, t)
+  v = place(info, "lift", v)
+  theta = M.theta_list(info, theta)
+  local rate = M.rate_of(info)(x, v, t)
+  for a = 1, info.m do
+    if not (math.abs(rate[a]) < math.huge) then
+      error(("lift: there is no velocity of '%s' at this shape: the locked inertia is singular there"):format(info.names[info.cyclic[a]]), 0)
+    end
+  end
+  local q, u = model.embed(info, x, theta), model.embed(info, v, rate)
+  if info.ambient then return info.ambient.lift(q, u) end
+  return q, u
+end)
+
+--- theta, or what is called so, as a list of m numbers.
+function M.theta_list(info, theta, what)
+  if theta == nil then return zeros(info.m) end
+  return M.numbers(what or "theta", theta, info.m, "%s must be %d number%s (got %s)")
+end
+
+local OF_FULL = "%s must be %d number%s, as in the unreduced system (got %s)"
+
+M.start = blame.caller(function(shape, q, v, t)
+  local info = routh.need(shape, "start")
+  q, v = M.numbers("start: q", q, info.n, OF_FULL), M.numbers("start: v", v, info.n, OF_FULL)
+  t = time("start", t)
+  if info.ambient then q, v = info.ambient.split(q, v) end
+  local p = info.full:momentum(q, v, t)
+  for a, i in ipairs(info.cyclic) do
+    if not (math.abs(p[i] - info.mu[a]) <= 1e-10 * math.max(1, math.abs(info.mu[a]))) then
+      error(("this start has the momentum %.15g of '%s', but the system was reduced at mu = %.15g: reduce it with q = and v = of the start "
+        .. "in place of mu, or take another velocity"):format(p[i], info.names[i], info.mu[a]), 0)
+    end
+  end
+  if info.root and not require "dm.reduce.quadratic".is_branch(info, q, v, t) then
+    error("L is not convex in the velocity of the group: several have the momentum of this start, and this reduction has another one; reduce with q = and v = of the "
+      .. "start in place of mu", 0)
+  end
+  local x, theta = model.split(info, q)
+  local u = model.split(info, v)
+  return core.vector(x), core.vector(u), core.vector(theta)
+end)
+
+local reduction_class = { __name = "dm.reduction" }
+
+function reduction_class.__tostring(r)
+  local gone = {}
+  for a, name in ipairs(r.group) do gone[a] = ("%s (momentum %.6g)"):format(name, r.mu[a]) end
+  return ("reduction by %s of %s"):format(table.concat(gone, ", "), tostring(r.full))
+end
+
+M.reduction = blame.caller(function(shape)
+  local info = routh.info(shape)
+  if not info then return nil end
+  local names = {}
+  for a, i in ipairs(info.cyclic) do names[a] = info.names[i] end
+  return setmetatable({ full = info.ambient and info.ambient.system or info.full, mu = core.vector(info.mu), group = names,
+    cyclic = { table.unpack(info.cyclic) }, shape = { table.unpack(info.shape) } }, reduction_class)
+end)
+
+return M

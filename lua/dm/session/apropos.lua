@@ -1,0 +1,173 @@
+--- apropos: where a word is spoken of, in the docs, the demonstrations, the examples and the codes of failures.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local examples = require "dm.session.examples"
+local text = require "dm.session.text"
+
+local M = {}
+
+local docs, first_line, write = core.docs, text.first_line, text.write
+
+--- Signature -> doc of everything documented.
+function M.docs()
+  getmetatable(require "dm").load_all()
+  local found = {}
+  for _, doc in pairs(docs) do
+    if type(doc) == "string" then found[first_line(doc)] = doc end
+  end
+  for line in pairs(found) do  -- the doc of a method that was replaced by one that can do more
+    for other in pairs(found) do
+      if #other > #line and other:sub(1, #line + 3) == line .. "   " then found[line] = nil end
+    end
+  end
+  return found
+end
+
+-- a sentence in at most `width` characters, whole words of it
+local function cut(sentence, width)
+  if #sentence <= width then return sentence end
+  return sentence:sub(1, width - 3):match "^(.*%S)%s+%S*$" .. " ..."
+end
+
+-- "name   what" for each row { name, what }, cut to the width
+local function write_rows(title, rows)
+  if #rows == 0 then return end
+  local widest = 0
+  for _, row in ipairs(rows) do widest = math.max(widest, #row[1]) end
+  write(title)
+  for _, row in ipairs(rows) do
+    write(("  %-" .. widest .. "s  %s"):format(row[1], cut(row[2], text.width() - widest - 4)))
+  end
+end
+
+local function always() return true end
+
+---- rules ----
+
+--- The rules of whose doc `has` is true; returns how many.
+function M.rules(has)
+  local rows = {}
+  for _, rule in ipairs(core.rules()) do
+    if has(rule.signature .. "\n" .. rule.doc) then rows[#rows + 1] = { rule.name, rule.doc:match "^.-%.%f[%s\0]" or rule.doc } end
+  end
+  write_rows("rules of dm.solver{ rule = }, ?name says more:", rows)
+  return #rows
+end
+
+---- demonstrations ----
+
+local function spoken(demo)
+  local parts = { demo.title, demo.about }
+  for _, step in ipairs(demo.steps) do parts[#parts + 1] = step[1] .. "\n" .. step[2] end
+  return table.concat(parts, "\n")
+end
+
+--- The demonstrations of whose text `has` is true; returns how many.
+function M.demos(has)
+  local demo, rows = require "dm.session.demo", {}
+  for _, name in ipairs(demo.names()) do
+    local one = demo.find(name)
+    if (has or always)(name .. "\n" .. spoken(one)) then rows[#rows + 1] = { name, one.title } end
+  end
+  write_rows('demonstrations, demo "name" runs one:', rows)
+  return #rows
+end
+
+---- examples ----
+
+--- The examples of whose text `has` is true; returns how many.
+function M.examples(has)
+  local rows = {}
+  for _, name in ipairs(examples.names) do
+    local whole = examples.text(name)
+    if whole and (has or always)(name .. "\n" .. whole) then rows[#rows + 1] = { name, examples.title(examples.head(whole)) } end
+  end
+  local place = examples.file "name"
+  write_rows(place and ("examples, ?name says more; dmlua %s . runs one and leaves its picture here:"):format(place) or "", rows)
+  return #rows
+end
+
+---- failures ----
+
+--- The codes of failures of whose text `has` is true; returns how many.
+function M.failures(has)
+  local rows = {}
+  for _, row in ipairs(require "dm.session.failures") do
+    if (has or always)(table.concat(row, "\n")) then rows[#rows + 1] = row end
+  end
+  write_rows("codes of a dm.failure, ?code says what to try:", rows)
+  return #rows
+end
+
+--- ?name of a code, a demonstration or an example; returns whether it is one.
+function M.about(name)
+  for _, row in ipairs(require "dm.session.failures") do
+    if row[1] == name then return true, write(row[1], ": ", row[2], "\n", text.wrapped(row[3], text.width(), "  ")) end
+  end
+  local found = false
+  for _, known in ipairs(require "dm.session.demo".names()) do
+    if known == name then
+      local demo = require "dm.session.demo".find(name)
+      found = true
+      write(demo.title, "\n", text.wrapped(demo.about, text.width(), "  "), '\n  demo "', name, '" runs it.')
+    end
+  end
+  for _, known in ipairs(examples.names) do
+    local whole = known == name and examples.text(name)
+    if whole then
+      found = true
+      write("example ", name, "\n", text.wrapped(examples.head(whole), text.width(), "  "), ("\n  From a shell: dmlua %s . runs it and leaves its picture here."):format(examples.file(name)))
+    end
+  end
+  return found
+end
+
+---- apropos ----
+
+local doc_apropos = [[
+apropos(word)
+List what mentions the word, capitals or not: documented names, rules, demonstrations, examples and codes of failures, with how to open them.]]
+
+-- signatures of the docs of which `has` is true
+local function documented(has)
+  local lines = {}
+  for line, doc in pairs(M.docs()) do
+    if not line:find "^core%." and has(doc) then lines[#lines + 1] = line end  -- core: for modules, not for sessions
+  end
+  return text.sorted(lines)
+end
+
+-- what others call it -> what the docs say
+local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "friction", dissipative = "friction", drag = "friction",
+  adaptive = "eccentric", ["variable step"] = "eccentric", ["step size"] = "step h", ["time step"] = "step h", timestep = "step h",
+  animation = "animate", movie = "animate", video = "animate", parallel = "threads", multithread = "threads", noise = "random", ["n-body"] = "bodies", nbody = "bodies",
+  ["phase portrait"] = "plot", ["phase space"] = "plot", gyroscope = "rotation", graph = "plot", figure = "plot", picture = "plot", export = "csv",
+  collision = "encounter", integrator = "rule", scheme = "rule", error = "drift", conserved = "noether", invariant = "noether", ["error message"] = "failure" }
+
+local PLAIN = { ["é"] = "e", ["è"] = "e", ["ö"] = "oe", ["ä"] = "ae", ["ü"] = "ue" }
+
+-- everything that mentions the word; returns how many
+local function mentions(word)
+  local function has(what) return what:lower():find(word, 1, true) end
+  local lines = documented(has)
+  if #lines > 0 then write(table.concat(lines, "\n")) end
+  return #lines + M.rules(has) + M.demos(has) + M.examples(has) + M.failures(has)
+end
+
+M.apropos = blame.caller(function(word)
+  if type(word) ~= "string" or word == "" then
+    error(("apropos: a word is needed, apropos \"energy\" (got %s)"):format(word == "" and "none" or type(word)), 0)
+  end
+  local plain = word:gsub("[\xc3][\x80-\xbf]", PLAIN):lower()
+  if mentions(plain) > 0 then return end
+  local other = OTHER_WORDS[plain] or OTHER_WORDS[plain:match "^(.-)s?$"]
+  write(("nothing mentions %q; ?topics lists where to look"):format(word))
+  if other then
+    write(("but %q is spoken of:"):format(other))
+    mentions(other)
+  end
+end)
+
+docs[M.apropos] = doc_apropos
+
+return M

@@ -1,0 +1,104 @@
+--- Errors about a nil say which name or index was asked for in vain, and the nearest there is.
+local core = require "dm.core"
+
+local M = {}
+
+local getregistry = debug.getregistry
+local next, type, tonumber, find, match = next, type, tonumber, string.find, string.match
+local OWN = { params = "the table of params", dm = "dm" }
+local MOST = 12  -- names that are listed
+
+local function sorted(list)
+  table.sort(list)
+  return list
+end
+
+-- names of methods and documented fields of a class, of dm, or of the parameters
+local function names_of(note)
+  if not note.names then return sorted(require "dm.session.complete".names_of(note.of)) end
+  local names = {}
+  for name in next, note.names do names[#names + 1] = type(name) == "string" and not find(name, "^_") and name or nil end
+  return sorted(names)
+end
+
+-- the classes that have this method, by name, joined; nil for none
+local function owners(name)
+  local complete, found = require "dm.session.complete", {}
+  getmetatable(require "dm").load_all()  -- some classes come with a module
+  for class in next, core.docs do
+    if type(class) == "string" and (complete.methods_of(class) or {})[name] then found[#found + 1] = class end
+  end
+  return #found > 0 and table.concat(sorted(found), ", ") or nil
+end
+
+-- a system takes no step itself
+local function of_solver(note)
+  return note.of == "dm.system" and (require "dm.session.complete".methods_of "dm.solver" or {})[note.key]
+end
+
+local function what_there_is(note)
+  local names = names_of(note)
+  local near = core.nearest(note.key, names)
+  if near then return ("; did you mean '%s'?"):format(near) end
+  if of_solver(note) then return ("; a solver of it has: system:solver { rule =, h = }:%s"):format(note.key) end
+  local here = note.of ~= "dm" and rawget(require "dm", note.key)
+  if type(here) == "function" and not math[note.key] then return ("; it is dm.%s, a function"):format(note.key) end
+  local other = owners(note.key)
+  if other then return ("; it is a method of %s"):format(other) end
+  if #names == 0 then return "" end
+  local entries = note.of == "dm.vector" and "; its entries are [1], [2], ...; beside them" or ":"
+  if #names <= MOST then return entries .. " there is " .. table.concat(names, ", ") end
+  return note.of == "dm" and "; help(dm) lists what there is" or "; help(x) lists what there is"
+end
+
+local function explained(note)
+  if math.type(note.key) == "integer" then return ("%s has no entry %d"):format(note.of, note.key) end
+  local of = OWN[note.of] or "a " .. note.of
+  return ("%s has no '%s'%s"):format(of, note.key, what_there_is(note))
+end
+
+-- does the message speak of that nil? Its name, or that of an index, and a line that is the same or, of a name, near
+local function is_about(note, message)
+  local source, line, rest = match(message, "^([^\n]-):(%d+): ([^\n]*)")
+  if source ~= note.source then return false end
+  local same = tonumber(line) == note.line
+  if find(rest, "cannot compute nil", 1, true) or find(rest, "^cannot compute .* nil$") then return same end
+  local name = find(rest, "a nil value", 1, true) and match(rest, "%(%a+ '([^']*)'%)")
+  return name == note.key or same and (name == nil or name == "integer index" or name == "?") and find(rest, "a nil value", 1, true) ~= nil
+end
+
+-- a global that is not there but in math or dm, as sin and pi are: where it is
+local function of_library(message)
+  local name = find(message, "a nil value", 1, true) and match(message, "%(global '([%a_][%w_]*)'%)")
+  if not name or find(name, "^_") then return message end
+  local where = math[name] ~= nil and "math" or find(message, "attempt to call", 1, true) and core[name] ~= nil and "dm"
+  return where and ("%s: it is %s.%s"):format(message, where, name) or message
+end
+
+--- The message with what was noted about the nil in it, or where a global of that name is; any other message as it is.
+function M.explain(message)
+  local note = getregistry().dm_missed
+  if type(message) ~= "string" then return message end
+  if not note or not note.of or not is_about(note, message) then return of_library(message) end
+  local why = (type(note.key) == "string" or math.type(note.key) == "integer") and explained(note)
+  note.of = nil
+  return why and message .. ": " .. why or message
+end
+
+--- What is noted in words, or nothing.
+function M.noted()
+  local note = getregistry().dm_missed
+  local is_shown = note and note.of and (type(note.key) == "string" or math.type(note.key) == "integer")
+  return is_shown and explained(note) or nil
+end
+
+--- Forget it, before a function is called whose nil is looked into.
+function M.forget()
+  local note = getregistry().dm_missed
+  if note then note.of = nil end
+end
+
+local registry = getregistry()
+registry.dm_explain, registry.dm_noted, registry.dm_forget = M.explain, M.noted, M.forget
+
+return M

@@ -1,0 +1,287 @@
+--- Pictures: dm.plot, dm.figure, path:plot, path:series.
+-- This file makes a figure out of arguments; dm.braille shows it in a terminal, dm.gnuplot in a file.
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local axis, series_ = require "dm.show.axis", require "dm.show.series"
+
+local M = {}
+
+local KNOWN = { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style", "names",
+  "legend", "equal", "xrange", "yrange", "width", "height", "size" }
+local STYLES = { lines = true, points = true, linespoints = true, cells = true }  -- cells: rectangles xlow..xhigh, ylow..yhigh
+
+local function fail(...) error(("plot: " .. select(1, ...)):format(select(2, ...)), 0) end
+
+---- options ----
+
+local function check_keys(options, known)
+  for key in pairs(options) do
+    local found = math.type(key) == "integer"
+    for _, k in ipairs(known) do found = found or k == key end
+    if not found then
+      fail("unknown option '%s'; options are %s", tostring(key), table.concat(known, ", "))
+    end
+  end
+end
+
+local function check_text(options, keys)
+  for _, key in ipairs(keys) do
+    if options[key] ~= nil and type(options[key]) ~= "string" then
+      fail("option '%s' must be a string (got %s)", key, type(options[key]))
+    end
+  end
+end
+
+local function check_range(options, key)
+  local range = options[key]
+  if range == nil then return end
+  local lo, hi = table.unpack(type(range) == "table" and range or {})
+  if type(lo) ~= "number" or type(hi) ~= "number" or not (lo < hi and lo > -1e300 and hi < 1e300) then
+    fail("option '%s' must be {least, largest}", key)
+  end
+  if options.log and options.log:find(key:sub(1, 1)) and lo < 1e-300 then
+    fail("option '%s' must be positive on a logarithmic axis", key)
+  end
+end
+
+local function check_size(options)
+  local size = options.size or {}
+  if type(size) ~= "table" then fail "option 'size' must be {width, height}" end
+  local w, h = options.width or size[1], options.height or size[2]
+  for name, n in pairs { width = w or 100, height = h or 100 } do
+    if type(n) ~= "number" or not (n >= 4 and n <= 20000) then
+      fail("option '%s' must be a number from 4 to 20000 (pixels in a file, characters in a terminal)", name)
+    end
+  end
+  return w and math.floor(w), h and math.floor(h)
+end
+
+local function check_options(options)
+  check_keys(options, KNOWN)
+  check_text(options, { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style" })
+  if options.log and not options.log:find("^x?y?$") then
+    fail("option 'log' must be \"x\", \"y\" or \"xy\" (got %q)", options.log)
+  end
+  if options.style and not STYLES[options.style] then
+    fail("option 'style' must be \"lines\", \"points\" or \"linespoints\" (got %q)", options.style)
+  end
+  check_range(options, "xrange")
+  check_range(options, "yrange")
+  check_size(options)
+end
+
+---- from arguments to series ----
+
+local function is_column(v)
+  return type(v) == "userdata" or type(v) == "table" and type(v[1]) == "number"
+end
+
+-- { x =, y =, name =, style = } with its own copy of the numbers
+local function make_series(given, options, i)
+  local what = "series " .. i
+  local x = series_.numbers(given.x or given[1], what .. ": x")
+  local y = series_.numbers(given.y or given[2], what .. ": y")
+  if #x ~= #y then fail("%s has %d numbers x but %d numbers y", what, #x, #y) end
+  if #x == 0 then fail("%s is empty", what) end
+  if given.style and not STYLES[given.style] then fail("%s: unknown style %s", what, tostring(given.style)) end
+  local names = type(options.names) == "table" and options.names or {}
+  local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given, colour = given.colour,
+    style = given.style or options.style or (#x == 1 and "points" or "lines") }
+  for _, edge in ipairs(out.style == "cells" and { "xlow", "xhigh", "ylow", "yhigh" } or {}) do
+    out[edge] = series_.numbers(given[edge] or {}, what .. ": " .. edge)
+    if #out[edge] ~= #x then fail("%s has %d numbers x but %d numbers %s", what, #x, #out[edge], edge) end
+  end
+  return out
+end
+
+-- the arguments of dm.plot as a list of { x =, y = } and the options
+local function sort_arguments(a, b, c)
+  if is_column(a) and is_column(b) then return { { x = a, y = b } }, c or {} end
+  if is_column(a) and type(b) == "table" and is_column(b[1]) then
+    local list = {}
+    for i, y in ipairs(b) do list[i] = { x = a, y = y } end
+    return list, c or {}
+  end
+  if type(a) == "table" and type(a[1]) == "table" then
+    return a, b or {}
+  end
+  fail("needs two columns (vectors or tables of numbers), one column and a list of columns, "
+    .. "or a list of series { x =, y =, name = }")
+end
+
+---- from series to a panel ----
+
+-- what all series agree on, else nil
+local function shared(list, key)
+  local value = list[1].of[key]
+  for _, s in ipairs(list) do
+    if s.of[key] ~= value then return nil end
+  end
+  return value
+end
+
+local function count_gaps(list, panel)
+  local broken, negative = 0, 0
+  for _, s in ipairs(list) do
+    local b, n = series_.mark_gaps(s, panel.logx, panel.logy)
+    broken, negative = broken + b, negative + n
+  end
+  local function note(n, why)
+    local points = n == 1 and "1 point" or n .. " points"
+    if n > 0 then panel.notes[#panel.notes + 1] = points .. " not shown: " .. why end
+  end
+  note(broken, "not finite")
+  note(negative, "not positive on a logarithmic axis")
+end
+
+-- data range of a column with a little room around it, or the range that was asked for
+local function set_range(panel, name, room)
+  local is_log = panel["log" .. name]
+  local lo, hi = series_.range(panel.series, name)
+  if not lo then
+    fail("nothing to draw: no point is finite%s", is_log and " and positive on the logarithmic axis" or "")
+  end
+  if not is_log then
+    local plain = axis.new(lo, hi, 2)  -- gives a constant column a width
+    lo, hi = plain.lo, plain.hi
+  elseif lo == hi then
+    lo, hi = lo / 2, hi * 2
+  end
+  panel[name .. "range"] = { axis.pad(lo, hi, room, is_log) }
+end
+
+local function decide_equal(panel, list, options)
+  if panel.logx or panel.logy then
+    if options.equal then fail "option 'equal' and a logarithmic axis exclude each other" end
+    return false
+  end
+  if options.equal ~= nil then return options.equal and true or false end
+  if not (shared(list, "xplace") and shared(list, "yplace") and panel.xunit == panel.yunit) then return false end
+  local x, y = panel.xrange, panel.yrange
+  local ratio = (x[2] - x[1]) / (y[2] - y[1])
+  return ratio < 4 and ratio > 0.25
+end
+
+-- options win over what the series say of themselves
+local function make_panel(given, options)
+  check_options(options)
+  local list = {}
+  for i, s in ipairs(given) do
+    if type(s) ~= "table" then fail("series %d must be a table { x =, y = } (got %s)", i, type(s)) end
+    list[i] = make_series(s, options, i)
+  end
+  if #list == 0 then fail "there is no series to draw" end
+  local log = options.log or ""
+  local panel = { series = list, notes = {}, logx = log:find("x") ~= nil, logy = log:find("y") ~= nil,
+    title = options.title or shared(list, "title"),
+    xlabel = options.xlabel or shared(list, "xlabel") or "x",
+    ylabel = options.ylabel or shared(list, "ylabel") or (#list == 1 and "y" or nil),
+    xunit = options.xunit or shared(list, "xunit"), yunit = options.yunit or shared(list, "yunit") }
+  count_gaps(list, panel)
+  local rising = true
+  for _, s in ipairs(list) do rising = rising and s.style == "lines" and series_.rises(s.x) end
+  set_range(panel, "x", rising and 0 or 0.04)
+  set_range(panel, "y", 0.04)
+  panel.legend = (#list > 1 or list[1].style == "cells") and options.legend ~= false
+  panel.equal = decide_equal(panel, list, options)
+  for _, name in ipairs { "xrange", "yrange" } do
+    local asked = options[name]
+    if asked then panel[name] = { asked[1] * 1.0, asked[2] * 1.0 } end  -- floats: whole numbers wrap
+  end
+  return panel
+end
+
+---- showing ----
+
+-- pixels of one panel when none are asked for: equal axes get the shape of the data
+local function default_pixels(panel)
+  if not panel.equal then return 800, 480 end
+  local x, y = panel.xrange, panel.yrange
+  local w = 110 + 470 * (x[2] - x[1]) / (y[2] - y[1])
+  return math.floor(math.max(380, math.min(1100, w))), 560
+end
+
+local function to_file(panels, options)
+  local figure = { panels = panels, title = options.title, columns = options.columns or math.min(2, #panels) }
+  figure.rows = math.ceil(#panels / figure.columns)
+  local w, h = default_pixels(panels[1])
+  if #panels > 1 then w, h = 560 * figure.columns, 430 * figure.rows end
+  local asked_w, asked_h = check_size(options)
+  figure.width, figure.height = asked_w or w, asked_h or h
+  require "dm.show.gnuplot".write(figure, options.file)
+  return options.file
+end
+
+local function terminal()
+  local known = core.terminal and core.terminal() or {}
+  return { colour = known.colour, width = math.min(known.width or 80, 100) }
+end
+
+local function to_terminal(panels, options)
+  local here = terminal()
+  local w, h = check_size(options)
+  if options.title and #panels > 1 then io.write(options.title, "\n") end
+  local room = { colour = here.colour, width = math.max(20, math.min(w or here.width, 400)),
+    height = math.max(8, math.min(h or 24, 200)) }
+  for _, panel in ipairs(panels) do
+    io.write(table.concat(require "dm.show.braille".lines(panel, room), "\n"), "\n")
+  end
+end
+
+local function show(panels, options)
+  if options.file then return to_file(panels, options) end
+  return to_terminal(panels, options)
+end
+
+local doc_plot = "dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, "
+  .. "log=, style=, names=, legend=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing\n" .. [[
+Plot y against x: two vectors or tables of numbers of one length; x and a list of columns y; or a list of
+series { x =, y =, name =, style = } (then the options come second). Without `file` in the terminal, with
+it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines", "points" or
+"linespoints"; names: texts of the legend (legend = false: none); equal: one length per unit on both axes; xrange, yrange:
+{least, largest}; width, height (or size = {width, height}): pixels in a file, characters in a
+terminal. Points that are not finite, or not positive on a logarithmic axis, leave gaps and are counted
+below the plot. Long columns are thinned to what the picture can show, extremes kept.]]
+
+M.plot = blame.caller(function(a, b, c)
+  local list, options = sort_arguments(a, b, c)
+  if type(options) ~= "table" then fail("options must be a table (got %s)", type(options)) end
+  return show({ make_panel(list, options) }, options)
+end)
+
+local doc_figure = [[
+dm.figure{panel, panel, ..., file=, title=, columns=, width=, height=, size=} -> file name or nothing
+Several plots in one picture. Each panel is a list of series { x =, y =, name = } (path:series makes
+them), or x, y, with the options of dm.plot: { orbit:series("q1", "q2"), equal = true, title = "orbit" }.]]
+
+-- of the whole picture, not of one panel
+local OF_FIGURE = { "file", "width", "height", "size" }
+
+local FIGURE_KNOWN = { "file", "title", "columns", "width", "height", "size" }
+
+M.figure = blame.caller(function(given)
+  if type(given) ~= "table" then fail("figure needs a table of panels (got %s)", type(given)) end
+  check_keys(given, FIGURE_KNOWN)
+  check_text(given, { "file", "title" })
+  local columns = given.columns
+  if columns ~= nil and not (math.type(columns) == "integer" and columns > 0 and columns <= 100) then
+    fail "option 'columns' must be a whole number from 1"
+  end
+  local panels = {}
+  for i, panel in ipairs(given) do
+    if type(panel) ~= "table" then fail("panel %d must be a list of series (got %s)", i, type(panel)) end
+    for _, key in ipairs(OF_FIGURE) do
+      if panel[key] ~= nil then fail("panel %d: '%s' belongs to the figure, behind its panels", i, key) end
+    end
+    panels[i] = make_panel(is_column(panel[1]) and { panel } or panel, panel)
+  end
+  if #panels == 0 then fail "a figure needs at least one panel: a list of series" end
+  if #panels == 1 and given.title then  -- there is no other place for it
+    panels[1].title = panels[1].title and given.title .. ": " .. panels[1].title or given.title
+  end
+  return show(panels, given)
+end)
+
+core.docs[M.plot], core.docs[M.figure] = doc_plot, doc_figure
+
+return M

@@ -1,0 +1,313 @@
+#include "bind/core/bind.h"
+
+#include "bind/core/missing_key.h"
+#include "bind/value/value.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <string.h>
+
+volatile sig_atomic_t dml_stop = 0;
+volatile sig_atomic_t dml_raised = 0;
+
+int dml_try(lua_State *L, int arguments, int results) {
+    const int status = lua_pcall(L, arguments, results, 0);
+    if (status == LUA_OK) return 1;
+    const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+    if (status == LUA_ERRMEM || dml_stop || strstr(text, "interrupted!")) lua_error(L);
+    return 0;
+}
+
+/* ---- classes ---- */
+
+void dml_setfunctions(lua_State *L, const dml_row *rows) {
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
+    for (; rows && rows->name; rows++) {
+        lua_pushcfunction(L, rows->call);
+        lua_pushvalue(L, -1);
+        lua_setfield(L, -4, rows->name);
+        lua_pushstring(L, rows->doc); /* nil for a metamethod */
+        lua_rawset(L, -3);            /* docs[function] = doc */
+    }
+    lua_pop(L, 1);
+}
+
+/* value.key: the class's own field function first (upvalue 2), then its methods
+ * (upvalue 1); upvalue 3: its name */
+static int class_index(lua_State *L) {
+    const lua_CFunction field = lua_tocfunction(L, lua_upvalueindex(2));
+    lua_settop(L, 2);
+    const int results = field ? field(L) : 0;
+    if (results) return results;
+    lua_settop(L, 2);
+    lua_pushvalue(L, 2);
+    if (lua_rawget(L, lua_upvalueindex(1)) == LUA_TNIL)
+        dml_miss(L, 1, lua_tostring(L, lua_upvalueindex(3)), 2);
+    return 1;
+}
+
+static void set_doc(lua_State *L, const char *key, const char *doc) {
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
+    lua_pushstring(L, doc);
+    lua_setfield(L, -2, key);
+    lua_pop(L, 1);
+}
+
+/* __newindex of objects whose fields say what they are; tables of a class take what they are
+ * given */
+static int refuse_field(lua_State *L) {
+    if (lua_istable(L, 1)) return lua_rawset(L, 1), 0;
+    const char *class = lua_tostring(L, lua_upvalueindex(1));
+    return luaL_error(L, "the field '%s' of a %s cannot be set: make another %s with it",
+                      luaL_tolstring(L, 2, NULL), class, class);
+}
+
+void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_row *meta,
+                  const dml_row *methods, lua_CFunction field) {
+    luaL_newmetatable(L, tname);
+    dml_setfunctions(L, meta);
+    luaL_getsubtable(L, -1, "methods");
+    dml_setfunctions(L, methods);
+    if (field)
+        lua_pushcfunction(L, field);
+    else
+        lua_pushnil(L);
+    lua_pushstring(L, tname);
+    lua_pushcclosure(L, class_index, 3);
+    lua_setfield(L, -2, "__index");
+    if (lua_getfield(L, -1, "__newindex") == LUA_TNIL) {
+        lua_pushstring(L, tname);
+        lua_pushcclosure(L, refuse_field, 1);
+        lua_setfield(L, -3, "__newindex");
+    }
+    lua_pop(L, 2);
+    set_doc(L, tname, doc);
+}
+
+void dml_addmethods(lua_State *L, const char *tname, const dml_row *methods) {
+    luaL_getmetatable(L, tname);
+    lua_getfield(L, -1, "methods");
+    dml_setfunctions(L, methods);
+    lua_pop(L, 2);
+}
+
+/* ---- the nearest word ---- */
+
+enum { LONGEST_WORD = 40 };
+
+static int smallest(int a, int b, int c) {
+    const int least = a < b ? a : b;
+    return least < c ? least : c;
+}
+
+static int differ(char a, char b) {
+    return tolower((unsigned char)a) != tolower((unsigned char)b);
+}
+
+/* insertions, deletions, replacements and swaps of neighbours that turn a into b */
+static int distance(const char *a, const char *b) {
+    int row[3][LONGEST_WORD + 1];
+    const int n = (int)strlen(b);
+    int *before = row[0], *last = row[1], *now = row[2];
+    for (int j = 0; j <= n; j++) last[j] = j, before[j] = 0;
+    for (int i = 0; a[i]; i++) {
+        now[0] = i + 1;
+        for (int j = 0; j < n; j++) {
+            now[j + 1] = smallest(last[j] + differ(a[i], b[j]), last[j + 1] + 1, now[j] + 1);
+            const int swap = i && j && !differ(a[i], b[j - 1]) && !differ(a[i - 1], b[j]);
+            if (swap && before[j - 1] + 1 < now[j + 1]) now[j + 1] = before[j - 1] + 1;
+        }
+        int *free = before;
+        before = last, last = now, now = free;
+    }
+    return last[n];
+}
+
+const char *dml_nearest(const char *word, const char *const *known) {
+    const size_t length = strlen(word);
+    const char *best = NULL;
+    int least = 2 + (int)length / 4; /* further away is no misprint */
+    if (length > LONGEST_WORD) return NULL;
+    for (; *known; known++) {
+        if (strlen(*known) > LONGEST_WORD) continue;
+        const int d = distance(word, *known);
+        const int similar = d < (int)length;
+        if (d < least && similar) best = *known, least = d;
+    }
+    return best;
+}
+
+/* ---- options tables ---- */
+
+static int is_known(const char *key, const char *const *known) {
+    while (*known && (**known != *key || strcmp(*known, key) != 0)) known++;
+    return *known != NULL;
+}
+
+/* what other programs call an option; NULL when none of the known ones is meant */
+static const char *other_name(const char *key, const char *const *known) {
+    static const char *const names[][2] = {{"dt", "h"},
+                                           {"step", "h"},
+                                           {"stepsize", "h"},
+                                           {"step_size", "h"},
+                                           {"timestep", "h"},
+                                           {"method", "rule"},
+                                           {"integrator", "rule"},
+                                           {"scheme", "rule"},
+                                           {"time", "t"},
+                                           {"T", "t"},
+                                           {"duration", "t"},
+                                           {"t_end", "t"},
+                                           {"n", "steps"},
+                                           {"N", "steps"},
+                                           {"nsteps", "steps"},
+                                           {"x", "q"},
+                                           {"position", "q"},
+                                           {"velocity", "v"},
+                                           {"qdot", "v"},
+                                           {"momentum", "p"},
+                                           {"lagrangian", "L"},
+                                           {"Lagrangian", "L"},
+                                           {"H", "L"},
+                                           {"space", "Q"},
+                                           {"constraints", "constraint"},
+                                           {"parameters", "params"},
+                                           {"forces", "force"},
+                                           {"tol", "tolerance"},
+                                           {"output", "file"},
+                                           {NULL, NULL}};
+    for (int k = 0; names[k][0]; k++)
+        if (strcmp(names[k][0], key) == 0 && is_known(names[k][1], known)) return names[k][1];
+    return dml_nearest(key, known);
+}
+
+static void unknown_option(lua_State *L, const char *key, const char *const *known) {
+    const char *near = other_name(key, known);
+    luaL_Buffer b;
+    luaL_buffinit(L, &b);
+    lua_pushfstring(L, "unknown field '%s'; ", key);
+    luaL_addvalue(&b);
+    if (near) {
+        lua_pushfstring(L, "did you mean '%s'? ", near);
+        luaL_addvalue(&b);
+    }
+    luaL_addstring(&b, "known fields: ");
+    for (const char *const *k = known; *k; k++) {
+        if (k != known) luaL_addstring(&b, ", ");
+        luaL_addstring(&b, *k);
+    }
+    luaL_pushresult(&b);
+    luaL_error(L, "%s", lua_tostring(L, -1));
+}
+
+void dml_options(lua_State *L, int arg, const char *const *known) {
+    arg = lua_absindex(L, arg);
+    luaL_checktype(L, arg, LUA_TTABLE);
+    luaL_checkstack(L, 4, NULL);
+    for (lua_pushnil(L); lua_next(L, arg); lua_pop(L, 1)) {
+        if (lua_type(L, -2) != LUA_TSTRING) {
+            const char *key = luaL_tolstring(L, -2, NULL);
+            luaL_error(L, "unexpected entry [%s] in a table of options: write name = value", key);
+        }
+        const char *key = lua_tostring(L, -2);
+        if (!is_known(key, known)) unknown_option(L, key, known);
+    }
+}
+
+/* the value on top as a message shows it */
+static const char *shown(lua_State *L) {
+    if (lua_type(L, -1) == LUA_TNUMBER)
+        return isnan(lua_tonumber(L, -1)) ? "NaN" : luaL_tolstring(L, -1, NULL);
+    if (lua_type(L, -1) == LUA_TSTRING)
+        return lua_pushfstring(L, "the string \"%s\"", lua_tostring(L, -1));
+    return luaL_getmetafield(L, -1, "__name") == LUA_TSTRING ? lua_tostring(L, -1)
+                                                             : luaL_typename(L, -1);
+}
+
+int dml_wrongfield(lua_State *L, const char *key, const char *expected) {
+    if (lua_isnil(L, -1))
+        return luaL_error(L, "field '%s' is missing: it must be %s", key, expected);
+    return luaL_error(L, "field '%s' must be %s (got %s)", key, expected, shown(L));
+}
+
+/* field `key` of the options at arg on top; 0 when it is nil */
+int dml_field(lua_State *L, int arg, const char *key) {
+    luaL_checkstack(L, 4, NULL);
+    if (lua_isnoneornil(L, arg)) {
+        lua_pushnil(L);
+        return 0;
+    }
+    return lua_getfield(L, arg, key) != LUA_TNIL;
+}
+
+static double read_number(lua_State *L, const char *key, const char *expected) {
+    const double x = lua_tonumber(L, -1);
+    if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(x)) dml_wrongfield(L, key, expected);
+    return x;
+}
+
+double dml_number(lua_State *L, int arg, const char *key, double fallback) {
+    static const char expected[] = "a finite number";
+    double x = fallback;
+    if (dml_field(L, arg, key))
+        x = read_number(L, key, expected);
+    else if (isnan(fallback))
+        dml_wrongfield(L, key, expected);
+    lua_pop(L, 1);
+    return x;
+}
+
+double dml_positive(lua_State *L, int arg, const char *key, double fallback) {
+    static const char expected[] = "a finite number > 0";
+    double x = fallback;
+    if (dml_field(L, arg, key)) x = read_number(L, key, expected);
+    if (!(x > 0)) dml_wrongfield(L, key, expected);
+    lua_pop(L, 1);
+    return x;
+}
+
+long dml_count(lua_State *L, int arg, const char *key, long least, long fallback) {
+    long n = fallback;
+    int whole = 1;
+    if (dml_field(L, arg, key)) {
+        n = (long)lua_tointegerx(L, -1, &whole);
+        whole = whole && lua_type(L, -1) == LUA_TNUMBER;
+    }
+    if (!whole || n < least) {
+        const char *expected = lua_pushfstring(L, "a whole number >= %d", (int)least);
+        lua_pushvalue(L, -2);
+        dml_wrongfield(L, key, expected);
+    }
+    lua_pop(L, 1);
+    return n;
+}
+
+/* what a session shows of it */
+static int result_tostring(lua_State *L) {
+    lua_settop(L, 1);
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "dm.session.pretty");
+    lua_call(L, 1, 1);
+    lua_getfield(L, -1, "pretty");
+    lua_pushvalue(L, 1);
+    lua_call(L, 1, 1);
+    return 1;
+}
+
+void dml_setresult(lua_State *L) {
+    if (luaL_newmetatable(L, "dm.result")) {
+        lua_pushcfunction(L, result_tostring);
+        lua_setfield(L, -2, "__tostring");
+    }
+    lua_setmetatable(L, -2);
+}
+
+void dml_pushcopy(lua_State *L, int table) {
+    table = lua_absindex(L, table);
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, table);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -4);
+    }
+}

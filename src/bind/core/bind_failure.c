@@ -1,0 +1,111 @@
+/* bind_failure.c - `dm.failure`: what a solver raises, with the path computed so far. */
+#include "bind/core/bind_failure.h"
+
+#include <string.h>
+
+static const char *const TNAME = "dm.failure";
+
+static int failure_tostring(lua_State *L) {
+    lua_getfield(L, 1, "message");
+    return 1;
+}
+
+/* constraints that lost rank */
+static void push_constraint(lua_State *L, const dml_failure *f) {
+    lua_pushfstring(L,
+                    "%s %d depends on those before it there, or its reactions cannot "
+                    "hold it: a singular "
+                    "configuration of the constraints; start where it is not met, or "
+                    "leave one out",
+                    f->rolling ? "rolling constraint" : "constraint",
+                    f->rolling ? f->rolling : f->constraint);
+}
+
+/* what to try; a sentence per status, with the step of the run where it helps */
+static void push_advice(lua_State *L, const dml_failure *f) {
+    switch (f->status) {
+    case DM_NO_CONVERGENCE:
+        lua_pushfstring(L, "try a smaller step (h = %f), or look at failure.path for a singularity",
+                        f->h / 2);
+        break;
+    case DM_SINGULAR:
+        if (f->constraint || f->rolling) {
+            push_constraint(L, f);
+            break;
+        }
+        lua_pushstring(L, "d2L/dv2 or the discrete d2Ld/dq0dq1 loses rank there: is L regular, are "
+                          "the "
+                          "coordinates good at this point?");
+        break;
+    case DM_NOT_FINITE:
+        lua_pushfstring(L, "%s: try a smaller step (h = %f), or another start",
+                        f->step > 1
+                            ? "the state left the domain of L or grew without bound"
+                            : "the first step leaves the domain of L, or a derivative of L is "
+                              "infinite at the start",
+                        f->h / 2);
+        break;
+    case DM_STOPPED:
+        lua_pushstring(L, "the path so far is in failure.path");
+        break;
+    case DM_NOT_WRITTEN:
+        lua_pushstring(L, "is the folder there, is the disk full? The path so far is in "
+                          "failure.path");
+        break;
+    default:
+        lua_pushstring(L, "see failure.path for what was computed");
+    }
+}
+
+static void set_number(lua_State *L, const char *key, double x) {
+    lua_pushnumber(L, x);
+    lua_setfield(L, -2, key);
+}
+
+void dml_fail(lua_State *L, const dml_failure *f, int path) {
+    if (path) path = lua_absindex(L, path);
+    lua_createtable(L, 0, 8);
+    lua_pushstring(L, dm_status_code(f->status));
+    lua_setfield(L, -2, "code");
+    lua_pushinteger(L, f->step);
+    lua_setfield(L, -2, "step");
+    lua_pushinteger(L, f->iterations);
+    lua_setfield(L, -2, "iterations");
+    lua_pushstring(L, f->rule);
+    lua_setfield(L, -2, "rule");
+    set_number(L, "time", f->time);
+    set_number(L, "residual", f->residual);
+    if (f->constraint) set_number(L, "constraint", f->constraint);
+    if (f->rolling) set_number(L, "rolling", f->rolling);
+    if (path) lua_pushvalue(L, path), lua_setfield(L, -2, "path");
+    luaL_where(L, 1);
+    lua_pushfstring(L, "%s: %s at step %I (t = %f", f->rule, dm_status_text(f->status),
+                    (LUAI_UACINT)f->step, f->time);
+    if (f->status == DM_NO_CONVERGENCE)
+        lua_pushfstring(L, ", residual %f after %d iterations); ", f->residual, f->iterations);
+    else
+        lua_pushstring(L, "); ");
+    if (f->root && *f->root)
+        lua_pushstring(L, f->root + strspn(f->root, "; "));
+    else
+        push_advice(L, f);
+    lua_concat(L, 4);
+    lua_setfield(L, -2, "message");
+    luaL_setmetatable(L, TNAME);
+    lua_error(L);
+}
+
+void dml_open_failure(lua_State *L) {
+    luaL_newmetatable(L, TNAME);
+    lua_pushcfunction(L, failure_tostring);
+    lua_setfield(L, -2, "__tostring");
+    lua_pop(L, 1);
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
+    lua_pushstring(L, "dm.failure: raised when a computation fails; pcall returns it\n"
+                      "fields: code (\"no_convergence\", \"singular\", \"not_finite\", "
+                      "\"stopped\"), step, time, residual, "
+                      "iterations, rule, message, path (what was computed before); "
+                      "constraint or rolling: the number of the one that lost rank");
+    lua_setfield(L, -2, TNAME);
+    lua_pop(L, 1);
+}

@@ -1,0 +1,25 @@
+/* bind_failure.h - the one way in which a failed computation reaches a script. */
+#ifndef DML_FAILURE_H
+#define DML_FAILURE_H
+
+#include "bind/core/bind.h"
+
+typedef struct {
+    dm_status status;
+    long step;   /* the step that failed, from 1 */
+    double time; /* its start */
+    double h;
+    double residual; /* of its step equation */
+    int iterations;
+    int constraint, rolling; /* from 1: the one that depends on the others there, 0: none */
+    const char *rule;
+    const char
+        *root; /* why an implicit function had no value, "; ...", what the method knows, or NULL */
+} dml_failure;
+
+/* Raise a dm.failure {code, step, time, residual, iterations, rule, message, path}; the
+ * path so far is the
+ * value at stack index `path` (0: none). */
+void dml_fail(lua_State *L, const dml_failure *f, int path);
+
+#endif

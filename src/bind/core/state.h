@@ -1,0 +1,109 @@
+/* state.h - what the bindings keep per Lua state: the classes of values, the traces in
+ * progress, the memory of arenas. */
+#ifndef DML_STATE_H
+#define DML_STATE_H
+
+#include "bind/value/value.h"
+
+enum {
+    DML_CLASS_VECTOR,
+    DML_CLASS_MATRIX,
+    DML_CLASS_SYMBOL,
+    DML_CLASS_HYPERDUAL,
+    DML_CLASSES,
+    DML_NO_CLASS = DML_CLASSES
+};
+
+/* What a symbol of a trace is in Lua. */
+typedef struct {
+    dm_node node;
+    uint32_t serial; /* of the trace */
+    int slot;        /* among those that are kept, or 0 */
+} dml_symbol;
+
+/* Symbols of a trace that is repeated: the next time they are given out again. */
+typedef struct {
+    lua_State *keeper; /* they stand on its stack; NULL: none are kept */
+    dml_symbol **of;   /* [count] by node, NULL: not made yet */
+    uint32_t count;
+    int busy; /* a trace that repeats has them */
+} dml_symbols;
+
+struct dml_log;
+struct dml_step;
+struct dml_traced;
+
+/* A trace in progress: its symbols carry the serial number. What adds to its graph goes by
+ * trace_log.h. */
+typedef struct dml_frame {
+    const dm_graph *graph; /* its own, or that of the trace that it repeats */
+    dm_graph *own;         /* NULL while it repeats one */
+    dm_arena *arena;
+    struct dml_log *log;               /* being written, or NULL */
+    const struct dml_traced *last;     /* being repeated, or NULL */
+    const struct dml_step *step, *end; /* of its log: the next, and one past the last */
+    dml_symbols *symbols;              /* of its log, or NULL */
+    const char *what;                  /* "L": the function as messages name it */
+    uint32_t serial;
+    int keeps_sums;         /* as its signature says */
+    uint32_t sums;          /* calls of dm.sum_over so far */
+    struct dml_frame *next; /* the trace that this one is nested in */
+} dml_frame;
+
+/* While a function is compared with its trace: dm.sum_over gives these numbers where the trace
+ * has a sum, instead of a loop over all bodies, and compares two rounds of it with the term that
+ * was traced. */
+typedef struct dml_given {
+    const dm_graph *graph; /* of the trace */
+    const double *values;  /* of its sums; NULL: not now */
+    uint32_t calls;        /* of dm.sum_over in this call of the function */
+    int differs;           /* a term did */
+    double plain, traced;
+    const dml_frame *within;  /* the newest trace then: later ones sum themselves */
+    struct dml_given *before; /* the comparison that this one is nested in */
+} dml_given;
+
+typedef struct {
+    const void *metatable[DML_CLASSES];
+    dml_given *given;  /* or NULL */
+    dml_frame *frames; /* newest first */
+    uint32_t serial;   /* of the newest trace */
+    double roots;      /* serial number of the newest implicit function */
+    int depth;         /* callbacks inside callbacks */
+    int spare;         /* an arena waits to be used again */
+    int closing;       /* its Lua is about to go */
+} dml_state;
+
+dml_state *dml_getstate(lua_State *L);
+
+/* Make metatable `tname` the one of values of that class. */
+void dml_setclass(lua_State *L, int class, const char *tname);
+
+/* Class of the userdata at arg, DML_NO_CLASS when it is none of these. */
+int dml_classof(lua_State *L, int arg);
+
+/* Push an empty userdata of the class. */
+void *dml_newvalue(lua_State *L, int class, size_t size, int uservalues);
+
+/* The trace with this number, NULL when it has ended. */
+dml_frame *dml_findframe(lua_State *L, uint32_t serial);
+
+/* Push what keeps the memory of an arena of dml_pusharena alive. */
+void dml_pushkeeper(lua_State *L, const dm_arena *arena);
+
+/* Give back the arena at arg, of dml_pusharena: nothing in it is needed any more. The next one
+ * that is asked for gets its memory, which saves the collector work. */
+void dml_sparearena(lua_State *L, int arg);
+
+/* A stack of its own for values that live as long as the arena, which is one of dml_pusharena;
+ * NULL: no memory. */
+lua_State *dml_arenastack(const dm_arena *arena);
+
+/* Has the collector given back what kernels of the arena had outside of Lua? Only finalizers can
+ * see that. */
+int dml_arenalost(const dm_arena *arena);
+
+/* Raise when the graph refused to grow. */
+void dml_checkgraph(lua_State *L, const dml_frame *frame);
+
+#endif

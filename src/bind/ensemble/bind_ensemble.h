@@ -1,0 +1,122 @@
+/* bind_ensemble.h - `dm.ensemble` as the files that make it see it. */
+#ifndef DML_ENSEMBLE_H
+#define DML_ENSEMBLE_H
+
+#include "bind/run/stepping.h"
+#include "run/ensemble/ensemble.h"
+
+typedef struct {
+    long members;
+    uint32_t n;
+    uint32_t lanes; /* members that went side by side */
+    long systems;   /* parts that were a system of their own; 1: all members */
+    double t, h;
+    const dm_pace *pace;   /* members with steps of their own, or NULL */
+    double *state;         /* members x dm_state_size(n) */
+    dm_member *member;     /* members */
+    dm_ensemble_rows rows; /* room 0: none are kept */
+    double t0;
+} dml_ensemble;
+
+/* user values of dm.ensemble: fields made so far, the solver, the values that vary and their
+ * names (or nil), the names of columns that were watched (or nil), the paces of members (or
+ * nil), messages of those without a start (or nil) */
+enum {
+    DML_ENSEMBLE_FIELDS = 1,
+    DML_ENSEMBLE_SOLVER,
+    DML_ENSEMBLE_VARIED,
+    DML_ENSEMBLE_NAMES,
+    DML_ENSEMBLE_COLUMNS,
+    DML_ENSEMBLE_PACE,
+    DML_ENSEMBLE_MESSAGES,
+    DML_ENSEMBLE_VALUES = DML_ENSEMBLE_MESSAGES
+};
+
+extern const char *const DML_ENSEMBLE; /* "dm.ensemble" */
+
+/* Push one with all states zero and room for rows as `rows` says (its data and count are set);
+ * raises when it would not fit into memory. */
+dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
+                               const dm_ensemble_rows *rows);
+
+/* ensemble:path(i) */
+int dml_ensemble_path(lua_State *L);
+
+/* Sources of numbers for members: field `key` of the table at `arg`, a function of the member's
+ * number or a table, matrix or vector with an entry for each. check: raises unless it is one.
+ * push: what it has for member i (from 0). */
+void dml_check_source(lua_State *L, int arg, const char *key, long members);
+void dml_push_source(lua_State *L, int arg, const char *key, long i);
+
+/* Members first .. first + count - 1, whose parameters are the same. */
+typedef struct {
+    dml_ensemble *e;
+    long first, count, steps;
+    int at;       /* stack index of the ensemble */
+    int velocity; /* starts are q and v, not q and p */
+    int varied;   /* these are not the parameters of the system */
+    int names;    /* stack index of parameters that are inputs of the kernels; 0: none are */
+    const double *values; /* of these */
+} dml_part;
+
+/* The options q, and v or p: raises unless they are sources; 1 for v. */
+int dml_check_starts(lua_State *L, const dml_solver *solver, long members);
+
+/* Their numbers into the states of a part, with momenta; the trace is checked at its first
+ * member. Returns how many are inside of the domain of L; raises where none is and parameters
+ * are the system's own numbers. */
+long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r);
+
+/* q, and v or p as they are given, into the states of a part. */
+void dml_read_places(lua_State *L, const dml_part *these);
+
+/* vary = { name = source } of the options at 2: pushes a userdata of values[members][*count],
+ * the names as a table above it. NULL and nothing pushed without that field. */
+const double *dml_read_vary(lua_State *L, long members, uint32_t *count);
+
+/* Members from `first` on that have the same values. */
+long dml_vary_alike(const double *values, uint32_t count, long first, long members);
+
+/* What vary = {} asks for: values[members][count], names in a list on the stack; values NULL:
+ * nothing. */
+typedef struct {
+    const double *values;
+    uint32_t count;
+    int names;
+} dml_varied;
+
+/* Values of all parameters that kernels of the solver at 1 have as inputs, for every member:
+ * pushes a userdata. NULL and another value pushed where it has none, or where something varies
+ * that is no input. */
+const double *dml_vary_inputs(lua_State *L, long members, const dml_varied *v);
+
+/* True when the trace with these inputs is the function where the members of a part start. */
+int dml_vary_is_traced(lua_State *L, const dml_part *p, dml_stepping *r);
+
+/* Replace the solver at 1 by one of the same rule for a system with these values; names at
+ * `names`. */
+dml_solver *dml_vary_solver(lua_State *L, const double *values, int names);
+
+/* Run one part with the solver at 1 and the options at 2. */
+typedef dm_status dml_part_run(lua_State *L, const dml_part *p, void *ud);
+
+/* All members by parts of the same parameters, each a system of its own. What a part raises
+ * fails its members alone; raises only where no part could be run. */
+dm_status dml_run_parts(lua_State *L, dml_part *p, const dml_varied *v, dml_part_run *run,
+                        void *ud);
+
+/* h = source of the options at 2: a step of its own for every member; with t = duration as many
+ * as cover it, else `steps`. Pushes a userdata and returns it, the largest number of steps in
+ * *most; NULL and nil pushed without that field. */
+const dm_pace *dml_read_pace(lua_State *L, const dml_solver *solver, long members, long *most);
+
+/* every = k, or rows = n: about n rows of `steps` steps; 1 without either */
+long dml_read_every(lua_State *L, long steps);
+
+/* ensemble:summary(name) */
+int dml_ensemble_summary(lua_State *L);
+
+/* solver:ensemble{} */
+int dml_solver_ensemble(lua_State *L);
+
+#endif

@@ -1,0 +1,70 @@
+/* ensemble_path.c - the rows of a member of an ensemble as a dm.path. */
+#include "bind/ensemble/bind_ensemble.h"
+#include "bind/run/bind_path.h"
+
+#include <string.h>
+
+/* (solver, names, values) -> the solver with these values, on a stack of its own */
+static int vary(lua_State *L) {
+    dml_vary_solver(L, lua_touserdata(L, 3), 2);
+    lua_settop(L, 1);
+    return 1;
+}
+
+/* push the solver that member i (from 0) ran with */
+static dml_solver *push_solver(lua_State *L, long i) {
+    const int top = lua_gettop(L);
+    lua_pushcfunction(L, vary);
+    lua_getiuservalue(L, 1, DML_ENSEMBLE_SOLVER);
+    if (lua_getiuservalue(L, 1, DML_ENSEMBLE_NAMES) == LUA_TNIL) {
+        lua_pop(L, 1);
+        lua_remove(L, top + 1);
+        return lua_touserdata(L, -1);
+    }
+    const size_t count = lua_rawlen(L, -1);
+    lua_getiuservalue(L, 1, DML_ENSEMBLE_VARIED);
+    const double *values = lua_touserdata(L, -1);
+    lua_pop(L, 1);
+    lua_pushlightuserdata(L, (void *)(values + (size_t)i * count));
+    lua_call(L, 3, 1);
+    return lua_touserdata(L, -1);
+}
+
+/* what a path says of itself; the solver is at index `at` */
+static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e, long i) {
+    lua_getiuservalue(L, at, DML_SOLVER_RULE);
+    path->h = e->pace ? e->pace[i].h : e->h, path->t0 = e->t0;
+    path->rule = lua_tostring(L, -1);
+    lua_setiuservalue(L, -2, DML_PATH_RULE);
+    lua_getiuservalue(L, at, DML_SOLVER_SYSTEM);
+    dml_pushmodel(L, lua_gettop(L));
+    lua_setiuservalue(L, -3, DML_PATH_MODEL);
+    lua_pop(L, 1);
+    lua_getiuservalue(L, 1, DML_ENSEMBLE_COLUMNS);
+    path->watched = !lua_isnil(L, -1);
+    lua_setiuservalue(L, -2, DML_PATH_NAMES);
+}
+
+int dml_ensemble_path(lua_State *L) {
+    const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
+    const lua_Integer i = luaL_checkinteger(L, 2) - 1;
+    lua_settop(L, 2);
+    if (i < 0 || i >= e->members)
+        luaL_error(L, "ensemble:path: there are members 1 to %I (got %I)", (LUAI_UACINT)e->members,
+                   (LUAI_UACINT)(i + 1));
+    if (!e->rows.room)
+        luaL_error(L, "this ensemble kept only the ends: ask for rows with every = or "
+                      "watch = { ... }");
+    push_solver(L, (long)i);
+    lua_getiuservalue(L, 3, DML_SOLVER_SYSTEM);
+    const long rows = e->rows.count[i];
+    const uint32_t width = e->rows.width;
+    dml_path *path = dml_pushpath(L, 4, e->n, rows, width);
+    describe(L, 3, path, e, (long)i);
+    memcpy(path->data, dm_ensemble_rows_of(&e->rows, (long)i),
+           (size_t)rows * width * sizeof(double));
+    path->rows = rows;
+    path->steps = e->member[i].steps;
+    path->t = rows ? path->data[(size_t)(rows - 1) * width] : e->t0;
+    return 1;
+}

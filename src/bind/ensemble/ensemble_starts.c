@@ -1,0 +1,216 @@
+/* ensemble_starts.c - where the members of an ensemble start: functions, tables or matrices of
+ * numbers. */
+#include "numbers/small_copy.h"
+#include "bind/value/array.h"
+#include "bind/ensemble/bind_ensemble.h"
+#include "bind/model/named.h"
+#include "bind/run/start_branch.h"
+#include "bind/run/start_constraints.h"
+
+#include <math.h>
+#include <string.h>
+
+void dml_push_source(lua_State *L, int arg, const char *key, long i) {
+    if (lua_getfield(L, arg, key) == LUA_TFUNCTION) {
+        lua_pushinteger(L, i + 1);
+        lua_call(L, 1, 1);
+    } else {
+        lua_geti(L, -1, i + 1);
+        lua_remove(L, -2);
+    }
+}
+
+void dml_check_source(lua_State *L, int arg, const char *key, long members) {
+    const int type = lua_getfield(L, arg, key);
+    if (type != LUA_TFUNCTION && type != LUA_TTABLE && type != LUA_TUSERDATA)
+        luaL_error(L,
+                   "field '%s' must be a function of the member's number, or a table or "
+                   "matrix with a row for each of the %d members (got %s)",
+                   key, (int)members, luaL_typename(L, -1));
+    if (type != LUA_TFUNCTION && luaL_len(L, -1) != members)
+        luaL_error(L,
+                   "field '%s' has %d rows for %d members; the same for all is "
+                   "function() return ... end",
+                   key, (int)luaL_len(L, -1), (int)members);
+    lua_pop(L, 1);
+}
+
+/* member i of the source at `at`, a table of plain tables of n numbers, as most are; 0: it is
+ * not */
+static int read_plain(lua_State *L, int at, long i, double *out, uint32_t n) {
+    if (lua_type(L, at) != LUA_TTABLE) return 0;
+    int plain =
+        lua_geti(L, at, i + 1) == LUA_TTABLE && !lua_getmetatable(L, -1) && lua_rawlen(L, -1) == n;
+    for (uint32_t k = 0; plain && k < n; k++) {
+        lua_rawgeti(L, at + 1, (lua_Integer)k + 1);
+        out[k] = lua_tonumberx(L, -1, &plain);
+        if (lua_type(L, -1) != LUA_TNUMBER) plain = 0; /* texts are for the slow way */
+        lua_settop(L, at + 1);
+    }
+    lua_settop(L, at);
+    return plain;
+}
+
+/* n numbers for member i from the source at `at`, field `key` of the options */
+static void read_member(lua_State *L, int at, const char *key, long i, double *out, uint32_t n) {
+    if (read_plain(L, at, i, out, n)) return;
+    dml_push_source(L, 2, key, i);
+    const char *name = lua_pushfstring(L, "'%s' of member %d", key, (int)i + 1);
+    if (dml_is_named(L, -2)) {
+        lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+        dml_unname(L, -1, -3, name);
+        lua_pop(L, 1);
+    }
+    dml_vectorarg(L, -2, name, out, n);
+    lua_settop(L, at);
+}
+
+/* the entries of a matrix of numbers with a row of n for every member; NULL: the source at `at`
+ * is none */
+static const double *entries_of(lua_State *L, int at, uint32_t n) {
+    const dml_array *a = dml_toarray(L, at, 2);
+    return a && a->columns == n ? dml_numbersof(a) : NULL;
+}
+
+/* field `key` for all members of a part, from entry `first` of their states on */
+static void read_column(lua_State *L, const dml_part *p, const char *key, uint32_t first) {
+    const uint32_t n = p->e->n;
+    const size_t size = dm_state_size(n);
+    double *out = p->e->state + (size_t)p->first * size + first;
+    lua_getfield(L, 2, key);
+    const int at = lua_gettop(L);
+    const double *rows = entries_of(L, at, n);
+    for (long i = p->first; i < p->first + p->count; i++, out += size) {
+        if (rows)
+            dm_few(out, rows + (size_t)i * n, n);
+        else
+            read_member(L, at, key, i, out, n);
+    }
+    lua_pop(L, 1);
+}
+
+static int is_function(lua_State *L, const char *key) {
+    const int is = lua_getfield(L, 2, key) == LUA_TFUNCTION;
+    lua_pop(L, 1);
+    return is;
+}
+
+/* q, and v or p; functions are called member by member */
+void dml_read_places(lua_State *L, const dml_part *p) {
+    const char *second = p->velocity ? "v" : "p";
+    dml_part one = *p;
+    one.count = 1;
+    if (!is_function(L, "q") && !is_function(L, second)) {
+        read_column(L, p, "q", 0);
+        read_column(L, p, second, p->e->n);
+        return;
+    }
+    for (; one.first < p->first + p->count; one.first++) {
+        read_column(L, &one, "q", 0);
+        read_column(L, &one, second, p->e->n);
+    }
+}
+
+/* the trace is checked at the first member, which may be outside of the domain where others are
+ * not */
+static void check_trace(lua_State *L, const dml_part *p, dml_stepping *r) {
+    if (p->velocity) {
+        const double *q = p->e->state + (size_t)p->first * dm_state_size(r->solver->n);
+        memcpy(r->x, q, 2 * r->solver->n * sizeof *q);
+        r->x[2 * r->solver->n] = r->t0;
+    }
+    dml_checkmember(L, r->system, r->model, p->velocity ? r->x : NULL);
+}
+
+static int has(lua_State *L, const char *key) {
+    const int there = lua_getfield(L, 2, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+int dml_check_starts(lua_State *L, const dml_solver *solver, long members) {
+    const int velocity = has(L, "v");
+    if (velocity == has(L, "p"))
+        luaL_error(L, "give the starts as q and v or as q and p: one of 'v' and 'p' is needed");
+    if (velocity && solver->pair)
+        luaL_error(L, "a discrete Lagrangian knows no velocity: give the momentum 'p'");
+    dml_check_source(L, 2, "q", members);
+    dml_check_source(L, 2, velocity ? "v" : "p", members);
+    return velocity;
+}
+
+/* member i, whose q and p are known, must lie on the constraints */
+static void start_on_constraints(lua_State *L, const dml_part *these, dml_stepping *r, long i) {
+    const uint32_t n = these->e->n;
+    double *state = these->e->state + (size_t)i * dm_state_size(n), *x = r->x;
+    const char *who = lua_pushfstring(L, "member %d: ", (int)i + 1);
+    memcpy(x, state, n * sizeof *x);
+    memset(x + n, 0, n * sizeof *x);
+    x[2 * n] = r->t0;
+    if (r->solver->pair) {
+        dml_check_on_constraints(L, r, who);
+        lua_pop(L, 1);
+        return;
+    }
+    if (dm_legendre_inverse(&r->model->model, x + n, x, state + n, r->t0, r->work) == DM_OK) {
+        memcpy(r->state, state, dm_state_size(n) * sizeof *state);
+        dml_start_on_constraints(L, r, who, !these->velocity);
+        memcpy(state, r->state, dm_state_size(n) * sizeof *state);
+    }
+    lua_pop(L, 1);
+}
+
+/* L is a number where member i starts with velocity v, as a run of its own asks; x: room for its
+ * arguments */
+static int is_inside(const dml_part *these, const dml_stepping *r, long i, const double *v,
+                     double *x) {
+    const dm_model *m = these->values ? &r->inputs->model : &r->model->model;
+    const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
+    const double *q = these->e->state + (size_t)i * dm_state_size(n);
+    double value = 0.0;
+    if (!(m->has & DM_WANT_VALUE) || m->value.inputs != 2 * n + 1 + many) return 1;
+    dm_few(x, q, n);
+    dm_few(x + n, v, n);
+    x[2 * n] = r->t0;
+    if (many)
+        memcpy(x + 2 * n + 1, these->values + (size_t)(i - these->first) * many, many * sizeof *x);
+    dm_kernel_prepare(&m->value, &value);
+    dm_kernel_eval(&m->value, x, &value);
+    return isfinite(value);
+}
+
+/* q, p of member i from its q, v; marked where it is outside of the domain or the transform
+ * fails */
+static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, long i,
+                         double *room) {
+    const uint32_t n = these->e->n;
+    double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *v = r->x;
+    dm_few(v, p, n);
+    const int inside = is_inside(these, r, i, v, room);
+    dml_rethrow(L, r->model);
+    if (!inside || dm_legendre(&r->model->model, p, q, v, r->t0, r->work) != DM_OK)
+        p[0] = NAN;
+    else if (!(r->model->model.structure & DM_QUADRATIC_IN_V)) {
+        dml_check_velocity(L, r, q, v, lua_pushfstring(L, "member %d: ", (int)i + 1));
+        lua_pop(L, 1);
+    }
+    dml_rethrow(L, r->model);
+    return inside;
+}
+
+/* starts: q, and p given or by the Legendre transform */
+long dml_read_starts(lua_State *L, const dml_part *these, dml_stepping *r) {
+    const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
+    dml_read_places(L, these);
+    if (!these->values) check_trace(L, these, r);
+    double *room = lua_newuserdatauv(L, (2 * n + 1 + many) * sizeof *room, 0);
+    long inside = 0;
+    for (long i = these->first; i < these->first + these->count; i++) {
+        inside += !these->velocity || find_momentum(L, these, r, i, room);
+        if (r->model->model.constraints) start_on_constraints(L, these, r, i);
+    }
+    /* where none is inside that is a mistake of the whole; room has the last one */
+    if (!inside && !these->values && !these->varied) dml_checkmodel(L, r->system, r->model, room);
+    lua_pop(L, 1);
+    return inside;
+}

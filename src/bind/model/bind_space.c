@@ -1,0 +1,166 @@
+/* bind_space.c - `dm.R(n)`, `dm.T(n)`, `dm.SO(n)`: one constructor per row of
+ * geom/spaces.def. */
+#include "bind/model/bind_space.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *const TNAME = "dm.space";
+
+const dml_space *dml_checkspace(lua_State *L, int arg) {
+    return luaL_checkudata(L, arg, TNAME);
+}
+
+dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n) {
+    const dml_space *s = dml_checkspace(L, arg);
+    uint32_t other;
+    uint32_t block = dm_action_block(s->row, s->n, n, &other);
+    if (options && !lua_isnoneornil(L, options)) {
+        block = (uint32_t)dml_count(L, options, "block", 1, (long)block);
+        other = 0;
+        if (block > DM_MAX_BLOCK || n % block || !s->row->acts(s->n, block)) block = 0;
+    }
+    if (!block)
+        luaL_error(L,
+                   "%s has no standard action on %d coordinates: give a dm.action, or "
+                   "the generator as a "
+                   "function of q, for instance function(q) return {-q[2], q[1]} end",
+                   luaL_tolstring(L, arg, NULL), (int)n);
+    if (other)
+        luaL_error(L,
+                   "%s(%d) can act on %d coordinates in blocks of %d or of %d: say which with "
+                   "{ block = %d }",
+                   s->row->name, (int)s->n, (int)n, (int)block, (int)other, (int)block);
+    return (dm_action){.group = s->row, .k = s->n, .block = block};
+}
+
+dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n) {
+    dml_space *s = lua_newuserdatauv(L, sizeof *s, 2);
+    *s = (dml_space){.row = row, .n = n, .chart = row->chart};
+    luaL_setmetatable(L, TNAME);
+    return s;
+}
+
+static int space_new(lua_State *L) {
+    const dm_space *row = lua_touserdata(L, lua_upvalueindex(1));
+    const lua_Number given = row->usual ? luaL_optnumber(L, 1, row->usual) : luaL_checknumber(L, 1);
+    const lua_Integer n = given == floor(given) && fabs(given) < 1e9 ? (lua_Integer)given : -1;
+    luaL_argcheck(L, n >= (lua_Integer)row->least && n <= (lua_Integer)row->most, 1,
+                  lua_pushfstring(L, "%s needs a whole number from %d to %d", row->signature,
+                                  (int)row->least, (int)row->most));
+    luaL_argcheck(L, n % (lua_Integer)row->multiple == 0, 1,
+                  lua_pushfstring(L, "%s needs a multiple of %d", row->signature,
+                                  (int)row->multiple));
+    dml_pushspace(L, row, (uint32_t)n);
+    return 1;
+}
+
+/* "SO(3)", "R^2", or the factors with a sign between them */
+static int space_tostring(lua_State *L) {
+    const dml_space *s = dml_checkspace(L, 1);
+    if (lua_getiuservalue(L, 1, DML_SPACE_PARTS) != LUA_TTABLE) {
+        lua_pushfstring(L, s->row->chart ? "%s^%d" : "%s(%d)", s->row->name, (int)s->n);
+        return 1;
+    }
+    const int parts = lua_gettop(L);
+    luaL_Buffer b;
+    luaL_buffinit(L, &b);
+    for (lua_Integer i = 1; i <= luaL_len(L, parts); i++) {
+        if (i > 1) luaL_addstring(&b, s->row->signature);
+        lua_geti(L, parts, i);
+        luaL_tolstring(L, -1, NULL);
+        lua_remove(L, -2);
+        luaL_addvalue(&b);
+    }
+    luaL_pushresult(&b);
+    return 1;
+}
+
+/* the factors in the tables on top of the stack are the same, two and two */
+static int same_parts(lua_State *L) {
+    const int b = lua_gettop(L), a = b - 1;
+    const lua_Integer count = luaL_len(L, a);
+    int same = count == luaL_len(L, b);
+    for (lua_Integer i = 1; same && i <= count; i++) {
+        lua_geti(L, a, i);
+        lua_geti(L, b, i);
+        same = lua_compare(L, -2, -1, LUA_OPEQ);
+        lua_pop(L, 2);
+    }
+    return same;
+}
+
+static int space_eq(lua_State *L) {
+    const dml_space *a = luaL_testudata(L, 1, TNAME), *b = luaL_testudata(L, 2, TNAME);
+    int equal = a && b && a->row == b->row && a->n == b->n;
+    if (equal && lua_getiuservalue(L, 1, DML_SPACE_PARTS) == LUA_TTABLE) {
+        lua_getiuservalue(L, 2, DML_SPACE_PARTS);
+        equal = same_parts(L);
+        lua_getiuservalue(L, 1, DML_SPACE_ACTION);
+        lua_getiuservalue(L, 2, DML_SPACE_ACTION);
+        equal = equal && lua_rawequal(L, -1, -2);
+    }
+    lua_pushboolean(L, equal);
+    return 1;
+}
+
+static int space_field(lua_State *L) {
+    const dml_space *s = dml_checkspace(L, 1);
+    const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "dimension") == 0)
+        lua_pushinteger(L, s->row->dimension(s->n));
+    else if (strcmp(key, "n") == 0)
+        lua_pushinteger(L, s->n);
+    else if (strcmp(key, "name") == 0)
+        lua_pushstring(L, s->row->name);
+    else if (strcmp(key, "chart") == 0)
+        lua_pushboolean(L, s->chart);
+    else if (strcmp(key, "parts") == 0)
+        lua_getiuservalue(L, 1, DML_SPACE_PARTS);
+    else if (strcmp(key, "representation") == 0)
+        lua_getiuservalue(L, 1, DML_SPACE_ACTION);
+    else
+        return 0;
+    return 1;
+}
+
+static const dml_row meta[] = {{"__tostring", space_tostring, NULL},
+                               {"__eq", space_eq, NULL},
+                               {NULL, NULL, NULL}};
+static const dml_row methods[] = {{NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"product", dml_product,
+      "dm.product(G, H, ...) -> dm.space\n"
+      "The product of two or more spaces. Of groups: the group of lists {g, h, ...}, "
+      "whose "
+      "algebra has the vectors of the factors one after the other; of R(n), T(n), S(n): a "
+      "space that a system can live on."},
+     {"semidirect", dml_semidirect,
+      "dm.semidirect(G, V [, action]) -> dm.space\n"
+      "The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, "
+      "w) "
+      "= (g h, v + g w), where g w is "
+      "action(g, w), linear in w (left out: the standard one of G, matrix times vector). "
+      "The algebra has that of G first, then V."},
+     {NULL, NULL, NULL}};
+
+void dml_open_space(lua_State *L) {
+    dml_newclass(L, TNAME,
+                 "dm.space: a manifold or group, made by dm.R(n), dm.T(n), dm.S(n), dm.SO(n), "
+                 "dm.SE(n), "
+                 "dm.SL(n), dm.GL(n), dm.Sp(n), dm.Heisenberg(n), dm.product, dm.semidirect\n"
+                 "fields: name, n, dimension, chart (can a system live on it with these "
+                 "coordinates), parts (of a product)",
+                 meta, methods, space_field);
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
+    for (const dm_space *const *row = dm_spaces; *row; row++) {
+        lua_pushlightuserdata(L, (void *)(uintptr_t)*row);
+        lua_pushcclosure(L, space_new, 1);
+        lua_pushvalue(L, -1);
+        lua_pushfstring(L, "dm.%s -> dm.space\n%s", (*row)->signature, (*row)->doc);
+        lua_rawset(L, -4);
+        lua_setfield(L, -3, (*row)->name);
+    }
+    lua_pop(L, 1);
+    dml_setfunctions(L, functions);
+}

@@ -1,0 +1,37 @@
+/* bind_space.h - `dm.space` as the other bindings see it. */
+#ifndef DML_SPACE_H
+#define DML_SPACE_H
+
+#include "geom/action/momentum.h"
+#include "bind/core/bind.h"
+
+/* user values: 1, of a product: its factors; 2, of a semidirect product: how the first moves
+ * the second, or nil */
+typedef struct {
+    const dm_space *row;
+    uint32_t n; /* of a product: its dimension */
+    int chart;  /* of the row, or of all factors */
+} dml_space;
+enum { DML_SPACE_PARTS = 1, DML_SPACE_ACTION };
+
+/* The space at stack index arg; raises when it is none. */
+const dml_space *dml_checkspace(lua_State *L, int arg);
+
+/* dm.product(G, H, ...) and dm.semidirect(G, V [, action]) */
+int dml_product(lua_State *L);
+int dml_semidirect(lua_State *L);
+
+/* The options of a system at 1: where Q holds spheres, in a copy Q becomes R^N and their
+ * equations |q|^2 = 1 join the constraint. */
+void dml_unfold_spheres(lua_State *L);
+
+/* Push a space with no parts yet. */
+dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n);
+
+/* The standard action of the group at `arg` on n coordinates; the block may be given by
+ * field
+ * `block` of the options table at `options` (0: none). Raises when there is no such
+ * action. */
+dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n);
+
+#endif

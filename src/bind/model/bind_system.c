@@ -1,0 +1,326 @@
+/* bind_system.c - `dm.system`: a configuration space and a Lagrangian L(q, v, t). */
+#include "bind/trace/model_sums.h"
+#include "bind/model/model_constraints.h"
+#include "bind/model/named.h"
+#include "bind/model/bind_system.h"
+#include "graph/analyse.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+const char *const DML_SYSTEM = "dm.system";
+const char *const DML_DISCRETE = "dm.discrete_lagrangian";
+
+dml_system *dml_checksystem(lua_State *L, int arg) {
+    dml_system *s = luaL_testudata(L, arg, DML_SYSTEM);
+    if (!s) s = luaL_testudata(L, arg, DML_DISCRETE);
+    if (!s) luaL_typeerror(L, arg, "dm.system or dm.discrete_lagrangian");
+    return s;
+}
+
+int dml_systemfield(lua_State *L, int arg, const char *key) {
+    lua_getiuservalue(L, arg, 1);
+    const int type = lua_getfield(L, -1, key);
+    lua_remove(L, -2);
+    return type;
+}
+
+const char *dml_coordinate(lua_State *L, int arg, uint32_t i) {
+    if (dml_systemfield(L, arg, "coordinates") == LUA_TTABLE) {
+        lua_geti(L, -1, (lua_Integer)i + 1);
+        lua_remove(L, -2);
+    } else {
+        lua_pop(L, 1);
+        lua_pushfstring(L, "q%d", (int)i + 1);
+    }
+    return lua_tostring(L, -1);
+}
+
+/* x = (q, v, t) from arguments 2, 3 and the optional 4; t = 0 when it is left out */
+static double *arguments(lua_State *L, const dml_system *s, const char *second) {
+    lua_settop(L, 4);
+    const double t = luaL_optnumber(L, 4, 0.0);
+    double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
+    dml_unname(L, 1, 2, "q");
+    dml_unname(L, 1, 3, second);
+    dml_vectorarg(L, 2, "q", x, s->n);
+    dml_vectorarg(L, 3, second, x + s->n, s->n);
+    x[2 * s->n] = t;
+    return x;
+}
+
+static void check_finite(lua_State *L, const double *y, uint32_t n, const char *what) {
+    for (uint32_t i = 0; i < n; i++)
+        if (!isfinite(y[i]))
+            luaL_error(L, "%s is not finite (%s) at this point: is it inside the domain of L?",
+                       what, isnan(y[i]) ? "NaN" : "infinite");
+}
+
+/* the kernel of a model, evaluated at the arguments; out is a userdata on the stack
+ */
+static double *evaluate(lua_State *L, unsigned want, size_t which, const char *what) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double *x = arguments(L, s, "v");
+    dml_pushlast(L, 1, NULL);
+    dml_model *m = dml_standin(L, -1, want);
+    dml_want(L, m, want | DM_WANT_VALUE, NULL);
+    dml_checkmember(L, 1, m, x); /* what the trace did not see is told, not computed */
+    const dm_kernel *kernel = (const dm_kernel *)((const char *)&m->model + which);
+    double *out = lua_newuserdatauv(L, kernel->outputs * sizeof *out, 0);
+    dm_kernel_prepare(kernel, out);
+    dm_kernel_eval(kernel, x, out);
+    dml_rethrow(L, m);
+    check_finite(L, out, kernel->outputs, what);
+    return out;
+}
+
+static int system_energy(lua_State *L) {
+    const double *E = evaluate(L, DM_WANT_ENERGY, offsetof(dm_model, energy), "the energy");
+    lua_pushnumber(L, *E);
+    return 1;
+}
+
+static int system_lagrangian(lua_State *L) {
+    const double *value = evaluate(L, DM_WANT_VALUE, offsetof(dm_model, value), "L");
+    lua_pushnumber(L, *value);
+    return 1;
+}
+
+static int system_legendre(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double *p = evaluate(L, DM_WANT_SLOPE, offsetof(dm_model, slope), "the momentum");
+    memcpy(dml_pushvector(L, s->n), p + s->n, s->n * sizeof *p);
+    return 1;
+}
+
+/* a function of its own, so that help finds its own text */
+static int system_momentum(lua_State *L) {
+    return system_legendre(L);
+}
+
+static int system_mass(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double *p = evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the mass matrix");
+    memcpy(dml_pushmatrix(L, s->n, s->n), p + s->n, (size_t)s->n * s->n * sizeof *p);
+    return 1;
+}
+
+static int system_velocity(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double *x = arguments(L, s, "p");
+    dml_model *m = dml_pushlast(L, 1, NULL);
+    if (m->model.structure & DM_NO_VELOCITY)
+        luaL_error(L, "no velocity has this momentum: L has no velocity in it, so that "
+                      "p = dL/dv is 0");
+    if (m->model.structure & DM_LINEAR_IN_V)
+        luaL_error(L, "no velocity has this momentum: L is linear in v, so that p = "
+                      "dL/dv does not depend on v");
+    dml_want(L, m, DM_WANT_VALUE | dml_legendre_wants(m, 0), NULL);
+    double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
+    double *at = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *at, 0);
+    double *v = dml_pushvector(L, s->n);
+    const dm_status status = dm_legendre_inverse(&m->model, v, x, x + s->n, x[2 * s->n], work);
+    dml_rethrow(L, m);
+    memcpy(at, x, (2 * (size_t)s->n + 1) * sizeof *x);
+    memcpy(at + s->n, v, s->n * sizeof *v);
+    if (status == DM_OK) dml_checkmember(L, 1, m, at);
+    if (status != DM_OK)
+        luaL_error(L, "no velocity has this momentum: %s; is L regular (d2L/dv2 invertible) at q?",
+                   dm_status_text(status));
+    return 1;
+}
+
+static void set_flag(lua_State *L, const char *name, int value) {
+    lua_pushboolean(L, value);
+    lua_setfield(L, -2, name);
+}
+
+static int system_structure(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const dml_model *m = dml_pushmodel(L, 1);
+    const unsigned bits = m->model.structure;
+    lua_newtable(L);
+    dml_setresult(L);
+    set_flag(L, "separable", (bits & DM_SEPARABLE) != 0);
+    set_flag(L, "constant_mass", (bits & DM_CONSTANT_MASS) != 0);
+    set_flag(L, "diagonal_mass", (bits & DM_DIAGONAL_MASS) != 0);
+    set_flag(L, "autonomous", (bits & DM_AUTONOMOUS) != 0);
+    set_flag(L, "linear_in_v", (bits & DM_LINEAR_IN_V) != 0);
+    set_flag(L, "forced", m->constraints.forced);
+    lua_pushinteger(L, m->constraints.holonomic);
+    lua_setfield(L, -2, "constraints");
+    lua_pushinteger(L, m->constraints.rolling);
+    lua_setfield(L, -2, "rolling");
+    lua_pushinteger(L, m->model.operations);
+    lua_setfield(L, -2, "operations");
+    lua_newtable(L);
+    for (uint32_t i = 0, k = 0; m->model.cyclic && i < s->n; i++) {
+        if (!m->model.cyclic[i]) continue;
+        dml_coordinate(L, 1, i);
+        lua_rawseti(L, -2, (lua_Integer)++k);
+    }
+    lua_setfield(L, -2, "cyclic");
+    return 1;
+}
+
+static void put(void *ud, const char *text, size_t length) {
+    luaL_addlstring(ud, text, length);
+}
+
+/* names of the inputs of L for a listing: q, v by their coordinates, then t */
+static const char *const *input_names(lua_State *L, const dml_system *s) {
+    const char **names = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *names, 1);
+    lua_newtable(L); /* keeps the strings */
+    for (uint32_t i = 0; i < s->n; i++) {
+        names[i] = dml_coordinate(L, 1, i);
+        lua_rawseti(L, -2, 2 * (lua_Integer)i + 1);
+        names[s->n + i] = lua_pushfstring(L, "d%s", names[i]);
+        lua_rawseti(L, -2, 2 * (lua_Integer)i + 2);
+    }
+    lua_setiuservalue(L, -2, 1);
+    names[2 * s->n] = "t";
+    return names;
+}
+
+static int system_graph(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    const char *const *names = input_names(L, s);
+    dml_model *m = dml_pushmodel(L, 1);
+    luaL_Buffer b;
+    dml_writeout(L, m);
+    if (!m->graph) return luaL_error(L, "this system runs on hyper-dual numbers: it has no graph");
+    luaL_buffinit(L, &b);
+    dm_print(m->graph, &m->lagrangian, 1, names, put, &b);
+    luaL_pushresult(&b);
+    return 1;
+}
+
+static int system_tostring(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    luaL_Buffer b;
+    dml_systemfield(L, 1, "name");
+    const char *name = lua_tostring(L, -1);
+    dml_systemfield(L, 1, "Q");
+    const char *Q = luaL_tolstring(L, -1, NULL);
+    const dml_model *m = dml_pushmodel(L, 1);
+    const unsigned bits = m->model.structure;
+    luaL_buffinit(L, &b);
+    if (name)
+        lua_pushfstring(L, "system '%s' on %s: ", name, Q);
+    else
+        lua_pushfstring(L, "system on %s: ", Q);
+    luaL_addvalue(&b);
+    if (s->hyperdual)
+        luaL_addstring(&b, "L on hyper-dual numbers");
+    else {
+        luaL_addstring(&b, bits & DM_NO_VELOCITY   ? "no velocity in L, "
+                           : bits & DM_LINEAR_IN_V ? "linear in v, "
+                           : bits & DM_SEPARABLE   ? "separable, "
+                                                   : "not separable, ");
+        if (!(bits & DM_LINEAR_IN_V))
+            luaL_addstring(&b, bits & DM_CONSTANT_MASS ? "constant mass, "
+                                                       : "mass depends on the state, ");
+        if (!(bits & DM_AUTONOMOUS)) luaL_addstring(&b, "depends on time, ");
+        lua_pushfstring(L, "%d operations, derivatives exact", (int)m->model.operations);
+        luaL_addvalue(&b);
+    }
+    dml_describeconstraints(L, &b, m);
+    luaL_pushresult(&b);
+    return 1;
+}
+
+/* a copy of the options that the system was made with */
+static int push_given(lua_State *L) {
+    lua_newtable(L);
+    lua_getiuservalue(L, 1, 1);
+    for (lua_pushnil(L); lua_next(L, -2);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -5);
+    }
+    lua_pop(L, 1);
+    return 1;
+}
+
+static int system_field(lua_State *L) {
+    luaL_checkudata(L, 1, DML_SYSTEM);
+    const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "given") == 0) return push_given(L);
+    static const char *const fields[] = {"Q", "L", "name", "coordinates", "units", "params", NULL};
+    for (const char *const *f = fields; *f; f++)
+        if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
+    return 0;
+}
+
+static const dml_row meta[] = {{"__tostring", system_tostring, NULL}, {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"energy", system_energy,
+      "system:energy(q, v [, t]) -> number\n"
+      "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers, t: 0 "
+      "unless given. Raises where it is not finite, as do the other methods of a state."},
+     {"lagrangian", system_lagrangian,
+      "system:lagrangian(q, v [, t]) -> number\n"
+      "L(q, v, t) through the kernel that was traced from it, in the units of L."},
+     {"legendre", system_legendre,
+      "system:legendre(q, v [, t]) -> dm.vector\n"
+      "The momentum p = dL/dv of dim Q entries (the Legendre transform), entry "
+      "i in units of L over those of v_i; inverse: system:velocity."},
+     {"momentum", system_momentum,
+      "system:momentum(q, v [, t]) -> dm.vector\n"
+      "The same as system:legendre, p = dL/dv; the momentum map of a group along a path "
+      "is "
+      "path:momentum(group)."},
+     {"velocity", system_velocity,
+      "system:velocity(q, p [, t]) -> dm.vector\n"
+      "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off. Raises when "
+      "d2L/dv2 is singular, or L linear in v."},
+     {"mass", system_mass,
+      "system:mass(q, v [, t]) -> dm.matrix\n"
+      "The mass matrix d2L/dv2, dim Q x dim Q; singular where L is degenerate."},
+     {"structure", system_structure,
+      "system:structure() -> table\n"
+      "What was read off the graph of L: separable, constant_mass, diagonal_mass, "
+      "autonomous, linear_in_v "
+      "(booleans), cyclic (names of coordinates that L does not depend on), operations; "
+      "and how the system is constrained: constraints, rolling (how many), forced (boolean)."},
+     {"graph", system_graph,
+      "system:graph() -> string\nThe expression graph of L, one assignment a line; "
+      "coordinates and their rates by name."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"system", dml_system_new,
+      "dm.system{Q=, L=, constraint=, rolling=, force=, control=, reaction=, name=, "
+      "coordinates=, "
+      "units=, params=, derivatives=} -> dm.system\n"
+      "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, "
+      "with params, "
+      "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at "
+      "every run, so a "
+      "changed upvalue is picked up. coordinates: dim Q names, used for columns; units: "
+      "table name -> unit, used "
+      "for labels; derivatives: \"exact\" (traced, the default) or \"hyperdual\" for "
+      "functions that "
+      "branch on the state. Raises when L cannot be traced, with what to use instead.\n"
+      "constraint(q [, t]) returns what shall be zero along every path (holonomic: "
+      "reactions along its gradient), "
+      "rolling(q, v [, t]) what shall be zero of the velocities (reactions along its "
+      "derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) "
+      "returns), "
+      "force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq "
+      "(discrete "
+      "Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is "
+      "what control returned at the start of the step and is held over it; "
+      "each a number, a vector or a table, traced like L. Rules "
+      "that do not know them refuse the system and name those that do."},
+     {NULL, NULL, NULL}};
+
+void dml_open_system(lua_State *L) {
+    dml_newclass(L, DML_SYSTEM,
+                 "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
+                 "fields: Q, L, name, coordinates, units, params, given (all options as they were "
+                 "given)",
+                 meta, methods, system_field);
+    dml_addmethods(L, DML_SYSTEM, dml_constraint_methods);
+    dml_setfunctions(L, functions);
+}

@@ -1,0 +1,101 @@
+/* bind_system.h - `dm.system`, `dm.discrete_lagrangian` and their models as the other bindings
+ * see them. */
+#ifndef DML_SYSTEM_H
+#define DML_SYSTEM_H
+
+#include "bind/trace/trace.h"
+#include "mech/constraints.h"
+
+/* A mechanical system: the userdata keeps numbers, its user value 1 the fields as given.
+ */
+typedef struct {
+    uint32_t n;    /* dim Q */
+    int pair;      /* 1: a discrete Lagrangian Ld(q0, q1), 0: L(q, v, t) */
+    int ruled;     /* 1: a discrete Lagrangian of a system and a rule (discrete_rule.h) */
+    int hyperdual; /* 1: derivatives = "hyperdual" */
+    double h;      /* step of a discrete Lagrangian, else 0 */
+} dml_system;
+
+extern const char *const DML_SYSTEM;   /* "dm.system" */
+extern const char *const DML_DISCRETE; /* "dm.discrete_lagrangian" */
+
+/* Push a new system (or, pair = 1, discrete Lagrangian) from the options table at 1. */
+void dml_newsystem(lua_State *L, const char *const *known, int pair);
+
+/* dm.system{ Q =, L = }, as a C function. */
+int dml_system_new(lua_State *L);
+
+/* The system or discrete Lagrangian at `arg`; raises when it is neither. */
+dml_system *dml_checksystem(lua_State *L, int arg);
+
+/* Push field `key` of the system at `arg` (Q, L, Ld, name, coordinates, params, units,
+ * h); returns its type. */
+int dml_systemfield(lua_State *L, int arg, const char *key);
+
+/* Names of the n coordinates: given ones or q1 .. qn; pushes the name of coordinate i
+ * (from 0). */
+const char *dml_coordinate(lua_State *L, int arg, uint32_t i);
+
+/* The functions that constraint a system (model_constraints.h). */
+enum { DML_CONSTRAINT, DML_ROLLING, DML_CONTROL, DML_FORCE, DML_REACTION, DML_CONSTRAINT_FUNCTIONS };
+
+/* A traced system: what one run uses. Pushed as a userdata that keeps arena and function
+ * alive. */
+typedef struct {
+    dm_arena *arena;
+    dm_graph *graph; /* NULL when on hyper-dual numbers */
+    dm_node lagrangian;
+    uint32_t n;
+    uint32_t params; /* inputs behind t (model_params.h) */
+    double *values;  /* [params] of the system when it was traced */
+    dm_model model;
+    dml_callback *callback; /* NULL when traced */
+    const char *backend;    /* of the kernels: "tape", "hyperdual" */
+    double trace_ms, compile_ms;
+    dml_traced trace;                  /* of L, to be repeated; log NULL: none */
+    uint32_t traced;                   /* nodes of the graph when only L was in it */
+    int checked;                       /* compared with the function around the start of a run */
+    dm_compile *compile;               /* of a model that is kept (model_kept.h), else NULL */
+    dm_kept *kept;                     /* kernels of methods */
+    dml_traced constraint[DML_CONSTRAINT_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
+    dm_kernel constraint_kernel[DML_CONSTRAINT_FUNCTIONS]; /* the same for comparisons, once made */
+    dm_constraints_traced constrained;                     /* all in one graph, NULL without any */
+    uint32_t constraints_traced;                    /* its nodes, before derivatives */
+    dm_constraints constraints;
+} dml_model;
+
+/* Trace the system at `arg` and push its model with no kernels yet but its structure. */
+dml_model *dml_pushmodel(lua_State *L, int arg);
+
+/* The same for a run with the backend of that name by a method that DM_KEEPS: the model of the
+ * last such run where the trace is the same, with all its kernels. */
+dml_model *dml_pushlast(lua_State *L, int arg, const char *backend);
+
+/* Make the kernels `want` (DM_WANT_*) that are missing, with the backend of that name
+ * (NULL: the default). */
+void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend);
+
+/* From now on the graph of *m has no sums, every round is written out; raises where that is too
+ * large. */
+void dml_writeout(lua_State *L, dml_model *m);
+
+/* Push function `key` of the system at `arg`, its params bound as the last argument. */
+void dml_pushbound(lua_State *L, int arg, const char *key);
+
+/* What dm_legendre and its inverse need of this model, of which `want` is wanted too. */
+unsigned dml_legendre_wants(const dml_model *m, unsigned want);
+
+/* Raise a mismatch between trace and function (trace.h) for the system at `arg` at x =
+ * (q, v, t) or (q0, q1). */
+void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x);
+
+/* The same at the start of one of many members, which may be outside of the domain of L. */
+void dml_checkmember(lua_State *L, int arg, dml_model *m, const double *x);
+
+/* A callback failed inside a kernel: raise the user's own error. Else nothing. */
+void dml_rethrow(lua_State *L, dml_model *m);
+
+/* Hyper-dual kernels in the layout of mech/model.h. */
+void dml_hyperdual_model(lua_State *L, dml_model *m, unsigned want, int pair);
+
+#endif

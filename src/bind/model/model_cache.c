@@ -1,0 +1,54 @@
+#include "bind/model/model_cache.h"
+
+#include "bind/model/model_constraints.h"
+#include "bind/core/state.h"
+#include "algebra/body_sum.h"
+
+#include <string.h>
+
+/* its address is the registry key of a table from systems to models, which holds neither alive
+ * for the other */
+static const char key;
+
+static void push_table(lua_State *L) {
+    if (lua_rawgetp(L, LUA_REGISTRYINDEX, &key) == LUA_TTABLE) return;
+    lua_pop(L, 1);
+    lua_newtable(L);
+    lua_createtable(L, 0, 1);
+    lua_pushstring(L, "k");
+    lua_setfield(L, -2, "__mode");
+    lua_setmetatable(L, -2);
+    lua_pushvalue(L, -1);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &key);
+}
+
+/* the trace of *fresh is the beginning of the graph of *kept, to which derivatives were added */
+int dml_sametrace(const dml_model *kept, const dml_model *fresh) {
+    const uint32_t size = dm_graph_size(fresh->graph);
+    if (kept->traced != size || kept->lagrangian != fresh->lagrangian || kept->n != fresh->n)
+        return 0;
+    return dml_samenodes(kept->graph, fresh->graph, size) &&
+           dm_sums_same(kept->graph, fresh->graph) && dml_sameconstraints(kept, fresh);
+}
+
+dml_model *dml_pushkept(lua_State *L, int arg, dm_compile *compile) {
+    arg = lua_absindex(L, arg);
+    push_table(L);
+    lua_pushvalue(L, arg);
+    lua_rawget(L, -2);
+    lua_remove(L, -2);
+    dml_model *kept = lua_touserdata(L, -1);
+    if (kept && kept->compile == compile && !dml_arenalost(kept->arena)) return kept;
+    lua_pop(L, 1);
+    return NULL;
+}
+
+void dml_keep(lua_State *L, int arg, dml_model *m, dm_compile *compile) {
+    arg = lua_absindex(L, arg);
+    m->compile = compile;
+    push_table(L);
+    lua_pushvalue(L, arg);
+    lua_pushvalue(L, -3);
+    lua_rawset(L, -3);
+    lua_pop(L, 1);
+}

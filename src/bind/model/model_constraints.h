@@ -1,0 +1,41 @@
+/* model_constraints.h - the functions that constraint a system: constraint, rolling, force, reaction. */
+#ifndef DML_MODEL_CONSTRAINTS_H
+#define DML_MODEL_CONSTRAINTS_H
+
+#include "bind/model/bind_system.h"
+
+/* Does the system at `arg` have any of these functions? */
+int dml_isconstrained(lua_State *L, int arg);
+
+/* Check the fields of the options at 1: functions, or nil; a reaction needs a rolling
+ * constraint. */
+void dml_checktiefields(lua_State *L, int hyperdual);
+
+/* Trace them into m->constrained; raises what dml_trace raises, and wrong lengths. */
+void dml_traceconstraints(lua_State *L, int arg, dml_model *m);
+
+/* Do the functions do what they did when *kept was traced? What is made on the way is in
+ * `arena`. */
+int dml_repeatconstraints(lua_State *L, int arg, const dml_model *kept, dm_arena *arena);
+
+/* Derivatives and structure, into m->constraints; raises where one constrains nothing. */
+void dml_buildconstraints(lua_State *L, dml_model *m);
+
+/* Raise where the constraints of a discrete Lagrangian see the time. */
+void dml_checkpairconstraints(lua_State *L, const dml_model *m);
+
+/* Is the trace that of the other model, node for node? */
+int dml_sameconstraints(const dml_model *kept, const dml_model *fresh);
+
+/* Compare the traces with plain calls around x = (q, v, t), as dml_trace_check does; NULL:
+ * nowhere in particular. */
+void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x);
+
+/* system:constraint(q [, t]), system:rolling(q, v [, t]), system:force(q, v [, t]); what they
+ * are called. */
+extern const dml_row dml_constraint_methods[];
+
+/* Add "2 constraints, 1 rolling constraint, a force" to a text, nothing without any. */
+void dml_describeconstraints(lua_State *L, luaL_Buffer *b, const dml_model *m);
+
+#endif

@@ -1,0 +1,32 @@
+/* model_params.h - a system whose varied parameters are inputs of its kernels, not constants in
+ * them. */
+#ifndef DML_MODEL_PARAMS_H
+#define DML_MODEL_PARAMS_H
+
+#include "bind/run/stepping.h"
+#include "bind/model/bind_system.h"
+
+enum { DML_MOST_PARAMS = 16 };
+
+/* Push L of the system at `system` as a function of (q, v, t, values), values of the parameters
+ * in the list of names at `names`; and how it is traced. */
+void dml_pushwith(lua_State *L, int system, int names);
+dml_signature dml_withsignature(uint32_t n, uint32_t params);
+
+/* Push the model of that function with all parameters that can be inputs of an explicit rule:
+ * numbers that the potential alone depends on. Its kernels of L take (q, v, t, values). Its user
+ * value 4 is the list of their names. Pushes nil and returns NULL where there are none, where L
+ * is constrained or not separable, or where the function needs them as numbers. */
+dml_model *dml_pushinputs(lua_State *L, int system);
+
+/* Let *r step the model with inputs where it can: r->inputs and its values; the stack grows by
+ * what keeps them. */
+void dml_stepping_inputs(lua_State *L, dml_stepping *r);
+
+/* Push the list of names of the inputs of r->inputs. */
+void dml_pushnames(lua_State *L, const dml_stepping *r);
+
+/* True when L with inputs is L at r->state. */
+int dml_stepping_agrees(dml_stepping *r);
+
+#endif

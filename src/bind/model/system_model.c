@@ -1,0 +1,377 @@
+/* system_model.c - from the Lua function of a system to the kernels of a run. */
+#include "bind/trace/backend.h"
+#include "bind/core/missing_key.h"
+#include "bind/model/model_cache.h"
+#include "bind/trace/model_sums.h"
+#include "bind/model/model_constraints.h"
+#include "bind/core/state.h"
+#include "bind/model/bind_system.h"
+#include "code/native/jit.h"
+#include "algebra/body_sum.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+static double now_ms(clockid_t by) {
+    struct timespec t;
+    clock_gettime(by, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+static dml_signature signature(const dml_system *s) {
+    const int n = (int)s->n;
+    if (s->pair)
+        return (dml_signature){.what = "Ld",
+                               .arguments = 2,
+                               .length = {n, n},
+                               .outputs = DML_SCALAR_ARGUMENT,
+                               .may_grow = 1};
+    return (dml_signature){.what = "L",
+                           .arguments = 3,
+                           .length = {n, n, DML_SCALAR_ARGUMENT},
+                           .outputs = DML_SCALAR_ARGUMENT,
+                           .keeps_sums = 1,
+                           .may_grow = 1};
+}
+
+/* L(q, v, t, params) and Ld(q0, q1, h, params) with the last arguments bound */
+static int bound_call(lua_State *L) {
+    const int given = lua_gettop(L);
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    int extra = 0;
+    for (int i = 2; i <= 3; i++) {
+        if (lua_isnone(L, lua_upvalueindex(i))) break;
+        dml_pushparams(L, lua_upvalueindex(i));
+        extra++;
+    }
+    lua_call(L, given + extra, 1);
+    return 1;
+}
+
+void dml_pushbound(lua_State *L, int arg, const char *key) {
+    arg = lua_absindex(L, arg);
+    dml_systemfield(L, arg, key);
+    if (dml_systemfield(L, arg, "params") != LUA_TNIL)
+        lua_pushcclosure(L, bound_call, 2);
+    else
+        lua_pop(L, 1);
+}
+
+/* push the function of the system at arg, its constant arguments bound */
+static void push_function(lua_State *L, int arg, const dml_system *s) {
+    arg = lua_absindex(L, arg);
+    if (!s->pair) {
+        dml_pushbound(L, arg, "L");
+        return;
+    }
+    dml_systemfield(L, arg, "Ld");
+    lua_pushnumber(L, s->h);
+    dml_systemfield(L, arg, "params");
+    lua_pushcclosure(L, bound_call, 3);
+}
+
+static void check_status(lua_State *L, dm_status status) {
+    if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
+    if (status == DM_NOT_FINITE)
+        luaL_error(L, "L or a derivative of it is NaN or infinite whatever its arguments "
+                      "are: is there a number in it that is 0/0 or overflows?");
+    if (status != DM_OK && status != DM_SINGULAR) luaL_error(L, "%s", dm_status_text(status));
+}
+
+/* loops are not possible, and written out they would be too large */
+static void refuse_dense(lua_State *L, const dml_model *m, const char *why) {
+    luaL_error(L,
+               "%s needs the second derivatives of L as a full %d x %d matrix, which is "
+               "kept up to %d "
+               "coordinates in a system with dm.sum_over; explicit rules do without "
+               "(\"verlet\", "
+               "\"blanes-moan(6)\", \"kahan-li(8)\")",
+               why, (int)m->n, (int)m->n, DM_MODEL_DENSE);
+}
+
+enum {
+    LARGEST_WRITTEN_OUT = 2000
+}; /* coordinates; tables of second derivatives are their square */
+
+static void refuse_many(lua_State *L, const dml_model *m) {
+    if (m->n <= LARGEST_WRITTEN_OUT || (m->graph && dm_sums(m->graph))) return;
+    luaL_error(L,
+               "a system of %d coordinates needs tables of %d x %d entries: above %d "
+               "coordinates write the sums "
+               "over bodies or neighbours in L with dm.sum_over, which stay loops",
+               (int)m->n, (int)m->n, (int)m->n, LARGEST_WRITTEN_OUT);
+}
+
+/* after every dm_model_build, which knows nothing of them */
+static void attach_constraints(dml_model *m) {
+    m->model.params = m->params;
+    if (!m->constrained.graph) return;
+    m->model.constraints = &m->constraints;
+    if (m->constraints.structure & DM_CONSTRAINTS_TIMED) m->model.structure &= ~(unsigned)DM_AUTONOMOUS;
+}
+
+/* 0: the graph is too large */
+static int read_structure(lua_State *L, dml_model *m, int pair) {
+    refuse_many(L, m);
+    dm_status status = m->graph ? dm_graph_status(m->graph) : DM_TOO_LARGE;
+    if (status == DM_OK && pair)
+        m->model.n = m->n;
+    else if (status == DM_OK)
+        status = dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena);
+    if (status == DM_TOO_LARGE && m->graph && dm_sums(m->graph))
+        refuse_dense(L, m, "a kinetic energy that is no sum of m v^2/2 with constant masses");
+    if (status == DM_TOO_LARGE) return 0;
+    check_status(L, status);
+    attach_constraints(m);
+    return 1;
+}
+
+/* derivatives of the constraints; sums in L are written out, since a constrained step needs dense kernels */
+static void read_constraints(lua_State *L, dml_model *m) {
+    if (!m->constrained.graph) return;
+    if (!m->graph)
+        luaL_error(L, "L is too large to trace, and a system with constraints or a force "
+                      "needs its exact derivatives: is there a long loop in L?");
+    dml_buildconstraints(L, m);
+    dml_writeout(L, m);
+    m->traced = dm_graph_size(m->graph);
+}
+
+static void go_hyperdual(lua_State *L, dml_model *m, int fn, const dml_signature *sig) {
+    m->graph = NULL;
+    m->callback = dml_hyperdual_new(L, fn, sig);
+    lua_setiuservalue(L, -2, 3);
+    m->model = (dm_model){.n = m->n};
+    m->backend = "hyperdual";
+}
+
+/* from now on the system runs on hyper-dual numbers; said once */
+static void warn_too_large(dml_system *s, const char *what) {
+    s->hyperdual = 1;
+    fprintf(stderr,
+            "dmlua: warning: %s makes more than %d operations: too many to trace. It "
+            "runs on hyper-dual "
+            "numbers, which is slow; a shorter loop, or dm.sum_over, would be fast\n",
+            what, DM_GRAPH_LIMIT);
+}
+
+/* push a model with the arena on top and the function at fn */
+static dml_model *new_model(lua_State *L, int fn, dm_arena *arena, uint32_t n) {
+    /* arena, function, callback, the model with parameters as inputs (model_params.h) or false,
+     * the one with tables (dml_standin) */
+    dml_model *m = lua_newuserdatauv(L, sizeof *m, 5);
+    *m = (dml_model){.n = n, .arena = arena};
+    lua_pushvalue(L, -2);
+    lua_setiuservalue(L, -2, 1);
+    lua_pushvalue(L, fn);
+    lua_setiuservalue(L, -2, 2);
+    return m;
+}
+
+/* Trace the function at fn, *kept (or NULL) behind it: push *kept where it is the same again,
+ * else a new model. */
+static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *kept, dm_compile *compile) {
+    const dml_system *s = dml_checksystem(L, arg);
+    const dml_signature sig = signature(s);
+    const dml_traced *last = kept ? &kept->trace : NULL;
+    dml_traced traced;
+    dm_arena *arena = dml_pusharena(L);
+    const int at = lua_gettop(L);
+    if (compile)
+        dml_retrace(L, fn, &sig, arena, last, &traced);
+    else
+        dml_trace(L, fn, &sig, arena, &traced);
+    int same = last && traced.graph && traced.graph == last->graph;
+    if (same && !dml_repeatconstraints(L, arg, kept, arena)) {
+        dml_retrace(L, fn, &sig, arena, NULL, &traced); /* of a model of its own */
+        same = 0;
+    }
+    dml_model *m = same ? kept : new_model(L, fn, arena, s->n);
+    if (!same) {
+        m->trace = traced;
+        m->graph = traced.graph;
+        m->lagrangian = traced.out[0];
+        m->traced = m->graph ? dm_graph_size(m->graph) : 0;
+        dml_traceconstraints(L, arg, m);
+        same = kept && m->graph && dml_sametrace(kept, m);
+    }
+    if (same) dml_sparearena(L, at);
+    lua_pushvalue(L, same ? fn + 1 : at + 1);
+    lua_replace(L, at);
+    lua_settop(L, at);
+    return same ? kept : m;
+}
+
+/* from the trace of a new model on top to its structure */
+static void build_model(lua_State *L, int arg, int fn, dml_model *m) {
+    dml_system *s = dml_checksystem(L, arg);
+    const dml_signature sig = signature(s);
+    if (!s->hyperdual) {
+        read_constraints(L, m);
+        if (s->pair) dml_checkpairconstraints(L, m);
+        if (!read_structure(L, m, s->pair)) warn_too_large(s, sig.what);
+    }
+    if (s->hyperdual) go_hyperdual(L, m, fn, &sig);
+}
+
+/* compile: by which a model of an earlier run may be kept, or NULL */
+static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
+    arg = lua_absindex(L, arg);
+    dml_system *s = dml_checksystem(L, arg);
+    if (s->ruled)
+        luaL_error(L, "a discrete Lagrangian of a system and a rule is found by solving: "
+                      "it has no formula to trace (its L "
+                      "is in the field 'system')");
+    push_function(L, arg, s);
+    const int fn = lua_gettop(L);
+    dml_model *kept = compile && !s->hyperdual ? dml_pushkept(L, arg, compile) : NULL;
+    const clockid_t by = kept ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
+    const double start = now_ms(by); /* asking for CPU time takes as long as five operations */
+    dml_model *m;
+    if (s->hyperdual) {
+        dm_arena *arena = dml_pusharena(L);
+        m = new_model(L, fn, arena, s->n);
+    } else {
+        m = trace_model(L, arg, fn, kept, compile);
+    }
+    if (m != kept) build_model(L, arg, fn, m);
+    if (m != kept && m->graph && compile) dml_keep(L, arg, m, compile);
+    if (m == kept) m->compile_ms = 0.0;
+    m->trace_ms = now_ms(by) - start;
+    lua_replace(L, fn);
+    lua_settop(L, fn);
+    return m;
+}
+
+dml_model *dml_pushmodel(lua_State *L, int arg) {
+    return push_model(L, arg, NULL);
+}
+
+dml_model *dml_pushlast(lua_State *L, int arg, const char *backend) {
+    return push_model(L, arg, dml_findbackend(L, backend)->compile);
+}
+
+static const dml_backend *backend_of(lua_State *L, const dml_model *m, const char *backend) {
+    return dml_findbackend(L, dml_arenalost(m->arena) ? "tape" : backend);
+}
+
+static void want_constraints(lua_State *L, dml_model *m, unsigned want, const char *backend) {
+    const unsigned missing = want & DM_WANT_CONSTRAINTS & ~m->constraints.has;
+    if (!m->constrained.graph || !missing) return;
+    const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
+    check_status(L, dm_constraints_want(&m->constraints, missing, backend_of(L, m, backend)->compile));
+    m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
+}
+
+/* the backend of the kernels that step; the value is on the tape */
+static const char *built_by(const dm_model *m, const char *wanted) {
+    const dm_kernel *const all[] = {&m->stage, &m->force, &m->slope,  &m->well,
+                                    &m->pair,  &m->mass,  &m->energy, NULL};
+    for (const dm_kernel *const *k = all; *k; k++)
+        if ((*k)->eval && (*k)->backend) return (*k)->backend;
+    return strcmp(wanted, "jit") == 0 && !dm_jit_lanes() ? "tape" : wanted;
+}
+
+void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
+    if (dml_arenalost(m->arena))
+        m->model.has = m->constraints.has = 0; /* called by a finalizer: made again, on the tape */
+    want_constraints(L, m, want, backend);
+    want &= ~(unsigned)DM_WANT_CONSTRAINTS;
+    const unsigned missing = want & ~m->model.has;
+    const int pair = (want & DM_WANT_PAIR) != 0;
+    if (!missing) return;
+    if (m->model.structure & DM_LOOPS && want & DM_WANT_DENSE && dm_sums(m->graph) &&
+        m->n > DM_MODEL_DENSE)
+        refuse_dense(L, m, want & DM_WANT_MASS ? "this" : "this rule");
+    const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
+    if (m->callback) {
+        dml_hyperdual_model(L, m, missing, pair);
+    } else {
+        const dml_backend *row = backend_of(L, m, backend);
+        const dm_status status = pair ? dm_model_build_pair(&m->model, m->graph, m->lagrangian,
+                                                            m->n, row->compile, m->arena)
+                                      : dm_model_build(&m->model, m->graph, m->lagrangian, m->n,
+                                                       want | m->model.has, row->compile, m->arena);
+        check_status(L, status);
+        attach_constraints(m);
+        if (m->compile) m->model.source.kept = &m->kept;
+        m->backend = built_by(&m->model, row->name);
+    }
+    m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
+}
+
+void dml_writeout(lua_State *L, dml_model *m) {
+    if (!m->graph || !dm_sums(m->graph)) return;
+    if (m->n > DM_MODEL_DENSE)
+        luaL_error(L,
+                   "the sums of dm.sum_over are written out up to %d coordinates (this "
+                   "system has %d)",
+                   DM_MODEL_DENSE, (int)m->n);
+    dm_graph *plain = dm_graph_new(m->arena, dm_sum_first(m->graph));
+    if (!plain) luaL_error(L, "not enough memory");
+    m->lagrangian = dm_sum_write_out(plain, m->graph, m->lagrangian);
+    m->graph = plain;
+    check_status(L, dm_graph_status(plain));
+}
+
+unsigned dml_legendre_wants(const dml_model *m, unsigned want) {
+    const unsigned structure = m->model.structure;
+    if (structure & DM_LOOPS && !(want & DM_WANT_DENSE)) return 0;
+    return structure & DM_DIAGONAL_MASS ? 0 : DM_WANT_MASS;
+}
+
+/* the kernel is the function: it need only be a number, and the same one when asked again */
+static void check_callback(lua_State *L, dml_model *m, const char *what, const double *x,
+                           int may_be_outside) {
+    double once = 0.0, again = 0.0;
+    dm_kernel_eval(&m->model.value, x, &once);
+    dm_kernel_eval(&m->model.value, x, &again);
+    dml_rethrow(L, m);
+    if (once != once && may_be_outside) return;
+    if (once != once)
+        luaL_error(L,
+                   "%s is NaN at the start: is the start inside its domain (a logarithm, "
+                   "root or quotient)?",
+                   what);
+    if (once != again)
+        luaL_error(L,
+                   "%s gives %f and then %f at the same point: does it use random "
+                   "numbers, or a counter?",
+                   what, once, again);
+}
+
+static void check_model(lua_State *L, int arg, dml_model *m, const double *x, int may_be_outside) {
+    const char *what = m->model.has & DM_WANT_PAIR ? "Ld" : "L";
+    if (m->callback) {
+        if (x) check_callback(L, m, what, x, may_be_outside);
+        return;
+    }
+    const dml_system *s = dml_checksystem(L, arg);
+    dml_signature sig = signature(s);
+    sig.may_be_outside = may_be_outside;
+    push_function(L, arg, s);
+    const int fn = lua_gettop(L);
+    const dm_kernel *kernel = &m->model.value;
+    const double *at = dml_givesums(L, m, &kernel, x);
+    if (m->checked)
+        dml_trace_check_start(L, fn, &sig, kernel, at);
+    else
+        dml_trace_check(L, fn, &sig, kernel, at);
+    lua_settop(L, fn - 1);
+    dml_checkconstraints(L, arg, m, x);
+    m->checked = 1;
+}
+
+void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
+    check_model(L, arg, m, x, 0);
+}
+
+void dml_checkmember(lua_State *L, int arg, dml_model *m, const double *x) {
+    check_model(L, arg, m, x, 1);
+}
+
+void dml_rethrow(lua_State *L, dml_model *m) {
+    if (m->callback) dml_hyperdual_rethrow(L, m->callback);
+}

@@ -1,0 +1,145 @@
+/* system_new.c - from a table of options to a system or a discrete Lagrangian. */
+#include "bind/model/model_constraints.h"
+#include "bind/model/bind_space.h"
+#include "bind/model/bind_system.h"
+
+#include <string.h>
+
+/* field `key` of the table at 1, or an error that shows what is expected */
+static void require_field(lua_State *L, const char *key, int type, const char *expected) {
+    if (lua_getfield(L, 1, key) != type)
+        luaL_error(L, "field '%s' must be %s (got %s)", key, expected, luaL_typename(L, -1));
+    lua_pop(L, 1);
+}
+
+static uint32_t check_Q(lua_State *L) {
+    lua_getfield(L, 1, "Q");
+    const dml_space *Q = luaL_testudata(L, -1, "dm.space");
+    if (!Q)
+        luaL_error(L, "field 'Q' must be a space, for instance dm.R(2) or dm.T(1) (got %s)",
+                   luaL_typename(L, -1));
+    if (!Q->chart)
+        luaL_error(L,
+                   "field 'Q': %s has no global coordinates; use dm.R(n) or dm.T(n), with a "
+                   "constraint where it must be",
+                   luaL_tolstring(L, -1, NULL));
+    lua_pop(L, 1);
+    return Q->n;
+}
+
+/* a name of coordinate i (from 1) on top: one word that no other column has */
+static void check_name(lua_State *L, int names, uint32_t i) {
+    static const char *const taken[] = {"t", "time", "energy", NULL};
+    size_t length;
+    const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tolstring(L, -1, &length) : NULL;
+    if (!name || !length || strlen(name) != length || strpbrk(name, "\n\r\",\t "))
+        luaL_error(L, "field 'coordinates'[%d] must be a name of one word", (int)i);
+    for (const char *const *other = taken; *other; other++)
+        if (strcmp(name, *other) == 0)
+            luaL_error(L,
+                       "field 'coordinates'[%d]: '%s' is a column of every path; choose "
+                       "another name",
+                       (int)i, name);
+    for (uint32_t k = 1; k < i; k++, lua_pop(L, 1)) {
+        lua_geti(L, names, k);
+        if (lua_rawequal(L, -1, -2))
+            luaL_error(L, "field 'coordinates': '%s' stands there twice", name);
+    }
+}
+
+static void check_coordinates(lua_State *L, uint32_t n) {
+    if (lua_getfield(L, 1, "coordinates") != LUA_TNIL) {
+        const int names = lua_gettop(L);
+        if (!lua_istable(L, names) || luaL_len(L, names) != (lua_Integer)n)
+            luaL_error(L, "field 'coordinates' must be a table of %d names", (int)n);
+        for (uint32_t i = 1; i <= n; i++, lua_pop(L, 1)) {
+            lua_geti(L, names, i);
+            check_name(L, names, i);
+        }
+    }
+    lua_pop(L, 1);
+}
+
+static int wants_hyperdual(lua_State *L) {
+    static const char *const modes[] = {"exact", "hyperdual", NULL};
+    lua_getfield(L, 1, "derivatives");
+    const char *mode = lua_isnil(L, -1) ? modes[0] : lua_tostring(L, -1);
+    if (!mode || (strcmp(mode, modes[0]) != 0 && strcmp(mode, modes[1]) != 0))
+        luaL_error(L, "field 'derivatives' must be \"exact\" (traced, the default) or "
+                      "\"hyperdual\"");
+    const int hyper = strcmp(mode, modes[1]) == 0;
+    lua_pop(L, 1);
+    return hyper;
+}
+
+/* copy the options at 1, so that later changes of the table do not reach the system */
+static void keep_fields(lua_State *L, const char *const *known) {
+    lua_newtable(L);
+    for (; *known; known++) {
+        lua_getfield(L, 1, *known);
+        lua_setfield(L, -2, *known);
+    }
+}
+
+/* what L can index */
+static void check_params(lua_State *L) {
+    const int type = lua_getfield(L, 1, "params");
+    if (type != LUA_TNIL && type != LUA_TTABLE && type != LUA_TUSERDATA)
+        luaL_error(L,
+                   "field 'params' must be a table that L gets as its last argument, for "
+                   "instance { k = 2 } (got %s)",
+                   luaL_typename(L, -1));
+    lua_pop(L, 1);
+}
+
+/* name -> unit */
+static void check_units(lua_State *L) {
+    const int type = lua_getfield(L, 1, "units");
+    if (type != LUA_TNIL && type != LUA_TTABLE)
+        luaL_error(L,
+                   "field 'units' must be a table name -> unit, for instance { q1 = \"m\", "
+                   "t = \"s\" } (got %s)",
+                   luaL_typename(L, -1));
+    if (type == LUA_TTABLE)
+        for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+            if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != LUA_TSTRING)
+                luaL_error(L,
+                           "field 'units'[%s] must be a text under the name of what has it, "
+                           "for instance { q1 = \"m\", t = \"s\" }",
+                           luaL_tolstring(L, -2, NULL));
+    lua_pop(L, 1);
+}
+
+void dml_newsystem(lua_State *L, const char *const *known, int pair) {
+    lua_settop(L, 1);
+    luaL_checktype(L, 1, LUA_TTABLE);
+    dml_options(L, 1, known);
+    dml_unfold_spheres(L);
+    const uint32_t n = check_Q(L);
+    require_field(L, pair ? "Ld" : "L", LUA_TFUNCTION,
+                  pair ? "a function of (q0, q1) or (q0, q1, h)"
+                       : "a function of (q, v) or (q, v, t)");
+    check_coordinates(L, n);
+    check_units(L);
+    check_params(L);
+    dml_checktiefields(L, wants_hyperdual(L));
+    const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
+    dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
+    *s = (dml_system){.n = n, .pair = pair, .hyperdual = wants_hyperdual(L), .h = h};
+    keep_fields(L, known);
+    lua_setiuservalue(L, -2, 1);
+    luaL_setmetatable(L, pair ? DML_DISCRETE : DML_SYSTEM);
+    dml_pushlast(
+        /* what cannot be traced is refused where it is given; the first run takes it over */
+        L, -1, NULL);
+    lua_pop(L, 1);
+}
+
+int dml_system_new(lua_State *L) {
+    static const char *const known[] = {"Q",       "L",       "name",        "coordinates",
+                                        "units",   "params",  "derivatives", "constraint",
+                                        "rolling", "control", "force",       "reaction",
+                                        NULL};
+    dml_newsystem(L, known, 0);
+    return 1;
+}

@@ -1,0 +1,131 @@
+/* bind_curve.c - `dm.curve`: an explicit one-step method as the curve segments of a variational
+ * rule. */
+#include "bind/rule/bind_curve.h"
+
+#include <math.h>
+#include <string.h>
+
+const dm_curve *dml_tocurve(lua_State *L, int arg) {
+    const dml_rule *r = dml_torule(L, arg);
+    return r && strcmp(r->rule.name, "curve") == 0 ? r->rule.data : NULL;
+}
+
+static void unknown_method(lua_State *L, const char *name) {
+    luaL_Buffer b;
+    luaL_buffinit(L, &b);
+    lua_pushfstring(L, "unknown one-step method '%s'; known ones: straight", name);
+    luaL_addvalue(&b);
+    for (int i = 0; dm_curve_name(i, NULL); i++) {
+        luaL_addstring(&b, ", ");
+        luaL_addstring(&b, dm_curve_name(i, NULL));
+    }
+    luaL_addstring(&b, ", and GSL's gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd");
+    luaL_pushresult(&b);
+    luaL_error(L, "%s", lua_tostring(L, -1));
+}
+
+static void found_method(lua_State *L, dm_curve *c, const char *name) {
+    if (!dm_curve_find(c, name)) unknown_method(L, name);
+}
+
+static void own_method(lua_State *L, dm_curve *c, int fn) {
+    dml_curve_trace(L, fn, c);
+    strcpy(c->name, "own method");
+    c->order = c->lifted ? dm_curve_measure(c) : dm_curve_conditions(c, NULL);
+    const long claimed = dml_count(L, 1, "order", 1, 1);
+    if (claimed > c->order && c->order < 8)
+        luaL_error(L, "field 'order' is %d, but the method has order %d only (%s)", (int)claimed,
+                   c->order,
+                   c->lifted ? "measured where accelerations depend on q"
+                             : "its coefficients satisfy the order conditions up to there");
+}
+
+/* method = a name or a function, of the options at 1 */
+static void read_method(lua_State *L, dm_curve *c) {
+    lua_getfield(L, 1, "method");
+    if (lua_type(L, -1) == LUA_TSTRING)
+        found_method(L, c, lua_tostring(L, -1));
+    else if (lua_isfunction(L, -1))
+        own_method(L, c, lua_gettop(L));
+    else
+        luaL_error(L,
+                   "field 'method' must be the name of a one-step method, for instance \"rk4\", "
+                   "or a function(x, f, h) that gives x after a step h of x' = f(x) (got %s)",
+                   luaL_typename(L, -1));
+    lua_pop(L, 1);
+}
+
+static void read_bias(lua_State *L, dm_curve *c) {
+    const double bias = dml_number(L, 1, "bias", c->bias);
+    if (!(bias >= 0.0 && bias <= 1.0))
+        luaL_error(L,
+                   "field 'bias' must be a number from 0 to 1, the part of a step that lies "
+                   "behind (q, v) (got %f)",
+                   bias);
+    if (!dm_curve_bias(c, bias))
+        luaL_error(L,
+                   "field 'bias': a method of %d stages can begin or end a segment (bias "
+                   "1 or 0), "
+                   "both sides of (q, v) would take more than %d points",
+                   c->s, DM_CURVE_STAGES);
+}
+
+/* dm.curve(name, options) -> options with the name at 1 */
+static void read_name(lua_State *L) {
+    lua_settop(L, 2);
+    if (lua_isnil(L, 2)) lua_newtable(L), lua_replace(L, 2);
+    luaL_checktype(L, 2, LUA_TTABLE);
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, 2);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, 3);
+    }
+    lua_pushvalue(L, 1);
+    lua_setfield(L, 3, "method");
+    lua_replace(L, 1);
+}
+
+int dml_curve_new(lua_State *L) {
+    static const char *const known[] = {"method", "bias", "order", NULL};
+    if (lua_type(L, 1) == LUA_TSTRING) read_name(L);
+    lua_settop(L, 1);
+    luaL_checktype(L, 1, LUA_TTABLE);
+    dml_options(L, 1, known);
+    dm_curve *c = lua_newuserdatauv(L, sizeof *c, 0);
+    read_method(L, c);
+    read_bias(L, c);
+    if (c->bias == 1.0)
+        lua_pushfstring(L, "curve(%s)", c->name);
+    else
+        lua_pushfstring(L, "curve(%s, %f)", c->name, c->bias);
+    lua_pushvalue(L, 2);
+    dml_pushrule(L, "curve", c, lua_tostring(L, 3));
+    return 1;
+}
+
+static const dml_row functions[] =
+    {{"curve", dml_curve_new,
+      "dm.curve(name [, {bias=}]) -> dm.rule   or   dm.curve{method=, bias=, order=}\n"
+      "Curve segments for rule =: an explicit one-step method made variational, "
+      "symplectic and of the order of the "
+      "method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, butcher6, "
+      "fehlberg7, dop853, and GSL's "
+      "gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. method may be a function(x, f, "
+      "h) or function(x, f, h, t) "
+      "that gives the state x = (q, v), a vector of 2 n entries, after a step h of x' = "
+      "f(x) (f(x, t) takes the time "
+      "too): any method that is linear in the values of f, as Runge-Kutta, leapfrog and "
+      "Nystroem methods are, with "
+      "numbers for coefficients; its order is found, and `order` (optional) checked "
+      "against it. bias in [0, 1]: the part of "
+      "a step behind (q, v), 1 unless given, 1/2 for \"straight\" and for symmetric "
+      "rules; straight segments with bias "
+      "1/2 are the midpoint rule, with 0 and 1 the two symplectic Euler methods. The rule "
+      "as text: rule = "
+      "\"curve(rk4)\", \"curve(rk4, 0.5)\" (Cuell-Patrick 2008)."},
+     {NULL, NULL, NULL}};
+
+void dml_open_curve(lua_State *L) {
+    dml_setfunctions(L, functions);
+}

@@ -1,0 +1,356 @@
+/* bind_discrete.c - `dm.discrete_lagrangian`: Ld(q0, q1) of a user, or of a system and a
+ * rule. */
+#include "bind/rule/discrete_rule.h"
+#include "bind/model/model_constraints.h"
+#include "bind/trace/bind_root.h"
+#include "bind/model/bind_space.h"
+#include "bind/model/bind_system.h"
+
+#include <math.h>
+#include <string.h>
+
+static dml_system *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_DISCRETE);
+}
+
+/* p0 = -D1 Ld, p1 = D2 Ld, -D1D2 Ld at the points q0, q1 */
+typedef struct {
+    const double *p0, *p1, *two_form;
+} momenta;
+
+/* of a user's formula, at arguments 2, 3, in a userdata left on the stack */
+static momenta of_formula(lua_State *L) {
+    const dml_system *s = check(L);
+    const uint32_t n = s->n;
+    double *x = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *x, 0);
+    dml_vectorarg(L, 2, "q0", x, n);
+    dml_vectorarg(L, 3, "q1", x + n, n);
+    dml_model *m = dml_pushlast(L, 1, NULL);
+    dml_want(L, m, DM_WANT_PAIR, NULL);
+    double *out = lua_newuserdatauv(L, m->model.pair.outputs * sizeof *out, 0);
+    dml_forgetroots(m);
+    dm_kernel_prepare(&m->model.pair, out);
+    dm_kernel_eval(&m->model.pair, x, out);
+    dml_rethrow(L, m);
+    for (uint32_t i = 0; i < m->model.pair.outputs; i++) {
+        if (!isfinite(out[i]))
+            luaL_error(L,
+                       "a derivative of Ld is not finite at (q0, q1): is it inside the "
+                       "domain of Ld?%s",
+                       dml_modeltrouble(L, m));
+        if (i < n || i >= 2 * n) out[i] = -out[i];
+    }
+    return (momenta){out, out + n, out + 2 * (size_t)n};
+}
+
+static momenta find_ends(lua_State *L) {
+    dm_discrete d;
+    if (!check(L)->ruled) return of_formula(L);
+    dml_solveruled(L, &d);
+    return (momenta){d.p0, d.p1, d.two_form};
+}
+
+static void push_vector(lua_State *L, const double *x, uint32_t n) {
+    memcpy(dml_pushvector(L, n), x, n * sizeof *x);
+}
+
+static int discrete_minus(lua_State *L) {
+    lua_settop(L, 4);
+    const momenta e = find_ends(L);
+    push_vector(L, e.p0, check(L)->n);
+    return 1;
+}
+
+static int discrete_plus(lua_State *L) {
+    lua_settop(L, 4);
+    const momenta e = find_ends(L);
+    push_vector(L, e.p1, check(L)->n);
+    return 1;
+}
+
+static int discrete_two_form(lua_State *L) {
+    lua_settop(L, 4);
+    const momenta e = find_ends(L);
+    const uint32_t n = check(L)->n;
+    memcpy(dml_pushmatrix(L, n, n), e.two_form, (size_t)n * n * sizeof(double));
+    return 1;
+}
+
+/* Ld:momentum(group, q0, q1): <J, xi> = D2 Ld . xi_Q(q1) */
+static int discrete_momentum(lua_State *L) {
+    const uint32_t n = check(L)->n;
+    lua_settop(L, 5);
+    const dm_action action = dml_standard_action(L, 2, 5, n);
+    double *q1 = lua_newuserdatauv(L, n * sizeof *q1, 0);
+    dml_vectorarg(L, 4, "q1", q1, n);
+    lua_pushnil(L);
+    lua_replace(L, 5);
+    lua_remove(L, 2); /* q0, q1 are wanted at 2, 3, a time or nil at 4 */
+    const momenta e = find_ends(L);
+    const uint32_t dimension = action.group->dimension(action.k);
+    dm_momentum(dml_pushvector(L, dimension), &action, n, q1, e.p1);
+    return 1;
+}
+
+static double value_of_formula(lua_State *L) {
+    const uint32_t n = check(L)->n;
+    double *x = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *x, 0), value;
+    dml_vectorarg(L, 2, "q0", x, n);
+    dml_vectorarg(L, 3, "q1", x + n, n);
+    dml_model *m = dml_pushlast(L, 1, NULL);
+    dml_want(L, m, DM_WANT_PAIR, NULL);
+    dml_forgetroots(m);
+    dm_kernel_prepare(&m->model.value, &value);
+    dm_kernel_eval(&m->model.value, x, &value);
+    dml_rethrow(L, m);
+    if (!isfinite(value))
+        luaL_error(L, "Ld is not finite at (q0, q1): is it inside its domain?%s",
+                   dml_modeltrouble(L, m));
+    return value;
+}
+
+static int discrete_call(lua_State *L) {
+    dm_discrete d;
+    lua_settop(L, 4);
+    if (check(L)->ruled)
+        dml_solveruled(L, &d);
+    else
+        d.value = value_of_formula(L);
+    lua_pushnumber(L, d.value);
+    return 1;
+}
+
+/* a function of its own, so that help finds its own text */
+static int discrete_value(lua_State *L) {
+    return discrete_call(L);
+}
+
+static void set_matrix(lua_State *L, const char *key, const double *x, uint32_t rows, uint32_t n) {
+    memcpy(dml_pushmatrix(L, rows, n), x, (size_t)rows * n * sizeof *x);
+    lua_setfield(L, -2, key);
+}
+
+static int hamilton_pontryagin(lua_State *L) {
+    const dml_system *s = check(L);
+    dm_discrete d;
+    lua_settop(L, 4);
+    if (!s->ruled)
+        luaL_error(L, "a formula Ld(q0, q1) has no stages: this is for a discrete "
+                      "Lagrangian of a system and a rule");
+    dml_solveruled(L, &d);
+    lua_createtable(L, 0, 7);
+    dml_setresult(L);
+    lua_pushnumber(L, d.value), lua_setfield(L, -2, "value");
+    lua_pushnumber(L, d.residual), lua_setfield(L, -2, "residual");
+    push_vector(L, d.p0, s->n), lua_setfield(L, -2, "p0");
+    push_vector(L, d.p1, s->n), lua_setfield(L, -2, "p1");
+    set_matrix(L, "q", d.q, d.points, s->n);
+    set_matrix(L, "v", d.v, d.points, s->n);
+    set_matrix(L, "p", d.p, d.points, s->n);
+    return 1;
+}
+
+static int discrete_tostring(lua_State *L) {
+    const dml_system *s = check(L);
+    dml_systemfield(L, 1, "name");
+    const char *name = lua_tostring(L, -1);
+    dml_systemfield(L, 1, "Q");
+    const char *Q = luaL_tolstring(L, -1, NULL);
+    if (name)
+        lua_pushfstring(L, "discrete Lagrangian '%s' on %s, h = %f", name, Q, s->h);
+    else
+        lua_pushfstring(L, "discrete Lagrangian on %s, h = %f", Q, s->h);
+    if (!s->ruled) return 1;
+    dml_systemfield(L, 1, "rule");
+    const char *rule = luaL_tolstring(L, -1, NULL);
+    lua_pushfstring(L, "%s, by %s", lua_tostring(L, -3), rule);
+    return 1;
+}
+
+static int discrete_field(lua_State *L) {
+    const dml_system *s = check(L);
+    const char *key = luaL_checkstring(L, 2);
+    static const char *const fields[] = {"Q",      "Ld",     "name", "coordinates", "units",
+                                         "params", "system", "rule", "constraint",  NULL};
+    if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
+    for (const char *const *f = fields; *f; f++)
+        if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
+    return 0;
+}
+
+/* ---- a discrete Lagrangian of a system: its L at the nodes of a rule with one velocity
+ * (q1 - q0)/h ---- */
+
+/* push L of the system at upvalue 1 at ((1 - c) q0 + c q1, (q1 - q0)/h), arguments q0,
+ * q1, h at 1, 2, 3 */
+static void push_node(lua_State *L, double c) {
+    lua_getfield(L, lua_upvalueindex(1), "L");
+    lua_pushvalue(L, 2);
+    lua_pushvalue(L, 1);
+    lua_arith(L, LUA_OPSUB); /* q1 - q0 */
+    lua_pushvalue(L, 1);
+    lua_pushvalue(L, -2);
+    lua_pushnumber(L, c);
+    lua_arith(L, LUA_OPMUL);
+    lua_arith(L, LUA_OPADD); /* q0 + c (q1 - q0) */
+    lua_insert(L, -2);
+    lua_pushvalue(L, 3);
+    lua_arith(L, LUA_OPDIV);
+    lua_pushnumber(L, 0.0);
+    lua_getfield(L, lua_upvalueindex(1), "params");
+    lua_call(L, 4, 1);
+}
+
+/* h sum_i b_i L at the nodes: one of weight 1 at c = 1/2, or two of weight 1/2 at the
+ * ends */
+static int composed(lua_State *L) {
+    const int ends = lua_toboolean(L, lua_upvalueindex(2));
+    push_node(L, ends ? 0.0 : 0.5);
+    if (ends) {
+        push_node(L, 1.0);
+        lua_arith(L, LUA_OPADD);
+        lua_pushnumber(L, 0.5);
+        lua_arith(L, LUA_OPMUL);
+    }
+    lua_pushvalue(L, 3);
+    lua_arith(L, LUA_OPMUL);
+    return 1;
+}
+
+/* turn (system, { rule =, h = }) on the stack into the options of a discrete Lagrangian
+ * at 1 */
+static void options_of_system(lua_State *L) {
+    static const char *const known[] = {"rule", "h", "name", NULL};
+    static const char *const copied[] = {"Q",      "name",       "coordinates", "units",
+                                         "params", "constraint", NULL};
+    luaL_checktype(L, 2, LUA_TTABLE);
+    dml_options(L, 2, known);
+    lua_getfield(L, 2, "rule");
+    const int midpoint = strcmp(lua_tostring(L, -1), "midpoint") == 0;
+    lua_newtable(L);
+    for (const char *const *key = copied; *key; key++)
+        dml_systemfield(L, 1, *key), lua_setfield(L, -2, *key);
+    lua_getfield(L, 2, "h");
+    lua_setfield(L, -2, "h");
+    lua_pushvalue(L, 1);
+    lua_pushboolean(L, !midpoint);
+    lua_pushcclosure(L, composed, 2);
+    lua_setfield(L, -2, "Ld");
+    lua_replace(L, 1);
+}
+
+/* the rule of the options at 2 has one velocity, (q1 - q0)/h: nothing is to be solved */
+static int has_formula(lua_State *L) {
+    lua_getfield(L, 2, "rule");
+    const char *rule = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+    const int simple = strcmp(rule, "midpoint") == 0 || strcmp(rule, "trapezoidal") == 0;
+    lua_pop(L, 1);
+    return simple;
+}
+
+static int has_field(lua_State *L, const char *key) {
+    const int there = dml_systemfield(L, 1, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+/* holonomic constraints go with a formula, whose nodes are the ends */
+static void check_of_system(lua_State *L) {
+    luaL_checktype(L, 2, LUA_TTABLE);
+    const int holonomic =
+        has_field(L, "constraint") && !has_field(L, "rolling") && !has_field(L, "force");
+    if (dml_isconstrained(L, 1) && !(holonomic && has_formula(L)))
+        luaL_error(L,
+                   "a discrete Lagrangian has no place for %s: solve the system with a "
+                   "rule, for instance system:solver{rule = \"%s\", h = 0.01}",
+                   holonomic ? "the constraints of a system but at its nodes (rules "
+                               "\"midpoint\" and \"trapezoidal\")"
+                             : "rolling constraints and forces",
+                   holonomic ? "rattle" : "midpoint");
+}
+
+/* a formula Ld(q0, q1) has no time: stages have; of hyper-dual numbers it is not known */
+static int is_timed(lua_State *L) {
+    const dm_model *m = &dml_pushmodel(L, 1)->model;
+    const int known = m->source.graph != NULL;
+    const int timed = !(m->structure & DM_AUTONOMOUS);
+    lua_settop(L, 2);
+    if (!known) return !dml_isconstrained(L, 1);
+    if (timed && dml_isconstrained(L, 1))
+        luaL_error(L, "a discrete Lagrangian with constraints knows no time, on which "
+                      "this system depends: solve the system with a rule, for instance "
+                      "system:solver{rule = \"rattle\", h = 0.01}");
+    return timed;
+}
+
+static int discrete_new(lua_State *L) {
+    static const char *const known[] = {"Q",           "h",     "Ld",     "name",
+                                        "coordinates", "units", "params", "derivatives",
+                                        "constraint",  NULL};
+    lua_settop(L, 2);
+    if (luaL_testudata(L, 1, DML_SYSTEM)) {
+        check_of_system(L);
+        if (!has_formula(L) || is_timed(L)) return dml_pushruled(L), 1;
+        options_of_system(L);
+    }
+    dml_newsystem(L, known, 1);
+    return 1;
+}
+
+static const dml_row meta[] = {{"__tostring", discrete_tostring, NULL},
+                               {"__call", discrete_call, NULL},
+                               {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"value", discrete_value,
+      "Ld:value(q0, q1 [, t]) -> number\n"
+      "The discrete Lagrangian, the same as Ld(q0, q1): of a rule, the action of the "
+      "curve of that rule from q0 at the time t "
+      "(0) to q1, found by Newton to round-off."},
+     {"hamilton_pontryagin", hamilton_pontryagin,
+      "Ld:hamilton_pontryagin(q0, q1 [, t]) -> {value, p0, p1, q, v, p, residual}\n"
+      "The stationary point of h sum_i b_i [L(q_i, v_i) + p_i . (dq_i/dt - v_i)] over the "
+      "curves of the rule from q0 to q1: "
+      "positions, velocities and momenta p_i = dL/dv at its points (matrices, a row "
+      "each), the multipliers p0 and p1 of the ends, "
+      "which are the discrete Legendre transforms, and what is left of its equations "
+      "(Leok 5.2)."},
+     {"legendre_minus", discrete_minus,
+      "Ld:legendre_minus(q0, q1) -> dm.vector\nThe momentum p0 = -D1 Ld(q0, q1) at q0 "
+      "(Leok 2.3)."},
+     {"legendre_plus", discrete_plus,
+      "Ld:legendre_plus(q0, q1) -> dm.vector\nThe momentum p1 = D2 Ld(q0, q1) at q1 (Leok "
+      "2.3)."},
+     {"two_form", discrete_two_form,
+      "Ld:two_form(q0, q1) -> dm.matrix\n"
+      "The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = "
+      "-d2Ld/dq0dq1 dq0 ^ dq1."},
+     {"momentum", discrete_momentum,
+      "Ld:momentum(group, q0, q1 [, {block=}]) -> dm.vector of dim G entries\n"
+      "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; "
+      "kept along a "
+      "path when Ld is invariant."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"discrete_lagrangian", discrete_new,
+      "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, "
+      "derivatives=, constraint=} -> dm.discrete_lagrangian\n"
+      "or dm.discrete_lagrangian(system, {rule=, h=}) with any stage rule (\"galerkin(3, "
+      "lobatto(4))\", \"gauss(2)\", "
+      "\"midpoint\" ...)\n"
+      "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from "
+      "q0 to q1 in the time h. Step it with "
+      "dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every "
+      "node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with "
+      "record = { \"impulses\" }); momenta are D2 Ld, as they are."},
+     {NULL, NULL, NULL}};
+
+void dml_open_discrete(lua_State *L) {
+    dml_newclass(L, DML_DISCRETE,
+                 "dm.discrete_lagrangian: Ld(q0, q1), made by dm.discrete_lagrangian{Q=, "
+                 "h=, Ld=}\n"
+                 "or, of a system and a rule, by dm.discrete_lagrangian(system, {rule=, h=})\n"
+                 "fields: Q, Ld, h, name, coordinates, units, params, system, rule, "
+                 "constraint",
+                 meta, methods, discrete_field);
+    dml_setfunctions(L, functions);
+}

@@ -1,0 +1,58 @@
+/* bind_rule.c - `dm.rule`: what dm.galerkin and its like give to `rule =`. */
+#include "bind/rule/bind_rule.h"
+
+#include "integ/method/traits.h"
+#include "integ/registry.h"
+
+#include <string.h>
+
+const char *const DML_RULE = "dm.rule";
+
+void dml_pushrule(lua_State *L, const char *name, const void *data, const char *text) {
+    dml_rule *r = lua_newuserdatauv(L, sizeof *r, 2);
+    *r = (dml_rule){.rule = {.method = dm_method_find(name, NULL), .data = data}};
+    strncpy(r->rule.name, name, DM_RULE_NAME - 1);
+    lua_insert(L, -2);
+    lua_setiuservalue(L, -2, 1);
+    lua_pushstring(L, text);
+    lua_setiuservalue(L, -2, 2);
+    luaL_setmetatable(L, DML_RULE);
+}
+
+const dml_rule *dml_torule(lua_State *L, int arg) {
+    return luaL_testudata(L, arg, DML_RULE);
+}
+
+static int rule_tostring(lua_State *L) {
+    luaL_checkudata(L, 1, DML_RULE);
+    lua_getiuservalue(L, 1, 2);
+    lua_pushfstring(L, "rule %s", lua_tostring(L, -1));
+    return 1;
+}
+
+static int rule_field(lua_State *L) {
+    const dml_rule *r = luaL_checkudata(L, 1, DML_RULE);
+    const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "name") == 0) {
+        lua_getiuservalue(L, 1, 2);
+    } else if (strcmp(key, "order") == 0) {
+        lua_pushinteger(L, r->rule.method->order(&r->rule));
+    } else if (strcmp(key, "symmetric") == 0) {
+        lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_SYMMETRIC) != 0);
+    } else if (strcmp(key, "symplectic") == 0) {
+        lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_SYMPLECTIC) != 0);
+    } else {
+        return 0;
+    }
+    return 1;
+}
+
+static const dml_row meta[] = {{"__tostring", rule_tostring, NULL}, {NULL, NULL, NULL}};
+
+void dml_open_rule(lua_State *L) {
+    dml_newclass(L, DML_RULE,
+                 "dm.rule: a rule with coefficients of its own, made by dm.galerkin and "
+                 "its like, for rule = in a solver\n"
+                 "fields: name, order, symmetric, symplectic",
+                 meta, NULL, rule_field);
+}

@@ -1,0 +1,23 @@
+/* bind_rule.h - `dm.rule`: a rule that brings data of its own (a quadrature, a tableau, a curve), for
+ * `rule =`. */
+#ifndef DML_RULE_H
+#define DML_RULE_H
+
+#include "bind/core/bind.h"
+#include "integ/method/method.h"
+
+extern const char *const DML_RULE; /* "dm.rule" */
+
+/* user value 1: what keeps the data alive, 2: the text that names it in reports and messages */
+typedef struct {
+    dm_rule rule; /* name of a row of methods.def; `data` is what that method reads */
+} dml_rule;
+
+/* Pop what keeps `data` alive (the userdata that it is in) and push a rule of the method `name`
+ * with it; it calls itself `text`. */
+void dml_pushrule(lua_State *L, const char *name, const void *data, const char *text);
+
+/* The rule object at arg, or NULL. */
+const dml_rule *dml_torule(lua_State *L, int arg);
+
+#endif

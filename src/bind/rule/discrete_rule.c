@@ -1,0 +1,162 @@
+#include "integ/registry.h"
+#include "bind/rule/discrete_rule.h"
+
+#include "bind/model/model_constraints.h"
+#include "bind/rule/bind_rule.h"
+
+#include <string.h>
+
+/* nodes of the rule in field `rule` of the table at `at`; nested ones point into nodes; the text
+ * is left on the stack */
+static const dm_method *read_rule(lua_State *L, int at, dm_rule *nodes) {
+    const dml_rule *object;
+    const char *wrong = NULL, *nearest = NULL;
+    lua_getfield(L, at, "rule");
+    object = dml_torule(L, -1);
+    if (object) {
+        nodes[0] = object->rule;
+    } else if (lua_type(L, -1) == LUA_TSTRING) {
+        wrong = dm_rule_read(nodes, lua_tostring(L, -1), &nearest);
+    } else {
+        luaL_error(L,
+                   "field 'rule' must be the name of a stage rule, for instance "
+                   "\"galerkin(3, lobatto(4))\", or a dm.rule "
+                   "(got %s)",
+                   luaL_typename(L, -1));
+    }
+    const char *text = luaL_tolstring(L, -1, NULL);
+    const dm_method *method = wrong ? NULL : nodes[0].method;
+    if (wrong) luaL_error(L, "field 'rule': '%s': %s", text, wrong);
+    if (!method && nearest) luaL_error(L, "unknown rule '%s'; did you mean '%s'?", text, nearest);
+    if (!method) luaL_error(L, "unknown rule '%s'; ?rules lists them", text);
+    wrong = method->check ? method->check(nodes) : NULL;
+    if (wrong)
+        luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong, method->signature);
+    return method;
+}
+
+static void read_basis(lua_State *L, int at, dm_galerkin *g) {
+    dm_rule nodes[DM_RULE_NODES];
+    const dm_method *method = read_rule(L, at, nodes);
+    *g = (dm_galerkin){.s = 0};
+    if (method->basis) method->basis(g, nodes);
+    if (!g->s)
+        luaL_error(L,
+                   "%s has no discrete Lagrangian of stages; the rules that have one: "
+                   "midpoint, trapezoidal, verlet, "
+                   "symplectic-euler, gauss(s), lobatto(s), galerkin(s, quadrature(r)), "
+                   "sprk(pair, s) and what "
+                   "dm.galerkin and dm.sprk make",
+                   lua_tostring(L, -1));
+    lua_pop(L, 2);
+}
+
+/* rule = "galerkin", degree = 3, quadrature = "lobatto(4)" at 2 become rule = "galerkin(3,
+ * lobatto(4))" in a new table there */
+static void join_galerkin(lua_State *L) {
+    static const char *const kept[] = {"h", "name", NULL};
+    const int degree = lua_getfield(L, 2, "degree"), quadrature = lua_getfield(L, 2, "quadrature");
+    if (degree == LUA_TNIL && quadrature == LUA_TNIL) {
+        lua_pop(L, 2);
+        return;
+    }
+    lua_getfield(L, 2, "rule");
+    if (lua_type(L, -1) != LUA_TSTRING || strcmp(lua_tostring(L, -1), "galerkin") != 0)
+        luaL_error(L, "fields 'degree' and 'quadrature' go with rule = \"galerkin\"");
+    if (quadrature != LUA_TSTRING)
+        luaL_error(L, "field 'quadrature' must be text, for instance \"lobatto(4)\" (got %s)",
+                   luaL_typename(L, -2));
+    const long s = dml_count(L, 2, "degree", 1, 0);
+    lua_newtable(L);
+    lua_pushfstring(L, "galerkin(%I, %s)", (LUAI_UACINT)s, lua_tostring(L, -3));
+    lua_setfield(L, -2, "rule");
+    for (const char *const *key = kept; *key; key++)
+        lua_getfield(L, 2, *key), lua_setfield(L, -2, *key);
+    lua_replace(L, 2);
+    lua_settop(L, 2);
+}
+
+void dml_pushruled(lua_State *L) {
+    static const char *const known[] = {"rule", "h", "name", "degree", "quadrature", NULL};
+    static const char *const copied[] = {"Q", "name", "coordinates", "units", "params", NULL};
+    dm_galerkin g;
+    dml_options(L, 2, known);
+    join_galerkin(L);
+    read_basis(L, 2, &g);
+    const dml_system *system = luaL_checkudata(L, 1, DML_SYSTEM);
+    const double h = dml_positive(L, 2, "h", 0);
+    dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
+    *s = (dml_system){.n = system->n, .pair = 1, .ruled = 1, .h = h};
+    lua_newtable(L);
+    for (const char *const *key = copied; *key; key++)
+        dml_systemfield(L, 1, *key), lua_setfield(L, -2, *key);
+    lua_pushvalue(L, 1);
+    lua_setfield(L, -2, "system");
+    lua_getfield(L, 2, "rule");
+    lua_setfield(L, -2, "rule");
+    if (lua_getfield(L, 2, "name") != LUA_TNIL)
+        lua_setfield(L, -2, "name");
+    else
+        lua_pop(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    luaL_setmetatable(L, DML_DISCRETE);
+}
+
+static void check_status(lua_State *L, dml_model *m, dm_status status, const dml_system *s) {
+    dml_rethrow(L, m);
+    if (status == DM_SINGULAR)
+        luaL_error(L,
+                   "the stage equations between q0 and q1 are singular: is L regular "
+                   "(d2L/dv2 invertible) there, and h = "
+                   "%f below a conjugate time?",
+                   s->h);
+    if (status != DM_OK)
+        luaL_error(L,
+                   "no curve of this rule was found from q0 to q1 in the time h = %f "
+                   "(%s); are they one step apart, and "
+                   "inside the domain of L?",
+                   s->h, dm_status_text(status));
+}
+
+void dml_solveruled(lua_State *L, dm_discrete *out) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_DISCRETE);
+    const uint32_t n = s->n;
+    const double t = luaL_optnumber(L, 4, 0.0);
+    dm_galerkin g;
+    lua_getiuservalue(L, 1, 1);
+    read_basis(L, lua_gettop(L), &g);
+    lua_getfield(L, -1, "system");
+    dml_model *m = dml_pushlast(L, lua_gettop(L), NULL);
+    dml_want(L, m, DM_WANT_STAGE | DM_WANT_VALUE, NULL);
+    const size_t size = dm_discrete_work(&g, n) + 2 * (size_t)n;
+    double *q0 = lua_newuserdatauv(L, size * sizeof *q0, 0);
+    memset(q0, 0, size * sizeof *q0);
+    dml_vectorarg(L, 2, "q0", q0, n);
+    dml_vectorarg(L, 3, "q1", q0 + n, n);
+    const dm_discrete_problem problem =
+        {.model = &m->model, .basis = &g, .q0 = q0, .q1 = q0 + n, .h = s->h, .t = t};
+    check_status(L, m, dm_discrete_solve(out, &problem, q0 + 2 * (size_t)n), s);
+}
+
+void dml_unfoldruled(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 2, DML_DISCRETE);
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, 1);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -4);
+    }
+    if (lua_getfield(L, -1, "rule") != LUA_TNIL && strcmp(luaL_tolstring(L, -1, NULL), "del") != 0)
+        luaL_error(L, "field 'rule': this discrete Lagrangian has its rule: leave it out here");
+    lua_settop(L, 3);
+    if (dml_positive(L, 3, "h", s->h) != s->h)
+        luaL_error(L, "field 'h': the discrete Lagrangian was made with h = %f: leave it out here",
+                   s->h);
+    dml_systemfield(L, 2, "rule");
+    lua_setfield(L, 3, "rule");
+    lua_pushnumber(L, s->h);
+    lua_setfield(L, 3, "h");
+    lua_replace(L, 1);
+    dml_systemfield(L, 2, "system");
+    lua_replace(L, 2);
+}

@@ -1,0 +1,242 @@
+/* bind_path.c - `dm.path`: the rows that a run recorded.
+ */
+#include "bind/value/array.h"
+#include "bind/run/bind_path.h"
+#include "run/drift.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+const char *const DML_PATH = "dm.path";
+
+static dml_path *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_PATH);
+}
+
+dml_path *dml_path_states(lua_State *L, const char *what) {
+    dml_path *p = check(L);
+    if (p->watched)
+        luaL_error(L,
+                   "%s needs q and p, but this run recorded only what it watched: leave "
+                   "'watch' out, or watch it",
+                   what);
+    return p;
+}
+
+static double memory_of_machine(void) {
+    return (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+}
+
+dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width) {
+    static const double small = 1e6; /* bytes: no need to ask the system */
+    const double bytes = (double)rows * width * sizeof(double);
+    if (bytes > small && bytes > 0.5 * memory_of_machine()) {
+        char size[48];
+        snprintf(size, sizeof size, "%.6g rows needs %.3g GB", (double)rows, bytes * 1e-9);
+        luaL_error(L,
+                   "recording %s, more than half of this machine's memory: keep fewer with "
+                   "a larger 'every', watch less, or write them to a file (file = "
+                   "\"rows.npy\")",
+                   size);
+    }
+    const size_t doubles = (size_t)rows * width;
+    dml_path *p = lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);
+    *p = (dml_path){.n = n, .width = width, .data = (double *)(p + 1)};
+    luaL_setmetatable(L, DML_PATH);
+    lua_pushvalue(L, system);
+    lua_setiuservalue(L, -2, DML_PATH_SYSTEM);
+    return p;
+}
+
+/* 1234567 -> 1,234,567 */
+static void add_grouped(luaL_Buffer *b, long n) {
+    char digits[32];
+    const int length = snprintf(digits, sizeof digits, "%ld", n);
+    for (int i = 0; i < length; i++) {
+        if (i && (length - i) % 3 == 0) luaL_addchar(b, ',');
+        luaL_addchar(b, digits[i]);
+    }
+}
+
+/* ": energy off by 6.4e-05, no drift", with the drift, or since when where it jumped; how much
+ * it changes where the system does not keep it */
+static void add_energy(luaL_Buffer *b, const double *E, const dml_path *p, int keeps) {
+    char text[128];
+    dm_drift d;
+    for (long i = 0; i < p->rows; i++) {
+        if (isfinite(E[i])) continue;
+        luaL_addstring(b, ": energy beyond all bounds");
+        return;
+    }
+    dm_drift_fit(&d, p->data, dml_path_width(p), E, p->rows);
+    const double change = fabs(d.slope) * (p->t - p->t0);
+    const long jump = dm_drift_jump(E, p->rows);
+    if (keeps && jump && d.largest > 1e-10 * fabs(E[0]))
+        snprintf(text, sizeof text, ": energy off by %.2g since t = %.4g", d.largest,
+                 p->data[(size_t)jump * dml_path_width(p)]);
+    else if (!keeps)
+        snprintf(text, sizeof text, ": energy changes by up to %.2g", d.largest);
+    else if (change > 3 * d.error * (p->t - p->t0) && change > 1e-14 * fabs(d.mean))
+        snprintf(text, sizeof text, ": energy off by %.2g, drift %.2g per unit of time", d.largest,
+                 d.slope);
+    else
+        snprintf(text, sizeof text, ": energy off by %.2g, no drift", d.largest);
+    luaL_addstring(b, text);
+}
+
+/* energies of the path as a vector on the stack, NULL when it has none */
+static const double *try_energy(lua_State *L, const dml_path *p) {
+    lua_pushcfunction(L, dml_path_energy);
+    lua_pushvalue(L, 1);
+    if (p->rows < 3 || !dml_try(L, 1, 1)) return NULL;
+    const dml_array *E = dml_toarray(L, -1, 1);
+    return E && dml_size(E) == (uint32_t)p->rows ? dml_numbersof(E) : NULL;
+}
+
+static const char *plural(long count) {
+    return count == 1 ? "" : "s";
+}
+
+/* "; 100 rows, 2 columns q, 2 columns p", or what was watched, and where the rows are */
+static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
+    char text[128], aside[32] = "";
+    const uint32_t beside = p->width - 1 - 2 * p->n;
+    const char *rows = plural(p->rows), *more = plural(p->n);
+    if (beside) snprintf(aside, sizeof aside, ", %u beside", beside);
+    if (!p->watched)
+        snprintf(text, sizeof text, "; %ld row%s, %u column%s q, %u column%s p%s", p->rows, rows,
+                 p->n, more, p->n, more, aside);
+    else
+        snprintf(text, sizeof text, "; %ld row%s of %u column%s that were watched", p->rows, rows,
+                 p->width, plural(p->width));
+    luaL_addstring(b, text);
+    if (lua_getiuservalue(L, 1, DML_PATH_FILE) == LUA_TNIL) {
+        lua_pop(L, 1);
+        return;
+    }
+    lua_pushfstring(L, ", all of them in %s", lua_tostring(L, -1));
+    lua_remove(L, -2);
+    luaL_addvalue(b);
+}
+
+/* does the exact motion keep the energy: no time in L, no force? */
+static int keeps_energy(lua_State *L, int system) {
+    if (dml_checksystem(L, system)->hyperdual) return 1;
+    const dm_model *m = &dml_pushmodel(L, system)->model;
+    const int keeps = (m->structure & DM_AUTONOMOUS) && !(m->constraints && m->constraints->forced);
+    lua_pop(L, 1);
+    return keeps;
+}
+
+static int path_tostring(lua_State *L) {
+    const dml_path *p = check(L);
+    char text[128];
+    luaL_Buffer b;
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    const int system = lua_gettop(L);
+    const int pair = dml_checksystem(L, system)->pair;
+    const double *E = pair ? NULL : try_energy(L, p);
+    const int keeps = E && keeps_energy(L, system);
+    luaL_buffinit(L, &b);
+    luaL_addstring(&b, "path of ");
+    add_grouped(&b, p->steps);
+    luaL_addstring(&b, p->steps == 1 ? " step of " : " steps of ");
+    luaL_addstring(&b, p->rule);
+    snprintf(text, sizeof text, " to t = %.6g", p->t);
+    luaL_addstring(&b, text);
+    snprintf(text, sizeof text, " (%.3g ns/step)", p->ns_per_step);
+    if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
+    if (E) add_energy(&b, E, p, keeps);
+    add_columns(L, &b, p);
+    luaL_pushresult(&b);
+    return 1;
+}
+
+static int path_len(lua_State *L) {
+    lua_pushinteger(L, check(L)->rows);
+    return 1;
+}
+
+/* "name: rule, h = 0.1 s", for pictures: few digits, and the unit of time where it is known */
+static void push_title(lua_State *L, const dml_path *p) {
+    char h[32];
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    const int system = lua_gettop(L);
+    dml_systemfield(L, system, "name");
+    const char *name = lua_tostring(L, -1), *unit = NULL;
+    if (dml_systemfield(L, system, "units") == LUA_TTABLE &&
+        lua_getfield(L, -1, "t") == LUA_TSTRING)
+        unit = lua_tostring(L, -1);
+    snprintf(h, sizeof h, "%.4g", p->h);
+    lua_pushfstring(L, "%s%s%s, h = %s%s%s", name ? name : "", name ? ": " : "", p->rule, h,
+                    unit ? " " : "", unit ? unit : "");
+}
+
+/* path.lambda, path.impulses: columns that were recorded beside q and p */
+static int recorded(lua_State *L, const char *key, const char *stem) {
+    uint32_t first = 0;
+    const uint32_t count = dml_path_group(L, stem, &first);
+    if (!count)
+        luaL_error(L,
+                   "path.%s: this run did not record it; run it with record = { \"%s\" }, "
+                   "or take path:multipliers(), those at its states",
+                   key, key);
+    return dml_path_columns(L, key, first, count);
+}
+
+static int path_field(lua_State *L) {
+    const dml_path *p = check(L);
+    const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "lambda") == 0) return recorded(L, "lambda", "lambda");
+    if (strcmp(key, "impulses") == 0) return recorded(L, "impulses", "impulse");
+    if (strcmp(key, "t") == 0) return dml_path_columns(L, "t", 0, 1);
+    if (strcmp(key, "q") == 0)
+        return dml_path_states(L, "path.q"), dml_path_columns(L, "q", 1, p->n);
+    if (strcmp(key, "p") == 0)
+        return dml_path_states(L, "path.p"), dml_path_columns(L, "p", 1 + p->n, p->n);
+    if (strcmp(key, "columns") == 0) return dml_path_names(L);
+    if (strcmp(key, "steps") == 0)
+        lua_pushinteger(L, p->steps);
+    else if (strcmp(key, "h") == 0)
+        lua_pushnumber(L, p->h);
+    else if (strcmp(key, "ns_per_step") == 0)
+        lua_pushnumber(L, p->ns_per_step);
+    else if (strcmp(key, "rule") == 0)
+        lua_pushstring(L, p->rule);
+    else if (strcmp(key, "title") == 0)
+        push_title(L, p);
+    else if (strcmp(key, "system") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    else if (strcmp(key, "solver") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_SOLVER);
+    else if (strcmp(key, "events") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_EVENTS);
+    else if (strcmp(key, "watched") == 0)
+        lua_pushboolean(L, p->watched);
+    else if (strcmp(key, "file") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_FILE);
+    else if (strcmp(key, "units") == 0)
+        lua_getiuservalue(L, 1, DML_PATH_SYSTEM), dml_systemfield(L, -1, "units");
+    else
+        return 0;
+    return 1;
+}
+
+static const dml_row meta[] = {{"__len", path_len, NULL},
+                               {"__tostring", path_tostring, NULL},
+                               {NULL, NULL, NULL}};
+
+void dml_open_path(lua_State *L) {
+    dml_path_open_columns(L);
+    dml_newclass(L, DML_PATH,
+                 "dm.path: what a run recorded, one row per kept step\n"
+                 "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs "
+                 "that recorded them), columns (names), steps, "
+                 "h, rule, system, solver, title, units, "
+                 "ns_per_step, events (of a run that looked for some), file (of a run "
+                 "that wrote its rows); #path rows",
+                 meta, dml_path_quantities, path_field);
+    dml_setfunctions(L, dml_path_functions);
+}

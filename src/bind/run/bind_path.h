@@ -1,0 +1,74 @@
+/* bind_path.h - `dm.path` as the other bindings see it: rows of t, q[n], p[n] in one block. */
+#ifndef DML_PATH_H
+#define DML_PATH_H
+
+#include "bind/model/bind_system.h"
+#include "integ/method/method.h"
+
+typedef struct {
+    uint32_t n;      /* dim Q */
+    uint32_t width;  /* columns of a row */
+    int watched;     /* its rows hold t and what was watched, not q and p */
+    long rows;       /* recorded */
+    long steps;      /* finished */
+    double h, t0, t; /* step, first and last time */
+    double ns_per_step;
+    double constraint, rolling; /* largest |g|, |phi| that the solver saw */
+    const char *rule;           /* as the user gave it; kept by the path */
+    double *
+        /* rows x width: t, q[n], p[n] and what was recorded beside, or t and what was watched */
+        data;
+} dml_path;
+
+/* user values of dm.path: the system, the rule as written, the traced model, the names of
+ * columns of a path that watched or recorded (else nil), the events (else nil), the end from
+ * which a run can go on (checkpoint.h), the solver, the name of the file of rows */
+enum {
+    DML_PATH_SYSTEM = 1,
+    DML_PATH_RULE,
+    DML_PATH_MODEL,
+    DML_PATH_NAMES,
+    DML_PATH_EVENTS,
+    DML_PATH_END,
+    DML_PATH_SOLVER,
+    DML_PATH_FILE,
+    DML_PATH_VALUES = DML_PATH_FILE
+};
+
+extern const char *const DML_PATH; /* "dm.path" */
+
+/* Push an empty path with room for `rows` rows of `width` columns for the system at stack index
+ * `system`. Raises when the block would not fit in half of the machine's memory. */
+dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width);
+
+/* Columns of a row: t, q[n], p[n], or t and what was watched. */
+static inline uint32_t dml_path_width(const dml_path *p) {
+    return p->width;
+}
+
+/* The path at stack index 1; raises where its rows hold no q and p, which `what` needs. */
+dml_path *dml_path_states(lua_State *L, const char *what);
+
+/* The rest is shared by the files of the class; the path is at stack index 1. */
+
+/* Push the view path.<name> of `count` columns from `first`; register its class. */
+int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t count);
+void dml_path_open_columns(lua_State *L);
+
+/* How many columns are called `stem` or stem1, stem2 ..., and the first of them. */
+uint32_t dml_path_group(lua_State *L, const char *stem, uint32_t *first);
+
+/* Push the table of column names; number of the column called `name` (raises when there
+ * is none). */
+int dml_path_names(lua_State *L);
+uint32_t dml_path_find(lua_State *L, const char *name);
+
+/* dm.path{system =, h =, columns =}, as a C function (path_new.c). */
+int dml_path_new(lua_State *L);
+
+/* path:energy(), as a C function of the path. */
+int dml_path_energy(lua_State *L);
+extern const dml_row dml_path_quantities[]; /* the methods that compute along the path */
+extern const dml_row dml_path_functions[];  /* functions of dm beside them */
+
+#endif

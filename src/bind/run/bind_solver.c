@@ -1,0 +1,233 @@
+/* bind_solver.c - `dm.solver`: a system, a rule and a step; runs end in a path or a
+ * dm.failure. */
+#include "bind/run/checkpoint.h"
+#include "bind/run/bind_path.h"
+#include "bind/run/stepping.h"
+
+#include <string.h>
+
+const char *const DML_SOLVER = "dm.solver";
+
+typedef dml_solver solver;
+
+static solver *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_SOLVER);
+}
+
+static int push_state(lua_State *L, const dml_stepping *r) {
+    const uint32_t n = r->solver->n;
+    memcpy(dml_pushvector(L, n), r->state, n * sizeof(double));
+    memcpy(dml_pushvector(L, n), r->state + n, n * sizeof(double));
+    return 2;
+}
+
+/* solver:step(q0, q1) -> q2 is step{ q0 =, q1 = } followed by one more */
+static void options_from_pair(lua_State *L) {
+    lua_newtable(L);
+    lua_pushvalue(L, 2);
+    lua_setfield(L, -2, "q0");
+    lua_pushvalue(L, 3);
+    lua_setfield(L, -2, "q1");
+    lua_replace(L, 2);
+    lua_settop(L, 2);
+}
+
+static int solver_step(lua_State *L) {
+    static const char *const known[] = {"q", "v", "p", "q0", "q1", "p0", "t0", "project", NULL};
+    dml_stepping r = {.solver = check(L)};
+    const int pair = lua_gettop(L) > 2;
+    long done = 0;
+    lua_settop(L, 3);
+    if (pair) options_from_pair(L);
+    lua_settop(L, 2);
+    luaL_checktype(L, 2, LUA_TTABLE);
+    dml_options(L, 2, known);
+    dml_stepping_names(L);
+    dml_stepping_prepare(L, &r, dml_number(L, 2, "t0", 0.0));
+    dml_stepping_start(L, &r);
+    const dm_method *method = r.solver->method;
+    dm_status status = method->start ? method->start(&r.stepper, r.state, r.t0) : DM_OK;
+    if (status == DM_OK) status = dm_advance(&r.stepper, r.state, r.t0, pair ? 2 : 1, &done);
+    dml_stepping_end(&r);
+    dml_solver_fail(L, &r, status, done, 0);
+    push_state(L, &r);
+    if (!pair) return 2;
+    lua_pop(L, 1);
+    return 1;
+}
+
+static void set_number(lua_State *L, const char *key, double x) {
+    lua_pushnumber(L, x);
+    lua_setfield(L, -2, key);
+}
+
+static void set_count(lua_State *L, const char *key, long n) {
+    lua_pushinteger(L, n);
+    lua_setfield(L, -2, key);
+}
+
+/* what the last run cost */
+static int solver_report(lua_State *L) {
+    const solver *s = check(L);
+    const dml_last_run *last = &s->last;
+    if (!last->backend) luaL_error(L, "no report yet: run the solver first");
+    lua_createtable(L, 0, 12);
+    dml_setresult(L);
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    lua_setfield(L, -2, "rule");
+    lua_pushstring(L, last->backend);
+    lua_setfield(L, -2, "backend");
+    set_number(L, "h", s->h);
+    set_count(L, "order", s->method->order(s->nodes));
+    set_count(L, "operations", last->operations);
+    set_number(L, "trace_ms", last->trace_ms);
+    set_number(L, "compile_ms", last->compile_ms);
+    set_count(L, "steps", last->steps);
+    set_number(L, "ns_per_step", last->ns_per_step);
+    set_count(L, "newton", last->newton);
+    set_count(L, "evaluations", last->evaluations);
+    set_number(L, "newton_per_step",
+               last->steps ? (double)last->newton / (double)last->steps : 0.0);
+    if (!last->constrained) return 1;
+    set_number(L, "constraint", last->constraint);
+    set_number(L, "rolling", last->rolling);
+    return 1;
+}
+
+static int solver_tostring(lua_State *L) {
+    const solver *s = check(L);
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    const char *rule = lua_tostring(L, -1);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    const char *system = luaL_tolstring(L, -1, NULL);
+    if (s->pair) /* its order is that of Ld, which Ld:order measures */
+        lua_pushfstring(L, "solver '%s', h = %f, for %s", rule, s->h, system);
+    else
+        lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", rule,
+                        s->method->order(s->nodes), s->h, system);
+    return 1;
+}
+
+static int solver_field(lua_State *L) {
+    const solver *s = check(L);
+    const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "h") == 0)
+        lua_pushnumber(L, s->h);
+    else if (strcmp(key, "rule") == 0) {
+        if (lua_getiuservalue(L, 1, DML_SOLVER_OBJECT) == LUA_TNIL)
+            lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    } else if (strcmp(key, "system") == 0)
+        lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    else if (strcmp(key, "order") == 0)
+        lua_pushinteger(L, s->method->order(s->nodes));
+    else if (strcmp(key, "tolerance") == 0)
+        lua_pushnumber(L, s->tolerance);
+    else if (strcmp(key, "max_iterations") == 0)
+        lua_pushinteger(L, s->max_iterations);
+    else
+        return 0;
+    return 1;
+}
+
+static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"run", dml_solver_run,
+      "solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, "
+      "watch=, record=, "
+      "events=, file=, checkpoint=} -> dm.path\n"
+      "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q "
+      "and the momentum p, "
+      "or from two positions q0, q1 one step apart (each dim Q numbers, in a list or by "
+      "the names of coordinates, q = { x = 1, y = 0 }); keep the start, "
+      "one state in "
+      "`every` (default 1) and the end, or the states at the growing times `at` (by a "
+      "shorter step on the side, which "
+      "leaves the run as it is); t0 (default 0) is the time of the start. With "
+      "constraints the start must lie on them, and its velocity be tangent: project = "
+      "true moves it to the nearest such state in the metric of the mass. The "
+      "Lagrangian is traced anew, so "
+      "changed upvalues are picked up.\n"
+      "watch = { \"q1\", \"energy\", r = function(q, v, t, p) ... end }: rows hold t and "
+      "these numbers instead of q and p (a function that gives several has the columns "
+      "r1, "
+      "r2, ...); \"lambda\" stands for system:multipliers at the state. "
+      "record = { \"lambda\", ... }: such columns beside q and p. "
+      "record = { \"impulses\" }: multipliers of the steps, in units of momentum: what "
+      "the end of one step and the start of the next give the momentum at the row, along "
+      "the rows of constraint and rolling (reaction); so the first and the last row have "
+      "a half of it. For rules of one stage that is the multiplier of the discrete "
+      "Euler-Lagrange equations; over h it is a force to order 2; rules with s constraint "
+      "intervals (gauss(s), lobatto(s + 1)) share h among the nodes of a Lobatto rule, so "
+      "over 2 h / (s (s + 1)). \"inner\": those between as well, of the step that begins "
+      "at "
+      "the row. path.lambda[i], path.impulses[i] are vectors. "
+      "file = \"rows.npy\": rows go there as they come, the path keeps the last one. "
+      "events "
+      "= { name = function(q, v, t, p) "
+      "... end } or { name = { g = f, direction = \"up\" | \"down\", stop = true } }: "
+      "zeros "
+      "of these functions, by steps of "
+      "fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the "
+      "run "
+      "there; a zero that is touched but not crossed, or two of one function within a "
+      "step, "
+      "are not seen. checkpoint = file or { "
+      "file =, every = seconds }: written while it runs (every minute) and at its end, "
+      "for "
+      "dm.resume. "
+      "Raises dm.failure with the path so far when a step "
+      "cannot be "
+      "solved, the state stops being finite, or on Ctrl-C."},
+     {"step", solver_step,
+      "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, "
+      "q1) -> q2\n"
+      "One step from a state, or the next position after two positions one step apart."},
+     {"report", solver_report,
+      "solver:report() -> table\n"
+      "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
+      "evaluation), trace_ms, compile_ms "
+      "(trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations; with "
+      "constraints: constraint and rolling, the largest |g| and |phi| at the end of a "
+      "step."},
+     {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"solver", dml_solver_new,
+      "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, "
+      "sums=} -> "
+      "dm.solver\n"
+      "A solver for a dm.system (rule and h needed: see dm.rules()) or a "
+      "dm.discrete_lagrangian (which has "
+      "its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
+      "stops, 4e-15 unless a looser "
+      "one is asked for. sums = \"plain\": kicks and drifts without compensation, for "
+      "wide ensembles and long chains: fewer operations, "
+      "and round-off that grows faster (default \"compensated\")."},
+     {"resume", dml_resume,
+      "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) "
+      "-> dm.solver\n"
+      "A solver that goes on where a run ended, from path:checkpoint(file) or from the "
+      "path itself: "
+      "solver:run{steps=} gives the bits of a run that never stopped. Rule, h and "
+      "Newton's "
+      "tolerance are those of "
+      "the checkpoint; rule: for a rule that is an object, which a file does not hold. "
+      "Raises when the file is not a "
+      "whole checkpoint or the system is another one."},
+     {NULL, NULL, NULL}};
+
+void dml_open_solver(lua_State *L) {
+    static const dml_row solver_row[] =
+        {{"solver", dml_solver_of,
+          "system:solver{rule=, h=, newton={tolerance=, max_iterations=}, backend=, "
+          "sums=} -> "
+          "dm.solver\n"
+          "A solver for this system: see dm.solver and dm.rules()."},
+         {NULL, NULL, NULL}};
+    dml_newclass(L, DML_SOLVER,
+                 "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
+                 "fields: system, rule, h, order, tolerance, max_iterations",
+                 meta, methods, solver_field);
+    dml_setfunctions(L, functions);
+    dml_addmethods(L, DML_SYSTEM, solver_row);
+    dml_addmethods(L, DML_DISCRETE, solver_row);
+}

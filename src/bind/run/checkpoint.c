@@ -1,0 +1,356 @@
+/* checkpoint.c - `path:checkpoint(file)`: a text of names and numbers, the numbers in
+ * hexadecimal, so with all their bits:  dmlua checkpoint 2 / rule gauss(2) / n, h, tolerance,
+ * ... / state ... / memory ... / end */
+#include "bind/run/checkpoint.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *const HEAD = "dmlua checkpoint 2";
+enum { LINE = 512 };
+
+/* ---- in memory ---- */
+
+dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r) {
+    dm_stepper *s = (dm_stepper *)&r->stepper;
+    const uint32_t n = r->solver->n;
+    double *place;
+    const size_t memory = s->method->memory ? s->method->memory(s, &place) : 0;
+    const size_t doubles = dm_state_size(n) + memory;
+    dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + doubles * sizeof(double), 0);
+    *c = (dml_checkpoint){.n = n, .memory = memory};
+    memset(c->state + dm_state_size(n), 0, memory * sizeof(double));
+    return c;
+}
+
+/* a number that tells one system from another: L or Ld at the state, p taken for a velocity or a
+ * position */
+static double fingerprint(const dml_model *m, double *x, const double *state, double t) {
+    double value = NAN;
+    if (m->callback) return value;
+    memcpy(x, state, 2 * (size_t)m->n * sizeof *x);
+    x[2 * m->n] = t;
+    dm_kernel_prepare(&m->model.value, &value);
+    dm_kernel_eval(&m->model.value, x, &value);
+    return value;
+}
+
+static void check(dml_checkpoint *c, const dml_model *m, double *x, double h) {
+    if (!c->checked) c->check = fingerprint(m, x, c->state, c->t0 + h * (double)c->steps);
+    c->checked = 1;
+}
+
+void dml_checkpoint_check(dml_checkpoint *c, dml_stepping *r) {
+    check(c, r->model, r->x, r->solver->h);
+}
+
+/* push the end of the path at 1, whose solver has the step h */
+static dml_checkpoint *push_end(lua_State *L, double h) {
+    lua_getiuservalue(L, 1, DML_PATH_MODEL);
+    const dml_model *m = lua_touserdata(L, -1);
+    lua_getiuservalue(L, 1, DML_PATH_END);
+    dml_checkpoint *c = lua_touserdata(L, -1);
+    if (c && !c->checked) {
+        double *x = lua_newuserdatauv(L, (2 * (size_t)c->n + 1) * sizeof *x, 0);
+        check(c, m, x, h);
+        lua_pop(L, 1);
+    }
+    lua_remove(L, -2);
+    return c;
+}
+
+void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps) {
+    const size_t size = dm_state_size(c->n);
+    double *place;
+    c->t0 = r->t0;
+    c->steps = steps;
+    memcpy(c->state, r->state, size * sizeof(double));
+    c->checked = 0;
+    if (c->memory && r->solver->method->memory(&r->stepper, &place) == c->memory)
+        memcpy(c->state + size, place, c->memory * sizeof(double));
+}
+
+void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c) {
+    const double t = c->t0 + r->solver->h * (double)c->steps;
+    const double check = fingerprint(r->model, r->x, c->state, t);
+    if (fabs(check - c->check) > 1e-9 * (fabs(check) + fabs(c->check)))
+        luaL_error(L,
+                   "the system is not the one of the checkpoint: at its state L was %f and is "
+                   "%f; for another system "
+                   "start a new run from q and p",
+                   c->check, check);
+    memcpy(r->state, c->state, dm_state_size(c->n) * sizeof(double));
+    dml_stepping_open(L, r);
+    double *place;
+    const dm_method *method = r->solver->method;
+    const size_t memory = method->memory ? method->memory(&r->stepper, &place) : 0;
+    if (memory == c->memory) return;
+    dml_stepping_end(r);
+    luaL_error(L, "the checkpoint was made by another version of rule '%s'",
+               r->solver->nodes[0].name);
+}
+
+/* ---- to a file ---- */
+
+static int write_numbers(FILE *f, const char *name, const double *x, size_t count) {
+    int fine = fprintf(f, "%s %zu\n", name, count) > 0;
+    for (size_t i = 0; i < count && fine; i++) fine = fprintf(f, "%a\n", x[i]) > 0;
+    return fine;
+}
+
+static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s, const char *rule) {
+    const size_t size = dm_state_size(c->n);
+    return fprintf(f,
+                   "%s\nrule %s\nsums %s\nn %u\nh %a\ntolerance %a\nmax_iterations %d\nt0 "
+                   "%a\nsteps %ld\ncheck %a\n",
+                   HEAD, rule, s->plain ? "plain" : "compensated", (unsigned)c->n, s->h,
+                   s->tolerance, s->max_iterations, c->t0, c->steps, c->check) > 0 &&
+           write_numbers(f, "state", c->state, size) &&
+           write_numbers(f, "memory", c->state + size, c->memory) && fputs("end\n", f) != EOF;
+}
+
+int dml_checkpoint_try(const char *file) {
+    char folder[4096];
+    struct stat at;
+    const int there = stat(file, &at) == 0;
+    /* a checkpoint takes the place of what has its name: of a file, not of /dev/null */
+    if (!*file || (there && !S_ISREG(at.st_mode))) {
+        errno = !*file ? ENOENT : S_ISDIR(at.st_mode) ? EISDIR : EPERM;
+        return 0;
+    }
+    const char *slash = strrchr(file, '/');
+    const int length = slash ? (int)(slash - file) + 1 : 1;
+    snprintf(folder, sizeof folder, "%.*s", length, slash ? file : ".");
+    return access(folder, W_OK) == 0;
+}
+
+int dml_checkpoint_write(const dml_checkpoint *c, const dml_solver *s, const char *rule,
+                         const char *file) {
+    char name[4096];
+    if (!dml_checkpoint_try(file)) return 0;
+    if (snprintf(name, sizeof name, "%s.new", file) >= (int)sizeof name) {
+        errno = ENAMETOOLONG;
+        return 0;
+    }
+    FILE *f = fopen(name, "w");
+    if (!f) return 0;
+    const int written = write_all(f, c, s, rule);
+    if ((fclose(f) == 0) & written && rename(name, file) == 0) return 1;
+    const int why = errno;
+    remove(name);
+    errno = why;
+    return 0;
+}
+
+int dml_path_checkpoint(lua_State *L) {
+    luaL_checkudata(L, 1, DML_PATH);
+    const char *file = luaL_checkstring(L, 2);
+    if (lua_getiuservalue(L, 1, DML_PATH_END) == LUA_TNIL)
+        luaL_error(L, "this path has no end to go on from: its run did not begin");
+    lua_getiuservalue(L, 1, DML_PATH_SOLVER);
+    const dml_solver *s = luaL_checkudata(L, -1, DML_SOLVER);
+    const dml_checkpoint *c = push_end(L, s->h);
+    lua_getiuservalue(L, 1, DML_PATH_RULE);
+    if (!dml_checkpoint_write(c, s, luaL_tolstring(L, -1, NULL), file))
+        luaL_error(L, "path:checkpoint: cannot write %s: %s", file, strerror(errno));
+    lua_settop(L, 2);
+    return 1;
+}
+
+/* ---- from a file ---- */
+
+typedef struct {
+    lua_State *L;
+    FILE *f; /* closed by the collector when an error is raised */
+    const char *file;
+    long line;
+} reader;
+
+static void fail(const reader *r, const char *expected) {
+    luaL_error(r->L, "%s, line %d: not a whole checkpoint (%s expected)", r->file, (int)r->line,
+               *expected ? expected : "a number");
+}
+
+/* the rest of the next line after `name ` */
+static char *read_line(reader *r, char text[LINE], const char *name) {
+    const size_t length = strlen(name);
+    r->line++;
+    if (!fgets(text, LINE, r->f) || !strchr(text, '\n')) fail(r, name);
+    *strchr(text, '\n') = '\0';
+    if (strncmp(text, name, length) != 0) fail(r, name);
+    return text[length] == ' ' ? text + length + 1 : text + length;
+}
+
+static double read_number(reader *r, const char *name) {
+    char text[LINE], *end, *start = read_line(r, text, name);
+    const double x = strtod(start, &end);
+    if (end == start || *end) fail(r, name);
+    return x;
+}
+
+static long read_count(reader *r, const char *name, double most) {
+    const double x = read_number(r, name);
+    if (!(x >= 0 && x <= most && x == floor(x))) fail(r, name);
+    return (long)x;
+}
+
+static void read_numbers(reader *r, double *x, size_t count) {
+    for (size_t i = 0; i < count; i++) x[i] = read_number(r, "");
+}
+
+/* option `key` of the table on top */
+static void set_number(lua_State *L, const char *key, double x) {
+    lua_pushnumber(L, x);
+    lua_setfield(L, -2, key);
+}
+
+/* the options of the solver are pushed, then the checkpoint */
+static dml_checkpoint *read_checkpoint(reader *r) {
+    enum { MOST = 1 << 28 };
+    lua_State *L = r->L;
+    char text[LINE];
+    read_line(r, text, HEAD);
+    lua_newtable(L);
+    lua_pushstring(L, read_line(r, text, "rule"));
+    lua_setfield(L, -2, "rule");
+    lua_pushstring(L, read_line(r, text, "sums"));
+    lua_setfield(L, -2, "sums");
+    const long n = read_count(r, "n", MOST);
+    set_number(L, "h", read_number(r, "h"));
+    lua_newtable(L);
+    set_number(L, "tolerance", read_number(r, "tolerance"));
+    set_number(L, "max_iterations", read_number(r, "max_iterations"));
+    lua_setfield(L, -2, "newton");
+    const double t0 = read_number(r, "t0");
+    const long steps = read_count(r, "steps", 9e15);
+    const double check = read_number(r, "check");
+    const size_t size = (size_t)read_count(r, "state", MOST);
+    if (size != dm_state_size((uint32_t)n)) fail(r, "the size of the state");
+    double *state = lua_newuserdatauv(L, size * sizeof *state, 0);
+    read_numbers(r, state, size);
+    const size_t memory = (size_t)read_count(r, "memory", MOST);
+    dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + (size + memory) * sizeof(double), 0);
+    *c = (dml_checkpoint){.t0 = t0,
+                          .steps = steps,
+                          .n = (uint32_t)n,
+                          .memory = memory,
+                          .check = check,
+                          .checked = 1};
+    memcpy(c->state, state, size * sizeof *state);
+    read_numbers(r, c->state + size, memory);
+    read_line(r, text, "end");
+    lua_remove(L, -2);
+    return c;
+}
+
+static int close_file(lua_State *L) {
+    luaL_Stream *s = luaL_checkudata(L, 1, LUA_FILEHANDLE);
+    return luaL_fileresult(L, fclose(s->f) == 0, NULL);
+}
+
+static void read_file(lua_State *L, const char *file) {
+    luaL_Stream *s = lua_newuserdatauv(L, sizeof *s, 0);
+    s->closef = NULL;
+    luaL_setmetatable(L, LUA_FILEHANDLE);
+    s->f = fopen(file, "r");
+    if (!s->f) luaL_error(L, "dm.resume: cannot open %s: %s", file, strerror(errno));
+    s->closef = close_file;
+    reader r = {.L = L, .f = s->f, .file = file};
+    read_checkpoint(&r);
+    s->closef = NULL;
+    fclose(s->f);
+}
+
+/* options and end of the path at 1 */
+static void read_path(lua_State *L) {
+    luaL_checkudata(L, 1, DML_PATH);
+    lua_newtable(L);
+    lua_getiuservalue(L, 1, DML_PATH_SOLVER);
+    const dml_solver *s = luaL_testudata(L, -1, DML_SOLVER);
+    if (!s) luaL_error(L, "this path has no end to go on from: its run did not begin");
+    if (lua_getiuservalue(L, -1, DML_SOLVER_OBJECT) == LUA_TNIL)
+        lua_pop(L, 1), lua_getiuservalue(L, -1, DML_SOLVER_RULE);
+    lua_setfield(L, -3, "rule");
+    lua_getiuservalue(L, -1, DML_SOLVER_BACKEND);
+    lua_setfield(L, -3, "backend");
+    lua_pop(L, 1);
+    set_number(L, "h", s->h);
+    if (s->plain) lua_pushstring(L, "plain"), lua_setfield(L, -2, "sums");
+    lua_newtable(L);
+    set_number(L, "tolerance", s->tolerance);
+    set_number(L, "max_iterations", s->max_iterations);
+    lua_setfield(L, -2, "newton");
+    push_end(L, s->h);
+}
+
+/* is the rule of the checkpoint an object that its text does not give? */
+static int is_own(lua_State *L, int options) {
+    lua_getfield(L, options, "rule");
+    const char *text = lua_tostring(L, -1);
+    const int own = text && strstr(text, "own") != NULL;
+    lua_pop(L, 1);
+    return own;
+}
+
+/* rule and backend of the options at 3: the rule as an object, where the file has only its name */
+static void override(lua_State *L, int options) {
+    static const char *const known[] = {"rule", "backend", NULL};
+    const int own = is_own(L, options);
+    if (!lua_isnil(L, 3)) dml_options(L, 3, known);
+    const int given = !lua_isnil(L, 3) && lua_getfield(L, 3, "rule") != LUA_TNIL;
+    lua_getfield(L, options, "rule");
+    const char *rule = luaL_tolstring(L, -1, NULL);
+    if (own && !given)
+        luaL_error(L,
+                   "the checkpoint is of '%s', a rule that a file does not hold: "
+                   "dm.resume(file, system, { rule = the object })",
+                   rule);
+    if (given) {
+        lua_getfield(L, 3, "rule");
+        const char *now = luaL_tolstring(L, -1, NULL);
+        if (strncmp(now, "rule ", 5) == 0) now += 5;
+        if (strcmp(now, rule) != 0)
+            luaL_error(L,
+                       "the checkpoint is of rule '%s', not '%s': with another rule start "
+                       "a new run from q and p",
+                       rule, now);
+        lua_getfield(L, 3, "rule");
+        lua_setfield(L, options, "rule");
+    }
+    if (!lua_isnil(L, 3) && lua_getfield(L, 3, "backend") != LUA_TNIL)
+        lua_setfield(L, options, "backend");
+    lua_settop(L, options + 1);
+}
+
+int dml_resume(lua_State *L) {
+    lua_settop(L, 3);
+    const int from_path = luaL_testudata(L, 1, DML_PATH) != NULL;
+    if (from_path && lua_isnil(L, 2)) {
+        lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+        lua_replace(L, 2);
+    }
+    const dml_system *system = dml_checksystem(L, 2);
+    if (from_path)
+        read_path(L);
+    else
+        read_file(L, luaL_checkstring(L, 1));
+    const int end = lua_gettop(L), options = end - 1;
+    const dml_checkpoint *c = lua_touserdata(L, end);
+    if (!c) luaL_error(L, "this path has no end to go on from");
+    if (c->n != system->n)
+        luaL_error(L, "the checkpoint is of a system of %d coordinates, this one has %d", (int)c->n,
+                   (int)system->n);
+    override(L, options);
+    lua_pushcfunction(L, dml_solver_of);
+    lua_pushvalue(L, 2);
+    lua_pushvalue(L, options);
+    lua_call(L, 2, 1);
+    lua_pushvalue(L, end);
+    lua_setiuservalue(L, -2, DML_SOLVER_START);
+    return 1;
+}

@@ -1,0 +1,43 @@
+/* checkpoint.h - all that a run needs to go on bit for bit, in memory and in a file. */
+#ifndef DML_CHECKPOINT_H
+#define DML_CHECKPOINT_H
+
+#include "bind/run/stepping.h"
+
+/* The end of a run: state, what the rule left beside it, and which step it was. */
+typedef struct {
+    double t0;
+    long steps; /* from t0 on: t = t0 + steps h */
+    uint32_t n;
+    size_t memory;  /* doubles of dm_method.memory */
+    double check;   /* L at (q, p, t), or Ld at (q, p): is it the same system? */
+    int checked;    /* that is known: it is asked for when somebody wants to go on from here */
+    double state[]; /* dm_state_size(n), memory */
+} dml_checkpoint;
+
+/* Push an empty one for an open stepper: nothing can fail when it is filled. */
+dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r);
+
+/* Fill it with where the run is, `steps` steps after r->t0. */
+void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps);
+
+/* What it has of the system, once it is taken. */
+void dml_checkpoint_check(dml_checkpoint *c, dml_stepping *r);
+
+/* Write it to a file, by way of a new one that replaces it when it is whole. 0: not possible,
+ * errno says why. */
+int dml_checkpoint_write(const dml_checkpoint *c, const dml_solver *s, const char *rule,
+                         const char *file);
+
+/* Could it be written there? 0: no, errno says why. */
+int dml_checkpoint_try(const char *file);
+
+/* Start where the checkpoint at `arg` ended: as dml_stepping_start. Raises when the system is
+ * another one. */
+void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c);
+
+/* path:checkpoint(file), and dm.resume. */
+int dml_path_checkpoint(lua_State *L);
+int dml_resume(lua_State *L);
+
+#endif

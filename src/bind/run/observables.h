@@ -1,0 +1,46 @@
+/* observables.h - functions of the state that a run evaluates as kernels: what it records, what
+ * it looks for. */
+#ifndef DML_OBSERVABLES_H
+#define DML_OBSERVABLES_H
+
+#include "bind/run/stepping.h"
+#include "run/run.h"
+
+enum { DML_OBSERVABLES = 64 }; /* of one run, at most */
+
+typedef struct {
+    dm_observer observer;
+    dm_observable list[DML_OBSERVABLES];
+    dm_kernel kernel[DML_OBSERVABLES];
+} dml_observables;
+
+/* Nothing is observed yet. */
+void dml_observables_start(dml_observables *o, const dml_stepping *r);
+
+/* Add f(q, v, t, p) on top of the stack, traced; it gives one number, or with `any` several.
+ * `what` names it in messages. The stack grows by what keeps the kernel alive. Raises what
+ * dml_trace raises. */
+void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r, const char *what,
+                         int any);
+
+/* Add the energy, or an entry of (q, p). */
+void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping *r);
+void dml_observables_entry(lua_State *L, dml_observables *o, uint32_t entry);
+
+/* Room for the observer; it stays on the stack. */
+void dml_observables_end(lua_State *L, dml_observables *o);
+
+/* Push the list of the keys of a table: 1, 2, ... first, then names in alphabetic order. Raises
+ * on other keys, naming the field. */
+void dml_pushkeys(lua_State *L, int table, const char *field);
+
+/* The columns that field 'watch' of the options at 2 asks for; the list of their names is left
+ * at the old top of the stack + 1, under what keeps the kernels. */
+void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r);
+
+/* The same for field 'record': names of columns beside t, q and p, to be appended to those.
+ * "impulses" and "inner" are noted: their names follow behind all others. */
+void dml_record_read(lua_State *L, dml_observables *o, const dml_stepping *r,
+                     dm_impulses *impulses);
+
+#endif

@@ -1,0 +1,154 @@
+/* path_columns.c - path.t, path.q, path.p as views, and the names of columns. */
+#include "bind/run/bind_path.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char *const COLUMNS = "dm.columns";
+
+static dml_path *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_PATH);
+}
+
+typedef struct {
+    const dml_path *path; /* kept alive by user value 1 */
+    uint32_t first, count;
+    const char *name;
+} columns;
+
+int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t count) {
+    columns *c = lua_newuserdatauv(L, sizeof *c, 1);
+    *c = (columns){.path = check(L), .first = first, .count = count, .name = name};
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    luaL_setmetatable(L, COLUMNS);
+    return 1;
+}
+
+static int columns_index(lua_State *L) {
+    const columns *c = luaL_checkudata(L, 1, COLUMNS);
+    const dml_path *p = c->path;
+    int whole;
+    const lua_Integer i = lua_tointegerx(L, 2, &whole);
+    if (!whole)
+        return luaL_error(L, "path.%s is indexed by a row number from 1 to %d (got %s)", c->name,
+                          (int)p->rows, luaL_tolstring(L, 2, NULL));
+    if (i == (lua_Integer)p->rows + 1) return 0; /* ends ipairs */
+    if (i < 1 || i > p->rows)
+        return luaL_error(L, "path.%s has rows 1 to %d (got %I)", c->name, (int)p->rows,
+                          (LUAI_UACINT)i);
+    const double *row = p->data + (size_t)(i - 1) * dml_path_width(p) + c->first;
+    if (c->count == 1 && c->first == 0)
+        lua_pushnumber(L, *row);
+    else
+        memcpy(dml_pushvector(L, c->count), row, c->count * sizeof *row);
+    return 1;
+}
+
+static int columns_len(lua_State *L) {
+    const columns *c = luaL_checkudata(L, 1, COLUMNS);
+    lua_pushinteger(L, c->path->rows);
+    return 1;
+}
+
+static int columns_tostring(lua_State *L) {
+    const columns *c = luaL_checkudata(L, 1, COLUMNS);
+    lua_pushfstring(L, "columns %s of a path: %d rows of %d numbers", c->name, (int)c->path->rows,
+                    (int)c->count);
+    return 1;
+}
+
+int dml_path_names(lua_State *L) {
+    const dml_path *p = check(L);
+    if (lua_getiuservalue(L, 1, DML_PATH_NAMES) != LUA_TNIL) return 1;
+    lua_pop(L, 1);
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    const int system = lua_gettop(L);
+    lua_createtable(L, (int)dml_path_width(p), 0);
+    dml_setresult(L);
+    lua_pushstring(L, "t");
+    lua_rawseti(L, -2, 1);
+    for (uint32_t i = 0; i < p->n; i++) {
+        const char *name = dml_coordinate(L, system, i);
+        const int given = dml_systemfield(L, system, "coordinates") != LUA_TNIL;
+        lua_pop(L, 1);
+        if (given)
+            lua_pushfstring(L, "p_%s", name);
+        else
+            lua_pushfstring(L, "p%d", (int)i + 1);
+        lua_rawseti(L, -3, 2 + (lua_Integer)p->n + i);
+        lua_rawseti(L, -2, 2 + (lua_Integer)i);
+    }
+    return 1;
+}
+
+/* columns called `stem`, or stem1, stem2 ... in a row */
+uint32_t dml_path_group(lua_State *L, const char *stem, uint32_t *first) {
+    const dml_path *p = check(L);
+    const size_t length = strlen(stem);
+    uint32_t count = 0;
+    dml_path_names(L);
+    for (uint32_t c = 0; c < dml_path_width(p); c++, lua_pop(L, 1)) {
+        lua_rawgeti(L, -1, (lua_Integer)c + 1);
+        const char *name = lua_tostring(L, -1);
+        if (strncmp(name, stem, length) != 0 ||
+            strspn(name + length, "0123456789") != strlen(name + length))
+            continue;
+        if (!count++) *first = c;
+    }
+    lua_pop(L, 1);
+    return count;
+}
+
+/* number of the column called `name`, -1: none; q1, p1 work beside given names */
+static int find_column(lua_State *L, const char *name) {
+    const dml_path *p = check(L);
+    char kind, rest;
+    unsigned i;
+    const int top = lua_gettop(L);
+    int found = -1;
+    dml_path_names(L);
+    for (uint32_t c = 0; found < 0 && c < dml_path_width(p); c++, lua_pop(L, 1)) {
+        lua_rawgeti(L, -1, (lua_Integer)c + 1);
+        if (strcmp(lua_tostring(L, -1), name) == 0) found = (int)c;
+    }
+    lua_settop(L, top);
+    if (p->watched) return found;
+    if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 && i <= p->n) {
+        if (kind == 'q') found = (int)i;
+        if (kind == 'p') found = (int)(p->n + i);
+    }
+    return found;
+}
+
+static void unknown_column(lua_State *L, const char *name) {
+    luaL_Buffer b;
+    dml_path_names(L);
+    const int names = lua_gettop(L);
+    luaL_buffinit(L, &b);
+    for (lua_Integer i = 1; lua_rawgeti(L, names, i) != LUA_TNIL; i++) {
+        if (i > 1) lua_pushfstring(L, ", %s", lua_tostring(L, -1)), lua_remove(L, -2);
+        luaL_addvalue(&b);
+    }
+    lua_pop(L, 1);
+    luaL_pushresult(&b);
+    luaL_error(L, "no column '%s'; this path has %s%s", name, lua_tostring(L, -1),
+               !check(L)->watched ? ", and \"energy\"" : "");
+}
+
+uint32_t dml_path_find(lua_State *L, const char *name) {
+    const int c = find_column(L, strcmp(name, "time") == 0 ? "t" : name);
+    if (c < 0) unknown_column(L, name);
+    return (uint32_t)c;
+}
+
+static const dml_row columns_meta[] = {{"__len", columns_len, NULL},
+                                       {"__tostring", columns_tostring, NULL},
+                                       {NULL, NULL, NULL}};
+
+void dml_path_open_columns(lua_State *L) {
+    dml_newclass(L, COLUMNS,
+                 "dm.columns: path.t, path.q, path.p\ncolumns[i] is row i, #columns the "
+                 "number of rows",
+                 columns_meta, NULL, columns_index);
+}

@@ -1,0 +1,330 @@
+/* path_quantities.c - energy, velocity, momentum maps and drifts along a recorded path.
+ */
+#include "base/largest.h"
+#include "bind/value/array.h"
+#include "bind/run/checkpoint.h"
+#include "bind/trace/model_sums.h"
+#include "bind/run/bind_path.h"
+#include "bind/model/bind_space.h"
+#include "run/drift.h"
+
+#include <math.h>
+#include <string.h>
+
+static dml_path *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_PATH);
+}
+
+static dml_model *model_for(lua_State *L, unsigned want) {
+    lua_getiuservalue(L, 1, DML_PATH_MODEL);
+    dml_model *m = dml_standin(L, -1, want); /* kept by the path */
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    if (dml_checksystem(L, -1)->pair)
+        luaL_error(L, "a discrete Lagrangian alone has no energy and no velocity: make "
+                      "the path from a "
+                      "dm.system, or compute them from path.q and path.p");
+    lua_pop(L, 2);
+    dml_want(L, m, want | dml_legendre_wants(m, want), NULL);
+    return m;
+}
+
+/* x = (q, v, t) of row i, v from p by the inverse Legendre transform starting from the v
+ * in x */
+static dm_status read_row(const dml_path *p, const dml_model *m, long i, double *x, double *work) {
+    const double *row = p->data + (size_t)i * dml_path_width(p);
+    memcpy(x, row + 1, p->n * sizeof *x);
+    x[2 * p->n] = row[0];
+    return dm_legendre_inverse(&m->model, x + p->n, row + 1, row + 1 + p->n, row[0], work);
+}
+
+/* room for x and the Legendre transform; v of the first row starts from p */
+static double *scratch(lua_State *L, const dml_path *p, const dml_model *m) {
+    const size_t size = 2 * (size_t)p->n + 1 + dm_legendre_work(&m->model);
+    double *x = lua_newuserdatauv(L, size * sizeof *x, 0);
+    memset(x, 0, size * sizeof *x);
+    if (p->rows) memcpy(x + p->n, p->data + 1 + p->n, p->n * sizeof *x);
+    return x;
+}
+
+static void check_row(lua_State *L, dml_model *m, dm_status status, long i) {
+    dml_rethrow(L, m);
+    if (status != DM_OK)
+        luaL_error(L, "row %d has no velocity: %s (is d2L/dv2 singular there?)", (int)i + 1,
+                   dm_status_text(status));
+}
+
+/* of a run that watched: the column, if it is one */
+static int watched_energy(lua_State *L) {
+    const dml_path *p = check(L);
+    lua_getiuservalue(L, 1, DML_PATH_NAMES);
+    for (lua_Integer i = 1; i <= (lua_Integer)p->width; i++, lua_pop(L, 1)) {
+        lua_rawgeti(L, -1, i);
+        if (strcmp(lua_tostring(L, -1), "energy") != 0) continue;
+        double *E = dml_pushvector(L, (uint32_t)p->rows);
+        for (long k = 0; k < p->rows; k++) E[k] = p->data[(size_t)k * p->width + (size_t)i - 1];
+        return 1;
+    }
+    return 0;
+}
+
+int dml_path_energy(lua_State *L) {
+    if (check(L)->watched && watched_energy(L)) return 1;
+    const dml_path *p = dml_path_states(L, "the energy");
+    dml_model *m = model_for(L, DM_WANT_ENERGY);
+    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
+    double *E = dml_pushvector(L, (uint32_t)p->rows);
+    for (long i = 0; i < p->rows; i++) {
+        check_row(L, m, read_row(p, m, i, x, work), i);
+        dm_kernel_prepare(&m->model.energy, E + i);
+        dm_kernel_eval(&m->model.energy, x, E + i);
+    }
+    dml_rethrow(L, m);
+    return 1;
+}
+
+/* largest of |y[i]|; NaN stays */
+static double largest(double so_far, const double *y, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) so_far = dm_largest(so_far, y[i]);
+    return so_far;
+}
+
+/* largest |g| or |phi| over the rows: the outputs that a kernel of the constraints begins with */
+static double worst_of_rows(lua_State *L, const dml_path *p, int rolling) {
+    dml_model *m = model_for(L, rolling ? DM_WANT_ROLLING : DM_WANT_HOLONOMIC);
+    const dm_constraints *t = m->model.constraints;
+    const dm_kernel *kernel = rolling ? &t->rolling_kernel : &t->holonomic_kernel;
+    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1, worst = 0.0;
+    double *y = lua_newuserdatauv(L, kernel->outputs * sizeof *y, 0);
+    dm_kernel_prepare(kernel, y);
+    for (long i = 0; i < p->rows; i++) {
+        check_row(L, m, read_row(p, m, i, x, work), i);
+        dm_kernel_eval(kernel, x, y);
+        worst = largest(worst, y, rolling ? t->rolling : t->holonomic);
+    }
+    return worst;
+}
+
+static int path_worst(lua_State *L) {
+    const dml_path *p = dml_path_states(L, "the worst defect");
+    const char *of = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "";
+    const int rolling = !strcmp(of, "rolling");
+    if (!rolling && strcmp(of, "constraint") != 0)
+        luaL_error(L,
+                   "path:worst takes \"constraint\" or \"rolling\" (got %s); path:drift "
+                   "has the error of the energy or of a column",
+                   *of ? of : luaL_typename(L, 2));
+    lua_getiuservalue(L, 1, DML_PATH_MODEL);
+    const dml_model *m = lua_touserdata(L, -1);
+    if (!m->model.constraints || !(rolling ? m->constraints.rolling : m->constraints.holonomic))
+        luaL_error(L, "the system of this path has no %s",
+                   rolling ? "rolling constraint" : "constraint");
+    const double seen = rolling ? p->rolling : p->constraint;
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    if (dml_checksystem(L, -1)->pair) /* del looks in every step */
+        return lua_pushnumber(L, seen), 1;
+    lua_pushnumber(L, largest(seen, (double[]){worst_of_rows(L, p, rolling)}, 1));
+    return 1;
+}
+
+/* of the row whose number is at stack index 2 */
+static int velocity_of_row(lua_State *L, const dml_path *p, dml_model *m) {
+    const lua_Integer i = luaL_checkinteger(L, 2);
+    if (i < 1 || i > p->rows)
+        luaL_error(L, "path:velocity: there are rows 1 to %d (got %I)", (int)p->rows,
+                   (LUAI_UACINT)i);
+    double *x = scratch(L, p, m), *v = dml_pushvector(L, p->n);
+    check_row(L, m, read_row(p, m, (long)i - 1, x, x + 2 * p->n + 1), (long)i - 1);
+    memcpy(v, x + p->n, p->n * sizeof *v);
+    return 1;
+}
+
+static int path_velocity(lua_State *L) {
+    const dml_path *p = dml_path_states(L, "the velocity");
+    dml_model *m = model_for(L, 0);
+    if (m->model.structure & DM_LINEAR_IN_V)
+        luaL_error(L, "L is linear in v: no momentum determines a velocity");
+    if (!lua_isnoneornil(L, 2)) return velocity_of_row(L, p, m);
+    double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
+    double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->n);
+    for (long i = 0; i < p->rows; i++) {
+        check_row(L, m, read_row(p, m, i, x, work), i);
+        memcpy(v + (size_t)i * p->n, x + p->n, p->n * sizeof *v);
+    }
+    return 1;
+}
+
+static int path_mass(lua_State *L) {
+    const dml_path *p = dml_path_states(L, "the mass matrix");
+    const double t = luaL_optnumber(L, 3, p->t0);
+    dml_model *m = model_for(L, DM_WANT_MASS);
+    const dm_kernel *mass = &m->model.mass;
+    double *x = scratch(L, p, m), *y = lua_newuserdatauv(L, mass->outputs * sizeof *y, 0);
+    dml_vectorarg(L, 2, "q", x, p->n);
+    memset(x + p->n, 0, p->n * sizeof *x);
+    x[2 * p->n] = t;
+    dm_kernel_prepare(mass, y);
+    dm_kernel_eval(mass, x, y);
+    dml_rethrow(L, m);
+    for (uint32_t i = p->n; i < mass->outputs; i++)
+        if (!isfinite(y[i]))
+            luaL_error(L, "the mass matrix is not finite at this q: is it inside the "
+                          "domain of L?");
+    memcpy(dml_pushmatrix(L, p->n, p->n), y + p->n, (size_t)p->n * p->n * sizeof *y);
+    return 1;
+}
+
+/* J = p . xi(q) along the path for a generator xi written in Lua, at stack index 2 */
+static int momentum_of_generator(lua_State *L, const dml_path *p) {
+    const dml_signature s = {.what = "generator",
+                             .arguments = 1,
+                             .length = {(int)p->n},
+                             .outputs = (int)p->n};
+    double *xi = lua_newuserdatauv(L, p->n * sizeof *xi, 0);
+    double *J = dml_pushvector(L, (uint32_t)p->rows);
+    for (long i = 0; i < p->rows; i++) {
+        const double *row = p->data + (size_t)i * dml_path_width(p);
+        dml_call_numbers(L, 2, &s, row + 1, xi, p->n);
+        J[i] = 0.0;
+        for (uint32_t k = 0; k < p->n; k++) J[i] += row[1 + p->n + k] * xi[k];
+    }
+    return 1;
+}
+
+static int path_momentum(lua_State *L) {
+    const dml_path *p = dml_path_states(L, "a momentum map");
+    lua_settop(L, 3);
+    if (lua_isfunction(L, 2)) return momentum_of_generator(L, p);
+    const dm_action action = dml_standard_action(L, 2, 3, p->n);
+    const uint32_t d = action.group->dimension(action.k), rows = (uint32_t)p->rows;
+    double *J = d == 1 ? dml_pushvector(L, rows) : dml_pushmatrix(L, rows, d);
+    for (long i = 0; i < p->rows; i++) {
+        const double *row = p->data + (size_t)i * dml_path_width(p);
+        dm_momentum(J + (size_t)i * d, &action, p->n, row + 1, row + 1 + p->n);
+    }
+    return 1;
+}
+
+static int path_column(lua_State *L) {
+    const dml_path *p = check(L);
+    const char *name = luaL_checkstring(L, 2);
+    if (!p->watched && strcmp(name, "energy") == 0) return dml_path_energy(L);
+    const uint32_t c = dml_path_find(L, name);
+    double *out = dml_pushvector(L, (uint32_t)p->rows);
+    for (long i = 0; i < p->rows; i++) out[i] = p->data[(size_t)i * dml_path_width(p) + c];
+    return 1;
+}
+
+static void push_drift(lua_State *L, const dm_drift *d) {
+    const struct {
+        const char *key;
+        double value;
+    } fields[] = {{"per_time", d->slope},
+                  {"error", d->error},
+                  {"mean", d->mean},
+                  {"largest", d->largest}};
+    lua_createtable(L, 0, 4);
+    dml_setresult(L);
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        lua_pushnumber(L, fields[i].value);
+        lua_setfield(L, -2, fields[i].key);
+    }
+}
+
+/* push the column, quantity or vector named by argument 2 as `rows` doubles */
+static const double *quantity(lua_State *L, const dml_path *p) {
+    double *y = lua_newuserdatauv(L, (size_t)p->rows * sizeof *y, 0);
+    if (lua_type(L, 2) == LUA_TSTRING) {
+        path_column(L);
+        lua_replace(L, 2);
+    }
+    if (dml_length(L, 2) != p->rows)
+        luaL_error(L,
+                   "a column name or a vector of %d numbers (one a row) is needed, for "
+                   "instance M:column(1) of a matrix (got %s)",
+                   (int)p->rows, dml_kindname(L, 2));
+    dml_vectorarg(L, 2, "quantity", y, (uint32_t)p->rows);
+    return y;
+}
+
+static int path_drift(lua_State *L) {
+    const dml_path *p = check(L);
+    lua_settop(L, 2);
+    if (p->rows < 3)
+        return luaL_error(L, "a drift needs at least 3 recorded rows (this path has %d)",
+                          (int)p->rows);
+    const double *y = quantity(L, p);
+    dm_drift drift;
+    dm_drift_fit(&drift, p->data, dml_path_width(p), y, p->rows);
+    push_drift(L, &drift);
+    return 1;
+}
+
+/* dm.drift(t, y): of any two columns */
+static int drift_of(lua_State *L) {
+    dm_drift drift;
+    const long rows = dml_length(L, 1);
+    luaL_argcheck(L, rows >= 3, 1, "at least 3 times are needed");
+    luaL_argcheck(L, dml_length(L, 2) == rows, 2, "one number for each time is needed");
+    double *t = lua_newuserdatauv(L, 2 * (size_t)rows * sizeof *t, 0), *y = t + rows;
+    dml_vectorarg(L, 1, "t", t, (uint32_t)rows);
+    dml_vectorarg(L, 2, "y", y, (uint32_t)rows);
+    dm_drift_fit(&drift, t, 1, y, rows);
+    push_drift(L, &drift);
+    return 1;
+}
+
+const dml_row dml_path_functions[] =
+    {{"path", dml_path_new,
+      "dm.path{system=, h=, rule=, steps=, columns = {t, q1, ..., p1, ...}} -> dm.path\n"
+      "A path from numbers that were computed elsewhere: 1 + 2 dim Q columns of one "
+      "number "
+      "a row, growing times first; h: the "
+      "step, rule: what made it (a text), steps: how many (default: rows - 1). It has "
+      "energy, drift, plots and files like that of a run."},
+     {"drift", drift_of,
+      "dm.drift(t, y) -> {per_time, error, mean, largest}\n"
+      "What path:drift finds, for numbers y at growing times t (vectors of at least 3 "
+      "entries)."},
+     {NULL, NULL, NULL}};
+
+const dml_row dml_path_quantities[] =
+    {{"worst", path_worst,
+      "path:worst(\"constraint\" | \"rolling\") -> number\n"
+      "The largest |g(q, t)| or |phi(q, v, t)| at the rows (v from the momentum) and, "
+      "where "
+      "the rule looks at it in every step, over all of its steps."},
+     {"column", path_column,
+      "path:column(name) -> dm.vector of #path entries\n"
+      "A column by its name (see path.columns; \"time\" and \"energy\" too)."},
+     {"energy", dml_path_energy,
+      "path:energy() -> dm.vector of #path entries\n"
+      "v . dL/dv - L at every row, v from p by the inverse Legendre transform."},
+     {"velocity", path_velocity,
+      "path:velocity([row]) -> dm.matrix, #path x dim Q, or dm.vector of one row\nThe "
+      "velocity at every row, or at that one, from p by the inverse Legendre transform."},
+     {"mass", path_mass,
+      "path:mass(q [, t]) -> dm.matrix, dim Q x dim Q\n"
+      "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L "
+      "again; t: default that of the first row. Raises where it is not finite."},
+     {"momentum", path_momentum,
+      "path:momentum(group [, {block=}]) -> dm.vector   or   path:momentum(generator) -> "
+      "dm.vector\n"
+      "Noether's momentum map at every row: of a group by its standard action on blocks "
+      "of coordinates (dm.SO(2), dm.SO(3), "
+      "dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator "
+      "xi(q), a Lua function that returns "
+      "dim Q numbers."},
+     {"drift", path_drift,
+      "path:drift(name | vector) -> {per_time, error, mean, largest}\n"
+      "Least squares slope of a column, of \"energy\" or of any vector of #path entries "
+      "against time: slope per unit "
+      "of time, its standard error from block means, the mean, and the largest distance "
+      "from the first row."},
+     {"checkpoint", dml_path_checkpoint,
+      "path:checkpoint(file) -> file name\n"
+      "Write where the run ended: the state with its low-order parts, what the rule keeps "
+      "from step to step, rule, step "
+      "and time, as a text with all bits. dm.resume(file, system) goes on from it bit for "
+      "bit. Raises when the file "
+      "cannot be written; an old one is replaced only by a whole one."},
+     {NULL, NULL, NULL}};

@@ -1,0 +1,118 @@
+#include "bind/run/run_events.h"
+
+#include <string.h>
+
+struct dml_found {
+    dml_found *next;
+    uint32_t which;
+    double t;
+    double state[]; /* q[n], p[n] */
+};
+
+/* "up", "down", 1 or -1 in the table on top; both where it is left out */
+static int read_direction(lua_State *L, const char *what) {
+    int direction = 0;
+    lua_getfield(L, -1, "direction");
+    const char *text = lua_tostring(L, -1);
+    if (text && (strcmp(text, "up") == 0 || strcmp(text, "1") == 0)) direction = 1;
+    if (text && (strcmp(text, "down") == 0 || strcmp(text, "-1") == 0)) direction = -1;
+    if (text && strcmp(text, "1.0") == 0) direction = 1;
+    if (text && strcmp(text, "-1.0") == 0) direction = -1;
+    if (!direction && !lua_isnil(L, -1))
+        luaL_error(L, "%s: 'direction' must be \"up\" or \"down\" (got %s)", what,
+                   luaL_tolstring(L, -1, NULL));
+    lua_pop(L, 1);
+    return direction;
+}
+
+/* the event on top, a function or { g =, direction =, stop = }; its function replaces it */
+static dm_event read_event(lua_State *L, const char *what) {
+    static const char *const known[] = {"g", "direction", "stop", NULL};
+    dm_event event = {.direction = 0};
+    if (lua_isfunction(L, -1)) return event;
+    if (!lua_istable(L, -1))
+        luaL_error(L,
+                   "%s must be a function of (q, v, t, p) or { g = function, direction = "
+                   "\"up\" or \"down\", stop "
+                   "= true } (got %s)",
+                   what, luaL_typename(L, -1));
+    dml_options(L, lua_gettop(L), known);
+    event.direction = read_direction(L, what);
+    lua_getfield(L, -1, "stop");
+    event.stop = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    lua_getfield(L, -1, "g");
+    lua_remove(L, -2);
+    return event;
+}
+
+static dm_status found(void *ud, uint32_t which, double t, const double *state) {
+    dml_run_events *e = ud;
+    const size_t size = 2 * (size_t)e->g.observer.model->n * sizeof(double);
+    dml_found *f = dm_arena_take(e->arena, sizeof *f + size);
+    if (!f) return DM_NO_MEMORY;
+    *f = (dml_found){.which = which, .t = t};
+    memcpy(f->state, state, size);
+    *e->last = f;
+    e->last = &f->next;
+    return DM_OK;
+}
+
+static void take_room(lua_State *L, dml_run_events *e, const dml_stepping *r) {
+    const size_t size = dm_events_size(e->g.observer.count, r->solver->n);
+    double *memory = lua_newuserdatauv(L, size * sizeof *memory, 0);
+    memset(memory, 0, size * sizeof *memory);
+    e->events = (dm_events){.observer = &e->g.observer, .list = e->list, .found = found, .ud = e};
+    dm_events_lay_out(&e->events, memory, r->solver->n);
+    e->arena = dml_pusharena(L);
+    e->first = NULL;
+    e->last = &e->first;
+}
+
+void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r) {
+    if (r->solver->pair)
+        luaL_error(L, "a discrete Lagrangian has a fixed step: no state between two steps "
+                      "is known, so no events");
+    lua_getfield(L, 2, "events");
+    const int table = lua_gettop(L);
+    if (!lua_istable(L, table))
+        luaL_error(L,
+                   "field 'events' must be a table { name = function(q, v, t, p) ... end "
+                   "} (got %s)",
+                   luaL_typename(L, table));
+    dml_observables_start(&e->g, r);
+    dml_pushkeys(L, table, "events");
+    e->names = lua_gettop(L);
+    const lua_Integer count = (lua_Integer)lua_rawlen(L, e->names);
+    if (!count) luaL_error(L, "field 'events' is empty: leave it out, or name a function");
+    for (lua_Integer i = 1; i <= count; i++) {
+        luaL_checkstack(L, 12, NULL);
+        lua_rawgeti(L, e->names, i);
+        const char *what = lua_pushfstring(L, "events.%s", luaL_tolstring(L, -1, NULL));
+        lua_rawgeti(L, e->names, i);
+        lua_gettable(L, table);
+        const dm_event event = read_event(L, what);
+        dml_observables_add(L, &e->g, r, what, 0);
+        e->list[i - 1] = event;
+    }
+    dml_observables_end(L, &e->g);
+    take_room(L, e, r);
+}
+
+void dml_pushevents(lua_State *L, const dml_run_events *e) {
+    const uint32_t n = e->g.observer.model->n;
+    lua_Integer i = 0;
+    lua_newtable(L);
+    for (const dml_found *f = e->first; f; f = f->next) {
+        lua_createtable(L, 0, 4);
+        lua_rawgeti(L, e->names, (lua_Integer)f->which + 1);
+        lua_setfield(L, -2, "name");
+        lua_pushnumber(L, f->t);
+        lua_setfield(L, -2, "t");
+        memcpy(dml_pushvector(L, n), f->state, n * sizeof(double));
+        lua_setfield(L, -2, "q");
+        memcpy(dml_pushvector(L, n), f->state + n, n * sizeof(double));
+        lua_setfield(L, -2, "p");
+        lua_rawseti(L, -2, ++i);
+    }
+}

@@ -1,0 +1,386 @@
+/* solver_run.c - solver:run: from its options to a path, or to a dm.failure with the path so
+ * far. */
+#include "bind/run/checkpoint.h"
+#include "bind/core/bind_failure.h"
+#include "bind/run/bind_path.h"
+#include "bind/trace/bind_root.h"
+#include "bind/run/run_events.h"
+#include "bind/run/run_file.h"
+#include "bind/core/bind_terminal.h"
+#include "run/run.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+typedef dml_solver solver;
+
+enum {
+    LONGEST_OWN_TIME = 2000000000
+}; /* steps of a rule whose number of steps is not known beforehand */
+
+static solver *check(lua_State *L) {
+    return luaL_checkudata(L, 1, DML_SOLVER);
+}
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* at = { t1, t2, ... }: growing times from t0 on; the block stays on the stack */
+static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double from) {
+    if (s->pair)
+        luaL_error(L, "a discrete Lagrangian has a fixed step: record with 'every' "
+                      "instead of 'at'");
+    lua_getfield(L, 2, "at");
+    const long count = dml_length(L, -1);
+    if (count == 0) luaL_error(L, "field 'at' is empty: give it times, growing ones");
+    if (count < 0)
+        luaL_error(L, "field 'at' must be a vector or table of times (got %s)",
+                   count ? luaL_typename(L, -1) : "none");
+    lua_pop(L, 1);
+    double *at = lua_newuserdatauv(L, ((size_t)count + 2 * dm_state_size(s->n)) * sizeof *at, 0);
+    dml_numbers(L, 2, "at", at, (uint32_t)count);
+    for (long i = 0; i < count; i++)
+        if (!(at[i] > (i ? at[i - 1] : nextafter(from, -INFINITY))))
+            luaL_error(L,
+                       "field 'at' must hold growing times from the start, t = %f, on "
+                       "(entry %d is %f)",
+                       from, (int)i + 1, at[i]);
+    plan->at = at;
+    plan->at_count = count;
+    plan->landing = at + count;
+    plan->until = at[count - 1];
+}
+
+static int has(lua_State *L, const char *key) {
+    const int there = lua_getfield(L, 2, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+static uint32_t constraint_operations(const dm_constraints *t, unsigned wants) {
+    return (wants & DM_WANT_HOLONOMIC ? t->holonomic_kernel.operations : 0) +
+           (wants & DM_WANT_ROLLING ? t->rolling_kernel.operations : 0) +
+           (wants & DM_WANT_CONSTRAINT_FORCE ? t->force.operations : 0) +
+           (wants & DM_WANT_FORCE_CURVE ? t->force_curve.operations : 0) +
+           (wants & DM_WANT_REACTION ? t->reaction.operations : 0);
+}
+
+static uint32_t operations(const dm_model *m, unsigned wants) {
+    return (wants & DM_WANT_STAGE ? m->stage.operations : 0) +
+           (wants & DM_WANT_FORCE ? m->force.operations : 0) +
+           (wants & DM_WANT_SLOPE ? m->slope.operations : 0) +
+           (wants & DM_WANT_PAIR ? m->pair.operations : 0) +
+           (m->constraints ? constraint_operations(m->constraints, wants) : 0);
+}
+
+/* what the run cost; solver:report() shows it */
+static void keep_report(const dml_stepping *r, long steps, double seconds) {
+    const dm_report *report = &r->stepper.report;
+    r->solver->last =
+        (dml_last_run){.backend = r->model->backend ? r->model->backend : "tape",
+                       .operations = report->operations
+                                         ? report->operations
+                                         : (long)operations(&r->model->model, r->wants),
+                       .trace_ms = r->model->trace_ms,
+                       .compile_ms = r->model->trace_ms + r->model->compile_ms,
+                       .steps = steps,
+                       .ns_per_step = steps ? seconds * 1e9 / (double)steps : 0.0,
+                       .newton = report->newton,
+                       .evaluations = report->evaluations,
+                       .constrained = r->model->model.constraints != NULL,
+                       .constraint = report->constraint,
+                       .rolling = report->rolling};
+}
+
+/* what the method itself knows of it, or NULL */
+static const char *why_of(const dml_stepping *r, dm_status status) {
+    dm_stepper s = r->stepper;
+    return s.method->why ? s.method->why(&s, r->state, status) : NULL;
+}
+
+void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path) {
+    const solver *s = r->solver;
+    dml_rethrow(L, r->model);
+    if (status == DM_OK) return;
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    const char *rule = lua_tostring(L, -1);
+    const dm_constraints *constraints = r->model->model.constraints;
+    const char *trouble = dml_modeltrouble(L, r->model);
+    const int constraint = r->stepper.report.dependent, rolls = constraints && constraint > (int)constraints->holonomic;
+    const dml_failure f = {.constraint = rolls ? 0 : constraint,
+                           .rolling = rolls ? constraint - (int)constraints->holonomic : 0,
+                           .status = status,
+                           .step = done + (status != DM_STOPPED),
+                           .time = r->t0 + s->h * (double)done,
+                           .h = s->h,
+                           .residual = r->stepper.report.residual,
+                           .iterations = r->stepper.report.iterations,
+                           .root = *trouble ? trouble : why_of(r, status),
+                           .rule = rule};
+    dml_fail(L, &f, path);
+}
+
+/* ---- a run ---- */
+
+/* everything that a run has beside its steps; what is not asked for is NULL in the plan */
+typedef struct {
+    dml_stepping r;
+    dm_run_plan plan;
+    lua_State *L;
+    double began; /* s */
+    dml_observables watch;
+    dm_impulses impulses;
+    dml_run_events events;
+    dml_run_file file;
+    dm_resumption resume;
+    dml_checkpoint *end;        /* where it ends, or is */
+    const dml_checkpoint *from; /* where it goes on; NULL: a start */
+    const char *rule, *saving;  /* file of checkpoints; NULL: none */
+    int names, path;            /* stack indices */
+} run;
+
+static void show_progress(void *ud, long done, long steps) {
+    const run *u = ud;
+    const double seconds = now() - u->began, rate = (double)done / seconds;
+    dml_progress(u->L, "run", (double)done / (double)steps, rate, (double)(steps - done) / rate);
+}
+
+/* time of the first state, from the options or the checkpoint that the solver starts from */
+static double find_start(lua_State *L, run *u) {
+    static const char *const starts[] = {"q", "v", "p", "q0", "q1", "t0", NULL};
+    lua_getiuservalue(L, 1, DML_SOLVER_START);
+    u->from = lua_touserdata(L, -1); /* kept by the solver */
+    lua_pop(L, 1);
+    if (!u->from) return u->r.t0 = dml_number(L, 2, "t0", 0.0);
+    for (const char *const *key = starts; *key; key++)
+        if (has(L, *key))
+            luaL_error(L,
+                       "field '%s': this solver goes on from a checkpoint, which has its "
+                       "own state and time",
+                       *key);
+    u->r.t0 = u->from->t0;
+    u->resume = (dm_resumption){.steps = u->from->steps,
+                                .memory = u->from->state + dm_state_size(u->from->n)};
+    u->plan.resume = &u->resume;
+    if (u->r.solver->method->traits & DM_OWN_TIME) return u->from->state[4 * (size_t)u->from->n];
+    return u->r.t0 + (double)u->from->steps * u->r.solver->h;
+}
+
+/* how long: steps = n, or t = duration, or up to the last of the times `at`, from the time
+ * `from` */
+static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double from) {
+    const int own = (s->method->traits & DM_OWN_TIME) != 0;
+    plan->until = INFINITY;
+    if (has(L, "t") + has(L, "at") + has(L, "steps") > 1)
+        luaL_error(L, "give one of 'steps', 't' (a duration) and 'at' (times)");
+    if (has(L, "at") && has(L, "every"))
+        luaL_error(L, "give either 'every' (rows of steps) or 'at' (rows at times), not both");
+    plan->every = dml_count(L, 2, "every", 1, 1);
+    if (has(L, "at"))
+        read_times(L, s, plan, from);
+    else if (has(L, "t"))
+        plan->until = from + dml_positive(L, 2, "t", 0);
+    else if (!has(L, "steps"))
+        luaL_error(L, "how long? 'steps' (how many), 't' (a duration) or 'at' "
+                      "(times) is missing");
+    else
+        plan->steps = dml_count(L, 2, "steps", 0, -1);
+    if (!isfinite(plan->until)) return;
+    plan->steps = own ? LONGEST_OWN_TIME : dml_stepping_cover(L, plan->until - from, s->h);
+    if (own && !plan->at)
+        luaL_error(L,
+                   "rule '%s' has a time of its own: give 'steps', or 'at' for the "
+                   "states at given times",
+                   s->nodes[0].name);
+}
+
+/* checkpoint = file, or { file =, every = seconds } */
+static void read_saving(lua_State *L, run *u) {
+    static const char *const known[] = {"file", "every", NULL};
+    enum { EVERY = 60 };
+    lua_getfield(L, 2, "checkpoint");
+    u->plan.save_every = EVERY;
+    if (lua_istable(L, -1)) {
+        const int at = lua_gettop(L);
+        dml_options(L, at, known);
+        u->plan.save_every = dml_positive(L, at, "every", EVERY);
+        lua_getfield(L, at, "file");
+    }
+    if (lua_type(L, -1) != LUA_TSTRING)
+        luaL_error(L, "field 'checkpoint' must be the name of a file, or { file =, every = "
+                      "seconds }");
+    u->saving = lua_tostring(L, -1);
+    if (!dml_checkpoint_try(u->saving))
+        luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving, strerror(errno));
+}
+
+/* between two steps: a checkpoint of where the run is; what cannot be written is said at the end */
+static void save(void *ud, long done) {
+    run *u = ud;
+    dml_checkpoint_take(u->end, &u->r, done + u->resume.steps);
+    dml_checkpoint_check(u->end, &u->r);
+    dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving);
+}
+
+static void read_plan(lua_State *L, run *u) {
+    const double from = find_start(L, u);
+    u->plan.t0 = u->r.t0;
+    u->plan.stop = &dml_stop;
+    u->plan.progress = show_progress;
+    u->plan.ud = u;
+    read_length(L, u->r.solver, &u->plan, from);
+    if (!has(L, "checkpoint")) return;
+    read_saving(L, u);
+    u->plan.save = save;
+}
+
+/* columns beside q and p; how many */
+static uint32_t read_record(lua_State *L, run *u) {
+    u->names = lua_gettop(L) + 1;
+    dml_record_read(L, &u->watch, &u->r, &u->impulses);
+    u->plan.beside = 1;
+    if (u->watch.observer.count) u->plan.watch = &u->watch.observer;
+    const uint32_t watched = dm_observer_width(&u->watch.observer);
+    if (!u->impulses.constraints) return watched;
+    if (u->plan.at || has(L, "events"))
+        luaL_error(L, "field 'record': impulses are those of steps, and rows at times or "
+                      "events lie inside of them; record \"lambda\", the multipliers at "
+                      "the state");
+    u->plan.impulses = &u->impulses;
+    return watched + dm_impulses_width(&u->impulses);
+}
+
+/* what it records and looks for; the empty path is left on the stack */
+static dml_path *make_path(lua_State *L, run *u) {
+    const uint32_t n = u->r.solver->n;
+    uint32_t width = 1 + 2 * n;
+    if (has(L, "watch") && has(L, "record"))
+        luaL_error(L, "give 'watch' (rows hold this instead of q and p) or 'record' (rows "
+                      "hold it too), not both");
+    if (has(L, "watch")) {
+        u->names = lua_gettop(L) + 1;
+        dml_watch_read(L, &u->watch, &u->r);
+        u->plan.watch = &u->watch.observer;
+        width = 1 + dm_observer_width(&u->watch.observer);
+    }
+    if (has(L, "record")) width += read_record(L, u);
+    if (has(L, "events")) {
+        dml_events_read(L, &u->events, &u->r);
+        u->plan.events = &u->events.events;
+    }
+    long rows = dm_run_rows(&u->plan);
+    if (has(L, "file") && rows > DML_ROWS_IN_MEMORY) rows = DML_ROWS_IN_MEMORY;
+    dml_path *path = dml_pushpath(L, u->r.system, n, rows, width);
+    u->path = lua_gettop(L);
+    path->watched = has(L, "watch");
+    if (u->names) lua_pushvalue(L, u->names), lua_setiuservalue(L, u->path, DML_PATH_NAMES);
+    dml_stepping_describe(L, &u->r, path);
+    return path;
+}
+
+/* the file of rows, whose columns the path knows */
+static void open_file(lua_State *L, run *u) {
+    lua_getfield(L, u->path, "columns");
+    dml_file_open(L, &u->file, lua_gettop(L));
+    u->plan.outlet = &u->file.outlet;
+    lua_pushstring(L, u->file.name);
+    lua_setiuservalue(L, u->path, DML_PATH_FILE);
+}
+
+/* The stepper is opened last, since what it holds outside of Lua is not given back when an error
+ * is raised. Rules with a memory hold nothing there, and how large that is is known only then. */
+static void start(lua_State *L, run *u) {
+    const int early = u->r.solver->method->memory == NULL;
+    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
+    u->rule = luaL_tolstring(L, -1, NULL);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, u->path, DML_PATH_SOLVER);
+    if (early) u->end = dml_pushcheckpoint(L, &u->r);
+    if (early) lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
+    if (u->from)
+        dml_stepping_resume(L, &u->r, u->from);
+    else
+        dml_stepping_start(L, &u->r);
+    if (!early) u->end = dml_pushcheckpoint(L, &u->r);
+    if (!early && u->end->memory) /* for steps on the side */
+        u->r.stepper.aside = lua_newuserdatauv(L, u->end->memory * sizeof(double), 0);
+    if (!early && u->end->memory) lua_insert(L, -2);
+    if (!early) lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
+}
+
+/* the path says what was done; of rows that went to a file it keeps the last */
+static void fill_path(run *u, dml_path *path, long done, long rows, double seconds) {
+    const dm_outlet *out = u->plan.outlet;
+    const size_t width = path->width;
+    if (out && rows) {
+        const double *last = path->data + (size_t)((rows - 1) % out->room) * width;
+        memmove(path->data, last, width * sizeof *last);
+        rows = 1;
+    }
+    path->rows = rows, path->steps = done;
+    path->t = rows ? path->data[(size_t)(rows - 1) * width] : u->plan.t0;
+    path->ns_per_step = done ? seconds * 1e9 / (double)done : 0.0;
+    path->constraint = u->r.stepper.report.constraint;
+    path->rolling = u->r.stepper.report.rolling;
+}
+
+/* where the run is, before its stepper is closed */
+static void keep_end(run *u, long done) {
+    const int ended = u->plan.events && u->events.events.ended;
+    const double t0 = u->r.t0;
+    if (ended) u->r.t0 = u->events.events.end;
+    dml_checkpoint_take(u->end, &u->r, ended ? 0 : done + u->resume.steps);
+    if (u->saving) dml_checkpoint_check(u->end, &u->r);
+    u->r.t0 = t0;
+}
+
+/* files and events of a run whose path is whole */
+static dm_status finish(lua_State *L, run *u, dm_status status) {
+    int written = !u->plan.outlet || dml_file_close(L, &u->file);
+    if (u->saving) written &= dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving);
+    if (u->plan.events) {
+        dml_pushevents(L, &u->events);
+        lua_setiuservalue(L, u->path, DML_PATH_EVENTS);
+    }
+    return status == DM_OK && !written ? DM_NOT_WRITTEN : status;
+}
+
+int dml_solver_run(lua_State *L) {
+    static const char *const known[] = {"q",          "v",       "p",      "q0",     "q1",
+                                        "p0",         "steps",   "t0",     "every",  "t",
+                                        "at",         "watch",   "record", "events", "file",
+                                        "checkpoint", "project", NULL};
+    run u = {.r.solver = check(L), .L = L};
+    long done = 0, rows = 0;
+    lua_settop(L, 2);
+    if (!lua_istable(L, 2))
+        luaL_error(L, "a run takes a table of options: solver:run { q =, v =, t = } (got %s)",
+                   luaL_typename(L, 2));
+    dml_options(L, 2, known);
+    dml_stepping_names(L);
+    read_plan(L, &u);
+    dml_stepping_prepare(L, &u.r, u.r.t0);
+    dml_path *path = make_path(L, &u);
+    if (has(L, "file")) open_file(L, &u);
+    start(L, &u);
+    u.began = now();
+    dm_status status = dm_run(&u.plan, &u.r.stepper, u.r.state, path->data, &done, &rows);
+    const double seconds = now() - u.began;
+    keep_end(&u, done);
+    dml_stepping_end(&u.r);
+    if (status == DM_STOPPED) dml_stop = 0;
+    dml_progress_end(L);
+    fill_path(&u, path, done, rows, seconds);
+    status = finish(L, &u, status);
+    keep_report(&u.r, done, seconds);
+    u.r.t0 = u.plan.t0 + u.r.solver->h * (double)u.resume.steps;
+    dml_solver_fail(L, &u.r, status, done, u.path);
+    dml_stepping_leave(L, &u.r);
+    lua_settop(L, u.path);
+    return 1;
+}

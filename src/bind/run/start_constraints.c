@@ -1,0 +1,184 @@
+/* start_constraints.c - is the start on the constraints, are they independent there, where is the
+ * nearest start that is? */
+#include "integ/registry.h"
+#include "bind/run/start_constraints.h"
+
+#include "mech/constraints.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double ON = 1e-10; /* a start that far off, relatively, lies on the constraints */
+
+/* ---- rules that do not know them ---- */
+
+static const char *name_of(unsigned lacking) {
+    return lacking & DM_HOLONOMIC ? "constraints"
+           : lacking & DM_ROLLING ? "rolling constraints"
+                                  : "forces";
+}
+
+static void add_rules(luaL_Buffer *b, unsigned needs) {
+    const char *separator = "";
+    for (const dm_method *const *m = dm_methods; *m; m++) {
+        if (needs & ~(*m)->traits) continue;
+        luaL_addstring(b, separator);
+        luaL_addstring(b, (*m)->signature);
+        separator = ", ";
+    }
+    if (!*separator) luaL_addstring(b, "none");
+}
+
+void dml_refuseconstraints(lua_State *L, const dml_stepping *r) {
+    const unsigned needs = dm_method_needs(&r->model->model);
+    const unsigned lacking = needs & ~r->solver->method->traits;
+    luaL_Buffer b;
+    if (!lacking) return;
+    luaL_buffinit(L, &b);
+    lua_pushfstring(L, "rule '%s' cannot step this system: it knows no %s; rules that do: ",
+                    r->solver->nodes[0].name, name_of(lacking));
+    luaL_addvalue(&b);
+    add_rules(&b, needs);
+    luaL_addstring(&b, " (where base is one of the others)");
+    luaL_pushresult(&b);
+    luaL_error(L, "%s", lua_tostring(L, -1));
+}
+
+/* ---- the start ---- */
+
+unsigned dml_start_wants(const dml_stepping *r) {
+    if (!r->model->model.constraints) return 0;
+    return DM_WANT_HOLONOMIC | DM_WANT_ROLLING | (r->solver->pair ? 0 : DM_WANT_MASS);
+}
+
+size_t dml_start_work(const dm_model *m) {
+    return m->constraints ? m->n * (size_t)m->n + dm_constraints_start_work(m->constraints) : 0;
+}
+
+/* "constraint 2" or "rolling constraint 1" for row i, from 1 */
+static const char *push_name(lua_State *L, const dm_constraints *t, uint32_t i) {
+    if (i <= t->holonomic) return lua_pushfstring(L, "constraint %d", (int)i);
+    return lua_pushfstring(L, "rolling constraint %d", (int)(i - t->holonomic));
+}
+
+static int wants_projection(lua_State *L) {
+    const int type = lua_getfield(L, 2, "project");
+    const int yes = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    if (type != LUA_TNIL && type != LUA_TBOOLEAN)
+        luaL_error(L, "field 'project' must be true or false");
+    return yes;
+}
+
+static void check_rank(lua_State *L, const dm_constraints *t, const dm_constraints_defect *d, const char *who) {
+    if (!d->depends) return;
+    const char *name = push_name(L, t, d->depends);
+    if (!d->on)
+        luaL_error(L,
+                   "%sno start: the gradient of %s is zero at this q, so it holds "
+                   "nothing there (is it the square of a constraint?)",
+                   who, name);
+    luaL_error(L,
+               "%sno start: the constraints are redundant at this q: %s depends on those "
+               "before it, most of all on %s; leave it out, or begin elsewhere if they are so "
+               "in this position only",
+               who, name, push_name(L, t, d->on));
+}
+
+static void check_status(lua_State *L, dm_status status, const char *who) {
+    if (status == DM_OK) return;
+    luaL_error(L,
+               "%sno start: %s in the constraints at the given q; is it inside their "
+               "domain, and is d2L/dv2 regular there?",
+               who, dm_status_text(status));
+}
+
+static void check_position(lua_State *L, dml_stepping *r, const char *who) {
+    const dm_constraints *t = r->model->model.constraints;
+    dm_constraints_defect d;
+    check_status(L,
+                 dm_constraints_position_defect(&d, t, r->x, r->metric, r->metric + t->n * (size_t)t->n),
+                 who);
+    check_rank(L, t, &d, who);
+    if (!(d.move <= ON))
+        luaL_error(L, "%sno start: it is off the constraints: %s: |g(q)| = %f%s", who,
+                   push_name(L, t, d.row), d.distance,
+                   r->solver->pair ? "" : "; project = true moves it to the nearest q on them");
+}
+
+static void check_velocity(lua_State *L, dml_stepping *r, const char *who, int loose) {
+    const dm_constraints *t = r->model->model.constraints;
+    dm_constraints_defect d;
+    check_status(L,
+                 dm_constraints_velocity_defect(&d, t, r->x, r->metric, r->metric + t->n * (size_t)t->n),
+                 who);
+    check_rank(L, t, &d, who);
+    if (loose || d.move <= ON) return;
+    luaL_error(L,
+               "%sno start: the velocity does not fit %s: %s = %f; project = true moves "
+               "it to the nearest velocity that does",
+               who, push_name(L, t, d.row), d.row <= t->holonomic ? "|G v + dg/dt|" : "|phi(q, v)|",
+               d.distance);
+}
+
+/* onto the constraints, then the momentum of that velocity */
+static void project(lua_State *L, dml_stepping *r, const char *who) {
+    const dm_model *m = &r->model->model;
+    double *work = r->metric + m->n * (size_t)m->n;
+    dm_status status = dm_constraints_project_position(m->constraints, r->x, r->metric, work);
+    if (status == DM_OK && !m->inverse_mass)
+        status = dm_constraints_inverse_mass(r->metric, m, r->x, work);
+    if (status == DM_OK) status = dm_constraints_project_velocity(m->constraints, r->x, r->metric, work);
+    if (status == DM_OK)
+        status = dm_legendre(m, r->state + m->n, r->x, r->x + m->n, r->t0, r->work);
+    if (status != DM_OK)
+        luaL_error(L,
+                   "%sno start: project = true found no state on the constraints near "
+                   "this one (%s): begin nearer to them",
+                   who, dm_status_text(status));
+    memcpy(r->state, r->x, m->n * sizeof *r->state);
+}
+
+/* of the mass; of a discrete Lagrangian, which has none, 1 */
+static void take_metric(lua_State *L, dml_stepping *r, const char *who) {
+    const dm_model *m = &r->model->model;
+    const size_t n = m->n;
+    if (r->solver->pair) {
+        memset(r->metric, 0, n * n * sizeof *r->metric);
+        for (size_t i = 0; i < n; i++) r->metric[i * (n + 1)] = 1.0;
+        return;
+    }
+    check_status(L, dm_constraints_inverse_mass(r->metric, m, r->x, r->metric + m->n * (size_t)m->n), who);
+}
+
+void dml_check_on_constraints(lua_State *L, dml_stepping *r, const char *who) {
+    if (!r->model->model.constraints) return;
+    if (r->solver->pair && wants_projection(L))
+        luaL_error(L,
+                   "%sno start: a discrete Lagrangian has no mass, and 'project' moves "
+                   "a start in its metric: begin on the constraint",
+                   who);
+    take_metric(L, r, who);
+    check_position(L, r, who);
+}
+
+dm_status dml_tangent_momentum(dml_stepping *r) {
+    const dm_model *m = &r->model->model;
+    double *v = r->x + m->n, *p = r->state + m->n;
+    if (!m->constraints) return DM_OK;
+    memcpy(r->x, r->state, m->n * sizeof *r->x);
+    dm_status status = dm_legendre_inverse(m, v, r->x, p, r->t0, r->work);
+    if (status == DM_OK)
+        status =
+            dm_constraints_project_velocity(m->constraints, r->x, r->metric, r->metric + m->n * (size_t)m->n);
+    return status == DM_OK ? dm_legendre(m, p, r->x, v, r->t0, r->work) : status;
+}
+
+void dml_start_on_constraints(lua_State *L, dml_stepping *r, const char *who, int given_p) {
+    const int moves = wants_projection(L);
+    if (!r->model->model.constraints) return;
+    take_metric(L, r, who);
+    if (moves) project(L, r, who);
+    check_position(L, r, who);
+    check_velocity(L, r, who, given_p && r->solver->method->traits & DM_LOOSE_MOMENTUM);
+}

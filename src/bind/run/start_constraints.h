@@ -1,0 +1,29 @@
+/* start_constraints.h - a start must lie on the constraints of its system, or be moved there. */
+#ifndef DML_START_CONSTRAINTS_H
+#define DML_START_CONSTRAINTS_H
+
+#include "bind/run/stepping.h"
+
+/* Raise where the rule does not know a constraint that the system has; names the rules that do. */
+void dml_refuseconstraints(lua_State *L, const dml_stepping *r);
+
+/* Kernels that the checks below need; 0 without constraints. */
+unsigned dml_start_wants(const dml_stepping *r);
+
+/* Doubles of workspace for them. */
+size_t dml_start_work(const dm_model *m);
+
+/* The start in r->x = (q, v, t) and r->state, whose momentum is known. With project = true among
+ * the options at 2 it is moved to the nearest state on the constraints, in the metric of the mass; else
+ * a start off them raises with the distance. `who` begins the message ("" or "member 3: ");
+ * given_p: the momentum was given, not v. */
+void dml_start_on_constraints(lua_State *L, dml_stepping *r, const char *who, int given_p);
+
+/* The state that a search left there: the part of its momentum that the constraints take up,
+ * which does not change the step, is made to fit the velocity. */
+dm_status dml_tangent_momentum(dml_stepping *r);
+
+/* r->x = (q, v, t): only the positions. */
+void dml_check_on_constraints(lua_State *L, dml_stepping *r, const char *who);
+
+#endif

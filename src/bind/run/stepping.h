@@ -1,0 +1,101 @@
+/* stepping.h - what a solver needs between its options and its first step. */
+#ifndef DML_STEPPING_H
+#define DML_STEPPING_H
+
+#include "bind/run/bind_path.h"
+#include "integ/method/method.h"
+
+/* what the last run of a solver cost */
+typedef struct {
+    const char *backend; /* NULL: there was no run */
+    long operations, steps, newton, evaluations;
+    double trace_ms, compile_ms, ns_per_step;
+    int constrained; /* the rest is known */
+    double constraint, rolling;
+} dml_last_run;
+
+typedef struct {
+    dm_rule nodes[DM_RULE_NODES];
+    const dm_method *method;
+    double h, tolerance;
+    int max_iterations;
+    int plain; /* sums = "plain" */
+    uint32_t n;
+    int pair; /* steps a discrete Lagrangian */
+    dml_last_run last;
+} dml_solver;
+
+/* user values of dm.solver: the system, the rule as written, the backend's name or nil, the
+ * dm.rule (its text is the rule) or nil, the checkpoint it starts from or nil */
+enum {
+    DML_SOLVER_SYSTEM = 1,
+    DML_SOLVER_RULE,
+    DML_SOLVER_BACKEND,
+    DML_SOLVER_OBJECT,
+    DML_SOLVER_START,
+    DML_SOLVER_VALUES = DML_SOLVER_START
+};
+
+extern const char *const DML_SOLVER; /* "dm.solver" */
+
+/* dm.solver{ system, rule =, h = } and system:solver{ rule =, h = }, as C functions. */
+int dml_solver_new(lua_State *L);
+int dml_solver_of(lua_State *L);
+
+typedef struct {
+    dml_solver *solver; /* at stack index 1; the options are at 2 */
+    dml_model *model;
+    int system, model_at, block_at; /* stack indices; the last: the memory of the run */
+    int numbers;                    /* parameters are not inputs (model_params.h) */
+    dml_model *inputs; /* what the stepper steps: *model, but parameters are inputs; NULL: *model */
+    double *given;     /* (q, v, t, values) of it */
+    int apart;         /* a model of its own: other threads step with theirs */
+    int varied;        /* parameters will have other values than the system's */
+    int complete;      /* all kernels before the first step: threads cannot make any */
+    unsigned wants;    /* kernels of the rule */
+    dm_stepper stepper;
+    double t0;
+    double *x;      /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
+    double *state;  /* dm_state_size doubles */
+    double *work;   /* for the Legendre transform */
+    double *metric; /* with constraints: the inverse of the mass matrix, then scratch (start_constraints.h) */
+} dml_stepping;
+
+/* Trace, make the kernels and take all memory. Leaves system, model and workspace on the
+ * stack. */
+void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0);
+
+/* Fill in what a path says of itself; it is on top of the stack. */
+void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path);
+
+/* Options at 2 with q0 and p0, as discrete mechanics writes a start, become q and p. */
+void dml_stepping_names(lua_State *L);
+
+/* Read the start from the options at 2, check the trace there, open the stepper. Raises
+ * only before
+ * the stepper holds anything. */
+void dml_stepping_start(lua_State *L, dml_stepping *r);
+
+/* Open the stepper; dml_stepping_start and dml_stepping_resume do. */
+void dml_stepping_open(lua_State *L, dml_stepping *r);
+
+/* Raise where plain sums were asked for and the opened stepper has none; it is closed then. */
+void dml_stepping_checkplain(lua_State *L, dml_stepping *r);
+
+/* Close the stepper. */
+void dml_stepping_end(dml_stepping *r);
+
+/* Leave the memory of a run that is over to the next one. */
+void dml_stepping_leave(lua_State *L, const dml_stepping *r);
+
+/* solver:run, as a C function (solver_run.c). */
+int dml_solver_run(lua_State *L);
+
+/* Raise what a run ended with: the user's own error, or a dm.failure with the path at stack
+ * index `path` (0: none); DM_OK: nothing. */
+void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path);
+
+/* Steps of h that cover a duration; raises when they are too many to count. */
+long dml_stepping_cover(lua_State *L, double duration, double h);
+
+#endif

@@ -1,0 +1,236 @@
+/* watch.c - `watch = { "q1", "energy", r = function(q, v, t, p) ... end }`: what a run records
+ * beside t. */
+#include "bind/run/observables.h"
+#include "integ/constrained/constrained.h"
+#include "mech/constraints.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* entry of (q, p) that is called `name`, -1: none */
+static int find_entry(lua_State *L, const dml_stepping *r, const char *name) {
+    const uint32_t n = r->solver->n;
+    char kind, rest;
+    unsigned i;
+    int found = -1;
+    for (uint32_t k = 0; k < n && found < 0; k++, lua_pop(L, 1)) {
+        const char *coordinate = dml_coordinate(L, r->system, k);
+        if (strcmp(coordinate, name) == 0) found = (int)k;
+        if (strncmp(name, "p_", 2) == 0 && strcmp(coordinate, name + 2) == 0) found = (int)(n + k);
+    }
+    if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 && i <= n &&
+        (kind == 'q' || kind == 'p'))
+        found = (int)(kind == 'q' ? i - 1 : n + i - 1);
+    return found;
+}
+
+/* where entries are read from, and what they add to */
+typedef struct {
+    const char *field;
+    int table, names; /* stack indices */
+    dm_impulses *impulses;
+} reading;
+
+static void add_name(lua_State *L, const reading *in, const char *name) {
+    const int names = in->names;
+    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, names); i++, lua_pop(L, 1)) {
+        lua_rawgeti(L, names, i);
+        if (strcmp(lua_tostring(L, -1), name) == 0)
+            luaL_error(L, "field '%s': there is a column '%s' already; choose another name",
+                       in->field, name);
+    }
+    lua_pushstring(L, name);
+    lua_rawseti(L, names, (lua_Integer)lua_rawlen(L, names) + 1);
+}
+
+/* the multipliers at a state, as a function that is traced (lua/dm/measure/multipliers.lua) */
+static void add_lambda(lua_State *L, dml_observables *o, const dml_stepping *r) {
+    lua_getfield(L, 2, "vary");
+    if (!lua_isnil(L, -1))
+        luaL_error(L, "field 'watch': \"lambda\" is that of the system as it is, and "
+                      "does not go with 'vary'");
+    lua_pop(L, 1);
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "dm.measure.multipliers");
+    lua_call(L, 1, 1);
+    lua_getfield(L, -1, "watched");
+    lua_remove(L, -2);
+    lua_pushvalue(L, r->system);
+    lua_call(L, 1, 1);
+    dml_observables_add(L, o, r, "lambda", 1);
+}
+
+/* a name alone: a column, the energy or the multipliers */
+static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, const char *field,
+                       const char *name) {
+    const int entry = find_entry(L, r, name);
+    if (strcmp(name, "energy") == 0)
+        dml_observables_energy(L, o, r);
+    else if (entry >= 0)
+        dml_observables_entry(L, o, (uint32_t)entry);
+    else if (strcmp(name, "lambda") == 0 && r->solver->pair)
+        luaL_error(L,
+                   "field '%s': a discrete Lagrangian has no equations at a state; the "
+                   "multipliers of its steps are record = { \"impulses\" }",
+                   field);
+    else if (strcmp(name, "lambda") == 0)
+        add_lambda(L, o, r);
+    else
+        luaL_error(L,
+                   "field '%s': no column '%s'; %s coordinates (\"%s\"), momenta "
+                   "(\"p1\"), \"energy\", \"lambda\" (multipliers), or "
+                   "name = function(q, v, t, p) ... end",
+                   field, name, field, dml_coordinate(L, r->system, 0));
+}
+
+/* r, or r1, r2, ... where the function gives several numbers */
+static void add_names(lua_State *L, const reading *in, const char *name, const dm_kernel *kernel) {
+    if (kernel->outputs == 1) {
+        add_name(L, in, name);
+        return;
+    }
+    for (uint32_t i = 0; i < kernel->outputs; i++) {
+        add_name(L, in, lua_pushfstring(L, "%s%d", name, (int)i + 1));
+        lua_pop(L, 1);
+    }
+}
+
+/* "impulses" and "inner" are no functions of a state */
+static int is_impulse(const reading *in, const char *name) {
+    const int inner = strcmp(name, "inner") == 0;
+    if (!in->impulses || (!inner && strcmp(name, "impulses") != 0)) return 0;
+    in->impulses->constraints = 1;
+    in->impulses->inner |= inner;
+    return 1;
+}
+
+/* the name on top */
+static void read_name(lua_State *L, dml_observables *o, const dml_stepping *r, const reading *in) {
+    const char *name = lua_tostring(L, -1);
+    const uint32_t before = o->observer.count;
+    if (is_impulse(in, name)) return;
+    add_column(L, o, r, in->field, name);
+    const dm_observable *added = o->list + before;
+    if (added->kernel && added->kernel->outputs > 1)
+        add_names(L, in, name, added->kernel);
+    else
+        add_name(L, in, name);
+}
+
+/* the entry whose key is on top */
+static void read_entry(lua_State *L, dml_observables *o, const dml_stepping *r, const reading *in) {
+    const int named = lua_type(L, -1) == LUA_TSTRING;
+    lua_pushvalue(L, -1);
+    lua_gettable(L, in->table);
+    if (!named) {
+        if (lua_type(L, -1) != LUA_TSTRING)
+            luaL_error(L,
+                       "field '%s': entry %d must be the name of a column (got %s); a "
+                       "function needs a "
+                       "name: %s = { r = function(q, v, t, p) ... end }",
+                       in->field, (int)lua_tointeger(L, -2), luaL_typename(L, -1), in->field);
+        read_name(L, o, r, in);
+        return;
+    }
+    const char *name = lua_tostring(L, -2);
+    const char *what = lua_pushfstring(L, "%s.%s", in->field, name);
+    lua_insert(L, -2);
+    dml_observables_add(L, o, r, what, 1);
+    add_names(L, in, name, o->list[o->observer.count - 1].kernel);
+}
+
+/* all entries of the field; names on the stack under what keeps the kernels */
+static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r, reading *in) {
+    lua_getfield(L, 2, in->field);
+    in->table = lua_gettop(L);
+    if (!lua_istable(L, in->table))
+        luaL_error(L,
+                   "field '%s' must be a table of names of columns and of functions: { "
+                   "\"%s\", \"energy\", r = "
+                   "function(q, v, t, p) ... end } (got %s)",
+                   in->field, in->impulses ? "lambda" : "q1", luaL_typename(L, in->table));
+    dml_observables_start(o, r);
+    dml_pushkeys(L, in->table, in->field);
+    const int keys = lua_gettop(L);
+    const lua_Integer count = (lua_Integer)lua_rawlen(L, keys);
+    if (!count) luaL_error(L, "field '%s' is empty: leave it out, or name a column", in->field);
+    for (lua_Integer i = 1; i <= count; i++) {
+        luaL_checkstack(L, 12, NULL);
+        lua_rawgeti(L, keys, i);
+        read_entry(L, o, r, in);
+    }
+    dml_observables_end(L, o);
+}
+
+void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r) {
+    lua_newtable(L);
+    reading in = {.field = "watch", .names = lua_gettop(L)};
+    add_name(L, &in, "t");
+    read_all(L, o, r, &in);
+}
+
+/* columns of every path */
+static void add_state_names(lua_State *L, const dml_stepping *r, const reading *in) {
+    const lua_Integer n = r->solver->n;
+    const int given = dml_systemfield(L, r->system, "coordinates") != LUA_TNIL;
+    const int top = lua_gettop(L) - 1;
+    add_name(L, in, "t");
+    for (lua_Integer i = 1; i <= n; i++, lua_settop(L, top)) {
+        const char *q = dml_coordinate(L, r->system, (uint32_t)i - 1);
+        lua_pushstring(L, q);
+        lua_rawseti(L, in->names, 1 + i);
+        if (given)
+            lua_pushfstring(L, "p_%s", q);
+        else
+            lua_pushfstring(L, "p%d", (int)i);
+        lua_rawseti(L, in->names, 1 + n + i);
+    }
+}
+
+/* how many impulses the constraints have, at how many points of a step; raises where there are none */
+static void read_impulses(lua_State *L, const dml_stepping *r, dm_impulses *out) {
+    const dm_constraints *constraints = r->model->model.constraints;
+    const dm_method *method = r->solver->method;
+    dm_galerkin basis;
+    if (!constraints || constraints->holonomic + constraints->rolling == 0)
+        luaL_error(L, "field 'record': this system has no constraint, so steps have no "
+                      "impulses of constraints");
+    if (!method->impulses)
+        luaL_error(L,
+                   "field 'record': rule '%s' is made of several steps, whose impulses "
+                   "belong to no node; record \"lambda\", the multipliers at the state",
+                   r->solver->nodes[0].name);
+    out->constraints = constraints->holonomic + constraints->rolling;
+    out->points = 2;
+    if (!method->basis) return;
+    method->basis(&basis, r->solver->nodes);
+    out->points = dm_constrained_nodes(&basis);
+}
+
+/* behind all others: impulse1 ... of the node, inner1_1 ... of the points inside the step;
+ * impulse, inner1 where there is one constraint */
+static void add_impulse_names(lua_State *L, const dm_impulses *i, const reading *in) {
+    for (uint32_t c = 1; c <= i->constraints; c++, lua_pop(L, 1)) {
+        lua_pushfstring(L, i->constraints > 1 ? "impulse%d" : "impulse", (int)c);
+        add_name(L, in, lua_tostring(L, -1));
+    }
+    for (uint32_t k = 1; i->inner && k + 1 < i->points; k++)
+        for (uint32_t c = 1; c <= i->constraints; c++, lua_pop(L, 1)) {
+            lua_pushfstring(L, i->constraints > 1 ? "inner%d_%d" : "inner%d", (int)k, (int)c);
+            add_name(L, in, lua_tostring(L, -1));
+        }
+}
+
+void dml_record_read(lua_State *L, dml_observables *o, const dml_stepping *r,
+                     dm_impulses *impulses) {
+    lua_newtable(L);
+    reading in = {.field = "record", .names = lua_gettop(L), .impulses = impulses};
+    add_state_names(L, r, &in);
+    read_all(L, o, r, &in);
+    if (!impulses->constraints) return;
+    read_impulses(L, r, impulses);
+    add_impulse_names(L, impulses, &in);
+    const size_t size = (size_t)impulses->points * impulses->constraints;
+    impulses->step = lua_newuserdatauv(L, size * sizeof(double), 0);
+    memset(impulses->step, 0, size * sizeof(double));
+}

@@ -1,0 +1,284 @@
+/* bind_sum.c - dm.sum_over: a sum over equal bodies, neighbours or pairs. On numbers and
+ * hyper-dual numbers it is a loop; in a Lagrangian that is traced the function is called once, with
+ * symbols of its own, and the sum stays a loop in the kernels (algebra/body_sum.h). */
+#include "numbers/compensated.h"
+#include "bind/value/array.h"
+#include "bind/trace/traced_call.h"
+#include "bind/trace/sum_request.h"
+#include "bind/value/trace_log.h"
+#include "algebra/implicit.h"
+#include "algebra/body_sum.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { FEWEST_ROUNDS = 16 /* fewer are written out at once */ };
+
+typedef dml_sum_request request;
+
+static uint32_t rounds(const request *r, uint32_t shift) {
+    return r->periodic ? r->bodies : r->bodies - shift;
+}
+
+/* ---- the loop in Lua ---- */
+
+/* push what a body has of every vector */
+static void push_body(lua_State *L, const request *r, uint32_t body) {
+    for (int k = 1; k <= r->given; k++) {
+        const uint32_t width = r->width[k];
+        if (!width) continue;
+        const dml_array *a = lua_touserdata(L, k);
+        const dml_scalar kind = dml_kindof(a);
+        if (width == 1) {
+            const dml_scalar x = dml_get(a, body);
+            dml_pushscalar(L, &x);
+            continue;
+        }
+        dml_array *v = dml_newarray(L, 1, width, 1, &kind);
+        for (uint32_t i = 0; i < width; i++) {
+            const dml_scalar x = dml_get(a, body * width + i);
+            dml_put(L, v, i, &x);
+        }
+    }
+}
+
+static dml_scalar call(lua_State *L, const request *r, uint32_t i, uint32_t shift) {
+    lua_pushvalue(L, r->fn);
+    push_body(L, r, i);
+    if (r->to) push_body(L, r, (i + shift) % r->bodies);
+    for (int k = 1; k <= r->given; k++)
+        if (!r->width[k]) lua_pushvalue(L, k);
+    lua_call(L, r->signature.arguments, 1);
+    const int result = lua_gettop(L);
+    dml_result_length(L, &r->signature, result);
+    const dml_scalar x = dml_result_entry(L, &r->signature, result, 0);
+    lua_settop(L, result - 1);
+    return x;
+}
+
+/* numbers are summed with compensation; all else by the operations of its kind */
+static int loop_in_lua(lua_State *L, const request *r) {
+    double sum = 0.0, low = 0.0;
+    dml_scalar total = {.kind = DML_NUMBER};
+    for (uint32_t shift = r->from; shift <= r->to; shift++)
+        for (uint32_t i = 0; i < rounds(r, shift); i++) {
+            const dml_scalar x = call(L, r, i, shift);
+            if (x.kind == DML_NUMBER)
+                dm_sum_add(&sum, &low, x.as.number);
+            else
+                total = dml_apply(L, DM_OP_ADD, &total, &x, NULL);
+        }
+    const dml_scalar numbers = {.kind = DML_NUMBER, .as.number = sum + low};
+    if (total.kind != DML_NUMBER)
+        total = dml_apply(L, DM_OP_ADD, &total, &numbers, NULL);
+    else
+        total = numbers;
+    dml_pushscalar(L, &total);
+    return 1;
+}
+
+/* ---- the loop of a trace ---- */
+
+/* the trace that the symbols among the arguments belong to; NULL: there are none, or a mixture,
+ * or its function is not one that keeps loops */
+static dml_frame *find_trace(lua_State *L, const request *r) {
+    dml_frame *frame = NULL;
+    for (int k = 1; k <= r->given; k++) {
+        dml_scalar x;
+        if (!dml_toscalar(L, k, &x)) x = dml_kindof(lua_touserdata(L, k));
+        if (x.kind == DML_NUMBER) continue;
+        dml_frame *own = x.kind == DML_SYMBOL ? dml_findframe(L, x.serial) : NULL;
+        if (!own || (frame && own != frame)) return NULL;
+        frame = own;
+    }
+    return frame && frame->keeps_sums ? frame : NULL;
+}
+
+/* the entries of argument k: neighbouring inputs of the graph from *first on, or numbers */
+static int is_run_of_inputs(const dml_frame *frame, const dml_array *a, uint32_t *first) {
+    const dm_node inputs = dm_sum_first(frame->graph), *nodes = dml_nodesof(a);
+    dm_node differ = 0;
+    if (!a->rows || !nodes[0] || nodes[0] > inputs || a->rows > inputs) return 0;
+    for (uint32_t i = 0; i < a->rows; i++) differ |= nodes[i] ^ (nodes[0] + i);
+    *first = nodes[0] - 1; /* input i is node i + 1 of every trace */
+    return !differ && *first + a->rows <= inputs;
+}
+
+/* what argument k is in the graph: inputs from first on, or a copy of its numbers */
+static int find_entries(lua_State *L, const request *r, const dml_frame *frame, int k,
+                        dm_column *out) {
+    dml_scalar x;
+    const int scalar = r->width[k] == 0;
+    const dml_array *a = scalar ? NULL : lua_touserdata(L, k);
+    const uint32_t n = scalar ? 1 : a->rows;
+    *out = (dm_column){.step = r->width[k]};
+    x = scalar && dml_toscalar(L, k, &x) ? x : dml_kindof(a);
+    if (x.kind == DML_SYMBOL && !scalar) return is_run_of_inputs(frame, a, &out->first);
+    if (x.kind == DML_SYMBOL) {
+        const dm_expr *e = dm_graph_at(frame->graph, x.as.node);
+        out->first = e->as.input;
+        return e->op == DM_OP_INPUT && e->as.input < dm_sum_first(frame->graph);
+    }
+    double *data = dm_arena_take(frame->arena, n * sizeof *data);
+    if (!data) luaL_error(L, "not enough memory");
+    for (uint32_t i = 0; i < n; i++) data[i] = scalar ? x.as.number : dml_get(a, i).as.number;
+    out->data = data;
+    return 1;
+}
+
+/* columns in the order of the function's arguments; 0 where the pattern is not one for a loop */
+static int make_columns(lua_State *L, const request *r, const dml_frame *frame, dm_sum *s,
+                        dm_column *column) {
+    dm_column of[DML_SUM_VECTORS + 1];
+    for (int k = 1; k <= r->given; k++)
+        if (!find_entries(L, r, frame, k, of + k)) return 0;
+    for (int part = 0; part < 3; part++)
+        for (int k = 1; k <= r->given; k++) {
+            const uint32_t width = part < 2 ? r->width[k] : !r->width[k];
+            if ((part == 1 && !r->to) || (part == 2) != (r->width[k] == 0)) continue;
+            for (uint32_t c = 0; c < width; c++) {
+                if (s->columns == DML_SUM_COLUMNS) return 0;
+                column[s->columns] = of[k];
+                column[s->columns].first += c;
+                column[s->columns++].partner = part == 1;
+            }
+        }
+    s->column = column;
+    return 1;
+}
+
+/* trace the function on symbols of its own; *last: a trace that it may repeat, or NULL */
+static void trace_term(lua_State *L, const request *r, const dml_frame *frame, dm_sum *s,
+                       const dml_traced *last, dml_traced *out) {
+    dml_retrace(L, r->fn, &r->signature, frame->arena, last, out);
+    s->term = out->graph;
+    s->value = out->out[0];
+}
+
+/* the leaf of the sum that was noted next, where this is it again; 0: it is another one */
+static dm_node repeat_sum(lua_State *L, const request *r, dml_frame *frame, dm_sum *s) {
+    const dml_summed *next = dml_nextsum(frame);
+    dml_traced traced;
+    if (!next || !dm_sum_alike(next->sum, s)) return 0;
+    trace_term(L, r, frame, s, &next->term, &traced);
+    return traced.graph == next->term.graph ? dml_sumagain(frame) : 0;
+}
+
+static int keep_loop(lua_State *L, const request *r, dml_frame *frame, dm_sum *s) {
+    dml_traced traced;
+    dml_scalar x = {.kind = DML_SYMBOL, .serial = frame->serial};
+    x.as.node = repeat_sum(L, r, frame, s);
+    if (!x.as.node) {
+        trace_term(L, r, frame, s, NULL, &traced);
+        if (dm_has_roots(s->term, &s->value, 1)) return loop_in_lua(L, r);
+        x.as.node = dml_sumanew(L, frame, s, &traced);
+    }
+    dml_checkgraph(L, frame);
+    dml_pushscalar(L, &x);
+    return 1;
+}
+
+/* ---- a sum that is given ---- */
+
+/* a run inside of the function that is compared traces what it steps: those sums are its own */
+static int is_given(const dml_state *state) {
+    return state->given && state->given->values && state->given->within == state->frames;
+}
+
+/* the sum that this call of dm.sum_over became in the trace; NULL: none. Newer ones are made of
+ * it. */
+static const dm_sum *find_given(const dml_given *given, const request *r) {
+    const dm_sum *found = NULL;
+    for (const dm_sum *s = dm_sums(given->graph); s; s = s->next)
+        if (s->call == given->calls) found = s;
+    if (!found || found->bodies != r->bodies) return NULL;
+    return found->from == r->from && found->to == r->to ? found : NULL;
+}
+
+/* entry of column c, which the function takes, in a round */
+static double column_value(lua_State *L, const request *r, uint32_t c, uint32_t i, uint32_t shift) {
+    const uint32_t bodies[3] = {i, (i + shift) % r->bodies, 0};
+    for (int part = 0; part < 3; part++)
+        for (int k = 1; k <= r->given; k++) {
+            const uint32_t width = part < 2 ? r->width[k] : !r->width[k];
+            if ((part == 1 && !r->to) || (part == 2) != (r->width[k] == 0)) continue;
+            if (c >= width) {
+                c -= width;
+                continue;
+            }
+            if (part == 2) return lua_tonumber(L, k);
+            return dml_get(lua_touserdata(L, k), bodies[part] * width + c).as.number;
+        }
+    return 0.0;
+}
+
+/* one round, plain and as it was traced; rounding differs where simplifying changed the order */
+static void compare_round(lua_State *L, const request *r, dml_given *given, const dm_sum *s,
+                          uint32_t i) {
+    static const double tolerance = 1e-8;
+    double in[DML_SUM_COLUMNS];
+    const dml_scalar plain = call(L, r, i, r->from);
+    for (uint32_t c = 0; c < s->columns; c++) in[c] = column_value(L, r, c, i, r->from);
+    double *work = lua_newuserdatauv(L, (s->value + 1) * sizeof *work, 0);
+    const double traced = dm_sum_term(s, in, work);
+    lua_pop(L, 1);
+    const double a = plain.as.number, size = fmax(1.0, fmax(fabs(a), fabs(traced)));
+    if (plain.kind != DML_NUMBER || !isfinite(a) || !isfinite(traced)) return;
+    if (given->differs || fabs(a - traced) <= tolerance * size) return;
+    given->differs = 1;
+    given->plain = a;
+    given->traced = traced;
+}
+
+static int give(lua_State *L, const request *r, dml_given *given, const dm_sum *s) {
+    const double *values = given->values;
+    given->values = NULL; /* sums inside of the function are loops */
+    compare_round(L, r, given, s, 0);
+    compare_round(L, r, given, s, rounds(r, r->from) - 1);
+    given->values = values;
+    lua_pushnumber(L, values[s->input - dm_sum_first(given->graph)]);
+    return 1;
+}
+
+static int sum_over(lua_State *L) {
+    request r = {.bodies = 0};
+    dml_state *state = dml_getstate(L);
+    luaL_checkstack(L, 2 * DML_MAX_ARGUMENTS + 20, NULL);
+    dml_read_sum(L, &r);
+    if (is_given(state)) {
+        const dm_sum *given = find_given(state->given, &r);
+        state->given->calls++;
+        if (given) return give(L, &r, state->given, given);
+    }
+    dml_frame *frame = find_trace(L, &r);
+    dm_sum s = {.bodies = r.bodies, .from = r.from, .to = r.to, .periodic = r.periodic};
+    if (state->frames) s.call = state->frames->sums++;
+    if (!frame || dm_sum_all_rounds(&s) < FEWEST_ROUNDS) return loop_in_lua(L, &r);
+    dm_column *column = dm_arena_take(frame->arena, DML_SUM_COLUMNS * sizeof *column);
+    if (!column) return luaL_error(L, "not enough memory");
+    if (!make_columns(L, &r, frame, &s, column)) return loop_in_lua(L, &r);
+    return keep_loop(L, &r, frame, &s);
+}
+
+static const dml_row functions[] =
+    {{"sum_over", sum_over,
+      "dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, block=}]) -> number\n"
+      "Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, "
+      "m_i) for "
+      "dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = "
+      "k: f also gets "
+      "the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the "
+      "first. pairs = true: "
+      "all pairs i < j. block = 3: a body has 3 neighbouring entries, f gets vectors. In "
+      "L of a system f is "
+      "traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs "
+      "100 times one of "
+      "10^3. f must not use other arguments of L than those it is given. Loops are for "
+      "explicit rules, for kinetic energies that are sums of m v^2/2 and without constraints; "
+      "implicit rules, constraints and forces write the sums out, up to 400 "
+      "coordinates."},
+     {NULL, NULL, NULL}};
+
+void dml_open_sum(lua_State *L) {
+    dml_setfunctions(L, functions);
+}

@@ -1,0 +1,50 @@
+/* function.h - `dm.function`: a traced Lua function, its derivatives and their
+ * kernels. */
+#ifndef DML_FUNCTION_H
+#define DML_FUNCTION_H
+
+#include "bind/trace/trace.h"
+
+/* What can be evaluated: nodes, made when first asked for, and their kernel. */
+enum { DML_VALUE, DML_JACOBIAN, DML_HESSIAN, DML_PARTS };
+typedef struct {
+    const dm_node *nodes;
+    dm_kernel kernel;
+    double *out;
+} dml_part;
+
+typedef struct {
+    dm_graph *graph; /* in the arena that user value 1 keeps */
+    dm_arena *arena;
+    dml_signature s;
+    int rank; /* of the value: 0 number, 1 vector, 2 matrix */
+    uint32_t rows, columns, inputs;
+    double *x; /* [inputs] */
+    dml_part parts[DML_PARTS];
+} dml_function;
+
+extern const char *const DML_FUNCTION; /* "dm.function" */
+
+static inline uint32_t dml_outputs(const dml_function *f) {
+    return f->rows * f->columns;
+}
+
+/* dm.trace and dm.derivative: the function at 1, lengths of its arguments from 2 on. */
+int dml_function_trace(lua_State *L);
+int dml_function_derivative(lua_State *L);
+
+/* The part at f->x; kept by f. Raises where it is NaN. */
+const double *dml_function_evaluate(lua_State *L, dml_function *f, int which, const char *what);
+
+/* Arguments from stack index 2 on, fewer or more than f takes: raises. */
+void dml_function_checkcount(lua_State *L, const dml_function *f);
+
+/* Does an argument hold symbols or hyper-dual numbers? Then the call does the
+ * operations of f again on them. */
+int dml_function_isspecial(lua_State *L, const dml_function *f);
+int dml_function_replay(lua_State *L, dml_function *f);
+
+/* The methods that take a function apart (function_terms.c). */
+extern const dml_row dml_function_parts[];
+
+#endif

@@ -1,0 +1,119 @@
+#include "bind/trace/model_sums.h"
+
+#include "bind/core/state.h"
+#include "algebra/body_sum.h"
+#include "chain/loops.h"
+
+/* __close and __gc: sums are loops again, or what they were before */
+static int end_given(lua_State *L) {
+    const dml_given *given = lua_touserdata(L, 1);
+    dml_given **link = &dml_getstate(L)->given;
+    while (*link && *link != given) link = &(*link)->before;
+    if (*link) *link = given->before;
+    return 0;
+}
+
+static void push_given(lua_State *L, const dml_model *m) {
+    dml_state *state = dml_getstate(L);
+    dml_given *given = lua_newuserdatauv(L, sizeof *given, 0);
+    *given = (dml_given){.graph = m->graph, .within = state->frames, .before = state->given};
+    if (luaL_newmetatable(L, "dm.given")) {
+        lua_pushcfunction(L, end_given);
+        lua_setfield(L, -2, "__gc");
+        lua_pushcfunction(L, end_given);
+        lua_setfield(L, -2, "__close");
+    }
+    lua_setmetatable(L, -2);
+    lua_toclose(L, -1);
+    state->given = given;
+}
+
+const double *dml_givesums(lua_State *L, const dml_model *m, const dm_kernel **kernel,
+                           const double *x) {
+    double value;
+    const double *with;
+    if (!(m->model.structure & DM_LOOPS) || !dm_sums(m->graph)) return x;
+    if (x) dm_kernel_eval(*kernel, x, &value);
+    *kernel = dm_loops_outer(*kernel, &with);
+    push_given(L, m);
+    return x ? with : NULL;
+}
+
+/* push a model of the same trace as the one at `at`, which keeps it */
+static void push_twin(lua_State *L, int at, const dml_model *m) {
+    dml_model *twin = lua_newuserdatauv(L, sizeof *twin, 5);
+    *twin = *m;
+    twin->kept = NULL;
+    twin->model.has = 0;
+    twin->checked = 0;
+    for (int k = 1; k <= 3; k++) {
+        lua_getiuservalue(L, at, k);
+        lua_setiuservalue(L, -2, k);
+    }
+    lua_pushvalue(L, -1);
+    lua_setiuservalue(L, at, 5);
+}
+
+static int needs_tables(const dml_model *m, unsigned want) {
+    return want & DM_WANT_DENSE && m->model.structure & DM_LOOPS && dm_sums(m->graph) &&
+           m->n <= DM_MODEL_DENSE;
+}
+
+/* Slope and mass are taken out of the stage kernel where there is one, and round in another way
+ * than alone: a rule that does without it shall have the same bits whatever ran before it. */
+static int needs_own(const dml_model *m, unsigned want) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    const unsigned shared =
+        (m->model.structure & simple) == simple ? DM_WANT_SLOPE : DM_WANT_SLOPE | DM_WANT_MASS;
+    return m->model.has & DM_WANT_STAGE && !(want & (DM_WANT_STAGE | DM_WANT_STAGE_LATER)) &&
+           want & shared;
+}
+
+dml_model *dml_standin(lua_State *L, int at, unsigned want) {
+    dml_model *m = lua_touserdata(L, at);
+    at = lua_absindex(L, at);
+    if (m->callback || !m->graph || (!needs_tables(m, want) && !needs_own(m, want))) return m;
+    if (lua_getiuservalue(L, at, 5) != LUA_TUSERDATA) {
+        lua_pop(L, 1);
+        push_twin(L, at, m);
+    }
+    dml_model *twin = lua_touserdata(L, -1);
+    twin->trace_ms = m->trace_ms;
+    twin->compile_ms = 0.0;
+    lua_replace(L, at);
+    return twin;
+}
+
+dml_apart dml_setapart(dml_state *state) {
+    dml_given *given = state->given;
+    dml_frame *frame = state->frames;
+    const dml_apart apart = {given, given ? given->values : NULL, frame, frame ? frame->sums : 0};
+    if (given) given->values = NULL;
+    return apart;
+}
+
+void dml_endapart(const dml_apart *a) {
+    if (a->given) a->given->values = a->values;
+    if (a->frame) a->frame->sums = a->sums;
+}
+
+/* __close: not __gc, when what it points to may be gone */
+static int end_apart(lua_State *L) {
+    dml_apart *a = lua_touserdata(L, 1);
+    dml_endapart(a);
+    *a = (dml_apart){0};
+    return 0;
+}
+
+void dml_pushapart(lua_State *L) {
+    dml_state *state = dml_getstate(L);
+    if (!state->given && !state->frames) return;
+    dml_apart *a = lua_newuserdatauv(L, sizeof *a, 0);
+    *a = dml_setapart(state);
+    if (luaL_newmetatable(L, "dm.apart")) {
+        lua_pushcfunction(L, end_apart);
+        lua_setfield(L, -2, "__close");
+    }
+    lua_setmetatable(L, -2);
+    lua_toclose(L, -1);
+}

@@ -1,0 +1,303 @@
+/* trace_check.c - a kernel against plain calls of the function it was traced from. */
+#include "bind/trace/traced_call.h"
+#include "bind/trace/model_sums.h"
+#include "bind/core/state.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* a function of more operations or inputs is compared at the start and in one point near it */
+enum { LONG = 2000, MANY = 1000 };
+enum {
+    POINTS = 3,      /* at each scale */
+    MOST_MOVES = 256 /* groups of inputs that are moved together */
+};
+static const double scales[] = {0.1, 1e-3, 1.0};
+enum { SCALES = sizeof scales / sizeof *scales };
+
+/* Tracing and rewriting the expression change round-off only: differences are measured
+ * against the size of the terms, |f| + sum_i |x_i df/dx_i|, since L = T - V may cancel. */
+static const double tolerance = 1e-8, nudge = 1e-6;
+
+/* arguments of values that are looked at for scatter: so many, so far apart */
+enum { ROW = 9 };
+static const double apart = 1e-4;
+
+typedef struct {
+    const dml_signature *s;
+    const dm_kernel *kernel;
+    dml_given *given; /* numbers for sums, or NULL */
+    int fn;
+    double *x, *plain, *kernel_out, *moved, *kept;
+    int compared; /* points with a number on either road */
+} check;
+
+/* uniform in [-1, 1), the same numbers in every run (xorshift64*, Vigna 2016) */
+static double next_random(uint64_t *state) {
+    *state ^= *state >> 12;
+    *state ^= *state << 25;
+    *state ^= *state >> 27;
+    const uint64_t bits = (*state * 0x2545F4914F6CDD1Du) >> 11;
+    return (double)bits * 0x1p-52 - 1.0;
+}
+
+static void eval(const check *c, double *out) {
+    dm_kernel_prepare(c->kernel, out);
+    dm_kernel_eval(c->kernel, c->x, out);
+}
+
+/* |f_k| + sum_i |x_i df_k/dx_i| by differences of the kernel; of very many inputs every so many'th
+ * one moves together, each with its own sign */
+static double size_of_terms(const check *c, uint32_t k) {
+    const uint32_t n = c->kernel->inputs, groups = n < MOST_MOVES ? n : MOST_MOVES;
+    double size = fabs(c->kernel_out[k]) + fabs(c->plain[k]);
+    memcpy(c->kept, c->x, n * sizeof *c->x);
+    for (uint32_t group = 0; group < groups; group++) {
+        for (uint32_t i = group; i < n; i += groups)
+            c->x[i] *= 1 + (i / groups * 7 % 5 % 2 ? -nudge : nudge);
+        eval(c, c->moved);
+        for (uint32_t i = group; i < n; i += groups) c->x[i] = c->kept[i];
+        if (isfinite(c->moved[k])) size += fabs(c->moved[k] - c->kernel_out[k]) / nudge;
+    }
+    return size;
+}
+
+/* the output where kernel and function differ, or -1. Entries are made of one another's parts:
+ * what is round-off of the largest is none. */
+static long mismatch(const check *c) {
+    double largest = 0.0;
+    for (uint32_t k = 0; k < c->kernel->outputs; k++)
+        if (isfinite(c->plain[k])) largest = fmax(largest, fabs(c->plain[k]));
+    for (uint32_t k = 0; k < c->kernel->outputs; k++) {
+        const double a = c->kernel_out[k], b = c->plain[k], difference = fabs(a - b);
+        if (!isfinite(a) || !isfinite(b)) continue;
+        if (difference <= 8 * DBL_EPSILON * largest) continue;
+        if (difference <= tolerance * fmax(fabs(a), fabs(b))) continue;
+        if (difference > tolerance * size_of_terms(c, k)) return (long)k;
+    }
+    return -1;
+}
+
+/* ---- messages ---- */
+
+/* push "(q = ...)": the arguments as a call shows them */
+static const char *push_point(lua_State *L, const check *c) {
+    const double *x = c->x;
+    luaL_Buffer b;
+    luaL_buffinit(L, &b);
+    luaL_addchar(&b, '(');
+    for (int k = 0; k < c->s->arguments; k++) {
+        const int scalar = c->s->length[k] == DML_SCALAR_ARGUMENT;
+        const int n = scalar ? 1 : c->s->length[k], shown = n > 6 ? 6 : n;
+        if (k) luaL_addstring(&b, ", ");
+        if (!scalar) luaL_addchar(&b, '{');
+        for (int i = 0; i < shown; i++) {
+            lua_pushfstring(L, i ? ", %f" : "%f", x[i]);
+            luaL_addvalue(&b);
+        }
+        if (shown < n) luaL_addstring(&b, ", ...");
+        if (!scalar) luaL_addchar(&b, '}');
+        x += n;
+    }
+    luaL_addchar(&b, ')');
+    luaL_pushresult(&b);
+    return lua_tostring(L, -1);
+}
+
+/* the function on numbers, sums being given */
+static void call_plain(lua_State *L, check *c, int fn) {
+    if (c->given) c->given->calls = 0;
+    dml_call_numbers(L, fn, c->s, c->x, c->plain, c->kernel->outputs);
+}
+
+static void raise_difference(lua_State *L, const char *what, double plain, double traced,
+                             const char *point) {
+    luaL_error(L,
+               "%s is not what its trace says: %f when called, %f when traced, at %s. "
+               "Likely causes: == "
+               "or ~= between a number and an argument, a truth test, type() or "
+               "tostring() of an argument "
+               "(these see a symbol while tracing), random numbers, a global that changes, or a "
+               "difference in which nearly "
+               "all digits cancel (simplifying then changes the rest). Use "
+               "dm.where(c, a, b), "
+               "dm.abs, dm.max, or derivatives = \"hyperdual\"",
+               what, plain, traced, point);
+}
+
+static void raise_mismatch(lua_State *L, check *c, long k) {
+    const char *what = c->s->what, *point = push_point(L, c);
+    const double plain = c->plain[k], traced = c->kernel_out[k];
+    call_plain(L, c, c->fn);
+    if (c->plain[k] != plain)
+        luaL_error(L,
+                   "%s gives different values for the same arguments: %f and then %f at "
+                   "%s; it must not "
+                   "use random numbers or the time, nor change globals or upvalues",
+                   what, plain, c->plain[k], point);
+    raise_difference(L, what, plain, traced, point);
+}
+
+static void raise_not_finite(lua_State *L, const check *c) {
+    for (uint32_t k = 0; k < c->kernel->outputs; k++) {
+        const double a = c->plain[k], b = c->kernel_out[k], bad = isfinite(a) ? b : a;
+        if (isfinite(bad) || (c->s->may_be_outside && !isfinite(a) && !isfinite(b))) continue;
+        luaL_error(L,
+                   "%s is %s at the start %s: is the start inside its domain (a "
+                   "logarithm, root or "
+                   "quotient)?",
+                   c->s->what, isnan(bad) ? "NaN" : "infinite", push_point(L, c));
+    }
+}
+
+/* ---- the points ---- */
+
+/* a term of a sum that is not what its trace says */
+static void check_terms(lua_State *L, check *c) {
+    if (c->given && c->given->differs)
+        raise_difference(L, "the function of dm.sum_over", c->given->plain, c->given->traced,
+                         push_point(L, c));
+}
+
+static void check_at(lua_State *L, check *c) {
+    call_plain(L, c, c->fn);
+    check_terms(L, c);
+    eval(c, c->kernel_out);
+    const long k = mismatch(c);
+    if (k >= 0) raise_mismatch(L, c, k);
+    raise_not_finite(L, c);
+}
+
+/* is output k the same when the function is called again? */
+static int is_repeated(lua_State *L, check *c, int fn, long k) {
+    const double before = c->plain[k];
+    call_plain(L, c, fn);
+    return c->plain[k] == before;
+}
+
+/* the largest fourth difference of values at equal distances, in units of what it is of random
+ * ones of size 1; 0 where they are not finite */
+static double scatter(const double *f) {
+    double largest = 0.0;
+    for (int i = 0; i + 4 < ROW; i++)
+        largest = fmax(largest, fabs(f[i] - 4 * f[i + 1] + 6 * f[i + 2] - 4 * f[i + 3] + f[i + 4]));
+    return isfinite(largest) ? largest / sqrt(70) : 0.0;
+}
+
+/* Is what output k differs by round-off of digits that cancel inside, as in a determinant near a
+ * pole of the coordinates? Then the values scatter by it, on either road, where the arguments
+ * move a little. The point itself, where == may hold, is not among these. `fn` is called; the
+ * values at the point stay. */
+static int is_scatter(lua_State *L, check *c, int fn, long k) {
+    const size_t n = c->kernel->inputs;
+    const double difference = fabs(c->plain[k] - c->kernel_out[k]);
+    double plain[ROW], kernel[ROW];
+    memcpy(c->kept, c->x, n * sizeof *c->x);
+    for (int j = 0; j <= ROW; j++) { /* the last one is the point itself */
+        for (size_t i = 0; i < n; i++)
+            c->x[i] = c->kept[i] * (1 + (j < ROW ? (j - ROW / 2 + 0.5) * apart : 0));
+        call_plain(L, c, fn);
+        eval(c, c->kernel_out);
+        if (j < ROW) plain[j] = c->plain[k], kernel[j] = c->kernel_out[k];
+    }
+    return difference <= 8 * fmax(scatter(plain), scatter(kernel));
+}
+
+/* protected: 1 the check, 2 the function; returns nothing, or the output that differs */
+static int compare(lua_State *L) {
+    check *c = lua_touserdata(L, 1);
+    call_plain(L, c, 2);
+    eval(c, c->kernel_out);
+    c->compared += isfinite(c->plain[0]) && isfinite(c->kernel_out[0]);
+    long k = mismatch(c);
+    if (k >= 0 && !c->given && is_repeated(L, c, 2, k) && is_scatter(L, c, 2, k)) k = -1;
+    lua_pushinteger(L, k);
+    return 1;
+}
+
+/* errors of the function at a made-up point are not the user's fault */
+static void check_near(lua_State *L, check *c) {
+    lua_pushcfunction(L, compare);
+    lua_pushlightuserdata(L, c);
+    lua_pushvalue(L, c->fn);
+    const long k = dml_try(L, 2, 1) ? (long)lua_tointeger(L, -1) : -1;
+    lua_pop(L, 1);
+    check_terms(L, c);
+    if (k >= 0) raise_mismatch(L, c, k);
+}
+
+/* Made-up points around the start, the same in every run; of a long function, whose plain call
+ * takes time, as many as are compared with the start two points in all. */
+static void check_around(lua_State *L, check *c, const double *at) {
+    const size_t n = c->kernel->inputs;
+    const int is_long = n > MANY || c->kernel->operations > LONG;
+    const int enough = is_long ? (at ? 1 : 2) : POINTS * SCALES;
+    uint64_t random = 0x9E3779B97F4A7C15u;
+    for (int k = 0; k < POINTS * SCALES && c->compared < enough; k++) {
+        for (size_t i = 0; i < n; i++) {
+            const double centre = at ? at[i] : 0.0;
+            c->x[i] = centre + scales[k % SCALES] * (1 + fabs(centre)) * next_random(&random);
+        }
+        check_near(L, c);
+    }
+}
+
+/* one made-up point near `at` where there are numbers, else `at` itself; only the first inputs
+ * are moved */
+static void check_beside(lua_State *L, check *c, const double *at, size_t moved) {
+    uint64_t random = 0x9E3779B97F4A7C15u;
+    for (int k = 0; k < POINTS && c->compared == 0; k++) {
+        for (size_t i = 0; i < moved; i++)
+            c->x[i] = at[i] + scales[0] * (1 + fabs(at[i])) * next_random(&random);
+        check_near(L, c);
+    }
+    memcpy(c->x, at, moved * sizeof *at);
+    if (c->compared == 0) check_at(L, c);
+}
+
+enum { START, AROUND, BESIDE };
+
+static void check_points(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
+                         const double *at, int where, size_t moved) {
+    const size_t n = kernel->inputs, m = kernel->outputs;
+    const size_t inputs = dml_signature_inputs(s);
+    /* of a kernel that takes sums, or of a comparison around this one */
+    dml_given *given = dml_getstate(L)->given;
+    const int top = lua_gettop(L);
+    fn = lua_absindex(L, fn);
+    luaL_checkstack(L, 12, NULL);
+    dml_pushapart(L);
+    double *block = lua_newuserdatauv(L, (2 * n + 3 * m + 1) * sizeof *block, 0);
+    check c = {s,
+               kernel,
+               n > inputs ? given : NULL,
+               fn,
+               block,
+               block + n,
+               block + n + m,
+               block + n + 2 * m,
+               block + n + 3 * m,
+               0};
+    for (size_t i = 0; i < n; i++) c.x[i] = at ? at[i] : 0.0;
+    if (given) given->values = c.given ? c.x + inputs : NULL;
+    if (at && where != BESIDE) check_at(L, &c);
+    if (where == AROUND) check_around(L, &c, at);
+    if (where == BESIDE) check_beside(L, &c, at, moved);
+    lua_settop(L, top);
+}
+
+void dml_trace_check(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
+                     const double *at) {
+    check_points(L, fn, s, kernel, at, AROUND, 0);
+}
+
+void dml_trace_check_start(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
+                           const double *at) {
+    check_points(L, fn, s, kernel, at, START, 0);
+}
+
+void dml_trace_check_beside(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
+                            const double *at, size_t moved) {
+    check_points(L, fn, s, kernel, at, BESIDE, moved);
+}

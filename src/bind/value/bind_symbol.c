@@ -1,0 +1,112 @@
+/* bind_symbol.c - `dm.symbol`: what a traced function gets instead of numbers.
+ * Arithmetic records; what would need a value raises. */
+#include "bind/value/array.h"
+#include "bind/core/state.h"
+
+#include <string.h>
+
+static const char *const TNAME = "dm.symbol";
+
+/* the symbol among the operands, for the name of its trace */
+static const char *traced_function(lua_State *L) {
+    dml_scalar x;
+    for (int arg = 1; arg <= 2; arg++) {
+        if (!dml_toscalar(L, arg, &x) || x.kind != DML_SYMBOL) continue;
+        const dml_frame *frame = dml_findframe(L, x.serial);
+        if (frame) return frame->what;
+    }
+    return "the function";
+}
+
+static int refuse(lua_State *L, const char *what) {
+    lua_settop(L, 2);
+    return luaL_error(L,
+                      "%s met a symbol while %s is traced, when its arguments have no values: use "
+                      "dm.where(c, a, b) (a where c > 0, else b), dm.abs, dm.max or dm.min, or "
+                      "derivatives = \"hyperdual\"",
+                      what, traced_function(L));
+}
+
+static int refuse_lt(lua_State *L) {
+    return refuse(L, "the comparison < or >");
+}
+static int refuse_le(lua_State *L) {
+    return refuse(L, "the comparison <= or >=");
+}
+static int refuse_eq(lua_State *L) {
+    return refuse(L, "the comparison == or ~=");
+}
+static int refuse_mod(lua_State *L) {
+    return refuse(L, "the operator %");
+}
+static int refuse_idiv(lua_State *L) {
+    return refuse(L, "the operator //");
+}
+static int refuse_bits(lua_State *L) {
+    return refuse(L, "a bit operator");
+}
+static int refuse_concat(lua_State *L) {
+    return refuse(L, "the operator ..");
+}
+static int refuse_len(lua_State *L) {
+    return refuse(L, "the operator #");
+}
+static int refuse_call(lua_State *L) {
+    return refuse(L, "a call");
+}
+
+static int refuse_field(lua_State *L) {
+    lua_settop(L, 2);
+    const char *key = luaL_tolstring(L, 2, NULL);
+    const char *traced = traced_function(L);
+    const char *hint = strcmp(traced, "constraint") == 0
+                           ? "constraint gets (q, t); a condition on velocities is `rolling`"
+                       : strcmp(traced, "the function") == 0
+                           ? "of a vector argument say how many it has, as in dm.derivative(f, n)"
+                           : "the params of a system are the fourth argument, after q, v, t";
+    return luaL_error(L, "a symbol has no field '%s': it stands for one number of %s (%s)", key,
+                      traced, hint);
+}
+
+static int symbol_tostring(lua_State *L) {
+    dml_scalar x;
+    char text[DML_TEXT];
+    if (!dml_toscalar(L, 1, &x) || x.kind != DML_SYMBOL) return luaL_typeerror(L, 1, TNAME);
+    dml_scalartext(L, text, &x);
+    lua_pushstring(L, text);
+    return 1;
+}
+
+static const dml_row meta[] = {{"__add", dml_add, NULL},
+                               {"__sub", dml_sub, NULL},
+                               {"__mul", dml_mul, NULL},
+                               {"__div", dml_div, NULL},
+                               {"__pow", dml_pow, NULL},
+                               {"__unm", dml_unm, NULL},
+                               {"__lt", refuse_lt, NULL},
+                               {"__le", refuse_le, NULL},
+                               {"__eq", refuse_eq, NULL},
+                               {"__mod", refuse_mod, NULL},
+                               {"__idiv", refuse_idiv, NULL},
+                               {"__band", refuse_bits, NULL},
+                               {"__bor", refuse_bits, NULL},
+                               {"__bxor", refuse_bits, NULL},
+                               {"__bnot", refuse_bits, NULL},
+                               {"__shl", refuse_bits, NULL},
+                               {"__shr", refuse_bits, NULL},
+                               {"__concat", refuse_concat, NULL},
+                               {"__len", refuse_len, NULL},
+                               {"__call", refuse_call, NULL},
+                               {"__newindex", refuse_field, NULL},
+                               {"__tostring", symbol_tostring, NULL},
+                               {NULL, NULL, NULL}};
+
+void dml_open_symbol(lua_State *L) {
+    dml_newclass(L, TNAME,
+                 "dm.symbol: an argument of a function while it is traced\n"
+                 "+ - * / ^ and math.* record an expression; comparisons, %, // and "
+                 "whatever else needs a "
+                 "value raise",
+                 meta, NULL, refuse_field);
+    dml_setclass(L, DML_CLASS_SYMBOL, TNAME);
+}

@@ -1,0 +1,16 @@
+/* matrix_solve.h - determinants and linear systems of a `dm.matrix` of any kind of entries. */
+#ifndef DML_LINEAR_H
+#define DML_LINEAR_H
+
+#include "bind/value/array.h"
+
+/* The square matrix m at stack index `arg`; each pushes its result. Singular matrices
+ * raise. */
+void dml_det(lua_State *L, const dml_array *m);
+/* x with m x = b for a vector or matrix b. */
+void dml_solve(lua_State *L, const dml_array *m, const dml_array *b);
+
+/* Real and imaginary parts of the eigenvalues: two vectors, sorted. Numbers only. */
+void dml_eigenvalues(lua_State *L, const dml_array *m);
+
+#endif

@@ -1,0 +1,156 @@
+/* lattice.h - the force of a Lagrangian whose potential is made of sums over bodies and
+ * neighbours (algebra/body_sum.h), as loops along arrays (code/loops/array_loop.h). Coordinate c of all bodies is
+ * one array, cut into 8 parts that lie side by side: body l depth + j is entry 8 j + l, so that
+ * its neighbours are entries 8 further on in the same lane, and what crosses from part to part
+ * is a few copies at the ends. Each sum has a loop over its rounds which writes the derivatives
+ * of the term to a buffer; body i takes entry i - shift of it for every place that it has in the
+ * term, F_i = sum over columns of slope[i - shift]. Tile by tile, so that the buffer stays in
+ * the cache. */
+#ifndef DM_LATTICE_H
+#define DM_LATTICE_H
+
+#include "code/loops/array_loop.h"
+#include "mech/model.h"
+
+/* what a sum gives to a coordinate */
+typedef struct {
+    uint32_t coordinate, slot, shift;
+    int minus;
+} dm_share;
+
+/* the loop of one sum */
+typedef struct {
+    dm_strip strip;
+    uint32_t rounds, shift; /* shift: the largest of its shares */
+    int periodic;
+    uint32_t slot, slots; /* of the buffer */
+    uint32_t there;       /* array: 1 where a body has a round, 0 where not; 0: all have one */
+} dm_rounds;
+
+enum {
+    DM_LATTICE_NUMBERS = 5, /* that are the same for all bodies; 0 is the time */
+    DM_LATTICE_DEEP = 3,    /* passes of one loop at most, each with such numbers */
+    DM_LATTICE_FIXED = DM_LATTICE_NUMBERS * DM_LATTICE_DEEP,
+    DM_LATTICE_BAND = 16 /* loops of a band at most */
+};
+
+typedef struct {
+    const dm_model *model;
+    uint32_t block, bodies;
+    uint32_t depth;      /* bodies of a part */
+    uint32_t pad;        /* as many beyond both ends of a part that neighbours may read */
+    uint32_t room;       /* entries of memory there */
+    uint32_t band;       /* loops of a band at most */
+    uint32_t pitch;      /* doubles from array to array; coordinate c is array c */
+    uint32_t arrays;     /* so far */
+    uint32_t tile;       /* of `depth` at a time */
+    uint32_t row, slots; /* rows of the buffer, doubles, and how many */
+    uint32_t sums, shares;
+    dm_rounds *sum;
+    dm_share *share;
+    double *space, *buffer, *fixed;
+    double *numbers, *carried;    /* of each loop of a band; fixed is one of the former */
+    uint32_t turn;                /* which half of `carried` is used */
+    struct dm_lattice_data *data; /* [columns] of numbers */
+    uint32_t columns;
+} dm_lattice;
+
+/* Loops for the force of m, in the model's arena; DM_TOO_LARGE where it is not of this kind. */
+dm_status dm_lattice_open(dm_lattice *l, const dm_model *m);
+
+/* One more array of every coordinate; gives the number of the first. */
+uint32_t dm_lattice_arrays(dm_lattice *l);
+
+/* Doubles of workspace, at most, with so many arrays of every coordinate; 0: not of this kind. */
+size_t dm_lattice_work(const dm_model *m, uint32_t arrays);
+
+/* Lay the arrays into workspace, and clear what no body is loaded to: any copy of an open
+ * lattice can have one. */
+void dm_lattice_place(dm_lattice *l, double *work);
+
+static inline dm_strand dm_lattice_entry(const dm_lattice *l, uint32_t array) {
+    return (dm_strand){DM_STRAND_MAIN, (int64_t)array * l->pitch};
+}
+static inline dm_strand dm_lattice_number(uint32_t slot) {
+    return (dm_strand){DM_STRAND_FIXED, slot};
+}
+void dm_lattice_set(dm_lattice *l, uint32_t slot, double value);
+
+/* Arrays first .. first + block - 1 from x[n], and back. */
+void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x);
+void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first);
+
+/* Every entry of arrays first .. first + block - 1 is a number. */
+int dm_lattice_is_finite(const dm_lattice *l, uint32_t first);
+
+/* Nodes of the force on one body in a draft: F[block]. */
+void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
+
+/* positions are the sum of two arrays, whose first numbers these are; low DM_LATTICE_NONE: those
+ * of one array */
+typedef struct {
+    uint32_t high, low;
+} dm_lattice_pair;
+#define DM_LATTICE_NONE UINT32_MAX
+
+/* `use`, which changes positions by the arrays `low`, if there are any, and the slopes that it
+ * takes as one loop in which positions and slopes go from group to group in registers:
+ * neighbours one body away, eight lanes. DM_NO_NATIVE elsewhere. */
+dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *use,
+                          dm_lattice_pair at);
+
+/* What dm_lattice_run does, by such a loop; coordinates at the ends only are kept. */
+void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip *use,
+                           dm_lattice_pair at, double t);
+
+/* How many passes over this chain fit in one loop; 0: they cannot be joined, are not
+ * periodic, or functions want the registers. */
+uint32_t dm_lattice_deep(const dm_lattice *l);
+
+/* use[0 .. count-1] one after the other as one loop, pass k a group behind pass k - 1, in which
+ * what one leaves to the next stays in registers. Only the last may change arrays that the
+ * others read, other than `low` and what they all change. Every part is done with copies of its
+ * neighbours' ends, so that nothing waits for what crosses. */
+dm_status dm_lattice_stack(const dm_lattice *l, dm_strip *out, const dm_strip *const *use,
+                           uint32_t count, dm_lattice_pair at);
+
+/* A stack of so many passes, the numbers of pass k from slot k DM_LATTICE_NUMBERS on. */
+typedef struct {
+    const dm_strip *loop;
+    uint32_t count;
+} dm_layer;
+
+/* The numbers that dm_lattice_set sets, and that all other loops use, are those of layer k from
+ * now on; 0 at first. */
+void dm_lattice_choose(dm_lattice *l, uint32_t k);
+
+/* Passes of a band at most. */
+static inline uint32_t dm_lattice_reach(const dm_lattice *l) {
+    return l->room - DM_LATTICE_DEEP;
+}
+
+/* Stacks one after the other, each with its numbers. A chain longer than a cache is done in
+ * tiles: layer k follows as close behind layer k - 1 as it may, so that an entry is fetched once
+ * for all of them. Ends of arrays as long as there are passes (dm_lattice_copy_ends) have to be
+ * there. */
+void dm_lattice_run_band(dm_lattice *l, const dm_layer *layer, uint32_t layers);
+
+/* Behind both ends of the parts what lies at the ends of their neighbours, `count` groups of
+ * arrays first .. first + block - 1. */
+void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first, uint32_t count);
+
+/* The coordinates themselves are these. */
+void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at);
+
+/* The slopes at the coordinates and time t, and `use` of the forces behind them, which may move the
+ * coordinates. */
+void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t);
+
+/* L_q, and with `momenta` L_v behind it, as a kernel of x = (q, v, t); DM_TOO_LARGE as above.
+ * The mass of *m is known and diagonal. */
+dm_status dm_lattice_gradient(dm_kernel *out, const dm_model *m, int momenta);
+
+/* A strip without forces over all bodies. */
+void dm_lattice_move(const dm_lattice *l, const dm_strip *strip);
+
+#endif

@@ -1,0 +1,62 @@
+/* lattice_force.c - the force by loops along arrays as a kernel like others: x = (q, v, t) in,
+ * L_q and L_v out. */
+#include "chain/lattice.h"
+
+typedef struct {
+    dm_model model; /* as far as it is known when this is made */
+    dm_lattice l;
+    dm_strip strip;
+    uint32_t force, n; /* first array of the force */
+    int momenta;
+} force_loop;
+
+static void eval(const void *pool, const double *x, double *out) {
+    force_loop *f = (force_loop *)(uintptr_t)pool;
+    const double *mass = f->model.mass_matrix;
+    dm_lattice_load(&f->l, 0, x);
+    dm_lattice_run(&f->l, &f->strip, x[2 * (size_t)f->n]);
+    dm_lattice_store(&f->l, out, f->force);
+    for (uint32_t i = 0; f->momenta && i < f->n; i++) out[f->n + i] = mass[i] * x[f->n + i];
+}
+
+static dm_status make_strip(force_loop *f, const dm_source *from) {
+    dm_node F[DM_STRIP_MOST];
+    dm_strip_draft d;
+    if (f->l.block > DM_STRIP_MOST) return DM_TOO_LARGE;
+    if (!dm_strip_begin(&d, from->arena)) return DM_NO_MEMORY;
+    dm_graph_verbatim(d.g, 1);
+    dm_lattice_force(&f->l, &d, F);
+    for (uint32_t c = 0; c < f->l.block; c++)
+        dm_strip_write(&d, dm_lattice_entry(&f->l, f->force + c), F[c]);
+    return dm_strip_end(&f->strip, &d, from->compile, from->arena);
+}
+
+static uint32_t operations(const force_loop *f) {
+    double count = (double)f->strip.one.operations * f->l.bodies;
+    for (uint32_t k = 0; k < f->l.sums; k++)
+        count += (double)f->l.sum[k].strip.one.operations * f->l.sum[k].rounds;
+    return count < UINT32_MAX ? (uint32_t)count : UINT32_MAX;
+}
+
+dm_status dm_lattice_gradient(dm_kernel *out, const dm_model *m, int momenta) {
+    dm_arena *arena = m->source.arena;
+    const size_t size = dm_lattice_work(m, 2);
+    if (!size) return DM_TOO_LARGE;
+    force_loop *f = dm_arena_take(arena, sizeof *f);
+    double *work = dm_arena_take(arena, size * sizeof *work);
+    if (!f || !work) return DM_NO_MEMORY;
+    *f = (force_loop){.model = *m, .n = m->n, .momenta = momenta};
+    dm_status status = dm_lattice_open(&f->l, &f->model);
+    if (status != DM_OK) return status;
+    f->force = dm_lattice_arrays(&f->l);
+    status = make_strip(f, &m->source);
+    if (status != DM_OK) return status;
+    dm_lattice_place(&f->l, work);
+    *out = (dm_kernel){.eval = eval,
+                       .pool = f,
+                       .inputs = 2 * m->n + 1,
+                       .outputs = momenta ? 2 * m->n : m->n,
+                       .operations = operations(f),
+                       .backend = f->strip.one.backend};
+    return DM_OK;
+}

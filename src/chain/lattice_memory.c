@@ -1,0 +1,165 @@
+/* lattice_memory.c - arrays of a lattice: where they are, what is beyond their ends, states in
+ * and out. */
+#include "chain/lattice_inside.h"
+
+#include <string.h>
+
+enum { GROUP = DM_STRIP_GROUP };
+
+uint32_t dm_lattice_arrays(dm_lattice *l) {
+    l->arrays += l->block;
+    return l->arrays - l->block;
+}
+
+/* Beyond the end of an array its first bodies come again, and beyond the ends of a part those of
+ * its neighbours. */
+static void fill_ends(const dm_lattice *l, double *x) {
+    const uint32_t all = l->depth * GROUP, n = l->bodies;
+    for (uint32_t i = n; i < all; i++) x[dm_lattice_at(l, i)] = x[dm_lattice_at(l, i - n)];
+    for (uint32_t k = 0; k < l->pad; k++) {
+        double *behind = x + (size_t)(l->depth + k) * GROUP;
+        memcpy(behind, x + (size_t)k * GROUP + 1, (GROUP - 1) * sizeof *x);
+        behind[GROUP - 1] = x[dm_lattice_at(l, all - n + k)];
+        const uint32_t j = l->depth - 1 - k;
+        double *before = x - (size_t)(k + 1) * GROUP;
+        memcpy(before + 1, x + (size_t)j * GROUP, (GROUP - 1) * sizeof *x);
+        before[0] = x[dm_lattice_at(l, n - 1 - k)];
+    }
+}
+
+void dm_lattice_fill_ends(dm_lattice *l) {
+    for (uint32_t c = 0; c < l->block; c++) fill_ends(l, l->space + (size_t)c * l->pitch);
+}
+
+/* 1 for bodies that have a round */
+static void fill_there(dm_lattice *l) {
+    for (const dm_rounds *r = l->sum; r < l->sum + l->sums; r++) {
+        double *to = l->space + (size_t)r->there * l->pitch;
+        for (uint32_t i = 0; r->there && i < l->bodies; i++)
+            to[dm_lattice_at(l, i)] = i < r->rounds;
+        if (r->there && dm_lattice_is_deep(l)) dm_lattice_ends_of(l, to, l->room);
+    }
+}
+
+static void fill_data(dm_lattice *l) {
+    for (const struct dm_lattice_data *d = l->data; d < l->data + l->columns; d++) {
+        double *to = l->space + (size_t)d->array * l->pitch;
+        dm_column own = *d->column;
+        own.partner = 0;
+        for (uint32_t i = 0; i < d->sum->bodies; i++)
+            to[dm_lattice_at(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
+        fill_ends(l, to);
+        if (dm_lattice_is_deep(l)) dm_lattice_ends_of(l, to, l->room);
+    }
+}
+
+size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
+    dm_lattice l = {.model = m};
+    uint32_t columns = 0;
+    if (!(m->structure & DM_LOOPS) || !m->source.sums || !dm_lattice_layout(&l)) return 0;
+    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns + 1;
+    return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
+           (size_t)(l.band * (DM_LATTICE_FIXED + 2 * DM_STRIP_CARRIED) + 1 + l.pad + l.room) *
+               GROUP;
+}
+
+/* zero where no body is: the numbers, the buffer, both ends of every array */
+static void clear(const dm_lattice *l) {
+    const uint32_t first = l->depth > GROUP ? l->depth - GROUP : 0;
+    const size_t before = (size_t)l->room * GROUP;
+    const size_t behind = (size_t)(l->depth - first + l->room) * GROUP;
+    memset(l->numbers, 0, (size_t)(l->space - l->numbers) * sizeof *l->numbers);
+    for (uint32_t a = 0; a < l->arrays; a++) {
+        double *x = l->space + (size_t)a * l->pitch;
+        memset(x - before, 0, before * sizeof *x);
+        memset(x + (size_t)first * GROUP, 0, behind * sizeof *x);
+    }
+}
+
+void dm_lattice_place(dm_lattice *l, double *work) {
+    const uintptr_t line = GROUP * sizeof *work;
+    l->numbers = work + (line - (uintptr_t)work % line) % line / sizeof *work;
+    l->carried = l->numbers + (size_t)l->band * DM_LATTICE_FIXED * GROUP;
+    l->buffer = l->carried + (size_t)l->band * 2 * DM_STRIP_CARRIED * GROUP;
+    l->fixed = l->numbers;
+    l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->room * GROUP;
+    clear(l);
+    fill_data(l);
+    fill_there(l);
+}
+
+void dm_lattice_choose(dm_lattice *l, uint32_t k) {
+    l->fixed = l->numbers + (size_t)k * DM_LATTICE_FIXED * GROUP;
+}
+
+void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {
+    double *to = l->fixed + (size_t)slot * GROUP;
+    if (memcmp(to, &value, sizeof value) == 0) return; /* a loop would wait for it */
+    for (uint32_t k = 0; k < GROUP; k++) to[k] = value;
+}
+
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* two by two entries change places: parts of n/8 numbers side by side, or back */
+static inline void turn(double *to, size_t to_row, const double *from, size_t from_row) {
+    const pair a = *(const pair *)(const void *)from;
+    const pair b = *(const pair *)(const void *)(from + from_row);
+    *(pair *)(void *)to = __builtin_shufflevector(a, b, 0, 2);
+    *(pair *)(void *)(to + to_row) = __builtin_shufflevector(a, b, 1, 3);
+}
+
+/* depths that go two by two: an even number of each part, if all are there */
+static uint32_t in_pairs(const dm_lattice *l) {
+    return l->block == 1 && l->bodies == l->depth * GROUP ? l->depth & ~1u : 0;
+}
+
+/* the start of every part at once; gives how many depths */
+static uint32_t load_start(const dm_lattice *l, double *to, const double *x) {
+    const uint32_t wide = dm_lattice_wide_load(l, to, x), even = in_pairs(l);
+    for (uint32_t j = wide; j < even; j += 2)
+        for (uint32_t lane = 0; lane < GROUP; lane += 2)
+            turn(to + (size_t)j * GROUP + lane, GROUP, x + (size_t)lane * l->depth + j, l->depth);
+    return wide > even ? wide : even;
+}
+
+static uint32_t store_start(const dm_lattice *l, double *x, const double *from) {
+    const uint32_t wide = dm_lattice_wide_store(l, x, from), even = in_pairs(l);
+    for (uint32_t j = wide; j < even; j += 2)
+        for (uint32_t lane = 0; lane < GROUP; lane += 2)
+            turn(x + (size_t)lane * l->depth + j, l->depth, from + (size_t)j * GROUP + lane, GROUP);
+    return wide > even ? wide : even;
+}
+
+void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x) {
+    double *to = l->space + (size_t)first * l->pitch;
+    for (uint32_t c = 0; c < l->block; c++, to += l->pitch)
+        for (uint32_t j = load_start(l, to, x); j < l->depth; j++)
+            for (uint32_t lane = 0, i = j; i < l->bodies; lane++, i += l->depth)
+                to[(size_t)j * GROUP + lane] = x[(size_t)i * l->block + c];
+}
+
+void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first) {
+    const double *from = l->space + (size_t)first * l->pitch;
+    for (uint32_t c = 0; c < l->block; c++, from += l->pitch)
+        for (uint32_t j = store_start(l, x, from); j < l->depth; j++)
+            for (uint32_t lane = 0, i = j; i < l->bodies; lane++, i += l->depth)
+                x[(size_t)i * l->block + c] = from[(size_t)j * GROUP + lane];
+}
+
+/* 0 * infinity is NaN; entries beyond the last body are copies or zero */
+static int is_finite(const dm_lattice *l, const double *x) {
+    double sum[GROUP] = {0.0};
+    int finite = 1;
+    if (dm_lattice_wide_finite(l, x, &finite)) return finite;
+    for (size_t i = 0; i < (size_t)l->depth * GROUP; i += GROUP)
+        for (size_t k = 0; k < GROUP; k++) sum[k] += 0.0 * x[i + k];
+    for (size_t k = 0; k < GROUP; k++) finite &= sum[k] == 0.0;
+    return finite;
+}
+
+int dm_lattice_is_finite(const dm_lattice *l, uint32_t first) {
+    const double *x = l->space + (size_t)first * l->pitch;
+    for (uint32_t c = 0; c < l->block; c++)
+        if (!is_finite(l, x + (size_t)c * l->pitch)) return 0;
+    return 1;
+}

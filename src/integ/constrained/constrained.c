@@ -1,0 +1,289 @@
+#include "integ/constrained/constrained_inside.h"
+
+#include "linalg/solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+unsigned dm_constrained_wants(const dm_model *m) {
+    const dm_constraints *constraints = m->constraints;
+    return DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS |
+           (constraints->holonomic ? DM_WANT_HOLONOMIC : 0) | (constraints->rolling ? DM_WANT_ROLLING : 0) |
+           (constraints->holonomic + constraints->rolling ? DM_WANT_REACTION : 0) |
+           (constraints->forced ? DM_WANT_CONSTRAINT_FORCE | DM_WANT_FORCE_CURVE : 0);
+}
+
+/* ---- the workspace ---- */
+
+typedef struct {
+    size_t n, s, r, K, k, l, m, unknowns;
+} sizes;
+
+static sizes sizes_of(size_t s, size_t r, size_t K, const dm_model *model) {
+    sizes z = {.n = model->n, .s = s, .r = r, .K = K};
+    z.k = model->constraints->holonomic;
+    z.l = model->constraints->rolling;
+    z.m = z.k + z.l;
+    z.unknowns = s * z.n + K * z.m;
+    return z;
+}
+
+static size_t larger(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+
+static size_t doubles(size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+
+static size_t scratch_size(const sizes *z, const dm_model *m) {
+    const size_t newton =
+        larger(dm_newton_work((uint32_t)z->unknowns), dm_newton_work((uint32_t)(z->n + z->m)));
+    const size_t hidden = z->m * (z->m + z->n + 3);
+    return larger(larger(newton, hidden), dm_legendre_work(m));
+}
+
+/* memory NULL: it is only counted */
+typedef struct {
+    double *memory;
+    size_t used;
+} layout;
+
+static double *take(layout *to, size_t count) {
+    double *block = to->memory ? to->memory + to->used : NULL;
+    to->used += count;
+    return block;
+}
+
+/* outputs of kernels */
+static void lay_out_kernels(dm_constrained *g, const sizes *z, layout *to) {
+    const size_t n = z->n, nn = n * n;
+    g->plain = take(to, z->r * 2 * n);
+    g->curve = take(to, z->r * (2 * n + 3 * nn));
+    g->drag = take(to, z->r * (n + 2 * nn));
+    g->holonomic = take(to, (z->K + 1) * z->k * (n + 2));
+    g->rolling = take(to, (z->K + 1) * z->l * (1 + 3 * n));
+    g->roll = take(to, z->K * z->l * (1 + 3 * n));
+    g->reaction = take(to, (z->K + 1) * (n + 2 * nn));
+    g->mass = take(to, n + nn);
+}
+
+static size_t lay_out(dm_constrained *g, const sizes *z, double *memory) {
+    layout to = {memory, 0};
+    const size_t n = z->n, m = z->m;
+    lay_out_kernels(g, z, &to);
+    g->x = take(&to, 2 * n + 1 + m + g->m->constraints->controls);
+    g->shift = take(&to, n);
+    g->v = take(&to, n);
+    g->slope = take(&to, z->r * 2 * n);
+    g->impulse = take(&to, (z->K + 1) * n);
+    g->lambda = take(&to, m);
+    g->row_unit = take(&to, m);
+    g->impulse_unit = take(&to, m);
+    g->root = take(&to, z->unknowns);
+    g->end = take(&to, n + m);
+    g->v0 = take(&to, n);
+    g->inner_v = take(&to, z->K * n);
+    g->next = take(&to, 4 * n);
+    g->dq = take(&to, n);
+    g->dp = take(&to, n);
+    g->before = take(&to, n);
+    g->scratch = take(&to, scratch_size(z, g->m));
+    g->memory = take(&to, dm_constrained_memory_size((uint32_t)n, (uint32_t)z->unknowns, (uint32_t)m));
+    return to.used;
+}
+
+size_t dm_constrained_work(size_t s, size_t r, const dm_model *m) {
+    const sizes z = sizes_of(s, r, s, m); /* K is s or one less */
+    dm_constrained g = {.m = m};
+    return doubles(sizeof g) + dm_stage_table_size(s, r) + dm_constrained_weights_size(s, r) +
+           dm_constrained_entries_size((uint32_t)z.n, (uint32_t)z.k, (uint32_t)z.l) +
+           dm_constrained_matrix_size((uint32_t)z.unknowns) + dm_constrained_matrix_size((uint32_t)(z.n + z.m)) +
+           lay_out(&g, &z, NULL);
+}
+
+/* constant outputs of the kernels, once */
+static void prepare(dm_constrained *g) {
+    const dm_constraints *constraints = g->constraints;
+    const size_t n = g->n, nn = n * n;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        dm_kernel_prepare(&g->m->stage, g->curve + i * (2 * n + 3 * nn));
+        dm_kernel_prepare(&g->m->slope, g->plain + i * 2 * n);
+        if (constraints->forced) dm_kernel_prepare(&constraints->force_curve, g->drag + i * (n + 2 * nn));
+    }
+    for (uint32_t k = 0; k <= g->K && g->k + g->l; k++) {
+        if (g->k) dm_kernel_prepare(&constraints->holonomic_kernel, dm_constrained_holonomic(g, k));
+        if (g->l) dm_kernel_prepare(&constraints->rolling_kernel, dm_constrained_rolling(g, k));
+        dm_kernel_prepare(&constraints->reaction, dm_constrained_curved(g, k));
+    }
+    for (uint32_t k = 0; k < g->K && g->l; k++)
+        dm_kernel_prepare(&constraints->rolling_kernel, g->roll + k * g->l * (1 + 3 * n));
+    dm_kernel_prepare(&g->m->mass, g->mass);
+}
+
+/* dense, and narrow where a look at the entries says that it pays */
+static void open_matrices(dm_constrained *g, double *memory) {
+    const uint32_t N = dm_constrained_unknowns(g), ends = g->n + g->k + g->l;
+    double *J = g->scratch;
+    dm_constrained_matrix_open(&g->step, N, memory);
+    dm_constrained_matrix_open(&g->hidden, ends, memory + dm_constrained_matrix_size(N));
+    dm_constrained_scatter(g);
+    dm_constrained_equation_matrix(g, J);
+    dm_constrained_matrix_narrow(&g->step, J, (uint32_t *)(void *)(J + (size_t)N * N));
+    dm_constrained_hidden_matrix(g, J);
+    dm_constrained_matrix_narrow(&g->hidden, J, (uint32_t *)(void *)(J + (size_t)ends * ends));
+}
+
+dm_status dm_constrained_open(dm_stepper *stepper, const dm_galerkin *basis) {
+    dm_constrained *g = (dm_constrained *)(void *)stepper->work;
+    const dm_model *m = stepper->model;
+    double *memory = stepper->work + doubles(sizeof *g);
+    *g = (dm_constrained){.m = m, .constraints = m->constraints, .n = m->n};
+    g->k = m->constraints->holonomic;
+    g->l = m->constraints->rolling;
+    dm_stage_table_fill(&g->table, basis, memory);
+    const size_t s = g->table.s, r = g->table.r;
+    memory += dm_stage_table_size(s, r);
+    g->K = dm_constrained_count(s, r, basis);
+    dm_constrained_weights_fill(g, basis, memory);
+    dm_constrained_weights_scale(g, stepper->h);
+    const sizes z = sizes_of(s, r, g->K, m);
+    memory += dm_constrained_weights_size(s, r);
+    dm_constrained_entries_find(g, memory);
+    memory += dm_constrained_entries_size(g->n, g->k, g->l);
+    double *matrices = memory;
+    memory +=
+        dm_constrained_matrix_size((uint32_t)z.unknowns) + dm_constrained_matrix_size((uint32_t)(z.n + z.m));
+    lay_out(g, &z, memory);
+    prepare(g);
+    open_matrices(g, matrices);
+    dm_constrained_memory_clear(g, stepper->h);
+    return DM_OK;
+}
+
+dm_status dm_constrained_start(dm_stepper *stepper, double *state, double t) {
+    dm_constrained *g = (dm_constrained *)(void *)stepper->work;
+    (void)state;
+    (void)t;
+    dm_constrained_memory_clear(g, stepper->h);
+    return DM_OK;
+}
+
+size_t dm_constrained_memory(dm_stepper *stepper, double **place) {
+    dm_constrained *g = (dm_constrained *)(void *)stepper->work;
+    *place = g->memory;
+    return dm_constrained_memory_size(g->n, dm_constrained_unknowns(g), g->k + g->l);
+}
+
+/* multipliers of the last step: rows of constraints in their own units */
+void dm_constrained_impulses(const dm_stepper *stepper, double *out) {
+    const dm_constrained *g = (const dm_constrained *)(const void *)stepper->work;
+    const uint32_t m = g->k + g->l;
+    const double *inner = g->root + (size_t)g->table.s * g->n, *end = g->end + g->n;
+    for (uint32_t k = 0; k <= g->K; k++)
+        for (uint32_t c = 0; c < m; c++)
+            out[k * m + c] = (k < g->K ? inner[k * m + c] : end[c]) * g->impulse_unit[c];
+}
+
+uint32_t dm_constrained_nodes(const dm_galerkin *g) {
+    return dm_constrained_count((size_t)g->s, (size_t)g->q.r, g) + 1;
+}
+
+/* ---- the step ---- */
+
+dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper) {
+    dm_newton_report report = {0};
+    const dm_newton_problem problem = {.m = dm_constrained_unknowns(g),
+                                       .equation = dm_constrained_equation,
+                                       .ctx = g,
+                                       .size = &g->size,
+                                       .band = g->step.banded ? &g->step.band : NULL,
+                                       .tolerance = stepper->tolerance,
+                                       .max_iterations = stepper->max_iterations};
+    const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);
+    g->iterations += report.iterations;
+    g->residual = report.residual;
+    return status;
+}
+
+/* the equation of a step of h / 16, then of ever longer ones from the root before: the same
+ * state, the same constraints */
+static dm_status by_continuation(dm_constrained *g, const dm_stepper *stepper) {
+    enum { DOUBLINGS = 4 };
+    const double h = g->h;
+    const size_t V = (size_t)g->table.s * g->n, N = dm_constrained_unknowns(g);
+    dm_constrained_weights_scale(g, ldexp(h, -DOUBLINGS));
+    dm_constrained_plain_guess(g);
+    dm_constrained_bend_guess(g);
+    dm_status status = dm_constrained_newton(g, stepper);
+    for (int k = DOUBLINGS; status == DM_OK && k > 0; k--) {
+        memcpy(g->scratch, g->root, V * sizeof *g->root);
+        dm_constrained_longer_guess(g, g->scratch);
+        for (size_t i = V; i < N; i++) g->root[i] *= 2.0;
+        dm_constrained_weights_scale(g, ldexp(h, 1 - k));
+        dm_constrained_bend_guess(g);
+        status = dm_constrained_newton(g, stepper);
+    }
+    if (g->h != h) dm_constrained_weights_scale(g, h);
+    return status;
+}
+
+/* the residual of the way that came nearest is what a failure tells */
+static dm_status solve(dm_constrained *g, const dm_stepper *stepper) {
+    const int warm = dm_constrained_guess(g);
+    dm_constrained_bend_guess(g);
+    dm_status status = dm_constrained_newton(g, stepper);
+    double least = g->residual;
+    if (status != DM_OK && status != DM_CALLBACK && warm) {
+        dm_constrained_plain_guess(g);
+        dm_constrained_bend_guess(g);
+        status = dm_constrained_newton(g, stepper);
+        least = fmin(least, g->residual);
+    }
+    if (status == DM_OK || status == DM_CALLBACK) return status;
+    const dm_status last = by_continuation(g, stepper);
+    if (last == DM_OK) return DM_OK;
+    g->residual = least;
+    return status;
+}
+
+/* a step that failed: is it the constraints that lose rank, here or where Newton's method went? */
+static dm_status find_lost(dm_constrained *g, dm_status status) {
+    if (status != DM_NO_CONVERGENCE && status != DM_SINGULAR) return status;
+    g->lost = dm_constrained_dependent(g, 0);
+    for (uint32_t k = 1; k <= g->K && !g->lost && !g->l; k++) g->lost = dm_constrained_dependent(g, k);
+    return g->lost ? DM_SINGULAR : status;
+}
+
+/* |g| and |phi| at the end of the step */
+static void report_constraints(const dm_constrained *g, dm_report *report) {
+    const double *hol = dm_constrained_holonomic(g, g->K), *phi = dm_constrained_rolling(g, g->K);
+    for (uint32_t c = 0; c < g->k; c++) report->constraint = fmax(report->constraint, fabs(hol[c]));
+    for (uint32_t c = 0; c < g->l; c++) report->rolling = fmax(report->rolling, fabs(phi[c]));
+}
+
+dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t) {
+    dm_constrained *g = (dm_constrained *)(void *)stepper->work;
+    g->state = state;
+    g->t = t;
+    g->evaluations = 0;
+    g->iterations = 0;
+    g->residual = 0.0;
+    g->lost = 0;
+    if (g->h != stepper->h) dm_constrained_weights_scale(g, stepper->h);
+    dm_status status = dm_constrained_begin(g);
+    if (status == DM_OK) status = find_lost(g, solve(g, stepper));
+    if (status == DM_OK)
+        status = dm_constrained_is_bent(g) ? dm_constrained_bend(g, stepper) : dm_constrained_finish(g, stepper);
+    stepper->report.iterations = g->iterations;
+    stepper->report.residual = g->residual;
+    stepper->report.dependent = (int)g->lost;
+    stepper->report.solves++;
+    stepper->report.newton += g->iterations;
+    stepper->report.evaluations += g->evaluations;
+    if (status != DM_OK) return status;
+    report_constraints(g, &stepper->report);
+    dm_constrained_memory_keep(g);
+    memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
+    return DM_OK;
+}

@@ -1,0 +1,85 @@
+/* constrained_end.c - from the root to the state at the end: forces and impulses at the root,
+ * compensated sums. */
+#include "integ/constrained/constrained_inside.h"
+
+#include "numbers/compensated.h"
+
+#include <math.h>
+#include <string.h>
+
+/* what the last increment of V moves a point by */
+static void moved(dm_constrained *g, const dm_weight *ha, const dm_weight *d, const double *dV) {
+    const uint32_t n = g->n;
+    memset(g->shift, 0, n * sizeof *g->shift);
+    memset(g->v, 0, n * sizeof *g->v);
+    for (uint32_t j = 0; j < g->table.s; j++)
+        for (uint32_t i = 0; i < n; i++) {
+            g->shift[i] += ha[j].top * dV[j * (size_t)n + i];
+            g->v[i] += d[j].top * dV[j * (size_t)n + i];
+        }
+}
+
+/* forces at the root from those one increment before, to first order */
+static void correct_forces(dm_constrained *g, const double *dV) {
+    const uint32_t n = g->n, s = g->table.s;
+    const size_t nn = (size_t)n * n;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        const double *qq = g->curve + i * (2 * n + 3 * nn) + 2 * n;
+        const double *f_q = g->drag + i * (n + 2 * nn) + n;
+        double *force = g->slope + i * 2 * (size_t)n;
+        moved(g, g->ha + i * s, g->table.d + i * s, dV);
+        dm_constrained_product(force, qq, g->shift, &g->qq);
+        dm_constrained_product(force, qq + nn, g->v, &g->qv);
+        if (!g->constraints->forced) continue;
+        dm_constrained_product(force, f_q, g->shift, &g->f_q);
+        dm_constrained_product(force, f_q + nn, g->v, &g->f_v);
+    }
+}
+
+/* impulses at the root: linear in the multipliers, and to first order in what moves the rows */
+static void correct_impulses(dm_constrained *g, const double *dV) {
+    const uint32_t n = g->n, s = g->table.s, m = g->k + g->l;
+    for (uint32_t k = 0; k < g->K && m; k++) {
+        double *impulse = g->impulse + k * (size_t)n;
+        const double *r_q = dm_constrained_curved(g, k) + n;
+        dm_constrained_impulse(g, impulse, g->root + s * (size_t)n + k * m, k);
+        if (k == 0) continue;
+        moved(g, g->constraint_ha + k * s, g->constraint.d + k * s, dV);
+        dm_constrained_product(impulse, r_q, g->shift, &g->r_q);
+        if (!dm_constrained_is_bent(g)) dm_constrained_product(impulse, r_q + (size_t)n * n, g->v, &g->r_v);
+    }
+}
+
+/* next = state + (dq, dp), compensated */
+static dm_status update(dm_constrained *g) {
+    const uint32_t n = g->n;
+    memcpy(g->next, g->state, 4 * (size_t)n * sizeof *g->next);
+    dm_sum_add_n(g->next, g->next + 2 * n, g->dq, n);
+    dm_sum_add_n(g->next + n, g->next + 3 * n, g->dp, n);
+    for (uint32_t i = 0; i < 4 * n; i++)
+        if (!isfinite(g->next[i])) return DM_NOT_FINITE;
+    return DM_OK;
+}
+
+dm_status dm_constrained_finish(dm_constrained *g, const dm_stepper *stepper) {
+    const uint32_t n = g->n, m = g->k + g->l;
+    double *last = g->impulse + g->K * (size_t)n;
+    correct_forces(g, g->scratch);
+    correct_impulses(g, g->scratch);
+    memset(g->dq, 0, n * sizeof *g->dq);
+    memset(g->dp, 0, n * sizeof *g->dp);
+    for (uint32_t j = 0; j < g->table.s; j++)
+        dm_weighted_add(g->dq, g->hbeta[j], g->root + j * (size_t)n, n);
+    for (uint32_t i = 0; i < g->table.r; i++)
+        dm_weighted_add(g->dp, g->hb[i], g->slope + i * 2 * (size_t)n, n);
+    for (uint32_t k = 0; k < g->K && m; k++)
+        for (uint32_t i = 0; i < n; i++) g->dp[i] += g->impulse[k * n + i];
+    dm_status status = update(g);
+    if (status != DM_OK || m == 0) return status;
+    memcpy(g->before, g->next + n, n * sizeof *g->before);
+    status = dm_constrained_hidden(g, stepper);
+    if (status != DM_OK) return status;
+    dm_constrained_impulse(g, last, g->end + n, g->K);
+    for (uint32_t i = 0; i < n; i++) g->dp[i] += last[i];
+    return update(g);
+}

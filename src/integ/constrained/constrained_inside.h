@@ -1,0 +1,188 @@
+/* constrained_inside.h - the workspace of the stage solver with constraints, for its files only. */
+#ifndef DM_CONSTRAINED_INSIDE_H
+#define DM_CONSTRAINED_INSIDE_H
+
+#include "integ/constrained/constrained.h"
+#include "linalg/band.h"
+#include "mech/constraints.h"
+
+/* The curve at some points: Q = q0 + h sum_j a_kj V_j, Qdot = sum_j d_kj V_j. */
+typedef struct {
+    uint32_t count;
+    dm_weight *c;     /* [count] */
+    dm_weight *a, *d; /* [count*s] */
+} dm_constrained_points;
+
+/* Entries of a block of a kernel's outputs that are not zero everywhere. */
+typedef struct {
+    uint32_t count;
+    uint32_t *entry, *row, *column;
+} dm_constrained_entries;
+
+/* A matrix of n unknowns, dense by rows or a band: entry (i, j) stands at row[i] + column[j]. */
+typedef struct {
+    dm_band band;
+    int banded;
+    size_t *row, *column; /* [n] */
+    uint32_t *order;      /* [n] */
+} dm_constrained_matrix;
+
+/* Laid out at the head of stepper->work by dm_constrained_open. */
+typedef struct {
+    dm_stage_table table;
+    dm_constrained_points constraint, gauss; /* K + 1 points with impulses, K where rolling is enforced */
+    const dm_model *m;
+    const dm_constraints *constraints;
+    uint32_t n, K, k, l;          /* dim Q, constraint points less one, holonomic constraints, rolling constraints */
+    double h, t;                  /* step, its start */
+    dm_weight *hb, *hbeta;        /* [r], [s] */
+    dm_weight *ha, *wq, *wv;      /* [r*s]: h a_ij, h b_i (a_ij - beta_j), b_i d_ij */
+    dm_weight *constraint_ha, *gauss_ha; /* [(K+1)*s], [K*s] */
+    dm_weight *lever;             /* [K*s]: a~_kj - beta_j */
+    dm_constrained_entries qq, qv, vv, mass_vv, f_q, f_v, r_q, r_v; /* [n*n] */
+    dm_constrained_entries G, E, phi_v, phi_q;                      /* [k*n], [l*n] */
+    dm_constrained_matrix step, hidden; /* of the step equation, of the hidden constraint */
+    double *ahead;               /* [s*(s+1)]: V_j from v0 and the V of the step before */
+    double *inner_force; /* [(K-1)*r]: integral to t_k of what stands at the quadrature points */
+    double
+        *inner_impulse; /* [(K-1)*(K+1)]: of the reactions at the constraint points, over their weights */
+    double *inner_v; /* [(K-1)*n] velocity at the inner constraint points, where reactions turn with it */
+    double *longer;  /* [s*(s+1)]: and from those of a step of half the length */
+    const double *state;             /* at the start of the step */
+    double *x;                       /* [2n+1 + k+l + controls] arguments of a kernel */
+    double *shift, *v;               /* [n] of a point */
+    double *slope;                   /* [r][2n] L_q + f, L_v */
+    double *plain;                   /* [r][2n] outputs of the slope kernel */
+    double *curve;                   /* [r][2n + 3n^2] outputs of the stage kernel */
+    double *drag;                    /* [r][n + 2n^2] outputs of the force kernels */
+    double *holonomic;               /* [K+1][k(n+2)] g, G, g_t */
+    double *rolling;                 /* [K+1][l(1+3n)] phi, E, phi_v, phi_q at the constraint points */
+    double *roll;                    /* [K][l(1+3n)] at the Gauss points */
+    double *reaction;                /* [K+1][n + 2n^2] I_k, its derivatives in q, v */
+    double *impulse;                 /* [K+1][n] I_k */
+    double *lambda;                  /* [k+l] multipliers as the reaction takes them */
+    double *row_unit, *impulse_unit; /* [k+l] M over the largest entry of G, phi_v; of G, E */
+    double *mass;                    /* [n + n^2] L_v, L_vv at the ends */
+    double mass_size;                /* largest entry of L_vv */
+    double *root;                    /* [s][n] V, [K][k+l] impulses in units of velocity */
+    double *end;                     /* [n] v1, [k+l] impulses of the last constraint point */
+    double *v0;                      /* [n] velocity at the start */
+    double *next;                    /* [4n] state at the end */
+    double *dq, *dp;                 /* [n] */
+    double *before;                  /* [n] momentum at the end without I_K */
+    double *scratch;                 /* of Newton and of the Legendre transform */
+    double *memory;                  /* see constrained_memory.c */
+    double size;                     /* of the terms of the residual */
+    long evaluations;
+    int iterations; /* of Newton, in this step */
+    double residual;
+    uint32_t lost; /* the constraint that depends on those before it, from 1; 0: none was found */
+} dm_constrained;
+
+/* without the call that fmax is */
+static inline double dm_constrained_larger(double a, double b) {
+    return a > b ? a : b;
+}
+
+/* outputs of the kernels at the constraint point k */
+static inline double *dm_constrained_holonomic(const dm_constrained *g, uint32_t k) {
+    return g->holonomic + k * (size_t)g->k * (g->n + 2);
+}
+static inline double *dm_constrained_rolling(const dm_constrained *g, uint32_t k) {
+    return g->rolling + k * (size_t)g->l * (1 + 3 * (size_t)g->n);
+}
+static inline double *dm_constrained_curved(const dm_constrained *g, uint32_t k) {
+    return g->reaction + k * (size_t)g->n * (1 + 2 * (size_t)g->n);
+}
+
+/* ---- constrained_table.c ---- */
+
+uint32_t dm_constrained_count(size_t s, size_t r, const dm_galerkin *g); /* K */
+size_t dm_constrained_weights_size(size_t s, size_t r);
+void dm_constrained_weights_fill(dm_constrained *g, const dm_galerkin *basis, double *memory);
+void dm_constrained_weights_scale(dm_constrained *g, double h);
+
+/* ---- constrained_point.c: kernels along the curve of the velocities V ---- */
+
+/* x = (q0 + shift, v, t + after) */
+void dm_constrained_at(dm_constrained *g, const double *shift, const double *v, double after);
+/* x at the constraint point k */
+void dm_constrained_at_constraint(dm_constrained *g, const double *V, uint32_t k);
+/* slopes (and curves) at the points of the quadrature */
+void dm_constrained_slopes(dm_constrained *g, const double *V, int with_curve);
+/* constraints where they are wanted and the impulses of the multipliers behind V; derivatives of these
+ * too */
+void dm_constrained_constraints(dm_constrained *g, const double *V, int with_curve);
+/* rows of the constraints at x, kept for the constraint point k; the impulse that they make; its derivatives */
+void dm_constrained_rows(dm_constrained *g, uint32_t k);
+void dm_constrained_impulse(dm_constrained *g, double *impulse, const double *impulses, uint32_t k);
+void dm_constrained_reaction(dm_constrained *g, const double *impulses, uint32_t k);
+/* G, E, v0, M and the scales at the start of the step */
+dm_status dm_constrained_begin(dm_constrained *g);
+
+/* ---- constrained_entries.c: what of the matrices is not zero ---- */
+
+/* doubles that entries and matrices take */
+size_t dm_constrained_entries_size(uint32_t n, uint32_t k, uint32_t l);
+size_t dm_constrained_matrix_size(uint32_t unknowns);
+void dm_constrained_entries_find(dm_constrained *g, double *memory);
+/* dense; and, where that pays, the band that the entries of J[n*n] fit in, scratch[2n] */
+void dm_constrained_matrix_open(dm_constrained_matrix *m, uint32_t n, double *memory);
+void dm_constrained_matrix_narrow(dm_constrained_matrix *m, const double *J, uint32_t *scratch);
+/* values with no meaning wherever a kernel writes, for a look at the entries */
+void dm_constrained_scatter(dm_constrained *g);
+
+/* J += w B at (row, column), J += w B^T, y += B x */
+void dm_constrained_add(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column, double w,
+                 const double *B, const dm_constrained_entries *e);
+void dm_constrained_add_transposed(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column,
+                            double w, const double *B, const dm_constrained_entries *e);
+void dm_constrained_product(double *y, const double *B, const double *x, const dm_constrained_entries *e);
+void dm_constrained_zero(double *J, const dm_constrained_matrix *m);
+
+/* ---- constrained_equation.c ---- */
+
+uint32_t dm_constrained_unknowns(const dm_constrained *g);
+dm_status dm_constrained_equation(void *ctx, double *R, double *J, const double *z);
+void dm_constrained_equation_matrix(const dm_constrained *g, double *J);
+
+/* ---- constrained.c ---- */
+
+dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper);
+
+/* ---- constrained_end.c: from the root to the state at the end ---- */
+
+dm_status dm_constrained_finish(dm_constrained *g, const dm_stepper *stepper);
+
+/* ---- constrained_hidden.c: v1 and the last impulses into g->end, from g->next without them ---- */
+
+dm_status dm_constrained_hidden(dm_constrained *g, const dm_stepper *stepper);
+void dm_constrained_hidden_matrix(const dm_constrained *g, double *J);
+
+/* ---- constrained_bent.c: reactions that turn with v ---- */
+
+int dm_constrained_is_bent(const dm_constrained *g);
+void dm_constrained_bend_guess(dm_constrained *g);
+/* from a root with a guess of the inner velocities to one with theirs, and to the end of the
+ * step */
+dm_status dm_constrained_bend(dm_constrained *g, const dm_stepper *stepper);
+
+/* ---- constrained_memory.c: V, impulses, end and start of a step, for the next one ---- */
+
+size_t dm_constrained_memory_size(uint32_t n, uint32_t unknowns, uint32_t m);
+void dm_constrained_memory_clear(dm_constrained *g, double h);
+int dm_constrained_memory_fits(const dm_constrained *g);
+const double *dm_constrained_memory_velocity(const dm_constrained *g); /* v1 */
+void dm_constrained_memory_keep(dm_constrained *g);
+/* root = a guess: from the step before where there is one (else 0), v0 alone, from V of a step
+ * half as long */
+int dm_constrained_guess(dm_constrained *g);
+void dm_constrained_plain_guess(dm_constrained *g);
+void dm_constrained_longer_guess(dm_constrained *g, const double *V);
+
+/* ---- constrained_rank.c ---- */
+
+/* the first constraint at the constraint point k whose row depends on those before it, from 1; 0: none */
+uint32_t dm_constrained_dependent(dm_constrained *g, uint32_t k);
+
+#endif

@@ -1,0 +1,63 @@
+/* constrained_rank.c - which constraint cannot be held: S = rows of the equations . rows of the reactions,
+ * both of length 1, loses rank where one depends on those before it, and where its reactions do
+ * not act against it. */
+#include "integ/constrained/constrained_inside.h"
+
+#include <math.h>
+
+typedef struct {
+    const double *along, *across;
+} rows;
+
+static rows rows_of(const dm_constrained *g, uint32_t k, uint32_t c) {
+    const uint32_t n = g->n;
+    const double *G = dm_constrained_holonomic(g, k) + g->k + c * (size_t)n;
+    if (c < g->k) return (rows){G, G};
+    const double *E = dm_constrained_rolling(g, k) + g->l + (c - g->k) * (size_t)n;
+    return (rows){E + g->l * (size_t)n, E};
+}
+
+static double dot(const double *a, const double *b, uint32_t n) {
+    double sum = 0.0;
+    for (uint32_t i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+static void fill(const dm_constrained *g, double *S, uint32_t k) {
+    const uint32_t m = g->k + g->l, n = g->n;
+    for (uint32_t b = 0; b < m; b++) {
+        const double *row = rows_of(g, k, b).along, length = sqrt(dot(row, row, n));
+        for (uint32_t c = 0; c < m; c++) {
+            const double *across = rows_of(g, k, c).across;
+            S[b * m + c] = dot(row, across, n) / (length * sqrt(dot(across, across, n)));
+        }
+    }
+}
+
+/* row b after the rows before it, whose pivots stand in columns `taken` */
+static double eliminate(double *S, uint32_t *taken, uint32_t b, uint32_t m) {
+    double *row = S + b * (size_t)m, most = 0.0;
+    for (uint32_t a = 0; a < b; a++) {
+        const double *before = S + a * (size_t)m;
+        const double factor = row[taken[a]] / before[taken[a]];
+        for (uint32_t c = 0; c < m; c++) row[c] -= factor * before[c];
+        row[taken[a]] = 0.0;
+    }
+    for (uint32_t c = 0; c < m; c++) {
+        if (!(fabs(row[c]) > most)) continue;
+        most = fabs(row[c]);
+        taken[b] = c;
+    }
+    return most;
+}
+
+uint32_t dm_constrained_dependent(dm_constrained *g, uint32_t k) {
+    static const double LEAST = 1e-10; /* square of the sine of an angle */
+    const uint32_t m = g->k + g->l;
+    double *S = g->scratch;
+    uint32_t *taken = (uint32_t *)(void *)(S + m * (size_t)m);
+    fill(g, S, k);
+    for (uint32_t b = 0; b < m; b++)
+        if (!(eliminate(S, taken, b, m) > LEAST)) return b + 1;
+    return 0;
+}

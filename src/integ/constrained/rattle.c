@@ -1,0 +1,278 @@
+/* rattle.c - RATTLE and SHAKE: the loop around the kernels of rattle_kernels.c. */
+#include "integ/constrained/rattle.h"
+
+#include "mech/constraints.h"
+
+#include <math.h>
+#include <string.h>
+
+/* relative changes: of q1 at the last iteration; that may stall; that is foreseen for one more,
+ * of the tolerance */
+static const double STALLED = 1e-12, NEGLIGIBLE = 2.5e-3;
+
+/* workspace: this, memory, two buffers of a step, one for an iteration */
+typedef struct {
+    dm_rattle_layout at;
+    dm_rattle_kernels kernel;
+    double *memory, *now, *next, *iterate;
+} layout;
+
+/* memory: h of whole steps, h of the last step or part of one, its mu; a step on the side
+ * neither uses nor changes it */
+enum { WHOLE, LAST, MU };
+
+static size_t layout_size(void) {
+    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+}
+
+static layout *layout_of(const dm_stepper *s) {
+    return (layout *)(void *)s->work;
+}
+
+static const char *check(const dm_rule *rule) {
+    return rule->count ? "it takes no argument" : NULL;
+}
+
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    (void)rule;
+    if (m->structure & DM_LOOPS)
+        return "it writes its steps out, which dm.sum_over with so many rounds is not "
+               "meant for; take verlet";
+    if ((m->structure & simple) != simple || !m->inverse_mass)
+        return "it needs L = T(v) - V(q, t) with a constant mass; for any other L take a "
+               "rule that solves for the multipliers in every stage, for instance "
+               "midpoint or lobatto(3)";
+    if (!m->source.graph) return "it needs L as an expression, not on hyper-dual numbers";
+    if (m->constraints && m->constraints->controls) return "it knows no controls; take midpoint or gauss";
+    return NULL;
+}
+
+static int order(const dm_rule *rule) {
+    (void)rule;
+    return 2;
+}
+
+static unsigned wants(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    (void)m;
+    return 0;
+}
+
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    const dm_rattle_layout at = dm_rattle_lay_out(m);
+    (void)rule;
+    return layout_size() + MU + at.m + 3 * (size_t)at.size;
+}
+
+/* what never varies stays in the buffers */
+static void prepare(layout *l) {
+    double *buffers[] = {l->now, l->next};
+    for (int i = 0; i < 2; i++) {
+        dm_kernel_prepare(&l->kernel.end, buffers[i]);
+        dm_kernel_prepare(&l->kernel.first, buffers[i] + l->at.y);
+        dm_kernel_prepare(&l->kernel.begin, buffers[i] + l->at.force);
+    }
+    dm_kernel_prepare(&l->kernel.newton, l->iterate);
+}
+
+static dm_status open(dm_stepper *s) {
+    layout *l = layout_of(s);
+    *l = (layout){.at = dm_rattle_lay_out(s->model)};
+    l->memory = s->work + layout_size();
+    l->now = l->memory + MU + l->at.m;
+    l->next = l->now + l->at.size;
+    l->iterate = l->next + l->at.size;
+    memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
+    const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
+    const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
+    if (status != DM_OK) return status;
+    s->report.operations = l->kernel.first.operations + l->kernel.end.operations;
+    prepare(l);
+    return DM_OK;
+}
+
+static dm_status start(dm_stepper *s, double *state, double t) {
+    layout *l = layout_of(s);
+    (void)state;
+    (void)t;
+    memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory);
+    l->memory[WHOLE] = s->whole != 0.0 ? s->whole : s->h;
+    return DM_OK;
+}
+
+static size_t memory(dm_stepper *s, double **place) {
+    *place = layout_of(s)->memory;
+    return MU + layout_of(s)->at.m;
+}
+
+/* lambda of the last step, which is in the buffer it began in, and mu; of SHAKE the next lambda
+ * does all */
+static void impulses(const dm_stepper *s, double *out) {
+    const layout *l = layout_of(s);
+    const uint32_t m = l->at.m;
+    const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
+    for (uint32_t i = 0; i < m; i++) {
+        out[i] = l->next[l->at.lambda + i];
+        out[m + i] = shake ? 0.0 : l->now[l->at.guess + i];
+    }
+}
+
+/* ---- a step ---- */
+
+/* The squares of the last two changes and of q1 say that q1 is known to round-off: the last
+ * change is, or what Newton's method, being quadratic, would change next. */
+static int is_last(const dm_stepper *s, const double *norms) {
+    const double before = norms[0], now = norms[1], size = norms[2];
+    const double tolerance = s->tolerance * s->tolerance * size;
+    if (now <= tolerance) return 1;
+    if (now < before && now * now * now <= NEGLIGIBLE * NEGLIGIBLE * tolerance * before * before)
+        return 1;
+    return now >= before && now <= STALLED * STALLED * size;
+}
+
+/* further iterations, where two were not enough */
+static dm_status iterate(dm_stepper *s, layout *l, double *norms) {
+    const size_t count = l->at.n + (size_t)l->at.m + 3;
+    while (!is_last(s, norms)) {
+        if (s->report.iterations >= s->max_iterations) return DM_NO_CONVERGENCE;
+        dm_kernel_eval(&l->kernel.newton, l->now, l->iterate);
+        memcpy(l->now + l->at.y, l->iterate, count * sizeof *norms);
+        s->report.iterations++;
+        if (!isfinite(norms[1] + norms[2])) return DM_NO_CONVERGENCE;
+    }
+    return DM_OK;
+}
+
+static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) {
+    for (uint32_t i = 0; i < l->at.m; i++)
+        if (fabs(g[i]) > s->report.constraint) s->report.constraint = fabs(g[i]);
+}
+
+/* from l->now, which is left as it was where this fails, to l->next; then they change places */
+static dm_status step_once(dm_stepper *s, layout *l, double t) {
+    double *x = l->now, *norms = x + l->at.norms;
+    const int solves = l->at.m || l->at.drags;
+    x[l->at.t0] = t;
+    x[l->at.t] = t + s->h;
+    dm_kernel_eval(&l->kernel.first, x, x + l->at.y);
+    s->report.iterations = solves ? 2 : 0;
+    if (solves && !is_last(s, norms)) {
+        const dm_status status = iterate(s, l, norms);
+        s->report.residual = sqrt(norms[1]);
+        if (status != DM_OK) return status;
+    }
+    dm_kernel_eval(&l->kernel.end, x, l->next);
+    look_at_constraint(s, l, l->next + l->at.g);
+    s->report.newton += s->report.iterations;
+    s->report.evaluations++;
+    l->now = l->next;
+    l->next = x;
+    return DM_OK;
+}
+
+static int remembers(const dm_stepper *s, const layout *l) {
+    return l->memory[WHOLE] == (s->whole != 0.0 ? s->whole : s->h);
+}
+
+static void load(dm_stepper *s, layout *l, const double *state, double t) {
+    const dm_rattle_layout *at = &l->at;
+    l->now[at->h] = l->next[at->h] = s->h;
+    l->now[at->half] = l->next[at->half] = 0.5 * s->h;
+    memcpy(l->now, state, 4 * (size_t)at->n * sizeof *state);
+    l->now[at->t] = t;
+    dm_kernel_eval(&l->kernel.begin, l->now, l->now + at->force);
+    const double last = l->memory[LAST];
+    const double part = last == s->h ? 1.0 : last == 0.0 ? 0.0 : s->h / last;
+    for (uint32_t i = 0; i < at->m; i++)
+        l->now[at->guess + i] = remembers(s, l) ? part * l->memory[MU + i] : 0.0;
+}
+
+static void remember(dm_stepper *s, layout *l) {
+    if (!remembers(s, l)) return;
+    l->memory[LAST] = s->h;
+    memcpy(l->memory + MU, l->now + l->at.guess, l->at.m * sizeof *l->memory);
+}
+
+static int is_finite(const layout *l) {
+    for (uint32_t i = 0; i < 4 * l->at.n; i++)
+        if (!isfinite(l->now[i])) return 0;
+    return 1;
+}
+
+static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
+    layout *l = layout_of(s);
+    const dm_rattle_layout *at = &l->at;
+    dm_status status = DM_OK;
+    load(s, l, state, t);
+    for (*done = 0; *done < count && status == DM_OK;) {
+        status = step_once(s, l, t + (double)*done * s->h);
+        if (status == DM_OK) ++*done;
+    }
+    /* one look at the end of a burst; then the burst is done again to find the step and stop
+     * before it */
+    if (!is_finite(l)) {
+        *done = 0;
+        return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
+    }
+    memcpy(state, l->now, 4 * (size_t)at->n * sizeof *state);
+    remember(s, l);
+    return status;
+}
+
+static dm_status step(dm_stepper *s, double *state, double t) {
+    long done;
+    return advance(s, state, t, 1, &done);
+}
+
+const dm_method dm_method_rattle = {
+    .name = "rattle",
+    .signature = "rattle",
+    .doc = "RATTLE, order 2: Stoermer-Verlet on the constraints g(q, t) = 0, for L = T(v) "
+           "- V(q, t) with constant mass and forces f(q, t); Newton for as many unknowns "
+           "as there are constraints (cost linear in them where each touches its "
+           "neighbours only), and the hidden constraint projected once a step. The base "
+           "of compositions: yoshida(4, rattle), kahan-li(8, rattle). Andersen 1983; HLW "
+           "VII.1.4.",
+    .orders = "2",
+    .stages = "2",
+    .cost = "2 n unknowns and multipliers, or eliminated",
+    .instances = "",
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_KEEPS,
+    .check = check,
+    .fits = fits,
+    .order = order,
+    .wants = wants,
+    .work = work,
+    .open = open,
+    .start = start,
+    .step = step,
+    .advance = advance,
+    .memory = memory,
+    .impulses = impulses,
+};
+
+const dm_method dm_method_shake = {
+    .name = "shake",
+    .signature = "shake",
+    .doc = "SHAKE, order 2: the positions of rattle without the projection of momenta, "
+           "whose part across the constraint is left to the next step: energies and "
+           "velocities of rows err like h^2 there, and a start from q and p takes any p. "
+           "Ryckaert, Ciccotti & Berendsen 1977; HLW VII.1.4.",
+    .orders = "2",
+    .stages = "2",
+    .cost = "2 n unknowns and multipliers, or eliminated",
+    .instances = "",
+    .traits = DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_KEEPS | DM_LOOSE_MOMENTUM,
+    .check = check,
+    .fits = fits,
+    .order = order,
+    .wants = wants,
+    .work = work,
+    .open = open,
+    .start = start,
+    .step = step,
+    .advance = advance,
+    .memory = memory,
+    .impulses = impulses,
+};

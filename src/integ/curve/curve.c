@@ -1,0 +1,369 @@
+/* curve.c - an explicit one-step method made variational (Cuell-Patrick 2008; Leok-Shingel 2012,
+ * shooting). From dLd = p1 dq1 - p0 dq0 with q0 = d-(y), q1 = d+(y) a step from (q0, p0) finds y
+ * = (q, v) and p1 with (Ld - p1 . d+ + p0 . d-)_y = 0,  d-(y) = q0,   then q1 = d+(y). Unknowns:
+ * v, the change p1 - p0 in units of velocity, and where d- is not q itself (q - q0) / h. The
+ * errors of both Legendre transforms agree to leading order, so that the step has the order of
+ * the method. */
+#include "integ/curve/curve.h"
+#include "integ/curve/curve_inside.h"
+
+#include "base/largest.h"
+#include "numbers/compensated.h"
+#include "linalg/lu.h"
+#include "linalg/solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double SLOW = 0.1;          /* rate of increments that one matrix must beat */
+static const double STALE = 3e-2;        /* rate from which the next step takes its own matrix */
+static const double ROUND_OFF = 1e-12;   /* an increment that small may stall */
+static const double NEGLIGIBLE = 2.5e-6; /* of the tolerance: an increment not worth a step */
+enum { CHORDS = 10 };
+
+static size_t head(void) {
+    return (sizeof(dm_curve_step) + sizeof(double) - 1) / sizeof(double);
+}
+
+/* ---- the rule ---- */
+
+/* of a dm.rule the curve itself, of a text the method that it names */
+static int read_curve(dm_curve *out, const dm_rule *rule) {
+    if (rule->data) {
+        *out = *(const dm_curve *)rule->data;
+        return 1;
+    }
+    if (!dm_curve_find(out, rule->arg[0].rule->name)) return 0;
+    return dm_curve_bias(out, rule->count == 2 ? rule->arg[1].number : out->bias);
+}
+
+static const char *check(const dm_rule *rule) {
+    dm_curve curve;
+    const dm_rule *method = rule->arg[0].rule;
+    if (rule->data) return NULL;
+    if (rule->count < 1 || rule->count > 2 || !method || method->count)
+        return "curve takes the name of an explicit one-step method, and a bias";
+    const double bias = rule->count == 2 ? rule->arg[1].number : 1.0;
+    if ((rule->count == 2 && rule->arg[1].rule) || !(bias >= 0.0 && bias <= 1.0))
+        return "the bias of a curve is a number from 0 to 1";
+    if (!dm_curve_find(&curve, method->name))
+        return "there is no such one-step method: straight, euler, midpoint, heun, "
+               "kutta3, rk4, "
+               "dopri5, "
+               "butcher6, fehlberg7, dop853, gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, "
+               "gsl-rk8pd";
+    if (!dm_curve_bias(&curve, bias))
+        return "this method has too many stages for a bias other than 0 and 1";
+    return NULL;
+}
+
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    if (!m->source.graph && !m->structure)
+        return "it runs on hyper-dual numbers, and curve segments need derivatives of "
+               "the "
+               "acceleration, which come from a trace";
+    if (m->structure & DM_LINEAR_IN_V)
+        return "L is linear in v, so that it has no second-order field";
+    return NULL;
+}
+
+static int order(const dm_rule *rule) {
+    dm_curve curve;
+    return read_curve(&curve, rule) ? dm_curve_order(&curve) : 0;
+}
+
+static unsigned wants(const dm_rule *rule, const dm_model *m) {
+    (void)rule, (void)m;
+    return DM_WANT_SLOPE | DM_WANT_MASS;
+}
+
+/* h, the state at the end, v of the next segment; 1 when factors hold, factors and pivots of the
+ * last matrix */
+static size_t memory_size(const dm_curve *c, size_t n) {
+    const size_t m = dm_curve_unknowns(c, n);
+    return 1 + 4 * n + n + 1 + m * m + (m + 1) / 2;
+}
+
+static size_t scratch_size(const dm_curve *c, const dm_model *m) {
+    const size_t newton = dm_newton_work((uint32_t)dm_curve_unknowns(c, m->n));
+    const size_t legendre = dm_legendre_work(m);
+    return newton > legendre ? newton : legendre;
+}
+
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    const size_t n = m->n;
+    dm_curve c;
+    if (!read_curve(&c, rule)) return 0;
+    return head() + n + 6 * n + 2 * n + n + 4 * n + memory_size(&c, n) + 2 * n + n * n + n +
+           scratch_size(&c, m) + dm_segment_work(&c, n);
+}
+
+static dm_status open(dm_stepper *s) {
+    dm_curve_step *e = (dm_curve_step *)(void *)s->work;
+    const size_t n = s->model->n;
+    *e = (dm_curve_step){.n = n, .mass = s->work + head()};
+    if (!read_curve(&e->curve, s->rule)) return DM_NO_MEMORY;
+    e->unknowns = dm_curve_unknowns(&e->curve, n);
+    e->columns = e->curve.centred ? 0 : s->model->n;
+    e->z = e->mass + n;
+    e->y = e->z + 6 * n;
+    e->p1 = e->y + 2 * n;
+    e->next = e->p1 + n;
+    e->memory = e->next + 4 * n;
+    e->slope = e->memory + memory_size(&e->curve, n);
+    memset(e->memory, 0, memory_size(&e->curve, n) * sizeof *e->memory);
+    e->scratch = e->slope + 2 * n + n * n + n;
+    dm_kernel_prepare(&s->model->slope, e->slope);
+    return dm_segment_open(&e->segment, &e->curve, s->model,
+                           e->scratch + scratch_size(&e->curve, s->model));
+}
+
+static dm_status start(dm_stepper *s, double *state, double t) {
+    dm_curve_step *e = (dm_curve_step *)(void *)s->work;
+    (void)state, (void)t;
+    memset(e->memory, 0, memory_size(&e->curve, e->n) * sizeof *e->memory);
+    return DM_OK;
+}
+
+static size_t memory(dm_stepper *s, double **place) {
+    dm_curve_step *e = (dm_curve_step *)(void *)s->work;
+    *place = e->memory;
+    return memory_size(&e->curve, e->n);
+}
+
+/* ---- the start of the iteration ---- */
+
+static int fits_memory(const dm_curve_step *e) {
+    return e->memory[0] == e->h &&
+           memcmp(e->memory + 1, e->state, 4 * e->n * sizeof *e->state) == 0;
+}
+
+/* the velocity at the end of the last segment is that of this one to the order of the method and
+ * one more */
+static dm_status guess_velocity(dm_curve_step *e, const dm_model *m, double *v) {
+    const size_t n = e->n;
+    if (fits_memory(e)) {
+        memcpy(v, e->memory + 1 + 4 * n, n * sizeof *v);
+        return DM_OK;
+    }
+    memset(v, 0, n * sizeof *v);
+    return dm_legendre_inverse(m, v, e->state, e->state + n, e->t, e->scratch);
+}
+
+/* rows of M, by their largest entries */
+static void measure_mass(dm_curve_step *e, const dm_model *m) {
+    const size_t n = e->n;
+    const int diagonal = (m->structure & DM_DIAGONAL_MASS) != 0;
+    const double *M = m->mass_matrix;
+    double *x = e->scratch, *out = e->slope + 2 * n;
+    if (!M) {
+        memcpy(x, e->state, n * sizeof *x);
+        memcpy(x + n, e->z, n * sizeof *x);
+        x[2 * n] = e->t;
+        dm_kernel_prepare(&m->mass, out);
+        dm_kernel_eval(&m->mass, x, out);
+        M = out + n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        e->mass[i] = diagonal ? fabs(M[i]) : 0.0;
+        for (size_t j = 0; j < n && !diagonal; j++)
+            e->mass[i] = fmax(e->mass[i], fabs(M[i * n + j]));
+        if (!(e->mass[i] > 0.0)) e->mass[i] = 1.0;
+    }
+}
+
+/* p1 = L_v where the segment of the guess ends */
+static dm_status guess(dm_curve_step *e, const dm_model *m) {
+    const size_t n = e->n;
+    dm_status status = guess_velocity(e, m, e->z);
+    if (status != DM_OK) return status;
+    measure_mass(e, m);
+    for (size_t k = 0; k < n; k++) e->z[2 * n + k] = (1.0 - e->curve.bias) * e->z[k];
+    status = dm_curve_place(e, e->z);
+    if (status != DM_OK) return status;
+    double *x = e->scratch;
+    for (size_t k = 0; k < n; k++) {
+        x[k] = e->state[k] + (e->y[k] + e->segment.plus[k]);
+        x[n + k] = e->segment.arrival[k];
+    }
+    x[2 * n] = e->t + e->h;
+    dm_kernel_eval(&m->slope, x, e->slope);
+    for (size_t k = 0; k < n; k++) e->z[n + k] = (e->slope[n + k] - e->state[n + k]) / e->mass[k];
+    return DM_OK;
+}
+
+/* ---- the step ---- */
+
+static double norm(const double *x, size_t n) {
+    double largest = 0.0;
+    for (size_t i = 0; i < n; i++) largest = dm_largest(largest, x[i]);
+    return largest;
+}
+
+/* dx = -J^-1 r, where J is taken anew at z or is that of an earlier step */
+static dm_status find_increment(dm_curve_step *e, double *dx, int fresh) {
+    const uint32_t m = (uint32_t)e->unknowns;
+    double *valid = e->memory + 1 + 5 * e->n, *J = valid + 1;
+    uint32_t *pivot = (uint32_t *)(void *)(J + (size_t)m * m);
+    dm_status status = dm_curve_equation(e, dx, fresh ? J : NULL, e->z);
+    if (status != DM_OK) return status;
+    e->residual = norm(dx, m);
+    if (fresh) status = dm_lu_factor(J, pivot, m);
+    if (fresh) *valid = status == DM_OK;
+    if (status != DM_OK) return status;
+    for (uint32_t i = 0; i < m; i++) dx[i] = -dx[i];
+    dm_lu_solve(dx, J, pivot, m);
+    return DM_OK;
+}
+
+/* one matrix for a whole step; DM_NO_CONVERGENCE where increments do not shrink tenfold */
+static dm_status chord(dm_curve_step *e, const dm_stepper *s, int *iterations, int fresh) {
+    const size_t m = e->unknowns;
+    double *dx = e->scratch, last = INFINITY, rate, least = SLOW;
+    for (int k = 0; k < CHORDS && k < s->max_iterations; k++) {
+        const dm_status status = find_increment(e, dx, fresh && k == 0);
+        if (status != DM_OK) return status;
+        const double step = norm(dx, m), size = norm(e->z, m) + step;
+        ++*iterations;
+        for (size_t i = 0; i < m; i++) e->z[i] += dx[i];
+        if (!isfinite(step)) return DM_NOT_FINITE;
+        rate = k ? step / last : SLOW; /* not known yet */
+        const int stalled = k && rate > SLOW && step <= ROUND_OFF * size;
+        if (k) least = fmin(least, rate); /* at the end rates are noise */
+        const int small = least * step <= NEGLIGIBLE * s->tolerance * size;
+        if (step == 0.0 || stalled || small) {
+            e->settled = step <= s->tolerance * size;
+            if (k > 3) e->memory[1 + 5 * e->n] = 0.0;
+            return DM_OK;
+        }
+        if (k && rate > SLOW) return DM_NO_CONVERGENCE;
+        if (k && rate > STALE) e->memory[1 + 5 * e->n] = 0.0;
+        last = step;
+    }
+    return DM_NO_CONVERGENCE;
+}
+
+/* Newton's method with all its care */
+static dm_status newton(dm_curve_step *e, const dm_stepper *s, int *iterations) {
+    const dm_newton_problem problem = {.m = (uint32_t)e->unknowns,
+                                       .equation = dm_curve_equation,
+                                       .ctx = e,
+                                       .size = &e->size,
+                                       .tolerance = s->tolerance,
+                                       .max_iterations = s->max_iterations};
+    dm_newton_report report = {0};
+    const dm_status status = dm_newton(e->z, &problem, e->scratch, &report);
+    *iterations += report.iterations;
+    e->residual = report.residual;
+    return status;
+}
+
+/* with the matrix of an earlier step, with one of this step, with care */
+static dm_status search(dm_curve_step *e, const dm_stepper *s, int *iterations) {
+    const int known = e->memory[0] == e->h && e->memory[1 + 5 * e->n] == 1.0;
+    const size_t size = e->unknowns * sizeof *e->z;
+    double *start = e->z + 3 * e->n;
+    memcpy(start, e->z, size);
+    dm_status status = known ? chord(e, s, iterations, 0) : DM_NO_CONVERGENCE;
+    if (status == DM_OK) return status;
+    memcpy(e->z, start, size);
+    e->estimate = e->curve.order > 2;
+    status = chord(e, s, iterations, 1);
+    e->estimate = 0;
+    if (status == DM_OK) return status;
+    e->memory[1 + 5 * e->n] = 0.0;
+    memcpy(e->z, start, size);
+    return newton(e, s, iterations);
+}
+
+dm_status dm_curve_solve(dm_stepper *s, const double *state, double t) {
+    dm_curve_step *e = (dm_curve_step *)(void *)s->work;
+    int iterations = 0;
+    e->state = state;
+    e->h = s->h;
+    e->t = t + (1.0 - e->curve.bias) * s->h; /* of y */
+    e->ran = 0;
+    e->evaluations = 0;
+    e->residual = 0.0;
+    e->settled = 0;
+    if (!fits_memory(e)) e->memory[0] = 0.0;
+    dm_status status = guess(e, s->model);
+    if (status == DM_OK) status = search(e, s, &iterations);
+    s->report.iterations = iterations;
+    s->report.residual = e->residual;
+    s->report.solves++;
+    s->report.newton += iterations;
+    return status;
+}
+
+/* d+ - q0 and v of the next segment at the root: from the segment there, or, when the last
+ * increment was at round-off, from the one before it, with d+ = q + bias h v to leading order */
+static dm_status find_end(dm_curve_step *e, double *end, double *v) {
+    const size_t n = e->n;
+    const double *dv = e->scratch;
+    const dm_status status = e->settled ? DM_OK : dm_curve_place(e, e->z);
+    for (size_t k = 0; k < n; k++) {
+        const double shift = e->curve.centred ? e->h * e->z[2 * n + k] : 0.0;
+        const double last = e->settled ? dv[k] : 0.0;
+        end[k] = shift + (e->segment.plus[k] + e->curve.bias * e->h * last);
+        v[k] = e->segment.next[k] + last;
+    }
+    return status;
+}
+
+/* q1 = d+(y), p1; and what the next step starts from */
+static dm_status finish(dm_curve_step *e) {
+    const size_t n = e->n;
+    double *next = e->next, *end = e->p1, *v = e->slope;
+    const dm_status status = find_end(e, end, v);
+    if (status != DM_OK) return status;
+    memcpy(next, e->state, 4 * n * sizeof *next);
+    for (size_t k = 0; k < n; k++) {
+        dm_sum_add(next + k, next + 2 * n + k, end[k]);
+        dm_sum_add(next + n + k, next + 3 * n + k, e->mass[k] * e->z[n + k]);
+    }
+    for (size_t k = 0; k < 4 * n; k++)
+        if (!isfinite(next[k])) return DM_NOT_FINITE;
+    e->memory[0] = e->h;
+    memcpy(e->memory + 1, next, 4 * n * sizeof *next);
+    memcpy(e->memory + 1 + 4 * n, v, n * sizeof *v);
+    return DM_OK;
+}
+
+static dm_status step(dm_stepper *s, double *state, double t) {
+    dm_curve_step *e = (dm_curve_step *)(void *)s->work;
+    dm_status status = dm_curve_solve(s, state, t);
+    if (status == DM_OK) status = finish(e);
+    s->report.evaluations += e->evaluations;
+    if (status == DM_OK) memcpy(state, e->next, 4 * e->n * sizeof *state);
+    return status;
+}
+
+const dm_method dm_method_curve = {
+    .name = "curve",
+    .signature = "curve(method, bias)",
+    .doc = "An explicit one-step method of any order made variational: curve(rk4) is "
+           "symplectic and has "
+           "order 4, without the drift of rk4 itself. The method gives the curves along "
+           "which the action "
+           "is summed; bias (1 unless given) is the part of a step behind the point (q, "
+           "v) it starts "
+           "from, 1/2 makes the rule symmetric; curve(euler, 1/2) is the midpoint rule. "
+           "2 n unknowns a "
+           "step, 3 n with a bias other than 1 (Cuell-Patrick 2008; Leok-Shingel 2012).",
+    .orders = "that of the method",
+    .stages = "those of the method",
+    .cost = "2 n unknowns",
+    .instances = "curve(euler):1:0; curve(heun):2:0; curve(kutta3):3:0; curve(rk4):4:0; curve(dopri5):6:0; curve(butcher6):7:0; curve(fehlberg7):11:0; curve(dop853):12:0",
+    .traits = DM_SYMPLECTIC | DM_KEEPS,
+    .check = check,
+    .fits = fits,
+    .order = order,
+    .wants = wants,
+    .work = work,
+    .open = open,
+    .start = start,
+    .step = step,
+    .memory = memory,
+};

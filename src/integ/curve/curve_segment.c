@@ -1,0 +1,235 @@
+#include "integ/curve/curve_segment.h"
+
+#include "linalg/lu.h"
+
+#include <string.h>
+
+static size_t doubles(size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+
+static double *take(double **memory, size_t count) {
+    double *block = *memory;
+    *memory += count;
+    return block;
+}
+
+size_t dm_segment_work(const dm_curve *c, size_t n) {
+    const size_t s = (size_t)c->s, N = 2 * n;
+    return s * (dm_field_inputs(n) + n + n * n + n * n + doubles(n * sizeof(uint32_t)) + N + N * N +
+                n * N) +
+           N + 2 * N * N + (N * N + N) + 4 * n + N + N * N + 2 * n * N + 3 * s * s + 7 * s +
+           5 * n * N + dm_field_inputs(n);
+}
+
+static void place_coefficients(dm_segment *g, double *memory) {
+    const size_t s = g->points;
+    g->to_q = take(&memory, s * s);
+    g->to_v = take(&memory, s * s);
+    g->lift = take(&memory, s * s);
+    if (!g->curve->lifted) g->lift = NULL;
+    g->plus_q = take(&memory, s);
+    g->minus_q = take(&memory, s);
+    g->weight = take(&memory, s);
+    g->plus_lift = take(&memory, s);
+    g->minus_lift = take(&memory, s);
+    g->plus_v = take(&memory, s);
+    g->next_v = take(&memory, s);
+}
+
+/* a product of h and a coefficient is rounded once, for both sweeps: momentum maps would drift
+ * otherwise */
+static void scale(dm_segment *g, double h) {
+    const dm_curve *c = g->curve;
+    const size_t s = g->points;
+    if (g->h == h) return;
+    for (size_t i = 0; i < s; i++) {
+        for (size_t j = 0; j < i; j++) {
+            g->to_q[i * s + j] = h * c->a[i][j];
+            g->to_v[i * s + j] = h * c->push[i][j];
+            if (g->lift) g->lift[i * s + j] = h * h * c->lift[i][j];
+        }
+        g->plus_q[i] = h * c->plus[i];
+        g->minus_q[i] = h * c->minus[i];
+        g->weight[i] = h * c->weight[i];
+        g->plus_lift[i] = h * h * c->plus_lift[i];
+        g->minus_lift[i] = h * h * c->minus_lift[i];
+        g->plus_v[i] = h * c->arrival[i];
+        g->next_v[i] = h * (c->arrival[i] - c->departure[i]);
+    }
+    g->h = h;
+}
+
+dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, double *memory) {
+    const size_t n = m->n, s = (size_t)c->s, N = 2 * n;
+    *g = (dm_segment){.curve = c, .m = m, .n = m->n, .points = s};
+    g->inputs = dm_field_inputs(n);
+    const dm_status status = dm_field_build(&g->field, m);
+    if (status != DM_OK) return status;
+    place_coefficients(g, take(&memory, 3 * s * s + 7 * s));
+    g->x = take(&memory, s * g->inputs);
+    g->force = take(&memory, s * (n + n * n));
+    g->factors = take(&memory, s * n * n);
+    g->pivot = (uint32_t *)(void *)take(&memory, s * doubles(n * sizeof(uint32_t)));
+    g->gradient = take(&memory, s * N);
+    g->pull = take(&memory, N);
+    g->second = take(&memory, 2 * N * N);
+    g->tangent = take(&memory, s * N * N);
+    g->push = take(&memory, s * n * N);
+    g->some = take(&memory, N * N + N);
+    g->plus = take(&memory, n);
+    g->minus = take(&memory, n);
+    g->arrival = take(&memory, n);
+    g->next = take(&memory, n);
+    g->slope = take(&memory, N);
+    g->hessian = take(&memory, N * N);
+    g->plus_tangent = take(&memory, n * N);
+    g->minus_tangent = take(&memory, n * N);
+    g->arrival_tangent = take(&memory, n * N);
+    g->departure_tangent = take(&memory, n * N);
+    g->momentum = take(&memory, n * N);
+    g->change = take(&memory, n * N);
+    g->a_y = take(&memory, n * N);
+    g->end = take(&memory, g->inputs);
+    for (size_t i = 0; i < s; i++)
+        dm_kernel_prepare(&g->field.force, g->force + i * g->field.force.outputs);
+    dm_kernel_prepare(&g->field.gradient, g->pull);
+    dm_kernel_prepare(&g->field.momentum, g->momentum);
+    return DM_OK;
+}
+
+/* ---- forward ---- */
+
+/* x = M^-1 x at point i */
+void dm_segment_divide(const dm_segment *g, size_t i, double *x) {
+    const size_t n = g->n;
+    const double *inverse = g->m->inverse_mass;
+    if (!inverse) {
+        dm_lu_solve(x, g->factors + i * n * n, g->pivot + i * n, g->n);
+    } else if (g->m->structure & DM_DIAGONAL_MASS) {
+        for (size_t k = 0; k < n; k++) x[k] *= inverse[k];
+    } else {
+        double *y = g->some;
+        memset(y, 0, n * sizeof *y);
+        for (size_t k = 0; k < n; k++)
+            for (size_t l = 0; l < n; l++) y[k] += inverse[k * n + l] * x[l];
+        memcpy(x, y, n * sizeof *x);
+    }
+}
+
+/* acceleration of point i from its q, v, t */
+static dm_status accelerate(dm_segment *g, size_t i) {
+    const size_t n = g->n;
+    double *x = g->x + i * g->inputs, *a = x + 2 * n + 1;
+    double *out = g->force + i * g->field.force.outputs;
+    dm_kernel_eval(&g->field.force, x, out);
+    memcpy(a, out, n * sizeof *a);
+    if (g->m->inverse_mass) return DM_OK;
+    double *M = g->factors + i * n * n;
+    memcpy(M, out + n, n * n * sizeof *M);
+    const dm_status status = dm_lu_factor(M, g->pivot + i * n, g->n);
+    if (status == DM_OK) dm_segment_divide(g, i, a);
+    return status;
+}
+
+/* Q_i = q + sum_j (h a_ij V_j + h^2 lift_ij A_j), V_i = v + sum_j h push_ij A_j */
+static void place_point(dm_segment *g, const dm_segment_place *at, size_t i) {
+    const size_t n = g->n, width = g->inputs, row = i * g->points;
+    double *x = g->x + i * width;
+    for (size_t k = 0; k < n; k++) {
+        const double *v = g->x + n + k, *a = v + n + 1;
+        double dq = at->shift ? at->shift[k] : 0.0, dv = 0.0;
+        for (size_t j = 0; j < i; j++) {
+            dq += g->to_q[row + j] * v[j * width];
+            dv += g->to_v[row + j] * a[j * width];
+        }
+        for (size_t j = 0; g->lift && j < i; j++) dq += g->lift[row + j] * a[j * width];
+        x[k] = at->q[k] + dq;
+        x[n + k] = at->v[k] + dv;
+    }
+    x[2 * n] = at->t + at->h * g->curve->c[i];
+}
+
+static void find_ends(dm_segment *g, const dm_segment_place *at) {
+    const size_t n = g->n;
+    for (size_t k = 0; k < n; k++) {
+        const double *v = g->x + n + k;
+        double plus = 0.0, minus = 0.0, arrival = 0.0, next = 0.0;
+        for (size_t i = 0; i < g->points; i++, v += g->inputs) {
+            const double a = v[n + 1];
+            plus += g->plus_q[i] * v[0];
+            minus += g->minus_q[i] * v[0];
+            if (g->lift) {
+                plus += g->plus_lift[i] * a;
+                minus += g->minus_lift[i] * a;
+            }
+            arrival += g->plus_v[i] * a;
+            next += g->next_v[i] * a;
+        }
+        g->plus[k] = plus;
+        g->minus[k] = minus;
+        g->arrival[k] = at->v[k] + arrival;
+        g->next[k] = at->v[k] + next;
+    }
+}
+
+dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at) {
+    scale(g, at->h);
+    for (size_t i = 0; i < g->points; i++) {
+        place_point(g, at, i);
+        const dm_status status = accelerate(g, i);
+        if (status != DM_OK) return status;
+    }
+    find_ends(g, at);
+    return DM_OK;
+}
+
+double dm_segment_action(const dm_segment *g) {
+    double sum = 0.0, L = 0.0;
+    dm_kernel_prepare(&g->m->value, &L);
+    for (size_t i = 0; i < g->points; i++) {
+        dm_kernel_eval(&g->m->value, g->x + i * g->inputs, &L);
+        sum += g->weight[i] * L;
+    }
+    return sum;
+}
+
+/* ---- back ---- */
+
+/* k_i[2n]: what F_i is pulled back by, from the ends and the points that it moves */
+static void pull_back(dm_segment *g, double *k, size_t i, const double *p1, const double *p0) {
+    const size_t n = g->n, N = 2 * n, s = g->points;
+    for (size_t l = 0; l < n; l++) {
+        const double *y = g->gradient + l, back = p0 ? p0[l] : 0.0;
+        double kq = g->minus_q[i] * back - g->plus_q[i] * p1[l], kv = 0.0;
+        for (size_t j = i + 1; j < s; j++) {
+            kq += g->to_q[j * s + i] * y[j * N];
+            kv += g->to_v[j * s + i] * y[j * N + n];
+        }
+        if (g->lift) kv += g->minus_lift[i] * back - g->plus_lift[i] * p1[l];
+        for (size_t j = i + 1; g->lift && j < s; j++) kv += g->lift[j * s + i] * y[j * N];
+        k[l] = kq;
+        k[n + l] = kv;
+    }
+}
+
+void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0) {
+    const size_t n = g->n;
+    double *k = g->hessian; /* not yet in use */
+    for (size_t l = 0; l < 2 * n; l++) g->slope[l] = 0.0;
+    for (size_t i = g->points; i-- > 0;) {
+        double *x = g->x + i * g->inputs, *u = x + 3 * n + 1;
+        double *y = g->gradient + i * 2 * n;
+        pull_back(g, k, i, p1, p0);
+        for (size_t l = 0; l < n; l++) u[l] = k[n + l];
+        dm_segment_divide(g, i, u);
+        x[4 * n + 1] = g->weight[i];
+        dm_kernel_eval(&g->field.gradient, x, g->pull);
+        for (size_t l = 0; l < n; l++) {
+            y[l] = g->pull[l];
+            y[n + l] = g->pull[n + l] + k[l];
+            g->slope[l] += y[l];
+            g->slope[n + l] += y[n + l];
+        }
+    }
+}

@@ -1,0 +1,72 @@
+/* curve_segment.h - one curve segment evaluated: its points, its ends, and the derivatives of
+ * G(y) = Ld(y) - p1 . d+(y) + p0 . d-(y) in y = (q, v), by one sweep back through the points:
+ * with F = (v, a), k_i = dG/dF_i and y_i = dG/dY_i, k_i = (h minus_i p0 - h plus_i p1, 0) + h
+ * sum_j>i a_ji y_j,   y_i = (0, kq_i) + (kv_i . a + h weight_i L)_y(Y_i) (and the like for push
+ * and lift), and with the tangents T_i = dY_i/dy G_yy = sum_i T_i^T (kv_i . a + h weight_i L)_yy
+ * T_i. All exact. */
+#ifndef DM_CURVE_SEGMENT_H
+#define DM_CURVE_SEGMENT_H
+
+#include "integ/curve/curve.h"
+#include "integ/curve/curve_field.h"
+
+typedef struct {
+    const dm_curve *curve;
+    const dm_model *m;
+    dm_field field;
+    uint32_t n;
+    size_t points, inputs;
+    double h;                          /* of the coefficients: the same numbers forward and back */
+    double *to_q, *to_v, *lift;        /* [s*s] h a, h push, h^2 lift; lift NULL: none */
+    double *plus_q, *minus_q, *weight; /* [s] of the ends and of Ld, times h */
+    double *plus_lift, *minus_lift;    /* [s] times h^2 */
+    double *plus_v, *next_v;           /* [s] of arrival and next, times h */
+    double *x;                         /* [s][inputs] of the field's kernels: q, v, t, a, u, l */
+    double *force;                     /* [s][force.outputs] */
+    double *factors;                   /* [s][n*n] of M; none where it is constant */
+    uint32_t *pivot;                   /* [s][n] */
+    double *gradient;                  /* [s][2n] y_i */
+    double *pull;                      /* [2n] outputs of the kernels */
+    double *second;                    /* [2n*2n + 2 n*2n] */
+    double *tangent;                   /* [s][2n*2n] T_i */
+    double *push;                      /* [s][n*2n] da_i/dy */
+    double *some;                      /* [2n*2n + 2n] scratch */
+    double *plus, *minus;              /* [n] d+ - q, d- - q */
+    double *arrival;                   /* [n] v + h sum plus a: the velocity at d+ */
+    double *next;                      /* [n] v + h sum (plus - minus) a: v of the next segment */
+    double *slope;                     /* [2n] sum of y_i: G_y without p0 - p1 */
+    double *hessian;                   /* [2n*2n] G_yy */
+    double *plus_tangent, *minus_tangent;        /* [n*2n] of d+ - q, d- - q */
+    double *arrival_tangent, *departure_tangent; /* [n*2n] of the velocities there, less v */
+    double *momentum, *change, *a_y, *end;       /* [n*2n] L_vy, its use, a_y; inputs of it */
+} dm_segment;
+
+/* Doubles of a segment; make its kernels, lay it out. */
+size_t dm_segment_work(const dm_curve *c, size_t n);
+dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, double *memory);
+
+/* Points, ends, `arrival` and `next` for q + shift, v (shift NULL: 0), step h around time t. */
+typedef struct {
+    const double *q, *shift, *v;
+    double t, h;
+} dm_segment_place;
+dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at);
+
+/* slope, after run; p0 NULL: 0. */
+void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0);
+
+/* Columns first .. 2n-1 of hessian; plus_tangent, minus_tangent; after gradient. */
+void dm_segment_hessian(dm_segment *g, uint32_t first);
+
+/* The same with G_yy = D+^T P+ - D-^T P-, P = (L_v)_y at the ends: what it is where Ld is the
+ * action of the flow and p0, p1 are its momenta, so that it errs by h^p relative. No second
+ * derivatives of the field. */
+void dm_segment_estimate(dm_segment *g, uint32_t first);
+
+/* x = M^-1 x at point i. */
+void dm_segment_divide(const dm_segment *g, size_t i, double *x);
+
+/* Ld, after run. Needs DM_WANT_VALUE. */
+double dm_segment_action(const dm_segment *g);
+
+#endif

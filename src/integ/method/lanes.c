@@ -1,0 +1,58 @@
+#include "integ/method/lanes.h"
+
+#include "code/native/jit.h"
+
+#include <math.h>
+#include <string.h>
+
+/* bytes that stay in the first-level cache; enough groups hide the latency of a stage */
+enum { NEAR = 24576 };
+
+static uint32_t choose_groups(uint32_t size, uint32_t lanes) {
+    const size_t fit = NEAR / ((size_t)size * lanes * sizeof(double));
+    return fit < 1 ? 1 : fit > DM_LANES_GROUPS ? DM_LANES_GROUPS : (uint32_t)fit;
+}
+
+int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size) {
+    const uint32_t lanes = dm_jit_lanes();
+    if (lanes < 4) return 0;
+    *x = (dm_lanes){.lanes = lanes, .groups = choose_groups(size, lanes)};
+    const size_t one = dm_state_size(m->n), members = (size_t)lanes * x->groups;
+    const size_t all = members * one;
+    x->state =
+        dm_arena_take(m->source.arena, (2 * all + one + members * m->params) * sizeof *x->state);
+    if (!x->state) return 0;
+    x->kept = x->state + all;
+    x->alone = x->kept + all;
+    x->params = x->alone + one;
+    memset(x->state, 0, all * sizeof *x->state);
+    return 1;
+}
+
+void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state) {
+    double *to = dm_lanes_member(x, n, i);
+    for (size_t k = 0; k < dm_state_size(n); k++) to[k * x->lanes] = state[k];
+}
+
+void dm_lanes_get(const dm_lanes *x, uint32_t n, uint32_t i, double *state) {
+    const double *from = dm_lanes_member(x, n, i);
+    for (size_t k = 0; k < dm_state_size(n); k++) state[k] = from[k * x->lanes];
+}
+
+/* their sum is not, where one is not */
+int dm_lanes_are_finite(const dm_lanes *x, uint32_t n) {
+    const size_t count = x->groups * dm_state_size(n) * x->lanes;
+    double sum[8] = {0.0}, all = 0.0;
+    for (size_t i = 0; i + 8 <= count; i += 8)
+        for (int k = 0; k < 8; k++) sum[k] += x->state[i + (size_t)k];
+    for (size_t i = count / 8 * 8; i < count; i++) all += x->state[i];
+    for (int k = 0; k < 8; k++) all += sum[k];
+    return isfinite(all);
+}
+
+int dm_lanes_is_finite(const dm_lanes *x, uint32_t n, uint32_t i) {
+    const double *from = dm_lanes_member(x, n, i);
+    double sum = 0.0; /* 0 * infinity is NaN */
+    for (size_t k = 0; k < dm_state_size(n); k++) sum += 0.0 * from[k * x->lanes];
+    return sum == 0.0;
+}

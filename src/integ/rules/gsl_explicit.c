@@ -1,0 +1,223 @@
+/* gsl_explicit.c - explicit Runge-Kutta baselines from GSL, with a fixed step. They are not
+ * symplectic: their use is comparison. The first-order form is Hamilton's, generated from L:
+ *   q' = v(q, p, t), the inverse Legendre transform,  p' = L_q(q, v, t),
+ * so that no derivative of L_v by t is needed and the state of a run is taken as it is. */
+#include "integ/method/method.h"
+#include "mech/constraints.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+#include <math.h>
+#include <string.h>
+
+static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
+
+/* at the head of the workspace */
+typedef struct {
+    const dm_model *m;
+    double *x;                          /* [2n+1] (q, v, t) */
+    double *force, *constraint;                /* [n] dL/dq; a force beside L */
+    double *y, *error, *before, *after; /* [2n] state, its error, slopes at the ends */
+    double *end;                        /* [2n] where `after` holds */
+    double end_time;
+    int has_end;
+    double *scratch;
+    dm_status status; /* why the last right-hand side failed */
+    long evaluations;
+} explicit;
+
+static const char *check(const dm_rule *rule) {
+    return rule->count ? "an explicit Runge-Kutta rule takes no argument" : NULL;
+}
+
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    return m->constraints && m->constraints->controls ? "it knows no controls; take midpoint or gauss" : NULL;
+}
+
+static unsigned wants(const dm_rule *rule, const dm_model *m) {
+    const unsigned mass = (m->structure & SIMPLE) == SIMPLE ? 0 : DM_WANT_MASS;
+    (void)rule;
+    return DM_WANT_FORCE | mass | (m->constraints ? DM_WANT_CONSTRAINT_FORCE : 0);
+}
+
+static size_t head(void) {
+    return (sizeof(explicit) + sizeof(double) - 1) / sizeof(double);
+}
+
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    const size_t n = m->n;
+    (void)rule;
+    return head() + 2 * n + 1 + 2 * n + 10 * n + dm_legendre_work(m);
+}
+
+static int right_hand_side(double t, const double y[], double slope[], void *params) {
+    explicit *e = params;
+    const uint32_t n = e->m->n;
+    double *v = e->x + n;
+    memset(v, 0, n * sizeof *v); /* a function of (q, p, t) alone: no memory of the last v */
+    e->status = dm_legendre_inverse(e->m, v, y, y + n, t, e->scratch);
+    if (e->status != DM_OK) return GSL_EBADFUNC;
+    memcpy(e->x, y, n * sizeof *y);
+    e->x[2 * n] = t;
+    dm_kernel_eval(&e->m->force, e->x, e->force);
+    memcpy(slope, v, n * sizeof *slope);
+    memcpy(slope + n, e->force, n * sizeof *slope);
+    dm_constraints_add_force(slope + n, e->m->constraints, e->x, e->constraint);
+    e->evaluations++;
+    return GSL_SUCCESS;
+}
+
+static dm_status open(dm_stepper *s, const gsl_odeiv2_step_type *type) {
+    explicit *e = (explicit *)(void *)s->work;
+    const size_t n = s->model->n;
+    *e = (explicit){.m = s->model, .x = s->work + head()};
+    e->force = e->x + 2 * n + 1;
+    e->constraint = e->force + n;
+    e->y = e->constraint + n;
+    e->error = e->y + 2 * n;
+    e->before = e->error + 2 * n;
+    e->after = e->before + 2 * n;
+    e->end = e->after + 2 * n;
+    e->scratch = e->end + 2 * n;
+    memset(e->x, 0, (2 * n + 1) * sizeof *e->x);
+    dm_kernel_prepare(&s->model->force, e->force);
+    gsl_set_error_handler_off();
+    s->outside = gsl_odeiv2_step_alloc(type, 2 * n);
+    return s->outside ? DM_OK : DM_NO_MEMORY;
+}
+
+static dm_status open_rk4(dm_stepper *s) {
+    return open(s, gsl_odeiv2_step_rk4);
+}
+static dm_status open_rkf45(dm_stepper *s) {
+    return open(s, gsl_odeiv2_step_rkf45);
+}
+static dm_status open_rk8pd(dm_stepper *s) {
+    return open(s, gsl_odeiv2_step_rk8pd);
+}
+
+static void close(dm_stepper *s) {
+    if (s->outside) gsl_odeiv2_step_free(s->outside);
+    s->outside = NULL;
+}
+
+/* slope at the start: the one at the end of the last step when that is where we are */
+static int start_slope(explicit *e, double t) {
+    const size_t size = 2 * (size_t)e->m->n * sizeof *e->y;
+    const int same_time = (e->m->structure & DM_AUTONOMOUS) || e->end_time == t;
+    if (e->has_end && same_time && memcmp(e->end, e->y, size) == 0) {
+        memcpy(e->before, e->after, size);
+        return GSL_SUCCESS;
+    }
+    return right_hand_side(t, e->y, e->before, e);
+}
+
+static dm_status apply(explicit *e, dm_stepper *s, double t) {
+    const size_t size = 2 * (size_t)e->m->n;
+    const gsl_odeiv2_system system = {right_hand_side, NULL, size, e};
+    e->status = DM_OK;
+    int failed = start_slope(e, t);
+    e->has_end = 0;
+    if (!failed)
+        failed = gsl_odeiv2_step_apply(s->outside, t, s->h, e->y, e->error, e->before, e->after,
+                                       &system);
+    if (failed) return e->status != DM_OK ? e->status : DM_NOT_FINITE;
+    for (size_t i = 0; i < size; i++)
+        if (!isfinite(e->y[i])) return DM_NOT_FINITE;
+    memcpy(e->end, e->y, size * sizeof *e->end);
+    e->end_time = t + s->h;
+    e->has_end = 1;
+    return DM_OK;
+}
+
+/* the low-order parts of the state are not used: these rules do not sum with compensation */
+static dm_status step(dm_stepper *s, double *state, double t) {
+    explicit *e = (explicit *)(void *)s->work;
+    const size_t size = 2 * (size_t)e->m->n * sizeof *state;
+    memcpy(e->y, state, size);
+    e->evaluations = 0;
+    const dm_status status = apply(e, s, t);
+    s->report.evaluations += e->evaluations;
+    if (status != DM_OK) return status;
+    memcpy(state, e->y, size);
+    return DM_OK;
+}
+
+static int order4(const dm_rule *rule) {
+    (void)rule;
+    return 4;
+}
+
+static int order5(const dm_rule *rule) {
+    (void)rule;
+    return 5;
+}
+
+static int order8(const dm_rule *rule) {
+    (void)rule;
+    return 8;
+}
+
+const dm_method dm_method_rk4 = {
+    .name = "rk4",
+    .signature = "rk4",
+    .doc = "Classical Runge-Kutta of order 4, two half steps, 11 forces a step; not "
+           "symplectic, a "
+           "baseline (GSL).",
+    .orders = "4",
+    .stages = "4",
+    .cost = "11 accelerations: GSL takes it whole and in two halves",
+    .instances = "rk4:4:11",
+    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
+    .check = check,
+    .fits = fits,
+    .order = order4,
+    .wants = wants,
+    .work = work,
+    .open = open_rk4,
+    .step = step,
+    .close = close,
+};
+
+const dm_method dm_method_rkf45 = {
+    .name = "rkf45",
+    .signature = "rkf45",
+    .doc = "Runge-Kutta-Fehlberg 4(5) with a fixed step, order 5, 6 forces a step; not "
+           "symplectic, a "
+           "baseline (GSL).",
+    .orders = "5",
+    .stages = "6",
+    .cost = "6 accelerations",
+    .instances = "rkf45:6:6",
+    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
+    .check = check,
+    .fits = fits,
+    .order = order5,
+    .wants = wants,
+    .work = work,
+    .open = open_rkf45,
+    .step = step,
+    .close = close,
+};
+
+const dm_method dm_method_rk8pd = {
+    .name = "rk8pd",
+    .signature = "rk8pd",
+    .doc = "Runge-Kutta Prince-Dormand 8(9) with a fixed step, order 8, 13 forces a "
+           "step; not "
+           "symplectic, a strong baseline (GSL).",
+    .orders = "8",
+    .stages = "13",
+    .cost = "13 accelerations",
+    .instances = "rk8pd:13:13",
+    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
+    .check = check,
+    .fits = fits,
+    .order = order8,
+    .wants = wants,
+    .work = work,
+    .open = open_rk8pd,
+    .step = step,
+    .close = close,
+};

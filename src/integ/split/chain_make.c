@@ -1,0 +1,166 @@
+/* chain_make.c - kicks and drifts of a chain as nodes, and the loops made of them. */
+#include "integ/split/chain_inside.h"
+
+/* what a pass does with each body, in this order */
+typedef struct {
+    int kick, drift, end, again_kick, again_drift;
+} pass;
+
+/* ---- passes as nodes ---- */
+
+/* one coordinate on its way through a pass */
+typedef struct {
+    dm_strip_draft *d;
+    dm_node q0, p0, dq, dp, weight, force;
+    int plain;
+} body;
+
+static dm_node number(body *b, uint32_t slot) {
+    return dm_strip_read(b->d, dm_lattice_number(slot));
+}
+
+/* *sum += number in the slot times factor */
+static void add(body *b, dm_node *sum, uint32_t slot, dm_node factor) {
+    *sum = dm_apply(b->d->g, DM_OP_FMA, number(b, slot), factor, *sum);
+}
+
+static void add_kick(body *b, uint32_t slot) {
+    add(b, b->plain ? &b->p0 : &b->dp, slot, b->force);
+}
+
+static void add_drift(body *b, uint32_t slot) {
+    const dm_node p = b->plain ? b->p0 : dm_add(b->d->g, b->p0, b->dp);
+    const dm_node v = b->weight ? dm_mul(b->d->g, b->weight, p) : p;
+    add(b, b->plain ? &b->q0 : &b->dq, slot, v);
+}
+
+/* high + low exactly, whichever is larger (Knuth): low is at most half a unit of high then, so
+ * that the sum of both rounds to high and a burst begins where the last one ended */
+static void add_up(dm_graph *g, dm_node *high, dm_node *low) {
+    const dm_node sum = dm_add(g, *high, *low), from_low = dm_sub(g, sum, *high);
+    const dm_node from_high = dm_sub(g, sum, from_low);
+    *low = dm_add(g, dm_sub(g, *high, from_high), dm_sub(g, *low, from_low));
+    *high = sum;
+}
+
+static void go_through(body *b, pass what) {
+    if (what.kick) add_kick(b, KICK);
+    if (what.drift) add_drift(b, DRIFT);
+    if (what.end && !b->plain) {
+        add_up(b->d->g, &b->q0, &b->dq);
+        add_up(b->d->g, &b->p0, &b->dp);
+    }
+    if (what.again_kick) add_kick(b, AGAIN_KICK);
+    if (what.again_drift) add_drift(b, AGAIN_DRIFT);
+}
+
+static dm_strand entry(const dm_chain *c, uint32_t first, uint32_t k) {
+    return dm_lattice_entry(&c->lattice, first + k);
+}
+
+static dm_node weight_of(const dm_chain *c, dm_strip_draft *d, uint32_t k) {
+    if (c->same_weight == 1.0) return 0;
+    if (c->same_weight != 0.0) return dm_constant(d->g, c->same_weight);
+    return dm_strip_read(d, entry(c, c->weight, k));
+}
+
+static void write_body(const dm_chain *c, body *b, pass what, uint32_t k) {
+    const dm_node q = c->plain ? b->q0 : dm_add(b->d->g, b->q0, b->dq);
+    dm_strip_write(b->d, entry(c, c->q, k), q);
+    if (!c->plain) {
+        dm_strip_write(b->d, entry(c, c->dq, k), b->dq);
+        dm_strip_write(b->d, entry(c, c->dp, k), b->dp);
+    }
+    if (!what.end && !c->plain) return;
+    dm_strip_write(b->d, entry(c, c->q0, k), b->q0);
+    dm_strip_write(b->d, entry(c, c->p0, k), b->p0);
+}
+
+static void read_body(const dm_chain *c, body *b, uint32_t k) {
+    b->q0 = dm_strip_read(b->d, entry(c, c->q0, k));
+    if (!c->plain) b->dq = dm_strip_read(b->d, entry(c, c->dq, k));
+    b->p0 = dm_strip_read(b->d, entry(c, c->p0, k));
+    if (!c->plain) b->dp = dm_strip_read(b->d, entry(c, c->dp, k));
+}
+
+static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
+    const dm_source *from = &c->lattice.model->source;
+    dm_node F[DM_STRIP_MOST];
+    dm_strip_draft d;
+    if (c->lattice.block > DM_STRIP_MOST) return DM_TOO_LARGE;
+    if (!dm_strip_begin(&d, from->arena)) return DM_NO_MEMORY;
+    dm_graph_verbatim(d.g, 1);
+    if (what.kick || what.again_kick) dm_lattice_force(&c->lattice, &d, F);
+    for (uint32_t k = 0; k < c->lattice.block; k++) {
+        body b = {.d = &d, .force = F[k], .weight = weight_of(c, &d, k), .plain = c->plain};
+        read_body(c, &b, k);
+        go_through(&b, what);
+        write_body(c, &b, what, k);
+    }
+    return dm_strip_end(out, &d, from->compile, from->arena);
+}
+
+/* ---- loops ---- */
+
+/* all passes or none: they differ in where positions are */
+static int join(dm_chain *c) {
+    dm_strip *const all[] = {c->middle, c->turn, c->stop};
+    for (int k = 0; k < 3; k++)
+        if (all[k]->one.outputs &&
+            dm_lattice_join(&c->lattice, all[k] + 1, all[k], dm_chain_positions(c)) != DM_OK)
+            return 0;
+    return 1;
+}
+
+/* `count` passes, all but the last of them in the middle of a step */
+static int stack_up(dm_chain *c, dm_strip *out, int count, const dm_strip *last) {
+    const dm_strip *use[DM_LATTICE_DEEP];
+    for (int k = 0; k < count; k++) use[k] = k + 1 < count ? c->middle : last;
+    return dm_lattice_stack(&c->lattice, out, use, (uint32_t)count, dm_chain_positions(c)) == DM_OK;
+}
+
+/* all stacks of a step, or none */
+static int stack_all(dm_chain *c) {
+    const int middle = c->last - c->first;
+    c->deep = (int)dm_lattice_deep(&c->lattice);
+    if (!c->deep) return 0;
+    c->rest = middle % c->deep;
+    if (middle >= c->deep && !stack_up(c, &c->deep_middle, c->deep, c->middle)) return 0;
+    if (c->first && !stack_up(c, &c->deep_turn, c->rest + 1, c->turn)) return 0;
+    return stack_up(c, &c->deep_stop, c->rest + 1, c->stop);
+}
+
+static dm_status make_passes(dm_chain *c) {
+    const dm_splitting *table = &c->table;
+    const int kicks = c->first && table->b[0] != 0.0, drifts = c->last < table->stages;
+    const pass lead = {.drift = 1}, middle = {.kick = 1, .drift = 1};
+    const pass stop = {.kick = 1, .drift = drifts, .end = 1};
+    pass turn = stop;
+    turn.again_kick = kicks;
+    turn.again_drift = c->first;
+    dm_status status = make_pass(c, c->stop, stop);
+    if (status == DM_OK && (kicks || c->last > c->first)) status = make_pass(c, c->middle, middle);
+    if (status == DM_OK && c->first) status = make_pass(c, c->turn, turn);
+    if (status == DM_OK && c->first && !kicks) status = make_pass(c, c->lead, lead);
+    c->joined = status == DM_OK && join(c);
+    if (!c->joined || !stack_all(c)) c->deep = 0;
+    return status;
+}
+
+static double common_weight(const dm_model *m) {
+    for (uint32_t i = 1; i < m->n; i++)
+        if (m->inverse_mass[i] != m->inverse_mass[0]) return 0.0;
+    return m->inverse_mass[0];
+}
+
+dm_status dm_chain_make(dm_chain *c, const dm_model *m) {
+    const dm_status status = dm_lattice_open(&c->lattice, m);
+    if (status != DM_OK) return status;
+    c->same_weight = common_weight(m);
+    c->q0 = dm_lattice_arrays(&c->lattice);
+    c->p0 = dm_lattice_arrays(&c->lattice);
+    c->dq = dm_lattice_arrays(&c->lattice);
+    c->dp = dm_lattice_arrays(&c->lattice);
+    if (c->same_weight == 0.0) c->weight = dm_lattice_arrays(&c->lattice);
+    return make_passes(c);
+}

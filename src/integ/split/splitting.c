@@ -1,0 +1,184 @@
+#include "integ/split/splitting.h"
+
+#include "numbers/compensated.h"
+#include "integ/split/chain.h"
+#include "integ/split/splitting_loop.h"
+
+#include <string.h>
+
+/* workspace: this, then x = (q, v, t, parameters), force[n], kicked[n], the state at the start
+ * of a burst, what the loop needs */
+typedef struct {
+    dm_splitting table;
+    double c[DM_SPLITTING_STAGES + 1]; /* time of kick k is t + c_k h */
+    dm_splitting_loop *loop;           /* NULL: none */
+    dm_chain *chain;                   /* NULL: no loops along arrays */
+} layout;
+
+int dm_splitting_fits(const dm_model *m) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    return (m->structure & simple) == simple && m->inverse_mass && !m->constraints;
+}
+
+void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {
+    out->stages = s;
+    for (int k = 0; k <= s; k++) {
+        const double before = k > 0 ? gamma[k - 1] : 0.0, after = k < s ? gamma[k] : 0.0;
+        out->b[k] = 0.5 * (before + after);
+        if (k < s) out->a[k] = gamma[k];
+    }
+}
+
+static size_t layout_size(void) {
+    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+}
+
+size_t dm_splitting_work(const dm_model *m) {
+    const size_t loops = m->structure & DM_LOOPS ? dm_chain_work(m) : dm_splitting_loop_work(m);
+    return layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n) + loops;
+}
+
+static double *loop_work(const dm_stepper *s) {
+    const uint32_t n = s->model->n;
+    return s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params + dm_state_size(n);
+}
+
+/* forces a step: one for every kick but the first, which has that of the step before */
+static uint32_t evaluations(const dm_splitting *table) {
+    return (uint32_t)(table->stages - (table->b[table->stages] == 0.0));
+}
+
+void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
+    const dm_model *m = s->model;
+    layout *l = (layout *)(void *)s->work;
+    *l = (layout){.table = *table};
+    for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
+    l->c[table->stages] = 1.0;
+    /* without them the loop below serves */
+    if (m->structure & DM_LOOPS)
+        l->chain = dm_chain_open(m, table, s->plain, loop_work(s));
+    else
+        l->loop = dm_splitting_loop_open(m, table, s->plain);
+    s->report.plain = s->plain && (l->loop || l->chain);
+}
+
+int dm_splitting_widen(dm_stepper *s, dm_lanes *x) {
+    layout *l = (layout *)(void *)s->work;
+    return l->loop && dm_splitting_loop_widen(l->loop, s->model, x);
+}
+
+static inline void kick(uint32_t n, double *p, double *low, double hb, const double *force) {
+    for (uint32_t i = 0; i < n; i++) dm_sum_add(p + i, low + i, hb * force[i]);
+}
+
+/* The kick that begins a step, with the force that ended the last one: p + hb force is what the
+ * first drift sees; p itself gets it with the next kick, by way of the low part, so that the drift
+ * does not wait for two sums. */
+static inline void begin(uint32_t n, double *kicked, double *p, double hb, const double *force) {
+    double *low = p + 2 * n; /* behind p in the state */
+    for (uint32_t i = 0; i < n; i++) {
+        kicked[i] = p[i] + hb * force[i];
+        low[i] += hb * force[i];
+    }
+}
+
+/* q += h a M^-1 (p - shift) */
+static inline void drift(const dm_model *m, double *q, double *low, double ha, const double *p) {
+    const uint32_t n = m->n;
+    const double *w = m->inverse_mass, *shift = m->momentum_shift;
+    if (m->structure & DM_DIAGONAL_MASS) {
+        for (uint32_t i = 0; i < n; i++) dm_sum_add(q + i, low + i, (ha * w[i]) * p[i]);
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        double v = 0.0;
+        for (uint32_t j = 0; j < n; j++) v += w[i * n + j] * (p[j] - shift[j]);
+        dm_sum_add(q + i, low + i, ha * v);
+    }
+}
+
+static dm_splitting_burst burst_of(const dm_stepper *s, double t, long count) {
+    const layout *l = (const layout *)(const void *)s->work;
+    return (dm_splitting_burst){.table = &l->table,
+                                .c = l->c,
+                                .h = s->h,
+                                .t = t,
+                                .count = count,
+                                .many = s->model->params,
+                                .params = s->params};
+}
+
+/* count steps with no look at what comes out */
+static void run(dm_stepper *s, double *state, double t, long count) {
+    const dm_model *m = s->model;
+    const uint32_t n = m->n;
+    layout *l = (layout *)(void *)s->work;
+    if (l->loop) {
+        const dm_splitting_burst burst = burst_of(s, t, count);
+        dm_splitting_loop_run(l->loop, m, state, &burst, loop_work(s));
+        s->report.evaluations += 1 + count * evaluations(&l->table);
+        return;
+    }
+    const dm_splitting *table = &l->table;
+    double *x = s->work + layout_size(), *force = x + 2 * n + 1 + m->params, *kicked = force + n;
+    double *p = state + n, *low_q = state + 2 * n, *low_p = state + 3 * n;
+    memcpy(x, state, n * sizeof *x);
+    x[2 * n] = t;
+    if (m->params) memcpy(x + 2 * n + 1, s->params, m->params * sizeof *x);
+    dm_kernel_prepare(&m->force, force);
+    if (table->b[0] != 0.0) dm_kernel_eval(&m->force, x, force);
+    for (long step = 0; step < count; step++) {
+        const double now = t + (double)step * s->h;
+        const int kicks = table->b[0] != 0.0;
+        if (kicks) begin(n, kicked, p, s->h * table->b[0], force);
+        for (int k = 0; k < table->stages; k++) {
+            drift(m, x, low_q, s->h * table->a[k], kicks && k == 0 ? kicked : p);
+            x[2 * n] = now + l->c[k + 1] * s->h;
+            if (table->b[k + 1] == 0.0) continue; /* ends with a drift */
+            dm_kernel_eval(&m->force, x, force);
+            kick(n, p, low_p, s->h * table->b[k + 1], force);
+        }
+    }
+    memcpy(state, x, n * sizeof *x);
+    s->report.evaluations += (table->b[0] != 0.0) + count * evaluations(table);
+}
+
+/* all steps, or the state as it was */
+static int run_chain(dm_stepper *s, double *state, double t, long count) {
+    const layout *l = (const layout *)(const void *)s->work;
+    const dm_chain_burst burst = {s->h, t, count, s->goes_on};
+    const long forces = dm_chain_run(l->chain, state, &burst);
+    s->goes_on = 0;
+    s->report.evaluations += forces;
+    return forces > 0;
+}
+
+/* what is not finite stays so, hence one look at the end; then the burst is done again to find
+ * the step */
+dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count, long *done) {
+    const uint32_t n = s->model->n;
+    const size_t bytes = dm_state_size(n) * sizeof *state;
+    double *start = s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params;
+    *done = count;
+    if (((const layout *)(const void *)s->work)->chain) {
+        if (run_chain(s, state, t, count)) return DM_OK;
+    } else {
+        memcpy(start, state, bytes);
+        run(s, state, t, count);
+        if (dm_state_is_finite(state, n)) return DM_OK;
+        memcpy(state, start, bytes);
+    }
+    *done = 0;
+    return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
+}
+
+void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+    const layout *l = (const layout *)(const void *)s->work;
+    const dm_splitting_burst burst = burst_of(s, t, count);
+    dm_splitting_loop_run_lanes(l->loop, s->model, x, &burst, loop_work(s));
+}
+
+dm_status dm_splitting_step(dm_stepper *s, double *state, double t) {
+    long done;
+    return dm_splitting_advance(s, state, t, 1, &done);
+}

@@ -1,0 +1,172 @@
+#include "integ/split/splitting_loop_inside.h"
+
+#include "code/native/jit.h"
+#include "integ/method/cache.h"
+
+#include <string.h>
+
+/* for both kinds of sums, since a model keeps them */
+size_t dm_splitting_loop_work(const dm_model *m) {
+    return m->structure & DM_LOOPS ? 0 : dm_splitting_loop_carried(m->n) + DM_LOOP_COEFFICIENTS;
+}
+
+static unsigned shape_of(const dm_splitting *table) {
+    const double first = table->b[0], last = table->b[table->stages];
+    return (first != 0.0 ? DM_LOOP_KICK_FIRST : 0) | (last != 0.0 ? DM_LOOP_KICK_LAST : 0) |
+           (table->stages > 1 ? DM_LOOP_MORE_STAGES : 0) |
+           /* the factors of a last kick are those of the first one of the next step */
+           (first == last || first == 0.0 || last == 0.0 ? DM_LOOP_SCALED : 0);
+}
+
+/* ---- parts ---- */
+
+/* coefficients: force: t, h b, -h b, parameters; drift: h a; the first kick of a head: h b_0; in
+ * the order of use */
+
+/* new factors, and where there is a low[n], p with other increments in its low parts, the kick
+ * by them */
+static void fuse_force(dm_fusion *b, dm_node *low) {
+    const dm_node t = dm_fusion_coefficient(b), hb = dm_fusion_coefficient(b),
+                  minus = dm_fusion_coefficient(b);
+    dm_fusion_params(b);
+    dm_fusion_factors(b, b->more, t, hb, minus);
+    for (uint32_t i = 0; low && i < b->model->n; i++) {
+        dm_node *to = b->plain ? b->p : b->low_p;
+        to[i] = dm_fusion_constant(b, i, hb, b->plain ? b->p[i] : low[i]);
+        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
+    }
+}
+
+/* The kick that begins a step has the factors of the one that ended the last step: p + kick is
+ * what the drift sees; p itself gets it with the next kick, by way of the low part, so that the
+ * drift does not wait. */
+static void fuse_head(dm_fusion *b, dm_node *low, dm_node *kicked) {
+    const uint32_t n = b->model->n;
+    dm_product *first = dm_arena_take(b->model->source.arena, n * sizeof *first);
+    b->failed |= !first;
+    if (!first) return;
+    const dm_node hb = dm_fusion_coefficient(b);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_product x = dm_fusion_kick(b, b->more, i, hb);
+        const dm_node p = dm_fusion_constant(b, i, hb, b->p[i]);
+        kicked[i] = dm_multiply_add(b->graph, x.a, x.b, p);
+        first[i] = x;
+    }
+    dm_fusion_drift(b, dm_fusion_coefficient(b), kicked);
+    for (uint32_t i = 0; i < n; i++) {
+        const dm_node more = dm_fusion_constant(b, i, hb, b->low_p[i]);
+        low[i] = dm_multiply_add(b->graph, first[i].a, first[i].b, more);
+    }
+    fuse_force(b, low);
+}
+
+/* the same without low parts: p gets the kick at once */
+static void fuse_plain_head(dm_fusion *b) {
+    const dm_node hb = dm_fusion_coefficient(b);
+    for (uint32_t i = 0; i < b->model->n; i++) {
+        b->p[i] = dm_fusion_constant(b, i, hb, b->p[i]);
+        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
+    }
+    dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
+    fuse_force(b, b->low_p);
+}
+
+static void fuse_body(dm_fusion *b, int kick_first) {
+    if (!kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
+    fuse_force(b, b->low_p);
+    if (kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
+}
+
+/* values that nothing carries from part to part */
+static int drops_factors(const dm_splitting_loop *l) {
+    return (l->shape & DM_LOOP_MERGED) ||
+           dm_splitting_loop_ends(l->shape) != DM_LOOP_KICKS_AT_BOTH_ENDS;
+}
+
+static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind kind,
+                     dm_loop_part *out) {
+    const uint32_t n = m->n;
+    dm_fusion b;
+    dm_node *y = dm_arena_take(m->source.arena, 3 * (size_t)n * sizeof *y);
+    if (!y || !dm_fusion_begin(&b, m, &l->kicks, l->size)) return 0;
+    b.plain = (l->shape & DM_LOOP_PLAIN) != 0;
+    if (drops_factors(l)) b.more = y + 2 * (size_t)n;
+    if (kind == DM_LOOP_START)
+        fuse_force(&b, l->shape & DM_LOOP_MERGED ? b.p : NULL);
+    else if (kind == DM_LOOP_HEAD && b.plain)
+        fuse_plain_head(&b);
+    else if (kind == DM_LOOP_HEAD)
+        fuse_head(&b, y, y + n);
+    else if (kind == DM_LOOP_BODY)
+        fuse_body(&b, dm_splitting_loop_ends(l->shape) == DM_LOOP_KICK_FIRST);
+    else
+        dm_fusion_drift(&b, dm_fusion_coefficient(&b), b.p);
+    return dm_fusion_end(&b, out);
+}
+
+static int build_parts(dm_splitting_loop *l, const dm_model *m) {
+    const int merged = (l->shape & DM_LOOP_MERGED) != 0;
+    const int both = !merged && dm_splitting_loop_ends(l->shape) == DM_LOOP_KICKS_AT_BOTH_ENDS;
+    const int wanted[DM_LOOP_PARTS] = {[DM_LOOP_START] = both,
+                                       [DM_LOOP_HEAD] = both,
+                                       [DM_LOOP_BODY] = !both || (l->shape & DM_LOOP_MORE_STAGES),
+                                       [DM_LOOP_TAIL] = !dm_splitting_loop_ends(l->shape)};
+    for (int k = 0; k < DM_LOOP_PARTS; k++)
+        if (wanted[k] && !fuse_part(l, m, (dm_loop_kind)k, l->part + k)) return 0;
+    return !merged || fuse_part(l, m, DM_LOOP_START, l->kick + DM_LOOP_START);
+}
+
+static unsigned whole_shape(const dm_model *m, const dm_splitting *table, int plain) {
+    const unsigned shape = shape_of(table);
+    if (!plain) return shape;
+    if (dm_splitting_loop_ends(shape) != DM_LOOP_KICKS_AT_BOTH_ENDS ||
+        !(m->structure & DM_AUTONOMOUS))
+        return shape | DM_LOOP_PLAIN;
+    /* one body does for any number of stages */
+    return DM_LOOP_KICKS_AT_BOTH_ENDS | DM_LOOP_SCALED | DM_LOOP_PLAIN | DM_LOOP_MERGED;
+}
+
+/* what a step carries */
+static uint32_t size_of(const dm_splitting_loop *l, uint32_t n) {
+    if (l->shape & DM_LOOP_MERGED) return 2 * n;
+    return 4 * n + (drops_factors(l) ? 0 : l->kicks.count);
+}
+
+dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table, int plain) {
+    static const char maker;
+    const unsigned shape = whole_shape(m, table, plain);
+    dm_kernel kept;
+    if (dm_kept_find(&kept, m, &maker, shape)) return (dm_splitting_loop *)(uintptr_t)kept.pool;
+    if (!m->source.graph || (!dm_splitting_loop_ends(shape) && table->stages < 2)) return NULL;
+    dm_splitting_loop *l = dm_arena_take(m->source.arena, sizeof *l);
+    if (!l) return NULL;
+    *l = (dm_splitting_loop){.shape = shape};
+    if (!dm_kicks_read(&l->kicks, m, m->source.gradient, (shape & DM_LOOP_SCALED) != 0) ||
+        !dm_kicks_contract(&l->kicks))
+        return NULL;
+    l->size = size_of(l, m->n);
+    if (!build_parts(l, m) || !dm_fused_build(&l->one, m, l->part, l->size, 1)) return NULL;
+    if ((shape & DM_LOOP_MERGED) && !dm_fused_build(&l->one_kick, m, l->kick, l->size, 1))
+        return NULL;
+    dm_kept_add(m, &maker, shape, &(dm_kernel){.pool = l}, 1);
+    return l;
+}
+
+int dm_splitting_loop_widen(dm_splitting_loop *l, const dm_model *m, dm_lanes *x) {
+    dm_arena *arena = m->source.arena;
+    dm_splitting_wide *w = &l->many;
+    if (w->spread && w->lanes.lanes == dm_jit_lanes()) return *x = w->lanes, 1;
+    *w = (dm_splitting_wide){0};
+    if (!l->one.native || !dm_lanes_open(x, m, l->size)) return 0;
+    const size_t group = (size_t)l->size * x->lanes;
+    const size_t spread = DM_LOOP_COEFFICIENTS * (size_t)x->lanes * (m->params ? x->groups : 1);
+    w->wide = dm_arena_take(arena, group * x->groups * sizeof *w->wide);
+    if (!w->wide || !dm_fused_build(&w->loop, m, l->part, l->size, x->lanes)) return 0;
+    if ((l->shape & DM_LOOP_MERGED) && !dm_fused_build(&w->kick, m, l->kick, l->size, x->lanes))
+        return 0;
+    x->together = w->loop.together;
+    if (x->groups % x->together != 0) return 0;
+    w->lanes = *x;
+    w->spread = dm_arena_take(arena, spread * sizeof *w->spread);
+    return w->spread != NULL;
+}

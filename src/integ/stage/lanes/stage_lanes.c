@@ -1,0 +1,311 @@
+/* stage_lanes.c - members of an ensemble side by side: memory, kernels, and steps that a member
+ * takes alone. */
+#include "integ/stage/lanes/stage_lanes.h"
+
+#include "code/native/jit.h"
+#include "numbers/processor.h"
+#include "integ/method/cache.h"
+#include "integ/method/lanes.h"
+#include "integ/stage/lanes/one_point.h"
+
+#include <string.h>
+
+/* ---- choosing ---- */
+
+/* sums over stages are fused where sweep.c has them so for one member */
+static int is_fused(const dm_stage *g) {
+    const uint32_t width = g->sweeps.row->width;
+    if (width == 4) return dm_processor() >= DM_FMA;
+    return width == 8 && dm_processor() == DM_AVX512;
+}
+
+static dm_stage_lanes_step *choose_step(const dm_stage *g, uint32_t lanes) {
+#ifdef __x86_64__
+    if (g->pushes.memory) return lanes == 8 ? dm_stage_push_avx512 : dm_stage_push_avx;
+    if (!g->sweeps.row) return lanes == 8 ? dm_stage_newton_avx512 : dm_stage_newton_avx;
+    if (lanes == 8) return is_fused(g) ? dm_stage_sweep_avx512 : dm_stage_sweep_avx512_plain;
+    return is_fused(g) ? dm_stage_sweep_fma : dm_stage_sweep_avx;
+#else
+    (void)g, (void)lanes;
+    return NULL;
+#endif
+}
+
+/* the stage's own graph, which was compacted, as it stands */
+static int build_curves(dm_stage_lanes *w, const dm_stage *g, uint32_t lanes) {
+    const dm_source *s = &g->m->source;
+    const uint32_t n = g->n, all = 2 * n + 3 * n * n;
+    if (!s->stage_graph || g->m->stage.memory || g->m->slope.memory) return 0;
+    dm_graph_verbatim(s->stage_graph, 1);
+    const int made =
+        dm_jit_build_lanes(&w->stage, s->stage_graph, s->stage, all, lanes, s->arena) == DM_OK &&
+        dm_jit_build_lanes(&w->slope, s->stage_graph, s->stage, 2 * n, lanes, s->arena) == DM_OK;
+    dm_graph_verbatim(s->stage_graph, 0);
+    return made;
+}
+
+static int build_sweeps(dm_stage_lanes *w, const dm_stage *g, uint32_t lanes) {
+    dm_kernel kernels[3];
+    if (dm_stage_sweeps_kernels(kernels, g, lanes) != lanes) return 0;
+    w->force = kernels[0];
+    if (g->separable) return 1;
+    w->factors = kernels[1];
+    w->velocity = kernels[2];
+    return 1;
+}
+
+/* ---- memory ---- */
+
+/* arrays of the vectors of one group, one after the other */
+typedef struct {
+    double **place;
+    size_t entries;
+} array;
+
+static int lay_out(const dm_stage_lanes *w, const array *arrays, size_t count) {
+    size_t all = 0;
+    const size_t lanes = w->members.lanes;
+    for (size_t i = 0; i < count; i++) all += arrays[i].entries * lanes;
+    double *memory = dm_arena_take(w->g->m->source.arena, all * sizeof *memory);
+    if (!memory) return 0;
+    memset(memory, 0, all * sizeof *memory);
+    for (size_t i = 0; i < count; i++) {
+        *arrays[i].place = memory;
+        memory += arrays[i].entries * lanes;
+    }
+    return 1;
+}
+
+static int lay_out_sweeps(dm_stage_lanes *w) {
+    const dm_stage *g = w->g;
+    const size_t n = g->n, r = g->table.r;
+    const size_t triangle = g->separable ? 0 : n * (n + 1) / 2;
+    const size_t taken = 2 * n + 1, given = g->sweeps.force.outputs,
+                 factored = g->separable ? 0 : 3 * n + triangle;
+    const array arrays[] = {{&w->next, 4 * n},  {&w->in, r * taken}, {&w->out, r * given},
+                            {&w->u, r * n},     {&w->base, r * n},   {&w->factored, r * factored},
+                            {&w->lift, r * n},  {&w->v0, n},         {&w->drift, n},
+                            {&w->end_u, r * n}, {&w->end_f, r * n},  {&w->zeros, r * n}};
+    const uint32_t lanes = w->members.lanes;
+    if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
+    for (size_t m = 0; m < r; m++) {
+        dm_kernel_prepare_lanes(&w->force, lanes, w->out + m * given * lanes);
+        if (g->separable) continue;
+        dm_kernel_prepare_lanes(&w->factors, lanes, w->factored + m * factored * lanes);
+        dm_kernel_prepare_lanes(&w->velocity, lanes, w->in + (m * taken + n) * lanes);
+    }
+    return 1;
+}
+
+static int lay_out_newton(dm_stage_lanes *w) {
+    const dm_stage *g = w->g;
+    const size_t n = g->n, s = g->table.s, r = g->table.r, m = s * n;
+    const size_t curve = 2 * n + 3 * n * n;
+    double *pivot = NULL, *pivot2 = NULL;
+    const array arrays[] = {{&w->next, 4 * n},
+                            {&w->x, 2 * n + 1},
+                            {&w->curve, r * curve},
+                            {&w->slopes, r * 2 * n},
+                            {&w->other, curve + 2 * n},
+                            {&w->root, m},
+                            {&w->dx, m},
+                            {&w->r, m},
+                            {&w->missed, m},
+                            {&w->J, m * m},
+                            {&w->J2, m * m},
+                            {&pivot, 2 * m},
+                            {&pivot2, 2 * m}};
+    const uint32_t lanes = w->members.lanes;
+    if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
+    w->pivot = pivot;
+    w->pivot2 = pivot2;
+    for (size_t i = 0; i < r; i++)
+        dm_kernel_prepare_lanes(&w->stage, lanes, w->curve + i * curve * lanes);
+    dm_kernel_prepare_lanes(&w->stage, lanes, w->other);
+    dm_kernel_prepare_lanes(&w->slope, lanes, w->other + curve * lanes);
+    return 1;
+}
+
+static int lay_out_pushes(dm_stage_lanes *w) {
+    const size_t n = w->g->n;
+    const array arrays[] = {{&w->next, 4 * n},
+                            {&w->in, dm_push_inputs(w->g->n)},
+                            {&w->out, dm_push_outputs(w->g->n)},
+                            {&w->v0, n},
+                            {&w->u, n},
+                            {&w->root, n},
+                            {&w->end_u, n},
+                            {&w->end_f, n}};
+    if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
+    dm_kernel_prepare_lanes(&w->stage, w->members.lanes, w->out);
+    return 1;
+}
+
+static int open_members(dm_stage_lanes *w, size_t memory_size) {
+    dm_lanes *x = &w->members;
+    const dm_model *m = w->g->m;
+    if (!dm_lanes_open(x, m, (uint32_t)(dm_state_size(m->n) + memory_size))) return 0;
+    const size_t members = (size_t)x->lanes * x->groups;
+    x->memory_size = memory_size;
+    x->memory = dm_arena_take(m->source.arena, members * memory_size * sizeof *x->memory);
+    x->failed = dm_arena_take(m->source.arena, members * sizeof *x->failed);
+    x->done = dm_arena_take(m->source.arena, members * sizeof *x->done);
+    if (!x->memory || !x->failed || !x->done) return 0;
+    memset(x->memory, 0, members * memory_size * sizeof *x->memory);
+    return 1;
+}
+
+/* ---- steps of their own ---- */
+
+static size_t paces_size(const dm_stage_lanes *w) {
+    return (1 + w->entries) * w->members.lanes;
+}
+
+/* room for coefficients that are multiplied by h, for every member; steps are unknown yet */
+static int lay_out_paces(dm_stage_lanes *w) {
+    const dm_stage *g = w->g;
+    dm_lanes *x = &w->members;
+    w->one = &g->hA->top;
+    w->entries = dm_stage_weights_size(g->table.s, g->table.r);
+    if (g->sweeps.row) w->entries = dm_stage_sweeps_scaled(g, &w->one);
+    const size_t all = x->groups * paces_size(w);
+    w->paces = dm_arena_take(g->m->source.arena, all * sizeof *w->paces);
+    if (!w->paces) return 0;
+    memset(w->paces, 0, all * sizeof *w->paces);
+    x->paced = 1;
+    return 1;
+}
+
+/* those that a method of other coefficients left */
+static void forget_paces(dm_stage_lanes *w, const dm_stage *g) {
+    w->one = &g->hA->top;
+    if (g->sweeps.row) dm_stage_sweeps_scaled(g, &w->one);
+    for (uint32_t i = 0; i < w->members.groups; i++)
+        memset(w->paces + i * paces_size(w), 0, w->members.lanes * sizeof *w->paces);
+}
+
+/* what Newton's method needs, which continuation in h leaves undone when it gives up */
+static void complete_weights(dm_stage *g) {
+    if (!g->sweeps.row && !g->weighed) dm_stage_weights_complete(g);
+}
+
+/* the coefficients of one lane for a step h */
+static void scale_lane(dm_stage_lanes *w, dm_stage *g, double *place, double h) {
+    const uint32_t lanes = w->members.lanes;
+    if (g->h != h) {
+        dm_stage_weights_scale(g, h);
+        dm_stage_sweeps_scale(g);
+    }
+    complete_weights(g);
+    *place = h;
+    for (size_t k = 0; k < w->entries; k++) place[(k + 1) * lanes] = w->one[k];
+}
+
+/* of the lanes of a group whose step is another one than it was */
+static void scale_group(dm_stage_lanes *w, dm_stage *g, const dm_lanes *x, uint32_t group,
+                        double h) {
+    double *paces = w->paces + group * paces_size(w);
+    for (uint32_t l = 0; l < x->lanes; l++) {
+        const double own = x->h ? x->h[group * x->lanes + l] : h;
+        if (paces[l] != own) scale_lane(w, g, paces + l, own);
+    }
+    w->h = paces;
+    w->scaled = paces + x->lanes;
+}
+
+/* ---- opening ---- */
+
+static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
+    double *place;
+    dm_stage_lanes *w = dm_arena_take(g->m->source.arena, sizeof *w);
+    if (!w) return NULL;
+    *w = (dm_stage_lanes){.g = g};
+    if (!open_members(w, s->method->memory(s, &place)) || !lay_out_paces(w)) return NULL;
+    if (g->pushes.memory)
+        return dm_push_kernel(&w->stage, g->m, lanes) && lay_out_pushes(w) ? w : NULL;
+    if (g->sweeps.row) return build_sweeps(w, g, lanes) && lay_out_sweeps(w) ? w : NULL;
+    return build_curves(w, g, lanes) && lay_out_newton(w) ? w : NULL;
+}
+
+/* what there are vectors for */
+static int is_usual(const dm_stage *g) {
+    const uint32_t unknowns = g->table.s * g->n;
+    if (!g->m->source.graph || g->m->source.compile != dm_native_build) return 0;
+    return g->sweeps.row || g->pushes.memory || (g->warm && unknowns <= DM_STAGE_LANES_UNKNOWNS);
+}
+
+/* those of the model's last ensemble, or new ones */
+int dm_stage_widen(dm_stepper *s, dm_lanes *x) {
+    static const char maker;
+    dm_stage *g = (dm_stage *)(void *)s->work;
+    const uint32_t lanes = dm_jit_lanes();
+    dm_kernel kept;
+    if (s->model->constraints || lanes < 4 || !is_usual(g)) return 0;
+    const uint32_t form = (g->sweeps.row != NULL) * 2u + (uint32_t)g->separable;
+    const uint32_t which = ((g->table.s * 64 + g->table.r) * 16 + lanes) * 4 + form;
+    if (dm_kept_find(&kept, g->m, &maker, which)) {
+        g->lanes = (dm_stage_lanes *)(uintptr_t)kept.pool;
+    } else {
+        g->lanes = make(g, s, lanes);
+        if (!g->lanes) return 0;
+        dm_kept_add(g->m, &maker, which, &(dm_kernel){.pool = g->lanes}, lanes);
+    }
+    g->lanes->g = g;
+    forget_paces(g->lanes, g);
+    g->lanes->step = choose_step(g, lanes);
+    *x = g->lanes->members;
+    return g->lanes->step != NULL;
+}
+
+/* ---- stepping ---- */
+
+/* one step of member i by the stepper itself */
+static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t) {
+    const uint32_t n = s->model->n;
+    const size_t size = x->memory_size;
+    double *place, *memory = dm_lanes_memory(x, i);
+    s->method->memory(s, &place);
+    dm_lanes_get(x, n, i, x->alone);
+    for (size_t k = 0; k < size; k++) place[k] = memory[k * x->lanes];
+    if (x->h) s->h = x->h[i];
+    x->failed[i] = s->method->step(s, x->alone, t);
+    if (x->failed[i] != DM_OK) return;
+    dm_lanes_put(x, n, i, x->alone);
+    for (size_t k = 0; k < size; k++) memory[k * x->lanes] = place[k];
+    x->done[i]++;
+}
+
+static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t, long count) {
+    dm_stage *g = (dm_stage *)(void *)s->work;
+    dm_stage_lanes *w = g->lanes;
+    const uint32_t first = group * x->lanes;
+    uint32_t asked = 0;
+    scale_group(w, g, x, group, s->h);
+    w->state = x->state + first * dm_state_size(s->model->n);
+    w->memory = x->memory + first * x->memory_size;
+    for (uint32_t l = 0; l < x->lanes; l++) {
+        x->done[first + l] = 0;
+        if (x->failed[first + l] == DM_OK) asked |= 1u << l;
+    }
+    for (long k = 0; k < count && asked; k++) {
+        w->t = t + (double)k * s->h;
+        const uint32_t ready = w->step(w, asked);
+        for (uint32_t l = 0; l < x->lanes; l++) {
+            if (!(asked >> l & 1)) continue;
+            if (ready >> l & 1)
+                x->done[first + l]++;
+            else
+                step_alone(s, x, first + l, w->t);
+            if (x->failed[first + l] != DM_OK) asked &= ~(1u << l);
+        }
+    }
+}
+
+void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+    dm_stage *g = (dm_stage *)(void *)s->work;
+    g->lanes->tolerance = s->tolerance;
+    g->lanes->max_iterations = s->max_iterations;
+    const double h = s->h;
+    for (uint32_t i = 0; i < x->groups; i++) advance_group(s, x, i, t, count);
+    s->h = h;
+}

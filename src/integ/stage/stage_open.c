@@ -1,0 +1,87 @@
+/* stage_open.c - what a step of stages wants of its model, which form it takes, and its memory. */
+#include "integ/stage/stage_inside.h"
+#include "integ/constrained/constrained.h"
+
+#include "linalg/solve/newton.h"
+
+#include <string.h>
+
+static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
+
+unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    if (m->constraints) return dm_constrained_wants(m);
+    const int simple = (m->structure & SIMPLE) == SIMPLE;
+    return simple ? DM_WANT_STAGE_LATER | DM_WANT_FORCE
+                  : DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS;
+}
+
+static size_t doubles(size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+
+static size_t larger(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+
+static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
+    const size_t n = m->n, unknowns = larger(s, r) * n;
+    return larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m) + n * n + n);
+}
+
+size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
+    const size_t n = m->n, curve = 2 * n + 3 * n * n;
+    if (m->constraints) return dm_constrained_work(s, r, m);
+    return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) + dm_stage_weights_size(s, r) +
+           2 * n + 1 + r * 2 * n + r * curve + 2 * larger(s, r) * n + 2 * n + 2 * r * n + 4 * n +
+           doubles(r * 4) + scratch_size(s, r, m) + dm_stage_push_size(m) +
+           dm_stage_warm_size(s, m->n) + dm_stage_sweeps_size(s, r, m);
+}
+
+static double *take(double **memory, size_t count) {
+    double *block = *memory;
+    *memory += count;
+    return block;
+}
+
+/* returns what is left */
+static double *lay_out(dm_stage *g, double *memory) {
+    const size_t n = g->n, s = g->table.s, r = g->table.r;
+    g->x = take(&memory, 2 * n + 1);
+    g->slope = take(&memory, r * 2 * n);
+    g->curve = take(&memory, r * (2 * n + 3 * n * n));
+    g->root = take(&memory, larger(s, r) * n);
+    g->v0 = take(&memory, n);
+    g->a0 = take(&memory, n);
+    g->push = take(&memory, r * n);
+    g->base = take(&memory, r * n);
+    g->next = take(&memory, 4 * n);
+    g->known = (uint32_t *)(void *)take(&memory, doubles(r * sizeof(uint32_t)));
+    g->scratch = take(&memory, scratch_size(s, r, g->m));
+    g->before = take(&memory, larger(s, r) * n);
+    return memory;
+}
+
+dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
+    dm_stage *g = (dm_stage *)(void *)stepper->work;
+    const dm_model *m = stepper->model;
+    double *memory = stepper->work + doubles(sizeof *g);
+    if (m->constraints) return dm_constrained_open(stepper, basis);
+    *g = (dm_stage){.m = m, .n = m->n};
+    g->separable = (m->structure & SIMPLE) == SIMPLE;
+    dm_stage_table_find(&g->table, basis, m, memory);
+    memory += dm_stage_table_size(g->table.s, g->table.r);
+    dm_stage_weights_place(g, memory);
+    dm_stage_weights_scale(g, stepper->h);
+    memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
+    if (g->separable) dm_stage_separable_open(g);
+    g->one = !g->separable && dm_stage_is_one(g);
+    if (!basis->sweeps && dm_stage_push_open(g, memory)) {
+        stepper->report.operations = g->pushes.kernel.operations;
+        return DM_OK;
+    }
+    memory += dm_stage_push_size(m);
+    dm_stage_sweeps_open(g, basis, memory + dm_stage_warm_size(g->table.s, g->n));
+    if (!g->sweeps.row && !g->separable) dm_stage_warm_open(g, basis, memory);
+    return DM_OK;
+}

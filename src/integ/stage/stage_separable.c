@@ -1,0 +1,241 @@
+/* stage_separable.c - the step of a stage method for L = v.M v/2 + b.v - V(q, t), M constant.
+ * The velocities are eliminated: with f_m = M^-1 L_q(q0 + Z_m, t + c_m h),
+ *   Z_i = h r_i v0 + h^2 sum_m A_im f_m, r_i = sum_j a_ij,  q1 = q0 + h v0 + h^2 sum_m mean_m f_m.
+ * Points with a zero row of A come first and are explicit, points with a zero column last;
+ * for Lobatto these are the ends, and Stoermer-Verlet is left with no unknown at all. */
+#include "integ/stage/stage_inside.h"
+
+#include "linalg/solve/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+static int is_zero_row(const dm_stage_table *t, uint32_t m) {
+    for (uint32_t i = 0; i < t->r; i++)
+        if (t->A[m * t->r + i].top != 0.0) return 0;
+    return 1;
+}
+
+static int is_zero_column(const dm_stage_table *t, uint32_t m) {
+    for (uint32_t i = 0; i < t->r; i++)
+        if (t->A[i * t->r + m].top != 0.0) return 0;
+    return 1;
+}
+
+void dm_stage_separable_open(dm_stage *g) {
+    for (uint32_t m = 0; m < g->table.r; m++)
+        g->known[m] = is_zero_row(&g->table, m)      ? DM_POINT_FIRST
+                      : is_zero_column(&g->table, m) ? DM_POINT_LAST
+                                                     : DM_POINT_SOLVED;
+}
+
+/* out = M^-1 f */
+static void divide_by_mass(const dm_model *m, double *out, const double *f) {
+    const uint32_t n = m->n;
+    const double *w = m->inverse_mass;
+    if (m->structure & DM_DIAGONAL_MASS) {
+        for (uint32_t i = 0; i < n; i++) out[i] = w[i] * f[i];
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++, w += n) {
+        out[i] = 0.0;
+        for (uint32_t j = 0; j < n; j++) out[i] += w[j] * f[j];
+    }
+}
+
+static double *slope_of(const dm_stage *g, uint32_t m) {
+    return g->slope + m * (size_t)g->n;
+}
+
+/* force and M^-1 force at q0 + Z; with_curve: also L_qq */
+static void evaluate(dm_stage *g, uint32_t m, const double *Z, int with_curve) {
+    const size_t n = g->n;
+    double *force = slope_of(g, m), *curve = g->curve + m * (2 * n + 3 * n * n);
+    dm_stage_at(g, Z, NULL, dm_weight_double(g->hc[m]));
+    if (with_curve) {
+        dm_kernel_eval(g->stage, g->x, curve);
+        memcpy(force, curve, n * sizeof *force);
+    } else {
+        dm_kernel_eval(&g->m->force, g->x, force);
+    }
+    divide_by_mass(g->m, g->push + m * n, force);
+    g->evaluations++;
+}
+
+/* out += h^2 sum of A_im f_m over the points of one kind */
+static void add_pushes(const dm_stage *g, double *out, uint32_t i, uint32_t kind) {
+    const uint32_t n = g->n, r = g->table.r;
+    for (uint32_t m = 0; m < r; m++) {
+        if (g->known[m] != kind) continue;
+        dm_weighted_add(out, g->hA[i * r + m], g->push + m * (size_t)n, n);
+    }
+}
+
+/* r_i = Z_i - base_i - h^2 sum_m A_im f_m over the points to solve for */
+static void residual(dm_stage *g, double *R, const double *Z) {
+    const uint32_t n = g->n;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        if (g->known[i] != DM_POINT_SOLVED) continue;
+        memcpy(R, g->base + i * (size_t)n, n * sizeof *R);
+        add_pushes(g, R, i, DM_POINT_SOLVED);
+        for (uint32_t k = 0; k < n; k++) R[k] = Z[k] - R[k];
+        R += n;
+        Z += n;
+    }
+}
+
+/* block (i, m) = delta_im - h^2 A_im M^-1 L_qq(m) */
+static void jacobian_block(dm_stage *g, double *J, size_t rows, uint32_t i, uint32_t m) {
+    const uint32_t n = g->n;
+    const double w = dm_weight_double(g->hA[i * g->table.r + m]);
+    const double *qq = g->curve + m * (2 * (size_t)n + 3 * (size_t)n * n) + 2 * n;
+    double *column = g->a0;            /* only the start value needed it */
+    for (uint32_t l = 0; l < n; l++) { /* L_qq is symmetric: its row l is its column */
+        divide_by_mass(g->m, column, qq + l * (size_t)n);
+        for (uint32_t k = 0; k < n; k++)
+            J[k * rows + l] = (double)(i == m && k == l) - w * column[k];
+    }
+}
+
+static void jacobian(dm_stage *g, double *J, size_t rows) {
+    const uint32_t r = g->table.r;
+    size_t at = 0;
+    for (uint32_t i = 0; i < r; i++) {
+        if (g->known[i] != DM_POINT_SOLVED) continue;
+        double *block = J + at * rows;
+        for (uint32_t m = 0; m < r; m++) {
+            if (g->known[m] != DM_POINT_SOLVED) continue;
+            jacobian_block(g, block, rows, i, m);
+            block += g->n;
+        }
+        at += g->n;
+    }
+}
+
+static dm_status equation(void *ctx, double *R, double *J, const double *Z) {
+    dm_stage *g = ctx;
+    const uint32_t n = g->n;
+    size_t at = 0;
+    for (uint32_t m = 0; m < g->table.r; m++) {
+        if (g->known[m] != DM_POINT_SOLVED) continue;
+        evaluate(g, m, Z + at, J != NULL);
+        at += n;
+    }
+    residual(g, R, Z);
+    if (J) jacobian(g, J, at);
+    return DM_OK;
+}
+
+/* a0 = M^-1 L_q at the start, which a first point at c = 0 has found already */
+static void find_acceleration(dm_stage *g) {
+    const uint32_t n = g->n;
+    if (g->known[0] == DM_POINT_FIRST && g->table.c[0].top == 0.0) {
+        memcpy(g->a0, g->push, n * sizeof *g->a0);
+        return;
+    }
+    memset(g->root, 0, n * sizeof *g->root);
+    dm_stage_at(g, g->root, NULL, 0.0);
+    dm_kernel_eval(&g->m->force, g->x, slope_of(g, 0));
+    divide_by_mass(g->m, g->a0, slope_of(g, 0));
+    g->evaluations++;
+}
+
+/* the points that need no solving, and base_i = h c_i v0 + h^2 (their part) for the others */
+static void first_points(dm_stage *g) {
+    const uint32_t n = g->n, r = g->table.r;
+    for (uint32_t i = 0; i < r; i++) {
+        double *base = g->base + i * (size_t)n;
+        for (uint32_t k = 0; k < n; k++) base[k] = dm_weighted(g->hreach[i], g->v0[k]);
+        if (g->known[i] == DM_POINT_FIRST) evaluate(g, i, base, 0);
+    }
+    for (uint32_t i = 0; i < r; i++)
+        if (g->known[i] != DM_POINT_FIRST)
+            add_pushes(g, g->base + i * (size_t)n, i, DM_POINT_FIRST);
+}
+
+/* Z_i = h c_i v0 + (h c_i)^2 a0 / 2: a function of the state alone, so that a restart gives the
+ * same bits; returns the number of unknowns */
+static uint32_t guess(dm_stage *g) {
+    const uint32_t n = g->n;
+    uint32_t at = 0;
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        if (g->known[i] != DM_POINT_SOLVED) continue;
+        if (at == 0) find_acceleration(g);
+        const double hc = dm_weight_double(g->hreach[i]);
+        for (uint32_t k = 0; k < n; k++) g->root[at + k] = hc * (g->v0[k] + 0.5 * hc * g->a0[k]);
+        at += n;
+    }
+    return at;
+}
+
+/* forces at the root from those one increment dZ before: + L_qq dZ */
+static void correct_forces(dm_stage *g, const double *dZ) {
+    const uint32_t n = g->n;
+    const size_t width = 2 * (size_t)n + 3 * (size_t)n * n;
+    for (uint32_t m = 0; m < g->table.r; m++) {
+        const double *qq = g->curve + m * width + 2 * n;
+        double *force = slope_of(g, m);
+        if (g->known[m] != DM_POINT_SOLVED) continue;
+        for (uint32_t k = 0; k < n; k++)
+            for (uint32_t l = 0; l < n; l++) force[k] += qq[k * (size_t)n + l] * dZ[l];
+        divide_by_mass(g->m, g->push + m * (size_t)n, force);
+        dZ += n;
+    }
+}
+
+static void last_points(dm_stage *g) {
+    for (uint32_t i = 0; i < g->table.r; i++) {
+        double *Z = g->base + i * (size_t)g->n;
+        if (g->known[i] != DM_POINT_LAST) continue;
+        add_pushes(g, Z, i, DM_POINT_SOLVED);
+        evaluate(g, i, Z, 0);
+    }
+}
+
+/* q1 = q0 + h v0 + h^2 sum_m mean_m f_m, p1 = p0 + h sum_m b_m L_q(m) */
+static dm_status finish(dm_stage *g) {
+    const uint32_t n = g->n, r = g->table.r;
+    double *dq = g->base, *dp = g->a0;
+    for (uint32_t k = 0; k < n; k++) {
+        dq[k] = g->h * g->v0[k];
+        dp[k] = 0.0;
+    }
+    for (uint32_t m = 0; m < r; m++) {
+        dm_weighted_add(dq, g->hmean[m], g->push + m * (size_t)n, n);
+        dm_weighted_add(dp, g->hb[m], slope_of(g, m), n);
+    }
+    return dm_stage_update(g, dq, dp);
+}
+
+static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
+    dm_newton_report report = {0};
+    const dm_newton_problem problem = {.m = unknowns,
+                                       .equation = equation,
+                                       .ctx = g,
+                                       .size = &g->size,
+                                       .near_identity = unknowns > g->n, /* one point: J is cheap */
+                                       .tolerance = stepper->tolerance,
+                                       .max_iterations = stepper->max_iterations};
+    const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);
+    stepper->report.iterations = report.iterations;
+    stepper->report.residual = report.residual * dm_stage_heaviest(g) / fabs(g->h);
+    if (status == DM_OK && report.jacobians) correct_forces(g, g->scratch);
+    return status;
+}
+
+dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper) {
+    const uint32_t n = g->n;
+    dm_status status = dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
+    if (status != DM_OK) return status;
+    stepper->report.iterations = 0;
+    stepper->report.residual = 0.0;
+    first_points(g);
+    g->size = 0.0;
+    for (uint32_t k = 0; k < n; k++) g->size = fmax(g->size, fabs(g->state[k]));
+    const uint32_t unknowns = guess(g);
+    for (uint32_t k = 0; g->ratio > 0.0 && k < unknowns; k++) g->root[k] = g->ratio * g->before[k];
+    if (unknowns) status = solve(g, stepper, unknowns);
+    if (status != DM_OK) return status;
+    last_points(g);
+    return finish(g);
+}

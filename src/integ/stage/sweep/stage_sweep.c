@@ -1,0 +1,271 @@
+/* stage_sweep.c - the step of a stage method by fixed-point sweeps with all stages in lanes: S
+ * <- base + h^2 A M^-1 L_q(q0 + S)                      for L = T(v) - V(q, t), constant mass, S
+ * <- h a V(q0 + S, p0 + h a L_q(q0 + S, V))            for Gauss collocation, where V(q, p)
+ * solves p = L_v. The first S comes from the polynomial through the forces of the step before
+ * (HLW VIII.6.1). Sweeps end when what the last one leaves is below round-off of the sums. What
+ * the coefficients lack as doubles is added to the bases once, from a u that is near enough to
+ * the last one. */
+#include "integ/stage/stage_inside.h"
+#include "integ/stage/stage_limits.h"
+
+#include "base/largest.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- evaluation ---- */
+
+/* all stages, some lanes at a time through copies where there are fewer */
+static void apply_some(const dm_stage_kernel *k, uint32_t width, uint32_t stages) {
+    const uint32_t lanes = k->lanes;
+    for (uint32_t first = 0; first < stages; first += lanes) {
+        for (uint32_t i = 0; i < k->inputs; i++)
+            for (uint32_t l = 0; l < lanes; l++)
+                k->some_in[i * lanes + l] = k->in[i * width + first + l];
+        dm_kernel_eval(&k->kernel, k->some_in, k->some_out);
+        for (uint32_t i = 0; i < k->outputs; i++)
+            for (uint32_t l = 0; l < lanes; l++)
+                k->out[i * width + first + l] = k->some_out[i * lanes + l];
+    }
+}
+
+static inline void apply(const dm_stage_kernel *k, uint32_t width, uint32_t stages) {
+    if (k->lanes == width)
+        dm_kernel_eval(&k->kernel, k->in, k->out);
+    else
+        apply_some(k, width, stages);
+}
+
+/* u = M^-1 out */
+static void divide_by_mass(const dm_stage *g) {
+    const dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t n = g->n, width = w->row->width;
+    const double *factor = g->m->inverse_mass;
+    memset(w->u, 0, n * width * sizeof *w->u);
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++, factor++)
+            for (uint32_t l = 0; l < width; l++)
+                w->u[i * width + l] += *factor * w->force.out[j * width + l];
+}
+
+const double *dm_stage_sweeps_u(const dm_stage *g) {
+    const dm_stage_sweeps *w = &g->sweeps;
+    if (!g->separable) return w->velocity.out; /* among the arguments of the force */
+    return g->m->structure & DM_DIAGONAL_MASS ? w->force.out : w->u;
+}
+
+/* ---- the iteration ---- */
+
+typedef struct {
+    dm_stage *g;
+    int measured; /* what sweeps change is looked at */
+    int settled;  /* the bases are whole */
+    int rated;    /* the rate is of this step */
+    int count;    /* sweeps */
+    /* all squared: of positions and momenta, and 1 over their size */
+    double size[2], scale[2], moved[2];
+    double change; /* of the sums by the last sweep, relative; below DM_SWEEP_CLEAN as foretold */
+    double rate;   /* by which it shrinks: of this step, or of the one before with a margin */
+} iteration;
+
+static inline double move(const iteration *it, const dm_sweep *a) {
+    if (it->measured) return it->g->sweeps.row->move(a);
+    it->g->sweeps.row->put(a);
+    return 0.0;
+}
+
+/* forces at the stages, and the velocities that follow from them */
+static void evaluate(iteration *it) {
+    dm_stage *g = it->g;
+    dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t width = w->row->width;
+    apply(&w->force, width, g->table.r);
+    g->evaluations += g->table.r;
+    if (!g->separable) {
+        apply(&w->factors, width, g->table.r);
+        it->moved[1] = move(it, &w->p);
+        apply(&w->velocity, width, g->table.r);
+    } else if (!(g->m->structure & DM_DIAGONAL_MASS)) {
+        divide_by_mass(g);
+    }
+}
+
+static double relative(const iteration *it) {
+    double largest = 0.0;
+    for (int k = 0; k < 2; k++) {
+        const double change = it->moved[k];
+        const double ratio = change > 0.0 ? change * it->scale[k] : change;
+        largest = dm_largest(largest, ratio);
+    }
+    return largest;
+}
+
+/* error left in the sums, squared; what it does to momenta, h L_qq of it, may be as large */
+static double left(const iteration *it) {
+    return it->rate * it->change;
+}
+
+/* what the coefficients lack, into the bases */
+static void settle(iteration *it) {
+    const dm_stage_sweeps *w = &it->g->sweeps;
+    w->row->put(&w->q_rest);
+    if (!it->g->separable) w->row->put(&w->p_rest);
+    it->settled = 1;
+}
+
+/* one sweep: new positions from the velocities, forces and velocities there */
+static void sweep(iteration *it) {
+    const double before = it->change;
+    it->moved[0] = move(it, &it->g->sweeps.q);
+    if (it->measured) it->change = relative(it);
+    evaluate(it);
+    if (before <= DM_SWEEP_CLEAN && it->change <= 100.0 * DM_SWEEP_CLEAN) {
+        it->change = it->rate * before;
+    } else if (it->measured && it->count > 0) {
+        it->rate = it->change / before;
+        it->rated = 1;
+    }
+    it->count++;
+}
+
+/* sum of the squares of the start and of a point of the step */
+static double square(const dm_sweep *a, uint32_t width) {
+    double size = 0.0;
+    for (uint32_t k = 0; k < a->rows; k++) {
+        const double x = a->start[k], y = a->x[(size_t)k * width + a->columns - 1];
+        size += x * x + y * y;
+    }
+    return size;
+}
+
+/* the first positions and velocities: u of the step before, continued, or a straight line */
+static void set_off(iteration *it, int warm) {
+    dm_stage *g = it->g;
+    dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t n = g->n, width = w->row->width;
+    const double *low = g->state + 2 * n, *v = g->separable || !warm ? g->v0 : w->none;
+    w->row->line(w->base, low, v, &w->line, n);
+    w->ahead.u = warm ? w->v_ahead.u : w->none;
+    w->row->put(&w->ahead);
+    if (g->separable) return;
+    if (!warm) w->row->line(w->base, low, w->none, &w->line, n);
+    w->row->line(w->lift, low + n, w->none, &w->line, n);
+    if (warm) w->row->put(&w->v_ahead);
+    for (uint32_t k = 0; k < n && !warm; k++)
+        for (uint32_t l = 0; l < width; l++) w->v_ahead.x[k * width + l] = g->v0[k];
+}
+
+/* bases and times of the stages, arguments of the first sweep */
+static void prepare(iteration *it, int warm) {
+    dm_stage *g = it->g;
+    dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t n = g->n, width = w->row->width;
+    double *time = w->force.in + 2 * n * width;
+    if (!(g->m->structure & DM_AUTONOMOUS))
+        for (uint32_t l = 0; l < width; l++) time[l] = g->t + w->after[l];
+    w->q.start = w->ahead.start = g->state;
+    w->p.start = g->state + n;
+    set_off(it, warm);
+    if (warm) it->rate = fmax(DM_SWEEP_LEAST, 4.0 * dm_stage_memory_rate(g));
+}
+
+/* the first one, which tells what changes are compared with */
+static void evaluate_first(iteration *it) {
+    const dm_stage_sweeps *w = &it->g->sweeps;
+    it->size[0] = square(&w->q, w->row->width);
+    evaluate(it);
+    it->moved[1] = it->size[1] = it->g->separable ? 0.0 : square(&w->p, w->row->width);
+    for (int k = 0; k < 2; k++) it->scale[k] = 1.0 / it->size[k];
+}
+
+/* so many evaluations after a warm start; the last change is measured for the report */
+static dm_status count_out(iteration *it, int fixed) {
+    evaluate_first(it);
+    for (int k = 1; k < fixed; k++) {
+        it->measured = k == fixed - 1;
+        sweep(it);
+    }
+    return DM_OK;
+}
+
+/* until what is left is round-off */
+static dm_status iterate(iteration *it, double tolerance) {
+    const double enough = DM_SWEEP_LEFT * tolerance;
+    evaluate_first(it);
+    for (int k = 1; k < DM_STAGE_SWEEPS; k++) {
+        const int settled = it->settled;
+        if (!settled && it->change < DM_SWEEP_SETTLED) settle(it);
+        sweep(it);
+        if (!isfinite(it->change)) return DM_NOT_FINITE;
+        if (it->rated && it->rate > (it->count > 5 ? DM_SWEEP_SLOW : 4.0)) return DM_NO_CONVERGENCE;
+        if (it->settled && left(it) <= enough * enough) return DM_OK;
+    }
+    return DM_NO_CONVERGENCE;
+}
+
+/* all pivots of the mass matrix are positive, so that its elimination was exact to round-off */
+static int is_regular(const dm_stage *g) {
+    const dm_stage_sweeps *w = &g->sweeps;
+    const uint32_t n = g->n, width = w->row->width;
+    int bad = 0;
+    for (uint32_t k = 0; k < n && !g->separable; k++)
+        for (uint32_t l = 0; l < g->table.r; l++) {
+            const double pivot = w->factors.out[k * width + l];
+            bad |= !(pivot > DM_PIVOT_LEAST && pivot < DM_PIVOT_MOST);
+        }
+    return !bad;
+}
+
+/* q1 = q0 + h v0 + sum mean_m u_m or q0 + h sum b_m V_m, p1 = p0 + h sum b_m L_q(m) */
+static dm_status finish(dm_stage *g, const double *before) {
+    dm_stage_sweeps *w = &g->sweeps;
+    w->end.state = g->state;
+    if (w->row->finish(&w->end) == 0.0) return DM_OK;
+    dm_stage_copy(g->state, before, 4 * g->n);
+    return DM_NOT_FINITE;
+}
+
+/* v0 where a step needs it */
+static dm_status find_velocity(dm_stage *g, int warm) {
+    const uint32_t n = g->n;
+    const double *p = g->state + n, *factor = g->m->inverse_mass;
+    if (!g->separable && warm) return DM_OK;
+    dm_status status = DM_OK;
+    memset(g->v0, 0, n * sizeof *g->v0);
+    if (g->separable && g->m->structure & DM_DIAGONAL_MASS)
+        for (uint32_t k = 0; k < n; k++) g->v0[k] = factor[k] * p[k];
+    else
+        status = dm_legendre_inverse(g->m, g->v0, g->state, p, g->t, g->scratch);
+    for (uint32_t k = 0; k < n && g->separable; k++) g->sweeps.drift[k] = g->h * g->v0[k];
+    return status;
+}
+
+/* the iteration from one start */
+static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
+    dm_stage *g = it->g;
+    const int fixed = warm ? g->sweeps.count : 0;
+    *it = (iteration){.g = g, .measured = !fixed, .change = 1.0, .rate = DM_SWEEP_SLOW};
+    dm_status status = find_velocity(g, warm);
+    if (status != DM_OK) return status;
+    prepare(it, warm);
+    status = fixed ? count_out(it, fixed) : iterate(it, stepper->tolerance);
+    return status == DM_OK && !is_regular(g) ? DM_NO_CONVERGENCE : status;
+}
+
+/* far from its step the polynomial may leave the domain: then from a straight line. The end is
+ * in g->state */
+dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
+    iteration it = {.g = g};
+    const int warm = dm_stage_memory_fits(g);
+    const double *before = warm ? dm_stage_memory_end(g) : g->next;
+    if (!warm) dm_stage_copy(g->next, g->state, 4 * g->n); /* should the end not be finite */
+    dm_status status = attempt(&it, stepper, warm);
+    if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
+    stepper->report.iterations = it.count;
+    if (status == DM_OK) status = finish(g, before);
+    if (status != DM_OK) return status;
+    const double missed = sqrt(left(&it)) * sqrt(it.size[!g->separable]);
+    stepper->report.residual = g->separable ? missed * g->sweeps.heaviest / fabs(g->h) : missed;
+    dm_stage_memory_keep(g, it.rated ? it.rate : dm_stage_memory_rate(g));
+    return DM_OK;
+}

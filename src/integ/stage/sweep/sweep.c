@@ -1,0 +1,187 @@
+#include "integ/stage/sweep/sweep.h"
+
+#include "numbers/compensated.h"
+#include "base/written_out.h"
+#include "numbers/processor.h"
+
+#include <stddef.h>
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+/* vectors of the compiler (gcc, clang): what the processor lacks is done in parts */
+typedef double v2 __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double v4 __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double v8 __attribute__((vector_size(64), aligned(8), may_alias));
+
+/* ---- one stage ---- */
+
+DM_WRITTEN_OUT double move_rows(const dm_sweep *a, uint32_t rows) {
+    double moved = 0.0;
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < rows; k++) {
+        const double factor = a->factor ? a->factor[k] : 1.0;
+        const double sum = a->base[k] + factor * (a->column[0] * a->u[k]);
+        const double x = a->start[k] + sum, d = x - a->x[k];
+        moved += d * d;
+        a->x[k] = x;
+    }
+    return moved;
+}
+
+static double move_1(const dm_sweep *a) {
+    switch (a->rows) {
+    case 1:
+        return move_rows(a, 1);
+    case 2:
+        return move_rows(a, 2);
+    case 3:
+        return move_rows(a, 3);
+    case 4:
+        return move_rows(a, 4);
+    default:
+        return move_rows(a, a->rows);
+    }
+}
+
+static void put_1(const dm_sweep *a) {
+    move_1(a);
+}
+
+static void line_1(double *base, const double *low, const double *v, const dm_parts *c,
+                   uint32_t rows) {
+    for (uint32_t k = 0; k < rows; k++) base[k] = c->top[0] * v[k] + (c->rest[0] * v[k] + low[k]);
+}
+
+DM_WRITTEN_OUT double finish_rows(const dm_sweep_end *a, uint32_t n) {
+    double *high = a->state, *low = a->state + 2 * (size_t)n, bad = 0.0;
+    const dm_parts *b = a->b[0], *c = a->b[1];
+#pragma GCC unroll 4
+    for (uint32_t k = 0; k < n; k++) {
+        const double u = a->u[0][k], f = a->u[1][k];
+        dm_sum_add(high + k, low + k,
+                   (b->top[0] * u + b->rest[0] * u) * a->factor[k] + a->drift[k]);
+        dm_sum_add(high + n + k, low + n + k, c->top[0] * f + c->rest[0] * f);
+        bad += 0.0 * (low[k] + low[n + k]);
+    }
+    return bad;
+}
+
+static double finish_1(const dm_sweep_end *a) {
+    switch (a->rows) {
+    case 1:
+        return finish_rows(a, 1);
+    case 2:
+        return finish_rows(a, 2);
+    case 3:
+        return finish_rows(a, 3);
+    case 4:
+        return finish_rows(a, 4);
+    default:
+        return finish_rows(a, a->rows);
+    }
+}
+
+static void copy_state(double *to, const double *state, uint32_t rows) {
+    const volatile double *from = state; /* one by one, as it was stored */
+    for (uint32_t k = 0; k < 4 * rows; k++) to[k] = from[k];
+}
+
+static const dm_sweep_row one = {1, put_1, move_1, line_1, finish_1, copy_state};
+
+/* ---- 4 and 8, each for the processors that there are ---- */
+
+#define TWO_ROUNDINGS(a, b, c) ((a) * (b) + (c))
+#define TOTALS_OF_2(x, y) ((v2){(x)[0] + (x)[1], (y)[0] + (y)[1]})
+#define TOTALS_OF_4(x, y)                                                                          \
+    ((v2){((x)[0] + (x)[1]) + ((x)[2] + (x)[3]), ((y)[0] + (y)[1]) + ((y)[2] + (y)[3])})
+
+#define ROW plain4
+#define W 4
+#define V v4
+#define H v2
+#define HOW
+#define MADD TWO_ROUNDINGS
+#define MADD_HALF TWO_ROUNDINGS
+#define TOTALS TOTALS_OF_2
+#include "integ/stage/sweep/sweep_row.h"
+
+#define ROW plain8
+#define W 8
+#define V v8
+#define H v4
+#define HOW
+#define MADD TWO_ROUNDINGS
+#define MADD_HALF TWO_ROUNDINGS
+#define TOTALS TOTALS_OF_4
+#include "integ/stage/sweep/sweep_row.h"
+
+#ifdef __x86_64__
+
+__attribute__((target("avx"), always_inline)) static inline v2 halves(__m256d x) {
+    return (v2)_mm_add_pd(_mm256_castpd256_pd128(x), _mm256_extractf128_pd(x, 1));
+}
+
+#define FUSED2(a, b, c) ((v2)_mm_fmadd_pd((__m128d)(a), (__m128d)(b), (__m128d)(c)))
+#define FUSED4(a, b, c) ((v4)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
+#define ADDED2(x, y) ((v2)_mm_hadd_pd((__m128d)(x), (__m128d)(y)))
+#define ADDED4(x, y) halves(_mm256_hadd_pd((__m256d)(x), (__m256d)(y)))
+#define FUSED8(a, b, c) ((v8)_mm512_fmadd_pd((__m512d)(a), (__m512d)(b), (__m512d)(c)))
+
+#define ROW avx4
+#define W 4
+#define V v4
+#define H v2
+#define HOW __attribute__((target("avx")))
+#define MADD TWO_ROUNDINGS
+#define MADD_HALF TWO_ROUNDINGS
+#define TOTALS ADDED2
+#include "integ/stage/sweep/sweep_row.h"
+
+#define ROW avx8
+#define W 8
+#define V v8
+#define H v4
+#define HOW __attribute__((target("avx")))
+#define MADD TWO_ROUNDINGS
+#define MADD_HALF TWO_ROUNDINGS
+#define TOTALS ADDED4
+#include "integ/stage/sweep/sweep_row.h"
+
+#define ROW fused4
+#define W 4
+#define V v4
+#define H v2
+#define HOW __attribute__((target("avx,fma")))
+#define MADD FUSED4
+#define MADD_HALF FUSED2
+#define TOTALS ADDED2
+#include "integ/stage/sweep/sweep_row.h"
+
+#include "integ/stage/sweep/sweep_wide.h"
+#define FINISH finish_in_eights
+#define COPY copy_in_eights
+#define ROW wide8
+#define W 8
+#define V v8
+#define H v4
+#define HOW __attribute__((target("avx512f,fma")))
+#define MADD FUSED8
+#define MADD_HALF FUSED4
+#define TOTALS ADDED4
+#include "integ/stage/sweep/sweep_row.h"
+
+const dm_sweep_row *dm_sweep_find(uint32_t stages) {
+    if (stages == 1) return &one;
+    __builtin_cpu_init();
+    const dm_processor_level level = dm_processor();
+    const int avx = __builtin_cpu_supports("avx");
+    if (stages <= 4) return level >= DM_FMA ? &fused4 : avx ? &avx4 : &plain4;
+    return level == DM_AVX512 ? &wide8 : avx ? &avx8 : &plain8;
+}
+#else
+const dm_sweep_row *dm_sweep_find(uint32_t stages) {
+    if (stages == 1) return &one;
+    return stages <= 4 ? &plain4 : &plain8;
+}
+#endif

@@ -1,0 +1,56 @@
+/* sweep.h - arithmetic of fixed-point sweeps over stages that lie side by side: an array
+ * [rows][width] holds one stage in each lane. Lanes are added up in the same order whatever made
+ * the kernels, so the bits are the same on all backends of a machine; products are fused into
+ * sums where the processor can. */
+#ifndef DM_SWEEP_H
+#define DM_SWEEP_H
+
+#include <stdint.h>
+
+enum { DM_SWEEP_WIDTH = 8 }; /* stages at most */
+
+/* coefficients [width] that are a double and what it lacks */
+typedef struct {
+    double *top, *rest;
+} dm_parts;
+
+/* x = start + (base + factor sum_m column_m u[.][m]); without factors the base is the first of
+ * the sum, which is then known a product earlier */
+typedef struct {
+    uint32_t rows, columns;       /* as many columns as stages */
+    double *x;                    /* [rows][width] arguments of a kernel */
+    const double *base;           /* [rows][width], may be x */
+    const double *column;         /* [columns][width] */
+    const double *u;              /* [rows][width] */
+    const double *factor, *start; /* [rows]; factors NULL: all are 1 */
+} dm_sweep;
+
+/* q += drift + factor sum b_q u_q and p += sum b_p u_p over the stages, in place with
+ * compensation (numbers/compensated.h) */
+typedef struct {
+    uint32_t rows;
+    const double *u[2];           /* [rows][width], of q and of p */
+    const dm_parts *b[2];         /* [width] */
+    const double *factor, *drift; /* [2 rows]; 1 and 0 for p */
+    double *state;                /* [4 rows]: q, p, low-order parts of both */
+} dm_sweep_end;
+
+typedef struct {
+    uint32_t width;
+    void (*put)(const dm_sweep *a);
+    /* put; returns the sum of squares of what x moved by */
+    double (*move)(const dm_sweep *a);
+    /* base[rows][width] = low[rows] + c v[rows] */
+    void (*line)(double *base, const double *low, const double *v, const dm_parts *c,
+                 uint32_t rows);
+    /* 0, or NaN where the state is not finite any more */
+    double (*finish)(const dm_sweep_end *a);
+    /* to[4 rows] = a state that finish has just left */
+    void (*copy)(double *to, const double *state, uint32_t rows);
+} dm_sweep_row;
+
+/* The row for a number of stages up to DM_SWEEP_WIDTH: width 1, 4 or 8, in the widest vectors
+ * that serve. */
+const dm_sweep_row *dm_sweep_find(uint32_t stages);
+
+#endif

@@ -1,0 +1,17 @@
+/* compensated.h - compensated sums: a number kept as high + low, exact to about twice the digits. */
+#ifndef DM_SUM_H
+#define DM_SUM_H
+
+/* high + low += x; `low` is the rounding error of the last sum (Kahan 1965; HLW VIII.5). */
+static inline void dm_sum_add(double *high, double *low, double x) {
+    const double a = *high, e = *low + x, sum = a + e;
+    *low = e + (a - sum);
+    *high = sum;
+}
+
+/* The same for arrays of n. */
+static inline void dm_sum_add_n(double *high, double *low, const double *x, unsigned n) {
+    for (unsigned i = 0; i < n; i++) dm_sum_add(high + i, low + i, x[i]);
+}
+
+#endif

@@ -1,0 +1,41 @@
+#include "numbers/functions.h"
+
+#include "numbers/processor.h"
+
+#include <math.h>
+
+const double dm_exp_powers[2][16]
+    __attribute__((aligned(64))) = {{EXP_POWERS, EXP_LATER_POWERS}, {EXP_LOWS, EXP_LATER_LOWS}};
+
+typedef double one(double x);
+typedef double two(double x, double *cosine);
+
+#define FUNCTION(name, op)                                                                         \
+    double dm_##name(double x) {                                                                   \
+        return ((one *)dm_function_for(op, 1))(x);                                                 \
+    }
+FUNCTION(exp, DM_OP_EXP)
+FUNCTION(log, DM_OP_LOG)
+FUNCTION(sin, DM_OP_SIN)
+FUNCTION(cos, DM_OP_COS)
+FUNCTION(tan, DM_OP_TAN)
+FUNCTION(sinh, DM_OP_SINH)
+FUNCTION(cosh, DM_OP_COSH)
+FUNCTION(tanh, DM_OP_TANH)
+#undef FUNCTION
+
+double dm_sincos(double x, double *cosine) {
+    return ((two *)dm_function_for(DM_OP_CONSTANT, 1))(x, cosine);
+}
+
+dm_function *dm_function_for(int op, uint32_t lanes) {
+    dm_function *own = 0;
+    if (dm_processor() != DM_PLAIN)
+        own = lanes == 1   ? dm_own_function1(op)
+              : lanes == 4 ? dm_own_function4(op)
+                           : dm_own_function8(op);
+    if (own) return own;
+    return lanes == 1   ? dm_library_function1(op)
+           : lanes == 4 ? dm_library_function4(op)
+                        : dm_library_function8(op);
+}

@@ -1,0 +1,108 @@
+/* elementary functions of one number, in the first of two lanes */
+#include "numbers/functions.h"
+
+#if defined(__x86_64__)
+
+#include <immintrin.h>
+#include <math.h>
+
+typedef double real __attribute__((vector_size(16)));
+typedef uint64_t whole __attribute__((vector_size(16)));
+
+#define TARGET __attribute__((target("avx2,fma")))
+#define INLINE TARGET __attribute__((always_inline)) static inline
+
+INLINE real all(double c) {
+    return (real)_mm_set1_pd(c);
+}
+
+INLINE real fused(real a, real b, real c) {
+    return (real)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
+}
+
+INLINE real smaller(real a, real b) {
+    return (real)_mm_min_pd((__m128d)a, (__m128d)b);
+}
+
+INLINE real larger(real a, real b) {
+    return (real)_mm_max_pd((__m128d)a, (__m128d)b);
+}
+
+INLINE int any(whole mask) {
+    return _mm_movemask_pd((__m128d)mask) & 1;
+}
+
+INLINE real picked(const double *table, whole n) {
+    return (real){table[n[0] & 15], 0.0};
+}
+
+INLINE real times_power(real y, real k);
+
+#include "numbers/functions_text.h"
+
+/* in two steps, as the power itself may be out of range; the second rounds, as one step would */
+INLINE real times_power(real y, real k) {
+    const real half = fused(k, all(0.5), all(SHIFT)) - SHIFT;
+    return y * power_of_2(half) * power_of_2(k - half);
+}
+
+#include "numbers/functions_entry.h"
+
+TARGET static double exp_of(double x) {
+    return exponentials((real){x, 0.0})[0];
+}
+
+TARGET static double log_of(double x) {
+    return logarithms((real){x, 0.0})[0];
+}
+
+TARGET static double sin_of(double x) {
+    return sines((real){x, 0.0})[0];
+}
+
+TARGET static double cos_of(double x) {
+    return cosines((real){x, 0.0})[0];
+}
+
+TARGET static double tan_of(double x) {
+    return tangents((real){x, 0.0})[0];
+}
+
+TARGET static double sinh_of(double x) {
+    return hyperbolic_sines((real){x, 0.0})[0];
+}
+
+TARGET static double cosh_of(double x) {
+    return hyperbolic_cosines((real){x, 0.0})[0];
+}
+
+TARGET static double tanh_of(double x) {
+    return hyperbolic_tangents((real){x, 0.0})[0];
+}
+
+TARGET static double sincos_of(double x, double *cosine) {
+    real c;
+    const real s = both((real){x, 0.0}, &c);
+    *cosine = c[0];
+    return s[0];
+}
+
+dm_function *dm_own_function1(int op) {
+    static dm_function *const table[DM_OP_COUNT] = {
+        [DM_OP_EXP] = (dm_function *)exp_of,         [DM_OP_LOG] = (dm_function *)log_of,
+        [DM_OP_SIN] = (dm_function *)sin_of,         [DM_OP_COS] = (dm_function *)cos_of,
+        [DM_OP_TAN] = (dm_function *)tan_of,         [DM_OP_SINH] = (dm_function *)sinh_of,
+        [DM_OP_COSH] = (dm_function *)cosh_of,       [DM_OP_TANH] = (dm_function *)tanh_of,
+        [DM_OP_CONSTANT] = (dm_function *)sincos_of,
+    };
+    return table[op];
+}
+
+#else
+
+dm_function *dm_own_function1(int op) {
+    (void)op;
+    return 0;
+}
+
+#endif

@@ -1,0 +1,95 @@
+/* elementary functions of 8 lanes */
+#include "numbers/functions.h"
+
+#if defined(__x86_64__)
+
+#include <immintrin.h>
+#include <math.h>
+
+typedef double real __attribute__((vector_size(64)));
+typedef uint64_t whole __attribute__((vector_size(64)));
+
+#define TARGET __attribute__((target("avx512f,avx512dq,avx512vl,fma")))
+#define INLINE TARGET __attribute__((always_inline)) static inline
+
+INLINE real all(double c) {
+    return (real)_mm512_set1_pd(c);
+}
+
+INLINE real fused(real a, real b, real c) {
+    return (real)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+}
+
+INLINE real smaller(real a, real b) {
+    return (real)_mm512_min_pd((__m512d)a, (__m512d)b);
+}
+
+INLINE real larger(real a, real b) {
+    return (real)_mm512_max_pd((__m512d)a, (__m512d)b);
+}
+
+INLINE int any(whole mask) {
+    return _mm512_movepi64_mask((__m512i)mask) != 0;
+}
+
+INLINE real picked(const double *table, whole n) {
+    return (real)_mm512_permutex2var_pd(_mm512_load_pd(table), (__m512i)n,
+                                        _mm512_load_pd(table + 8));
+}
+
+INLINE real times_power(real y, real k) {
+    return (real)_mm512_scalef_pd((__m512d)y, (__m512d)k);
+}
+
+#include "numbers/functions_text.h"
+
+#include "numbers/functions_entry.h"
+
+/* through memory: how vectors are passed depends on the compiler's switches */
+typedef real anywhere __attribute__((aligned(8)));
+
+#define IN_LANES(f)                                                                                \
+    TARGET static void f##_in_lanes(anywhere *d, anywhere *d2, const anywhere *a,                  \
+                                    const anywhere *b) {                                           \
+        (void)d2, (void)b;                                                                         \
+        *d = f(*a);                                                                                \
+    }
+IN_LANES(exponentials)
+IN_LANES(logarithms)
+IN_LANES(sines)
+IN_LANES(cosines)
+IN_LANES(tangents)
+IN_LANES(hyperbolic_sines)
+IN_LANES(hyperbolic_cosines)
+IN_LANES(hyperbolic_tangents)
+
+TARGET static void both_in_lanes(anywhere *s, anywhere *c, const anywhere *a, const anywhere *b) {
+    real cosine;
+    (void)b;
+    *s = both(*a, &cosine);
+    *c = cosine;
+}
+
+dm_function *dm_own_function8(int op) {
+    static dm_function *const table[DM_OP_COUNT] = {
+        [DM_OP_EXP] = (dm_function *)exponentials_in_lanes,
+        [DM_OP_LOG] = (dm_function *)logarithms_in_lanes,
+        [DM_OP_SIN] = (dm_function *)sines_in_lanes,
+        [DM_OP_COS] = (dm_function *)cosines_in_lanes,
+        [DM_OP_TAN] = (dm_function *)tangents_in_lanes,
+        [DM_OP_SINH] = (dm_function *)hyperbolic_sines_in_lanes,
+        [DM_OP_COSH] = (dm_function *)hyperbolic_cosines_in_lanes,
+        [DM_OP_TANH] = (dm_function *)hyperbolic_tangents_in_lanes,
+        [DM_OP_CONSTANT] = (dm_function *)both_in_lanes,
+    };
+    return table[op];
+}
+
+#else
+
+dm_function *dm_own_function8(int op) {
+    (void)op;
+    return 0;
+}
+
+#endif

@@ -1,0 +1,19 @@
+/* small_copy.h - copies of a few numbers, as members and small systems have them, without a call. */
+#ifndef DM_FEW_H
+#define DM_FEW_H
+
+#include <stddef.h>
+#include <string.h>
+
+static inline void dm_few(double *to, const double *from, size_t n) {
+    if (n > 4) {
+        memcpy(to, from, n * sizeof *to);
+        return;
+    }
+    if (n > 0) to[0] = from[0];
+    if (n > 1) to[1] = from[1];
+    if (n > 2) to[2] = from[2];
+    if (n > 3) to[3] = from[3];
+}
+
+#endif

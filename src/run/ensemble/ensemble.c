@@ -1,0 +1,127 @@
+#include "run/ensemble/ensemble.h"
+
+#include "run/ensemble/ensemble_block.h"
+#include "run/run.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { BLOCK = 16 }; /* members that a thread takes at a time */
+
+typedef struct {
+    const dm_ensemble *e;
+    atomic_long next, done;
+    long share; /* members that a thread takes at a time */
+} shared;
+
+typedef struct {
+    shared *common;
+    dm_stepper *stepper;
+    dm_block *block;    /* NULL: members one by one */
+    dm_observer *watch; /* of this thread */
+    int first;          /* this thread tells the progress */
+} worker;
+
+/* one member as a run of its own; only the end is kept, in its place */
+static void run_member(const worker *w, const dm_ensemble *e, long i) {
+    const uint32_t many = w->stepper->model->params;
+    double *state = e->state + (size_t)i * dm_state_size(w->stepper->model->n);
+    if (many) w->stepper->params = e->params + (size_t)i * many;
+    if (many && w->watch) w->watch->params = w->stepper->params;
+    const dm_run_plan plan = {.t0 = e->t0,
+                              .steps = e->steps,
+                              .every = e->rows    ? e->rows->every
+                                       : e->steps ? e->steps
+                                                  : 1,
+                              .until = INFINITY,
+                              .watch = w->watch,
+                              .stop = e->stop};
+    long rows = 0;
+    e->member[i].status =
+        dm_run(&plan, w->stepper, state, e->rows ? dm_ensemble_rows_of(e->rows, i) : NULL,
+               &e->member[i].steps, &rows);
+    if (e->rows) e->rows->count[i] = rows;
+}
+
+/* members of one pace; a single one costs less alone than in lanes */
+static void run_alike(const worker *w, const dm_ensemble *e, long from, long to) {
+    if (w->block && (to - from > 1 || !e->pace))
+        dm_block_run(e, w->block, from, to - from);
+    else
+        for (long i = from; i < to; i++) run_member(w, e, i);
+}
+
+static int is_same_pace(const dm_pace *a, const dm_pace *b) {
+    return a->h == b->h && a->steps == b->steps && a->every == b->every;
+}
+
+static void run_members(const worker *w, long from, long to) {
+    dm_ensemble e = *w->common->e;
+    dm_ensemble_rows rows;
+    const int paced = w->block && dm_block_is_paced(w->block) && to - from > 1;
+    if (!e.pace || paced) {
+        run_alike(w, &e, from, to);
+        return;
+    }
+    if (e.rows) rows = *e.rows, e.rows = &rows;
+    for (long i = from; i < to; i = from) {
+        const dm_pace *pace = e.pace + i;
+        while (from < to && is_same_pace(e.pace + from, pace)) from++;
+        w->stepper->h = pace->h;
+        e.steps = pace->steps;
+        rows.every = pace->every;
+        run_alike(w, &e, i, from);
+    }
+}
+
+/* members that a thread takes at a time: whole groups of lanes, no more than leave every thread
+ * something to do */
+static long choose_share(const dm_ensemble *e, const dm_block *b, int threads) {
+    const long lanes = b ? b->lanes.lanes : 1, most = b ? b->most : BLOCK;
+    const long each = (e->members + threads - 1) / threads;
+    const long groups = (each + lanes - 1) / lanes;
+    return lanes * (groups < most ? groups : most);
+}
+
+static void *work(void *arg) {
+    const worker *w = arg;
+    const dm_ensemble *e = w->common->e;
+    const long share = w->common->share;
+    const int alike = !e->pace || (e->members > 1 && is_same_pace(e->pace, e->pace + 1));
+    const long size = !alike && share > BLOCK ? BLOCK : share;
+    for (;;) {
+        const long from = atomic_fetch_add(&w->common->next, size);
+        if (from >= e->members || (e->stop && *e->stop)) return NULL;
+        const long to = from + size < e->members ? from + size : e->members;
+        run_members(w, from, to);
+        const long done = atomic_fetch_add(&w->common->done, to - from) + to - from;
+        if (w->first && e->progress) e->progress(e->ud, done, e->members);
+    }
+}
+
+dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int threads) {
+    shared common = {.e = e};
+    worker workers[DM_ENSEMBLE_THREADS];
+    dm_block blocks[DM_ENSEMBLE_THREADS];
+    pthread_t thread[DM_ENSEMBLE_THREADS];
+    int made = 0;
+    for (long i = 0; i < e->members; i++) e->member[i] = (dm_member){.status = DM_STOPPED};
+    for (int i = 0; i < threads; i++) {
+        const int wide = dm_block_open(blocks + i, steppers[i]);
+        blocks[i].watch = e->watch ? e->watch + i : NULL;
+        workers[i] = (worker){.common = &common,
+                              .stepper = steppers[i],
+                              .block = wide ? blocks + i : NULL,
+                              .watch = e->watch ? e->watch + i : NULL,
+                              .first = i == 0};
+        common.share = choose_share(e, wide ? blocks + i : NULL, threads);
+    }
+    if (e->lanes) *e->lanes = workers[0].block ? workers[0].block->lanes.lanes : 1;
+    /* this thread works too; when no more threads can be had, those there are do it all */
+    while (made + 1 < threads && pthread_create(thread + made, NULL, work, workers + made + 1) == 0)
+        made++;
+    work(workers);
+    for (int i = 0; i < made; i++) pthread_join(thread[i], NULL);
+    return e->stop && *e->stop ? DM_STOPPED : DM_OK;
+}

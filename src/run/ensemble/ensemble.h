@@ -1,0 +1,50 @@
+/* ensemble.h - many runs of one system side by side: members in blocks, blocks shared out to
+ * threads. */
+#ifndef DM_ENSEMBLE_H
+#define DM_ENSEMBLE_H
+
+#include "integ/method/method.h"
+#include "run/ensemble/ensemble_rows.h"
+
+#include <signal.h>
+
+enum { DM_ENSEMBLE_THREADS = 256 };
+
+/* What becomes of one member. */
+typedef struct {
+    dm_status status; /* DM_STOPPED also for members that were not reached */
+    long steps;       /* finished */
+} dm_member;
+
+/* A step of its own for a member, how many of them, and how often a row is kept. */
+typedef struct {
+    double h;
+    long steps, every;
+} dm_pace;
+
+typedef struct {
+    long members, steps;
+    double t0;
+    const dm_pace
+        *pace; /* [members]; NULL: the step of the steppers, `steps`, the rows' `every` for all */
+    const double *params; /* [members][params of the model] */
+    double *
+        /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
+        state;
+    dm_member *member;            /* [members] */
+    const dm_ensemble_rows *rows; /* NULL: only the ends are kept */
+    dm_observer *watch;           /* [threads] what the rows hold; NULL: q, p */
+    uint32_t *lanes;              /* members that went side by side, 1: one by one; may be NULL */
+    const volatile sig_atomic_t *stop;
+    /* called by the first thread only; may be NULL */
+    void (*progress)(void *ud, long done, long members);
+    void *ud;
+} dm_ensemble;
+
+/* Run all members with one opened stepper per thread (steppers[threads], each with workspace and
+ * kernels of its own). Every member is what dm_run would make of it alone, bit for bit, whatever
+ * the number of threads; one that fails stops alone. DM_STOPPED when the flag was seen, else
+ * DM_OK. */
+dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int threads);
+
+#endif

@@ -1,0 +1,27 @@
+/* ensemble_block.h - the members that one thread steps side by side. */
+#ifndef DM_ENSEMBLE_BLOCK_H
+#define DM_ENSEMBLE_BLOCK_H
+
+#include "integ/method/lanes.h"
+#include "run/ensemble/ensemble.h"
+
+typedef struct {
+    dm_stepper *stepper;
+    dm_lanes lanes;                /* as many groups as the members in hand need */
+    uint32_t most;                 /* groups */
+    long burst;                    /* steps between looks at the stop flag, from block to block */
+    dm_observer *watch;            /* what rows hold; NULL: q, p */
+    double h[DM_LANES_GROUPS * 8]; /* steps of members that have their own */
+} dm_block;
+
+/* Kernels for an opened stepper, in the arena of its model. 0: members go one by one. */
+int dm_block_open(dm_block *b, dm_stepper *s);
+
+/* May members with steps of their own go side by side? */
+int dm_block_is_paced(const dm_block *b);
+
+/* Members first .. first + count - 1, at most lanes x most, to the end, to their failures or to
+ * the stop flag; e->pace: that of the first, or that of each where the block is paced. */
+void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count);
+
+#endif

@@ -1,0 +1,313 @@
+/* ensemble_lanes.c - a block of members stepped side by side; who fails is stepped again alone
+ * and leaves. */
+#include "run/ensemble/ensemble_block.h"
+
+#include <string.h>
+#include <time.h>
+
+static const double LOOK = 5e-4;        /* s between looks at the stop flag */
+enum { FIRST = 16, LONGEST = 1 << 16 }; /* steps between them */
+
+typedef struct {
+    const dm_ensemble *e;
+    dm_block *b;
+    long first, count;               /* members of the block */
+    long done;                       /* steps */
+    long alive;                      /* members that still run */
+    char ended[DM_LANES_GROUPS * 8]; /* members that have done all of their steps */
+} block;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static uint32_t dim(const block *x) {
+    return x->b->stepper->model->n;
+}
+
+static double *state_of(const block *x, long i) {
+    return x->e->state + (size_t)(x->first + i) * dm_state_size(dim(x));
+}
+
+static dm_member *member_of(const block *x, long i) {
+    return x->e->member + x->first + i;
+}
+
+/* member i still runs */
+static int runs(const block *x, long i) {
+    return member_of(x, i)->status == DM_OK && !x->ended[i];
+}
+
+static int has_paces(const block *x) {
+    return x->b->lanes.h != NULL;
+}
+
+/* its steps, and how many of them from row to row */
+static long steps_of(const block *x, long i) {
+    return has_paces(x) ? x->e->pace[x->first + i].steps : x->e->steps;
+}
+
+static long every_of(const block *x, long i) {
+    return has_paces(x) ? x->e->pace[x->first + i].every : x->e->rows->every;
+}
+
+/* parameters of member i of the block to the place of lane `to` */
+static void put_params(const block *x, long i, uint32_t to) {
+    const uint32_t many = x->b->stepper->model->params;
+    if (many)
+        memcpy(x->b->lanes.params + (size_t)to * many, x->e->params + (size_t)(x->first + i) * many,
+               many * sizeof(double));
+}
+
+/* what is computed for member i alone has its step and its parameters */
+static void choose_member(const block *x, long i) {
+    const uint32_t many = x->b->stepper->model->params;
+    if (has_paces(x)) x->b->stepper->h = x->b->h[i];
+    if (!many) return;
+    x->b->stepper->params = x->e->params + (size_t)(x->first + i) * many;
+    if (x->b->watch) x->b->watch->params = x->b->stepper->params;
+}
+
+/* what member i of the block leaves to its next step, which `start` has made */
+static void put_memory(const block *x, uint32_t i) {
+    const dm_lanes *lanes = &x->b->lanes;
+    double *place;
+    if (!lanes->memory) return;
+    x->b->stepper->method->memory(x->b->stepper, &place);
+    for (size_t k = 0; k < lanes->memory_size; k++)
+        dm_lanes_memory(lanes, i)[k * lanes->lanes] = place[k];
+}
+
+/* a lane without a member of its own runs along with another's numbers, or is left alone */
+static void pad(block *x) {
+    const uint32_t all = x->b->lanes.lanes * x->b->lanes.groups, n = dim(x);
+    long whole = 0;
+    while (whole < x->count && !runs(x, whole)) whole++;
+    if (whole == x->count) return;
+    dm_lanes_get(&x->b->lanes, n, (uint32_t)whole, x->b->lanes.alone);
+    for (uint32_t i = 0; i < all; i++)
+        if (i >= x->count || !runs(x, i)) {
+            dm_lanes_put(&x->b->lanes, n, i, x->b->lanes.alone);
+            put_params(x, whole, i);
+            if (x->b->lanes.failed) x->b->lanes.failed[i] = DM_STOPPED;
+        }
+}
+
+/* ---- rows ---- */
+
+static double time_of(const block *x, long i, long steps) {
+    return x->e->t0 + (double)steps * (has_paces(x) ? x->b->h[i] : x->b->stepper->h);
+}
+
+/* the row of a state of member i; one that cannot be watched fails */
+static void keep_row(block *x, long i, const double *state, long steps) {
+    const dm_ensemble_rows *rows = x->e->rows;
+    dm_member *m = member_of(x, i);
+    const double t = x->b->stepper->method->traits & DM_OWN_TIME ? state[4 * (size_t)dim(x)]
+                                                                 : time_of(x, i, steps);
+    choose_member(x, i);
+    const dm_status status = dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
+    if (status == DM_OK || m->status != DM_OK) return;
+    *m = (dm_member){.status = status, .steps = steps};
+    memcpy(state_of(x, i), state, dm_state_size(dim(x)) * sizeof *state);
+    x->alive--;
+}
+
+/* a row of every member that still runs */
+static void keep_rows(block *x) {
+    const long before = x->alive;
+    if (!x->e->rows) return;
+    for (long i = 0; i < x->count; i++) {
+        if (!runs(x, i) || x->done % every_of(x, i) != 0) continue;
+        dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
+        keep_row(x, i, x->b->lanes.alone, x->done);
+    }
+    if (x->alive < before) pad(x);
+}
+
+/* the last state, or the last good one, if it is not a row yet */
+static void keep_last_row(block *x, long i) {
+    const dm_ensemble_rows *rows = x->e->rows;
+    const long steps = member_of(x, i)->steps;
+    if (rows && (steps % every_of(x, i) != 0 || !rows->count[x->first + i]))
+        keep_row(x, i, state_of(x, i), steps);
+}
+
+/* ---- steps ---- */
+
+static long lesser(long a, long b) {
+    return a < b ? a : b;
+}
+
+/* at most `most` steps to the next row or the end of a member */
+static long to_event(const block *x, long most) {
+    const int rows = x->e->rows != NULL;
+    if (!has_paces(x)) {
+        most = lesser(most, x->e->steps - x->done);
+        return rows ? lesser(most, every_of(x, 0) - x->done % every_of(x, 0)) : most;
+    }
+    for (long i = 0; i < x->count; i++) {
+        if (!runs(x, i)) continue;
+        most = lesser(most, steps_of(x, i) - x->done);
+        if (rows) most = lesser(most, every_of(x, i) - x->done % every_of(x, i));
+    }
+    return most;
+}
+
+/* steps of the members, and any for lanes without one */
+static void set_paces(block *x) {
+    const int own = x->e->pace && dm_block_is_paced(x->b);
+    x->b->lanes.h = own ? x->b->h : NULL;
+    for (size_t i = 0; own && i < sizeof x->b->h / sizeof *x->b->h; i++)
+        x->b->h[i] = x->e->pace[x->first + ((long)i < x->count ? (long)i : 0)].h;
+}
+
+static void begin(block *x) {
+    dm_stepper *s = x->b->stepper;
+    for (long i = 0; i < x->count; i++) {
+        dm_member *m = member_of(x, i);
+        *m = (dm_member){.status = DM_OK};
+        choose_member(x, i);
+        if (s->method->start) m->status = s->method->start(s, state_of(x, i), x->e->t0);
+        if (m->status != DM_OK) continue;
+        dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
+        put_params(x, i, (uint32_t)i);
+        put_memory(x, (uint32_t)i);
+        if (x->b->lanes.failed) x->b->lanes.failed[i] = DM_OK;
+        x->alive++;
+    }
+    pad(x);
+}
+
+/* member i is not finite after `count` steps: from the kept state alone, up to the step that
+ * fails */
+static void repeat_alone(block *x, long i, double t, long count) {
+    dm_lanes kept = x->b->lanes; /* but for the states */
+    dm_stepper *s = x->b->stepper;
+    dm_member *m = member_of(x, i);
+    double *state = state_of(x, i);
+    long done = 0;
+    choose_member(x, i);
+    kept.state = x->b->lanes.kept;
+    dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
+    m->status = dm_advance(s, state, t, count, &done);
+    m->steps = x->done + done;
+    if (m->status == DM_OK) {
+        dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state);
+        return;
+    }
+    x->alive--;
+    keep_last_row(x, i);
+}
+
+/* member i failed, as the method says, in the step after those that it has done of a burst */
+static void leave(block *x, long i) {
+    const dm_lanes *lanes = &x->b->lanes;
+    *member_of(x, i) = (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
+    dm_lanes_get(lanes, dim(x), (uint32_t)i, state_of(x, i));
+    x->alive--;
+    choose_member(x, i);
+    keep_last_row(x, i);
+}
+
+/* a burst of a method that tells who failed */
+static void advance_told(block *x, double t, long count) {
+    dm_lanes *lanes = &x->b->lanes;
+    dm_stepper *s = x->b->stepper;
+    s->method->advance_lanes(s, lanes, t, count);
+    for (long i = 0; i < x->count; i++)
+        if (runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);
+}
+
+/* a burst of one whose members that failed have a state that is not finite */
+static void advance_seen(block *x, double t, long count) {
+    dm_lanes *lanes = &x->b->lanes;
+    dm_stepper *s = x->b->stepper;
+    const size_t all = (size_t)lanes->groups * lanes->lanes;
+    memcpy(lanes->kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
+    s->method->advance_lanes(s, lanes, t, count);
+    if (dm_lanes_are_finite(lanes, dim(x))) return;
+    for (long i = 0; i < x->count; i++)
+        if (runs(x, i) && !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
+            repeat_alone(x, i, t, count);
+}
+
+static void advance(block *x, long count) {
+    const double t = x->e->t0 + (double)x->done * x->b->stepper->h;
+    const long before = x->alive;
+    if (x->b->lanes.failed)
+        advance_told(x, t, count);
+    else
+        advance_seen(x, t, count);
+    x->done += count;
+    if (x->alive < before) pad(x);
+}
+
+/* what becomes of member i, which goes no further */
+static void end(block *x, long i, dm_status status) {
+    dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
+    *member_of(x, i) = (dm_member){.status = status, .steps = x->done};
+    keep_last_row(x, i);
+}
+
+/* members that have done all of their steps leave */
+static void end_some(block *x) {
+    const long before = x->alive;
+    for (long i = 0; i < x->count; i++) {
+        if (!runs(x, i) || x->done < steps_of(x, i)) continue;
+        end(x, i, DM_OK);
+        x->ended[i] = 1;
+        x->alive--;
+    }
+    if (x->alive < before) pad(x);
+}
+
+/* steps up to the end or the stop flag; where L depends on t one by one, as a run of its own
+ * does */
+static dm_status run(block *x) {
+    const dm_stepper *s = x->b->stepper;
+    const int autonomous = (s->model->structure & DM_AUTONOMOUS) != 0;
+    double looked = now();
+    long burst = x->b->burst;
+    end_some(x);
+    while (x->alive) {
+        const long goal = to_event(x, burst);
+        if (x->e->stop && *x->e->stop) return DM_STOPPED;
+        for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
+            advance(x, autonomous ? goal : 1);
+        keep_rows(x);
+        end_some(x);
+        const double took = now() - looked;
+        looked += took;
+        if (took < 0.5 * LOOK && burst < LONGEST) burst *= took < 0.125 * LOOK ? 4 : 2;
+        if (took > LOOK && burst > 1) burst /= 2;
+        x->b->burst = burst;
+    }
+    return DM_OK;
+}
+
+void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
+    block x = {.e = e, .b = b, .first = first, .count = count};
+    const uint32_t together = b->lanes.together ? b->lanes.together : 1;
+    const long pass = (long)b->lanes.lanes * together;
+    b->lanes.groups = (uint32_t)((count - 1) / pass + 1) * together;
+    set_paces(&x);
+    begin(&x);
+    keep_rows(&x);
+    const dm_status status = run(&x);
+    for (long i = 0; i < count; i++)
+        if (runs(&x, i)) end(&x, i, status);
+}
+
+int dm_block_is_paced(const dm_block *b) {
+    return b->lanes.paced && (b->stepper->model->structure & DM_AUTONOMOUS);
+}
+
+int dm_block_open(dm_block *b, dm_stepper *s) {
+    *b = (dm_block){.stepper = s, .burst = FIRST};
+    if (!s->method->widen || !s->method->widen(s, &b->lanes)) return 0;
+    b->most = b->lanes.groups;
+    return 1;
+}

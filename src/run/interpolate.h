@@ -1,0 +1,12 @@
+/* interpolate.h - the state at a time between two steps, by a shorter step from the one before. */
+#ifndef DM_LAND_H
+#define DM_LAND_H
+
+#include "integ/method/method.h"
+
+/* out = the state at time `target`, from `state` at time t <= target, by one step of a length of
+ * its own; h of the stepper is as before afterwards. Methods with a time of their own find that
+ * length by secants to round-off. */
+dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target);
+
+#endif
