@@ -17,7 +17,7 @@ CLI = $(call below,src/cli,*.c)
 KERNEL = $(filter-out $(BIND) $(CLI),$(call below,src,*.c))
 LUA_FILES = $(call below,lua/dm,*.lua)
 EXAMPLES = $(sort $(wildcard examples/*.lua))
-C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(sort $(wildcard tests/c/*.c tests/bench/*.c))
+C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(call below,tests/c,*.c)
 objects = $(patsubst src/%.c,$(B)/%.o,$(1))
 export B
 
@@ -65,12 +65,12 @@ $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(GSL_LIBS) -lm
 
 # tests/c/test_*.c know only libdm.a; the other programs there drive an interpreter
-C_TESTS = $(patsubst tests/c/%.c,$(B)/tests/%,$(sort $(wildcard tests/c/test_*.c)))
-DRIVERS = $(patsubst tests/c/%.c,$(B)/tests/%,$(sort $(filter-out tests/c/test_%,$(wildcard tests/c/*.c))))
+C_TESTS = $(patsubst tests/c/%.c,$(B)/tests/%,$(call below,tests/c,test_*.c))
+DRIVERS = $(patsubst tests/c/%.c,$(B)/tests/%,$(sort $(wildcard tests/c/*.c)))
 STATE_TESTS = $(addprefix $(B)/tests/,refuse interrupt)
-LUA_TESTS = $(sort $(wildcard tests/lua/test_*.lua))
+LUA_TESTS = $(call below,tests/lua,test_*.lua)
 HOUSE_TESTS = $(sort $(wildcard tests/house/test_*.lua))
-$(B)/tests/test_%: tests/c/test_%.c $(B)/libdm.a
+$(C_TESTS): $(B)/tests/%: tests/c/%.c $(B)/libdm.a
 	@mkdir -p $(@D)
 	$(call say,cc,$<)$(COMPILE) -Itests/c $< $(B)/libdm.a $(GSL_LIBS) -lm -o $@
 $(DRIVERS): $(B)/tests/%: tests/c/%.c $(call objects,$(BIND)) $(B)/libdm.a
@@ -101,7 +101,7 @@ bench: programs
 	@tests/bench/run
 
 format:
-	clang-format -i $(sort $(wildcard src/*/*.[ch] tests/*/*.[ch]))
+	clang-format -i $(foreach tree,src tests,$(call below,$(tree),*.[ch]))
 lint: $(B)/config.mk
 	@.ci/lint $(C_SOURCES) -- $(LUA_CFLAGS)
 

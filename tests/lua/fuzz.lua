@@ -1,7 +1,7 @@
 --[[ dmlua tests/lua/fuzz.lua SECONDS [SEED] - random arguments to every function, method and operator.
 Whatever is given, a call must return or raise an error with a message: it must not crash, hang or
 leave a message that says nothing. Prints the number of calls; under sanitizers it also finds what
-only they see. Files are written to the current folder: tests/lua/test_fuzz.lua makes an empty one.
+only they see. Files are written to the current folder: tests/lua/value/test_fuzz.lua makes an empty one.
 The call that is under way is in the file "last-call", so that a crash names it.]]
 local dm = require "dm"
 local reference = require "dm.session.reference"

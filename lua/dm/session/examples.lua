@@ -29,7 +29,7 @@ local folder  -- false: they did not come along
 
 -- beside lua/: in the tree, and under share/dmlua, where share/lua/5.4 points to for a stock Lua
 local function find_folder()
-  local root = debug.getinfo(1, "S").source:match "^@(.*)/dm/help/[^/]+$"
+  local root = debug.getinfo(1, "S").source:match "^@(.*)/dm/session/[^/]+$"
   for _, place in ipairs(root and { "/../examples/", "/../../dmlua/examples/" } or {}) do
     for _, path in ipairs { shortened(root .. place), root .. place } do
       if text_of(path .. M.names[1] .. ".lua") then return path end

@@ -2,7 +2,7 @@
  * tests/bench/routh.lua by hand, to round-off: in (r1, r2, phi) at the momentum mu, theta' from
  * it; the same with the sum for theta; in (theta, r1, r2, phi), all four velocities solved for.
  * A Newton step with exact derivatives, then chords, from the polynomial through the last six
- * steps. cc -O3 -march=native -o routh_pendulum tests/bench/c/routh_pendulum.c -lm */
+ * steps. cc -O3 -march=native -o routh_pendulum tests/bench/c/by_hand/routh_pendulum.c -lm */
 #define _GNU_SOURCE /* sincos */
 #include "routh_race.h"
 

@@ -276,7 +276,7 @@ static void orders_of_tableaus(void) {
         }
 }
 
-/* one instance of what a method claims; tests/lua/test_rules.lua measures the rest */
+/* one instance of what a method claims; tests/lua/rule/test_rules.lua measures the rest */
 static void check_instance(const dm_method *m, const char *text, size_t length) {
     char rule[80] = "";
     dm_rule nodes[DM_RULE_NODES];

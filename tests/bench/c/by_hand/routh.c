@@ -1,7 +1,7 @@
 /* routh - a midpoint step (gauss(1)) of the J2 satellite of tests/bench/routh.lua by hand, to
  * round-off: in (r, z) at the momentum mu; in (theta, r, z) with theta' found by hand, as mu /
  * r^2 of the midpoint; in (theta, r, z) with all three velocities solved for by Newton's method.
- * cc -O3 -march=native -o routh tests/bench/c/routh.c -lm */
+ * cc -O3 -march=native -o routh tests/bench/c/by_hand/routh.c -lm */
 #include "routh_race.h"
 
 #include <math.h>
