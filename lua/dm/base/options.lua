@@ -1,0 +1,141 @@
+--- Tables of options: are their keys known, do they hold what is needed, and the one way to raise.
+-- `where` is the function that the user called, as it stands in messages: "dm.chart". Errors carry
+-- no position: base/blame.lua, which wraps the functions of dm and of its classes, adds the line of
+-- the script. A getter lets an option be left out: it returns `default` then, or nil; `need` is for
+-- the others.
+local core = require "dm.core"
+
+local M = {}
+
+local huge, tointeger = math.huge, math.tointeger
+
+--- Raises "where: text", the text formatted with what follows it.
+function M.fail(where, text, ...) error(("%s: %s"):format(where, text:format(...)), 0) end
+
+--- fail(text, ...) of a module that raises in one name only.
+function M.failing(where)
+  return function(...) M.fail(where, ...) end
+end
+
+--- What was given, in a few words: a number, a text in quotes, nil, or the name of a type.
+function M.got(x)
+  local kind = type(x)
+  if kind == "string" and #x <= 40 then return ("%q"):format(x) end
+  if kind == "number" or kind == "boolean" or kind == "nil" then return tostring(x) end
+  local metatable = debug.getmetatable(x)
+  local name = type(metatable) == "table" and metatable.__name
+  return type(name) == "string" and name or kind
+end
+
+local function is_among(key, known)
+  if known.entries and math.type(key) == "integer" then return true end
+  for _, name in ipairs(known) do
+    if name == key then return true end
+  end
+  return false
+end
+
+-- the names among the known keys: a place, such as 1 for the system, is not listed
+local function names_of(known)
+  local out = {}
+  for _, name in ipairs(known) do
+    if type(name) == "string" then out[#out + 1] = name end
+  end
+  return out
+end
+
+local function unknown(key, known, where)
+  local names = names_of(known)
+  local near = type(key) == "string" and core.nearest(key, names)
+  M.fail(where, "unknown option '%s'; %soptions are %s", tostring(key),
+    near and ("did you mean '%s'? "):format(near) or "", table.concat(names, ", "))
+end
+
+--- The table t itself, once all of its keys are in the list `known` (with known.entries = true also
+-- [1], [2], ...); `takes` tells what a call without a table should have given.
+function M.check(t, known, where, takes)
+  if type(t) ~= "table" then
+    M.fail(where, "takes a table %s (got %s)", takes or "of options", M.got(t))
+  end
+  for key in next, t do
+    if not is_among(key, known) then unknown(key, known, where) end
+  end
+  return t
+end
+
+--- Raises that option `key` must be `what`, where `fine` is not true.
+function M.demand(fine, t, key, where, what)
+  if not fine then M.fail(where, "option '%s' must be %s (got %s)", key, what, M.got(t[key])) end
+end
+
+--- t[key], which may not be left out.
+function M.need(t, key, where, what)
+  if t[key] == nil then M.fail(where, "option '%s' is missing: %s", key, what) end
+  return t[key]
+end
+
+--- t[key] if it passes test(value).
+function M.passing(t, key, where, test, what, default)
+  local x = t[key]
+  if x == nil then return default end
+  M.demand(test(x), t, key, where, what)
+  return x
+end
+
+local function is_finite(x) return type(x) == "number" and x - x == 0 end
+
+--- A finite number, `what` of the messages.
+function M.number(t, key, where, what, default)
+  return M.passing(t, key, where, is_finite, what or "a finite number", default)
+end
+
+--- A finite number > 0: what = "a step", "a duration".
+function M.positive(t, key, where, what, default)
+  local function is_positive(x) return is_finite(x) and x > 0 end
+  return M.passing(t, key, where, is_positive, (what or "a number") .. " > 0", default)
+end
+
+--- A number between 0 and 1, both excluded.
+function M.fraction(t, key, where, default)
+  local function is_fraction(x) return type(x) == "number" and x > 0 and x < 1 end
+  return M.passing(t, key, where, is_fraction, "a number between 0 and 1", default)
+end
+
+--- A whole number from `least` to `most` (left out: any); 3.0 is 3.
+function M.whole(t, key, where, least, most, default)
+  local function is_whole(x)
+    return type(x) == "number" and tointeger(x) and x >= least and x <= (most or huge)
+  end
+  local range = most and ("from %.0f to %.0f"):format(least, most) or (">= %.0f"):format(least)
+  return tointeger(M.passing(t, key, where, is_whole, "a whole number " .. range, default))
+end
+
+--- A function; of = "(q, v, t, p)" tells its arguments.
+function M.callable(t, key, where, of)
+  local function is_function(x) return type(x) == "function" end
+  return M.passing(t, key, where, is_function, of and "a function of " .. of or "a function")
+end
+
+--- A text.
+function M.text(t, key, where, default)
+  local function is_text(x) return type(x) == "string" end
+  return M.passing(t, key, where, is_text, "a string", default)
+end
+
+--- A table with at least one entry [1]; what = "rules", of the messages.
+function M.list(t, key, where, what, default)
+  local function is_list(x) return type(x) == "table" and #x > 0 end
+  return M.passing(t, key, where, is_list, "a list of " .. what, default)
+end
+
+--- One of the texts of a list.
+function M.one_of(t, key, where, texts, default)
+  local quoted = {}
+  for i, text in ipairs(texts) do quoted[i] = '"' .. text .. '"' end
+  local last = table.remove(quoted)
+  local what = #quoted > 0 and table.concat(quoted, ", ") .. " or " .. last or last
+  local function is_one(x) return is_among(x, texts) end
+  return M.passing(t, key, where, is_one, what, default)
+end
+
+return M
