@@ -29,12 +29,12 @@ local lazy = {
 }
 
 -- modules that add methods to classes of the core
-local extensions = { "dm.session.missing", "dm.measure.multipliers", "dm.show.path", "dm.show.animate", "dm.data.export", "dm.measure.tangent", "dm.measure.shadow", "dm.chart", "dm.measure.order",
+local extensions = { "dm.session.missing", "dm.measure.multipliers", "dm.show.path", "dm.show.animate", "dm.data.export", "dm.measure.tangent", "dm.measure.modified_energy", "dm.chart", "dm.measure.order",
   "dm.reduce.methods", "dm.stability.methods", "dm.group",
 }
 
 -- modules of classes that methods give, loaded when one is first made
-local late_classes = { "dm.measure.section", "dm.reduce.discrete", "dm.reduce.branch" }
+local late_classes = { "dm.measure.poincare", "dm.reduce.discrete", "dm.reduce.equilibria.branch" }
 
 local dm = {}
 

@@ -1,4 +1,5 @@
---- The system linearised at a state, and the exact tangent map along an orbit: eigenvalues that say whether small changes stay small.
+--- The system linearised at a state, and the exact tangent map along an orbit: eigenvalues that say
+-- whether small changes stay small.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local starts = require "dm.base.start"
@@ -38,10 +39,12 @@ local function check_plain(system, what)
   local given = system.given
   if not (given and given.L) then error(what .. " needs a dm.system", 0) end
   if given.constraint or given.rolling or given.force then
-    error(what .. ": for systems without constraints and forces; solver:multipliers has the tangent map of any", 0)
+    error(what .. ": for systems without constraints and forces; solver:multipliers has the "
+      .. "tangent map of any", 0)
   end
   if system:structure().linear_in_v then
-    error(what .. ": L has no term quadratic in v, so that no acceleration follows from it: its equations are not of second order", 0)
+    error(what .. ": L has no term quadratic in v, so that no acceleration follows from it: its "
+      .. "equations are not of second order", 0)
   end
 end
 
@@ -50,8 +53,11 @@ local function describe(rates, frequencies)
   for _, w in ipairs(frequencies) do fastest = max(fastest, w) end
   for _, s in ipairs(rates) do growth = max(growth, s) end
   local small = 1e-7 * max(fastest, growth)
-  if growth > small then return false, ("unstable: a small change grows like exp(%.5g t)"):format(growth), fastest end
-  return true, ("no small change grows exponentially; the fastest oscillation has omega = %.5g"):format(fastest), fastest
+  if growth > small then
+    return false, ("unstable: a small change grows like exp(%.5g t)"):format(growth), fastest
+  end
+  return true, ("no small change grows exponentially; the fastest oscillation has omega = %.5g")
+    :format(fastest), fastest
 end
 
 M.linearize = blame.caller(function(system, options)
@@ -59,20 +65,28 @@ M.linearize = blame.caller(function(system, options)
   local what = "system:linearize"
   if type(options) ~= "table" or not options.q then error(what .. " takes { q =, v = }", 0) end
   for key in pairs(options) do
-    if key ~= "q" and key ~= "v" and key ~= "t" then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
+    if key ~= "q" and key ~= "v" and key ~= "t" then
+      error(("%s: unknown option '%s'"):format(what, tostring(key)), 0)
+    end
   end
   check_plain(system, what)
   local n = system.Q.dimension
-  if #options.q ~= n or options.v and #options.v ~= n then error(("%s: q and v have %d entries"):format(what, n), 0) end
-  local A = field(system, core.vector(options.q), core.vector(options.v or core.zeros(n)), options.t or 0)
+  if #options.q ~= n or options.v and #options.v ~= n then
+    error(("%s: q and v have %d entries"):format(what, n), 0)
+  end
+  local q, v = core.vector(options.q), core.vector(options.v or core.zeros(n))
+  local A = field(system, q, v, options.t or 0)
   for i = 1, 2 * n do
     for k = 1, 2 * n do
-      if not (abs(A[i][k]) < huge) then error(what .. ": the second derivatives of L are not finite at this state", 0) end
+      if not (abs(A[i][k]) < huge) then
+        error(what .. ": the second derivatives of L are not finite at this state", 0)
+      end
     end
   end
   local re, im = A:eigenvalues()
   local stable, why, fastest = describe(re:totable(), im:totable())
-  return core.result { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im, matrix = A }
+  return core.result { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im,
+    matrix = A }
 end)
 
 ---- orbits ----
@@ -91,10 +105,16 @@ M.multipliers = blame.caller(function(solver, options)
   for i = 1, n do closes = max(closes, abs(q[i] - options.q[i]), abs(p[i] - p0[i])) end
   local slack = max(1e-6, 10 * sqrt(2.2e-16 * size))
   local stable = largest <= 1 + slack
-  local why = stable and ("no multiplier is outside of the unit circle (largest modulus %.9g, known to %.1g)"):format(largest, slack)
+  local why = stable
+    and ("no multiplier is outside of the unit circle (largest modulus %.9g, known to %.1g)")
+      :format(largest, slack)
     or ("unstable: a small change grows by a factor of %.6g"):format(largest)
-  if closes > slack then why = why .. ("; the run ends %.2g from its start, so they are those of a closed orbit only up to a symmetry"):format(closes) end
-  return core.result { stable = stable, why = why, largest = largest, re = re, im = im, matrix = matrix, closes = closes }
+  if closes > slack then
+    why = why .. ("; the run ends %.2g from its start, so they are those of a closed orbit only "
+      .. "up to a symmetry"):format(closes)
+  end
+  return core.result { stable = stable, why = why, largest = largest, re = re, im = im,
+    matrix = matrix, closes = closes }
 end)
 
 return M

@@ -1,7 +1,9 @@
 --- Accelerations and multipliers at a state, from the equations of motion themselves:
---   d/dt L_v = L_q + f + G^T lambda + E^T mu,   d2g/dt2 = 0,   d phi/dt = 0,   G = dg/dq, E = dphi/dv or given,
--- linear in (v', lambda, mu): an implicit function of (q, v, t) (dm.root), so that runs can record it and look for its zeros. No step is in it:
--- what is known of q and v to the order of a rule is so known of the forces. Impulses of the step equation are another thing (solver:run, record).
+--   d/dt L_v = L_q + f + G^T lambda + E^T mu,   d2g/dt2 = 0,   d phi/dt = 0,
+-- with G = dg/dq and E = dphi/dv or given,
+-- linear in (v', lambda, mu): an implicit function of (q, v, t) (dm.root), so that runs can record
+-- it and look for its zeros. No step is in it: what is known of q and v to the order of a rule is
+-- so known of the forces. Impulses of the step equation are another thing (solver:run, record).
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local prolong = require "dm.measure.prolong"
@@ -17,11 +19,13 @@ local function bound(f, params, holonomic)
   return function(q, v, t, u) return u == nil and f(q, v, t, params) or f(q, v, t, u, params) end
 end
 
--- the functions of a system as functions of (q, v, t), lists behind vectors; the force with its control as it is at this state
+-- the functions of a system as functions of (q, v, t), lists behind vectors; the force with its
+-- control as it is at this state
 local function functions_of(system)
   local given = system.given
   local p = given.params
-  local L, g, phi, f = bound(given.L, p), bound(given.constraint, p, true), bound(given.rolling, p), bound(given.force, p)
+  local L, g, phi, f = bound(given.L, p), bound(given.constraint, p, true), bound(given.rolling, p),
+    bound(given.force, p)
   local control, E = bound(given.control, p), bound(given.reaction, p)
   return {
     L = function(q, v, t) return L(q, v, t) end,
@@ -60,7 +64,7 @@ local function of_constraint(f, n)
   return slope, speed
 end
 
--- rows of reactions of the rolling ties, from J = dphi/d(q, v, t) or as given
+-- rows of reactions of the rolling constraints, from J = dphi/d(q, v, t) or as given
 local function reactions(f, J, count, n, q, v, t)
   if f.E then return entries(f.E(q, v, t)) end
   local out = {}
@@ -105,7 +109,8 @@ end
 
 local MOST = 64  -- unknowns of an implicit function
 
--- constant mass: v' = M^-1 (rest - what the equations have without v'), so that multipliers alone are unknown
+-- constant mass: v' = M^-1 (rest - what the equations have without v'), so that multipliers alone
+-- are unknown
 local function of_multipliers(system, f, n, k, l)
   local zero = {}
   for i = 1, n do zero[i] = 0 end
@@ -134,15 +139,19 @@ end
 
 -- (q, v, t) -> v', multipliers, as one list; of many coordinates by way of the multipliers
 local function solution(system, f, n, k, l)
-  local failure = k + l > 0 and "are the constraints independent of each other here, and d2L/dv2 regular along them?"
+  local failure = k + l > 0
+    and "are the constraints independent of each other here, and d2L/dv2 regular along them?"
     or "is d2L/dv2 regular here?"
   local function root(count, equations)
-    return core.root { name = "the acceleration", unknowns = count, equations = equations, failure = failure }
+    return core.root { name = "the acceleration", unknowns = count, equations = equations,
+      failure = failure }
   end
   if n + k + l <= MOST then return root(n + k + l, equations_of(f, n, k, l)) end
   if k + l > MOST or not system:structure().constant_mass then
-    error(("multipliers are found for up to %d accelerations and multipliers, or up to %d multipliers where the mass is constant (this system has %d and %d); "
-      .. "a run with record = { \"impulses\" } has those of its steps"):format(MOST, MOST, n, k + l), 0)
+    error(("multipliers are found for up to %d accelerations and multipliers, or up to %d "
+      .. "multipliers where the mass is constant (this system has %d and %d); "
+      .. "a run with record = { \"impulses\" } has those of its steps")
+      :format(MOST, MOST, n, k + l), 0)
   end
   local equations, accelerations = of_multipliers(system, f, n, k, l)
   local lambda = k + l > 0 and root(k + l, equations)
@@ -157,7 +166,9 @@ end
 -- values of all functions at a state, to see whether a number that they use has changed
 local function fingerprint(f, at)
   local out = { f.L(at.q, at.v, at.t) }
-  for _, key in ipairs { "phi", "E", "f" } do out[#out + 1] = f[key] and f[key](at.q, at.v, at.t) or 0 end
+  for _, key in ipairs { "phi", "E", "f" } do
+    out[#out + 1] = f[key] and f[key](at.q, at.v, at.t) or 0
+  end
   out[#out + 1] = f.g and f.g(at.q, at.t) or 0
   local text = {}
   local function add(x)
@@ -173,11 +184,13 @@ end
 local kept = setmetatable({}, { __mode = "k" })
 
 local function make(system)
-  local given, ties = system.given, system:structure()
+  local given, structure = system.given, system:structure()
   if given.derivatives == "hyperdual" then
-    error("multipliers and accelerations need the graph of L, and this system runs on hyper-dual numbers", 0)
+    error("multipliers and accelerations need the graph of L, and this system runs on hyper-dual "
+      .. "numbers", 0)
   end
-  local made = { f = functions_of(system), n = system.Q.dimension, k = ties.constraints or 0, l = ties.rolling or 0 }
+  local made = { f = functions_of(system), n = system.Q.dimension,
+    k = structure.constraints or 0, l = structure.rolling or 0 }
   made.root = solution(system, made.f, made.n, made.k, made.l)
   return made
 end
@@ -207,9 +220,10 @@ local function current(system, q, v, t)
 end
 
 local function need(system, what)
-  local ties = system:structure()
-  if (ties.constraints or 0) + (ties.rolling or 0) == 0 then
-    error(what .. ": this system has no constraint, so it has no multipliers; give dm.system constraint = or rolling =", 0)
+  local structure = system:structure()
+  if (structure.constraints or 0) + (structure.rolling or 0) == 0 then
+    error(what .. ": this system has no constraint, so it has no multipliers; give dm.system "
+      .. "constraint = or rolling =", 0)
   end
 end
 
@@ -225,13 +239,16 @@ local function state(system, q, v, t, what)
   local function check(key, x)
     local fine, count = pcall(function() return #x end)
     if type(x) == "string" or not fine or count ~= n then
-      error(("%s: %s must be %d numbers (got %s)"):format(what, key, n, fine and type(x) ~= "string" and count or type(x)), 0)
+      error(("%s: %s must be %d numbers (got %s)")
+        :format(what, key, n, fine and type(x) ~= "string" and count or type(x)), 0)
     end
   end
   check("q", q)
   check("v", v)
   local fine, symbol = pcall(function() return t == nil or type(t) == "number" or t + 0 end)
-  if not fine or type(symbol) == "table" then error(("%s: t must be a number (got %s)"):format(what, type(t)), 0) end
+  if not fine or type(symbol) == "table" then
+    error(("%s: t must be a number (got %s)"):format(what, type(t)), 0)
+  end
   return core.vector(q), core.vector(v), t or 0
 end
 
@@ -252,16 +269,21 @@ end)
 local function traced(system, what)
   need(system, what)
   local made = make(system)
-  return function(q, v, t) return part(made.root(q, v, t), made.n + 1, made.n + made.k + made.l) end, made
+  local first, last = made.n + 1, made.n + made.k + made.l
+  return function(q, v, t) return part(made.root(q, v, t), first, last) end, made
 end
 
 --- What `watch` and `record` call "lambda", for the C of runs: a function of (q, v, t, p).
 function M.watched(system) return (traced(system, "lambda")) end
 
 M.along = blame.caller(function(path)
-  if path.watched then error("path:multipliers needs q and p, but this run recorded only what it watched: watch \"lambda\"", 0) end
+  if path.watched then
+    error("path:multipliers needs q and p, but this run recorded only what it watched: watch "
+      .. "\"lambda\"", 0)
+  end
   if getmetatable(path.system).__name ~= "dm.system" then
-    error("path:multipliers: a discrete Lagrangian has no equations at a state; the multipliers of its steps are record = { \"impulses\" }", 0)
+    error("path:multipliers: a discrete Lagrangian has no equations at a state; the multipliers "
+      .. "of its steps are record = { \"impulses\" }", 0)
   end
   local f, made = traced(path.system, "path:multipliers")
   local lambda, v, out = core.trace(f, made.n, made.n, "number"), path:velocity(), {}
@@ -271,15 +293,20 @@ end)
 
 core.method("dm.system", "multipliers", M.multipliers, [[
 system:multipliers(q, v [, t]) -> dm.vector
-The multipliers at a state, of constraints first, then of rolling ones: lambda in d/dt L_v = L_q + f + G^T lambda + E^T mu with G = dg/dq, E = dphi/dv (or the rows of
-`reaction`), such that g and phi stay zero. So +G^T lambda is the force of the constraint on q: with g = |q| - l the multiplier is the force along the rod, outwards, and the
-tension is -lambda; it is scaled with g. Numbers, or symbols in a traced function: an event at a zero of it is where a rope goes slack. Raises where constraints depend on each other.]])
+The multipliers at a state, of constraints first, then of rolling ones: lambda in d/dt L_v = L_q + f
++ G^T lambda + E^T mu with G = dg/dq, E = dphi/dv (or the rows of `reaction`), such that g and phi
+stay zero. So +G^T lambda is the force of the constraint on q: with g = |q| - l the multiplier is
+the force along the rod, outwards, and the tension is -lambda; it is scaled with g. Numbers, or
+symbols in a traced function: an event at a zero of it is where a rope goes slack. Raises where
+constraints depend on each other.]])
 core.method("dm.system", "acceleration", M.acceleration, [[
 system:acceleration(q, v [, t]) -> dm.vector of dim Q entries
-d2q/dt2 at a state by the equations of motion, with forces and constraints; a control is that of this state. Numbers, or symbols in a traced function.]])
+d2q/dt2 at a state by the equations of motion, with forces and constraints; a control is that of
+this state. Numbers, or symbols in a traced function.]])
 core.method("dm.path", "multipliers", M.along, [[
 path:multipliers() -> dm.matrix, #path x constraints
-system:multipliers at every row (v from p): forces of the constraints along the path, to the order of the rule. Columns of it are plotted as path:plot("t", M:column(1));
-a run records them with record = { "lambda" }.]])
+system:multipliers at every row (v from p): forces of the constraints along the path, to the order
+of the rule. Columns of it are plotted as path:plot("t", M:column(1)); a run records them with
+record = { "lambda" }.]])
 
 return M

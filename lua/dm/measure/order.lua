@@ -1,18 +1,21 @@
---- The order of a discrete Lagrangian, measured: how fast its trajectories approach each other when the step is halved.
+--- The order of a discrete Lagrangian, measured: how fast its trajectories approach each other when
+-- the step is halved.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local starts = require "dm.base.start"
 
--- steps of the runs that are compared; relative differences that tell something, above round-off; exponents that agree so well
--- are taken at once, that badly never
-local COUNTS = { 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 56, 64, 96, 128, 192, 256, 384, 512 }
+-- steps of the runs that are compared; relative differences that tell something, above round-off;
+-- exponents that agree so well are taken at once, that badly never
+local COUNTS = { 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 56, 64, 96, 128, 192, 256,
+  384, 512 }
 local LEAST, MOST = 3e-14, 1e-2
 local GOOD, BAD = 0.02, 0.2
 
 -- the same discrete Lagrangian with another step, as a solver
 local function with_step(Ld, h)
   if Ld.system then return Ld.system:solver { rule = Ld.rule, h = h } end
-  local copy = core.discrete_lagrangian { Q = Ld.Q, h = h, Ld = Ld.Ld, params = Ld.params, constraint = Ld.constraint }
+  local copy = core.discrete_lagrangian { Q = Ld.Q, h = h, Ld = Ld.Ld, params = Ld.params,
+    constraint = Ld.constraint }
   return copy:solver {}, copy
 end
 
@@ -26,7 +29,8 @@ local function anywhere(n)
   return q, v
 end
 
--- p0 of a start in position and velocity: by the Legendre transform, or by two positions a short step apart
+-- p0 of a start in position and velocity: by the Legendre transform, or by two positions a short
+-- step apart
 local function momentum(Ld, q, v, h)
   if Ld.system then return Ld.system:momentum(q, v) end
   local _, copy = with_step(Ld, h)
@@ -38,7 +42,8 @@ local function last(Ld, start, h, steps)
   return path.q[#path]
 end
 
--- relative differences between runs over the time T with N and 2 N steps: { N, difference }; what cannot be solved is left out
+-- relative differences between runs over the time T with N and 2 N steps: { N, difference }; what
+-- cannot be solved is left out
 local function differences(Ld, start, T)
   local ends, out = {}, {}
   local function reached(N)
@@ -59,11 +64,13 @@ end
 
 local function exponent(a, b) return math.log(a[2] / b[2]) / math.log(b[1] / a[1]) end
 
--- the exponent where three spans agree best, and how well: their spread, which round-off is added to
+-- the exponent where three spans agree best, and how well: their spread, which round-off is added
+-- to
 local function settled(d)
   local p, least = nil, math.huge
   for i = 1, #d - 4 do
-    local a, b, c = exponent(d[i], d[i + 2]), exponent(d[i + 1], d[i + 3]), exponent(d[i + 2], d[i + 4])
+    local a, b, c = exponent(d[i], d[i + 2]), exponent(d[i + 1], d[i + 3]),
+      exponent(d[i + 2], d[i + 4])
     local spread = math.max(a, b, c) - math.min(a, b, c) + 3e-16 / d[i + 4][2]
     if b > 0.5 and spread < least then p, least = c, spread end
   end
@@ -92,17 +99,18 @@ local function order(Ld, options)
   start.p = options.p or momentum(Ld, start.q, options.v or v, Ld.h / 1024)
   local p = search(Ld, start)
   if not p then
-    error("no order is to be seen: runs with smaller steps do not approach each other at a steady rate"
-      .. (Ld.system and "" or " (does Ld use its argument h?)") .. "; give another start, Ld:order { q =, v = }", 2)
+    error("no order is to be seen: runs with smaller steps do not approach each other at a steady "
+      .. "rate" .. (Ld.system and "" or " (does Ld use its argument h?)")
+      .. "; give another start, Ld:order { q =, v = }", 2)
   end
   return p
 end
 
 local doc = [[
 Ld:order([{q=, v=, p=}]) -> number
-The order, measured on the system itself: by how much runs over the same time approach each other when their step is halved, from
-q and the velocity v or momentum p (left out: a point without meaning). A formula Ld(q0, q1, h) must use its h. Raises when no rate
-is to be seen.]]
+The order, measured on the system itself: by how much runs over the same time approach each other
+when their step is halved, from q and the velocity v or momentum p (left out: a point without
+meaning). A formula Ld(q0, q1, h) must use its h. Raises when no rate is to be seen.]]
 order = blame.caller(order)
 core.method("dm.discrete_lagrangian", "order", order, doc)
 

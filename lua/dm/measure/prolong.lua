@@ -1,8 +1,9 @@
 --- The tangent map of a rule as a rule: the system of x = (q, u) with the Lagrangian
 --   L~(q, u, v, w) = L_q . u + L_v . w
--- has the equations of L (from the variation of u) and their linearization (of q). A rule that does not care for linear
--- changes of coordinates (stages, splittings, compositions) takes one step of L~ as the exact derivative of its step of
--- L. Momenta: of q the varied momentum dp, of u the momentum p.
+-- has the equations of L (from the variation of u) and their linearization (of q). A rule that does
+-- not care for linear changes of coordinates (stages, splittings, compositions) takes one step of
+-- L~ as the exact derivative of its step of L. Momenta: of q the varied momentum dp, of u the
+-- momentum p.
 local M = {}
 
 local function part(x, first, n)
@@ -56,7 +57,8 @@ end
 
 -- L~ of a Lagrangian
 local function lift_lagrangian(L, n)
-  local slope = require "dm.core".derivative(function(q, v, t) return L(q, v, t) end, n, n, "number")
+  local slope = require "dm.core".derivative(function(q, v, t) return L(q, v, t) end, n, n,
+    "number")
   return function(x, y, t)
     local g, sum = slope(part(x, 0, n), part(y, 0, n), t), 0
     for k = 1, n do sum = sum + g[k] * x[n + k] + g[n + k] * y[n + k] end
@@ -116,7 +118,8 @@ local function reaction_rows(given, phi, n)
       return out
     end
   end
-  local slope = core.derivative(function(q, v, t) return core.vector(entries(phi(q, v, t))) end, n, n, "number")
+  local function value(q, v, t) return core.vector(entries(phi(q, v, t))) end
+  local slope = core.derivative(value, n, n, "number")
   return function(q, v, t)
     local J, out = slope(q, v, t), {}
     for i = 1, #entries(phi(q, v, t)) do
@@ -126,13 +129,16 @@ local function reaction_rows(given, phi, n)
   end
 end
 
---- The prolonged system of a dm.system, on R^(2n). names: parameters that it has, too, where L alone makes the system; all others
--- are the numbers that they are.
+--- The prolonged system of a dm.system, on R^(2n). names: parameters that it has, too, where L
+-- alone makes the system; all others are the numbers that they are.
 function M.system(system, names)
   local core = require "dm.core"
   local given, n = system.given, system.Q.dimension
   local params = given.params
-  if names then return core.system { Q = core.R(2 * n), params = params, L = lift_open(given.L, n, params, names) } end
+  if names then
+    return core.system { Q = core.R(2 * n), params = params,
+      L = lift_open(given.L, n, params, names) }
+  end
   local out = { Q = core.R(2 * n), L = lift_lagrangian(bound(given.L, params), n) }
   if given.constraint then
     local g = given.constraint
@@ -146,7 +152,8 @@ function M.system(system, names)
       local value, change = lifted(x, y, t)
       return joined(change, value)
     end
-    out.reaction = lift_reaction(reaction_rows(given.reaction and bound(given.reaction, params), phi, n), n)
+    local rows = reaction_rows(given.reaction and bound(given.reaction, params), phi, n)
+    out.reaction = lift_reaction(rows, n)
   end
   if given.force then
     local lifted = with_change(bound(given.force, params), n)

@@ -8,7 +8,8 @@ local abs, sqrt, huge = math.abs, math.sqrt, math.huge
 
 local function modulus(re, im) return sqrt(re * re + im * im) end
 
--- one step of Newton for root i of the polynomial c[1] + c[2] x + ..., where that makes the value smaller
+-- one step of Newton for root i of the polynomial c[1] + c[2] x + ..., where that makes the value
+-- smaller
 local function polish(c, re, im, i)
   local function value(x, y)
     local fr, fi, gr, gi = 0, 0, 0, 0
@@ -27,9 +28,13 @@ local function polish(c, re, im, i)
 end
 
 local function check_coefficients(c, what)
-  if type(c) ~= "table" or #c < 2 then error(what .. " takes a table of at least two coefficients { c0, c1, ... }", 0) end
+  if type(c) ~= "table" or #c < 2 then
+    error(what .. " takes a table of at least two coefficients { c0, c1, ... }", 0)
+  end
   for k, x in ipairs(c) do
-    if type(x) ~= "number" or not (abs(x) < huge) then error(("%s: coefficient %d must be a finite number"):format(what, k - 1), 0) end
+    if type(x) ~= "number" or not (abs(x) < huge) then
+      error(("%s: coefficient %d must be a finite number"):format(what, k - 1), 0)
+    end
   end
   local n = #c
   while n > 1 and c[n] == 0 do n = n - 1 end
@@ -39,7 +44,8 @@ end
 
 local doc_roots = [[
 dm.polynomial_roots{c0, c1, ..., cn} -> dm.vector, dm.vector
-Real and imaginary parts of the roots of c0 + c1 x + ... + cn x^n, as eigenvalues of its companion matrix, with a step of Newton.]]
+Real and imaginary parts of the roots of c0 + c1 x + ... + cn x^n, as eigenvalues of its companion
+matrix, with a step of Newton.]]
 
 -- c without leading zeros, and the eigenvalues of its companion matrix
 local function raw_roots(given, what)
@@ -61,9 +67,11 @@ end)
 
 ---- multiple roots ----
 
-local NEAR, VANISHES = 5e-3, 1e-11  -- a root of multiplicity m scatters by the m-th root of round-off; its mean does not
+-- a root of multiplicity m scatters by the m-th root of round-off; its mean does not
+local NEAR, VANISHES = 5e-3, 1e-11
 
--- value of the j-th derivative of the polynomial at x + iy over what its terms add up to without signs
+-- value of the j-th derivative of the polynomial at x + iy over what its terms add up to without
+-- signs
 local function relative_derivative(c, j, x, y)
   local vr, vi, size, r = 0, 0, 0, modulus(x, y)
   for k = #c, j + 1, -1 do
@@ -89,7 +97,8 @@ local function join(c, re, im)
     if not seen[i] then
       local group = {}
       for k = i, #re do
-        if not seen[k] and modulus(re[k] - re[i], im[k] - im[i]) < NEAR * (1 + modulus(re[i], im[i])) then group[#group + 1] = k end
+        local apart = modulus(re[k] - re[i], im[k] - im[i])
+        if not seen[k] and apart < NEAR * (1 + modulus(re[i], im[i])) then group[#group + 1] = k end
       end
       local x, y, m = 0, 0, #group
       for _, k in ipairs(group) do x, y = x + re[k] / m, y + im[k] / m end
@@ -107,8 +116,9 @@ local CLOSE = 1e-9  -- of the unit circle
 
 local doc_recurrence = [[
 dm.recurrence{c0, c1, ..., cn} -> {stable, why, largest, re, im, times}
-The linear recurrence c0 x_k + c1 x_(k+1) + ... + cn x_(k+n) = 0 by its characteristic roots: bounded when none is outside the unit circle and
-none on it is multiple (times: multiplicities); the sentence `why` says which it is.]]
+The linear recurrence c0 x_k + c1 x_(k+1) + ... + cn x_(k+n) = 0 by its characteristic roots:
+bounded when none is outside the unit circle and none on it is multiple (times: multiplicities); the
+sentence `why` says which it is.]]
 
 M.recurrence = blame.caller(function(given)
   local c, re, im = raw_roots(given, "dm.recurrence")
@@ -116,17 +126,24 @@ M.recurrence = blame.caller(function(given)
   for i = 1, #re do
     if times[i] == 1 then polish(c, re, im, i) end
     if modulus(re[i], im[i]) > modulus(re[at], im[at]) then at = i end
-    if times[i] > 1 and abs(modulus(re[i], im[i]) - 1) < CLOSE and times[i] > (multiple and times[multiple] or 1) then multiple = i end
+    if times[i] > 1 and abs(modulus(re[i], im[i]) - 1) < CLOSE
+      and times[i] > (multiple and times[multiple] or 1) then
+      multiple = i
+    end
   end
   local largest = modulus(re[at], im[at])
-  local out = core.result { largest = largest, re = re, im = im, times = times, stable = largest <= 1 + CLOSE and not multiple }
+  local out = core.result { largest = largest, re = re, im = im, times = times,
+    stable = largest <= 1 + CLOSE and not multiple }
   if largest > 1 + CLOSE then
-    out.why = ("unstable: the root %.6g%+.6gi has modulus %.6g and grows by that factor in every step"):format(re[at], im[at], largest)
+    out.why = ("unstable: the root %.6g%+.6gi has modulus %.6g and grows by that factor in every "
+      .. "step"):format(re[at], im[at], largest)
   elseif multiple then
-    out.why = ("not bounded: the root %.6g%+.6gi on the unit circle has multiplicity %d, and what is fed into it, round-off too, grows like k^%d over k steps")
+    out.why = ("not bounded: the root %.6g%+.6gi on the unit circle has multiplicity %d, and "
+      .. "what is fed into it, round-off too, grows like k^%d over k steps")
       :format(re[multiple], im[multiple], times[multiple], times[multiple] - 1)
   else
-    out.why = ("bounded: all %d roots are in the closed unit circle, those on it simple"):format(#re)
+    out.why = ("bounded: all %d roots are in the closed unit circle, those on it simple")
+      :format(#re)
   end
   return out
 end)

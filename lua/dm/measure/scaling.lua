@@ -1,4 +1,5 @@
---- dm.scaling: what a step costs against the dimension of the system, and against the number of members of an ensemble.
+--- dm.scaling: what a step costs against the dimension of the system, and against the number of
+-- members of an ensemble.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 
@@ -15,29 +16,51 @@ local KNOWN = { "system", "start", "n", "members", "rules", "h", "steps", "repea
 
 local function check_sizes(options, key)
   local list = options[key]
-  if type(list) ~= "table" or #list == 0 then fail("option '%s' must be a list of whole numbers", key) end
+  if type(list) ~= "table" or #list == 0 then
+    fail("option '%s' must be a list of whole numbers", key)
+  end
   for i, x in ipairs(list) do
-    if math.type(x) ~= "integer" or x < 1 or i > 1 and x <= list[i - 1] then fail("option '%s' must be growing whole numbers from 1 (got %s)", key, tostring(x)) end
+    if math.type(x) ~= "integer" or x < 1 or i > 1 and x <= list[i - 1] then
+      fail("option '%s' must be growing whole numbers from 1 (got %s)", key, tostring(x))
+    end
   end
   return list
 end
 
 local function check(options)
-  if type(options) ~= "table" then fail("takes { system =, start =, n = {...} | members = {...}, rules = {...}, h =, steps = }") end
+  if type(options) ~= "table" then
+    fail("takes { system =, start =, n = {...} | members = {...}, rules = {...}, h =, steps = }")
+  end
   for key in pairs(options) do
     local known = false
     for _, name in ipairs(KNOWN) do known = known or name == key end
-    if not known then fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", ")) end
+    if not known then
+      fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", "))
+    end
   end
-  if (options.n == nil) == (options.members == nil) then fail("give sizes n = {...} of the system, or members = {...} of an ensemble") end
-  if options.n and type(options.system) ~= "function" then fail("with n, 'system' must be a function(n) that returns a dm.system") end
-  if options.members and type(options.system) == "function" then fail("with members, 'system' is one dm.system") end
+  if (options.n == nil) == (options.members == nil) then
+    fail("give sizes n = {...} of the system, or members = {...} of an ensemble")
+  end
+  if options.n and type(options.system) ~= "function" then
+    fail("with n, 'system' must be a function(n) that returns a dm.system")
+  end
+  if options.members and type(options.system) == "function" then
+    fail("with members, 'system' is one dm.system")
+  end
   if options.system == nil then fail("the system is missing") end
-  if type(options.start) ~= "function" then fail("'start' must be a function of n, or of the member's number, that returns q and v") end
-  if type(options.rules) ~= "table" or #options.rules == 0 then fail("option 'rules' must be a list of rules") end
-  if type(options.h) ~= "number" or not (options.h > 0 and options.h < huge) then fail("option 'h' must be a step > 0") end
+  if type(options.start) ~= "function" then
+    fail("'start' must be a function of n, or of the member's number, that returns q and v")
+  end
+  if type(options.rules) ~= "table" or #options.rules == 0 then
+    fail("option 'rules' must be a list of rules")
+  end
+  if type(options.h) ~= "number" or not (options.h > 0 and options.h < huge) then
+    fail("option 'h' must be a step > 0")
+  end
   local steps = options.steps or 1000
-  if math.type(steps) ~= "integer" or steps < 1 then fail("option 'steps' must be a whole number from 1") end
+  if math.type(steps) ~= "integer" or steps < 1 then
+    fail("option 'steps' must be a whole number from 1")
+  end
   return check_sizes(options, options.n and "n" or "members"), steps
 end
 
@@ -93,7 +116,9 @@ local function of_members(options, rule, members)
   local qs, vs = {}, {}
   for i = 1, members do qs[i], vs[i] = options.start(i) end
   local solver = options.system:solver { rule = rule, h = options.h }
-  return function(steps) solver:ensemble { members = members, q = qs, v = vs, steps = steps, threads = 1 } end
+  return function(steps)
+    solver:ensemble { members = members, q = qs, v = vs, steps = steps, threads = 1 }
+  end
 end
 
 -- slope of ln y over ln x between the two largest sizes of a half of the range: what it tends to
@@ -108,15 +133,19 @@ local function exponent(points)
 end
 
 local doc = [[
-dm.scaling{system=, start=, n={...} | members={...}, rules={...}, h=, steps=, repeats=} -> dm.scaling
-What a step costs as things grow. n: system = function(n) returns the system of that size, start = function(n) its q and v; ns is that of one step. members: system is
-a dm.system, start = function(i) gives q and v of member i of an ensemble in one thread; ns is that of a member and step. CPU time without
-set-up (which is told as `setup`), the median of `repeats` batches (3) of `steps` steps (1000), pinned to one core; more steps where set-up would be most of it. points[i] = {rule, size,
-ns, setup}; s:exponent(rule): cost like size^exponent at the upper half of the sizes; s:table(), s:plot{file=}.]]
+dm.scaling{system=, start=, n= | members=, rules=, h=, steps=, repeats=} -> dm.scaling
+What a step costs as things grow. n: system = function(n) returns the system of that size, start =
+function(n) its q and v; ns is that of one step. members: system is a dm.system, start = function(i)
+gives q and v of member i of an ensemble in one thread; ns is that of a member and step. CPU time
+without set-up (which is told as `setup`), the median of `repeats` batches (3) of `steps` steps
+(1000), pinned to one core; more steps where set-up would be most of it. points[i] = {rule, size,
+ns, setup}; s:exponent(rule): cost like size^exponent at the upper half of the sizes; s:table(),
+s:plot{file=}.]]
 
 M.scaling = blame.caller(function(options)
   local sizes, steps = check(options)
-  local out = setmetatable({ points = {}, rules = {}, failures = {}, what = options.n and "n" or "members", load = core.load_average() }, M)
+  local out = setmetatable({ points = {}, rules = {}, failures = {},
+    what = options.n and "n" or "members", load = core.load_average() }, M)
   for i, rule in ipairs(options.rules) do
     out.rules[i] = (tostring(rule):gsub("^rule ", ""))
     for _, size in ipairs(sizes) do
@@ -131,7 +160,8 @@ M.scaling = blame.caller(function(options)
         ns.scaling = out
         error(ns, 0)
       else
-        out.failures[#out.failures + 1] = { rule = out.rules[i], size = size, why = tostring(ns):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "") }
+        out.failures[#out.failures + 1] = { rule = out.rules[i], size = size,
+          why = tostring(ns):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "") }
       end
     end
   end
@@ -149,26 +179,37 @@ end
 
 local doc_exponent = [[
 scaling:exponent(rule) -> number or nil
-The cost grows like size^exponent, by least squares over the upper half of the sizes; nil with fewer than two of them.]]
+The cost grows like size^exponent, by least squares over the upper half of the sizes; nil with fewer
+than two of them.]]
 
 M.exponent = blame.caller(function(self, rule)
   local points = of_rule(self, rule)
-  if #points == 0 then fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(self.rules, ", ")) end
+  if #points == 0 then
+    fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(self.rules, ", "))
+  end
   return exponent(points)
 end)
 
 local doc_table = [[
 scaling:table() -> string
-A line for every rule and size: ns a step (of a member), the set-up in ms; then the exponents, what failed, and the load of the machine.]]
+A line for every rule and size: ns a step (of a member), the set-up in ms; then the exponents, what
+failed, and the load of the machine.]]
 
 function M:table()
-  local lines = { ("%-28s %9s %13s %12s"):format("rule", self.what, self.what == "n" and "ns/step" or "ns/member/step", "set-up, ms") }
-  for _, p in ipairs(self.points) do lines[#lines + 1] = ("%-28s %9d %13.4g %12.3g"):format(p.rule, p.size, p.ns, 1e3 * p.setup) end
+  local unit = self.what == "n" and "ns/step" or "ns/member/step"
+  local lines = { ("%-28s %9s %13s %12s"):format("rule", self.what, unit, "set-up, ms") }
+  for _, p in ipairs(self.points) do
+    lines[#lines + 1] = ("%-28s %9d %13.4g %12.3g"):format(p.rule, p.size, p.ns, 1e3 * p.setup)
+  end
   for _, rule in ipairs(self.rules) do
     local e = exponent(of_rule(self, rule))
-    if e then lines[#lines + 1] = ("%s: like %s^%.2f at the upper half"):format(rule, self.what, e) end
+    if e then
+      lines[#lines + 1] = ("%s: like %s^%.2f at the upper half"):format(rule, self.what, e)
+    end
   end
-  for _, f in ipairs(self.failures) do lines[#lines + 1] = ("%s, %s = %d: %s"):format(f.rule, self.what, f.size, f.why) end
+  for _, f in ipairs(self.failures) do
+    lines[#lines + 1] = ("%s, %s = %d: %s"):format(f.rule, self.what, f.size, f.why)
+  end
   lines[#lines + 1] = ("load %.2f at the start"):format(self.load)
   return table.concat(lines, "\n")
 end
@@ -184,19 +225,25 @@ M.plot = blame.caller(function(self, options)
     local x, y, points = {}, {}, of_rule(self, rule)
     for i, p in ipairs(points) do x[i], y[i] = p.size, max(p.ns, 1e-3) end
     local e = exponent(points)
-    if #x > 0 then series[#series + 1] = { x = x, y = y, name = e and ("%s (exponent %.2f)"):format(rule, e) or rule, style = "linespoints" } end
+    local name = e and ("%s (exponent %.2f)"):format(rule, e) or rule
+    if #x > 0 then
+      series[#series + 1] = { x = x, y = y, name = name, style = "linespoints" }
+    end
   end
   given.log, given.xlabel = "xy", given.xlabel or (self.what == "n" and "size n" or "members")
-  given.ylabel, given.yunit = given.ylabel or (self.what == "n" and "CPU time of a step" or "CPU time of a member and step"), given.yunit or "ns"
+  given.ylabel = given.ylabel
+    or self.what == "n" and "CPU time of a step" or "CPU time of a member and step"
+  given.yunit = given.yunit or "ns"
   given.title = given.title or "cost of a step"
   return require "dm.show.plot".plot(series, given)
 end)
 
 function M:__tostring() return self:table() end
 
-core.docs[M.scaling], core.docs[M.exponent], core.docs[M.table], core.docs[M.plot] = doc, doc_exponent, doc_table, doc_plot
+core.docs[M.scaling], core.docs[M.exponent] = doc, doc_exponent
+core.docs[M.table], core.docs[M.plot] = doc_table, doc_plot
 require "dm.base.class".register(M, { "exponent", "table", "plot" }, [[
-dm.scaling: what a step costs as things grow, made by dm.scaling{system=, start=, n= | members=, rules=}
+dm.scaling: what a step costs as things grow, made by dm.scaling{system=, start=, ...}
 fields: points (a list of {rule, size, ns, setup}), rules (names)]])
 
 return M

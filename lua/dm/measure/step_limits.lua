@@ -1,4 +1,5 @@
---- Where a step ends to exist: folds of implicit step equations by continuation in h, and coordinates that break down on the way.
+--- Where a step ends to exist: folds of implicit step equations by continuation in h, and
+-- coordinates that break down on the way.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local starts = require "dm.base.start"
@@ -8,7 +9,9 @@ local M = {}
 local abs, max, min, huge = math.abs, math.max, math.min, math.huge
 
 local function check_options(options, what, known)
-  if type(options) ~= "table" or not options.q then error(what .. " takes { q =, v = } or { q =, p = }", 0) end
+  if type(options) ~= "table" or not options.q then
+    error(what .. " takes { q =, v = } or { q =, p = }", 0)
+  end
   for key in pairs(options) do
     if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
   end
@@ -25,7 +28,8 @@ local function with_step(solver, h)
   return core.discrete_lagrangian(system, { rule = solver.rule, h = h })
 end
 
--- q1 with p0 + D1 Ld(q0, q1) = 0 from a guess, and det(-h D1D2 Ld), which tends to that of the mass with h; nil: none was found
+-- q1 with p0 + D1 Ld(q0, q1) = 0 from a guess, and det(-h D1D2 Ld), which tends to that of the mass
+-- with h; nil: none was found
 local function solve(solver, q0, p0, guess, h)
   local Ld, q1, last = with_step(solver, h), guess, huge
   for _ = 1, 30 do
@@ -52,13 +56,16 @@ local function extrapolate(a, b)
   return slope < 0 and b.h - b.det ^ 2 / slope or huge
 end
 
--- follow the solution from a small step; the last two points with one, and whether the end `up_to` was reached
+-- follow the solution from a small step; the last two points with one, and whether the end `up_to`
+-- was reached
 local function follow(solver, q0, p0, v0, from, up_to)
   local before, here = nil, { h = 0, q1 = q0 }
   local h, grow = from, 1.25
   while true do
     local guess = q0 + v0 * h
-    if before then guess = here.q1 + (here.q1 - before.q1) * ((h - here.h) / (here.h - before.h)) end
+    if before then
+      guess = here.q1 + (here.q1 - before.q1) * ((h - here.h) / (here.h - before.h))
+    end
     local q1, det = solve(solver, q0, p0, guess, h)
     local sign = q1 and (here.det == nil or det * here.det > 0)
     if sign then
@@ -77,37 +84,70 @@ end
 
 local SMALL = 0.05  -- of det: the matrix is singular at the end
 
-M.fold = blame.caller(function(solver, options)
-  options = starts.lists(options, solver)
-  local what = "solver:fold"
-  check_options(options, what, { q = true, v = true, p = true, up_to = true })
-  local system, rule = solver.system, tostring(solver.rule or "del")
-  if not system.Ld then
-    if not options.v and not options.p then error(what .. ": give the start as q and v or as q and p", 0) end
-    local fine, why = pcall(core.discrete_lagrangian, system, { rule = solver.rule, h = solver.h })
-    if not fine then
-      error(("%s: the step of '%s' is not one equation for q1: it is explicit, or composed of steps (%s)"):format(what, rule, tostring(why):match "^[^\n]*"), 0)
-    end
-  elseif not options.p then
+-- is the step of this solver one equation for q1, from the start as it is given?
+local function check_start(solver, options, what, rule)
+  if solver.system.Ld then
+    if options.p then return end
     error(what .. ": a discrete Lagrangian knows no velocity: give the momentum p", 0)
   end
-  local up_to = options.up_to or 256 * solver.h
-  if type(up_to) ~= "number" or not (up_to > 0 and up_to < huge) then error(what .. ": 'up_to' must be a step > 0", 0) end
-  local q0 = core.vector(options.q)
-  local p0 = core.vector(options.p or system:legendre(options.q, options.v))
-  local v0 = options.v and core.vector(options.v) or (not system.Ld and system:velocity(options.q, p0)) or p0 * 0
-  local before, here, reached = follow(solver, q0, p0, v0, min(solver.h, up_to) / 64, up_to)
-  if not here then error(("%s: not even h = %g has a solution near q + h v"):format(what, min(solver.h, up_to) / 64), 0) end
-  if reached then
-    return core.result { h = huge, fold = false, q1 = here.q1, why = ("%s: the step equation is solvable up to h = %.6g, without a fold"):format(rule, up_to) }
+  if not options.v and not options.p then
+    error(what .. ": give the start as q and v or as q and p", 0)
   end
-  local first = solve(solver, q0, p0, q0 + v0 * (here.h / 512), here.h / 512) and select(2, solve(solver, q0, p0, q0 + v0 * (here.h / 512), here.h / 512)) or here.det
+  local step = { rule = solver.rule, h = solver.h }
+  local fine, why = pcall(core.discrete_lagrangian, solver.system, step)
+  if not fine then
+    error(("%s: the step of '%s' is not one equation for q1: it is explicit, or composed of "
+      .. "steps (%s)"):format(what, rule, tostring(why):match "^[^\n]*"), 0)
+  end
+end
+
+-- q, p and the velocity of the start
+local function start_of(system, options)
+  local p = core.vector(options.p or system:legendre(options.q, options.v))
+  local v = options.v and core.vector(options.v)
+    or not system.Ld and system:velocity(options.q, p) or p * 0
+  return core.vector(options.q), p, v
+end
+
+local FOLD = "%s: fold at h = %.8g: two solutions of the step equation meet there, its matrix is "
+  .. "singular (determinant %.1g of that of a small step), and beyond there is none"
+local LEFT = "%s: Newton's method finds no solution beyond h = %.8g, although the matrix of the "
+  .. "step is regular there (determinant %.2g of that of a small step): the solution leaves the "
+  .. "domain of L, or is further than Newton's method reaches"
+
+-- what the end of the solutions is: `before` and `here` are the last two of them, `first` the
+-- determinant at a small step
+local function describe_end(rule, before, here, first)
   local ratio = abs(here.det / first)
-  local h = before.det and ratio < SMALL and min(extrapolate(before, here), here.h * (1 + 1e-4)) or here.h
-  local why = ratio < SMALL and ("%s: fold at h = %.8g: two solutions of the step equation meet there, its matrix is singular (determinant %.1g of that of a small step), and beyond there is none")
-    :format(rule, h, ratio) or ("%s: Newton's method finds no solution beyond h = %.8g, although the matrix of the step is regular there (determinant %.2g of that of a small step): "
-      .. "the solution leaves the domain of L, or is further than Newton's method reaches"):format(rule, h, ratio)
-  return core.result { h = h, fold = ratio < SMALL, q1 = here.q1, why = why }
+  local fold = ratio < SMALL
+  local h = here.h
+  if before.det and fold then h = min(extrapolate(before, here), here.h * (1 + 1e-4)) end
+  local why = (fold and FOLD or LEFT):format(rule, h, ratio)
+  return core.result { h = h, fold = fold, q1 = here.q1, why = why }
+end
+
+M.fold = blame.caller(function(solver, options)
+  options = starts.lists(options, solver)
+  local what, rule = "solver:fold", tostring(solver.rule or "del")
+  check_options(options, what, { q = true, v = true, p = true, up_to = true })
+  check_start(solver, options, what, rule)
+  local up_to = options.up_to or 256 * solver.h
+  if type(up_to) ~= "number" or not (up_to > 0 and up_to < huge) then
+    error(what .. ": 'up_to' must be a step > 0", 0)
+  end
+  local q0, p0, v0 = start_of(solver.system, options)
+  local least = min(solver.h, up_to) / 64
+  local before, here, reached = follow(solver, q0, p0, v0, least, up_to)
+  if not here then
+    error(("%s: not even h = %g has a solution near q + h v"):format(what, least), 0)
+  end
+  if reached then
+    local why = "%s: the step equation is solvable up to h = %.6g, without a fold"
+    return core.result { h = huge, fold = false, q1 = here.q1, why = why:format(rule, up_to) }
+  end
+  local small = here.h / 512
+  local found, det = solve(solver, q0, p0, q0 + v0 * small, small)
+  return describe_end(rule, before, here, found and det or here.det)
 end)
 
 ---- coordinates ----
@@ -120,19 +160,25 @@ local function condition(system, q, v, t)
   return least > 0 and most / least or huge
 end
 
-local function name_of(system, i) return system.coordinates and system.coordinates[i] or "q" .. i end
+local function name_of(system, i)
+  return system.coordinates and system.coordinates[i] or "q" .. i
+end
 
-local KEPT, SAME = 0.1, 0.99  -- as much of its inertia left: it is no coordinate of its own; so near to 1: two move the same
+-- as much of its inertia left: it is no coordinate of its own; so near to 1: two move the same
+local KEPT, SAME = 0.1, 0.99
 
--- which coordinate, or which two, make the mass singular: the one whose inertia is the least of what it was at the start, or those that
--- move the same there, as two angles of Euler do
+-- which coordinate, or which two, make the mass singular: the one whose inertia is the least of
+-- what it was at the start, or those that move the same there, as two angles of Euler do
 local function weakest(system, q, v, t, start)
   local mass, best, ratio = system:mass(q, v, t), 1, huge
   for i = 1, #q do
     local r = abs(mass[i][i] / start[i][i])
     if r < ratio then best, ratio = i, r end
   end
-  if ratio < KEPT then return ("'%s' has %.1g of the inertia that it had at the start"):format(name_of(system, best), ratio) end
+  if ratio < KEPT then
+    return ("'%s' has %.1g of the inertia that it had at the start")
+      :format(name_of(system, best), ratio)
+  end
   local most, one, other = 0, nil, nil
   for i = 1, #q do
     for j = 1, i - 1 do
@@ -140,7 +186,10 @@ local function weakest(system, q, v, t, start)
       if together > most then most, one, other = together, j, i end
     end
   end
-  if most > SAME then return ("'%s' and '%s' move the same there"):format(name_of(system, one), name_of(system, other)) end
+  if most > SAME then
+    return ("'%s' and '%s' move the same there")
+      :format(name_of(system, one), name_of(system, other))
+  end
   return "a combination of them loses its inertia"
 end
 
@@ -168,7 +217,9 @@ M.singularities = blame.caller(function(solver, options)
     start = start or known and system:mass(q, v, t)
     local c = known and condition(system, q, v, t) or huge
     if c > out.worst then out.worst, out.t, out.q, out.v = c, t, q:copy(), known and v or nil end
-    if c > BAD and (#out.places == 0 or out.places[#out.places].last < i - 1) then out.places[#out.places + 1] = { t = t, condition = c } end
+    if c > BAD and (#out.places == 0 or out.places[#out.places].last < i - 1) then
+      out.places[#out.places + 1] = { t = t, condition = c }
+    end
     if c > BAD then
       local here = out.places[#out.places]
       here.last, here.condition = i, max(here.condition, c)
@@ -176,15 +227,21 @@ M.singularities = blame.caller(function(solver, options)
   end
   out.failure = failure and failure.code
   if out.worst < BAD then
-    out.why = ("the coordinates stay regular: the condition of d2L/dv2 is at most %.3g (t = %.5g)"):format(out.worst, out.t)
+    out.why = ("the coordinates stay regular: the condition of d2L/dv2 is at most %.3g (t = %.5g)")
+      :format(out.worst, out.t)
   elseif out.v then
     local which = weakest(system, out.q, out.v, out.t, start)
-    out.why = ("the coordinates come near a singular place at t = %.6g: %s, condition %.2g; use other "
-      .. "coordinates there (a constraint in R^n has no such places)"):format(out.t, which, out.worst)
+    out.why = ("the coordinates come near a singular place at t = %.6g: %s, condition %.2g; use "
+      .. "other "
+      .. "coordinates there (a constraint in R^n has no such places)")
+        :format(out.t, which, out.worst)
   else
-    out.why = ("d2L/dv2 is singular at t = %.6g: no velocity belongs to the momentum there"):format(out.t)
+    out.why = ("d2L/dv2 is singular at t = %.6g: no velocity belongs to the momentum there")
+      :format(out.t)
   end
-  if failure then out.why = out.why .. ("; the run ends there: %s at step %d"):format(failure.code, failure.step) end
+  if failure then
+    out.why = out.why .. ("; the run ends there: %s at step %d"):format(failure.code, failure.step)
+  end
   for _, place in ipairs(out.places) do place.last = nil end
   return out
 end)

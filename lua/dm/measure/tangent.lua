@@ -1,4 +1,5 @@
---- Structure, measured: the exact tangent map of a solver, the symplecticity of its step, chaos, reversal, energy.
+--- Structure, measured: the exact tangent map of a solver, the symplecticity of its step, chaos,
+-- reversal, energy.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local starts = require "dm.base.start"
@@ -8,7 +9,9 @@ local M = {}
 
 local abs, sqrt, log, max = math.abs, math.sqrt, math.log, math.max
 
-local function newton(solver) return { tolerance = solver.tolerance, max_iterations = solver.max_iterations } end
+local function newton(solver)
+  return { tolerance = solver.tolerance, max_iterations = solver.max_iterations }
+end
 
 local function solver_of(solver, system, h)
   return system:solver { rule = solver.rule, h = h or solver.h, newton = newton(solver) }
@@ -19,17 +22,20 @@ local function refuse(solver, what)
   local rule = tostring(solver.rule)
   local given = solver.system.given
   if rule:find "^degenerate" then
-    error(what .. ": L is linear in v, so that p is a function of q, and (q, p) has no neighbours off p = alpha(q): not for rule '"
+    error(what .. ": L is linear in v, so that p is a function of q, and (q, p) has no "
+      .. "neighbours off p = alpha(q): not for rule '"
       .. rule .. "'", 0)
   end
   if not (given and given.L) then
     error(what .. ": a discrete Lagrangian has no prolonged system here; use a dm.system", 0)
   end
   if solver.system.given.control then
-    error(what .. ": a control held over a step is not part of the prolonged system; put it into 'force' to see its tangent", 0)
+    error(what .. ": a control held over a step is not part of the prolonged system; put it into "
+      .. "'force' to see its tangent", 0)
   end
   if rule:find "^log%-hamiltonian" then
-    error(what .. ": '" .. rule .. "' changes the time with the state, so the prolonged system runs on another time: "
+    error(what .. ": '" .. rule
+      .. "' changes the time with the state, so the prolonged system runs on another time: "
       .. "use a rule with a fixed step", 0)
   end
 end
@@ -38,7 +44,9 @@ end
 local function start_of(solver, options)
   local system = solver.system
   local t0 = options.t0 or 0
-  if not options.q or not (options.v or options.p) then error("give the start as q and v, or as q and p", 0) end
+  if not options.q or not (options.v or options.p) then
+    error("give the start as q and v, or as q and p", 0)
+  end
   local p = options.p or system:legendre(options.q, options.v, t0)
   return core.vector(options.q), core.vector(p), t0
 end
@@ -48,7 +56,9 @@ local MOST = 2 ^ 53  -- steps: more could not be counted in numbers of Lua that 
 local function steps_of(solver, options)
   local steps = options.steps
   if not steps then
-    if type(options.t) ~= "number" or not (options.t > 0) then error("give 'steps' or 't' (a duration > 0)", 0) end
+    if type(options.t) ~= "number" or not (options.t > 0) then
+      error("give 'steps' or 't' (a duration > 0)", 0)
+    end
     steps = math.ceil(options.t / solver.h - 1e-9)
   end
   if not math.tointeger(steps) or steps < 0 or steps > MOST then
@@ -78,7 +88,8 @@ local function is_tied(solver)
   return (given.constraint or given.rolling) ~= nil
 end
 
--- where the unit vectors of (q, p), or what of them is tangent to the constraints, lead; and these; and the end of the run
+-- where the unit vectors of (q, p), or what of them is tangent to the constraints, lead; and these;
+-- and the end of the run
 local function columns(solver, options)
   local q, p, t0 = start_of(solver, options)
   local n, steps = #q, steps_of(solver, options)
@@ -87,9 +98,12 @@ local function columns(solver, options)
   for k = 1, 2 * n do
     local u, dp = zeros(n), zeros(n)
     if k <= n then u[k] = 1 else dp[k - n] = 1 end
-    last = lifted:run { q = prolong.joined(q, u), p = prolong.joined(dp, p), t0 = t0, steps = steps, every = max(steps, 1),
+    last = lifted:run { q = prolong.joined(q, u), p = prolong.joined(dp, p), t0 = t0, steps = steps,
+      every = max(steps, 1),
       project = is_tied(solver) }
-    local function vector(i) return prolong.joined(prolong.part(last.q[i], n, n), prolong.part(last.p[i], 0, n)) end
+    local function vector(i)
+      return prolong.joined(prolong.part(last.q[i], n, n), prolong.part(last.p[i], 0, n))
+    end
     first[k], out[k] = vector(1), vector(#last)
   end
   return out, first, prolong.part(last.q[#last], 0, n), prolong.part(last.p[#last], n, n)
@@ -106,22 +120,25 @@ end
 
 local doc_tangent = [[
 solver:tangent{q=, v= | p=, steps= | t=, t0=} -> dm.matrix, q, p
-The exact derivative of the flow of the rule, d(q, p at the end)/d(q, p at the start), 2 dim Q x 2 dim Q, not a difference:
-the rule steps the prolonged Lagrangian dL . (u, w), whose step is the tangent of the step. Also the end of the run.
-With constraints the start must lie on them, and so must each column: use tangent vectors of solver:lyapunov instead.]]
+The exact derivative of the flow of the rule, d(q, p at the end)/d(q, p at the start), 2 dim Q x 2
+dim Q, not a difference: the rule steps the prolonged Lagrangian dL . (u, w), whose step is the
+tangent of the step. Also the end of the run. With constraints the start must lie on them, and so
+must each column: use tangent vectors of solver:lyapunov instead.]]
 
 M.tangent = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
   check_options(options, "solver:tangent")
   refuse(solver, "solver:tangent")
   if is_tied(solver) then
-    error("solver:tangent: the unit vectors of (q, p) are not tangent to the constraints of this system", 0)
+    error("solver:tangent: the unit vectors of (q, p) are not tangent to the constraints of this "
+      .. "system", 0)
   end
   local cols, _, q, p = columns(solver, options)
   return matrix_of(cols), q, p
 end)
 
--- largest change of the two-form between the vectors, over the square of the largest entry where that is above 1
+-- largest change of the two-form between the vectors, over the square of the largest entry where
+-- that is above 1
 local function defect_of(cols, first)
   local n, worst, size = #cols // 2, 0, 1
   local function form(list, a, b)
@@ -140,9 +157,9 @@ end
 
 local doc_symplecticity = [[
 solver:symplecticity{q=, v= | p=, steps= | t=, t0=} -> number
-The largest entry of M^T J M - J, M the exact tangent map of the run (solver:tangent), relative to the square of the largest
-entry of M where that is above 1: round-off for a symplectic rule, the defect of any other. With constraints: of the
-two-form on the vectors that are tangent to them.]]
+The largest entry of M^T J M - J, M the exact tangent map of the run (solver:tangent), relative to
+the square of the largest entry of M where that is above 1: round-off for a symplectic rule, the
+defect of any other. With constraints: of the two-form on the vectors that are tangent to them.]]
 
 M.symplecticity = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
@@ -162,7 +179,8 @@ local function first_vector(options, n)
     local given = options[name]
     local kind = type(given) == "userdata" and (getmetatable(given) or {}).__name or type(given)
     if given ~= nil and ((kind ~= "table" and kind ~= "dm.vector") or #given ~= n) then
-      error(("solver:lyapunov: option '%s' must be a vector or table of %d numbers (got %s)"):format(name, n,
+      error(("solver:lyapunov: option '%s' must be a vector or table of %d numbers (got %s)")
+        :format(name, n,
         (kind == "table" or kind == "dm.vector") and #given or kind), 0)
     end
   end
@@ -191,8 +209,10 @@ end
 -- one block of steps from state s; rows of (t, ln growth) are added to the record
 local function block(lifted, s, n, steps, every)
   local q, p = core.vector(s.x), core.vector(s.p)
-  local path = lifted:run { q = q, p = p, t0 = s.t, steps = steps, every = every, project = s.project,
-    watch = { "energy", growth = growth(n), x = function(x) return x end, p = function(_, _, _, y) return y end } }
+  local path = lifted:run { q = q, p = p, t0 = s.t, steps = steps, every = every,
+    project = s.project,
+    watch = { "energy", growth = growth(n), x = function(x) return x end,
+      p = function(_, _, _, y) return y end } }
   local ln = path:column "growth"
   return path, ln
 end
@@ -218,11 +238,12 @@ local function follow(record, t, dt, dln)
 end
 
 local doc_lyapunov = [[
-solver:lyapunov{q=, v= | p=, steps= | t=, every=, u=, dp=, t0=} -> {exponent, megno, t, history = {t, exponent, megno}, q, p}
-Follow one tangent vector (u, dp; default: one without symmetry) by the exact tangent map of the rule. exponent:
-ln |growth| / t, the largest Lyapunov exponent, per unit of time, of the last row; megno: the mean of MEGNO (Cincotta & Simo
-2000), which tends to 2 on a regular orbit and to exponent * t / 2 on a chaotic one. A row is taken every `every` steps
-(default: 1000 rows).]]
+solver:lyapunov{q=, v= | p=, steps= | t=, every=, u=, dp=, t0=} -> {exponent, megno, t, ...}
+Follow one tangent vector (u, dp; default: one without symmetry) by the exact tangent map of the
+rule. exponent: ln |growth| / t, the largest Lyapunov exponent, per unit of time, of the last row;
+megno: the mean of MEGNO (Cincotta & Simo 2000), which tends to 2 on a regular orbit and to exponent
+* t / 2 on a chaotic one. A row is taken every `every` steps (default: 1000 rows). history: {t,
+exponent, megno} of all rows; q, p: the end.]]
 
 M.lyapunov = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
@@ -236,7 +257,8 @@ M.lyapunov = blame.caller(function(solver, options)
   local s = { t = t0, x = {}, p = {}, project = is_tied(solver) }
   for i = 1, n do s.x[i], s.x[n + i], s.p[i], s.p[n + i] = q[i], w[i], w[n + i], p[i] end
   local lifted = solver_of(solver, prolong.system(solver.system))
-  local record = { t0 = t0, sum = 0, growth = 0, mean = 0, Y = 0, t = {}, exponent = {}, megno = {} }
+  local record = { t0 = t0, sum = 0, growth = 0, mean = 0, Y = 0, t = {}, exponent = {},
+    megno = {} }
   local done, length = 0, every * 64
   while done < steps do
     local now = math.min(length, steps - done)
@@ -244,7 +266,9 @@ M.lyapunov = blame.caller(function(solver, options)
     if abs(ln[#ln]) > LARGEST and now > every then
       length = max(every, (now // every // 2) * every)
     else
-      for i = 2, #path do follow(record, path.t[i], path.t[i] - path.t[i - 1], ln[i] - ln[i - 1]) end
+      for i = 2, #path do
+        follow(record, path.t[i], path.t[i] - path.t[i - 1], ln[i] - ln[i - 1])
+      end
       s.x, s.p = end_of(path, n)
       local scale = math.exp(-ln[#ln])
       for i = 1, n do s.x[n + i], s.p[i] = s.x[n + i] * scale, s.p[i] * scale end
@@ -253,8 +277,10 @@ M.lyapunov = blame.caller(function(solver, options)
     end
   end
   local last = #record.t
-  return core.result { exponent = record.exponent[last], megno = record.megno[last], t = record.t[last],
-    history = { t = core.vector(record.t), exponent = core.vector(record.exponent), megno = core.vector(record.megno) },
+  return core.result { exponent = record.exponent[last], megno = record.megno[last],
+    t = record.t[last],
+    history = { t = core.vector(record.t), exponent = core.vector(record.exponent),
+      megno = core.vector(record.megno) },
     q = prolong.part(s.x, 0, n), p = prolong.part(s.p, n, n) }
 end)
 
@@ -266,7 +292,8 @@ local function reversed(system, t1)
   local function back(f)
     return f and function(q, v, t) return f(q, -v, t1 - t, given.params) end
   end
-  local out = { Q = given.Q, L = back(given.L), force = back(given.force), rolling = back(given.rolling),
+  local out = { Q = given.Q, L = back(given.L), force = back(given.force),
+    rolling = back(given.rolling),
     reaction = back(given.reaction) }
   if given.constraint then
     out.constraint = function(q, t) return given.constraint(q, t1 - t, given.params) end
@@ -276,8 +303,9 @@ end
 
 local doc_reversal = [[
 solver:reversal{q=, v= | p=, steps= | t=, t0=} -> number
-Run, then run L(q, -v, -t) from the end with the momentum reversed: the largest distance from the start in any entry of q or p.
-Round-off, as far as the orbit lets it stay so, for a symmetric rule; the error of the step for any other.]]
+Run, then run L(q, -v, -t) from the end with the momentum reversed: the largest distance from the
+start in any entry of q or p. Round-off, as far as the orbit lets it stay so, for a symmetric rule;
+the error of the step for any other.]]
 
 M.reversal = blame.caller(function(solver, options)
   check_options(options, "solver:reversal")
@@ -300,14 +328,17 @@ end)
 ---- backward error ----
 
 local doc_backward = [[
-solver:backward_error{q=, v= | p=, steps= | t=, t0=} -> {amplitude, order, drift, error, energy, mean, finer}
-The energy along the run next to that of half the step over the same time. A symplectic rule of order p keeps a modified energy
-H + h^p H_p + ... up to exponentially small terms (Hairer, Lubich & Wanner IX.8): H then stays within `amplitude` = h^p max |H_p - mean| of its
-mean, order = log2 of the ratio of the two amplitudes is p, and what the modified energy itself drifts is the slope `drift` of H per unit of
-time, with its standard error `error`. energy: at the start; finer: the same figures with h/2.]]
+solver:backward_error{q=, v= | p=, steps= | t=, t0=} -> {amplitude, order, drift, error, ...}
+The energy along the run next to that of half the step over the same time. A symplectic rule of
+order p keeps a modified energy H + h^p H_p + ... up to exponentially small terms (Hairer, Lubich &
+Wanner IX.8): H then stays within `amplitude` = h^p max |H_p - mean| of its mean, order = log2 of
+the ratio of the two amplitudes is p, and what the modified energy itself drifts is the slope
+`drift` of H per unit of time, with its standard error `error`. energy, mean: at the start and
+along the run; finer: the same figures with h/2.]]
 
 local function energies(solver, options, steps, every)
-  local path = solver:run { q = options.q, v = options.v, p = options.p, t0 = options.t0, steps = steps, every = every }
+  local path = solver:run { q = options.q, v = options.v, p = options.p, t0 = options.t0,
+    steps = steps, every = every }
   local drift, E = path:drift "energy", path:energy()
   local spread = 0
   for i = 1, #E do spread = max(spread, abs(E[i] - drift.mean)) end
@@ -321,10 +352,13 @@ M.backward_error = blame.caller(function(solver, options)
   local every = max(1, steps // 20000)
   if steps // every < 16 then error("solver:backward_error needs at least 16 steps", 0) end
   local drift, spread, E0 = energies(solver, options, steps, every)
-  local finer, less = energies(solver_of(solver, solver.system, solver.h / 2), options, 2 * steps, 2 * every)
+  local finer, less = energies(solver_of(solver, solver.system, solver.h / 2), options, 2 * steps,
+    2 * every)
   local order = less > 0 and log(spread / less, 2) or math.huge
-  return core.result { amplitude = spread, order = order, drift = drift.per_time, error = drift.error, energy = E0,
-    mean = drift.mean, finer = { amplitude = less, drift = finer.per_time, error = finer.error, mean = finer.mean } }
+  return core.result { amplitude = spread, order = order, drift = drift.per_time,
+    error = drift.error, energy = E0,
+    mean = drift.mean, finer = { amplitude = less, drift = finer.per_time, error = finer.error,
+      mean = finer.mean } }
 end)
 
 core.method("dm.solver", "tangent", M.tangent, doc_tangent)

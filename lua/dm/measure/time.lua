@@ -24,8 +24,9 @@ end
 
 local doc_time = [[
 dm.time(f, ...) -> number, string
-Seconds of one call f(...): the best of several batches, each long enough to be measured; and the same
-as a text in ns, us or ms. Takes about a fifth of a second, or two calls when one takes longer.]]
+Seconds of one call f(...): the best of several batches, each long enough to be measured; and the
+same as a text in ns, us or ms. Takes about a fifth of a second, or two calls when one takes
+longer.]]
 
 function M.time(f, ...)
   local meta = type(f) ~= "function" and getmetatable(f)

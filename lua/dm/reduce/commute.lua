@@ -1,5 +1,6 @@
---- dm.commute: the cube of Routh reduction (Leok, figure 2.1) run for a system: continuous and discrete, unreduced and reduced, in velocities and
--- momenta. Its discrete faces commute to round-off, those between continuous and discrete to the order of the rule.
+--- dm.commute: the cube of Routh reduction (Leok, figure 2.1) run for a system: continuous and
+-- discrete, unreduced and reduced, in velocities and momenta. Its discrete faces commute to
+-- round-off, those between continuous and discrete to the order of the rule.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local routh = require "dm.reduce.routh"
@@ -14,11 +15,14 @@ local class = { __name = "dm.cube" }
 function class.__tostring(c)
   local out = { ("%s, h = %.6g, %d steps, mu = %s"):format(c.rule, c.h, c.steps, tostring(c.mu)) }
   for _, row in ipairs(c) do
-    local what = row.order and ("%9.2e  order %.2f"):format(row.difference, row.order) or ("%9.2e"):format(row.difference)
-    out[#out + 1] = ("  %-48s %-22s %s"):format(row.name, what, row.commutes and "commutes" or "DOES NOT COMMUTE")
+    local what = row.order and ("%9.2e  order %.2f"):format(row.difference, row.order)
+      or ("%9.2e"):format(row.difference)
+    out[#out + 1] = ("  %-48s %-22s %s"):format(row.name, what, row.commutes and "commutes"
+      or "DOES NOT COMMUTE")
   end
   if c.apart then
-    out[#out + 1] = ("  reduced and unreduced steps of this rule are not the same: they agree to order %.2f (those of partitioned Runge-Kutta rules are)"):format(c.apart)
+    out[#out + 1] = ("  reduced and unreduced steps of this rule are not the same: they agree to "
+      .. "order %.2f (those of partitioned Runge-Kutta rules are)"):format(c.apart)
   end
   if c.without then out[#out + 1] = "  without the faces of DEL and DR: " .. c.without end
   return table.concat(out, "\n")
@@ -44,7 +48,8 @@ local function add(rows, name, difference)
   rows[#rows + 1] = { name = name, difference = difference, commutes = difference <= ROUND_OFF }
 end
 
--- rows of an unreduced path in the coordinates (theta, x) of the reduction, as lists of x, p_x and theta
+-- rows of an unreduced path in the coordinates (theta, x) of the reduction, as lists of x, p_x and
+-- theta
 local function projected(full, reduction)
   local x, y, theta = {}, {}, {}
   for k = 1, #full do
@@ -72,7 +77,8 @@ local function discrete_faces(rows, c)
   add(rows, "DR -> RSPRK: reduced Legendre transforms", over_pairs(count, function(k)
     local s0 = c.shape:magnetic_momentum(reduced.q[k], reduced.p[k])
     local s1 = c.shape:magnetic_momentum(reduced.q[k + 1], reduced.p[k + 1])
-    return max(distance(D:legendre_minus(reduced.q[k], reduced.q[k + 1]), s0), distance(D:legendre_plus(reduced.q[k], reduced.q[k + 1]), s1))
+    return max(distance(D:legendre_minus(reduced.q[k], reduced.q[k + 1]), s0),
+      distance(D:legendre_plus(reduced.q[k], reduced.q[k + 1]), s1))
   end))
   add(rows, "psi_mu = the angle of a step", over_pairs(count, function(k)
     local psi, worst = D:psi(x[k], x[k + 1]), 0
@@ -81,13 +87,16 @@ local function discrete_faces(rows, c)
   end))
 end
 
--- where stepping does not commute with reduction, as by curves of less degree than their quadrature has points: the order in h to which it does
+-- where stepping does not commute with reduction, as by curves of less degree than their quadrature
+-- has points: the order in h to which it does
 local function order_apart(c)
   local gap = {}
   for k = 1, 2 do
     local h, steps = c.h / k, c.steps * k
-    local full = c.system:solver({ rule = c.rule, h = h }):run { q = c.q, v = c.v, steps = steps, every = steps }
-    local reduced = c.shape:solver({ rule = c.rule, h = h }):run { q = c.x, v = c.u, steps = steps, every = steps }
+    local full = c.system:solver({ rule = c.rule, h = h }):run { q = c.q, v = c.v, steps = steps,
+      every = steps }
+    local reduced = c.shape:solver({ rule = c.rule, h = h }):run { q = c.x, v = c.u, steps = steps,
+      every = steps }
     local x, y = projected(full, c.reduction)
     gap[k] = max(distance(reduced.q[#reduced], x[#x]), distance(reduced.p[#reduced], y[#y]))
   end
@@ -98,7 +107,9 @@ local function step_faces(rows, c)
   local full, reduced = c.full, c.reduced
   local x, y, theta = projected(full, c.reduction)
   local worst = 0
-  for k = 1, #full do worst = max(worst, distance(reduced.q[k], x[k]), distance(reduced.p[k], y[k])) end
+  for k = 1, #full do
+    worst = max(worst, distance(reduced.q[k], x[k]), distance(reduced.p[k], y[k]))
+  end
   add(rows, "SPRK -> RSPRK: projection", worst)
   if worst > ROUND_OFF then rows.apart = order_apart(c) end
   worst = 0
@@ -119,7 +130,8 @@ local function literal_face(rows, c)
   local a, s = reduced.q[1], c.shape:magnetic_momentum(reduced.q[1], reduced.p[1])
   for k = 2, math.min(#reduced, 11) do
     a, s = step(a, s)
-    worst = max(worst, distance(a, reduced.q[k]), distance(s, c.shape:magnetic_momentum(reduced.q[k], reduced.p[k])))
+    worst = max(worst, distance(a, reduced.q[k]),
+      distance(s, c.shape:magnetic_momentum(reduced.q[k], reduced.p[k])))
   end
   add(rows, "RSPRK: with beta = moved classical Routhian", worst)
 end
@@ -132,7 +144,8 @@ local REFERENCE = "gauss(6)"
 local function ends(system, c, q, v)
   local T, out = c.h * c.steps, {}
   local function last(rule, h, steps)
-    local path = system:solver({ rule = rule, h = h }):run { q = q, v = v, steps = steps, every = steps }
+    local path = system:solver({ rule = rule, h = h }):run { q = q, v = v, steps = steps,
+      every = steps }
     return path.q[#path], path.p[#path]
   end
   local fine = math.ceil(4 * c.steps)
@@ -154,10 +167,13 @@ local function continuous_faces(rows, c)
   local order = c.shape:solver({ rule = c.rule, h = c.h }).order
   local x, y = {}, {}
   for j, i in ipairs(c.reduction.shape) do x[j], y[j] = above.q[i], above.p[i] end
-  add(rows, "EL -> Routh: projection of the exact motion", max(distance(below.q, x), distance(below.p, y)))
-  add_order(rows, "X_H -> SPRK: discretization", order, max(distance(above.q1, above.q), distance(above.p1, above.p)),
+  add(rows, "EL -> Routh: projection of the exact motion",
+    max(distance(below.q, x), distance(below.p, y)))
+  add_order(rows, "X_H -> SPRK: discretization", order,
+    max(distance(above.q1, above.q), distance(above.p1, above.p)),
     max(distance(above.q2, above.q), distance(above.p2, above.p)))
-  add_order(rows, "X_H_mu -> RSPRK: discretization", order, max(distance(below.q1, below.q), distance(below.p1, below.p)),
+  add_order(rows, "X_H_mu -> RSPRK: discretization", order,
+    max(distance(below.q1, below.q), distance(below.p1, below.p)),
     max(distance(below.q2, below.q), distance(below.p2, below.p)))
 end
 
@@ -168,7 +184,10 @@ local function check_keys(options)
   for key in pairs(options) do
     local fine = false
     for _, name in ipairs(known) do fine = fine or name == key end
-    if not fine then error(("dm.commute: unknown option '%s'; options are %s"):format(tostring(key), table.concat(known, ", ")), 0) end
+    if not fine then
+      error(("dm.commute: unknown option '%s'; options are %s")
+        :format(tostring(key), table.concat(known, ", ")), 0)
+    end
   end
 end
 
@@ -177,9 +196,13 @@ local function read(system, options)
     error("dm.commute takes a system and { q =, v =, rule =, h =, steps =, cyclic = ... }", 0)
   end
   check_keys(options)
-  if type(options.h) ~= "number" or not (options.h > 0) then error("dm.commute: option 'h' must be a step > 0", 0) end
+  if type(options.h) ~= "number" or not (options.h > 0) then
+    error("dm.commute: option 'h' must be a step > 0", 0)
+  end
   local steps = options.steps or 40
-  if math.type(steps) ~= "integer" or steps < 4 or steps > 10000 then error("dm.commute: 'steps' must be a whole number from 4 to 10000", 0) end
+  if math.type(steps) ~= "integer" or steps < 4 or steps > 10000 then
+    error("dm.commute: 'steps' must be a whole number from 4 to 10000", 0)
+  end
   local how, q, v = {}, options.q, options.v
   for key, value in pairs(options) do
     if not OWN[key] then how[key] = value end
@@ -189,19 +212,28 @@ local function read(system, options)
     local info = routh.info(shape)
     q, v = info.ambient.split(q, v)
     system = info.full
-    shape = system:routh { cyclic = info.cyclic, mu = info.mu, q = q, v = v, connection = options.connection }
+    shape = system:routh { cyclic = info.cyclic, mu = info.mu, q = q, v = v,
+      connection = options.connection }
   end
   local x, u, theta = shape:start(q, v)
   local reduction = shape:reduction()
-  return { system = system, q = q, v = v, shape = shape, reduction = reduction, mu = reduction.mu, x = x, u = u, theta = theta,
+  return { system = system, q = q, v = v, shape = shape, reduction = reduction, mu = reduction.mu,
+    x = x, u = u, theta = theta,
     rule = options.rule or "gauss(2)", h = options.h, steps = steps }
 end
 
 local doc = [[
-dm.commute(system, {q=, v=, h=, rule=, steps=, cyclic=, action=, mu=, connection=}) -> dm.cube {rule, h, steps, mu, commutes, {name, difference, order, commutes}, ...}
-The cube of discrete Routh reduction for a system (Leok, figure 2.1): Euler-Lagrange and Hamilton's equations, Routh's equations, and for each its discrete
-one (DEL, SPRK, DR, RSPRK), run from one start and compared edge by edge. Edges among discrete corners commute to round-off where the rule is a partitioned
-Runge-Kutta rule; those from continuous to discrete to its order, which is measured. print shows the table; commutes: all of them; without: why the faces of DEL and DR are not there, if so (time, constraints, forces, rules without an Ld); apart: the order in h to which reduced and unreduced steps agree, for rules with which they are not the same. Options as in system:routh: with an action the cube is that of the system in (theta, x), in which rules commute with reduction.]]
+dm.commute(system, {q=, v=, h=, rule=, steps=, cyclic=, action=, mu=, ...}) -> dm.cube
+A dm.cube is {rule, h, steps, mu, commutes, {name, difference, order, commutes}, ...}. The cube of
+discrete Routh reduction for a system (Leok, figure 2.1): Euler-Lagrange and Hamilton's equations,
+Routh's equations, and for each its discrete one (DEL, SPRK, DR, RSPRK), run from one start and
+compared edge by edge. Edges among discrete corners commute to round-off where the rule is a
+partitioned Runge-Kutta rule; those from continuous to discrete to its order, which is measured.
+print shows the table; commutes: all of them; without: why the faces of DEL and DR are not there, if
+so (time, constraints, forces, rules without an Ld); apart: the order in h to which reduced and
+unreduced steps agree, for rules with which they are not the same. Options as in system:routh,
+connection too: with an action the cube is that of the system in (theta, x), in which rules commute
+with reduction.]]
 
 M.commute = blame.caller(function(system, options)
   options = starts.lists(options, system)

@@ -2,7 +2,7 @@
 local core = require "dm.core"
 local prolong = require "dm.measure.prolong"
 local routh = require "dm.reduce.routh"
-local routh_model = require "dm.reduce.model"
+local routh_model = require "dm.reduce.routh.model"
 local watch = require "dm.scene.watch"
 
 local M = {}

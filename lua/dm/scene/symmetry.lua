@@ -1,7 +1,7 @@
 --- A symmetry that is told, for a scene: the same problem in coordinates (theta, x) of the group and a section, in which theta is cyclic.
 local core = require "dm.core"
 local model = require "dm.scene.model"
-local section = require "dm.reduce.section"
+local section = require "dm.reduce.routh.section"
 
 local M = {}
 

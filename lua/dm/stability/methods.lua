@@ -34,7 +34,7 @@ solver:singularities{q=, v= | p=, steps= | t=, t0=} -> {worst, t, q, places, why
 Do the coordinates break down on the way? The condition of d2L/dv2 at the rows of a run (at most 4000), the worst and where; places: {t,
 condition} where it exceeds 1e4; failure: the code that ended the run, if one did. why names the coordinate that loses its inertia.]])
 
-core.method("dm.solver", "section", blame.later("dm.measure.section", "section"), [[
+core.method("dm.solver", "section", blame.later("dm.measure.poincare", "section"), [[
 solver:section{g= | period=, q=, v= | p=, starts=, t= | steps=, t0=, direction=, x=, y=, xlabel=, ylabel=, every=, project=} -> dm.section
 The Poincare section of a run: where it crosses the surface g(q, v, t, p) = 0; g may be the name of a coordinate, "q1"; period = T in its
 place: each period of a driven system from t0 on (a stroboscope). direction: "up" (g grows; the

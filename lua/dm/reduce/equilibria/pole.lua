@@ -1,7 +1,8 @@
---- Shapes between two others at which the locked inertia vanishes: the group does not act freely there, mu is 0, and what lies behind are the same
--- states again, in mirrored coordinates. A branch of relative equilibria that runs into one ends there; mu^2 / 2 I turns it round like a fold.
+--- Shapes between two others at which the locked inertia vanishes: the group does not act freely
+-- there, mu is 0, and what lies behind are the same states again, in mirrored coordinates. A branch
+-- of relative equilibria that runs into one ends there; mu^2 / 2 I turns it round like a fold.
 local core = require "dm.core"
-local model = require "dm.reduce.model"
+local model = require "dm.reduce.routh.model"
 
 local M = {}
 
@@ -22,8 +23,9 @@ end
 
 local HALVINGS, VANISHES = 24, 1e-3
 
---- Where on the line from a to b (0 to 1) it vanishes, and the shape there; nothing where it does not. Near a pole it is a square of the distance: a
---- parabola through both ends and the middle tells where to look.
+--- Where on the line from a to b (0 to 1) it vanishes, and the shape there; nothing where it does
+-- not. Near a pole it is a square of the distance: a parabola through both ends and the middle
+-- tells where to look.
 function M.between(info, a, b)
   local function at(s)
     local x = {}

@@ -1,11 +1,12 @@
---- Routh reduction: a system without its group variables. A shape is an ordinary dm.system whose L is the classical Routhian
--- R(x, x', t) = L - mu . theta' at the momentum mu, so that every rule, event, chart and ensemble steps it. A symplectic
--- partitioned Runge-Kutta rule on R is the reduction of that rule on L (Jalnapurkar, Leok, Marsden & West 2006; Leok ch. 2).
+--- Routh reduction: a system without its group variables. A shape is an ordinary dm.system whose L
+-- is the classical Routhian R(x, x', t) = L - mu . theta' at the momentum mu, so that every rule,
+-- event, chart and ensemble steps it. A symplectic partitioned Runge-Kutta rule on R is the
+-- reduction of that rule on L (Jalnapurkar, Leok, Marsden & West 2006; Leok ch. 2).
 local blame = require "dm.base.blame"
-local check = require "dm.reduce.check"
+local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
-local model = require "dm.reduce.model"
-local parameters = require "dm.reduce.params"
+local model = require "dm.reduce.routh.model"
+local parameters = require "dm.reduce.routh.params"
 local starts = require "dm.base.start"
 
 local M = {}
@@ -28,38 +29,50 @@ end
 --- The same, or an error that names what asked.
 function M.need(system, what)
   local info = M.info(system)
-  if not info then error(what .. " is for a reduced system, made by system:routh { cyclic = ..., mu = ... }", 0) end
+  if not info then
+    error(what .. " is for a reduced system, made by system:routh { cyclic = ..., mu = ... }", 0)
+  end
   return info
 end
 
 --- Raises where constraints or forces are in the way of what asked.
-function M.untied(info, what)
+function M.need_free(info, what)
   local given = info.full.given
   if given.constraint or given.force then
-    error(("%s: this system has %s, for which shape:solver has the reduced equations"):format(what,
-      given.constraint and "constraints" or "a force"), 0)
+    error(("%s: this system has %s, for which shape:solver has the reduced equations")
+      :format(what, given.constraint and "constraints" or "a force"), 0)
   end
+end
+
+--- Does L not depend on time?
+function M.is_autonomous(info)
+  if info.autonomous == nil then info.autonomous = info.full:structure().autonomous end
+  return info.autonomous
 end
 
 --- Raises where L depends on time.
-function M.steady(info, what)
-  if info.steady == nil then info.steady = info.full:structure().autonomous end
-  if not info.steady then
-    error(what .. ": L depends on the time, and this is for one that does not; shape:solver and reconstruction know the time", 0)
+function M.need_autonomous(info, what)
+  if not M.is_autonomous(info) then
+    error(what .. ": L depends on the time, and this is for one that does not; shape:solver and "
+      .. "reconstruction know the time", 0)
   end
 end
 
-local KNOWN = { "cyclic", "action", "section", "dimension", "names", "at", "mu", "connection", "q", "v" }
+local KNOWN = { "cyclic", "action", "section", "dimension", "names", "at", "mu", "connection", "q",
+  "v" }
 
 M.OPTIONS = KNOWN
 
 local function check_keys(options)
-  if type(options) ~= "table" then error("system:routh takes a table { cyclic = ..., mu = ... }", 0) end
+  if type(options) ~= "table" then
+    error("system:routh takes a table { cyclic = ..., mu = ... }", 0)
+  end
   for key in pairs(options) do
     local fine = false
     for _, name in ipairs(KNOWN) do fine = fine or name == key end
     if not fine then
-      error(("system:routh: unknown option '%s'; options are %s"):format(tostring(key), table.concat(KNOWN, ", ")), 0)
+      error(("system:routh: unknown option '%s'; options are %s")
+        :format(tostring(key), table.concat(KNOWN, ", ")), 0)
     end
   end
 end
@@ -70,11 +83,13 @@ local function check_start(options, n)
     local given = options[key]
     local fine, count = pcall(function() return #given end)
     if given ~= nil and (type(given) == "string" or not fine or count ~= n) then
-      error(("option '%s' must be %d numbers, one for each coordinate (got %s)"):format(key, n, fine and type(given) ~= "string" and count or type(given)), 0)
+      error(("option '%s' must be %d numbers, one for each coordinate (got %s)")
+        :format(key, n, fine and type(given) ~= "string" and count or type(given)), 0)
     end
     for i = 1, given ~= nil and n or 0 do
       if type(given[i]) ~= "number" or not (abs(given[i]) < math.huge) then
-        error(("option '%s'[%d] must be a finite number (got %s)"):format(key, i, tostring(given[i])), 0)
+        error(("option '%s'[%d] must be a finite number (got %s)")
+          :format(key, i, tostring(given[i])), 0)
       end
     end
   end
@@ -85,10 +100,14 @@ local OF_ACTIONS = { "section", "dimension", "names", "at" }
 -- cyclic coordinates or an action, and what belongs to the latter
 local function check_kind(options)
   if options.action and options.cyclic then
-    error("system:routh takes 'cyclic' or 'action', not both: an action has its own group coordinates", 0)
+    error("system:routh takes 'cyclic' or 'action', not both: an action has its own group "
+      .. "coordinates", 0)
   end
   for _, key in ipairs(options.action and {} or OF_ACTIONS) do
-    if options[key] ~= nil then error(("option '%s' belongs to an action: system:routh { action = ..., %s = ... }"):format(key, key), 0) end
+    if options[key] ~= nil then
+      error(("option '%s' belongs to an action: system:routh { action = ..., %s = ... }")
+        :format(key, key), 0)
+    end
   end
 end
 
@@ -107,7 +126,8 @@ local function coordinate(names, key)
   for i, name in ipairs(names) do
     if name == key then return i end
   end
-  error(("option 'cyclic': there is no coordinate '%s'; coordinates are %s"):format(tostring(key), table.concat(names, ", ")), 0)
+  error(("option 'cyclic': there is no coordinate '%s'; coordinates are %s")
+    :format(tostring(key), table.concat(names, ", ")), 0)
 end
 
 -- the coordinates to eliminate: given, or all that L does not depend on
@@ -115,22 +135,30 @@ local function read_cyclic(system, cyclic, names)
   if cyclic == nil then
     cyclic = system:structure().cyclic
     if #cyclic == 0 then
-      error("L depends on every coordinate, so none is cyclic: name an action, system:routh { action = f(theta, q), section = ... }", 0)
+      error("L depends on every coordinate, so none is cyclic: name an action, system:routh { "
+        .. "action = f(theta, q), section = ... }", 0)
     end
   end
   if type(cyclic) == "string" or type(cyclic) == "number" then cyclic = { cyclic } end
-  if type(cyclic) == "userdata" and pcall(function() return #cyclic end) then cyclic = { table.unpack(cyclic) } end
-  if type(cyclic) ~= "table" or #cyclic == 0 then error("option 'cyclic' must be a list of coordinates, numbers or names", 0) end
+  if type(cyclic) == "userdata" and pcall(function() return #cyclic end) then
+    cyclic = { table.unpack(cyclic) }
+  end
+  if type(cyclic) ~= "table" or #cyclic == 0 then
+    error("option 'cyclic' must be a list of coordinates, numbers or names", 0)
+  end
   local out, seen = {}, {}
   for a, key in ipairs(cyclic) do
     if type(key) ~= "number" and type(key) ~= "string" then
-      error(("option 'cyclic'[%d] must be a coordinate, a number or a name (got %s)"):format(a, type(key)), 0)
+      error(("option 'cyclic'[%d] must be a coordinate, a number or a name (got %s)")
+        :format(a, type(key)), 0)
     end
     local i = coordinate(names, key)
     if seen[i] then error(("option 'cyclic': '%s' stands there twice"):format(names[i]), 0) end
     seen[i], out[a] = true, i
   end
-  if #out == #names then error("no coordinate would be left: keep at least one of " .. table.concat(names, ", "), 0) end
+  if #out == #names then
+    error("no coordinate would be left: keep at least one of " .. table.concat(names, ", "), 0)
+  end
   return out, seen
 end
 
@@ -138,10 +166,13 @@ end
 local function read_mu(info, options)
   local mu, m = options.mu, info.m
   if mu == nil then
-    if not options.q or not options.v then error("option 'mu' must be given, or the start q, v that has it", 0) end
+    if not options.q or not options.v then
+      error("option 'mu' must be given, or the start q, v that has it", 0)
+    end
     local fine, p = pcall(info.derived.slope, options.q, options.v, 0)
     if not fine then
-      error(("L is not finite at the start q = %s, v = %s, or its momentum is not"):format(check.text(options.q), check.text(options.v)), 0)
+      error(("L is not finite at the start q = %s, v = %s, or its momentum is not")
+        :format(check.text(options.q), check.text(options.v)), 0)
     end
     mu = {}
     for a, i in ipairs(info.cyclic) do mu[a] = p[info.n + i] end
@@ -152,8 +183,10 @@ local function read_mu(info, options)
   if type(mu) == "string" or not fine then
     error(("option 'mu' must be a number, or a list of %d (got %s)"):format(m, type(mu)), 0)
   end
-  if count ~= m then error(("option 'mu' must have %d entr%s, one for each dimension of the group (got %d)")
-    :format(m, m == 1 and "y" or "ies", count), 0) end
+  if count ~= m then
+    error(("option 'mu' must have %d entr%s, one for each dimension of the group (got %d)")
+      :format(m, m == 1 and "y" or "ies", count), 0)
+  end
   local out = {}
   for a = 1, m do
     if type(mu[a]) ~= "number" or mu[a] ~= mu[a] or abs(mu[a]) == math.huge then
@@ -171,17 +204,21 @@ local function refuse(system)
     error("system:routh needs the graph of L, and this system runs on hyper-dual numbers", 0)
   end
   if given.rolling then
-    error("system:routh: a rolling constraint has reactions that need not spare the momentum of the group; only holonomic "
-      .. "constraints and forces are reduced", 0)
+    error("system:routh: a rolling constraint has reactions that need not spare the momentum of "
+      .. "the group; only holonomic constraints and forces are reduced", 0)
   end
-  if given.control then error("system:routh: a control held over a step is not reduced; put it into 'force'", 0) end
+  if given.control then
+    error("system:routh: a control held over a step is not reduced; put it into 'force'", 0)
+  end
 end
 
 -- the constraint and the force of the reduced system, checked
-local function tie(info, out)
+local function add_constraint_and_force(info, out)
   if info.g then
     check.constraint(info, info.g)
-    out.constraint = function(x, t, p) return parameters.at(info, p, x).g(model.embed(info, x), t) end
+    out.constraint = function(x, t, p)
+      return parameters.at(info, p, x).g(model.embed(info, x), t)
+    end
   end
   if info.F then
     check.force(info, info.F)
@@ -198,24 +235,27 @@ local function describe(info, out)
   local full = info.full
   out.Q = (full.Q.name == "T" and core.T or core.R)(info.d)
   local named = full.coordinates or info.ambient
-  info.own = {}
-  for i, at in ipairs(info.shape) do info.own[i] = named and info.names[at] or "q" .. i end  -- as columns of its paths are called
+  info.own = {} -- what columns of its paths are called
+  for i, at in ipairs(info.shape) do info.own[i] = named and info.names[at] or "q" .. i end
   if named then out.coordinates = info.own end
   out.units = full.units
   local gone = {}
-  for a, i in ipairs(info.cyclic) do gone[a] = ("%s = %.6g"):format("momentum of " .. info.names[i], info.mu[a]) end
+  for a, i in ipairs(info.cyclic) do
+    gone[a] = ("%s = %.6g"):format("momentum of " .. info.names[i], info.mu[a])
+  end
   out.name = (full.name and full.name .. ", " or "") .. "reduced, " .. table.concat(gone, ", ")
 end
 
 local function make(info, start)
   if not info.quadratic then
-    info.autonomous = info.full:structure().autonomous
-    info.root = require "dm.reduce.quadratic".root(info)
-    if start then require "dm.reduce.quadratic".branch(info, start) end
+    M.is_autonomous(info) -- which model.of_root wants to know
+    info.root = require "dm.reduce.routh.quadratic".root(info)
+    if start then require "dm.reduce.routh.quadratic".branch(info, start) end
   end
-  local out = { L = function(x, u, t, p) return model.routhian(parameters.at(info, p, x), x, u, t) end, params = parameters.of(info) }
+  local function L(x, u, t, p) return model.routhian(parameters.at(info, p, x), x, u, t) end
+  local out = { L = L, params = parameters.of(info) }
   describe(info, out)
-  tie(info, out)
+  add_constraint_and_force(info, out)
   local shape = core.system(out)
   known[shape], of_lagrangian[out.L] = info, info
   return shape
@@ -231,11 +271,14 @@ local function read(system, options)
   end
   local given = system.given
   if options.connection ~= nil and type(options.connection) ~= "function" then
-    error(("option 'connection' must be a function of the shape (got %s)"):format(type(options.connection)), 0)
+    error(("option 'connection' must be a function of the shape (got %s)")
+      :format(type(options.connection)), 0)
   end
-  return { full = system, names = names, n = n, m = #cyclic, d = #shape, cyclic = cyclic, shape = shape,
-    L = parameters.bound(given.L, given.params), g = parameters.bound(given.constraint, given.params),
-    F = parameters.bound(given.force, given.params), params = given.params, given_connection = options.connection, shown = {} }
+  local p = given.params
+  return { full = system, names = names, n = n, m = #cyclic, d = #shape,
+    cyclic = cyclic, shape = shape, params = p, L = parameters.bound(given.L, p),
+    g = parameters.bound(given.constraint, p), F = parameters.bound(given.force, p),
+    given_connection = options.connection, shown = {} }
 end
 
 -- invariance, a regular locked inertia that does not depend on theta', at points in the domain
@@ -244,7 +287,8 @@ local function examine(info, start)
   info.points = check.points(n, slope, start)
   info.sample = info.points[1]
   if not info.sample then
-    error("no point was found at which L is finite: give one that is in its domain, system:routh { ..., q = ..., v = ... }", 0)
+    error("no point was found at which L is finite: give one that is in its domain, system:routh "
+      .. "{ ..., q = ..., v = ... }", 0)
   end
   check.lagrangian(info, slope)
   local sample = info.sample
@@ -265,19 +309,23 @@ M.routh = blame.caller(function(system, options)
   check_start(options, system.Q.dimension)
   refuse(system)
   local ambient
-  if options.action then system, options, ambient = require "dm.reduce.section".split(system, options) end
+  if options.action then
+    system, options, ambient = require "dm.reduce.routh.section".split(system, options)
+  end
   local info = read(system, options)
   info.ambient = ambient
   info.derived = model.derive(info)
   info.mu = read_mu(info, options)
   examine(info, options.q and { q = options.q, v = options.v })
-  info.quadratic = require "dm.reduce.quadratic".is(info)
+  info.quadratic = require "dm.reduce.routh.quadratic".is(info)
   return make(info, options.q and options.v and not options.mu and options)
 end)
 
 M.at_momentum = blame.caller(function(shape, mu)
   local info = M.need(shape, "at_momentum")
-  if mu == nil then error(("at_momentum takes a momentum, a number or a list of %d"):format(info.m), 0) end
+  if mu == nil then
+    error(("at_momentum takes a momentum, a number or a list of %d"):format(info.m), 0)
+  end
   local other = {}
   for key, value in pairs(info) do other[key] = value end
   other.shown, other.variants, other.general = {}, nil, nil

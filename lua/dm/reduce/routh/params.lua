@@ -1,8 +1,9 @@
---- Parameters of a reduced system: the numbers among the params of the system it was made from, and the momentum as mu (mu1, mu2, ...), so that
--- members of ensembles and cells of maps vary them. At other values the reduction is made again from L with these; where they are symbols (inputs of
+--- Parameters of a reduced system: the numbers among the params of the system it was made from, and
+-- the momentum as mu (mu1, mu2, ...), so that members of ensembles and cells of maps vary them. At
+-- other values the reduction is made again from L with these; where they are symbols (inputs of
 -- kernels: one trace for all members) derivatives take them as arguments.
 local core = require "dm.core"
-local model = require "dm.reduce.model"
+local model = require "dm.reduce.routh.model"
 
 local M = {}
 
@@ -43,7 +44,9 @@ end
 -- the params of the unreduced system with these values among them
 local function merged(info, p)
   local out = {}
-  for key, value in pairs(type(info.params) == "table" and info.params or {}) do out[key] = value end
+  for key, value in pairs(type(info.params) == "table" and info.params or {}) do
+    out[key] = value
+  end
   for key in pairs(info.numbers) do
     if out[key] ~= nil then out[key] = p[key] end
   end
@@ -58,7 +61,8 @@ local function variant(info, p)
   for a, name in ipairs(info.mu_names) do out.mu[a] = p[name] end
   if info.params ~= nil then
     out.params = merged(info, p)
-    out.L, out.g, out.F = M.bound(given.L, out.params), M.bound(given.constraint, out.params), M.bound(given.force, out.params)
+    out.L, out.g, out.F = M.bound(given.L, out.params), M.bound(given.constraint, out.params),
+      M.bound(given.force, out.params)
   end
   return out
 end
@@ -66,7 +70,9 @@ end
 -- do only momenta differ, so that L and its derivatives are the same?
 local function is_same_system(info, p)
   for key, value in pairs(info.numbers) do
-    if type(info.params) == "table" and info.params[key] ~= nil and not rawequal(p[key], value) then return false end
+    if type(info.params) == "table" and info.params[key] ~= nil and not rawequal(p[key], value) then
+      return false
+    end
   end
   return true
 end
@@ -74,14 +80,18 @@ end
 -- at other numbers
 local function at_numbers(info, p)
   local out = variant(info, p)
-  if is_same_system(info, p) then out.params, out.L, out.g, out.F, out.derived = info.params, info.L, info.g, info.F, model.derived(info) end
+  if is_same_system(info, p) then
+    out.params, out.L, out.g, out.F, out.derived = info.params, info.L, info.g, info.F,
+      model.derived(info)
+  end
   out.numbers = {}
   for key in pairs(info.numbers) do out.numbers[key] = p[key] end
-  if info.root then out.root = require "dm.reduce.quadratic".root(out) end
+  if info.root then out.root = require "dm.reduce.routh.quadratic".root(out) end
   return out
 end
 
--- names of the numbers, in their order; dL/d(q, v) and dp_theta/d(q, v) as functions of the values too
+-- names of the numbers, in their order; dL/d(q, v) and dp_theta/d(q, v) as functions of the values
+-- too
 local function general(info)
   if info.root then error("parameters of an implicit reduction are numbers", 0) end
   local n, names, L = info.n, {}, info.full.given.L
@@ -105,11 +115,13 @@ local function by_general(info, p, made)
   local out, values = variant(info, p), {}
   for i, key in ipairs(made.names) do values[i] = p[key] end
   local all = core.vector(values)
-  out.fixed = { slope = function(q, v, t) return made.slope(q, v, t, all) end, rows = function(q, v, t) return made.rows(q, v, t, all) end }
+  out.fixed = { slope = function(q, v, t) return made.slope(q, v, t, all) end,
+    rows = function(q, v, t) return made.rows(q, v, t, all) end }
   return out
 end
 
--- plain calls at other values, of which a check of many members makes one each: derivatives are made again where L has changed
+-- plain calls at other values, of which a check of many members makes one each: derivatives are
+-- made again where L has changed
 local function plain(info, p)
   local now = info.L(info.sample.q, info.sample.v, info.sample.t)
   if not info.general or info.general.value ~= now then

@@ -12,7 +12,8 @@ local function entries(what, value, info)
   for i, at in ipairs(info.shape) do names[i] = info.names[at] end
   for i = 1, #value do
     for k = 1, #value[i] do
-      local fits = what == "curvature" and i < k or what == "locked_inertia" and i <= k or what == "connection"
+      local fits = what == "curvature" and i < k or what == "locked_inertia" and i <= k
+        or what == "connection"
       local left = what == "curvature" and names[i] or info.names[info.cyclic[i]]
       local right = what == "locked_inertia" and info.names[info.cyclic[k]] or names[k]
       if fits then out[#out + 1] = { ("%s %s, %s"):format(what, left, right), value[i][k] } end
@@ -21,28 +22,39 @@ local function entries(what, value, info)
   return out
 end
 
-local KINDS = { amended_potential = true, connection = true, curvature = true, locked_inertia = true }
+local KINDS = { amended_potential = true, connection = true, curvature = true,
+  locked_inertia = true }
 
 local function check(shape, what, options)
   local info = routh.need(shape, "slice")
   if not KINDS[what] then
-    error("slice: give \"amended_potential\", \"connection\", \"curvature\" or \"locked_inertia\", and { from =, to =, points = }", 0)
+    error("slice: give \"amended_potential\", \"connection\", \"curvature\" or "
+      .. "\"locked_inertia\", and { from =, to =, points = }", 0)
   end
-  if type(options) ~= "table" then error("slice takes a table { from = a shape, to = a shape, points = }", 0) end
+  if type(options) ~= "table" then
+    error("slice takes a table { from = a shape, to = a shape, points = }", 0)
+  end
   for key in pairs(options) do
-    if not ({ from = true, to = true, points = true, t = true })[key] then error(("slice: unknown option '%s'"):format(tostring(key)), 0) end
+    if not ({ from = true, to = true, points = true, t = true })[key] then
+      error(("slice: unknown option '%s'"):format(tostring(key)), 0)
+    end
   end
   local ends = {}
   for _, key in ipairs { "from", "to" } do
     ends[key] = type(options[key]) == "number" and { options[key] } or options[key]
     local fine, count = pcall(function() return #ends[key] end)
-    if type(ends[key]) == "string" or not fine or count ~= info.d then error(("slice: option '%s' must be a shape, %d numbers"):format(key, info.d), 0) end
+    if type(ends[key]) == "string" or not fine or count ~= info.d then
+      error(("slice: option '%s' must be a shape, %d numbers"):format(key, info.d), 0)
+    end
   end
   if what == "curvature" and info.d < 2 then
-    error("slice: a shape of one coordinate has no curvature: it is a two-form, and needs two directions", 0)
+    error("slice: a shape of one coordinate has no curvature: it is a two-form, and needs two "
+      .. "directions", 0)
   end
   local points = options.points or 200
-  if math.type(points) ~= "integer" or points < 2 then error("slice: 'points' must be a whole number from 2 on", 0) end
+  if math.type(points) ~= "integer" or points < 2 then
+    error("slice: 'points' must be a whole number from 2 on", 0)
+  end
   return info, points, core.vector(ends.from), core.vector(ends.to)
 end
 
@@ -56,14 +68,17 @@ end
 M.slice = blame.caller(function(shape, what, options)
   local info, points, a, b = check(shape, what, options)
   local best, label = axis(info, a, b)
-  if a == b then error("slice: 'from' and 'to' are the same shape: a line goes from one to another", 0) end
+  if a == b then
+    error("slice: 'from' and 'to' are the same shape: a line goes from one to another", 0)
+  end
   local series = core.result {}
   for k = 0, points - 1 do
     local x = a + (k / (points - 1)) * (b - a)
     local fine, value = pcall(shape[what], shape, x, options.t)
     if fine then
       for i, entry in ipairs(entries(what, value, info)) do
-        local s = series[i] or { x = {}, y = {}, name = entry[1], xlabel = label, ylabel = (what:gsub("_", " ")) }
+        local s = series[i] or { x = {}, y = {}, name = entry[1], xlabel = label,
+          ylabel = (what:gsub("_", " ")) }
         series[i] = s
         s.x[#s.x + 1], s.y[#s.y + 1] = x[best], entry[2]
       end

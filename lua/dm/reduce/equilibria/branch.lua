@@ -1,4 +1,5 @@
---- What shape:relative_equilibria and shape:continue give: an equilibrium, and a branch of them with its columns, as they print and as dm.plot takes them.
+--- What shape:relative_equilibria and shape:continue give: an equilibrium, and a branch of them
+-- with its columns, as they print and as dm.plot takes them.
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
@@ -20,8 +21,10 @@ M.WORD = { energy = "stable (minimum)", spectral = "stable (spectrum)", [false] 
 local one = { __name = "dm.relative_equilibrium" }
 
 function one.__tostring(e)
-  return ("x = %-36s energy %-12.6g velocity %-14s index %d  %s%s"):format(list_text(e.x), e.energy, list_text(e.velocity), e.index, M.WORD[e.stable],
-    e.flat > 0 and (", V_mu is flat in %d direction%s"):format(e.flat, e.flat == 1 and "" or "s") or "")
+  local flat = e.flat > 0
+    and (", V_mu is flat in %d direction%s"):format(e.flat, e.flat == 1 and "" or "s") or ""
+  return ("x = %-36s energy %-12.6g velocity %-14s index %d  %s%s")
+    :format(list_text(e.x), e.energy, list_text(e.velocity), e.index, M.WORD[e.stable], flat)
 end
 
 --- The fields of an equilibrium as a value that prints itself.
@@ -35,7 +38,8 @@ function M.is_equilibrium(value) return type(value) == "table" and getmetatable(
 local branch = { __name = "dm.branch" }
 
 function branch.__tostring(b)
-  local out = { ("branch of %d relative equilibria, mu from %.6g to %.6g"):format(#b, b[1].momentum, b[#b].momentum) }
+  local head = "branch of %d relative equilibria, mu from %.6g to %.6g"
+  local out = { head:format(#b, b[1].momentum, b[#b].momentum) }
   for _, e in ipairs(b.events) do
     out[#out + 1] = ("  %s near mu = %.6g, x = %s"):format(e.what, e.momentum, list_text(e.x))
   end
@@ -66,7 +70,8 @@ branch.series = blame.caller(function(b, x, y)
       local names = {}
       for name in pairs(rawget(b, "rows_of")) do names[#names + 1] = name end
       table.sort(names)
-      error(("branch:series: there is no column '%s'; columns are %s"):format(tostring(key), table.concat(names, ", ")), 0)
+      error(("branch:series: there is no column '%s'; columns are %s")
+        :format(tostring(key), table.concat(names, ", ")), 0)
     end
   end
   return out
@@ -74,11 +79,14 @@ end)
 
 core.docs[branch.series] = [[
 branch:series([x, y]) -> series for dm.plot
-Two columns of a branch against each other (default "mu", "energy"): dm.plot { up:series(), down:series() } is a bifurcation diagram.]]
+Two columns of a branch against each other (default "mu", "energy"): dm.plot { up:series(),
+down:series() } is a bifurcation diagram.]]
 class.register(branch, { "series" }, [[
 dm.branch: relative equilibria followed in the momentum by shape:continue
-fields: [i] (as in relative_equilibria, with momentum), events ({what, momentum, x, at}: folds, changes of stability, crossings); columns, vectors: mu, energy,
-velocity, growth (largest real part of a characteristic value), the coordinates of the shape by name or as x1, x2, ...; for groups of several dimensions velocity1, velocity2, ...]])
+fields: [i] (as in relative_equilibria, with momentum), events ({what, momentum, x, at}: folds,
+changes of stability, crossings); columns, vectors: mu, energy, velocity, growth (largest real part
+of a characteristic value), the coordinates of the shape by name or as x1, x2, ...; for groups of
+several dimensions velocity1, velocity2, ...]])
 
 local READ = {
   mu = function(e) return e.momentum end,

@@ -1,8 +1,9 @@
---- From a symmetry in the coordinates of Q to cyclic ones: q = action(theta, section(x)) makes L a function of (theta, x) that does
--- not depend on theta, if the action is abelian and leaves L as it is.
+--- From a symmetry in the coordinates of Q to cyclic ones: q = action(theta, section(x)) makes L a
+-- function of (theta, x) that does not depend on theta, if the action is abelian and leaves L as it
+-- is.
 local core = require "dm.core"
-local check = require "dm.reduce.check"
-local zero = require "dm.reduce.zero"
+local check = require "dm.reduce.routh.check"
+local default_section = require "dm.reduce.routh.default_section"
 
 local M = {}
 
@@ -15,26 +16,35 @@ local function read_action(options)
   local action = options.action
   if type(action) == "function" then return action, options.dimension or 1 end
   local fine, map = pcall(function() return action.map end)
-  if fine and not map and pcall(function() return action.dimension, action.exp end) and action.name then
-    error(("option 'action': %s is a group, which acts in many ways: give function(theta, q) or a dm.action"):format(tostring(action)), 0)
+  if fine and not map and pcall(function() return action.dimension, action.exp end)
+    and action.name then
+    error(("option 'action': %s is a group, which acts in many ways: give function(theta, q) or "
+      .. "a dm.action"):format(tostring(action)), 0)
   end
   if not fine or not map then
-    error("option 'action' must be a function of (theta, q) that gives the point to which theta moves q, or a dm.action", 0)
+    error("option 'action' must be a function of (theta, q) that gives the point to which theta "
+      .. "moves q, or a dm.action", 0)
   end
   local group = action.group
   local name = group and group.name
   if NOT_ABELIAN[name] and not (name == "SO" and group.n == 2) then
-    error(("option 'action': %s is not abelian, and Routh reduction is for abelian groups: give the action of a subgroup, such as the turns about "
+    error(("option 'action': %s is not abelian, and Routh reduction is for abelian groups: give "
+      .. "the action of a subgroup, such as the turns about "
       .. "one axis"):format(tostring(group)), 0)
   end
-  if not action.act then return function(theta, q) return map(theta, q) end, options.dimension or group and group.dimension or 1 end
+  if not action.act then
+    local m = options.dimension or group and group.dimension or 1
+    return function(theta, q) return map(theta, q) end, m
+  end
   -- elements are lists or vectors for some groups; exp makes them of angles
-  return function(theta, q) return action:act(group:exp(theta), q) end, options.dimension or group.dimension
+  local m = options.dimension or group.dimension
+  return function(theta, q) return action:act(group:exp(theta), q) end, m
 end
 
 local function check_dimension(m, n)
   if math.type(m) ~= "integer" or m < 1 or m >= n then
-    error(("option 'dimension' must be a whole number from 1 to %d, the dimension of Q less one"):format(n - 1), 0)
+    error(("option 'dimension' must be a whole number from 1 to %d, the dimension of Q less one")
+      :format(n - 1), 0)
   end
 end
 
@@ -42,10 +52,14 @@ end
 local function point(value, n, option)
   local fine, count = pcall(function() return #value end)
   if type(value) == "string" or not fine or count ~= n then
-    error(("option '%s' must return a point of Q: %d numbers (got %s)"):format(option, n, fine and type(value) ~= "string" and count or type(value)), 0)
+    error(("option '%s' must return a point of Q: %d numbers (got %s)")
+      :format(option, n, fine and type(value) ~= "string" and count or type(value)), 0)
   end
   local is, out = pcall(core.vector, value)
-  if not is then error(("option '%s' must return a point of Q: %s"):format(option, tostring(out):gsub("^.-%.lua:%d+: ", "")), 0) end
+  if not is then
+    error(("option '%s' must return a point of Q: %s")
+      :format(option, tostring(out):gsub("^.-%.lua:%d+: ", "")), 0)
+  end
   return out
 end
 
@@ -73,13 +87,15 @@ local function generators(move, m, q)
   return columns
 end
 
--- a point where L is finite and that the group moves in all its directions: a unit vector if one will do, so that what is held is zero
+-- a point where L is finite and that the group moves in all its directions: a unit vector if one
+-- will do, so that what is held is zero
 local function somewhere(move, m, n, L, points)
   local rest = core.vector(zeros(n))
   local function will_do(q)
     local fine, value = pcall(L, q, rest, 0)
     local moves, columns = pcall(generators, move, m, q)
-    return fine and value == value and abs(value) < math.huge and moves and zero.moved_most(columns, n)
+    return fine and value == value and abs(value) < math.huge and moves
+      and default_section.moved_most(columns, n)
   end
   for i = 1, n do
     local q = zeros(n)
@@ -89,15 +105,18 @@ local function somewhere(move, m, n, L, points)
   for _, p in ipairs(points) do
     if will_do(p.q) then return p.q end
   end
-  error("no point was found that the group moves in as many directions as it has dimensions: give 'section', or a point 'at' near which "
+  error("no point was found that the group moves in as many directions as it has dimensions: "
+    .. "give 'section', or a point 'at' near which "
     .. "one is made", 0)
 end
 
--- the slice of dm.routh_zero through the orbit of `at`, where its shape is there, and the theta that the group moves it by so that `at` is at theta = 0
+-- the default section through the orbit of `at`, where its shape is there, and the theta
+-- that the group moves it by so that `at` is at theta = 0
 local function slice(move, m, n, at)
-  local S = zero.through(move, m, n, at)
+  local S = default_section.through(move, m, n, at)
   if not S then
-    error(("the group does not move the point %s in as many directions as it has dimensions (it is held by a part of the group): take another one")
+    error(("the group does not move the point %s in as many directions as it has dimensions (it "
+      .. "is held by a part of the group): take another one")
       :format(check.text(at)), 0)
   end
   local home, back = {}, {}
@@ -126,7 +145,9 @@ local function check_action(move, m, points)
   local a, b, both = {}, {}, {}
   for k = 1, m do a[k], b[k] = 0.3 + 0.1 * k, -0.7 + 0.2 * k; both[k] = a[k] + b[k] end
   for _, p in ipairs(points) do
-    local fine, once, twice, other = pcall(function() return move(both, p.q), move(a, move(b, p.q)), move(b, move(a, p.q)) end)
+    local fine, once, twice, other = pcall(function()
+      return move(both, p.q), move(a, move(b, p.q)), move(b, move(a, p.q))
+    end)
     if fine then
       different(p, once, twice, "moving by theta1 and then by theta2 is not moving by their sum")
       different(p, once, other, "the order of two moves makes a difference")
@@ -177,12 +198,14 @@ local function start_of(q, m, n, try, home)
   for a = 1, m do start[a] = (try % 8) * 0.785 end
   for i = m + 1, n do
     local j = i - m
-    start[i] = try == 0 and home and home[j] or try < 8 and max(0.1, abs(q[j])) or try < 16 and q[j + m] or try < 24 and q[j] or 0.5 + 0.1 * try % 1
+    start[i] = try == 0 and home and home[j] or try < 8 and max(0.1, abs(q[j]))
+      or try < 16 and q[j + m] or try < 24 and q[j] or 0.5 + 0.1 * try % 1
   end
   return start
 end
 
--- how well a solution is liked: near the shape `home` where there is one, else with positive entries (r rather than -r and half a turn)
+-- how well a solution is liked: near the shape `home` where there is one, else with positive
+-- entries (r rather than -r and half a turn)
 local function liking(y, m, n, home)
   local sum = 0
   for i = m + 1, n do sum = sum + (home and -abs(y[i] - home[i - m]) or y[i]) end
@@ -199,7 +222,8 @@ local function find(Phi, m, n, q, home)
     end
     if best and (try % 8 == 7 or home and most > -1e-9) then return unwound(Phi, m, q, best) end
   end
-  error(("the point %s is not on an orbit through the section: no theta and shape were found for it. Does the group move it, and does its orbit meet "
+  error(("the point %s is not on an orbit through the section: no theta and shape were found for "
+    .. "it. Does the group move it, and does its orbit meet "
     .. "the section?"):format(check.text(q)), 0)
 end
 
@@ -209,7 +233,8 @@ local function transfer(system, Phi, m, n, home)
   local function crossed(J, b, q)
     local fine, x = pcall(solve, J, b)
     if fine then return x end
-    error(("at %s the group does not cross the section: it does not move this point in all its directions, or along the section; take another one")
+    error(("at %s the group does not cross the section: it does not move this point in all its "
+      .. "directions, or along the section; take another one")
       :format(check.text(q)), 0)
   end
   function T.split(q, v)
@@ -232,7 +257,8 @@ end
 local function check_section(Phi, n)
   local found = check.points(n, function(y) solve(Phi:jacobian(y), y) end, nil, 1)
   if #found == 0 then
-    error("option 'section': no shape was found at which the group crosses it: does the group move points along the section, or do many shapes give one point?", 0)
+    error("option 'section': no shape was found at which the group crosses it: does the group "
+      .. "move points along the section, or do many shapes give one point?", 0)
   end
 end
 
@@ -243,7 +269,8 @@ local function names_of(options, m, n)
     for i = 1, n do names[i] = i <= m and (m == 1 and "theta" or "theta" .. i) or "x" .. i - m end
   end
   if type(names) ~= "table" or #names ~= n then
-    error(("option 'names' must be %d names, of theta (%d) and of the shape (%d)"):format(n, m, n - m), 0)
+    error(("option 'names' must be %d names, of theta (%d) and of the shape (%d)")
+      :format(n, m, n - m), 0)
   end
   return names
 end
@@ -251,9 +278,12 @@ end
 -- L, constraint and force in (theta, x)
 local function pulled_back(system, Phi, slope, n, names)
   local given = system.given
-  local out = { params = given.params, Q = core.R(n), name = system.name, coordinates = names, units = system.units }
+  local out = { params = given.params, Q = core.R(n), name = system.name, coordinates = names,
+    units = system.units }
   out.L = function(y, w, t, p) return given.L(Phi(y), slope(y) * w, t, p) end
-  if given.constraint then out.constraint = function(y, t, p) return given.constraint(Phi(y), t, p) end end
+  if given.constraint then
+    out.constraint = function(y, t, p) return given.constraint(Phi(y), t, p) end
+  end
   if given.force then
     out.force = function(y, w, t, p)
       local J, q = slope(y), Phi(y)
@@ -268,7 +298,8 @@ local function pulled_back(system, Phi, slope, n, names)
   return core.system(out)
 end
 
---- The system in (theta, x), the options of the reduction by its first m coordinates, and how states go to and fro.
+--- The system in (theta, x), the options of the reduction by its first m coordinates, and how
+-- states go to and fro.
 function M.split(system, options)
   local n = system.Q.dimension
   local map, m = read_action(options)
@@ -279,11 +310,16 @@ function M.split(system, options)
   local function L(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end
   local points = check.points(n, L, options.q and { q = options.q, v = options.v })
   if section ~= nil and type(section) ~= "function" then
-    error(("option 'section' must be a function that gives a point of Q for every shape (got %s)"):format(type(section)), 0)
+    error(("option 'section' must be a function that gives a point of Q for every shape (got %s)")
+      :format(type(section)), 0)
   end
-  if points[1] then move(zeros(m), points[1].q) end  -- an action that returns no point of Q is told here
+  -- an action that returns no point of Q is told here
+  if points[1] then move(zeros(m), points[1].q) end
   check_action(move, m, points)
-  if not section then section, home, back = slice(move, m, n, options.at or options.q or somewhere(move, m, n, L, points)) end
+  if not section then
+    local at = options.at or options.q or somewhere(move, m, n, L, points)
+    section, home, back = slice(move, m, n, at)
+  end
   local function chart(y)
     local theta, x = {}, {}
     for i = 1, m do theta[i] = back[i] == 0 and y[i] or y[i] + back[i] end
@@ -294,7 +330,8 @@ function M.split(system, options)
   local slope = core.derivative(chart, n)
   if options.section then check_section(Phi, n) end
   local split = pulled_back(system, Phi, slope, n, names_of(options, m, n))
-  local T, other = transfer(system, Phi, m, n, home), { mu = options.mu, connection = options.connection, cyclic = {} }
+  local T = transfer(system, Phi, m, n, home)
+  local other = { mu = options.mu, connection = options.connection, cyclic = {} }
   T.given = options.section ~= nil
   T.chart, T.slope = Phi, slope  -- which take symbols too
   for a = 1, m do other.cyclic[a] = a end

@@ -1,7 +1,8 @@
---- The discrete Routh equations of a formula Ld(q0, q1), stepped in C: they are the discrete Euler-Lagrange equations of the discrete Routhian
--- W(x0, x1) = Ld(x0, x1, psi) - mu . psi, which is stationary in psi at psi_mu: an implicit function in its graph (dm.root).
+--- The discrete Routh equations of a formula Ld(q0, q1), stepped in C: they are the discrete
+-- Euler-Lagrange equations of the discrete Routhian W(x0, x1) = Ld(x0, x1, psi) - mu . psi, which
+-- is stationary in psi at psi_mu: an implicit function in its graph (dm.root).
 local core = require "dm.core"
-local model = require "dm.reduce.model"
+local model = require "dm.reduce.routh.model"
 
 local M = {}
 
@@ -39,14 +40,16 @@ end
 local function make(D)
   local info, Ld = D.info, D.Ld
   local f, h, params, mu = Ld.Ld, Ld.h, Ld.params, info.mu
-  local psi = core.root { name = "psi_mu (is the step too long for this momentum?)", unknowns = info.m, start = start_of(D),
+  local psi = core.root { name = "psi_mu (is the step too long for this momentum?)",
+    unknowns = info.m, start = start_of(D),
     stationary = function(y, x0, x1)
       local q0, q1 = lifted(info, x0, x1, y)
       local value = f(q0, q1, h, params)
       for a = 1, info.m do value = value - mu[a] * y[a] end
       return value
     end }
-  local W = core.discrete_lagrangian { Q = core.R(info.d), h = h, coordinates = D.shape.coordinates, name = "discrete Routhian", constraint = D.constraint,
+  local W = core.discrete_lagrangian { Q = core.R(info.d), h = h, coordinates = D.shape.coordinates,
+    name = "discrete Routhian", constraint = D.constraint,
     Ld = function(x0, x1) return psi:value(x0, x1) end }
   known[W], D.implicit = D, psi
   return W
@@ -97,10 +100,12 @@ end
 --- The unreduced path over a path of the solver above.
 function M.reconstruct(D, path, theta)
   if #path ~= path.steps + 1 or #path < 2 then
-    error("path:reconstruct: psi_mu leads from one step to the next, so every step must have been kept (every = 1)", 0)
+    error("path:reconstruct: psi_mu leads from one step to the next, so every step must have "
+      .. "been kept (every = 1)", 0)
   end
   local info = D.info
-  return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h, rule = path.rule, steps = path.steps,
+  return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h,
+    rule = path.rule, steps = path.steps,
     columns = columns_of(D, path, theta) }
 end
 

@@ -1,4 +1,5 @@
---- Poincare sections: where runs cross a surface g = 0, or each period of a driven system, as points of a plot. solver:section{g =, q =, v =, t =}.
+--- Poincare sections: where runs cross a surface g = 0, or each period of a driven system, as
+-- points of a plot. solver:section{g =, q =, v =, t =}.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -9,8 +10,8 @@ local class = { __name = "dm.section", methods = {} }
 debug.getregistry()["dm.section"] = class
 core.docs["dm.section"] = [[
 dm.section: the crossings of a surface by one run or several, made by solver:section{g=, ...}
-fields: orbits (each {x, y, t, path, failure}: vectors with a number for each crossing), count (of all crossings), failures (how many
-runs ended early), xlabel, ylabel; #section orbits.]]
+fields: orbits (each {x, y, t, path, failure}: vectors with a number for each crossing), count (of
+all crossings), failures (how many runs ended early), xlabel, ylabel; #section orbits.]]
 
 function class.__index(section, key)
   local found = class.methods[key]
@@ -20,7 +21,8 @@ end
 function class.__len(section) return #section.orbits end
 function class.__tostring(section)
   local orbits, count, failed = #section.orbits, section.count, section.failures
-  return ("section of %d orbit%s: %d crossing%s as (%s, %s)%s"):format(orbits, orbits == 1 and "" or "s", count, count == 1 and "" or "s",
+  return ("section of %d orbit%s: %d crossing%s as (%s, %s)%s")
+    :format(orbits, orbits == 1 and "" or "s", count, count == 1 and "" or "s",
     section.xlabel, section.ylabel, failed > 0 and ("; %d ended early"):format(failed) or "")
 end
 
@@ -35,20 +37,27 @@ local function columns_of(system)
   for i = 1, system.Q.dimension do
     local name = given[i] or "q" .. i
     names.q[i], names.p[i] = name, given[i] and "p_" .. name or "p" .. i
-    for _, key in ipairs { name, "q" .. i } do read[key] = read[key] or function(q) return q[i] end end
-    for _, key in ipairs { names.p[i], "p" .. i } do read[key] = read[key] or function(_, p) return p[i] end end
+    for _, key in ipairs { name, "q" .. i } do
+      read[key] = read[key] or function(q) return q[i] end
+    end
+    for _, key in ipairs { names.p[i], "p" .. i } do
+      read[key] = read[key] or function(_, p) return p[i] end
+    end
   end
   return read, names
 end
 
-local function known(names) return table.concat(names.q, ", ") .. ", " .. table.concat(names.p, ", ") .. ", t" end
+local function known(names)
+  return table.concat(names.q, ", ") .. ", " .. table.concat(names.p, ", ") .. ", t"
+end
 
 -- the function and the label of option x or y
 local function axis(o, key, read, names)
   local what = o[key]
   if type(what) == "function" then return what, o[key .. "label"] or key end
   if type(what) ~= "string" or not read[what] then
-    fail("'%s' must be one of %s, or a function of (q, p, t) (got %s)", key, known(names), type(what) == "string" and what or type(what))
+    fail("'%s' must be one of %s, or a function of (q, p, t) (got %s)", key, known(names),
+      type(what) == "string" and what or type(what))
   end
   return read[what], o[key .. "label"] or what
 end
@@ -64,7 +73,9 @@ end
 local function with_axes(o, names)
   if o.x ~= nil or o.y ~= nil then return o end
   local cut, n = coordinate(o.g, names), #names.q
-  if n > 1 and not cut then fail("'x' and 'y' say what is drawn: names (%s) or functions of (q, p, t)", known(names)) end
+  if n > 1 and not cut then
+    fail("'x' and 'y' say what is drawn: names (%s) or functions of (q, p, t)", known(names))
+  end
   local i = cut == 1 and n > 1 and 2 or 1
   local out = {}
   for key, value in pairs(o) do out[key] = value end
@@ -74,22 +85,29 @@ end
 
 ---- runs ----
 
-local KNOWN = { g = true, period = true, direction = true, q = true, v = true, p = true, starts = true, t = true, steps = true, t0 = true, every = true,
+local KNOWN = { g = true, period = true, direction = true, q = true, v = true, p = true,
+  starts = true, t = true, steps = true, t0 = true, every = true,
   project = true, x = true, y = true, xlabel = true, ylabel = true }
 
 local function check(o)
   if type(o) ~= "table" then fail("takes a table { g =, q =, v =, t = } (got %s)", type(o)) end
   for key in pairs(o) do
     if not KNOWN[key] then
-      fail("unknown option '%s'; options are direction, every, g, p, period, project, q, starts, steps, t, t0, v, x, xlabel, y, ylabel", tostring(key))
+      fail("unknown option '%s'; options are direction, every, g, p, period, project, q, starts, "
+        .. "steps, t, t0, v, x, xlabel, y, ylabel", tostring(key))
     end
   end
   if o.direction ~= nil and not ({ up = true, down = true, both = true })[o.direction] then
-    fail("'direction' must be \"up\" (the default), \"down\" or \"both\" (got %s)", tostring(o.direction))
+    fail("'direction' must be \"up\" (the default), \"down\" or \"both\" (got %s)",
+      tostring(o.direction))
   end
   if o.period ~= nil then
-    if type(o.period) ~= "number" or not (o.period > 0 and o.period < math.huge) then fail("'period' must be a duration > 0 (got %s)", tostring(o.period)) end
-    if o.g ~= nil or o.direction ~= nil then fail "'period' stands in place of 'g' and 'direction'" end
+    if type(o.period) ~= "number" or not (o.period > 0 and o.period < math.huge) then
+      fail("'period' must be a duration > 0 (got %s)", tostring(o.period))
+    end
+    if o.g ~= nil or o.direction ~= nil then
+      fail "'period' stands in place of 'g' and 'direction'"
+    end
   end
   if o.starts ~= nil and (type(o.starts) ~= "table" or type(o.starts[1]) ~= "table") then
     fail("'starts' must be a list of starts { q =, v = } or { q =, p = } (got %s)", type(o.starts))
@@ -99,12 +117,15 @@ end
 
 -- g as a function of (q, v, t, p)
 local function surface(o, read, names)
-  if o.period then return function(_, _, t) return math.sin(2 * math.pi / o.period * (t - (o.t0 or 0))) end end
+  if o.period then
+    return function(_, _, t) return math.sin(2 * math.pi / o.period * (t - (o.t0 or 0))) end
+  end
   if type(o.g) == "function" then return o.g end
   if o.g == "t" then fail "t passes 0 once: for a section each period T, period = T" end
   local f = type(o.g) == "string" and read[o.g]
   if not f then
-    fail("'g' must be a function of (q, v, t, p) that is 0 on the surface, or one of %s (got %s)", known(names),
+    fail("'g' must be a function of (q, v, t, p) that is 0 on the surface, or one of %s (got %s)",
+      known(names),
       type(o.g) == "string" and o.g or type(o.g))
   end
   return function(q, _, t, p) return f(q, p, t) end
@@ -114,11 +135,15 @@ local ONLY_ENDS = 1000000000  -- steps between the rows that are kept
 
 -- the path of one start, up to where it failed
 local function run(solver, o, start, g)
-  local fine, path = pcall(solver.run, solver, { q = start.q, v = start.v, p = start.p, t = o.t, steps = o.steps, t0 = o.t0,
-    project = o.project, every = o.every or ONLY_ENDS, events = { cut = { g = g, direction = o.direction ~= "both" and (o.direction or "up") or nil } } })
+  local direction = o.direction ~= "both" and (o.direction or "up") or nil
+  local fine, path = pcall(solver.run, solver, { q = start.q, v = start.v, p = start.p, t = o.t,
+    steps = o.steps, t0 = o.t0, project = o.project, every = o.every or ONLY_ENDS,
+    events = { cut = { g = g, direction = direction } } })
   if fine then return path end
   local failed, so_far = pcall(function() return path.path end)
-  if type(path) == "string" or blame.is_stop(path) or not failed or not so_far then error(path, 0) end
+  if type(path) == "string" or blame.is_stop(path) or not failed or not so_far then
+    error(path, 0)
+  end
   return so_far, path
 end
 
@@ -129,10 +154,14 @@ local function orbit(path, failure, fx, fy)
   end
   for _, list in ipairs { x, y } do
     for k, number in ipairs(list) do
-      if type(number) ~= "number" then fail("%s of crossing %d is no number (got %s)", list == x and "x" or "y", k, kits.class_of(number)) end
+      if type(number) ~= "number" then
+        fail("%s of crossing %d is no number (got %s)", list == x and "x" or "y", k,
+          kits.class_of(number))
+      end
     end
   end
-  return core.result { x = core.vector(x), y = core.vector(y), t = core.vector(t), path = path, failure = failure }
+  return core.result { x = core.vector(x), y = core.vector(y), t = core.vector(t), path = path,
+    failure = failure }
 end
 
 M.section = blame.caller(function(solver, o)
@@ -157,10 +186,14 @@ core.method("dm.section", "series", function(section)
   local out = core.result {}
   for i, one in ipairs(section.orbits) do
     if #one.x > 0 then
-      out[#out + 1] = { x = one.x, y = one.y, name = "orbit " .. i, style = "points", xlabel = section.xlabel, ylabel = section.ylabel }
+      out[#out + 1] = { x = one.x, y = one.y, name = "orbit " .. i, style = "points",
+        xlabel = section.xlabel, ylabel = section.ylabel }
     end
   end
-  if #out == 0 then fail "no orbit crossed the surface in that direction; try a longer run, direction = \"both\" or another g" end
+  if #out == 0 then
+    fail("no orbit crossed the surface in that direction; try a longer run, direction = \"both\" "
+      .. "or another g")
+  end
   return out
 end, [[
 section:series() -> list of { x =, y =, name = } for dm.plot and dm.figure

@@ -1,11 +1,13 @@
 --- The modified energy of a symplectic rule, from a run: what the rule conserves in place of H.
 --
--- A symplectic rule follows, up to exponentially small terms, the exact flow of a modified Hamiltonian H~ (Hairer, Lubich &
--- Wanner IX). Along it dS = p dq - H~ dt, and S over a step is the discrete Lagrangian Ld. So
+-- A symplectic rule follows, up to exponentially small terms, the exact flow of a modified
+-- Hamiltonian H~ (Hairer, Lubich & Wanner IX). Along it dS = p dq - H~ dt, and S over a step is the
+-- discrete Lagrangian Ld. So
 --   H~ = (int p dq - sum Ld) / (2 h)  over two steps,
--- int p dq of the polynomials through 2 k + 1 points of the run (error h^2k). Ld is had from the rule itself by a passive
--- coordinate y = 0 with the momentum P_y: with z' y' + (1 + y) L in place of L, P_y grows by Ld in every step; for L = v M v/2 - V(q), where
--- explicit rules want no product with v, with z' y' + L - y (V - q . V_q/2), and Ld is the growth of P_y + q . p/2.
+-- int p dq of the polynomials through 2 k + 1 points of the run (error h^2k). Ld is had from the
+-- rule itself by a passive coordinate y = 0 with the momentum P_y: with z' y' + (1 + y) L in place
+-- of L, P_y grows by Ld in every step; for L = v M v/2 - V(q), where explicit rules want no product
+-- with v, with z' y' + L - y (V - q . V_q/2), and Ld is the growth of P_y + q . p/2.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local starts = require "dm.base.start"
@@ -82,7 +84,9 @@ local function extended(system, separable)
   local L = function(q, v) return given.L(q, v, 0, given.params) end
   local y, z = n + 1, n + 2
   if not separable then
-    return core.system { Q = core.R(n + 2), L = function(x, u) return u[y] * u[z] + (1 + x[y]) * L(head(x, n), head(u, n)) end }
+    return core.system { Q = core.R(n + 2), L = function(x, u)
+      return u[y] * u[z] + (1 + x[y]) * L(head(x, n), head(u, n))
+    end }
   end
   local rest = {}
   for i = 1, n do rest[i] = 0 end
@@ -154,30 +158,37 @@ local function check(solver, options)
   local given = system.given
   local s = given and given.L and system:structure()
   if tostring(solver.rule):find "^degenerate" then
-    error(what .. ": not for rule '" .. tostring(solver.rule) .. "': L is linear in v, and its H is the energy itself", 0)
+    error(what .. ": not for rule '" .. tostring(solver.rule)
+      .. "': L is linear in v, and its H is the energy itself", 0)
   end
   if not s or not s.autonomous or given.constraint or given.rolling or given.force then
     error(what .. " needs a Lagrangian without time, constraints and forces", 0)
   end
   if tostring(solver.rule):find "^log%-hamiltonian" then
-    error(what .. ": '" .. tostring(solver.rule) .. "' has a time of its own; the energy it keeps is H itself", 0)
+    error(what .. ": '" .. tostring(solver.rule)
+      .. "' has a time of its own; the energy it keeps is H itself", 0)
   end
   local steps, k = math.tointeger(options.steps or 0), options.points or 6
   if not steps or steps > 2 ^ 24 then
     error(what .. ": 'steps' must be a whole number up to 2^24: all rows are kept", 0)
   end
-  if math.type(k) ~= "integer" or k < 1 or k > 10 then error(what .. ": 'points' is a whole number from 1 to 10", 0) end
-  if not (steps >= 2 * k + 3) then error(("%s needs at least %d steps"):format(what, 2 * k + 3), 0) end
+  if math.type(k) ~= "integer" or k < 1 or k > 10 then
+    error(what .. ": 'points' is a whole number from 1 to 10", 0)
+  end
+  if not (steps >= 2 * k + 3) then
+    error(("%s needs at least %d steps"):format(what, 2 * k + 3), 0)
+  end
   return system, k
 end
 
 local doc = [[
-solver:modified_energy{q=, v= | p=, steps=, points=} -> {energy, H, mean, amplitude, drift, error, t}
-What a symplectic rule keeps in place of H: the modified energy along a run, from int p dq of the polynomials through 2 points + 1
-(default 13) neighbouring points and the discrete Lagrangian of every step, (int p dq - Ld)/h; right to h^(2 points), so for steps that resolve
-the motion. energy, H, t: vectors, the modified energy and H at the same rows; amplitude: the largest distance of the modified energy from its mean;
-drift: its slope per unit of time with its standard error: round-off for a symplectic rule. Needs a Lagrangian without time,
-constraints and forces.]]
+solver:modified_energy{q=, v= | p=, steps=, points=} -> {energy, H, mean, amplitude, drift, ...}
+What a symplectic rule keeps in place of H: the modified energy along a run, from int p dq of the
+polynomials through 2 points + 1 (default 13) neighbouring points and the discrete Lagrangian of
+every step, (int p dq - Ld)/h; right to h^(2 points), so for steps that resolve the motion. energy,
+H, t: vectors, the modified energy and H at the same rows; amplitude: the largest distance of the
+modified energy from its mean; drift: its slope per unit of time with its standard error: round-off
+for a symplectic rule. Needs a Lagrangian without time, constraints and forces.]]
 
 M.modified_energy = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
@@ -198,7 +209,8 @@ M.modified_energy = blame.caller(function(solver, options)
   end
   for _, value in ipairs(values) do worst = max(worst, abs(value - mean)) end
   local slope = core.drift(core.vector(t), core.vector(values))
-  return core.result { energy = core.vector(values), H = core.vector(E), t = core.vector(t), mean = mean, amplitude = worst,
+  return core.result { energy = core.vector(values), H = core.vector(E), t = core.vector(t),
+    mean = mean, amplitude = worst,
     drift = slope.per_time, error = slope.error }
 end)
 

@@ -1,6 +1,7 @@
---- Steps of a reduced run that jumped over a shape at which its mass d2R/dx'2 is singular: a pole of the section or of the coordinates, through
--- which no motion goes and behind which the rows mean nothing. Looked for where the energy moves more than it does elsewhere in the same run:
--- between rows that are far apart the steps are run again.
+--- Steps of a reduced run that jumped over a shape at which its mass d2R/dx'2 is singular: a pole
+-- of the section or of the coordinates, through which no motion goes and behind which the rows mean
+-- nothing. Looked for where the energy moves more than it does elsewhere in the same run: between
+-- rows that are far apart the steps are run again.
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -8,11 +9,14 @@ local M = {}
 local abs, min, max = math.abs, math.min, math.max
 
 local PARTS = 16        -- samples of a line before its least value is refined
--- change of energy in a step, of the energy's size: looked at where it is STANDS_OUT times the middle one; looked at in any case; so large that the
--- tangents at both ends are followed too
+-- change of energy in a step, of the energy's size: looked at where it is STANDS_OUT times the
+-- middle one; looked at in any case; so large that the tangents at both ends are followed too
 local TINY, LARGE, HUGE, STANDS_OUT = 1e-7, 1e-3, 0.1, 30
-local ZERO, SINGULAR = 1e-6, 1e-3  -- determinant of the mass, of the lesser one at both ends of a step: for a change that is tiny, and that is large
-local LOOKED_AT, FEW, AGAIN, LONGEST = 64, 2000, 8, 20000  -- rows looked at; rows of which all are; rows run again, and their steps
+-- determinant of the mass, of the lesser one at both ends of a step: for a change that is tiny, and
+-- that is large
+local ZERO, SINGULAR = 1e-6, 1e-3
+-- rows looked at; rows of which all are; rows run again, and their steps
+local LOOKED_AT, FEW, AGAIN, LONGEST = 64, 2000, 8, 20000
 
 --- The mass of the shape that a path is of at (x, t), or nothing.
 function M.mass(path, x, t)
@@ -41,7 +45,8 @@ local function determinant(path, x, t)
   return product == product and product or nil
 end
 
--- least determinant on the line from a to b, and where; refined where the line dips below half of `ends`, the lesser one at both ends
+-- least determinant on the line from a to b, and where; refined where the line dips below half of
+-- `ends`, the lesser one at both ends
 local function least_between(path, a, b, t, ends)
   local function value(s) return determinant(path, (1 - s) * a + s * b, t) or math.huge end
   local best, at = math.huge, 0
@@ -60,7 +65,8 @@ local function least_between(path, a, b, t, ends)
   return best, (1 - at) * a + at * b
 end
 
---- The shape at which the mass is singular on the line from a to b, if there is one; both ends are regular.
+--- The shape at which the mass is singular on the line from a to b, if there is one; both ends are
+-- regular.
 function M.singular(path, a, b, t, share)
   local before, after = determinant(path, a, t), determinant(path, b, t)
   if not before or not after then return nil end
@@ -68,7 +74,8 @@ function M.singular(path, a, b, t, share)
   if least <= (share or SINGULAR) * min(before, after) then return where end
 end
 
---- The same for the step that ends in row i, in which the energy changed by so much: straight on, and as the velocities at its ends lead.
+--- The same for the step that ends in row i, in which the energy changed by so much: straight on,
+-- and as the velocities at its ends lead.
 function M.over(path, i, change)
   local a, b, t, dt = path.q[i - 1], path.q[i], path.t[i], path.t[i] - path.t[i - 1]
   local where = M.singular(path, a, b, t, change > LARGE and SINGULAR or ZERO)
@@ -82,8 +89,8 @@ end
 
 local SAMPLES, AT_REST = 9, 1e-6
 
---- The size of energies on the first `rows` rows of a path (default all): that of the start and of p.v there, or, from rest with energy 0, what
--- p.v is in the middle of a few of them.
+--- The size of energies on the first `rows` rows of a path (default all): that of the start and of
+-- p.v there, or, from rest with energy 0, what p.v is in the middle of a few of them.
 function M.energy_size(path, first, rows)
   local kinetic, last = {}, rows or #path
   for k = 0, SAMPLES - 1 do
@@ -99,7 +106,7 @@ end
 
 -- how much the energy moves in every step to a row, of its size; nothing where it need not be kept
 local function changes(path, info)
-  if info.full.given.force or not pcall(routh.steady, info, "energy") then return nil end
+  if info.full.given.force or not routh.is_autonomous(info) then return nil end
   local fine, E = pcall(path.energy, path)
   if not fine then return nil end
   local out, size = {}, M.energy_size(path, E[1])
@@ -107,8 +114,8 @@ local function changes(path, info)
   return out
 end
 
--- rows to which the energy moved more than elsewhere, at most `most` of them, in their order, and the changes; all rows of a short path that
--- has no energy to keep
+-- rows to which the energy moved more than elsewhere, at most `most` of them, in their order, and
+-- the changes; all rows of a short path that has no energy to keep
 local function suspects(path, info, most)
   local change, rows = changes(path, info), {}
   if not change then
@@ -145,7 +152,8 @@ end
 local function between(path, run, i)
   local steps = math.floor((path.t[i] - path.t[i - 1]) / path.h + 0.5)
   if steps < 1 or steps > LONGEST then return nil end
-  local fine, dense = pcall(run, { q = path.q[i - 1], p = path.p[i - 1], t0 = path.t[i - 1], steps = steps })
+  local fine, dense = pcall(run, { q = path.q[i - 1], p = path.p[i - 1], t0 = path.t[i - 1],
+    steps = steps })
   return (fine or type(dense) == "table") and (fine and dense or dense.path) or nil
 end
 
@@ -159,8 +167,9 @@ local function first_over(path, info)
   end
 end
 
---- The first row behind a shape with a singular mass, and that shape; run(options) steps again between rows that are far apart, and also(dense)
---- gives code and sentence where something else is wrong with those steps: they are returned in place of the shape.
+--- The first row behind a shape with a singular mass, and that shape; run(options) steps again
+-- between rows that are far apart, and also(dense) gives code and sentence where something else is
+-- wrong with those steps: they are returned in place of the shape.
 function M.find(path, info, run, also)
   if path.watched or #path < 2 then return nil end
   if #path >= path.steps + 1 then return first_over(path, info) end

@@ -1,7 +1,10 @@
---- What reduction reads off a Lagrangian that does not depend on m of its coordinates, theta, as graphs of (x, x', t):
---   momentum c + I theta' + C x', locked inertia I = L_theta'theta', C = L_theta'x', connection A = I^-1 C,
---   theta' = I^-1 (mu - L_theta'(x, x', 0)), classical Routhian R = L(x, x', 0) - (mu - L_theta').I^-1 (mu - L_theta') / 2,
--- which is L - mu . theta' at the momentum mu (Marsden & Scheurle 1993) where L is quadratic in theta'; dm.routh_quadratic has the rest.
+--- What reduction reads off a Lagrangian that does not depend on m of its coordinates, theta, as
+-- graphs of (x, x', t):
+--   momentum c + I theta' + C x', locked inertia I = L_theta'theta', C = L_theta'x',
+--   connection A = I^-1 C, theta' = I^-1 (mu - L_theta'(x, x', 0)),
+--   classical Routhian R = L(x, x', 0) - (mu - L_theta').I^-1 (mu - L_theta') / 2,
+-- which is L - mu . theta' at the momentum mu (Marsden & Scheurle 1993) where L is quadratic in
+-- theta'; dm.reduce.routh.quadratic has the rest.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 
@@ -63,7 +66,8 @@ function M.momentum_parts(info, x, u, t)
   return c, I, C
 end
 
---- Arguments of the implicit theta': t only where L depends on it, so that what does not is seen not to.
+--- Arguments of the implicit theta': t only where L depends on it, so that what does not is seen
+-- not to.
 function M.of_root(info, x, u, t)
   local mu = core.vector(info.mu)
   if info.autonomous then return core.vector(x), core.vector(u), mu end
@@ -117,7 +121,8 @@ local function is_list(x)
   return type(x) == "table" or type(x) == "userdata" and pcall(function() return #x end)
 end
 
---- The connection that was given, or the mechanical one, as lists; a group of one dimension may leave out the outer list.
+--- The connection that was given, or the mechanical one, as lists; a group of one dimension may
+-- leave out the outer list.
 function M.connection(info, x, t)
   if not info.given_connection then return M.mechanical_connection(info, x, t) end
   local A = info.given_connection(core.vector(x), t)
@@ -125,7 +130,8 @@ function M.connection(info, x, t)
   local fits = is_list(A) and #A == info.m
   for a = 1, fits and info.m or 0 do fits = fits and is_list(A[a]) and #A[a] == info.d end
   if not fits then
-    error(("the connection must return %d row%s of %d numbers"):format(info.m, info.m == 1 and "" or "s", info.d), 0)
+    error(("the connection must return %d row%s of %d numbers")
+      :format(info.m, info.m == 1 and "" or "s", info.d), 0)
   end
   return A
 end

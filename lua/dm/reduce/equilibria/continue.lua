@@ -1,11 +1,12 @@
---- shape:continue: relative equilibria followed in the momentum by arc length (Keller), with what happens to them on the way.
+--- shape:continue: relative equilibria followed in the momentum by arc length (Keller), with what
+-- happens to them on the way.
 local blame = require "dm.base.blame"
-local balance = require "dm.reduce.balance"
-local branches = require "dm.reduce.branch"
+local balance = require "dm.reduce.equilibria.stationary"
+local branches = require "dm.reduce.equilibria.branch"
 local core = require "dm.core"
 local equilibria = require "dm.reduce.equilibria"
 local linear = require "dm.base.linear"
-local pole = require "dm.reduce.pole"
+local pole = require "dm.reduce.equilibria.pole"
 
 local M = {}
 
@@ -41,7 +42,8 @@ local function tangent(rows, before, d)
   return t
 end
 
--- back to the curve in the plane at right angles to the tangent; nothing where Newton's method does not end
+-- back to the curve in the plane at right angles to the tangent; nothing where Newton's method does
+-- not end
 local function correct(V, z, t, d, n)
   local foot = z
   z = table.move(z, 1, d + 1, 1, {})
@@ -72,10 +74,14 @@ end
 
 -- what can happen between two points of a branch, and what it is called: z, t, e of a point
 local EVENTS = {
-  { function(a, b) return a.t[#a.t] * b.t[#b.t] < 0 end, function() return "fold" end },
-  { function(a, b) return a.e.index ~= b.e.index and a.t[#a.t] * b.t[#b.t] > 0 end,
-    function(a, b) return ("index %d to %d (another branch crosses)"):format(a.e.index, b.e.index) end },
-  { function(a, b) return a.e.stable ~= b.e.stable end, function(a, b) return ("%s to %s"):format(WORD[a.e.stable], WORD[b.e.stable]) end },
+  { happens = function(a, b) return a.t[#a.t] * b.t[#b.t] < 0 end,
+    name = function() return "fold" end },
+  { happens = function(a, b) return a.e.index ~= b.e.index and a.t[#a.t] * b.t[#b.t] > 0 end,
+    name = function(a, b)
+      return ("index %d to %d (another branch crosses)"):format(a.e.index, b.e.index)
+    end },
+  { happens = function(a, b) return a.e.stable ~= b.e.stable end,
+    name = function(a, b) return ("%s to %s"):format(WORD[a.e.stable], WORD[b.e.stable]) end },
 }
 
 -- the point of the branch in the middle of two, or nothing
@@ -97,7 +103,7 @@ local HALVINGS = 20
 -- folds in mu, changes of stability and of index between two points, where they are by bisection
 local function note(c, b, before, now)
   for _, event in ipairs(EVENTS) do
-    local happens, name = table.unpack(event)
+    local happens = event.happens
     if happens(before, now) then
       local near, far = before, now
       for _ = 1, HALVINGS do
@@ -105,7 +111,8 @@ local function note(c, b, before, now)
         if not between then break end
         if happens(near, between) then far = between else near = between end
       end
-      b.events[#b.events + 1] = { what = name(before, now), momentum = far.e.momentum, x = far.e.x, at = #b }
+      b.events[#b.events + 1] = { what = event.name(before, now), momentum = far.e.momentum,
+        x = far.e.x, at = #b }
     end
   end
 end
@@ -119,7 +126,8 @@ local function direction(mu)
   return n, size
 end
 
--- the point of the curve between z and past where mu is `bound`, with the rows there; nothing where z is that point
+-- the point of the curve between z and past where mu is `bound`, with the rows there; nothing where
+-- z is that point
 local function at_bound(V, z, past, bound, d, n)
   local s, guess, across = (bound - z[d + 1]) / (past[d + 1] - z[d + 1]), {}, {}
   if not (s > 1e-9) then return nil end
@@ -130,16 +138,19 @@ end
 
 local AHEAD = 4  -- steps: so near to its end a branch is asked whether a pole ends it
 
--- a pole on the line from z to far is noted; a single momentum is 0 there, since the velocity mu/I is finite
+-- a pole on the line from z to far is noted; a single momentum is 0 there, since the velocity mu/I
+-- is finite
 local function note_pole(c, b, z, far)
   local s, x = pole.between(c.info, z, far)
   if not s then return false end
-  b.events[#b.events + 1] = { what = "pole (the locked inertia vanishes)", x = core.vector(x), at = #b,
+  b.events[#b.events + 1] = { what = "pole (the locked inertia vanishes)",
+    x = core.vector(x), at = #b,
     momentum = c.info.m == 1 and 0 or (1 - s) * z[c.d + 1] + s * far[c.d + 1] }
   return true
 end
 
--- did mu change its sign, and the velocity of the group mu/I with it at once? Where I does not vanish that goes through 0
+-- did mu change its sign, and the velocity of the group mu/I with it at once? Where I does not
+-- vanish that goes through 0
 local function turned_round(before, a, b)
   if a.e.momentum * b.e.momentum >= 0 or not before then return false end
   return (b.e.velocity - a.e.velocity):norm() > 10 * (a.e.velocity - before.e.velocity):norm()
@@ -151,11 +162,13 @@ local function point_ahead(z, t, length)
   return out
 end
 
--- from the point `now` a step of at most `length` along the curve: where, rows and rounds there, and the bound that cuts it; nothing: shorter
+-- from the point `now` a step of at most `length` along the curve: where, rows and rounds there,
+-- and the bound that cuts it; nothing: shorter
 local function advance(c, now, length, range)
   local z, d = now.z, c.d
   local next_z, rows, rounds = correct(c.V, point_ahead(z, now.t, length), now.t, d, c.n)
-  local bound = next_z and (next_z[d + 1] < range[1] and range[1] or next_z[d + 1] > range[2] and range[2]) or nil
+  local bound = next_z and (next_z[d + 1] < range[1] and range[1]
+    or next_z[d + 1] > range[2] and range[2]) or nil
   if bound then next_z, rows = at_bound(c.V, z, next_z, bound, d, c.n) end
   return next_z, rows, rounds, bound
 end
@@ -168,7 +181,8 @@ local function arrive(c, now, z, rows)
   return there and e and { z = z, t = t, e = e } or nil
 end
 
--- points up to the end of the range, of the points asked for (true), or of the curve (the last point)
+-- points up to the end of the range, of the points asked for (true), or of the curve (the last
+-- point)
 local function walk(c, b, now, options)
   local length, least, before = options.step, options.step / 1024, nil
   while #b < options.points do
@@ -203,26 +217,36 @@ local function follow(info, b, first, options, sign)
   if not t then return end
   local c = { info = info, V = V, R = R, d = d, n = n }
   local last = walk(c, b, { z = z, t = t, e = describe(info, R, V, z, n) }, options)
-  if last ~= true then note_pole(c, b, last.z, point_ahead(last.z, last.t, AHEAD * options.step)) end
+  if last ~= true then
+    note_pole(c, b, last.z, point_ahead(last.z, last.t, AHEAD * options.step))
+  end
 end
 
 M.continue = blame.caller(function(shape, first, options)
   options = options or {}
-  local info = equilibria.need(shape, "continue", options, { mu = true, step = true, points = true, back = true })
+  local info = equilibria.need(shape, "continue", options,
+    { mu = true, step = true, points = true, back = true })
   if not branches.is_equilibrium(first) then
-    error("continue takes one of shape:relative_equilibria{...} and a table { mu = { from, to } }", 0)
+    error("continue takes one of shape:relative_equilibria{...} and a table { mu = { from, to } }",
+      0)
   end
   local range = options.mu
-  if type(range) ~= "table" or type(range[1]) ~= "number" or type(range[2]) ~= "number" or not (range[1] < range[2]) then
+  if type(range) ~= "table" or type(range[1]) ~= "number" or type(range[2]) ~= "number"
+    or not (range[1] < range[2]) then
     error("continue: option 'mu' must be a pair { from, to } with from < to", 0)
   end
   local step = options.step or (range[2] - range[1]) / 100
-  if type(step) ~= "number" or not (step > 0) then error("continue: option 'step' must be a length > 0", 0) end
+  if type(step) ~= "number" or not (step > 0) then
+    error("continue: option 'step' must be a length > 0", 0)
+  end
   local points = options.points or 2000
-  if math.type(points) ~= "integer" or points < 1 then error("continue: option 'points' must be a whole number > 0", 0) end
+  if math.type(points) ~= "integer" or points < 1 then
+    error("continue: option 'points' must be a whole number > 0", 0)
+  end
   local _, size = direction(first.mu)
   if not (size >= range[1] - 1e-12 * abs(size) and size <= range[2] + 1e-12 * abs(size)) then
-    error(("continue: this equilibrium has mu = %.6g, which is not in the range from %.6g to %.6g: shape:at_momentum has others"):format(size, range[1], range[2]), 0)
+    error(("continue: this equilibrium has mu = %.6g, which is not in the range from %.6g to "
+      .. "%.6g: shape:at_momentum has others"):format(size, range[1], range[2]), 0)
   end
   first.momentum = size
   local b = branches.branch(info, first)

@@ -1,15 +1,19 @@
---- Reduction of a discrete Lagrangian Ld(q0, q1) that the group leaves as it is: psi_mu, the discrete connection, the reduced discrete Lagrangian
--- and the discrete Routh equations, all from -D1 Ld, D2 Ld and -D1D2 Ld. In coordinates (theta, x), with psi = theta1 - theta0:
---   dLd/dpsi (x0, x1, psi_mu) = mu,  L^d = Ld(x0, x1, psi_mu),  A^ = (mu psi_x0 - B(x0), mu psi_x1 + B(x1)),
---   D2 L^d(x0, x1) + D1 L^d(x1, x2) = A^2(x0, x1) + A^1(x1, x2)                      (Jalnapurkar, Leok, Marsden & West 2006)
--- The second derivatives of psi_mu follow from the mixed ones, since Ld depends on theta1 - theta0 alone.
+--- Reduction of a discrete Lagrangian Ld(q0, q1) that the group leaves as it is: psi_mu, the
+-- discrete connection, the reduced discrete Lagrangian and the discrete Routh equations, all from
+-- -D1 Ld, D2 Ld and -D1D2 Ld. In coordinates (theta, x), with psi = theta1 - theta0:
+--   dLd/dpsi (x0, x1, psi_mu) = mu,   L^d = Ld(x0, x1, psi_mu),
+--   A^ = (mu psi_x0 - B(x0), mu psi_x1 + B(x1)),
+--   D2 L^d(x0, x1) + D1 L^d(x1, x2) = A^2(x0, x1) + A^1(x1, x2)
+-- (Jalnapurkar, Leok, Marsden & West 2006).
+-- The second derivatives of psi_mu follow from the mixed ones, since Ld depends on theta1 - theta0
+-- alone.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
-local model = require "dm.reduce.model"
+local model = require "dm.reduce.routh.model"
 local routh = require "dm.reduce.routh"
-local psi_of = require "dm.reduce.psi"
-local shape_of = require "dm.reduce.shape"
+local psi_of = require "dm.reduce.discrete.psi"
+local shape_of = require "dm.reduce.routh.shape"
 
 local M = {}
 
@@ -18,8 +22,9 @@ local abs, max = math.abs, math.max
 local class = { __name = "dm.discrete_shape", methods = {} }
 debug.getregistry()["dm.discrete_shape"] = class
 core.docs["dm.discrete_shape"] = [[
-dm.discrete_shape: a discrete Lagrangian without its group variables, made by shape:discrete{rule=, h=} or shape:discrete(Ld)
-fields: shape (the reduced system), Ld (of the unreduced system), h; points x0, x1 are dim shape numbers each.]]
+dm.discrete_shape: a discrete Lagrangian without its group variables, made by shape:discrete
+fields: shape (the reduced system), Ld (of the unreduced system), h; points x0, x1 are dim shape
+numbers each.]]
 
 function class.__index(D, key)
   local found = class.methods[key] or rawget(D, key)
@@ -88,7 +93,8 @@ end
 -- A^1, A^2 at a pair
 local function forms(D, s, x0, x1)
   local info, first, second = D.info, {}, {}
-  local B0, B1 = shape_of.potential_of(info, core.vector(x0), 0), shape_of.potential_of(info, core.vector(x1), 0)
+  local B0, B1 = shape_of.potential_of(info, core.vector(x0), 0),
+    shape_of.potential_of(info, core.vector(x1), 0)
   local by0, by1 = mu_times(info, s.by0), mu_times(info, s.by1)
   for j = 1, info.d do first[j], second[j] = by0[j] - B0[j], by1[j] + B1[j] end
   return core.vector(first), core.vector(second)
@@ -157,10 +163,14 @@ local function two_form(D, s)
   return out
 end
 
-function methods.two_form(D, x0, x1) return core.matrix(two_form(D, psi_of.pair(D, points(D, x0, x1)))) end
+function methods.two_form(D, x0, x1)
+  return core.matrix(two_form(D, psi_of.pair(D, points(D, x0, x1))))
+end
 
 function methods.step(D, x0, x1)
-  if D.constraint then error("step: this system has constraints, with which D:solver{} steps it", 0) end
+  if D.constraint then
+    error("step: this system has constraints, with which D:solver{} steps it", 0)
+  end
   x0, x1 = points(D, x0, x1)
   local s, x2 = psi_of.pair(D, x0, x1), {}
   local _, y = canonical(D, s)
@@ -170,39 +180,51 @@ function methods.step(D, x0, x1)
     local r = psi_of.pair(D, x1, x2, guess)
     local rest, found = y - (canonical(D, r)), two_form(D, r)
     local order = linear.order(found)
-    if not order then error("step: the reduced two-form is singular here, so that no next point is determined", 0) end
+    if not order then
+      error("step: the reduced two-form is singular here, so that no next point is determined", 0)
+    end
     local move, size, scale = linear.solve(found, { rest }, order)[1], 0, 1
-    for j = 1, D.info.d do x2[j] = x2[j] + move[j]; size, scale = max(size, abs(move[j])), max(scale, abs(x2[j])) end
+    for j = 1, D.info.d do
+      x2[j] = x2[j] + move[j]; size, scale = max(size, abs(move[j])), max(scale, abs(x2[j]))
+    end
     guess = r.psi
-    if size <= 4e-16 * scale or (size >= last and size < 1e-12 * scale) then return core.vector(x2), core.vector(guess) end
+    if size <= 4e-16 * scale or (size >= last and size < 1e-12 * scale) then
+      return core.vector(x2), core.vector(guess)
+    end
     last = size
   end
   error(("step: no next point was found after x1 = %s"):format(tostring(core.vector(x1))), 0)
 end
 
-function methods.solver(D, options) return require "dm.reduce.del".solver(D, options) end
+function methods.solver(D, options) return require "dm.reduce.discrete.del".solver(D, options) end
 
 ---- docs ----
 
-local function doc(name, text) core.method("dm.discrete_shape", name, blame.caller(methods[name]), text) end
+local function doc(name, text)
+  core.method("dm.discrete_shape", name, blame.caller(methods[name]), text)
+end
 
 doc("psi", [[
 D:psi(x0, x1 [, guess]) -> dm.vector of dim G entries
-psi_mu: how far the group variable goes from x0 to x1 at the momentum mu, the solution of dLd/dpsi(x0, x1, psi) = mu (Leok 2.3); of several the one
-that Newton's method reaches from the guess, by default h theta' of the straight line. Raises where there is none.]])
+psi_mu: how far the group variable goes from x0 to x1 at the momentum mu, the solution of
+dLd/dpsi(x0, x1, psi) = mu (Leok 2.3); of several the one that Newton's method reaches from the
+guess, by default h theta' of the straight line. Raises where there is none.]])
 doc("connection", [[
 D:connection(q0, q1) -> dm.vector of dim G entries
-The discrete connection theta1 - theta0 - psi_mu(x0, x1) of two points of the unreduced system: zero where their discrete momentum is mu;
-with mu = 0 the discrete mechanical connection.]])
+The discrete connection theta1 - theta0 - psi_mu(x0, x1) of two points of the unreduced system: zero
+where their discrete momentum is mu; with mu = 0 the discrete mechanical connection.]])
 doc("value", [[
 D:value(x0, x1) -> number
-The reduced discrete Lagrangian Ld(x0, x1, psi_mu). It is not what is stationary along paths: that is D:routhian.]])
+The reduced discrete Lagrangian Ld(x0, x1, psi_mu). It is not what is stationary along paths: that
+is D:routhian.]])
 doc("routhian", [[
 D:routhian(x0, x1) -> number
-The discrete classical Routhian Ld(x0, x1, psi_mu) - mu . psi_mu, whose discrete Euler-Lagrange equations are the discrete Routh equations.]])
+The discrete classical Routhian Ld(x0, x1, psi_mu) - mu . psi_mu, whose discrete Euler-Lagrange
+equations are the discrete Routh equations.]])
 doc("one_form", [[
 D:one_form(x0, x1) -> dm.vector, dm.vector
-The two halves of the one-form of Leok (2.3.29), mu psi_x0 - mu A(x0) and mu psi_x1 + mu A(x1), with the connection of the shape.]])
+The two halves of the one-form of Leok (2.3.29), mu psi_x0 - mu A(x0) and mu psi_x1 + mu A(x1), with
+the connection of the shape.]])
 doc("legendre_minus", [[
 D:legendre_minus(x0, x1) -> dm.vector
 The reduced momentum at x0, s0 = -(D1 L^d - A^1): p - mu A of the unreduced path there.]])
@@ -211,47 +233,57 @@ D:legendre_plus(x0, x1) -> dm.vector
 The reduced momentum at x1, s1 = D2 L^d - A^2.]])
 doc("residual", [[
 D:residual(x0, x1, x2 [, kind]) -> dm.vector
-What is left of the discrete Routh equations at three points in a row: kind = "literal" (default), D2 L^d + D1 L^d - A^2 - A^1 (Leok 2.3.29), or
-"direct", dLd/dx1 + dLd/dx1 at psi_mu, which is the same without a connection.]])
+What is left of the discrete Routh equations at three points in a row: kind = "literal" (default),
+D2 L^d + D1 L^d - A^2 - A^1 (Leok 2.3.29), or "direct", dLd/dx1 + dLd/dx1 at psi_mu, which is the
+same without a connection.]])
 doc("two_form", [[
 D:two_form(x0, x1) -> dm.matrix, dim shape x dim shape
-The matrix -d2W/dx0dx1 (row x0, column x1) of the reduced discrete symplectic form, W the discrete Routhian: kept along paths, and regular
-where x1 determines the momentum.]])
+The matrix -d2W/dx0dx1 (row x0, column x1) of the reduced discrete symplectic form, W the discrete
+Routhian: kept along paths, and regular where x1 determines the momentum.]])
 doc("step", [[
 D:step(x0, x1) -> x2, psi
-The next point of the discrete Routh equations after x0 and x1, and psi_mu(x1, x2), by Newton's method to round-off. For long runs of a rule use
-shape:solver, which takes the same steps.]])
+The next point of the discrete Routh equations after x0 and x1, and psi_mu(x1, x2), by Newton's
+method to round-off. For long runs of a rule use shape:solver, which takes the same steps.]])
 
 doc("solver", [[
 D:solver{...} -> dm.solver
-A solver of the discrete Routh equations, in C: of a formula Ld as the discrete Euler-Lagrange equations of D:routhian, with psi_mu an implicit function
-in its graph (run it from q0 and q1, or q and p; p is the canonical momentum s + mu A); of a rule the solver of the shape. path:reconstruct
-adds psi_mu from step to step. Constraints of the system are those of the shape, with the multipliers of the unreduced equations (run with record = { "impulses" },
-Leok 2.8.1). Options as for dm.solver.]])
+A solver of the discrete Routh equations, in C: of a formula Ld as the discrete Euler-Lagrange
+equations of D:routhian, with psi_mu an implicit function in its graph (run it from q0 and q1, or q
+and p; p is the canonical momentum s + mu A); of a rule the solver of the shape. path:reconstruct
+adds psi_mu from step to step. Constraints of the system are those of the shape, with the
+multipliers of the unreduced equations (run with record = { "impulses" }, Leok 2.8.1). Options as
+for dm.solver.]])
 
 ---- its maker ----
 
--- forces have no place in a formula; constraints have one at its nodes, and rules with stages inside
-local function check_ties(info, given)
-  local ties, rule = info.full.given, type(given) == "table" and tostring(given.rule)
-  if ties.constraint and not ties.force and (not rule or rule == "midpoint" or rule == "trapezoidal") then return end
-  if ties.constraint and not ties.force then
-    error(("discrete: this system has constraints, and '%s' has them at points inside of its steps, for which shape:solver has the reduced equations; "
-      .. "\"midpoint\", \"trapezoidal\" and a dm.discrete_lagrangian have them at their nodes alone"):format(rule), 0)
+-- forces have no place in a formula; constraints have one at its nodes, and rules with stages
+-- inside
+local function check_constraints(info, given)
+  local full, rule = info.full.given, type(given) == "table" and tostring(given.rule)
+  local tied = full.constraint and not full.force
+  if tied and (not rule or rule == "midpoint" or rule == "trapezoidal") then return end
+  if tied then
+    error(("discrete: this system has constraints, and '%s' has them at points inside of its "
+      .. "steps, for which shape:solver has the reduced equations; "
+      .. "\"midpoint\", \"trapezoidal\" and a dm.discrete_lagrangian have them at their nodes "
+      .. "alone"):format(rule), 0)
   end
-  routh.untied(info, "discrete")
+  routh.need_free(info, "discrete")
 end
 
 M.discrete = blame.caller(function(shape, given)
   local info = routh.need(shape, "discrete")
-  check_ties(info, given)
+  check_constraints(info, given)
   local full = info.ambient and info.ambient.system or info.full
   local Ld = given
-  if type(given) == "table" then routh.steady(info, "discrete") end
-  if type(given) == "table" then Ld = core.discrete_lagrangian(info.full, { rule = given.rule, h = given.h }) end
+  if type(given) == "table" then routh.need_autonomous(info, "discrete") end
+  if type(given) == "table" then
+    Ld = core.discrete_lagrangian(info.full, { rule = given.rule, h = given.h })
+  end
   local fine, n = pcall(function() return Ld.Q.dimension, Ld.h end)
   if not fine or type(Ld) ~= "userdata" or n ~= full.Q.dimension then
-    error("shape:discrete takes { rule =, h = } or a dm.discrete_lagrangian on the unreduced coordinates", 0)
+    error("shape:discrete takes { rule =, h = } or a dm.discrete_lagrangian on the unreduced "
+      .. "coordinates", 0)
   end
   local own = {}
   for key, value in pairs(info) do own[key] = value end

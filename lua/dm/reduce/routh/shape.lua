@@ -1,8 +1,9 @@
---- What a reduced system shows of the bundle it came from: locked inertia, connection, curvature, amended potential, lift.
+--- What a reduced system shows of the bundle it came from: locked inertia, connection, curvature,
+-- amended potential, lift.
 local blame = require "dm.base.blame"
-local check = require "dm.reduce.check"
+local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
-local model = require "dm.reduce.model"
+local model = require "dm.reduce.routh.model"
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -15,24 +16,29 @@ end
 
 local TAKES = "%s takes a point of the shape space: %d number%s (got %s)"
 
---- x as a vector of `count` finite numbers; text is the complaint, with what, count, plural s and what was given.
+--- x as a vector of `count` finite numbers; text is the complaint, with what, count, plural s and
+-- what was given.
 function M.numbers(what, x, count, text)
   if type(x) == "number" and count == 1 then x = { x } end
   local fine, length = pcall(function() return #x end)
   local is_list = fine and type(x) ~= "string"
   local there, out = pcall(core.vector, is_list and length == count and x or nil)
   if not is_list or length ~= count or not there then
-    error(text:format(what, count, count == 1 and "" or "s", is_list and length ~= count and length or is_list and "something else" or type(x)), 0)
+    error(text:format(what, count, count == 1 and "" or "s", is_list and length ~= count and length
+      or is_list and "something else" or type(x)), 0)
   end
   for i = 1, count do
-    if type(out[i]) == "number" and not (math.abs(out[i]) < math.huge) then error(("%s: entry %d is %s, but must be finite"):format(what, i, out[i]), 0) end
+    if type(out[i]) == "number" and not (math.abs(out[i]) < math.huge) then
+      error(("%s: entry %d is %s, but must be finite"):format(what, i, out[i]), 0)
+    end
   end
   return out
 end
 
 local function time(what, t)
   if t ~= nil and not (type(t) == "number" and math.abs(t) < math.huge) then
-    error(("%s: the time must be a finite number (got %s)"):format(what, type(t) == "number" and t or type(t)), 0)
+    error(("%s: the time must be a finite number (got %s)")
+      :format(what, type(t) == "number" and t or type(t)), 0)
   end
   return t or 0
 end
@@ -67,8 +73,11 @@ local function at_shape(what, x, f, ...)
   local fine, out = pcall(f, ...)
   if fine then return out end
   local message = tostring(out)
-  if not (message:find(" is NaN ", 1, true) or message:find("infinite", 1, true)) then error(out, 0) end
-  error(("%s: there is no value at the shape %s: the locked inertia is singular there (the group does not act freely), or it is outside of the domain of L")
+  if not (message:find(" is NaN ", 1, true) or message:find("infinite", 1, true)) then
+    error(out, 0)
+  end
+  error(("%s: there is no value at the shape %s: the locked inertia is singular there (the group "
+    .. "does not act freely), or it is outside of the domain of L")
     :format(what, check.text(x)), 0)
 end
 
@@ -150,7 +159,9 @@ M.routhian = blame.caller(function(shape, x, v, t, kind)
   v = place(info, "routhian", v)
   local R = shape:lagrangian(x, v, t)
   if kind == nil or kind == "classical" then return R end
-  if kind ~= "magnetic" then error("routhian: the kind must be \"classical\" or \"magnetic\"", 0) end
+  if kind ~= "magnetic" then
+    error("routhian: the kind must be \"classical\" or \"magnetic\"", 0)
+  end
   return R - potential_of(info, x, t):dot(v)
 end)
 
@@ -162,7 +173,8 @@ end)
 
 -- theta' as a function of (x, x', t)
 function M.rate_of(info)
-  return shown(info, "rate", function(x, u, t) return core.vector((model.group_velocity(info, x, u, t))) end, info.d, info.d, "number")
+  local function rate(x, u, t) return core.vector((model.group_velocity(info, x, u, t))) end
+  return shown(info, "rate", rate, info.d, info.d, "number")
 end
 
 M.lift = blame.caller(function(shape, x, v, theta, t)
@@ -173,7 +185,8 @@ M.lift = blame.caller(function(shape, x, v, theta, t)
   local rate = M.rate_of(info)(x, v, t)
   for a = 1, info.m do
     if not (math.abs(rate[a]) < math.huge) then
-      error(("lift: there is no velocity of '%s' at this shape: the locked inertia is singular there"):format(info.names[info.cyclic[a]]), 0)
+      error(("lift: there is no velocity of '%s' at this shape: the locked inertia is singular "
+        .. "there"):format(info.names[info.cyclic[a]]), 0)
     end
   end
   local q, u = model.embed(info, x, theta), model.embed(info, v, rate)
@@ -197,12 +210,14 @@ M.start = blame.caller(function(shape, q, v, t)
   local p = info.full:momentum(q, v, t)
   for a, i in ipairs(info.cyclic) do
     if not (math.abs(p[i] - info.mu[a]) <= 1e-10 * math.max(1, math.abs(info.mu[a]))) then
-      error(("this start has the momentum %.15g of '%s', but the system was reduced at mu = %.15g: reduce it with q = and v = of the start "
+      error(("this start has the momentum %.15g of '%s', but the system was reduced at mu = "
+        .. "%.15g: reduce it with q = and v = of the start "
         .. "in place of mu, or take another velocity"):format(p[i], info.names[i], info.mu[a]), 0)
     end
   end
-  if info.root and not require "dm.reduce.quadratic".is_branch(info, q, v, t) then
-    error("L is not convex in the velocity of the group: several have the momentum of this start, and this reduction has another one; reduce with q = and v = of the "
+  if info.root and not require "dm.reduce.routh.quadratic".is_branch(info, q, v, t) then
+    error("L is not convex in the velocity of the group: several have the momentum of this "
+      .. "start, and this reduction has another one; reduce with q = and v = of the "
       .. "start in place of mu", 0)
   end
   local x, theta = model.split(info, q)
@@ -223,7 +238,8 @@ M.reduction = blame.caller(function(shape)
   if not info then return nil end
   local names = {}
   for a, i in ipairs(info.cyclic) do names[a] = info.names[i] end
-  return setmetatable({ full = info.ambient and info.ambient.system or info.full, mu = core.vector(info.mu), group = names,
+  return setmetatable({ full = info.ambient and info.ambient.system or info.full,
+    mu = core.vector(info.mu), group = names,
     cyclic = { table.unpack(info.cyclic) }, shape = { table.unpack(info.shape) } }, reduction_class)
 end)
 

@@ -1,4 +1,5 @@
---- Is it a symmetry? Looked at where the derivatives are exact: at points in the domain, the first that says no is named.
+--- Is it a symmetry? Looked at where the derivatives are exact: at points in the domain, the first
+-- that says no is named.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 
@@ -16,7 +17,8 @@ local function generator()
   end
 end
 
--- a point near `at`, or anywhere: the first tries are positive and below 1, then larger ones of either sign
+-- a point near `at`, or anywhere: the first tries are positive and below 1, then larger ones of
+-- either sign
 local function point(random, try, n, at)
   local out = {}
   for i = 1, n do
@@ -32,7 +34,8 @@ local function point(random, try, n, at)
   return out
 end
 
---- Points (q, v, t) at which f(q, v, t) is finite, at most `enough` (ENOUGH) of them; near the start where one is given.
+--- Points (q, v, t) at which f(q, v, t) is finite, at most `enough` (ENOUGH) of them; near the
+-- start where one is given.
 function M.points(n, f, start, enough)
   local random, out = generator(), {}
   enough = enough or ENOUGH
@@ -83,7 +86,7 @@ function M.lagrangian(info, slope)
   end
 end
 
--- numbers of a tie function, always as a list
+-- what a constraint or force returned, always as a list
 local function numbers(value)
   if type(value) == "number" then return { value } end
   local out = {}
@@ -102,10 +105,13 @@ end
 
 local function compare(what, f, info, read)
   for _, p in ipairs(info.points) do
-    local fine, a, b = pcall(function() return numbers(read(f, p.q, p.v, p.t)), numbers(read(f, moved(info, p), p.v, p.t)) end)
+    local fine, a, b = pcall(function()
+      return numbers(read(f, p.q, p.v, p.t)), numbers(read(f, moved(info, p), p.v, p.t))
+    end)
     for i = 1, fine and #a or 0 do
       if abs(a[i] - b[i]) > TOLERANCE * max(1, abs(a[i])) then
-        error(("%s is not invariant: entry %d changes from %.6g to %.6g when the group moves q at %s")
+        error(("%s is not invariant: entry %d changes from %.6g to %.6g when the group moves q "
+          .. "at %s")
           :format(what, i, a[i], b[i], place(info, p)), 0)
       end
     end
@@ -119,7 +125,8 @@ function M.force(info, f)
     local fine, F = pcall(f, p.q, p.v, p.t)
     for _, i in ipairs(fine and info.cyclic or {}) do
       if abs(F[i]) > TOLERANCE then
-        error(("the force has a component along the group: it pushes '%s' with %.6g at %s, so the momentum of '%s' is not kept and "
+        error(("the force has a component along the group: it pushes '%s' with %.6g at %s, so "
+          .. "the momentum of '%s' is not kept and "
           .. "cannot be eliminated"):format(info.names[i], F[i], place(info, p), info.names[i]), 0)
       end
     end
@@ -135,11 +142,13 @@ end
 function M.inertia(info, I)
   local order = linear.order(I)
   if not order and info.full:structure().linear_in_v then
-    error("L is linear in the velocities: its momentum is a function of q alone, which determines no velocity of the group; degenerate(s) steps this "
+    error("L is linear in the velocities: its momentum is a function of q alone, which "
+      .. "determines no velocity of the group; degenerate(s) steps this "
       .. "system unreduced", 0)
   end
   if not order then
-    error("the locked inertia is singular at " .. place(info, info.sample) .. ": the momentum does not determine the velocity of the group", 0)
+    error("the locked inertia is singular at " .. place(info, info.sample)
+      .. ": the momentum does not determine the velocity of the group", 0)
   end
   return order
 end

@@ -1,5 +1,6 @@
---- The slice that a symmetry is cut along when none is given: coordinates held at 0 wherever the orbit of the start comes to such points. Held
--- at any other value r0, a slice of rotations has no points with r < r0, and the mass of the shape vanishes where an orbit comes down to r0.
+--- The slice that a symmetry is cut along when none is given: coordinates held at 0 wherever the
+-- orbit of the start comes to such points. Held at any other value r0, a slice of rotations has no
+-- points with r < r0, and the mass of the shape vanishes where an orbit comes down to r0.
 local core = require "dm.core"
 
 local M = {}
@@ -9,13 +10,17 @@ local abs, max = math.abs, math.max
 local MOST, CANDIDATES, TURNS = 40, 60, 8
 local FLAT = 1e-8   -- of the largest motion by the group at the start: less is no motion
 
---- m coordinates that the columns d(g . q)/dtheta move most, by elimination, and the product of the pivots; only of `among` where it is given.
+--- m coordinates that the columns d(g . q)/dtheta move most, by elimination, and the product of the
+-- pivots; only of `among` where it is given.
 function M.moved_most(columns, n, among)
   local held, product = {}, 1
   for a = 1, #columns do
     local best = 0
     for i = 1, n do
-      if not held[i] and (not among or among[i]) and (best == 0 or abs(columns[a][i]) > abs(columns[a][best])) then best = i end
+      if not held[i] and (not among or among[i])
+        and (best == 0 or abs(columns[a][i]) > abs(columns[a][best])) then
+        best = i
+      end
     end
     if best == 0 or not (abs(columns[a][best]) > 1e-12) then return nil, 0 end
     held[best], product = true, product * abs(columns[a][best])
@@ -57,7 +62,8 @@ local function columns_at(J, m, n)
   return columns
 end
 
--- theta with (g . at)_i = value[i] for the coordinates that are held, by Newton's method; nothing where there is none near
+-- theta with (g . at)_i = value[i] for the coordinates that are held, by Newton's method; nothing
+-- where there is none near
 local function solve(orbit, m, n, held, value, theta)
   local linear = require "dm.base.linear"
   theta = core.vector(theta)
@@ -86,7 +92,8 @@ local function start(m, try)
   return theta
 end
 
--- is the slice a better than b: more coordinates at 0, none moved, then the one that the group crosses most steeply, and the later coordinates
+-- is the slice a better than b: more coordinates at 0, none moved, then the one that the group
+-- crosses most steeply, and the later coordinates
 local function better(a, b)
   if not b then return true end
   if a.zeros ~= b.zeros then return a.zeros > b.zeros end
@@ -107,7 +114,8 @@ local function candidate(orbit, m, n, held, at, mask, least)
   for try = 0, 2 * TURNS do
     local fine, theta = pcall(solve, orbit, m, n, held, value, start(m, try))
     if fine and theta then
-      local q, found = orbit(theta), { held = held, value = value, theta = theta, zeros = zeros, moved = theta:norm() > 1e-14, rest = 0 }
+      local q, found = orbit(theta), { held = held, value = value, theta = theta, zeros = zeros,
+        moved = theta:norm() > 1e-14, rest = 0 }
       local _, steep = M.moved_most(columns_at(orbit:jacobian(theta), m, n), n, held)
       for i = 1, n do found.rest = found.rest + (held[i] and 0 or q[i]) end
       found.steep, found.q = steep, q
@@ -124,8 +132,9 @@ local function bits(mask)
   return count
 end
 
---- The slice through the orbit of `at`: held coordinates (a set), their values, the point of it on the orbit, and theta with g . at = that point.
---- Nothing where the group does not move `at` in all its directions.
+--- The slice through the orbit of `at`: held coordinates (a set), their values, the point of it on
+-- the orbit, and theta with g . at = that point. Nothing where the group does not move `at` in all
+-- its directions.
 function M.through(move, m, n, at)
   at = core.vector(at)
   local orbit = core.trace(function(theta) return move(theta, at) end, m)

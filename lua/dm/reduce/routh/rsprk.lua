@@ -1,20 +1,24 @@
---- rsprk(rule): the reduced symplectic partitioned Runge-Kutta rule of Leok 2.5 on a reduced system. In the variables (x, p), p = s + mu A(x), it is
--- the rule itself on the classical Routhian, so that is what steps; paths hold p, and shape:magnetic_momentum gives s.
+--- rsprk(rule): the reduced symplectic partitioned Runge-Kutta rule of Leok 2.5 on a reduced
+-- system. In the variables (x, p), p = s + mu A(x), it is the rule itself on the classical
+-- Routhian, so that is what steps; paths hold p, and shape:magnetic_momentum gives s.
 local blame = require "dm.base.blame"
 local routh = require "dm.reduce.routh"
 
 local M = {}
 
-local NONE = { rk4 = true, rkf45 = true, rk8pd = true, rk8 = true }  -- no partitioned rule makes these symplectic (Leok 2.4.2)
+-- no partitioned rule makes these symplectic (Leok 2.4.2)
+local NONE = { rk4 = true, rkf45 = true, rk8pd = true, rk8 = true }
 
 -- "gauss(2)" of "rsprk(gauss(2))" and "rsprk(gauss, 2)"
 local function inner(text)
   local inside = text:match "^%s*rsprk%s*%((.*)%)%s*$"
   if not inside then
-    error(("rule '%s': write rsprk(rule) with the name of a rule, for instance \"rsprk(gauss(2))\""):format(text), 0)
+    error(("rule '%s': write rsprk(rule) with the name of a rule, for instance \"rsprk(gauss(2))\"")
+      :format(text), 0)
   end
   if NONE[inside:match "^%s*([%w]+)"] then
-    error(("rule '%s': %s is not symplectic, so it is no reduced symplectic rule; shape:solver { rule = \"%s\" } steps the shape with it")
+    error(("rule '%s': %s is not symplectic, so it is no reduced symplectic rule; shape:solver { "
+      .. "rule = \"%s\" } steps the shape with it")
       :format(text, inside, inside), 0)
   end
   local name, stages = inside:match "^%s*([%a%-]+)%s*,%s*(%d+)%s*$"
@@ -25,7 +29,8 @@ end
 M.solver = blame.caller(function(plain, system, options)
   local rule = options.rule
   if not routh.info(system) then
-    error(("rule '%s' steps a reduced system, made by system:routh { cyclic = ..., mu = ... }"):format(rule), 0)
+    error(("rule '%s' steps a reduced system, made by system:routh { cyclic = ..., mu = ... }")
+      :format(rule), 0)
   end
   local other = {}
   for key, value in pairs(options) do other[key] = value end

@@ -1,5 +1,5 @@
---- Coefficients of collocation at Gauss and Lobatto nodes, and the partner for momenta: b_i = int l_i, a_ij = int_0^c_i l_j,
--- A_ij = b_j (1 - a_ji / b_i) (HLW II.1.2, VI.4; Leok 2.4.2-3).
+--- Coefficients of collocation at Gauss and Lobatto nodes, and the partner for momenta: b_i = int
+-- l_i, a_ij = int_0^c_i l_j, A_ij = b_j (1 - a_ji / b_i) (HLW II.1.2, VI.4; Leok 2.4.2-3).
 local core = require "dm.core"
 
 local M = {}
@@ -92,14 +92,16 @@ function M.read(options)
     local kind, s = name:match "^(%a+)%s*%(%s*(%d+)%s*%)$"
     s = s and math.tointeger(tonumber(s))
     if not nodes[kind] or s < (kind == "lobatto" and 2 or 1) or s > 12 then
-      error(("the rule must be gauss(s) or lobatto(s) with up to 12 stages, or give its coefficients a and b (got %s)")
+      error(("the rule must be gauss(s) or lobatto(s) with up to 12 stages, or give its "
+        .. "coefficients a and b (got %s)")
         :format(tostring(options.rule)), 0)
     end
     a, b = collocation(nodes[kind](s))
   elseif type(a) ~= "table" or type(b) ~= "table" then
     error("give the rule, \"gauss(s)\" or \"lobatto(s)\", or its coefficients a (rows) and b", 0)
   end
-  core.sprk { a = a, b = b, A = options.A, B = options.A and b }  -- refuses what is not symplectic, and names where
+  -- refuses what is not symplectic, and names where
+  core.sprk { a = a, b = b, A = options.A, B = options.A and b }
   local A = options.A or {}
   for i = 1, options.A and 0 or #b do
     A[i] = {}

@@ -1,9 +1,11 @@
---- psi_mu of a discrete Lagrangian that the group leaves as it is: the angle for which dLd/dpsi (x0, x1, psi) = mu, and its derivatives.
--- Ld depends on theta1 - theta0 alone, so that the second derivatives by psi follow from the mixed ones, -D1D2 Ld.
+--- psi_mu of a discrete Lagrangian that the group leaves as it is: the angle for which dLd/dpsi
+-- (x0, x1, psi) = mu, and its derivatives. Ld depends on theta1 - theta0 alone, so that the second
+-- derivatives by psi follow from the mixed ones, -D1D2 Ld.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
-local model = require "dm.reduce.model"
-local shape_of = require "dm.reduce.shape"
+local model = require "dm.reduce.routh.model"
+local check = require "dm.reduce.routh.check"
+local shape_of = require "dm.reduce.routh.shape"
 
 local M = {}
 
@@ -36,11 +38,14 @@ local function sandwich(J0, T, J1, n)
   return out
 end
 
---- The function of (q0, q1) -> -D1 Ld, D2 Ld, -D1D2 Ld, lists: of a formula traced once, of a rule by its solver.
+--- The function of (q0, q1) -> -D1 Ld, D2 Ld, -D1D2 Ld, lists: of a formula traced once, of a rule
+-- by its solver.
 function M.slopes(Ld)
   local n, f, h, params = Ld.Q.dimension, Ld.Ld, Ld.h, Ld.params
   if not f then
-    return function(q0, q1) return Ld:legendre_minus(q0, q1), Ld:legendre_plus(q0, q1), Ld:two_form(q0, q1) end
+    return function(q0, q1)
+      return Ld:legendre_minus(q0, q1), Ld:legendre_plus(q0, q1), Ld:two_form(q0, q1)
+    end
   end
   local traced = core.trace(function(q0, q1) return f(q0, q1, h, params) end, n, n)
   return function(q0, q1)
@@ -53,7 +58,8 @@ function M.slopes(Ld)
   end
 end
 
--- p0 = -D1 Ld, p1 = D2 Ld, T = -D1D2 Ld at ((0, x0), (psi, x1)), in the order of (theta, x) of the reduction
+-- p0 = -D1 Ld, p1 = D2 Ld, T = -D1D2 Ld at ((0, x0), (psi, x1)), in the order of (theta, x) of the
+-- reduction
 local function ends(D, x0, x1, psi)
   local info = D.info
   local q0, q1 = model.embed(info, x0), model.embed(info, x1, psi)
@@ -68,7 +74,8 @@ local function ends(D, x0, x1, psi)
   return transposed_times(J0, p0, n), transposed_times(J1, p1, n), sandwich(J0, T, J1, n), Q0, Q1
 end
 
---- Does a formula Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group? At the points at which L was looked at, which are in its domain.
+--- Does a formula Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group? At the points
+-- at which L was looked at, which are in its domain.
 function M.check_invariance(D)
   local info = D.info
   for _, p in ipairs(info.points) do
@@ -79,8 +86,9 @@ function M.check_invariance(D)
     local fine, p0, p1 = pcall(ends, D, x, y, psi)
     for _, i in ipairs(fine and info.cyclic or {}) do
       if abs(p0[i] - p1[i]) > 1e-8 * max(1, abs(p0[i])) then
-        error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, for x0 = %s, x1 = %s")
-          :format(info.names[i], p0[i], p1[i], tostring(core.vector(x)), tostring(core.vector(y))), 0)
+        error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, "
+          .. "for x0 = %s, x1 = %s")
+          :format(info.names[i], p0[i], p1[i], check.text(x), check.text(y)), 0)
       end
     end
   end
@@ -101,11 +109,13 @@ local function bend(info, T)
 end
 
 local function no_solution(D, x0, x1, why)
-  error(("no psi_mu between x0 = %s and x1 = %s: %s; is the step too long for this momentum (h = %.6g)?")
+  error(("no psi_mu between x0 = %s and x1 = %s: %s; is the step too long for this momentum (h "
+    .. "= %.6g)?")
     :format(tostring(core.vector(x0)), tostring(core.vector(x1)), why, D.h), 0)
 end
 
--- psi with dLd/dpsi = mu, and what belongs to it; Newton's method from `guess`, halved where it does not come nearer
+-- psi with dLd/dpsi = mu, and what belongs to it; Newton's method from `guess`, halved where it
+-- does not come nearer
 local function solve(D, x0, x1, guess)
   local info, psi = D.info, {}
   for a = 1, info.m do psi[a] = guess[a] end
@@ -125,7 +135,9 @@ local function solve(D, x0, x1, guess)
       local trial = {}
       for a = 1, info.m do
         trial[a] = now.psi[a] + part * step[a]
-        if not (abs(trial[a]) < math.huge) then no_solution(D, x0, x1, "d2Ld/dpsi2 vanishes, so that no angle gives the momentum") end
+        if not (abs(trial[a]) < math.huge) then
+          no_solution(D, x0, x1, "d2Ld/dpsi2 vanishes, so that no angle gives the momentum")
+        end
       end
       next_one = rest(trial)
       part = part / 2
@@ -164,7 +176,9 @@ function M.pair(D, x0, x1, guess)
   local order = linear.order(I)
   for j, k in ipairs(info.shape) do  -- -L_psi,x0 = T[x0][theta], -L_psi,x1 = -T[theta][x1]
     columns[j], columns[info.d + j] = {}, {}
-    for a, i in ipairs(info.cyclic) do columns[j][a], columns[info.d + j][a] = s.T[k][i], -s.T[i][k] end
+    for a, i in ipairs(info.cyclic) do
+      columns[j][a], columns[info.d + j][a] = s.T[k][i], -s.T[i][k]
+    end
   end
   local solved = linear.solve(I, columns, order)
   s.by0, s.by1 = {}, {}

@@ -1,8 +1,8 @@
 --- shape:relative_equilibria: found by Newton's method from many starts.
 local blame = require "dm.base.blame"
-local balance = require "dm.reduce.balance"
+local balance = require "dm.reduce.equilibria.stationary"
 local core = require "dm.core"
-local model = require "dm.reduce.model"
+local model = require "dm.reduce.routh.model"
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -26,9 +26,10 @@ function M.need(shape, what, options, known)
   for key in pairs(options) do
     if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
   end
-  routh.steady(info, what)
+  routh.need_autonomous(info, what)
   if info.full.given.constraint or info.full.given.force then
-    error(what .. ": with constraints or forces balance is another equation; give coordinates without them", 0)
+    error(what .. ": with constraints or forces balance is another equation; give coordinates "
+      .. "without them", 0)
   end
   return info
 end
@@ -38,12 +39,14 @@ end
 local function check_region(region, d)
   if d == 1 and type(region) == "table" and type(region[1]) == "number" then region = { region } end
   if type(region) ~= "table" or #region ~= d then
-    error(("relative_equilibria: option 'region' must be a list of %d pairs { least, most }, one for each coordinate of the shape"):format(d), 0)
+    error(("relative_equilibria: option 'region' must be a list of %d pairs { least, most }, one "
+      .. "for each coordinate of the shape"):format(d), 0)
   end
   for i, pair in ipairs(region) do
     local fine = type(pair) == "table" and type(pair[1]) == "number" and type(pair[2]) == "number"
     if not fine or not (pair[1] <= pair[2] and pair[1] > -math.huge and pair[2] < math.huge) then
-      error(("relative_equilibria: 'region'[%d] must be a pair { least, most } of finite numbers"):format(i), 0)
+      error(("relative_equilibria: 'region'[%d] must be a pair { least, most } of finite numbers")
+        :format(i), 0)
     end
   end
   return region
@@ -75,7 +78,9 @@ local function fill(region, count)
   local out, bases = {}, primes(#region)
   for k = 1, count do
     out[k] = {}
-    for i, pair in ipairs(region) do out[k][i] = pair[1] + (pair[2] - pair[1]) * radical(k, bases[i]) end
+    for i, pair in ipairs(region) do
+      out[k][i] = pair[1] + (pair[2] - pair[1]) * radical(k, bases[i])
+    end
   end
   return out
 end
@@ -111,7 +116,8 @@ end
 local function is_copy(list, e)
   for _, other in ipairs(list) do
     local turned = abs(e.mu:dot(e.velocity)) + abs(e.energy)  -- the energy itself may be 0
-    local near = abs(other.energy - e.energy) <= 1e-8 * turned and (other.velocity - e.velocity):norm() <= 1e-8 * e.velocity:norm()
+    local near = abs(other.energy - e.energy) <= 1e-8 * turned
+      and (other.velocity - e.velocity):norm() <= 1e-8 * e.velocity:norm()
     if near and other.index == e.index then return true end
   end
   return false
@@ -123,7 +129,9 @@ local function zeros(n)
   return out
 end
 
-local POLE = 1e-9  -- of what it is in the middle of the points: less is a place where the group does not act freely, or the coordinates have a pole
+-- of what it is in the middle of the points: less is a place where the group does not act freely,
+-- or the coordinates have a pole
+local POLE = 1e-9
 
 local function size_of_det(A)
   local det = abs(core.matrix(A):det())
@@ -156,20 +164,26 @@ local function is_regular(info, R, mu, x, least)
 end
 
 M.relative_equilibria = blame.caller(function(shape, options)
-  local info = M.need(shape, "relative_equilibria", options, { region = true, starts = true, copies = true })
+  local info = M.need(shape, "relative_equilibria", options,
+    { region = true, starts = true, copies = true })
   local region, d = options.region, info.d
   region = check_region(region, d)
   local starts = options.starts or 200
-  if math.type(starts) ~= "integer" or starts < 1 then error("relative_equilibria: 'starts' must be a whole number > 0", 0) end
+  if math.type(starts) ~= "integer" or starts < 1 then
+    error("relative_equilibria: 'starts' must be a whole number > 0", 0)
+  end
   local V, R, mu = balance.potential(info), balance.routhian(info), core.vector(info.mu)
   local list, points, scale = setmetatable({}, class), fill(region, starts), nil
   scale = balance.scale(V, points, lengths_of(region), mu, d)
   local least = least_regular(info, R, mu, points)
   for _, x in ipairs(points) do
     local found = balance.stationary(V, x, mu, d, scale)
-    if found and inside(found, region, scale.length) and is_new(list, found, scale.length) and is_regular(info, R, mu, found, least) then
+    if found and inside(found, region, scale.length) and is_new(list, found, scale.length)
+      and is_regular(info, R, mu, found, least) then
       local fine, e = pcall(balance.describe, info, R, V, found, mu)
-      if fine and e and not (options.copies == false and is_copy(list, e)) then list[#list + 1] = e end
+      if fine and e and not (options.copies == false and is_copy(list, e)) then
+        list[#list + 1] = e
+      end
     end
   end
   table.sort(list, function(a, b) return a.energy < b.energy end)

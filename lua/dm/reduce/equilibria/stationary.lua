@@ -1,10 +1,12 @@
---- Relative equilibria of a reduced system, motions along the group alone: stationary points of the amended potential, and how small motions about
--- them behave. With R^ = M x'.x'/2 + gyroscopic terms - V_mu: M y'' + S y' + K y = 0, S_ij = R_x'i xj - R_xi x'j, K = V_mu's Hessian.
--- Stable by energy where K is positive definite; spectrally where all characteristic values are imaginary (Simo, Lewis & Marsden 1991).
-local branches = require "dm.reduce.branch"
+--- Relative equilibria of a reduced system, motions along the group alone: stationary points of the
+-- amended potential, and how small motions about them behave. With R^ = M x'.x'/2 + gyroscopic
+-- terms - V_mu: M y'' + S y' + K y = 0, S_ij = R_x'i xj - R_xi x'j, K = V_mu's Hessian. Stable by
+-- energy where K is positive definite; spectrally where all characteristic values are imaginary
+-- (Simo, Lewis & Marsden 1991).
+local branches = require "dm.reduce.equilibria.branch"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
-local model = require "dm.reduce.model"
+local model = require "dm.reduce.routh.model"
 
 local M = {}
 
@@ -47,7 +49,8 @@ local function rows_of(H, first, count, from)
   return out
 end
 
--- is a slope g none? Beside what it would be a length away, len[k] for each coordinate, and beside what it is elsewhere, so that units do not matter
+-- is a slope g none? Beside what it would be a length away, len[k] for each coordinate, and beside
+-- what it is elsewhere, so that units do not matter
 local function is_flat(g, H, d, scale)
   for i = 1, d do
     local size = 1e-6 * scale.slope[i]
@@ -65,11 +68,14 @@ end
 
 local function slope_of(g, d, scale)
   local size = 0
-  for i = 1, d do size = max(size, scale.slope[i] > 0 and abs(g[i]) / scale.slope[i] or abs(g[i])) end
+  for i = 1, d do
+    size = max(size, scale.slope[i] > 0 and abs(g[i]) / scale.slope[i] or abs(g[i]))
+  end
   return size
 end
 
---- Lengths of the coordinates, and what the slopes of V are among the points: { length =, slope = }, d numbers each.
+--- Lengths of the coordinates, and what the slopes of V are among the points: { length =, slope =
+-- }, d numbers each.
 function M.scale(V, points, lengths, mu, d)
   local seen, slope = {}, {}
   for i = 1, d do seen[i] = {} end
@@ -84,7 +90,8 @@ function M.scale(V, points, lengths, mu, d)
   return { length = lengths, slope = slope }
 end
 
---- x with V_x = 0 by Newton's method from a start, with the step cut where the slope does not shrink; nothing where it ends elsewhere.
+--- x with V_x = 0 by Newton's method from a start, with the step cut where the slope does not
+-- shrink; nothing where it ends elsewhere.
 function M.stationary(V, x, mu, d, scale)
   x = core.vector(x)
   local fine, g = pcall(V.gradient, V, x, mu)
@@ -103,7 +110,8 @@ function M.stationary(V, x, mu, d, scale)
       local there, new = pcall(V.gradient, V, trial, mu)
       slope = there and new or nil
       part = part / 2
-    until slope and (slope_of(slope, d, scale) < before or part == 0.5 and length_of(step, d, scale) < 1e-6) or part < 1e-3
+    until slope and (slope_of(slope, d, scale) < before
+      or part == 0.5 and length_of(step, d, scale) < 1e-6) or part < 1e-3
     if not slope then return nil end
     local moved = length_of(trial - x, d, scale)
     x, g = trial, slope
@@ -133,9 +141,11 @@ local function characteristic(mass, S, K, d)
   return core.matrix(A):eigenvalues()
 end
 
-local FLAT = 1e-10  -- a value that is zero, relative to the largest: what round-off leaves along a family of equilibria
+-- a value that is zero, relative to the largest: what round-off leaves along a family of equilibria
+local FLAT = 1e-10
 
--- how many negative values K has, its index, and how many that are zero; in lengths of the mass, so that units of coordinates do not matter
+-- how many negative values K has, its index, and how many that are zero; in lengths of the mass, so
+-- that units of coordinates do not matter
 local function index_of(K, mass, d)
   local A, index, flat, size = {}, 0, 0, 0
   for i = 1, d do
@@ -145,19 +155,27 @@ local function index_of(K, mass, d)
   local values = core.matrix(A):eigenvalues()
   for i = 1, d do size = max(size, abs(values[i])) end
   for i = 1, d do
-    if abs(values[i]) <= FLAT * size then flat = flat + 1 elseif values[i] < 0 then index = index + 1 end
+    if abs(values[i]) <= FLAT * size then
+      flat = flat + 1
+    elseif values[i] < 0 then
+      index = index + 1
+    end
   end
   return index, flat
 end
 
-local CLOSE = 1e-6  -- real part of a value that counts as imaginary, relative to the largest: double ones split by the root of round-off
+-- real part of a value that counts as imaginary, relative to the largest: double ones split by the
+-- root of round-off
+local CLOSE = 1e-6
 
---- What a stationary point is: energy, velocity of the group, characteristic values, stability. Nothing where the mass or the locked inertia is singular: at a
--- pole of the coordinates V_mu is stationary along directions that are none.
+--- What a stationary point is: energy, velocity of the group, characteristic values, stability.
+-- Nothing where the mass or the locked inertia is singular: at a pole of the coordinates V_mu is
+-- stationary along directions that are none.
 function M.describe(info, R, V, x, mu)
   local d, u = info.d, zeros(info.d)
   local H = R:hessian(x, u, mu)
-  local mass, cross, K = rows_of(H, d, d, d), rows_of(H, d, d, 0), rows_of(V:hessian(x, mu), 0, d, 0)
+  local mass, cross, K = rows_of(H, d, d, d), rows_of(H, d, d, 0),
+    rows_of(V:hessian(x, mu), 0, d, 0)
   local S = {}
   if not linear.order(mass) then return nil end
   for i = 1, d do
@@ -170,7 +188,8 @@ function M.describe(info, R, V, x, mu)
   for a = 1, info.m do
     if not (abs(rate[a]) < math.huge) then return nil end
   end
-  local out = branches.equilibrium { x = x, mu = core.vector(list), energy = V(x, mu), velocity = core.vector(rate), values = {} }
+  local out = branches.equilibrium { x = x, mu = core.vector(list), energy = V(x, mu),
+    velocity = core.vector(rate), values = {} }
   out.index, out.flat = index_of(K, mass, d)
   local re, im = characteristic(mass, S, K, d)
   local largest, growth = 1e-300, 0

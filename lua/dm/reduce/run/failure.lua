@@ -1,15 +1,18 @@
---- Where a reduced run fails, or has jumped over what it could not cross: named by what happens to the locked inertia and to the mass of the shape.
--- A shape at which the group does not act freely (r = 0, all rods vertical) has a singular locked inertia: with mu it is behind a wall of
--- V_mu, which a step that is too long may jump; a pole or an edge of the coordinates makes the mass d2R/dx'2 singular or infinite.
+--- Where a reduced run fails, or has jumped over what it could not cross: named by what happens to
+-- the locked inertia and to the mass of the shape. A shape at which the group does not act freely
+-- (r = 0, all rods vertical) has a singular locked inertia: with mu it is behind a wall of V_mu,
+-- which a step that is too long may jump; a pole or an edge of the coordinates makes the mass
+-- d2R/dx'2 singular or infinite.
 local core = require "dm.core"
-local jumps = require "dm.reduce.jump"
+local jumps = require "dm.reduce.run.jump"
 local routh = require "dm.reduce.routh"
 
 local M = {}
 
 local abs, min, max = math.abs, math.min, math.max
 
--- least and largest characteristic value of the locked inertia at x, or nothing outside of the domain
+-- least and largest characteristic value of the locked inertia at x, or nothing outside of the
+-- domain
 local function inertia(shape, x, t)
   local fine, re = pcall(function() return (shape:locked_inertia(x, t):eigenvalues()) end)
   if not fine then return nil end
@@ -18,8 +21,10 @@ local function inertia(shape, x, t)
   return least
 end
 
-local WAY = "; with constraint = in coordinates without such a place, system:routh { action = ... } reduces it too"
-local SECTION = "; take another section there, or leave 'section' out for one that is regular wherever the group acts freely"
+local WAY = "; with constraint = in coordinates without such a place, "
+  .. "system:routh { action = ... } reduces it too"
+local SECTION = "; take another section there, or leave 'section' out for one that is regular "
+  .. "wherever the group acts freely"
 
 -- what to do at a pole or an edge
 local function way(info) return info.ambient and info.ambient.given and SECTION or WAY end
@@ -31,16 +36,20 @@ local function reason(path, info, x, t, x0, t0)
   local shape = path.system
   local least, before = inertia(shape, x, t), inertia(shape, x0, t0)
   if least and before and least < LOW * before then
-    return "collapse", ("the locked inertia has fallen from %.3g to %.3g: the shape comes near one at which the group does not act freely (r = 0), behind a "
-      .. "centrifugal wall as narrow as the momentum is small; take smaller steps there, or no reduction"):format(before, least)
+    return "collapse", ("the locked inertia has fallen from %.3g to %.3g: the shape comes near "
+      .. "one at which the group does not act freely (r = 0), behind a centrifugal wall as narrow "
+      .. "as the momentum is small; take smaller steps there, or no reduction")
+      :format(before, least)
   end
   local G, G0 = jumps.mass(path, x, t), jumps.mass(path, x0, t0)
   for i = 1, G and G0 and info.d or 0 do
     local name, ratio = info.own[i], abs(G[i][i] / G0[i][i])
     if not (ratio <= FAR) then
-      return "edge", ("the inertia of '%s' has grown %.0f-fold at %s = %.6g: an edge of these coordinates%s"):format(name, ratio, name, x[i], way(info))
+      return "edge", ("the inertia of '%s' has grown %.0f-fold at %s = %.6g: an edge of these "
+        .. "coordinates%s"):format(name, ratio, name, x[i], way(info))
     elseif ratio < LOW then
-      return "pole", ("the inertia of '%s' has fallen %.0f-fold: a pole of these coordinates, where it has no meaning%s"):format(name, 1 / ratio, way(info))
+      return "pole", ("the inertia of '%s' has fallen %.0f-fold: a pole of these coordinates, "
+        .. "where it has no meaning%s"):format(name, 1 / ratio, way(info))
     end
   end
 end
@@ -56,16 +65,21 @@ local function leaves(shape, info, x, v, t, h)
       for j = 1, info.d do
         local z = { table.unpack(core.vector(x):totable()) }
         z[j] = y[j]
-        if not pcall(shape.lagrangian, shape, z, v, t) and abs(v[j]) > worst then worst, name = abs(v[j]), info.own[j] end
+        if not pcall(shape.lagrangian, shape, z, v, t) and abs(v[j]) > worst then
+          worst, name = abs(v[j]), info.own[j]
+        end
       end
-      return "edge", ("the next step would leave the domain of L%s%s"):format(name and (" by '%s'"):format(name) or "", way(info)), value
+      return "edge", ("the next step would leave the domain of L%s%s")
+        :format(name and (" by '%s'"):format(name) or "", way(info)), value
     end
   end
 end
 
-local POLE = "the mass of the shape vanishes along '%s' at %s: a pole of these coordinates, behind which they have no points%s"
+local POLE = "the mass of the shape vanishes along '%s' at %s: a pole of these coordinates, "
+  .. "behind which they have no points%s"
 
--- a shape where the mass is singular, with the coordinate whose inertia is the least there beside what it is at x
+-- a shape where the mass is singular, with the coordinate whose inertia is the least there beside
+-- what it is at x
 local function vanishing(path, info, where, x, t)
   local G, G0, least, best = jumps.mass(path, where, t), jumps.mass(path, x, t), math.huge, 1
   for i = 1, G and G0 and info.d or 0 do
@@ -95,7 +109,8 @@ local function ahead(info, path, v)
   local n = #path
   local x, t = path.q[n], path.t[n]
   for k = 1, PARTS do
-    local code, why = reason(path, info, x + AHEAD * path.h * k / PARTS * v, t, path.q[1], path.t[1])
+    local code, why = reason(path, info, x + AHEAD * path.h * k / PARTS * v, t, path.q[1],
+      path.t[1])
     if code then return code, "the last row heads for such a place: " .. why end
   end
   local where = jumps.singular(path, x, x + AHEAD * path.h * v, t)
@@ -130,13 +145,16 @@ end
 
 local SUSPECT, DEEP = 0.02, 0.25
 
--- has the energy of an autonomous, free run been left? Only where every step was kept: between rows that are further apart a deep dip is no jump.
+-- has the energy of an autonomous, free run been left? Only where every step was kept: between rows
+-- that are further apart a deep dip is no jump.
 local function is_suspect(path, info)
   local pushed = 0
   for a = 1, info.m do pushed = max(pushed, abs(info.mu[a])) end
   if pushed == 0 then return false end  -- without momentum there is no wall
-  if path.watched or #path < 2 or #path < path.steps + 1 or info.full.given.force then return false end
-  if not pcall(routh.steady, info, "energy") then return false end
+  if path.watched or #path < 2 or #path < path.steps + 1 or info.full.given.force then
+    return false
+  end
+  if not routh.is_autonomous(info) then return false end
   local fine, E = pcall(path.energy, path)
   if not fine then return false end
   local scale = abs(E[1])
@@ -146,7 +164,8 @@ local function is_suspect(path, info)
   return false
 end
 
--- the first row to which a step jumped through a shape with a much smaller locked inertia than either end has
+-- the first row to which a step jumped through a shape with a much smaller locked inertia than
+-- either end has
 local function jump(path, shape)
   local before = inertia(shape, path.q[1], path.t[1])
   for i = 2, #path do
@@ -170,35 +189,41 @@ local function head(path, rows)
     columns[c] = {}
     for i = 1, rows do columns[c][i] = all[i] end
   end
-  return core.path { system = path.system, h = path.h, rule = path.rule, steps = rows - 1, columns = columns }
+  return core.path { system = path.system, h = path.h, rule = path.rule, steps = rows - 1,
+    columns = columns }
 end
 
 local function raise(path, row, code, why)
   local step = math.floor((path.t[row] - path.t[1]) / path.h + 0.5)
   local first = math.floor((path.t[row - 1] - path.t[1]) / path.h + 0.5) + 1
-  local which = step > first and ("one of the steps %d to %d (from t = %.6g on)"):format(first, step, path.t[row - 1])
+  local which = step > first and ("one of the steps %d to %d (from t = %.6g on)")
+    :format(first, step, path.t[row - 1])
     or ("step %d (t = %.6g)"):format(step, path.t[row - 1])
-  local failure = { code = code, reason = code, step = step, time = path.t[row - 1], rule = path.rule, path = head(path, row - 1),
+  local failure = { code = code, reason = code, step = step, time = path.t[row - 1],
+    rule = path.rule, path = head(path, row - 1),
     message = ("%s: %s %s; the path up to there is in failure.path"):format(path.rule, which, why) }
   error(setmetatable(failure, debug.getregistry()["dm.failure"]), 0)
 end
 
-local FORBIDDEN = "jumped through a shape at which the locked inertia vanishes (r = 0), which the momentum forbids: take smaller steps near it"
+local FORBIDDEN = "jumped through a shape at which the locked inertia vanishes (r = 0), which "
+  .. "the momentum forbids: take smaller steps near it"
 
 local LOST = 1  -- of the energy's size: no more than the sign of it is left
-local AGAIN, FEW = 1.2, 9  -- the size is looked at again that much later; rows that are looked at in any case
+-- the size is looked at again that much later; rows that are looked at in any case
+local AGAIN, FEW = 1.2, 9
 
--- the first row at which the energy is off by more than its size, at a place that says why: its row, code and sentence;
--- `whole` is the path that begins with the start
+-- the first row at which the energy is off by more than its size, at a place that says why: its
+-- row, code and sentence; `whole` is the path that begins with the start
 local function lost(path, shape, info, whole)
-  if path.watched or info.full.given.force or not pcall(routh.steady, info, "energy") then return nil end
+  if path.watched or info.full.given.force or not routh.is_autonomous(info) then return nil end
   local E = path:energy()
   local q, t = whole.q[1], whole.t[1]
   local first = (whole == path and E or whole:energy())[1]
   local size, known = abs(first), 0
   for i = 2, #E do
     local off = abs(E[i] - first)
-    -- from rows before this one: behind a wall all energies are large. Not for every row of a start at rest
+    -- from rows before this one: behind a wall all energies are large. Not for every row of a start
+    -- at rest
     if not (off <= LOST * size) and i > AGAIN * known then
       size, known = max(size, jumps.energy_size(path, first, max(i - 1, min(#E, FEW)))), i
     end
@@ -215,7 +240,8 @@ end
 
 local OVER, LEFT = "jumped over a pole: ", "left its energy: "
 
--- the first row behind a place that no motion crosses, the code and a sentence; run(options) steps again
+-- the first row behind a place that no motion crosses, the code and a sentence; run(options) steps
+-- again
 local function wrong(path, shape, info, run)
   local row = is_suspect(path, info) and jump(path, shape)
   if row then return row, "collapse", FORBIDDEN end
@@ -225,29 +251,36 @@ local function wrong(path, shape, info, run)
     local there, what, sentence = lost(dense, shape, info, path)
     return there and what, there and LEFT .. sentence
   end)
-  if where then return row, "pole", OVER .. vanishing(path, info, where, path.q[row - 1], path.t[row - 1]) end
+  if where then
+    return row, "pole", OVER .. vanishing(path, info, where, path.q[row - 1], path.t[row - 1])
+  end
   if row then return row, code, why end
   row, code, why = lost(path, shape, info, path)
   return row, code, row and LEFT .. why
 end
 
--- raises for such a path; a run that failed at an edge keeps that reason, with what was wrong before
+-- raises for such a path; a run that failed at an edge keeps that reason, with what was wrong
+-- before
 local function look(path, shape, info, run, failure)
   local fine, row, code, why = pcall(wrong, path, shape, info, run)
   if failure then explain(shape, info, failure) end
   if not fine or not row then return end
   if not failure or failure.reason ~= "edge" then raise(path, row, code, why) end
-  failure.message = ("%s; before that step %d %s"):format(failure.message, math.floor((path.t[row] - path.t[1]) / path.h + 0.5), why)
+  failure.message = ("%s; before that step %d %s")
+    :format(failure.message, math.floor((path.t[row] - path.t[1]) / path.h + 0.5), why)
 end
 
---- solver:run of a reduced system; plain is the method without this. Positions are put in front by blame.
+--- solver:run of a reduced system; plain is the method without this. Positions are put in front by
+-- blame.
 function M.run(plain, solver, options)
   local shape = solver.system
   local info = routh.info(shape)
   local fine, path = pcall(plain, solver, options)
   if not fine and type(path) == "string" then
     local unreduced = path:find(("must have %d entries (got %d)"):format(info.d, info.n), 1, true)
-    error(unreduced and path .. ": this system is reduced, and shape:start(q, v) gives the start below an unreduced one" or path, 0)
+    error(unreduced and path
+      .. ": this system is reduced, and shape:start(q, v) gives the start below an unreduced one"
+      or path, 0)
   end
   local failure = not fine and type(path) == "table" and path.message and path
   if not fine and not failure then error(path, 0) end

@@ -1,7 +1,8 @@
---- Integrals along a run by the rule's own quadrature: h sum_j b_j f(X_j, X'_j, t_j) over the stages of every step.
--- L + sum_i (W k'_i z'_i + k_i f_i) with k = z = 0 and k', z' at rest leaves the motion of L as it is, since f enters the equations of L
--- times k = 0, while the momentum of k_i grows by h sum_j b_j f_i in every step, whatever the rule is. W keeps z' = p_k / W small beside x',
--- since steps are solved to an accuracy relative to the largest velocity.
+--- Integrals along a run by the rule's own quadrature: h sum_j b_j f(X_j, X'_j, t_j) over the
+-- stages of every step. L + sum_i (W k'_i z'_i + k_i f_i) with k = z = 0 and k', z' at rest leaves
+-- the motion of L as it is, since f enters the equations of L times k = 0, while the momentum of
+-- k_i grows by h sum_j b_j f_i in every step, whatever the rule is. W keeps z' = p_k / W small
+-- beside x', since steps are solved to an accuracy relative to the largest velocity.
 local core = require "dm.core"
 local prolong = require "dm.measure.prolong"
 
@@ -26,7 +27,9 @@ local function extended(system, f, r)
     for i = 1, r do sum = sum + W * w[d + i] * w[d + r + i] + y[d + i] * values[i] end
     return sum
   end
-  if given.constraint then out.constraint = function(y, t) return given.constraint(head(y), t, given.params) end end
+  if given.constraint then
+    out.constraint = function(y, t) return given.constraint(head(y), t, given.params) end
+  end
   if given.force then
     out.force = function(y, w, t)
       local F, all = given.force(head(y), head(w), t, given.params), zeros(d + 2 * r)
@@ -51,7 +54,8 @@ end
 
 -- rows first .. last of the path again, with the integrals; columns of the run
 local function again(path, solver, d, r, first, last, every)
-  local options = { q = prolong.joined(path.q[first], zeros(2 * r)), p = prolong.joined(path.p[first], zeros(2 * r)), t0 = path.t[first] }
+  local options = { q = prolong.joined(path.q[first], zeros(2 * r)),
+    p = prolong.joined(path.p[first], zeros(2 * r)), t0 = path.t[first] }
   if every then
     options.steps, options.every = math.floor((path.t[last] - path.t[first]) / path.h + 0.5), every
   else
@@ -76,16 +80,18 @@ local function agree(path, x, d, first, rows)
   return rows
 end
 
-local LOST = "the rows of this path are not followed by '%s' from row %d: is the motion chaotic and rows far apart (keep more of "
-  .. "them, a smaller every), does that row lie within a step (let 'at' begin with the start), are stages left unsolved (gauss(s, sweeps)), or were "
+local LOST = "the rows of this path are not followed by '%s' from row %d: is the motion chaotic "
+  .. "and rows far apart (keep more of them, a smaller every), does that row lie within a step "
+  .. "(let 'at' begin with the start), are stages left unsolved (gauss(s, sweeps)), or were "
   .. "they made by another rule or system?"
 
---- The integrals of f (r values) from the first row to every row: r lists. Where the run again leaves the path (round-off on a chaotic
---- orbit), it goes on from the last row that it reached.
+--- The integrals of f (r values) from the first row to every row: r lists. Where the run again
+-- leaves the path (round-off on a chaotic orbit), it goes on from the last row that it reached.
 function M.along(path, system, f, r)
   local d, rows = system.Q.dimension, #path
   local given = path.solver
-  local solver = extended(system, f, r):solver { rule = given and given.rule or path.rule, h = path.h,
+  local solver = extended(system, f, r):solver {
+    rule = given and given.rule or path.rule, h = path.h,
     newton = given and { tolerance = given.tolerance, max_iterations = given.max_iterations } }
   local every, out, first, most = spacing(path), {}, 1, rows
   for i = 1, r do out[i] = { 0 } end

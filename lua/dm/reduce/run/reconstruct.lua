@@ -1,22 +1,27 @@
---- Back from the shape: the group variable along a path of a reduced system, its phases, holonomy of a loop of shapes.
+--- Back from the shape: the group variable along a path of a reduced system, its phases, holonomy
+-- of a loop of shapes.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local integral = require "dm.reduce.integral"
-local model = require "dm.reduce.model"
+local integral = require "dm.reduce.run.integral"
+local model = require "dm.reduce.routh.model"
 local routh = require "dm.reduce.routh"
-local shape_of = require "dm.reduce.shape"
+local shape_of = require "dm.reduce.routh.shape"
 
 local M = {}
 
 local function info_of(path, what)
   local info = routh.info(path.system)
   if not info then error(what .. " is for a path of a reduced system (system:routh)", 0) end
-  if path.watched then error(what .. " needs q and p, but this run recorded only what it watched", 0) end
+  if path.watched then
+    error(what .. " needs q and p, but this run recorded only what it watched", 0)
+  end
   return info
 end
 
 local function check_keys(options, known, what)
-  if type(options) ~= "table" then error(("%s takes a table of options (got %s)"):format(what, type(options)), 0) end
+  if type(options) ~= "table" then
+    error(("%s takes a table of options (got %s)"):format(what, type(options)), 0)
+  end
   for key in pairs(options) do
     if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
   end
@@ -64,13 +69,15 @@ end
 M.reconstruct = blame.caller(function(path, options)
   options = options or {}
   check_keys(options, { theta = true }, "path:reconstruct")
-  local D = require "dm.reduce.del".of(path.system)
-  if D then return require "dm.reduce.del".reconstruct(D, path, shape_of.theta_list(D.info, options.theta)) end
+  local del = require "dm.reduce.discrete.del"
+  local D = del.of(path.system)
+  if D then return del.reconstruct(D, path, shape_of.theta_list(D.info, options.theta)) end
   local info = info_of(path, "path:reconstruct")
   local theta = group_along(path, info, shape_of.theta_list(info, options.theta))
   local columns = columns_of(path, info, theta)
   if info.ambient then columns = ambient_columns(columns, info) end
-  return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h, rule = path.rule, steps = path.steps,
+  return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h,
+    rule = path.rule, steps = path.steps,
     columns = columns }
 end)
 
@@ -79,7 +86,8 @@ local phases_class = { __name = "dm.phases" }
 function phases_class.__tostring(p)
   local last, out = #p.total, {}
   for a = 1, #p.total[last] do
-    out[a] = ("%.9g = %.9g dynamic + %.9g geometric"):format(p.total[last][a], p.dynamic[last][a], p.geometric[last][a])
+    out[a] = ("%.9g = %.9g dynamic + %.9g geometric")
+      :format(p.total[last][a], p.dynamic[last][a], p.geometric[last][a])
   end
   return ("phases of %d rows; the group has come %s"):format(last, table.concat(out, "; "))
 end
@@ -102,7 +110,8 @@ M.phases = blame.caller(function(path)
       geometric[i][a] = both[a][i] - both[info.m + a][i]
     end
   end
-  return setmetatable({ total = core.matrix(total), dynamic = core.matrix(dynamic), geometric = core.matrix(geometric) }, phases_class)
+  return setmetatable({ total = core.matrix(total), dynamic = core.matrix(dynamic),
+    geometric = core.matrix(geometric) }, phases_class)
 end)
 
 -- the ends of a loop are the same shape; angles, on dm.T(n), up to whole turns
@@ -111,7 +120,8 @@ local function check_closed(shape, gap)
   for j = 1, #gap do turned[j] = gap[j] - 2 * math.pi * math.floor(gap[j] / (2 * math.pi) + 0.5) end
   if rest <= 1e-9 or shape.Q.name == "T" and turned:norm() <= 1e-9 then return end
   error(("holonomy: the loop does not close: its ends are %.3g apart%s"):format(rest,
-    turned:norm() <= 1e-9 and ", whole turns; with Q = dm.T(n) coordinates are angles and a turn is a loop" or ""), 0)
+    turned:norm() <= 1e-9
+      and ", whole turns; with Q = dm.T(n) coordinates are angles and a turn is a loop" or ""), 0)
 end
 
 local LOOP = "%s must give a shape, %d number%s (got %s)"
@@ -120,10 +130,15 @@ M.holonomy = blame.caller(function(shape, loop, options)
   local info = routh.need(shape, "holonomy")
   options = options or {}
   check_keys(options, { t = true, steps = true }, "shape:holonomy")
-  if type(loop) ~= "function" then error("holonomy: the loop must be a function of one number from 0 to 1", 0) end
+  if type(loop) ~= "function" then
+    error("holonomy: the loop must be a function of one number from 0 to 1", 0)
+  end
   local steps, t = options.steps or 256, options.t or 0
-  if math.type(steps) ~= "integer" or steps < 2 then error("holonomy: 'steps' must be a whole number from 2 on", 0) end
-  local curve = core.trace(function(s) return shape_of.numbers("holonomy: the loop", loop(s), info.d, LOOP) end, "number")
+  if math.type(steps) ~= "integer" or steps < 2 then
+    error("holonomy: 'steps' must be a whole number from 2 on", 0)
+  end
+  local function point(s) return shape_of.numbers("holonomy: the loop", loop(s), info.d, LOOP) end
+  local curve = core.trace(point, "number")
   check_closed(shape, curve(1) - curve(0))
   local sum = {}
   for a = 1, info.m do sum[a] = 0 end

@@ -1,20 +1,23 @@
---- The reduced symplectic partitioned Runge-Kutta step as it is written down (Leok 2.5.14), with the connection and the magnetic form: in
--- x, s = p - mu A, with the Routhian R^ = R - B . x', B = mu A, beta = dB,
+--- The reduced symplectic partitioned Runge-Kutta step as it is written down (Leok 2.5.14), with
+-- the connection and the magnetic form: in x, s = p - mu A, with the Routhian R^ = R - B . x', B =
+-- mu A, beta = dB,
 --   S_i = R^_x'(X_i, X'_i),  S'_i = R^_x - i_X'i beta,  X_i = x0 + h sum a_ij X'_j,
 --   S_i = s0 + h sum A_ij (S'_j + dB(X_j) X'_j) - (B(X_i) - B(x0)),
 --   x1 = x0 + h sum b_j X'_j,  s1 = s0 + h sum b_j (S'_j + dB(X_j) X'_j) - (B(x1) - B(x0)).
--- It is the classical Routhian's step moved by B, which is what shape:solver takes; here is the thing itself, to check that.
+-- It is the classical Routhian's step moved by B, which is what shape:solver takes; here is the
+-- thing itself, to check that.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
-local model = require "dm.reduce.model"
+local model = require "dm.reduce.routh.model"
 local routh = require "dm.reduce.routh"
-local tableau = require "dm.reduce.tableau"
+local tableau = require "dm.reduce.discrete.tableau"
 
 local M = {}
 
--- B, dB (rows: component, columns: direction), beta and the slopes of R^, each of numbers or symbols
+-- B, dB (rows: component, columns: direction), beta and the slopes of R^, each of numbers or
+-- symbols
 local function ingredients(info, beta)
   local d = info.d
   local B = core.trace(function(x)
@@ -25,7 +28,8 @@ local function ingredients(info, beta)
     end
     return core.vector(out)
   end, d)
-  local slope = core.derivative(function(x, u) return model.routhian(info, x, u, 0) - B(x):dot(u) end, d, d)
+  local function magnetic(x, u) return model.routhian(info, x, u, 0) - B(x):dot(u) end
+  local slope = core.derivative(magnetic, d, d)
   local dB = core.derivative(function(x) return B(x) end, d)
   local function exact(x)
     local J, out = dB(x), {}
@@ -113,8 +117,8 @@ M.rsprk = blame.caller(function(shape, options)
   if type(options) ~= "table" or type(options.h) ~= "number" or not (options.h > 0) then
     error("shape:rsprk takes a table { rule = \"gauss(2)\", h = a step > 0 }", 0)
   end
-  routh.untied(info, "rsprk")
-  routh.steady(info, "rsprk")
+  routh.need_free(info, "rsprk")
+  routh.need_autonomous(info, "rsprk")
   local a, A, b = tableau.read(options)
   local k = ingredients(info, options.beta)
   local d, s = info.d, #b
