@@ -2,15 +2,19 @@
 return {
   -- calls of a kernel object: object, symbol, why
   calls = {
-    { "ensemble", "pthread_create", "members of an ensemble are shared out to threads" },
-    { "ensemble", "pthread_join", "and waited for" },
-    { "code_memory", "mmap", "native code lives in pages of its own" },
-    { "code_memory", "mprotect", "which are written first, then executed" },
-    { "code_memory", "munmap", "and given back" },
+    { "run/ensemble/ensemble", "pthread_create", "members of an ensemble are shared out to threads" },
+    { "run/ensemble/ensemble", "pthread_join", "and waited for" },
+    { "code/native/code_memory", "mmap", "native code lives in pages of its own" },
+    { "code/native/code_memory", "mprotect", "which are written first, then executed" },
+    { "code/native/code_memory", "munmap", "and given back" },
   },
   -- functions over the limit: file, name, lines, why
   functions = {
     { "src/code/tape/tape.c", "engine", 76, "the loop of the tape: one label per operation" },
+  },
+  -- files over the limit of length: file, lines, why
+  files = {
+    { "src/integ/stage/stage_inside.h", 260, "the one struct of the stage solver" },
   },
   -- examples without a chart of rules: name, why
   charts = {
@@ -20,5 +24,25 @@ return {
     elastica = "a variational problem in invariants, stepped by dm.invariant_problem",
     schwarzian = "a variational problem in invariants, stepped by dm.invariant_problem",
     space_elastica = "a variational problem in invariants, stepped by dm.invariant_problem",
+  },
+  -- types of one name: file, name, why
+  types = {
+    { "src/integ/method/hamilton_inside.h", "dm_splitting", "splits L in parts; the other one is a table of kicks" },
+    { "src/bind/ensemble/bind_ensemble.h", "dml_part", "a share of the members; the other one is a term of L" },
+  },
+  -- decisions by the name of a rule or a group: file, names, why
+  decisions = {
+    { "lua/dm/action/init.lua", "R", "to become a field of its kit" },
+    { "lua/dm/action/points.lua", "Heisenberg R S SE SO T", "to become fields of their kits" },
+    { "lua/dm/action/standard.lua", "GL Heisenberg R SE SL SO Sp T", "to become fields of their kits" },
+    { "lua/dm/reduce/discrete.lua", "midpoint trapezoidal", "rules that make an Ld of L by themselves" },
+    { "lua/dm/reduce/path.lua", "T", "which coordinates are angles" },
+    { "lua/dm/reduce/routh.lua", "T", "which coordinates are angles" },
+    { "lua/dm/reduce/section.lua", "GL Heisenberg SE SL SO Sp", "which groups are abelian" },
+    { "lua/dm/reduce/solver.lua", "rk4 rk8 rk8pd rkf45", "which rules are explicit" },
+    { "lua/dm/reduce/tableau.lua", "lobatto", "which rules have nodes at the ends" },
+    { "src/bind/rule/bind_curve.c", "curve", "its data are a curve" },
+    { "src/bind/rule/bind_discrete.c", "midpoint trapezoidal", "rules that make an Ld of L by themselves" },
+    { "src/bind/rule/discrete_rule.c", "del galerkin", "rules of a discrete Lagrangian" },
   },
 }

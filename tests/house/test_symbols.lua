@@ -2,6 +2,7 @@
 -- knows Lua.  What they export is named dm_, what the bindings export dml_.
 package.path = "tests/house/?.lua;" .. package.path
 local house = require "house"
+local tree = require "tree"
 
 -- calls that the kernels may make besides each other and besides GSL
 local allowed = {}
@@ -17,31 +18,35 @@ for name in ([[
 local exceptions = {}
 for _, row in ipairs(require "exceptions".calls) do exceptions[row[1] .. " " .. row[2]] = row[3] end
 
-local library = house.build .. "/libdm.a"
-local defined = {}
-for _, line in ipairs(house.lines("nm -g --defined-only " .. library)) do
-  local name = line:match "^%x+ %u (%S+)$"
-  if name then defined[name] = true end
+local rows = tree.symbols(".", house.build)
+local function room(row) return row[1]:match "^[^/]+" end
+local function kernel(row) return room(row) ~= "bind" and room(row) ~= "cli" end
+
+local defined, n_defined = {}, 0
+for _, row in ipairs(rows) do
+  if kernel(row) and not tree.asks(row) then defined[row[3]], n_defined = true, n_defined + 1 end
 end
 
-local calls, object, used = {}, "", {}
-for _, line in ipairs(house.lines("nm -u " .. library)) do
-  object = line:match "^(%S+)%.o:$" or object
-  local name = line:match "^%s+[Uw] (%S+)$"
-  if name and not defined[name] and not allowed[name] and not name:find "^gsl_" and not name:find "^__%w*san_" then
+local calls, used = {}, {}
+for _, row in ipairs(rows) do
+  local object, name = row[1], row[3]
+  if kernel(row) and tree.asks(row) and not defined[name] and not allowed[name] and not name:find "^gsl_"
+    and not name:find "^__%w*san_" then
     local key = object .. " " .. name
     used[key] = true
     if not exceptions[key] then calls[#calls + 1] = object .. ".c calls " .. name end
   end
 end
 
-local function misnamed(files, ...)
+-- what is exported is named with a prefix of its floor
+local function misnamed(which, ...)
   local list = {}
-  for _, line in ipairs(house.lines("nm -g --defined-only " .. files)) do
-    local name = line:match "^%x+ %u (%S+)$"
-    local fine = not name or name:find "^__" or name == "main"
-    for _, prefix in ipairs { ... } do fine = fine or name:find("^" .. prefix) end
-    if not fine then list[#list + 1] = name end
+  for _, row in ipairs(rows) do
+    if which(row) and row[2]:find "%u" and not tree.asks(row) then
+      local fine = row[3]:find "^__" or row[3] == "main"
+      for _, prefix in ipairs { ... } do fine = fine or row[3]:find("^" .. prefix) end
+      if not fine then list[#list + 1] = ("%s of %s.c"):format(row[3], row[1]) end
+    end
   end
   return list
 end
@@ -50,11 +55,11 @@ local unused = {}
 for key, why in pairs(exceptions) do
   if not used[key] then unused[#unused + 1] = key .. ": " .. why end
 end
-house.check("there is a library to look at", next(defined) and {} or { library })
+house.check("there are objects to look at", n_defined > 300 and {} or { n_defined .. " symbols" })
 if house.under == "" then
   house.check("the kernels allocate, print, exit, jump and know Lua nowhere", calls)
   house.check("every exception to that is needed", unused)
 end
-house.check("the kernels export only dm_ names", misnamed(library, "dm_"))
-house.check("the bindings export only dml_ names", misnamed(house.build .. "/bind/*.o", "dml_", "DML_", "luaopen_dm"))
+house.check("the kernels export only dm_ names", misnamed(kernel, "dm_"))
+house.check("the bindings export only dml_ names", misnamed(function(row) return not kernel(row) end, "dml_", "DML_", "luaopen_dm"))
 house.finish()

@@ -1,0 +1,43 @@
+-- The floors of the house, from the ground up: a folder asks only folders that stand before it here, by the
+-- symbols of the objects and by #include (C), by require (Lua). So there is no cycle, neither between folders
+-- nor between the rooms of the first level with all that is in them. A new folder gets its place here.
+local floors = {}
+
+floors.src = {
+  "base", "numbers", "linalg", "linalg/solve", "graph", "algebra",
+  "code", "code/implicit", "code/tape", "code/native", "code/loops",
+  "geom", "geom/action", "chain", "mech",
+  -- kept free: dec, field
+  "integ/method", "integ/split", "integ/constrained", "integ/stage/sweep", "integ/stage/lanes", "integ/stage",
+  "integ/rules", "integ/curve", "integ",
+  -- kept free: integ/lie, integ/sem (below integ)
+  "run", "run/ensemble",
+  -- kept free: mpi
+  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/rule", "bind/run", "bind/ensemble", "bind",
+  "cli",
+}
+
+-- kept free: dec, connection (above group), sweep (above measure)
+floors.lua = {
+  "base", "group", "action", "frame", "show", "show/animate", "data", "chart", "measure", "stability", "reduce",
+  "scene", "demos", "session",
+}
+
+-- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed fails.
+floors.up = {
+  { "include", "numbers", "graph", "functions.h names the type of an operation" },
+  { "include", "algebra", "code", "implicit.h names the type of a kernel" },
+  { "include", "chain", "mech", "sums of a model name the model" },
+  { "include", "integ/method", "integ/stage", "the row of a method holds its stages" },
+  { "include", "integ/constrained", "integ/stage", "a constrained step is a stage step with multipliers" },
+  { "include", "integ/stage/sweep", "integ/stage", "a sweep is over the stages of a step" },
+  { "include", "integ/stage/lanes", "integ/stage", "lanes are of the stages of a step" },
+  { "include", "bind/core", "bind", "the list of classes stands above the rooms that it lists" },
+  { "include", "bind/core", "bind/value", "the state of the bindings holds values" },
+  { "include", "bind/core", "bind/model", "a missing key is looked for among the parameters" },
+  { "include", "bind/value", "bind/trace", "a symbol knows its trace" },
+  { "include", "bind/trace", "bind/model", "a trace is asked for by a system" },
+  { "include", "bind/model", "bind/run", "parameters of a model reach a run" },
+}
+
+return floors
