@@ -19,8 +19,8 @@ floors.src = {
 
 -- kept free: dec, connection (above group), sweep (above measure)
 floors.lua = {
-  "base", "group", "action", "frame", "show", "show/animate", "data", "chart", "measure", "stability", "reduce",
-  "scene", "demos", "session",
+  "base", "group", "action", "frame", "show", "show/animate", "data", "chart", "measure", "stability",
+  "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos", "session",
 }
 
 -- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed fails.
