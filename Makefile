@@ -3,6 +3,7 @@ B = build
 CC ?= cc
 CFLAGS ?= -O2 -g
 READLINE = yes
+READLINE_LIBS = -lreadline
 PREFIX = /usr/local
 DESTDIR =
 WARN = -std=c17 -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Werror
@@ -58,7 +59,7 @@ $(B)/libdm.a: $(call objects,$(KERNEL))
 # the interpreter looks for ../lua and ../../lua beside its own folder
 $(B)/dmlua: $(call objects,$(CLI) $(BIND)) $(B)/libdm.a
 	@[ -e $(B)/../lua/dm ] || [ -e $(B)/../../lua/dm ] || ln -sfn $(CURDIR)/lua $(B)/../lua
-	$(call say,link,$@)$(CC) $(CFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),-lreadline) -lm
+	$(call say,link,$@)$(CC) $(CFLAGS) -rdynamic -o $@ $^ $(LUA_LIBS) $(GSL_LIBS) $(if $(filter yes,$(READLINE)),$(READLINE_LIBS)) -lm
 # for a stock lua5.4, which brings the lua_ functions itself
 $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)

@@ -12,6 +12,7 @@
 
 /* ---- choosing ---- */
 
+#ifdef __x86_64__
 /* sums over stages are fused where sweep.c has them so for one member */
 static int is_fused(const dm_stage *g) {
     const uint32_t width = g->sweeps.row->width;
@@ -20,16 +21,17 @@ static int is_fused(const dm_stage *g) {
 }
 
 static dm_stage_lanes_step *choose_step(const dm_stage *g, uint32_t lanes) {
-#ifdef __x86_64__
     if (g->pushes.memory) return lanes == 8 ? dm_stage_push_avx512 : dm_stage_push_avx;
     if (!g->sweeps.row) return lanes == 8 ? dm_stage_newton_avx512 : dm_stage_newton_avx;
     if (lanes == 8) return is_fused(g) ? dm_stage_sweep_avx512 : dm_stage_sweep_avx512_plain;
     return is_fused(g) ? dm_stage_sweep_fma : dm_stage_sweep_avx;
+}
 #else
+static dm_stage_lanes_step *choose_step(const dm_stage *g, uint32_t lanes) {
     (void)g, (void)lanes;
     return NULL;
-#endif
 }
+#endif
 
 /* the stage's own graph, which was compacted, as it stands */
 static int build_curves(dm_stage_lanes *w, const dm_stage *g, uint32_t lanes) {
