@@ -3,23 +3,59 @@
 #include "bind/core/bind.h"
 #include "bind/core/missing_key.h"
 
-/* method(tname, name, f, doc): also for classes whose methods are all in Lua */
-static int add_method(lua_State *L) {
-    const char *tname = luaL_checkstring(L, 1), *name = luaL_checkstring(L, 2);
+/* Push the metatable of the class at 1 and its methods. */
+static void push_class(lua_State *L) {
+    const char *name = luaL_checkstring(L, 1);
+    if (luaL_getmetatable(L, name) != LUA_TTABLE || lua_getfield(L, -1, "methods") != LUA_TTABLE)
+        luaL_error(L,
+                   "unknown class '%s': give the name that tostring and help use, for instance "
+                   "\"dm.path\"",
+                   name);
+}
+
+static int begin_class(lua_State *L) {
+    luaL_checktype(L, 1, LUA_TTABLE);
+    luaL_checkstring(L, 2);
+    lua_settop(L, 2);
+    lua_getfield(L, 1, "__name");
+    const char *name = luaL_checkstring(L, -1);
+    dml_setdoc(L, -1, lua_tostring(L, 2));
+    lua_pushvalue(L, 1);
+    if (lua_getfield(L, 1, "__index") == LUA_TNIL) {
+        lua_pop(L, 1);
+        dml_setindex(L, name, NULL);
+    } else {
+        lua_pop(L, 1);
+        luaL_getsubtable(L, -1, "methods");
+        lua_pop(L, 1);
+    }
+    lua_pushvalue(L, -1);
+    lua_setfield(L, LUA_REGISTRYINDEX, name);
+    return 1;
+}
+
+static void set_method(lua_State *L, int methods) {
     luaL_checktype(L, 3, LUA_TFUNCTION);
-    luaL_checkstring(L, 4);
-    if (luaL_getmetatable(L, tname) != LUA_TTABLE || lua_getfield(L, -1, "methods") != LUA_TTABLE)
-        return luaL_error(L,
-                          "unknown class '%s': give the name that tostring and help use, "
-                          "for instance \"dm.path\"",
-                          tname);
+    const char *doc = luaL_checkstring(L, 4);
+    lua_pushvalue(L, 2);
     lua_pushvalue(L, 3);
-    lua_setfield(L, -2, name);
+    lua_settable(L, methods);
+    dml_setdoc(L, 3, doc);
+}
+
+/* the function that the class has for the name, and its doc */
+static int method_of_class(lua_State *L) {
+    luaL_checkstring(L, 2);
+    lua_settop(L, 4);
+    push_class(L);
+    const int methods = lua_gettop(L);
+    if (!lua_isnil(L, 3)) set_method(L, methods);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
-    lua_pushvalue(L, 3);
-    lua_pushvalue(L, 4);
-    lua_rawset(L, -3);
-    return 0;
+    lua_pushvalue(L, 2);
+    lua_gettable(L, methods);
+    lua_pushvalue(L, -1);
+    lua_rawget(L, -3);
+    return 2;
 }
 
 static int until_stop(lua_State *L) {
@@ -41,34 +77,42 @@ static int make_result(lua_State *L) {
 static const dml_row functions[] =
     {{"result", make_result,
       "core.result(t) -> t\n"
-      "The table t as what a method returns: print(t) and tostring(t) show its entries, "
-      "in "
-      "scripts as in a session."},
-     {"method", add_method,
-      "core.method(class, name, f, doc)\n"
-      "Add the Lua function f as method `name` to a class (\"dm.path\"); doc: signature "
-      "line, "
-      "then shapes, units, errors. Raises on an unknown class."},
+      "The table t as what a method returns: print(t) and tostring(t) show its entries, in scripts "
+      "as in a session."},
+     {"class", begin_class,
+      "core.class(metatable, doc) -> metatable\n"
+      "Begin a class whose objects are Lua tables with this metatable: its __name is the name, "
+      "metatable.methods its methods (core.method adds to them). Without an __index of its own it "
+      "gets the one of all classes, which looks among the methods."},
+     {"method", method_of_class,
+      "core.method(class, name [, f, doc]) -> function, doc\n"
+      "The method `name` of a class (\"dm.path\"), nil where it has none. With f and doc "
+      "(signature line, then shapes, units, errors) f is that method from now on. Raises on an "
+      "unknown class."},
      {"until_stop", until_stop,
       "core.until_stop(f, ...) -> true, results   or   false, error\n"
-      "pcall for what has something to show when Ctrl-C ends it: the only one of our "
-      "modules that keeps this error."},
+      "pcall for what has something to show when Ctrl-C ends it: the only one of our modules that "
+      "keeps this error."},
      {"miss", dml_core_miss,
       "core.miss(class, key [, names])\n"
-      "Note that class has no such key, for the message of an error on the same line; "
-      "called from the __index of a class in Lua; names: a table with the keys there are, "
-      "where methods and docs do not say."},
+      "Note that class has no such key, for the message of an error on the same line; called from "
+      "the __index of a class in Lua; names: a table with the keys there are, where methods and "
+      "docs do not say."},
      {"nearest", dml_core_nearest,
       "core.nearest(word, names) -> name or nil\n"
       "The name of the list that is spelt most like the word, nil when none is near."},
      {NULL, NULL, NULL}};
+
+#define X(name) extern const dml_class dml_class_##name;
+#include "bind/classes.def"
+#undef X
 
 int luaopen_dm_core(lua_State *L) {
     lua_newtable(L);
     dml_setfunctions(L, functions);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
     lua_setfield(L, -2, "docs");
-#define X(name) dml_open_##name(L);
+#define X(name) dml_register(L, &dml_class_##name);
 #include "bind/classes.def"
 #undef X
     return 1;

@@ -1,8 +1,8 @@
 /* call.c - protected calls, Ctrl-C, messages. */
 #include "cli/call.h"
 
-#include "bind/core/missing_key.h"
 #include "bind/core/bind_terminal.h"
+#include "bind/core/missing_key.h"
 
 #include <signal.h>
 #include <stdio.h>

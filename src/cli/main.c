@@ -73,8 +73,7 @@ static int do_options(lua_State *L, char **argv, int n) {
 }
 
 static int do_init(lua_State *L) {
-    const char *name = "="
-                       "LUA_INIT" LUA_VERSUFFIX;
+    const char *name = "=LUA_INIT" LUA_VERSUFFIX;
     const char *init = getenv(name + 1);
     if (!init) init = getenv((name = "=LUA_INIT") + 1);
     if (!init) return LUA_OK;

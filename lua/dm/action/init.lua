@@ -13,18 +13,10 @@ local image, point, show = points.image, points.point, points.show
 
 ---- the class ----
 
-local class = { __name = "dm.action", methods = {} }
-debug.getregistry()["dm.action"] = class
-core.docs["dm.action"] = [[
+local class = core.class({ __name = "dm.action" }, [[
 dm.action: an action of a group on a space, made by dm.action{group=, on=, map=, side=, domain=, name=}
 fields: group, on, map, side, domain, name, dimension (numbers of a point); of a joint or prolonged action base, and points (how
-many); act(g, z) is the moved point.]]
-
-function class.__index(action, key)
-  local found = class.methods[key] or rawget(action, key)
-  if found == nil then core.miss("dm.action", key) end
-  return found
-end
+many); act(g, z) is the moved point.]])
 
 function class.__tostring(a)
   local text = ("%s action of %s on %s"):format(a.side, tostring(a.group), tostring(a.on))

@@ -6,17 +6,13 @@ local M = {}
 
 --- Make a class known; methods: the names of those functions of its metatable that have docs.
 function M.register(metatable, methods, doc)
-  local list = {}
+  core.class({ __name = metatable.__name }, doc)
   for _, name in ipairs(methods) do
     local f = metatable[name]
-    if not blame.is_caller(f) then  -- errors name the caller of every method
-      metatable[name] = blame.caller(f)
-      core.docs[metatable[name]] = core.docs[f]
-    end
-    list[name] = metatable[name]
+    local doc_of_f = core.docs[f]
+    if not blame.is_caller(f) then metatable[name] = blame.caller(f) end  -- errors name the caller of every method
+    core.method(metatable.__name, name, metatable[name], doc_of_f)
   end
-  debug.getregistry()[metatable.__name] = { methods = list }
-  core.docs[metatable.__name] = doc
 end
 
 return M

@@ -15,17 +15,10 @@ local text = require "dm.frame.text"
 local M = {}
 local point, split, flat = points.point, points.split, points.flat
 
-local class = { __name = "dm.frame", methods = {} }
-debug.getregistry()["dm.frame"] = class
-function class.__index(frame, key)
-  local found = class.methods[key] or rawget(frame, key)
-  if found == nil then core.miss("dm.frame", key) end
-  return found
-end
-class.__tostring = text.describe
-core.docs["dm.frame"] = [[
+local class = core.class({ __name = "dm.frame" }, [[
 dm.frame: a moving frame, made by dm.moving_frame{action=, points=, cross_section=}
-fields: action, group, points, cross_section, branch, solution, name; rho(z1, ..., zk) is the group element.]]
+fields: action, group, points, cross_section, branch, solution, name; rho(z1, ..., zk) is the group element.]])
+class.__tostring = text.describe
 
 function M.is_frame(x) return type(x) == "table" and getmetatable(x) == class end
 local function method(name, f, doc) core.method("dm.frame", name, blame.caller(f), doc) end

@@ -12,16 +12,9 @@ local starts = require "dm.frame.invariant_start"
 
 local M = {}
 
-local class = { __name = "dm.invariant_problem", methods = {} }
-debug.getregistry()["dm.invariant_problem"] = class
-function class.__index(p, key)
-  local found = class.methods[key] or rawget(p, key)
-  if found == nil then core.miss("dm.invariant_problem", key) end
-  return found
-end
-core.docs["dm.invariant_problem"] = [[
+local class = core.class({ __name = "dm.invariant_problem" }, [[
 dm.invariant_problem: a variational problem in invariants of an action, made by dm.invariant_problem{frame=, L=}
-fields: frame, action, group, N (points of L), constraints (how many)]]
+fields: frame, action, group, N (points of L), constraints (how many)]])
 local function method(name, f, doc) core.method("dm.invariant_problem", name, blame.caller(f), doc) end
 
 local KNOWN = { action = true, frame = true, L = true, points = true, invariants = true, constraint = true, inside = true,
@@ -220,14 +213,10 @@ end
 
 ---- solving ----
 
-local Curve = { __name = "dm.invariant_curve", methods = {} }
-Curve.__index = Curve
-setmetatable(Curve, { __index = function(_, key) core.miss("dm.invariant_curve", key) end })
-debug.getregistry()["dm.invariant_curve"] = Curve
-core.docs["dm.invariant_curve"] = [[
+local Curve = core.class({ __name = "dm.invariant_curve" }, [[
 dm.invariant_curve: a sequence of points, from problem:solve or problem:boundary
 fields: points (dm.matrix, a row each), invariants (vectors by name), multiplier, first_site, frame (the last group element), form; iterations, residual (of
-problem:boundary); #curve is the number of points.]]
+problem:boundary); #curve is the number of points.]])
 M.Curve = Curve
 function Curve.__tostring(c)
   return ("curve of %d points%s"):format(#c.points, c.form and (", by the form of " .. c.form) or "")

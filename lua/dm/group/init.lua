@@ -292,8 +292,8 @@ Is g an element: of the right shape, finite, and on the group to 1e-9?]==])
 
 -- the method `momentum` of a class, which asks `other` when its argument is a dm.action
 local function also_of_actions(class, other, signature)
-  local momentum = debug.getregistry()[class].methods.momentum
-  local doc = core.docs[momentum]:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
+  local momentum, doc = core.method(class, "momentum")
+  doc = doc:gsub("^([^\n]*)\n", "%1   or   " .. signature .. "\n", 1)
   core.method(class, "momentum", blame.relay(function(object, action, ...)
     if type(action) == "string" then
       error("momentum: of what? a group, such as dm.SO(2), a dm.action, or a function (got a string)", 0)

@@ -6,18 +6,11 @@ local kits = require "dm.group.kit"
 
 local M = {}
 
-local class = { __name = "dm.section", methods = {} }
-debug.getregistry()["dm.section"] = class
-core.docs["dm.section"] = [[
+local class = core.class({ __name = "dm.section" }, [[
 dm.section: the crossings of a surface by one run or several, made by solver:section{g=, ...}
 fields: orbits (each {x, y, t, path, failure}: vectors with a number for each crossing), count (of
-all crossings), failures (how many runs ended early), xlabel, ylabel; #section orbits.]]
+all crossings), failures (how many runs ended early), xlabel, ylabel; #section orbits.]])
 
-function class.__index(section, key)
-  local found = class.methods[key]
-  if found == nil then core.miss("dm.section", key) end
-  return found
-end
 function class.__len(section) return #section.orbits end
 function class.__tostring(section)
   local orbits, count, failed = #section.orbits, section.count, section.failures

@@ -150,11 +150,7 @@ two shapes, a series { x =, y =, name = } for each entry against the coordinate 
 dm.plot(shape:slice("curvature", { from = a, to = b }), { file = "curvature.png" }).]])
 
 -- rsprk(rule) is one more name of a rule, of reduced systems
-local solver, run
-for f, doc in pairs(core.docs) do
-  if type(f) == "function" and doc:find("system:solver{", 1, true) == 1 then solver = f end
-  if type(f) == "function" and doc:find("solver:run{", 1, true) == 1 then run = f end
-end
+local solver, solver_doc = core.method("dm.system", "solver")
 
 local function of_rule(system, options)
   local rule = type(options) == "table" and options.rule
@@ -164,10 +160,12 @@ local function of_rule(system, options)
   return solver(system, options)
 end
 
-core.method("dm.system", "solver", blame.relay(of_rule, "solver"), core.docs[solver] .. [[
+core.method("dm.system", "solver", blame.relay(of_rule, "solver"), solver_doc .. [[
 
 Of a reduced system (system:routh) also "rsprk(rule)", the reduced rule of Leok 2.5: the same steps
 as `rule`, whose p is s + mu A.]])
+
+local run, run_doc = core.method("dm.solver", "run")
 
 -- a run of a reduced system that fails says what of the reduction is in the way
 local function guarded(solver, options)
@@ -178,7 +176,7 @@ local function guarded(solver, options)
   return run(solver, options)
 end
 
-core.method("dm.solver", "run", blame.relay(guarded, "run"), core.docs[run] .. [[
+core.method("dm.solver", "run", blame.relay(guarded, "run"), run_doc .. [[
 
 A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes;
 also raised where a step jumped through such a shape), "pole" or "edge" of the coordinates. Jumps

@@ -1,7 +1,6 @@
 #include "bind/core/bind.h"
 
 #include "bind/core/missing_key.h"
-#include "bind/value/value.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -20,16 +19,21 @@ int dml_try(lua_State *L, int arguments, int results) {
 
 /* ---- classes ---- */
 
-void dml_setfunctions(lua_State *L, const dml_row *rows) {
+void dml_setdoc(lua_State *L, int at, const char *doc) {
+    at = lua_absindex(L, at);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
+    lua_pushvalue(L, at);
+    lua_pushstring(L, doc); /* nil for NULL */
+    lua_rawset(L, -3);
+    lua_pop(L, 1);
+}
+
+void dml_setfunctions(lua_State *L, const dml_row *rows) {
     for (; rows && rows->name; rows++) {
         lua_pushcfunction(L, rows->call);
-        lua_pushvalue(L, -1);
-        lua_setfield(L, -4, rows->name);
-        lua_pushstring(L, rows->doc); /* nil for a metamethod */
-        lua_rawset(L, -3);            /* docs[function] = doc */
+        dml_setdoc(L, -1, rows->doc);
+        lua_setfield(L, -2, rows->name);
     }
-    lua_pop(L, 1);
 }
 
 /* value.key: the class's own field function first (upvalue 2), then its methods
@@ -46,13 +50,6 @@ static int class_index(lua_State *L) {
     return 1;
 }
 
-static void set_doc(lua_State *L, const char *key, const char *doc) {
-    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
-    lua_pushstring(L, doc);
-    lua_setfield(L, -2, key);
-    lua_pop(L, 1);
-}
-
 /* __newindex of objects whose fields say what they are; tables of a class take what they are
  * given */
 static int refuse_field(lua_State *L) {
@@ -62,33 +59,43 @@ static int refuse_field(lua_State *L) {
                       luaL_tolstring(L, 2, NULL), class, class);
 }
 
-void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_row *meta,
-                  const dml_row *methods, lua_CFunction field) {
-    luaL_newmetatable(L, tname);
-    dml_setfunctions(L, meta);
+void dml_setindex(lua_State *L, const char *name, lua_CFunction field) {
     luaL_getsubtable(L, -1, "methods");
-    dml_setfunctions(L, methods);
     if (field)
         lua_pushcfunction(L, field);
     else
         lua_pushnil(L);
-    lua_pushstring(L, tname);
+    lua_pushstring(L, name);
     lua_pushcclosure(L, class_index, 3);
     lua_setfield(L, -2, "__index");
+}
+
+static void begin_class(lua_State *L, const dml_class *c) {
+    luaL_newmetatable(L, c->name);
+    dml_setfunctions(L, c->meta);
+    dml_setindex(L, c->name, c->field);
     if (lua_getfield(L, -1, "__newindex") == LUA_TNIL) {
-        lua_pushstring(L, tname);
+        lua_pushstring(L, c->name);
         lua_pushcclosure(L, refuse_field, 1);
         lua_setfield(L, -3, "__newindex");
     }
-    lua_pop(L, 2);
-    set_doc(L, tname, doc);
+    lua_pushstring(L, c->name);
+    dml_setdoc(L, -1, c->doc);
+    lua_pop(L, 3);
 }
 
-void dml_addmethods(lua_State *L, const char *tname, const dml_row *methods) {
-    luaL_getmetatable(L, tname);
+static void add_methods(lua_State *L, const char *class, const dml_row *methods) {
+    luaL_getmetatable(L, class);
     lua_getfield(L, -1, "methods");
     dml_setfunctions(L, methods);
     lua_pop(L, 2);
+}
+
+void dml_register(lua_State *L, const dml_class *c) {
+    if (c->name) begin_class(L, c), add_methods(L, c->name, c->methods);
+    for (const dml_extension *e = c->more; e && e->class; e++) add_methods(L, e->class, e->methods);
+    dml_setfunctions(L, c->functions);
+    if (c->open) c->open(L);
 }
 
 /* ---- the nearest word ---- */

@@ -17,18 +17,38 @@ typedef struct {
     const char *doc;
 } dml_row;
 
+/* Methods that a binding file gives to a class of another one. */
+typedef struct {
+    const char *class; /* NULL ends a list */
+    const dml_row *methods;
+} dml_extension;
+
+/* What a binding file adds to Lua, as the constant dml_class_<row of classes.def>; nothing else
+ * registers anything. NULL stands for what it has none of. */
+typedef struct {
+    const char *name;           /* "dm.path": a class begins here */
+    const char *doc;            /* of the class */
+    const dml_row *meta;        /* its metamethods, without docs */
+    const dml_row *methods;     /* Lua modules add to them with core.method */
+    lua_CFunction field;        /* asked for value.key first; declines by 0 results */
+    const dml_row *functions;   /* of dm itself */
+    const dml_extension *more;  /* of classes above it in classes.def */
+    void (*open)(lua_State *L); /* what rows cannot say; dm.core is on top before and after */
+} dml_class;
+
+/* Register it; dm.core is on top. */
+void dml_register(lua_State *L, const dml_class *c);
+
 /* Add `rows` (name = NULL ends it) to the table on top and file their docs under
  * registry.dm_docs[function]. */
 void dml_setfunctions(lua_State *L, const dml_row *rows);
 
-/* Register class `tname` ("dm.path"): its doc (dm_docs["dm.path"]), metamethods, methods.
- * value.key asks `field` first (may be NULL; returns 0 results to decline), then the
- * methods, to which Lua modules add with dm.core.method(tname, name, f, doc). */
-void dml_newclass(lua_State *L, const char *tname, const char *doc, const dml_row *meta,
-                  const dml_row *methods, lua_CFunction field);
+/* The doc of the value at `at`, a function or the name of a class; NULL: none. */
+void dml_setdoc(lua_State *L, int at, const char *doc);
 
-/* Add methods to a class that another file registered; the stack stays as it is. */
-void dml_addmethods(lua_State *L, const char *tname, const dml_row *methods);
+/* Give the metatable on top, of class `name`, what all classes have: methods, and an __index that
+ * asks `field` (or NULL) first, then the methods, and notes what is in neither. */
+void dml_setindex(lua_State *L, const char *name, lua_CFunction field);
 
 /* An arena owned by Lua: pushes a userdata that keeps its memory, which the collector takes
  * back. It comes from the allocator of the state: one that refuses is felt here too. */
@@ -62,11 +82,6 @@ extern volatile sig_atomic_t dml_raised;
 /* lua_pcall for what may fail: true when it did not. Ctrl-C, which may come between any two
  * instructions of Lua, and want of memory are passed on. */
 int dml_try(lua_State *L, int arguments, int results);
-
-/* One opener per binding file, listed in classes.def; each adds to the table on top. */
-#define X(name) void dml_open_##name(lua_State *L);
-#include "bind/classes.def"
-#undef X
 
 /* require "dm.core" */
 int luaopen_dm_core(lua_State *L);

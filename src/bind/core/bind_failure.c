@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static const char *const TNAME = "dm.failure";
+#define TNAME "dm.failure"
 
 static int failure_tostring(lua_State *L) {
     lua_getfield(L, 1, "message");
@@ -13,9 +13,8 @@ static int failure_tostring(lua_State *L) {
 /* constraints that lost rank */
 static void push_constraint(lua_State *L, const dml_failure *f) {
     lua_pushfstring(L,
-                    "%s %d depends on those before it there, or its reactions cannot "
-                    "hold it: a singular "
-                    "configuration of the constraints; start where it is not met, or "
+                    "%s %d depends on those before it there, or its reactions cannot hold it: a "
+                    "singular configuration of the constraints; start where it is not met, or "
                     "leave one out",
                     f->rolling ? "rolling constraint" : "constraint",
                     f->rolling ? f->rolling : f->constraint);
@@ -34,8 +33,7 @@ static void push_advice(lua_State *L, const dml_failure *f) {
             break;
         }
         lua_pushstring(L, "d2L/dv2 or the discrete d2Ld/dq0dq1 loses rank there: is L regular, are "
-                          "the "
-                          "coordinates good at this point?");
+                          "the coordinates good at this point?");
         break;
     case DM_NOT_FINITE:
         lua_pushfstring(L, "%s: try a smaller step (h = %f), or another start",
@@ -95,17 +93,14 @@ void dml_fail(lua_State *L, const dml_failure *f, int path) {
     lua_error(L);
 }
 
-void dml_open_failure(lua_State *L) {
-    luaL_newmetatable(L, TNAME);
-    lua_pushcfunction(L, failure_tostring);
-    lua_setfield(L, -2, "__tostring");
-    lua_pop(L, 1);
-    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
-    lua_pushstring(L, "dm.failure: raised when a computation fails; pcall returns it\n"
-                      "fields: code (\"no_convergence\", \"singular\", \"not_finite\", "
-                      "\"stopped\"), step, time, residual, "
-                      "iterations, rule, message, path (what was computed before); "
-                      "constraint or rolling: the number of the one that lost rank");
-    lua_setfield(L, -2, TNAME);
-    lua_pop(L, 1);
-}
+static const dml_row meta[] = {{"__tostring", failure_tostring, NULL}, {NULL, NULL, NULL}};
+
+const dml_class dml_class_failure = {
+    .name = TNAME,
+    .doc =
+        "dm.failure: raised when a computation fails; pcall returns it\n"
+        "fields: code (\"no_convergence\", \"singular\", \"not_finite\", \"stopped\"), step, time, "
+        "residual, iterations, rule, message, path (what was computed before); constraint or "
+        "rolling: the number of the one that lost rank",
+    .meta = meta,
+};

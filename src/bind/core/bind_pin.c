@@ -44,15 +44,15 @@ static int unpin(lua_State *L) {
 static const dml_row functions[] =
     {{"pin", pin,
       "dm.pin() -> string or nothing\n"
-      "Keep this thread on the core where it runs, so that measured times are of one "
-      "core; threads that it makes stay there, too. Returns "
-      "what dm.unpin takes to undo it; nothing where the system cannot."},
+      "Keep this thread on the core where it runs, so that measured times are of one core; threads "
+      "that it makes stay there, too. Returns what dm.unpin takes to undo it; nothing where the "
+      "system cannot."},
      {"unpin", unpin,
       "dm.unpin(before) -> boolean\n"
-      "Undo dm.pin(): `before` is what it returned. Whether it was done; nothing without "
-      "an argument."},
+      "Undo dm.pin(): `before` is what it returned. Whether it was done; nothing without an "
+      "argument."},
      {NULL, NULL, NULL}};
 
-void dml_open_pin(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_pin = {
+    .functions = functions,
+};

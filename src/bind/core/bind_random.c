@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const char *const TNAME = "dm.random";
+#define TNAME "dm.random"
 
 static uint64_t seed_of(lua_State *L) {
     return *(const uint64_t *)luaL_checkudata(L, 1, TNAME);
@@ -68,27 +68,27 @@ static const dml_row meta[] = {{"__tostring", random_tostring, NULL}, {NULL, NUL
 static const dml_row methods[] =
     {{"uniform", random_uniform,
       "random:uniform(i, k [, a, b]) -> number\n"
-      "Number k (0 to 2^32 - 1) of member i, uniform in (0, 1) or between a and b. The "
-      "same "
+      "Number k (0 to 2^32 - 1) of member i, uniform in (0, 1) or between a and b. The same "
       "arguments give the same number, in any order of asking."},
      {"normal", random_normal,
       "random:normal(i, k [, mean, deviation]) -> number\n"
-      "Number k (0 to 2^32 - 1) of member i, normal with that mean (0) and standard "
-      "deviation (1); independent of uniform(i, k)."},
+      "Number k (0 to 2^32 - 1) of member i, normal with that mean (0) and standard deviation (1); "
+      "independent of uniform(i, k)."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"random", random_new,
       "dm.random(seed) -> dm.random\n"
-      "Random numbers for starts of ensembles: r:uniform(i, k), r:normal(i, k) depend on "
-      "the "
-      "whole number `seed` and their place alone, not on what was asked before. "
-      "Philox4x32-10, Salmon et al. 2011."},
+      "Random numbers for starts of ensembles: r:uniform(i, k), r:normal(i, k) depend on the whole "
+      "number `seed` and their place alone, not on what was asked before. Philox4x32-10, Salmon et "
+      "al. 2011."},
      {NULL, NULL, NULL}};
 
-void dml_open_random(lua_State *L) {
-    dml_newclass(L, TNAME,
-                 "dm.random: random numbers by counting, made by dm.random(seed)\n"
-                 "field: seed",
-                 meta, methods, random_field);
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_random = {
+    .name = TNAME,
+    .doc = "dm.random: random numbers by counting, made by dm.random(seed)\n"
+           "field: seed",
+    .meta = meta,
+    .methods = methods,
+    .field = random_field,
+    .functions = functions,
+};

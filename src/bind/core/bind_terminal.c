@@ -145,20 +145,18 @@ static int load_now(lua_State *L) {
 static const dml_row functions[] =
     {{"terminal", describe,
       "dm.terminal([stream]) -> {tty, colour, width, height}\n"
-      "What \"stdout\" (the default), \"stderr\" or \"stdin\" is: a terminal or not, "
-      "whether to "
-      "write colours to it (the option --color, FORCE_COLOR, NO_COLOR), and the "
-      "characters of "
-      "a line and lines of the screen (80 and 24 when unknown)."},
+      "What \"stdout\" (the default), \"stderr\" or \"stdin\" is: a terminal or not, whether to "
+      "write colours to it (the option --color, FORCE_COLOR, NO_COLOR), and the characters of a "
+      "line and lines of the screen (80 and 24 when unknown)."},
      {"clock", clock_now,
       "dm.clock() -> number\n"
       "Seconds of a clock that never goes back; only differences mean something."},
      {"cpu", cpu_now, "dm.cpu() -> number\nSeconds of CPU time that the process has used."},
      {"load_average", load_now,
-      "dm.load_average() -> number\nLoad of the machine over the last minute, 0 where "
-      "the system does not tell."},
+      "dm.load_average() -> number\n"
+      "Load of the machine over the last minute, 0 where the system does not tell."},
      {NULL, NULL, NULL}};
 
-void dml_open_terminal(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_terminal = {
+    .functions = functions,
+};

@@ -1,4 +1,5 @@
-/* bind_terminal.h - what a program may know of the terminal it writes to, and the line of progress. */
+/* bind_terminal.h - what a program may know of the terminal it writes to, and the line of
+ * progress. */
 #ifndef DML_TERMINAL_H
 #define DML_TERMINAL_H
 

@@ -1,8 +1,6 @@
 /* missing_key.c - what was asked for last and is not there. */
 #include "bind/core/missing_key.h"
 
-#include "bind/model/model_params.h"
-
 /* registry.dm_missed: of, key, source, line and a table of names */
 static void push_note(lua_State *L) {
     luaL_checkstack(L, 6, NULL);
@@ -61,7 +59,7 @@ void dml_forget(lua_State *L) {
 /* ---- parameters ---- */
 
 /* the __index of a copy; upvalue: the table itself */
-static int missed_parameter(lua_State *L) {
+static int missing_parameter(lua_State *L) {
     lua_settop(L, 2);
     dml_miss(L, 1, "params", 2);
     note_names(L, lua_upvalueindex(1));
@@ -75,7 +73,7 @@ void dml_pushparams(lua_State *L, int table) {
     dml_pushcopy(L, table);
     lua_createtable(L, 0, 1);
     lua_pushvalue(L, table);
-    lua_pushcclosure(L, missed_parameter, 1);
+    lua_pushcclosure(L, missing_parameter, 1);
     lua_setfield(L, -2, "__index");
     lua_setmetatable(L, -2);
 }

@@ -1,8 +1,8 @@
 /* missing_key.h - what was asked for last and is not there. A field, method or index that does not
  * exist is nil, as in all of Lua, so that scripts can probe; the error that comes of the nil a
  * moment later names it, and the nearest name. */
-#ifndef DML_MISSED_H
-#define DML_MISSED_H
+#ifndef DML_MISSING_KEY_H
+#define DML_MISSING_KEY_H
 
 #include "bind/core/bind.h"
 

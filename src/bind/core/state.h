@@ -3,7 +3,8 @@
 #ifndef DML_STATE_H
 #define DML_STATE_H
 
-#include "bind/value/value.h"
+#include "bind/core/bind.h"
+#include "graph/graph.h"
 
 enum {
     DML_CLASS_VECTOR,

@@ -1,15 +1,13 @@
 /* bind_ensemble.c - the `dm.ensemble` that members of solver:ensemble{} end in: what can be
  * asked of it. */
-#include "bind/trace/backend.h"
 #include "bind/ensemble/bind_ensemble.h"
+#include "bind/trace/backend.h"
 #include "code/native/jit.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-const char *const DML_ENSEMBLE = "dm.ensemble";
 
 typedef dml_ensemble ensemble;
 
@@ -47,8 +45,8 @@ dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
         char size[24];
         snprintf(size, sizeof size, "%.3g GB", bytes * 1e-9);
         luaL_error(L,
-                   "%d members need %s, more than half of this machine's memory: run "
-                   "them in parts%s",
+                   "%d members need %s, more than half of this machine's memory: run them in "
+                   "parts%s",
                    (int)members, size,
                    rows->room ? ", or keep fewer rows with a larger 'every'" : "");
     }
@@ -93,7 +91,7 @@ static int push_steps(lua_State *L, const ensemble *e) {
 }
 
 /* steps of members that have their own, or the times that they lead to */
-static int push_pace(lua_State *L, const ensemble *e, int ends) {
+static int push_steps_of(lua_State *L, const ensemble *e, int ends) {
     double *out = dml_pushvector(L, (uint32_t)e->members);
     for (long i = 0; i < e->members; i++)
         out[i] = ends ? e->t0 + e->pace[i].h * (double)e->pace[i].steps : e->pace[i].h;
@@ -105,8 +103,8 @@ static int make_field(lua_State *L, const ensemble *e, const char *key) {
     if (strcmp(key, "p") == 0) return push_states(L, e, e->n);
     if (strcmp(key, "status") == 0) return push_status(L, e);
     if (strcmp(key, "steps") == 0) return push_steps(L, e);
-    if (strcmp(key, "h") == 0) return push_pace(L, e, 0);
-    if (strcmp(key, "t") == 0) return push_pace(L, e, 1);
+    if (strcmp(key, "h") == 0) return push_steps_of(L, e, 0);
+    if (strcmp(key, "t") == 0) return push_steps_of(L, e, 1);
     return 0;
 }
 
@@ -191,56 +189,42 @@ static const dml_row meta[] = {{"__len", ensemble_len, NULL},
 static const dml_row methods[] =
     {{"failures", ensemble_failures,
       "ensemble:failures() -> table of {member, code, step, message}\n"
-      "The members that did not reach the end, why (see dm.failure), and the step that "
-      "failed. Code \"no_start\": its parameters (vary=) leave no equations of motion, "
-      "a mass of zero for instance; the message says why."},
+      "The members that did not reach the end, why (see dm.failure), and the step that failed. "
+      "Code \"no_start\": its parameters (vary=) leave no equations of motion, a mass of zero for "
+      "instance; the message says why."},
      {"path", dml_ensemble_path,
       "ensemble:path(i) -> dm.path\n"
-      "The rows of member i, of an ensemble that was asked to keep some (every=, watch=): "
-      "what solver:run would have "
-      "given, of a failed member up to its last good state."},
+      "The rows of member i, of an ensemble that was asked to keep some (every=, watch=): what "
+      "solver:run would have given, of a failed member up to its last good state."},
      {"summary", dml_ensemble_summary,
-      "ensemble:summary(name) -> {first, last, least, largest, mean, slope, error, early, "
-      "late, nearest, span, megno}\n"
-      "What the rows of every member say of a watched column y, as tables with an entry "
-      "for each: slope per unit of time "
-      "with its standard error as path:drift finds them; early, late: largest |y - first| "
-      "in the first and the last quarter of "
-      "the rows; nearest, span: least |y - first| and largest - least in their second "
-      "half (infinite without rows there); megno: "
-      "the mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of "
-      "the length of a tangent vector. NaN without rows."},
+      "ensemble:summary(name) -> {first, last, least, largest, mean, slope, error, early, late, "
+      "nearest, span, megno}\n"
+      "What the rows of every member say of a watched column y, as tables with an entry for each: "
+      "slope per unit of time with its standard error as path:drift finds them; early, late: "
+      "largest |y - first| in the first and the last quarter of the rows; nearest, span: least |y "
+      "- first| and largest - least in their second half (infinite without rows there); megno: the "
+      "mean of 2 (y - its mean so far), which is MEGNO where y is the logarithm of the length of a "
+      "tangent vector. NaN without rows."},
      {NULL, NULL, NULL}};
 static const dml_row solver_row[] =
     {{"ensemble", dml_solver_ensemble,
-      "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, "
-      "every=, "
-      "rows=, watch=, project=} -> dm.ensemble\n"
-      "Run `members` starts side by side for `steps` steps or the duration t. q, and v or "
-      "p: functions of the member's "
-      "number (from 1) that return dim Q numbers, or a matrix or table with a row per "
-      "member. vary = { name = }: numbers among the params of the system that every "
-      "member "
-      "has for itself, as functions or tables too; where the potential alone depends on "
-      "them and the rule is explicit all "
-      "share one kernel, else members that follow each other with the same ones do. h: a "
-      "step of its own for every member, as a function or a "
-      "table (with t each takes as "
-      "many as cover it). Explicit rules "
-      "step 4 or 8 members side by side in vector "
-      "registers, neighbours with one step, implicit rules also those with steps of "
-      "their own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, "
-      "4 or 8: at most so many). "
-      "threads: default "
-      "one per core (always one for hyper-dual functions). Each member ends with the same "
-      "bits as a run of its own, "
-      "whatever the number of threads; one that fails does so alone (status[i], "
-      "failures()). The ends are kept, "
-      "32 dim Q bytes a member; every = k keeps a row every k steps, rows = n about n "
-      "rows of each, watch = { ... } rows "
-      "of chosen numbers, as in "
-      "solver:run: ensemble:path(i). Raises dm.failure with the ensemble as its path on "
-      "Ctrl-C."},
+      "solver:ensemble{members=, q=, v=, p=, steps=, t=, t0=, h=, vary=, threads=, every=, rows=, "
+      "watch=, project=} -> dm.ensemble\n"
+      "Run `members` starts side by side for `steps` steps or the duration t. q, and v or p: "
+      "functions of the member's number (from 1) that return dim Q numbers, or a matrix or table "
+      "with a row per member. vary = { name = }: numbers among the params of the system that every "
+      "member has for itself, as functions or tables too; where the potential alone depends on "
+      "them and the rule is explicit all share one kernel, else members that follow each other "
+      "with the same ones do. h: a step of its own for every member, as a function or a table "
+      "(with t each takes as many as cover it). Explicit rules step 4 or 8 members side by side in "
+      "vector registers, neighbours with one step, implicit rules also those with steps of their "
+      "own, where L does not depend on t (environment variable DMLUA_LANES = 0, 1, 4 or 8: at most "
+      "so many). threads: default one per core (always one for hyper-dual functions). Each member "
+      "ends with the same bits as a run of its own, whatever the number of threads; one that fails "
+      "does so alone (status[i], failures()). The ends are kept, 32 dim Q bytes a member; every = "
+      "k keeps a row every k steps, rows = n about n rows of each, watch = { ... } rows of chosen "
+      "numbers, as in solver:run: ensemble:path(i). Raises dm.failure with the ensemble as its "
+      "path on Ctrl-C."},
      {NULL, NULL, NULL}};
 
 /* DMLUA_LANES: as on a processor with so many lanes; 0: one without native code */
@@ -252,18 +236,27 @@ static void limit_lanes(lua_State *L) {
     dm_jit_limit((uint32_t)(*text - '0'));
 }
 
-void dml_open_ensemble(lua_State *L) {
+static void open_ensemble(lua_State *L) {
     limit_lanes(L);
     dml_limitprocessor(L);
-    dml_newclass(L, DML_ENSEMBLE,
-                 "dm.ensemble: the ends of many runs, made by solver:ensemble{members=}\n"
-                 "fields: q, p (matrices, a row per member; of a failed one its last "
-                 "good state), status[i] (\"ok\" or a "
-                 "code of dm.failure), steps[i] (finished), t, h (vectors where members "
-                 "have steps of their own), solver, rows (were some kept?), lanes (members that "
-                 "went side by side, 1: one "
-                 "by one), systems (made for the parameters of members, 1: one kernel served "
-                 "all); #ensemble members",
-                 meta, methods, ensemble_field);
-    dml_addmethods(L, DML_SOLVER, solver_row);
 }
+
+static const dml_extension more[] = {
+    {DML_SOLVER, solver_row},
+    {NULL, NULL},
+};
+
+const dml_class dml_class_ensemble = {
+    .name = DML_ENSEMBLE,
+    .doc = "dm.ensemble: the ends of many runs, made by solver:ensemble{members=}\n"
+           "fields: q, p (matrices, a row per member; of a failed one its last good state), "
+           "status[i] (\"ok\" or a code of dm.failure), steps[i] (finished), t, h (vectors where "
+           "members have steps of their own), solver, rows (were some kept?), lanes (members that "
+           "went side by side, 1: one by one), systems (made for the parameters of members, 1: one "
+           "kernel served all); #ensemble members",
+    .meta = meta,
+    .methods = methods,
+    .field = ensemble_field,
+    .more = more,
+    .open = open_ensemble,
+};

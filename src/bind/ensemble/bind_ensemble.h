@@ -27,12 +27,12 @@ enum {
     DML_ENSEMBLE_VARIED,
     DML_ENSEMBLE_NAMES,
     DML_ENSEMBLE_COLUMNS,
-    DML_ENSEMBLE_PACE,
+    DML_ENSEMBLE_STEPS,
     DML_ENSEMBLE_MESSAGES,
     DML_ENSEMBLE_VALUES = DML_ENSEMBLE_MESSAGES
 };
 
-extern const char *const DML_ENSEMBLE; /* "dm.ensemble" */
+#define DML_ENSEMBLE "dm.ensemble"
 
 /* Push one with all states zero and room for rows as `rows` says (its data and count are set);
  * raises when it would not fit into memory. */
@@ -108,7 +108,7 @@ dm_status dml_run_parts(lua_State *L, dml_part *p, const dml_varied *v, dml_part
 /* h = source of the options at 2: a step of its own for every member; with t = duration as many
  * as cover it, else `steps`. Pushes a userdata and returns it, the largest number of steps in
  * *most; NULL and nil pushed without that field. */
-const dm_pace *dml_read_pace(lua_State *L, const dml_solver *solver, long members, long *most);
+const dm_pace *dml_read_steps(lua_State *L, const dml_solver *solver, long members, long *most);
 
 /* every = k, or rows = n: about n rows of `steps` steps; 1 without either */
 long dml_read_every(lua_State *L, long steps);

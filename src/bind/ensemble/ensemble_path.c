@@ -53,8 +53,8 @@ int dml_ensemble_path(lua_State *L) {
         luaL_error(L, "ensemble:path: there are members 1 to %I (got %I)", (LUAI_UACINT)e->members,
                    (LUAI_UACINT)(i + 1));
     if (!e->rows.room)
-        luaL_error(L, "this ensemble kept only the ends: ask for rows with every = or "
-                      "watch = { ... }");
+        luaL_error(L, "this ensemble kept only the ends: ask for rows with every = or watch = { "
+                      "... }");
     push_solver(L, (long)i);
     lua_getiuservalue(L, 3, DML_SOLVER_SYSTEM);
     const long rows = e->rows.count[i];

@@ -1,8 +1,8 @@
 /* ensemble_run.c - `solver:ensemble{}`: threads, parts with the same parameters, the run itself. */
-#include "bind/ensemble/bind_ensemble.h"
 #include "bind/core/bind_failure.h"
-#include "bind/run/observables.h"
 #include "bind/core/bind_terminal.h"
+#include "bind/ensemble/bind_ensemble.h"
+#include "bind/run/observables.h"
 #include "run/run.h"
 
 #include <math.h>
@@ -242,12 +242,12 @@ int dml_solver_ensemble(lua_State *L) {
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
     if (lua_getiuservalue(L, 1, DML_SOLVER_START) != LUA_TNIL)
-        luaL_error(L, "this solver goes on from a checkpoint, which is one run: make a "
-                      "solver of the system for an ensemble");
+        luaL_error(L, "this solver goes on from a checkpoint, which is one run: make a solver of "
+                      "the system for an ensemble");
     lua_settop(L, 2);
     const long members = read_members(L);
     dml_part p = {0};
-    const dm_pace *pace = dml_read_pace(L, solver, members, &p.steps);
+    const dm_pace *pace = dml_read_steps(L, solver, members, &p.steps);
     if (!pace) p.steps = read_steps(L, solver->h);
     const double t0 = dml_number(L, 2, "t0", 0.0);
     read_threads(L);
@@ -263,7 +263,7 @@ int dml_solver_ensemble(lua_State *L) {
     p.e->h = solver->h;
     p.e->pace = pace;
     lua_pushvalue(L, 3);
-    lua_setiuservalue(L, at, DML_ENSEMBLE_PACE);
+    lua_setiuservalue(L, at, DML_ENSEMBLE_STEPS);
     p.e->t = t0;
     dml_varied v = {0};
     v.values = dml_read_vary(L, members, &v.count);

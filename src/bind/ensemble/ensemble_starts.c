@@ -1,11 +1,11 @@
 /* ensemble_starts.c - where the members of an ensemble start: functions, tables or matrices of
  * numbers. */
-#include "numbers/small_copy.h"
-#include "bind/value/array.h"
 #include "bind/ensemble/bind_ensemble.h"
 #include "bind/model/named.h"
 #include "bind/run/start_branch.h"
 #include "bind/run/start_constraints.h"
+#include "bind/value/array.h"
+#include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,13 +24,13 @@ void dml_check_source(lua_State *L, int arg, const char *key, long members) {
     const int type = lua_getfield(L, arg, key);
     if (type != LUA_TFUNCTION && type != LUA_TTABLE && type != LUA_TUSERDATA)
         luaL_error(L,
-                   "field '%s' must be a function of the member's number, or a table or "
-                   "matrix with a row for each of the %d members (got %s)",
+                   "field '%s' must be a function of the member's number, or a table or matrix "
+                   "with a row for each of the %d members (got %s)",
                    key, (int)members, luaL_typename(L, -1));
     if (type != LUA_TFUNCTION && luaL_len(L, -1) != members)
         luaL_error(L,
-                   "field '%s' has %d rows for %d members; the same for all is "
-                   "function() return ... end",
+                   "field '%s' has %d rows for %d members; the same for all is function() return "
+                   "... end",
                    key, (int)luaL_len(L, -1), (int)members);
     lua_pop(L, 1);
 }

@@ -28,7 +28,7 @@ static double read_step(lua_State *L, long i) {
     return h;
 }
 
-const dm_pace *dml_read_pace(lua_State *L, const dml_solver *solver, long members, long *most) {
+const dm_pace *dml_read_steps(lua_State *L, const dml_solver *solver, long members, long *most) {
     if (!has(L, "h")) return lua_pushnil(L), NULL;
     if (solver->pair) luaL_error(L, "field 'h': a discrete Lagrangian has a step of its own");
     if (has(L, "t") && has(L, "steps"))

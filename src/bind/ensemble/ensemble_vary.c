@@ -1,8 +1,9 @@
 /* ensemble_vary.c - `vary = { name = ... }`: members of one ensemble with parameters of their
  * own. */
 #include "bind/ensemble/bind_ensemble.h"
-#include "bind/model/model_params.h"
 #include "bind/model/bind_system.h"
+#include "bind/model/model_params.h"
+#include "bind/run/stepping_params.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,12 +12,11 @@
 static void check_parameter(lua_State *L, const char *name) {
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     if (dml_systemfield(L, lua_gettop(L), "params") != LUA_TTABLE)
-        luaL_error(L, "field 'vary': the system has no parameters; give them as "
-                      "dm.system{params = {...}} and take them as the fourth argument of L");
+        luaL_error(L, "field 'vary': the system has no parameters; give them as dm.system{params = "
+                      "{...}} and take them as the fourth argument of L");
     if (lua_getfield(L, -1, name) != LUA_TNUMBER)
         luaL_error(L,
-                   "field 'vary': '%s' is not a number among the params of the system "
-                   "(it is %s)",
+                   "field 'vary': '%s' is not a number among the params of the system (it is %s)",
                    name, lua_isnil(L, -1) ? "not there" : luaL_typename(L, -1));
     lua_pop(L, 3);
 }
@@ -26,8 +26,8 @@ static void push_names(lua_State *L, int vary) {
     lua_newtable(L);
     for (lua_pushnil(L); lua_next(L, vary); lua_pop(L, 1)) {
         if (lua_type(L, -2) != LUA_TSTRING)
-            luaL_error(L, "field 'vary' must be a table { name = function or table }, for "
-                          "instance vary = { k = function(i) return i / 10 end }");
+            luaL_error(L, "field 'vary' must be a table { name = function or table }, for instance "
+                          "vary = { k = function(i) return i / 10 end }");
         check_parameter(L, lua_tostring(L, -2));
         lua_pushvalue(L, -2);
         lua_rawseti(L, -4, luaL_len(L, -4) + 1);

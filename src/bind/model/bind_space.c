@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const TNAME = "dm.space";
+#define TNAME "dm.space"
 
 const dml_space *dml_checkspace(lua_State *L, int arg) {
     return luaL_checkudata(L, arg, TNAME);
@@ -22,14 +22,14 @@ dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n) {
     }
     if (!block)
         luaL_error(L,
-                   "%s has no standard action on %d coordinates: give a dm.action, or "
-                   "the generator as a "
-                   "function of q, for instance function(q) return {-q[2], q[1]} end",
+                   "%s has no standard action on %d coordinates: give a dm.action, or the "
+                   "generator as a function of q, for instance function(q) return {-q[2], q[1]} "
+                   "end",
                    luaL_tolstring(L, arg, NULL), (int)n);
     if (other)
         luaL_error(L,
-                   "%s(%d) can act on %d coordinates in blocks of %d or of %d: say which with "
-                   "{ block = %d }",
+                   "%s(%d) can act on %d coordinates in blocks of %d or of %d: say which with { "
+                   "block = %d }",
                    s->row->name, (int)s->n, (int)n, (int)block, (int)other, (int)block);
     return (dm_action){.group = s->row, .k = s->n, .block = block};
 }
@@ -127,40 +127,39 @@ static int space_field(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", space_tostring, NULL},
                                {"__eq", space_eq, NULL},
                                {NULL, NULL, NULL}};
-static const dml_row methods[] = {{NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"product", dml_product,
       "dm.product(G, H, ...) -> dm.space\n"
-      "The product of two or more spaces. Of groups: the group of lists {g, h, ...}, "
-      "whose "
-      "algebra has the vectors of the factors one after the other; of R(n), T(n), S(n): a "
-      "space that a system can live on."},
+      "The product of two or more spaces. Of groups: the group of lists {g, h, ...}, whose algebra "
+      "has the vectors of the factors one after the other; of R(n), T(n), S(n): a space that a "
+      "system can live on."},
      {"semidirect", dml_semidirect,
       "dm.semidirect(G, V [, action]) -> dm.space\n"
-      "The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, "
-      "w) "
-      "= (g h, v + g w), where g w is "
-      "action(g, w), linear in w (left out: the standard one of G, matrix times vector). "
-      "The algebra has that of G first, then V."},
+      "The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, w) = (g h, "
+      "v + g w), where g w is action(g, w), linear in w (left out: the standard one of G, matrix "
+      "times vector). The algebra has that of G first, then V."},
      {NULL, NULL, NULL}};
 
-void dml_open_space(lua_State *L) {
-    dml_newclass(L, TNAME,
-                 "dm.space: a manifold or group, made by dm.R(n), dm.T(n), dm.S(n), dm.SO(n), "
-                 "dm.SE(n), "
-                 "dm.SL(n), dm.GL(n), dm.Sp(n), dm.Heisenberg(n), dm.product, dm.semidirect\n"
-                 "fields: name, n, dimension, chart (can a system live on it with these "
-                 "coordinates), parts (of a product)",
-                 meta, methods, space_field);
-    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
+/* dm.SO, dm.SE ...: a constructor for each row of the spaces */
+static void open_spaces(lua_State *L) {
     for (const dm_space *const *row = dm_spaces; *row; row++) {
         lua_pushlightuserdata(L, (void *)(uintptr_t)*row);
         lua_pushcclosure(L, space_new, 1);
-        lua_pushvalue(L, -1);
         lua_pushfstring(L, "dm.%s -> dm.space\n%s", (*row)->signature, (*row)->doc);
-        lua_rawset(L, -4);
-        lua_setfield(L, -3, (*row)->name);
+        dml_setdoc(L, -2, lua_tostring(L, -1));
+        lua_pop(L, 1);
+        lua_setfield(L, -2, (*row)->name);
     }
-    lua_pop(L, 1);
-    dml_setfunctions(L, functions);
 }
+
+const dml_class dml_class_space = {
+    .name = TNAME,
+    .doc = "dm.space: a manifold or group, made by dm.R(n), dm.T(n), dm.S(n), dm.SO(n), dm.SE(n), "
+           "dm.SL(n), dm.GL(n), dm.Sp(n), dm.Heisenberg(n), dm.product, dm.semidirect\n"
+           "fields: name, n, dimension, chart (can a system live on it with these coordinates), "
+           "parts (of a product)",
+    .meta = meta,
+    .field = space_field,
+    .functions = functions,
+    .open = open_spaces,
+};

@@ -2,8 +2,8 @@
 #ifndef DML_SPACE_H
 #define DML_SPACE_H
 
-#include "geom/action/momentum.h"
 #include "bind/core/bind.h"
+#include "geom/action/momentum.h"
 
 /* user values: 1, of a product: its factors; 2, of a semidirect product: how the first moves
  * the second, or nil */

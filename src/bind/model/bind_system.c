@@ -1,16 +1,13 @@
 /* bind_system.c - `dm.system`: a configuration space and a Lagrangian L(q, v, t). */
-#include "bind/trace/model_sums.h"
-#include "bind/model/model_constraints.h"
-#include "bind/model/named.h"
 #include "bind/model/bind_system.h"
+#include "bind/model/model_constraints.h"
+#include "bind/model/model_sums.h"
+#include "bind/model/named.h"
 #include "graph/analyse.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-const char *const DML_SYSTEM = "dm.system";
-const char *const DML_DISCRETE = "dm.discrete_lagrangian";
 
 dml_system *dml_checksystem(lua_State *L, int arg) {
     dml_system *s = luaL_testudata(L, arg, DML_SYSTEM);
@@ -111,11 +108,11 @@ static int system_velocity(lua_State *L) {
     const double *x = arguments(L, s, "p");
     dml_model *m = dml_pushlast(L, 1, NULL);
     if (m->model.structure & DM_NO_VELOCITY)
-        luaL_error(L, "no velocity has this momentum: L has no velocity in it, so that "
-                      "p = dL/dv is 0");
+        luaL_error(L, "no velocity has this momentum: L has no velocity in it, so that p = dL/dv "
+                      "is 0");
     if (m->model.structure & DM_LINEAR_IN_V)
-        luaL_error(L, "no velocity has this momentum: L is linear in v, so that p = "
-                      "dL/dv does not depend on v");
+        luaL_error(L, "no velocity has this momentum: L is linear in v, so that p = dL/dv does not "
+                      "depend on v");
     dml_want(L, m, DM_WANT_VALUE | dml_legendre_wants(m, 0), NULL);
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
     double *at = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *at, 0);
@@ -257,70 +254,68 @@ static const dml_row meta[] = {{"__tostring", system_tostring, NULL}, {NULL, NUL
 static const dml_row methods[] =
     {{"energy", system_energy,
       "system:energy(q, v [, t]) -> number\n"
-      "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers, t: 0 "
-      "unless given. Raises where it is not finite, as do the other methods of a state."},
+      "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers, t: 0 unless "
+      "given. Raises where it is not finite, as do the other methods of a state."},
      {"lagrangian", system_lagrangian,
       "system:lagrangian(q, v [, t]) -> number\n"
       "L(q, v, t) through the kernel that was traced from it, in the units of L."},
      {"legendre", system_legendre,
       "system:legendre(q, v [, t]) -> dm.vector\n"
-      "The momentum p = dL/dv of dim Q entries (the Legendre transform), entry "
-      "i in units of L over those of v_i; inverse: system:velocity."},
+      "The momentum p = dL/dv of dim Q entries (the Legendre transform), entry i in units of L "
+      "over those of v_i; inverse: system:velocity."},
      {"momentum", system_momentum,
       "system:momentum(q, v [, t]) -> dm.vector\n"
-      "The same as system:legendre, p = dL/dv; the momentum map of a group along a path "
-      "is "
+      "The same as system:legendre, p = dL/dv; the momentum map of a group along a path is "
       "path:momentum(group)."},
      {"velocity", system_velocity,
       "system:velocity(q, p [, t]) -> dm.vector\n"
-      "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off. Raises when "
-      "d2L/dv2 is singular, or L linear in v."},
+      "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off. Raises when d2L/dv2 is "
+      "singular, or L linear in v."},
      {"mass", system_mass,
       "system:mass(q, v [, t]) -> dm.matrix\n"
       "The mass matrix d2L/dv2, dim Q x dim Q; singular where L is degenerate."},
      {"structure", system_structure,
       "system:structure() -> table\n"
-      "What was read off the graph of L: separable, constant_mass, diagonal_mass, "
-      "autonomous, linear_in_v "
-      "(booleans), cyclic (names of coordinates that L does not depend on), operations; "
-      "and how the system is constrained: constraints, rolling (how many), forced (boolean)."},
+      "What was read off the graph of L: separable, constant_mass, diagonal_mass, autonomous, "
+      "linear_in_v (booleans), cyclic (names of coordinates that L does not depend on), "
+      "operations; and how the system is constrained: constraints, rolling (how many), forced "
+      "(boolean)."},
      {"graph", system_graph,
-      "system:graph() -> string\nThe expression graph of L, one assignment a line; "
-      "coordinates and their rates by name."},
+      "system:graph() -> string\n"
+      "The expression graph of L, one assignment a line; coordinates and their rates by name."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"system", dml_system_new,
-      "dm.system{Q=, L=, constraint=, rolling=, force=, control=, reaction=, name=, "
-      "coordinates=, "
+      "dm.system{Q=, L=, constraint=, rolling=, force=, control=, reaction=, name=, coordinates=, "
       "units=, params=, derivatives=} -> dm.system\n"
-      "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, "
-      "with params, "
-      "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at "
-      "every run, so a "
-      "changed upvalue is picked up. coordinates: dim Q names, used for columns; units: "
-      "table name -> unit, used "
-      "for labels; derivatives: \"exact\" (traced, the default) or \"hyperdual\" for "
-      "functions that "
-      "branch on the state. Raises when L cannot be traced, with what to use instead.\n"
-      "constraint(q [, t]) returns what shall be zero along every path (holonomic: "
-      "reactions along its gradient), "
-      "rolling(q, v [, t]) what shall be zero of the velocities (reactions along its "
-      "derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) "
-      "returns), "
-      "force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq "
-      "(discrete "
-      "Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is "
-      "what control returned at the start of the step and is held over it; "
-      "each a number, a vector or a table, traced like L. Rules "
-      "that do not know them refuse the system and name those that do."},
+      "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, with params, "
+      "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at every "
+      "run, so a changed upvalue is picked up. coordinates: dim Q names, used for columns; units: "
+      "table name -> unit, used for labels; derivatives: \"exact\" (traced, the default) or "
+      "\"hyperdual\" for functions that branch on the state. Raises when L cannot be traced, with "
+      "what to use instead.\n"
+      "constraint(q [, t]) returns what shall be zero along every path (holonomic: reactions along "
+      "its gradient), rolling(q, v [, t]) what shall be zero of the velocities (reactions along "
+      "its derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) returns), "
+      "force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq (discrete "
+      "Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is what "
+      "control returned at the start of the step and is held over it; each a number, a vector or a "
+      "table, traced like L. Rules that do not know them refuse the system and name those that "
+      "do."},
      {NULL, NULL, NULL}};
 
-void dml_open_system(lua_State *L) {
-    dml_newclass(L, DML_SYSTEM,
-                 "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
-                 "fields: Q, L, name, coordinates, units, params, given (all options as they were "
-                 "given)",
-                 meta, methods, system_field);
-    dml_addmethods(L, DML_SYSTEM, dml_constraint_methods);
-    dml_setfunctions(L, functions);
-}
+static const dml_extension more[] = {
+    {DML_SYSTEM, dml_constraint_methods},
+    {NULL, NULL},
+};
+
+const dml_class dml_class_system = {
+    .name = DML_SYSTEM,
+    .doc = "dm.system: a configuration space and a Lagrangian, made by dm.system{Q=, L=}\n"
+           "fields: Q, L, name, coordinates, units, params, given (all options as they were given)",
+    .meta = meta,
+    .methods = methods,
+    .field = system_field,
+    .functions = functions,
+    .more = more,
+};

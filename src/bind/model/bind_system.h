@@ -16,8 +16,8 @@ typedef struct {
     double h;      /* step of a discrete Lagrangian, else 0 */
 } dml_system;
 
-extern const char *const DML_SYSTEM;   /* "dm.system" */
-extern const char *const DML_DISCRETE; /* "dm.discrete_lagrangian" */
+#define DML_SYSTEM "dm.system"
+#define DML_DISCRETE "dm.discrete_lagrangian"
 
 /* Push a new system (or, pair = 1, discrete Lagrangian) from the options table at 1. */
 void dml_newsystem(lua_State *L, const char *const *known, int pair);
@@ -36,8 +36,15 @@ int dml_systemfield(lua_State *L, int arg, const char *key);
  * (from 0). */
 const char *dml_coordinate(lua_State *L, int arg, uint32_t i);
 
-/* The functions that constraint a system (model_constraints.h). */
-enum { DML_CONSTRAINT, DML_ROLLING, DML_CONTROL, DML_FORCE, DML_REACTION, DML_CONSTRAINT_FUNCTIONS };
+/* The functions that constrain a system or act on it (model_constraints.h). */
+enum {
+    DML_CONSTRAINT,
+    DML_ROLLING,
+    DML_CONTROL,
+    DML_FORCE,
+    DML_REACTION,
+    DML_CONSTRAINT_FUNCTIONS
+};
 
 /* A traced system: what one run uses. Pushed as a userdata that keeps arena and function
  * alive. */
@@ -52,15 +59,16 @@ typedef struct {
     dml_callback *callback; /* NULL when traced */
     const char *backend;    /* of the kernels: "tape", "hyperdual" */
     double trace_ms, compile_ms;
-    dml_traced trace;                  /* of L, to be repeated; log NULL: none */
-    uint32_t traced;                   /* nodes of the graph when only L was in it */
-    int checked;                       /* compared with the function around the start of a run */
-    dm_compile *compile;               /* of a model that is kept (model_kept.h), else NULL */
-    dm_kept *kept;                     /* kernels of methods */
-    dml_traced constraint[DML_CONSTRAINT_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
+    dml_traced trace;    /* of L, to be repeated; log NULL: none */
+    uint32_t traced;     /* nodes of the graph when only L was in it */
+    int checked;         /* compared with the function around the start of a run */
+    dm_compile *compile; /* of a model in the cache (model_cache.h), else NULL */
+    dm_kept *kept;       /* kernels of methods */
+    dml_traced constraint
+        [DML_CONSTRAINT_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
     dm_kernel constraint_kernel[DML_CONSTRAINT_FUNCTIONS]; /* the same for comparisons, once made */
     dm_constraints_traced constrained;                     /* all in one graph, NULL without any */
-    uint32_t constraints_traced;                    /* its nodes, before derivatives */
+    uint32_t constraints_traced;                           /* its nodes, before derivatives */
     dm_constraints constraints;
 } dml_model;
 
@@ -91,6 +99,11 @@ void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x);
 
 /* The same at the start of one of many members, which may be outside of the domain of L. */
 void dml_checkmember(lua_State *L, int arg, dml_model *m, const double *x);
+
+/* Push why an implicit function of L or of the constraints had no value lately (dml_roottrouble),
+ * "" where all had; and from now on they have had none. */
+const char *dml_modeltrouble(lua_State *L, const dml_model *m);
+void dml_forgetroots(const dml_model *m);
 
 /* A callback failed inside a kernel: raise the user's own error. Else nothing. */
 void dml_rethrow(lua_State *L, dml_model *m);

@@ -1,8 +1,8 @@
 #include "bind/model/model_cache.h"
 
-#include "bind/model/model_constraints.h"
-#include "bind/core/state.h"
 #include "algebra/body_sum.h"
+#include "bind/core/state.h"
+#include "bind/model/model_constraints.h"
 
 #include <string.h>
 
@@ -22,28 +22,28 @@ static void push_table(lua_State *L) {
     lua_rawsetp(L, LUA_REGISTRYINDEX, &key);
 }
 
-/* the trace of *fresh is the beginning of the graph of *kept, to which derivatives were added */
-int dml_sametrace(const dml_model *kept, const dml_model *fresh) {
+/* the trace of *fresh is the beginning of the graph of *cached, to which derivatives were added */
+int dml_sametrace(const dml_model *cached, const dml_model *fresh) {
     const uint32_t size = dm_graph_size(fresh->graph);
-    if (kept->traced != size || kept->lagrangian != fresh->lagrangian || kept->n != fresh->n)
+    if (cached->traced != size || cached->lagrangian != fresh->lagrangian || cached->n != fresh->n)
         return 0;
-    return dml_samenodes(kept->graph, fresh->graph, size) &&
-           dm_sums_same(kept->graph, fresh->graph) && dml_sameconstraints(kept, fresh);
+    return dml_samenodes(cached->graph, fresh->graph, size) &&
+           dm_sums_same(cached->graph, fresh->graph) && dml_sameconstraints(cached, fresh);
 }
 
-dml_model *dml_pushkept(lua_State *L, int arg, dm_compile *compile) {
+dml_model *dml_pushcached(lua_State *L, int arg, dm_compile *compile) {
     arg = lua_absindex(L, arg);
     push_table(L);
     lua_pushvalue(L, arg);
     lua_rawget(L, -2);
     lua_remove(L, -2);
-    dml_model *kept = lua_touserdata(L, -1);
-    if (kept && kept->compile == compile && !dml_arenalost(kept->arena)) return kept;
+    dml_model *cached = lua_touserdata(L, -1);
+    if (cached && cached->compile == compile && !dml_arenalost(cached->arena)) return cached;
     lua_pop(L, 1);
     return NULL;
 }
 
-void dml_keep(lua_State *L, int arg, dml_model *m, dm_compile *compile) {
+void dml_cachemodel(lua_State *L, int arg, dml_model *m, dm_compile *compile) {
     arg = lua_absindex(L, arg);
     m->compile = compile;
     push_table(L);

@@ -1,9 +1,10 @@
-/* model_constraints.c - from constraint =, rolling =, force =, reaction = to the constraints of a model. */
+/* model_constraints.c - from constraint =, rolling =, force =, reaction = to the constraints of a
+ * model. */
 #include "bind/model/model_constraints.h"
 #include "bind/model/named.h"
 
-#include "bind/model/model_cache.h"
 #include "algebra/derive.h"
+#include "bind/model/model_cache.h"
 #include "code/tape/tape.h"
 
 #include <math.h>
@@ -38,7 +39,7 @@ int dml_isconstrained(lua_State *L, int arg) {
     return 0;
 }
 
-void dml_checktiefields(lua_State *L, int hyperdual) {
+void dml_check_functions(lua_State *L, int hyperdual) {
     static const char *const forms[] =
         {"function(q) or function(q, t) that returns what shall be zero",
          "function(q, v) or function(q, v, t) that returns what shall be zero",
@@ -53,23 +54,23 @@ void dml_checktiefields(lua_State *L, int hyperdual) {
                        luaL_typename(L, -1));
         if (hyperdual)
             luaL_error(L,
-                       "field '%s': a system with constraints or a force needs their "
-                       "derivatives as expressions; leave out derivatives = "
-                       "\"hyperdual\" and use dm.where, dm.abs, dm.max to branch",
+                       "field '%s': a system with constraints or a force needs their derivatives "
+                       "as expressions; leave out derivatives = \"hyperdual\" and use dm.where, "
+                       "dm.abs, dm.max to branch",
                        keys[i]);
     }
     const int control = lua_getfield(L, 1, "control") != LUA_TNIL;
     const int force = lua_getfield(L, 1, "force") != LUA_TNIL;
     lua_pop(L, 2);
     if (control && !force)
-        luaL_error(L, "field 'control' gives what force(q, v, t, u) gets as u, and there "
-                      "is no 'force'");
+        luaL_error(L, "field 'control' gives what force(q, v, t, u) gets as u, and there is no "
+                      "'force'");
     const int reaction = lua_getfield(L, 1, "reaction") != LUA_TNIL;
     const int rolling = lua_getfield(L, 1, "rolling") != LUA_TNIL;
     lua_pop(L, 2);
     if (reaction && !rolling)
-        luaL_error(L, "field 'reaction' gives the directions in which 'rolling' "
-                      "constraints react, and there are none");
+        luaL_error(L, "field 'reaction' gives the directions in which 'rolling' constraints react, "
+                      "and there are none");
 }
 
 /* ---- traces ---- */
@@ -106,15 +107,16 @@ static void push_function(lua_State *L, int arg, int which) {
 }
 
 static void check_lengths(lua_State *L, const dml_model *m) {
-    const uint32_t n = m->n, k = m->constraint[DML_CONSTRAINT].outputs, l = m->constraint[DML_ROLLING].outputs;
+    const uint32_t n = m->n, k = m->constraint[DML_CONSTRAINT].outputs,
+                   l = m->constraint[DML_ROLLING].outputs;
     const uint32_t given = m->constraint[DML_REACTION].outputs;
     if (m->constraint[DML_FORCE].graph && m->constraint[DML_FORCE].outputs != n)
         luaL_error(L, "force must return %d numbers, one per coordinate, got %d", (int)n,
                    (int)m->constraint[DML_FORCE].outputs);
     if (m->constraint[DML_REACTION].graph && given != l * n)
         luaL_error(L,
-                   "reaction must return %d rows of %d numbers, one row per rolling "
-                   "constraint, got %d numbers in all",
+                   "reaction must return %d rows of %d numbers, one row per rolling constraint, "
+                   "got %d numbers in all",
                    (int)l, (int)n, (int)given);
     if (k + l > n)
         luaL_error(L, "%d constraints for %d coordinates: they leave no motion", (int)(k + l),
@@ -140,7 +142,8 @@ static const dm_node *transplant(dml_model *m, int which) {
 
 static void join(lua_State *L, dml_model *m) {
     dm_constraints_traced *t = &m->constrained;
-    const uint32_t k = m->constraint[DML_CONSTRAINT].outputs, l = m->constraint[DML_ROLLING].outputs;
+    const uint32_t k = m->constraint[DML_CONSTRAINT].outputs,
+                   l = m->constraint[DML_ROLLING].outputs;
     const uint32_t c = m->constraint[DML_CONTROL].outputs;
     *t = (dm_constraints_traced){.n = m->n, .holonomic = k, .rolling = l, .controls = c};
     t->graph = dm_graph_new(m->arena, 2 * m->n + 1 + k + l + c);
@@ -150,8 +153,9 @@ static void join(lua_State *L, dml_model *m) {
     t->u = transplant(m, DML_CONTROL);
     t->f = transplant(m, DML_FORCE);
     t->E = transplant(m, DML_REACTION);
-    const int missing = (k && !t->g) || (l && !t->phi) || (m->constraint[DML_FORCE].graph && !t->f) ||
-                        (c && !t->u) || (m->constraint[DML_REACTION].graph && !t->E);
+    const int missing = (k && !t->g) || (l && !t->phi) ||
+                        (m->constraint[DML_FORCE].graph && !t->f) || (c && !t->u) ||
+                        (m->constraint[DML_REACTION].graph && !t->E);
     if (missing || dm_graph_status(t->graph) != DM_OK) luaL_error(L, "not enough memory");
     m->constraints_traced = dm_graph_size(t->graph);
 }
@@ -175,13 +179,13 @@ void dml_traceconstraints(lua_State *L, int arg, dml_model *m) {
     join(L, m);
 }
 
-int dml_repeatconstraints(lua_State *L, int arg, const dml_model *kept, dm_arena *arena) {
+int dml_repeatconstraints(lua_State *L, int arg, const dml_model *cached, dm_arena *arena) {
     arg = lua_absindex(L, arg);
-    for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS && kept->constrained.graph; i++) {
-        const dml_traced *last = kept->constraint + i;
+    for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS && cached->constrained.graph; i++) {
+        const dml_traced *last = cached->constraint + i;
         dml_traced now;
         if (!last->graph) continue;
-        const dml_signature s = signature(kept, i);
+        const dml_signature s = signature(cached, i);
         push_function(L, arg, i);
         dml_retrace(L, lua_gettop(L), &s, arena, last, &now);
         lua_pop(L, 1);
@@ -193,8 +197,8 @@ int dml_repeatconstraints(lua_State *L, int arg, const dml_model *kept, dm_arena
 /* a discrete Lagrangian knows no time */
 void dml_checkpairconstraints(lua_State *L, const dml_model *m) {
     if (m->constraints.structure & DM_CONSTRAINTS_TIMED)
-        luaL_error(L, "the constraint of a discrete Lagrangian is a function of q alone: "
-                      "Ld(q0, q1) knows no time");
+        luaL_error(L, "the constraint of a discrete Lagrangian is a function of q alone: Ld(q0, "
+                      "q1) knows no time");
 }
 
 void dml_buildconstraints(lua_State *L, dml_model *m) {
@@ -204,13 +208,13 @@ void dml_buildconstraints(lua_State *L, dml_model *m) {
     const uint32_t idle = dm_constraints_idle(&m->constraints);
     if (idle < k)
         luaL_error(L,
-                   "constraint %d does not depend on q: a constraint is an expression in "
-                   "the coordinates that shall be zero, for instance q:dot(q) - 1",
+                   "constraint %d does not depend on q: a constraint is an expression in the "
+                   "coordinates that shall be zero, for instance q:dot(q) - 1",
                    (int)idle + 1);
     if (idle < k + m->constrained.rolling)
         luaL_error(L,
-                   "rolling constraint %d does not depend on v: one on the coordinates "
-                   "alone goes into 'constraint'",
+                   "rolling constraint %d does not depend on v: one on the coordinates alone goes "
+                   "into 'constraint'",
                    (int)(idle - k) + 1);
 }
 
@@ -219,16 +223,16 @@ static int same_roots(const dm_node *a, const dm_node *b, size_t count) {
     return !a || memcmp(a, b, count * sizeof *a) == 0;
 }
 
-int dml_sameconstraints(const dml_model *kept, const dml_model *fresh) {
-    const dm_constraints_traced *a = &kept->constrained, *b = &fresh->constrained;
+int dml_sameconstraints(const dml_model *cached, const dml_model *fresh) {
+    const dm_constraints_traced *a = &cached->constrained, *b = &fresh->constrained;
     if (!a->graph != !b->graph || a->holonomic != b->holonomic || a->rolling != b->rolling ||
-        a->controls != b->controls || kept->constraints_traced != fresh->constraints_traced)
+        a->controls != b->controls || cached->constraints_traced != fresh->constraints_traced)
         return 0;
     return !a->graph ||
            (same_roots(a->g, b->g, a->holonomic) && same_roots(a->phi, b->phi, a->rolling) &&
             same_roots(a->f, b->f, a->n) && same_roots(a->u, b->u, a->controls) &&
             same_roots(a->E, b->E, (size_t)a->rolling * a->n) &&
-            dml_samenodes(a->graph, b->graph, kept->constraints_traced));
+            dml_samenodes(a->graph, b->graph, cached->constraints_traced));
 }
 
 /* ---- the trace against the function ---- */
@@ -322,7 +326,8 @@ static dml_model *read_point(lua_State *L, int which, double **x) {
                    keys[which]);
     const double t = luaL_optnumber(L, sees_v ? 4 : 3, 0.0);
     dml_model *m = dml_pushmodel(L, 1);
-    const size_t room = 2 * n + 1 + m->constraints.holonomic + m->constraints.rolling + m->constraints.controls;
+    const size_t room =
+        2 * n + 1 + m->constraints.holonomic + m->constraints.rolling + m->constraints.controls;
     *x = lua_newuserdatauv(L, room * sizeof **x, 0);
     memset(*x, 0, room * sizeof **x);
     dml_unname(L, 1, 2, "q");
@@ -337,20 +342,23 @@ static int system_constraint(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_CONSTRAINT, &x);
     dml_want(L, m, DM_WANT_HOLONOMIC, NULL);
-    return push_outputs(L, &m->constraints.holonomic_kernel, x, m->constraints.holonomic, "constraint");
+    return push_outputs(L, &m->constraints.holonomic_kernel, x, m->constraints.holonomic,
+                        "constraint");
 }
 
 static int system_rolling(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_ROLLING, &x);
     dml_want(L, m, DM_WANT_ROLLING, NULL);
-    return push_outputs(L, &m->constraints.rolling_kernel, x, m->constraints.rolling, "rolling constraint");
+    return push_outputs(L, &m->constraints.rolling_kernel, x, m->constraints.rolling,
+                        "rolling constraint");
 }
 
 static int system_force(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_FORCE, &x);
-    const uint32_t behind = 2 * m->constraints.n + 1 + m->constraints.holonomic + m->constraints.rolling;
+    const uint32_t behind =
+        2 * m->constraints.n + 1 + m->constraints.holonomic + m->constraints.rolling;
     dml_want(L, m, DM_WANT_CONSTRAINT_FORCE, NULL);
     if (m->constraints.controls) {
         dm_kernel_prepare(&m->constraints.control, x + behind);
@@ -375,8 +383,8 @@ const dml_row dml_constraint_methods[] =
       "phi(q, v, t) of the rolling constraints: zero where they hold."},
      {"force", system_force,
       "system:force(q, v [, t]) -> dm.vector of dim Q entries\n"
-      "The force f(q, v, t) of the system, a covector: f . dq is the work; with controls, "
-      "as at the start of a step."},
+      "The force f(q, v, t) of the system, a covector: f . dq is the work; with controls, as at "
+      "the start of a step."},
      {"control", system_control,
       "system:control(q, v [, t]) -> dm.vector\n"
       "The controls u of a step that starts at (q, v, t)."},

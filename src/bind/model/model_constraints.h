@@ -1,4 +1,5 @@
-/* model_constraints.h - the functions that constraint a system: constraint, rolling, force, reaction. */
+/* model_constraints.h - the functions that constrain a system or act on it: constraint, rolling,
+ * force, reaction. */
 #ifndef DML_MODEL_CONSTRAINTS_H
 #define DML_MODEL_CONSTRAINTS_H
 
@@ -9,14 +10,14 @@ int dml_isconstrained(lua_State *L, int arg);
 
 /* Check the fields of the options at 1: functions, or nil; a reaction needs a rolling
  * constraint. */
-void dml_checktiefields(lua_State *L, int hyperdual);
+void dml_check_functions(lua_State *L, int hyperdual);
 
 /* Trace them into m->constrained; raises what dml_trace raises, and wrong lengths. */
 void dml_traceconstraints(lua_State *L, int arg, dml_model *m);
 
-/* Do the functions do what they did when *kept was traced? What is made on the way is in
+/* Do the functions do what they did when *cached was traced? What is made on the way is in
  * `arena`. */
-int dml_repeatconstraints(lua_State *L, int arg, const dml_model *kept, dm_arena *arena);
+int dml_repeatconstraints(lua_State *L, int arg, const dml_model *cached, dm_arena *arena);
 
 /* Derivatives and structure, into m->constraints; raises where one constrains nothing. */
 void dml_buildconstraints(lua_State *L, dml_model *m);
@@ -25,7 +26,7 @@ void dml_buildconstraints(lua_State *L, dml_model *m);
 void dml_checkpairconstraints(lua_State *L, const dml_model *m);
 
 /* Is the trace that of the other model, node for node? */
-int dml_sameconstraints(const dml_model *kept, const dml_model *fresh);
+int dml_sameconstraints(const dml_model *cached, const dml_model *fresh);
 
 /* Compare the traces with plain calls around x = (q, v, t), as dml_trace_check does; NULL:
  * nowhere in particular. */

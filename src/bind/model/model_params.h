@@ -3,7 +3,6 @@
 #ifndef DML_MODEL_PARAMS_H
 #define DML_MODEL_PARAMS_H
 
-#include "bind/run/stepping.h"
 #include "bind/model/bind_system.h"
 
 enum { DML_MOST_PARAMS = 16 };
@@ -19,14 +18,11 @@ dml_signature dml_withsignature(uint32_t n, uint32_t params);
  * is constrained or not separable, or where the function needs them as numbers. */
 dml_model *dml_pushinputs(lua_State *L, int system);
 
-/* Let *r step the model with inputs where it can: r->inputs and its values; the stack grows by
- * what keeps them. */
-void dml_stepping_inputs(lua_State *L, dml_stepping *r);
+/* Can kicks and drifts step it? */
+int dml_issplit(const dm_model *m);
 
-/* Push the list of names of the inputs of r->inputs. */
-void dml_pushnames(lua_State *L, const dml_stepping *r);
-
-/* True when L with inputs is L at r->state. */
-int dml_stepping_agrees(dml_stepping *r);
+/* Values of the parameters of the system in the list of names on top of the stack, which is
+ * dropped. */
+void dml_readparams(lua_State *L, int system, double *out);
 
 #endif

@@ -1,8 +1,8 @@
 /* space_sphere.c - systems on S(n) and its products: R^N with the constraint q . q = 1 for each
  * sphere. */
-#include "bind/value/array.h"
-#include "bind/model/model_params.h"
 #include "bind/model/bind_space.h"
+#include "bind/model/model_params.h"
+#include "bind/value/array.h"
 
 enum { MOST_SPHERES = 256 };
 

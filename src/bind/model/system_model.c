@@ -1,13 +1,13 @@
 /* system_model.c - from the Lua function of a system to the kernels of a run. */
-#include "bind/trace/backend.h"
+#include "algebra/body_sum.h"
 #include "bind/core/missing_key.h"
-#include "bind/model/model_cache.h"
-#include "bind/trace/model_sums.h"
-#include "bind/model/model_constraints.h"
 #include "bind/core/state.h"
 #include "bind/model/bind_system.h"
+#include "bind/model/model_cache.h"
+#include "bind/model/model_constraints.h"
+#include "bind/model/model_sums.h"
+#include "bind/trace/backend.h"
 #include "code/native/jit.h"
-#include "algebra/body_sum.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -75,19 +75,17 @@ static void push_function(lua_State *L, int arg, const dml_system *s) {
 static void check_status(lua_State *L, dm_status status) {
     if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
     if (status == DM_NOT_FINITE)
-        luaL_error(L, "L or a derivative of it is NaN or infinite whatever its arguments "
-                      "are: is there a number in it that is 0/0 or overflows?");
+        luaL_error(L, "L or a derivative of it is NaN or infinite whatever its arguments are: is "
+                      "there a number in it that is 0/0 or overflows?");
     if (status != DM_OK && status != DM_SINGULAR) luaL_error(L, "%s", dm_status_text(status));
 }
 
 /* loops are not possible, and written out they would be too large */
 static void refuse_dense(lua_State *L, const dml_model *m, const char *why) {
     luaL_error(L,
-               "%s needs the second derivatives of L as a full %d x %d matrix, which is "
-               "kept up to %d "
-               "coordinates in a system with dm.sum_over; explicit rules do without "
-               "(\"verlet\", "
-               "\"blanes-moan(6)\", \"kahan-li(8)\")",
+               "%s needs the second derivatives of L as a full %d x %d matrix, which is kept up to "
+               "%d coordinates in a system with dm.sum_over; explicit rules do without "
+               "(\"verlet\", \"blanes-moan(6)\", \"kahan-li(8)\")",
                why, (int)m->n, (int)m->n, DM_MODEL_DENSE);
 }
 
@@ -98,9 +96,8 @@ enum {
 static void refuse_many(lua_State *L, const dml_model *m) {
     if (m->n <= LARGEST_WRITTEN_OUT || (m->graph && dm_sums(m->graph))) return;
     luaL_error(L,
-               "a system of %d coordinates needs tables of %d x %d entries: above %d "
-               "coordinates write the sums "
-               "over bodies or neighbours in L with dm.sum_over, which stay loops",
+               "a system of %d coordinates needs tables of %d x %d entries: above %d coordinates "
+               "write the sums over bodies or neighbours in L with dm.sum_over, which stay loops",
                (int)m->n, (int)m->n, (int)m->n, LARGEST_WRITTEN_OUT);
 }
 
@@ -109,7 +106,8 @@ static void attach_constraints(dml_model *m) {
     m->model.params = m->params;
     if (!m->constrained.graph) return;
     m->model.constraints = &m->constraints;
-    if (m->constraints.structure & DM_CONSTRAINTS_TIMED) m->model.structure &= ~(unsigned)DM_AUTONOMOUS;
+    if (m->constraints.structure & DM_CONSTRAINTS_TIMED)
+        m->model.structure &= ~(unsigned)DM_AUTONOMOUS;
 }
 
 /* 0: the graph is too large */
@@ -128,12 +126,13 @@ static int read_structure(lua_State *L, dml_model *m, int pair) {
     return 1;
 }
 
-/* derivatives of the constraints; sums in L are written out, since a constrained step needs dense kernels */
+/* derivatives of the constraints; sums in L are written out, since a constrained step needs
+ * dense kernels */
 static void read_constraints(lua_State *L, dml_model *m) {
     if (!m->constrained.graph) return;
     if (!m->graph)
-        luaL_error(L, "L is too large to trace, and a system with constraints or a force "
-                      "needs its exact derivatives: is there a long loop in L?");
+        luaL_error(L, "L is too large to trace, and a system with constraints or a force needs its "
+                      "exact derivatives: is there a long loop in L?");
     dml_buildconstraints(L, m);
     dml_writeout(L, m);
     m->traced = dm_graph_size(m->graph);
@@ -151,9 +150,8 @@ static void go_hyperdual(lua_State *L, dml_model *m, int fn, const dml_signature
 static void warn_too_large(dml_system *s, const char *what) {
     s->hyperdual = 1;
     fprintf(stderr,
-            "dmlua: warning: %s makes more than %d operations: too many to trace. It "
-            "runs on hyper-dual "
-            "numbers, which is slow; a shorter loop, or dm.sum_over, would be fast\n",
+            "dmlua: warning: %s makes more than %d operations: too many to trace. It runs on "
+            "hyper-dual numbers, which is slow; a shorter loop, or dm.sum_over, would be fast\n",
             what, DM_GRAPH_LIMIT);
 }
 
@@ -170,12 +168,13 @@ static dml_model *new_model(lua_State *L, int fn, dm_arena *arena, uint32_t n) {
     return m;
 }
 
-/* Trace the function at fn, *kept (or NULL) behind it: push *kept where it is the same again,
+/* Trace the function at fn, *cached (or NULL) behind it: push *cached where it is the same again,
  * else a new model. */
-static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *kept, dm_compile *compile) {
+static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *cached,
+                              dm_compile *compile) {
     const dml_system *s = dml_checksystem(L, arg);
     const dml_signature sig = signature(s);
-    const dml_traced *last = kept ? &kept->trace : NULL;
+    const dml_traced *last = cached ? &cached->trace : NULL;
     dml_traced traced;
     dm_arena *arena = dml_pusharena(L);
     const int at = lua_gettop(L);
@@ -184,24 +183,24 @@ static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *kept, dm
     else
         dml_trace(L, fn, &sig, arena, &traced);
     int same = last && traced.graph && traced.graph == last->graph;
-    if (same && !dml_repeatconstraints(L, arg, kept, arena)) {
+    if (same && !dml_repeatconstraints(L, arg, cached, arena)) {
         dml_retrace(L, fn, &sig, arena, NULL, &traced); /* of a model of its own */
         same = 0;
     }
-    dml_model *m = same ? kept : new_model(L, fn, arena, s->n);
+    dml_model *m = same ? cached : new_model(L, fn, arena, s->n);
     if (!same) {
         m->trace = traced;
         m->graph = traced.graph;
         m->lagrangian = traced.out[0];
         m->traced = m->graph ? dm_graph_size(m->graph) : 0;
         dml_traceconstraints(L, arg, m);
-        same = kept && m->graph && dml_sametrace(kept, m);
+        same = cached && m->graph && dml_sametrace(cached, m);
     }
     if (same) dml_sparearena(L, at);
     lua_pushvalue(L, same ? fn + 1 : at + 1);
     lua_replace(L, at);
     lua_settop(L, at);
-    return same ? kept : m;
+    return same ? cached : m;
 }
 
 /* from the trace of a new model on top to its structure */
@@ -221,24 +220,23 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     arg = lua_absindex(L, arg);
     dml_system *s = dml_checksystem(L, arg);
     if (s->ruled)
-        luaL_error(L, "a discrete Lagrangian of a system and a rule is found by solving: "
-                      "it has no formula to trace (its L "
-                      "is in the field 'system')");
+        luaL_error(L, "a discrete Lagrangian of a system and a rule is found by solving: it has no "
+                      "formula to trace (its L is in the field 'system')");
     push_function(L, arg, s);
     const int fn = lua_gettop(L);
-    dml_model *kept = compile && !s->hyperdual ? dml_pushkept(L, arg, compile) : NULL;
-    const clockid_t by = kept ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
+    dml_model *cached = compile && !s->hyperdual ? dml_pushcached(L, arg, compile) : NULL;
+    const clockid_t by = cached ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
     const double start = now_ms(by); /* asking for CPU time takes as long as five operations */
     dml_model *m;
     if (s->hyperdual) {
         dm_arena *arena = dml_pusharena(L);
         m = new_model(L, fn, arena, s->n);
     } else {
-        m = trace_model(L, arg, fn, kept, compile);
+        m = trace_model(L, arg, fn, cached, compile);
     }
-    if (m != kept) build_model(L, arg, fn, m);
-    if (m != kept && m->graph && compile) dml_keep(L, arg, m, compile);
-    if (m == kept) m->compile_ms = 0.0;
+    if (m != cached) build_model(L, arg, fn, m);
+    if (m != cached && m->graph && compile) dml_cachemodel(L, arg, m, compile);
+    if (m == cached) m->compile_ms = 0.0;
     m->trace_ms = now_ms(by) - start;
     lua_replace(L, fn);
     lua_settop(L, fn);
@@ -261,7 +259,8 @@ static void want_constraints(lua_State *L, dml_model *m, unsigned want, const ch
     const unsigned missing = want & DM_WANT_CONSTRAINTS & ~m->constraints.has;
     if (!m->constrained.graph || !missing) return;
     const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
-    check_status(L, dm_constraints_want(&m->constraints, missing, backend_of(L, m, backend)->compile));
+    check_status(L,
+                 dm_constraints_want(&m->constraints, missing, backend_of(L, m, backend)->compile));
     m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
 }
 
@@ -306,8 +305,8 @@ void dml_writeout(lua_State *L, dml_model *m) {
     if (!m->graph || !dm_sums(m->graph)) return;
     if (m->n > DM_MODEL_DENSE)
         luaL_error(L,
-                   "the sums of dm.sum_over are written out up to %d coordinates (this "
-                   "system has %d)",
+                   "the sums of dm.sum_over are written out up to %d coordinates (this system has "
+                   "%d)",
                    DM_MODEL_DENSE, (int)m->n);
     dm_graph *plain = dm_graph_new(m->arena, dm_sum_first(m->graph));
     if (!plain) luaL_error(L, "not enough memory");
@@ -332,13 +331,13 @@ static void check_callback(lua_State *L, dml_model *m, const char *what, const d
     if (once != once && may_be_outside) return;
     if (once != once)
         luaL_error(L,
-                   "%s is NaN at the start: is the start inside its domain (a logarithm, "
-                   "root or quotient)?",
+                   "%s is NaN at the start: is the start inside its domain (a logarithm, root or "
+                   "quotient)?",
                    what);
     if (once != again)
         luaL_error(L,
-                   "%s gives %f and then %f at the same point: does it use random "
-                   "numbers, or a counter?",
+                   "%s gives %f and then %f at the same point: does it use random numbers, or a "
+                   "counter?",
                    what, once, again);
 }
 

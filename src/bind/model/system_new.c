@@ -1,7 +1,7 @@
 /* system_new.c - from a table of options to a system or a discrete Lagrangian. */
-#include "bind/model/model_constraints.h"
 #include "bind/model/bind_space.h"
 #include "bind/model/bind_system.h"
+#include "bind/model/model_constraints.h"
 
 #include <string.h>
 
@@ -37,8 +37,8 @@ static void check_name(lua_State *L, int names, uint32_t i) {
     for (const char *const *other = taken; *other; other++)
         if (strcmp(name, *other) == 0)
             luaL_error(L,
-                       "field 'coordinates'[%d]: '%s' is a column of every path; choose "
-                       "another name",
+                       "field 'coordinates'[%d]: '%s' is a column of every path; choose another "
+                       "name",
                        (int)i, name);
     for (uint32_t k = 1; k < i; k++, lua_pop(L, 1)) {
         lua_geti(L, names, k);
@@ -86,8 +86,8 @@ static void check_params(lua_State *L) {
     const int type = lua_getfield(L, 1, "params");
     if (type != LUA_TNIL && type != LUA_TTABLE && type != LUA_TUSERDATA)
         luaL_error(L,
-                   "field 'params' must be a table that L gets as its last argument, for "
-                   "instance { k = 2 } (got %s)",
+                   "field 'params' must be a table that L gets as its last argument, for instance "
+                   "{ k = 2 } (got %s)",
                    luaL_typename(L, -1));
     lua_pop(L, 1);
 }
@@ -97,15 +97,15 @@ static void check_units(lua_State *L) {
     const int type = lua_getfield(L, 1, "units");
     if (type != LUA_TNIL && type != LUA_TTABLE)
         luaL_error(L,
-                   "field 'units' must be a table name -> unit, for instance { q1 = \"m\", "
-                   "t = \"s\" } (got %s)",
+                   "field 'units' must be a table name -> unit, for instance { q1 = \"m\", t = "
+                   "\"s\" } (got %s)",
                    luaL_typename(L, -1));
     if (type == LUA_TTABLE)
         for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
             if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != LUA_TSTRING)
                 luaL_error(L,
-                           "field 'units'[%s] must be a text under the name of what has it, "
-                           "for instance { q1 = \"m\", t = \"s\" }",
+                           "field 'units'[%s] must be a text under the name of what has it, for "
+                           "instance { q1 = \"m\", t = \"s\" }",
                            luaL_tolstring(L, -2, NULL));
     lua_pop(L, 1);
 }
@@ -122,7 +122,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     check_coordinates(L, n);
     check_units(L);
     check_params(L);
-    dml_checktiefields(L, wants_hyperdual(L));
+    dml_check_functions(L, wants_hyperdual(L));
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
     *s = (dml_system){.n = n, .pair = pair, .hyperdual = wants_hyperdual(L), .h = h};

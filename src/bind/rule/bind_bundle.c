@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-const char *const DML_BUNDLE = "dm.bundle";
-
 static dml_bundle *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_BUNDLE);
 }
@@ -223,76 +221,68 @@ static int bundle_field(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", bundle_tostring, NULL}, {NULL, NULL, NULL}};
 static const dml_row methods[] =
     {{"minus", bundle_minus,
-      "bundle:minus(q, v [, t]) -> dm.vector\nThe boundary map d-: where the segment of "
-      "(q, v) begins. t (default 0) is "
-      "the time at q."},
+      "bundle:minus(q, v [, t]) -> dm.vector\n"
+      "The boundary map d-: where the segment of (q, v) begins. t (default 0) is the time at q."},
      {"plus", bundle_plus,
-      "bundle:plus(q, v [, t]) -> dm.vector\nThe boundary map d+: where the segment of "
-      "(q, v) ends."},
+      "bundle:plus(q, v [, t]) -> dm.vector\n"
+      "The boundary map d+: where the segment of (q, v) ends."},
      {"pair", bundle_pair,
-      "bundle:pair(q, v [, t]) -> q0, q1\nBoth ends of the segment: the Moser-Veselov "
-      "pair that (q, v) stands for."},
+      "bundle:pair(q, v [, t]) -> q0, q1\n"
+      "Both ends of the segment: the Moser-Veselov pair that (q, v) stands for."},
      {"velocity", bundle_velocity,
-      "bundle:velocity(q0, q1 [, t]) -> q, v\nThe element (q, v) whose segment goes from "
-      "q0 to q1, the inverse of pair; "
-      "for q0 = q1 the zero of the bundle there. Raises when there is none near straight "
-      "motion."},
+      "bundle:velocity(q0, q1 [, t]) -> q, v\n"
+      "The element (q, v) whose segment goes from q0 to q1, the inverse of pair; for q0 = q1 the "
+      "zero of the bundle there. Raises when there is none near straight motion."},
      {"tangent_minus", bundle_tangent_minus,
-      "bundle:tangent_minus(q, v [, t]) -> dm.matrix, n x 2n\nT d-, the exact derivative "
-      "of minus; columns dq, dv."},
+      "bundle:tangent_minus(q, v [, t]) -> dm.matrix, n x 2n\n"
+      "T d-, the exact derivative of minus; columns dq, dv."},
      {"tangent_plus", bundle_tangent_plus,
-      "bundle:tangent_plus(q, v [, t]) -> dm.matrix, n x 2n\nT d+, the exact derivative "
-      "of plus; columns dq, dv."},
+      "bundle:tangent_plus(q, v [, t]) -> dm.matrix, n x 2n\n"
+      "T d+, the exact derivative of plus; columns dq, dv."},
      {"vertical_minus", bundle_vertical_minus,
-      "bundle:vertical_minus(q, v, dq [, t]) -> dq, dv\nThe variation dq^- of (q, v) that "
-      "moves the beginning by dq and "
-      "leaves the end: T d-(dq^-) = dq, T d+(dq^-) = 0."},
+      "bundle:vertical_minus(q, v, dq [, t]) -> dq, dv\n"
+      "The variation dq^- of (q, v) that moves the beginning by dq and leaves the end: T d-(dq^-) "
+      "= dq, T d+(dq^-) = 0."},
      {"vertical_plus", bundle_vertical_plus,
-      "bundle:vertical_plus(q, v, dq [, t]) -> dq, dv\nThe variation dq^+ of (q, v) that "
-      "moves the end by dq and leaves "
-      "the beginning: T d+(dq^+) = dq, T d-(dq^+) = 0."},
+      "bundle:vertical_plus(q, v, dq [, t]) -> dq, dv\n"
+      "The variation dq^+ of (q, v) that moves the end by dq and leaves the beginning: T d+(dq^+) "
+      "= dq, T d-(dq^+) = 0."},
      {"split", bundle_split,
-      "bundle:split(q, v, dq, dv [, t]) -> dq+, dv+, dq-, dv-\nThe variation (dq, dv) as "
-      "a sum of one that leaves the "
-      "beginning, (dq+, dv+), and one that leaves the end, (dq-, dv-)."},
+      "bundle:split(q, v, dq, dv [, t]) -> dq+, dv+, dq-, dv-\n"
+      "The variation (dq, dv) as a sum of one that leaves the beginning, (dq+, dv+), and one that "
+      "leaves the end, (dq-, dv-)."},
      {"action", bundle_action,
-      "bundle:action(q, v [, t]) -> number\nThe discrete Lagrangian: the action along the "
-      "segment, by the weights of its "
-      "method."},
+      "bundle:action(q, v [, t]) -> number\n"
+      "The discrete Lagrangian: the action along the segment, by the weights of its method."},
      {"momenta", bundle_momenta,
-      "bundle:momenta(q, v [, t]) -> p0, p1\nBoth discrete Legendre transforms: dLd = p1 "
-      "dq1 - p0 dq0. A path of the "
-      "rule has p1 of a step equal to p0 of the next."},
+      "bundle:momenta(q, v [, t]) -> p0, p1\n"
+      "Both discrete Legendre transforms: dLd = p1 dq1 - p0 dq0. A path of the rule has p1 of a "
+      "step equal to p0 of the next."},
      {"check", dml_bundle_check,
-      "bundle:check{q=, v=, t=} -> table, sentence\nIs it a discrete tangent bundle at "
-      "(q, v)? dimension = 2 dim Q; "
-      "minus, plus: smallest singular values of T d- and T d+ (submersions); transversal: "
-      "that of "
-      "((T d+ + T d-)/2, (T d+ - T d-)/h), 0 where the kernels meet; zero: the element "
-      "without extent at q; limit: the "
-      "order in h at which that matrix tends to the identity (at least 1; infinity: it is "
-      "the identity); largest_h: the first h "
-      "up to 1000 of its own at which the kernels meet, or infinity; ok: all of it holds "
-      "(Cuell-Patrick 2008, "
-      "definition 2, proposition 1)."},
+      "bundle:check{q=, v=, t=} -> table, sentence\n"
+      "Is it a discrete tangent bundle at (q, v)? dimension = 2 dim Q; minus, plus: smallest "
+      "singular values of T d- and T d+ (submersions); transversal: that of ((T d+ + T d-)/2, (T "
+      "d+ - T d-)/h), 0 where the kernels meet; zero: the element without extent at q; limit: the "
+      "order in h at which that matrix tends to the identity (at least 1; infinity: it is the "
+      "identity); largest_h: the first h up to 1000 of its own at which the kernels meet, or "
+      "infinity; ok: all of it holds (Cuell-Patrick 2008, definition 2, proposition 1)."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"bundle", dml_bundle_new,
-      "dm.bundle{system=, h=, segments=, bias=} -> dm.bundle   or   dm.bundle{Q=, h=, "
-      "bias=}\n"
-      "A discrete tangent bundle: to every (q, v) belongs a curve segment of duration h. "
-      "segments: \"straight\" (the "
-      "default), the name of a one-step method that follows the field of the system, or a "
-      "dm.curve; bias (1/2 for "
-      "straight segments, else 1): the part of h behind q. With straight segments and Q "
-      "alone: Moser-Veselov pairs."},
+      "dm.bundle{system=, h=, segments=, bias=} -> dm.bundle   or   dm.bundle{Q=, h=, bias=}\n"
+      "A discrete tangent bundle: to every (q, v) belongs a curve segment of duration h. segments: "
+      "\"straight\" (the default), the name of a one-step method that follows the field of the "
+      "system, or a dm.curve; bias (1/2 for straight segments, else 1): the part of h behind q. "
+      "With straight segments and Q alone: Moser-Veselov pairs."},
      {NULL, NULL, NULL}};
 
-void dml_open_bundle(lua_State *L) {
-    dml_newclass(L, DML_BUNDLE,
-                 "dm.bundle: a discrete tangent bundle (V, d-, d+) of curve segments, "
-                 "made by dm.bundle{system=, h=}\n"
-                 "fields: system, segments, h, bias, dimension",
-                 meta, methods, bundle_field);
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_bundle = {
+    .name = DML_BUNDLE,
+    .doc = "dm.bundle: a discrete tangent bundle (V, d-, d+) of curve segments, made by "
+           "dm.bundle{system=, h=}\n"
+           "fields: system, segments, h, bias, dimension",
+    .meta = meta,
+    .methods = methods,
+    .field = bundle_field,
+    .functions = functions,
+};

@@ -2,11 +2,11 @@
 #ifndef DML_BUNDLE_H
 #define DML_BUNDLE_H
 
-#include "bind/rule/bind_curve.h"
 #include "bind/model/bind_system.h"
+#include "bind/rule/bind_curve.h"
 #include "integ/curve/curve_bundle.h"
 
-extern const char *const DML_BUNDLE; /* "dm.bundle" */
+#define DML_BUNDLE "dm.bundle"
 
 typedef struct {
     uint32_t n; /* dim Q */

@@ -49,8 +49,8 @@ static void read_method(lua_State *L, dm_curve *c) {
         own_method(L, c, lua_gettop(L));
     else
         luaL_error(L,
-                   "field 'method' must be the name of a one-step method, for instance \"rk4\", "
-                   "or a function(x, f, h) that gives x after a step h of x' = f(x) (got %s)",
+                   "field 'method' must be the name of a one-step method, for instance \"rk4\", or "
+                   "a function(x, f, h) that gives x after a step h of x' = f(x) (got %s)",
                    luaL_typename(L, -1));
     lua_pop(L, 1);
 }
@@ -59,13 +59,12 @@ static void read_bias(lua_State *L, dm_curve *c) {
     const double bias = dml_number(L, 1, "bias", c->bias);
     if (!(bias >= 0.0 && bias <= 1.0))
         luaL_error(L,
-                   "field 'bias' must be a number from 0 to 1, the part of a step that lies "
-                   "behind (q, v) (got %f)",
+                   "field 'bias' must be a number from 0 to 1, the part of a step that lies behind "
+                   "(q, v) (got %f)",
                    bias);
     if (!dm_curve_bias(c, bias))
         luaL_error(L,
-                   "field 'bias': a method of %d stages can begin or end a segment (bias "
-                   "1 or 0), "
+                   "field 'bias': a method of %d stages can begin or end a segment (bias 1 or 0), "
                    "both sides of (q, v) would take more than %d points",
                    c->s, DM_CURVE_STAGES);
 }
@@ -107,25 +106,19 @@ int dml_curve_new(lua_State *L) {
 static const dml_row functions[] =
     {{"curve", dml_curve_new,
       "dm.curve(name [, {bias=}]) -> dm.rule   or   dm.curve{method=, bias=, order=}\n"
-      "Curve segments for rule =: an explicit one-step method made variational, "
-      "symplectic and of the order of the "
-      "method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, butcher6, "
-      "fehlberg7, dop853, and GSL's "
-      "gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. method may be a function(x, f, "
-      "h) or function(x, f, h, t) "
-      "that gives the state x = (q, v), a vector of 2 n entries, after a step h of x' = "
-      "f(x) (f(x, t) takes the time "
-      "too): any method that is linear in the values of f, as Runge-Kutta, leapfrog and "
-      "Nystroem methods are, with "
-      "numbers for coefficients; its order is found, and `order` (optional) checked "
-      "against it. bias in [0, 1]: the part of "
-      "a step behind (q, v), 1 unless given, 1/2 for \"straight\" and for symmetric "
-      "rules; straight segments with bias "
-      "1/2 are the midpoint rule, with 0 and 1 the two symplectic Euler methods. The rule "
-      "as text: rule = "
+      "Curve segments for rule =: an explicit one-step method made variational, symplectic and of "
+      "the order of the method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, "
+      "butcher6, fehlberg7, dop853, and GSL's gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. "
+      "method may be a function(x, f, h) or function(x, f, h, t) that gives the state x = (q, v), "
+      "a vector of 2 n entries, after a step h of x' = f(x) (f(x, t) takes the time too): any "
+      "method that is linear in the values of f, as Runge-Kutta, leapfrog and Nystroem methods "
+      "are, with numbers for coefficients; its order is found, and `order` (optional) checked "
+      "against it. bias in [0, 1]: the part of a step behind (q, v), 1 unless given, 1/2 for "
+      "\"straight\" and for symmetric rules; straight segments with bias 1/2 are the midpoint "
+      "rule, with 0 and 1 the two symplectic Euler methods. The rule as text: rule = "
       "\"curve(rk4)\", \"curve(rk4, 0.5)\" (Cuell-Patrick 2008)."},
      {NULL, NULL, NULL}};
 
-void dml_open_curve(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_curve = {
+    .functions = functions,
+};

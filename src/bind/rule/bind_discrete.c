@@ -1,10 +1,10 @@
 /* bind_discrete.c - `dm.discrete_lagrangian`: Ld(q0, q1) of a user, or of a system and a
  * rule. */
-#include "bind/rule/discrete_rule.h"
-#include "bind/model/model_constraints.h"
-#include "bind/trace/bind_root.h"
 #include "bind/model/bind_space.h"
 #include "bind/model/bind_system.h"
+#include "bind/model/model_constraints.h"
+#include "bind/rule/discrete_rule.h"
+#include "bind/trace/bind_root.h"
 
 #include <math.h>
 #include <string.h>
@@ -35,8 +35,8 @@ static momenta of_formula(lua_State *L) {
     for (uint32_t i = 0; i < m->model.pair.outputs; i++) {
         if (!isfinite(out[i]))
             luaL_error(L,
-                       "a derivative of Ld is not finite at (q0, q1): is it inside the "
-                       "domain of Ld?%s",
+                       "a derivative of Ld is not finite at (q0, q1): is it inside the domain of "
+                       "Ld?%s",
                        dml_modeltrouble(L, m));
         if (i < n || i >= 2 * n) out[i] = -out[i];
     }
@@ -135,8 +135,8 @@ static int hamilton_pontryagin(lua_State *L) {
     dm_discrete d;
     lua_settop(L, 4);
     if (!s->ruled)
-        luaL_error(L, "a formula Ld(q0, q1) has no stages: this is for a discrete "
-                      "Lagrangian of a system and a rule");
+        luaL_error(L, "a formula Ld(q0, q1) has no stages: this is for a discrete Lagrangian of a "
+                      "system and a rule");
     dml_solveruled(L, &d);
     lua_createtable(L, 0, 7);
     dml_setresult(L);
@@ -261,10 +261,10 @@ static void check_of_system(lua_State *L) {
         has_field(L, "constraint") && !has_field(L, "rolling") && !has_field(L, "force");
     if (dml_isconstrained(L, 1) && !(holonomic && has_formula(L)))
         luaL_error(L,
-                   "a discrete Lagrangian has no place for %s: solve the system with a "
-                   "rule, for instance system:solver{rule = \"%s\", h = 0.01}",
-                   holonomic ? "the constraints of a system but at its nodes (rules "
-                               "\"midpoint\" and \"trapezoidal\")"
+                   "a discrete Lagrangian has no place for %s: solve the system with a rule, for "
+                   "instance system:solver{rule = \"%s\", h = 0.01}",
+                   holonomic ? "the constraints of a system but at its nodes (rules \"midpoint\" "
+                               "and \"trapezoidal\")"
                              : "rolling constraints and forces",
                    holonomic ? "rattle" : "midpoint");
 }
@@ -277,9 +277,9 @@ static int is_timed(lua_State *L) {
     lua_settop(L, 2);
     if (!known) return !dml_isconstrained(L, 1);
     if (timed && dml_isconstrained(L, 1))
-        luaL_error(L, "a discrete Lagrangian with constraints knows no time, on which "
-                      "this system depends: solve the system with a rule, for instance "
-                      "system:solver{rule = \"rattle\", h = 0.01}");
+        luaL_error(L, "a discrete Lagrangian with constraints knows no time, on which this system "
+                      "depends: solve the system with a rule, for instance system:solver{rule = "
+                      "\"rattle\", h = 0.01}");
     return timed;
 }
 
@@ -303,54 +303,48 @@ static const dml_row meta[] = {{"__tostring", discrete_tostring, NULL},
 static const dml_row methods[] =
     {{"value", discrete_value,
       "Ld:value(q0, q1 [, t]) -> number\n"
-      "The discrete Lagrangian, the same as Ld(q0, q1): of a rule, the action of the "
-      "curve of that rule from q0 at the time t "
-      "(0) to q1, found by Newton to round-off."},
+      "The discrete Lagrangian, the same as Ld(q0, q1): of a rule, the action of the curve of that "
+      "rule from q0 at the time t (0) to q1, found by Newton to round-off."},
      {"hamilton_pontryagin", hamilton_pontryagin,
       "Ld:hamilton_pontryagin(q0, q1 [, t]) -> {value, p0, p1, q, v, p, residual}\n"
-      "The stationary point of h sum_i b_i [L(q_i, v_i) + p_i . (dq_i/dt - v_i)] over the "
-      "curves of the rule from q0 to q1: "
-      "positions, velocities and momenta p_i = dL/dv at its points (matrices, a row "
-      "each), the multipliers p0 and p1 of the ends, "
-      "which are the discrete Legendre transforms, and what is left of its equations "
-      "(Leok 5.2)."},
+      "The stationary point of h sum_i b_i [L(q_i, v_i) + p_i . (dq_i/dt - v_i)] over the curves "
+      "of the rule from q0 to q1: positions, velocities and momenta p_i = dL/dv at its points "
+      "(matrices, a row each), the multipliers p0 and p1 of the ends, which are the discrete "
+      "Legendre transforms, and what is left of its equations (Leok 5.2)."},
      {"legendre_minus", discrete_minus,
-      "Ld:legendre_minus(q0, q1) -> dm.vector\nThe momentum p0 = -D1 Ld(q0, q1) at q0 "
-      "(Leok 2.3)."},
+      "Ld:legendre_minus(q0, q1) -> dm.vector\n"
+      "The momentum p0 = -D1 Ld(q0, q1) at q0 (Leok 2.3)."},
      {"legendre_plus", discrete_plus,
-      "Ld:legendre_plus(q0, q1) -> dm.vector\nThe momentum p1 = D2 Ld(q0, q1) at q1 (Leok "
-      "2.3)."},
+      "Ld:legendre_plus(q0, q1) -> dm.vector\n"
+      "The momentum p1 = D2 Ld(q0, q1) at q1 (Leok 2.3)."},
      {"two_form", discrete_two_form,
       "Ld:two_form(q0, q1) -> dm.matrix\n"
       "The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = "
       "-d2Ld/dq0dq1 dq0 ^ dq1."},
      {"momentum", discrete_momentum,
       "Ld:momentum(group, q0, q1 [, {block=}]) -> dm.vector of dim G entries\n"
-      "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; "
-      "kept along a "
-      "path when Ld is invariant."},
+      "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; kept "
+      "along a path when Ld is invariant."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"discrete_lagrangian", discrete_new,
-      "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, "
-      "derivatives=, constraint=} -> dm.discrete_lagrangian\n"
+      "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "
+      "constraint=} -> dm.discrete_lagrangian\n"
       "or dm.discrete_lagrangian(system, {rule=, h=}) with any stage rule (\"galerkin(3, "
-      "lobatto(4))\", \"gauss(2)\", "
-      "\"midpoint\" ...)\n"
-      "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from "
-      "q0 to q1 in the time h. Step it with "
-      "dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is to be zero at every "
-      "node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives lambda with "
-      "record = { \"impulses\" }); momenta are D2 Ld, as they are."},
+      "lobatto(4))\", \"gauss(2)\", \"midpoint\" ...)\n"
+      "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
+      "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
+      "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "
+      "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are."},
      {NULL, NULL, NULL}};
 
-void dml_open_discrete(lua_State *L) {
-    dml_newclass(L, DML_DISCRETE,
-                 "dm.discrete_lagrangian: Ld(q0, q1), made by dm.discrete_lagrangian{Q=, "
-                 "h=, Ld=}\n"
-                 "or, of a system and a rule, by dm.discrete_lagrangian(system, {rule=, h=})\n"
-                 "fields: Q, Ld, h, name, coordinates, units, params, system, rule, "
-                 "constraint",
-                 meta, methods, discrete_field);
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_discrete = {
+    .name = DML_DISCRETE,
+    .doc = "dm.discrete_lagrangian: Ld(q0, q1), made by dm.discrete_lagrangian{Q=, h=, Ld=}\n"
+           "or, of a system and a rule, by dm.discrete_lagrangian(system, {rule=, h=})\n"
+           "fields: Q, Ld, h, name, coordinates, units, params, system, rule, constraint",
+    .meta = meta,
+    .methods = methods,
+    .field = discrete_field,
+    .functions = functions,
+};

@@ -40,8 +40,8 @@ static void read_quadrature(lua_State *L, dm_quadrature *q) {
     int weights = 0;
     long double sum = 0.0L;
     if (!read_numbers(L, "nodes", q->c, &q->r))
-        luaL_error(L, "field 'nodes' is missing: give the nodes of the quadrature, "
-                      "numbers in [0, 1]");
+        luaL_error(L, "field 'nodes' is missing: give the nodes of the quadrature, numbers in [0, "
+                      "1]");
     check_nodes(L, q);
     if (!read_numbers(L, "weights", q->b, &weights)) {
         dm_quadrature_interpolate(q);
@@ -52,8 +52,8 @@ static void read_quadrature(lua_State *L, dm_quadrature *q) {
     for (int i = 0; i < q->r; i++) sum += q->b[i];
     if (!(fabsl(sum - 1.0L) <= (long double)EXACT))
         luaL_error(L,
-                   "field 'weights': their sum must be 1, it is off by %f: weights are "
-                   "those of [0, 1]",
+                   "field 'weights': their sum must be 1, it is off by %f: weights are those of "
+                   "[0, 1]",
                    (double)(sum - 1.0L));
     for (int i = 0; i < q->r; i++) q->b[i] /= sum;
 }
@@ -66,9 +66,8 @@ static void check_degree(lua_State *L, int s, const dm_quadrature *q) {
                    s, s, s, q->r);
     if (degree < s - 1)
         luaL_error(L,
-                   "curves of degree %d need a quadrature exact to degree %d; these "
-                   "weights are exact to "
-                   "degree %d (leave 'weights' out for the best ones of these nodes)",
+                   "curves of degree %d need a quadrature exact to degree %d; these weights are "
+                   "exact to degree %d (leave 'weights' out for the best ones of these nodes)",
                    s, s - 1, degree);
 }
 
@@ -89,9 +88,8 @@ static int galerkin_new(lua_State *L) {
     dm_galerkin_of(g, s, &q);
     if (!dm_galerkin_is_regular(g))
         luaL_error(L,
-                   "with these weights the kinetic energy of a curve of degree %d is "
-                   "degenerate: the step "
-                   "equation would be singular; use other weights, or a lower degree",
+                   "with these weights the kinetic energy of a curve of degree %d is degenerate: "
+                   "the step equation would be singular; use other weights, or a lower degree",
                    s);
     dml_pushrule(L, "galerkin", g, text);
     return 1;
@@ -100,15 +98,13 @@ static int galerkin_new(lua_State *L) {
 static const dml_row functions[] =
     {{"galerkin", galerkin_new,
       "dm.galerkin{degree=, nodes=, weights=} -> dm.rule\n"
-      "A Galerkin variational integrator for rule =: curves of that degree, the action by "
-      "a quadrature with these "
-      "nodes in [0, 1] (growing) and weights (sum 1; left out: those exact to the highest "
-      "degree). Quadratures with "
-      "names need no object: rule = \"galerkin(3, lobatto(4))\". Raises, with the degree, "
-      "when the quadrature is not "
-      "exact enough (Marsden & West 2001, 2.6; HLW VI.6)."},
+      "A Galerkin variational integrator for rule =: curves of that degree, the action by a "
+      "quadrature with these nodes in [0, 1] (growing) and weights (sum 1; left out: those exact "
+      "to the highest degree). Quadratures with names need no object: rule = \"galerkin(3, "
+      "lobatto(4))\". Raises, with the degree, when the quadrature is not exact enough (Marsden & "
+      "West 2001, 2.6; HLW VI.6)."},
      {NULL, NULL, NULL}};
 
-void dml_open_galerkin(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_galerkin = {
+    .functions = functions,
+};

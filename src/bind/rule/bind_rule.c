@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-const char *const DML_RULE = "dm.rule";
-
 void dml_pushrule(lua_State *L, const char *name, const void *data, const char *text) {
     dml_rule *r = lua_newuserdatauv(L, sizeof *r, 2);
     *r = (dml_rule){.rule = {.method = dm_method_find(name, NULL), .data = data}};
@@ -49,10 +47,11 @@ static int rule_field(lua_State *L) {
 
 static const dml_row meta[] = {{"__tostring", rule_tostring, NULL}, {NULL, NULL, NULL}};
 
-void dml_open_rule(lua_State *L) {
-    dml_newclass(L, DML_RULE,
-                 "dm.rule: a rule with coefficients of its own, made by dm.galerkin and "
-                 "its like, for rule = in a solver\n"
-                 "fields: name, order, symmetric, symplectic",
-                 meta, NULL, rule_field);
-}
+const dml_class dml_class_rule = {
+    .name = DML_RULE,
+    .doc = "dm.rule: a rule with coefficients of its own, made by dm.galerkin and its like, for "
+           "rule = in a solver\n"
+           "fields: name, order, symmetric, symplectic",
+    .meta = meta,
+    .field = rule_field,
+};

@@ -1,12 +1,12 @@
-/* bind_rule.h - `dm.rule`: a rule that brings data of its own (a quadrature, a tableau, a curve), for
- * `rule =`. */
+/* bind_rule.h - `dm.rule`: a rule that brings data of its own (a quadrature, a tableau, a curve),
+ * for `rule =`. */
 #ifndef DML_RULE_H
 #define DML_RULE_H
 
 #include "bind/core/bind.h"
 #include "integ/method/method.h"
 
-extern const char *const DML_RULE; /* "dm.rule" */
+#define DML_RULE "dm.rule"
 
 /* user value 1: what keeps the data alive, 2: the text that names it in reports and messages */
 typedef struct {

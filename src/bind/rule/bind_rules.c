@@ -1,8 +1,8 @@
 /* bind_rules.c - `dm.rules`: the table of methods. */
 #include "bind/core/bind.h"
-#include "integ/registry.h"
-#include "integ/method/traits.h"
 #include "integ/method/method.h"
+#include "integ/method/traits.h"
+#include "integ/registry.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -82,15 +82,14 @@ static int rules(lua_State *L) {
 
 static const dml_row functions[] =
     {{"rules", rules,
-      "dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, "
-      "symplectic, explicit, for_pairs, instances}\n"
+      "dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, symplectic, "
+      "explicit, for_pairs, instances}\n"
       "Every rule that a solver can use. order and stages as formulas, cost a step with n "
-      "coordinates; instances: {rule, order, "
-      "stages, forces, symmetric, symplectic ...}, rules on which all this is measured by "
-      "the tests (forces a step when L = T(v) - "
-      "V(q), 0 where the rule stays implicit)."},
+      "coordinates; instances: {rule, order, stages, forces, symmetric, symplectic ...}, rules on "
+      "which all this is measured by the tests (forces a step when L = T(v) - V(q), 0 where the "
+      "rule stays implicit)."},
      {NULL, NULL, NULL}};
 
-void dml_open_rules(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_rules = {
+    .functions = functions,
+};

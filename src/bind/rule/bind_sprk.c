@@ -49,9 +49,8 @@ static void check_symplectic(lua_State *L, const dm_tableau *t) {
     const long double defect = dm_tableau_defect(t, &i, &j);
     if (fabsl(defect) <= SAME) return;
     luaL_error(L,
-               "this pair is not symplectic: b_i A_ij + B_j a_ji - b_i B_j = %f at i = "
-               "%d, j = %d; leave A and B out "
-               "for the partner of a and b",
+               "this pair is not symplectic: b_i A_ij + B_j a_ji - b_i B_j = %f at i = %d, j = %d; "
+               "leave A and B out for the partner of a and b",
                (double)defect, i + 1, j + 1);
 }
 
@@ -61,15 +60,13 @@ static void check_kind(lua_State *L, const dm_tableau *t, const dm_sprk *m) {
     for (int i = 0; i < t->s; i++) {
         if (fabsl(t->b[i] - t->B[i]) > SAME)
             luaL_error(L,
-                       "b and B must be the same: B_%d - b_%d = %f (they may differ "
-                       "where a and A are triangles of kicks "
-                       "and drifts, which is for L = T(v) - V(q) alone)",
+                       "b and B must be the same: B_%d - b_%d = %f (they may differ where a and A "
+                       "are triangles of kicks and drifts, which is for L = T(v) - V(q) alone)",
                        i + 1, i + 1, (double)(t->B[i] - t->b[i]));
         if (fabsl(t->b[i]) < SAME)
             luaL_error(L,
-                       "the weight b_%d is zero: stage %d has no say in the action, and "
-                       "its velocity is not determined; "
-                       "leave the stage out",
+                       "the weight b_%d is zero: stage %d has no say in the action, and its "
+                       "velocity is not determined; leave the stage out",
                        i + 1, i + 1);
     }
 }
@@ -94,8 +91,7 @@ static void read_pair(lua_State *L, dm_tableau *t) {
     for (int i = 0; i < t->s; i++)
         if (fabsl(t->b[i]) < SAME)
             luaL_error(L,
-                       "the weight b_%d is zero: then A does not follow from a and b; "
-                       "give A and B",
+                       "the weight b_%d is zero: then A does not follow from a and b; give A and B",
                        i + 1);
     dm_tableau_partner(t);
 }
@@ -108,9 +104,8 @@ static void check_times(lua_State *L, const dm_tableau *t, int order) {
         for (int i = 0; i < t->s; i++) sum += t->b[i] * powl(t->c[i], k);
         if (fabsl(sum - 1.0L / (k + 1)) > loose)
             luaL_error(L,
-                       "field 'c': the times do not fit an order of %d: sum b_i c_i^%d is %f, "
-                       "not 1/%d; leave c out "
-                       "for the sums of the rows of a",
+                       "field 'c': the times do not fit an order of %d: sum b_i c_i^%d is %f, not "
+                       "1/%d; leave c out for the sums of the rows of a",
                        order, k, (double)sum, k + 1);
     }
 }
@@ -136,9 +131,8 @@ static int sprk_new(lua_State *L) {
     dm_sprk_of(m, t);
     check_kind(L, t, m);
     if (m->order < 1)
-        luaL_error(L, "the pair is symplectic but has no order: one step errs as much as "
-                      "no step; are the rows of a and A "
-                      "right?");
+        luaL_error(L, "the pair is symplectic but has no order: one step errs as much as no step; "
+                      "are the rows of a and A right?");
     if (has(L, "c")) check_times(L, t, m->order);
     dml_pushrule(L, "sprk", m, text);
     return 1;
@@ -147,16 +141,14 @@ static int sprk_new(lua_State *L) {
 static const dml_row functions[] =
     {{"sprk", sprk_new,
       "dm.sprk{a=, b=, A=, B=, c=, name=} -> dm.rule\n"
-      "A symplectic partitioned Runge-Kutta method for rule =: positions by (a, b), "
-      "momenta by (A, B), s rows of s numbers "
-      "and s weights, c the times of the stages (left out: the sums of the rows of a). A "
-      "and B left out: the partner, A_ij = "
-      "b_j (1 - a_ji / b_i). Raises when b_i A_ij + B_j a_ji = b_i B_j or b = B is "
-      "violated, with the defect and where; b and B "
-      "may differ in tables of kicks and drifts, which step L = T(v) - V(q). Its order is "
-      "measured when it is made (HLW VI.4)."},
+      "A symplectic partitioned Runge-Kutta method for rule =: positions by (a, b), momenta by (A, "
+      "B), s rows of s numbers and s weights, c the times of the stages (left out: the sums of the "
+      "rows of a). A and B left out: the partner, A_ij = b_j (1 - a_ji / b_i). Raises when b_i "
+      "A_ij + B_j a_ji = b_i B_j or b = B is violated, with the defect and where; b and B may "
+      "differ in tables of kicks and drifts, which step L = T(v) - V(q). Its order is measured "
+      "when it is made (HLW VI.4)."},
      {NULL, NULL, NULL}};
 
-void dml_open_sprk(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_sprk = {
+    .functions = functions,
+};

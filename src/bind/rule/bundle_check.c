@@ -81,13 +81,13 @@ static void push_sentence(lua_State *L, const dm_bundle *b, const findings *f) {
     const char *what = holds(f) ? "a discrete tangent bundle" : "NO discrete tangent bundle";
     if (isfinite(f->largest))
         lua_pushfstring(L,
-                        "%s near this element at h = %f; the kernels of T d- and T d+ "
-                        "first meet at h = %f",
+                        "%s near this element at h = %f; the kernels of T d- and T d+ first meet "
+                        "at h = %f",
                         what, b->h, f->largest);
     else
         lua_pushfstring(L,
-                        "%s near this element at h = %f; the kernels of T d- and T d+ do "
-                        "not meet up to h = %f",
+                        "%s near this element at h = %f; the kernels of T d- and T d+ do not meet "
+                        "up to h = %f",
                         what, b->h, 1000.0 * b->h);
 }
 

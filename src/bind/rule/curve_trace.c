@@ -4,9 +4,9 @@
  * h sum_j a_j V_j + h^2 sum_j lift_j A_j, v + h sum_j push_j A_j): a Runge-Kutta method where
  * push is a and the others are zero, else one that treats q and v each in its way (Nystroem;
  * leapfrog). */
-#include "bind/value/array.h"
 #include "bind/rule/bind_curve.h"
 #include "bind/trace/trace.h"
+#include "bind/value/array.h"
 #include "code/tape/tape.h"
 
 #include <math.h>
@@ -24,8 +24,7 @@ static void append(lua_State *L, int list, int arg, const char *what) {
     const long n = dml_length(L, arg);
     if (n != SIZE || (!lua_istable(L, arg) && !dml_toarray(L, arg, 1)))
         luaL_error(L,
-                   "%s must be a vector of as many entries as x, positions and velocities "
-                   "(got %s)",
+                   "%s must be a vector of as many entries as x, positions and velocities (got %s)",
                    what,
                    n > 1 ? lua_pushfstring(L, "%d for %d", (int)n, SIZE) : luaL_typename(L, arg));
     for (uint32_t i = 0; i < SIZE; i++) {
@@ -197,9 +196,9 @@ static int has_right_times(probe *p) {
 static void read_coefficients(lua_State *L, probe *p) {
     read_sums(p);
     if (!is_linear(p))
-        luaL_error(L, "the method is not linear in the values of f: every argument of f, "
-                      "and the result, must be x + h times a sum of numbers times values of f "
-                      "(positions may also take h v, and h^2 times accelerations)");
+        luaL_error(L, "the method is not linear in the values of f: every argument of f, and the "
+                      "result, must be x + h times a sum of numbers times values of f (positions "
+                      "may also take h v, and h^2 times accelerations)");
     if (!has_right_times(p))
         luaL_error(L, "the method gives f a time that is not t + c h, where c is the sum of the "
                       "coefficients of that call");

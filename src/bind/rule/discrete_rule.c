@@ -1,5 +1,5 @@
-#include "integ/registry.h"
 #include "bind/rule/discrete_rule.h"
+#include "integ/registry.h"
 
 #include "bind/model/model_constraints.h"
 #include "bind/rule/bind_rule.h"
@@ -19,9 +19,8 @@ static const dm_method *read_rule(lua_State *L, int at, dm_rule *nodes) {
         wrong = dm_rule_read(nodes, lua_tostring(L, -1), &nearest);
     } else {
         luaL_error(L,
-                   "field 'rule' must be the name of a stage rule, for instance "
-                   "\"galerkin(3, lobatto(4))\", or a dm.rule "
-                   "(got %s)",
+                   "field 'rule' must be the name of a stage rule, for instance \"galerkin(3, "
+                   "lobatto(4))\", or a dm.rule (got %s)",
                    luaL_typename(L, -1));
     }
     const char *text = luaL_tolstring(L, -1, NULL);
@@ -42,11 +41,9 @@ static void read_basis(lua_State *L, int at, dm_galerkin *g) {
     if (method->basis) method->basis(g, nodes);
     if (!g->s)
         luaL_error(L,
-                   "%s has no discrete Lagrangian of stages; the rules that have one: "
-                   "midpoint, trapezoidal, verlet, "
-                   "symplectic-euler, gauss(s), lobatto(s), galerkin(s, quadrature(r)), "
-                   "sprk(pair, s) and what "
-                   "dm.galerkin and dm.sprk make",
+                   "%s has no discrete Lagrangian of stages; the rules that have one: midpoint, "
+                   "trapezoidal, verlet, symplectic-euler, gauss(s), lobatto(s), galerkin(s, "
+                   "quadrature(r)), sprk(pair, s) and what dm.galerkin and dm.sprk make",
                    lua_tostring(L, -1));
     lua_pop(L, 2);
 }
@@ -106,15 +103,13 @@ static void check_status(lua_State *L, dml_model *m, dm_status status, const dml
     dml_rethrow(L, m);
     if (status == DM_SINGULAR)
         luaL_error(L,
-                   "the stage equations between q0 and q1 are singular: is L regular "
-                   "(d2L/dv2 invertible) there, and h = "
-                   "%f below a conjugate time?",
+                   "the stage equations between q0 and q1 are singular: is L regular (d2L/dv2 "
+                   "invertible) there, and h = %f below a conjugate time?",
                    s->h);
     if (status != DM_OK)
         luaL_error(L,
-                   "no curve of this rule was found from q0 to q1 in the time h = %f "
-                   "(%s); are they one step apart, and "
-                   "inside the domain of L?",
+                   "no curve of this rule was found from q0 to q1 in the time h = %f (%s); are "
+                   "they one step apart, and inside the domain of L?",
                    s->h, dm_status_text(status));
 }
 

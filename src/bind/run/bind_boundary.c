@@ -1,8 +1,8 @@
 /* bind_boundary.c - `dm.stationary`: a sequence that makes a sum over its windows stationary. */
-#include "bind/value/array.h"
+#include "algebra/derive.h"
 #include "bind/trace/backend.h"
 #include "bind/trace/trace.h"
-#include "algebra/derive.h"
+#include "bind/value/array.h"
 #include "run/boundary.h"
 
 #include <string.h>
@@ -96,15 +96,14 @@ static int stationary(lua_State *L) {
 static const dml_row functions[] =
     {{"stationary", stationary,
       "dm.stationary{term=, sites=, block=, window=, x=, given=} -> dm.vector, report\n"
-      "The sequence x of `sites` blocks of `block` numbers for which the sum of term(w) "
-      "over all windows w of `window` neighbouring blocks (a vector) is stationary, from "
-      "the guess x by Newton's method on the whole (a band). given: a list of booleans, "
-      "true for the numbers that stay. report: code (\"ok\", \"no_convergence\", "
-      "\"singular\", \"not_finite\", \"stopped\"), text, iterations, residual (the "
-      "largest derivative left). Look at report.code: x is no solution when it is not "
-      "\"ok\"."},
+      "The sequence x of `sites` blocks of `block` numbers for which the sum of term(w) over all "
+      "windows w of `window` neighbouring blocks (a vector) is stationary, from the guess x by "
+      "Newton's method on the whole (a band). given: a list of booleans, true for the numbers that "
+      "stay. report: code (\"ok\", \"no_convergence\", \"singular\", \"not_finite\", \"stopped\"), "
+      "text, iterations, residual (the largest derivative left). Look at report.code: x is no "
+      "solution when it is not \"ok\"."},
      {NULL, NULL, NULL}};
 
-void dml_open_boundary(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_boundary = {
+    .functions = functions,
+};

@@ -1,7 +1,7 @@
 /* bind_emit.c - `system:emit_c()` and `f:emit_c()`: what dmlua computes, as C. */
-#include "bind/trace/function.h"
-#include "bind/model/bind_system.h"
 #include "algebra/derive.h"
+#include "bind/model/bind_system.h"
+#include "bind/trace/function.h"
 #include "code/tape/emit_c.h"
 
 static void put(void *ud, const char *text, size_t length) {
@@ -73,9 +73,8 @@ static int system_emit(lua_State *L) {
     if (!m->graph)
         return luaL_error(L, "this system runs on hyper-dual numbers: it has no graph to write");
     if (dm_graph_inputs(m->graph) > (s->pair ? 2 * n : 2 * n + 1))
-        return luaL_error(L, "this system keeps a loop over its bodies (dm.sum_over), "
-                             "which has no C text; one "
-                             "with few bodies has");
+        return luaL_error(L, "this system keeps a loop over its bodies (dm.sum_over), which has no "
+                             "C text; one with few bodies has");
     dm_node *slope = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *slope, 0);
     luaL_Buffer b;
     luaL_buffinit(L, &b);
@@ -108,21 +107,25 @@ static int function_emit(lua_State *L) {
 static const dml_row of_systems[] =
     {{"emit_c", system_emit,
       "system:emit_c() -> string\n"
-      "C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 "
-      "output), slope (dL/dq, dL/dv: 2 dim Q) "
-      "and energy, and constraint, rolling, reaction, force where there are such, each "
-      "void f(const double *in, double *out) with in = q, v, t; of a "
-      "discrete Lagrangian Ld and slope with "
-      "in = q0, q1. Compile with -ffp-contract=off for the same bits."},
+      "C17 text of what the runtime computes, with no need of dmlua: lagrangian (1 output), slope "
+      "(dL/dq, dL/dv: 2 dim Q) and energy, and constraint, rolling, reaction, force where there "
+      "are such, each void f(const double *in, double *out) with in = q, v, t; of a discrete "
+      "Lagrangian Ld and slope with in = q0, q1. Compile with -ffp-contract=off for the same "
+      "bits."},
      {NULL, NULL, NULL}};
 static const dml_row of_functions[] =
     {{"emit_c", function_emit,
-      "f:emit_c([name]) -> string\nC17 text of f: void name(const double *in, double "
-      "*out); name defaults to f."},
+      "f:emit_c([name]) -> string\n"
+      "C17 text of f: void name(const double *in, double *out); name defaults to f."},
      {NULL, NULL, NULL}};
 
-void dml_open_emit(lua_State *L) {
-    dml_addmethods(L, DML_SYSTEM, of_systems);
-    dml_addmethods(L, DML_DISCRETE, of_systems);
-    dml_addmethods(L, DML_FUNCTION, of_functions);
-}
+static const dml_extension more[] = {
+    {DML_SYSTEM, of_systems},
+    {DML_DISCRETE, of_systems},
+    {DML_FUNCTION, of_functions},
+    {NULL, NULL},
+};
+
+const dml_class dml_class_emit = {
+    .more = more,
+};

@@ -1,15 +1,13 @@
 /* bind_path.c - `dm.path`: the rows that a run recorded.
  */
-#include "bind/value/array.h"
 #include "bind/run/bind_path.h"
+#include "bind/value/array.h"
 #include "run/drift.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-const char *const DML_PATH = "dm.path";
 
 static dml_path *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_PATH);
@@ -19,8 +17,8 @@ dml_path *dml_path_states(lua_State *L, const char *what) {
     dml_path *p = check(L);
     if (p->watched)
         luaL_error(L,
-                   "%s needs q and p, but this run recorded only what it watched: leave "
-                   "'watch' out, or watch it",
+                   "%s needs q and p, but this run recorded only what it watched: leave 'watch' "
+                   "out, or watch it",
                    what);
     return p;
 }
@@ -36,9 +34,8 @@ dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t
         char size[48];
         snprintf(size, sizeof size, "%.6g rows needs %.3g GB", (double)rows, bytes * 1e-9);
         luaL_error(L,
-                   "recording %s, more than half of this machine's memory: keep fewer with "
-                   "a larger 'every', watch less, or write them to a file (file = "
-                   "\"rows.npy\")",
+                   "recording %s, more than half of this machine's memory: keep fewer with a "
+                   "larger 'every', watch less, or write them to a file (file = \"rows.npy\")",
                    size);
     }
     const size_t doubles = (size_t)rows * width;
@@ -180,8 +177,8 @@ static int recorded(lua_State *L, const char *key, const char *stem) {
     const uint32_t count = dml_path_group(L, stem, &first);
     if (!count)
         luaL_error(L,
-                   "path.%s: this run did not record it; run it with record = { \"%s\" }, "
-                   "or take path:multipliers(), those at its states",
+                   "path.%s: this run did not record it; run it with record = { \"%s\" }, or take "
+                   "path:multipliers(), those at its states",
                    key, key);
     return dml_path_columns(L, key, first, count);
 }
@@ -228,15 +225,15 @@ static const dml_row meta[] = {{"__len", path_len, NULL},
                                {"__tostring", path_tostring, NULL},
                                {NULL, NULL, NULL}};
 
-void dml_open_path(lua_State *L) {
-    dml_path_open_columns(L);
-    dml_newclass(L, DML_PATH,
-                 "dm.path: what a run recorded, one row per kept step\n"
-                 "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs "
-                 "that recorded them), columns (names), steps, "
-                 "h, rule, system, solver, title, units, "
-                 "ns_per_step, events (of a run that looked for some), file (of a run "
-                 "that wrote its rows); #path rows",
-                 meta, dml_path_quantities, path_field);
-    dml_setfunctions(L, dml_path_functions);
-}
+const dml_class dml_class_path = {
+    .name = DML_PATH,
+    .doc = "dm.path: what a run recorded, one row per kept step\n"
+           "fields: t[i] (number), q[i], p[i] (vectors), lambda[i], impulses[i] (of runs that "
+           "recorded them), columns (names), steps, h, rule, system, solver, title, units, "
+           "ns_per_step, events (of a run that looked for some), file (of a run that wrote its "
+           "rows); #path rows",
+    .meta = meta,
+    .methods = dml_path_quantities,
+    .field = path_field,
+    .functions = dml_path_functions,
+};

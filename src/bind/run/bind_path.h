@@ -35,7 +35,7 @@ enum {
     DML_PATH_VALUES = DML_PATH_FILE
 };
 
-extern const char *const DML_PATH; /* "dm.path" */
+#define DML_PATH "dm.path"
 
 /* Push an empty path with room for `rows` rows of `width` columns for the system at stack index
  * `system`. Raises when the block would not fit in half of the machine's memory. */
@@ -51,9 +51,8 @@ dml_path *dml_path_states(lua_State *L, const char *what);
 
 /* The rest is shared by the files of the class; the path is at stack index 1. */
 
-/* Push the view path.<name> of `count` columns from `first`; register its class. */
+/* Push the view path.<name> of `count` columns from `first`. */
 int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t count);
-void dml_path_open_columns(lua_State *L);
 
 /* How many columns are called `stem` or stem1, stem2 ..., and the first of them. */
 uint32_t dml_path_group(lua_State *L, const char *stem, uint32_t *first);

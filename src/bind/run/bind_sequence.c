@@ -1,8 +1,8 @@
 /* bind_sequence.c - `dm.sequence`: a sequence known by an equation, run in C. */
-#include "bind/value/array.h"
+#include "algebra/derive.h"
 #include "bind/trace/backend.h"
 #include "bind/trace/trace.h"
-#include "algebra/derive.h"
+#include "bind/value/array.h"
 #include "run/sequence.h"
 
 #include <string.h>
@@ -132,23 +132,19 @@ static int sequence(lua_State *L) {
 
 static const dml_row functions[] =
     {{"sequence", sequence,
-      "dm.sequence{equation=, next=, start=, y=, unknowns=, steps=, inside=, every=, "
-      "check=} -> "
+      "dm.sequence{equation=, next=, start=, y=, unknowns=, steps=, inside=, every=, check=} -> "
       "dm.matrix, report\n"
-      "The sequence y, y', y'' ... with y' = next(y, x) where x, of `unknowns` numbers, "
-      "is the root of equation(y, x) = 0 that Newton's method finds from start(y). The "
-      "functions are traced once, with vectors y and x, and run in C. inside(y, x) gives "
-      "numbers that must be > 0 at the root. scale(y) gives the sizes "
-      "of what the unknowns are added to, where x is a small difference. check = false "
-      "trusts the "
-      "traces without comparing them with plain calls. Rows: y at the start, every "
-      "`every` steps, "
-      "and at the end. report: code (\"ok\", \"no_convergence\", \"singular\", "
-      "\"not_finite\", \"stopped\"), text, done (steps), outside (which condition the "
-      "root broke, from 1), iterations, residual. A step that fails ends the sequence "
-      "without an error: look at report.code."},
+      "The sequence y, y', y'' ... with y' = next(y, x) where x, of `unknowns` numbers, is the "
+      "root of equation(y, x) = 0 that Newton's method finds from start(y). The functions are "
+      "traced once, with vectors y and x, and run in C. inside(y, x) gives numbers that must be > "
+      "0 at the root. scale(y) gives the sizes of what the unknowns are added to, where x is a "
+      "small difference. check = false trusts the traces without comparing them with plain calls. "
+      "Rows: y at the start, every `every` steps, and at the end. report: code (\"ok\", "
+      "\"no_convergence\", \"singular\", \"not_finite\", \"stopped\"), text, done (steps), outside "
+      "(which condition the root broke, from 1), iterations, residual. A step that fails ends the "
+      "sequence without an error: look at report.code."},
      {NULL, NULL, NULL}};
 
-void dml_open_sequence(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_sequence = {
+    .functions = functions,
+};

@@ -1,12 +1,10 @@
 /* bind_solver.c - `dm.solver`: a system, a rule and a step; runs end in a path or a
  * dm.failure. */
-#include "bind/run/checkpoint.h"
 #include "bind/run/bind_path.h"
+#include "bind/run/checkpoint.h"
 #include "bind/run/stepping.h"
 
 #include <string.h>
-
-const char *const DML_SOLVER = "dm.solver";
 
 typedef dml_solver solver;
 
@@ -132,102 +130,81 @@ static int solver_field(lua_State *L) {
 static const dml_row meta[] = {{"__tostring", solver_tostring, NULL}, {NULL, NULL, NULL}};
 static const dml_row methods[] =
     {{"run", dml_solver_run,
-      "solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, "
-      "watch=, record=, "
-      "events=, file=, checkpoint=} -> dm.path\n"
-      "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q "
-      "and the momentum p, "
-      "or from two positions q0, q1 one step apart (each dim Q numbers, in a list or by "
-      "the names of coordinates, q = { x = 1, y = 0 }); keep the start, "
-      "one state in "
-      "`every` (default 1) and the end, or the states at the growing times `at` (by a "
-      "shorter step on the side, which "
-      "leaves the run as it is); t0 (default 0) is the time of the start. With "
-      "constraints the start must lie on them, and its velocity be tangent: project = "
-      "true moves it to the nearest such state in the metric of the mass. The "
-      "Lagrangian is traced anew, so "
+      "solver:run{q=, v=, p=, q0=, q1=, p0=, steps=, t=, at=, every=, t0=, project=, watch=, "
+      "record=, events=, file=, checkpoint=} -> dm.path\n"
+      "Run `steps` steps of h, or as many as cover the duration t, from q and v, from q and the "
+      "momentum p, or from two positions q0, q1 one step apart (each dim Q numbers, in a list or "
+      "by the names of coordinates, q = { x = 1, y = 0 }); keep the start, one state in `every` "
+      "(default 1) and the end, or the states at the growing times `at` (by a shorter step on the "
+      "side, which leaves the run as it is); t0 (default 0) is the time of the start. With "
+      "constraints the start must lie on them, and its velocity be tangent: project = true moves "
+      "it to the nearest such state in the metric of the mass. The Lagrangian is traced anew, so "
       "changed upvalues are picked up.\n"
-      "watch = { \"q1\", \"energy\", r = function(q, v, t, p) ... end }: rows hold t and "
-      "these numbers instead of q and p (a function that gives several has the columns "
-      "r1, "
-      "r2, ...); \"lambda\" stands for system:multipliers at the state. "
-      "record = { \"lambda\", ... }: such columns beside q and p. "
-      "record = { \"impulses\" }: multipliers of the steps, in units of momentum: what "
-      "the end of one step and the start of the next give the momentum at the row, along "
-      "the rows of constraint and rolling (reaction); so the first and the last row have "
-      "a half of it. For rules of one stage that is the multiplier of the discrete "
-      "Euler-Lagrange equations; over h it is a force to order 2; rules with s constraint "
-      "intervals (gauss(s), lobatto(s + 1)) share h among the nodes of a Lobatto rule, so "
-      "over 2 h / (s (s + 1)). \"inner\": those between as well, of the step that begins "
-      "at "
-      "the row. path.lambda[i], path.impulses[i] are vectors. "
-      "file = \"rows.npy\": rows go there as they come, the path keeps the last one. "
-      "events "
-      "= { name = function(q, v, t, p) "
-      "... end } or { name = { g = f, direction = \"up\" | \"down\", stop = true } }: "
-      "zeros "
-      "of these functions, by steps of "
-      "fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the "
-      "run "
-      "there; a zero that is touched but not crossed, or two of one function within a "
-      "step, "
-      "are not seen. checkpoint = file or { "
-      "file =, every = seconds }: written while it runs (every minute) and at its end, "
-      "for "
-      "dm.resume. "
-      "Raises dm.failure with the path so far when a step "
-      "cannot be "
+      "watch = { \"q1\", \"energy\", r = function(q, v, t, p) ... end }: rows hold t and these "
+      "numbers instead of q and p (a function that gives several has the columns r1, r2, ...); "
+      "\"lambda\" stands for system:multipliers at the state. record = { \"lambda\", ... }: such "
+      "columns beside q and p. record = { \"impulses\" }: multipliers of the steps, in units of "
+      "momentum: what the end of one step and the start of the next give the momentum at the row, "
+      "along the rows of constraint and rolling (reaction); so the first and the last row have a "
+      "half of it. For rules of one stage that is the multiplier of the discrete Euler-Lagrange "
+      "equations; over h it is a force to order 2; rules with s constraint intervals (gauss(s), "
+      "lobatto(s + 1)) share h among the nodes of a Lobatto rule, so over 2 h / (s (s + 1)). "
+      "\"inner\": those between as well, of the step that begins at the row. path.lambda[i], "
+      "path.impulses[i] are vectors. file = \"rows.npy\": rows go there as they come, the path "
+      "keeps the last one. events = { name = function(q, v, t, p) ... end } or { name = { g = f, "
+      "direction = \"up\" | \"down\", stop = true } }: zeros of these functions, by steps of "
+      "fitting length in between, as path.events[i] = { name, t, q, p }; stop ends the run there; "
+      "a zero that is touched but not crossed, or two of one function within a step, are not seen. "
+      "checkpoint = file or { file =, every = seconds }: written while it runs (every minute) and "
+      "at its end, for dm.resume. Raises dm.failure with the path so far when a step cannot be "
       "solved, the state stops being finite, or on Ctrl-C."},
      {"step", solver_step,
-      "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, "
-      "q1) -> q2\n"
+      "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, q1) -> q2\n"
       "One step from a state, or the next position after two positions one step apart."},
      {"report", solver_report,
       "solver:report() -> table\n"
       "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
-      "evaluation), trace_ms, compile_ms "
-      "(trace to kernels), steps, ns_per_step, newton, newton_per_step, evaluations; with "
-      "constraints: constraint and rolling, the largest |g| and |phi| at the end of a "
-      "step."},
+      "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, "
+      "newton_per_step, evaluations; with constraints: constraint and rolling, the largest |g| and "
+      "|phi| at the end of a step."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"solver", dml_solver_new,
-      "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, "
-      "sums=} -> "
+      "dm.solver{system, rule=, h=, newton={tolerance=, max_iterations=}, backend=, sums=} -> "
       "dm.solver\n"
-      "A solver for a dm.system (rule and h needed: see dm.rules()) or a "
-      "dm.discrete_lagrangian (which has "
-      "its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
-      "stops, 4e-15 unless a looser "
-      "one is asked for. sums = \"plain\": kicks and drifts without compensation, for "
-      "wide ensembles and long chains: fewer operations, "
-      "and round-off that grows faster (default \"compensated\")."},
+      "A solver for a dm.system (rule and h needed: see dm.rules()) or a dm.discrete_lagrangian "
+      "(which has its own h; rule \"del\"). newton.tolerance: relative increment at which Newton "
+      "stops, 4e-15 unless a looser one is asked for. sums = \"plain\": kicks and drifts without "
+      "compensation, for wide ensembles and long chains: fewer operations, and round-off that "
+      "grows faster (default \"compensated\")."},
      {"resume", dml_resume,
-      "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) "
-      "-> dm.solver\n"
-      "A solver that goes on where a run ended, from path:checkpoint(file) or from the "
-      "path itself: "
-      "solver:run{steps=} gives the bits of a run that never stopped. Rule, h and "
-      "Newton's "
-      "tolerance are those of "
-      "the checkpoint; rule: for a rule that is an object, which a file does not hold. "
-      "Raises when the file is not a "
-      "whole checkpoint or the system is another one."},
+      "dm.resume(file, system [, {rule=, backend=}]) -> dm.solver   or   dm.resume(path) -> "
+      "dm.solver\n"
+      "A solver that goes on where a run ended, from path:checkpoint(file) or from the path "
+      "itself: solver:run{steps=} gives the bits of a run that never stopped. Rule, h and Newton's "
+      "tolerance are those of the checkpoint; rule: for a rule that is an object, which a file "
+      "does not hold. Raises when the file is not a whole checkpoint or the system is another "
+      "one."},
      {NULL, NULL, NULL}};
 
-void dml_open_solver(lua_State *L) {
-    static const dml_row solver_row[] =
-        {{"solver", dml_solver_of,
-          "system:solver{rule=, h=, newton={tolerance=, max_iterations=}, backend=, "
-          "sums=} -> "
-          "dm.solver\n"
-          "A solver for this system: see dm.solver and dm.rules()."},
-         {NULL, NULL, NULL}};
-    dml_newclass(L, DML_SOLVER,
-                 "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
-                 "fields: system, rule, h, order, tolerance, max_iterations",
-                 meta, methods, solver_field);
-    dml_setfunctions(L, functions);
-    dml_addmethods(L, DML_SYSTEM, solver_row);
-    dml_addmethods(L, DML_DISCRETE, solver_row);
-}
+static const dml_row solver_row[] = {{"solver", dml_solver_of,
+                                      "system:solver{rule=, h=, newton={tolerance=, "
+                                      "max_iterations=}, backend=, sums=} -> dm.solver\n"
+                                      "A solver for this system: see dm.solver and dm.rules()."},
+                                     {NULL, NULL, NULL}};
+static const dml_extension more[] = {
+    {DML_SYSTEM, solver_row},
+    {DML_DISCRETE, solver_row},
+    {NULL, NULL},
+};
+
+const dml_class dml_class_solver = {
+    .name = DML_SOLVER,
+    .doc = "dm.solver: a system, a rule and a step, made by system:solver{rule=, h=}\n"
+           "fields: system, rule, h, order, tolerance, max_iterations",
+    .meta = meta,
+    .methods = methods,
+    .field = solver_field,
+    .functions = functions,
+    .more = more,
+};

@@ -80,9 +80,8 @@ void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c)
     const double check = fingerprint(r->model, r->x, c->state, t);
     if (fabs(check - c->check) > 1e-9 * (fabs(check) + fabs(c->check)))
         luaL_error(L,
-                   "the system is not the one of the checkpoint: at its state L was %f and is "
-                   "%f; for another system "
-                   "start a new run from q and p",
+                   "the system is not the one of the checkpoint: at its state L was %f and is %f; "
+                   "for another system start a new run from q and p",
                    c->check, check);
     memcpy(r->state, c->state, dm_state_size(c->n) * sizeof(double));
     dml_stepping_open(L, r);
@@ -106,8 +105,16 @@ static int write_numbers(FILE *f, const char *name, const double *x, size_t coun
 static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s, const char *rule) {
     const size_t size = dm_state_size(c->n);
     return fprintf(f,
-                   "%s\nrule %s\nsums %s\nn %u\nh %a\ntolerance %a\nmax_iterations %d\nt0 "
-                   "%a\nsteps %ld\ncheck %a\n",
+                   "%s\n"
+                   "rule %s\n"
+                   "sums %s\n"
+                   "n %u\n"
+                   "h %a\n"
+                   "tolerance %a\n"
+                   "max_iterations %d\n"
+                   "t0 %a\n"
+                   "steps %ld\n"
+                   "check %a\n",
                    HEAD, rule, s->plain ? "plain" : "compensated", (unsigned)c->n, s->h,
                    s->tolerance, s->max_iterations, c->t0, c->steps, c->check) > 0 &&
            write_numbers(f, "state", c->state, size) &&
@@ -307,8 +314,8 @@ static void override(lua_State *L, int options) {
     const char *rule = luaL_tolstring(L, -1, NULL);
     if (own && !given)
         luaL_error(L,
-                   "the checkpoint is of '%s', a rule that a file does not hold: "
-                   "dm.resume(file, system, { rule = the object })",
+                   "the checkpoint is of '%s', a rule that a file does not hold: dm.resume(file, "
+                   "system, { rule = the object })",
                    rule);
     if (given) {
         lua_getfield(L, 3, "rule");
@@ -316,8 +323,8 @@ static void override(lua_State *L, int options) {
         if (strncmp(now, "rule ", 5) == 0) now += 5;
         if (strcmp(now, rule) != 0)
             luaL_error(L,
-                       "the checkpoint is of rule '%s', not '%s': with another rule start "
-                       "a new run from q and p",
+                       "the checkpoint is of rule '%s', not '%s': with another rule start a new "
+                       "run from q and p",
                        rule, now);
         lua_getfield(L, 3, "rule");
         lua_setfield(L, options, "rule");

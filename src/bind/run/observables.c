@@ -37,8 +37,8 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
         luaL_error(L, "%s must be a function of (q, v, t, p) (got %s)", what, luaL_typename(L, fn));
     if (r->solver->pair)
         luaL_error(L,
-                   "%s: a discrete Lagrangian knows no velocity: only columns of the "
-                   "path can be watched",
+                   "%s: a discrete Lagrangian knows no velocity: only columns of the path can be "
+                   "watched",
                    what);
     dm_observable *out = next(L, o);
     dm_kernel *kernel = o->kernel + (out - o->list);

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const COLUMNS = "dm.columns";
+#define COLUMNS "dm.columns"
 
 static dml_path *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_PATH);
@@ -146,9 +146,10 @@ static const dml_row columns_meta[] = {{"__len", columns_len, NULL},
                                        {"__tostring", columns_tostring, NULL},
                                        {NULL, NULL, NULL}};
 
-void dml_path_open_columns(lua_State *L) {
-    dml_newclass(L, COLUMNS,
-                 "dm.columns: path.t, path.q, path.p\ncolumns[i] is row i, #columns the "
-                 "number of rows",
-                 columns_meta, NULL, columns_index);
-}
+const dml_class dml_class_columns = {
+    .name = COLUMNS,
+    .doc = "dm.columns: path.t, path.q, path.p\n"
+           "columns[i] is row i, #columns the number of rows",
+    .meta = columns_meta,
+    .field = columns_index,
+};

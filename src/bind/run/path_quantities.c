@@ -1,11 +1,11 @@
 /* path_quantities.c - energy, velocity, momentum maps and drifts along a recorded path.
  */
 #include "base/largest.h"
-#include "bind/value/array.h"
-#include "bind/run/checkpoint.h"
-#include "bind/trace/model_sums.h"
-#include "bind/run/bind_path.h"
 #include "bind/model/bind_space.h"
+#include "bind/model/model_sums.h"
+#include "bind/run/bind_path.h"
+#include "bind/run/checkpoint.h"
+#include "bind/value/array.h"
 #include "run/drift.h"
 
 #include <math.h>
@@ -20,9 +20,8 @@ static dml_model *model_for(lua_State *L, unsigned want) {
     dml_model *m = dml_standin(L, -1, want); /* kept by the path */
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
     if (dml_checksystem(L, -1)->pair)
-        luaL_error(L, "a discrete Lagrangian alone has no energy and no velocity: make "
-                      "the path from a "
-                      "dm.system, or compute them from path.q and path.p");
+        luaL_error(L, "a discrete Lagrangian alone has no energy and no velocity: make the path "
+                      "from a dm.system, or compute them from path.q and path.p");
     lua_pop(L, 2);
     dml_want(L, m, want | dml_legendre_wants(m, want), NULL);
     return m;
@@ -110,8 +109,8 @@ static int path_worst(lua_State *L) {
     const int rolling = !strcmp(of, "rolling");
     if (!rolling && strcmp(of, "constraint") != 0)
         luaL_error(L,
-                   "path:worst takes \"constraint\" or \"rolling\" (got %s); path:drift "
-                   "has the error of the energy or of a column",
+                   "path:worst takes \"constraint\" or \"rolling\" (got %s); path:drift has the "
+                   "error of the energy or of a column",
                    *of ? of : luaL_typename(L, 2));
     lua_getiuservalue(L, 1, DML_PATH_MODEL);
     const dml_model *m = lua_touserdata(L, -1);
@@ -167,8 +166,7 @@ static int path_mass(lua_State *L) {
     dml_rethrow(L, m);
     for (uint32_t i = p->n; i < mass->outputs; i++)
         if (!isfinite(y[i]))
-            luaL_error(L, "the mass matrix is not finite at this q: is it inside the "
-                          "domain of L?");
+            luaL_error(L, "the mass matrix is not finite at this q: is it inside the domain of L?");
     memcpy(dml_pushmatrix(L, p->n, p->n), y + p->n, (size_t)p->n * p->n * sizeof *y);
     return 1;
 }
@@ -239,8 +237,8 @@ static const double *quantity(lua_State *L, const dml_path *p) {
     }
     if (dml_length(L, 2) != p->rows)
         luaL_error(L,
-                   "a column name or a vector of %d numbers (one a row) is needed, for "
-                   "instance M:column(1) of a matrix (got %s)",
+                   "a column name or a vector of %d numbers (one a row) is needed, for instance "
+                   "M:column(1) of a matrix (got %s)",
                    (int)p->rows, dml_kindname(L, 2));
     dml_vectorarg(L, 2, "quantity", y, (uint32_t)p->rows);
     return y;
@@ -276,23 +274,19 @@ static int drift_of(lua_State *L) {
 const dml_row dml_path_functions[] =
     {{"path", dml_path_new,
       "dm.path{system=, h=, rule=, steps=, columns = {t, q1, ..., p1, ...}} -> dm.path\n"
-      "A path from numbers that were computed elsewhere: 1 + 2 dim Q columns of one "
-      "number "
-      "a row, growing times first; h: the "
-      "step, rule: what made it (a text), steps: how many (default: rows - 1). It has "
-      "energy, drift, plots and files like that of a run."},
+      "A path from numbers that were computed elsewhere: 1 + 2 dim Q columns of one number a row, "
+      "growing times first; h: the step, rule: what made it (a text), steps: how many (default: "
+      "rows - 1). It has energy, drift, plots and files like that of a run."},
      {"drift", drift_of,
       "dm.drift(t, y) -> {per_time, error, mean, largest}\n"
-      "What path:drift finds, for numbers y at growing times t (vectors of at least 3 "
-      "entries)."},
+      "What path:drift finds, for numbers y at growing times t (vectors of at least 3 entries)."},
      {NULL, NULL, NULL}};
 
 const dml_row dml_path_quantities[] =
     {{"worst", path_worst,
       "path:worst(\"constraint\" | \"rolling\") -> number\n"
-      "The largest |g(q, t)| or |phi(q, v, t)| at the rows (v from the momentum) and, "
-      "where "
-      "the rule looks at it in every step, over all of its steps."},
+      "The largest |g(q, t)| or |phi(q, v, t)| at the rows (v from the momentum) and, where the "
+      "rule looks at it in every step, over all of its steps."},
      {"column", path_column,
       "path:column(name) -> dm.vector of #path entries\n"
       "A column by its name (see path.columns; \"time\" and \"energy\" too)."},
@@ -300,31 +294,27 @@ const dml_row dml_path_quantities[] =
       "path:energy() -> dm.vector of #path entries\n"
       "v . dL/dv - L at every row, v from p by the inverse Legendre transform."},
      {"velocity", path_velocity,
-      "path:velocity([row]) -> dm.matrix, #path x dim Q, or dm.vector of one row\nThe "
-      "velocity at every row, or at that one, from p by the inverse Legendre transform."},
+      "path:velocity([row]) -> dm.matrix, #path x dim Q, or dm.vector of one row\n"
+      "The velocity at every row, or at that one, from p by the inverse Legendre transform."},
      {"mass", path_mass,
       "path:mass(q [, t]) -> dm.matrix, dim Q x dim Q\n"
-      "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L "
-      "again; t: default that of the first row. Raises where it is not finite."},
+      "d2L/dv2 at (q, v = 0, t) by the kernels of the run, where system:mass traces L again; t: "
+      "default that of the first row. Raises where it is not finite."},
      {"momentum", path_momentum,
       "path:momentum(group [, {block=}]) -> dm.vector   or   path:momentum(generator) -> "
       "dm.vector\n"
-      "Noether's momentum map at every row: of a group by its standard action on blocks "
-      "of coordinates (dm.SO(2), dm.SO(3), "
-      "dm.R(n); a matrix #path x dim G when dim G > 1), or p . xi(q) of a generator "
-      "xi(q), a Lua function that returns "
-      "dim Q numbers."},
+      "Noether's momentum map at every row: of a group by its standard action on blocks of "
+      "coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . "
+      "xi(q) of a generator xi(q), a Lua function that returns dim Q numbers."},
      {"drift", path_drift,
       "path:drift(name | vector) -> {per_time, error, mean, largest}\n"
-      "Least squares slope of a column, of \"energy\" or of any vector of #path entries "
-      "against time: slope per unit "
-      "of time, its standard error from block means, the mean, and the largest distance "
-      "from the first row."},
+      "Least squares slope of a column, of \"energy\" or of any vector of #path entries against "
+      "time: slope per unit of time, its standard error from block means, the mean, and the "
+      "largest distance from the first row."},
      {"checkpoint", dml_path_checkpoint,
       "path:checkpoint(file) -> file name\n"
-      "Write where the run ended: the state with its low-order parts, what the rule keeps "
-      "from step to step, rule, step "
-      "and time, as a text with all bits. dm.resume(file, system) goes on from it bit for "
-      "bit. Raises when the file "
-      "cannot be written; an old one is replaced only by a whole one."},
+      "Write where the run ended: the state with its low-order parts, what the rule keeps from "
+      "step to step, rule, step and time, as a text with all bits. dm.resume(file, system) goes on "
+      "from it bit for bit. Raises when the file cannot be written; an old one is replaced only by "
+      "a whole one."},
      {NULL, NULL, NULL}};

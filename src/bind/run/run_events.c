@@ -32,9 +32,8 @@ static dm_event read_event(lua_State *L, const char *what) {
     if (lua_isfunction(L, -1)) return event;
     if (!lua_istable(L, -1))
         luaL_error(L,
-                   "%s must be a function of (q, v, t, p) or { g = function, direction = "
-                   "\"up\" or \"down\", stop "
-                   "= true } (got %s)",
+                   "%s must be a function of (q, v, t, p) or { g = function, direction = \"up\" or "
+                   "\"down\", stop = true } (got %s)",
                    what, luaL_typename(L, -1));
     dml_options(L, lua_gettop(L), known);
     event.direction = read_direction(L, what);
@@ -71,14 +70,14 @@ static void take_room(lua_State *L, dml_run_events *e, const dml_stepping *r) {
 
 void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r) {
     if (r->solver->pair)
-        luaL_error(L, "a discrete Lagrangian has a fixed step: no state between two steps "
-                      "is known, so no events");
+        luaL_error(L, "a discrete Lagrangian has a fixed step: no state between two steps is "
+                      "known, so no events");
     lua_getfield(L, 2, "events");
     const int table = lua_gettop(L);
     if (!lua_istable(L, table))
         luaL_error(L,
-                   "field 'events' must be a table { name = function(q, v, t, p) ... end "
-                   "} (got %s)",
+                   "field 'events' must be a table { name = function(q, v, t, p) ... end } (got "
+                   "%s)",
                    luaL_typename(L, table));
     dml_observables_start(&e->g, r);
     dml_pushkeys(L, table, "events");

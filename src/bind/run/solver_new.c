@@ -1,9 +1,9 @@
 /* solver_new.c - from a table of options to a solver. */
-#include "integ/registry.h"
-#include "bind/trace/backend.h"
-#include "bind/rule/discrete_rule.h"
 #include "bind/rule/bind_rule.h"
+#include "bind/rule/discrete_rule.h"
 #include "bind/run/stepping.h"
+#include "bind/trace/backend.h"
+#include "integ/registry.h"
 
 #include <string.h>
 
@@ -106,9 +106,8 @@ static void read_step(lua_State *L, solver *s, const dml_system *system) {
     s->h = dml_positive(L, 1, "h", system->h);
     if (s->h != system->h)
         luaL_error(L,
-                   "field 'h' is %f, but the discrete Lagrangian was made with h = %f: "
-                   "leave it out "
-                   "here",
+                   "field 'h' is %f, but the discrete Lagrangian was made with h = %f: leave it "
+                   "out here",
                    s->h, system->h);
 }
 
@@ -166,8 +165,8 @@ int dml_solver_of(lua_State *L) {
     if (lua_isnil(L, 2)) lua_newtable(L), lua_replace(L, 2);
     if (!lua_istable(L, 2))
         luaL_error(L,
-                   "a solver takes a table of options: system:solver { rule = "
-                   "\"verlet\", h = 0.01 } (got %s)",
+                   "a solver takes a table of options: system:solver { rule = \"verlet\", h = 0.01 "
+                   "} (got %s)",
                    luaL_typename(L, 2));
     lua_insert(L, 1);
     return new_solver(L);

@@ -1,12 +1,12 @@
 /* solver_run.c - solver:run: from its options to a path, or to a dm.failure with the path so
  * far. */
-#include "bind/run/checkpoint.h"
 #include "bind/core/bind_failure.h"
+#include "bind/core/bind_terminal.h"
 #include "bind/run/bind_path.h"
-#include "bind/trace/bind_root.h"
+#include "bind/run/checkpoint.h"
 #include "bind/run/run_events.h"
 #include "bind/run/run_file.h"
-#include "bind/core/bind_terminal.h"
+#include "bind/trace/bind_root.h"
 #include "run/run.h"
 
 #include <errno.h>
@@ -33,8 +33,8 @@ static double now(void) {
 /* at = { t1, t2, ... }: growing times from t0 on; the block stays on the stack */
 static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double from) {
     if (s->pair)
-        luaL_error(L, "a discrete Lagrangian has a fixed step: record with 'every' "
-                      "instead of 'at'");
+        luaL_error(L, "a discrete Lagrangian has a fixed step: record with 'every' instead of "
+                      "'at'");
     lua_getfield(L, 2, "at");
     const long count = dml_length(L, -1);
     if (count == 0) luaL_error(L, "field 'at' is empty: give it times, growing ones");
@@ -47,8 +47,8 @@ static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double 
     for (long i = 0; i < count; i++)
         if (!(at[i] > (i ? at[i - 1] : nextafter(from, -INFINITY))))
             luaL_error(L,
-                       "field 'at' must hold growing times from the start, t = %f, on "
-                       "(entry %d is %f)",
+                       "field 'at' must hold growing times from the start, t = %f, on (entry %d is "
+                       "%f)",
                        from, (int)i + 1, at[i]);
     plan->at = at;
     plan->at_count = count;
@@ -111,7 +111,8 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
     const char *rule = lua_tostring(L, -1);
     const dm_constraints *constraints = r->model->model.constraints;
     const char *trouble = dml_modeltrouble(L, r->model);
-    const int constraint = r->stepper.report.dependent, rolls = constraints && constraint > (int)constraints->holonomic;
+    const int constraint = r->stepper.report.dependent,
+              rolls = constraints && constraint > (int)constraints->holonomic;
     const dml_failure f = {.constraint = rolls ? 0 : constraint,
                            .rolling = rolls ? constraint - (int)constraints->holonomic : 0,
                            .status = status,
@@ -160,8 +161,8 @@ static double find_start(lua_State *L, run *u) {
     for (const char *const *key = starts; *key; key++)
         if (has(L, *key))
             luaL_error(L,
-                       "field '%s': this solver goes on from a checkpoint, which has its "
-                       "own state and time",
+                       "field '%s': this solver goes on from a checkpoint, which has its own state "
+                       "and time",
                        *key);
     u->r.t0 = u->from->t0;
     u->resume = (dm_resumption){.steps = u->from->steps,
@@ -186,16 +187,15 @@ static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double
     else if (has(L, "t"))
         plan->until = from + dml_positive(L, 2, "t", 0);
     else if (!has(L, "steps"))
-        luaL_error(L, "how long? 'steps' (how many), 't' (a duration) or 'at' "
-                      "(times) is missing");
+        luaL_error(L, "how long? 'steps' (how many), 't' (a duration) or 'at' (times) is missing");
     else
         plan->steps = dml_count(L, 2, "steps", 0, -1);
     if (!isfinite(plan->until)) return;
     plan->steps = own ? LONGEST_OWN_TIME : dml_stepping_cover(L, plan->until - from, s->h);
     if (own && !plan->at)
         luaL_error(L,
-                   "rule '%s' has a time of its own: give 'steps', or 'at' for the "
-                   "states at given times",
+                   "rule '%s' has a time of its own: give 'steps', or 'at' for the states at given "
+                   "times",
                    s->nodes[0].name);
 }
 
@@ -212,8 +212,8 @@ static void read_saving(lua_State *L, run *u) {
         lua_getfield(L, at, "file");
     }
     if (lua_type(L, -1) != LUA_TSTRING)
-        luaL_error(L, "field 'checkpoint' must be the name of a file, or { file =, every = "
-                      "seconds }");
+        luaL_error(L, "field 'checkpoint' must be the name of a file, or { file =, every = seconds "
+                      "}");
     u->saving = lua_tostring(L, -1);
     if (!dml_checkpoint_try(u->saving))
         luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving, strerror(errno));
@@ -248,9 +248,8 @@ static uint32_t read_record(lua_State *L, run *u) {
     const uint32_t watched = dm_observer_width(&u->watch.observer);
     if (!u->impulses.constraints) return watched;
     if (u->plan.at || has(L, "events"))
-        luaL_error(L, "field 'record': impulses are those of steps, and rows at times or "
-                      "events lie inside of them; record \"lambda\", the multipliers at "
-                      "the state");
+        luaL_error(L, "field 'record': impulses are those of steps, and rows at times or events "
+                      "lie inside of them; record \"lambda\", the multipliers at the state");
     u->plan.impulses = &u->impulses;
     return watched + dm_impulses_width(&u->impulses);
 }
@@ -260,8 +259,8 @@ static dml_path *make_path(lua_State *L, run *u) {
     const uint32_t n = u->r.solver->n;
     uint32_t width = 1 + 2 * n;
     if (has(L, "watch") && has(L, "record"))
-        luaL_error(L, "give 'watch' (rows hold this instead of q and p) or 'record' (rows "
-                      "hold it too), not both");
+        luaL_error(L, "give 'watch' (rows hold this instead of q and p) or 'record' (rows hold it "
+                      "too), not both");
     if (has(L, "watch")) {
         u->names = lua_gettop(L) + 1;
         dml_watch_read(L, &u->watch, &u->r);

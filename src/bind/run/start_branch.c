@@ -20,8 +20,7 @@ void dml_check_velocity(lua_State *L, dml_stepping *r, const double *state, cons
     }
     if (apart <= APART * size) return;
     luaL_error(L,
-               "%sno start: L is not convex in v, so that the momentum of this v belongs to "
-               "other velocities too, and a run, which goes on from q and p, would take one "
-               "of these",
+               "%sno start: L is not convex in v, so that the momentum of this v belongs to other "
+               "velocities too, and a run, which goes on from q and p, would take one of these",
                who);
 }

@@ -1,7 +1,7 @@
 /* start_constraints.c - is the start on the constraints, are they independent there, where is the
  * nearest start that is? */
-#include "integ/registry.h"
 #include "bind/run/start_constraints.h"
+#include "integ/registry.h"
 
 #include "mech/constraints.h"
 
@@ -70,26 +70,27 @@ static int wants_projection(lua_State *L) {
     return yes;
 }
 
-static void check_rank(lua_State *L, const dm_constraints *t, const dm_constraints_defect *d, const char *who) {
+static void check_rank(lua_State *L, const dm_constraints *t, const dm_constraints_defect *d,
+                       const char *who) {
     if (!d->depends) return;
     const char *name = push_name(L, t, d->depends);
     if (!d->on)
         luaL_error(L,
-                   "%sno start: the gradient of %s is zero at this q, so it holds "
-                   "nothing there (is it the square of a constraint?)",
+                   "%sno start: the gradient of %s is zero at this q, so it holds nothing there "
+                   "(is it the square of a constraint?)",
                    who, name);
     luaL_error(L,
-               "%sno start: the constraints are redundant at this q: %s depends on those "
-               "before it, most of all on %s; leave it out, or begin elsewhere if they are so "
-               "in this position only",
+               "%sno start: the constraints are redundant at this q: %s depends on those before "
+               "it, most of all on %s; leave it out, or begin elsewhere if they are so in this "
+               "position only",
                who, name, push_name(L, t, d->on));
 }
 
 static void check_status(lua_State *L, dm_status status, const char *who) {
     if (status == DM_OK) return;
     luaL_error(L,
-               "%sno start: %s in the constraints at the given q; is it inside their "
-               "domain, and is d2L/dv2 regular there?",
+               "%sno start: %s in the constraints at the given q; is it inside their domain, and "
+               "is d2L/dv2 regular there?",
                who, dm_status_text(status));
 }
 
@@ -97,7 +98,8 @@ static void check_position(lua_State *L, dml_stepping *r, const char *who) {
     const dm_constraints *t = r->model->model.constraints;
     dm_constraints_defect d;
     check_status(L,
-                 dm_constraints_position_defect(&d, t, r->x, r->metric, r->metric + t->n * (size_t)t->n),
+                 dm_constraints_position_defect(&d, t, r->x, r->metric,
+                                                r->metric + t->n * (size_t)t->n),
                  who);
     check_rank(L, t, &d, who);
     if (!(d.move <= ON))
@@ -110,13 +112,14 @@ static void check_velocity(lua_State *L, dml_stepping *r, const char *who, int l
     const dm_constraints *t = r->model->model.constraints;
     dm_constraints_defect d;
     check_status(L,
-                 dm_constraints_velocity_defect(&d, t, r->x, r->metric, r->metric + t->n * (size_t)t->n),
+                 dm_constraints_velocity_defect(&d, t, r->x, r->metric,
+                                                r->metric + t->n * (size_t)t->n),
                  who);
     check_rank(L, t, &d, who);
     if (loose || d.move <= ON) return;
     luaL_error(L,
-               "%sno start: the velocity does not fit %s: %s = %f; project = true moves "
-               "it to the nearest velocity that does",
+               "%sno start: the velocity does not fit %s: %s = %f; project = true moves it to the "
+               "nearest velocity that does",
                who, push_name(L, t, d.row), d.row <= t->holonomic ? "|G v + dg/dt|" : "|phi(q, v)|",
                d.distance);
 }
@@ -128,13 +131,14 @@ static void project(lua_State *L, dml_stepping *r, const char *who) {
     dm_status status = dm_constraints_project_position(m->constraints, r->x, r->metric, work);
     if (status == DM_OK && !m->inverse_mass)
         status = dm_constraints_inverse_mass(r->metric, m, r->x, work);
-    if (status == DM_OK) status = dm_constraints_project_velocity(m->constraints, r->x, r->metric, work);
+    if (status == DM_OK)
+        status = dm_constraints_project_velocity(m->constraints, r->x, r->metric, work);
     if (status == DM_OK)
         status = dm_legendre(m, r->state + m->n, r->x, r->x + m->n, r->t0, r->work);
     if (status != DM_OK)
         luaL_error(L,
-                   "%sno start: project = true found no state on the constraints near "
-                   "this one (%s): begin nearer to them",
+                   "%sno start: project = true found no state on the constraints near this one "
+                   "(%s): begin nearer to them",
                    who, dm_status_text(status));
     memcpy(r->state, r->x, m->n * sizeof *r->state);
 }
@@ -148,15 +152,17 @@ static void take_metric(lua_State *L, dml_stepping *r, const char *who) {
         for (size_t i = 0; i < n; i++) r->metric[i * (n + 1)] = 1.0;
         return;
     }
-    check_status(L, dm_constraints_inverse_mass(r->metric, m, r->x, r->metric + m->n * (size_t)m->n), who);
+    check_status(L,
+                 dm_constraints_inverse_mass(r->metric, m, r->x, r->metric + m->n * (size_t)m->n),
+                 who);
 }
 
 void dml_check_on_constraints(lua_State *L, dml_stepping *r, const char *who) {
     if (!r->model->model.constraints) return;
     if (r->solver->pair && wants_projection(L))
         luaL_error(L,
-                   "%sno start: a discrete Lagrangian has no mass, and 'project' moves "
-                   "a start in its metric: begin on the constraint",
+                   "%sno start: a discrete Lagrangian has no mass, and 'project' moves a start in "
+                   "its metric: begin on the constraint",
                    who);
     take_metric(L, r, who);
     check_position(L, r, who);
@@ -169,8 +175,8 @@ dm_status dml_tangent_momentum(dml_stepping *r) {
     memcpy(r->x, r->state, m->n * sizeof *r->x);
     dm_status status = dm_legendre_inverse(m, v, r->x, p, r->t0, r->work);
     if (status == DM_OK)
-        status =
-            dm_constraints_project_velocity(m->constraints, r->x, r->metric, r->metric + m->n * (size_t)m->n);
+        status = dm_constraints_project_velocity(m->constraints, r->x, r->metric,
+                                                 r->metric + m->n * (size_t)m->n);
     return status == DM_OK ? dm_legendre(m, p, r->x, v, r->t0, r->work) : status;
 }
 

@@ -14,8 +14,8 @@ unsigned dml_start_wants(const dml_stepping *r);
 size_t dml_start_work(const dm_model *m);
 
 /* The start in r->x = (q, v, t) and r->state, whose momentum is known. With project = true among
- * the options at 2 it is moved to the nearest state on the constraints, in the metric of the mass; else
- * a start off them raises with the distance. `who` begins the message ("" or "member 3: ");
+ * the options at 2 it is moved to the nearest state on the constraints, in the metric of the mass;
+ * else a start off them raises with the distance. `who` begins the message ("" or "member 3: ");
  * given_p: the momentum was given, not v. */
 void dml_start_on_constraints(lua_State *L, dml_stepping *r, const char *who, int given_p);
 

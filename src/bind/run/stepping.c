@@ -1,11 +1,11 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/run/stepping.h"
-#include "bind/model/model_params.h"
-#include "bind/trace/model_sums.h"
+#include "bind/model/model_sums.h"
 #include "bind/model/named.h"
-#include "bind/trace/bind_root.h"
 #include "bind/run/start_branch.h"
 #include "bind/run/start_constraints.h"
+#include "bind/run/stepping_params.h"
+#include "bind/trace/bind_root.h"
 
 #include <math.h>
 #include <string.h>
@@ -74,16 +74,15 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     if (r->model->model.structure & DM_LINEAR_IN_V &&
         !(s->method->traits & (DM_DEGENERATE | DM_FOR_PAIRS)))
         luaL_error(L,
-                   "L is linear in v: its equations are of first order, no momentum "
-                   "determines a velocity, and rule '%s' "
-                   "needs a regular Lagrangian; \"degenerate(2)\" is for such an L",
+                   "L is linear in v: its equations are of first order, no momentum determines a "
+                   "velocity, and rule '%s' needs a regular Lagrangian; \"degenerate(2)\" is for "
+                   "such an L",
                    s->nodes[0].name);
     if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass &&
         !(s->method->traits & DM_DEGENERATE))
         luaL_error(L,
-                   "L is degenerate: d2L/dv2 is constant and singular (system:mass(q, v) "
-                   "shows it), and rule "
-                   "'%s' needs a regular Lagrangian",
+                   "L is degenerate: d2L/dv2 is constant and singular (system:mass(q, v) shows "
+                   "it), and rule '%s' needs a regular Lagrangian",
                    s->nodes[0].name);
     dml_refuseconstraints(L, r);
     const char *refusal = s->method->fits ? s->method->fits(s->nodes, &r->model->model) : NULL;
@@ -165,8 +164,8 @@ static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
                       "coordinates are");
     if (status != DM_OK)
         luaL_error(L,
-                   "no start: %s in the Legendre transform at the given q; is it inside "
-                   "the domain of L?%s",
+                   "no start: %s in the Legendre transform at the given q; is it inside the domain "
+                   "of L?%s",
                    dm_status_text(status), dml_modeltrouble(L, r->model));
 }
 
@@ -184,8 +183,8 @@ static void start_on_alpha(lua_State *L, dml_stepping *r) {
     }
     if (distance > 1e-9 * size)
         luaL_error(L,
-                   "no start: L is linear in v, so that p must be dL/dv = alpha(q); the "
-                   "given p is off by %f: leave it out",
+                   "no start: L is linear in v, so that p must be dL/dv = alpha(q); the given p is "
+                   "off by %f: leave it out",
                    distance);
 }
 
@@ -203,8 +202,8 @@ static void start_here(lua_State *L, dml_stepping *r) {
     }
     if (has(L, "v") == has(L, "p"))
         luaL_error(L,
-                   "give the start as q and v, as q and p, or as q0 and q1: one of 'v' "
-                   "(velocity) and 'p' (momentum) is needed, %d numbers",
+                   "give the start as q and v, as q and p, or as q0 and q1: one of 'v' (velocity) "
+                   "and 'p' (momentum) is needed, %d numbers",
                    (int)n);
     numbers(L, r, has(L, "v") ? "v" : "p", has(L, "v") ? v : p);
     if (has(L, "v")) {
@@ -241,9 +240,8 @@ static void start_pair(lua_State *L, dml_stepping *r) {
 static void start_momentum(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     if (has(L, "v") || !has(L, "p"))
-        luaL_error(L, "a discrete Lagrangian knows no velocity: start it from q and the "
-                      "momentum p, or from "
-                      "two positions q0 and q1");
+        luaL_error(L, "a discrete Lagrangian knows no velocity: start it from q and the momentum "
+                      "p, or from two positions q0 and q1");
     numbers(L, r, "q", r->state);
     numbers(L, r, "p", r->state + n);
     dml_checkmodel(L, r->system, r->model, NULL);
@@ -337,8 +335,8 @@ static void start_between(lua_State *L, dml_stepping *r) {
     dml_stepping_end(r);
     dml_rethrow(L, r->model);
     luaL_error(L,
-               "no start: no momentum takes q0 to q1 in one step (%s); are q0 and q1 one "
-               "step apart?",
+               "no start: no momentum takes q0 to q1 in one step (%s); are q0 and q1 one step "
+               "apart?",
                dm_status_text(status));
 }
 
@@ -348,8 +346,8 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
         luaL_error(L, "give the start as q and v, as q and p, or as q0 and q1, not a mixture");
     if (two && r->solver->method->traits & DM_OWN_TIME)
         luaL_error(L,
-                   "rule '%s' has a time of its own, its steps are not h apart: give q "
-                   "and v or q and p",
+                   "rule '%s' has a time of its own, its steps are not h apart: give q and v or q "
+                   "and p",
                    r->solver->nodes[0].name);
     if (two && r->model->model.structure & DM_LINEAR_IN_V && !r->solver->pair)
         luaL_error(L, "L is linear in v: a position q alone is a start");
@@ -370,10 +368,9 @@ void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
     if (!r->solver->plain || r->stepper.report.plain) return;
     dml_stepping_end(r);
     luaL_error(L,
-               "field 'sums': rule '%s' always compensates on this system; plain sums are "
-               "for explicit kicks and drifts of a traced, separable L of few coordinates, or "
-               "of "
-               "sums over equal bodies and neighbours (dm.sum_over)",
+               "field 'sums': rule '%s' always compensates on this system; plain sums are for "
+               "explicit kicks and drifts of a traced, separable L of few coordinates, or of sums "
+               "over equal bodies and neighbours (dm.sum_over)",
                r->solver->nodes[0].name);
 }
 

@@ -36,7 +36,7 @@ enum {
     DML_SOLVER_VALUES = DML_SOLVER_START
 };
 
-extern const char *const DML_SOLVER; /* "dm.solver" */
+#define DML_SOLVER "dm.solver"
 
 /* dm.solver{ system, rule =, h = } and system:solver{ rule =, h = }, as C functions. */
 int dml_solver_new(lua_State *L);
@@ -58,7 +58,7 @@ typedef struct {
     double *x;      /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
     double *state;  /* dm_state_size doubles */
     double *work;   /* for the Legendre transform */
-    double *metric; /* with constraints: the inverse of the mass matrix, then scratch (start_constraints.h) */
+    double *metric; /* with constraints: inverse mass [n, n], then scratch */
 } dml_stepping;
 
 /* Trace, make the kernels and take all memory. Leaves system, model and workspace on the

@@ -47,8 +47,8 @@ static void add_name(lua_State *L, const reading *in, const char *name) {
 static void add_lambda(lua_State *L, dml_observables *o, const dml_stepping *r) {
     lua_getfield(L, 2, "vary");
     if (!lua_isnil(L, -1))
-        luaL_error(L, "field 'watch': \"lambda\" is that of the system as it is, and "
-                      "does not go with 'vary'");
+        luaL_error(L, "field 'watch': \"lambda\" is that of the system as it is, and does not go "
+                      "with 'vary'");
     lua_pop(L, 1);
     lua_getglobal(L, "require");
     lua_pushliteral(L, "dm.measure.multipliers");
@@ -70,16 +70,15 @@ static void add_column(lua_State *L, dml_observables *o, const dml_stepping *r, 
         dml_observables_entry(L, o, (uint32_t)entry);
     else if (strcmp(name, "lambda") == 0 && r->solver->pair)
         luaL_error(L,
-                   "field '%s': a discrete Lagrangian has no equations at a state; the "
-                   "multipliers of its steps are record = { \"impulses\" }",
+                   "field '%s': a discrete Lagrangian has no equations at a state; the multipliers "
+                   "of its steps are record = { \"impulses\" }",
                    field);
     else if (strcmp(name, "lambda") == 0)
         add_lambda(L, o, r);
     else
         luaL_error(L,
-                   "field '%s': no column '%s'; %s coordinates (\"%s\"), momenta "
-                   "(\"p1\"), \"energy\", \"lambda\" (multipliers), or "
-                   "name = function(q, v, t, p) ... end",
+                   "field '%s': no column '%s'; %s coordinates (\"%s\"), momenta (\"p1\"), "
+                   "\"energy\", \"lambda\" (multipliers), or name = function(q, v, t, p) ... end",
                    field, name, field, dml_coordinate(L, r->system, 0));
 }
 
@@ -125,9 +124,8 @@ static void read_entry(lua_State *L, dml_observables *o, const dml_stepping *r, 
     if (!named) {
         if (lua_type(L, -1) != LUA_TSTRING)
             luaL_error(L,
-                       "field '%s': entry %d must be the name of a column (got %s); a "
-                       "function needs a "
-                       "name: %s = { r = function(q, v, t, p) ... end }",
+                       "field '%s': entry %d must be the name of a column (got %s); a function "
+                       "needs a name: %s = { r = function(q, v, t, p) ... end }",
                        in->field, (int)lua_tointeger(L, -2), luaL_typename(L, -1), in->field);
         read_name(L, o, r, in);
         return;
@@ -145,9 +143,8 @@ static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r, re
     in->table = lua_gettop(L);
     if (!lua_istable(L, in->table))
         luaL_error(L,
-                   "field '%s' must be a table of names of columns and of functions: { "
-                   "\"%s\", \"energy\", r = "
-                   "function(q, v, t, p) ... end } (got %s)",
+                   "field '%s' must be a table of names of columns and of functions: { \"%s\", "
+                   "\"energy\", r = function(q, v, t, p) ... end } (got %s)",
                    in->field, in->impulses ? "lambda" : "q1", luaL_typename(L, in->table));
     dml_observables_start(o, r);
     dml_pushkeys(L, in->table, in->field);
@@ -187,18 +184,19 @@ static void add_state_names(lua_State *L, const dml_stepping *r, const reading *
     }
 }
 
-/* how many impulses the constraints have, at how many points of a step; raises where there are none */
+/* how many impulses the constraints have, at how many points of a step; raises where there are
+ * none */
 static void read_impulses(lua_State *L, const dml_stepping *r, dm_impulses *out) {
     const dm_constraints *constraints = r->model->model.constraints;
     const dm_method *method = r->solver->method;
     dm_galerkin basis;
     if (!constraints || constraints->holonomic + constraints->rolling == 0)
-        luaL_error(L, "field 'record': this system has no constraint, so steps have no "
-                      "impulses of constraints");
+        luaL_error(L, "field 'record': this system has no constraint, so steps have no impulses of "
+                      "constraints");
     if (!method->impulses)
         luaL_error(L,
-                   "field 'record': rule '%s' is made of several steps, whose impulses "
-                   "belong to no node; record \"lambda\", the multipliers at the state",
+                   "field 'record': rule '%s' is made of several steps, whose impulses belong to "
+                   "no node; record \"lambda\", the multipliers at the state",
                    r->solver->nodes[0].name);
     out->constraints = constraints->holonomic + constraints->rolling;
     out->points = 2;

@@ -1,10 +1,10 @@
 #include "bind/trace/backend.h"
 
 #include "bind/trace/cc.h"
-#include "numbers/fma.h"
 #include "code/native/jit.h"
-#include "numbers/processor.h"
 #include "code/tape/tape.h"
+#include "numbers/fma.h"
+#include "numbers/processor.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,10 @@
 /* bind_extremum.c - dm.extremum: the value of a function at its stationary point, whose
  * derivatives in a Lagrangian are then made by the envelope property (algebra/extremum.h). */
-#include "bind/value/trace_log.h"
+#include "algebra/body_sum.h"
 #include "algebra/extremum.h"
 #include "algebra/implicit.h"
-#include "algebra/body_sum.h"
+#include "bind/trace/trace.h"
+#include "bind/value/trace_log.h"
 
 #include <math.h>
 
@@ -145,15 +146,13 @@ static int extremum(lua_State *L) {
 static const dml_row functions[] =
     {{"extremum", extremum,
       "dm.extremum(value, f, y, q, v) -> value\n"
-      "Says of the value that a Lagrangian returns at its own arguments q and v that it "
-      "is f(q, v, y, t) at the y (a "
-      "list) for which f is stationary: its derivatives are then "
-      "made from those of f (f_x, and f_xx - f_xy f_yy^-1 f_yx), which is less to compute "
-      "than those of a formula with y eliminated. Raises "
-      "when f(q, v, y, t) is not the value, or not stationary at y. Changes nothing "
-      "anywhere else."},
+      "Says of the value that a Lagrangian returns at its own arguments q and v that it is f(q, v, "
+      "y, t) at the y (a list) for which f is stationary: its derivatives are then made from those "
+      "of f (f_x, and f_xx - f_xy f_yy^-1 f_yx), which is less to compute than those of a formula "
+      "with y eliminated. Raises when f(q, v, y, t) is not the value, or not stationary at y. "
+      "Changes nothing anywhere else."},
      {NULL, NULL, NULL}};
 
-void dml_open_extremum(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_extremum = {
+    .functions = functions,
+};

@@ -123,52 +123,51 @@ static const dml_row meta[] = {{"__call", function_call, NULL},
 static const dml_row methods[] =
     {{"gradient", function_gradient,
       "f:gradient(x, ...) -> dm.vector\n"
-      "The exact derivatives by all numbers of all arguments, for a function that gives "
-      "one number. Raises "
-      "where they are NaN."},
+      "The exact derivatives by all numbers of all arguments, for a function that gives one "
+      "number. Raises where they are NaN."},
      {"jacobian", function_jacobian,
       "f:jacobian(x, ...) -> dm.matrix\n"
       "The exact derivatives of every output (row) by every input (column)."},
      {"hessian", function_hessian,
       "f:hessian(x, ...) -> dm.matrix\n"
-      "The exact second derivatives of a function that gives one number: symmetric, "
-      "inputs x inputs."},
+      "The exact second derivatives of a function that gives one number: symmetric, inputs x "
+      "inputs."},
      {"graph", function_graph,
       "f:graph() -> string\n"
-      "The expression graph, one assignment a line; x1, x2, ... are the inputs, numbered "
-      "through all "
-      "arguments."},
+      "The expression graph, one assignment a line; x1, x2, ... are the inputs, numbered through "
+      "all arguments."},
      {"operations", function_operations,
-      "f:operations() -> integer\nArithmetic operations and function calls of one "
-      "evaluation."},
+      "f:operations() -> integer\n"
+      "Arithmetic operations and function calls of one evaluation."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"trace", dml_function_trace,
       "dm.trace(f [, n, ...]) -> dm.function\n"
-      "Trace the Lua function f once: n, ... are the numbers of entries of its vector "
-      "arguments, or "
-      "\"number\" for a bare number (one number when nothing is given). The result is "
-      "called like f, on "
-      "vectors, tables or numbers, and has exact derivatives; upvalues keep the values "
-      "they have now. f gives "
-      "a number, or a vector or table of numbers. Raises when f branches on an argument, "
-      "or returns no "
-      "number."},
+      "Trace the Lua function f once: n, ... are the numbers of entries of its vector arguments, "
+      "or \"number\" for a bare number (one number when nothing is given). The result is called "
+      "like f, on vectors, tables or numbers, and has exact derivatives; upvalues keep the values "
+      "they have now. f gives a number, or a vector or table of numbers. Raises when f branches on "
+      "an argument, or returns no number."},
      {"derivative", dml_function_derivative,
       "dm.derivative(f [, n, ...]) -> dm.function\n"
-      "The exact derivative of f, a Lua function of a vector of n entries (arguments as "
-      "for dm.trace) or a "
-      "dm.function: called on x it gives the gradient as a vector; the matrix of "
-      "derivatives where f gives a "
-      "vector; a number where f takes and gives one number. Raises as dm.trace does."},
+      "The exact derivative of f, a Lua function of a vector of n entries (arguments as for "
+      "dm.trace) or a dm.function: called on x it gives the gradient as a vector; the matrix of "
+      "derivatives where f gives a vector; a number where f takes and gives one number. Raises as "
+      "dm.trace does."},
      {NULL, NULL, NULL}};
 
-void dml_open_function(lua_State *L) {
-    dml_newclass(L, DML_FUNCTION,
-                 "dm.function: a traced function with exact derivatives, made by dm.trace or "
-                 "dm.derivative\n"
-                 "called on vectors, tables or numbers; also inside another traced function",
-                 meta, methods, NULL);
-    dml_addmethods(L, DML_FUNCTION, dml_function_parts);
-    dml_setfunctions(L, functions);
-}
+static const dml_extension more[] = {
+    {DML_FUNCTION, dml_function_parts},
+    {NULL, NULL},
+};
+
+const dml_class dml_class_function = {
+    .name = DML_FUNCTION,
+    .doc = "dm.function: a traced function with exact derivatives, made by dm.trace or "
+           "dm.derivative\n"
+           "called on vectors, tables or numbers; also inside another traced function",
+    .meta = meta,
+    .methods = methods,
+    .functions = functions,
+    .more = more,
+};

@@ -1,14 +1,12 @@
 /* bind_root.c - `dm.root`: functions that are only known by an equation, called on numbers,
  * symbols and hyper-dual numbers. */
-#include "bind/value/array.h"
-#include "bind/trace/model_sums.h"
 #include "bind/trace/bind_root.h"
 #include "bind/core/state.h"
+#include "bind/trace/apart.h"
+#include "bind/value/array.h"
 
 #include <math.h>
 #include <string.h>
-
-const char *const DML_ROOT = "dm.root";
 
 enum { FIELDS = 1, SHAPES = 2 };
 
@@ -92,8 +90,8 @@ static dml_root_shape *solve(lua_State *L, int top) {
         if (outcome != DM_ROOT_FOUND && tries) dml_raiseroot(L, s->f);
         if (tries)
             luaL_error(L,
-                       "%s is not what its trace says: it must not use random numbers or "
-                       "the time, nor branch on its arguments by == or a truth test",
+                       "%s is not what its trace says: it must not use random numbers or the time, "
+                       "nor branch on its arguments by == or a truth test",
                        s->s.what);
     }
 }
@@ -213,8 +211,8 @@ static void check_options(lua_State *L) {
     const int stationary = lua_getfield(L, 1, "stationary") != LUA_TNIL;
     const int equations = lua_getfield(L, 1, "equations") != LUA_TNIL;
     if (stationary == equations)
-        luaL_error(L, "give one of 'equations', a function(y, x, ...) of as many numbers "
-                      "as unknowns, and 'stationary', a function(y, x, ...) of one number");
+        luaL_error(L, "give one of 'equations', a function(y, x, ...) of as many numbers as "
+                      "unknowns, and 'stationary', a function(y, x, ...) of one number");
     check_type(L, "equations", !stationary);
     check_type(L, "stationary", stationary);
     check_type(L, "branch", 0);
@@ -223,12 +221,12 @@ static void check_options(lua_State *L) {
     const int start = lua_getfield(L, 1, "start");
     dml_count(L, 1, "unknowns", 1, 1);
     if (start == LUA_TNIL && lua_getfield(L, 1, "unknowns") == LUA_TNIL)
-        luaL_error(L, "give 'start' (a number, a list of numbers or a function of the "
-                      "arguments) or the number of 'unknowns'");
+        luaL_error(L, "give 'start' (a number, a list of numbers or a function of the arguments) "
+                      "or the number of 'unknowns'");
     if (start != LUA_TNIL && start != LUA_TFUNCTION && dml_length(L, -1) < 1)
         luaL_error(L,
-                   "field 'start' must be a number, a list of numbers, a list of such "
-                   "lists, or a function of the arguments (got %s)",
+                   "field 'start' must be a number, a list of numbers, a list of such lists, or a "
+                   "function of the arguments (got %s)",
                    luaL_typename(L, -1));
     lua_settop(L, 1);
 }
@@ -271,43 +269,35 @@ static const dml_row meta[] = {{"__call", root_call, NULL},
 static const dml_row methods[] =
     {{"value", root_value,
       "f:value(x, ...) -> number\n"
-      "S(y, x, ...) at the point y where it is stationary. Its first derivatives are "
-      "those of S at fixed y, so a "
-      "Lagrangian that is such a value costs no derivative of y."},
+      "S(y, x, ...) at the point y where it is stationary. Its first derivatives are those of S at "
+      "fixed y, so a Lagrangian that is such a value costs no derivative of y."},
      {"inverse", root_inverse,
       "f:inverse(x, ...) -> dm.matrix\n"
-      "The inverse of dF/dy at the root: entry (i, k) is how much unknown i moves where "
-      "equation k is off by one. "
-      "On numbers."},
+      "The inverse of dF/dy at the root: entry (i, k) is how much unknown i moves where equation k "
+      "is off by one. On numbers."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"root", root_new,
-      "dm.root{equations= | stationary=, start= | unknowns=, branch=, name=, failure=} -> "
-      "dm.root\n"
-      "The function y = f(x, ...) with equations(y, x, ...) = 0: as many numbers as "
-      "unknowns; or for which "
-      "stationary(y, x, ...), one number, is stationary in y. Arguments are numbers, "
-      "vectors or tables of numbers. "
-      "start: where Newton's method begins, a list (or a number: then y is one), a list "
-      "of lists to be tried in turn, "
-      "or a function of the arguments; unknowns = r without a start: r zeros. branch(y, "
-      "x, ...) > 0 tells the root that "
-      "is meant from others. y depends on the arguments alone, not on earlier calls. In a "
-      "function that is traced f has "
-      "exact derivatives of any order, so Lagrangians, discrete Lagrangians, constraints, "
-      "forces and events may use it; "
-      "it may call other roots. Raises, or ends a run, where there is no root, dF/dy is "
-      "singular or the branch "
-      "is left: the message has the name, where, the residual or condition number, and "
-      "the text of failure."},
+      "dm.root{equations= | stationary=, start= | unknowns=, branch=, name=, failure=} -> dm.root\n"
+      "The function y = f(x, ...) with equations(y, x, ...) = 0: as many numbers as unknowns; or "
+      "for which stationary(y, x, ...), one number, is stationary in y. Arguments are numbers, "
+      "vectors or tables of numbers. start: where Newton's method begins, a list (or a number: "
+      "then y is one), a list of lists to be tried in turn, or a function of the arguments; "
+      "unknowns = r without a start: r zeros. branch(y, x, ...) > 0 tells the root that is meant "
+      "from others. y depends on the arguments alone, not on earlier calls. In a function that is "
+      "traced f has exact derivatives of any order, so Lagrangians, discrete Lagrangians, "
+      "constraints, forces and events may use it; it may call other roots. Raises, or ends a run, "
+      "where there is no root, dF/dy is singular or the branch is left: the message has the name, "
+      "where, the residual or condition number, and the text of failure."},
      {NULL, NULL, NULL}};
 
-void dml_open_root(lua_State *L) {
-    dml_newclass(L, DML_ROOT,
-                 "dm.root: a function that is only known by an equation, made by "
-                 "dm.root{equations=, start=}\n"
-                 "called on numbers, vectors or tables; also inside of traced functions "
-                 "and of other roots",
-                 meta, methods, NULL);
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_root = {
+    .name = DML_ROOT,
+    .doc = "dm.root: a function that is only known by an equation, made by dm.root{equations=, "
+           "start=}\n"
+           "called on numbers, vectors or tables; also inside of traced functions and of other "
+           "roots",
+    .meta = meta,
+    .methods = methods,
+    .functions = functions,
+};

@@ -3,10 +3,10 @@
 #ifndef DML_ROOT_H
 #define DML_ROOT_H
 
-#include "bind/model/bind_system.h"
+#include "bind/trace/trace.h"
 #include "code/implicit/implicit_solve.h"
 
-extern const char *const DML_ROOT; /* "dm.root" */
+#define DML_ROOT "dm.root"
 
 /* What was traced for one shape: functions of (y, x...), in an arena that user value 1 keeps. */
 typedef struct {
@@ -54,12 +54,6 @@ void dml_replay(lua_State *L, const dm_graph *g, const dm_node *nodes, uint32_t 
 /* Push why an implicit function of g had no value lately, "; root 'f' ...", or "" where all had;
  * g may be NULL. */
 const char *dml_roottrouble(lua_State *L, const dm_graph *g);
-
-/* The same of the functions of a model. */
-const char *dml_modeltrouble(lua_State *L, const dml_model *m);
-
-/* From now on they have had none. */
-void dml_forgetroots(const dml_model *m);
 
 /* Raise what dml_roottrouble says of f. */
 void dml_raiseroot(lua_State *L, const dm_implicit *f);

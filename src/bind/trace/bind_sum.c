@@ -1,13 +1,13 @@
 /* bind_sum.c - dm.sum_over: a sum over equal bodies, neighbours or pairs. On numbers and
  * hyper-dual numbers it is a loop; in a Lagrangian that is traced the function is called once, with
  * symbols of its own, and the sum stays a loop in the kernels (algebra/body_sum.h). */
-#include "numbers/compensated.h"
-#include "bind/value/array.h"
-#include "bind/trace/traced_call.h"
-#include "bind/trace/sum_request.h"
-#include "bind/value/trace_log.h"
-#include "algebra/implicit.h"
 #include "algebra/body_sum.h"
+#include "algebra/implicit.h"
+#include "bind/trace/sum_request.h"
+#include "bind/trace/traced_call.h"
+#include "bind/value/array.h"
+#include "bind/value/trace_log.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
@@ -263,22 +263,17 @@ static int sum_over(lua_State *L) {
 static const dml_row functions[] =
     {{"sum_over", sum_over,
       "dm.sum_over(x, ..., f [, {shift=, periodic=, pairs=, block=}]) -> number\n"
-      "Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, "
-      "m_i) for "
-      "dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = "
-      "k: f also gets "
-      "the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the "
-      "first. pairs = true: "
-      "all pairs i < j. block = 3: a body has 3 neighbouring entries, f gets vectors. In "
-      "L of a system f is "
-      "traced once and the sum stays a loop in the kernels: a chain of 10^5 bodies costs "
-      "100 times one of "
-      "10^3. f must not use other arguments of L than those it is given. Loops are for "
-      "explicit rules, for kinetic energies that are sums of m v^2/2 and without constraints; "
-      "implicit rules, constraints and forces write the sums out, up to 400 "
-      "coordinates."},
+      "Sum of f over equal bodies. f gets what a body has of every vector (f(x_i, u_i, m_i) for "
+      "dm.sum_over(q, v, masses, f)), numbers are passed on as they are, behind. shift = k: f also "
+      "gets the same of body i + k (f(x_i, x_j)), periodic = true: the last ones meet the first. "
+      "pairs = true: all pairs i < j. block = 3: a body has 3 neighbouring entries, f gets "
+      "vectors. In L of a system f is traced once and the sum stays a loop in the kernels: a chain "
+      "of 10^5 bodies costs 100 times one of 10^3. f must not use other arguments of L than those "
+      "it is given. Loops are for explicit rules, for kinetic energies that are sums of m v^2/2 "
+      "and without constraints; implicit rules, constraints and forces write the sums out, up to "
+      "400 coordinates."},
      {NULL, NULL, NULL}};
 
-void dml_open_sum(lua_State *L) {
-    dml_setfunctions(L, functions);
-}
+const dml_class dml_class_sum = {
+    .functions = functions,
+};

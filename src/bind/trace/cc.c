@@ -1,11 +1,11 @@
 #include "bind/trace/cc.h"
 
 #include "algebra/compact.h"
+#include "algebra/implicit.h"
 #include "code/tape/emit_c.h"
+#include "code/tape/tape.h"
 #include "numbers/fma.h"
 #include "numbers/functions.h"
-#include "algebra/implicit.h"
-#include "code/tape/tape.h"
 
 #include <dlfcn.h>
 #include <spawn.h>

@@ -2,8 +2,8 @@
 #ifndef DML_CC_H
 #define DML_CC_H
 
-#include "graph/graph.h"
 #include "code/kernel.h"
+#include "graph/graph.h"
 
 /* As dm_tape_build. The C text of the roots is compiled in a private folder that is gone again
  * afterwards, by the program that CC names (default cc), started without a shell. DM_NO_NATIVE:

@@ -2,14 +2,12 @@
  * that are asked for. */
 #include "bind/trace/function.h"
 
-#include "bind/trace/bind_root.h"
 #include "algebra/derive.h"
+#include "bind/trace/bind_root.h"
 #include "code/tape/tape.h"
 
 #include <math.h>
 #include <string.h>
-
-const char *const DML_FUNCTION = "dm.function";
 
 static void *take(lua_State *L, dm_arena *arena, size_t size) {
     void *block = dm_arena_take(arena, size);
@@ -39,8 +37,8 @@ static const dm_node *derive(lua_State *L, dml_function *f, int which) {
     return nodes;
 }
 
-static const dml_part *want(lua_State *L, dml_function *f, int which) {
-    dml_part *p = f->parts + which;
+static const dml_function_part *want(lua_State *L, dml_function *f, int which) {
+    dml_function_part *p = f->parts + which;
     const uint32_t size[DML_PARTS] = {dml_outputs(f), dml_outputs(f) * f->inputs,
                                       f->inputs * f->inputs};
     if (p->kernel.eval) return p;
@@ -52,7 +50,7 @@ static const dml_part *want(lua_State *L, dml_function *f, int which) {
 }
 
 const double *dml_function_evaluate(lua_State *L, dml_function *f, int which, const char *what) {
-    const dml_part *p = want(L, f, which);
+    const dml_function_part *p = want(L, f, which);
     dm_root_forget(f->graph);
     dm_kernel_eval(&p->kernel, f->x, p->out);
     for (uint32_t i = 0; i < p->kernel.outputs; i++)
@@ -79,8 +77,8 @@ static void read_lengths(lua_State *L, int first, dml_signature *s) {
         }
         const lua_Integer n = lua_isinteger(L, arg) ? lua_tointeger(L, arg) : 0;
         luaL_argcheck(L, n >= 1 && n <= 1 << 16, arg,
-                      "the number of entries of a vector argument, or \"number\" for a "
-                      "bare number, expected");
+                      "the number of entries of a vector argument, or \"number\" for a bare "
+                      "number, expected");
         s->length[k] = (int)n;
     }
 }

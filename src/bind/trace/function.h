@@ -11,7 +11,7 @@ typedef struct {
     const dm_node *nodes;
     dm_kernel kernel;
     double *out;
-} dml_part;
+} dml_function_part;
 
 typedef struct {
     dm_graph *graph; /* in the arena that user value 1 keeps */
@@ -20,10 +20,10 @@ typedef struct {
     int rank; /* of the value: 0 number, 1 vector, 2 matrix */
     uint32_t rows, columns, inputs;
     double *x; /* [inputs] */
-    dml_part parts[DML_PARTS];
+    dml_function_part parts[DML_PARTS];
 } dml_function;
 
-extern const char *const DML_FUNCTION; /* "dm.function" */
+#define DML_FUNCTION "dm.function"
 
 static inline uint32_t dml_outputs(const dml_function *f) {
     return f->rows * f->columns;

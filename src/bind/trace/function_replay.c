@@ -1,8 +1,8 @@
 /* function_replay.c - a traced function called inside another one, or on hyper-dual
  * numbers: its operations are done again on what it is given. */
-#include "bind/value/array.h"
-#include "bind/trace/function.h"
 #include "bind/trace/bind_root.h"
+#include "bind/trace/function.h"
+#include "bind/value/array.h"
 
 #include <string.h>
 

@@ -206,16 +206,13 @@ static int function_depends(lua_State *L) {
 const dml_row dml_function_parts[] =
     {{"terms", function_terms,
       "f:terms() -> list of dm.function\n"
-      "The terms of which f, a function that gives one number, is the sum: sums opened, "
-      "products of sums multiplied out, "
-      "powers of sums kept. Each is a function of the same arguments."},
+      "The terms of which f, a function that gives one number, is the sum: sums opened, products "
+      "of sums multiplied out, powers of sums kept. Each is a function of the same arguments."},
      {"factors", function_factors,
       "f:factors() -> c, list of {base =, power =}\n"
-      "f = c * product of base^power: the constant factor, and the functions whose powers "
-      "are multiplied. A spring k/2 g^2 "
-      "gives k/2 and { { base = g, power = 2 } }."},
+      "f = c * product of base^power: the constant factor, and the functions whose powers are "
+      "multiplied. A spring k/2 g^2 gives k/2 and { { base = g, power = 2 } }."},
      {"depends", function_depends,
       "f:depends() -> table of tables of booleans\n"
-      "depends[k][i]: is entry i of argument k (i = 1 for a bare number) in the "
-      "expression of f?"},
+      "depends[k][i]: is entry i of argument k (i = 1 for a bare number) in the expression of f?"},
      {NULL, NULL, NULL}};

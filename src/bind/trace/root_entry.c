@@ -1,7 +1,7 @@
 /* root_entry.c - implicit functions of arguments of any kind: nodes for symbols, values for
  * numbers, two more Newton iterations for hyper-dual numbers. */
-#include "bind/value/array.h"
 #include "bind/trace/bind_root.h"
+#include "bind/value/array.h"
 #include "bind/value/trace_log.h"
 #include "code/tape/tape.h"
 
@@ -136,8 +136,8 @@ static dml_scalar of_hyperduals(lua_State *L, const dm_implicit *f, const dml_sc
     dml_scalar out;
     if (m > n)
         luaL_error(L,
-                   "a derivative of %s is asked for on hyper-dual numbers, which go to "
-                   "second order only: use a traced function",
+                   "a derivative of %s is asked for on hyper-dual numbers, which go to second "
+                   "order only: use a traced function",
                    f->name);
     dm_arena *arena = dml_pusharena(L);
     dml_scalar *in = lua_newuserdatauv(L, (n + 3 * (size_t)r) * sizeof *in, 0);

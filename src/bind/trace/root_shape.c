@@ -1,12 +1,11 @@
 /* root_shape.c - a dm.root for one shape of its arguments: traced, compared, differentiated. */
-#include "bind/value/array.h"
-#include "bind/trace/traced_call.h"
-#include "bind/model/model_cache.h"
-#include "bind/trace/bind_root.h"
-#include "bind/core/state.h"
-#include "graph/analyse.h"
 #include "algebra/derive.h"
+#include "bind/core/state.h"
+#include "bind/trace/bind_root.h"
+#include "bind/trace/traced_call.h"
+#include "bind/value/array.h"
 #include "code/tape/tape.h"
+#include "graph/analyse.h"
 
 #include <string.h>
 
@@ -53,8 +52,7 @@ static void read_lengths(lua_State *L, shape *s, int top) {
         const long n = dml_length(L, arg);
         if (n < 0)
             luaL_error(L,
-                       "%s: argument %d must be a number, or a vector or table of "
-                       "numbers (got %s)",
+                       "%s: argument %d must be a number, or a vector or table of numbers (got %s)",
                        dml_rootname(L, 1), arg - 1, luaL_typename(L, arg));
         s->s.length[arg - 1] = dml_toscalar(L, arg, &x) ? DML_SCALAR_ARGUMENT : (int)n;
         s->inputs += (uint32_t)n;
@@ -174,8 +172,7 @@ static void trace_all(lua_State *L, shape *s) {
     trace_field(L, s, stationary ? "stationary" : "equations", &sig, &s->equation);
     if (!stationary && s->equation.outputs != s->unknowns)
         luaL_error(L,
-                   "%s gives %d numbers for %d unknowns: as many equations as unknowns "
-                   "are needed",
+                   "%s gives %d numbers for %d unknowns: as many equations as unknowns are needed",
                    sig.what, (int)s->equation.outputs, (int)s->unknowns);
     s->s = sig;
     s->s.outputs = s->equation.bare ? DML_SCALAR_ARGUMENT : (int)s->equation.outputs;

@@ -25,14 +25,10 @@ static void add_number(luaL_Buffer *b, const char *pattern, double x) {
 static void add_outcome(luaL_Buffer *b, const dm_implicit *f) {
     const dm_root_trouble *t = f->trouble;
     if (t->outcome == DM_ROOT_BRANCH)
-        add_number(b,
-                   "there are roots, but the branch condition, which must be > 0, is "
-                   "%.3g",
+        add_number(b, "there are roots, but the branch condition, which must be > 0, is %.3g",
                    t->branch);
     else if (t->outcome == DM_ROOT_SINGULAR)
-        add_number(b,
-                   "the equations do not determine y: dF/dy is singular (condition "
-                   "number %.2g)",
+        add_number(b, "the equations do not determine y: dF/dy is singular (condition number %.2g)",
                    t->condition);
     else
         luaL_addstring(b, "Newton's method found no root from any start");
@@ -60,16 +56,6 @@ const char *dml_roottrouble(lua_State *L, const dm_graph *g) {
     luaL_checkstack(L, 8, NULL);
     push_trouble(L, f);
     return lua_pushfstring(L, "; %s", lua_tostring(L, -1));
-}
-
-const char *dml_modeltrouble(lua_State *L, const dml_model *m) {
-    const char *of_constraints = dml_roottrouble(L, m->constrained.graph);
-    return *of_constraints ? of_constraints : dml_roottrouble(L, m->graph);
-}
-
-void dml_forgetroots(const dml_model *m) {
-    if (m->graph) dm_root_forget(m->graph);
-    if (m->constrained.graph) dm_root_forget(m->constrained.graph);
 }
 
 void dml_raiseroot(lua_State *L, const dm_implicit *f) {

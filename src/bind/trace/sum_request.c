@@ -1,7 +1,7 @@
 #include "bind/trace/sum_request.h"
 
-#include "bind/value/array.h"
 #include "bind/trace/traced_call.h"
+#include "bind/value/array.h"
 
 static const char *const what = "the function of dm.sum_over";
 
@@ -16,8 +16,8 @@ static void find_function(lua_State *L, dml_sum_request *r) {
         luaL_error(L, "dm.sum_over takes at most %d vectors (got %d)", DML_SUM_VECTORS, r->given);
     if (top > r->fn + 1)
         luaL_error(L,
-                   "dm.sum_over takes vectors, a function and one table of options (got "
-                   "%d arguments)",
+                   "dm.sum_over takes vectors, a function and one table of options (got %d "
+                   "arguments)",
                    top);
     lua_settop(L, r->fn + 1);
 }
@@ -37,11 +37,11 @@ static void read_pattern(lua_State *L, dml_sum_request *r, int options) {
     const long shift = dml_count(L, options, "shift", 0, 0);
     r->periodic = flag(L, options, "periodic");
     if (pairs && (shift || r->periodic))
-        luaL_error(L, "'pairs' stands alone: all pairs of bodies have no 'shift' and no "
-                      "'periodic' end");
+        luaL_error(L, "'pairs' stands alone: all pairs of bodies have no 'shift' and no 'periodic' "
+                      "end");
     if (r->periodic && !shift)
-        luaL_error(L, "'periodic' joins the last body to the first: give 'shift' (1: the "
-                      "next neighbour) too");
+        luaL_error(L, "'periodic' joins the last body to the first: give 'shift' (1: the next "
+                      "neighbour) too");
     if (shift && shift >= (long)r->bodies)
         luaL_error(L, "field 'shift' must be from 1 to %d for %d bodies (got %d)",
                    (int)r->bodies - 1, (int)r->bodies, (int)shift);
@@ -58,22 +58,21 @@ static void read_vector(lua_State *L, dml_sum_request *r, int k) {
     }
     if (dml_length(L, k) < 0)
         luaL_error(L,
-                   "dm.sum_over: argument %d must be a vector, a table of numbers or a "
-                   "number (got %s)",
+                   "dm.sum_over: argument %d must be a vector, a table of numbers or a number (got "
+                   "%s)",
                    k, luaL_typename(L, k));
     const uint32_t n = dml_vectorat(L, k)->rows;
     if (!r->bodies) {
         if (n == 0 || n % r->block)
             luaL_error(L,
-                       "dm.sum_over: argument %d has %d entries, which is no number of "
-                       "bodies with %d each",
+                       "dm.sum_over: argument %d has %d entries, which is no number of bodies with "
+                       "%d each",
                        k, (int)n, (int)r->block);
         r->bodies = n / r->block;
     }
     if (n != r->bodies && n != r->bodies * r->block)
         luaL_error(L,
-                   "dm.sum_over: argument %d has %d entries, but there are %d bodies "
-                   "(block = %d)",
+                   "dm.sum_over: argument %d has %d entries, but there are %d bodies (block = %d)",
                    k, (int)n, (int)r->bodies, (int)r->block);
     r->width[k] = n / r->bodies;
 }

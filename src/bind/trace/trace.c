@@ -3,8 +3,8 @@
 #include "bind/trace/trace.h"
 #include "bind/core/missing_key.h"
 
-#include "bind/value/array.h"
 #include "bind/trace/traced_call.h"
+#include "bind/value/array.h"
 #include "bind/value/trace_log.h"
 
 #include <string.h>
@@ -102,9 +102,8 @@ void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double
         const dml_scalar x = dml_result_entry(L, s, result, i);
         if (x.kind != DML_NUMBER)
             luaL_error(L,
-                       "%s returned a %s although its arguments were numbers: is one "
-                       "kept in a global "
-                       "or an upvalue?",
+                       "%s returned a %s although its arguments were numbers: is one kept in a "
+                       "global or an upvalue?",
                        s->what, x.kind == DML_SYMBOL ? "symbol" : "hyper-dual number");
         out[i] = x.as.number;
     }
@@ -185,8 +184,8 @@ static void read_result(lua_State *L, const dml_signature *s, const dml_frame *f
             luaL_error(L, "%s returned a hyper-dual number while it was traced", s->what);
         if (x.kind == DML_SYMBOL && x.serial != frame->serial)
             luaL_error(L,
-                       "%s returned a symbol of another trace: it was kept in a global "
-                       "or an upvalue",
+                       "%s returned a symbol of another trace: it was kept in a global or an "
+                       "upvalue",
                        s->what);
         nodes[i] = dml_lift(L, &x, &like).as.node;
     }

@@ -4,6 +4,7 @@
 #ifndef DML_TRACE_H
 #define DML_TRACE_H
 
+#include "bind/value/trace_log.h"
 #include "bind/value/value.h"
 #include "code/kernel.h"
 
@@ -21,15 +22,6 @@ typedef struct {
     /* where it is checked it may not be a number, when called and when traced */
     int may_be_outside;
 } dml_signature;
-
-typedef struct dml_traced {
-    dm_graph *graph;
-    const dm_node *out;        /* [outputs], in the graph's arena */
-    const struct dml_log *log; /* of dml_retrace: what the function did (trace_log.h) */
-    uint32_t outputs;
-    uint32_t inputs;
-    int bare; /* the result was a number, not a vector or table of one */
-} dml_traced;
 
 /* Call the function at stack index fn with symbols in a graph of `arena`. Raises the
  * function's own error, or one that names the cause: the wrong kind of result ("must return

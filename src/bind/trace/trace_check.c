@@ -1,7 +1,7 @@
 /* trace_check.c - a kernel against plain calls of the function it was traced from. */
-#include "bind/trace/traced_call.h"
-#include "bind/trace/model_sums.h"
 #include "bind/core/state.h"
+#include "bind/trace/apart.h"
+#include "bind/trace/traced_call.h"
 
 #include <float.h>
 #include <math.h>
@@ -114,15 +114,12 @@ static void call_plain(lua_State *L, check *c, int fn) {
 static void raise_difference(lua_State *L, const char *what, double plain, double traced,
                              const char *point) {
     luaL_error(L,
-               "%s is not what its trace says: %f when called, %f when traced, at %s. "
-               "Likely causes: == "
-               "or ~= between a number and an argument, a truth test, type() or "
-               "tostring() of an argument "
-               "(these see a symbol while tracing), random numbers, a global that changes, or a "
-               "difference in which nearly "
-               "all digits cancel (simplifying then changes the rest). Use "
-               "dm.where(c, a, b), "
-               "dm.abs, dm.max, or derivatives = \"hyperdual\"",
+               "%s is not what its trace says: %f when called, %f when traced, at %s. Likely "
+               "causes: == or ~= between a number and an argument, a truth test, type() or "
+               "tostring() of an argument (these see a symbol while tracing), random numbers, a "
+               "global that changes, or a difference in which nearly all digits cancel "
+               "(simplifying then changes the rest). Use dm.where(c, a, b), dm.abs, dm.max, or "
+               "derivatives = \"hyperdual\"",
                what, plain, traced, point);
 }
 
@@ -132,9 +129,8 @@ static void raise_mismatch(lua_State *L, check *c, long k) {
     call_plain(L, c, c->fn);
     if (c->plain[k] != plain)
         luaL_error(L,
-                   "%s gives different values for the same arguments: %f and then %f at "
-                   "%s; it must not "
-                   "use random numbers or the time, nor change globals or upvalues",
+                   "%s gives different values for the same arguments: %f and then %f at %s; it "
+                   "must not use random numbers or the time, nor change globals or upvalues",
                    what, plain, c->plain[k], point);
     raise_difference(L, what, plain, traced, point);
 }
@@ -144,8 +140,7 @@ static void raise_not_finite(lua_State *L, const check *c) {
         const double a = c->plain[k], b = c->kernel_out[k], bad = isfinite(a) ? b : a;
         if (isfinite(bad) || (c->s->may_be_outside && !isfinite(a) && !isfinite(b))) continue;
         luaL_error(L,
-                   "%s is %s at the start %s: is the start inside its domain (a "
-                   "logarithm, root or "
+                   "%s is %s at the start %s: is the start inside its domain (a logarithm, root or "
                    "quotient)?",
                    c->s->what, isnan(bad) ? "NaN" : "infinite", push_point(L, c));
     }

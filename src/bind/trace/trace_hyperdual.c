@@ -2,9 +2,9 @@
  * One call gives the derivatives along two directions, so a gradient takes n / 2 calls
  * and a Hessian n (n + 1) / 2. The calls run in a thread of their own, so that a kernel
  * needs no lua_State of its caller. */
-#include "bind/trace/traced_call.h"
-#include "bind/trace/model_sums.h"
 #include "bind/core/state.h"
+#include "bind/trace/apart.h"
+#include "bind/trace/traced_call.h"
 
 #include <math.h>
 

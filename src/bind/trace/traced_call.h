@@ -1,7 +1,7 @@
 /* traced_call.h - arguments and results of a traced function, shared by the files that call
  * one. */
-#ifndef DML_CALL_H
-#define DML_CALL_H
+#ifndef DML_TRACED_CALL_H
+#define DML_TRACED_CALL_H
 
 #include "bind/trace/trace.h"
 

@@ -1,6 +1,6 @@
 /* arith.c - + - * / ^ and unary minus on scalars, vectors and matrices of every kind. */
-#include "bind/value/array.h"
 #include "bind/core/missing_key.h"
+#include "bind/value/array.h"
 #include "bind/value/trace_log.h"
 
 #include <math.h>

@@ -1,12 +1,12 @@
 /* bind_hyperdual.c - `dm.hyperdual`: a number that carries its derivatives along two
  * directions. */
-#include "bind/value/array.h"
 #include "bind/core/state.h"
+#include "bind/value/array.h"
 
 #include <math.h>
 #include <string.h>
 
-static const char *const TNAME = "dm.hyperdual";
+#define TNAME "dm.hyperdual"
 
 /* the operands at 1 and 2 by value; the first one in full */
 static void read_pair(lua_State *L, dml_scalar *x, double *a, double *b) {
@@ -105,19 +105,23 @@ static const dml_row meta[] =
      {NULL, NULL, NULL}};
 static const dml_row functions[] = {{"hyperdual", hyper_new,
                                      "dm.hyperdual(f [, a, b, ab]) -> dm.hyperdual\n"
-                                     "The number f with the derivatives a, b along two "
-                                     "directions and ab along both (0 when left out): "
-                                     "functions of hyperdual(x, 1, 1, 0) have f, f', f' "
-                                     "and f'' in the fields f, a, b, ab (Fike & Alonso "
-                                     "2011)."},
+                                     "The number f with the derivatives a, b along two directions "
+                                     "and ab along both (0 when left out): functions of "
+                                     "hyperdual(x, 1, 1, 0) have f, f', f' and f'' in the fields "
+                                     "f, a, b, ab (Fike & Alonso 2011)."},
                                     {NULL, NULL, NULL}};
 
-void dml_open_hyperdual(lua_State *L) {
-    dml_newclass(L, TNAME,
-                 "dm.hyperdual: a number with exact derivatives along two directions\n"
-                 "fields: f (value), a, b (first derivatives), ab (second); comparisons "
-                 "work on the value",
-                 meta, NULL, hyper_field);
+static void open_hyperdual(lua_State *L) {
     dml_setclass(L, DML_CLASS_HYPERDUAL, TNAME);
-    dml_setfunctions(L, functions);
 }
+
+const dml_class dml_class_hyperdual = {
+    .name = TNAME,
+    .doc = "dm.hyperdual: a number with exact derivatives along two directions\n"
+           "fields: f (value), a, b (first derivatives), ab (second); comparisons work on the "
+           "value",
+    .meta = meta,
+    .field = hyper_field,
+    .functions = functions,
+    .open = open_hyperdual,
+};

@@ -1,8 +1,8 @@
 /* bind_math.c - math.* for numbers, symbols and hyper-dual numbers, and the same
  * functions in dm. Plain numbers, and whatever is wrong, go straight to Lua's own
  * function, so that results and messages are its own. */
-#include "bind/value/array.h"
 #include "bind/core/state.h"
+#include "bind/value/array.h"
 
 #include <math.h>
 
@@ -71,11 +71,9 @@ static void need_value(lua_State *L, const dml_scalar *x, int n, const char *nam
     for (int k = 0; k < n; k++)
         if (x[k].kind == DML_SYMBOL)
             luaL_error(L,
-                       "math.%s met a symbol while a function is traced, when its "
-                       "arguments have no "
-                       "values: use dm.where(c, a, b) (a where c > 0, else b), dm.abs, "
-                       "dm.max or dm.min, "
-                       "or derivatives = \"hyperdual\"",
+                       "math.%s met a symbol while a function is traced, when its arguments have "
+                       "no values: use dm.where(c, a, b) (a where c > 0, else b), dm.abs, dm.max "
+                       "or dm.min, or derivatives = \"hyperdual\"",
                        name);
 }
 
@@ -131,12 +129,12 @@ static const wrapper wrappers[] = {
     {"acos", DM_OP_ACOS, unary,
      "math.acos(x) -> number\nThe arc cosine, in radians; NaN outside [-1, 1]."},
     {"atan", DM_OP_ATAN, arctangent,
-     "math.atan(y [, x]) -> number\nThe angle of the point (x, y), x = 1 when left out, "
-     "in radians."},
+     "math.atan(y [, x]) -> number\n"
+     "The angle of the point (x, y), x = 1 when left out, in radians."},
     {"exp", DM_OP_EXP, unary, "math.exp(x) -> number\nThe exponential."},
     {"log", DM_OP_LOG, logarithm,
-     "math.log(x [, base]) -> number\nThe logarithm, natural when base is left out; NaN "
-     "for x < 0."},
+     "math.log(x [, base]) -> number\n"
+     "The logarithm, natural when base is left out; NaN for x < 0."},
     {"sqrt", DM_OP_SQRT, unary, "math.sqrt(x) -> number\nThe square root; NaN for x < 0."},
     {"abs", DM_OP_ABS, unary, "math.abs(x) -> number\nThe absolute value."},
     {"max", DM_OP_MAX, extremum, "math.max(x, ...) -> number\nThe largest of its arguments."},
@@ -149,20 +147,20 @@ static const wrapper wrappers[] = {
     {"pow", DM_OP_POW, power, "dm.pow(x, y) -> number\nThe power x^y."},
     {"log10", DM_OP_LOG, logarithm10, "dm.log10(x) -> number\nThe logarithm to base 10."},
     {"floor", DM_OP_COUNT, whole,
-     "math.floor(x) -> integer\nThe largest integer <= x. Raises on a symbol: see "
-     "dm.where."},
+     "math.floor(x) -> integer\n"
+     "The largest integer <= x. Raises on a symbol: see dm.where."},
     {"ceil", DM_OP_COUNT, whole,
-     "math.ceil(x) -> integer\nThe smallest integer >= x. Raises on a symbol: see "
-     "dm.where."},
+     "math.ceil(x) -> integer\n"
+     "The smallest integer >= x. Raises on a symbol: see dm.where."},
     {"tointeger", DM_OP_COUNT, whole,
-     "math.tointeger(x) -> integer\nx as an integer, or nil. Raises on a symbol: see "
-     "dm.where."},
+     "math.tointeger(x) -> integer\n"
+     "x as an integer, or nil. Raises on a symbol: see dm.where."},
     {"fmod", DM_OP_COUNT, remainder_of,
-     "math.fmod(x, y) -> number\nThe remainder of x / y with the sign of x. Raises on a "
-     "symbol."},
+     "math.fmod(x, y) -> number\n"
+     "The remainder of x / y with the sign of x. Raises on a symbol."},
     {"modf", DM_OP_COUNT, parts,
-     "math.modf(x) -> number, number\nIntegral and fractional part of x. Raises on a "
-     "symbol."},
+     "math.modf(x) -> number, number\n"
+     "Integral and fractional part of x. Raises on a symbol."},
     {NULL, DM_OP_COUNT, NULL, NULL},
 };
 
@@ -221,18 +219,10 @@ static int where(lua_State *L) {
 
 static const dml_row functions[] = {{"where", where,
                                      "dm.where(c, a, b) -> number\n"
-                                     "a where c > 0, else b: the way to branch in a "
-                                     "function that is traced. Both sides are computed; "
-                                     "derivatives are those of the side that is taken."},
+                                     "a where c > 0, else b: the way to branch in a function that "
+                                     "is traced. Both sides are computed; derivatives are those of "
+                                     "the side that is taken."},
                                     {NULL, NULL, NULL}};
-
-static void file_doc(lua_State *L, const char *doc) {
-    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_docs");
-    lua_pushvalue(L, -2);
-    lua_pushstring(L, doc);
-    lua_rawset(L, -3);
-    lua_pop(L, 1);
-}
 
 /* a C function without upvalues needs no call of its own */
 static int is_light(lua_State *L, int arg) {
@@ -244,7 +234,7 @@ static void wrap(lua_State *L, const wrapper *w) {
     lua_pushlightuserdata(L, (void *)(uintptr_t)w);
     lua_pushboolean(L, is_light(L, -2));
     lua_pushcclosure(L, wrapped, 3);
-    file_doc(L, w->doc);
+    dml_setdoc(L, -1, w->doc);
 }
 
 /* the wrapper on top takes every name in math of Lua's own function at index `own` (on
@@ -274,9 +264,8 @@ static void wrap_in_place(lua_State *L, const wrapper *w, int math, int dm_math)
 
 /* core on top. core.sin is a function of its own, so that messages of math.sin say
  * math.sin */
-void dml_open_math(lua_State *L) {
+static void open_math(lua_State *L) {
     const int core = lua_gettop(L), math = core + 1, dm_math = core + 2;
-    dml_setfunctions(L, functions);
     if (lua_getglobal(L, "math") != LUA_TTABLE) { /* a state without the math library */
         lua_pop(L, 1);
         lua_newtable(L);
@@ -290,3 +279,8 @@ void dml_open_math(lua_State *L) {
     }
     lua_settop(L, core);
 }
+
+const dml_class dml_class_math = {
+    .functions = functions,
+    .open = open_math,
+};

@@ -1,12 +1,12 @@
 /* bind_matrix.c - `dm.matrix`: rows in one block; m[i] is a view of row i. */
-#include "bind/value/matrix_solve.h"
 #include "bind/core/missing_key.h"
 #include "bind/core/state.h"
+#include "bind/value/matrix_solve.h"
 
 #include <gsl/gsl_errno.h>
 #include <string.h>
 
-static const char *const TNAME = "dm.matrix";
+#define TNAME "dm.matrix"
 static const dml_scalar zero = {.kind = DML_NUMBER};
 
 static dml_array *check(lua_State *L) {
@@ -40,8 +40,8 @@ static void push_row_of_table(lua_State *L, uint32_t i) {
     lua_geti(L, 1, (lua_Integer)i + 1);
     if (!lua_istable(L, -1) && !dml_toarray(L, -1, 1))
         luaL_error(L,
-                   "row %d must be a table or vector of numbers (got %s): dm.matrix{{1, "
-                   "2}, {3, 4}}",
+                   "row %d must be a table or vector of numbers (got %s): dm.matrix{{1, 2}, {3, "
+                   "4}}",
                    (int)i + 1, luaL_typename(L, -1));
 }
 
@@ -259,43 +259,43 @@ static const dml_row methods[] =
      {"det", matrix_det, "m:det() -> number\nThe determinant. Raises when m is not square."},
      {"solve", matrix_solve,
       "m:solve(b) -> dm.vector or dm.matrix\n"
-      "x with m * x = b, for a vector (or table) or a matrix b with as many rows as m. "
-      "Numbers by LU with "
-      "row exchanges; symbols up to 4 x 4 by cofactors, larger ones by elimination. "
-      "Raises when m is not "
-      "square, or singular (with its condition)."},
+      "x with m * x = b, for a vector (or table) or a matrix b with as many rows as m. Numbers by "
+      "LU with row exchanges; symbols up to 4 x 4 by cofactors, larger ones by elimination. Raises "
+      "when m is not square, or singular (with its condition)."},
      {"inverse", matrix_inverse,
-      "m:inverse() -> dm.matrix\nThe inverse; m:solve(b) is more exact. Raises as m:solve "
-      "does."},
+      "m:inverse() -> dm.matrix\n"
+      "The inverse; m:solve(b) is more exact. Raises as m:solve does."},
      {"eigenvalues", matrix_eigenvalues,
       "m:eigenvalues() -> dm.vector, dm.vector\n"
-      "Real and imaginary parts of the eigenvalues, sorted; the latter are zero for a "
-      "symmetric matrix. "
-      "Numbers only."},
+      "Real and imaginary parts of the eigenvalues, sorted; the latter are zero for a symmetric "
+      "matrix. Numbers only."},
      {"copy", matrix_copy, "m:copy() -> dm.matrix\nA new matrix with the same entries."},
      {"totable", matrix_totable, "m:totable() -> table\nThe rows as a table of tables."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"matrix", matrix_new,
       "dm.matrix{{a11, a12, ...}, ...} -> dm.matrix\n"
-      "A matrix from a table of rows (tables or vectors of one length); dm.matrix(rows, "
-      "columns) has zeros. "
-      "m[i][j] counts from 1, m[i] is a view of row i; * takes numbers, vectors and "
-      "matrices. Raises when "
-      "the rows differ in length."},
+      "A matrix from a table of rows (tables or vectors of one length); dm.matrix(rows, columns) "
+      "has zeros. m[i][j] counts from 1, m[i] is a view of row i; * takes numbers, vectors and "
+      "matrices. Raises when the rows differ in length."},
      {"zeros", zeros,
-      "dm.zeros(n [, columns]) -> dm.vector or dm.matrix\nn zeros, or n x columns of "
-      "them."},
+      "dm.zeros(n [, columns]) -> dm.vector or dm.matrix\n"
+      "n zeros, or n x columns of them."},
      {"identity", identity, "dm.identity(n) -> dm.matrix\nThe n x n unit matrix."},
      {NULL, NULL, NULL}};
 
-void dml_open_matrix(lua_State *L) {
+static void open_matrix(lua_State *L) {
     gsl_set_error_handler_off(); /* statuses, not abort() */
-    dml_newclass(L, TNAME,
-                 "dm.matrix: rows x columns entries in one block, made by dm.matrix{{...}, ...}\n"
-                 "fields: rows, columns; m[i][j] from 1, #m rows, + - * with matrices, vectors, "
-                 "numbers",
-                 meta, methods, matrix_field);
     dml_setclass(L, DML_CLASS_MATRIX, TNAME);
-    dml_setfunctions(L, functions);
 }
+
+const dml_class dml_class_matrix = {
+    .name = TNAME,
+    .doc = "dm.matrix: rows x columns entries in one block, made by dm.matrix{{...}, ...}\n"
+           "fields: rows, columns; m[i][j] from 1, #m rows, + - * with matrices, vectors, numbers",
+    .meta = meta,
+    .methods = methods,
+    .field = matrix_field,
+    .functions = functions,
+    .open = open_matrix,
+};

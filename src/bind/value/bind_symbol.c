@@ -1,11 +1,11 @@
 /* bind_symbol.c - `dm.symbol`: what a traced function gets instead of numbers.
  * Arithmetic records; what would need a value raises. */
-#include "bind/value/array.h"
 #include "bind/core/state.h"
+#include "bind/value/array.h"
 
 #include <string.h>
 
-static const char *const TNAME = "dm.symbol";
+#define TNAME "dm.symbol"
 
 /* the symbol among the operands, for the name of its trace */
 static const char *traced_function(lua_State *L) {
@@ -101,12 +101,16 @@ static const dml_row meta[] = {{"__add", dml_add, NULL},
                                {"__tostring", symbol_tostring, NULL},
                                {NULL, NULL, NULL}};
 
-void dml_open_symbol(lua_State *L) {
-    dml_newclass(L, TNAME,
-                 "dm.symbol: an argument of a function while it is traced\n"
-                 "+ - * / ^ and math.* record an expression; comparisons, %, // and "
-                 "whatever else needs a "
-                 "value raise",
-                 meta, NULL, refuse_field);
+static void open_symbol(lua_State *L) {
     dml_setclass(L, DML_CLASS_SYMBOL, TNAME);
 }
+
+const dml_class dml_class_symbol = {
+    .name = TNAME,
+    .doc = "dm.symbol: an argument of a function while it is traced\n"
+           "+ - * / ^ and math.* record an expression; comparisons, %, // and whatever else needs "
+           "a value raise",
+    .meta = meta,
+    .field = refuse_field,
+    .open = open_symbol,
+};

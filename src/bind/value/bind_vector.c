@@ -1,14 +1,14 @@
 /* bind_vector.c - `dm.vector`: entries from 1; numbers, symbols and hyper-dual numbers
  * alike. */
-#include "bind/value/array.h"
 #include "bind/core/missing_key.h"
 #include "bind/core/state.h"
+#include "bind/value/array.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-static const char *const TNAME = "dm.vector";
+#define TNAME "dm.vector"
 static const dml_scalar zero = {.kind = DML_NUMBER};
 
 static dml_array *check(lua_State *L) {
@@ -265,43 +265,45 @@ static const dml_row meta[] = {{"__add", dml_add, NULL},
                                {NULL, NULL, NULL}};
 static const dml_row methods[] =
     {{"dot", vector_dot,
-      "v:dot(w) -> number\nThe inner product of two vectors of the same length. Raises "
-      "when the lengths "
-      "differ."},
+      "v:dot(w) -> number\n"
+      "The inner product of two vectors of the same length. Raises when the lengths differ."},
      {"norm", vector_norm, "v:norm() -> number\nThe Euclidean norm sqrt(v . v), without overflow."},
      {"cross", vector_cross,
-      "v:cross(w) -> dm.vector or number\nThe cross product of two vectors of 3 entries; "
-      "of 2 entries "
-      "the number v1 w2 - v2 w1. Raises for other lengths."},
+      "v:cross(w) -> dm.vector or number\n"
+      "The cross product of two vectors of 3 entries; of 2 entries the number v1 w2 - v2 w1. "
+      "Raises for other lengths."},
      {"outer", vector_outer, "v:outer(w) -> dm.matrix\nThe matrix v_i w_j, #v x #w."},
      {"sum", vector_sum, "v:sum() -> number\nThe sum of the entries."},
      {"map", vector_map,
-      "v:map(f) -> dm.vector\nA new vector of f(v[i], i). Raises when f returns no "
-      "number."},
+      "v:map(f) -> dm.vector\n"
+      "A new vector of f(v[i], i). Raises when f returns no number."},
      {"slice", vector_slice,
-      "v:slice(i [, j]) -> dm.vector\nA copy of the entries i to j (the last one when "
-      "left out). Raises "
-      "when they are out of range."},
+      "v:slice(i [, j]) -> dm.vector\n"
+      "A copy of the entries i to j (the last one when left out). Raises when they are out of "
+      "range."},
      {"copy", vector_copy, "v:copy() -> dm.vector\nA new vector with the same entries."},
      {"totable", vector_totable, "v:totable() -> table\nThe entries as a Lua table."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"vector", vector_new,
       "dm.vector{x1, x2, ...} -> dm.vector\n"
-      "A vector of the entries of a table or another vector; dm.vector(n) has n zeros. "
-      "Entries are "
-      "numbers, or symbols and hyper-dual numbers inside a traced function. + - * / work "
-      "with vectors "
-      "and numbers; tables of numbers are taken as vectors; v[i] counts from 1. Raises "
-      "when an entry is "
-      "no number."},
+      "A vector of the entries of a table or another vector; dm.vector(n) has n zeros. Entries are "
+      "numbers, or symbols and hyper-dual numbers inside a traced function. + - * / work with "
+      "vectors and numbers; tables of numbers are taken as vectors; v[i] counts from 1. Raises "
+      "when an entry is no number."},
      {NULL, NULL, NULL}};
 
-void dml_open_vector(lua_State *L) {
-    dml_newclass(L, TNAME,
-                 "dm.vector: entries in one block, made by dm.vector{...} or dm.zeros(n)\n"
-                 "v[i] from 1, #v, + - * / with vectors and numbers, == entry by entry",
-                 meta, methods, vector_field);
+static void open_vector(lua_State *L) {
     dml_setclass(L, DML_CLASS_VECTOR, TNAME);
-    dml_setfunctions(L, functions);
 }
+
+const dml_class dml_class_vector = {
+    .name = TNAME,
+    .doc = "dm.vector: entries in one block, made by dm.vector{...} or dm.zeros(n)\n"
+           "v[i] from 1, #v, + - * / with vectors and numbers, == entry by entry",
+    .meta = meta,
+    .methods = methods,
+    .field = vector_field,
+    .functions = functions,
+    .open = open_vector,
+};

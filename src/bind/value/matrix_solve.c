@@ -63,8 +63,7 @@ static void raise_singular(lua_State *L, const factors *f, const double *a, size
         luaL_error(L, "the matrix is singular (its condition is infinite): rows or columns are "
                       "linearly dependent");
     luaL_error(L,
-               "the matrix is singular to working precision: its condition is %f, so no "
-               "digit of a "
+               "the matrix is singular to working precision: its condition is %f, so no digit of a "
                "solution would be right",
                condition);
 }
@@ -330,8 +329,8 @@ void dml_eigenvalues(lua_State *L, const dml_array *m) {
     double *re = dml_pushvector(L, m->rows), *im = dml_pushvector(L, m->rows);
     const double *numbers = dml_numbersof(m);
     if (!numbers)
-        luaL_error(L, "eigenvalues are for matrices of numbers, not of symbols or "
-                      "hyper-dual numbers");
+        luaL_error(L, "eigenvalues are for matrices of numbers, not of symbols or hyper-dual "
+                      "numbers");
     check_finite(L, numbers, n * n);
     memcpy(scratch, numbers, n * n * sizeof *scratch);
     const int status = is_symmetric(numbers, n) ? symmetric(re, scratch, n)

@@ -1,6 +1,6 @@
 /* matrix_solve.h - determinants and linear systems of a `dm.matrix` of any kind of entries. */
-#ifndef DML_LINEAR_H
-#define DML_LINEAR_H
+#ifndef DML_MATRIX_SOLVE_H
+#define DML_MATRIX_SOLVE_H
 
 #include "bind/value/array.h"
 

@@ -1,7 +1,7 @@
 /* text.c - how scalars, vectors and matrices print. */
-#include "bind/value/array.h"
-#include "bind/core/state.h"
 #include "algebra/implicit.h"
+#include "bind/core/state.h"
+#include "bind/value/array.h"
 
 #include <stdio.h>
 #include <string.h>

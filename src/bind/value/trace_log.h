@@ -5,9 +5,8 @@
 #ifndef DML_TRACE_LOG_H
 #define DML_TRACE_LOG_H
 
-#include "bind/core/state.h"
-#include "bind/trace/trace.h"
 #include "algebra/body_sum.h"
+#include "bind/core/state.h"
 
 #include <string.h>
 
@@ -22,6 +21,16 @@ typedef struct dml_step {
     dm_node node;  /* what it became */
     uint32_t size; /* nodes of the graph then */
 } dml_step;
+
+/* A traced function: outputs as nodes of a graph. */
+typedef struct dml_traced {
+    dm_graph *graph;
+    const dm_node *out;        /* [outputs], in the graph's arena */
+    const struct dml_log *log; /* of dml_retrace: what the function did  */
+    uint32_t outputs;
+    uint32_t inputs;
+    int bare; /* the result was a number, not a vector or table of one */
+} dml_traced;
 
 /* a sum that stays a loop, and the trace of its term */
 typedef struct {

@@ -82,9 +82,8 @@ dml_scalar dml_common(lua_State *L, const dml_scalar *a, const dml_scalar *b) {
     if (a->kind == DML_SYMBOL && a->serial != b->serial) {
         live_frame(L, a->serial);
         live_frame(L, b->serial);
-        luaL_error(L, "symbols of two traces meet: a function that is traced inside "
-                      "another must not "
-                      "use the outer one's arguments; pass them as arguments");
+        luaL_error(L, "symbols of two traces meet: a function that is traced inside another must "
+                      "not use the outer one's arguments; pass them as arguments");
     }
     return *a;
 }

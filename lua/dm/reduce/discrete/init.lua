@@ -19,18 +19,10 @@ local M = {}
 
 local abs, max = math.abs, math.max
 
-local class = { __name = "dm.discrete_shape", methods = {} }
-debug.getregistry()["dm.discrete_shape"] = class
-core.docs["dm.discrete_shape"] = [[
+local class = core.class({ __name = "dm.discrete_shape" }, [[
 dm.discrete_shape: a discrete Lagrangian without its group variables, made by shape:discrete
 fields: shape (the reduced system), Ld (of the unreduced system), h; points x0, x1 are dim shape
-numbers each.]]
-
-function class.__index(D, key)
-  local found = class.methods[key] or rawget(D, key)
-  if found == nil then core.miss("dm.discrete_shape", key) end
-  return found
-end
+numbers each.]])
 
 function class.__tostring(D) return ("reduced %s"):format(tostring(D.Ld)) end
 
