@@ -28,7 +28,6 @@ return {
   -- types of one name: file, name, why
   types = {
     { "src/integ/method/hamilton_inside.h", "dm_splitting", "splits L in parts; the other one is a table of kicks" },
-    { "src/bind/ensemble/bind_ensemble.h", "dml_part", "a share of the members; the other one is a term of L" },
   },
   -- decisions by the name of a rule or a group: file, names, why
   decisions = {

@@ -32,12 +32,6 @@ floors.up = {
   { "include", "integ/constrained", "integ/stage", "a constrained step is a stage step with multipliers" },
   { "include", "integ/stage/sweep", "integ/stage", "a sweep is over the stages of a step" },
   { "include", "integ/stage/lanes", "integ/stage", "lanes are of the stages of a step" },
-  { "include", "bind/core", "bind", "the list of classes stands above the rooms that it lists" },
-  { "include", "bind/core", "bind/value", "the state of the bindings holds values" },
-  { "include", "bind/core", "bind/model", "a missing key is looked for among the parameters" },
-  { "include", "bind/value", "bind/trace", "a symbol knows its trace" },
-  { "include", "bind/trace", "bind/model", "a trace is asked for by a system" },
-  { "include", "bind/model", "bind/run", "parameters of a model reach a run" },
 }
 
 return floors
