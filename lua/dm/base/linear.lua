@@ -54,7 +54,13 @@ function M.solve(A, columns, order)
   return out
 end
 
--- ---- positive definite ----
+--- x with A x = b, for numbers; nothing where A is singular.
+function M.solution(A, b)
+  local order = M.order(A)
+  return order and M.solve(A, { b }, order)[1]
+end
+
+---- positive definite ----
 
 -- entries other than zero that row i has among those of `order` from k on
 local function degree(A, order, k, i)

@@ -2,6 +2,7 @@
 -- whether small changes stay small.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
 local M = {}
@@ -63,12 +64,8 @@ end
 M.linearize = blame.caller(function(system, options)
   options = starts.lists(options, system)
   local what = "system:linearize"
-  if type(options) ~= "table" or not options.q then error(what .. " takes { q =, v = }", 0) end
-  for key in pairs(options) do
-    if key ~= "q" and key ~= "v" and key ~= "t" then
-      error(("%s: unknown option '%s'"):format(what, tostring(key)), 0)
-    end
-  end
+  option.check(options, { "q", "v", "t" }, what, "{ q =, v = }")
+  option.need(options, "q", what, "the state is q and v (default: at rest)")
   check_plain(system, what)
   local n = system.Q.dimension
   if #options.q ~= n or options.v and #options.v ~= n then

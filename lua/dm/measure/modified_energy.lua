@@ -10,6 +10,7 @@
 -- with v, with z' y' + L - y (V - q . V_q/2), and Ld is the growth of P_y + q . p/2.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
 local M = {}
@@ -148,12 +149,8 @@ local function series(path, n, k, h, simple)
 end
 
 local function check(solver, options)
-  local known = { q = true, v = true, p = true, steps = true, points = true }
   local what = "solver:modified_energy"
-  if type(options) ~= "table" then error(what .. " takes a table { q =, v =, steps = }", 0) end
-  for key in pairs(options) do
-    if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
-  end
+  option.check(options, { "q", "v", "p", "steps", "points" }, what, "{ q =, v =, steps = }")
   local system = solver.system
   local given = system.given
   local s = given and given.L and system:structure()
@@ -168,16 +165,9 @@ local function check(solver, options)
     error(what .. ": '" .. tostring(solver.rule)
       .. "' has a time of its own; the energy it keeps is H itself", 0)
   end
-  local steps, k = math.tointeger(options.steps or 0), options.points or 6
-  if not steps or steps > 2 ^ 24 then
-    error(what .. ": 'steps' must be a whole number up to 2^24: all rows are kept", 0)
-  end
-  if math.type(k) ~= "integer" or k < 1 or k > 10 then
-    error(what .. ": 'points' is a whole number from 1 to 10", 0)
-  end
-  if not (steps >= 2 * k + 3) then
-    error(("%s needs at least %d steps"):format(what, 2 * k + 3), 0)
-  end
+  local k = option.whole(options, "points", what, 1, 10, 6)
+  option.whole(options, "steps", what, 2 * k + 3, 2 ^ 24) -- all rows are kept
+  option.need(options, "steps", what, ("at least %d"):format(2 * k + 3))
   return system, k
 end
 

@@ -6,11 +6,11 @@
 -- so known of the forces. Impulses of the step equation are another thing (solver:run, record).
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local prolong = require "dm.measure.prolong"
+local lists = require "dm.base.lists"
 
 local M = {}
 
-local entries = prolong.entries
+local entries = lists.entries
 
 -- f(a, b, c) with the params of the system behind its last argument
 local function bound(f, params, holonomic)
@@ -237,10 +237,8 @@ end
 local function state(system, q, v, t, what)
   local n = system.Q.dimension
   local function check(key, x)
-    local fine, count = pcall(function() return #x end)
-    if type(x) == "string" or not fine or count ~= n then
-      error(("%s: %s must be %d numbers (got %s)")
-        :format(what, key, n, fine and type(x) ~= "string" and count or type(x)), 0)
+    if lists.count(x) ~= n then
+      error(("%s: %s must be %d numbers (got %s)"):format(what, key, n, lists.got(x)), 0)
     end
   end
   check("q", q)

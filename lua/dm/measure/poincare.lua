@@ -3,6 +3,8 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
+local lists = require "dm.base.lists"
+local option = require "dm.base.options"
 
 local M = {}
 
@@ -21,7 +23,8 @@ end
 
 ---- what is read off a crossing ----
 
-local function fail(text, ...) error("solver:section: " .. text:format(...), 0) end
+local WHERE = "solver:section"
+local fail = option.failing(WHERE)
 
 -- name -> function(q, p, t), and the name a coordinate or momentum prints as
 local function columns_of(system)
@@ -45,14 +48,14 @@ local function known(names)
 end
 
 -- the function and the label of option x or y
-local function axis(o, key, read, names)
+local function axis(o, key, columns, names)
   local what = o[key]
   if type(what) == "function" then return what, o[key .. "label"] or key end
-  if type(what) ~= "string" or not read[what] then
+  if type(what) ~= "string" or not columns[what] then
     fail("'%s' must be one of %s, or a function of (q, p, t) (got %s)", key, known(names),
       type(what) == "string" and what or type(what))
   end
-  return read[what], o[key .. "label"] or what
+  return columns[what], o[key .. "label"] or what
 end
 
 -- which coordinate g names, if it does
@@ -70,37 +73,22 @@ local function with_axes(o, names)
     fail("'x' and 'y' say what is drawn: names (%s) or functions of (q, p, t)", known(names))
   end
   local i = cut == 1 and n > 1 and 2 or 1
-  local out = {}
-  for key, value in pairs(o) do out[key] = value end
+  local out = lists.copy(o)
   out.x, out.y = names.q[i], names.p[i]
   return out
 end
 
 ---- runs ----
 
-local KNOWN = { g = true, period = true, direction = true, q = true, v = true, p = true,
-  starts = true, t = true, steps = true, t0 = true, every = true,
-  project = true, x = true, y = true, xlabel = true, ylabel = true }
+local KNOWN = { "direction", "every", "g", "p", "period", "project", "q", "starts", "steps", "t",
+  "t0", "v", "x", "xlabel", "y", "ylabel" }
 
 local function check(o)
-  if type(o) ~= "table" then fail("takes a table { g =, q =, v =, t = } (got %s)", type(o)) end
-  for key in pairs(o) do
-    if not KNOWN[key] then
-      fail("unknown option '%s'; options are direction, every, g, p, period, project, q, starts, "
-        .. "steps, t, t0, v, x, xlabel, y, ylabel", tostring(key))
-    end
-  end
-  if o.direction ~= nil and not ({ up = true, down = true, both = true })[o.direction] then
-    fail("'direction' must be \"up\" (the default), \"down\" or \"both\" (got %s)",
-      tostring(o.direction))
-  end
-  if o.period ~= nil then
-    if type(o.period) ~= "number" or not (o.period > 0 and o.period < math.huge) then
-      fail("'period' must be a duration > 0 (got %s)", tostring(o.period))
-    end
-    if o.g ~= nil or o.direction ~= nil then
-      fail "'period' stands in place of 'g' and 'direction'"
-    end
+  option.check(o, KNOWN, WHERE, "{ g =, q =, v =, t = }")
+  option.one_of(o, "direction", WHERE, { "up", "down", "both" })
+  option.positive(o, "period", WHERE, "a duration")
+  if o.period and (o.g ~= nil or o.direction ~= nil) then
+    fail "'period' stands in place of 'g' and 'direction'"
   end
   if o.starts ~= nil and (type(o.starts) ~= "table" or type(o.starts[1]) ~= "table") then
     fail("'starts' must be a list of starts { q =, v = } or { q =, p = } (got %s)", type(o.starts))
@@ -109,17 +97,16 @@ local function check(o)
 end
 
 -- g as a function of (q, v, t, p)
-local function surface(o, read, names)
+local function surface(o, columns, names)
   if o.period then
     return function(_, _, t) return math.sin(2 * math.pi / o.period * (t - (o.t0 or 0))) end
   end
   if type(o.g) == "function" then return o.g end
   if o.g == "t" then fail "t passes 0 once: for a section each period T, period = T" end
-  local f = type(o.g) == "string" and read[o.g]
+  local f = type(o.g) == "string" and columns[o.g]
   if not f then
     fail("'g' must be a function of (q, v, t, p) that is 0 on the surface, or one of %s (got %s)",
-      known(names),
-      type(o.g) == "string" and o.g or type(o.g))
+      known(names), type(o.g) == "string" and o.g or type(o.g))
   end
   return function(q, _, t, p) return f(q, p, t) end
 end
@@ -159,11 +146,11 @@ end
 
 M.section = blame.caller(function(solver, o)
   check(o)
-  local read, names = columns_of(solver.system)
-  local g = surface(o, read, names)
+  local columns, names = columns_of(solver.system)
+  local g = surface(o, columns, names)
   o = with_axes(o, names)
-  local fx, xlabel = axis(o, "x", read, names)
-  local fy, ylabel = axis(o, "y", read, names)
+  local fx, xlabel = axis(o, "x", columns, names)
+  local fy, ylabel = axis(o, "y", columns, names)
   local section = { orbits = {}, count = 0, failures = 0, xlabel = xlabel, ylabel = ylabel }
   for i, start in ipairs(o.starts or { o }) do
     local path, failure = run(solver, o, start, g)
@@ -193,8 +180,8 @@ section:series() -> list of { x =, y =, name = } for dm.plot and dm.figure
 The crossings of each orbit that has some.]])
 
 core.method("dm.section", "plot", blame.caller(function(section, options)
-  local given = { legend = false }
-  for key, value in pairs(options or {}) do given[key] = value end
+  local given = lists.copy(options or {})
+  if given.legend == nil then given.legend = false end
   return require "dm.show.plot".plot(section:series(), given)
 end), [[
 section:plot{file=, title=, ...} -> file name or nothing

@@ -4,35 +4,16 @@
 -- not care for linear changes of coordinates (stages, splittings, compositions) takes one step of
 -- L~ as the exact derivative of its step of L. Momenta: of q the varied momentum dp, of u the
 -- momentum p.
+local lists = require "dm.base.lists"
+
 local M = {}
 
-local function part(x, first, n)
-  local out = {}
-  for i = 1, n do out[i] = x[first + i] end
-  return require "dm.core".vector(out)
-end
-
-local function joined(a, b)
-  local out = {}
-  for i = 1, #a do out[i] = a[i] end
-  for i = 1, #b do out[#a + i] = b[i] end
-  return require "dm.core".vector(out)
-end
+local part, joined, entries = lists.part, lists.joined, lists.entries
 
 -- f(q, v, t) with the params of the system bound
 local function bound(f, params)
   if not params then return f end
   return function(q, v, t) return f(q, v, t, params) end
-end
-
--- entries of what f returns: a number, a table or a vector
-local function entries(value)
-  if type(value) == "table" then return value end
-  local fine, count = pcall(function() return #value end)
-  if not fine then return { value } end
-  local out = {}
-  for i = 1, count do out[i] = value[i] end
-  return out
 end
 
 -- f and its change along (u, w), as two lists: of a function of (q, v, t), or, holonomic, of (q, t)
@@ -165,6 +146,6 @@ function M.system(system, names)
   return core.system(out)
 end
 
-M.part, M.joined, M.bound, M.entries = part, joined, bound, entries
+M.bound = bound
 
 return M

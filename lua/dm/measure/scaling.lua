@@ -2,6 +2,8 @@
 -- members of an ensemble.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
+local option = require "dm.base.options"
 
 local M = {}
 M.__index = M
@@ -10,7 +12,8 @@ setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
 local log, max, min, huge = math.log, math.max, math.min, math.huge
 
-local function fail(...) error("dm.scaling: " .. (...):format(select(2, ...)), 0) end
+local WHERE = "dm.scaling"
+local fail = option.failing(WHERE)
 
 local KNOWN = { "system", "start", "n", "members", "rules", "h", "steps", "repeats" }
 
@@ -27,17 +30,10 @@ local function check_sizes(options, key)
   return list
 end
 
+local TAKES = "{ system =, start =, n = {...} | members = {...}, rules = {...}, h =, steps = }"
+
 local function check(options)
-  if type(options) ~= "table" then
-    fail("takes { system =, start =, n = {...} | members = {...}, rules = {...}, h =, steps = }")
-  end
-  for key in pairs(options) do
-    local known = false
-    for _, name in ipairs(KNOWN) do known = known or name == key end
-    if not known then
-      fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", "))
-    end
-  end
+  option.check(options, KNOWN, WHERE, TAKES)
   if (options.n == nil) == (options.members == nil) then
     fail("give sizes n = {...} of the system, or members = {...} of an ensemble")
   end
@@ -47,20 +43,14 @@ local function check(options)
   if options.members and type(options.system) == "function" then
     fail("with members, 'system' is one dm.system")
   end
-  if options.system == nil then fail("the system is missing") end
-  if type(options.start) ~= "function" then
-    fail("'start' must be a function of n, or of the member's number, that returns q and v")
-  end
-  if type(options.rules) ~= "table" or #options.rules == 0 then
-    fail("option 'rules' must be a list of rules")
-  end
-  if type(options.h) ~= "number" or not (options.h > 0 and options.h < huge) then
-    fail("option 'h' must be a step > 0")
-  end
-  local steps = options.steps or 1000
-  if math.type(steps) ~= "integer" or steps < 1 then
-    fail("option 'steps' must be a whole number from 1")
-  end
+  option.need(options, "system", WHERE, "a dm.system, or with n a function of it")
+  option.need(options, "start", WHERE, "a function of n or of the member's number")
+  option.callable(options, "start", WHERE, "n, or of the member's number, that returns q and v")
+  option.list(options, "rules", WHERE, "rules")
+  option.need(options, "rules", WHERE, "a list of rules")
+  option.need(options, "h", WHERE, "a step > 0")
+  option.positive(options, "h", WHERE, "a step")
+  local steps = option.whole(options, "steps", WHERE, 1, nil, 1000)
   return check_sizes(options, options.n and "n" or "members"), steps
 end
 
@@ -219,8 +209,7 @@ scaling:plot{file=, ...} -> file name or nothing
 Cost over size, both logarithmic, a line for every rule with its exponent. Options as in dm.plot.]]
 
 M.plot = blame.caller(function(self, options)
-  local given, series = {}, {}
-  for key, value in pairs(options or {}) do given[key] = value end
+  local given, series = lists.copy(options or {}), {}
   for _, rule in ipairs(self.rules) do
     local x, y, points = {}, {}, of_rule(self, rule)
     for i, p in ipairs(points) do x[i], y[i] = p.size, max(p.ns, 1e-3) end

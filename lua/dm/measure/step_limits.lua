@@ -2,20 +2,15 @@
 -- coordinates that break down on the way.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
+local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
 local M = {}
 
 local abs, max, min, huge = math.abs, math.max, math.min, math.huge
 
-local function check_options(options, what, known)
-  if type(options) ~= "table" or not options.q then
-    error(what .. " takes { q =, v = } or { q =, p = }", 0)
-  end
-  for key in pairs(options) do
-    if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
-  end
-end
+local START = "{ q =, v = } or { q =, p = }"
 
 ---- solvability ----
 
@@ -129,12 +124,10 @@ end
 M.fold = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
   local what, rule = "solver:fold", tostring(solver.rule or "del")
-  check_options(options, what, { q = true, v = true, p = true, up_to = true })
+  option.check(options, { "q", "v", "p", "up_to" }, what, START)
+  option.need(options, "q", what, START)
   check_start(solver, options, what, rule)
-  local up_to = options.up_to or 256 * solver.h
-  if type(up_to) ~= "number" or not (up_to > 0 and up_to < huge) then
-    error(what .. ": 'up_to' must be a step > 0", 0)
-  end
+  local up_to = option.positive(options, "up_to", what, "a step", 256 * solver.h)
   local q0, p0, v0 = start_of(solver.system, options)
   local least = min(solver.h, up_to) / 64
   local before, here, reached = follow(solver, q0, p0, v0, least, up_to)
@@ -197,13 +190,14 @@ local MOST_ROWS, BAD = 4000, 1e4
 
 M.singularities = blame.caller(function(solver, options)
   local what = "solver:singularities"
-  check_options(options, what, { q = true, v = true, p = true, t0 = true, steps = true, t = true })
+  option.check(options, { "q", "v", "p", "t0", "steps", "t" }, what, START)
+  option.need(options, "q", what, START)
   local system = solver.system
   if not (system.given and system.given.L) then error(what .. " needs a dm.system", 0) end
   local steps = options.steps or (options.t and math.ceil(options.t / solver.h - 1e-9))
   if not math.tointeger(steps) or steps < 1 then error(what .. ": give 'steps' or 't'", 0) end
-  local run = { every = max(1, steps // MOST_ROWS) }
-  for key, value in pairs(options) do run[key] = value end
+  local run = lists.copy(options)
+  run.every = max(1, steps // MOST_ROWS)
   local fine, path = pcall(solver.run, solver, run)
   local failure = not fine and path or nil
   if not fine then

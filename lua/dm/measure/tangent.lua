@@ -2,8 +2,10 @@
 -- reversal, energy.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local starts = require "dm.base.start"
+local lists = require "dm.base.lists"
+local option = require "dm.base.options"
 local prolong = require "dm.measure.prolong"
+local starts = require "dm.base.start"
 
 local M = {}
 
@@ -67,23 +69,12 @@ local function steps_of(solver, options)
   return math.tointeger(steps)
 end
 
-local KNOWN = { q = true, v = true, p = true, t0 = true, steps = true, t = true }
-local function check_options(options, what, more)
-  if type(options) ~= "table" then error(what .. " takes a table { q =, v =, steps = }", 0) end
-  for key in pairs(options) do
-    if not KNOWN[key] and not (more and more[key]) then
-      error(("%s: unknown option '%s'"):format(what, tostring(key)), 0)
-    end
-  end
+local KNOWN = { "q", "v", "p", "t0", "steps", "t" }
+local function check_options(options, what, known)
+  return option.check(options, known or KNOWN, what, "{ q =, v =, steps = }")
 end
 
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return out
-end
-
-local function is_tied(solver)
+local function is_constrained(solver)
   local given = solver.system.given
   return (given.constraint or given.rolling) ~= nil
 end
@@ -96,17 +87,17 @@ local function columns(solver, options)
   local lifted = solver_of(solver, prolong.system(solver.system))
   local out, first, last = {}, {}, nil
   for k = 1, 2 * n do
-    local u, dp = zeros(n), zeros(n)
+    local u, dp = lists.zeros(n), lists.zeros(n)
     if k <= n then u[k] = 1 else dp[k - n] = 1 end
-    last = lifted:run { q = prolong.joined(q, u), p = prolong.joined(dp, p), t0 = t0, steps = steps,
+    last = lifted:run { q = lists.joined(q, u), p = lists.joined(dp, p), t0 = t0, steps = steps,
       every = max(steps, 1),
-      project = is_tied(solver) }
+      project = is_constrained(solver) }
     local function vector(i)
-      return prolong.joined(prolong.part(last.q[i], n, n), prolong.part(last.p[i], 0, n))
+      return lists.joined(lists.part(last.q[i], n, n), lists.part(last.p[i], 0, n))
     end
     first[k], out[k] = vector(1), vector(#last)
   end
-  return out, first, prolong.part(last.q[#last], 0, n), prolong.part(last.p[#last], n, n)
+  return out, first, lists.part(last.q[#last], 0, n), lists.part(last.p[#last], n, n)
 end
 
 local function matrix_of(cols)
@@ -129,7 +120,7 @@ M.tangent = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
   check_options(options, "solver:tangent")
   refuse(solver, "solver:tangent")
-  if is_tied(solver) then
+  if is_constrained(solver) then
     error("solver:tangent: the unit vectors of (q, p) are not tangent to the constraints of this "
       .. "system", 0)
   end
@@ -247,14 +238,15 @@ exponent, megno} of all rows; q, p: the end.]]
 
 M.lyapunov = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
-  check_options(options, "solver:lyapunov", { every = true, u = true, dp = true })
+  check_options(options, "solver:lyapunov",
+    { "q", "v", "p", "t0", "steps", "t", "every", "u", "dp" })
   refuse(solver, "solver:lyapunov")
   local n, steps = #(options.q or {}), steps_of(solver, options)
   if steps < 1 then error("solver:lyapunov needs at least one step", 0) end
   local every = options.every or max(1, steps // 1000)
   local q, p, t0 = start_of(solver, options)
   local w = first_vector(options, n)
-  local s = { t = t0, x = {}, p = {}, project = is_tied(solver) }
+  local s = { t = t0, x = {}, p = {}, project = is_constrained(solver) }
   for i = 1, n do s.x[i], s.x[n + i], s.p[i], s.p[n + i] = q[i], w[i], w[n + i], p[i] end
   local lifted = solver_of(solver, prolong.system(solver.system))
   local record = { t0 = t0, sum = 0, growth = 0, mean = 0, Y = 0, t = {}, exponent = {},
@@ -281,7 +273,7 @@ M.lyapunov = blame.caller(function(solver, options)
     t = record.t[last],
     history = { t = core.vector(record.t), exponent = core.vector(record.exponent),
       megno = core.vector(record.megno) },
-    q = prolong.part(s.x, 0, n), p = prolong.part(s.p, n, n) }
+    q = lists.part(s.x, 0, n), p = lists.part(s.p, n, n) }
 end)
 
 ---- there and back ----

@@ -3,6 +3,7 @@
 -- round-off, those between continuous and discrete to the order of the rule.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local option = require "dm.base.options"
 local routh = require "dm.reduce.routh"
 local starts = require "dm.base.start"
 
@@ -178,31 +179,16 @@ local function continuous_faces(rows, c)
 end
 
 local OWN = { rule = true, h = true, steps = true }
-
-local function check_keys(options)
-  local known = { "rule", "h", "steps", table.unpack(routh.OPTIONS) }
-  for key in pairs(options) do
-    local fine = false
-    for _, name in ipairs(known) do fine = fine or name == key end
-    if not fine then
-      error(("dm.commute: unknown option '%s'; options are %s")
-        :format(tostring(key), table.concat(known, ", ")), 0)
-    end
-  end
-end
+local KNOWN = { "rule", "h", "steps", table.unpack(routh.OPTIONS) }
 
 local function read(system, options)
   if type(options) ~= "table" or not options.q or not options.v then
     error("dm.commute takes a system and { q =, v =, rule =, h =, steps =, cyclic = ... }", 0)
   end
-  check_keys(options)
-  if type(options.h) ~= "number" or not (options.h > 0) then
-    error("dm.commute: option 'h' must be a step > 0", 0)
-  end
-  local steps = options.steps or 40
-  if math.type(steps) ~= "integer" or steps < 4 or steps > 10000 then
-    error("dm.commute: 'steps' must be a whole number from 4 to 10000", 0)
-  end
+  option.check(options, KNOWN, "dm.commute")
+  option.positive(options, "h", "dm.commute", "a step")
+  option.need(options, "h", "dm.commute", "a step > 0")
+  local steps = option.whole(options, "steps", "dm.commute", 4, 10000, 40)
   local how, q, v = {}, options.q, options.v
   for key, value in pairs(options) do
     if not OWN[key] then how[key] = value end

@@ -1,5 +1,6 @@
 --- Models of a scene: the system as given, or fewer terms of L and of the force on fewer coordinates, with further constraints.
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local prolong = require "dm.measure.prolong"
 local routh = require "dm.reduce.routh"
 local routh_model = require "dm.reduce.routh.model"
@@ -10,7 +11,7 @@ M.__index = M
 
 local MOST_COORDINATES, MOST_TERMS = 48, 200  -- beyond, a system is taken as a whole
 
-local bound, entries = prolong.bound, prolong.entries
+local bound, entries = prolong.bound, lists.entries
 
 M.entries = entries
 

@@ -31,7 +31,7 @@ ok(lanes == 1 or many < alone, "a member costs less among many where there are l
 raises("give sizes n", dm.scaling, { system = chain, start = wave, rules = { "verlet" }, h = 0.1 })
 raises("growing whole numbers", dm.scaling, { system = chain, start = wave, n = { 4, 2 }, rules = { "verlet" }, h = 0.1 })
 raises("must be a function(n)", dm.scaling, { system = kepler, start = wave, n = { 2 }, rules = { "verlet" }, h = 0.1 })
-raises("'h' must be a step", dm.scaling, { system = chain, start = wave, n = { 2 }, rules = { "verlet" } })
+raises("option 'h' is missing: a step > 0", dm.scaling, { system = chain, start = wave, n = { 2 }, rules = { "verlet" } })
 raises("unknown option 'size'", dm.scaling, { size = 1 })
 raises("nothing could be measured", dm.scaling, { system = kepler, start = start, members = { 1 }, rules = { "verlett" }, h = 0.1 })
 raises("no point of rule", grown.exponent, grown, "gauss(2)")

@@ -91,6 +91,6 @@ raises("L is not finite at the start", function()
   dm.system({ Q = dm.R(2), L = function(p, w) return -sqrt(1 - w[1] ^ 2 - p[1] ^ 2 * w[2] ^ 2) end }):routh { cyclic = 2, q = { 1, 0 }, v = { 0.9, 0.9 } }
 end)
 raises("continue takes one of", function() shape:continue({ x = { 1, 0, 0 }, mu = { 1 } }, { mu = { 1, 2 } }) end)
-raises("dm.commute: unknown option 'rul'; options are rule, h", function() dm.commute(quartic, { q = q, v = v, h = 0.1, rul = "gauss(2)" }) end)
+raises("dm.commute: unknown option 'rul'; did you mean 'rule'? options are rule, h", function() dm.commute(quartic, { q = q, v = v, h = 0.1, rul = "gauss(2)" }) end)
 
 tap.done()

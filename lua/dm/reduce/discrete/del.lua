@@ -2,6 +2,7 @@
 -- Euler-Lagrange equations of the discrete Routhian W(x0, x1) = Ld(x0, x1, psi) - mu . psi, which
 -- is stationary in psi at psi_mu: an implicit function in its graph (dm.root).
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 
 local M = {}
@@ -57,8 +58,8 @@ end
 
 function M.solver(D, options)
   if not D.Ld.Ld then
-    local own = { rule = D.Ld.rule, h = D.h }
-    for key, value in pairs(options or {}) do own[key] = value end
+    local own = lists.copy(options or {})
+    own.rule, own.h = own.rule or D.Ld.rule, own.h or D.h
     return D.shape:solver(own)
   end
   D.W = D.W or make(D)

@@ -10,9 +10,10 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
+local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
-local routh = require "dm.reduce.routh"
 local psi_of = require "dm.reduce.discrete.psi"
+local routh = require "dm.reduce.routh"
 local shape_of = require "dm.reduce.routh.shape"
 
 local M = {}
@@ -30,7 +31,7 @@ local MOST = 60
 
 local POINT = "%s must be a point of the shape space: %d number%s (got %s)"
 
-local function point(D, x, what) return shape_of.numbers(what, x, D.info.d, POINT) end
+local function point(D, x, what) return lists.numbers(what, x, D.info.d, POINT) end
 
 local function points(D, x0, x1) return point(D, x0, "x0"), point(D, x1, "x1") end
 
@@ -57,7 +58,7 @@ local FULL = "%s must be a point of the unreduced system: %d number%s (got %s)"
 
 -- a point of the unreduced system
 local function full_point(D, q, what)
-  q = shape_of.numbers(what, q, D.info.n, FULL)
+  q = lists.numbers(what, q, D.info.n, FULL)
   return D.info.ambient and D.info.ambient.place(q) or q
 end
 
@@ -171,11 +172,10 @@ function methods.step(D, x0, x1)
   for _ = 1, MOST do
     local r = psi_of.pair(D, x1, x2, guess)
     local rest, found = y - (canonical(D, r)), two_form(D, r)
-    local order = linear.order(found)
-    if not order then
+    local move, size, scale = linear.solution(found, rest), 0, 1
+    if not move then
       error("step: the reduced two-form is singular here, so that no next point is determined", 0)
     end
-    local move, size, scale = linear.solve(found, { rest }, order)[1], 0, 1
     for j = 1, D.info.d do
       x2[j] = x2[j] + move[j]; size, scale = max(size, abs(move[j])), max(scale, abs(x2[j]))
     end
@@ -277,8 +277,7 @@ M.discrete = blame.caller(function(shape, given)
     error("shape:discrete takes { rule =, h = } or a dm.discrete_lagrangian on the unreduced "
       .. "coordinates", 0)
   end
-  local own = {}
-  for key, value in pairs(info) do own[key] = value end
+  local own = lists.copy(info)
   if type(given) == "table" then own.ambient = nil end
   local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape, slopes = psi_of.slopes(Ld),
     constraint = shape.given.constraint }, class)

@@ -1,10 +1,10 @@
 --- psi_mu of a discrete Lagrangian that the group leaves as it is: the angle for which dLd/dpsi
 -- (x0, x1, psi) = mu, and its derivatives. Ld depends on theta1 - theta0 alone, so that the second
 -- derivatives by psi follow from the mixed ones, -D1D2 Ld.
+local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local model = require "dm.reduce.routh.model"
-local check = require "dm.reduce.routh.check"
 local shape_of = require "dm.reduce.routh.shape"
 
 local M = {}

@@ -99,9 +99,8 @@ local function solve(f, V, x0, s0, count)
       A[i], rest[i] = {}, r[i]
       for j = 1, count do A[i][j] = J[i][j] end
     end
-    local order = linear.order(A)
-    if not order then error("rsprk: the equations of the stages are singular here", 0) end
-    local move, size, scale = linear.solve(A, { rest }, order)[1], 0, 1
+    local move, size, scale = linear.solution(A, rest), 0, 1
+    if not move then error("rsprk: the equations of the stages are singular here", 0) end
     for i = 1, count do
       V[i] = V[i] - move[i]
       size, scale = math.max(size, math.abs(move[i])), math.max(scale, math.abs(V[i]))

@@ -1,11 +1,12 @@
 --- shape:continue: relative equilibria followed in the momentum by arc length (Keller), with what
 -- happens to them on the way.
-local blame = require "dm.base.blame"
 local balance = require "dm.reduce.equilibria.stationary"
+local blame = require "dm.base.blame"
 local branches = require "dm.reduce.equilibria.branch"
 local core = require "dm.core"
 local equilibria = require "dm.reduce.equilibria"
 local linear = require "dm.base.linear"
+local option = require "dm.base.options"
 local pole = require "dm.reduce.equilibria.pole"
 
 local M = {}
@@ -34,9 +35,8 @@ local function tangent(rows, before, d)
   local A, rest = {}, {}
   for i = 1, d do A[i], rest[i] = rows[i], 0 end
   A[d + 1], rest[d + 1] = before, 1
-  local order = linear.order(A)
-  if not order then return nil end
-  local t, sum = linear.solve(A, { rest }, order)[1], 0
+  local t, sum = linear.solution(A, rest), 0
+  if not t then return nil end
   for i = 1, d + 1 do sum = sum + t[i] ^ 2 end
   for i = 1, d + 1 do t[i] = t[i] / sqrt(sum) end
   return t
@@ -54,9 +54,8 @@ local function correct(V, z, t, d, n)
     for i = 1, d do A[i], rest[i] = rows[i], g[i] end
     for i = 1, d + 1 do off = off + t[i] * (z[i] - foot[i]) end
     A[d + 1], rest[d + 1] = t, off
-    local order = linear.order(A)
-    if not order then return nil end
-    local step, size = linear.solve(A, { rest }, order)[1], 0
+    local step, size = linear.solution(A, rest), 0
+    if not step then return nil end
     for i = 1, d + 1 do z[i] = z[i] - step[i]; size = max(size, abs(step[i])) end
     if size < 1e-11 then return z, rows, round end
   end
@@ -225,7 +224,7 @@ end
 M.continue = blame.caller(function(shape, first, options)
   options = options or {}
   local info = equilibria.need(shape, "continue", options,
-    { mu = true, step = true, points = true, back = true })
+    { "mu", "step", "points", "back" })
   if not branches.is_equilibrium(first) then
     error("continue takes one of shape:relative_equilibria{...} and a table { mu = { from, to } }",
       0)
@@ -235,14 +234,8 @@ M.continue = blame.caller(function(shape, first, options)
     or not (range[1] < range[2]) then
     error("continue: option 'mu' must be a pair { from, to } with from < to", 0)
   end
-  local step = options.step or (range[2] - range[1]) / 100
-  if type(step) ~= "number" or not (step > 0) then
-    error("continue: option 'step' must be a length > 0", 0)
-  end
-  local points = options.points or 2000
-  if math.type(points) ~= "integer" or points < 1 then
-    error("continue: option 'points' must be a whole number > 0", 0)
-  end
+  local step = option.positive(options, "step", "continue", "a length", (range[2] - range[1]) / 100)
+  local points = option.whole(options, "points", "continue", 1, nil, 2000)
   local _, size = direction(first.mu)
   if not (size >= range[1] - 1e-12 * abs(size) and size <= range[2] + 1e-12 * abs(size)) then
     error(("continue: this equilibrium has mu = %.6g, which is not in the range from %.6g to "

@@ -1,8 +1,10 @@
 --- shape:relative_equilibria: found by Newton's method from many starts.
-local blame = require "dm.base.blame"
 local balance = require "dm.reduce.equilibria.stationary"
+local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
+local option = require "dm.base.options"
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -22,10 +24,7 @@ end
 --- What a shape was made from, for one without time, constraints and forces; options checked.
 function M.need(shape, what, options, known)
   local info = routh.need(shape, what)
-  if type(options) ~= "table" then error(what .. " takes a table of options", 0) end
-  for key in pairs(options) do
-    if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
-  end
+  option.check(options, known, what)
   routh.need_autonomous(info, what)
   if info.full.given.constraint or info.full.given.force then
     error(what .. ": with constraints or forces balance is another equation; give coordinates "
@@ -123,12 +122,6 @@ local function is_copy(list, e)
   return false
 end
 
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return out
-end
-
 -- of what it is in the middle of the points: less is a place where the group does not act freely,
 -- or the coordinates have a pole
 local POLE = 1e-9
@@ -141,7 +134,7 @@ end
 -- |det| of the locked inertia and of the mass that is left, at x; 0, 0 outside of the domain
 local function regularity(info, R, mu, x)
   local fine, inertia, mass = pcall(function()
-    local _, I = model.momentum_parts(info, x, zeros(info.d), 0)
+    local _, I = model.momentum_parts(info, x, lists.zeros(info.d), 0)
     return size_of_det(I), size_of_det(balance.mass(R, x, mu, info.d))
   end)
   if not fine then return 0, 0 end
@@ -165,13 +158,10 @@ end
 
 M.relative_equilibria = blame.caller(function(shape, options)
   local info = M.need(shape, "relative_equilibria", options,
-    { region = true, starts = true, copies = true })
+    { "region", "starts", "copies" })
   local region, d = options.region, info.d
   region = check_region(region, d)
-  local starts = options.starts or 200
-  if math.type(starts) ~= "integer" or starts < 1 then
-    error("relative_equilibria: 'starts' must be a whole number > 0", 0)
-  end
+  local starts = option.whole(options, "starts", "relative_equilibria", 1, nil, 200)
   local V, R, mu = balance.potential(info), balance.routhian(info), core.vector(info.mu)
   local list, points, scale = setmetatable({}, class), fill(region, starts), nil
   scale = balance.scale(V, points, lengths_of(region), mu, d)

@@ -17,17 +17,11 @@ local function at_momentum(info, mu)
   return setmetatable({ mu = mu }, { __index = info })
 end
 
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return core.vector(out)
-end
-
 --- V_mu(x, mu) as a traced function of both, with exact derivatives.
 function M.potential(info)
   model.derived(info)
   return core.trace(function(x, mu)
-    return -model.routhian(at_momentum(info, mu), x, zeros(info.d), 0)
+    return -model.routhian(at_momentum(info, mu), x, core.zeros(info.d), 0)
   end, info.d, info.m)
 end
 
@@ -100,9 +94,9 @@ function M.stationary(V, x, mu, d, scale)
     local H = V:hessian(x, mu)
     local A, rest = rows_of(H, 0, d, 0), {}
     for i = 1, d do rest[i] = g[i] end
-    local order = linear.order(A)
-    if not order then return nil end
-    local step, part, before = linear.solve(A, { rest }, order)[1], 1, slope_of(g, d, scale)
+    local step = linear.solution(A, rest)
+    if not step then return nil end
+    local part, before = 1, slope_of(g, d, scale)
     local trial, slope
     repeat
       trial = core.vector(x)
@@ -122,7 +116,9 @@ function M.stationary(V, x, mu, d, scale)
 end
 
 --- The mass of the shape at rest, d2R/dx'2.
-function M.mass(R, x, mu, d) return rows_of(R:hessian(core.vector(x), zeros(d), mu), d, d, d) end
+function M.mass(R, x, mu, d)
+  return rows_of(R:hessian(core.vector(x), core.zeros(d), mu), d, d, d)
+end
 
 -- characteristic values of M y'' + S y' + K y = 0, as those of a matrix of twice the size
 local function characteristic(mass, S, K, d)
@@ -172,7 +168,7 @@ local CLOSE = 1e-6
 -- Nothing where the mass or the locked inertia is singular: at a pole of the coordinates V_mu is
 -- stationary along directions that are none.
 function M.describe(info, R, V, x, mu)
-  local d, u = info.d, zeros(info.d)
+  local d, u = info.d, core.zeros(info.d)
   local H = R:hessian(x, u, mu)
   local mass, cross, K = rows_of(H, d, d, d), rows_of(H, d, d, 0),
     rows_of(V:hessian(x, mu), 0, d, 0)

@@ -2,6 +2,7 @@
 -- orbit of the start comes to such points. Held at any other value r0, a slice of rotations has no
 -- points with r < r0, and the mass of the shape vanishes where an orbit comes down to r0.
 local core = require "dm.core"
+local linear = require "dm.base.linear"
 
 local M = {}
 
@@ -65,7 +66,6 @@ end
 -- theta with (g . at)_i = value[i] for the coordinates that are held, by Newton's method; nothing
 -- where there is none near
 local function solve(orbit, m, n, held, value, theta)
-  local linear = require "dm.base.linear"
   theta = core.vector(theta)
   for round = 1, MOST do
     local q, J, A, rest = orbit(theta), orbit:jacobian(theta), {}, {}
@@ -75,9 +75,8 @@ local function solve(orbit, m, n, held, value, theta)
         for a = 1, m do A[#A][a] = J[i][a] end
       end
     end
-    local order, size = linear.order(A), 0
-    if not order then return nil end
-    local step = linear.solve(A, { rest }, order)[1]
+    local step, size = linear.solution(A, rest), 0
+    if not step then return nil end
     for a = 1, m do theta[a] = theta[a] - step[a]; size = max(size, abs(step[a])) end
     if not (size < 1e3) then return nil end
     if size <= 1e-15 * max(1, theta:norm()) then return theta end

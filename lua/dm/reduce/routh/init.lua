@@ -5,7 +5,9 @@
 local blame = require "dm.base.blame"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
+local option = require "dm.base.options"
 local parameters = require "dm.reduce.routh.params"
 local starts = require "dm.base.start"
 
@@ -63,28 +65,13 @@ local KNOWN = { "cyclic", "action", "section", "dimension", "names", "at", "mu",
 
 M.OPTIONS = KNOWN
 
-local function check_keys(options)
-  if type(options) ~= "table" then
-    error("system:routh takes a table { cyclic = ..., mu = ... }", 0)
-  end
-  for key in pairs(options) do
-    local fine = false
-    for _, name in ipairs(KNOWN) do fine = fine or name == key end
-    if not fine then
-      error(("system:routh: unknown option '%s'; options are %s")
-        :format(tostring(key), table.concat(KNOWN, ", ")), 0)
-    end
-  end
-end
-
 -- the start: as many finite numbers as Q has dimensions
 local function check_start(options, n)
   for _, key in ipairs { "q", "v", "at" } do
     local given = options[key]
-    local fine, count = pcall(function() return #given end)
-    if given ~= nil and (type(given) == "string" or not fine or count ~= n) then
+    if given ~= nil and lists.count(given) ~= n then
       error(("option '%s' must be %d numbers, one for each coordinate (got %s)")
-        :format(key, n, fine and type(given) ~= "string" and count or type(given)), 0)
+        :format(key, n, lists.got(given)), 0)
     end
     for i = 1, given ~= nil and n or 0 do
       if type(given[i]) ~= "number" or not (abs(given[i]) < math.huge) then
@@ -140,9 +127,7 @@ local function read_cyclic(system, cyclic, names)
     end
   end
   if type(cyclic) == "string" or type(cyclic) == "number" then cyclic = { cyclic } end
-  if type(cyclic) == "userdata" and pcall(function() return #cyclic end) then
-    cyclic = { table.unpack(cyclic) }
-  end
+  if type(cyclic) == "userdata" and lists.count(cyclic) then cyclic = lists.entries(cyclic) end
   if type(cyclic) ~= "table" or #cyclic == 0 then
     error("option 'cyclic' must be a list of coordinates, numbers or names", 0)
   end
@@ -179,8 +164,8 @@ local function read_mu(info, options)
     return mu
   end
   if type(mu) == "number" then mu = { mu } end
-  local fine, count = pcall(function() return #mu end)
-  if type(mu) == "string" or not fine then
+  local count = lists.count(mu)
+  if not count then
     error(("option 'mu' must be a number, or a list of %d (got %s)"):format(m, type(mu)), 0)
   end
   if count ~= m then
@@ -303,7 +288,7 @@ local function examine(info, start)
 end
 
 M.routh = blame.caller(function(system, options)
-  check_keys(options)
+  option.check(options, KNOWN, "system:routh", "{ cyclic = ..., mu = ... }")
   check_kind(options)
   options = starts.lists(options, system)
   check_start(options, system.Q.dimension)
@@ -326,8 +311,7 @@ M.at_momentum = blame.caller(function(shape, mu)
   if mu == nil then
     error(("at_momentum takes a momentum, a number or a list of %d"):format(info.m), 0)
   end
-  local other = {}
-  for key, value in pairs(info) do other[key] = value end
+  local other = lists.copy(info)
   other.shown, other.variants, other.general = {}, nil, nil
   other.mu = read_mu(other, { mu = mu })
   return make(other)

@@ -7,8 +7,11 @@
 -- theta'; dm.reduce.routh.quadratic has the rest.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
+local lists = require "dm.base.lists"
 
 local M = {}
+
+local count = lists.count
 
 --- (theta, x) in the order of the system, from two lists; theta left out: zero.
 function M.embed(info, x, theta)
@@ -117,18 +120,14 @@ function M.mechanical_connection(info, x, t)
   return A
 end
 
-local function is_list(x)
-  return type(x) == "table" or type(x) == "userdata" and pcall(function() return #x end)
-end
-
 --- The connection that was given, or the mechanical one, as lists; a group of one dimension may
 -- leave out the outer list.
 function M.connection(info, x, t)
   if not info.given_connection then return M.mechanical_connection(info, x, t) end
   local A = info.given_connection(core.vector(x), t)
-  if info.m == 1 and is_list(A) and not is_list(A[1]) then A = { A } end
-  local fits = is_list(A) and #A == info.m
-  for a = 1, fits and info.m or 0 do fits = fits and is_list(A[a]) and #A[a] == info.d end
+  if info.m == 1 and count(A) and not count(A[1]) then A = { A } end
+  local fits = count(A) == info.m
+  for a = 1, fits and info.m or 0 do fits = fits and count(A[a]) == info.d end
   if not fits then
     error(("the connection must return %d row%s of %d numbers")
       :format(info.m, info.m == 1 and "" or "s", info.d), 0)

@@ -3,6 +3,7 @@
 -- other values the reduction is made again from L with these; where they are symbols (inputs of
 -- kernels: one trace for all members) derivatives take them as arguments.
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 
 local M = {}
@@ -30,8 +31,7 @@ end
 --- The params of the shape; info.numbers = { name = value now } and info.mu_names are set.
 function M.of(info)
   local given = info.params
-  local out = {}
-  for key, value in pairs(type(given) == "table" and given or {}) do out[key] = value end
+  local out = lists.copy(type(given) == "table" and given or {})
   info.mu_names = names_of_mu(info, out)
   for a, name in ipairs(info.mu_names) do out[name] = info.mu[a] end
   info.numbers = {}
@@ -43,10 +43,7 @@ end
 
 -- the params of the unreduced system with these values among them
 local function merged(info, p)
-  local out = {}
-  for key, value in pairs(type(info.params) == "table" and info.params or {}) do
-    out[key] = value
-  end
+  local out = lists.copy(type(info.params) == "table" and info.params or {})
   for key in pairs(info.numbers) do
     if out[key] ~= nil then out[key] = p[key] end
   end
@@ -55,8 +52,7 @@ end
 
 -- a copy of the reduction with other functions
 local function variant(info, p)
-  local out, given = {}, info.full.given
-  for key, value in pairs(info) do out[key] = value end
+  local out, given = lists.copy(info), info.full.given
   out.shown, out.variants, out.derived, out.general, out.mu = {}, nil, nil, nil, {}
   for a, name in ipairs(info.mu_names) do out.mu[a] = p[name] end
   if info.params ~= nil then

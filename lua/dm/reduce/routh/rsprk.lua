@@ -2,6 +2,7 @@
 -- system. In the variables (x, p), p = s + mu A(x), it is the rule itself on the classical
 -- Routhian, so that is what steps; paths hold p, and shape:magnetic_momentum gives s.
 local blame = require "dm.base.blame"
+local lists = require "dm.base.lists"
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -32,8 +33,7 @@ M.solver = blame.caller(function(plain, system, options)
     error(("rule '%s' steps a reduced system, made by system:routh { cyclic = ..., mu = ... }")
       :format(rule), 0)
   end
-  local other = {}
-  for key, value in pairs(options) do other[key] = value end
+  local other = lists.copy(options)
   other.rule = inner(rule)
   return plain(system, other)
 end)

@@ -1,9 +1,10 @@
 --- From a symmetry in the coordinates of Q to cyclic ones: q = action(theta, section(x)) makes L a
 -- function of (theta, x) that does not depend on theta, if the action is abelian and leaves L as it
 -- is.
-local core = require "dm.core"
 local check = require "dm.reduce.routh.check"
+local core = require "dm.core"
 local default_section = require "dm.reduce.routh.default_section"
+local lists = require "dm.base.lists"
 
 local M = {}
 
@@ -50,10 +51,9 @@ end
 
 -- a point of Q that a function of the user gave, as a vector
 local function point(value, n, option)
-  local fine, count = pcall(function() return #value end)
-  if type(value) == "string" or not fine or count ~= n then
+  if lists.count(value) ~= n then
     error(("option '%s' must return a point of Q: %d numbers (got %s)")
-      :format(option, n, fine and type(value) ~= "string" and count or type(value)), 0)
+      :format(option, n, lists.got(value)), 0)
   end
   local is, out = pcall(core.vector, value)
   if not is then
@@ -70,15 +70,9 @@ local function mover(map, m)
   end
 end
 
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return out
-end
-
 -- columns of d(g . q)/dtheta at theta = 0
 local function generators(move, m, q)
-  local J = core.trace(function(theta) return move(theta, q) end, m):jacobian(zeros(m))
+  local J = core.trace(function(theta) return move(theta, q) end, m):jacobian(lists.zeros(m))
   local columns = {}
   for a = 1, m do
     columns[a] = {}
@@ -90,7 +84,7 @@ end
 -- a point where L is finite and that the group moves in all its directions: a unit vector if one
 -- will do, so that what is held is zero
 local function somewhere(move, m, n, L, points)
-  local rest = core.vector(zeros(n))
+  local rest = core.vector(lists.zeros(n))
   local function will_do(q)
     local fine, value = pcall(L, q, rest, 0)
     local moves, columns = pcall(generators, move, m, q)
@@ -98,7 +92,7 @@ local function somewhere(move, m, n, L, points)
       and default_section.moved_most(columns, n)
   end
   for i = 1, n do
-    local q = zeros(n)
+    local q = lists.zeros(n)
     q[i] = 1
     if will_do(core.vector(q)) then return q end
   end
@@ -305,7 +299,7 @@ function M.split(system, options)
   local map, m = read_action(options)
   check_dimension(m, n)
   local move = mover(map, m)
-  local section, home, back = options.section, nil, zeros(m)
+  local section, home, back = options.section, nil, lists.zeros(m)
   local given = system.given
   local function L(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end
   local points = check.points(n, L, options.q and { q = options.q, v = options.v })
@@ -314,7 +308,7 @@ function M.split(system, options)
       :format(type(section)), 0)
   end
   -- an action that returns no point of Q is told here
-  if points[1] then move(zeros(m), points[1].q) end
+  if points[1] then move(lists.zeros(m), points[1].q) end
   check_action(move, m, points)
   if not section then
     local at = options.at or options.q or somewhere(move, m, n, L, points)

@@ -3,37 +3,13 @@
 local blame = require "dm.base.blame"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 local routh = require "dm.reduce.routh"
 
 local M = {}
 
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return core.vector(out)
-end
-
 local TAKES = "%s takes a point of the shape space: %d number%s (got %s)"
-
---- x as a vector of `count` finite numbers; text is the complaint, with what, count, plural s and
--- what was given.
-function M.numbers(what, x, count, text)
-  if type(x) == "number" and count == 1 then x = { x } end
-  local fine, length = pcall(function() return #x end)
-  local is_list = fine and type(x) ~= "string"
-  local there, out = pcall(core.vector, is_list and length == count and x or nil)
-  if not is_list or length ~= count or not there then
-    error(text:format(what, count, count == 1 and "" or "s", is_list and length ~= count and length
-      or is_list and "something else" or type(x)), 0)
-  end
-  for i = 1, count do
-    if type(out[i]) == "number" and not (math.abs(out[i]) < math.huge) then
-      error(("%s: entry %d is %s, but must be finite"):format(what, i, out[i]), 0)
-    end
-  end
-  return out
-end
 
 local function time(what, t)
   if t ~= nil and not (type(t) == "number" and math.abs(t) < math.huge) then
@@ -45,7 +21,7 @@ end
 
 -- x as a vector of dim shape, t (default 0)
 local function place(info, what, x, t)
-  return M.numbers(what, x, info.d, TAKES), time(what, t)
+  return lists.numbers(what, x, info.d, TAKES), time(what, t)
 end
 
 -- the function of the shape called `name`, traced once for L as it is
@@ -131,7 +107,7 @@ M.locked_inertia = blame.caller(function(shape, x, t)
   local info = routh.need(shape, "locked_inertia")
   x, t = place(info, "locked_inertia", x, t)
   return at_shape("locked_inertia", x, function()
-    local _, I = model.momentum_parts(info, x, zeros(info.d), t)
+    local _, I = model.momentum_parts(info, x, core.zeros(info.d), t)
     return core.matrix(I)
   end)
 end)
@@ -139,7 +115,7 @@ end)
 M.amended_potential = blame.caller(function(shape, x, t)
   local info = routh.need(shape, "amended_potential")
   x, t = place(info, "amended_potential", x, t)
-  return -at_shape("amended_potential", x, shape.lagrangian, shape, x, zeros(info.d), t)
+  return -at_shape("amended_potential", x, shape.lagrangian, shape, x, core.zeros(info.d), t)
 end)
 
 -- B = mu A
@@ -196,15 +172,16 @@ end)
 
 --- theta, or what is called so, as a list of m numbers.
 function M.theta_list(info, theta, what)
-  if theta == nil then return zeros(info.m) end
-  return M.numbers(what or "theta", theta, info.m, "%s must be %d number%s (got %s)")
+  if theta == nil then return core.zeros(info.m) end
+  return lists.numbers(what or "theta", theta, info.m, "%s must be %d number%s (got %s)")
 end
 
 local OF_FULL = "%s must be %d number%s, as in the unreduced system (got %s)"
 
 M.start = blame.caller(function(shape, q, v, t)
   local info = routh.need(shape, "start")
-  q, v = M.numbers("start: q", q, info.n, OF_FULL), M.numbers("start: v", v, info.n, OF_FULL)
+  q = lists.numbers("start: q", q, info.n, OF_FULL)
+  v = lists.numbers("start: v", v, info.n, OF_FULL)
   t = time("start", t)
   if info.ambient then q, v = info.ambient.split(q, v) end
   local p = info.full:momentum(q, v, t)

@@ -1,6 +1,8 @@
 --- What a reduced system shows of its bundle along a line of shapes, as series for dm.plot.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
+local option = require "dm.base.options"
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -31,19 +33,11 @@ local function check(shape, what, options)
     error("slice: give \"amended_potential\", \"connection\", \"curvature\" or "
       .. "\"locked_inertia\", and { from =, to =, points = }", 0)
   end
-  if type(options) ~= "table" then
-    error("slice takes a table { from = a shape, to = a shape, points = }", 0)
-  end
-  for key in pairs(options) do
-    if not ({ from = true, to = true, points = true, t = true })[key] then
-      error(("slice: unknown option '%s'"):format(tostring(key)), 0)
-    end
-  end
+  option.check(options, { "from", "to", "points", "t" }, "slice", "{ from =, to =, points = }")
   local ends = {}
   for _, key in ipairs { "from", "to" } do
     ends[key] = type(options[key]) == "number" and { options[key] } or options[key]
-    local fine, count = pcall(function() return #ends[key] end)
-    if type(ends[key]) == "string" or not fine or count ~= info.d then
+    if lists.count(ends[key]) ~= info.d then
       error(("slice: option '%s' must be a shape, %d numbers"):format(key, info.d), 0)
     end
   end
@@ -51,10 +45,7 @@ local function check(shape, what, options)
     error("slice: a shape of one coordinate has no curvature: it is a two-form, and needs two "
       .. "directions", 0)
   end
-  local points = options.points or 200
-  if math.type(points) ~= "integer" or points < 2 then
-    error("slice: 'points' must be a whole number from 2 on", 0)
-  end
+  local points = option.whole(options, "points", "slice", 2, nil, 200)
   return info, points, core.vector(ends.from), core.vector(ends.to)
 end
 

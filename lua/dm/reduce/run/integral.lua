@@ -4,23 +4,17 @@
 -- k_i grows by h sum_j b_j f_i in every step, whatever the rule is. W keeps z' = p_k / W small
 -- beside x', since steps are solved to an accuracy relative to the largest velocity.
 local core = require "dm.core"
-local prolong = require "dm.measure.prolong"
+local lists = require "dm.base.lists"
 
 local M = {}
 
 local W = 2 ^ 20
 
-local function zeros(n)
-  local out = {}
-  for i = 1, n do out[i] = 0 end
-  return out
-end
-
 -- the system with r passive pairs (k, z); f(x, v, t) gives r values
 local function extended(system, f, r)
   local given, d = system.given, system.Q.dimension
   local out = { Q = core.R(d + 2 * r) }
-  local function head(y) return prolong.part(y, 0, d) end
+  local function head(y) return lists.part(y, 0, d) end
   out.L = function(y, w, t)
     local x, v = head(y), head(w)
     local values, sum = f(x, v, t), given.L(x, v, t, given.params)
@@ -32,7 +26,7 @@ local function extended(system, f, r)
   end
   if given.force then
     out.force = function(y, w, t)
-      local F, all = given.force(head(y), head(w), t, given.params), zeros(d + 2 * r)
+      local F, all = given.force(head(y), head(w), t, given.params), lists.zeros(d + 2 * r)
       for i = 1, d do all[i] = F[i] end
       return all
     end
@@ -54,8 +48,8 @@ end
 
 -- rows first .. last of the path again, with the integrals; columns of the run
 local function again(path, solver, d, r, first, last, every)
-  local options = { q = prolong.joined(path.q[first], zeros(2 * r)),
-    p = prolong.joined(path.p[first], zeros(2 * r)), t0 = path.t[first] }
+  local options = { q = lists.joined(path.q[first], lists.zeros(2 * r)),
+    p = lists.joined(path.p[first], lists.zeros(2 * r)), t0 = path.t[first] }
   if every then
     options.steps, options.every = math.floor((path.t[last] - path.t[first]) / path.h + 0.5), every
   else

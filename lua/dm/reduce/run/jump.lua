@@ -24,25 +24,11 @@ function M.mass(path, x, t)
   return fine and G or nil
 end
 
--- |det| of the mass as it is at the start: 1 there. By elimination with the largest pivots
+-- |det| of the mass, or nothing outside of the domain
 local function determinant(path, x, t)
   local G = M.mass(path, x, t)
-  if not G then return nil end
-  local n, rows, product = #x, {}, 1
-  for i = 1, n do
-    rows[i] = {}
-    for k = 1, n do rows[i][k] = G[i][k] end
-  end
-  for c = 1, n do
-    local best = c
-    for i = c + 1, n do if abs(rows[i][c]) > abs(rows[best][c]) then best = i end end
-    rows[c], rows[best], product = rows[best], rows[c], product * abs(rows[best][c])
-    for i = c + 1, product > 0 and n or 0 do
-      local factor = rows[i][c] / rows[c][c]
-      for k = c, n do rows[i][k] = rows[i][k] - factor * rows[c][k] end
-    end
-  end
-  return product == product and product or nil
+  local fine, det = pcall(function() return G:det() end)
+  return fine and abs(det) or nil
 end
 
 -- least determinant on the line from a to b, and where; refined where the line dips below half of

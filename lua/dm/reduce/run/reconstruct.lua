@@ -3,7 +3,9 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local integral = require "dm.reduce.run.integral"
+local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
+local option = require "dm.base.options"
 local routh = require "dm.reduce.routh"
 local shape_of = require "dm.reduce.routh.shape"
 
@@ -16,15 +18,6 @@ local function info_of(path, what)
     error(what .. " needs q and p, but this run recorded only what it watched", 0)
   end
   return info
-end
-
-local function check_keys(options, known, what)
-  if type(options) ~= "table" then
-    error(("%s takes a table of options (got %s)"):format(what, type(options)), 0)
-  end
-  for key in pairs(options) do
-    if not known[key] then error(("%s: unknown option '%s'"):format(what, tostring(key)), 0) end
-  end
 end
 
 -- the group variable at every row, m lists
@@ -68,7 +61,7 @@ end
 
 M.reconstruct = blame.caller(function(path, options)
   options = options or {}
-  check_keys(options, { theta = true }, "path:reconstruct")
+  option.check(options, { "theta" }, "path:reconstruct")
   local del = require "dm.reduce.discrete.del"
   local D = del.of(path.system)
   if D then return del.reconstruct(D, path, shape_of.theta_list(D.info, options.theta)) end
@@ -129,15 +122,13 @@ local LOOP = "%s must give a shape, %d number%s (got %s)"
 M.holonomy = blame.caller(function(shape, loop, options)
   local info = routh.need(shape, "holonomy")
   options = options or {}
-  check_keys(options, { t = true, steps = true }, "shape:holonomy")
+  option.check(options, { "t", "steps" }, "shape:holonomy")
   if type(loop) ~= "function" then
     error("holonomy: the loop must be a function of one number from 0 to 1", 0)
   end
-  local steps, t = options.steps or 256, options.t or 0
-  if math.type(steps) ~= "integer" or steps < 2 then
-    error("holonomy: 'steps' must be a whole number from 2 on", 0)
-  end
-  local function point(s) return shape_of.numbers("holonomy: the loop", loop(s), info.d, LOOP) end
+  local steps = option.whole(options, "steps", "shape:holonomy", 2, nil, 256)
+  local t = option.number(options, "t", "shape:holonomy", nil, 0)
+  local function point(s) return lists.numbers("holonomy: the loop", loop(s), info.d, LOOP) end
   local curve = core.trace(point, "number")
   check_closed(shape, curve(1) - curve(0))
   local sum = {}
