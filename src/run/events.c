@@ -18,14 +18,15 @@ void dm_events_lay_out(dm_events *e, double *memory, uint32_t n) {
     e->place = e->start + dm_state_size(n);
 }
 
-dm_status dm_events_begin(dm_events *e, const double *state, double t) {
+dm_status dm_events_begin(dm_events *e, const double *state, double t, double h) {
+    e->h = h;
     return dm_observe(e->observer, e->before, state, t);
 }
 
 /* g_i of the state at time t between `from` and the end of the step; the state is left in
  * e->place */
 static dm_status value(dm_events *e, dm_stepper *s, uint32_t i, double *g, double from, double t) {
-    dm_status status = dm_land(s, e->place, e->start, from, t);
+    dm_status status = dm_land(s, e->place, e->start, from, t, e->h);
     if (status == DM_OK) status = dm_observe(e->observer, e->here, e->place, t);
     *g = e->here[i];
     return status == DM_OK && !isfinite(*g) ? DM_NOT_FINITE : status;
@@ -92,7 +93,7 @@ static uint32_t earliest(const dm_events *e) {
 static dm_status tell(dm_events *e, dm_stepper *s, double *state, double from) {
     const size_t size = dm_state_size(s->model->n) * sizeof *state;
     for (uint32_t i; (i = earliest(e)) < e->observer->count; e->time[i] = INFINITY) {
-        dm_status status = dm_land(s, e->place, e->start, from, e->time[i]);
+        dm_status status = dm_land(s, e->place, e->start, from, e->time[i], e->h);
         if (status == DM_OK) status = e->found(e->ud, i, e->time[i], e->place);
         if (status != DM_OK) return status;
         if (!e->list[i].stop) continue;

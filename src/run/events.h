@@ -17,6 +17,7 @@ typedef struct {
     double *before, *here; /* [count] g at the start of a step, and elsewhere */
     double *time;          /* [count] of the zeros inside a step */
     double *start, *place; /* dm_state_size: the state before the step; at a zero */
+    double h;              /* of the steps of the run */
     /* takes every zero in the order of time; not DM_OK ends the run */
     dm_status (*found)(void *ud, uint32_t which, double t, const double *state);
     void *ud;
@@ -28,8 +29,8 @@ typedef struct {
 size_t dm_events_size(uint32_t count, uint32_t n);
 void dm_events_lay_out(dm_events *e, double *memory, uint32_t n);
 
-/* g at the start of a run, or where nothing was looked for. */
-dm_status dm_events_begin(dm_events *e, const double *state, double t);
+/* g at the start of a run of steps h, or where nothing was looked for. */
+dm_status dm_events_begin(dm_events *e, const double *state, double t, double h);
 
 /* After a step of s from e->start at `from` to `state` at `to`: zeros in between, by steps of
  * fitting length (run/interpolate.h), so with the accuracy of the rule, to round-off in t. A function

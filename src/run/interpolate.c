@@ -6,8 +6,7 @@
 static dm_status step_by(dm_stepper *s, double *out, const double *state, double t, double h) {
     memcpy(out, state, dm_state_size(s->model->n) * sizeof *out);
     if (h == 0.0) return DM_OK;
-    s->h = h;
-    return s->method->step(s, out, t);
+    return s->method->step(s, out, t, h);
 }
 
 /* a length of step, the time it leads to, and dh/dt there */
@@ -22,12 +21,12 @@ static double interpolate(const point *a, const point *b, double t) {
            d * w * u * (b->slope * u - a->slope * w);
 }
 
-/* h with t(h) = target; t(0) is known, t grows with h */
-static dm_status find_step(dm_stepper *s, double *out, const double *state, double target) {
+/* h with t(h) = target; t(0) is known, t grows with h; `whole` is long enough */
+static dm_status find_step(dm_stepper *s, double *out, const double *state, double target,
+                           double whole) {
     enum { TRIES = 60 };
     const size_t own = 4 * (size_t)s->model->n;
     const double t0 = state[own], close = 2e-16 * fmax(fabs(target), fabs(t0));
-    const double whole = s->h;
     point a = {0.0, t0, 1.0 / s->method->pace(s, state)}, b = {.h = a.slope * (target - t0)};
     double last = INFINITY;
     if (!(fabs(b.h) < fabs(whole))) b.h = whole;
@@ -47,21 +46,20 @@ static dm_status find_step(dm_stepper *s, double *out, const double *state, doub
     return DM_NO_CONVERGENCE;
 }
 
-/* what the method keeps from step to step is of the run, not of the step on the side */
-static void swap_memory(dm_stepper *s, int back) {
+/* what steps leave to each other is put away, as for a start */
+static dm_status step_apart(dm_stepper *s, double *out, const double *state, double t, double h) {
     double *place;
     const size_t size = s->aside && s->method->memory ? s->method->memory(s, &place) : 0;
-    if (!size) return;
-    memcpy(back ? place : s->aside, back ? s->aside : place, size * sizeof *place);
+    if (!size) return step_by(s, out, state, t, h);
+    memcpy(s->aside, place, size * sizeof *place);
+    dm_status status = s->method->start(s, out, t, h);
+    if (status == DM_OK) status = step_by(s, out, state, t, h);
+    memcpy(place, s->aside, size * sizeof *place);
+    return status;
 }
 
-dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target) {
-    const double h = s->h;
-    swap_memory(s, 0);
-    const dm_status status = s->method->traits & DM_OWN_TIME
-                                 ? find_step(s, out, state, target)
-                                 : step_by(s, out, state, t, target - t);
-    s->h = h;
-    swap_memory(s, 1);
-    return status;
+dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target,
+                  double h) {
+    return s->method->traits & DM_OWN_TIME ? find_step(s, out, state, target, h)
+                                           : step_apart(s, out, state, t, target - t);
 }

@@ -5,8 +5,9 @@
 #include "integ/method/method.h"
 
 /* out = the state at time `target`, from `state` at time t <= target, by one step of a length of
- * its own; h of the stepper is as before afterwards. Methods with a time of their own find that
- * length by secants to round-off. */
-dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target);
+ * its own, which takes up nothing of the steps before and leaves nothing to those behind. Methods
+ * with a time of their own find that length, at most h, by secants to round-off. */
+dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target,
+                  double h);
 
 #endif

@@ -43,7 +43,7 @@ static double time_now(const loop *l) {
     const dm_run_plan *plan = l->plan;
     if (plan->events && plan->events->ended) return plan->events->end;
     if (l->own) return l->state[4 * (size_t)l->s->model->n];
-    return plan->t0 + (double)(l->done + (plan->resume ? plan->resume->steps : 0)) * l->s->h;
+    return plan->t0 + (double)(l->done + (plan->resume ? plan->resume->steps : 0)) * l->plan->h;
 }
 
 /* ---- recording ---- */
@@ -112,12 +112,12 @@ static dm_status record(loop *l, const double *state, double t) {
 /* rows at the times asked for from `from`, where the state is `state`, up to `to` */
 static dm_status record_times(loop *l, const double *state, double from, double to) {
     const dm_run_plan *plan = l->plan;
-    const double slack = SLACK * l->s->h;
+    const double slack = SLACK * l->plan->h;
     while (l->rows_done < plan->at_count && plan->at[l->rows_done] < to - slack) {
         const double target = plan->at[l->rows_done];
         const double *here = state;
         if (target > from + slack) {
-            const dm_status status = dm_land(l->s, plan->landing, state, from, target);
+            const dm_status status = dm_land(l->s, plan->landing, state, from, target, plan->h);
             if (status != DM_OK) return status;
             here = plan->landing;
         }
@@ -136,7 +136,7 @@ static int looks_ahead(const loop *l) {
 /* what is due at this step: the row itself, or the times asked for up to the next step */
 static dm_status record_due(loop *l) {
     const double t = time_now(l);
-    if (looks_ahead(l)) return record_times(l, l->state, t, t + l->s->h);
+    if (looks_ahead(l)) return record_times(l, l->state, t, t + l->plan->h);
     return !l->plan->at && l->done % l->plan->every == 0 ? record(l, l->state, t) : DM_OK;
 }
 
@@ -146,7 +146,7 @@ static dm_status record_end(loop *l) {
     if (!l->plan->at && (is_ended(l) || l->done % l->plan->every != 0))
         status = record(l, l->state, time_now(l));
     if (l->plan->at && l->done == 0 && !looks_ahead(l)) /* not a step was taken */
-        status = record_times(l, l->state, time_now(l), time_now(l) + SLACK * l->s->h);
+        status = record_times(l, l->state, time_now(l), time_now(l) + SLACK * l->plan->h);
     if (l->plan->outlet && status == DM_OK) status = flush(l);
     return status;
 }
@@ -157,7 +157,7 @@ static dm_status record_end(loop *l) {
  * to round-off belongs to it */
 static dm_status record_behind(loop *l, const double *before, double from) {
     if (!l->plan->at) return DM_OK;
-    return record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->s->h);
+    return record_times(l, before, from, time_now(l) + 2.0 * SLACK * l->plan->h);
 }
 
 /* one step, the zeros inside it, the times asked for inside it */
@@ -167,7 +167,7 @@ static dm_status step_watched(loop *l, double from) {
     double *before = events ? events->start : l->plan->landing ? l->plan->landing + size : NULL;
     long finished = 0;
     if (before) memcpy(before, l->state, size * sizeof *before);
-    dm_status status = dm_advance(l->s, l->state, from, 1, &finished);
+    dm_status status = dm_advance(l->s, l->state, from, l->plan->h, 1, &finished);
     l->done += finished;
     if (status == DM_OK && events)
         status = dm_events_look(events, l->s, l->state, from, time_now(l));
@@ -198,8 +198,8 @@ static dm_status advance(loop *l, long end) {
     while (!l->plan->events && l->done < end) {
         long finished = 0;
         l->s->goes_on = l->goes_on;
-        const dm_status status =
-            dm_advance(l->s, l->state, time_now(l), by_one ? 1 : end - l->done, &finished);
+        const dm_status status = dm_advance(l->s, l->state, time_now(l), l->plan->h,
+                                            by_one ? 1 : end - l->done, &finished);
         l->goes_on = status == DM_OK && !l->plan->at;
         l->done += finished;
         if (status == DM_OK && l->plan->impulses) take_impulses(l);
@@ -231,7 +231,7 @@ static long steps_to_row(const loop *l) {
     if (!plan->at) return plan->every - l->done % plan->every;
     if (l->own || l->rows_done >= plan->at_count) return plan->steps;
     const double before = plan->resume ? (double)plan->resume->steps : 0.0;
-    const double step = floor((plan->at[l->rows_done] - plan->t0) / l->s->h + SLACK) - before;
+    const double step = floor((plan->at[l->rows_done] - plan->t0) / l->plan->h + SLACK) - before;
     return step > (double)l->done + 1.0 ? (long)step - l->done : 1;
 }
 
@@ -265,14 +265,14 @@ static dm_status begin(loop *l) {
     double own[DM_STATE_OWN], *tail = l->state + 4 * (size_t)l->s->model->n, *place;
     dm_status status = DM_OK;
     memcpy(own, tail, sizeof own);
-    if (method->start) status = method->start(l->s, l->state, l->plan->t0);
+    if (method->start) status = method->start(l->s, l->state, l->plan->t0, l->plan->h);
     if (resume) memcpy(tail, own, sizeof own);
     if (status == DM_OK && resume && resume->memory && method->memory) {
         const size_t size = method->memory(l->s, &place);
         if (size) memcpy(place, resume->memory, size * sizeof *place);
     }
     if (status == DM_OK && l->plan->events)
-        status = dm_events_begin(l->plan->events, l->state, time_now(l));
+        status = dm_events_begin(l->plan->events, l->state, time_now(l), l->plan->h);
     return status;
 }
 

@@ -20,7 +20,8 @@ typedef struct {
  * row is, of the step that ends there and of the one that begins there, and with `inner` those
  * of the constraint points inside the latter. */
 typedef struct {
-    uint32_t constraints, points; /* columns of a point, constraint points of a step with both ends */
+    uint32_t constraints,
+        points; /* columns of a point, constraint points of a step with both ends */
     int inner;
     double *step; /* [points*constraints] of the last step */
 } dm_impulses;
@@ -37,7 +38,7 @@ typedef struct {
 } dm_resumption;
 
 typedef struct {
-    double t0;        /* time of the start */
+    double t0, h;     /* time of the start, length of the steps */
     long steps;       /* >= 0 */
     long every;       /* keep one state in `every`, >= 1; the last is kept too */
     const double *at; /* or, not NULL: keep the states at these times, growing, from t0 on */

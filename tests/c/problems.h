@@ -5,8 +5,8 @@
 
 #include "algebra/derive.h"
 #include "code/tape/tape.h"
-#include "integ/registry.h"
 #include "integ/method/method.h"
+#include "integ/registry.h"
 #include "run/run.h"
 
 #include <math.h>
@@ -236,6 +236,7 @@ static inline dm_status problem_double_pendulum(problem *p) {
 typedef struct {
     dm_rule nodes[DM_RULE_NODES];
     dm_stepper s;
+    double h;
     double state[4 * PROBLEM_SIZE + 8]; /* dm_state_size, and to spare */
     double *work;
 } session;
@@ -246,7 +247,8 @@ static inline int session_open(session *x, const problem *p, const char *rule, d
     if (dm_rule_read(x->nodes, rule, NULL)) return 0;
     const dm_method *m = dm_method_find(x->nodes[0].name, NULL);
     if (!m || m->check(x->nodes)) return 0;
-    x->s = (dm_stepper){.method = m, .model = &p->model, .rule = x->nodes, .h = h};
+    x->s = (dm_stepper){.method = m, .model = &p->model, .rule = x->nodes};
+    x->h = h;
     x->s.tolerance = 4e-15;
     x->s.max_iterations = 50;
     x->work = malloc((m->work(x->nodes, &p->model) + dm_legendre_work(&p->model)) * sizeof(double));
@@ -254,8 +256,10 @@ static inline int session_open(session *x, const problem *p, const char *rule, d
     double *legendre = x->work + m->work(x->nodes, &p->model);
     if (!x->work || m->open(&x->s) != DM_OK) return 0;
     memcpy(x->state, p->q, p->n * sizeof(double));
-    if (m->traits & DM_FOR_PAIRS) return 1;
-    return dm_legendre(&p->model, x->state + p->n, p->q, p->v, 0.0, legendre) == DM_OK;
+    if (!(m->traits & DM_FOR_PAIRS) &&
+        dm_legendre(&p->model, x->state + p->n, p->q, p->v, 0.0, legendre) != DM_OK)
+        return 0;
+    return !m->start || m->start(&x->s, x->state, 0.0, h) == DM_OK;
 }
 
 static inline void session_close(session *x) {
@@ -266,7 +270,7 @@ static inline void session_close(session *x) {
 /* steps from the start; the state is left in x */
 static inline dm_status session_run(session *x, long steps) {
     long done;
-    return dm_advance(&x->s, x->state, 0.0, steps, &done);
+    return dm_advance(&x->s, x->state, 0.0, x->h, steps, &done);
 }
 
 /* energy of a state */

@@ -154,6 +154,7 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
     const dm_ensemble plan = {.members = p->count,
                               .steps = p->steps,
                               .t0 = e->t,
+                              .h = solver->h,
                               .pace = e->pace ? e->pace + p->first : NULL,
                               .params = p->values,
                               .state = e->state + (size_t)p->first * dm_state_size(e->n),

@@ -44,8 +44,9 @@ static int solver_step(lua_State *L) {
     dml_stepping_prepare(L, &r, dml_number(L, 2, "t0", 0.0));
     dml_stepping_start(L, &r);
     const dm_method *method = r.solver->method;
-    dm_status status = method->start ? method->start(&r.stepper, r.state, r.t0) : DM_OK;
-    if (status == DM_OK) status = dm_advance(&r.stepper, r.state, r.t0, pair ? 2 : 1, &done);
+    const double h = r.solver->h;
+    dm_status status = method->start ? method->start(&r.stepper, r.state, r.t0, h) : DM_OK;
+    if (status == DM_OK) status = dm_advance(&r.stepper, r.state, r.t0, h, pair ? 2 : 1, &done);
     dml_stepping_end(&r);
     dml_solver_fail(L, &r, status, done, 0);
     push_state(L, &r);

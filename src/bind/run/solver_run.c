@@ -177,6 +177,7 @@ static double find_start(lua_State *L, run *u) {
 static void read_length(lua_State *L, const solver *s, dm_run_plan *plan, double from) {
     const int own = (s->method->traits & DM_OWN_TIME) != 0;
     plan->until = INFINITY;
+    plan->h = s->h;
     if (has(L, "t") + has(L, "at") + has(L, "steps") > 1)
         luaL_error(L, "give one of 'steps', 't' (a duration) and 'at' (times)");
     if (has(L, "at") && has(L, "every"))

@@ -99,7 +99,6 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                               .model = r->inputs ? &r->inputs->model : &r->model->model,
                               .params = r->inputs ? r->given + 2 * s->n + 1 : NULL,
                               .rule = s->nodes,
-                              .h = s->h,
                               .plain = s->plain,
                               .tolerance = s->tolerance,
                               .max_iterations = s->max_iterations};
@@ -269,7 +268,7 @@ static dm_status shoot(dml_stepping *r, const double *q1) {
     for (int k = 0; k < TRIES; k++) {
         double gap = 0.0, size = 0.0;
         memcpy(end, r->state, dm_state_size(n) * sizeof *end);
-        const dm_status status = r->solver->method->step(&r->stepper, end, r->t0);
+        const dm_status status = r->solver->method->step(&r->stepper, end, r->t0, r->solver->h);
         if (status != DM_OK) return status;
         for (uint32_t i = 0; i < n; i++) {
             gap = fmax(gap, fabs(q1[i] - end[i]));

@@ -8,7 +8,8 @@
 unsigned dm_constrained_wants(const dm_model *m) {
     const dm_constraints *constraints = m->constraints;
     return DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS |
-           (constraints->holonomic ? DM_WANT_HOLONOMIC : 0) | (constraints->rolling ? DM_WANT_ROLLING : 0) |
+           (constraints->holonomic ? DM_WANT_HOLONOMIC : 0) |
+           (constraints->rolling ? DM_WANT_ROLLING : 0) |
            (constraints->holonomic + constraints->rolling ? DM_WANT_REACTION : 0) |
            (constraints->forced ? DM_WANT_CONSTRAINT_FORCE | DM_WANT_FORCE_CURVE : 0);
 }
@@ -89,7 +90,8 @@ static size_t lay_out(dm_constrained *g, const sizes *z, double *memory) {
     g->dp = take(&to, n);
     g->before = take(&to, n);
     g->scratch = take(&to, scratch_size(z, g->m));
-    g->memory = take(&to, dm_constrained_memory_size((uint32_t)n, (uint32_t)z->unknowns, (uint32_t)m));
+    g->memory =
+        take(&to, dm_constrained_memory_size((uint32_t)n, (uint32_t)z->unknowns, (uint32_t)m));
     return to.used;
 }
 
@@ -98,8 +100,8 @@ size_t dm_constrained_work(size_t s, size_t r, const dm_model *m) {
     dm_constrained g = {.m = m};
     return doubles(sizeof g) + dm_stage_table_size(s, r) + dm_constrained_weights_size(s, r) +
            dm_constrained_entries_size((uint32_t)z.n, (uint32_t)z.k, (uint32_t)z.l) +
-           dm_constrained_matrix_size((uint32_t)z.unknowns) + dm_constrained_matrix_size((uint32_t)(z.n + z.m)) +
-           lay_out(&g, &z, NULL);
+           dm_constrained_matrix_size((uint32_t)z.unknowns) +
+           dm_constrained_matrix_size((uint32_t)(z.n + z.m)) + lay_out(&g, &z, NULL);
 }
 
 /* constant outputs of the kernels, once */
@@ -109,7 +111,8 @@ static void prepare(dm_constrained *g) {
     for (uint32_t i = 0; i < g->table.r; i++) {
         dm_kernel_prepare(&g->m->stage, g->curve + i * (2 * n + 3 * nn));
         dm_kernel_prepare(&g->m->slope, g->plain + i * 2 * n);
-        if (constraints->forced) dm_kernel_prepare(&constraints->force_curve, g->drag + i * (n + 2 * nn));
+        if (constraints->forced)
+            dm_kernel_prepare(&constraints->force_curve, g->drag + i * (n + 2 * nn));
     }
     for (uint32_t k = 0; k <= g->K && g->k + g->l; k++) {
         if (g->k) dm_kernel_prepare(&constraints->holonomic_kernel, dm_constrained_holonomic(g, k));
@@ -146,26 +149,26 @@ dm_status dm_constrained_open(dm_stepper *stepper, const dm_galerkin *basis) {
     memory += dm_stage_table_size(s, r);
     g->K = dm_constrained_count(s, r, basis);
     dm_constrained_weights_fill(g, basis, memory);
-    dm_constrained_weights_scale(g, stepper->h);
+    dm_constrained_weights_scale(g, 1.0); /* a look at the entries asks for some h */
     const sizes z = sizes_of(s, r, g->K, m);
     memory += dm_constrained_weights_size(s, r);
     dm_constrained_entries_find(g, memory);
     memory += dm_constrained_entries_size(g->n, g->k, g->l);
     double *matrices = memory;
-    memory +=
-        dm_constrained_matrix_size((uint32_t)z.unknowns) + dm_constrained_matrix_size((uint32_t)(z.n + z.m));
+    memory += dm_constrained_matrix_size((uint32_t)z.unknowns) +
+              dm_constrained_matrix_size((uint32_t)(z.n + z.m));
     lay_out(g, &z, memory);
     prepare(g);
     open_matrices(g, matrices);
-    dm_constrained_memory_clear(g, stepper->h);
+    dm_constrained_memory_clear(g, NAN);
     return DM_OK;
 }
 
-dm_status dm_constrained_start(dm_stepper *stepper, double *state, double t) {
+dm_status dm_constrained_start(dm_stepper *stepper, double *state, double t, double h) {
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     (void)state;
     (void)t;
-    dm_constrained_memory_clear(g, stepper->h);
+    dm_constrained_memory_clear(g, h);
     return DM_OK;
 }
 
@@ -251,7 +254,8 @@ static dm_status solve(dm_constrained *g, const dm_stepper *stepper) {
 static dm_status find_lost(dm_constrained *g, dm_status status) {
     if (status != DM_NO_CONVERGENCE && status != DM_SINGULAR) return status;
     g->lost = dm_constrained_dependent(g, 0);
-    for (uint32_t k = 1; k <= g->K && !g->lost && !g->l; k++) g->lost = dm_constrained_dependent(g, k);
+    for (uint32_t k = 1; k <= g->K && !g->lost && !g->l; k++)
+        g->lost = dm_constrained_dependent(g, k);
     return g->lost ? DM_SINGULAR : status;
 }
 
@@ -262,7 +266,7 @@ static void report_constraints(const dm_constrained *g, dm_report *report) {
     for (uint32_t c = 0; c < g->l; c++) report->rolling = fmax(report->rolling, fabs(phi[c]));
 }
 
-dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t) {
+dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t, double h) {
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     g->state = state;
     g->t = t;
@@ -270,11 +274,12 @@ dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t) {
     g->iterations = 0;
     g->residual = 0.0;
     g->lost = 0;
-    if (g->h != stepper->h) dm_constrained_weights_scale(g, stepper->h);
+    if (g->h != h) dm_constrained_weights_scale(g, h);
     dm_status status = dm_constrained_begin(g);
     if (status == DM_OK) status = find_lost(g, solve(g, stepper));
     if (status == DM_OK)
-        status = dm_constrained_is_bent(g) ? dm_constrained_bend(g, stepper) : dm_constrained_finish(g, stepper);
+        status = dm_constrained_is_bent(g) ? dm_constrained_bend(g, stepper)
+                                           : dm_constrained_finish(g, stepper);
     stepper->report.iterations = g->iterations;
     stepper->report.residual = g->residual;
     stepper->report.dependent = (int)g->lost;

@@ -14,8 +14,8 @@
 unsigned dm_constrained_wants(const dm_model *m);
 size_t dm_constrained_work(size_t s, size_t r, const dm_model *m);
 dm_status dm_constrained_open(dm_stepper *stepper, const dm_galerkin *g);
-dm_status dm_constrained_start(dm_stepper *stepper, double *state, double t);
-dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t);
+dm_status dm_constrained_start(dm_stepper *stepper, double *state, double t, double h);
+dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t, double h);
 size_t dm_constrained_memory(dm_stepper *stepper, double **place);
 void dm_constrained_impulses(const dm_stepper *stepper, double *out);
 

@@ -17,9 +17,8 @@ typedef struct {
     double *memory, *now, *next, *iterate;
 } layout;
 
-/* memory: h of whole steps, h of the last step or part of one, its mu; a step on the side
- * neither uses nor changes it */
-enum { WHOLE, LAST, MU };
+/* memory: h of the last step (0: there is none), which may be a part of a composition, its mu */
+enum { LAST, MU };
 
 static size_t layout_size(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
@@ -44,7 +43,8 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
                "rule that solves for the multipliers in every stage, for instance "
                "midpoint or lobatto(3)";
     if (!m->source.graph) return "it needs L as an expression, not on hyper-dual numbers";
-    if (m->constraints && m->constraints->controls) return "it knows no controls; take midpoint or gauss";
+    if (m->constraints && m->constraints->controls)
+        return "it knows no controls; take midpoint or gauss";
     return NULL;
 }
 
@@ -92,12 +92,10 @@ static dm_status open(dm_stepper *s) {
     return DM_OK;
 }
 
-static dm_status start(dm_stepper *s, double *state, double t) {
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
     layout *l = layout_of(s);
-    (void)state;
-    (void)t;
+    (void)state, (void)t, (void)h;
     memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory);
-    l->memory[WHOLE] = s->whole != 0.0 ? s->whole : s->h;
     return DM_OK;
 }
 
@@ -150,11 +148,11 @@ static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) 
 }
 
 /* from l->now, which is left as it was where this fails, to l->next; then they change places */
-static dm_status step_once(dm_stepper *s, layout *l, double t) {
+static dm_status step_once(dm_stepper *s, layout *l, double t, double h) {
     double *x = l->now, *norms = x + l->at.norms;
     const int solves = l->at.m || l->at.drags;
     x[l->at.t0] = t;
-    x[l->at.t] = t + s->h;
+    x[l->at.t] = t + h;
     dm_kernel_eval(&l->kernel.first, x, x + l->at.y);
     s->report.iterations = solves ? 2 : 0;
     if (solves && !is_last(s, norms)) {
@@ -171,26 +169,21 @@ static dm_status step_once(dm_stepper *s, layout *l, double t) {
     return DM_OK;
 }
 
-static int remembers(const dm_stepper *s, const layout *l) {
-    return l->memory[WHOLE] == (s->whole != 0.0 ? s->whole : s->h);
-}
-
-static void load(dm_stepper *s, layout *l, const double *state, double t) {
+/* mu of the last step is a guess for this one, in proportion to their lengths */
+static void load(layout *l, const double *state, double t, double h) {
     const dm_rattle_layout *at = &l->at;
-    l->now[at->h] = l->next[at->h] = s->h;
-    l->now[at->half] = l->next[at->half] = 0.5 * s->h;
+    l->now[at->h] = l->next[at->h] = h;
+    l->now[at->half] = l->next[at->half] = 0.5 * h;
     memcpy(l->now, state, 4 * (size_t)at->n * sizeof *state);
     l->now[at->t] = t;
     dm_kernel_eval(&l->kernel.begin, l->now, l->now + at->force);
     const double last = l->memory[LAST];
-    const double part = last == s->h ? 1.0 : last == 0.0 ? 0.0 : s->h / last;
-    for (uint32_t i = 0; i < at->m; i++)
-        l->now[at->guess + i] = remembers(s, l) ? part * l->memory[MU + i] : 0.0;
+    const double part = last == h ? 1.0 : last == 0.0 ? 0.0 : h / last;
+    for (uint32_t i = 0; i < at->m; i++) l->now[at->guess + i] = part * l->memory[MU + i];
 }
 
-static void remember(dm_stepper *s, layout *l) {
-    if (!remembers(s, l)) return;
-    l->memory[LAST] = s->h;
+static void remember(layout *l, double h) {
+    l->memory[LAST] = h;
     memcpy(l->memory + MU, l->now + l->at.guess, l->at.m * sizeof *l->memory);
 }
 
@@ -200,29 +193,29 @@ static int is_finite(const layout *l) {
     return 1;
 }
 
-static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
+static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
     layout *l = layout_of(s);
     const dm_rattle_layout *at = &l->at;
     dm_status status = DM_OK;
-    load(s, l, state, t);
+    load(l, state, t, h);
     for (*done = 0; *done < count && status == DM_OK;) {
-        status = step_once(s, l, t + (double)*done * s->h);
+        status = step_once(s, l, t + (double)*done * h, h);
         if (status == DM_OK) ++*done;
     }
     /* one look at the end of a burst; then the burst is done again to find the step and stop
      * before it */
     if (!is_finite(l)) {
         *done = 0;
-        return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
+        return count > 1 ? dm_advance_by_step(s, state, t, h, count, done) : DM_NOT_FINITE;
     }
     memcpy(state, l->now, 4 * (size_t)at->n * sizeof *state);
-    remember(s, l);
+    remember(l, h);
     return status;
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
     long done;
-    return advance(s, state, t, 1, &done);
+    return advance(s, state, t, h, 1, &done);
 }
 
 const dm_method dm_method_rattle = {

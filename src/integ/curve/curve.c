@@ -8,9 +8,9 @@
 #include "integ/curve/curve_inside.h"
 
 #include "base/largest.h"
-#include "numbers/compensated.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
@@ -119,9 +119,9 @@ static dm_status open(dm_stepper *s) {
                            e->scratch + scratch_size(&e->curve, s->model));
 }
 
-static dm_status start(dm_stepper *s, double *state, double t) {
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
-    (void)state, (void)t;
+    (void)state, (void)t, (void)h;
     memset(e->memory, 0, memory_size(&e->curve, e->n) * sizeof *e->memory);
     return DM_OK;
 }
@@ -277,12 +277,12 @@ static dm_status search(dm_curve_step *e, const dm_stepper *s, int *iterations) 
     return newton(e, s, iterations);
 }
 
-dm_status dm_curve_solve(dm_stepper *s, const double *state, double t) {
+dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     int iterations = 0;
     e->state = state;
-    e->h = s->h;
-    e->t = t + (1.0 - e->curve.bias) * s->h; /* of y */
+    e->h = h;
+    e->t = t + (1.0 - e->curve.bias) * h; /* of y */
     e->ran = 0;
     e->evaluations = 0;
     e->residual = 0.0;
@@ -331,9 +331,9 @@ static dm_status finish(dm_curve_step *e) {
     return DM_OK;
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
-    dm_status status = dm_curve_solve(s, state, t);
+    dm_status status = dm_curve_solve(s, state, t, h);
     if (status == DM_OK) status = finish(e);
     s->report.evaluations += e->evaluations;
     if (status == DM_OK) memcpy(state, e->next, 4 * e->n * sizeof *state);
@@ -355,7 +355,9 @@ const dm_method dm_method_curve = {
     .orders = "that of the method",
     .stages = "those of the method",
     .cost = "2 n unknowns",
-    .instances = "curve(euler):1:0; curve(heun):2:0; curve(kutta3):3:0; curve(rk4):4:0; curve(dopri5):6:0; curve(butcher6):7:0; curve(fehlberg7):11:0; curve(dop853):12:0",
+    .instances =
+        "curve(euler):1:0; curve(heun):2:0; curve(kutta3):3:0; curve(rk4):4:0; curve(dopri5):6:0; "
+        "curve(butcher6):7:0; curve(fehlberg7):11:0; curve(dop853):12:0",
     .traits = DM_SYMPLECTIC | DM_KEEPS,
     .check = check,
     .fits = fits,

@@ -55,10 +55,11 @@ int dm_curve_bias(dm_curve *c, double bias);
  * is symmetric. */
 int dm_curve_order(const dm_curve *c);
 
-/* D[2n*2n], the exact derivative of the step from `state` at t in (q, p), by an open stepper;
+/* D[2n*2n], the exact derivative of the step h from `state` at t in (q, p), by an open stepper;
  * memory of that many doubles. */
 size_t dm_curve_tangent_work(const dm_stepper *s);
-dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double t, double *memory);
+dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double t, double h,
+                           double *memory);
 
 /* The tableau of a stepper of GSL, read off by running it; 0 when it is none of its explicit
  * ones. */

@@ -112,13 +112,13 @@ static void write_column(const dm_curve_step *e, double *D, const double *dz, si
     }
 }
 
-dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double t,
+dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double t, double h,
                            double *memory) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     const size_t m = e->unknowns;
     double *J = memory, *r = J + m * m;
     uint32_t *pivot = (uint32_t *)(void *)(r + m);
-    dm_status status = dm_curve_solve(s, state, t);
+    dm_status status = dm_curve_solve(s, state, t, h);
     const uint32_t columns = e->columns;
     e->columns = 0; /* all */
     if (status == DM_OK) status = dm_curve_equation(e, r, J, e->z);

@@ -34,7 +34,7 @@ dm_status dm_curve_place(dm_curve_step *e, const double *z);
 
 /* Solve it for the step from `state` at time t; the root is in z, the segment at it or one
  * increment away. */
-dm_status dm_curve_solve(dm_stepper *s, const double *state, double t);
+dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h);
 
 /* The step equation for dm_newton: r = 0 for z = (v, (p1 - p0) / mass, (q - q0) / h). */
 dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z);

@@ -2,6 +2,7 @@
 
 #include "linalg/lu.h"
 
+#include <math.h>
 #include <string.h>
 
 static size_t doubles(size_t bytes) {
@@ -62,7 +63,7 @@ static void scale(dm_segment *g, double h) {
 
 dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, double *memory) {
     const size_t n = m->n, s = (size_t)c->s, N = 2 * n;
-    *g = (dm_segment){.curve = c, .m = m, .n = m->n, .points = s};
+    *g = (dm_segment){.curve = c, .m = m, .n = m->n, .points = s, .h = NAN};
     g->inputs = dm_field_inputs(n);
     const dm_status status = dm_field_build(&g->field, m);
     if (status != DM_OK) return status;

@@ -2,7 +2,6 @@
 
 #include "mech/constraints.h"
 
-
 unsigned dm_method_needs(const dm_model *m) {
     unsigned needs = 0;
     if (m->constraints && m->constraints->holonomic) needs |= DM_HOLONOMIC;
@@ -11,14 +10,15 @@ unsigned dm_method_needs(const dm_model *m) {
     return needs;
 }
 
-dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *done) {
-    if (s->method->advance) return s->method->advance(s, state, t, count, done);
-    return dm_advance_by_step(s, state, t, count, done);
+dm_status dm_advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
+    if (s->method->advance) return s->method->advance(s, state, t, h, count, done);
+    return dm_advance_by_step(s, state, t, h, count, done);
 }
 
-dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, long count, long *done) {
+dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, double h, long count,
+                             long *done) {
     for (*done = 0; *done < count; ++*done) {
-        const dm_status status = s->method->step(s, state, t + (double)*done * s->h);
+        const dm_status status = s->method->step(s, state, t + (double)*done * h, h);
         if (status != DM_OK) return status;
     }
     return DM_OK;

@@ -30,10 +30,7 @@ typedef struct {
     double *state;        /* [groups][dm_state_size][lanes] */
     double *params;       /* [groups x lanes][params of the model], by member */
     double *kept, *alone; /* room for all states once more, for one */
-    /* a method that sets paced steps members of an autonomous model with steps of their own: h
-     * [groups x lanes], by member; NULL: that of the stepper */
-    int paced;
-    const double *h;
+    int paced; /* the method steps members of an autonomous model with steps of their own */
     /* methods with a `memory`: [groups][memory_size][lanes] what members leave to their next
      * step, and what has become of members, [groups x lanes]: DM_OK, or why a step failed after
      * so many of a burst. NULL: neither */
@@ -81,14 +78,16 @@ typedef struct dm_method {
     unsigned (*wants)(const dm_rule *rule, const dm_model *m);
     size_t (*work)(const dm_rule *rule, const dm_model *m); /* doubles of workspace */
     dm_status (*open)(dm_stepper *s);                       /* tables and matrices into s->work */
-    /* set what the state carries beside q and p at time t, before the first step; NULL: nothing */
-    dm_status (*start)(dm_stepper *s, double *state, double t);
+    /* before the first step, at time t: set what the state carries beside q and p, forget what
+     * steps have left; steps of h are those that will find something (see memory). NULL: nothing */
+    dm_status (*start)(dm_stepper *s, double *state, double t, double h);
     /* methods with a time of their own: dt/dh at a state */
     double (*pace)(const dm_stepper *s, const double *state);
-    /* one step, in place; on failure the state is unchanged */
-    dm_status (*step)(dm_stepper *s, double *state, double t);
+    /* one step of length h, in place; on failure the state is unchanged. h may be another one at
+     * every call: what is made for an h is made anew when another one comes */
+    dm_status (*step)(dm_stepper *s, double *state, double t, double h);
     /* as `count` calls of step, same bits, *done counted also on failure; NULL: dm_advance loops */
-    dm_status (*advance)(dm_stepper *s, double *state, double t, long count, long *done);
+    dm_status (*advance)(dm_stepper *s, double *state, double t, double h, long count, long *done);
     /* doubles inside work that a step leaves to the next one beside the state, and where they
      * are: from the state and these a run goes on bit for bit; NULL: none */
     size_t (*memory)(dm_stepper *s, double **place);
@@ -100,10 +99,11 @@ typedef struct dm_method {
     /* kernels for as many lanes as there can be, after open; *x in the model's arena. 0: no
      * lanes; NULL: never */
     int (*widen)(dm_stepper *s, dm_lanes *x);
-    /* as `advance` for every member, same bits; what fails has a state that is not finite, and
+    /* as `advance` for every member, same bits, with steps h[groups x lanes] by member, all the same
+     * where x->paced is 0; what fails has a state that is not finite, and
      * stays so, or where x->failed is there says so and keeps its last good state, and lanes
      * that have failed are left alone */
-    void (*advance_lanes)(dm_stepper *s, dm_lanes *x, double t, long count);
+    void (*advance_lanes)(dm_stepper *s, dm_lanes *x, double t, const double *h, long count);
     /* why a step from this state failed and what to try, a static sentence; NULL, or gives it:
      * the general advice */
     const char *(*why)(dm_stepper *s, const double *state, dm_status status);
@@ -122,8 +122,6 @@ struct dm_stepper {
     const dm_method *method;
     const dm_model *model;
     const dm_rule *rule;
-    double h;
-    double whole; /* h of the step that this one is a part of (compositions); 0: it is none */
     /* q1[n] that the first step leads to, of a start from two positions; NULL: not known */
     const double *toward;
     int plain; /* sums without compensation are asked for; report.plain: they are had */
@@ -135,7 +133,8 @@ struct dm_stepper {
     const double *params; /* [params of the model] */
     double *work;         /* method->work doubles */
     void *outside;        /* what close gives back */
-    double *aside; /* room for `memory` while a side step is taken (run/interpolate.h); NULL: none */
+    double
+        *aside; /* room for `memory` while a side step is taken (run/interpolate.h); NULL: none */
     dm_report report;
 };
 
@@ -144,11 +143,12 @@ struct dm_stepper {
 unsigned dm_method_needs(const dm_model *m);
 
 /* `count` steps from time t; *done is the number finished, also on failure. */
-dm_status dm_advance(dm_stepper *s, double *state, double t, long count, long *done);
+dm_status dm_advance(dm_stepper *s, double *state, double t, double h, long count, long *done);
 
 /* The same by `step` alone: an explicit method that looks for NaN only at the end of a burst
  * does the burst again this way, to find the step and to stop before it. */
-dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, long count, long *done);
+dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, double h, long count,
+                             long *done);
 
 /* True when no entry of the state is NaN or infinite. */
 int dm_state_is_finite(const double *state, uint32_t n);

@@ -249,7 +249,7 @@ static dm_status open(dm_stepper *s) {
 }
 
 /* one step of the base for every gamma; a failing one takes the whole step back */
-static dm_status step_base(dm_stepper *s, double *state, double t) {
+static dm_status step_base(dm_stepper *s, double *state, double t, double h) {
     const scheme *row = find(s->rule);
     dm_stepper *base = (dm_stepper *)(void *)s->work;
     double *kept = s->work + stepper_size();
@@ -257,10 +257,9 @@ static dm_status step_base(dm_stepper *s, double *state, double t) {
     memcpy(kept, state, bytes);
     for (int i = 0; i < row->stages; i++) {
         const double gamma = palindrome(row->half, 1, (row->stages - 1) / 2, row->stages, i);
-        base->h = gamma * s->h;
-        base->whole = s->h;
-        const dm_status status = base->method->step(base, state, t);
-        t += base->h;
+        const double part = gamma * h;
+        const dm_status status = base->method->step(base, state, t, part);
+        t += part;
         s->report = base->report;
         if (status == DM_OK) continue;
         memcpy(state, kept, bytes);
@@ -269,14 +268,14 @@ static dm_status step_base(dm_stepper *s, double *state, double t) {
     return DM_OK;
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
-    return is_splitting(s->rule, s->model) ? dm_splitting_step(s, state, t)
-                                           : step_base(s, state, t);
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
+    return is_splitting(s->rule, s->model) ? dm_splitting_step(s, state, t, h)
+                                           : step_base(s, state, t, h);
 }
 
-static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
-    return is_splitting(s->rule, s->model) ? dm_splitting_advance(s, state, t, count, done)
-                                           : dm_advance_by_step(s, state, t, count, done);
+static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
+    return is_splitting(s->rule, s->model) ? dm_splitting_advance(s, state, t, h, count, done)
+                                           : dm_advance_by_step(s, state, t, h, count, done);
 }
 
 /* a splitting leaves nothing, the base may */
@@ -286,11 +285,10 @@ static size_t memory(dm_stepper *s, double **place) {
     return base->method->memory(base, place);
 }
 
-static dm_status start(dm_stepper *s, double *state, double t) {
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
     dm_stepper *base = (dm_stepper *)(void *)s->work;
     if (is_splitting(s->rule, s->model) || !base->method->start) return DM_OK;
-    base->h = base->whole = s->h;
-    return base->method->start(base, state, t);
+    return base->method->start(base, state, t, h);
 }
 
 static int widen(dm_stepper *s, dm_lanes *x) {
@@ -298,12 +296,14 @@ static int widen(dm_stepper *s, dm_lanes *x) {
 }
 
 /* a row of methods.def: only names and texts differ */
-#define CLAIMS(order_, stages_, cost_, instances_) .orders = order_, .stages = stages_, .cost = cost_, .instances = instances_
-#define COMPOSITION(id, rule_name, form, knows, claims, text)                                              \
+#define CLAIMS(order_, stages_, cost_, instances_)                                                 \
+    .orders = order_, .stages = stages_, .cost = cost_, .instances = instances_
+#define COMPOSITION(id, rule_name, form, knows, claims, text)                                      \
     const dm_method dm_method_##id = {.name = rule_name,                                           \
                                       .signature = form,                                           \
-                                      .doc = text, claims,                                                 \
-                                      .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | (knows),  \
+                                      .doc = text,                                                 \
+                                      claims,                                                      \
+                                      .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | (knows), \
                                       .check = check,                                              \
                                       .fits = fits,                                                \
                                       .order = order,                                              \
@@ -317,23 +317,34 @@ static int widen(dm_stepper *s, dm_lanes *x) {
                                       .widen = widen,                                              \
                                       .advance_lanes = dm_splitting_advance_lanes}
 
-COMPOSITION(yoshida, "yoshida", "yoshida(4|6 [, base])", DM_CONSTRAINTS, CLAIMS("4, 6", "3, 7", "3, 7 forces; else steps of the base", "yoshida(4):3:3; yoshida(6):7:7; yoshida(4, midpoint):3:0"),
+COMPOSITION(yoshida, "yoshida", "yoshida(4|6 [, base])", DM_CONSTRAINTS,
+            CLAIMS("4, 6", "3, 7", "3, 7 forces; else steps of the base",
+                   "yoshida(4):3:3; yoshida(6):7:7; yoshida(4, midpoint):3:0"),
             "Yoshida's compositions of order 4 (3 stages) and 6 (7 stages). Explicit "
             "when L separates, else "
             "steps of the base rule (verlet). Yoshida 1990; HLW (II.4.4), (V.3.11).");
-COMPOSITION(suzuki, "suzuki", "suzuki(4 [, base])", DM_CONSTRAINTS, CLAIMS("4", "5", "5 forces; else steps of the base", "suzuki(4):5:5"),
+COMPOSITION(suzuki, "suzuki", "suzuki(4 [, base])", DM_CONSTRAINTS,
+            CLAIMS("4", "5", "5 forces; else steps of the base", "suzuki(4):5:5"),
             "Suzuki's composition of order 4, 5 stages. Suzuki 1990; HLW (II.4.5).");
-COMPOSITION(mclachlan, "mclachlan", "mclachlan(4 [, base])", DM_CONSTRAINTS, CLAIMS("4", "5", "5 forces; else steps of the base", "mclachlan(4):5:5"),
+COMPOSITION(mclachlan, "mclachlan", "mclachlan(4 [, base])", DM_CONSTRAINTS,
+            CLAIMS("4", "5", "5 forces; else steps of the base", "mclachlan(4):5:5"),
             "McLachlan's composition of order 4, 5 stages with small error constant. "
             "McLachlan 1995.");
-COMPOSITION(kahan_li, "kahan-li", "kahan-li(6|8 [, base])", DM_CONSTRAINTS, CLAIMS("6, 8", "9, 17", "9, 17 forces; else steps of the base", "kahan-li(6):9:9; kahan-li(8):17:17; kahan-li(6, midpoint):9:0"),
+COMPOSITION(kahan_li, "kahan-li", "kahan-li(6|8 [, base])", DM_CONSTRAINTS,
+            CLAIMS("6, 8", "9, 17", "9, 17 forces; else steps of the base",
+                   "kahan-li(6):9:9; kahan-li(8):17:17; kahan-li(6, midpoint):9:0"),
             "Kahan and Li's compositions of order 6 (9 stages) and 8 (17 stages). HLW "
             "(V.3.11), (V.3.13).");
-COMPOSITION(suzuki_umeno, "suzuki-umeno", "suzuki-umeno(8 [, base])", DM_CONSTRAINTS, CLAIMS("8", "15", "15 forces; else steps of the base", "suzuki-umeno(8):15:15"),
+COMPOSITION(suzuki_umeno, "suzuki-umeno", "suzuki-umeno(8 [, base])", DM_CONSTRAINTS,
+            CLAIMS("8", "15", "15 forces; else steps of the base", "suzuki-umeno(8):15:15"),
             "Suzuki and Umeno's composition of order 8, 15 stages. HLW (V.3.12).");
-COMPOSITION(sofroniou_spaletta, "sofroniou-spaletta", "sofroniou-spaletta(10 [, base])", DM_CONSTRAINTS, CLAIMS("10", "35", "35 forces; else steps of the base", "sofroniou-spaletta(10):35:35"),
+COMPOSITION(sofroniou_spaletta, "sofroniou-spaletta", "sofroniou-spaletta(10 [, base])",
+            DM_CONSTRAINTS,
+            CLAIMS("10", "35", "35 forces; else steps of the base", "sofroniou-spaletta(10):35:35"),
             "Sofroniou and Spaletta's composition of order 10, 35 stages. HLW (V.3.14).");
-COMPOSITION(blanes_moan, "blanes-moan", "blanes-moan(4|6 [, 6|11|14])", 0, CLAIMS("4, 6", "6, 11, 14", "6, 11, 14 forces", "blanes-moan(4):6:6; blanes-moan(6):11:11; blanes-moan(6, 14):14:14"),
+COMPOSITION(blanes_moan, "blanes-moan", "blanes-moan(4|6 [, 6|11|14])", 0,
+            CLAIMS("4, 6", "6, 11, 14", "6, 11, 14 forces",
+                   "blanes-moan(4):6:6; blanes-moan(6):11:11; blanes-moan(6, 14):14:14"),
             "Blanes and Moan's Runge-Kutta-Nystroem splittings of order 4 (6 stages) and "
             "6 (11 or 14 stages) "
             "for separable L with constant mass. Blanes & Moan 2002.");

@@ -7,10 +7,10 @@
  * (q~, p~), q1 = q^ + h sigma l,  alpha(q1) = p^ + h sigma K(q1) l, solved for the stage
  * velocities V and the multiplier l together. Since L_q(q, l) - L_q(q, 0) = K(q) l, the stage
  * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison. */
-#include "numbers/compensated.h"
 #include "integ/stage/stage.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
@@ -315,7 +315,7 @@ static dm_status finish(degenerate *g) {
     return DM_OK;
 }
 
-static dm_status step(dm_stepper *stepper, double *state, double t) {
+static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     degenerate *g = (degenerate *)(void *)stepper->work;
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = g->unknowns,
@@ -326,7 +326,7 @@ static dm_status step(dm_stepper *stepper, double *state, double t) {
                                        .max_iterations = stepper->max_iterations};
     g->state = state;
     g->t = t;
-    g->h = stepper->h;
+    g->h = h;
     g->evaluations = 0;
     dm_status status = guess(g);
     if (status == DM_OK) status = dm_newton(g->z, &problem, g->scratch, &report);

@@ -1,11 +1,11 @@
 /* del.c - the discrete Euler-Lagrange equations of a user's Ld(q0, q1), position-momentum form,
  * with holonomic constraints. */
 #include "base/largest.h"
-#include "numbers/compensated.h"
 #include "integ/method/method.h"
 #include "linalg/lu.h"
-#include "mech/constraints.h"
 #include "linalg/solve/newton.h"
+#include "mech/constraints.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,7 +26,7 @@ typedef struct {
     uint32_t n, k, N; /* dim Q, constraints, unknowns */
     double *x, *out, *z, *next, *memory, *roots, *scratch;
     double *constraint_x, *here, *there, *unit; /* (q, v, t); g, G, g_t at q0 and at q1; [k] */
-    double stiffness;                    /* largest entry of D1D2 */
+    double stiffness;                           /* largest entry of D1D2 */
     double size;
     long evaluations;
 } pair;
@@ -118,9 +118,9 @@ static void begin_toward(const dm_stepper *s, const double *state) {
     for (uint32_t i = 0; i < n; i++) last[i] = s->toward[i] - state[i];
 }
 
-static dm_status start(dm_stepper *s, double *state, double t) {
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
     const dm_status status = open(s);
-    (void)t;
+    (void)t, (void)h;
     if (status == DM_OK && s->toward) begin_toward(s, state);
     return status;
 }
@@ -291,7 +291,7 @@ static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
 
 /* from z = 0, where one iteration finds h M^-1 p0 whatever the masses; where Ld(q, q) is not
  * defined from z = h p0 */
-static dm_status solve_far(pair *e, const dm_stepper *s, dm_newton_report *report) {
+static dm_status solve_far(pair *e, const dm_stepper *s, double h, dm_newton_report *report) {
     const uint32_t n = e->n;
     const dm_newton_problem problem = {.m = e->N,
                                        .equation = equation,
@@ -304,12 +304,12 @@ static dm_status solve_far(pair *e, const dm_stepper *s, dm_newton_report *repor
     dm_status status = dm_newton(e->z, &problem, e->scratch, report);
     if (status != DM_NOT_FINITE && status != DM_SINGULAR) return status;
     memset(e->z, 0, e->N * sizeof *e->z);
-    for (uint32_t i = 0; i < n; i++) e->z[i] = s->h * e->state[n + i];
+    for (uint32_t i = 0; i < n; i++) e->z[i] = h * e->state[n + i];
     find_units(e);
     return dm_newton(e->z, &problem, e->scratch, report);
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
     pair e = lay_out(s);
     dm_newton_report report = {0};
     (void)t;
@@ -318,7 +318,7 @@ static dm_status step(dm_stepper *s, double *state, double t) {
     evaluate_constraints(&e, e.here, state);
     const int follows = continued(&e);
     dm_status status = DM_OK;
-    if (!follows || !solve_near(&e, s, &report)) status = solve_far(&e, s, &report);
+    if (!follows || !solve_near(&e, s, &report)) status = solve_far(&e, s, h, &report);
     if (status == DM_OK) status = finish(&e);
     s->report.iterations = report.iterations;
     s->report.residual = report.residual;

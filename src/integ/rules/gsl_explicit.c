@@ -16,7 +16,7 @@ static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
 typedef struct {
     const dm_model *m;
     double *x;                          /* [2n+1] (q, v, t) */
-    double *force, *constraint;                /* [n] dL/dq; a force beside L */
+    double *force, *constraint;         /* [n] dL/dq; a force beside L */
     double *y, *error, *before, *after; /* [2n] state, its error, slopes at the ends */
     double *end;                        /* [2n] where `after` holds */
     double end_time;
@@ -32,7 +32,9 @@ static const char *check(const dm_rule *rule) {
 
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return m->constraints && m->constraints->controls ? "it knows no controls; take midpoint or gauss" : NULL;
+    return m->constraints && m->constraints->controls
+               ? "it knows no controls; take midpoint or gauss"
+               : NULL;
 }
 
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
@@ -113,31 +115,31 @@ static int start_slope(explicit *e, double t) {
     return right_hand_side(t, e->y, e->before, e);
 }
 
-static dm_status apply(explicit *e, dm_stepper *s, double t) {
+static dm_status apply(explicit *e, dm_stepper *s, double t, double h) {
     const size_t size = 2 * (size_t)e->m->n;
     const gsl_odeiv2_system system = {right_hand_side, NULL, size, e};
     e->status = DM_OK;
     int failed = start_slope(e, t);
     e->has_end = 0;
     if (!failed)
-        failed = gsl_odeiv2_step_apply(s->outside, t, s->h, e->y, e->error, e->before, e->after,
-                                       &system);
+        failed =
+            gsl_odeiv2_step_apply(s->outside, t, h, e->y, e->error, e->before, e->after, &system);
     if (failed) return e->status != DM_OK ? e->status : DM_NOT_FINITE;
     for (size_t i = 0; i < size; i++)
         if (!isfinite(e->y[i])) return DM_NOT_FINITE;
     memcpy(e->end, e->y, size * sizeof *e->end);
-    e->end_time = t + s->h;
+    e->end_time = t + h;
     e->has_end = 1;
     return DM_OK;
 }
 
 /* the low-order parts of the state are not used: these rules do not sum with compensation */
-static dm_status step(dm_stepper *s, double *state, double t) {
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
     explicit *e = (explicit *)(void *)s->work;
     const size_t size = 2 * (size_t)e->m->n * sizeof *state;
     memcpy(e->y, state, size);
     e->evaluations = 0;
-    const dm_status status = apply(e, s, t);
+    const dm_status status = apply(e, s, t, h);
     s->report.evaluations += e->evaluations;
     if (status != DM_OK) return status;
     memcpy(state, e->y, size);

@@ -3,8 +3,8 @@
  * time s: drift  dt/ds = 1/(T + B), dq/ds = v/(T + B);   kick  dp/ds = L_q/U (Mikkola & Tanikawa
  * 1999; Preto & Tremaine 1999). The motion near a centre takes small steps of t by itself, and
  * the orbit of two bodies is exact but for its timing. h is the step of s. */
-#include "numbers/compensated.h"
 #include "integ/split/log_loop.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
@@ -106,10 +106,11 @@ static double velocity(const dm_model *m, double *v, const double *p) {
     return twice;
 }
 
-static dm_status start(dm_stepper *s, double *state, double t) {
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
     double *x = s->work + table_size(), *own = state + 4 * (size_t)n, E;
+    (void)h;
     memcpy(x, state, n * sizeof *x);
     velocity(m, x + n, state + n);
     dm_kernel_prepare(&m->energy, &E);
@@ -146,54 +147,54 @@ static int drift(const dm_model *m, double *state, double *v, double a) {
     return 1;
 }
 
-static int try_step(dm_stepper *s, double *state) {
+static int try_step(dm_stepper *s, double *state, double h) {
     const dm_model *m = s->model;
     const dm_splitting *table = &((const layout *)(const void *)s->work)->table;
     double *x = s->work + table_size(), *well = x + 2 * m->n + 1, *v = well + m->n + 1;
     for (int k = 0;; k++) {
         memcpy(x, state, m->n * sizeof *x);
-        if (table->b[k] != 0.0 && !kick(m, state, x, well, s->h * table->b[k])) return 0;
+        if (table->b[k] != 0.0 && !kick(m, state, x, well, h * table->b[k])) return 0;
         if (k == table->stages) break;
-        if (!drift(m, state, v, s->h * table->a[k])) return 0;
+        if (!drift(m, state, v, h * table->a[k])) return 0;
     }
     s->report.evaluations += table->stages - 1;
     return dm_state_is_finite(state, m->n);
 }
 
-static int try_loop(dm_stepper *s, const layout *l, double *state, long count) {
-    const dm_log_burst burst = {&l->table, s->h, count};
+static int try_loop(dm_stepper *s, const layout *l, double *state, double h, long count) {
+    const dm_log_burst burst = {&l->table, h, count};
     dm_log_loop_run(l->loop, state, &burst, loop_work(s));
     s->report.evaluations += count * (l->table.stages - 1);
     return dm_state_is_finite(state, s->model->n);
 }
 
-static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     const layout *l = (const layout *)(const void *)s->work;
-    const dm_log_burst burst = {&l->table, s->h, count};
+    const dm_log_burst burst = {&l->table, *h, count};
     (void)t;
     dm_log_loop_run_lanes(l->loop, x, &burst, loop_work(s));
 }
 
 /* `count` steps or none */
-static dm_status steps(dm_stepper *s, double *state, long count) {
+static dm_status steps(dm_stepper *s, double *state, double h, long count) {
     layout *l = (layout *)(void *)s->work;
     const size_t bytes = dm_state_size(s->model->n) * sizeof *state;
     double *kept = s->work + table_size() + 4 * (size_t)s->model->n + 2;
     memcpy(kept, state, bytes);
-    if (l->loop ? try_loop(s, l, state, count) : try_step(s, state)) return DM_OK;
+    if (l->loop ? try_loop(s, l, state, h, count) : try_step(s, state, h)) return DM_OK;
     memcpy(state, kept, bytes);
     return DM_NOT_FINITE;
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
     (void)t;
-    return steps(s, state, 1);
+    return steps(s, state, h, 1);
 }
 
-static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
+static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
     const layout *l = (const layout *)(const void *)s->work;
-    if (l->loop && count > 1 && steps(s, state, count) == DM_OK) return *done = count, DM_OK;
-    return dm_advance_by_step(s, state, t, count, done);
+    if (l->loop && count > 1 && steps(s, state, h, count) == DM_OK) return *done = count, DM_OK;
+    return dm_advance_by_step(s, state, t, h, count, done);
 }
 
 /* U = -V at the state of the step; T + B = U on the orbit's own energy, so that its fall is what

@@ -3,11 +3,11 @@
  * 12 evaluations a step, fixed step, compensated sums. Coefficients: Dormand & Prince, DOP853 in
  * Hairer, Norsett & Wanner I, II.5. It is not symplectic: its use is comparison and short runs. */
 #include "integ/rules/rk8.h"
-#include "numbers/compensated.h"
-#include "integ/method/hamilton.h"
 #include "integ/method/cache.h"
+#include "integ/method/hamilton.h"
 #include "integ/method/method.h"
 #include "mech/constraints.h"
+#include "numbers/compensated.h"
 
 #include <string.h>
 
@@ -71,7 +71,9 @@ static int order(const dm_rule *rule) {
 
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return m->constraints && m->constraints->controls ? "it knows no controls; take midpoint or gauss" : NULL;
+    return m->constraints && m->constraints->controls
+               ? "it knows no controls; take midpoint or gauss"
+               : NULL;
 }
 
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
@@ -171,19 +173,19 @@ static dm_status finish(explicit8 *e, double *state, double h) {
     return DM_OK;
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
     explicit8 *e = (explicit8 *)(void *)s->work;
     const size_t n = s->model->n;
     dm_status status = DM_OK;
     for (int i = 0; i < STAGES && status == DM_OK; i++) {
         double *slope = e->slope + (size_t)i * 2 * n;
-        place(e, state, i, s->h);
-        e->x[2 * n] = t + e->c[i] * s->h;
+        place(e, state, i, h);
+        e->x[2 * n] = t + e->c[i] * h;
         if (!by_kernel(e, slope)) status = by_legendre(e, slope);
     }
     s->report.evaluations += STAGES;
     s->report.solves++;
-    return status == DM_OK ? finish(e, state, s->h) : status;
+    return status == DM_OK ? finish(e, state, h) : status;
 }
 
 const dm_method dm_method_rk8 = {

@@ -182,18 +182,18 @@ static dm_status open(dm_stepper *s) {
     return dm_stage_open(s, &g);
 }
 
-static dm_status start(dm_stepper *s, double *state, double t) {
-    return is_split(s->rule, s->model) ? DM_OK : dm_stage_start(s, state, t);
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    return is_split(s->rule, s->model) ? DM_OK : dm_stage_start(s, state, t, h);
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
-    return is_split(s->rule, s->model) ? dm_splitting_step(s, state, t)
-                                       : dm_stage_step(s, state, t);
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
+    return is_split(s->rule, s->model) ? dm_splitting_step(s, state, t, h)
+                                       : dm_stage_step(s, state, t, h);
 }
 
-static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
-    return is_split(s->rule, s->model) ? dm_splitting_advance(s, state, t, count, done)
-                                       : dm_advance_by_step(s, state, t, count, done);
+static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
+    return is_split(s->rule, s->model) ? dm_splitting_advance(s, state, t, h, count, done)
+                                       : dm_advance_by_step(s, state, t, h, count, done);
 }
 
 static size_t memory(dm_stepper *s, double **place) {
@@ -204,11 +204,11 @@ static int widen(dm_stepper *s, dm_lanes *x) {
     return is_split(s->rule, s->model) ? dm_splitting_widen(s, x) : dm_stage_widen(s, x);
 }
 
-static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     if (is_split(s->rule, s->model))
-        dm_splitting_advance_lanes(s, x, t, count);
+        dm_splitting_advance_lanes(s, x, t, h, count);
     else
-        dm_stage_advance_lanes(s, x, t, count);
+        dm_stage_advance_lanes(s, x, t, h, count);
 }
 
 const dm_method dm_method_sprk = {
@@ -224,7 +224,10 @@ const dm_method dm_method_sprk = {
     .orders = "gauss 2 s, radau 2 s - 1, lobatto 2 s - 2",
     .stages = "s",
     .cost = "s n unknowns",
-    .instances = "sprk(gauss, 2):2:0; sprk(radau-2a, 2):2:0; sprk(radau-1a, 1):1:0; sprk(radau-1a, 2):2:0; sprk(radau-1a, 3):3:0; " "sprk(lobatto-3a-3b, 3):3:0; sprk(lobatto-3b-3a, 2):2:0; sprk(lobatto-3b-3a, 3):3:0; sprk(lobatto-3b-3a, 4):4:0",
+    .instances = "sprk(gauss, 2):2:0; sprk(radau-2a, 2):2:0; sprk(radau-1a, 1):1:0; sprk(radau-1a, "
+                 "2):2:0; sprk(radau-1a, 3):3:0; "
+                 "sprk(lobatto-3a-3b, 3):3:0; sprk(lobatto-3b-3a, 2):2:0; sprk(lobatto-3b-3a, "
+                 "3):3:0; sprk(lobatto-3b-3a, 4):4:0",
     .traits = DM_SYMPLECTIC,
     .check = check,
     .fits = fits,

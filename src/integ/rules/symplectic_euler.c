@@ -52,33 +52,33 @@ static dm_status open(dm_stepper *s) {
     return dm_stage_open(s, &g);
 }
 
-static dm_status start(dm_stepper *s, double *state, double t) {
-    return dm_splitting_fits(s->model) ? DM_OK : dm_stage_start(s, state, t);
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    return dm_splitting_fits(s->model) ? DM_OK : dm_stage_start(s, state, t, h);
 }
 
 static size_t memory(dm_stepper *s, double **place) {
     return dm_splitting_fits(s->model) ? 0 : dm_stage_memory(s, place);
 }
 
-static dm_status step(dm_stepper *s, double *state, double t) {
-    return dm_splitting_fits(s->model) ? dm_splitting_step(s, state, t)
-                                       : dm_stage_step(s, state, t);
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
+    return dm_splitting_fits(s->model) ? dm_splitting_step(s, state, t, h)
+                                       : dm_stage_step(s, state, t, h);
 }
 
-static dm_status advance(dm_stepper *s, double *state, double t, long count, long *done) {
-    return dm_splitting_fits(s->model) ? dm_splitting_advance(s, state, t, count, done)
-                                       : dm_advance_by_step(s, state, t, count, done);
+static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
+    return dm_splitting_fits(s->model) ? dm_splitting_advance(s, state, t, h, count, done)
+                                       : dm_advance_by_step(s, state, t, h, count, done);
 }
 
 static int widen(dm_stepper *s, dm_lanes *x) {
     return dm_splitting_fits(s->model) ? dm_splitting_widen(s, x) : dm_stage_widen(s, x);
 }
 
-static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     if (dm_splitting_fits(s->model))
-        dm_splitting_advance_lanes(s, x, t, count);
+        dm_splitting_advance_lanes(s, x, t, h, count);
     else
-        dm_stage_advance_lanes(s, x, t, count);
+        dm_stage_advance_lanes(s, x, t, h, count);
 }
 
 const dm_method dm_method_symplectic_euler = {

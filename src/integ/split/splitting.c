@@ -1,8 +1,8 @@
 #include "integ/split/splitting.h"
 
-#include "numbers/compensated.h"
 #include "integ/split/chain.h"
 #include "integ/split/splitting_loop.h"
+#include "numbers/compensated.h"
 
 #include <string.h>
 
@@ -97,11 +97,11 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha, c
     }
 }
 
-static dm_splitting_burst burst_of(const dm_stepper *s, double t, long count) {
+static dm_splitting_burst burst_of(const dm_stepper *s, double t, double h, long count) {
     const layout *l = (const layout *)(const void *)s->work;
     return (dm_splitting_burst){.table = &l->table,
                                 .c = l->c,
-                                .h = s->h,
+                                .h = h,
                                 .t = t,
                                 .count = count,
                                 .many = s->model->params,
@@ -109,12 +109,12 @@ static dm_splitting_burst burst_of(const dm_stepper *s, double t, long count) {
 }
 
 /* count steps with no look at what comes out */
-static void run(dm_stepper *s, double *state, double t, long count) {
+static void run(dm_stepper *s, double *state, double t, double h, long count) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
     layout *l = (layout *)(void *)s->work;
     if (l->loop) {
-        const dm_splitting_burst burst = burst_of(s, t, count);
+        const dm_splitting_burst burst = burst_of(s, t, h, count);
         dm_splitting_loop_run(l->loop, m, state, &burst, loop_work(s));
         s->report.evaluations += 1 + count * evaluations(&l->table);
         return;
@@ -128,15 +128,15 @@ static void run(dm_stepper *s, double *state, double t, long count) {
     dm_kernel_prepare(&m->force, force);
     if (table->b[0] != 0.0) dm_kernel_eval(&m->force, x, force);
     for (long step = 0; step < count; step++) {
-        const double now = t + (double)step * s->h;
+        const double now = t + (double)step * h;
         const int kicks = table->b[0] != 0.0;
-        if (kicks) begin(n, kicked, p, s->h * table->b[0], force);
+        if (kicks) begin(n, kicked, p, h * table->b[0], force);
         for (int k = 0; k < table->stages; k++) {
-            drift(m, x, low_q, s->h * table->a[k], kicks && k == 0 ? kicked : p);
-            x[2 * n] = now + l->c[k + 1] * s->h;
+            drift(m, x, low_q, h * table->a[k], kicks && k == 0 ? kicked : p);
+            x[2 * n] = now + l->c[k + 1] * h;
             if (table->b[k + 1] == 0.0) continue; /* ends with a drift */
             dm_kernel_eval(&m->force, x, force);
-            kick(n, p, low_p, s->h * table->b[k + 1], force);
+            kick(n, p, low_p, h * table->b[k + 1], force);
         }
     }
     memcpy(state, x, n * sizeof *x);
@@ -144,9 +144,9 @@ static void run(dm_stepper *s, double *state, double t, long count) {
 }
 
 /* all steps, or the state as it was */
-static int run_chain(dm_stepper *s, double *state, double t, long count) {
+static int run_chain(dm_stepper *s, double *state, double t, double h, long count) {
     const layout *l = (const layout *)(const void *)s->work;
-    const dm_chain_burst burst = {s->h, t, count, s->goes_on};
+    const dm_chain_burst burst = {h, t, count, s->goes_on};
     const long forces = dm_chain_run(l->chain, state, &burst);
     s->goes_on = 0;
     s->report.evaluations += forces;
@@ -155,30 +155,31 @@ static int run_chain(dm_stepper *s, double *state, double t, long count) {
 
 /* what is not finite stays so, hence one look at the end; then the burst is done again to find
  * the step */
-dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count, long *done) {
+dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, double h, long count,
+                               long *done) {
     const uint32_t n = s->model->n;
     const size_t bytes = dm_state_size(n) * sizeof *state;
     double *start = s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params;
     *done = count;
     if (((const layout *)(const void *)s->work)->chain) {
-        if (run_chain(s, state, t, count)) return DM_OK;
+        if (run_chain(s, state, t, h, count)) return DM_OK;
     } else {
         memcpy(start, state, bytes);
-        run(s, state, t, count);
+        run(s, state, t, h, count);
         if (dm_state_is_finite(state, n)) return DM_OK;
         memcpy(state, start, bytes);
     }
     *done = 0;
-    return count > 1 ? dm_advance_by_step(s, state, t, count, done) : DM_NOT_FINITE;
+    return count > 1 ? dm_advance_by_step(s, state, t, h, count, done) : DM_NOT_FINITE;
 }
 
-void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     const layout *l = (const layout *)(const void *)s->work;
-    const dm_splitting_burst burst = burst_of(s, t, count);
+    const dm_splitting_burst burst = burst_of(s, t, *h, count);
     dm_splitting_loop_run_lanes(l->loop, s->model, x, &burst, loop_work(s));
 }
 
-dm_status dm_splitting_step(dm_stepper *s, double *state, double t) {
+dm_status dm_splitting_step(dm_stepper *s, double *state, double t, double h) {
     long done;
-    return dm_splitting_advance(s, state, t, 1, &done);
+    return dm_splitting_advance(s, state, t, h, 1, &done);
 }

@@ -36,11 +36,12 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table);
 /* `count` steps; the force after a step is the force before the next one, so a step costs
  * s evaluations.
  * Positions and momenta are summed with compensation. */
-dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, long count, long *done);
-dm_status dm_splitting_step(dm_stepper *s, double *state, double t);
+dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, double h, long count,
+                               long *done);
+dm_status dm_splitting_step(dm_stepper *s, double *state, double t, double h);
 
 /* The same for members side by side: widen and advance_lanes of method.h. */
 int dm_splitting_widen(dm_stepper *s, dm_lanes *x);
-void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count);
+void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count);
 
 #endif

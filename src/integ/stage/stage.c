@@ -1,19 +1,19 @@
-#include "integ/stage/stage_inside.h"
 #include "integ/constrained/constrained.h"
+#include "integ/stage/stage_inside.h"
 
-#include "numbers/compensated.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
 
-dm_status dm_stage_start(dm_stepper *stepper, double *state, double t) {
+dm_status dm_stage_start(dm_stepper *stepper, double *state, double t, double h) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
-    if (stepper->model->constraints) return dm_constrained_start(stepper, state, t);
-    if (g->sweeps.row) dm_stage_memory_clear(g, stepper->h);
-    if (g->warm) dm_stage_warm_clear(g, stepper->h);
-    if (g->pushes.memory) dm_stage_push_clear(g, stepper->h);
+    if (stepper->model->constraints) return dm_constrained_start(stepper, state, t, h);
+    if (g->sweeps.row) dm_stage_memory_clear(g, h);
+    if (g->warm) dm_stage_warm_clear(g, h);
+    if (g->pushes.memory) dm_stage_push_clear(g, h);
     return DM_OK;
 }
 
@@ -305,13 +305,13 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     return DM_OK;
 }
 
-dm_status dm_stage_step(dm_stepper *stepper, double *state, double t) {
+dm_status dm_stage_step(dm_stepper *stepper, double *state, double t, double h) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
-    if (stepper->model->constraints) return dm_constrained_step(stepper, state, t);
+    if (stepper->model->constraints) return dm_constrained_step(stepper, state, t, h);
     g->state = state;
     g->t = t;
-    if (g->h != stepper->h) { /* a composition changes it */
-        dm_stage_weights_scale(g, stepper->h);
+    if (g->h != h) {
+        dm_stage_weights_scale(g, h);
         dm_stage_sweeps_scale(g);
     }
     g->evaluations = 0;

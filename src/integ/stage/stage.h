@@ -61,8 +61,8 @@ uint32_t dm_stage_key(double *key, const dm_galerkin *g);
 unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m);
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m);
 dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *g);
-dm_status dm_stage_start(dm_stepper *stepper, double *state, double t);
-dm_status dm_stage_step(dm_stepper *stepper, double *state, double t);
+dm_status dm_stage_start(dm_stepper *stepper, double *state, double t, double h);
+dm_status dm_stage_step(dm_stepper *stepper, double *state, double t, double h);
 size_t dm_stage_memory(dm_stepper *stepper, double **place);
 
 #endif

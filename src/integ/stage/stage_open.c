@@ -1,9 +1,10 @@
 /* stage_open.c - what a step of stages wants of its model, which form it takes, and its memory. */
-#include "integ/stage/stage_inside.h"
 #include "integ/constrained/constrained.h"
+#include "integ/stage/stage_inside.h"
 
 #include "linalg/solve/newton.h"
 
+#include <math.h>
 #include <string.h>
 
 static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
@@ -67,12 +68,11 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     const dm_model *m = stepper->model;
     double *memory = stepper->work + doubles(sizeof *g);
     if (m->constraints) return dm_constrained_open(stepper, basis);
-    *g = (dm_stage){.m = m, .n = m->n};
+    *g = (dm_stage){.m = m, .n = m->n, .h = NAN}; /* of no step yet */
     g->separable = (m->structure & SIMPLE) == SIMPLE;
     dm_stage_table_find(&g->table, basis, m, memory);
     memory += dm_stage_table_size(g->table.s, g->table.r);
     dm_stage_weights_place(g, memory);
-    dm_stage_weights_scale(g, stepper->h);
     memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     if (g->separable) dm_stage_separable_open(g);
     g->one = !g->separable && dm_stage_is_one(g);

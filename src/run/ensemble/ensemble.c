@@ -30,6 +30,7 @@ static void run_member(const worker *w, const dm_ensemble *e, long i) {
     if (many) w->stepper->params = e->params + (size_t)i * many;
     if (many && w->watch) w->watch->params = w->stepper->params;
     const dm_run_plan plan = {.t0 = e->t0,
+                              .h = e->h,
                               .steps = e->steps,
                               .every = e->rows    ? e->rows->every
                                        : e->steps ? e->steps
@@ -68,7 +69,7 @@ static void run_members(const worker *w, long from, long to) {
     for (long i = from; i < to; i = from) {
         const dm_pace *pace = e.pace + i;
         while (from < to && is_same_pace(e.pace + from, pace)) from++;
-        w->stepper->h = pace->h;
+        e.h = pace->h;
         e.steps = pace->steps;
         rows.every = pace->every;
         run_alike(w, &e, i, from);

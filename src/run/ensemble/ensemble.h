@@ -24,13 +24,10 @@ typedef struct {
 
 typedef struct {
     long members, steps;
-    double t0;
-    const dm_pace
-        *pace; /* [members]; NULL: the step of the steppers, `steps`, the rows' `every` for all */
+    double t0, h;
+    const dm_pace *pace;  /* [members]; NULL: h, `steps`, the rows' `every` for all */
     const double *params; /* [members][params of the model] */
-    double *
-        /* [members] x dm_state_size: start, then end (of a failed member: its last good state) */
-        state;
+    double *state; /* [members] x dm_state_size: start, then end (failed: the last good state) */
     dm_member *member;            /* [members] */
     const dm_ensemble_rows *rows; /* NULL: only the ends are kept */
     dm_observer *watch;           /* [threads] what the rows hold; NULL: q, p */

@@ -11,7 +11,7 @@ typedef struct {
     uint32_t most;                 /* groups */
     long burst;                    /* steps between looks at the stop flag, from block to block */
     dm_observer *watch;            /* what rows hold; NULL: q, p */
-    double h[DM_LANES_GROUPS * 8]; /* steps of members that have their own */
+    double h[DM_LANES_GROUPS * 8]; /* steps of the members */
 } dm_block;
 
 /* Kernels for an opened stepper, in the arena of its model. 0: members go one by one. */

@@ -41,7 +41,7 @@ static int runs(const block *x, long i) {
 }
 
 static int has_paces(const block *x) {
-    return x->b->lanes.h != NULL;
+    return x->e->pace && dm_block_is_paced(x->b);
 }
 
 /* its steps, and how many of them from row to row */
@@ -61,10 +61,9 @@ static void put_params(const block *x, long i, uint32_t to) {
                many * sizeof(double));
 }
 
-/* what is computed for member i alone has its step and its parameters */
+/* what is computed for member i alone has its parameters */
 static void choose_member(const block *x, long i) {
     const uint32_t many = x->b->stepper->model->params;
-    if (has_paces(x)) x->b->stepper->h = x->b->h[i];
     if (!many) return;
     x->b->stepper->params = x->e->params + (size_t)(x->first + i) * many;
     if (x->b->watch) x->b->watch->params = x->b->stepper->params;
@@ -98,7 +97,7 @@ static void pad(block *x) {
 /* ---- rows ---- */
 
 static double time_of(const block *x, long i, long steps) {
-    return x->e->t0 + (double)steps * (has_paces(x) ? x->b->h[i] : x->b->stepper->h);
+    return x->e->t0 + (double)steps * x->b->h[i];
 }
 
 /* the row of a state of member i; one that cannot be watched fails */
@@ -157,11 +156,10 @@ static long to_event(const block *x, long most) {
 }
 
 /* steps of the members, and any for lanes without one */
-static void set_paces(block *x) {
-    const int own = x->e->pace && dm_block_is_paced(x->b);
-    x->b->lanes.h = own ? x->b->h : NULL;
-    for (size_t i = 0; own && i < sizeof x->b->h / sizeof *x->b->h; i++)
-        x->b->h[i] = x->e->pace[x->first + ((long)i < x->count ? (long)i : 0)].h;
+static void set_steps(block *x) {
+    const dm_pace *own = has_paces(x) ? x->e->pace + x->first : NULL;
+    for (long i = 0; i < DM_LANES_GROUPS * 8; i++)
+        x->b->h[i] = own ? own[i < x->count ? i : 0].h : x->e->h;
 }
 
 static void begin(block *x) {
@@ -170,7 +168,7 @@ static void begin(block *x) {
         dm_member *m = member_of(x, i);
         *m = (dm_member){.status = DM_OK};
         choose_member(x, i);
-        if (s->method->start) m->status = s->method->start(s, state_of(x, i), x->e->t0);
+        if (s->method->start) m->status = s->method->start(s, state_of(x, i), x->e->t0, x->b->h[i]);
         if (m->status != DM_OK) continue;
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
         put_params(x, i, (uint32_t)i);
@@ -192,7 +190,7 @@ static void repeat_alone(block *x, long i, double t, long count) {
     choose_member(x, i);
     kept.state = x->b->lanes.kept;
     dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
-    m->status = dm_advance(s, state, t, count, &done);
+    m->status = dm_advance(s, state, t, x->b->h[i], count, &done);
     m->steps = x->done + done;
     if (m->status == DM_OK) {
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state);
@@ -216,7 +214,7 @@ static void leave(block *x, long i) {
 static void advance_told(block *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
     dm_stepper *s = x->b->stepper;
-    s->method->advance_lanes(s, lanes, t, count);
+    s->method->advance_lanes(s, lanes, t, x->b->h, count);
     for (long i = 0; i < x->count; i++)
         if (runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);
 }
@@ -227,7 +225,7 @@ static void advance_seen(block *x, double t, long count) {
     dm_stepper *s = x->b->stepper;
     const size_t all = (size_t)lanes->groups * lanes->lanes;
     memcpy(lanes->kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
-    s->method->advance_lanes(s, lanes, t, count);
+    s->method->advance_lanes(s, lanes, t, x->b->h, count);
     if (dm_lanes_are_finite(lanes, dim(x))) return;
     for (long i = 0; i < x->count; i++)
         if (runs(x, i) && !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
@@ -235,7 +233,7 @@ static void advance_seen(block *x, double t, long count) {
 }
 
 static void advance(block *x, long count) {
-    const double t = x->e->t0 + (double)x->done * x->b->stepper->h;
+    const double t = x->e->t0 + (double)x->done * x->b->h[0];
     const long before = x->alive;
     if (x->b->lanes.failed)
         advance_told(x, t, count);
@@ -293,7 +291,7 @@ void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
     const uint32_t together = b->lanes.together ? b->lanes.together : 1;
     const long pass = (long)b->lanes.lanes * together;
     b->lanes.groups = (uint32_t)((count - 1) / pass + 1) * together;
-    set_paces(&x);
+    set_steps(&x);
     begin(&x);
     keep_rows(&x);
     const dm_status status = run(&x);

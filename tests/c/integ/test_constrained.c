@@ -297,9 +297,7 @@ static void memory_holds_what_a_run_needs(void) {
         CHECK(session_run(&x, 20) == DM_OK);
         for (int i = 0; i < 20; i++) {
             memcpy(side, y.state, sizeof side);
-            y.s.h = 0.02;
-            CHECK(y.s.method->step(&y.s, side, 0.0) == DM_OK);
-            y.s.h = 0.05;
+            CHECK(y.s.method->step(&y.s, side, 0.0, 0.02) == DM_OK);
             CHECK(session_run(&y, 1) == DM_OK);
         }
         CHECK(memcmp(x.state, y.state, 4 * t.p.n * sizeof(double)) == 0);

@@ -33,7 +33,7 @@ static double symplectic_defect(run *r) {
     const uint32_t n = r->p.n, N = 2 * n;
     double D[64], worst = 0.0;
     double *memory = malloc(dm_curve_tangent_work(&r->x.s) * sizeof *memory);
-    const dm_status status = dm_curve_tangent(&r->x.s, D, r->x.state, 0.1, memory);
+    const dm_status status = dm_curve_tangent(&r->x.s, D, r->x.state, 0.1, r->x.h, memory);
     free(memory);
     if (status != DM_OK) return NAN;
     for (uint32_t i = 0; i < N; i++)
@@ -51,7 +51,7 @@ static void check_tangent(run *r) {
     const uint32_t n = r->p.n, N = 2 * n;
     double D[64], start[4 * PROBLEM_SIZE + 8];
     double *memory = malloc(dm_curve_tangent_work(&r->x.s) * sizeof *memory);
-    CHECK(dm_curve_tangent(&r->x.s, D, r->x.state, 0.1, memory) == DM_OK);
+    CHECK(dm_curve_tangent(&r->x.s, D, r->x.state, 0.1, r->x.h, memory) == DM_OK);
     free(memory);
     memcpy(start, r->x.state, sizeof start);
     for (uint32_t i = 0; i < N; i++) {
@@ -60,7 +60,7 @@ static void check_tangent(run *r) {
             if (!k) continue;
             memcpy(r->x.state, start, sizeof start);
             r->x.state[i] += 3e-3 * k;
-            CHECK(r->x.s.method->step(&r->x.s, r->x.state, 0.1) == DM_OK);
+            CHECK(r->x.s.method->step(&r->x.s, r->x.state, 0.1, r->x.h) == DM_OK);
             for (uint32_t j = 0; j < N; j++)
                 column[j] += (k > 0 ? 1.0 : -1.0) * DIFFERENCE[abs(k) - 1] *
                              (r->x.state[j] + r->x.state[N + j]) / 0.18;
@@ -141,7 +141,7 @@ static void half_bias_steps_are_symmetric(void) {
         if (CHECK(run_open(&r, models + 2, rule, 0.05))) {
             memcpy(start, r.x.state, sizeof start);
             CHECK(session_run(&r.x, 20) == DM_OK);
-            r.x.s.h = -0.05;
+            r.x.h = -0.05;
             CHECK(session_run(&r.x, 20) == DM_OK);
             for (int k = 0; k < 8; k++)
                 CHECK_NEAR(r.x.state[k] + r.x.state[8 + k], start[k], 1e-13);

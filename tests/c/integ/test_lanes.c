@@ -1,8 +1,8 @@
 /* members in lanes: the bits of one member, for any number of them; no lanes where none can be
  * had. */
-#include "integ/registry.h"
 #include "check.h"
 #include "code/native/jit.h"
+#include "integ/registry.h"
 #include "problems.h"
 #include "run/ensemble/ensemble.h"
 
@@ -33,7 +33,7 @@ static dm_node lagrangian(dm_graph *g) {
 
 static int kepler_open(kepler *k, const char *rule) {
     const char *nearest;
-    *k = (kepler){.s = {.h = 0.01, .tolerance = 4e-15, .max_iterations = 50}};
+    *k = (kepler){.s = {.tolerance = 4e-15, .max_iterations = 50}};
     dm_arena_init(&k->arena, problem_allocate, NULL);
     dm_graph *g = dm_graph_new(&k->arena, 5);
     const dm_node L = lagrangian(g);
@@ -63,6 +63,7 @@ static uint32_t run_all(double *state, dm_member *member, long members, kepler *
     uint32_t lanes = 0;
     dm_stepper *steppers[1] = {&k->s};
     const dm_ensemble e = {.members = members,
+                           .h = 0.01,
                            .steps = STEPS,
                            .state = state,
                            .member = member,

@@ -1,6 +1,6 @@
 /* steps compared and broken: time reversal, equal methods, equal bits, an own Ld, failures. */
-#include "integ/registry.h"
 #include "check.h"
+#include "integ/registry.h"
 #include "problems.h"
 
 static const char *const variational[] = {"verlet",   "midpoint", "trapezoidal", "gauss(2)",
@@ -231,7 +231,7 @@ static void a_blow_up_stops_at_the_last_good_step(void) {
     henon_heiles(&p);
     p.q[1] = 2.0;
     CHECK(session_open(&x, &p, "verlet", 0.05) && session_open(&y, &p, "verlet", 0.05));
-    CHECK(dm_advance(&x.s, x.state, 0.0, 100000, &done) == DM_NOT_FINITE);
+    CHECK(dm_advance(&x.s, x.state, 0.0, x.h, 100000, &done) == DM_NOT_FINITE);
     CHECK(done > 0 && done < 100000);
     CHECK(session_run(&y, done) == DM_OK);
     CHECK(memcmp(x.state, y.state, 8 * sizeof(double)) == 0);

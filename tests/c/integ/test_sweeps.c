@@ -45,7 +45,7 @@ static void make(problem *p, int which, dm_compile *compile) {
 static dm_status run(session *x, const problem *p, const char *rule, double h, long steps,
                      long every) {
     long done;
-    const dm_run_plan plan = {.steps = steps, .every = every};
+    const dm_run_plan plan = {.h = h, .steps = steps, .every = every};
     const dm_status status = session_open(x, p, rule, h) ? DM_OK : DM_NO_MEMORY;
     return status == DM_OK ? dm_run_end(&plan, &x->s, x->state, &done) : status;
 }
@@ -164,7 +164,8 @@ static void the_last_step_saves_sweeps(void) {
     kepler(&p, 0, dm_native_build);
     CHECK(run(&x, &p, "gauss(6)", 0.05, 400, 400) == DM_OK);
     CHECK(session_open(&y, &p, "gauss(6)", 0.05));
-    CHECK(session_run(&y, 400) == DM_OK); /* not started: nothing is remembered */
+    CHECK(y.s.method->start(&y.s, y.state, 0.0, 1.0) == DM_OK); /* for steps of another length */
+    CHECK(session_run(&y, 400) == DM_OK);
     CHECK((double)x.s.report.newton < 0.75 * (double)y.s.report.newton);
     CHECK(distance(&x, &y, 2) < 1e-12);
     session_close(&x);
@@ -208,7 +209,8 @@ static void newton_saves_iterations(void) {
     kepler(&p, 1, dm_native_build);
     CHECK(run(&x, &p, "midpoint", 0.01, 250, 250) == DM_OK);
     CHECK(session_open(&y, &p, "midpoint", 0.01));
-    CHECK(session_run(&y, 250) == DM_OK); /* not started */
+    CHECK(y.s.method->start(&y.s, y.state, 0.0, 1.0) == DM_OK); /* for steps of another length */
+    CHECK(session_run(&y, 250) == DM_OK);
     CHECK((double)x.s.report.evaluations < 0.8 * (double)y.s.report.evaluations);
     CHECK(distance(&x, &y, 2) < 1e-12);
     session_close(&x);
@@ -235,13 +237,13 @@ static void start_and_landing(int which, const char *rule) {
     session x, y;
     double between[4 * PROBLEM_SIZE + 8], first[4 * PROBLEM_SIZE + 8];
     long done;
-    const dm_run_plan plan = {.steps = 100, .every = 100};
+    const dm_run_plan plan = {.h = 0.02, .steps = 100, .every = 100};
     make(&p, which, dm_native_build);
     CHECK(run(&x, &p, rule, 0.02, 100, 100) == DM_OK);
     memcpy(first, x.state, sizeof first);
     CHECK(run(&y, &p, rule, 0.02, 100, 100) == DM_OK);
     for (int i = 0; i < 50; i++) {
-        CHECK(dm_land(&y.s, between, y.state, 2.0, 2.01) == DM_OK);
+        CHECK(dm_land(&y.s, between, y.state, 2.0, 2.01, y.h) == DM_OK);
         CHECK(session_run(&x, 1) == DM_OK && session_run(&y, 1) == DM_OK);
     }
     CHECK(memcmp(x.state, y.state, sizeof x.state) == 0);

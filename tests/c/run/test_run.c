@@ -18,7 +18,10 @@ static void counts_rows(void) {
     } cases[] = {{0, 1, 1},  {1, 1, 2},    {10, 1, 11}, {10, 5, 3},
                  {10, 3, 5}, {10, 100, 2}, {9, 3, 4}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const dm_run_plan plan = {.t0 = 2.0, .steps = cases[i].steps, .every = cases[i].every};
+        const dm_run_plan plan = {.t0 = 2.0,
+                                  .h = 0.01,
+                                  .steps = cases[i].steps,
+                                  .every = cases[i].every};
         problem p;
         session x;
         long done = -1, filled = -1;
@@ -37,7 +40,7 @@ static void counts_rows(void) {
 static void rows_are_the_states_of_single_steps(void) {
     static const char *const rules[] = {"verlet", "gauss(2)", "rk8pd"};
     for (int i = 0; i < 3; i++) {
-        const dm_run_plan plan = {.steps = 3000, .every = 7};
+        const dm_run_plan plan = {.h = 0.01, .steps = 3000, .every = 7};
         problem p;
         session x, y;
         long done, filled;
@@ -62,7 +65,7 @@ static void times_do_not_depend_on_bursts(void) {
         problem p = {.n = 1};
         session x;
         long done, filled;
-        const dm_run_plan plan = {.t0 = 0.1, .steps = 2000, .every = i ? 1 : 2000};
+        const dm_run_plan plan = {.t0 = 0.1, .h = 0.01, .steps = 2000, .every = i ? 1 : 2000};
         dm_arena_init(&p.arena, problem_allocate, NULL);
         dm_graph *g = dm_graph_new(&p.arena, 3);
         const dm_node q = dm_input(g, 0), v = dm_input(g, 1), t = dm_input(g, 2);
@@ -92,7 +95,8 @@ static void stop_at_the_second_call(void *ud, long done, long steps) {
 }
 
 static void stops_on_request_with_the_rows_so_far(void) {
-    const dm_run_plan plan = {.steps = 2000000000L,
+    const dm_run_plan plan = {.h = 0.01,
+                              .steps = 2000000000L,
                               .every = 1000000000L,
                               .stop = &stop,
                               .progress = stop_at_the_second_call,
@@ -110,7 +114,7 @@ static void stops_on_request_with_the_rows_so_far(void) {
 }
 
 static void a_flag_that_is_up_stops_before_the_first_step(void) {
-    const dm_run_plan plan = {.steps = 10, .every = 1, .stop = &stop};
+    const dm_run_plan plan = {.h = 0.01, .steps = 10, .every = 1, .stop = &stop};
     problem p;
     session x;
     long done, filled;
@@ -125,7 +129,7 @@ static void a_flag_that_is_up_stops_before_the_first_step(void) {
 static void a_failure_keeps_the_last_good_row(void) {
     static const char *const rules[] = {"verlet", "midpoint", "rk8pd"};
     for (int i = 0; i < 3; i++) {
-        const dm_run_plan plan = {.steps = 100000, .every = 100};
+        const dm_run_plan plan = {.h = 0.05, .steps = 100000, .every = 100};
         problem p;
         session x;
         long done, filled;
@@ -143,7 +147,7 @@ static void a_failure_keeps_the_last_good_row(void) {
 }
 
 static void a_start_that_is_not_finite_is_refused(void) {
-    const dm_run_plan plan = {.steps = 10, .every = 1};
+    const dm_run_plan plan = {.h = 0.01, .steps = 10, .every = 1};
     problem p;
     session x;
     long done, filled;

@@ -3,10 +3,10 @@
 #include "integ/stage/lanes/stage_lanes.h"
 
 #include "code/native/jit.h"
-#include "numbers/processor.h"
 #include "integ/method/cache.h"
 #include "integ/method/lanes.h"
 #include "integ/stage/lanes/one_point.h"
+#include "numbers/processor.h"
 
 #include <string.h>
 
@@ -204,15 +204,13 @@ static void scale_lane(dm_stage_lanes *w, dm_stage *g, double *place, double h) 
 }
 
 /* of the lanes of a group whose step is another one than it was */
-static void scale_group(dm_stage_lanes *w, dm_stage *g, const dm_lanes *x, uint32_t group,
-                        double h) {
+static void scale_group(dm_stage_lanes *w, dm_stage *g, uint32_t group, const double *h) {
+    const uint32_t lanes = w->members.lanes;
     double *paces = w->paces + group * paces_size(w);
-    for (uint32_t l = 0; l < x->lanes; l++) {
-        const double own = x->h ? x->h[group * x->lanes + l] : h;
-        if (paces[l] != own) scale_lane(w, g, paces + l, own);
-    }
+    for (uint32_t l = 0; l < lanes; l++)
+        if (paces[l] != h[l]) scale_lane(w, g, paces + l, h[l]);
     w->h = paces;
-    w->scaled = paces + x->lanes;
+    w->scaled = paces + lanes;
 }
 
 /* ---- opening ---- */
@@ -262,27 +260,28 @@ int dm_stage_widen(dm_stepper *s, dm_lanes *x) {
 /* ---- stepping ---- */
 
 /* one step of member i by the stepper itself */
-static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t) {
+static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t, double h) {
     const uint32_t n = s->model->n;
     const size_t size = x->memory_size;
     double *place, *memory = dm_lanes_memory(x, i);
     s->method->memory(s, &place);
     dm_lanes_get(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) place[k] = memory[k * x->lanes];
-    if (x->h) s->h = x->h[i];
-    x->failed[i] = s->method->step(s, x->alone, t);
+    x->failed[i] = s->method->step(s, x->alone, t, h);
     if (x->failed[i] != DM_OK) return;
     dm_lanes_put(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) memory[k * x->lanes] = place[k];
     x->done[i]++;
 }
 
-static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t, long count) {
+/* t counts where the model sees it, and the steps of all are the same then */
+static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t, const double *h,
+                          long count) {
     dm_stage *g = (dm_stage *)(void *)s->work;
     dm_stage_lanes *w = g->lanes;
     const uint32_t first = group * x->lanes;
     uint32_t asked = 0;
-    scale_group(w, g, x, group, s->h);
+    scale_group(w, g, group, h);
     w->state = x->state + first * dm_state_size(s->model->n);
     w->memory = x->memory + first * x->memory_size;
     for (uint32_t l = 0; l < x->lanes; l++) {
@@ -290,24 +289,22 @@ static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t, 
         if (x->failed[first + l] == DM_OK) asked |= 1u << l;
     }
     for (long k = 0; k < count && asked; k++) {
-        w->t = t + (double)k * s->h;
+        w->t = t + (double)k * *h;
         const uint32_t ready = w->step(w, asked);
         for (uint32_t l = 0; l < x->lanes; l++) {
             if (!(asked >> l & 1)) continue;
             if (ready >> l & 1)
                 x->done[first + l]++;
             else
-                step_alone(s, x, first + l, w->t);
+                step_alone(s, x, first + l, w->t, h[l]);
             if (x->failed[first + l] != DM_OK) asked &= ~(1u << l);
         }
     }
 }
 
-void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count) {
+void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     dm_stage *g = (dm_stage *)(void *)s->work;
     g->lanes->tolerance = s->tolerance;
     g->lanes->max_iterations = s->max_iterations;
-    const double h = s->h;
-    for (uint32_t i = 0; i < x->groups; i++) advance_group(s, x, i, t, count);
-    s->h = h;
+    for (uint32_t i = 0; i < x->groups; i++) advance_group(s, x, i, t, h + i * x->lanes, count);
 }

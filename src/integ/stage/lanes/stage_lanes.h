@@ -51,6 +51,6 @@ dm_stage_lanes_step dm_stage_sweep_avx, dm_stage_sweep_fma, dm_stage_sweep_avx51
 
 /* What the rows of methods.def call. */
 int dm_stage_widen(dm_stepper *s, dm_lanes *x);
-void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, long count);
+void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count);
 
 #endif

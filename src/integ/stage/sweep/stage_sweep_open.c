@@ -1,7 +1,7 @@
 /* stage_sweep_open.c - kernels, coefficients and workspace of the sweeps of stage_sweep.c. */
 #include "code/native/jit.h"
-#include "integ/method/hamilton.h"
 #include "integ/method/cache.h"
+#include "integ/method/hamilton.h"
 #include "integ/stage/stage_inside.h"
 
 #include <assert.h>
@@ -287,7 +287,6 @@ void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory)
     if (w->velocity.lanes) open_kernel(&w->velocity, w->row->width);
     w->heaviest = g->separable ? dm_stage_heaviest(g) : 0.0;
     find_ahead(g, basis);
-    dm_stage_sweeps_scale(g);
     plan(g);
 }
 
