@@ -6,7 +6,7 @@ local floors = {}
 floors.src = {
   "base", "numbers", "linalg", "linalg/solve", "graph", "algebra",
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
-  "geom", "geom/action", "chain", "mech",
+  "geom", "geom/action", "chain", "mech", "dec",
   -- kept free: dec, field
   "integ/method", "integ/split", "integ/constrained", "integ/stage/sweep", "integ/stage/lanes", "integ/stage",
   "integ/rules", "integ/curve", "integ",

@@ -1,0 +1,15 @@
+/* orientation.h - the coherent orientation of the top cells (Leok 3.3): neighbours stand with
+ * opposite signs in the boundary of what they share. */
+#ifndef DM_ORIENTATION_H
+#define DM_ORIENTATION_H
+
+#include "dec/complex.h"
+
+/* Set K->orientation, to NULL where there is none (a Moebius band, or a face of more than two top
+ * cells). Every component begins with +1 at its first cell. DM_OK or DM_NO_MEMORY. */
+dm_status dm_complex_orient(dm_complex *K, dm_arena *arena);
+
+/* The first face of degree n - 1 with more than two top cells, or UINT32_MAX. */
+uint32_t dm_complex_crowded(const dm_complex *K);
+
+#endif
