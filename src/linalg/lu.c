@@ -1,60 +1,18 @@
 #include "linalg/lu.h"
 
-#include "base/written_out.h"
+/* one matrix: a lane alone */
+#define W 1
+#define HOW
+#define DM_LANES_FUSED 0
+#include "linalg/lu_text.h"
 
-#include <float.h>
-#include <math.h>
-#include <stddef.h>
-
-/* row of the largest entry of column k at or below the diagonal */
-DM_WRITTEN_OUT uint32_t pivot_row(const double *A, uint32_t k, uint32_t n) {
-    uint32_t best = k;
-    double largest = fabs(A[k * (size_t)n + k]);
-#pragma GCC unroll 4
-    for (uint32_t i = k + 1; i < n; i++) {
-        const double size = fabs(A[i * (size_t)n + k]);
-        if (size > largest) best = i, largest = size;
-    }
-    return best;
-}
-
-static void exchange(double *a, double *b, uint32_t n) {
-    for (uint32_t j = 0; j < n; j++) {
-        const double t = a[j];
-        a[j] = b[j];
-        b[j] = t;
-    }
-}
-
-/* rows below k minus their multiple of row k; the multiples stay in column k */
-DM_WRITTEN_OUT void eliminate(double *restrict A, uint32_t k, uint32_t n) {
-    const double *row = A + k * (size_t)n;
-#pragma GCC unroll 4
-    for (uint32_t i = k + 1; i < n; i++) {
-        double *below = A + i * (size_t)n;
-        const double factor = below[k] * row[k];
-        below[k] = factor;
-#pragma GCC unroll 4
-        for (uint32_t j = k + 1; j < n; j++) below[j] -= factor * row[j];
-    }
+INLINE dm_status factor(double *A, uint32_t *pivot, uint32_t n) {
+    I numbers;
+    if (factor_matrix(A, (I *)pivot, n, &numbers)) return DM_OK;
+    return numbers ? DM_SINGULAR : DM_NOT_FINITE;
 }
 
 /* sizes of short steps are written out */
-DM_WRITTEN_OUT dm_status factor(double *A, uint32_t *pivot, uint32_t n) {
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < n; k++) {
-        const uint32_t p = pivot_row(A, k, n);
-        double *row = A + k * (size_t)n;
-        pivot[k] = p;
-        if (p != k) exchange(row, A + p * (size_t)n, n);
-        if (!isfinite(row[k])) return DM_NOT_FINITE;
-        if (fabs(row[k]) < DBL_MIN) return DM_SINGULAR;
-        row[k] = 1.0 / row[k];
-        eliminate(A, k, n);
-    }
-    return DM_OK;
-}
-
 dm_status dm_lu_factor(double *A, uint32_t *pivot, uint32_t n) {
     switch (n) {
     case 1:
@@ -70,41 +28,8 @@ dm_status dm_lu_factor(double *A, uint32_t *pivot, uint32_t n) {
     }
 }
 
-/* x[n] in the order of the rows of the factors */
-DM_WRITTEN_OUT void permute(double *x, const uint32_t *pivot, uint32_t n) {
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < n; k++)
-        if (pivot[k] != k) {
-            const double t = x[pivot[k]];
-            x[pivot[k]] = x[k];
-            x[k] = t;
-        }
-}
-
-/* x = U^-1 L^-1 x; `at` may be x, and stays in registers where it is not */
-DM_WRITTEN_OUT void substitute(double *at, double *x, const double *LU, uint32_t n) {
-#pragma GCC unroll 4
-    for (uint32_t i = 0; i < n; i++) {
-        const double *row = LU + i * (size_t)n;
-        double sum = x[i];
-#pragma GCC unroll 4
-        for (uint32_t j = 0; j < i; j++) sum -= row[j] * at[j];
-        at[i] = sum;
-    }
-#pragma GCC unroll 4
-    for (uint32_t i = n; i-- > 0;) {
-        const double *row = LU + i * (size_t)n;
-        double sum = at[i];
-#pragma GCC unroll 4
-        for (uint32_t j = i + 1; j < n; j++) sum -= row[j] * at[j];
-        x[i] = at[i] = sum * row[i];
-    }
-}
-
-DM_WRITTEN_OUT void solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n) {
-    double at[4];
-    permute(x, pivot, n);
-    substitute(n <= 4 ? at : x, x, LU, n);
+INLINE void solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n) {
+    solve_factored(x, LU, (const I *)pivot, n);
 }
 
 void dm_lu_solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n) {

@@ -115,8 +115,8 @@ static int lay_out_newton(dm_stage_lanes *w) {
                             {&w->missed, m},
                             {&w->J, m * m},
                             {&w->J2, m * m},
-                            {&pivot, 2 * m},
-                            {&pivot2, 2 * m}};
+                            {&pivot, m},
+                            {&pivot2, m}};
     const uint32_t lanes = w->members.lanes;
     if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
     w->pivot = pivot;

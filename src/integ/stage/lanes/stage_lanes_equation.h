@@ -4,7 +4,7 @@
 #define DM_STAGE_LANES_EQUATION_H
 
 #include "integ/stage/lanes/stage_lanes_guess.h"
-#include "linalg/lu_lanes_text.h"
+#include "linalg/lu_text.h"
 
 INLINE size_t curve_size(uint32_t n) {
     return (2 * (size_t)n + 3 * (size_t)n * n) * W;
@@ -154,6 +154,13 @@ INLINE void find_matrix(const lanes_newton *it, double *J) {
     }
 }
 
+/* factors and pivots of the lanes of `yes` from another matrix */
+INLINE void take_factors(I yes, double *to, I *pivot, const double *from, const I *other,
+                         uint32_t n) {
+    copy_where(yes, to, from, (size_t)n * n);
+    for (uint32_t k = 0; k < n; k++) pivot[k] = pick_number(yes, other[k], pivot[k]);
+}
+
 /* residual, and matrix and factors of the lanes that renew them; lanes where that does not go
  * well leave */
 INLINE void evaluate_equation(lanes_newton *it, int all) {
@@ -164,9 +171,9 @@ INLINE void evaluate_equation(lanes_newton *it, int all) {
     it->fresh &= it->todo;
     if (!bits_of(it->fresh)) return;
     double *J = all ? w->J : w->J2;
-    lanes_pivot *pivot = all ? w->pivot : w->pivot2;
+    I *pivot = all ? w->pivot : w->pivot2, numbers;
     find_matrix(it, J);
-    it->todo &= factor_lanes(J, pivot, it->m) | ~it->fresh;
+    it->todo &= factor_matrix(J, pivot, it->m, &numbers) | ~it->fresh;
     it->fresh &= it->todo;
     if (!all) take_factors(it->fresh, w->J, w->pivot, J, pivot, it->m);
 }

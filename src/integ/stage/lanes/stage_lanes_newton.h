@@ -16,7 +16,7 @@ INLINE void find_increments(lanes_newton *it) {
     const dm_stage_lanes *w = it->w;
 #pragma GCC unroll 4
     for (uint32_t k = 0; k < it->m; k++) store(w->r + k * W, -load(w->r + k * W));
-    solve_lanes(w->r, w->J, w->pivot, it->m);
+    solve_factored(w->r, w->J, w->pivot, it->m);
     copy_where(it->todo, w->dx, w->r, it->m);
     const I known = (I)(it->step < INFINITY) & (I)(it->last < INFINITY);
     it->rate = pick(known, it->step / it->last, same(1.0));
