@@ -1,6 +1,7 @@
 --- Errors name the line of the script that called, not a line inside these modules.
 
--- what an unknown key or global was, in the message (dm.session.missing, which sets it when dm is loaded)
+-- what an unknown key or global was, in the message (dm.session.missing, which sets it when dm is
+-- loaded)
 local function explain(message) return debug.getregistry().dm_explain(message) end
 
 local getinfo = debug.getinfo
@@ -15,7 +16,8 @@ local PLACE = "^[^\n]-:%d+: "
 -- a dm.failure whose message names a line in here, or none
 local function is_misplaced(value)
   local meta = type(value) == "table" and getmetatable(value)
-  return meta and meta.__name == "dm.failure" and (value.message:find(INSIDE) or not value.message:find(PLACE))
+  return meta and meta.__name == "dm.failure"
+    and (value.message:find(INSIDE) or not value.message:find(PLACE))
 end
 
 -- functions that caller made, and those that stand for one of them in a class
@@ -32,38 +34,47 @@ local function find_method(f)
   end
 end
 
--- what to say of a method that was called with something else in the place of its object, or nothing
+-- what to say of a method that was called with something else in the place of its object, or
+-- nothing
 local function misused(f, object)
   local class, name = find_method(f and wrapped[f])
   local meta = debug.getmetatable(object)
   if not class or type(meta) == "table" and meta.__name == class then return end
-  return ("bad argument #1 to '%s' (%s expected, got %s); a method is called with a colon, x:%s(...)"):format(name, class,
+  return ("bad argument #1 to '%s' (%s expected, got %s); a method is called with a colon, "
+    .. "x:%s(...)"):format(name, class,
     type(meta) == "table" and type(meta.__name) == "string" and meta.__name or type(object), name)
 end
 
 local function finish(f, object, fine, ...)
   if fine then return ... end
   local message = ...
-  if type(message) == "string" and not M.is_stop(message) then message = misused(f, object) or message end
+  if type(message) == "string" and not M.is_stop(message) then
+    message = misused(f, object) or message
+  end
   if type(message) == "string" then message = message:gsub(INSIDE, "") end
-  if is_misplaced(message) then message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "") end
+  if is_misplaced(message) then
+    message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "")
+  end
   error(message, 2)  -- the caller: finish took its place by a tail call
 end
 
---- Is it what Ctrl-C raises, in a C loop or between two instructions of Lua? What runs things under pcall passes it on.
+--- Is it what Ctrl-C raises, in a C loop or between two instructions of Lua? What runs things under
+-- pcall passes it on.
 function M.is_stop(failure)
   if type(failure) == "string" then return failure:find("interrupted!", 1, true) ~= nil end
   local fine, code = pcall(function() return failure.code end)
   return fine and code == "stopped"
 end
 
---- The dm.failure of a stop by Ctrl-C, also where that came between instructions of Lua and is a string; other errors as they are.
+--- The dm.failure of a stop by Ctrl-C, also where that came between instructions of Lua and is a
+-- string; other errors as they are.
 function M.stopped(failure)
   if type(failure) ~= "string" or not M.is_stop(failure) then return failure end
   return setmetatable({ code = "stopped", message = failure }, debug.getregistry()["dm.failure"])
 end
 
---- f, with the position of its caller in its error messages, those of a dm.failure too; other error values pass as they are.
+--- f, with the position of its caller in its error messages, those of a dm.failure too; other error
+-- values pass as they are.
 function M.caller(f)
   local function call(...) return finish(f, (...), xpcall(f, explain, ...)) end
   wrapped[f] = call
@@ -85,7 +96,8 @@ function M.stands_for(method, f)
   end
 end
 
--- the same around a method written in C, which puts a position in front itself: that of a function of the user stays alone
+-- the same around a method written in C, which puts a position in front itself: that of a function
+-- of the user stays alone
 local function relay(fine, ...)
   local what = ...
   if fine or type(what) ~= "string" then return finish(nil, nil, fine, ...) end
@@ -93,7 +105,8 @@ local function relay(fine, ...)
   return finish(nil, nil, fine, what)
 end
 
--- was the method `call` called with a colon? A tail call, as that of a session, hides it: a colon is likelier
+-- was the method `call` called with a colon? A tail call, as that of a session, hides it: a colon
+-- is likelier
 local function has_colon(call)
   for level = 3, 100 do
     local info = getinfo(level, "fnt")
@@ -102,15 +115,18 @@ local function has_colon(call)
   end
 end
 
---- f, which calls the method `name` written in C, with the position of its caller in place of one inside these modules, and
--- arguments counted from the first one behind the colon, as Lua does where C is called directly.
+--- f, which calls the method `name` written in C, with the position of its caller in place of one
+-- inside these modules, and arguments counted from the first one behind the colon, as Lua does
+-- where C is called directly.
 function M.relay(f, name)
   local bad = "bad argument #(%d+) to '" .. name .. "'"
   local call
   local function look(what)
     what = explain(what)
     local number = type(what) == "string" and tonumber(what:match(bad))
-    if number == 1 then return ("%s; a method is called with a colon, x:%s(...)"):format(what, name) end
+    if number == 1 then
+      return ("%s; a method is called with a colon, x:%s(...)"):format(what, name)
+    end
     if not number or not has_colon(call) then return what end
     return (what:gsub(bad, ("bad argument #%d to '%s'"):format(number - 1, name), 1))
   end

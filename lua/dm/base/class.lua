@@ -1,4 +1,5 @@
---- Classes whose objects are Lua tables, as help(), completion and the reference know those of the core: by name, methods and a doc.
+--- Classes whose objects are Lua tables, as help(), completion and the reference know those of the
+-- core: by name, methods and a doc.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 

@@ -1,7 +1,9 @@
---- Small linear systems of numbers or symbols alike: what is eliminated from a Lagrangian has the size of the group.
+--- Small linear systems of numbers or symbols alike: what is eliminated from a Lagrangian has the
+-- size of the group.
 local M = {}
 
--- rows of A in the order in which elimination has the largest pivots for the numbers in A; nothing where it is singular
+-- rows of A in the order in which elimination has the largest pivots for the numbers in A; nothing
+-- where it is singular
 function M.order(A)
   local m, rows, order = #A, {}, {}
   for i = 1, m do
@@ -25,7 +27,8 @@ function M.order(A)
   return order
 end
 
---- x with A x = b for every list b of `columns`; rows are taken in the order given (M.order of a sample).
+--- x with A x = b for every list b of `columns`; rows are taken in the order given (M.order of a
+-- sample).
 function M.solve(A, columns, order)
   local m, rows = #A, {}
   for i = 1, m do
@@ -71,8 +74,8 @@ local function degree(A, order, k, i)
   return count
 end
 
---- The order of elimination along the diagonal that fills in little and has few divisions in a row (minimum degree, as in graph/linear.c),
--- for numbers; nothing where A is not positive definite.
+--- The order of elimination along the diagonal that fills in little and has few divisions in a row
+-- (minimum degree, as in graph/linear.c), for numbers; nothing where A is not positive definite.
 function M.diagonal_order(A)
   local m, rows, order, depth = #A, {}, {}, {}
   for i = 1, m do
@@ -82,7 +85,9 @@ function M.diagonal_order(A)
     local best, least = k, degree(rows, order, k, order[k])
     for c = k + 1, m do
       local now = degree(rows, order, k, order[c])
-      if now < least or now == least and depth[order[c]] < depth[order[best]] then best, least = c, now end
+      if now < least or now == least and depth[order[c]] < depth[order[best]] then
+        best, least = c, now
+      end
     end
     order[k], order[best] = order[best], order[k]
     local p = order[k]
@@ -99,11 +104,13 @@ end
 -- two by two by Cramer's rule
 local function solve_two(A, b)
   local inverse = 1 / (A[1][1] * A[2][2] - A[1][2] * A[1][2])
-  return { (A[2][2] * b[1] - A[1][2] * b[2]) * inverse, (A[1][1] * b[2] - A[1][2] * b[1]) * inverse }
+  return { (A[2][2] * b[1] - A[1][2] * b[2]) * inverse,
+    (A[1][1] * b[2] - A[1][2] * b[1]) * inverse }
 end
 
---- x with A x = b for a positive definite A, of symbols or numbers, in the order of M.diagonal_order of a sample. The operations are those by
--- which the second derivatives of an extremum have A^-1 (graph/linear.c), so that a kernel of both divides once.
+--- x with A x = b for a positive definite A, of symbols or numbers, in the order of
+-- M.diagonal_order of a sample. The operations are those by which the second derivatives of an
+-- extremum have A^-1 (graph/linear.c), so that a kernel of both divides once.
 function M.solve_definite(A, b, order)
   local m, x, upper, inverse = #A, {}, {}, {}
   if m == 2 then return solve_two(A, b) end

@@ -1,12 +1,13 @@
---- The start of a run as a caller gives it: the number of an only coordinate becomes a list of one, numbers by the names of coordinates
--- ({ x = 1, y = 0 }) a list in their order.
+--- The start of a run as a caller gives it: the number of an only coordinate becomes a list of one,
+-- numbers by the names of coordinates ({ x = 1, y = 0 }) a list in their order.
 local M = {}
 
 local KEYS = { "q", "v", "p", "q0", "q1", "p0", "u", "dp" }
 
 -- a table without a list in it, and with a name for a key
 local function is_named(x)
-  return type(x) == "table" and getmetatable(x) == nil and rawlen(x) == 0 and type(next(x)) == "string"
+  return type(x) == "table" and getmetatable(x) == nil and rawlen(x) == 0
+    and type(next(x)) == "string"
 end
 
 local function fail(...) error((...):format(select(2, ...)), 0) end
@@ -20,10 +21,16 @@ local function unnamed(x, system, key)
   end
   for i, name in ipairs(names) do out[i], known[name] = x[name], true end
   for name in pairs(x) do
-    if not known[name] then fail("field '%s': there is no coordinate '%s'; they are %s", key, tostring(name), table.concat(names, ", ")) end
+    if not known[name] then
+      fail("field '%s': there is no coordinate '%s'; they are %s", key, tostring(name),
+        table.concat(names, ", "))
+    end
   end
   for i, name in ipairs(names) do
-    if out[i] == nil then fail("field '%s': the coordinate '%s' is missing; all of %s are needed", key, name, table.concat(names, ", ")) end
+    if out[i] == nil then
+      fail("field '%s': the coordinate '%s' is missing; all of %s are needed", key, name,
+        table.concat(names, ", "))
+    end
   end
   return out
 end
@@ -35,7 +42,8 @@ function M.list(x, system, key)
   return x
 end
 
---- A copy of the options with q, v, p (and tangent vectors u, dp) as lists; `of`: a system or a solver of one, without it names stay.
+--- A copy of the options with q, v, p (and tangent vectors u, dp) as lists; `of`: a system or a
+-- solver of one, without it names stay.
 function M.lists(options, of)
   if type(options) ~= "table" then return options end
   local system = type(of) == "userdata" and (of.system or of)

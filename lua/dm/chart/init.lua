@@ -1,4 +1,5 @@
---- dm.chart: what accuracy costs. Every rule at every step: the error of what one looks at against CPU time, evaluations, steps.
+--- dm.chart: what accuracy costs. Every rule at every step: the error of what one looks at against
+-- CPU time, evaluations, steps.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local given_steps = require "dm.chart.steps"
@@ -19,38 +20,55 @@ local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) 
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error", "samples", "repeats", "reference",
+local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error",
+  "samples", "repeats", "reference",
   "tolerances", "rivals" }
 
 local function check_keys(options)
   for key in pairs(options) do
     local known = key == 1
     for _, name in ipairs(KNOWN) do known = known or name == key end
-    if not known then fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", ")) end
+    if not known then
+      fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", "))
+    end
   end
 end
 
 local function check_options(options)
-  if type(options) ~= "table" then fail("takes a table { system, q =, v =, t =, rules = {...}, h = {...} }") end
+  if type(options) ~= "table" then
+    fail("takes a table { system, q =, v =, t =, rules = {...}, h = {...} }")
+  end
   check_keys(options)
   local system = options.system or options[1]
-  if not system then fail("the system is missing: dm.chart { system, q =, v =, t =, rules =, h = }") end
+  if not system then
+    fail("the system is missing: dm.chart { system, q =, v =, t =, rules =, h = }")
+  end
   local fine, solver = pcall(function() return system.solver end)
   if not (fine and solver) then
-    fail("the first entry must be one dm.system (got %s): make a chart of each system", type(system))
+    fail("the first entry must be one dm.system (got %s): make a chart of each system",
+      type(system))
   end
-  if system.Ld then fail("a discrete Lagrangian has one step only: give a dm.system, or time runs of solvers by path.ns_per_step") end
-  if type(options.t) ~= "number" or not (options.t > 0 and options.t < math.huge) then fail("option 't' must be a duration > 0") end
+  if system.Ld then
+    fail("a discrete Lagrangian has one step only: give a dm.system, or time runs of solvers by "
+      .. "path.ns_per_step")
+  end
+  if type(options.t) ~= "number" or not (options.t > 0 and options.t < math.huge) then
+    fail("option 't' must be a duration > 0")
+  end
   for _, key in ipairs { "samples", "repeats" } do
     local n = options[key]
-    if n ~= nil and not (math.type(n) == "integer" and n > 0) then fail("option '%s' must be a whole number > 0 (got %s)", key, tostring(n)) end
+    if n ~= nil and not (math.type(n) == "integer" and n > 0) then
+      fail("option '%s' must be a whole number > 0 (got %s)", key, tostring(n))
+    end
   end
   if options.against ~= nil and options.against ~= "reference" then
-    fail("option 'against' must be \"reference\", which is what errors are measured against (got %s); chart:plot{against =} chooses the axis",
+    fail("option 'against' must be \"reference\", which is what errors are measured against (got "
+      .. "%s); chart:plot{against =} chooses the axis",
       tostring(options.against))
   end
   if options.h ~= nil or options.steps ~= nil then given_steps.sizes(options) end
-  for _, rule in ipairs(given_steps.list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")) do
+  for _, rule in ipairs(given_steps.list(options, "rules",
+    "rules, such as \"verlet\" or \"gauss(4)\"")) do
     system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
   end
   return system
@@ -102,8 +120,10 @@ local function measure(chart, entry, h)
   local own = tostring(rule):find "^log%-hamiltonian"
   local solver = chart.system:solver { rule = rule, h = own and h or step, newton = entry.newton }
   local path = solver:run(run_options(options, { at = chart.times, watch = chart.watch }))
-  local point = { rule = entry.name, h = own and h or step, error = chart.measure(path, chart.reference) }
-  local timed = own and { at = { (options.t0 or 0) + options.t } } or { steps = steps, every = steps }
+  local point = { rule = entry.name, h = own and h or step,
+    error = chart.measure(path, chart.reference) }
+  local timed = own and { at = { (options.t0 or 0) + options.t } }
+    or { steps = steps, every = steps }
   local plain = run_options(options, timed)
   point.ns = 1e9 * cpu_seconds(function() solver:run(plain) end, options.repeats or BATCHES)
   local report = solver:report()
@@ -119,7 +139,8 @@ local function try_point(chart, entry, h, points)
     points[#points + 1] = core.result(point)
   elseif points == chart.points then
     local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
-    chart.failures[#chart.failures + 1] = { rule = entry.name, h = h, why = fine and "the error is not finite" or why }
+    chart.failures[#chart.failures + 1] = { rule = entry.name, h = h,
+      why = fine and "the error is not finite" or why }
   end
 end
 
@@ -132,7 +153,9 @@ chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
 The cheapest measured point whose error is at most the given one, by CPU time.]]
 
 local function cheapest_of(points, target)
-  if type(target) ~= "number" then fail("chart:cheapest takes an error, a number such as 1e-6 (got %s)", type(target)) end
+  if type(target) ~= "number" then
+    fail("chart:cheapest takes an error, a number such as 1e-6 (got %s)", type(target))
+  end
   local best
   for _, p in ipairs(points) do
     if p.error <= target and (not best or p.ns < best.ns) then best = p end
@@ -159,7 +182,8 @@ end
 local function number(x) return x and ("%.2f"):format(x) or "-" end
 
 local function time_text(ns)
-  for _, unit in ipairs { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } } do
+  for _, unit in ipairs { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" },
+    { math.huge, 1e9, "s" } } do
     if ns < unit[1] then return ("%.3g %s"):format(ns / unit[2], unit[3]) end
   end
 end
@@ -175,13 +199,16 @@ end
 local function cheapest_lines(chart, lines)
   for _, target in ipairs { 1e-4, 1e-8, 1e-12 } do
     local p = chart:cheapest(target)
-    local text = p and ("cheapest at %.0e: %s, h = %.4g, %s%s"):format(target, p.rule, p.h, time_text(p.ns),
-      is_symplectic(p.rule) and "" or " (not symplectic)") or ("none of these reaches %.0e"):format(target)
+    local text = p and ("cheapest at %.0e: %s, h = %.4g, %s%s")
+      :format(target, p.rule, p.h, time_text(p.ns),
+      is_symplectic(p.rule) and "" or " (not symplectic)") or ("none of these reaches %.0e")
+        :format(target)
     local r = chart.rival and cheapest_of(chart.rival.points, target)
     if r and (not p or r.ns < p.ns) then
       text = text .. ("; %s, which preserves nothing, wins with %s"):format(r.rule, time_text(r.ns))
     elseif r then
-      text = text .. ("; %s, which preserves nothing, takes %.3g times as long"):format(r.rule, r.ns / p.ns)
+      text = text .. ("; %s, which preserves nothing, takes %.3g times as long")
+        :format(r.rule, r.ns / p.ns)
     end
     lines[#lines + 1] = text
   end
@@ -197,27 +224,34 @@ end
 
 local doc_table = [[
 chart:table() -> string
-A line per rule: measured order, number of points, least error and its cost; then the cheapest at 1e-4, 1e-8, 1e-12 beside the rival, the rules on the front, what failed and
-why, how far the two references are apart, and the load of the machine when it was measured.]]
+A line per rule: measured order, number of points, least error and its cost; then the cheapest at
+1e-4, 1e-8, 1e-12 beside the rival, the rules on the front, what failed and why, how far the two
+references are apart, and the load of the machine when it was measured.]]
 
 function M:table()
-  local lines = { ("%-28s %6s %7s %11s %10s"):format("rule", "order", "points", "least error", "for") }
+  local lines = { ("%-28s %6s %7s %11s %10s"):format("rule", "order", "points", "least error",
+    "for") }
   for _, rule in ipairs(self.rules) do
     local points, least = of_rule(self, rule), nil
     for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
-    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s"):format(rule, number((self:order(rule))), #points, least.error, time_text(least.ns))
+    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s")
+      :format(rule, number((self:order(rule))), #points, least.error, time_text(least.ns))
       or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
   end
   cheapest_lines(self, lines)
   lines[#lines + 1] = front_line(self)
-  for _, f in ipairs(self.failures) do lines[#lines + 1] = ("%s, h = %.4g: %s"):format(f.rule, f.h, f.why) end
+  for _, f in ipairs(self.failures) do
+    lines[#lines + 1] = ("%s, h = %.4g: %s"):format(f.rule, f.h, f.why)
+  end
   lines[#lines + 1] = self.reference_text
-  lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up"):format(self.load, self.options.repeats or BATCHES)
+  lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up")
+    :format(self.load, self.options.repeats or BATCHES)
   return table.concat(lines, "\n")
 end
 
 function M:__tostring()
-  return ("work-precision chart of %d point%s, %d rule%s, error of %s over t = %g\n"):format(#self.points, #self.points == 1 and "" or "s",
+  return ("work-precision chart of %d point%s, %d rule%s, error of %s over t = %g\n")
+    :format(#self.points, #self.points == 1 and "" or "s",
     #self.rules, #self.rules == 1 and "" or "s", self.what, self.options.t) .. self:table()
 end
 
@@ -225,13 +259,19 @@ end
 
 local doc_chart = [[
 dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, tolerances=, rivals=, samples=, repeats=, reference=, t0=} -> dm.chart
-Run every rule with every step h (or `steps`: the same, or how many, all larger than t; left out: seven, from the coarsest that shows the motion, by halves) over the duration t (h is made
-to fit a whole number of steps) and measure error against CPU time
-(median of batches, set-up included, pinned to one core), evaluations, Newton iterations and steps. error: "position" (default: the largest difference of a coordinate from a
-reference over 32 times), "energy", "momentum" (of coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p) compared with the reference, or { f }: the change of f along the run.
-The reference is found: two unlike methods, each refined until they agree; where they do not come close enough, dm.chart raises and
-says how far apart they are; reference = { rule =, h = } takes one on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method stopped at these. Where no rule is of the
-kind that preserves nothing, rk8 is measured beside them (chart.rival; rivals = false: not), and the table says when it wins. chart:table(), :order(rule), :cheapest(error), :pareto(), :plot{}, :csv().
+Run every rule with every step h (or `steps`: the same, or how many, all larger than t; left out:
+seven, from the coarsest that shows the motion, by halves) over the duration t (h is made to fit a
+whole number of steps) and measure error against CPU time (median of batches, set-up included,
+pinned to one core), evaluations, Newton iterations and steps. error: "position" (default: the
+largest difference of a coordinate from a reference over 32 times), "energy", "momentum" (of
+coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p)
+compared with the reference, or { f }: the change of f along the run.
+The reference is found: two unlike methods, each refined until they agree; where they do not come
+close enough, dm.chart raises and says how far apart they are; reference = { rule =, h = } takes one
+on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method stopped at these.
+Where no rule is of the kind that preserves nothing, rk8 is measured beside them (chart.rival;
+rivals = false: not), and the table says when it wins. chart:table(), :order(rule),
+:cheapest(error), :pareto(), :plot{}, :csv().
 On Ctrl-C the error's `chart` field has what was measured so far.]]
 
 -- the options with steps in h: those given, as h or steps, or found
@@ -239,7 +279,8 @@ local function with_steps(system, options)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
   out.rules = given_steps.list(options, "rules", "rules")
-  out.h = (options.h or options.steps) and given_steps.sizes(options) or given_steps.find(system, options)
+  out.h = (options.h or options.steps) and given_steps.sizes(options)
+    or given_steps.find(system, options)
   return out
 end
 
@@ -253,7 +294,9 @@ end
 local function raise(chart, failure)
   failure = blame.stopped(failure)
   if type(failure) == "table" then failure.chart = chart end
-  if blame.is_stop(failure) then failure.message = "dm.chart: stopped on request; what is there is in the failure's field chart" end
+  if blame.is_stop(failure) then
+    failure.message = "dm.chart: stopped on request; what is there is in the failure's field chart"
+  end
   error(failure, 0)
 end
 
@@ -272,9 +315,12 @@ M.chart = blame.caller(function(options)
   options = with_steps(system, starts.lists(options, system))
   local what_measure, what, needs_reference, watched = measures.make(system, options.error)
   local entries = measures.entries(options.rules, options.tolerances, M.name)
-  local chart = setmetatable({ system = system, options = options, points = {}, failures = {}, rules = distinct_names(entries),
-    measure = what_measure, what = what, times = sample_times(options), load = core.load_average(), floor = 1e-15,
-    watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" }, M)
+  local chart = setmetatable({ system = system, options = options, points = {}, failures = {},
+    rules = distinct_names(entries),
+    measure = what_measure, what = what, times = sample_times(options), load = core.load_average(),
+    floor = 1e-15,
+    watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" },
+    M)
   if needs_reference then
     local fine, ref, apart, text = core.until_stop(reference.find, chart)
     if not fine then raise(chart, ref) end
@@ -295,7 +341,8 @@ The same as dm.chart{system, ...}.]]
 
 core.docs[M.chart] = doc_chart
 M.order, M.plot, M.csv = orders.order, show.plot, show.csv
-core.docs[M.order], core.docs[M.cheapest], core.docs[M.pareto] = orders.doc, doc_cheapest, doc_pareto
+core.docs[M.order], core.docs[M.cheapest], core.docs[M.pareto] = orders.doc, doc_cheapest,
+  doc_pareto
 core.docs[M.table], core.docs[M.plot], core.docs[M.csv] = doc_table, show.doc_plot, show.doc_csv
 require "dm.base.class".register(M, { "order", "cheapest", "pareto", "table", "plot", "csv" }, [[
 dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}

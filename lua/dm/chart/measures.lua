@@ -35,7 +35,10 @@ local function cyclic_momenta(system)
       if name == (names and names[i] or "q" .. i) then cyclic[#cyclic + 1] = i end
     end
   end
-  if #cyclic == 0 then fail("error = \"momentum\": L depends on every coordinate; give the group whose momentum it is, error = dm.SO(2), or { f }") end
+  if #cyclic == 0 then
+    fail("error = \"momentum\": L depends on every coordinate; give the group whose momentum it "
+      .. "is, error = dm.SO(2), or { f }")
+  end
   return function(path)
     local worst = 0
     for _, k in ipairs(cyclic) do worst = worse(worst, change(path:column("p" .. k))) end
@@ -63,7 +66,9 @@ local function ties(system)
   return function(path) return path:worst(what) end
 end
 
-local function is_space(x) return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.space" end
+local function is_space(x)
+  return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.space"
+end
 
 --- measure(path, reference), its name, whether a reference is needed, what is to be watched.
 function M.make(system, what)
@@ -72,7 +77,8 @@ function M.make(system, what)
   if what == "energy" then
     local s = system:structure()
     if not s.autonomous or s.forced then
-      fail("error = \"energy\": the energy of this system changes by itself (%s); give a function of (q, v, t, p), compared with the reference",
+      fail("error = \"energy\": the energy of this system changes by itself (%s); give a function "
+        .. "of (q, v, t, p), compared with the reference",
         s.forced and "forces" or "L depends on t")
     end
     return function(path) return change(path:energy()) end, "energy", false
@@ -81,10 +87,12 @@ function M.make(system, what)
   if what == "constraint" then return ties(system), "constraint", false end
   if is_space(what) then return group_momentum(what), "momentum of " .. tostring(what), false end
   if type(what) == "table" and type(what[1]) == "function" then
-    return function(path) return change(path:column "watched") end, "change of what is watched", false, what[1]
+    return function(path) return change(path:column "watched") end, "change of what is watched",
+      false, what[1]
   end
   if type(what) ~= "function" then
-    fail("option 'error' must be \"position\", \"energy\", \"momentum\" or a group, \"constraint\", a function of (q, v, t, p) compared with the "
+    fail("option 'error' must be \"position\", \"energy\", \"momentum\" or a group, "
+      .. "\"constraint\", a function of (q, v, t, p) compared with the "
       .. "reference, or { f } for the change of f along the run (got %s)", tostring(what))
   end
   return function(path, ref)
@@ -100,19 +108,25 @@ function M.entries(rules, tolerances, name)
   for _, row in ipairs(core.rules()) do explicit[row.name] = row.explicit end
   local out, seen = {}, {}
   if type(tolerances) == "number" then tolerances = { tolerances } end
-  if tolerances and type(tolerances) ~= "table" then fail("option 'tolerances' must hold numbers between 0 and 1") end
+  if tolerances and type(tolerances) ~= "table" then
+    fail("option 'tolerances' must hold numbers between 0 and 1")
+  end
   for _, rule in ipairs(rules) do
     if seen[name(rule)] then fail("rule '%s' is given twice", name(rule)) end
     seen[name(rule)], out[#out + 1] = true, { rule = rule, name = name(rule) }
     for _, tolerance in ipairs(not explicit[name(rule):match "^[%w_-]+"] and tolerances or {}) do
-      if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then fail("option 'tolerances' must hold numbers between 0 and 1") end
-      out[#out + 1] = { rule = rule, name = ("%s, Newton to %.0e"):format(name(rule), tolerance), newton = { tolerance = tolerance } }
+      if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then
+        fail("option 'tolerances' must hold numbers between 0 and 1")
+      end
+      out[#out + 1] = { rule = rule, name = ("%s, Newton to %.0e"):format(name(rule), tolerance),
+        newton = { tolerance = tolerance } }
     end
   end
   return out
 end
 
---- The rule that preserves nothing, which every chart is measured against where it has none; nil where it cannot step the system.
+--- The rule that preserves nothing, which every chart is measured against where it has none; nil
+-- where it cannot step the system.
 function M.rival(system, rules, name)
   local symplectic = {}
   for _, row in ipairs(core.rules()) do symplectic[row.name] = row.symplectic end

@@ -17,8 +17,9 @@ end
 
 local doc_order = [[
 chart:order(rule) -> number   or   nil, sentence
-The measured order of a rule: the slope of ln error over ln h, least squares over the four finest steps whose error is well above (30 times)
-what the references differ by, and above the rule's own round-off where finer steps have larger errors. nil, and why, with fewer than two such steps.
+The measured order of a rule: the slope of ln error over ln h, least squares over the four finest
+steps whose error is well above (30 times) what the references differ by, and above the rule's own
+round-off where finer steps have larger errors. nil, and why, with fewer than two such steps.
 Coarse steps may lie before the limit where the order shows.]]
 
 -- where errors of a rule grow again with finer steps its own round-off is what is seen there
@@ -59,15 +60,19 @@ end
 
 local function order_of(chart, rule)
   if type(rule) ~= "string" and rule ~= nil then rule = tostring(rule):gsub("^rule ", "") end
-  if not find_name(chart.rules, rule) then fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(chart.rules, ", ")) end
+  if not find_name(chart.rules, rule) then
+    fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(chart.rules, ", "))
+  end
   local points = of_rule(chart, rule)
   if #points < 2 then
-    return nil, ("not measurable: %s of %s gave an error; at least two are needed"):format(#points == 0 and "no step" or "one step", rule)
+    return nil, ("not measurable: %s of %s gave an error; at least two are needed")
+      :format(#points == 0 and "no step" or "one step", rule)
   end
   local floor_ = 30 * max(chart.floor, round_off(points))
   local used, sizes = finest(points, floor_)
   if sizes > 1 then return slope_of(used) end
-  return nil, ("not measurable: at %s step of %s is the error above %.1e, which is 30 times round-off or what the references differ by; coarser steps show more")
+  return nil, ("not measurable: at %s step of %s is the error above %.1e, which is 30 times "
+    .. "round-off or what the references differ by; coarser steps show more")
     :format(sizes == 0 and "no" or "only one", rule, floor_)
 end
 

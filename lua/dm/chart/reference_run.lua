@@ -8,15 +8,18 @@ local M = {}
 local abs, max = math.abs, math.max
 
 -- the methods in the order of preference; each must be able to step the system
-local ROADS = { { "gauss(8)", 16 }, { "sofroniou-spaletta(10)", 10 }, { "rk8", 8 }, { "lobatto(6)", 10 }, { "gauss(6)", 12 },
+local ROADS = { { "gauss(8)", 16 }, { "sofroniou-spaletta(10)", 10 }, { "rk8", 8 },
+  { "lobatto(6)", 10 }, { "gauss(6)", 12 },
   { "degenerate(4)", 8 }, { "degenerate(3)", 6 } }  -- the last two for L linear in v
 local HALVINGS = 14
-local BUDGET = 2  -- s of CPU for one method: where it has not settled by then, what it reached is told
+-- s of CPU for one method: where it has not settled by then, what it reached is told
+local BUDGET = 2
 
 local function run(chart, rule, h)
   local o = chart.options
   local steps = math.max(#chart.times, math.ceil(o.t / h / #chart.times) * #chart.times)
-  return chart.system:solver({ rule = rule, h = o.t / steps }):run { q = o.q, v = o.v, p = o.p, t0 = o.t0, at = chart.times,
+  return chart.system:solver({ rule = rule, h = o.t / steps }):run { q = o.q, v = o.v, p = o.p,
+    t0 = o.t0, at = chart.times,
     watch = chart.watch }
 end
 
@@ -69,26 +72,36 @@ function M.find(chart)
     if type(given) ~= "table" or not (given.rule and given.h) then
       error(("dm.chart: option 'reference' must be { rule =, h = }; left out, one is found (got %s)"):format(tostring(given)), 0)
     end
-    return run(chart, given.rule, given.h), 0, ("reference: %s, h = %g, taken as given"):format(tostring(given.rule), given.h)
+    return run(chart, given.rule, given.h), 0, ("reference: %s, h = %g, taken as given")
+      :format(tostring(given.rule), given.h)
   end
   local found, why = {}, nil
   for _, road in ipairs(ROADS) do
     local path, change = refine(chart, road[1])
     why = why or not path and type(change) == "string" and change
-    if path and #found < 2 then found[#found + 1] = { rule = road[1], path = path, change = change } end
+    if path and #found < 2 then
+      found[#found + 1] = { rule = road[1], path = path, change = change }
+    end
     if #found == 2 then break end
   end
-  if #found == 0 then error("dm.chart: no rule could make a reference: " .. (why or "does the run reach its end?"), 0) end
+  if #found == 0 then
+    error("dm.chart: no rule could make a reference: " .. (why or "does the run reach its end?"), 0)
+  end
   if #found == 1 then
-    return found[1].path, found[1].change, ("reference: %s, which changes by %.1e when its step is halved; no second method fits this system")
+    return found[1].path, found[1].change,
+      ("reference: %s, which changes by %.1e when its step is halved; no second method fits this "
+      .. "system")
       :format(found[1].rule, found[1].change)
   end
   local distance, absolute = apart(found[1].path, found[2].path)
   if distance > TRUSTED then
-    error(("dm.chart: the references %s and %s disagree by %.1e (relative): is the motion chaotic over this time? Take a shorter t, watch "
-      .. "something less sensitive, or give reference = { rule =, h = }"):format(found[1].rule, found[2].rule, distance), 0)
+    error(("dm.chart: the references %s and %s disagree by %.1e (relative): is the motion chaotic "
+      .. "over this time? Take a shorter t, watch "
+      .. "something less sensitive, or give reference = { rule =, h = }")
+        :format(found[1].rule, found[2].rule, distance), 0)
   end
-  return found[1].path, absolute, ("references %s and %s agree to %.1e"):format(found[1].rule, found[2].rule, absolute)
+  return found[1].path, absolute, ("references %s and %s agree to %.1e")
+    :format(found[1].rule, found[2].rule, absolute)
 end
 
 return M

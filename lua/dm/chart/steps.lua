@@ -1,4 +1,5 @@
---- The steps of a chart: as they are given, or from the coarsest that still shows the motion, by halves.
+--- The steps of a chart: as they are given, or from the coarsest that still shows the motion, by
+-- halves.
 local blame = require "dm.base.blame"
 local M = {}
 
@@ -10,7 +11,9 @@ local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) 
 function M.list(options, key, what)
   local list = options[key]
   if type(list) == "number" or type(list) == "string" then list = { list } end
-  if type(list) ~= "table" or #list == 0 then fail("option '%s' must be a list of %s", key, what) end
+  if type(list) ~= "table" or #list == 0 then
+    fail("option '%s' must be a list of %s", key, what)
+  end
   return list
 end
 
@@ -27,12 +30,16 @@ function M.sizes(options)
   local key = options.h == nil and "steps" or "h"
   local out, longest, counts = {}, 0, key == "steps"
   for i, h in ipairs(M.list(options, key, "steps")) do
-    if type(h) ~= "number" or not (h > 0 and h < math.huge) then fail("option '%s' must hold steps > 0 (got %s)", key, tostring(h)) end
-    out[i], longest, counts = h, math.max(longest, h), counts and h > options.t and math.tointeger(h) ~= nil
+    if type(h) ~= "number" or not (h > 0 and h < math.huge) then
+      fail("option '%s' must hold steps > 0 (got %s)", key, tostring(h))
+    end
+    out[i], longest, counts = h, math.max(longest, h), counts and h > options.t
+      and math.tointeger(h) ~= nil
   end
   for i, n in ipairs(counts and out or {}) do out[i] = options.t / n end
   if longest > options.t and not counts and not has_own_time(options.rules) then
-    fail("option '%s' holds %g, but the run has the duration t = %g: give sizes of steps%s", key, longest, options.t,
+    fail("option '%s' holds %g, but the run has the duration t = %g: give sizes of steps%s", key,
+      longest, options.t,
       key == "steps" and ", or whole numbers of steps, all larger than t" or "")
   end
   return out
@@ -40,8 +47,10 @@ end
 
 ---- found ----
 
-local SHOWN, COUNT = 0.03, 7             -- relative change of the end when a step is halved; how many steps
-local FEWEST, MOST, PATIENCE = 8, 2 ^ 22, 3  -- steps of a pilot run; how often in a row the change must be small
+-- relative change of the end when a step is halved; how many steps
+local SHOWN, COUNT = 0.03, 7
+-- steps of a pilot run; how often in a row the change must be small
+local FEWEST, MOST, PATIENCE = 8, 2 ^ 22, 3
 
 local PILOTS = { "gauss(2)", "degenerate(2)" }  -- between them they step every system
 
@@ -51,7 +60,8 @@ local function last(system, options, rule, n)
   return path.q[#path]
 end
 
--- the largest h at which a pilot sees the motion, and its next halves too (a coarse end may be near by chance); nil: at none, and a refusal
+-- the largest h at which a pilot sees the motion, and its next halves too (a coarse end may be near
+-- by chance); nil: at none, and a refusal
 local function coarsest(system, options, rule)
   local before, good, first, n, wrong = nil, 0, nil, FEWEST, nil
   while n <= MOST do

@@ -10,7 +10,8 @@ local class = { __name = "dm.comparison" }
 M.class = class
 
 function class.__tostring(c)
-  local out = { ("largest difference %.3g in '%s' at t = %.6g (%d rows)"):format(c.worst, c.column, c.t, c.rows) }
+  local out = { ("largest difference %.3g in '%s' at t = %.6g (%d rows)")
+    :format(c.worst, c.column, c.t, c.rows) }
   for _, row in ipairs(c) do
     out[#out + 1] = ("  %-12s %-10.3g at t = %.6g"):format(row.name, row.difference, row.t)
   end
@@ -18,7 +19,9 @@ function class.__tostring(c)
 end
 
 local function is_path(x)
-  local fine, is = pcall(function() return x.columns ~= nil and x.steps ~= nil and x.column ~= nil end)
+  local fine, is = pcall(function()
+    return x.columns ~= nil and x.steps ~= nil and x.column ~= nil
+  end)
   return type(x) == "userdata" and fine and is
 end
 
@@ -63,8 +66,9 @@ end
 
 local doc = [[
 dm.compare(a, b [, {columns=}]) -> dm.comparison {worst, column, t, rows, {name, difference, t}, ...}
-The largest difference of two paths at the times that both have, for every column of the same name (or of the same place, where no name is
-shared): how large, and when. columns: a list of names, "energy" too. worst, column, t: of all of them.]]
+The largest difference of two paths at the times that both have, for every column of the same name
+(or of the same place, where no name is shared): how large, and when. columns: a list of names,
+"energy" too. worst, column, t: of all of them.]]
 
 M.compare = blame.caller(function(a, b, options)
   if not is_path(a) or not is_path(b) then error("dm.compare takes two paths", 0) end
@@ -79,7 +83,9 @@ M.compare = blame.caller(function(a, b, options)
   local out = { worst = -1, rows = #rows }
   for i, pair in ipairs(names) do
     out[i] = difference(a, b, pair, rows, t)
-    if not (out[i].difference <= out.worst) then out.worst, out.column, out.t = out[i].difference, out[i].name, out[i].t end
+    if not (out[i].difference <= out.worst) then
+      out.worst, out.column, out.t = out[i].difference, out[i].name, out[i].t
+    end
   end
   return setmetatable(out, class)
 end)

@@ -98,8 +98,8 @@ end
 
 local doc_npy = [[
 path:npy(file) -> file name
-The rows as a NumPy array with named fields: numpy.load(file)["q1"] is the column q1. The bits of the
-numbers are kept. Raises when the file cannot be written.]]
+The rows as a NumPy array with named fields: numpy.load(file)["q1"] is the column q1. The bits of
+the numbers are kept. Raises when the file cannot be written.]]
 
 M.npy = blame.caller(function(path, file)
   local columns, names = columns_of(path)

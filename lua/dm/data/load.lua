@@ -4,7 +4,9 @@ local core = require "dm.core"
 
 local M = {}
 
-local function fail(file, ...) error(("dm.load: %s: "):format(file) .. (...):format(select(2, ...)), 0) end
+local function fail(file, ...)
+  error(("dm.load: %s: "):format(file) .. (...):format(select(2, ...)), 0)
+end
 
 ---- csv ----
 
@@ -58,7 +60,9 @@ local function load_csv(file, handle)
         fail(file, "line %d has %d fields, the first line names %d", number, #fields, #names)
       end
       rows = rows + 1
-      for c, field in ipairs(fields) do columns[c][rows] = csv_number(file, field, number, names[c]) end
+      for c, field in ipairs(fields) do
+        columns[c][rows] = csv_number(file, field, number, names[c])
+      end
     end
   end
   return names, columns
@@ -74,7 +78,9 @@ local function npy_text(file, handle)
   local size = handle:read(format:packsize()) or ""
   if #size < format:packsize() then fail(file, "ends inside the header") end
   local text = handle:read((format:unpack(size))) or ""
-  if text:find("'fortran_order': *True") then fail(file, "has Fortran order; save it in C order") end
+  if text:find("'fortran_order': *True") then
+    fail(file, "has Fortran order; save it in C order")
+  end
   return text
 end
 
@@ -120,7 +126,9 @@ data.columns lists the names, data.q1 is a dm.vector. Raises with the line and t
 not a number.]]
 
 M.load = blame.caller(function(file)
-  if type(file) ~= "string" then error("dm.load: a file name is needed (got " .. type(file) .. ")", 0) end
+  if type(file) ~= "string" then
+    error("dm.load: a file name is needed (got " .. type(file) .. ")", 0)
+  end
   local is_npy = file:lower():find("%.npy$")
   local handle, why = io.open(file, "rb")
   if not handle then error("dm.load: cannot open " .. why, 0) end

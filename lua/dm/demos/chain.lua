@@ -3,7 +3,8 @@ return {
   title = "Chains: a soliton through a thousand bodies",
   about = [[Sums over equal bodies stay loops in the kernels, so a chain of thousands costs what its bodies cost. Toda's chain has waves that keep their
     shape: of height sinh(w)^2 they run at sinh(w)/w bodies a unit of time, high ones faster.]],
-  numbers = { { name = "w", value = 0.8, least = 0.3, most = 1.5, what = "width parameter of the wave" },
+  numbers = { { name = "w", value = 0.8, least = 0.3, most = 1.5,
+    what = "width parameter of the wave" },
     { name = "N", value = 1000, least = 400, most = 5000, what = "bodies" } },
   steps = {
     { "Each body feels the next one.", [[

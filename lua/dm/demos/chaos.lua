@@ -1,4 +1,5 @@
--- the exact tangent map: Lyapunov exponents and MEGNO (Cincotta & Simo 2000) on Henon and Heiles (1964)
+-- the exact tangent map: Lyapunov exponents and MEGNO (Cincotta & Simo 2000) on Henon and Heiles
+-- (1964)
 return {
   title = "Chaos: orderly or not, by the exact tangent map",
   about = [[Henon and Heiles asked in 1964 whether a star in a galaxy has a third integral. At low energy its orbit is orderly; at high energy some fill
@@ -26,6 +27,7 @@ print("MEGNO", l.megno, "exponent", l.exponent)]] },
   claim = function(e)
     local chaotic = e.l.megno > 4
     return chaotic and e.path:drift("energy").largest < 1e-6, ([[MEGNO is %.3g: this orbit is %s. The energy was kept to %.0e meanwhile. Try E = 0.08: the same start is orderly.]])
-      :format(e.l.megno, chaotic and ("chaotic, neighbours part by e every %.0f units of time"):format(1 / e.l.exponent) or "orderly", e.path:drift("energy").largest)
+      :format(e.l.megno, chaotic and ("chaotic, neighbours part by e every %.0f units of time")
+        :format(1 / e.l.exponent) or "orderly", e.path:drift("energy").largest)
   end,
 }

@@ -3,7 +3,8 @@ return {
   title = "Accuracy against cost: which rule to use",
   about = [[The right question to ask of a method is what an accuracy costs. A chart runs every rule with every step, measures the error against a reference
     that two unlike methods agree on, and the time; rivals that preserve nothing are in it.]],
-  numbers = { { name = "e", value = 0.6, least = 0, most = 0.8, what = "eccentricity of the orbit" },
+  numbers = { { name = "e", value = 0.6, least = 0, most = 0.8,
+    what = "eccentricity of the orbit" },
     { name = "t", value = 30, least = 5, most = 200, what = "how long" } },
   steps = {
     { "Kepler's problem, from the near point of an ellipse.", [[

@@ -1,4 +1,5 @@
--- holonomic constraints: RATTLE and variational rules with multipliers (Marsden & West 2001, 3; Hairer, Lubich & Wanner VII.1)
+-- holonomic constraints: RATTLE and variational rules with multipliers (Marsden & West 2001, 3;
+-- Hairer, Lubich & Wanner VII.1)
 return {
   title = "Constraints: a pendulum in space, with a rod",
   about = [[A rod is an equation, g(q) = 0, beside L. Its multiplier is found in every step with the position, so that the rod has its length to the last
@@ -24,7 +25,8 @@ print("momentum moved by", long:drift(J).largest)]] },
   },
   claim = function(e)
     local energy = e.long:drift "energy"
-    return e.long:worst "constraint" < 1e-14 and e.long:drift(e.J).largest < 1e-11 and math.abs(energy.per_time) < 1e-6,
+    return e.long:worst "constraint" < 1e-14 and e.long:drift(e.J).largest < 1e-11
+      and math.abs(energy.per_time) < 1e-6,
       ([[After 200,000 steps the rod is off by %.0e, the vertical momentum moved by %.0e, and the energy error is a band of %.1e: a larger step widens
       the band, nothing else.]]):format(e.long:worst "constraint", e.long:drift(e.J).largest, energy.largest)
   end,

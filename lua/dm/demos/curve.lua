@@ -26,7 +26,8 @@ print("angular momentum changed by", math.abs(J[#J] - J[1]))]] },
   },
   claim = function(e)
     local a, b = e.bare:drift "energy", e.variational:drift "energy"
-    return math.abs(b.per_time) < 1e-3 * math.abs(a.per_time) and math.abs(e.J[#e.J] - e.J[1]) < 1e-11,
+    return math.abs(b.per_time) < 1e-3 * math.abs(a.per_time)
+      and math.abs(e.J[#e.J] - e.J[1]) < 1e-11,
       ([[The same coefficients: bare, the energy drifts by %.1e a unit of time; as curves by %.1e. And Ralston's method, never meant for it,
       keeps the angular momentum to round-off.]]):format(a.per_time, b.per_time)
   end,

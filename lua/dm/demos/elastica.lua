@@ -4,7 +4,8 @@ return {
   about = [[A wire that resists bending and keeps its length does not care where it lies: its Lagrangian is a function of the invariants of the Euclidean
     group, here of three neighbouring points, the chord lambda and the bend sigma. The equations are written in the invariants, and points come back from
     the frame.]],
-  numbers = { { name = "bend", value = 200.0, least = 20, most = 400, what = "growth of the curvature at the start" },
+  numbers = { { name = "bend", value = 200.0, least = 20, most = 400,
+    what = "growth of the curvature at the start" },
     { name = "n", value = 300, least = 100, most = 2000, what = "points a unit of length" } },
   steps = {
     { "The frame puts the first point at the origin and the second on the axis; what is left of the third is the bend.", [[

@@ -3,7 +3,8 @@ return {
   title = "Moving frames: give a discrete Lagrangian its symmetry back",
   about = [[A discrete Lagrangian may be accurate and still lack a symmetry of the system, by its error. A moving frame takes any pair of points to a fixed section of
     the action; Ld of the moved pair is invariant, as accurate, and keeps the momentum. The action and the section are two functions.]],
-  numbers = { { name = "error", value = 0.1, least = 0, most = 2, what = "size of the term that breaks the symmetry" },
+  numbers = { { name = "error", value = 0.1, least = 0, most = 2,
+    what = "size of the term that breaks the symmetry" },
     { name = "h", value = 0.05, least = 0.005, most = 0.1, what = "step" } },
   steps = {
     { "Rotations of the plane. That it is an action is checked when it is made, on random elements.", [[

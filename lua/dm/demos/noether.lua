@@ -3,7 +3,8 @@ return {
   title = "Noether: a symmetry keeps a momentum",
   about = [[When turning everything changes nothing, angular momentum stays. A variational method has the symmetries of its Lagrangian,
     so it keeps the momentum exactly, whatever its step. A method that does not come from an action has no such reason.]],
-  numbers = { { name = "squash", value = 0.0, least = 0, most = 0.5, what = "how much the attraction lacks its symmetry" },
+  numbers = { { name = "squash", value = 0.0, least = 0, most = 0.5,
+    what = "how much the attraction lacks its symmetry" },
     { name = "h", value = 0.15, least = 0.001, most = 0.3, what = "step" } },
   steps = {
     { "A planet. With squash = 0 the potential depends on the distance alone.", [[

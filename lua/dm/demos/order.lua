@@ -1,4 +1,5 @@
--- Galerkin integrators, collocation and their orders (Leok 5; Marsden & West 2001, 2.6; Hairer, Lubich & Wanner II)
+-- Galerkin integrators, collocation and their orders (Leok 5; Marsden & West 2001, 2.6; Hairer,
+-- Lubich & Wanner II)
 return {
   title = "Orders: what a better quadrature of the action buys",
   about = [[A discrete Lagrangian is a curve between two positions and a quadrature of L along it. Polynomials of degree s with the s points of Gauss

@@ -3,7 +3,8 @@ return {
   title = "Reduction: a symmetry makes a system smaller",
   about = [[Where L does not depend on an angle, the momentum of that angle is a number mu, and the rest moves by itself: the classical Routhian, with an
     amended potential, on one dimension less. The discrete theory keeps the promise exactly: reduce and step, or step and reduce, it is the same path.]],
-  numbers = { { name = "J2", value = 0.05, least = 0, most = 0.2, what = "how oblate the planet is" },
+  numbers = { { name = "J2", value = 0.05, least = 0, most = 0.2,
+    what = "how oblate the planet is" },
     { name = "h", value = 0.1, least = 0.01, most = 0.4, what = "step" } },
   steps = {
     { "A satellite, by its angle and the radii r, z. theta is cyclic.", [[

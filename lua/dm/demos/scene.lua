@@ -3,7 +3,8 @@ return {
   title = "Scenes: no more than needed",
   about = [[Say what you watch, how exactly, and for how long. A scene finds the cheapest model and method that deliver it: it drops what nobody
     watches, holds a stiff spring as a rod where its vibration is not to be seen, chooses rule and step; from pilot runs, never from folklore.]],
-  numbers = { { name = "k", value = 1e6, least = 1e4, most = 1e8, what = "stiffness of the spring" } },
+  numbers = { { name = "k", value = 1e6, least = 1e4, most = 1e8,
+    what = "stiffness of the spring" } },
   steps = {
     { "A pendulum on a stiff spring: stretch a, angle theta.", [[
 stiff = dm.system { Q = dm.R(2), coordinates = {"a", "theta"}, L = function(q, v)
@@ -23,7 +24,8 @@ print(scene:why())]] },
   claim = function(e)
     local held = e.scene:why():find "choice: [^\n]*a held at 0"
     return e.run.error_estimate <= 1e-3 and (held or e.k < 1e5), ([[The promise is kept: the error is at most %.1e. %s]]):format(e.run.error_estimate,
-      held and "The model that was chosen holds the spring, so its cost does not depend on k: try k = 1e7, and a soft one, k = 1e4."
+      held and "The model that was chosen holds the spring, so its cost does not depend on k: try "
+        .. "k = 1e7, and a soft one, k = 1e4."
       or "The spring was not held: at this k that would err too much, or pay too little.")
   end,
 }

@@ -3,7 +3,8 @@ return {
   title = "Stability: a map of where a method fails",
   about = [[Every cell of a map is a run: a step and a stiffness, told apart by what came of it. Borders are refined by bisection, and stand beside
     the linear theory of the rule, the roots of its amplification matrix.]],
-  numbers = { { name = "steps", value = 2000, least = 200, most = 20000, what = "steps in every cell" } },
+  numbers = { { name = "steps", value = 2000, least = 200, most = 20000,
+    what = "steps in every cell" } },
   steps = {
     { "A spring whose stiffness is an argument of the function that makes the system.", [[
 function spring(k)

@@ -1,4 +1,5 @@
--- linear stability: h omega = 2 of leapfrog, none of the midpoint rule (Hairer, Lubich & Wanner XIII)
+-- linear stability: h omega = 2 of leapfrog, none of the midpoint rule (Hairer, Lubich & Wanner
+-- XIII)
 return {
   title = "Stiff: where an explicit rule breaks",
   about = [[A pendulum on a spring: the swing is slow, the spring fast, with omega = sqrt(k). An explicit rule must follow the spring though nobody wants to

@@ -26,7 +26,8 @@ modified = finer:modified_energy { q = {2}, v = {0}, steps = 2000 }
 print("moves by", modified.amplitude)]] },
   },
   claim = function(e)
-    return e.defect[1] < 1e-11 and e.defect[2] > 1e-8 and math.abs(e.drift[1].per_time) < 1e-2 * math.abs(e.drift[2].per_time)
+    return e.defect[1] < 1e-11 and e.defect[2] > 1e-8
+      and math.abs(e.drift[1].per_time) < 1e-2 * math.abs(e.drift[2].per_time)
       and e.modified.amplitude < e.drift[1].largest / 100, ([[Verlet is symplectic to round-off; its energy is off by up to %.2g, and drifts by %.1e a unit of time. RK4 is more accurate
       in a step and drifts by %.1e. The modified energy of Verlet moves by %.1e only.]])
       :format( e.drift[1].largest, e.drift[1].per_time, e.drift[2].per_time, e.modified.amplitude)

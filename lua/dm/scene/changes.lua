@@ -1,5 +1,6 @@
---- Changes that may make a model smaller: stiff terms as constraints, coordinates at rest held, terms left out. Each is a function from
--- a model to another one, or nil where it does not apply; whether it is allowed is measured elsewhere.
+--- Changes that may make a model smaller: stiff terms as constraints, coordinates at rest held,
+-- terms left out. Each is a function from a model to another one, or nil where it does not apply;
+-- whether it is allowed is measured elsewhere.
 local core = require "dm.core"
 local model_of = require "dm.scene.model"
 local pilot = require "dm.scene.pilot"
@@ -52,7 +53,8 @@ local function held(model, i, s, why)
   end)
 end
 
--- g(q) = 0 in place of unit k: the coordinate held at the root where there is one only, else a constraint
+-- g(q) = 0 in place of unit k: the coordinate held at the root where there is one only, else a
+-- constraint
 local function constrained(model, k, g, why)
   local problem, depends = model.problem, g:depends()
   local free = coordinates(model, depends)
@@ -63,7 +65,8 @@ local function constrained(model, k, g, why)
     local s = zero_near(value, slope, problem.q[i])
     return s and held(model, i, s, why)
   end
-  return #free > 1 and model:changed(("%s as a constraint, %s"):format(model_of.text_of(problem, g), why), function(m)
+  return #free > 1 and model:changed(("%s as a constraint, %s")
+    :format(model_of.text_of(problem, g), why), function(m)
     m.ties[#m.ties + 1] = function(q, t) return g(q, problem.v, t) end
     m.tie_depends = { table.unpack(m.tie_depends or {}) }
     m.tie_depends[#m.tie_depends + 1] = depends[1]
@@ -80,11 +83,13 @@ local function square_of(unit)
   end
 end
 
--- the potential that depends on coordinate i alone, as a traced function: the sum of all such terms, at least one
+-- the potential that depends on coordinate i alone, as a traced function: the sum of all such
+-- terms, at least one
 local function well(model, i)
   local terms = {}
   for k, unit in ipairs(model.problem.units) do
-    local free = of_position_only(model, unit) and model:acts(k) and coordinates(model, unit.depends) or {}
+    local free = of_position_only(model, unit) and model:acts(k)
+      and coordinates(model, unit.depends) or {}
     if #free == 1 and free[1] == i then terms[#terms + 1] = unit.f end
   end
   if #terms == 0 then return nil end
@@ -103,9 +108,14 @@ local function stiff_units(model)
   local found = {}
   for k, unit in ipairs(model.problem.units) do
     local g = model:acts(k) and of_position_only(model, unit) and square_of(unit)
-    if g then found[#found + 1] = { k = k, g = g, unit = unit, frequency = pilot.frequency(model.problem.as_given, unit.f) } end
+    if g then
+      found[#found + 1] = { k = k, g = g, unit = unit,
+        frequency = pilot.frequency(model.problem.as_given, unit.f) }
+    end
   end
-  table.sort(found, function(a, b) return a.frequency > b.frequency or (a.frequency == b.frequency and a.k < b.k) end)
+  table.sort(found, function(a, b)
+    return a.frequency > b.frequency or (a.frequency == b.frequency and a.k < b.k)
+  end)
   return found
 end
 
@@ -114,7 +124,9 @@ local function stiff_changes(problem, out)
   for at, row in ipairs(stiff_units(problem.as_given)) do
     if at > MOST_TIES then break end
     local why = ("where the term %s rests (frequency %.3g)"):format(row.unit.text, row.frequency)
-    out[#out + 1] = function(model) return model:acts(row.k) and constrained(model, row.k, row.g, why) end
+    out[#out + 1] = function(model)
+      return model:acts(row.k) and constrained(model, row.k, row.g, why)
+    end
   end
   for i = 1, problem.n do
     out[#out + 1] = function(model)
@@ -123,7 +135,8 @@ local function stiff_changes(problem, out)
       local function curve(s) return U:hessian(with(model, i, s), problem.v, problem.t0)[i][i] end
       local fine, s = pcall(function() return U and zero_near(slope, curve, problem.q[i]) end)
       if not fine then pilot.pass_stop(s) end
-      return fine and s and curve(s) < 0 and held(model, i, s, "where its own potential is least") or nil
+      return fine and s and curve(s) < 0 and held(model, i, s, "where its own potential is least")
+        or nil
     end
   end
 end
@@ -133,16 +146,20 @@ end
 local function rest_changes(problem, out)
   for i = 1, problem.n do
     if problem.v[i] == 0 then
-      out[#out + 1] = function(model) return model.keep[i] and held(model, i, problem.q[i], "where it starts") end
+      out[#out + 1] = function(model)
+        return model.keep[i] and held(model, i, problem.q[i], "where it starts")
+      end
     end
   end
 end
 
 local function drop_changes(problem, out)
   for k, unit in ipairs(problem.units) do
-    local what = unit.kind == "force" and ("the force %s on %s"):format(unit.text, problem.names[unit.row]) or "the term " .. unit.text
+    local what = unit.kind == "force" and ("the force %s on %s")
+      :format(unit.text, problem.names[unit.row]) or "the term " .. unit.text
     out[#out + 1] = function(model)
-      return model:acts(k) and model:changed("without " .. what, function(m) m.active[k] = false end)
+      return model:acts(k) and model:changed("without " .. what,
+        function(m) m.active[k] = false end)
     end
   end
   for i = 1, problem.n do
@@ -150,7 +167,8 @@ local function drop_changes(problem, out)
       return model.keep[i] and not (problem.needs.q[i] or problem.needs.v[i])
         and model:changed("without every term of " .. problem.names[i], function(m)
           for k, unit in ipairs(problem.units) do
-            m.active[k] = m.active[k] and not (unit.depends[1][i] or unit.depends[2][i] or unit.row == i)
+            m.active[k] = m.active[k] and not (unit.depends[1][i] or unit.depends[2][i]
+              or unit.row == i)
           end
           m.keep[i] = false
         end)
@@ -198,7 +216,9 @@ local function by_size(model)
     if not fine then pilot.pass_stop(size) end
     sizes[k], order[k] = fine and size or math.huge, k
   end
-  table.sort(order, function(a, b) return sizes[a] < sizes[b] or (sizes[a] == sizes[b] and a < b) end)
+  table.sort(order, function(a, b)
+    return sizes[a] < sizes[b] or (sizes[a] == sizes[b] and a < b)
+  end)
   return order, sizes
 end
 
@@ -225,7 +245,8 @@ local function group_changes(problem, out)
     local above = order[at + 1] and sizes[order[at + 1]]
     if above and above > GAP * sizes[k] and #list > 1 and groups < MOST_GROUPS then
       groups = groups + 1
-      out[#out + 1] = without({ table.unpack(list) }, ("without the %d smallest terms, at most %.1e of the largest")
+      out[#out + 1] = without({ table.unpack(list) },
+        ("without the %d smallest terms, at most %.1e of the largest")
         :format(#list, sizes[k] / largest))
     end
   end

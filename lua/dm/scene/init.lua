@@ -1,5 +1,5 @@
---- dm.scene: no more than needed. What is watched, how well, how long; the cheapest model, rule and step that deliver it are found by
--- pilot runs and checked.
+--- dm.scene: no more than needed. What is watched, how well, how long; the cheapest model, rule and
+-- step that deliver it are found by pilot runs and checked.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local starts = require "dm.base.start"
@@ -22,7 +22,8 @@ local function fail(...) error("dm.scene: " .. (...):format(select(2, ...)), 0) 
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t", "rules", "symmetry", "profile", "seconds", "project" }
+local KNOWN = { "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t", "rules", "symmetry",
+  "profile", "seconds", "project" }
 
 local function check_keys(options)
   if type(options) ~= "table" then
@@ -31,25 +32,36 @@ local function check_keys(options)
   for key in pairs(options) do
     local known = key == 1
     for _, name in ipairs(KNOWN) do known = known or name == key end
-    if not known then fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", ")) end
+    if not known then
+      fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", "))
+    end
   end
 end
 
 local function check_system(options)
   local system = options.system or options[1]
   local fine, given = pcall(function() return system.given end)
-  if not (fine and given and given.L) then fail("option 'system' must be a dm.system (got %s)", tostring(system)) end
+  if not (fine and given and given.L) then
+    fail("option 'system' must be a dm.system (got %s)", tostring(system))
+  end
   return system
 end
 
-local function finite(x) return type(x) == "number" and x == x and x > -math.huge and x < math.huge end
+local function finite(x)
+  return type(x) == "number" and x == x and x > -math.huge and x < math.huge
+end
 
 local function check_rules(rules, system)
   if rules == nil then return end
   if type(rules) ~= "table" or #rules == 0 then fail("option 'rules' must be a list of rules") end
   for _, rule in ipairs(rules) do
-    if type(rule) ~= "string" then fail("option 'rules' must hold rules as texts, such as \"gauss(4)\" (got %s)", type(rule)) end
-    if rule:find "^log%-hamiltonian" then fail("option 'rules': '%s' has a time of its own, so that a scene cannot choose its step", rule) end
+    if type(rule) ~= "string" then
+      fail("option 'rules' must hold rules as texts, such as \"gauss(4)\" (got %s)", type(rule))
+    end
+    if rule:find "^log%-hamiltonian" then
+      fail("option 'rules': '%s' has a time of its own, so that a scene cannot choose its step",
+        rule)
+    end
     system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
   end
 end
@@ -57,16 +69,25 @@ end
 local function check_options(options)
   check_keys(options)
   local system = check_system(options)
-  if options.q == nil or (options.v == nil and options.p == nil) then fail("the start is missing: give q and v, or q and p") end
-  if options.watch == nil then fail("nothing is watched: say in option 'watch' what is looked at") end
-  if options.tolerance == nil and options.watch ~= "picture" then fail("option 'tolerance' is missing: how well is it to be known?") end
+  if options.q == nil or (options.v == nil and options.p == nil) then
+    fail("the start is missing: give q and v, or q and p")
+  end
+  if options.watch == nil then
+    fail("nothing is watched: say in option 'watch' what is looked at")
+  end
+  if options.tolerance == nil and options.watch ~= "picture" then
+    fail("option 'tolerance' is missing: how well is it to be known?")
+  end
   local t0 = options.t0 or 0
   if not finite(t0) then fail("option 't0' must be a time (got %s)", tostring(t0)) end
   if not (finite(options.until_t) and options.until_t > t0) then
-    fail("option 'until_t' must be a time after the start, t0 = %g (got %s)", t0, tostring(options.until_t))
+    fail("option 'until_t' must be a time after the start, t0 = %g (got %s)", t0,
+      tostring(options.until_t))
   end
   local seconds = options.seconds
-  if seconds and not (finite(seconds) and seconds > 0) then fail("option 'seconds' must be a number > 0 (got %s)", tostring(seconds)) end
+  if seconds and not (finite(seconds) and seconds > 0) then
+    fail("option 'seconds' must be a number > 0 (got %s)", tostring(seconds))
+  end
   check_rules(options.rules, system)
   return system
 end
@@ -75,7 +96,8 @@ local function read_profile(given)
   if given == nil then return profile.new() end
   if type(given) == "string" then return profile.read(given) end
   if getmetatable(given) == profile then return given end
-  fail("option 'profile' must be a file that scene.profile:save wrote, or the profile of another scene (got %s)", type(given))
+  fail("option 'profile' must be a file that scene.profile:save wrote, or the profile of another "
+    .. "scene (got %s)", type(given))
 end
 
 ---- a picture ----
@@ -88,13 +110,15 @@ local function coarse_run(given)
   for _ = 1, 6 do
     local fine
     fine, path = pcall(function()
-      return pilot.solver(given, "gauss(2)", N):run(pilot.options_of(given, { steps = N, every = max(1, N // 512), watch = given.watch }))
+      return pilot.solver(given, "gauss(2)", N):run(pilot.options_of(given,
+        { steps = N, every = max(1, N // 512), watch = given.watch }))
     end)
     if fine then return path end
     pilot.pass_stop(path)
     N = 4 * N
   end
-  fail("watch = \"picture\": the tolerance was to be a pixel, but a first run failed: %s; give option 'tolerance'", tostring(path))
+  fail("watch = \"picture\": the tolerance was to be a pixel, but a first run failed: %s; give "
+    .. "option 'tolerance'", tostring(path))
 end
 
 -- tolerance of a picture: a pixel of the largest extent, seen by a coarse run of the whole
@@ -113,7 +137,8 @@ end
 
 local PILOT_TIMES, HOLD_OUT_TIMES = 96, 61
 local GOLDEN, SILVER = 0.6180339887498949, 0.4142135623730951
-local SECONDS, WITHOUT_CLOCK = 20, 600  -- of CPU; with a profile that was given no clock shall decide
+-- of CPU; with a profile that was given no clock shall decide
+local SECONDS, WITHOUT_CLOCK = 20, 600
 
 local function merged(a, b)
   local out = { table.unpack(a) }
@@ -157,7 +182,9 @@ local function choose(scene)
         scene.best, scene.held_error, scene.finer_error = c, err, finer
         return
       end
-      tried[#tried + 1] = ("%s with h = %.4g misses it on the hold-out run: error %s, with half the step %s"):format(c.rule, c.h,
+      tried[#tried + 1] = (
+        "%s with h = %.4g misses it on the hold-out run: error %s, with half the step %s")
+        :format(c.rule, c.h,
         report.error(scene, err), report.error(scene, finer))
       c.N = math.ceil(1.15 * c.N)
       c.h = scene.problem.T / c.N
@@ -166,10 +193,12 @@ local function choose(scene)
   end
   local words = {}
   for _, c in ipairs(scene.search.candidates) do
-    words[#words + 1] = ("%s with h = %.3g errs by %s"):format(c.rule, c.h, report.error(scene, c.error))
+    words[#words + 1] = ("%s with h = %.3g errs by %s")
+      :format(c.rule, c.h, report.error(scene, c.error))
     if #words == 8 then break end
   end
-  error(("dm.scene: nothing that was tried delivers the tolerance: %s. Take a larger tolerance, or give more seconds")
+  error(("dm.scene: nothing that was tried delivers the tolerance: %s. Take a larger tolerance, "
+    .. "or give more seconds")
     :format(table.concat(#tried > 0 and tried or words, "; ")), 0)
 end
 
@@ -185,28 +214,37 @@ end
 
 local function sentence(problem, until_t)
   local parts = {}
-  for _, name in ipairs(problem.columns) do parts[#parts + 1] = ("%s to %.3g"):format(name, problem.tolerance[name]) end
+  for _, name in ipairs(problem.columns) do
+    parts[#parts + 1] = ("%s to %.3g"):format(name, problem.tolerance[name])
+  end
   return ("scene: %s, until t = %g"):format(table.concat(parts, ", "), until_t)
 end
 
 local function start_search(scene, given)
-  local times = merged(pilot.times(scene.problem, PILOT_TIMES, GOLDEN), pilot.times(scene.problem, HOLD_OUT_TIMES, SILVER))
+  local times = merged(pilot.times(scene.problem, PILOT_TIMES, GOLDEN),
+    pilot.times(scene.problem, HOLD_OUT_TIMES, SILVER))
   local record, distance, text = pilot.reference(given, times, scene.allowed / 4)
   local used = pilot.times(scene.problem, PILOT_TIMES, GOLDEN)
   scene.held_times = pilot.times(scene.problem, HOLD_OUT_TIMES, SILVER)
   scene.held = at_times(scene.problem, record, times, scene.held_times)
   scene.uncertainty, scene.reference_text = distance, text
   local now = core.cpu()
-  return search.prepare({ times = used, reference = at_times(scene.problem, record, times, used), profile = scene.profile, bound = math.huge, pilots = 0,
-    candidates = {}, models = {}, rules = search.rules(scene.options.rules, scene.system), seconds = scene.allowed,
+  return search.prepare({ times = used, reference = at_times(scene.problem, record, times, used),
+    profile = scene.profile, bound = math.huge, pilots = 0,
+    candidates = {}, models = {}, rules = search.rules(scene.options.rules, scene.system),
+    seconds = scene.allowed,
     half_time = now + 0.4 * scene.allowed, deadline = now + scene.allowed }, scene.problem)
 end
 
 local function rows_text(scene)
   local every, err = rows.every(scene.best)
   scene.every, scene.lines = every, rows.lines(scene.best, every, err)
-  if err <= 1 then return ("rows: one in %d steps; straight lines between them err by %s"):format(every, report.error(scene, err)) end
-  return ("rows: one a step; straight lines between them err by %s; with %d rows, by 'at', they would be as good as the tolerance")
+  if err <= 1 then
+    return ("rows: one in %d steps; straight lines between them err by %s")
+      :format(every, report.error(scene, err))
+  end
+  return ("rows: one a step; straight lines between them err by %s; with %d rows, by 'at', they "
+    .. "would be as good as the tolerance")
     :format(report.error(scene, err), scene.lines)
 end
 
@@ -217,13 +255,15 @@ local function decide(scene)
   local given = model.given(scene.problem):ready()
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
-  local split = scene.options.symmetry and require "dm.scene.symmetry".model(scene.problem, scene.options)
+  local split = scene.options.symmetry and require "dm.scene.symmetry".model(scene.problem,
+    scene.options)
   scene.rungs = reduce.ladder(scene.search, given, split)
   for i = #scene.rungs, 1, -1 do search.model(scene.search, scene.rungs[i]) end
   scene.finalists = search.finalists(scene.search)
   choose(scene)
   scene.solver = pilot.solver(scene.best.model, scene.best.rule, scene.best.N)
-  scene.check_text = ("check at %d other times: error %s, with half the step %s"):format(#scene.held_times,
+  scene.check_text = ("check at %d other times: error %s, with half the step %s")
+    :format(#scene.held_times,
     report.error(scene, scene.held_error), report.error(scene, scene.finer_error))
   scene.rows_text = rows_text(scene)
   scene.seconds = core.cpu() - began
@@ -236,14 +276,19 @@ local ROWS = { at = true, every = true, file = true }
 
 -- which rows: as asked for; of a picture those that lines need; else one in so many steps
 local function rows_of(scene, options)
-  if type(options) ~= "table" then fail("scene:run takes a table { at =, every =, file = } or nothing (got %s)", type(options)) end
+  if type(options) ~= "table" then
+    fail("scene:run takes a table { at =, every =, file = } or nothing (got %s)", type(options))
+  end
   for key in pairs(options) do
-    if not ROWS[key] then fail("scene:run: unknown option '%s'; it takes at, every, file", tostring(key)) end
+    if not ROWS[key] then
+      fail("scene:run: unknown option '%s'; it takes at, every, file", tostring(key))
+    end
   end
   if options.at then
     local last = options.at[#options.at]
     if type(last) == "number" and last > scene.options.until_t then
-      fail("scene:run: option 'at': t = %g is after until_t = %g, up to which the tolerance is known", last, scene.options.until_t)
+      fail("scene:run: option 'at': t = %g is after until_t = %g, up to which the tolerance is "
+        .. "known", last, scene.options.until_t)
     end
     return options
   end
@@ -255,34 +300,40 @@ end
 
 local doc_run = [[
 scene:run([{at=, every=, file=}]) -> path of what is watched
-The chosen model by the chosen rule and step, with as many rows as straight lines between them need, as far as there are steps (a picture:
-by rows between steps), or those asked for as in solver:run. Beside all of dm.path it has error_estimate: the largest error of what is
-watched, from pilot runs, a hold-out run and what is left of doubt in the reference (where columns have tolerances of their own: in
-parts of these); and model, rule.]]
+The chosen model by the chosen rule and step, with as many rows as straight lines between them need,
+as far as there are steps (a picture:
+by rows between steps), or those asked for as in solver:run. Beside all of dm.path it has
+error_estimate: the largest error of what is watched, from pilot runs, a hold-out run and what is
+left of doubt in the reference (where columns have tolerances of their own: in parts of these); and
+model, rule.]]
 
 M.run = blame.caller(function(scene, options)
   decide(scene)
   local err = max(scene.best.error, scene.held_error) + scene.uncertainty
-  return rows.path(scene.best, rows_of(scene, options or {}), { error_estimate = err * (scene.unit or 1),
-    in_words = scene.unit and ("%.2g"):format(err * scene.unit) or ("%.2g of the tolerance"):format(err) })
+  return rows.path(scene.best, rows_of(scene, options or {}),
+    { error_estimate = err * (scene.unit or 1),
+    in_words = scene.unit and ("%.2g"):format(err * scene.unit) or ("%.2g of the tolerance")
+      :format(err) })
 end)
 
 local doc_why = [[
 scene:why() -> string
-The ladder: each model with dimension, operations, error in what is watched, each rule with step, cost and error, and why it was kept or
-dropped; the reference, the check, the choice.]]
+The ladder: each model with dimension, operations, error in what is watched, each rule with step,
+cost and error, and why it was kept or dropped; the reference, the check, the choice.]]
 
 M.why = blame.caller(function(scene) return report.why(decide(scene)) end)
 
 local doc_animate = [[
 scene:animate(file, {...}) -> file name
-Run the scene and write a page with what is watched as a moving picture; options as in path:animate.]]
+Run the scene and write a page with what is watched as a moving picture; options as in
+path:animate.]]
 
 local FRAMES = 600
 
 M.animate = blame.caller(function(scene, file, options)
   decide(scene)
-  local path = M.run(scene, { at = rows.times(scene.problem, max(FRAMES, min(scene.lines or 0, 4 * FRAMES))) })
+  local path = M.run(scene, { at = rows.times(scene.problem,
+    max(FRAMES, min(scene.lines or 0, 4 * FRAMES))) })
   return path:animate(file, options)
 end)
 
@@ -293,14 +344,18 @@ end
 
 local doc_scene = [[
 dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, symmetry=, rules=, profile=, seconds=, project=} -> dm.scene
-The cheapest model and method that deliver what is watched. watch: names of coordinates, momenta ("p1") or "energy", name = function(q, v,
-t, p) ... end, or "picture": every coordinate, to a pixel. tolerance: the largest error of each watched number up to the time
-until_t, in its units, or a table name -> tolerance. Models: the system as given; without coordinates that nothing watched feels; cyclic
-ones that are not watched reduced away (Routh), also those of a symmetry = { action = f(theta, q), section = f(x) } as for system:routh; stiff terms of L as constraints; coordinates at rest held; terms of L and of the force left out
-where that stays inside the tolerance. Rules: all of dm.rules(), or a list `rules`. All of it is decided by pilot runs against a
-reference of two unlike methods, and checked at other times and with half the step; where the tolerance cannot be promised, scene:run() raises
-with everything that was measured. profile: a file of scene.profile:save(file): costs are then not measured, and the choice is always the
-same. seconds: CPU time to be spent on looking (default 20). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best.]]
+The cheapest model and method that deliver what is watched. watch: names of coordinates, momenta
+("p1") or "energy", name = function(q, v, t, p) ... end, or "picture": every coordinate, to a pixel.
+tolerance: the largest error of each watched number up to the time until_t, in its units, or a table
+name -> tolerance. Models: the system as given; without coordinates that nothing watched feels;
+cyclic ones that are not watched reduced away (Routh), also those of a symmetry = { action =
+f(theta, q), section = f(x) } as for system:routh; stiff terms of L as constraints; coordinates at
+rest held; terms of L and of the force left out where that stays inside the tolerance. Rules: all of
+dm.rules(), or a list `rules`. All of it is decided by pilot runs against a reference of two unlike
+methods, and checked at other times and with half the step; where the tolerance cannot be promised,
+scene:run() raises with everything that was measured. profile: a file of scene.profile:save(file):
+costs are then not measured, and the choice is always the same. seconds: CPU time to be spent on
+looking (default 20). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best.]]
 
 M.scene = blame.caller(function(options)
   options = starts.lists(options)

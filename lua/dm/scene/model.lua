@@ -1,4 +1,5 @@
---- Models of a scene: the system as given, or fewer terms of L and of the force on fewer coordinates, with further constraints.
+--- Models of a scene: the system as given, or fewer terms of L and of the force on fewer
+-- coordinates, with further constraints.
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local prolong = require "dm.measure.prolong"
@@ -30,7 +31,9 @@ local LONGEST_TEXT = 60
 function M.text_of(problem, f)
   local parts, text = {}, ""
   for name, expression in f:graph():gmatch "(%w+) = ([^\n]*)" do
-    text = expression:gsub("t%d+", function(part) return parts[part] and "(" .. parts[part] .. ")" end)
+    text = expression:gsub("t%d+", function(part)
+      return parts[part] and "(" .. parts[part] .. ")"
+    end)
     parts[name] = text
     if #text > 4 * LONGEST_TEXT then break end
   end
@@ -40,25 +43,32 @@ end
 
 local function add_units(problem, f, kind, row)
   for _, term in ipairs(f:terms()) do
-    problem.units[#problem.units + 1] = { kind = kind, row = row, f = term, depends = term:depends(), text = M.text_of(problem, term) }
+    problem.units[#problem.units + 1] = { kind = kind, row = row, f = term,
+      depends = term:depends(), text = M.text_of(problem, term) }
   end
 end
 
 -- the terms of L and of each component of the force; nil where the system is taken as a whole
 local function take_apart(problem)
   local given, n = problem.given, problem.n
-  if n > MOST_COORDINATES or given.rolling or given.control or given.reaction or given.derivatives then return end
+  if n > MOST_COORDINATES or given.rolling or given.control or given.reaction
+    or given.derivatives then
+    return
+  end
   problem.units = {}
   add_units(problem, core.trace(problem.L, n, n, "number"), "L")
   if given.force then
     local force = bound(given.force, given.params)
     for i = 1, n do
-      add_units(problem, core.trace(function(q, v, t) return entries(force(q, v, t))[i] end, n, n, "number"), "force", i)
+      add_units(problem, core.trace(function(q, v, t) return entries(force(q, v, t))[i] end, n, n,
+        "number"), "force", i)
     end
   end
   if given.constraint then
     problem.ties = function(q, t) return given.constraint(q, t, given.params) end
-    problem.tie_depends = core.trace(function(q, t) return core.vector(entries(problem.ties(q, t))) end, n, "number"):depends()[1]
+    problem.tie_depends =
+      core.trace(function(q, t) return core.vector(entries(problem.ties(q, t))) end, n,
+      "number"):depends()[1]
   end
   if #problem.units > MOST_TERMS then problem.units = nil end
 end
@@ -75,7 +85,8 @@ end
 --- The problem of a scene: system, start, terms, what is watched.
 function M.problem(system, options)
   local given = system.given
-  local problem = { system = system, given = given, n = system.Q.dimension, names = watch.names(system), t0 = options.t0 or 0,
+  local problem = { system = system, given = given, n = system.Q.dimension,
+    names = watch.names(system), t0 = options.t0 or 0,
     T = options.until_t - (options.t0 or 0), project = options.project }
   problem.L = bound(given.L, given.params)
   problem.momentum_depends = momentum_depends(problem)
@@ -92,7 +103,8 @@ end
 
 --- The system as it is given.
 function M.given(problem)
-  local model = setmetatable({ problem = problem, active = {}, keep = {}, value = {}, ties = {}, steps = {},
+  local model = setmetatable({ problem = problem, active = {}, keep = {}, value = {}, ties = {},
+    steps = {},
     untouched = true }, M)
   for k = 1, #(problem.units or {}) do model.active[k] = true end
   for i = 1, problem.n do model.keep[i], model.value[i] = true, problem.q[i] end
@@ -107,7 +119,8 @@ end
 
 --- A model that differs by what `change(model)` does to it, described in words.
 function M:changed(words, change)
-  local out = setmetatable({ problem = self.problem, active = copied(self.active), keep = copied(self.keep), value = copied(self.value),
+  local out = setmetatable({ problem = self.problem, active = copied(self.active),
+    keep = copied(self.keep), value = copied(self.value),
     ties = copied(self.ties), steps = copied(self.steps) }, M)
   out.steps[#out.steps + 1] = words
   change(out)
@@ -144,7 +157,8 @@ function M:reduced(list, words)
   end)
 end
 
--- q(x), v(x, y, t): all coordinates from those that are left; rates of the others are zero, of reduced ones those of the momentum
+-- q(x), v(x, y, t): all coordinates from those that are left; rates of the others are zero, of
+-- reduced ones those of the momentum
 local function embedding(self)
   local place, value, n = {}, self.value, self.problem.n
   for at, i in ipairs(self:kept()) do place[i] = at end
@@ -216,7 +230,8 @@ end
 
 local function start_of(self, project)
   local problem = self.problem
-  return { q = core.vector(left(self, problem.q)), v = core.vector(left(self, problem.v)), t0 = problem.t0, project = project }
+  return { q = core.vector(left(self, problem.q)), v = core.vector(left(self, problem.v)),
+    t0 = problem.t0, project = project }
 end
 
 -- the system reduced by the coordinates that its base has more
@@ -225,7 +240,8 @@ local function build_reduced(self)
   for at, i in ipairs(base:kept()) do
     if not self.keep[i] then cyclic[#cyclic + 1] = at end
   end
-  return base.system:routh { cyclic = cyclic, q = base.start.q, v = base.start.v }, start_of(self, base.start.project)
+  return base.system:routh { cyclic = cyclic, q = base.start.q, v = base.start.v },
+    start_of(self, base.start.project)
 end
 
 -- the system of the model and where it starts
@@ -236,8 +252,10 @@ local function build(self)
   local q_of, v_of = embedding(self)
   local tied = constraint(self, q_of)
   local whole = #self:kept() == problem.n
-  local system = core.system { Q = whole and problem.given.Q or core.R(#self:kept()), L = lagrangian(self, q_of, v_of),
-    force = force(self, q_of, v_of), constraint = tied, coordinates = left(self, problem.names), units = problem.given.units,
+  local system = core.system { Q = whole and problem.given.Q or core.R(#self:kept()),
+    L = lagrangian(self, q_of, v_of),
+    force = force(self, q_of, v_of), constraint = tied, coordinates = left(self, problem.names),
+    units = problem.given.units,
     name = problem.given.name }
   return system, start_of(self, tied and true or nil)
 end
@@ -295,10 +313,14 @@ function M:fingerprint()
   local given, n = self.system.given, self.system.Q.dimension
   text = { fine and text or tostring(self.system), tostring(self.system) }
   if given.constraint then
-    text[#text + 1] = core.trace(function(q, t) return core.vector(entries(given.constraint(q, t, given.params))) end, n, "number"):graph()
+    text[#text + 1] = core.trace(function(q, t)
+      return core.vector(entries(given.constraint(q, t, given.params)))
+    end, n, "number"):graph()
   end
   if given.force and not given.control then
-    text[#text + 1] = core.trace(function(q, v, t) return core.vector(entries(given.force(q, v, t, given.params))) end, n, n, "number"):graph()
+    text[#text + 1] = core.trace(function(q, v, t)
+      return core.vector(entries(given.force(q, v, t, given.params)))
+    end, n, n, "number"):graph()
   end
   self.print = hash(table.concat(text, "|"))
   return self.print

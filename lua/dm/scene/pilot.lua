@@ -1,4 +1,5 @@
---- Pilot runs of a scene: a model stepped N times over the whole time, what is watched at given times, distances between such records.
+--- Pilot runs of a scene: a model stepped N times over the whole time, what is watched at given
+-- times, distances between such records.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 
@@ -6,7 +7,8 @@ local M = {}
 
 local abs, max, floor = math.abs, math.max, math.floor
 
---- Times that do not fall in step with anything: `count` of them, t0 < t <= t0 + T, the last one at the end.
+--- Times that do not fall in step with anything: `count` of them, t0 < t <= t0 + T, the last one at
+-- the end.
 function M.times(problem, count, seed)
   local out = {}
   for i = 1, count do
@@ -39,7 +41,9 @@ local function options_of(model, more)
 end
 M.options_of = options_of
 
-function M.solver(model, rule, N) return model:ready().system:solver { rule = rule, h = model.problem.T / N } end
+function M.solver(model, rule, N)
+  return model:ready().system:solver { rule = rule, h = model.problem.T / N }
+end
 
 --- Columns of what is watched at the times, by N steps; or nil and why not.
 function M.run(model, rule, N, times)
@@ -56,7 +60,8 @@ function M.run(model, rule, N, times)
   return out
 end
 
---- Largest distance of two records in parts of the tolerance, over their rows from..to (default all).
+--- Largest distance of two records in parts of the tolerance, over their rows from..to (default
+-- all).
 function M.apart(problem, a, b)
   local worst = 0
   for _, name in ipairs(problem.columns) do
@@ -72,8 +77,9 @@ end
 
 local GIVE_UP = 3  -- failures, or halvings that make nothing better, in a row
 
---- Halve the step until the record changes by less than `goal` tolerances: record, change, N; or nil, why.
--- how: from (a number of steps), goal, times, seconds (of CPU that may go into it), most (steps)
+--- Halve the step until the record changes by less than `goal` tolerances: record, change, N; or
+-- nil, why. how: from (a number of steps), goal, times, seconds (of CPU that may go into it), most
+-- (steps)
 function M.refine(model, rule, how)
   local begin, took, N, last, change, why = core.cpu(), 0, max(4, floor(how.from)), nil, nil, nil
   local rising, failures = 0, 0
@@ -92,11 +98,13 @@ function M.refine(model, rule, how)
     end
     last, N = record, 2 * N
   end
-  return nil, change and M.best_words(model.problem, rule, change, N // 2) or why or "not even one run fits into the time allowed", change
+  return nil, change and M.best_words(model.problem, rule, change, N // 2) or why
+    or "not even one run fits into the time allowed", change
 end
 
 function M.best_words(problem, rule, change, N)
-  return ("%s still changes by %.1e tolerances when the step is halved to h = %.3g"):format(rule, change, problem.T / N)
+  return ("%s still changes by %.1e tolerances when the step is halved to h = %.3g")
+    :format(rule, change, problem.T / N)
 end
 
 -- largest |eigenvalue| of L_vv^-1 K for the blocks of a Hessian by (q, v, t)
@@ -114,8 +122,8 @@ end
 
 local LARGEST = 24  -- coordinates for which frequencies are looked at
 
---- The largest frequency of small oscillations about the start, sqrt |L_vv^-1 L_qq|; of a term of L with the mass of L where one is given.
--- 0 where it is not known.
+--- The largest frequency of small oscillations about the start, sqrt |L_vv^-1 L_qq|; of a term of L
+-- with the mass of L where one is given. 0 where it is not known.
 function M.frequency(model, term)
   model:ready()
   local given, start = model.system.given, model.start
@@ -130,7 +138,8 @@ function M.frequency(model, term)
   return fine and squared == squared and math.sqrt(squared) or 0
 end
 
--- unlike methods: Gauss collocation, then Runge-Kutta, compositions, Lobatto; the last for L linear in v
+-- unlike methods: Gauss collocation, then Runge-Kutta, compositions, Lobatto; the last for L linear
+-- in v
 local FIRST = { "gauss(6)", "lobatto(6)", "degenerate(3)" }
 local SECOND = { "rk8", "kahan-li(8)", "lobatto(5)", "gauss(4)", "degenerate(2)" }
 local AGREED = 0.05  -- tolerances
@@ -155,9 +164,9 @@ function M.first_rows(problem, record, count)
   return out
 end
 
--- Where oscillations are so fast that to follow each of them costs much: two implicit methods with steps that step over them. What
--- they miss acts on the slow motion like a force, so by t^2: a part of the time is run with all oscillations resolved and must agree
--- so well that T is covered too.
+-- Where oscillations are so fast that to follow each of them costs much: two implicit methods with
+-- steps that step over them. What they miss acts on the slow motion like a force, so by t^2: a part
+-- of the time is run with all oscillations resolved and must agree so well that T is covered too.
 local PART, COSTLY = 16, 4096
 local UNSEEN = 0.2 / PART ^ 2  -- tolerances
 
@@ -165,22 +174,27 @@ local SLOW = { { "gauss(6)", "lobatto(6)" }, { "gauss(4)", "lobatto(5)" } }
 
 local function slow_reference(model, times, seconds, N0)
   local problem = model.problem
-  local how = { from = max(64, N0 / 2 ^ 12), goal = UNSEEN / 4, times = times, seconds = seconds / 4, most = N0 }
+  local how = { from = max(64, N0 / 2 ^ 12), goal = UNSEEN / 4, times = times,
+    seconds = seconds / 4, most = N0 }
   local a = first_that_can(model, SLOW[1], how)
   local b = a and first_that_can(model, SLOW[2], how)
   if not b or M.apart(problem, a.record, b.record) > UNSEEN then return nil end
   local count = max(1, #times // PART)
-  local resolved = M.refine(model, "gauss(6)", { from = N0, goal = UNSEEN / 4, times = { table.unpack(times, 1, count) },
+  local resolved = M.refine(model, "gauss(6)",
+    { from = N0, goal = UNSEEN / 4, times = { table.unpack(times, 1, count) },
     seconds = seconds / 4 })
   local distance = resolved and M.apart(problem, resolved, M.first_rows(problem, a.record, count))
   if not distance or distance > UNSEEN then return nil end
-  return a.record, AGREED, ("%s with h = %.3g and %s with h = %.3g, which step over the oscillations, agree to %.1e of the tolerance; with "
-    .. "all of them resolved, until t = %.3g, to %.1e"):format(a.rule, problem.T / a.N, b.rule, problem.T / b.N,
+  return a.record, AGREED,
+    ("%s with h = %.3g and %s with h = %.3g, which step over the oscillations, agree to %.1e of "
+    .. "the tolerance; with "
+    .. "all of them resolved, until t = %.3g, to %.1e")
+      :format(a.rule, problem.T / a.N, b.rule, problem.T / b.N,
     M.apart(problem, a.record, b.record), times[count], distance)
 end
 
---- The reference of a scene: two unlike methods on the system as given, each refined until it stays, that agree: record, distance in
--- tolerances, words. Raises what was measured.
+--- The reference of a scene: two unlike methods on the system as given, each refined until it
+-- stays, that agree: record, distance in tolerances, words. Raises what was measured.
 function M.reference(model, times, seconds)
   local problem, N0 = model.problem, M.first_N(model)
   if N0 > COSTLY then
@@ -195,15 +209,20 @@ function M.reference(model, times, seconds)
   if a then b, others = first_that_can(model, SECOND, how) end
   local distance = a and b and M.apart(problem, a.record, b.record)
   if distance and distance <= 2 * AGREED then
-    return a.record, distance, ("%s with h = %.3g and %s with h = %.3g agree to %.1e of the tolerance"):format(a.rule, problem.T / a.N,
+    return a.record, distance,
+      ("%s with h = %.3g and %s with h = %.3g agree to %.1e of the tolerance")
+      :format(a.rule, problem.T / a.N,
       b.rule, problem.T / b.N, distance)
   end
   for _, words in ipairs(others) do tried[#tried + 1] = words end
   if distance then
-    tried[#tried + 1] = ("%s and %s have settled, but %.1e tolerances apart"):format(a.rule, b.rule, distance)
+    tried[#tried + 1] = ("%s and %s have settled, but %.1e tolerances apart")
+      :format(a.rule, b.rule, distance)
   end
-  error(("dm.scene: the tolerance cannot be promised, since no reference is known that well: %s. Is the motion chaotic over this time, or the "
-    .. "tolerance below round-off? Take a larger tolerance, a shorter until_t, watch something less sensitive, or give more seconds")
+  error(("dm.scene: the tolerance cannot be promised, since no reference is known that well: %s. "
+    .. "Is the motion chaotic over this time, or the "
+    .. "tolerance below round-off? Take a larger tolerance, a shorter until_t, watch something "
+      .. "less sensitive, or give more seconds")
     :format(table.concat(tried, "; ")), 0)
 end
 

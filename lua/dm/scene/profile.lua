@@ -1,4 +1,5 @@
---- What runs cost on one machine: measured once for each model, rule and number of steps, kept, saved, read again.
+--- What runs cost on one machine: measured once for each model, rule and number of steps, kept,
+-- saved, read again.
 local core = require "dm.core"
 local pilot = require "dm.scene.pilot"
 
@@ -15,16 +16,19 @@ function M.new() return setmetatable({ rows = {}, few = {}, guessed = {}, measur
 
 local LONG_ENOUGH, LONGEST = 4e-3, 60  -- s of CPU spent on one figure; repeats
 
--- ns of a step, without set-up, over so many of the N steps: the best of several; and the report of the run
+-- ns of a step, without set-up, over so many of the N steps: the best of several; and the report of
+-- the run
 local function measure(model, rule, N, steps, enough)
-  local solver, start = pilot.solver(model, rule, N), pilot.options_of(model, { steps = steps, every = steps })
+  local solver, start = pilot.solver(model, rule, N),
+    pilot.options_of(model, { steps = steps, every = steps })
   local best, report = huge, nil
   local began = core.cpu()
   for _ = 1, LONGEST do
     local before = core.cpu()
     solver:run(start)
     report = solver:report()
-    best = min(best, report.ns_per_step, 1e9 * (core.cpu() - before) / steps)  -- the latter where others had the processor
+    -- the latter where others had the processor
+    best = min(best, report.ns_per_step, 1e9 * (core.cpu() - before) / steps)
     local spent = core.cpu() - began
     if (spent > enough and spent > 4e-9 * best * steps) or spent > 50 * enough then break end
   end
@@ -34,7 +38,9 @@ end
 local function key_of(model, rule) return model:fingerprint() .. " " .. rule end
 
 -- operations of a run, as far as counters tell: of the kernels, and what surrounds them
-local function work_of(report, n) return max(report.evaluations, report.steps) * (report.operations + 8 * n) end
+local function work_of(report, n)
+  return max(report.evaluations, report.steps) * (report.operations + 8 * n)
+end
 
 -- ns by the rates of what was measured: for the same rule, or for all
 local function estimate(self, model, rule, N)
@@ -45,7 +51,10 @@ local function estimate(self, model, rule, N)
       if key:match "^%x+ (.*)$" == rule then same[#same + 1] = all[#all] end
     end
   end
-  if #all == 0 then fail("the profile that was given holds no figure: save one from a scene that has run, scene.profile:save(file)") end
+  if #all == 0 then
+    fail("the profile that was given holds no figure: save one from a scene that has run, "
+      .. "scene.profile:save(file)")
+  end
   local rates = #same > 0 and same or all
   table.sort(rates)
   local solver = pilot.solver(model, rule, N)
@@ -55,7 +64,8 @@ local function estimate(self, model, rule, N)
   return work_of(solver:report(), n) * N / steps * rates[(#rates + 1) // 2]
 end
 
---- ns of N steps. What is not known is measured, or, in a profile that was given, estimated from its rates.
+--- ns of N steps. What is not known is measured, or, in a profile that was given, estimated from
+-- its rates.
 function M:cost(model, rule, N)
   local key = key_of(model, rule)
   local row = self.rows[key] or {}
@@ -77,7 +87,8 @@ function M:least(model, rule, N)
   return entry and entry.least or self:cost(model, rule, N)
 end
 
---- Time some runs once more, in turn, so that what else the machine does meets all of them alike; runs: list of { model, rule, N }.
+--- Time some runs once more, in turn, so that what else the machine does meets all of them alike;
+-- runs: list of { model, rule, N }.
 function M:again(runs, rounds, seconds)
   local began = core.cpu()
   for _ = 1, self.measures and rounds or 0 do
@@ -91,8 +102,8 @@ end
 
 local FEW = 256  -- steps of a run that tells about what more of them cost
 
---- About what N steps cost, from a few of them. What was told once is told again, whatever has been measured since, so that a profile
--- that was saved leads to the same choice.
+--- About what N steps cost, from a few of them. What was told once is told again, whatever has been
+-- measured since, so that a profile that was saved leads to the same choice.
 function M:about(model, rule, N)
   local key = key_of(model, rule)
   local few, row = self.few[key] or {}, self.rows[key] or {}
@@ -104,8 +115,8 @@ end
 
 local doc_save = [[
 profile:save(file) -> file name
-Write the measured costs, a line each: model, steps, ns, least ns, operations, rule. dm.scene{profile = file} then chooses by these figures, without
-a clock, and so always the same.]]
+Write the measured costs, a line each: model, steps, ns, least ns, operations, rule.
+dm.scene{profile = file} then chooses by these figures, without a clock, and so always the same.]]
 
 local HEAD = "dmlua scene profile 1"
 
@@ -158,11 +169,15 @@ function M.read(file)
   local text = handle:read "a"
   handle:close()
   local first, rest = (text or ""):match "^([^\n]*)\n(.*)$"
-  if first ~= HEAD then fail("option 'profile': %s is not a profile that scene.profile:save wrote", file) end
+  if first ~= HEAD then
+    fail("option 'profile': %s is not a profile that scene.profile:save wrote", file)
+  end
   local out = M.new()
   out.measures = false
   for line in rest:gmatch "[^\n]+" do
-    if not read_line(out, line) then fail("option 'profile': %s has a line that does not read: %s", file, line) end
+    if not read_line(out, line) then
+      fail("option 'profile': %s has a line that does not read: %s", file, line)
+    end
   end
   return out
 end
@@ -172,7 +187,8 @@ function M:__tostring()
   for _, row in pairs(self.rows) do
     for _ in pairs(row) do count = count + 1 end
   end
-  return ("costs of %d runs%s"):format(count, self.measures and ", measured as they are needed" or ", as given")
+  return ("costs of %d runs%s"):format(count, self.measures and ", measured as they are needed"
+    or ", as given")
 end
 
 core.docs[M.save] = doc_save

@@ -1,5 +1,5 @@
---- Smaller models of a scene: coordinates that nothing watched feels, cyclic ones reduced away, and changes that are inside the
--- tolerance, each measured against the reference and put together.
+--- Smaller models of a scene: coordinates that nothing watched feels, cyclic ones reduced away, and
+-- changes that are inside the tolerance, each measured against the reference and put together.
 local changes = require "dm.scene.changes"
 local core = require "dm.core"
 local pilot = require "dm.scene.pilot"
@@ -27,7 +27,9 @@ local function spread(model, reached)
   while grew do
     grew = false
     for k, unit in ipairs(problem.units) do
-      if model:acts(k) then join(function(i) return unit.depends[1][i] or unit.depends[2][i] end, unit.row) end
+      if model:acts(k) then
+        join(function(i) return unit.depends[1][i] or unit.depends[2][i] end, unit.row)
+      end
     end
     if problem.ties then join(function(i) return problem.tie_depends[i] end) end
     for _, tie in ipairs(model.tie_depends or {}) do join(function(i) return tie[i] end) end
@@ -43,20 +45,24 @@ end
 --- The model without coordinates that are not joined to anything watched; nil when there are none.
 function M.connected(model)
   local problem, reached, left = model.problem, {}, {}
-  for i = 1, problem.n do reached[i] = model.keep[i] and (problem.needs.q[i] or problem.needs.v[i]) or false end
+  for i = 1, problem.n do
+    reached[i] = model.keep[i] and (problem.needs.q[i] or problem.needs.v[i]) or false
+  end
   spread(model, reached)
   for i = 1, problem.n do
     if model.keep[i] and not reached[i] then left[#left + 1] = i end
   end
   if #left == 0 or #left == #model:kept() then return nil end
-  return model:changed(("without %s, which nothing watched feels"):format(names_of(problem, left)), function(m)
+  return model:changed(("without %s, which nothing watched feels"):format(names_of(problem, left)),
+    function(m)
     for _, i in ipairs(left) do m.keep[i] = false end
   end)
 end
 
 ---- exact: cyclic coordinates ----
 
---- The model reduced by the cyclic coordinates that are not watched (Routh); nil when there are none, or it cannot be.
+--- The model reduced by the cyclic coordinates that are not watched (Routh); nil when there are
+-- none, or it cannot be.
 function M.reduced(model)
   local problem, kept, list = model.problem, model:ready():kept(), {}
   local cyclic = problem.group or {}
@@ -65,7 +71,8 @@ function M.reduced(model)
     if cyclic[problem.names[i]] and not problem.needs.q[i] then list[#list + 1] = i end
   end
   if #list == 0 or #list == #kept then return nil end
-  local out = model:reduced(list, ("reduced by %s, cyclic and not watched"):format(names_of(problem, list)))
+  local out = model:reduced(list, ("reduced by %s, cyclic and not watched")
+    :format(names_of(problem, list)))
   local fine, why = pcall(out.ready, out)
   if not fine then pilot.pass_stop(why) end
   return fine and out or nil
@@ -91,7 +98,8 @@ local PAYS = 0.93  -- of the operations of L: less gain is not looked at
 local function pays(model, than)
   local n, operations, s = model:size()
   local n0, operations0, s0 = than:size()
-  return n < n0 or operations <= PAYS * operations0 or (s.separable and not s0.separable) or (s.constant_mass and not s0.constant_mass)
+  return n < n0 or operations <= PAYS * operations0 or (s.separable and not s0.separable)
+    or (s.constant_mass and not s0.constant_mass)
     or (s0.forced and not s.forced)
 end
 
@@ -103,15 +111,19 @@ local function early(search, model, rule, N)
   local times = { table.unpack(search.times, 1, count) }
   local coarse, fine = pilot.run(model, rule, N, times), pilot.run(model, rule, 2 * N, times)
   if not (coarse and fine) then return nil end
-  local err = pilot.apart(model.problem, fine, pilot.first_rows(model.problem, search.reference, count))
-  if err > 3 and pilot.apart(model.problem, coarse, fine) < 0.2 * err then return err, times[count] end
+  local err = pilot.apart(model.problem, fine, pilot.first_rows(model.problem, search.reference,
+    count))
+  if err > 3 and pilot.apart(model.problem, coarse, fine) < 0.2 * err then
+    return err, times[count]
+  end
 end
 
--- Steps from which a model is refined, although they may step over fast oscillations: what follows from it is compared with the
--- reference once more before it is chosen.
+-- Steps from which a model is refined, although they may step over fast oscillations: what follows
+-- from it is compared with the reference once more before it is chosen.
 local COARSE = 512
 
---- The error that a model makes however small the step is, in tolerances, and words where that says less.
+--- The error that a model makes however small the step is, in tolerances, and words where that says
+-- less.
 function M.measure(search, model)
   local problem, why = model.problem, nil
   local N0 = math.min(pilot.first_N(model), COARSE)
@@ -138,7 +150,8 @@ end
 local function tried(search, model)
   local key = { model:fingerprint() }
   for i = 1, model.problem.n do
-    key[#key + 1] = not model.keep[i] and (model.problem.needs.q[i] and ("%.17g"):format(model.value[i]) or "-") or "+"
+    key[#key + 1] = not model.keep[i] and (model.problem.needs.q[i] and ("%.17g")
+      :format(model.value[i]) or "-") or "+"
   end
   key = table.concat(key, " ")
   local known = search.seen[key]
@@ -170,10 +183,12 @@ local function singles(search, base, list)
     if model and not tried(search, model) then
       local err, why = M.measure(search, model)
       local kept = err <= ENOUGH
-      note(search, model, err, kept and "inside the tolerance" or why or "beyond the tolerance", kept)
+      note(search, model, err, kept and "inside the tolerance" or why or "beyond the tolerance",
+        kept)
       if kept then
         local n, operations = model:size()
-        good[#good + 1] = { change = change, n = n, operations = operations, error = err, at = at, model = model }
+        good[#good + 1] = { change = change, n = n, operations = operations, error = err, at = at,
+          model = model }
       end
     end
   end
@@ -192,7 +207,8 @@ local function together(search, base, good)
     local model = now == base and row.model or changed(now, row.change)
     local err = model and (now == base and row.error or M.measure(search, model))
     if err and now ~= base then
-      note(search, model, err, err <= ENOUGH and "inside the tolerance" or "together beyond the tolerance", err <= ENOUGH)
+      note(search, model, err, err <= ENOUGH and "inside the tolerance"
+        or "together beyond the tolerance", err <= ENOUGH)
     end
     if err and err <= ENOUGH then
       now = model
@@ -202,7 +218,8 @@ local function together(search, base, good)
   return rungs
 end
 
--- each rung also without its cyclic coordinates, and the system in coordinates of a symmetry without those of the group
+-- each rung also without its cyclic coordinates, and the system in coordinates of a symmetry
+-- without those of the group
 local function with_reduced(search, rungs, split)
   local all = { table.unpack(rungs) }
   all[#all + 1] = split
@@ -211,14 +228,15 @@ local function with_reduced(search, rungs, split)
     if model and not tried(search, model) then
       local err, why = M.measure(search, model)
       local kept = err <= ENOUGH
-      note(search, model, err, kept and "inside the tolerance" or why or "beyond the tolerance", kept)
+      note(search, model, err, kept and "inside the tolerance" or why or "beyond the tolerance",
+        kept)
       if kept then rungs[#rungs + 1] = model end
     end
   end
 end
 
---- The models of a scene that deliver what is watched, from the system as given to the smallest; split: the same in coordinates of a
--- symmetry, or nil.
+--- The models of a scene that deliver what is watched, from the system as given to the smallest;
+-- split: the same in coordinates of a symmetry, or nil.
 function M.ladder(search, given, split)
   local problem, rungs, base = given.problem, { given }, given
   note(search, given, 0, "the system as given", true)
@@ -232,7 +250,9 @@ function M.ladder(search, given, split)
       note(search, base, 0, "exact", true)
       rungs[#rungs + 1] = base
     end
-    for _, model in ipairs(together(search, base, singles(search, base, changes.all(problem)))) do rungs[#rungs + 1] = model end
+    for _, model in ipairs(together(search, base, singles(search, base, changes.all(problem)))) do
+      rungs[#rungs + 1] = model
+    end
   end
   with_reduced(search, rungs, split)
   return rungs

@@ -1,4 +1,5 @@
---- What a scene tells: the ladder of models and rules, with figures and the reason why each was kept or dropped.
+--- What a scene tells: the ladder of models and rules, with figures and the reason why each was
+-- kept or dropped.
 local M = {}
 
 local UNITS = { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } }
@@ -20,18 +21,21 @@ M.error = error_text
 
 local function model_line(scene, row)
   local fine, n, operations = pcall(row.model.size, row.model)
-  return ("  %s: dimension %s, %s operations, error %s: %s, %s"):format(row.model:words(), fine and n or "?", fine and operations or "?",
+  return ("  %s: dimension %s, %s operations, error %s: %s, %s")
+    :format(row.model:words(), fine and n or "?", fine and operations or "?",
     error_text(scene, row.error), row.kept and "kept" or "dropped", row.verdict)
 end
 
 local function candidate_line(scene, c, last)
-  return ("  %-24s h = %-9.4g %8d steps %9s  error %-8s %s"):format(c.rule, c.h, c.N, c.ns and M.time(c.ns) or "",
+  return ("  %-24s h = %-9.4g %8d steps %9s  error %-8s %s")
+    :format(c.rule, c.h, c.N, c.ns and M.time(c.ns) or "",
     error_text(scene, c.error), last)
 end
 
 local MOST_LINES, NEAREST = 12, 6  -- rules on one model: those that do, the nearest that do not
 
--- rules on one model: those that reach the tolerance, cheapest first, then the nearest of those that do not
+-- rules on one model: those that reach the tolerance, cheapest first, then the nearest of those
+-- that do not
 local function rule_lines(scene, model, lines)
   local kept, dropped = {}, {}
   for _, c in ipairs(scene.search.candidates) do
@@ -42,7 +46,8 @@ local function rule_lines(scene, model, lines)
   table.sort(dropped, function(a, b) return a.error < b.error end)
   lines[#lines + 1] = ("rules on the model: %s"):format(model:words())
   for at, c in ipairs(kept) do
-    local verdict = c == scene.best and "chosen" or ("%.2f times the cost of the choice"):format(c.ns / scene.best.ns)
+    local verdict = c == scene.best and "chosen" or ("%.2f times the cost of the choice")
+      :format(c.ns / scene.best.ns)
     if at <= MOST_LINES then lines[#lines + 1] = candidate_line(scene, c, c.failed or verdict) end
   end
   for at, c in ipairs(dropped) do
@@ -63,7 +68,9 @@ local function refused_lines(scene, lines)
       table.insert(by_reason[key], r.rule)
     end
   end
-  for _, key in ipairs(order) do lines[#lines + 1] = ("left out: %s: %s"):format(table.concat(by_reason[key], ", "), key) end
+  for _, key in ipairs(order) do
+    lines[#lines + 1] = ("left out: %s: %s"):format(table.concat(by_reason[key], ", "), key)
+  end
 end
 
 local function models_lines(scene, lines)
@@ -78,18 +85,24 @@ function M.choice(scene)
   for _, c in ipairs(scene.finalists) do
     if c ~= b and not next_best then next_best = c end
   end
-  return ("%s, %s with h = %.4g (%d steps): %s%s"):format(b.model:words(), b.rule, b.h, b.N, M.time(b.ns),
-    next_best and ("; next %s on %s, %s"):format(next_best.rule, next_best.model == b.model and "the same model" or next_best.model:words(),
+  return ("%s, %s with h = %.4g (%d steps): %s%s")
+    :format(b.model:words(), b.rule, b.h, b.N, M.time(b.ns),
+    next_best and ("; next %s on %s, %s"):format(next_best.rule, next_best.model == b.model
+      and "the same model" or next_best.model:words(),
       M.time(next_best.ns)) or "")
 end
 
 --- The whole ladder as a text.
 function M.why(scene)
-  local lines = { scene.sentence, "reference: " .. scene.reference_text, "choice: " .. M.choice(scene), scene.check_text, scene.rows_text }
+  local lines = { scene.sentence, "reference: " .. scene.reference_text, "choice: "
+    .. M.choice(scene), scene.check_text, scene.rows_text }
   models_lines(scene, lines)
   for _, row in ipairs(scene.search.models) do rule_lines(scene, row.model, lines) end
   refused_lines(scene, lines)
-  if scene.search.cut then lines[#lines + 1] = "the time allowed was over before everything was looked at: give more seconds" end
+  if scene.search.cut then
+    lines[#lines + 1] = "the time allowed was over before everything was looked at: give more "
+      .. "seconds"
+  end
   lines[#lines + 1] = ("%d pilot runs, %.2g s of CPU"):format(scene.search.pilots, scene.seconds)
   return table.concat(lines, "\n")
 end

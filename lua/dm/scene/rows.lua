@@ -7,7 +7,8 @@ local abs, max = math.abs, math.max
 
 local MOST_ROWS = 1 << 15  -- kept by the run that finds out how many are needed
 
--- largest distance, in tolerances, of rows between those that are kept from straight lines through these; stride 1: by second differences
+-- largest distance, in tolerances, of rows between those that are kept from straight lines through
+-- these; stride 1: by second differences
 local function bent(problem, path, stride)
   local worst = 0
   for _, name in ipairs(problem.columns) do
@@ -54,8 +55,8 @@ end
 
 local TRIES = 4
 
---- How many rows, evenly spaced, straight lines need; nil where steps are close enough. Lines err by the square of their length, so that
--- a number that is too small tells a better one.
+--- How many rows, evenly spaced, straight lines need; nil where steps are close enough. Lines err
+-- by the square of their length, so that a number that is too small tells a better one.
 function M.lines(c, every, err)
   if err <= 1 then return nil end
   local count = c.N // every
@@ -82,10 +83,12 @@ end
 function Path.__len(run_) return #rawget(run_, "path") end
 
 function Path.__tostring(run_)
-  return ("%s; error of what is watched at most %s (model: %s)"):format(tostring(rawget(run_, "path")), run_.in_words, run_.model)
+  return ("%s; error of what is watched at most %s (model: %s)")
+    :format(tostring(rawget(run_, "path")), run_.in_words, run_.model)
 end
 
---- The run of a choice as a path that has error_estimate, errors, model beside everything that dm.path has.
+--- The run of a choice as a path that has error_estimate, errors, model beside everything that
+-- dm.path has.
 function M.path(c, which, more)
   local given = {}
   for key, value in pairs(which) do given[key] = value end

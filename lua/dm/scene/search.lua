@@ -1,5 +1,6 @@
---- The cheapest rule and step for a model: each rule is tried first with as many steps as cost what the best one does so far.
--- Where that is not enough for the tolerance the rule is out, with one pilot run; else fewer steps are looked for.
+--- The cheapest rule and step for a model: each rule is tried first with as many steps as cost what
+-- the best one does so far. Where that is not enough for the tolerance the rule is out, with one
+-- pilot run; else fewer steps are looked for.
 local core = require "dm.core"
 local pilot = require "dm.scene.pilot"
 
@@ -7,8 +8,10 @@ local M = {}
 
 local max, min, ceil, floor, huge = math.max, math.min, math.ceil, math.floor, math.huge
 
--- tried first, since a good bound early rules out the others quickly; this orders, it does not choose
-local EARLY = { "gauss(4)", "blanes-moan(6)", "verlet", "rattle", "gauss(6)", "kahan-li(8)", "blanes-moan(4)", "gauss(2)", "rk8" }
+-- tried first, since a good bound early rules out the others quickly; this orders, it does not
+-- choose
+local EARLY = { "gauss(4)", "blanes-moan(6)", "verlet", "rattle", "gauss(6)", "kahan-li(8)",
+  "blanes-moan(4)", "gauss(2)", "rk8" }
 -- rules that the table has no instance of, and whose step is a time
 local FURTHER = { "shake", "degenerate(1)", "degenerate(2)", "degenerate(3)", "degenerate(4)" }
 
@@ -16,12 +19,15 @@ local FURTHER = { "shake", "degenerate(1)", "degenerate(2)", "degenerate(3)", "d
 local function instances()
   local known, names = {}, {}
   for _, method in ipairs(core.rules()) do
-    for _, instance in ipairs(method.instances) do known[instance.rule], names[#names + 1] = instance, instance.rule end
+    for _, instance in ipairs(method.instances) do
+      known[instance.rule], names[#names + 1] = instance, instance.rule
+    end
   end
   return known, names
 end
 
---- Every instance of the table of rules, the early ones first, or the rules that are given: list of { rule, order, stages }.
+--- Every instance of the table of rules, the early ones first, or the rules that are given: list of
+-- { rule, order, stages }.
 function M.rules(given, system)
   local known, names = instances()
   local out, seen = {}, {}
@@ -29,7 +35,8 @@ function M.rules(given, system)
     for _, rule in ipairs(list) do
       if not seen[rule] then
         seen[rule] = true
-        out[#out + 1] = known[rule] or { rule = rule, order = system:solver({ rule = rule, h = 1 }).order, stages = 1 }
+        out[#out + 1] = known[rule] or { rule = rule,
+          order = system:solver({ rule = rule, h = 1 }).order, stages = 1 }
       end
     end
   end
@@ -37,12 +44,15 @@ function M.rules(given, system)
 end
 
 local TARGET = 0.85  -- of the tolerance, at the sampled times; the rest is for what lies between
-local SLACK = 1.25   -- a rule that would cost so much more is still looked at: clocks are not that good
+-- a rule that would cost so much more is still looked at: clocks are not that good
+local SLACK = 1.25
 local CLOSE = 1.07   -- numbers of steps between success and failure are then close enough
 local FEWEST = 2
 
 -- the first line of a failure, without place
-local function first_line(failure) return (tostring(failure):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")) end
+local function first_line(failure)
+  return (tostring(failure):match "^[^\n]*":gsub("^.-%.lua:%d+: ", ""))
+end
 
 local MANY, PART = 1024, 12  -- from so many steps on a run is tried over a part of the time first
 
@@ -81,8 +91,8 @@ end
 
 local LADDER = { 4, 2, 1, 0.5, 0.25, 0.1, 0.03 }  -- times a guess
 
--- The largest number of steps that the bound pays for, beginning with a guess; nil and why where there is none. Downwards, since
--- implicit rules may cost more in all with fewer steps.
+-- The largest number of steps that the bound pays for, beginning with a guess; nil and why where
+-- there is none. Downwards, since implicit rules may cost more in all with fewer steps.
 local function affordable(search, model, rule, guess)
   local why, last
   for at, factor in ipairs(LADDER) do
@@ -120,7 +130,9 @@ local function shrink(search, model, row, enough, err)
 end
 
 local STUCK = 3   -- times that more steps did not help, in a row
-local FAILING = 12  -- times that a run with twice the steps still failed, in a row: coarse steps of long runs fail for a while
+-- times that a run with twice the steps still failed, in a row: coarse steps of long runs fail for
+-- a while
+local FAILING = 12
 
 -- more steps until it is enough; nil where nothing comes of it
 local function grow(search, model, row, N)
@@ -137,18 +149,23 @@ local function grow(search, model, row, N)
     local more = err < huge and (err / TARGET) ^ (1 / row.order) * 1.05 or 2
     N = ceil(N * min(12, max(1.1, more)))
   end
-  return nil, err, why or stuck > STUCK and "more steps do not help" or "does not reach the tolerance in the time allowed", N
+  return nil, err, why or stuck > STUCK and "more steps do not help"
+    or "does not reach the tolerance in the time allowed", N
 end
 
 local function candidate(search, model, row, N, err, words, kept)
-  local out = { model = model, rule = row.rule, order = row.order, N = N, h = model.problem.T / N, error = err, why = words, kept = kept }
+  local out = { model = model, rule = row.rule, order = row.order, N = N, h = model.problem.T / N,
+    error = err, why = words, kept = kept }
   if err < huge and kept then out.ns = search.profile:cost(model, row.rule, N) end
   search.candidates[#search.candidates + 1] = out
   return out
 end
 
 -- why a rule cannot, without its name and without those that can
-local function short(why) return (why:gsub(";.*$", ""):gsub("^rule '[^']*' ", ""):gsub("and rule '[^']*' needs", "and the rule needs"):gsub("^field 'rule': '[^']*': ", "")) end
+local function short(why)
+  return (why:gsub(";.*$", ""):gsub("^rule '[^']*' ", ""):gsub("and rule '[^']*' needs",
+    "and the rule needs"):gsub("^field 'rule': '[^']*': ", ""))
+end
 
 -- the rule is out: it cannot step the model, or not as cheaply
 local function give_up(search, model, row, why, N, err)
@@ -166,11 +183,13 @@ local function first_enough(search, model, row)
     if not N then give_up(search, model, row, why, last, err) end
     return N, err
   end
-  local N, why, at = affordable(search, model, row.rule, max(FEWEST, ceil(search.guess / row.stages)))
+  local N, why, at = affordable(search, model, row.rule,
+    max(FEWEST, ceil(search.guess / row.stages)))
   if not N then return give_up(search, model, row, why, at) end
   local err, failed = error_of(search, model, row.rule, N)
   if err <= TARGET then return N, err end
-  candidate(search, model, row, N, err, failed and short(failed) or "not accurate enough at the cost of the best", false)
+  candidate(search, model, row, N, err, failed and short(failed)
+    or "not accurate enough at the cost of the best", false)
 end
 
 -- more steps that cost less: where those of an implicit rule then converge so much faster

@@ -1,4 +1,5 @@
---- A symmetry that is told, for a scene: the same problem in coordinates (theta, x) of the group and a section, in which theta is cyclic.
+--- A symmetry that is told, for a scene: the same problem in coordinates (theta, x) of the group
+-- and a section, in which theta is cyclic.
 local core = require "dm.core"
 local model = require "dm.scene.model"
 local section = require "dm.reduce.routh.section"
@@ -10,10 +11,13 @@ local KNOWN = { action = true, section = true, dimension = true, names = true, a
 --- Is it a table with an action? Raises where not.
 function M.check(symmetry)
   if type(symmetry) ~= "table" or not symmetry.action then
-    error("dm.scene: option 'symmetry' must be a table { action = f(theta, q), section = f(x) ... }, as for system:routh", 0)
+    error("dm.scene: option 'symmetry' must be a table { action = f(theta, q), section = f(x) ... "
+      .. "}, as for system:routh", 0)
   end
   for key in pairs(symmetry) do
-    if not KNOWN[key] then error(("dm.scene: option 'symmetry': unknown field '%s'"):format(tostring(key)), 0) end
+    if not KNOWN[key] then
+      error(("dm.scene: option 'symmetry': unknown field '%s'"):format(tostring(key)), 0)
+    end
   end
 end
 
@@ -63,7 +67,8 @@ function M.model(problem, options)
   local given = { q = problem.q, v = problem.v }
   for key, value in pairs(symmetry) do given[key] = value end
   local split, start, T = section.split(problem.system, given)
-  local other = model.problem(split, { q = start.q, v = start.v, t0 = problem.t0, until_t = options.until_t, watch = lifted(problem, T),
+  local other = model.problem(split, { q = start.q, v = start.v, t0 = problem.t0,
+    until_t = options.until_t, watch = lifted(problem, T),
     tolerance = problem.tolerance, project = options.project })
   other.group = {}
   for a = 1, #start.cyclic do

@@ -1,4 +1,5 @@
---- What a scene watches: functions of (q, v, t, p), the columns that they make, the coordinates that they need.
+--- What a scene watches: functions of (q, v, t, p), the columns that they make, the coordinates
+-- that they need.
 local core = require "dm.core"
 
 local M = {}
@@ -12,7 +13,8 @@ function M.names(system)
   return out
 end
 
--- entry of (q, p) called `name`: "theta", "q2", "p2", "p_theta"; as the number of the coordinate and whether it is a momentum
+-- entry of (q, p) called `name`: "theta", "q2", "p2", "p_theta"; as the number of the coordinate
+-- and whether it is a momentum
 local function entry_of(names, name)
   for i, own in ipairs(names) do
     if name == own or name == "q" .. i then return i, false end
@@ -25,8 +27,10 @@ local function of_name(problem, name)
   if i and momentum then return function(_, _, _, p) return p[i] end end
   if i then return function(q) return q[i] end end
   if name ~= "energy" then
-    fail("option 'watch': there is no '%s'; watch coordinates (%s), momenta (p_%s), \"energy\", \"picture\" (every coordinate), or "
-      .. "name = function(q, v, t, p) ... end", name, table.concat(problem.names, ", "), problem.names[1])
+    fail("option 'watch': there is no '%s'; watch coordinates (%s), momenta (p_%s), \"energy\", "
+      .. "\"picture\" (every coordinate), or "
+      .. "name = function(q, v, t, p) ... end", name, table.concat(problem.names, ", "),
+      problem.names[1])
   end
   return function(q, v, t, p)
     local sum = -problem.L(q, v, t)
@@ -42,26 +46,34 @@ local function functions(problem, watch)
   if type(watch) == "string" then watch = { watch } end
   if type(watch) == "function" then watch = { watched = watch } end
   if type(watch) ~= "table" then
-    fail("option 'watch' says what is looked at: { \"theta\", r = function(q, v, t, p) ... end }, or \"picture\" (got %s)", type(watch))
+    fail("option 'watch' says what is looked at: { \"theta\", r = function(q, v, t, p) ... end }, "
+      .. "or \"picture\" (got %s)", type(watch))
   end
   for key, value in pairs(watch) do
-    if value == "picture" then fail("option 'watch': \"picture\" is every coordinate and stands alone: watch = \"picture\", in no list") end
+    if value == "picture" then
+      fail("option 'watch': \"picture\" is every coordinate and stands alone: watch = "
+        .. "\"picture\", in no list")
+    end
     if type(value) == "string" then
       out[value] = of_name(problem, value)
     elseif type(key) == "string" and type(value) == "function" then
       out[key] = value
     else
-      fail("option 'watch': entry '%s' must be a name, or name = function(q, v, t, p) ... end", tostring(key))
+      fail("option 'watch': entry '%s' must be a name, or name = function(q, v, t, p) ... end",
+        tostring(key))
     end
   end
-  if next(out) == nil then fail("nothing is watched: name coordinates or functions in option 'watch'") end
+  if next(out) == nil then
+    fail("nothing is watched: name coordinates or functions in option 'watch'")
+  end
   return out
 end
 
 -- f as a traced function of (q, v, t, p)
 local function traced(problem, name, f)
   local n = problem.n
-  local fine, out = pcall(core.trace, function(q, v, t, p) return f(q, v, t, p) end, n, n, "number", n)
+  local fine, out = pcall(core.trace, function(q, v, t, p) return f(q, v, t, p) end, n, n, "number",
+    n)
   if not fine then fail("option 'watch': '%s': %s", name, tostring(out)) end
   return out
 end
@@ -84,7 +96,8 @@ end
 
 local function check_tolerance(tolerance, what)
   if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < math.huge) then
-    fail("%s must be a number > 0, in the units of what is watched (got %s)", what, tostring(tolerance))
+    fail("%s must be a number > 0, in the units of what is watched (got %s)", what,
+      tostring(tolerance))
   end
   return tolerance
 end
@@ -96,7 +109,8 @@ local function tolerance_of(tolerance, column)
   return check_tolerance(own, ("option 'tolerance': the one of '%s'"):format(column))
 end
 
---- Read the options 'watch' and 'tolerance' of a problem: sets watched = { name = f }, columns, tolerance[column], needs = { q, v }.
+--- Read the options 'watch' and 'tolerance' of a problem: sets watched = { name = f }, columns,
+-- tolerance[column], needs = { q, v }.
 function M.read(problem, options)
   problem.watched = functions(problem, options.watch)
   problem.columns, problem.tolerance, problem.needs = {}, {}, { q = {}, v = {} }
@@ -105,10 +119,14 @@ function M.read(problem, options)
     mark(problem, problem.needs, function_of_state)
     local value = function_of_state(problem.q, problem.v, problem.t0, problem.p)
     local count = type(value) == "number" and 1 or #value
-    for i = 1, count do problem.columns[#problem.columns + 1] = type(value) == "number" and name or name .. i end
+    for i = 1, count do
+      problem.columns[#problem.columns + 1] = type(value) == "number" and name or name .. i
+    end
   end
   table.sort(problem.columns)
-  for _, column in ipairs(problem.columns) do problem.tolerance[column] = tolerance_of(options.tolerance, column) end
+  for _, column in ipairs(problem.columns) do
+    problem.tolerance[column] = tolerance_of(options.tolerance, column)
+  end
 end
 
 return M

@@ -1,4 +1,5 @@
---- apropos: where a word is spoken of, in the docs, the demonstrations, the examples and the codes of failures.
+--- apropos: where a word is spoken of, in the docs, the demonstrations, the examples and the codes
+-- of failures.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local examples = require "dm.session.examples"
@@ -48,7 +49,9 @@ local function always() return true end
 function M.rules(has)
   local rows = {}
   for _, rule in ipairs(core.rules()) do
-    if has(rule.signature .. "\n" .. rule.doc) then rows[#rows + 1] = { rule.name, rule.doc:match "^.-%.%f[%s\0]" or rule.doc } end
+    if has(rule.signature .. "\n" .. rule.doc) then
+      rows[#rows + 1] = { rule.name, rule.doc:match "^.-%.%f[%s\0]" or rule.doc }
+    end
   end
   write_rows("rules of dm.solver{ rule = }, ?name says more:", rows)
   return #rows
@@ -80,10 +83,14 @@ function M.examples(has)
   local rows = {}
   for _, name in ipairs(examples.names) do
     local whole = examples.text(name)
-    if whole and (has or always)(name .. "\n" .. whole) then rows[#rows + 1] = { name, examples.title(examples.head(whole)) } end
+    if whole and (has or always)(name .. "\n" .. whole) then
+      rows[#rows + 1] = { name, examples.title(examples.head(whole)) }
+    end
   end
   local place = examples.file "name"
-  write_rows(place and ("examples, ?name says more; dmlua %s . runs one and leaves its picture here:"):format(place) or "", rows)
+  write_rows(place and (
+    "examples, ?name says more; dmlua %s . runs one and leaves its picture here:")
+    :format(place) or "", rows)
   return #rows
 end
 
@@ -102,21 +109,26 @@ end
 --- ?name of a code, a demonstration or an example; returns whether it is one.
 function M.about(name)
   for _, row in ipairs(require "dm.session.failures") do
-    if row[1] == name then return true, write(row[1], ": ", row[2], "\n", text.wrapped(row[3], text.width(), "  ")) end
+    if row[1] == name then
+      return true, write(row[1], ": ", row[2], "\n", text.wrapped(row[3], text.width(), "  "))
+    end
   end
   local found = false
   for _, known in ipairs(require "dm.session.demo".names()) do
     if known == name then
       local demo = require "dm.session.demo".find(name)
       found = true
-      write(demo.title, "\n", text.wrapped(demo.about, text.width(), "  "), '\n  demo "', name, '" runs it.')
+      write(demo.title, "\n", text.wrapped(demo.about, text.width(), "  "), '\n  demo "', name,
+        '" runs it.')
     end
   end
   for _, known in ipairs(examples.names) do
     local whole = known == name and examples.text(name)
     if whole then
       found = true
-      write("example ", name, "\n", text.wrapped(examples.head(whole), text.width(), "  "), ("\n  From a shell: dmlua %s . runs it and leaves its picture here."):format(examples.file(name)))
+      write("example ", name, "\n", text.wrapped(examples.head(whole), text.width(), "  "),
+        ("\n  From a shell: dmlua %s . runs it and leaves its picture here.")
+        :format(examples.file(name)))
     end
   end
   return found
@@ -126,23 +138,30 @@ end
 
 local doc_apropos = [[
 apropos(word)
-List what mentions the word, capitals or not: documented names, rules, demonstrations, examples and codes of failures, with how to open them.]]
+List what mentions the word, capitals or not: documented names, rules, demonstrations, examples and
+codes of failures, with how to open them.]]
 
 -- signatures of the docs of which `has` is true
 local function documented(has)
   local lines = {}
   for line, doc in pairs(M.docs()) do
-    if not line:find "^core%." and has(doc) then lines[#lines + 1] = line end  -- core: for modules, not for sessions
+    -- core: for modules, not for sessions
+    if not line:find "^core%." and has(doc) then lines[#lines + 1] = line end
   end
   return text.sorted(lines)
 end
 
 -- what others call it -> what the docs say
-local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "friction", dissipative = "friction", drag = "friction",
-  adaptive = "eccentric", ["variable step"] = "eccentric", ["step size"] = "step h", ["time step"] = "step h", timestep = "step h",
-  animation = "animate", movie = "animate", video = "animate", parallel = "threads", multithread = "threads", noise = "random", ["n-body"] = "bodies", nbody = "bodies",
-  ["phase portrait"] = "plot", ["phase space"] = "plot", gyroscope = "rotation", graph = "plot", figure = "plot", picture = "plot", export = "csv",
-  collision = "encounter", integrator = "rule", scheme = "rule", error = "drift", conserved = "noether", invariant = "noether", ["error message"] = "failure" }
+local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "friction",
+  dissipative = "friction", drag = "friction",
+  adaptive = "eccentric", ["variable step"] = "eccentric", ["step size"] = "step h",
+  ["time step"] = "step h", timestep = "step h",
+  animation = "animate", movie = "animate", video = "animate", parallel = "threads",
+  multithread = "threads", noise = "random", ["n-body"] = "bodies", nbody = "bodies",
+  ["phase portrait"] = "plot", ["phase space"] = "plot", gyroscope = "rotation", graph = "plot",
+  figure = "plot", picture = "plot", export = "csv",
+  collision = "encounter", integrator = "rule", scheme = "rule", error = "drift",
+  conserved = "noether", invariant = "noether", ["error message"] = "failure" }
 
 local PLAIN = { ["é"] = "e", ["è"] = "e", ["ö"] = "oe", ["ä"] = "ae", ["ü"] = "ue" }
 
@@ -156,7 +175,8 @@ end
 
 M.apropos = blame.caller(function(word)
   if type(word) ~= "string" or word == "" then
-    error(("apropos: a word is needed, apropos \"energy\" (got %s)"):format(word == "" and "none" or type(word)), 0)
+    error(("apropos: a word is needed, apropos \"energy\" (got %s)")
+      :format(word == "" and "none" or type(word)), 0)
   end
   local plain = word:gsub("[\xc3][\x80-\xbf]", PLAIN):lower()
   if mentions(plain) > 0 then return end

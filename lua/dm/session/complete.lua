@@ -1,5 +1,6 @@
---- Completion: what can stand at the end of a piece of Lua. No code of the user runs: tables are read with
--- rawget and next, methods of userdata are found in their class, results of calls in the docs.
+--- Completion: what can stand at the end of a piece of Lua. No code of the user runs: tables are
+-- read with rawget and next, methods of userdata are found in their class, results of calls in the
+-- docs.
 local core = require "dm.core"
 local lexer = require "dm.session.lexer"
 
@@ -7,10 +8,12 @@ local M = {}
 
 local next, type, rawget, rawequal, ipairs = next, type, rawget, rawequal, ipairs
 local getmetatable, getregistry = debug.getmetatable, debug.getregistry
-local match, gmatch, gsub, sub, sort = string.match, string.gmatch, string.gsub, string.sub, table.sort
+local match, gmatch, gsub, sub, sort = string.match, string.gmatch, string.gsub, string.sub,
+  table.sort
 local docs, string_library = core.docs, string
 
-local KEYWORDS = { "and", "break", "do", "else", "elseif", "end", "false", "for", "function", "goto",
+local KEYWORDS = { "and", "break", "do", "else", "elseif", "end", "false", "for", "function",
+  "goto",
   "if", "in", "local", "nil", "not", "or", "repeat", "return", "then", "true", "until", "while" }
 local is_keyword = {}
 for _, word in ipairs(KEYWORDS) do is_keyword[word] = true end
@@ -49,7 +52,8 @@ local function inherited(value, name)
 end
 
 -- classes of C whose fields are read without running anything of the user's
-local OWN_FIELDS = { ["dm.path"] = true, ["dm.solver"] = true, ["dm.ensemble"] = true, ["dm.space"] = true }
+local OWN_FIELDS = { ["dm.path"] = true, ["dm.solver"] = true, ["dm.ensemble"] = true,
+  ["dm.space"] = true }
 
 local function member(object, name)
   local found
@@ -147,7 +151,8 @@ function resolve(tokens, at)
   if t.text ~= ")" and t.text ~= "}" then return nil end
   local open = opening(tokens, at)
   local callee = open and open > 1 and tokens[open - 1]
-  local called = callee and (callee.kind ~= "symbol" or CLOSE[callee.text]) and not is_keyword[callee.text]
+  local called = callee and (callee.kind ~= "symbol" or CLOSE[callee.text])
+    and not is_keyword[callee.text]
   if called then return result(resolve(tokens, open - 1)) end
   return open == at - 2 and t.text == ")" and resolve(tokens, at - 1) or nil
 end
@@ -174,7 +179,8 @@ local function add_table(list, seen, value, start, wanted)
   end
 end
 
--- names after "fields:" in the doc of a class: "t[i] (number), columns (names); #path rows" -> t, columns
+-- names after "fields:" in the doc of a class: "t[i] (number), columns (names); #path rows" -> t,
+-- columns
 local function add_fields(list, seen, class, start)
   local doc = docs[class]
   local line = type(doc) == "string" and match(doc, "\n%s*fields:([^\n;]*)") or ""
@@ -200,7 +206,8 @@ local function members(object, start, with_colon)
   return list
 end
 
---- The names of all methods and documented fields of a class ("dm.path"), or of the table dm ("dm").
+--- The names of all methods and documented fields of a class ("dm.path"), or of the table dm
+-- ("dm").
 function M.names_of(class)
   return members(class == "dm" and { value = require "dm" } or { class = class }, "")
 end
@@ -262,7 +269,8 @@ end
 
 -- inside of a string: the words that are known to fit; else true, for file names
 local function in_string(tokens)
-  local words, start, list = require "dm.session.complete_words".words(tokens, resolve, enclosing), sub(tokens[#tokens].text, 2), {}
+  local words, start, list = require "dm.session.complete_words".words(tokens, resolve, enclosing),
+    sub(tokens[#tokens].text, 2), {}
   for _, word in ipairs(words or {}) do
     if sub(word, 1, #start) == start then list[#list + 1] = word end
   end

@@ -1,5 +1,6 @@
---- What completes a string: names of rules, of a path's columns, of demonstrations, words that an option takes; where none is known,
--- names of files. No code of the user runs: of his values only the columns of a path are asked.
+--- What completes a string: names of rules, of a path's columns, of demonstrations, words that an
+-- option takes; where none is known, names of files. No code of the user runs: of his values only
+-- the columns of a path are asked.
 local core = require "dm.core"
 
 local M = {}
@@ -12,8 +13,10 @@ end
 
 -- option -> words, or what gives them
 local OPTIONS = {
-  rule = rules, rules = rules, backend = { "jit", "tape", "cc" }, derivatives = { "exact", "hyperdual" }, side = { "left", "right" },
-  map = { "linear", "affine", "projective", "stereographic", "translation" }, direction = { "up", "down", "both" },
+  rule = rules, rules = rules, backend = { "jit", "tape", "cc" },
+  derivatives = { "exact", "hyperdual" }, side = { "left", "right" },
+  map = { "linear", "affine", "projective", "stereographic", "translation" },
+  direction = { "up", "down", "both" },
   style = { "lines", "points", "linespoints" },
 }
 
@@ -54,7 +57,8 @@ local function option(tokens, at, enclosing)
   return key and OPTIONS[key.text]
 end
 
--- the name of the function that the string at the end is given to: f "x", f("x", f(a, "x", f(a, { "x"
+-- the name of the function that the string at the end is given to: f "x", f("x", f(a, "x", f(a, {
+-- "x"
 local function callee(tokens, at, enclosing)
   for _ = 1, 3 do
     if not at or at < 1 then return nil end
@@ -65,7 +69,8 @@ local function callee(tokens, at, enclosing)
   end
 end
 
---- The words that can stand where the last token, a string that is open, begins; nothing: names of files. resolve, enclosing: of dm.complete.
+--- The words that can stand where the last token, a string that is open, begins; nothing: names of
+-- files. resolve, enclosing: of dm.complete.
 function M.words(tokens, resolve, enclosing)
   local at = #tokens - 1
   if at < 1 then return nil end
@@ -74,7 +79,9 @@ function M.words(tokens, resolve, enclosing)
   local name = callee(tokens, at, enclosing)
   if not name then return nil end
   local before = tokens[name - 1]
-  if before and before.text == ":" and name > 2 then return columns(resolve(tokens, name - 2), tokens[name].text) end
+  if before and before.text == ":" and name > 2 then
+    return columns(resolve(tokens, name - 2), tokens[name].text)
+  end
   return given(FUNCTIONS[tokens[name].text])
 end
 

@@ -1,8 +1,9 @@
---- demo(), dmlua --demo: guided demonstrations. Each shows what one would type, runs it, says what came out, and runs again with
--- another number. One file in lua/dm/demos each, in the order of lua/dm/demos/init.lua:
+--- demo(), dmlua --demo: guided demonstrations. Each shows what one would type, runs it, says what
+-- came out, and runs again with another number. One file in lua/dm/demos each, in the order of
+-- lua/dm/demos/init.lua:
 --   { title, about, numbers = { { name, value, least, most, what } }, steps = { { text, code }, ... }, claim = function(e) }
--- The code of all steps shares one set of globals, e, in which the numbers are; claim returns whether what the demonstration is about was
--- seen, and a sentence with the figures.
+-- The code of all steps shares one set of globals, e, in which the numbers are; claim returns
+-- whether what the demonstration is about was seen, and a sentence with the figures.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 
@@ -33,10 +34,13 @@ end
 
 local function screen()
   local out, input = core.terminal(), core.terminal "stdin"
-  return { width = math.min(out.width or 80, 100), colour = out.colour, asks = out.tty and input.tty }
+  return { width = math.min(out.width or 80, 100), colour = out.colour, asks = out.tty
+    and input.tty }
 end
 
-local function paint(view, code, text) return view.colour and ("\27[%sm%s\27[0m"):format(code, text) or text end
+local function paint(view, code, text)
+  return view.colour and ("\27[%sm%s\27[0m"):format(code, text) or text
+end
 
 local function say(view, text)
   local line
@@ -53,7 +57,9 @@ end
 local function trimmed(code) return (code:gsub("^%s*\n", ""):gsub("%s+$", "")) end
 
 local function show_code(view, code)
-  for line in (code .. "\n"):gmatch "(.-)\n" do print(paint(view, "32", "> ") .. paint(view, "36", line)) end
+  for line in (code .. "\n"):gmatch "(.-)\n" do
+    print(paint(view, "32", "> ") .. paint(view, "36", line))
+  end
 end
 
 ---- asking ----
@@ -77,16 +83,20 @@ local function number_named(demo, name)
   end
   local known = {}
   for i, number in ipairs(demo.numbers) do known[i] = number.name end
-  fail("this demonstration has no number '%s' to change; it has %s", tostring(name), table.concat(known, ", "))
+  fail("this demonstration has no number '%s' to change; it has %s", tostring(name),
+    table.concat(known, ", "))
 end
 
 local function check_number(number, value)
   if type(value) ~= "number" or not (value >= number.least and value <= number.most) then
-    fail("%s (%s) must be a number from %g to %g (got %s)", number.name, number.what, number.least, number.most, tostring(value))
+    fail("%s (%s) must be a number from %g to %g (got %s)", number.name, number.what, number.least,
+      number.most, tostring(value))
   end
   if math.type(number.value) == "integer" then
     local whole = math.tointeger(value)
-    if not whole then fail("%s (%s) must be a whole number (got %g)", number.name, number.what, value) end
+    if not whole then
+      fail("%s (%s) must be a whole number (got %g)", number.name, number.what, value)
+    end
     return whole
   end
   return value * 1.0
@@ -105,7 +115,8 @@ local function next_numbers(demo, view, numbers)
   while view.asks do
     local parts = {}
     for i, number in ipairs(demo.numbers) do
-      parts[i] = ("%s = %.6g (%s, %g to %g)"):format(number.name, numbers[number.name], number.what, number.least, number.most)
+      parts[i] = ("%s = %.6g (%s, %g to %g)"):format(number.name, numbers[number.name], number.what,
+        number.least, number.most)
     end
     say(view, "Change a number and run again: " .. table.concat(parts, "; ") .. ".")
     local answer = ask(paint(view, "1", ("%s = , Return: done > "):format(demo.numbers[1].name)))
@@ -149,7 +160,9 @@ end
 local function again(name, demo, view, numbers)
   local fine, e = pcall(play, name, demo, view, numbers, false)
   if fine then return say(view, select(2, demo.claim(e))) end
-  if tostring(e):find("interrupted!", 1, true) or type(e) == "table" and e.code == "stopped" then error(e, 0) end
+  if tostring(e):find("interrupted!", 1, true) or type(e) == "table" and e.code == "stopped" then
+    error(e, 0)
+  end
   say(view, "It did not get through: " .. tostring(e):match "^[^\n]*")
 end
 
@@ -157,13 +170,17 @@ local function start_numbers(demo, given)
   local numbers = {}
   for _, number in ipairs(demo.numbers) do numbers[number.name] = number.value end
   for key, value in pairs(given) do
-    if type(key) ~= "string" then fail("numbers are given by name: demo(\"%s\", { %s = %g })", "...", demo.numbers[1].name, demo.numbers[1].value) end
+    if type(key) ~= "string" then
+      fail("numbers are given by name: demo(\"%s\", { %s = %g })", "...", demo.numbers[1].name,
+        demo.numbers[1].value)
+    end
     numbers[key] = check_number(number_named(demo, key), value)
   end
   return numbers
 end
 
---- Run one: numbers = { name = value } changes some. Returns whether what it is about was seen, and the sentence that says so.
+--- Run one: numbers = { name = value } changes some. Returns whether what it is about was seen, and
+-- the sentence that says so.
 function M.run(name, given)
   local demo, view = M.find(name), screen()
   local numbers = start_numbers(demo, given or {})
@@ -189,13 +206,17 @@ end
 
 local doc_demo = [[
 demo()   or   demo(name [, {number = value}])
-Guided demonstrations: without a name the list of them; with one it shows what one would type, runs it and explains what came
-out. On a terminal it waits after every step (q stops), and asks for another number to run again with; elsewhere it runs straight through.
-demo("noether", { squash = 0.1 }) begins with another number. From a shell: dmlua --demo noether squash=0.1]]
+Guided demonstrations: without a name the list of them; with one it shows what one would type, runs
+it and explains what came out. On a terminal it waits after every step (q stops), and asks for
+another number to run again with; elsewhere it runs straight through.
+demo("noether", { squash = 0.1 }) begins with another number. From a shell: dmlua --demo noether
+squash=0.1]]
 
 M.demo = blame.caller(function(name, given)
   if name == nil then return list() end
-  if given ~= nil and type(given) ~= "table" then fail("numbers are given as a table, { name = value } (got %s)", type(given)) end
+  if given ~= nil and type(given) ~= "table" then
+    fail("numbers are given as a table, { name = value } (got %s)", type(given))
+  end
   if not screen().asks then
     M.run(name, given)
     return
@@ -211,15 +232,20 @@ local function command(name, ...)
   local given = {}
   for _, word in ipairs { ... } do
     local key, value = word:match "^([%a_][%w_]*)=(.*)$"
-    if not key then fail("after the name come numbers, as %s=0.1 (got '%s')", M.find(name).numbers[1].name, word) end
+    if not key then
+      fail("after the name come numbers, as %s=0.1 (got '%s')", M.find(name).numbers[1].name, word)
+    end
     given[key] = tonumber(value) or value
   end
   local seen, sentence = M.run(name, given)
-  if seen == false and next(given) == nil then error("demo " .. name .. ": this should have been seen: " .. sentence:gsub("%s+", " "), 0) end
+  if seen == false and next(given) == nil then
+    error("demo " .. name .. ": this should have been seen: " .. sentence:gsub("%s+", " "), 0)
+  end
 end
 
---- The words after dmlua --demo: nothing, or a name and number=value ...; raises where what it is about was not seen with its own
--- numbers. A message of ours is an object, so that no traceback is printed with it.
+--- The words after dmlua --demo: nothing, or a name and number=value ...; raises where what it is
+-- about was not seen with its own numbers. A message of ours is an object, so that no traceback is
+-- printed with it.
 function M.command(...)
   local fine, message = core.until_stop(command, ...)
   if fine then return end

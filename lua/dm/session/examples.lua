@@ -2,10 +2,14 @@
 local M = {}
 
 --- Files of examples/, without .lua.
-M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite", "double_spherical_pendulum", "reduced_pendulum", "families",
-  "spherical_pendulum", "slack_rope", "damped_double_pendulum", "pendulum_chain", "chain", "carousel", "charged_particle", "runge_lenz", "sliding_plate",
-  "elastica", "space_elastica", "schwarzian", "rolling_disk", "chaplygin_sleigh", "contact_oscillator", "cart", "guiding_centre",
-  "henon_heiles", "stiff_spring", "resonance_tongues", "least_model", "exact_oscillator", "variational_runge_kutta" }
+M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite",
+  "double_spherical_pendulum", "reduced_pendulum", "families",
+  "spherical_pendulum", "slack_rope", "damped_double_pendulum", "pendulum_chain", "chain",
+  "carousel", "charged_particle", "runge_lenz", "sliding_plate",
+  "elastica", "space_elastica", "schwarzian", "rolling_disk", "chaplygin_sleigh",
+  "contact_oscillator", "cart", "guiding_centre",
+  "henon_heiles", "stiff_spring", "resonance_tongues", "least_model", "exact_oscillator",
+  "variational_runge_kutta" }
 
 local function text_of(file)
   local handle = io.open(file)
@@ -20,7 +24,9 @@ local function shortened(path)
   local before
   repeat
     before = path
-    path = path:gsub("/([^/]+)/%.%./", function(folder_of) return folder_of ~= ".." and "/" or nil end, 1)
+    path = path:gsub("/([^/]+)/%.%./", function(folder_of)
+      return folder_of ~= ".." and "/" or nil
+    end, 1)
   until path == before
   return path
 end
@@ -61,7 +67,8 @@ function M.head(text)
   return table.concat(lines, " ")
 end
 
---- What an example asks: the clause before the first question mark of its head, or its first sentence.
+--- What an example asks: the clause before the first question mark of its head, or its first
+-- sentence.
 function M.title(head)
   local question, sentence = head:match "^.-%?", head:match "^.-%.%f[%s]"
   if not question or #question > 300 then return sentence or head end

@@ -1,25 +1,36 @@
---- What the codes of dm.failure mean and what to try, for ?failures and apropos. The codes are those of src/base/status.h, then
--- the reasons of reduced systems (routh_failure.lua).
+--- What the codes of dm.failure mean and what to try, for ?failures and apropos. The codes are
+-- those of src/base/status.h, then the reasons of reduced systems (routh_failure.lua).
 return {
   { "no_convergence", "the step equation did not converge",
-    "Newton's method found no solution: the step is too long, or there is none. Take a smaller h; solver:fold says up to which step there is a solution." },
+    "Newton's method found no solution: the step is too long, or there is none. Take a smaller h; "
+      .. "solver:fold says up to which step there is a solution." },
   { "singular", "the matrix of the step equation is singular",
-    "d2L/dv2 or D1D2 Ld loses rank, or constraints depend on each other (failure.constraint, .rolling): a pole of the coordinates, a degenerate L, a "
+    "d2L/dv2 or D1D2 Ld loses rank, or constraints depend on each other (failure.constraint, "
+      .. ".rolling): a pole of the coordinates, a degenerate L, a "
     .. "singular configuration. solver:singularities finds such places." },
   { "not_finite", "a value became NaN or infinite",
-    "The state left the domain of L or grew without bound: smaller h, another start. dm.stability_limit(rule) and system:linearize{q=} say where a rule grows." },
-  { "callback", "a function of the script failed", "L, an event or a watched quantity raised; the message is that of the function." },
+    "The state left the domain of L or grew without bound: smaller h, another start. "
+      .. "dm.stability_limit(rule) and system:linearize{q=} say where a rule grows." },
+  { "callback", "a function of the script failed",
+    "L, an event or a watched quantity raised; the message is that of the function." },
   { "stopped", "stopped on request", "Ctrl-C: what was computed is in failure.path." },
-  { "no_memory", "not enough memory", "Record fewer rows: every =, rows =, watch = or file = of solver:run." },
+  { "no_memory", "not enough memory",
+    "Record fewer rows: every =, rows =, watch = or file = of solver:run." },
   { "too_large", "the expression graph grew too large",
-    "A traced function with too many operations: write a loop over bodies or sites as dm.sum_over, which stays a loop." },
-  { "no_native", "native code is not possible here", "The same bits come from the tape: leave backend = out, or set DMLUA_BACKEND=tape." },
-  { "not_written", "a file could not be written", "Is the folder there, is the disk full? The path so far is in failure.path." },
+    "A traced function with too many operations: write a loop over bodies or sites as "
+      .. "dm.sum_over, which stays a loop." },
+  { "no_native", "native code is not possible here",
+    "The same bits come from the tape: leave backend = out, or set DMLUA_BACKEND=tape." },
+  { "not_written", "a file could not be written",
+    "Is the folder there, is the disk full? The path so far is in failure.path." },
   { "no_start", "the run could not start",
-    "A member of an ensemble whose parameters (vary =) leave no equations of motion, or a start outside of the domain of L; the message says why." },
+    "A member of an ensemble whose parameters (vary =) leave no equations of motion, or a start "
+      .. "outside of the domain of L; the message says why." },
   { "collapse", "a reduced system: the locked inertia vanishes there",
-    "The shape comes near, or a step jumped over, one at which the group does not act freely (r = 0): smaller steps there, or no reduction." },
-  { "pole", "a reduced system: the mass of the shape vanishes there", "A pole of the coordinates: with constraint = in coordinates without one, or no section." },
+    "The shape comes near, or a step jumped over, one at which the group does not act freely (r = "
+      .. "0): smaller steps there, or no reduction." },
+  { "pole", "a reduced system: the mass of the shape vanishes there",
+    "A pole of the coordinates: with constraint = in coordinates without one, or no section." },
   { "edge", "a reduced system: the mass of the shape grows without bound there",
     "An edge of the coordinates: with constraint = in coordinates without one, or another section." },
 }

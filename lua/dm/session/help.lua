@@ -7,12 +7,14 @@ local M = { apropos = search.apropos }
 
 local docs = core.docs
 
-local first_line, write, wrapped, shown_doc = layout.first_line, layout.write, layout.wrapped, layout.doc
+local first_line, write, wrapped, shown_doc = layout.first_line, layout.write, layout.wrapped,
+  layout.doc
 local text_width, sorted = layout.width, layout.sorted
 
 ---- names of the standard library ----
 
-local SECTIONS = { string = "6.4", utf8 = "6.5", table = "6.6", math = "6.7", io = "6.8", os = "6.9",
+local SECTIONS = { string = "6.4", utf8 = "6.5", table = "6.6", math = "6.7", io = "6.8",
+  os = "6.9",
   debug = "6.10", coroutine = "6.2", package = "6.3", _G = "6.1" }
 local standard = {}
 for library, section in pairs(SECTIONS) do
@@ -43,12 +45,14 @@ end
 local function help_function(f)
   if docs[f] then return write(shown_doc(docs[f])) end
   if standard[f] then
-    return write(("%s: standard Lua, reference manual section %s"):format(table.unpack(standard[f])))
+    return write(("%s: standard Lua, reference manual section %s")
+      :format(table.unpack(standard[f])))
   end
   local info = debug.getinfo(f, "Su")
   if info.what == "C" then return write "a C function without a doc" end
   write(("a function of %d argument%s%s, defined at %s:%d"):format(info.nparams,
-    info.nparams == 1 and "" or "s", info.isvararg and " and more" or "", info.short_src, info.linedefined))
+    info.nparams == 1 and "" or "s", info.isvararg and " and more" or "", info.short_src,
+    info.linedefined))
 end
 
 local function load_all(t)
@@ -69,7 +73,9 @@ local function help_table(t)
     end
   end
   if #lines > 0 then write(table.concat(sorted(lines), "\n")) end
-  if #rest > 0 then write(wrapped("other fields: " .. table.concat(sorted(rest), ", "), text_width(), "  ")) end
+  if #rest > 0 then
+    write(wrapped("other fields: " .. table.concat(sorted(rest), ", "), text_width(), "  "))
+  end
   if #lines + #rest == 0 then write(("a table of %d entries without names"):format(#t)) end
 end
 
@@ -107,7 +113,8 @@ function topics.rules()
   local list = core.rules and core.rules() or {}
   local lines = {}
   for _, rule in ipairs(list) do
-    lines[#lines + 1] = ("  %-24s %s"):format(rule.signature or rule.name, first_line(rule.doc or ""))
+    lines[#lines + 1] = ("  %-24s %s"):format(rule.signature or rule.name,
+      first_line(rule.doc or ""))
   end
   write("rules of dm.solver{ rule = }:\n", table.concat(lines, "\n"))
 end
@@ -124,7 +131,9 @@ end
 function topics.demos() search.demos() end
 
 function topics.examples()
-  if search.examples() == 0 then write "the examples did not come with this dmlua: docs/examples.md of its source has them" end
+  if search.examples() == 0 then
+    write "the examples did not come with this dmlua: docs/examples.md of its source has them"
+  end
 end
 
 function topics.failures()
@@ -147,14 +156,16 @@ end
 
 ---- help ----
 
--- "path.drift", "solver:run", "dm.path.drift": the method of a class, also before there is a value of it
+-- "path.drift", "solver:run", "dm.path.drift": the method of a class, also before there is a value
+-- of it
 local function method_of_class(name)
   local class, method = name:gsub("^dm%.", ""):match "^([%a_]+)[.:]([%a_]+)$"
   local methods = class and require "dm.session.complete".methods_of("dm." .. class)
   return methods and methods[method]
 end
 
--- "shape.lift", "rho:check", "problem.solve": the doc that writes itself so, where the word before the dot is no class
+-- "shape.lift", "rho:check", "problem.solve": the doc that writes itself so, where the word before
+-- the dot is no class
 local function as_written(name)
   local owner, method = name:match "^([%a_]+)[.:]([%w_]+)$"
   if not owner then return nil end
@@ -162,17 +173,22 @@ local function as_written(name)
   for line, doc in pairs(search.docs()) do
     if line:sub(1, #start) == start and line:find("^[%({]", #start + 1) then return doc end
     local other = line:find("   or   " .. start, 1, true)
-    if other and line:find("^[%({]", other + 8 + #start) and (not second or doc < second) then second = doc end
+    if other and line:find("^[%({]", other + 8 + #start) and (not second or doc < second) then
+      second = doc
+    end
   end
   return second
 end
 
--- "routh", "plot": the functions and methods of that name: their docs, where they are few, else their signatures; or nothing
+-- "routh", "plot": the functions and methods of that name: their docs, where they are few, else
+-- their signatures; or nothing
 local function of_name(name)
   local found, lines, MOST = {}, {}, 3
   for line, doc in pairs(name:find "^[%a_][%w_]*$" and search.docs() or {}) do
     local owner, own = line:match "^([%a_]+)[.:]([%w_]+)[%({]"
-    if own == name and owner ~= "core" then found[#found + 1], lines[#lines + 1] = shown_doc(doc), line end
+    if own == name and owner ~= "core" then
+      found[#found + 1], lines[#lines + 1] = shown_doc(doc), line
+    end
   end
   return #found > 0 and table.concat(sorted(#found <= MOST and found or lines), "\n") or nil
 end
@@ -181,11 +197,16 @@ local function help_name(name)
   load_all(require "dm")
   if topics[name] then return topics[name]() end
   local same_name = docs[name] and require "dm.session.complete".look_up(name)
-  if same_name and docs[same_name.value or name] then write(shown_doc(docs[same_name.value or name])) end
+  if same_name and docs[same_name.value or name] then
+    write(shown_doc(docs[same_name.value or name]))
+  end
   if help_class(name) then return end
-  local object = require "dm.session.complete".look_up(name) or require "dm.session.complete".look_up("dm." .. name)
+  local object = require "dm.session.complete".look_up(name)
+    or require "dm.session.complete".look_up("dm." .. name)
   if object and object.class and object.value == nil then return help_class(object.class) end
-  if object and object.value ~= nil and type(object.value) ~= "string" then return M.help(object.value) end
+  if object and object.value ~= nil and type(object.value) ~= "string" then
+    return M.help(object.value)
+  end
   local method = method_of_class(name)
   if method and docs[method] then return help_function(method) end
   for _, rule in ipairs(core.rules and core.rules() or {}) do
@@ -204,16 +225,21 @@ end
 -- a group: what its elements look like
 local function help_elements(space)
   local kit = require "dm.group".kit(space)
-  if kit.manifold then return write(("%s: a manifold of dimension %d"):format(tostring(space), space.dimension)) end
-  write(wrapped(("%s: a group of dimension %d. An element is %s; an element of its algebra is a vector of %d numbers."):format(tostring(space),
-    space.dimension, require "dm.group.shape".of(kit, tostring(space)), space.dimension), text_width(), ""))
+  if kit.manifold then
+    return write(("%s: a manifold of dimension %d"):format(tostring(space), space.dimension))
+  end
+  write(wrapped(("%s: a group of dimension %d. An element is %s; an element of its algebra is a "
+    .. "vector of %d numbers."):format(tostring(space),
+    space.dimension, require "dm.group.shape".of(kit, tostring(space)), space.dimension),
+    text_width(), ""))
 end
 
 local doc_help = [[
 help(x)
-What x is: the doc of a function, the class and methods of a value, the content of a table; for a string
-a topic ("keys", "options", "rules", "classes", "demos", "examples", "failures"), a class ("dm.path"), a name ("solver.run"), a rule, a code of
-a failure ("no_convergence"), a demonstration or an example.]]
+What x is: the doc of a function, the class and methods of a value, the content of a table; for a
+string a topic ("keys", "options", "rules", "classes", "demos", "examples", "failures"), a class
+("dm.path"), a name ("solver.run"), a rule, a code of a failure ("no_convergence"), a demonstration
+or an example.]]
 
 function M.help(...)
   if select("#", ...) == 0 then return topics.topics() end
@@ -262,7 +288,9 @@ The globals that were made in this session, with what they are.]]
 function M.who()
   local names, widest = {}, 0
   for name, value in next, _G do
-    if type(name) == "string" and name ~= "_" and at_start[name] ~= value then names[#names + 1] = name end
+    if type(name) == "string" and name ~= "_" and at_start[name] ~= value then
+      names[#names + 1] = name
+    end
   end
   for _, name in ipairs(sorted(names)) do widest = math.max(widest, #name) end
   for _, name in ipairs(names) do

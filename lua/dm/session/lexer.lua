@@ -35,7 +35,8 @@ end
 
 local function symbol(text, at)
   local three = match(text, "^%.%.%.", at)
-  return at + #(three or match(text, "^[=~<>]=", at) or match(text, "^//", at) or match(text, "^::", at)
+  return at + #(three or match(text, "^[=~<>]=", at) or match(text, "^//", at)
+    or match(text, "^::", at)
     or match(text, "^%.%.", at) or match(text, "^<<", at) or match(text, "^>>", at) or " ") - 1
 end
 
@@ -54,8 +55,8 @@ local function token(text, at)
   return "symbol", symbol(text, at)
 end
 
---- List of { kind, text, first, last } without blanks and comments; then the kind of the token that the
--- end of the text cuts ("string" or "comment"), if any.
+--- List of { kind, text, first, last } without blanks and comments; then the kind of the token that
+-- the end of the text cuts ("string" or "comment"), if any.
 function M.tokens(text)
   local list, at = {}, find(text, "%S")
   while at do

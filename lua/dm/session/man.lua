@@ -37,7 +37,8 @@ end
 function M.page()
   local m = manual()
   local out = { ('.TH DMLUA 1 "" "dmlua %s" "User Commands"'):format(m.version) }
-  section(out, "NAME", "dmlua \\- interpreter for discrete mechanics: Lua 5.4 with step kernels in C")
+  section(out, "NAME", "dmlua \\- interpreter for discrete mechanics: Lua 5.4 with step kernels "
+    .. "in C")
   section(out, "SYNOPSIS", ".B dmlua\n[\\fIoptions\\fR] [\\fIscript\\fR [\\fIargs\\fR]]")
   section(out, "DESCRIPTION", [[
 .B dmlua
@@ -46,7 +47,8 @@ executes Lua scripts as lua(1) does, with the same options, and has the library
 loaded: mechanical systems given by Lagrangians that are written in Lua and stepped by variational
 integrators in C. Without a script, and on a terminal, it reads and evaluates what is typed.]])
   section(out, "OPTIONS", "Options are handled in their order, before the script.", m.options)
-  section(out, "SESSION", "In an interactive session an expression is evaluated and printed.", m.keys)
+  section(out, "SESSION", "In an interactive session an expression is evaluated and printed.",
+    m.keys)
   section(out, "ENVIRONMENT", nil, m.variables)
   section(out, "FILES", nil, m.files)
   section(out, "EXIT STATUS", nil, m.statuses)

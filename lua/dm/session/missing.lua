@@ -17,7 +17,9 @@ end
 local function names_of(note)
   if not note.names then return sorted(require "dm.session.complete".names_of(note.of)) end
   local names = {}
-  for name in next, note.names do names[#names + 1] = type(name) == "string" and not find(name, "^_") and name or nil end
+  for name in next, note.names do
+    names[#names + 1] = type(name) == "string" and not find(name, "^_") and name or nil
+  end
   return sorted(names)
 end
 
@@ -26,23 +28,30 @@ local function owners(name)
   local complete, found = require "dm.session.complete", {}
   getmetatable(require "dm").load_all()  -- some classes come with a module
   for class in next, core.docs do
-    if type(class) == "string" and (complete.methods_of(class) or {})[name] then found[#found + 1] = class end
+    if type(class) == "string" and (complete.methods_of(class) or {})[name] then
+      found[#found + 1] = class
+    end
   end
   return #found > 0 and table.concat(sorted(found), ", ") or nil
 end
 
 -- a system takes no step itself
 local function of_solver(note)
-  return note.of == "dm.system" and (require "dm.session.complete".methods_of "dm.solver" or {})[note.key]
+  return note.of == "dm.system" and (require "dm.session.complete".methods_of "dm.solver"
+    or {})[note.key]
 end
 
 local function what_there_is(note)
   local names = names_of(note)
   local near = core.nearest(note.key, names)
   if near then return ("; did you mean '%s'?"):format(near) end
-  if of_solver(note) then return ("; a solver of it has: system:solver { rule =, h = }:%s"):format(note.key) end
+  if of_solver(note) then
+    return ("; a solver of it has: system:solver { rule =, h = }:%s"):format(note.key)
+  end
   local here = note.of ~= "dm" and rawget(require "dm", note.key)
-  if type(here) == "function" and not math[note.key] then return ("; it is dm.%s, a function"):format(note.key) end
+  if type(here) == "function" and not math[note.key] then
+    return ("; it is dm.%s, a function"):format(note.key)
+  end
   local other = owners(note.key)
   if other then return ("; it is a method of %s"):format(other) end
   if #names == 0 then return "" end
@@ -52,30 +61,39 @@ local function what_there_is(note)
 end
 
 local function explained(note)
-  if math.type(note.key) == "integer" then return ("%s has no entry %d"):format(note.of, note.key) end
+  if math.type(note.key) == "integer" then
+    return ("%s has no entry %d"):format(note.of, note.key)
+  end
   local of = OWN[note.of] or "a " .. note.of
   return ("%s has no '%s'%s"):format(of, note.key, what_there_is(note))
 end
 
--- does the message speak of that nil? Its name, or that of an index, and a line that is the same or, of a name, near
+-- does the message speak of that nil? Its name, or that of an index, and a line that is the same
+-- or, of a name, near
 local function is_about(note, message)
   local source, line, rest = match(message, "^([^\n]-):(%d+): ([^\n]*)")
   if source ~= note.source then return false end
   local same = tonumber(line) == note.line
-  if find(rest, "cannot compute nil", 1, true) or find(rest, "^cannot compute .* nil$") then return same end
+  if find(rest, "cannot compute nil", 1, true) or find(rest, "^cannot compute .* nil$") then
+    return same
+  end
   local name = find(rest, "a nil value", 1, true) and match(rest, "%(%a+ '([^']*)'%)")
-  return name == note.key or same and (name == nil or name == "integer index" or name == "?") and find(rest, "a nil value", 1, true) ~= nil
+  return name == note.key or same and (name == nil or name == "integer index" or name == "?")
+    and find(rest, "a nil value", 1, true) ~= nil
 end
 
 -- a global that is not there but in math or dm, as sin and pi are: where it is
 local function of_library(message)
-  local name = find(message, "a nil value", 1, true) and match(message, "%(global '([%a_][%w_]*)'%)")
+  local name = find(message, "a nil value", 1, true)
+    and match(message, "%(global '([%a_][%w_]*)'%)")
   if not name or find(name, "^_") then return message end
-  local where = math[name] ~= nil and "math" or find(message, "attempt to call", 1, true) and core[name] ~= nil and "dm"
+  local where = math[name] ~= nil and "math" or find(message, "attempt to call", 1, true)
+    and core[name] ~= nil and "dm"
   return where and ("%s: it is %s.%s"):format(message, where, name) or message
 end
 
---- The message with what was noted about the nil in it, or where a global of that name is; any other message as it is.
+--- The message with what was noted about the nil in it, or where a global of that name is; any
+-- other message as it is.
 function M.explain(message)
   local note = getregistry().dm_missed
   if type(message) ~= "string" then return message end
@@ -88,7 +106,8 @@ end
 --- What is noted in words, or nothing.
 function M.noted()
   local note = getregistry().dm_missed
-  local is_shown = note and note.of and (type(note.key) == "string" or math.type(note.key) == "integer")
+  local is_shown = note and note.of and (type(note.key) == "string"
+    or math.type(note.key) == "integer")
   return is_shown and explained(note) or nil
 end
 

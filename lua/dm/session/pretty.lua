@@ -1,5 +1,6 @@
---- How a session shows values: tables to a depth and a length, strings in them quoted, cycles named, the
--- rest through tostring. Tables are read with rawget and next, so that printing changes nothing.
+--- How a session shows values: tables to a depth and a length, strings in them quoted, cycles
+-- named, the rest through tostring. Tables are read with rawget and next, so that printing changes
+-- nothing.
 local core = require "dm.core"
 
 local M = {}
@@ -97,9 +98,12 @@ local function laid_out(state, list, depth)
     total, longest = total + w + 2, w > longest and w or longest
     lines = lines or find(text, "\n", 1, true)
   end
-  if not lines and 2 * depth + total + 4 <= state.width then return "{ " .. concat(list, ", ") .. " }" end
+  if not lines and 2 * depth + total + 4 <= state.width then
+    return "{ " .. concat(list, ", ") .. " }"
+  end
   local indent = "\n" .. rep("  ", depth + 1)
-  local per_line = longest < 14 and not lines and (state.width - 2 * depth - 2) // (longest + 2) or 1
+  local per_line = longest < 14 and not lines and (state.width - 2 * depth - 2) // (longest + 2)
+    or 1
   local parts = {}
   for i, text in ipairs(list) do
     parts[#parts + 1] = (i - 1) % per_line == 0 and indent or " "
@@ -110,7 +114,10 @@ end
 
 local function show_table(state, t, depth)
   local meta = getmetatable(t)
-  if type(meta) == "table" and rawget(meta, "__tostring") and rawget(meta, "__name") ~= "dm.result" then return tostring(t) end
+  if type(meta) == "table" and rawget(meta, "__tostring")
+    and rawget(meta, "__name") ~= "dm.result" then
+    return tostring(t)
+  end
   if state.open[t] then return paint(state, "table", "<cycle>") end
   if next(t) == nil then return "{}" end
   if depth >= state.depth then return paint(state, "table", "{...}") end
@@ -123,7 +130,9 @@ end
 function show(state, value, depth)
   local kind = type(value)
   if kind == "table" then return show_table(state, value, depth) end
-  if kind == "string" then return depth == 0 and paint(state, kind, value) or quoted(state, value) end
+  if kind == "string" then
+    return depth == 0 and paint(state, kind, value) or quoted(state, value)
+  end
   if kind == "function" then return paint(state, kind, function_text(value)) end
   local text = tostring(value)
   if kind == "userdata" and depth > 0 then return (gsub(text, "\n", "\n" .. rep("  ", depth))) end
@@ -132,16 +141,19 @@ end
 
 local doc_pretty = [[
 dm.pretty(value, {depth=, length=, width=, colour=}) -> string
-The text that a session prints for a value. depth of tables in tables (4), entries of one table (30),
-characters of a line (80), colours (false).]]
+The text that a session prints for a value. depth of tables in tables (4), entries of one table
+(30), characters of a line (80), colours (false).]]
 
 function M.pretty(value, options)
   local state = { open = {} }
-  if options ~= nil and type(options) ~= "table" then error("dm.pretty: options are a table (got " .. type(options) .. ")", 2) end
+  if options ~= nil and type(options) ~= "table" then
+    error("dm.pretty: options are a table (got " .. type(options) .. ")", 2)
+  end
   for key, default in next, LIMITS do
     local given = options and options[key]
     if given ~= nil and (mathtype(given) ~= "integer" or given < 0) then
-      error(("dm.pretty: '%s' must be a whole number >= 0 (got %s)"):format(key, tostring(given)), 2)
+      error(("dm.pretty: '%s' must be a whole number >= 0 (got %s)"):format(key, tostring(given)),
+        2)
     end
     state[key] = given or default
   end

@@ -20,7 +20,8 @@ function M.classes()
   return classes
 end
 
---- Functions of the table `dm` and its subtables by their full names; `load` asks for the lazy ones.
+--- Functions of the table `dm` and its subtables by their full names; `load` asks for the lazy
+-- ones.
 function M.functions(dm)
   local found, seen = {}, {}
   local lazy = getmetatable(dm)
@@ -61,7 +62,8 @@ function M.text(dm)
   for _, class in ipairs(sorted(classes)) do
     entry(out, "###", class, core.docs[class])
     for _, name in ipairs(sorted(classes[class])) do
-      entry(out, "####", class:match "[^.]+$" .. ":" .. name, core.docs[classes[class][name]] or name)
+      entry(out, "####", class:match "[^.]+$" .. ":" .. name, core.docs[classes[class][name]]
+        or name)
     end
   end
   return table.concat(out, "\n")

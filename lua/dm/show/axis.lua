@@ -14,7 +14,9 @@ end
 
 --- The text with whole powers written above the line: "m^2/s" as "m²/s".
 function M.raised(text)
-  return (text:gsub("%^(%-?%d+)%f[^%w.]", function(power) return (power:gsub(".", superscripts)) end))
+  return (text:gsub("%^(%-?%d+)%f[^%w.]", function(power)
+    return (power:gsub(".", superscripts))
+  end))
 end
 
 local function decade(x) return floor(log(x, 10) + 1e-9) end
@@ -74,7 +76,8 @@ local function add_ticks(axis, most)
   for i = first, last do
     local text = ("%.*f"):gsub("%*", decimals):format(i * step / 10.0 ^ axis.power)
     local fraction = (i * step - (axis.lo - axis.offset)) / (axis.hi - axis.lo)
-    axis.ticks[#axis.ticks + 1] = { shown = i * step / 10.0 ^ axis.power, fraction = fraction, text = text }
+    axis.ticks[#axis.ticks + 1] = { shown = i * step / 10.0 ^ axis.power, fraction = fraction,
+      text = text }
   end
 end
 
@@ -111,8 +114,8 @@ local function logarithmic(lo, hi, most)
   return axis
 end
 
---- Axis over lo..hi with about `most` ticks at the most.
--- @return { lo, hi, offset, power, log, ticks = { {shown, fraction, text} ... } }; fraction: 0 at lo, 1 at hi
+--- Axis over lo..hi with about `most` ticks at the most. @return { lo, hi, offset, power, log,
+-- ticks = { {shown, fraction, text} ... } }; fraction: 0 at lo, 1 at hi
 function M.new(lo, hi, most, is_log)
   return (is_log and logarithmic or linear)(lo, hi, most)
 end
@@ -138,8 +141,8 @@ function M.caption(axis, label, unit)
   return M.raised(table.concat(parts, " "))
 end
 
---- The ranges that give both axes the same length per unit on an area of w by h (any unit of length).
--- @return lox, hix, loy, hiy
+--- The ranges that give both axes the same length per unit on an area of w by h (any unit of
+-- length). @return lox, hix, loy, hiy
 function M.equal(x, y, w, h)
   local scale = max((x[2] - x[1]) / w, (y[2] - y[1]) / h)
   local function around(range, length)

@@ -94,7 +94,9 @@ local function draw_series(canvas, panel, series, number)
     elseif here then
       dot(canvas, floor(xs[i] + 0.5), floor(ys[i] + 0.5), number)
     end
-    if here and n <= 40 and series.style ~= "lines" then put_bullet(canvas, xs[i], ys[i], number) end
+    if here and n <= 40 and series.style ~= "lines" then
+      put_bullet(canvas, xs[i], ys[i], number)
+    end
   end
   if canvas.letters and number <= 26 then put_letters(canvas, xs, ys, number) end
 end

@@ -29,9 +29,14 @@ local function chosen(ensemble, members, most)
   local n = #ensemble
   if members == nil then return spread(n, most) end
   if math.type(members) == "integer" and members >= 1 then return spread(n, members) end
-  if type(members) ~= "table" or #members == 0 then fail("'members' must be a number of members or a list of their numbers (got %s)", tostring(members)) end
+  if type(members) ~= "table" or #members == 0 then
+    fail("'members' must be a number of members or a list of their numbers (got %s)",
+      tostring(members))
+  end
   for _, i in ipairs(members) do
-    if not math.tointeger(i) or i < 1 or i > n then fail("'members': there are members 1 to %d (got %s)", n, tostring(i)) end
+    if not math.tointeger(i) or i < 1 or i > n then
+      fail("'members': there are members 1 to %d (got %s)", n, tostring(i))
+    end
   end
   return members
 end
@@ -43,7 +48,9 @@ local FIRST, LAST, FAILED = { 0x44, 0x77, 0xaa }, { 0xee, 0x66, 0x77 }, "#bbbbbb
 local function shade(ensemble, i)
   if ensemble.status[i] ~= "ok" then return FAILED end
   local x, out = #ensemble > 1 and (i - 1) / (#ensemble - 1) or 0, "#"
-  for k = 1, 3 do out = out .. ("%02x"):format(math.floor(FIRST[k] + x * (LAST[k] - FIRST[k]) + 0.5)) end
+  for k = 1, 3 do
+    out = out .. ("%02x"):format(math.floor(FIRST[k] + x * (LAST[k] - FIRST[k]) + 0.5))
+  end
   return out
 end
 
@@ -68,7 +75,8 @@ local function column(ensemble, key, what)
     if key == "q" .. i or key == names[i] then return q, i end
     if key == "p" .. i or names[i] and key == "p_" .. names[i] then return p, i end
   end
-  fail("%s must be a column of q or p, \"q1\" to \"p%d\" (got %s); other columns need rows: every =, rows = or watch = of solver:ensemble", what,
+  fail("%s must be a column of q or p, \"q1\" to \"p%d\" (got %s); other columns need rows: every "
+    .. "=, rows = or watch = of solver:ensemble", what,
     q.columns, tostring(key))
 end
 
@@ -82,7 +90,8 @@ local function ends(ensemble, x, y, members)
     if ensemble.status[k] == "ok" then xs[#xs + 1], ys[#ys + 1] = of_x[k][i], of_y[k][j] end
   end
   if #xs == 0 then fail "every one of these members failed: ensemble:failures()" end
-  return { { x = core.vector(xs), y = core.vector(ys), name = "ends", xlabel = x, ylabel = y, style = "points" } }
+  return { { x = core.vector(xs), y = core.vector(ys), name = "ends", xlabel = x, ylabel = y,
+    style = "points" } }
 end
 
 local function is_name(x) return type(x) == "string" end
@@ -95,8 +104,14 @@ end
 
 --- The method; its doc is in dm.stability_methods.
 M.plot = blame.caller(function(ensemble, x, y, options)
-  if type(x) == "table" then x, y, options = nil, nil, x elseif type(y) == "table" then y, options = nil, y end
-  if x ~= nil and not is_name(x) or y ~= nil and not is_name(y) then fail "x and y are names of columns, then a table of options" end
+  if type(x) == "table" then
+    x, y, options = nil, nil, x
+  elseif type(y) == "table" then
+    y, options = nil, y
+  end
+  if x ~= nil and not is_name(x) or y ~= nil and not is_name(y) then
+    fail "x and y are names of columns, then a table of options"
+  end
   local given, members = { legend = false }, nil
   for key, value in pairs(options or {}) do
     if key == "members" then members = value else given[key] = value end

@@ -13,7 +13,8 @@ local TERMINALS = {
     return ("pngcairo noenhanced size %d,%d font '%s,11' background rgb 'white'"):format(w, h, FONT)
   end,
   svg = function(w, h)
-    return ("svg noenhanced size %d,%d dynamic font '%s,13' background rgb 'white'"):format(w, h, FONT)
+    return ("svg noenhanced size %d,%d dynamic font '%s,13' background rgb 'white'")
+      :format(w, h, FONT)
   end,
   pdf = function(w, h)  -- inches
     return ("pdfcairo noenhanced size %.3f,%.3f font '%s,10'"):format(w / 100, h / 100, FONT)
@@ -52,7 +53,8 @@ local function set_axis(add, name, a, caption, notes)
   for _, note in ipairs(notes) do below = below .. '."\\n".' .. quote(note) end
   add(("set %srange [%.17g:%.17g]"):format(name, shown(a.lo), shown(a.hi)))
   add((a.log and "set logscale %s" or "unset logscale %s"):format(name))
-  add(#ticks > 0 and ("set %stics (%s)"):format(name, table.concat(ticks, ", ")) or ("unset %stics"):format(name))
+  add(#ticks > 0 and ("set %stics (%s)"):format(name, table.concat(ticks, ", ")) or ("unset %stics")
+    :format(name))
   add(("set %slabel %s%s"):format(name, quote(caption), below))
 end
 
@@ -61,7 +63,8 @@ local function add_data(add, block, series, panel)
   add(block .. " << EOD")
   for i = 1, #series.x do
     if series.x[i] == series.x[i] and series.style == "cells" then
-      add(("%.10g %.10g %.10g %.10g %.10g %.10g"):format(fx(series.x[i]), fy(series.y[i]), fx(series.xlow[i]), fx(series.xhigh[i]),
+      add(("%.10g %.10g %.10g %.10g %.10g %.10g")
+        :format(fx(series.x[i]), fy(series.y[i]), fx(series.xlow[i]), fx(series.xhigh[i]),
         fy(series.ylow[i]), fy(series.yhigh[i])))
     elseif series.x[i] == series.x[i] then
       add(("%.10g %.10g"):format(fx(series.x[i]), fy(series.y[i])))
@@ -88,14 +91,18 @@ local function size_of_points(n)
   return n > 2000 and 0.2 or n > 200 and 0.35 or n > 80 and 0.45 or 0.7
 end
 
--- the colours are used again after the last: then dashed, with open points; and a third time with squares
+-- the colours are used again after the last: then dashed, with open points; and a third time with
+-- squares
 local function draw_style(series, colour, round)
-  local paint = "lc rgb '" .. colour .. "'" .. (round > 0 and series.style ~= "points" and " dt 2" or "")
-  local dots = ("pt %d ps %.2f "):format(round == 0 and 7 or round == 1 and 6 or 4, size_of_points(#series.x) * (round > 0 and 1.4 or 1))
+  local paint = "lc rgb '" .. colour .. "'" .. (round > 0 and series.style ~= "points" and " dt 2"
+    or "")
+  local dots = ("pt %d ps %.2f "):format(round == 0 and 7 or round == 1 and 6 or 4,
+    size_of_points(#series.x) * (round > 0 and 1.4 or 1))
   if series.style == "cells" then return "boxxyerror fs solid 1 " .. paint .. " lw 0.6" end
   if series.style == "points" then return "points " .. dots .. paint end
   local width = #series.x > 4000 and not series_.rises(series.x) and 0.7 or 1.3
-  return ("%s lw %g %s%s"):format(series.style, width, series.style == "lines" and "" or dots, paint)
+  return ("%s lw %g %s%s"):format(series.style, width, series.style == "lines" and "" or dots,
+    paint)
 end
 
 local function add_series(add, panel, number, prefix)
@@ -108,7 +115,8 @@ local function add_series(add, panel, number, prefix)
     local colour = series.colour or COLOURS[(i - 1) % #COLOURS + 1]
     local title = panel.legend and "title " .. quote(series.name) or "notitle"
     add_data(add, block, series, panel)
-    plots[#plots + 1] = ("%s using %s with %s %s"):format(block, series.style == "cells" and "1:2:3:4:5:6" or "1:2",
+    plots[#plots + 1] = ("%s using %s with %s %s")
+      :format(block, series.style == "cells" and "1:2:3:4:5:6" or "1:2",
       draw_style(series, colour, series.colour and 0 or (i - 1) // #COLOURS), title)
     local alone = series.style == "lines" and isolated(series) or { x = {} }
     if #alone.x > 0 then
@@ -124,11 +132,13 @@ local function make_axes(panel)
   local x, y = panel.xrange, panel.yrange
   panel.x = axis.new(x[1], x[2], math.max(2, panel.width // 90), panel.logx)
   panel.y = axis.new(y[1], y[2], math.max(2, panel.height // 55), panel.logy)
-  -- an axis whose name is a blank has no numbers, as that of a map without rows; one without a name, as of several columns, has
+  -- an axis whose name is a blank has no numbers, as that of a map without rows; one without a
+  -- name, as of several columns, has
   panel.x.bare, panel.y.bare = (panel.xlabel or ""):find "^%s+$", (panel.ylabel or ""):find "^%s+$"
 end
 
--- how many rows the legend needs above the panel; gnuplot counts 9 pixels a letter (pngcairo, 11 points)
+-- how many rows the legend needs above the panel; gnuplot counts 9 pixels a letter (pngcairo, 11
+-- points)
 local function legend_rows(add, panel)
   if not panel.legend then return 0 end
   local widest = 0
@@ -146,7 +156,8 @@ local function add_panel(add, panel, number)
   add(("set tmargin %g"):format(1 + 1.4 * rows + (panel.title and 2 or 0)))
   set_axis(add, "x", x, axis.caption(x, panel.xlabel, panel.xunit), panel.notes)
   set_axis(add, "y", y, axis.caption(y, panel.ylabel, panel.yunit), {})
-  add(panel.equal and ("set size ratio %.9g"):format((y.hi - y.lo) / (x.hi - x.lo)) or "set size noratio")
+  add(panel.equal and ("set size ratio %.9g"):format((y.hi - y.lo) / (x.hi - x.lo))
+    or "set size noratio")
   local plots = add_series(add, panel, number, "data")
   add("plot " .. table.concat(plots, ", \\\n     "))
 end
@@ -165,7 +176,8 @@ local function add_look(add, figure)
   add "set tics out nomirror textcolor rgb '#303030'"
   add "set grid lt 1 lc rgb '#e4e4e4' lw 0.7"
   add "set title font ',12' textcolor rgb '#101010'"
-  add "set key at graph 0.5,1.01 center bottom horizontal Left reverse samplen 2 textcolor rgb '#303030'"
+  add "set key at graph 0.5,1.01 center bottom horizontal Left reverse samplen 2 textcolor rgb "
+    .. "'#303030'"
   if #figure.panels > 1 then
     local title = figure.title and (" title %s font ',14'"):format(quote(figure.title)) or ""
     add(("set multiplot layout %d,%d%s"):format(figure.rows, figure.columns, title))
@@ -221,10 +233,14 @@ end
 --- Draw a figure to a file; the file appears whole or not at all.
 function M.write(figure, file)
   local kind = kind_of(file)
-  if file:find("%c") then error(("file %q: a name without control characters is needed"):format(file), 0) end
+  if file:find("%c") then
+    error(("file %q: a name without control characters is needed"):format(file), 0)
+  end
   local part = file .. ".part." .. kind
   local probe, why = io.open(part, "w")
-  if not probe then error(("cannot write %s: does the folder exist?"):format(why:gsub("%.part%.%w+:", ":")), 0) end
+  if not probe then
+    error(("cannot write %s: does the folder exist?"):format(why:gsub("%.part%.%w+:", ":")), 0)
+  end
   probe:close()
   local fine, said = run(M.script(figure, part))
   local made = io.open(part, "rb")

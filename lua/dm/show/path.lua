@@ -4,7 +4,8 @@ local core = require "dm.core"
 
 local M = {}
 
--- "q", "p", "t" or "energy" for the column `name` of a path; units are filed under these or the name
+-- "q", "p", "t" or "energy" for the column `name` of a path; units are filed under these or the
+-- name
 local function place_of(path, name)
   if name == "t" or name == "time" then return "t" end
   if path.watched then return name end
@@ -38,7 +39,8 @@ legend. Labels and units come along.]]
 M.series = blame.caller(function(path, x, y, name)
   local xs, xlabel, xunit, xplace = column(path, x, "x")
   local ys, ylabel, yunit, yplace = column(path, y, "y")
-  return core.result { x = xs, y = ys, name = name or ylabel, xlabel = xlabel, ylabel = ylabel, xunit = xunit,
+  return core.result { x = xs, y = ys, name = name or ylabel, xlabel = xlabel, ylabel = ylabel,
+    xunit = xunit,
     yunit = yunit, xplace = xplace, yplace = yplace, title = path.title }
 end)
 

@@ -1,5 +1,5 @@
---- Pictures: dm.plot, dm.figure, path:plot, path:series.
--- This file makes a figure out of arguments; dm.braille shows it in a terminal, dm.gnuplot in a file.
+--- Pictures: dm.plot, dm.figure, path:plot, path:series. This file makes a figure out of arguments;
+-- dm.braille shows it in a terminal, dm.gnuplot in a file.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local axis, series_ = require "dm.show.axis", require "dm.show.series"
@@ -8,7 +8,8 @@ local M = {}
 
 local KNOWN = { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style", "names",
   "legend", "equal", "xrange", "yrange", "width", "height", "size" }
-local STYLES = { lines = true, points = true, linespoints = true, cells = true }  -- cells: rectangles xlow..xhigh, ylow..yhigh
+-- cells: rectangles xlow..xhigh, ylow..yhigh
+local STYLES = { lines = true, points = true, linespoints = true, cells = true }
 
 local function fail(...) error(("plot: " .. select(1, ...)):format(select(2, ...)), 0) end
 
@@ -36,7 +37,8 @@ local function check_range(options, key)
   local range = options[key]
   if range == nil then return end
   local lo, hi = table.unpack(type(range) == "table" and range or {})
-  if type(lo) ~= "number" or type(hi) ~= "number" or not (lo < hi and lo > -1e300 and hi < 1e300) then
+  if type(lo) ~= "number" or type(hi) ~= "number"
+    or not (lo < hi and lo > -1e300 and hi < 1e300) then
     fail("option '%s' must be {least, largest}", key)
   end
   if options.log and options.log:find(key:sub(1, 1)) and lo < 1e-300 then
@@ -50,7 +52,8 @@ local function check_size(options)
   local w, h = options.width or size[1], options.height or size[2]
   for name, n in pairs { width = w or 100, height = h or 100 } do
     if type(n) ~= "number" or not (n >= 4 and n <= 20000) then
-      fail("option '%s' must be a number from 4 to 20000 (pixels in a file, characters in a terminal)", name)
+      fail("option '%s' must be a number from 4 to 20000 (pixels in a file, characters in a "
+        .. "terminal)", name)
     end
   end
   return w and math.floor(w), h and math.floor(h)
@@ -83,13 +86,18 @@ local function make_series(given, options, i)
   local y = series_.numbers(given.y or given[2], what .. ": y")
   if #x ~= #y then fail("%s has %d numbers x but %d numbers y", what, #x, #y) end
   if #x == 0 then fail("%s is empty", what) end
-  if given.style and not STYLES[given.style] then fail("%s: unknown style %s", what, tostring(given.style)) end
+  if given.style and not STYLES[given.style] then
+    fail("%s: unknown style %s", what, tostring(given.style))
+  end
   local names = type(options.names) == "table" and options.names or {}
-  local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given, colour = given.colour,
+  local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
+    colour = given.colour,
     style = given.style or options.style or (#x == 1 and "points" or "lines") }
   for _, edge in ipairs(out.style == "cells" and { "xlow", "xhigh", "ylow", "yhigh" } or {}) do
     out[edge] = series_.numbers(given[edge] or {}, what .. ": " .. edge)
-    if #out[edge] ~= #x then fail("%s has %d numbers x but %d numbers %s", what, #x, #out[edge], edge) end
+    if #out[edge] ~= #x then
+      fail("%s has %d numbers x but %d numbers %s", what, #x, #out[edge], edge)
+    end
   end
   return out
 end
@@ -139,7 +147,8 @@ local function set_range(panel, name, room)
   local is_log = panel["log" .. name]
   local lo, hi = series_.range(panel.series, name)
   if not lo then
-    fail("nothing to draw: no point is finite%s", is_log and " and positive on the logarithmic axis" or "")
+    fail("nothing to draw: no point is finite%s", is_log and " and positive on the logarithmic axis"
+      or "")
   end
   if not is_log then
     local plain = axis.new(lo, hi, 2)  -- gives a constant column a width
@@ -156,7 +165,9 @@ local function decide_equal(panel, list, options)
     return false
   end
   if options.equal ~= nil then return options.equal and true or false end
-  if not (shared(list, "xplace") and shared(list, "yplace") and panel.xunit == panel.yunit) then return false end
+  if not (shared(list, "xplace") and shared(list, "yplace") and panel.xunit == panel.yunit) then
+    return false
+  end
   local x, y = panel.xrange, panel.yrange
   local ratio = (x[2] - x[1]) / (y[2] - y[1])
   return ratio < 4 and ratio > 0.25
@@ -167,12 +178,15 @@ local function make_panel(given, options)
   check_options(options)
   local list = {}
   for i, s in ipairs(given) do
-    if type(s) ~= "table" then fail("series %d must be a table { x =, y = } (got %s)", i, type(s)) end
+    if type(s) ~= "table" then
+      fail("series %d must be a table { x =, y = } (got %s)", i, type(s))
+    end
     list[i] = make_series(s, options, i)
   end
   if #list == 0 then fail "there is no series to draw" end
   local log = options.log or ""
-  local panel = { series = list, notes = {}, logx = log:find("x") ~= nil, logy = log:find("y") ~= nil,
+  local panel = { series = list, notes = {}, logx = log:find("x") ~= nil,
+    logy = log:find("y") ~= nil,
     title = options.title or shared(list, "title"),
     xlabel = options.xlabel or shared(list, "xlabel") or "x",
     ylabel = options.ylabel or shared(list, "ylabel") or (#list == 1 and "y" or nil),
@@ -186,7 +200,8 @@ local function make_panel(given, options)
   panel.equal = decide_equal(panel, list, options)
   for _, name in ipairs { "xrange", "yrange" } do
     local asked = options[name]
-    if asked then panel[name] = { asked[1] * 1.0, asked[2] * 1.0 } end  -- floats: whole numbers wrap
+    -- floats: whole numbers wrap
+    if asked then panel[name] = { asked[1] * 1.0, asked[2] * 1.0 } end
   end
   return panel
 end
@@ -202,7 +217,8 @@ local function default_pixels(panel)
 end
 
 local function to_file(panels, options)
-  local figure = { panels = panels, title = options.title, columns = options.columns or math.min(2, #panels) }
+  local figure = { panels = panels, title = options.title, columns = options.columns
+    or math.min(2, #panels) }
   figure.rows = math.ceil(#panels / figure.columns)
   local w, h = default_pixels(panels[1])
   if #panels > 1 then w, h = 560 * figure.columns, 430 * figure.rows end
@@ -252,7 +268,8 @@ end)
 local doc_figure = [[
 dm.figure{panel, panel, ..., file=, title=, columns=, width=, height=, size=} -> file name or nothing
 Several plots in one picture. Each panel is a list of series { x =, y =, name = } (path:series makes
-them), or x, y, with the options of dm.plot: { orbit:series("q1", "q2"), equal = true, title = "orbit" }.]]
+them), or x, y, with the options of dm.plot: { orbit:series("q1", "q2"), equal = true, title =
+"orbit" }.]]
 
 -- of the whole picture, not of one panel
 local OF_FIGURE = { "file", "width", "height", "size" }
@@ -264,14 +281,19 @@ M.figure = blame.caller(function(given)
   check_keys(given, FIGURE_KNOWN)
   check_text(given, { "file", "title" })
   local columns = given.columns
-  if columns ~= nil and not (math.type(columns) == "integer" and columns > 0 and columns <= 100) then
+  if columns ~= nil and not (math.type(columns) == "integer" and columns > 0
+    and columns <= 100) then
     fail "option 'columns' must be a whole number from 1"
   end
   local panels = {}
   for i, panel in ipairs(given) do
-    if type(panel) ~= "table" then fail("panel %d must be a list of series (got %s)", i, type(panel)) end
+    if type(panel) ~= "table" then
+      fail("panel %d must be a list of series (got %s)", i, type(panel))
+    end
     for _, key in ipairs(OF_FIGURE) do
-      if panel[key] ~= nil then fail("panel %d: '%s' belongs to the figure, behind its panels", i, key) end
+      if panel[key] ~= nil then
+        fail("panel %d: '%s' belongs to the figure, behind its panels", i, key)
+      end
     end
     panels[i] = make_panel(is_column(panel[1]) and { panel } or panel, panel)
   end

@@ -4,9 +4,11 @@ local M = {}
 
 local floor, huge = math.floor, math.huge
 local NAN = 0 / 0
-local LARGEST = 1e300  -- beyond it the width of a range would overflow, below its inverse decades end
+-- beyond it the width of a range would overflow, below its inverse decades end
+local LARGEST = 1e300
 
---- The numbers of a dm.vector or a table, as a table of floats; anything else raises and names `what`.
+--- The numbers of a dm.vector or a table, as a table of floats; anything else raises and names
+-- `what`.
 function M.numbers(values, what)
   if type(values) == "userdata" then
     local method = values.totable

@@ -6,13 +6,18 @@ local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)),
 local MOST = 4096  -- numbers of an axis
 
 local function check_ends(name, lo, hi, count, mode)
-  if type(lo) ~= "number" or type(hi) ~= "number" or not (lo < hi and lo > -math.huge and hi < math.huge) then
-    fail("axis '%s' must be {least, largest, count, \"log\" or \"linear\"} with least < largest", name)
+  if type(lo) ~= "number" or type(hi) ~= "number"
+    or not (lo < hi and lo > -math.huge and hi < math.huge) then
+    fail("axis '%s' must be {least, largest, count, \"log\" or \"linear\"} with least < largest",
+      name)
   end
   if math.type(count) ~= "integer" or count < 2 or count > MOST then
-    fail("axis '%s': the count must be a whole number from 2 to %d (got %s)", name, MOST, tostring(count))
+    fail("axis '%s': the count must be a whole number from 2 to %d (got %s)", name, MOST,
+      tostring(count))
   end
-  if mode ~= "log" and mode ~= "linear" then fail("axis '%s': \"log\" or \"linear\" is needed (got %q)", name, mode) end
+  if mode ~= "log" and mode ~= "linear" then
+    fail("axis '%s': \"log\" or \"linear\" is needed (got %q)", name, mode)
+  end
   if mode == "log" and lo <= 0 then fail("axis '%s': a logarithmic axis begins above 0", name) end
 end
 
@@ -30,15 +35,18 @@ end
 -- given one by one: spaced as its numbers are
 local function listed(name, list)
   local count = list[3]
-  if #list == 3 and math.type(count) == "integer" and count > 1 and list[1] < list[2] and count <= list[2] then
-    fail("axis '%s': three numbers are a list, which must grow; for %d values from %g to %g: {%g, %g, %d, \"linear\"}, or \"log\"",
+  if #list == 3 and math.type(count) == "integer" and count > 1 and list[1] < list[2]
+    and count <= list[2] then
+    fail("axis '%s': three numbers are a list, which must grow; for %d values from %g to %g: {%g, "
+      .. "%g, %d, \"linear\"}, or \"log\"",
       name, count, list[1], list[2], list[1], list[2], count)
   end
   local out, last = { log = #list > 2 and list[1] > 0 }, -math.huge
   if #list == 0 or #list > MOST then fail("axis '%s' must have 1 to %d numbers", name, MOST) end
   for i, x in ipairs(list) do
     if type(x) ~= "number" or not (x > last and x < math.huge) then
-      fail("axis '%s': number %d must be a finite number larger than the one before (got %s)", name, i, tostring(x))
+      fail("axis '%s': number %d must be a finite number larger than the one before (got %s)", name,
+        i, tostring(x))
     end
     out[i], last = x * 1.0, x
   end
@@ -50,7 +58,8 @@ end
 function M.read(name, given)
   if type(given) == "number" then given = { given } end
   if type(given) ~= "table" then
-    fail("axis '%s' must be a number, a list of numbers, or {least, largest, count, \"log\" or \"linear\"} (got %s)", name, type(given))
+    fail("axis '%s' must be a number, a list of numbers, or {least, largest, count, \"log\" or "
+      .. "\"linear\"} (got %s)", name, type(given))
   end
   if type(given[4]) == "string" then
     local out = spaced(name, given[1], given[2], given[3], given[4])
@@ -58,7 +67,9 @@ function M.read(name, given)
     return out
   end
   for i = 1, #given do
-    if type(given[i]) ~= "number" then fail("axis '%s': entry %d must be a number (got %s)", name, i, tostring(given[i])) end
+    if type(given[i]) ~= "number" then
+      fail("axis '%s': entry %d must be a number (got %s)", name, i, tostring(given[i]))
+    end
   end
   local out = listed(name, given)
   out.name = name
@@ -73,8 +84,8 @@ local function arguments(f)
   return out, info.isvararg
 end
 
---- f(values by name) of a function of the parameters: by the names of its arguments, or, where there is one parameter, whatever
--- its argument is called. Also the list of names that it uses.
+--- f(values by name) of a function of the parameters: by the names of its arguments, or, where
+-- there is one parameter, whatever its argument is called. Also the list of names that it uses.
 function M.bind(what, f, names)
   local known, args, used = {}, arguments(f), {}
   for _, name in ipairs(names) do known[name] = true end
@@ -84,7 +95,10 @@ function M.bind(what, f, names)
     used[i] = arg
   end
   if not match or #args == 0 then
-    if #names == 0 then fail("'%s' is a function, but there is no parameter: give one as name = {least, largest, count, \"log\"}", what) end
+    if #names == 0 then
+      fail("'%s' is a function, but there is no parameter: give one as name = {least, largest, "
+        .. "count, \"log\"}", what)
+    end
     if #names > 1 then
       fail("'%s' is a function of (%s): with two parameters its arguments must have their names, %s", what, table.concat(args, ", "), table.concat(names, " and "))
     end

@@ -1,4 +1,5 @@
---- Cells of a stability map: run by ensembles, cells of one rule and different parameters together where one kernel serves them.
+--- Cells of a stability map: run by ensembles, cells of one rule and different parameters together
+-- where one kernel serves them.
 local blame = require "dm.base.blame"
 local classes = require "dm.stability.classes"
 local core = require "dm.core"
@@ -23,7 +24,9 @@ local function tie_of(given)
   local g = given.constraint
   return function(q, _, t)
     local value, sum = given.params and g(q, t, given.params) or g(q, t), 0
-    if type(value) ~= "table" and not pcall(function() return #value end) then return value * value end
+    if type(value) ~= "table" and not pcall(function() return #value end) then
+      return value * value
+    end
     for i = 1, #value do sum = sum + value[i] ^ 2 end
     return sum
   end
@@ -47,7 +50,8 @@ end
 
 ---- ensembles of cells ----
 
--- A job: { map =, rule =, system =, vary = names of the parameters that differ from cell to cell, or nil }
+-- A job: { map =, rule =, system =, vary = names of the parameters that differ from cell to cell,
+-- or nil }
 
 -- positions, velocities or momenta, steps, parameters
 local function starts(job, cells)
@@ -78,10 +82,12 @@ local function ensemble(job, system, o)
   o.members, o.t0, o.project = #o.h, given.t0, given.project
   if not o.steps and not o.t then o.steps, o.t = given.steps, given.t end
   o.threads = given.threads or is_small(o) and 1 or nil
-  return system:solver({ rule = job.rule, h = 1, newton = given.newton, backend = given.backend, sums = given.sums }):ensemble(o)
+  return system:solver({ rule = job.rule, h = 1, newton = given.newton, backend = given.backend,
+    sums = given.sums }):ensemble(o)
 end
 
--- runs and keeps what a stop on request leaves; was there a system for every cell where one was meant to serve all?
+-- runs and keeps what a stop on request leaves; was there a system for every cell where one was
+-- meant to serve all?
 local function guarded(job, system, o)
   local fine, e = pcall(ensemble, job, system, o)
   local stopped = not fine and e
@@ -96,7 +102,10 @@ local function tell_reasons(e, cells)
   local any = false
   for _, cell in ipairs(cells) do any = any or cell.code == "no_start" end
   for _, failure in ipairs(any and e:failures() or {}) do
-    if failure.code == "no_start" then cells[failure.member].reason = failure.message:match("^[^\n]*"):gsub("^%S*dm/stability/%w+%.lua:%d+: ", "") end
+    if failure.code == "no_start" then
+      cells[failure.member].reason = failure.message:match("^[^\n]*"):gsub(
+        "^%S*dm/stability/%w+%.lua:%d+: ", "")
+    end
   end
 end
 
@@ -107,7 +116,8 @@ local function base_pass(job, cells, rows)
   o.watch, o.rows = watch, rows
   local e, stopped = guarded(job, system, o)
   local sums, status, steps = {}, e.status, e.steps
-  for _, column in ipairs { name, watch.K and "K" or name, watch.inside and "inside" or name, watch.tie and "tie" or name } do
+  for _, column in ipairs { name, watch.K and "K" or name, watch.inside and "inside" or name,
+    watch.tie and "tie" or name } do
     sums[column] = sums[column] or e:summary(column)
   end
   local tied = system.given.constraint ~= nil or system.given.rolling ~= nil
@@ -115,24 +125,30 @@ local function base_pass(job, cells, rows)
     cell.steps, cell.code, cell.growth = steps[i], status[i], nil
     local class = status[i] == "stopped" and "not run" or classes.look(job.map, cell, sums, i, name)
     if status[i] ~= "ok" and class ~= "left" then class = classes.of_failure(status[i], tied) end
-    if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then class = "no start" end
+    if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then
+      class = "no start"
+    end
     cell.class, cell.reason = NUMBER[class], nil
   end
   tell_reasons(e, cells)
   return stopped
 end
 
--- cells that are lost by what their rows show, not by a failure, are looked at with other rows, which no beat of the orbit fits as well
+-- cells that are lost by what their rows show, not by a failure, are looked at with other rows,
+-- which no beat of the orbit fits as well
 local function other_look(job, all)
   local cells = {}
   for _, cell in ipairs(all) do
-    if cell.code == "ok" and (cell.class == NUMBER.off or cell.class == NUMBER["blow-up"]) then cells[#cells + 1] = cell end
+    if cell.code == "ok" and (cell.class == NUMBER.off or cell.class == NUMBER["blow-up"]) then
+      cells[#cells + 1] = cell
+    end
   end
   if #cells > 0 then return base_pass(job, cells, OTHER_ROWS) end
 end
 
--- cells that drift are looked at for LONGER, with other rows: what was a part of a slow oscillation, or a beat of the orbit with its
--- rows, has another slope then; what is damped away does not come back
+-- cells that drift are looked at for LONGER, with other rows: what was a part of a slow
+-- oscillation, or a beat of the orbit with its rows, has another slope then; what is damped away
+-- does not come back
 local function second_look(job, all)
   local cells, given, column = {}, job.map.options, nil
   for _, cell in ipairs(all) do
@@ -141,15 +157,19 @@ local function second_look(job, all)
   if #cells == 0 then return end
   local o = starts(job, cells)
   o.watch, column = watch_of(job.map, job.system)
-  o.rows, o.steps, o.t = OTHER_ROWS, given.steps and LONGER * given.steps, given.t and LONGER * given.t
+  o.rows, o.steps, o.t = OTHER_ROWS, given.steps and LONGER * given.steps, given.t
+    and LONGER * given.t
   local e, stopped = guarded(job, job.system, o)
   local s, K = e:summary(column), o.watch.K and e:summary "K"
   for i, cell in ipairs(cells) do
     local slope = s.slope[i]
     if e.status[i] == "ok" and slope == slope then
       local goes_on = slope * cell.slope > 0.5 * cell.slope ^ 2 and abs(slope) > SIGMA * s.error[i]
-      local is_gone = abs(s.mean[i] - s.first[i]) > 0.75 * max(s.largest[i] - s.first[i], s.first[i] - s.least[i])
-      if not goes_on and not is_gone or classes.is_early(s, K, i) then cell.class = NUMBER.bounded end
+      local is_gone = abs(s.mean[i] - s.first[i]) > 0.75 * max(s.largest[i] - s.first[i],
+        s.first[i] - s.least[i])
+      if not goes_on and not is_gone or classes.is_early(s, K, i) then
+        cell.class = NUMBER.bounded
+      end
       cell.slope, cell.slope_error = finite(slope), finite(s.error[i])
     end
   end
@@ -203,10 +223,15 @@ local function measure_growth(e, cells)
   for i, cell in ipairs(cells) do
     if e.status[i] ~= "stopped" and steps[i] > 0 then
       local rise, megno = s.last[i] - s.first[i], s.megno[i]
-      -- a tangent vector that has outgrown all numbers: MEGNO of a straight line is half of its rise
-      if e.status[i] == "not_finite" and cell.code == "ok" and megno ~= megno then rise, megno = ROOM, ROOM / 2 end
+      -- a tangent vector that has outgrown all numbers: MEGNO of a straight line is half of its
+      -- rise
+      if e.status[i] == "not_finite" and cell.code == "ok" and megno ~= megno then
+        rise, megno = ROOM, ROOM / 2
+      end
       cell.exponent, cell.megno = rise / (steps[i] * cell.h), megno
-      if cell.megno > REGULAR and cell.exponent > 0 and cell.class ~= NUMBER.drifting then cell.class = NUMBER.chaotic end
+      if cell.megno > REGULAR and cell.exponent > 0 and cell.class ~= NUMBER.drifting then
+        cell.class = NUMBER.chaotic
+      end
     end
   end
 end
@@ -215,7 +240,9 @@ end
 local function chaos_pass(job, all)
   local cells = {}
   for _, cell in ipairs(all) do
-    if not CLASSES[cell.class].lost and cell.class ~= NUMBER["not run"] then cells[#cells + 1] = cell end
+    if not CLASSES[cell.class].lost and cell.class ~= NUMBER["not run"] then
+      cells[#cells + 1] = cell
+    end
   end
   if #cells == 0 then return end
   job.lifted = job.lifted or prolong.system(job.system, job.vary)
@@ -233,7 +260,8 @@ local function all_passes(job, part, chaos)
   return stopped
 end
 
-local REFUSALS = 64  -- starts that are refused, with none that is not, before that is an error of all
+-- starts that are refused, with none that is not, before that is an error of all
+local REFUSALS = 64
 
 -- cells that have no start, and why
 local function refuse(map, cells, why)
@@ -250,10 +278,13 @@ local function run_part(job, part, chaos)
   local fine, result = pcall(all_passes, job, part, chaos)
   if fine then return result end
   map.refused = (map.refused or 0) + 1
-  if type(result) ~= "string" or not map.started and map.refused > REFUSALS or map.count == 1 then error(result, 0) end
+  if type(result) ~= "string" or not map.started and map.refused > REFUSALS or map.count == 1 then
+    error(result, 0)
+  end
   if #part == 1 then return refuse(map, part, result) end
   local half = #part // 2
-  return run_part(job, table.move(part, 1, half, 1, {}), chaos) or run_part(job, table.move(part, half + 1, #part, 1, {}), chaos)
+  return run_part(job, table.move(part, 1, half, 1, {}), chaos)
+    or run_part(job, table.move(part, half + 1, #part, 1, {}), chaos)
 end
 
 -- lists of cells by what f says of them, in the order in which that is said first
@@ -279,7 +310,8 @@ local function by_step(cells)
   return out
 end
 
--- cells of one job in parts that fit into memory; what stopped it, or the cells that are left when it is seen to need a system for each
+-- cells of one job in parts that fit into memory; what stopped it, or the cells that are left when
+-- it is seen to need a system for each
 local function run_job(job, cells, chaos)
   cells = by_step(cells)
   for from = 1, #cells, MEMBERS do
@@ -290,14 +322,16 @@ local function run_job(job, cells, chaos)
   end
 end
 
--- what decides how cells are watched and stepped, beside the numbers of their parameters: cells that agree in it may have one kernel
+-- what decides how cells are watched and stepped, beside the numbers of their parameters: cells
+-- that agree in it may have one kernel
 local function family_of(map, cell)
   local key = map.key_of(cell)
   if not map.base or #map.used == 0 then return key end
   if not map.families[key] then
     local fine, s = pcall(function() return map.system_of(cell):structure() end)
     if not fine and blame.is_stop(s) then error(s, 0) end
-    map.families[key] = fine and table.concat({ tostring(s.separable), tostring(s.autonomous), tostring(s.linear_in_v), tostring(s.constant_mass) }, " ") or key
+    map.families[key] = fine and table.concat({ tostring(s.separable), tostring(s.autonomous),
+      tostring(s.linear_in_v), tostring(s.constant_mass) }, " ") or key
   end
   return map.families[key]
 end
@@ -328,20 +362,22 @@ local function are_shared(map, rule, cells, chaos)
   return false
 end
 
--- cells of one system, or (shared) of one family; after all in systems of their own what is left where one kernel does not do
+-- cells of one system, or (shared) of one family; after all in systems of their own what is left
+-- where one kernel does not do
 local function run_group(map, cells, chaos, shared)
   local rule, fine, system = map.rule_list[cells[1].rule], pcall(map.system_of, cells[1])
   if not fine and blame.is_stop(system) then error(system, 0) end
   if not fine then return refuse(map, cells, system) end
-  local stopped, left = run_job({ map = map, rule = rule, system = system, vary = shared and map.used or nil }, cells, chaos)
+  local stopped, left = run_job({ map = map, rule = rule, system = system, vary = shared
+    and map.used or nil }, cells, chaos)
   for _, group in ipairs(not stopped and left and grouped(left, map.key_of) or {}) do
     stopped = stopped or run_group(map, group, chaos)
   end
   return stopped
 end
 
---- Run cells { number =, rule = (its number), h =, values = { name = } } and fill in their class and its evidence; what a stop
--- on request was, or nothing.
+--- Run cells { number =, rule = (its number), h =, values = { name = } } and fill in their class
+-- and its evidence; what a stop on request was, or nothing.
 function M.run(map, cells, chaos)
   local shared = {}
   for _, cell in ipairs(cells) do cell.class = NUMBER["not run"] end

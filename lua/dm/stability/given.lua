@@ -17,22 +17,32 @@ local function with_params(system, values, names)
   return core.system(given)
 end
 
-local function is_system(x) return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.system" end
+local function is_system(x)
+  return type(x) == "userdata" and getmetatable(x) and getmetatable(x).__name == "dm.system"
+end
 
--- system_of(cell), and the parameters that it depends on; map.base: the system whose params these are
+-- system_of(cell), and the parameters that it depends on; map.base: the system whose params these
+-- are
 local function make_systems(map, system, names)
   if type(system) == "function" then
     local make, used = axes.bind("system", system, names)
     return function(cell)
       local made = make(cell.values)
-      if not is_system(made) then fail("'system' is a function that must return a dm.system (got %s)", type(made)) end
+      if not is_system(made) then
+        fail("'system' is a function that must return a dm.system (got %s)", type(made))
+      end
       return made
     end, used
   end
-  if not is_system(system) then fail("the system is missing: system = dm.system{...}, or a function of the parameters that returns one (a discrete Lagrangian has one step only)") end
+  if not is_system(system) then
+    fail("the system is missing: system = dm.system{...}, or a function of the parameters that "
+      .. "returns one (a discrete Lagrangian has one step only)")
+  end
   local used = {}
   for _, name in ipairs(names) do
-    if type(system.params) == "table" and type(system.params[name]) == "number" then used[#used + 1] = name end
+    if type(system.params) == "table" and type(system.params[name]) == "number" then
+      used[#used + 1] = name
+    end
   end
   map.base = system
   if #used == 0 then return function() return system end, used end
@@ -55,7 +65,9 @@ local function make_start(map, what, given, names, uses)
   for _, name in ipairs(used) do uses[name] = true end
   return function(cell)
     local given_there = f(cell.values)
-    if given_there == nil then fail("the function '%s' returns nothing at %s", what, text_of(cell.values)) end
+    if given_there == nil then
+      fail("the function '%s' returns nothing at %s", what, text_of(cell.values))
+    end
     return list(given_there, cell)
   end
 end
@@ -74,8 +86,8 @@ local function make_key(used)
   end
 end
 
---- map.system_of(cell), map.key_of(cell) (cells of one key have one system), map.used (the parameters that it depends on) and
--- map.start.q, .v, .p of a cell.
+--- map.system_of(cell), map.key_of(cell) (cells of one key have one system), map.used (the
+-- parameters that it depends on) and map.start.q, .v, .p of a cell.
 function M.read(map, options, names)
   local of, used = make_systems(map, options.system or options[1], names)
   local uses, last, kept = {}, nil, nil
@@ -86,11 +98,13 @@ function M.read(map, options, names)
     if key ~= last then last, kept = key, of(cell) end
     return kept
   end
-  map.start = { q = make_start(map, "q", options.q, names, uses), v = options.v and make_start(map, "v", options.v, names, uses),
+  map.start = { q = make_start(map, "q", options.q, names, uses), v = options.v
+    and make_start(map, "v", options.v, names, uses),
     p = options.p and make_start(map, "p", options.p, names, uses) }
   for _, name in ipairs(names) do
     if not uses[name] then
-      fail("parameter '%s' changes nothing: 'system', 'q', 'v' or 'p' must be a function with an argument %s, or the system have it among its params", name, name)
+      fail("parameter '%s' changes nothing: 'system', 'q', 'v' or 'p' must be a function with an "
+        .. "argument %s, or the system have it among its params", name, name)
     end
   end
 end
@@ -111,19 +125,24 @@ end
 function M.check_first(map, cell)
   local system = map.system_of(cell)
   if not map.start.v and not map.start.p then
-    if not system:structure().linear_in_v then fail("the start is missing: give v (velocity) or p (momentum) beside q") end
+    if not system:structure().linear_in_v then
+      fail("the start is missing: give v (velocity) or p (momentum) beside q")
+    end
     local rest = core.zeros(system.Q.dimension)
     map.start.p = function(c) return map.system_of(c):legendre(map.start.q(c), rest) end
   end
-  for _, rule in ipairs(map.rule_list) do system:solver { rule = rule, h = 1 } end  -- a misspelled one is told here
+  -- a misspelled one is told here
+  for _, rule in ipairs(map.rule_list) do system:solver { rule = rule, h = 1 } end
 end
 
 -- does nothing move in a step from the start of the cell? Rates below are round-off
 local STILL = 1e-13
 local function rests(map, cell)
   local h = map.h[1]
-  local path = map.system_of(cell):solver({ rule = map.rule_list[1], h = h }):run { q = map.start.q(cell), v = map.start.v and map.start.v(cell),
-    p = map.start.p and map.start.p(cell), steps = 1, t0 = map.options.t0, project = map.options.project }
+  local path = map.system_of(cell):solver({ rule = map.rule_list[1], h = h }):run {
+    q = map.start.q(cell), v = map.start.v and map.start.v(cell),
+    p = map.start.p and map.start.p(cell), steps = 1, t0 = map.options.t0,
+    project = map.options.project }
   for _, columns in ipairs { path.q, path.p } do
     local before, after = columns[1], columns[2]
     if not ((after - before):norm() <= STILL * h * (1 + before:norm())) then return false end
@@ -137,13 +156,17 @@ function M.notes(map, cell)
   local fine, at_rest = pcall(rests, map, cell)
   if not fine and require "dm.base.blame".is_stop(at_rest) then error(at_rest, 0) end
   if fine and at_rest then
-    notes[1] = "the start is an equilibrium: where nothing moves no instability shows; displace it, or give it a small velocity"
+    notes[1] = "the start is an equilibrium: where nothing moves no instability shows; displace "
+      .. "it, or give it a small velocity"
   end
   for _, name in ipairs { "h", table.unpack(map.names) } do
     h = map.options[name]
-    local far = type(h) == "table" and #h == 3 and (h[1] % 1 ~= 0 and 2 or 5)  -- 0.5, 4, 12 is more of a count than 1, 4, 12
+    -- 0.5, 4, 12 is more of a count than 1, 4, 12
+    local far = type(h) == "table" and #h == 3 and (h[1] % 1 ~= 0 and 2 or 5)
     if far and math.type(h[3]) == "integer" and h[3] >= 5 and h[3] > far * h[2] then
-      notes[#notes + 1] = ("%s = {%g, %g, %d} is a list of three numbers; the range is written {%g, %g, %d, \"log\"} or \"linear\""):format(
+      notes[#notes + 1] = (
+        "%s = {%g, %g, %d} is a list of three numbers; the range is written {%g, %g, %d, \"log\"} "
+        .. "or \"linear\""):format(
         name, h[1], h[2], h[3], h[1], h[2], h[3])
     end
   end
@@ -160,7 +183,10 @@ local function differs(map, name)
     first[key] = before or i
     for j, cell in ipairs(before and map.cells[i] or {}) do
       local twin = map.cells[before][j]
-      if cell.class ~= twin.class or cell.error ~= twin.error or cell.steps ~= twin.steps or cell.slope ~= twin.slope then return true end
+      if cell.class ~= twin.class or cell.error ~= twin.error or cell.steps ~= twin.steps
+        or cell.slope ~= twin.slope then
+        return true
+      end
     end
   end
   return false
@@ -170,7 +196,9 @@ end
 function M.note_idle(map)
   for _, axis in ipairs(map.row_axes) do
     if #axis > 1 and not differs(map, axis.name) then
-      map.notes[#map.notes + 1] = ("'%s' changes no cell, to the last digit: does anything here depend on it?"):format(axis.name)
+      map.notes[#map.notes + 1] =
+        ("'%s' changes no cell, to the last digit: does anything here depend on it?")
+        :format(axis.name)
     end
   end
 end

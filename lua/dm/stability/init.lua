@@ -1,4 +1,5 @@
---- dm.stability: where methods fail. Every cell of a map over step size and parameters is run and told apart by what its rows show.
+--- dm.stability: where methods fail. Every cell of a map over step size and parameters is run and
+-- told apart by what its rows show.
 local axes = require "dm.stability.axes"
 local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
@@ -15,7 +16,8 @@ local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)),
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "rule", "rules", "h", "steps", "t", "t0", "watch", "inside", "drift", "chaos", "refine", "resolution",
+local KNOWN = { "system", "q", "v", "p", "rule", "rules", "h", "steps", "t", "t0", "watch",
+  "inside", "drift", "chaos", "refine", "resolution",
   "threads", "project", "newton", "backend", "sums" }
 local known = {}
 for _, name in ipairs(KNOWN) do known[name] = true end
@@ -25,34 +27,49 @@ local function parameters(options)
   local names = {}
   for key, value in pairs(options) do
     if type(key) ~= "string" then
-      if key ~= 1 or type(value) ~= "userdata" then fail("takes names: { system =, q =, v =, rule =, h =, steps = }, and parameters k = {...}") end
+      if key ~= 1 or type(value) ~= "userdata" then
+        fail("takes names: { system =, q =, v =, rule =, h =, steps = }, and parameters k = {...}")
+      end
     elseif not known[key] then
       if type(value) ~= "table" and type(value) ~= "number" then
-        fail("option '%s' is not known, and as a parameter it must be numbers: {least, largest, count, \"log\" or \"linear\"}; options are %s", key, table.concat(KNOWN, ", "))
+        fail("option '%s' is not known, and as a parameter it must be numbers: {least, largest, "
+          .. "count, \"log\" or \"linear\"}; options are %s", key, table.concat(KNOWN, ", "))
       end
       names[#names + 1] = key
     end
   end
   table.sort(names)
-  if #names > 2 then fail("at most two parameters beside the step (got %s)", table.concat(names, ", ")) end
+  if #names > 2 then
+    fail("at most two parameters beside the step (got %s)", table.concat(names, ", "))
+  end
   return names
 end
 
 local function check_options(options)
   if (options.steps == nil) == (options.t == nil) then fail("give 'steps' or 't' (a duration)") end
   local length = options.steps or options.t
-  if type(length) ~= "number" or not (length > 0 and length < 2 ^ 53) or options.steps and not math.tointeger(length) then
-    fail("'steps' must be a whole number > 0, 't' a duration > 0 (got %s)", type(length) == "number" and tostring(length) or type(length))
+  if type(length) ~= "number" or not (length > 0 and length < 2 ^ 53) or options.steps
+    and not math.tointeger(length) then
+    fail("'steps' must be a whole number > 0, 't' a duration > 0 (got %s)", type(length) == "number"
+      and tostring(length) or type(length))
   end
-  if not options.q then fail("the start is missing: q, and v or p, as numbers or as functions of the parameters") end
+  if not options.q then
+    fail("the start is missing: q, and v or p, as numbers or as functions of the parameters")
+  end
   if options.v and options.p then fail("give the start as q and v or as q and p, not both") end
-  if options.h == nil then fail("the axis of steps is missing: h = {least, largest, count, \"log\"}, a list or a number") end
+  if options.h == nil then
+    fail("the axis of steps is missing: h = {least, largest, count, \"log\"}, a list or a number")
+  end
   for _, name in ipairs { "watch", "inside" } do
-    if options[name] ~= nil and type(options[name]) ~= "function" then fail("option '%s' must be a function of (q, v, t, p)", name) end
+    if options[name] ~= nil and type(options[name]) ~= "function" then
+      fail("option '%s' must be a function of (q, v, t, p)", name)
+    end
   end
   for _, name in ipairs { "drift", "resolution" } do
     local x = options[name]
-    if x ~= nil and (type(x) ~= "number" or not (x > 0 and x < 1)) then fail("option '%s' must be a number between 0 and 1", name) end
+    if x ~= nil and (type(x) ~= "number" or not (x > 0 and x < 1)) then
+      fail("option '%s' must be a number between 0 and 1", name)
+    end
   end
 end
 
@@ -94,7 +111,8 @@ local function cell_at(map, row, x)
     values = { [map.column.name] = x }
     for name, value in pairs(row.values) do values[name] = value end
   end
-  return { rule = row.number, h = map.column == map.h and x or map.h[1], values = values, x = x, row = row }
+  return { rule = row.number, h = map.column == map.h and x or map.h[1], values = values, x = x,
+    row = row }
 end
 
 local function all_cells(map)
@@ -134,7 +152,8 @@ local function border(row)
 end
 
 local function is_open(map, b)
-  return b.low and b.high and math.abs(b.high.x - b.low.x) > map.resolution * math.max(math.abs(b.high.x), math.abs(b.low.x))
+  return b.low and b.high and math.abs(b.high.x - b.low.x) > map.resolution * math.max(
+    math.abs(b.high.x), math.abs(b.low.x))
 end
 
 -- narrow all borders at once: PARTS cells in each, then the part in which the first is lost
@@ -144,7 +163,8 @@ local function refine(map)
     for i, b in ipairs(map.borders) do
       local parts = {}
       for k = 1, is_open(map, b) and PARTS or 0 do
-        parts[k] = cell_at(map, map.rows[i], axes.between(map.column, b.low.x, b.high.x, k / (PARTS + 1)))
+        parts[k] = cell_at(map, map.rows[i], axes.between(map.column, b.low.x, b.high.x,
+          k / (PARTS + 1)))
         todo[#todo + 1], parts[k].number = parts[k], k
       end
       if #parts > 0 then open[#open + 1] = { border = b, parts = parts } end
@@ -171,21 +191,30 @@ end
 local function text_of(map, cell)
   local class = cells.CLASSES[cell.class]
   if class.name == "no start" and cell.reason then return cell.reason end
-  if class.name == "blow-up" and cell.code == "not_finite" and cell.error and cell.error < (cell.kinetic or 0) then
+  if class.name == "blow-up" and cell.code == "not_finite" and cell.error
+    and cell.error < (cell.kinetic or 0) then
     return "the motion left all bounds at once, or the domain of L"
   end
   if not map.options.watch then return class.text end
-  return (class.text:gsub("the energy error", "the change of what is watched"):gsub("the energy", "what is watched"))
+  return (class.text:gsub("the energy error", "the change of what is watched"):gsub("the energy",
+    "what is watched"))
 end
 
 local function sentence_of_limit(map, i)
   local b, name = map.borders[i], map.column.name
   for _, cell in ipairs(b.high and {} or map.cells[i]) do
-    if cell.class == cells.NUMBER["not run"] then return nil, "stopped before all cells of the row were run" end
+    if cell.class == cells.NUMBER["not run"] then
+      return nil, "stopped before all cells of the row were run"
+    end
   end
-  if not b.high then return math.huge, ("none is lost up to %s = %.4g"):format(name, map.column[#map.column]) end
-  local why = ("%s from %s = %.6g on: %s"):format(cells.CLASSES[b.high.class].name, name, b.high.x, text_of(map, b.high))
-  if not b.low then return map.column == map.h and 0 or -math.huge, "lost from the first cell on, " .. why end
+  if not b.high then
+    return math.huge, ("none is lost up to %s = %.4g"):format(name, map.column[#map.column])
+  end
+  local why = ("%s from %s = %.6g on: %s"):format(cells.CLASSES[b.high.class].name, name, b.high.x,
+    text_of(map, b.high))
+  if not b.low then
+    return map.column == map.h and 0 or -math.huge, "lost from the first cell on, " .. why
+  end
   return b.low.x, why
 end
 
@@ -199,21 +228,30 @@ local function find_row(map, which)
   for i, row in ipairs(map.rows) do
     local distance = (which.rule and which.rule ~= row.rule) and math.huge or 0
     for name, x in pairs(row.values) do
-      if which[name] then distance = distance + math.abs((x - which[name]) / (math.abs(x) + math.abs(which[name]) + 1e-300)) end
+      if which[name] then
+        distance = distance + math.abs((x - which[name]) / (
+          math.abs(x) + math.abs(which[name]) + 1e-300))
+      end
     end
     if distance < (least or math.huge) then best, least = i, distance end
   end
-  if not best then fail("no row of rule '%s'; there are %s", tostring(which.rule), table.concat(map.rules, ", ")) end
+  if not best then
+    fail("no row of rule '%s'; there are %s", tostring(which.rule), table.concat(map.rules, ", "))
+  end
   return best
 end
 
 local doc_limit = [[
 map:limit(row) -> number, sentence   or   nil, sentence
-The largest value of the columns (the step h, or the last parameter of a map with one step) before the first that is lost in a row, found to
-`resolution` (1e-3, relative) by cells in between; infinity when none is lost, 0 when the first is, nil where the map was stopped before. row: its number, or a table such as
-{ rule = "verlet", k = 100 } (the nearest). The sentence says what happens beyond.]]
+The largest value of the columns (the step h, or the last parameter of a map with one step) before
+the first that is lost in a row, found to `resolution` (1e-3, relative) by cells in between;
+infinity when none is lost, 0 when the first is, nil where the map was stopped before. row: its
+number, or a table such as { rule = "verlet", k = 100 } (the nearest). The sentence says what
+happens beyond.]]
 
-M.limit = blame.caller(function(self, which) return sentence_of_limit(self, find_row(self, which)) end)
+M.limit = blame.caller(function(self, which)
+  return sentence_of_limit(self, find_row(self, which))
+end)
 
 local function nearest_column(map, x)
   local best = 1
@@ -223,34 +261,50 @@ local function nearest_column(map, x)
   return best
 end
 
-local FIELDS = { "h", "steps", "error", "slope", "slope_error", "growth", "exponent", "megno", "code" }
+local FIELDS = { "h", "steps", "error", "slope", "slope_error", "growth", "exponent", "megno",
+  "code" }
 
 local function why(map, cell)
   local class = cells.CLASSES[cell.class]
   local text = ("%s: %s"):format(class.name, text_of(map, cell))
   local function add(...) text = text .. (...):format(select(2, ...)) end
-  if class.name == "blow-up" and cell.code == "not_finite" then add("; not finite at step %d", cell.steps + 1) end
-  if class.lost and cell.code == "ok" and cell.growth then add("; by a factor of %.6g a step", cell.growth) end
+  if class.name == "blow-up" and cell.code == "not_finite" then
+    add("; not finite at step %d", cell.steps + 1)
+  end
+  if class.lost and cell.code == "ok" and cell.growth then
+    add("; by a factor of %.6g a step", cell.growth)
+  end
   if class.name == "no convergence" then add(" (step %d)", cell.steps + 1) end
-  if class.name == "drifting" then add("; slope %.3g +- %.1g per unit of time", cell.slope, cell.slope_error) end
-  if class.name == "chaotic" then add("; Lyapunov exponent %.3g, MEGNO %.3g", cell.exponent, cell.megno) end
-  if class.name == "bounded" or class.name == "off" then add(map.options.watch and "; it changes by %.2g" or "; energy error %.2g", cell.error) end
+  if class.name == "drifting" then
+    add("; slope %.3g +- %.1g per unit of time", cell.slope, cell.slope_error)
+  end
+  if class.name == "chaotic" then
+    add("; Lyapunov exponent %.3g, MEGNO %.3g", cell.exponent, cell.megno)
+  end
+  if class.name == "bounded" or class.name == "off" then
+    add(map.options.watch and "; it changes by %.2g" or "; energy error %.2g", cell.error)
+  end
   return text
 end
 
 local doc_at = [[
 map:at(row, column) -> {class, why, rule, h, steps, error, slope, slope_error, growth, exponent, megno, code, ...}
-What was found in a cell and on what evidence: row and column are numbers of cells, or row a table as for map:limit and column a value
-(the nearest). error: largest |energy - its start| (or of what is watched); slope per unit of time with its standard error; growth: factor a
-step from the first to the last quarter; exponent, megno: of the exact tangent map; steps finished; code: of dm.failure or "ok".]]
+What was found in a cell and on what evidence: row and column are numbers of cells, or row a table
+as for map:limit and column a value (the nearest). error: largest |energy - its start| (or of what
+is watched); slope per unit of time with its standard error; growth: factor a step from the first to
+the last quarter; exponent, megno: of the exact tangent map; steps finished; code: of dm.failure or
+"ok".]]
 
 M.at = blame.caller(function(self, which, column)
   local i = find_row(self, which)
-  if type(column) ~= "number" then fail("a column is its number, or a value of %s", self.column.name) end
+  if type(column) ~= "number" then
+    fail("a column is its number, or a value of %s", self.column.name)
+  end
   local j = type(which) == "table" and nearest_column(self, column) or column
   local cell = self.cells[i][j]
   if not cell then fail("there are columns 1 to %d (got %s)", #self.column, tostring(column)) end
-  local out = { class = cells.CLASSES[cell.class].name, why = why(self, cell), rule = self.rules[cell.rule] }
+  local out = { class = cells.CLASSES[cell.class].name, why = why(self, cell),
+    rule = self.rules[cell.rule] }
   for _, name in ipairs(FIELDS) do out[name] = cell[name] end
   for name, value in pairs(cell.values) do out[name] = value end
   return core.result(out)
@@ -258,16 +312,19 @@ end)
 
 local doc_theory = [[
 map:theory(row) -> number, sentence   or   nil, sentence
-The step at which the linear theory of the rule loses the fastest oscillation of the system linearised at the start of the row: the limit
-of h omega from dm.stability_limit over the largest frequency from system:linearize. Beside map:limit(row), which is measured. nil, and why, where there is none: for rules
-other than Runge-Kutta ones also where forces linear in v (magnetic, Coriolis, friction) couple the oscillations.]]
+The step at which the linear theory of the rule loses the fastest oscillation of the system
+linearised at the start of the row: the limit of h omega from dm.stability_limit over the largest
+frequency from system:linearize. Beside map:limit(row), which is measured. nil, and why, where there
+is none: for rules other than Runge-Kutta ones also where forces linear in v (magnetic, Coriolis,
+friction) couple the oscillations.]]
 
 M.theory = blame.caller(function(self, which)
   local i = find_row(self, which)
   local row = self.rows[i]
   if self.column ~= self.h then return nil, "the map has no axis of steps" end
   if not row.theory then
-    row.theory = { require "dm.stability.linear".limit_at_start(self, { rule = row.number, values = row.values, h = self.h[1] }, self.h) }
+    row.theory = { require "dm.stability.linear".limit_at_start(self,
+      { rule = row.number, values = row.values, h = self.h[1] }, self.h) }
   end
   return row.theory[1], row.theory[2]
 end)
@@ -276,29 +333,39 @@ end)
 
 local doc_stability = [[
 dm.stability{system=, q=, v= | p=, rule= | rules=, h=, steps= | t=, k=, ..., watch=, inside=, drift=, chaos=, refine=, ...} -> dm.stability_map
-Where does a method fail? A map over the step h and up to two parameters of any name. An axis is {least, largest, count, "log" | "linear"}, a
-list of growing numbers (three numbers without the word are one, too) or one number. A parameter is an argument of that name of the function that makes the system (system =
-function(k) return dm.system{...} end), or of functions q, v, p that give the start, or is among the params of a system. Every cell is run
-in C, on all cores, over the same number of steps or the same duration t, and told apart by its rows: bounded, drifting (a slope of the energy
-above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy), chaotic (MEGNO above 4, by the exact tangent map;
-chaos = false leaves that out, as is the default for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up, left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost,
-no start (map:at says why), no value (of watch).
-watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost are refined to resolution = 1e-3 (refine
-= false: not). map:limit(row), :theory(row), :at(row, column), :table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows, map.notes
-what to know of the start and the axes (an equilibrium does not move, whatever the step; a parameter that changes no cell).
-Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends it with dm.failure, whose field `map` is what is there.]]
+Where does a method fail? A map over the step h and up to two parameters of any name. An axis is
+{least, largest, count, "log" | "linear"}, a list of growing numbers (three numbers without the word
+are one, too) or one number. A parameter is an argument of that name of the function that makes the
+system (system = function(k) return dm.system{...} end), or of functions q, v, p that give the
+start, or is among the params of a system. Every cell is run in C, on all cores, over the same
+number of steps or the same duration t, and told apart by its rows: bounded, drifting (a slope of
+the energy above 5 standard errors that moves it by more than drift = 1e-6 of the kinetic energy),
+chaotic (MEGNO above 4, by the exact tangent map; chaos = false leaves that out, as is the default
+for implicit rules and more than 4096 cells), off (an energy that has gone far elsewhere), blow-up,
+left (inside(q, v, t, p) > 0 no longer holds), no convergence, constraint lost, no start (map:at
+says why), no value (of watch).
+watch = f(q, v, t, p): what shall not drift, in place of the energy. Borders to what is lost are
+refined to resolution = 1e-3 (refine = false: not). map:limit(row), :theory(row), :at(row, column),
+:table(), :plot{file=}, :csv(file); map.h, map.k, ... are the axes, map.rows the rows, map.notes
+what to know of the start and the axes (an equilibrium does not move, whatever the step; a parameter
+that changes no cell).
+Other options: t0, threads, project, newton, backend, sums, as in solvers and ensembles. Ctrl-C ends
+it with dm.failure, whose field `map` is what is there.]]
 
 local RESERVED = { class = true, why = true, rule = true }
 for _, name in ipairs(FIELDS) do RESERVED[name] = true end
 
 local function new_map(options, names)
-  local map = setmetatable({ options = options, names = names, rule_list = read_rules(options), rules = {}, borders = {},
+  local map = setmetatable({ options = options, names = names, rule_list = read_rules(options),
+    rules = {}, borders = {},
     drift = options.drift or 1e-6, resolution = options.resolution or 1e-3 }, M)
   for i, rule in ipairs(map.rule_list) do map.rules[i] = (tostring(rule):gsub("^rule ", "")) end
   map.h = axes.read("h", options.h)
   if map.h[1] <= 0 then fail("axis 'h': steps must be > 0") end
   for _, name in ipairs(names) do
-    if M[name] or map[name] ~= nil or RESERVED[name] then fail("a parameter cannot be called '%s' here", name) end
+    if M[name] or map[name] ~= nil or RESERVED[name] then
+      fail("a parameter cannot be called '%s' here", name)
+    end
     map[name] = axes.read(name, options[name])
   end
   return map
@@ -325,8 +392,13 @@ end
 local function wants_chaos(map, cell)
   local system = map.system_of(cell)
   if not pcall(prolong.system, system) then return false end  -- not traced
-  if map.options.chaos == false or map.options.chaos == nil and is_costly(map, system) then return false end
-  if not (system.given and system.given.L) or system.given.control or system:structure().linear_in_v then return false end
+  if map.options.chaos == false or map.options.chaos == nil and is_costly(map, system) then
+    return false
+  end
+  if not (system.given and system.given.L) or system.given.control
+    or system:structure().linear_in_v then
+    return false
+  end
   for _, rule in ipairs(map.rules) do
     for _, pattern in ipairs(NO_EXPONENT) do
       if rule:find(pattern) then return false end
@@ -368,7 +440,10 @@ local function fill(map)
 end
 
 M.stability = blame.caller(function(options)
-  if type(options) ~= "table" then fail("takes a table { system =, q =, v =, rule =, h = {least, largest, count, \"log\"}, steps = }") end
+  if type(options) ~= "table" then
+    fail("takes a table { system =, q =, v =, rule =, h = {least, largest, count, \"log\"}, steps "
+      .. "= }")
+  end
   check_options(options)
   local names = parameters(options)
   local map = new_map(options, names)
@@ -377,19 +452,22 @@ M.stability = blame.caller(function(options)
   map.notes = {}
   local start = core.clock()
   local stopped = until_stop(fill, map)
-  if not map.count then map.count = #all_cells(map) end  -- stopped among them: laid out anew, none is run
+  -- stopped among them: laid out anew, none is run
+  if not map.count then map.count = #all_cells(map) end
   map.seconds = core.clock() - start
   if stopped then
     if #map.borders < #map.cells then find_borders(map) end
     stopped.map, stopped.path = map, map
-    stopped.message = map.started and "dm.stability: stopped on request; what is there is in the failure's field map"
+    stopped.message = map.started
+      and "dm.stability: stopped on request; what is there is in the failure's field map"
       or "dm.stability: stopped on request before a cell was run"
     error(stopped, 0)
   end
   return map
 end)
 
-core.docs[M.stability], core.docs[M.limit], core.docs[M.at], core.docs[M.theory] = doc_stability, doc_limit, doc_at, doc_theory
+core.docs[M.stability], core.docs[M.limit], core.docs[M.at], core.docs[M.theory] = doc_stability,
+  doc_limit, doc_at, doc_theory
 require "dm.stability.show"(M)
 require "dm.base.class".register(M, { "limit", "at", "theory", "table", "plot", "csv" }, [[
 dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, rule=, h=, steps=}

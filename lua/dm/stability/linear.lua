@@ -1,4 +1,5 @@
---- What linear theory says of a rule: its amplification matrix on the oscillator, its limit and its resonances.
+--- What linear theory says of a rule: its amplification matrix on the oscillator, its limit and its
+-- resonances.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 
@@ -10,20 +11,25 @@ local abs, sqrt, max, pi, huge = math.abs, math.sqrt, math.max, math.pi, math.hu
 
 local oscillator
 local function unit_oscillator()
-  oscillator = oscillator or core.system { Q = core.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end }
+  oscillator = oscillator or core.system { Q = core.R(1), L = function(q, v)
+    return (v[1] ^ 2 - q[1] ^ 2) / 2
+  end }
   return oscillator
 end
 
--- one step from both unit vectors for every z: entries a, b, c, d of ((a, b), (c, d)); where a step fails NaN
+-- one step from both unit vectors for every z: entries a, b, c, d of ((a, b), (c, d)); where a step
+-- fails NaN
 local function matrices(rule, zs)
   local n = #zs
   local e = unit_oscillator():solver({ rule = rule, h = 1 }):ensemble { members = 2 * n, steps = 1,
-    q = function(i) return { i % 2 } end, p = function(i) return { (i + 1) % 2 } end, h = function(i) return zs[(i + 1) // 2] end }
+    q = function(i) return { i % 2 } end, p = function(i) return { (i + 1) % 2 } end,
+    h = function(i) return zs[(i + 1) // 2] end }
   local out, status = {}, e.status
   for i = 1, n do
     local j, k = 2 * i - 1, 2 * i
     local fine = status[j] == "ok" and status[k] == "ok"
-    out[i] = fine and { a = e.q[j][1], b = e.q[k][1], c = e.p[j][1], d = e.p[k][1] } or { a = 0 / 0, b = 0 / 0, c = 0 / 0, d = 0 / 0 }
+    out[i] = fine and { a = e.q[j][1], b = e.q[k][1], c = e.p[j][1], d = e.p[k][1] }
+      or { a = 0 / 0, b = 0 / 0, c = 0 / 0, d = 0 / 0 }
   end
   return out
 end
@@ -31,7 +37,10 @@ end
 -- half the trace over the root of the determinant, and the largest modulus of an eigenvalue
 local function read_off(m)
   local half, det = (m.a + m.d) / 2, m.a * m.d - m.b * m.c
-  if not (det > 0) then return 0 / 0, max(abs(half + sqrt(max(half * half - det, 0))), abs(half - sqrt(max(half * half - det, 0)))) end
+  if not (det > 0) then
+    return 0 / 0, max(abs(half + sqrt(max(half * half - det, 0))),
+      abs(half - sqrt(max(half * half - det, 0))))
+  end
   local root = sqrt(det)
   if half * half <= det then return half / root, root end
   return half / root, abs(half) + sqrt(half * half - det)
@@ -39,29 +48,40 @@ end
 
 local function check_rule(rule, what)
   if tostring(rule):find "^log%-hamiltonian" then
-    error(what .. ": 'log-hamiltonian' changes the time with the state: its step on an oscillator is not linear", 0)
+    error(what .. ": 'log-hamiltonian' changes the time with the state: its step on an oscillator "
+      .. "is not linear", 0)
   end
   if tostring(rule):find "gauss%s*%(%s*%d+%s*,%s*%d" then
-    error(what .. ": a number of sweeps starts each step from the stages of the last one: one step is no matrix for (q, p); try runs, dm.stability", 0)
+    error(what .. ": a number of sweeps starts each step from the stages of the last one: one "
+      .. "step is no matrix for (q, p); try runs, dm.stability", 0)
   end
-  if tostring(rule):find "^degenerate" then error(what .. ": 'degenerate' is for L linear in v, which an oscillator is not", 0) end
+  if tostring(rule):find "^degenerate" then
+    error(what .. ": 'degenerate' is for L linear in v, which an oscillator is not", 0)
+  end
 end
 
 local doc_amplification = [[
 dm.amplification(rule, z) -> dm.matrix, dm.vector, dm.vector
-The matrix of one step of a rule for (q, p) on the oscillator L = (v^2 - q^2)/2 with h = z, so z = h omega, and the real and imaginary parts of
-its eigenvalues: a pair on the unit circle is stable, one outside of it grows in every step.]]
+The matrix of one step of a rule for (q, p) on the oscillator L = (v^2 - q^2)/2 with h = z, so z = h
+omega, and the real and imaginary parts of its eigenvalues: a pair on the unit circle is stable, one
+outside of it grows in every step.]]
 
 M.amplification = blame.caller(function(rule, z)
   check_rule(rule, "dm.amplification")
-  if type(z) ~= "number" or not (z > 0 and z < huge) then error("dm.amplification: z = h omega must be a number > 0", 0) end
+  if type(z) ~= "number" or not (z > 0 and z < huge) then
+    error("dm.amplification: z = h omega must be a number > 0", 0)
+  end
   local m = matrices(rule, { z })[1]
-  if m.a ~= m.a then error(("dm.amplification: the step of %s cannot be solved at h omega = %g"):format(tostring(rule), z), 0) end
+  if m.a ~= m.a then
+    error(("dm.amplification: the step of %s cannot be solved at h omega = %g")
+      :format(tostring(rule), z), 0)
+  end
   local out = core.matrix { { m.a, m.b }, { m.c, m.d } }
   return out, out:eigenvalues()
 end)
 
-local FINE, END_FINE, END = 2000, 12, 1e4  -- numbers h omega of the first look: to 12 evenly, then to 1e4 by ratio
+-- numbers h omega of the first look: to 12 evenly, then to 1e4 by ratio
+local FINE, END_FINE, END = 2000, 12, 1e4
 local FAR = 600
 
 local function first_look()
@@ -105,7 +125,8 @@ local function grows(tolerance)
   return function(x) return not (x.radius <= 1 + tolerance) end
 end
 
--- intervals where an eigenvalue leaves the circle, also narrow ones between two looks, where the trace comes near 2
+-- intervals where an eigenvalue leaves the circle, also narrow ones between two looks, where the
+-- trace comes near 2
 local function gaps(rule, all, tolerance)
   local out, lost = {}, grows(tolerance)
   local function held(x) return not lost(x) end
@@ -121,21 +142,26 @@ local function gaps(rule, all, tolerance)
     else
       if inside then out[#out][2] = narrow(rule, before.z, x.z, held) end
       inside = false
-      local turning = before and after and abs(x.trace) > 0.98 and abs(x.trace) >= abs(before.trace) and abs(x.trace) >= abs(after.trace)
+      local turning = before and after and abs(x.trace) > 0.98 and abs(x.trace) >= abs(before.trace)
+        and abs(x.trace) >= abs(after.trace)
       if turning and not lost(before) and not lost(after) then
         local list = looked_at(rule, between(before.z, after.z, 64))
         local first, last
         for k, y in ipairs(list) do
           if lost(y) then first, last = first or k, k end
         end
-        if first then out[#out + 1] = { narrow(rule, list[first - 1].z, list[first].z, lost), narrow(rule, list[last].z, list[last + 1].z, held) } end
+        if first then
+          out[#out + 1] = { narrow(rule, list[first - 1].z, list[first].z, lost),
+            narrow(rule, list[last].z, list[last + 1].z, held) }
+        end
       end
     end
   end
   return out
 end
 
--- h omega at which a step turns by 2 pi / n: where the trace comes down through 2 cos(2 pi / n) for the first time
+-- h omega at which a step turns by 2 pi / n: where the trace comes down through 2 cos(2 pi / n) for
+-- the first time
 local function resonances(rule, all)
   local out = {}
   for n = 3, 6 do
@@ -167,41 +193,57 @@ end
 local function cause(rule, out)
   local name = tostring(rule):gsub("^rule ", "")
   if #out.gaps == 0 then
-    return ("%s: both roots of the amplification matrix stay on or inside the unit circle up to h omega = %g: no limit"):format(name, END)
+    return ("%s: both roots of the amplification matrix stay on or inside the unit circle up to h "
+      .. "omega = %g: no limit"):format(name, END)
   end
   local z = out.gaps[1][1]
-  if z < 1e-3 then return ("%s: a root of the amplification matrix is outside the unit circle for every step: it grows from the start"):format(name) end
+  if z < 1e-3 then
+    return ("%s: a root of the amplification matrix is outside the unit circle for every step: it "
+      .. "grows from the start"):format(name)
+  end
   local m = looked_at(rule, { z })[1]
-  if m.trace ~= m.trace then return ("%s: at h omega = %.6g there is no amplification matrix: its step has no solution"):format(name, z) end
+  if m.trace ~= m.trace then
+    return ("%s: at h omega = %.6g there is no amplification matrix: its step has no solution")
+      :format(name, z)
+  end
   -- z is just outside: real roots have |trace| > 1
-  local where = m.trace <= -1 and "meet at -1 and part along the real axis: every step turns the oscillation by half a turn"
-    or m.trace >= 1 and "meet at 1 and part along the real axis" or "leave the unit circle as a pair: the rule feeds energy into the oscillation"
+  local where = m.trace <= -1
+    and "meet at -1 and part along the real axis: every step turns the oscillation by half a turn"
+    or m.trace >= 1 and "meet at 1 and part along the real axis"
+      or "leave the unit circle as a pair: the rule feeds energy into the oscillation"
   return ("%s: at h omega = %.6g the roots of the amplification matrix %s"):format(name, z, where)
 end
 
 local doc_limit = [[
 dm.stability_limit(rule [, {tolerance=}]) -> z, {cause, gaps, resonances}
-The linear stability of a rule: the largest z = h omega up to which no root of its amplification matrix on the oscillator leaves the unit circle by
-more than tolerance (1e-6), by bisection; infinity when none does up to 1e4. gaps: {from, to} of all intervals that are lost; resonances:
-{n, z}, where a step turns by 2 pi / n (n = 3 to 6): near these a symplectic rule is unstable in nonlinear forces, for n = 3
-however small the amplitude; cause: a sentence.]]
+The linear stability of a rule: the largest z = h omega up to which no root of its amplification
+matrix on the oscillator leaves the unit circle by more than tolerance (1e-6), by bisection;
+infinity when none does up to 1e4. gaps: {from, to} of all intervals that are lost; resonances:
+{n, z}, where a step turns by 2 pi / n (n = 3 to 6): near these a symplectic rule is unstable in
+nonlinear forces, for n = 3 however small the amplitude; cause: a sentence.]]
 
 M.stability_limit = blame.caller(function(rule, options)
   check_rule(rule, "dm.stability_limit")
   options = options or {}
   if type(options) ~= "table" then error("dm.stability_limit takes (rule, { tolerance = })", 0) end
   for key in pairs(options) do
-    if key ~= "tolerance" then error(("dm.stability_limit: unknown option '%s'; there is 'tolerance'"):format(tostring(key)), 0) end
+    if key ~= "tolerance" then
+      error(("dm.stability_limit: unknown option '%s'; there is 'tolerance'"):format(tostring(key)),
+        0)
+    end
   end
   local tolerance = options.tolerance or 1e-6
-  if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then error("dm.stability_limit: 'tolerance' must be a number between 0 and 1", 0) end
+  if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then
+    error("dm.stability_limit: 'tolerance' must be a number between 0 and 1", 0)
+  end
   local out = profile(rule, tolerance)
   local z = out.gaps[1] and out.gaps[1][1] or huge
   if z < 1e-3 then z = 0 end
   return z, core.result { cause = cause(rule, out), gaps = out.gaps, resonances = out.resonances }
 end)
 
--- the first interval of growth that an axis of steps can see: wider than the ratio of neighbours; and those before it
+-- the first interval of growth that an axis of steps can see: wider than the ratio of neighbours;
+-- and those before it
 local function first_seen(gaps, axis)
   local ratio, before = math.huge, {}
   for j = 2, #axis do ratio = math.min(ratio, axis[j] / axis[j - 1]) end
@@ -212,12 +254,15 @@ local function first_seen(gaps, axis)
   return huge, before
 end
 
--- Runge-Kutta rules take any linear system apart into its oscillations; rules that treat q and v differently those without
--- forces that are linear in v (Coriolis, magnetic, friction) alone
+-- Runge-Kutta rules take any linear system apart into its oscillations; rules that treat q and v
+-- differently those without forces that are linear in v (Coriolis, magnetic, friction) alone
 local function takes_apart(rule, matrix)
   local name = tostring(rule)
-  for _, pattern in ipairs { "^gauss%(", "^midpoint$", "^rk%d", "^rkf45", ",%s*midpoint%s*%)$", ",%s*gauss%(1%)%s*%)$" } do
-    if name:find(pattern) and not name:find "^galerkin" and not name:find "^sprk" then return true end
+  for _, pattern in ipairs { "^gauss%(", "^midpoint$", "^rk%d", "^rkf45", ",%s*midpoint%s*%)$",
+    ",%s*gauss%(1%)%s*%)$" } do
+    if name:find(pattern) and not name:find "^galerkin" and not name:find "^sprk" then
+      return true
+    end
   end
   local n, size = matrix.rows // 2, 0
   for i = 1, n do
@@ -231,22 +276,28 @@ local function takes_apart(rule, matrix)
   return true
 end
 
---- The limit of a cell of a map, whose axis of steps is `axis`: that of the rule over the fastest frequency at its start, or nil; and a sentence.
+--- The limit of a cell of a map, whose axis of steps is `axis`: that of the rule over the fastest
+-- frequency at its start, or nil; and a sentence.
 function M.limit_at_start(map, cell, axis)
   local fine, z, told = pcall(M.stability_limit, map.rule_list[cell.rule])
   if not fine then return nil, (tostring(z):gsub("^[^\n]-lua:%d+: ", "")) end
   local system = map.system_of(cell)
   local linear
-  fine, linear = pcall(require "dm.measure.linearize".linearize, system, { q = map.start.q(cell), v = map.start.v and map.start.v(cell) })
+  fine, linear = pcall(require "dm.measure.linearize".linearize, system,
+    { q = map.start.q(cell), v = map.start.v and map.start.v(cell) })
   if not fine then return nil, (tostring(linear):gsub("^[^\n]-lua:%d+: ", "")) end
   if not (linear.fastest > 0) then return nil, "nothing oscillates at the start" end
   if not takes_apart(map.rule_list[cell.rule], linear.matrix) then
-    return nil, "forces linear in v (magnetic, Coriolis, friction) couple the oscillations, and this rule does not step each by itself"
+    return nil, "forces linear in v (magnetic, Coriolis, friction) couple the oscillations, and "
+      .. "this rule does not step each by itself"
   end
   local why, narrow_ones = ("%s; omega = %.6g at the start"):format(told.cause, linear.fastest), nil
   if z > 0 then
     z, narrow_ones = first_seen(told.gaps, axis)
-    if #narrow_ones > 0 then why = why .. ("; narrower than the axis and passed over: h omega = %s"):format(table.concat(narrow_ones, ", ")) end
+    if #narrow_ones > 0 then
+      why = why .. ("; narrower than the axis and passed over: h omega = %s")
+        :format(table.concat(narrow_ones, ", "))
+    end
   end
   return z / linear.fastest, why
 end

@@ -1,4 +1,5 @@
---- Methods of systems, solvers and ensembles whose modules are loaded when first used: stability maps, linearised systems, multipliers, sections, fans.
+--- Methods of systems, solvers and ensembles whose modules are loaded when first used: stability
+-- maps, linearised systems, multipliers, sections, fans.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 

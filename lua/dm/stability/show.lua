@@ -4,8 +4,10 @@ local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
 local core = require "dm.core"
 
-local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee", ["no value"] = "#eedd88", ["blow-up"] = "#ee6677", left = "#ee99aa",
-  ["no convergence"] = "#777777", ["constraint lost"] = "#222222", ["no start"] = "#aaaaaa", ["not run"] = "#dddddd" }
+local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee",
+  ["no value"] = "#eedd88", ["blow-up"] = "#ee6677", left = "#ee99aa",
+  ["no convergence"] = "#777777", ["constraint lost"] = "#222222", ["no start"] = "#aaaaaa",
+  ["not run"] = "#dddddd" }
 
 -- how many cells there are of each class
 local function counts(map)
@@ -27,7 +29,9 @@ end
 local function row_text(map, row)
   local text = {}
   if #map.rules > 1 or #map.row_axes == 0 then text[1] = row.rule end
-  for _, axis in ipairs(map.row_axes) do text[#text + 1] = ("%s = %.5g"):format(axis.name, row.values[axis.name]) end
+  for _, axis in ipairs(map.row_axes) do
+    text[#text + 1] = ("%s = %.5g"):format(axis.name, row.values[axis.name])
+  end
   return table.concat(text, ", ")
 end
 
@@ -40,17 +44,20 @@ end
 
 local doc_table = [[
 map:table([most]) -> string
-A line for every row (at most `most`, default 40, evenly taken): the measured limit, the limit of linear theory where there is one, and what happens beyond.]]
+A line for every row (at most `most`, default 40, evenly taken): the measured limit, the limit of
+linear theory where there is one, and what happens beyond.]]
 
 local function table_of(map, most)
   most = most or 40
-  local lines = { ("%-34s %12s %12s  %s"):format("row", "limit of " .. map.column.name, "theory", "beyond") }
+  local lines = { ("%-34s %12s %12s  %s"):format("row", "limit of " .. map.column.name, "theory",
+    "beyond") }
   local n = #map.rows
   for k = 1, math.min(n, most) do
     local i = n <= most and k or 1 + (k - 1) * (n - 1) // (most - 1)
     local limit, why = map:limit(i)
     local fine, theory = pcall(map.theory, map, i)
-    lines[#lines + 1] = ("%-34s %12s %12s  %s"):format(row_text(map, map.rows[i]), limit_text(limit),
+    lines[#lines + 1] = ("%-34s %12s %12s  %s")
+      :format(row_text(map, map.rows[i]), limit_text(limit),
       fine and theory and limit_text(theory) or "-", why)
   end
   if n > most then lines[#lines + 1] = ("(%d of %d rows)"):format(most, n) end
@@ -62,28 +69,35 @@ local function sentence(map)
   for _, axis in ipairs(map.row_axes) do size[#size + 1] = ("%d %s"):format(#axis, axis.name) end
   size[#size + 1] = ("%d %s"):format(#map.column, map.column.name)
   local o = map.options
-  return ("stability map of %s over %s, %s: %s"):format(table.concat(map.rules, ", "), table.concat(size, " x "),
-    o.steps and ("%d step%s"):format(o.steps, o.steps == 1 and "" or "s") or ("t = %g"):format(o.t), counted(map))
+  return ("stability map of %s over %s, %s: %s")
+    :format(table.concat(map.rules, ", "), table.concat(size, " x "),
+    o.steps and ("%d step%s"):format(o.steps, o.steps == 1 and "" or "s") or ("t = %g"):format(o.t),
+    counted(map))
 end
 
 ---- csv ----
 
 local doc_csv = [[
 map:csv(file) -> file name   or   map:csv() -> string
-A line for every cell: rule, parameters, h, class, steps, error, slope, slope_error, growth, exponent, megno.]]
+A line for every cell: rule, parameters, h, class, steps, error, slope, slope_error, growth,
+exponent, megno.]]
 
 local EVIDENCE = { "steps", "error", "slope", "slope_error", "growth", "exponent", "megno" }
 
 local function csv(map, file)
   local head = { "rule" }
-  for _, name in ipairs(map.names) do head[#head + 1] = name:find '[,"%c]' and '"' .. name:gsub('"', '""') .. '"' or name end
+  for _, name in ipairs(map.names) do
+    head[#head + 1] = name:find '[,"%c]' and '"' .. name:gsub('"', '""') .. '"' or name
+  end
   local lines = { table.concat(head, ",") .. ",h,class," .. table.concat(EVIDENCE, ",") }
   for _, row in ipairs(map.cells) do
     for _, cell in ipairs(row) do
       local out = { ('"%s"'):format(map.rules[cell.rule]) }
       for _, name in ipairs(map.names) do out[#out + 1] = ("%.17g"):format(cell.values[name]) end
       out[#out + 1], out[#out + 2] = ("%.17g"):format(cell.h), cells.CLASSES[cell.class].name
-      for _, name in ipairs(EVIDENCE) do out[#out + 1] = cell[name] and ("%.17g"):format(cell[name]) or "" end
+      for _, name in ipairs(EVIDENCE) do
+        out[#out + 1] = cell[name] and ("%.17g"):format(cell[name]) or ""
+      end
       lines[#lines + 1] = table.concat(out, ",")
     end
   end
@@ -97,7 +111,9 @@ local function panels_of(map)
   local along, out, by_key = map.row_axes[#map.row_axes], {}, {}
   for i, row in ipairs(map.rows) do
     local key = row.rule
-    for k = 1, #map.row_axes - 1 do key = ("%s, %s = %.4g"):format(key, map.row_axes[k].name, row.values[map.row_axes[k].name]) end
+    for k = 1, #map.row_axes - 1 do
+      key = ("%s, %s = %.4g"):format(key, map.row_axes[k].name, row.values[map.row_axes[k].name])
+    end
     if not by_key[key] then
       by_key[key] = { title = key, rows = {} }
       out[#out + 1] = by_key[key]
@@ -115,11 +131,17 @@ local function rectangles(map, panel, along)
     while j <= #row do
       local last = j
       while row[last + 1] and row[last + 1].class == row[j].class do last = last + 1 end
-      local box = by_class[row[j].class] or { x = {}, y = {}, xlow = {}, xhigh = {}, ylow = {}, yhigh = {} }
+      local box = by_class[row[j].class] or { x = {}, y = {}, xlow = {}, xhigh = {}, ylow = {},
+        yhigh = {} }
       by_class[row[j].class] = box
       local n = #box.x + 1
-      box.x[n], box.y[n] = along and along[x] or 1, axes.between(map.column, row[j].x, row[last].x, 0.5)
-      if along then box.xlow[n], box.xhigh[n] = axes.edges(along, x) else box.xlow[n], box.xhigh[n] = 0.5, 1.5 end
+      box.x[n], box.y[n] = along and along[x] or 1, axes.between(map.column, row[j].x, row[last].x,
+        0.5)
+      if along then
+        box.xlow[n], box.xhigh[n] = axes.edges(along, x)
+      else
+        box.xlow[n], box.xhigh[n] = 0.5, 1.5
+      end
       box.ylow[n], box.yhigh[n] = axes.edges(map.column, j), select(2, axes.edges(map.column, last))
       j = last + 1
     end
@@ -128,17 +150,22 @@ local function rectangles(map, panel, along)
 end
 
 local function line_of(map, panel, along, what)
-  local x, y, lo, hi = {}, {}, (axes.edges(map.column, 1)), select(2, axes.edges(map.column, #map.column))
+  local x, y, lo, hi = {}, {}, (axes.edges(map.column, 1)),
+    select(2, axes.edges(map.column, #map.column))
   for k, i in ipairs(panel.rows) do
     local fine, value = pcall(map[what], map, i)
-    if fine and value and value >= lo and value <= hi then x[#x + 1], y[#y + 1] = along and along[k] or 1, value end
+    if fine and value and value >= lo and value <= hi then
+      x[#x + 1], y[#y + 1] = along and along[k] or 1, value
+    end
   end
   return x, y
 end
 
 -- units of the system by name; of time under t
 local function units_of(map)
-  local fine, units = pcall(function() return (map.base or map.system_of(map.cells[1][1])).units end)
+  local fine, units = pcall(function()
+    return (map.base or map.system_of(map.cells[1][1])).units
+  end)
   return fine and units or {}
 end
 
@@ -149,13 +176,16 @@ end
 
 local function unit_of(units, axis) return axis and units[axis.name == "h" and "t" or axis.name] end
 
-local function with_unit(number, unit) return ("%.4g"):format(number) .. (unit and " " .. unit or "") end
+local function with_unit(number, unit)
+  return ("%.4g"):format(number) .. (unit and " " .. unit or "")
+end
 
 -- what all panels share: "name", the step where it is one, how long
 local function setting_of(map)
   local units, text, o = units_of(map), {}, map.options
   if map.column ~= map.h then text[1] = "h = " .. with_unit(map.h[1], units.t) end
-  text[#text + 1] = o.steps and ("%d step%s"):format(o.steps, o.steps == 1 and "" or "s") or "t = " .. with_unit(o.t, units.t)
+  text[#text + 1] = o.steps and ("%d step%s"):format(o.steps, o.steps == 1 and "" or "s") or "t = "
+    .. with_unit(o.t, units.t)
   return name_of(map), table.concat(text, ", ")
 end
 
@@ -168,15 +198,18 @@ local function panel_of(map, panel, along)
       out[#out + 1] = box
     end
   end
-  for _, line in ipairs { { "limit", "measured limit", "#000000", "points" }, { "theory", "linear theory", "#4477aa", "lines" } } do
+  for _, line in ipairs { { "limit", "measured limit", "#000000", "points" },
+    { "theory", "linear theory", "#4477aa", "lines" } } do
     local x, y = line_of(map, panel, along, line[1])
     if #x > 1 or #x == 1 and not along then
-      out[#out + 1] = { x = x, y = y, name = line[2], colour = line[3], style = #x == 1 and "points" or line[4] }
+      out[#out + 1] = { x = x, y = y, name = line[2], colour = line[3], style = #x == 1 and "points"
+        or line[4] }
     end
   end
   local x1, x2 = 0.5, 1.5
   if along then x1, x2 = (axes.edges(along, 1)), select(2, axes.edges(along, #along)) end
-  out.xrange, out.yrange = { x1, x2 }, { (axes.edges(map.column, 1)), select(2, axes.edges(map.column, #map.column)) }
+  out.xrange, out.yrange = { x1, x2 }, { (axes.edges(map.column, 1)),
+    select(2, axes.edges(map.column, #map.column)) }
   out.log = (along and along.log and "x" or "") .. (map.column.log and "y" or "")
   out.log = out.log ~= "" and out.log or nil
   local units = units_of(map)
@@ -187,19 +220,23 @@ end
 
 local doc_plot = [[
 map:plot{file=, title=, ...} -> file name or nothing
-The classes as colours over the last row parameter (across) and the columns (up), one panel for every rule and every value of the first of two
-row parameters (at most 12), with the measured and the theoretical limit; without a file in the terminal. Other options as in dm.plot.]]
+The classes as colours over the last row parameter (across) and the columns (up), one panel for
+every rule and every value of the first of two row parameters (at most 12), with the measured and
+the theoretical limit; without a file in the terminal. Other options as in dm.plot.]]
 
 ---- in a terminal: a character for each cell ----
 
-local LETTERS = { bounded = "\u{b7}", drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#", ["no value"] = "?", left = "/", ["no convergence"] = "n",
+local LETTERS = { bounded = "\u{b7}", drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#",
+  ["no value"] = "?", left = "/", ["no convergence"] = "n",
   ["constraint lost"] = "k", ["no start"] = "x", ["not run"] = " " }
 local WIDE, HIGH = 72, 24
 
 -- at most `most` of the numbers 1 .. n, evenly
 local function some_of(n, most)
   local out = {}
-  for k = 1, math.min(n, most) do out[k] = n <= most and k or 1 + (k - 1) * (n - 1) // (most - 1) end
+  for k = 1, math.min(n, most) do
+    out[k] = n <= most and k or 1 + (k - 1) * (n - 1) // (most - 1)
+  end
   return out
 end
 
@@ -214,10 +251,13 @@ local function print_panel(map, panel, along)
     end
     print(table.concat(line))
   end
-  print(("%11s %s"):format(map.column.name, along and ("%s = %.4g to %.4g"):format(along.name, along[1], along[#along]) or ""))
+  print(("%11s %s"):format(map.column.name, along and ("%s = %.4g to %.4g")
+    :format(along.name, along[1], along[#along]) or ""))
   local legend = {}
   for _, class in ipairs(cells.CLASSES) do
-    if used[class.name] then legend[#legend + 1] = ("%s %s"):format(LETTERS[class.name], class.name) end
+    if used[class.name] then
+      legend[#legend + 1] = ("%s %s"):format(LETTERS[class.name], class.name)
+    end
   end
   print(table.concat(legend, "   "))
 end
@@ -248,10 +288,13 @@ local function plot(map, options)
     end
     rest.title = ("%s%s, %s"):format(name and name .. ": " or "", panel.title, setting)
     for key, value in pairs(given) do rest[key] = value end
-    if given.file and not (given.size or given.width or given.height) then rest.size = { 900, 600 } end
+    if given.file and not (given.size or given.width or given.height) then
+      rest.size = { 900, 600 }
+    end
     return require "dm.show.plot".plot(table.move(panel, 1, #panel, 1, {}), rest)
   end
-  panels.title = (name and name .. ", " or "") .. setting .. (there > #all and (" (%d of %d panels)"):format(#all, there) or "")
+  panels.title = (name and name .. ", " or "") .. setting
+    .. (there > #all and (" (%d of %d panels)"):format(#all, there) or "")
   for key, value in pairs(given) do panels[key] = value end
   return require "dm.show.plot".figure(panels)
 end

@@ -1,5 +1,6 @@
---- Moving pictures: path:animate and dm.animate write a page of its own that a browser shows without a network.
--- dm.animate.points reads points off the rows, dm.animate.page makes the page, dm.animate.script runs in it.
+--- Moving pictures: path:animate and dm.animate write a page of its own that a browser shows
+-- without a network. dm.animate.points reads points off the rows, dm.animate.page makes the page,
+-- dm.animate.script runs in it.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local points_, plots_ = require "dm.show.animate.points", require "dm.show.animate.plots"
@@ -26,22 +27,32 @@ local function check_options(options)
   for key in pairs(options) do
     local known = false
     for _, name in ipairs(KNOWN) do known = known or name == key end
-    if not known then fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", ")) end
+    if not known then
+      fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", "))
+    end
   end
   if options.draw ~= nil and type(options.draw) ~= "function" then
-    fail("option 'draw' must be a function of (q, t) that returns { points = { {x, y}, ... } } (got %s)", type(options.draw))
+    fail("option 'draw' must be a function of (q, t) that returns { points = { {x, y}, ... } } "
+      .. "(got %s)", type(options.draw))
   end
   if options.draw and options.points then fail "options 'draw' and 'points' exclude each other" end
-  if options.dim ~= nil and options.dim ~= 2 and options.dim ~= 3 then fail("option 'dim' must be 2 or 3 (got %s)", tostring(options.dim)) end
-  if options.title ~= nil and type(options.title) ~= "string" then fail("option 'title' must be a string (got %s)", type(options.title)) end
+  if options.dim ~= nil and options.dim ~= 2 and options.dim ~= 3 then
+    fail("option 'dim' must be 2 or 3 (got %s)", tostring(options.dim))
+  end
+  if options.title ~= nil and type(options.title) ~= "string" then
+    fail("option 'title' must be a string (got %s)", type(options.title))
+  end
   check_number(options, "trail", 0, "a time >= 0")
   check_number(options, "frames", 2, "a number of frames from 2")
   local span = options.t
-  if span ~= nil and not (type(span) == "table" and type(span[1]) == "number" and type(span[2]) == "number" and span[1] < span[2]) then
+  if span ~= nil and not (type(span) == "table" and type(span[1]) == "number"
+    and type(span[2]) == "number" and span[1] < span[2]) then
     fail "option 't' must be {from, to}, two times"
   end
   for _, key in ipairs { "plots", "names" } do
-    if options[key] ~= nil and type(options[key]) ~= "table" then fail("option '%s' must be a list (got %s)", key, type(options[key])) end
+    if options[key] ~= nil and type(options[key]) ~= "table" then
+      fail("option '%s' must be a list (got %s)", key, type(options[key]))
+    end
   end
 end
 
@@ -53,7 +64,9 @@ end
 
 local function check_path(path, which)
   local kind = type(path)
-  if not (kind == "userdata" or kind == "table") or not pcall(function() return #path, path.t, path.columns[1] end) then
+  if not (kind == "userdata" or kind == "table") or not pcall(function()
+    return #path, path.t, path.columns[1]
+  end) then
     fail("%s is not a path (got %s): animate what solver:run returned", which, kind)
   end
   if #path == 0 then fail("%s has no rows: there is nothing to show", which) end
@@ -69,12 +82,14 @@ local function rows_within(path, span)
   while first <= last and path.t[first] < span[1] do first = first + 1 end
   while last >= first and path.t[last] > span[2] do last = last - 1 end
   if first > last then
-    fail("no row lies between t = %g and %g: the path goes from %g to %g", span[1], span[2], path.t[1], path.t[#path])
+    fail("no row lies between t = %g and %g: the path goes from %g to %g", span[1], span[2],
+      path.t[1], path.t[#path])
   end
   return first, last
 end
 
--- how far the points go over all, and from row to row at the median: a long run would jump about if it were thinned to fit
+-- how far the points go over all, and from row to row at the median: a long run would jump about if
+-- it were thinned to fit
 local function jump(reader, first, last)
   local lo, hi, moves, size = {}, {}, {}, reader.count * reader.dim
   local probe = max(1, (last - first) // 400)
@@ -95,8 +110,8 @@ local function jump(reader, first, last)
   return extent > 0 and (moves[(#moves + 1) // 2] or 0) / extent or 0
 end
 
--- the rows to show: all where they fit; else every k-th as long as the picture still moves smoothly, and only the first part where it
--- would not
+-- the rows to show: all where they fit; else every k-th as long as the picture still moves
+-- smoothly, and only the first part where it would not
 local function chosen_rows(path, reader, options)
   local first, last = rows_within(path, options.t)
   local frames = math.floor(options.frames or FRAMES)
@@ -118,7 +133,8 @@ local function check_finite(numbers, path, rows, size, which)
     local x = numbers[k]
     if x ~= x or abs(x) > 1e37 then
       local i = rows[(k - 1) // size + 1]
-      fail("%s: a point is not finite, or beyond 1e37, in row %d, t = %g: show what is before with t = {%g, %g}", which, i, path.t[i], path.t[1],
+      fail("%s: a point is not finite, or beyond 1e37, in row %d, t = %g: show what is before "
+        .. "with t = {%g, %g}", which, i, path.t[i], path.t[1],
         path.t[max(1, i - 1)])
     end
   end
@@ -141,8 +157,11 @@ local function read(path, options, which)
   end
   check_finite(xyz, path, rows, reader.count * reader.dim, which)
   local rods = reader.rods
-  if not rods and is_tied(path) and reader.count <= 60 then rods = points_.held(xyz, reader.count, reader.dim) end
-  return { points = reader.count, dim = reader.dim, axes = reader.axes, rods = rods or {}, t = t, xyz = xyz, first = first, last = last,
+  if not rods and is_tied(path) and reader.count <= 60 then
+    rods = points_.held(xyz, reader.count, reader.dim)
+  end
+  return { points = reader.count, dim = reader.dim, axes = reader.axes, rods = rods or {}, t = t,
+    xyz = xyz, first = first, last = last,
     rows = #rows }
 end
 
@@ -154,13 +173,16 @@ local function note_of(paths, shown)
     local s = shown[i]
     local part = s.last < #path or s.first > 1
     if part then
-      out[i] = ("t = %.6g to %.6g of %.6g to %.6g, %d frames"):format(s.t[1], s.t[#s.t], path.t[1], path.t[#path], s.rows)
+      out[i] = ("t = %.6g to %.6g of %.6g to %.6g, %d frames")
+        :format(s.t[1], s.t[#s.t], path.t[1], path.t[#path], s.rows)
     else
-      out[i] = ("t = %.6g to %.6g, %s of %d rows"):format(s.t[1], s.t[#s.t], s.rows == #path and "all" or s.rows .. " frames", #path)
+      out[i] = ("t = %.6g to %.6g, %s of %d rows")
+        :format(s.t[1], s.t[#s.t], s.rows == #path and "all" or s.rows .. " frames", #path)
     end
     if out[i] == out[1] and i > 1 then out[i] = nil end
   end
-  return table.concat(out, "; ") .. (shown[1].dim == 3 and ". Drag to turn, wheel to come nearer." or ". Wheel: nearer.")
+  return table.concat(out, "; ") .. (shown[1].dim == 3 and ". Drag to turn, wheel to come nearer."
+    or ". Wheel: nearer.")
     .. " Space: pause; arrow keys: step; click on a plot: that time."
 end
 
@@ -179,18 +201,23 @@ local function scene_of(paths, options)
   local names = names_of(paths, options)
   for i, path in ipairs(paths) do
     shown[i] = read(path, options, which(i))
-    if shown[i].dim ~= shown[1].dim then fail("path %d is drawn in %d dimensions, path 1 in %d", i, shown[i].dim, shown[1].dim) end
+    if shown[i].dim ~= shown[1].dim then
+      fail("path %d is drawn in %d dimensions, path 1 in %d", i, shown[i].dim, shown[1].dim)
+    end
   end
   local span = shown[1].t[#shown[1].t] - shown[1].t[1]
-  return { title = options.title or (#paths == 1 and names[1] or table.concat(names, "; ")), note = note_of(paths, shown), dim = shown[1].dim,
-    axes = shown[1].axes, trail = (options.trail or span / 5) * 1.0, paths = shown, plots = plots_.all(paths, shown, options, names) }, names
+  return { title = options.title or (#paths == 1 and names[1] or table.concat(names, "; ")),
+    note = note_of(paths, shown), dim = shown[1].dim,
+    axes = shown[1].axes, trail = (options.trail or span / 5) * 1.0, paths = shown,
+    plots = plots_.all(paths, shown, options, names) }, names
 end
 
 -- numbers to text, and only what the page needs
 local function pack(scene, names)
   local page = require "dm.show.animate.page"
   for i, s in ipairs(scene.paths) do
-    scene.paths[i] = { name = #names > 1 and names[i] or "", points = s.points, rods = s.rods, t = page.doubles(s.t), xyz = page.floats(s.xyz) }
+    scene.paths[i] = { name = #names > 1 and names[i] or "", points = s.points, rods = s.rods,
+      t = page.doubles(s.t), xyz = page.floats(s.xyz) }
   end
   for _, plot in ipairs(scene.plots) do
     for i, line in ipairs(plot.lines) do
@@ -208,22 +235,28 @@ end
 
 local doc_animate = [[
 dm.animate({path, path, ...}, file, {points=, dim=, draw=, rods=, trail=, plots=, names=, title=, frames=, t=}) -> file name
-A page for a browser (no network, nothing to install) in which several paths move side by side on one clock and one scale: with trails,
-energy and momentum over time, a slider, speed, and, in space, a camera that the mouse turns. names: one for each path; the other
-options are those of path:animate.]]
+A page for a browser (no network, nothing to install) in which several paths move side by side on
+one clock and one scale: with trails, energy and momentum over time, a slider, speed, and, in space,
+a camera that the mouse turns. names: one for each path; the other options are those of
+path:animate.]]
 
 M.animate = blame.caller(function(paths, file, options)
-  if type(paths) ~= "table" or #paths == 0 then fail("dm.animate takes a list of paths, { path, path, ... }, and a file name") end
+  if type(paths) ~= "table" or #paths == 0 then
+    fail("dm.animate takes a list of paths, { path, path, ... }, and a file name")
+  end
   return make(paths, file, options or {})
 end)
 
 local doc_path = [[
 path:animate(file, {points=, dim=, draw=, rods=, trail=, plots=, title=, frames=, t=}) -> file name
-Write a page (.html, of its own: no network) with the moving system, its trail, energy and momentum over time, a slider and a speed.
-Points are coordinates by name (x, y, z; x1, y1, x2, ...), else pairs or triples of q (dim = 2 or 3); or points = { {"x1", "y1"}, ... },
-columns; or draw = function(q, t) return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } end, called for every frame. rods: pairs of
-points, 0 is the origin; of a system with constraints those distances that stay. trail: how much time it shows; plots: { "energy",
-"theta", dm.SO(2), { name, numbers } }; t = {from, to} and frames: which rows (default: as many as move smoothly, at most 1500).]]
+Write a page (.html, of its own: no network) with the moving system, its trail, energy and momentum
+over time, a slider and a speed.
+Points are coordinates by name (x, y, z; x1, y1, x2, ...), else pairs or triples of q (dim = 2 or
+3); or points = { {"x1", "y1"}, ... }, columns; or draw = function(q, t) return { points = { {x, y},
+... }, rods = { {1, 2}, ... } } end, called for every frame. rods: pairs of points, 0 is the origin;
+of a system with constraints those distances that stay. trail: how much time it shows; plots: {
+"energy", "theta", dm.SO(2), { name, numbers } }; t = {from, to} and frames: which rows (default: as
+many as move smoothly, at most 1500).]]
 
 M.path = blame.caller(function(path, file, options) return make({ path }, file, options or {}) end)
 

@@ -1,6 +1,7 @@
---- A page of its own for moving pictures: text, style, script, and the numbers as JSON with base64 in it.
--- scene = { title, note, dim, axes, trail, paths = { { name, points, rods, t, xyz } }, plots = { { name, lines = { { name, t, y } } } } };
--- t is packed as doubles, xyz (frame by frame, point by point) and y as floats, all little-endian.
+--- A page of its own for moving pictures: text, style, script, and the numbers as JSON with base64
+-- in it. scene = { title, note, dim, axes, trail, paths = { { name, points, rods, t, xyz } },
+-- plots = { { name, lines = { { name, t, y } } } } }; t is packed as doubles, xyz (frame by frame,
+-- point by point) and y as floats, all little-endian.
 local M = {}
 
 local STYLE = [[
@@ -96,7 +97,9 @@ local ESCAPES = { ['"'] = '\\"', ["\\"] = "\\\\" }
 
 -- what could end the script element, too, is written by its number
 local function quoted(text)
-  return '"' .. text:gsub('[%c"\\<>&]', function(c) return ESCAPES[c] or ("\\u%04x"):format(c:byte()) end) .. '"'
+  return '"' .. text:gsub('[%c"\\<>&]', function(c)
+    return ESCAPES[c] or ("\\u%04x"):format(c:byte())
+  end) .. '"'
 end
 
 local function json(value)
@@ -118,7 +121,8 @@ local function escaped(text) return (text:gsub('[<>&"]', ENTITIES)) end
 
 --- The whole page of a scene, as text.
 function M.text(scene)
-  local parts = { TITLE = escaped(scene.title), NOTE = escaped(scene.note), STYLE = STYLE, DATA = json(scene),
+  local parts = { TITLE = escaped(scene.title), NOTE = escaped(scene.note), STYLE = STYLE,
+    DATA = json(scene),
     SCRIPT = require "dm.show.animate.script" }
   return (PAGE:gsub("@(%u+)@", parts))
 end

@@ -1,4 +1,5 @@
---- What an animation plots over time beside the picture: energy, momenta, columns, numbers of the user's.
+--- What an animation plots over time beside the picture: energy, momenta, columns, numbers of the
+-- user's.
 local core = require "dm.core"
 
 local M = {}
@@ -7,19 +8,23 @@ local abs, min, max = math.abs, math.min, math.max
 
 local function fail(...) error(("animate: " .. select(1, ...)):format(select(2, ...)), 0) end
 
--- { name, lines = { {name, values} } } of "energy", a column name, a space (its momentum) or { name, values }
+-- { name, lines = { {name, values} } } of "energy", a column name, a space (its momentum) or {
+-- name, values }
 local function quantity(path, what)
   if what == "energy" then return "energy", { { "", path:energy() } } end
   if type(what) == "string" then return what, { { "", path:column(what) } } end
   if type(what) == "table" and type(what[1]) == "string" and what[2] then
     local values = require "dm.show.series".numbers(what[2], "plot '" .. what[1] .. "'")
-    if #values ~= #path then fail("plot '%s' has %d numbers, but the path has %d rows", what[1], #values, #path) end
+    if #values ~= #path then
+      fail("plot '%s' has %d numbers, but the path has %d rows", what[1], #values, #path)
+    end
     return what[1], { { "", values } }
   end
   local fine, J = pcall(path.momentum, path, what)
   if not fine then
     local why = tostring(J):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
-    fail("option 'plots' holds \"energy\", names of columns, groups as dm.SO(2), or { name, numbers } (%s)", why)
+    fail("option 'plots' holds \"energy\", names of columns, groups as dm.SO(2), or { name, "
+      .. "numbers } (%s)", why)
   end
   local lines = {}
   if type(J[1]) == "number" then
@@ -62,16 +67,20 @@ local function line_of(path, name, values, first, last)
   return line.y[1] and line
 end
 
--- floats hold seven digits: lines that change little are shown as their change from the start; and no more points than pixels
+-- floats hold seven digits: lines that change little are shown as their change from the start; and
+-- no more points than pixels
 local function settle(lines)
   local change, size = 0, 0
-  for _, line in ipairs(lines) do change, size = max(change, line.hi - line.lo), max(size, abs(line.y[1])) end
+  for _, line in ipairs(lines) do
+    change, size = max(change, line.hi - line.lo), max(size, abs(line.y[1]))
+  end
   local from_start = change < 0.2 * size
   for i, line in ipairs(lines) do
     local base, t, y = from_start and line.y[1] or 0, line.x, line.y
     for k = 1, #y do y[k] = y[k] - base end
     local start, span = t[1], max(t[#t] - t[1], 1e-300)
-    local thin = require "dm.show.series".thin(line, { width = 600, height = 200, fx = function(x) return (x - start) / span end,
+    local thin = require "dm.show.series".thin(line,
+      { width = 600, height = 200, fx = function(x) return (x - start) / span end,
       fy = function() return 0 end })
     lines[i] = { name = line.name, base = base, t = thin.x, y = thin.y }
   end
@@ -99,7 +108,8 @@ local function plot_of(paths, shown, wants, k, names)
   return { name = title, lines = lines }
 end
 
---- The plots of a page: a list of { name, lines = { { name, t, y } } }, one for each quantity, the lines of all paths in it.
+--- The plots of a page: a list of { name, lines = { { name, t, y } } }, one for each quantity, the
+-- lines of all paths in it.
 function M.all(paths, shown, options, names)
   local wants, out = {}, {}
   for i, path in ipairs(paths) do wants[i] = options.plots or default_plots(path, shown[i].dim) end

@@ -27,7 +27,8 @@ local function grouped(names, d)
   return out
 end
 
--- the columns that hold positions: those of q; of a run that watched, whatever it watched but the energy
+-- the columns that hold positions: those of q; of a run that watched, whatever it watched but the
+-- energy
 local function positions(path)
   local names, columns = {}, path.columns
   local last = path.watched and #columns or 1 + #path.q[1]
@@ -35,40 +36,48 @@ local function positions(path)
     if columns[i] ~= "energy" then names[#names + 1] = columns[i] end
   end
   if #names == 0 then
-    fail("this run recorded only what it watched, and that is no point; there are %s", table.concat(columns, ", "))
+    fail("this run recorded only what it watched, and that is no point; there are %s",
+      table.concat(columns, ", "))
   end
   return names
 end
 
--- without being told: x, y and z by name, else pairs, else triples; a single coordinate moves along a line
+-- without being told: x, y and z by name, else pairs, else triples; a single coordinate moves along
+-- a line
 local function chosen(path, dim)
   local names = positions(path)
   local found = by_letters(names)
   if found and not dim then return found end
   local n = #names
   if n == 1 and not dim then return { names } end
-  if path.watched and not dim then return { { names[1], names[2] } } end  -- they need not be coordinates: a plane of two of them
+  -- they need not be coordinates: a plane of two of them
+  if path.watched and not dim then return { { names[1], names[2] } } end
   if not dim then dim = n == 3 and 3 or n % 2 == 0 and 2 or n % 3 == 0 and 3 or nil end
   if not dim or n % dim ~= 0 then
-    fail("%d coordinates (%s) are not points of the plane or of space: say where the points are with "
-      .. "draw = function(q, t) return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } end", n, table.concat(names, ", "))
+    fail("%d coordinates (%s) are not points of the plane or of space: say where the points are "
+      .. "with "
+      .. "draw = function(q, t) return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } end", n,
+      table.concat(names, ", "))
   end
   return grouped(names, dim)
 end
 
 local function check_points(points)
   if type(points) ~= "table" or type(points[1]) ~= "table" then
-    fail "option 'points' must be a list of pairs or triples of column names: { {\"x1\", \"y1\"}, {\"x2\", \"y2\"} }"
+    fail "option 'points' must be a list of pairs or triples of column names: { {\"x1\", \"y1\"}, "
+      .. "{\"x2\", \"y2\"} }"
   end
   for i, names in ipairs(points) do
     if #names ~= #points[1] or #names < 2 or #names > 3 then
-      fail("option 'points': point %d must have %s column names (got %d)", i, #points[1] == 3 and "3" or "2", #names)
+      fail("option 'points': point %d must have %s column names (got %d)", i, #points[1] == 3
+        and "3" or "2", #names)
     end
   end
   return points
 end
 
--- a function of the row that adds its coordinates to a list, the number of points, their dimension, names of axes
+-- a function of the row that adds its coordinates to a list, the number of points, their dimension,
+-- names of axes
 local function from_columns(path, points)
   local columns, dim = {}, math.max(2, #points[1])
   for _, names in ipairs(points) do
@@ -89,19 +98,23 @@ end
 local function read_points(drawing, i, out)
   local points = type(drawing) == "table" and (drawing.points or drawing[1] and drawing) or nil
   if type(points) ~= "table" or #points == 0 then
-    fail("draw must return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } (row %d: got %s)", i,
+    fail("draw must return { points = { {x, y}, ... }, rods = { {1, 2}, ... } } (row %d: got %s)",
+      i,
       type(drawing) == "table" and "a table without points" or type(drawing))
   end
   local dim
   for k, point in ipairs(points) do
     local fine, n = pcall(function() return #point end)
     if not fine or n < 2 or n > 3 or dim and n ~= dim then
-      fail("draw: point %d of row %d must be {x, y} or {x, y, z}%s", k, i, dim and (", with %d numbers as the first"):format(dim) or "")
+      fail("draw: point %d of row %d must be {x, y} or {x, y, z}%s", k, i,
+        dim and (", with %d numbers as the first"):format(dim) or "")
     end
     dim = n
     for axis = 1, n do
       local x = point[axis]
-      if type(x) ~= "number" then fail("draw: point %d of row %d holds a %s, not a number", k, i, type(x)) end
+      if type(x) ~= "number" then
+        fail("draw: point %d of row %d holds a %s, not a number", k, i, type(x))
+      end
       out[#out + 1] = x * 1.0
     end
   end
@@ -110,14 +123,16 @@ end
 
 local function from_drawing(path, draw)
   if path.watched then
-    fail "draw(q, t) needs q, but this run recorded only what it watched: leave 'watch' out, or use points = { {\"x\", \"y\"} }"
+    fail "draw(q, t) needs q, but this run recorded only what it watched: leave 'watch' out, or "
+      .. "use points = { {\"x\", \"y\"} }"
   end
   local drawing = draw(path.q[1], path.t[1])
   local count, dim = read_points(drawing, 1, {})
   local function row(i, out)
     local n, d = read_points(draw(path.q[i], path.t[i]), i, out)
     if n ~= count or d ~= dim then
-      fail("draw gave %d points of %d coordinates in row 1, but %d of %d in row %d", count, dim, n, d, i)
+      fail("draw gave %d points of %d coordinates in row 1, but %d of %d in row %d", count, dim, n,
+        d, i)
     end
   end
   return row, count, dim, { "x", "y", dim == 3 and "z" or nil }, drawing.rods
@@ -126,7 +141,9 @@ end
 ---- rods ----
 
 local function check_rods(rods, count)
-  if type(rods) ~= "table" then fail("rods must be a list of pairs of points, { {1, 2}, ... } (got %s)", type(rods)) end
+  if type(rods) ~= "table" then
+    fail("rods must be a list of pairs of points, { {1, 2}, ... } (got %s)", type(rods))
+  end
   local out = {}
   for i, rod in ipairs(rods) do
     local pair = type(rod) == "table" and rod or {}
@@ -151,7 +168,8 @@ local function distance(xyz, at, a, b, dim)
   return math.sqrt(sum)
 end
 
---- Pairs of points whose distance stays over all frames: what a constraint holds together. 0 is the origin.
+--- Pairs of points whose distance stays over all frames: what a constraint holds together. 0 is the
+-- origin.
 function M.held(xyz, count, dim)
   local size, rods = count * dim, {}
   for a = 0, count - 1 do
@@ -176,11 +194,15 @@ function M.reader(path, options)
   if options.draw then
     row, count, dim, axes, rods = from_drawing(path, options.draw)
   else
-    row, count, dim, axes = from_columns(path, options.points and check_points(options.points) or chosen(path, options.dim))
+    row, count, dim, axes = from_columns(path, options.points and check_points(options.points)
+      or chosen(path, options.dim))
   end
-  if count > MOST then fail("%d points in a frame are more than %d: pick some with 'points' or 'draw'", count, MOST) end
+  if count > MOST then
+    fail("%d points in a frame are more than %d: pick some with 'points' or 'draw'", count, MOST)
+  end
   rods = options.rods or rods
-  return { row = row, count = count, dim = dim, axes = axes, rods = rods and check_rods(rods, count) }
+  return { row = row, count = count, dim = dim, axes = axes,
+    rods = rods and check_rods(rods, count) }
 end
 
 return M

@@ -1,6 +1,7 @@
---- The script of an animated page (dm.animate), as text: plain JavaScript on canvases, no library, no network.
--- It reads the JSON of the page (dm.animate.page says what is in it) and draws frame after frame; #t=1.5 in the
--- address starts there, standing still. What is drawn is always a recorded row: nothing is interpolated.
+--- The script of an animated page (dm.animate), as text: plain JavaScript on canvases, no library,
+-- no network. It reads the JSON of the page (dm.animate.page says what is in it) and draws frame
+-- after frame; #t=1.5 in the address starts there, standing still. What is drawn is always a
+-- recorded row: nothing is interpolated.
 return [==[
 "use strict";
 const scene = JSON.parse(document.getElementById("data").textContent);
