@@ -40,9 +40,9 @@ local function misused(f, object)
   local class, name = find_method(f and wrapped[f])
   local meta = debug.getmetatable(object)
   if not class or type(meta) == "table" and meta.__name == class then return end
+  local got = type(meta) == "table" and type(meta.__name) == "string" and meta.__name
   return ("bad argument #1 to '%s' (%s expected, got %s); a method is called with a colon, "
-    .. "x:%s(...)"):format(name, class,
-    type(meta) == "table" and type(meta.__name) == "string" and meta.__name or type(object), name)
+    .. "x:%s(...)"):format(name, class, got or type(object), name)
 end
 
 local function finish(f, object, fine, ...)

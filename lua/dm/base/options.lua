@@ -7,7 +7,10 @@ local core = require "dm.core"
 
 local M = {}
 
-local huge, tointeger = math.huge, math.tointeger
+-- a session prints through this module: what a user makes of these globals does not reach it
+local type, next, ipairs, tostring, error = type, next, ipairs, tostring, error
+local huge, tointeger, math_type = math.huge, math.tointeger, math.type
+local concat, remove, getmetatable = table.concat, table.remove, debug.getmetatable
 
 --- Raises "where: text", the text formatted with what follows it.
 function M.fail(where, text, ...) error(("%s: %s"):format(where, text:format(...)), 0) end
@@ -22,13 +25,13 @@ function M.got(x)
   local kind = type(x)
   if kind == "string" and #x <= 40 then return ("%q"):format(x) end
   if kind == "number" or kind == "boolean" or kind == "nil" then return tostring(x) end
-  local metatable = debug.getmetatable(x)
+  local metatable = getmetatable(x)
   local name = type(metatable) == "table" and metatable.__name
   return type(name) == "string" and name or kind
 end
 
 local function is_among(key, known)
-  if known.entries and math.type(key) == "integer" then return true end
+  if known.entries and math_type(key) == "integer" then return true end
   for _, name in ipairs(known) do
     if name == key then return true end
   end
@@ -48,7 +51,7 @@ local function unknown(key, known, where)
   local names = names_of(known)
   local near = type(key) == "string" and core.nearest(key, names)
   M.fail(where, "unknown option '%s'; %soptions are %s", tostring(key),
-    near and ("did you mean '%s'? "):format(near) or "", table.concat(names, ", "))
+    near and ("did you mean '%s'? "):format(near) or "", concat(names, ", "))
 end
 
 --- The table t itself, once all of its keys are in the list `known` (with known.entries = true also
@@ -132,8 +135,8 @@ end
 function M.one_of(t, key, where, texts, default)
   local quoted = {}
   for i, text in ipairs(texts) do quoted[i] = '"' .. text .. '"' end
-  local last = table.remove(quoted)
-  local what = #quoted > 0 and table.concat(quoted, ", ") .. " or " .. last or last
+  local last = remove(quoted)
+  local what = #quoted > 0 and concat(quoted, ", ") .. " or " .. last or last
   local function is_one(x) return is_among(x, texts) end
   return M.passing(t, key, where, is_one, what, default)
 end

@@ -1,5 +1,7 @@
 --- The start of a run as a caller gives it: the number of an only coordinate becomes a list of one,
 -- numbers by the names of coordinates ({ x = 1, y = 0 }) a list in their order.
+local opts = require "dm.base.options"
+
 local M = {}
 
 local KEYS = { "q", "v", "p", "q0", "q1", "p0", "u", "dp" }
@@ -9,8 +11,6 @@ local function is_named(x)
   return type(x) == "table" and getmetatable(x) == nil and rawlen(x) == 0
     and type(next(x)) == "string"
 end
-
-local function fail(...) error((...):format(select(2, ...)), 0) end
 
 -- the entries in the order of the coordinates; as solver:run reads them
 local function unnamed(x, system, key)
@@ -22,14 +22,14 @@ local function unnamed(x, system, key)
   for i, name in ipairs(names) do out[i], known[name] = x[name], true end
   for name in pairs(x) do
     if not known[name] then
-      fail("field '%s': there is no coordinate '%s'; they are %s", key, tostring(name),
-        table.concat(names, ", "))
+      opts.fail(("field '%s'"):format(key), "there is no coordinate '%s'; they are %s",
+        tostring(name), table.concat(names, ", "))
     end
   end
   for i, name in ipairs(names) do
     if out[i] == nil then
-      fail("field '%s': the coordinate '%s' is missing; all of %s are needed", key, name,
-        table.concat(names, ", "))
+      opts.fail(("field '%s'"):format(key), "the coordinate '%s' is missing; all of %s are needed",
+        name, table.concat(names, ", "))
     end
   end
   return out

@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local given_steps = require "dm.chart.steps"
 local measures = require "dm.chart.measures"
+local opts = require "dm.base.options"
 local orders = require "dm.chart.orders"
 local reference = require "dm.chart.reference_run"
 local show = require "dm.chart.show"
@@ -16,29 +17,15 @@ setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
 local max, min, floor = math.max, math.min, math.floor
 
-local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+local WHERE = "dm.chart"
+local fail = opts.failing(WHERE)
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error",
-  "samples", "repeats", "reference",
-  "tolerances", "rivals" }
+local KNOWN = { 1, "system", "q", "v", "p", "t", "t0", "rules", "h", "steps", "against", "error",
+  "samples", "repeats", "reference", "tolerances", "rivals" }
 
-local function check_keys(options)
-  for key in pairs(options) do
-    local known = key == 1
-    for _, name in ipairs(KNOWN) do known = known or name == key end
-    if not known then
-      fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", "))
-    end
-  end
-end
-
-local function check_options(options)
-  if type(options) ~= "table" then
-    fail("takes a table { system, q =, v =, t =, rules = {...}, h = {...} }")
-  end
-  check_keys(options)
+local function system_of(options)
   local system = options.system or options[1]
   if not system then
     fail("the system is missing: dm.chart { system, q =, v =, t =, rules =, h = }")
@@ -46,29 +33,28 @@ local function check_options(options)
   local fine, solver = pcall(function() return system.solver end)
   if not (fine and solver) then
     fail("the first entry must be one dm.system (got %s): make a chart of each system",
-      type(system))
+      opts.got(system))
   end
   if system.Ld then
     fail("a discrete Lagrangian has one step only: give a dm.system, or time runs of solvers by "
       .. "path.ns_per_step")
   end
-  if type(options.t) ~= "number" or not (options.t > 0 and options.t < math.huge) then
-    fail("option 't' must be a duration > 0")
-  end
-  for _, key in ipairs { "samples", "repeats" } do
-    local n = options[key]
-    if n ~= nil and not (math.type(n) == "integer" and n > 0) then
-      fail("option '%s' must be a whole number > 0 (got %s)", key, tostring(n))
-    end
-  end
+  return system
+end
+
+local function check_options(options)
+  opts.check(options, KNOWN, WHERE, "{ system, q =, v =, t =, rules = {...}, h = {...} }")
+  local system = system_of(options)
+  opts.need(options, "t", WHERE, "a duration > 0")
+  opts.positive(options, "t", WHERE, "a duration")
+  for _, key in ipairs { "samples", "repeats" } do opts.whole(options, key, WHERE, 1) end
   if options.against ~= nil and options.against ~= "reference" then
     fail("option 'against' must be \"reference\", which is what errors are measured against (got "
-      .. "%s); chart:plot{against =} chooses the axis",
-      tostring(options.against))
+      .. "%s); chart:plot{against =} chooses the axis", opts.got(options.against))
   end
   if options.h ~= nil or options.steps ~= nil then given_steps.sizes(options) end
-  for _, rule in ipairs(given_steps.list(options, "rules",
-    "rules, such as \"verlet\" or \"gauss(4)\"")) do
+  local rules = given_steps.list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")
+  for _, rule in ipairs(rules) do
     system:solver { rule = rule, h = 1 }  -- a misspelled one is told here
   end
   return system
@@ -181,9 +167,10 @@ end
 
 local function number(x) return x and ("%.2f"):format(x) or "-" end
 
+local TIMES = { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } }
+
 local function time_text(ns)
-  for _, unit in ipairs { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" },
-    { math.huge, 1e9, "s" } } do
+  for _, unit in ipairs(TIMES) do
     if ns < unit[1] then return ("%.3g %s"):format(ns / unit[2], unit[3]) end
   end
 end
@@ -199,10 +186,11 @@ end
 local function cheapest_lines(chart, lines)
   for _, target in ipairs { 1e-4, 1e-8, 1e-12 } do
     local p = chart:cheapest(target)
-    local text = p and ("cheapest at %.0e: %s, h = %.4g, %s%s")
-      :format(target, p.rule, p.h, time_text(p.ns),
-      is_symplectic(p.rule) and "" or " (not symplectic)") or ("none of these reaches %.0e")
-        :format(target)
+    local text = ("none of these reaches %.0e"):format(target)
+    if p then
+      text = ("cheapest at %.0e: %s, h = %.4g, %s%s"):format(target, p.rule, p.h, time_text(p.ns),
+        is_symplectic(p.rule) and "" or " (not symplectic)")
+    end
     local r = chart.rival and cheapest_of(chart.rival.points, target)
     if r and (not p or r.ns < p.ns) then
       text = text .. ("; %s, which preserves nothing, wins with %s"):format(r.rule, time_text(r.ns))
@@ -229,8 +217,8 @@ A line per rule: measured order, number of points, least error and its cost; the
 references are apart, and the load of the machine when it was measured.]]
 
 function M:table()
-  local lines = { ("%-28s %6s %7s %11s %10s"):format("rule", "order", "points", "least error",
-    "for") }
+  local head = { "rule", "order", "points", "least error", "for" }
+  local lines = { ("%-28s %6s %7s %11s %10s"):format(table.unpack(head)) }
   for _, rule in ipairs(self.rules) do
     local points, least = of_rule(self, rule), nil
     for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
@@ -251,14 +239,14 @@ end
 
 function M:__tostring()
   return ("work-precision chart of %d point%s, %d rule%s, error of %s over t = %g\n")
-    :format(#self.points, #self.points == 1 and "" or "s",
-    #self.rules, #self.rules == 1 and "" or "s", self.what, self.options.t) .. self:table()
+    :format(#self.points, #self.points == 1 and "" or "s", #self.rules,
+      #self.rules == 1 and "" or "s", self.what, self.options.t) .. self:table()
 end
 
 ---- making one ----
 
-local doc_chart = [[
-dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, tolerances=, rivals=, samples=, repeats=, reference=, t0=} -> dm.chart
+local doc_chart = "dm.chart{system, q=, v= | p=, t=, rules={...}, h={...}, error=, tolerances=, "
+  .. "rivals=, samples=, repeats=, reference=, t0=} -> dm.chart\n" .. [[
 Run every rule with every step h (or `steps`: the same, or how many, all larger than t; left out:
 seven, from the coarsest that shows the motion, by halves) over the duration t (h is made to fit a
 whole number of steps) and measure error against CPU time (median of batches, set-up included,
@@ -316,9 +304,8 @@ M.chart = blame.caller(function(options)
   local what_measure, what, needs_reference, watched = measures.make(system, options.error)
   local entries = measures.entries(options.rules, options.tolerances, M.name)
   local chart = setmetatable({ system = system, options = options, points = {}, failures = {},
-    rules = distinct_names(entries),
-    measure = what_measure, what = what, times = sample_times(options), load = core.load_average(),
-    floor = 1e-15,
+    rules = distinct_names(entries), measure = what_measure, what = what,
+    times = sample_times(options), load = core.load_average(), floor = 1e-15,
     watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" },
     M)
   if needs_reference then
@@ -341,12 +328,13 @@ The same as dm.chart{system, ...}.]]
 
 core.docs[M.chart] = doc_chart
 M.order, M.plot, M.csv = orders.order, show.plot, show.csv
-core.docs[M.order], core.docs[M.cheapest], core.docs[M.pareto] = orders.doc, doc_cheapest,
-  doc_pareto
+core.docs[M.order], core.docs[M.cheapest] = orders.doc, doc_cheapest
+core.docs[M.pareto] = doc_pareto
 core.docs[M.table], core.docs[M.plot], core.docs[M.csv] = doc_table, show.doc_plot, show.doc_csv
 require "dm.base.class".register(M, { "order", "cheapest", "pareto", "table", "plot", "csv" }, [[
 dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}
-fields: points (a list of {rule, h, error, ns, steps, evaluations, newton}), rules (names), failures (points that could not be run, and why), rival]])
+fields: points (a list of {rule, h, error, ns, steps, evaluations, newton}), rules (names), failures
+(points that could not be run, and why), rival]])
 core.method("dm.system", "chart", blame.caller(function(system, options)
   local given = {}
   for key, value in pairs(type(options) == "table" and options or {}) do given[key] = value end

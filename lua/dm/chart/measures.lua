@@ -5,7 +5,7 @@ local M = {}
 
 local abs = math.abs
 
-local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "dm.chart"
 
 -- the larger one, NaN where one is
 local function worse(worst, x) return (x ~= x or x > worst) and x or worst end
@@ -92,8 +92,8 @@ function M.make(system, what)
   end
   if type(what) ~= "function" then
     fail("option 'error' must be \"position\", \"energy\", \"momentum\" or a group, "
-      .. "\"constraint\", a function of (q, v, t, p) compared with the "
-      .. "reference, or { f } for the change of f along the run (got %s)", tostring(what))
+      .. "\"constraint\", a function of (q, v, t, p) compared with the reference, or { f } for the "
+      .. "change of f along the run (got %s)", tostring(what))
   end
   return function(path, ref)
     local worst, x, y = 0, path:column "watched", ref:column "watched"
@@ -108,16 +108,15 @@ function M.entries(rules, tolerances, name)
   for _, row in ipairs(core.rules()) do explicit[row.name] = row.explicit end
   local out, seen = {}, {}
   if type(tolerances) == "number" then tolerances = { tolerances } end
-  if tolerances and type(tolerances) ~= "table" then
-    fail("option 'tolerances' must hold numbers between 0 and 1")
+  local function check(fine)
+    if not fine then fail("option 'tolerances' must hold numbers between 0 and 1") end
   end
+  check(tolerances == nil or type(tolerances) == "table")
   for _, rule in ipairs(rules) do
     if seen[name(rule)] then fail("rule '%s' is given twice", name(rule)) end
     seen[name(rule)], out[#out + 1] = true, { rule = rule, name = name(rule) }
     for _, tolerance in ipairs(not explicit[name(rule):match "^[%w_-]+"] and tolerances or {}) do
-      if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then
-        fail("option 'tolerances' must hold numbers between 0 and 1")
-      end
+      check(type(tolerance) == "number" and tolerance > 0 and tolerance < 1)
       out[#out + 1] = { rule = rule, name = ("%s, Newton to %.0e"):format(name(rule), tolerance),
         newton = { tolerance = tolerance } }
     end

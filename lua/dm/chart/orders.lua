@@ -3,7 +3,7 @@ local blame = require "dm.base.blame"
 
 local max, log = math.max, math.log
 
-local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "dm.chart"
 
 -- the points of a rule, from the coarsest step
 local function of_rule(chart, rule)

@@ -1,6 +1,7 @@
 --- A reference path that is itself checked: two unlike methods, refined until they agree.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local fail = require "dm.base.options".failing "dm.chart"
 local worse = require "dm.chart.measures".worse
 
 local M = {}
@@ -10,7 +11,7 @@ local abs, max = math.abs, math.max
 -- the methods in the order of preference; each must be able to step the system
 local ROADS = { { "gauss(8)", 16 }, { "sofroniou-spaletta(10)", 10 }, { "rk8", 8 },
   { "lobatto(6)", 10 }, { "gauss(6)", 12 },
-  { "degenerate(4)", 8 }, { "degenerate(3)", 6 } }  -- the last two for L linear in v
+  { "degenerate(4)", 8 }, { "degenerate(3)", 6 } }  -- for L linear in v
 local HALVINGS = 14
 -- s of CPU for one method: where it has not settled by then, what it reached is told
 local BUDGET = 2
@@ -19,8 +20,7 @@ local function run(chart, rule, h)
   local o = chart.options
   local steps = math.max(#chart.times, math.ceil(o.t / h / #chart.times) * #chart.times)
   return chart.system:solver({ rule = rule, h = o.t / steps }):run { q = o.q, v = o.v, p = o.p,
-    t0 = o.t0, at = chart.times,
-    watch = chart.watch }
+    t0 = o.t0, at = chart.times, watch = chart.watch }
 end
 
 -- largest difference of two paths at the same times, relative to 1 + the largest entry
@@ -70,7 +70,8 @@ function M.find(chart)
   local given = chart.options.reference
   if given ~= nil then
     if type(given) ~= "table" or not (given.rule and given.h) then
-      error(("dm.chart: option 'reference' must be { rule =, h = }; left out, one is found (got %s)"):format(tostring(given)), 0)
+      fail("option 'reference' must be { rule =, h = }; left out, one is found (got %s)",
+        tostring(given))
     end
     return run(chart, given.rule, given.h), 0, ("reference: %s, h = %g, taken as given")
       :format(tostring(given.rule), given.h)
@@ -85,20 +86,18 @@ function M.find(chart)
     if #found == 2 then break end
   end
   if #found == 0 then
-    error("dm.chart: no rule could make a reference: " .. (why or "does the run reach its end?"), 0)
+    fail("no rule could make a reference: %s", why or "does the run reach its end?")
   end
   if #found == 1 then
     return found[1].path, found[1].change,
       ("reference: %s, which changes by %.1e when its step is halved; no second method fits this "
-      .. "system")
-      :format(found[1].rule, found[1].change)
+        .. "system"):format(found[1].rule, found[1].change)
   end
   local distance, absolute = apart(found[1].path, found[2].path)
   if distance > TRUSTED then
-    error(("dm.chart: the references %s and %s disagree by %.1e (relative): is the motion chaotic "
-      .. "over this time? Take a shorter t, watch "
-      .. "something less sensitive, or give reference = { rule =, h = }")
-        :format(found[1].rule, found[2].rule, distance), 0)
+    fail("the references %s and %s disagree by %.1e (relative): is the motion chaotic over this "
+      .. "time? Take a shorter t, watch something less sensitive, or give "
+      .. "reference = { rule =, h = }", found[1].rule, found[2].rule, distance)
   end
   return found[1].path, absolute, ("references %s and %s agree to %.1e")
     :format(found[1].rule, found[2].rule, absolute)

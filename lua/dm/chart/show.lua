@@ -2,7 +2,7 @@
 local blame = require "dm.base.blame"
 local of_rule = require "dm.chart.orders".of_rule
 
-local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "dm.chart"
 
 -- a rule with its order, where that is measurable
 local function named(chart, rule)
@@ -11,7 +11,7 @@ local function named(chart, rule)
 end
 
 local doc_plot = [[
-chart:plot{file=, against = "ns" | "evaluations" | "newton" | "steps" | "h", ...} -> file name or nothing
+chart:plot{file=, against = "ns" | "evaluations" | "newton" | "steps" | "h", ...} -> file or nothing
 Error over cost, both logarithmic, a line per rule with its measured order in the legend; without a
 file in the terminal. Other options as in dm.plot.]]
 
@@ -26,7 +26,8 @@ local draw = blame.caller(function(self, options)
   for key, value in pairs(options or {}) do given[key] = value end
   local axis = AGAINST[given.against or "ns"]
   if not axis then
-    fail("option 'against' must be \"ns\", \"evaluations\", \"newton\", \"steps\" or \"h\" (got %s)", tostring(given.against))
+    fail('option \'against\' must be "ns", "evaluations", "newton", "steps" or "h" (got %s)',
+      tostring(given.against))
   end
   local key, series = given.against or "ns", {}
   given.against = nil
@@ -55,8 +56,8 @@ local draw = blame.caller(function(self, options)
   end
   given.log, given.xlabel, given.xunit = "xy", given.xlabel or axis[1], given.xunit or axis[2]
   local units = self.system.units or {}
-  given.ylabel, given.yunit = given.ylabel or "error of " .. self.what, given.yunit
-    or units[UNIT[self.what]]
+  given.ylabel = given.ylabel or "error of " .. self.what
+  given.yunit = given.yunit or units[UNIT[self.what]]
   if given.file and not (given.size or given.width or given.height) then
     given.size = { 1000, 640 }
   end

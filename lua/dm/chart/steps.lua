@@ -3,7 +3,7 @@
 local blame = require "dm.base.blame"
 local M = {}
 
-local function fail(...) error("dm.chart: " .. (...):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "dm.chart"
 
 ---- given ----
 
@@ -33,14 +33,13 @@ function M.sizes(options)
     if type(h) ~= "number" or not (h > 0 and h < math.huge) then
       fail("option '%s' must hold steps > 0 (got %s)", key, tostring(h))
     end
-    out[i], longest, counts = h, math.max(longest, h), counts and h > options.t
-      and math.tointeger(h) ~= nil
+    out[i], longest = h, math.max(longest, h)
+    counts = counts and h > options.t and math.tointeger(h) ~= nil
   end
   for i, n in ipairs(counts and out or {}) do out[i] = options.t / n end
   if longest > options.t and not counts and not has_own_time(options.rules) then
     fail("option '%s' holds %g, but the run has the duration t = %g: give sizes of steps%s", key,
-      longest, options.t,
-      key == "steps" and ", or whole numbers of steps, all larger than t" or "")
+      longest, options.t, key == "steps" and ", or whole numbers of steps, all larger than t" or "")
   end
   return out
 end
@@ -90,8 +89,8 @@ function M.find(system, options)
     end
   end
   if refused and not refused:find("degenerate", 1, true) then error(refused, 0) end
-  error("dm.chart: no steps were given, and pilot runs with gauss(2) did not settle over t = "
-    .. ("%g: give steps, h = { 0.1, 0.05, 0.025 }, or a shorter t"):format(options.t), 0)
+  fail("no steps were given, and pilot runs with gauss(2) did not settle over t = %g: give steps, "
+    .. "h = { 0.1, 0.05, 0.025 }, or a shorter t", options.t)
 end
 
 return M

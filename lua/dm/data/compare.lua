@@ -1,8 +1,12 @@
 --- dm.compare: how far two paths are apart, column by column, and when.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local opts = require "dm.base.options"
 
 local M = {}
+
+local WHERE = "dm.compare"
+local fail = opts.failing(WHERE)
 
 local abs, max = math.abs, math.max
 
@@ -65,21 +69,18 @@ local function difference(a, b, names, rows, t)
 end
 
 local doc = [[
-dm.compare(a, b [, {columns=}]) -> dm.comparison {worst, column, t, rows, {name, difference, t}, ...}
+dm.compare(a, b [, {columns=}]) -> dm.comparison {worst, column, t, rows, {name, difference, t} ...}
 The largest difference of two paths at the times that both have, for every column of the same name
 (or of the same place, where no name is shared): how large, and when. columns: a list of names,
 "energy" too. worst, column, t: of all of them.]]
 
 M.compare = blame.caller(function(a, b, options)
-  if not is_path(a) or not is_path(b) then error("dm.compare takes two paths", 0) end
-  options = options or {}
-  for key in pairs(options) do
-    if key ~= "columns" then error(("dm.compare: unknown option '%s'"):format(tostring(key)), 0) end
-  end
+  if not is_path(a) or not is_path(b) then fail "takes two paths" end
+  options = opts.check(options or {}, { "columns" }, WHERE)
   local rows, t = common_rows(a, b)
-  if #rows == 0 then error("dm.compare: the paths have no times in common", 0) end
+  if #rows == 0 then fail "the paths have no times in common" end
   local names = common_columns(a, b, options.columns)
-  if #names == 0 then error("dm.compare: the paths have no columns in common", 0) end
+  if #names == 0 then fail "the paths have no columns in common" end
   local out = { worst = -1, rows = #rows }
   for i, pair in ipairs(names) do
     out[i] = difference(a, b, pair, rows, t)

@@ -1,12 +1,11 @@
 --- dm.load: the columns of a csv or npy file as vectors.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local opts = require "dm.base.options"
 
 local M = {}
 
-local function fail(file, ...)
-  error(("dm.load: %s: "):format(file) .. (...):format(select(2, ...)), 0)
-end
+local function fail(file, ...) opts.fail("dm.load: " .. file, ...) end
 
 ---- csv ----
 
@@ -127,11 +126,11 @@ not a number.]]
 
 M.load = blame.caller(function(file)
   if type(file) ~= "string" then
-    error("dm.load: a file name is needed (got " .. type(file) .. ")", 0)
+    opts.fail("dm.load", "a file name is needed (got %s)", opts.got(file))
   end
   local is_npy = file:lower():find("%.npy$")
   local handle, why = io.open(file, "rb")
-  if not handle then error("dm.load: cannot open " .. why, 0) end
+  if not handle then opts.fail("dm.load", "cannot open %s", why) end
   local fine, names, columns = pcall(is_npy and load_npy or load_csv, file, handle)
   handle:close()
   if not fine then error(names, 0) end

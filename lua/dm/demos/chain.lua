@@ -1,8 +1,9 @@
 -- long chains: dm.sum_over keeps sums as loops; a soliton of Toda's chain (1967)
 return {
   title = "Chains: a soliton through a thousand bodies",
-  about = [[Sums over equal bodies stay loops in the kernels, so a chain of thousands costs what its bodies cost. Toda's chain has waves that keep their
-    shape: of height sinh(w)^2 they run at sinh(w)/w bodies a unit of time, high ones faster.]],
+  about = [[Sums over equal bodies stay loops in the kernels, so a chain of thousands costs what its
+    bodies cost. Toda's chain has waves that keep their shape: of height sinh(w)^2 they run at
+    sinh(w)/w bodies a unit of time, high ones faster.]],
   numbers = { { name = "w", value = 0.8, least = 0.3, most = 1.5,
     what = "width parameter of the wave" },
     { name = "N", value = 1000, least = 400, most = 5000, what = "bodies" } },
@@ -36,6 +37,8 @@ dm.plot(lines, { height = 14, xlabel = "body", ylabel = "strain" })]] },
   claim = function(e)
     local off = 0
     for k = 1, #e.x - 240 do off = math.max(off, math.abs(e.after[k + 240] - e.before[k])) end
-    return off < 1e-5, ([[240 bodies on, the wave of height %.3f has its shape to %.0e: nothing was left behind.]]):format(e.dm.sinh(e.w) ^ 2, off)
+    return off < 1e-5,
+      ([[240 bodies on, the wave of height %.3f has its shape to %.0e: nothing was left behind.]])
+        :format(e.dm.sinh(e.w) ^ 2, off)
   end,
 }

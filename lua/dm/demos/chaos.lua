@@ -2,8 +2,10 @@
 -- (1964)
 return {
   title = "Chaos: orderly or not, by the exact tangent map",
-  about = [[Henon and Heiles asked in 1964 whether a star in a galaxy has a third integral. At low energy its orbit is orderly; at high energy some fill
-    areas, and neighbours part exponentially. The derivative of a variational step is a variational step, so the tangent map is exact.]],
+  about = [[Henon and Heiles asked in 1964 whether a star in a galaxy has a third integral. At low
+    energy its orbit is orderly; at high energy some fill areas, and neighbours part
+    exponentially. The derivative of a variational step is a variational step, so the tangent map
+    is exact.]],
   numbers = { { name = "E", value = 0.125, least = 0.01, most = 0.166, what = "energy" },
     { name = "y", value = -0.1, least = -0.25, most = 0.3, what = "where on the cut" } },
   steps = {
@@ -25,9 +27,13 @@ l = solver:lyapunov { q = start.q, v = start.v, t = 6000 }
 print("MEGNO", l.megno, "exponent", l.exponent)]] },
   },
   claim = function(e)
-    local chaotic = e.l.megno > 4
-    return chaotic and e.path:drift("energy").largest < 1e-6, ([[MEGNO is %.3g: this orbit is %s. The energy was kept to %.0e meanwhile. Try E = 0.08: the same start is orderly.]])
-      :format(e.l.megno, chaotic and ("chaotic, neighbours part by e every %.0f units of time")
-        :format(1 / e.l.exponent) or "orderly", e.path:drift("energy").largest)
+    local chaotic, words = e.l.megno > 4, "orderly"
+    if chaotic then
+      words = ("chaotic, neighbours part by e every %.0f units of time"):format(1 / e.l.exponent)
+    end
+    return chaotic and e.path:drift("energy").largest < 1e-6,
+      ([[MEGNO is %.3g: this orbit is %s. The energy was kept to %.0e meanwhile. Try E = 0.08: the
+      same start is orderly.]])
+        :format(e.l.megno, words, e.path:drift("energy").largest)
   end,
 }

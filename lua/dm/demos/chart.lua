@@ -1,8 +1,9 @@
 -- work-precision charts
 return {
   title = "Accuracy against cost: which rule to use",
-  about = [[The right question to ask of a method is what an accuracy costs. A chart runs every rule with every step, measures the error against a reference
-    that two unlike methods agree on, and the time; rivals that preserve nothing are in it.]],
+  about = [[The right question to ask of a method is what an accuracy costs. A chart runs every rule
+    with every step, measures the error against a reference that two unlike methods agree on, and
+    the time; rivals that preserve nothing are in it.]],
   numbers = { { name = "e", value = 0.6, least = 0, most = 0.8,
     what = "eccentricity of the orbit" },
     { name = "t", value = 30, least = 5, most = 200, what = "how long" } },
@@ -18,7 +19,9 @@ print(chart)]] },
   },
   claim = function(e)
     local a, b = e.chart:cheapest(1e-2), e.chart:cheapest(1e-8)
-    return b and a and b.rule ~= "verlet" and math.abs(e.chart:order "blanes-moan(6)" - 6) < 0.4, ([[For two digits %s is cheapest here, for eight %s. Nothing is best at everything, and what preserves nothing may
-      win over a short time: measure it on your own system, with your own tolerance.]]):format(a and a.rule or "none of these", b and b.rule or "none of these")
+    return b and a and b.rule ~= "verlet" and math.abs(e.chart:order "blanes-moan(6)" - 6) < 0.4,
+      ([[For two digits %s is cheapest here, for eight %s. Nothing is best at everything, and what
+      preserves nothing may win over a short time: measure it on your own system, with your own
+      tolerance.]]):format(a and a.rule or "none of these", b and b.rule or "none of these")
   end,
 }

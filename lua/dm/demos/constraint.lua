@@ -2,8 +2,9 @@
 -- Hairer, Lubich & Wanner VII.1)
 return {
   title = "Constraints: a pendulum in space, with a rod",
-  about = [[A rod is an equation, g(q) = 0, beside L. Its multiplier is found in every step with the position, so that the rod has its length to the last
-    digit after a million steps, and the step is still symplectic.]],
+  about = [[A rod is an equation, g(q) = 0, beside L. Its multiplier is found in every step with the
+    position, so that the rod has its length to the last digit after a million steps, and the
+    step is still symplectic.]],
   numbers = { { name = "h", value = 0.05, least = 0.002, most = 0.2, what = "step" } },
   steps = {
     { "A unit mass on a rod of unit length, in coordinates x, y, z: no angles, and no pole.", [[
@@ -27,7 +28,8 @@ print("momentum moved by", long:drift(J).largest)]] },
     local energy = e.long:drift "energy"
     return e.long:worst "constraint" < 1e-14 and e.long:drift(e.J).largest < 1e-11
       and math.abs(energy.per_time) < 1e-6,
-      ([[After 200,000 steps the rod is off by %.0e, the vertical momentum moved by %.0e, and the energy error is a band of %.1e: a larger step widens
-      the band, nothing else.]]):format(e.long:worst "constraint", e.long:drift(e.J).largest, energy.largest)
+      ([[After 200,000 steps the rod is off by %.0e, the vertical momentum moved by %.0e, and the
+      energy error is a band of %.1e: a larger step widens the band, nothing else.]])
+        :format(e.long:worst "constraint", e.long:drift(e.J).largest, energy.largest)
   end,
 }

@@ -1,11 +1,13 @@
 -- discretizations of TQ by curve segments (Cuell & Patrick 2008)
 return {
   title = "Curves: any one-step method, made variational",
-  about = [[A Runge-Kutta method draws a curve for every (q, v). Cuell and Patrick take the curves, not the steps: join them so that the sum of their
-    actions is stationary. The result is symplectic and keeps momenta, whatever the method was, and is as accurate.]],
+  about = [[A Runge-Kutta method draws a curve for every (q, v). Cuell and Patrick take the curves,
+    not the steps: join them so that the sum of their actions is stationary. The result is
+    symplectic and keeps momenta, whatever the method was, and is as accurate.]],
   numbers = { { name = "n", value = 50, least = 20, most = 400, what = "steps a period" } },
   steps = {
-    { "Kepler's ellipse for two hundred periods, by RK4 as it is and by the same RK4 as a curve.", [[
+    { "Kepler's ellipse for two hundred periods, by RK4 as it is and by the same RK4 as a "
+      .. "curve.", [[
 kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v)/2 + 1/q:norm() end }
 start = { q = {0.5, 0}, v = {0, 3^0.5}, steps = 200*n }
 h = 2*math.pi/n
@@ -28,7 +30,8 @@ print("angular momentum changed by", math.abs(J[#J] - J[1]))]] },
     local a, b = e.bare:drift "energy", e.variational:drift "energy"
     return math.abs(b.per_time) < 1e-3 * math.abs(a.per_time)
       and math.abs(e.J[#e.J] - e.J[1]) < 1e-11,
-      ([[The same coefficients: bare, the energy drifts by %.1e a unit of time; as curves by %.1e. And Ralston's method, never meant for it,
-      keeps the angular momentum to round-off.]]):format(a.per_time, b.per_time)
+      ([[The same coefficients: bare, the energy drifts by %.1e a unit of time; as curves by %.1e.
+      And Ralston's method, never meant for it, keeps the angular momentum to round-off.]])
+        :format(a.per_time, b.per_time)
   end,
 }

@@ -1,8 +1,9 @@
 -- ensembles in vector registers and threads
 return {
   title = "Many at once: a cloud of pendulums",
-  about = [[The same system from many starts: members go side by side through vector registers and over all cores, and each ends with the bits it
-    would have alone. A cloud of starts keeps its area (Liouville), but winds itself up.]],
+  about = [[The same system from many starts: members go side by side through vector registers and
+    over all cores, and each ends with the bits it would have alone. A cloud of starts keeps its
+    area (Liouville), but winds itself up.]],
   numbers = { { name = "members", value = 2000, least = 10, most = 20000, what = "how many" },
     { name = "t", value = 40, least = 1, most = 2000, what = "how long" } },
   steps = {
@@ -30,7 +31,9 @@ print("the same bits:", same)]] },
   },
   claim = function(e)
     local steps = e.members * e.t / 0.05
-    return e.same, ([[%d members, %.3g steps in all, in %.3f s: %.2f ns a step, starts included. Member %d is, bit for bit, what a run of its own gives.]])
-      :format(e.members, steps, e.took, 1e9 * e.took / steps, e.members)
+    return e.same,
+      ([[%d members, %.3g steps in all, in %.3f s: %.2f ns a step, starts included. Member %d is,
+      bit for bit, what a run of its own gives.]])
+        :format(e.members, steps, e.took, 1e9 * e.took / steps, e.members)
   end,
 }

@@ -1,5 +1,4 @@
---- The demonstrations, in the order in which they are best seen: each name is a file in this
--- folder.
+--- The demonstrations, in the order in which they are best seen: each name is a file of this room.
 return { "lagrangian", "noether", "symplectic", "order", "chart", "curve", "constraint", "rolling",
-  "stiff", "chaos", "ensemble",
-  "chain", "drift", "routh", "frame", "elastica", "stability", "scene" }
+  "stiff", "chaos", "ensemble", "chain", "drift", "routh", "frame", "elastica", "stability",
+  "scene" }

@@ -1,8 +1,9 @@
 -- Noether's theorem for discrete Lagrangians (Marsden & West 2001, 1.3.3)
 return {
   title = "Noether: a symmetry keeps a momentum",
-  about = [[When turning everything changes nothing, angular momentum stays. A variational method has the symmetries of its Lagrangian,
-    so it keeps the momentum exactly, whatever its step. A method that does not come from an action has no such reason.]],
+  about = [[When turning everything changes nothing, angular momentum stays. A variational method
+    has the symmetries of its Lagrangian, so it keeps the momentum exactly, whatever its step. A
+    method that does not come from an action has no such reason.]],
   numbers = { { name = "squash", value = 0.0, least = 0, most = 0.5,
     what = "how much the attraction lacks its symmetry" },
     { name = "h", value = 0.15, least = 0.001, most = 0.3, what = "step" } },
@@ -30,10 +31,13 @@ print("RK4", change(K))]] },
   claim = function(e)
     local kept, lost = e.change(e.J), e.change(e.K)
     if e.squash == 0 then
-      return kept < 1e-12 and lost > 1e-4, ([[Verlet keeps the angular momentum to %.0e, which is round-off; RK4, of twice the order, loses %.1e of it.
-        Give squash a value: without the symmetry nothing is kept, and nothing should be.]]):format(kept, lost)
+      return kept < 1e-12 and lost > 1e-4,
+        ([[Verlet keeps the angular momentum to %.0e, which is round-off; RK4, of twice the order,
+        loses %.1e of it. Give squash a value: without the symmetry nothing is kept, and
+        nothing should be.]]):format(kept, lost)
     end
-    return kept > 1e-3, ([[With squash = %g there is no symmetry, and the angular momentum moves by %.2g. It is not the method that
-      keeps it, it is the symmetry.]]):format(e.squash, kept)
+    return kept > 1e-3,
+      ([[With squash = %g there is no symmetry, and the angular momentum moves by %.2g. It is not
+      the method that keeps it, it is the symmetry.]]):format(e.squash, kept)
   end,
 }

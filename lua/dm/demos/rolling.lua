@@ -1,8 +1,9 @@
 -- nonholonomic constraints: the discrete Lagrange-d'Alembert principle (Bloch 2003, 1.7)
 return {
   title = "Rolling: a sleigh on one skate",
-  about = [[The skate cannot slip sideways: a condition on velocities that no condition on positions replaces. Spun on the spot, the sleigh turns its spin
-    into a glide, and ends up turned by pi k / (2 a), whatever the spin; a is the distance from the skate to the centre of mass.]],
+  about = [[The skate cannot slip sideways: a condition on velocities that no condition on positions
+    replaces. Spun on the spot, the sleigh turns its spin into a glide, and ends up turned by pi
+    k / (2 a), whatever the spin; a is the distance from the skate to the centre of mass.]],
   numbers = { { name = "spin", value = 1.0, least = 0.2, most = 4, what = "spin at the start" },
     { name = "a", value = 0.5, least = 0.2, most = 1, what = "skate to centre of mass" } },
   steps = {
@@ -24,7 +25,9 @@ print("turned by", turned, "theory", theory)
 print("slipped by", track:worst "rolling")]] },
   },
   claim = function(e)
-    return math.abs(e.turned - e.theory) < 1e-3 and e.track:worst "rolling" < 1e-13, ([[It turned by %.4f, theory says %.4f, and the skate never slipped (%.0e). Another spin
-      ends in the same turn; another a does not.]]):format(e.turned, e.theory, e.track:worst "rolling")
+    return math.abs(e.turned - e.theory) < 1e-3 and e.track:worst "rolling" < 1e-13,
+      ([[It turned by %.4f, theory says %.4f, and the skate never slipped (%.0e). Another spin
+      ends in the same turn; another a does not.]])
+        :format(e.turned, e.theory, e.track:worst "rolling")
   end,
 }

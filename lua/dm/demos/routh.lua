@@ -1,8 +1,10 @@
 -- discrete Routh reduction (Leok 2)
 return {
   title = "Reduction: a symmetry makes a system smaller",
-  about = [[Where L does not depend on an angle, the momentum of that angle is a number mu, and the rest moves by itself: the classical Routhian, with an
-    amended potential, on one dimension less. The discrete theory keeps the promise exactly: reduce and step, or step and reduce, it is the same path.]],
+  about = [[Where L does not depend on an angle, the momentum of that angle is a number mu, and the
+    rest moves by itself: the classical Routhian, with an amended potential, on one dimension
+    less. The discrete theory keeps the promise exactly: reduce and step, or step and reduce, it
+    is the same path.]],
   numbers = { { name = "J2", value = 0.05, least = 0, most = 0.2,
     what = "how oblate the planet is" },
     { name = "h", value = 0.1, least = 0.01, most = 0.4, what = "step" } },
@@ -23,7 +25,8 @@ dm.plot(x, y, { height = 12, xlabel = "r", ylabel = "amended potential at z = 0"
     { "It moves in that well, up and down through the equator:", [[
 reduced = shape:solver { rule = "gauss(2)", h = h }:run { q = {1, 0}, v = {0, 0.28}, t = 200 }
 reduced:plot("r", "z", { height = 14, width = 60 })]] },
-    { "The angle comes back by sums over the stages. Beside it, the whole system without reduction:", [[
+    { "The angle comes back by sums over the stages. Beside it, the whole system without "
+      .. "reduction:", [[
 full = reduced:reconstruct()
 start = { q = {0, 1, 0}, v = {0.96, 0, 0.28}, t = 200 }
 direct = satellite:solver { rule = "gauss(2)", h = h }:run(start)
@@ -32,7 +35,9 @@ print(apart)
 off = (full.q[#full] - direct.q[#direct]):norm()]] },
   },
   claim = function(e)
-    return e.off < 1e-9, ([[After %d steps the two are %.0e apart, in an angle that has turned %.0f times round: round-off. The reduced system has two
-      unknowns in place of three.]]):format(e.reduced.steps, e.off, e.full.q[#e.full][1] / (2 * math.pi))
+    return e.off < 1e-9,
+      ([[After %d steps the two are %.0e apart, in an angle that has turned %.0f times round:
+      round-off. The reduced system has two unknowns in place of three.]])
+        :format(e.reduced.steps, e.off, e.full.q[#e.full][1] / (2 * math.pi))
   end,
 }

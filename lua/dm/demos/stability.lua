@@ -1,8 +1,9 @@
 -- maps of where a method fails, beside linear theory
 return {
   title = "Stability: a map of where a method fails",
-  about = [[Every cell of a map is a run: a step and a stiffness, told apart by what came of it. Borders are refined by bisection, and stand beside
-    the linear theory of the rule, the roots of its amplification matrix.]],
+  about = [[Every cell of a map is a run: a step and a stiffness, told apart by what came of it.
+    Borders are refined by bisection, and stand beside the linear theory of the rule, the roots
+    of its amplification matrix.]],
   numbers = { { name = "steps", value = 2000, least = 200, most = 20000,
     what = "steps in every cell" } },
   steps = {
@@ -29,7 +30,9 @@ end]] },
   },
   claim = function(e)
     local yoshida = e.fourth:limit(3) * e.map.k[3] ^ 0.5
-    return e.worst < 0.03 and math.abs(yoshida - 1.5734) < 0.05, ([[Verlet breaks at h omega = 2 to %.1f percent, for every stiffness; theory: 2. Yoshida's composition of
-      order 4 breaks at %.3f; theory: 1.573. Its middle stage goes backwards, by more than a step.]]):format(100 * e.worst, yoshida)
+    return e.worst < 0.03 and math.abs(yoshida - 1.5734) < 0.05,
+      ([[Verlet breaks at h omega = 2 to %.1f percent, for every stiffness; theory: 2. Yoshida's
+      composition of order 4 breaks at %.3f; theory: 1.573. Its middle stage goes backwards, by
+      more than a step.]]):format(100 * e.worst, yoshida)
   end,
 }

@@ -4,6 +4,7 @@ local blame = require "dm.base.blame"
 local core = require "dm.core"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
+local opts = require "dm.base.options"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
 local reduce = require "dm.scene.reduce"
@@ -18,25 +19,15 @@ setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
 local max, min, floor = math.max, math.min, math.floor
 
-local function fail(...) error("dm.scene: " .. (...):format(select(2, ...)), 0) end
+local WHERE = "dm.scene"
+local fail = opts.failing(WHERE)
 
 ---- options ----
 
-local KNOWN = { "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t", "rules", "symmetry",
+local KNOWN = { 1, "system", "q", "v", "p", "t0", "watch", "tolerance", "until_t", "rules",
+  "symmetry",
   "profile", "seconds", "project" }
-
-local function check_keys(options)
-  if type(options) ~= "table" then
-    fail("takes a table { system =, q =, v =, watch =, tolerance =, until_t = }")
-  end
-  for key in pairs(options) do
-    local known = key == 1
-    for _, name in ipairs(KNOWN) do known = known or name == key end
-    if not known then
-      fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", "))
-    end
-  end
-end
+local ROWS = { "at", "every", "file" }
 
 local function check_system(options)
   local system = options.system or options[1]
@@ -47,13 +38,7 @@ local function check_system(options)
   return system
 end
 
-local function finite(x)
-  return type(x) == "number" and x == x and x > -math.huge and x < math.huge
-end
-
 local function check_rules(rules, system)
-  if rules == nil then return end
-  if type(rules) ~= "table" or #rules == 0 then fail("option 'rules' must be a list of rules") end
   for _, rule in ipairs(rules) do
     if type(rule) ~= "string" then
       fail("option 'rules' must hold rules as texts, such as \"gauss(4)\" (got %s)", type(rule))
@@ -67,7 +52,7 @@ local function check_rules(rules, system)
 end
 
 local function check_options(options)
-  check_keys(options)
+  opts.check(options, KNOWN, WHERE, "{ system =, q =, v =, watch =, tolerance =, until_t = }")
   local system = check_system(options)
   if options.q == nil or (options.v == nil and options.p == nil) then
     fail("the start is missing: give q and v, or q and p")
@@ -78,17 +63,12 @@ local function check_options(options)
   if options.tolerance == nil and options.watch ~= "picture" then
     fail("option 'tolerance' is missing: how well is it to be known?")
   end
-  local t0 = options.t0 or 0
-  if not finite(t0) then fail("option 't0' must be a time (got %s)", tostring(t0)) end
-  if not (finite(options.until_t) and options.until_t > t0) then
-    fail("option 'until_t' must be a time after the start, t0 = %g (got %s)", t0,
-      tostring(options.until_t))
-  end
-  local seconds = options.seconds
-  if seconds and not (finite(seconds) and seconds > 0) then
-    fail("option 'seconds' must be a number > 0 (got %s)", tostring(seconds))
-  end
-  check_rules(options.rules, system)
+  local t0 = opts.number(options, "t0", WHERE, "a time", 0)
+  local after = ("a time after the start, t0 = %g"):format(t0)
+  opts.need(options, "until_t", WHERE, after)
+  opts.demand(opts.number(options, "until_t", WHERE, after) > t0, options, "until_t", WHERE, after)
+  opts.positive(options, "seconds", WHERE)
+  check_rules(opts.list(options, "rules", WHERE, "rules", {}), system)
   return system
 end
 
@@ -255,16 +235,16 @@ local function decide(scene)
   local given = model.given(scene.problem):ready()
   scene.search = start_search(scene, given)
   scene.candidates = scene.search.candidates
-  local split = scene.options.symmetry and require "dm.scene.symmetry".model(scene.problem,
-    scene.options)
+  local split = scene.options.symmetry
+    and require "dm.scene.symmetry".model(scene.problem, scene.options)
   scene.rungs = reduce.ladder(scene.search, given, split)
   for i = #scene.rungs, 1, -1 do search.model(scene.search, scene.rungs[i]) end
   scene.finalists = search.finalists(scene.search)
   choose(scene)
   scene.solver = pilot.solver(scene.best.model, scene.best.rule, scene.best.N)
   scene.check_text = ("check at %d other times: error %s, with half the step %s")
-    :format(#scene.held_times,
-    report.error(scene, scene.held_error), report.error(scene, scene.finer_error))
+    :format(#scene.held_times, report.error(scene, scene.held_error),
+      report.error(scene, scene.finer_error))
   scene.rows_text = rows_text(scene)
   scene.seconds = core.cpu() - began
   return scene
@@ -272,23 +252,14 @@ end
 
 ---- what a scene does ----
 
-local ROWS = { at = true, every = true, file = true }
-
 -- which rows: as asked for; of a picture those that lines need; else one in so many steps
 local function rows_of(scene, options)
-  if type(options) ~= "table" then
-    fail("scene:run takes a table { at =, every =, file = } or nothing (got %s)", type(options))
-  end
-  for key in pairs(options) do
-    if not ROWS[key] then
-      fail("scene:run: unknown option '%s'; it takes at, every, file", tostring(key))
-    end
-  end
+  opts.check(options, ROWS, "scene:run", "{ at =, every =, file = }, or nothing")
   if options.at then
     local last = options.at[#options.at]
     if type(last) == "number" and last > scene.options.until_t then
-      fail("scene:run: option 'at': t = %g is after until_t = %g, up to which the tolerance is "
-        .. "known", last, scene.options.until_t)
+      opts.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the tolerance "
+        .. "is known", last, scene.options.until_t)
     end
     return options
   end
@@ -343,7 +314,7 @@ function M:__tostring()
 end
 
 local doc_scene = [[
-dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, symmetry=, rules=, profile=, seconds=, project=} -> dm.scene
+dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, symmetry=, rules=, ...} -> dm.scene
 The cheapest model and method that deliver what is watched. watch: names of coordinates, momenta
 ("p1") or "energy", name = function(q, v, t, p) ... end, or "picture": every coordinate, to a pixel.
 tolerance: the largest error of each watched number up to the time until_t, in its units, or a table
@@ -355,7 +326,8 @@ dm.rules(), or a list `rules`. All of it is decided by pilot runs against a refe
 methods, and checked at other times and with half the step; where the tolerance cannot be promised,
 scene:run() raises with everything that was measured. profile: a file of scene.profile:save(file):
 costs are then not measured, and the choice is always the same. seconds: CPU time to be spent on
-looking (default 20). scene:run(), scene:why(), scene:animate(file); scene.candidates, scene.best.]]
+looking (default 20). project: as in solver:run. scene:run(), scene:why(), scene:animate(file);
+scene.candidates, scene.best.]]
 
 M.scene = blame.caller(function(options)
   options = starts.lists(options)
@@ -381,7 +353,7 @@ end)
 core.docs[M.scene] = doc_scene
 core.docs[M.run], core.docs[M.why], core.docs[M.animate] = doc_run, doc_why, doc_animate
 require "dm.base.class".register(M, { "run", "why", "animate" }, [[
-dm.scene: what is watched, how exactly, for how long; made by dm.scene{system=, q=, v=, watch=, tolerance=, until_t=}
+dm.scene: what is watched, how exactly, for how long; made by dm.scene{system=, watch=, ...}
 fields: best (the choice), candidates (all that was measured), profile (the costs, to be saved)]])
 
 return M

@@ -9,7 +9,7 @@ M.__name = "dm.scene_profile"
 
 local min, max, huge = math.min, math.max, math.huge
 
-local function fail(...) error("dm.scene: " .. (...):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "dm.scene"
 
 --- An empty profile, which measures what it is asked for.
 function M.new() return setmetatable({ rows = {}, few = {}, guessed = {}, measures = true }, M) end

@@ -4,7 +4,7 @@ local core = require "dm.core"
 
 local M = {}
 
-local function fail(...) error("dm.scene: " .. (...):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "dm.scene"
 
 --- Names of the coordinates of a system.
 function M.names(system)

@@ -1,7 +1,8 @@
 --- demo(), dmlua --demo: guided demonstrations. Each shows what one would type, runs it, says what
 -- came out, and runs again with another number. One file in lua/dm/demos each, in the order of
 -- lua/dm/demos/init.lua:
---   { title, about, numbers = { { name, value, least, most, what } }, steps = { { text, code }, ... }, claim = function(e) }
+--   { title, about, numbers = { { name, value, least, most, what } },
+--     steps = { { text, code }, ... }, claim = function(e) }
 -- The code of all steps shares one set of globals, e, in which the numbers are; claim returns
 -- whether what the demonstration is about was seen, and a sentence with the figures.
 local blame = require "dm.base.blame"
@@ -9,7 +10,7 @@ local core = require "dm.core"
 
 local M = {}
 
-local function fail(...) error(("demo: " .. (...)):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "demo"
 
 ---- what there is ----
 

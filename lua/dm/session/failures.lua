@@ -32,5 +32,6 @@ return {
   { "pole", "a reduced system: the mass of the shape vanishes there",
     "A pole of the coordinates: with constraint = in coordinates without one, or no section." },
   { "edge", "a reduced system: the mass of the shape grows without bound there",
-    "An edge of the coordinates: with constraint = in coordinates without one, or another section." },
+    "An edge of the coordinates: with constraint = in coordinates without one, or another "
+      .. "section." },
 }

@@ -1,9 +1,13 @@
 --- How a session shows values: tables to a depth and a length, strings in them quoted, cycles
 -- named, the rest through tostring. Tables are read with rawget and next, so that printing changes
 -- nothing.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
+local opts = require "dm.base.options"
 
 local M = {}
+
+local WHERE, KNOWN = "dm.pretty", { "depth", "length", "width", "text", "colour" }
 
 local type, next, rawget, rawlen, tostring, ipairs = type, next, rawget, rawlen, tostring, ipairs
 local getmetatable, mathtype = debug.getmetatable, math.type
@@ -144,22 +148,14 @@ dm.pretty(value, {depth=, length=, width=, colour=}) -> string
 The text that a session prints for a value. depth of tables in tables (4), entries of one table
 (30), characters of a line (80), colours (false).]]
 
-function M.pretty(value, options)
-  local state = { open = {} }
-  if options ~= nil and type(options) ~= "table" then
-    error("dm.pretty: options are a table (got " .. type(options) .. ")", 2)
-  end
+M.pretty = blame.caller(function(value, options)
+  options = opts.check(options or {}, KNOWN, WHERE)
+  local state = { open = {}, colour = options.colour or false }
   for key, default in next, LIMITS do
-    local given = options and options[key]
-    if given ~= nil and (mathtype(given) ~= "integer" or given < 0) then
-      error(("dm.pretty: '%s' must be a whole number >= 0 (got %s)"):format(key, tostring(given)),
-        2)
-    end
-    state[key] = given or default
+    state[key] = opts.whole(options, key, WHERE, 0, nil, default)
   end
-  state.colour = options and options.colour or false
   return show(state, value, 0)
-end
+end)
 
 --- The texts of several values for the terminal that stdout is.
 function M.texts(...)

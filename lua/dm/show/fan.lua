@@ -7,7 +7,7 @@ local M = {}
 
 local MOST_PATHS = 64  -- lines that can still be told apart
 
-local function fail(text, ...) error("ensemble:plot: " .. text:format(...), 0) end
+local fail = require "dm.base.options".failing "ensemble:plot"
 
 ---- which members ----
 

@@ -176,8 +176,8 @@ local function add_look(add, figure)
   add "set tics out nomirror textcolor rgb '#303030'"
   add "set grid lt 1 lc rgb '#e4e4e4' lw 0.7"
   add "set title font ',12' textcolor rgb '#101010'"
-  add "set key at graph 0.5,1.01 center bottom horizontal Left reverse samplen 2 textcolor rgb "
-    .. "'#303030'"
+  add("set key at graph 0.5,1.01 center bottom horizontal Left reverse samplen 2 textcolor rgb "
+    .. "'#303030'")
   if #figure.panels > 1 then
     local title = figure.title and (" title %s font ',14'"):format(quote(figure.title)) or ""
     add(("set multiplot layout %d,%d%s"):format(figure.rows, figure.columns, title))

@@ -59,7 +59,7 @@ local function default_columns(path)
 end
 
 local doc_plot = [[
-path:plot(x, y | {y1, y2, ...}, {file=, title=, log=, style=, names=, equal=, ...}) -> file name or nothing
+path:plot(x, y | {y1, y2, ...}, {file=, title=, log=, style=, names=, ...}) -> file name or nothing
 Plot columns of a path: names ("t", "q1", "p1", "energy" ...) or vectors of #path numbers. With no
 arguments every q against t; path:plot("q1") is q1 against t. Options as in dm.plot: without `file`
 in the terminal, with it to a .png, .svg or .pdf.

@@ -3,34 +3,22 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local axis, series_ = require "dm.show.axis", require "dm.show.series"
+local opts = require "dm.base.options"
 
 local M = {}
 
 local KNOWN = { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style", "names",
-  "legend", "equal", "xrange", "yrange", "width", "height", "size" }
--- cells: rectangles xlow..xhigh, ylow..yhigh
-local STYLES = { lines = true, points = true, linespoints = true, cells = true }
+  "legend", "equal", "xrange", "yrange", "width", "height", "size", entries = true }
+-- of a series also "cells": rectangles xlow..xhigh, ylow..yhigh
+local STYLES = { "lines", "points", "linespoints" }
 
-local function fail(...) error(("plot: " .. select(1, ...)):format(select(2, ...)), 0) end
+local WHERE = "plot"
+local fail = opts.failing(WHERE)
 
 ---- options ----
 
-local function check_keys(options, known)
-  for key in pairs(options) do
-    local found = math.type(key) == "integer"
-    for _, k in ipairs(known) do found = found or k == key end
-    if not found then
-      fail("unknown option '%s'; options are %s", tostring(key), table.concat(known, ", "))
-    end
-  end
-end
-
 local function check_text(options, keys)
-  for _, key in ipairs(keys) do
-    if options[key] ~= nil and type(options[key]) ~= "string" then
-      fail("option '%s' must be a string (got %s)", key, type(options[key]))
-    end
-  end
+  for _, key in ipairs(keys) do opts.text(options, key, WHERE) end
 end
 
 local function check_range(options, key)
@@ -60,14 +48,10 @@ local function check_size(options)
 end
 
 local function check_options(options)
-  check_keys(options, KNOWN)
+  opts.check(options, KNOWN, WHERE)
   check_text(options, { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style" })
-  if options.log and not options.log:find("^x?y?$") then
-    fail("option 'log' must be \"x\", \"y\" or \"xy\" (got %q)", options.log)
-  end
-  if options.style and not STYLES[options.style] then
-    fail("option 'style' must be \"lines\", \"points\" or \"linespoints\" (got %q)", options.style)
-  end
+  if options.log ~= "" then opts.one_of(options, "log", WHERE, { "x", "y", "xy" }) end
+  opts.one_of(options, "style", WHERE, STYLES)
   check_range(options, "xrange")
   check_range(options, "yrange")
   check_size(options)
@@ -86,9 +70,7 @@ local function make_series(given, options, i)
   local y = series_.numbers(given.y or given[2], what .. ": y")
   if #x ~= #y then fail("%s has %d numbers x but %d numbers y", what, #x, #y) end
   if #x == 0 then fail("%s is empty", what) end
-  if given.style and not STYLES[given.style] then
-    fail("%s: unknown style %s", what, tostring(given.style))
-  end
+  if given.style ~= "cells" then opts.one_of(given, "style", WHERE .. ": " .. what, STYLES) end
   local names = type(options.names) == "table" and options.names or {}
   local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
     colour = given.colour,
@@ -249,24 +231,24 @@ local function show(panels, options)
   return to_terminal(panels, options)
 end
 
-local doc_plot = "dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, "
-  .. "log=, style=, names=, legend=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing\n" .. [[
-Plot y against x: two vectors or tables of numbers of one length; x and a list of columns y; or a list of
-series { x =, y =, name =, style = } (then the options come second). Without `file` in the terminal, with
-it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines", "points" or
-"linespoints"; names: texts of the legend (legend = false: none); equal: one length per unit on both axes; xrange, yrange:
+local doc_plot = "dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, log=, style=, "
+  .. "names=, legend=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing\n" .. [[
+Plot y against x: two vectors or tables of numbers of one length; x and a list of columns y; or a
+list of series { x =, y =, name =, style = } (then the options come second). Without `file` in the
+terminal, with it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines",
+"points" or "linespoints"; names: texts of the legend (legend = false: none); equal: one length per
+unit on both axes; xrange, yrange:
 {least, largest}; width, height (or size = {width, height}): pixels in a file, characters in a
-terminal. Points that are not finite, or not positive on a logarithmic axis, leave gaps and are counted
-below the plot. Long columns are thinned to what the picture can show, extremes kept.]]
+terminal. Points that are not finite, or not positive on a logarithmic axis, leave gaps and are
+counted below the plot. Long columns are thinned to what the picture can show, extremes kept.]]
 
 M.plot = blame.caller(function(a, b, c)
   local list, options = sort_arguments(a, b, c)
-  if type(options) ~= "table" then fail("options must be a table (got %s)", type(options)) end
   return show({ make_panel(list, options) }, options)
 end)
 
 local doc_figure = [[
-dm.figure{panel, panel, ..., file=, title=, columns=, width=, height=, size=} -> file name or nothing
+dm.figure{panel, panel, ..., file=, title=, columns=, width=, height=, size=} -> file or nothing
 Several plots in one picture. Each panel is a list of series { x =, y =, name = } (path:series makes
 them), or x, y, with the options of dm.plot: { orbit:series("q1", "q2"), equal = true, title =
 "orbit" }.]]
@@ -274,17 +256,12 @@ them), or x, y, with the options of dm.plot: { orbit:series("q1", "q2"), equal =
 -- of the whole picture, not of one panel
 local OF_FIGURE = { "file", "width", "height", "size" }
 
-local FIGURE_KNOWN = { "file", "title", "columns", "width", "height", "size" }
+local FIGURE_KNOWN = { "file", "title", "columns", "width", "height", "size", entries = true }
 
 M.figure = blame.caller(function(given)
-  if type(given) ~= "table" then fail("figure needs a table of panels (got %s)", type(given)) end
-  check_keys(given, FIGURE_KNOWN)
+  opts.check(given, FIGURE_KNOWN, "dm.figure", "of panels")
   check_text(given, { "file", "title" })
-  local columns = given.columns
-  if columns ~= nil and not (math.type(columns) == "integer" and columns > 0
-    and columns <= 100) then
-    fail "option 'columns' must be a whole number from 1"
-  end
+  opts.whole(given, "columns", WHERE, 1, 100)
   local panels = {}
   for i, panel in ipairs(given) do
     if type(panel) ~= "table" then

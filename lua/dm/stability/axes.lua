@@ -1,7 +1,7 @@
 --- Axes of a stability map: lists of numbers under any name, and functions of these parameters.
 local M = {}
 
-local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "dm.stability"
 
 local MOST = 4096  -- numbers of an axis
 
@@ -100,7 +100,8 @@ function M.bind(what, f, names)
         .. "count, \"log\"}", what)
     end
     if #names > 1 then
-      fail("'%s' is a function of (%s): with two parameters its arguments must have their names, %s", what, table.concat(args, ", "), table.concat(names, " and "))
+      fail("'%s' is a function of (%s): with two parameters its arguments must have their names, "
+        .. "%s", what, table.concat(args, ", "), table.concat(names, " and "))
     end
     used = { names[1] }
   end

@@ -5,7 +5,7 @@ local starts = require "dm.base.start"
 
 local M = {}
 
-local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "dm.stability"
 
 -- a copy of the system with these numbers among its params
 local function with_params(system, values, names)

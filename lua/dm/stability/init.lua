@@ -6,19 +6,21 @@ local cells = require "dm.stability.cells"
 local core = require "dm.core"
 local prolong = require "dm.measure.prolong"
 local given_ = require "dm.stability.given"
+local opts = require "dm.base.options"
 
 local M = {}
 M.__index = M
 M.__name = "dm.stability_map"
 setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
 
-local function fail(...) error("dm.stability: " .. (...):format(select(2, ...)), 0) end
+local WHERE = "dm.stability"
+local fail = opts.failing(WHERE)
 
 ---- options ----
 
 local KNOWN = { "system", "q", "v", "p", "rule", "rules", "h", "steps", "t", "t0", "watch",
-  "inside", "drift", "chaos", "refine", "resolution",
-  "threads", "project", "newton", "backend", "sums" }
+  "inside", "drift", "chaos", "refine", "resolution", "threads", "project",
+  "newton", "backend", "sums" }
 local known = {}
 for _, name in ipairs(KNOWN) do known[name] = true end
 
@@ -47,12 +49,8 @@ end
 
 local function check_options(options)
   if (options.steps == nil) == (options.t == nil) then fail("give 'steps' or 't' (a duration)") end
-  local length = options.steps or options.t
-  if type(length) ~= "number" or not (length > 0 and length < 2 ^ 53) or options.steps
-    and not math.tointeger(length) then
-    fail("'steps' must be a whole number > 0, 't' a duration > 0 (got %s)", type(length) == "number"
-      and tostring(length) or type(length))
-  end
+  opts.whole(options, "steps", WHERE, 1, 2 ^ 53)
+  opts.positive(options, "t", WHERE, "a duration")
   if not options.q then
     fail("the start is missing: q, and v or p, as numbers or as functions of the parameters")
   end
@@ -60,17 +58,10 @@ local function check_options(options)
   if options.h == nil then
     fail("the axis of steps is missing: h = {least, largest, count, \"log\"}, a list or a number")
   end
-  for _, name in ipairs { "watch", "inside" } do
-    if options[name] ~= nil and type(options[name]) ~= "function" then
-      fail("option '%s' must be a function of (q, v, t, p)", name)
-    end
+  for _, key in ipairs { "watch", "inside" } do
+    opts.callable(options, key, WHERE, "(q, v, t, p)")
   end
-  for _, name in ipairs { "drift", "resolution" } do
-    local x = options[name]
-    if x ~= nil and (type(x) ~= "number" or not (x > 0 and x < 1)) then
-      fail("option '%s' must be a number between 0 and 1", name)
-    end
-  end
+  for _, key in ipairs { "drift", "resolution" } do opts.fraction(options, key, WHERE) end
 end
 
 local function read_rules(options)
@@ -288,7 +279,7 @@ local function why(map, cell)
 end
 
 local doc_at = [[
-map:at(row, column) -> {class, why, rule, h, steps, error, slope, slope_error, growth, exponent, megno, code, ...}
+map:at(row, column) -> {class, why, rule, h, steps, error, slope, growth, exponent, megno, ...}
 What was found in a cell and on what evidence: row and column are numbers of cells, or row a table
 as for map:limit and column a value (the nearest). error: largest |energy - its start| (or of what
 is watched); slope per unit of time with its standard error; growth: factor a step from the first to
@@ -332,7 +323,7 @@ end)
 ---- making one ----
 
 local doc_stability = [[
-dm.stability{system=, q=, v= | p=, rule= | rules=, h=, steps= | t=, k=, ..., watch=, inside=, drift=, chaos=, refine=, ...} -> dm.stability_map
+dm.stability{system=, q=, v= | p=, rule= | rules=, h=, steps= | t=, k=, ...} -> dm.stability_map
 Where does a method fail? A map over the step h and up to two parameters of any name. An axis is
 {least, largest, count, "log" | "linear"}, a list of growing numbers (three numbers without the word
 are one, too) or one number. A parameter is an argument of that name of the function that makes the
@@ -471,6 +462,7 @@ core.docs[M.stability], core.docs[M.limit], core.docs[M.at], core.docs[M.theory]
 require "dm.stability.show"(M)
 require "dm.base.class".register(M, { "limit", "at", "theory", "table", "plot", "csv" }, [[
 dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, rule=, h=, steps=}
-fields: h and the parameters by name (lists of numbers), rows (what belongs to each), rules, seconds (what it took)]])
+fields: h and the parameters by name (lists of numbers), rows (what belongs to each), rules, seconds
+(what it took)]])
 
 return M

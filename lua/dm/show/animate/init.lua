@@ -3,56 +3,44 @@
 -- dm.animate.script runs in it.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local opts = require "dm.base.options"
 local points_, plots_ = require "dm.show.animate.points", require "dm.show.animate.plots"
 
 local M = {}
 
 local abs, min, max, ceil = math.abs, math.min, math.max, math.ceil
 
-local function fail(...) error(("animate: " .. select(1, ...)):format(select(2, ...)), 0) end
+local WHERE = "animate"
+local fail = opts.failing(WHERE)
 
 ---- options ----
 
 local KNOWN = { "points", "dim", "draw", "rods", "trail", "plots", "title", "names", "frames", "t" }
 
+local DRAW = "(q, t) that returns { points = { {x, y}, ... } }"
+
+local function is_span(t)
+  return type(t) == "table" and type(t[1]) == "number" and type(t[2]) == "number" and t[1] < t[2]
+end
+
+-- a finite number from `least` on
 local function check_number(options, key, least, what)
-  local x = options[key]
-  if x ~= nil and not (type(x) == "number" and x >= least and x < math.huge) then
-    fail("option '%s' must be %s (got %s)", key, what, tostring(x))
-  end
+  local x = opts.number(options, key, WHERE, what, least)
+  opts.demand(x >= least, options, key, WHERE, what)
 end
 
 local function check_options(options)
-  if type(options) ~= "table" then fail("options must be a table (got %s)", type(options)) end
-  for key in pairs(options) do
-    local known = false
-    for _, name in ipairs(KNOWN) do known = known or name == key end
-    if not known then
-      fail("unknown option '%s'; options are %s", tostring(key), table.concat(KNOWN, ", "))
-    end
-  end
-  if options.draw ~= nil and type(options.draw) ~= "function" then
-    fail("option 'draw' must be a function of (q, t) that returns { points = { {x, y}, ... } } "
-      .. "(got %s)", type(options.draw))
-  end
+  opts.check(options, KNOWN, WHERE)
+  opts.callable(options, "draw", WHERE, DRAW)
   if options.draw and options.points then fail "options 'draw' and 'points' exclude each other" end
-  if options.dim ~= nil and options.dim ~= 2 and options.dim ~= 3 then
-    fail("option 'dim' must be 2 or 3 (got %s)", tostring(options.dim))
-  end
-  if options.title ~= nil and type(options.title) ~= "string" then
-    fail("option 'title' must be a string (got %s)", type(options.title))
-  end
+  opts.whole(options, "dim", WHERE, 2, 3)
+  opts.text(options, "title", WHERE)
   check_number(options, "trail", 0, "a time >= 0")
   check_number(options, "frames", 2, "a number of frames from 2")
-  local span = options.t
-  if span ~= nil and not (type(span) == "table" and type(span[1]) == "number"
-    and type(span[2]) == "number" and span[1] < span[2]) then
-    fail "option 't' must be {from, to}, two times"
-  end
+  opts.passing(options, "t", WHERE, is_span, "{from, to}, two times")
+  local function is_table(x) return type(x) == "table" end
   for _, key in ipairs { "plots", "names" } do
-    if options[key] ~= nil and type(options[key]) ~= "table" then
-      fail("option '%s' must be a list (got %s)", key, type(options[key]))
-    end
+    opts.passing(options, key, WHERE, is_table, "a list")
   end
 end
 
@@ -63,10 +51,9 @@ local function check_file(file)
 end
 
 local function check_path(path, which)
+  local function columns() return #path, path.t, path.columns[1] end
   local kind = type(path)
-  if not (kind == "userdata" or kind == "table") or not pcall(function()
-    return #path, path.t, path.columns[1]
-  end) then
+  if not (kind == "userdata" or kind == "table") or not pcall(columns) then
     fail("%s is not a path (got %s): animate what solver:run returned", which, kind)
   end
   if #path == 0 then fail("%s has no rows: there is nothing to show", which) end
@@ -234,7 +221,7 @@ local function make(paths, file, options)
 end
 
 local doc_animate = [[
-dm.animate({path, path, ...}, file, {points=, dim=, draw=, rods=, trail=, plots=, names=, title=, frames=, t=}) -> file name
+dm.animate({path, path, ...}, file, {names=, points=, draw=, rods=, trail=, ...}) -> file name
 A page for a browser (no network, nothing to install) in which several paths move side by side on
 one clock and one scale: with trails, energy and momentum over time, a slider, speed, and, in space,
 a camera that the mouse turns. names: one for each path; the other options are those of

@@ -40,7 +40,8 @@ local PAGE = [[
 <button id="play" type="button">pause</button>
 <input id="scrub" type="range" min="0" max="1" step="any" value="0" aria-label="time">
 <span id="time"></span>
-<label>speed <input id="speed" type="range" min="-5" max="4" step="0.5" value="0"></label> <span id="rate"></span>
+<label>speed <input id="speed" type="range" min="-5" max="4" step="0.5" value="0"></label>
+<span id="rate"></span>
 <label>trail <input id="trail" type="range" min="0" max="1" step="any"></label>
 </div>
 <div id="plots"></div>

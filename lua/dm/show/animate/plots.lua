@@ -6,7 +6,7 @@ local M = {}
 
 local abs, min, max = math.abs, math.min, math.max
 
-local function fail(...) error(("animate: " .. select(1, ...)):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "animate"
 
 -- { name, lines = { {name, values} } } of "energy", a column name, a space (its momentum) or {
 -- name, values }

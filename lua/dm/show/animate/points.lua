@@ -1,7 +1,7 @@
 --- What an animation shows of a path: the points of every row, and the rods between them.
 local M = {}
 
-local function fail(...) error(("animate: " .. select(1, ...)):format(select(2, ...)), 0) end
+local fail = require "dm.base.options".failing "animate"
 
 local MOST = 2000  -- points in a frame: more are not told apart
 
@@ -64,8 +64,8 @@ end
 
 local function check_points(points)
   if type(points) ~= "table" or type(points[1]) ~= "table" then
-    fail "option 'points' must be a list of pairs or triples of column names: { {\"x1\", \"y1\"}, "
-      .. "{\"x2\", \"y2\"} }"
+    fail("option 'points' must be a list of pairs or triples of column names: { {\"x1\", \"y1\"}, "
+      .. "{\"x2\", \"y2\"} }")
   end
   for i, names in ipairs(points) do
     if #names ~= #points[1] or #names < 2 or #names > 3 then
@@ -123,8 +123,8 @@ end
 
 local function from_drawing(path, draw)
   if path.watched then
-    fail "draw(q, t) needs q, but this run recorded only what it watched: leave 'watch' out, or "
-      .. "use points = { {\"x\", \"y\"} }"
+    fail("draw(q, t) needs q, but this run recorded only what it watched: leave 'watch' out, or "
+      .. "use points = { {\"x\", \"y\"} }")
   end
   local drawing = draw(path.q[1], path.t[1])
   local count, dim = read_points(drawing, 1, {})

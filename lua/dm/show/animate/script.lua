@@ -5,7 +5,8 @@
 return [==[
 "use strict";
 const scene = JSON.parse(document.getElementById("data").textContent);
-const COLOURS = ["#0b62a4", "#d1495b", "#2a9d5c", "#8f5bc4", "#d98324", "#2b9eb3", "#8a6d3b", "#555555"];
+const COLOURS = ["#0b62a4", "#d1495b", "#2a9d5c", "#8f5bc4", "#d98324", "#2b9eb3", "#8a6d3b",
+  "#555555"];
 const colour = i => COLOURS[i % COLOURS.length];
 const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer;
 const element = id => document.getElementById(id);
@@ -23,8 +24,10 @@ for (const plot of scene.plots) {
 }
 const first = Math.min(...scene.paths.map(p => p.t[0]));
 const last = Math.max(...scene.paths.map(p => p.t[p.t.length - 1]));
-const state = { t: first, playing: true, speed: 1, trail: scene.trail, azimuth: -0.6, height: 0.35, zoom: 1 };
-const seconds = Math.max(4, Math.min(20, scene.paths[0].t.length / 30)); // the whole takes that long at speed 1
+const state = { t: first, playing: true, speed: 1, trail: scene.trail, azimuth: -0.6, height: 0.35,
+  zoom: 1 };
+// what the whole takes at speed 1
+const seconds = Math.max(4, Math.min(20, scene.paths[0].t.length / 30));
 
 // the last row at or before t
 function row(times, t) {
@@ -109,7 +112,8 @@ function drawTrails(g, path, frame, see) {
     if (path.points > 12 && point < path.points) continue;
     g.strokeStyle = colour(point - 1);
     for (let piece = 0; piece < 4; piece++) { // older pieces are paler
-      const a = from + Math.floor((frame - from) * piece / 4), b = from + Math.floor((frame - from) * (piece + 1) / 4);
+      const a = from + Math.floor((frame - from) * piece / 4);
+      const b = from + Math.floor((frame - from) * (piece + 1) / 4);
       g.globalAlpha = 0.2 + 0.2 * piece;
       g.beginPath();
       for (let i = a; i <= b; i++) {
@@ -206,7 +210,8 @@ function digits(y) {
 }
 
 function drawPlot(plot) {
-  const g = clear(plot.canvas), w = plot.canvas.clientWidth - LEFT - 10, h = plot.canvas.clientHeight - TOP - BOTTOM;
+  const g = clear(plot.canvas);
+  const w = plot.canvas.clientWidth - LEFT - 10, h = plot.canvas.clientHeight - TOP - BOTTOM;
   const [lo, hi] = plot.range;
   const across = t => LEFT + w * (t - first) / (last - first || 1);
   const up = y => TOP + h * (1 - 0.08 - 0.84 * (y - lo) / (hi - lo));
@@ -229,7 +234,8 @@ function drawPlot(plot) {
     g.lineWidth = 1.3;
     g.beginPath();
     for (let k = 0; k < line.t.length; k++) {
-      if (k === 0) g.moveTo(across(line.t[k]), up(line.y[k])); else g.lineTo(across(line.t[k]), up(line.y[k]));
+      const x = across(line.t[k]), y = up(line.y[k]);
+      if (k === 0) g.moveTo(x, y); else g.lineTo(x, y);
     }
     g.stroke();
   });
@@ -274,7 +280,8 @@ function play(on) {
 
 function showSpeed() {
   state.speed = Math.pow(2, Number(element("speed").value));
-  element("rate").textContent = (state.speed * (last - first) / seconds).toPrecision(3) + " of t a second";
+  const rate = state.speed * (last - first) / seconds;
+  element("rate").textContent = rate.toPrecision(3) + " of t a second";
 }
 
 let before = null;
@@ -331,10 +338,16 @@ function open() {
     });
   }
   element("play").addEventListener("click", () => play(!state.playing));
-  element("scrub").addEventListener("input", e => { play(false); go(first + Number(e.target.value) * (last - first)); });
+  element("scrub").addEventListener("input", e => {
+    play(false);
+    go(first + Number(e.target.value) * (last - first));
+  });
   element("speed").addEventListener("input", showSpeed);
   element("trail").value = last > first ? Math.min(1, state.trail / (last - first)) : 0;
-  element("trail").addEventListener("input", e => { state.trail = Number(e.target.value) * (last - first); drawAll(); });
+  element("trail").addEventListener("input", e => {
+    state.trail = Number(e.target.value) * (last - first);
+    drawAll();
+  });
   window.addEventListener("keydown", watchKeys);
   window.addEventListener("resize", drawAll);
   showSpeed();
