@@ -75,7 +75,7 @@ The largest difference of two paths at the times that both have, for every colum
 "energy" too. worst, column, t: of all of them.]]
 
 M.compare = blame.caller(function(a, b, options)
-  if not is_path(a) or not is_path(b) then fail "takes two paths" end
+  if not is_path(a) or not is_path(b) then fail "takes two paths, a and b" end
   options = opts.check(options or {}, { "columns" }, WHERE)
   local rows, t = common_rows(a, b)
   if #rows == 0 then fail "the paths have no times in common" end

@@ -253,7 +253,7 @@ raises("there is no column 'nu'", function() bottom:series("nu", "energy") end)
 raises("x0 must be a point of the shape space: 1 number (got something else)", function() D:psi({ "a" }, 1) end)
 raises("entry 1 is", function() shape:magnetic_momentum(1, 0 / 0) end)
 raises("the loop must give a shape, 1 number (got 2)", function() shape:holonomy(function() return { 1, 2 } end) end)
-raises("dm.compare takes two paths", function() dm.compare(dm.R(2), dm.vector { 1 }) end)
+raises("dm.compare: takes two paths", function() dm.compare(dm.R(2), dm.vector { 1 }) end)
 for _, what in ipairs { "connection", "curvature", "amended_potential" } do  -- both masses on the axis
   raises(what .. ": there is no value at the shape {0, 0}", function()
     local pair = system(3, function(q, v) return (q[2] ^ 2 * v[1] ^ 2 + q[3] ^ 2 * (v[1] + v[2]) ^ 2 + v[2] ^ 2 + v[3] ^ 2) / 2 end):routh { cyclic = 1, mu = 1 }

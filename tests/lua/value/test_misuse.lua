@@ -122,7 +122,7 @@ tap.raises("there are rows 1 to 1", limits.limit, limits, 77)
 tap.raises("give the start as q and v, or as q and p", turning.tangent, turning, { steps = 3 })
 tap.raises("give the start as q and v, or as q and p", turning.symplecticity, turning, {})
 tap.raises("function expected, got table", dm.vector({ 1 }).map, dm.vector { 1 }, {})
-tap.raises("dm.pretty: options are a table", dm.pretty, 1, 2)
+tap.raises("dm.pretty: takes a table of options", dm.pretty, 1, 2)
 tap.raises("dm.discrete_lagrangian expected", dm.discrete_lagrangian(orbit, { rule = "midpoint", h = 0.1 }).order, { q = { 1 }, v = { 0 } })
 
 -- what is set, or not there
