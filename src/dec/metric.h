@@ -1,0 +1,51 @@
+/* metric.h - volumes and signed dual volumes of a complex, from squared edge lengths alone (Leok
+ * 3.3, 3.4). Points only serve to make the lengths, so a mesh of points and one of lengths have
+ * the same numbers, and n-dimensional meshes may lie in any space or in none.
+ *
+ * Dual volumes follow flags of centres: for a face F of G = F + w the centre of G lies
+ * lambda_w(G) height_w above F, height_w = (k + 1) |G| / |F| for F of degree k, and
+ *   |*F in S| = sum over w of lambda_w height_w |*(F + w) in S| / (n - k),   |*S| = 1
+ * inside each top cell S. With circumcentres lambda may be negative and so may a dual volume; the
+ * supports |F| |*F| / C(n, k) still add up to |K| for every k. */
+#ifndef DM_METRIC_H
+#define DM_METRIC_H
+
+#include "dec/complex.h"
+
+typedef enum { DM_CIRCUMCENTRES, DM_BARYCENTRES } dm_centres;
+
+typedef struct {
+    double *length2;                  /* [count[1]]: squares of lengths */
+    double *volume[DM_DIMENSION + 1]; /* [count[k]]; of vertices 1 */
+    double *dual[DM_DIMENSION + 1];   /* [count[k]]: of the dual cell, of degree n - k, signed */
+    dm_centres centres;
+} dm_metric;
+
+/* One top cell: volumes, barycentric coordinates of the centres and shares of dual volumes of all
+ * its faces. A face is a set of its n + 1 vertices, bit j for vertex j. */
+enum { DM_FACES = 1 << (DM_DIMENSION + 1) };
+typedef struct {
+    uint32_t n;
+    double length2[DM_DIMENSION + 1][DM_DIMENSION + 1];
+    double volume[DM_FACES];
+    double share[DM_FACES]; /* |*face in the cell| */
+} dm_cell_metric;
+
+/* length2[count[1]] of points[count[0]][N]. */
+void dm_metric_lengths(double *length2, const dm_complex *K, const double *points, uint32_t N);
+
+/* All volumes and duals. DM_SINGULAR: a cell whose volume is imaginary, or so small beside its longest
+ * edge that lengths in doubles cannot tell it from flat; *degree and *cell say which. Cells of other than top degree that lie in no
+ * top cell have a dual volume of 0. */
+dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
+                          const double *length2, dm_centres centres, uint32_t *degree,
+                          uint32_t *cell);
+
+/* The same of one top cell, for what needs shares (flat, sharp, divergence, contraction). */
+void dm_metric_cell(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
+                    uint32_t top);
+
+/* The number of the face of top cell `top` whose vertices are the bits of `set`. */
+uint32_t dm_metric_face(const dm_complex *K, uint32_t top, uint32_t set);
+
+#endif
