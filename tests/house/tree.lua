@@ -161,11 +161,11 @@ local function draw(top, n, arrows)
         asks[#asks + 1] = called(to, top) .. (back and "*" or "")
       end
       local short = name == top and top or name:match "[^/]+$"
-      local row = ("%-26s %5d   "):format(("  "):rep(depth) .. short, n[name])
+      local row = ("%-26s %5d  "):format(("  "):rep(depth) .. short, n[name])
       local width = 34
       for _, word in ipairs(asks) do
-        if width + #word > 98 then row, width = row .. "\n" .. (" "):rep(35), 35 end
-        row, width = row .. word .. " ", width + #word + 1
+        if width + #word > 98 then row, width = row .. "\n" .. (" "):rep(34), 34 end
+        row, width = row .. " " .. word, width + #word + 1
       end
       print((row:gsub("%s+$", "")))
     end
