@@ -7,7 +7,7 @@ floors.src = {
   "base", "numbers", "linalg", "linalg/solve", "graph", "algebra",
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
   "geom", "geom/action", "chain", "mech", "dec",
-  -- kept free: dec, field
+  -- kept free: field
   "integ/method", "integ/split", "integ/constrained", "integ/stage/sweep", "integ/stage/lanes", "integ/stage",
   "integ/rules", "integ/curve", "integ",
   -- kept free: integ/lie, integ/sem (below integ)
