@@ -15,6 +15,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_gln = {
+    .kit = "gln",
     .name = "GL",
     .signature = "GL(n)",
     .doc = "Regular n x n matrices. The algebra has all matrices, row by row. They act "

@@ -18,6 +18,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_heisenberg = {
+    .kit = "heisenberg",
     .name = "Heisenberg",
     .signature = "Heisenberg(n)",
     .doc = "The Heisenberg group of n pairs (1 when left out), of dimension 2n + 1: "

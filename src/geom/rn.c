@@ -15,6 +15,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_rn = {
+    .kit = "rn",
     .name = "R",
     .signature = "R(n)",
     .doc = "Euclidean space R^n. As a group it acts on blocks of n coordinates by "

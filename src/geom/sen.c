@@ -17,6 +17,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_sen = {
+    .kit = "sen",
     .name = "SE",
     .signature = "SE(n)",
     .doc = "Rigid motions of R^n, n >= 2: x -> R x + a. Elements of SE(2) are (x, y, "

@@ -17,6 +17,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_sln = {
+    .kit = "sln",
     .name = "SL",
     .signature = "SL(n)",
     .doc = "Matrices n x n of determinant 1, n >= 2. The algebra has the matrices of "

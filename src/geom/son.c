@@ -29,6 +29,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_son = {
+    .kit = "son",
     .name = "SO",
     .signature = "SO(n)",
     .doc = "Rotations of R^n, n >= 2, of dimension n(n-1)/2. They act on blocks of n "

@@ -16,6 +16,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_sphere = {
+    .kit = "sphere",
     .name = "S",
     .signature = "S(n)",
     .doc = "Sphere S^n of unit vectors of R^(n+1): a manifold that groups act on. A "

@@ -33,6 +33,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_spn = {
+    .kit = "spn",
     .name = "Sp",
     .signature = "Sp(n)",
     .doc = "Symplectic n x n matrices, n = 2k: g^T J g = J for x = (q, p) with k entries "

@@ -15,6 +15,7 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 const dm_space dm_space_torus = {
+    .kit = "torus",
     .name = "T",
     .signature = "T(n)",
     .doc = "Torus T^n of n angles in rad. Paths keep the angles unwrapped, so that "

@@ -55,7 +55,7 @@ end
 -- R^4 may be meant as two points of R^2: says so, where the group acts on such points
 local function on_parts(options)
   local n = options.on.dimension
-  if options.on.name ~= "R" then return "" end
+  if not groups.kit(options.on).euclidean then return "" end
   for k = 2, n do
     local part = n % k == 0 and core.R(n // k)
     if part and require "dm.action.standard".find(options.group, part, points.coordinates, options.map) then
@@ -82,7 +82,7 @@ local function assemble(given)
   local action = { group = given.group, on = given.on, map = given.map, side = given.side or "left", domain = given.domain,
     name = given.name, dimension = points.coordinates(given.on), points = given.points, count = given.points, base = given.base, kind = given.kind,
     generator_by = given.generator_by }
-  action.angles = points.angles(given.on, {}, 0)
+  action.angles = groups.kit(given.on).angles
   return setmetatable(action, class)
 end
 M.assemble = assemble
@@ -94,7 +94,7 @@ local function try_map(action)
   local fine, message = pcall(image, action, kit.identity(), z)
   if fine or type(message) ~= "string" then return end
   error(("%s; map(g, z) gets g in %s, %s, and z, a vector of %d number%s, and returns such a vector"):format(message, name,
-    require "dm.group.shape".of(kit, name), action.dimension, action.dimension == 1 and "" or "s"), 0)
+    require "dm.group.form".of(kit), action.dimension, action.dimension == 1 and "" or "s"), 0)
 end
 
 local doc_action = [[

@@ -9,34 +9,13 @@ local abs = math.abs
 
 ---- spaces that are acted on: points are vectors ----
 
-local VECTORS = { R = true, T = true, S = true, Heisenberg = true }
-
 --- Numbers of a point of the space.
 function M.coordinates(space)
   local kit = groups.kit(space)
-  if space.name == "product" then
-    local sum = 0
-    for _, part in ipairs(space.parts) do sum = sum + M.coordinates(part) end
-    return sum
-  end
-  if VECTORS[space.name] or (space.n == 2 and (space.name == "SE" or space.name == "SO")) then return kit.coordinates end
+  if kit.vectors then return kit.coordinates end
+  for _, part in ipairs(kit.parts and space.parts or {}) do M.coordinates(part) end
   error(("dm.action: the points of %s are no vectors: let the group act on the entries, in dm.R(%d)")
     :format(tostring(space), #kit.entries(kit.identity())), 0)
-end
-
--- which coordinates are angles
-local function angles(space, out, first)
-  if space.name == "product" then
-    for _, part in ipairs(space.parts) do
-      angles(part, out, first)
-      first = first + M.coordinates(part)
-    end
-  elseif space.name == "T" then
-    for i = 1, space.n do out[first + i] = true end
-  elseif space.name == "SO" or space.name == "SE" then
-    out[first + M.coordinates(space)] = true
-  end
-  return out
 end
 
 --- A random point of the space as a vector.
@@ -94,7 +73,7 @@ local function show(x)
 end
 M.show = show
 
-M.image, M.is_inside, M.moved, M.angles, M.size = image, is_inside, moved, angles, size_of
+M.image, M.is_inside, M.moved, M.size = image, is_inside, moved, size_of
 
 -- the numbers of the points of a list, or of the rows of a matrix, one after the other
 local function joined(list)

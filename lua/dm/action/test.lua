@@ -4,52 +4,18 @@ local actions = require "dm.action"
 local axioms = require "dm.action.axioms"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
+local linear = require "dm.base.linear"
 local points = require "dm.action.points"
 
 local M = {}
 
 local abs, sqrt, max = math.abs, math.sqrt, math.max
 
----- rank of the generators, by singular values ----
-
-local SWEEPS, SMALL = 60, 1e-15
-
--- one rotation of the columns a, b of both lists that makes those of U orthogonal; the cosine of their angle before
-local function rotate(U, V, a, b)
-  local alpha, beta, gamma = U[a]:dot(U[a]), U[b]:dot(U[b]), U[a]:dot(U[b])
-  local cosine = abs(gamma) / sqrt(max(alpha * beta, 1e-300))
-  if cosine <= SMALL or gamma == 0 then return 0 end
-  local zeta = (beta - alpha) / (2 * gamma)
-  local t = (zeta >= 0 and 1 or -1) / (abs(zeta) + sqrt(1 + zeta * zeta))
-  local c = 1 / sqrt(1 + t * t)
-  local s = c * t
-  U[a], U[b] = U[a] * c - U[b] * s, U[a] * s + U[b] * c
-  V[a], V[b] = V[a] * c - V[b] * s, V[a] * s + V[b] * c
-  return cosine
-end
-
---- Singular values of a matrix and the vectors that they belong to, by one-sided Jacobi rotations (Hestenes): lists, with
--- |A V_k| = s_k.
-function M.singular(matrix)
-  local U, V, n = {}, {}, matrix.columns
-  for k = 1, n do U[k], V[k] = matrix:column(k), kits.unit(n, k) end
-  for _ = 1, SWEEPS do
-    local worst = 0
-    for a = 1, n do
-      for b = a + 1, n do worst = max(worst, rotate(U, V, a, b)) end
-    end
-    if worst <= SMALL then break end
-  end
-  local values = {}
-  for k = 1, n do values[k] = U[k]:norm() end
-  return values, V
-end
-
 local RANK = 1e-10
 
 -- the vectors of the algebra that do not move z
 local function stabilizer(action, z)
-  local values, vectors = M.singular(action:generator(z))
+  local values, vectors = linear.singular_values(action:generator(z))
   local largest, basis = 0, {}
   for _, s in ipairs(values) do largest = max(largest, s) end
   for k, s in ipairs(values) do

@@ -1,9 +1,76 @@
---- Small linear systems of numbers or symbols alike: what is eliminated from a Lagrangian has the
--- size of the group.
+--- Small linear algebra in Lua: systems of numbers or symbols alike (what is eliminated from a
+-- Lagrangian has the size of the group), choices of rows, singular values, eigenvectors, and what
+-- is asked of a dm.matrix.
+local core = require "dm.core"
+
 local M = {}
 
--- rows of A in the order in which elimination has the largest pivots for the numbers in A; nothing
--- where it is singular
+local abs, max, sqrt = math.abs, math.max, math.sqrt
+
+---- lists and matrices ----
+
+--- The unit vector k of n entries.
+function M.unit(n, k)
+  local out = {}
+  for i = 1, n do out[i] = i == k and 1 or 0 end
+  return core.vector(out)
+end
+
+--- The matrix of a linear map f on vectors of n entries.
+function M.matrix_of(f, n)
+  local columns = {}
+  for k = 1, n do columns[k] = f(M.unit(n, k)) end
+  return M.fill(n, n, function(i, j) return columns[j][i] end)
+end
+
+--- Are all entries of a plain numbers?
+function M.is_plain(a)
+  for i = 1, a.rows do
+    for j = 1, a.columns do
+      if type(a[i][j]) ~= "number" then return false end
+    end
+  end
+  return true
+end
+
+--- Largest row sum of |a_ij|, numbers only.
+function M.size(a)
+  local largest = 0
+  for i = 1, a.rows do
+    local row, sum = a[i], 0
+    for j = 1, a.columns do sum = sum + abs(row[j]) end
+    if not (sum <= largest) and largest == largest then largest = sum end
+  end
+  return largest
+end
+
+--- The matrix with the entry f(i, j).
+function M.fill(rows, columns, f)
+  local out = {}
+  for i = 1, rows do
+    local row = {}
+    for j = 1, columns do row[j] = f(i, j) end
+    out[i] = row
+  end
+  return core.matrix(out)
+end
+
+--- Largest |a_ij|.
+function M.largest(a)
+  local most = 0
+  for i = 1, a.rows do
+    for j = 1, a.columns do
+      local x = abs(a[i][j])
+      if not (x <= most) and most == most then most = x end
+    end
+  end
+  return most
+end
+
+---- systems ----
+
+--- The rows of A in the order in which elimination has the largest pivots, for numbers; nothing
+-- where A is singular.
 function M.order(A)
   local m, rows, order = #A, {}, {}
   for i = 1, m do
@@ -11,13 +78,13 @@ function M.order(A)
     for k = 1, m do rows[i][k] = A[i][k] end
   end
   local size = 0
-  for i = 1, m do for k = 1, m do size = math.max(size, math.abs(rows[i][k])) end end
+  for i = 1, m do for k = 1, m do size = max(size, abs(rows[i][k])) end end
   for c = 1, m do
     local best = c
     for i = c + 1, m do
-      if math.abs(rows[i][c]) > math.abs(rows[best][c]) then best = i end
+      if abs(rows[i][c]) > abs(rows[best][c]) then best = i end
     end
-    if not (math.abs(rows[best][c]) > 1e-14 * size) then return nil end
+    if not (abs(rows[best][c]) > 1e-14 * size) then return nil end
     rows[c], rows[best], order[c], order[best] = rows[best], rows[c], order[best], order[c]
     for i = c + 1, m do
       local factor = rows[i][c] / rows[c][c]
@@ -63,6 +130,31 @@ function M.solution(A, b)
   return order and M.solve(A, { b }, order)[1]
 end
 
+--- Which `count` rows are far from dependent, by elimination with the largest pivot of all, and
+-- which are left: lists of their places. Nothing, and how many there are, where every pivot is at
+-- most `least` (0).
+function M.choose_rows(rows, count, least)
+  local A, taken = {}, {}
+  for i, row in ipairs(rows) do A[i] = { table.unpack(row) } end
+  for step = 1, count do
+    local most, at, column = least or 0, nil, nil
+    for i, row in ipairs(A) do
+      for j = 1, taken[i] and 0 or #row do
+        if abs(row[j]) > most then most, at, column = abs(row[j]), i, j end
+      end
+    end
+    if not at then return nil, step - 1 end
+    taken[at] = true
+    for i, row in ipairs(A) do
+      local factor = not taken[i] and row[column] / A[at][column] or 0
+      for j = 1, taken[i] and 0 or #row do row[j] = row[j] - factor * A[at][j] end
+    end
+  end
+  local chosen, others = {}, {}
+  for i = 1, #rows do table.insert(taken[i] and chosen or others, i) end
+  return chosen, others
+end
+
 ---- positive definite ----
 
 -- entries other than zero that row i has among those of `order` from k on
@@ -91,10 +183,10 @@ function M.diagonal_order(A)
     end
     order[k], order[best] = order[best], order[k]
     local p = order[k]
-    if not (rows[p][p] > 1e-14 * math.abs(A[p][p])) then return nil end
+    if not (rows[p][p] > 1e-14 * abs(A[p][p])) then return nil end
     for r = k + 1, m do
       local i, factor = order[r], rows[order[r]][p] / rows[p][p]
-      if factor ~= 0 then depth[i] = math.max(depth[i], depth[p] + 1) end
+      if factor ~= 0 then depth[i] = max(depth[i], depth[p] + 1) end
       for c = k + 1, m do rows[i][order[c]] = rows[i][order[c]] - factor * rows[p][order[c]] end
     end
   end
@@ -117,7 +209,7 @@ function M.solve_definite(A, b, order)
   for i = 1, m do
     x[i], upper[i] = b[i], { table.unpack(A[i]) }
   end
-  local function at(i, j) return upper[math.min(i, j)], math.max(i, j) end
+  local function at(i, j) return upper[math.min(i, j)], max(i, j) end
   for k = 1, m do
     local p = order[k]
     inverse[p] = 1 / upper[p][p]
@@ -142,6 +234,83 @@ function M.solve_definite(A, b, order)
     x[p] = x[p] * inverse[p]
   end
   return x
+end
+
+---- singular values and eigenvectors ----
+
+local SWEEPS, SMALL = 60, 1e-15
+
+-- one rotation of the columns a, b of both lists that makes those of U orthogonal; the cosine of
+-- their angle before
+local function rotate(U, V, a, b)
+  local alpha, beta, gamma = U[a]:dot(U[a]), U[b]:dot(U[b]), U[a]:dot(U[b])
+  local cosine = abs(gamma) / sqrt(max(alpha * beta, 1e-300))
+  if cosine <= SMALL or gamma == 0 then return 0 end
+  local zeta = (beta - alpha) / (2 * gamma)
+  local t = (zeta >= 0 and 1 or -1) / (abs(zeta) + sqrt(1 + zeta * zeta))
+  local c = 1 / sqrt(1 + t * t)
+  local s = c * t
+  U[a], U[b] = U[a] * c - U[b] * s, U[a] * s + U[b] * c
+  V[a], V[b] = V[a] * c - V[b] * s, V[a] * s + V[b] * c
+  return cosine
+end
+
+--- Singular values of a matrix and the vectors that they belong to, by one-sided rotations of
+-- Jacobi (Hestenes): lists, with |A V_k| = s_k.
+function M.singular_values(matrix)
+  local U, V, n = {}, {}, matrix.columns
+  for k = 1, n do U[k], V[k] = matrix:column(k), M.unit(n, k) end
+  for _ = 1, SWEEPS do
+    local worst = 0
+    for a = 1, n do
+      for b = a + 1, n do worst = max(worst, rotate(U, V, a, b)) end
+    end
+    if worst <= SMALL then break end
+  end
+  local values = {}
+  for k = 1, n do values[k] = U[k]:norm() end
+  return values, V
+end
+
+-- one rotation in the plane (p, q) that makes A[p][q] zero; A rows and columns, V columns (as rows
+-- of the list)
+local function turn(A, V, p, q)
+  local n, zeta = #A, (A[q][q] - A[p][p]) / (2 * A[p][q])
+  local t = (zeta >= 0 and 1 or -1) / (abs(zeta) + sqrt(1 + zeta * zeta))
+  local c = 1 / sqrt(1 + t * t)
+  local s = c * t
+  for k = 1, n do
+    local x, y = A[k][p], A[k][q]
+    A[k][p], A[k][q] = c * x - s * y, s * x + c * y
+  end
+  for k = 1, n do
+    local x, y = A[p][k], A[q][k]
+    A[p][k], A[q][k] = c * x - s * y, s * x + c * y
+    x, y = V[p][k], V[q][k]
+    V[p][k], V[q][k] = c * x - s * y, s * x + c * y
+  end
+end
+
+--- Eigenvalues of a symmetric matrix (a table of rows, overwritten) by rotations of Jacobi,
+-- ascending, and unit eigenvectors.
+function M.symmetric(A)
+  local n, V = #A, core.identity(#A):totable()
+  for _ = 1, 40 do
+    local off, size = 0, 0
+    for p = 1, n do
+      size = max(size, abs(A[p][p]))
+      for q = p + 1, n do
+        off = max(off, abs(A[p][q]))
+        if abs(A[p][q]) > 1e-300 then turn(A, V, p, q) end
+      end
+    end
+    if off <= 1e-17 * size then break end
+  end
+  local order, values, vectors = {}, {}, {}
+  for k = 1, n do order[k] = k end
+  table.sort(order, function(a, b) return A[a][a] < A[b][b] or A[a][a] == A[b][b] and a < b end)
+  for k, i in ipairs(order) do values[k], vectors[k] = A[i][i], core.vector(V[i]) end
+  return values, vectors
 end
 
 return M

@@ -1,6 +1,7 @@
 --- Is a moving frame one? Its defining properties at random points.
 local core = require "dm.core"
-local linear = require "dm.frame.linear"
+local points = require "dm.frame.points"
+local tangent = require "dm.frame.tangent"
 
 local M = {}
 
@@ -44,7 +45,7 @@ local function is_tame(frame, list)
   local F = require "dm.frame"
   local g = F.element(frame, list)
   local there = F.moved(frame, g, list)
-  local _, condition = linear.transversality(frame, there)
+  local _, condition = tangent.transversality(frame, there)
   for _, z in ipairs(there) do
     for j = 1, #z do
       if not (abs(z[j]) < 20) then return end
@@ -56,7 +57,7 @@ end
 -- the defects of one sample of k + 1 points; nothing where there is no frame, or an ill one
 local function sample(frame, seed)
   local F = require "dm.frame"
-  local list, next_number = linear.sample(frame, seed, frame.k + 1), linear.stream(seed + 1000)
+  local list, next_number = points.sample(frame, seed, frame.k + 1), points.stream(seed + 1000)
   local g, there, condition = is_tame(frame, list)
   if not g then return end
   local h = element_near(frame, next_number)
@@ -64,7 +65,7 @@ local function sample(frame, seed)
   local g2, there2 = is_tame(frame, others)
   local _, P = pcall(is_tame, frame, { table.unpack(there, 2) })
   if not g2 then return end
-  local probe = linear.sample(frame, seed + 500, 2)
+  local probe = points.sample(frame, seed + 500, 2)
   local out = { condition = condition }
   -- rho(h z) h = rho(z), seen by what they do to points
   out.equivariance = defect(frame, F.moved(frame, g, probe), F.moved(frame, g2, F.moved(frame, h, probe)))
@@ -73,8 +74,8 @@ local function sample(frame, seed)
   local f, again = test_function(there), test_function(F.moved(frame, F.element(frame, there), there))
   out.replacement = abs(f - again) / (1 + abs(f))
   if P and type(P) ~= "string" then
-    local velocities = linear.sample(frame, seed + 700, #list)
-    local fine, s = pcall(linear.syzygies, frame, list, velocities)
+    local velocities = points.sample(frame, seed + 700, #list)
+    local fine, s = pcall(tangent.syzygies, frame, list, velocities)
     if fine then out.shift, out.derivative = s.shift / 20, s.derivative / 20 end
   end
   return out

@@ -8,7 +8,7 @@ local groups = require "dm.group"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.frame.linear"
+local tangent = require "dm.frame.tangent"
 local points = require "dm.frame.points"
 local text = require "dm.frame.text"
 
@@ -50,7 +50,7 @@ end
 
 -- Z of a list of k points as a list of numbers
 local function section(self, list)
-  return linear.entries(self.cross_section(table.unpack(list, 1, self.k)))
+  return points.entries(self.cross_section(table.unpack(list, 1, self.k)))
 end
 
 M.point, M.points_of, M.flat, M.split, M.list, M.moved, M.section = point, points_of, flat, split, points.list, moved, section
@@ -94,7 +94,7 @@ end
 
 -- as many equations as dimensions, at a point that is not special
 local function check_section(self)
-  local list = linear.sample(self, 1)
+  local list = points.sample(self, 1)
   debug.getregistry().dm_forget()
   local fine, value = pcall(section, self, list)
   if fine and #value == 0 then
@@ -115,7 +115,7 @@ end
 -- the branch condition at a list of points: a number that must be > 0, or several
 local function branch_values(self, list)
   if not self.branch then return {} end
-  return linear.entries(self.branch(table.unpack(list, 1, self.k)))
+  return points.entries(self.branch(table.unpack(list, 1, self.k)))
 end
 
 local function least(values)
@@ -128,16 +128,16 @@ end
 -- is not enough (SO(4), SL(3)), elements that are spread over the group, always the same
 local TURNS, SPREAD = { 1.6, -1.6, 3.1, 0.7, -0.7, -2.4, 2.4 }, 8
 local function beginnings(G, r)
-  local out = { linear.entries(G:flat(G:identity())) }
+  local out = { points.entries(G:flat(G:identity())) }
   for _, angle in ipairs(TURNS) do
     for j = 1, r do
       local xi = {}
       for i = 1, r do xi[i] = i == j and angle or 0 end
-      out[#out + 1] = linear.entries(G:flat(G:exp(core.vector(xi))))
+      out[#out + 1] = points.entries(G:flat(G:exp(core.vector(xi))))
     end
   end
   local stream = core.random(5)
-  for i = 1, r > 3 and SPREAD or 0 do out[#out + 1] = linear.entries(G:flat(G:random(stream, i, 1))) end
+  for i = 1, r > 3 and SPREAD or 0 do out[#out + 1] = points.entries(G:flat(G:random(stream, i, 1))) end
   return out
 end
 
@@ -146,7 +146,7 @@ local function start_of(self, start)
   local G, k, m = self.group, self.k, self.m
   if start == nil then return beginnings(G, self.r) end
   if type(start) ~= "function" then return start end
-  return function(z) return linear.entries(G:flat(start(table.unpack(split(z, k, m))))) end
+  return function(z) return points.entries(G:flat(start(table.unpack(split(z, k, m))))) end
 end
 
 -- the root y(z) of Z(g(y) z) = 0, bonds(y) = 0
@@ -158,7 +158,7 @@ local function solved(self, start)
     name = text.name(self), start = begin, failure = text.advice,
     equations = function(y, z)
       local out = section(self, at(y, z))
-      for _, bond in ipairs(linear.entries(G:bonds(y))) do out[#out + 1] = bond end
+      for _, bond in ipairs(points.entries(G:bonds(y))) do out[#out + 1] = bond end
       return out
     end,
     branch = self.branch and function(y, z) return least(branch_values(self, at(y, z))) end or nil,
@@ -172,7 +172,7 @@ local SAMPLES = 12
 local function check_solution(self)
   local where, got, inverse
   for seed = 1, SAMPLES do
-    local list = linear.sample(self, seed)
+    local list = points.sample(self, seed)
     local fine, size, back = pcall(function()
       local g = groups.element(self.group, self.solution(table.unpack(list)))
       local function off(h)
@@ -207,7 +207,7 @@ M.moving_frame = blame.caller(function(o)
     r = action.group.dimension, cross_section = o.cross_section, branch = o.branch, solution = o.solution,
     name = o.name, invariants_named = o.invariants }, class)
   check_section(self)
-  linear.check_orbits(self)
+  tangent.check_orbits(self)
   if self.solution then check_solution(self) else self.root = solved(self, o.start) end
   return self
 end)
@@ -216,7 +216,7 @@ end)
 
 -- the error for points that have no frame
 local function no_frame(self, list, why)
-  local fine, _, condition = pcall(linear.transversality, self, list)
+  local fine, _, condition = pcall(tangent.transversality, self, list)
   error(text.no_frame(self, list, fine and condition or math.huge, why), 0)
 end
 
@@ -229,13 +229,13 @@ local function verify(self, g, list)
   for _, b in ipairs(branch_values(self, there)) do
     if not (b > 0) then no_frame(self, list, "the branch condition does not hold") end
   end
-  local _, condition = linear.transversality(self, there)
-  if not (condition < linear.CONDITION) then no_frame(self, list) end
+  local _, condition = tangent.transversality(self, there)
+  if not (condition < tangent.CONDITION) then no_frame(self, list) end
 end
 
 local function element(self, list)
   local k = self.k
-  if linear.symbolic(list) then
+  if points.symbolic(list) then
     if self.solution then return self.solution(table.unpack(list, 1, k)) end
     return self.group:unflat(self.root(flat({ table.unpack(list, 1, k) })))
   end
@@ -341,9 +341,9 @@ end, doc_invariantize)
 ---- what belongs to the linear algebra of frames ----
 
 method("transversality", function(self, ...)
-  return linear.transversality(self, points_of(self, listed(self, ...), self.k))
-end, linear.docs.transversality)
-method("tangent", function(self, ...) return linear.tangent(self, points_of(self, listed(self, ...), self.k)) end, linear.docs.tangent)
+  return tangent.transversality(self, points_of(self, listed(self, ...), self.k))
+end, tangent.docs.transversality)
+method("tangent", function(self, ...) return tangent.tangent(self, points_of(self, listed(self, ...), self.k)) end, tangent.docs.tangent)
 method("correction", function(self, ...)
   local given = listed(self, ...)
   if #given == self.k then
@@ -353,21 +353,21 @@ method("correction", function(self, ...)
   local z = points_of(self, given, self.k + 1)
   local there = moved(self, element(self, z), z)
   return element(self, { table.unpack(there, 2, self.k + 1) })
-end, linear.docs.correction)
+end, tangent.docs.correction)
 method("derivative_correction", function(self, points, velocities)
   local z = points_of(self, points, self.k)
-  local C, changes, there = linear.derivative_correction(self, z, points_of(self, velocities, #z))
+  local C, changes, there = tangent.derivative_correction(self, z, points_of(self, velocities, #z))
   return C, core.result(changes), core.result(there)
-end, linear.docs.derivative_correction)
+end, tangent.docs.derivative_correction)
 method("syzygies", function(self, points, velocities)
   local z = points_of(self, points, self.k + 1)
-  return linear.syzygies(self, z, velocities and points_of(self, velocities, #z))
-end, linear.docs.syzygies)
+  return tangent.syzygies(self, z, velocities and points_of(self, velocities, #z))
+end, tangent.docs.syzygies)
 method("phantom", function(self, count)
   count = count or self.k
   if not math.tointeger(count) or count < 1 or count > 100 then error("rho:phantom: the number of points must be a whole number from 1 to 100", 0) end
-  return core.result(linear.phantom(self, count))
-end, linear.docs.phantom)
+  return core.result(tangent.phantom(self, count))
+end, tangent.docs.phantom)
 
 package.loaded["dm.frame"] = M
 local check = require "dm.frame.check"

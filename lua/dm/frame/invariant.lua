@@ -5,7 +5,8 @@ local boundary = require "dm.frame.invariant_boundary"
 local core = require "dm.core"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
-local linear = require "dm.frame.linear"
+local points = require "dm.frame.points"
+local tangent = require "dm.frame.tangent"
 local windows = require "dm.frame.invariant_windows"
 local stability = require "dm.frame.invariant_stability"
 local starts = require "dm.frame.invariant_start"
@@ -64,7 +65,7 @@ local function left_action(p)
   end
   function p.rho(list) return element(frames.element(p.frame, windows.for_frame(p, list))) end
   function p.generator(z) return right and action:generator(z) * -1 or action:generator(z) end
-  p.flat_size = #linear.entries(G:flat(G:identity()))
+  p.flat_size = #points.entries(G:flat(G:identity()))
   p.motion = core.derivative(function(y, z) return p.act(G:unflat(y), z):map(function(w) return 1 + w end) end, p.flat_size, p.d)
 end
 
@@ -72,7 +73,7 @@ end
 local function reach_of_section(frame)
   local reach = 1
   for seed = 1, 3 do
-    local J = linear.section_slope(frame, linear.sample(frame, seed))
+    local J = tangent.section_slope(frame, points.sample(frame, seed))
     for i = 1, frame.r do
       for j = 1, frame.k * frame.m do
         if J[i][j] ~= 0 then reach = math.max(reach, (j - 1) // frame.m + 1) end
@@ -86,7 +87,7 @@ end
 local function reach_of(p, c)
   local reach, seen = 0, 0
   for seed = 1, 60 do
-    local fine, _, J = pcall(windows.slopes_apart, p, linear.sample(p.frame, seed, p.N))
+    local fine, _, J = pcall(windows.slopes_apart, p, points.sample(p.frame, seed, p.N))
     if fine then
       seen = seen + 1
       for i = 1, c do
@@ -130,14 +131,14 @@ local function functions_of_windows(p, o)
   function p.lagrangian(list) return o.L(p.invariants_of(list)) end
   p.slope = when_wanted(function(x) return p.lagrangian(windowed(x)) end, p.N * p.d)
   if not o.constraint then return end
-  function p.phi(list) return linear.entries(o.constraint(p.invariants_of(list))) end
+  function p.phi(list) return points.entries(o.constraint(p.invariants_of(list))) end
   for seed = 1, 60 do
-    local fine, value = pcall(p.phi, linear.sample(p.frame, seed, p.N))
+    local fine, value = pcall(p.phi, points.sample(p.frame, seed, p.N))
     if fine then p.constraints = #value break end
   end
-  if p.constraints == 0 then error("dm.invariant_problem: the constraint fails at all random points: " .. tostring(select(2, pcall(p.phi, linear.sample(p.frame, 1, p.N)))), 0) end
+  if p.constraints == 0 then error("dm.invariant_problem: the constraint fails at all random points: " .. tostring(select(2, pcall(p.phi, points.sample(p.frame, 1, p.N)))), 0) end
   p.phi_slope = when_wanted(function(x) return core.vector(p.phi(windowed(x))) end, p.N * p.d)
-  p.bare_phi_slope = core.derivative(function(x) return core.vector(linear.entries(o.constraint(with_names(windowed(x))))) end, p.N * p.d)
+  p.bare_phi_slope = core.derivative(function(x) return core.vector(points.entries(o.constraint(with_names(windowed(x))))) end, p.N * p.d)
   p.reach = reach_of(p, p.constraints)
   if p.reach == 0 then error("dm.invariant_problem: the constraint does not depend on the points", 0) end
 end
@@ -170,7 +171,7 @@ end
 -- every number of a point must be free to vary
 local function check_space(p)
   local kit = require "dm.group".kit(p.action.on)
-  if kit.bonds and #linear.entries(kit.bonds(linear.sample(p.frame, 1)[1])) > 0 then
+  if kit.bonds and #points.entries(kit.bonds(points.sample(p.frame, 1)[1])) > 0 then
     error(("dm.invariant_problem: the %d numbers of a point of %s are not independent: let the group act on dm.R(%d) and give the rest as a constraint, for a sphere function(I) return I[1]:dot(I[1]) - 1 end")
       :format(p.d, tostring(p.action.on), p.d), 0)
   end
@@ -191,7 +192,7 @@ M.invariant_problem = blame.caller(function(o)
   left_action(p)
   functions_of_windows(p, o)
   p.may_reduce = p.N - 1 >= p.k and (p.N - 1) * p.d >= p.r
-  p.fixed = linear.phantom(frame, math.max(p.N - 1, p.k))
+  p.fixed = tangent.phantom(frame, math.max(p.N - 1, p.k))
   function p.section_points()
     local out = {}
     for i = 1, p.N - 1 do

@@ -15,7 +15,7 @@
 -- The unknown is not the next point but how far it lies from where the last two lead, and what the section fixes stands as a number in the
 -- graph: with points h apart, differences of order h^3 keep all their digits.
 local core = require "dm.core"
-local linear = require "dm.frame.linear"
+local points = require "dm.frame.points"
 local windows = require "dm.frame.invariant_windows"
 
 local M = {}
@@ -82,9 +82,9 @@ local function renewed(p, step, values, list)
   local U = window_of(p, layout, y)
   local window = p.move(P, list)
   local g = p.group:compose(P, p.group:unflat(layout:get(y, "g")))
-  values.U, values.g = numbers(window), linear.entries(p.group:flat(g))
-  values.u = linear.entries(p.act(p.group:inverse(g), window[1]))
-  values.x1, values.x2 = linear.entries(x), layout:get(y, "x1")
+  values.U, values.g = numbers(window), points.entries(p.group:flat(g))
+  values.u = points.entries(p.act(p.group:inverse(g), window[1]))
+  values.x1, values.x2 = points.entries(x), layout:get(y, "x1")
   local all = part(U, p.window - p.N + 2, p.N - 1)
   all[p.N] = unknowns(p, U, x)
   values.I = p.named(all)
@@ -116,7 +116,7 @@ local function inside_of(p, layout)
     local U = window_of(p, layout, y)
     local list = part(U, p.window - p.N + 2, p.N - 1)
     list[p.N] = unknowns(p, U, x)
-    return linear.entries(p.inside(p.invariants_of(list)))
+    return points.entries(p.inside(p.invariants_of(list)))
   end
 end
 
@@ -176,31 +176,6 @@ end
 
 ---- the form of momenta ----
 
---- r rows of psi that are far from dependent, by elimination with pivots, and the others.
-function M.choose_rows(rows, r)
-  local A, taken = {}, {}
-  for i = 1, #rows do A[i] = { table.unpack(rows[i]) } end
-  for step = 1, r do
-    local best, at, column = 0, nil, nil
-    for i = 1, #A do
-      for j = 1, r do
-        if not taken[i] and math.abs(A[i][j]) > best then best, at, column = math.abs(A[i][j]), i, j end
-      end
-    end
-    if not at then return nil, step - 1 end
-    taken[at] = true
-    for i = 1, #A do
-      if not taken[i] then
-        local f = A[i][column] / A[at][column]
-        for j = 1, r do A[i][j] = A[i][j] - f * A[at][j] end
-      end
-    end
-  end
-  local pivots, others = {}, {}
-  for i = 1, #rows do table.insert(taken[i] and pivots or others, i) end
-  return pivots, others
-end
-
 -- the covectors from J and the entries kept beside it: psi_P^T m_P = J - psi_S^T m_S
 local function covectors(p, window, J, kept)
   local psi, m, right, A = psi_rows(p, window), {}, {}, {}
@@ -217,7 +192,7 @@ end
 
 -- covectors seen after the points moved by P: (T Psi_P)^-T m = (T Psi_{P^-1} at the new points)^T m
 local function carried(p, P, window, m)
-  local inverse, out = linear.entries(p.group:flat(p.group:inverse(P))), {}
+  local inverse, out = points.entries(p.group:flat(p.group:inverse(P))), {}
   for j, z in ipairs(window) do
     if m[j] then
       local D, v = p.motion(core.vector(inverse), z), {}
@@ -238,7 +213,7 @@ local function coadjoint(p, P, J)
   for j = 1, p.r do
     local xi = {}
     for i = 1, p.r do xi[i] = i == j and 1 or 0 end
-    local eta = linear.entries(p.group:Ad(inverse, core.vector(xi)))
+    local eta = points.entries(p.group:Ad(inverse, core.vector(xi)))
     out[j] = 0
     for i = 1, p.r do out[j] = out[j] + J[i] * eta[i] end
   end

@@ -7,7 +7,8 @@
 local core = require "dm.core"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
-local linear = require "dm.frame.linear"
+local points = require "dm.frame.points"
+local tangent = require "dm.frame.tangent"
 local windows = require "dm.frame.invariant_windows"
 local starts = require "dm.frame.invariant_start"
 
@@ -65,7 +66,7 @@ end
 -- directions of the core that keep the window on the section
 local function tangents(p, form, y, places)
   local window = windows.blocks(form.layout:get(y, "U"), p.window, p.d)
-  local J = linear.section_slope(p.frame, windows.for_frame(p, window))
+  local J = tangent.section_slope(p.frame, windows.for_frame(p, window))
   local given, out = {}, {}
   -- the section looks at its first points only
   for i = 1, p.r do

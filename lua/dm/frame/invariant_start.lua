@@ -1,8 +1,9 @@
 --- Starts of invariant problems: the first state y from given points, or from a frame and a momentum.
 local core = require "dm.core"
+local linear = require "dm.base.linear"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
-local linear = require "dm.frame.linear"
+local points = require "dm.frame.points"
 local windows = require "dm.frame.invariant_windows"
 
 local M = {}
@@ -14,7 +15,7 @@ local part = windows.part
 -- the shortest x with the least |A x - b|, by singular values
 local function least_squares(A, b)
   local m, x = core.matrix(A), core.zeros(#A[1])
-  local values, vectors = require "dm.action.test".singular(m)
+  local values, vectors = linear.singular_values(m)
   local most = math.max(table.unpack(values))
   for k, v in ipairs(vectors) do
     if values[k] > 1e-9 * most then x = x + v * ((m * v):dot(core.vector(b)) / values[k] ^ 2) end
@@ -39,7 +40,7 @@ local function multipliers(p, list, given)
   if c == 0 then return out end
   local last = #list - N + 1 -- the last site with a window of L
   if given then
-    for k, mu in ipairs(given) do out[last - #given + k] = type(mu) == "number" and { mu } or linear.entries(mu) end
+    for k, mu in ipairs(given) do out[last - #given + k] = type(mu) == "number" and { mu } or points.entries(mu) end
     return out
   end
   local first_site = N - p.reach + 1
@@ -109,8 +110,8 @@ local function begin(p, window, g)
   end
   local named = {}
   for i = 1, #p.names do named[i] = 0 end
-  return { U = windows.numbers(window), g = linear.entries(p.group:flat(g)), x1 = x, x2 = x, I = named,
-    u = linear.entries(p.act(p.group:inverse(g), window[1])) }
+  return { U = windows.numbers(window), g = points.entries(p.group:flat(g)), x1 = x, x2 = x, I = named,
+    u = points.entries(p.act(p.group:inverse(g), window[1])) }
 end
 
 -- a guess of the next normalized point by what the last site found
@@ -121,7 +122,7 @@ local function better_guess(p, values, list, mu)
   end)
   if not fine or #list <= p.window then return end
   local found = table.remove(seen)
-  local x = linear.entries(found - windows.ahead(seen))
+  local x = points.entries(found - windows.ahead(seen))
   local known = mu[#list - p.N + 1]
   for i = 1, p.constraints do x[p.d + i] = known and known[i] or 0 end
   values.x1, values.x2 = x, x
@@ -130,7 +131,7 @@ end
 -- the choice of entries kept beside J needs a window
 local function choose(p, window)
   if not p.may_reduce then return end
-  p.pivots, p.others = equations.choose_rows(windows.psi_rows(p, window), p.r)
+  p.pivots, p.others = linear.choose_rows(windows.psi_rows(p, window), p.r)
   p.reduced = p.pivots ~= nil
 end
 M.choose = choose
@@ -183,7 +184,7 @@ function M.from_momentum(p, o)
   choose(p, there)
   if not p.reduced then error("the generators are dependent at the section: this problem starts from points", 0) end
   local values = begin(p, there, g)
-  local J = linear.entries(o.momentum or o.body_momentum)
+  local J = points.entries(o.momentum or o.body_momentum)
   if #J ~= p.r then error(("a momentum has dim G = %d entries (got %d)"):format(p.r, #J), 0) end
   values.momentum = o.momentum and equations.coadjoint(p, g, J) or J
   return values, {}

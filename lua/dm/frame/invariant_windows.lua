@@ -1,7 +1,8 @@
 --- Windows of points of an invariant problem: slopes of L and of its constraint at them, on the section without the frame.
 local core = require "dm.core"
 local frames = require "dm.frame"
-local linear = require "dm.frame.linear"
+local points = require "dm.frame.points"
+local tangent = require "dm.frame.tangent"
 
 local M = {}
 
@@ -58,7 +59,7 @@ M.psi_rows = psi_rows
 -- Bogfjellmo's thm 3, without the frame. `rows` are numbers or symbols, a list for each function.
 local function projected(p, window, rows)
   local psi, known = psi_rows(p, window), p.k * p.d
-  local J = linear.section_slope(p.frame, M.for_frame(p, window))
+  local J = tangent.section_slope(p.frame, M.for_frame(p, window))
   local A = {}
   for i = 1, p.r do
     A[i] = {}
@@ -86,7 +87,7 @@ end
 
 -- a covector at the points moved by g, seen at the points themselves: (T Psi_g)^T
 local function pulled_back(p, g, window, row)
-  local y, out = core.vector(linear.entries(p.group:flat(g))), {}
+  local y, out = core.vector(points.entries(p.group:flat(g))), {}
   for j, z in ipairs(window) do
     local D = p.motion(y, z)
     for a = 1, p.d do
@@ -101,7 +102,7 @@ end
 -- (D L)(window), and that of every constraint; numbers go by way of the section, symbols through the graph of the frame
 local function slopes_apart(p, window, on_section)
   local z, rows = frames.flat(window), {}
-  if not on_section and linear.symbolic(window) then return p.slope(z), p.constraints > 0 and p.phi_slope(z) end
+  if not on_section and points.symbolic(window) then return p.slope(z), p.constraints > 0 and p.phi_slope(z) end
   if not on_section then
     local g = p.rho(window)
     local first, others = slopes_apart(p, p.move(g, window), true)

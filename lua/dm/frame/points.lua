@@ -1,6 +1,7 @@
 --- Points as a caller gives them, as lists of vectors.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
+local places = require "dm.action.points"
 
 local M = {}
 
@@ -45,6 +46,47 @@ function M.list(given, d, what)
   if class ~= "table" and class ~= "dm.matrix" and class ~= "dm.vector" then error(what, 0) end
   local out = {}
   for i, z in ipairs(unstacked(given, d)) do out[i] = point(z, d, "point " .. i) end
+  return out
+end
+
+--- a number, a table or a vector as a list; also what a function returns as several values
+function M.entries(value, ...)
+  if select("#", ...) > 0 then return { value, ... } end
+  if type(value) == "table" then return { table.unpack(value) } end
+  local fine, count = pcall(function() return #value end)
+  if not fine or type(value) == "string" then return { value } end
+  local out = {}
+  for i = 1, count do out[i] = value[i] end
+  return out
+end
+
+function M.symbolic(list)
+  for _, z in ipairs(list) do
+    for i = 1, #z do
+      if type(z[i]) ~= "number" then return true end
+    end
+  end
+  return false
+end
+
+-- numbers between -1 and 1 without a pattern, the same in every run
+local function stream(seed)
+  local state = seed * 7919 + 12345
+  return function()
+    state = (state * 1103515245 + 12345) % 2147483648
+    return 2 * state / 2147483648 - 1
+  end
+end
+M.stream = stream
+
+--- Points of sample `seed`, `count` of them (default: those of the frame), on the space of the action.
+function M.sample(frame, seed, count)
+  local source, out = core.random(7), {}
+  for i = 1, count or frame.k do
+    local z = places.sample_point(frame.action.on, source, 64 * seed + i)
+    for j = 1, #z do z[j] = z[j] + 0 end
+    out[i] = z
+  end
   return out
 end
 

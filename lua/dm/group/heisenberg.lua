@@ -1,8 +1,9 @@
 --- Heisenberg(n): (x, y, z), x and y of n entries, with (a, b, c)(x, y, z) = (a + x, b + y, c + z + (a . y - b . x)/2): in these
 -- coordinates exp is the identity.
+local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.group.linear"
+local linear = require "dm.base.linear"
 
 local M = {}
 
@@ -37,7 +38,7 @@ end
 
 function M.kit(n)
   local r = 2 * n + 1
-  local kit = { dimension = r, exp = core.vector, log = core.vector, cayley = core.vector, cayleyinv = core.vector }
+  local kit = { dimension = r, vectors = true, exp = core.vector, log = core.vector, cayley = core.vector, cayleyinv = core.vector }
   function kit.identity() return core.zeros(r) end
   function kit.element(g) return kits.vector(g, r, "the group element") end
   kit.raw = kit.element
@@ -45,6 +46,7 @@ function M.kit(n)
   function kit.inverse(g) return -g end
   function kit.Ad(g, xi) return lifted(xi, area(g, xi, n)) end
   function kit.ad(xi, eta) return lifted(core.zeros(r), area(xi, eta, n)) end
+  kit.acts = { translation = acts.translation(kit) }
   -- ad^2 = 0: exp and the Cayley map agree
   function kit.dexp(xi, eta) return lifted(eta, 0.5 * area(xi, eta, n)) end
   function kit.dexpinv(xi, eta) return lifted(eta, -0.5 * area(xi, eta, n)) end

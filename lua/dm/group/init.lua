@@ -5,33 +5,6 @@ local kits = require "dm.group.kit"
 
 local M = {}
 
--- name of a row of geom/spaces.def -> how its kit is made
-local makers = {
-  R = function(n) return require "dm.group.rn".kit(n) end,
-  T = function(n) return require "dm.group.so2".torus(n) end,
-  S = function(n) return require "dm.group.sphere".kit(n) end,
-  SE = function(n) return n == 2 and require "dm.group.se2".kit() or require "dm.group.se".kit(n) end,
-  GL = function(n) return require "dm.group.linear_groups".gl(n) end,
-  SL = function(n) return require "dm.group.linear_groups".sl(n) end,
-  Sp = function(n) return require "dm.group.linear_groups".sp(n) end,
-  Heisenberg = function(n) return require "dm.group.heisenberg".kit(n) end,
-}
-function makers.SO(n)
-  if n == 2 then return require "dm.group.so2".kit() end
-  return n == 3 and require "dm.group.so3".kit() or require "dm.group.so".kit(n)
-end
-function makers.product(_, space)
-  local parts = {}
-  for k, part in ipairs(space.parts) do parts[k] = M.kit(part) end
-  return require "dm.group.product".kit(parts)
-end
-function makers.semidirect(_, space)
-  local G, V = space.parts[1], space.parts[2]
-  local part = M.kit(G)
-  if part.manifold then error(("dm.semidirect: %s is a manifold, not a group"):format(tostring(G)), 0) end
-  return require "dm.group.semidirect".kit(part, M.kit(V), space.representation, tostring(G))
-end
-
 -- raises where G.exp(xi) was written for G:exp(xi)
 local function check_space(space)
   if kits.class_of(space) ~= "dm.space" then
@@ -39,20 +12,8 @@ local function check_space(space)
   end
 end
 
-local of_space, of_name = setmetatable({}, { __mode = "k" }), {}
-
 --- The kit of a space: the table of its functions, for elements that are known to be right.
-function M.kit(space)
-  if of_space[space] then return of_space[space] end
-  local name = not space.parts and tostring(space)
-  local kit = name and of_name[name]
-  if not kit then
-    kit = makers[space.name](space.n, space)
-    if name then of_name[name] = kit end
-  end
-  of_space[space] = kit
-  return kit
-end
+M.kit = kits.of
 
 -- the action of a semidirect product is looked at when it is made, not at its first use
 local semidirect = core.semidirect
@@ -77,7 +38,7 @@ local LOOSE = 1e-6  -- how far a matrix may be from its group: what products dri
 -- what an element of this space looks like, behind a message; nothing for manifolds, whose points are vectors
 local function looks(kit, space)
   if kit.manifold then return "" end
-  return ("; an element of %s is %s"):format(tostring(space), require "dm.group.shape".of(kit, tostring(space)))
+  return ("; an element of %s is %s"):format(tostring(space), require "dm.group.form".of(kit))
 end
 
 -- an element; a matrix of numbers that is not on the group is an error

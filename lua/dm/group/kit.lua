@@ -1,11 +1,48 @@
---- What every group has in common. A kit is a table of functions of elements and algebra vectors that were checked; each
--- group's file gives its own closed forms, and `complete` derives what it left out.
+--- What every group has in common. A kit is a table of functions of elements and algebra vectors
+-- that were checked; each group's file gives its own closed forms, and `complete` derives what it
+-- left out. The facts of a group are fields of its kit:
+--   dimension, coordinates  of the algebra; how many flat coordinates an element has
+--   abelian                 do all elements commute?
+--   vectors                 are elements vectors (or one number), so that groups act on them?
+--   euclidean               are they R^n, whose coordinates may be cut into points of R^k?
+--   angles                  {[i] = true} for the flat coordinates that are angles
+--   form                    what an element looks like, in words
+--   acts                    its standard actions: acts[kind](m) gives map(g, z) on R^m, or nothing
+--   parts                   kits of the factors of a product
+--   manifold                true where it is none: a space without a product of its points
 local core = require "dm.core"
-local linear = require "dm.group.linear"
+local linear = require "dm.base.linear"
+local matrix_functions = require "dm.group.matrix_functions"
 
 local M = {}
 
 local abs = math.abs
+
+---- the kit of a space ----
+
+local of_space, of_name = setmetatable({}, { __mode = "k" }), {}
+
+--- The kit of a space, from the file in lua/dm/group that its row in geom/spaces.def names. Spaces
+-- with factors have one of their own, others share it by name.
+function M.of(space)
+  if of_space[space] then return of_space[space] end
+  local name = not space.parts and tostring(space)
+  local kit = name and of_name[name]
+  if not kit then
+    kit = require("dm.group." .. space.kit).kit(space.n, space)
+    if name then of_name[name] = kit end
+  end
+  of_space[space] = kit
+  return kit
+end
+
+--- Are all coordinates of the space angles?
+function M.are_angles(space)
+  local kit = M.of(space)
+  return #kit.angles == kit.coordinates
+end
+
+---- arguments ----
 
 local function class_of(x)
   if type(x) ~= "userdata" then return type(x) end
@@ -56,19 +93,6 @@ end
 --- Euclidean norm of a list, without underflow.
 function M.norm(list) return core.vector(list):norm() end
 
-function M.unit(n, k)
-  local out = {}
-  for i = 1, n do out[i] = i == k and 1 or 0 end
-  return core.vector(out)
-end
-
---- The matrix of a linear map on vectors of n entries.
-function M.matrix_of(f, n)
-  local columns = {}
-  for k = 1, n do columns[k] = f(M.unit(n, k)) end
-  return linear.fill(n, n, function(i, j) return columns[j][i] end)
-end
-
 --- n numbers, normal with that deviation, of place i of a dm.random.
 function M.normals(stream, i, n, deviation)
   local out = {}
@@ -105,15 +129,15 @@ end
 -- differential of exp and of the coadjoint action from ad and Ad
 local function differentials(kit)
   local r = kit.dimension
-  local function phi(xi) return linear.phi(M.matrix_of(function(eta) return kit.ad(xi, eta) end, r)) end
+  local function phi(xi) return matrix_functions.phi(linear.matrix_of(function(eta) return kit.ad(xi, eta) end, r)) end
   kit.dexp = kit.dexp or function(xi, eta) return phi(xi) * eta end
   kit.dexpinv = kit.dexpinv or function(xi, eta) return phi(xi):solve(eta) end
   kit.coAd = kit.coAd or function(g, mu)
     local inverse = kit.inverse(g)
-    return M.matrix_of(function(xi) return kit.Ad(inverse, xi) end, r):transpose() * mu
+    return linear.matrix_of(function(xi) return kit.Ad(inverse, xi) end, r):transpose() * mu
   end
   kit.coad = kit.coad or function(xi, mu)
-    return M.matrix_of(function(eta) return kit.ad(xi, eta) end, r):transpose() * mu
+    return linear.matrix_of(function(eta) return kit.ad(xi, eta) end, r):transpose() * mu
   end
 end
 
@@ -163,6 +187,8 @@ function M.complete(kit)
   kit.defect = kit.defect or function() return 0 end
   kit.from_matrix = kit.from_matrix or function(m) return m end
   kit.turns = kit.turns or function() return {} end
+  kit.angles, kit.acts = kit.angles or {}, kit.acts or {}
+  kit.form = kit.form or ("a vector of %d number%s"):format(kit.coordinates, kit.coordinates == 1 and "" or "s")
   kit.near = kit.near or kit.exp  -- touches exp at 0, for derivatives there
   kit.left = kit.compose
   function kit.right(g, h) return kit.compose(h, g) end

@@ -1,7 +1,8 @@
 --- Groups of n x n matrices: what they share, given hat, vee and what is special about them.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.group.linear"
+local linear = require "dm.base.linear"
+local matrix_functions = require "dm.group.matrix_functions"
 
 local M = {}
 
@@ -16,15 +17,24 @@ end
 -- Frobenius norm of a - b
 local function separation(a, b) return kits.norm(entries(a - b)) end
 
+--- Random elements as products of two exponentials.
+function M.from_exponentials(kit)
+  return function(stream, i)
+    return kit.compose(kit.exp(kits.normals(stream, i, kit.dimension, 0.7)),
+      kit.exp(kits.normals(stream, i + 2 ^ 31 | 0, kit.dimension, 0.7)))
+  end
+end
+
 --- Complete a kit of n x n matrices: elements are these matrices.
 function M.complete(kit, n)
+  kit.form = ("a matrix of %d x %d"):format(n, n)
   kit.identity = kit.identity or function() return core.identity(n) end
   kit.element = kit.element or function(g) return kits.matrix(g, n, "the group element") end
   kit.compose = kit.compose or function(a, b) return a * b end
   kit.inverse = kit.inverse or function(g) return g:inverse() end
-  kit.exp = kit.exp or function(xi) return linear.exp(kit.hat(xi)) end
+  kit.exp = kit.exp or function(xi) return matrix_functions.exp(kit.hat(xi)) end
   kit.near = function(xi) return core.identity(n) + kit.hat(xi) end
-  kit.log = kit.log or function(g) return kit.vee(linear.log(g)) end
+  kit.log = kit.log or function(g) return kit.vee(matrix_functions.log(g)) end
   kit.Ad = kit.Ad or function(g, xi) return kit.vee(g * kit.hat(xi) * kit.inverse(g)) end
   kit.ad = kit.ad or function(xi, eta)
     local x, y = kit.hat(xi), kit.hat(eta)

@@ -140,8 +140,6 @@ local function as_manifold(kit, parts)
   local counts = {}
   for k, part in ipairs(parts) do
     counts[k] = part.coordinates
-    kit.dimension, kit.coordinates = kit.dimension + part.dimension, kit.coordinates + part.coordinates
-    kit.manifold = kit.manifold or part.manifold
   end
   kit.element, kit.raw = element_of(parts, "element"), element_of(parts, "raw")
   concatenated(kit, parts, "flat", "unflat", counts)
@@ -187,8 +185,24 @@ local function as_manifold(kit, parts)
   end
 end
 
-function M.kit(parts)
-  local kit = { dimension = 0, coordinates = 0 }
+-- the facts of a product from those of its factors
+local function facts(kit, parts)
+  local forms = {}
+  kit.abelian, kit.vectors, kit.angles = true, true, {}
+  for k, part in ipairs(parts) do
+    for i in pairs(part.angles) do kit.angles[kit.coordinates + i] = true end
+    kit.dimension, kit.coordinates = kit.dimension + part.dimension, kit.coordinates + part.coordinates
+    kit.manifold = kit.manifold or part.manifold
+    kit.abelian, kit.vectors = kit.abelian and part.abelian, kit.vectors and part.vectors
+    forms[k] = part.form
+  end
+  kit.form = ("a list {%s}"):format(table.concat(forms, ", "))
+end
+
+--- The product of spaces with these kits.
+function M.of(parts)
+  local kit = { dimension = 0, coordinates = 0, parts = parts }
+  facts(kit, parts)
   as_manifold(kit, parts)
   local entry_counts = {}
   if kit.manifold then return kit end
@@ -204,6 +218,12 @@ function M.kit(parts)
   matrix_maps(kit, parts)
   kit.turns = function() return turns_of(parts) end
   return kits.complete(kit)
+end
+
+function M.kit(_, space)
+  local parts = {}
+  for k, part in ipairs(space.parts) do parts[k] = kits.of(part) end
+  return M.of(parts)
 end
 
 return M

@@ -1,14 +1,15 @@
 --- R(n): translations; elements are vectors.
+local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.group.linear"
+local linear = require "dm.base.linear"
 
 local M = {}
 
 local function first(_, eta) return eta end
 
 function M.kit(n)
-  local kit = { dimension = n, exp = core.vector, log = core.vector, cayley = core.vector, cayleyinv = core.vector,
+  local kit = { dimension = n, abelian = true, vectors = true, euclidean = true, exp = core.vector, log = core.vector, cayley = core.vector, cayleyinv = core.vector,
     Ad = first, coAd = first, dexp = first, dexpinv = first, dcay = first, dcayinv = first }
   function kit.identity() return core.zeros(n) end
   function kit.element(g) return kits.vector(g, n, "the group element") end
@@ -26,6 +27,7 @@ function M.kit(n)
   function kit.vee(m) return m:column(n + 1):slice(1, n) end
   kit.from_matrix = kit.vee
   kit.raw = kit.element
+  kit.acts = { translation = acts.translation(kit) }
   return kits.complete(kit)
 end
 

@@ -4,49 +4,11 @@
 -- is away from -1 the logarithm is x/sin x K, a smooth function of S times K. Near half turns, x = pi - s, it is pi J - asin(sin s)/sin s K:
 -- there J is found by pairing vectors, since K says little about it.
 local core = require "dm.core"
+local linear = require "dm.base.linear"
 
 local M = {}
 
 local abs, sqrt = math.abs, math.sqrt
-
--- one rotation in the plane (p, q) that makes A[p][q] zero; A rows and columns, V columns (as rows of the list)
-local function rotate(A, V, p, q)
-  local n, zeta = #A, (A[q][q] - A[p][p]) / (2 * A[p][q])
-  local t = (zeta >= 0 and 1 or -1) / (abs(zeta) + sqrt(1 + zeta * zeta))
-  local c = 1 / sqrt(1 + t * t)
-  local s = c * t
-  for k = 1, n do
-    local x, y = A[k][p], A[k][q]
-    A[k][p], A[k][q] = c * x - s * y, s * x + c * y
-  end
-  for k = 1, n do
-    local x, y = A[p][k], A[q][k]
-    A[p][k], A[q][k] = c * x - s * y, s * x + c * y
-    x, y = V[p][k], V[q][k]
-    V[p][k], V[q][k] = c * x - s * y, s * x + c * y
-  end
-end
-
---- Eigenvalues of a symmetric matrix (a table of rows, overwritten) by Jacobi's rotations, ascending, and unit eigenvectors.
-function M.symmetric(A)
-  local n, V = #A, core.identity(#A):totable()
-  for _ = 1, 40 do
-    local off, size = 0, 0
-    for p = 1, n do
-      size = math.max(size, abs(A[p][p]))
-      for q = p + 1, n do
-        off = math.max(off, abs(A[p][q]))
-        if abs(A[p][q]) > 1e-300 then rotate(A, V, p, q) end
-      end
-    end
-    if off <= 1e-17 * size then break end
-  end
-  local order, values, vectors = {}, {}, {}
-  for k = 1, n do order[k] = k end
-  table.sort(order, function(a, b) return A[a][a] < A[b][b] or A[a][a] == A[b][b] and a < b end)
-  for k, i in ipairs(order) do values[k], vectors[k] = A[i][i], core.vector(V[i]) end
-  return values, vectors
-end
 
 -- where to part the half turns from the rest: the middle of the largest gap of the cosines between -0.97 and -0.6
 local function threshold(cosines)
@@ -104,7 +66,7 @@ local function most_stretched(B, basis)
     square[a] = {}
     for c in ipairs(basis) do square[a][c] = images[a]:dot(images[c]) end
   end
-  local _, vectors = M.symmetric(square)
+  local _, vectors = linear.symmetric(square)
   local v = core.zeros(B.rows)
   for a, u in ipairs(basis) do v = v + u * vectors[#basis][a] end
   return v
@@ -143,7 +105,7 @@ local function of_half_turns(K, span)
       B[b][a] = -B[a][b]
     end
   end
-  local squares, vectors = M.symmetric((B:transpose() * B):totable())
+  local squares, vectors = linear.symmetric((B:transpose() * B):totable())
   local L = complex_structure(B) * math.pi
   for k, v in ipairs(vectors) do L = L - (B * v):outer(v) * asin_ratio(squares[k]) end
   local basis = core.matrix(span)
@@ -154,7 +116,7 @@ end
 function M.log(R)
   local transposed = R:transpose()
   local K = (R - transposed) * 0.5
-  local cosines, vectors = M.symmetric(((R + transposed) * 0.5):totable())
+  local cosines, vectors = linear.symmetric(((R + transposed) * 0.5):totable())
   local part, span, out = threshold(cosines), {}, core.zeros(R.rows, R.rows)
   for k, c in ipairs(cosines) do
     local v = vectors[k]

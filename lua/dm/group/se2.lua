@@ -1,4 +1,5 @@
 --- SE(2): (x, y, theta), the motion z -> R(theta) z + (x, y). Algebra: (u, v, omega), translations first.
+local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local smooth = require "dm.group.smooth"
@@ -82,7 +83,8 @@ local function matrix(g)
 end
 
 function M.kit()
-  local kit = { dimension = 3, compose = M.compose, inverse = M.inverse, exp = M.exp, log = M.log, Ad = M.Ad, ad = M.ad,
+  local kit = { dimension = 3, vectors = true, angles = { [3] = true },
+    form = "a vector of 3 numbers (x, y, theta)", compose = M.compose, inverse = M.inverse, exp = M.exp, log = M.log, Ad = M.Ad, ad = M.ad,
     dexp = M.dexp, dexpinv = M.dexpinv, matrix = matrix }
   function kit.identity() return core.zeros(3) end
   function kit.element(g) return kits.vector(g, 3, "the group element") end
@@ -94,6 +96,7 @@ function M.kit()
   function kit.sample(stream, i)
     return core.vector { stream:normal(i, 0), stream:normal(i, 1), stream:uniform(i, 2, -math.pi, math.pi) }
   end
+  kit.acts = { affine = acts.affine(kit, 2), translation = acts.translation(kit) }
   function kit.turns() return { core.vector { 0, 0, 2 * math.pi } } end
   return kits.complete(kit)
 end

@@ -1,7 +1,8 @@
 --- Semidirect products: lists {g, v} with (g, v)(h, w) = (g h, v + g w). Algebra: that of G, then V.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.group.linear"
+local linear = require "dm.base.linear"
+local matrix_functions = require "dm.group.matrix_functions"
 local product = require "dm.group.product"
 
 local M = {}
@@ -35,7 +36,7 @@ local function slopes(part, act, n)
   local r = part.dimension
   local slope = core.derivative(function(xi, v) return core.vector(act(part.exp(xi), v)) end, r, n)
   local columns = {}
-  for j = 1, n do columns[j] = slope(core.zeros(r), kits.unit(n, j)) end
+  for j = 1, n do columns[j] = slope(core.zeros(r), linear.unit(n, j)) end
   local out = {}
   for a = 1, r do out[a] = linear.fill(n, n, function(i, j) return columns[j][i][a] end) end
   return out
@@ -60,7 +61,7 @@ end
 
 local function algebra(kit, part, rate)
   local r = part.dimension
-  local function phi(x) return linear.phi(rate(x)) end
+  local function phi(x) return matrix_functions.phi(rate(x)) end
   function kit.exp(xi)
     local x, u = split(xi, r)
     return { part.exp(x), phi(x) * u }
@@ -100,9 +101,18 @@ local function matrix_maps(kit, part, n)
   kit.no_cayley = part.no_cayley
 end
 
---- part, space: kits of G and V; given: the action, or nil.
-function M.kit(part, space, given, name)
-  local n, r = space.dimension, part.dimension
+-- z -> g z + v of {g, v} on V
+local function affine(move, n)
+  return function(m)
+    if m == n then return function(g, z) return move(g[1], z) + g[2] end end
+  end
+end
+
+function M.kit(_, space)
+  local given, name = space.representation, tostring(space.parts[1])
+  local part, vectors = kits.of(space.parts[1]), kits.of(space.parts[2])
+  if part.manifold then error(("dm.semidirect: %s is a manifold, not a group"):format(name), 0) end
+  local n, r = vectors.dimension, part.dimension
   local act = given or matrix_action(part, n, name)
   check(part, act, n)
   local E = slopes(part, act, n)
@@ -112,7 +122,8 @@ function M.kit(part, space, given, name)
     return sum
   end
   local function move(g, v) return core.vector(act(g, v)) end
-  local kit = product.kit { part, space }
+  local kit = product.of { part, vectors }
+  kit.parts, kit.abelian, kit.vectors, kit.acts = nil, false, false, { affine = affine(move, n) }
   for _, key in ipairs { "Ad", "coAd", "coad", "dexp", "dexpinv", "cayley", "cayleyinv", "dcay", "dcayinv", "matrix", "hat", "vee",
     "left_tangent", "right_tangent", "distance", "from_matrix" } do
     kit[key] = nil

@@ -1,4 +1,5 @@
---- SO(2): angles in rad; and T(n), n of them.
+--- SO(2): angles in rad, and what n of them share, T(n).
+local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 
@@ -15,8 +16,8 @@ function M.principal(x)
   return y <= -pi and y + 2 * pi or y
 end
 
--- rotations of the planes (1, 2), (3, 4) ...
-local function rotations(angles)
+--- Rotations of the planes (1, 2), (3, 4) ...
+function M.rotations(angles)
   local n = #angles
   local out = core.zeros(2 * n, 2 * n):totable()
   for k = 1, n do
@@ -31,9 +32,10 @@ local function of_entries(f)
   return function(x) return core.vector(x):map(f) end
 end
 
--- what of a vector of angles is the same for one
-local function abelian(n)
-  local kit = { dimension = n }
+--- What of a vector of n angles is the same for one.
+function M.circles(n)
+  local kit = { dimension = n, abelian = true, vectors = true, angles = {} }
+  for k = 1, n do kit.angles[k] = true end
   kit.exp = core.vector
   kit.log = of_entries(M.principal)
   function kit.Ad(_, xi) return xi end
@@ -72,27 +74,28 @@ local function abelian(n)
   return kit
 end
 
---- T(n): vectors of angles.
-function M.torus(n)
-  local kit = abelian(n)
-  function kit.identity() return core.zeros(n) end
-  function kit.element(g) return kits.vector(g, n, "the group element") end
-  function kit.compose(a, b) return a + b end
-  function kit.inverse(g) return -g end
-  kit.matrix = rotations
-  kit.project = kit.log
-  kit.raw = kit.element
-  function kit.turns()
-    local out = {}
-    for k = 1, n do out[k] = kits.unit(n, k) * (2 * pi) end
-    return out
-  end
-  return kits.complete(kit)
+-- a turn of the entries i and i + 1 of the list z
+local function turned(theta, z, i)
+  local c, s, out = core.cos(theta), core.sin(theta), kits.list_of(z)
+  out[i], out[i + 1] = c * z[i] - s * z[i + 1], s * z[i] + c * z[i + 1]
+  return out
 end
+
+-- of the plane, and about the third axis of space
+local function linear(m)
+  if m ~= 2 and m ~= 3 then return nil end
+  return function(theta, z) return core.vector(turned(theta, z, 1)) end
+end
+
+-- of the last two coordinates of the sphere
+local stereographic = acts.stereographic(function(m)
+  return function(theta, Y) return turned(theta, Y, m) end
+end)
 
 --- SO(2): one angle, a bare number.
 function M.kit()
-  local kit = abelian(1)
+  local kit = M.circles(1)
+  kit.form, kit.acts = "a number, the angle", { linear = linear, stereographic = stereographic }
   local exp, log, cayley, sample = kit.exp, kit.log, kit.cayley, kit.sample
   function kit.identity() return 0 end
   function kit.element(g) return kits.scalar(g, "the group element") end
@@ -104,7 +107,7 @@ function M.kit()
   local cayleyinv = kit.cayleyinv
   function kit.cayleyinv(g) return cayleyinv { g } end
   function kit.sample(stream, i) return sample(stream, i)[1] end
-  function kit.matrix(g) return rotations { g } end
+  function kit.matrix(g) return M.rotations { g } end
   local from_matrix = kit.from_matrix
   function kit.from_matrix(m) return from_matrix(m)[1] end
   kit.project, kit.raw = M.principal, kit.element

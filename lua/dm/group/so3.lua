@@ -1,10 +1,10 @@
 --- SO(3): rotation matrices; flat coordinates are a unit quaternion (w, x, y, z), w >= 0.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.group.linear"
 local matrices = require "dm.group.matrices"
+local matrix_functions = require "dm.group.matrix_functions"
 local smooth = require "dm.group.smooth"
-local so = require "dm.group.so"
+local rotations = require "dm.group.son"
 
 local M = {}
 
@@ -94,8 +94,9 @@ end
 
 function M.kit()
   local kit = { dimension = 3, coordinates = 4, exp = M.exp, log = M.log, hat = M.hat, vee = M.vee, flat = M.quaternion,
-    unflat = M.rotation, bonds = M.norm_bond, sample = M.sample, project = linear.nearest_rotation }
+    unflat = M.rotation, bonds = M.norm_bond, sample = M.sample, project = matrix_functions.nearest_rotation }
   cayley_maps(kit)
+  kit.acts = rotations.acts(kit, 3)
   function kit.inverse(g) return g:transpose() end
   function kit.Ad(g, xi) return g * xi end
   function kit.ad(xi, eta) return xi:cross(eta) end
@@ -104,7 +105,7 @@ function M.kit()
   function kit.dexp(xi, eta) return M.dexp(xi) * eta end
   function kit.dexpinv(xi, eta) return M.dexpinv(xi) * eta end
   function kit.distance(a, b) return kits.norm(M.log(a:transpose() * b)) end
-  function kit.defect(g) return so.defect(g, 3) end
+  function kit.defect(g) return rotations.defect(g, 3) end
   return matrices.complete(kit, 3)
 end
 

@@ -46,7 +46,7 @@ local function aim(z, y)
 end
 
 function M.kit(n)
-  local kit = { dimension = n, coordinates = n + 1, manifold = true, entries = kits.list_of, rebuild = core.vector }
+  local kit = { dimension = n, coordinates = n + 1, manifold = true, vectors = true, angles = {}, form = "a unit vector", entries = kits.list_of, rebuild = core.vector }
   function kit.element(g) return kits.vector(g, n + 1, "the point") end
   kit.raw = kit.element
   kit.flat, kit.unflat = kit.entries, kit.rebuild

@@ -230,7 +230,7 @@ local function help_elements(space)
   end
   write(wrapped(("%s: a group of dimension %d. An element is %s; an element of its algebra is a "
     .. "vector of %d numbers."):format(tostring(space),
-    space.dimension, require "dm.group.shape".of(kit, tostring(space)), space.dimension),
+    space.dimension, require "dm.group.form".of(kit), space.dimension),
     text_width(), ""))
 end
 

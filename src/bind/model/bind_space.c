@@ -113,6 +113,8 @@ static int space_field(lua_State *L) {
         lua_pushinteger(L, s->n);
     else if (strcmp(key, "name") == 0)
         lua_pushstring(L, s->row->name);
+    else if (strcmp(key, "kit") == 0)
+        lua_pushstring(L, s->row->kit);
     else if (strcmp(key, "chart") == 0)
         lua_pushboolean(L, s->chart);
     else if (strcmp(key, "parts") == 0)

@@ -16,12 +16,14 @@ static void generator(double *out, const double *x, uint32_t n, uint32_t block, 
 }
 
 /* signature: what stands between the factors when they are shown */
-static const dm_space product_row = {.name = "product",
+static const dm_space product_row = {.kit = "product",
+                                     .name = "product",
                                      .signature = " x ",
                                      .dimension = dimension,
                                      .acts = acts,
                                      .generator = generator};
-static const dm_space semidirect_row = {.name = "semidirect",
+static const dm_space semidirect_row = {.kit = "semidirect",
+                                        .name = "semidirect",
                                         .signature = " |x ",
                                         .dimension = dimension,
                                         .acts = acts,

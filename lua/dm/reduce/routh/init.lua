@@ -5,6 +5,7 @@
 local blame = require "dm.base.blame"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 local option = require "dm.base.options"
@@ -218,7 +219,7 @@ end
 -- names, units and space of what is left
 local function describe(info, out)
   local full = info.full
-  out.Q = (full.Q.name == "T" and core.T or core.R)(info.d)
+  out.Q = (kits.are_angles(full.Q) and core.T or core.R)(info.d)
   local named = full.coordinates or info.ambient
   info.own = {} -- what columns of its paths are called
   for i, at in ipairs(info.shape) do info.own[i] = named and info.names[at] or "q" .. i end

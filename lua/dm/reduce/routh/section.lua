@@ -3,14 +3,13 @@
 -- is.
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local default_section = require "dm.reduce.routh.default_section"
 local lists = require "dm.base.lists"
 
 local M = {}
 
 local abs, max = math.abs, math.max
-
-local NOT_ABELIAN = { SO = true, SE = true, SL = true, GL = true, Sp = true, Heisenberg = true }
 
 -- the map of an action given as a function, or as a dm.action, and the dimension of its group
 local function read_action(options)
@@ -27,8 +26,7 @@ local function read_action(options)
       .. "moves q, or a dm.action", 0)
   end
   local group = action.group
-  local name = group and group.name
-  if NOT_ABELIAN[name] and not (name == "SO" and group.n == 2) then
+  if group and not kits.of(group).abelian then
     error(("option 'action': %s is not abelian, and Routh reduction is for abelian groups: give "
       .. "the action of a subgroup, such as the turns about "
       .. "one axis"):format(tostring(group)), 0)

@@ -2,6 +2,7 @@
 -- of a loop of shapes.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local kits = require "dm.group.kit"
 local integral = require "dm.reduce.run.integral"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
@@ -111,7 +112,7 @@ end)
 local function check_closed(shape, gap)
   local turned, rest = core.vector(gap), gap:norm()
   for j = 1, #gap do turned[j] = gap[j] - 2 * math.pi * math.floor(gap[j] / (2 * math.pi) + 0.5) end
-  if rest <= 1e-9 or shape.Q.name == "T" and turned:norm() <= 1e-9 then return end
+  if rest <= 1e-9 or kits.are_angles(shape.Q) and turned:norm() <= 1e-9 then return end
   error(("holonomy: the loop does not close: its ends are %.3g apart%s"):format(rest,
     turned:norm() <= 1e-9
       and ", whole turns; with Q = dm.T(n) coordinates are angles and a turn is a loop" or ""), 0)

@@ -1,61 +1,17 @@
 --- Matrix functions for the groups, over numbers, symbols and hyper-dual numbers: exponential and its differential, principal
 -- logarithm, nearest orthogonal and symplectic matrix.
 local core = require "dm.core"
+local linear = require "dm.base.linear"
 
 local M = {}
 
 local abs, ceil = math.abs, math.ceil
 
---- Are all entries of a plain numbers?
-function M.is_plain(a)
-  for i = 1, a.rows do
-    for j = 1, a.columns do
-      if type(a[i][j]) ~= "number" then return false end
-    end
-  end
-  return true
-end
-
---- Largest row sum of |a_ij|, numbers only.
-function M.size(a)
-  local largest = 0
-  for i = 1, a.rows do
-    local row, sum = a[i], 0
-    for j = 1, a.columns do sum = sum + abs(row[j]) end
-    if not (sum <= largest) and largest == largest then largest = sum end
-  end
-  return largest
-end
-
---- The matrix with the entry f(i, j).
-function M.fill(rows, columns, f)
-  local out = {}
-  for i = 1, rows do
-    local row = {}
-    for j = 1, columns do row[j] = f(i, j) end
-    out[i] = row
-  end
-  return core.matrix(out)
-end
-
---- Blocks {{A, B}, {C, D}} of one size as one matrix; 0 for a block of zeros.
-function M.blocks(given)
-  local n
-  for _, row in ipairs(given) do
-    for _, block in ipairs(row) do n = type(block) ~= "number" and block.rows or n end
-  end
-  return M.fill(n * #given, n * #given[1], function(i, j)
-    local block = given[(i - 1) // n + 1][(j - 1) // n + 1]
-    if type(block) == "number" then return 0 end
-    return block[(i - 1) % n + 1][(j - 1) % n + 1]
-  end)
-end
-
 -- halvings that bring the matrix below 1/2; of symbols, whose size is not known, so many that it may be up to 2^4 exactly
 local SYMBOL_HALVINGS = 5
 local function halvings(a)
-  if not M.is_plain(a) then return SYMBOL_HALVINGS end
-  local size = M.size(a)
+  if not linear.is_plain(a) then return SYMBOL_HALVINGS end
+  local size = linear.size(a)
   if not (size < 2 ^ 20) then error(("the exponential of a matrix of size %g is out of reach"):format(size), 0) end
   return size > 0.5 and ceil(math.log(2 * size, 2)) or 0
 end
@@ -114,7 +70,7 @@ local function square_root(a, steps)
   for k = 1, steps or 60 do
     local inverse = m:inverse()
     if not steps then
-      local distance = M.size(m - one)
+      local distance = linear.size(m - one)
       if distance < 1e-15 * a.rows then break end
       if distance > 1 and k > 1 then
         local scale = scale_of(m)
@@ -148,7 +104,7 @@ end
 -- x + log(exp(-x) a) to first order, where x is nearly log a; raises where it is not near enough
 local function corrected(x, a)
   local rest = M.exp(-x) * a - core.identity(a.rows)
-  local size = M.size(rest)
+  local size = linear.size(rest)
   if not (size < 1e-4) then
     error("the matrix has no principal logarithm to working precision: an eigenvalue is too near the negative axis", 0)
   end
@@ -162,12 +118,12 @@ local SYMBOL_STEPS = { 12, 7, 6 }
 -- near the negative axis.
 function M.log(a)
   local one = core.identity(a.rows)
-  if M.is_plain(a) then refuse_negative(a) end
+  if linear.is_plain(a) then refuse_negative(a) end
   local scale = scale_of(a)
   local root, shift = a * scale, one * core.log(scale)
-  if M.is_plain(a) then
+  if linear.is_plain(a) then
     local roots = 0
-    while M.size(root - one) > 0.15 do root, roots = square_root(root), roots + 1 end
+    while linear.size(root - one) > 0.15 do root, roots = square_root(root), roots + 1 end
     return corrected(near_log(root, 7) * 2.0 ^ roots - shift, a)
   end
   for _, steps in ipairs(SYMBOL_STEPS) do root = square_root(root, steps) end
@@ -178,7 +134,7 @@ local SYMBOL_AVERAGES = 9
 
 -- x -> (x + dual(x))/2 until it stays; the determinant is brought to 1 before each step but the last ones
 local function average(x, dual, what)
-  local plain = M.is_plain(x)
+  local plain = linear.is_plain(x)
   for i = 1, plain and 100 or SYMBOL_AVERAGES do
     if i < 5 then
       local fine, scale = pcall(scale_of, x)
@@ -188,7 +144,7 @@ local function average(x, dual, what)
     local fine, other = pcall(dual, x)
     if not fine then error(("there is no nearest %s matrix: %s"):format(what, other), 0) end
     local y = (x + other) * 0.5
-    if plain and M.size(y - x) <= 1e-15 * M.size(x) then return y end
+    if plain and linear.size(y - x) <= 1e-15 * linear.size(x) then return y end
     if plain and i == 100 then error(("no nearest %s matrix was found"):format(what), 0) end
     x = y
   end
@@ -197,7 +153,7 @@ end
 
 --- The nearest orthogonal matrix, of positive determinant (the polar factor).
 function M.nearest_rotation(a)
-  if M.is_plain(a) and not (a:det() > 0) then
+  if linear.is_plain(a) and not (a:det() > 0) then
     error(("there is no single nearest rotation: the determinant is %g, not positive"):format(a:det()), 0)
   end
   return average(a, function(x) return x:inverse():transpose() end, "orthogonal")
@@ -211,20 +167,7 @@ end
 --- J of R^(2k), x = (q, p).
 function M.symplectic_unit(n)
   local k = n // 2
-  return M.fill(n, n, function(i, j) return j == i + k and 1 or i == j + k and -1 or 0 end)
+  return linear.fill(n, n, function(i, j) return j == i + k and 1 or i == j + k and -1 or 0 end)
 end
-
---- Largest |a_ij|.
-function M.largest(a)
-  local most = 0
-  for i = 1, a.rows do
-    for j = 1, a.columns do
-      local x = abs(a[i][j])
-      if not (x <= most) and most == most then most = x end
-    end
-  end
-  return most
-end
-
 
 return M

@@ -1,11 +1,13 @@
---- SE(n), n >= 3: matrices {{R, a}, {0, 1}}. Algebra: n translations, then the rotations of SO(n). Flat coordinates: those of
--- R in SO(n), then a.
+--- SE(n): matrices {{R, a}, {0, 1}}, for n >= 3. Algebra: n translations, then the rotations of
+-- SO(n). Flat coordinates: those of R in SO(n), then a. SE(2), vectors, has a file of its own.
+local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.group.linear"
+local linear = require "dm.base.linear"
 local matrices = require "dm.group.matrices"
+local matrix_functions = require "dm.group.matrix_functions"
 local smooth = require "dm.group.smooth"
-local so = require "dm.group.so"
+local rotations = require "dm.group.son"
 local so3 = require "dm.group.so3"
 
 local M = {}
@@ -33,12 +35,13 @@ end
 -- what is the same in all dimensions; `turns` is the kit of SO(n)
 local function common(n, turns)
   local kit = { dimension = n + turns.dimension }
+  kit.acts = { affine = acts.affine(kit, n) }
   function kit.hat(xi)
-    local out = so.hat(xi, n, n + 1, n)
+    local out = rotations.hat(xi, n, n + 1, n)
     for i = 1, n do out[i][n + 1] = xi[i] end
     return core.matrix(out)
   end
-  function kit.vee(m) return core.vector(sequence(shift(m, n), so.vee(m, n))) end
+  function kit.vee(m) return core.vector(sequence(shift(m, n), rotations.vee(m, n))) end
   function kit.inverse(g)
     local R = rotation(g, n):transpose()
     return joined(R, -(R * shift(g, n)))
@@ -51,9 +54,9 @@ local function common(n, turns)
     return joined(turns.unflat(list), core.vector(a))
   end
   function kit.bonds(list) return turns.bonds(list) end
-  function kit.project(m) return joined(linear.nearest_rotation(rotation(m, n)), shift(m, n)) end
+  function kit.project(m) return joined(matrix_functions.nearest_rotation(rotation(m, n)), shift(m, n)) end
   function kit.defect(g)
-    local worst, why = so.defect(g, n)
+    local worst, why = rotations.defect(g, n)
     for j = 1, n + 1 do worst = math.max(worst, math.abs(g[n + 1][j] - (j > n and 1 or 0))) end
     return worst, why
   end
@@ -122,12 +125,13 @@ local function three()
 end
 
 function M.kit(n)
+  if n == 2 then return require "dm.group.se2".kit() end
   if n == 3 then return three() end
-  local turns = so.kit(n)
+  local turns = rotations.kit(n)
   local kit = common(n, turns)
   function kit.log(g)
     local omega = turns.log(rotation(g, n))
-    return core.vector(sequence(linear.phi(turns.hat(omega)):solve(shift(g, n)), omega))
+    return core.vector(sequence(matrix_functions.phi(turns.hat(omega)):solve(shift(g, n)), omega))
   end
   return matrices.complete(kit, n + 1)
 end

@@ -1,8 +1,11 @@
---- SO(n), n >= 4: rotation matrices; flat coordinates are their entries.
+--- SO(n), rotation matrices, whose flat coordinates are their entries for n >= 4; of SO(2), angles,
+-- and SO(3), quaternions, the kits have files of their own.
+local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
-local linear = require "dm.group.linear"
+local linear = require "dm.base.linear"
 local matrices = require "dm.group.matrices"
+local matrix_functions = require "dm.group.matrix_functions"
 
 local M = {}
 
@@ -118,7 +121,7 @@ end
 
 -- the logarithm of a rotation matrix; of numbers that are none it is an error.
 local function log_of(R, n)
-  if not linear.is_plain(R) then return linear.log(R) end
+  if not linear.is_plain(R) then return matrix_functions.log(R) end
   local defect, why = M.defect(R, n)
   if not (defect < 1e-6) then error(("the matrix is no rotation: %s"):format(why or ("off by %g"):format(defect)), 0) end
   return require "dm.group.rotation_log".log(R)
@@ -126,7 +129,7 @@ end
 
 -- angles of the planes of a rotation, each found twice among the eigenvalues
 local function angle_norm(R)
-  if not linear.is_plain(R) then return kits.norm(M.vee(linear.log(R), R.rows)) end
+  if not linear.is_plain(R) then return kits.norm(M.vee(matrix_functions.log(R), R.rows)) end
   local defect = M.defect(R, R.rows)
   if not (defect < 1e-6) then error(("the matrix a^T b is no rotation: off by %g"):format(defect), 0) end
   local re, im = R:eigenvalues()
@@ -135,8 +138,17 @@ local function angle_norm(R)
   return math.sqrt(sum / 2)
 end
 
-function M.kit(n)
+--- The standard actions of n x n rotations: on R^n, and on S^(n-1) seen from its pole.
+function M.acts(kit, n)
+  return { linear = acts.linear(kit, n), stereographic = acts.stereographic(function(m)
+    if m == n - 1 then return function(g, Y) return kit.matrix(g) * core.vector(Y) end end
+  end) }
+end
+
+--- SO(n) by its matrices, n >= 3.
+function M.general(n)
   local kit = { dimension = n * (n - 1) // 2 }
+  kit.acts = M.acts(kit, n)
   function kit.hat(xi) return core.matrix(M.hat(xi, n, n, 0)) end
   function kit.vee(m) return core.vector(M.vee(m, n)) end
   function kit.inverse(g) return g:transpose() end
@@ -144,11 +156,16 @@ function M.kit(n)
     return kit.vee(log_of(g, n))
   end
   function kit.bonds(list) return M.bonds(kit.rebuild(list), n) end
-  function kit.project(m) return linear.nearest_rotation(m) end
+  function kit.project(m) return matrix_functions.nearest_rotation(m) end
   function kit.defect(g) return M.defect(g, n) end
   function kit.sample(stream, i) return M.sample(n, stream, i) end
   function kit.distance(a, b) return angle_norm(a:transpose() * b) end
   return matrices.complete(kit, n)
+end
+
+function M.kit(n)
+  if n <= 3 then return require("dm.group.so" .. n).kit() end
+  return M.general(n)
 end
 
 return M

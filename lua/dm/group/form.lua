@@ -5,25 +5,12 @@ local M = {}
 
 local LONGEST = 60  -- characters of an example
 
--- names of the entries of groups whose elements are vectors
-local ENTRIES = { ["SE(2)"] = " (x, y, theta)" }
-
 -- an element as it is written in Lua
 local function written(g)
   if type(g) ~= "table" and kits.class_of(g) ~= "dm.vector" and kits.class_of(g) ~= "dm.matrix" then return ("%.6g"):format(g) end
   local out = {}
   for i = 1, #g do out[i] = written(g[i]) end
   return "{" .. table.concat(out, ", ") .. "}"
-end
-
-local function in_words(kit, g, name)
-  local class = kits.class_of(g)
-  if class == "number" then return "a number, the angle" end
-  if class == "dm.vector" then return ("a vector of %d number%s%s"):format(#g, #g == 1 and "" or "s", ENTRIES[name] or "") end
-  if class == "dm.matrix" then return ("a matrix of %d x %d"):format(g.rows, g.columns) end
-  local parts = {}
-  for k = 1, #g do parts[k] = in_words(kit, g[k]) end
-  return ("a list {%s}"):format(table.concat(parts, ", "))
 end
 
 -- G:exp of a small vector of the algebra
@@ -34,13 +21,12 @@ local function near_identity(kit)
 end
 
 --- "a matrix of 2 x 2, for instance {{1, 0}, {0, 1}} or G:exp{0.1}", of the kit of a group
-function M.of(kit, name)
-  local e = kit.identity()
-  local text, example, other = in_words(kit, e, name), written(e), near_identity(kit)
+function M.of(kit)
+  local example, other = written(kit.identity()), near_identity(kit)
   local short = #example <= LONGEST and example
   local long = #other <= LONGEST and other
   local both = short and long and short .. " or " .. long or short or long or "G:identity()"
-  return ("%s, for instance %s"):format(text, both)
+  return ("%s, for instance %s"):format(kit.form, both)
 end
 
 return M

@@ -3,51 +3,12 @@
 --   d/dx I_K = I_K,x + psi_K C,   C = -(J psi)^-1 J I_x                                         (thm 4)
 --   S(I) = P . I with the shifted points, P = rho(S z) rho(z)^-1 = rho(iota(S z))                (thm 12)
 local core = require "dm.core"
+local linear = require "dm.base.linear"
+local points = require "dm.frame.points"
 
 local M = { docs = {}, CONDITION = 1e10 } -- of J psi: beyond it the frame turns on round-off
 
 local abs, max = math.abs, math.max
-
---- a number, a table or a vector as a list; also what a function returns as several values
-function M.entries(value, ...)
-  if select("#", ...) > 0 then return { value, ... } end
-  if type(value) == "table" then return { table.unpack(value) } end
-  local fine, count = pcall(function() return #value end)
-  if not fine or type(value) == "string" then return { value } end
-  local out = {}
-  for i = 1, count do out[i] = value[i] end
-  return out
-end
-
-function M.symbolic(list)
-  for _, z in ipairs(list) do
-    for i = 1, #z do
-      if type(z[i]) ~= "number" then return true end
-    end
-  end
-  return false
-end
-
--- numbers between -1 and 1 without a pattern, the same in every run
-local function stream(seed)
-  local state = seed * 7919 + 12345
-  return function()
-    state = (state * 1103515245 + 12345) % 2147483648
-    return 2 * state / 2147483648 - 1
-  end
-end
-M.stream = stream
-
---- Points of sample `seed`, `count` of them (default: those of the frame), on the space of the action.
-function M.sample(frame, seed, count)
-  local source, out = core.random(7), {}
-  for i = 1, count or frame.k do
-    local z = require "dm.action.points".sample_point(frame.action.on, source, 64 * seed + i)
-    for j = 1, #z do z[j] = z[j] + 0 end
-    out[i] = z
-  end
-  return out
-end
 
 ---- J, psi, T Psi ----
 
@@ -94,10 +55,10 @@ end
 local function slope_of_action(frame)
   local G = frame.group
   if not frame.motion then
-    frame.width = #M.entries(G:flat(G:identity()))
+    frame.width = #points.entries(G:flat(G:identity()))
     frame.motion = core.derivative(function(y, z)
       local out = require "dm.action".move(frame.action, G:unflat(y), z)
-      return core.vector(M.entries(out))
+      return core.vector(points.entries(out))
     end, frame.width, frame.m)
   end
   return frame.motion
@@ -105,7 +66,7 @@ end
 
 -- T Psi_g at every point, a block each, applied to tangent vectors w (one for each point)
 local function push(frame, g, list, w)
-  local slope, y, out = slope_of_action(frame), core.vector(M.entries(frame.group:flat(g))), {}
+  local slope, y, out = slope_of_action(frame), core.vector(points.entries(frame.group:flat(g))), {}
   for i, z in ipairs(list) do
     local D, v = slope(y, z), {}
     for a = 1, frame.m do
@@ -143,25 +104,14 @@ function M.transversality(frame, list)
   return A, condition
 end
 
--- the dimension of the orbits at general points: the rank of psi, by elimination with the largest pivot.
+local RANK = 1e-9 -- of psi: pivots below it are round-off
+
+-- the dimension of the orbits at general points: the rank of psi
 local function orbit_dimension(frame)
-  local rows, rank = psi_at(frame, M.sample(frame, 1)):totable(), 0
-  for _ = 1, math.min(#rows, frame.r) do
-    local row, column, most = nil, nil, 1e-9
-    for i = rank + 1, #rows do
-      for j = 1, frame.r do
-        if abs(rows[i][j]) > most then row, column, most = i, j, abs(rows[i][j]) end
-      end
-    end
-    if not row then break end
-    rank = rank + 1
-    rows[rank], rows[row] = rows[row], rows[rank]
-    for i = rank + 1, #rows do
-      local factor = rows[i][column] / rows[rank][column]
-      for j = 1, frame.r do rows[i][j] = j == column and 0 or rows[i][j] - factor * rows[rank][j] end
-    end
-  end
-  return rank
+  local rows = psi_at(frame, points.sample(frame, 1)):totable()
+  local most = math.min(#rows, frame.r)
+  local chosen, rank = linear.choose_rows(rows, most, RANK)
+  return chosen and most or rank
 end
 
 local SAMPLES = 6  -- of general points; what is singular at all of them is singular everywhere
@@ -170,7 +120,7 @@ local SAMPLES = 6  -- of general points; what is singular at all of them is sing
 function M.check_orbits(frame)
   local enough, seen = frame.k * frame.m >= frame.r, 0
   for seed = 1, enough and SAMPLES or 0 do
-    local fine, _, condition = pcall(M.transversality, frame, M.sample(frame, seed))
+    local fine, _, condition = pcall(M.transversality, frame, points.sample(frame, seed))
     if fine and condition < M.CONDITION then return end
     seen = seen + (fine and 1 or 0)
   end
@@ -213,7 +163,7 @@ function M.phantom(frame, count)
   local out, values = {}, {}
   for seed = 1, 60 do
     local fine, list = pcall(function()
-      local z, F = M.sample(frame, seed, max(count, frame.k)), require "dm.frame"
+      local z, F = points.sample(frame, seed, max(count, frame.k)), require "dm.frame"
       -- again from the section, where the frame is the identity and rounds least
       for _ = 1, 2 do z = F.moved(frame, F.element(frame, z), z) end
       return z
