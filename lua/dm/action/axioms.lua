@@ -13,8 +13,9 @@ local POINTS, TRIES, TOLERANCE = 12, 240, 1e-9
 local SIZES = { 0.05, 0.3, 1 }
 
 local function broken(action, axiom, what, defect)
-  error(("dm.action%s: it is no %s action of %s: the axiom of %s fails: %s (they differ by %.3g)"):format(
-    action.name and " '" .. action.name .. "'" or "", action.side, tostring(action.group), axiom, what, defect), 0)
+  error(("dm.action%s: it is no %s action of %s: the axiom of %s fails: %s (they differ by %.3g)")
+    :format(action.name and " '" .. action.name .. "'" or "", action.side, tostring(action.group),
+      axiom, what, defect), 0)
 end
 
 -- 1 where all is fine; nothing where the point cannot be tested
@@ -24,13 +25,15 @@ local function check_identity(action, kit, z)
   if not w then return nil end
   local defect, scale = points.apart(action, w, z), 1 + size_of(z)
   if not (defect <= TOLERANCE * scale) then
-    broken(action, "identity", ("map(e, z) is not z at z = %s, e = %s"):format(show(z), show(neutral)), defect)
+    broken(action, "identity", ("map(e, z) is not z at z = %s, e = %s")
+      :format(show(z), show(neutral)), defect)
   end
   for _, turn in ipairs(kit.turns()) do
     w = moved(action, turn, z)
     defect = w and points.apart(action, w, z) or 0
     if not (defect <= TOLERANCE * scale) then
-      broken(action, "identity", ("a full turn, g = %s, moves z = %s"):format(show(turn), show(z)), defect)
+      broken(action, "identity", ("a full turn, g = %s, moves z = %s")
+        :format(show(turn), show(z)), defect)
     end
   end
   return 1
@@ -50,9 +53,11 @@ local function check_composition(action, kit, z, g, h)
     local other = moved(action, action.side == "left" and kit.compose(h, g) or kit.compose(g, h), z)
     local hint = ""
     if other and points.apart(action, twice, other) <= TOLERANCE * scale then
-      hint = (" (with side = \"%s\" it holds there)"):format(action.side == "left" and "right" or "left")
+      hint = (" (with side = \"%s\" it holds there)")
+        :format(action.side == "left" and "right" or "left")
     end
-    broken(action, "composition", ("map(g, map(h, z)) is not map(%s, z) at z = %s, g = %s, h = %s%s"):format(
+    broken(action, "composition",
+      ("map(g, map(h, z)) is not map(%s, z) at z = %s, g = %s, h = %s%s"):format(
       action.side == "left" and "g h" or "h g", show(z), show(g), show(h), hint), defect)
   end
   return 1
@@ -64,7 +69,8 @@ local function check_inverse(action, kit, z, g)
   if not back then return nil end
   local defect = points.apart(action, back, z)
   if not (defect <= TOLERANCE * (1 + max(size_of(w), size_of(z)) ^ 2)) then
-    broken(action, "inverse", ("map(g^-1, map(g, z)) is not z at z = %s, g = %s"):format(show(z), show(g)), defect)
+    broken(action, "inverse", ("map(g^-1, map(g, z)) is not z at z = %s, g = %s")
+      :format(show(z), show(g)), defect)
   end
   return 1
 end
@@ -75,7 +81,8 @@ local function check_place(action, z, g)
   if not w or not kit.bonds then return end
   for _, x in ipairs(kit.bonds(kits.list_of(w))) do
     if not (abs(x) <= TOLERANCE) then
-      broken(action, "closure", ("map(g, z) is not in %s at z = %s, g = %s"):format(tostring(action.on), show(z), show(g)), abs(x))
+      broken(action, "closure", ("map(g, z) is not in %s at z = %s, g = %s")
+        :format(tostring(action.on), show(z), show(g)), abs(x))
     end
   end
 end
@@ -100,8 +107,10 @@ function M.check(action)
     end
   end
   if tested == 0 then
-    error(("dm.action: map(g, z) is finite (and inside of the domain) together with its compositions at none of %d random points, "
-      .. "so that the axioms cannot be tested: is it an action on %s?"):format(TRIES, tostring(action.on)), 0)
+    error(("dm.action: map(g, z) is finite (and inside of the domain) together with its "
+      .. "compositions at none of %d random points, so that the axioms cannot be tested: is it an "
+      .. "action on %s?")
+      :format(TRIES, tostring(action.on)), 0)
   end
 end
 

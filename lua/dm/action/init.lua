@@ -1,11 +1,13 @@
---- Group actions: dm.action{group =, on =, map =} with its axioms tested, generators, momentum. Prolongations are in
--- dm.action_lift, tests of freeness and invariance in dm.action_test.
+--- Group actions: dm.action{group =, on =, map =} with its axioms tested, generators, momentum.
+-- Prolongations are in dm.action_lift, tests of freeness and invariance in dm.action_test.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local groups = require "dm.group"
 local axioms = require "dm.action.axioms"
 local kits = require "dm.group.kit"
+local options = require "dm.base.options"
 local points = require "dm.action.points"
+local standard = require "dm.action.standard"
 
 local M = {}
 
@@ -14,9 +16,9 @@ local image, point, show = points.image, points.point, points.show
 ---- the class ----
 
 local class = core.class({ __name = "dm.action" }, [[
-dm.action: an action of a group on a space, made by dm.action{group=, on=, map=, side=, domain=, name=}
-fields: group, on, map, side, domain, name, dimension (numbers of a point); of a joint or prolonged action base, and points (how
-many); act(g, z) is the moved point.]])
+dm.action: an action of a group on a space, made by dm.action{group=, on=, map=, side=, domain=}
+fields: group, on, map, side, domain, name, dimension (numbers of a point); of a joint or prolonged
+action base, and points (how many); act(g, z) is the moved point.]])
 
 function class.__tostring(a)
   local text = ("%s action of %s on %s"):format(a.side, tostring(a.group), tostring(a.on))
@@ -29,61 +31,56 @@ M.is_action = is_action
 
 ---- making one ----
 
-local KNOWN = { group = true, on = true, map = true, side = true, domain = true, name = true }
+local KNOWN = { "group", "on", "map", "side", "domain", "name" }
 
-local function check_options(options)
-  if type(options) ~= "table" then error("dm.action takes a table { group =, on =, map = }", 0) end
-  for key in pairs(options) do
-    if not KNOWN[key] then
-      error(("dm.action: unknown field '%s'; known fields: domain, group, map, name, on, side"):format(tostring(key)), 0)
-    end
+local function check_options(given)
+  options.check(given, KNOWN, "dm.action", "{ group =, on =, map = }")
+  for key, such in pairs { group = "dm.SO(2)", on = "dm.R(2)" } do
+    options.demand(kits.class_of(given[key]) == "dm.space", given, key, "dm.action",
+      "a space, for instance " .. such)
   end
-  for _, key in ipairs { "group", "on" } do
-    if kits.class_of(options[key]) ~= "dm.space" then
-      error(("dm.action: field '%s' must be a space, for instance %s (got %s)"):format(key,
-        key == "group" and "dm.SO(2)" or "dm.R(2)", kits.class_of(options[key])), 0)
-    end
-  end
-  if options.side ~= nil and options.side ~= "left" and options.side ~= "right" then
-    error("dm.action: field 'side' must be \"left\" (the default) or \"right\"", 0)
-  end
-  if options.domain ~= nil and type(options.domain) ~= "function" then
-    error("dm.action: field 'domain' must be a function of z that is > 0 where the action is defined", 0)
-  end
+  options.one_of(given, "side", "dm.action", { "left", "right" })
+  options.callable(given, "domain", "dm.action", "z that is > 0 where the action is defined")
+end
+
+-- the standard map and its kind of the group in `given` on a space
+local function standard_on(given, space)
+  return standard.find(given.group, space, points.coordinates, given.map)
 end
 
 -- R^4 may be meant as two points of R^2: says so, where the group acts on such points
-local function on_parts(options)
-  local n = options.on.dimension
-  if not groups.kit(options.on).euclidean then return "" end
+local function on_parts(given)
+  local n = given.on.dimension
+  if not groups.kit(given.on).euclidean then return "" end
   for k = 2, n do
-    local part = n % k == 0 and core.R(n // k)
-    if part and require "dm.action.standard".find(options.group, part, points.coordinates, options.map) then
-      return (", or take the action on dm.R(%d) and %d points of it, action:on_points(%d)"):format(n // k, k, k)
+    if n % k == 0 and standard_on(given, core.R(n // k)) then
+      return (", or take the action on dm.R(%d) and %d points of it, action:on_points(%d)")
+        :format(n // k, k, k)
     end
   end
   return ""
 end
 
 -- the standard map, for a right action of the inverse
-local function standard_map(options)
-  local map, kind = require "dm.action.standard".find(options.group, options.on, points.coordinates, options.map)
+local function standard_map(given)
+  local map, kind = standard_on(given, given.on)
   if not map then
-    error(("dm.action: %s has no standard %saction on %s: give map = function(g, z)%s"):format(tostring(options.group),
-      options.map and options.map .. " " or "", tostring(options.on), on_parts(options)), 0)
+    options.fail("dm.action", "%s has no standard %saction on %s: give map = function(g, z)%s",
+      tostring(given.group), given.map and given.map .. " " or "", tostring(given.on),
+      on_parts(given))
   end
-  if options.side ~= "right" then return map, kind end
-  local inverse = groups.group(options.group).inverse
+  if given.side ~= "right" then return map, kind end
+  local inverse = groups.group(given.group).inverse
   return function(g, z) return map(inverse(g), z) end, kind
 end
 
 -- an action from checked parts
 local function assemble(given)
-  local action = { group = given.group, on = given.on, map = given.map, side = given.side or "left", domain = given.domain,
-    name = given.name, dimension = points.coordinates(given.on), points = given.points, count = given.points, base = given.base, kind = given.kind,
-    generator_by = given.generator_by }
-  action.angles = groups.kit(given.on).angles
-  return setmetatable(action, class)
+  return setmetatable({ group = given.group, on = given.on, map = given.map,
+    side = given.side or "left", domain = given.domain, name = given.name,
+    dimension = points.coordinates(given.on), angles = groups.kit(given.on).angles,
+    points = given.points, count = given.points, base = given.base, kind = given.kind,
+    generator_by = given.generator_by }, class)
 end
 M.assemble = assemble
 
@@ -93,31 +90,35 @@ local function try_map(action)
   local z = points.sample_point(action.on, core.random(20260), 3)
   local fine, message = pcall(image, action, kit.identity(), z)
   if fine or type(message) ~= "string" then return end
-  error(("%s; map(g, z) gets g in %s, %s, and z, a vector of %d number%s, and returns such a vector"):format(message, name,
-    require "dm.group.form".of(kit), action.dimension, action.dimension == 1 and "" or "s"), 0)
+  error(("%s; map(g, z) gets g in %s, %s, and z, a vector of %d number%s, and returns such a "
+    .. "vector"):format(message, name, require "dm.group.form".of(kit), action.dimension,
+      action.dimension == 1 and "" or "s"), 0)
 end
 
 local doc_action = [[
 dm.action{group=, on=, map=, side=, domain=, name=} -> dm.action
-The action map(g, z) of a group on the points z, vectors, of dm.R(n), dm.T(n), dm.S(n) (n + 1 numbers) or a product of these.
-map: a Lua function that returns the moved point; left out: the standard one (matrix times vector, rigid motions, translations,
-SL(2) and SL(n) projectively on R^(n-1), SO(n+1) stereographically on R^n); or the name of one: "linear", "affine",
-"projective", "translation", "stereographic" (SO(2): of the last two coordinates of the sphere). side: "left" (default:
-map(g, map(h, z)) = map(g h, z)) or "right". domain(z) > 0 where a local action is defined. Identity, composition, inverse are
-tested at random points; what fails is an error with the axiom, the point and the defect. Also act(g, z).]]
+The action map(g, z) of a group on the points z, vectors, of dm.R(n), dm.T(n), dm.S(n) (n + 1
+numbers) or a product of these. map: a Lua function that returns the moved point; left out: the
+standard one (matrix times vector, rigid motions, translations, SL(2) and SL(n) projectively on
+R^(n-1), SO(n+1) stereographically on R^n); or the name of one: "linear", "affine", "projective",
+"translation", "stereographic" (SO(2): of the last two coordinates of the sphere). side: "left"
+(default: map(g, map(h, z)) = map(g h, z)) or "right". domain(z) > 0 where a local action is
+defined. Identity, composition, inverse are tested at random points; what fails is an error with the
+axiom, the point and the defect. Also act(g, z).]]
 
-M.action = blame.caller(function(options)
-  check_options(options)
-  groups.group(options.group)
-  local map, kind = options.map, nil
+M.action = blame.caller(function(given)
+  check_options(given)
+  groups.group(given.group)
+  local map, kind = given.map, nil
   if map == nil or type(map) == "string" then
-    map, kind = standard_map(options)
-  elseif type(map) ~= "function" and kits.class_of(map) ~= "dm.function" then
-    error(("dm.action: field 'map' must be a function of (g, z) (got %s)"):format(kits.class_of(map)), 0)
+    map, kind = standard_map(given)
+  else
+    options.demand(type(map) == "function" or kits.class_of(map) == "dm.function", given, "map",
+      "dm.action", "a function of (g, z)")
   end
-  local action = assemble { group = options.group, on = options.on, map = map, side = options.side, domain = options.domain,
-    name = options.name, kind = kind }
-  if options.map == map then try_map(action) end
+  local action = assemble { group = given.group, on = given.on, map = map, side = given.side,
+    domain = given.domain, name = given.name, kind = kind }
+  if given.map == map then try_map(action) end
   axioms.check(action)
   return action
 end)
@@ -130,7 +131,9 @@ function M.method(name, f, doc) core.method("dm.action", name, blame.caller(f), 
 
 -- numbers that are not finite are an error
 local function must_be_finite(action, value, z)
-  if not kits.is_finite(value) then error(("%s is not defined at z = %s"):format(tostring(action), show(z)), 0) end
+  if not kits.is_finite(value) then
+    error(("%s is not defined at z = %s"):format(tostring(action), show(z)), 0)
+  end
   return value
 end
 
@@ -147,14 +150,15 @@ end
 class.__call = blame.caller(act)
 M.method("act", act, [[
 action:act(g, z) -> dm.vector
-The moved point; the same as action(g, z). Raises where g is no element of the group (to 1e-6), where the point is not finite.]])
+The moved point; the same as action(g, z). Raises where g is no element of the group (to 1e-6),
+where the point is not finite.]])
 
 -- dm.function (xi, z) -> d map(exp(xi), z)/d(xi, z) at xi = 0
 local function slope(action)
   if not rawget(action, "slope_function") then
     local kit = groups.kit(action.group)
-    rawset(action, "slope_function", core.derivative(function(xi, z) return image(action, kit.near(xi), z) end,
-      kit.dimension, action.dimension))
+    local function near(xi, z) return image(action, kit.near(xi), z) end
+    rawset(action, "slope_function", core.derivative(near, kit.dimension, action.dimension))
   end
   return rawget(action, "slope_function")
 end
@@ -178,8 +182,8 @@ M.method("generator", function(action, z)
   return core.matrix(rows)
 end, [[
 action:generator(z) -> dm.matrix, dim z x dim G
-Infinitesimal generators at z, a column for each basis vector of the algebra: d/dt map(exp(t e_a), z) at t = 0, exact from the
-graph. z may hold symbols.]])
+Infinitesimal generators at z, a column for each basis vector of the algebra: d/dt map(exp(t e_a),
+z) at t = 0, exact from the graph. z may hold symbols.]])
 
 M.method("momentum", function(action, q, p)
   q, p = point(action, q), point(action, p, "the momentum p")
@@ -192,7 +196,8 @@ M.method("momentum", function(action, q, p)
   return core.vector(out)
 end, [[
 action:momentum(q, p) -> dm.vector of dim G entries
-The momentum map <J(q, p), xi> = <p, xi_Q(q)> of the cotangent lift. Also path:momentum(action), Ld:momentum(action, q0, q1).]])
+The momentum map <J(q, p), xi> = <p, xi_Q(q)> of the cotangent lift. Also path:momentum(action),
+Ld:momentum(action, q0, q1).]])
 
 -- z cut into points of m entries
 local function cut(z, k, m)
@@ -210,9 +215,12 @@ local MOST_POINTS = 1000
 
 local function on_points(action, k)
   if not math.tointeger(k) or k < 1 or k > MOST_POINTS then
-    error(("action:on_points(k) takes the number of points, a whole number from 1 to %d (got %s)"):format(MOST_POINTS, tostring(k)), 0)
+    error(("action:on_points(k) takes the number of points, a whole number from 1 to %d (got %s)")
+      :format(MOST_POINTS, tostring(k)), 0)
   end
-  if action.points then error("this action is on several points already: ask its base, action.base:on_points(k)", 0) end
+  if action.points then
+    error("this action is on several points already: ask its base, action.base:on_points(k)", 0)
+  end
   k = math.tointeger(k)
   local m, copies = action.dimension, {}
   for i = 1, k do copies[i] = action.on end
@@ -229,13 +237,15 @@ local function on_points(action, k)
     for _, part in ipairs(cut(z, k, m)) do least = math.min(least, action.domain(part)) end
     return least
   end
-  return assemble { group = action.group, on = k == 1 and action.on or core.product(table.unpack(copies)), map = joint,
+  return assemble { group = action.group,
+    on = k == 1 and action.on or core.product(table.unpack(copies)), map = joint,
     side = action.side, domain = domain or nil, name = action.name, points = k, base = action }
 end
 
 M.method("on_points", on_points, [[
 action:on_points(k) -> dm.action
-The joint (diagonal) action on k points, z = their numbers one after the other, or a list of them; fields points = k, base = action.]])
+The joint (diagonal) action on k points, z = their numbers one after the other, or a list of them;
+fields points = k, base = action.]])
 M.method("on_pairs", function(action) return on_points(action, 2) end, [[
 action:on_pairs() -> dm.action
 The joint action on two points, action:on_points(2).]])

@@ -1,5 +1,5 @@
---- Prolongations of an action: to tangent and cotangent vectors and to jets of curves. Each is a dm.action whose map is made of
--- exact derivatives of the one that is lifted.
+--- Prolongations of an action: to tangent and cotangent vectors and to jets of curves. Each is a
+-- dm.action whose map is made of exact derivatives of the one that is lifted.
 local core = require "dm.core"
 local actions = require "dm.action"
 local groups = require "dm.group"
@@ -27,8 +27,10 @@ end
 
 -- a lifted action on `more` numbers beside the point
 local function lifted(action, more, map, fields)
-  local out = actions.assemble { group = action.group, on = core.product(action.on, core.R(more)), map = map, side = action.side,
-    domain = lifted_domain(action), name = action.name, base = action, generator_by = fields.generator_by }
+  local out = actions.assemble {
+    group = action.group, on = core.product(action.on, core.R(more)), map = map, side = action.side,
+    domain = lifted_domain(action), name = action.name, base = action,
+    generator_by = fields.generator_by }
   out.lift = fields.lift
   out.order, out.independent = fields.order, fields.independent
   return out
@@ -40,7 +42,8 @@ local function entries(action, g) return core.vector(groups.kit(action.group).en
 -- number of these, and (entries of g, z) -> image
 local function by_entries(action)
   local kit = groups.kit(action.group)
-  return #kit.entries(kit.identity()), function(g, z) return points.image(action, kit.rebuild(g), z) end
+  return #kit.entries(kit.identity()),
+    function(g, z) return points.image(action, kit.rebuild(g), z) end
 end
 
 -- dm.function of (entries of g, z): rows d image_i/d(g, z); and how many columns belong to g
@@ -84,18 +87,21 @@ actions.method("cotangent", function(action)
   end, { lift = "cotangent" })
 end, [[
 action:cotangent() -> dm.action
-The cotangent lift on (z, p), 2 dim z numbers: (map(g, z), p') with <p', T map u> = <p, u>, that is p' = (T map)^-T p, on the side of
-the action itself; its momentum map is action:momentum. (Bogfjellmo's lift pulls p back, by T map^T: that of the inverse.)]])
+The cotangent lift on (z, p), 2 dim z numbers: (map(g, z), p') with <p', T map u> = <p, u>, that is
+p' = (T map)^-T p, on the side of the action itself; its momentum map is action:momentum.
+(Bogfjellmo's lift pulls p back, by T map^T: that of the inverse.)]])
 
 ---- jets ----
 
--- the jet space of curves: `dependent` lists the entries of z that depend on entry `independent` (nil: on an invariant parameter)
+-- the jet space of curves: `dependent` lists the entries of z that depend on entry `independent`
+-- (nil: on an invariant parameter)
 local function jet_space(action, order, independent)
   local dependent = {}
   for i = 1, action.dimension do
     if i ~= independent then dependent[#dependent + 1] = i end
   end
-  return { m = action.dimension, dependent = dependent, count = #dependent, order = order, independent = independent }
+  return { m = action.dimension, dependent = dependent, count = #dependent, order = order,
+    independent = independent }
 end
 
 local function length(space, order) return space.m + order * space.count end
@@ -116,8 +122,8 @@ local function total(rows, i, n, rate)
   return sum
 end
 
--- functions of (entries of g, jet of order k) for k = 0 .. order: the k-th derivatives of the moved curve,
--- U_(k+1) = D U_k / D X
+-- functions of (entries of g, jet of order k) for k = 0 .. order: the k-th derivatives of the moved
+-- curve, U_(k+1) = D U_k / D X
 local function moved_derivatives(action, space)
   local n, image = by_entries(action)
   local clock = space.independent and core.derivative(function(g, z)
@@ -141,8 +147,9 @@ local function moved_derivatives(action, space)
   return levels
 end
 
--- generators by phi_(K+1) = D phi_K - u_(K+1) D xi, which is phi_K = D_K(phi - xi u_x) + xi u_(K,x): functions of the jet
--- of order k that give phi_K of all generators, entry c of generator a at (c - 1) r + a
+-- generators by phi_(K+1) = D phi_K - u_(K+1) D xi, which is phi_K = D_K(phi - xi u_x) + xi
+-- u_(K,x): functions of the jet of order k that give phi_K of all generators, entry c of generator
+-- a at (c - 1) r + a
 local function prolonged_generators(action, space)
   local r = action.group.dimension
   local function of_point(entries_of)
@@ -189,14 +196,20 @@ local function check_jet(action, order, options)
   if math.type(order) ~= "integer" or order < 1 or order > 8 then
     error("action:jet(n) takes the order of the derivatives, a whole number from 1 to 8", 0)
   end
-  if options ~= nil and type(options) ~= "table" then error("action:jet(n, { independent = i }) takes a table of options", 0) end
+  if options ~= nil and type(options) ~= "table" then
+    error("action:jet(n, { independent = i }) takes a table of options", 0)
+  end
   for key in pairs(options or {}) do
-    if key ~= "independent" then error(("action:jet: unknown option '%s'; known: independent"):format(tostring(key)), 0) end
+    if key ~= "independent" then
+      error(("action:jet: unknown option '%s'; known: independent"):format(tostring(key)), 0)
+    end
   end
   local independent = options and options.independent
   if independent == nil then return nil end
-  if math.type(independent) ~= "integer" or independent < 1 or independent > action.dimension or action.dimension < 2 then
-    error(("action:jet: 'independent' must be the place of one of the %d numbers of a point, beside which another depends on it")
+  if math.type(independent) ~= "integer" or independent < 1 or independent > action.dimension
+    or action.dimension < 2 then
+    error(("action:jet: 'independent' must be the place of one of the %d numbers of a point, "
+      .. "beside which another depends on it")
       :format(action.dimension), 0)
   end
   return independent
@@ -210,11 +223,13 @@ actions.method("jet", function(action, order, options)
     local out, raw = kits.list_of(points.image(action, g, slice(j, 0, space.m))), entries(action, g)
     for k = 1, order do append(out, levels[k](raw, slice(j, 0, length(space, k)))) end
     return core.vector(out)
-  end, { lift = "jet", order = order, independent = independent, generator_by = jet_generator(action, space) })
+  end, { lift = "jet", order = order, independent = independent,
+    generator_by = jet_generator(action, space) })
 end, [[
 action:jet(n [, { independent = i }]) -> dm.action
-The action on jets of curves of order n: the point z, then the first, ..., n-th derivatives. With independent = i the curve is a
-graph over entry i of z, and the derivatives are of the other entries by it: U_x = D U / D X. Else the curve has a parameter that
-the group leaves alone, and all entries are differentiated by it. Generators by phi_K = D_K(phi - xi u_x) + xi u_(K,x).]])
+The action on jets of curves of order n: the point z, then the first, ..., n-th derivatives. With
+independent = i the curve is a graph over entry i of z, and the derivatives are of the other entries
+by it: U_x = D U / D X. Else the curve has a parameter that the group leaves alone, and all entries
+are differentiated by it. Generators by phi_K = D_K(phi - xi u_x) + xi u_(K,x).]])
 
 return M

@@ -1,4 +1,5 @@
---- The points that groups act on, as vectors, and the map of an action at them: shared by what makes, tests and lifts actions.
+--- The points that groups act on, as vectors, and the map of an action at them: shared by what
+-- makes, tests and lifts actions.
 local core = require "dm.core"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
@@ -14,7 +15,8 @@ function M.coordinates(space)
   local kit = groups.kit(space)
   if kit.vectors then return kit.coordinates end
   for _, part in ipairs(kit.parts and space.parts or {}) do M.coordinates(part) end
-  error(("dm.action: the points of %s are no vectors: let the group act on the entries, in dm.R(%d)")
+  error(("dm.action: the points of %s are no vectors: let the group act on the entries, "
+    .. "in dm.R(%d)")
     :format(tostring(space), #kit.entries(kit.identity())), 0)
 end
 
@@ -26,12 +28,16 @@ end
 ---- the map ----
 
 -- map(g, z) as a vector, of a copy of z that the map may write on; unchecked arguments
-local function image(action, g, z) return kits.vector(action.map(g, core.vector(z)), action.dimension, "what map(g, z) returns") end
+local function image(action, g, z)
+  return kits.vector(action.map(g, core.vector(z)), action.dimension, "what map(g, z) returns")
+end
 
 local function is_inside(action, z)
   if not action.domain then return true end
   local value = action.domain(z)
-  if type(value) ~= "number" then error(("domain(z) must return a number, > 0 inside (got %s)"):format(kits.class_of(value)), 0) end
+  if type(value) ~= "number" then
+    error(("domain(z) must return a number, > 0 inside (got %s)"):format(kits.class_of(value)), 0)
+  end
   return value > 0
 end
 

@@ -27,16 +27,19 @@ end
 actions.method("isotropy", function(action, z)
   z = points.point(action, z)
   local basis = stabilizer(action, z)
-  return core.result { dimension = #basis, basis = basis, orbit_dimension = action.group.dimension - #basis }
+  return core.result { dimension = #basis, basis = basis,
+    orbit_dimension = action.group.dimension - #basis }
 end, [[
 action:isotropy(z) -> { dimension, basis, orbit_dimension }
-The algebra of the stabilizer of z: its dimension and an orthonormal basis, from the singular values of the generators (below
-1e-10 of the largest counts as zero), and the dimension of the orbit.]])
+The algebra of the stabilizer of z: its dimension and an orthonormal basis, from the singular values
+of the generators (below 1e-10 of the largest counts as zero), and the dimension of the orbit.]])
 
-actions.method("free", function(action, z) return #stabilizer(action, points.point(action, z)) == 0 end, [[
+actions.method("free", function(action, z)
+  return #stabilizer(action, points.point(action, z)) == 0
+end, [[
 action:free(z) -> boolean
-Is the action locally free at z (no vector of the algebra leaves it where it is)? Then a moving frame exists near z. Discrete
-stabilizers are not looked for.]])
+Is the action locally free at z (no vector of the algebra leaves it where it is)? Then a moving
+frame exists near z. Discrete stabilizers are not looked for.]])
 
 actions.method("transitive", function(action, z)
   local basis = stabilizer(action, points.point(action, z))
@@ -51,8 +54,9 @@ local POINTS, TRIES, TOLERANCE = 24, 240, 1e-9
 
 local violation = { __name = "dm.violation" }
 function violation.__tostring(v)
-  return ("not invariant under %s: at %s, g = %s the value %s becomes %s (by %.3g)"):format(tostring(v.action), v.where,
-    points.show(v.g), points.show(v.before), points.show(v.after), v.defect)
+  return ("not invariant under %s: at %s, g = %s the value %s becomes %s (by %.3g)")
+    :format(tostring(v.action), v.where, points.show(v.g), points.show(v.before),
+      points.show(v.after), v.defect)
 end
 
 -- values of f, or nothing where it fails or is not finite
@@ -61,11 +65,13 @@ local function values_of(f, z)
   if not fine then return nil, value end
   local list = kits.is_scalar(value) and { value } or value
   if type(list) ~= "table" and kits.class_of(list) ~= "dm.vector" then
-    return nil, ("the function must return a number or a list of numbers (got %s)"):format(kits.class_of(value))
+    return nil, ("the function must return a number or a list of numbers (got %s)")
+      :format(kits.class_of(value))
   end
   for i = 1, #list do
     if type(list[i]) ~= "number" then
-      return nil, ("the function must return a number or a list of numbers (got %s)"):format(kits.class_of(list[i]))
+      return nil, ("the function must return a number or a list of numbers (got %s)")
+        :format(kits.class_of(list[i]))
     end
     if not (abs(list[i]) < math.huge) then return nil, "its value is not finite" end
   end
@@ -78,7 +84,8 @@ local function largest_change(a, b)
   return worst, size
 end
 
--- compare f at random points and where they are moved to: true, the worst defect; or false and the first violation
+-- compare f at random points and where they are moved to: true, the worst defect; or false and the
+-- first violation
 local function compare(action, f, sample, where)
   local kit, stream = groups.kit(action.group), core.random(7020)
   local tested, worst, cause = 0, 0, nil
@@ -92,15 +99,16 @@ local function compare(action, f, sample, where)
       local defect, size = largest_change(before, after)
       worst, tested = max(worst, defect / size), tested + 1
       if defect > TOLERANCE * size then
-        return false, setmetatable({ action = action, point = z, g = g, before = #before == 1 and before[1] or before,
+        return false, setmetatable({ action = action, point = z, g = g,
+          before = #before == 1 and before[1] or before,
           after = #after == 1 and after[1] or after, defect = defect, where = where(z) }, violation)
       end
     end
     if tested == POINTS then break end
   end
   if tested == 0 then
-    error(("action:invariant: the value is finite at none of %d random points and where they are moved to%s"):format(TRIES,
-      cause and ": " .. tostring(cause) or ""), 0)
+    error(("action:invariant: the value is finite at none of %d random points and where they are "
+      .. "moved to%s"):format(TRIES, cause and ": " .. tostring(cause) or ""), 0)
   end
   return true, worst
 end
@@ -108,7 +116,8 @@ end
 -- the action on as many points as n coordinates hold
 local function joint(action, n, what)
   if n % action.dimension ~= 0 then
-    error(("action:invariant: %s has %d coordinates, and %s moves points of %d"):format(what, n, tostring(action), action.dimension), 0)
+    error(("action:invariant: %s has %d coordinates, and %s moves points of %d")
+      :format(what, n, tostring(action), action.dimension), 0)
   end
   local k = n // action.dimension
   return k == 1 and action or action:on_points(k)
@@ -117,7 +126,9 @@ end
 local function named(names, n)
   return function(z)
     local out = {}
-    for k, name in ipairs(names) do out[k] = ("%s = %s"):format(name, points.show(z:slice((k - 1) * n + 1, k * n))) end
+    for k, name in ipairs(names) do
+      out[k] = ("%s = %s"):format(name, points.show(z:slice((k - 1) * n + 1, k * n)))
+    end
     return table.concat(out, ", ")
   end
 end
@@ -127,7 +138,8 @@ local function of_system(action, system)
   local n = system.Q.dimension
   local lifted = joint(action, n, "the system"):tangent()
   local on = lifted.base.on
-  return compare(lifted, function(z) return system:lagrangian(z:slice(1, n), z:slice(n + 1, 2 * n), 0.3) end, function(stream, i)
+  local function L(z) return system:lagrangian(z:slice(1, n), z:slice(n + 1, 2 * n), 0.3) end
+  return compare(lifted, L, function(stream, i)
     local q, v = points.sample_point(on, stream, 5 * i), kits.normals(stream, 5 * i + 1, n, 1)
     local out = kits.list_of(q)
     for k = 1, n do out[n + k] = v[k] end
@@ -140,8 +152,10 @@ local function of_discrete(action, Ld)
   local n = Ld.Q.dimension
   local base = joint(action, n, "the discrete Lagrangian")
   local k = n // action.dimension
-  return compare(action:on_points(2 * k), function(z) return Ld:value(z:slice(1, n), z:slice(n + 1, 2 * n)) end, function(stream, i)
-    local q, step = points.sample_point(base.on, stream, 5 * i), kits.normals(stream, 5 * i + 1, n, 0.3)
+  local function value(z) return Ld:value(z:slice(1, n), z:slice(n + 1, 2 * n)) end
+  return compare(action:on_points(2 * k), value, function(stream, i)
+    local q, step = points.sample_point(base.on, stream, 5 * i),
+      kits.normals(stream, 5 * i + 1, n, 0.3)
     local out = kits.list_of(q)
     for c = 1, n do out[n + c] = q[c] + step[c] end
     return core.vector(out)
@@ -151,15 +165,20 @@ end
 actions.method("invariant", function(action, f)
   local class = kits.class_of(f)
   if class == "dm.system" then return of_system(action, f) end
-  if class == "dm.discrete_lagrangian" then return of_discrete(action.points and action.base or action, f) end
-  if class ~= "function" and class ~= "dm.function" then
-    error(("action:invariant takes a function of z, a dm.system or a dm.discrete_lagrangian (got %s)"):format(class), 0)
+  if class == "dm.discrete_lagrangian" then
+    return of_discrete(action.points and action.base or action, f)
   end
-  return compare(action, f, function(stream, i) return points.sample_point(action.on, stream, 5 * i) end, named({ "z" }, action.dimension))
+  if class ~= "function" and class ~= "dm.function" then
+    error(("action:invariant takes a function of z, a dm.system or a dm.discrete_lagrangian (got "
+      .. "%s)"):format(class), 0)
+  end
+  local function sample(stream, i) return points.sample_point(action.on, stream, 5 * i) end
+  return compare(action, f, sample, named({ "z" }, action.dimension))
 end, [[
 action:invariant(f | system | Ld) -> true, defect   or   false, violation
-Is a function f(z), the Lagrangian of a dm.system (under the lift to velocities) or a discrete Lagrangian (under the joint action)
-invariant? Compared at random points to 1e-9; the first violation has point, g, before, after, defect, and prints as a sentence.
-Systems of several bodies are moved body by body. Raises when the value is finite nowhere.]])
+Is a function f(z), the Lagrangian of a dm.system (under the lift to velocities) or a discrete
+Lagrangian (under the joint action) invariant? Compared at random points to 1e-9; the first
+violation has point, g, before, after, defect, and prints as a sentence. Systems of several bodies
+are moved body by body. Raises when the value is finite nowhere.]])
 
 return M

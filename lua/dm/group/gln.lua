@@ -23,11 +23,14 @@ local function stretch() return function(g, z) return core.vector(z) * g[1][1] e
 
 function M.kit(n)
   local kit = { dimension = n * n, abelian = n == 1 }
-  kit.acts = { linear = n == 1 and stretch or acts.linear(kit, n), projective = acts.projective(kit, n) }
+  kit.acts = { linear = n == 1 and stretch or acts.linear(kit, n),
+    projective = acts.projective(kit, n) }
   function kit.hat(xi) return linear.fill(n, n, function(i, j) return xi[(i - 1) * n + j] end) end
   function kit.vee(m) return core.vector(matrices.entries(m)) end
   function kit.defect(g)
-    if linear.is_plain(g) and not (math.abs(g:det()) > 1e-14 * linear.size(g) ^ n) then return 1, "it is singular" end
+    if linear.is_plain(g) and not (math.abs(g:det()) > 1e-14 * linear.size(g) ^ n) then
+      return 1, "it is singular"
+    end
     return 0
   end
   if n == 2 then kit.log = log2 end

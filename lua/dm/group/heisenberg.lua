@@ -1,5 +1,5 @@
---- Heisenberg(n): (x, y, z), x and y of n entries, with (a, b, c)(x, y, z) = (a + x, b + y, c + z + (a . y - b . x)/2): in these
--- coordinates exp is the identity.
+--- Heisenberg(n): (x, y, z), x and y of n entries, with (a, b, c)(x, y, z) = (a + x, b + y, c + z +
+-- (a . y - b . x)/2): in these coordinates exp is the identity.
 local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -38,7 +38,8 @@ end
 
 function M.kit(n)
   local r = 2 * n + 1
-  local kit = { dimension = r, vectors = true, exp = core.vector, log = core.vector, cayley = core.vector, cayleyinv = core.vector }
+  local kit = { dimension = r, vectors = true, exp = core.vector, log = core.vector,
+    cayley = core.vector, cayleyinv = core.vector }
   function kit.identity() return core.zeros(r) end
   function kit.element(g) return kits.vector(g, r, "the group element") end
   kit.raw = kit.element

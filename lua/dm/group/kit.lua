@@ -62,7 +62,9 @@ function M.vector(x, n, what)
   elseif class == "dm.vector" or class == "table" then
     length = #x
   end
-  if not length then error(("%s must be a vector of %d entries (got %s)"):format(what, n, class), 0) end
+  if not length then
+    error(("%s must be a vector of %d entries (got %s)"):format(what, n, class), 0)
+  end
   if length ~= n then error(("%s must have %d entries (got %d)"):format(what, n, length), 0) end
   return core.vector(x)
 end
@@ -81,7 +83,9 @@ function M.matrix(x, n, what)
   end
   if class == "table" then
     local fine, m = pcall(core.matrix, x)
-    if not fine then error(("%s must be a matrix of %d x %d: %s"):format(what, n, n, m:match "%((.*)%)$" or m), 0) end
+    if not fine then
+      error(("%s must be a matrix of %d x %d: %s"):format(what, n, n, m:match "%((.*)%)$" or m), 0)
+    end
     x = m
   end
   if x.rows ~= n or x.columns ~= n then
@@ -100,13 +104,15 @@ function M.normals(stream, i, n, deviation)
   return core.vector(out)
 end
 
--- the entries of a and of its differential are lists; T(compose) by the graph where no closed form is given
+-- the entries of a and of its differential are lists; T(compose) by the graph where no closed form
+-- is given
 local function tangents(kit)
   local entries, rebuild, slopes = kit.entries, kit.rebuild, {}
   local function slope(name, compose)
     if not slopes[name] then
       local n = #entries(kit.identity())
-      slopes[name] = core.derivative(function(g, h) return core.vector(entries(compose(rebuild(g), rebuild(h)))) end, n, n)
+      slopes[name] = core.derivative(
+        function(g, h) return core.vector(entries(compose(rebuild(g), rebuild(h)))) end, n, n)
     end
     return slopes[name]
   end
@@ -120,7 +126,9 @@ local function tangents(kit)
     end
     return rebuild(out)
   end
-  kit.left_tangent = kit.left_tangent or function(g, h, w) return along("left", kit.compose, g, h, w) end
+  kit.left_tangent = kit.left_tangent or function(g, h, w)
+    return along("left", kit.compose, g, h, w)
+  end
   kit.right_tangent = kit.right_tangent or function(g, h, w)
     return along("right", function(a, b) return kit.compose(b, a) end, g, h, w)
   end
@@ -129,7 +137,9 @@ end
 -- differential of exp and of the coadjoint action from ad and Ad
 local function differentials(kit)
   local r = kit.dimension
-  local function phi(xi) return matrix_functions.phi(linear.matrix_of(function(eta) return kit.ad(xi, eta) end, r)) end
+  local function phi(xi)
+    return matrix_functions.phi(linear.matrix_of(function(eta) return kit.ad(xi, eta) end, r))
+  end
   kit.dexp = kit.dexp or function(xi, eta) return phi(xi) * eta end
   kit.dexpinv = kit.dexpinv or function(xi, eta) return phi(xi):solve(eta) end
   kit.coAd = kit.coAd or function(g, mu)
@@ -143,7 +153,8 @@ end
 
 local UNREACHED = 1e12  -- entries of 2 (g - 1)(g + 1)^-1 that are nothing but round-off
 
--- what a matrix group's Cayley map is: x = hat(xi), (1 - x/2)^-1 (1 + x/2), with the differential (1 - x/2)^-1 y (1 + x/2)^-1
+-- what a matrix group's Cayley map is: x = hat(xi), (1 - x/2)^-1 (1 + x/2), with the differential
+-- (1 - x/2)^-1 y (1 + x/2)^-1
 local function cayley_of_matrices(kit)
   if not (kit.hat and kit.vee) or kit.no_cayley then return end
   local one = core.identity(kit.hat(core.zeros(kit.dimension)).rows)
@@ -155,7 +166,9 @@ local function cayley_of_matrices(kit)
   kit.cayleyinv = kit.cayleyinv or function(g)
     local m = kit.matrix(g)
     local fine, x = pcall(m.solve, m + one, m - one)
-    if not fine or linear.is_plain(x) and linear.size(x) > UNREACHED then error("the Cayley map does not reach this element: -1 is one of its eigenvalues", 0) end
+    if not fine or linear.is_plain(x) and linear.size(x) > UNREACHED then
+      error("the Cayley map does not reach this element: -1 is one of its eigenvalues", 0)
+    end
     return kit.vee(x * 2)
   end
   kit.dcay = kit.dcay or function(xi, eta)
@@ -174,21 +187,27 @@ local function list_of(x)
   return out
 end
 
---- Derive from what a kit has (identity, compose, inverse, exp, log, Ad, ad, entries, rebuild ...) what it has not.
+--- Derive from what a kit has (identity, compose, inverse, exp, log, Ad, ad, entries, rebuild ...)
+-- what it has not.
 function M.complete(kit)
   kit.entries = kit.entries or list_of
   kit.rebuild = kit.rebuild or core.vector
   kit.flat, kit.unflat = kit.flat or kit.entries, kit.unflat or kit.rebuild
   kit.bonds = kit.bonds or function() return {} end
   kit.coordinates = kit.coordinates or #kit.flat(kit.identity())
-  kit.sample = kit.sample or function(stream, i) return kit.exp(M.normals(stream, i, kit.dimension, 1)) end
-  kit.distance = kit.distance or function(a, b) return M.norm(kit.log(kit.compose(kit.inverse(a), b))) end
+  kit.sample = kit.sample or function(stream, i)
+    return kit.exp(M.normals(stream, i, kit.dimension, 1))
+  end
+  kit.distance = kit.distance or function(a, b)
+    return M.norm(kit.log(kit.compose(kit.inverse(a), b)))
+  end
   kit.project = kit.project or function(g) return g end
   kit.defect = kit.defect or function() return 0 end
   kit.from_matrix = kit.from_matrix or function(m) return m end
   kit.turns = kit.turns or function() return {} end
   kit.angles, kit.acts = kit.angles or {}, kit.acts or {}
-  kit.form = kit.form or ("a vector of %d number%s"):format(kit.coordinates, kit.coordinates == 1 and "" or "s")
+  kit.form = kit.form or ("a vector of %d number%s")
+    :format(kit.coordinates, kit.coordinates == 1 and "" or "s")
   kit.near = kit.near or kit.exp  -- touches exp at 0, for derivatives there
   kit.left = kit.compose
   function kit.right(g, h) return kit.compose(h, g) end
@@ -209,7 +228,9 @@ end
 
 M.list_of = list_of
 
----- geodesics of a manifold from a point; the factors of a product that are groups go by left translation, g exp(xi) ----
+---- geodesics of a manifold from a point ----
+
+-- the factors of a product that are groups go by left translation, g exp(xi)
 
 function M.tangent(kit, z, w)
   if kit.tangent then return kit.tangent(z, w) end

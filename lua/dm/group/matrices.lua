@@ -42,7 +42,9 @@ function M.complete(kit, n)
   end
   kit.matrix = kit.matrix or function(g) return g end
   kit.entries = entries
-  kit.rebuild = function(list) return linear.fill(n, n, function(i, j) return list[(i - 1) * n + j] end) end
+  kit.rebuild = function(list)
+    return linear.fill(n, n, function(i, j) return list[(i - 1) * n + j] end)
+  end
   kit.left_tangent = function(g, _, w) return g * w end
   kit.right_tangent = function(g, _, w) return w * g end
   kit.distance = kit.distance or separation

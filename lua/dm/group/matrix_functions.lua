@@ -1,5 +1,5 @@
---- Matrix functions for the groups, over numbers, symbols and hyper-dual numbers: exponential and its differential, principal
--- logarithm, nearest orthogonal and symplectic matrix.
+--- Matrix functions for the groups, over numbers, symbols and hyper-dual numbers: exponential and
+-- its differential, principal logarithm, nearest orthogonal and symplectic matrix.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 
@@ -7,12 +7,15 @@ local M = {}
 
 local abs, ceil = math.abs, math.ceil
 
--- halvings that bring the matrix below 1/2; of symbols, whose size is not known, so many that it may be up to 2^4 exactly
+-- halvings that bring the matrix below 1/2; of symbols, whose size is not known, so many that it
+-- may be up to 2^4 exactly
 local SYMBOL_HALVINGS = 5
 local function halvings(a)
   if not linear.is_plain(a) then return SYMBOL_HALVINGS end
   local size = linear.size(a)
-  if not (size < 2 ^ 20) then error(("the exponential of a matrix of size %g is out of reach"):format(size), 0) end
+  if not (size < 2 ^ 20) then
+    error(("the exponential of a matrix of size %g is out of reach"):format(size), 0)
+  end
   return size > 0.5 and ceil(math.log(2 * size, 2)) or 0
 end
 
@@ -57,13 +60,15 @@ function M.exp(a)
   return core.identity(a.rows) + f
 end
 
--- |det A|^(-1/n): A times it is of determinant 1, which starts Newton's methods below near the unit matrix
+-- |det A|^(-1/n): A times it is of determinant 1, which starts Newton's methods below near the unit
+-- matrix
 local function scale_of(a)
   local det = a:det()
   return (type(det) == "number" and abs(det) or core.abs(det)) ^ (-1 / a.rows)
 end
 
--- the square root of A, of determinant 1, by Denman and Beavers' product iteration: until it stays, or `steps` times
+-- the square root of A, of determinant 1, by Denman and Beavers' product iteration: until it stays,
+-- or `steps` times
 local function square_root(a, steps)
   local one = core.identity(a.rows)
   local m, x = a, a
@@ -87,7 +92,8 @@ local function refuse_negative(a)
   local re, im = a:eigenvalues()
   for i = 1, #re do
     if abs(im[i]) <= 1e-8 * (abs(re[i]) + abs(im[i])) and re[i] <= 0 then
-      error(("the matrix has no principal logarithm: %g is one of its eigenvalues"):format(re[i]), 0)
+      error(("the matrix has no principal logarithm: %g is one of its eigenvalues")
+        :format(re[i]), 0)
     end
   end
 end
@@ -106,16 +112,18 @@ local function corrected(x, a)
   local rest = M.exp(-x) * a - core.identity(a.rows)
   local size = linear.size(rest)
   if not (size < 1e-4) then
-    error("the matrix has no principal logarithm to working precision: an eigenvalue is too near the negative axis", 0)
+    error("the matrix has no principal logarithm to working precision: an eigenvalue is too near "
+      .. "the negative axis", 0)
   end
   return size < 1e-9 and x or x + rest  -- below that it is round-off of exp(-x) a
 end
 
--- roots of symbols: many steps for the first, whose argument may be near the negative axis, few for what is near 1
+-- roots of symbols: many steps for the first, whose argument may be near the negative axis, few for
+-- what is near 1
 local SYMBOL_STEPS = { 12, 7, 6 }
 
---- The principal logarithm, by square roots until A is near 1. Symbols: three roots, for matrices whose eigenvalues are not
--- near the negative axis.
+--- The principal logarithm, by square roots until A is near 1. Symbols: three roots, for matrices
+-- whose eigenvalues are not near the negative axis.
 function M.log(a)
   local one = core.identity(a.rows)
   if linear.is_plain(a) then refuse_negative(a) end
@@ -132,13 +140,16 @@ end
 
 local SYMBOL_AVERAGES = 9
 
--- x -> (x + dual(x))/2 until it stays; the determinant is brought to 1 before each step but the last ones
+-- x -> (x + dual(x))/2 until it stays; the determinant is brought to 1 before each step but the
+-- last ones
 local function average(x, dual, what)
   local plain = linear.is_plain(x)
   for i = 1, plain and 100 or SYMBOL_AVERAGES do
     if i < 5 then
       local fine, scale = pcall(scale_of, x)
-      if not fine or scale == math.huge then error(("there is no nearest %s matrix: it is singular"):format(what), 0) end
+      if not fine or scale == math.huge then
+        error(("there is no nearest %s matrix: it is singular"):format(what), 0)
+      end
       x = x * scale
     end
     local fine, other = pcall(dual, x)
@@ -154,14 +165,16 @@ end
 --- The nearest orthogonal matrix, of positive determinant (the polar factor).
 function M.nearest_rotation(a)
   if linear.is_plain(a) and not (a:det() > 0) then
-    error(("there is no single nearest rotation: the determinant is %g, not positive"):format(a:det()), 0)
+    error(("there is no single nearest rotation: the determinant is %g, not positive")
+      :format(a:det()), 0)
   end
   return average(a, function(x) return x:inverse():transpose() end, "orthogonal")
 end
 
 --- A symplectic matrix near a: x = J^-1 x^-T J.
 function M.near_symplectic(a, J)
-  return average(a, function(x) return J:transpose() * x:inverse():transpose() * J end, "symplectic")
+  return average(a, function(x) return J:transpose() * x:inverse():transpose() * J end,
+    "symplectic")
 end
 
 --- J of R^(2k), x = (q, p).

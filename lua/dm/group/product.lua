@@ -1,5 +1,5 @@
---- Products of groups, and of spaces: elements are lists {g, h, ...}; algebra vectors and flat coordinates stand one after
--- the other.
+--- Products of groups, and of spaces: elements are lists {g, h, ...}; algebra vectors and flat
+-- coordinates stand one after the other.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 
@@ -20,7 +20,8 @@ local function element_of(parts, method)
   return function(g)
     local class = kits.class_of(g)
     if class ~= "table" or #g ~= #parts then
-      error(("the element must be a list of %d factors (got %s)"):format(#parts, class == "table" and #g .. " of them" or class), 0)
+      error(("the element must be a list of %d factors (got %s)")
+        :format(#parts, class == "table" and #g .. " of them" or class), 0)
     end
     local out = {}
     for k, part in ipairs(parts) do
@@ -53,9 +54,11 @@ local function by_factors(parts, name, kinds, join)
   end
 end
 
-local ELEMENTS = { identity = {}, compose = { "g", "g" }, inverse = { "g" }, exp = { "x" }, near = { "x" }, cayley = { "x" }, project = { "g" },
+local ELEMENTS = { identity = {}, compose = { "g", "g" }, inverse = { "g" }, exp = { "x" },
+  near = { "x" }, cayley = { "x" }, project = { "g" },
   left_tangent = { "g", "g", "g" }, right_tangent = { "g", "g", "g" } }
-local VECTORS = { log = { "g" }, Ad = { "g", "x" }, ad = { "x", "x" }, coAd = { "g", "x" }, coad = { "x", "x" }, dexp = { "x", "x" },
+local VECTORS = { log = { "g" }, Ad = { "g", "x" }, ad = { "x", "x" }, coAd = { "g", "x" },
+  coad = { "x", "x" }, dexp = { "x", "x" },
   dexpinv = { "x", "x" }, cayleyinv = { "g" }, dcay = { "x", "x" }, dcayinv = { "x", "x" } }
 
 local function has_all(parts, name)
@@ -171,7 +174,9 @@ local function as_manifold(kit, parts)
   end
   kit.project = by_factors(parts, "project", ELEMENTS.project)
   kit.tangent = function(z, w)
-    if type(w) ~= "table" or #w ~= #parts then error(("the tangent vector must be a list of %d, one for each factor"):format(#parts), 0) end
+    if type(w) ~= "table" or #w ~= #parts then
+      error(("the tangent vector must be a list of %d, one for each factor"):format(#parts), 0)
+    end
     local out = {}
     for k, part in ipairs(parts) do out[k] = kits.tangent(part, z[k], w[k]) end
     return out
@@ -191,7 +196,8 @@ local function facts(kit, parts)
   kit.abelian, kit.vectors, kit.angles = true, true, {}
   for k, part in ipairs(parts) do
     for i in pairs(part.angles) do kit.angles[kit.coordinates + i] = true end
-    kit.dimension, kit.coordinates = kit.dimension + part.dimension, kit.coordinates + part.coordinates
+    kit.dimension, kit.coordinates = kit.dimension + part.dimension,
+      kit.coordinates + part.coordinates
     kit.manifold = kit.manifold or part.manifold
     kit.abelian, kit.vectors = kit.abelian and part.abelian, kit.vectors and part.vectors
     forms[k] = part.form

@@ -9,7 +9,8 @@ local M = {}
 local function first(_, eta) return eta end
 
 function M.kit(n)
-  local kit = { dimension = n, abelian = true, vectors = true, euclidean = true, exp = core.vector, log = core.vector, cayley = core.vector, cayleyinv = core.vector,
+  local kit = { dimension = n, abelian = true, vectors = true, euclidean = true, exp = core.vector,
+    log = core.vector, cayley = core.vector, cayleyinv = core.vector,
     Ad = first, coAd = first, dexp = first, dexpinv = first, dcay = first, dcayinv = first }
   function kit.identity() return core.zeros(n) end
   function kit.element(g) return kits.vector(g, n, "the group element") end

@@ -1,8 +1,10 @@
---- The logarithm of a rotation matrix of any size, numbers only, to all digits near the identity and near half turns.
+--- The logarithm of a rotation matrix of any size, numbers only, to all digits near the identity
+-- and near half turns.
 --
--- S = (R + R^T)/2 and K = (R - R^T)/2 commute; in the eigenvectors of S a plane turned by x has S = cos x, K = sin x J. Where cos x
--- is away from -1 the logarithm is x/sin x K, a smooth function of S times K. Near half turns, x = pi - s, it is pi J - asin(sin s)/sin s K:
--- there J is found by pairing vectors, since K says little about it.
+-- S = (R + R^T)/2 and K = (R - R^T)/2 commute; in the eigenvectors of S a plane turned by x has S =
+-- cos x, K = sin x J. Where cos x is away from -1 the logarithm is x/sin x K, a smooth function of
+-- S times K. Near half turns, x = pi - s, it is pi J - asin(sin s)/sin s K: there J is found by
+-- pairing vectors, since K says little about it.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 
@@ -10,7 +12,8 @@ local M = {}
 
 local abs, sqrt = math.abs, math.sqrt
 
--- where to part the half turns from the rest: the middle of the largest gap of the cosines between -0.97 and -0.6
+-- where to part the half turns from the rest: the middle of the largest gap of the cosines between
+-- -0.97 and -0.6
 local function threshold(cosines)
   local low, high, last, widest, at = -0.97, -0.6, -0.97, 0, -0.97
   for _, c in ipairs(cosines) do
@@ -50,7 +53,9 @@ local function least_spanned(candidates, list)
     local rest, size = residual(v, list)
     if size > most then best, most = rest * (1 / size), size end
   end
-  if not best or most < 1e-3 then error("the matrix is no rotation: an eigenvalue -1 stands alone", 0) end
+  if not best or most < 1e-3 then
+    error("the matrix is no rotation: an eigenvalue -1 stands alone", 0)
+  end
   return residual(best, list)
 end
 
@@ -72,8 +77,9 @@ local function most_stretched(B, basis)
   return v
 end
 
--- J of B = sin(s) J: pairs v, J v, the largest sine first; each is taken away before the next is looked for, as its square would
--- hide what is 1e-8 of it. Where B v is nothing any partner will do.
+-- J of B = sin(s) J: pairs v, J v, the largest sine first; each is taken away before the next is
+-- looked for, as its square would hide what is 1e-8 of it. Where B v is nothing any partner will
+-- do.
 local function complex_structure(B)
   local m, taken, J = B.rows, {}, core.zeros(B.rows, B.rows)
   local basis = {}

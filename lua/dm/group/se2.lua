@@ -1,4 +1,5 @@
---- SE(2): (x, y, theta), the motion z -> R(theta) z + (x, y). Algebra: (u, v, omega), translations first.
+--- SE(2): (x, y, theta), the motion z -> R(theta) z + (x, y). Algebra: (u, v, omega), translations
+-- first.
 local acts = require "dm.group.acts"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -84,17 +85,23 @@ end
 
 function M.kit()
   local kit = { dimension = 3, vectors = true, angles = { [3] = true },
-    form = "a vector of 3 numbers (x, y, theta)", compose = M.compose, inverse = M.inverse, exp = M.exp, log = M.log, Ad = M.Ad, ad = M.ad,
+    form = "a vector of 3 numbers (x, y, theta)", compose = M.compose, inverse = M.inverse,
+    exp = M.exp, log = M.log, Ad = M.Ad, ad = M.ad,
     dexp = M.dexp, dexpinv = M.dexpinv, matrix = matrix }
   function kit.identity() return core.zeros(3) end
   function kit.element(g) return kits.vector(g, 3, "the group element") end
   kit.raw = kit.element
-  function kit.hat(xi) return core.matrix { { 0, -xi[3], xi[1] }, { xi[3], 0, xi[2] }, { 0, 0, 0 } } end
+  function kit.hat(xi)
+    return core.matrix { { 0, -xi[3], xi[1] }, { xi[3], 0, xi[2] }, { 0, 0, 0 } }
+  end
   function kit.vee(m) return core.vector { m[1][3], m[2][3], 0.5 * (m[2][1] - m[1][2]) } end
-  function kit.from_matrix(m) return core.vector { m[1][3], m[2][3], core.atan(m[2][1], m[1][1]) } end
+  function kit.from_matrix(m)
+    return core.vector { m[1][3], m[2][3], core.atan(m[2][1], m[1][1]) }
+  end
   function kit.project(g) return core.vector { g[1], g[2], so2.principal(g[3]) } end
   function kit.sample(stream, i)
-    return core.vector { stream:normal(i, 0), stream:normal(i, 1), stream:uniform(i, 2, -math.pi, math.pi) }
+    return core.vector { stream:normal(i, 0), stream:normal(i, 1),
+      stream:uniform(i, 2, -math.pi, math.pi) }
   end
   kit.acts = { affine = acts.affine(kit, 2), translation = acts.translation(kit) }
   function kit.turns() return { core.vector { 0, 0, 2 * math.pi } } end

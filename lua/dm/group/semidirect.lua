@@ -1,4 +1,5 @@
---- Semidirect products: lists {g, v} with (g, v)(h, w) = (g h, v + g w). Algebra: that of G, then V.
+--- Semidirect products: lists {g, v} with (g, v)(h, w) = (g h, v + g w). Algebra: that of G, then
+-- V.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
@@ -25,7 +26,8 @@ end
 local function matrix_action(part, n, name)
   local m = part.matrix(part.identity())
   if m.rows ~= n then
-    error(("dm.semidirect: %s has matrices of %d x %d and does not act on R^%d: give the action as a function of (g, v)")
+    error(("dm.semidirect: %s has matrices of %d x %d and does not act on R^%d: give the action "
+      .. "as a function of (g, v)")
       :format(name, m.rows, m.columns, n), 0)
   end
   return function(g, v) return part.matrix(g) * v end
@@ -47,15 +49,19 @@ local function check(part, act, n)
   local stream = core.random(5)
   local g, h = part.sample(stream, 0), part.sample(stream, 1)
   local v, w = kits.normals(stream, 2, n, 1), kits.normals(stream, 3, n, 1)
-  local function image(a, x) return kits.vector(act(a, x), n, "what the action of dm.semidirect returns") end
+  local function image(a, x)
+    return kits.vector(act(a, x), n, "what the action of dm.semidirect returns")
+  end
   local linear_defect = (image(g, v + w * 2) - image(g, v) - image(g, w) * 2):norm()
   local group_defect = (image(part.compose(g, h), v) - image(g, image(h, v))):norm()
   local scale = 1e-9 * (1 + image(g, image(h, v)):norm() + image(g, v + w * 2):norm())
   if not (linear_defect <= scale) then
-    error(("dm.semidirect: the action is not linear in v (by %g at a random point)"):format(linear_defect), 0)
+    error(("dm.semidirect: the action is not linear in v (by %g at a random point)")
+      :format(linear_defect), 0)
   end
   if not (group_defect <= scale) then
-    error(("dm.semidirect: g(h v) is not (g h) v (by %g at a random point)"):format(group_defect), 0)
+    error(("dm.semidirect: g(h v) is not (g h) v (by %g at a random point)")
+      :format(group_defect), 0)
   end
 end
 
@@ -101,6 +107,18 @@ local function matrix_maps(kit, part, n)
   kit.no_cayley = part.no_cayley
 end
 
+-- does the algebra leave V alone?
+local function is_trivial(E)
+  for _, slope in ipairs(E) do
+    if linear.largest(slope) > 0 then return false end
+  end
+  return true
+end
+
+-- what a direct product does factor by factor, and this one does not
+local NOT_BY_FACTORS = { "Ad", "coAd", "coad", "dexp", "dexpinv", "cayley", "cayleyinv", "dcay",
+  "dcayinv", "matrix", "hat", "vee", "left_tangent", "right_tangent", "distance", "from_matrix" }
+
 -- z -> g z + v of {g, v} on V
 local function affine(move, n)
   return function(m)
@@ -123,11 +141,9 @@ function M.kit(_, space)
   end
   local function move(g, v) return core.vector(act(g, v)) end
   local kit = product.of { part, vectors }
-  kit.parts, kit.abelian, kit.vectors, kit.acts = nil, false, false, { affine = affine(move, n) }
-  for _, key in ipairs { "Ad", "coAd", "coad", "dexp", "dexpinv", "cayley", "cayleyinv", "dcay", "dcayinv", "matrix", "hat", "vee",
-    "left_tangent", "right_tangent", "distance", "from_matrix" } do
-    kit[key] = nil
-  end
+  kit.parts, kit.vectors, kit.acts = nil, false, { affine = affine(move, n) }
+  kit.abelian = part.abelian and is_trivial(E)
+  for _, key in ipairs(NOT_BY_FACTORS) do kit[key] = nil end
   algebra(kit, part, rate)
   function kit.compose(a, b) return { part.compose(a[1], b[1]), a[2] + move(a[1], b[2]) } end
   function kit.inverse(g)

@@ -54,7 +54,9 @@ local function common(n, turns)
     return joined(turns.unflat(list), core.vector(a))
   end
   function kit.bonds(list) return turns.bonds(list) end
-  function kit.project(m) return joined(matrix_functions.nearest_rotation(rotation(m, n)), shift(m, n)) end
+  function kit.project(m)
+    return joined(matrix_functions.nearest_rotation(rotation(m, n)), shift(m, n))
+  end
   function kit.defect(g)
     local worst, why = rotations.defect(g, n)
     for j = 1, n + 1 do worst = math.max(worst, math.abs(g[n + 1][j] - (j > n and 1 or 0))) end
@@ -73,16 +75,19 @@ local function common(n, turns)
 end
 
 -- (v, omega) of an algebra vector of SE(3)
-local function parts(xi) return core.vector { xi[1], xi[2], xi[3] }, core.vector { xi[4], xi[5], xi[6] } end
+local function parts(xi)
+  return core.vector { xi[1], xi[2], xi[3] }, core.vector { xi[4], xi[5], xi[6] }
+end
 
--- the blocks of phi(ad xi) = {{P, Q}, {0, P}}, P = 1 + c2 W + c3 W^2, and Q its derivative along hat(v): with t = |omega|^2,
--- dt = 2 omega . v, dc2/dt = (2 c4 - c3)/2, dc3/dt = (3 c5 - c4)/2
+-- the blocks of phi(ad xi) = {{P, Q}, {0, P}}, P = 1 + c2 W + c3 W^2, and Q its derivative along
+-- hat(v): with t = |omega|^2, dt = 2 omega . v, dc2/dt = (2 c4 - c3)/2, dc3/dt = (3 c5 - c4)/2
 local function blocks(xi)
   local v, omega = parts(xi)
   local t, dt, c = omega:dot(omega), 2 * omega:dot(v), {}
   for k = 2, 5 do c[k] = smooth.stumpff_circular(k, t) end
   local W, V = so3.hat(omega), so3.hat(v)
-  local Q = V * c[2] + (W * V + V * W) * c[3] + W * (0.5 * dt * (2 * c[4] - c[3])) + W * W * (0.5 * dt * (3 * c[5] - c[4]))
+  local Q = V * c[2] + (W * V + V * W) * c[3] + W * (0.5 * dt * (2 * c[4] - c[3]))
+    + W * W * (0.5 * dt * (3 * c[5] - c[4]))
   return so3.combine(W, c[2], c[3]), Q
 end
 

@@ -20,11 +20,13 @@ local function exp2(xi)
   return core.identity(2) * smooth.stumpff(0, t) + hat2(xi) * smooth.stumpff(1, t)
 end
 
--- x/sin x at c = cos x, t = sin^2 x: two halvings of the angle near the identity, atan2 and the logarithm away from it
+-- x/sin x at c = cos x, t = sin^2 x: two halvings of the angle near the identity, atan2 and the
+-- logarithm away from it
 local NEAR = 0.5
 local function angle_ratio(c, t)
   local choose, guarded = smooth.choose, smooth.guarded
-  local turned = choose(c, function() return t - NEAR end, function() return 1 end)  -- > 0: by atan2
+  -- > 0: by atan2
+  local turned = choose(c, function() return t - NEAR end, function() return 1 end)
   local function near()
     local c1 = core.sqrt(0.5 * (1 + guarded(c, c)))
     local t1 = t / (4 * c1 * c1)
@@ -48,7 +50,8 @@ function M.log2(g)
   local t = -(d * d + g[1][2] * g[2][1])
   if type(c) == "number" and type(t) == "number" and c <= 0 and not (t > 0) then
     if d == 0 and g[1][2] == 0 and g[2][1] == 0 then return core.vector { 0, -math.pi, math.pi } end
-    error(("the matrix has no real logarithm: its trace is %g, and it is no rotation"):format(2 * c), 0)
+    error(("the matrix has no real logarithm: its trace is %g, and it is no rotation")
+      :format(2 * c), 0)
   end
   local ratio = angle_ratio(c, t)
   return core.vector { d * ratio, g[1][2] * ratio, g[2][1] * ratio }
@@ -73,7 +76,9 @@ function M.kit(n)
   function kit.hat(xi)
     local trace = 0
     for i = 1, n - 1 do trace = trace + xi[(i - 1) * n + i] end
-    return linear.fill(n, n, function(i, j) return i == n and j == n and -trace or xi[(i - 1) * n + j] end)
+    return linear.fill(n, n, function(i, j)
+      return i == n and j == n and -trace or xi[(i - 1) * n + j]
+    end)
   end
   function kit.vee(m)
     local list = matrices.entries(m)
@@ -84,7 +89,8 @@ function M.kit(n)
   function kit.project(g) return unit_determinant(g, n) end
   function kit.defect(g)
     local det = g:det()
-    return abs(det - 1) / math.max(1, linear.largest(g)) ^ n, ("its determinant is %.9g, not 1"):format(det)
+    return abs(det - 1) / math.max(1, linear.largest(g)) ^ n,
+      ("its determinant is %.9g, not 1"):format(det)
   end
   if n == 2 then kit.exp, kit.log, kit.inverse = exp2, M.log2, adjugate end
   kit.sample = matrices.from_exponentials(kit)

@@ -1,5 +1,6 @@
---- Functions that the exponential and its differential are made of, for numbers, symbols and hyper-dual numbers: each is
--- a power series of t with a closed form away from t = 0, and exact derivatives on both sides.
+--- Functions that the exponential and its differential are made of, for numbers, symbols and
+-- hyper-dual numbers: each is a power series of t with a closed form away from t = 0, and exact
+-- derivatives on both sides.
 local core = require "dm.core"
 
 local M = {}
@@ -51,11 +52,14 @@ closed[2] = function(x, _, hyper)
   return 2 * half * half
 end
 for k = 3, 5 do
-  closed[k] = function(x, t, hyper) return (INVERSE_FACTORIAL[k - 2] - closed[k - 2](x, t, hyper)) / t end
+  closed[k] = function(x, t, hyper)
+    return (INVERSE_FACTORIAL[k - 2] - closed[k - 2](x, t, hyper)) / t
+  end
 end
 
---- Stumpff's functions c_k(t) = sum_j (-t)^j / (2j + k)!, k = 0 .. 5: cos x, sin x / x, (1 - cos x)/x^2, (x - sin x)/x^3 ...
--- at t = x^2, hyperbolic for t < 0. c_k = 1/k! - t c_{k+2}, dc_k/dt = (k c_{k+2} - c_{k+1})/2.
+--- Stumpff's functions c_k(t) = sum_j (-t)^j / (2j + k)!, k = 0 .. 5: cos x, sin x / x, (1 - cos
+-- x)/x^2, (x - sin x)/x^3 ... at t = x^2, hyperbolic for t < 0. c_k = 1/k! - t c_{k+2}, dc_k/dt =
+-- (k c_{k+2} - c_{k+1})/2.
 function M.stumpff(k, t)
   local far, below = t - NEAR, -NEAR - t
   return choose(far, function() return closed[k](sqrt(guarded(far, t)), t, false) end, function()
@@ -83,7 +87,8 @@ end
 
 local BERNOULLI_NEAR = 4  -- (4/(2 pi)^2)^18 is 1e-18
 
---- (1 - (x/2) cot(x/2))/x^2 at t = x^2 >= 0: dexpinv of so(3) is 1 - hat/2 + it hat^2. Infinite at x = 2 pi.
+--- (1 - (x/2) cot(x/2))/x^2 at t = x^2 >= 0: dexpinv of so(3) is 1 - hat/2 + it hat^2. Infinite at
+-- x = 2 pi.
 function M.half_cotangent(t)
   local far = t - BERNOULLI_NEAR
   return choose(far, function()
@@ -91,7 +96,8 @@ function M.half_cotangent(t)
     local x = 0.5 * sqrt(safe)
     local s = sin(x)
     if type(s) == "number" and math.abs(s) < 1e-13 * x then
-      error("the differential of exp has no inverse here: the algebra element is a rotation by a multiple of 2 pi", 0)
+      error("the differential of exp has no inverse here: the algebra element is a rotation by a "
+        .. "multiple of 2 pi", 0)
     end
     return (1 - x * cos(x) / s) / safe
   end, function() return horner(bernoulli, t) end)
@@ -101,8 +107,9 @@ end
 local arc = {}
 for j = 0, 11 do arc[j] = (j % 2 == 0 and 1 or -1) / (2 * j + 1) end
 
---- angle/|v| for the angle of (w, |v|), |v|^2 + w^2 = 1, w >= 0, s = |v|^2: two halvings of the angle make it
--- a quarter, whose tangent is at most tan(pi/8); another gives 8 atan(y)/y with y <= 0.2. Smooth through s = 0.
+--- angle/|v| for the angle of (w, |v|), |v|^2 + w^2 = 1, w >= 0, s = |v|^2: two halvings of the
+-- angle make it a quarter, whose tangent is at most tan(pi/8); another gives 8 atan(y)/y with y <=
+-- 0.2. Smooth through s = 0.
 function M.arc(w, s)
   local half = sqrt(2 * (1 + w))              -- 2 cos(angle/2)
   local quarter = 1 + w + half
@@ -110,7 +117,8 @@ function M.arc(w, s)
   return 8 * horner(arc, s / (d * d)) / d
 end
 
---- x/sin x where c = cos x, t = sin^2 x <= 1/16 of either sign (x/sinh x): atan(y)/y at y = tan(x/2), doubled
+--- x/sin x where c = cos x, t = sin^2 x <= 1/16 of either sign (x/sinh x): atan(y)/y at y =
+-- tan(x/2), doubled
 function M.arc_signed(c, t)
   local d = 1 + c
   return 2 * horner(arc, t / (d * d)) / d

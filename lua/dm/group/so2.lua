@@ -46,11 +46,17 @@ function M.circles(n)
   kit.cayley = of_entries(function(x) return 2 * core.atan(0.5 * x) end)
   kit.cayleyinv = of_entries(function(x)
     local y = 2 * core.tan(0.5 * x)
-    if type(y) == "number" and math.abs(y) > 1e12 then error("the Cayley map does not reach a rotation by pi", 0) end
+    if type(y) == "number" and math.abs(y) > 1e12 then
+      error("the Cayley map does not reach a rotation by pi", 0)
+    end
     return y
   end)
-  function kit.dcay(xi, eta) return core.vector(eta):map(function(y, k) return y / (1 + 0.25 * xi[k] * xi[k]) end) end
-  function kit.dcayinv(xi, eta) return core.vector(eta):map(function(y, k) return y * (1 + 0.25 * xi[k] * xi[k]) end) end
+  function kit.dcay(xi, eta)
+    return core.vector(eta):map(function(y, k) return y / (1 + 0.25 * xi[k] * xi[k]) end)
+  end
+  function kit.dcayinv(xi, eta)
+    return core.vector(eta):map(function(y, k) return y * (1 + 0.25 * xi[k] * xi[k]) end)
+  end
   function kit.hat(xi)
     local out = core.zeros(2 * n, 2 * n):totable()
     for k = 1, n do out[2 * k - 1][2 * k], out[2 * k][2 * k - 1] = -xi[k], xi[k] end

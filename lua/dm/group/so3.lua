@@ -16,7 +16,8 @@ function M.hat(xi)
 end
 
 function M.vee(m)
-  return core.vector { 0.5 * (m[3][2] - m[2][3]), 0.5 * (m[1][3] - m[3][1]), 0.5 * (m[2][1] - m[1][2]) }
+  return core.vector { 0.5 * (m[3][2] - m[2][3]), 0.5 * (m[1][3] - m[3][1]),
+    0.5 * (m[2][1] - m[1][2]) }
 end
 
 --- 1 + a X + b X^2, X = hat(xi)
@@ -32,7 +33,8 @@ local function outer_square(R)
   local a, b, c = R[1][1], R[2][2], R[3][3]
   local wx, wy, wz = R[3][2] - R[2][3], R[1][3] - R[3][1], R[2][1] - R[1][2]
   local xy, xz, yz = R[1][2] + R[2][1], R[1][3] + R[3][1], R[2][3] + R[3][2]
-  return { { 1 + a + b + c, wx, wy, wz }, { wx, 1 + a - b - c, xy, xz }, { wy, xy, 1 - a + b - c, yz },
+  return { { 1 + a + b + c, wx, wy, wz }, { wx, 1 + a - b - c, xy, xz },
+    { wy, xy, 1 - a + b - c, yz },
     { wz, xz, yz, 1 - a - b + c } }
 end
 
@@ -44,7 +46,9 @@ function M.quaternion(R)
   for k = 2, 4 do
     local better, now = d[k] - best[5], best
     best = {}
-    for i = 1, 4 do best[i] = choose(better, function() return K[k][i] end, function() return now[i] end) end
+    for i = 1, 4 do
+      best[i] = choose(better, function() return K[k][i] end, function() return now[i] end)
+    end
     best[5] = choose(better, function() return d[k] end, function() return now[5] end)
   end
   local scale = 0.5 / core.sqrt(best[5])
@@ -93,8 +97,9 @@ local function cayley_maps(kit)
 end
 
 function M.kit()
-  local kit = { dimension = 3, coordinates = 4, exp = M.exp, log = M.log, hat = M.hat, vee = M.vee, flat = M.quaternion,
-    unflat = M.rotation, bonds = M.norm_bond, sample = M.sample, project = matrix_functions.nearest_rotation }
+  local kit = { dimension = 3, coordinates = 4, exp = M.exp, log = M.log, hat = M.hat, vee = M.vee,
+    flat = M.quaternion, unflat = M.rotation, bonds = M.norm_bond, sample = M.sample,
+    project = matrix_functions.nearest_rotation }
   cayley_maps(kit)
   kit.acts = rotations.acts(kit, 3)
   function kit.inverse(g) return g:transpose() end

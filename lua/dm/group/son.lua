@@ -9,7 +9,8 @@ local matrix_functions = require "dm.group.matrix_functions"
 
 local M = {}
 
---- Planes (i, j) in the order of the algebra: (2,3), (3,1), (1,2) of SO(3), so that hat(xi) x = xi x x, else (1,2), (1,3) ...
+--- Planes (i, j) in the order of the algebra: (2,3), (3,1), (1,2) of SO(3), so that hat(xi) x = xi
+-- x x, else (1,2), (1,3) ...
 function M.planes(n)
   if n == 3 then return { { 2, 3 }, { 3, 1 }, { 1, 2 } } end
   local out = {}
@@ -52,7 +53,8 @@ local function orthonormal(R, n, m)
   return out
 end
 
--- determinants of the first k columns in all choices of k rows, from those of one column less: sets of rows as bits
+-- determinants of the first k columns in all choices of k rows, from those of one column less: sets
+-- of rows as bits
 local function more_minors(minors, R, n, k)
   local out = {}
   for set = 0, 1 << n + 1 do
@@ -84,8 +86,9 @@ end
 
 local LARGEST_MINORS = 8  -- 2^n determinants
 
---- The n(n + 1)/2 equations of a rotation: orthonormal columns, the last of which is across the others, so that the determinant is
--- not -1; above n = 8, where that is long, orthonormal columns alone.
+--- The n(n + 1)/2 equations of a rotation: orthonormal columns, the last of which is across the
+-- others, so that the determinant is not -1; above n = 8, where that is long, orthonormal columns
+-- alone.
 function M.bonds(R, n)
   if n > LARGEST_MINORS then return orthonormal(R, n, n) end
   local out, w = orthonormal(R, n, n - 1), across(R, n)
@@ -99,10 +102,12 @@ function M.defect(R, n)
   for _, x in ipairs(orthonormal(rows, n, n)) do
     if not (math.abs(x) <= worst) and worst == worst then worst = math.abs(x) end
   end
-  if worst < 0.5 and (R.rows == n and R or linear.fill(n, n, function(i, j) return rows[i][j] end)):det() < 0 then
+  local corner = R.rows == n and R or linear.fill(n, n, function(i, j) return rows[i][j] end)
+  if worst < 0.5 and corner:det() < 0 then
     return 2, "its determinant is -1"
   end
-  return worst, worst > 1e-9 and ("its columns are off orthonormal ones by %.3g"):format(worst) or nil
+  if worst <= 1e-9 then return worst end
+  return worst, ("its columns are off orthonormal ones by %.3g"):format(worst)
 end
 
 --- Uniform: Gram and Schmidt on normal numbers; the last row is turned to make the determinant 1.
@@ -123,7 +128,9 @@ end
 local function log_of(R, n)
   if not linear.is_plain(R) then return matrix_functions.log(R) end
   local defect, why = M.defect(R, n)
-  if not (defect < 1e-6) then error(("the matrix is no rotation: %s"):format(why or ("off by %g"):format(defect)), 0) end
+  if not (defect < 1e-6) then
+    error(("the matrix is no rotation: %s"):format(why or ("off by %g"):format(defect)), 0)
+  end
   return require "dm.group.rotation_log".log(R)
 end
 
@@ -131,7 +138,9 @@ end
 local function angle_norm(R)
   if not linear.is_plain(R) then return kits.norm(M.vee(matrix_functions.log(R), R.rows)) end
   local defect = M.defect(R, R.rows)
-  if not (defect < 1e-6) then error(("the matrix a^T b is no rotation: off by %g"):format(defect), 0) end
+  if not (defect < 1e-6) then
+    error(("the matrix a^T b is no rotation: off by %g"):format(defect), 0)
+  end
   local re, im = R:eigenvalues()
   local sum = 0
   for i = 1, #re do sum = sum + math.atan(math.abs(im[i]), re[i]) ^ 2 end

@@ -1,4 +1,5 @@
---- S(n): unit vectors of R^(n+1); a manifold, not a group: exp and log are those of its great circles, from a point.
+--- S(n): unit vectors of R^(n+1); a manifold, not a group: exp and log are those of its great
+-- circles, from a point.
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local smooth = require "dm.group.smooth"
@@ -11,8 +12,10 @@ local LOOSE = 1e-6  -- how far a vector may lean out of the tangent space, of it
 local function tangent(z, w)
   if not kits.is_finite(w) then error("the tangent vector is not finite", 0) end
   local along, size = w:dot(z), w:norm()
-  if type(along) == "number" and type(size) == "number" and not (math.abs(along) <= LOOSE * size) then
-    error(("this is no tangent vector at the point: w . z = %.6g; w - z*(w . z) is one"):format(along), 0)
+  if type(along) == "number" and type(size) == "number"
+    and not (math.abs(along) <= LOOSE * size) then
+    error(("this is no tangent vector at the point: w . z = %.6g; w - z*(w . z) is one")
+      :format(along), 0)
   end
   return w - z * along
 end
@@ -20,11 +23,14 @@ end
 -- z cos|w| + w sin|w|/|w|
 local function shoot(z, w)
   local square, size = w:dot(w), w:norm()
-  if type(size) == "number" then return size == 0 and z or z * math.cos(size) + w * (math.sin(size) / size) end
+  if type(size) == "number" then
+    return size == 0 and z or z * math.cos(size) + w * (math.sin(size) / size)
+  end
   return z * smooth.stumpff_circular(0, square) + w * smooth.stumpff_circular(1, square)
 end
 
-local OPPOSITE = 1e-14  -- sine of the angle below which round-off alone says where the antipode is seen
+-- sine of the angle below which round-off alone says where the antipode is seen
+local OPPOSITE = 1e-14
 
 -- theta u/|u|: u = y - z (z . y), taken from the smaller of y - z and y + z
 local function aim_of_numbers(z, y)
@@ -32,7 +38,9 @@ local function aim_of_numbers(z, y)
   local d = cosine < 0 and y + z or y - z
   local u = d - z * z:dot(d)
   local sine = u:norm()
-  if cosine < 0 and sine < OPPOSITE then error("log: the points are antipodes: every great circle from one goes through the other", 0) end
+  if cosine < 0 and sine < OPPOSITE then
+    error("log: the points are antipodes: every great circle from one goes through the other", 0)
+  end
   return sine == 0 and u or u * (math.atan(sine, cosine) / sine)
 end
 
@@ -46,7 +54,8 @@ local function aim(z, y)
 end
 
 function M.kit(n)
-  local kit = { dimension = n, coordinates = n + 1, manifold = true, vectors = true, angles = {}, form = "a unit vector", entries = kits.list_of, rebuild = core.vector }
+  local kit = { dimension = n, coordinates = n + 1, manifold = true, vectors = true, angles = {},
+    form = "a unit vector", entries = kits.list_of, rebuild = core.vector }
   function kit.element(g) return kits.vector(g, n + 1, "the point") end
   kit.raw = kit.element
   kit.flat, kit.unflat = kit.entries, kit.rebuild
@@ -58,7 +67,9 @@ function M.kit(n)
   function kit.defect(z) return math.abs(z:norm() - 1) end
   function kit.project(z)
     local size = z:norm()
-    if type(size) == "number" and not (size > 0) then error("the zero vector is near no point of the sphere", 0) end
+    if type(size) == "number" and not (size > 0) then
+      error("the zero vector is near no point of the sphere", 0)
+    end
     return z * (1 / size)
   end
   function kit.sample(stream, i) return kit.project(kits.normals(stream, i, n + 1, 1)) end

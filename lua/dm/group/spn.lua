@@ -1,5 +1,5 @@
---- Sp(n), n = 2k: flat coordinates are the entries of the matrix; the algebra is {{A, B}, {C, -A^T}},
--- B and C symmetric.
+--- Sp(n), n = 2k: flat coordinates are the entries of the matrix; the algebra is {{A, B}, {C,
+-- -A^T}}, B and C symmetric.
 local acts = require "dm.group.acts"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
@@ -44,7 +44,8 @@ local function sp_vee(m, k)
 end
 
 function M.kit(n)
-  if n == 2 then return require "dm.group.sln".kit(2) end  -- the same matrices in the same coordinates
+  -- the same matrices in the same coordinates
+  if n == 2 then return require "dm.group.sln".kit(2) end
   local k, J = n // 2, matrix_functions.symplectic_unit(n)
   local kit = { dimension = n * (n + 1) // 2 }
   kit.acts = { linear = acts.linear(kit, n) }

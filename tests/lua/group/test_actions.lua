@@ -205,8 +205,8 @@ raises("manifold, not a group", function() return dm.action { group = dm.S(2), o
 raises("no vectors", function() return dm.action { group = dm.SO(3), on = dm.SO(3) } end)
 raises("no standard action", function() return dm.action { group = dm.SO(3), on = dm.R(5) } end)
 raises("unknown action", function() return dm.action { group = dm.SO(3), on = dm.R(3), map = "turn" } end)
-raises("unknown field", function() return dm.action { group = dm.SO(3), on = dm.R(3), sides = "left" } end)
-raises("field 'group' must be a space", function() return dm.action { on = dm.R(3) } end)
+raises("unknown option 'sides'; did you mean 'side'?", function() return dm.action { group = dm.SO(3), on = dm.R(3), sides = "left" } end)
+raises("option 'group' must be a space", function() return dm.action { on = dm.R(3) } end)
 raises("the point z must have 2 entries", function() return turn(0.1, { 1, 2, 3 }) end)
 raises("is not defined at z", function() return moebius({ { 0, -1 }, { 1, 0 } }, { 0 }) end)
 raises("moves points of 3 numbers", function() return path.momentum(two:solver { rule = "verlet", h = 0.1 }
