@@ -1,5 +1,6 @@
 --- Is a moving frame one? Its defining properties at random points.
 local core = require "dm.core"
+local options = require "dm.base.options"
 local points = require "dm.frame.points"
 local tangent = require "dm.frame.tangent"
 
@@ -35,7 +36,9 @@ end
 local function test_function(list)
   local sum = 0
   for i = 1, #list do
-    for j = 1, #list[i] do sum = sum + (0.3 * i + 0.7 / j) * list[i][j] + 0.1 * i * j * list[i][j] ^ 2 end
+    for j = 1, #list[i] do
+      sum = sum + (0.3 * i + 0.7 / j) * list[i][j] + 0.1 * i * j * list[i][j] ^ 2
+    end
   end
   return sum
 end
@@ -68,10 +71,12 @@ local function sample(frame, seed)
   local probe = points.sample(frame, seed + 500, 2)
   local out = { condition = condition }
   -- rho(h z) h = rho(z), seen by what they do to points
-  out.equivariance = defect(frame, F.moved(frame, g, probe), F.moved(frame, g2, F.moved(frame, h, probe)))
+  local once, twice = F.moved(frame, g, probe), F.moved(frame, g2, F.moved(frame, h, probe))
+  out.equivariance = defect(frame, once, twice)
   out.invariance = defect(frame, there, there2)
   -- an invariant function is its own invariantization
-  local f, again = test_function(there), test_function(F.moved(frame, F.element(frame, there), there))
+  local f = test_function(there)
+  local again = test_function(F.moved(frame, F.element(frame, there), there))
   out.replacement = abs(f - again) / (1 + abs(f))
   if P and type(P) ~= "string" then
     local velocities = points.sample(frame, seed + 700, #list)
@@ -83,14 +88,14 @@ end
 
 M.doc = [[
 rho:check{samples=} -> number, table
-The worst defect at random points (default 8): equivariance rho(h z) = rho(z) h^-1, invariance and replacement, the corrections of shifts and of
-derivatives (against the graph), relative to the size of what is compared; and a table with each, with the worst condition number of J psi. Points that have no frame, or an
-ill-conditioned one, are passed over; an error says when that is all of them.]]
+The worst defect at random points (default 8): equivariance rho(h z) = rho(z) h^-1, invariance and
+replacement, the corrections of shifts and of derivatives (against the graph), relative to the size
+of what is compared; and a table with each, with the worst condition number of J psi. Points that
+have no frame, or an ill-conditioned one, are passed over; an error says when that is all of them.]]
 
-function M.run(frame, options)
-  if options ~= nil and type(options) ~= "table" then error("rho:check takes a table { samples = }", 0) end
-  local wanted = options and options.samples or 8
-  if not math.tointeger(wanted) or wanted < 1 then error("rho:check: 'samples' must be a whole number >= 1", 0) end
+function M.run(frame, o)
+  o = options.check(o or {}, { "samples" }, "rho:check", "{ samples = }")
+  local wanted = options.whole(o, "samples", "rho:check", 1, nil, 8)
   local worst, found, last = {}, 0, nil
   for seed = 1, 30 * wanted do
     local fine, got = pcall(sample, frame, seed)
@@ -102,7 +107,8 @@ function M.run(frame, options)
     if found == wanted then break end
   end
   if found == 0 then
-    error("rho:check: no moving frame was found at random points" .. (last and ("; the last error: " .. tostring(last)) or ""), 0)
+    options.fail("rho:check", "no moving frame was found at random points%s",
+      last and ("; the last error: " .. tostring(last)) or "")
   end
   local largest = 0
   for key, value in pairs(worst) do

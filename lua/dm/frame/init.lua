@@ -1,13 +1,16 @@
---- Moving frames (Fels & Olver): rho(z) is the group element that brings z to a cross-section Z = 0 of the orbits.
+--- Moving frames (Fels & Olver): rho(z) is the group element that brings z to a cross-section Z = 0
+-- of the orbits.
 --
--- The frame is right-equivariant, rho(g z) = rho(z) g^-1, so z -> rho(z) z does not change along orbits: its entries are
--- the fundamental invariants, and F(rho(z) z) is an invariant function whatever F is (Bogfjellmo ch. 2).
--- rho is the user's formula, or the root of Z(g z) = 0 in flat coordinates of the group; both take symbols.
+-- The frame is right-equivariant, rho(g z) = rho(z) g^-1, so z -> rho(z) z does not change along
+-- orbits: its entries are the fundamental invariants, and F(rho(z) z) is an invariant function
+-- whatever F is (Bogfjellmo ch. 2). rho is the user's formula, or the root of Z(g z) = 0 in flat
+-- coordinates of the group; both take symbols.
 local actions = require "dm.action"
 local groups = require "dm.group"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
+local options = require "dm.base.options"
 local tangent = require "dm.frame.tangent"
 local points = require "dm.frame.points"
 local text = require "dm.frame.text"
@@ -17,18 +20,23 @@ local point, split, flat = points.point, points.split, points.flat
 
 local class = core.class({ __name = "dm.frame" }, [[
 dm.frame: a moving frame, made by dm.moving_frame{action=, points=, cross_section=}
-fields: action, group, points, cross_section, branch, solution, name; rho(z1, ..., zk) is the group element.]])
+fields: action, group, points, cross_section, branch, solution, name; rho(z1, ..., zk) is the group
+element.]])
 class.__tostring = text.describe
 
 function M.is_frame(x) return type(x) == "table" and getmetatable(x) == class end
 local function method(name, f, doc) core.method("dm.frame", name, blame.caller(f), doc) end
 
-local KNOWN = { action = true, points = true, cross_section = true, branch = true, solution = true, start = true, name = true, invariants = true }
+local KNOWN = { "action", "points", "cross_section", "branch", "solution", "start", "name",
+  "invariants" }
+local NAME = "dm.moving_frame"
+local fail = options.failing(NAME)
 
 ---- lists of points ----
 
 local function points_of(self, list, least)
-  local out = points.list(list, self.m, "a list of points is wanted (got " .. kits.class_of(list) .. ")")
+  local out = points.list(list, self.m,
+    "a list of points is wanted (got " .. kits.class_of(list) .. ")")
   if #out < least then
     error(("%s is made of %d points (got %d)"):format(text.name(self), least, #out), 0)
   end
@@ -44,7 +52,9 @@ end
 
 local function moved(self, g, list)
   local out = {}
-  for i, z in ipairs(list) do out[i] = point(actions.move(self.action, g, z), self.m, "what the action gives") end
+  for i, z in ipairs(list) do
+    out[i] = point(actions.move(self.action, g, z), self.m, "what the action gives")
+  end
   return out
 end
 
@@ -53,43 +63,33 @@ local function section(self, list)
   return points.entries(self.cross_section(table.unpack(list, 1, self.k)))
 end
 
-M.point, M.points_of, M.flat, M.split, M.list, M.moved, M.section = point, points_of, flat, split, points.list, moved, section
+M.point, M.flat, M.split, M.list = point, flat, split, points.list
+M.points_of, M.moved, M.section = points_of, moved, section
 
 ---- making one ----
 
 local function check_options(o)
-  if type(o) ~= "table" then error("dm.moving_frame takes a table { action =, points =, cross_section = }", 0) end
-  for key in pairs(o) do
-    if not KNOWN[key] then
-      error(("dm.moving_frame: unknown option '%s'; options are action, points, cross_section, branch, solution, start, name, invariants")
-        :format(tostring(key)), 0)
-    end
-  end
-  if not actions.is_action(o.action) then error("dm.moving_frame: field 'action' must be a dm.action", 0) end
-  if type(o.cross_section) ~= "function" then
-    error("dm.moving_frame: field 'cross_section' must be a function of the points that gives as many numbers as the group has dimensions", 0)
-  end
-  for _, key in ipairs { "branch", "solution" } do
-    if o[key] ~= nil and type(o[key]) ~= "function" then
-      error(("dm.moving_frame: field '%s' must be a function of the points"):format(key), 0)
-    end
+  options.check(o, KNOWN, NAME, "{ action =, points =, cross_section = }")
+  options.demand(actions.is_action(o.action), o, "action", NAME, "a dm.action")
+  options.need(o, "cross_section", NAME, "a function of the points that gives as many numbers "
+    .. "as the group has dimensions")
+  for _, key in ipairs { "cross_section", "branch", "solution" } do
+    options.callable(o, key, NAME, "the points")
   end
 end
 
--- the action on one point and the number of points: on_pairs() and on_points(k) are joint actions of their own
+-- the action on one point and the number of points: on_pairs() and on_points(k) are joint actions
+-- of their own
 local function base_of(o)
   local action, k = o.action, o.points
   if action.base and action.points then
     if k and k ~= action.points then
-      error(("dm.moving_frame: the action is on %d points already, so 'points' cannot be %s"):format(action.points, tostring(k)), 0)
+      fail("the action is on %d points already, so 'points' cannot be %s", action.points,
+        tostring(k))
     end
-    action, k = action.base, action.points
+    return action.base, action.points
   end
-  k = k or 1
-  if type(k) ~= "number" or not math.tointeger(k) or k < 1 or k > 16 then
-    error("dm.moving_frame: field 'points' must be a whole number from 1 to 16", 0)
-  end
-  return action, math.tointeger(k)
+  return action, options.whole(o, "points", NAME, 1, 16, 1)
 end
 
 -- as many equations as dimensions, at a point that is not special
@@ -97,18 +97,22 @@ local function check_section(self)
   local list = points.sample(self, 1)
   debug.getregistry().dm_forget()
   local fine, value = pcall(section, self, list)
-  if fine and #value == 0 then
-    error("dm.moving_frame: the cross-section gives nothing: " .. (debug.getregistry().dm_noted() or "is a return missing?"), 0)
+  if not fine then
+    fail("the cross-section fails at %s: %s", text.points(list), tostring(value))
   end
-  if not fine then error("dm.moving_frame: the cross-section fails at " .. text.points(list) .. ": " .. tostring(value), 0) end
+  if #value == 0 then
+    fail("the cross-section gives nothing: %s",
+      debug.getregistry().dm_noted() or "is a return missing?")
+  end
   for i = 1, #value do
     if type(value[i]) ~= "number" then
-      error(("dm.moving_frame: entry %d of the cross-section must be a number (got %s)"):format(i, type(value[i])), 0)
+      fail("entry %d of the cross-section must be a number (got %s)", i, type(value[i]))
     end
   end
   if #value ~= self.r then
-    error(("dm.moving_frame: the cross-section has %d equation%s, but the group has %d dimension%s: a frame needs as many equations as dimensions")
-      :format(#value, #value == 1 and "" or "s", self.r, self.r == 1 and "" or "s"), 0)
+    fail("the cross-section has %d equation%s, but the group has %d dimension%s: a frame needs as "
+      .. "many equations as dimensions", #value, #value == 1 and "" or "s", self.r,
+      self.r == 1 and "" or "s")
   end
 end
 
@@ -124,8 +128,9 @@ local function least(values)
   return out
 end
 
--- where Newton's method begins, in turn: the identity, a quarter, a half and a whole turn's worth from it along every axis, and, where one axis
--- is not enough (SO(4), SL(3)), elements that are spread over the group, always the same
+-- where Newton's method begins, in turn: the identity, a quarter, a half and a whole turn's worth
+-- from it along every axis, and, where one axis is not enough (SO(4), SL(3)), elements that are
+-- spread over the group, always the same
 local TURNS, SPREAD = { 1.6, -1.6, 3.1, 0.7, -0.7, -2.4, 2.4 }, 8
 local function beginnings(G, r)
   local out = { points.entries(G:flat(G:identity())) }
@@ -137,7 +142,9 @@ local function beginnings(G, r)
     end
   end
   local stream = core.random(5)
-  for i = 1, r > 3 and SPREAD or 0 do out[#out + 1] = points.entries(G:flat(G:random(stream, i, 1))) end
+  for i = 1, r > 3 and SPREAD or 0 do
+    out[#out + 1] = points.entries(G:flat(G:random(stream, i, 1)))
+  end
   return out
 end
 
@@ -177,35 +184,46 @@ local function check_solution(self)
       local g = groups.element(self.group, self.solution(table.unpack(list)))
       local function off(h)
         local worst = 0
-        for _, z in ipairs(section(self, moved(self, h, list))) do worst = math.max(worst, math.abs(z)) end
+        for _, z in ipairs(section(self, moved(self, h, list))) do
+          worst = math.max(worst, math.abs(z))
+        end
         return worst
       end
       return off(g), off(self.group:inverse(g))
     end)
     if fine and size <= ON_SECTION then return end
-    if fine and size < math.huge and not where then where, got, inverse = list, size, back <= ON_SECTION end
+    if fine and size < math.huge and not where then
+      where, got, inverse = list, size, back <= ON_SECTION
+    end
   end
   if not where then return end
-  error(("dm.moving_frame: the solution is not on the cross-section at any of %d random points: at %s it leaves %.3g of its equations%s")
-    :format(SAMPLES, text.points(where), got, inverse and "; its inverse is: solution gives the element that moves the points to the section" or ""), 0)
+  fail("the solution is not on the cross-section at any of %d random points: at %s it leaves %.3g "
+    .. "of its equations%s", SAMPLES, text.points(where), got, inverse and "; its inverse is: "
+    .. "solution gives the element that moves the points to the section" or "")
 end
 
 local doc_new = [[
 dm.moving_frame{action=, points=, cross_section=, branch=, solution=, start=, name=} -> rho
-The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`points`, default 1; or action:on_points(k),
-action:on_pairs(), a tangent or jet action with one): the group element g with cross_section(g z1, ..., g zk) = 0, which
-gives as many numbers as the group has dimensions. branch(z1, ..., zk) gives a number (or several) that must be > 0 on the section, where the
-equations have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for (dm.root) from `start`: flat coordinates, or a function of the points
-that gives an element (default: from the identity, turns about every axis and a few elements spread over the group). A solution is tried at random points, and trusted inside of runs; a root looks at branch and transversality every time. invariants: names for entries, {name = {point, entry}}, which dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated exactly. An error says where no frame
-exists. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent, correction, derivative_correction,
-syzygies, check.]]
+The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`points`, default 1;
+or action:on_points(k), action:on_pairs(), a tangent or jet action with one): the group element g
+with cross_section(g z1, ..., g zk) = 0, which gives as many numbers as the group has dimensions.
+branch(z1, ..., zk) gives a number (or several) that must be > 0 on the section, where the equations
+have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for
+(dm.root) from `start`: flat coordinates, or a function of the points that gives an element
+(default: from the identity, turns about every axis and a few elements spread over the group). A
+solution is tried at random points, and trusted inside of runs; a root looks at branch and
+transversality every time. invariants: names for entries, {name = {point, entry}}, which
+dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated
+exactly. An error says where no frame exists. Methods: rho(z...), rho:invariants, phantom,
+invariantize, transversality, tangent, correction, derivative_correction, syzygies, check.]]
 
 M.moving_frame = blame.caller(function(o)
   check_options(o)
   local action, k = base_of(o)
-  local self = setmetatable({ action = action, group = action.group, k = k, points = k, m = action.dimension,
-    r = action.group.dimension, cross_section = o.cross_section, branch = o.branch, solution = o.solution,
-    name = o.name, invariants_named = o.invariants }, class)
+  local self = setmetatable({ action = action, group = action.group, k = k, points = k,
+    m = action.dimension, r = action.group.dimension, cross_section = o.cross_section,
+    branch = o.branch, solution = o.solution, name = o.name, invariants_named = o.invariants },
+    class)
   check_section(self)
   tangent.check_orbits(self)
   if self.solution then check_solution(self) else self.root = solved(self, o.start) end
@@ -224,7 +242,9 @@ end
 local function verify(self, g, list)
   local there = moved(self, g, list)
   for _, z in ipairs(section(self, there)) do
-    if not (math.abs(z) <= ON_SECTION) then no_frame(self, list, "the solution is not on the cross-section") end
+    if not (math.abs(z) <= ON_SECTION) then
+      no_frame(self, list, "the solution is not on the cross-section")
+    end
   end
   for _, b in ipairs(branch_values(self, there)) do
     if not (b > 0) then no_frame(self, list, "the branch condition does not hold") end
@@ -259,96 +279,31 @@ end)
 
 local doc_invariants = [[
 rho:invariants{z1, ..., zn} -> {I1, ..., In}; also of points one by one, or as one flat vector
-The points moved by the frame of the first k of them: I_j = rho(z1, ..., zk) . z_j, whose entries are the fundamental invariants of the
-joint action (vectors; those the cross-section fixes are constant, rho:phantom()).]]
+The points moved by the frame of the first k of them: I_j = rho(z1, ..., zk) . z_j, whose entries
+are the fundamental invariants of the joint action (vectors; those the cross-section fixes are
+constant, rho:phantom()).]]
 
 local function invariants(self, list)
   local z = points_of(self, list, self.k)
   return core.result(moved(self, element(self, z), z))
 end
-method("invariants", function(self, ...) return invariants(self, listed(self, ...)) end, doc_invariants)
+M.invariants = invariants
+method("invariants", function(self, ...) return invariants(self, listed(self, ...)) end,
+  doc_invariants)
 
----- invariantization ----
-
-local function invariant_function(self, f)
-  return function(...)
-    return f(table.unpack(invariants(self, { ... })))
-  end
-end
-
--- how many arguments a Lua function names
-local function parameters(f)
-  local info = debug.getinfo(f, "u")
-  return info.isvararg and math.huge or info.nparams
-end
-
--- h = htilde sigma: Ld0(q0, q1, htilde sigma) + H0 htilde sigma (Bogfjellmo 3.7)
-local function reparametrized(Ld, o)
-  if type(o.sigma) ~= "function" then error("rho:invariantize: field 'sigma' must be a function of q, or of (q0, q1), that is > 0", 0) end
-  if parameters(Ld.Ld) < 3 then
-    error("rho:invariantize: with 'sigma' the step is not a constant: write Ld as a function of (q0, q1, h)", 0)
-  end
-  local both, H0 = parameters(o.sigma) == 2, o.H0 or 0
-  return function(q0, q1, h, params)
-    local sigma = both and o.sigma(q0, q1) or o.sigma(q0)
-    local step = h * core.where(sigma, sigma, 0 / 0) -- time must not run backwards
-    return Ld.Ld(q0, q1, step, params) + H0 * step
-  end
-end
-
-local function invariant_lagrangian(self, Ld, formula)
-  if self.k > 2 then
-    error(("rho:invariantize: Ld(q0, q1) has two points, this frame needs %d: make the frame of the pair, or use dm.invariant_problem"):format(self.k), 0)
-  end
-  if not formula then
-    error("rho:invariantize: this discrete Lagrangian is found by solving a rule and has no formula: give one, or one of the midpoint or trapezoidal rule", 0)
-  end
-  if Ld.Q.dimension ~= self.m then
-    error(("rho:invariantize: Ld is on %s, the action on a space of dimension %d"):format(tostring(Ld.Q), self.m), 0)
-  end
-  return core.discrete_lagrangian { Q = Ld.Q, h = Ld.h, name = Ld.name, coordinates = Ld.coordinates, units = Ld.units,
-    params = Ld.params, Ld = function(q0, q1, h, params)
-      local z = invariants(self, { q0, q1 })
-      return formula(z[1], z[2], h, params)
-    end }
-end
-
-local SPARE = { Ld = true, sigma = true, H0 = true }
-
-local doc_invariantize = [[
-rho:invariantize(f) -> function,  rho:invariantize(Ld) -> dm.discrete_lagrangian
-or rho:invariantize{Ld=, sigma=, H0=}: f or Ld at the normalized points, f(rho z1, ..., rho zn): invariant whatever f is, and f itself where f
-was invariant. Every solver takes the new Ld; by the discrete Noether theorem it keeps <p, v> of every generator v to round-off.
-With sigma(q) or sigma(q0, q1) > 0 the step h is htilde sigma, for symmetries of sigma (H - H0) at the energy H0 (default 0;
-Bogfjellmo 3.7): Ld must then be a function of (q0, q1, h) and the h of Ld is htilde.]]
-
-method("invariantize", function(self, what)
-  if type(what) == "function" then return invariant_function(self, what) end
-  if type(what) == "table" and getmetatable(what) == nil then
-    for key in pairs(what) do
-      if not SPARE[key] then error(("rho:invariantize: unknown option '%s'"):format(tostring(key)), 0) end
-    end
-    if type(what.Ld) ~= "userdata" then error("rho:invariantize: field 'Ld' must be a dm.discrete_lagrangian", 0) end
-    return invariant_lagrangian(self, what.Ld, what.sigma and reparametrized(what.Ld, what) or what.Ld.Ld)
-  end
-  local fine, formula = pcall(function() return what.h and what end)
-  if not (fine and formula) then
-    error("rho:invariantize takes a function of the points, a dm.discrete_lagrangian or { Ld =, sigma = } (got " .. type(what) .. ")", 0)
-  end
-  return invariant_lagrangian(self, what, what.Ld)
-end, doc_invariantize)
-
----- what belongs to the linear algebra of frames ----
+---- derivatives ----
 
 method("transversality", function(self, ...)
   return tangent.transversality(self, points_of(self, listed(self, ...), self.k))
 end, tangent.docs.transversality)
-method("tangent", function(self, ...) return tangent.tangent(self, points_of(self, listed(self, ...), self.k)) end, tangent.docs.tangent)
+method("tangent", function(self, ...)
+  return tangent.tangent(self, points_of(self, listed(self, ...), self.k))
+end, tangent.docs.tangent)
 method("correction", function(self, ...)
   local given = listed(self, ...)
   if #given == self.k then
-    error(("rho:correction compares the frame of points 1 to %d with that of points 2 to %d, so it takes %d points (got %d)"):format(self.k,
-      self.k + 1, self.k + 1, self.k), 0)
+    error(("rho:correction compares the frame of points 1 to %d with that of points 2 to %d, so "
+      .. "it takes %d points (got %d)"):format(self.k, self.k + 1, self.k + 1, self.k), 0)
   end
   local z = points_of(self, given, self.k + 1)
   local there = moved(self, element(self, z), z)
@@ -365,13 +320,17 @@ method("syzygies", function(self, points, velocities)
 end, tangent.docs.syzygies)
 method("phantom", function(self, count)
   count = count or self.k
-  if not math.tointeger(count) or count < 1 or count > 100 then error("rho:phantom: the number of points must be a whole number from 1 to 100", 0) end
+  if not math.tointeger(count) or count < 1 or count > 100 then
+    error("rho:phantom: the number of points must be a whole number from 1 to 100", 0)
+  end
   return core.result(tangent.phantom(self, count))
 end, tangent.docs.phantom)
 
 package.loaded["dm.frame"] = M
 local check = require "dm.frame.check"
 method("check", check.run, check.doc)
+local invariantize = require "dm.frame.invariantize"
+method("invariantize", invariantize.method, invariantize.doc)
 
 core.docs[M.moving_frame] = doc_new
 

@@ -1,10 +1,13 @@
---- Invariant variational problems, the second way (Bogfjellmo ch. 5): from L(invariants), the action and the cross-section alone,
---- the discrete Euler-Lagrange equations in invariants, stepped in C, and the points recovered from the frame.
+--- Invariant variational problems, the second way (Bogfjellmo ch. 5): from L(invariants), the
+-- action and the cross-section alone, the discrete Euler-Lagrange equations in invariants, stepped
+-- in C, and the points recovered from the frame.
 local blame = require "dm.base.blame"
 local boundary = require "dm.frame.invariant_boundary"
+local curves = require "dm.frame.invariant_curve"
 local core = require "dm.core"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
+local options = require "dm.base.options"
 local points = require "dm.frame.points"
 local tangent = require "dm.frame.tangent"
 local windows = require "dm.frame.invariant_windows"
@@ -14,38 +17,51 @@ local starts = require "dm.frame.invariant_start"
 local M = {}
 
 local class = core.class({ __name = "dm.invariant_problem" }, [[
-dm.invariant_problem: a variational problem in invariants of an action, made by dm.invariant_problem{frame=, L=}
+dm.invariant_problem: a variational problem in invariants of an action, by dm.invariant_problem{}
 fields: frame, action, group, N (points of L), constraints (how many)]])
-local function method(name, f, doc) core.method("dm.invariant_problem", name, blame.caller(f), doc) end
+local function method(name, f, doc)
+  core.method("dm.invariant_problem", name, blame.caller(f), doc)
+end
 
-local KNOWN = { action = true, frame = true, L = true, points = true, invariants = true, constraint = true, inside = true,
-  name = true }
+local KNOWN = { "action", "frame", "L", "points", "invariants", "constraint", "inside", "name" }
+local NAME = "dm.invariant_problem"
+local fail = options.failing(NAME)
 
 ---- what the invariants are called ----
 
 -- I.name that is not there
 local Invariants = { __index = function(_, name)
   if type(name) == "number" then return nil end
-  error(("there is no invariant '%s': name it by invariants = { %s = { point, entry } }"):format(tostring(name), tostring(name)), 0)
+  error(("there is no invariant '%s': name it by invariants = { %s = { point, entry } }")
+    :format(tostring(name), tostring(name)), 0)
 end }
 
 -- name -> function of normalized points; {j, a} stands for entry a of point j
+local function named_function(name, what, points, entries)
+  if type(what) == "function" then return what end
+  if type(what) ~= "table" then
+    fail("invariant '%s' must be a function of the normalized points, or { point, entry }", name)
+  end
+  local j, a = what[1], what[2] or 1
+  local function is_place(i, most) return math.tointeger(i) and i >= 1 and i <= most end
+  if not (is_place(j, points) and is_place(a, entries)) then
+    fail("invariant '%s': there is no entry %s of point %s among %d points of %d numbers", name,
+      tostring(a), tostring(j), points, entries)
+  end
+  return function(...) return (select(j, ...))[a] end
+end
+
 local function named_functions(given, points, entries)
   local names, functions = {}, {}
-  if given ~= nil and type(given) ~= "table" then error("field 'invariants' must be a table { name = { point, entry } or a function }", 0) end
+  if given ~= nil and type(given) ~= "table" then
+    fail "option 'invariants' must be a table { name = { point, entry } or a function }"
+  end
   for name, what in pairs(given or {}) do
-    if type(name) ~= "string" then error("field 'invariants' must be a table { name = { point, entry } or a function }", 0) end
-    names[#names + 1] = name
-    if type(what) == "table" then
-      local j, a = what[1], what[2] or 1
-      if not (math.tointeger(j) and math.tointeger(a) and j >= 1 and j <= points and a >= 1 and a <= entries) then
-        error(("invariant '%s': there is no entry %s of point %s among %d points of %d numbers"):format(name, tostring(a), tostring(j), points, entries), 0)
-      end
-      what = function(...) return (select(j, ...))[a] end
-    elseif type(what) ~= "function" then
-      error(("invariant '%s' must be a function of the normalized points, or { point, entry }"):format(tostring(name)), 0)
+    if type(name) ~= "string" then
+      fail "option 'invariants' must be a table { name = { point, entry } or a function }"
     end
-    functions[name] = what
+    names[#names + 1] = name
+    functions[name] = named_function(name, what, points, entries)
   end
   table.sort(names)
   return names, functions
@@ -57,7 +73,10 @@ local function left_action(p)
   local action, G = p.action, p.group
   local right = action.side == "right"
   local function element(g) return right and G:inverse(g) or g end
-  function p.act(g, z) return frames.point(require "dm.action".move(action, element(g), z), p.d, "what the action gives") end
+  function p.act(g, z)
+    return frames.point(require "dm.action".move(action, element(g), z), p.d,
+      "what the action gives")
+  end
   function p.move(g, list)
     local out = {}
     for i, z in ipairs(list) do out[i] = p.act(g, z) end
@@ -66,7 +85,9 @@ local function left_action(p)
   function p.rho(list) return element(frames.element(p.frame, windows.for_frame(p, list))) end
   function p.generator(z) return right and action:generator(z) * -1 or action:generator(z) end
   p.flat_size = #points.entries(G:flat(G:identity()))
-  p.motion = core.derivative(function(y, z) return p.act(G:unflat(y), z):map(function(w) return 1 + w end) end, p.flat_size, p.d)
+  p.motion = core.derivative(function(y, z)
+    return p.act(G:unflat(y), z):map(function(w) return 1 + w end)
+  end, p.flat_size, p.d)
 end
 
 -- how many of the first points the cross-section looks at
@@ -136,35 +157,37 @@ local function functions_of_windows(p, o)
     local fine, value = pcall(p.phi, points.sample(p.frame, seed, p.N))
     if fine then p.constraints = #value break end
   end
-  if p.constraints == 0 then error("dm.invariant_problem: the constraint fails at all random points: " .. tostring(select(2, pcall(p.phi, points.sample(p.frame, 1, p.N)))), 0) end
+  if p.constraints == 0 then
+    fail("the constraint fails at all random points: %s",
+      tostring(select(2, pcall(p.phi, points.sample(p.frame, 1, p.N)))))
+  end
   p.phi_slope = when_wanted(function(x) return core.vector(p.phi(windowed(x))) end, p.N * p.d)
-  p.bare_phi_slope = core.derivative(function(x) return core.vector(points.entries(o.constraint(with_names(windowed(x))))) end, p.N * p.d)
+  p.bare_phi_slope = core.derivative(function(x)
+    return core.vector(points.entries(o.constraint(with_names(windowed(x)))))
+  end, p.N * p.d)
   p.reach = reach_of(p, p.constraints)
-  if p.reach == 0 then error("dm.invariant_problem: the constraint does not depend on the points", 0) end
+  if p.reach == 0 then fail "the constraint does not depend on the points" end
 end
 
 local doc_new = [[
-dm.invariant_problem{action=, frame=, L=, points=, invariants=, constraint=, inside=, name=} -> problem
-The variational problem sum L(I) = extremal over sequences of points, invariant under the action. I[1] ... I[N] are the points moved by the frame of the
-first of them, I.name what `invariants` names: {name = {point, entry} or function(I1, ..., IN)}. points = N (default: one more than the
-frame looks at). constraint(I) gives numbers that vanish at every site, with multipliers mu in L - mu . constraint;
-inside(I) gives numbers that are > 0 where a root is allowed. The discrete Euler-Lagrange equations are derived and solved for the
-next invariants (Bogfjellmo ch. 5). Methods: solve, boundary, stability, momentum, action_sum, both_ways.]]
+dm.invariant_problem{frame=, L=, points=, invariants=, constraint=, inside=, name=} -> problem
+The variational problem sum L(I) = extremal over sequences of points, invariant under the action of
+the frame. I[1] ... I[N] are the points moved by the frame of the first of them, I.name what
+`invariants` names: {name = {point, entry} or function(I1, ..., IN)}. points = N (default: one more
+than the frame looks at). constraint(I) gives numbers that vanish at every site, with multipliers mu
+in L - mu . constraint; inside(I) gives numbers that are > 0 where a root is allowed. The discrete
+Euler-Lagrange equations are derived and solved for the next invariants (Bogfjellmo ch. 5). Methods:
+solve, boundary, stability, momentum, action_sum, both_ways.]]
 
 local function check_options(o)
-  if type(o) ~= "table" then error("dm.invariant_problem takes a table { action =, frame =, L = }", 0) end
-  for key in pairs(o) do
-    if not KNOWN[key] then error(("dm.invariant_problem: unknown option '%s'"):format(tostring(key)), 0) end
-  end
-  if not frames.is_frame(o.frame) then error("dm.invariant_problem: field 'frame' must be a moving frame, dm.moving_frame{...}", 0) end
-  if type(o.L) ~= "function" then error("dm.invariant_problem: field 'L' must be a function of the invariants I", 0) end
-  for _, key in ipairs { "constraint", "inside" } do
-    if o[key] ~= nil and type(o[key]) ~= "function" then
-      error(("dm.invariant_problem: field '%s' must be a function of the invariants I (got %s)"):format(key, type(o[key])), 0)
-    end
+  options.check(o, KNOWN, NAME, "{ frame =, L = }")
+  options.demand(frames.is_frame(o.frame), o, "frame", NAME, "a moving frame, dm.moving_frame{...}")
+  options.need(o, "L", NAME, "a function of the invariants I")
+  for _, key in ipairs { "L", "constraint", "inside" } do
+    options.callable(o, key, NAME, "the invariants I")
   end
   if o.action and o.frame.action ~= o.action and o.action.base ~= o.frame.action then
-    error("dm.invariant_problem: the frame belongs to another action", 0)
+    fail "the frame belongs to another action"
   end
 end
 
@@ -172,21 +195,20 @@ end
 local function check_space(p)
   local kit = require "dm.group".kit(p.action.on)
   if kit.bonds and #points.entries(kit.bonds(points.sample(p.frame, 1)[1])) > 0 then
-    error(("dm.invariant_problem: the %d numbers of a point of %s are not independent: let the group act on dm.R(%d) and give the rest as a constraint, for a sphere function(I) return I[1]:dot(I[1]) - 1 end")
-      :format(p.d, tostring(p.action.on), p.d), 0)
+    fail("the %d numbers of a point of %s are not independent: let the group act on dm.R(%d) and "
+      .. "give the rest as a constraint, for a sphere function(I) return I[1]:dot(I[1]) - 1 end",
+      p.d, tostring(p.action.on), p.d)
   end
 end
 
 M.invariant_problem = blame.caller(function(o)
   check_options(o)
   local frame = o.frame
-  local p = setmetatable({ frame = frame, action = frame.action, group = frame.group, d = frame.m, r = frame.r,
-    constraints = 0, reach = 0, inside = o.inside, name = o.name }, class)
+  local p = setmetatable({ frame = frame, action = frame.action, group = frame.group, d = frame.m,
+    r = frame.r, constraints = 0, reach = 0, inside = o.inside, name = o.name }, class)
   p.k = reach_of_section(frame)
-  p.N = o.points or math.max(frame.k, p.k + 1)
-  if not math.tointeger(p.N) or p.N < 2 or p.N > 12 or p.N < frame.k and p.N < p.k then
-    error(("dm.invariant_problem: 'points' must be a whole number from %d to 12"):format(math.max(2, p.k)), 0)
-  end
+  local least = math.max(2, math.min(frame.k, p.k))
+  p.N = options.whole(o, "points", NAME, least, 12, math.max(frame.k, p.k + 1))
   p.names, p.functions = named_functions(o.invariants or frame.invariants_named, p.N, p.d)
   check_space(p)
   left_action(p)
@@ -198,7 +220,10 @@ M.invariant_problem = blame.caller(function(o)
     for i = 1, p.N - 1 do
       out[i] = core.zeros(p.d)
       for a = 1, p.d do
-        if not p.fixed[i][a] then error("a start from a frame needs a section that fixes all numbers of the window: give points", 0) end
+        if not p.fixed[i][a] then
+          error("a start from a frame needs a section that fixes all numbers of the window: "
+            .. "give points", 0)
+        end
         out[i][a] = p.fixed[i][a]
       end
     end
@@ -208,94 +233,46 @@ M.invariant_problem = blame.caller(function(o)
 end)
 
 function class.__tostring(p)
-  return ("invariant problem of %d points on %s under %s%s"):format(p.N, tostring(p.action.on), tostring(p.group),
-    p.constraints > 0 and (", %d constraint%s"):format(p.constraints, p.constraints == 1 and "" or "s") or "")
+  local text = ("invariant problem of %d points on %s under %s"):format(p.N, tostring(p.action.on),
+    tostring(p.group))
+  if p.constraints == 0 then return text end
+  return ("%s, %d constraint%s"):format(text, p.constraints, p.constraints == 1 and "" or "s")
 end
 
 ---- solving ----
 
-local Curve = core.class({ __name = "dm.invariant_curve" }, [[
-dm.invariant_curve: a sequence of points, from problem:solve or problem:boundary
-fields: points (dm.matrix, a row each), invariants (vectors by name), multiplier, first_site, frame (the last group element), form; iterations, residual (of
-problem:boundary); #curve is the number of points.]])
-M.Curve = Curve
-function Curve.__tostring(c)
-  return ("curve of %d points%s"):format(#c.points, c.form and (", by the form of " .. c.form) or "")
-end
-function Curve.__len(c) return #c.points end
-
--- points of the rows, those before and those in the last window
-local function curve_of(p, form, rows, before)
-  local layout, points, last = form.layout, {}, rows[#rows]
-  for i, z in ipairs(before) do points[i] = z:totable() end
-  for i = 1, #rows do points[#points + 1] = layout:get(rows[i], "u") end
-  local g = p.group:unflat(core.vector(layout:get(last, "g")))
-  for j, z in ipairs(windows.blocks(layout:get(last, "U"), p.window, p.d)) do
-    if j > 1 then points[#points + 1] = p.act(p.group:inverse(g), z):totable() end
-  end
-  local curve = setmetatable({ points = core.matrix(points), frame = g, invariants = {}, multiplier = nil }, Curve)
-  for k, name in ipairs(p.names) do
-    local values = {}
-    for i = 2, #rows do values[i - 1] = layout:get(rows[i], "I")[k] end
-    if #values > 0 then curve.invariants[name] = core.vector(values) end
-  end
-  if p.constraints > 0 and #rows > 1 then
-    local mu = {}
-    for i = 2, #rows do
-      local x = layout:get(rows[i], "x1")
-      mu[i - 1] = { table.unpack(x, p.d + 1, p.d + p.constraints) }
-    end
-    curve.multiplier = core.matrix(mu)
-  end
-  return curve
-end
-
-local Failure = { __name = "dm.failure", __tostring = function(f) return f.message end }
-
-M.Failure = Failure
-
-local function fail(p, report, curve, at)
-  local why = report.text
-  if report.outside > 0 then why = ("the root breaks condition %d of 'inside'"):format(report.outside) end
-  local advice = report.code == "singular"
-    and "the equations do not determine the next point: is L degenerate (does it see all of the last point, beside the first?), or is a constraint missing"
-    or "the equation for the next invariants has no root there that follows from the last ones; try closer points"
-  local message = ("%s: %s at point %d (step %d, residual %.3g after %d iterations): %s; failure.path has the %d points so far")
-    :format(p.name or "invariant problem", why, at, report.done + 1, report.residual, report.iterations, advice, #curve.points)
-  error(setmetatable({ code = report.code, step = report.done + 1, residual = report.residual, iterations = report.iterations,
-    message = message, path = curve, points = curve.points }, Failure), 0)
-end
-
-local SOLVE = { points = true, n = true, momentum = true, body_momentum = true, multiplier = true, frame = true, form = true, every = true }
+local SOLVE = { "points", "n", "momentum", "body_momentum", "multiplier", "frame", "form", "every" }
 
 local function check_solve(o)
-  if type(o) ~= "table" then error("problem:solve takes a table { points =, n = }", 0) end
-  for key in pairs(o) do
-    if not SOLVE[key] then error(("problem:solve: unknown option '%s'"):format(tostring(key)), 0) end
+  options.check(o, SOLVE, "problem:solve", "{ points =, n = }")
+  if not math.tointeger(o.n) then
+    options.fail("problem:solve", "'n', the number of points of the curve, must be a whole number")
   end
-  if not math.tointeger(o.n) then error("problem:solve: 'n', the number of points of the curve, must be a whole number", 0) end
-  local form = o.form or "momentum"
-  if form ~= "momentum" and form ~= "points" then error("problem:solve: 'form' must be \"momentum\" or \"points\"", 0) end
-  return form
+  return options.one_of(o, "form", "problem:solve", { "momentum", "points" }, "momentum")
 end
 
 local function state_of(p, name, o)
   if o.momentum or o.body_momentum then
-    if name == "points" then error("problem:solve: a start from `momentum` is for the form \"momentum\"", 0) end
+    if name == "points" then
+      error("problem:solve: a start from `momentum` is for the form \"momentum\"", 0)
+    end
     return starts.from_momentum(p, o)
   end
-  local list = frames.list(o.points, p.d, "problem:solve: give the first points, a list, or `momentum` with points or a frame")
+  local list = frames.list(o.points, p.d,
+    "problem:solve: give the first points, a list, or `momentum` with points or a frame")
   return starts.from_points(p, name, list, o.multiplier)
 end
 
 local doc_solve = [[
 problem:solve{points=, n=, form=, every=, momentum=, frame=, multiplier=} -> curve
-The sequence of n points that starts with the given ones: 2 N - 2 of them, one more with a constraint (whose multipliers then follow; or give
-them). Or from N - 1 points, or a frame there, and the Noether momentum J (dim G numbers, problem:momentum), where the section fixes
-all of them. form = "momentum" (default) or "points", the recurrence as it is printed: the same equations, with other round-off (problem:stability).
-curve: points (dm.matrix, a row each; every `every` sites and the last ones), invariants (by name, vectors along the curve), multiplier (row k of the
-window that begins at point first_site + k - 1), frame (the last). A step that has no root
-raises a dm.failure with the points so far in its `path`.]]
+The sequence of n points that starts with the given ones: 2 N - 2 of them, one more with a
+constraint (whose multipliers then follow; or give them). Or from N - 1 points, or a frame there,
+and the Noether momentum J (dim G numbers, problem:momentum), where the section fixes all of them.
+form = "momentum" (default) or "points", the recurrence as it is printed: the same equations, with
+other round-off (problem:stability). curve: points (dm.matrix, a row each; every `every` sites and
+the last ones), invariants (by name, vectors along the curve), multiplier (row k of the window that
+begins at point first_site + k - 1), frame (the last). A step that has no root raises a dm.failure
+with the points so far in its `path`.]]
 
 method("solve", function(p, o)
   local name = check_solve(o)
@@ -303,24 +280,32 @@ method("solve", function(p, o)
   local values, before = state_of(p, name, o)
   local form = equations[name .. "_form"](p)
   local steps = o.n - #before - p.window
-  if steps < 0 then error(("problem:solve: n = %d is less than the %d points given"):format(o.n, #before + p.window), 0) end
-  local rows, report = core.sequence { equation = form.equation, next = form.next, start = form.start, inside = form.inside, scale = form.scale,
-    y = form.layout:pack(values), unknowns = p.d + p.constraints, steps = steps, every = o.every or 1, check = false }
-  local curve = curve_of(p, form, rows, before)
+  if steps < 0 then
+    options.fail("problem:solve", "n = %d is less than the %d points given", o.n,
+      #before + p.window)
+  end
+  local rows, report = core.sequence { equation = form.equation, next = form.next,
+    start = form.start, inside = form.inside, scale = form.scale,
+    y = form.layout:pack(values), unknowns = p.d + p.constraints, steps = steps,
+    every = o.every or 1, check = false }
+  local curve = curves.of(p, form, rows, before)
   curve.form, curve.first_site = name, #before + p.window - p.N + 2
-  if report.code ~= "ok" then fail(p, report, curve, #before + p.window + report.done + 1) end
+  if report.code ~= "ok" then curves.stopped(p, report, curve, #before + p.window + report.done + 1) end
   return curve
 end, doc_solve)
 
 local doc_momentum = [[
 problem:momentum({u1, ..., u2N-2} [, multiplier]) -> dm.vector
-The Noether momentum J of the discrete problem at these points, <J, e_j> = sum p . v_j over the last N - 1 of them: the same at every window of a
-solution. With a constraint the multipliers of the last windows are given as a list (of `curve.multiplier`; row k belongs to the window that begins at
-point curve.first_site + k - 1), or follow from one point more.]]
+The Noether momentum J of the discrete problem at these points, <J, e_j> = sum p . v_j over the last
+N - 1 of them: the same at every window of a solution. With a constraint the multipliers of the last
+windows are given as a list (of `curve.multiplier`; row k belongs to the window that begins at point
+curve.first_site + k - 1), or follow from one point more.]]
 
 method("momentum", function(p, points, multiplier)
   local list = frames.list(points, p.d, "problem:momentum takes a list of points")
-  if #list < 2 * p.N - 2 then error(("problem:momentum takes %d points (got %d)"):format(2 * p.N - 2, #list), 0) end
+  if #list < 2 * p.N - 2 then
+    error(("problem:momentum takes %d points (got %d)"):format(2 * p.N - 2, #list), 0)
+  end
   return starts.spatial(p, list, multiplier)
 end, doc_momentum)
 
@@ -336,23 +321,29 @@ end, doc_action)
 
 local doc_both = [[
 problem:both_ways{points=, n=, form=} -> {difference, first, second}
-For problems of two points: the sequence from the two given ones by the first way, a path of the discrete Lagrangian q0, q1 -> L(I) in the original
-coordinates, and by the second, problem:solve; and their largest distance. They solve the same equations (docs/theory/frames.md): it is round-off.]]
+For problems of two points: the sequence from the two given ones by the first way, a path of the
+discrete Lagrangian q0, q1 -> L(I) in the original coordinates, and by the second, problem:solve;
+and their largest distance. They solve the same equations (docs/theory/frames.md): it is
+round-off.]]
 
 method("both_ways", function(p, o)
-  if p.N ~= 2 or p.constraints > 0 then error("problem:both_ways is for problems of two points without constraint", 0) end
+  if p.N ~= 2 or p.constraints > 0 then
+    error("problem:both_ways is for problems of two points without constraint", 0)
+  end
   local wanted = "problem:both_ways takes a table { points = two points, n = }"
   if type(o) ~= "table" then error(wanted, 0) end
   local a, b = table.unpack(frames.list(o.points, p.d, wanted))
   if not b then error(wanted, 0) end
   local second = p:solve { points = { a, b }, n = o.n, form = o.form }
   local function lagrangian(h)
-    return core.discrete_lagrangian { Q = core.R(p.d), h = h, Ld = function(q0, q1) return p.lagrangian { q0, q1 } end }
+    return core.discrete_lagrangian { Q = core.R(p.d), h = h,
+      Ld = function(q0, q1) return p.lagrangian { q0, q1 } end }
   end
   local momentum = lagrangian(1):legendre_minus(a, b)
   -- h is of no consequence but for where the search for the first point begins
   local h = (b - a):norm() / math.max(momentum:norm(), 1e-300)
-  local first = core.solver { lagrangian(h) }:run { q = a, p = momentum, steps = o.n - 1, every = 1 }
+  local first = core.solver { lagrangian(h) }
+    :run { q = a, p = momentum, steps = o.n - 1, every = 1 }
   local worst = 0
   for i = 1, o.n do
     for j = 1, p.d do worst = math.max(worst, math.abs(first.q[i][j] - second.points[i][j])) end

@@ -1,23 +1,22 @@
---- Invariant problems with both ends given: the sum of L over all windows is stationary in the points between, all at once.
+--- Invariant problems with both ends given: the sum of L over all windows is stationary in the
+-- points between, all at once.
 --
--- The sum is the same in the points as in the invariants, so that nothing is lost; constraints come with a multiplier for each
--- window. Ends that are left free have the natural conditions of the sum.
+-- The sum is the same in the points as in the invariants, so that nothing is lost; constraints come
+-- with a multiplier for each window. Ends that are left free have the natural conditions of the
+-- sum.
 local core = require "dm.core"
+local curves = require "dm.frame.invariant_curve"
 local frames = require "dm.frame"
+local options = require "dm.base.options"
 
 local M = {}
 
-local KNOWN = { first = true, last = true, n = true, guess = true }
-
 local function check(o)
-  if type(o) ~= "table" then error("problem:boundary takes a table { first =, last =, n = }", 0) end
-  for key in pairs(o) do
-    if not KNOWN[key] then error(("problem:boundary: unknown option '%s'"):format(tostring(key)), 0) end
-  end
-  if not math.tointeger(o.n) or o.n < 3 then error("problem:boundary: 'n', the number of points, must be a whole number >= 3", 0) end
-  if o.guess ~= nil and type(o.guess) ~= "function" then
-    error("problem:boundary: 'guess' must be a function of the number of a point", 0)
-  end
+  options.check(o, { "first", "last", "n", "guess" }, "problem:boundary",
+    "{ first =, last =, n = }")
+  options.need(o, "n", "problem:boundary", "the number of points")
+  options.whole(o, "n", "problem:boundary", 3)
+  options.callable(o, "guess", "problem:boundary", "the number of a point")
 end
 
 -- the options with both ends as lists of vectors
@@ -25,7 +24,8 @@ local function ends_of(p, o)
   check(o)
   local out = { n = o.n, guess = o.guess }
   for _, key in ipairs { "first", "last" } do
-    out[key] = frames.list(o[key], p.d, "problem:boundary: 'first' and 'last' must be lists of the points given at both ends")
+    out[key] = frames.list(o[key], p.d,
+      "problem:boundary: 'first' and 'last' must be lists of the points given at both ends")
   end
   return out
 end
@@ -38,7 +38,9 @@ local function points_of(p, o)
   for i, z in ipairs(o.last) do out[n - ends + i] = z end
   if #o.first + ends >= n then error("problem:boundary: all points are given", 0) end
   local a, b = out[#o.first], out[n - ends + 1]
-  if not (o.guess or a and b) then error("problem:boundary: without points at both ends give a 'guess'", 0) end
+  if not (o.guess or a and b) then
+    error("problem:boundary: without points at both ends give a 'guess'", 0)
+  end
   for i = #o.first + 1, n - ends do
     if o.guess then
       out[i] = frames.point(o.guess(i), p.d, "guessed point " .. i)
@@ -90,9 +92,11 @@ end
 
 M.doc = [[
 problem:boundary{first=, last=, n=, guess=} -> curve
-The sequence of n points with the given first and last ones (lists of points: N - 1 at an end fix all of it, fewer leave the natural conditions of
-the sum) that makes the sum of L stationary: Newton's method on all points at once, from guess(i) or the line between the ends. curve: points (dm.matrix),
-multiplier, iterations, residual. Raises a dm.failure with the points it had where it does not converge.]]
+The sequence of n points with the given first and last ones (lists of points: N - 1 at an end fix
+all of it, fewer leave the natural conditions of the sum) that makes the sum of L stationary:
+Newton's method on all points at once, from guess(i) or the line between the ends. curve: points
+(dm.matrix), multiplier, iterations, residual. Raises a dm.failure with the points it had where it
+does not converge.]]
 
 function M.solve(p, options)
   local o = ends_of(p, options)
@@ -100,20 +104,24 @@ function M.solve(p, options)
   if o.n < p.N then error(("problem:boundary: n must be at least %d"):format(p.N), 0) end
   local x, given = sites(p, o, points)
   local b = p.d + p.constraints
-  local y, report = core.stationary { term = term(p), sites = o.n, block = b, window = p.N, x = x, given = given }
+  local y, report = core.stationary {
+    term = term(p), sites = o.n, block = b, window = p.N, x = x, given = given }
   local rows, mu = {}, {}
   for i = 1, o.n do
     rows[i], mu[i] = {}, {}
     for a = 1, p.d do rows[i][a] = y[(i - 1) * b + a] end
     for c = 1, p.constraints do mu[i][c] = y[(i - 1) * b + p.d + c] end
   end
-  local I = require "dm.frame.invariant"
-  local curve = setmetatable({ points = core.matrix(rows), multiplier = p.constraints > 0 and core.matrix(mu) or nil,
-    iterations = report.iterations, residual = report.residual }, I.Curve)
+  local curve = setmetatable({ points = core.matrix(rows),
+    multiplier = p.constraints > 0 and core.matrix(mu) or nil,
+    iterations = report.iterations, residual = report.residual }, curves.Curve)
   if report.code ~= "ok" then
-    error(setmetatable({ code = report.code, step = 0, residual = report.residual, iterations = report.iterations, path = curve,
-      message = ("problem:boundary: %s (residual %.3g after %d iterations): give a better 'guess', or go there from a solved problem in small steps; failure.path has the points it had")
-        :format(report.text, report.residual, report.iterations) }, I.Failure), 0)
+    error(setmetatable({ code = report.code, step = 0, residual = report.residual,
+      iterations = report.iterations, path = curve,
+      message = ("problem:boundary: %s (residual %.3g after %d iterations): give a better "
+      .. "'guess', or go there from a solved problem in small steps; failure.path has the points "
+      .. "it had")
+        :format(report.text, report.residual, report.iterations) }, curves.Failure), 0)
   end
   return curve
 end

@@ -1,19 +1,22 @@
 --- The invariant discrete Euler-Lagrange equations as one step y -> y', for dm.sequence.
 --
--- For L of N points, E_i = sum_j (D_j L)(u_i-j+1 ... u_i-j+N) = 0 at every site i. It is a covector at u_i, so it may be
--- taken in any coordinates: here those in which the first points of the window lie on the cross-section,
--- U_j = rho_i . u_i+j-1. Its entries are then functions of the invariants alone (H* E(L) of Bogfjellmo ch. 5, without
--- the algebra). After each step the window is moved by P = rho(U_2, U_3, ...), and rho_i+1 = P rho_i is multiplied up.
+-- For L of N points, E_i = sum_j (D_j L)(u_i-j+1 ... u_i-j+N) = 0 at every site i. It is a covector
+-- at u_i, so it may be taken in any coordinates: here those in which the first points of the window
+-- lie on the cross-section, U_j = rho_i . u_i+j-1. Its entries are then functions of the invariants
+-- alone (H* E(L) of Bogfjellmo ch. 5, without the algebra). After each step the window is moved by
+-- P = rho(U_2, U_3, ...), and rho_i+1 = P rho_i is multiplied up.
 --
 -- Two forms of the same equations:
 --   points     the window has the 2 N - 2 points that E_i needs. What is printed in the thesis.
---   momentum   N - 1 points U_j and covectors m_j, what earlier sites have left at them: m_1 + D_1 L = 0 gives the next
---              point, m_j+1 + D_j+1 L are the new covectors. They are kept as J = sum_j m_j . v(U_j) and the entries that J does not
---              give: Noether's law says that J changes by the coadjoint action of P alone, so no difference of large
---              numbers is ever taken (docs/theory/frames.md).
+--   momentum   N - 1 points U_j and covectors m_j, what earlier sites have left at them:
+--              m_1 + D_1 L = 0 gives the next point, m_j+1 + D_j+1 L are the new covectors. They
+--              are kept as J = sum_j m_j . v(U_j) and the entries that J does not give: Noether's
+--              law says that J changes by the coadjoint action of P alone, so no difference of
+--              large numbers is ever taken (docs/theory/frames.md).
 --
--- The unknown is not the next point but how far it lies from where the last two lead, and what the section fixes stands as a number in the
--- graph: with points h apart, differences of order h^3 keep all their digits.
+-- The unknown is not the next point but how far it lies from where the last two lead, and what the
+-- section fixes stands as a number in the graph: with points h apart, differences of order h^3 keep
+-- all their digits.
 local core = require "dm.core"
 local points = require "dm.frame.points"
 local windows = require "dm.frame.invariant_windows"
@@ -21,7 +24,8 @@ local windows = require "dm.frame.invariant_windows"
 local M = {}
 
 local part, blocks, numbers, ahead = windows.part, windows.blocks, windows.numbers, windows.ahead
-local psi_rows, slopes, constraint_at_end = windows.psi_rows, windows.slopes, windows.constraint_at_end
+local psi_rows, slopes = windows.psi_rows, windows.slopes
+local constraint_at_end = windows.constraint_at_end
 
 ---- state vectors with named parts ----
 
@@ -74,7 +78,7 @@ local function window_of(p, layout, y)
   return U
 end
 
----- what both forms do after the step: move the window, multiply the frame up, recover the first point ----
+---- after the step, in both forms: move the window, multiply the frame up, recover a point ----
 
 local function renewed(p, step, values, list)
   local layout, y, x = step.layout, step.y, step.x
@@ -121,7 +125,8 @@ local function inside_of(p, layout)
 end
 
 local function common_parts(p)
-  return { { "x1", p.d + p.constraints }, { "x2", p.d + p.constraints }, { "g", p.flat_size }, { "u", p.d },
+  return { { "x1", p.d + p.constraints }, { "x2", p.d + p.constraints },
+    { "g", p.flat_size }, { "u", p.d },
     { "I", #p.names } }
 end
 
@@ -150,7 +155,9 @@ function M.points_form(p)
     local X, last = unknowns(p, U, x)
     local list, history, mu = part(U, p.window - 2 * N + 3, 2 * N - 2), layout:get(y, "history"), {}
     list[2 * N - 1] = X
-    for j = 1, c > 0 and p.reach - 1 or 0 do mu[N - p.reach + j] = part(history, (j - 1) * c + 1, c) end
+    for j = 1, c > 0 and p.reach - 1 or 0 do
+      mu[N - p.reach + j] = part(history, (j - 1) * c + 1, c)
+    end
     if c > 0 then mu[N] = last end
     return list, mu, U, X
   end
@@ -170,7 +177,8 @@ function M.points_form(p)
     renewed(p, { layout = layout, y = y, x = x }, values, list)
     return layout:pack(values)
   end
-  return { layout = layout, equation = equation, next = next_state, start = guess(p, layout), scale = scale(p, layout),
+  return { layout = layout, equation = equation, next = next_state, start = guess(p, layout),
+    scale = scale(p, layout),
     inside = inside_of(p, layout), core = { "U", "history" } }
 end
 
@@ -277,7 +285,8 @@ function M.momentum_form(p)
     end
     return layout:pack(values)
   end
-  return { layout = layout, equation = equation, next = next_state, start = guess(p, layout), scale = scale(p, layout),
+  return { layout = layout, equation = equation, next = next_state, start = guess(p, layout),
+    scale = scale(p, layout),
     inside = inside_of(p, layout), core = { "U", "momentum" } }
 end
 

@@ -1,9 +1,11 @@
---- Linear stability of invariant schemes: the recurrence y -> y' of an invariant problem, linearized about a solution, exact from the
---- graph, its characteristic roots, and how much its powers grow.
+--- Linear stability of invariant schemes: the recurrence y -> y' of an invariant problem,
+-- linearized about a solution, exact from the graph, its characteristic roots, and how much its
+-- powers grow.
 --
--- With R(y, x) = 0 and y' = next(y, x):  dy' = (next_y - next_x R_x^-1 R_y) dy, restricted to windows that stay on the cross-section. A root 1 that
--- is there k times over in one Jordan block lets one error grow like n^(k-1), and the errors of n steps like n^k, although no
--- root is larger than 1 (Bogfjellmo 6.1: k = 3).
+-- With R(y, x) = 0 and y' = next(y, x):  dy' = (next_y - next_x R_x^-1 R_y) dy, restricted to
+-- windows that stay on the cross-section. A root 1 that is there k times over in one Jordan block
+-- lets one error grow like n^(k-1), and the errors of n steps like n^k, although no root is larger
+-- than 1 (Bogfjellmo 6.1: k = 3).
 local core = require "dm.core"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
@@ -88,7 +90,8 @@ end
 
 -- the derivative of f(a, b); what cancels is compared with its trace beside 1
 local function slope_of(f, y, x)
-  return core.derivative(function(a, b) return core.vector(f(a, b)):map(function(w) return 1 + w end) end, #y, #x)(y, x)
+  local function shifted(a, b) return core.vector(f(a, b)):map(function(w) return 1 + w end) end
+  return core.derivative(shifted, #y, #x)(y, x)
 end
 
 -- d y'/d y on the core, as rows
@@ -158,11 +161,13 @@ local function from_one(A)
   return largest_entry(B)
 end
 
--- |A - 1| of a step that is not near the identity, and |A^16| beside 16^(k - 1) where the root 1 is k times in a Jordan block
+-- |A - 1| of a step that is not near the identity, and |A^16| beside 16^(k - 1) where the root 1 is
+-- k times in a Jordan block
 local FAR, EARLY, BLOCK = 0.5, 16, 0.05
 local function in_a_block(A, out)
   local early = growth(A, EARLY)
-  return out.multiplicity > 1 and out.distance > FAR and early > BLOCK * EARLY ^ (out.multiplicity - 1)
+  return out.multiplicity > 1 and out.distance > FAR
+    and early > BLOCK * EARLY ^ (out.multiplicity - 1)
 end
 
 local function words(form, out)
@@ -174,13 +179,17 @@ local function words(form, out)
   end
   text = text .. ("; %d steps multiply an error by %.3g"):format(out.steps, out.growth)
   if out.largest > 1.05 and out.growth > 1e6 then
-    return text .. (": the root %.6g runs away, it cannot be run as an initial value problem; give both ends (problem:boundary)"):format(out.largest)
+    return text .. (": the root %.6g runs away, it cannot be run as an initial value problem; "
+      .. "give both ends (problem:boundary)"):format(out.largest)
   elseif out.jordan then
     local k = out.multiplicity
-    return text .. (": the matrix is not near 1 (by %.2g), so these roots stand in a Jordan block: an error grows like n^%d, those of n steps like n^%d, and with a smaller h round-off wins")
+    return text .. (": the matrix is not near 1 (by %.2g), so these roots stand in a Jordan "
+      .. "block: an error grows like n^%d, those of n steps like n^%d, and with a smaller h "
+      .. "round-off wins")
       :format(out.distance, k - 1, k)
   end
-  local near = out.distance < FAR and ("its matrix is 1 to %.2g"):format(out.distance) or "no Jordan block of the root 1 lasts"
+  local near = out.distance < FAR and ("its matrix is 1 to %.2g"):format(out.distance)
+    or "no Jordan block of the root 1 lasts"
   return ("%s (%s): errors grow as those of a differential equation do"):format(text, near)
 end
 
@@ -190,9 +199,12 @@ local function of_form(p, name, o)
   local values = starts.from_points(p, name, list, o.multiplier)
   local form = equations[name .. "_form"](p)
   local y = form.layout:pack(values)
-  local rows, report = core.sequence { equation = form.equation, next = form.next, start = form.start, scale = form.scale, y = y,
+  local rows, report = core.sequence {
+    equation = form.equation, next = form.next, start = form.start, scale = form.scale, y = y,
     unknowns = p.d + p.constraints, steps = 1, check = false }
-  if report.code ~= "ok" then error("problem:stability: the step from these points fails: " .. report.text, 0) end
+  if report.code ~= "ok" then
+    error("problem:stability: the step from these points fails: " .. report.text, 0)
+  end
   local x, places = core.vector(form.layout:get(rows[2], "x1")), core_places(form)
   local moved = 0
   for _, at in ipairs(places) do moved = max(moved, abs(rows[2][at] - y[at]) / (1 + abs(y[at]))) end
@@ -210,13 +222,17 @@ end
 
 M.doc = [[
 problem:stability{points=, multiplier=, steps=} -> {points, momentum, why, constant}
-The recurrence of the invariants linearized about the solution through these points (2 N - 2; one more with a constraint), for both forms of
-problem:solve. Of each form: re, im (its characteristic roots), largest (modulus), multiplicity (roots within 0.3 of 1) and spread, distance (the largest entry of the matrix - 1), growth (the largest
-entry of the matrix to the power `steps`, a power of two, default 128), exponent (that growth goes like n^exponent), jordan (does 1 stand in a
-Jordan block, so that errors grow by powers of n whatever h is?), why, in words. constant: do the invariants
-stay as they are from step to step, so that the roots belong to the whole run (else to this place of it)?]]
+The recurrence of the invariants linearized about the solution through these points (2 N - 2; one
+more with a constraint), for both forms of problem:solve. Of each form: re, im (its characteristic
+roots), largest (modulus), multiplicity (roots within 0.3 of 1) and spread, distance (the largest
+entry of the matrix - 1), growth (the largest entry of the matrix to the power `steps`, a power of
+two, default 128), exponent (that growth goes like n^exponent), jordan (does 1 stand in a Jordan
+block, so that errors grow by powers of n whatever h is?), why, in words. constant: do the
+invariants stay as they are from step to step, so that the roots belong to the whole run (else to
+this place of it)?]]
 
-local Report = { __name = "dm.frame.invariant_stability", __tostring = function(s) return s.why end }
+local Report = { __name = "dm.frame.invariant_stability",
+  __tostring = function(s) return s.why end }
 
 function M.stability(p, o)
   if type(o) ~= "table" or o.points == nil then
@@ -233,7 +249,10 @@ function M.stability(p, o)
   local out = { points = of_form(p, "points", o), momentum = of_form(p, "momentum", o) }
   out.constant = out.points.moved < 1e-6
   out.why = out.points.why .. "\n" .. out.momentum.why
-  if not out.constant then out.why = out.why .. "\nthe invariants are not constant here: roots of this place of the solution" end
+  if not out.constant then
+    out.why = out.why .. "\nthe invariants are not constant here: roots of this place of the "
+      .. "solution"
+  end
   return setmetatable(out, Report)
 end
 

@@ -1,4 +1,5 @@
---- Starts of invariant problems: the first state y from given points, or from a frame and a momentum.
+--- Starts of invariant problems: the first state y from given points, or from a frame and a
+-- momentum.
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local equations = require "dm.frame.invariant_equations"
@@ -29,8 +30,10 @@ local function reaching(p, e) return e - p.reach + 1, e end
 -- each point more brings d equations and the multipliers of one site
 local function too_few(p, equations_there, unknowns, count)
   local N, gain = p.N, p.d - p.constraints
-  local more = gain > 0 and ("starts from %d points, or "):format(math.max(count, 2 * N - 2) + math.ceil((unknowns - equations_there) / gain)) or "starts "
-  error(("a constrained problem of %d points %sfrom %d with their `multiplier`s (%d points give %d equations for %d multipliers)")
+  local more = gain > 0 and ("starts from %d points, or "):format(
+    math.max(count, 2 * N - 2) + math.ceil((unknowns - equations_there) / gain)) or "starts "
+  error(("a constrained problem of %d points %sfrom %d with their `multiplier`s (%d points give "
+    .. "%d equations for %d multipliers)")
     :format(N, more, 2 * N - 2, count, equations_there, unknowns), 0)
 end
 
@@ -40,7 +43,9 @@ local function multipliers(p, list, given)
   if c == 0 then return out end
   local last = #list - N + 1 -- the last site with a window of L
   if given then
-    for k, mu in ipairs(given) do out[last - #given + k] = type(mu) == "number" and { mu } or points.entries(mu) end
+    for k, mu in ipairs(given) do
+      out[last - #given + k] = type(mu) == "number" and { mu } or points.entries(mu)
+    end
     return out
   end
   local first_site = N - p.reach + 1
@@ -91,7 +96,8 @@ M.left_over = left_over
 function M.spatial(p, list, multiplier)
   local mu = multipliers(p, list, multiplier)
   local first = #list - p.N + 2
-  local m, psi, out = windows.numbers(left_over(p, list, first, mu)), windows.psi_rows(p, part(list, first, p.N - 1)), {}
+  local m, psi, out = windows.numbers(left_over(p, list, first, mu)),
+    windows.psi_rows(p, part(list, first, p.N - 1)), {}
   for j = 1, p.r do
     out[j] = 0
     for i = 1, #m do out[j] = out[j] + psi[i][j] * m[i] end
@@ -110,7 +116,8 @@ local function begin(p, window, g)
   end
   local named = {}
   for i = 1, #p.names do named[i] = 0 end
-  return { U = windows.numbers(window), g = points.entries(p.group:flat(g)), x1 = x, x2 = x, I = named,
+  return { U = windows.numbers(window), g = points.entries(p.group:flat(g)), x1 = x,
+    x2 = x, I = named,
     u = points.entries(p.act(p.group:inverse(g), window[1])) }
 end
 
@@ -140,11 +147,14 @@ M.choose = choose
 function M.from_points(p, form, list, multiplier)
   local N = p.N
   if #list < 2 * N - 2 then
-    error(("this problem of %d points starts from %d points (got %d)"):format(N, 2 * N - 2, #list), 0)
+    error(("this problem of %d points starts from %d points (got %d)")
+      :format(N, 2 * N - 2, #list), 0)
   end
   local mu = multipliers(p, list, multiplier)
   local first = #list - p.window + 1
-  if first < 1 then error(("the frame needs %d points to start from (got %d)"):format(p.window, #list), 0) end
+  if first < 1 then
+    error(("the frame needs %d points to start from (got %d)"):format(p.window, #list), 0)
+  end
   local window = part(list, first, p.window)
   local g = p.rho(window)
   local there = p.move(g, window)
@@ -154,7 +164,9 @@ function M.from_points(p, form, list, multiplier)
   if form == "points" then
     values.history = {}
     for s = #list - N + 3 - p.reach, #list - N + 1 do
-      for i = 1, p.reach > 1 and p.constraints or 0 do values.history[#values.history + 1] = mu[s][i] end
+      for i = 1, p.reach > 1 and p.constraints or 0 do
+        values.history[#values.history + 1] = mu[s][i]
+      end
     end
   else
     local m = left_over(p, list, #list - N + 2, mu)
@@ -164,10 +176,12 @@ function M.from_points(p, form, list, multiplier)
   return values, part(list, 1, first - 1)
 end
 
---- State from the momentum J (as seen from where the points are) and either the window's points or its frame and normalized points.
+--- State from the momentum J (as seen from where the points are) and either the window's points or
+-- its frame and normalized points.
 function M.from_momentum(p, o)
   if not p.may_reduce or (p.N - 1) * p.d ~= p.r then
-    error(("a start from `momentum` needs a window of %d numbers that the section fixes: dim G = %d here; give %d points")
+    error(("a start from `momentum` needs a window of %d numbers that the section fixes: dim G = "
+      .. "%d here; give %d points")
       :format((p.N - 1) * p.d, p.r, 2 * p.N - 2), 0)
   end
   local g, there = o.frame, nil
@@ -182,7 +196,9 @@ function M.from_momentum(p, o)
     there = p.move(g, window)
   end
   choose(p, there)
-  if not p.reduced then error("the generators are dependent at the section: this problem starts from points", 0) end
+  if not p.reduced then
+    error("the generators are dependent at the section: this problem starts from points", 0)
+  end
   local values = begin(p, there, g)
   local J = points.entries(o.momentum or o.body_momentum)
   if #J ~= p.r then error(("a momentum has dim G = %d entries (got %d)"):format(p.r, #J), 0) end

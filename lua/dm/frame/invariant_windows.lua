@@ -1,4 +1,5 @@
---- Windows of points of an invariant problem: slopes of L and of its constraint at them, on the section without the frame.
+--- Windows of points of an invariant problem: slopes of L and of its constraint at them, on the
+-- section without the frame.
 local core = require "dm.core"
 local frames = require "dm.frame"
 local points = require "dm.frame.points"
@@ -22,12 +23,14 @@ local function numbers(list)
 end
 M.blocks, M.numbers, M.part = blocks, numbers, part
 
--- the last `count` points of a list and behind them `more`, on the parabola through its last three (so that they have a frame where these have)
+-- the last `count` points of a list and behind them `more`, on the parabola through its last three
+-- (so that they have a frame where these have)
 function M.padded(list, count, more)
   local out = part(list, 1, #list)
   for _ = 1, more do
     local n = #out
-    out[n + 1] = n > 2 and (out[n] - out[n - 1]) * 3 + out[n - 2] or n > 1 and out[n] * 2 - out[n - 1] or out[n]
+    out[n + 1] = n > 2 and (out[n] - out[n - 1]) * 3 + out[n - 2] or n > 1
+      and out[n] * 2 - out[n - 1] or out[n]
   end
   return part(out, #list - count + 1, count + more)
 end
@@ -55,8 +58,9 @@ local function psi_rows(p, list)
 end
 M.psi_rows = psi_rows
 
--- slopes by all points of invariantized functions on the section, from those of the functions themselves: g (1 - psi (J psi)^-1 J), by
--- Bogfjellmo's thm 3, without the frame. `rows` are numbers or symbols, a list for each function.
+-- slopes by all points of invariantized functions on the section, from those of the functions
+-- themselves: g (1 - psi (J psi)^-1 J), by Bogfjellmo's thm 3, without the frame. `rows` are
+-- numbers or symbols, a list for each function.
 local function projected(p, window, rows)
   local psi, known = psi_rows(p, window), p.k * p.d
   local J = tangent.section_slope(p.frame, M.for_frame(p, window))
@@ -99,10 +103,13 @@ local function pulled_back(p, g, window, row)
   return out
 end
 
--- (D L)(window), and that of every constraint; numbers go by way of the section, symbols through the graph of the frame
+-- (D L)(window), and that of every constraint; numbers go by way of the section, symbols through
+-- the graph of the frame
 local function slopes_apart(p, window, on_section)
   local z, rows = frames.flat(window), {}
-  if not on_section and points.symbolic(window) then return p.slope(z), p.constraints > 0 and p.phi_slope(z) end
+  if not on_section and points.symbolic(window) then
+    return p.slope(z), p.constraints > 0 and p.phi_slope(z)
+  end
   if not on_section then
     local g = p.rho(window)
     local first, others = slopes_apart(p, p.move(g, window), true)

@@ -9,7 +9,9 @@ local M = {}
 local function point(z, m, what)
   if m == 1 and (type(z) == "number" or not pcall(function() return #z end)) then z = { z } end
   local fine, v = pcall(function() return type(z) == "table" and core.vector(z) or z end)
-  if not fine or not pcall(function() return #v end) or #v ~= m then error(("%s must have %d entries"):format(what, m), 0) end
+  if not fine or not pcall(function() return #v end) or #v ~= m then
+    error(("%s must have %d entries"):format(what, m), 0)
+  end
   for j = 1, m do
     if type(v[j]) == "number" and not (math.abs(v[j]) < math.huge) then
       error(("%s is not finite: entry %d is %s"):format(what, j, tostring(v[j])), 0)
@@ -29,7 +31,8 @@ local function split(z, count, m)
   return out
 end
 
--- one list of points: a table of them as it is, the rows of a matrix, one flat vector of k m entries
+-- one list of points: a table of them as it is, the rows of a matrix, one flat vector of k m
+-- entries
 local function unstacked(list, m)
   if kits.class_of(list) == "dm.matrix" then return list:totable() end
   local size, numbers = #list, type(list) ~= "table" or type(list[1]) == "number"
@@ -79,7 +82,8 @@ local function stream(seed)
 end
 M.stream = stream
 
---- Points of sample `seed`, `count` of them (default: those of the frame), on the space of the action.
+--- Points of sample `seed`, `count` of them (default: those of the frame), on the space of the
+-- action.
 function M.sample(frame, seed, count)
   local source, out = core.random(7), {}
   for i = 1, count or frame.k do

@@ -1,7 +1,8 @@
---- Linear algebra of moving frames, on numbers. With J = dZ, psi = the generators as columns, both at I = rho(z) z:
---   T rho at I = -(J psi)^-1 J,   T iota = (1 - psi (J psi)^-1 J) T Psi_rho                      (Bogfjellmo thm 3)
---   d/dx I_K = I_K,x + psi_K C,   C = -(J psi)^-1 J I_x                                         (thm 4)
---   S(I) = P . I with the shifted points, P = rho(S z) rho(z)^-1 = rho(iota(S z))                (thm 12)
+--- Derivatives of moving frames, on numbers (Bogfjellmo thm 3, 4 and 12). With J = dZ and psi, the
+-- generators as columns, both at I = rho(z) z:
+--   T rho at I = -(J psi)^-1 J,   T iota = (1 - psi (J psi)^-1 J) T Psi_rho
+--   d/dx I_K = I_K,x + psi_K C,   C = -(J psi)^-1 J I_x
+--   S(I) = P . I with the shifted points, P = rho(S z) rho(z)^-1 = rho(iota(S z))
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local points = require "dm.frame.points"
@@ -16,7 +17,8 @@ local function slope_of_section(frame)
   local F = require "dm.frame"
   frame.slope = frame.slope or core.derivative(function(x)
     local value = F.section(frame, F.split(x, frame.k, frame.m))
-    for i = 1, #value do value[i] = 1 + value[i] end -- what cancels is compared with the trace beside 1
+    -- what cancels is compared with the trace beside 1
+    for i = 1, #value do value[i] = 1 + value[i] end
     return core.vector(value)
   end, frame.k * frame.m)
   return frame.slope
@@ -88,8 +90,9 @@ local function size(A, rows, columns)
   return math.sqrt(sum)
 end
 
---- J psi of the cross-section at these very points, and its condition number in the norm of Frobenius; or, if that is larger, how much
--- the frame turns for a relative change of the points, |(J psi)^-1| |J| |z|: near a fixed point psi itself vanishes
+--- J psi of the cross-section at these very points, and its condition number in the norm of
+-- Frobenius; or, if that is larger, how much the frame turns for a relative change of the points,
+-- |(J psi)^-1| |J| |z|: near a fixed point psi itself vanishes
 function M.transversality(frame, list)
   local first = { table.unpack(list, 1, frame.k) }
   local J, r = J_at(frame, first), frame.r
@@ -116,7 +119,8 @@ end
 
 local SAMPLES = 6  -- of general points; what is singular at all of them is singular everywhere
 
---- Does the section cross the orbits anywhere? Where J psi is singular at general points it is everywhere: an error.
+--- Does the section cross the orbits anywhere? Where J psi is singular at general points it is
+-- everywhere: an error.
 function M.check_orbits(frame)
   local enough, seen = frame.k * frame.m >= frame.r, 0
   for seed = 1, enough and SAMPLES or 0 do
@@ -124,7 +128,9 @@ function M.check_orbits(frame)
     if fine and condition < M.CONDITION then return end
     seen = seen + (fine and 1 or 0)
   end
-  if seen == SAMPLES or not enough then require "dm.frame.text".refuse(frame, orbit_dimension(frame)) end
+  if seen == SAMPLES or not enough then
+    require "dm.frame.text".refuse(frame, orbit_dimension(frame))
+  end
 end
 
 ---- what comes of them ----
@@ -228,25 +234,30 @@ end
 
 M.docs.transversality = [[
 rho:transversality(z1, ..., zk) -> dm.matrix, number
-J psi (r x r) at these points, and its condition number: J the derivative of the cross-section, psi the generators of the action. A frame exists
-near points of the section where it is regular.]]
+J psi (r x r) at these points, and its condition number: J the derivative of the cross-section, psi
+the generators of the action. A frame exists near points of the section where it is regular.]]
 M.docs.tangent = [[
 rho:tangent(z1, ..., zn) -> dm.matrix
-The derivative of the normalized points in the points, T iota = (1 - psi (J psi)^-1 J) T Psi_rho (Bogfjellmo thm 3), n dim M x n dim M.]]
+The derivative of the normalized points in the points, T iota = (1 - psi (J psi)^-1 J) T Psi_rho
+(Bogfjellmo thm 3), n dim M x n dim M.]]
 M.docs.correction = [[
 rho:correction(z1, ..., zk+1) -> group element
-Of one point more than the frame is made of, since it compares the frame of the first k points with that of the last k:
-P = rho(z2, ..., zk+1) rho(z1, ..., zk)^-1, as the frame of the normalized points (Bogfjellmo thm 12): S(I) = P . I.]]
+Of one point more than the frame is made of, since it compares the frame of the first k points with
+that of the last k: P = rho(z2, ..., zk+1) rho(z1, ..., zk)^-1, as the frame of the normalized
+points (Bogfjellmo thm 12): S(I) = P . I.]]
 M.docs.derivative_correction = [[
 rho:derivative_correction(points, velocities) -> C, changes, moved
-How invariants change when the points move with these velocities: C = -(J psi)^-1 J I_x (dim G numbers), d/dx I_j = I_j,x + psi C (a vector for each
-point), and I_x, the velocities moved by the frame (Bogfjellmo thm 4).]]
+How invariants change when the points move with these velocities: C = -(J psi)^-1 J I_x (dim G
+numbers), d/dx I_j = I_j,x + psi C (a vector for each point), and I_x, the velocities moved by the
+frame (Bogfjellmo thm 4).]]
 M.docs.syzygies = [[
 rho:syzygies(points [, velocities]) -> {shift, derivative}
-Defects of the relations between invariants at k + 1 points or more: of S(I_J) = P . I_J1, and with velocities of the formula for
-d/dx I against the derivative of the graph. Round-off, where the frame is one.]]
+Defects of the relations between invariants at k + 1 points or more: of S(I_J) = P . I_J1, and with
+velocities of the formula for d/dx I against the derivative of the graph. Round-off, where the frame
+is one.]]
 M.docs.phantom = [[
 rho:phantom([n]) -> list of lists
-For the n (default k) normalized points: the value of each entry that is the same everywhere, false for one that varies.]]
+For the n (default k) normalized points: the value of each entry that is the same everywhere, false
+for one that varies.]]
 
 return M

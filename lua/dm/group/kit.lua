@@ -3,7 +3,8 @@
 -- left out. The facts of a group are fields of its kit:
 --   dimension, coordinates  of the algebra; how many flat coordinates an element has
 --   abelian                 do all elements commute?
---   vectors                 are elements vectors (or one number), so that groups act on them?
+--   vectors                 are elements vectors, one number or lists of these, so that groups act
+--                           on their entries?
 --   euclidean               are they R^n, whose coordinates may be cut into points of R^k?
 --   angles                  {[i] = true} for the flat coordinates that are angles
 --   form                    what an element looks like, in words

@@ -192,7 +192,7 @@ end)
 
 ---- misuse ----
 raises("'frame' must be a moving frame", dm.invariant_problem, { frame = 3, L = print })
-raises("'L' must be a function", dm.invariant_problem, { frame = planar })
+raises("option 'L' is missing: a function", dm.invariant_problem, { frame = planar })
 raises("there is no invariant 'kappa'", dm.invariant_problem, { frame = planar, L = function(I) return I.kappa end })
 raises("is L degenerate", function()
   return dm.invariant_problem { frame = planar, L = function(I) return I.lambda ^ 2 end, points = 3 }:solve { points = { { 0, 0 }, { 1, 0 }, { 2, 0.1 }, { 3, 0 } }, n = 8 }

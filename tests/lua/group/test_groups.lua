@@ -26,30 +26,6 @@ local groups = { dm.R(3), dm.T(2), dm.SO(2), dm.SO(3), dm.SO(4), dm.SO(5), dm.SE
     return { a * (c * v[1] - s * v[2]), a * (s * v[1] + c * v[2]) }
   end) }
 
----- facts, fields of the kits, against what elements do ----
-
-local kits = require "dm.group.kit"
-local trivial = dm.semidirect(dm.T(1), dm.R(2), function(_, v) return v end)
-for _, G in ipairs { trivial, table.unpack(groups) } do
-  local kit, name = kits.of(G), tostring(G)
-  local a, b = G:random(stream, 7, 0.5), G:random(stream, 8, 0.5)
-  ok((kit.abelian or false) == (G:distance(G:compose(a, b), G:compose(b, a)) < 1e-12),
-    name .. ": abelian where two elements commute")
-  local class = type(a) == "number" and "number" or kits.class_of(a)
-  ok((kit.vectors or false) == (class == "number" or class == "dm.vector"), name .. ": vectors")
-  local flat = G:flat(a)
-  for i = 1, kit.vectors and #flat or 0 do
-    local turned = { table.unpack(flat) }
-    turned[i] = turned[i] + 2 * pi
-    ok((kit.angles[i] or false) == ((G:matrix(G:unflat(turned)) - G:matrix(a)):norm() < 1e-12),
-      ("%s: is coordinate %d an angle"):format(name, i))
-  end
-end
-ok(kits.are_angles(dm.T(3)) and not kits.are_angles(dm.R(3)), "coordinates that are angles")
-local mixed = kits.of(dm.product(dm.R(2), dm.T(2), dm.SE(2)))
-ok(not mixed.angles[2] and mixed.angles[3] and mixed.angles[4] and mixed.angles[7]
-  and not kits.are_angles(dm.product(dm.R(2), dm.T(2))), "angles of a product")
-
 ---- laws ----
 
 local function laws_of_elements(G, worst, i)

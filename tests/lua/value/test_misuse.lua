@@ -61,7 +61,7 @@ raises("test_misuse.lua:" .. here() + 1 .. ": cannot compute the string \"x\" * 
 raises("field 'params' must be a table that L gets as its last argument, for instance { k = 2 } (got number)", with, 3, function(_, v) return v[1] ^ 2 end)
 raises("the params of a system are the fourth argument", with, { k = 3 }, function(_, v, P) return P.k * v[1] ^ 2 end)
 raises("'points' must be a whole number", function() dm.moving_frame { action = moved, points = "2", cross_section = section } end)
-raises("unknown option 'section'; options are", function() dm.moving_frame { action = moved, section = section } end)
+raises("unknown option 'section'; did you mean", function() dm.moving_frame { action = moved, section = section } end)
 local rho = dm.moving_frame { action = moved, points = 2, cross_section = section, branch = function(_, b) return b[1] end }
 raises("point 1 must have 2 entries", function() rho({ 1 }, { 2 }) end)
 raises("\"picture\" is every coordinate and stands alone", function()
