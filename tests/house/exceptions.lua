@@ -31,13 +31,7 @@ return {
   },
   -- decisions by the name of a rule or a group: file, names, why
   decisions = {
-    { "lua/dm/action/init.lua", "R", "to become a field of its kit" },
-    { "lua/dm/action/points.lua", "Heisenberg R S SE SO T", "to become fields of their kits" },
-    { "lua/dm/action/standard.lua", "GL Heisenberg R SE SL SO Sp T", "to become fields of their kits" },
     { "lua/dm/reduce/discrete/init.lua", "midpoint trapezoidal", "rules that make an Ld of L by themselves" },
-    { "lua/dm/reduce/run/reconstruct.lua", "T", "which coordinates are angles" },
-    { "lua/dm/reduce/routh/init.lua", "T", "which coordinates are angles" },
-    { "lua/dm/reduce/routh/section.lua", "GL Heisenberg SE SL SO Sp", "which groups are abelian" },
     { "lua/dm/reduce/routh/rsprk.lua", "rk4 rk8 rk8pd rkf45", "which rules are explicit" },
     { "lua/dm/reduce/discrete/tableau.lua", "lobatto", "which rules have nodes at the ends" },
     { "src/bind/rule/bind_curve.c", "curve", "its data are a curve" },
