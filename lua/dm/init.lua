@@ -1,47 +1,92 @@
 --- require "dm": the C core, and the Lua modules, each loaded when first used.
+local class = require "dm.base.class"
 local core = require "dm.core"
 
--- name in dm -> module whose field of that name it is
-local lazy = {
-  plot = "dm.show.plot",
-  figure = "dm.show.plot",
-  load = "dm.data.load",
-  time = "dm.measure.time",
+-- What modules add, and the module: "plot" is dm.plot, "path:plot" a method of dm.path. A module
+-- returns a table that has the functions of dm by name, and defines its methods by class.method.
+local rows = {
+  -- functions
+  action = "dm.action",
+  amplification = "dm.stability.linear",
+  animate = "dm.show.animate",
+  apropos = "dm.session.help",
   chart = "dm.chart",
+  commute = "dm.reduce.commute",
+  compare = "dm.data.compare",
+  demo = "dm.session.demo",
+  figure = "dm.show.plot",
+  help = "dm.session.help",
+  invariant_problem = "dm.frame.invariant",
+  load = "dm.data.load",
+  moving_frame = "dm.frame",
+  plot = "dm.show.plot",
+  polynomial_roots = "dm.measure.recurrence",
+  pretty = "dm.session.pretty",
+  recurrence = "dm.measure.recurrence",
   scaling = "dm.measure.scaling",
   scene = "dm.scene",
   stability = "dm.stability",
-  amplification = "dm.stability.linear",
   stability_limit = "dm.stability.linear",
-  polynomial_roots = "dm.measure.recurrence",
-  recurrence = "dm.measure.recurrence",
-  animate = "dm.show.animate",
-  demo = "dm.session.demo",
-  action = "dm.action",
-  moving_frame = "dm.frame",
-  invariant_problem = "dm.frame.invariant",
-  compare = "dm.data.compare",
-  commute = "dm.reduce.commute",
-  help = "dm.session.help",
-  apropos = "dm.session.help",
+  time = "dm.measure.time",
   who = "dm.session.help",
-  pretty = "dm.session.pretty",
+  -- methods of systems
+  ["system:acceleration"] = "dm.measure.multipliers",
+  ["system:chart"] = "dm.chart",
+  ["system:linearize"] = "dm.measure.linearize",
+  ["system:multipliers"] = "dm.measure.multipliers",
+  ["system:stability"] = "dm.stability",
+  -- of systems and what becomes of them by reduction
+  ["system:amended_potential"] = "dm.reduce.routh.shape",
+  ["system:at_momentum"] = "dm.reduce.routh",
+  ["system:connection"] = "dm.reduce.routh.shape",
+  ["system:continue"] = "dm.reduce.equilibria.continue",
+  ["system:curvature"] = "dm.reduce.routh.shape",
+  ["system:discrete"] = "dm.reduce.discrete",
+  ["system:holonomy"] = "dm.reduce.run.reconstruct",
+  ["system:lift"] = "dm.reduce.routh.shape",
+  ["system:locked_inertia"] = "dm.reduce.routh.shape",
+  ["system:magnetic_momentum"] = "dm.reduce.routh.shape",
+  ["system:reduction"] = "dm.reduce.routh.shape",
+  ["system:relative_equilibria"] = "dm.reduce.equilibria",
+  ["system:routh"] = "dm.reduce.routh",
+  ["system:routhian"] = "dm.reduce.routh.shape",
+  ["system:rsprk"] = "dm.reduce.discrete.rsprk_step",
+  ["system:slice"] = "dm.reduce.routh.slice",
+  ["system:start"] = "dm.reduce.routh.shape",
+  ["system:symplectic_form"] = "dm.reduce.routh.shape",
+  -- of discrete Lagrangians, solvers, paths and ensembles
+  ["discrete_lagrangian:order"] = "dm.measure.order",
+  ["solver:backward_error"] = "dm.measure.tangent",
+  ["solver:fold"] = "dm.measure.step_limits",
+  ["solver:lyapunov"] = "dm.measure.tangent",
+  ["solver:modified_energy"] = "dm.measure.modified_energy",
+  ["solver:multipliers"] = "dm.measure.linearize",
+  ["solver:reversal"] = "dm.measure.tangent",
+  ["solver:section"] = "dm.measure.poincare",
+  ["solver:singularities"] = "dm.measure.step_limits",
+  ["solver:symplecticity"] = "dm.measure.tangent",
+  ["solver:tangent"] = "dm.measure.tangent",
+  ["path:animate"] = "dm.show.animate",
+  ["path:csv"] = "dm.data.export",
+  ["path:multipliers"] = "dm.measure.multipliers",
+  ["path:npy"] = "dm.data.export",
+  ["path:phases"] = "dm.reduce.run.reconstruct",
+  ["path:plot"] = "dm.show.path",
+  ["path:reconstruct"] = "dm.reduce.run.reconstruct",
+  ["path:series"] = "dm.show.path",
+  ["ensemble:plot"] = "dm.show.fan",
 }
 
--- modules that add methods to classes of the core
-local extensions = { "dm.session.missing", "dm.measure.multipliers", "dm.show.path", "dm.show.animate", "dm.data.export", "dm.measure.tangent", "dm.measure.modified_energy", "dm.chart", "dm.measure.order",
-  "dm.reduce.methods", "dm.stability.methods", "dm.group",
-}
-
--- modules of classes that methods give, loaded when one is first made
-local late_classes = { "dm.measure.poincare", "dm.reduce.discrete", "dm.reduce.equilibria.branch" }
+-- modules that change what the core has, or that C asks for
+local AT_ONCE = { "dm.session.missing", "dm.reduce.methods", "dm.group" }
 
 local dm = {}
 
-local M = { __name = "dm", lazy = lazy }
+-- functions: name -> module; a session completes these names before they are loaded
+local M = { __name = "dm", lazy = {} }
 
 function M.__index(t, name)
-  local module = lazy[name]
+  local module = M.lazy[name]
   if not module then
     core.miss("dm", name)
     return nil
@@ -53,14 +98,18 @@ end
 
 function M.__tostring() return "dm: discrete mechanics; help(dm) lists what it has" end
 
--- every name of dm and every class, loaded, so that help, completion and the reference see them
+-- every function, method and class, loaded, so that help and the reference see them
 function M.load_all()
-  for name in pairs(lazy) do local _ = dm[name] end
-  for _, module in ipairs(late_classes) do require(module) end
+  for name in pairs(M.lazy) do local _ = dm[name] end
+  for _, module in pairs(rows) do require(module) end
   return dm
 end
 
-for _, module in ipairs(extensions) do require(module) end
+for name, module in pairs(rows) do
+  local owner, method = name:match "^([%w_]+):([%w_]+)$"
+  if owner then class.later("dm." .. owner, method, module) else M.lazy[name] = module end
+end
+for _, module in ipairs(AT_ONCE) do require(module) end
 for name, value in pairs(core) do dm[name] = value end
 setmetatable(dm, M)
 

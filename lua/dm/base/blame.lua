@@ -89,13 +89,6 @@ function M.is_caller(f)
   return false
 end
 
---- The method of a class is `method`, which calls f of M.caller.
-function M.stands_for(method, f)
-  for inner, call in pairs(wrapped) do
-    if call == f then wrapped[inner] = method end
-  end
-end
-
 -- the same around a method written in C, which puts a position in front itself: that of a function
 -- of the user stays alone
 local function relay(fine, ...)
@@ -132,19 +125,6 @@ function M.relay(f, name)
   end
   call = function(...) return relay(xpcall(f, look, ...)) end
   return call
-end
-
---- The function `name` of a module that is loaded when the function is first called.
-function M.later(module, name)
-  local f
-  local function method(...)
-    if not f then
-      f = require(module)[name]
-      M.stands_for(method, f)
-    end
-    return f(...)
-  end
-  return method
 end
 
 return M

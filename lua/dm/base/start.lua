@@ -1,6 +1,6 @@
 --- The start of a run as a caller gives it: the number of an only coordinate becomes a list of one,
 -- numbers by the names of coordinates ({ x = 1, y = 0 }) a list in their order.
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 
 local M = {}
 
@@ -22,13 +22,13 @@ local function unnamed(x, system, key)
   for i, name in ipairs(names) do out[i], known[name] = x[name], true end
   for name in pairs(x) do
     if not known[name] then
-      opts.fail(("field '%s'"):format(key), "there is no coordinate '%s'; they are %s",
+      option.fail(("field '%s'"):format(key), "there is no coordinate '%s'; they are %s",
         tostring(name), table.concat(names, ", "))
     end
   end
   for i, name in ipairs(names) do
     if out[i] == nil then
-      opts.fail(("field '%s'"):format(key), "the coordinate '%s' is missing; all of %s are needed",
+      option.fail(("field '%s'"):format(key), "the coordinate '%s' is missing; all of %s are needed",
         name, table.concat(names, ", "))
     end
   end

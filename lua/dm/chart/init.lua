@@ -1,24 +1,27 @@
 --- dm.chart: what accuracy costs. Every rule at every step: the error of what one looks at against
 -- CPU time, evaluations, steps.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local given_steps = require "dm.chart.steps"
 local measures = require "dm.chart.measures"
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 local orders = require "dm.chart.orders"
 local reference = require "dm.chart.reference_run"
 local show = require "dm.chart.show"
 local starts = require "dm.base.start"
 
 local M = {}
-M.__index = M
-M.__name = "dm.chart"
-setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
+
+local Chart = core.class({ __name = "dm.chart" }, [[
+dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}
+fields: points (a list of {rule, h, error, ns, steps, evaluations, newton}), rules (names), failures
+(points that could not be run, and why), rival]])
 
 local max, min, floor = math.max, math.min, math.floor
 
 local WHERE = "dm.chart"
-local fail = opts.failing(WHERE)
+local fail = option.failing(WHERE)
 
 ---- options ----
 
@@ -33,7 +36,7 @@ local function system_of(options)
   local fine, solver = pcall(function() return system.solver end)
   if not (fine and solver) then
     fail("the first entry must be one dm.system (got %s): make a chart of each system",
-      opts.got(system))
+      option.got(system))
   end
   if system.Ld then
     fail("a discrete Lagrangian has one step only: give a dm.system, or time runs of solvers by "
@@ -43,14 +46,14 @@ local function system_of(options)
 end
 
 local function check_options(options)
-  opts.check(options, KNOWN, WHERE, "{ system, q =, v =, t =, rules = {...}, h = {...} }")
+  option.check(options, KNOWN, WHERE, "{ system, q =, v =, t =, rules = {...}, h = {...} }")
   local system = system_of(options)
-  opts.need(options, "t", WHERE, "a duration > 0")
-  opts.positive(options, "t", WHERE, "a duration")
-  for _, key in ipairs { "samples", "repeats" } do opts.whole(options, key, WHERE, 1) end
+  option.need(options, "t", WHERE, "a duration > 0")
+  option.positive(options, "t", WHERE, "a duration")
+  for _, key in ipairs { "samples", "repeats" } do option.whole(options, key, WHERE, 1) end
   if options.against ~= nil and options.against ~= "reference" then
     fail("option 'against' must be \"reference\", which is what errors are measured against (got "
-      .. "%s); chart:plot{against =} chooses the axis", opts.got(options.against))
+      .. "%s); chart:plot{against =} chooses the axis", option.got(options.against))
   end
   if options.h ~= nil or options.steps ~= nil then given_steps.sizes(options) end
   local rules = given_steps.list(options, "rules", "rules, such as \"verlet\" or \"gauss(4)\"")
@@ -134,10 +137,6 @@ end
 
 local of_rule = orders.of_rule
 
-local doc_cheapest = [[
-chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
-The cheapest measured point whose error is at most the given one, by CPU time.]]
-
 local function cheapest_of(points, target)
   if type(target) ~= "number" then
     fail("chart:cheapest takes an error, a number such as 1e-6 (got %s)", type(target))
@@ -149,21 +148,23 @@ local function cheapest_of(points, target)
   return best
 end
 
-M.cheapest = blame.caller(function(self, target) return cheapest_of(self.points, target) end)
+class.method("dm.chart", "cheapest", function(chart, target)
+  return cheapest_of(chart.points, target)
+end, [[
+chart:cheapest(error) -> {rule, h, error, ns, steps, evaluations, newton} or nil
+The cheapest measured point whose error is at most the given one, by CPU time.]])
 
-local doc_pareto = [[
-chart:pareto() -> list of points
-The points that no other beats in both error and time, from the cheapest to the most accurate.]]
-
-function M:pareto()
+class.method("dm.chart", "pareto", function(chart)
   local sorted, out, best = {}, core.result {}, math.huge
-  for i, p in ipairs(self.points) do sorted[i] = p end
+  for i, p in ipairs(chart.points) do sorted[i] = p end
   table.sort(sorted, function(a, b) return a.ns < b.ns end)
   for _, p in ipairs(sorted) do
     if p.error < best then out[#out + 1], best = p, p.error end
   end
   return out
-end
+end, [[
+chart:pareto() -> list of points
+The points that no other beats in both error and time, from the cheapest to the most accurate.]])
 
 local function number(x) return x and ("%.2f"):format(x) or "-" end
 
@@ -210,34 +211,32 @@ local function front_line(chart)
   return "front of error and time, from the cheapest: " .. table.concat(out, ", ")
 end
 
-local doc_table = [[
+class.method("dm.chart", "table", function(chart)
+  local head = { "rule", "order", "points", "least error", "for" }
+  local lines = { ("%-28s %6s %7s %11s %10s"):format(table.unpack(head)) }
+  for _, rule in ipairs(chart.rules) do
+    local points, least = of_rule(chart, rule), nil
+    for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
+    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s")
+      :format(rule, number((chart:order(rule))), #points, least.error, time_text(least.ns))
+      or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
+  end
+  cheapest_lines(chart, lines)
+  lines[#lines + 1] = front_line(chart)
+  for _, f in ipairs(chart.failures) do
+    lines[#lines + 1] = ("%s, h = %.4g: %s"):format(f.rule, f.h, f.why)
+  end
+  lines[#lines + 1] = chart.reference_text
+  lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up")
+    :format(chart.load, chart.options.repeats or BATCHES)
+  return table.concat(lines, "\n")
+end, [[
 chart:table() -> string
 A line per rule: measured order, number of points, least error and its cost; then the cheapest at
 1e-4, 1e-8, 1e-12 beside the rival, the rules on the front, what failed and why, how far the two
-references are apart, and the load of the machine when it was measured.]]
+references are apart, and the load of the machine when it was measured.]])
 
-function M:table()
-  local head = { "rule", "order", "points", "least error", "for" }
-  local lines = { ("%-28s %6s %7s %11s %10s"):format(table.unpack(head)) }
-  for _, rule in ipairs(self.rules) do
-    local points, least = of_rule(self, rule), nil
-    for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
-    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s")
-      :format(rule, number((self:order(rule))), #points, least.error, time_text(least.ns))
-      or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
-  end
-  cheapest_lines(self, lines)
-  lines[#lines + 1] = front_line(self)
-  for _, f in ipairs(self.failures) do
-    lines[#lines + 1] = ("%s, h = %.4g: %s"):format(f.rule, f.h, f.why)
-  end
-  lines[#lines + 1] = self.reference_text
-  lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up")
-    :format(self.load, self.options.repeats or BATCHES)
-  return table.concat(lines, "\n")
-end
-
-function M:__tostring()
+function Chart:__tostring()
   return ("work-precision chart of %d point%s, %d rule%s, error of %s over t = %g\n")
     :format(#self.points, #self.points == 1 and "" or "s", #self.rules,
       #self.rules == 1 and "" or "s", self.what, self.options.t) .. self:table()
@@ -307,7 +306,7 @@ M.chart = blame.caller(function(options)
     rules = distinct_names(entries), measure = what_measure, what = what,
     times = sample_times(options), load = core.load_average(), floor = 1e-15,
     watch = watched and { watched = watched } or nil, reference_text = "no reference is needed" },
-    M)
+    Chart)
   if needs_reference then
     local fine, ref, apart, text = core.until_stop(reference.find, chart)
     if not fine then raise(chart, ref) end
@@ -322,24 +321,18 @@ M.chart = blame.caller(function(options)
   return chart
 end)
 
-local doc_system = [[
-system:chart{q=, v= | p=, t=, rules={...}, h={...}, ...} -> dm.chart
-The same as dm.chart{system, ...}.]]
-
 core.docs[M.chart] = doc_chart
-M.order, M.plot, M.csv = orders.order, show.plot, show.csv
-core.docs[M.order], core.docs[M.cheapest] = orders.doc, doc_cheapest
-core.docs[M.pareto] = doc_pareto
-core.docs[M.table], core.docs[M.plot], core.docs[M.csv] = doc_table, show.doc_plot, show.doc_csv
-require "dm.base.class".register(M, { "order", "cheapest", "pareto", "table", "plot", "csv" }, [[
-dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}
-fields: points (a list of {rule, h, error, ns, steps, evaluations, newton}), rules (names), failures
-(points that could not be run, and why), rival]])
-core.method("dm.system", "chart", blame.caller(function(system, options)
+class.method("dm.chart", "order", orders.order, orders.doc)
+class.method("dm.chart", "plot", show.plot, show.doc_plot)
+class.method("dm.chart", "csv", show.csv, show.doc_csv)
+
+class.method("dm.system", "chart", function(system, options)
   local given = {}
   for key, value in pairs(type(options) == "table" and options or {}) do given[key] = value end
   given.system = system
   return M.chart(given)
-end), doc_system)
+end, [[
+system:chart{q=, v= | p=, t=, rules={...}, h={...}, ...} -> dm.chart
+The same as dm.chart{system, ...}.]])
 
 return M

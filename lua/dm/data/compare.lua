@@ -1,12 +1,12 @@
 --- dm.compare: how far two paths are apart, column by column, and when.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 
 local M = {}
 
 local WHERE = "dm.compare"
-local fail = opts.failing(WHERE)
+local fail = option.failing(WHERE)
 
 local abs, max = math.abs, math.max
 
@@ -76,7 +76,7 @@ The largest difference of two paths at the times that both have, for every colum
 
 M.compare = blame.caller(function(a, b, options)
   if not is_path(a) or not is_path(b) then fail "takes two paths, a and b" end
-  options = opts.check(options or {}, { "columns" }, WHERE)
+  options = option.check(options or {}, { "columns" }, WHERE)
   local rows, t = common_rows(a, b)
   if #rows == 0 then fail "the paths have no times in common" end
   local names = common_columns(a, b, options.columns)

@@ -1,11 +1,11 @@
 --- dm.load: the columns of a csv or npy file as vectors.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 
 local M = {}
 
-local function fail(file, ...) opts.fail("dm.load: " .. file, ...) end
+local function fail(file, ...) option.fail("dm.load: " .. file, ...) end
 
 ---- csv ----
 
@@ -126,11 +126,11 @@ not a number.]]
 
 M.load = blame.caller(function(file)
   if type(file) ~= "string" then
-    opts.fail("dm.load", "a file name is needed (got %s)", opts.got(file))
+    option.fail("dm.load", "a file name is needed (got %s)", option.got(file))
   end
   local is_npy = file:lower():find("%.npy$")
   local handle, why = io.open(file, "rb")
-  if not handle then opts.fail("dm.load", "cannot open %s", why) end
+  if not handle then option.fail("dm.load", "cannot open %s", why) end
   local fine, names, columns = pcall(is_npy and load_npy or load_csv, file, handle)
   handle:close()
   if not fine then error(names, 0) end

@@ -1,6 +1,7 @@
 --- The system linearised at a state, and the exact tangent map along an orbit: eigenvalues that say
 -- whether small changes stay small.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
@@ -113,5 +114,21 @@ M.multipliers = blame.caller(function(solver, options)
   return core.result { stable = stable, why = why, largest = largest, re = re, im = im,
     matrix = matrix, closes = closes }
 end)
+
+class.method("dm.system", "linearize", M.linearize, [[
+system:linearize{q=, v=, t=} -> {stable, why, fastest, frequencies, rates, matrix}
+The system linearised at a state (v default 0, t default 0): d(dq, dv)/dt = matrix (dq, dv), with
+real parts `rates` and imaginary parts `frequencies` of its eigenvalues. At an equilibrium, and at a
+relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
+anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
+step has to resolve.]])
+
+class.method("dm.solver", "multipliers", M.multipliers, [[
+solver:multipliers{q=, v= | p=, steps= | t=, t0=} -> {stable, why, largest, re, im, matrix, closes}
+The eigenvalues of the exact tangent map over a run: the Floquet multipliers where the run is one
+period of a periodic orbit (closes: the distance of its end from its start), or one step of a
+relative equilibrium. A symplectic rule has them in pairs m, 1/m; stable: none has a modulus above 1
+by more than round-off allows (multipliers 1 of the period and of symmetries are double, and known
+to the root of round-off only).]])
 
 return M

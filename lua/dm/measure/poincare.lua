@@ -1,6 +1,7 @@
 --- Poincare sections: where runs cross a surface g = 0, or each period of a driven system, as
 -- points of a plot. solver:section{g =, q =, v =, t =}.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local lists = require "dm.base.lists"
@@ -8,13 +9,13 @@ local option = require "dm.base.options"
 
 local M = {}
 
-local class = core.class({ __name = "dm.section" }, [[
+local Section = core.class({ __name = "dm.section" }, [[
 dm.section: the crossings of a surface by one run or several, made by solver:section{g=, ...}
 fields: orbits (each {x, y, t, path, failure}: vectors with a number for each crossing), count (of
 all crossings), failures (how many runs ended early), xlabel, ylabel; #section orbits.]])
 
-function class.__len(section) return #section.orbits end
-function class.__tostring(section)
+function Section.__len(section) return #section.orbits end
+function Section.__tostring(section)
   local orbits, count, failed = #section.orbits, section.count, section.failures
   return ("section of %d orbit%s: %d crossing%s as (%s, %s)%s")
     :format(orbits, orbits == 1 and "" or "s", count, count == 1 and "" or "s",
@@ -159,7 +160,7 @@ M.section = blame.caller(function(solver, o)
     section.count = section.count + #section.orbits[i].x
     section.failures = section.failures + (failure and 1 or 0)
   end
-  return setmetatable(section, class)
+  return setmetatable(section, Section)
 end)
 
 core.method("dm.section", "series", function(section)
@@ -186,5 +187,17 @@ core.method("dm.section", "plot", blame.caller(function(section, options)
 end), [[
 section:plot{file=, title=, ...} -> file name or nothing
 Draw the crossings, one colour an orbit; options as in dm.plot.]])
+
+class.method("dm.solver", "section", M.section,
+  "solver:section{g= | period=, q=, v= | p=, starts=, t= | steps=, t0=, direction=, x=, y=, "
+  .. "xlabel=, ylabel=, every=, project=} -> dm.section\n" .. [[
+The Poincare section of a run: where it crosses the surface g(q, v, t, p) = 0; g may be the name of
+a coordinate, "q1"; period = T in its place: each period of a driven system from t0 on (a
+stroboscope). direction: "up" (g grows; the default), "down" or "both". starts = { {q =, v =}, {q =,
+p =}, ... }: several runs, one of which may fail. x, y: what is read off a crossing, names of
+columns ("q2", "p2", "t") or functions of (q, p, t); left out: another coordinate than g and its
+momentum. Crossings are found by steps of fitting length, with the accuracy of the rule; two within
+one step are not seen. section:plot() draws them. every = k keeps rows of the runs,
+orbits[i].path.]])
 
 return M

@@ -1,14 +1,16 @@
 --- dm.scaling: what a step costs against the dimension of the system, and against the number of
 -- members of an ensemble.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 
 local M = {}
-M.__index = M
-M.__name = "dm.scaling"
-setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
+
+local Scaling = core.class({ __name = "dm.scaling" }, [[
+dm.scaling: what a step costs as things grow, made by dm.scaling{system=, start=, ...}
+fields: points (a list of {rule, size, ns, setup}), rules (names)]])
 
 local log, max, min, huge = math.log, math.max, math.min, math.huge
 
@@ -135,7 +137,7 @@ s:plot{file=}.]]
 M.scaling = blame.caller(function(options)
   local sizes, steps = check(options)
   local out = setmetatable({ points = {}, rules = {}, failures = {},
-    what = options.n and "n" or "members", load = core.load_average() }, M)
+    what = options.n and "n" or "members", load = core.load_average() }, Scaling)
   for i, rule in ipairs(options.rules) do
     out.rules[i] = (tostring(rule):gsub("^rule ", ""))
     for _, size in ipairs(sizes) do
@@ -167,25 +169,18 @@ local function of_rule(self, rule)
   return out
 end
 
-local doc_exponent = [[
-scaling:exponent(rule) -> number or nil
-The cost grows like size^exponent, by least squares over the upper half of the sizes; nil with fewer
-than two of them.]]
-
-M.exponent = blame.caller(function(self, rule)
+class.method("dm.scaling", "exponent", function(self, rule)
   local points = of_rule(self, rule)
   if #points == 0 then
     fail("no point of rule '%s'; there are %s", tostring(rule), table.concat(self.rules, ", "))
   end
   return exponent(points)
-end)
+end, [[
+scaling:exponent(rule) -> number or nil
+The cost grows like size^exponent, by least squares over the upper half of the sizes; nil with fewer
+than two of them.]])
 
-local doc_table = [[
-scaling:table() -> string
-A line for every rule and size: ns a step (of a member), the set-up in ms; then the exponents, what
-failed, and the load of the machine.]]
-
-function M:table()
+class.method("dm.scaling", "table", function(self)
   local unit = self.what == "n" and "ns/step" or "ns/member/step"
   local lines = { ("%-28s %9s %13s %12s"):format("rule", self.what, unit, "set-up, ms") }
   for _, p in ipairs(self.points) do
@@ -202,13 +197,12 @@ function M:table()
   end
   lines[#lines + 1] = ("load %.2f at the start"):format(self.load)
   return table.concat(lines, "\n")
-end
+end, [[
+scaling:table() -> string
+A line for every rule and size: ns a step (of a member), the set-up in ms; then the exponents, what
+failed, and the load of the machine.]])
 
-local doc_plot = [[
-scaling:plot{file=, ...} -> file name or nothing
-Cost over size, both logarithmic, a line for every rule with its exponent. Options as in dm.plot.]]
-
-M.plot = blame.caller(function(self, options)
+class.method("dm.scaling", "plot", function(self, options)
   local given, series = lists.copy(options or {}), {}
   for _, rule in ipairs(self.rules) do
     local x, y, points = {}, {}, of_rule(self, rule)
@@ -225,14 +219,12 @@ M.plot = blame.caller(function(self, options)
   given.yunit = given.yunit or "ns"
   given.title = given.title or "cost of a step"
   return require "dm.show.plot".plot(series, given)
-end)
+end, [[
+scaling:plot{file=, ...} -> file name or nothing
+Cost over size, both logarithmic, a line for every rule with its exponent. Options as in dm.plot.]])
 
-function M:__tostring() return self:table() end
+function Scaling:__tostring() return self:table() end
 
-core.docs[M.scaling], core.docs[M.exponent] = doc, doc_exponent
-core.docs[M.table], core.docs[M.plot] = doc_table, doc_plot
-require "dm.base.class".register(M, { "exponent", "table", "plot" }, [[
-dm.scaling: what a step costs as things grow, made by dm.scaling{system=, start=, ...}
-fields: points (a list of {rule, size, ns, setup}), rules (names)]])
+core.docs[M.scaling] = doc
 
 return M

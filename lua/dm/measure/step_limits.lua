@@ -1,6 +1,7 @@
 --- Where a step ends to exist: folds of implicit step equations by continuation in h, and
 -- coordinates that break down on the way.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
@@ -239,5 +240,19 @@ M.singularities = blame.caller(function(solver, options)
   for _, place in ipairs(out.places) do place.last = nil end
   return out
 end)
+
+class.method("dm.solver", "fold", M.fold, [[
+solver:fold{q=, v= | p=, up_to=} -> {h, fold, q1, why}
+Up to which step does an implicit step from this state have a solution? The solution q1 of p + D1
+Ld(q, q1) = 0 is followed from small h to up_to (default 256 steps of the solver) and the fold,
+where two solutions meet, found where det D1D2 Ld vanishes; h is infinite when there is none. fold =
+false with a finite h: Newton's method gives up although the matrix is regular. Stage rules and
+discrete Lagrangians.]])
+
+class.method("dm.solver", "singularities", M.singularities, [[
+solver:singularities{q=, v= | p=, steps= | t=, t0=} -> {worst, t, q, places, why, failure}
+Do the coordinates break down on the way? The condition of d2L/dv2 at the rows of a run (at most
+4000), the worst and where; places: {t, condition} where it exceeds 1e4; failure: the code that
+ended the run, if one did. why names the coordinate that loses its inertia.]])
 
 return M

@@ -1,10 +1,11 @@
 --- dm.scene: no more than needed. What is watched, how well, how long; the cheapest model, rule and
 -- step that deliver it are found by pilot runs and checked.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local starts = require "dm.base.start"
 local model = require "dm.scene.model"
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 local pilot = require "dm.scene.pilot"
 local profile = require "dm.scene.profile"
 local reduce = require "dm.scene.reduce"
@@ -13,14 +14,15 @@ local rows = require "dm.scene.rows"
 local search = require "dm.scene.search"
 
 local M = {}
-M.__index = M
-M.__name = "dm.scene"
-setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
+
+local Scene = core.class({ __name = "dm.scene" }, [[
+dm.scene: what is watched, how exactly, for how long; made by dm.scene{system=, q=, v=, watch=, ...}
+fields: best (the choice), candidates (all that was measured), profile (the costs, to be saved)]])
 
 local max, min, floor = math.max, math.min, math.floor
 
 local WHERE = "dm.scene"
-local fail = opts.failing(WHERE)
+local fail = option.failing(WHERE)
 
 ---- options ----
 
@@ -52,7 +54,7 @@ local function check_rules(rules, system)
 end
 
 local function check_options(options)
-  opts.check(options, KNOWN, WHERE, "{ system =, q =, v =, watch =, tolerance =, until_t = }")
+  option.check(options, KNOWN, WHERE, "{ system =, q =, v =, watch =, tolerance =, until_t = }")
   local system = check_system(options)
   if options.q == nil or (options.v == nil and options.p == nil) then
     fail("the start is missing: give q and v, or q and p")
@@ -63,12 +65,12 @@ local function check_options(options)
   if options.tolerance == nil and options.watch ~= "picture" then
     fail("option 'tolerance' is missing: how well is it to be known?")
   end
-  local t0 = opts.number(options, "t0", WHERE, "a time", 0)
+  local t0 = option.number(options, "t0", WHERE, "a time", 0)
   local after = ("a time after the start, t0 = %g"):format(t0)
-  opts.need(options, "until_t", WHERE, after)
-  opts.demand(opts.number(options, "until_t", WHERE, after) > t0, options, "until_t", WHERE, after)
-  opts.positive(options, "seconds", WHERE)
-  check_rules(opts.list(options, "rules", WHERE, "rules", {}), system)
+  option.need(options, "until_t", WHERE, after)
+  option.demand(option.number(options, "until_t", WHERE, after) > t0, options, "until_t", WHERE, after)
+  option.positive(options, "seconds", WHERE)
+  check_rules(option.list(options, "rules", WHERE, "rules", {}), system)
   return system
 end
 
@@ -254,11 +256,11 @@ end
 
 -- which rows: as asked for; of a picture those that lines need; else one in so many steps
 local function rows_of(scene, options)
-  opts.check(options, ROWS, "scene:run", "{ at =, every =, file = }, or nothing")
+  option.check(options, ROWS, "scene:run", "{ at =, every =, file = }, or nothing")
   if options.at then
     local last = options.at[#options.at]
     if type(last) == "number" and last > scene.options.until_t then
-      opts.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the tolerance "
+      option.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the tolerance "
         .. "is known", last, scene.options.until_t)
     end
     return options
@@ -269,46 +271,41 @@ local function rows_of(scene, options)
   return { steps = scene.best.N, every = options.every or scene.every, file = options.file }
 end
 
-local doc_run = [[
+local function run(scene, options)
+  decide(scene)
+  local err = max(scene.best.error, scene.held_error) + scene.uncertainty
+  return rows.path(scene.best, rows_of(scene, options or {}),
+    { error_estimate = err * (scene.unit or 1),
+    in_words = scene.unit and ("%.2g"):format(err * scene.unit) or ("%.2g of the tolerance")
+      :format(err) })end
+
+class.method("dm.scene", "run", run, [[
 scene:run([{at=, every=, file=}]) -> path of what is watched
 The chosen model by the chosen rule and step, with as many rows as straight lines between them need,
 as far as there are steps (a picture:
 by rows between steps), or those asked for as in solver:run. Beside all of dm.path it has
 error_estimate: the largest error of what is watched, from pilot runs, a hold-out run and what is
 left of doubt in the reference (where columns have tolerances of their own: in parts of these); and
-model, rule.]]
+model, rule.]])
 
-M.run = blame.caller(function(scene, options)
-  decide(scene)
-  local err = max(scene.best.error, scene.held_error) + scene.uncertainty
-  return rows.path(scene.best, rows_of(scene, options or {}),
-    { error_estimate = err * (scene.unit or 1),
-    in_words = scene.unit and ("%.2g"):format(err * scene.unit) or ("%.2g of the tolerance")
-      :format(err) })
-end)
-
-local doc_why = [[
+class.method("dm.scene", "why", function(scene) return report.why(decide(scene)) end, [[
 scene:why() -> string
 The ladder: each model with dimension, operations, error in what is watched, each rule with step,
-cost and error, and why it was kept or dropped; the reference, the check, the choice.]]
-
-M.why = blame.caller(function(scene) return report.why(decide(scene)) end)
-
-local doc_animate = [[
-scene:animate(file, {...}) -> file name
-Run the scene and write a page with what is watched as a moving picture; options as in
-path:animate.]]
+cost and error, and why it was kept or dropped; the reference, the check, the choice.]])
 
 local FRAMES = 600
 
-M.animate = blame.caller(function(scene, file, options)
+class.method("dm.scene", "animate", function(scene, file, options)
   decide(scene)
-  local path = M.run(scene, { at = rows.times(scene.problem,
+  local path = run(scene, { at = rows.times(scene.problem,
     max(FRAMES, min(scene.lines or 0, 4 * FRAMES))) })
   return path:animate(file, options)
-end)
+end, [[
+scene:animate(file, {...}) -> file name
+Run the scene and write a page with what is watched as a moving picture; options as in
+path:animate.]])
 
-function M:__tostring()
+function Scene:__tostring()
   if not self.best then return self.sentence .. "; nothing run yet: scene:run(), scene:why()" end
   return self.sentence .. ": " .. report.choice(self)
 end
@@ -340,7 +337,7 @@ M.scene = blame.caller(function(options)
   if options.symmetry ~= nil then require "dm.scene.symmetry".check(options.symmetry) end
   local costs = read_profile(options.profile)
   local scene = setmetatable({ system = system, options = given, profile = costs,
-    allowed = options.seconds or (costs.measures and SECONDS or WITHOUT_CLOCK) }, M)
+    allowed = options.seconds or (costs.measures and SECONDS or WITHOUT_CLOCK) }, Scene)
   scene.problem = model.problem(system, given)
   if wanted == nil then
     local pixel = picture_tolerance(scene.problem, model.given(scene.problem):ready())
@@ -351,9 +348,5 @@ M.scene = blame.caller(function(options)
 end)
 
 core.docs[M.scene] = doc_scene
-core.docs[M.run], core.docs[M.why], core.docs[M.animate] = doc_run, doc_why, doc_animate
-require "dm.base.class".register(M, { "run", "why", "animate" }, [[
-dm.scene: what is watched, how exactly, for how long; made by dm.scene{system=, watch=, ...}
-fields: best (the choice), candidates (all that was measured), profile (the costs, to be saved)]])
 
 return M

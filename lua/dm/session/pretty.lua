@@ -3,7 +3,7 @@
 -- nothing.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 
 local M = {}
 
@@ -149,10 +149,10 @@ The text that a session prints for a value. depth of tables in tables (4), entri
 (30), characters of a line (80), colours (false).]]
 
 M.pretty = blame.caller(function(value, options)
-  options = opts.check(options or {}, KNOWN, WHERE)
+  options = option.check(options or {}, KNOWN, WHERE)
   local state = { open = {}, colour = options.colour or false }
   for key, default in next, LIMITS do
-    state[key] = opts.whole(options, key, WHERE, 0, nil, default)
+    state[key] = option.whole(options, key, WHERE, 0, nil, default)
   end
   return show(state, value, 0)
 end)

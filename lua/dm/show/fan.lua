@@ -1,5 +1,6 @@
 --- ensemble:plot: the paths of the members in one picture, or where they ended.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local paths = require "dm.show.path"
 
@@ -118,5 +119,14 @@ M.plot = blame.caller(function(ensemble, x, y, options)
   end
   return require "dm.show.plot".plot(M.series(ensemble, x, y, members), given)
 end)
+
+class.method("dm.ensemble", "plot", M.plot, [[
+ensemble:plot([x, y,] {members=, file=, title=, style=, ...}) -> file name or nothing
+With rows (every=, rows=, watch=): the fan of the members' paths, columns as in path:plot (left out:
+the first column against t). Without: where the members ended, a point each, as columns of q and p
+("q1", "p1" or the names of the coordinates; left out: q1 and q2, or q1 and p1). members: how many
+are drawn, evenly chosen (default 64 paths, all points), or a list of their numbers. Colours go from
+blue to red with the number of the member; one that failed is grey up to there, and is not drawn as
+an end. Options as in dm.plot.]])
 
 return M

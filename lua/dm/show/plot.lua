@@ -3,7 +3,7 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local axis, series_ = require "dm.show.axis", require "dm.show.series"
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 
 local M = {}
 
@@ -13,12 +13,12 @@ local KNOWN = { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "s
 local STYLES = { "lines", "points", "linespoints" }
 
 local WHERE = "plot"
-local fail = opts.failing(WHERE)
+local fail = option.failing(WHERE)
 
 ---- options ----
 
 local function check_text(options, keys)
-  for _, key in ipairs(keys) do opts.text(options, key, WHERE) end
+  for _, key in ipairs(keys) do option.text(options, key, WHERE) end
 end
 
 local function check_range(options, key)
@@ -48,10 +48,10 @@ local function check_size(options)
 end
 
 local function check_options(options)
-  opts.check(options, KNOWN, WHERE)
+  option.check(options, KNOWN, WHERE)
   check_text(options, { "file", "title", "xlabel", "ylabel", "xunit", "yunit", "log", "style" })
-  if options.log ~= "" then opts.one_of(options, "log", WHERE, { "x", "y", "xy" }) end
-  opts.one_of(options, "style", WHERE, STYLES)
+  if options.log ~= "" then option.one_of(options, "log", WHERE, { "x", "y", "xy" }) end
+  option.one_of(options, "style", WHERE, STYLES)
   check_range(options, "xrange")
   check_range(options, "yrange")
   check_size(options)
@@ -70,7 +70,7 @@ local function make_series(given, options, i)
   local y = series_.numbers(given.y or given[2], what .. ": y")
   if #x ~= #y then fail("%s has %d numbers x but %d numbers y", what, #x, #y) end
   if #x == 0 then fail("%s is empty", what) end
-  if given.style ~= "cells" then opts.one_of(given, "style", WHERE .. ": " .. what, STYLES) end
+  if given.style ~= "cells" then option.one_of(given, "style", WHERE .. ": " .. what, STYLES) end
   local names = type(options.names) == "table" and options.names or {}
   local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
     colour = given.colour,
@@ -259,9 +259,9 @@ local OF_FIGURE = { "file", "width", "height", "size" }
 local FIGURE_KNOWN = { "file", "title", "columns", "width", "height", "size", entries = true }
 
 M.figure = blame.caller(function(given)
-  opts.check(given, FIGURE_KNOWN, "dm.figure", "of panels")
+  option.check(given, FIGURE_KNOWN, "dm.figure", "of panels")
   check_text(given, { "file", "title" })
-  opts.whole(given, "columns", WHERE, 1, 100)
+  option.whole(given, "columns", WHERE, 1, 100)
   local panels = {}
   for i, panel in ipairs(given) do
     if type(panel) ~= "table" then

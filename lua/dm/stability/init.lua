@@ -3,16 +3,17 @@
 local axes = require "dm.stability.axes"
 local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local prolong = require "dm.measure.prolong"
 local given_ = require "dm.stability.given"
 local maps = require "dm.stability.map"
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 
 local M = {}
 
 local WHERE = "dm.stability"
-local fail = opts.failing(WHERE)
+local fail = option.failing(WHERE)
 
 ---- options ----
 
@@ -47,8 +48,8 @@ end
 
 local function check_options(options)
   if (options.steps == nil) == (options.t == nil) then fail("give 'steps' or 't' (a duration)") end
-  opts.whole(options, "steps", WHERE, 1, 2 ^ 53)
-  opts.positive(options, "t", WHERE, "a duration")
+  option.whole(options, "steps", WHERE, 1, 2 ^ 53)
+  option.positive(options, "t", WHERE, "a duration")
   if not options.q then
     fail("the start is missing: q, and v or p, as numbers or as functions of the parameters")
   end
@@ -57,9 +58,9 @@ local function check_options(options)
     fail("the axis of steps is missing: h = {least, largest, count, \"log\"}, a list or a number")
   end
   for _, key in ipairs { "watch", "inside" } do
-    opts.callable(options, key, WHERE, "(q, v, t, p)")
+    option.callable(options, key, WHERE, "(q, v, t, p)")
   end
-  for _, key in ipairs { "drift", "resolution" } do opts.fraction(options, key, WHERE) end
+  for _, key in ipairs { "drift", "resolution" } do option.fraction(options, key, WHERE) end
 end
 
 local function read_rules(options)
@@ -200,7 +201,7 @@ it with dm.failure, whose field `map` is what is there.]]
 local function new_map(options, names)
   local map = setmetatable({ options = options, names = names, rule_list = read_rules(options),
     rules = {}, borders = {}, drift = options.drift or 1e-6,
-    resolution = options.resolution or 1e-3 }, maps)
+    resolution = options.resolution or 1e-3 }, maps.class)
   for i, rule in ipairs(map.rule_list) do map.rules[i] = (tostring(rule):gsub("^rule ", "")) end
   map.h = axes.read("h", options.h)
   if map.h[1] <= 0 then fail("axis 'h': steps must be > 0") end
@@ -309,5 +310,14 @@ M.stability = blame.caller(function(options)
 end)
 
 core.docs[M.stability] = doc_stability
+
+class.method("dm.system", "stability", function(system, options)
+  local given = {}
+  for key, value in pairs(type(options) == "table" and options or {}) do given[key] = value end
+  given.system = system
+  return M.stability(given)
+end, [[
+system:stability{q=, v= | p=, rule= | rules=, h=, steps= | t=, ...} -> dm.stability_map
+The same as dm.stability{system = system, ...}.]])
 
 return M

@@ -1,14 +1,14 @@
 --- What a stability map tells: its limits, its cells and why they are of their class, linear theory.
-local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
+local class = require "dm.base.class"
 local core = require "dm.core"
 
 local fail = require "dm.base.options".failing "dm.stability"
 
-local M = {}
-M.__index = M
-M.__name = "dm.stability_map"
-setmetatable(M, { __index = function(_, key) core.miss(M.__name, key, M) end })
+local Map = core.class({ __name = "dm.stability_map" }, [[
+dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, rule=, h=, steps=}
+fields: h and the parameters by name (lists of numbers), rows (what belongs to each), rules, seconds
+(what it took)]])
 
 -- what the class of a cell says here: of the energy, or of what is watched in its place
 local function text_of(map, cell)
@@ -64,17 +64,15 @@ local function find_row(map, which)
   return best
 end
 
-local doc_limit = [[
+class.method("dm.stability_map", "limit", function(self, which)
+  return sentence_of_limit(self, find_row(self, which))
+end, [[
 map:limit(row) -> number, sentence   or   nil, sentence
 The largest value of the columns (the step h, or the last parameter of a map with one step) before
 the first that is lost in a row, found to `resolution` (1e-3, relative) by cells in between;
 infinity when none is lost, 0 when the first is, nil where the map was stopped before. row: its
 number, or a table such as { rule = "verlet", k = 100 } (the nearest). The sentence says what
-happens beyond.]]
-
-M.limit = blame.caller(function(self, which)
-  return sentence_of_limit(self, find_row(self, which))
-end)
+happens beyond.]])
 
 local function nearest_column(map, x)
   local best = 1
@@ -110,15 +108,7 @@ local function why(map, cell)
   return text
 end
 
-local doc_at = [[
-map:at(row, column) -> {class, why, rule, h, steps, error, slope, growth, exponent, megno, ...}
-What was found in a cell and on what evidence: row and column are numbers of cells, or row a table
-as for map:limit and column a value (the nearest). error: largest |energy - its start| (or of what
-is watched); slope per unit of time with its standard error; growth: factor a step from the first to
-the last quarter; exponent, megno: of the exact tangent map; steps finished; code: of dm.failure or
-"ok".]]
-
-M.at = blame.caller(function(self, which, column)
+class.method("dm.stability_map", "at", function(self, which, column)
   local i = find_row(self, which)
   if type(column) ~= "number" then
     fail("a column is its number, or a value of %s", self.column.name)
@@ -131,17 +121,15 @@ M.at = blame.caller(function(self, which, column)
   for _, name in ipairs(FIELDS) do out[name] = cell[name] end
   for name, value in pairs(cell.values) do out[name] = value end
   return core.result(out)
-end)
+end, [[
+map:at(row, column) -> {class, why, rule, h, steps, error, slope, growth, exponent, megno, ...}
+What was found in a cell and on what evidence: row and column are numbers of cells, or row a table
+as for map:limit and column a value (the nearest). error: largest |energy - its start| (or of what
+is watched); slope per unit of time with its standard error; growth: factor a step from the first to
+the last quarter; exponent, megno: of the exact tangent map; steps finished; code: of dm.failure or
+"ok".]])
 
-local doc_theory = [[
-map:theory(row) -> number, sentence   or   nil, sentence
-The step at which the linear theory of the rule loses the fastest oscillation of the system
-linearised at the start of the row: the limit of h omega from dm.stability_limit over the largest
-frequency from system:linearize. Beside map:limit(row), which is measured. nil, and why, where there
-is none: for rules other than Runge-Kutta ones also where forces linear in v (magnetic, Coriolis,
-friction) couple the oscillations.]]
-
-M.theory = blame.caller(function(self, which)
+class.method("dm.stability_map", "theory", function(self, which)
   local i = find_row(self, which)
   local row = self.rows[i]
   if self.column ~= self.h then return nil, "the map has no axis of steps" end
@@ -150,19 +138,20 @@ M.theory = blame.caller(function(self, which)
       { rule = row.number, values = row.values, h = self.h[1] }, self.h) }
   end
   return row.theory[1], row.theory[2]
-end)
+end, [[
+map:theory(row) -> number, sentence   or   nil, sentence
+The step at which the linear theory of the rule loses the fastest oscillation of the system
+linearised at the start of the row: the limit of h omega from dm.stability_limit over the largest
+frequency from system:linearize. Beside map:limit(row), which is measured. nil, and why, where there
+is none: for rules other than Runge-Kutta ones also where forces linear in v (magnetic, Coriolis,
+friction) couple the oscillations.]])
 
 local RESERVED = { class = true, why = true, rule = true }
 for _, name in ipairs(FIELDS) do RESERVED[name] = true end
 
---- Has a map, or a cell of M.at, a field or method of that name? No parameter may be called so.
-function M.is_taken(name) return M[name] ~= nil or RESERVED[name] ~= nil end
+--- Has a map, or a cell of map:at, a field or method of that name? No parameter may be called so.
+local function is_taken(name) return Map.methods[name] ~= nil or RESERVED[name] ~= nil end
 
-core.docs[M.limit], core.docs[M.at], core.docs[M.theory] = doc_limit, doc_at, doc_theory
-require "dm.stability.show"(M)
-require "dm.base.class".register(M, { "limit", "at", "theory", "table", "plot", "csv" }, [[
-dm.stability_map: where a method fails, made by dm.stability{system=, q=, v=, rule=, h=, steps=}
-fields: h and the parameters by name (lists of numbers), rows (what belongs to each), rules, seconds
-(what it took)]])
+Map.__tostring = require "dm.stability.show"
 
-return M
+return { class = Map, is_taken = is_taken }

@@ -1,7 +1,7 @@
 --- How a stability map is told: a sentence, a table, a picture, a file of comma-separated values.
 local axes = require "dm.stability.axes"
-local blame = require "dm.base.blame"
 local cells = require "dm.stability.cells"
+local class = require "dm.base.class"
 local core = require "dm.core"
 
 local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee",
@@ -42,11 +42,6 @@ local function limit_text(x)
   return ("%.5g"):format(x)
 end
 
-local doc_table = [[
-map:table([most]) -> string
-A line for every row (at most `most`, default 40, evenly taken): the measured limit, the limit of
-linear theory where there is one, and what happens beyond.]]
-
 local function table_of(map, most)
   most = most or 40
   local lines = { ("%-34s %12s %12s  %s"):format("row", "limit of " .. map.column.name, "theory",
@@ -76,11 +71,6 @@ local function sentence(map)
 end
 
 ---- csv ----
-
-local doc_csv = [[
-map:csv(file) -> file name   or   map:csv() -> string
-A line for every cell: rule, parameters, h, class, steps, error, slope, slope_error, growth,
-exponent, megno.]]
 
 local EVIDENCE = { "steps", "error", "slope", "slope_error", "growth", "exponent", "megno" }
 
@@ -218,12 +208,6 @@ local function panel_of(map, panel, along)
   return out
 end
 
-local doc_plot = [[
-map:plot{file=, title=, ...} -> file name or nothing
-The classes as colours over the last row parameter (across) and the columns (up), one panel for
-every rule and every value of the first of two row parameters (at most 12), with the measured and
-the theoretical limit; without a file in the terminal. Other options as in dm.plot.]]
-
 ---- in a terminal: a character for each cell ----
 
 local LETTERS = { bounded = "\u{b7}", drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#",
@@ -299,13 +283,26 @@ local function plot(map, options)
   return require "dm.show.plot".figure(panels)
 end
 
-return function(M)
-  M.table, M.csv, M.plot = blame.caller(table_of), blame.caller(csv), blame.caller(plot)
-  M.__tostring = function(map)
-    local lines = { sentence(map) }
-    for _, note in ipairs(map.notes or {}) do lines[#lines + 1] = "note: " .. note end
-    lines[#lines + 1] = table_of(map, 12)
-    return table.concat(lines, "\n")
-  end
-  core.docs[M.table], core.docs[M.csv], core.docs[M.plot] = doc_table, doc_csv, doc_plot
+class.method("dm.stability_map", "table", table_of, [[
+map:table([most]) -> string
+A line for every row (at most `most`, default 40, evenly taken): the measured limit, the limit of
+linear theory where there is one, and what happens beyond.]])
+
+class.method("dm.stability_map", "csv", csv, [[
+map:csv(file) -> file name   or   map:csv() -> string
+A line for every cell: rule, parameters, h, class, steps, error, slope, slope_error, growth,
+exponent, megno.]])
+
+class.method("dm.stability_map", "plot", plot, [[
+map:plot{file=, title=, ...} -> file name or nothing
+The classes as colours over the last row parameter (across) and the columns (up), one panel for
+every rule and every value of the first of two row parameters (at most 12), with the measured and
+the theoretical limit; without a file in the terminal. Other options as in dm.plot.]])
+
+--- What tostring gives for a map.
+return function(map)
+  local lines = { sentence(map) }
+  for _, note in ipairs(map.notes or {}) do lines[#lines + 1] = "note: " .. note end
+  lines[#lines + 1] = table_of(map, 12)
+  return table.concat(lines, "\n")
 end

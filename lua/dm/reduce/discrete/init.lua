@@ -8,6 +8,7 @@
 -- The second derivatives of psi_mu follow from the mixed ones, since Ld depends on theta1 - theta0
 -- alone.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
@@ -20,12 +21,12 @@ local M = {}
 
 local abs, max = math.abs, math.max
 
-local class = core.class({ __name = "dm.discrete_shape" }, [[
+local Discrete = core.class({ __name = "dm.discrete_shape" }, [[
 dm.discrete_shape: a discrete Lagrangian without its group variables, made by shape:discrete
 fields: shape (the reduced system), Ld (of the unreduced system), h; points x0, x1 are dim shape
 numbers each.]])
 
-function class.__tostring(D) return ("reduced %s"):format(tostring(D.Ld)) end
+function Discrete.__tostring(D) return ("reduced %s"):format(tostring(D.Ld)) end
 
 local MOST = 60
 
@@ -46,7 +47,7 @@ end
 
 ---- the methods ----
 
-local methods = class.methods
+local methods = Discrete.methods
 
 function methods.psi(D, x0, x1, guess)
   x0, x1 = points(D, x0, x1)
@@ -280,11 +281,17 @@ M.discrete = blame.caller(function(shape, given)
   local own = lists.copy(info)
   if type(given) == "table" then own.ambient = nil end
   local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape, slopes = psi_of.slopes(Ld),
-    constraint = shape.given.constraint }, class)
+    constraint = shape.given.constraint }, Discrete)
   if type(given) ~= "table" then psi_of.check_invariance(D) end
   return D
 end)
 
-M.class = class
+M.class = Discrete
+
+class.method("dm.system", "discrete", M.discrete, [[
+shape:discrete{rule=, h=} -> dm.discrete_shape   or   shape:discrete(Ld) -> dm.discrete_shape
+A discrete Lagrangian of the unreduced system without its group variables: that of a stage rule, or
+a dm.discrete_lagrangian in the unreduced coordinates, which the group must leave as it is. It has
+psi_mu, the discrete connection, the discrete Routh equations.]])
 
 return M

@@ -7,6 +7,7 @@
 -- It is the classical Routhian's step moved by B, which is what shape:solver takes; here is the
 -- thing itself, to check that.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
@@ -131,5 +132,13 @@ M.rsprk = blame.caller(function(shape, options)
     return core.vector(x1), core.vector(s1)
   end)
 end)
+
+class.method("dm.system", "rsprk", M.rsprk, [[
+shape:rsprk{rule=, h=, a=, b=, A=, beta=} -> function(x0, s0) -> x1, s1
+One step of the reduced symplectic partitioned Runge-Kutta rule as it is written down (Leok 2.5.14),
+in the momentum s = p - mu A(x) of the magnetic form (shape:magnetic_momentum): a check of
+shape:solver{rule = "rsprk(...)"}, which takes the same steps quickly. rule: gauss(s) or lobatto(s);
+or the coefficients a, b and, if they are not the partner, A, refused where they are not symplectic.
+beta(x): another magnetic form, to see what it changes.]])
 
 return M

@@ -1,6 +1,5 @@
 --- What shape:relative_equilibria and shape:continue give: an equilibrium, and a branch of them
 -- with its columns, as they print and as dm.plot takes them.
-local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 
@@ -55,13 +54,18 @@ local function column(b, key)
 end
 
 function branch.__index(b, key)
-  if branch[key] then return branch[key] end
-  local found = column(b, key)
+  local found = branch.methods[key] or column(b, key)
   if found == nil and type(key) == "string" then core.miss("dm.branch", key) end
   return found
 end
+core.class(branch, [[
+dm.branch: relative equilibria followed in the momentum by shape:continue
+fields: [i] (as in relative_equilibria, with momentum), events ({what, momentum, x, at}: folds,
+changes of stability, crossings); columns, vectors: mu, energy, velocity, growth (largest real part
+of a characteristic value), the coordinates of the shape by name or as x1, x2, ...; for groups of
+several dimensions velocity1, velocity2, ...]])
 
-branch.series = blame.caller(function(b, x, y)
+class.method("dm.branch", "series", function(b, x, y)
   x, y = x or "mu", y or "energy"
   local out = core.result { xlabel = x, ylabel = y }
   for axis, key in pairs { x = x, y = y } do
@@ -75,18 +79,10 @@ branch.series = blame.caller(function(b, x, y)
     end
   end
   return out
-end)
-
-core.docs[branch.series] = [[
+end, [[
 branch:series([x, y]) -> series for dm.plot
 Two columns of a branch against each other (default "mu", "energy"): dm.plot { up:series(),
-down:series() } is a bifurcation diagram.]]
-class.register(branch, { "series" }, [[
-dm.branch: relative equilibria followed in the momentum by shape:continue
-fields: [i] (as in relative_equilibria, with momentum), events ({what, momentum, x, at}: folds,
-changes of stability, crossings); columns, vectors: mu, energy, velocity, growth (largest real part
-of a characteristic value), the coordinates of the shape by name or as x1, x2, ...; for groups of
-several dimensions velocity1, velocity2, ...]])
+down:series() } is a bifurcation diagram.]])
 
 local READ = {
   mu = function(e) return e.momentum end,

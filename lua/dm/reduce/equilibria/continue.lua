@@ -2,6 +2,7 @@
 -- happens to them on the way.
 local balance = require "dm.reduce.equilibria.stationary"
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local branches = require "dm.reduce.equilibria.branch"
 local core = require "dm.core"
 local equilibria = require "dm.reduce.equilibria"
@@ -246,5 +247,15 @@ M.continue = blame.caller(function(shape, first, options)
   follow(info, b, first, { mu = range, step = step, points = points }, options.back and -1 or 1)
   return b
 end)
+
+class.method("dm.system", "continue", M.continue, [[
+shape:continue(equilibrium, {mu = {from, to}, step=, points=, back=}) -> dm.branch
+The relative equilibria that go on from one, followed by arc length (Keller) in (x, mu), through
+folds, while mu is in the range, to its very ends; along its own direction where the group has
+several dimensions. step: largest step of arc length; back = true: towards smaller mu first.
+branch[i] as in relative_equilibria with momentum; branch.mu, .energy, .velocity, .growth, .x1 ...
+and coordinates by name: columns; branch:series("mu", "energy") for dm.plot; branch.events: folds,
+changes of stability, crossings of other branches, a pole (the locked inertia vanishes: mu = 0) at
+which a branch ends.]])
 
 return M

@@ -1,6 +1,7 @@
 --- shape:relative_equilibria: found by Newton's method from many starts.
 local balance = require "dm.reduce.equilibria.stationary"
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
@@ -13,9 +14,9 @@ local abs, max = math.abs, math.max
 
 ---- what they look like ----
 
-local class = { __name = "dm.relative_equilibria" }
+local Equilibria = { __name = "dm.relative_equilibria" }
 
-function class.__tostring(list)
+function Equilibria.__tostring(list)
   local out = { ("%d relative equilibri%s"):format(#list, #list == 1 and "um" or "a") }
   for _, e in ipairs(list) do out[#out + 1] = "  " .. tostring(e) end
   return table.concat(out, "\n")
@@ -163,7 +164,7 @@ M.relative_equilibria = blame.caller(function(shape, options)
   region = check_region(region, d)
   local starts = option.whole(options, "starts", "relative_equilibria", 1, nil, 200)
   local V, R, mu = balance.potential(info), balance.routhian(info), core.vector(info.mu)
-  local list, points, scale = setmetatable({}, class), fill(region, starts), nil
+  local list, points, scale = setmetatable({}, Equilibria), fill(region, starts), nil
   scale = balance.scale(V, points, lengths_of(region), mu, d)
   local least = least_regular(info, R, mu, points)
   for _, x in ipairs(points) do
@@ -179,5 +180,16 @@ M.relative_equilibria = blame.caller(function(shape, options)
   table.sort(list, function(a, b) return a.energy < b.energy end)
   return list
 end)
+
+class.method("dm.system", "relative_equilibria", M.relative_equilibria, [[
+shape:relative_equilibria{region=, starts=, copies=} -> list of {x, mu, energy, velocity, ...}
+Motions along the group alone: stationary points of the amended potential in the region, a pair {
+least, most } for each coordinate of the shape, found by Newton's method from `starts` points
+(default 200) that fill it. velocity: of the group; index, flat: negative directions of V_mu, and
+those in which it has no slope; values: {re, im}, the characteristic values of small motions, with
+the magnetic term; stable: "energy" (a minimum of V_mu), "spectral" (all values imaginary) or false.
+Poles of the coordinates, also where the group does not act freely (a top upright, all rods
+vertical), are left out. copies = false: mirror images, with the same energy, velocity and index,
+are listed once. print shows the list.]])
 
 return M

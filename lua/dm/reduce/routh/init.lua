@@ -3,6 +3,7 @@
 -- event, chart and ensemble steps it. A symplectic partitioned Runge-Kutta rule on R is the
 -- reduction of that rule on L (Jalnapurkar, Leok, Marsden & West 2006; Leok ch. 2).
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
@@ -317,5 +318,32 @@ M.at_momentum = blame.caller(function(shape, mu)
   other.mu = read_mu(other, { mu = mu })
   return make(other)
 end)
+
+class.method("dm.system", "routh", M.routh, [[
+system:routh{cyclic=, mu=, q=, v=, connection=} -> dm.system
+system:routh{action=, section=, dimension=, names=, at=, mu=, ...} -> dm.system
+The system without its group variables: an ordinary dm.system in the dim Q - m coordinates that are
+left, whose Lagrangian is the classical Routhian L - mu . theta' at the momentum mu. cyclic: the
+coordinates that L does not depend on, by name or number (default: all of them); mu: their momentum,
+a number or a list (default: that of the start q, v). action(theta, q) moves points of Q (theta: a
+number, or a vector of `dimension` angles), or is a dm.action; section(x) gives a point of Q for
+every shape x (default: as many coordinates as the group has dimensions are held at 0 wherever the
+orbit of `at`, of the start q or of a point that is found comes to such points, else at their values
+there, and theta is 0 at that point: turns leave r, which is singular at r = 0 alone); names: of
+theta and x. connection(x): m rows of dim Q - m numbers, in place of the mechanical connection.
+Invariance is checked at a dozen points, and the first that violates it is named: what differs
+nowhere there, such as a force along the group that sets in only beyond some distance, is not seen,
+and the reduced run leaves it out. Constraints and forces that the group keeps are reduced too. The
+params of the system are those of the shape, with the momentum as mu (mu1, mu2, ... of a group of
+more dimensions; mu_theta where a parameter is called mu): ensembles and stability maps vary them. A
+run that jumps over a shape with a singular mass or locked inertia fails, with reason "pole" or
+"collapse". The reduced system also has connection, curvature, locked_inertia, amended_potential,
+lift, start, and its paths have reconstruct. Raises when L is no invariant, a force pushes along the
+group, or the locked inertia is singular.]])
+
+class.method("dm.system", "at_momentum", M.at_momentum, [[
+shape:at_momentum(mu) -> dm.system
+The same reduction at another momentum, a number or a list of dim G numbers; nothing is checked
+again.]])
 
 return M

@@ -1,6 +1,7 @@
 --- What a reduced system shows of the bundle it came from: locked inertia, connection, curvature,
 -- amended potential, lift.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -219,5 +220,59 @@ M.reduction = blame.caller(function(shape)
     mu = core.vector(info.mu), group = names,
     cyclic = { table.unpack(info.cyclic) }, shape = { table.unpack(info.shape) } }, reduction_class)
 end)
+
+class.method("dm.system", "connection", M.connection, [[
+shape:connection(x [, t]) -> dm.matrix, dim G x dim shape
+The connection A(x): theta' + A x' vanishes on horizontal velocities. The mechanical one, I^-1
+dp_theta/dx', unless system:routh was given another.]])
+
+class.method("dm.system", "curvature", M.curvature, [[
+shape:curvature(x [, t] [, a]) -> dm.matrix, dim shape x dim shape
+The magnetic form at momentum mu, beta_ij = d_i B_j - d_j B_i of B = mu A (the exact derivative of
+the connection); with a, a number from 1 to dim G, the curvature of component a alone, without
+mu.]])
+
+class.method("dm.system", "symplectic_form", M.symplectic_form, [[
+shape:symplectic_form(x [, t]) -> dm.matrix, 2 dim shape x 2 dim shape
+The reduced form dx ^ ds - beta on (x, s), s = p - mu A(x): rows (-beta, 1), (-1, 0). RSPRK keeps
+it; that of pairs of shapes is D:two_form.]])
+
+class.method("dm.system", "locked_inertia", M.locked_inertia, [[
+shape:locked_inertia(x [, t]) -> dm.matrix, dim G x dim G
+d2L/dtheta'2 at the shape x: the inertia of the system moved by the group as a rigid body.]])
+
+class.method("dm.system", "amended_potential", M.amended_potential, [[
+shape:amended_potential(x [, t]) -> number
+V_mu = V + (mu - c).I^-1 (mu - c)/2, minus the Routhian at rest (c: the momentum of the group at
+rest, 0 unless L has terms linear in the velocities). Its stationary points are relative
+equilibria.]])
+
+class.method("dm.system", "routhian", M.routhian, [[
+shape:routhian(x, v [, t] [, kind]) -> number
+kind = "classical" (default): R = L - mu . theta' at the momentum mu, the Lagrangian of this system;
+kind = "magnetic": R - mu A . x', which goes with the magnetic form of shape:curvature (Leok
+2.2).]])
+
+class.method("dm.system", "magnetic_momentum", M.magnetic_momentum, [[
+shape:magnetic_momentum(x, p [, t]) -> dm.vector
+s = p - mu A(x): from the canonical momentum p = dR/dx' of a path of this system to the one that
+belongs to the magnetic form.]])
+
+class.method("dm.system", "lift", M.lift, [[
+shape:lift(x, v [, theta] [, t]) -> q, v
+The state of the unreduced system over the state (x, v) of the shape at the momentum mu: the
+velocity of the group is I^-1 (mu - dp/dx' x'). theta: where in the group, a number or list (default
+0).]])
+
+class.method("dm.system", "start", M.start, [[
+shape:start(q, v [, t]) -> x, v, theta
+The state of the shape under a state of the unreduced system, and where that is in the group. Raises
+when its momentum is not mu.]])
+
+class.method("dm.system", "reduction", M.reduction, [[
+shape:reduction() -> {full, mu, cyclic, shape, group}
+Where a reduced system comes from: the unreduced system, the momentum (a vector), the numbers of the
+coordinates that were eliminated and kept, and the names of the former. Nothing for a system that is
+not reduced.]])
 
 return M

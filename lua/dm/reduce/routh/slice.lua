@@ -1,5 +1,6 @@
 --- What a reduced system shows of its bundle along a line of shapes, as series for dm.plot.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local option = require "dm.base.options"
@@ -78,5 +79,11 @@ M.slice = blame.caller(function(shape, what, options)
   if #series == 0 then error("slice: L is not finite anywhere on this line", 0) end
   return series
 end)
+
+class.method("dm.system", "slice", M.slice, [[
+shape:slice(what, {from=, to=, points=, t=}) -> list of series for dm.plot
+"amended_potential", "connection", "curvature" or "locked_inertia" along the straight line between
+two shapes, a series { x =, y =, name = } for each entry against the coordinate that changes most:
+dm.plot(shape:slice("curvature", { from = a, to = b }), { file = "curvature.png" }).]])
 
 return M

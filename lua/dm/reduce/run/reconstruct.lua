@@ -1,6 +1,7 @@
 --- Back from the shape: the group variable along a path of a reduced system, its phases, holonomy
 -- of a loop of shapes.
 local blame = require "dm.base.blame"
+local class = require "dm.base.class"
 local core = require "dm.core"
 local kits = require "dm.group.kit"
 local integral = require "dm.reduce.run.integral"
@@ -143,5 +144,26 @@ M.holonomy = blame.caller(function(shape, loop, options)
   end
   return core.vector(sum)
 end)
+
+class.method("dm.path", "reconstruct", M.reconstruct, [[
+path:reconstruct{theta=} -> dm.path
+From a path of a reduced system to the one of the unreduced system over it: the group variable is
+the integral of I^-1(mu - ...) by the rule's own quadrature, theta + h sum_j b_j theta'_j over the
+stages of every step, at every row that was kept. theta: the group variable at the first row, a
+number or list (default 0).]])
+
+class.method("dm.path", "phases", M.phases, [[
+path:phases() -> {total, dynamic, geometric}
+How far the group variable has come along a path of a reduced system, each a dm.matrix, #path x dim
+G: dynamic, h sum_j b_j I^-1 (mu - c) over the stages, what the momentum alone would turn, and
+geometric, -h sum_j b_j A x', the holonomy of the mechanical connection along the shapes (Marsden,
+Montgomery & Ratiu 1990).]])
+
+class.method("dm.system", "holonomy", M.holonomy, [[
+shape:holonomy(loop [, {t=, steps=}]) -> dm.vector of dim G entries
+-closed integral A . dx of the connection along a loop of shapes: loop(s) for 0 <= s <= 1 with
+loop(0) = loop(1) (where Q = dm.T(n): up to whole turns), a function of one number that can be
+traced; by the trapezoidal rule with `steps` points (default 256), which for a smooth loop errs less
+than any power of 1/steps.]])
 
 return M

@@ -3,7 +3,7 @@
 -- dm.animate.script runs in it.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local opts = require "dm.base.options"
+local option = require "dm.base.options"
 local points_, plots_ = require "dm.show.animate.points", require "dm.show.animate.plots"
 
 local M = {}
@@ -11,7 +11,7 @@ local M = {}
 local abs, min, max, ceil = math.abs, math.min, math.max, math.ceil
 
 local WHERE = "animate"
-local fail = opts.failing(WHERE)
+local fail = option.failing(WHERE)
 
 ---- options ----
 
@@ -25,22 +25,22 @@ end
 
 -- a finite number from `least` on
 local function check_number(options, key, least, what)
-  local x = opts.number(options, key, WHERE, what, least)
-  opts.demand(x >= least, options, key, WHERE, what)
+  local x = option.number(options, key, WHERE, what, least)
+  option.demand(x >= least, options, key, WHERE, what)
 end
 
 local function check_options(options)
-  opts.check(options, KNOWN, WHERE)
-  opts.callable(options, "draw", WHERE, DRAW)
+  option.check(options, KNOWN, WHERE)
+  option.callable(options, "draw", WHERE, DRAW)
   if options.draw and options.points then fail "options 'draw' and 'points' exclude each other" end
-  opts.whole(options, "dim", WHERE, 2, 3)
-  opts.text(options, "title", WHERE)
+  option.whole(options, "dim", WHERE, 2, 3)
+  option.text(options, "title", WHERE)
   check_number(options, "trail", 0, "a time >= 0")
   check_number(options, "frames", 2, "a number of frames from 2")
-  opts.passing(options, "t", WHERE, is_span, "{from, to}, two times")
+  option.passing(options, "t", WHERE, is_span, "{from, to}, two times")
   local function is_table(x) return type(x) == "table" end
   for _, key in ipairs { "plots", "names" } do
-    opts.passing(options, key, WHERE, is_table, "a list")
+    option.passing(options, key, WHERE, is_table, "a list")
   end
 end
 
