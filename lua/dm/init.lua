@@ -113,7 +113,8 @@ for _, module in ipairs(AT_ONCE) do require(module) end
 for name, value in pairs(core) do dm[name] = value end
 setmetatable(dm, M)
 
--- Lua names a function in messages and tracebacks by the module in whose table it finds it: dm.R, not dm.core.R
+-- Lua names a function in messages and tracebacks by the module in whose table it finds it: dm.R,
+-- not dm.core.R
 package.loaded["dm.core"] = setmetatable({}, { __index = core })
 
 return dm

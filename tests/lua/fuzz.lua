@@ -179,12 +179,13 @@ local function note(text)
   log:flush()
 end
 -- a short word for an argument, without calling anything of it
-local function shown(x, depth)
+local shown
+function shown(x, depth)
   local kind = math.type(x) or type(x)
   if kind == "string" then return ("%q"):format(x:sub(1, 20)) end
   if kind == "table" and depth < 2 and getmetatable(x) == nil then
     local words = {}
-    for k, v in next, x do words[#words + 1] = tostring(k):sub(1, 20) .. "=" .. shown(v, depth + 1) end
+    for k, v in next, x do words[#words + 1] = shown(k, 2):sub(1, 20) .. "=" .. shown(v, depth + 1) end
     return "{" .. table.concat(words, ", ") .. "}"
   end
   if kind == "userdata" then return (getmetatable(x) or {}).__name or kind end

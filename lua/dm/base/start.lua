@@ -28,8 +28,8 @@ local function unnamed(x, system, key)
   end
   for i, name in ipairs(names) do
     if out[i] == nil then
-      option.fail(("field '%s'"):format(key), "the coordinate '%s' is missing; all of %s are needed",
-        name, table.concat(names, ", "))
+      option.fail(("field '%s'"):format(key),
+        "the coordinate '%s' is missing; all of %s are needed", name, table.concat(names, ", "))
     end
   end
   return out

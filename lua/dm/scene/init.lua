@@ -68,7 +68,8 @@ local function check_options(options)
   local t0 = option.number(options, "t0", WHERE, "a time", 0)
   local after = ("a time after the start, t0 = %g"):format(t0)
   option.need(options, "until_t", WHERE, after)
-  option.demand(option.number(options, "until_t", WHERE, after) > t0, options, "until_t", WHERE, after)
+  local last = option.number(options, "until_t", WHERE, after)
+  option.demand(last > t0, options, "until_t", WHERE, after)
   option.positive(options, "seconds", WHERE)
   check_rules(option.list(options, "rules", WHERE, "rules", {}), system)
   return system
@@ -260,8 +261,8 @@ local function rows_of(scene, options)
   if options.at then
     local last = options.at[#options.at]
     if type(last) == "number" and last > scene.options.until_t then
-      option.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the tolerance "
-        .. "is known", last, scene.options.until_t)
+      option.fail("scene:run", "option 'at': t = %g is after until_t = %g, up to which the "
+        .. "tolerance is known", last, scene.options.until_t)
     end
     return options
   end

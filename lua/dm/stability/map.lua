@@ -1,4 +1,4 @@
---- What a stability map tells: its limits, its cells and why they are of their class, linear theory.
+--- What a stability map tells: limits, cells and why they are of their class, linear theory.
 local cells = require "dm.stability.cells"
 local class = require "dm.base.class"
 local core = require "dm.core"
