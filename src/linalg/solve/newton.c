@@ -1,149 +1,98 @@
 #include "linalg/solve/newton.h"
 
-#include "base/written_out.h"
 #include "linalg/lu.h"
-#include "linalg/solve/newton_limits.h"
 
 #include <math.h>
 #include <string.h>
+
+/* one system: a lane alone */
+#define W 1
+#define HOW
+#define DM_LANES_FUSED 0
+#include "linalg/solve/newton_text.h"
 
 enum { HALVINGS = 12 };
 
 typedef struct {
     const dm_newton_problem *p;
-    double *x, *dx, *r, *trial, *start, *J;
-    uint32_t *pivot;
+    chord it;
+    double *trial, *start, *J; /* [m], [m], [m*m] */
+    uint32_t *pivot;           /* [m] */
     dm_newton_report *report;
-    double step, last; /* |dx| of this iteration and the one before */
-    double rate;       /* of the iteration before, 1 when not known */
+    dm_status status; /* of the last evaluation */
 } solver;
 
 size_t dm_newton_work(uint32_t m) {
     return 4 * (size_t)m + (size_t)m * m + (m + 1) / 2;
 }
 
-/* max |a|, NaN when there is one or an infinity; which is the largest cannot be foreseen, so
- * there are no branches */
-DM_WRITTEN_OUT double norm(const double *a, uint32_t m) {
-    double largest = 0.0, bad = 0.0;
-#pragma GCC unroll 4
-    for (uint32_t i = 0; i < m; i++) {
-        const double size = fabs(a[i]);
-        largest = size > largest ? size : largest;
-        bad += 0.0 * size;
-    }
-    return largest + bad;
-}
-
 /* m of the problem, which is a constant for small ones, here and below */
-DM_WRITTEN_OUT dm_status evaluate(solver *s, const double *x, int with_jacobian, uint32_t m) {
-    const dm_status status = s->p->equation(s->p->ctx, s->r, with_jacobian ? s->J : NULL, x);
+INLINE dm_status evaluate_at(solver *s, const double *x, int with_jacobian, uint32_t m) {
+    chord *it = &s->it;
+    const dm_status status = s->p->equation(s->p->ctx, it->r, with_jacobian ? s->J : NULL, x);
     if (status != DM_OK) return status;
-    s->report->residual = norm(s->r, m);
-    if (!isfinite(s->report->residual)) return DM_NOT_FINITE;
+    it->residual = norm_of(it->r, m);
+    if (!isfinite(it->residual)) return DM_NOT_FINITE;
+    it->terms = s->p->size ? *s->p->size : -1.0;
     if (!with_jacobian) return DM_OK;
+    it->factored = 1;
     s->report->jacobians++;
     if (s->p->band) return dm_band_factor(s->J, s->pivot, s->p->band);
     return dm_lu_factor(s->J, s->pivot, m);
 }
 
-/* dx = -J^-1 r, with J = 1 when none was taken */
-DM_WRITTEN_OUT void find_increment(solver *s, uint32_t m) {
-#pragma GCC unroll 4
-    for (uint32_t i = 0; i < m; i++) s->dx[i] = -s->r[i];
-    if (s->report->jacobians && s->p->band)
-        dm_band_solve(s->dx, s->J, s->pivot, s->p->band, s->trial);
-    else if (s->report->jacobians)
-        dm_lu_solve(s->dx, s->J, s->pivot, m);
-    s->rate = s->step < INFINITY && s->last < INFINITY ? s->step / s->last : 1.0;
-    s->last = s->step;
-    s->step = norm(s->dx, m);
-    s->report->iterations++;
+INLINE void evaluate(chord *it, void *ctx, uint32_t m, int all) {
+    solver *s = ctx;
+    (void)all;
+    s->status = evaluate_at(s, it->x, it->fresh, m);
+    if (s->status != DM_OK) it->todo = it->fresh = 0;
 }
 
-/* the residual is what rounding its terms leaves */
-static int is_noise(const solver *s) {
-    return s->p->size && s->report->residual <= DM_NEWTON_NOISE * *s->p->size;
+INLINE void solve(const chord *it, void *ctx, double *x, uint32_t m) {
+    const solver *s = ctx;
+    if (it->factored && s->p->band)
+        dm_band_solve(x, s->J, s->pivot, s->p->band, s->trial);
+    else if (it->factored)
+        dm_lu_solve(x, s->J, s->pivot, m);
 }
 
-/* By the rate so far, which one Jacobian does not lose (from its first increment to the second
- * it may double), what dx leaves does not count; what makes |dx| larger than foretold is the
- * noise of the residual, of which the next one would be made as well. */
-static int is_drowned(const solver *s, double size) {
-    const double rate = 2.0 * s->rate;
-    return rate < DM_NEWTON_SLOW && s->step <= DM_NEWTON_ROUND_OFF * size &&
-           rate * rate * s->last <= DM_NEWTON_NEGLIGIBLE * s->p->tolerance * size;
+INLINE I chord_of(solver *s, uint32_t m) {
+    s->it.todo = 1;
+    s->it.fresh = !s->p->near_identity;
+    return iterate_chord(&s->it, evaluate, solve, s, m, s->p->max_iterations, s->start);
 }
 
-/* x + dx is the root to round-off: the error that dx leaves, rate * |dx|, does not count.
- * A first-order correction of results needs a Jacobian; without one |dx| itself must stall. */
-DM_WRITTEN_OUT int is_last(const solver *s, uint32_t m) {
-    const double size = norm(s->x, m) + s->step;
-    const double rate = s->last < INFINITY ? s->step / s->last : DM_NEWTON_SLOW; /* not known yet */
-    const int stalled = rate > 0.5;
-    if (s->step == 0.0) return 1;
-    if (s->report->jacobians && s->step <= s->p->tolerance * size) return 1;
-    if (s->report->jacobians && is_drowned(s, size)) return 1;
-    if (rate < DM_NEWTON_SLOW && rate * s->step <= DM_NEWTON_NEGLIGIBLE * s->p->tolerance * size)
-        return 1;
-    return stalled && (s->step <= DM_NEWTON_ROUND_OFF * size || is_noise(s));
-}
-
-DM_WRITTEN_OUT void move(double *to, const double *x, const double *dx, double part, uint32_t m) {
-#pragma GCC unroll 4
-    for (uint32_t i = 0; i < m; i++) to[i] = x[i] + part * dx[i];
-}
-
-/* chord iterations; DM_NO_CONVERGENCE asks for the damped ones */
-DM_WRITTEN_OUT dm_status iterate(solver *s, uint32_t m) {
-    int fresh = !s->p->near_identity;
-    dm_status status = evaluate(s, s->x, fresh, m);
-    s->step = INFINITY;
-    while (status == DM_OK && s->report->iterations < s->p->max_iterations) {
-        find_increment(s, m);
-        if (!isfinite(s->step)) return DM_NO_CONVERGENCE;
-        const int last = is_last(s, m);
-        move(s->x, s->x, s->dx, 1.0, m);
-        if (last) return DM_OK;
-        const int slow = s->step > DM_NEWTON_SLOW * s->last;
-        if (fresh && slow && s->step > s->last) return DM_NO_CONVERGENCE;
-        fresh = slow;
-        if (!s->report->jacobians && s->step > s->last)
-            memcpy(s->x, s->start, m * sizeof *s->x); /* J = 1 led away */
-        status = evaluate(s, s->x, fresh, m);
-    }
-    return status == DM_OK ? DM_NO_CONVERGENCE : status;
-}
-
-static dm_status chord(solver *s) {
+static I chord_iterations(solver *s) {
     switch (s->p->m) {
     case 1:
-        return iterate(s, 1);
+        return chord_of(s, 1);
     case 2:
-        return iterate(s, 2);
+        return chord_of(s, 2);
     case 3:
-        return iterate(s, 3);
+        return chord_of(s, 3);
     case 4:
-        return iterate(s, 4);
+        return chord_of(s, 4);
     default:
-        return iterate(s, s->p->m);
+        return chord_of(s, s->p->m);
     }
 }
 
 /* the largest of dx, dx/2, dx/4, ... that makes |r| smaller; leaves r there, x moved */
 static dm_status search(solver *s) {
-    const double before = s->report->residual;
+    chord *it = &s->it;
+    const uint32_t m = s->p->m;
+    const double before = it->residual;
     double part = 1.0;
     for (int k = 0; k < HALVINGS; k++, part *= 0.5) {
-        move(s->trial, s->x, s->dx, part, s->p->m);
-        const dm_status status = evaluate(s, s->trial, 0, s->p->m);
+        for (uint32_t i = 0; i < m; i++) s->trial[i] = it->x[i] + part * it->dx[i];
+        const dm_status status = evaluate_at(s, s->trial, 0, m);
         if (status != DM_OK && status != DM_NOT_FINITE) return status;
-        if (status == DM_OK && s->report->residual <= (1.0 - 0.25 * part) * before) {
-            memcpy(s->x, s->trial, s->p->m * sizeof *s->x);
+        if (status == DM_OK && it->residual <= (1.0 - 0.25 * part) * before) {
+            memcpy(it->x, s->trial, m * sizeof *it->x);
             return DM_OK;
         }
     }
-    s->report->residual = before;
+    it->residual = before;
     return DM_NO_CONVERGENCE;
 }
 
@@ -151,19 +100,23 @@ static dm_status search(solver *s) {
  * the noise of the residual, which cancellation inside L (a stiff k (r - 1)) makes larger than
  * its terms tell. With the exact Jacobian of this very point there is nothing nearer to be had. */
 static int is_floor(const solver *s) {
-    return s->step <= DM_NEWTON_FLOOR * (norm(s->x, s->p->m) + s->step);
+    const chord *it = &s->it;
+    return it->step <= DM_NEWTON_FLOOR * (norm_of(it->x, s->p->m) + it->step);
 }
 
 /* Newton with a Jacobian at every iterate and a line search */
 static dm_status damped(solver *s) {
-    s->step = INFINITY;
-    while (s->report->iterations < s->p->max_iterations) {
-        dm_status status = evaluate(s, s->x, 1, s->p->m);
+    chord *it = &s->it;
+    const uint32_t m = s->p->m;
+    it->todo = 1;
+    it->step = INFINITY;
+    while (it->count < s->p->max_iterations) {
+        dm_status status = evaluate_at(s, it->x, 1, m);
         if (status != DM_OK) return status;
-        find_increment(s, s->p->m);
-        if (!isfinite(s->step)) return DM_NOT_FINITE;
-        if (is_last(s, s->p->m)) {
-            move(s->x, s->x, s->dx, 1.0, s->p->m);
+        find_increment(it, solve, s, m);
+        if (!isfinite(it->step)) return DM_NOT_FINITE;
+        if (is_last(it, m)) {
+            advance_iterates(it, m);
             return DM_OK;
         }
         status = search(s);
@@ -173,19 +126,26 @@ static dm_status damped(solver *s) {
     return DM_NO_CONVERGENCE;
 }
 
+static dm_status find_root(solver *s) {
+    if (chord_iterations(s)) return DM_OK;
+    if (s->status == DM_CALLBACK) return DM_CALLBACK;
+    memcpy(s->it.x, s->start, s->p->m * sizeof *s->start);
+    return damped(s);
+}
+
 dm_status dm_newton(double *x, const dm_newton_problem *problem, double *work,
                     dm_newton_report *report) {
     const uint32_t m = problem->m;
-    solver s = {.p = problem, .x = x, .dx = work, .r = work + m, .report = report};
-    s.trial = s.r + m;
+    solver s = {.p = problem, .report = report};
+    s.it = (chord){.x = x, .dx = work, .r = work + m, .tolerance = problem->tolerance};
+    s.trial = s.it.r + m;
     s.start = s.trial + m;
     s.J = s.start + m;
-    s.last = INFINITY;
     s.pivot = (uint32_t *)(void *)(s.J + (size_t)m * m);
     *report = (dm_newton_report){0};
     memcpy(s.start, x, m * sizeof *x);
-    dm_status status = chord(&s);
-    if (status == DM_OK || status == DM_CALLBACK) return status;
-    memcpy(x, s.start, m * sizeof *x);
-    return damped(&s);
+    const dm_status status = find_root(&s);
+    report->iterations = s.it.count;
+    report->residual = s.it.residual;
+    return status;
 }

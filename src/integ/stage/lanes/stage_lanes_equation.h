@@ -5,6 +5,7 @@
 
 #include "integ/stage/lanes/stage_lanes_guess.h"
 #include "linalg/lu_text.h"
+#include "linalg/solve/newton_text.h"
 
 INLINE size_t curve_size(uint32_t n) {
     return (2 * (size_t)n + 3 * (size_t)n * n) * W;
@@ -18,18 +19,6 @@ INLINE V add_weighted(V sum, lanes_weight w, V x) {
 /* a coefficient that is the same for all steps */
 INLINE lanes_weight fixed_weight(dm_weight w) {
     return (lanes_weight){same(w.top), same(w.rest)};
-}
-
-/* max |a|, NaN where there is one or an infinity */
-INLINE V norm_of(const double *a, uint32_t m) {
-    V largest = {0}, bad = {0};
-#pragma GCC unroll 4
-    for (uint32_t i = 0; i < m; i++) {
-        const V size = magnitude(load(a + i * W));
-        largest = larger_of(size, largest);
-        bad += 0.0 * size;
-    }
-    return largest + bad;
 }
 
 /* arguments of the kernels at point i */
@@ -60,29 +49,28 @@ INLINE void copy_where(I yes, double *to, const double *from, size_t count) {
 
 /* slopes of the lanes that go on, second derivatives of those that renew their matrix; all:
  * these are all lanes */
-INLINE void evaluate_lanes(const lanes_newton *it, int all) {
+INLINE void evaluate_lanes(const lanes_newton *it, I fresh, I old, int all) {
     const dm_stage_lanes *w = it->w;
-    const I chord = it->todo & ~it->fresh;
     const size_t curve = curve_size(it->n), slope = 2 * (size_t)it->n;
-    const uint32_t renews = bits_of(it->fresh), keeps = bits_of(chord);
+    const uint32_t renews = bits_of(fresh), keeps = bits_of(old);
 #pragma GCC unroll 4
     for (uint32_t i = 0; i < it->r; i++) {
         double *own = w->curve + i * curve, *slopes = w->slopes + i * slope * W;
         place_lanes(it, i);
         if (renews) dm_kernel_eval(&w->stage, w->x, all ? own : w->other);
-        if (renews && !all) copy_where(it->fresh, own, w->other, curve / W);
-        if (renews) copy_where(it->fresh, slopes, own, slope);
+        if (renews && !all) copy_where(fresh, own, w->other, curve / W);
+        if (renews) copy_where(fresh, slopes, own, slope);
         if (keeps) dm_kernel_eval(&w->slope, w->x, w->other + curve);
-        if (keeps) copy_where(chord, slopes, w->other + curve, slope);
+        if (keeps) copy_where(old, slopes, w->other + curve, slope);
     }
 }
 
 /* R_j = sum_i b_i [h (a_ij - beta_j) L_q(i) + d_ij L_v(i)] - beta_j p0 */
-INLINE void find_residual(lanes_newton *it) {
+INLINE V find_residual(const lanes_newton *it) {
     const dm_stage_lanes *w = it->w;
     const dm_stage *g = w->g;
     const uint32_t n = it->n, s = it->s;
-    it->terms = (V){0};
+    V terms = {0};
 #pragma GCC unroll 4
     for (uint32_t j = 0; j < s; j++)
 #pragma GCC unroll 4
@@ -98,12 +86,12 @@ INLINE void find_residual(lanes_newton *it) {
                 const V q = load(slope), v = load(slope + n * W);
                 const V term = (wq.top * q + wq.rest * q) + (wv.top * v + wv.rest * v);
                 sum += term;
-                it->terms = larger_of(magnitude(term), it->terms);
+                terms = larger_of(magnitude(term), terms);
             }
             sum = (sum - (beta.top * p0 + beta.rest * p0)) - beta.top * low;
             store(w->r + (j * n + k) * W, sum);
         }
-    it->residual = norm_of(w->r, it->m);
+    return terms;
 }
 
 /* a block of the matrix += its part from point i */
@@ -163,19 +151,27 @@ INLINE void take_factors(I yes, double *to, I *pivot, const double *from, const 
 
 /* residual, and matrix and factors of the lanes that renew them; lanes where that does not go
  * well leave */
-INLINE void evaluate_equation(lanes_newton *it, int all) {
+INLINE void evaluate_equation(chord *c, void *ctx, uint32_t m, int all) {
+    const lanes_newton *it = ctx;
     const dm_stage_lanes *w = it->w;
-    evaluate_lanes(it, all);
-    find_residual(it);
-    it->todo &= is_finite(it->residual);
-    it->fresh &= it->todo;
-    if (!bits_of(it->fresh)) return;
+    evaluate_lanes(it, c->fresh, c->todo & not_of(c->fresh), all);
+    c->terms = find_residual(it);
+    c->residual = norm_of(w->r, m);
+    c->todo &= is_finite(c->residual);
+    c->fresh &= c->todo;
+    if (!some(c->fresh)) return;
     double *J = all ? w->J : w->J2;
     I *pivot = all ? w->pivot : w->pivot2, numbers;
     find_matrix(it, J);
-    it->todo &= factor_matrix(J, pivot, it->m, &numbers) | ~it->fresh;
-    it->fresh &= it->todo;
-    if (!all) take_factors(it->fresh, w->J, w->pivot, J, pivot, it->m);
+    c->todo &= factor_matrix(J, pivot, m, &numbers) | not_of(c->fresh);
+    c->fresh &= c->todo;
+    if (!all) take_factors(c->fresh, w->J, w->pivot, J, pivot, m);
+}
+
+INLINE void solve_equation(const chord *c, void *ctx, double *x, uint32_t m) {
+    const lanes_newton *it = ctx;
+    (void)c;
+    solve_factored(x, it->w->J, it->w->pivot, m);
 }
 
 #endif

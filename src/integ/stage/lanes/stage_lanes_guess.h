@@ -8,8 +8,6 @@
 typedef struct {
     const dm_stage_lanes *w;
     uint32_t n, s, r, m; /* m = s n unknowns */
-    I todo, fresh;       /* lanes that go on, that renew their matrix */
-    V step, last, rate, residual, terms;
 } lanes_newton;
 
 /* to[s][n] = V of the next step by the polynomial of the last one */

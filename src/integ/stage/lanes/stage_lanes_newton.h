@@ -5,63 +5,6 @@
 #define DM_STAGE_LANES_NEWTON_H
 
 #include "integ/stage/lanes/stage_lanes_equation.h"
-#include "linalg/solve/newton_limits.h"
-
-#include <math.h>
-
-/* ---- the iteration ---- */
-
-/* dx = -J^-1 r of the lanes that go on; leaves the rate of the iteration before */
-INLINE void find_increments(lanes_newton *it) {
-    const dm_stage_lanes *w = it->w;
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < it->m; k++) store(w->r + k * W, -load(w->r + k * W));
-    solve_factored(w->r, w->J, w->pivot, it->m);
-    copy_where(it->todo, w->dx, w->r, it->m);
-    const I known = (I)(it->step < INFINITY) & (I)(it->last < INFINITY);
-    it->rate = pick(known, it->step / it->last, same(1.0));
-    it->last = it->step;
-    it->step = norm_of(w->dx, it->m);
-}
-
-/* lanes whose root is x + dx to round-off */
-INLINE I last_increments(const lanes_newton *it) {
-    const double tol = it->w->tolerance;
-    const V size = norm_of(it->w->root, it->m) + it->step, step = it->step;
-    const V rate = pick((I)(it->last < INFINITY), step / it->last, same(DM_NEWTON_SLOW));
-    const V twice = 2.0 * it->rate, enough = DM_NEWTON_NEGLIGIBLE * tol * size;
-    const I small = (I)(step <= DM_NEWTON_ROUND_OFF * size);
-    I last = (I)(step == (V){0}) | (I)(step <= tol * size);
-    last |= (I)(twice < DM_NEWTON_SLOW) & small & (I)(twice * twice * it->last <= enough);
-    last |= (I)(rate < DM_NEWTON_SLOW) & (I)(rate * step <= enough);
-    last |= (I)(rate > 0.5) & (small | (I)(it->residual <= DM_NEWTON_NOISE * it->terms));
-    return last;
-}
-
-/* chord iterations; the lanes that end at a root */
-INLINE I chord_lanes(lanes_newton *it) {
-    const dm_stage_lanes *w = it->w;
-    I ended = {0};
-    it->fresh = it->todo;
-    evaluate_equation(it, 1);
-    for (int k = 0; k < w->max_iterations && bits_of(it->todo); k++) {
-        find_increments(it);
-        it->todo &= is_finite(it->step);
-        const I last = it->todo & last_increments(it);
-#pragma GCC unroll 4
-        for (uint32_t i = 0; i < it->m; i++) {
-            const V x = load(w->root + i * W);
-            store(w->root + i * W, pick(it->todo, x + load(w->dx + i * W), x));
-        }
-        ended |= last;
-        it->todo &= ~last;
-        const I slow = it->todo & (I)(it->step > DM_NEWTON_SLOW * it->last);
-        it->todo &= ~(it->fresh & slow & (I)(it->step > it->last));
-        it->fresh = slow & it->todo;
-        if (bits_of(it->todo)) evaluate_equation(it, 0);
-    }
-    return ended;
-}
 
 /* ---- the end ---- */
 
@@ -146,16 +89,12 @@ INLINE void keep_newton(const lanes_newton *it, I where) {
 
 INLINE uint32_t step_of(const dm_stage_lanes *w, uint32_t asked, uint32_t n, uint32_t s,
                         uint32_t r) {
-    lanes_newton it = {.w = w,
-                       .n = n,
-                       .s = s,
-                       .r = r,
-                       .m = s * n,
-                       .step = same(INFINITY),
-                       .last = same(INFINITY)};
-    it.todo = mask_of(asked) & guess_lanes(&it);
-    if (!bits_of(it.todo)) return 0;
-    I ended = chord_lanes(&it);
+    lanes_newton it = {.w = w, .n = n, .s = s, .r = r, .m = s * n};
+    chord c = {.x = w->root, .dx = w->dx, .r = w->r, .tolerance = w->tolerance, .factored = 1};
+    c.todo = c.fresh = mask_of(asked) & guess_lanes(&it);
+    if (!some(c.todo)) return 0;
+    I ended =
+        iterate_chord(&c, evaluate_equation, solve_equation, &it, s * n, w->max_iterations, NULL);
     ended &= finish_newton(&it);
     keep_newton(&it, ended);
     return bits_of(ended);
