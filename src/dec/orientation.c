@@ -21,9 +21,10 @@ static uint32_t across(const dm_complex *K, uint32_t f, uint32_t c) {
 }
 
 /* gives all cells that hang together with `first` a sign; 0: two of them ask for both */
-static int spread(const dm_complex *K, int8_t *sign, uint32_t *queue, uint32_t first) {
+static int spread(const dm_complex *K, int8_t *sign, uint32_t *queue, uint32_t first,
+                  int8_t begin) {
     uint32_t head = 0, tail = 0;
-    sign[first] = 1;
+    sign[first] = begin;
     for (queue[tail++] = first; head < tail;) {
         const uint32_t c = queue[head++];
         for (uint32_t j = 0; j <= K->n; j++) {
@@ -45,7 +46,7 @@ uint32_t dm_complex_crowded(const dm_complex *K) {
     return UINT32_MAX;
 }
 
-dm_status dm_complex_orient(dm_complex *K, dm_arena *arena) {
+dm_status dm_complex_orient(dm_complex *K, dm_arena *arena, const int8_t *wish) {
     const uint32_t count = K->count[K->n];
     dm_arena *scratch = dm_arena_scratch(arena);
     if (!scratch) return DM_NO_MEMORY;
@@ -56,7 +57,7 @@ dm_status dm_complex_orient(dm_complex *K, dm_arena *arena) {
     K->orientation = NULL;
     if (dm_complex_crowded(K) != UINT32_MAX) return DM_OK;
     for (uint32_t c = 0; K->n && c < count; c++)
-        if (sign[c] == 0 && !spread(K, sign, queue, c)) return DM_OK;
+        if (sign[c] == 0 && !spread(K, sign, queue, c, wish ? wish[c] : 1)) return DM_OK;
     K->orientation = sign;
     return DM_OK;
 }

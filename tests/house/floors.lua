@@ -13,7 +13,7 @@ floors.src = {
   -- kept free: integ/lie, integ/sem (below integ)
   "run", "run/ensemble",
   -- kept free: mpi
-  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/rule", "bind/run", "bind/ensemble", "bind",
+  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/rule", "bind/run", "bind/ensemble", "bind",
   "cli",
 }
 

@@ -19,7 +19,7 @@ static dm_status build(dm_complex *K, dm_arena *arena, uint32_t vertices, uint32
     for (uint32_t i = 0; i <= simplices; i++) start[i] = i * length;
     const dm_simplices given = {vertices, simplices, start, vertex};
     const dm_status status = dm_complex_build(K, arena, &given, NULL, report);
-    return status == DM_OK ? dm_complex_orient(K, arena) : status;
+    return status == DM_OK ? dm_complex_orient(K, arena, NULL) : status;
 }
 
 /* d d = 0: every cell of degree k - 2 of a cell of degree k comes twice, with opposite signs */

@@ -1,0 +1,206 @@
+/* bind_mesh.c - `dm.mesh`: what a script asks a complex. */
+#include "bind/dec/bind_mesh.h"
+#include "bind/value/array.h"
+#include "dec/orientation.h"
+
+#include <string.h>
+
+dml_mesh *dml_checkmesh(lua_State *L, int arg) {
+    return luaL_checkudata(L, arg, DML_MESH);
+}
+
+uint32_t dml_checkdegree(lua_State *L, int arg, const dml_mesh *m) {
+    const lua_Integer k = luaL_checkinteger(L, arg);
+    if (k < 0 || k > m->K.n)
+        luaL_argerror(L, arg,
+                      lua_pushfstring(L, "a degree from 0 to %d is needed, got %I", (int)m->K.n,
+                                      k));
+    return (uint32_t)k;
+}
+
+void dml_needmetric(lua_State *L, const dml_mesh *m) {
+    if (!m->measured)
+        luaL_error(L, "this mesh has no metric: make it with points = or lengths =; d, boundaries "
+                      "and homology work without");
+}
+
+static int mesh_count(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    lua_pushinteger(L, m->K.count[dml_checkdegree(L, 2, m)]);
+    return 1;
+}
+
+static int mesh_simplices(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m), *v = m->K.vertex[k];
+    lua_createtable(L, (int)m->K.count[k], 0);
+    for (uint32_t i = 0; i < m->K.count[k]; i++) {
+        lua_createtable(L, (int)k + 1, 0);
+        for (uint32_t j = 0; j <= k; j++) {
+            lua_pushinteger(L, (lua_Integer)v[(size_t)i * (k + 1) + j] + 1);
+            lua_rawseti(L, -2, (lua_Integer)j + 1);
+        }
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
+static int mesh_points(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    if (!m->points) luaL_error(L, "this mesh has no points: it is made of lengths, or of neither");
+    memcpy(dml_pushmatrix(L, m->K.count[0], m->ambient), m->points,
+           (size_t)m->K.count[0] * m->ambient * sizeof *m->points);
+    return 1;
+}
+
+static int push_numbers(lua_State *L, const double *x, uint32_t count) {
+    memcpy(dml_pushvector(L, count), x, count * sizeof *x);
+    return 1;
+}
+
+static int mesh_volume(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m);
+    dml_needmetric(L, m);
+    return push_numbers(L, m->metric.volume[k], m->K.count[k]);
+}
+
+static int mesh_dual_volume(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m);
+    dml_needmetric(L, m);
+    return push_numbers(L, m->metric.dual[k], m->K.count[k]);
+}
+
+/* the number of the cell with these vertices and the sign of their order */
+static int mesh_find(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    uint32_t tuple[DM_DIMENSION + 1];
+    int sign = 1;
+    const long length = dml_length(L, 2);
+    if (length < 1 || length > (long)m->K.n + 1) return 0;
+    for (uint32_t i = 0; i < (uint32_t)length; i++) {
+        lua_geti(L, 2, (lua_Integer)i + 1);
+        const lua_Integer id = luaL_checkinteger(L, -1);
+        if (id < 1 || id > m->K.count[0]) return 0;
+        uint32_t j = i;
+        for (; j > 0 && tuple[j - 1] > (uint32_t)id - 1; j--) tuple[j] = tuple[j - 1], sign = -sign;
+        tuple[j] = (uint32_t)id - 1;
+        lua_pop(L, 1);
+    }
+    const uint32_t cell = dm_complex_find(&m->K, (uint32_t)length - 1, tuple);
+    if (cell == UINT32_MAX) return 0;
+    lua_pushinteger(L, (lua_Integer)cell + 1);
+    lua_pushinteger(L, sign);
+    return 2;
+}
+
+/* coherent signs of the top cells */
+static int mesh_orientation(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t count = m->K.count[m->K.n];
+    if (!m->K.orientation) return 0;
+    double *out = dml_pushvector(L, count);
+    for (uint32_t i = 0; i < count; i++) out[i] = m->K.orientation[i];
+    return 1;
+}
+
+/* d x, and d^T x */
+static int mesh_coboundary(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m), above = k < m->K.n ? m->K.count[k + 1] : 0;
+    double *x = lua_newuserdatauv(L, ((size_t)m->K.count[k] + 1) * sizeof *x, 0);
+    dml_vectorarg(L, 3, "the values of a cochain", x, m->K.count[k]);
+    double *out = dml_pushvector(L, above);
+    for (uint32_t i = 0; i < above; i++) {
+        const uint32_t *face = m->K.face[k + 1] + (size_t)i * (k + 2);
+        for (uint32_t j = 0; j < k + 2; j++) out[i] += j % 2 ? -x[face[j]] : x[face[j]];
+    }
+    return 1;
+}
+
+static int mesh_boundary_sum(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m);
+    double *x = lua_newuserdatauv(L, ((size_t)m->K.count[k] + 1) * sizeof *x, 0);
+    dml_vectorarg(L, 3, "the values of a cochain", x, m->K.count[k]);
+    double *out = dml_pushvector(L, k ? m->K.count[k - 1] : 0);
+    for (uint32_t i = 0; k && i < m->K.count[k]; i++) {
+        const uint32_t *face = m->K.face[k] + (size_t)i * (k + 1);
+        for (uint32_t j = 0; j <= k; j++) out[face[j]] += j % 2 ? -x[i] : x[i];
+    }
+    return 1;
+}
+
+static int mesh_field(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const char *key = luaL_checkstring(L, 2);
+    if (strcmp(key, "dimension") == 0)
+        lua_pushinteger(L, m->K.n);
+    else if (strcmp(key, "ambient") == 0 && m->points)
+        lua_pushinteger(L, m->ambient);
+    else if (strcmp(key, "euler") == 0)
+        lua_pushinteger(L, dm_complex_euler(&m->K));
+    else if (strcmp(key, "orientable") == 0)
+        lua_pushboolean(L, m->K.orientation != NULL);
+    else if (strcmp(key, "pure") == 0)
+        lua_pushboolean(L, m->K.pure);
+    else if (strcmp(key, "measured") == 0)
+        lua_pushboolean(L, m->measured);
+    else if (strcmp(key, "bytes") == 0)
+        lua_pushinteger(L, (lua_Integer)m->bytes);
+    else
+        return 0;
+    return 1;
+}
+
+static const dml_row methods[] =
+    {{"count", mesh_count, "K:count(k) -> number\nHow many cells of degree k there are."},
+     {"simplices", mesh_simplices,
+      "K:simplices(k) -> table of lists of vertices\n"
+      "The cells of degree k as ascending lists of vertex numbers, from 1, in lexicographic order: "
+      "the order of all that lives on them."},
+     {"points", mesh_points,
+      "K:points() -> dm.matrix\nThe points of the vertices, a row each. Raises where there are "
+      "none."},
+     {"volume", mesh_volume,
+      "K:volume(k) -> dm.vector\n"
+      "The volumes of the cells of degree k, in units of length to the power k; of vertices 1."},
+     {"dual_volume", mesh_dual_volume,
+      "K:dual_volume(k) -> dm.vector\n"
+      "The signed volumes of the dual cells (of degree n - k) of the cells of degree k: zero or "
+      "negative where a centre lies outside of its simplex (Leok 3.3)."},
+     {"find", mesh_find,
+      "K:find{i, j, ...} -> number, sign   or nothing\n"
+      "The number of the cell with these vertices, and 1 or -1: the parity of their order."},
+     {"orientation", mesh_orientation,
+      "K:orientation() -> dm.vector   or nothing\n"
+      "1 or -1 for every top cell: the coherent orientation against the ascending order."},
+     {"coboundary", mesh_coboundary,
+      "K:coboundary(k, x) -> dm.vector\n"
+      "d x of plain values x on the cells of degree k, on those of degree k + 1."},
+     {"boundary_sum", mesh_boundary_sum,
+      "K:boundary_sum(k, x) -> dm.vector\n"
+      "The transpose of d: values on the cells of degree k, with signs, to their faces."},
+     {NULL, NULL, NULL}};
+
+static const dml_row functions[] = {
+    {"complex", dml_mesh_new,
+     "dm.complex{simplices=, points= | lengths=, dual=, vertices=, degree=} -> dm.mesh\n"
+     "The mesh with these simplices and all their faces: simplices is a list of lists of vertex "
+     "numbers from 1, or a dm.vector of them with degree =. lengths: a number, a list in the order "
+     "of the edges, or a function(i, j), i < j. dual = \"circumcentric\" (the default) or "
+     "\"barycentric\". dm.mesh knows meshes by name besides. Raises on repeated vertices, "
+     "duplicate and degenerate simplices and impossible lengths, naming the simplex (Leok 3.3, "
+     "3.4)."},
+    {NULL, NULL, NULL}};
+
+const dml_class dml_class_mesh = {
+    .name = DML_MESH,
+    .doc = "dm.mesh: a simplicial complex of dimension 1 to 8, with volumes and signed duals, made "
+           "by dm.mesh{...}\n"
+           "fields: dimension, ambient, euler, orientable, pure, measured, bytes",
+    .methods = methods,
+    .field = mesh_field,
+    .functions = functions,
+};
