@@ -28,8 +28,6 @@ floors.up = {
   { "include", "numbers", "graph", "functions.h names the type of an operation" },
   { "include", "algebra", "code", "implicit.h names the type of a kernel" },
   { "include", "chain", "mech", "sums of a model name the model" },
-  { "include", "integ/method", "integ/stage", "the row of a method holds its stages" },
-  { "include", "integ/constrained", "integ/stage", "a constrained step is a stage step with multipliers" },
   { "include", "integ/stage/sweep", "integ/stage", "a sweep is over the stages of a step" },
   { "include", "integ/stage/lanes", "integ/stage", "lanes are of the stages of a step" },
 }

@@ -8,7 +8,8 @@
 #ifndef DM_CONSTRAINED_H
 #define DM_CONSTRAINED_H
 
-#include "integ/stage/stage.h"
+#include "integ/method/method.h"
+#include "integ/method/stage_table.h"
 
 /* What the stage rules call where the model has constraints; as the functions of stage.h. */
 unsigned dm_constrained_wants(const dm_model *m);

@@ -1,6 +1,6 @@
 /* stage_table.c - coefficients of a stage method from its nodes and its quadrature. */
+#include "integ/method/stage_table.h"
 #include "integ/method/cache.h"
-#include "integ/stage/stage.h"
 
 #include <string.h>
 

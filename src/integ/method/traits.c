@@ -1,6 +1,7 @@
 #include "integ/method/traits.h"
 
-#include "integ/stage/stage.h"
+#include "integ/method/method.h"
+#include "integ/method/stage_table.h"
 
 #include <math.h>
 

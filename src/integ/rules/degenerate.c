@@ -7,7 +7,8 @@
  * (q~, p~), q1 = q^ + h sigma l,  alpha(q1) = p^ + h sigma K(q1) l, solved for the stage
  * velocities V and the multiplier l together. Since L_q(q, l) - L_q(q, 0) = K(q) l, the stage
  * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison. */
-#include "integ/stage/stage.h"
+#include "integ/method/method.h"
+#include "integ/method/stage_table.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
 #include "numbers/compensated.h"

@@ -7,7 +7,8 @@
 #ifndef DM_DISCRETE_H
 #define DM_DISCRETE_H
 
-#include "integ/stage/stage.h"
+#include "integ/method/method.h"
+#include "integ/method/stage_table.h"
 
 /* Where and for what. */
 typedef struct {
