@@ -11,8 +11,6 @@ enum {
     TILE = 128, /* of the depth, between slopes and forces, at least */
     SKEW = 72,  /* doubles: entries of one body do not share the place in a page */
     PAGE = 512,
-    LONG = 4096, /* depth from which on stacks are run in tiles */
-    LONG_ROOM = 40,
     GROUP = DM_STRIP_GROUP,
     COLUMNS = 24
 };
@@ -108,10 +106,7 @@ int dm_lattice_layout(dm_lattice *l) {
     l->tile = larger(TILE, 4 * far);
     if (l->tile > l->depth) l->tile = l->depth;
     l->row = (far + l->tile) * GROUP;
-    const int is_long = l->depth >= LONG;
-    l->room = larger(far, is_long ? LONG_ROOM : 2 * DM_LATTICE_DEEP);
-    l->band = is_long ? DM_LATTICE_BAND : 1;
-    l->pitch = (((l->depth + 2 * l->room) * GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
+    l->pitch = (((l->depth + 2 * l->pad) * GROUP + PAGE - 1) & ~(uint32_t)(PAGE - 1)) + SKEW;
     return far <= l->depth && l->bodies < INT32_MAX / 4096;
 }
 
@@ -164,7 +159,6 @@ static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
     dm_transplant(d.g, s->term, term, s->columns, with, slope);
     *r =
         (dm_rounds){.rounds = dm_sum_rounds(s, s->from), .periodic = s->periodic, .slot = l->slots};
-    if (!r->periodic && r->rounds < l->bodies) r->there = l->arrays++;
     for (uint32_t c = 0; c < s->columns; c++) {
         if (!slope[c]) continue;
         const dm_share to = {.coordinate = s->column[c].first % l->block,

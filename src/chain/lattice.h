@@ -24,23 +24,15 @@ typedef struct {
     uint32_t rounds, shift; /* shift: the largest of its shares */
     int periodic;
     uint32_t slot, slots; /* of the buffer */
-    uint32_t there;       /* array: 1 where a body has a round, 0 where not; 0: all have one */
 } dm_rounds;
 
-enum {
-    DM_LATTICE_NUMBERS = 5, /* that are the same for all bodies; 0 is the time */
-    DM_LATTICE_DEEP = 3,    /* passes of one loop at most, each with such numbers */
-    DM_LATTICE_FIXED = DM_LATTICE_NUMBERS * DM_LATTICE_DEEP,
-    DM_LATTICE_BAND = 16 /* loops of a band at most */
-};
+enum { DM_LATTICE_NUMBERS = 5 }; /* that are the same for all bodies; 0 is the time */
 
 typedef struct {
     const dm_model *model;
     uint32_t block, bodies;
     uint32_t depth;      /* bodies of a part */
     uint32_t pad;        /* as many beyond both ends of a part that neighbours may read */
-    uint32_t room;       /* entries of memory there */
-    uint32_t band;       /* loops of a band at most */
     uint32_t pitch;      /* doubles from array to array; coordinate c is array c */
     uint32_t arrays;     /* so far */
     uint32_t tile;       /* of `depth` at a time */
@@ -49,8 +41,6 @@ typedef struct {
     dm_rounds *sum;
     dm_share *share;
     double *space, *buffer, *fixed;
-    double *numbers, *carried;    /* of each loop of a band; fixed is one of the former */
-    uint32_t turn;                /* which half of `carried` is used */
     struct dm_lattice_data *data; /* [columns] of numbers */
     uint32_t columns;
 } dm_lattice;
@@ -102,42 +92,6 @@ dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *us
 /* What dm_lattice_run does, by such a loop; coordinates at the ends only are kept. */
 void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip *use,
                            dm_lattice_pair at, double t);
-
-/* How many passes over this chain fit in one loop; 0: they cannot be joined, are not
- * periodic, or functions want the registers. */
-uint32_t dm_lattice_deep(const dm_lattice *l);
-
-/* use[0 .. count-1] one after the other as one loop, pass k a group behind pass k - 1, in which
- * what one leaves to the next stays in registers. Only the last may change arrays that the
- * others read, other than `low` and what they all change. Every part is done with copies of its
- * neighbours' ends, so that nothing waits for what crosses. */
-dm_status dm_lattice_stack(const dm_lattice *l, dm_strip *out, const dm_strip *const *use,
-                           uint32_t count, dm_lattice_pair at);
-
-/* A stack of so many passes, the numbers of pass k from slot k DM_LATTICE_NUMBERS on. */
-typedef struct {
-    const dm_strip *loop;
-    uint32_t count;
-} dm_layer;
-
-/* The numbers that dm_lattice_set sets, and that all other loops use, are those of layer k from
- * now on; 0 at first. */
-void dm_lattice_choose(dm_lattice *l, uint32_t k);
-
-/* Passes of a band at most. */
-static inline uint32_t dm_lattice_reach(const dm_lattice *l) {
-    return l->room - DM_LATTICE_DEEP;
-}
-
-/* Stacks one after the other, each with its numbers. A chain longer than a cache is done in
- * tiles: layer k follows as close behind layer k - 1 as it may, so that an entry is fetched once
- * for all of them. Ends of arrays as long as there are passes (dm_lattice_copy_ends) have to be
- * there. */
-void dm_lattice_run_band(dm_lattice *l, const dm_layer *layer, uint32_t layers);
-
-/* Behind both ends of the parts what lies at the ends of their neighbours, `count` groups of
- * arrays first .. first + block - 1. */
-void dm_lattice_copy_ends(const dm_lattice *l, uint32_t first, uint32_t count);
 
 /* The coordinates themselves are these. */
 void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at);

@@ -14,7 +14,9 @@ typedef struct {
     dm_strand here[MOST_BLOCK], last[MOST_SLOTS];
 } joint;
 
-dm_node dm_lattice_ahead(const dm_lattice *l, dm_strip_draft *d, dm_lattice_pair at, uint32_t c) {
+/* position of coordinate c one group on */
+static dm_node position_ahead(const dm_lattice *l, dm_strip_draft *d, dm_lattice_pair at,
+                              uint32_t c) {
     dm_strand q = dm_lattice_entry(l, at.high + c);
     q.at += GROUP;
     const dm_node high = dm_strip_read(d, q);
@@ -26,7 +28,7 @@ dm_node dm_lattice_ahead(const dm_lattice *l, dm_strip_draft *d, dm_lattice_pair
 
 static void carry_positions(joint *b, dm_lattice_pair at) {
     for (uint32_t c = 0; c < b->l->block; c++) {
-        b->ahead[c] = dm_lattice_ahead(b->l, &b->d, at, c);
+        b->ahead[c] = position_ahead(b->l, &b->d, at, c);
         b->here[c] = dm_strip_carry(&b->d, dm_lattice_entry(b->l, c), 0);
     }
 }

@@ -31,16 +31,6 @@ void dm_lattice_fill_ends(dm_lattice *l) {
     for (uint32_t c = 0; c < l->block; c++) fill_ends(l, l->space + (size_t)c * l->pitch);
 }
 
-/* 1 for bodies that have a round */
-static void fill_there(dm_lattice *l) {
-    for (const dm_rounds *r = l->sum; r < l->sum + l->sums; r++) {
-        double *to = l->space + (size_t)r->there * l->pitch;
-        for (uint32_t i = 0; r->there && i < l->bodies; i++)
-            to[dm_lattice_at(l, i)] = i < r->rounds;
-        if (r->there && dm_lattice_is_deep(l)) dm_lattice_ends_of(l, to, l->room);
-    }
-}
-
 static void fill_data(dm_lattice *l) {
     for (const struct dm_lattice_data *d = l->data; d < l->data + l->columns; d++) {
         double *to = l->space + (size_t)d->array * l->pitch;
@@ -49,7 +39,6 @@ static void fill_data(dm_lattice *l) {
         for (uint32_t i = 0; i < d->sum->bodies; i++)
             to[dm_lattice_at(l, i)] = own.data[dm_sum_entry(d->sum, &own, i, 0)];
         fill_ends(l, to);
-        if (dm_lattice_is_deep(l)) dm_lattice_ends_of(l, to, l->room);
     }
 }
 
@@ -57,18 +46,17 @@ size_t dm_lattice_work(const dm_model *m, uint32_t arrays) {
     dm_lattice l = {.model = m};
     uint32_t columns = 0;
     if (!(m->structure & DM_LOOPS) || !m->source.sums || !dm_lattice_layout(&l)) return 0;
-    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns + 1;
+    for (const dm_sum *s = dm_sums(m->source.sums); s; s = s->next) columns += s->columns;
     return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
-           (size_t)(l.band * (DM_LATTICE_FIXED + 2 * DM_STRIP_CARRIED) + 1 + l.pad + l.room) *
-               GROUP;
+           (size_t)(DM_LATTICE_NUMBERS + 1 + 2 * l.pad) * GROUP;
 }
 
 /* zero where no body is: the numbers, the buffer, both ends of every array */
 static void clear(const dm_lattice *l) {
     const uint32_t first = l->depth > GROUP ? l->depth - GROUP : 0;
-    const size_t before = (size_t)l->room * GROUP;
-    const size_t behind = (size_t)(l->depth - first + l->room) * GROUP;
-    memset(l->numbers, 0, (size_t)(l->space - l->numbers) * sizeof *l->numbers);
+    const size_t before = (size_t)l->pad * GROUP;
+    const size_t behind = (size_t)(l->depth - first + l->pad) * GROUP;
+    memset(l->fixed, 0, (size_t)(l->space - l->fixed) * sizeof *l->fixed);
     for (uint32_t a = 0; a < l->arrays; a++) {
         double *x = l->space + (size_t)a * l->pitch;
         memset(x - before, 0, before * sizeof *x);
@@ -78,18 +66,11 @@ static void clear(const dm_lattice *l) {
 
 void dm_lattice_place(dm_lattice *l, double *work) {
     const uintptr_t line = GROUP * sizeof *work;
-    l->numbers = work + (line - (uintptr_t)work % line) % line / sizeof *work;
-    l->carried = l->numbers + (size_t)l->band * DM_LATTICE_FIXED * GROUP;
-    l->buffer = l->carried + (size_t)l->band * 2 * DM_STRIP_CARRIED * GROUP;
-    l->fixed = l->numbers;
-    l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->room * GROUP;
+    l->fixed = work + (line - (uintptr_t)work % line) % line / sizeof *work;
+    l->buffer = l->fixed + (size_t)DM_LATTICE_NUMBERS * GROUP;
+    l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->pad * GROUP;
     clear(l);
     fill_data(l);
-    fill_there(l);
-}
-
-void dm_lattice_choose(dm_lattice *l, uint32_t k) {
-    l->fixed = l->numbers + (size_t)k * DM_LATTICE_FIXED * GROUP;
 }
 
 void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {
@@ -115,19 +96,19 @@ static uint32_t in_pairs(const dm_lattice *l) {
 
 /* the start of every part at once; gives how many depths */
 static uint32_t load_start(const dm_lattice *l, double *to, const double *x) {
-    const uint32_t wide = dm_lattice_wide_load(l, to, x), even = in_pairs(l);
-    for (uint32_t j = wide; j < even; j += 2)
+    const uint32_t even = in_pairs(l);
+    for (uint32_t j = 0; j < even; j += 2)
         for (uint32_t lane = 0; lane < GROUP; lane += 2)
             turn(to + (size_t)j * GROUP + lane, GROUP, x + (size_t)lane * l->depth + j, l->depth);
-    return wide > even ? wide : even;
+    return even;
 }
 
 static uint32_t store_start(const dm_lattice *l, double *x, const double *from) {
-    const uint32_t wide = dm_lattice_wide_store(l, x, from), even = in_pairs(l);
-    for (uint32_t j = wide; j < even; j += 2)
+    const uint32_t even = in_pairs(l);
+    for (uint32_t j = 0; j < even; j += 2)
         for (uint32_t lane = 0; lane < GROUP; lane += 2)
             turn(x + (size_t)lane * l->depth + j, l->depth, from + (size_t)j * GROUP + lane, GROUP);
-    return wide > even ? wide : even;
+    return even;
 }
 
 void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x) {
@@ -150,7 +131,6 @@ void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first) {
 static int is_finite(const dm_lattice *l, const double *x) {
     double sum[GROUP] = {0.0};
     int finite = 1;
-    if (dm_lattice_wide_finite(l, x, &finite)) return finite;
     for (size_t i = 0; i < (size_t)l->depth * GROUP; i += GROUP)
         for (size_t k = 0; k < GROUP; k++) sum[k] += 0.0 * x[i + k];
     for (size_t k = 0; k < GROUP; k++) finite &= sum[k] == 0.0;

@@ -9,7 +9,7 @@ static void subtract(dm_graph *g, dm_node *x, dm_node factor, dm_node y) {
 }
 
 /* a c - b d */
-dm_node dm_cross(dm_graph *g, dm_node a, dm_node c, dm_node b, dm_node d) {
+static dm_node cross(dm_graph *g, dm_node a, dm_node c, dm_node b, dm_node d) {
     dm_node x = dm_mul(g, a, c);
     subtract(g, &x, b, d);
     return x;
@@ -46,7 +46,7 @@ static int invert(dm_elimination *e, uint32_t j) {
         D[0] = dm_div(e->g, one, pivot[0]);
         return 1;
     }
-    pivot[1] = dm_cross(e->g, M[0], M[n + 1], M[n], M[n]);
+    pivot[1] = cross(e->g, M[0], M[n + 1], M[n], M[n]);
     if (!pivot[1]) return 0;
     const dm_node b = dm_neg(e->g, M[n]);
     D[0] = dm_div(e->g, M[n + 1], pivot[1]);
@@ -80,26 +80,14 @@ static int eliminate_three(dm_elimination *e, uint32_t j) {
     if (!invert(e, j)) return 0;
     memcpy(l, x, 2 * sizeof *l);
     divide(e, j, l);
-    const dm_node first = dm_cross(e->g, M[n + 1], x[0], M[n], x[1]);
-    const dm_node second = dm_cross(e->g, M[0], x[1], M[n], x[0]);
+    const dm_node first = cross(e->g, M[n + 1], x[0], M[n], x[1]);
+    const dm_node second = cross(e->g, M[0], x[1], M[n], x[0]);
     pivot[2] = dm_mul(e->g, x[2], pivot[1]);
     subtract(e->g, pivot + 2, first, x[0]);
     subtract(e->g, pivot + 2, second, x[1]);
     if (!pivot[2]) return 0;
     l[2] = dm_div(e->g, pivot[1], pivot[2]);
     return 1;
-}
-
-/* M = mass / scale has the same l, and D^-1 that is so much larger */
-static void rescale(dm_elimination *e) {
-    const uint32_t n = e->n;
-    for (uint32_t i = 0; i < n; i++) {
-        for (uint32_t k = i & ~1u; k <= i; k++) {
-            dm_node *D = e->lower + i * (size_t)n + k;
-            *D = dm_mul(e->g, *D, e->scale);
-        }
-        if (i % 2 == 0) e->pivot[i] = dm_mul(e->g, e->pivot[i], e->scale);
-    }
 }
 
 int dm_elimination_factor(dm_elimination *e) {
@@ -110,7 +98,6 @@ int dm_elimination_factor(dm_elimination *e) {
         }
         if (!eliminate(e, j)) return 0;
     }
-    if (e->scale) rescale(e);
     return 1;
 }
 

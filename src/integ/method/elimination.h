@@ -1,6 +1,5 @@
 /* elimination.h - M^-1 written out as nodes: M = l D l^T with blocks of two in D (the last may
- * be one), which has half as many divisions that wait for each other as single pivots. M is mass
- * / scale, so that a denominator of all its entries is not divided by before the elimination. */
+ * be one), which has half as many divisions that wait for each other as single pivots. */
 #ifndef DM_ELIMINATION_H
 #define DM_ELIMINATION_H
 
@@ -9,17 +8,12 @@
 typedef struct {
     dm_graph *g;
     uint32_t n;
-    dm_node scale;  /* 0: M is mass */
-    dm_node *mass;  /* [n*n], lower triangle; what is left of it */
+    dm_node *mass;  /* [n*n] M, lower triangle; what is left of it */
     dm_node *lower; /* [n*n] rows of l, and D^-1 in the blocks */
-    dm_node *
-        /* [n] positive where M is positive definite, and elimination then exact to round-off */
-        pivot;
+    /* [n] positive where M is positive definite, and elimination then exact to round-off */
+    dm_node *pivot;
     dm_node *shift; /* [n] p - b, then v */
 } dm_elimination;
-
-/* a c - b d */
-dm_node dm_cross(dm_graph *g, dm_node a, dm_node c, dm_node b, dm_node d);
 
 /* l, D^-1 and pivots; 0 at a pivot that vanishes everywhere. */
 int dm_elimination_factor(dm_elimination *e);

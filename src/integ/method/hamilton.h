@@ -20,16 +20,17 @@ uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages);
  * of two in D: force takes (q, v, t) and gives L_q[n] and what is known of M; factors takes that
  * and gives n pivots, a triangle with l below the blocks and D^-1 in them, and b; velocity takes
  * (that triangle, b, p) and gives v[n]. So a division never waits for p. Known are the lower
- * triangle of M by rows and b[n]; of an extremum (algebra/extremum.h) with one unknown y those of
- * (v, y), so that M waits for no division by f_yy, which L_q needs meanwhile. */
-/* numbers that are known of M at most, where the kernels can be made: inputs of factors */
-uint32_t dm_hamilton_known(const dm_model *m);
-
+ * triangle of M by rows and b[n]. */
 typedef struct {
     dm_kernel force, factors, velocity;
 } dm_hamilton;
 
 uint32_t dm_hamilton_split(dm_hamilton *out, const dm_model *m, uint32_t stages);
+
+/* Numbers that are known of M and b: inputs of `factors`. */
+static inline uint32_t dm_hamilton_known(uint32_t n) {
+    return n * (n + 1) / 2 + n;
+}
 
 /* The same for roots[count] of a graph of the model's. */
 uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g, const dm_node *roots,

@@ -58,10 +58,7 @@ dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain,
     if (c->last < c->first || !find(c, m)) return NULL;
     plan_step(c);
     dm_lattice_place(&c->lattice, work + own_size());
-    if (c->same_weight == 0.0) {
-        dm_lattice_load(&c->lattice, c->weight, m->inverse_mass);
-        if (c->deep) dm_lattice_copy_ends(&c->lattice, c->weight, c->lattice.room);
-    }
+    if (c->same_weight == 0.0) dm_lattice_load(&c->lattice, c->weight, m->inverse_mass);
     return c;
 }
 
@@ -105,61 +102,6 @@ static void begin(dm_chain *c, double h, double t) {
         dm_lattice_move(l, c->lead);
 }
 
-/* numbers of kick k for pass `at` of a loop */
-static void set_numbers(dm_chain *c, int k, int at, double h, double t) {
-    dm_lattice *l = &c->lattice;
-    const uint32_t slot = (uint32_t)at * DM_LATTICE_NUMBERS;
-    dm_lattice_set(l, slot + TIME, t + c->c[k] * h);
-    dm_lattice_set(l, slot + KICK, h * c->table.b[k]);
-    if (k < c->table.stages) dm_lattice_set(l, slot + DRIFT, h * c->table.a[k]);
-}
-
-static void copy_ends(dm_chain *c) {
-    const dm_lattice *l = &c->lattice;
-    if (c->plain || c->moved) {
-        dm_lattice_copy_ends(l, c->q0, c->passes);
-        dm_lattice_copy_ends(l, c->p0, c->passes);
-    }
-    if (c->plain) return;
-    dm_lattice_copy_ends(l, c->dq, c->passes);
-    dm_lattice_copy_ends(l, c->dp, c->passes);
-}
-
-/* what has come together */
-static void run_layers(dm_chain *c) {
-    if (!c->layers) return;
-    copy_ends(c);
-    dm_lattice_run_band(&c->lattice, c->layer, c->layers);
-    /* copies at the ends are for so many passes only */
-    c->moved = c->moves || c->lattice.band > 1;
-    c->layers = c->passes = 0;
-    c->moves = 0;
-    dm_lattice_choose(&c->lattice, 0);
-}
-
-/* kicks k .. k + count - 1 in one loop */
-static void add_layer(dm_chain *c, const dm_strip *stack, int k, int count,
-                      const dm_chain_burst *b) {
-    dm_lattice *l = &c->lattice;
-    if (c->layers == l->band || c->passes + (uint32_t)count > dm_lattice_reach(l)) run_layers(c);
-    dm_lattice_choose(l, c->layers);
-    for (int i = 0; i < count; i++) set_numbers(c, k + i, i, b->h, b->t);
-    c->layer[c->layers++] = (dm_layer){stack, (uint32_t)count};
-    c->passes += (uint32_t)count;
-}
-
-static void step_stacked(dm_chain *c, const dm_chain_burst *b, int stops) {
-    const dm_strip *rest = stops || !c->first ? &c->deep_stop : &c->deep_turn;
-    const uint32_t slot = (uint32_t)c->rest * DM_LATTICE_NUMBERS;
-    int k = c->first;
-    for (; c->last - k >= c->deep; k += c->deep) add_layer(c, &c->deep_middle, k, c->deep, b);
-    add_layer(c, rest, k, c->rest + 1, b);
-    dm_lattice_set(&c->lattice, slot + AGAIN_KICK, b->h * c->table.b[0]);
-    dm_lattice_set(&c->lattice, slot + AGAIN_DRIFT, b->h * c->table.a[0]);
-    c->moves = 1;
-    if (stops) run_layers(c);
-}
-
 static void step(dm_chain *c, const dm_chain_burst *b, int stops) {
     dm_lattice *l = &c->lattice;
     for (int k = c->first; k <= c->last; k++) {
@@ -172,10 +114,9 @@ static void step(dm_chain *c, const dm_chain_burst *b, int stops) {
 
 static void steps(dm_chain *c, const dm_chain_burst *b) {
     dm_chain_burst now = *b;
-    c->moved = 1;
     for (long k = 0; k < b->count; k++) {
         now.t = b->t + (double)k * b->h;
-        (c->deep ? step_stacked : step)(c, &now, k == b->count - 1);
+        step(c, &now, k == b->count - 1);
     }
 }
 

@@ -16,13 +16,7 @@ struct dm_chain {
     uint32_t q, q0, p0, dq, dp, weight;
     double same_weight;                            /* 1/m where it is that of all, else 0 */
     dm_strip lead[2], middle[2], turn[2], stop[2]; /* alone; joined with the slopes */
-    dm_strip deep_middle, deep_turn, deep_stop;    /* some passes in one loop */
     int joined;
-    int deep;                        /* passes of one loop, 0: one by one */
-    dm_layer layer[DM_LATTICE_BAND]; /* what is to be run together */
-    uint32_t layers, passes;
-    int moved, moves; /* q0 and p0, since their ends were copied; by these layers */
-    int rest;         /* middle passes that the last loop of a step begins with */
 };
 
 static inline dm_lattice_pair dm_chain_positions(const dm_chain *c) {

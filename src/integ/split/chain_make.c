@@ -112,24 +112,6 @@ static int join(dm_chain *c) {
     return 1;
 }
 
-/* `count` passes, all but the last of them in the middle of a step */
-static int stack_up(dm_chain *c, dm_strip *out, int count, const dm_strip *last) {
-    const dm_strip *use[DM_LATTICE_DEEP];
-    for (int k = 0; k < count; k++) use[k] = k + 1 < count ? c->middle : last;
-    return dm_lattice_stack(&c->lattice, out, use, (uint32_t)count, dm_chain_positions(c)) == DM_OK;
-}
-
-/* all stacks of a step, or none */
-static int stack_all(dm_chain *c) {
-    const int middle = c->last - c->first;
-    c->deep = (int)dm_lattice_deep(&c->lattice);
-    if (!c->deep) return 0;
-    c->rest = middle % c->deep;
-    if (middle >= c->deep && !stack_up(c, &c->deep_middle, c->deep, c->middle)) return 0;
-    if (c->first && !stack_up(c, &c->deep_turn, c->rest + 1, c->turn)) return 0;
-    return stack_up(c, &c->deep_stop, c->rest + 1, c->stop);
-}
-
 static dm_status make_passes(dm_chain *c) {
     const dm_splitting *table = &c->table;
     const int kicks = c->first && table->b[0] != 0.0, drifts = c->last < table->stages;
@@ -143,7 +125,6 @@ static dm_status make_passes(dm_chain *c) {
     if (status == DM_OK && c->first) status = make_pass(c, c->turn, turn);
     if (status == DM_OK && c->first && !kicks) status = make_pass(c, c->lead, lead);
     c->joined = status == DM_OK && join(c);
-    if (!c->joined || !stack_all(c)) c->deep = 0;
     return status;
 }
 
