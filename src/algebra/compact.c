@@ -42,8 +42,7 @@ typedef struct {
     int passes;     /* at most, on one road */
 } search;
 
-/* one pass over `now`; its cost, or UINT64_MAX where it failed. An expanding pass leaves products
- * to the next one, which takes them apart anyway. */
+/* one pass over `now`; its cost, or UINT64_MAX where it failed */
 static uint64_t pass(search *x, int expand) {
     dm_terms s;
     dm_arena *scratch = dm_arena_scratch(x->g->arena);
@@ -53,8 +52,6 @@ static uint64_t pass(search *x, int expand) {
     if (!dm_terms_read(&s, x->now, x->m, value)) return UINT64_MAX;
     if (expand) dm_terms_expand(&s, value, x->m);
     dm_terms_factor(&s, value, x->m);
-    if (!expand) dm_terms_share(&s, value, x->m, DM_TERM_PRODUCT);
-    dm_terms_share(&s, value, x->m, DM_TERM_SUM);
     if (s.unfit || dm_graph_status(x->g) != DM_OK) return UINT64_MAX;
     dm_terms_write(&s, value, x->m, x->now);
     return dm_graph_status(x->g) == DM_OK ? cost(x->g, x->now, x->m) : UINT64_MAX;

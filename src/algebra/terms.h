@@ -85,9 +85,8 @@ enum { DM_MOST_FACTORS = 12 }; /* of a product that is still opened */
 /* Rewriting: products of sums multiplied out, so that like terms meet; at the start only. */
 void dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m);
 
-/* Rewriting: common factors of sums, then common parts of products and sums. */
+/* Rewriting: common factors of sums. */
 void dm_terms_factor(dm_terms *s, const dm_scaled *roots, uint32_t m);
-void dm_terms_share(dm_terms *s, dm_scaled *roots, uint32_t m, dm_term_kind kind);
 
 /* out[m] = roots as nodes of the graph. */
 void dm_terms_write(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_node *out);

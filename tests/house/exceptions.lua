@@ -27,7 +27,6 @@ return {
   },
   -- types of one name: file, name, why
   types = {
-    { "src/integ/method/hamilton_inside.h", "dm_splitting", "splits L in parts; the other one is a table of kicks" },
   },
   -- decisions by the name of a rule or a group: file, names, why
   decisions = {

@@ -1,6 +1,5 @@
--- Several passes of a splitting step over a long ring in one generated loop: the bits of the tape, of bursts of one step, of any rule;
--- masses and numbers of springs that vary, a time-dependent term, two coordinates a body; sums with compensation and without; chains that
--- are not stacked as well.
+-- Splitting steps over long chains as generated loops: the bits of the tape, of bursts of one step, of any rule; masses and numbers
+-- of springs that vary, a time-dependent term, two coordinates a body; sums with compensation and without.
 local tap = require "tap"
 local dm = require "dm"
 local ok, near = tap.ok, tap.near
@@ -56,7 +55,7 @@ local systems = {
   end,
 }
 
--- the same without a stack: not closed, with a function, to the neighbour after the next
+-- not closed, with a function, to the neighbour after the next
 local others = {
   ["an open chain"] = function()
     return function(q, v) return dm.sum_over(v, function(u) return u ^ 2 / 2 end) - dm.sum_over(q, spring, { shift = 1 }) end
@@ -135,7 +134,7 @@ for _, backend in ipairs { "jit", "tape" } do
   near(path.q[#path][200], 600, 0, "one between: " .. backend)
 end
 
--- longer than a cache: several loops, tile by tile, over more than a step
+-- longer than a cache
 local long = { ["equal bodies"] = systems, ["springs that vary, and an own force on each"] = systems, ["exponentials"] = others,
   ["an open chain"] = others }
 for name, from in pairs(long) do
