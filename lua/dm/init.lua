@@ -18,6 +18,7 @@ local rows = {
   help = "dm.session.help",
   invariant_problem = "dm.frame.invariant",
   load = "dm.data.load",
+  mesh = "dm.dec",
   moving_frame = "dm.frame",
   plot = "dm.show.plot",
   polynomial_roots = "dm.measure.recurrence",
@@ -74,6 +75,8 @@ local rows = {
   ["path:plot"] = "dm.show.path",
   ["path:reconstruct"] = "dm.reduce.run.reconstruct",
   ["path:series"] = "dm.show.path",
+  -- of meshes and what lives on them
+  ["mesh:form"] = "dm.dec",
   ["ensemble:plot"] = "dm.show.fan",
 }
 

@@ -17,9 +17,9 @@ floors.src = {
   "cli",
 }
 
--- kept free: dec, connection (above group), sweep (above measure)
+-- kept free: connection (above group), sweep (above measure)
 floors.lua = {
-  "base", "group", "action", "frame", "show", "show/animate", "data", "chart", "measure", "stability",
+  "base", "group", "action", "frame", "show", "show/animate", "data", "dec", "chart", "measure", "stability",
   "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos", "session",
 }
 

@@ -3,6 +3,7 @@
 #include "bind/value/array.h"
 #include "dec/orientation.h"
 
+#include <math.h>
 #include <string.h>
 
 dml_mesh *dml_checkmesh(lua_State *L, int arg) {
@@ -132,6 +133,39 @@ static int mesh_boundary_sum(lua_State *L) {
     return 1;
 }
 
+/* which ratio a call of K:star_values asks for */
+static int is_to_dual(lua_State *L, int arg) {
+    static const char *const names[] = {"dual", "primal", NULL};
+    return luaL_checkoption(L, arg, "dual", names) == 0;
+}
+
+static int mesh_star_values(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m), count = m->K.count[k];
+    const int to_dual = is_to_dual(L, 4), pinv = lua_toboolean(L, 5);
+    dml_needmetric(L, m);
+    double *x = lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *x, 0);
+    dml_vectorarg(L, 3, "the values of a form", x, count);
+    double *out = dml_pushvector(L, count);
+    const double *volume = m->metric.volume[k], *dual = m->metric.dual[k];
+    const double sign = k * (m->K.n - k) % 2 ? -1.0 : 1.0;
+    double largest = 0.0;
+    for (uint32_t i = 0; i < count; i++) largest = fmax(largest, fabs(dual[i]));
+    for (uint32_t i = 0; i < count; i++) {
+        const int none = fabs(dual[i]) < 1e-12 * largest;
+        if (to_dual)
+            out[i] = dual[i] / volume[i] * x[i];
+        else if (!none)
+            out[i] = sign * volume[i] / dual[i] * x[i];
+        else if (!pinv)
+            luaL_error(L,
+                       "zero dual volume at simplex %s: its star has no inverse; give pinv = true "
+                       "for 0 there, or dual = \"barycentric\" to the mesh",
+                       dml_pushcell(L, m->K.vertex[k] + (size_t)i * (k + 1), k + 1));
+    }
+    return 1;
+}
+
 static int mesh_field(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const char *key = luaL_checkstring(L, 2);
@@ -154,35 +188,41 @@ static int mesh_field(lua_State *L) {
     return 1;
 }
 
-static const dml_row methods[] =
-    {{"count", mesh_count, "K:count(k) -> number\nHow many cells of degree k there are."},
-     {"simplices", mesh_simplices,
-      "K:simplices(k) -> table of lists of vertices\n"
-      "The cells of degree k as ascending lists of vertex numbers, from 1, in lexicographic order: "
-      "the order of all that lives on them."},
-     {"points", mesh_points,
-      "K:points() -> dm.matrix\nThe points of the vertices, a row each. Raises where there are "
-      "none."},
-     {"volume", mesh_volume,
-      "K:volume(k) -> dm.vector\n"
-      "The volumes of the cells of degree k, in units of length to the power k; of vertices 1."},
-     {"dual_volume", mesh_dual_volume,
-      "K:dual_volume(k) -> dm.vector\n"
-      "The signed volumes of the dual cells (of degree n - k) of the cells of degree k: zero or "
-      "negative where a centre lies outside of its simplex (Leok 3.3)."},
-     {"find", mesh_find,
-      "K:find{i, j, ...} -> number, sign   or nothing\n"
-      "The number of the cell with these vertices, and 1 or -1: the parity of their order."},
-     {"orientation", mesh_orientation,
-      "K:orientation() -> dm.vector   or nothing\n"
-      "1 or -1 for every top cell: the coherent orientation against the ascending order."},
-     {"coboundary", mesh_coboundary,
-      "K:coboundary(k, x) -> dm.vector\n"
-      "d x of plain values x on the cells of degree k, on those of degree k + 1."},
-     {"boundary_sum", mesh_boundary_sum,
-      "K:boundary_sum(k, x) -> dm.vector\n"
-      "The transpose of d: values on the cells of degree k, with signs, to their faces."},
-     {NULL, NULL, NULL}};
+static const dml_row methods[] = {
+    {"count", mesh_count, "K:count(k) -> number\nHow many cells of degree k there are."},
+    {"simplices", mesh_simplices,
+     "K:simplices(k) -> table of lists of vertices\n"
+     "The cells of degree k as ascending lists of vertex numbers, from 1, in lexicographic order: "
+     "the order of all that lives on them."},
+    {"points", mesh_points,
+     "K:points() -> dm.matrix\nThe points of the vertices, a row each. Raises where there are "
+     "none."},
+    {"volume", mesh_volume,
+     "K:volume(k) -> dm.vector\n"
+     "The volumes of the cells of degree k, in units of length to the power k; of vertices 1."},
+    {"dual_volume", mesh_dual_volume,
+     "K:dual_volume(k) -> dm.vector\n"
+     "The signed volumes of the dual cells (of degree n - k) of the cells of degree k: zero or "
+     "negative where a centre lies outside of its simplex (Leok 3.3)."},
+    {"find", mesh_find,
+     "K:find{i, j, ...} -> number, sign   or nothing\n"
+     "The number of the cell with these vertices, and 1 or -1: the parity of their order."},
+    {"orientation", mesh_orientation,
+     "K:orientation() -> dm.vector   or nothing\n"
+     "1 or -1 for every top cell: the coherent orientation against the ascending order."},
+    {"coboundary", mesh_coboundary,
+     "K:coboundary(k, x) -> dm.vector\n"
+     "d x of plain values x on the cells of degree k, on those of degree k + 1."},
+    {"boundary_sum", mesh_boundary_sum,
+     "K:boundary_sum(k, x) -> dm.vector\n"
+     "The transpose of d: values on the cells of degree k, with signs, to their faces."},
+    {"star_values", mesh_star_values,
+     "K:star_values(k, x, \"dual\" | \"primal\" [, pinv]) -> dm.vector\n"
+     "Plain values x on the cells of degree k to their duals, by |*s| / |s|, or back, by (-1)^(k "
+     "(n "
+     "- k)) |s| / |*s| (Leok, Def 3.18). Raises where a dual volume is below 1e-12 of the largest, "
+     "unless pinv: 0 there."},
+    {NULL, NULL, NULL}};
 
 static const dml_row functions[] = {
     {"complex", dml_mesh_new,

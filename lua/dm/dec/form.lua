@@ -1,0 +1,155 @@
+--- dm.form: cochains, the discrete forms of a mesh (Leok 3.5, Def 3.10-3.12). A primal form of
+-- degree k has a number for every k-cell, a dual one for the dual of every (n - k)-cell; dual forms
+-- are listed by these primal cells. Forms of one mesh, degree and side can be added.
+local class = require "dm.base.class"
+local core = require "dm.core"
+local option = require "dm.base.options"
+
+local M = {}
+
+local Form = core.class({ __name = "dm.form" }, [[
+dm.form: a number for every cell of a degree of a mesh, made by K:form(k, ...)
+fields: mesh, degree, side ("primal", "dual"), values (a dm.vector); a[i], #a, + - * / with
+numbers, == entry by entry]])
+
+local fail = option.fail
+local rawequal, getmetatable, type = rawequal, getmetatable, type
+
+--- The degree of the primal cells that a form is listed by.
+local function listed(a) return a.side == "dual" and a.mesh.dimension - a.degree or a.degree end
+M.listed = listed
+
+--- A form of a mesh; values: a dm.vector, as many as there are cells.
+function M.new(mesh, degree, side, values)
+  return setmetatable({ mesh = mesh, degree = degree, side = side, values = values }, Form)
+end
+local new = M.new
+
+function M.is_form(x) return getmetatable(x) == Form end
+local is_form = M.is_form
+
+--- "primal 1-form", of messages.
+function M.name(a) return ("%s %d-form"):format(a.side, a.degree) end
+local name = M.name
+
+--- Raises where two forms are not of one kind.
+function M.match(a, b, where)
+  if not (is_form(a) and is_form(b)) then
+    fail(where, "a form of the same kind is needed (got %s)", option.got(is_form(a) and b or a))
+  end
+  if not rawequal(a.mesh, b.mesh) then fail(where, "the forms are of two meshes") end
+  if a.degree ~= b.degree then
+    fail(where, "the forms have different degrees, %d and %d", a.degree, b.degree)
+  end
+  if a.side ~= b.side then fail(where, "one form is %s, the other %s", a.side, b.side) end
+end
+local match = M.match
+
+---- arithmetic ----
+
+local function with(a, values) return new(a.mesh, a.degree, a.side, values) end
+
+function Form.__add(a, b)
+  match(a, b, "form + form")
+  return with(a, a.values + b.values)
+end
+
+function Form.__sub(a, b)
+  match(a, b, "form - form")
+  return with(a, a.values - b.values)
+end
+
+function Form.__unm(a) return with(a, -a.values) end
+
+function Form.__mul(a, b)
+  if type(a) == "number" then return with(b, a * b.values) end
+  if type(b) == "number" then return with(a, a.values * b) end
+  fail("form * x", "forms are multiplied by numbers; a:wedge(b) is the product of two")
+end
+
+function Form.__div(a, b)
+  if type(b) ~= "number" then fail("form / x", "a form is divided by numbers") end
+  return with(a, a.values / b)
+end
+
+function Form.__eq(a, b)
+  return rawequal(a.mesh, b.mesh) and a.degree == b.degree and a.side == b.side
+    and a.values == b.values
+end
+
+function Form.__len(a) return #a.values end
+
+local index = Form.__index
+function Form.__index(a, key)
+  if type(key) == "number" then return a.values[key] end
+  return type(index) == "function" and index(a, key) or index and index[key]
+end
+
+function Form.__tostring(a)
+  return ("%s: %s"):format(name(a), tostring(a.values))
+end
+
+---- methods ----
+
+local SIGN = "the value on the cell with these vertices, in this order"
+
+class.method("dm.form", "at", function(a, vertices)
+  local cell, sign = a.mesh:find(vertices)
+  if not cell or #vertices ~= listed(a) + 1 then
+    fail("form:at", "there is no cell of degree %d with these vertices", listed(a))
+  end
+  return sign * a.values[cell]
+end, "a:at{i, j, ...} -> number\n" .. SIGN:gsub("^t", "T") .. [[: odd orders change its sign. Of
+dual forms the dual of the cell with these vertices.]])
+
+class.method("dm.form", "d", function(a)
+  local K, k, n = a.mesh, listed(a), a.mesh.dimension
+  if a.degree == n then fail("form:d", "a form of degree %d, that of the mesh, has no d", n) end
+  if a.side == "primal" then return new(K, k + 1, "primal", K:coboundary(k, a.values)) end
+  local sign = k % 2 == 0 and 1 or -1
+  return new(K, a.degree + 1, "dual", sign * K:boundary_sum(k, a.values))
+end, [[
+a:d() -> dm.form
+The exterior derivative, exact: d d = 0. On duals of k-cells it is (-1)^k times the transpose (Leok,
+Def 3.16, 3.17, with the sign that keeps Def 3.19 right).]])
+
+class.method("dm.form", "star", function(a, options)
+  option.check(options or {}, { "pinv" }, "form:star")
+  local K, k, n = a.mesh, listed(a), a.mesh.dimension
+  local to = a.side == "primal" and "dual" or "primal"
+  local values = K:star_values(k, a.values, to, options and options.pinv)
+  return new(K, n - a.degree, to, values)
+end, [[
+a:star{pinv=} -> dm.form
+The Hodge star: a primal k-form becomes a dual (n - k)-form and back; star star = (-1)^(k (n - k)).
+Raises "zero dual volume" with the cell where there is no way back, unless pinv = true: 0 there
+(Leok, Def 3.18).]])
+
+class.method("dm.form", "dot", function(a, b)
+  match(a, b, "form:dot")
+  local sign = a.side == "dual" and listed(a) * a.degree % 2 == 1 and -1 or 1
+  return sign * a:star().values:dot(b.values)
+end, [[
+a:dot(b) -> number
+The L2 product of two forms of one kind, sum of |*s| / |s| a(s) b(s).]])
+
+class.method("dm.form", "norm", function(a)
+  local square = a:dot(a)
+  if square < 0 then
+    fail("form:norm", "the square of the norm is %g, negative: the mesh has negative stars; "
+      .. "K:quality() counts them", square)
+  end
+  return square ^ 0.5
+end, "a:norm() -> number\nThe L2 norm. Raises where negative stars make its square negative.")
+
+class.method("dm.form", "max", function(a)
+  local largest = 0
+  for i = 1, #a.values do
+    local x = a.values[i]
+    if x < 0 then x = -x end
+    if x > largest or x ~= x then largest = x end
+  end
+  return largest
+end, "a:max() -> number\nThe largest modulus of its values.")
+
+return M
