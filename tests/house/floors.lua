@@ -1,6 +1,7 @@
--- The floors of the house, from the ground up: a folder asks only folders that stand before it here, by the
--- symbols of the objects and by #include (C), by require (Lua). So there is no cycle, neither between folders
--- nor between the rooms of the first level with all that is in them. A new folder gets its place here.
+-- The floors of the house, from the ground up: a folder asks only folders that stand before it
+-- here, by the symbols of the objects and by #include (C), by require (Lua). So there is no cycle,
+-- neither between folders nor between the rooms of the first level with all that is in them. A new
+-- folder gets its place here.
 local floors = {}
 
 floors.src = {
@@ -8,22 +9,26 @@ floors.src = {
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
   "geom", "geom/action", "chain", "mech", "dec",
   -- kept free: field
-  "integ/method", "integ/split", "integ/constrained", "integ/stage/sweep", "integ/stage/lanes", "integ/stage",
+  "integ/method", "integ/split", "integ/constrained", "integ/stage/sweep", "integ/stage/lanes",
+  "integ/stage",
   "integ/rules", "integ/curve", "integ",
   -- kept free: integ/lie, integ/sem (below integ)
   "run", "run/ensemble",
   -- kept free: mpi
-  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/rule", "bind/run", "bind/ensemble", "bind",
+  "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/rule", "bind/run",
+  "bind/ensemble", "bind",
   "cli",
 }
 
 -- kept free: connection (above group), sweep (above measure)
 floors.lua = {
-  "base", "group", "action", "frame", "show", "show/animate", "data", "dec", "chart", "measure", "stability",
-  "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos", "session",
+  "base", "group", "action", "frame", "show", "show/animate", "data", "dec", "chart", "measure",
+  "stability", "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce",
+  "scene", "demos", "session",
 }
 
--- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed fails.
+-- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed
+-- fails.
 floors.up = {
   { "include", "numbers", "graph", "functions.h names the type of an operation" },
   { "include", "algebra", "code", "implicit.h names the type of a kernel" },

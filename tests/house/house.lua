@@ -14,6 +14,32 @@ function M.check(sentence, offenders)
   if #offenders > 20 then print(("#   ... and %d more"):format(#offenders - 20)) end
 end
 
+-- a check has to look at something: n things, at least so many
+function M.enough(sentence, n, least) M.check(sentence, n >= least and {} or { n .. " found" }) end
+
+-- What is let pass, rows { place, names in one text, why }. owed(place, name): is it? idle(): those
+-- that were not asked for, which fail a test too, so that no exception outlives its reason.
+function M.exceptions(rows)
+  local unused, E = {}, {}
+  for _, row in ipairs(rows) do
+    for name in row[2]:gmatch "%S+" do unused[row[1] .. " " .. name] = true end
+  end
+  function E.owed(place, name)
+    local key = place .. " " .. name
+    local known = unused[key] ~= nil
+    if known then unused[key] = false end
+    return known
+  end
+  function E.idle()
+    local list = {}
+    for key, idle in pairs(unused) do
+      if idle then list[#list + 1] = key .. ": take its exception out" end
+    end
+    return list
+  end
+  return E
+end
+
 function M.skip(sentence, why)
   count = count + 1
   print(("ok %d - %s # SKIP %s"):format(count, sentence, why))
@@ -42,6 +68,12 @@ end
 function M.read(file)
   local f <close> = assert(io.open(file))
   return f:read "a"
+end
+
+function M.is_there(file)
+  local f = io.open(file)
+  if f then f:close() end
+  return f ~= nil
 end
 
 -- the files of the project, whether it is a clone or an unpacked archive

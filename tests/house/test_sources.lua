@@ -1,5 +1,5 @@
--- Names of the sources: one base name for one file, one type name for one type; and no decision by the name of a
--- rule or a group: what is particular to one is said in its row.
+-- Names of the sources: one base name for one file, one type name for one type; and no decision by
+-- the name of a rule or a group: what is particular to one is said in its row.
 package.path = "tests/house/?.lua;" .. package.path
 local house = require "house"
 local exceptions = require "exceptions"
@@ -7,60 +7,47 @@ local core = require "dm.core"
 
 local C = house.files "^src/.*%.[ch]$"
 local text = {}
-for _, file in ipairs(house.files "^src/.*%.[ch]$") do text[file] = house.read(file) end
+for _, file in ipairs(C) do text[file] = house.read(file) end
 for _, file in ipairs(house.files "^lua/.*%.lua$") do text[file] = house.read(file) end
 
--- what is let pass, rows { file, names, why }: it fails when it is no longer needed
-local function debts(rows)
-  local unused, M = {}, {}
-  for _, row in ipairs(rows) do
-    for name in row[2]:gmatch "%S+" do unused[row[1] .. " " .. name] = true end
-  end
-  function M.owed(file, name)
-    local known = unused[file .. " " .. name] ~= nil
-    if known then unused[file .. " " .. name] = false end
-    return known
-  end
-  function M.idle()
-    local list = {}
-    for key, idle in pairs(unused) do if idle then list[#list + 1] = key .. ": take it out of exceptions.lua" end end
-    return list
-  end
-  return M
-end
+-- ---- names
 
--- the places of each name; those with more than one
+-- those that have more than one place: places[name] = { place = true }
 local function doubled(places)
   local wrong = {}
-  for name, files in pairs(places) do
+  for name, set in pairs(places) do
     local list = {}
-    for file in pairs(files) do list[#list + 1] = file end
-    if #list > 1 then table.sort(list); wrong[#wrong + 1] = name .. ": " .. table.concat(list, " ") end
+    for place in pairs(set) do list[#list + 1] = place end
+    table.sort(list)
+    if #list > 1 then wrong[#wrong + 1] = name .. ": " .. table.concat(list, " ") end
   end
   return wrong
 end
-local function note(places, name, file)
+local function note(places, name, place)
   places[name] = places[name] or {}
-  places[name][file] = true
+  places[name][place] = true
 end
 
--- x.c and x.h of one folder belong together
 local base, types = {}, {}
-local twice = debts(exceptions.types)
+local twice = house.exceptions(exceptions.types)
 for _, file in ipairs(C) do
-  note(base, file:match "([^/]+)%.[ch]$", file:match "^(.*)/")
+  note(base, file:match "([^/]+)%.[ch]$", file:match "^(.*)/") -- x.c and x.h of a folder are one
   local function type_name(name)
     if not twice.owed(file, name) then note(types, name, file) end
   end
   for name in text[file]:gmatch "\n}%s*(dml?_[%w_]+);" do type_name(name) end
   for _, kind in ipairs { "struct", "union", "enum" } do
-    for name in text[file]:gmatch("%f[%w]" .. kind .. "%s+(dml?_[%w_]+)%s*{") do type_name(name) end
+    local definition = "%f[%w]" .. kind .. "%s+(dml?_[%w_]+)%s*{"
+    for name in text[file]:gmatch(definition) do type_name(name) end
   end
 end
-house.check("there are C files and types", #C > 100 and next(types) and {} or { #C .. " files" })
+house.enough("there are C files", #C, 100)
+house.check("there are types", next(types) and {} or { "none" })
 house.check("no base name of C files in two folders", doubled(base))
 house.check("no type name in two files", doubled(types))
 house.check("every exception to that is needed", twice.idle())
+
+-- ---- decisions
 
 -- names of rules and groups, as users write them
 local names, groups = {}, 0
@@ -68,23 +55,28 @@ for _, row in ipairs(core.rules()) do names[row.name] = "rule" end
 for _, file in ipairs(house.files "^src/geom/.*%.c$") do
   for name in text[file]:gmatch '%.name = "(%w+)"' do names[name], groups = "group", groups + 1 end
 end
-house.check("there are rules and groups", names.verlet and groups > 5 and {} or { groups .. " groups" })
+house.enough("there are groups", groups, 6)
+house.check("there are rules", names.verlet and names.gauss and {} or { "no verlet, no gauss" })
 
-local function code(file) -- without comments, blanks as one
-  local bare = file:find "^lua" and text[file]:gsub("%-%-[^\n]*", "") or text[file]:gsub("/%*.-%*/", "")
+-- a text without comments, blanks as one
+local function code(file)
+  local bare
+  if file:find "^lua" then bare = text[file]:gsub("%-%-[^\n]*", "")
+  else bare = text[file]:gsub("/%*.-%*/", "") end
   return (bare:gsub("%s+", " "))
 end
 local function plain(name) return (name:gsub("%p", "%%%0")) end
 
--- comparisons with a name, and tables of truth values by name
+-- a comparison with a name, or a table of truth values by name
 local function decides(words, name)
   local quoted = '"' .. plain(name) .. '"'
-  return words:find("str%w*cmp%([^\"]*" .. quoted) or words:find("[=~!]= ?" .. quoted)
-    or words:find(quoted .. " ?[=~!]=") or words:find("%[" .. quoted .. "%] ?= ?true")
+  return words:find("str%w*cmp%([^\"]*" .. quoted)
+    or words:find("[=~!]= ?" .. quoted) or words:find(quoted .. " ?[=~!]=")
+    or words:find("%[" .. quoted .. "%] ?= ?true")
     or words:find("%f[%w_-]" .. plain(name) .. " ?= ?true")
 end
 
-local decisions, by_name = {}, debts(exceptions.decisions)
+local decisions, by_name = {}, house.exceptions(exceptions.decisions)
 for file in pairs(text) do
   local words = not file:find "^lua/dm/demos/" and code(file) or ""
   for name, kind in pairs(names) do

@@ -1,6 +1,6 @@
--- The tree of the house as it is: folders, files, and who asks whom. C is read twice, by the symbols of
--- the objects (who defines, who calls) and by #include, Lua by require. test_floors looks at the arrows;
--- as a program it draws them:  build/dmlua tests/house/tree.lua [ROOT]
+-- The tree of the house as it is: folders, files, and who asks whom. C is read twice, by the
+-- symbols of the objects (who defines, who calls) and by #include, Lua by require. test_floors looks
+-- at the arrows; as a program it draws them:  build/dmlua tests/house/tree.lua [ROOT]
 local tree = {}
 
 local function lines(command)
@@ -16,7 +16,7 @@ function tree.files(root, where)
   return lines(("cd '%s' && find %s -type f | LC_ALL=C sort"):format(root, where))
 end
 
--- arrows[from][to] = { "who asks for what", ... } between folders; from itself to itself is left out
+-- arrows[from][to] = { "who asks for what", ... } between folders; of itself a folder may ask
 local function add(arrows, from, to, why)
   if from == to then return end
   arrows[from] = arrows[from] or {}
@@ -25,13 +25,15 @@ local function add(arrows, from, to, why)
   list[#list + 1] = why
 end
 
--- what the objects of sources that are there define and ask: rows { object, kind of nm, symbol }; the object of
--- src/base/arena.c is "base/arena"
+-- what the objects of sources that are there define and ask: rows { object, kind of nm, symbol };
+-- the object of src/base/arena.c is "base/arena"
 function tree.symbols(root, build)
   local there, rows = {}, {}
-  for _, file in ipairs(tree.files(root, "src")) do there[file:match "^src/(.*)%.c$" or ""] = true end
-  local command = "cd '%s' 2>/dev/null && find . -name '*.o' -not -path './tests/*' -not -path './san/*'"
-    .. " -not -path './bench/*' | LC_ALL=C sort | xargs nm -A -g"
+  for _, file in ipairs(tree.files(root, "src")) do
+    there[file:match "^src/(.*)%.c$" or ""] = true
+  end
+  local command = "cd '%s' 2>/dev/null && find . -name '*.o' -not -path './tests/*' "
+    .. "-not -path './san/*' -not -path './bench/*' | LC_ALL=C sort | xargs nm -A -g"
   for _, line in ipairs(lines(command:format(build))) do
     local object, kind, name = line:match "^%./(.-)%.o:.-(%a) (%S+)$"
     if there[object] then rows[#rows + 1] = { object, kind, name } end
@@ -57,11 +59,19 @@ function tree.objects(root, build)
   return between
 end
 
+-- how many arrows there are
+function tree.count(arrows)
+  local n = 0
+  for _, to in pairs(arrows) do for _ in pairs(to) do n = n + 1 end end
+  return n
+end
+
 function tree.by_symbols(root, build)
   local arrows = {}
   for from, list in pairs(tree.objects(root, build)) do
     for to, symbol in pairs(list) do
-      add(arrows, "src/" .. folder(from), "src/" .. folder(to), ("%s.c calls %s of %s.c"):format(from, symbol, to))
+      local why = ("%s.c calls %s of %s.c"):format(from, symbol, to)
+      add(arrows, "src/" .. folder(from), "src/" .. folder(to), why)
     end
   end
   return arrows
@@ -88,7 +98,8 @@ function tree.by_requires(root)
   place.dm = nil
   for _, file in ipairs(files) do
     local f <close> = assert(io.open(root .. "/" .. file))
-    for name in (file == "lua/dm/init.lua" and "" or f:read "a"):gmatch "require%s*%(?%s*[\"']([%w_.]+)" do
+    local text = file == "lua/dm/init.lua" and "" or f:read "a"
+    for name in text:gmatch "require%s*%(?%s*[\"']([%w_.]+)" do
       if place[name] then add(arrows, folder(file), place[name], file .. " requires " .. name) end
     end
   end
@@ -172,19 +183,21 @@ local function draw(top, n, arrows)
   end
 end
 
-local function largest(cycles, unit)
-  if #cycles == 0 then return "no cycle of " .. unit end
-  return ("%d %s in %s, the largest: %d"):format(#cycles, #cycles == 1 and "cycle" or "cycles", unit, #cycles[1])
+local function say(cycles, unit)
+  local most = cycles[1] and (", the largest of " .. #cycles[1]) or ""
+  print(("cycles between %s: %d%s"):format(unit, #cycles, most))
 end
 
 function tree.main(root)
-  local arrows, requires = tree.by_symbols(root, root .. "/build"), tree.by_requires(root)
+  local build = root .. "/build"
+  local arrows, requires = tree.by_symbols(root, build), tree.by_requires(root)
   draw("src", count(tree.files(root, "src")), arrows)
-  print(largest(tree.cycles(arrows), "folders") .. "; " .. largest(tree.cycles(tree.objects(root, root .. "/build")), "objects")
-    .. "; by #include " .. largest(tree.cycles(tree.by_includes(root)), "folders"))
+  say(tree.cycles(arrows), "folders by symbols")
+  say(tree.cycles(tree.by_includes(root)), "folders by #include")
+  say(tree.cycles(tree.objects(root, build)), "objects")
   print()
   draw("lua/dm", count(tree.files(root, "lua")), requires)
-  print(largest(tree.cycles(requires), "folders"))
+  say(tree.cycles(requires), "folders by require")
 end
 
 if arg and arg[0] and arg[0]:find "tree%.lua$" then tree.main(arg[1] or ".") end
