@@ -204,6 +204,7 @@ dm_implicit *dm_implicit_make(const dm_implicit_draft *d, dm_arena *arena, dm_st
                        .unknowns = r,
                        .inputs = n,
                        .starts = d->starts,
+                       .angles = d->angles,
                        .has_branch = d->branch != NULL,
                        .has_value = d->value != NULL,
                        .graph = dm_graph_new(arena, 3 * r + n)};

@@ -10,8 +10,8 @@
 #ifndef DM_IMPLICIT_H
 #define DM_IMPLICIT_H
 
-#include "graph/graph.h"
 #include "code/kernel.h"
+#include "graph/graph.h"
 
 enum { DM_ROOT_MOST = 64 }; /* unknowns */
 
@@ -36,6 +36,7 @@ typedef struct dm_implicit {
     uint32_t unknowns, inputs; /* r, n */
     uint32_t starts;           /* where Newton's method may begin, the best first */
     int has_branch, has_value;
+    uint64_t angles;         /* bit i: unknown i is an angle in rad, known up to whole turns */
     dm_graph *graph;         /* inputs y[r], x[n], w[r], u[r] */
     const dm_node *equation; /* F[r], F_y[r*r], branch */
     const dm_node *slope;    /* F_x[r*n] */
@@ -51,6 +52,7 @@ typedef struct {
     double serial;
     const char *name, *advice;
     uint32_t unknowns, inputs, starts;
+    uint64_t angles; /* bit i: unknown i is an angle in rad */
     dm_graph *graph;
     const dm_node *equation; /* [r], or NULL and `value`: F = dS/dy */
     const dm_node *value;

@@ -156,13 +156,20 @@ local function start_of(self, start)
   return function(z) return points.entries(G:flat(start(table.unpack(split(z, k, m))))) end
 end
 
+-- places of the flat coordinates that are angles
+local function angles_of(G)
+  local out = {}
+  for i in pairs(kits.of(G).angles) do out[#out + 1] = i end
+  return out
+end
+
 -- the root y(z) of Z(g(y) z) = 0, bonds(y) = 0
 local function solved(self, start)
   local G, k, m = self.group, self.k, self.m
   local begin = start_of(self, start)
   local function at(y, z) return moved(self, G:unflat(y), split(z, k, m)) end
   return core.root {
-    name = text.name(self), start = begin, failure = text.advice,
+    name = text.name(self), start = begin, failure = text.advice, angles = angles_of(G),
     equations = function(y, z)
       local out = section(self, at(y, z))
       for _, bond in ipairs(points.entries(G:bonds(y))) do out[#out + 1] = bond end

@@ -203,9 +203,16 @@ static void check_text(lua_State *L, const char *key) {
     lua_pop(L, 1);
 }
 
+static void check_list(lua_State *L, const char *key) {
+    const int type = lua_getfield(L, 1, key);
+    if (type != LUA_TTABLE && type != LUA_TNIL)
+        luaL_error(L, "field '%s' must be a list (got %s)", key, luaL_typename(L, -1));
+    lua_pop(L, 1);
+}
+
 static void check_options(lua_State *L) {
-    static const char *const known[] = {"equations", "stationary", "unknowns", "start",
-                                        "branch",    "name",       "failure",  NULL};
+    static const char *const known[] = {"equations", "stationary", "unknowns", "start", "branch",
+                                        "angles",    "name",       "failure",  NULL};
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
     const int stationary = lua_getfield(L, 1, "stationary") != LUA_TNIL;
@@ -218,6 +225,7 @@ static void check_options(lua_State *L) {
     check_type(L, "branch", 0);
     check_text(L, "name");
     check_text(L, "failure");
+    check_list(L, "angles");
     const int start = lua_getfield(L, 1, "start");
     dml_count(L, 1, "unknowns", 1, 1);
     if (start == LUA_TNIL && lua_getfield(L, 1, "unknowns") == LUA_TNIL)
@@ -278,13 +286,16 @@ static const dml_row methods[] =
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"root", root_new,
-      "dm.root{equations= | stationary=, start= | unknowns=, branch=, name=, failure=} -> dm.root\n"
+      "dm.root{equations= | stationary=, start= | unknowns=, branch=, angles=, name=, failure=} -> "
+      "dm.root\n"
       "The function y = f(x, ...) with equations(y, x, ...) = 0: as many numbers as unknowns; or "
       "for which stationary(y, x, ...), one number, is stationary in y. Arguments are numbers, "
       "vectors or tables of numbers. start: where Newton's method begins, a list (or a number: "
       "then y is one), a list of lists to be tried in turn, or a function of the arguments; "
       "unknowns = r without a start: r zeros. branch(y, x, ...) > 0 tells the root that is meant "
-      "from others. y depends on the arguments alone, not on earlier calls. In a function that is "
+      "from others. angles = {i, ...}: these unknowns are angles in rad, of which the equations "
+      "are periodic: whole turns are taken off them, so that they keep their digits. y depends on "
+      "the arguments alone, not on earlier calls. In a function that is "
       "traced f has exact derivatives of any order, so Lagrangians, discrete Lagrangians, "
       "constraints, forces and events may use it; it may call other roots. Raises, or ends a run, "
       "where there is no root, dF/dy is singular or the branch is left: the message has the name, "

@@ -220,6 +220,30 @@ static const dm_node *bring(lua_State *L, const shape *s, const dml_traced *t, d
     return out;
 }
 
+/* which unknowns are angles, a bit for each */
+static uint64_t read_angles(lua_State *L, const shape *s) {
+    const int top = lua_gettop(L);
+    uint64_t angles = 0;
+    if (push_field(L, "angles") == LUA_TNIL) {
+        lua_settop(L, top);
+        return 0;
+    }
+    for (lua_Integer k = 1; k <= luaL_len(L, top + 1); k++) {
+        int whole;
+        lua_geti(L, top + 1, k);
+        const lua_Integer i = lua_tointegerx(L, -1, &whole);
+        if (!whole || i < 1 || i > (lua_Integer)s->unknowns)
+            luaL_error(L,
+                       "%s: field 'angles' must be a list of places of unknowns that are angles, "
+                       "whole numbers from 1 to %d",
+                       dml_rootname(L, 1), (int)s->unknowns);
+        angles |= (uint64_t)1 << (i - 1);
+        lua_settop(L, top + 1);
+    }
+    lua_settop(L, top);
+    return angles;
+}
+
 static void make_function(lua_State *L, shape *s) {
     const uint32_t r = s->unknowns;
     const char *name = dml_rootname(L, 1);
@@ -236,6 +260,7 @@ static void make_function(lua_State *L, shape *s) {
                                      .unknowns = r,
                                      .inputs = s->uses,
                                      .starts = s->start.outputs / r,
+                                     .angles = read_angles(L, s),
                                      .graph = g,
                                      .equation = stationary ? NULL : equation,
                                      .value = stationary ? equation : NULL,

@@ -73,6 +73,7 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_roo
                         .starts = f->starts,
                         .has_branch = f->has_branch,
                         .most = ITERATIONS,
+                        .angles = f->angles,
                         .trouble = noted ? f->trouble : NULL};
     if (!take_memory(&s, f, arena)) return DM_NO_MEMORY;
     dm_status status =
@@ -307,10 +308,30 @@ static void keep(const dm_root_solver *s, const dm_root_trouble *found, const do
     memcpy(t->y, s->best, s->r * sizeof *s->best);
 }
 
+/* whole turns taken off angles of more than one, which have lost digits; 1 where there were any */
+static int unwind(const dm_root_solver *s, double *y) {
+    static const double TURN = 0x1.921fb54442d18p+2; /* 2 pi */
+    int changed = 0;
+    for (uint32_t i = 0; i < s->r && s->angles >> i; i++) {
+        if (!(s->angles >> i & 1) || !(fabs(y[i]) > TURN)) continue;
+        y[i] = remainder(y[i], TURN);
+        changed = 1;
+    }
+    return changed;
+}
+
+/* to the root next to y; once more from there with its digits back, where it has whole turns */
+static dm_root_outcome find(dm_root_solver *s, double *y, int inside) {
+    path p = {.y = y, .inside = inside};
+    const dm_root_outcome outcome = iterate(s, &p);
+    if (outcome != DM_ROOT_FOUND || !unwind(s, y)) return outcome;
+    p = (path){.y = y, .inside = inside};
+    return iterate(s, &p);
+}
+
 /* one start; what is found is in y, the matrix in s */
 static dm_root_trouble attempt(dm_root_solver *s, double *y, double *inverse, int inside) {
-    path p = {.y = y, .inside = inside};
-    dm_root_trouble t = {.outcome = iterate(s, &p), .condition = INFINITY};
+    dm_root_trouble t = {.outcome = find(s, y, inside), .condition = INFINITY};
     t.residual = norm(s->out, s->r);
     t.branch = branch(s);
     if (!(t.residual <= INFINITY)) t.residual = INFINITY;

@@ -8,6 +8,7 @@
 typedef struct {
     uint32_t r, n, starts;
     int has_branch, most;    /* iterations */
+    uint64_t angles;         /* bit i: unknown i is an angle, kept within a turn of 0 */
     dm_kernel equation;      /* (y[r], x[n], ...) to F[r], F_y[r*r], branch */
     dm_kernel slope;         /* to F_x[r*n] */
     dm_kernel start;         /* the same inputs to [starts*r]; no eval: constants */

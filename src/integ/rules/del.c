@@ -289,10 +289,9 @@ static int solve_near(pair *e, const dm_stepper *s, dm_newton_report *report) {
     return 0;
 }
 
-/* from z = 0, where one iteration finds h M^-1 p0 whatever the masses; where Ld(q, q) is not
- * defined from z = h p0 */
-static dm_status solve_far(pair *e, const dm_stepper *s, double h, dm_newton_report *report) {
-    const uint32_t n = e->n;
+/* from z = h v for a v[n], or from z = 0 */
+static dm_status solve_from(pair *e, const dm_stepper *s, const double *v, double h,
+                            dm_newton_report *report) {
     const dm_newton_problem problem = {.m = e->N,
                                        .equation = equation,
                                        .ctx = e,
@@ -300,13 +299,19 @@ static dm_status solve_far(pair *e, const dm_stepper *s, double h, dm_newton_rep
                                        .tolerance = s->tolerance,
                                        .max_iterations = s->max_iterations};
     memset(e->z, 0, e->N * sizeof *e->z);
-    find_units(e);
-    dm_status status = dm_newton(e->z, &problem, e->scratch, report);
-    if (status != DM_NOT_FINITE && status != DM_SINGULAR) return status;
-    memset(e->z, 0, e->N * sizeof *e->z);
-    for (uint32_t i = 0; i < n; i++) e->z[i] = h * e->state[n + i];
+    for (uint32_t i = 0; v && i < e->n; i++) e->z[i] = h * v[i];
     find_units(e);
     return dm_newton(e->z, &problem, e->scratch, report);
+}
+
+/* From z = 0, where one iteration finds h M^-1 p0 whatever the masses; where that fails, as where
+ * Ld(q, q) is not defined or has a kink, from z = h p0. Where both do, the failure of the one that
+ * stays where Ld is defined is told. */
+static dm_status solve_far(pair *e, const dm_stepper *s, double h, dm_newton_report *report) {
+    const dm_status first = solve_from(e, s, NULL, h, report);
+    if (first == DM_OK) return first;
+    const dm_status status = solve_from(e, s, e->state + e->n, h, report);
+    return status == DM_OK || first == DM_NOT_FINITE || first == DM_SINGULAR ? status : first;
 }
 
 static dm_status step(dm_stepper *s, double *state, double t, double h) {

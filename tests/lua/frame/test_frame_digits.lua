@@ -1,0 +1,125 @@
+-- frames to the last digit however their section is written, and steps of frames that have a kink
+-- where both points are the same
+local tap = require "tap"
+local dm = require "dm"
+local ok, raises = tap.ok, tap.raises
+local abs, cos, sin, max, pi = math.abs, math.cos, math.sin, math.max, math.pi
+
+---- sections that are flat far away send Newton's method around many times ----
+
+local turn = dm.action { group = dm.SO(2), on = dm.R(2) }
+local plane = dm.action { group = dm.SE(2), on = dm.R(2) }
+local function right(z) return z[1] end
+local curves = {
+  { "y", function(y) return y end },
+  { "tanh(5 y)", function(y) return dm.tanh(5 * y) end },
+  { "atan(100 y)", function(y) return dm.atan(100 * y) end },
+  { "sinh(9 y)", function(y) return dm.sinh(9 * y) end },
+  { "y/(1 + y^2)", function(y) return y / (1 + y ^ 2) end },
+  { "1e-9 y + y^3", function(y) return 1e-9 * y + y ^ 3 end },
+}
+for _, curve in ipairs(curves) do
+  local name, f = curve[1], curve[2]
+  local rho = dm.moving_frame { action = turn, cross_section = function(z) return f(z[2]) end,
+    branch = right }
+  local off, apart, turns = 0, 0, 0
+  for i = 1, 50 do
+    local r = i / 7
+    local z = { cos(i) * r, sin(i) * r }
+    local g = rho(z)
+    off = max(off, abs(rho:invariants { z }[1][2]) / r)
+    apart = max(apart, 2 * abs(sin((g + i) / 2)))  -- the frame is -i
+    turns = max(turns, abs(g) / (2 * pi))
+  end
+  ok(off < 1e-14 and apart < 1e-14, "the frame of " .. name .. " to round-off", off)
+  ok(turns <= 1, "and within a turn", turns)
+end
+
+-- inside of runs: the frame of each pair is a root of its own, whatever the number of revolutions
+local Ld = dm.discrete_lagrangian { Q = dm.R(2), h = 0.05, Ld = function(a, b, h)
+  local v, q = (b - a) / h, (a + b) / 2
+  return h * (v:dot(v) / 2 + 1 / q:norm())
+end }
+local function path_of(f, branch)
+  local rho = dm.moving_frame { action = turn, points = 2, branch = branch,
+    cross_section = function(a) return f(a[2]) end }
+  return dm.solver { rho:invariantize(Ld) }:run { q = { 0.6, 0 }, p = { 0, 1.3 }, steps = 5000,
+    every = 100 }
+end
+local plain = dm.solver { Ld }:run { q = { 0.6, 0 }, p = { 0, 1.3 }, steps = 5000, every = 100 }
+for k = 1, 4, 3 do
+  local path, off = path_of(curves[k][2], right), 0
+  for i = 1, #path do off = max(off, (path.q[i] - plain.q[i]):norm()) end
+  ok(off < 1e-9, "an invariant Ld made invariant by " .. curves[k][1] .. " has the same path", off)
+  ok(path:drift(path:momentum(turn)).largest < 1e-12, "and keeps its momentum",
+    path:drift(path:momentum(turn)).largest)
+end
+
+-- angles among other coordinates
+local rho = dm.moving_frame { action = plane, points = 2, cross_section = function(a, b)
+  return { dm.tanh(2 * a[1]), dm.tanh(2 * a[2]), dm.tanh(4 * b[2]) }
+end, branch = function(_, b) return b[1] end }
+local off, turns = 0, 0
+for i = 1, 20 do
+  local a = { 0.3 * cos(3 * i), 0.3 * sin(5 * i) }
+  local fine, g = pcall(rho, a, { a[1] + 0.5 * cos(i), a[2] + 0.5 * sin(i) })
+  if fine then off, turns = max(off, 2 * abs(sin((g[3] + i) / 2))), max(turns, abs(g[3])) end
+end
+ok(off < 1e-14 and turns > 0 and turns < 2 * pi, "the angle of a rigid motion", off)
+
+---- dm.root{angles=} ----
+
+local function around(angles)
+  return dm.root { start = 1.4, angles = angles,
+    equations = function(y, x) return dm.tanh(5 * dm.sin(y - x)) end,
+    branch = function(y, x) return dm.cos(y - x) end }
+end
+local wound, unwound = 0, 0
+for i = 1, 40 do
+  local x = i / 6
+  wound = max(wound, abs(around()(x)))
+  local y = around { 1 }(x)
+  unwound = max(unwound, abs(y))
+  ok(2 * abs(sin((y - x) / 2)) < 1e-15, "an unknown that is an angle has all digits", y - x)
+end
+ok(wound > 100 and unwound <= 2 * pi, "whole turns are taken off it", unwound)
+raises("field 'angles' must be a list", dm.root, { start = 1, angles = 1,
+  equations = function(u) return u end })
+for _, bad in ipairs { 0, 2, 1.5, "x" } do
+  raises("field 'angles' must be a list of places of unknowns", dm.root { start = 1,
+    angles = { bad }, equations = function(u, x) return u - x end }, 1)
+end
+
+---- a frame by Gram and Schmidt has no value where q1 is along q0: Newton's method from there ----
+
+local space = dm.action { group = dm.SO(3), on = dm.R(3) }
+local function gram_schmidt(a, b)
+  local e1 = a / a:norm()
+  local w = b - e1 * e1:dot(b)
+  local e2 = w / w:norm()
+  local e3 = e1:cross(e2)
+  return dm.matrix { { e1[1], e1[2], e1[3] }, { e2[1], e2[2], e2[3] }, { e3[1], e3[2], e3[3] } }
+end
+for _, mass in ipairs { 1, 0.1, 10, 100 } do
+  local given = dm.discrete_lagrangian { Q = dm.R(3), h = 0.05, Ld = function(a, b, h)
+    local v, q = (b - a) / h, (a + b) / 2
+    return mass * h * (v:dot(v) / 2 + 1 / q:norm() + 0.05 * q[1] * q[2])
+  end }
+  local frame = dm.moving_frame { action = space, points = 2, solution = gram_schmidt,
+    cross_section = function(a, b) return { a[2], a[3], b[3] } end,
+    branch = function(a, b) return { a[1], b[2] } end }
+  local invariant, refused, drift = frame:invariantize(given), 0, 0
+  for k = 1, 40 do
+    local a = 0.7 * k
+    local fine, path = pcall(function()
+      return dm.solver { invariant }:run { steps = 5, q = { cos(a) / 2, sin(a) / 2, 0.1 + 0.01 * k },
+        p = { -1.2 * mass * sin(a), 1.2 * mass * cos(a), 0.4 * mass * cos(3 * a) } }
+    end)
+    refused = refused + (fine and 0 or 1)
+    local J = fine and path:momentum(space)
+    for i = 2, fine and #path or 0 do drift = max(drift, (J:row(i) - J:row(1)):norm() / mass) end
+  end
+  ok(refused == 0, ("mass %g: steps from 40 starts"):format(mass), refused .. " refused")
+  ok(drift < 1e-13, "with the momentum of the invariant Ld", drift)
+end
+tap.done()
