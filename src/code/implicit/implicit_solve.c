@@ -312,21 +312,20 @@ static void keep(const dm_root_solver *s, const dm_root_trouble *found, const do
 static int unwind(const dm_root_solver *s, double *y) {
     static const double TURN = 0x1.921fb54442d18p+2; /* 2 pi */
     int changed = 0;
-    for (uint32_t i = 0; i < s->r && s->angles >> i; i++) {
-        if (!(s->angles >> i & 1) || !(fabs(y[i]) > TURN)) continue;
-        y[i] = remainder(y[i], TURN);
-        changed = 1;
-    }
+    for (uint32_t i = 0; i < s->r; i++)
+        if ((s->angles >> i & 1) && fabs(y[i]) > TURN) {
+            y[i] -= TURN * floor(y[i] / TURN + 0.5);
+            changed = 1;
+        }
     return changed;
 }
 
-/* to the root next to y; once more from there with its digits back, where it has whole turns */
+/* to the root next to y; once more from there, for its digits, where it has whole turns */
 static dm_root_outcome find(dm_root_solver *s, double *y, int inside) {
-    path p = {.y = y, .inside = inside};
-    const dm_root_outcome outcome = iterate(s, &p);
-    if (outcome != DM_ROOT_FOUND || !unwind(s, y)) return outcome;
-    p = (path){.y = y, .inside = inside};
-    return iterate(s, &p);
+    dm_root_outcome outcome = iterate(s, &(path){.y = y, .inside = inside});
+    if (outcome == DM_ROOT_FOUND && unwind(s, y))
+        outcome = iterate(s, &(path){.y = y, .inside = inside});
+    return outcome;
 }
 
 /* one start; what is found is in y, the matrix in s */
