@@ -76,7 +76,9 @@ local rows = {
   ["path:reconstruct"] = "dm.reduce.run.reconstruct",
   ["path:series"] = "dm.show.path",
   -- of meshes and what lives on them
+  ["mesh:chain"] = "dm.dec.chain",
   ["mesh:form"] = "dm.dec",
+  ["mesh:fundamental"] = "dm.dec.chain",
   ["ensemble:plot"] = "dm.show.fan",
 }
 

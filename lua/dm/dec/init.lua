@@ -2,20 +2,63 @@
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
+local named = require "dm.dec.named"
 local option = require "dm.base.options"
 
 local M = {}
 
+local fail = option.failing "dm.mesh"
+
+local KNOWN = { "simplices", "points", "lengths", "dual", "map", "radii", "ratio",
+  table.unpack(named.names) }
+
+-- the name of a mesh among the options, or nil
+local function name_of(options)
+  local found
+  for _, name in ipairs(named.names) do
+    if options[name] ~= nil then
+      if found then fail("give one of '%s' and '%s'", found, name) end
+      found = name
+    end
+  end
+  return found
+end
+
+-- points moved by map(x, y, ...)
+local function moved(points, map)
+  if not points then fail("'map' moves points, and this mesh is made of lengths") end
+  local out = {}
+  for i = 1, #points do
+    local p = map(table.unpack(points[i]:totable()))
+    if type(p) ~= "table" and getmetatable(p) ~= getmetatable(core.vector { 0 }) then
+      fail("map must return the list of the moved point (got %s)", option.got(p))
+    end
+    out[i] = p
+  end
+  return out
+end
+
 --- From options to a mesh.
 function M.mesh(options)
-  return core.complex(options)
+  option.check(options, KNOWN, "dm.mesh")
+  local name = name_of(options)
+  local given = name and named.make(name, options)
+    or { simplices = options.simplices, points = options.points, lengths = options.lengths }
+  if options.map then given.points = moved(given.points and core.matrix(given.points), options.map) end
+  given.dual = options.dual
+  return core.complex(given)
 end
 
 core.docs[M.mesh] = [[
-dm.mesh{simplices=, points= | lengths=, dual=} -> dm.mesh
+dm.mesh{simplices=, points= | lengths=, dual=, map=} or dm.mesh{name = size, ...} -> dm.mesh
 A simplicial mesh of dimension 1 to 8: simplices, lists of vertex numbers from 1; points, a list of
 points in any space, or lengths of edges (a number, a list, a function(i, j) with i < j), or neither,
-for topology alone. See dm.complex for what is refused.]]
+for topology alone. map(x, y, ...) gives the list of the moved point; dual = "barycentric" takes duals
+from barycentres in place of circumcentres. dm.complex says what is refused.
+By name: grid = N (unit square), triangle = N (equilateral), annulus = {rings, m} with ratio =,
+hex_torus = N, square_torus = N, torus = {nu, nv} with radii = {R, r}, klein = n, icosphere = s, bcc = N
+(flat 3-torus), cube_tiling = N, simplex_boundary = m, cross_polytope = m, shells = {n, L}, named =
+"csaszar7" | "rp2" | "dunce".]]
 
 ---- forms ----
 
@@ -47,5 +90,7 @@ end, [[
 K:form(k, values | f(x, y, ...), {dual=}) -> dm.form
 A form of degree k from its values, in the order of the cells (dual = true: of the duals of the cells
 of degree n - k).]])
+
+
 
 return M

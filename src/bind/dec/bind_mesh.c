@@ -73,6 +73,39 @@ static int mesh_dual_volume(lua_State *L) {
     return push_numbers(L, m->metric.dual[k], m->K.count[k]);
 }
 
+/* the cell of degree k at arg, from 0 */
+static uint32_t check_cell(lua_State *L, int arg, const dml_mesh *m, uint32_t k) {
+    const lua_Integer i = luaL_checkinteger(L, arg);
+    if (i < 1 || i > m->K.count[k])
+        luaL_argerror(L, arg,
+                      lua_pushfstring(L, "a cell from 1 to %d is needed, got %I",
+                                      (int)m->K.count[k], i));
+    return (uint32_t)i - 1;
+}
+
+static int push_ids(lua_State *L, const uint32_t *id, uint32_t count) {
+    lua_createtable(L, (int)count, 0);
+    for (uint32_t j = 0; j < count; j++) {
+        lua_pushinteger(L, (lua_Integer)id[j] + 1);
+        lua_rawseti(L, -2, (lua_Integer)j + 1);
+    }
+    return 1;
+}
+
+static int mesh_faces(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m), i = check_cell(L, 3, m, k);
+    return push_ids(L, k ? m->K.face[k] + (size_t)i * (k + 1) : NULL, k ? k + 1 : 0);
+}
+
+static int mesh_cofaces(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m), i = check_cell(L, 3, m, k);
+    if (k == m->K.n) return push_ids(L, NULL, 0);
+    const uint32_t from = m->K.coface_at[k][i];
+    return push_ids(L, m->K.coface[k] + from, m->K.coface_at[k][i + 1] - from);
+}
+
 /* the number of the cell with these vertices and the sign of their order */
 static int mesh_find(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
@@ -204,6 +237,13 @@ static const dml_row methods[] = {
      "K:dual_volume(k) -> dm.vector\n"
      "The signed volumes of the dual cells (of degree n - k) of the cells of degree k: zero or "
      "negative where a centre lies outside of its simplex (Leok 3.3)."},
+    {"faces", mesh_faces,
+     "K:faces(k, i) -> list of cell numbers\n"
+     "The k + 1 faces of cell i of degree k: face j is opposite to its vertex j and stands in its "
+     "boundary with the sign (-1)^(j - 1)."},
+    {"cofaces", mesh_cofaces,
+     "K:cofaces(k, i) -> list of cell numbers\n"
+     "The cells of degree k + 1 that have cell i of degree k as a face, ascending."},
     {"find", mesh_find,
      "K:find{i, j, ...} -> number, sign   or nothing\n"
      "The number of the cell with these vertices, and 1 or -1: the parity of their order."},

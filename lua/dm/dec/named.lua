@@ -1,0 +1,377 @@
+--- Meshes by name: dm.mesh { icosphere = 4 } and its like. Each is a function of its argument that
+-- returns what dm.complex takes; ids are from 1. Recipes: the numbering decides the order of cells,
+-- so it is fixed here.
+local core = require "dm.core"
+local option = require "dm.base.options"
+
+local M = {}
+
+local sqrt, pi, sin, cos = math.sqrt, math.pi, math.sin, math.cos
+local fail = option.failing "dm.mesh"
+
+local function whole(x, name, least)
+  if math.type(x) ~= "integer" or x < least then
+    fail("%s must be a whole number >= %d (got %s)", name, least, option.got(x))
+  end
+  return x
+end
+
+local function pair_of(x, name, least1, least2)
+  if type(x) ~= "table" or #x ~= 2 then fail("%s must be a list of two whole numbers", name) end
+  return whole(x[1], name .. "[1]", least1), whole(x[2], name .. "[2]", least2)
+end
+
+---- of the plane ----
+
+--- grid = N: the unit square in N x N squares, each cut along its diagonal to (1, 1).
+function M.grid(N)
+  whole(N, "grid", 1)
+  local points, simplices = {}, {}
+  for j = 0, N do
+    for i = 0, N do points[#points + 1] = { i / N, j / N } end
+  end
+  local function id(i, j) return 1 + i + (N + 1) * j end
+  for j = 0, N - 1 do
+    for i = 0, N - 1 do
+      simplices[#simplices + 1] = { id(i, j), id(i + 1, j), id(i + 1, j + 1) }
+      simplices[#simplices + 1] = { id(i, j), id(i + 1, j + 1), id(i, j + 1) }
+    end
+  end
+  return { points = points, simplices = simplices }
+end
+
+--- triangle = N: the equilateral triangle of side 1 in N^2 equilateral ones.
+function M.triangle(N)
+  whole(N, "triangle", 1)
+  local points, simplices, row = {}, {}, {}
+  for j = 0, N do
+    row[j] = #points
+    for i = 0, N - j do points[#points + 1] = { (i + j / 2) / N, j * sqrt(3) / 2 / N } end
+  end
+  local function id(i, j) return 1 + row[j] + i end
+  for j = 0, N - 1 do
+    for i = 0, N - 1 - j do
+      simplices[#simplices + 1] = { id(i, j), id(i + 1, j), id(i, j + 1) }
+      if i < N - 1 - j then
+        simplices[#simplices + 1] = { id(i + 1, j), id(i + 1, j + 1), id(i, j + 1) }
+      end
+    end
+  end
+  return { points = points, simplices = simplices }
+end
+
+--- annulus = {rings, m}, ratio =: rings of m vertices, each turned by half a step against the last.
+function M.annulus(given, options)
+  local rings, m = pair_of(given, "annulus", 1, 3)
+  local ratio = options.ratio
+  if type(ratio) ~= "number" or not (ratio > 1) then
+    fail("ratio must be a number > 1, of the outer radius to the inner (got %s)",
+      option.got(ratio))
+  end
+  local points, simplices = {}, {}
+  for r = 0, rings do
+    for i = 0, m - 1 do
+      local radius, angle = ratio ^ (r / rings), 2 * pi * (i + r / 2) / m
+      points[#points + 1] = { radius * cos(angle), radius * sin(angle) }
+    end
+  end
+  local function id(r, i) return 1 + r * m + i % m end
+  for r = 0, rings - 1 do
+    for i = 0, m - 1 do
+      simplices[#simplices + 1] = { id(r, i), id(r + 1, i), id(r, i + 1) }
+      simplices[#simplices + 1] = { id(r, i + 1), id(r + 1, i), id(r + 1, i + 1) }
+    end
+  end
+  return { points = points, simplices = simplices }
+end
+
+---- surfaces without a plane ----
+
+local function torus_simplices(N, M_, shift)
+  local simplices = {}
+  local function id(i, j)
+    if j == M_ then i, j = i + shift, 0 end
+    return 1 + i % N + N * j
+  end
+  for j = 0, M_ - 1 do
+    for i = 0, N - 1 do
+      simplices[#simplices + 1] = { id(i, j), id(i + 1, j), id(i, j + 1) }
+      simplices[#simplices + 1] = { id(i + 1, j), id(i + 1, j + 1), id(i, j + 1) }
+    end
+  end
+  return simplices
+end
+
+--- hex_torus = N: the flat torus of N^2 vertices, all edges 1/N.
+function M.hex_torus(N)
+  whole(N, "hex_torus", 3)
+  return { simplices = torus_simplices(N, N, 0), lengths = 1 / N }
+end
+
+--- square_torus = N: the flat unit torus, squares cut along the diagonal from (1, 0) to (0, 1).
+function M.square_torus(N)
+  whole(N, "square_torus", 3)
+  local function length(a, b)
+    local i, j = (b - 1) % N - (a - 1) % N, (b - 1) // N - (a - 1) // N
+    local is_straight = i % N == 0 or j % N == 0
+    return (is_straight and 1 or sqrt(2)) / N
+  end
+  return { simplices = torus_simplices(N, N, 0), lengths = length }
+end
+
+--- torus = {nu, nv}, radii = {R, r}: the torus in space, every other ring turned by half a step.
+function M.torus(given, options)
+  local nu, nv = pair_of(given, "torus", 3, 4)
+  local radii = options.radii or {}
+  if nv % 2 ~= 0 then fail("torus[2] must be even, as every other ring is turned (got %d)", nv) end
+  local R, r = radii[1], radii[2]
+  if type(R) ~= "number" or type(r) ~= "number" or not (R > r and r > 0) then
+    fail("radii must be { R, r } with R > r > 0")
+  end
+  local points = {}
+  for j = 0, nv - 1 do
+    for i = 0, nu - 1 do
+      local u, v = 2 * pi * (i + j / 2) / nu, 2 * pi * j / nv
+      local a = R + r * cos(v)
+      points[#points + 1] = { a * cos(u), a * sin(u), r * sin(v) }
+    end
+  end
+  return { points = points, simplices = torus_simplices(nu, nv, nv // 2) }
+end
+
+--- klein = n: Klein's bottle of n x n squares, edges 1.
+function M.klein(n)
+  whole(n, "klein", 3)
+  local simplices = {}
+  local function id(i, j)
+    if i == n then i, j = 0, n - j end
+    return 1 + i + n * (j % n)
+  end
+  for j = 0, n - 1 do
+    for i = 0, n - 1 do
+      simplices[#simplices + 1] = { id(i, j), id(i + 1, j), id(i + 1, j + 1) }
+      simplices[#simplices + 1] = { id(i, j), id(i + 1, j + 1), id(i, j + 1) }
+    end
+  end
+  return { simplices = simplices, lengths = 1 }
+end
+
+local g = (1 + sqrt(5)) / 2
+local ICOSAHEDRON = {
+  { -1, g, 0 }, { 1, g, 0 }, { -1, -g, 0 }, { 1, -g, 0 }, { 0, -1, g }, { 0, 1, g },
+  { 0, -1, -g }, { 0, 1, -g }, { g, 0, -1 }, { g, 0, 1 }, { -g, 0, -1 }, { -g, 0, 1 },
+}
+local ICOSAHEDRON_FACES = {
+  { 1, 12, 6 }, { 1, 6, 2 }, { 1, 2, 8 }, { 1, 8, 11 }, { 1, 11, 12 }, { 2, 6, 10 }, { 6, 12, 5 },
+  { 12, 11, 3 }, { 11, 8, 7 }, { 8, 2, 9 }, { 4, 10, 5 }, { 4, 5, 3 }, { 4, 3, 7 }, { 4, 7, 9 },
+  { 4, 9, 10 }, { 5, 10, 6 }, { 3, 5, 12 }, { 7, 3, 11 }, { 9, 7, 8 }, { 10, 9, 2 },
+}
+
+local function on_sphere(p)
+  local r = sqrt(p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
+  return { p[1] / r, p[2] / r, p[3] / r }
+end
+
+-- each face in four, new vertices where an edge is first met
+local function split(points, faces)
+  local middle, out = {}, {}
+  local function half(a, b)
+    local key = a < b and a << 32 | b or b << 32 | a
+    if not middle[key] then
+      local p, q = points[a], points[b]
+      points[#points + 1] = on_sphere { p[1] + q[1], p[2] + q[2], p[3] + q[3] }
+      middle[key] = #points
+    end
+    return middle[key]
+  end
+  for _, f in ipairs(faces) do
+    local a, b, c = f[1], f[2], f[3]
+    local ab, bc, ca = half(a, b), half(b, c), half(c, a)
+    out[#out + 1] = { a, ab, ca }
+    out[#out + 1] = { b, bc, ab }
+    out[#out + 1] = { c, ca, bc }
+    out[#out + 1] = { ab, bc, ca }
+  end
+  return out
+end
+
+--- icosphere = s: the icosahedron, s times split in four, on the unit sphere.
+function M.icosphere(s)
+  whole(s, "icosphere", 0)
+  local points, faces = {}, ICOSAHEDRON_FACES
+  for i, p in ipairs(ICOSAHEDRON) do points[i] = on_sphere(p) end
+  for _ = 1, s do faces = split(points, faces) end
+  return { points = points, simplices = faces }
+end
+
+---- in space ----
+
+--- bcc = N: the flat unit 3-torus in tetrahedra of the body-centred cubic lattice.
+function M.bcc(N)
+  whole(N, "bcc", 3)
+  local cubes, simplices = N * N * N, {}
+  local function corner(i, j, k) return 1 + i % N + N * (j % N + N * (k % N)) end
+  local function centre(i, j, k) return cubes + corner(i, j, k) end
+  -- the face between two neighbouring cubes, a square in directions b and c
+  local function add(i, j, k, a, b, c)
+    local at = { i, j, k }
+    local function moved(x, y)
+      local p = { at[1], at[2], at[3] }
+      p[a] = p[a] + 1
+      p[b], p[c] = p[b] + x, p[c] + y
+      return corner(p[1], p[2], p[3])
+    end
+    local next_ = { at[1], at[2], at[3] }
+    next_[a] = next_[a] + 1
+    local square = { moved(0, 0), moved(1, 0), moved(1, 1), moved(0, 1) }
+    for e = 1, 4 do
+      simplices[#simplices + 1] = { centre(i, j, k), centre(next_[1], next_[2], next_[3]),
+        square[e], square[e % 4 + 1] }
+    end
+  end
+  for k = 0, N - 1 do
+    for j = 0, N - 1 do
+      for i = 0, N - 1 do
+        add(i, j, k, 1, 2, 3)
+        add(i, j, k, 2, 3, 1)
+        add(i, j, k, 3, 1, 2)
+      end
+    end
+  end
+  local function length(a, b) return ((a <= cubes) == (b <= cubes) and 1 or sqrt(3) / 2) / N end
+  return { simplices = simplices, lengths = length }
+end
+
+-- the six orders of three axes
+local ORDERS = { { 1, 2, 3 }, { 1, 3, 2 }, { 2, 1, 3 }, { 2, 3, 1 }, { 3, 1, 2 }, { 3, 2, 1 } }
+
+--- cube_tiling = N: the unit cube in N^3 cubes, each in six tetrahedra round its diagonal.
+function M.cube_tiling(N)
+  whole(N, "cube_tiling", 1)
+  local points, simplices = {}, {}
+  for k = 0, N do
+    for j = 0, N do
+      for i = 0, N do points[#points + 1] = { i / N, j / N, k / N } end
+    end
+  end
+  local function id(p) return 1 + p[1] + (N + 1) * (p[2] + (N + 1) * p[3]) end
+  for cube = 0, N * N * N - 1 do
+    for _, order in ipairs(ORDERS) do
+      local p = { cube % N, cube // N % N, cube // (N * N) }
+      local tetrahedron = { id(p) }
+      for _, axis in ipairs(order) do
+        p[axis] = p[axis] + 1
+        tetrahedron[#tetrahedron + 1] = id(p)
+      end
+      simplices[#simplices + 1] = tetrahedron
+    end
+  end
+  return { points = points, simplices = simplices }
+end
+
+---- of any dimension ----
+
+--- simplex_boundary = m: all facets of an m-simplex with edges 1.
+function M.simplex_boundary(m)
+  whole(m, "simplex_boundary", 2)
+  local simplices = {}
+  for left_out = 1, m + 1 do
+    local facet = {}
+    for v = 1, m + 1 do facet[#facet + 1] = v ~= left_out and v or nil end
+    simplices[left_out] = facet
+  end
+  return { simplices = simplices, lengths = 1 }
+end
+
+--- cross_polytope = m: its boundary; 2i - 1 and 2i are opposite; edges sqrt 2.
+function M.cross_polytope(m)
+  whole(m, "cross_polytope", 2)
+  local simplices = {}
+  for choice = 0, (1 << m) - 1 do
+    local facet = {}
+    for i = 1, m do facet[i] = 2 * i - 1 + (choice >> (i - 1) & 1) end
+    simplices[#simplices + 1] = facet
+  end
+  return { simplices = simplices, lengths = sqrt(2) }
+end
+
+--- shells = {n, L}: a ball of dimension n in L shells of a cross-polytope round a centre, whose
+-- prisms are cut so that every geometric cone from the centre is a sum of simplices (Leok, Ex 3.10).
+function M.shells(given)
+  local n, L = pair_of(given, "shells", 1, 1)
+  local points, simplices, zero = {}, {}, {}
+  for c = 1, n do zero[c] = 0 end
+  points[1] = zero
+  for r = 1, L do
+    for ray = 1, 2 * n do
+      local p = table.move(zero, 1, n, 1, {})
+      p[(ray + 1) // 2] = ray % 2 == 1 and r or -r
+      points[#points + 1] = p
+    end
+  end
+  local function id(r, ray) return 1 + (r - 1) * 2 * n + ray end
+  for _, facet in ipairs(n > 1 and M.cross_polytope(n).simplices or { { 1 }, { 2 } }) do
+    local first = { 1 }
+    for i, ray in ipairs(facet) do first[i + 1] = id(1, ray) end
+    simplices[#simplices + 1] = first
+    for r = 1, L - 1 do
+      local rays = {}
+      for i = 1, n do rays[i] = r % 2 == 1 and facet[i] or facet[n + 1 - i] end
+      for i = 1, n do -- o_1 .. o_i, i_i .. i_n
+        local prism = {}
+        for j = 1, i do prism[#prism + 1] = id(r + 1, rays[j]) end
+        for j = i, n do prism[#prism + 1] = id(r, rays[j]) end
+        simplices[#simplices + 1] = prism
+      end
+    end
+  end
+  return { points = points, simplices = simplices }
+end
+
+---- single ones ----
+
+local NAMED = {}
+
+-- Csaszar's torus of 7 vertices
+function NAMED.csaszar7()
+  local out = {}
+  for i = 0, 6 do
+    out[#out + 1] = { i + 1, (i + 1) % 7 + 1, (i + 3) % 7 + 1 }
+    out[#out + 1] = { i + 1, (i + 2) % 7 + 1, (i + 3) % 7 + 1 }
+  end
+  return out
+end
+
+-- the projective plane of 6 vertices
+function NAMED.rp2()
+  return { { 1, 2, 3 }, { 1, 3, 4 }, { 1, 4, 5 }, { 1, 5, 6 }, { 1, 2, 6 }, { 2, 3, 5 }, { 3, 4, 6 },
+    { 2, 4, 5 }, { 3, 5, 6 }, { 2, 4, 6 } }
+end
+
+-- the dunce hat of 8 vertices: contractible, but no cell can be collapsed
+function NAMED.dunce()
+  return { { 1, 2, 4 }, { 1, 2, 5 }, { 1, 2, 6 }, { 1, 3, 6 }, { 1, 3, 7 }, { 1, 3, 8 }, { 1, 4, 5 },
+    { 1, 7, 8 }, { 2, 3, 4 }, { 2, 3, 5 }, { 2, 3, 7 }, { 2, 6, 7 }, { 3, 4, 8 }, { 3, 5, 6 },
+    { 4, 5, 6 }, { 4, 6, 7 }, { 4, 7, 8 } }
+end
+
+--- named = "csaszar7" | "rp2" | "dunce": edges 1.
+function M.named(name)
+  if not NAMED[name] then
+    fail('named must be "csaszar7", "rp2" or "dunce" (got %s)', option.got(name))
+  end
+  return { simplices = NAMED[name](), lengths = 1 }
+end
+
+--- The names, for the check of options.
+M.names = { "grid", "triangle", "annulus", "hex_torus", "square_torus", "torus", "klein", "icosphere",
+  "bcc", "cube_tiling", "simplex_boundary", "cross_polytope", "shells", "named" }
+
+--- What dm.complex takes, points as a dm.matrix.
+function M.make(name, options)
+  local made = M[name](options[name], options)
+  made.points = made.points and core.matrix(made.points)
+  return made
+end
+
+return M

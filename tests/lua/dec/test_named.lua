@@ -1,0 +1,66 @@
+-- meshes by name: numbers of cells, and invariants of cochains that an independent program made
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+
+local function counts(K)
+  local out = {}
+  for k = 0, K.dimension do out[k + 1] = K:count(k) end
+  return table.concat(out, " ")
+end
+for _, row in ipairs {
+  { { icosphere = 2 }, "162 480 320", 2 }, { { hex_torus = 5 }, "25 75 50", 0 },
+  { { bcc = 3 }, "54 378 648 324", 0 }, { { cube_tiling = 2 }, "27 98 120 48", 1 },
+  { { simplex_boundary = 5 }, "6 15 20 15 6", 2 }, { { shells = { 3, 2 } }, "13 48 68 32", 1 },
+  { { shells = { 3, 3 } }, "19 78 116 56", 1 }, { { named = "dunce" }, "8 24 17", 1 },
+  { { named = "rp2" }, "6 15 10", 1 }, { { named = "csaszar7" }, "7 21 14", 0 },
+  { { klein = 4 }, "16 48 32", 0 }, { { cross_polytope = 4 }, "8 24 32 16", 0 },
+  { { annulus = { 3, 24 }, ratio = 1.5 }, "96 264 168", 0 },
+  { { torus = { 24, 10 }, radii = { 3, 1 } }, "240 720 480", 0 } } do
+  local K = dm.mesh(row[1])
+  local name = next(row[1])
+  ok(counts(K) == row[2] and K.euler == row[3], name .. " has the cells that it should", counts(K))
+end
+ok(not dm.mesh { klein = 4 }.orientable and not dm.mesh { named = "rp2" }.orientable
+  and dm.mesh { named = "csaszar7" }.orientable, "who has an orientation")
+
+-- |c|^2 and |dc|^2 of one cochain each
+local function cochain(K, k)
+  local x = {}
+  for i = 1, K:count(k) do x[i] = ((29 * (i - 1) + 13 * k + 7) % 89) / 44.5 - 1 end
+  return K:form(k, x)
+end
+local function bend(x, y)
+  local pi = math.pi
+  return { x + 0.05 * math.sin(pi * x) * math.sin(pi * y),
+    y + 0.05 * math.sin(2 * pi * x) * math.sin(pi * y) }
+end
+for _, row in ipairs { { { triangle = 5, map = bend }, 1, 7.40272014958, 1849.44840206 },
+  { { icosphere = 2 }, 1, 92.2999885646, 9652.46523822 }, { { bcc = 4 }, 2, 2048.533266, 935976.075748 },
+  { { simplex_boundary = 5 }, 3, 12.5661317953, 290.028828625 } } do
+  local c = cochain(dm.mesh(row[1]), row[2])
+  near(c:norm() ^ 2 / row[3], 1, 1e-9, "norm of a cochain")
+  near(c:d():norm() ^ 2 / row[4], 1, 1e-9, "norm of its derivative")
+end
+
+-- areas of icospheres (they tend to 4 pi), volumes of a cube and a ball of shells
+near(dm.mesh { icosphere = 0 }:volume(2):sum(), 9.574541, 1e-6, "area of the icosahedron")
+near(dm.mesh { icosphere = 3 }:volume(2):sum(), 12.506493, 1e-6, "area of icosphere(3)")
+near(dm.mesh { cube_tiling = 3 }:volume(3):sum(), 1, 1e-14, "volume of a cube")
+near(dm.mesh { shells = { 3, 2 } }:volume(3):sum(), 8 * 2 ^ 3 / 6, 1e-13, "volume of an octahedron of radius 2")
+
+-- chains: integers, boundaries, Stokes
+local K = dm.mesh { cube_tiling = 2 }
+local c = K:chain(2, { { 3, K:simplices(2)[7] }, { -2, K:simplices(2)[31] } })
+ok(c:boundary():boundary() == K:chain(0, {}), "the boundary of a boundary is 0")
+near(cochain(K, 1):d():pair(c), cochain(K, 1):pair(c:boundary()), 1e-13, "Stokes")
+ok(K:chain(1, { { 1, { 2, 1 } } }) == -K:chain(1, { { 1, { 1, 2 } } }), "a turned edge is the negative one")
+ok(dm.mesh { icosphere = 1 }:fundamental():boundary():support()[1] == nil, "a sphere has no boundary")
+raises("64 bits", function() return math.maxinteger * c end)
+raises("integer", function() return 0.5 * c end)
+raises("no cell", function() return K:chain(1, { { 1, { 1, 27 } } }) end)
+raises("orient", function() dm.mesh { named = "rp2" }:fundamental() end)
+raises("did you mean 'icosphere'", dm.mesh, { icospere = 2 })
+raises("whole number", dm.mesh, { grid = 0 })
+raises("one of", dm.mesh, { grid = 2, triangle = 2 })
+tap.done()
