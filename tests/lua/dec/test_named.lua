@@ -15,7 +15,7 @@ for _, row in ipairs {
   { { shells = { 3, 3 } }, "19 78 116 56", 1 }, { { named = "dunce" }, "8 24 17", 1 },
   { { named = "rp2" }, "6 15 10", 1 }, { { named = "csaszar7" }, "7 21 14", 0 },
   { { klein = 4 }, "16 48 32", 0 }, { { cross_polytope = 4 }, "8 24 32 16", 0 },
-  { { annulus = { 3, 24 }, ratio = 1.5 }, "96 264 168", 0 },
+  { { annulus = { 3, 24 }, ratio = 1.5 }, "96 240 144", 0 },
   { { torus = { 24, 10 }, radii = { 3, 1 } }, "240 720 480", 0 } } do
   local K = dm.mesh(row[1])
   local name = next(row[1])
