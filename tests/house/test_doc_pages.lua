@@ -42,6 +42,22 @@ for top, list in pairs { src = floors.src, lua = floors.lua } do
   end
 end
 house.check("the map of architecture.md names every folder of src and lua/dm", unnamed)
+
+-- its rows, a table for src and one for lua/dm, are from the ground up
+local function rising(head, list)
+  local height, last, wrong = {}, 0, {}
+  for i, name in ipairs(list) do height[name] = i end
+  for row in (map:match(head .. "[^\n]*\n(.-)\n\n") or ""):gmatch "| ([^|]+) |[^\n]*" do
+    for name in row:gmatch "`([^`]+)`" do
+      if height[name] and height[name] < last then wrong[#wrong + 1] = name end
+      last = height[name] or last
+    end
+  end
+  if last == 0 then wrong[1] = "no table" end
+  return wrong
+end
+house.check("its rows for src go up", rising("| folder of src |", floors.src))
+house.check("its rows for lua/dm go up", rising("| folder of lua/dm |", floors.lua))
 for line in map:gmatch "[^\n]+" do
   for unit in ("ns us ms s % times x"):gmatch "%S+" do
     if line:find("%d ?" .. unit:gsub("%%", "%%%%") .. "%f[%W]") then times[#times + 1] = line end
