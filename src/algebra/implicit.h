@@ -10,7 +10,6 @@
 #ifndef DM_IMPLICIT_H
 #define DM_IMPLICIT_H
 
-#include "code/kernel.h"
 #include "graph/graph.h"
 
 enum { DM_ROOT_MOST = 64 }; /* unknowns */
@@ -81,16 +80,6 @@ const dm_implicit *dm_implicit_read(const dm_graph *g, dm_node with, dm_node *a)
 
 /* True where one of the roots needs an implicit function. */
 int dm_has_roots(dm_graph *g, const dm_node *roots, uint32_t m);
-
-/* How graphs without implicit functions become kernels: dm_tape_build, for instance. */
-typedef dm_status dm_root_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
-                                  dm_arena *arena);
-
-/* out[m] = roots of a graph with implicit functions. The kernel is for one thread. Where a
- * function has no value its outputs are NaN, and its `trouble` says why, if `arena` is that of
- * the graph. */
-dm_status dm_root_kernel(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
-                         dm_root_compile *compile, dm_arena *arena);
 
 /* A function that lately had no value, of g or inside of its functions; NULL: none. forget:
  * begin anew. */

@@ -1,9 +1,9 @@
 #include "chain/lattice_inside.h"
 
-#include "graph/analyse.h"
+#include "algebra/body_sum.h"
 #include "algebra/compact.h"
 #include "algebra/derive.h"
-#include "algebra/body_sum.h"
+#include "graph/analyse.h"
 
 #include <string.h>
 
@@ -23,7 +23,7 @@ static uint32_t larger(uint32_t a, uint32_t b) {
 
 /* a column of coordinates that differ from round to round */
 static int is_coordinate(const dm_lattice *l, const dm_column *c) {
-    return !c->data && c->step && c->first < l->model->n;
+    return !c->data && c->step && c->first < l->n;
 }
 
 /* entries from the body of a round to that of column c */
@@ -34,7 +34,7 @@ static uint32_t reach(const dm_lattice *l, const dm_sum *s, const dm_column *c) 
 
 /* what column c is needs a place: coordinates, numbers, the time; 0: none */
 static int has_place(const dm_lattice *l, const dm_sum *s, const dm_column *c) {
-    const uint32_t n = l->model->n;
+    const uint32_t n = l->n;
     if (c->data) return 1;
     if (!c->step) return c->first == 2 * n;
     if (c->first >= n) return 0;
@@ -48,7 +48,7 @@ static uint32_t find_slopes(const dm_lattice *l, const dm_sum *s, dm_node *slope
     uint32_t count = 0;
     dm_gradient(s->term, s->value, 0, s->columns, slope);
     for (uint32_t c = 0; c < s->columns; c++) {
-        if (s->column[c].data || s->column[c].first >= l->model->n) slope[c] = 0;
+        if (s->column[c].data || s->column[c].first >= l->n) slope[c] = 0;
         count += slope[c] != 0;
     }
     return count;
@@ -68,15 +68,15 @@ static int sum_fits(const dm_lattice *l, const dm_sum *s) {
 }
 
 static int sums_fit(const dm_lattice *l) {
-    for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next)
+    for (const dm_sum *s = dm_sums(l->source->sums); s; s = s->next)
         if (!sum_fits(l, s)) return 0;
     return 1;
 }
 
 /* L is linear in the sums, with numbers as factors, and nothing else depends on q */
 static int outside_fits(const dm_lattice *l, double *factor) {
-    const dm_source *from = &l->model->source;
-    for (uint32_t i = 0; i < l->model->n; i++)
+    const dm_source *from = l->source;
+    for (uint32_t i = 0; i < l->n; i++)
         if (from->gradient[i]) return 0;
     for (const dm_sum *s = dm_sums(from->sums); s; s = s->next) {
         dm_node node;
@@ -89,17 +89,17 @@ static int outside_fits(const dm_lattice *l, double *factor) {
 /* coordinates of a body: the step of the sums that depend on coordinates */
 static void find_block(dm_lattice *l) {
     l->block = 1;
-    for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next)
+    for (const dm_sum *s = dm_sums(l->source->sums); s; s = s->next)
         for (uint32_t c = 0; c < s->columns; c++)
             if (is_coordinate(l, s->column + c)) l->block = s->column[c].step;
-    l->bodies = l->model->n / l->block;
+    l->bodies = l->n / l->block;
 }
 
 int dm_lattice_layout(dm_lattice *l) {
     uint32_t far = 0;
     find_block(l);
-    if (l->model->n % l->block) return 0;
-    for (const dm_sum *s = dm_sums(l->model->source.sums); s; s = s->next, l->sums++)
+    if (l->n % l->block) return 0;
+    for (const dm_sum *s = dm_sums(l->source->sums); s; s = s->next, l->sums++)
         for (uint32_t c = 0; c < s->columns; c++) far = larger(far, reach(l, s, s->column + c));
     l->depth = (l->bodies + GROUP - 1) / GROUP;
     l->pad = far;
@@ -150,7 +150,7 @@ static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
     dm_node term[COLUMNS], slope[COLUMNS], with[COLUMNS] = {0};
     dm_strip_draft d;
     dm_rounds *r = l->sum + l->sums;
-    const dm_source *from = &l->model->source;
+    const dm_source *from = l->source;
     if (factor == 0.0 || !find_slopes(l, s, term)) return DM_OK;
     if (!dm_strip_begin(&d, from->arena)) return DM_NO_MEMORY;
     for (uint32_t c = 0; c < s->columns; c++)
@@ -175,15 +175,14 @@ static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
 static dm_status make_sums(dm_lattice *l, const double *factor) {
     dm_status status = DM_OK;
     l->sums = 0;
-    for (const dm_sum *s = dm_sums(l->model->source.sums); s && status == DM_OK; s = s->next)
+    for (const dm_sum *s = dm_sums(l->source->sums); s && status == DM_OK; s = s->next)
         status = make_sum(l, s, *factor++);
     return status;
 }
 
-dm_status dm_lattice_open(dm_lattice *l, const dm_model *m) {
-    const dm_source *from = &m->source;
-    *l = (dm_lattice){.model = m};
-    if (!(m->structure & DM_LOOPS) || !from->sums) return DM_TOO_LARGE;
+dm_status dm_lattice_open(dm_lattice *l, const dm_source *from, uint32_t n) {
+    *l = (dm_lattice){.source = from, .n = n};
+    if (!from->sums) return DM_TOO_LARGE;
     if (!dm_lattice_layout(l) || !sums_fit(l)) return DM_TOO_LARGE;
     double *factor = dm_arena_take(from->arena, (l->sums + 1) * sizeof *factor);
     l->sum = dm_arena_take(from->arena, (l->sums + 1) * sizeof *l->sum);

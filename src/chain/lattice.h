@@ -10,7 +10,9 @@
 #define DM_LATTICE_H
 
 #include "code/loops/array_loop.h"
-#include "mech/model.h"
+#include "code/source.h"
+
+#include <stddef.h>
 
 /* what a sum gives to a coordinate */
 typedef struct {
@@ -29,7 +31,8 @@ typedef struct {
 enum { DM_LATTICE_NUMBERS = 5 }; /* that are the same for all bodies; 0 is the time */
 
 typedef struct {
-    const dm_model *model;
+    const dm_source *source;
+    uint32_t n; /* coordinates, of `bodies` with `block` each */
     uint32_t block, bodies;
     uint32_t depth;      /* bodies of a part */
     uint32_t pad;        /* as many beyond both ends of a part that neighbours may read */
@@ -45,14 +48,15 @@ typedef struct {
     uint32_t columns;
 } dm_lattice;
 
-/* Loops for the force of m, in the model's arena; DM_TOO_LARGE where it is not of this kind. */
-dm_status dm_lattice_open(dm_lattice *l, const dm_model *m);
+/* Loops for the force of an L with n coordinates, in the arena of its source; DM_TOO_LARGE where
+ * it is not of this kind. */
+dm_status dm_lattice_open(dm_lattice *l, const dm_source *source, uint32_t n);
 
 /* One more array of every coordinate; gives the number of the first. */
 uint32_t dm_lattice_arrays(dm_lattice *l);
 
 /* Doubles of workspace, at most, with so many arrays of every coordinate; 0: not of this kind. */
-size_t dm_lattice_work(const dm_model *m, uint32_t arrays);
+size_t dm_lattice_work(const dm_source *source, uint32_t n, uint32_t arrays);
 
 /* Lay the arrays into workspace, and clear what no body is loaded to: any copy of an open
  * lattice can have one. */
@@ -100,9 +104,10 @@ void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at);
  * coordinates. */
 void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t);
 
-/* L_q, and with `momenta` L_v behind it, as a kernel of x = (q, v, t); DM_TOO_LARGE as above.
- * The mass of *m is known and diagonal. */
-dm_status dm_lattice_gradient(dm_kernel *out, const dm_model *m, int momenta);
+/* L_q, and with a diagonal `mass`[n] L_v = mass v behind it, as a kernel of x = (q, v, t);
+ * DM_TOO_LARGE as above. */
+dm_status dm_lattice_gradient(dm_kernel *out, const dm_source *source, uint32_t n,
+                              const double *mass);
 
 /* A strip without forces over all bodies. */
 void dm_lattice_move(const dm_lattice *l, const dm_strip *strip);

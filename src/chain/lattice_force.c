@@ -3,20 +3,19 @@
 #include "chain/lattice.h"
 
 typedef struct {
-    dm_model model; /* as far as it is known when this is made */
+    dm_source source; /* as far as it is known when this is made */
     dm_lattice l;
     dm_strip strip;
-    uint32_t force, n; /* first array of the force */
-    int momenta;
+    uint32_t force, n;  /* first array of the force */
+    const double *mass; /* [n], or NULL: no momenta */
 } force_loop;
 
 static void eval(const void *pool, const double *x, double *out) {
     force_loop *f = (force_loop *)(uintptr_t)pool;
-    const double *mass = f->model.mass_matrix;
     dm_lattice_load(&f->l, 0, x);
     dm_lattice_run(&f->l, &f->strip, x[2 * (size_t)f->n]);
     dm_lattice_store(&f->l, out, f->force);
-    for (uint32_t i = 0; f->momenta && i < f->n; i++) out[f->n + i] = mass[i] * x[f->n + i];
+    for (uint32_t i = 0; f->mass && i < f->n; i++) out[f->n + i] = f->mass[i] * x[f->n + i];
 }
 
 static dm_status make_strip(force_loop *f, const dm_source *from) {
@@ -38,24 +37,25 @@ static uint32_t operations(const force_loop *f) {
     return count < UINT32_MAX ? (uint32_t)count : UINT32_MAX;
 }
 
-dm_status dm_lattice_gradient(dm_kernel *out, const dm_model *m, int momenta) {
-    dm_arena *arena = m->source.arena;
-    const size_t size = dm_lattice_work(m, 2);
+dm_status dm_lattice_gradient(dm_kernel *out, const dm_source *from, uint32_t n,
+                              const double *mass) {
+    dm_arena *arena = from->arena;
+    const size_t size = dm_lattice_work(from, n, 2);
     if (!size) return DM_TOO_LARGE;
     force_loop *f = dm_arena_take(arena, sizeof *f);
     double *work = dm_arena_take(arena, size * sizeof *work);
     if (!f || !work) return DM_NO_MEMORY;
-    *f = (force_loop){.model = *m, .n = m->n, .momenta = momenta};
-    dm_status status = dm_lattice_open(&f->l, &f->model);
+    *f = (force_loop){.source = *from, .n = n, .mass = mass};
+    dm_status status = dm_lattice_open(&f->l, &f->source, n);
     if (status != DM_OK) return status;
     f->force = dm_lattice_arrays(&f->l);
-    status = make_strip(f, &m->source);
+    status = make_strip(f, from);
     if (status != DM_OK) return status;
     dm_lattice_place(&f->l, work);
     *out = (dm_kernel){.eval = eval,
                        .pool = f,
-                       .inputs = 2 * m->n + 1,
-                       .outputs = momenta ? 2 * m->n : m->n,
+                       .inputs = 2 * n + 1,
+                       .outputs = mass ? 2 * n : n,
                        .operations = operations(f),
                        .backend = f->strip.one.backend};
     return DM_OK;

@@ -1,6 +1,6 @@
 /* lattice_join.c - slopes and what they are for in one loop over a chain. */
-#include "graph/nodes.h"
 #include "chain/lattice_inside.h"
+#include "graph/nodes.h"
 
 #include <string.h>
 
@@ -89,7 +89,7 @@ static int can_join(const dm_lattice *l) {
 
 dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *use,
                           dm_lattice_pair at) {
-    const dm_source *from = &l->model->source;
+    const dm_source *from = l->source;
     joint *b = dm_arena_take(from->arena, sizeof *b);
     if (!can_join(l) || use->lanes != GROUP) return DM_NO_NATIVE;
     if (!b || !dm_strip_begin(&b->d, from->arena)) return DM_NO_MEMORY;

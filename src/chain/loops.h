@@ -7,7 +7,7 @@
 #define DM_LOOPS_H
 
 #include "algebra/body_sum.h"
-#include "mech/model.h"
+#include "code/kernel.h"
 
 enum { DM_LOOP_BLOCK = 64, DM_LOOP_COLUMNS = 24 };
 

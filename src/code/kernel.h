@@ -7,7 +7,7 @@
 #ifndef DM_KERNEL_H
 #define DM_KERNEL_H
 
-#include <stdint.h>
+#include "graph/graph.h"
 
 typedef void dm_eval(const void *pool, const double *in, double *out);
 
@@ -22,6 +22,10 @@ typedef struct {
     double *memory;         /* what an evaluation leaves to the next one; NULL: nothing */
     uint32_t memory_size;
 } dm_kernel;
+
+/* How roots[m] of a graph become a kernel in `arena`; dm_tape_build is one. */
+typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
+                             dm_arena *arena);
 
 static inline void dm_kernel_eval(const dm_kernel *k, const double *in, double *out) {
     k->eval(k->pool, in, out);

@@ -1,8 +1,8 @@
 #include "graph/graph.h"
 
+#include "graph/nodes.h"
 #include "numbers/fma.h"
 #include "numbers/functions.h"
-#include "graph/nodes.h"
 
 #include <assert.h>
 #include <math.h>
@@ -319,4 +319,16 @@ double dm_op_value(dm_op op, double a, double b, double c) {
     default:
         return value_of_three(op, a, b, c);
     }
+}
+
+dm_function_name dm_op_function(dm_op op) {
+    static const uint8_t name[DM_OP_COUNT] =
+        {[DM_OP_CONSTANT] = DM_FUNCTION_SINCOS, [DM_OP_EXP] = DM_FUNCTION_EXP,
+         [DM_OP_LOG] = DM_FUNCTION_LOG,         [DM_OP_SIN] = DM_FUNCTION_SIN,
+         [DM_OP_COS] = DM_FUNCTION_COS,         [DM_OP_TAN] = DM_FUNCTION_TAN,
+         [DM_OP_ASIN] = DM_FUNCTION_ASIN,       [DM_OP_ACOS] = DM_FUNCTION_ACOS,
+         [DM_OP_ATAN] = DM_FUNCTION_ATAN,       [DM_OP_SINH] = DM_FUNCTION_SINH,
+         [DM_OP_COSH] = DM_FUNCTION_COSH,       [DM_OP_TANH] = DM_FUNCTION_TANH,
+         [DM_OP_POW] = DM_FUNCTION_POW,         [DM_OP_ATAN2] = DM_FUNCTION_ATAN2};
+    return (dm_function_name)name[op];
 }

@@ -9,6 +9,7 @@
 
 #include "base/arena.h"
 #include "base/status.h"
+#include "numbers/functions.h"
 
 #include <stdint.h>
 
@@ -73,5 +74,9 @@ int dm_is_constant(const dm_graph *g, dm_node n, double *value);
 
 /* The one scalar meaning of an operation, used for folding, by the tape and by tests. */
 double dm_op_value(dm_op op, double a, double b, double c);
+
+/* The elementary function that an operation is; NONE: it is arithmetic. A constant, which is not
+ * computed, stands for sine and cosine at once. */
+dm_function_name dm_op_function(dm_op op);
 
 #endif

@@ -1,11 +1,13 @@
 /* loops_model.c - a Lagrangian with sums over many bodies as a model without n x n tables. It is
  * one when dL/dv_i depends on v_i alone, linearly and by a factor that is a number: then the
  * mass is constant and diagonal, and since mixed derivatives are symmetric, L is separable. */
-#include "graph/analyse.h"
+#include "mech/model.h"
+
 #include "algebra/derive.h"
-#include "code/tape/tape.h"
 #include "chain/lattice.h"
 #include "chain/loops.h"
+#include "code/tape/tape.h"
+#include "graph/analyse.h"
 
 #include <math.h>
 #include <string.h>
@@ -184,7 +186,9 @@ static dm_status keep_mass(const builder *b) {
 /* along arrays where that can be, else sum by sum */
 static dm_status make_gradient(const builder *b, dm_kernel *out, int momenta) {
     const dm_model *m = b->m;
-    const dm_status status = m->inverse_mass ? dm_lattice_gradient(out, m, momenta) : DM_TOO_LARGE;
+    dm_status status = DM_TOO_LARGE;
+    if (m->inverse_mass)
+        status = dm_lattice_gradient(out, &m->source, m->n, momenta ? m->mass_matrix : NULL);
     if (status != DM_TOO_LARGE) return status;
     return dm_loops_gradient(out, b->g, b->L, b->gradient, momenta ? 2 * m->n : m->n,
                              m->source.compile, m->source.arena);

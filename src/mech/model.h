@@ -4,8 +4,7 @@
 #ifndef DM_MODEL_H
 #define DM_MODEL_H
 
-#include "graph/graph.h"
-#include "code/kernel.h"
+#include "code/source.h"
 
 #include <stddef.h>
 
@@ -31,42 +30,16 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_PAIR = 64,   /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
        DM_WANT_STAGE_LATER = 8192, /* when dm_model_stage asks for it, mostly never */
        DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_STAGE_LATER | DM_WANT_MASS |
-                       DM_WANT_WELL, /* with sums written out */
-       DM_WANT_HOLONOMIC = 256,      /* of the constraints (mech/constraints.h): g, G, g_t */
-       DM_WANT_ROLLING = 512,        /* phi, E, phi_v, phi_q */
-       DM_WANT_CONSTRAINT_FORCE = 1024,     /* f */
-       DM_WANT_FORCE_CURVE = 2048,   /* f, f_q, f_v */
-       DM_WANT_REACTION = 4096,      /* r = G^T lambda + E^T mu, r_q, r_v */
-       DM_WANT_CONSTRAINTS = 7936           /* all of these; what a model does not have is not made */
+                       DM_WANT_WELL,    /* with sums written out */
+       DM_WANT_HOLONOMIC = 256,         /* of the constraints (mech/constraints.h): g, G, g_t */
+       DM_WANT_ROLLING = 512,           /* phi, E, phi_v, phi_q */
+       DM_WANT_CONSTRAINT_FORCE = 1024, /* f */
+       DM_WANT_FORCE_CURVE = 2048,      /* f, f_q, f_v */
+       DM_WANT_REACTION = 4096,         /* r = G^T lambda + E^T mu, r_q, r_v */
+       DM_WANT_CONSTRAINTS = 7936       /* all of these; what a model does not have is not made */
 };
 
 struct dm_constraints;
-
-/* How graphs become kernels; dm_tape_build is one. */
-typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
-                             dm_arena *arena);
-
-/* Kernels that a method made and that the model keeps for its next stepper. */
-typedef struct dm_kept {
-    struct dm_kept *next;
-    const void *maker; /* whose they are, and which of them */
-    uint32_t which, lanes;
-    dm_kernel kernel;
-} dm_kept;
-
-/* Where a model's kernels come from, for methods that make kernels of their own; graph NULL:
- * hyper-dual numbers. */
-typedef struct {
-    dm_graph *graph;          /* inputs q[n], v[n], t */
-    dm_graph *sums;           /* DM_LOOPS: the graph with sums as leaves; `graph` is NULL then */
-    dm_node lagrangian, well; /* L; L at v = 0 (with DM_WANT_WELL) */
-    const dm_node *gradient;  /* L_q[n], L_v[n] */
-    dm_graph *stage_graph; /* of the stage kernel (with DM_WANT_STAGE), to be taken as it stands, */
-    const dm_node *stage;  /* and its roots; the first 2n are those of the slope */
-    dm_compile *compile;
-    dm_arena *arena;
-    dm_kept **kept; /* NULL: nothing is kept */
-} dm_source;
 
 typedef struct {
     uint32_t n; /* dim Q */
@@ -81,7 +54,7 @@ typedef struct {
     uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;
     const struct dm_constraints *constraints; /* NULL: none */
-    struct dm_later *later;     /* how to make the stage kernel; NULL: nobody asked */
+    struct dm_later *later;                   /* how to make the stage kernel; NULL: nobody asked */
 } dm_model;
 
 /* With sums (algebra/body_sum.h) or very many coordinates: so many rounds are written out as they are;

@@ -14,28 +14,28 @@ typedef double two(double x, double *cosine);
     double dm_##name(double x) {                                                                   \
         return ((one *)dm_function_for(op, 1))(x);                                                 \
     }
-FUNCTION(exp, DM_OP_EXP)
-FUNCTION(log, DM_OP_LOG)
-FUNCTION(sin, DM_OP_SIN)
-FUNCTION(cos, DM_OP_COS)
-FUNCTION(tan, DM_OP_TAN)
-FUNCTION(sinh, DM_OP_SINH)
-FUNCTION(cosh, DM_OP_COSH)
-FUNCTION(tanh, DM_OP_TANH)
+FUNCTION(exp, DM_FUNCTION_EXP)
+FUNCTION(log, DM_FUNCTION_LOG)
+FUNCTION(sin, DM_FUNCTION_SIN)
+FUNCTION(cos, DM_FUNCTION_COS)
+FUNCTION(tan, DM_FUNCTION_TAN)
+FUNCTION(sinh, DM_FUNCTION_SINH)
+FUNCTION(cosh, DM_FUNCTION_COSH)
+FUNCTION(tanh, DM_FUNCTION_TANH)
 #undef FUNCTION
 
 double dm_sincos(double x, double *cosine) {
-    return ((two *)dm_function_for(DM_OP_CONSTANT, 1))(x, cosine);
+    return ((two *)dm_function_for(DM_FUNCTION_SINCOS, 1))(x, cosine);
 }
 
-dm_function *dm_function_for(int op, uint32_t lanes) {
+dm_function *dm_function_for(dm_function_name name, uint32_t lanes) {
     dm_function *own = 0;
     if (dm_processor() != DM_PLAIN)
-        own = lanes == 1   ? dm_own_function1(op)
-              : lanes == 4 ? dm_own_function4(op)
-                           : dm_own_function8(op);
+        own = lanes == 1   ? dm_own_function1(name)
+              : lanes == 4 ? dm_own_function4(name)
+                           : dm_own_function8(name);
     if (own) return own;
-    return lanes == 1   ? dm_library_function1(op)
-           : lanes == 4 ? dm_library_function4(op)
-                        : dm_library_function8(op);
+    return lanes == 1   ? dm_library_function1(name)
+           : lanes == 4 ? dm_library_function4(name)
+                        : dm_library_function8(name);
 }

@@ -5,7 +5,7 @@
 #ifndef DM_FUNCTIONS_H
 #define DM_FUNCTIONS_H
 
-#include "graph/graph.h"
+#include <stdint.h>
 
 /* x^(-1/2) and x^(-3/2), below 0.6 ulp with AVX-512: y = a table look-up to 14 bits, e = 1 - x
  * y^2 without an error of rounding, then y (1 - e)^(-1/2) and y^3 (1 - e)^(-3/2) by series, |e|
@@ -54,21 +54,41 @@ extern const double dm_exp_powers[2][16];
 /* Returns the sine; the bits of dm_sin and dm_cos. */
 double dm_sincos(double x, double *cosine);
 
+/* What a table has of every elementary function; POW and ATAN2 have two arguments, SINCOS gives
+ * sine and cosine. */
+typedef enum {
+    DM_FUNCTION_NONE,
+    DM_FUNCTION_SINCOS,
+    DM_FUNCTION_EXP,
+    DM_FUNCTION_LOG,
+    DM_FUNCTION_SIN,
+    DM_FUNCTION_COS,
+    DM_FUNCTION_TAN,
+    DM_FUNCTION_ASIN,
+    DM_FUNCTION_ACOS,
+    DM_FUNCTION_ATAN,
+    DM_FUNCTION_SINH,
+    DM_FUNCTION_COSH,
+    DM_FUNCTION_TANH,
+    DM_FUNCTION_POW,
+    DM_FUNCTION_ATAN2,
+    DM_FUNCTION_COUNT
+} dm_function_name;
+
 typedef void dm_function(void); /* of one of the types below */
 
-/* What machine code calls for an operation, by the present level; DM_OP_CONSTANT stands for
- * sincos. For one lane double f(double), double f(double, double) and, for sincos, double
- * f(double, double *cosine). For 4 or 8 lanes void f(double *d, double *d2, const double *a,
- * const double *b), sincos: sine, cosine, angle. */
-dm_function *dm_function_for(int op, uint32_t lanes);
+/* What machine code calls, by the present level; NULL for NONE. For one lane double f(double),
+ * double f(double, double) and, for sincos, double f(double, double *cosine). For 4 or 8 lanes
+ * void f(double *d, double *d2, const double *a, const double *b), sincos: sine, cosine, angle. */
+dm_function *dm_function_for(dm_function_name name, uint32_t lanes);
 
 /* The same for one width. Our own, NULL where there is none; the C library's, called once per
  * lane. */
-dm_function *dm_own_function1(int op);
-dm_function *dm_own_function4(int op);
-dm_function *dm_own_function8(int op);
-dm_function *dm_library_function1(int op);
-dm_function *dm_library_function4(int op);
-dm_function *dm_library_function8(int op);
+dm_function *dm_own_function1(dm_function_name name);
+dm_function *dm_own_function4(dm_function_name name);
+dm_function *dm_own_function8(dm_function_name name);
+dm_function *dm_library_function1(dm_function_name name);
+dm_function *dm_library_function4(dm_function_name name);
+dm_function *dm_library_function8(dm_function_name name);
 
 #endif

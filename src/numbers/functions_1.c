@@ -87,21 +87,25 @@ TARGET static double sincos_of(double x, double *cosine) {
     return s[0];
 }
 
-dm_function *dm_own_function1(int op) {
-    static dm_function *const table[DM_OP_COUNT] = {
-        [DM_OP_EXP] = (dm_function *)exp_of,         [DM_OP_LOG] = (dm_function *)log_of,
-        [DM_OP_SIN] = (dm_function *)sin_of,         [DM_OP_COS] = (dm_function *)cos_of,
-        [DM_OP_TAN] = (dm_function *)tan_of,         [DM_OP_SINH] = (dm_function *)sinh_of,
-        [DM_OP_COSH] = (dm_function *)cosh_of,       [DM_OP_TANH] = (dm_function *)tanh_of,
-        [DM_OP_CONSTANT] = (dm_function *)sincos_of,
+dm_function *dm_own_function1(dm_function_name name) {
+    static dm_function *const table[DM_FUNCTION_COUNT] = {
+        [DM_FUNCTION_EXP] = (dm_function *)exp_of,
+        [DM_FUNCTION_LOG] = (dm_function *)log_of,
+        [DM_FUNCTION_SIN] = (dm_function *)sin_of,
+        [DM_FUNCTION_COS] = (dm_function *)cos_of,
+        [DM_FUNCTION_TAN] = (dm_function *)tan_of,
+        [DM_FUNCTION_SINH] = (dm_function *)sinh_of,
+        [DM_FUNCTION_COSH] = (dm_function *)cosh_of,
+        [DM_FUNCTION_TANH] = (dm_function *)tanh_of,
+        [DM_FUNCTION_SINCOS] = (dm_function *)sincos_of,
     };
-    return table[op];
+    return table[name];
 }
 
 #else
 
-dm_function *dm_own_function1(int op) {
-    (void)op;
+dm_function *dm_own_function1(dm_function_name name) {
+    (void)name;
     return 0;
 }
 

@@ -70,25 +70,25 @@ TARGET static void both_in_lanes(anywhere *s, anywhere *c, const anywhere *a, co
     *c = cosine;
 }
 
-dm_function *dm_own_function8(int op) {
-    static dm_function *const table[DM_OP_COUNT] = {
-        [DM_OP_EXP] = (dm_function *)exponentials_in_lanes,
-        [DM_OP_LOG] = (dm_function *)logarithms_in_lanes,
-        [DM_OP_SIN] = (dm_function *)sines_in_lanes,
-        [DM_OP_COS] = (dm_function *)cosines_in_lanes,
-        [DM_OP_TAN] = (dm_function *)tangents_in_lanes,
-        [DM_OP_SINH] = (dm_function *)hyperbolic_sines_in_lanes,
-        [DM_OP_COSH] = (dm_function *)hyperbolic_cosines_in_lanes,
-        [DM_OP_TANH] = (dm_function *)hyperbolic_tangents_in_lanes,
-        [DM_OP_CONSTANT] = (dm_function *)both_in_lanes,
+dm_function *dm_own_function8(dm_function_name name) {
+    static dm_function *const table[DM_FUNCTION_COUNT] = {
+        [DM_FUNCTION_EXP] = (dm_function *)exponentials_in_lanes,
+        [DM_FUNCTION_LOG] = (dm_function *)logarithms_in_lanes,
+        [DM_FUNCTION_SIN] = (dm_function *)sines_in_lanes,
+        [DM_FUNCTION_COS] = (dm_function *)cosines_in_lanes,
+        [DM_FUNCTION_TAN] = (dm_function *)tangents_in_lanes,
+        [DM_FUNCTION_SINH] = (dm_function *)hyperbolic_sines_in_lanes,
+        [DM_FUNCTION_COSH] = (dm_function *)hyperbolic_cosines_in_lanes,
+        [DM_FUNCTION_TANH] = (dm_function *)hyperbolic_tangents_in_lanes,
+        [DM_FUNCTION_SINCOS] = (dm_function *)both_in_lanes,
     };
-    return table[op];
+    return table[name];
 }
 
 #else
 
-dm_function *dm_own_function8(int op) {
-    (void)op;
+dm_function *dm_own_function8(dm_function_name name) {
+    (void)name;
     return 0;
 }
 

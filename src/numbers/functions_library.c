@@ -19,15 +19,16 @@ static double sine_and_cosine(double x, double *cosine) {
     return sine;
 }
 
-dm_function *dm_library_function1(int op) {
-#define X(name, f) [DM_OP_##name] = (dm_function *)f,
-    static dm_function *const table[DM_OP_COUNT] = {[DM_OP_CONSTANT] =
-                                                        (dm_function *)sine_and_cosine,
-                                                    [DM_OP_POW] = (dm_function *)pow,
-                                                    [DM_OP_ATAN2] = (dm_function *)atan2,
-                                                    CALLS(X)};
+dm_function *dm_library_function1(dm_function_name name) {
+#define X(which, f) [DM_FUNCTION_##which] = (dm_function *)f,
+    static dm_function *const table[DM_FUNCTION_COUNT] = {[DM_FUNCTION_SINCOS] =
+                                                              (dm_function *)sine_and_cosine,
+                                                          [DM_FUNCTION_POW] = (dm_function *)pow,
+                                                          [DM_FUNCTION_ATAN2] =
+                                                              (dm_function *)atan2,
+                                                          CALLS(X)};
 #undef X
-    return table[op];
+    return table[name];
 }
 
 #define ONE(n, f)                                                                                  \
@@ -55,22 +56,28 @@ TWO(8, atan2)
 BOTH(4)
 BOTH(8)
 
-dm_function *dm_library_function4(int op) {
-#define X(name, f) [DM_OP_##name] = (dm_function *)f##_in_4,
-    static dm_function *const table[DM_OP_COUNT] = {[DM_OP_CONSTANT] = (dm_function *)sincos_in_4,
-                                                    [DM_OP_POW] = (dm_function *)pow_in_4,
-                                                    [DM_OP_ATAN2] = (dm_function *)atan2_in_4,
-                                                    CALLS(X)};
+dm_function *dm_library_function4(dm_function_name name) {
+#define X(which, f) [DM_FUNCTION_##which] = (dm_function *)f##_in_4,
+    static dm_function *const table[DM_FUNCTION_COUNT] = {[DM_FUNCTION_SINCOS] =
+                                                              (dm_function *)sincos_in_4,
+                                                          [DM_FUNCTION_POW] =
+                                                              (dm_function *)pow_in_4,
+                                                          [DM_FUNCTION_ATAN2] =
+                                                              (dm_function *)atan2_in_4,
+                                                          CALLS(X)};
 #undef X
-    return table[op];
+    return table[name];
 }
 
-dm_function *dm_library_function8(int op) {
-#define X(name, f) [DM_OP_##name] = (dm_function *)f##_in_8,
-    static dm_function *const table[DM_OP_COUNT] = {[DM_OP_CONSTANT] = (dm_function *)sincos_in_8,
-                                                    [DM_OP_POW] = (dm_function *)pow_in_8,
-                                                    [DM_OP_ATAN2] = (dm_function *)atan2_in_8,
-                                                    CALLS(X)};
+dm_function *dm_library_function8(dm_function_name name) {
+#define X(which, f) [DM_FUNCTION_##which] = (dm_function *)f##_in_8,
+    static dm_function *const table[DM_FUNCTION_COUNT] = {[DM_FUNCTION_SINCOS] =
+                                                              (dm_function *)sincos_in_8,
+                                                          [DM_FUNCTION_POW] =
+                                                              (dm_function *)pow_in_8,
+                                                          [DM_FUNCTION_ATAN2] =
+                                                              (dm_function *)atan2_in_8,
+                                                          CALLS(X)};
 #undef X
-    return table[op];
+    return table[name];
 }

@@ -30,9 +30,6 @@ floors.lua = {
 -- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed
 -- fails.
 floors.up = {
-  { "include", "numbers", "graph", "functions.h names the type of an operation" },
-  { "include", "algebra", "code", "implicit.h names the type of a kernel" },
-  { "include", "chain", "mech", "sums of a model name the model" },
   { "include", "integ/stage/sweep", "integ/stage", "a sweep is over the stages of a step" },
   { "include", "integ/stage/lanes", "integ/stage", "lanes are of the stages of a step" },
 }

@@ -63,7 +63,7 @@ typedef struct {
     uint32_t traced;     /* nodes of the graph when only L was in it */
     int checked;         /* compared with the function around the start of a run */
     dm_compile *compile; /* of a model in the cache (model_cache.h), else NULL */
-    dm_kept *kept;       /* kernels of methods */
+    dm_cache_entry *cache; /* kernels of methods */
     dml_traced constraint
         [DML_CONSTRAINT_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
     dm_kernel constraint_kernel[DML_CONSTRAINT_FUNCTIONS]; /* the same for comparisons, once made */

@@ -43,7 +43,7 @@ const double *dml_givesums(lua_State *L, const dml_model *m, const dm_kernel **k
 static void push_twin(lua_State *L, int at, const dml_model *m) {
     dml_model *twin = lua_newuserdatauv(L, sizeof *twin, 5);
     *twin = *m;
-    twin->kept = NULL;
+    twin->cache = NULL;
     twin->model.has = 0;
     twin->checked = 0;
     for (int k = 1; k <= 3; k++) {

@@ -295,7 +295,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
                                                        want | m->model.has, row->compile, m->arena);
         check_status(L, status);
         attach_constraints(m);
-        if (m->compile) m->model.source.kept = &m->kept;
+        if (m->compile) m->model.source.cache = &m->cache;
         m->backend = built_by(&m->model, row->name);
     }
     m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;

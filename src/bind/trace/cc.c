@@ -1,7 +1,7 @@
 #include "bind/trace/cc.h"
 
 #include "algebra/compact.h"
-#include "algebra/implicit.h"
+#include "code/implicit/implicit_kernel.h"
 #include "code/tape/emit_c.h"
 #include "code/tape/tape.h"
 #include "numbers/fma.h"
@@ -112,7 +112,7 @@ static void give_functions(void *handle) {
     for (int op = DM_OP_RSQRT; table && op <= DM_OP_TANH; op++) {
         dm_function *const f = op == DM_OP_RSQRT    ? (dm_function *)dm_rsqrt
                                : op == DM_OP_RSQRT3 ? (dm_function *)dm_rsqrt3
-                                                    : dm_function_for(op, 1);
+                                                    : dm_function_for(dm_op_function((dm_op)op), 1);
         memcpy(table + (size_t)op * sizeof f, &f, sizeof f);
     }
 }

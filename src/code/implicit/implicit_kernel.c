@@ -3,7 +3,7 @@
  * asked for, its entries [r*r]. For each function and set of arguments, in their order, the
  * kernel finds the arguments and solves; then comes one kernel of that new graph. All parts are
  * made by the same backend, which never sees an implicit function. */
-#include "algebra/implicit.h"
+#include "code/implicit/implicit_kernel.h"
 
 #include "algebra/derive.h"
 #include "algebra/derive_inside.h"
@@ -212,7 +212,7 @@ static void evaluate(const void *pool, const double *in, double *out) {
 }
 
 /* arguments that are inputs are copied, others have a kernel */
-static dm_status make_arguments(stage *s, const cut *c, const instance *x, dm_root_compile *compile,
+static dm_status make_arguments(stage *s, const cut *c, const instance *x, dm_compile *compile,
                                 dm_arena *arena) {
     const uint32_t n = x->f->inputs;
     uint32_t *from = dm_arena_take(arena, (n + 1) * sizeof *from), copied = 0;
@@ -243,7 +243,7 @@ static void place(stage *s, const composite *k, const instance *x, double **at) 
     *at = s->slope + r * (size_t)n;
 }
 
-static dm_status make_stage(stage *s, const cut *c, const instance *x, dm_root_compile *compile,
+static dm_status make_stage(stage *s, const cut *c, const instance *x, dm_compile *compile,
                             dm_arena *arena) {
     const uint32_t n = x->f->inputs;
     s->next = dm_arena_take(arena, (n + (size_t)1) * sizeof *s->next);
@@ -274,7 +274,7 @@ static int take_memory(composite *k, const cut *c, dm_arena *arena) {
 }
 
 static dm_status build(composite *k, const cut *c, const dm_node *roots, uint32_t m,
-                       dm_root_compile *compile, dm_arena *arena) {
+                       dm_compile *compile, dm_arena *arena) {
     dm_node *node = dm_arena_take(c->to->arena, m * sizeof *node);
     k->inputs = c->from->inputs;
     if (!node || !take_memory(k, c, arena)) return DM_NO_MEMORY;
@@ -288,7 +288,7 @@ static dm_status build(composite *k, const cut *c, const dm_node *roots, uint32_
 }
 
 dm_status dm_root_kernel(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
-                         dm_root_compile *compile, dm_arena *arena) {
+                         dm_compile *compile, dm_arena *arena) {
     cut c = {.from = g};
     composite *k = dm_arena_take(arena, sizeof *k);
     if (!k) return DM_NO_MEMORY;

@@ -65,7 +65,7 @@ static void find_strides(dm_root_solver *s) {
     for (uint32_t i = 0; i < s->r; i++) s->stride[i] = stride /= g;
 }
 
-dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_root_compile *compile,
+dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_compile *compile,
                                dm_arena *arena, int noted) {
     const uint32_t r = f->unknowns;
     dm_root_solver s = {.r = r,

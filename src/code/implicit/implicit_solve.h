@@ -4,6 +4,7 @@
 #define DM_IMPLICIT_SOLVE_H
 
 #include "algebra/implicit.h"
+#include "code/kernel.h"
 
 typedef struct {
     uint32_t r, n, starts;
@@ -23,7 +24,7 @@ typedef struct {
 } dm_root_solver;
 
 /* Kernels by `compile` in `arena`; troubles are noted in those of f where `noted`. */
-dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_root_compile *compile,
+dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_compile *compile,
                                dm_arena *arena, int noted);
 
 /* y[r] = the root at x[n], to round-off; inverse[r*r] = (dF/dy)^-1 there (may be NULL). NaN and

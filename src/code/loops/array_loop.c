@@ -108,8 +108,7 @@ static dm_graph *contract_all(dm_graph *g, dm_node *roots, uint32_t m) {
     return c.to->status == DM_OK ? c.to : NULL;
 }
 
-dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_strip_compile *compile,
-                       dm_arena *arena) {
+dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_compile *compile, dm_arena *arena) {
     dm_strip s = {.lanes = 0};
     dm_node *compact = dm_arena_take(arena, (d->outputs + 1) * sizeof *compact);
     if (!compact) return DM_NO_MEMORY;

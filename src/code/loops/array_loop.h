@@ -7,8 +7,8 @@
 #ifndef DM_STRIP_H
 #define DM_STRIP_H
 
-#include "graph/graph.h"
 #include "code/kernel.h"
+#include "graph/graph.h"
 
 enum {
     DM_STRIP_MOST = 96,   /* inputs or outputs */
@@ -71,10 +71,7 @@ dm_strand dm_strip_carry(dm_strip_draft *d, dm_strand start, int keep);
 void dm_strip_repeat(dm_strip_draft *d, const dm_strip *s, const dm_node *with, dm_node *out);
 
 /* The loop; `compile` makes the kernel of one entry and decides whether there is native code. */
-typedef dm_status dm_strip_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
-                                   dm_arena *arena);
-dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_strip_compile *compile,
-                       dm_arena *arena);
+dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_compile *compile, dm_arena *arena);
 
 /* All entries, rounded up to whole groups of DM_STRIP_GROUP: the arrays have room for them. */
 void dm_strip_run(const dm_strip *s, dm_strip_bases at, uint32_t count);

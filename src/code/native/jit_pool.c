@@ -1,7 +1,7 @@
 #include "code/native/jit_pool.h"
 
-#include "numbers/functions.h"
 #include "graph/nodes.h"
+#include "numbers/functions.h"
 
 #include <string.h>
 
@@ -20,7 +20,7 @@ dm_operand dm_pool_pointer(const dm_emitter *e, int op) {
 
 static void fill_pointers(unsigned char *bytes, dm_width w) {
     for (int op = 0; op < DM_OP_COUNT; op++) {
-        dm_function *const f = dm_function_for(op, (uint32_t)w);
+        dm_function *const f = dm_function_for(dm_op_function((dm_op)op), (uint32_t)w);
         memcpy(bytes + 8 * op, &f, sizeof f);
     }
 }

@@ -3,14 +3,14 @@
  *   rdi/rbx pool   rsi/r14 in   rdx/r15 out   rsp stack   (the second where there are calls) */
 #include "code/native/jit.h"
 
-#include "code/native/code_memory.h"
 #include "algebra/compact.h"
-#include "numbers/fma.h"
-#include "algebra/implicit.h"
+#include "code/implicit/implicit_kernel.h"
+#include "code/native/code_memory.h"
 #include "code/native/jit_pool.h"
 #include "code/native/jit_root.h"
-#include "graph/nodes.h"
 #include "code/tape/tape.h"
+#include "graph/nodes.h"
+#include "numbers/fma.h"
 
 #include <string.h>
 

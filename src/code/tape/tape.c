@@ -7,10 +7,10 @@
 #include "code/tape/tape.h"
 
 #include "algebra/compact.h"
+#include "code/implicit/implicit_kernel.h"
+#include "graph/nodes.h"
 #include "numbers/fma.h"
 #include "numbers/functions.h"
-#include "algebra/implicit.h"
-#include "graph/nodes.h"
 
 #include <math.h>
 #include <string.h>

@@ -318,15 +318,15 @@ static dm_status make_all(frame *b, dm_rattle_kernels *out, int shake) {
 dm_status dm_rattle_build(dm_rattle_kernels *out, const dm_model *m, int shake) {
     frame b = {.model = m, .at = dm_rattle_lay_out(m), .arena = m->source.arena};
     const uint32_t last = shake ? SHAKE_END : END;
-    if (dm_kept_find(&out->begin, m, &maker, BEGIN) &&
-        dm_kept_find(&out->first, m, &maker, FIRST) &&
-        dm_kept_find(&out->newton, m, &maker, NEWTON) && dm_kept_find(&out->end, m, &maker, last))
+    if (dm_cache_find(&out->begin, m, &maker, BEGIN) &&
+        dm_cache_find(&out->first, m, &maker, FIRST) &&
+        dm_cache_find(&out->newton, m, &maker, NEWTON) && dm_cache_find(&out->end, m, &maker, last))
         return DM_OK;
     const dm_status status = make_all(&b, out, shake);
     if (status != DM_OK) return status;
-    dm_kept_add(m, &maker, BEGIN, &out->begin, 1);
-    dm_kept_add(m, &maker, FIRST, &out->first, 1);
-    dm_kept_add(m, &maker, NEWTON, &out->newton, 1);
-    dm_kept_add(m, &maker, last, &out->end, 1);
+    dm_cache_add(m, &maker, BEGIN, &out->begin, 1);
+    dm_cache_add(m, &maker, FIRST, &out->first, 1);
+    dm_cache_add(m, &maker, NEWTON, &out->newton, 1);
+    dm_cache_add(m, &maker, last, &out->end, 1);
     return DM_OK;
 }

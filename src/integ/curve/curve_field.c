@@ -96,7 +96,7 @@ static dm_status make(const builder *b, dm_kernel *out, size_t count, uint32_t w
     dm_status status = dm_graph_status(b->g);
     if (status == DM_OK)
         status = b->m->source.compile(out, b->g, b->roots, (uint32_t)count, b->m->source.arena);
-    if (status == DM_OK) dm_kept_add(b->m, &maker, which, out, 1);
+    if (status == DM_OK) dm_cache_add(b->m, &maker, which, out, 1);
     return status;
 }
 
@@ -155,11 +155,11 @@ dm_status dm_field_build(dm_field *out, const dm_model *m) {
     const uint32_t n = m->n;
     builder b = {.m = m, .n = n, .t = 2 * n, .a = 2 * n + 1, .u = 3 * n + 1, .l = 4 * n + 1};
     if (!m->source.graph || !m->source.compile) return DM_TOO_LARGE;
-    if (dm_kept_find(&out->force, m, &maker, FORCE) &&
-        dm_kept_find(&out->gradient, m, &maker, GRADIENT) &&
-        dm_kept_find(&out->curve, m, &maker, CURVE) &&
-        dm_kept_find(&out->tangent, m, &maker, TANGENT) &&
-        dm_kept_find(&out->momentum, m, &maker, MOMENTUM))
+    if (dm_cache_find(&out->force, m, &maker, FORCE) &&
+        dm_cache_find(&out->gradient, m, &maker, GRADIENT) &&
+        dm_cache_find(&out->curve, m, &maker, CURVE) &&
+        dm_cache_find(&out->tangent, m, &maker, TANGENT) &&
+        dm_cache_find(&out->momentum, m, &maker, MOMENTUM))
         return DM_OK;
     b.g = dm_graph_new(m->source.arena, (uint32_t)dm_field_inputs(n));
     return b.g ? build(out, &b) : DM_NO_MEMORY;

@@ -133,10 +133,10 @@ void dm_stage_table_find(dm_stage_table *out, const dm_galerkin *g, const dm_mod
     double key[DM_STAGE_KEY];
     const uint32_t keys = dm_stage_key(key, g),
                    count = (uint32_t)dm_stage_table_size((size_t)g->s, (size_t)g->q.r);
-    const double *kept = g->tableau ? NULL : dm_kept_numbers(m, &maker, key, keys);
+    const double *kept = g->tableau ? NULL : dm_cache_numbers(m, &maker, key, keys);
     if (!kept) {
         dm_stage_table_fill(out, g, memory);
-        if (!g->tableau) dm_kept_leave(m, &maker, key, keys, memory, count);
+        if (!g->tableau) dm_cache_leave(m, &maker, key, keys, memory, count);
         return;
     }
     out->s = (uint32_t)g->s;

@@ -65,10 +65,10 @@ static dm_status open(dm_stepper *s) {
     static const char maker;
     const double key = stages(s->rule);
     dm_galerkin g;
-    const double *kept = dm_kept_numbers(s->model, &maker, &key, 1);
+    const double *kept = dm_cache_numbers(s->model, &maker, &key, 1);
     if (!kept) {
         basis(&g, s->rule);
-        dm_kept_leave(s->model, &maker, &key, 1, (const double *)(const void *)&g.q,
+        dm_cache_leave(s->model, &maker, &key, 1, (const double *)(const void *)&g.q,
                       sizeof g.q / sizeof(double));
         return dm_stage_open(s, &g);
     }

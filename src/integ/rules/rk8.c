@@ -95,11 +95,11 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
 
 static void find_kernel(explicit8 *e) {
     static const char maker;
-    if (dm_kept_find(&e->kernel, e->m, &maker, 0)) return;
+    if (dm_cache_find(&e->kernel, e->m, &maker, 0)) return;
     if (!dm_hamilton_build(&e->kernel, e->m, 1))
         e->kernel.outputs = 0;
     else
-        dm_kept_add(e->m, &maker, 0, &e->kernel, 1);
+        dm_cache_add(e->m, &maker, 0, &e->kernel, 1);
 }
 
 static dm_status open(dm_stepper *s) {

@@ -24,12 +24,12 @@ static int find(dm_chain *c, const dm_model *m) {
     const uint32_t which = (uint32_t)((c->table.b[0] != 0.0) + 2 * (c->table.b[s] != 0.0) +
                                       4 * (c->plain != 0) + 8 * s);
     dm_kernel kept;
-    if (dm_kept_find(&kept, m, &maker, which)) {
+    if (dm_cache_find(&kept, m, &maker, which)) {
         const dm_splitting table = c->table;
         if (!kept.pool) return 0;
         *c = *(const dm_chain *)kept.pool;
         c->table = table;
-        c->lattice.model = m;
+        c->lattice.source = &m->source;
         return 1;
     }
     dm_chain *copy = dm_arena_take(m->source.arena, sizeof *copy);
@@ -37,7 +37,7 @@ static int find(dm_chain *c, const dm_model *m) {
     const int there = dm_chain_make(c, m) == DM_OK;
     *copy = *c;
     kept = (dm_kernel){.pool = there ? copy : NULL};
-    dm_kept_add(m, &maker, which, &kept, 1);
+    dm_cache_add(m, &maker, which, &kept, 1);
     return there;
 }
 
@@ -46,7 +46,7 @@ static size_t own_size(void) {
 }
 
 size_t dm_chain_work(const dm_model *m) {
-    const size_t lattice = dm_lattice_work(m, 6);
+    const size_t lattice = dm_lattice_work(&m->source, m->n, 6);
     return lattice ? own_size() + lattice : 0;
 }
 
@@ -65,7 +65,7 @@ dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain,
 /* ---- running ---- */
 
 static void load(dm_chain *c, const double *state) {
-    const size_t n = c->lattice.model->n;
+    const size_t n = c->lattice.n;
     dm_lattice_load(&c->lattice, c->q0, state);
     dm_lattice_load(&c->lattice, c->p0, state + n);
     if (!c->plain) {
@@ -76,7 +76,7 @@ static void load(dm_chain *c, const double *state) {
 }
 
 static void store(const dm_chain *c, double *state) {
-    const size_t n = c->lattice.model->n;
+    const size_t n = c->lattice.n;
     dm_lattice_store(&c->lattice, state, c->q0);
     dm_lattice_store(&c->lattice, state + n, c->p0);
     if (c->plain) return;

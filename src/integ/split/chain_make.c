@@ -84,7 +84,7 @@ static void read_body(const dm_chain *c, body *b, uint32_t k) {
 }
 
 static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
-    const dm_source *from = &c->lattice.model->source;
+    const dm_source *from = c->lattice.source;
     dm_node F[DM_STRIP_MOST];
     dm_strip_draft d;
     if (c->lattice.block > DM_STRIP_MOST) return DM_TOO_LARGE;
@@ -135,7 +135,7 @@ static double common_weight(const dm_model *m) {
 }
 
 dm_status dm_chain_make(dm_chain *c, const dm_model *m) {
-    const dm_status status = dm_lattice_open(&c->lattice, m);
+    const dm_status status = dm_lattice_open(&c->lattice, &m->source, m->n);
     if (status != DM_OK) return status;
     c->same_weight = common_weight(m);
     c->q0 = dm_lattice_arrays(&c->lattice);

@@ -143,11 +143,11 @@ static int read_pulls(dm_log_loop *l, const dm_model *m) {
 dm_log_loop *dm_log_loop_open(const dm_model *m) {
     static const char maker;
     dm_kernel kept;
-    if (dm_kept_find(&kept, m, &maker, 0)) return (dm_log_loop *)(uintptr_t)kept.pool;
+    if (dm_cache_find(&kept, m, &maker, 0)) return (dm_log_loop *)(uintptr_t)kept.pool;
     dm_log_loop *l = m->source.graph ? dm_arena_take(m->source.arena, sizeof *l) : NULL;
     if (l) *l = (dm_log_loop){0};
     if (!l || !read_pulls(l, m) || !fuse(m, l) || !build(&l->one, m, l, 1)) return NULL;
-    dm_kept_add(m, &maker, 0, &(dm_kernel){.pool = l}, 1);
+    dm_cache_add(m, &maker, 0, &(dm_kernel){.pool = l}, 1);
     return l;
 }
 

@@ -136,7 +136,7 @@ dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting 
     static const char maker;
     const unsigned shape = whole_shape(m, table, plain);
     dm_kernel kept;
-    if (dm_kept_find(&kept, m, &maker, shape)) return (dm_splitting_loop *)(uintptr_t)kept.pool;
+    if (dm_cache_find(&kept, m, &maker, shape)) return (dm_splitting_loop *)(uintptr_t)kept.pool;
     if (!m->source.graph || (!dm_splitting_loop_ends(shape) && table->stages < 2)) return NULL;
     dm_splitting_loop *l = dm_arena_take(m->source.arena, sizeof *l);
     if (!l) return NULL;
@@ -148,7 +148,7 @@ dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting 
     if (!build_parts(l, m) || !dm_fused_build(&l->one, m, l->part, l->size, 1)) return NULL;
     if ((shape & DM_LOOP_MERGED) && !dm_fused_build(&l->one_kick, m, l->kick, l->size, 1))
         return NULL;
-    dm_kept_add(m, &maker, shape, &(dm_kernel){.pool = l}, 1);
+    dm_cache_add(m, &maker, shape, &(dm_kernel){.pool = l}, 1);
     return l;
 }
 

@@ -1,11 +1,11 @@
 /* implicit functions in graphs: closed forms, bits of backends and copies, memory that is
  * refused */
-#include "check.h"
-#include "graph/analyse.h"
 #include "algebra/derive.h"
 #include "algebra/implicit.h"
+#include "check.h"
 #include "code/native/jit.h"
 #include "code/tape/tape.h"
+#include "graph/analyse.h"
 #include "linalg/inverse.h"
 #include "linalg/lu.h"
 
@@ -74,7 +74,7 @@ static dm_node formula(dm_graph *g) {
 
 /* value, gradient[2], Hessian[4] */
 enum { OUTPUTS = 7 };
-static dm_status build(dm_kernel *out, dm_graph *g, dm_node value, dm_root_compile *compile,
+static dm_status build(dm_kernel *out, dm_graph *g, dm_node value, dm_compile *compile,
                        dm_arena *arena) {
     dm_node roots[OUTPUTS] = {value};
     dm_hessian(g, value, 0, 2, roots + 1, roots + 3);

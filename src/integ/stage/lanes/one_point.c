@@ -163,9 +163,9 @@ static int build(dm_kernel *out, const dm_model *m, uint32_t lanes) {
 /* that there is none is kept, too */
 int dm_push_kernel(dm_kernel *out, const dm_model *m, uint32_t lanes) {
     static const char maker;
-    if (dm_kept_find(out, m, &maker, lanes)) return out->eval != NULL;
+    if (dm_cache_find(out, m, &maker, lanes)) return out->eval != NULL;
     *out = (dm_kernel){0};
     if (!build(out, m, lanes)) *out = (dm_kernel){0};
-    dm_kept_add(m, &maker, lanes, out, lanes);
+    dm_cache_add(m, &maker, lanes, out, lanes);
     return out->eval != NULL;
 }

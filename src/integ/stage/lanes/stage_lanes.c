@@ -243,12 +243,12 @@ int dm_stage_widen(dm_stepper *s, dm_lanes *x) {
     if (s->model->constraints || lanes < 4 || !is_usual(g)) return 0;
     const uint32_t form = (g->sweeps.row != NULL) * 2u + (uint32_t)g->separable;
     const uint32_t which = ((g->table.s * 64 + g->table.r) * 16 + lanes) * 4 + form;
-    if (dm_kept_find(&kept, g->m, &maker, which)) {
+    if (dm_cache_find(&kept, g->m, &maker, which)) {
         g->lanes = (dm_stage_lanes *)(uintptr_t)kept.pool;
     } else {
         g->lanes = make(g, s, lanes);
         if (!g->lanes) return 0;
-        dm_kept_add(g->m, &maker, which, &(dm_kernel){.pool = g->lanes}, lanes);
+        dm_cache_add(g->m, &maker, which, &(dm_kernel){.pool = g->lanes}, lanes);
     }
     g->lanes->g = g;
     forget_paces(g->lanes, g);

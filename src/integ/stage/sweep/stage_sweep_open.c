@@ -104,13 +104,13 @@ static void find_ahead(dm_stage *g, const dm_galerkin *basis) {
     const uint32_t count = 2 * g->table.r * g->sweeps.row->width;
     double key[DM_STAGE_KEY];
     const uint32_t keys = dm_stage_key(key, basis);
-    const double *kept = basis->tableau ? NULL : dm_kept_numbers(g->m, &maker, key, keys);
+    const double *kept = basis->tableau ? NULL : dm_cache_numbers(g->m, &maker, key, keys);
     if (kept) {
         memcpy(g->sweeps.flying, kept, count * sizeof *kept);
         return;
     }
     make_ahead(g, &basis->q);
-    if (!basis->tableau) dm_kept_leave(g->m, &maker, key, keys, g->sweeps.flying, count);
+    if (!basis->tableau) dm_cache_leave(g->m, &maker, key, keys, g->sweeps.flying, count);
 }
 
 /* the nearest double, and the rest */
@@ -226,13 +226,13 @@ uint32_t dm_stage_sweeps_kernels(dm_kernel out[3], const dm_stage *g, uint32_t w
     const uint32_t count = g->separable ? 1 : 3;
     uint32_t found = 0, lanes = 0;
     for (; found < count; found++) {
-        lanes = dm_kept_find(out + found, g->m, makers + found, width);
+        lanes = dm_cache_find(out + found, g->m, makers + found, width);
         if (!lanes) break;
     }
     if (found == count) return lanes;
     lanes = build(out, g->m, g->separable, width);
     for (uint32_t i = 0; lanes && i < count; i++)
-        dm_kept_add(g->m, makers + i, width, out + i, lanes);
+        dm_cache_add(g->m, makers + i, width, out + i, lanes);
     return lanes;
 }
 

@@ -1,0 +1,30 @@
+/* source.h - what the kernels of one function L(q, v, t) are made from: its graph, its gradient,
+ * who compiles, and where. Methods that make kernels of their own take what they need from here,
+ * and leave them in the cache, where the next stepper of the same model finds them. */
+#ifndef DM_SOURCE_H
+#define DM_SOURCE_H
+
+#include "code/kernel.h"
+
+/* One kernel of the cache, newest first; `maker` is an address that only its maker has, `which`
+ * tells several of one maker apart, `lanes` is how many members an evaluation takes. */
+typedef struct dm_cache_entry {
+    struct dm_cache_entry *next;
+    const void *maker;
+    uint32_t which, lanes;
+    dm_kernel kernel;
+} dm_cache_entry;
+
+typedef struct {
+    dm_graph *graph; /* inputs q[n], v[n], t; NULL: hyper-dual numbers, or sums that stay loops */
+    dm_graph *sums;  /* the graph with its sums as leaves, where they stay loops; else NULL */
+    dm_node lagrangian, well; /* L; L at v = 0, where that was asked for */
+    const dm_node *gradient;  /* L_q[n], L_v[n] with the sums held */
+    dm_graph *stage_graph; /* of the stage kernel, where there is one, to be taken as it stands */
+    const dm_node *stage;  /* and its roots; the first 2n are those of the gradient */
+    dm_compile *compile;
+    dm_arena *arena;        /* of all kernels and nodes */
+    dm_cache_entry **cache; /* NULL: nothing stays for the next stepper */
+} dm_source;
+
+#endif
