@@ -39,18 +39,22 @@ static int distance(const char *a, const char *b) {
     return row[length];
 }
 
+/* is the name one of a list "leapfrog, strang"? */
+static int is_among(const char *name, const char *list) {
+    const size_t length = strlen(name);
+    for (const char *at = list; at && *at;) {
+        const size_t word = strcspn(at, ",");
+        if (word == length && strncmp(at, name, length) == 0) return 1;
+        at += word;
+        at += strspn(at, ", ");
+    }
+    return 0;
+}
+
 /* what others call a rule that is here, or NULL */
 static const char *usual_name(const char *name) {
-    static const char *const others[][2] = {{"leapfrog", "verlet"},
-                                            {"stoermer-verlet", "verlet"},
-                                            {"stormer-verlet", "verlet"},
-                                            {"strang", "verlet"},
-                                            {"euler", "symplectic-euler"},
-                                            {"implicit-midpoint", "midpoint"},
-                                            {"rk45", "rkf45"},
-                                            {"ruth", "yoshida"}};
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
-        if (strcmp(name, others[i][0]) == 0) return others[i][1];
+    for (const dm_method *const *m = dm_methods; *m; m++)
+        if (is_among(name, (*m)->aliases)) return (*m)->name;
     return NULL;
 }
 

@@ -2,7 +2,6 @@
 #ifndef DM_REGISTRY_H
 #define DM_REGISTRY_H
 
-#include "integ/registry.h"
 #include "integ/method/method.h"
 
 extern const dm_method *const dm_methods[]; /* NULL-terminated */

@@ -6,7 +6,7 @@
 static dm_status step_by(dm_stepper *s, double *out, const double *state, double t, double h) {
     memcpy(out, state, dm_state_size(s->model->n) * sizeof *out);
     if (h == 0.0) return DM_OK;
-    return s->method->step(s, out, t, h);
+    return s->engine->step(s, out, t, h);
 }
 
 /* a length of step, the time it leads to, and dh/dt there */
@@ -27,7 +27,7 @@ static dm_status find_step(dm_stepper *s, double *out, const double *state, doub
     enum { TRIES = 60 };
     const size_t own = 4 * (size_t)s->model->n;
     const double t0 = state[own], close = 2e-16 * fmax(fabs(target), fabs(t0));
-    point a = {0.0, t0, 1.0 / s->method->pace(s, state)}, b = {.h = a.slope * (target - t0)};
+    point a = {0.0, t0, 1.0 / s->engine->pace(s, state)}, b = {.h = a.slope * (target - t0)};
     double last = INFINITY;
     if (!(fabs(b.h) < fabs(whole))) b.h = whole;
     for (int k = 0; k < TRIES; k++) {
@@ -37,7 +37,7 @@ static dm_status find_step(dm_stepper *s, double *out, const double *state, doub
         const double gap = fabs(b.t - target);
         if (gap <= close || (gap >= last && gap <= 1e3 * close)) return DM_OK;
         if (b.t == a.t) return DM_NO_CONVERGENCE;
-        b.slope = 1.0 / s->method->pace(s, out);
+        b.slope = 1.0 / s->engine->pace(s, out);
         const double next = interpolate(&a, &b, target);
         a = b;
         b.h = next;
@@ -49,10 +49,10 @@ static dm_status find_step(dm_stepper *s, double *out, const double *state, doub
 /* what steps leave to each other is put away, as for a start */
 static dm_status step_apart(dm_stepper *s, double *out, const double *state, double t, double h) {
     double *place;
-    const size_t size = s->aside && s->method->memory ? s->method->memory(s, &place) : 0;
+    const size_t size = s->aside ? dm_stepper_memory(s, &place) : 0;
     if (!size) return step_by(s, out, state, t, h);
     memcpy(s->aside, place, size * sizeof *place);
-    dm_status status = s->method->start(s, out, t, h);
+    dm_status status = dm_stepper_start(s, out, t, h);
     if (status == DM_OK) status = step_by(s, out, state, t, h);
     memcpy(place, s->aside, size * sizeof *place);
     return status;
@@ -60,6 +60,6 @@ static dm_status step_apart(dm_stepper *s, double *out, const double *state, dou
 
 dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target,
                   double h) {
-    return s->method->traits & DM_OWN_TIME ? find_step(s, out, state, target, h)
-                                           : step_apart(s, out, state, t, target - t);
+    return s->rule->method->traits & DM_OWN_TIME ? find_step(s, out, state, target, h)
+                                                 : step_apart(s, out, state, t, target - t);
 }

@@ -80,7 +80,7 @@ static void open_impulses(loop *l, double *row) {
 /* after a step: its impulses, the first of which belong to the row that it began at */
 static void take_impulses(loop *l) {
     const dm_impulses *i = l->plan->impulses;
-    l->s->method->impulses(l->s, i->step);
+    l->s->engine->impulses(l->s, i->step);
     if (!l->open) return;
     for (uint32_t c = 0; c < i->constraints; c++) l->open[c] += i->step[c];
     for (uint32_t c = i->constraints; c < dm_impulses_width(i); c++) l->open[c] = i->step[c];
@@ -188,7 +188,7 @@ static dm_status advance_own(loop *l, long end) {
  * wanted too */
 static dm_status advance(loop *l, long end) {
     const int timed =
-        !(l->s->model->structure & DM_AUTONOMOUS) && !(l->s->method->traits & DM_FOR_PAIRS);
+        !(l->s->model->structure & DM_AUTONOMOUS) && !(l->s->rule->method->traits & DM_FOR_PAIRS);
     const int by_one = timed || l->plan->impulses;
     if (l->own) return advance_own(l, end);
     while (l->plan->events && l->done < end && !is_ended(l)) {
@@ -261,14 +261,13 @@ static dm_status run(loop *l) {
 /* what the method keeps beside q and p: set for a start, or as it was left */
 static dm_status begin(loop *l) {
     const dm_resumption *resume = l->plan->resume;
-    const dm_method *method = l->s->method;
     double own[DM_STATE_OWN], *tail = l->state + 4 * (size_t)l->s->model->n, *place;
     dm_status status = DM_OK;
     memcpy(own, tail, sizeof own);
-    if (method->start) status = method->start(l->s, l->state, l->plan->t0, l->plan->h);
+    status = dm_stepper_start(l->s, l->state, l->plan->t0, l->plan->h);
     if (resume) memcpy(tail, own, sizeof own);
-    if (status == DM_OK && resume && resume->memory && method->memory) {
-        const size_t size = method->memory(l->s, &place);
+    if (status == DM_OK && resume && resume->memory) {
+        const size_t size = dm_stepper_memory(l->s, &place);
         if (size) memcpy(place, resume->memory, size * sizeof *place);
     }
     if (status == DM_OK && l->plan->events)
@@ -280,7 +279,7 @@ dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *
                  long *rows_done) {
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};
     dm_status status = DM_OK;
-    l.own = (s->method->traits & DM_OWN_TIME) != 0;
+    l.own = (s->rule->method->traits & DM_OWN_TIME) != 0;
     l.looked = l.told = now();
     l.saved = l.looked;
     status = begin(&l);

@@ -246,24 +246,25 @@ static inline int session_open(session *x, const problem *p, const char *rule, d
     memset(x, 0, sizeof *x);
     if (dm_rule_read(x->nodes, rule, NULL)) return 0;
     const dm_method *m = dm_method_find(x->nodes[0].name, NULL);
-    if (!m || m->check(x->nodes)) return 0;
-    x->s = (dm_stepper){.method = m, .model = &p->model, .rule = x->nodes};
+    if (!m || dm_rule_check(x->nodes)) return 0;
+    x->s = (dm_stepper){.model = &p->model, .rule = x->nodes};
     x->h = h;
     x->s.tolerance = 4e-15;
     x->s.max_iterations = 50;
-    x->work = malloc((m->work(x->nodes, &p->model) + dm_legendre_work(&p->model)) * sizeof(double));
+    const size_t work = dm_rule_engine(x->nodes, &p->model)->work(x->nodes, &p->model);
+    x->work = malloc((work + dm_legendre_work(&p->model)) * sizeof(double));
     x->s.work = x->work;
-    double *legendre = x->work + m->work(x->nodes, &p->model);
-    if (!x->work || m->open(&x->s) != DM_OK) return 0;
+    double *legendre = x->work + work;
+    if (!x->work || dm_stepper_open(&x->s) != DM_OK) return 0;
     memcpy(x->state, p->q, p->n * sizeof(double));
     if (!(m->traits & DM_FOR_PAIRS) &&
         dm_legendre(&p->model, x->state + p->n, p->q, p->v, 0.0, legendre) != DM_OK)
         return 0;
-    return !m->start || m->start(&x->s, x->state, 0.0, h) == DM_OK;
+    return dm_stepper_start(&x->s, x->state, 0.0, h) == DM_OK;
 }
 
 static inline void session_close(session *x) {
-    if (x->s.method && x->s.method->close) x->s.method->close(&x->s);
+    dm_stepper_close(&x->s);
     free(x->work);
 }
 

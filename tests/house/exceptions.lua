@@ -34,8 +34,5 @@ return {
     { "lua/dm/reduce/discrete/init.lua", "midpoint trapezoidal", "they make an Ld of L alone" },
     { "lua/dm/reduce/routh/rsprk.lua", "rk4 rk8 rk8pd rkf45", "which rules are explicit" },
     { "lua/dm/reduce/discrete/tableau.lua", "lobatto", "which rules have nodes at the ends" },
-    { "src/bind/rule/bind_curve.c", "curve", "its data are a curve" },
-    { "src/bind/rule/bind_discrete.c", "midpoint trapezoidal", "they make an Ld of L alone" },
-    { "src/bind/rule/discrete_rule.c", "del galerkin", "rules of a discrete Lagrangian" },
   },
 }

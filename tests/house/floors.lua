@@ -11,7 +11,7 @@ floors.src = {
   -- kept free: field
   "integ/method", "integ/split", "integ/constrained", "integ/stage/sweep", "integ/stage/lanes",
   "integ/stage",
-  "integ/rules", "integ/curve", "integ",
+  "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions", "integ",
   -- kept free: integ/lie, integ/sem (below integ)
   "run", "run/ensemble",
   -- kept free: mpi

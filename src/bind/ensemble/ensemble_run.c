@@ -91,19 +91,16 @@ static void open_steppers(lua_State *L, dml_stepping *r, int threads, dm_stepper
 /* open all or none */
 static dm_status open_all(dm_stepper **steppers, int threads) {
     for (int i = 0; i < threads; i++) {
-        const dm_method *m = steppers[i]->method;
-        const dm_status status = m->open ? m->open(steppers[i]) : DM_OK;
+        const dm_status status = dm_stepper_open(steppers[i]);
         if (status == DM_OK) continue;
-        for (int k = 0; k <= i; k++)
-            if (m->close) m->close(steppers[k]);
+        for (int k = 0; k <= i; k++) dm_stepper_close(steppers[k]);
         return status;
     }
     return DM_OK;
 }
 
 static void close_all(dm_stepper **steppers, int first, int threads) {
-    for (int i = first; i < threads; i++)
-        if (steppers[i]->method->close) steppers[i]->method->close(steppers[i]);
+    for (int i = first; i < threads; i++) dm_stepper_close(steppers[i]);
 }
 
 /* raises, with all closed, where sums are to be plain and the rule has none */

@@ -7,7 +7,7 @@
 
 const dm_curve *dml_tocurve(lua_State *L, int arg) {
     const dml_rule *r = dml_torule(L, arg);
-    return r && strcmp(r->rule.name, "curve") == 0 ? r->rule.data : NULL;
+    return r && r->rule.method->engine == &dm_engine_curve ? r->rule.data : NULL;
 }
 
 static void unknown_method(lua_State *L, const char *name) {

@@ -5,6 +5,7 @@
 #include "bind/model/model_constraints.h"
 #include "bind/rule/discrete_rule.h"
 #include "bind/trace/bind_root.h"
+#include "integ/registry.h"
 
 #include <math.h>
 #include <string.h>
@@ -217,6 +218,20 @@ static int composed(lua_State *L) {
     return 1;
 }
 
+/* the rule of the options at 2 has one velocity, (q1 - q0)/h, and nothing is to be solved: its
+ * points, else 0 */
+static int formula_points(lua_State *L) {
+    dm_rule nodes[DM_RULE_NODES];
+    dm_galerkin g;
+    lua_getfield(L, 2, "rule");
+    const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+    const int read = !dm_rule_read(nodes, text, NULL) && nodes[0].method;
+    lua_pop(L, 1);
+    if (!read || !(nodes[0].method->traits & DM_FORMULA) || dm_rule_check(nodes)) return 0;
+    nodes[0].method->basis(&g, nodes);
+    return g.q.r;
+}
+
 /* turn (system, { rule =, h = }) on the stack into the options of a discrete Lagrangian
  * at 1 */
 static void options_of_system(lua_State *L) {
@@ -225,27 +240,17 @@ static void options_of_system(lua_State *L) {
                                          "params", "constraint", NULL};
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
-    lua_getfield(L, 2, "rule");
-    const int midpoint = strcmp(lua_tostring(L, -1), "midpoint") == 0;
+    const int points = formula_points(L);
     lua_newtable(L);
     for (const char *const *key = copied; *key; key++)
         dml_systemfield(L, 1, *key), lua_setfield(L, -2, *key);
     lua_getfield(L, 2, "h");
     lua_setfield(L, -2, "h");
     lua_pushvalue(L, 1);
-    lua_pushboolean(L, !midpoint);
+    lua_pushboolean(L, points == 2);
     lua_pushcclosure(L, composed, 2);
     lua_setfield(L, -2, "Ld");
     lua_replace(L, 1);
-}
-
-/* the rule of the options at 2 has one velocity, (q1 - q0)/h: nothing is to be solved */
-static int has_formula(lua_State *L) {
-    lua_getfield(L, 2, "rule");
-    const char *rule = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
-    const int simple = strcmp(rule, "midpoint") == 0 || strcmp(rule, "trapezoidal") == 0;
-    lua_pop(L, 1);
-    return simple;
 }
 
 static int has_field(lua_State *L, const char *key) {
@@ -259,7 +264,7 @@ static void check_of_system(lua_State *L) {
     luaL_checktype(L, 2, LUA_TTABLE);
     const int holonomic =
         has_field(L, "constraint") && !has_field(L, "rolling") && !has_field(L, "force");
-    if (dml_isconstrained(L, 1) && !(holonomic && has_formula(L)))
+    if (dml_isconstrained(L, 1) && !(holonomic && formula_points(L)))
         luaL_error(L,
                    "a discrete Lagrangian has no place for %s: solve the system with a rule, for "
                    "instance system:solver{rule = \"%s\", h = 0.01}",
@@ -290,7 +295,7 @@ static int discrete_new(lua_State *L) {
     lua_settop(L, 2);
     if (luaL_testudata(L, 1, DML_SYSTEM)) {
         check_of_system(L);
-        if (!has_formula(L) || is_timed(L)) return dml_pushruled(L), 1;
+        if (!formula_points(L) || is_timed(L)) return dml_pushruled(L), 1;
         options_of_system(L);
     }
     dml_newsystem(L, known, 1);

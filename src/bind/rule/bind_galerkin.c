@@ -1,7 +1,7 @@
 /* bind_galerkin.c - `dm.galerkin`: curves of any degree with a user's nodes and weights. */
 #include "bind/rule/bind_rule.h"
 #include "bind/value/value.h"
-#include "integ/stage/stage.h"
+#include "integ/rules/galerkin.h"
 
 #include <math.h>
 

@@ -1,7 +1,6 @@
 /* bind_rule.c - `dm.rule`: what dm.galerkin and its like give to `rule =`. */
 #include "bind/rule/bind_rule.h"
 
-#include "integ/method/traits.h"
 #include "integ/registry.h"
 
 #include <string.h>
@@ -34,7 +33,7 @@ static int rule_field(lua_State *L) {
     if (strcmp(key, "name") == 0) {
         lua_getiuservalue(L, 1, 2);
     } else if (strcmp(key, "order") == 0) {
-        lua_pushinteger(L, r->rule.method->order(&r->rule));
+        lua_pushinteger(L, dm_rule_order(&r->rule));
     } else if (strcmp(key, "symmetric") == 0) {
         lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_SYMMETRIC) != 0);
     } else if (strcmp(key, "symplectic") == 0) {

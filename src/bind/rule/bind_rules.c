@@ -1,7 +1,6 @@
 /* bind_rules.c - `dm.rules`: the table of methods. */
 #include "bind/core/bind.h"
 #include "integ/method/method.h"
-#include "integ/method/traits.h"
 #include "integ/registry.h"
 
 #include <stdio.h>
@@ -42,7 +41,7 @@ static void push_instance(lua_State *L, const char *text, size_t length) {
     dm_rule_read(nodes, rule, NULL);
     lua_setfield(L, -2, "rule");
     sscanf(colon, ":%d:%d", &stages, &forces);
-    set_count(L, "order", nodes[0].method->order(nodes));
+    set_count(L, "order", dm_rule_order(nodes));
     set_count(L, "stages", stages);
     set_count(L, "forces", forces);
     set_traits(L, dm_rule_traits(nodes));

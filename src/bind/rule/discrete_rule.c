@@ -28,7 +28,7 @@ static const dm_method *read_rule(lua_State *L, int at, dm_rule *nodes) {
     if (wrong) luaL_error(L, "field 'rule': '%s': %s", text, wrong);
     if (!method && nearest) luaL_error(L, "unknown rule '%s'; did you mean '%s'?", text, nearest);
     if (!method) luaL_error(L, "unknown rule '%s'; ?rules lists them", text);
-    wrong = method->check ? method->check(nodes) : NULL;
+    wrong = dm_rule_check(nodes);
     if (wrong)
         luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong, method->signature);
     return method;
@@ -50,7 +50,7 @@ static void read_basis(lua_State *L, int at, dm_galerkin *g) {
 
 /* rule = "galerkin", degree = 3, quadrature = "lobatto(4)" at 2 become rule = "galerkin(3,
  * lobatto(4))" in a new table there */
-static void join_galerkin(lua_State *L) {
+static void join_arguments(lua_State *L) {
     static const char *const kept[] = {"h", "name", NULL};
     const int degree = lua_getfield(L, 2, "degree"), quadrature = lua_getfield(L, 2, "quadrature");
     if (degree == LUA_TNIL && quadrature == LUA_TNIL) {
@@ -58,14 +58,14 @@ static void join_galerkin(lua_State *L) {
         return;
     }
     lua_getfield(L, 2, "rule");
-    if (lua_type(L, -1) != LUA_TSTRING || strcmp(lua_tostring(L, -1), "galerkin") != 0)
+    if (lua_type(L, -1) != LUA_TSTRING)
         luaL_error(L, "fields 'degree' and 'quadrature' go with rule = \"galerkin\"");
     if (quadrature != LUA_TSTRING)
         luaL_error(L, "field 'quadrature' must be text, for instance \"lobatto(4)\" (got %s)",
                    luaL_typename(L, -2));
     const long s = dml_count(L, 2, "degree", 1, 0);
     lua_newtable(L);
-    lua_pushfstring(L, "galerkin(%I, %s)", (LUAI_UACINT)s, lua_tostring(L, -3));
+    lua_pushfstring(L, "%s(%I, %s)", lua_tostring(L, -2), (LUAI_UACINT)s, lua_tostring(L, -3));
     lua_setfield(L, -2, "rule");
     for (const char *const *key = kept; *key; key++)
         lua_getfield(L, 2, *key), lua_setfield(L, -2, *key);
@@ -78,7 +78,7 @@ void dml_pushruled(lua_State *L) {
     static const char *const copied[] = {"Q", "name", "coordinates", "units", "params", NULL};
     dm_galerkin g;
     dml_options(L, 2, known);
-    join_galerkin(L);
+    join_arguments(L);
     read_basis(L, 2, &g);
     const dml_system *system = luaL_checkudata(L, 1, DML_SYSTEM);
     const double h = dml_positive(L, 2, "h", 0);
@@ -141,7 +141,9 @@ void dml_unfoldruled(lua_State *L) {
         lua_insert(L, -2);
         lua_rawset(L, -4);
     }
-    if (lua_getfield(L, -1, "rule") != LUA_TNIL && strcmp(luaL_tolstring(L, -1, NULL), "del") != 0)
+    const int given = lua_getfield(L, -1, "rule") != LUA_TNIL;
+    const dm_method *method = given ? dm_method_find(luaL_tolstring(L, -1, NULL), NULL) : NULL;
+    if (given && !(method && method->traits & DM_FOR_PAIRS))
         luaL_error(L, "field 'rule': this discrete Lagrangian has its rule: leave it out here");
     lua_settop(L, 3);
     if (dml_positive(L, 3, "h", s->h) != s->h)

@@ -43,9 +43,8 @@ static int solver_step(lua_State *L) {
     dml_stepping_names(L);
     dml_stepping_prepare(L, &r, dml_number(L, 2, "t0", 0.0));
     dml_stepping_start(L, &r);
-    const dm_method *method = r.solver->method;
     const double h = r.solver->h;
-    dm_status status = method->start ? method->start(&r.stepper, r.state, r.t0, h) : DM_OK;
+    dm_status status = dm_stepper_start(&r.stepper, r.state, r.t0, h);
     if (status == DM_OK) status = dm_advance(&r.stepper, r.state, r.t0, h, pair ? 2 : 1, &done);
     dml_stepping_end(&r);
     dml_solver_fail(L, &r, status, done, 0);
@@ -77,7 +76,7 @@ static int solver_report(lua_State *L) {
     lua_pushstring(L, last->backend);
     lua_setfield(L, -2, "backend");
     set_number(L, "h", s->h);
-    set_count(L, "order", s->method->order(s->nodes));
+    set_count(L, "order", dm_rule_order(s->nodes));
     set_count(L, "operations", last->operations);
     set_number(L, "trace_ms", last->trace_ms);
     set_number(L, "compile_ms", last->compile_ms);
@@ -102,8 +101,8 @@ static int solver_tostring(lua_State *L) {
     if (s->pair) /* its order is that of Ld, which Ld:order measures */
         lua_pushfstring(L, "solver '%s', h = %f, for %s", rule, s->h, system);
     else
-        lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", rule,
-                        s->method->order(s->nodes), s->h, system);
+        lua_pushfstring(L, "solver '%s', order %d, h = %f, for %s", rule, dm_rule_order(s->nodes),
+                        s->h, system);
     return 1;
 }
 
@@ -118,7 +117,7 @@ static int solver_field(lua_State *L) {
     } else if (strcmp(key, "system") == 0)
         lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     else if (strcmp(key, "order") == 0)
-        lua_pushinteger(L, s->method->order(s->nodes));
+        lua_pushinteger(L, dm_rule_order(s->nodes));
     else if (strcmp(key, "tolerance") == 0)
         lua_pushnumber(L, s->tolerance);
     else if (strcmp(key, "max_iterations") == 0)

@@ -20,7 +20,7 @@ dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r) {
     dm_stepper *s = (dm_stepper *)&r->stepper;
     const uint32_t n = r->solver->n;
     double *place;
-    const size_t memory = s->method->memory ? s->method->memory(s, &place) : 0;
+    const size_t memory = s->engine ? dm_stepper_memory(s, &place) : 0;
     const size_t doubles = dm_state_size(n) + memory;
     dml_checkpoint *c = lua_newuserdatauv(L, sizeof *c + doubles * sizeof(double), 0);
     *c = (dml_checkpoint){.n = n, .memory = memory};
@@ -71,7 +71,7 @@ void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps) {
     c->steps = steps;
     memcpy(c->state, r->state, size * sizeof(double));
     c->checked = 0;
-    if (c->memory && r->solver->method->memory(&r->stepper, &place) == c->memory)
+    if (c->memory && dm_stepper_memory(&r->stepper, &place) == c->memory)
         memcpy(c->state + size, place, c->memory * sizeof(double));
 }
 
@@ -86,8 +86,7 @@ void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c)
     memcpy(r->state, c->state, dm_state_size(c->n) * sizeof(double));
     dml_stepping_open(L, r);
     double *place;
-    const dm_method *method = r->solver->method;
-    const size_t memory = method->memory ? method->memory(&r->stepper, &place) : 0;
+    const size_t memory = dm_stepper_memory(&r->stepper, &place);
     if (memory == c->memory) return;
     dml_stepping_end(r);
     luaL_error(L, "the checkpoint was made by another version of rule '%s'",

@@ -43,7 +43,7 @@ static void check_rule(lua_State *L, solver *s, const char *text, const char *ne
                              "'del'"
                            : "rule '%s' steps a discrete Lagrangian Ld(q0, q1), not a Lagrangian",
                    text);
-    if (s->method->check && (wrong = s->method->check(s->nodes)))
+    if ((wrong = dm_rule_check(s->nodes)))
         luaL_error(L, "field 'rule': '%s': %s; it is written %s", text, wrong,
                    s->method->signature);
 }

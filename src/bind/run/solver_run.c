@@ -100,7 +100,7 @@ static void keep_report(const dml_stepping *r, long steps, double seconds) {
 /* what the method itself knows of it, or NULL */
 static const char *why_of(const dml_stepping *r, dm_status status) {
     dm_stepper s = r->stepper;
-    return s.method->why ? s.method->why(&s, r->state, status) : NULL;
+    return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
 }
 
 void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path) {
@@ -295,7 +295,7 @@ static void open_file(lua_State *L, run *u) {
 /* The stepper is opened last, since what it holds outside of Lua is not given back when an error
  * is raised. Rules with a memory hold nothing there, and how large that is is known only then. */
 static void start(lua_State *L, run *u) {
-    const int early = u->r.solver->method->memory == NULL;
+    const int early = dm_rule_engine(u->r.solver->nodes, &u->r.model->model)->memory == NULL;
     lua_getiuservalue(L, 1, DML_SOLVER_RULE);
     u->rule = luaL_tolstring(L, -1, NULL);
     lua_pushvalue(L, 1);

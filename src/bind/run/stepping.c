@@ -45,7 +45,8 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
     const dm_model *m = &r->model->model;
     const dm_model *stepped = r->inputs ? &r->inputs->model : m;
-    const size_t work = s->method->work(s->nodes, stepped), state = dm_state_size(s->n);
+    const size_t work = dm_rule_engine(s->nodes, stepped)->work(s->nodes, stepped),
+                 state = dm_state_size(s->n);
     const size_t mass = s->n * (m->structure & DM_DIAGONAL_MASS ? 0 : (size_t)s->n);
     const size_t scratch = s->pair ? m->pair.outputs : dm_legendre_work(m) + s->n + mass + state;
     const size_t rest = state + 2 * s->n + 1 + scratch + dml_start_work(m);
@@ -64,9 +65,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
     r->system = lua_gettop(L);
     r->t0 = t0;
-    r->model = s->method->traits & DM_KEEPS && !r->apart
-                   ? dml_pushlast(L, r->system, backend_name(L))
-                   : dml_pushmodel(L, r->system);
+    r->model = r->apart ? dml_pushmodel(L, r->system) : dml_pushlast(L, r->system, backend_name(L));
     r->model_at = lua_gettop(L);
     if (r->model->model.structure & DM_NO_VELOCITY)
         luaL_error(L, "L has no velocity in it, so that nothing moves: L(q, v) needs terms in v, "
@@ -85,9 +84,9 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                    "it), and rule '%s' needs a regular Lagrangian",
                    s->nodes[0].name);
     dml_refuseconstraints(L, r);
-    const char *refusal = s->method->fits ? s->method->fits(s->nodes, &r->model->model) : NULL;
+    const char *refusal = dm_rule_fits(s->nodes, &r->model->model);
     if (refusal) luaL_error(L, "rule '%s' cannot step this system: %s", s->nodes[0].name, refusal);
-    r->wants = s->method->wants(s->nodes, &r->model->model);
+    r->wants = dm_rule_engine(s->nodes, &r->model->model)->wants(s->nodes, &r->model->model);
     if (r->complete && r->wants & DM_WANT_STAGE_LATER) r->wants |= DM_WANT_STAGE;
     dml_stepping_inputs(L, r);
     if (r->inputs) dml_want(L, r->inputs, DM_WANT_FORCE | DM_WANT_VALUE, backend_name(L));
@@ -95,8 +94,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                            (s->pair ? DM_WANT_PAIR : dml_legendre_wants(r->model, r->wants));
     r->model = dml_standin(L, r->model_at, wants);
     dml_want(L, r->model, wants, backend_name(L));
-    r->stepper = (dm_stepper){.method = s->method,
-                              .model = r->inputs ? &r->inputs->model : &r->model->model,
+    r->stepper = (dm_stepper){.model = r->inputs ? &r->inputs->model : &r->model->model,
                               .params = r->inputs ? r->given + 2 * s->n + 1 : NULL,
                               .rule = s->nodes,
                               .plain = s->plain,
@@ -268,7 +266,7 @@ static dm_status shoot(dml_stepping *r, const double *q1) {
     for (int k = 0; k < TRIES; k++) {
         double gap = 0.0, size = 0.0;
         memcpy(end, r->state, dm_state_size(n) * sizeof *end);
-        const dm_status status = r->solver->method->step(&r->stepper, end, r->t0, r->solver->h);
+        const dm_status status = r->stepper.engine->step(&r->stepper, end, r->t0, r->solver->h);
         if (status != DM_OK) return status;
         for (uint32_t i = 0; i < n; i++) {
             gap = fmax(gap, fabs(q1[i] - end[i]));
@@ -318,7 +316,7 @@ void dml_stepping_open(lua_State *L, dml_stepping *r) {
         dml_want(L, r->model, r->wants, backend_name(L));
         r->stepper.model = &r->model->model;
     }
-    const dm_status status = s->method->open ? s->method->open(&r->stepper) : DM_OK;
+    const dm_status status = dm_stepper_open(&r->stepper);
     if (status == DM_OK) dml_stepping_checkplain(L, r);
     if (status == DM_OK) return;
     dml_stepping_end(r);
@@ -374,7 +372,7 @@ void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
 }
 
 void dml_stepping_end(dml_stepping *r) {
-    if (r->solver->method->close) r->solver->method->close(&r->stepper);
+    dm_stepper_close(&r->stepper);
     r->stepper.outside = NULL;
 }
 

@@ -3,16 +3,16 @@
 
 #include "bind/model/model_params.h"
 
+#include "integ/split/splitting.h"
+
 #include <math.h>
 #include <string.h>
 
 /* the rule makes kicks and drifts of this model */
 static int takes_inputs(const dml_stepping *r) {
-    const dm_method *m = r->solver->method;
     const dm_model *model = &r->model->model;
-    return m->widen && !(m->traits & DM_OWN_TIME) && !r->solver->pair && !r->model->callback &&
-           dml_issplit(model) && !model->constraints &&
-           m->wants(r->solver->nodes, model) == DM_WANT_FORCE;
+    return dm_rule_engine(r->solver->nodes, model) == &dm_engine_splitting && !r->model->callback &&
+           dml_issplit(model);
 }
 
 /* (system, model with inputs) -> does L do what it did when the model was traced? Raises what L

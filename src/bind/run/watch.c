@@ -193,7 +193,7 @@ static void read_impulses(lua_State *L, const dml_stepping *r, dm_impulses *out)
     if (!constraints || constraints->holonomic + constraints->rolling == 0)
         luaL_error(L, "field 'record': this system has no constraint, so steps have no impulses of "
                       "constraints");
-    if (!method->impulses)
+    if (!dm_rule_engine(r->solver->nodes, &r->model->model)->impulses)
         luaL_error(L,
                    "field 'record': rule '%s' is made of several steps, whose impulses belong to "
                    "no node; record \"lambda\", the multipliers at the state",

@@ -5,7 +5,14 @@
 #include <math.h>
 #include <string.h>
 
-unsigned dm_constrained_wants(const dm_model *m) {
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    dm_galerkin g;
+    dm_stage_basis(&g, rule, m);
+    return g.sweeps ? "a number of sweeps is for systems without constraints; leave it out" : NULL;
+}
+
+static unsigned wants(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
     const dm_constraints *constraints = m->constraints;
     return DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS |
            (constraints->holonomic ? DM_WANT_HOLONOMIC : 0) |
@@ -95,7 +102,10 @@ static size_t lay_out(dm_constrained *g, const sizes *z, double *memory) {
     return to.used;
 }
 
-size_t dm_constrained_work(size_t s, size_t r, const dm_model *m) {
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    dm_galerkin basis;
+    dm_stage_basis(&basis, rule, m);
+    const size_t s = (size_t)basis.s, r = (size_t)basis.q.r;
     const sizes z = sizes_of(s, r, s, m); /* K is s or one less */
     dm_constrained g = {.m = m};
     return doubles(sizeof g) + dm_stage_table_size(s, r) + dm_constrained_weights_size(s, r) +
@@ -137,18 +147,20 @@ static void open_matrices(dm_constrained *g, double *memory) {
     dm_constrained_matrix_narrow(&g->hidden, J, (uint32_t *)(void *)(J + (size_t)ends * ends));
 }
 
-dm_status dm_constrained_open(dm_stepper *stepper, const dm_galerkin *basis) {
+static dm_status open(dm_stepper *stepper) {
+    dm_galerkin basis;
+    dm_stage_basis(&basis, stepper->rule, stepper->model);
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     const dm_model *m = stepper->model;
     double *memory = stepper->work + doubles(sizeof *g);
     *g = (dm_constrained){.m = m, .constraints = m->constraints, .n = m->n};
     g->k = m->constraints->holonomic;
     g->l = m->constraints->rolling;
-    dm_stage_table_fill(&g->table, basis, memory);
+    dm_stage_table_fill(&g->table, &basis, memory);
     const size_t s = g->table.s, r = g->table.r;
     memory += dm_stage_table_size(s, r);
-    g->K = dm_constrained_count(s, r, basis);
-    dm_constrained_weights_fill(g, basis, memory);
+    g->K = dm_constrained_count(s, r, &basis);
+    dm_constrained_weights_fill(g, &basis, memory);
     dm_constrained_weights_scale(g, 1.0); /* a look at the entries asks for some h */
     const sizes z = sizes_of(s, r, g->K, m);
     memory += dm_constrained_weights_size(s, r);
@@ -164,7 +176,7 @@ dm_status dm_constrained_open(dm_stepper *stepper, const dm_galerkin *basis) {
     return DM_OK;
 }
 
-dm_status dm_constrained_start(dm_stepper *stepper, double *state, double t, double h) {
+static dm_status start(dm_stepper *stepper, double *state, double t, double h) {
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     (void)state;
     (void)t;
@@ -172,14 +184,14 @@ dm_status dm_constrained_start(dm_stepper *stepper, double *state, double t, dou
     return DM_OK;
 }
 
-size_t dm_constrained_memory(dm_stepper *stepper, double **place) {
+static size_t memory_of(dm_stepper *stepper, double **place) {
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     *place = g->memory;
     return dm_constrained_memory_size(g->n, dm_constrained_unknowns(g), g->k + g->l);
 }
 
 /* multipliers of the last step: rows of constraints in their own units */
-void dm_constrained_impulses(const dm_stepper *stepper, double *out) {
+static void impulses(const dm_stepper *stepper, double *out) {
     const dm_constrained *g = (const dm_constrained *)(const void *)stepper->work;
     const uint32_t m = g->k + g->l;
     const double *inner = g->root + (size_t)g->table.s * g->n, *end = g->end + g->n;
@@ -266,7 +278,7 @@ static void report_constraints(const dm_constrained *g, dm_report *report) {
     for (uint32_t c = 0; c < g->l; c++) report->rolling = fmax(report->rolling, fabs(phi[c]));
 }
 
-dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t, double h) {
+static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     g->state = state;
     g->t = t;
@@ -292,3 +304,14 @@ dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t, doub
     memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
     return DM_OK;
 }
+
+const dm_engine dm_engine_constrained = {
+    .fits = fits,
+    .wants = wants,
+    .work = work,
+    .open = open,
+    .start = start,
+    .step = step,
+    .memory = memory_of,
+    .impulses = impulses,
+};

@@ -8,19 +8,12 @@
 #ifndef DM_CONSTRAINED_H
 #define DM_CONSTRAINED_H
 
-#include "integ/method/method.h"
 #include "integ/method/stage_table.h"
 
-/* What the stage rules call where the model has constraints; as the functions of stage.h. */
-unsigned dm_constrained_wants(const dm_model *m);
-size_t dm_constrained_work(size_t s, size_t r, const dm_model *m);
-dm_status dm_constrained_open(dm_stepper *stepper, const dm_galerkin *g);
-dm_status dm_constrained_start(dm_stepper *stepper, double *state, double t, double h);
-dm_status dm_constrained_step(dm_stepper *stepper, double *state, double t, double h);
-size_t dm_constrained_memory(dm_stepper *stepper, double **place);
-void dm_constrained_impulses(const dm_stepper *stepper, double *out);
+/* Steps rules of stages where the model has constraints. */
+extern const dm_engine dm_engine_constrained;
 
-/* Tie points of a step, both ends too. */
+/* Constraint points of a step, both ends too. */
 uint32_t dm_constrained_nodes(const dm_galerkin *g);
 
 #endif

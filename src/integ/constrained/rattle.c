@@ -28,29 +28,19 @@ static layout *layout_of(const dm_stepper *s) {
     return (layout *)(void *)s->work;
 }
 
-static const char *check(const dm_rule *rule) {
-    return rule->count ? "it takes no argument" : NULL;
-}
-
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     (void)rule;
     if (m->structure & DM_LOOPS)
-        return "it writes its steps out, which dm.sum_over with so many rounds is not "
-               "meant for; take verlet";
+        return "it writes its steps out, which dm.sum_over with so many rounds is not meant for; "
+               "take verlet";
     if ((m->structure & simple) != simple || !m->inverse_mass)
-        return "it needs L = T(v) - V(q, t) with a constant mass; for any other L take a "
-               "rule that solves for the multipliers in every stage, for instance "
-               "midpoint or lobatto(3)";
+        return "it needs L = T(v) - V(q, t) with a constant mass; for any other L take a rule that "
+               "solves for the multipliers in every stage, for instance midpoint or lobatto(3)";
     if (!m->source.graph) return "it needs L as an expression, not on hyper-dual numbers";
     if (m->constraints && m->constraints->controls)
         return "it knows no controls; take midpoint or gauss";
     return NULL;
-}
-
-static int order(const dm_rule *rule) {
-    (void)rule;
-    return 2;
 }
 
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
@@ -84,7 +74,7 @@ static dm_status open(dm_stepper *s) {
     l->next = l->now + l->at.size;
     l->iterate = l->next + l->at.size;
     memset(l->memory, 0, (MU + l->at.m) * sizeof *l->memory); /* a step before any start */
-    const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
+    const int shake = (s->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     const dm_status status = dm_rattle_build(&l->kernel, s->model, shake);
     if (status != DM_OK) return status;
     s->report.operations = l->kernel.first.operations + l->kernel.end.operations;
@@ -109,7 +99,7 @@ static size_t memory(dm_stepper *s, double **place) {
 static void impulses(const dm_stepper *s, double *out) {
     const layout *l = layout_of(s);
     const uint32_t m = l->at.m;
-    const int shake = (s->method->traits & DM_LOOSE_MOMENTUM) != 0;
+    const int shake = (s->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
     for (uint32_t i = 0; i < m; i++) {
         out[i] = l->next[l->at.lambda + i];
         out[m + i] = shake ? 0.0 : l->now[l->at.guess + i];
@@ -218,23 +208,8 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return advance(s, state, t, h, 1, &done);
 }
 
-const dm_method dm_method_rattle = {
-    .name = "rattle",
-    .signature = "rattle",
-    .doc = "RATTLE, order 2: Stoermer-Verlet on the constraints g(q, t) = 0, for L = T(v) "
-           "- V(q, t) with constant mass and forces f(q, t); Newton for as many unknowns "
-           "as there are constraints (cost linear in them where each touches its "
-           "neighbours only), and the hidden constraint projected once a step. The base "
-           "of compositions: yoshida(4, rattle), kahan-li(8, rattle). Andersen 1983; HLW "
-           "VII.1.4.",
-    .orders = "2",
-    .stages = "2",
-    .cost = "2 n unknowns and multipliers, or eliminated",
-    .instances = "",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_KEEPS,
-    .check = check,
+static const dm_engine engine = {
     .fits = fits,
-    .order = order,
     .wants = wants,
     .work = work,
     .open = open,
@@ -245,27 +220,33 @@ const dm_method dm_method_rattle = {
     .impulses = impulses,
 };
 
-const dm_method dm_method_shake = {
-    .name = "shake",
-    .signature = "shake",
-    .doc = "SHAKE, order 2: the positions of rattle without the projection of momenta, "
-           "whose part across the constraint is left to the next step: energies and "
-           "velocities of rows err like h^2 there, and a start from q and p takes any p. "
-           "Ryckaert, Ciccotti & Berendsen 1977; HLW VII.1.4.",
+const dm_method dm_method_rattle = {
+    .name = "rattle",
+    .signature = "rattle",
+    .doc = "RATTLE, order 2: Stoermer-Verlet on the constraints g(q, t) = 0, for L = T(v) - V(q, "
+           "t) with constant mass and forces f(q, t); Newton for as many unknowns as there are "
+           "constraints (cost linear in them where each touches its neighbours only), and the "
+           "hidden constraint projected once a step. The base of compositions: yoshida(4, rattle), "
+           "kahan-li(8, rattle). Andersen 1983; HLW VII.1.4.",
     .orders = "2",
     .stages = "2",
     .cost = "2 n unknowns and multipliers, or eliminated",
     .instances = "",
-    .traits = DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_KEEPS | DM_LOOSE_MOMENTUM,
-    .check = check,
-    .fits = fits,
-    .order = order,
-    .wants = wants,
-    .work = work,
-    .open = open,
-    .start = start,
-    .step = step,
-    .advance = advance,
-    .memory = memory,
-    .impulses = impulses,
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED,
+    .engine = &engine,
+};
+
+const dm_method dm_method_shake = {
+    .name = "shake",
+    .signature = "shake",
+    .doc = "SHAKE, order 2: the positions of rattle without the projection of momenta, whose part "
+           "across the constraint is left to the next step: energies and velocities of rows err "
+           "like h^2 there, and a start from q and p takes any p. Ryckaert, Ciccotti & Berendsen "
+           "1977; HLW VII.1.4.",
+    .orders = "2",
+    .stages = "2",
+    .cost = "2 n unknowns and multipliers, or eliminated",
+    .instances = "",
+    .traits = DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_LOOSE_MOMENTUM,
+    .engine = &engine,
 };

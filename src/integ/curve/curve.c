@@ -47,10 +47,8 @@ static const char *check(const dm_rule *rule) {
     if ((rule->count == 2 && rule->arg[1].rule) || !(bias >= 0.0 && bias <= 1.0))
         return "the bias of a curve is a number from 0 to 1";
     if (!dm_curve_find(&curve, method->name))
-        return "there is no such one-step method: straight, euler, midpoint, heun, "
-               "kutta3, rk4, "
-               "dopri5, "
-               "butcher6, fehlberg7, dop853, gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, "
+        return "there is no such one-step method: straight, euler, midpoint, heun, kutta3, rk4, "
+               "dopri5, butcher6, fehlberg7, dop853, gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, "
                "gsl-rk8pd";
     if (!dm_curve_bias(&curve, bias))
         return "this method has too many stages for a bias other than 0 and 1";
@@ -60,8 +58,7 @@ static const char *check(const dm_rule *rule) {
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     if (!m->source.graph && !m->structure)
-        return "it runs on hyper-dual numbers, and curve segments need derivatives of "
-               "the "
+        return "it runs on hyper-dual numbers, and curve segments need derivatives of the "
                "acceleration, which come from a trace";
     if (m->structure & DM_LINEAR_IN_V)
         return "L is linear in v, so that it has no second-order field";
@@ -340,32 +337,33 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return status;
 }
 
-const dm_method dm_method_curve = {
-    .name = "curve",
-    .signature = "curve(method, bias)",
-    .doc = "An explicit one-step method of any order made variational: curve(rk4) is "
-           "symplectic and has "
-           "order 4, without the drift of rk4 itself. The method gives the curves along "
-           "which the action "
-           "is summed; bias (1 unless given) is the part of a step behind the point (q, "
-           "v) it starts "
-           "from, 1/2 makes the rule symmetric; curve(euler, 1/2) is the midpoint rule. "
-           "2 n unknowns a "
-           "step, 3 n with a bias other than 1 (Cuell-Patrick 2008; Leok-Shingel 2012).",
-    .orders = "that of the method",
-    .stages = "those of the method",
-    .cost = "2 n unknowns",
-    .instances =
-        "curve(euler):1:0; curve(heun):2:0; curve(kutta3):3:0; curve(rk4):4:0; curve(dopri5):6:0; "
-        "curve(butcher6):7:0; curve(fehlberg7):11:0; curve(dop853):12:0",
-    .traits = DM_SYMPLECTIC | DM_KEEPS,
-    .check = check,
+const dm_engine dm_engine_curve = {
     .fits = fits,
-    .order = order,
     .wants = wants,
     .work = work,
     .open = open,
     .start = start,
     .step = step,
     .memory = memory,
+};
+
+const dm_method dm_method_curve = {
+    .name = "curve",
+    .signature = "curve(method, bias)",
+    .doc =
+        "An explicit one-step method of any order made variational: curve(rk4) is symplectic and "
+        "has order 4, without the drift of rk4 itself. The method gives the curves along which the "
+        "action is summed; bias (1 unless given) is the part of a step behind the point (q, v) it "
+        "starts from, 1/2 makes the rule symmetric; curve(euler, 1/2) is the midpoint rule. 2 n "
+        "unknowns a step, 3 n with a bias other than 1 (Cuell-Patrick 2008; Leok-Shingel 2012).",
+    .orders = "that of the method",
+    .stages = "those of the method",
+    .cost = "2 n unknowns",
+    .instances =
+        "curve(euler):1:0; curve(heun):2:0; curve(kutta3):3:0; curve(rk4):4:0; curve(dopri5):6:0; "
+        "curve(butcher6):7:0; curve(fehlberg7):11:0; curve(dop853):12:0",
+    .traits = DM_SYMPLECTIC,
+    .engine = &dm_engine_curve,
+    .check = check,
+    .order = order,
 };

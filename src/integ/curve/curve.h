@@ -10,6 +10,8 @@
 
 #include "integ/method/method.h"
 
+extern const dm_engine dm_engine_curve; /* data of its rules: a dm_curve */
+
 enum { DM_CURVE_STAGES = 40, DM_CURVE_NAME = 24 };
 
 typedef struct {

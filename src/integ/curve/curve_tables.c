@@ -1,7 +1,7 @@
 /* curve_tables.c - explicit Runge-Kutta methods of orders 1 to 8, the one list of them. */
 #include "integ/curve/curve.h"
 #include "integ/method/quadrature.h"
-#include "integ/rules/rk8.h"
+#include "integ/rules/explicit/rk8.h"
 
 #include <math.h>
 #include <string.h>

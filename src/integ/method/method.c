@@ -1,6 +1,55 @@
 #include "integ/method/method.h"
 
+#include "integ/method/stage_table.h"
 #include "mech/constraints.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+const char *dm_rule_check(const dm_rule *rule) {
+    const dm_method *m = rule->method;
+    if (m->check) return m->check(rule);
+    return rule->count ? "it takes no argument" : NULL;
+}
+
+int dm_rule_order(const dm_rule *rule) {
+    const dm_method *m = rule->method;
+    return m->order ? m->order(rule) : (int)strtol(m->orders, NULL, 10);
+}
+
+const dm_engine *dm_rule_engine(const dm_rule *rule, const dm_model *m) {
+    const dm_engine *e = rule->method->engine;
+    return e->choose ? e->choose(rule, m) : e;
+}
+
+const char *dm_rule_fits(const dm_rule *rule, const dm_model *m) {
+    const dm_engine *e = dm_rule_engine(rule, m);
+    return e->fits ? e->fits(rule, m) : NULL;
+}
+
+static const long double SAME = 1e-14L;
+
+/* nodes and weights are their own mirror image; a tableau: a_ij + a_(s+1-i)(s+1-j) = b_j (HLW
+ * V.2.1) */
+static int is_symmetric(const dm_galerkin *g) {
+    const int r = g->q.r;
+    for (int i = 0; i < r; i++) {
+        if (fabsl(g->q.c[i] + g->q.c[r - 1 - i] - 1.0L) > SAME ||
+            fabsl(g->q.b[i] - g->q.b[r - 1 - i]) > SAME)
+            return 0;
+        for (int j = 0; g->tableau && j < r; j++)
+            if (fabsl(g->a[i][j] + g->a[r - 1 - i][r - 1 - j] - g->q.b[j]) > SAME) return 0;
+    }
+    return 1;
+}
+
+unsigned dm_rule_traits(const dm_rule *rule) {
+    const dm_method *method = rule->method;
+    dm_galerkin g = {.s = 0};
+    if (!method->basis) return method->traits;
+    method->basis(&g, rule);
+    return method->traits | (g.s && is_symmetric(&g) ? DM_SYMMETRIC : 0);
+}
 
 unsigned dm_method_needs(const dm_model *m) {
     unsigned needs = 0;
@@ -8,27 +57,4 @@ unsigned dm_method_needs(const dm_model *m) {
     if (m->constraints && m->constraints->rolling) needs |= DM_ROLLING;
     if (m->constraints && m->constraints->forced) needs |= DM_FORCED;
     return needs;
-}
-
-dm_status dm_advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
-    if (s->method->advance) return s->method->advance(s, state, t, h, count, done);
-    return dm_advance_by_step(s, state, t, h, count, done);
-}
-
-dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, double h, long count,
-                             long *done) {
-    for (*done = 0; *done < count; ++*done) {
-        const dm_status status = s->method->step(s, state, t + (double)*done * h, h);
-        if (status != DM_OK) return status;
-    }
-    return DM_OK;
-}
-
-int dm_state_is_finite(const double *state, uint32_t n) {
-    const size_t size = dm_state_size(n), whole = size & ~(size_t)3;
-    double sum[4] = {0.0}; /* 0 * infinity is NaN; four sums do not wait for each other */
-    for (size_t i = 0; i < whole; i += 4)
-        for (size_t k = 0; k < 4; k++) sum[k] += 0.0 * state[i + k];
-    for (size_t i = whole; i < size; i++) sum[0] += 0.0 * state[i];
-    return sum[0] + sum[1] + sum[2] + sum[3] == 0.0;
 }

@@ -2,6 +2,7 @@
 #include "integ/method/stage_table.h"
 #include "integ/method/cache.h"
 
+#include <stddef.h>
 #include <string.h>
 
 enum { MOST = DM_QUADRATURE_NODES };
@@ -12,6 +13,26 @@ void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q) {
     g->tableau = 0;
     g->q = *q;
     memcpy(g->node, q->c, sizeof g->node);
+}
+
+/* kept are all but `a`, of rules whose arguments are numbers; the key is these */
+void dm_stage_basis(dm_galerkin *out, const dm_rule *rule, const dm_model *m) {
+    enum { HEAD = offsetof(dm_galerkin, a) / sizeof(double) };
+    double key[DM_RULE_ARGS];
+    int plain = rule->data == NULL;
+    for (int k = 0; k < rule->count; k++) {
+        key[k] = rule->arg[k].number;
+        plain &= rule->arg[k].rule == NULL;
+    }
+    const uint32_t keys = (uint32_t)rule->count;
+    const double *kept = plain ? dm_cache_numbers(m, rule->method, key, keys) : NULL;
+    if (kept) {
+        memcpy(out, kept, HEAD * sizeof *kept);
+        return;
+    }
+    rule->method->basis(out, rule);
+    if (plain && !out->tableau)
+        dm_cache_leave(m, rule->method, key, keys, (const double *)(const void *)out, HEAD);
 }
 
 size_t dm_stage_table_size(size_t s, size_t r) {

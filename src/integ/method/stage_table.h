@@ -1,21 +1,21 @@
-/* stage_table.h - coefficients of the stage methods of integ/stage/stage.h: velocities at s nodes,
- * L at r points of a quadrature. */
+/* stage_table.h - a rule of stages as numbers: velocities V_j at nodes, L at the points c_i of a
+ * quadrature, and the coefficients of stage/stage.h that follow from them. */
 #ifndef DM_STAGE_TABLE_H
 #define DM_STAGE_TABLE_H
 
+#include "integ/method/method.h"
 #include "integ/method/quadrature.h"
-#include "mech/model.h"
 #include "numbers/weight.h"
 
 /* A stage method as its papers give it, in long double. */
 typedef struct dm_galerkin {
-    int s;                                 /* velocities */
+    int s;                                 /* velocities; 0: none, it is no rule of stages */
     long double node[DM_QUADRATURE_NODES]; /* where they are taken, in [0, 1] */
     dm_quadrature q;                       /* exact to degree s - 1 at least */
     int sweeps;                            /* of the fixed point, a step; 0: to round-off */
     /* 1: r = s, d = 1, beta = b, and a is given instead of the Lagrange polynomials of the nodes */
     int tableau;
-    long double a[DM_QUADRATURE_NODES][DM_QUADRATURE_NODES];
+    long double a[DM_QUADRATURE_NODES][DM_QUADRATURE_NODES]; /* last: see dm_stage_basis */
 } dm_galerkin;
 
 /* The coefficients of stage.h, row-major, in the memory they were laid into; the same for every
@@ -34,6 +34,10 @@ typedef struct {
 
 /* Velocities at the points of q. */
 void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q);
+
+/* The basis of a rule, from the model where it was found before: zeros of a polynomial are dear
+ * next to a few steps. */
+void dm_stage_basis(dm_galerkin *out, const dm_rule *rule, const dm_model *m);
 
 /* Doubles of a table, and the table laid into them. */
 size_t dm_stage_table_size(size_t s, size_t r);

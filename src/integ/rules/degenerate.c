@@ -7,7 +7,6 @@
  * (q~, p~), q1 = q^ + h sigma l,  alpha(q1) = p^ + h sigma K(q1) l, solved for the stage
  * velocities V and the multiplier l together. Since L_q(q, l) - L_q(q, 0) = K(q) l, the stage
  * kernel gives all derivatives. `free` leaves l = 0: symplectic on T*Q, for comparison. */
-#include "integ/method/method.h"
 #include "integ/method/stage_table.h"
 #include "linalg/lu.h"
 #include "linalg/solve/newton.h"
@@ -61,11 +60,11 @@ static const char *check(const dm_rule *rule) {
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     if (!(m->structure & DM_LINEAR_IN_V))
-        return "L is not linear in v; this rule is for L = alpha(q) . v - H(q) alone, "
-               "gauss(s) is for a regular L";
+        return "L is not linear in v; this rule is for L = alpha(q) . v - H(q) alone, gauss(s) is "
+               "for a regular L";
     if (m->n % 2)
-        return "the number of coordinates is odd: the two-form of alpha is then "
-               "singular, and the motion is not determined";
+        return "the number of coordinates is odd: the two-form of alpha is then singular, and the "
+               "motion is not determined";
     return NULL;
 }
 
@@ -344,35 +343,36 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
 static const char *why(dm_stepper *stepper, const double *state, dm_status status) {
     (void)stepper, (void)state;
     if (status != DM_SINGULAR) return NULL;
-    return "the two-form d alpha of L = alpha(q) . v - H(q) is singular there, so that "
-           "the "
-           "motion is not determined: is alpha more than the gradient of a function, has "
-           "every coordinate a partner?";
+    return "the two-form d alpha of L = alpha(q) . v - H(q) is singular there, so that the motion "
+           "is not determined: is alpha more than the gradient of a function, has every coordinate "
+           "a partner?";
 }
 
-const dm_method dm_method_degenerate = {
-    .name = "degenerate",
-    .signature = "degenerate(s [, free])",
-    .doc = "For L = alpha(q) . v - H(q), linear in v (guiding centres, Lotka-Volterra, "
-           "vortices): Gauss collocation with s "
-           "stages in position-momentum form, every step projected symmetrically onto p "
-           "= alpha(q); order 2 s, symmetric; the form d alpha is kept "
-           "up to a defect of higher order than the error (s = 1: about h^6 a step); (s "
-           "+ 1) n unknowns a step. It starts from q alone. free "
-           "leaves the projection out: symplectic on T*Q, but p - alpha(q) and with it "
-           "the order are not kept, which is what the projection is "
-           "for (Kraus 2017; Hairer 2000).",
-    .orders = "2 s",
-    .stages = "s",
-    .cost = "(s + 1) n unknowns",
-    .instances = "",
-    .traits = DM_SYMMETRIC | DM_DEGENERATE | DM_KEEPS,
-    .check = check,
+static const dm_engine engine = {
     .fits = fits,
-    .order = order,
     .wants = wants,
     .work = work,
     .open = open,
     .step = step,
     .why = why,
+};
+
+const dm_method dm_method_degenerate = {
+    .name = "degenerate",
+    .signature = "degenerate(s [, free])",
+    .doc = "For L = alpha(q) . v - H(q), linear in v (guiding centres, Lotka-Volterra, vortices): "
+           "Gauss collocation with s stages in position-momentum form, every step projected "
+           "symmetrically onto p = alpha(q); order 2 s, symmetric; the form d alpha is kept up to "
+           "a defect of higher order than the error (s = 1: about h^6 a step); (s + 1) n unknowns "
+           "a step. It starts from q alone. free leaves the projection out: symplectic on T*Q, but "
+           "p - alpha(q) and with it the order are not kept, which is what the projection is for "
+           "(Kraus 2017; Hairer 2000).",
+    .orders = "2 s",
+    .stages = "s",
+    .cost = "(s + 1) n unknowns",
+    .instances = "",
+    .traits = DM_SYMMETRIC | DM_DEGENERATE,
+    .engine = &engine,
+    .check = check,
+    .order = order,
 };

@@ -31,16 +31,6 @@ typedef struct {
     long evaluations;
 } pair;
 
-static const char *check(const dm_rule *rule) {
-    return rule->count ? "del takes no argument" : NULL;
-}
-
-/* what Ld is accurate to is not known to the rule */
-static int order(const dm_rule *rule) {
-    (void)rule;
-    return 0;
-}
-
 static uint32_t constraints(const dm_model *m) {
     return m->constraints ? m->constraints->holonomic : 0;
 }
@@ -346,21 +336,7 @@ static void impulses(const dm_stepper *s, double *out) {
     }
 }
 
-const dm_method dm_method_del = {
-    .name = "del",
-    .signature = "del",
-    .doc = "Discrete Euler-Lagrange equations of a discrete Lagrangian: p0 = -D1 Ld(q0, "
-           "q1), "
-           "p1 = D2 Ld(q0, q1); n unknowns a step (Marsden-West 2001 sec. 1.5, Leok 2.2). "
-           "With a constraint g: p0 = -D1 Ld - G^T lambda, g(q1) = 0, one more unknown for "
-           "each.",
-    .orders = "that of Ld: Ld:order()",
-    .stages = "-",
-    .cost = "n unknowns",
-    .instances = "",
-    .traits = DM_SYMPLECTIC | DM_FOR_PAIRS | DM_KEEPS | DM_HOLONOMIC | DM_LOOSE_MOMENTUM,
-    .check = check,
-    .order = order,
+static const dm_engine engine = {
     .wants = wants,
     .work = work,
     .open = open,
@@ -368,4 +344,18 @@ const dm_method dm_method_del = {
     .step = step,
     .memory = memory,
     .impulses = impulses,
+};
+
+const dm_method dm_method_del = {
+    .name = "del",
+    .signature = "del",
+    .doc = "Discrete Euler-Lagrange equations of a discrete Lagrangian: p0 = -D1 Ld(q0, q1), p1 = "
+           "D2 Ld(q0, q1); n unknowns a step (Marsden-West 2001 sec. 1.5, Leok 2.2). With a "
+           "constraint g: p0 = -D1 Ld - G^T lambda, g(q1) = 0, one more unknown for each.",
+    .orders = "that of Ld: Ld:order()",
+    .stages = "-",
+    .cost = "n unknowns",
+    .instances = "",
+    .traits = DM_SYMPLECTIC | DM_FOR_PAIRS | DM_HOLONOMIC | DM_LOOSE_MOMENTUM,
+    .engine = &engine,
 };

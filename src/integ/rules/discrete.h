@@ -7,7 +7,6 @@
 #ifndef DM_DISCRETE_H
 #define DM_DISCRETE_H
 
-#include "integ/method/method.h"
 #include "integ/method/stage_table.h"
 
 /* Where and for what. */

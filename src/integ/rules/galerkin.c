@@ -1,7 +1,7 @@
 /* galerkin.c - polynomials of degree s with any quadrature (Marsden-West 2001 sec. 2.2.6, Leok
  * 2.4). */
-#include "integ/stage/lanes/stage_lanes.h"
-#include "integ/constrained/constrained.h"
+#include "integ/rules/galerkin.h"
+#include "integ/stage/stage.h"
 
 #include <math.h>
 
@@ -21,8 +21,7 @@ static const char *check_quadrature(const dm_rule *q) {
     const dm_quadrature_row *row = dm_quadrature_find(q->name);
     if (!row)
         return "its quadrature is one of gauss(r), lobatto(r), radau(r), radau-left(r), "
-               "clenshaw-curtis(r); other nodes and weights: dm.galerkin{degree =, nodes "
-               "=}";
+               "clenshaw-curtis(r); other nodes and weights: dm.galerkin{degree =, nodes =}";
     if (q->count != 1 || q->arg[0].rule || !is_count(q->arg[0].number, row->least))
         return "a quadrature takes a whole number of nodes from 1 to 32 (lobatto and "
                "clenshaw-curtis: from 2)";
@@ -33,13 +32,12 @@ static const char *check(const dm_rule *rule) {
     if (rule->data) return NULL; /* checked where it was made */
     if (rule->count != 2 || rule->arg[0].rule || !is_count(rule->arg[0].number, 1) ||
         !rule->arg[1].rule)
-        return "galerkin takes the degree of its polynomials, from 1 to 32, and a "
-               "quadrature, as in galerkin(2, gauss(2))";
+        return "galerkin takes the degree of its polynomials, from 1 to 32, and a quadrature, as "
+               "in galerkin(2, gauss(2))";
     const char *wrong = check_quadrature(rule->arg[1].rule);
     if (!wrong && nodes(rule) < degree(rule))
-        return "curves of degree s need a quadrature of s nodes at least: with fewer "
-               "some "
-               "velocity moves no node, and the step is not determined";
+        return "curves of degree s need a quadrature of s nodes at least: with fewer some velocity "
+               "moves no node, and the step is not determined";
     return wrong;
 }
 
@@ -99,42 +97,27 @@ static int order(const dm_rule *rule) {
     return smaller(smaller(2 * g.s, exact + 1), 2 * (exact - g.s + 2));
 }
 
-static size_t work(const dm_rule *rule, const dm_model *m) {
-    dm_galerkin g;
-    basis(&g, rule);
-    return dm_stage_work((size_t)g.s, (size_t)g.q.r, m);
-}
-
-static dm_status open(dm_stepper *s) {
-    dm_galerkin g;
-    basis(&g, s->rule);
-    return dm_stage_open(s, &g);
-}
-
 const dm_method dm_method_galerkin = {
     .name = "galerkin",
     .signature = "galerkin(s, quadrature(r))",
-    .doc = "Galerkin variational integrator: curves of degree s, the action by r nodes of "
-           "gauss, lobatto, radau, radau-left or clenshaw-curtis; order the smaller of 2 "
-           "s and the degree to which the quadrature is exact + 1; s n unknowns a step. "
-           "Own nodes and weights: dm.galerkin. Marsden-West 2001 sec. 2.2.6, Leok 2.4; "
-           "order: Hall & Leok 2015. Constraints, rolling, forces: s multipliers each, same "
-           "order.",
+    .doc = "Galerkin variational integrator: curves of degree s, the action by r nodes of gauss, "
+           "lobatto, radau, radau-left or clenshaw-curtis; order the smaller of 2 s and the degree "
+           "to which the quadrature is exact + 1; s n unknowns a step. Own nodes and weights: "
+           "dm.galerkin. Marsden-West 2001 sec. 2.2.6, Leok 2.4; order: Hall & Leok 2015. "
+           "Constraints, rolling, forces: s multipliers each, same order.",
     .orders = "least of 2 s, e + 1, 2 (e - s + 2), quadrature exact to degree e",
     .stages = "r",
     .cost = "s n unknowns",
-    .instances = "galerkin(1, radau(1)):1:0; galerkin(1, radau-left(1)):1:0; galerkin(2, radau(2)):2:0; galerkin(2, radau-left(2)):2:0; " "galerkin(3, radau(3)):3:0; galerkin(4, radau(4)):4:0; galerkin(5, radau(5)):5:0; galerkin(6, radau(6)):6:0; " "galerkin(7, radau(7)):7:0; galerkin(8, radau(8)):8:0; galerkin(2, gauss(2)):2:0; galerkin(2, gauss(3)):3:0; " "galerkin(2, lobatto(3)):3:0; galerkin(3, lobatto(4)):4:0; galerkin(2, radau(3)):3:0; galerkin(3, clenshaw-curtis(4)):4:0; " "galerkin(4, clenshaw-curtis(4)):4:0; galerkin(5, clenshaw-curtis(5)):5:0",
-    .traits = DM_SYMPLECTIC | DM_KEEPS | DM_CONSTRAINTS,
+    .instances = "galerkin(1, radau(1)):1:0; galerkin(1, radau-left(1)):1:0; galerkin(2, "
+                 "radau(2)):2:0; galerkin(2, radau-left(2)):2:0; galerkin(3, radau(3)):3:0; "
+                 "galerkin(4, radau(4)):4:0; galerkin(5, radau(5)):5:0; galerkin(6, radau(6)):6:0; "
+                 "galerkin(7, radau(7)):7:0; galerkin(8, radau(8)):8:0; galerkin(2, gauss(2)):2:0; "
+                 "galerkin(2, gauss(3)):3:0; galerkin(2, lobatto(3)):3:0; galerkin(3, "
+                 "lobatto(4)):4:0; galerkin(2, radau(3)):3:0; galerkin(3, clenshaw-curtis(4)):4:0; "
+                 "galerkin(4, clenshaw-curtis(4)):4:0; galerkin(5, clenshaw-curtis(5)):5:0",
+    .traits = DM_SYMPLECTIC | DM_CONSTRAINTS,
     .check = check,
     .order = order,
+    .engine = &dm_engine_stage,
     .basis = basis,
-    .wants = dm_stage_wants,
-    .work = work,
-    .open = open,
-    .start = dm_stage_start,
-    .step = dm_stage_step,
-    .memory = dm_stage_memory,
-    .impulses = dm_constrained_impulses,
-    .widen = dm_stage_widen,
-    .advance_lanes = dm_stage_advance_lanes,
 };

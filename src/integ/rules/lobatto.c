@@ -1,6 +1,5 @@
 /* lobatto.c - the Lobatto IIIA-IIIB pair of any stage number. */
-#include "integ/stage/lanes/stage_lanes.h"
-#include "integ/constrained/constrained.h"
+#include "integ/stage/stage.h"
 
 static int stages(const dm_rule *rule) {
     return (int)rule->arg[0].number;
@@ -17,45 +16,25 @@ static int order(const dm_rule *rule) {
     return 2 * stages(rule) - 2;
 }
 
-static size_t work(const dm_rule *rule, const dm_model *m) {
-    const size_t s = (size_t)stages(rule);
-    return dm_stage_work(s, s, m);
-}
-
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_quadrature q;
     dm_quadrature_lobatto(&q, stages(rule));
     dm_galerkin_collocation(g, &q);
 }
 
-static dm_status open(dm_stepper *s) {
-    dm_galerkin g;
-    basis(&g, s->rule);
-    return dm_stage_open(s, &g);
-}
-
 const dm_method dm_method_lobatto = {
     .name = "lobatto",
     .signature = "lobatto(s)",
-    .doc = "Lobatto IIIA-IIIB pair with s stages, order 2 s - 2; implicit, s n unknowns "
-           "a step, "
-           "(s - 2) n when L = T(v) - V(q) (HLW II.2.2; variational: HLW VI.6.4). "
-           "Constraints, rolling, forces: s - 1 multipliers each, same order (Jay 1996).",
+    .doc = "Lobatto IIIA-IIIB pair with s stages, order 2 s - 2; implicit, s n unknowns a step, (s "
+           "- 2) n when L = T(v) - V(q) (HLW II.2.2; variational: HLW VI.6.4). Constraints, "
+           "rolling, forces: s - 1 multipliers each, same order (Jay 1996).",
     .orders = "2 s - 2",
     .stages = "s",
     .cost = "s n unknowns; (s - 2) n when L = T(v) - V(q)",
     .instances = "lobatto(2):2:2; lobatto(3):3:0; lobatto(4):4:0; lobatto(5):5:0; lobatto(6):6:0",
-    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_KEEPS | DM_CONSTRAINTS,
+    .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_CONSTRAINTS,
     .check = check,
     .order = order,
+    .engine = &dm_engine_stage,
     .basis = basis,
-    .wants = dm_stage_wants,
-    .work = work,
-    .open = open,
-    .start = dm_stage_start,
-    .step = dm_stage_step,
-    .memory = dm_stage_memory,
-    .impulses = dm_constrained_impulses,
-    .widen = dm_stage_widen,
-    .advance_lanes = dm_stage_advance_lanes,
 };

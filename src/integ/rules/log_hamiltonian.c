@@ -3,13 +3,12 @@
  * time s: drift  dt/ds = 1/(T + B), dq/ds = v/(T + B);   kick  dp/ds = L_q/U (Mikkola & Tanikawa
  * 1999; Preto & Tremaine 1999). The motion near a centre takes small steps of t by itself, and
  * the orbit of two bodies is exact but for its timing. h is the step of s. */
+#include "integ/rules/verlet.h"
 #include "integ/split/log_loop.h"
 #include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
-
-extern const dm_method dm_method_verlet; /* the base where none is named */
 
 /* workspace: this, then x = (q, v, t), the well U, L_q[n], v[n], the state to go back to,
  * coefficients */
@@ -23,17 +22,22 @@ static size_t table_size(void) {
 }
 
 static const dm_rule *inner(const dm_rule *rule) {
-    static const dm_rule verlet = {.name = "verlet", .method = &dm_method_verlet};
-    return rule->count ? rule->arg[0].rule : &verlet;
+    return rule->count ? rule->arg[0].rule : &dm_rule_verlet;
+}
+
+/* of multiples of a symmetric step, right for any T and V: a splitting that is no step of a general
+ * L is not */
+static int is_composition(const dm_rule *rule) {
+    const dm_method *m = rule->method;
+    dm_splitting table;
+    return m && m->splitting && m->traits & DM_SYMMETRIC && m->engine != &dm_engine_splitting &&
+           !dm_rule_check(rule) && m->splitting(&table, rule);
 }
 
 static const char *check(const dm_rule *rule) {
-    dm_splitting table;
-    if (rule->count > 1 || (rule->count == 1 && !rule->arg[0].rule) ||
-        !dm_splitting_named(&table, inner(rule)))
-        return "the composition must be verlet, yoshida, suzuki, mclachlan, kahan-li, "
-               "suzuki-umeno or "
-               "sofroniou-spaletta with its order";
+    if (rule->count > 1 || (rule->count == 1 && !rule->arg[0].rule) || !is_composition(inner(rule)))
+        return "the composition must be verlet, yoshida, suzuki, mclachlan, kahan-li, suzuki-umeno "
+               "or sofroniou-spaletta with its order";
     return NULL;
 }
 
@@ -46,7 +50,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
 }
 
 static int order(const dm_rule *rule) {
-    return inner(rule)->method->order(inner(rule));
+    return dm_rule_order(inner(rule));
 }
 
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
@@ -80,7 +84,7 @@ static int widen(dm_stepper *s, dm_lanes *x) {
 
 static dm_status open(dm_stepper *s) {
     dm_splitting named, table;
-    dm_splitting_named(&named, inner(s->rule));
+    inner(s->rule)->method->splitting(&named, inner(s->rule));
     drift_first(&table, &named);
     layout *l = (layout *)(void *)s->work;
     *l = (layout){.table = table};
@@ -206,36 +210,18 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
     memcpy(x, state, m->n * sizeof *x);
     dm_kernel_eval(&m->well, x, well);
     if (well[0] <= 0.0)
-        return "this rule needs an attracting well, V < 0 in L = T(v) - V(q), and there "
-               "V "
-               ">= 0: take another rule (verlet, gauss(s)), or, where V has a bound on "
-               "the orbit, add a constant to L, which changes no motion";
-    if (isfinite(well[0]))
-        return "the potential V rises to 0 or beyond within the step, and this rule "
-               "needs "
-               "an attracting well, V < 0: try a smaller step, another rule, or add a "
+        return "this rule needs an attracting well, V < 0 in L = T(v) - V(q), and there V >= 0: "
+               "take another rule (verlet, gauss(s)), or, where V has a bound on the orbit, add a "
                "constant to L, which changes no motion";
+    if (isfinite(well[0]))
+        return "the potential V rises to 0 or beyond within the step, and this rule needs an "
+               "attracting well, V < 0: try a smaller step, another rule, or add a constant to L, "
+               "which changes no motion";
     return NULL;
 }
 
-const dm_method dm_method_log_hamiltonian = {
-    .name = "log-hamiltonian",
-    .signature = "log-hamiltonian(composition)",
-    .doc = "Splitting of the logarithmic Hamiltonian in a fictitious time s, for "
-           "attracting V < 0 along the orbit: small steps of t "
-           "near a centre (eccentric orbits, close encounters), the two-body orbit exact "
-           "but for its timing. h is the step of "
-           "s; dt is about h/|V|. "
-           "composition: verlet (the default), kahan-li(8) ... Mikkola & Tanikawa 1999; "
-           "Preto & Tremaine 1999.",
-    .orders = "that of the composition",
-    .stages = "those of the composition",
-    .cost = "its forces",
-    .instances = "",
-    .traits = DM_SYMMETRIC | DM_EXPLICIT | DM_OWN_TIME | DM_KEEPS,
-    .check = check,
+static const dm_engine engine = {
     .fits = fits,
-    .order = order,
     .wants = wants,
     .work = work,
     .open = open,
@@ -246,4 +232,22 @@ const dm_method dm_method_log_hamiltonian = {
     .widen = widen,
     .advance_lanes = advance_lanes,
     .why = why,
+};
+
+const dm_method dm_method_log_hamiltonian = {
+    .name = "log-hamiltonian",
+    .signature = "log-hamiltonian(composition)",
+    .doc = "Splitting of the logarithmic Hamiltonian in a fictitious time s, for attracting V < 0 "
+           "along the orbit: small steps of t near a centre (eccentric orbits, close encounters), "
+           "the two-body orbit exact but for its timing. h is the step of s; dt is about h/|V|. "
+           "composition: verlet (the default), kahan-li(8) ... Mikkola & Tanikawa 1999; Preto & "
+           "Tremaine 1999.",
+    .orders = "that of the composition",
+    .stages = "those of the composition",
+    .cost = "its forces",
+    .instances = "",
+    .traits = DM_SYMMETRIC | DM_EXPLICIT | DM_OWN_TIME,
+    .engine = &engine,
+    .check = check,
+    .order = order,
 };

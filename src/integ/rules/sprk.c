@@ -1,6 +1,6 @@
 #include "integ/rules/sprk.h"
 
-#include "integ/stage/lanes/stage_lanes.h"
+#include "integ/stage/stage.h"
 
 #include <math.h>
 #include <string.h>
@@ -129,14 +129,22 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
     if (find(rule)->partner) take_partner(g);
 }
 
+/* kicks and drifts instead of stages */
+static int splitting(dm_splitting *out, const dm_rule *rule) {
+    const dm_sprk *data = rule->data;
+    if (!data || !data->split) return 0;
+    *out = data->table;
+    return 1;
+}
+
 /* ---- the method ---- */
 
 static const char *check(const dm_rule *rule) {
     if (rule->data) return NULL; /* checked where it was made */
     const pair *p = find(rule);
     if (!p)
-        return "sprk takes a pair (gauss, radau-1a, radau-2a, lobatto-3a-3b or "
-               "lobatto-3b-3a) and a number of stages; any other: dm.sprk{a =, b =}";
+        return "sprk takes a pair (gauss, radau-1a, radau-2a, lobatto-3a-3b or lobatto-3b-3a) and "
+               "a number of stages; any other: dm.sprk{a =, b =}";
     const double s = rule->arg[1].number;
     const int least = dm_quadrature_find(p->quadrature)->least;
     if (!(s >= least && s <= DM_SPRK_STAGES) || s != floor(s))
@@ -149,97 +157,24 @@ static int order(const dm_rule *rule) {
     return 2 * stages(rule) - find(rule)->lost;
 }
 
-/* kicks and drifts instead of stages */
-static int is_split(const dm_rule *rule, const dm_model *m) {
-    const dm_sprk *data = rule->data;
-    return data && data->split && dm_splitting_fits(m);
-}
-
-static const char *fits(const dm_rule *rule, const dm_model *m) {
-    const dm_sprk *data = rule->data;
-    if (!data || data->staged || is_split(rule, m)) return NULL;
-    return "b and B of this pair differ (or a weight is zero), so it is symplectic for L "
-           "= T(v) - V(q, t) with constant "
-           "mass alone";
-}
-
-static unsigned wants(const dm_rule *rule, const dm_model *m) {
-    return is_split(rule, m) ? DM_WANT_FORCE : dm_stage_wants(rule, m);
-}
-
-static size_t work(const dm_rule *rule, const dm_model *m) {
-    const size_t s = (size_t)stages(rule);
-    return is_split(rule, m) ? dm_splitting_work(m) : dm_stage_work(s, s, m);
-}
-
-static dm_status open(dm_stepper *s) {
-    dm_galerkin g;
-    if (is_split(s->rule, s->model)) {
-        dm_splitting_open(s, &((const dm_sprk *)s->rule->data)->table);
-        return DM_OK;
-    }
-    basis(&g, s->rule);
-    return dm_stage_open(s, &g);
-}
-
-static dm_status start(dm_stepper *s, double *state, double t, double h) {
-    return is_split(s->rule, s->model) ? DM_OK : dm_stage_start(s, state, t, h);
-}
-
-static dm_status step(dm_stepper *s, double *state, double t, double h) {
-    return is_split(s->rule, s->model) ? dm_splitting_step(s, state, t, h)
-                                       : dm_stage_step(s, state, t, h);
-}
-
-static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
-    return is_split(s->rule, s->model) ? dm_splitting_advance(s, state, t, h, count, done)
-                                       : dm_advance_by_step(s, state, t, h, count, done);
-}
-
-static size_t memory(dm_stepper *s, double **place) {
-    return is_split(s->rule, s->model) ? 0 : dm_stage_memory(s, place);
-}
-
-static int widen(dm_stepper *s, dm_lanes *x) {
-    return is_split(s->rule, s->model) ? dm_splitting_widen(s, x) : dm_stage_widen(s, x);
-}
-
-static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
-    if (is_split(s->rule, s->model))
-        dm_splitting_advance_lanes(s, x, t, h, count);
-    else
-        dm_stage_advance_lanes(s, x, t, h, count);
-}
-
 const dm_method dm_method_sprk = {
     .name = "sprk",
     .signature = "sprk(pair, s)",
-    .doc = "Symplectic partitioned Runge-Kutta pair with s stages: gauss (order 2 s), "
-           "radau-2a and radau-1a (2 s - 1), "
-           "lobatto-3a-3b and lobatto-3b-3a (2 s - 2); the name before says how "
-           "positions are found, momenta follow from "
-           "b_i A_ij + b_j a_ji = b_i b_j; s n unknowns a step. Tableaus of one's own: "
-           "dm.sprk. HLW VI.4.2, VI.6.4, Jay 1996, "
-           "Leok 2.4.",
+    .doc =
+        "Symplectic partitioned Runge-Kutta pair with s stages: gauss (order 2 s), radau-2a and "
+        "radau-1a (2 s - 1), lobatto-3a-3b and lobatto-3b-3a (2 s - 2); the name before says how "
+        "positions are found, momenta follow from b_i A_ij + b_j a_ji = b_i b_j; s n unknowns a "
+        "step. Tableaus of one's own: dm.sprk. HLW VI.4.2, VI.6.4, Jay 1996, Leok 2.4.",
     .orders = "gauss 2 s, radau 2 s - 1, lobatto 2 s - 2",
     .stages = "s",
     .cost = "s n unknowns",
     .instances = "sprk(gauss, 2):2:0; sprk(radau-2a, 2):2:0; sprk(radau-1a, 1):1:0; sprk(radau-1a, "
-                 "2):2:0; sprk(radau-1a, 3):3:0; "
-                 "sprk(lobatto-3a-3b, 3):3:0; sprk(lobatto-3b-3a, 2):2:0; sprk(lobatto-3b-3a, "
-                 "3):3:0; sprk(lobatto-3b-3a, 4):4:0",
+                 "2):2:0; sprk(radau-1a, 3):3:0; sprk(lobatto-3a-3b, 3):3:0; sprk(lobatto-3b-3a, "
+                 "2):2:0; sprk(lobatto-3b-3a, 3):3:0; sprk(lobatto-3b-3a, 4):4:0",
     .traits = DM_SYMPLECTIC,
     .check = check,
-    .fits = fits,
     .order = order,
+    .engine = &dm_engine_stage,
     .basis = basis,
-    .wants = wants,
-    .work = work,
-    .open = open,
-    .start = start,
-    .step = step,
-    .advance = advance,
-    .memory = memory,
-    .widen = widen,
-    .advance_lanes = advance_lanes,
+    .splitting = splitting,
 };

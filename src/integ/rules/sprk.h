@@ -7,8 +7,8 @@
 #ifndef DM_SPRK_H
 #define DM_SPRK_H
 
+#include "integ/method/stage_table.h"
 #include "integ/split/splitting.h"
-#include "integ/stage/stage.h"
 
 enum { DM_SPRK_STAGES = DM_QUADRATURE_NODES };
 

@@ -1,6 +1,6 @@
 /* symplectic_euler.c - Ld = h L(q0, v) or h L(q1, v) with v = (q1 - q0)/h. */
 #include "integ/split/splitting.h"
-#include "integ/stage/lanes/stage_lanes.h"
+#include "integ/stage/stage.h"
 
 #include <string.h>
 
@@ -17,11 +17,6 @@ static const char *check(const dm_rule *rule) {
     return NULL;
 }
 
-static int order(const dm_rule *rule) {
-    (void)rule;
-    return 1;
-}
-
 /* one velocity, one point at an end */
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     *g = (dm_galerkin){.s = 1, .node = {0.5L}, .q = {.r = 1, .b = {1.0L}}};
@@ -30,79 +25,27 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
 
 /* a table that begins with a kick takes its force from the end of the step before: a drift of
  * length zero comes first */
-static const dm_splitting kick_drift = {2, {0.0, 1.0, 0.0}, {0.0, 1.0}};
-static const dm_splitting drift_kick = {1, {0.0, 1.0}, {1.0}};
-
-static unsigned wants(const dm_rule *rule, const dm_model *m) {
-    return dm_splitting_fits(m) ? DM_WANT_FORCE : dm_stage_wants(rule, m);
-}
-
-static size_t work(const dm_rule *rule, const dm_model *m) {
-    (void)rule;
-    return dm_splitting_fits(m) ? dm_splitting_work(m) : dm_stage_work(1, 1, m);
-}
-
-static dm_status open(dm_stepper *s) {
-    dm_galerkin g;
-    if (dm_splitting_fits(s->model)) {
-        dm_splitting_open(s, takes_end(s->rule) ? &drift_kick : &kick_drift);
-        return DM_OK;
-    }
-    basis(&g, s->rule);
-    return dm_stage_open(s, &g);
-}
-
-static dm_status start(dm_stepper *s, double *state, double t, double h) {
-    return dm_splitting_fits(s->model) ? DM_OK : dm_stage_start(s, state, t, h);
-}
-
-static size_t memory(dm_stepper *s, double **place) {
-    return dm_splitting_fits(s->model) ? 0 : dm_stage_memory(s, place);
-}
-
-static dm_status step(dm_stepper *s, double *state, double t, double h) {
-    return dm_splitting_fits(s->model) ? dm_splitting_step(s, state, t, h)
-                                       : dm_stage_step(s, state, t, h);
-}
-
-static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
-    return dm_splitting_fits(s->model) ? dm_splitting_advance(s, state, t, h, count, done)
-                                       : dm_advance_by_step(s, state, t, h, count, done);
-}
-
-static int widen(dm_stepper *s, dm_lanes *x) {
-    return dm_splitting_fits(s->model) ? dm_splitting_widen(s, x) : dm_stage_widen(s, x);
-}
-
-static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
-    if (dm_splitting_fits(s->model))
-        dm_splitting_advance_lanes(s, x, t, h, count);
-    else
-        dm_stage_advance_lanes(s, x, t, h, count);
+static int splitting(dm_splitting *out, const dm_rule *rule) {
+    static const dm_splitting kick_drift = {2, {0.0, 1.0, 0.0}, {0.0, 1.0}};
+    static const dm_splitting drift_kick = {1, {0.0, 1.0}, {1.0}};
+    *out = takes_end(rule) ? drift_kick : kick_drift;
+    return 1;
 }
 
 const dm_method dm_method_symplectic_euler = {
     .name = "symplectic-euler",
+    .aliases = "euler",
     .signature = "symplectic-euler[(a|b)]",
-    .doc = "Symplectic Euler, order 1: a takes L at the start of the step (kick, then "
-           "drift), b at its end (drift, then "
-           "kick); one force a step when L = T(v) - V(q, t), else n unknowns; b is the "
-           "adjoint of a (HLW I.1.9, VI.3.1).",
+    .doc = "Symplectic Euler, order 1: a takes L at the start of the step (kick, then drift), b at "
+           "its end (drift, then kick); one force a step when L = T(v) - V(q, t), else n unknowns; "
+           "b is the adjoint of a (HLW I.1.9, VI.3.1).",
     .orders = "1",
     .stages = "1",
     .cost = "1 force; else n unknowns",
     .instances = "symplectic-euler(a):1:1; symplectic-euler(b):1:1",
     .traits = DM_SYMPLECTIC,
     .check = check,
-    .order = order,
+    .engine = &dm_engine_stage,
     .basis = basis,
-    .wants = wants,
-    .work = work,
-    .open = open,
-    .start = start,
-    .step = step,
-    .advance = advance,
-    .memory = memory,
-    .widen = widen,
-    .advance_lanes = advance_lanes,
+    .splitting = splitting,
 };

@@ -20,6 +20,12 @@ int dm_splitting_fits(const dm_model *m) {
     return (m->structure & simple) == simple && m->inverse_mass && !m->constraints;
 }
 
+int dm_splitting_steps(const dm_rule *rule, const dm_model *m) {
+    dm_splitting table;
+    const dm_method *method = rule->method;
+    return dm_splitting_fits(m) && method->splitting && method->splitting(&table, rule);
+}
+
 void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {
     out->stages = s;
     for (int k = 0; k <= s; k++) {
@@ -33,7 +39,19 @@ static size_t layout_size(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
 }
 
-size_t dm_splitting_work(const dm_model *m) {
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    if (dm_splitting_steps(rule, m)) return NULL;
+    return "it makes kicks and drifts, which need a separable L = T(v) - V(q) with constant mass; "
+           "compose an implicit rule instead, for instance kahan-li(6, midpoint), or take gauss(3)";
+}
+
+static unsigned wants(const dm_rule *rule, const dm_model *m) {
+    (void)rule, (void)m;
+    return DM_WANT_FORCE;
+}
+
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
     const size_t loops = m->structure & DM_LOOPS ? dm_chain_work(m) : dm_splitting_loop_work(m);
     return layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n) + loops;
 }
@@ -48,10 +66,12 @@ static uint32_t evaluations(const dm_splitting *table) {
     return (uint32_t)(table->stages - (table->b[table->stages] == 0.0));
 }
 
-void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
+static dm_status open(dm_stepper *s) {
     const dm_model *m = s->model;
     layout *l = (layout *)(void *)s->work;
-    *l = (layout){.table = *table};
+    *l = (layout){.loop = NULL};
+    s->rule->method->splitting(&l->table, s->rule);
+    const dm_splitting *table = &l->table;
     for (int k = 0; k < table->stages; k++) l->c[k + 1] = l->c[k] + table->a[k];
     l->c[table->stages] = 1.0;
     /* without them the loop below serves */
@@ -60,9 +80,10 @@ void dm_splitting_open(dm_stepper *s, const dm_splitting *table) {
     else
         l->loop = dm_splitting_loop_open(m, table, s->plain);
     s->report.plain = s->plain && (l->loop || l->chain);
+    return DM_OK;
 }
 
-int dm_splitting_widen(dm_stepper *s, dm_lanes *x) {
+static int widen(dm_stepper *s, dm_lanes *x) {
     layout *l = (layout *)(void *)s->work;
     return l->loop && dm_splitting_loop_widen(l->loop, s->model, x);
 }
@@ -155,8 +176,7 @@ static int run_chain(dm_stepper *s, double *state, double t, double h, long coun
 
 /* what is not finite stays so, hence one look at the end; then the burst is done again to find
  * the step */
-dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, double h, long count,
-                               long *done) {
+static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
     const uint32_t n = s->model->n;
     const size_t bytes = dm_state_size(n) * sizeof *state;
     double *start = s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params;
@@ -173,13 +193,24 @@ dm_status dm_splitting_advance(dm_stepper *s, double *state, double t, double h,
     return count > 1 ? dm_advance_by_step(s, state, t, h, count, done) : DM_NOT_FINITE;
 }
 
-void dm_splitting_advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
+static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     const layout *l = (const layout *)(const void *)s->work;
     const dm_splitting_burst burst = burst_of(s, t, *h, count);
     dm_splitting_loop_run_lanes(l->loop, s->model, x, &burst, loop_work(s));
 }
 
-dm_status dm_splitting_step(dm_stepper *s, double *state, double t, double h) {
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
     long done;
-    return dm_splitting_advance(s, state, t, h, 1, &done);
+    return advance(s, state, t, h, 1, &done);
 }
+
+const dm_engine dm_engine_splitting = {
+    .fits = fits,
+    .wants = wants,
+    .work = work,
+    .open = open,
+    .step = step,
+    .advance = advance,
+    .widen = widen,
+    .advance_lanes = advance_lanes,
+};

@@ -1,4 +1,3 @@
-#include "integ/constrained/constrained.h"
 #include "integ/stage/stage_inside.h"
 
 #include "linalg/lu.h"
@@ -10,7 +9,7 @@
 
 dm_status dm_stage_start(dm_stepper *stepper, double *state, double t, double h) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
-    if (stepper->model->constraints) return dm_constrained_start(stepper, state, t, h);
+    (void)state, (void)t;
     if (g->sweeps.row) dm_stage_memory_clear(g, h);
     if (g->warm) dm_stage_warm_clear(g, h);
     if (g->pushes.memory) dm_stage_push_clear(g, h);
@@ -19,7 +18,6 @@ dm_status dm_stage_start(dm_stepper *stepper, double *state, double t, double h)
 
 size_t dm_stage_memory(dm_stepper *stepper, double **place) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
-    if (stepper->model->constraints) return dm_constrained_memory(stepper, place);
     *place = g->sweeps.row ? g->sweeps.memory : g->pushes.memory ? g->pushes.memory : g->warm;
     if (g->sweeps.row) return dm_stage_memory_size(g);
     if (g->pushes.memory) return dm_stage_push_memory(g);
@@ -307,7 +305,6 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
 
 dm_status dm_stage_step(dm_stepper *stepper, double *state, double t, double h) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
-    if (stepper->model->constraints) return dm_constrained_step(stepper, state, t, h);
     g->state = state;
     g->t = t;
     if (g->h != h) {

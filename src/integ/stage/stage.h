@@ -8,16 +8,13 @@
 #ifndef DM_STAGE_H
 #define DM_STAGE_H
 
-#include "integ/method/method.h"
 #include "integ/method/stage_table.h"
 
-/* Curves of degree s with any quadrature of s nodes or more (galerkin.c). */
-void dm_galerkin_of(dm_galerkin *g, int s, const dm_quadrature *q);
+/* Reads the basis of a row. Kicks and drifts step instead where the row has them and L separates
+ * (split/splitting.h), with constraints the engine of constrained/constrained.h. */
+extern const dm_engine dm_engine_stage;
 
-/* The kinetic energy of the velocities is regular under the quadrature. */
-int dm_galerkin_is_regular(const dm_galerkin *g);
-
-/* What the rows of methods.def call. */
+/* What it is made of. */
 unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m);
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m);
 dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *g);

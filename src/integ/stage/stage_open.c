@@ -1,5 +1,4 @@
 /* stage_open.c - what a step of stages wants of its model, which form it takes, and its memory. */
-#include "integ/constrained/constrained.h"
 #include "integ/stage/stage_inside.h"
 
 #include "linalg/solve/newton.h"
@@ -11,7 +10,6 @@ static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
 
 unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    if (m->constraints) return dm_constrained_wants(m);
     const int simple = (m->structure & SIMPLE) == SIMPLE;
     return simple ? DM_WANT_STAGE_LATER | DM_WANT_FORCE
                   : DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS;
@@ -32,7 +30,6 @@ static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
 
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, curve = 2 * n + 3 * n * n;
-    if (m->constraints) return dm_constrained_work(s, r, m);
     return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) + dm_stage_weights_size(s, r) +
            2 * n + 1 + r * 2 * n + r * curve + 2 * larger(s, r) * n + 2 * n + 2 * r * n + 4 * n +
            doubles(r * 4) + scratch_size(s, r, m) + dm_stage_push_size(m) +
@@ -67,7 +64,6 @@ dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
     dm_stage *g = (dm_stage *)(void *)stepper->work;
     const dm_model *m = stepper->model;
     double *memory = stepper->work + doubles(sizeof *g);
-    if (m->constraints) return dm_constrained_open(stepper, basis);
     *g = (dm_stage){.m = m, .n = m->n, .h = NAN}; /* of no step yet */
     g->separable = (m->structure & SIMPLE) == SIMPLE;
     dm_stage_table_find(&g->table, basis, m, memory);

@@ -74,7 +74,7 @@ static void put_memory(const block *x, uint32_t i) {
     const dm_lanes *lanes = &x->b->lanes;
     double *place;
     if (!lanes->memory) return;
-    x->b->stepper->method->memory(x->b->stepper, &place);
+    dm_stepper_memory(x->b->stepper, &place);
     for (size_t k = 0; k < lanes->memory_size; k++)
         dm_lanes_memory(lanes, i)[k * lanes->lanes] = place[k];
 }
@@ -104,8 +104,8 @@ static double time_of(const block *x, long i, long steps) {
 static void keep_row(block *x, long i, const double *state, long steps) {
     const dm_ensemble_rows *rows = x->e->rows;
     dm_member *m = member_of(x, i);
-    const double t = x->b->stepper->method->traits & DM_OWN_TIME ? state[4 * (size_t)dim(x)]
-                                                                 : time_of(x, i, steps);
+    const double t = x->b->stepper->rule->method->traits & DM_OWN_TIME ? state[4 * (size_t)dim(x)]
+                                                                       : time_of(x, i, steps);
     choose_member(x, i);
     const dm_status status = dm_ensemble_rows_add(rows, x->b->watch, x->first + i, state, t);
     if (status == DM_OK || m->status != DM_OK) return;
@@ -168,7 +168,7 @@ static void begin(block *x) {
         dm_member *m = member_of(x, i);
         *m = (dm_member){.status = DM_OK};
         choose_member(x, i);
-        if (s->method->start) m->status = s->method->start(s, state_of(x, i), x->e->t0, x->b->h[i]);
+        m->status = dm_stepper_start(s, state_of(x, i), x->e->t0, x->b->h[i]);
         if (m->status != DM_OK) continue;
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
         put_params(x, i, (uint32_t)i);
@@ -214,7 +214,7 @@ static void leave(block *x, long i) {
 static void advance_told(block *x, double t, long count) {
     dm_lanes *lanes = &x->b->lanes;
     dm_stepper *s = x->b->stepper;
-    s->method->advance_lanes(s, lanes, t, x->b->h, count);
+    s->engine->advance_lanes(s, lanes, t, x->b->h, count);
     for (long i = 0; i < x->count; i++)
         if (runs(x, i) && lanes->failed[i] != DM_OK) leave(x, i);
 }
@@ -225,7 +225,7 @@ static void advance_seen(block *x, double t, long count) {
     dm_stepper *s = x->b->stepper;
     const size_t all = (size_t)lanes->groups * lanes->lanes;
     memcpy(lanes->kept, lanes->state, all * dm_state_size(dim(x)) * sizeof(double));
-    s->method->advance_lanes(s, lanes, t, x->b->h, count);
+    s->engine->advance_lanes(s, lanes, t, x->b->h, count);
     if (dm_lanes_are_finite(lanes, dim(x))) return;
     for (long i = 0; i < x->count; i++)
         if (runs(x, i) && !dm_lanes_is_finite(lanes, dim(x), (uint32_t)i))
@@ -305,7 +305,7 @@ int dm_block_is_paced(const dm_block *b) {
 
 int dm_block_open(dm_block *b, dm_stepper *s) {
     *b = (dm_block){.stepper = s, .burst = FIRST};
-    if (!s->method->widen || !s->method->widen(s, &b->lanes)) return 0;
+    if (!s->engine->widen || !s->engine->widen(s, &b->lanes)) return 0;
     b->most = b->lanes.groups;
     return 1;
 }

@@ -297,12 +297,12 @@ static void memory_holds_what_a_run_needs(void) {
         CHECK(session_run(&x, 20) == DM_OK);
         for (int i = 0; i < 20; i++) {
             memcpy(side, y.state, sizeof side);
-            CHECK(y.s.method->step(&y.s, side, 0.0, 0.02) == DM_OK);
+            CHECK(y.s.engine->step(&y.s, side, 0.0, 0.02) == DM_OK);
             CHECK(session_run(&y, 1) == DM_OK);
         }
         CHECK(memcmp(x.state, y.state, 4 * t.p.n * sizeof(double)) == 0);
-        const size_t count = x.s.method->memory(&x.s, &from);
-        CHECK(z.s.method->memory(&z.s, &to) == count);
+        const size_t count = dm_stepper_memory(&x.s, &from);
+        CHECK(dm_stepper_memory(&z.s, &to) == count);
         memcpy(to, from, count * sizeof *to);
         memcpy(z.state, x.state, sizeof z.state);
         CHECK(session_run(&x, 20) == DM_OK && session_run(&z, 20) == DM_OK);

@@ -60,7 +60,7 @@ static void check_tangent(run *r) {
             if (!k) continue;
             memcpy(r->x.state, start, sizeof start);
             r->x.state[i] += 3e-3 * k;
-            CHECK(r->x.s.method->step(&r->x.s, r->x.state, 0.1, r->x.h) == DM_OK);
+            CHECK(r->x.s.engine->step(&r->x.s, r->x.state, 0.1, r->x.h) == DM_OK);
             for (uint32_t j = 0; j < N; j++)
                 column[j] += (k > 0 ? 1.0 : -1.0) * DIFFERENCE[abs(k) - 1] *
                              (r->x.state[j] + r->x.state[N + j]) / 0.18;

@@ -32,22 +32,21 @@ static dm_node lagrangian(dm_graph *g) {
 }
 
 static int kepler_open(kepler *k, const char *rule) {
-    const char *nearest;
     *k = (kepler){.s = {.tolerance = 4e-15, .max_iterations = 50}};
     dm_arena_init(&k->arena, problem_allocate, NULL);
     dm_graph *g = dm_graph_new(&k->arena, 5);
     const dm_node L = lagrangian(g);
     if (dm_rule_read(k->nodes, rule, NULL)) return 0;
     k->s.rule = k->nodes;
-    k->s.method = dm_method_find(k->nodes[0].name, &nearest);
     if (dm_model_build(&k->model, g, L, 2, 0, NULL, &k->arena) != DM_OK) return 0;
-    const unsigned wants = k->s.method->wants(k->nodes, &k->model);
+    const unsigned wants = dm_rule_engine(k->nodes, &k->model)->wants(k->nodes, &k->model);
     if (dm_model_build(&k->model, g, L, 2, wants, dm_native_build, &k->arena) != DM_OK) return 0;
     k->s.model = &k->model;
-    const size_t work = k->s.method->work(k->nodes, &k->model) * sizeof(double);
+    const size_t work =
+        dm_rule_engine(k->nodes, &k->model)->work(k->nodes, &k->model) * sizeof(double);
     k->s.work = dm_arena_take(&k->arena, work);
     memset(k->s.work, 0, work);
-    return k->s.method->open(&k->s) == DM_OK;
+    return dm_stepper_open(&k->s) == DM_OK;
 }
 
 /* member i starts at q = (0.4 + i/1000, 0), p = (0, 2); member `broken` at NaN */

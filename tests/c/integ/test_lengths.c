@@ -20,7 +20,7 @@ static int agree(session *x, const problem *p, const char *rule, double t, doubl
     long done;
     CHECK(session_open(&fresh, p, rule, h));
     fresh.s.plain = x->s.plain;
-    if (x->s.plain) CHECK(fresh.s.method->open(&fresh.s) == DM_OK);
+    if (x->s.plain) CHECK(dm_stepper_open(&fresh.s) == DM_OK);
     memcpy(fresh.state, x->state, sizeof fresh.state);
     CHECK(dm_advance(&fresh.s, fresh.state, t, h, 1, &done) == DM_OK);
     CHECK(dm_advance(&x->s, x->state, t, h, 1, &done) == DM_OK);
@@ -38,7 +38,7 @@ static void vary(const problem *p, const char *rule, int plain, double near) {
     double t = 0.0;
     if (!CHECK(session_open(&x, p, rule, lengths[0]))) printf("# %s\n", rule);
     x.s.plain = plain;
-    if (plain) CHECK(x.s.method->open(&x.s) == DM_OK);
+    if (plain) CHECK(dm_stepper_open(&x.s) == DM_OK);
     for (int k = 0; k < 3 * LENGTHS; k++) {
         const double h = lengths[k % LENGTHS];
         if (!CHECK(agree(&x, p, rule, t, h, near))) printf("# %s: step %d of %g\n", rule, k, h);
@@ -57,8 +57,8 @@ static int build(problem *p, const char *rule, dm_node (*L)(dm_graph *g), uint32
     CHECK(dm_rule_read(nodes, rule, NULL) == NULL && nodes[0].method);
     const dm_method *m = nodes[0].method;
     CHECK(dm_model_build(&p->model, g, l, n, 63, dm_native_build, &p->arena) != DM_NO_MEMORY);
-    if (m->traits & DM_FOR_PAIRS || (m->fits && m->fits(nodes, &p->model))) return 0;
-    const unsigned wants = 63 | m->wants(nodes, &p->model);
+    if (m->traits & DM_FOR_PAIRS || dm_rule_fits(nodes, &p->model)) return 0;
+    const unsigned wants = 63 | dm_rule_engine(nodes, &p->model)->wants(nodes, &p->model);
     dm_model_build(&p->model, g, l, n, wants, dm_native_build, &p->arena); /* singular if linear */
     return CHECK(!(wants & ~p->model.has & ~(unsigned)DM_WANT_STAGE_LATER));
 }
@@ -173,7 +173,7 @@ static void steps_on_the_side(void) {
         CHECK(constrained_open(&t, sphere_maker, 3, 1) == DM_OK);
         constrained_place(&t, constrained[0].q, constrained[0].v);
         CHECK(session_open(&x, &t.p, rules[i], 0.02) && session_open(&y, &t.p, rules[i], 0.02));
-        CHECK(y.s.method->memory(&y.s, &place) <= 400);
+        CHECK(dm_stepper_memory(&y.s, &place) <= 400);
         y.s.aside = aside;
         for (int k = 0; k < 50; k++) {
             CHECK(dm_land(&y.s, between, y.state, 0.0, 0.003, 0.02) == DM_OK);

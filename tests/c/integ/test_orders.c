@@ -1,9 +1,8 @@
 /* test_orders.c - the order of every rule, measured: the error at time T against the exact
  * solution for N and 2 N steps, N where the error is small but far above round-off. */
 #include "check.h"
-#include "integ/registry.h"
-#include "integ/method/traits.h"
 #include "integ/method/quadrature.h"
+#include "integ/registry.h"
 #include "integ/rules/sprk.h"
 #include "integ/stage/stage.h"
 #include "problems.h"
@@ -42,7 +41,7 @@ static void check_order(const problem *p, const row *r, double T, long N, const 
     CHECK(fine > 1e-14);
     dm_rule nodes[DM_RULE_NODES];
     CHECK(dm_rule_read(nodes, r->rule, NULL) == NULL);
-    CHECK(dm_method_find(nodes[0].name, NULL)->order(nodes) == (int)r->order);
+    CHECK(dm_rule_order(nodes) == (int)r->order);
 }
 
 /* from the far end of the ellipse through the near one; exact by Kepler's equation */
@@ -286,7 +285,7 @@ static void check_instance(const dm_method *m, const char *text, size_t length) 
     memcpy(rule, text, (size_t)(colon - text));
     CHECK(sscanf(colon, ":%d:%d", &stages, &forces) == 2 && stages > 0 && forces >= 0);
     if (!CHECK(dm_rule_read(nodes, rule, NULL) == NULL)) return;
-    CHECK(nodes[0].method == m && m->check(nodes) == NULL);
+    CHECK(nodes[0].method == m && dm_rule_check(nodes) == NULL);
     if (m->basis) {
         static dm_galerkin g;
         m->basis(&g, nodes);

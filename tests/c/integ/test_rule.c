@@ -1,7 +1,7 @@
 /* names of rules: what is read, what is refused and with which words; the table of methods. */
 #include "check.h"
-#include "integ/registry.h"
 #include "integ/method/method.h"
+#include "integ/registry.h"
 
 #include <string.h>
 
@@ -79,13 +79,15 @@ static void survives_any_bytes(void) {
 
 static void finds_every_method_and_the_nearest_name(void) {
     static const char *const wrong[][2] =
-        {{"verlot", "verlet"},   {"Gauss", "gauss"}, {"mid-point", "midpoint"},
-         {"labatto", "lobatto"}, {"rk8dp", "rk8pd"}, {"trapezoid", "trapezoidal"},
-         {"leapfrog", "verlet"}, {"rk45", "rkf45"},  {"euler", "symplectic-euler"}};
+        {{"verlot", "verlet"},         {"Gauss", "gauss"},   {"mid-point", "midpoint"},
+         {"labatto", "lobatto"},       {"rk8dp", "rk8pd"},   {"trapezoid", "trapezoidal"},
+         {"leapfrog", "verlet"},       {"strang", "verlet"}, {"rk45", "rkf45"},
+         {"euler", "symplectic-euler"}};
     for (const dm_method *const *m = dm_methods; *m; m++) {
         CHECK(dm_method_find((*m)->name, NULL) == *m);
-        CHECK((*m)->doc && (*m)->signature && (*m)->check && (*m)->order && (*m)->wants);
-        CHECK((*m)->work && (*m)->step);
+        CHECK((*m)->doc && (*m)->signature && (*m)->orders && (*m)->stages && (*m)->cost);
+        const dm_engine *e = (*m)->engine;
+        CHECK((*m)->instances && e && e->wants && e->work && e->open && e->step);
         CHECK(strncmp((*m)->signature, (*m)->name, strlen((*m)->name)) == 0);
     }
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
@@ -102,7 +104,7 @@ static int refuses(const char *text) {
     dm_rule nodes[DM_RULE_NODES];
     if (dm_rule_read(nodes, text, NULL)) return 0;
     const dm_method *m = dm_method_find(nodes[0].name, NULL);
-    return m && m->check(nodes) != NULL;
+    return m && dm_rule_check(nodes) != NULL;
 }
 
 static void methods_check_their_arguments(void) {

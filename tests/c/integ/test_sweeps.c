@@ -164,7 +164,7 @@ static void the_last_step_saves_sweeps(void) {
     kepler(&p, 0, dm_native_build);
     CHECK(run(&x, &p, "gauss(6)", 0.05, 400, 400) == DM_OK);
     CHECK(session_open(&y, &p, "gauss(6)", 0.05));
-    CHECK(y.s.method->start(&y.s, y.state, 0.0, 1.0) == DM_OK); /* for steps of another length */
+    CHECK(dm_stepper_start(&y.s, y.state, 0.0, 1.0) == DM_OK); /* for steps of another length */
     CHECK(session_run(&y, 400) == DM_OK);
     CHECK((double)x.s.report.newton < 0.75 * (double)y.s.report.newton);
     CHECK(distance(&x, &y, 2) < 1e-12);
@@ -191,8 +191,8 @@ static void state_and_memory_go_on(int which, const char *rule) {
     make(&p, which, dm_native_build);
     CHECK(run(&x, &p, rule, 0.01, 150, 150) == DM_OK);
     CHECK(session_open(&y, &p, rule, 0.01));
-    const size_t size = x.s.method->memory(&x.s, &from);
-    CHECK(size > 0 && size == y.s.method->memory(&y.s, &to));
+    const size_t size = dm_stepper_memory(&x.s, &from);
+    CHECK(size > 0 && size == dm_stepper_memory(&y.s, &to));
     memcpy(to, from, size * sizeof *to);
     memcpy(y.state, x.state, sizeof y.state);
     CHECK(session_run(&x, 150) == DM_OK && session_run(&y, 150) == DM_OK);
@@ -209,7 +209,7 @@ static void newton_saves_iterations(void) {
     kepler(&p, 1, dm_native_build);
     CHECK(run(&x, &p, "midpoint", 0.01, 250, 250) == DM_OK);
     CHECK(session_open(&y, &p, "midpoint", 0.01));
-    CHECK(y.s.method->start(&y.s, y.state, 0.0, 1.0) == DM_OK); /* for steps of another length */
+    CHECK(dm_stepper_start(&y.s, y.state, 0.0, 1.0) == DM_OK); /* for steps of another length */
     CHECK(session_run(&y, 250) == DM_OK);
     CHECK((double)x.s.report.evaluations < 0.8 * (double)y.s.report.evaluations);
     CHECK(distance(&x, &y, 2) < 1e-12);
@@ -268,7 +268,7 @@ static void fail(int which, const char *rule) {
     double *place, kept[200], state[4 * PROBLEM_SIZE + 8];
     make(&p, which, dm_native_build);
     CHECK(run(&x, &p, rule, 0.02, 20, 20) == DM_OK);
-    const size_t size = x.s.method->memory(&x.s, &place);
+    const size_t size = dm_stepper_memory(&x.s, &place);
     CHECK(size <= 200);
     memcpy(kept, place, size * sizeof *kept);
     memcpy(state, x.state, sizeof state);

@@ -220,7 +220,7 @@ static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
     dm_stage_lanes *w = dm_arena_take(g->m->source.arena, sizeof *w);
     if (!w) return NULL;
     *w = (dm_stage_lanes){.g = g};
-    if (!open_members(w, s->method->memory(s, &place)) || !lay_out_paces(w)) return NULL;
+    if (!open_members(w, dm_stepper_memory(s, &place)) || !lay_out_paces(w)) return NULL;
     if (g->pushes.memory)
         return dm_push_kernel(&w->stage, g->m, lanes) && lay_out_pushes(w) ? w : NULL;
     if (g->sweeps.row) return build_sweeps(w, g, lanes) && lay_out_sweeps(w) ? w : NULL;
@@ -264,10 +264,10 @@ static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t, double 
     const uint32_t n = s->model->n;
     const size_t size = x->memory_size;
     double *place, *memory = dm_lanes_memory(x, i);
-    s->method->memory(s, &place);
+    dm_stepper_memory(s, &place);
     dm_lanes_get(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) place[k] = memory[k * x->lanes];
-    x->failed[i] = s->method->step(s, x->alone, t, h);
+    x->failed[i] = s->engine->step(s, x->alone, t, h);
     if (x->failed[i] != DM_OK) return;
     dm_lanes_put(x, n, i, x->alone);
     for (size_t k = 0; k < size; k++) memory[k * x->lanes] = place[k];

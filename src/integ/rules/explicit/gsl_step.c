@@ -1,16 +1,11 @@
-/* gsl_explicit.c - explicit Runge-Kutta baselines from GSL, with a fixed step. They are not
- * symplectic: their use is comparison. The first-order form is Hamilton's, generated from L:
- *   q' = v(q, p, t), the inverse Legendre transform,  p' = L_q(q, v, t),
- * so that no derivative of L_v by t is needed and the state of a run is taken as it is. */
-#include "integ/method/method.h"
+#include "integ/rules/explicit/gsl_step.h"
+
+#include "integ/rules/explicit/runge_kutta.h"
 #include "mech/constraints.h"
 
 #include <gsl/gsl_errno.h>
-#include <gsl/gsl_odeiv2.h>
 #include <math.h>
 #include <string.h>
-
-static const unsigned SIMPLE = DM_SEPARABLE | DM_CONSTANT_MASS;
 
 /* at the head of the workspace */
 typedef struct {
@@ -25,23 +20,6 @@ typedef struct {
     dm_status status; /* why the last right-hand side failed */
     long evaluations;
 } explicit;
-
-static const char *check(const dm_rule *rule) {
-    return rule->count ? "an explicit Runge-Kutta rule takes no argument" : NULL;
-}
-
-static const char *fits(const dm_rule *rule, const dm_model *m) {
-    (void)rule;
-    return m->constraints && m->constraints->controls
-               ? "it knows no controls; take midpoint or gauss"
-               : NULL;
-}
-
-static unsigned wants(const dm_rule *rule, const dm_model *m) {
-    const unsigned mass = (m->structure & SIMPLE) == SIMPLE ? 0 : DM_WANT_MASS;
-    (void)rule;
-    return DM_WANT_FORCE | mass | (m->constraints ? DM_WANT_CONSTRAINT_FORCE : 0);
-}
 
 static size_t head(void) {
     return (sizeof(explicit) + sizeof(double) - 1) / sizeof(double);
@@ -70,7 +48,7 @@ static int right_hand_side(double t, const double y[], double slope[], void *par
     return GSL_SUCCESS;
 }
 
-static dm_status open(dm_stepper *s, const gsl_odeiv2_step_type *type) {
+static dm_status open(dm_stepper *s) {
     explicit *e = (explicit *)(void *)s->work;
     const size_t n = s->model->n;
     *e = (explicit){.m = s->model, .x = s->work + head()};
@@ -85,18 +63,9 @@ static dm_status open(dm_stepper *s, const gsl_odeiv2_step_type *type) {
     memset(e->x, 0, (2 * n + 1) * sizeof *e->x);
     dm_kernel_prepare(&s->model->force, e->force);
     gsl_set_error_handler_off();
-    s->outside = gsl_odeiv2_step_alloc(type, 2 * n);
+    s->outside =
+        gsl_odeiv2_step_alloc(*(const gsl_odeiv2_step_type *const *)s->rule->method->table, 2 * n);
     return s->outside ? DM_OK : DM_NO_MEMORY;
-}
-
-static dm_status open_rk4(dm_stepper *s) {
-    return open(s, gsl_odeiv2_step_rk4);
-}
-static dm_status open_rkf45(dm_stepper *s) {
-    return open(s, gsl_odeiv2_step_rkf45);
-}
-static dm_status open_rk8pd(dm_stepper *s) {
-    return open(s, gsl_odeiv2_step_rk8pd);
 }
 
 static void close(dm_stepper *s) {
@@ -146,80 +115,11 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return DM_OK;
 }
 
-static int order4(const dm_rule *rule) {
-    (void)rule;
-    return 4;
-}
-
-static int order5(const dm_rule *rule) {
-    (void)rule;
-    return 5;
-}
-
-static int order8(const dm_rule *rule) {
-    (void)rule;
-    return 8;
-}
-
-const dm_method dm_method_rk4 = {
-    .name = "rk4",
-    .signature = "rk4",
-    .doc = "Classical Runge-Kutta of order 4, two half steps, 11 forces a step; not "
-           "symplectic, a "
-           "baseline (GSL).",
-    .orders = "4",
-    .stages = "4",
-    .cost = "11 accelerations: GSL takes it whole and in two halves",
-    .instances = "rk4:4:11",
-    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
-    .check = check,
-    .fits = fits,
-    .order = order4,
-    .wants = wants,
+const dm_engine dm_engine_gsl = {
+    .fits = dm_runge_kutta_fits,
+    .wants = dm_runge_kutta_wants,
     .work = work,
-    .open = open_rk4,
-    .step = step,
-    .close = close,
-};
-
-const dm_method dm_method_rkf45 = {
-    .name = "rkf45",
-    .signature = "rkf45",
-    .doc = "Runge-Kutta-Fehlberg 4(5) with a fixed step, order 5, 6 forces a step; not "
-           "symplectic, a "
-           "baseline (GSL).",
-    .orders = "5",
-    .stages = "6",
-    .cost = "6 accelerations",
-    .instances = "rkf45:6:6",
-    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
-    .check = check,
-    .fits = fits,
-    .order = order5,
-    .wants = wants,
-    .work = work,
-    .open = open_rkf45,
-    .step = step,
-    .close = close,
-};
-
-const dm_method dm_method_rk8pd = {
-    .name = "rk8pd",
-    .signature = "rk8pd",
-    .doc = "Runge-Kutta Prince-Dormand 8(9) with a fixed step, order 8, 13 forces a "
-           "step; not "
-           "symplectic, a strong baseline (GSL).",
-    .orders = "8",
-    .stages = "13",
-    .cost = "13 accelerations",
-    .instances = "rk8pd:13:13",
-    .traits = DM_EXPLICIT | DM_KEEPS | DM_FORCED,
-    .check = check,
-    .fits = fits,
-    .order = order8,
-    .wants = wants,
-    .work = work,
-    .open = open_rk8pd,
+    .open = open,
     .step = step,
     .close = close,
 };

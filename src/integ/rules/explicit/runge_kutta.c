@@ -1,0 +1,158 @@
+#include "integ/rules/explicit/runge_kutta.h"
+
+#include "integ/method/cache.h"
+#include "integ/method/hamilton.h"
+#include "mech/constraints.h"
+#include "numbers/compensated.h"
+
+#include <string.h>
+
+/* at the head of the workspace */
+typedef struct {
+    const dm_model *m;
+    dm_kernel kernel; /* Hamilton's equations, outputs 0: the Legendre transform and L_q apart */
+    const dm_runge_kutta *table;
+    double *c;     /* [stages] times of the stages */
+    double *x;     /* [2n+1] (q, p, t) of a stage; without a kernel (q, v, t) */
+    double *slope; /* [stages][2n] */
+    double *out;   /* [3n] of the kernel */
+    double *next;  /* [4n] */
+    double *p;     /* [n] momentum of a stage */
+    double *scratch;
+} layout;
+
+const char *dm_runge_kutta_fits(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    return m->constraints && m->constraints->controls
+               ? "it knows no controls; take midpoint or gauss"
+               : NULL;
+}
+
+unsigned dm_runge_kutta_wants(const dm_rule *rule, const dm_model *m) {
+    const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
+    const unsigned mass = (m->structure & simple) == simple ? 0 : DM_WANT_MASS;
+    (void)rule;
+    return DM_WANT_FORCE | mass | (m->constraints ? DM_WANT_CONSTRAINT_FORCE : 0);
+}
+
+static const dm_runge_kutta *table_of(const dm_rule *rule) {
+    return rule->method->table;
+}
+
+static size_t head(void) {
+    return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
+}
+
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    const size_t n = m->n, stages = table_of(rule)->stages;
+    return head() + stages + 2 * n + 1 + stages * 2 * n + 3 * n + 4 * n + n + dm_legendre_work(m);
+}
+
+static void find_kernel(layout *e) {
+    static const char maker;
+    if (dm_cache_find(&e->kernel, e->m, &maker, 0)) return;
+    if (!dm_hamilton_build(&e->kernel, e->m, 1))
+        e->kernel.outputs = 0;
+    else
+        dm_cache_add(e->m, &maker, 0, &e->kernel, 1);
+}
+
+static dm_status open(dm_stepper *s) {
+    layout *e = (layout *)(void *)s->work;
+    const size_t n = s->model->n;
+    *e = (layout){.m = s->model, .table = table_of(s->rule), .c = s->work + head()};
+    const uint32_t stages = e->table->stages;
+    e->x = e->c + stages;
+    e->slope = e->x + 2 * n + 1;
+    e->out = e->slope + stages * 2 * n;
+    e->next = e->out + 3 * n;
+    e->p = e->next + 4 * n;
+    e->scratch = e->p + n;
+    for (uint32_t i = 0; i < stages; i++) {
+        e->c[i] = 0.0;
+        for (uint32_t j = 0; j < i; j++) e->c[i] += e->table->a[i * stages + j];
+    }
+    find_kernel(e);
+    dm_kernel_prepare(e->kernel.outputs ? &e->kernel : &s->model->force, e->out);
+    return DM_OK;
+}
+
+/* x = (q0, p0, t) + h sum_j a_ij slope_j */
+static void place(layout *e, const double *state, uint32_t i, double h) {
+    const size_t n = e->m->n;
+    const double *row = e->table->a + i * e->table->stages;
+    double *x = e->x;
+    for (size_t k = 0; k < 2 * n; k++) x[k] = state[2 * n + k];
+    for (uint32_t j = 0; j < i; j++) {
+        const double a = h * row[j], *slope = e->slope + j * 2 * n;
+        if (a == 0.0) continue;
+        for (size_t k = 0; k < 2 * n; k++) x[k] += a * slope[k];
+    }
+    for (size_t k = 0; k < 2 * n; k++) x[k] += state[k];
+}
+
+/* 0: there is no kernel, or the mass matrix is not positive and it cannot be trusted */
+static int by_kernel(layout *e, double *slope) {
+    const uint32_t n = e->m->n;
+    if (!e->kernel.outputs) return 0;
+    dm_kernel_eval(&e->kernel, e->x, e->out);
+    for (uint32_t k = 2 * n; k < 3 * n; k++)
+        if (!(e->out[k] > 0.0)) return 0;
+    memcpy(slope, e->out, 2 * n * sizeof *slope);
+    return 1;
+}
+
+static dm_status by_legendre(layout *e, double *slope) {
+    const uint32_t n = e->m->n;
+    double *v = e->x + n;
+    memcpy(e->p, v, n * sizeof *v);
+    memset(v, 0, n * sizeof *v); /* a function of (q, p, t) alone */
+    const dm_status status = dm_legendre_inverse(e->m, v, e->x, e->p, e->x[2 * n], e->scratch);
+    if (status != DM_OK) return status;
+    memcpy(slope, v, n * sizeof *slope);
+    dm_kernel_prepare(&e->m->force, slope + n);
+    dm_kernel_eval(&e->m->force, e->x, slope + n);
+    dm_constraints_add_force(slope + n, e->m->constraints, e->x, e->out);
+    return DM_OK;
+}
+
+/* state + h sum_i b_i slope_i */
+static dm_status finish(layout *e, double *state, double h) {
+    const uint32_t n = e->m->n, stages = e->table->stages;
+    const double *b = e->table->a + stages * stages;
+    double sum = 0.0; /* 0 * infinity is NaN */
+    memcpy(e->next, state, 4 * (size_t)n * sizeof *state);
+    for (uint32_t k = 0; k < 2 * n; k++) {
+        double change = 0.0;
+        for (uint32_t i = 0; i < stages; i++) change += b[i] * e->slope[i * 2 * (size_t)n + k];
+        dm_sum_add(e->next + k, e->next + 2 * n + k, h * change);
+        sum += 0.0 * e->next[k];
+    }
+    if (sum != 0.0) return DM_NOT_FINITE;
+    memcpy(state, e->next, 4 * (size_t)n * sizeof *state);
+    return DM_OK;
+}
+
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
+    layout *e = (layout *)(void *)s->work;
+    const size_t n = s->model->n;
+    dm_status status = DM_OK;
+    const uint32_t stages = e->table->stages;
+    for (uint32_t i = 0; i < stages && status == DM_OK; i++) {
+        double *slope = e->slope + i * 2 * n;
+        place(e, state, i, h);
+        e->x[2 * n] = t + e->c[i] * h;
+        if (!by_kernel(e, slope)) status = by_legendre(e, slope);
+    }
+    s->report.evaluations += stages;
+    s->report.solves++;
+    return status == DM_OK ? finish(e, state, h) : status;
+}
+
+const dm_engine dm_engine_runge_kutta = {
+    .fits = dm_runge_kutta_fits,
+    .wants = dm_runge_kutta_wants,
+    .work = work,
+    .open = open,
+    .step = step,
+};

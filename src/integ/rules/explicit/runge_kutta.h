@@ -1,0 +1,22 @@
+/* runge_kutta.h - explicit Runge-Kutta methods on Hamilton's equations of L:
+ *   q' = v(q, p, t), the inverse Legendre transform,  p' = L_q(q, v, t),
+ * with a fixed step and compensated sums. They are not symplectic: their use is comparison and
+ * short runs. */
+#ifndef DM_RUNGE_KUTTA_H
+#define DM_RUNGE_KUTTA_H
+
+#include "integ/method/method.h"
+
+/* A row's table. */
+typedef struct {
+    uint32_t stages;
+    const double *a; /* [stages + 1][stages]: a_ij, strictly lower, in the last row b */
+} dm_runge_kutta;
+
+extern const dm_engine dm_engine_runge_kutta;
+
+/* Of any engine on these equations. */
+const char *dm_runge_kutta_fits(const dm_rule *rule, const dm_model *m);
+unsigned dm_runge_kutta_wants(const dm_rule *rule, const dm_model *m);
+
+#endif
