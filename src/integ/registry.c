@@ -42,12 +42,8 @@ static int distance(const char *a, const char *b) {
 /* is the name one of a list "leapfrog, strang"? */
 static int is_among(const char *name, const char *list) {
     const size_t length = strlen(name);
-    for (const char *at = list; at && *at;) {
-        const size_t word = strcspn(at, ",");
-        if (word == length && strncmp(at, name, length) == 0) return 1;
-        at += word;
-        at += strspn(at, ", ");
-    }
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 2 : NULL)
+        if (strncmp(at, name, length) == 0 && (!at[length] || at[length] == ',')) return 1;
     return 0;
 }
 

@@ -61,7 +61,9 @@ static void join_arguments(lua_State *L) {
     if (lua_type(L, -1) != LUA_TSTRING)
         luaL_error(L, "fields 'degree' and 'quadrature' go with rule = \"galerkin\"");
     if (quadrature != LUA_TSTRING)
-        luaL_error(L, "field 'quadrature' must be text, for instance \"lobatto(4)\" (got %s)",
+        luaL_error(L,
+                   "field 'quadrature' must be text, as in rule = \"galerkin\", degree = 3, "
+                   "quadrature = \"lobatto(4)\" (got %s)",
                    luaL_typename(L, -2));
     const long s = dml_count(L, 2, "degree", 1, 0);
     lua_newtable(L);
