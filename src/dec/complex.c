@@ -241,6 +241,14 @@ uint32_t dm_complex_find(const dm_complex *K, uint32_t k, const uint32_t *tuple)
     return UINT32_MAX;
 }
 
+/* vertices are dropped from the last one, so that those before keep their places */
+uint32_t dm_complex_face(const dm_complex *K, uint32_t k, uint32_t cell, uint32_t set) {
+    uint32_t d = k;
+    for (uint32_t p = k + 1; p-- > 0 && d > 0;)
+        if (!(set >> p & 1)) cell = K->face[d][(size_t)cell * (d + 1) + p], d--;
+    return cell;
+}
+
 long dm_complex_euler(const dm_complex *K) {
     long sum = 0;
     for (uint32_t k = 0; k <= K->n; k++) sum += k % 2 ? -(long)K->count[k] : (long)K->count[k];

@@ -64,6 +64,10 @@ dm_status dm_complex_build(dm_complex *K, dm_arena *arena, const dm_simplices *g
 /* The number of an ascending tuple of k + 1 vertices, or UINT32_MAX when it is no cell. */
 uint32_t dm_complex_find(const dm_complex *K, uint32_t k, const uint32_t *tuple);
 
+/* The face of cell `cell` of degree k whose vertices are the bits of `set`, bit j for vertex j;
+ * its degree is one less than the number of bits. */
+uint32_t dm_complex_face(const dm_complex *K, uint32_t k, uint32_t cell, uint32_t set);
+
 /* Sum of (-1)^k count[k]. */
 long dm_complex_euler(const dm_complex *K);
 

@@ -128,17 +128,15 @@ static int share(dm_cell_metric *c, dm_centres centres) {
     return 1;
 }
 
-uint32_t dm_metric_face(const dm_complex *K, uint32_t top, uint32_t set) {
-    uint32_t at = top, d = K->n;
-    for (uint32_t p = K->n + 1; p-- > 0 && d > 0;)
-        if (!(set >> p & 1)) at = K->face[d][(size_t)at * (d + 1) + p], d--;
-    return at;
+int dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric, uint32_t k,
+                      uint32_t cell) {
+    read_lengths(out, K, metric->length2, k, cell);
+    return share(out, metric->centres);
 }
 
 void dm_metric_cell(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
                     uint32_t top) {
-    read_lengths(out, K, metric->length2, K->n, top);
-    share(out, metric->centres);
+    dm_metric_simplex(out, K, metric, K->n, top); /* it was measured when the mesh was made */
 }
 
 /* ---- all of them ---- */
@@ -178,7 +176,7 @@ static void add_shares(dm_metric *out, const dm_complex *K, uint32_t top) {
     uint32_t v[DM_DIMENSION + 1];
     dm_metric_cell(&c, K, out, top);
     for (uint32_t set = 1; set < 2u << K->n; set++)
-        out->dual[members(v, set) - 1][dm_metric_face(K, top, set)] += c.share[set];
+        out->dual[members(v, set) - 1][dm_complex_face(K, K->n, top, set)] += c.share[set];
 }
 
 dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,

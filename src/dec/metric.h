@@ -41,11 +41,12 @@ dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
                           const double *length2, dm_centres centres, uint32_t *degree,
                           uint32_t *cell);
 
+/* The same of one cell of degree k by itself: shares are of its own centre. */
+int dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric, uint32_t k,
+                      uint32_t cell);
+
 /* The same of one top cell, for what needs shares (flat, sharp, divergence, contraction). */
 void dm_metric_cell(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
                     uint32_t top);
-
-/* The number of the face of top cell `top` whose vertices are the bits of `set`. */
-uint32_t dm_metric_face(const dm_complex *K, uint32_t top, uint32_t set);
 
 #endif

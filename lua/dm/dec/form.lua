@@ -125,6 +125,30 @@ The Hodge star: a primal k-form becomes a dual (n - k)-form and back; star star 
 Raises "zero dual volume" with the cell where there is no way back, unless pinv = true: 0 there
 (Leok, Def 3.18).]])
 
+class.method("dm.form", "delta", function(a, options)
+  if a.degree == 0 then fail("form:delta", "a form of degree 0 has no delta") end
+  local sign = a.mesh.dimension * (a.degree - 1) % 2 == 0 and -1 or 1
+  return sign * a:star():d():star(options)
+end, [[
+a:delta{pinv=} -> dm.form
+The codifferential (-1)^(n (k - 1) + 1) * d * of a k-form, the adjoint of d: (d a).b = a.(delta b), on
+closed meshes or with natural boundary conditions (Leok, Def 3.19).]])
+
+class.method("dm.form", "wedge", function(a, b, options)
+  local rule = option.check(options or {}, { "rule" }, "form:wedge").rule
+  if not is_form(b) then fail("form:wedge", "a form is needed (got %s)", option.got(b)) end
+  if not rawequal(a.mesh, b.mesh) then fail("form:wedge", "the forms are of two meshes") end
+  if a.side ~= "primal" or b.side ~= "primal" then
+    fail("form:wedge", "a %s and a %s have no product", name(a), name(b))
+  end
+  return new(a.mesh, a.degree + b.degree, "primal",
+    a.mesh:wedge_values(a.degree, a.values, b.degree, b.values, rule))
+end, [[
+a:wedge(b, {rule = "natural" | "metric" | "cup"}) -> dm.form
+The product of two primal forms. "natural": the mean over all orders of vertices; anticommutative, d (a
+^ b) = da ^ b +- a ^ db, no metric (Leok, Def 3.47). "metric": weighted by shares of dual volumes (Def
+3.24), without that rule. "cup": in the order of the vertices, associative, not anticommutative.]])
+
 class.method("dm.form", "dot", function(a, b)
   match(a, b, "form:dot")
   local sign = a.side == "dual" and listed(a) * a.degree % 2 == 1 and -1 or 1

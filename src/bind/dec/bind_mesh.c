@@ -2,6 +2,7 @@
 #include "bind/dec/bind_mesh.h"
 #include "bind/value/array.h"
 #include "dec/orientation.h"
+#include "dec/wedge.h"
 
 #include <math.h>
 #include <string.h>
@@ -35,6 +36,7 @@ static int mesh_simplices(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), *v = m->K.vertex[k];
     lua_createtable(L, (int)m->K.count[k], 0);
+    dml_setresult(L);
     for (uint32_t i = 0; i < m->K.count[k]; i++) {
         lua_createtable(L, (int)k + 1, 0);
         for (uint32_t j = 0; j <= k; j++) {
@@ -85,6 +87,7 @@ static uint32_t check_cell(lua_State *L, int arg, const dml_mesh *m, uint32_t k)
 
 static int push_ids(lua_State *L, const uint32_t *id, uint32_t count) {
     lua_createtable(L, (int)count, 0);
+    dml_setresult(L);
     for (uint32_t j = 0; j < count; j++) {
         lua_pushinteger(L, (lua_Integer)id[j] + 1);
         lua_rawseti(L, -2, (lua_Integer)j + 1);
@@ -199,6 +202,26 @@ static int mesh_star_values(lua_State *L) {
     return 1;
 }
 
+/* a ^ b of plain values */
+static int mesh_wedge_values(lua_State *L) {
+    static const char *const names[] = {"natural", "metric", "cup", NULL};
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t k = dml_checkdegree(L, 2, m), l = dml_checkdegree(L, 4, m);
+    const dm_wedge_rule rule = (dm_wedge_rule)luaL_checkoption(L, 6, "natural", names);
+    if (k + l > m->K.n)
+        luaL_error(L, "a product of degree %d is 0 on a mesh of dimension %d", (int)(k + l),
+                   (int)m->K.n);
+    if (rule == DM_WEDGE_METRIC) dml_needmetric(L, m);
+    double *a = lua_newuserdatauv(L, ((size_t)m->K.count[k] + 1) * sizeof *a, 0);
+    double *b = lua_newuserdatauv(L, ((size_t)m->K.count[l] + 1) * sizeof *b, 0);
+    dml_vectorarg(L, 3, "the values of a form", a, m->K.count[k]);
+    dml_vectorarg(L, 5, "the values of a form", b, m->K.count[l]);
+    double *out = dml_pushvector(L, m->K.count[k + l]);
+    if (dm_wedge(out, &m->K, &m->metric, rule, k, a, l, b) != DM_OK)
+        luaL_error(L, "a cell is too flat for the metric wedge");
+    return 1;
+}
+
 static int mesh_field(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const char *key = luaL_checkstring(L, 2);
@@ -262,6 +285,11 @@ static const dml_row methods[] = {
      "(n "
      "- k)) |s| / |*s| (Leok, Def 3.18). Raises where a dual volume is below 1e-12 of the largest, "
      "unless pinv: 0 there."},
+    {"wedge_values", mesh_wedge_values,
+     "K:wedge_values(k, a, l, b [, rule]) -> dm.vector\n"
+     "The product of plain values a on k-cells and b on l-cells, on (k + l)-cells; rule "
+     "\"natural\" "
+     "(the default), \"metric\" or \"cup\": see form:wedge."},
     {NULL, NULL, NULL}};
 
 static const dml_row functions[] = {

@@ -43,6 +43,41 @@ for _, row in ipairs { { { triangle = 5, map = bend }, 1, 7.40272014958, 1849.44
   near(c:d():norm() ^ 2 / row[4], 1, 1e-9, "norm of its derivative")
 end
 
+-- codifferentials and wedges of the same program; d and delta are adjoint
+local flat = dm.mesh { triangle = 5, map = bend }
+for _, row in ipairs { { flat, 1, 156.615180652 }, { dm.mesh { icosphere = 2 }, 1, 1014.43003721 },
+  { dm.mesh { bcc = 4 }, 2, 351206.015402 }, { dm.mesh { simplex_boundary = 5 }, 3, 687.239867791 } } do
+  local c = cochain(row[1], row[2])
+  near(c:delta():norm() ^ 2 / row[3], 1, 1e-9, "norm of a codifferential")
+  local b = cochain(row[1], row[2] - 1)
+  near(b:d():dot(c) / b:dot(c:delta()), 1, 1e-11, "d and delta are adjoint")
+end
+local a, f = cochain(flat, 1), cochain(flat, 0)
+local b = flat:form(1, a.values:map(function(x, i) return math.sin(3 * i) + x end))
+near((a:wedge(b) + b:wedge(a)):max(), 0, 1e-14, "1-forms anticommute")
+near((f:wedge(a):d() - f:d():wedge(a) - f:wedge(a:d())):max(), 0, 1e-14, "Leibniz' rule")
+near((f:wedge(a, { rule = "cup" }):d() - f:d():wedge(a, { rule = "cup" }) - f:wedge(a:d(), { rule = "cup" })):max(),
+  0, 1e-14, "Leibniz' rule of cup products")
+-- worked by hand: a = (01: 1, 02: 0, 12: 2), b = (01: 3, 02: 1, 12: -1)
+for _, row in ipairs { { { { 0, 0 }, { 1, 0 }, { 0, 1 } }, -7 / 8 }, { { { 0, 0 }, { 3, 0 }, { 1, 2 } }, -59 / 48 },
+  { { { 0, 0 }, { 1, 0 }, { 0.5, math.sqrt(3) / 2 } }, -4 / 3 } } do
+  local T = dm.mesh { points = row[1], simplices = { { 1, 2, 3 } } }
+  local p, q = T:form(1, { 1, 0, 2 }), T:form(1, { 3, 1, -1 })
+  near(p:wedge(q)[1], -4 / 3, 1e-15, "natural wedge of one triangle")
+  near(p:wedge(q, { rule = "metric" })[1], row[2], 1e-14, "and the metric one")
+end
+-- one tetrahedron: not associative
+local T = dm.mesh { simplex_boundary = 4 }
+local function unit(i, j)
+  local cell, sign = T:find { i, j }
+  local x = dm.vector(T:count(1))
+  x[cell] = sign
+  return T:form(1, x)
+end
+local e1, e2, e3 = unit(1, 2), unit(1, 3), unit(2, 4)
+near(e1:wedge(e2):wedge(e3):at { 1, 2, 3, 4 }, 1 / 72, 1e-16, "(a ^ b) ^ c")
+near(e1:wedge(e2:wedge(e3)):at { 1, 2, 3, 4 }, 0, 1e-16, "a ^ (b ^ c)")
+
 -- areas of icospheres (they tend to 4 pi), volumes of a cube and a ball of shells
 near(dm.mesh { icosphere = 0 }:volume(2):sum(), 9.574541, 1e-6, "area of the icosahedron")
 near(dm.mesh { icosphere = 3 }:volume(2):sum(), 12.506493, 1e-6, "area of icosphere(3)")
