@@ -2,8 +2,8 @@
  * a graph of its own, made once, and columns say where its inputs come from in every round. The
  * value of the sum is an input of the graph behind its own ones, so that all algebra works on
  * L(x, S1, S2, ...); the chain rule joins dL/dS with the loops (chain/loops.h). */
-#ifndef DM_SUM_OVER_H
-#define DM_SUM_OVER_H
+#ifndef DM_BODY_SUM_H
+#define DM_BODY_SUM_H
 
 #include "graph/graph.h"
 

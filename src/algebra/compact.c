@@ -1,8 +1,8 @@
 #include "algebra/compact.h"
 
+#include "algebra/terms.h"
 #include "graph/analyse.h"
 #include "graph/nodes.h"
-#include "algebra/terms.h"
 
 #include <string.h>
 

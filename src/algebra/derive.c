@@ -5,9 +5,9 @@
  * look at every node. */
 #include "algebra/derive.h"
 
-#include "graph/analyse.h"
 #include "algebra/compact.h"
 #include "algebra/derive_inside.h"
+#include "graph/analyse.h"
 #include "graph/nodes.h"
 
 #include <string.h>
@@ -107,7 +107,7 @@ static void reverse(sweep *s, dm_graph *g, dm_node f, dm_node *out) {
 
 /* the last gradient is asked for again by who compiles what somebody else has looked at */
 static int is_last(const dm_graph *g, dm_node f, uint32_t first, uint32_t n) {
-    const dm_gradient_kept *last = &g->gradient;
+    const dm_gradient_cache *last = &g->gradient;
     return g->status == DM_OK && last->of && last->f == f && last->first == first && last->n == n;
 }
 
@@ -115,7 +115,7 @@ static void keep_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, co
     dm_node *of = dm_arena_take(g->arena, n * sizeof *of);
     if (!of || g->status != DM_OK || g->verbatim) return;
     memcpy(of, out, n * sizeof *of);
-    g->gradient = (dm_gradient_kept){f, first, n, of};
+    g->gradient = (dm_gradient_cache){f, first, n, of};
 }
 
 static void gradient_of(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *out) {

@@ -11,7 +11,7 @@ enum {
     TILE = 128, /* of the depth, between slopes and forces, at least */
     SKEW = 72,  /* doubles: entries of one body do not share the place in a page */
     PAGE = 512,
-    GROUP = DM_STRIP_GROUP,
+    GROUP = DM_ARRAY_GROUP,
     COLUMNS = 24
 };
 
@@ -113,19 +113,20 @@ int dm_lattice_layout(dm_lattice *l) {
 /* ---- the loops ---- */
 
 /* column c of the term in a draft */
-static dm_node read_column(dm_lattice *l, dm_strip_draft *d, const dm_sum *s, const dm_column *c) {
-    if (!c->data && !c->step) return dm_strip_read(d, dm_lattice_number(0));
+static dm_node read_column(dm_lattice *l, dm_array_loop_draft *d, const dm_sum *s,
+                           const dm_column *c) {
+    if (!c->data && !c->step) return dm_array_loop_read(d, dm_lattice_scalar(0));
     if (c->data && !c->step) return dm_constant(d->g, c->data[c->first]);
     const uint32_t array = c->data ? l->arrays++ : c->first % l->block;
     if (c->data) l->data[l->columns++] = (struct dm_lattice_data){s, c, array};
-    dm_strand from = dm_lattice_entry(l, array);
+    dm_array_ref from = dm_lattice_entry(l, array);
     from.at += GROUP * (int64_t)reach(l, s, c);
-    return dm_strip_read(d, from);
+    return dm_array_loop_read(d, from);
 }
 
 /* a share of its own, or the negative of one that is there */
-static void add_share(dm_lattice *l, dm_strip_draft *d, const dm_rounds *r, dm_share to,
-                      dm_node value) {
+static void add_share(dm_lattice *l, dm_array_loop_draft *d, const dm_lattice_sum *r,
+                      dm_lattice_share to, dm_node value) {
     dm_compact(d->g, &value, 1, &value);
     const int turned = dm_graph_at(d->g, value)->op == DM_OP_NEG;
     uint32_t k = 0;
@@ -142,34 +143,36 @@ static void add_share(dm_lattice *l, dm_strip_draft *d, const dm_rounds *r, dm_s
     to.slot = r->slot + k;
     to.minus ^= turned;
     if (k == d->outputs)
-        dm_strip_write(d, (dm_strand){DM_STRAND_SIDE, (int64_t)l->slots++ * l->row}, value);
+        dm_array_loop_write(d, (dm_array_ref){DM_ARRAY_BUFFER, (int64_t)l->slots++ * l->row},
+                            value);
     l->share[l->shares++] = to;
 }
 
 static dm_status make_sum(dm_lattice *l, const dm_sum *s, double factor) {
     dm_node term[COLUMNS], slope[COLUMNS], with[COLUMNS] = {0};
-    dm_strip_draft d;
-    dm_rounds *r = l->sum + l->sums;
+    dm_array_loop_draft d;
+    dm_lattice_sum *r = l->sum + l->sums;
     const dm_source *from = l->source;
     if (factor == 0.0 || !find_slopes(l, s, term)) return DM_OK;
-    if (!dm_strip_begin(&d, from->arena)) return DM_NO_MEMORY;
+    if (!dm_array_loop_begin(&d, from->arena)) return DM_NO_MEMORY;
     for (uint32_t c = 0; c < s->columns; c++)
         if (dm_depends(s->term, term, s->columns, c, 1))
             with[c] = read_column(l, &d, s, s->column + c);
     dm_transplant(d.g, s->term, term, s->columns, with, slope);
-    *r =
-        (dm_rounds){.rounds = dm_sum_rounds(s, s->from), .periodic = s->periodic, .slot = l->slots};
+    *r = (dm_lattice_sum){.rounds = dm_sum_rounds(s, s->from),
+                          .periodic = s->periodic,
+                          .slot = l->slots};
     for (uint32_t c = 0; c < s->columns; c++) {
         if (!slope[c]) continue;
-        const dm_share to = {.coordinate = s->column[c].first % l->block,
-                             .shift = reach(l, s, s->column + c)};
+        const dm_lattice_share to = {.coordinate = s->column[c].first % l->block,
+                                     .shift = reach(l, s, s->column + c)};
         r->shift = larger(r->shift, to.shift);
         const dm_node scaled = dm_mul(d.g, dm_constant(d.g, factor), slope[c]);
         add_share(l, &d, r, to, scaled);
     }
     r->slots = l->slots - r->slot;
     l->sums++;
-    return dm_strip_end(&r->strip, &d, from->compile, from->arena);
+    return dm_array_loop_end(&r->loop, &d, from->compile, from->arena);
 }
 
 static dm_status make_sums(dm_lattice *l, const double *factor) {
@@ -197,15 +200,15 @@ dm_status dm_lattice_open(dm_lattice *l, const dm_source *from, uint32_t n) {
 /* ---- running ---- */
 
 /* those to be added come before those to be taken away */
-void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F) {
+void dm_lattice_force(const dm_lattice *l, dm_array_loop_draft *d, dm_node *F) {
     uint8_t some[COLUMNS] = {0};
     memset(F, 0, l->block * sizeof *F);
     for (uint32_t k = 0; k < 2 * l->shares; k++) {
-        const dm_share *s = l->share + k % l->shares;
+        const dm_lattice_share *s = l->share + k % l->shares;
         const int64_t at = (int64_t)s->slot * l->row - GROUP * (int64_t)s->shift;
         dm_node *to = F + s->coordinate;
         if (s->minus != (k >= l->shares)) continue;
-        const dm_node x = dm_strip_read(d, (dm_strand){DM_STRAND_SIDE, at});
+        const dm_node x = dm_array_loop_read(d, (dm_array_ref){DM_ARRAY_BUFFER, at});
         if (!some[s->coordinate])
             *to = s->minus ? dm_neg(d->g, x) : x;
         else
@@ -215,14 +218,14 @@ void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F) {
 }
 
 /* where depth j and its entries in the buffer are, that of the tile before at its beginning */
-dm_strip_bases dm_lattice_bases(const dm_lattice *l, int64_t j, int64_t in_tile) {
-    return (dm_strip_bases){.main = l->space + j * GROUP,
-                            .side = l->buffer + (l->pad + in_tile) * GROUP,
-                            .fixed = l->fixed};
+dm_array_bases dm_lattice_bases(const dm_lattice *l, int64_t j, int64_t in_tile) {
+    return (dm_array_bases){.main = l->space + j * GROUP,
+                            .buffer = l->buffer + (l->pad + in_tile) * GROUP,
+                            .scalars = l->scalars};
 }
 
 /* no rounds are before the first one and behind the last one: depths [first, end) of a tile at j */
-static void clear_outside(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
+static void clear_outside(const dm_lattice *l, const dm_lattice_sum *r, int64_t j, int64_t first,
                           int64_t end) {
     for (uint32_t slot = r->slot; slot < r->slot + r->slots; slot++) {
         double *row = l->buffer + (size_t)slot * l->row + (size_t)l->pad * GROUP;
@@ -235,9 +238,10 @@ static void clear_outside(const dm_lattice *l, const dm_rounds *r, int64_t j, in
 }
 
 /* slopes at depths j + first .. j + end - 1 */
-void dm_lattice_fill(const dm_lattice *l, const dm_rounds *r, int64_t j, int64_t first,
+void dm_lattice_fill(const dm_lattice *l, const dm_lattice_sum *r, int64_t j, int64_t first,
                      int64_t end) {
-    dm_strip_run(&r->strip, dm_lattice_bases(l, j + first, first), (uint32_t)(end - first) * GROUP);
+    dm_array_loop_run(&r->loop, dm_lattice_bases(l, j + first, first),
+                      (uint32_t)(end - first) * GROUP);
     if (!r->periodic) clear_outside(l, r, j, first, end);
 }
 
@@ -249,18 +253,18 @@ static void keep_end(const dm_lattice *l) {
     }
 }
 
-void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t) {
+void dm_lattice_run(dm_lattice *l, const dm_array_loop *use, double t) {
     dm_lattice_set(l, 0, t);
     dm_lattice_fill_ends(l);
     for (uint32_t j = 0; j < l->depth; j += l->tile) {
         const uint32_t left = l->depth - j, count = left < l->tile ? left : l->tile;
         for (uint32_t k = 0; k < l->sums; k++)
             dm_lattice_fill(l, l->sum + k, j, j ? 0 : -(int64_t)l->sum[k].shift, count);
-        dm_strip_run(use, dm_lattice_bases(l, j, 0), count * GROUP);
+        dm_array_loop_run(use, dm_lattice_bases(l, j, 0), count * GROUP);
         if (count < left) keep_end(l);
     }
 }
 
-void dm_lattice_move(const dm_lattice *l, const dm_strip *strip) {
-    dm_strip_run(strip, dm_lattice_bases(l, 0, 0), l->depth * GROUP);
+void dm_lattice_move(const dm_lattice *l, const dm_array_loop *loop) {
+    dm_array_loop_run(loop, dm_lattice_bases(l, 0, 0), l->depth * GROUP);
 }

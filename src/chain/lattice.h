@@ -18,17 +18,17 @@
 typedef struct {
     uint32_t coordinate, slot, shift;
     int minus;
-} dm_share;
+} dm_lattice_share;
 
 /* the loop of one sum */
 typedef struct {
-    dm_strip strip;
+    dm_array_loop loop;
     uint32_t rounds, shift; /* shift: the largest of its shares */
     int periodic;
     uint32_t slot, slots; /* of the buffer */
-} dm_rounds;
+} dm_lattice_sum;
 
-enum { DM_LATTICE_NUMBERS = 5 }; /* that are the same for all bodies; 0 is the time */
+enum { DM_LATTICE_SCALARS = 5 }; /* that are the same for all bodies; 0 is the time */
 
 typedef struct {
     const dm_source *source;
@@ -41,9 +41,9 @@ typedef struct {
     uint32_t tile;       /* of `depth` at a time */
     uint32_t row, slots; /* rows of the buffer, doubles, and how many */
     uint32_t sums, shares;
-    dm_rounds *sum;
-    dm_share *share;
-    double *space, *buffer, *fixed;
+    dm_lattice_sum *sum;
+    dm_lattice_share *share;
+    double *space, *buffer, *scalars;
     struct dm_lattice_data *data; /* [columns] of numbers */
     uint32_t columns;
 } dm_lattice;
@@ -62,11 +62,11 @@ size_t dm_lattice_work(const dm_source *source, uint32_t n, uint32_t arrays);
  * lattice can have one. */
 void dm_lattice_place(dm_lattice *l, double *work);
 
-static inline dm_strand dm_lattice_entry(const dm_lattice *l, uint32_t array) {
-    return (dm_strand){DM_STRAND_MAIN, (int64_t)array * l->pitch};
+static inline dm_array_ref dm_lattice_entry(const dm_lattice *l, uint32_t array) {
+    return (dm_array_ref){DM_ARRAY_MAIN, (int64_t)array * l->pitch};
 }
-static inline dm_strand dm_lattice_number(uint32_t slot) {
-    return (dm_strand){DM_STRAND_FIXED, slot};
+static inline dm_array_ref dm_lattice_scalar(uint32_t slot) {
+    return (dm_array_ref){DM_ARRAY_SCALAR, slot};
 }
 void dm_lattice_set(dm_lattice *l, uint32_t slot, double value);
 
@@ -78,7 +78,7 @@ void dm_lattice_store(const dm_lattice *l, double *x, uint32_t first);
 int dm_lattice_is_finite(const dm_lattice *l, uint32_t first);
 
 /* Nodes of the force on one body in a draft: F[block]. */
-void dm_lattice_force(const dm_lattice *l, dm_strip_draft *d, dm_node *F);
+void dm_lattice_force(const dm_lattice *l, dm_array_loop_draft *d, dm_node *F);
 
 /* positions are the sum of two arrays, whose first numbers these are; low DM_LATTICE_NONE: those
  * of one array */
@@ -90,26 +90,26 @@ typedef struct {
 /* `use`, which changes positions by the arrays `low`, if there are any, and the slopes that it
  * takes as one loop in which positions and slopes go from group to group in registers:
  * neighbours one body away, eight lanes. DM_NO_NATIVE elsewhere. */
-dm_status dm_lattice_join(const dm_lattice *l, dm_strip *out, const dm_strip *use,
+dm_status dm_lattice_fuse(const dm_lattice *l, dm_array_loop *out, const dm_array_loop *use,
                           dm_lattice_pair at);
 
 /* What dm_lattice_run does, by such a loop; coordinates at the ends only are kept. */
-void dm_lattice_run_joined(dm_lattice *l, const dm_strip *joined, const dm_strip *use,
-                           dm_lattice_pair at, double t);
+void dm_lattice_run_fused(dm_lattice *l, const dm_array_loop *fused, const dm_array_loop *use,
+                          dm_lattice_pair at, double t);
 
 /* The coordinates themselves are these. */
 void dm_lattice_add_up(dm_lattice *l, dm_lattice_pair at);
 
 /* The slopes at the coordinates and time t, and `use` of the forces behind them, which may move the
  * coordinates. */
-void dm_lattice_run(dm_lattice *l, const dm_strip *use, double t);
+void dm_lattice_run(dm_lattice *l, const dm_array_loop *use, double t);
 
 /* L_q, and with a diagonal `mass`[n] L_v = mass v behind it, as a kernel of x = (q, v, t);
  * DM_TOO_LARGE as above. */
 dm_status dm_lattice_gradient(dm_kernel *out, const dm_source *source, uint32_t n,
                               const double *mass);
 
-/* A strip without forces over all bodies. */
-void dm_lattice_move(const dm_lattice *l, const dm_strip *strip);
+/* A loop without forces over all bodies. */
+void dm_lattice_move(const dm_lattice *l, const dm_array_loop *loop);
 
 #endif

@@ -5,7 +5,7 @@
 typedef struct {
     dm_source source; /* as far as it is known when this is made */
     dm_lattice l;
-    dm_strip strip;
+    dm_array_loop loop;
     uint32_t force, n;  /* first array of the force */
     const double *mass; /* [n], or NULL: no momenta */
 } force_loop;
@@ -13,27 +13,27 @@ typedef struct {
 static void eval(const void *pool, const double *x, double *out) {
     force_loop *f = (force_loop *)(uintptr_t)pool;
     dm_lattice_load(&f->l, 0, x);
-    dm_lattice_run(&f->l, &f->strip, x[2 * (size_t)f->n]);
+    dm_lattice_run(&f->l, &f->loop, x[2 * (size_t)f->n]);
     dm_lattice_store(&f->l, out, f->force);
     for (uint32_t i = 0; f->mass && i < f->n; i++) out[f->n + i] = f->mass[i] * x[f->n + i];
 }
 
-static dm_status make_strip(force_loop *f, const dm_source *from) {
-    dm_node F[DM_STRIP_MOST];
-    dm_strip_draft d;
-    if (f->l.block > DM_STRIP_MOST) return DM_TOO_LARGE;
-    if (!dm_strip_begin(&d, from->arena)) return DM_NO_MEMORY;
+static dm_status make_loop(force_loop *f, const dm_source *from) {
+    dm_node F[DM_ARRAY_LOOP_MOST];
+    dm_array_loop_draft d;
+    if (f->l.block > DM_ARRAY_LOOP_MOST) return DM_TOO_LARGE;
+    if (!dm_array_loop_begin(&d, from->arena)) return DM_NO_MEMORY;
     dm_graph_verbatim(d.g, 1);
     dm_lattice_force(&f->l, &d, F);
     for (uint32_t c = 0; c < f->l.block; c++)
-        dm_strip_write(&d, dm_lattice_entry(&f->l, f->force + c), F[c]);
-    return dm_strip_end(&f->strip, &d, from->compile, from->arena);
+        dm_array_loop_write(&d, dm_lattice_entry(&f->l, f->force + c), F[c]);
+    return dm_array_loop_end(&f->loop, &d, from->compile, from->arena);
 }
 
 static uint32_t operations(const force_loop *f) {
-    double count = (double)f->strip.one.operations * f->l.bodies;
+    double count = (double)f->loop.one.operations * f->l.bodies;
     for (uint32_t k = 0; k < f->l.sums; k++)
-        count += (double)f->l.sum[k].strip.one.operations * f->l.sum[k].rounds;
+        count += (double)f->l.sum[k].loop.one.operations * f->l.sum[k].rounds;
     return count < UINT32_MAX ? (uint32_t)count : UINT32_MAX;
 }
 
@@ -49,7 +49,7 @@ dm_status dm_lattice_gradient(dm_kernel *out, const dm_source *from, uint32_t n,
     dm_status status = dm_lattice_open(&f->l, &f->source, n);
     if (status != DM_OK) return status;
     f->force = dm_lattice_arrays(&f->l);
-    status = make_strip(f, from);
+    status = make_loop(f, from);
     if (status != DM_OK) return status;
     dm_lattice_place(&f->l, work);
     *out = (dm_kernel){.eval = eval,
@@ -57,6 +57,6 @@ dm_status dm_lattice_gradient(dm_kernel *out, const dm_source *from, uint32_t n,
                        .inputs = 2 * n + 1,
                        .outputs = mass ? 2 * n : n,
                        .operations = operations(f),
-                       .backend = f->strip.one.backend};
+                       .backend = f->loop.one.backend};
     return DM_OK;
 }

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { GROUP = DM_STRIP_GROUP };
+enum { GROUP = DM_ARRAY_GROUP };
 
 uint32_t dm_lattice_arrays(dm_lattice *l) {
     l->arrays += l->block;
@@ -48,7 +48,7 @@ size_t dm_lattice_work(const dm_source *from, uint32_t n, uint32_t arrays) {
     if (!from->sums || !dm_lattice_layout(&l)) return 0;
     for (const dm_sum *s = dm_sums(from->sums); s; s = s->next) columns += s->columns;
     return (size_t)(arrays * l.block + columns) * l.pitch + (size_t)columns * l.row +
-           (size_t)(DM_LATTICE_NUMBERS + 1 + 2 * l.pad) * GROUP;
+           (size_t)(DM_LATTICE_SCALARS + 1 + 2 * l.pad) * GROUP;
 }
 
 /* zero where no body is: the numbers, the buffer, both ends of every array */
@@ -56,7 +56,7 @@ static void clear(const dm_lattice *l) {
     const uint32_t first = l->depth > GROUP ? l->depth - GROUP : 0;
     const size_t before = (size_t)l->pad * GROUP;
     const size_t behind = (size_t)(l->depth - first + l->pad) * GROUP;
-    memset(l->fixed, 0, (size_t)(l->space - l->fixed) * sizeof *l->fixed);
+    memset(l->scalars, 0, (size_t)(l->space - l->scalars) * sizeof *l->scalars);
     for (uint32_t a = 0; a < l->arrays; a++) {
         double *x = l->space + (size_t)a * l->pitch;
         memset(x - before, 0, before * sizeof *x);
@@ -66,15 +66,15 @@ static void clear(const dm_lattice *l) {
 
 void dm_lattice_place(dm_lattice *l, double *work) {
     const uintptr_t line = GROUP * sizeof *work;
-    l->fixed = work + (line - (uintptr_t)work % line) % line / sizeof *work;
-    l->buffer = l->fixed + (size_t)DM_LATTICE_NUMBERS * GROUP;
+    l->scalars = work + (line - (uintptr_t)work % line) % line / sizeof *work;
+    l->buffer = l->scalars + (size_t)DM_LATTICE_SCALARS * GROUP;
     l->space = l->buffer + (size_t)l->slots * l->row + (size_t)l->pad * GROUP;
     clear(l);
     fill_data(l);
 }
 
 void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {
-    double *to = l->fixed + (size_t)slot * GROUP;
+    double *to = l->scalars + (size_t)slot * GROUP;
     if (memcmp(to, &value, sizeof value) == 0) return; /* a loop would wait for it */
     for (uint32_t k = 0; k < GROUP; k++) to[k] = value;
 }

@@ -1,9 +1,9 @@
 #include "chain/loops.h"
 
-#include "numbers/compensated.h"
-#include "graph/analyse.h"
 #include "algebra/derive.h"
 #include "code/native/jit.h"
+#include "graph/analyse.h"
+#include "numbers/compensated.h"
 
 #include <string.h>
 
@@ -77,28 +77,28 @@ static void eval_one_by_one(const loop *l, double *out, const double *x, uint32_
 typedef struct {
     const double *from;
     uint32_t step;
-} strip;
+} view;
 
 /* 0 where a column wraps around within the block */
-static int find_strips(const loop *l, strip *strips, const double *x, uint32_t i, uint32_t count,
-                       uint32_t shift) {
+static int find_views(const loop *l, view *views, const double *x, uint32_t i, uint32_t count,
+                      uint32_t shift) {
     const dm_sum *s = l->sum;
     for (uint32_t c = 0; c < s->columns; c++) {
         const dm_column *column = s->column + c;
         const uint32_t body = i + (column->partner ? shift : 0);
         if (column->step && body < s->bodies && body + count > s->bodies) return 0;
-        strips[c] = (strip){entry_of(s, column, x, i, shift), column->step};
+        views[c] = (view){entry_of(s, column, x, i, shift), column->step};
     }
     return 1;
 }
 
 /* in[group][column][lane] of `count` rounds */
 __attribute__((always_inline)) static inline void gather(const loop *l, double *in,
-                                                         const strip *strips, uint32_t count,
+                                                         const view *views, uint32_t count,
                                                          const uint32_t lanes) {
     const uint32_t columns = l->sum->columns;
     for (uint32_t c = 0; c < columns; c++, in += lanes) {
-        const strip at = strips[c];
+        const view at = views[c];
         double *to = in;
         for (uint32_t r = 0; r < count; r += lanes, to += columns * lanes) {
             if (at.step == 1) {
@@ -114,11 +114,11 @@ __attribute__((always_inline)) static inline void gather(const loop *l, double *
 /* `lanes` is a constant where this is called: copies are then single moves. All is gathered before
  * the first call, since a load of all lanes at once has to wait for the stores of their parts */
 __attribute__((always_inline)) static inline void eval_in_lanes(const loop *l, double *out,
-                                                                const strip *strips, uint32_t count,
+                                                                const view *views, uint32_t count,
                                                                 const uint32_t lanes) {
     _Alignas(64) double in[COLUMNS * BLOCK], y[COLUMNS * LANES];
     const double *from = in;
-    gather(l, in, strips, count, lanes);
+    gather(l, in, views, count, lanes);
     dm_kernel_prepare_lanes(&l->many, lanes, y);
     for (uint32_t r = 0; r < count; r += lanes, from += l->sum->columns * lanes) {
         dm_kernel_eval(&l->many, from, y);
@@ -129,14 +129,14 @@ __attribute__((always_inline)) static inline void eval_in_lanes(const loop *l, d
 
 static void eval_block(const loop *l, double *out, const double *x, uint32_t i, uint32_t count,
                        uint32_t shift) {
-    strip strips[COLUMNS];
+    view views[COLUMNS];
     uint32_t whole = 0; /* rounds done in lanes */
-    if (l->lanes && find_strips(l, strips, x, i, count, shift)) {
+    if (l->lanes && find_views(l, views, x, i, count, shift)) {
         whole = count - count % l->lanes;
         if (l->lanes == 8)
-            eval_in_lanes(l, out, strips, whole, 8);
+            eval_in_lanes(l, out, views, whole, 8);
         else
-            eval_in_lanes(l, out, strips, whole, 4);
+            eval_in_lanes(l, out, views, whole, 4);
     }
     if (whole < count) eval_one_by_one(l, out + whole, x, i + whole, count - whole, shift);
 }

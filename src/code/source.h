@@ -18,8 +18,8 @@ typedef struct dm_cache_entry {
 typedef struct {
     dm_graph *graph; /* inputs q[n], v[n], t; NULL: hyper-dual numbers, or sums that stay loops */
     dm_graph *sums;  /* the graph with its sums as leaves, where they stay loops; else NULL */
-    dm_node lagrangian, well; /* L; L at v = 0, where that was asked for */
-    const dm_node *gradient;  /* L_q[n], L_v[n] with the sums held */
+    dm_node lagrangian, potential; /* L; -V, L at v = 0, where that was asked for */
+    const dm_node *gradient;       /* L_q[n], L_v[n] with the sums held */
     dm_graph *stage_graph; /* of the stage kernel, where there is one, to be taken as it stands */
     const dm_node *stage;  /* and its roots; the first 2n are those of the gradient */
     dm_compile *compile;

@@ -5,8 +5,8 @@
 #include <stdint.h>
 
 typedef struct {
-    const char *kit;       /* "rn": the file of lua/dm/group with its functions, and this row's own */
-    const char *name;      /* "R" */
+    const char *kit;  /* "rn": the file of lua/dm/group with its functions, and this row's own */
+    const char *name; /* "R" */
     const char *signature; /* "R(n)", as help prints it */
     const char *doc;       /* what it is, coordinates, standard action */
     uint32_t least, most;  /* smallest and largest n */

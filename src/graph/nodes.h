@@ -17,7 +17,7 @@ typedef struct {
     dm_node f;
     uint32_t first, n;
     const dm_node *of; /* [n]; NULL: nothing is kept */
-} dm_gradient_kept;
+} dm_gradient_cache;
 
 struct dm_graph {
     dm_arena *arena;
@@ -36,8 +36,8 @@ struct dm_graph {
     uint32_t stamp, marked; /* marked: nodes with it */
     uint8_t *nonnegative;   /* [capacity] 1 where the value is >= 0 whenever it is a number */
     dm_status status;
-    dm_node source[2];         /* the last function prepared for derivatives, and what it became */
-    dm_gradient_kept gradient; /* the last one */
+    dm_node source[2];          /* the last function prepared for derivatives, and what it became */
+    dm_gradient_cache gradient; /* the last one */
     struct dm_compacted *compacted; /* compact.c, newest first */
     int verbatim;
 };

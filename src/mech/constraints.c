@@ -1,8 +1,8 @@
 /* constraints.c - derivatives, structure and kernels of constraints and forces. */
 #include "mech/constraints.h"
 
-#include "graph/analyse.h"
 #include "algebra/derive.h"
+#include "graph/analyse.h"
 
 #include <string.h>
 
@@ -34,7 +34,8 @@ static dm_status read_pattern(dm_constraints *t) {
     return DM_OK;
 }
 
-dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced *x, dm_arena *arena) {
+dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced *x,
+                               dm_arena *arena) {
     const uint32_t n = x->n, k = x->holonomic, l = x->rolling;
     dm_node *G = take_nodes(arena, (size_t)k * n), *g_t = take_nodes(arena, k);
     dm_node *phi_v = take_nodes(arena, (size_t)l * n);
@@ -43,20 +44,20 @@ dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced 
     if (k) dm_jacobian(x->graph, x->g, k, 2 * n, 1, g_t);
     if (l) dm_jacobian(x->graph, x->phi, l, n, n, phi_v);
     dm_constraints t = {.n = n,
-                 .holonomic = k,
-                 .rolling = l,
-                 .forced = x->f != NULL,
-                 .controls = x->controls,
-                 .u = x->u,
-                 .graph = x->graph,
-                 .g = x->g,
-                 .G = G,
-                 .g_t = g_t,
-                 .phi = x->phi,
-                 .E = x->E ? x->E : phi_v,
-                 .phi_v = phi_v,
-                 .f = x->f,
-                 .arena = arena};
+                        .holonomic = k,
+                        .rolling = l,
+                        .forced = x->f != NULL,
+                        .controls = x->controls,
+                        .u = x->u,
+                        .graph = x->graph,
+                        .g = x->g,
+                        .G = G,
+                        .g_t = g_t,
+                        .phi = x->phi,
+                        .E = x->E ? x->E : phi_v,
+                        .phi_v = phi_v,
+                        .f = x->f,
+                        .arena = arena};
     if (dm_graph_status(x->graph) != DM_OK) return dm_graph_status(x->graph);
     t.structure = read_structure(x->graph, &t) | (x->E ? DM_CONSTRAINTS_GIVEN_REACTIONS : 0u);
     const dm_status status = read_pattern(&t);
@@ -158,7 +159,8 @@ static dm_status make_force_curve(dm_constraints *t, dm_compile *compile) {
 }
 
 /* r[i] += sum_j lambda_j A_ji; the multipliers are inputs from `first` */
-static void add_reaction(dm_constraints *t, dm_node *r, const dm_node *A, uint32_t rows, uint32_t first) {
+static void add_reaction(dm_constraints *t, dm_node *r, const dm_node *A, uint32_t rows,
+                         uint32_t first) {
     for (uint32_t j = 0; j < rows; j++) {
         const dm_node lambda = dm_input(t->graph, first + j);
         for (uint32_t i = 0; i < t->n; i++) {
@@ -182,7 +184,8 @@ static dm_status make_reaction(dm_constraints *t, dm_compile *compile) {
     return end(&b, &t->reaction, DM_WANT_REACTION, compile);
 }
 
-void dm_constraints_add_force(double *sum, const dm_constraints *constraints, const double *x, double *f) {
+void dm_constraints_add_force(double *sum, const dm_constraints *constraints, const double *x,
+                              double *f) {
     if (!constraints || !constraints->forced) return;
     dm_kernel_prepare(&constraints->force, f);
     dm_kernel_eval(&constraints->force, x, f);

@@ -7,7 +7,7 @@
 
 #include "mech/model.h"
 
-enum {                              /* structure of constraints */
+enum {                                     /* structure of constraints */
        DM_CONSTRAINTS_MOVING = 1,          /* g depends on t */
        DM_CONSTRAINTS_FORCE_SEES_V = 2,    /* f depends on v */
        DM_CONSTRAINTS_TIMED = 4,           /* some constraint depends on t */
@@ -54,7 +54,8 @@ typedef struct {
 } dm_constraints_traced;
 
 /* Differentiate and read the structure; everything that *out points to is in `arena`. */
-dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced *traced, dm_arena *arena);
+dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced *traced,
+                               dm_arena *arena);
 
 /* Make the kernels `want` (DM_WANT_CONSTRAINTS bits) that are missing. */
 dm_status dm_constraints_want(dm_constraints *constraints, unsigned want, dm_compile *compile);
@@ -65,7 +66,8 @@ uint32_t dm_constraints_idle(const dm_constraints *constraints);
 
 /* Add f(q, v, t) at x = (q, v, t) to sum[n], where there are constraints and a force; f[n] is scratch.
  * Needs DM_WANT_CONSTRAINT_FORCE, and no controls. */
-void dm_constraints_add_force(double *sum, const dm_constraints *constraints, const double *x, double *f);
+void dm_constraints_add_force(double *sum, const dm_constraints *constraints, const double *x,
+                              double *f);
 
 /* ---- the start (constraints_start.c); W[n*n] is the inverse of the mass matrix there ---- */
 
@@ -86,14 +88,18 @@ typedef struct {
 
 /* How far x = (q, v, t) is from g = 0, and from G v + g_t = 0 and phi = 0. Needs
  * DM_WANT_HOLONOMIC, DM_WANT_ROLLING. */
-dm_status dm_constraints_position_defect(dm_constraints_defect *out, const dm_constraints *constraints, const double *x,
-                                  const double *W, double *work);
-dm_status dm_constraints_velocity_defect(dm_constraints_defect *out, const dm_constraints *constraints, const double *x,
-                                  const double *W, double *work);
+dm_status dm_constraints_position_defect(dm_constraints_defect *out,
+                                         const dm_constraints *constraints, const double *x,
+                                         const double *W, double *work);
+dm_status dm_constraints_velocity_defect(dm_constraints_defect *out,
+                                         const dm_constraints *constraints, const double *x,
+                                         const double *W, double *work);
 
 /* Move q, or v, in x = (q, v, t) to the nearest point in the metric of the mass that meets these
  * equations. On failure x is not usable. */
-dm_status dm_constraints_project_position(const dm_constraints *constraints, double *x, const double *W, double *work);
-dm_status dm_constraints_project_velocity(const dm_constraints *constraints, double *x, const double *W, double *work);
+dm_status dm_constraints_project_position(const dm_constraints *constraints, double *x,
+                                          const double *W, double *work);
+dm_status dm_constraints_project_velocity(const dm_constraints *constraints, double *x,
+                                          const double *W, double *work);
 
 #endif

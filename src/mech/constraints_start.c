@@ -195,14 +195,14 @@ static dm_status defect(dm_constraints_defect *out, frame *f, const double *x) {
     return status;
 }
 
-dm_status dm_constraints_position_defect(dm_constraints_defect *out, const dm_constraints *t, const double *x,
-                                  const double *W, double *work) {
+dm_status dm_constraints_position_defect(dm_constraints_defect *out, const dm_constraints *t,
+                                         const double *x, const double *W, double *work) {
     frame f = lay_out(t, W, 0, work);
     return defect(out, &f, x);
 }
 
-dm_status dm_constraints_velocity_defect(dm_constraints_defect *out, const dm_constraints *t, const double *x,
-                                  const double *W, double *work) {
+dm_status dm_constraints_velocity_defect(dm_constraints_defect *out, const dm_constraints *t,
+                                         const double *x, const double *W, double *work) {
     frame f = lay_out(t, W, 1, work);
     return defect(out, &f, x);
 }
@@ -235,12 +235,14 @@ static dm_status project(frame *f, double *x) {
     return f->m ? DM_NO_CONVERGENCE : DM_OK;
 }
 
-dm_status dm_constraints_project_position(const dm_constraints *t, double *x, const double *W, double *work) {
+dm_status dm_constraints_project_position(const dm_constraints *t, double *x, const double *W,
+                                          double *work) {
     frame f = lay_out(t, W, 0, work);
     return project(&f, x);
 }
 
-dm_status dm_constraints_project_velocity(const dm_constraints *t, double *x, const double *W, double *work) {
+dm_status dm_constraints_project_velocity(const dm_constraints *t, double *x, const double *W,
+                                          double *work) {
     frame f = lay_out(t, W, 1, work);
     return project(&f, x);
 }

@@ -1,7 +1,7 @@
 /* legendre.c - p = dL/dv and its inverse. */
-#include "numbers/small_copy.h"
-#include "mech/model.h"
 #include "linalg/solve/newton.h"
+#include "mech/model.h"
+#include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,13 +21,13 @@ size_t dm_legendre_work(const dm_model *m) {
 }
 
 static void evaluate(const dm_model *m, double *x, double *out, const double *v) {
-    dm_few(x + m->n, v, m->n);
+    dm_small_copy(x + m->n, v, m->n);
     dm_kernel_eval(&m->mass, x, out);
 }
 
 static equation prepare(const dm_model *m, const double *q, double t, double *work) {
     equation e = {.m = m, .x = work, .out = work + 2 * (size_t)m->n + 1};
-    dm_few(e.x, q, m->n);
+    dm_small_copy(e.x, q, m->n);
     e.x[2 * (size_t)m->n] = t;
     dm_kernel_prepare(&m->mass, e.out);
     return e;
@@ -52,7 +52,7 @@ dm_status dm_legendre(const dm_model *m, double *p, const double *q, const doubl
     equation e = prepare(m, q, t, work);
     evaluate(m, e.x, e.out, v);
     if (!all_finite(e.out, m->n)) return DM_NOT_FINITE;
-    dm_few(p, e.out, m->n);
+    dm_small_copy(p, e.out, m->n);
     return DM_OK;
 }
 

@@ -1,12 +1,12 @@
 #include "mech/model.h"
 
-#include "graph/analyse.h"
+#include "algebra/body_sum.h"
 #include "algebra/compact.h"
 #include "algebra/derive.h"
 #include "algebra/extremum.h"
 #include "algebra/implicit.h"
-#include "algebra/body_sum.h"
 #include "code/tape/tape.h"
+#include "graph/analyse.h"
 #include "linalg/lu.h"
 
 #include <math.h>
@@ -223,16 +223,16 @@ static dm_status make_mass(builder *b) {
 }
 
 /* -V = L at v = 0, then L_q */
-static dm_status make_well(builder *b) {
+static dm_status make_potential(builder *b) {
     const uint32_t n = b->m.n, inputs = dm_graph_inputs(b->g);
     dm_node *roots = take_nodes(b, n + 1), *with = take_nodes(b, inputs);
     if (!roots || !with) return DM_NO_MEMORY;
     for (uint32_t i = 0; i < inputs; i++)
         with[i] = i >= n && i < 2 * n ? dm_constant(b->g, 0.0) : dm_input(b->g, i);
     dm_substitute(b->g, &b->L, 1, with, roots);
-    b->m.source.well = roots[0];
+    b->m.source.potential = roots[0];
     memcpy(roots + 1, b->gradient, n * sizeof *roots);
-    return make(b, &b->m.well, roots, n + 1, DM_WANT_WELL);
+    return make(b, &b->m.potential, roots, n + 1, DM_WANT_POTENTIAL);
 }
 
 static dm_status make_kernels(builder *b, unsigned want) {
@@ -252,7 +252,7 @@ static dm_status make_kernels(builder *b, unsigned want) {
         const dm_node root = energy(b);
         status = make(b, &b->m.energy, &root, 1, DM_WANT_ENERGY);
     }
-    if (status == DM_OK && want & DM_WANT_WELL) status = make_well(b);
+    if (status == DM_OK && want & DM_WANT_POTENTIAL) status = make_potential(b);
     if (status == DM_OK && want & DM_WANT_MASS) status = make_mass(b);
     return status;
 }

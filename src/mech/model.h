@@ -26,17 +26,17 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_FORCE = 8,   /* L_q[n] */
        DM_WANT_ENERGY = 16, /* v . L_v - L */
        DM_WANT_MASS = 32,   /* L_v[n], L_vv[n*n] */
-       DM_WANT_WELL = 128,  /* L(q, 0, t) = -V, then L_q[n]: separable L only */
-       DM_WANT_PAIR = 64,   /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
+       DM_WANT_POTENTIAL = 128, /* L(q, 0, t) = -V, then L_q[n]: separable L only */
+       DM_WANT_PAIR = 64, /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
        DM_WANT_STAGE_LATER = 8192, /* when dm_model_stage asks for it, mostly never */
        DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_STAGE_LATER | DM_WANT_MASS |
-                       DM_WANT_WELL,    /* with sums written out */
-       DM_WANT_HOLONOMIC = 256,         /* of the constraints (mech/constraints.h): g, G, g_t */
-       DM_WANT_ROLLING = 512,           /* phi, E, phi_v, phi_q */
-       DM_WANT_CONSTRAINT_FORCE = 1024, /* f */
-       DM_WANT_FORCE_CURVE = 2048,      /* f, f_q, f_v */
-       DM_WANT_REACTION = 4096,         /* r = G^T lambda + E^T mu, r_q, r_v */
-       DM_WANT_CONSTRAINTS = 7936       /* all of these; what a model does not have is not made */
+                       DM_WANT_POTENTIAL, /* with sums written out */
+       DM_WANT_HOLONOMIC = 256,           /* of the constraints (mech/constraints.h): g, G, g_t */
+       DM_WANT_ROLLING = 512,             /* phi, E, phi_v, phi_q */
+       DM_WANT_CONSTRAINT_FORCE = 1024,   /* f */
+       DM_WANT_FORCE_CURVE = 2048,        /* f, f_q, f_v */
+       DM_WANT_REACTION = 4096,           /* r = G^T lambda + E^T mu, r_q, r_v */
+       DM_WANT_CONSTRAINTS = 7936         /* all of these; what a model does not have is not made */
 };
 
 struct dm_constraints;
@@ -45,7 +45,7 @@ typedef struct {
     uint32_t n; /* dim Q */
     unsigned structure;
     unsigned has; /* DM_WANT_* that are built */
-    dm_kernel value, slope, stage, force, energy, mass, well, pair;
+    dm_kernel value, slope, stage, force, energy, mass, potential, pair;
     const double *inverse_mass;   /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
     const double *mass_matrix;    /* same shape */
     const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */

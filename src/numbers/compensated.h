@@ -1,6 +1,6 @@
 /* compensated.h - compensated sums: a number kept as high + low, exact to about twice the digits. */
-#ifndef DM_SUM_H
-#define DM_SUM_H
+#ifndef DM_COMPENSATED_H
+#define DM_COMPENSATED_H
 
 /* high + low += x; `low` is the rounding error of the last sum (Kahan 1965; HLW VIII.5). */
 static inline void dm_sum_add(double *high, double *low, double x) {

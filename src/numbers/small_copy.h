@@ -1,11 +1,11 @@
 /* small_copy.h - copies of a few numbers, as members and small systems have them, without a call. */
-#ifndef DM_FEW_H
-#define DM_FEW_H
+#ifndef DM_SMALL_COPY_H
+#define DM_SMALL_COPY_H
 
 #include <stddef.h>
 #include <string.h>
 
-static inline void dm_few(double *to, const double *from, size_t n) {
+static inline void dm_small_copy(double *to, const double *from, size_t n) {
     if (n > 4) {
         memcpy(to, from, n * sizeof *to);
         return;

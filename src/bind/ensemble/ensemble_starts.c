@@ -82,7 +82,7 @@ static void read_column(lua_State *L, const dml_part *p, const char *key, uint32
     const double *rows = entries_of(L, at, n);
     for (long i = p->first; i < p->first + p->count; i++, out += size) {
         if (rows)
-            dm_few(out, rows + (size_t)i * n, n);
+            dm_small_copy(out, rows + (size_t)i * n, n);
         else
             read_member(L, at, key, i, out, n);
     }
@@ -169,8 +169,8 @@ static int is_inside(const dml_part *these, const dml_stepping *r, long i, const
     const double *q = these->e->state + (size_t)i * dm_state_size(n);
     double value = 0.0;
     if (!(m->has & DM_WANT_VALUE) || m->value.inputs != 2 * n + 1 + many) return 1;
-    dm_few(x, q, n);
-    dm_few(x + n, v, n);
+    dm_small_copy(x, q, n);
+    dm_small_copy(x + n, v, n);
     x[2 * n] = r->t0;
     if (many)
         memcpy(x + 2 * n + 1, these->values + (size_t)(i - these->first) * many, many * sizeof *x);
@@ -185,7 +185,7 @@ static int find_momentum(lua_State *L, const dml_part *these, dml_stepping *r, l
                          double *room) {
     const uint32_t n = these->e->n;
     double *q = these->e->state + (size_t)i * dm_state_size(n), *p = q + n, *v = r->x;
-    dm_few(v, p, n);
+    dm_small_copy(v, p, n);
     const int inside = is_inside(these, r, i, v, room);
     dml_rethrow(L, r->model);
     if (!inside || dm_legendre(&r->model->model, p, q, v, r->t0, r->work) != DM_OK)

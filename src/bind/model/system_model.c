@@ -266,7 +266,7 @@ static void want_constraints(lua_State *L, dml_model *m, unsigned want, const ch
 
 /* the backend of the kernels that step; the value is on the tape */
 static const char *built_by(const dm_model *m, const char *wanted) {
-    const dm_kernel *const all[] = {&m->stage, &m->force, &m->slope,  &m->well,
+    const dm_kernel *const all[] = {&m->stage, &m->force, &m->slope,  &m->potential,
                                     &m->pair,  &m->mass,  &m->energy, NULL};
     for (const dm_kernel *const *k = all; *k; k++)
         if ((*k)->eval && (*k)->backend) return (*k)->backend;

@@ -7,18 +7,18 @@
 
 #include <string.h>
 
-int dm_strip_begin(dm_strip_draft *d, dm_arena *arena) {
-    d->g = dm_graph_new(arena, DM_STRIP_MOST);
+int dm_array_loop_begin(dm_array_loop_draft *d, dm_arena *arena) {
+    d->g = dm_graph_new(arena, DM_ARRAY_LOOP_MOST);
     d->inputs = d->outputs = d->carried = 0;
-    d->full = d->stands = 0;
+    d->full = d->verbatim = 0;
     return d->g != NULL;
 }
 
-/* a strand read twice is one input */
-dm_node dm_strip_read(dm_strip_draft *d, dm_strand from) {
+/* a reference read twice is one input */
+dm_node dm_array_loop_read(dm_array_loop_draft *d, dm_array_ref from) {
     uint32_t k = 0;
     while (k < d->inputs && (d->in[k].base != from.base || d->in[k].at != from.at)) k++;
-    if (k == DM_STRIP_MOST) {
+    if (k == DM_ARRAY_LOOP_MOST) {
         d->full = 1;
         return 0;
     }
@@ -26,8 +26,8 @@ dm_node dm_strip_read(dm_strip_draft *d, dm_strand from) {
     return dm_input(d->g, k);
 }
 
-void dm_strip_write(dm_strip_draft *d, dm_strand to, dm_node value) {
-    if (d->outputs == DM_STRIP_MOST) {
+void dm_array_loop_write(dm_array_loop_draft *d, dm_array_ref to, dm_node value) {
+    if (d->outputs == DM_ARRAY_LOOP_MOST) {
         d->full = 1;
         return;
     }
@@ -35,28 +35,29 @@ void dm_strip_write(dm_strip_draft *d, dm_strand to, dm_node value) {
     d->root[d->outputs++] = value;
 }
 
-dm_strand dm_strip_carry(dm_strip_draft *d, dm_strand start, int keep) {
-    if (d->carried == DM_STRIP_CARRIED) {
+dm_array_ref dm_array_loop_carry(dm_array_loop_draft *d, dm_array_ref start, int keep) {
+    if (d->carried == DM_ARRAY_LOOP_CARRIED) {
         d->full = 1;
         return start;
     }
     d->start[d->carried] = start;
-    d->kept[d->carried] = keep;
-    return (dm_strand){DM_STRAND_CARRIED, d->carried++};
+    d->stored[d->carried] = keep;
+    return (dm_array_ref){DM_ARRAY_CARRIED, d->carried++};
 }
 
-void dm_strip_repeat(dm_strip_draft *d, const dm_strip *s, const dm_node *with, dm_node *out) {
+void dm_array_loop_inline(dm_array_loop_draft *d, const dm_array_loop *s, const dm_node *with,
+                          dm_node *out) {
     dm_transplant(d->g, s->g, s->root, s->one.outputs, with, out);
 }
 
-static int keep_strands(dm_strip *s, const dm_strip_draft *d, dm_arena *arena) {
-    const size_t bytes = DM_STRIP_MOST * sizeof *d->in;
-    dm_strand *both = dm_arena_take(arena, 2 * bytes);
+static int copy_refs(dm_array_loop *s, const dm_array_loop_draft *d, dm_arena *arena) {
+    const size_t bytes = DM_ARRAY_LOOP_MOST * sizeof *d->in;
+    dm_array_ref *both = dm_arena_take(arena, 2 * bytes);
     if (!both) return 0;
     memcpy(both, d->in, d->inputs * sizeof *both);
-    memcpy(both + DM_STRIP_MOST, d->out, d->outputs * sizeof *both);
+    memcpy(both + DM_ARRAY_LOOP_MOST, d->out, d->outputs * sizeof *both);
     s->in = both;
-    s->out = both + DM_STRIP_MOST;
+    s->out = both + DM_ARRAY_LOOP_MOST;
     return 1;
 }
 
@@ -108,22 +109,23 @@ static dm_graph *contract_all(dm_graph *g, dm_node *roots, uint32_t m) {
     return c.to->status == DM_OK ? c.to : NULL;
 }
 
-dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_compile *compile, dm_arena *arena) {
-    dm_strip s = {.lanes = 0};
+dm_status dm_array_loop_end(dm_array_loop *out, dm_array_loop_draft *d, dm_compile *compile,
+                            dm_arena *arena) {
+    dm_array_loop s = {.lanes = 0};
     dm_node *compact = dm_arena_take(arena, (d->outputs + 1) * sizeof *compact);
     if (!compact) return DM_NO_MEMORY;
     if (d->full) return DM_TOO_LARGE;
-    if (!keep_strands(&s, d, arena)) return DM_NO_MEMORY;
+    if (!copy_refs(&s, d, arena)) return DM_NO_MEMORY;
     dm_graph *small = dm_compact_graph(d->g, d->root, d->outputs, compact);
     if (dm_graph_status(d->g) != DM_OK) return dm_graph_status(d->g);
-    if (small && !d->stands) small = contract_all(small, compact, d->outputs);
+    if (small && !d->verbatim) small = contract_all(small, compact, d->outputs);
     if (!small) return DM_NO_MEMORY;
     dm_graph_verbatim(small, 1);
     dm_status status = DM_NO_NATIVE;
     s.one = (dm_kernel){.inputs = d->inputs, .outputs = d->outputs, .backend = "jit"};
     s.g = small;
     s.root = compact;
-    if (compile == dm_native_build) status = dm_jit_build_strip(&s, d, arena);
+    if (compile == dm_native_build) status = dm_jit_build_array_loop(&s, d, arena);
     if (status == DM_NO_NATIVE && !d->carried) {
         status = compile(&s.one, small, compact, d->outputs, arena);
         s.one.inputs = d->inputs;
@@ -132,27 +134,27 @@ dm_status dm_strip_end(dm_strip *out, dm_strip_draft *d, dm_compile *compile, dm
     return status;
 }
 
-static double *place(const dm_strip_bases *at, dm_strand s, uint32_t i) {
-    return (s.base == DM_STRAND_MAIN ? at->main : at->side) + s.at + i;
+static double *place(const dm_array_bases *at, dm_array_ref s, uint32_t i) {
+    return (s.base == DM_ARRAY_MAIN ? at->main : at->buffer) + s.at + i;
 }
 
-static void run_one_by_one(const dm_strip *s, const dm_strip_bases *at, uint32_t count) {
-    double in[DM_STRIP_MOST] = {0}, y[DM_STRIP_MOST];
+static void run_one_by_one(const dm_array_loop *s, const dm_array_bases *at, uint32_t count) {
+    double in[DM_ARRAY_LOOP_MOST] = {0}, y[DM_ARRAY_LOOP_MOST];
     dm_kernel_prepare(&s->one, y);
     for (uint32_t i = 0; i < count; i++) {
         for (uint32_t k = 0; k < s->one.inputs; k++)
-            in[k] = s->in[k].base == DM_STRAND_FIXED ? at->fixed[s->in[k].at * DM_STRIP_GROUP]
+            in[k] = s->in[k].base == DM_ARRAY_SCALAR ? at->scalars[s->in[k].at * DM_ARRAY_GROUP]
                                                      : *place(at, s->in[k], i);
         dm_kernel_eval(&s->one, in, y);
         for (uint32_t k = 0; k < s->one.outputs; k++) *place(at, s->out[k], i) = y[k];
     }
 }
 
-void dm_strip_run(const dm_strip *s, dm_strip_bases at, uint32_t count) {
-    const uint32_t whole = (count + DM_STRIP_GROUP - 1) & ~(uint32_t)(DM_STRIP_GROUP - 1);
+void dm_array_loop_run(const dm_array_loop *s, dm_array_bases at, uint32_t count) {
+    const uint32_t whole = (count + DM_ARRAY_GROUP - 1) & ~(uint32_t)(DM_ARRAY_GROUP - 1);
     if (!count) return;
     if (s->lanes)
-        s->eval(s->pool, at.main, at.fixed, at.main + whole, at.side);
+        s->eval(s->pool, at.main, at.scalars, at.main + whole, at.buffer);
     else
         run_one_by_one(s, &at, whole);
 }

@@ -1,10 +1,10 @@
-/* jit_array_loop.c - the loop of a strip as machine code: the body is a kernel whose inputs are where
- * the strands say; its outputs are kept to the end, so that all reads come before all writes.
+/* jit_array_loop.c - an array loop as machine code: the body is a kernel whose inputs are where the
+ * references say; its outputs are kept to the end, so that all reads come before all writes.
  * rbx pool   r14 main base   r15 fixed base   r12 end of main   r13 side base   rsp stack */
 #include "code/loops/array_loop.h"
 
-#include "code/native/code_memory.h"
 #include "algebra/implicit.h"
+#include "code/native/code_memory.h"
 #include "code/native/jit.h"
 #include "code/native/jit_exp.h"
 #include "code/native/jit_pool.h"
@@ -44,25 +44,25 @@ static int add_writes(dm_plan *p) {
 }
 
 /* carried values have the last registers */
-static int carrier(const dm_strand *s) {
+static int carrier(const dm_array_ref *s) {
     return 31 - (int)s->at;
 }
 
-static dm_operand home_of(dm_strand s) {
-    if (s.base == DM_STRAND_CARRIED) return dm_in_register(carrier(&s));
-    if (s.base == DM_STRAND_FIXED)
-        return dm_in_memory(DM_R15, (int32_t)(s.at * DM_STRIP_GROUP * 8));
-    return dm_in_memory(s.base == DM_STRAND_MAIN ? DM_R14 : R13, (int32_t)(s.at * 8));
+static dm_operand home_of(dm_array_ref s) {
+    if (s.base == DM_ARRAY_CARRIED) return dm_in_register(carrier(&s));
+    if (s.base == DM_ARRAY_SCALAR)
+        return dm_in_memory(DM_R15, (int32_t)(s.at * DM_ARRAY_GROUP * 8));
+    return dm_in_memory(s.base == DM_ARRAY_MAIN ? DM_R14 : R13, (int32_t)(s.at * 8));
 }
 
 /* displacements are 32 bits */
-static int is_within(const dm_strand *s, uint32_t count) {
+static int is_within(const dm_array_ref *s, uint32_t count) {
     for (uint32_t k = 0; k < count; k++)
         if (s[k].at > INT32_MAX / 256 || s[k].at < INT32_MIN / 256) return 0;
     return 1;
 }
 
-static void place_inputs(dm_emitter *e, const dm_graph *g, const dm_strand *in) {
+static void place_inputs(dm_emitter *e, const dm_graph *g, const dm_array_ref *in) {
     e->pool = DM_RBX;
     for (dm_node n = 0; n < e->plan->end; n++)
         if (dm_is_op(g, n, DM_OP_INPUT)) e->at[n].home = home_of(in[dm_at(g, n)->as.input]);
@@ -85,7 +85,7 @@ static void place_numbers(dm_emitter *e, const dm_graph *g, dm_code *before) {
     e->registers -= taken;
 }
 
-static void emit_body(dm_emitter *e, const dm_strand *out) {
+static void emit_body(dm_emitter *e, const dm_array_ref *out) {
     const uint32_t steps = e->plan->count - e->plan->m;
     for (uint32_t i = 0; i < steps; i++) {
         const dm_step *s = e->plan->steps + i;
@@ -96,9 +96,9 @@ static void emit_body(dm_emitter *e, const dm_strand *out) {
     }
     for (uint32_t k = 0; k < e->plan->m; k++) {
         const dm_step *s = e->plan->steps + steps + k;
-        dm_bury_slots(e);
+        dm_free_slots(e);
         const int reg = dm_in_a_register(e, s->arg[0]);
-        if (out[k].base == DM_STRAND_CARRIED)
+        if (out[k].base == DM_ARRAY_CARRIED)
             dm_x86_load(&e->code, e->width, carrier(out + k), dm_in_register(reg));
         else
             dm_x86_store(&e->code, e->width, home_of(out[k]), reg);
@@ -153,19 +153,19 @@ static void epilogue(dm_code *c) {
 
 /* the first and the last of what is carried; the bases have moved by one group beyond the last
  * then */
-static void load_carried(dm_code *c, const dm_strip_draft *d) {
+static void load_carried(dm_code *c, const dm_array_loop_draft *d) {
     for (uint32_t k = 0; k < d->carried; k++)
         dm_x86_load(c, DM_LANES8, 31 - (int)k, home_of(d->start[k]));
 }
 
-static void store_carried(dm_code *c, const dm_strip_draft *d) {
+static void store_carried(dm_code *c, const dm_array_loop_draft *d) {
     if (d->carried) dm_x86_bytes(c, "\x4D\x89\xC5", 3); /* r13 = r8 */
     for (uint32_t k = 0; k < d->carried; k++)
-        if (d->kept[k]) dm_x86_store(c, DM_LANES8, home_of(d->start[k]), 31 - (int)k);
+        if (d->stored[k]) dm_x86_store(c, DM_LANES8, home_of(d->start[k]), 31 - (int)k);
 }
 
 static dm_status place_loop(const void **at, dm_emitter *e, const dm_code *numbers,
-                            const dm_strip_draft *d, dm_arena *arena) {
+                            const dm_array_loop_draft *d, dm_arena *arena) {
     dm_code c = {.arena = e->code.arena};
     const int64_t frame = ((int64_t)e->slots * e->bytes + 63) & ~63;
     if (frame > LARGEST_FRAME) return DM_NO_NATIVE;
@@ -180,21 +180,21 @@ static dm_status place_loop(const void **at, dm_emitter *e, const dm_code *numbe
 }
 
 /* a carried value that is handed on as it came could be overwritten first */
-static int hands_on(const dm_strip_draft *d, const dm_graph *g, const dm_node *root) {
+static int hands_on(const dm_array_loop_draft *d, const dm_graph *g, const dm_node *root) {
     for (uint32_t k = 0; k < d->outputs; k++)
-        if (d->out[k].base == DM_STRAND_CARRIED && dm_is_op(g, root[k], DM_OP_INPUT) &&
-            d->in[dm_at(g, root[k])->as.input].base == DM_STRAND_CARRIED)
+        if (d->out[k].base == DM_ARRAY_CARRIED && dm_is_op(g, root[k], DM_OP_INPUT) &&
+            d->in[dm_at(g, root[k])->as.input].base == DM_ARRAY_CARRIED)
             return 1;
     return 0;
 }
 
 /* carried values need registers that nothing else wants, calls neither */
-static int can_carry(const dm_strip_draft *d, const dm_plan *plan, uint32_t lanes) {
+static int can_carry(const dm_array_loop_draft *d, const dm_plan *plan, uint32_t lanes) {
     if (!d->carried) return 1;
-    return lanes == 8 && !plan->calls && d->carried <= DM_STRIP_CARRIED;
+    return lanes == 8 && !plan->calls && d->carried <= DM_ARRAY_LOOP_CARRIED;
 }
 
-dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *arena) {
+dm_status dm_jit_build_array_loop(dm_array_loop *s, const dm_array_loop_draft *d, dm_arena *arena) {
     const uint32_t lanes = dm_jit_lanes(), m = d->outputs;
     const void *code = NULL;
     dm_plan plan;
@@ -215,8 +215,7 @@ dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *are
     fetch_table(&numbers);
     load_carried(&numbers, d);
     place_numbers(&e, s->g, &numbers);
-    if (has_exponentials(&plan) && !plan.calls)
-        dm_shelve_exponential(&e, &numbers, FOR_EXPONENTIALS);
+    if (has_exponentials(&plan) && !plan.calls) dm_exp_to_registers(&e, &numbers, FOR_EXPONENTIALS);
     emit_body(&e, s->out);
     const dm_status status = place_loop(&code, &e, &numbers, d, arena);
     if (status != DM_OK) return status;
@@ -229,7 +228,7 @@ dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *are
 
 #else
 
-dm_status dm_jit_build_strip(dm_strip *s, const dm_strip_draft *d, dm_arena *arena) {
+dm_status dm_jit_build_array_loop(dm_array_loop *s, const dm_array_loop_draft *d, dm_arena *arena) {
     (void)s, (void)d, (void)arena;
     return DM_NO_NATIVE;
 }

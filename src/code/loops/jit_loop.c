@@ -113,7 +113,7 @@ static void put_away(maker *m, const dm_graph *g, dm_node n) {
 }
 
 /* the register in which the carried value n is expected, -1: none */
-static int wished(const maker *m, dm_node n) {
+static int preferred_register(const maker *m, dm_node n) {
     if (!m->carried[n]) return -1;
     for (uint32_t i = 0; i < m->held; i++)
         if (m->roots[i] == n) return (int)i;
@@ -192,7 +192,7 @@ static dm_status open_part(maker *m, const dm_loop_part *p, dm_plan *plan, void 
     m->e.pool = DM_RBX;
     *pool = dm_pool_make(&m->e, p->graph, m->arena);
     if (!*pool) return DM_NO_MEMORY;
-    m->e.kept = (1u << m->held) - 1;
+    m->e.reserved = (1u << m->held) - 1;
     m->e.code = m->code;
     m->roots = p->roots;
     m->carried = dm_arena_take(m->scratch, plan->end);
@@ -259,12 +259,12 @@ static void fix_masks(maker *m) {
 static dm_status emit_part(maker *m, const dm_loop_part *p, const dm_plan *plan) {
     for (uint32_t i = 0; i < plan->count; i++) {
         const dm_step *s = plan->steps + i;
-        m->e.wish = wished(m, s->d);
+        m->e.preferred = preferred_register(m, s->d);
         dm_emit_step(&m->e, s);
         put_away(m, p->graph, s->d);
         if (s->d2) put_away(m, p->graph, s->d2);
     }
-    m->e.wish = -1;
+    m->e.preferred = -1;
     finish_memory(m, p->graph);
     finish_registers(m);
     m->code = m->e.code;

@@ -2,8 +2,8 @@
 #ifndef DM_JIT_H
 #define DM_JIT_H
 
-#include "graph/graph.h"
 #include "code/kernel.h"
+#include "graph/graph.h"
 
 /* Lanes that one native kernel can work on here: 8, 4 or 1; 0 where there is none. */
 uint32_t dm_jit_lanes(void);

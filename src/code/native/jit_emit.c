@@ -17,18 +17,18 @@ static void drop(dm_emitter *e, int reg) {
 static void take_slot(dm_emitter *e, dm_place *v) {
     const int32_t slot = e->frees ? e->free[--e->frees] : e->slots++;
     v->home = dm_in_memory(DM_RSP, slot * e->bytes);
-    v->slotted = v->homed = 1;
+    v->on_stack = v->homed = 1;
 }
 
 /* free for the next step: this one may still read it after it has put another value away */
 static void give_slot_back(dm_emitter *e, dm_place *v) {
-    if (!v->slotted) return;
-    e->dying[e->dead++] = v->home.disp / e->bytes;
-    v->slotted = v->homed = 0;
+    if (!v->on_stack) return;
+    e->released[e->releases++] = v->home.disp / e->bytes;
+    v->on_stack = v->homed = 0;
 }
 
-void dm_bury_slots(dm_emitter *e) {
-    while (e->dead) e->free[e->frees++] = e->dying[--e->dead];
+void dm_free_slots(dm_emitter *e) {
+    while (e->releases) e->free[e->frees++] = e->released[--e->releases];
 }
 
 /* a copy in memory, on the stack unless there is one */
@@ -53,9 +53,9 @@ static int furthest(const dm_emitter *e) {
 
 int dm_take_register(dm_emitter *e) {
     const uint32_t all = e->registers == 32 ? UINT32_MAX : (1u << e->registers) - 1;
-    const uint32_t free = all & ~e->occupied & ~e->pinned & ~e->fixed, better = free & ~e->kept;
-    const int granted = e->wish >= 0 && (free >> e->wish & 1);
-    const int reg = granted  ? e->wish
+    const uint32_t free = all & ~e->occupied & ~e->pinned & ~e->fixed, better = free & ~e->reserved;
+    const int granted = e->preferred >= 0 && (free >> e->preferred & 1);
+    const int reg = granted  ? e->preferred
                     : better ? __builtin_ctz(better)
                     : free   ? __builtin_ctz(free)
                              : furthest(e);
@@ -71,10 +71,10 @@ int dm_in_a_register(dm_emitter *e, dm_node n) {
     if (e->at[n].reg < 0 && e->at[n].homed && e->at[n].home.reg >= 0)
         return e->at[n].home.reg; /* one that is never written in the body of a loop */
     if (e->at[n].reg < 0) {
-        const int wish = e->wish;
-        e->wish = -1;
+        const int preferred = e->preferred;
+        e->preferred = -1;
         const int reg = dm_take_register(e);
-        e->wish = wish;
+        e->preferred = preferred;
         dm_x86_load(&e->code, e->width, reg, e->at[n].home);
         hold(e, n, reg);
     }
@@ -167,7 +167,7 @@ int dm_emit_open(dm_emitter *e, const dm_graph *g, const dm_plan *plan, uint32_t
     *e = (dm_emitter){.width = (dm_width)lanes,
                       .registers = lanes == 8 ? 32 : 16,
                       .bytes = (int32_t)lanes * 8,
-                      .wish = -1,
+                      .preferred = -1,
                       .pool = plan->calls ? DM_RBX : DM_RDI,
                       .in = plan->calls ? DM_R14 : DM_RSI,
                       .out = plan->calls ? DM_R15 : DM_RDX,

@@ -10,11 +10,11 @@
 
 /* small, as there is one for every node */
 typedef struct {
-    dm_operand home; /* in memory, or a register that the body of a loop only reads */
-    uint32_t next;   /* position of the next use */
-    int8_t reg;      /* -1: in none */
-    uint8_t homed;   /* home is a copy */
-    uint8_t slotted; /* home is a slot of the stack */
+    dm_operand home;  /* in memory, or a register that the body of a loop only reads */
+    uint32_t next;    /* position of the next use */
+    int8_t reg;       /* -1: in none */
+    uint8_t homed;    /* home is a copy */
+    uint8_t on_stack; /* home is a slot of the stack */
 } dm_place;
 
 typedef struct {
@@ -28,16 +28,17 @@ typedef struct {
     uint32_t until[32];        /* its next use */
     uint32_t occupied, pinned; /* registers, one bit each; pinned: the current step needs it */
     uint32_t fixed;            /* registers that keep a constant all along */
-    int eager;          /* what is in memory and used again is fetched while there are registers */
-    uint32_t kept;      /* registers that are taken last: they have a purpose (loops) */
-    int shelf, shelved; /* registers shelf, shelf + 1, ... hold the first numbers of jit_exp.c */
+    int eager;         /* what is in memory and used again is fetched while there are registers */
+    uint32_t reserved; /* registers that are taken last: they have a purpose (loops) */
+    int exp_first,
+        exp_registers; /* registers exp_first, exp_first + 1, ... hold the first numbers of jit_exp.c */
     int8_t mask[8], mask_register[8]; /* numbers of jit_pool.h that have a register */
     int masks;
-    int wish;      /* register for the result of the current step where it is free; -1: any */
+    int preferred; /* register for the result of the current step where it is free; -1: any */
     int32_t *free; /* stack of stack slots to use again */
     int32_t frees, slots;
-    int32_t dying[8]; /* slots whose value this step used last */
-    int dead;
+    int32_t released[8]; /* slots whose value this step used last */
+    int releases;
     const dm_plan *plan;
 } dm_emitter;
 
@@ -49,7 +50,7 @@ int dm_in_a_register(dm_emitter *e, dm_node n);   /* n in one, pinned */
 dm_operand dm_anywhere(dm_emitter *e, dm_node n); /* n where it is, pinned */
 
 /* Slots that the step before used last are free from now on. */
-void dm_bury_slots(dm_emitter *e);
+void dm_free_slots(dm_emitter *e);
 
 /* The operands of s move on to their next use; what has none makes room; nothing is pinned. */
 void dm_pass_operands(dm_emitter *e, const dm_step *s);

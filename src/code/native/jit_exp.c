@@ -45,18 +45,18 @@ const double dm_exp_table[][8] __attribute__((aligned(64))) = {
 #undef ALL
 
 static dm_operand number(const dm_emitter *e, int which) {
-    return which < e->shelved ? dm_in_register(e->shelf + which)
-                              : dm_in_memory(DM_EXP_BASE, 64 * which);
+    return which < e->exp_registers ? dm_in_register(e->exp_first + which)
+                                    : dm_in_memory(DM_EXP_BASE, 64 * which);
 }
 
-void dm_shelve_exponential(dm_emitter *e, dm_code *before, int least) {
+void dm_exp_to_registers(dm_emitter *e, dm_code *before, int least) {
     const int room = e->registers - least, all = NUMBERS;
     const int count = room < 0 ? 0 : room < all ? room : all;
     e->registers -= count;
-    e->shelf = e->registers;
-    for (; e->shelved < count; e->shelved++)
-        dm_x86_load(before, DM_LANES8, e->shelf + e->shelved,
-                    dm_in_memory(DM_EXP_BASE, 64 * e->shelved));
+    e->exp_first = e->registers;
+    for (; e->exp_registers < count; e->exp_registers++)
+        dm_x86_load(before, DM_LANES8, e->exp_first + e->exp_registers,
+                    dm_in_memory(DM_EXP_BASE, 64 * e->exp_registers));
 }
 
 static void fetch(dm_emitter *e, int d, int which) {
@@ -117,7 +117,7 @@ static void pick(dm_emitter *e, const registers *u, int d, int first, int room) 
 void dm_emit_exponential(dm_emitter *e, const dm_step *s) {
     registers u;
     int *const all[] = {&u.t, &u.k, &u.r, &u.r2, &u.low, &u.high, &u.p};
-    dm_bury_slots(e);
+    dm_free_slots(e);
     const int x = dm_in_a_register(e, s->arg[0]);
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) *all[i] = dm_take_register(e);
     reduce(e, &u, x);

@@ -10,7 +10,7 @@ extern const double dm_exp_table[][8];
 
 /* Its first numbers into the last registers of e, as many as leave it `least`; `before` the
  * loop. */
-void dm_shelve_exponential(dm_emitter *e, dm_code *before, int least);
+void dm_exp_to_registers(dm_emitter *e, dm_code *before, int least);
 
 void dm_emit_exponential(dm_emitter *e, const dm_step *s);
 

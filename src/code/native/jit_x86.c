@@ -95,7 +95,7 @@ static void where(dm_emitter *e, const dm_step *s) {
 
 /* the operand of s whose register the result can have: it is in one, for the last time here; -1:
  * none */
-static int dying_operand(const dm_emitter *e, const dm_step *s) {
+static int last_used_operand(const dm_emitter *e, const dm_step *s) {
     static const int order[3] = {2, 0, 1};
     for (int i = 0; i < 3; i++) {
         const int k = order[i];
@@ -113,7 +113,7 @@ static const uint8_t fused_opcodes[DM_OP_COUNT][2] =
 
 /* +-(a * b) +- c, which goes into the register of one of them, or of a copy of c */
 static void fused_sum(dm_emitter *e, const dm_step *s) {
-    const int k = dying_operand(e, s), first = k == 0 ? 1 : 0, third = k == 2 || k < 0 ? 1 : 2;
+    const int k = last_used_operand(e, s), first = k == 0 ? 1 : 0, third = k == 2 || k < 0 ? 1 : 2;
     const int a = dm_in_a_register(e, s->arg[first]);
     int d = k < 0 ? 0 : dm_in_a_register(e, s->arg[k]);
     if (k < 0) {
@@ -183,7 +183,7 @@ static const uint8_t opcodes[DM_OP_COUNT] =
      [DM_OP_DIV] = DM_X86_DIV, [DM_OP_MIN] = DM_X86_MIN, [DM_OP_MAX] = DM_X86_MAX};
 
 void dm_emit_step(dm_emitter *e, const dm_step *s) {
-    dm_bury_slots(e);
+    dm_free_slots(e);
     if (opcodes[s->op])
         two_operands(e, s, opcodes[s->op]);
     else if (s->op == DM_OP_NEG)

@@ -1,9 +1,9 @@
 #include "code/tape/emit_c.h"
 
 #include "algebra/compact.h"
-#include "numbers/fma.h"
 #include "algebra/implicit.h"
 #include "graph/nodes.h"
+#include "numbers/fma.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -4,7 +4,7 @@
 #include <string.h>
 
 dm_status dm_loop_by_kernels(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS], uint32_t size,
-                             dm_loop_compile *compile, dm_arena *arena) {
+                             dm_compile *compile, dm_arena *arena) {
     dm_loop l = {.size = size, .lanes = 1, .together = 1};
     uint32_t most = 0;
     for (int k = 0; k < DM_LOOP_PARTS; k++) {

@@ -7,8 +7,8 @@
 #ifndef DM_LOOP_H
 #define DM_LOOP_H
 
-#include "graph/graph.h"
 #include "code/kernel.h"
+#include "graph/graph.h"
 
 typedef enum {
     DM_LOOP_START,
@@ -54,9 +54,6 @@ typedef struct {
     uint32_t operations; /* of all parts together */
 } dm_loop;
 
-typedef dm_status dm_loop_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
-                                  dm_arena *arena);
-
 /* Machine code for 1, 4 or 8 lanes, the number of groups of a call being a multiple of
  * `together`, which is 1 for one lane; DM_NO_NATIVE where there is none, DM_NO_MEMORY. */
 dm_status dm_loop_native(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS], uint32_t size,
@@ -64,7 +61,7 @@ dm_status dm_loop_native(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS], u
 
 /* One member, every part a kernel made by `compile`. */
 dm_status dm_loop_by_kernels(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS], uint32_t size,
-                             dm_loop_compile *compile, dm_arena *arena);
+                             dm_compile *compile, dm_arena *arena);
 
 /* Run it: of *call state, coefficients, groups, repeats, steps and stride are given. */
 void dm_loop_run(const dm_loop *l, dm_loop_call *call);

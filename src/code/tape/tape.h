@@ -2,8 +2,8 @@
 #ifndef DM_TAPE_H
 #define DM_TAPE_H
 
-#include "graph/graph.h"
 #include "code/kernel.h"
+#include "graph/graph.h"
 
 /* out[m] = roots as functions of the graph's inputs, built in `arena` (which may outlive
  * the graph's). The roots are compacted first (compact.h). One tape is for one thread: its

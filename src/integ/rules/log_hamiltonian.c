@@ -55,7 +55,7 @@ static int order(const dm_rule *rule) {
 
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule, (void)m;
-    return DM_WANT_WELL | DM_WANT_ENERGY;
+    return DM_WANT_POTENTIAL | DM_WANT_ENERGY;
 }
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
@@ -91,7 +91,7 @@ static dm_status open(dm_stepper *s) {
     l->loop = dm_log_loop_open(s->model);
     memset(s->work + table_size(), 0, (4 * (size_t)s->model->n + 2) * sizeof(double));
     memset(loop_work(s), 0, DM_LOG_LOOP_WORK * sizeof(double));
-    dm_kernel_prepare(&s->model->well, s->work + table_size() + 2 * s->model->n + 1);
+    dm_kernel_prepare(&s->model->potential, s->work + table_size() + 2 * s->model->n + 1);
     return DM_OK;
 }
 
@@ -133,7 +133,7 @@ static double pace(const dm_stepper *s, const double *state) {
 
 /* p += b L_q/U; the well must be attracting */
 static int kick(const dm_model *m, double *state, const double *x, double *well, double b) {
-    dm_kernel_eval(&m->well, x, well);
+    dm_kernel_eval(&m->potential, x, well);
     if (!(well[0] > 0.0)) return 0;
     for (uint32_t i = 0; i < m->n; i++)
         dm_sum_add(state + m->n + i, state + 3 * (size_t)m->n + i, b / well[0] * well[1 + i]);
@@ -208,7 +208,7 @@ static const char *why(dm_stepper *s, const double *state, dm_status status) {
     double *x = s->work + table_size(), *well = x + 2 * m->n + 1;
     if (status != DM_NOT_FINITE) return NULL;
     memcpy(x, state, m->n * sizeof *x);
-    dm_kernel_eval(&m->well, x, well);
+    dm_kernel_eval(&m->potential, x, well);
     if (well[0] <= 0.0)
         return "this rule needs an attracting well, V < 0 in L = T(v) - V(q), and there V >= 0: "
                "take another rule (verlet, gauss(s)), or, where V has a bound on the orbit, add a "

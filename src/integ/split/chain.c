@@ -72,7 +72,7 @@ static void load(dm_chain *c, const double *state) {
         dm_lattice_load(&c->lattice, c->dq, state + 2 * n);
         dm_lattice_load(&c->lattice, c->dp, state + 3 * n);
     }
-    if (!c->joined) dm_lattice_add_up(&c->lattice, dm_chain_positions(c));
+    if (!c->fused) dm_lattice_add_up(&c->lattice, dm_chain_positions(c));
 }
 
 static void store(const dm_chain *c, double *state) {
@@ -84,9 +84,9 @@ static void store(const dm_chain *c, double *state) {
     dm_lattice_store(&c->lattice, state + 3 * n, c->dp);
 }
 
-static void run(dm_chain *c, const dm_strip *passes, double t) {
-    if (c->joined)
-        dm_lattice_run_joined(&c->lattice, passes + 1, passes, dm_chain_positions(c), t);
+static void run(dm_chain *c, const dm_array_loop *passes, double t) {
+    if (c->fused)
+        dm_lattice_run_fused(&c->lattice, passes + 1, passes, dm_chain_positions(c), t);
     else
         dm_lattice_run(&c->lattice, passes, t);
 }
@@ -105,7 +105,7 @@ static void begin(dm_chain *c, double h, double t) {
 static void step(dm_chain *c, const dm_chain_burst *b, int stops) {
     dm_lattice *l = &c->lattice;
     for (int k = c->first; k <= c->last; k++) {
-        const dm_strip *rest = stops || !c->first ? c->stop : c->turn;
+        const dm_array_loop *rest = stops || !c->first ? c->stop : c->turn;
         dm_lattice_set(l, KICK, b->h * c->table.b[k]);
         if (k < c->table.stages) dm_lattice_set(l, DRIFT, b->h * c->table.a[k]);
         run(c, k < c->last ? c->middle : rest, b->t + c->c[k] * b->h);

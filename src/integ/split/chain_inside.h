@@ -2,8 +2,8 @@
 #ifndef DM_CHAIN_INSIDE_H
 #define DM_CHAIN_INSIDE_H
 
-#include "integ/split/chain.h"
 #include "chain/lattice.h"
+#include "integ/split/chain.h"
 
 enum { TIME, KICK, DRIFT, AGAIN_KICK, AGAIN_DRIFT }; /* numbers of a pass */
 
@@ -14,9 +14,9 @@ struct dm_chain {
     int first, last; /* kicks of a step; the first one of all may belong to the turn */
     int plain;
     uint32_t q, q0, p0, dq, dp, weight;
-    double same_weight;                            /* 1/m where it is that of all, else 0 */
-    dm_strip lead[2], middle[2], turn[2], stop[2]; /* alone; joined with the slopes */
-    int joined;
+    double same_weight;                                 /* 1/m where it is that of all, else 0 */
+    dm_array_loop lead[2], middle[2], turn[2], stop[2]; /* alone; fused with the slopes */
+    int fused;
 };
 
 static inline dm_lattice_pair dm_chain_positions(const dm_chain *c) {

@@ -10,13 +10,13 @@ typedef struct {
 
 /* one coordinate on its way through a pass */
 typedef struct {
-    dm_strip_draft *d;
+    dm_array_loop_draft *d;
     dm_node q0, p0, dq, dp, weight, force;
     int plain;
 } body;
 
 static dm_node number(body *b, uint32_t slot) {
-    return dm_strip_read(b->d, dm_lattice_number(slot));
+    return dm_array_loop_read(b->d, dm_lattice_scalar(slot));
 }
 
 /* *sum += number in the slot times factor */
@@ -54,41 +54,41 @@ static void go_through(body *b, pass what) {
     if (what.again_drift) add_drift(b, AGAIN_DRIFT);
 }
 
-static dm_strand entry(const dm_chain *c, uint32_t first, uint32_t k) {
+static dm_array_ref entry(const dm_chain *c, uint32_t first, uint32_t k) {
     return dm_lattice_entry(&c->lattice, first + k);
 }
 
-static dm_node weight_of(const dm_chain *c, dm_strip_draft *d, uint32_t k) {
+static dm_node weight_of(const dm_chain *c, dm_array_loop_draft *d, uint32_t k) {
     if (c->same_weight == 1.0) return 0;
     if (c->same_weight != 0.0) return dm_constant(d->g, c->same_weight);
-    return dm_strip_read(d, entry(c, c->weight, k));
+    return dm_array_loop_read(d, entry(c, c->weight, k));
 }
 
 static void write_body(const dm_chain *c, body *b, pass what, uint32_t k) {
     const dm_node q = c->plain ? b->q0 : dm_add(b->d->g, b->q0, b->dq);
-    dm_strip_write(b->d, entry(c, c->q, k), q);
+    dm_array_loop_write(b->d, entry(c, c->q, k), q);
     if (!c->plain) {
-        dm_strip_write(b->d, entry(c, c->dq, k), b->dq);
-        dm_strip_write(b->d, entry(c, c->dp, k), b->dp);
+        dm_array_loop_write(b->d, entry(c, c->dq, k), b->dq);
+        dm_array_loop_write(b->d, entry(c, c->dp, k), b->dp);
     }
     if (!what.end && !c->plain) return;
-    dm_strip_write(b->d, entry(c, c->q0, k), b->q0);
-    dm_strip_write(b->d, entry(c, c->p0, k), b->p0);
+    dm_array_loop_write(b->d, entry(c, c->q0, k), b->q0);
+    dm_array_loop_write(b->d, entry(c, c->p0, k), b->p0);
 }
 
 static void read_body(const dm_chain *c, body *b, uint32_t k) {
-    b->q0 = dm_strip_read(b->d, entry(c, c->q0, k));
-    if (!c->plain) b->dq = dm_strip_read(b->d, entry(c, c->dq, k));
-    b->p0 = dm_strip_read(b->d, entry(c, c->p0, k));
-    if (!c->plain) b->dp = dm_strip_read(b->d, entry(c, c->dp, k));
+    b->q0 = dm_array_loop_read(b->d, entry(c, c->q0, k));
+    if (!c->plain) b->dq = dm_array_loop_read(b->d, entry(c, c->dq, k));
+    b->p0 = dm_array_loop_read(b->d, entry(c, c->p0, k));
+    if (!c->plain) b->dp = dm_array_loop_read(b->d, entry(c, c->dp, k));
 }
 
-static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
+static dm_status make_pass(dm_chain *c, dm_array_loop *out, pass what) {
     const dm_source *from = c->lattice.source;
-    dm_node F[DM_STRIP_MOST];
-    dm_strip_draft d;
-    if (c->lattice.block > DM_STRIP_MOST) return DM_TOO_LARGE;
-    if (!dm_strip_begin(&d, from->arena)) return DM_NO_MEMORY;
+    dm_node F[DM_ARRAY_LOOP_MOST];
+    dm_array_loop_draft d;
+    if (c->lattice.block > DM_ARRAY_LOOP_MOST) return DM_TOO_LARGE;
+    if (!dm_array_loop_begin(&d, from->arena)) return DM_NO_MEMORY;
     dm_graph_verbatim(d.g, 1);
     if (what.kick || what.again_kick) dm_lattice_force(&c->lattice, &d, F);
     for (uint32_t k = 0; k < c->lattice.block; k++) {
@@ -97,17 +97,17 @@ static dm_status make_pass(dm_chain *c, dm_strip *out, pass what) {
         go_through(&b, what);
         write_body(c, &b, what, k);
     }
-    return dm_strip_end(out, &d, from->compile, from->arena);
+    return dm_array_loop_end(out, &d, from->compile, from->arena);
 }
 
 /* ---- loops ---- */
 
 /* all passes or none: they differ in where positions are */
-static int join(dm_chain *c) {
-    dm_strip *const all[] = {c->middle, c->turn, c->stop};
+static int fuse(dm_chain *c) {
+    dm_array_loop *const all[] = {c->middle, c->turn, c->stop};
     for (int k = 0; k < 3; k++)
         if (all[k]->one.outputs &&
-            dm_lattice_join(&c->lattice, all[k] + 1, all[k], dm_chain_positions(c)) != DM_OK)
+            dm_lattice_fuse(&c->lattice, all[k] + 1, all[k], dm_chain_positions(c)) != DM_OK)
             return 0;
     return 1;
 }
@@ -124,7 +124,7 @@ static dm_status make_passes(dm_chain *c) {
     if (status == DM_OK && (kicks || c->last > c->first)) status = make_pass(c, c->middle, middle);
     if (status == DM_OK && c->first) status = make_pass(c, c->turn, turn);
     if (status == DM_OK && c->first && !kicks) status = make_pass(c, c->lead, lead);
-    c->joined = status == DM_OK && join(c);
+    c->fused = status == DM_OK && fuse(c);
     return status;
 }
 

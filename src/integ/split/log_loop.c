@@ -133,9 +133,9 @@ static int read_pulls(dm_log_loop *l, const dm_model *m) {
     const dm_source *s = &m->source;
     dm_node *out = dm_arena_take(s->arena, m->n * sizeof *out);
     if (!out) return 0;
-    for (uint32_t i = 0; i < m->n; i++) out[i] = dm_div(s->graph, s->gradient[i], s->well);
+    for (uint32_t i = 0; i < m->n; i++) out[i] = dm_div(s->graph, s->gradient[i], s->potential);
     if (!dm_kicks_read(&l->kicks, m, out, 1)) return 0;
-    dm_compact(s->graph, &s->well, 1, &l->well);
+    dm_compact(s->graph, &s->potential, 1, &l->well);
     return dm_graph_status(s->graph) == DM_OK;
 }
 

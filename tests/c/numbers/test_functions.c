@@ -203,19 +203,19 @@ static void along_an_array_at(dm_processor_level level) {
     static const double fixed[8] = {0.0};
     random_source r = {7};
     dm_arena arena = new_arena();
-    dm_strip_draft d;
-    dm_strip s;
+    dm_array_loop_draft d;
+    dm_array_loop s;
     (void)level;
-    CHECK(dm_strip_begin(&d, &arena));
-    const dm_node root = dm_strip_read(&d, (dm_strand){DM_STRAND_MAIN, 0});
-    dm_strip_write(&d, (dm_strand){DM_STRAND_MAIN, COUNT}, dm_apply(d.g, DM_OP_EXP, root, 0, 0));
-    CHECK(dm_strip_end(&s, &d, dm_native_build, &arena) == DM_OK);
+    CHECK(dm_array_loop_begin(&d, &arena));
+    const dm_node root = dm_array_loop_read(&d, (dm_array_ref){DM_ARRAY_MAIN, 0});
+    dm_array_loop_write(&d, (dm_array_ref){DM_ARRAY_MAIN, COUNT}, dm_apply(d.g, DM_OP_EXP, root, 0, 0));
+    CHECK(dm_array_loop_end(&s, &d, dm_native_build, &arena) == DM_OK);
     for (int i = 0; i < COUNT; i++)
         x[i] = i < 2 * HARD ? (i % 2 ? 1.0 : 720.0) * hard[i / 2]
                : i % 3      ? random_between(&r, -750.0, 715.0)
                : i % 2      ? random_double(&r)
                             : random_between(&r, -0.1, 0.1);
-    dm_strip_run(&s, (dm_strip_bases){x, x, fixed}, COUNT);
+    dm_array_loop_run(&s, (dm_array_bases){x, x, fixed}, COUNT);
     for (int i = 0; i < COUNT; i++) CHECK(same_bits(x[COUNT + i], dm_exp(x[i])));
     dm_arena_release(&arena);
 }
