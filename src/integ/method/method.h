@@ -43,8 +43,8 @@ typedef struct dm_method {
     /* nodes and quadrature of a stage rule, whose step has a discrete Lagrangian (s = 0: with
      * these arguments there is none); NULL: another kind */
     void (*basis)(struct dm_galerkin *out, const dm_rule *rule);
-    /* kicks and drifts with which it steps L = T(v) - V(q, t), 0: with these arguments it has
-     * none; NULL: another kind */
+    /* kicks and drifts with which it steps L = T(v) - V(q, t), into *out unless that is NULL; 0:
+     * with these arguments it has none. NULL: another kind */
     int (*splitting)(struct dm_splitting *out, const dm_rule *rule);
 } dm_method;
 

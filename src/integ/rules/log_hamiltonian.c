@@ -29,9 +29,8 @@ static const dm_rule *inner(const dm_rule *rule) {
  * L is not */
 static int is_composition(const dm_rule *rule) {
     const dm_method *m = rule->method;
-    dm_splitting table;
     return m && m->splitting && m->traits & DM_SYMMETRIC && m->engine != &dm_engine_splitting &&
-           !dm_rule_check(rule) && m->splitting(&table, rule);
+           !dm_rule_check(rule) && m->splitting(NULL, rule);
 }
 
 static const char *check(const dm_rule *rule) {

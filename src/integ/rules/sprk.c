@@ -133,7 +133,7 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
 static int splitting(dm_splitting *out, const dm_rule *rule) {
     const dm_sprk *data = rule->data;
     if (!data || !data->split) return 0;
-    *out = data->table;
+    if (out) *out = data->table;
     return 1;
 }
 

@@ -28,7 +28,7 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
 static int splitting(dm_splitting *out, const dm_rule *rule) {
     static const dm_splitting kick_drift = {2, {0.0, 1.0, 0.0}, {0.0, 1.0}};
     static const dm_splitting drift_kick = {1, {0.0, 1.0}, {1.0}};
-    *out = takes_end(rule) ? drift_kick : kick_drift;
+    if (out) *out = takes_end(rule) ? drift_kick : kick_drift;
     return 1;
 }
 

@@ -21,9 +21,8 @@ int dm_splitting_fits(const dm_model *m) {
 }
 
 int dm_splitting_steps(const dm_rule *rule, const dm_model *m) {
-    dm_splitting table;
     const dm_method *method = rule->method;
-    return dm_splitting_fits(m) && method->splitting && method->splitting(&table, rule);
+    return dm_splitting_fits(m) && method->splitting && method->splitting(NULL, rule);
 }
 
 void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {

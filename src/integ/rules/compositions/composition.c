@@ -26,8 +26,9 @@ static double palindrome(const double *given, int stride, int known, int count, 
     return (1.0 - 2.0 * sum) / (count - 2 * known);
 }
 
-static double gamma_of(const dm_scheme *s, int i) {
-    return palindrome(s->half, 1, (s->stages - 1) / 2, s->stages, i);
+static void lay_gamma(double *gamma, const dm_scheme *s) {
+    for (int i = 0; i < s->stages; i++)
+        gamma[i] = palindrome(s->half, 1, (s->stages - 1) / 2, s->stages, i);
 }
 
 /* the kind that comes first has stages + 1 entries, at even places of the half table; the other
@@ -57,9 +58,9 @@ static const dm_rule *base_rule(const dm_rule *rule) {
 int dm_composition_splitting(dm_splitting *out, const dm_rule *rule) {
     const dm_scheme *s = find(rule);
     double gamma[DM_SPLITTING_STAGES];
-    if (named_base(rule)) return 0;
+    if (named_base(rule) || !out) return !named_base(rule);
     if (s->kind != DM_GAMMA) return lay_alternating(out, s), 1;
-    for (int i = 0; i < s->stages; i++) gamma[i] = gamma_of(s, i);
+    lay_gamma(gamma, s);
     dm_splitting_compose(out, gamma, s->stages);
     return 1;
 }
@@ -109,10 +110,11 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return dm_rule_engine(base_rule(rule), m)->wants(base_rule(rule), m);
 }
 
-/* the stepper of the base, a copy of the state to go back to, the workspace of the base */
+/* workspace: this, the state at the start of the step, the workspace of the base */
 typedef struct {
     dm_stepper base;
-    double *before;
+    int stages;
+    double gamma[DM_SPLITTING_STAGES], *before;
 } layout;
 
 static size_t head(void) {
@@ -130,7 +132,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
 
 static dm_status open(dm_stepper *s) {
     layout *l = (layout *)(void *)s->work;
-    *l = (layout){.base = *s, .before = s->work + head()};
+    *l = (layout){.base = *s, .stages = find(s->rule)->stages, .before = s->work + head()};
+    lay_gamma(l->gamma, find(s->rule));
     l->base.rule = base_rule(s->rule);
     l->base.work = l->before + dm_state_size(s->model->n);
     return dm_stepper_open(&l->base);
@@ -142,12 +145,11 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
 
 /* one step of the base for every gamma; a failing one takes the whole step back */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
-    const dm_scheme *scheme = find(s->rule);
     layout *l = (layout *)(void *)s->work;
     const size_t bytes = dm_state_size(s->model->n) * sizeof *state;
     memcpy(l->before, state, bytes);
-    for (int i = 0; i < scheme->stages; i++) {
-        const double part = gamma_of(scheme, i) * h;
+    for (int i = 0; i < l->stages; i++) {
+        const double part = l->gamma[i] * h;
         const dm_status status = l->base.engine->step(&l->base, state, t, part);
         t += part;
         s->report = l->base.report;

@@ -82,9 +82,10 @@ static void place(layout *e, const double *state, uint32_t i, double h) {
     const size_t n = e->m->n;
     const double *row = e->table->a + i * e->table->stages;
     double *x = e->x;
+    const double *slope = e->slope;
     for (size_t k = 0; k < 2 * n; k++) x[k] = state[2 * n + k];
-    for (uint32_t j = 0; j < i; j++) {
-        const double a = h * row[j], *slope = e->slope + j * 2 * n;
+    for (uint32_t j = 0; j < i; j++, slope += 2 * n) {
+        const double a = h * row[j];
         if (a == 0.0) continue;
         for (size_t k = 0; k < 2 * n; k++) x[k] += a * slope[k];
     }
@@ -123,8 +124,9 @@ static dm_status finish(layout *e, double *state, double h) {
     double sum = 0.0; /* 0 * infinity is NaN */
     memcpy(e->next, state, 4 * (size_t)n * sizeof *state);
     for (uint32_t k = 0; k < 2 * n; k++) {
+        const double *slope = e->slope + k;
         double change = 0.0;
-        for (uint32_t i = 0; i < stages; i++) change += b[i] * e->slope[i * 2 * (size_t)n + k];
+        for (uint32_t i = 0; i < stages; i++, slope += 2 * n) change += b[i] * *slope;
         dm_sum_add(e->next + k, e->next + 2 * n + k, h * change);
         sum += 0.0 * e->next[k];
     }
