@@ -15,7 +15,6 @@ return {
   -- files over the limit of length: file, "long", why
   files = {
     { "src/integ/stage/stage_inside.h", "long", "the one struct of the stage solver" },
-    { "src/code/implicit/implicit_solve.c", "long", "one method, from its starts to what is known of a root" },
   },
   -- examples without a chart of rules: name, why
   charts = {

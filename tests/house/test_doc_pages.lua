@@ -82,8 +82,8 @@ for _, file in ipairs(pages) do
 end
 house.check("no prose of the docs is wider than 100 columns", wide)
 
--- ---- links, and files in backquotes: by their path, or the end of it
-local known = {}
+-- ---- links; files in backquotes, by their path or the end of it; names of C
+local known, C = {}, house.output "cat $(find src -name '*.[chd]*')"
 for _, file in ipairs(house.lines "find src lua tests examples docs .ci Makefile -type f") do
   while file do known[file], file = true, file:match "^[^/]*/(.*)$" end
 end
@@ -99,6 +99,11 @@ for _, file in ipairs(pages) do
   for name in text[file]:gsub("New file `[^`]*`", ""):gmatch "`([%w_/]+%.%l+)`" do
     local source = name:find "%.[ch]$" or name:find "%.lua$" or name:find "%.def$"
     if source and not known[name] and not is_history(file) then
+      lost[#lost + 1] = file .. " names " .. name
+    end
+  end
+  for name in text[file]:gsub("```.-```", ""):gmatch "`([dD][mM][lL]?_[%w_]+)" do
+    if not C:find("%f[%w_]" .. name .. "%f[^%w_]") and not is_history(file) then
       lost[#lost + 1] = file .. " names " .. name
     end
   end

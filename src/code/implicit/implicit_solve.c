@@ -1,7 +1,8 @@
 /* implicit_solve.c - damped Newton's method with the natural monotonicity test (Deuflhard 2004,
  * 3.3): a step is short enough when the increment that its end asks for, with the same matrix,
  * is shorter than the step's own. That test does not depend on how the equations are scaled. The
- * matrix is inverted: the inverse is wanted at the root anyway. */
+ * matrix is inverted: the inverse is wanted at the root anyway. Long because it is one method, from
+ * its starts to what is known of a root. */
 #include "code/implicit/implicit_solve.h"
 
 #include "base/largest.h"
