@@ -37,6 +37,11 @@ static inline void dm_kernel_remember(const dm_kernel *k, int on) {
     if (k->memory_size) k->memory[k->memory_size - 1] = on;
 }
 
+/* Which outputs of the kernel are constants: matrices of a step are laid out without those that
+ * are zero, so every backend must tell. k->outputs is set; the roots are those that eval is made
+ * of, after compaction. 0: no memory. */
+int dm_kernel_report_fixed(dm_kernel *k, const dm_graph *g, const dm_node *roots, dm_arena *arena);
+
 static inline void dm_kernel_prepare(const dm_kernel *k, double *out) {
     dm_kernel_remember(k, 0);
     for (uint32_t i = 0; k->fixed && i < k->outputs; i++)

@@ -147,7 +147,9 @@ dm_status dml_cc_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32
                        .outputs = m,
                        .operations = operations,
                        .backend = "cc"};
-    return DM_OK;
+    dm_node *compact = dm_arena_take(dm_graph_arena(g), m * sizeof *compact);
+    dm_graph *small = compact ? dm_compact_graph(g, roots, m, compact) : NULL;
+    return small && dm_kernel_report_fixed(out, small, compact, arena) ? DM_OK : DM_NO_MEMORY;
 }
 
 dm_status dml_cc_or_tape(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,

@@ -266,19 +266,6 @@ static dm_status place_code(const void **at, dm_emitter *e, dm_arena *arena) {
     return dm_code_place(at, begin, e->code.size - FRONT + before.size, arena);
 }
 
-static int report_fixed(dm_kernel *k, const dm_graph *g, const dm_node *roots, dm_arena *arena) {
-    uint8_t *fixed = dm_arena_take(arena, k->outputs);
-    double *constant = dm_arena_take(arena, k->outputs * sizeof *constant);
-    if (!fixed || !constant) return 0;
-    for (uint32_t i = 0; i < k->outputs; i++) {
-        constant[i] = 0.0;
-        fixed[i] = (uint8_t)dm_is_constant(g, roots[i], constant + i);
-    }
-    k->fixed = fixed;
-    k->constant = constant;
-    return 1;
-}
-
 /* displacements are 32 bits: a frame, a pool or an output beyond goes to the tape */
 static int is_too_large(const dm_plan *plan, uint32_t inputs, uint32_t lanes) {
     const uint64_t most = (uint64_t)plan->end + plan->m + inputs;
@@ -299,7 +286,7 @@ dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots, 
     if (!scratch || !dm_plan_make(&plan, g, roots, m, scratch)) return DM_NO_MEMORY;
     if (is_too_large(&plan, k.inputs, lanes)) return DM_NO_NATIVE;
     if (!dm_emit_open(&e, g, &plan, lanes) || !(pool = dm_pool_make(&e, g, arena)) ||
-        !report_fixed(&k, g, roots, arena))
+        !dm_kernel_report_fixed(&k, g, roots, arena))
         return DM_NO_MEMORY;
     open_code(&e.code, plan.count);
     if (e.code.failed) return DM_NO_MEMORY;

@@ -321,21 +321,15 @@ static int make_moves(dm_kernel *out, tape *t, const builder *w, const dm_node *
     const size_t m = out->outputs;
     uint32_t *from = dm_arena_take(arena, m * sizeof *from);
     uint32_t *to = dm_arena_take(arena, m * sizeof *to);
-    uint8_t *fixed = dm_arena_take(arena, m);
-    double *constant = dm_arena_take(arena, m * sizeof *constant);
-    if (!from || !to || !fixed || !constant) return 0;
+    if (!from || !to || !dm_kernel_report_fixed(out, w->g, roots, arena)) return 0;
     t->from = from;
     t->to = to;
     t->moves = 0;
     for (uint32_t i = 0; i < m; i++) {
-        constant[i] = 0.0;
-        fixed[i] = (uint8_t)dm_is_constant(w->g, roots[i], constant + i);
-        if (fixed[i]) continue;
+        if (out->fixed[i]) continue;
         from[t->moves] = w->d[roots[i]].place;
         to[t->moves++] = i;
     }
-    out->fixed = fixed;
-    out->constant = constant;
     return 1;
 }
 
