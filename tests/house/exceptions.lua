@@ -30,8 +30,5 @@ return {
   },
   -- decisions by the name of a rule or a group: file, names, why
   decisions = {
-    { "lua/dm/reduce/discrete/init.lua", "midpoint trapezoidal", "they make an Ld of L alone" },
-    { "lua/dm/reduce/routh/rsprk.lua", "rk4 rk8 rk8pd rkf45", "which rules are explicit" },
-    { "lua/dm/reduce/discrete/tableau.lua", "lobatto", "which rules have nodes at the ends" },
   },
 }

@@ -23,7 +23,8 @@ static void set_traits(lua_State *L, unsigned traits) {
     } known[] = {{"symmetric", DM_SYMMETRIC},
                  {"symplectic", DM_SYMPLECTIC},
                  {"explicit", DM_EXPLICIT},
-                 {"for_pairs", DM_FOR_PAIRS}};
+                 {"for_pairs", DM_FOR_PAIRS},
+                 {"formula", DM_FORMULA}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         lua_pushboolean(L, (traits & known[i].trait) != 0);
         lua_setfield(L, -2, known[i].key);
@@ -82,10 +83,11 @@ static int rules(lua_State *L) {
 static const dml_row functions[] =
     {{"rules", rules,
       "dm.rules() -> table of {name, signature, doc, order, stages, cost, symmetric, symplectic, "
-      "explicit, for_pairs, instances}\n"
+      "explicit, for_pairs, formula, instances}\n"
       "Every rule that a solver can use. order and stages as formulas, cost a step with n "
-      "coordinates; instances: {rule, order, stages, forces, symmetric, symplectic ...}, rules on "
-      "which all this is measured by the tests (forces a step when L = T(v) - V(q), 0 where the "
+      "coordinates; formula: its discrete Lagrangian is a formula in L; instances: {rule, order, "
+      "stages, forces, symmetric, symplectic ...}, rules on which all this is measured by the "
+      "tests (forces a step when L = T(v) - V(q), 0 where the "
       "rule stays implicit)."},
      {NULL, NULL, NULL}};
 

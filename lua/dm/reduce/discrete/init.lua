@@ -249,12 +249,19 @@ for dm.solver.]])
 
 ---- its maker ----
 
+-- its Ld is a formula in L: midpoint, trapezoidal
+local function is_formula(rule)
+  for _, row in ipairs(core.rules()) do
+    if row.name == rule then return row.formula end
+  end
+end
+
 -- forces have no place in a formula; constraints have one at its nodes, and rules with stages
 -- inside
 local function check_constraints(info, given)
   local full, rule = info.full.given, type(given) == "table" and tostring(given.rule)
   local tied = full.constraint and not full.force
-  if tied and (not rule or rule == "midpoint" or rule == "trapezoidal") then return end
+  if tied and (not rule or is_formula(rule)) then return end
   if tied then
     error(("discrete: this system has constraints, and '%s' has them at points inside of its "
       .. "steps, for which shape:solver has the reduced equations; "

@@ -23,7 +23,7 @@ local function root(z, step)
   return z
 end
 
--- nodes in [0, 1]
+-- nodes in [0, 1]; nil where there are too few of them
 local nodes = {}
 
 function nodes.gauss(s)
@@ -41,6 +41,7 @@ end
 -- -1, 1 and the zeros of P'_(s-1), whose second derivative is in Legendre's equation
 function nodes.lobatto(s)
   local c, n = { 0 }, s - 1
+  if n < 1 then return nil end
   for i = 2, s - 1 do
     local z = root(-cos(pi * (i - 1) / n), function(z)
       local p, slope = legendre(n, z)
@@ -91,12 +92,13 @@ function M.read(options)
     name = name:match "^rsprk%((.*)%)$" or name
     local kind, s = name:match "^(%a+)%s*%(%s*(%d+)%s*%)$"
     s = s and math.tointeger(tonumber(s))
-    if not nodes[kind] or s < (kind == "lobatto" and 2 or 1) or s > 12 then
+    local c = nodes[kind] and s > 0 and s <= 12 and nodes[kind](s)
+    if not c then
       error(("the rule must be gauss(s) or lobatto(s) with up to 12 stages, or give its "
         .. "coefficients a and b (got %s)")
         :format(tostring(options.rule)), 0)
     end
-    a, b = collocation(nodes[kind](s))
+    a, b = collocation(c)
   elseif type(a) ~= "table" or type(b) ~= "table" then
     error("give the rule, \"gauss(s)\" or \"lobatto(s)\", or its coefficients a (rows) and b", 0)
   end

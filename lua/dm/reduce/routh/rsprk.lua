@@ -1,14 +1,19 @@
 --- rsprk(rule): the reduced symplectic partitioned Runge-Kutta rule of Leok 2.5 on a reduced
 -- system. In the variables (x, p), p = s + mu A(x), it is the rule itself on the classical
 -- Routhian, so that is what steps; paths hold p, and shape:magnetic_momentum gives s.
+local core = require "dm.core"
 local blame = require "dm.base.blame"
 local lists = require "dm.base.lists"
 local routh = require "dm.reduce.routh"
 
 local M = {}
 
--- no partitioned rule makes these symplectic (Leok 2.4.2)
-local NONE = { rk4 = true, rkf45 = true, rk8pd = true, rk8 = true }
+-- explicit Runge-Kutta methods: no partitioned rule makes them symplectic (Leok 2.4.2)
+local function is_hopeless(name)
+  for _, row in ipairs(core.rules()) do
+    if row.name == name then return row.explicit and not row.symplectic end
+  end
+end
 
 -- "gauss(2)" of "rsprk(gauss(2))" and "rsprk(gauss, 2)"
 local function inner(text)
@@ -17,7 +22,7 @@ local function inner(text)
     error(("rule '%s': write rsprk(rule) with the name of a rule, for instance \"rsprk(gauss(2))\"")
       :format(text), 0)
   end
-  if NONE[inside:match "^%s*([%w]+)"] then
+  if is_hopeless(inside:match "^%s*([%w]+)") then
     error(("rule '%s': %s is not symplectic, so it is no reduced symplectic rule; shape:solver { "
       .. "rule = \"%s\" } steps the shape with it")
       :format(text, inside, inside), 0)
