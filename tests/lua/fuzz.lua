@@ -179,8 +179,7 @@ local function note(text)
   log:flush()
 end
 -- a short word for an argument, without calling anything of it
-local shown
-function shown(x, depth)
+local function shown(x, depth)
   local kind = math.type(x) or type(x)
   if kind == "string" then return ("%q"):format(x:sub(1, 20)) end
   if kind == "table" and depth < 2 and getmetatable(x) == nil then

@@ -59,7 +59,7 @@ local function group_momentum(group)
   end
 end
 
-local function ties(system)
+local function constraint_error(system)
   local s = system:structure()
   local what = s.constraints > 0 and "constraint" or s.rolling > 0 and "rolling"
   if not what then fail("error = \"constraint\": the system has none") end
@@ -84,7 +84,7 @@ function M.make(system, what)
     return function(path) return change(path:energy()) end, "energy", false
   end
   if what == "momentum" then return cyclic_momenta(system), "momentum", false end
-  if what == "constraint" then return ties(system), "constraint", false end
+  if what == "constraint" then return constraint_error(system), "constraint", false end
   if is_space(what) then return group_momentum(what), "momentum of " .. tostring(what), false end
   if type(what) == "table" and type(what[1]) == "function" then
     return function(path) return change(path:column "watched") end, "change of what is watched",

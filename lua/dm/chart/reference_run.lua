@@ -9,7 +9,7 @@ local M = {}
 local abs, max = math.abs, math.max
 
 -- the methods in the order of preference; each must be able to step the system
-local ROADS = { { "gauss(8)", 16 }, { "sofroniou-spaletta(10)", 10 }, { "rk8", 8 },
+local METHODS = { { "gauss(8)", 16 }, { "sofroniou-spaletta(10)", 10 }, { "rk8", 8 },
   { "lobatto(6)", 10 }, { "gauss(6)", 12 },
   { "degenerate(4)", 8 }, { "degenerate(3)", 6 } }  -- for L linear in v
 local HALVINGS = 14
@@ -65,7 +65,7 @@ end
 
 local TRUSTED = 1e-7  -- two references further apart than this are none
 
---- The reference of a chart: path, absolute distance to the second road, a sentence.
+--- The reference of a chart: path, absolute distance to the second method, a sentence.
 function M.find(chart)
   local given = chart.options.reference
   if given ~= nil then
@@ -77,11 +77,11 @@ function M.find(chart)
       :format(tostring(given.rule), given.h)
   end
   local found, why = {}, nil
-  for _, road in ipairs(ROADS) do
-    local path, change = refine(chart, road[1])
+  for _, method in ipairs(METHODS) do
+    local path, change = refine(chart, method[1])
     why = why or not path and type(change) == "string" and change
     if path and #found < 2 then
-      found[#found + 1] = { rule = road[1], path = path, change = change }
+      found[#found + 1] = { rule = method[1], path = path, change = change }
     end
     if #found == 2 then break end
   end

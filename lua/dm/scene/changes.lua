@@ -67,9 +67,9 @@ local function constrained(model, k, g, why)
   end
   return #free > 1 and model:changed(("%s as a constraint, %s")
     :format(model_of.text_of(problem, g), why), function(m)
-    m.ties[#m.ties + 1] = function(q, t) return g(q, problem.v, t) end
-    m.tie_depends = { table.unpack(m.tie_depends or {}) }
-    m.tie_depends[#m.tie_depends + 1] = depends[1]
+    m.constraints[#m.constraints + 1] = function(q, t) return g(q, problem.v, t) end
+    m.constraints_depend = { table.unpack(m.constraints_depend or {}) }
+    m.constraints_depend[#m.constraints_depend + 1] = depends[1]
     m.active[k] = false
   end) or nil
 end

@@ -65,9 +65,9 @@ local function take_apart(problem)
     end
   end
   if given.constraint then
-    problem.ties = function(q, t) return given.constraint(q, t, given.params) end
-    problem.tie_depends =
-      core.trace(function(q, t) return core.vector(entries(problem.ties(q, t))) end, n,
+    problem.constraint = function(q, t) return given.constraint(q, t, given.params) end
+    problem.constraint_depends =
+      core.trace(function(q, t) return core.vector(entries(problem.constraint(q, t))) end, n,
       "number"):depends()[1]
   end
   if #problem.units > MOST_TERMS then problem.units = nil end
@@ -103,7 +103,8 @@ end
 
 --- The system as it is given.
 function M.given(problem)
-  local model = setmetatable({ problem = problem, active = {}, keep = {}, value = {}, ties = {},
+  local model = setmetatable({ problem = problem, active = {}, keep = {}, value = {},
+    constraints = {},
     steps = {},
     untouched = true }, M)
   for k = 1, #(problem.units or {}) do model.active[k] = true end
@@ -121,7 +122,7 @@ end
 function M:changed(words, change)
   local out = setmetatable({ problem = self.problem, active = copied(self.active),
     keep = copied(self.keep), value = copied(self.value),
-    ties = copied(self.ties), steps = copied(self.steps) }, M)
+    constraints = copied(self.constraints), steps = copied(self.steps) }, M)
   out.steps[#out.steps + 1] = words
   change(out)
   return out
@@ -212,11 +213,13 @@ end
 
 local function constraint(self, q_of)
   local problem = self.problem
-  if not problem.ties and #self.ties == 0 then return nil end
+  if not problem.constraint and #self.constraints == 0 then return nil end
   return function(x, t)
     local q, out = q_of(x), {}
-    for _, g in ipairs(problem.ties and entries(problem.ties(q, t)) or {}) do out[#out + 1] = g end
-    for _, tie in ipairs(self.ties) do out[#out + 1] = tie(q, t) end
+    for _, g in ipairs(problem.constraint and entries(problem.constraint(q, t)) or {}) do
+      out[#out + 1] = g
+    end
+    for _, g in ipairs(self.constraints) do out[#out + 1] = g(q, t) end
     return core.vector(out)
   end
 end
@@ -250,14 +253,15 @@ local function build(self)
   if self.untouched then return problem.system, start_of(self, problem.project) end
   if self.base then return build_reduced(self) end
   local q_of, v_of = embedding(self)
-  local tied = constraint(self, q_of)
+  local constrained = constraint(self, q_of)
   local whole = #self:kept() == problem.n
   local system = core.system { Q = whole and problem.given.Q or core.R(#self:kept()),
     L = lagrangian(self, q_of, v_of),
-    force = force(self, q_of, v_of), constraint = tied, coordinates = left(self, problem.names),
+    force = force(self, q_of, v_of), constraint = constrained,
+    coordinates = left(self, problem.names),
     units = problem.given.units,
     name = problem.given.name }
-  return system, start_of(self, tied and true or nil)
+  return system, start_of(self, constrained and true or nil)
 end
 
 -- what is watched, as functions of the state of the model; momenta are those of the system as given

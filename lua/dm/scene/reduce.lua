@@ -31,8 +31,10 @@ local function spread(model, reached)
         join(function(i) return unit.depends[1][i] or unit.depends[2][i] end, unit.row)
       end
     end
-    if problem.ties then join(function(i) return problem.tie_depends[i] end) end
-    for _, tie in ipairs(model.tie_depends or {}) do join(function(i) return tie[i] end) end
+    if problem.constraint then join(function(i) return problem.constraint_depends[i] end) end
+    for _, depends in ipairs(model.constraints_depend or {}) do
+      join(function(i) return depends[i] end)
+    end
   end
 end
 
@@ -103,7 +105,7 @@ local function pays(model, than)
     or (s0.forced and not s.forced)
 end
 
-local ROADS = { "gauss(6)", "gauss(4)", "degenerate(3)" }
+local METHODS = { "gauss(6)", "gauss(4)", "degenerate(3)" }
 
 -- error of a model after a part of the time, which often tells enough; nil when it is small
 local function early(search, model, rule, N)
@@ -128,7 +130,7 @@ function M.measure(search, model)
   local problem, why = model.problem, nil
   local N0 = math.min(pilot.first_N(model), COARSE)
   local how = { from = N0, goal = 0.05, times = search.times, seconds = search.seconds / 8 }
-  for _, rule in ipairs(ROADS) do
+  for _, rule in ipairs(METHODS) do
     local err, t = early(search, model, rule, N0)
     if err then return err, ("already at t = %.3g"):format(t) end
     local record, change = pilot.refine(model, rule, how)

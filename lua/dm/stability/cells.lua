@@ -20,7 +20,7 @@ local ROOM = 985                -- by e to this power
 ---- what is watched ----
 
 -- sum of the squares of a constraint
-local function tie_of(given)
+local function constraint_square(given)
   local g = given.constraint
   return function(q, _, t)
     local value, sum = given.params and g(q, t, given.params) or g(q, t), 0
@@ -44,7 +44,7 @@ local function watch_of(map, system)
     out.size = function(q, _, _, p) return q:dot(q) + p:dot(p) end
   end
   if map.options.inside then out.inside = map.options.inside end
-  if given.constraint then out.tie = tie_of(given) end
+  if given.constraint then out.constraint = constraint_square(given) end
   return out, out.y and "y" or out.size and "size" or "energy"
 end
 
@@ -117,14 +117,16 @@ local function base_pass(job, cells, rows)
   local e, stopped = guarded(job, system, o)
   local sums, status, steps = {}, e.status, e.steps
   for _, column in ipairs { name, watch.K and "K" or name, watch.inside and "inside" or name,
-    watch.tie and "tie" or name } do
+    watch.constraint and "constraint" or name } do
     sums[column] = sums[column] or e:summary(column)
   end
-  local tied = system.given.constraint ~= nil or system.given.rolling ~= nil
+  local constrained = system.given.constraint ~= nil or system.given.rolling ~= nil
   for i, cell in ipairs(cells) do
     cell.steps, cell.code, cell.growth = steps[i], status[i], nil
     local class = status[i] == "stopped" and "not run" or classes.look(job.map, cell, sums, i, name)
-    if status[i] ~= "ok" and class ~= "left" then class = classes.of_failure(status[i], tied) end
+    if status[i] ~= "ok" and class ~= "left" then
+      class = classes.of_failure(status[i], constrained)
+    end
     if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then
       class = "no start"
     end

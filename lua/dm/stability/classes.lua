@@ -10,7 +10,7 @@ local GROWTH = 1e3
 local JUMP = 10                 -- the same where it has only gone elsewhere
 local STILL = 0.02              -- change of the energy, in parts of its error, of what flew off
 local SIGMA = 5                 -- standard errors of a slope that is one
-local TIE = 1e-6                -- |g| of a constraint that is lost
+local BROKEN = 1e-6             -- |g| of a constraint that is lost
 
 --- Classes: name, whether the motion is lost, what it says.
 M.CLASSES = {
@@ -34,8 +34,8 @@ local FAILED = { not_finite = "blow-up", no_convergence = "no convergence",
   singular = "no convergence", stopped = "not run", no_start = "no start" }
 
 --- The class of a cell whose run ended with this code.
-function M.of_failure(code, tied)
-  if code == "singular" and tied then return "constraint lost" end
+function M.of_failure(code, constrained)
+  if code == "singular" and constrained then return "constraint lost" end
   return FAILED[code] or "no convergence"
 end
 
@@ -87,7 +87,9 @@ function M.look(map, cell, sums, i, name)
   cell.error = finite(max(s.largest[i] - s.first[i], s.first[i] - s.least[i]))
   cell.slope, cell.slope_error = finite(s.slope[i]), finite(s.error[i])
   if sums.inside and not (sums.inside.least[i] > 0) then return "left" end
-  if sums.tie and not (sqrt(sums.tie.largest[i]) < TIE) then return "constraint lost" end
+  if sums.constraint and not (sqrt(sums.constraint.largest[i]) < BROKEN) then
+    return "constraint lost"
+  end
   if name == "y" and cell.code == "ok" and not finite(s.first[i] + s.late[i] + s.early[i]) then
     return "no value"
   end

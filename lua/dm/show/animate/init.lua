@@ -127,7 +127,7 @@ local function check_finite(numbers, path, rows, size, which)
   end
 end
 
-local function is_tied(path)
+local function is_constrained(path)
   local system = type(path) == "userdata" and path.system
   local fine, given = pcall(function() return system.given end)
   return fine and given and given.constraint ~= nil
@@ -144,7 +144,7 @@ local function read(path, options, which)
   end
   check_finite(xyz, path, rows, reader.count * reader.dim, which)
   local rods = reader.rods
-  if not rods and is_tied(path) and reader.count <= 60 then
+  if not rods and is_constrained(path) and reader.count <= 60 then
     rods = points_.held(xyz, reader.count, reader.dim)
   end
   return { points = reader.count, dim = reader.dim, axes = reader.axes, rods = rods or {}, t = t,
