@@ -115,7 +115,11 @@ for name, module in pairs(rows) do
   if owner then class.later("dm." .. owner, method, module) else M.lazy[name] = module end
 end
 for _, module in ipairs(AT_ONCE) do require(module) end
-for name, value in pairs(core) do dm[name] = value end
+-- what stands for modules alone is not seen in dm: its doc begins with "core."
+for name, value in pairs(core) do
+  local doc = core.docs[value]
+  if doc and not doc:find "^core%." then dm[name] = value end
+end
 setmetatable(dm, M)
 
 -- Lua names a function in messages and tracebacks by the module in whose table it finds it: dm.R,

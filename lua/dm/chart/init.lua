@@ -259,7 +259,7 @@ on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method 
 Where no rule is of the kind that preserves nothing, rk8 is measured beside them (chart.rival;
 rivals = false: not), and the table says when it wins. chart:table(), :order(rule),
 :cheapest(error), :pareto(), :plot{}, :csv().
-On Ctrl-C the error's `chart` field has what was measured so far.]]
+On Ctrl-C the error's `chart` field has what was measured so far, which a session keeps as _.]]
 
 -- the options with steps in h: those given, as h or steps, or found
 local function with_steps(system, options)
@@ -282,6 +282,7 @@ local function raise(chart, failure)
   failure = blame.stopped(failure)
   if type(failure) == "table" then failure.chart = chart end
   if blame.is_stop(failure) then
+    failure.path = chart  -- what a session keeps as _, not the run that was stopped
     failure.message = "dm.chart: stopped on request; what is there is in the failure's field chart"
   end
   error(failure, 0)

@@ -1,71 +1,12 @@
---- dm.load: the columns of a csv or npy file as vectors.
+--- dm.load: the columns of a text or npy file as vectors.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local option = require "dm.base.options"
+local text_table = require "dm.data.text_table"
 
 local M = {}
 
 local function fail(file, ...) option.fail("dm.load: " .. file, ...) end
-
----- csv ----
-
--- one field from position `at`: its text and where the next begins
-local function csv_field(line, at)
-  if line:sub(at, at) ~= '"' then
-    local text = line:match("^[^,]*", at)
-    return text, at + #text + 1
-  end
-  local text = ""
-  repeat
-    local part, after = line:match('^"([^"]*)"()', at)
-    if not part then return nil end
-    text, at = text .. part, after
-    local doubled = line:sub(at, at) == '"'
-    if doubled then text = text .. '"' end
-  until not doubled
-  return text, at + 1
-end
-
-local function csv_fields(file, line, number)
-  local fields, at = {}, 1
-  while at <= #line + 1 do
-    local text
-    text, at = csv_field(line, at)
-    if not text then fail(file, "line %d: a quote is not closed", number) end
-    fields[#fields + 1] = text
-  end
-  return fields
-end
-
-local WORDS = { nan = 0 / 0, ["-nan"] = 0 / 0, inf = math.huge, ["-inf"] = -math.huge }
-
-local function csv_number(file, text, number, name)
-  local x = tonumber(text) or WORDS[text:match("^%s*(.-)%s*$"):lower()]
-  if not x then fail(file, "line %d, column %s: not a number: %q", number, name, text) end
-  if x == 0 and text:find "^%s*-" then return -0.0 end
-  return x + 0.0
-end
-
-local function load_csv(file, handle)
-  local line = handle:read("l")
-  if not line then fail(file, "is empty; a line of column names is needed") end
-  local names, columns, number, rows = csv_fields(file, line:gsub("\r$", ""), 1), {}, 1, 0
-  for c in ipairs(names) do columns[c] = {} end
-  for text in handle:lines("l") do
-    number, text = number + 1, text:gsub("\r$", "")
-    if text ~= "" then
-      local fields = csv_fields(file, text, number)
-      if #fields ~= #names then
-        fail(file, "line %d has %d fields, the first line names %d", number, #fields, #names)
-      end
-      rows = rows + 1
-      for c, field in ipairs(fields) do
-        columns[c][rows] = csv_number(file, field, number, names[c])
-      end
-    end
-  end
-  return names, columns
-end
 
 ---- npy ----
 
@@ -120,9 +61,11 @@ end
 
 local doc_load = [[
 dm.load(file) -> table
-Columns of a .csv file (first line: names) or a .npy file, as path:csv and path:npy write them:
-data.columns lists the names, data.q1 is a dm.vector. Raises with the line and the column of what is
-not a number.]]
+Columns of a .npy file or of a text, as path:npy and path:csv write them: data.columns lists the
+names, data.q1 is a dm.vector. In a text commas, semicolons, tabs or blanks stand between the
+fields; blank lines and those that begin with # are skipped. Names are in the first line, or in the
+last comment above the numbers; without names the columns are c1, c2, ... Raises with the line and
+the column of what is not a number.]]
 
 M.load = blame.caller(function(file)
   if type(file) ~= "string" then
@@ -131,7 +74,12 @@ M.load = blame.caller(function(file)
   local is_npy = file:lower():find("%.npy$")
   local handle, why = io.open(file, "rb")
   if not handle then option.fail("dm.load", "cannot open %s", why) end
-  local fine, names, columns = pcall(is_npy and load_npy or load_csv, file, handle)
+  local fine, names, columns
+  if is_npy then
+    fine, names, columns = pcall(load_npy, file, handle)
+  else
+    fine, names, columns = pcall(text_table.read, handle, "dm.load: " .. file)
+  end
   handle:close()
   if not fine then error(names, 0) end
   local data = {}

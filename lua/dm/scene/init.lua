@@ -283,11 +283,10 @@ local function run(scene, options)
 class.method("dm.scene", "run", run, [[
 scene:run([{at=, every=, file=}]) -> path of what is watched
 The chosen model by the chosen rule and step, with as many rows as straight lines between them need,
-as far as there are steps (a picture:
-by rows between steps), or those asked for as in solver:run. Beside all of dm.path it has
-error_estimate: the largest error of what is watched, from pilot runs, a hold-out run and what is
-left of doubt in the reference (where columns have tolerances of their own: in parts of these); and
-model, rule.]])
+as far as there are steps (a picture: by rows between steps), or those asked for as in solver:run.
+Beside all of dm.path it has error_estimate: the largest error of what is watched, from pilot runs,
+a hold-out run and what is left of doubt in the reference (where columns have tolerances of their
+own: in parts of these); and model, rule.]])
 
 class.method("dm.scene", "why", function(scene) return report.why(decide(scene)) end, [[
 scene:why() -> string
@@ -311,8 +310,9 @@ function Scene:__tostring()
   return self.sentence .. ": " .. report.choice(self)
 end
 
-local doc_scene = [[
-dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, symmetry=, rules=, ...} -> dm.scene
+local doc_scene =
+  "dm.scene{system, q=, v= | p=, watch=, tolerance=, until_t=, t0=, symmetry=, rules=, "
+  .. "profile=, seconds=, project=} -> dm.scene\n" .. [[
 The cheapest model and method that deliver what is watched. watch: names of coordinates, momenta
 ("p1") or "energy", name = function(q, v, t, p) ... end, or "picture": every coordinate, to a pixel.
 tolerance: the largest error of each watched number up to the time until_t, in its units, or a table
@@ -324,7 +324,7 @@ dm.rules(), or a list `rules`. All of it is decided by pilot runs against a refe
 methods, and checked at other times and with half the step; where the tolerance cannot be promised,
 scene:run() raises with everything that was measured. profile: a file of scene.profile:save(file):
 costs are then not measured, and the choice is always the same. seconds: CPU time to be spent on
-looking (default 20). project: as in solver:run. scene:run(), scene:why(), scene:animate(file);
+looking (default 20). scene:run(), scene:why(), scene:animate(file);
 scene.candidates, scene.best.]]
 
 M.scene = blame.caller(function(options)

@@ -7,7 +7,14 @@ local text = require "dm.session.text"
 
 local M = {}
 
-local docs, first_line, write = core.docs, text.first_line, text.write
+local docs, first_line = core.docs, text.first_line
+
+local collected = nil  -- lines that are not written yet, where only some of them will be
+
+local function write(...)
+  if not collected then return text.write(...) end
+  for line in table.concat({ ... }):gmatch "[^\n]+" do collected[#collected + 1] = line end
+end
 
 --- Signature -> doc of everything documented.
 function M.docs()
@@ -165,12 +172,27 @@ local OTHER_WORDS = { damping = "friction", damped = "friction", dissipation = "
 
 local PLAIN = { ["é"] = "e", ["è"] = "e", ["ö"] = "oe", ["ä"] = "ae", ["ü"] = "ue" }
 
--- everything that mentions the word; returns how many
-local function mentions(word)
-  local function has(what) return what:lower():find(word, 1, true) end
+-- everything of whose text `has` is true; returns how many
+local function mentions(has)
   local lines = documented(has)
   if #lines > 0 then write(table.concat(lines, "\n")) end
   return #lines + M.rules(has) + M.demos(has) + M.examples(has) + M.failures(has)
+end
+
+local FEW = 8
+
+--- ?word of what has no doc: the first of the places that mention the word, and how many there are.
+function M.first_mentions(word)
+  local pattern = "%f[%w_]" .. word:lower():gsub("%p", "%%%0") .. "%f[^%w_]"
+  local lines = {}
+  collected = lines
+  local fine, count = pcall(mentions, function(what) return what:lower():find(pattern) end)
+  collected = nil
+  if not fine then error(count, 0) end
+  if count == 0 then return M.apropos(word) end
+  write(("%q has no doc of its own; it is mentioned in:"):format(word))
+  for i = 1, math.min(#lines, FEW) do write(lines[i]) end
+  if #lines > FEW then write(("and %d more lines: apropos %q"):format(#lines - FEW, word)) end
 end
 
 M.apropos = blame.caller(function(word)
@@ -179,12 +201,13 @@ M.apropos = blame.caller(function(word)
       :format(word == "" and "none" or type(word)), 0)
   end
   local plain = word:gsub("[\xc3][\x80-\xbf]", PLAIN):lower()
-  if mentions(plain) > 0 then return end
+  local function has(what) return what:lower():find(plain, 1, true) end
+  if mentions(has) > 0 then return end
   local other = OTHER_WORDS[plain] or OTHER_WORDS[plain:match "^(.-)s?$"]
   write(("nothing mentions %q; ?topics lists where to look"):format(word))
   if other then
     write(("but %q is spoken of:"):format(other))
-    mentions(other)
+    mentions(function(what) return what:lower():find(other, 1, true) end)
   end
 end)
 

@@ -59,6 +59,7 @@ local function member(object, name)
   local found
   if object.class then
     found = (methods_of(object.class) or {})[name]
+    if found == nil and type(object.value) == "table" then found = rawget(object.value, name) end
     if found == nil and OWN_FIELDS[object.class] and object.value ~= nil then
       local fine, field = pcall(function() return object.value[name] end)  -- C of ours
       found = fine and field or nil
@@ -95,8 +96,9 @@ end
 
 local function described(value)
   if value == nil then return nil end
-  if type(value) == "userdata" then return { class = class_of(value), value = value } end
-  return { value = value }
+  local class = class_of(value)
+  local is_object = type(value) == "userdata" or type(value) == "table" and methods_of(class)
+  return { class = is_object and class or nil, value = value }
 end
 
 local function normal(object)
@@ -179,11 +181,16 @@ local function add_table(list, seen, value, start, wanted)
   end
 end
 
+-- the fields of an object that is a table
+local function add_own(list, seen, value, start)
+  for name in next, type(value) == "table" and value or {} do add(list, seen, name, start) end
+end
+
 -- names after "fields:" in the doc of a class: "t[i] (number), columns (names); #path rows" -> t,
 -- columns
 local function add_fields(list, seen, class, start)
   local doc = docs[class]
-  local line = type(doc) == "string" and match(doc, "\n%s*fields:([^\n;]*)") or ""
+  local line = type(doc) == "string" and match(doc, "\n%s*fields:([^;]*)") or ""
   line = gsub(gsub(line, "%b()", ""), "%b[]", "")
   for name in gmatch(line, "[%a_][%w_]*") do add(list, seen, name, start) end
 end
@@ -197,7 +204,10 @@ local function members(object, start, with_colon)
     end
   elseif object.class then
     add_table(list, seen, methods_of(object.class), start)
-    if not with_colon then add_fields(list, seen, object.class, start) end
+    if not with_colon then
+      add_fields(list, seen, object.class, start)
+      add_own(list, seen, object.value, start)
+    end
   elseif type(object.value) == "string" then
     add_table(list, seen, string_library, start)
   else

@@ -219,7 +219,7 @@ local function help_name(name)
   if docs["dm." .. name] then return help_name("dm." .. name) end
   local same = of_name(name)
   if same then return write(same) end
-  if not search.about(name) then M.apropos(name) end
+  if not search.about(name) then search.first_mentions(name) end
 end
 
 -- a group: what its elements look like

@@ -20,8 +20,7 @@ function M.classes()
   return classes
 end
 
---- Functions of the table `dm` and its subtables by their full names; `load` asks for the lazy
--- ones.
+--- Functions of the table `dm` and its subtables by their full names, also those not loaded yet.
 function M.functions(dm)
   local found, seen = {}, {}
   local lazy = getmetatable(dm)
@@ -36,6 +35,16 @@ function M.functions(dm)
     end
   end
   walk("dm", dm)
+  return found
+end
+
+--- Functions of the core that stand for modules alone: dm does not show them.
+function M.for_modules()
+  local found = {}
+  for f, doc in pairs(core.docs) do
+    local name = type(f) == "function" and doc:match "^core%.[%w_]+"
+    if name then found[name] = f end
+  end
   return found
 end
 
@@ -54,7 +63,7 @@ function M.text(dm)
     "Made by `make docs` from the docs that `help(x)` prints in the interpreter.\n",
     "## Functions\n",
   }
-  local functions, classes = M.functions(dm), M.classes()
+  local functions, classes, hidden = M.functions(dm), M.classes(), M.for_modules()
   for _, name in ipairs(sorted(functions)) do
     entry(out, "###", name, core.docs[functions[name]] or name)
   end
@@ -66,6 +75,8 @@ function M.text(dm)
         or name)
     end
   end
+  out[#out + 1] = '## For modules\n\nOf `require "dm.core"`; not in `dm`.\n'
+  for _, name in ipairs(sorted(hidden)) do entry(out, "###", name, core.docs[hidden[name]]) end
   return table.concat(out, "\n")
 end
 

@@ -1,5 +1,6 @@
---- Plots in a terminal: every character is a braille cell of 2 x 4 dots.
+--- Plots in a terminal: every character is a cell of 2 x 4 dots, braille where there is Unicode.
 local axis = require "dm.show.axis"
+local characters = require "dm.show.characters"
 local series_ = require "dm.show.series"
 
 local M = {}
@@ -10,10 +11,10 @@ local floor, max, min = math.floor, math.max, math.min
 local DOTS = { { 0x01, 0x02, 0x04, 0x40 }, { 0x08, 0x10, 0x20, 0x80 } }
 local COLOURS = { 34, 31, 32, 33, 36, 35 }  -- ANSI, by series
 
----- canvas: w x h cells, dot (0, 0) at the lower left ----
+---- canvas: w x h cells, dot (0, 0) at the lower left; signs: dm.show.characters ----
 
-local function new_canvas(w, h)
-  return { w = w, h = h, bits = {}, owner = {}, letter = {} }
+local function new_canvas(w, h, signs)
+  return { w = w, h = h, signs = signs, bits = {}, owner = {}, letter = {} }
 end
 
 local function cell(canvas, i, j)
@@ -57,7 +58,7 @@ end
 local function put_bullet(canvas, x, y, owner)
   if x < 0 or y < 0 or x >= 2 * canvas.w or y >= 4 * canvas.h then return end
   local at = cell(canvas, floor(x + 0.5), floor(y + 0.5))
-  canvas.letter[at], canvas.owner[at] = "•", owner
+  canvas.letter[at], canvas.owner[at] = canvas.signs.bullet, owner
 end
 
 -- without colour, letters tell the series apart
@@ -119,7 +120,7 @@ local function canvas_row(canvas, row, colour)
   for column = 0, canvas.w - 1 do
     local at = row * canvas.w + column
     local bits = canvas.bits[at]
-    local text = canvas.letter[at] or bits and utf8.char(0x2800 + bits) or " "
+    local text = canvas.letter[at] or bits and canvas.signs.cell(bits) or " "
     out[#out + 1] = text ~= " " and paint(text, canvas.owner[at], colour) or text
   end
   return (table.concat(out):gsub(" +$", ""))
@@ -137,13 +138,13 @@ local function left_texts(panel, h)
 end
 
 -- the line of the x axis and the texts below it
-local function bottom_lines(panel, w)
+local function bottom_lines(panel, w, signs)
   local line, texts, free = {}, "", 0
-  for i = 1, w do line[i] = "─" end
+  for i = 1, w do line[i] = signs.line end
   for _, tick in ipairs(panel.x.ticks) do
     local at = floor(tick.fraction * (2 * w - 1) + 0.5) // 2
     local start = max(0, at - text_width(tick.text) // 2)
-    if at >= 0 and at < w then line[at + 1] = "┬" end
+    if at >= 0 and at < w then line[at + 1] = signs.tick_below end
     if start >= free then
       texts = texts .. (" "):rep(start - text_width(texts)) .. tick.text
       free = text_width(texts) + 1
@@ -152,12 +153,12 @@ local function bottom_lines(panel, w)
   return table.concat(line), texts
 end
 
-local function legend(panel, colour)
+local function legend(panel, colour, signs)
   if not panel.legend then return nil end
   local parts = {}
   for i, s in ipairs(panel.series) do
-    local mark = colour and "⠒⠒" or i <= 26 and string.char(96 + i) or "-"
-    parts[i] = paint(mark .. " " .. s.name, i, colour)
+    local mark = colour and signs.stroke or i <= 26 and string.char(96 + i) or "-"
+    parts[i] = paint(mark .. " " .. signs.text(s.name), i, colour)
   end
   return table.concat(parts, "   ")
 end
@@ -170,12 +171,15 @@ local function fit(panel, w, h)
   return max(4, math.ceil((x[2] - x[1]) / scale / 2)), max(2, math.ceil((y[2] - y[1]) / scale / 4))
 end
 
-local function make_axes(panel, w, h)
+local function make_axes(panel, w, h, signs)
   local x, y = panel.xrange, panel.yrange
   local lox, hix, loy, hiy = x[1], x[2], y[1], y[2]
   if panel.equal then lox, hix, loy, hiy = axis.equal(x, y, 2 * w - 1, 4 * h - 1) end
   panel.x = axis.new(lox, hix, max(3, w // 12), panel.logx)
   panel.y = axis.new(loy, hiy, max(3, h // (panel.logy and 2 or 4)), panel.logy)
+  for _, a in ipairs { panel.x, panel.y } do
+    for _, tick in ipairs(a.ticks) do tick.text = signs.text(tick.text) end
+  end
 end
 
 local function fill(canvas, panel)
@@ -192,27 +196,29 @@ end
 -- @param room { width =, height = of the whole in characters, colour = boolean }
 function M.lines(panel, room)
   local w, h = fit(panel, max(8, room.width - 12), max(3, room.height - 5))
-  make_axes(panel, w, h)
-  local canvas = new_canvas(w, h)
+  local signs = characters.here()
+  make_axes(panel, w, h, signs)
+  local canvas = new_canvas(w, h, signs)
   canvas.letters = not room.colour and #panel.series > 1 and panel.legend ~= false
   fill(canvas, panel)
   local texts, margin = left_texts(panel, h)
   local indent = (" "):rep(margin + 1)
   local out = {}
   local function add(line) if line then out[#out + 1] = line end end
-  add(panel.title and centred(panel.title, w + margin + 1))
-  add(legend(panel, room.colour))
-  local caption = axis.caption(panel.y, panel.ylabel, panel.yunit)
+  add(panel.title and centred(signs.text(panel.title), w + margin + 1))
+  add(legend(panel, room.colour, signs))
+  local caption = signs.text(axis.caption(panel.y, panel.ylabel, panel.yunit))
   add(caption ~= "" and caption)
   for row = 0, h - 1 do
     local text = texts[row] or ""
     local pad = (" "):rep(margin - text_width(text))
-    add(pad .. text .. (texts[row] and "┤" or "│") .. canvas_row(canvas, row, room.colour))
+    local edge = texts[row] and signs.tick_left or signs.bar
+    add(pad .. text .. edge .. canvas_row(canvas, row, room.colour))
   end
-  local line, below = bottom_lines(panel, w)
-  add((" "):rep(margin) .. "└" .. line)
+  local line, below = bottom_lines(panel, w, signs)
+  add((" "):rep(margin) .. signs.corner .. line)
   add(indent .. below)
-  add(indent .. centred(axis.caption(panel.x, panel.xlabel, panel.xunit), w))
+  add(indent .. centred(signs.text(axis.caption(panel.x, panel.xlabel, panel.xunit)), w))
   for _, note in ipairs(panel.notes) do add(indent .. note) end
   return out
 end

@@ -21,8 +21,19 @@ local TERMINALS = {
   end,
 }
 
+-- A string as gnuplot reads it back. Between double quotes it reads these, backslashes and commands
+-- in backquotes, so they are given by number; single quotes are no way, as it takes two of them at
+-- the begin of a string for an empty one.
 local function quote(text)
-  return "'" .. axis.raised(tostring(text)):gsub("%c", " "):gsub("'", "''") .. "'"
+  local function octal(c) return ("\\%03o"):format(c:byte()) end
+  return '"' .. text:gsub('[%c"\\`]', octal) .. '"'
+end
+
+-- of what is shown: bytes that are no UTF-8 would make an SVG unreadable
+local function caption(text)
+  text = tostring(text)
+  if not utf8.len(text) then text = text:gsub("[\128-\255]", "?") end
+  return quote(axis.raised((text:gsub("%c", " "))))
 end
 
 -- gnuplot reads a leading | as a command, ~ as a home folder
@@ -44,18 +55,18 @@ local function scaled(a)
   return function(v) return (v - a.offset) / unit end
 end
 
-local function set_axis(add, name, a, caption, notes)
+local function set_axis(add, name, a, text, notes)
   local shown, ticks = scaled(a), {}
   for i, tick in ipairs(a.bare and {} or a.ticks) do
-    ticks[i] = ("%s %.17g"):format(quote(tick.text), tick.shown)
+    ticks[i] = ("%s %.17g"):format(caption(tick.text), tick.shown)
   end
   local below = ""
-  for _, note in ipairs(notes) do below = below .. '."\\n".' .. quote(note) end
+  for _, note in ipairs(notes) do below = below .. '."\\n".' .. caption(note) end
   add(("set %srange [%.17g:%.17g]"):format(name, shown(a.lo), shown(a.hi)))
   add((a.log and "set logscale %s" or "unset logscale %s"):format(name))
   add(#ticks > 0 and ("set %stics (%s)"):format(name, table.concat(ticks, ", ")) or ("unset %stics")
     :format(name))
-  add(("set %slabel %s%s"):format(name, quote(caption), below))
+  add(("set %slabel %s%s"):format(name, caption(text), below))
 end
 
 local function add_data(add, block, series, panel)
@@ -94,8 +105,8 @@ end
 -- the colours are used again after the last: then dashed, with open points; and a third time with
 -- squares
 local function draw_style(series, colour, round)
-  local paint = "lc rgb '" .. colour .. "'" .. (round > 0 and series.style ~= "points" and " dt 2"
-    or "")
+  local paint = "lc rgb " .. quote(colour)
+  if round > 0 and series.style ~= "points" then paint = paint .. " dt 2" end
   local dots = ("pt %d ps %.2f "):format(round == 0 and 7 or round == 1 and 6 or 4,
     size_of_points(#series.x) * (round > 0 and 1.4 or 1))
   if series.style == "cells" then return "boxxyerror fs solid 1 " .. paint .. " lw 0.6" end
@@ -113,7 +124,7 @@ local function add_series(add, panel, number, prefix)
   for i, full in ipairs(panel.series) do
     local series, block = series_.thin(full, scale), ("$%s_%d_%d"):format(prefix, number, i)
     local colour = series.colour or COLOURS[(i - 1) % #COLOURS + 1]
-    local title = panel.legend and "title " .. quote(series.name) or "notitle"
+    local title = panel.legend and "title " .. caption(series.name) or "notitle"
     add_data(add, block, series, panel)
     plots[#plots + 1] = ("%s using %s with %s %s")
       :format(block, series.style == "cells" and "1:2:3:4:5:6" or "1:2",
@@ -121,8 +132,8 @@ local function add_series(add, panel, number, prefix)
     local alone = series.style == "lines" and isolated(series) or { x = {} }
     if #alone.x > 0 then
       add_data(add, block .. "_alone", alone, panel)
-      plots[#plots + 1] = ("%s_alone using 1:2 with points pt 7 ps %.2f lc rgb '%s' notitle")
-        :format(block, size_of_points(#alone.x), colour)
+      plots[#plots + 1] = ("%s_alone using 1:2 with points pt 7 ps %.2f lc rgb %s notitle")
+        :format(block, size_of_points(#alone.x), quote(colour))
     end
   end
   return plots
@@ -152,7 +163,7 @@ local function add_panel(add, panel, number)
   make_axes(panel)
   local x, y = panel.x, panel.y
   local rows = legend_rows(add, panel)
-  add(("set title %s offset 0,%g"):format(quote(panel.title or ""), 1.1 * rows))
+  add(("set title %s offset 0,%g"):format(caption(panel.title or ""), 1.1 * rows))
   add(("set tmargin %g"):format(1 + 1.4 * rows + (panel.title and 2 or 0)))
   set_axis(add, "x", x, axis.caption(x, panel.xlabel, panel.xunit), panel.notes)
   set_axis(add, "y", y, axis.caption(y, panel.ylabel, panel.yunit), {})
@@ -179,7 +190,7 @@ local function add_look(add, figure)
   add("set key at graph 0.5,1.01 center bottom horizontal Left reverse samplen 2 textcolor rgb "
     .. "'#303030'")
   if #figure.panels > 1 then
-    local title = figure.title and (" title %s font ',14'"):format(quote(figure.title)) or ""
+    local title = figure.title and (" title %s font ',14'"):format(caption(figure.title)) or ""
     add(("set multiplot layout %d,%d%s"):format(figure.rows, figure.columns, title))
   end
 end

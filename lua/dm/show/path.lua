@@ -58,8 +58,9 @@ local function default_columns(path)
   return "t", y
 end
 
-local doc_plot = [[
-path:plot(x, y | {y1, y2, ...}, {file=, title=, log=, style=, names=, ...}) -> file name or nothing
+local doc_plot =
+  "path:plot(x, y | {y1, y2, ...}, {file=, title=, log=, style=, names=, equal=, ...}) "
+  .. "-> file name or nothing\n" .. [[
 Plot columns of a path: names ("t", "q1", "p1", "energy" ...) or vectors of #path numbers. With no
 arguments every q against t; path:plot("q1") is q1 against t. Options as in dm.plot: without `file`
 in the terminal, with it to a .png, .svg or .pdf.

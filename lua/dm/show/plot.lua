@@ -63,13 +63,26 @@ local function is_column(v)
   return type(v) == "userdata" or type(v) == "table" and type(v[1]) == "number"
 end
 
--- { x =, y =, name =, style = } with its own copy of the numbers
+local OF_SERIES = { "title", "xlabel", "ylabel", "xunit", "yunit" }
+
+-- a name that gnuplot knows, or red, green and blue
+local function is_colour(x)
+  return type(x) == "string" and (x:find "^%a[%w-]*$" or x:find "^#%x%x%x%x%x%x$") ~= nil
+end
+
+local function check_series(given, where)
+  for _, key in ipairs(OF_SERIES) do option.text(given, key, where) end
+  option.passing(given, "colour", where, is_colour, "the name of a colour or \"#rrggbb\"")
+end
+
+-- { x =, y =, name =, style =, colour = } with its own copy of the numbers
 local function make_series(given, options, i)
   local what = "series " .. i
   local x = series_.numbers(given.x or given[1], what .. ": x")
   local y = series_.numbers(given.y or given[2], what .. ": y")
   if #x ~= #y then fail("%s has %d numbers x but %d numbers y", what, #x, #y) end
   if #x == 0 then fail("%s is empty", what) end
+  check_series(given, WHERE .. ": " .. what)
   if given.style ~= "cells" then option.one_of(given, "style", WHERE .. ": " .. what, STYLES) end
   local names = type(options.names) == "table" and options.names or {}
   local out = { x = x, y = y, name = tostring(names[i] or given.name or what), of = given,
@@ -218,7 +231,8 @@ end
 local function to_terminal(panels, options)
   local here = terminal()
   local w, h = check_size(options)
-  if options.title and #panels > 1 then io.write(options.title, "\n") end
+  local text = require "dm.show.characters".here().text
+  if options.title and #panels > 1 then io.write(text(options.title), "\n") end
   local room = { colour = here.colour, width = math.max(20, math.min(w or here.width, 400)),
     height = math.max(8, math.min(h or 24, 200)) }
   for _, panel in ipairs(panels) do
@@ -234,13 +248,14 @@ end
 local doc_plot = "dm.plot(x, y, {file=, title=, xlabel=, ylabel=, xunit=, yunit=, log=, style=, "
   .. "names=, legend=, equal=, xrange=, yrange=, width=, height=}) -> file name or nothing\n" .. [[
 Plot y against x: two vectors or tables of numbers of one length; x and a list of columns y; or a
-list of series { x =, y =, name =, style = } (then the options come second). Without `file` in the
-terminal, with it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines",
-"points" or "linespoints"; names: texts of the legend (legend = false: none); equal: one length per
-unit on both axes; xrange, yrange:
-{least, largest}; width, height (or size = {width, height}): pixels in a file, characters in a
-terminal. Points that are not finite, or not positive on a logarithmic axis, leave gaps and are
-counted below the plot. Long columns are thinned to what the picture can show, extremes kept.]]
+list of series { x =, y =, name =, style =, colour = } (then the options come second; a colour is
+"#rrggbb" or a name). Without `file` in the terminal, in ASCII where the locale is not UTF-8; with
+it through gnuplot to a .png, .svg or .pdf. log: "x", "y" or "xy"; style: "lines", "points" or
+"linespoints"; names: texts of the legend (legend = false: none); equal: one length per unit on both
+axes; xrange, yrange: {least, largest}; width, height (or size = {width, height}): pixels in a file,
+characters in a terminal. Points that are not finite, or not positive on a logarithmic axis, leave
+gaps and are counted below the plot. Long columns are thinned to what the picture can show, extremes
+kept.]]
 
 M.plot = blame.caller(function(a, b, c)
   local list, options = sort_arguments(a, b, c)

@@ -116,17 +116,15 @@ local function base_pass(job, cells, rows)
   o.watch, o.rows = watch, rows
   local e, stopped = guarded(job, system, o)
   local sums, status, steps = {}, e.status, e.steps
-  for _, column in ipairs { name, watch.K and "K" or name, watch.inside and "inside" or name,
-    watch.constraint and "constraint" or name } do
-    sums[column] = sums[column] or e:summary(column)
+  sums[name] = e:summary(name)
+  for _, column in ipairs { "K", "inside", "constraint" } do
+    if watch[column] then sums[column] = e:summary(column) end
   end
-  local constrained = system.given.constraint ~= nil or system.given.rolling ~= nil
+  local bound = system.given.constraint or system.given.rolling
   for i, cell in ipairs(cells) do
     cell.steps, cell.code, cell.growth = steps[i], status[i], nil
     local class = status[i] == "stopped" and "not run" or classes.look(job.map, cell, sums, i, name)
-    if status[i] ~= "ok" and class ~= "left" then
-      class = classes.of_failure(status[i], constrained)
-    end
+    if status[i] ~= "ok" and class ~= "left" then class = classes.of_failure(status[i], bound) end
     if status[i] == "not_finite" and steps[i] == 0 and not finite(sums[name].first[i]) then
       class = "no start"
     end
@@ -332,8 +330,8 @@ local function family_of(map, cell)
   if not map.families[key] then
     local fine, s = pcall(function() return map.system_of(cell):structure() end)
     if not fine and blame.is_stop(s) then error(s, 0) end
-    map.families[key] = fine and table.concat({ tostring(s.separable), tostring(s.autonomous),
-      tostring(s.linear_in_v), tostring(s.constant_mass) }, " ") or key
+    map.families[key] = fine and ("%s %s %s %s")
+      :format(s.separable, s.autonomous, s.linear_in_v, s.constant_mass) or key
   end
   return map.families[key]
 end

@@ -177,8 +177,9 @@ end
 
 ---- making one ----
 
-local doc_stability = [[
-dm.stability{system=, q=, v= | p=, rule= | rules=, h=, steps= | t=, k=, ...} -> dm.stability_map
+local doc_stability =
+  "dm.stability{system=, q=, v= | p=, rule= | rules=, h=, steps= | t=, k=, ..., watch=, "
+  .. "inside=, drift=, chaos=, refine=, ...} -> dm.stability_map\n" .. [[
 Where does a method fail? A map over the step h and up to two parameters of any name. An axis is
 {least, largest, count, "log" | "linear"}, a list of growing numbers (three numbers without the word
 are one, too) or one number. A parameter is an argument of that name of the function that makes the

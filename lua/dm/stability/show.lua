@@ -1,6 +1,7 @@
 --- How a stability map is told: a sentence, a table, a picture, a file of comma-separated values.
 local axes = require "dm.stability.axes"
 local cells = require "dm.stability.cells"
+local characters = require "dm.show.characters"
 local class = require "dm.base.class"
 local core = require "dm.core"
 
@@ -210,9 +211,13 @@ end
 
 ---- in a terminal: a character for each cell ----
 
-local LETTERS = { bounded = "\u{b7}", drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#",
+local LETTERS = { drifting = "d", chaotic = "c", off = "o", ["blow-up"] = "#",
   ["no value"] = "?", left = "/", ["no convergence"] = "n",
   ["constraint lost"] = "k", ["no start"] = "x", ["not run"] = " " }
+
+-- the sign of a class: of what is bounded a point, as small as the locale has one
+local function letter(class) return LETTERS[class] or characters.here().point end
+
 local WIDE, HIGH = 72, 24
 
 -- at most `most` of the numbers 1 .. n, evenly
@@ -231,7 +236,7 @@ local function print_panel(map, panel, along)
     local line = { ("%11.4g "):format(map.column[up[k]]) }
     for _, x in ipairs(across) do
       local class = cells.CLASSES[map.cells[panel.rows[x]][up[k]].class].name
-      line[#line + 1], used[class] = LETTERS[class], true
+      line[#line + 1], used[class] = letter(class), true
     end
     print(table.concat(line))
   end
@@ -240,7 +245,7 @@ local function print_panel(map, panel, along)
   local legend = {}
   for _, class in ipairs(cells.CLASSES) do
     if used[class.name] then
-      legend[#legend + 1] = ("%s %s"):format(LETTERS[class.name], class.name)
+      legend[#legend + 1] = ("%s %s"):format(letter(class.name), class.name)
     end
   end
   print(table.concat(legend, "   "))

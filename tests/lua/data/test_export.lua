@@ -74,6 +74,29 @@ ok(slurp(npy):sub(1, 8) == "\147NUMPY\3\0" and (12 + ("<I4"):unpack(slurp(npy), 
 local data = dm.load(spit(csv, "t,x\r\n1,2.5\r\n\r\n3, nan\r\n-inf,1e3\r\n"))
 ok(#data.t == 3 and data.x[1] == 2.5 and data.x[2] ~= data.x[2] and data.t[3] == -math.huge,
   "csv with carriage returns, an empty line, nan and inf")
+for _, text in ipairs { "t\tx\n1\t2\n3\t4\n", "t x\n1 2\n3 4\n", "t;x\n1;2\n3;4\n", "# by hand\nt,x\n1,2\n\n3,4\n",
+  "\239\187\191t,x\n1,2\n3,4\n", "# t x\n1 2\n3 4\n", "  t    x \n  1    2 \n# between\n  3 4\n", "#\n# t, x\n1,2\n3,4",
+  "\"t\" x\r\n1\t2\r\n3\t4\r\n", "\239\187\191# t;x\n1;2\n3;4\n" } do
+  data = dm.load(spit(csv, text))
+  ok(#data.columns == 2 and data.t and #data.t == 2 and data.t[1] == 1 and data.x[2] == 4, ("a text as %q"):format(text:sub(1, 9)))
+end
+for _, text in ipairs { "1,2\n3,4\n", " 1 2\n 3 4\n", "1\t2\n3\t4", "# one\n1;2\n3;4\n", "# 1 2\n1 2\n3 4\n" } do
+  data = dm.load(spit(csv, text))
+  ok(table.concat(data.columns, " ") == "c1 c2" and #data.c1 == 2 and data.c1[1] == 1 and data.c2[2] == 4,
+    ("numbers without names keep their first row: %q"):format(text:sub(1, 9)))
+end
+data = dm.load(spit(csv, "angle (deg)\n-0\n2\n"))
+ok(data.columns[1] == "angle (deg)" and 1 / data["angle (deg)"][1] == -math.huge, "one column, its name with blanks")
+data = dm.load(spit(csv, "t, angle in deg\n1,2\n"))
+ok(data["angle in deg"][1] == 2, "names with blanks between commas")
+data = dm.load(spit(csv, "t,x\n"))
+ok(#data.t == 0 and #data.x == 0, "names without rows")
+raises("line 2 has 1 fields", dm.load, spit(csv, "1;2\n3\n"))
+raises("line 1, column c3: not a number", dm.load, spit(csv, "1,2,\n3,4,5\n"))
+raises("line 3, column c2: not a number", dm.load, spit(csv, "# data\n1 2\n3 x\n"))
+raises("two columns are called 't'", dm.load, spit(csv, "t,t\n1,2\n"))
+raises("is empty", dm.load, spit(csv, "# nothing\n\n"))
+raises("save it as UTF-8", dm.load, spit(csv, "\255\254t\0,\0x\0\n\0"))
 local plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }"
 spit(npy, "\147NUMPY\1\0" .. ("<s2"):pack(plain) .. ("<dddddd"):pack(1, 2, 3, 4, 5, 6))
 data = dm.load(npy)

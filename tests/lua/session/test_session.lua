@@ -115,6 +115,10 @@ local system = "s = dm.system { Q = dm.R(1), L = function(q, v) return v:dot(v) 
 text = play("", "wait 2004h\nsend for i = 1, 1 do\\r\nwait >>\nsend \\t\\tprint(i * 55)\\r\nwait >>\nsend end\\r\nwait 55\n" .. BYE)
 has(text, "end\n55\n", "Tab at the start of a line of a longer entry indents")
 completes("setmet", "setmetatable")
+for _, hidden in ipairs { "dm.doc", "dm.mis", "dm.until", "dm.nea" } do completes(hidden, hidden) end
+completes("dm.scene { sec", "dm.scene { seconds = ")
+completes("c.riv", "c.rival", "c = setmetatable({}, debug.getregistry()['dm.chart'] or getmetatable(require 'dm').load_all() "
+  .. "and debug.getregistry()['dm.chart'])")
 completes("string.for", "string.format")
 completes("('x'):rep", "('x'):rep")
 completes("dm.sol", "dm.solver")
@@ -166,6 +170,11 @@ has(text, "  no_convergence  the step equation did not converge", "and codes of 
 has(text, "Take a smaller h; solver:fold says", "?code says what to try")
 has(text, 'nothing mentions "soliton_of_nothing"', "and where nothing is found it says so")
 has(text, 'demo "noether" runs it', "?name of a demonstration")
+local asked = session { "?v" }
+local said = asked:match "> %?v\n(.-)\n> " or asked
+local _, lines = said:gsub("\n", "")
+ok(lines < 10 and said:find('"v" has no doc of its own', 1, true) and said:find('apropos "v"', 1, true),
+  "?v of a name without a doc: ten lines", said)
 has(text, "Henon and Heiles (1964): is a star's motion in a galaxy orderly or chaotic?", "?name of an example")
 has(text, "guiding_centre", "?examples lists them")
 has(text, 'but "friction" is spoken of:', "apropos knows what others call it")
@@ -238,6 +247,10 @@ local many = "send s:solver { rule = 'verlet', h = 0.01 }:ensemble { members = 9
 text = stopping { "send " .. system .. "\r", "wait 2004h", many, "wait 2004l", "pause 600", "send \003", "wait stopped; _ is what",
   "wait 2004h", "send _\r", "wait ensemble of", BYE }
 has(text, "stopped; _ is what was computed before", "of an ensemble no single step is told")
+local chart = "send s:chart { q = 1, v = 0, t = 1, rules = { 'verlet' }, h = { 0.1, 1e-11 }, error = 'energy', rivals = false }\r"
+text = stopping { "send " .. system .. "\r", "wait 2004h", chart, "wait 2004l", "pause 1500", "send \003", "wait stopped; _ is what",
+  "wait 2004h", "send print(#_.points, _.points[1].rule, o)\r", "wait verlet", BYE }
+has(text, "1\tverlet\tnil", "of a chart the points that were measured")
 
 -- not a terminal
 local pipe = io.popen(("echo '1 + 1; print(3)' | %s 2>&1; printf 'print(3)' | FORCE_COLOR= %s 2>&1 | od -c | head -1")

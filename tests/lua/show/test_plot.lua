@@ -187,11 +187,38 @@ ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "several panels in one pict
 dm.plot({ 1, 2, 3 }, { 0.8, 0.8 + 1e-16, 0.8 }, { file = base .. ".png" })
 ok((slurp(base .. ".png") or ""):sub(2, 4) == "PNG", "a column that wanders by round-off can be drawn")
 local script = gnuplot.script({ panels = {}, columns = 1, rows = 1, width = 99, height = 99 }, "|rm -rf x.png")
-ok(script:find("set output './|rm -rf x.png'", 1, true) ~= nil, "a name is never a command")
+ok(script:find('set output "./|rm -rf x.png"', 1, true) ~= nil, "a name is never a command")
+
+---- text of a user is text: no command of a shell or of gnuplot, no element of a page ----
+
+local u = { 1, 2, 3 }
+local mark = base .. ".run"
+local commands = { "'; system 'touch " .. mark .. "'; '", "`touch " .. mark .. "`", "$(touch " .. mark .. ")",
+  "red'\nsystem 'touch " .. mark, "x\\' ; ! touch " .. mark, "<script>alert(1)</script>&\"", "@x %s \xff\xfe", "a^2_b{c}" }
+for i, text in ipairs(commands) do
+  dm.plot({ { x = u, y = u, name = text, xlabel = text, xunit = text }, { x = u, y = u, name = text } },
+    { file = base .. ".svg", title = text, ylabel = text, yunit = text, names = { text, text } })
+  local svg = slurp(base .. ".svg")
+  ok(svg and utf8.len(svg) and not svg:find "<script", ("text %d of a figure stays text"):format(i))
+  dm.figure { { { x = u, y = u, title = text } }, { u, u, title = text }, title = text, file = base .. ".svg" }
+  raises("colour", dm.plot, { { x = u, y = u, colour = text } }, { file = base .. ".svg" })
+  raises("colour", dm.plot, { { x = u, y = u, colour = text } })
+end
+ok(not slurp(mark), "and nothing of it was run")
+for _, colour in ipairs { "#12345", "#1234567", "#gggggg", "", " red", "red ", 7, {} } do
+  raises("must be the name of a colour or \"#rrggbb\"", dm.plot, { { x = u, y = u, colour = colour } })
+end
+dm.plot({ { x = u, y = u, colour = "dark-blue" }, { x = u, y = u, colour = "#0bF3a9" } }, { file = base .. ".svg" })
+ok((slurp(base .. ".svg") or ""):lower():find "0bf3a9" or (slurp(base .. ".svg") or ""):find "11, 243, 169",
+  "names and #rrggbb are colours")
+raises("'xlabel' must be a string", dm.plot, { { x = u, y = u, xlabel = {} } })
+local odd = base .. "'^2 `x` $(y).svg"
+dm.plot(u, u, { file = odd })
+ok(slurp(odd), "a file may be called anything")
+os.remove(odd)
 
 ---- misuse ----
 
-local u = { 1, 2, 3 }
 raises("needs two columns", dm.plot)
 raises("needs two columns", dm.plot, 1, 2)
 raises("3 numbers x but 2 numbers y", dm.plot, u, { 1, 2 })
@@ -216,16 +243,16 @@ do
   local write = gnuplot.write
   gnuplot.write = function(figure) kept = script(figure) end
   dm.figure { { u, u, xunit = "m^2/s^-2" }, title = "one panel", file = "a.png" }
-  ok(kept:find("set title 'one panel'", 1, true), "the title of a figure of one panel", kept)
+  ok(kept:find('set title "one panel"', 1, true), "the title of a figure of one panel", kept)
   ok(kept:find("(m²/s⁻²)", 1, true), "powers in units are raised", kept)
   dm.figure { { u, u, title = "right" }, title = "left", file = "a.png" }
-  ok(kept:find("set title 'left: right'", 1, true), "both titles")
+  ok(kept:find('set title "left: right"', 1, true), "both titles")
   dm.figure { { u, u }, { u, u }, file = "a.png" }
   ok(kept:find("set multiplot layout 1,2\n", 1, true), "no room for a title that is not there")
   dm.figure { { { x = u, y = u }, { x = u, y = u } }, file = "a.png" }
-  ok(kept:find("set ytics ('1.0' 1", 1, true), "several series without a common name have numbers on their axis", kept)
+  ok(kept:find('set ytics ("1.0" 1', 1, true), "several series without a common name have numbers on their axis", kept)
   dm.figure { { u, u, ylabel = "" }, file = "a.png" }
-  ok(kept:find("set ytics ('1.0' 1", 1, true), "nor has one without a name lost them", kept)
+  ok(kept:find('set ytics ("1.0" 1', 1, true), "nor has one without a name lost them", kept)
   dm.figure { { u, u, ylabel = " " }, file = "a.png" }
   ok(kept:find("unset ytics", 1, true), "an axis whose name is blank has none", kept)
   gnuplot.write = write
@@ -241,8 +268,41 @@ ok(where:find "^[^\n]*test_plot.lua:%d+: no column 'q9'", "an error names the li
 _, where = pcall(function() return dm.load(base .. ".none") end)
 ok(where:find "cannot open" and not where:find "lua/dm/", "and no line inside the modules", where)
 
--- without gnuplot: a clear message, nothing left behind
 local dmlua = os.getenv "DMLUA" or arg[-1]
+
+-- ASCII where the locale is not UTF-8, whichever of the variables says so
+local function in_locale(variables, chunk)
+  local pipe = io.popen(("D=%q; unset LC_ALL LC_CTYPE LANG; %s \"$D\" -e '%s' 2>&1"):format(dmlua, variables, chunk))
+  local said = pipe:read "a"
+  pipe:close()
+  return said
+end
+local picture = "dm.plot({ 1, 2, 3 }, { 1e-9, 3e-9, 2e-9 }, { title = \"\u{e4} m^2\", xunit = \"\u{b5}m\", width = 60 }) "
+  .. "dm.plot({ { x = { 1, 2 }, y = { 1e-7, 1e9 }, name = \"a\u{b2}\" }, { x = { 1, 2 }, y = { 1, 2 } } }, "
+  .. "{ log = \"y\", style = \"points\" }) "
+  .. "dm.stability { system = function(k) return dm.system { Q = dm.R(1), L = function(q, v) return v[1]^2/2 - k*q[1]^2/2 end } end, "
+  .. "q = {1}, v = {0}, rule = \"verlet\", steps = 50, h = {0.5, 3, 4, \"linear\"}, k = {1, 2, 2, \"linear\"} }:plot()"
+for _, variables in ipairs { "", "LC_ALL=C", "LANG=de_DE.ISO-8859-1", "LC_ALL=POSIX LANG=C.UTF-8", "LC_CTYPE=C LANG=C.UTF-8" } do
+  local said = in_locale(variables, picture)
+  ok(#said > 500 and not said:find "[\128-\255]", "a picture in ASCII: " .. variables, said)
+  ok(said:find("(10^-9)", 1, true) and said:find "m%^2" and said:find "[.':]" and said:find "|" and said:find "%+%-",
+    "with its axes, powers and points", said)
+end
+for _, variables in ipairs { "LC_ALL=C.UTF-8", "LANG=en_US.utf8", "LC_ALL= LC_CTYPE=en_GB.UTF-8 LANG=C" } do
+  ok(in_locale(variables, picture):find "[\u{2801}-\u{28ff}]", "and in braille: " .. variables)
+end
+-- each row of the picture is as wide in ASCII
+local wide, plain = in_locale("LANG=C.UTF-8", picture), in_locale("LANG=C", picture)
+local bars = {}
+for _, text in ipairs { wide, plain } do
+  for line in text:gmatch "[^\n]+" do
+    local at = line:match "^[^|\u{2502}]-()\u{2502}" or line:match "^[^|]-()|"
+    if at then bars[#bars + 1] = utf8.len(line:sub(1, at - 1)) end
+  end
+end
+ok(#bars > 40 and bars[1] == bars[#bars // 2 + 1], "axes stand in one column", #bars)
+
+-- without gnuplot: a clear message, nothing left behind
 local chunk = "print(pcall(dm.plot, {1,2}, {1,2}, {file=\"" .. base .. ".none.png\"}))"
 local pipe = io.popen(("D=%q; PATH=/nonexistent \"$D\" -e '%s' 2>&1"):format(dmlua, chunk))
 local said = pipe:read "a"

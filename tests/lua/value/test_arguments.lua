@@ -153,7 +153,7 @@ ok(told_by(path.momentum, 3):find("a method is called with a colon", 1, true), "
 local missing = {}
 for class, methods in pairs(reference.classes()) do
   for name, method in pairs(methods) do
-    local first = dm.docs[method]:match "^[^\n]-:[%w_]+%(([^)]*)"
+    local first = require "dm.core".docs[method]:match "^[^\n]-:[%w_]+%(([^)]*)"
     local placed = first and first:find "%S" and not first:find "^file" and not first:find "^%["
     if placed and not calls[class] then missing[#missing + 1] = class end
     if placed and calls[class] and not seen[class .. ":" .. name] then

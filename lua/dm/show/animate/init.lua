@@ -220,8 +220,9 @@ local function make(paths, file, options)
   return require "dm.base.text_file".write(file, pack(scene_of(paths, options)), "animate")
 end
 
-local doc_animate = [[
-dm.animate({path, path, ...}, file, {names=, points=, draw=, rods=, trail=, ...}) -> file name
+local doc_animate =
+  "dm.animate({path, path, ...}, file, {points=, dim=, draw=, rods=, trail=, plots=, names=, "
+  .. "title=, frames=, t=}) -> file name\n" .. [[
 A page for a browser (no network, nothing to install) in which several paths move side by side on
 one clock and one scale: with trails, energy and momentum over time, a slider, speed, and, in space,
 a camera that the mouse turns. names: one for each path; the other options are those of
