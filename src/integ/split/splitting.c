@@ -60,9 +60,11 @@ static double *loop_work(const dm_stepper *s) {
     return s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params + dm_state_size(n);
 }
 
-/* forces a step: one for every kick but the first, which has that of the step before */
+/* forces a step: one for every kick but the first, which has that of the end of the step before,
+ * also where no kick is there */
 static uint32_t evaluations(const dm_splitting *table) {
-    return (uint32_t)(table->stages - (table->b[table->stages] == 0.0));
+    const int drifts = table->b[0] == 0.0 && table->b[table->stages] == 0.0;
+    return (uint32_t)(table->stages - drifts);
 }
 
 static dm_status open(dm_stepper *s) {
@@ -154,7 +156,7 @@ static void run(dm_stepper *s, double *state, double t, double h, long count) {
         for (int k = 0; k < table->stages; k++) {
             drift(m, x, low_q, h * table->a[k], kicks && k == 0 ? kicked : p);
             x[2 * n] = now + l->c[k + 1] * h;
-            if (table->b[k + 1] == 0.0) continue; /* ends with a drift */
+            if (table->b[k + 1] == 0.0 && (!kicks || k + 1 < table->stages)) continue;
             dm_kernel_eval(&m->force, x, force);
             kick(n, p, low_p, h * table->b[k + 1], force);
         }
