@@ -14,6 +14,7 @@ local options = require "dm.base.options"
 local tangent = require "dm.frame.tangent"
 local points = require "dm.frame.points"
 local text = require "dm.frame.text"
+local trial = require "dm.frame.trial"
 
 local M = {}
 local point, split, flat = points.point, points.split, points.flat
@@ -122,6 +123,18 @@ local function branch_values(self, list)
   return points.entries(self.branch(table.unpack(list, 1, self.k)))
 end
 
+local function check_branch(self)
+  local list = points.sample(self, 1)
+  local fine, values = pcall(branch_values, self, list)
+  if not fine then fail("the branch fails at %s: %s", text.points(list), tostring(values)) end
+  if self.branch and #values == 0 then fail "the branch gives nothing: is a return missing?" end
+  for _, b in ipairs(values) do
+    if type(b) ~= "number" then
+      fail("the branch must return a number that is > 0 where it holds, or several (got %s)", type(b))
+    end
+  end
+end
+
 local function least(values)
   local out = values[1]
   for i = 2, #values do out = core.min(out, values[i]) end
@@ -132,7 +145,10 @@ end
 -- from it along every axis, and, where one axis is not enough (SO(4), SL(3)), elements that are
 -- spread over the group, always the same
 local TURNS, SPREAD = { 1.6, -1.6, 3.1, 0.7, -0.7, -2.4, 2.4 }, 8
+local begun = setmetatable({}, { __mode = "k" }) -- by the kit of the group
 local function beginnings(G, r)
+  local kit = kits.of(G)
+  if begun[kit] then return begun[kit] end
   local out = { points.entries(G:flat(G:identity())) }
   for _, angle in ipairs(TURNS) do
     for j = 1, r do
@@ -145,6 +161,7 @@ local function beginnings(G, r)
   for i = 1, r > 3 and SPREAD or 0 do
     out[#out + 1] = points.entries(G:flat(G:random(stream, i, 1)))
   end
+  begun[kit] = out
   return out
 end
 
@@ -179,36 +196,6 @@ local function solved(self, start)
   }
 end
 
-local ON_SECTION = 1e-8
-local SAMPLES = 12
-
--- a formula that is on the section nowhere is wrong; where it has no finite value nothing is known
-local function check_solution(self)
-  local where, got, inverse
-  for seed = 1, SAMPLES do
-    local list = points.sample(self, seed)
-    local fine, size, back = pcall(function()
-      local g = groups.element(self.group, self.solution(table.unpack(list)))
-      local function off(h)
-        local worst = 0
-        for _, z in ipairs(section(self, moved(self, h, list))) do
-          worst = math.max(worst, math.abs(z))
-        end
-        return worst
-      end
-      return off(g), off(self.group:inverse(g))
-    end)
-    if fine and size <= ON_SECTION then return end
-    if fine and size < math.huge and not where then
-      where, got, inverse = list, size, back <= ON_SECTION
-    end
-  end
-  if not where then return end
-  fail("the solution is not on the cross-section at any of %d random points: at %s it leaves %.3g "
-    .. "of its equations%s", SAMPLES, text.points(where), got, inverse and "; its inverse is: "
-    .. "solution gives the element that moves the points to the section" or "")
-end
-
 local doc_new = [[
 dm.moving_frame{action=, points=, cross_section=, branch=, solution=, start=, name=} -> rho
 The right-equivariant moving frame rho(z1, ..., zk) of an action on k points (`points`, default 1;
@@ -217,12 +204,14 @@ with cross_section(g z1, ..., g zk) = 0, which gives as many numbers as the grou
 branch(z1, ..., zk) gives a number (or several) that must be > 0 on the section, where the equations
 have more than one root. solution(z1, ..., zk) gives g by formula; without it g is solved for
 (dm.root) from `start`: flat coordinates, or a function of the points that gives an element
-(default: from the identity, turns about every axis and a few elements spread over the group). A
-solution is tried at random points, and trusted inside of runs; a root looks at branch and
+(default: from the identity, turns about every axis and a few elements spread over the group). When
+it is made the frame is tried at random points and under large elements of the group: it must be one
+of the group, on the section and its branch, and equivariant, wherever it is finite; an error
+has the point and the defect. A solution is trusted inside of runs; a root looks at branch and
 transversality every time. invariants: names for entries, {name = {point, entry}}, which
 dm.invariant_problem uses. Takes numbers and symbols, so what is made with it is differentiated
-exactly. An error says where no frame exists. Methods: rho(z...), rho:invariants, phantom,
-invariantize, transversality, tangent, correction, derivative_correction, syzygies, check.]]
+exactly. Methods: rho(z...), rho:invariants, phantom, invariantize, transversality, tangent,
+correction, derivative_correction, syzygies, check.]]
 
 M.moving_frame = blame.caller(function(o)
   check_options(o)
@@ -232,8 +221,10 @@ M.moving_frame = blame.caller(function(o)
     branch = o.branch, solution = o.solution, name = o.name, invariants_named = o.invariants },
     class)
   check_section(self)
-  tangent.check_orbits(self)
-  if self.solution then check_solution(self) else self.root = solved(self, o.start) end
+  check_branch(self)
+  if not self.solution then self.root = solved(self, o.start) end
+  tangent.check_orbits(self, trial.on_section)
+  trial.check(self, section)
   return self
 end)
 
@@ -248,16 +239,14 @@ end
 -- is g really the frame of the points? Numbers only
 local function verify(self, g, list)
   local there = moved(self, g, list)
-  for _, z in ipairs(section(self, there)) do
-    if not (math.abs(z) <= ON_SECTION) then
-      no_frame(self, list, "the solution is not on the cross-section")
-    end
+  local off, condition = tangent.distance(self, there, section(self, there))
+  if not (condition < tangent.CONDITION) then no_frame(self, list) end
+  if not (off <= tangent.allowed(condition)) then
+    no_frame(self, list, "the solution is not on the cross-section")
   end
   for _, b in ipairs(branch_values(self, there)) do
     if not (b > 0) then no_frame(self, list, "the branch condition does not hold") end
   end
-  local _, condition = tangent.transversality(self, there)
-  if not (condition < tangent.CONDITION) then no_frame(self, list) end
 end
 
 local function element(self, list)

@@ -92,20 +92,34 @@ end
 
 --- J psi of the cross-section at these very points, and its condition number in the norm of
 -- Frobenius; or, if that is larger, how much the frame turns for a relative change of the points,
--- |(J psi)^-1| |J| |z|: near a fixed point psi itself vanishes
+-- |(J psi)^-1| |J| |z|: near a fixed point psi itself vanishes. Third |(J psi)^-1|.
 function M.transversality(frame, list)
   local first = { table.unpack(list, 1, frame.k) }
   local J, r = J_at(frame, first), frame.r
   local A = J * psi_at(frame, first)
   local fine, inverse = pcall(function() return A:inverse() end)
-  local condition = math.huge
+  local condition, size_of_inverse = math.huge, math.huge
   if fine then
     local turns = size(J, r, frame.k * frame.m) * require("dm.frame").flat(first):norm()
-    condition = size(inverse, r, r) * math.max(size(A, r, r) / r, turns)
+    size_of_inverse = size(inverse, r, r)
+    condition = size_of_inverse * math.max(size(A, r, r) / r, turns)
   end
   if condition ~= condition then condition = math.huge end
-  return A, condition
+  return A, condition, size_of_inverse
 end
+
+--- How far the points are from the section, as the length of the algebra vector (J psi)^-1 Z that
+-- would bring them there: a measure that does not depend on how the section is written. Also the
+-- condition number of J psi, and |(J psi)^-1|. Z: the section there, a list.
+function M.distance(frame, list, Z)
+  local A, condition, size_of_inverse = M.transversality(frame, list)
+  if not (condition < M.CONDITION) then return math.huge, condition, math.huge end
+  return A:solve(core.vector(Z)):norm(), condition, size_of_inverse
+end
+
+--- The distance that a frame may leave: round-off at this condition number, far from what a wrong
+-- one does.
+function M.allowed(condition) return max(1e-8, 1e-14 * condition) end
 
 local RANK = 1e-9 -- of psi: pivots below it are round-off
 
@@ -119,18 +133,21 @@ end
 
 local SAMPLES = 6  -- of general points; what is singular at all of them is singular everywhere
 
---- Does the section cross the orbits anywhere? Where J psi is singular at general points it is
--- everywhere: an error.
-function M.check_orbits(frame)
+--- Does the section cross the orbits anywhere? Where J psi is singular at general points, and on the
+-- section, it is everywhere: an error. on_section(frame): points there, or nothing.
+function M.check_orbits(frame, on_section)
   local enough, seen = frame.k * frame.m >= frame.r, 0
   for seed = 1, enough and SAMPLES or 0 do
     local fine, _, condition = pcall(M.transversality, frame, points.sample(frame, seed))
     if fine and condition < M.CONDITION then return end
     seen = seen + (fine and 1 or 0)
   end
-  if seen == SAMPLES or not enough then
-    require "dm.frame.text".refuse(frame, orbit_dimension(frame))
-  end
+  if enough and seen < SAMPLES then return end
+  local dimension = orbit_dimension(frame)
+  local there = dimension == frame.r and on_section(frame)
+  local _, condition = nil, math.huge
+  if there then _, condition = M.transversality(frame, there) end
+  if not (condition < M.CONDITION) then require "dm.frame.text".refuse(frame, dimension) end
 end
 
 ---- what comes of them ----

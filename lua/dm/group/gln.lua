@@ -33,6 +33,9 @@ function M.kit(n)
     end
     return 0
   end
+  function kit.others()
+    return { linear.fill(n, n, function(i, j) return i ~= j and 0 or i == 1 and -1 or 1 end) }
+  end
   if n == 2 then kit.log = log2 end
   kit.sample = matrices.from_exponentials(kit)
   return matrices.complete(kit, n)

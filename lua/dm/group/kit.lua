@@ -8,6 +8,8 @@
 --   euclidean               are they R^n, whose coordinates may be cut into points of R^k?
 --   angles                  {[i] = true} for the flat coordinates that are angles
 --   form                    what an element looks like, in words
+--   turns(), others()       elements that are the identity in other coordinates; elements of its other
+--                           components, which exp does not reach
 --   acts                    its standard actions: acts[kind](m) gives map(g, z) on R^m, or nothing
 --   parts                   kits of the factors of a product
 --   manifold                true where it is none: a space without a product of its points
@@ -206,6 +208,7 @@ function M.complete(kit)
   kit.defect = kit.defect or function() return 0 end
   kit.from_matrix = kit.from_matrix or function(m) return m end
   kit.turns = kit.turns or function() return {} end
+  kit.others = kit.others or function() return {} end
   kit.angles, kit.acts = kit.angles or {}, kit.acts or {}
   kit.form = kit.form or ("a vector of %d number%s")
     :format(kit.coordinates, kit.coordinates == 1 and "" or "s")

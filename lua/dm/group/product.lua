@@ -126,16 +126,19 @@ local function matrix_maps(kit, parts)
   end
 end
 
-local function turns_of(parts)
-  local out = {}
-  for k, part in ipairs(parts) do
-    for _, turn in ipairs(part.turns and part.turns() or {}) do
-      local g = {}
-      for i, other in ipairs(parts) do g[i] = i == k and turn or other.identity() end
-      out[#out + 1] = g
+-- elements that are one of those of a factor and the identity of the others
+local function of_factors(parts, name)
+  return function()
+    local out = {}
+    for k, part in ipairs(parts) do
+      for _, x in ipairs(part[name]()) do
+        local g = {}
+        for i, other in ipairs(parts) do g[i] = i == k and x or other.identity() end
+        out[#out + 1] = g
+      end
     end
+    return out
   end
-  return out
 end
 
 -- what spaces that are no groups have as well
@@ -222,7 +225,7 @@ function M.of(parts)
   end
   kit.no_cayley = not kit.cayley
   matrix_maps(kit, parts)
-  kit.turns = function() return turns_of(parts) end
+  kit.turns, kit.others = of_factors(parts, "turns"), of_factors(parts, "others")
   return kits.complete(kit)
 end
 

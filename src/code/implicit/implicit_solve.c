@@ -321,12 +321,16 @@ static int unwind(const dm_root_solver *s, double *y) {
     return changed;
 }
 
-/* to the root next to y; once more from there, for its digits, where it has whole turns */
+/* To the root next to y; once more from there without its whole turns, for its digits. Equations
+ * that are not periodic after all may lead nowhere then. */
 static dm_root_outcome find(dm_root_solver *s, double *y, int inside) {
-    dm_root_outcome outcome = iterate(s, &(path){.y = y, .inside = inside});
-    if (outcome == DM_ROOT_FOUND && unwind(s, y))
-        outcome = iterate(s, &(path){.y = y, .inside = inside});
-    return outcome;
+    double wound[DM_ROOT_MOST];
+    const dm_root_outcome outcome = iterate(s, &(path){.y = y, .inside = inside});
+    memcpy(wound, y, s->r * sizeof *y);
+    if (outcome != DM_ROOT_FOUND || !unwind(s, y)) return outcome;
+    if (iterate(s, &(path){.y = y, .inside = inside}) == DM_ROOT_FOUND) return DM_ROOT_FOUND;
+    memcpy(y, wound, s->r * sizeof *y);
+    return iterate(s, &(path){.y = y, .inside = inside});
 }
 
 /* one start; what is found is in y, the matrix in s */

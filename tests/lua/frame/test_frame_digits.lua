@@ -83,6 +83,11 @@ for i = 1, 40 do
   ok(2 * abs(sin((y - x) / 2)) < 1e-15, "an unknown that is an angle has all digits", y - x)
 end
 ok(wound > 100 and unwound <= 2 * pi, "whole turns are taken off it", unwound)
+-- equations that are not periodic after all keep their root
+local straight = dm.root { start = 0, angles = { 1 }, equations = function(y, x) return y - x end }
+local steep = dm.root { start = 9.9, angles = { 1 },
+  equations = function(y, x) return dm.tanh(30 * (y - x)) end }
+ok(straight(10) == 10 and abs(steep(10) - 10) < 1e-14, "a root that is no angle", steep(10))
 raises("field 'angles' must be a list", dm.root, { start = 1, angles = 1,
   equations = function(u) return u end })
 for _, bad in ipairs { 0, 2, 1.5, "x" } do

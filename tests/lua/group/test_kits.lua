@@ -39,4 +39,10 @@ ok(kits.are_angles(dm.T(3)) and not kits.are_angles(dm.R(3)), "coordinates that 
 local mixed = kits.of(dm.product(dm.R(2), dm.T(2), dm.SE(2)))
 ok(not mixed.angles[2] and mixed.angles[3] and mixed.angles[4] and mixed.angles[7]
   and not kits.are_angles(dm.product(dm.R(2), dm.T(2))), "angles of a product")
+-- components of the group that exp does not reach
+local upside = kits.of(dm.product(dm.R(1), dm.GL(3))).others()
+ok(#upside == 1 and upside[1][1][1] == 0 and upside[1][2]:det() == -1, "an element with det < 0")
+ok(not pcall(function() return dm.GL(3):log(upside[1][2]) end), "which has no logarithm")
+ok(#kits.of(dm.semidirect(dm.GL(2), dm.R(2))).others() == 1 and #kits.of(dm.SO(4)).others() == 0,
+  "of a semidirect product, and of a connected group")
 tap.done()

@@ -180,7 +180,7 @@ local pair = dm.discrete_lagrangian { Q = dm.R(4), h = 0.1, Ld = function(a, b, 
 ok(turn:on_pairs():invariant(pair), "a joint action moves a discrete Lagrangian of two bodies")
 local function angle(z) return math.atan(z[2], z[1]) end
 local function frame(solution) return dm.moving_frame { action = turn, cross_section = function(z) return z[2] end, solution = solution } end
-raises("the solution is not on the cross-section at any of 12 random points", frame, function() return 0.3 end)
+raises("the solution is not on the cross-section (off by", frame, function() return 0.3 end)
 raises("its inverse is: solution gives the element that moves the points to the section", frame, angle)
 ok(frame(function(z) return -angle(z) end), "a formula that is right is taken")
 

@@ -1,0 +1,253 @@
+--- What is tried when a frame is made: at points spread over the space, and where large elements h
+-- of the group move them, it must bring points to the section and its branch, by an element of the
+-- group, and be equivariant, rho(h z) = rho(z) h^-1. What both sides do to points is compared, so
+-- that elements which move nothing make no difference. Points where the frame has no finite value
+-- or an ill-conditioned one tell nothing.
+local core = require "dm.core"
+local groups = require "dm.group"
+local kits = require "dm.group.kit"
+local options = require "dm.base.options"
+local places = require "dm.action.points"
+local points = require "dm.frame.points"
+local tangent = require "dm.frame.tangent"
+local text = require "dm.frame.text"
+
+local M = {}
+
+local huge, max, min = math.huge, math.max, math.min
+
+-- how many samples by dim G, so that a frame is made in a few milliseconds
+local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 12, 8, 6, 3, 2, 1 }
+local LOST = 5                        -- samples' worth of time to find that there is no root
+local SIZES = { 1, 0.3, 3, 1, 0.1, 10 } -- of points
+local PUSHES = { 1, 2.5, 0.5, 3.1 }   -- of vectors of the algebra whose exp moves them
+local FAR = 1e3                       -- entries beyond which digits are missing
+local VALID = 1e-9                    -- how far an element may be from the group
+local NUDGE = 1e-7                    -- of points, relative
+local ILL, WORST = 1e6, 1e9           -- conditions beyond which nothing is told: of two frames, of one
+local SAME = 1e-7                     -- relative distance of points that are one
+local MEASURED, ON = 6, 1e-10         -- samples that tell the scale of Z; of it what is on the section
+local ON_SECTION = 6                  -- samples of which one must lead there
+
+local function fail(...) options.fail("dm.moving_frame", ...) end
+local function refuse(what, ...) fail("no moving frame: " .. what, ...) end
+
+-- a list of points of sample `seed` with numbers of size SIZES; nothing outside of the domain
+local function sample(frame, seed)
+  local kit, list = kits.of(frame.action.on), points.sample(frame, seed)
+  local size = kit.manifold and 1 or SIZES[seed % #SIZES + 1]
+  for _, z in ipairs(list) do
+    for j = 1, #z do z[j] = kit.angles[j] and z[j] or z[j] * size end
+    if not places.is_inside(frame.action, z) then return nil end
+  end
+  return list
+end
+
+-- the list moved by g; nothing where it is not finite, far away or outside of the domain
+local function moved(frame, g, list)
+  local out = {}
+  for i, z in ipairs(list) do
+    local fine, w = pcall(places.image, frame.action, g, z)
+    if not fine or not (places.size(w) < FAR) or not places.is_inside(frame.action, w) then
+      return nil
+    end
+    out[i] = w
+  end
+  return out
+end
+
+-- is the inverse of g what would bring the points to the section?
+local function hint(trial, g, list)
+  local frame = trial.frame
+  local there = moved(frame, groups.kit(frame.group).inverse(g), list)
+  local fine, off = pcall(tangent.distance, frame, there, there and trial.section(frame, there))
+  return fine and off < VALID and "; its inverse is: solution gives the element that moves the "
+    .. "points to the section" or ""
+end
+
+-- How much larger g makes relative changes of the points: of those that lie close together it has
+-- to magnify their differences, with the rounding in them. A formula for g takes such differences as
+-- well, and loses as many digits again.
+local function stretch(frame, g, list, there)
+  local size, nudged, worst = 0, {}, 0
+  for _, z in ipairs(list) do size = max(size, places.size(z)) end
+  for i, z in ipairs(list) do
+    nudged[i] = z:map(function(x, j) return x + ((i + j) % 2 == 0 and NUDGE or -NUDGE) * size end)
+  end
+  local moved_too = moved(frame, g, nudged)
+  for i, z in ipairs(moved_too or {}) do
+    worst = max(worst, places.apart(frame.action, z, there[i]) / (1 + places.size(there[i])))
+  end
+  return moved_too and worst / NUDGE or huge
+end
+
+-- what the formula gives, an element; nothing where it raises or is not finite
+local function by_formula(frame, list)
+  local kit = groups.kit(frame.group)
+  local fine, value = pcall(frame.solution, table.unpack(list))
+  if not fine then return nil, value end
+  local is, g = pcall(kit.element, value)
+  if not is then refuse("at z = %s the solution gives something else: %s", text.points(list), g) end
+  if not kits.is_finite(kit.entries(g)) then return nil end
+  local defect, why = kit.defect(g)
+  if not (defect <= VALID) then
+    refuse("at z = %s the solution is no element of %s: %s", text.points(list),
+      tostring(frame.group), why or ("it is off by %.3g"):format(defect))
+  end
+  return g
+end
+
+-- the root; nothing where there is none. What else it raises is an error of the section or branch
+local function by_root(frame, list)
+  local fine, y = pcall(frame.root, points.flat(list))
+  if fine then return frame.group:unflat(y) end
+  if not tostring(y):find(text.advice, 1, true) then fail("%s", tostring(y)) end
+end
+
+-- what J psi and g make of rounding at the points there
+local function condition_of(frame, list, a)
+  if not a.condition then _, a.condition = tangent.transversality(frame, a.there) end
+  return a.condition * max(1, stretch(frame, a.g, list, a.there)) ^ 2
+end
+
+-- |Z| far below what it was where the distance from the section was measured
+local function is_surely_on(trial, Z)
+  local most = 0
+  for _, z in ipairs(Z) do
+    if not (math.abs(z) <= most) then most = math.abs(z) end
+  end
+  return trial.measured >= MEASURED and most <= ON * trial.scale
+end
+
+-- Are the points there on the section? Nothing: it cannot be told.
+local function is_on(trial, list, a)
+  local frame = trial.frame
+  local fine, Z = pcall(trial.section, frame, a.there)
+  if not fine or not kits.is_finite(Z) then return nil end
+  if is_surely_on(trial, Z) then return true end
+  local off, condition, unit = tangent.distance(frame, a.there, Z)
+  a.condition = condition
+  if not (condition < tangent.CONDITION and off < huge) then return nil end
+  if off <= tangent.allowed(condition) then
+    trial.measured, trial.scale = trial.measured + 1, min(trial.scale, 1 / unit)
+    return true
+  end
+  local worst = condition_of(frame, list, a)
+  if worst > WORST or off <= tangent.allowed(worst) then return nil end
+  return false, off
+end
+
+local function check_branch(frame, list, a)
+  local values = frame.branch and points.entries(frame.branch(table.unpack(a.there))) or {}
+  for _, b in ipairs(values) do
+    if b <= 0 and condition_of(frame, list, a) < WORST then
+      refuse("at z = %s the solution brings the points to %s on the cross-section, where the branch "
+        .. "condition does not hold (it is %.3g)", text.points(list), text.points(a.there), b)
+    end
+  end
+end
+
+-- the frame of the list: its element g and the points there; nothing where nothing is told, and what
+-- the formula raises
+local function frame_of(trial, list)
+  local frame, g, why = trial.frame, nil, nil
+  if frame.solution then g, why = by_formula(frame, list) else g = by_root(frame, list) end
+  local there = g and moved(frame, g, list)
+  if not there then return nil, why end
+  local a = { g = g, there = there }
+  local on, off = is_on(trial, list, a)
+  if on == false then
+    refuse("at z = %s the solution is not on the cross-section (off by %.3g)%s", text.points(list),
+      off, hint(trial, g, list))
+  end
+  if on then check_branch(frame, list, a) end
+  return on and a or nil
+end
+
+-- largest distance of points of two lists, beside their size
+local function apart(frame, a, b)
+  local worst = 0
+  for i = 1, #a do
+    worst = max(worst, places.apart(frame.action, a[i], b[i]) / (1 + places.size(a[i])))
+  end
+  return worst
+end
+
+local function cut_twice(frame, list, a, b, distance)
+  refuse("the orbit of z = %s cuts the cross-section more than once, at %s and at %s (%.3g apart): %s",
+    text.points(list), text.points(a.there), text.points(b.there), distance,
+    frame.branch and "branch holds at both" or "give branch, a condition that is > 0 at one of them "
+    .. "only")
+end
+
+local function not_free(frame, list, h, distance)
+  refuse("rho(h z) is not rho(z) h^-1 at z = %s, h = %s: they move other points to places %.3g "
+    .. "apart, since the action is not free at z; take more points (points = %d)",
+    text.points(list), places.show(h), distance, frame.k + 1)
+end
+
+-- is rho(h z) h what rho(z) is? list: z, pushed: h z; a and b: the frame at both
+local function check_equivariance(frame, h, list, pushed, a, b, seed)
+  local probe, refused = points.sample(frame, seed + 1000, 2), cut_twice
+  local distance = apart(frame, a.there, b.there)
+  if distance <= SAME then
+    local once, moved_probe = moved(frame, a.g, probe), moved(frame, h, probe)
+    local twice = moved_probe and moved(frame, b.g, moved_probe)
+    distance, refused = once and twice and apart(frame, once, twice) or 0, not_free
+  end
+  if distance <= SAME then return end
+  if condition_of(frame, list, a) > ILL or condition_of(frame, pushed, b) > ILL then return end
+  if refused == cut_twice then cut_twice(frame, list, a, b, distance) end
+  not_free(frame, list, h, distance)
+end
+
+-- an element far from the identity, by turns in every component of the group
+local function large(G, seed)
+  local kit = groups.kit(G)
+  local others = kit.others()
+  local size = PUSHES[seed % #PUSHES + 1]
+  local h = kit.exp(kits.normals(core.random(11), seed, kit.dimension, size))
+  local other = others[seed % (#others + 1)]
+  return other and kit.compose(other, h) or h
+end
+
+-- the frame at sample `seed` and where a large element moves it; nothing where nothing is told, and
+-- what the formula raises
+local function try(trial, seed)
+  local frame = trial.frame
+  local list = sample(frame, seed)
+  if not list then return nil end
+  local a, why = frame_of(trial, list)
+  if not a then return nil, why end
+  local h = large(frame.group, seed)
+  local pushed = moved(frame, h, list)
+  local b = pushed and frame_of(trial, pushed)
+  if b then check_equivariance(frame, h, list, pushed, a, b, seed) end
+  return a
+end
+
+--- Raises where the frame is none. section(frame, list): Z at the points, as a list.
+function M.check(frame, section)
+  local trial = { frame = frame, section = section, measured = 0, scale = huge }
+  local left = (frame.solution and FORMULAS or ROOTS)[min(frame.r, #ROOTS)]
+  local told, first, seed = false, nil, 0
+  while left > 0 do
+    seed = seed + 1
+    local a, why = try(trial, seed)
+    left = left - ((a or frame.solution) and 1 or LOST)
+    told, first = told or a ~= nil, first or why
+  end
+  if not told and first then fail("the solution fails at random points: %s", tostring(first)) end
+end
+
+--- Points on the section, from one of the first samples that have a frame; nothing where none has.
+function M.on_section(frame)
+  for seed = 1, ON_SECTION do
+    local list = sample(frame, seed)
+    local g = list and (frame.solution and by_formula(frame, list) or by_root(frame, list))
+    local there = g and moved(frame, g, list)
+    if there then return there end
+  end
+end
+
+return M
