@@ -1,4 +1,5 @@
-/* loops.h - kernels of expressions with sums (algebra/body_sum.h). The sums are leaves S_k of f(x, S), so
+/* loops.h - kernels of expressions with sums (algebra/body_sum.h). The sums are leaves
+ * S_k of f(x, S), so
  *   df/dx_i = f_i + sum_k f_Sk dS_k/dx_i,
  * where the first part and the factors f_Sk are one kernel of the graph, and the second is a loop
  * over the rounds of each sum with the kernel of the derivatives of its term: in lanes where there

@@ -1,7 +1,8 @@
-/* constraints.h - what a Lagrangian is constrained by: holonomic constraints g(q, t) = 0 with the reactions
- * G^T lambda, G = dg/dq; rolling constraints phi(q, v, t) = 0 with the reactions E^T mu, where E is
- * dphi/dv (Chetaev) or given; a force f(q, v, t) that is added to L_q (Marsden-West 2001, 3.2).
- * A model without any has no constraints at all. Kernels are made when wanted. */
+/* constraints.h - what a Lagrangian is constrained by: holonomic constraints g(q, t) = 0 with
+ * the reactions G^T lambda, G = dg/dq; rolling constraints phi(q, v, t) = 0 with the reactions
+ * E^T mu, where E is dphi/dv (Chetaev) or given; a force f(q, v, t) that is added to L_q
+ * (Marsden-West 2001, 3.2). A model without any has no constraints at all. Kernels are made when
+ * wanted. */
 #ifndef DM_CONSTRAINTS_H
 #define DM_CONSTRAINTS_H
 
@@ -64,8 +65,8 @@ dm_status dm_constraints_want(dm_constraints *constraints, unsigned want, dm_com
  * k + l: none. */
 uint32_t dm_constraints_idle(const dm_constraints *constraints);
 
-/* Add f(q, v, t) at x = (q, v, t) to sum[n], where there are constraints and a force; f[n] is scratch.
- * Needs DM_WANT_CONSTRAINT_FORCE, and no controls. */
+/* Add f(q, v, t) at x = (q, v, t) to sum[n], where there are constraints and a force; f[n] is
+ * scratch. Needs DM_WANT_CONSTRAINT_FORCE, and no controls. */
 void dm_constraints_add_force(double *sum, const dm_constraints *constraints, const double *x,
                               double *f);
 

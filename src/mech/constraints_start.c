@@ -1,6 +1,6 @@
-/* constraints_start.c - is a state on its constraints, are they independent there, and where is the nearest
- * state that is on them? A is G, or G above dphi/dv; c what it has to make zero: g, or (G v +
- * g_t, phi). */
+/* constraints_start.c - is a state on its constraints, are they independent there, and where is
+ * the nearest state that is on them? A is G, or G above dphi/dv; c what it has to make zero: g,
+ * or (G v + g_t, phi). */
 #include "linalg/lu.h"
 #include "mech/constraints.h"
 

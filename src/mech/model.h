@@ -57,9 +57,9 @@ typedef struct {
     struct dm_later *later;                   /* how to make the stage kernel; NULL: nobody asked */
 } dm_model;
 
-/* With sums (algebra/body_sum.h) or very many coordinates: so many rounds are written out as they are;
- * above, loops are kept where mass is constant and diagonal; what needs n x n tables writes them
- * out up to so many coordinates. */
+/* With sums (algebra/body_sum.h) or very many coordinates: so many rounds are written out as
+ * they are; above, loops are kept where mass is constant and diagonal; what needs n x n tables
+ * writes them out up to so many coordinates. */
 enum { DM_MODEL_WRITTEN_OUT = 40, DM_MODEL_DENSE = 400 };
 
 /* Read the structure of L in g (inputs q[n], v[n], t) and build the wanted kernels. Everything

@@ -1,4 +1,5 @@
-/* compensated.h - compensated sums: a number kept as high + low, exact to about twice the digits. */
+/* compensated.h - compensated sums: a number kept as high + low, exact to about twice the
+ * digits. */
 #ifndef DM_COMPENSATED_H
 #define DM_COMPENSATED_H
 

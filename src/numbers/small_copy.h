@@ -1,4 +1,5 @@
-/* small_copy.h - copies of a few numbers, as members and small systems have them, without a call. */
+/* small_copy.h - copies of a few numbers, as members and small systems have them, without a
+ * call. */
 #ifndef DM_SMALL_COPY_H
 #define DM_SMALL_COPY_H
 

@@ -16,9 +16,9 @@ typedef struct {
     void *ud;
 } dm_outlet;
 
-/* Columns of rows for the impulses of the constraints (dm_method.impulses): those of the node where a
- * row is, of the step that ends there and of the one that begins there, and with `inner` those
- * of the constraint points inside the latter. */
+/* Columns of rows for the impulses of the constraints (dm_engine.impulses): those of the node
+ * where a row is, of the step that ends there and of the one that begins there, and with `inner`
+ * those of the constraint points inside the latter. */
 typedef struct {
     uint32_t constraints,
         points; /* columns of a point, constraint points of a step with both ends */
@@ -34,7 +34,7 @@ static inline uint32_t dm_impulses_width(const dm_impulses *i) {
 typedef struct {
     long steps; /* done before: t = t0 + (steps + k) h */
     const double
-        *memory; /* what the method left beside the state (dm_method.memory); NULL: nothing */
+        *memory; /* what the method left beside the state (dm_engine.memory); NULL: nothing */
 } dm_resumption;
 
 typedef struct {

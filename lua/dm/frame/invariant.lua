@@ -290,7 +290,9 @@ method("solve", function(p, o)
     every = o.every or 1, check = false }
   local curve = curves.of(p, form, rows, before)
   curve.form, curve.first_site = name, #before + p.window - p.N + 2
-  if report.code ~= "ok" then curves.stopped(p, report, curve, #before + p.window + report.done + 1) end
+  if report.code ~= "ok" then
+    curves.stopped(p, report, curve, #before + p.window + report.done + 1)
+  end
   return curve
 end, doc_solve)
 

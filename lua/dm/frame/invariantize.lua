@@ -1,5 +1,5 @@
---- Functions and discrete Lagrangians at normalized points, z -> F(rho(z) z): invariant whatever F is
--- (Bogfjellmo ch. 2 and 3).
+--- Functions and discrete Lagrangians at normalized points, z -> F(rho(z) z): invariant whatever
+-- F is (Bogfjellmo ch. 2 and 3).
 local core = require "dm.core"
 local frames = require "dm.frame"
 local options = require "dm.base.options"

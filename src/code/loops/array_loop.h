@@ -1,8 +1,8 @@
-/* array_loop.h - a kernel run along arrays: entry i of every output from entries of inputs beside it,
- * for i = 0, 1, ..., count-1, as one generated loop in lanes. A reference says where the
- * entries are: at a fixed distance from one of two bases that move with i, or a scalar, the same
- * for all i. The reads of a group of lanes come before its writes; an output may overwrite an
- * input of the same entry. Tape and native code of any lanes give the same bits, since no sum
+/* array_loop.h - a kernel run along arrays: entry i of every output from entries of inputs
+ * beside it, for i = 0, 1, ..., count-1, as one generated loop in lanes. A reference says where
+ * the entries are: at a fixed distance from one of two bases that move with i, or a scalar, the
+ * same for all i. The reads of a group of lanes come before its writes; an output may overwrite
+ * an input of the same entry. Tape and native code of any lanes give the same bits, since no sum
  * runs along i. */
 #ifndef DM_ARRAY_LOOP_H
 #define DM_ARRAY_LOOP_H
@@ -78,8 +78,8 @@ dm_status dm_array_loop_end(dm_array_loop *out, dm_array_loop_draft *d, dm_compi
 /* All entries, rounded up to whole groups of DM_ARRAY_GROUP: the arrays have room for them. */
 void dm_array_loop_run(const dm_array_loop *s, dm_array_bases at, uint32_t count);
 
-/* jit_array_loop.c: native code for s, whose graph, outputs and references are set, carried values as in
- * d; DM_NO_NATIVE where there is none. */
+/* jit_array_loop.c: native code for s, whose graph, outputs and references are set, carried
+ * values as in d; DM_NO_NATIVE where there is none. */
 dm_status dm_jit_build_array_loop(dm_array_loop *s, const dm_array_loop_draft *d, dm_arena *arena);
 
 #endif

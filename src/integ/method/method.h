@@ -28,7 +28,8 @@ typedef struct dm_method {
     const char *aliases;   /* what others call it, "leapfrog, strang"; may be NULL */
     const char *signature; /* "gauss(s)", as help prints it */
     const char *doc;       /* what it is, cost per step, source with equation number */
-    /* what dm.rules() says of it: order and stages as formulas, cost of a step with n coordinates */
+    /* what dm.rules() says of it: order and stages as formulas, cost of a step with n
+     * coordinates */
     const char *orders, *stages, *cost;
     /* "rule:stages:forces; ...": rules on which all that is measured (forces a step when
      * L = T(v) - V(q) and the rule is then explicit, 0: implicit); empty: measured elsewhere */

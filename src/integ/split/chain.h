@@ -1,8 +1,9 @@
-/* chain.h - splitting steps of a model whose force is loops along arrays (chain/lattice.h): kick and
- * drift of a stage are one pass over the bodies, right behind their slopes. Sums are kept with
- * compensation as q = q0 + dq, p = p0 + dp: q0 and p0 are those of the start of the step, to the
- * increments everything is added, and the end of the step makes one compensated sum of each. Plain
- * sums are added to q and p themselves, and leave the low parts of the state as they are. */
+/* chain.h - splitting steps of a model whose force is loops along arrays (chain/lattice.h): kick
+ * and drift of a stage are one pass over the bodies, right behind their slopes. Sums are kept
+ * with compensation as q = q0 + dq, p = p0 + dp: q0 and p0 are those of the start of the step,
+ * to the increments everything is added, and the end of the step makes one compensated sum of
+ * each. Plain sums are added to q and p themselves, and leave the low parts of the state as they
+ * are. */
 #ifndef DM_CHAIN_H
 #define DM_CHAIN_H
 

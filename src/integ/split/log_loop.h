@@ -1,5 +1,5 @@
-/* log_loop.h - steps of the logarithmic Hamiltonian as a loop in machine code (code/tape/loop.h). One
- * loop serves every composition and every h: coefficients are inputs. */
+/* log_loop.h - steps of the logarithmic Hamiltonian as a loop in machine code
+ * (code/tape/loop.h). One loop serves every composition and every h: coefficients are inputs. */
 #ifndef DM_LOG_LOOP_H
 #define DM_LOG_LOOP_H
 
