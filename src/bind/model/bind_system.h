@@ -43,6 +43,7 @@ enum {
     DML_CONTROL,
     DML_FORCE,
     DML_REACTION,
+    DML_MAP, /* the step of a discrete Lagrangian, where it is given */
     DML_CONSTRAINT_FUNCTIONS
 };
 

@@ -22,13 +22,39 @@ static void push_table(lua_State *L) {
     lua_rawsetp(L, LUA_REGISTRYINDEX, &key);
 }
 
+static int same_roots(const dm_node *a, const dm_node *b, size_t count) {
+    if (!a != !b) return 0;
+    return !a || memcmp(a, b, count * sizeof *a) == 0;
+}
+
+/* the map is in a graph of its own */
+static int same_map(const dml_traced *a, const dml_traced *b) {
+    if (!a->graph || !b->graph) return a->graph == b->graph;
+    return a->outputs == b->outputs && same_roots(a->out, b->out, a->outputs) &&
+           dml_samenodes(a->graph, b->graph, dm_graph_size(a->graph));
+}
+
+/* the functions that constrain it, node for node */
+static int same_constraints(const dml_model *cached, const dml_model *fresh) {
+    const dm_constraints_traced *a = &cached->constrained, *b = &fresh->constrained;
+    if (!a->graph != !b->graph || a->holonomic != b->holonomic || a->rolling != b->rolling ||
+        a->controls != b->controls || cached->constraints_traced != fresh->constraints_traced ||
+        !same_map(cached->constraint + DML_MAP, fresh->constraint + DML_MAP))
+        return 0;
+    return !a->graph ||
+           (same_roots(a->g, b->g, a->holonomic) && same_roots(a->phi, b->phi, a->rolling) &&
+            same_roots(a->f, b->f, a->n) && same_roots(a->u, b->u, a->controls) &&
+            same_roots(a->E, b->E, (size_t)a->rolling * a->n) &&
+            dml_samenodes(a->graph, b->graph, cached->constraints_traced));
+}
+
 /* the trace of *fresh is the beginning of the graph of *cached, to which derivatives were added */
 int dml_sametrace(const dml_model *cached, const dml_model *fresh) {
     const uint32_t size = dm_graph_size(fresh->graph);
     if (cached->traced != size || cached->lagrangian != fresh->lagrangian || cached->n != fresh->n)
         return 0;
     return dml_samenodes(cached->graph, fresh->graph, size) &&
-           dm_sums_same(cached->graph, fresh->graph) && dml_sameconstraints(cached, fresh);
+           dm_sums_same(cached->graph, fresh->graph) && same_constraints(cached, fresh);
 }
 
 dml_model *dml_pushcached(lua_State *L, int arg, dm_compile *compile) {

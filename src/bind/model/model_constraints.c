@@ -10,9 +10,10 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const keys[] = {"constraint", "rolling", "control", "force", "reaction", NULL};
+static const char *const keys[] = {"constraint", "rolling", "control", "force",
+                                   "reaction",   "map",     NULL};
 
-/* constraint(q, t); force(q, v, t, u) where there are controls; all others (q, v, t) */
+/* constraint(q, t); force(q, v, t, u) where there are controls; map(q, p); all others (q, v, t) */
 static dml_signature signature(const dml_model *m, int which) {
     const int n = (int)m->n;
     if (which == DML_CONSTRAINT)
@@ -20,6 +21,9 @@ static dml_signature signature(const dml_model *m, int which) {
                                .arguments = 2,
                                .length = {n, DML_SCALAR_ARGUMENT},
                                .may_grow = 1};
+    if (which == DML_MAP)
+        return (
+            dml_signature){.what = keys[which], .arguments = 2, .length = {n, n}, .may_grow = 1};
     const int controls = (int)m->constraint[DML_CONTROL].outputs;
     return (dml_signature){.what = keys[which],
                            .arguments = which == DML_FORCE && controls ? 4 : 3,
@@ -45,7 +49,8 @@ void dml_check_functions(lua_State *L, int hyperdual) {
          "function(q, v) or function(q, v, t) that returns what shall be zero",
          "function(q, v) or function(q, v, t) that returns the controls u of a step",
          "function of (q, v [, t [, u]]), u the controls, that returns dim Q numbers",
-         "function(q, v) or function(q, v, t) that returns a row for every rolling one"};
+         "function(q, v) or function(q, v, t) that returns a row for every rolling one",
+         "function of (q, p) at the start of a step that returns q, p at its end as one list"};
     for (int i = 0; keys[i]; i++, lua_pop(L, 1)) {
         const int type = lua_getfield(L, 1, keys[i]);
         if (type == LUA_TNIL) continue;
@@ -118,6 +123,10 @@ static void check_lengths(lua_State *L, const dml_model *m) {
                    "reaction must return %d rows of %d numbers, one row per rolling constraint, "
                    "got %d numbers in all",
                    (int)l, (int)n, (int)given);
+    if (m->constraint[DML_MAP].graph && m->constraint[DML_MAP].outputs != 2 * n + k)
+        luaL_error(L,
+                   "map must return %d numbers, q1, p1 and an impulse for each constraint, got %d",
+                   (int)(2 * n + k), (int)m->constraint[DML_MAP].outputs);
     if (k + l > n)
         luaL_error(L, "%d constraints for %d coordinates: they leave no motion", (int)(k + l),
                    (int)n);
@@ -218,23 +227,6 @@ void dml_buildconstraints(lua_State *L, dml_model *m) {
                    (int)(idle - k) + 1);
 }
 
-static int same_roots(const dm_node *a, const dm_node *b, size_t count) {
-    if (!a != !b) return 0;
-    return !a || memcmp(a, b, count * sizeof *a) == 0;
-}
-
-int dml_sameconstraints(const dml_model *cached, const dml_model *fresh) {
-    const dm_constraints_traced *a = &cached->constrained, *b = &fresh->constrained;
-    if (!a->graph != !b->graph || a->holonomic != b->holonomic || a->rolling != b->rolling ||
-        a->controls != b->controls || cached->constraints_traced != fresh->constraints_traced)
-        return 0;
-    return !a->graph ||
-           (same_roots(a->g, b->g, a->holonomic) && same_roots(a->phi, b->phi, a->rolling) &&
-            same_roots(a->f, b->f, a->n) && same_roots(a->u, b->u, a->controls) &&
-            same_roots(a->E, b->E, (size_t)a->rolling * a->n) &&
-            dml_samenodes(a->graph, b->graph, cached->constraints_traced));
-}
-
 /* ---- the trace against the function ---- */
 
 /* (q, t) or (q, v, t) out of (q, v, t) */
@@ -265,6 +257,7 @@ void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x) 
     for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS; i++) {
         if (!m->constraint[i].graph) continue;
         const dm_kernel *kernel = traced_kernel(L, m, i);
+        const double *here = i == DML_MAP ? NULL : x; /* x = (q0, q1) is no (q, p) */
         if (x) arguments_of(m, i, x, at);
         if (x && i == DML_CONTROL) {
             dm_kernel_prepare(kernel, held);
@@ -274,9 +267,9 @@ void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x) 
         const dml_signature s = signature(m, i);
         push_function(L, arg, i);
         if (m->checked)
-            dml_trace_check_start(L, lua_gettop(L), &s, kernel, x ? at : NULL);
+            dml_trace_check_start(L, lua_gettop(L), &s, kernel, here ? at : NULL);
         else
-            dml_trace_check(L, lua_gettop(L), &s, kernel, x ? at : NULL);
+            dml_trace_check(L, lua_gettop(L), &s, kernel, here ? at : NULL);
         lua_pop(L, 1);
     }
     lua_settop(L, top);

@@ -25,9 +25,6 @@ void dml_buildconstraints(lua_State *L, dml_model *m);
 /* Raise where the constraints of a discrete Lagrangian see the time. */
 void dml_checkpairconstraints(lua_State *L, const dml_model *m);
 
-/* Is the trace that of the other model, node for node? */
-int dml_sameconstraints(const dml_model *cached, const dml_model *fresh);
-
 /* Compare the traces with plain calls around x = (q, v, t), as dml_trace_check does; NULL:
  * nowhere in particular. */
 void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x);

@@ -273,7 +273,23 @@ static const char *built_by(const dm_model *m, const char *wanted) {
     return strcmp(wanted, "jit") == 0 && !dm_jit_lanes() ? "tape" : wanted;
 }
 
+/* the step of a discrete Lagrangian that is given as a function */
+static void want_map(lua_State *L, dml_model *m, const char *backend) {
+    const dml_traced *map = m->constraint + DML_MAP;
+    const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
+    if (m->model.has & DM_WANT_MAP) return;
+    check_status(L, backend_of(L, m, backend)
+                        ->compile(&m->model.map, map->graph, map->out, map->outputs, m->arena));
+    m->model.has |= DM_WANT_MAP;
+    m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
+}
+
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
+    if (want & DM_WANT_MAP) {
+        dml_want(L, m, want & ~(unsigned)DM_WANT_MAP, backend);
+        want_map(L, m, backend);
+        return;
+    }
     if (dml_arenalost(m->arena))
         m->model.has = m->constraints.has = 0; /* called by a finalizer: made again, on the tape */
     want_constraints(L, m, want, backend);

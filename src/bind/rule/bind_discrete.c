@@ -172,7 +172,8 @@ static int discrete_field(lua_State *L) {
     const dml_system *s = check(L);
     const char *key = luaL_checkstring(L, 2);
     static const char *const fields[] = {"Q",      "Ld",     "name", "coordinates", "units",
-                                         "params", "system", "rule", "constraint",  NULL};
+                                         "params", "system", "rule", "constraint",  "map",
+                                         NULL};
     if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
@@ -291,7 +292,7 @@ static int is_timed(lua_State *L) {
 static int discrete_new(lua_State *L) {
     static const char *const known[] = {"Q",           "h",     "Ld",     "name",
                                         "coordinates", "units", "params", "derivatives",
-                                        "constraint",  NULL};
+                                        "constraint",  "map",   NULL};
     lua_settop(L, 2);
     if (luaL_testudata(L, 1, DML_SYSTEM)) {
         check_of_system(L);
@@ -316,6 +317,11 @@ static const dml_row methods[] =
       "of the rule from q0 to q1: positions, velocities and momenta p_i = dL/dv at its points "
       "(matrices, a row each), the multipliers p0 and p1 of the ends, which are the discrete "
       "Legendre transforms, and what is left of its equations (Leok 5.2)."},
+     {"coefficients", dml_discrete_coefficients,
+      "Ld:coefficients() -> {a, d, b, c, beta}\n"
+      "Of a system and a rule, what its curves are made of (Leok 2.4): with velocities V_j, Q_i = "
+      "q0 + h sum_j a_ij V_j and Qdot_i = sum_j d_ij V_j at the times c_i h, where L is taken with "
+      "the weights h b_i; q1 = q0 + h sum_j beta_j V_j."},
      {"legendre_minus", discrete_minus,
       "Ld:legendre_minus(q0, q1) -> dm.vector\n"
       "The momentum p0 = -D1 Ld(q0, q1) at q0 (Leok 2.3)."},
@@ -334,20 +340,22 @@ static const dml_row methods[] =
 static const dml_row functions[] =
     {{"discrete_lagrangian", discrete_new,
       "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "
-      "constraint=} -> dm.discrete_lagrangian\n"
+      "constraint=, map=} -> dm.discrete_lagrangian\n"
       "or dm.discrete_lagrangian(system, {rule=, h=}) with any stage rule (\"galerkin(3, "
       "lobatto(4))\", \"gauss(2)\", \"midpoint\" ...)\n"
       "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
       "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
       "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "
-      "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are."},
+      "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are. map(q, p): the step "
+      "of Ld, q1 and p1 as one list (with constraints an impulse for each behind them), where it "
+      "is known: runs then take it (rule \"map\") in place of solving for q1."},
      {NULL, NULL, NULL}};
 
 const dml_class dml_class_discrete = {
     .name = DML_DISCRETE,
     .doc = "dm.discrete_lagrangian: Ld(q0, q1), made by dm.discrete_lagrangian{Q=, h=, Ld=}\n"
            "or, of a system and a rule, by dm.discrete_lagrangian(system, {rule=, h=})\n"
-           "fields: Q, Ld, h, name, coordinates, units, params, system, rule, constraint",
+           "fields: Q, Ld, h, name, coordinates, units, params, system, rule, constraint, map",
     .meta = meta,
     .methods = methods,
     .field = discrete_field,

@@ -135,6 +135,36 @@ void dml_solveruled(lua_State *L, dm_discrete *out) {
     check_status(L, m, dm_discrete_solve(out, &problem, q0 + 2 * (size_t)n), s);
 }
 
+/* t[key] = the high parts of rows x columns weights: a matrix, or of one row a vector */
+static void set_weights(lua_State *L, const char *key, const dm_weight *w, uint32_t rows,
+                        uint32_t columns) {
+    double *out = rows ? dml_pushmatrix(L, rows, columns) : dml_pushvector(L, columns);
+    for (size_t i = 0; i < (rows ? rows : 1) * (size_t)columns; i++)
+        out[i] = dm_weight_double(w[i]);
+    lua_setfield(L, -2, key);
+}
+
+int dml_discrete_coefficients(lua_State *L) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_DISCRETE);
+    dm_galerkin g;
+    dm_stage_table t;
+    if (!s->ruled)
+        luaL_error(L, "a formula Ld(q0, q1) has no stages: this is for a discrete Lagrangian of a "
+                      "system and a rule");
+    lua_getiuservalue(L, 1, 1);
+    read_basis(L, lua_gettop(L), &g);
+    const size_t size = dm_stage_table_size((size_t)g.s, (size_t)g.q.r);
+    dm_stage_table_fill(&t, &g, lua_newuserdatauv(L, size * sizeof(double), 0));
+    lua_createtable(L, 0, 5);
+    dml_setresult(L);
+    set_weights(L, "a", t.a, t.r, t.s);
+    set_weights(L, "d", t.d, t.r, t.s);
+    set_weights(L, "b", t.b, 0, t.r);
+    set_weights(L, "c", t.c, 0, t.r);
+    set_weights(L, "beta", t.beta, 0, t.s);
+    return 1;
+}
+
 void dml_unfoldruled(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 2, DML_DISCRETE);
     lua_newtable(L);

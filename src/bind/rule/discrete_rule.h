@@ -18,4 +18,7 @@ void dml_solveruled(lua_State *L, dm_discrete *out);
  * and h into the options. */
 void dml_unfoldruled(lua_State *L);
 
+/* Ld:coefficients(), as a C function. */
+int dml_discrete_coefficients(lua_State *L);
+
 #endif

@@ -111,6 +111,12 @@ static void read_step(lua_State *L, solver *s, const dml_system *system) {
                    s->h, system->h);
 }
 
+static int has_map(lua_State *L) {
+    const int there = dml_systemfield(L, 2, "map") != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
 /* solver options at 1, system at 2 */
 static int new_solver(lua_State *L) {
     static const char *const known[] = {"rule", "h", "newton", "backend", "sums", NULL};
@@ -122,8 +128,14 @@ static int new_solver(lua_State *L) {
     s->n = system->n;
     s->pair = system->pair;
     lua_getfield(L, 1, "rule");
-    if (lua_isnil(L, -1) && s->pair) lua_pop(L, 1), lua_pushstring(L, "del");
+    if (lua_isnil(L, -1) && s->pair) lua_pop(L, 1), lua_pushstring(L, has_map(L) ? "map" : "del");
     read_rule(L, s);
+    const dm_model none = {0};
+    if (s->pair && dm_rule_engine(s->nodes, &none)->wants(s->nodes, &none) & DM_WANT_MAP && !has_map(L))
+        luaL_error(L,
+                   "rule '%s' takes the step that a discrete Lagrangian brings with it as "
+                   "map =, and this one has none: it is stepped by 'del'",
+                   s->nodes[0].name);
     lua_setiuservalue(L, 3, DML_SOLVER_RULE);
     read_step(L, s, system);
     read_newton(L, s);

@@ -75,6 +75,7 @@ static uint32_t operations(const dm_model *m, unsigned wants) {
            (wants & DM_WANT_FORCE ? m->force.operations : 0) +
            (wants & DM_WANT_SLOPE ? m->slope.operations : 0) +
            (wants & DM_WANT_PAIR ? m->pair.operations : 0) +
+           (wants & DM_WANT_MAP ? m->map.operations : 0) +
            (m->constraints ? constraint_operations(m->constraints, wants) : 0);
 }
 

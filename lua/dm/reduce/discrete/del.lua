@@ -1,9 +1,11 @@
---- The discrete Routh equations of a formula Ld(q0, q1), stepped in C: they are the discrete
--- Euler-Lagrange equations of the discrete Routhian W(x0, x1) = Ld(x0, x1, psi) - mu . psi, which
--- is stationary in psi at psi_mu: an implicit function in its graph (dm.root).
+--- The discrete Routh equations of an Ld(q0, q1), stepped in C. W(x0, x1) = Ld(x0, x1, psi) - mu .
+-- psi, stationary in psi, is a discrete Lagrangian of its own (dm.root); its step comes with it as
+-- a function (step.lua), which finds x1 and psi together.
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
+local psi_of = require "dm.reduce.discrete.psi"
+local step_of = require "dm.reduce.discrete.step"
 
 local M = {}
 
@@ -13,51 +15,27 @@ local known = setmetatable({}, { __mode = "k" })
 --- The discrete shape of a path of its solver, or nothing.
 function M.of(system) return known[system] end
 
--- the points of Ld over the shapes x0, x1
-local function lifted(info, x0, x1, psi)
-  local q0, q1 = model.embed(info, x0), model.embed(info, x1, psi)
-  if not info.ambient then return q0, q1 end
-  return info.ambient.chart(q0), info.ambient.chart(q1)
-end
-
--- h theta' of the straight line from x0 to x1, where it has a formula
-local function straight(D)
-  local info, h = D.info, D.h
-  return function(x0, x1)
-    return core.vector((model.group_velocity(info, (x0 + x1) / 2, (x1 - x0) / h, 0)))
-  end
-end
-
-local function start_of(D)
-  if D.info.root then
-    local out = {}
-    for a = 1, D.info.m do out[a] = 0 end
-    return out
-  end
-  local rate, h = straight(D), D.h
-  return function(x0, x1) return h * rate(x0, x1) end
-end
-
 local function make(D)
-  local info, Ld = D.info, D.Ld
-  local f, h, params, mu = Ld.Ld, Ld.h, Ld.params, info.mu
-  local psi = core.root { name = "psi_mu (is the step too long for this momentum?)",
-    unknowns = info.m, start = start_of(D),
-    stationary = function(y, x0, x1)
-      local q0, q1 = lifted(info, x0, x1, y)
-      local value = f(q0, q1, h, params)
-      for a = 1, info.m do value = value - mu[a] * y[a] end
-      return value
-    end }
-  local W = core.discrete_lagrangian { Q = core.R(info.d), h = h, coordinates = D.shape.coordinates,
-    name = "discrete Routhian", constraint = D.constraint,
-    Ld = function(x0, x1) return psi:value(x0, x1) end }
-  known[W], D.implicit = D, psi
+  local straight = psi_of.straight(D)
+  local step, size = step_of.of(D)
+  local W = core.discrete_lagrangian { Q = core.R(D.info.d), h = D.h,
+    coordinates = D.shape.coordinates, name = "discrete Routhian", constraint = D.constraint,
+    Ld = function(x0, x1) return D.root:value(x0, x1, straight(x0, x1)) end,
+    map = function(x, y) return lists.part(step(x, y, x), 0, size) end }
+  known[W] = D
   return W
 end
 
+-- Does the rule of Ld on the shape take the steps of Ld? A partitioned Runge-Kutta rule does, with
+-- its velocities at the points of its quadrature, where theta is a coordinate.
+local function is_stepped_by_its_rule(D)
+  if D.Ld.Ld or D.info.ambient then return false end
+  local d = D.Ld:coefficients().d
+  return d.rows == d.columns and d == core.identity(d.rows)
+end
+
 function M.solver(D, options)
-  if not D.Ld.Ld then
+  if is_stepped_by_its_rule(D) then
     local own = lists.copy(options or {})
     own.rule, own.h = own.rule or D.Ld.rule, own.h or D.h
     return D.shape:solver(own)
@@ -66,48 +44,48 @@ function M.solver(D, options)
   return D.W:solver(options)
 end
 
--- the unreduced state over the first row, whose momentum is not -D1 Ld where there are constraints
-local function first_state(info, path, theta)
-  local q, p = model.embed(info, path.q[1], theta), model.embed(info, path.p[1], info.mu)
-  if not info.ambient then return q, p end
-  return info.ambient.point(q, p)
+---- reconstruction ----
+
+-- the step from (x, y) as the run took it, to the shape `there` where that is known: psi, x, y
+local function follow(D, x, y, there, last)
+  local d, step, before_psi = D.info.d, step_of.of(D)
+  local all = step(x, y, there or x)
+  local x1, y1 = lists.part(all, 0, d), lists.part(all, d, d)
+  if there and not ((x1 - there):norm() <= 1e-8 * (1 + there:norm())) then
+    return psi_of.pair(D, x, there, last).psi, there, y1 -- the run has found another root
+  end
+  return lists.part(all, before_psi, D.info.m), x1, y1
 end
 
--- columns of the unreduced path: psi_mu is added from row to row
-local function columns_of(D, path, theta)
-  local info = D.info
-  local n, out, sum = info.n, { path:column "t" }, {}
-  for c = 2, 2 * n + 1 do out[c] = {} end
-  for a = 1, info.m do sum[a] = theta[a] end
-  local function put(k, q, p)
-    for i = 1, n do out[1 + i][k], out[1 + n + i][k] = q[i], p[i] end
-  end
-  local before = path.q[1]
+-- the group variable at every row, from theta on
+local function group_along(D, path, theta)
+  local out = { core.vector(theta) }
+  local psi = core.zeros(D.info.m)
   for k = 2, #path do
-    local psi = D.implicit(before, path.q[k])
-    local q0 = model.embed(info, before, sum)
-    for a = 1, info.m do sum[a] = sum[a] + psi[a] end
-    local q1 = model.embed(info, path.q[k], sum)
-    if info.ambient then q0, q1 = info.ambient.chart(q0), info.ambient.chart(q1) end
-    local p0, p1 = D.slopes(q0, q1)
-    if k == 2 and not D.constraint then put(1, q0, p0) end
-    if k == 2 and D.constraint then put(1, first_state(info, path, theta)) end
-    put(k, q1, p1)
-    before = path.q[k]
+    local steps = math.floor((path.t[k] - path.t[k - 1]) / path.h + 0.5)
+    local x, y, sum = path.q[k - 1]:copy(), path.p[k - 1]:copy(), out[k - 1]
+    for i = 1, steps do
+      psi, x, y = follow(D, x, y, i == steps and path.q[k]:copy() or nil, psi)
+      sum = sum + psi
+    end
+    out[k] = sum
   end
   return out
 end
 
---- The unreduced path over a path of the solver above.
+--- The unreduced path over a path of the solver above: psi_mu is added from step to step, also
+-- between rows that are further apart.
 function M.reconstruct(D, path, theta)
-  if #path ~= path.steps + 1 or #path < 2 then
-    error("path:reconstruct: psi_mu leads from one step to the next, so every step must have "
-      .. "been kept (every = 1)", 0)
+  local info, group = D.info, group_along(D, path, theta)
+  local n, columns = info.n, { path:column "t" }
+  for c = 2, 2 * n + 1 do columns[c] = {} end
+  for k = 1, #path do
+    local q, p = model.embed(info, path.q[k], group[k]), model.embed(info, path.p[k], info.mu)
+    if info.ambient then q, p = info.ambient.point(q, p) end
+    for i = 1, n do columns[1 + i][k], columns[1 + n + i][k] = q[i], p[i] end
   end
-  local info = D.info
   return core.path { system = info.ambient and info.ambient.system or info.full, h = path.h,
-    rule = path.rule, steps = path.steps,
-    columns = columns_of(D, path, theta) }
+    rule = path.rule, steps = path.steps, columns = columns }
 end
 
 return M

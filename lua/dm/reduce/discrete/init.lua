@@ -1,25 +1,23 @@
 --- Reduction of a discrete Lagrangian Ld(q0, q1) that the group leaves as it is: psi_mu, the
--- discrete connection, the reduced discrete Lagrangian and the discrete Routh equations, all from
--- -D1 Ld, D2 Ld and -D1D2 Ld. In coordinates (theta, x), with psi = theta1 - theta0:
+-- discrete connection, the reduced discrete Lagrangian and the discrete Routh equations. In
+-- coordinates (theta, x), with psi = theta1 - theta0:
 --   dLd/dpsi (x0, x1, psi_mu) = mu,   L^d = Ld(x0, x1, psi_mu),
 --   A^ = (mu psi_x0 - B(x0), mu psi_x1 + B(x1)),
 --   D2 L^d(x0, x1) + D1 L^d(x1, x2) = A^2(x0, x1) + A^1(x1, x2)
 -- (Jalnapurkar, Leok, Marsden & West 2006).
--- The second derivatives of psi_mu follow from the mixed ones, since Ld depends on theta1 - theta0
--- alone.
+local action = require "dm.reduce.discrete.action"
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
+local check = require "dm.reduce.discrete.check"
 local core = require "dm.core"
-local linear = require "dm.base.linear"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 local psi_of = require "dm.reduce.discrete.psi"
 local routh = require "dm.reduce.routh"
 local shape_of = require "dm.reduce.routh.shape"
+local step_of = require "dm.reduce.discrete.step"
 
 local M = {}
-
-local abs, max = math.abs, math.max
 
 local Discrete = core.class({ __name = "dm.discrete_shape" }, [[
 dm.discrete_shape: a discrete Lagrangian without its group variables, made by shape:discrete
@@ -28,20 +26,16 @@ numbers each.]])
 
 function Discrete.__tostring(D) return ("reduced %s"):format(tostring(D.Ld)) end
 
-local MOST = 60
-
 local POINT = "%s must be a point of the shape space: %d number%s (got %s)"
 
 local function point(D, x, what) return lists.numbers(what, x, D.info.d, POINT) end
 
 local function points(D, x0, x1) return point(D, x0, "x0"), point(D, x1, "x1") end
 
-local function mu_times(info, by)
-  local out = {}
-  for j = 1, info.d do
-    out[j] = 0
-    for a = 1, info.m do out[j] = out[j] + info.mu[a] * by[j][a] end
-  end
+-- mu . psi_x, d numbers, of the m rows of psi_x
+local function mu_times(info, psi_x)
+  local out = core.zeros(info.d)
+  for a = 1, info.m do out = out + info.mu[a] * psi_x[a] end
   return out
 end
 
@@ -73,92 +67,59 @@ function methods.connection(D, q0, q1)
   return core.vector(out)
 end
 
-function methods.value(D, x0, x1)
-  local s = psi_of.pair(D, points(D, x0, x1))
-  return D.Ld(s.q0, s.q1)
-end
-
 function methods.routhian(D, x0, x1)
-  local s, sum = psi_of.pair(D, points(D, x0, x1)), 0
-  for a = 1, D.info.m do sum = sum + D.info.mu[a] * s.psi[a] end
-  return D.Ld(s.q0, s.q1) - sum
+  x0, x1 = points(D, x0, x1)
+  return D.root:value(x0, x1, psi_of.pair(D, x0, x1).psi)
 end
 
--- A^1, A^2 at a pair
-local function forms(D, s, x0, x1)
-  local info, first, second = D.info, {}, {}
-  local B0, B1 = shape_of.potential_of(info, core.vector(x0), 0),
-    shape_of.potential_of(info, core.vector(x1), 0)
-  local by0, by1 = mu_times(info, s.by0), mu_times(info, s.by1)
-  for j = 1, info.d do first[j], second[j] = by0[j] - B0[j], by1[j] + B1[j] end
-  return core.vector(first), core.vector(second)
+function methods.value(D, x0, x1)
+  x0, x1 = points(D, x0, x1)
+  local psi = psi_of.pair(D, x0, x1).psi
+  return D.root:value(x0, x1, psi) + core.vector(D.info.mu):dot(psi)
+end
+
+-- a pair of shapes: psi, y0, y1 and their derivatives, and A^1, A^2
+local function both_ends(D, x0, x1)
+  local s = psi_of.pair(D, x0, x1)
+  local by = psi_of.derivatives(D, x0, x1, s.psi)
+  s.y0_x1, s.by0, s.by1 = by.y0_x1, mu_times(D.info, by.psi_x0), mu_times(D.info, by.psi_x1)
+  s.A1 = s.by0 - shape_of.potential_of(D.info, x0, 0)
+  s.A2 = s.by1 + shape_of.potential_of(D.info, x1, 0)
+  return s
 end
 
 function methods.one_form(D, x0, x1)
-  x0, x1 = points(D, x0, x1)
-  return forms(D, psi_of.pair(D, x0, x1), x0, x1)
+  local s = both_ends(D, points(D, x0, x1))
+  return s.A1, s.A2
 end
 
 -- D1 L^d, D2 L^d at a pair
-local function slopes(D, s)
-  local info, first, second = D.info, {}, {}
-  local by0, by1 = mu_times(info, s.by0), mu_times(info, s.by1)
-  for j, k in ipairs(info.shape) do first[j], second[j] = by0[j] - s.p0[k], by1[j] + s.p1[k] end
-  return core.vector(first), core.vector(second)
-end
+local function slopes(s) return s.by0 - s.y0, s.by1 + s.y1 end
 
 function methods.legendre_minus(D, x0, x1)
-  x0, x1 = points(D, x0, x1)
-  local s = psi_of.pair(D, x0, x1)
-  return forms(D, s, x0, x1) - slopes(D, s)
+  local s = both_ends(D, points(D, x0, x1))
+  return s.A1 - (slopes(s))
 end
 
 function methods.legendre_plus(D, x0, x1)
-  x0, x1 = points(D, x0, x1)
-  local s = psi_of.pair(D, x0, x1)
-  local _, A2 = forms(D, s, x0, x1)
-  local _, D2 = slopes(D, s)
-  return D2 - A2
-end
-
--- dLd/dx at both ends, psi eliminated: canonical momenta
-local function canonical(D, s)
-  local y0, y1 = {}, {}
-  for j, k in ipairs(D.info.shape) do y0[j], y1[j] = s.p0[k], s.p1[k] end
-  return core.vector(y0), core.vector(y1)
+  local s = both_ends(D, points(D, x0, x1))
+  return select(2, slopes(s)) - s.A2
 end
 
 function methods.residual(D, x0, x1, x2, kind)
   x0, x1 = points(D, x0, x1)
   x2 = point(D, x2, "x2")
-  local s, r = psi_of.pair(D, x0, x1), psi_of.pair(D, x1, x2)
-  if kind == "direct" then
-    local _, y = canonical(D, s)
-    return y - (canonical(D, r))
-  elseif kind ~= nil and kind ~= "literal" then
+  if kind == "direct" then return psi_of.pair(D, x0, x1).y1 - psi_of.pair(D, x1, x2).y0 end
+  if kind ~= nil and kind ~= "literal" then
     error("residual: the kind must be \"literal\" or \"direct\"", 0)
   end
-  local _, A2 = forms(D, s, x0, x1)
-  local _, D2 = slopes(D, s)
-  return D2 + slopes(D, r) - A2 - forms(D, r, x1, x2)
-end
-
--- -d2W/dx0dx1
-local function two_form(D, s)
-  local info, out = D.info, {}
-  for i, k in ipairs(info.shape) do
-    out[i] = {}
-    for j, l in ipairs(info.shape) do
-      local sum = s.T[k][l]
-      for a, c in ipairs(info.cyclic) do sum = sum + s.T[k][c] * s.by1[j][a] end
-      out[i][j] = sum
-    end
-  end
-  return out
+  local s, r = both_ends(D, x0, x1), both_ends(D, x1, x2)
+  return select(2, slopes(s)) + slopes(r) - s.A2 - r.A1
 end
 
 function methods.two_form(D, x0, x1)
-  return core.matrix(two_form(D, psi_of.pair(D, points(D, x0, x1))))
+  x0, x1 = points(D, x0, x1)
+  return core.matrix(psi_of.derivatives(D, x0, x1, psi_of.pair(D, x0, x1).psi).y0_x1)
 end
 
 function methods.step(D, x0, x1)
@@ -166,27 +127,12 @@ function methods.step(D, x0, x1)
     error("step: this system has constraints, with which D:solver{} steps it", 0)
   end
   x0, x1 = points(D, x0, x1)
-  local s, x2 = psi_of.pair(D, x0, x1), {}
-  local _, y = canonical(D, s)
-  for j = 1, D.info.d do x2[j] = 2 * x1[j] - x0[j] end
-  local guess, last = s.psi, math.huge
-  for _ = 1, MOST do
-    local r = psi_of.pair(D, x1, x2, guess)
-    local rest, found = y - (canonical(D, r)), two_form(D, r)
-    local move, size, scale = linear.solution(found, rest), 0, 1
-    if not move then
-      error("step: the reduced two-form is singular here, so that no next point is determined", 0)
-    end
-    for j = 1, D.info.d do
-      x2[j] = x2[j] + move[j]; size, scale = max(size, abs(move[j])), max(scale, abs(x2[j]))
-    end
-    guess = r.psi
-    if size <= 4e-16 * scale or (size >= last and size < 1e-12 * scale) then
-      return core.vector(x2), core.vector(guess)
-    end
-    last = size
+  local step, before_psi = step_of.of(D)
+  local fine, found = pcall(step, x1, psi_of.pair(D, x0, x1).y1, x1)
+  if not fine then
+    error(("step: no next point was found after x1 = %s: %s"):format(tostring(x1), found), 0)
   end
-  error(("step: no next point was found after x1 = %s"):format(tostring(core.vector(x1))), 0)
+  return lists.part(found, 0, D.info.d), lists.part(found, before_psi, D.info.m)
 end
 
 function methods.solver(D, options) return require "dm.reduce.discrete.del".solver(D, options) end
@@ -235,61 +181,47 @@ The matrix -d2W/dx0dx1 (row x0, column x1) of the reduced discrete symplectic fo
 Routhian: kept along paths, and regular where x1 determines the momentum.]])
 doc("step", [[
 D:step(x0, x1) -> x2, psi
-The next point of the discrete Routh equations after x0 and x1, and psi_mu(x1, x2), by Newton's
-method to round-off. For long runs of a rule use shape:solver, which takes the same steps.]])
+The next point of the discrete Routh equations after x0 and x1, and psi_mu(x1, x2), solved for
+together, to round-off; of several solutions the one that the step of Ld takes. For long runs use
+D:solver, which takes the same steps.]])
 
 doc("solver", [[
 D:solver{...} -> dm.solver
-A solver of the discrete Routh equations, in C: of a formula Ld as the discrete Euler-Lagrange
-equations of D:routhian, with psi_mu an implicit function in its graph (run it from q0 and q1, or q
-and p; p is the canonical momentum s + mu A); of a rule the solver of the shape. path:reconstruct
-adds psi_mu from step to step. Constraints of the system are those of the shape, with the
-multipliers of the unreduced equations (run with record = { "impulses" }, Leok 2.8.1). Options as
-for dm.solver.]])
+A solver of the discrete Routh equations, in C: the discrete Lagrangian D:routhian with its step as
+a map, x1 and psi_mu solved for together by the equations of Ld in the coordinates of Q, so that it
+steps what Ld steps (run it from q and p, or q0 and q1; p is the canonical momentum s + mu A). Of a
+partitioned Runge-Kutta rule in the coordinates (theta, x) it is the solver of the shape, which
+takes the same steps. path:reconstruct adds psi_mu from step to step. Constraints of the system are
+those of the shape, with the multipliers of the unreduced equations (run with record = {
+"impulses" }, Leok 2.8.1). Options as for dm.solver.]])
 
 ---- its maker ----
 
--- its Ld is a formula in L: midpoint, trapezoidal
-local function is_formula(rule)
-  for _, row in ipairs(core.rules()) do
-    if row.name == rule then return row.formula end
+-- the discrete Lagrangian that was given, or that of a rule in the coordinates (theta, x)
+local function read(info, full, given)
+  if type(given) == "table" then
+    check.places(info, full)
+    return check.of_rule(info.full, { rule = given.rule, h = given.h })
   end
-end
-
--- forces have no place in a formula; constraints have one at its nodes, and rules with stages
--- inside
-local function check_constraints(info, given)
-  local full, rule = info.full.given, type(given) == "table" and tostring(given.rule)
-  local tied = full.constraint and not full.force
-  if tied and (not rule or is_formula(rule)) then return end
-  if tied then
-    error(("discrete: this system has constraints, and '%s' has them at points inside of its "
-      .. "steps, for which shape:solver has the reduced equations; "
-      .. "\"midpoint\", \"trapezoidal\" and a dm.discrete_lagrangian have them at their nodes "
-      .. "alone"):format(rule), 0)
+  local fine, n = pcall(function() return given.Q.dimension, given.h end)
+  if not fine or type(given) ~= "userdata" or n ~= full.Q.dimension then
+    error("shape:discrete takes { rule =, h = } or a dm.discrete_lagrangian on the unreduced "
+      .. "coordinates", 0)
   end
-  routh.need_free(info, "discrete")
+  check.places(info, full, given)
+  return given
 end
 
 M.discrete = blame.caller(function(shape, given)
   local info = routh.need(shape, "discrete")
-  check_constraints(info, given)
   local full = info.ambient and info.ambient.system or info.full
-  local Ld = given
-  if type(given) == "table" then routh.need_autonomous(info, "discrete") end
-  if type(given) == "table" then
-    Ld = core.discrete_lagrangian(info.full, { rule = given.rule, h = given.h })
-  end
-  local fine, n = pcall(function() return Ld.Q.dimension, Ld.h end)
-  if not fine or type(Ld) ~= "userdata" or n ~= full.Q.dimension then
-    error("shape:discrete takes { rule =, h = } or a dm.discrete_lagrangian on the unreduced "
-      .. "coordinates", 0)
-  end
+  local Ld = read(info, full, given)
   local own = lists.copy(info)
   if type(given) == "table" then own.ambient = nil end
-  local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape, slopes = psi_of.slopes(Ld),
-    constraint = shape.given.constraint }, Discrete)
-  if type(given) ~= "table" then psi_of.check_invariance(D) end
+  local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape,
+    action = action.of(Ld), constraint = shape.given.constraint }, Discrete)
+  if type(given) ~= "table" then check.given(D, full) end
+  psi_of.make(D)
   return D
 end)
 
@@ -298,7 +230,9 @@ M.class = Discrete
 class.method("dm.system", "discrete", M.discrete, [[
 shape:discrete{rule=, h=} -> dm.discrete_shape   or   shape:discrete(Ld) -> dm.discrete_shape
 A discrete Lagrangian of the unreduced system without its group variables: that of a stage rule, or
-a dm.discrete_lagrangian in the unreduced coordinates, which the group must leave as it is. It has
-psi_mu, the discrete connection, the discrete Routh equations.]])
+a dm.discrete_lagrangian in the unreduced coordinates. It has psi_mu, the discrete connection, the
+discrete Routh equations. Raises where the group does not leave Ld as it is, where it is that of
+another system (its equations do not approach those of L as h goes to 0), or has a constraint that
+the system has not.]])
 
 return M

@@ -1,189 +1,117 @@
---- psi_mu of a discrete Lagrangian that the group leaves as it is: the angle for which dLd/dpsi
--- (x0, x1, psi) = mu, and its derivatives. Ld depends on theta1 - theta0 alone, so that the second
--- derivatives by psi follow from the mixed ones, -D1D2 Ld.
-local check = require "dm.reduce.routh.check"
+--- psi_mu of a discrete Lagrangian that the group leaves as it is: the group variable psi for which
+-- dLd/dpsi (x0, x1, psi) = mu, an implicit function; with it the canonical momenta -dLd/dx0 and
+-- dLd/dx1. Its derivatives are those of the graph.
 local core = require "dm.core"
-local linear = require "dm.base.linear"
+local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 local shape_of = require "dm.reduce.routh.shape"
 
 local M = {}
 
-local abs, max = math.abs, math.max
+local abs = math.abs
 
----- Ld in (theta, x) ----
-
-local function transposed_times(J, p, n)
-  local out = {}
-  for k = 1, n do
-    out[k] = 0
-    for i = 1, n do out[k] = out[k] + J[i][k] * p[i] end
-  end
-  return out
+-- the points of Ld over the shapes x0 and x1, psi apart, and the derivatives of the chart there
+local function lifted(info, x0, x1, psi)
+  local z0, z1, A = model.embed(info, x0), model.embed(info, x1, psi), info.ambient
+  if not A then return z0, z1 end
+  return A.chart(z0), A.chart(z1), A.slope(z0), A.slope(z1)
 end
-
--- J0^T T J1
-local function sandwich(J0, T, J1, n)
-  local out = {}
-  for i = 1, n do
-    out[i] = {}
-    for k = 1, n do
-      local sum = 0
-      for a = 1, n do
-        for b = 1, n do sum = sum + J0[a][i] * T[a][b] * J1[b][k] end
-      end
-      out[i][k] = sum
-    end
-  end
-  return out
-end
-
---- The function of (q0, q1) -> -D1 Ld, D2 Ld, -D1D2 Ld, lists: of a formula traced once, of a rule
--- by its solver.
-function M.slopes(Ld)
-  local n, f, h, params = Ld.Q.dimension, Ld.Ld, Ld.h, Ld.params
-  if not f then
-    return function(q0, q1)
-      return Ld:legendre_minus(q0, q1), Ld:legendre_plus(q0, q1), Ld:two_form(q0, q1)
-    end
-  end
-  local traced = core.trace(function(q0, q1) return f(q0, q1, h, params) end, n, n)
-  return function(q0, q1)
-    local g, H, p0, p1, T = traced:gradient(q0, q1), traced:hessian(q0, q1), {}, {}, {}
-    for i = 1, n do
-      p0[i], p1[i], T[i] = -g[i], g[n + i], {}
-      for k = 1, n do T[i][k] = -H[i][n + k] end
-    end
-    return p0, p1, T
-  end
-end
-
--- p0 = -D1 Ld, p1 = D2 Ld, T = -D1D2 Ld at ((0, x0), (psi, x1)), in the order of (theta, x) of the
--- reduction
-local function ends(D, x0, x1, psi)
-  local info = D.info
-  local q0, q1 = model.embed(info, x0), model.embed(info, x1, psi)
-  if not info.ambient then
-    local p0, p1, T = D.slopes(q0, q1)
-    return p0, p1, T, q0, q1
-  end
-  local ones = info.ambient.frame
-  local Q0, J0 = ones(q0)
-  local Q1, J1 = ones(q1)
-  local n, p0, p1, T = info.n, D.slopes(Q0, Q1)
-  return transposed_times(J0, p0, n), transposed_times(J1, p1, n), sandwich(J0, T, J1, n), Q0, Q1
-end
-
---- Does a formula Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group? At the points
--- at which L was looked at, which are in its domain.
-function M.check_invariance(D)
-  local info = D.info
-  for _, p in ipairs(info.points) do
-    local x, u, psi = model.split(info, p.q), model.split(info, p.v), {}
-    for a = 1, info.m do psi[a] = 0.2 + 0.1 * a end
-    local y = {}
-    for j = 1, info.d do y[j] = x[j] + math.min(D.h, 0.1) * u[j] end
-    local fine, p0, p1 = pcall(ends, D, x, y, psi)
-    for _, i in ipairs(fine and info.cyclic or {}) do
-      if abs(p0[i] - p1[i]) > 1e-8 * max(1, abs(p0[i])) then
-        error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, "
-          .. "for x0 = %s, x1 = %s")
-          :format(info.names[i], p0[i], p1[i], check.text(x), check.text(y)), 0)
-      end
-    end
-  end
-end
+M.lifted = lifted
 
 ---- psi_mu ----
 
-local MOST = 60
+--- h theta' of the straight line from x0 to x1, for symbols too; 0 where it has no formula.
+function M.straight(D)
+  local info, h = D.info, D.h
+  if info.root then return function() return core.zeros(info.m) end end
+  return function(x0, x1)
+    return h * core.vector((model.group_velocity(info, (x0 + x1) / 2, (x1 - x0) / h, 0)))
+  end
+end
 
--- d2Ld/dpsi2, m x m
-local function bend(info, T)
+-- (psi, w) as a function of (x0, x1, guess of psi), where A - mu . psi is stationary
+local function root_of(D)
+  local info, A = D.info, D.action
+  return core.root { name = "psi_mu", unknowns = info.m + A.inner,
+    failure = "is the step too long for this momentum?",
+    start = function(x0, x1, guess)
+      local q0, q1 = lifted(info, x0, x1, guess)
+      return lists.joined(guess, A.start(q0, q1))
+    end,
+    stationary = function(y, x0, x1)
+      local q0, q1 = lifted(info, x0, x1, y)
+      local value = A.value(q0, q1, A.inner > 0 and lists.part(y, info.m, A.inner) or nil)
+      for a = 1, info.m do value = value - info.mu[a] * y[a] end
+      return value
+    end }
+end
+
+-- entries of J^T p for the coordinates of the shape
+local function of_shape(info, J, p, first)
   local out = {}
-  for a, i in ipairs(info.cyclic) do
-    out[a] = {}
-    for b, k in ipairs(info.cyclic) do out[a][b] = T[i][k] end
+  for j, k in ipairs(info.shape) do
+    out[j] = J and 0 or p[first + k]
+    for i = 1, J and info.n or 0 do out[j] = out[j] + J[i][k] * p[first + i] end
   end
   return out
 end
 
-local function no_solution(D, x0, x1, why)
-  error(("no psi_mu between x0 = %s and x1 = %s: %s; is the step too long for this momentum (h "
-    .. "= %.6g)?")
-    :format(tostring(core.vector(x0)), tostring(core.vector(x1)), why, D.h), 0)
+--- D.root and D.both: (x0, x1, guess) -> psi[m], -dLd/dx0 [d], dLd/dx1 [d], as one vector.
+function M.make(D)
+  local info, A = D.info, D.action
+  local n, m, d = info.n, info.m, info.d
+  D.root = root_of(D)
+  D.both = core.trace(function(x0, x1, guess)
+    local y, out = D.root(x0, x1, guess), {}
+    local q0, q1, J0, J1 = lifted(info, x0, x1, y)
+    local slope = A.slope(q0, q1, A.inner > 0 and lists.part(y, m, A.inner) or nil)
+    local p0, p1 = of_shape(info, J0, slope, 0), of_shape(info, J1, slope, n)
+    for a = 1, m do out[a] = y[a] end
+    for j = 1, d do out[m + j], out[m + d + j] = -p0[j], p1[j] end
+    return core.vector(out)
+  end, d, d, m)
 end
 
--- psi with dLd/dpsi = mu, and what belongs to it; Newton's method from `guess`, halved where it
--- does not come nearer
-local function solve(D, x0, x1, guess)
-  local info, psi = D.info, {}
-  for a = 1, info.m do psi[a] = guess[a] end
-  local function rest(at)
-    local p0, p1, T, q0, q1 = ends(D, x0, x1, at)
-    local r, size = {}, 0
-    for a, i in ipairs(info.cyclic) do r[a] = info.mu[a] - p1[i]; size = max(size, abs(r[a])) end
-    return { p0 = p0, p1 = p1, T = T, q0 = q0, q1 = q1, r = r, size = size, psi = at }
-  end
-  local now = rest(psi)
-  for _ = 1, MOST do
-    local I = bend(info, now.T)
-    local order = linear.order(I)
-    if not order then no_solution(D, x0, x1, "d2Ld/dpsi2 is singular on the way") end
-    local step, part, next_one = linear.solve(I, { now.r }, order)[1], 1, nil
-    repeat
-      local trial = {}
-      for a = 1, info.m do
-        trial[a] = now.psi[a] + part * step[a]
-        if not (abs(trial[a]) < math.huge) then
-          no_solution(D, x0, x1, "d2Ld/dpsi2 vanishes, so that no angle gives the momentum")
-        end
-      end
-      next_one = rest(trial)
-      part = part / 2
-    until next_one.size < now.size or part < 1e-4
-    local moved, scale = 0, 1e-300
-    for a = 1, info.m do
-      moved, scale = max(moved, abs(next_one.psi[a] - now.psi[a])), max(scale, abs(next_one.psi[a]))
-    end
-    local done = moved <= 4e-16 * scale or next_one.size >= now.size
-    if next_one.size < now.size then now = next_one end
-    if done then break end
-  end
-  local scale = 1
-  for a = 1, info.m do scale = max(scale, abs(info.mu[a])) end
-  if not (now.size <= 1e-10 * scale) then
-    no_solution(D, x0, x1, ("what is left of dLd/dpsi - mu is %.3g"):format(now.size))
-  end
-  return now
-end
-
--- h theta' of the straight line from x0 to x1
+-- the same on numbers, or nothing where the line has no velocity of the group
 local function first_guess(D, x0, x1)
-  local info, x, u = D.info, {}, {}
-  for j = 1, info.d do x[j], u[j] = (x0[j] + x1[j]) / 2, (x1[j] - x0[j]) / D.h end
-  local fine, rate = pcall(function() return shape_of.rate_of(info)(x, u, 0) end)
+  local info = D.info
+  local fine, rate = pcall(function()
+    return shape_of.rate_of(info)((x0 + x1) / 2, (x1 - x0) / D.h, 0)
+  end)
   local out = {}
   for a = 1, info.m do out[a] = fine and abs(rate[a]) < math.huge and D.h * rate[a] or 0 end
-  return out
+  return core.vector(out)
 end
 
--- all of a pair: p0, p1, T, psi, and psi_x0, psi_x1 (lists of d rows of m)
+local NONE = "no psi_mu between x0 = %s and x1 = %s: %s (h = %.6g)"
+
+-- f(x0, x1, guess), or an error that names the shapes
+local function at_pair(D, f, x0, x1, guess)
+  local fine, out = pcall(f, x0, x1, guess or first_guess(D, x0, x1))
+  if fine then return out end
+  local why = tostring(out):match "psi_mu has no value.*" or tostring(out)
+  error(NONE:format(tostring(x0), tostring(x1), why, D.h), 0)
+end
+
+--- psi, and the canonical momenta y0, y1 at both ends.
 function M.pair(D, x0, x1, guess)
+  local info, both = D.info, at_pair(D, D.both, x0, x1, guess)
+  local m, d = info.m, info.d
+  return { psi = lists.part(both, 0, m), y0 = lists.part(both, m, d),
+    y1 = lists.part(both, m + d, d) }
+end
+
+--- The derivatives of all that in (x0, x1): psi_x0, psi_x1 (m x d), and dy0/dx1 (d x d).
+function M.derivatives(D, x0, x1, psi)
   local info = D.info
-  local s = solve(D, x0, x1, guess or first_guess(D, x0, x1))
-  local I, columns = bend(info, s.T), {}
-  local order = linear.order(I)
-  for j, k in ipairs(info.shape) do  -- -L_psi,x0 = T[x0][theta], -L_psi,x1 = -T[theta][x1]
-    columns[j], columns[info.d + j] = {}, {}
-    for a, i in ipairs(info.cyclic) do
-      columns[j][a], columns[info.d + j][a] = s.T[k][i], -s.T[i][k]
-    end
+  local m, d = info.m, info.d
+  local J = at_pair(D, function(...) return D.both:jacobian(...) end, x0, x1, psi)
+  local function block(row, rows, column)
+    local out = {}
+    for i = 1, rows do out[i] = lists.part(J[row + i], column, d) end
+    return out
   end
-  local solved = linear.solve(I, columns, order)
-  s.by0, s.by1 = {}, {}
-  for j = 1, info.d do s.by0[j], s.by1[j] = solved[j], solved[info.d + j] end
-  return s
+  return { psi_x0 = block(0, m, 0), psi_x1 = block(0, m, d), y0_x1 = block(m, d, d) }
 end
 
 return M

@@ -1,0 +1,180 @@
+--- What shape:discrete takes: an Ld of the unreduced system, with its constraint or none, that the
+-- group leaves as it is.
+local core = require "dm.core"
+local check = require "dm.reduce.routh.check"
+local model = require "dm.reduce.routh.model"
+local params = require "dm.reduce.routh.params"
+local routh = require "dm.reduce.routh"
+
+local M = {}
+
+local abs, max = math.abs, math.max
+
+---- constraints ----
+
+local INSIDE = "discrete: this system has constraints, and '%s' has them at points inside of its "
+  .. "steps, for which shape:solver has the reduced equations; \"midpoint\", \"trapezoidal\" and a "
+  .. "dm.discrete_lagrangian have them at their nodes alone"
+
+--- The discrete Lagrangian of a system and a rule: it has its constraints at the nodes.
+function M.of_rule(system, options)
+  local fine, Ld = pcall(core.discrete_lagrangian, system, options)
+  if fine then return Ld end
+  if not tostring(Ld):find("has no place for", 1, true) then error(Ld, 0) end
+  error(INSIDE:format(tostring(options.rule)), 0)
+end
+
+-- a constraint of Ld is that of the system, or nobody would keep it
+local function check_own_constraint(full, Ld, points)
+  local own, given = Ld.constraint, full.given.constraint
+  if own == nil or own == given then return end
+  if not given then
+    error("discrete: this Ld has a constraint that its system does not have: give it to the "
+      .. "system, dm.system{..., constraint =}, and reduce that", 0)
+  end
+  local mine = params.bound(own, Ld.params)
+  local yours = params.bound(given, full.given.params)
+  for _, p in ipairs(points) do
+    local a, b = check.numbers(mine(p.q, 0)), check.numbers(yours(p.q, 0))
+    local same = #a == #b
+    for c = 1, same and #a or 0 do same = same and abs(a[c] - b[c]) <= 1e-10 * max(1, abs(b[c])) end
+    if not same then
+      error(("discrete: the constraint of this Ld is not that of its system, at q = %s")
+        :format(check.text(p.q)), 0)
+    end
+  end
+end
+
+---- is it of this system? ----
+
+local OTHER = "discrete: this Ld is of another system: %s"
+
+-- L_q - d/dt L_v of a motion with the velocity v and the acceleration a, and the size of its terms
+local function of_lagrangian(L, q, v, a)
+  local n, H, g = #q, L:hessian(q, v), L:gradient(q, v)
+  local out, size = {}, 0
+  for i = 1, n do
+    out[i] = g[i]
+    size = max(size, abs(g[i]))
+    for k = 1, n do
+      local inertia = H[n + i][k] * v[k] + H[n + i][n + k] * a[k]
+      out[i], size = out[i] - inertia, max(size, abs(inertia))
+    end
+  end
+  return core.vector(out), size
+end
+
+-- the same of Ld at three points of that motion, a time k apart
+local function of_pairs(slope, q, v, a, k)
+  local n, out = #q, {}
+  local before, after = q - k * v + k * k / 2 * a, q + k * v + k * k / 2 * a
+  local last, now = slope(before, q, k), slope(q, after, k)
+  for i = 1, n do out[i] = (last[n + i] + now[i]) / k end
+  return core.vector(out)
+end
+
+local FINE = 1 / 256 -- of h: steps at which the equations of Ld are compared with those of L
+
+-- do the discrete Euler-Lagrange equations of a formula approach those of L as h goes to 0?
+local function check_formula(full, Ld, points)
+  local n, f, own, given = full.Q.dimension, Ld.Ld, Ld.params, full.given
+  local formula = core.trace(function(q0, q1, h) return f(q0, q1, h, own) end, n, n, "number")
+  if not formula:depends()[3] then return end -- made for this h alone
+  local slope = core.derivative(function(q0, q1, h) return f(q0, q1, h, own) end, n, n, "number")
+  local L = core.trace(function(q, v) return given.L(q, v, 0, given.params) end, n, n)
+  local a = {}
+  for i = 1, n do a[i] = 0.3 + 0.1 * i end
+  a = core.vector(a)
+  for _, p in ipairs(points) do
+    local fine, E, size, coarse, dense = pcall(function()
+      local E, size = of_lagrangian(L, p.q, p.v, a)
+      return E, size, of_pairs(slope, p.q, p.v, a, FINE * Ld.h),
+        of_pairs(slope, p.q, p.v, a, FINE / 2 * Ld.h)
+    end)
+    if fine and (2 * dense - coarse - E):norm() > 10 * (coarse - dense):norm() + 1e-6 * size then
+      error(OTHER:format(("its equations do not approach those of L, at q = %s")
+        :format(check.text(p.q))), 0)
+    end
+  end
+end
+
+local function check_system(full, Ld, points)
+  if not Ld.system then
+    if not full.given.constraint then check_formula(full, Ld, points) end
+  elseif Ld.system ~= full and (Ld.system.L ~= full.L or Ld.system.params ~= full.params) then
+    error(OTHER:format(("of %s, not of %s"):format(tostring(Ld.system), tostring(full))), 0)
+  end
+end
+
+---- invariance ----
+
+-- momenta -D1 Ld, D2 Ld in the coordinates (theta, x), at ((theta, x0), (theta + psi, x1))
+local function momenta(D, x0, x1, theta, psi)
+  local info, there = D.info, {}
+  for a = 1, info.m do there[a] = theta[a] + psi[a] end
+  local z0, z1, A = model.embed(info, x0, theta), model.embed(info, x1, there), info.ambient
+  if not A then return D.Ld:legendre_minus(z0, z1), D.Ld:legendre_plus(z0, z1) end
+  local q0, q1 = A.chart(z0), A.chart(z1)
+  local p0, p1 = D.Ld:legendre_minus(q0, q1), D.Ld:legendre_plus(q0, q1)
+  return A.slope(z0):transpose() * p0, A.slope(z1):transpose() * p1
+end
+
+-- the coordinate of the group along which these momenta differ most, how much, and both
+local function defect(D, x0, x1, theta, psi)
+  local worst, at = 0, nil
+  local p0, p1 = momenta(D, x0, x1, theta, psi)
+  for _, i in ipairs(D.info.cyclic) do
+    local apart = abs(p0[i] - p1[i]) / max(1, abs(p0[i]))
+    if apart > worst then worst, at = apart, i end
+  end
+  return worst, at and D.info.names[at], at and p0[at], at and p1[at]
+end
+
+local PLACES = { 0, 0.9, -2.1 } -- of theta at q0, where Ld is looked at
+
+-- does Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group, at a point of L?
+local function check_symmetry(D, p)
+  local info, y, psi = D.info, {}, {}
+  local x, u = model.split(info, p.q), model.split(info, p.v)
+  for j = 1, info.d do y[j] = x[j] + math.min(D.h, 0.1) * u[j] end
+  for a = 1, info.m do psi[a] = 0.2 + 0.1 * a end
+  for _, place in ipairs(PLACES) do
+    local theta = {}
+    for a = 1, info.m do theta[a] = a * place end
+    local fine, worst, name, p0, p1 = pcall(defect, D, x, y, theta, psi)
+    if fine and worst > 1e-8 then
+      error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, for "
+        .. "x0 = %s, x1 = %s, with the group at %.6g")
+        :format(name, p0, p1, check.text(x), check.text(y), theta[1]), 0)
+    end
+  end
+end
+
+---- all of it ----
+
+-- the points at which L was looked at, in the coordinates of Ld
+local function points_of(info)
+  if not info.ambient then return info.points end
+  local out = {}
+  for i, p in ipairs(info.points) do
+    local q, v = info.ambient.lift(p.q, p.v)
+    out[i] = { q = q, v = v }
+  end
+  return out
+end
+
+--- Raises where the system has a force or the time, for which there is no place in an Ld, or Ld
+-- (left out: that of a rule in the coordinates (theta, x)) has a constraint of its own.
+function M.places(info, full, Ld)
+  if full.given.force then routh.need_free(info, "discrete") end
+  routh.need_autonomous(info, "discrete")
+  if Ld then check_own_constraint(full, Ld, points_of(info)) end
+end
+
+--- Raises where D.Ld has not the symmetry of the shape, or is of another system.
+function M.given(D, full)
+  for _, p in ipairs(D.info.points) do check_symmetry(D, p) end
+  check_system(full, D.Ld, points_of(D.info))
+end
+
+return M
