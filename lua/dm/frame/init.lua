@@ -9,6 +9,7 @@ local actions = require "dm.action"
 local groups = require "dm.group"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local kits = require "dm.group.kit"
 local options = require "dm.base.options"
 local tangent = require "dm.frame.tangent"
@@ -130,7 +131,8 @@ local function check_branch(self)
   if self.branch and #values == 0 then fail "the branch gives nothing: is a return missing?" end
   for _, b in ipairs(values) do
     if type(b) ~= "number" then
-      fail("the branch must return a number that is > 0 where it holds, or several (got %s)", type(b))
+      fail("the branch must return a number that is > 0 where it holds, or several (got %s)",
+        type(b))
     end
   end
 end
@@ -170,7 +172,10 @@ local function start_of(self, start)
   local G, k, m = self.group, self.k, self.m
   if start == nil then return beginnings(G, self.r) end
   if type(start) ~= "function" then return start end
-  return function(z) return points.entries(G:flat(start(table.unpack(split(z, k, m))))) end
+  return function(z)
+    local g = lists.one("start", start(table.unpack(split(z, k, m))))
+    return points.entries(G:flat(g))
+  end
 end
 
 -- places of the flat coordinates that are angles
@@ -249,16 +254,20 @@ local function verify(self, g, list)
   end
 end
 
+local function by_formula(self, list)
+  return lists.one("solution", self.solution(table.unpack(list, 1, self.k)))
+end
+
 local function element(self, list)
   local k = self.k
   if points.symbolic(list) then
-    if self.solution then return self.solution(table.unpack(list, 1, k)) end
+    if self.solution then return by_formula(self, list) end
     return self.group:unflat(self.root(flat({ table.unpack(list, 1, k) })))
   end
   local first = { table.unpack(list, 1, k) }
   local g
   if self.solution then
-    g = groups.element(self.group, self.solution(table.unpack(first)))
+    g = groups.element(self.group, by_formula(self, first))
   else
     local fine, y = pcall(self.root, flat(first))
     if not fine then no_frame(self, first, tostring(y):gsub("^.-root of ", "")) end

@@ -5,6 +5,7 @@ local blame = require "dm.base.blame"
 local boundary = require "dm.frame.invariant_boundary"
 local curves = require "dm.frame.invariant_curve"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
 local options = require "dm.base.options"
@@ -136,7 +137,9 @@ end
 local function functions_of_windows(p, o)
   local function windowed(x) return frames.split(x, p.N, p.d) end
   local function with_names(I)
-    for _, name in ipairs(p.names) do I[name] = p.functions[name](table.unpack(I, 1, p.N)) end
+    for _, name in ipairs(p.names) do
+      I[name] = lists.one("invariant '" .. name .. "'", p.functions[name](table.unpack(I, 1, p.N)))
+    end
     return setmetatable(I, Invariants)
   end
   function p.invariants_of(list)
@@ -148,8 +151,9 @@ local function functions_of_windows(p, o)
     for i, name in ipairs(p.names) do out[i] = I[name] end
     return out
   end
-  p.bare_slope = core.derivative(function(x) return o.L(with_names(windowed(x))) end, p.N * p.d)
-  function p.lagrangian(list) return o.L(p.invariants_of(list)) end
+  local function L(I) return lists.one("L", o.L(I)) end
+  p.bare_slope = core.derivative(function(x) return L(with_names(windowed(x))) end, p.N * p.d)
+  function p.lagrangian(list) return L(p.invariants_of(list)) end
   p.slope = when_wanted(function(x) return p.lagrangian(windowed(x)) end, p.N * p.d)
   if not o.constraint then return end
   function p.phi(list) return points.entries(o.constraint(p.invariants_of(list))) end

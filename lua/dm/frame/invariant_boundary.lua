@@ -6,6 +6,7 @@
 -- sum.
 local core = require "dm.core"
 local curves = require "dm.frame.invariant_curve"
+local lists = require "dm.base.lists"
 local frames = require "dm.frame"
 local options = require "dm.base.options"
 
@@ -43,7 +44,7 @@ local function points_of(p, o)
   end
   for i = #o.first + 1, n - ends do
     if o.guess then
-      out[i] = frames.point(o.guess(i), p.d, "guessed point " .. i)
+      out[i] = frames.point(lists.one("guess", o.guess(i)), p.d, "guessed point " .. i)
     else
       local s = (i - #o.first) / (n - ends + 1 - #o.first)
       out[i] = a * (1 - s) + b * s

@@ -2,6 +2,7 @@
 -- F is (Bogfjellmo ch. 2 and 3).
 local core = require "dm.core"
 local frames = require "dm.frame"
+local lists = require "dm.base.lists"
 local options = require "dm.base.options"
 
 local M = {}
@@ -29,7 +30,7 @@ local function reparametrized(Ld, o)
   end
   local both, H0 = parameters(o.sigma) == 2, o.H0 or 0
   return function(q0, q1, h, params)
-    local sigma = both and o.sigma(q0, q1) or o.sigma(q0)
+    local sigma = lists.one("sigma", o.sigma(q0, both and q1 or nil))
     local step = h * core.where(sigma, sigma, 0 / 0) -- time must not run backwards
     return Ld.Ld(q0, q1, step, params) + H0 * step
   end

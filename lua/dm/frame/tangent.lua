@@ -133,8 +133,8 @@ end
 
 local SAMPLES = 6  -- of general points; what is singular at all of them is singular everywhere
 
---- Does the section cross the orbits anywhere? Where J psi is singular at general points, and on the
--- section, it is everywhere: an error. on_section(frame): points there, or nothing.
+--- Does the section cross the orbits anywhere? Where J psi is singular at general points, and on
+-- the section, it is everywhere: an error. on_section(frame): points there, or nothing.
 function M.check_orbits(frame, on_section)
   local enough, seen = frame.k * frame.m >= frame.r, 0
   for seed = 1, enough and SAMPLES or 0 do

@@ -18,16 +18,17 @@ local huge, max, min = math.huge, math.max, math.min
 
 -- how many samples by dim G, so that a frame is made in a few milliseconds
 local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 12, 8, 6, 3, 2, 1 }
-local LOST = 5                        -- samples' worth of time to find that there is no root
+local LOST = 5           -- samples' worth of time to find that there is no root
+local ON_SECTION = 6     -- samples of which one must lead to the section
 local SIZES = { 1, 0.3, 3, 1, 0.1, 10 } -- of points
-local PUSHES = { 1, 2.5, 0.5, 3.1 }   -- of vectors of the algebra whose exp moves them
-local FAR = 1e3                       -- entries beyond which digits are missing
-local VALID = 1e-9                    -- how far an element may be from the group
-local NUDGE = 1e-7                    -- of points, relative
-local ILL, WORST = 1e6, 1e9           -- conditions beyond which nothing is told: of two frames, of one
-local SAME = 1e-7                     -- relative distance of points that are one
-local MEASURED, ON = 6, 1e-10         -- samples that tell the scale of Z; of it what is on the section
-local ON_SECTION = 6                  -- samples of which one must lead there
+local PUSHES = { 1, 2.5, 0.5, 3.1 }     -- of vectors of the algebra whose exp moves them
+local FAR = 1e3          -- entries beyond which digits are missing
+local VALID = 1e-9       -- how far an element may be from the group
+local NUDGE = 1e-7       -- of points, relative
+local ILL, WORST = 1e6, 1e9 -- conditions beyond which two frames, or one, tell nothing
+local SAME = 1e-7        -- relative distance of points that are one
+local MEASURED = 6       -- samples that tell the scale of Z,
+local ON = 1e-10         -- of which this much is surely on the section
 
 local function fail(...) options.fail("dm.moving_frame", ...) end
 local function refuse(what, ...) fail("no moving frame: " .. what, ...) end
@@ -66,8 +67,8 @@ local function hint(trial, g, list)
 end
 
 -- How much larger g makes relative changes of the points: of those that lie close together it has
--- to magnify their differences, with the rounding in them. A formula for g takes such differences as
--- well, and loses as many digits again.
+-- to magnify their differences, with the rounding in them. A formula for g takes such differences
+-- as well, and loses as many digits again.
 local function stretch(frame, g, list, there)
   local size, nudged, worst = 0, {}, 0
   for _, z in ipairs(list) do size = max(size, places.size(z)) end
@@ -84,8 +85,9 @@ end
 -- what the formula gives, an element; nothing where it raises or is not finite
 local function by_formula(frame, list)
   local kit = groups.kit(frame.group)
-  local fine, value = pcall(frame.solution, table.unpack(list))
+  local fine, value, more = pcall(frame.solution, table.unpack(list))
   if not fine then return nil, value end
+  if more ~= nil then fail "solution must return one value, the element that moves the points" end
   local is, g = pcall(kit.element, value)
   if not is then refuse("at z = %s the solution gives something else: %s", text.points(list), g) end
   if not kits.is_finite(kit.entries(g)) then return nil end
@@ -141,14 +143,15 @@ local function check_branch(frame, list, a)
   local values = frame.branch and points.entries(frame.branch(table.unpack(a.there))) or {}
   for _, b in ipairs(values) do
     if b <= 0 and condition_of(frame, list, a) < WORST then
-      refuse("at z = %s the solution brings the points to %s on the cross-section, where the branch "
-        .. "condition does not hold (it is %.3g)", text.points(list), text.points(a.there), b)
+      refuse("at z = %s the solution brings the points to %s on the cross-section, where the "
+        .. "branch condition does not hold (it is %.3g)", text.points(list), text.points(a.there),
+        b)
     end
   end
 end
 
--- the frame of the list: its element g and the points there; nothing where nothing is told, and what
--- the formula raises
+-- the frame of the list: its element g and the points there; nothing where nothing is told, and
+-- what the formula raises
 local function frame_of(trial, list)
   local frame, g, why = trial.frame, nil, nil
   if frame.solution then g, why = by_formula(frame, list) else g = by_root(frame, list) end
@@ -174,10 +177,11 @@ local function apart(frame, a, b)
 end
 
 local function cut_twice(frame, list, a, b, distance)
-  refuse("the orbit of z = %s cuts the cross-section more than once, at %s and at %s (%.3g apart): %s",
+  refuse("the orbit of z = %s cuts the cross-section more than once, at %s and at %s (%.3g apart): "
+    .. "%s",
     text.points(list), text.points(a.there), text.points(b.there), distance,
-    frame.branch and "branch holds at both" or "give branch, a condition that is > 0 at one of them "
-    .. "only")
+    frame.branch and "branch holds at both"
+      or "give branch, a condition that is > 0 at one of them only")
 end
 
 local function not_free(frame, list, h, distance)

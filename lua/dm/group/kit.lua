@@ -8,8 +8,8 @@
 --   euclidean               are they R^n, whose coordinates may be cut into points of R^k?
 --   angles                  {[i] = true} for the flat coordinates that are angles
 --   form                    what an element looks like, in words
---   turns(), others()       elements that are the identity in other coordinates; elements of its other
---                           components, which exp does not reach
+--   turns()                 elements that are the identity in other coordinates
+--   others()                elements of its other components, which exp does not reach
 --   acts                    its standard actions: acts[kind](m) gives map(g, z) on R^m, or nothing
 --   parts                   kits of the factors of a product
 --   manifold                true where it is none: a space without a product of its points

@@ -220,6 +220,12 @@ raises("the branch gives nothing", frame, { action = turn, cross_section = secon
   branch = function() end })
 raises("the branch fails at", frame, { action = turn, cross_section = second,
   branch = function(z) return z[1] + nil end })
+raises("solution must return one value", frame, { action = turn, cross_section = second,
+  solution = function(z) return angle(z), 1 end })
+raises("sigma must return one value", function()
+  frame(options(good[1])):invariantize { sigma = function() return 1, 2 end,
+    Ld = dm.discrete_lagrangian { Q = R2, h = 1, Ld = function(a, b, h) return a:dot(b) * h end } }
+end)
 raises("nowhere transversal", frame, { action = turn, branch = first,
   cross_section = function(z) return dm.tanh(20 * z:norm()) end })
 tap.done()

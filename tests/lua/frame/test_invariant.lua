@@ -192,6 +192,8 @@ end)
 
 ---- misuse ----
 raises("'frame' must be a moving frame", dm.invariant_problem, { frame = 3, L = print })
+raises("L must return one value", dm.invariant_problem, { frame = planar,
+  L = function(I) return I[2]:dot(I[2]), 1 end })
 raises("option 'L' is missing: a function", dm.invariant_problem, { frame = planar })
 raises("there is no invariant 'kappa'", dm.invariant_problem, { frame = planar, L = function(I) return I.kappa end })
 raises("is L degenerate", function()

@@ -230,6 +230,11 @@ raises("a list {a number, the angle, a vector of 1 number}, for instance {0, {0}
 raises("map(g, z) gets g in SO(2), a number, the angle", function() dm.action { group = dm.SO(2), on = dm.R(2), map = function(g, z) return { z[1] * g[1], z[2] } end } end)
 raises("map(g, z) gets g in R^1, a vector of 1 number", function() dm.action { group = dm.R(1), on = dm.R(2), map = function(g, z) return { z[1] + g, z[2] } end } end)
 raises("take the action on dm.R(2) and 2 points of it, action:on_points(2)", function() dm.action { group = dm.SE(2), on = dm.R(4) } end)
+raises("map(g, z) must return one value (got 2)", dm.action, { group = dm.R(1), on = dm.R(1),
+  map = function(g, z) return z + g, z end })
+raises("domain(z) must return one value (got 2)", dm.action, { group = dm.R(1), on = dm.R(1),
+  map = function(g, z) return z + g end, domain = function() return 1, 2 end })
+raises("the function must return one value", turn.invariant, turn, function(z) return z[1], z[2] end)
 -- joint and prolonged actions take lists of points
 do
   local plane = dm.action { group = dm.SE(2), on = dm.R(2) }
