@@ -6,7 +6,8 @@ local section = require "dm.reduce.routh.section"
 
 local M = {}
 
-local KNOWN = { action = true, section = true, dimension = true, names = true, at = true }
+local KNOWN = { action = true, section = true, dimension = true, names = true, at = true,
+  branch = true }
 
 --- Is it a table with an action? Raises where not.
 function M.check(symmetry)

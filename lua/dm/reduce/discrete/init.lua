@@ -51,17 +51,17 @@ end
 
 local FULL = "%s must be a point of the unreduced system: %d number%s (got %s)"
 
--- a point of the unreduced system
-local function full_point(D, q, what)
+-- theta and the shape of a point of the unreduced system; of several shapes the one near another
+local function full_point(D, q, what, near)
   q = lists.numbers(what, q, D.info.n, FULL)
-  return D.info.ambient and D.info.ambient.place(q) or q
+  local x, theta = model.split(D.info, D.info.ambient and D.info.ambient.place(q, near) or q)
+  return core.vector(x), theta
 end
 
 function methods.connection(D, q0, q1)
   local info = D.info
-  q0, q1 = full_point(D, q0, "q0"), full_point(D, q1, "q1")
-  local x0, a = model.split(info, q0)
-  local x1, b = model.split(info, q1)
+  local x0, a = full_point(D, q0, "q0")
+  local x1, b = full_point(D, q1, "q1", x0)
   local psi, out = psi_of.pair(D, x0, x1).psi, {}
   for i = 1, info.m do out[i] = b[i] - a[i] - psi[i] end
   return core.vector(out)

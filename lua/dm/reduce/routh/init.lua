@@ -62,8 +62,8 @@ function M.need_autonomous(info, what)
   end
 end
 
-local KNOWN = { "cyclic", "action", "section", "dimension", "names", "at", "mu", "connection", "q",
-  "v" }
+local KNOWN = { "cyclic", "action", "section", "branch", "dimension", "names", "at", "mu",
+  "connection", "q", "v" }
 
 M.OPTIONS = KNOWN
 
@@ -84,7 +84,7 @@ local function check_start(options, n)
   end
 end
 
-local OF_ACTIONS = { "section", "dimension", "names", "at" }
+local OF_ACTIONS = { "section", "branch", "dimension", "names", "at" }
 
 -- cyclic coordinates or an action, and what belongs to the latter
 local function check_kind(options)
@@ -321,7 +321,7 @@ end)
 
 class.method("dm.system", "routh", M.routh, [[
 system:routh{cyclic=, mu=, q=, v=, connection=} -> dm.system
-system:routh{action=, section=, dimension=, names=, at=, mu=, ...} -> dm.system
+system:routh{action=, section=, branch=, dimension=, names=, at=, mu=, ...} -> dm.system
 The system without its group variables: an ordinary dm.system in the dim Q - m coordinates that are
 left, whose Lagrangian is the classical Routhian L - mu . theta' at the momentum mu. cyclic: the
 coordinates that L does not depend on, by name or number (default: all of them); mu: their momentum,
@@ -329,17 +329,19 @@ a number or a list (default: that of the start q, v). action(theta, q) moves poi
 number, or a vector of `dimension` angles), or is a dm.action; section(x) gives a point of Q for
 every shape x (default: as many coordinates as the group has dimensions are held at 0 wherever the
 orbit of `at`, of the start q or of a point that is found comes to such points, else at their values
-there, and theta is 0 at that point: turns leave r, which is singular at r = 0 alone); names: of
-theta and x. connection(x): m rows of dim Q - m numbers, in place of the mechanical connection.
-Invariance is checked at a dozen points, and the first that violates it is named: what differs
-nowhere there, such as a force along the group that sets in only beyond some distance, is not seen,
-and the reduced run leaves it out. Constraints and forces that the group keeps are reduced too. The
-params of the system are those of the shape, with the momentum as mu (mu1, mu2, ... of a group of
-more dimensions; mu_theta where a parameter is called mu): ensembles and stability maps vary them. A
-run that jumps over a shape with a singular mass or locked inertia fails, with reason "pole" or
-"collapse". The reduced system also has connection, curvature, locked_inertia, amended_potential,
-lift, start, and its paths have reconstruct. Raises when L is no invariant, a force pushes along the
-group, or the locked inertia is singular.]])
+there, and theta is 0 at that point: turns leave r, which is singular at r = 0 alone); where an
+orbit meets a section several times, as at r and, half a turn on, at -r, a point has the shape of
+least norm, of equal norms the one whose first entry is positive, or the one of them where branch(x)
+> 0; names: of theta and x. connection(x): m rows of dim Q - m numbers, in place of the mechanical
+connection. Invariance is checked at a dozen points, and the first that violates it is named: what
+differs nowhere there, such as a force along the group that sets in only beyond some distance, is
+not seen, and the reduced run leaves it out. Constraints and forces that the group keeps are reduced
+too. The params of the system are those of the shape, with the momentum as mu (mu1, mu2, ... of a
+group of more dimensions; mu_theta where a parameter is called mu): ensembles and stability maps
+vary them. A run that jumps over a shape with a singular mass or locked inertia fails, with reason
+"pole" or "collapse". The reduced system also has connection, curvature, locked_inertia,
+amended_potential, lift, start, and its paths have reconstruct. Raises when L is no invariant, a
+force pushes along the group, or the locked inertia is singular.]])
 
 class.method("dm.system", "at_momentum", M.at_momentum, [[
 shape:at_momentum(mu) -> dm.system

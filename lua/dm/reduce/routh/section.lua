@@ -6,6 +6,8 @@ local core = require "dm.core"
 local kits = require "dm.group.kit"
 local default_section = require "dm.reduce.routh.default_section"
 local lists = require "dm.base.lists"
+local option = require "dm.base.options"
+local orbit = require "dm.reduce.routh.orbit"
 
 local M = {}
 
@@ -147,93 +149,25 @@ local function check_action(move, m, points)
   end
 end
 
-local MOST = 50
-
--- J^-1 b; raises where J is singular, up to round-off
-local function solve(J, b)
-  local x = J:solve(b)
-  for i = 1, #x do
-    if not (abs(x[i]) < math.huge) then error("singular", 0) end
-  end
-  return x
-end
-
--- y = (theta, x) with Phi(y) = q by Newton's method
-local function invert(Phi, q, start)
-  local n = #q
-  local y = core.vector(start)
-  for _ = 1, MOST do
-    local fine, step = pcall(solve, Phi:jacobian(y), Phi(y) - q)
-    if not fine then return nil end
-    local size = 0
-    for i = 1, n do y[i] = y[i] - step[i]; size = max(size, abs(step[i])) end
-    if not (size < 1e8) then return nil end
-    if size < 1e-14 * max(1, y:norm()) then return y end
-  end
-  return (Phi(y) - q):norm() < 1e-12 and y or nil
-end
-
--- whole turns taken off theta, where they bring q back
-local function unwound(Phi, m, q, y)
-  for a = 1, m do
-    local turns = math.floor(y[a] / (2 * math.pi) + 0.5)
-    local less = core.vector(y)
-    less[a] = y[a] - 2 * math.pi * turns
-    if turns ~= 0 and (Phi(less) - q):norm() <= 1e-12 * max(1, q:norm()) then y = less end
-  end
-  return y
-end
-
--- starts of that: theta anywhere, the shape of other entries of q, or near one
-local function start_of(q, m, n, try, home)
-  local start = {}
-  for a = 1, m do start[a] = (try % 8) * 0.785 end
-  for i = m + 1, n do
-    local j = i - m
-    start[i] = try == 0 and home and home[j] or try < 8 and max(0.1, abs(q[j]))
-      or try < 16 and q[j + m] or try < 24 and q[j] or 0.5 + 0.1 * try % 1
-  end
-  return start
-end
-
--- how well a solution is liked: near the shape `home` where there is one, else with positive
--- entries (r rather than -r and half a turn)
-local function liking(y, m, n, home)
-  local sum = 0
-  for i = m + 1, n do sum = sum + (home and -abs(y[i] - home[i - m]) or y[i]) end
-  return sum
-end
-
-local function find(Phi, m, n, q, home)
-  local best, most
-  for try = 0, 31 do
-    local fine, y = pcall(invert, Phi, q, start_of(q, m, n, try, home))
-    if fine and y then
-      local liked = liking(y, m, n, home)
-      if not best or liked > most + 1e-9 then best, most = y, liked end
-    end
-    if best and (try % 8 == 7 or home and most > -1e-9) then return unwound(Phi, m, q, best) end
-  end
-  error(("the point %s is not on an orbit through the section: no theta and shape were found for "
-    .. "it. Does the group move it, and does its orbit meet "
-    .. "the section?"):format(check.text(q)), 0)
-end
-
 -- from states of the system to those of (theta, x) and back
-local function transfer(system, Phi, m, n, home)
-  local T = {}
+local function transfer(system, S)
+  local T, Phi = { system = system }, S.Phi
   local function crossed(J, b, q)
-    local fine, x = pcall(solve, J, b)
+    local fine, x = pcall(orbit.solve, J, b)
     if fine then return x end
     error(("at %s the group does not cross the section: it does not move this point in all its "
       .. "directions, or along the section; take another one")
       :format(check.text(q)), 0)
   end
   function T.split(q, v)
-    local y = find(Phi, m, n, core.vector(q), home)
+    local y = orbit.find(S, core.vector(q))
     return y, crossed(Phi:jacobian(y), core.vector(v), q)
   end
-  function T.place(q) return find(Phi, m, n, core.vector(q), home) end
+  -- near: a shape, where the point has several
+  function T.place(q, near)
+    local known = near and { Phi = Phi, m = S.m, n = S.n, home = near } or S
+    return orbit.find(known, core.vector(q))
+  end
   function T.frame(y) return Phi(y), Phi:jacobian(y) end
   function T.lift(y, w) return Phi(y), Phi:jacobian(y) * core.vector(w) end
   -- (y, p_y) -> (q, p): J^T p = p_y
@@ -241,13 +175,12 @@ local function transfer(system, Phi, m, n, home)
     local q = Phi(y)
     return q, crossed(Phi:jacobian(y):transpose(), core.vector(p), q)
   end
-  T.system = system
   return T
 end
 
 -- somewhere the group leaves the section: Phi is a chart there
 local function check_section(Phi, n)
-  local found = check.points(n, function(y) solve(Phi:jacobian(y), y) end, nil, 1)
+  local found = check.points(n, function(y) orbit.solve(Phi:jacobian(y), y) end, nil, 1)
   if #found == 0 then
     error("option 'section': no shape was found at which the group crosses it: does the group "
       .. "move points along the section, or do many shapes give one point?", 0)
@@ -301,10 +234,8 @@ function M.split(system, options)
   local given = system.given
   local function L(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end
   local points = check.points(n, L, options.q and { q = options.q, v = options.v })
-  if section ~= nil and type(section) ~= "function" then
-    error(("option 'section' must be a function that gives a point of Q for every shape (got %s)")
-      :format(type(section)), 0)
-  end
+  option.callable(options, "section", "system:routh", "the shape that gives a point of Q")
+  option.callable(options, "branch", "system:routh", "the shape, positive where it is meant")
   -- an action that returns no point of Q is told here
   if points[1] then move(lists.zeros(m), points[1].q) end
   check_action(move, m, points)
@@ -322,7 +253,8 @@ function M.split(system, options)
   local slope = core.derivative(chart, n)
   if options.section then check_section(Phi, n) end
   local split = pulled_back(system, Phi, slope, n, names_of(options, m, n))
-  local T = transfer(system, Phi, m, n, home)
+  local T = transfer(system,
+    { Phi = Phi, m = m, n = n, home = home, branch = options.branch })
   local other = { mu = options.mu, connection = options.connection, cyclic = {} }
   T.given = options.section ~= nil
   T.chart, T.slope = Phi, slope  -- which take symbols too
