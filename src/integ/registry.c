@@ -13,11 +13,13 @@ const dm_method *const dm_methods[] = {
 #undef X
     NULL};
 
+/* Of three. */
 static int smallest(int a, int b, int c) {
     const int ab = a < b ? a : b;
     return ab < c ? ab : c;
 }
 
+/* Case does not count. */
 static int differ(char a, char b) {
     return tolower((unsigned char)a) != tolower((unsigned char)b);
 }
@@ -54,6 +56,7 @@ static const char *usual_name(const char *name) {
     return NULL;
 }
 
+/* A name of others is nearer than any misprint; a distance of half a short name is none. */
 const dm_method *dm_method_find(const char *name, const char **nearest) {
     const int length = (int)strlen(name);
     for (const dm_method *const *m = dm_methods; *m; m++)
@@ -76,6 +79,7 @@ static void resolve(dm_rule *rule, const char **nearest) {
     rule->method = dm_method_find(rule->name, nearest);
 }
 
+/* Nested rules first; what the outermost lacks is told by *nearest. */
 const char *dm_rule_read(dm_rule nodes[DM_RULE_NODES], const char *text, const char **nearest) {
     const char *wrong = dm_rule_parse(nodes, text);
     if (wrong) return wrong;

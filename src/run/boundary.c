@@ -22,12 +22,14 @@ static uint32_t inputs(const dm_boundary *p) {
     return p->window * p->block;
 }
 
+/* The band, four vectors of all unknowns, outputs of both kernels, two lists of numbers. */
 size_t dm_boundary_work(const dm_boundary *p) {
     const size_t n = unknowns(p), w = inputs(p);
     const dm_band band = {.n = (uint32_t)n, .width = (uint32_t)w - 1};
     return dm_band_size(&band) + 4 * n + w + w * w + (2 * n + 1) / 2 + 1;
 }
 
+/* Unknowns keep their own order: windows make the band narrow already. */
 static solver lay_out(const dm_boundary *p, double *work) {
     const uint32_t n = unknowns(p), w = inputs(p);
     solver s = {.p = p, .band = {.n = n, .width = w - 1}};
@@ -44,7 +46,7 @@ static solver lay_out(const dm_boundary *p, double *work) {
     return s;
 }
 
-/* the largest derivative of the sum; NaN where there is one */
+/* The largest derivative of the sum, NaN where there is one; what is given has no equation. */
 static double residual(solver *s, const double *x) {
     const dm_boundary *p = s->p;
     double largest = 0.0;
@@ -80,6 +82,7 @@ static void assemble(solver *s, const double *x) {
         if (p->given[i]) s->A[dm_band_row(&s->band, i) + dm_band_column(&s->band, i)] = 1.0;
 }
 
+/* NaN where there is one. */
 static double norm(const double *x, uint32_t n) {
     double largest = 0.0;
     for (uint32_t i = 0; i < n; i++) largest = dm_largest(largest, x[i]);
@@ -105,6 +108,8 @@ static void add(double *x, const double *dx, uint32_t n) {
     for (uint32_t i = 0; i < n; i++) x[i] += dx[i];
 }
 
+/* An increment that is small enough is taken without a look at the residual, which is noise there.
+ */
 dm_status dm_boundary_solve(double *x, const dm_boundary *p, double *work,
                             dm_boundary_report *report) {
     solver s = lay_out(p, work);

@@ -37,6 +37,7 @@ static double slope_of(const point *p, int n, point m) {
     return tt > 0.0 ? ty / tt : 0.0;
 }
 
+/* The same over all rows, with compensated sums. */
 static double slope_of_rows(const series *s, long rows, point m) {
     const double t0 = s->t[0], y0 = s->y[0];
     double ty = 0.0, low_ty = 0.0, tt = 0.0, low_tt = 0.0;
@@ -76,6 +77,7 @@ static double error_of_few(const series *s, long rows, point m, double slope) {
     return tt > 0.0 ? sqrt(left / (double)(rows - 2) / tt) : 0.0;
 }
 
+/* The slope is that of all rows; blocks only tell how far it can be trusted. */
 void dm_drift_fit(dm_drift *out, const double *t, size_t stride, const double *y, long rows) {
     const series s = {t, y, stride};
     const point m = mean_of(&s, 0, rows);
@@ -102,6 +104,7 @@ static void reach_of(const double *y, long first, long last, double *least, doub
     }
 }
 
+/* A jump near either end cannot be told from the rows beside it. */
 long dm_drift_jump(const double *y, long rows) {
     enum { WITHIN = 3 };
     long row = 0;

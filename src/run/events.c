@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Three numbers for each function, two states. */
 size_t dm_events_size(uint32_t count, uint32_t n) {
     return 3 * (size_t)count + 2 * dm_state_size(n);
 }
@@ -18,6 +19,7 @@ void dm_events_lay_out(dm_events *e, double *memory, uint32_t n) {
     e->place = e->start + dm_state_size(n);
 }
 
+/* What the first step compares with. */
 dm_status dm_events_begin(dm_events *e, const double *state, double t, double h) {
     e->h = h;
     return dm_observe(e->observer, e->before, state, t);
@@ -26,7 +28,7 @@ dm_status dm_events_begin(dm_events *e, const double *state, double t, double h)
 /* g_i of the state at time t between `from` and the end of the step; the state is left in
  * e->place */
 static dm_status value(dm_events *e, dm_stepper *s, uint32_t i, double *g, double from, double t) {
-    dm_status status = dm_land(s, e->place, e->start, from, t, e->h);
+    dm_status status = dm_interpolate(s, e->place, e->start, from, t, e->h);
     if (status == DM_OK) status = dm_observe(e->observer, e->here, e->place, t);
     *g = e->here[i];
     return status == DM_OK && !isfinite(*g) ? DM_NOT_FINITE : status;
@@ -45,6 +47,7 @@ static double next_guess(const bracket *k, int tries) {
     return tries % 4 != 3 && t > fmin(k->a, k->b) && t < fmax(k->a, k->b) ? t : middle;
 }
 
+/* The standing end loses weight, so that both ends come near. */
 static void narrow(bracket *k, double t, double g) {
     if ((g < 0.0) != (k->gb < 0.0)) {
         k->a = k->b, k->ga = k->gb;
@@ -93,7 +96,7 @@ static uint32_t earliest(const dm_events *e) {
 static dm_status tell(dm_events *e, dm_stepper *s, double *state, double from) {
     const size_t size = dm_state_size(s->model->n) * sizeof *state;
     for (uint32_t i; (i = earliest(e)) < e->observer->count; e->time[i] = INFINITY) {
-        dm_status status = dm_land(s, e->place, e->start, from, e->time[i], e->h);
+        dm_status status = dm_interpolate(s, e->place, e->start, from, e->time[i], e->h);
         if (status == DM_OK) status = e->found(e->ud, i, e->time[i], e->place);
         if (status != DM_OK) return status;
         if (!e->list[i].stop) continue;
@@ -104,6 +107,8 @@ static dm_status tell(dm_events *e, dm_stepper *s, double *state, double from) {
     return DM_OK;
 }
 
+/* All functions are looked at before any zero is told: a zero that ends the run must be the
+ * earliest. */
 dm_status dm_events_look(dm_events *e, dm_stepper *s, double *state, double from, double to) {
     const uint32_t count = e->observer->count;
     int some = 0;

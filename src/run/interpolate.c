@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+/* A copy of the state goes h further; the state itself stays. */
 static dm_status step_by(dm_stepper *s, double *out, const double *state, double t, double h) {
     memcpy(out, state, dm_state_size(s->model->n) * sizeof *out);
     if (h == 0.0) return DM_OK;
@@ -58,8 +59,8 @@ static dm_status step_apart(dm_stepper *s, double *out, const double *state, dou
     return status;
 }
 
-dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target,
-                  double h) {
+dm_status dm_interpolate(dm_stepper *s, double *out, const double *state, double t, double target,
+                         double h) {
     return s->rule->method->traits & DM_OWN_TIME ? find_step(s, out, state, target, h)
                                                  : step_apart(s, out, state, t, target - t);
 }

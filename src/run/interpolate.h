@@ -1,13 +1,13 @@
 /* interpolate.h - the state at a time between two steps, by a shorter step from the one before. */
-#ifndef DM_LAND_H
-#define DM_LAND_H
+#ifndef DM_INTERPOLATE_H
+#define DM_INTERPOLATE_H
 
 #include "integ/method/method.h"
 
 /* out = the state at time `target`, from `state` at time t <= target, by one step of a length of
  * its own, which takes up nothing of the steps before and leaves nothing to those behind. Methods
  * with a time of their own find that length, at most h, by secants to round-off. */
-dm_status dm_land(dm_stepper *s, double *out, const double *state, double t, double target,
-                  double h);
+dm_status dm_interpolate(dm_stepper *s, double *out, const double *state, double t, double target,
+                         double h);
 
 #endif

@@ -34,6 +34,7 @@ static const double *inputs_of(const dm_observer *o, const dm_observable *what) 
     return own;
 }
 
+/* Constant outputs are written anew every time, since rows lie at different places. */
 dm_status dm_observe(dm_observer *o, double *out, const double *state, double t) {
     const dm_status status = place(o, state, t);
     if (status != DM_OK) return status;

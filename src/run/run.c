@@ -32,6 +32,7 @@ long dm_run_rows(const dm_run_plan *plan) {
     return whole > LONG_MAX - 2 ? LONG_MAX : 1 + whole + (plan->steps % plan->every != 0);
 }
 
+/* s of a clock that never goes back. */
 static double now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -48,10 +49,13 @@ static double time_now(const loop *l) {
 
 /* ---- recording ---- */
 
+/* By a zero that ends the run. */
 static int is_ended(const loop *l) {
     return l->plan->events && l->plan->events->ended;
 }
 
+/* Columns of a row: t, the state unless something else is watched alone, what is watched, impulses.
+ */
 static size_t width(const loop *l) {
     const dm_run_plan *plan = l->plan;
     const size_t states = 2 * (size_t)l->s->model->n;
@@ -60,6 +64,7 @@ static size_t width(const loop *l) {
            (plan->impulses ? dm_impulses_width(plan->impulses) : 0);
 }
 
+/* Rows that have not left the block yet, if there are any. */
 static dm_status flush(loop *l) {
     const dm_outlet *out = l->plan->outlet;
     const long held = l->rows_done - l->flushed;
@@ -87,6 +92,7 @@ static void take_impulses(loop *l) {
     l->open = NULL;
 }
 
+/* One row, behind those before it; a full block is sent away first. */
 static dm_status record(loop *l, const double *state, double t) {
     const dm_outlet *out = l->plan->outlet;
     const size_t states = 2 * (size_t)l->s->model->n;
@@ -117,9 +123,10 @@ static dm_status record_times(loop *l, const double *state, double from, double 
         const double target = plan->at[l->rows_done];
         const double *here = state;
         if (target > from + slack) {
-            const dm_status status = dm_land(l->s, plan->landing, state, from, target, plan->h);
+            const dm_status status =
+                dm_interpolate(l->s, plan->between, state, from, target, plan->h);
             if (status != DM_OK) return status;
-            here = plan->landing;
+            here = plan->between;
         }
         const dm_status status = record(l, here, target);
         if (status != DM_OK) return status;
@@ -164,7 +171,7 @@ static dm_status record_behind(loop *l, const double *before, double from) {
 static dm_status step_watched(loop *l, double from) {
     dm_events *events = l->plan->events;
     const size_t size = dm_state_size(l->s->model->n);
-    double *before = events ? events->start : l->plan->landing ? l->plan->landing + size : NULL;
+    double *before = events ? events->start : l->plan->between ? l->plan->between + size : NULL;
     long finished = 0;
     if (before) memcpy(before, l->state, size * sizeof *before);
     dm_status status = dm_advance(l->s, l->state, from, l->plan->h, 1, &finished);
@@ -243,10 +250,12 @@ static long next_stop(const loop *l) {
     return l->done + (nearer < left ? nearer : left);
 }
 
+/* Steps, a zero, or the end of a time of its own. */
 static int is_finished(const loop *l) {
     return l->done >= l->plan->steps || is_ended(l) || (l->own && time_now(l) >= l->plan->until);
 }
 
+/* In bursts, between which rows are kept, the clock and the stop flag looked at. */
 static dm_status run(loop *l) {
     dm_status status = record_due(l);
     while (status == DM_OK && !is_finished(l)) {
@@ -275,6 +284,8 @@ static dm_status begin(loop *l) {
     return status;
 }
 
+/* The row of a start that fails is kept, unless rows are wanted at given times; rows are valid up
+ * to rows_done whatever happens. */
 dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows, long *done,
                  long *rows_done) {
     loop l = {.plan = plan, .s = s, .state = state, .rows = rows, .burst = 1, .until = 1};

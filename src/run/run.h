@@ -20,8 +20,7 @@ typedef struct {
  * where a row is, of the step that ends there and of the one that begins there, and with `inner`
  * those of the constraint points inside the latter. */
 typedef struct {
-    uint32_t constraints,
-        points; /* columns of a point, constraint points of a step with both ends */
+    uint32_t constraints, points; /* columns of a point; points of a step with both ends */
     int inner;
     double *step; /* [points*constraints] of the last step */
 } dm_impulses;
@@ -32,9 +31,8 @@ static inline uint32_t dm_impulses_width(const dm_impulses *i) {
 
 /* A run that goes on where another one was. */
 typedef struct {
-    long steps; /* done before: t = t0 + (steps + k) h */
-    const double
-        *memory; /* what the method left beside the state (dm_engine.memory); NULL: nothing */
+    long steps;           /* done before: t = t0 + (steps + k) h */
+    const double *memory; /* what the engine left beside the state; NULL: nothing */
 } dm_resumption;
 
 typedef struct {
@@ -44,7 +42,7 @@ typedef struct {
     const double *at; /* or, not NULL: keep the states at these times, growing, from t0 on */
     long at_count;
     double until;          /* methods with a time of their own: stop at the first step past it */
-    double *landing;       /* with `at`: room for two states */
+    double *between;       /* with `at`: room for two states */
     dm_observer *watch;    /* what a row holds beside t; NULL: q, p */
     int beside;            /* and q, p in front of what is watched */
     dm_impulses *impulses; /* behind all that; without `at` and events; NULL: none */
@@ -64,7 +62,7 @@ long dm_run_rows(const dm_run_plan *plan);
 
 /* Run `plan` on state (dm_state_size doubles, in place), writing rows of 1 + 2n columns, t,
  * q[n], p[n], or t and what is watched, or both. Rows at given times come from a shorter step on
- * the side (dm_land), which does not touch the run itself. *done counts finished steps and
+ * the side (dm_interpolate), which does not touch the run itself. *done counts finished steps and
  * *rows_done rows, also on failure or stop, so that both are valid up to there (the last row is
  * then the last good state). */
 dm_status dm_run(const dm_run_plan *plan, dm_stepper *s, double *state, double *rows, long *done,

@@ -18,15 +18,18 @@ static size_t outputs(const dm_sequence *r) {
     return r->m + (size_t)r->m * r->m;
 }
 
+/* y and x, what the kernels give, and Newton's method; x once more in front. */
 size_t dm_sequence_work(const dm_sequence *r) {
     return 2 * (size_t)r->n + 3 * (size_t)r->m + outputs(r) + r->inside.outputs + r->m +
            dm_newton_work(r->m);
 }
 
+/* The start, and the last one also where `every` does not divide the steps. */
 long dm_sequence_rows(const dm_sequence_plan *plan) {
     return 1 + (plan->steps + plan->every - 1) / plan->every;
 }
 
+/* Constant outputs of the kernels are written once, here. */
 static stage lay_out(const dm_sequence *r, double *work) {
     stage s = {.r = r, .in = work};
     s.after = s.in + r->n + r->m;
@@ -55,12 +58,14 @@ static double size_of_terms(const double *J, const double *x, const double *scal
     return largest;
 }
 
+/* Of |x|; NaN is passed over, since dm_newton looks for it. */
 static double largest_of(const double *x, uint32_t m) {
     double largest = 0.0;
     for (uint32_t i = 0; i < m; i++) largest = fmax(largest, fabs(x[i]));
     return largest;
 }
 
+/* For dm_newton. The size of the terms is renewed with every matrix. */
 static dm_status residual(void *ctx, double *r, double *J, const double *x) {
     stage *s = ctx;
     const uint32_t m = s->r->m;
@@ -74,6 +79,7 @@ static dm_status residual(void *ctx, double *r, double *J, const double *x) {
     return DM_OK;
 }
 
+/* NaN breaks a condition, too. */
 static uint32_t first_broken(const stage *s) {
     const uint32_t count = s->r->inside.outputs;
     if (count) dm_kernel_eval(&s->r->inside, s->in, s->conditions);
@@ -82,6 +88,7 @@ static uint32_t first_broken(const stage *s) {
     return 0;
 }
 
+/* No NaN, no infinity. */
 static int finite(const double *x, uint32_t n) {
     for (uint32_t i = 0; i < n; i++)
         if (!isfinite(x[i])) return 0;
@@ -109,6 +116,7 @@ static dm_status step(stage *s, const dm_newton_problem *problem, double *x,
     return DM_OK;
 }
 
+/* A root whose residual is far above what cancels in it is none: Newton's method stalled. */
 dm_status dm_sequence_run(double *rows, const dm_sequence *r, const dm_sequence_plan *plan,
                           double *work, dm_sequence_report *report) {
     double *x = work;

@@ -43,6 +43,7 @@ static double megno(const double *t, size_t stride, const double *y, long rows) 
     return rows > 1 ? sum / (t[(size_t)(rows - 1) * stride] - t[0]) : 0.0;
 }
 
+/* One pass for each kind of number; rows are few next to what made them. */
 void dm_summary_make(dm_summary *out, const double *t, size_t stride, const double *y, long rows) {
     *out = (dm_summary){NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     if (rows < 1) return;

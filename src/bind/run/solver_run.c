@@ -52,7 +52,7 @@ static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double 
                        from, (int)i + 1, at[i]);
     plan->at = at;
     plan->at_count = count;
-    plan->landing = at + count;
+    plan->between = at + count;
     plan->until = at[count - 1];
 }
 

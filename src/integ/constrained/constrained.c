@@ -5,12 +5,14 @@
 #include <math.h>
 #include <string.h>
 
+/* Sweeps have no place for multipliers. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
     dm_stage_basis(&g, rule, m);
     return g.sweeps ? "a number of sweeps is for systems without constraints; leave it out" : NULL;
 }
 
+/* Second derivatives of L always; of the constraints what the model has of them. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     const dm_constraints *constraints = m->constraints;
@@ -27,6 +29,7 @@ typedef struct {
     size_t n, s, r, K, k, l, m, unknowns;
 } sizes;
 
+/* From s velocities and r points of the quadrature; k, l, m as in the header. */
 static sizes sizes_of(size_t s, size_t r, size_t K, const dm_model *model) {
     sizes z = {.n = model->n, .s = s, .r = r, .K = K};
     z.k = model->constraints->holonomic;
@@ -44,6 +47,8 @@ static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
 
+/* One block serves both Newton iterations, the elimination for the hidden constraint and the
+ * Legendre transform: they never run at the same time. */
 static size_t scratch_size(const sizes *z, const dm_model *m) {
     const size_t newton =
         larger(dm_newton_work((uint32_t)z->unknowns), dm_newton_work((uint32_t)(z->n + z->m)));
@@ -57,6 +62,7 @@ typedef struct {
     size_t used;
 } layout;
 
+/* The next block of doubles; where memory is only counted a NULL, which nobody reads. */
 static double *take(layout *to, size_t count) {
     double *block = to->memory ? to->memory + to->used : NULL;
     to->used += count;
@@ -76,6 +82,8 @@ static void lay_out_kernels(dm_constrained *g, const sizes *z, layout *to) {
     g->mass = take(to, n + nn);
 }
 
+/* Every array of the struct but the tables; returns how many doubles that took. The memory of a
+ * step comes last. */
 static size_t lay_out(dm_constrained *g, const sizes *z, double *memory) {
     layout to = {memory, 0};
     const size_t n = z->n, m = z->m;
@@ -102,6 +110,8 @@ static size_t lay_out(dm_constrained *g, const sizes *z, double *memory) {
     return to.used;
 }
 
+/* Doubles: the struct, its tables, the shapes of its matrices, its arrays. K is s or one less, and
+ * s is enough for both. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin basis;
     dm_stage_basis(&basis, rule, m);
@@ -147,6 +157,8 @@ static void open_matrices(dm_constrained *g, double *memory) {
     dm_constrained_matrix_narrow(&g->hidden, J, (uint32_t *)(void *)(J + (size_t)ends * ends));
 }
 
+/* The tables are scaled by h = 1, since a look at the entries of the matrices needs some h; the
+ * first step scales them by its own. */
 static dm_status open(dm_stepper *stepper) {
     dm_galerkin basis;
     dm_stage_basis(&basis, stepper->rule, stepper->model);
@@ -176,6 +188,7 @@ static dm_status open(dm_stepper *stepper) {
     return DM_OK;
 }
 
+/* Forget the last step; steps of h will be remembered. */
 static dm_status start(dm_stepper *stepper, double *state, double t, double h) {
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     (void)state;
@@ -184,6 +197,7 @@ static dm_status start(dm_stepper *stepper, double *state, double t, double h) {
     return DM_OK;
 }
 
+/* All of constrained_memory.c, as one block. */
 static size_t memory_of(dm_stepper *stepper, double **place) {
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     *place = g->memory;
@@ -206,6 +220,8 @@ uint32_t dm_constrained_nodes(const dm_galerkin *g) {
 
 /* ---- the step ---- */
 
+/* From the root where it is to the root of the equation; iterations are added up over all tries of
+ * a step, the residual is that of the last. */
 dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper) {
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = dm_constrained_unknowns(g),
@@ -229,14 +245,14 @@ static dm_status by_continuation(dm_constrained *g, const dm_stepper *stepper) {
     const size_t V = (size_t)g->table.s * g->n, N = dm_constrained_unknowns(g);
     dm_constrained_weights_scale(g, ldexp(h, -DOUBLINGS));
     dm_constrained_plain_guess(g);
-    dm_constrained_bend_guess(g);
+    dm_constrained_turning_guess(g);
     dm_status status = dm_constrained_newton(g, stepper);
     for (int k = DOUBLINGS; status == DM_OK && k > 0; k--) {
         memcpy(g->scratch, g->root, V * sizeof *g->root);
         dm_constrained_longer_guess(g, g->scratch);
         for (size_t i = V; i < N; i++) g->root[i] *= 2.0;
         dm_constrained_weights_scale(g, ldexp(h, 1 - k));
-        dm_constrained_bend_guess(g);
+        dm_constrained_turning_guess(g);
         status = dm_constrained_newton(g, stepper);
     }
     if (g->h != h) dm_constrained_weights_scale(g, h);
@@ -246,12 +262,12 @@ static dm_status by_continuation(dm_constrained *g, const dm_stepper *stepper) {
 /* the residual of the way that came nearest is what a failure tells */
 static dm_status solve(dm_constrained *g, const dm_stepper *stepper) {
     const int warm = dm_constrained_guess(g);
-    dm_constrained_bend_guess(g);
+    dm_constrained_turning_guess(g);
     dm_status status = dm_constrained_newton(g, stepper);
     double least = g->residual;
     if (status != DM_OK && status != DM_CALLBACK && warm) {
         dm_constrained_plain_guess(g);
-        dm_constrained_bend_guess(g);
+        dm_constrained_turning_guess(g);
         status = dm_constrained_newton(g, stepper);
         least = fmin(least, g->residual);
     }
@@ -278,6 +294,7 @@ static void report_constraints(const dm_constrained *g, dm_report *report) {
     for (uint32_t c = 0; c < g->l; c++) report->rolling = fmax(report->rolling, fabs(phi[c]));
 }
 
+/* The state is overwritten last, when nothing can fail any more; memory is renewed with it. */
 static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     dm_constrained *g = (dm_constrained *)(void *)stepper->work;
     g->state = state;
@@ -290,8 +307,8 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     dm_status status = dm_constrained_begin(g);
     if (status == DM_OK) status = find_lost(g, solve(g, stepper));
     if (status == DM_OK)
-        status = dm_constrained_is_bent(g) ? dm_constrained_bend(g, stepper)
-                                           : dm_constrained_finish(g, stepper);
+        status = dm_constrained_turns(g) ? dm_constrained_turning_end(g, stepper)
+                                         : dm_constrained_finish(g, stepper);
     stepper->report.iterations = g->iterations;
     stepper->report.residual = g->residual;
     stepper->report.dependent = (int)g->lost;

@@ -46,7 +46,8 @@ static void correct_impulses(dm_constrained *g, const double *dV) {
         if (k == 0) continue;
         moved(g, g->constraint_ha + k * s, g->constraint.d + k * s, dV);
         dm_constrained_product(impulse, r_q, g->shift, &g->r_q);
-        if (!dm_constrained_is_bent(g)) dm_constrained_product(impulse, r_q + (size_t)n * n, g->v, &g->r_v);
+        if (!dm_constrained_turns(g))
+            dm_constrained_product(impulse, r_q + (size_t)n * n, g->v, &g->r_v);
     }
 }
 
@@ -61,6 +62,9 @@ static dm_status update(dm_constrained *g) {
     return DM_OK;
 }
 
+/* g->scratch has the last increment of Newton's method. The momentum without I_K is left in
+ * g->before; then I_K is added and the sums are made once more from the state, so that the end is
+ * rounded once. */
 dm_status dm_constrained_finish(dm_constrained *g, const dm_stepper *stepper) {
     const uint32_t n = g->n, m = g->k + g->l;
     double *last = g->impulse + g->K * (size_t)n;

@@ -23,6 +23,8 @@ static void add_slopes(dm_constrained *g, double *Rj, uint32_t j) {
     }
 }
 
+/* The first s n rows: the slopes, the impulses by their levers, less what p0 gives; the low-order
+ * part of p0 comes last, where the sum is small. */
 static void momentum_rows(dm_constrained *g, double *R) {
     const uint32_t n = g->n, s = g->table.s, m = g->k + g->l;
     const double *p0 = g->state + n, *low = g->state + 3 * n;
@@ -80,6 +82,7 @@ static void slope_block(const dm_constrained *g, double *J, uint32_t j, uint32_t
     dm_constrained_add(J, &g->step, row, column, w.q * w.d, f_q + nn, &g->f_v);
 }
 
+/* All pairs of a row j and a velocity k meet in every point i of the quadrature. */
 static void slope_columns(const dm_constrained *g, double *J) {
     for (uint32_t i = 0; i < g->table.r; i++)
         for (uint32_t j = 0; j < g->table.s; j++)
@@ -97,7 +100,7 @@ static void reaction_columns(const dm_constrained *g, double *J) {
                 const double d = dm_weight_double(g->constraint.d[i * s + k]);
                 const double *r_q = dm_constrained_curved(g, i) + n, *r_v = r_q + (size_t)n * n;
                 dm_constrained_add(J, &g->step, j * n, k * n, w * ha, r_q, &g->r_q);
-                if (!dm_constrained_is_bent(g))
+                if (!dm_constrained_turns(g))
                     dm_constrained_add(J, &g->step, j * n, k * n, w * d, r_v, &g->r_v);
             }
 }
@@ -116,6 +119,7 @@ static void add_across(const dm_constrained *g, double *J, place at, double w, c
         J[r[e->column[i]] + c[e->row[i]]] += w * at.unit[e->row[i]] * B[e->entry[i]];
 }
 
+/* Rows of the equations: their unknowns stand in the columns. */
 static void add_along(const dm_constrained *g, double *J, place at, double w, const double *B,
                       const dm_constrained_entries *e) {
     const size_t *r = g->step.row + at.row, *c = g->step.column + at.column;
@@ -123,6 +127,7 @@ static void add_along(const dm_constrained *g, double *J, place at, double w, co
         J[r[e->row[i]] + c[e->column[i]]] += w * at.unit[e->row[i]] * B[e->entry[i]];
 }
 
+/* How the momentum rows answer to the impulse of the constraint point k. */
 static void impulse_columns(const dm_constrained *g, double *J, uint32_t k) {
     const uint32_t n = g->n, s = g->table.s, first = s * n + k * (g->k + g->l);
     for (uint32_t j = 0; j < s; j++) {
@@ -152,6 +157,8 @@ static void multiplier_columns(const dm_constrained *g, double *J, uint32_t k) {
     }
 }
 
+/* From the derivatives that lie in the struct: of slopes, reactions and rows where they were last
+ * evaluated. */
 void dm_constrained_equation_matrix(const dm_constrained *g, double *J) {
     dm_constrained_zero(J, &g->step);
     slope_columns(g, J);
@@ -163,6 +170,7 @@ void dm_constrained_equation_matrix(const dm_constrained *g, double *J) {
     }
 }
 
+/* For dm_newton, whose ctx is the struct. What is evaluated stays there for the end of the step. */
 dm_status dm_constrained_equation(void *ctx, double *R, double *J, const double *z) {
     dm_constrained *g = ctx;
     dm_constrained_slopes(g, z, J != NULL);

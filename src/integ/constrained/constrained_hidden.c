@@ -10,6 +10,7 @@
 
 /* ---- in general: unknowns v1[n], impulses[m] ---- */
 
+/* The first n rows, and I_K into its place; rows of rolling constraints are those at this v. */
 static void end_momentum(dm_constrained *g, double *R, const double *v, const double *impulses) {
     const uint32_t n = g->n;
     double *impulse = g->impulse + g->K * (size_t)n;
@@ -24,6 +25,8 @@ static void end_momentum(dm_constrained *g, double *R, const double *v, const do
     }
 }
 
+/* The last m rows in units of momentum: the hidden constraint of holonomic ones, the value of
+ * rolling ones. */
 static void end_constraints(const dm_constrained *g, double *R, const double *v) {
     const double *hol = dm_constrained_holonomic(g, g->K), *G = hol + g->k;
     const double *g_t = G + (size_t)g->k * g->n, *phi = dm_constrained_rolling(g, g->K);
@@ -34,8 +37,8 @@ static void end_constraints(const dm_constrained *g, double *R, const double *v)
 }
 
 /* rows across, as columns behind those of v, and rows of the equations */
-static void add_constraints(const dm_constrained *g, double *J, const double *across, const double *along,
-                     const dm_constrained_entries *e, uint32_t first) {
+static void add_constraints(const dm_constrained *g, double *J, const double *across,
+                            const double *along, const dm_constrained_entries *e, uint32_t first) {
     const dm_constrained_matrix *m = &g->hidden;
     const double *unit = across ? g->impulse_unit + first : g->row_unit + first;
     for (uint32_t i = 0; i < e->count; i++) {
@@ -62,6 +65,7 @@ void dm_constrained_hidden_matrix(const dm_constrained *g, double *J) {
     add_constraints(g, J, NULL, E + g->l * n, &g->phi_v, g->k);
 }
 
+/* For dm_newton; z = (v1, impulses). */
 static dm_status end_equation(void *ctx, double *R, double *J, const double *z) {
     dm_constrained *g = ctx;
     g->size = 0.0;
@@ -84,6 +88,8 @@ static void place_end(dm_constrained *g) {
     dm_constrained_rows(g, g->K);
 }
 
+/* From the velocity of the curve. The residual of a step that succeeds is that of its equation, not
+ * of this one. */
 static dm_status by_newton(dm_constrained *g, const dm_stepper *stepper) {
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = g->n + g->k + g->l,
@@ -115,6 +121,7 @@ static void by_inverse(const dm_model *m, double *out, const double *p) {
     }
 }
 
+/* Row c at the end: across, the way its reaction acts; else the row of its equation. */
 static const double *row_of(const dm_constrained *g, uint32_t c, int across) {
     const double *E = dm_constrained_rolling(g, g->K) + g->l;
     if (c < g->k) return dm_constrained_holonomic(g, g->K) + g->k + c * g->n;
@@ -136,8 +143,8 @@ static dm_status weigh(dm_constrained *g, double *S, double *push, uint32_t *piv
     return dm_lu_factor(S, pivot, m);
 }
 
-/* what is missing at v1 to the constraints, negative: g_t + G v, phi with phi_v v instead of its value
- * at another v */
+/* what is missing at v1 to the constraints, negative: g_t + G v, phi with phi_v v instead of its
+ * value at another v */
 static void missing(const dm_constrained *g, double *out, const double *offset) {
     for (uint32_t c = 0; c < g->k + g->l; c++) {
         const double *row = row_of(g, c, 0);
@@ -182,10 +189,13 @@ static dm_status by_elimination(dm_constrained *g) {
     return DM_OK;
 }
 
+/* By elimination where the end is a linear problem with a constant matrix, which costs m^3 instead
+ * of (n + m)^3; where the matrix is a band Newton is cheaper all the same. */
 dm_status dm_constrained_hidden(dm_constrained *g, const dm_stepper *stepper) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     const unsigned constraints = g->constraints->structure;
-    const int linear = !g->l || (constraints & DM_CONSTRAINTS_LINEAR && !(constraints & DM_CONSTRAINTS_GIVEN_REACTIONS));
+    const int linear = !g->l || (constraints & DM_CONSTRAINTS_LINEAR &&
+                                 !(constraints & DM_CONSTRAINTS_GIVEN_REACTIONS));
     place_end(g);
     if (linear && (g->m->structure & simple) == simple && !g->hidden.banded)
         return by_elimination(g);

@@ -27,56 +27,60 @@ typedef struct {
     uint32_t *order;      /* [n] */
 } dm_constrained_matrix;
 
-/* Laid out at the head of stepper->work by dm_constrained_open. */
+/* Laid out at the head of stepper->work when the engine opens. Tables, shapes of matrices and
+ * memory last from step to step; all else is of the step in hand. */
 typedef struct {
     dm_stage_table table;
-    dm_constrained_points constraint, gauss; /* K + 1 points with impulses, K where rolling is enforced */
+    /* the curve at the K + 1 points with impulses, and at the K where rolling is enforced */
+    dm_constrained_points constraint, gauss;
     const dm_model *m;
     const dm_constraints *constraints;
-    uint32_t n, K, k, l;          /* dim Q, constraint points less one, holonomic constraints, rolling constraints */
-    double h, t;                  /* step, its start */
-    dm_weight *hb, *hbeta;        /* [r], [s] */
-    dm_weight *ha, *wq, *wv;      /* [r*s]: h a_ij, h b_i (a_ij - beta_j), b_i d_ij */
-    dm_weight *constraint_ha, *gauss_ha; /* [(K+1)*s], [K*s] */
-    dm_weight *lever;             /* [K*s]: a~_kj - beta_j */
-    dm_constrained_entries qq, qv, vv, mass_vv, f_q, f_v, r_q, r_v; /* [n*n] */
-    dm_constrained_entries G, E, phi_v, phi_q;                      /* [k*n], [l*n] */
+    /* dim Q, constraint points less one, holonomic constraints, rolling constraints */
+    uint32_t n, K, k, l;
+    double h, t; /* step, its start; h is also that of the coefficients below */
+    /* [r], [s]; [r*s]: h a_ij, h b_i (a_ij - beta_j), b_i d_ij; [(K+1)*s], [K*s]: h a at the
+     * constraint points and the Gauss points */
+    dm_weight *hb, *hbeta, *ha, *wq, *wv, *constraint_ha, *gauss_ha;
+    dm_weight *lever; /* [K*s]: a~_kj - beta_j */
+    /* entries of blocks that can differ from zero: [n*n], and [k*n] or [l*n] */
+    dm_constrained_entries qq, qv, vv, mass_vv, f_q, f_v, r_q, r_v, G, E, phi_v, phi_q;
     dm_constrained_matrix step, hidden; /* of the step equation, of the hidden constraint */
-    double *ahead;               /* [s*(s+1)]: V_j from v0 and the V of the step before */
-    double *inner_force; /* [(K-1)*r]: integral to t_k of what stands at the quadrature points */
-    double
-        *inner_impulse; /* [(K-1)*(K+1)]: of the reactions at the constraint points, over their weights */
-    double *inner_v; /* [(K-1)*n] velocity at the inner constraint points, where reactions turn with it */
-    double *longer;  /* [s*(s+1)]: and from those of a step of half the length */
-    const double *state;             /* at the start of the step */
-    double *x;                       /* [2n+1 + k+l + controls] arguments of a kernel */
-    double *shift, *v;               /* [n] of a point */
-    double *slope;                   /* [r][2n] L_q + f, L_v */
-    double *plain;                   /* [r][2n] outputs of the slope kernel */
-    double *curve;                   /* [r][2n + 3n^2] outputs of the stage kernel */
-    double *drag;                    /* [r][n + 2n^2] outputs of the force kernels */
-    double *holonomic;               /* [K+1][k(n+2)] g, G, g_t */
-    double *rolling;                 /* [K+1][l(1+3n)] phi, E, phi_v, phi_q at the constraint points */
-    double *roll;                    /* [K][l(1+3n)] at the Gauss points */
-    double *reaction;                /* [K+1][n + 2n^2] I_k, its derivatives in q, v */
+    /* [s*(s+1)]: V_j from v0 and the V of the step before, and of a step of half the length */
+    double *ahead, *longer;
+    /* integrals to the inner constraint points: [(K-1)*r] of what stands at the quadrature points,
+     * [(K-1)*(K+1)] of the reactions at the constraint points, over their weights */
+    double *inner_force, *inner_impulse;
+    double *inner_v;     /* [(K-1)*n] velocity at the inner constraint points, see turning.c */
+    const double *state; /* at the start of the step */
+    double *x;           /* [2n+1 + k+l + controls] arguments of a kernel */
+    double *shift, *v;   /* [n] of a point */
+    double *slope;       /* [r][2n] L_q + f, L_v */
+    /* outputs of the kernels at the points of the quadrature: [r][2n] of the slope kernel,
+     * [r][2n + 3n^2] of the stage kernel, [r][n + 2n^2] of forces */
+    double *plain, *curve, *drag;
+    /* and at the constraint points: [K+1][k(n+2)] g, G, g_t; [K+1][l(1+3n)] phi, E, phi_v, phi_q;
+     * [K+1][n + 2n^2] I_k, its derivatives in q, v */
+    double *holonomic, *rolling, *reaction;
+    double *roll;                    /* [K][l(1+3n)] as rolling, at the Gauss points */
     double *impulse;                 /* [K+1][n] I_k */
     double *lambda;                  /* [k+l] multipliers as the reaction takes them */
     double *row_unit, *impulse_unit; /* [k+l] M over the largest entry of G, phi_v; of G, E */
     double *mass;                    /* [n + n^2] L_v, L_vv at the ends */
-    double mass_size;                /* largest entry of L_vv */
+    double mass_size;                /* largest entry of L_vv; 0: not looked for yet */
     double *root;                    /* [s][n] V, [K][k+l] impulses in units of velocity */
     double *end;                     /* [n] v1, [k+l] impulses of the last constraint point */
     double *v0;                      /* [n] velocity at the start */
     double *next;                    /* [4n] state at the end */
-    double *dq, *dp;                 /* [n] */
+    double *dq, *dp;                 /* [n] what the step adds */
     double *before;                  /* [n] momentum at the end without I_K */
     double *scratch;                 /* of Newton and of the Legendre transform */
     double *memory;                  /* see constrained_memory.c */
     double size;                     /* of the terms of the residual */
-    long evaluations;
-    int iterations; /* of Newton, in this step */
+    long evaluations;                /* of L, in this step */
+    int iterations;                  /* of Newton, in this step */
     double residual;
-    uint32_t lost; /* the constraint that depends on those before it, from 1; 0: none was found */
+    /* the constraint that depends on those before it, from 1; 0: none was found */
+    uint32_t lost;
 } dm_constrained;
 
 /* without the call that fmax is */
@@ -110,17 +114,18 @@ void dm_constrained_at(dm_constrained *g, const double *shift, const double *v, 
 void dm_constrained_at_constraint(dm_constrained *g, const double *V, uint32_t k);
 /* slopes (and curves) at the points of the quadrature */
 void dm_constrained_slopes(dm_constrained *g, const double *V, int with_curve);
-/* constraints where they are wanted and the impulses of the multipliers behind V; derivatives of these
- * too */
+/* constraints where they are wanted and the impulses of the multipliers behind V; derivatives of
+ * these too */
 void dm_constrained_constraints(dm_constrained *g, const double *V, int with_curve);
-/* rows of the constraints at x, kept for the constraint point k; the impulse that they make; its derivatives */
+/* rows of the constraints at x, kept for the constraint point k; the impulse that they make; its
+ * derivatives */
 void dm_constrained_rows(dm_constrained *g, uint32_t k);
 void dm_constrained_impulse(dm_constrained *g, double *impulse, const double *impulses, uint32_t k);
 void dm_constrained_reaction(dm_constrained *g, const double *impulses, uint32_t k);
 /* G, E, v0, M and the scales at the start of the step */
 dm_status dm_constrained_begin(dm_constrained *g);
 
-/* ---- constrained_entries.c: what of the matrices is not zero ---- */
+/* ---- constrained_sparsity.c: what of the matrices is not zero ---- */
 
 /* doubles that entries and matrices take */
 size_t dm_constrained_entries_size(uint32_t n, uint32_t k, uint32_t l);
@@ -133,11 +138,13 @@ void dm_constrained_matrix_narrow(dm_constrained_matrix *m, const double *J, uin
 void dm_constrained_scatter(dm_constrained *g);
 
 /* J += w B at (row, column), J += w B^T, y += B x */
-void dm_constrained_add(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column, double w,
-                 const double *B, const dm_constrained_entries *e);
-void dm_constrained_add_transposed(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column,
-                            double w, const double *B, const dm_constrained_entries *e);
-void dm_constrained_product(double *y, const double *B, const double *x, const dm_constrained_entries *e);
+void dm_constrained_add(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column,
+                        double w, const double *B, const dm_constrained_entries *e);
+void dm_constrained_add_transposed(double *J, const dm_constrained_matrix *m, uint32_t row,
+                                   uint32_t column, double w, const double *B,
+                                   const dm_constrained_entries *e);
+void dm_constrained_product(double *y, const double *B, const double *x,
+                            const dm_constrained_entries *e);
 void dm_constrained_zero(double *J, const dm_constrained_matrix *m);
 
 /* ---- constrained_equation.c ---- */
@@ -154,18 +161,19 @@ dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper);
 
 dm_status dm_constrained_finish(dm_constrained *g, const dm_stepper *stepper);
 
-/* ---- constrained_hidden.c: v1 and the last impulses into g->end, from g->next without them ---- */
+/* ---- constrained_hidden.c: v1 and the last impulses into g->end, from g->next without them ----
+ */
 
 dm_status dm_constrained_hidden(dm_constrained *g, const dm_stepper *stepper);
 void dm_constrained_hidden_matrix(const dm_constrained *g, double *J);
 
-/* ---- constrained_bent.c: reactions that turn with v ---- */
+/* ---- constrained_turning.c: reactions that turn with v ---- */
 
-int dm_constrained_is_bent(const dm_constrained *g);
-void dm_constrained_bend_guess(dm_constrained *g);
+int dm_constrained_turns(const dm_constrained *g);
+void dm_constrained_turning_guess(dm_constrained *g);
 /* from a root with a guess of the inner velocities to one with theirs, and to the end of the
  * step */
-dm_status dm_constrained_bend(dm_constrained *g, const dm_stepper *stepper);
+dm_status dm_constrained_turning_end(dm_constrained *g, const dm_stepper *stepper);
 
 /* ---- constrained_memory.c: V, impulses, end and start of a step, for the next one ---- */
 
@@ -182,7 +190,8 @@ void dm_constrained_longer_guess(dm_constrained *g, const double *V);
 
 /* ---- constrained_rank.c ---- */
 
-/* the first constraint at the constraint point k whose row depends on those before it, from 1; 0: none */
+/* the first constraint at the constraint point k whose row depends on those before it, from 1; 0:
+ * none */
 uint32_t dm_constrained_dependent(dm_constrained *g, uint32_t k);
 
 #endif

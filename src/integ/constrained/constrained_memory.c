@@ -1,5 +1,5 @@
-/* constrained_memory.c - what a step leaves to the next one: h, a mark, the state at its end [4n], the
- * root, v1 and the impulses of the end. Another h (a step to a time between, a part of a
+/* constrained_memory.c - what a step leaves to the next one: h, a mark, the state at its end [4n],
+ * the root, v1 and the impulses of the end. Another h (a step to a time between, a part of a
  * composition) neither uses nor changes it. */
 #include "integ/constrained/constrained_inside.h"
 
@@ -7,6 +7,7 @@
 
 enum { STEP, MARK, END };
 
+/* Behind the state at the end: V, impulses, then v1 and the impulses of the end. */
 static double *kept_root(const dm_constrained *g) {
     return g->memory + END + 4 * (size_t)g->n;
 }
@@ -15,12 +16,14 @@ size_t dm_constrained_memory_size(uint32_t n, uint32_t unknowns, uint32_t m) {
     return END + 4 * (size_t)n + unknowns + n + m;
 }
 
+/* Nothing is there; a step of h may leave something. */
 void dm_constrained_memory_clear(dm_constrained *g, double h) {
     const size_t size = dm_constrained_memory_size(g->n, dm_constrained_unknowns(g), g->k + g->l);
     memset(g->memory, 0, size * sizeof *g->memory);
     g->memory[STEP] = h;
 }
 
+/* It was left by the step that ended here, bit for bit, and was as long. */
 int dm_constrained_memory_fits(const dm_constrained *g) {
     return g->memory[STEP] == g->h && g->memory[MARK] != 0.0 &&
            memcmp(g->memory + END, g->state, 4 * (size_t)g->n * sizeof *g->state) == 0;
@@ -30,6 +33,7 @@ const double *dm_constrained_memory_velocity(const dm_constrained *g) {
     return kept_root(g) + dm_constrained_unknowns(g);
 }
 
+/* After a step of the length that is remembered; others leave it alone. */
 void dm_constrained_memory_keep(dm_constrained *g) {
     const size_t N = dm_constrained_unknowns(g), ends = g->n + g->k + g->l;
     if (g->memory[STEP] != g->h) return;
@@ -50,6 +54,7 @@ static void extrapolate(dm_constrained *g, const double *rows, const double *V) 
         }
 }
 
+/* Uniform motion without impulses. */
 void dm_constrained_plain_guess(dm_constrained *g) {
     const size_t V = (size_t)g->table.s * g->n;
     memset(g->root, 0, dm_constrained_unknowns(g) * sizeof *g->root);
@@ -57,6 +62,7 @@ void dm_constrained_plain_guess(dm_constrained *g) {
     for (size_t i = 0; i < V; i++) g->root[i] = g->v0[i % g->n];
 }
 
+/* V are those of half a step: the polynomial through them goes on to the whole one. */
 void dm_constrained_longer_guess(dm_constrained *g, const double *V) {
     extrapolate(g, g->longer, V);
 }

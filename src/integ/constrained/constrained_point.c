@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+/* The low-order parts of q are added to the shift first: q0 + (low + shift) loses nothing of them.
+ */
 void dm_constrained_at(dm_constrained *g, const double *shift, const double *v, double after) {
     const uint32_t n = g->n;
     const double *low = g->state + 2 * n;
@@ -30,9 +32,11 @@ static void place(dm_constrained *g, const dm_weight *ha, const dm_weight *d, do
     dm_constrained_at(g, g->shift, g->v, after);
 }
 
+/* The velocity of the curve there stays in g->v. */
 void dm_constrained_at_constraint(dm_constrained *g, const double *V, uint32_t k) {
     const uint32_t s = g->table.s;
-    place(g, g->constraint_ha + k * s, g->constraint.d + k * s, g->h * dm_weight_double(g->constraint.c[k]), V);
+    place(g, g->constraint_ha + k * s, g->constraint.d + k * s,
+          g->h * dm_weight_double(g->constraint.c[k]), V);
 }
 
 /* L_q += f, and its curves where they are wanted */
@@ -42,6 +46,8 @@ static void add_force(dm_constrained *g, double *slope, double *drag, int with_c
     for (uint32_t k = 0; k < g->n; k++) slope[k] += drag[k];
 }
 
+/* With derivatives by the stage kernel, without by the cheaper slope kernel; the slopes lie in
+ * g->slope either way, the derivatives behind theirs in g->curve and g->drag. */
 void dm_constrained_slopes(dm_constrained *g, const double *V, int with_curve) {
     const size_t n = g->n, s = g->table.s, width = 2 * n + 3 * n * n;
     for (uint32_t i = 0; i < g->table.r; i++) {
@@ -61,6 +67,7 @@ static void unscale(dm_constrained *g, const double *impulses) {
     for (uint32_t c = 0; c < m; c++) g->lambda[c] = impulses[c] * g->impulse_unit[c];
 }
 
+/* impulse += rows^T lambda, over the entries that can differ from zero. */
 static void add_rows(double *impulse, const double *rows, const double *lambda,
                      const dm_constrained_entries *e) {
     for (uint32_t i = 0; i < e->count; i++)
@@ -68,7 +75,8 @@ static void add_rows(double *impulse, const double *rows, const double *lambda,
 }
 
 /* I = G^T lambda + E^T mu from the rows at the constraint point k */
-void dm_constrained_impulse(dm_constrained *g, double *impulse, const double *impulses, uint32_t k) {
+void dm_constrained_impulse(dm_constrained *g, double *impulse, const double *impulses,
+                            uint32_t k) {
     unscale(g, impulses);
     memset(impulse, 0, g->n * sizeof *impulse);
     add_rows(impulse, dm_constrained_holonomic(g, k) + g->k, g->lambda, &g->G);
@@ -82,28 +90,36 @@ void dm_constrained_reaction(dm_constrained *g, const double *impulses, uint32_t
     dm_kernel_eval(&g->constraints->reaction, g->x, dm_constrained_curved(g, k));
 }
 
+/* g, G and g_t at x, for the constraint point k. */
 static void eval_holonomic(dm_constrained *g, uint32_t k) {
-    if (g->k) dm_kernel_eval(&g->constraints->holonomic_kernel, g->x, dm_constrained_holonomic(g, k));
+    if (g->k)
+        dm_kernel_eval(&g->constraints->holonomic_kernel, g->x, dm_constrained_holonomic(g, k));
 }
 
+/* phi, E, phi_v and phi_q at x. */
 static void eval_rolling(dm_constrained *g, double *out) {
     if (g->l) dm_kernel_eval(&g->constraints->rolling_kernel, g->x, out);
 }
 
+/* Both at the place of the constraint point k, where they stay until the next look at it. */
 void dm_constrained_rows(dm_constrained *g, uint32_t k) {
     eval_holonomic(g, k);
     eval_rolling(g, dm_constrained_rolling(g, k));
 }
 
 /* impulses between the ends: their rows move with the curve */
-static void inner_constraint(dm_constrained *g, const double *impulses, uint32_t k, int with_curve) {
-    if (dm_constrained_is_bent(g))
+static void inner_constraint(dm_constrained *g, const double *impulses, uint32_t k,
+                             int with_curve) {
+    if (dm_constrained_turns(g))
         memcpy(g->x + g->n, g->inner_v + (k - 1) * (size_t)g->n, g->n * sizeof *g->x);
     if (g->k || g->l) dm_constrained_rows(g, k);
     dm_constrained_impulse(g, g->impulse + k * (size_t)g->n, impulses, k);
     if (with_curve) dm_constrained_reaction(g, impulses, k);
 }
 
+/* The impulse of the start has rows that are fixed for the step; those of the points between move
+ * with the curve; at the end only g is wanted, since the rows there belong to the hidden
+ * constraint. */
 void dm_constrained_constraints(dm_constrained *g, const double *V, int with_curve) {
     const size_t n = g->n, s = g->table.s, m = g->k + g->l;
     const double *impulses = V + s * n;
@@ -162,6 +178,8 @@ static dm_status find_velocity(dm_constrained *g) {
     return dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
 }
 
+/* The largest entry of L_vv, which turns velocities into momenta; once where the mass is constant.
+ */
 static dm_status find_mass_size(dm_constrained *g) {
     const size_t n = g->n;
     if (!(g->m->structure & DM_CONSTANT_MASS) || g->mass_size == 0.0) {
@@ -182,6 +200,8 @@ static dm_status hold_controls(dm_constrained *g) {
     return isfinite(largest(u, constraints->controls)) ? DM_OK : DM_NOT_FINITE;
 }
 
+/* What holds for the whole step: v0, controls, the unit of mass, the rows at the start and their
+ * units. */
 dm_status dm_constrained_begin(dm_constrained *g) {
     dm_status status = find_velocity(g);
     if (status != DM_OK) return status;

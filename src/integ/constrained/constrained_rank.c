@@ -1,6 +1,6 @@
-/* constrained_rank.c - which constraint cannot be held: S = rows of the equations . rows of the reactions,
- * both of length 1, loses rank where one depends on those before it, and where its reactions do
- * not act against it. */
+/* constrained_rank.c - which constraint cannot be held: S = rows of the equations . rows of the
+ * reactions, both of length 1, loses rank where one depends on those before it, and where its
+ * reactions do not act against it. */
 #include "integ/constrained/constrained_inside.h"
 
 #include <math.h>
@@ -9,6 +9,8 @@ typedef struct {
     const double *along, *across;
 } rows;
 
+/* Rows c of the equations and of the reactions at the constraint point k; the same for holonomic
+ * constraints. */
 static rows rows_of(const dm_constrained *g, uint32_t k, uint32_t c) {
     const uint32_t n = g->n;
     const double *G = dm_constrained_holonomic(g, k) + g->k + c * (size_t)n;
@@ -23,6 +25,7 @@ static double dot(const double *a, const double *b, uint32_t n) {
     return sum;
 }
 
+/* S[m][m]: cosines of the angles between equations and reactions. */
 static void fill(const dm_constrained *g, double *S, uint32_t k) {
     const uint32_t m = g->k + g->l, n = g->n;
     for (uint32_t b = 0; b < m; b++) {
@@ -51,6 +54,8 @@ static double eliminate(double *S, uint32_t *taken, uint32_t b, uint32_t m) {
     return most;
 }
 
+/* Elimination with the largest entry of each row as its pivot: a row that vanishes depends on those
+ * before it. */
 uint32_t dm_constrained_dependent(dm_constrained *g, uint32_t k) {
     static const double LEAST = 1e-10; /* square of the sine of an angle */
     const uint32_t m = g->k + g->l;

@@ -1,18 +1,19 @@
-/* constrained_table.c - coefficients of the curve at the constraint points and at the Gauss points between
- * them. */
+/* constrained_table.c - coefficients of the curve at the constraint points and at the Gauss points
+ * between them. */
 #include "integ/constrained/constrained_inside.h"
 
 enum { MOST = DM_QUADRATURE_NODES + 1, SMOOTH = 8 };
 
-/* s constraint intervals for a curve of degree s; where velocities and quadrature share nodes with both
- * ends the curve has a degree more than the quadrature can tell apart, and its nodes are the constraint
- * points (Jay 1996) */
+/* s constraint intervals for a curve of degree s; where velocities and quadrature share nodes with
+ * both ends the curve has a degree more than the quadrature can tell apart, and its nodes are the
+ * constraint points (Jay 1996) */
 uint32_t dm_constrained_count(size_t s, size_t r, const dm_galerkin *g) {
     const int both_ends = g->q.c[0] == 0.0L && g->q.c[r - 1] == 1.0L;
     const size_t K = s == r && both_ends ? s - 1 : s;
     return (uint32_t)(K < DM_QUADRATURE_NODES ? K : DM_QUADRATURE_NODES - 1);
 }
 
+/* Weights: c, a and d. */
 static size_t points_size(size_t count, size_t s) {
     return count + 2 * count * s;
 }
@@ -23,12 +24,14 @@ size_t dm_constrained_weights_size(size_t s, size_t r) {
     return 2 * pairs + 2 * s * (s + 1) + s * (r + s + 1);
 }
 
+/* The next block of weights. */
 static dm_weight *take(dm_weight **memory, size_t count) {
     dm_weight *block = *memory;
     *memory += count;
     return block;
 }
 
+/* The curve of the basis at the nodes of `at`. */
 static void points_fill(dm_constrained_points *p, const dm_quadrature *at, const dm_galerkin *basis,
                         dm_weight **memory) {
     const int s = basis->s;
@@ -71,9 +74,10 @@ static void guesses_fill(dm_constrained *g, const dm_galerkin *basis) {
     }
 }
 
-/* integrals of polynomials through the quadrature points, and through the constraint points, up to the
- * inner ones */
-static void inner_fill(dm_constrained *g, const dm_galerkin *basis, const dm_quadrature *constraints) {
+/* integrals of polynomials through the quadrature points, and through the constraint points, up to
+ * the inner ones */
+static void inner_fill(dm_constrained *g, const dm_galerkin *basis,
+                       const dm_quadrature *constraints) {
     long double value[MOST], integral[MOST];
     const int r = basis->q.r;
     for (int k = 1; k < constraints->r - 1; k++) {
@@ -81,10 +85,12 @@ static void inner_fill(dm_constrained *g, const dm_galerkin *basis, const dm_qua
         for (int i = 0; i < r; i++) g->inner_force[(k - 1) * r + i] = (double)integral[i];
         dm_lagrange(value, integral, constraints->c, constraints->r, constraints->c[k]);
         for (int i = 0; i < constraints->r; i++)
-            g->inner_impulse[(k - 1) * constraints->r + i] = (double)(integral[i] / constraints->b[i]);
+            g->inner_impulse[(k - 1) * constraints->r + i] =
+                (double)(integral[i] / constraints->b[i]);
     }
 }
 
+/* What does not depend on h, once; the places of what does are laid out too. */
 void dm_constrained_weights_fill(dm_constrained *g, const dm_galerkin *basis, double *memory) {
     const uint32_t s = g->table.s, r = g->table.r;
     dm_weight *at = (dm_weight *)(void *)memory;
@@ -113,11 +119,13 @@ void dm_constrained_weights_fill(dm_constrained *g, const dm_galerkin *basis, do
                                                dm_weight_exact(g->table.beta[j]));
 }
 
+/* Products with h are made in long double and kept as two doubles: h a is as good as a. */
 static void scale(dm_weight *out, const dm_weight *in, double h, uint32_t count) {
     for (uint32_t i = 0; i < count; i++)
         out[i] = dm_weight_of((long double)h * dm_weight_exact(in[i]));
 }
 
+/* Everything that h is a factor of; wv is not, and stands beside wq for the sums that need both. */
 void dm_constrained_weights_scale(dm_constrained *g, double h) {
     const dm_stage_table *t = &g->table;
     const uint32_t s = t->s, r = t->r;

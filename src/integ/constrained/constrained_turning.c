@@ -1,26 +1,28 @@
-/* constrained_turning.c - reactions that turn with v (nonlinear phi, or a given E(q, v)). At the inner constraint
- * points v is that of the momentum there, which the forces and all impulses up to I_K give by
- * interpolation, P~_k = p0 + h sum_i a^_ki (L_q + f)(i) + sum_m (a^_km / w_m) I_m,  L_v(Q~_k,
- * v~_k) = P~_k (Jay 2009): the velocity of the curve is known to the order of the stages only,
- * and so would be the step. The equation is solved for given v~, again and again: they change by
- * a factor h a time. */
+/* constrained_turning.c - reactions that turn with v (nonlinear phi, or a given E(q, v)). At the
+ * inner constraint points v is that of the momentum there, which the forces and all impulses up to
+ * I_K give by interpolation, P~_k = p0 + h sum_i a^_ki (L_q + f)(i) + sum_m (a^_km / w_m) I_m,
+ * L_v(Q~_k, v~_k) = P~_k (Jay 2009): the velocity of the curve is known to the order of the stages
+ * only, and so would be the step. The equation is solved for given v~, again and again: they change
+ * by a factor h a time. */
 #include "integ/constrained/constrained_inside.h"
 
 #include <math.h>
 #include <string.h>
 
-int dm_constrained_is_bent(const dm_constrained *g) {
+/* Between the ends, and only where some entry of dI/dv can differ from zero. */
+int dm_constrained_turns(const dm_constrained *g) {
     return g->K > 1 && g->r_v.count != 0;
 }
 
 /* v~ of the curve */
-void dm_constrained_bend_guess(dm_constrained *g) {
-    for (uint32_t k = 1; k < g->K && dm_constrained_is_bent(g); k++) {
+void dm_constrained_turning_guess(dm_constrained *g) {
+    for (uint32_t k = 1; k < g->K && dm_constrained_turns(g); k++) {
         dm_constrained_at_constraint(g, g->root, k);
         memcpy(g->inner_v + (k - 1) * (size_t)g->n, g->v, g->n * sizeof *g->v);
     }
 }
 
+/* P~_k from the forces and impulses of the last end. */
 static void inner_momentum(dm_constrained *g, double *p, uint32_t k) {
     const uint32_t n = g->n, r = g->table.r;
     const double *force = g->inner_force + (k - 1) * r;
@@ -52,7 +54,9 @@ static dm_status renew(dm_constrained *g, double *change) {
     return DM_OK;
 }
 
-dm_status dm_constrained_bend(dm_constrained *g, const dm_stepper *stepper) {
+/* Every round solves the equation again with the velocities of the last; they are settled when a
+ * round changes them by round-off, or changes that small stop shrinking. */
+dm_status dm_constrained_turning_end(dm_constrained *g, const dm_stepper *stepper) {
     enum { SWEEPS = 60 };
     static const double NOISE = 1e-13; /* a change that small may stall */
     double change = INFINITY, last;

@@ -20,6 +20,7 @@ typedef struct {
 /* memory: h of the last step (0: there is none), which may be a part of a composition, its mu */
 enum { LAST, MU };
 
+/* In doubles, so that what follows is aligned. */
 static size_t layout_size(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
 }
@@ -28,6 +29,8 @@ static layout *layout_of(const dm_stepper *s) {
     return (layout *)(void *)s->work;
 }
 
+/* The kick is explicit and M constant: only the multipliers are unknown (and v, where a force sees
+ * it). */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     (void)rule;
@@ -43,12 +46,14 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return NULL;
 }
 
+/* Its kernels are its own. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     (void)m;
     return 0;
 }
 
+/* The kernels read and write whole buffers, three of them. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const dm_rattle_layout at = dm_rattle_lay_out(m);
     (void)rule;
@@ -82,6 +87,7 @@ static dm_status open(dm_stepper *s) {
     return DM_OK;
 }
 
+/* No mu is known, whatever the length of the steps. */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     layout *l = layout_of(s);
     (void)state, (void)t, (void)h;
@@ -132,6 +138,7 @@ static dm_status iterate(dm_stepper *s, layout *l, double *norms) {
     return DM_OK;
 }
 
+/* The largest |g| so far, for the report. */
 static void look_at_constraint(dm_stepper *s, const layout *l, const double *g) {
     for (uint32_t i = 0; i < l->at.m; i++)
         if (fabs(g[i]) > s->report.constraint) s->report.constraint = fabs(g[i]);
@@ -172,17 +179,21 @@ static void load(layout *l, const double *state, double t, double h) {
     for (uint32_t i = 0; i < at->m; i++) l->now[at->guess + i] = part * l->memory[MU + i];
 }
 
+/* For the next step, of whatever length: mu is an impulse. */
 static void remember(layout *l, double h) {
     l->memory[LAST] = h;
     memcpy(l->memory + MU, l->now + l->at.guess, l->at.m * sizeof *l->memory);
 }
 
+/* What is not finite stays so, hence one look at the end of a burst. */
 static int is_finite(const layout *l) {
     for (uint32_t i = 0; i < 4 * l->at.n; i++)
         if (!isfinite(l->now[i])) return 0;
     return 1;
 }
 
+/* State, forces and rows stay in the buffers during a burst; the state is written when it has ended
+ * well. */
 static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
     layout *l = layout_of(s);
     const dm_rattle_layout *at = &l->at;

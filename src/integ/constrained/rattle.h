@@ -19,9 +19,8 @@ typedef struct {
     uint32_t guess;                     /* of lambda */
     uint32_t g;                         /* at q, for the record */
     uint32_t h, half, t0, t;            /* t at the end of the step */
-    uint32_t y,
-        /* iterates of q1 (of v where f sees v) and lambda, what `first` and `newton` write */
-        lambda;
+    /* iterates of q1 (of v where f sees v) and lambda, what `first` and `newton` write */
+    uint32_t y, lambda;
     uint32_t norms; /* squares: of the last two changes of y, of y */
     uint32_t size;
 } dm_rattle_layout;
@@ -36,7 +35,7 @@ typedef struct {
 
 dm_rattle_layout dm_rattle_lay_out(const dm_model *m);
 
-/* Make them, or find them with the model (kept.h). */
+/* Make them, or find them with the model (cache.h). */
 dm_status dm_rattle_build(dm_rattle_kernels *out, const dm_model *m, int shake);
 
 #endif

@@ -3,8 +3,8 @@
 #define DM_RATTLE_INSIDE_H
 
 #include "graph/linear.h"
-#include "integ/split/fused.h"
 #include "integ/constrained/rattle.h"
+#include "integ/split/fused.h"
 
 typedef struct {
     dm_fusion f; /* the graph of the kernel that is being made, and the model */

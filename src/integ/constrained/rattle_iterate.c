@@ -25,6 +25,7 @@ typedef struct {
     dm_node *y, *lambda, *norms, *B, *G0;
 } iterate;
 
+/* Room, and B = h W G0^T of the start, which all iterations have. */
 static int begin_iterate(frame *b, iterate *x) {
     const size_t n = b->at.n, m = b->at.m;
     x->G0 = dm_rattle_take(b, b->at.nonzeros);
@@ -142,6 +143,8 @@ static void move(frame *b, const iterate *x, dm_node *y) {
     }
 }
 
+/* One Newton step for (v, lambda) together, with the exact matrix; f is taken at q0, v and t0, g at
+ * the end. */
 static int iteration_with_drag(frame *b, iterate *x) {
     const size_t n = b->at.n, m = b->at.m, z = b->at.nonzeros, N = n + m;
     dm_node *roots = dm_rattle_take(b, n + n * n + m + z);
@@ -170,6 +173,8 @@ static int iteration_with_drag(frame *b, iterate *x) {
 
 /* ---- kernels ---- */
 
+/* `first` has two iterations behind its prediction, as most steps need no more; `newton` is one of
+ * them, on what the last one left. */
 dm_status dm_rattle_make_iterate(frame *b, dm_kernel *out, int first) {
     const size_t n = b->at.n, m = b->at.m;
     iterate x;

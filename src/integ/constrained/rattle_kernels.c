@@ -2,12 +2,14 @@
 #include "algebra/compact.h"
 #include "algebra/contract.h"
 #include "algebra/derive.h"
-#include "integ/method/cache.h"
 #include "integ/constrained/rattle_inside.h"
+#include "integ/method/cache.h"
 #include "mech/constraints.h"
 
 #include <string.h>
 
+/* What a step begins with comes first, in the order in which `end` writes it: so that the end of
+ * one step is the beginning of the next without a copy. */
 dm_rattle_layout dm_rattle_lay_out(const dm_model *m) {
     const uint32_t n = m->n, k = m->constraints ? m->constraints->holonomic : 0;
     dm_rattle_layout at = {.n = n, .m = k};
@@ -33,6 +35,7 @@ dm_rattle_layout dm_rattle_lay_out(const dm_model *m) {
 
 typedef dm_rattle_frame frame;
 
+/* One node more than asked for, since a count may be 0. */
 dm_node *dm_rattle_take(frame *b, size_t count) {
     dm_node *nodes = dm_arena_take(b->arena, (count + 1) * sizeof *nodes);
     if (nodes)
@@ -42,6 +45,7 @@ dm_node *dm_rattle_take(frame *b, size_t count) {
     return nodes;
 }
 
+/* Node 0 is zero: it adds nothing. */
 static dm_node add(const frame *b, dm_node x, dm_node y) {
     if (!x || !y) return x ? x : y;
     return dm_add(b->f.graph, x, y);
@@ -49,6 +53,7 @@ static dm_node add(const frame *b, dm_node x, dm_node y) {
 
 /* ---- the expressions of the model ---- */
 
+/* Compressed rows of G from the constraints that touch each coordinate. */
 static int read_pattern(frame *b) {
     const uint32_t n = b->at.n, m = b->at.m;
     uint32_t next = 0;
@@ -64,12 +69,15 @@ static int read_pattern(frame *b) {
     return 1;
 }
 
-/* F, G, g, g_t in one graph with the inputs q, v, t */
+/* F, G, g and g_t in one graph with the inputs q, v, t. The constraints may have been traced in a
+ * graph of their own; nonzeros of G follow the pattern. A force that sees v stays apart, with its
+ * derivatives. */
 static int read_model(frame *b) {
     const dm_model *model = b->model;
     const dm_constraints *constraints = model->constraints;
     const uint32_t n = b->at.n, m = b->at.m, inputs = 2 * n + 1;
-    const uint32_t most = inputs + (constraints ? constraints->holonomic + constraints->rolling : 0);
+    const uint32_t most =
+        inputs + (constraints ? constraints->holonomic + constraints->rolling : 0);
     dm_node *with = dm_rattle_take(b, most), *f = dm_rattle_take(b, n);
     b->source = dm_graph_new(b->arena, inputs);
     b->with = dm_rattle_take(b, most), b->force = dm_rattle_take(b, n),
@@ -93,11 +101,12 @@ static int read_model(frame *b) {
     dm_transplant(b->source, constraints->graph, constraints->g_t, m, with, b->g_t);
     for (uint32_t i = 0, e = 0; i < m; i++)
         for (; e < b->row[i + 1]; e++)
-            dm_transplant(b->source, constraints->graph, constraints->G + i * (size_t)n + b->column[e], 1, with,
-                          b->G + e);
+            dm_transplant(b->source, constraints->graph,
+                          constraints->G + i * (size_t)n + b->column[e], 1, with, b->G + e);
     return dm_graph_status(b->source) == DM_OK;
 }
 
+/* Compacted by themselves: the graph around them must not change their order of operations. */
 void dm_rattle_evaluate(frame *b, dm_node *out, const dm_node *roots, size_t count,
                         const dm_rattle_point *at) {
     const uint32_t n = b->at.n;
@@ -153,6 +162,7 @@ void dm_rattle_multiply(const frame *b, dm_node *A, const dm_node *G, const dm_n
 
 /* ---- kernels ---- */
 
+/* Inputs of every kernel are the numbers of a buffer, by their places. */
 int dm_rattle_begin(frame *b) {
     const dm_rattle_layout *at = &b->at;
     dm_graph *g = dm_graph_new(b->arena, at->size);
@@ -169,10 +179,12 @@ int dm_rattle_begin(frame *b) {
     return 1;
 }
 
+/* As many as stand there one after the other. */
 void dm_rattle_inputs(const frame *b, dm_node *out, uint32_t first, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) out[i] = dm_input(b->f.graph, first + i);
 }
 
+/* Node by node as it stands: the order of sums is that of the formulas here. */
 dm_status dm_rattle_end(frame *b, dm_kernel *out, const dm_node *roots, size_t count) {
     const dm_status status = dm_graph_status(b->f.graph);
     if (b->no_memory || dm_graph_status(b->source) != DM_OK) return DM_NO_MEMORY;
@@ -180,7 +192,7 @@ dm_status dm_rattle_end(frame *b, dm_kernel *out, const dm_node *roots, size_t c
     return b->model->source.compile(out, b->f.graph, roots, (uint32_t)count, b->arena);
 }
 
-/* F, G, g_t, g as roots of the source, in that order */
+/* In the order in which kernels write what they keep: F, G; then g_t and g. */
 static dm_node *all_roots(frame *b) {
     const size_t n = b->at.n, m = b->at.m, z = b->at.nonzeros;
     dm_node *roots = dm_rattle_take(b, n + z + 2 * m);
@@ -192,6 +204,7 @@ static dm_node *all_roots(frame *b) {
     return roots;
 }
 
+/* F and G where a run starts; g and g_t only share their operations. */
 static dm_status make_begin(frame *b, dm_kernel *out) {
     const size_t count = b->at.n + (size_t)b->at.nonzeros + 2 * (size_t)b->at.m;
     if (!dm_rattle_begin(b)) return DM_NO_MEMORY;
@@ -227,6 +240,7 @@ static int add_drag(frame *b, dm_node *F, dm_node t) {
     return 1;
 }
 
+/* The kicked momentum is not summed with compensation: only its drift is wanted here. */
 int dm_rattle_displace(frame *b, dm_node *out, const dm_node *F, const dm_node *B,
                        const dm_node *lambda) {
     const uint32_t n = b->at.n, m = b->at.m;
@@ -242,7 +256,8 @@ int dm_rattle_displace(frame *b, dm_node *out, const dm_node *F, const dm_node *
     return 1;
 }
 
-/* q moves straight away: it does not wait for the compensated sums of p */
+/* q moves straight away: it does not wait for the compensated sums of p. The low part is exact,
+ * since the move is small. */
 static int drift(frame *b, const dm_node *F0, const dm_node *G0, const dm_node *lambda) {
     const uint32_t n = b->at.n;
     dm_node *B = dm_rattle_take(b, (size_t)n * b->at.m), *move = dm_rattle_take(b, n);
@@ -278,6 +293,8 @@ static int tangent(frame *b, dm_node *mu, const dm_node *G, const dm_node *g_t) 
     return 1;
 }
 
+/* From the root to the next step: drift, second half of the kick, momentum onto the hidden
+ * constraint, and F, G, g of the new position for the step behind it. */
 static dm_status make_end(frame *b, dm_kernel *out, int shake) {
     const size_t n = b->at.n, m = b->at.m, z = b->at.nonzeros, count = n + z + 2 * m;
     if (!dm_rattle_begin(b)) return DM_NO_MEMORY;
@@ -303,9 +320,12 @@ static dm_status make_end(frame *b, dm_kernel *out, int shake) {
     return dm_rattle_end(b, out, all, 5 * n + z + 2 * m);
 }
 
+/* Its address says whose kernels these are. */
 static const char maker;
+/* One number for each kernel. */
 enum { BEGIN, FIRST, NEWTON, END, SHAKE_END };
 
+/* In one source graph, so that what they share is compacted alike. */
 static dm_status make_all(frame *b, dm_rattle_kernels *out, int shake) {
     if ((b->at.m && !read_pattern(b)) || !read_model(b)) return DM_NO_MEMORY;
     dm_status status = make_begin(b, &out->begin);
@@ -315,6 +335,7 @@ static dm_status make_all(frame *b, dm_rattle_kernels *out, int shake) {
     return status;
 }
 
+/* Both rules share all but the end. */
 dm_status dm_rattle_build(dm_rattle_kernels *out, const dm_model *m, int shake) {
     frame b = {.model = m, .at = dm_rattle_lay_out(m), .arena = m->source.arena};
     const uint32_t last = shake ? SHAKE_END : END;

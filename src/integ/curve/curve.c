@@ -21,13 +21,15 @@ static const double ROUND_OFF = 1e-12;   /* an increment that small may stall */
 static const double NEGLIGIBLE = 2.5e-6; /* of the tolerance: an increment not worth a step */
 enum { CHORDS = 10 };
 
+/* The struct at the head of the workspace, in doubles. */
 static size_t head(void) {
     return (sizeof(dm_curve_step) + sizeof(double) - 1) / sizeof(double);
 }
 
 /* ---- the rule ---- */
 
-/* of a dm.rule the curve itself, of a text the method that it names */
+/* Of a dm.rule the curve itself; of a text the method that it names, with the bias that it names or
+ * the method has. */
 static int read_curve(dm_curve *out, const dm_rule *rule) {
     if (rule->data) {
         *out = *(const dm_curve *)rule->data;
@@ -55,6 +57,7 @@ static const char *check(const dm_rule *rule) {
     return NULL;
 }
 
+/* The field needs second derivatives of L, as a graph, and M that is not zero. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     if (!m->source.graph && !m->structure)
@@ -65,11 +68,13 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return NULL;
 }
 
+/* 0 where a text names no method; check has told that. */
 static int order(const dm_rule *rule) {
     dm_curve curve;
     return read_curve(&curve, rule) ? dm_curve_order(&curve) : 0;
 }
 
+/* For the momentum at the ends and the size of M; all else are kernels of its own. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule, (void)m;
     return DM_WANT_SLOPE | DM_WANT_MASS;
@@ -82,6 +87,7 @@ static size_t memory_size(const dm_curve *c, size_t n) {
     return 1 + 4 * n + n + 1 + m * m + (m + 1) / 2;
 }
 
+/* Newton's method or the Legendre transform, never both. */
 static size_t scratch_size(const dm_curve *c, const dm_model *m) {
     const size_t newton = dm_newton_work((uint32_t)dm_curve_unknowns(c, m->n));
     const size_t legendre = dm_legendre_work(m);
@@ -96,6 +102,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
            scratch_size(&c, m) + dm_segment_work(&c, n);
 }
 
+/* The matrix of the last step lives in the memory, so that a run goes on with it. */
 static dm_status open(dm_stepper *s) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     const size_t n = s->model->n;
@@ -116,6 +123,7 @@ static dm_status open(dm_stepper *s) {
                            e->scratch + scratch_size(&e->curve, s->model));
 }
 
+/* Forget the last segment and its matrix. */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     (void)state, (void)t, (void)h;
@@ -131,6 +139,7 @@ static size_t memory(dm_stepper *s, double **place) {
 
 /* ---- the start of the iteration ---- */
 
+/* It was left by the step that ended here, and was as long. */
 static int fits_memory(const dm_curve_step *e) {
     return e->memory[0] == e->h &&
            memcmp(e->memory + 1, e->state, 4 * e->n * sizeof *e->state) == 0;
@@ -192,6 +201,7 @@ static dm_status guess(dm_curve_step *e, const dm_model *m) {
 
 /* ---- the step ---- */
 
+/* NaN where there is one. */
 static double norm(const double *x, size_t n) {
     double largest = 0.0;
     for (size_t i = 0; i < n; i++) largest = dm_largest(largest, x[i]);
@@ -274,6 +284,7 @@ static dm_status search(dm_curve_step *e, const dm_stepper *s, int *iterations) 
     return newton(e, s, iterations);
 }
 
+/* The unknowns begin at a guess; the number of iterations is that of all tries. */
 dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     int iterations = 0;
@@ -309,7 +320,7 @@ static dm_status find_end(dm_curve_step *e, double *end, double *v) {
     return status;
 }
 
-/* q1 = d+(y), p1; and what the next step starts from */
+/* q1 = d+(y) and p1, summed with compensation; and what the next step starts from. */
 static dm_status finish(dm_curve_step *e) {
     const size_t n = e->n;
     double *next = e->next, *end = e->p1, *v = e->slope;
@@ -328,6 +339,7 @@ static dm_status finish(dm_curve_step *e) {
     return DM_OK;
 }
 
+/* The state is overwritten last. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     dm_status status = dm_curve_solve(s, state, t, h);

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+/* The largest user: Newton's method beside a start, or a singular value decomposition. */
 static size_t scratch_size(size_t n) {
     const size_t N = 2 * n, pivots = n + 1;
     return dm_newton_work((uint32_t)N) + 3 * N * N + 2 * N + pivots;
@@ -17,6 +18,7 @@ size_t dm_bundle_work(const dm_curve *c, size_t n) {
     return dm_segment_work(c, n) + 5 * n + 4 * n * n + scratch_size(n);
 }
 
+/* An element is evaluated as a segment of the curve, whose workspace lies behind the rest. */
 dm_status dm_bundle_open(dm_bundle *b, const dm_curve *c, const dm_model *m, double h,
                          double *memory) {
     const size_t n = m->n;
@@ -34,6 +36,7 @@ static int all_finite(const double *x, size_t n) {
     return 1;
 }
 
+/* The segment of e, whose ends must be numbers. */
 static dm_status run(dm_bundle *b, const dm_element *e) {
     const dm_segment_place at = {.q = e->q, .v = e->v, .t = e->t, .h = b->h};
     const dm_status status = dm_segment_run(&b->segment, &at);
@@ -42,6 +45,7 @@ static dm_status run(dm_bundle *b, const dm_element *e) {
     return fine ? DM_OK : DM_NOT_FINITE;
 }
 
+/* The segment gives ends relative to q. */
 dm_status dm_bundle_ends(dm_bundle *b, double *minus, double *plus, const dm_element *e) {
     const dm_status status = run(b, e);
     for (uint32_t i = 0; status == DM_OK && i < b->n; i++) {
@@ -51,6 +55,7 @@ dm_status dm_bundle_ends(dm_bundle *b, double *minus, double *plus, const dm_ele
     return status;
 }
 
+/* Rows of D: d- first, then d+; the segment's tangents are those of d - q. */
 dm_status dm_bundle_tangents(dm_bundle *b, double *D, const dm_element *e) {
     const size_t n = b->n, N = 2 * n;
     const dm_status status = run(b, e);
@@ -75,7 +80,7 @@ static dm_status solve(dm_bundle *b, double *A, double *x) {
     return status;
 }
 
-/* D^T (-p0, p1) = dLd */
+/* D^T (-p0, p1) = dLd, a square system, since the tangents span the space of ends. */
 dm_status dm_bundle_momenta(dm_bundle *b, double *p0, double *p1, double *action,
                             const dm_element *e) {
     const size_t n = b->n, N = 2 * n;
@@ -100,6 +105,7 @@ dm_status dm_bundle_momenta(dm_bundle *b, double *p0, double *p1, double *action
     return status;
 }
 
+/* D y = (minus, plus). */
 dm_status dm_bundle_lift(dm_bundle *b, double *y, const double *minus, const double *plus,
                          const dm_element *e) {
     const size_t n = b->n;
@@ -138,6 +144,8 @@ static dm_status ends_apart(void *ctx, double *r, double *J, const double *z) {
     return DM_OK;
 }
 
+/* From the point of the straight line where the bias puts q, with its velocity; unknowns are of the
+ * size of velocities, so are the residuals. */
 dm_status dm_bundle_find(dm_bundle *b, double *q, double *v, const double *ends[2], double t) {
     const size_t n = b->n;
     double *start = b->some + n, *z = b->scratch + dm_newton_work(2 * b->n);
@@ -176,6 +184,7 @@ static double least_singular_value(double *A, size_t rows, size_t columns, doubl
     return work[columns * columns + columns - 1];
 }
 
+/* The transpose of the half, since the decomposition wants no fewer rows than columns. */
 double dm_bundle_submersion(dm_bundle *b, const double *half) {
     const size_t n = b->n, N = 2 * n;
     for (size_t i = 0; i < n; i++)
@@ -199,6 +208,8 @@ static double desingularize(const dm_bundle *b, double *D) {
     return furthest;
 }
 
+/* Both tangents tend to the same map as h -> 0; their mean and their difference by h do not become
+ * singular. */
 dm_status dm_bundle_transversality(dm_bundle *b, double *least, double *limit,
                                    const dm_element *e) {
     const dm_status status = dm_bundle_tangents(b, b->D, e);
@@ -233,6 +244,8 @@ static double refine(dm_bundle *b, const dm_element *e, double low, double high)
     return 0.5 * (low + high);
 }
 
+/* The least singular value is followed from small steps up; a minimum that is zero is where the
+ * ends cease to be coordinates. 0: none was found. */
 double dm_bundle_largest_step(dm_bundle *b, const dm_element *e) {
     const double factor = 1.02, zero = 1e-6;
     double h = 0.01 * b->h, before = INFINITY, here = transversality_at(b, e, h);

@@ -48,6 +48,8 @@ static void fill_jacobian(const dm_curve_step *e, double *J) {
         }
 }
 
+/* Residuals of the three parts in units of momenta, of momenta by h, and of velocities; the segment
+ * is run at most once for the same unknowns. */
 dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
     dm_curve_step *e = ctx;
     const size_t n = e->n;
@@ -77,6 +79,7 @@ dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
 
 /* ---- the tangent map ---- */
 
+/* The matrix, a column and its pivots. */
 size_t dm_curve_tangent_work(const dm_stepper *s) {
     const dm_curve_step *e = (const dm_curve_step *)(const void *)s->work;
     const size_t m = e->unknowns;
@@ -112,6 +115,8 @@ static void write_column(const dm_curve_step *e, double *D, const double *dz, si
     }
 }
 
+/* By the implicit function theorem: J dz = -(change of r), with all columns of the Hessian, also
+ * those that the step itself does not need. */
 dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double t, double h,
                            double *memory) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;

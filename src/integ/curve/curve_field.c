@@ -18,6 +18,7 @@ typedef struct {
 enum { FORCE, GRADIENT, CURVE, TANGENT, MOMENTUM };
 static const char maker;
 
+/* Nodes in the arena of the model; NULL without memory. */
 static dm_node *take(const builder *b, size_t count) {
     return dm_arena_take(b->m->source.arena, count * sizeof(dm_node));
 }
@@ -37,6 +38,7 @@ static dm_node contract(const builder *b, dm_node sum, uint32_t first, const dm_
     return sum;
 }
 
+/* L in the builder's own graph, whose inputs go on behind t; and its gradient there. */
 static dm_status carry_lagrangian(builder *b) {
     dm_graph *from = b->m->source.graph;
     const uint32_t inputs = dm_graph_inputs(from);
@@ -92,6 +94,7 @@ static void divide_by_mass(const builder *b, dm_node *x, dm_node *y) {
     }
 }
 
+/* The roots so far as a kernel, which the model keeps. */
 static dm_status make(const builder *b, dm_kernel *out, size_t count, uint32_t which) {
     dm_status status = dm_graph_status(b->g);
     if (status == DM_OK)
@@ -100,6 +103,7 @@ static dm_status make(const builder *b, dm_kernel *out, size_t count, uint32_t w
     return status;
 }
 
+/* The acceleration itself where M is constant; else M a and M, to be solved at every point. */
 static dm_status make_force(const builder *b, dm_kernel *out) {
     const size_t n = b->n;
     write_push(b, b->roots);
@@ -111,6 +115,7 @@ static dm_status make_force(const builder *b, dm_kernel *out) {
     return make(b, out, n + n * n, FORCE);
 }
 
+/* psi_yy, then E_y and (M u)_y, which is psi_ay but for its sign. */
 static dm_status make_curve(const builder *b, dm_kernel *out) {
     const uint32_t n = b->n, N = 2 * n;
     dm_node *defect = b->roots + 2 * (size_t)N * N; /* [N] scratch */
@@ -122,6 +127,7 @@ static dm_status make_curve(const builder *b, dm_kernel *out) {
     return make(b, out, 2 * (size_t)N * N, CURVE);
 }
 
+/* E_y alone. */
 static dm_status make_tangent(const builder *b, dm_kernel *out) {
     const uint32_t n = b->n, N = 2 * n;
     dm_node *defect = b->roots + (size_t)n * N; /* [n] scratch */
@@ -130,12 +136,14 @@ static dm_status make_tangent(const builder *b, dm_kernel *out) {
     return make(b, out, (size_t)n * N, TANGENT);
 }
 
+/* L_vy. */
 static dm_status make_momentum(const builder *b, dm_kernel *out) {
     const uint32_t n = b->n, N = 2 * n;
     dm_jacobian(b->g, b->gradient + n, n, 0, N, b->roots);
     return make(b, out, (size_t)n * N, MOMENTUM);
 }
 
+/* The roots are overwritten from kernel to kernel. */
 static dm_status build(dm_field *out, builder *b) {
     const uint32_t n = b->n;
     dm_status status = carry_lagrangian(b);
@@ -151,6 +159,7 @@ static dm_status build(dm_field *out, builder *b) {
     return status == DM_OK ? make_momentum(b, &out->momentum) : status;
 }
 
+/* All five or none are found with the model. */
 dm_status dm_field_build(dm_field *out, const dm_model *m) {
     const uint32_t n = m->n;
     builder b = {.m = m, .n = n, .t = 2 * n, .a = 2 * n + 1, .u = 3 * n + 1, .l = 4 * n + 1};

@@ -46,6 +46,7 @@ static void keep_needed(dm_curve *out, const probe *p, const double *b) {
     dm_curve_fill(out, s, a, weight);
 }
 
+/* One step of length 1 from zero: the end has the weights b in its entries. */
 static int read_off(dm_curve *out, const gsl_odeiv2_step_type *type) {
     static const double none[DM_CURVE_STAGES];
     double y[DM_CURVE_STAGES], error[DM_CURVE_STAGES];
@@ -62,6 +63,7 @@ static int read_off(dm_curve *out, const gsl_odeiv2_step_type *type) {
     return 1;
 }
 
+/* With or without gsl- before the name; the embedded estimate of the error is not used. */
 int dm_curve_gsl(dm_curve *out, const char *name) {
     const struct {
         const char *name;

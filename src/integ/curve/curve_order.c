@@ -47,6 +47,7 @@ static void branch(forest *f, const double *phi, double gamma, int left, int las
     }
 }
 
+/* Trees are made order by order, each from those before it, until one of their conditions fails. */
 int dm_curve_conditions(const dm_curve *c, double *defect) {
     forest f = {.c = c};
     double one[DM_CURVE_STAGES];
@@ -92,6 +93,8 @@ static double local_error(const dm_curve *c, const dm_curve *fine, double h) {
     return sum;
 }
 
+/* From the error of one step and of half of it, against many small steps of order 8; rounded down
+ * unless it is near the next number. */
 int dm_curve_measure(const dm_curve *c) {
     dm_curve fine;
     if (!dm_curve_find(&fine, "dop853")) return 0;

@@ -82,6 +82,8 @@ static void add_ends(dm_segment *g, size_t i, const double *dv, const double *da
     add(g->minus_tangent, g->minus_lift[i], da, size);
 }
 
+/* Forward again, with the tangents of the points: by then all pulls are known, and every point adds
+ * its own term. */
 void dm_segment_hessian(dm_segment *g, uint32_t first) {
     const size_t n = g->n, N = 2 * n;
     memset(g->hessian, 0, N * N * sizeof *g->hessian);
@@ -152,6 +154,7 @@ static void look_at_end(dm_segment *g, const double *shift, const double *v, dou
     dm_kernel_eval(&g->field.momentum, g->end, g->momentum);
 }
 
+/* G_yy = D+^T P+ - D-^T P-, one end after the other. */
 void dm_segment_estimate(dm_segment *g, uint32_t first) {
     const size_t n = g->n, N = 2 * n;
     double *v = g->some;

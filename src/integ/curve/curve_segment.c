@@ -9,12 +9,14 @@ static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
 
+/* The next block of doubles. */
 static double *take(double **memory, size_t count) {
     double *block = *memory;
     *memory += count;
     return block;
 }
 
+/* In the order of dm_segment_open: what every point has, then what the segment has once. */
 size_t dm_segment_work(const dm_curve *c, size_t n) {
     const size_t s = (size_t)c->s, N = 2 * n;
     return s * (dm_field_inputs(n) + n + n * n + n * n + doubles(n * sizeof(uint32_t)) + N + N * N +
@@ -23,6 +25,7 @@ size_t dm_segment_work(const dm_curve *c, size_t n) {
            5 * n * N + dm_field_inputs(n);
 }
 
+/* They are filled when the first step tells its h. */
 static void place_coefficients(dm_segment *g, double *memory) {
     const size_t s = g->points;
     g->to_q = take(&memory, s * s);
@@ -61,6 +64,7 @@ static void scale(dm_segment *g, double h) {
     g->h = h;
 }
 
+/* Kernels, arrays, and the outputs that never vary. */
 dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, double *memory) {
     const size_t n = m->n, s = (size_t)c->s, N = 2 * n;
     *g = (dm_segment){.curve = c, .m = m, .n = m->n, .points = s, .h = NAN};
@@ -151,6 +155,7 @@ static void place_point(dm_segment *g, const dm_segment_place *at, size_t i) {
     x[2 * n] = at->t + at->h * g->curve->c[i];
 }
 
+/* Sums over the points, from the first one on: the order is that of every backend. */
 static void find_ends(dm_segment *g, const dm_segment_place *at) {
     const size_t n = g->n;
     for (size_t k = 0; k < n; k++) {
@@ -174,6 +179,7 @@ static void find_ends(dm_segment *g, const dm_segment_place *at) {
     }
 }
 
+/* Point by point, as an explicit method goes. */
 dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at) {
     scale(g, at->h);
     for (size_t i = 0; i < g->points; i++) {
@@ -185,6 +191,7 @@ dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at) {
     return DM_OK;
 }
 
+/* Ld = h sum weight_i L(Y_i), at the points where they are. */
 double dm_segment_action(const dm_segment *g) {
     double sum = 0.0, L = 0.0;
     dm_kernel_prepare(&g->m->value, &L);
@@ -214,6 +221,8 @@ static void pull_back(dm_segment *g, double *k, size_t i, const double *p1, cons
     }
 }
 
+/* From the last point to the first: what a point is pulled back by is known when those behind it
+ * are done. u = M^-1 of the part that meets the acceleration. */
 void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0) {
     const size_t n = g->n;
     double *k = g->hessian; /* not yet in use */

@@ -13,6 +13,7 @@ typedef struct {
     const double *b;
 } tableau;
 
+/* Coefficients, packed: row i of a has i numbers. */
 static const double EULER_B[] = {1.0};
 static const double MIDPOINT_A[] = {0.5}, MIDPOINT_B[] = {0.0, 1.0};
 static const double HEUN_A[] = {1.0}, HEUN_B[] = {0.5, 0.5};
@@ -50,6 +51,7 @@ static const double FEHLBERG7_B[] = {41.0 / 840, 0.0,        0.0,       0.0,
                                      0.0,        34.0 / 105, 9.0 / 35,  9.0 / 35,
                                      9.0 / 280,  9.0 / 280,  41.0 / 840};
 
+/* Names are those of curve(name); the first one is also `straight`. */
 static const tableau tableaux[] = {
     {"euler", "explicit Euler", 1, 1, EULER_B, EULER_B},
     {"midpoint", "explicit midpoint (Runge)", 2, 2, MIDPOINT_A, MIDPOINT_B},
@@ -64,13 +66,14 @@ static const tableau tableaux[] = {
 };
 enum { TABLEAUX = sizeof tableaux / sizeof tableaux[0] };
 
+/* In the order of the table. */
 const char *dm_curve_name(int i, const char **source) {
     if (i < 0 || i >= TABLEAUX) return NULL;
     if (source) *source = tableaux[i].source;
     return tableaux[i].name;
 }
 
-/* weight and arrival are b, push is a, c the row sums */
+/* As a Runge-Kutta method has it: weight and arrival are b, push is a, c are the row sums. */
 static void finish(dm_curve *c) {
     c->bias = 1.0;
     c->centred = c->lifted = 0;
@@ -82,6 +85,7 @@ static void finish(dm_curve *c) {
     }
 }
 
+/* Only what is below the diagonal is read. */
 void dm_curve_fill(dm_curve *out, int s, const double *a, const double *b) {
     memset(out, 0, sizeof *out);
     out->s = s;
@@ -92,6 +96,7 @@ void dm_curve_fill(dm_curve *out, int s, const double *a, const double *b) {
     finish(out);
 }
 
+/* Rows of the built-in tables lie behind each other, row i with i numbers. */
 static void fill_packed(dm_curve *out, const tableau *t) {
     const double *a = t->a;
     out->s = t->s;
@@ -107,6 +112,7 @@ static void fill_packed(dm_curve *out, const tableau *t) {
     finish(out);
 }
 
+/* `straight` has the table of Euler's method and another bias. */
 int dm_curve_find(dm_curve *out, const char *name) {
     const int straight = strcmp(name, "straight") == 0;
     memset(out, 0, sizeof *out);
@@ -140,7 +146,7 @@ static int add_points(dm_curve *out, const dm_curve *whole, double side) {
     return first;
 }
 
-/* one side of y, with its end and its part of the action */
+/* Lengths are signed, weights are not: the action is summed forward on both sides. */
 static void add_side(dm_curve *out, const dm_curve *whole, double side) {
     double *q = side > 0.0 ? out->plus : out->minus;
     double *lift = side > 0.0 ? out->plus_lift : out->minus_lift;
@@ -174,6 +180,8 @@ static void add_nodes(dm_curve *out, const dm_curve *whole, double bias) {
     }
 }
 
+/* Point 0 is y itself and belongs to both sides; a lifted method needs Gauss nodes for its action,
+ * with points of their own. */
 int dm_curve_bias(dm_curve *c, double bias) {
     const dm_curve whole = *c;
     const int sides = (bias != 0.0) + (bias != 1.0), nodes = (whole.order + 1) / 2;

@@ -11,14 +11,14 @@ uint32_t dm_cache_find(dm_kernel *out, const dm_model *m, const void *maker, uin
 
 /* Leave it one; nothing happens where the model has no cache. */
 void dm_cache_add(const dm_model *m, const void *maker, uint32_t which, const dm_kernel *kernel,
-                 uint32_t lanes);
+                  uint32_t lanes);
 
 /* The numbers that `maker` left to the model under a key[keys]; NULL: none. */
 const double *dm_cache_numbers(const dm_model *m, const void *maker, const double *key,
-                              uint32_t keys);
+                               uint32_t keys);
 
 /* Leave it such numbers[count]. */
 void dm_cache_leave(const dm_model *m, const void *maker, const double *key, uint32_t keys,
-                   const double *numbers, uint32_t count);
+                    const double *numbers, uint32_t count);
 
 #endif

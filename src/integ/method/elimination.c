@@ -90,6 +90,7 @@ static int eliminate_three(dm_elimination *e, uint32_t j) {
     return 1;
 }
 
+/* Blocks of two from the first row on; three rows that are left go together. */
 int dm_elimination_factor(dm_elimination *e) {
     for (uint32_t j = 0; j < e->n; j += 2) {
         if (e->n - j == 3) {

@@ -10,12 +10,13 @@
 
 #include <string.h>
 
+/* Products are written out, hence few coordinates; a degenerate L has no M to eliminate. */
 int dm_hamilton_fits(const dm_model *m) {
     return m->source.graph && m->n <= DM_HAMILTON_LARGEST && (m->structure & DM_QUADRATIC_IN_V) &&
            !(m->structure & DM_LINEAR_IN_V);
 }
 
-/* as it stands */
+/* As it stands: vectors as wide as there are stages for, else one at a time. */
 static uint32_t build_lanes(dm_kernel *out, const dm_model *m, dm_graph *g, const dm_node *roots,
                             uint32_t count, uint32_t stages) {
     const dm_source *s = &m->source;
@@ -27,6 +28,7 @@ static uint32_t build_lanes(dm_kernel *out, const dm_model *m, dm_graph *g, cons
     return s->compile(out, g, roots, count, s->arena) == DM_OK ? 1 : 0;
 }
 
+/* Products are contracted before the kernel is made. */
 uint32_t dm_lanes_build_compacted(dm_kernel *out, const dm_model *m, dm_graph *g,
                                   const dm_node *roots, uint32_t count, uint32_t stages) {
     dm_node *small = dm_arena_take(m->source.arena, count * sizeof *small);
@@ -35,6 +37,7 @@ uint32_t dm_lanes_build_compacted(dm_kernel *out, const dm_model *m, dm_graph *g
     return build_lanes(out, m, g, small, count, stages);
 }
 
+/* Implicit functions are left alone: each sweep waits for the one before. */
 uint32_t dm_lanes_build(dm_kernel *out, const dm_model *m, dm_graph *g, const dm_node *roots,
                         uint32_t count, uint32_t stages) {
     dm_node *small = dm_arena_take(m->source.arena, count * sizeof *small);
@@ -82,6 +85,7 @@ static int add_force(writing *w, const dm_model *m) {
     return 1;
 }
 
+/* v by elimination, then L_q at that v in the same graph, so that they share what they can. */
 static int write_out(writing *w, const dm_model *m, const dm_node *hessian) {
     dm_elimination *e = &w->e;
     const uint32_t n = e->n;
@@ -97,6 +101,7 @@ static int write_out(writing *w, const dm_model *m, const dm_node *hessian) {
     return add_force(w, m) && dm_graph_status(e->g) == DM_OK;
 }
 
+/* The Hessian is made in the graph of the model, everything else in one of its own. */
 uint32_t dm_hamilton_build(dm_kernel *out, const dm_model *m, uint32_t stages) {
     const uint32_t n = m->n;
     const dm_source *s = &m->source;

@@ -19,6 +19,7 @@ static void unpack(dm_node *square, const dm_node *triangle, uint32_t n) {
         for (uint32_t j = 0; j <= i; j++) square[i * n + j] = *triangle++;
 }
 
+/* And back. */
 static void pack(dm_node *triangle, const dm_node *square, uint32_t n) {
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j <= i; j++) *triangle++ = square[i * n + j];
@@ -117,6 +118,7 @@ static uint32_t build_velocity(dm_kernel *out, const hamilton_parts *x) {
     return dm_lanes_build(out, x->m, g, e.shift, n, x->stages);
 }
 
+/* Each kernel reads what the one before it gives, node for node; all of the same width or none. */
 uint32_t dm_hamilton_split(dm_hamilton *out, const dm_model *m, uint32_t stages) {
     hamilton_parts x = {.m = m, .stages = stages};
     if (!dm_hamilton_fits(m) || !m->source.compile) return 0;

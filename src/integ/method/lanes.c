@@ -8,11 +8,14 @@
 /* bytes that stay in the first-level cache; enough groups hide the latency of a stage */
 enum { NEAR = 24576 };
 
+/* At least one, at most as many as states beside each other stay near. */
 static uint32_t choose_groups(uint32_t size, uint32_t lanes) {
     const size_t fit = NEAR / ((size_t)size * lanes * sizeof(double));
     return fit < 1 ? 1 : fit > DM_LANES_GROUPS ? DM_LANES_GROUPS : (uint32_t)fit;
 }
 
+/* States first, then the saved ones and one member's, then parameters; states begin at zero, so
+ * that a lane without a member is harmless. */
 int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size) {
     const uint32_t lanes = dm_jit_lanes();
     if (lanes < 4) return 0;
@@ -29,11 +32,13 @@ int dm_lanes_open(dm_lanes *x, const dm_model *m, uint32_t size) {
     return 1;
 }
 
+/* Entries of a member are as far apart as there are lanes. */
 void dm_lanes_put(dm_lanes *x, uint32_t n, uint32_t i, const double *state) {
     double *to = dm_lanes_member(x, n, i);
     for (size_t k = 0; k < dm_state_size(n); k++) to[k * x->lanes] = state[k];
 }
 
+/* And back into one state. */
 void dm_lanes_get(const dm_lanes *x, uint32_t n, uint32_t i, double *state) {
     const double *from = dm_lanes_member(x, n, i);
     for (size_t k = 0; k < dm_state_size(n); k++) state[k] = from[k * x->lanes];
@@ -50,6 +55,7 @@ int dm_lanes_are_finite(const dm_lanes *x, uint32_t n) {
     return isfinite(all);
 }
 
+/* NaN and infinity survive the product with zero. */
 int dm_lanes_is_finite(const dm_lanes *x, uint32_t n, uint32_t i) {
     const double *from = dm_lanes_member(x, n, i);
     double sum = 0.0; /* 0 * infinity is NaN */

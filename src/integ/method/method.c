@@ -6,22 +6,26 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Without a check of its own a method takes no argument. */
 const char *dm_rule_check(const dm_rule *rule) {
     const dm_method *m = rule->method;
     if (m->check) return m->check(rule);
     return rule->count ? "it takes no argument" : NULL;
 }
 
+/* A fixed order is what the row says in words. */
 int dm_rule_order(const dm_rule *rule) {
     const dm_method *m = rule->method;
     return m->order ? m->order(rule) : (int)strtol(m->orders, NULL, 10);
 }
 
+/* The engine of the row may know a better one for the model. */
 const dm_engine *dm_rule_engine(const dm_rule *rule, const dm_model *m) {
     const dm_engine *e = rule->method->engine;
     return e->choose ? e->choose(rule, m) : e;
 }
 
+/* Asked of the engine that would step it. */
 const char *dm_rule_fits(const dm_rule *rule, const dm_model *m) {
     const dm_engine *e = dm_rule_engine(rule, m);
     return e->fits ? e->fits(rule, m) : NULL;
@@ -43,6 +47,7 @@ static int is_symmetric(const dm_galerkin *g) {
     return 1;
 }
 
+/* Symmetry of a rule of stages is a property of its numbers, also of a user's. */
 unsigned dm_rule_traits(const dm_rule *rule) {
     const dm_method *method = rule->method;
     dm_galerkin g = {.s = 0};
@@ -51,6 +56,7 @@ unsigned dm_rule_traits(const dm_rule *rule) {
     return method->traits | (g.s && is_symmetric(&g) ? DM_SYMMETRIC : 0);
 }
 
+/* One trait for every kind of constraint that is there. */
 unsigned dm_method_needs(const dm_model *m) {
     unsigned needs = 0;
     if (m->constraints && m->constraints->holonomic) needs |= DM_HOLONOMIC;

@@ -64,6 +64,7 @@ static void set_pair(dm_quadrature *q, int i, long double x, long double w) {
     q->b[i] = q->b[mirror] = 0.5L * w;
 }
 
+/* Weights 2 / ((1 - x^2) P'_r(x)^2) on [-1, 1]. */
 void dm_quadrature_gauss(dm_quadrature *out, int r) {
     out->r = r;
     for (int i = 0; i < (r + 1) / 2; i++) { /* from the largest zero down */
@@ -74,6 +75,7 @@ void dm_quadrature_gauss(dm_quadrature *out, int r) {
     }
 }
 
+/* Weights 2 / (r (r - 1) P_(r-1)(x)^2), the ends too. */
 void dm_quadrature_lobatto(dm_quadrature *out, int r) {
     out->r = r;
     for (int i = 0; i < (r + 1) / 2; i++) {
@@ -111,6 +113,7 @@ void dm_quadrature_radau_left(dm_quadrature *out, int r) {
     }
 }
 
+/* The mirror image of the other one. */
 void dm_quadrature_radau(dm_quadrature *out, int r) {
     dm_quadrature left;
     dm_quadrature_radau_left(&left, r);
@@ -142,6 +145,7 @@ const dm_quadrature_row dm_quadratures[] = {{"gauss", 1, dm_quadrature_gauss},
                                             {"clenshaw-curtis", 2, dm_quadrature_clenshaw_curtis},
                                             {NULL, 0, NULL}};
 
+/* By the name that a rule gives it. */
 const dm_quadrature_row *dm_quadrature_find(const char *name) {
     for (const dm_quadrature_row *row = dm_quadratures; row->name; row++)
         if (strcmp(row->name, name) == 0) return row;
@@ -163,6 +167,7 @@ int dm_quadrature_degree(const dm_quadrature *q, double tolerance) {
     return 2 * q->r - 1;
 }
 
+/* l_j(x) of the nodes c[s]. */
 static long double basis(const long double *c, int s, int j, long double x) {
     long double l = 1.0L;
     for (int k = 0; k < s; k++)
@@ -170,10 +175,12 @@ static long double basis(const long double *c, int s, int j, long double x) {
     return l;
 }
 
+/* All of them at x. */
 void dm_lagrange_value(long double *value, const long double *c, int s, long double x) {
     for (int j = 0; j < s; j++) value[j] = basis(c, s, j, x);
 }
 
+/* The integrals by Gauss nodes, exactly: no coefficients of powers, which lose digits. */
 void dm_lagrange(long double *value, long double *integral, const long double *c, int s,
                  long double x) {
     dm_quadrature g;
@@ -185,6 +192,7 @@ void dm_lagrange(long double *value, long double *integral, const long double *c
     }
 }
 
+/* The weights are integrals of the Lagrange polynomials over [0, 1]. */
 void dm_quadrature_interpolate(dm_quadrature *q) {
     long double value[DM_QUADRATURE_NODES];
     dm_lagrange(value, q->b, q->c, q->r, 1.0L);

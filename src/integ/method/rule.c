@@ -12,6 +12,7 @@ typedef struct {
     const char *wrong; /* the first thing that is */
 } reader;
 
+/* Blanks may stand between all words and signs. */
 static void skip_blanks(reader *r) {
     while (isspace((unsigned char)*r->at)) r->at++;
 }
@@ -24,14 +25,17 @@ static int accept(reader *r, char c) {
     return 1;
 }
 
+/* Only the first mistake is told: what follows may come of it. */
 static void fail(reader *r, const char *sentence) {
     if (!r->wrong) r->wrong = sentence;
 }
 
+/* Letters of a name behind the first. */
 static int is_name(char c) {
     return isalnum((unsigned char)c) || c == '_' || c == '-';
 }
 
+/* Into the node, which was zeroed: the name ends there. */
 static void read_name(reader *r, dm_rule *rule) {
     size_t length = 0;
     skip_blanks(r);
@@ -49,6 +53,7 @@ static void read_name(reader *r, dm_rule *rule) {
     r->at += length;
 }
 
+/* Decimal, finite, and no name behind it: 2x is no argument. */
 static double read_number(reader *r) {
     char *end;
     const double number = strtod(r->at, &end);
@@ -60,6 +65,7 @@ static double read_number(reader *r) {
 
 static const dm_rule *read_rule(reader *r);
 
+/* A name begins a nested rule, anything else must be a number. */
 static void read_argument(reader *r, dm_rule *rule) {
     skip_blanks(r);
     if (rule->count == DM_RULE_ARGS) {
@@ -75,6 +81,7 @@ static void read_argument(reader *r, dm_rule *rule) {
     }
 }
 
+/* Nodes are taken in the order of the text: the outermost is nodes[0]. */
 static const dm_rule *read_rule(reader *r) {
     if (r->used == DM_RULE_NODES) {
         fail(r, "more than 8 rules are nested");
@@ -94,6 +101,7 @@ static const dm_rule *read_rule(reader *r) {
     return rule;
 }
 
+/* Static sentences: nobody has to free what is told. */
 const char *dm_rule_parse(dm_rule nodes[DM_RULE_NODES], const char *text) {
     reader r = {.at = text, .nodes = nodes};
     read_rule(&r);

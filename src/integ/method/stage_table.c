@@ -7,6 +7,7 @@
 
 enum { MOST = DM_QUADRATURE_NODES };
 
+/* As many velocities as points, at the same places: d = 1. */
 void dm_galerkin_collocation(dm_galerkin *g, const dm_quadrature *q) {
     g->s = q->r;
     g->sweeps = 0;
@@ -35,10 +36,12 @@ void dm_stage_basis(dm_galerkin *out, const dm_rule *rule, const dm_model *m) {
         dm_cache_leave(m, rule->method, key, keys, (const double *)(const void *)out, HEAD);
 }
 
+/* Two doubles a weight. */
 size_t dm_stage_table_size(size_t s, size_t r) {
     return 2 * (2 * r * s + r * r + 4 * r + 2 * s);
 }
 
+/* One array after the other, in the order of the struct. */
 static void lay_out(dm_stage_table *t, double *memory) {
     const size_t s = t->s, r = t->r;
     t->a = (dm_weight *)(void *)memory;
@@ -112,6 +115,7 @@ static void find_exact(exact *e, const dm_galerkin *g) {
     }
 }
 
+/* All is found in long double and rounded once, to two doubles a weight. */
 void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memory) {
     const int s = g->s, r = g->q.r;
     exact e;
@@ -137,6 +141,8 @@ void dm_stage_table_fill(dm_stage_table *out, const dm_galerkin *g, double *memo
     separable_part(out, g, &e);
 }
 
+/* Sizes, nodes, points and weights, as doubles: two rules that differ in less have the same table
+ * to round-off. */
 uint32_t dm_stage_key(double *key, const dm_galerkin *g) {
     const int s = g->s, r = g->q.r;
     uint32_t count = 0;
@@ -148,6 +154,7 @@ uint32_t dm_stage_key(double *key, const dm_galerkin *g) {
     return count;
 }
 
+/* A tableau is no function of the key, so it is filled anew. */
 void dm_stage_table_find(dm_stage_table *out, const dm_galerkin *g, const dm_model *m,
                          double *memory) {
     static const char maker;

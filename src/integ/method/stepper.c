@@ -1,5 +1,6 @@
 #include "integ/method/method.h"
 
+/* The workspace was counted by the same engine, of the same model (dm_rule_engine). */
 dm_status dm_stepper_open(dm_stepper *s) {
     s->engine = dm_rule_engine(s->rule, s->model);
     return s->engine->open(s);
@@ -17,11 +18,13 @@ void dm_stepper_close(dm_stepper *s) {
     if (s->engine && s->engine->close) s->engine->close(s);
 }
 
+/* Engines that keep things in registers or arrays from step to step have a loop of their own. */
 dm_status dm_advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
     return (s->engine->advance ? s->engine->advance : dm_advance_by_step)(s, state, t, h, count,
                                                                           done);
 }
 
+/* Times are computed from the number of the step, never summed. */
 dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, double h, long count,
                              long *done) {
     for (*done = 0; *done < count; ++*done) {
@@ -31,6 +34,7 @@ dm_status dm_advance_by_step(dm_stepper *s, double *state, double t, double h, l
     return DM_OK;
 }
 
+/* One test for all entries, without a branch for each. */
 int dm_state_is_finite(const double *state, uint32_t n) {
     const size_t size = dm_state_size(n), fours = size & ~(size_t)3;
     double sum[4] = {0.0}; /* 0 * infinity is NaN; four sums do not wait for each other */

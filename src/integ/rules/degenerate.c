@@ -34,14 +34,17 @@ typedef struct {
     long evaluations;
 } degenerate;
 
+/* Bytes as doubles, rounded up. */
 static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
 
+/* The first argument. */
 static int stages(const dm_rule *rule) {
     return (int)rule->arg[0].number;
 }
 
+/* The second one is there, which can only be the word. */
 static int is_free(const dm_rule *rule) {
     return rule->count == 2;
 }
@@ -57,6 +60,7 @@ static const char *check(const dm_rule *rule) {
     return NULL;
 }
 
+/* The two-form is antisymmetric: of an odd number of coordinates it is singular. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     if (!(m->structure & DM_LINEAR_IN_V))
@@ -77,10 +81,12 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return DM_WANT_STAGE;
 }
 
+/* V[s][n], and l[n] where steps are projected. */
 static size_t unknowns_of(const dm_rule *rule, const dm_model *m) {
     return ((size_t)stages(rule) + !is_free(rule)) * m->n;
 }
 
+/* The arrays of the struct in its order, Newton's method at the end. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, s = (size_t)stages(rule), width = 2 * n + 3 * n * n;
     const size_t z = unknowns_of(rule, m);
@@ -88,12 +94,15 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
            2 * n * n + z + 4 * n + dm_newton_work((uint32_t)z);
 }
 
+/* The next block of doubles. */
 static double *take(double **memory, size_t count) {
     double *block = *memory;
     *memory += count;
     return block;
 }
 
+/* sigma = (-1)^s makes the projection symmetric: the stability function of Gauss collocation at
+ * infinity. */
 static dm_status open(dm_stepper *stepper) {
     degenerate *g = (degenerate *)(void *)stepper->work;
     const dm_model *m = stepper->model;
@@ -159,6 +168,7 @@ static double *block(const degenerate *g, double *J, uint32_t row, uint32_t colu
     return J + row * (size_t)g->n * g->unknowns + column * (size_t)g->n;
 }
 
+/* The block `to` of J += w B, or w B^T. */
 static void add(const degenerate *g, double *to, double w, const double *B, int transposed) {
     const uint32_t n = g->n;
     for (uint32_t i = 0; i < n; i++)
@@ -263,6 +273,7 @@ static void close_end(degenerate *g, double *r, double *J, const double *z) {
     }
 }
 
+/* For dm_newton: points first, since dp and the end need all of them. */
 static dm_status equation(void *ctx, double *r, double *J, const double *z) {
     degenerate *g = ctx;
     g->size = 0.0;
@@ -315,6 +326,7 @@ static dm_status finish(degenerate *g) {
     return DM_OK;
 }
 
+/* The state is overwritten last; nothing is left to the next step. */
 static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     degenerate *g = (degenerate *)(void *)stepper->work;
     dm_newton_report report = {0};

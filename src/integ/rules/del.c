@@ -31,10 +31,12 @@ typedef struct {
     long evaluations;
 } pair;
 
+/* Holonomic ones alone are known. */
 static uint32_t constraints(const dm_model *m) {
     return m->constraints ? m->constraints->holonomic : 0;
 }
 
+/* Derivatives of Ld, and g, G, g_t. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     return DM_WANT_PAIR | (constraints(m) ? DM_WANT_HOLONOMIC : 0);
@@ -58,6 +60,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
            2 * constraint_outputs(m) + k + dm_newton_work((uint32_t)(n + k));
 }
 
+/* No struct in the workspace: its places follow from the sizes. */
 static pair lay_out(const dm_stepper *s) {
     const size_t n = s->model->n, outputs = constraint_outputs(s->model);
     pair e = {.m = s->model, .x = s->work, .n = s->model->n};
@@ -87,6 +90,7 @@ static void leave_roots(const pair *e) {
     if (k->memory) memcpy(e->roots, k->memory, k->memory_size * sizeof *k->memory);
 }
 
+/* Memory begins empty, and roots of implicit functions at those that the kernel has. */
 static dm_status open(dm_stepper *s) {
     const pair e = lay_out(s);
     dm_kernel_prepare(&s->model->pair, e.out);
@@ -108,6 +112,7 @@ static void begin_toward(const dm_stepper *s, const double *state) {
     for (uint32_t i = 0; i < n; i++) last[i] = s->toward[i] - state[i];
 }
 
+/* As if it were opened now; steps have the length that is in Ld. */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     const dm_status status = open(s);
     (void)t, (void)h;
@@ -115,6 +120,7 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
     return status;
 }
 
+/* The last steps, then the roots. */
 static size_t memory(dm_stepper *s, double **place) {
     *place = lay_out(s).memory;
     return memory_size(s->model);
@@ -127,6 +133,7 @@ static void evaluate_constraints(pair *e, double *out, const double *q) {
     dm_kernel_eval(&e->m->constraints->holonomic_kernel, e->constraint_x, out);
 }
 
+/* D1, D2, D1D2 at (q0, q0 + z), with g and G of the end. */
 static void evaluate(pair *e, const double *z) {
     const uint32_t n = e->n;
     const double *low = e->state + 2 * n;
@@ -214,6 +221,7 @@ static int continued(pair *e) {
     return 1;
 }
 
+/* The newest z first; the count begins again where the step did not follow another. */
 static void keep(pair *e, int follows) {
     const uint32_t n = e->n, N = e->N;
     double *end = e->memory + END, *last = end + 4 * (size_t)n;
@@ -225,6 +233,7 @@ static void keep(pair *e, int follows) {
     leave_roots(e);
 }
 
+/* NaN where there is one. */
 static double norm(const double *a, uint32_t n) {
     double largest = 0.0;
     for (uint32_t i = 0; i < n; i++) largest = dm_largest(largest, a[i]);
@@ -304,6 +313,7 @@ static dm_status solve_far(pair *e, const dm_stepper *s, double h, dm_newton_rep
     return status == DM_OK || first == DM_NOT_FINITE || first == DM_SINGULAR ? status : first;
 }
 
+/* h is in Ld; it only helps where Ld(q, q) is not defined. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     pair e = lay_out(s);
     dm_newton_report report = {0};

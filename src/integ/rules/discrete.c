@@ -18,22 +18,26 @@ typedef struct {
     double size;
 } between;
 
+/* Velocities of all stages, and the momentum at the start. */
 static size_t unknowns(const dm_galerkin *g, uint32_t n) {
     return ((size_t)g->s + 1) * n;
 }
 
+/* In the order of lay_out; scratch also has the pivots of the two-form. */
 size_t dm_discrete_work(const dm_galerkin *g, uint32_t n) {
     const size_t m = unknowns(g, n), r = (size_t)g->q.r, nn = (size_t)n * n;
     return dm_stage_table_size((size_t)g->s, r) + (2 * (size_t)n + 1) + (2 * n + 3 * nn) + m +
            4 * r * n + n + nn + m * m + m + dm_newton_work((uint32_t)m) + m;
 }
 
+/* The next block of doubles. */
 static double *take(double **memory, size_t count) {
     double *block = *memory;
     *memory += count;
     return block;
 }
 
+/* A struct of pointers into the memory, which the result points into as well. */
 static between lay_out(const dm_discrete_problem *in, double *memory) {
     const size_t n = in->model->n, m = unknowns(in->basis, (uint32_t)n), r = (size_t)in->basis->q.r;
     between e = {.in = in, .n = (uint32_t)n, .m = (uint32_t)m};
@@ -54,7 +58,7 @@ static between lay_out(const dm_discrete_problem *in, double *memory) {
     return e;
 }
 
-/* Q_i, Qdot_i and the kernel there */
+/* Q_i, Qdot_i and the kernel there, whose first outputs stay for the result. */
 static void place(between *e, uint32_t i, const double *z) {
     const uint32_t n = e->n, s = e->table.s;
     double *Q = e->q + i * (size_t)n, *v = e->v + i * (size_t)n;
@@ -128,6 +132,7 @@ static void add_ends(between *e, double *r, double *J, const double *z) {
     }
 }
 
+/* For dm_newton; z = (V[s][n], p0[n]). */
 static dm_status equation(void *ctx, double *r, double *J, const double *z) {
     between *e = ctx;
     e->size = 0.0;
@@ -183,6 +188,7 @@ static void finish(between *e, dm_discrete *out) {
     }
 }
 
+/* One sum of zeros, which NaN and infinity survive. */
 static int is_finite(const between *e, const dm_discrete *out) {
     double sum = 0.0 * out->value; /* 0 * infinity is NaN */
     for (uint32_t k = 0; k < e->n; k++) sum += 0.0 * (e->z[e->m - e->n + k] + e->end[k]);
@@ -190,6 +196,7 @@ static int is_finite(const between *e, const dm_discrete *out) {
     return sum == 0.0;
 }
 
+/* Once more at the root with its matrix: residual and two-form are those of the solution itself. */
 dm_status dm_discrete_solve(dm_discrete *out, const dm_discrete_problem *problem, double *work) {
     between e = lay_out(problem, work);
     const dm_newton_problem newton = {.m = e.m,

@@ -5,10 +5,12 @@
 
 #include <math.h>
 
+/* The first argument. */
 static int degree(const dm_rule *rule) {
     return (int)rule->arg[0].number;
 }
 
+/* The argument of the second one. */
 static int nodes(const dm_rule *rule) {
     return (int)rule->arg[1].rule->arg[0].number;
 }
@@ -71,6 +73,7 @@ int dm_galerkin_is_regular(const dm_galerkin *g) {
     return 1;
 }
 
+/* As it was made by dm.galerkin, or by name. */
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_quadrature q;
     if (rule->data) {

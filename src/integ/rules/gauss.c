@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+/* The first argument. */
 static int stages(const dm_rule *rule) {
     return (int)rule->arg[0].number;
 }
@@ -12,6 +13,7 @@ static int sweeps(const dm_rule *rule) {
     return rule->count > 1 ? (int)rule->arg[1].number : 0;
 }
 
+/* A whole number from 1 on. */
 static int is_count(double number, int most) {
     return number >= 1 && number <= most && number == floor(number);
 }
@@ -30,6 +32,7 @@ static int order(const dm_rule *rule) {
     return 2 * stages(rule);
 }
 
+/* Collocation at the zeros of P_s. */
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_quadrature q;
     dm_quadrature_gauss(&q, stages(rule));

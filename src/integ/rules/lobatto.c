@@ -1,6 +1,7 @@
 /* lobatto.c - the Lobatto IIIA-IIIB pair of any stage number. */
 #include "integ/stage/stage.h"
 
+/* The one argument. */
 static int stages(const dm_rule *rule) {
     return (int)rule->arg[0].number;
 }
@@ -12,10 +13,12 @@ static const char *check(const dm_rule *rule) {
     return NULL;
 }
 
+/* Two less than Gauss nodes: both ends are given. */
 static int order(const dm_rule *rule) {
     return 2 * stages(rule) - 2;
 }
 
+/* Collocation with both ends: positions by IIIA, momenta by IIIB. */
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_quadrature q;
     dm_quadrature_lobatto(&q, stages(rule));

@@ -17,10 +17,12 @@ typedef struct {
     dm_log_loop *loop; /* NULL: none */
 } layout;
 
+/* The struct at the head of the workspace, in doubles. */
 static size_t table_size(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
 }
 
+/* The composition, verlet where none is named. */
 static const dm_rule *inner(const dm_rule *rule) {
     return rule->count ? rule->arg[0].rule : &dm_rule_verlet;
 }
@@ -52,11 +54,13 @@ static int order(const dm_rule *rule) {
     return dm_rule_order(inner(rule));
 }
 
+/* U and L_q at once, and the energy of the start. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule, (void)m;
     return DM_WANT_POTENTIAL | DM_WANT_ENERGY;
 }
 
+/* Arguments, outputs and a state for plain C; coefficients for the loop. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     return table_size() + 4 * (size_t)m->n + 2 + dm_state_size(m->n) + DM_LOG_LOOP_WORK;
@@ -109,6 +113,8 @@ static double velocity(const dm_model *m, double *v, const double *p) {
     return twice;
 }
 
+/* t and the binding energy become part of the state; the velocities that the energy needed are not.
+ */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     const dm_model *m = s->model;
     const uint32_t n = m->n;
@@ -150,6 +156,7 @@ static int drift(const dm_model *m, double *state, double *v, double a) {
     return 1;
 }
 
+/* 0 where the well or the speed fails: the state is then of no use. */
 static int try_step(dm_stepper *s, double *state, double h) {
     const dm_model *m = s->model;
     const dm_splitting *table = &((const layout *)(const void *)s->work)->table;
@@ -164,6 +171,7 @@ static int try_step(dm_stepper *s, double *state, double h) {
     return dm_state_is_finite(state, m->n);
 }
 
+/* A state that is not finite tells of a failure anywhere in the burst. */
 static int try_loop(dm_stepper *s, const layout *l, double *state, double h, long count) {
     const dm_log_burst burst = {&l->table, h, count};
     dm_log_loop_run(l->loop, state, &burst, loop_work(s));
@@ -194,6 +202,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return steps(s, state, h, 1);
 }
 
+/* A burst, and where that fails step by step up to the one that does. */
 static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
     const layout *l = (const layout *)(const void *)s->work;
     if (l->loop && count > 1 && steps(s, state, h, count) == DM_OK) return *done = count, DM_OK;

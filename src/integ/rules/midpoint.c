@@ -1,6 +1,7 @@
 /* midpoint.c - the implicit midpoint rule: Ld = h L((q0 + q1)/2, (q1 - q0)/h). */
 #include "integ/stage/stage.h"
 
+/* One velocity at one point. */
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_quadrature q;
     (void)rule;

@@ -9,6 +9,7 @@ static const long double SAME = 1e-13L; /* tableaus are given as doubles */
 
 /* ---- tableaus ---- */
 
+/* From b_i A_ij + B_j a_ji = b_i B_j with B = b. */
 void dm_tableau_partner(dm_tableau *t) {
     for (int i = 0; i < t->s; i++) {
         t->B[i] = t->b[i];
@@ -16,6 +17,7 @@ void dm_tableau_partner(dm_tableau *t) {
     }
 }
 
+/* Where it is worst, for the words of an error. */
 long double dm_tableau_defect(const dm_tableau *t, int *i, int *j) {
     long double worst = 0.0L;
     *i = *j = 0;
@@ -70,6 +72,7 @@ static int stage(dm_galerkin *g, const dm_tableau *t) {
     return 1;
 }
 
+/* Its order is measured: as a rule of stages on any L, else on separable ones. */
 int dm_sprk_of(dm_sprk *out, const dm_tableau *t) {
     *out = (dm_sprk){.stages = t->s};
     out->staged = stage(&out->g, t);
@@ -93,6 +96,7 @@ static const pair pairs[] = {{"gauss", "gauss", 0, 0},
                              {"lobatto-3a-3b", "lobatto", 0, 2},
                              {"lobatto-3b-3a", "lobatto", 1, 2}};
 
+/* The row of the named pair; NULL where the arguments do not fit. */
 static const pair *find(const dm_rule *rule) {
     if (rule->count != 2 || !rule->arg[0].rule || rule->arg[1].rule) return NULL;
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
@@ -101,6 +105,7 @@ static const pair *find(const dm_rule *rule) {
     return NULL;
 }
 
+/* Of the data, or the second argument. */
 static int stages(const dm_rule *rule) {
     return rule->data ? ((const dm_sprk *)rule->data)->stages : (int)rule->arg[1].number;
 }
@@ -118,6 +123,8 @@ static void take_partner(dm_galerkin *g) {
         }
 }
 
+/* Collocation at the nodes of the pair, with the partner for positions where the pair says so; data
+ * without a basis have s = 0. */
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_quadrature q;
     if (rule->data) {

@@ -118,6 +118,7 @@ static int exponent(const dm_tableau *t, double h, int problem) {
     return isfinite(p) ? (int)floor(p + 0.5) - 1 : 0;
 }
 
+/* Where the error of the coupled problem would vanish in round-off the circle tells. */
 int dm_tableau_order(const dm_tableau *t, int separable) {
     enum { HIGH = 7 };
     const int p = exponent(t, 0.8, separable ? SEPARABLE : MIXED);

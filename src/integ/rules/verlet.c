@@ -4,6 +4,7 @@
 #include "integ/split/splitting.h"
 #include "integ/stage/stage.h"
 
+/* Where L does not separate: Lobatto nodes are both ends. */
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_quadrature q;
     (void)rule;
@@ -11,6 +12,7 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_galerkin_collocation(g, &q);
 }
 
+/* One step of half a kick, a drift, half a kick. */
 static int splitting(dm_splitting *out, const dm_rule *rule) {
     static const double one = 1.0;
     (void)rule;

@@ -41,15 +41,18 @@ static int find(dm_chain *c, const dm_model *m) {
     return there;
 }
 
+/* The struct at the head of the workspace, in doubles. */
 static size_t own_size(void) {
     return (sizeof(dm_chain) + sizeof(double) - 1) / sizeof(double);
 }
 
+/* Six arrays at most: q, q0, p0, dq, dp and weights. */
 size_t dm_chain_work(const dm_model *m) {
     const size_t lattice = dm_lattice_work(&m->source, m->n, 6);
     return lattice ? own_size() + lattice : 0;
 }
 
+/* The plan is made twice: for what is found with the model, and over what was found. */
 dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain, double *work) {
     if (!dm_chain_work(m)) return NULL;
     dm_chain *c = (dm_chain *)(void *)work;
@@ -64,6 +67,7 @@ dm_chain *dm_chain_open(const dm_model *m, const dm_splitting *table, int plain,
 
 /* ---- running ---- */
 
+/* Positions are added up where passes do not do it on their way. */
 static void load(dm_chain *c, const double *state) {
     const size_t n = c->lattice.n;
     dm_lattice_load(&c->lattice, c->q0, state);
@@ -75,6 +79,7 @@ static void load(dm_chain *c, const double *state) {
     if (!c->fused) dm_lattice_add_up(&c->lattice, dm_chain_positions(c));
 }
 
+/* Low parts too, where sums have them. */
 static void store(const dm_chain *c, double *state) {
     const size_t n = c->lattice.n;
     dm_lattice_store(&c->lattice, state, c->q0);
@@ -84,6 +89,7 @@ static void store(const dm_chain *c, double *state) {
     dm_lattice_store(&c->lattice, state + 3 * n, c->dp);
 }
 
+/* One pass over all bodies: slopes and what is done with them, in one loop or in two. */
 static void run(dm_chain *c, const dm_array_loop *passes, double t) {
     if (c->fused)
         dm_lattice_run_fused(&c->lattice, passes + 1, passes, dm_chain_positions(c), t);
@@ -102,6 +108,7 @@ static void begin(dm_chain *c, double h, double t) {
         dm_lattice_move(l, c->lead);
 }
 
+/* The last pass of a step turns into the next one, unless the burst stops there. */
 static void step(dm_chain *c, const dm_chain_burst *b, int stops) {
     dm_lattice *l = &c->lattice;
     for (int k = c->first; k <= c->last; k++) {
@@ -112,6 +119,7 @@ static void step(dm_chain *c, const dm_chain_burst *b, int stops) {
     }
 }
 
+/* The time of a step comes from its number. */
 static void steps(dm_chain *c, const dm_chain_burst *b) {
     dm_chain_burst now = *b;
     for (long k = 0; k < b->count; k++) {
@@ -120,6 +128,7 @@ static void steps(dm_chain *c, const dm_chain_burst *b) {
     }
 }
 
+/* A burst that goes on finds its arrays as they were left. */
 long dm_chain_run(dm_chain *c, double *state, const dm_chain_burst *b) {
     const int kicks = c->first && c->table.b[0] != 0.0;
     if (b->count <= 0) return 0;

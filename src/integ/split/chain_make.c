@@ -15,6 +15,7 @@ typedef struct {
     int plain;
 } body;
 
+/* The number in a slot, which the run sets before the pass. */
 static dm_node number(body *b, uint32_t slot) {
     return dm_array_loop_read(b->d, dm_lattice_scalar(slot));
 }
@@ -24,10 +25,12 @@ static void add(body *b, dm_node *sum, uint32_t slot, dm_node factor) {
     *sum = dm_apply(b->d->g, DM_OP_FMA, number(b, slot), factor, *sum);
 }
 
+/* Onto the increment of p, or p itself. */
 static void add_kick(body *b, uint32_t slot) {
     add(b, b->plain ? &b->p0 : &b->dp, slot, b->force);
 }
 
+/* The momentum is p0 + dp at this place of the step. */
 static void add_drift(body *b, uint32_t slot) {
     const dm_node p = b->plain ? b->p0 : dm_add(b->d->g, b->p0, b->dp);
     const dm_node v = b->weight ? dm_mul(b->d->g, b->weight, p) : p;
@@ -43,6 +46,7 @@ static void add_up(dm_graph *g, dm_node *high, dm_node *low) {
     *high = sum;
 }
 
+/* The parts of a pass that are wanted, in the order of the struct. */
 static void go_through(body *b, pass what) {
     if (what.kick) add_kick(b, KICK);
     if (what.drift) add_drift(b, DRIFT);
@@ -58,12 +62,14 @@ static dm_array_ref entry(const dm_chain *c, uint32_t first, uint32_t k) {
     return dm_lattice_entry(&c->lattice, first + k);
 }
 
+/* 1/m of coordinate k of a body; 0: it is 1. */
 static dm_node weight_of(const dm_chain *c, dm_array_loop_draft *d, uint32_t k) {
     if (c->same_weight == 1.0) return 0;
     if (c->same_weight != 0.0) return dm_constant(d->g, c->same_weight);
     return dm_array_loop_read(d, entry(c, c->weight, k));
 }
 
+/* q is what the next force sees; q0 and p0 move at the end of a step alone. */
 static void write_body(const dm_chain *c, body *b, pass what, uint32_t k) {
     const dm_node q = c->plain ? b->q0 : dm_add(b->d->g, b->q0, b->dq);
     dm_array_loop_write(b->d, entry(c, c->q, k), q);
@@ -76,6 +82,7 @@ static void write_body(const dm_chain *c, body *b, pass what, uint32_t k) {
     dm_array_loop_write(b->d, entry(c, c->p0, k), b->p0);
 }
 
+/* Increments only where there are any. */
 static void read_body(const dm_chain *c, body *b, uint32_t k) {
     b->q0 = dm_array_loop_read(b->d, entry(c, c->q0, k));
     if (!c->plain) b->dq = dm_array_loop_read(b->d, entry(c, c->dq, k));
@@ -83,6 +90,7 @@ static void read_body(const dm_chain *c, body *b, uint32_t k) {
     if (!c->plain) b->dp = dm_array_loop_read(b->d, entry(c, c->dp, k));
 }
 
+/* Every coordinate of a body, behind one force of all. */
 static dm_status make_pass(dm_chain *c, dm_array_loop *out, pass what) {
     const dm_source *from = c->lattice.source;
     dm_node F[DM_ARRAY_LOOP_MOST];
@@ -112,6 +120,7 @@ static int fuse(dm_chain *c) {
     return 1;
 }
 
+/* Those that steps of this shape have; the last one of all bursts always. */
 static dm_status make_passes(dm_chain *c) {
     const dm_splitting *table = &c->table;
     const int kicks = c->first && table->b[0] != 0.0, drifts = c->last < table->stages;
@@ -134,6 +143,7 @@ static double common_weight(const dm_model *m) {
     return m->inverse_mass[0];
 }
 
+/* Arrays are numbered here; the workspace that holds them comes later. */
 dm_status dm_chain_make(dm_chain *c, const dm_model *m) {
     const dm_status status = dm_lattice_open(&c->lattice, &m->source, m->n);
     if (status != DM_OK) return status;

@@ -1,15 +1,16 @@
 #include "integ/split/fused.h"
 
-#include "graph/analyse.h"
 #include "algebra/compact.h"
 #include "algebra/contract.h"
 #include "algebra/derive.h"
 #include "code/native/jit.h"
+#include "graph/analyse.h"
 
 #include <string.h>
 
 /* ---- what is added to momenta ---- */
 
+/* What node n does. */
 static dm_op op_of(const dm_graph *g, dm_node n) {
     return dm_graph_at(g, n)->op;
 }
@@ -80,6 +81,7 @@ static int is_mixed(const dm_kicks *k, uint32_t n) {
     return 0;
 }
 
+/* Each expression is its own factor, and nothing is scaled. */
 static void take_whole(dm_kicks *k, const dm_node *f, uint32_t n) {
     k->count = n;
     for (uint32_t i = 0; i < n; i++) {
@@ -93,6 +95,8 @@ static void take_whole(dm_kicks *k, const dm_node *f, uint32_t n) {
 
 enum { MOST_SCALED = 64 }; /* coordinates that are compared with each other */
 
+/* Factors are looked for where they are to be scaled and there are few coordinates; where that
+ * finds none for all, the expressions themselves serve. */
 int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, int scaled) {
     const dm_source *s = &m->source;
     const uint32_t n = m->n;
@@ -111,6 +115,7 @@ int dm_kicks_read(dm_kicks *k, const dm_model *m, const dm_node *expressions, in
     return 1;
 }
 
+/* In their own graph: the force kernel of the model stays as it was. */
 int dm_kicks_contract(dm_kicks *k) {
     k->graph = dm_contract_graph(k->graph, k->factor, k->count, k->factor);
     return k->graph != NULL;
@@ -120,6 +125,8 @@ int dm_kicks_contract(dm_kicks *k) {
 
 enum { MOST_COEFFICIENTS = 8 };
 
+/* The carried values are the first inputs, coefficients follow; `with` is empty until something
+ * asks for q, v or t. */
 int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t size) {
     const dm_source *s = &m->source;
     const uint32_t inputs = dm_graph_inputs(s->graph), n = m->n;
@@ -140,10 +147,12 @@ int dm_fusion_begin(dm_fusion *b, const dm_model *m, const dm_kicks *k, uint32_t
     return 1;
 }
 
+/* Coefficients are read in the order in which they are asked for. */
 dm_node dm_fusion_coefficient(dm_fusion *b) {
     return dm_input(b->graph, b->size + b->coefficients++);
 }
 
+/* Behind t in the inputs of L. */
 void dm_fusion_params(dm_fusion *b) {
     const uint32_t first = 2 * b->model->n + 1;
     for (uint32_t j = 0; j < b->model->params; j++) b->with[first + j] = dm_fusion_coefficient(b);
@@ -208,6 +217,7 @@ static dm_node scale(dm_fusion *b, const scaling *x, dm_node f) {
                              : dm_mul(b->graph, scaled, e.as.arg[first]);
 }
 
+/* Those of coordinates are scaled once, whichever expression meets them first. */
 void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb, dm_node minus) {
     const dm_kicks *k = b->kicks;
     const uint32_t n = b->model->n;
@@ -225,12 +235,14 @@ void dm_fusion_factors(dm_fusion *b, dm_node *factors, dm_node t, dm_node hb, dm
     }
 }
 
+/* No node where there is no constant. */
 dm_node dm_fusion_constant(dm_fusion *b, uint32_t i, dm_node hb, dm_node to) {
     const double c = b->kicks->constant[i];
     if (c == 0.0) return to;
     return dm_multiply_add(b->graph, hb, dm_constant(b->graph, c), to);
 }
 
+/* The coordinate times its factor, which h b is in already; or h b times the expression. */
 dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_node hb) {
     const int32_t coordinate = b->kicks->coordinate[i];
     const dm_node f = factors[b->kicks->which[i]];
@@ -248,6 +260,7 @@ static void leave(dm_fusion *b, dm_node high, dm_node sum, dm_node y, dm_node *l
     *low = dm_add(b->graph, y, dm_sub(b->graph, high, sum));
 }
 
+/* In the order in which they were left. */
 void dm_fusion_settle(dm_fusion *b) {
     for (uint32_t i = 0; i < b->late_count; i++) {
         const struct dm_remainder *r = b->late + i;
@@ -257,7 +270,9 @@ void dm_fusion_settle(dm_fusion *b) {
     b->late_count = 0;
 }
 
-void dm_fusion_push(dm_fusion *b, dm_node *high, dm_node *low, dm_product x) {
+/* The sum is rounded from low + high and the product at once: it waits for one operation after the
+ * last of x is known. */
+void dm_fusion_add_product(dm_fusion *b, dm_node *high, dm_node *low, dm_product x) {
     if (b->plain) {
         *high = dm_multiply_add(b->graph, x.a, x.b, *high);
         return;
@@ -269,12 +284,14 @@ void dm_fusion_push(dm_fusion *b, dm_node *high, dm_node *low, dm_product x) {
     *high = sum;
 }
 
+/* y has the old low part in it; what the rounding of the sum lost is the new one. */
 void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y) {
     const dm_node sum = dm_add(b->graph, *high, y);
     leave(b, *high, sum, y, low);
     *high = sum;
 }
 
+/* As for numbers: y = low + x first. */
 void dm_fusion_add(dm_fusion *b, dm_node *high, dm_node *low, dm_node x) {
     dm_fusion_sum(b, high, low, dm_add(b->graph, *low, x));
 }
@@ -305,6 +322,7 @@ static dm_node combine(dm_fusion *b, const double *row, const dm_node *p, const 
     return sum;
 }
 
+/* With a diagonal mass there is no shift. */
 void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node *p) {
     const dm_model *m = b->model;
     const uint32_t n = m->n;
@@ -316,6 +334,7 @@ void dm_fusion_velocity(dm_fusion *b, dm_node *v, dm_node *moved, const dm_node 
     }
 }
 
+/* The product of the drift goes straight into the low part, one rounding. */
 void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p) {
     const dm_model *m = b->model;
     const uint32_t n = m->n;
@@ -333,12 +352,14 @@ void dm_fusion_drift(dm_fusion *b, dm_node ha, const dm_node *p) {
         dm_fusion_sum(b, b->q + i, b->low_q + i, y[i]);
 }
 
+/* What is carried out of a part is the state as it is by now. */
 int dm_fusion_end(dm_fusion *b, dm_loop_part *out) {
     dm_fusion_settle(b);
     *out = (dm_loop_part){b->graph, b->state, b->coefficients, b->model->params > 0};
     return !b->failed && dm_graph_status(b->graph) == DM_OK;
 }
 
+/* Vectors are native or not at all; one member may go by kernels of the model's backend. */
 int dm_fused_build(dm_loop *out, const dm_model *m, const dm_loop_part *part, uint32_t size,
                    uint32_t lanes) {
     const dm_source *s = &m->source;

@@ -24,8 +24,8 @@ typedef struct {
     dm_node *factor;   /* [count] */
     uint8_t *negative; /* [count] 1: the expression has the other sign */
     uint32_t *which;   /* [n] the factor of expression i */
-    int32_t
-        *coordinate;  /* [n] what it is multiplied by; -1: nothing, and it is not scaled either */
+    /* [n] what it is multiplied by; -1: nothing, and it is not scaled either */
+    int32_t *coordinate;
     double *constant; /* [n] what is added to the product */
 } dm_kicks;
 
@@ -83,7 +83,7 @@ dm_product dm_fusion_kick(dm_fusion *b, const dm_node *factors, uint32_t i, dm_n
 
 /* high + low += x; low may have other increments in it already. What waits for the last of x
  * waits for one operation. */
-void dm_fusion_push(dm_fusion *b, dm_node *high, dm_node *low, dm_product x);
+void dm_fusion_add_product(dm_fusion *b, dm_node *high, dm_node *low, dm_product x);
 
 /* high + low += y - low, where y has the old low part in it. */
 void dm_fusion_sum(dm_fusion *b, dm_node *high, dm_node *low, dm_node y);

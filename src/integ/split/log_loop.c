@@ -3,8 +3,8 @@
 #include "algebra/compact.h"
 #include "algebra/derive.h"
 #include "code/native/jit.h"
-#include "integ/split/fused.h"
 #include "integ/method/cache.h"
+#include "integ/split/fused.h"
 
 #include <math.h>
 #include <string.h>
@@ -67,7 +67,7 @@ static dm_node fuse_kick(dm_fusion *b, dm_node *y, dm_node *factors) {
     }
     for (uint32_t i = 0; i < n; i++) {
         b->low_p[i] = dm_fusion_constant(b, i, hb, b->low_p[i]);
-        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, factors, i, hb));
+        dm_fusion_add_product(b, b->p + i, b->low_p + i, dm_fusion_kick(b, factors, i, hb));
     }
     return d;
 }
@@ -89,7 +89,7 @@ static void fuse_drift(dm_fusion *b, dm_node *scratch, dm_node d, const dm_node 
     const dm_node dt = dm_div(b->graph, above, speed);
     dm_fusion_velocity(b, v, NULL, b->p);
     for (uint32_t i = 0; i < n; i++)
-        dm_fusion_push(b, b->q + i, b->low_q + i, (dm_product){dt, v[i]});
+        dm_fusion_add_product(b, b->q + i, b->low_q + i, (dm_product){dt, v[i]});
     const dm_node z = dm_add(b->graph, b->more[1], dt);
     dm_fusion_sum(b, b->more, b->more + 1, z);
     dm_fusion_settle(b);
@@ -104,6 +104,7 @@ static void fuse_look(dm_fusion *b, const dm_log_loop *l) {
     b->more[1] = guarded(b, well, b->more[1]);
 }
 
+/* Scratch: v and the moved momenta of a drift, y = d p and the factors of a kick. */
 static int fuse_part(const dm_model *m, const dm_log_loop *l, dm_loop_kind kind,
                      dm_loop_part *out) {
     dm_fusion b;
@@ -118,12 +119,14 @@ static int fuse_part(const dm_model *m, const dm_log_loop *l, dm_loop_kind kind,
     return dm_fusion_end(&b, out);
 }
 
+/* Head, body and tail. */
 static int fuse(const dm_model *m, dm_log_loop *l) {
     for (int kind = DM_LOOP_HEAD; kind <= DM_LOOP_TAIL; kind++)
         if (!fuse_part(m, l, (dm_loop_kind)kind, l->part + kind)) return 0;
     return 1;
 }
 
+/* What is carried is the whole state, its own time too. */
 static int build(dm_loop *out, const dm_model *m, const dm_log_loop *l, uint32_t lanes) {
     return dm_fused_build(out, m, l->part, 4 * m->n + DM_STATE_OWN, lanes);
 }
@@ -151,6 +154,7 @@ dm_log_loop *dm_log_loop_open(const dm_model *m) {
     return l;
 }
 
+/* Coefficients are the same for all lanes: steps have one h. */
 int dm_log_loop_widen(dm_log_loop *l, const dm_model *m, dm_lanes *x) {
     if (l->spread && l->lanes.lanes == dm_jit_lanes()) return *x = l->lanes, 1;
     l->spread = NULL;
@@ -177,6 +181,7 @@ static void put_step(double *c, const dm_log_burst *x) {
     }
 }
 
+/* All steps in one call: coefficients do not depend on the time. */
 void dm_log_loop_run(const dm_log_loop *l, double *state, const dm_log_burst *x, double *work) {
     put_step(work, x);
     dm_loop_call call = {.state = state,
@@ -187,6 +192,7 @@ void dm_log_loop_run(const dm_log_loop *l, double *state, const dm_log_burst *x,
     dm_loop_run(&l->one, &call);
 }
 
+/* The coefficients once for each lane. */
 void dm_log_loop_run_lanes(const dm_log_loop *l, dm_lanes *lanes, const dm_log_burst *x,
                            double *work) {
     const uint32_t each = 3 * (uint32_t)x->table->stages - 2, width = lanes->lanes;

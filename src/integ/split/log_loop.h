@@ -19,7 +19,7 @@ typedef struct {
     long count;
 } dm_log_burst;
 
-/* In the arena of the model, which keeps it (kept.h); NULL: there is none. */
+/* In the arena of the model, which keeps it (cache.h); NULL: there is none. */
 dm_log_loop *dm_log_loop_open(const dm_model *m);
 
 /* The same loop for members side by side; 0: there is none. */

@@ -20,11 +20,13 @@ int dm_splitting_fits(const dm_model *m) {
     return (m->structure & simple) == simple && m->inverse_mass && !m->constraints;
 }
 
+/* The row tells with its arguments, the model with its structure. */
 int dm_splitting_steps(const dm_rule *rule, const dm_model *m) {
     const dm_method *method = rule->method;
     return dm_splitting_fits(m) && method->splitting && method->splitting(NULL, rule);
 }
 
+/* Kick, drift, kick of every step: the kick between two steps is half of both. */
 void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {
     out->stages = s;
     for (int k = 0; k <= s; k++) {
@@ -34,6 +36,7 @@ void dm_splitting_compose(dm_splitting *out, const double *gamma, int s) {
     }
 }
 
+/* The struct at the head of the workspace, in doubles. */
 static size_t layout_size(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
 }
@@ -44,17 +47,20 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
            "compose an implicit rule instead, for instance kahan-li(6, midpoint), or take gauss(3)";
 }
 
+/* A force; velocities come from the constant mass. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule, (void)m;
     return DM_WANT_FORCE;
 }
 
+/* Either kind of loop behind what plain C needs. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     const size_t loops = m->structure & DM_LOOPS ? dm_chain_work(m) : dm_splitting_loop_work(m);
     return layout_size() + 4 * (size_t)m->n + 1 + m->params + dm_state_size(m->n) + loops;
 }
 
+/* Behind x, force, kicked and the state at the start. */
 static double *loop_work(const dm_stepper *s) {
     const uint32_t n = s->model->n;
     return s->work + layout_size() + 4 * (size_t)n + 1 + s->model->params + dm_state_size(n);
@@ -89,6 +95,7 @@ static int widen(dm_stepper *s, dm_lanes *x) {
     return l->loop && dm_splitting_loop_widen(l->loop, s->model, x);
 }
 
+/* p += h b F, with compensation. */
 static inline void kick(uint32_t n, double *p, double *low, double hb, const double *force) {
     for (uint32_t i = 0; i < n; i++) dm_sum_add(p + i, low + i, hb * force[i]);
 }
@@ -119,6 +126,7 @@ static inline void drift(const dm_model *m, double *q, double *low, double ha, c
     }
 }
 
+/* What a call of a loop is told. */
 static dm_splitting_burst burst_of(const dm_stepper *s, double t, double h, long count) {
     const layout *l = (const layout *)(const void *)s->work;
     return (dm_splitting_burst){.table = &l->table,
@@ -194,12 +202,14 @@ static dm_status advance(dm_stepper *s, double *state, double t, double h, long 
     return count > 1 ? dm_advance_by_step(s, state, t, h, count, done) : DM_NOT_FINITE;
 }
 
+/* Without steps of their own: *h is that of all. */
 static void advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
     const layout *l = (const layout *)(const void *)s->work;
     const dm_splitting_burst burst = burst_of(s, t, *h, count);
     dm_splitting_loop_run_lanes(l->loop, s->model, x, &burst, loop_work(s));
 }
 
+/* A burst of one, which looks at its end. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     long done;
     return advance(s, state, t, h, 1, &done);

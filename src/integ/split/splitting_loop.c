@@ -10,6 +10,7 @@ size_t dm_splitting_loop_work(const dm_model *m) {
     return m->structure & DM_LOOPS ? 0 : dm_splitting_loop_carried(m->n) + DM_LOOP_COEFFICIENTS;
 }
 
+/* By which kicks are zero, and by whether the factors of the last kick serve the first. */
 static unsigned shape_of(const dm_splitting *table) {
     const double first = table->b[0], last = table->b[table->stages];
     return (first != 0.0 ? DM_LOOP_KICK_FIRST : 0) | (last != 0.0 ? DM_LOOP_KICK_LAST : 0) |
@@ -33,7 +34,7 @@ static void fuse_force(dm_fusion *b, dm_node *low) {
     for (uint32_t i = 0; low && i < b->model->n; i++) {
         dm_node *to = b->plain ? b->p : b->low_p;
         to[i] = dm_fusion_constant(b, i, hb, b->plain ? b->p[i] : low[i]);
-        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
+        dm_fusion_add_product(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
     }
 }
 
@@ -65,12 +66,13 @@ static void fuse_plain_head(dm_fusion *b) {
     const dm_node hb = dm_fusion_coefficient(b);
     for (uint32_t i = 0; i < b->model->n; i++) {
         b->p[i] = dm_fusion_constant(b, i, hb, b->p[i]);
-        dm_fusion_push(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
+        dm_fusion_add_product(b, b->p + i, b->low_p + i, dm_fusion_kick(b, b->more, i, hb));
     }
     dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
     fuse_force(b, b->low_p);
 }
 
+/* A stage: drift and force, or force and drift. */
 static void fuse_body(dm_fusion *b, int kick_first) {
     if (!kick_first) dm_fusion_drift(b, dm_fusion_coefficient(b), b->p);
     fuse_force(b, b->low_p);
@@ -83,6 +85,7 @@ static int drops_factors(const dm_splitting_loop *l) {
            dm_splitting_loop_ends(l->shape) != DM_LOOP_KICKS_AT_BOTH_ENDS;
 }
 
+/* y[2n] is room for the kicked momenta of a head; factors that nothing carries lie behind it. */
 static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind kind,
                      dm_loop_part *out) {
     const uint32_t n = m->n;
@@ -104,6 +107,7 @@ static int fuse_part(const dm_splitting_loop *l, const dm_model *m, dm_loop_kind
     return dm_fusion_end(&b, out);
 }
 
+/* Only the parts that steps of this shape have. */
 static int build_parts(dm_splitting_loop *l, const dm_model *m) {
     const int merged = (l->shape & DM_LOOP_MERGED) != 0;
     const int both = !merged && dm_splitting_loop_ends(l->shape) == DM_LOOP_KICKS_AT_BOTH_ENDS;
@@ -116,6 +120,8 @@ static int build_parts(dm_splitting_loop *l, const dm_model *m) {
     return !merged || fuse_part(l, m, DM_LOOP_START, l->kick + DM_LOOP_START);
 }
 
+/* Without compensation the kicks between two steps can be one, where the force does not see the
+ * time. */
 static unsigned whole_shape(const dm_model *m, const dm_splitting *table, int plain) {
     const unsigned shape = shape_of(table);
     if (!plain) return shape;
@@ -132,6 +138,7 @@ static uint32_t size_of(const dm_splitting_loop *l, uint32_t n) {
     return 4 * n + (drops_factors(l) ? 0 : l->kicks.count);
 }
 
+/* One for every shape, which the model keeps: tables and h are numbers that it reads. */
 dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table, int plain) {
     static const char maker;
     const unsigned shape = whole_shape(m, table, plain);
@@ -152,6 +159,7 @@ dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting 
     return l;
 }
 
+/* Made once for a number of lanes. Parameters need coefficients for every member. */
 int dm_splitting_loop_widen(dm_splitting_loop *l, const dm_model *m, dm_lanes *x) {
     dm_arena *arena = m->source.arena;
     dm_splitting_wide *w = &l->many;

@@ -21,7 +21,7 @@ typedef struct {
 /* Doubles that a run needs. */
 size_t dm_splitting_loop_work(const dm_model *m);
 
-/* In the arena of the model, which keeps it (kept.h); plain: sums without compensation. NULL:
+/* In the arena of the model, which keeps it (cache.h); plain: sums without compensation. NULL:
  * there is none. */
 dm_splitting_loop *dm_splitting_loop_open(const dm_model *m, const dm_splitting *table, int plain);
 

@@ -98,6 +98,8 @@ static double *staggered_by(double *state, uint32_t n) {
     return state + 4 * (size_t)n + 2;
 }
 
+/* Carried values from the state: of merged steps the momentum between two kicks, where the last
+ * burst left it for this h, else made by the first kick alone. */
 static void begin(const dm_splitting_loop *l, uint32_t n, double *state, double *work,
                   const dm_splitting_burst *x) {
     const size_t each = n * sizeof *work;
@@ -109,6 +111,7 @@ static void begin(const dm_splitting_loop *l, uint32_t n, double *state, double 
         kick_alone(&l->one_kick, work, work + dm_splitting_loop_carried(n), x, x->table->b[0]);
 }
 
+/* And back; the momentum between two kicks stays in the state, beside the one that is shown. */
 static void end(const dm_splitting_loop *l, uint32_t n, double *state, double *work,
                 const dm_splitting_burst *x) {
     const size_t each = n * sizeof *work;
@@ -121,6 +124,7 @@ static void end(const dm_splitting_loop *l, uint32_t n, double *state, double *w
     memcpy(state, work, merged ? 2 * each : 4 * each);
 }
 
+/* In calls of as many steps as have room for their coefficients. */
 void dm_splitting_loop_run(const dm_splitting_loop *l, const dm_model *m, double *state,
                            const dm_splitting_burst *burst, double *work) {
     double *c = work + dm_splitting_loop_carried(m->n);
@@ -163,6 +167,7 @@ typedef struct {
     int back;
 } transfer;
 
+/* One copy a group, since entries of all lanes lie together. */
 static void move(const dm_splitting_wide *w, const dm_model *m, uint32_t size, const transfer *t) {
     const size_t lanes = w->lanes.lanes, bytes = t->count * lanes * sizeof(double);
     for (uint32_t g = 0; g < w->lanes.groups; g++) {
@@ -230,6 +235,7 @@ static int begin_staggered(const dm_splitting_wide *w, const dm_model *m, double
     return 1;
 }
 
+/* Left in the low parts, with the h that they are for. */
 static void end_staggered(const dm_splitting_wide *w, const dm_model *m, double h) {
     const uint32_t n = m->n, all = w->lanes.groups * w->lanes.lanes;
     move(w, m, 2 * n, &(transfer){.first = 3 * n, .count = n, .at = n, .back = 1});
@@ -237,6 +243,7 @@ static void end_staggered(const dm_splitting_wide *w, const dm_model *m, double 
         dm_lanes_member(&w->lanes, n, i)[(4 * (size_t)n + 2) * w->lanes.lanes] = h;
 }
 
+/* The same for all lanes in one call; a lane without a member runs along. */
 void dm_splitting_loop_run_lanes(const dm_splitting_loop *l, const dm_model *m, dm_lanes *x,
                                  const dm_splitting_burst *burst, double *work) {
     dm_splitting_wide w = l->many;

@@ -23,7 +23,7 @@ typedef struct {
     int first;          /* this thread tells the progress */
 } worker;
 
-/* one member as a run of its own; only the end is kept, in its place */
+/* What dm_run would make of it alone; its rows lie at its place. */
 static void run_member(const worker *w, const dm_ensemble *e, long i) {
     const uint32_t many = w->stepper->model->params;
     double *state = e->state + (size_t)i * dm_state_size(w->stepper->model->n);
@@ -53,10 +53,13 @@ static void run_alike(const worker *w, const dm_ensemble *e, long from, long to)
         for (long i = from; i < to; i++) run_member(w, e, i);
 }
 
+/* Neighbours that can go side by side. */
 static int is_same_pace(const dm_pace *a, const dm_pace *b) {
     return a->h == b->h && a->steps == b->steps && a->every == b->every;
 }
 
+/* Runs of neighbours with one pace, each as if it were an ensemble of its own; where lanes may have
+ * steps of their own all together. */
 static void run_members(const worker *w, long from, long to) {
     dm_ensemble e = *w->common->e;
     dm_ensemble_rows rows;
@@ -85,6 +88,7 @@ static long choose_share(const dm_ensemble *e, const dm_block *b, int threads) {
     return lanes * (groups < most ? groups : most);
 }
 
+/* A thread takes members until there are none, or until it is told to stop. */
 static void *work(void *arg) {
     const worker *w = arg;
     const dm_ensemble *e = w->common->e;
@@ -101,6 +105,7 @@ static void *work(void *arg) {
     }
 }
 
+/* This thread works too; when no more threads can be had, those there are do it all. */
 dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int threads) {
     shared common = {.e = e};
     worker workers[DM_ENSEMBLE_THREADS];

@@ -17,20 +17,24 @@ typedef struct {
     char ended[DM_LANES_GROUPS * 8]; /* members that have done all of their steps */
 } block;
 
+/* s of a clock that never goes back. */
 static double now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* Coordinates. */
 static uint32_t dim(const block *x) {
     return x->b->stepper->model->n;
 }
 
+/* Where member i of the block begins and ends. */
 static double *state_of(const block *x, long i) {
     return x->e->state + (size_t)(x->first + i) * dm_state_size(dim(x));
 }
 
+/* What becomes of it. */
 static dm_member *member_of(const block *x, long i) {
     return x->e->member + x->first + i;
 }
@@ -40,6 +44,7 @@ static int runs(const block *x, long i) {
     return member_of(x, i)->status == DM_OK && !x->ended[i];
 }
 
+/* Lanes have steps of their own, by member. */
 static int has_paces(const block *x) {
     return x->e->pace && dm_block_is_paced(x->b);
 }
@@ -96,6 +101,7 @@ static void pad(block *x) {
 
 /* ---- rows ---- */
 
+/* Of member i after so many steps. */
 static double time_of(const block *x, long i, long steps) {
     return x->e->t0 + (double)steps * x->b->h[i];
 }
@@ -162,6 +168,7 @@ static void set_steps(block *x) {
         x->b->h[i] = own ? own[i < x->count ? i : 0].h : x->e->h;
 }
 
+/* Members that cannot start have failed already; the others lie in their lanes from here on. */
 static void begin(block *x) {
     dm_stepper *s = x->b->stepper;
     for (long i = 0; i < x->count; i++) {
@@ -232,6 +239,7 @@ static void advance_seen(block *x, double t, long count) {
             repeat_alone(x, i, t, count);
 }
 
+/* t is that of the members without a pace; those that have one see no time. */
 static void advance(block *x, long count) {
     const double t = x->e->t0 + (double)x->done * x->b->h[0];
     const long before = x->alive;
@@ -286,6 +294,7 @@ static dm_status run(block *x) {
     return DM_OK;
 }
 
+/* As many groups as the members in hand need, rounded up to what is stepped together. */
 void dm_block_run(const dm_ensemble *e, dm_block *b, long first, long count) {
     block x = {.e = e, .b = b, .first = first, .count = count};
     const uint32_t together = b->lanes.together ? b->lanes.together : 1;
@@ -303,6 +312,7 @@ int dm_block_is_paced(const dm_block *b) {
     return b->lanes.paced && (b->stepper->model->structure & DM_AUTONOMOUS);
 }
 
+/* Bursts begin short: how long a step takes is not known yet. */
 int dm_block_open(dm_block *b, dm_stepper *s) {
     *b = (dm_block){.stepper = s, .burst = FIRST};
     if (!s->engine->widen || !s->engine->widen(s, &b->lanes)) return 0;

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+/* A row that cannot be watched is not counted. */
 dm_status dm_ensemble_rows_add(const dm_ensemble_rows *r, dm_observer *watch, long member,
                                const double *state, double t) {
     double *row = dm_ensemble_rows_of(r, member) + (size_t)r->count[member] * r->width;

@@ -176,7 +176,7 @@ static void steps_on_the_side(void) {
         CHECK(dm_stepper_memory(&y.s, &place) <= 400);
         y.s.aside = aside;
         for (int k = 0; k < 50; k++) {
-            CHECK(dm_land(&y.s, between, y.state, 0.0, 0.003, 0.02) == DM_OK);
+            CHECK(dm_interpolate(&y.s, between, y.state, 0.0, 0.003, 0.02) == DM_OK);
             CHECK(session_run(&x, 1) == DM_OK && session_run(&y, 1) == DM_OK);
         }
         if (!CHECK(memcmp(x.state, y.state, sizeof x.state) == 0)) printf("# %s\n", rules[i]);

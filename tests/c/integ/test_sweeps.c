@@ -232,7 +232,7 @@ static void begin_again(session *x, const problem *p) {
 }
 
 /* a second run of one stepper is the first again; a step to a time between changes nothing */
-static void start_and_landing(int which, const char *rule) {
+static void start_and_interpolation(int which, const char *rule) {
     problem p;
     session x, y;
     double between[4 * PROBLEM_SIZE + 8], first[4 * PROBLEM_SIZE + 8];
@@ -243,7 +243,7 @@ static void start_and_landing(int which, const char *rule) {
     memcpy(first, x.state, sizeof first);
     CHECK(run(&y, &p, rule, 0.02, 100, 100) == DM_OK);
     for (int i = 0; i < 50; i++) {
-        CHECK(dm_land(&y.s, between, y.state, 2.0, 2.01, y.h) == DM_OK);
+        CHECK(dm_interpolate(&y.s, between, y.state, 2.0, 2.01, y.h) == DM_OK);
         CHECK(session_run(&x, 1) == DM_OK && session_run(&y, 1) == DM_OK);
     }
     CHECK(memcmp(x.state, y.state, sizeof x.state) == 0);
@@ -256,9 +256,9 @@ static void start_and_landing(int which, const char *rule) {
     problem_close(&p);
 }
 
-static void start_forgets_and_landing_leaves_alone(void) {
+static void start_forgets_and_interpolation_leaves_alone(void) {
     for (int i = 0; i < REMEMBERING; i++)
-        start_and_landing(remembering[i].which, remembering[i].rule);
+        start_and_interpolation(remembering[i].which, remembering[i].rule);
 }
 
 /* a step without solution changes neither the state nor what is remembered */
@@ -344,7 +344,7 @@ int main(void) {
     RUN(the_last_step_saves_sweeps, "the last step's polynomial saves sweeps");
     RUN(newton_saves_iterations, "the last steps' velocities save Newton's method work");
     RUN(state_and_memory_go_on_bit_for_bit, "state and memory go on bit for bit");
-    RUN(start_forgets_and_landing_leaves_alone,
+    RUN(start_forgets_and_interpolation_leaves_alone,
         "a new start forgets; a step between leaves the memory alone");
     RUN(a_failed_step_leaves_the_memory_alone, "a failed step leaves the memory alone");
     RUN(newton_takes_stiff_steps, "Newton's method takes stiff steps");

@@ -26,6 +26,7 @@ static double palindrome(const double *given, int stride, int known, int count, 
     return (1.0 - 2.0 * sum) / (count - 2 * known);
 }
 
+/* All gammas of a composition, which add up to 1. */
 static void lay_gamma(double *gamma, const dm_scheme *s) {
     for (int i = 0; i < s->stages; i++)
         gamma[i] = palindrome(s->half, 1, (s->stages - 1) / 2, s->stages, i);
@@ -45,6 +46,7 @@ static void lay_alternating(dm_splitting *out, const dm_scheme *s) {
 
 /* ---- the rule ---- */
 
+/* NULL: none is named. */
 static const dm_rule *named_base(const dm_rule *rule) {
     return rule->count ? rule->arg[rule->count - 1].rule : NULL;
 }
@@ -87,6 +89,7 @@ const char *dm_composition_check(const dm_rule *rule) {
     return NULL;
 }
 
+/* Of the row that the arguments choose. */
 int dm_composition_order(const dm_rule *rule) {
     return find(rule)->order;
 }
@@ -117,6 +120,7 @@ typedef struct {
     double gamma[DM_SPLITTING_STAGES], *before;
 } layout;
 
+/* In doubles. */
 static size_t head(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
 }
@@ -130,6 +134,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     return head() + dm_state_size(m->n) + dm_rule_engine(base, m)->work(base, m);
 }
 
+/* A copy of this stepper with another rule and workspace. */
 static dm_status open(dm_stepper *s) {
     layout *l = (layout *)(void *)s->work;
     *l = (layout){.base = *s, .stages = find(s->rule)->stages, .before = s->work + head()};

@@ -21,16 +21,19 @@ typedef struct {
     long evaluations;
 } explicit;
 
+/* The struct at the head of the workspace, in doubles. */
 static size_t head(void) {
     return (sizeof(explicit) + sizeof(double) - 1) / sizeof(double);
 }
 
+/* Arguments, two forces, five states of 2n, the Legendre transform. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     (void)rule;
     return head() + 2 * n + 1 + 2 * n + 10 * n + dm_legendre_work(m);
 }
 
+/* The callback of GSL; what went wrong is kept, since GSL knows only that something did. */
 static int right_hand_side(double t, const double y[], double slope[], void *params) {
     explicit *e = params;
     const uint32_t n = e->m->n;
@@ -48,6 +51,7 @@ static int right_hand_side(double t, const double y[], double slope[], void *par
     return GSL_SUCCESS;
 }
 
+/* GSL allocates its own memory, which close gives back. */
 static dm_status open(dm_stepper *s) {
     explicit *e = (explicit *)(void *)s->work;
     const size_t n = s->model->n;
@@ -68,6 +72,7 @@ static dm_status open(dm_stepper *s) {
     return s->outside ? DM_OK : DM_NO_MEMORY;
 }
 
+/* Also after an open that failed. */
 static void close(dm_stepper *s) {
     if (s->outside) gsl_odeiv2_step_free(s->outside);
     s->outside = NULL;
@@ -84,6 +89,7 @@ static int start_slope(explicit *e, double t) {
     return right_hand_side(t, e->y, e->before, e);
 }
 
+/* The slope at the end is the first one of the next step, if that begins where this ends. */
 static dm_status apply(explicit *e, dm_stepper *s, double t, double h) {
     const size_t size = 2 * (size_t)e->m->n;
     const gsl_odeiv2_system system = {right_hand_side, NULL, size, e};

@@ -38,6 +38,7 @@ const double dm_rk8_tableau[STAGES + 1][STAGES] =
       3.1116436695781989440891606237e-1, -1.52160949662516078556178806805e-1,
       2.01365400804030348374776537501e-1, 4.47106157277725905176885569043e-2}};
 
+/* Twelve stages: the first row is empty, the last has the weights. */
 static const dm_runge_kutta table = {STAGES, dm_rk8_tableau[0]};
 
 const dm_method dm_method_rk8 = {

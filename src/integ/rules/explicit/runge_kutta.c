@@ -21,6 +21,7 @@ typedef struct {
     double *scratch;
 } layout;
 
+/* Forces are evaluated at every stage, but controls are held for a whole step. */
 const char *dm_runge_kutta_fits(const dm_rule *rule, const dm_model *m) {
     (void)rule;
     return m->constraints && m->constraints->controls
@@ -28,6 +29,7 @@ const char *dm_runge_kutta_fits(const dm_rule *rule, const dm_model *m) {
                : NULL;
 }
 
+/* The mass is needed for v(q, p) unless it is constant and known. */
 unsigned dm_runge_kutta_wants(const dm_rule *rule, const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     const unsigned mass = (m->structure & simple) == simple ? 0 : DM_WANT_MASS;
@@ -35,19 +37,24 @@ unsigned dm_runge_kutta_wants(const dm_rule *rule, const dm_model *m) {
     return DM_WANT_FORCE | mass | (m->constraints ? DM_WANT_CONSTRAINT_FORCE : 0);
 }
 
+/* What the row brings. */
 static const dm_runge_kutta *table_of(const dm_rule *rule) {
     return rule->method->table;
 }
 
+/* The struct at the head of the workspace, in doubles. */
 static size_t head(void) {
     return (sizeof(layout) + sizeof(double) - 1) / sizeof(double);
 }
 
+/* In the order of the struct. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, stages = table_of(rule)->stages;
     return head() + stages + 2 * n + 1 + stages * 2 * n + 3 * n + 4 * n + n + dm_legendre_work(m);
 }
 
+/* Hamilton's equations as one kernel, where L is quadratic in v; the model keeps it for all
+ * tableaus. */
 static void find_kernel(layout *e) {
     static const char maker;
     if (dm_cache_find(&e->kernel, e->m, &maker, 0)) return;
@@ -57,6 +64,7 @@ static void find_kernel(layout *e) {
         dm_cache_add(e->m, &maker, 0, &e->kernel, 1);
 }
 
+/* Times of the stages are row sums of the tableau. */
 static dm_status open(dm_stepper *s) {
     layout *e = (layout *)(void *)s->work;
     const size_t n = s->model->n;
@@ -103,6 +111,7 @@ static int by_kernel(layout *e, double *slope) {
     return 1;
 }
 
+/* Newton's method for v begins at rest: a slope is a function of its arguments alone. */
 static dm_status by_legendre(layout *e, double *slope) {
     const uint32_t n = e->m->n;
     double *v = e->x + n;
@@ -135,6 +144,7 @@ static dm_status finish(layout *e, double *state, double h) {
     return DM_OK;
 }
 
+/* Slopes of all stages lie in the workspace until the end of the step. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     layout *e = (layout *)(void *)s->work;
     const size_t n = s->model->n;

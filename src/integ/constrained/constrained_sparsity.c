@@ -1,5 +1,5 @@
-/* constrained_entries.c - which entries of the kernels' matrices can differ from zero, and from that
- * the shape of the matrices that Newton's method solves with: dense where they are small or
+/* constrained_sparsity.c - which entries of the kernels' matrices can differ from zero, and from
+ * that the shape of the matrices that Newton's method solves with: dense where they are small or
  * full, else a band. */
 #include "integ/constrained/constrained_inside.h"
 
@@ -12,6 +12,7 @@ static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
 
+/* Eight blocks of n x n, k rows of G, 3 l of E, phi_v and phi_q, each with three lists. */
 size_t dm_constrained_entries_size(uint32_t n, uint32_t k, uint32_t l) {
     const size_t entries = 8 * (size_t)n * n + (k + 3 * (size_t)l) * n;
     return doubles(3 * entries * sizeof(uint32_t));
@@ -21,6 +22,7 @@ size_t dm_constrained_matrix_size(uint32_t unknowns) {
     return 2 * doubles(unknowns * sizeof(size_t)) + doubles(unknowns * sizeof(uint32_t));
 }
 
+/* Fixed to be zero when the kernel was compiled: no argument changes it. */
 static int is_zero(const dm_kernel *k, size_t i) {
     return k->fixed && k->fixed[i] && k->constant[i] == 0.0;
 }
@@ -41,6 +43,7 @@ static uint32_t *find(dm_constrained_entries *out, const dm_kernel *k, size_t fi
     return memory + 3 * most;
 }
 
+/* In the order of the kernels' outputs, as mech/model.h and mech/constraints.h give them. */
 void dm_constrained_entries_find(dm_constrained *g, double *memory) {
     const dm_constraints *constraints = g->constraints;
     const uint32_t n = g->n, k = g->k, l = g->l;
@@ -62,6 +65,7 @@ void dm_constrained_entries_find(dm_constrained *g, double *memory) {
 
 /* ---- matrices ---- */
 
+/* Dense by rows, until it is found to be narrow. */
 void dm_constrained_matrix_open(dm_constrained_matrix *m, uint32_t n, double *memory) {
     m->row = (size_t *)(void *)memory;
     m->column = m->row + n;
@@ -88,6 +92,8 @@ void dm_constrained_matrix_narrow(dm_constrained_matrix *m, const double *J, uin
     }
 }
 
+/* Numbers without meaning, different from each other and from zero, so that no sum of them
+ * vanishes. */
 static void scatter(const dm_kernel *k, double *out) {
     for (uint32_t i = 0; k->eval && i < k->outputs; i++)
         out[i] = k->fixed && k->fixed[i] ? k->constant[i] : 1.5 + sin(1.0 + i);
@@ -103,7 +109,8 @@ void dm_constrained_scatter(dm_constrained *g) {
     for (uint32_t k = 0; k <= g->K && g->k + g->l; k++) {
         if (g->k) scatter(&constraints->holonomic_kernel, dm_constrained_holonomic(g, k));
         if (g->l) scatter(&constraints->rolling_kernel, dm_constrained_rolling(g, k));
-        if (g->l && k < g->K) scatter(&constraints->rolling_kernel, g->roll + k * g->l * (1 + 3 * n));
+        if (g->l && k < g->K)
+            scatter(&constraints->rolling_kernel, g->roll + k * g->l * (1 + 3 * n));
         scatter(&constraints->reaction, dm_constrained_curved(g, k));
     }
     scatter(&g->m->mass, g->mass);
@@ -115,20 +122,23 @@ void dm_constrained_zero(double *J, const dm_constrained_matrix *m) {
     memset(J, 0, (m->banded ? dm_band_size(&m->band) : n * n) * sizeof *J);
 }
 
-void dm_constrained_add(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column, double w,
-                 const double *B, const dm_constrained_entries *e) {
+/* The block at (row, column) in the numbering of the unknowns, wherever the matrix keeps it. */
+void dm_constrained_add(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column,
+                        double w, const double *B, const dm_constrained_entries *e) {
     const size_t *r = m->row + row, *c = m->column + column;
     if (w == 0.0) return;
     for (uint32_t i = 0; i < e->count; i++) J[r[e->row[i]] + c[e->column[i]]] += w * B[e->entry[i]];
 }
 
-void dm_constrained_add_transposed(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column,
-                            double w, const double *B, const dm_constrained_entries *e) {
+void dm_constrained_add_transposed(double *J, const dm_constrained_matrix *m, uint32_t row,
+                                   uint32_t column, double w, const double *B,
+                                   const dm_constrained_entries *e) {
     const size_t *r = m->row + row, *c = m->column + column;
     if (w == 0.0) return;
     for (uint32_t i = 0; i < e->count; i++) J[r[e->column[i]] + c[e->row[i]]] += w * B[e->entry[i]];
 }
 
-void dm_constrained_product(double *y, const double *B, const double *x, const dm_constrained_entries *e) {
+void dm_constrained_product(double *y, const double *B, const double *x,
+                            const dm_constrained_entries *e) {
     for (uint32_t i = 0; i < e->count; i++) y[e->row[i]] += B[e->entry[i]] * x[e->column[i]];
 }
