@@ -2,6 +2,7 @@
  * modules. */
 #include "bind/core/bind.h"
 #include "bind/core/missing_key.h"
+#include "bind/core/new_file.h"
 
 /* Push the metatable of the class at 1 and its methods. */
 static void push_class(lua_State *L) {
@@ -58,6 +59,31 @@ static int method_of_class(lua_State *L) {
     return 2;
 }
 
+/* f(...), which gives one value; upvalues: f, what it is called */
+static int call_one(lua_State *L) {
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    dml_callone(L, lua_gettop(L) - 1, lua_tostring(L, lua_upvalueindex(2)));
+    return 1;
+}
+
+static int one(lua_State *L) {
+    luaL_checkstring(L, 2);
+    lua_settop(L, 2);
+    if (lua_type(L, 1) == LUA_TFUNCTION)
+        lua_pushcclosure(L, call_one, 2);
+    else
+        lua_settop(L, 1);
+    return 1;
+}
+
+static int arity(lua_State *L) {
+    const int most = dml_arity(luaL_checkstring(L, 1));
+    if (most < 0) return 0;
+    lua_pushinteger(L, most);
+    return 1;
+}
+
 static int until_stop(lua_State *L) {
     luaL_checkany(L, 1);
     const int fine = lua_pcall(L, lua_gettop(L) - 1, LUA_MULTRET, 0) == LUA_OK;
@@ -89,6 +115,14 @@ static const dml_row functions[] =
       "The method `name` of a class (\"dm.path\"), nil where it has none. With f and doc "
       "(signature line, then shapes, units, errors) f is that method from now on. Raises on an "
       "unknown class."},
+     {"arity", arity,
+      "core.arity(doc) -> integer or nil\n"
+      "How many arguments the signature that begins a doc allows, the object of a method among "
+      "them; nil: any number. More raise."},
+     {"one", one,
+      "core.one(f, what) -> function\n"
+      "The function f of the user, called `what` in messages, which raises where it gives more "
+      "than one value; anything else as it is."},
      {"until_stop", until_stop,
       "core.until_stop(f, ...) -> true, results   or   false, error\n"
       "pcall for what has something to show when Ctrl-C ends it: the only one of our modules that "
@@ -98,6 +132,13 @@ static const dml_row functions[] =
       "Note that class has no such key, for the message of an error on the same line; called from "
       "the __index of a class in Lua; names: a table with the keys there are, where methods and "
       "docs do not say."},
+     {"new_file", dml_core_new_file,
+      "core.new_file(file) -> name   or   nil, why\n"
+      "Make an empty file beside `file`, under a name that nobody can foresee, for a program to "
+      "write."},
+     {"end_file", dml_core_end_file,
+      "core.end_file(name, file) -> true   or   nil, why\n"
+      "Put what core.new_file made, whole and on the disk, in the place of `file`."},
      {"nearest", dml_core_nearest,
       "core.nearest(word, names) -> name or nil\n"
       "The name of the list that is spelt most like the word, nil when none is near."},

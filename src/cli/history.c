@@ -1,6 +1,7 @@
 /* history.c - history in the XDG state directory. */
 #include "cli/history.h"
 
+#include "bind/core/new_file.h"
 #include "cli/line.h"
 
 #include <lauxlib.h>
@@ -51,16 +52,15 @@ static lua_Integer push_lines(lua_State *L, FILE *file) {
 
 /* write the last KEPT of the lines on top of the stack beside the file, then in its place */
 static void cut(lua_State *L, const char *path, lua_Integer lines) {
-    const char *beside = lua_pushfstring(L, "%s.new", path);
-    FILE *file = fopen(beside, "w");
+    char beside[DML_FILE_NAME];
+    FILE *file = dml_newfile(path, 0600, beside);
     int fine = file != NULL;
     for (lua_Integer i = lines - KEPT + 1; fine && i <= lines; i++) {
-        lua_rawgeti(L, -2, i);
+        lua_rawgeti(L, -1, i);
         fine = fprintf(file, "%s\n", lua_tostring(L, -1)) > 0;
         lua_pop(L, 1);
     }
-    if (file && (fclose(file) != 0 || !fine || rename(beside, path) != 0)) remove(beside);
-    lua_pop(L, 1);
+    if (file) dml_endfile(file, fine, beside, path);
 }
 
 void dml_history_load(lua_State *L, const char *path) {

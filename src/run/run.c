@@ -215,21 +215,23 @@ static dm_status advance(loop *l, long end) {
     return DM_OK;
 }
 
-/* look at the clock: tell the progress, fit the burst to LOOK */
-static void look(loop *l) {
+/* look at the clock: tell the progress, save, fit the burst to LOOK */
+static dm_status look(loop *l) {
+    dm_status status = DM_OK;
     const double t = now(), took = t - l->looked;
     if (l->plan->progress && t - l->told >= PROGRESS) {
         l->plan->progress(l->plan->ud, l->done, l->plan->steps);
         l->told = t;
     }
     if (l->plan->save && t - l->saved >= l->plan->save_every) {
-        l->plan->save(l->plan->ud, l->done);
+        status = l->plan->save(l->plan->ud, l->done);
         l->saved = t;
     }
     if (took < 0.5 * LOOK && l->burst < LONGEST) l->burst *= took < 0.05 * LOOK ? 8 : 2;
     if (took > LOOK && l->burst > 1) l->burst /= 2;
     l->looked = t;
     l->until = l->done + l->burst;
+    return status;
 }
 
 /* steps to the next row, or to the last whole step before the next time asked for */
@@ -262,7 +264,7 @@ static dm_status run(loop *l) {
         if (l->plan->stop && *l->plan->stop) return DM_STOPPED;
         status = advance(l, next_stop(l));
         if (status == DM_OK && !is_ended(l)) status = record_due(l);
-        if (l->done >= l->until) look(l);
+        if (status == DM_OK && l->done >= l->until) status = look(l);
     }
     return status;
 }

@@ -50,7 +50,8 @@ typedef struct {
     dm_events *events;     /* NULL: none is looked for */
     const dm_resumption *resume;       /* NULL: a start */
     double save_every;                 /* s of wall time between calls of save */
-    void (*save)(void *ud, long done); /* between steps: the state can be kept; may be NULL */
+    /* between steps: the state can be kept; may be NULL; not DM_OK ends the run */
+    dm_status (*save)(void *ud, long done);
     const volatile sig_atomic_t *stop; /* polled between bursts of steps; may be NULL */
     void (*progress)(void *ud, long done, long steps); /* about ten times a second; may be NULL */
     void *ud;

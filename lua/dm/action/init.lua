@@ -116,8 +116,8 @@ M.action = blame.caller(function(given)
     options.demand(type(map) == "function" or kits.class_of(map) == "dm.function", given, "map",
       "dm.action", "a function of (g, z)")
   end
-  local action = assemble { group = given.group, on = given.on, map = map, side = given.side,
-    domain = given.domain, name = given.name, kind = kind }
+  local action = assemble { group = given.group, on = given.on, map = core.one(map, "map"),
+    side = given.side, domain = core.one(given.domain, "domain"), name = given.name, kind = kind }
   if given.map == map then try_map(action) end
   axioms.check(action)
   return action

@@ -165,6 +165,7 @@ end
 
 actions.method("invariant", function(action, f)
   local class = kits.class_of(f)
+  f = core.one(f, "the function of action:invariant")
   if class == "dm.system" then return of_system(action, f) end
   if class == "dm.discrete_lagrangian" then
     return of_discrete(action.points and action.base or action, f)

@@ -4,6 +4,8 @@
 -- loaded)
 local function explain(message) return debug.getregistry().dm_explain(message) end
 
+local core = require "dm.core"
+
 local getinfo = debug.getinfo
 
 local M = {}
@@ -73,10 +75,36 @@ function M.stopped(failure)
   return setmetatable({ code = "stopped", message = failure }, debug.getregistry()["dm.failure"])
 end
 
+-- the signature that begins a doc, without results
+local function signature(doc) return (doc:match("^[^\n]*"):gsub(" %->.*", "")) end
+
+-- A check of how many arguments `call` is given: as many as its doc allows, or that of the method
+-- that stands for it; nil behind them is no argument. The doc is there when it is first called.
+local function counter(doc_of)
+  local most, doc
+  return function(...)
+    if not most then
+      doc = doc_of()
+      most = doc and core.arity(doc) or math.huge
+    end
+    local n = select("#", ...)
+    while n > most and (select(n, ...)) == nil do n = n - 1 end
+    if n <= most then return end
+    local name = doc:match "[:.]?([%w_]+)%s*[({]" or "?"
+    local number = doc:match "^[%w_]+:" and most or most + 1
+    error(("bad argument #%d to '%s' (a surplus argument: %s)")
+      :format(number, name, signature(doc)), 3)
+  end
+end
+
 --- f, with the position of its caller in its error messages, those of a dm.failure too; other error
 -- values pass as they are.
 function M.caller(f)
-  local function call(...) return finish(f, (...), xpcall(f, explain, ...)) end
+  local check = counter(function() return core.docs[wrapped[f]] or core.docs[f] end)
+  local function call(...)
+    check(...)
+    return finish(f, (...), xpcall(f, explain, ...))
+  end
   wrapped[f] = call
   return call
 end
@@ -123,7 +151,11 @@ function M.relay(f, name)
     if not number or not has_colon(call) then return what end
     return (what:gsub(bad, ("bad argument #%d to '%s'"):format(number - 1, name), 1))
   end
-  call = function(...) return relay(xpcall(f, look, ...)) end
+  local check = counter(function() return core.docs[call] end)
+  call = function(...)
+    check(...)
+    return relay(xpcall(f, look, ...))
+  end
   return call
 end
 

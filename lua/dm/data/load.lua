@@ -53,7 +53,6 @@ local function load_npy(file, handle)
     local row = { pattern:unpack(record) }
     for c in ipairs(names) do columns[c][i] = row[c] end
   end
-  if handle:read(1) then fail(file, "holds more than the %d rows of its header", rows) end
   return names, columns
 end
 

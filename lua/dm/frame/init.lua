@@ -223,7 +223,7 @@ M.moving_frame = blame.caller(function(o)
   local action, k = base_of(o)
   local self = setmetatable({ action = action, group = action.group, k = k, points = k,
     m = action.dimension, r = action.group.dimension, cross_section = o.cross_section,
-    branch = o.branch, solution = o.solution, name = o.name, invariants_named = o.invariants },
+    branch = o.branch, solution = core.one(o.solution, "solution"), name = o.name, invariants_named = o.invariants },
     class)
   check_section(self)
   check_branch(self)
@@ -283,7 +283,7 @@ class.__call = blame.caller(function(self, ...)
 end)
 
 local doc_invariants = [[
-rho:invariants{z1, ..., zn} -> {I1, ..., In}; also of points one by one, or as one flat vector
+rho:invariants{z1, ..., zn} -> {I1, ..., In}   or   rho:invariants(z1, ..., zn)
 The points moved by the frame of the first k of them: I_j = rho(z1, ..., zk) . z_j, whose entries
 are the fundamental invariants of the joint action (vectors; those the cross-section fixes are
 constant, rho:phantom()).]]

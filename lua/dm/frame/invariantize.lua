@@ -11,6 +11,7 @@ local NAME = "rho:invariantize"
 local fail = options.failing(NAME)
 
 local function invariant_function(self, f)
+  f = core.one(f, "the function of rho:invariantize")
   return function(...)
     return f(table.unpack(frames.invariants(self, { ... })))
   end

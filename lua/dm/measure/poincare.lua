@@ -51,7 +51,7 @@ end
 -- the function and the label of option x or y
 local function axis(o, key, columns, names)
   local what = o[key]
-  if type(what) == "function" then return what, o[key .. "label"] or key end
+  if type(what) == "function" then return core.one(what, key), o[key .. "label"] or key end
   if type(what) ~= "string" or not columns[what] then
     fail("'%s' must be one of %s, or a function of (q, p, t) (got %s)", key, known(names),
       type(what) == "string" and what or type(what))
@@ -163,7 +163,7 @@ M.section = blame.caller(function(solver, o)
   return setmetatable(section, Section)
 end)
 
-core.method("dm.section", "series", function(section)
+core.method("dm.section", "series", blame.caller(function(section)
   local out = core.result {}
   for i, one in ipairs(section.orbits) do
     if #one.x > 0 then
@@ -176,7 +176,7 @@ core.method("dm.section", "series", function(section)
       .. "or another g")
   end
   return out
-end, [[
+end), [[
 section:series() -> list of { x =, y =, name = } for dm.plot and dm.figure
 The crossings of each orbit that has some.]])
 

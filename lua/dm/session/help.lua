@@ -1,4 +1,5 @@
 --- help, apropos, who: what the docs of the registration rows say, asked from a session.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local layout = require "dm.session.text"
 local search = require "dm.session.apropos"
@@ -299,6 +300,8 @@ function M.who()
   if #names == 0 then write "no globals yet" end
 end
 
+-- more arguments than the doc says raise
+M.help, M.who = blame.caller(M.help), blame.caller(M.who)
 docs[M.help], docs[M.who] = doc_help, doc_who
 
 --- The globals of a session; names that are taken stay. who() tells of what comes later.

@@ -1,5 +1,6 @@
 --- Pictures in files: writes a gnuplot script with the data in it, and has gnuplot draw it.
 local axis = require "dm.show.axis"
+local core = require "dm.core"
 local series_ = require "dm.show.series"
 
 local M = {}
@@ -243,16 +244,11 @@ end
 
 --- Draw a figure to a file; the file appears whole or not at all.
 function M.write(figure, file)
-  local kind = kind_of(file)
   if file:find("%c") then
     error(("file %q: a name without control characters is needed"):format(file), 0)
   end
-  local part = file .. ".part." .. kind
-  local probe, why = io.open(part, "w")
-  if not probe then
-    error(("cannot write %s: does the folder exist?"):format(why:gsub("%.part%.%w+:", ":")), 0)
-  end
-  probe:close()
+  local part, why = core.new_file(file)
+  if not part then error(("cannot write %s: does the folder exist?"):format(why), 0) end
   local fine, said = run(M.script(figure, part))
   local made = io.open(part, "rb")
   local size = made and made:seek("end") or 0

@@ -3,6 +3,7 @@
 #include "bind/core/missing_key.h"
 
 #include <ctype.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -17,6 +18,18 @@ int dml_try(lua_State *L, int arguments, int results) {
     return 0;
 }
 
+void dml_callone(lua_State *L, int arguments, const char *what) {
+    const int before = lua_gettop(L) - arguments - 1;
+    lua_call(L, arguments, LUA_MULTRET);
+    const int results = lua_gettop(L) - before;
+    if (results > 1)
+        luaL_error(L,
+                   "%s must return one value, not %d: a list of numbers is one as a table, return "
+                   "{ a, b }",
+                   what, results);
+    lua_settop(L, before + 1);
+}
+
 /* ---- classes ---- */
 
 void dml_setdoc(lua_State *L, int at, const char *doc) {
@@ -28,12 +41,38 @@ void dml_setdoc(lua_State *L, int at, const char *doc) {
     lua_pop(L, 1);
 }
 
-void dml_setfunctions(lua_State *L, const dml_row *rows) {
-    for (; rows && rows->name; rows++) {
-        lua_pushcfunction(L, rows->call);
-        dml_setdoc(L, -1, rows->doc);
-        lua_setfield(L, -2, rows->name);
+/* A function that its doc says how many arguments it takes of: more than that raise. Upvalues: its
+ * row, and the number. */
+static int call_row(lua_State *L) {
+    const dml_row *row = lua_touserdata(L, lua_upvalueindex(1));
+    const int most = (int)lua_tointeger(L, lua_upvalueindex(2));
+    if (lua_gettop(L) > most) dml_checksurplus(L, most, row->doc);
+    return row->call(L);
+}
+
+lua_CFunction dml_rowof(lua_State *L, int at) {
+    const lua_CFunction f = lua_tocfunction(L, at);
+    if (f != call_row || !lua_getupvalue(L, at, 1)) return f;
+    const dml_row *row = lua_touserdata(L, -1);
+    lua_pop(L, 1);
+    return row->call;
+}
+
+void dml_setfunction(lua_State *L, const dml_row *row) {
+    if (row->doc) {
+        const int most = dml_arity(row->doc);
+        lua_pushlightuserdata(L, (void *)(uintptr_t)row);
+        lua_pushinteger(L, most < 0 ? INT_MAX : most);
+        lua_pushcclosure(L, call_row, 2);
+        dml_setdoc(L, -1, row->doc);
+    } else {
+        lua_pushcfunction(L, row->call);
     }
+    lua_setfield(L, -2, row->name);
+}
+
+void dml_setfunctions(lua_State *L, const dml_row *rows) {
+    for (; rows && rows->name; rows++) dml_setfunction(L, rows);
 }
 
 /* value.key: the class's own field function first (upvalue 2), then its methods

@@ -39,9 +39,20 @@ typedef struct {
 /* Register it; dm.core is on top. */
 void dml_register(lua_State *L, const dml_class *c);
 
-/* Add `rows` (name = NULL ends it) to the table on top and file their docs under
- * registry.dm_docs[function]. */
+/* The C function at `at`, that of its row where it has one; NULL: none. */
+lua_CFunction dml_rowof(lua_State *L, int at);
+
+/* Add a row, which must stay where it is, to the table on top and file its doc under
+ * registry.dm_docs[function]; the same for `rows`, which name = NULL ends. */
+void dml_setfunction(lua_State *L, const dml_row *row);
 void dml_setfunctions(lua_State *L, const dml_row *rows);
+
+/* How many arguments the signature that begins a doc allows, the object in front of a colon among
+ * them: the most of its alternatives "f(a [, b]) -> c   or   f{d=}"; -1: any number ("..."). */
+int dml_arity(const char *doc);
+
+/* Raise where an argument behind number `most` is not nil; the message shows the signature. */
+void dml_checksurplus(lua_State *L, int most, const char *doc);
 
 /* The doc of the value at `at`, a function or the name of a class; NULL: none. */
 void dml_setdoc(lua_State *L, int at, const char *doc);
@@ -78,6 +89,10 @@ extern volatile sig_atomic_t dml_stop;
 /* Ctrl-C as an error on its way through Lua: no pcall of our modules may keep it but
  * core.until_stop. */
 extern volatile sig_atomic_t dml_raised;
+
+/* lua_call of a function of the user that gives one value, which is pushed, nil for none. More
+ * than one raise: what is behind the first would be lost in silence. `what` names the function. */
+void dml_callone(lua_State *L, int arguments, const char *what);
 
 /* lua_pcall for what may fail: true when it did not. Ctrl-C, which may come between any two
  * instructions of Lua, and want of memory are passed on. */

@@ -47,11 +47,12 @@ static void describe(lua_State *L, int at, dml_path *path, const dml_ensemble *e
 
 int dml_ensemble_path(lua_State *L) {
     const dml_ensemble *e = luaL_checkudata(L, 1, DML_ENSEMBLE);
-    const lua_Integer i = luaL_checkinteger(L, 2) - 1;
+    const lua_Integer member = luaL_checkinteger(L, 2);
     lua_settop(L, 2);
-    if (i < 0 || i >= e->members)
+    if (member < 1 || member > e->members)
         luaL_error(L, "ensemble:path: there are members 1 to %I (got %I)", (LUAI_UACINT)e->members,
-                   (LUAI_UACINT)(i + 1));
+                   (LUAI_UACINT)member);
+    const long i = (long)member - 1;
     if (!e->rows.room)
         luaL_error(L, "this ensemble kept only the ends: ask for rows with every = or watch = { "
                       "... }");

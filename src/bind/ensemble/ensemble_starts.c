@@ -13,7 +13,7 @@
 void dml_push_source(lua_State *L, int arg, const char *key, long i) {
     if (lua_getfield(L, arg, key) == LUA_TFUNCTION) {
         lua_pushinteger(L, i + 1);
-        lua_call(L, 1, 1);
+        dml_callone(L, 1, key);
     } else {
         lua_geti(L, -1, i + 1);
         lua_remove(L, -2);

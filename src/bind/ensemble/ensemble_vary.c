@@ -57,6 +57,7 @@ const double *dml_read_vary(lua_State *L, long members, uint32_t *count) {
                    luaL_typename(L, -1));
     push_names(L, vary);
     *count = (uint32_t)luaL_len(L, -1);
+    if (*count == 0) return lua_settop(L, vary - 1), NULL;
     double *values = lua_newuserdatauv(L, ((size_t)members * *count + 1) * sizeof *values, 0);
     for (uint32_t k = 0; k < *count; k++) {
         lua_rawgeti(L, vary + 1, k + 1);

@@ -60,10 +60,10 @@ typedef struct {
     dml_callback *callback; /* NULL when traced */
     const char *backend;    /* of the kernels: "tape", "hyperdual" */
     double trace_ms, compile_ms;
-    dml_traced trace;    /* of L, to be repeated; log NULL: none */
-    uint32_t traced;     /* nodes of the graph when only L was in it */
-    int checked;         /* compared with the function around the start of a run */
-    dm_compile *compile; /* of a model in the cache (model_cache.h), else NULL */
+    dml_traced trace;      /* of L, to be repeated; log NULL: none */
+    uint32_t traced;       /* nodes of the graph when only L was in it */
+    int checked;           /* compared with the function around the start of a run */
+    dm_compile *compile;   /* of a model in the cache (model_cache.h), else NULL */
     dm_cache_entry *cache; /* kernels of methods */
     dml_traced constraint
         [DML_CONSTRAINT_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */

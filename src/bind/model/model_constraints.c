@@ -85,7 +85,8 @@ static int flat_call(lua_State *L) {
     lua_Integer count = 0;
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_insert(L, 1);
-    lua_call(L, lua_gettop(L) - 1, 1);
+    lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
+    if (lua_gettop(L) > 1) return lua_gettop(L);
     if (lua_type(L, 1) != LUA_TTABLE && lua_type(L, 1) != LUA_TUSERDATA) return 1;
     lua_newtable(L);
     const lua_Integer rows = luaL_len(L, 1);

@@ -20,8 +20,8 @@ static int call_with(lua_State *L) {
         lua_rawset(L, 6);
     }
     lua_remove(L, 5);
-    lua_call(L, 4, 1);
-    return 1;
+    lua_call(L, 4, LUA_MULTRET);
+    return lua_gettop(L);
 }
 
 void dml_pushwith(lua_State *L, int system, int names) {

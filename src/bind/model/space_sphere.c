@@ -44,7 +44,7 @@ static int find_spheres(lua_State *L, int arg, places *p) {
 static void append_own(lua_State *L, int arguments, int out) {
     lua_pushvalue(L, lua_upvalueindex(2));
     for (int i = 1; i <= arguments; i++) lua_pushvalue(L, i);
-    lua_call(L, arguments, 1);
+    dml_callone(L, arguments, "the constraint");
     const int own = lua_gettop(L);
     const long count = dml_length(L, own);
     if (count < 0)

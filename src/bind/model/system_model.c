@@ -46,8 +46,8 @@ static int bound_call(lua_State *L) {
         dml_pushparams(L, lua_upvalueindex(i));
         extra++;
     }
-    lua_call(L, given + extra, 1);
-    return 1;
+    lua_call(L, given + extra, LUA_MULTRET);
+    return lua_gettop(L);
 }
 
 void dml_pushbound(lua_State *L, int arg, const char *key) {

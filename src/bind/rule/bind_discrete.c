@@ -200,7 +200,7 @@ static void push_node(lua_State *L, double c) {
     lua_arith(L, LUA_OPDIV);
     lua_pushnumber(L, 0.0);
     lua_getfield(L, lua_upvalueindex(1), "params");
-    lua_call(L, 4, 1);
+    dml_callone(L, 4, "L");
 }
 
 /* h sum_i b_i L at the nodes: one of weight 1 at c = 1/2, or two of weight 1/2 at the
@@ -340,9 +340,10 @@ static const dml_row methods[] =
 static const dml_row functions[] =
     {{"discrete_lagrangian", discrete_new,
       "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "
-      "constraint=, map=} -> dm.discrete_lagrangian\n"
-      "or dm.discrete_lagrangian(system, {rule=, h=}) with any stage rule (\"galerkin(3, "
-      "lobatto(4))\", \"gauss(2)\", \"midpoint\" ...)\n"
+      "constraint=, map=} -> dm.discrete_lagrangian   or   dm.discrete_lagrangian(system, {rule=, "
+      "h=})\n"
+      "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
+      "...)\n"
       "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
       "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
       "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "

@@ -79,7 +79,7 @@ static int call_method(lua_State *L) {
     lua_pushcclosure(L, field, 3);
     lua_pushvalue(L, 2);
     lua_pushvalue(L, 4);
-    lua_call(L, 4, 1);
+    dml_callone(L, 4, "the method");
     append(L, 5, 6, "what the method returns");
     lua_settop(L, 5);
     const lua_Integer length = (lua_Integer)lua_rawlen(L, 5);

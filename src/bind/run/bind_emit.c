@@ -4,6 +4,8 @@
 #include "bind/trace/function.h"
 #include "code/tape/emit_c.h"
 
+#include <string.h>
+
 static void put(void *ud, const char *text, size_t length) {
     luaL_addlstring(ud, text, length);
 }
@@ -94,9 +96,35 @@ static int system_emit(lua_State *L) {
     return push_file(&b);
 }
 
+/* what C lets a function be called: letters, digits and _, no digit first, no word of C17 */
+static int is_identifier(const char *name) {
+    static const char *const words[] = {"auto",          "break",     "case",     "char",
+                                        "const",         "continue",  "default",  "do",
+                                        "double",        "else",      "enum",     "extern",
+                                        "float",         "for",       "goto",     "if",
+                                        "inline",        "int",       "long",     "register",
+                                        "restrict",      "return",    "short",    "signed",
+                                        "sizeof",        "static",    "struct",   "switch",
+                                        "typedef",       "union",     "unsigned", "void",
+                                        "volatile",      "while",     "_Alignas", "_Alignof",
+                                        "_Atomic",       "_Bool",     "_Complex", "_Generic",
+                                        "_Imaginary",    "_Noreturn", "main",     "_Static_assert",
+                                        "_Thread_local", NULL};
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
+    for (const char *const *w = words; *w; w++)
+        if (strcmp(*w, name) == 0) return 0;
+    return *name && !strchr("0123456789", *name) && !name[strspn(name, letters)];
+}
+
 static int function_emit(lua_State *L) {
     const dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
-    const char *name = luaL_optstring(L, 2, "f");
+    size_t length = 1;
+    const char *name = luaL_optlstring(L, 2, "f", &length);
+    if (!is_identifier(name) || strlen(name) != length)
+        return luaL_error(L,
+                          "emit_c: the name of a C function is letters, digits and _, and no word "
+                          "of C (got \"%s\")",
+                          name);
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     const emitter e = {.L = L, .b = &b, .graph = f->graph};

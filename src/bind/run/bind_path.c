@@ -40,7 +40,11 @@ dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t
     }
     const size_t doubles = (size_t)rows * width;
     dml_path *p = lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);
-    *p = (dml_path){.n = n, .width = width, .data = (double *)(p + 1)};
+    *p = (dml_path){.n = n,
+                    .width = width,
+                    .until = INFINITY,
+                    .every = 1,
+                    .data = (double *)(p + 1)};
     luaL_setmetatable(L, DML_PATH);
     lua_pushvalue(L, system);
     lua_setiuservalue(L, -2, DML_PATH_SYSTEM);
@@ -127,6 +131,25 @@ static int keeps_energy(lua_State *L, int system) {
     return keeps;
 }
 
+/* the last time, and the one that was asked for where no number of steps gives it */
+static void add_end(luaL_Buffer *b, const dml_path *p) {
+    char text[128];
+    snprintf(text, sizeof text, " to t = %.6g", p->t);
+    luaL_addstring(b, text);
+    if (!isfinite(p->until) || p->t < p->until || p->t - p->until < 1e-6 * p->h) return;
+    snprintf(text, sizeof text, " (h = %.6g does not divide the way to %.6g)", p->h, p->until);
+    luaL_addstring(b, text);
+}
+
+/* rows that are fewer than somebody may think */
+static void add_every(luaL_Buffer *b, const dml_path *p) {
+    char text[128];
+    if (p->every <= p->steps || p->every == 1) return;
+    snprintf(text, sizeof text, " (every = %ld is more than the %ld step%s: start and end alone)",
+             p->every, p->steps, plural(p->steps));
+    luaL_addstring(b, text);
+}
+
 static int path_tostring(lua_State *L) {
     const dml_path *p = check(L);
     char text[128];
@@ -141,12 +164,12 @@ static int path_tostring(lua_State *L) {
     add_grouped(&b, p->steps);
     luaL_addstring(&b, p->steps == 1 ? " step of " : " steps of ");
     luaL_addstring(&b, p->rule);
-    snprintf(text, sizeof text, " to t = %.6g", p->t);
-    luaL_addstring(&b, text);
+    add_end(&b, p);
     snprintf(text, sizeof text, " (%.3g ns/step)", p->ns_per_step);
     if (p->ns_per_step > 0.0) luaL_addstring(&b, text);
     if (E) add_energy(&b, E, p, keeps);
     add_columns(L, &b, p);
+    add_every(&b, p);
     luaL_pushresult(&b);
     return 1;
 }

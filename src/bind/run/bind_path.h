@@ -12,6 +12,8 @@ typedef struct {
     long rows;       /* recorded */
     long steps;      /* finished */
     double h, t0, t; /* step, first and last time */
+    double until;    /* time that the run was to reach; infinite where steps were asked for */
+    long every;      /* a row for so many steps */
     double ns_per_step;
     double constraint, rolling; /* largest |g|, |phi| that the solver saw */
     const char *rule;           /* as the user gave it; kept by the path */

@@ -1,5 +1,6 @@
 /* path_columns.c - path.t, path.q, path.p as views, and the names of columns. */
 #include "bind/run/bind_path.h"
+#include "bind/value/array.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -38,10 +39,9 @@ static int columns_index(lua_State *L) {
         return luaL_error(L, "path.%s has rows 1 to %d (got %I)", c->name, (int)p->rows,
                           (LUAI_UACINT)i);
     const double *row = p->data + (size_t)(i - 1) * dml_path_width(p) + c->first;
-    if (c->count == 1 && c->first == 0)
-        lua_pushnumber(L, *row);
-    else
-        memcpy(dml_pushvector(L, c->count), row, c->count * sizeof *row);
+    if (c->count == 1 && c->first == 0) return lua_pushnumber(L, *row), 1;
+    memcpy(dml_pushvector(L, c->count), row, c->count * sizeof *row);
+    dml_toarray(L, -1, 1)->is_copy = 1;
     return 1;
 }
 

@@ -1,7 +1,10 @@
 #include "bind/run/run_file.h"
 
 #include <errno.h>
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static int close_stream(lua_State *L) {
     luaL_Stream *s = luaL_checkudata(L, 1, LUA_FILEHANDLE);
@@ -24,26 +27,34 @@ static void add_fields(lua_State *L, luaL_Buffer *b, int names) {
     }
 }
 
+enum { ROOM = 32 }; /* characters of the number of rows and what follows it */
+
+/* "17,), }" and blanks: of the same length for all numbers */
+static void write_count(char out[ROOM + 1], long rows) {
+    const int length = snprintf(out, ROOM + 1, "%ld,), }", rows);
+    memset(out + length, ' ', (size_t)(ROOM - length));
+    out[ROOM] = '\0';
+}
+
 /* Push the header of version 1.0, or of 3.0 (UTF-8) with its longer size: a text of a length
- * that does not depend on the number of rows, so that it can be written again at the end. */
-static void push_header(lua_State *L, int names, long rows) {
-    enum { ROOM = 32, UNIT = 64 };
+ * that does not depend on the number of rows; *behind: where that stands. */
+static void push_header(lua_State *L, int names, long rows, long *behind) {
+    enum { UNIT = 64 };
     luaL_Buffer b;
-    char count[ROOM];
+    char count[ROOM + 1];
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "{'descr': [");
     add_fields(L, &b, names);
-    const int digits = snprintf(count, sizeof count, "%ld", rows);
     luaL_addstring(&b, "], 'fortran_order': False, 'shape': (");
+    write_count(count, rows);
     luaL_addstring(&b, count);
-    luaL_addstring(&b, ",), }");
-    for (int i = digits; i < ROOM; i++) luaL_addchar(&b, ' ');
     luaL_pushresult(&b);
     const int text = lua_gettop(L);
     size_t length = lua_rawlen(L, -1) + 1;
     int wide = length > 65000;
     for (const char *c = lua_tostring(L, -1); *c; c++) wide |= (*c & 0x80) != 0;
     const size_t head = wide ? 12 : 10, pad = (UNIT - (head + length) % UNIT) % UNIT;
+    *behind = (long)(head + length - 1 - ROOM);
     length += pad;
     luaL_buffinit(L, &b);
     luaL_addlstring(&b, wide ? "\x93NUMPY\3\0" : "\x93NUMPY\1\0", 8);
@@ -56,24 +67,85 @@ static void push_header(lua_State *L, int names, long rows) {
     lua_remove(L, text);
 }
 
-static int write_header(lua_State *L, dml_run_file *f) {
-    push_header(L, f->names, f->rows);
-    const size_t size = lua_rawlen(L, -1);
-    const int fine = fseek(f->stream->f, 0, SEEK_SET) == 0 &&
-                     fwrite(lua_tostring(L, -1), 1, size, f->stream->f) == size;
-    lua_pop(L, 1);
-    return fine;
+/* ---- rows ---- */
+
+/* the header counts the rows that are in the file; Lua is not asked, whose errors would pass an
+ * open stepper */
+static int count_rows(dml_run_file *f) {
+    char count[ROOM + 1];
+    FILE *file = f->stream->f;
+    write_count(count, f->rows);
+    return fflush(file) == 0 && fseek(file, f->behind, SEEK_SET) == 0 &&
+           fwrite(count, 1, ROOM, file) == ROOM && fseek(file, 0, SEEK_END) == 0;
 }
 
 static dm_status flush(void *ud, const double *rows, long count) {
     dml_run_file *f = ud;
     const size_t wanted = (size_t)count * f->width;
-    if (fwrite(rows, sizeof *rows, wanted, f->stream->f) != wanted) return DM_NOT_WRITTEN;
-    f->rows += count;
-    return DM_OK;
+    if (fwrite(rows, sizeof *rows, wanted, f->stream->f) == wanted) {
+        f->rows += count;
+        if (count_rows(f)) return DM_OK;
+    }
+    f->why = errno;
+    return DM_NOT_WRITTEN;
 }
 
-void dml_file_open(lua_State *L, dml_run_file *f, int names) {
+/* ---- a file that is there ---- */
+
+static double time_of(const dml_run_file *f, size_t header, long row) {
+    double t = NAN;
+    const long at = (long)header + row * (long)(f->width * sizeof t);
+    if (fseek(f->stream->f, at, SEEK_SET) != 0 || fread(&t, sizeof t, 1, f->stream->f) != 1)
+        return NAN;
+    return t;
+}
+
+/* Its rows before the time `from` stay, the rest is cut off. 0: it is not a file of these
+ * columns; `header` is on top of the stack. */
+static int keep_rows(lua_State *L, dml_run_file *f, double from) {
+    const size_t size = lua_rawlen(L, -1);
+    const char *header = lua_tostring(L, -1);
+    char *there = lua_newuserdatauv(L, size, 0);
+    FILE *file = f->stream->f;
+    if (fread(there, 1, size, file) != size) return 0;
+    const size_t behind = (size_t)f->behind;
+    if (memcmp(there, header, behind) != 0 ||
+        memcmp(there + behind + ROOM, header + behind + ROOM, size - behind - ROOM) != 0)
+        return 0;
+    there[behind + ROOM] = '\0';
+    long least = 0, most = strtol(there + behind, NULL, 10);
+    while (least < most) { /* rows before `least` are earlier, those from `most` on are not */
+        const long middle = least + (most - least) / 2;
+        if (time_of(f, size, middle) < from)
+            least = middle + 1;
+        else
+            most = middle;
+    }
+    f->rows = least;
+    fflush(file);
+    return ftruncate(fileno(file), (off_t)size + least * (off_t)(f->width * sizeof(double))) == 0 &&
+           count_rows(f);
+}
+
+/* open for reading and writing: the file as it is, or (fresh) emptied */
+static void open_stream(lua_State *L, dml_run_file *f, int fresh) {
+    f->stream = lua_newuserdatauv(L, sizeof *f->stream, 0);
+    f->stream->closef = NULL;
+    f->stream->f = NULL;
+    luaL_setmetatable(L, LUA_FILEHANDLE);
+    f->stream->f = fopen(f->name, fresh ? "w+b" : "r+b");
+    if (!f->stream->f) luaL_error(L, "field 'file': cannot open %s: %s", f->name, strerror(errno));
+    f->stream->closef = close_stream;
+}
+
+static int is_there(const char *name) {
+    FILE *file = fopen(name, "rb");
+    const int there = file && fgetc(file) != EOF;
+    if (file) fclose(file);
+    return there;
+}
+
+void dml_file_open(lua_State *L, dml_run_file *f, int names, double from) {
     const int one = 1;
     lua_getfield(L, 2, "file");
     if (lua_type(L, -1) != LUA_TSTRING || !strstr(lua_tostring(L, -1), ".npy"))
@@ -82,25 +154,33 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names) {
     if (*(const char *)&one != 1)
         luaL_error(L, "rows are written to a file on little-endian machines only");
     f->name = lua_tostring(L, -1);
-    f->stream = lua_newuserdatauv(L, sizeof *f->stream, 0);
-    f->stream->closef = NULL;
-    f->stream->f = NULL;
-    luaL_setmetatable(L, LUA_FILEHANDLE);
-    f->stream->f = fopen(f->name, "w+b");
-    if (!f->stream->f) luaL_error(L, "field 'file': cannot open %s: %s", f->name, strerror(errno));
-    f->stream->closef = close_stream;
     f->names = names;
     f->width = (size_t)lua_rawlen(L, names);
     f->rows = 0;
     f->outlet = (dm_outlet){.room = DML_ROWS_IN_MEMORY, .flush = flush, .ud = f};
-    if (!write_header(L, f))
+    const int goes_on = !isnan(from) && is_there(f->name);
+    open_stream(L, f, !goes_on);
+    push_header(L, names, 0, &f->behind);
+    if (goes_on) {
+        if (!keep_rows(L, f, from))
+            luaL_error(L,
+                       "field 'file': %s holds no rows of this run (other columns, or another kind "
+                       "of file): a run that goes on adds to its own; give a new name",
+                       f->name);
+    } else if (fwrite(lua_tostring(L, -1), 1, lua_rawlen(L, -1), f->stream->f) !=
+               lua_rawlen(L, -1)) {
         luaL_error(L, "field 'file': cannot write %s: %s", f->name, strerror(errno));
+    }
 }
 
 int dml_file_close(lua_State *L, dml_run_file *f) {
-    const int written = write_header(L, f);
+    (void)L;
     FILE *file = f->stream->f;
+    const int counted = count_rows(f);
+    if (!counted) f->why = errno;
     f->stream->closef = NULL; /* closed: as io.close leaves it */
     f->stream->f = NULL;
-    return (fclose(file) == 0) & written;
+    if (fclose(file) == 0 && counted) return 1;
+    if (counted) f->why = errno;
+    return 0;
 }

@@ -1,4 +1,5 @@
-/* run_file.h - rows of a run that go to a .npy file as they come, so that memory stays bounded. */
+/* run_file.h - rows of a run that go to a .npy file as they come, so that memory stays bounded. The
+ * header counts them block by block: of a run that is killed the file is whole up to there. */
 #ifndef DML_RUN_FILE_H
 #define DML_RUN_FILE_H
 
@@ -14,16 +15,19 @@ typedef struct {
     luaL_Stream *stream;
     const char *name; /* on the stack */
     size_t width;
-    long rows; /* written */
-    int names; /* stack index of the names of columns */
+    long rows;   /* in the file, as its header says between two blocks */
+    long behind; /* place of the number of rows in the header, in bytes */
+    int names;   /* stack index of the names of columns */
+    int why;     /* errno of what could not be written */
 } dml_run_file;
 
-/* Open the file that field 'file' of the options at 2 names and write the header for the columns
- * whose names are the list at `names`. Raises when that is not possible. Leaves things on the
- * stack that must stay. */
-void dml_file_open(lua_State *L, dml_run_file *f, int names);
+/* Open the file that field 'file' of the options at 2 names, for the columns whose names are the
+ * list at `names`. A run that goes on (from: its time; NaN: a start) adds to a file of the same
+ * columns, whose rows from that time on it replaces. Raises when that is not possible. Leaves
+ * things on the stack that must stay. */
+void dml_file_open(lua_State *L, dml_run_file *f, int names, double from);
 
-/* Write the number of rows into the header and close. 0: the disk is full. */
+/* Close it. 0: it is not whole, f->why says why. */
 int dml_file_close(lua_State *L, dml_run_file *f);
 
 #endif

@@ -101,6 +101,7 @@ static void keep_report(const dml_stepping *r, long steps, double seconds) {
 /* what the method itself knows of it, or NULL */
 static const char *why_of(const dml_stepping *r, dm_status status) {
     dm_stepper s = r->stepper;
+    if (status == DM_NOT_WRITTEN) return r->unwritten;
     return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
 }
 
@@ -117,7 +118,7 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
     const dml_failure f = {.constraint = rolls ? 0 : constraint,
                            .rolling = rolls ? constraint - (int)constraints->holonomic : 0,
                            .status = status,
-                           .step = done + (status != DM_STOPPED),
+                           .step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN),
                            .time = r->t0 + s->h * (double)done,
                            .h = s->h,
                            .residual = r->stepper.report.residual,
@@ -144,12 +145,19 @@ typedef struct {
     const dml_checkpoint *from; /* where it goes on; NULL: a start */
     const char *rule, *saving;  /* file of checkpoints; NULL: none */
     int names, path;            /* stack indices */
+    int unwritten;              /* errno of the checkpoint that could not be written, or 0 */
 } run;
 
 static void show_progress(void *ud, long done, long steps) {
     const run *u = ud;
     const double seconds = now() - u->began, rate = (double)done / seconds;
     dml_progress(u->L, "run", (double)done / (double)steps, rate, (double)(steps - done) / rate);
+}
+
+/* where the checkpoint is that a run goes on from */
+static double find_time(const run *u) {
+    if (u->r.solver->method->traits & DM_OWN_TIME) return u->from->state[4 * (size_t)u->from->n];
+    return u->from->t0 + (double)u->from->steps * u->r.solver->h;
 }
 
 /* time of the first state, from the options or the checkpoint that the solver starts from */
@@ -169,8 +177,7 @@ static double find_start(lua_State *L, run *u) {
     u->resume = (dm_resumption){.steps = u->from->steps,
                                 .memory = u->from->state + dm_state_size(u->from->n)};
     u->plan.resume = &u->resume;
-    if (u->r.solver->method->traits & DM_OWN_TIME) return u->from->state[4 * (size_t)u->from->n];
-    return u->r.t0 + (double)u->from->steps * u->r.solver->h;
+    return find_time(u);
 }
 
 /* how long: steps = n, or t = duration, or up to the last of the times `at`, from the time
@@ -221,12 +228,14 @@ static void read_saving(lua_State *L, run *u) {
         luaL_error(L, "field 'checkpoint': cannot write %s: %s", u->saving, strerror(errno));
 }
 
-/* between two steps: a checkpoint of where the run is; what cannot be written is said at the end */
-static void save(void *ud, long done) {
+/* between two steps: a checkpoint of where the run is; one that cannot be written ends the run */
+static dm_status save(void *ud, long done) {
     run *u = ud;
     dml_checkpoint_take(u->end, &u->r, done + u->resume.steps);
     dml_checkpoint_check(u->end, &u->r);
-    dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving);
+    if (dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving)) return DM_OK;
+    u->unwritten = errno;
+    return DM_NOT_WRITTEN;
 }
 
 static void read_plan(lua_State *L, run *u) {
@@ -287,7 +296,8 @@ static dml_path *make_path(lua_State *L, run *u) {
 /* the file of rows, whose columns the path knows */
 static void open_file(lua_State *L, run *u) {
     lua_getfield(L, u->path, "columns");
-    dml_file_open(L, &u->file, lua_gettop(L));
+    const double from = u->from ? find_time(u) : NAN;
+    dml_file_open(L, &u->file, lua_gettop(L), from);
     u->plan.outlet = &u->file.outlet;
     lua_pushstring(L, u->file.name);
     lua_setiuservalue(L, u->path, DML_PATH_FILE);
@@ -324,6 +334,8 @@ static void fill_path(run *u, dml_path *path, long done, long rows, double secon
         rows = 1;
     }
     path->rows = rows, path->steps = done;
+    path->every = u->plan.every;
+    if (!u->plan.at) path->until = u->plan.until;
     path->t = rows ? path->data[(size_t)(rows - 1) * width] : u->plan.t0;
     path->ns_per_step = done ? seconds * 1e9 / (double)done : 0.0;
     path->constraint = u->r.stepper.report.constraint;
@@ -340,15 +352,25 @@ static void keep_end(run *u, long done) {
     u->r.t0 = t0;
 }
 
+/* note which file ended the run, for its failure; the text stays on the stack */
+static void note_unwritten(lua_State *L, run *u, const char *file, int why) {
+    if (u->r.unwritten) return;
+    u->r.unwritten = lua_pushfstring(L, "cannot write %s: %s; the path so far is in failure.path",
+                                     file, strerror(why));
+}
+
 /* files and events of a run whose path is whole */
 static dm_status finish(lua_State *L, run *u, dm_status status) {
-    int written = !u->plan.outlet || dml_file_close(L, &u->file);
-    if (u->saving) written &= dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving);
+    if (u->unwritten) note_unwritten(L, u, u->saving, u->unwritten);
+    if (u->plan.outlet && !dml_file_close(L, &u->file))
+        note_unwritten(L, u, u->file.name, u->file.why);
+    if (u->saving && !dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving))
+        note_unwritten(L, u, u->saving, errno);
     if (u->plan.events) {
         dml_pushevents(L, &u->events);
         lua_setiuservalue(L, u->path, DML_PATH_EVENTS);
     }
-    return status == DM_OK && !written ? DM_NOT_WRITTEN : status;
+    return status == DM_OK && u->r.unwritten ? DM_NOT_WRITTEN : status;
 }
 
 int dml_solver_run(lua_State *L) {

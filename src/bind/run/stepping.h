@@ -55,10 +55,11 @@ typedef struct {
     unsigned wants;    /* kernels of the rule */
     dm_stepper stepper;
     double t0;
-    double *x;      /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
-    double *state;  /* dm_state_size doubles */
-    double *work;   /* for the Legendre transform */
-    double *metric; /* with constraints: inverse mass [n, n], then scratch */
+    double *x;             /* inputs of L or Ld at the start: (q, v, t) or (q0, q1) */
+    double *state;         /* dm_state_size doubles */
+    double *work;          /* for the Legendre transform */
+    const char *unwritten; /* the file that ended the run, "name: why", or NULL */
+    double *metric;        /* with constraints: inverse mass [n, n], then scratch */
 } dml_stepping;
 
 /* Trace, make the kernels and take all memory. Leaves system, model and workspace on the

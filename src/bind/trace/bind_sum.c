@@ -48,7 +48,7 @@ static dml_scalar call(lua_State *L, const request *r, uint32_t i, uint32_t shif
     if (r->to) push_body(L, r, (i + shift) % r->bodies);
     for (int k = 1; k <= r->given; k++)
         if (!r->width[k]) lua_pushvalue(L, k);
-    lua_call(L, r->signature.arguments, 1);
+    dml_callone(L, r->signature.arguments, r->signature.what);
     const int result = lua_gettop(L);
     dml_result_length(L, &r->signature, result);
     const dml_scalar x = dml_result_entry(L, &r->signature, result, 0);

@@ -92,7 +92,7 @@ void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double
     fn = lua_absindex(L, fn);
     luaL_checkstack(L, s->arguments + 10, NULL);
     push_numbers(L, fn, s, in);
-    lua_call(L, s->arguments, 1);
+    dml_callone(L, s->arguments, s->what);
     const int result = lua_gettop(L);
     const uint32_t n = dml_result_length(L, s, result);
     if (n != outputs)
@@ -215,7 +215,7 @@ typedef struct {
 static int call_traced(lua_State *L) {
     const tracing *t = lua_touserdata(L, -1);
     lua_pop(L, 1);
-    lua_call(L, t->s->arguments, 1);
+    dml_callone(L, t->s->arguments, t->s->what);
     read_result(L, t->s, t->frame, t->out);
     return 0;
 }
@@ -230,7 +230,7 @@ static int call_with_symbols(lua_State *L, int fn, const tracing *t) {
     lua_pushlightuserdata(L, (void *)(uintptr_t)t);
     if (again) return dml_try(L, t->s->arguments + 2, 0);
     lua_pop(L, 1);
-    lua_call(L, t->s->arguments, 1);
+    dml_callone(L, t->s->arguments, t->s->what);
     read_result(L, t->s, t->frame, t->out);
     return 1;
 }

@@ -50,7 +50,7 @@ static dml_hyperdual call(lua_State *L, const job *j, uint32_t a, uint32_t b) {
         dml_pushargument(L, s, k, x);
         x += s->length[k] == DML_SCALAR_ARGUMENT ? 1 : s->length[k];
     }
-    lua_call(L, s->arguments, 1);
+    dml_callone(L, s->arguments, s->what);
     const int result = lua_gettop(L);
     dml_result_length(L, s, result);
     dml_scalar y = dml_result_entry(L, s, result, 0);

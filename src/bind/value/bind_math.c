@@ -1,65 +1,63 @@
-/* bind_math.c - math.* for numbers, symbols and hyper-dual numbers, and the same
- * functions in dm. Plain numbers, and whatever is wrong, go straight to Lua's own
- * function, so that results and messages are its own. */
+/* bind_math.c - math.* for numbers, symbols and hyper-dual numbers, and the same functions in dm.
+ * They are plain C functions, as Lua's own: numbers take the way that they take there, with its
+ * results and messages; only what is no number is looked at. */
 #include "bind/core/state.h"
 #include "bind/value/array.h"
 
 #include <math.h>
 
-/* one wrapped function; `call` gets 1 .. 3 arguments of which one is a symbol or
- * hyper-dual number */
-typedef struct {
-    const char *name;
+/* one function; `call` gets 1 or 2 arguments of which one is a symbol or hyper-dual number */
+typedef struct function {
+    dml_row row;
     dm_op op;
-    int (*call)(lua_State *L, const dml_scalar *x, int n, dm_op op);
-    const char *doc;
-} wrapper;
+    int (*call)(lua_State *L, const dml_scalar *x, int n, const struct function *f);
+} function;
 
 static int push(lua_State *L, const dml_scalar *x) {
     dml_pushscalar(L, x);
     return 1;
 }
 
-static int unary(lua_State *L, const dml_scalar *x, int n, dm_op op) {
-    const dml_scalar y = dml_apply(L, op, x, NULL, NULL);
+static int unary(lua_State *L, const dml_scalar *x, int n, const function *f) {
+    const dml_scalar y = dml_apply(L, f->op, x, NULL, NULL);
     (void)n;
     return push(L, &y);
 }
 
-static int arctangent(lua_State *L, const dml_scalar *x, int n, dm_op op) {
-    if (n < 2) return unary(L, x, n, op);
+static int arctangent(lua_State *L, const dml_scalar *x, int n, const function *f) {
+    if (n < 2) return unary(L, x, n, f);
     const dml_scalar y = dml_apply(L, DM_OP_ATAN2, x, x + 1, NULL);
     return push(L, &y);
 }
 
-static int power(lua_State *L, const dml_scalar *x, int n, dm_op op) {
+static int power(lua_State *L, const dml_scalar *x, int n, const function *f) {
     if (n < 2) return luaL_argerror(L, 2, "number expected, got no value");
-    const dml_scalar y = dml_apply(L, op, x, x + 1, NULL);
+    const dml_scalar y = dml_apply(L, f->op, x, x + 1, NULL);
     return push(L, &y);
 }
 
 /* log(x) or log(x, base) = log(x) / log(base) */
-static int logarithm(lua_State *L, const dml_scalar *x, int n, dm_op op) {
-    dml_scalar y = dml_apply(L, op, x, NULL, NULL);
+static int logarithm(lua_State *L, const dml_scalar *x, int n, const function *f) {
+    dml_scalar y = dml_apply(L, f->op, x, NULL, NULL);
     if (n > 1) {
-        const dml_scalar base = dml_apply(L, op, x + 1, NULL, NULL);
+        const dml_scalar base = dml_apply(L, f->op, x + 1, NULL, NULL);
         y = dml_apply(L, DM_OP_DIV, &y, &base, NULL);
     }
     return push(L, &y);
 }
 
-static int logarithm10(lua_State *L, const dml_scalar *x, int n, dm_op op) {
+static int logarithm10(lua_State *L, const dml_scalar *x, int n, const function *f) {
     const dml_scalar pair[2] = {*x, {.kind = DML_NUMBER, .as.number = 10}};
     (void)n;
-    return logarithm(L, pair, 2, op);
+    return logarithm(L, pair, 2, f);
 }
 
-static int extremum(lua_State *L, const dml_scalar *x, int n, dm_op op) {
+static int extremum(lua_State *L, const dml_scalar *x, int n, const function *f) {
     dml_scalar y = *x;
     for (int k = 2; k <= lua_gettop(L); k++) {
         dml_scalar z;
         if (!dml_toscalar(L, k, &z)) return luaL_typeerror(L, k, "number");
-        y = dml_apply(L, op, &y, &z, NULL);
+        y = dml_apply(L, f->op, &y, &z, NULL);
     }
     (void)n;
     return push(L, &y);
@@ -81,26 +79,21 @@ static double value_of(const dml_scalar *x) {
     return x->kind == DML_HYPERDUAL ? x->as.hyper.f : x->as.number;
 }
 
-/* call Lua's own function on the value */
-static int on_value(lua_State *L, double x, int results) {
+/* the function on the value alone */
+static int on_value(lua_State *L, double x, const function *f) {
     lua_settop(L, 0);
-    lua_pushvalue(L, lua_upvalueindex(1));
     lua_pushnumber(L, x);
-    lua_call(L, 1, results);
-    return results;
+    return f->row.call(L);
 }
 
-static int whole(lua_State *L, const dml_scalar *x, int n, dm_op op) {
-    const wrapper *w = lua_touserdata(L, lua_upvalueindex(2));
-    (void)op;
-    need_value(L, x, n, w->name);
-    return on_value(L, value_of(x), 1);
+static int whole(lua_State *L, const dml_scalar *x, int n, const function *f) {
+    need_value(L, x, n, f->row.name);
+    return on_value(L, value_of(x), f);
 }
 
 /* x - n y with the whole number n = x/y cut off towards zero */
-static int remainder_of(lua_State *L, const dml_scalar *x, int n, dm_op op) {
-    (void)op;
-    need_value(L, x, n, "fmod");
+static int remainder_of(lua_State *L, const dml_scalar *x, int n, const function *f) {
+    need_value(L, x, n, f->row.name);
     if (n < 2) return luaL_argerror(L, 2, "number expected, got no value");
     const double a = value_of(x), b = value_of(x + 1);
     const dml_scalar quotient = {.kind = DML_NUMBER, .as.number = trunc(a / b)};
@@ -109,60 +102,18 @@ static int remainder_of(lua_State *L, const dml_scalar *x, int n, dm_op op) {
     return push(L, &rest);
 }
 
-static int parts(lua_State *L, const dml_scalar *x, int n, dm_op op) {
-    (void)op;
-    need_value(L, x, n, "modf");
-    on_value(L, value_of(x), 1);
-    const dml_scalar integral = {.kind = DML_NUMBER, .as.number = lua_tonumber(L, -1)};
+static int parts(lua_State *L, const dml_scalar *x, int n, const function *f) {
+    need_value(L, x, n, f->row.name);
+    const dml_scalar integral = {.kind = DML_NUMBER, .as.number = trunc(value_of(x))};
     const dml_scalar fraction = dml_apply(L, DM_OP_SUB, x, &integral, NULL);
+    lua_pushnumber(L, integral.as.number);
     return 1 + push(L, &fraction);
 }
 
-/* ---- the table ---- */
+/* ---- what is no number ---- */
 
-static const wrapper wrappers[] = {
-    {"sin", DM_OP_SIN, unary, "math.sin(x) -> number\nThe sine; x in radians."},
-    {"cos", DM_OP_COS, unary, "math.cos(x) -> number\nThe cosine; x in radians."},
-    {"tan", DM_OP_TAN, unary, "math.tan(x) -> number\nThe tangent; x in radians."},
-    {"asin", DM_OP_ASIN, unary,
-     "math.asin(x) -> number\nThe arc sine, in radians; NaN outside [-1, 1]."},
-    {"acos", DM_OP_ACOS, unary,
-     "math.acos(x) -> number\nThe arc cosine, in radians; NaN outside [-1, 1]."},
-    {"atan", DM_OP_ATAN, arctangent,
-     "math.atan(y [, x]) -> number\n"
-     "The angle of the point (x, y), x = 1 when left out, in radians."},
-    {"exp", DM_OP_EXP, unary, "math.exp(x) -> number\nThe exponential."},
-    {"log", DM_OP_LOG, logarithm,
-     "math.log(x [, base]) -> number\n"
-     "The logarithm, natural when base is left out; NaN for x < 0."},
-    {"sqrt", DM_OP_SQRT, unary, "math.sqrt(x) -> number\nThe square root; NaN for x < 0."},
-    {"abs", DM_OP_ABS, unary, "math.abs(x) -> number\nThe absolute value."},
-    {"max", DM_OP_MAX, extremum, "math.max(x, ...) -> number\nThe largest of its arguments."},
-    {"min", DM_OP_MIN, extremum, "math.min(x, ...) -> number\nThe smallest of its arguments."},
-    {"sinh", DM_OP_SINH, unary, "dm.sinh(x) -> number\nThe hyperbolic sine."},
-    {"cosh", DM_OP_COSH, unary, "dm.cosh(x) -> number\nThe hyperbolic cosine."},
-    {"tanh", DM_OP_TANH, unary, "dm.tanh(x) -> number\nThe hyperbolic tangent."},
-    {"sign", DM_OP_SIGN, unary,
-     "dm.sign(x) -> number\n1, 0 or -1: the sign of x; its derivative is taken as 0."},
-    {"pow", DM_OP_POW, power, "dm.pow(x, y) -> number\nThe power x^y."},
-    {"log10", DM_OP_LOG, logarithm10, "dm.log10(x) -> number\nThe logarithm to base 10."},
-    {"floor", DM_OP_COUNT, whole,
-     "math.floor(x) -> integer\n"
-     "The largest integer <= x. Raises on a symbol: see dm.where."},
-    {"ceil", DM_OP_COUNT, whole,
-     "math.ceil(x) -> integer\n"
-     "The smallest integer >= x. Raises on a symbol: see dm.where."},
-    {"tointeger", DM_OP_COUNT, whole,
-     "math.tointeger(x) -> integer\n"
-     "x as an integer, or nil. Raises on a symbol: see dm.where."},
-    {"fmod", DM_OP_COUNT, remainder_of,
-     "math.fmod(x, y) -> number\n"
-     "The remainder of x / y with the sign of x. Raises on a symbol."},
-    {"modf", DM_OP_COUNT, parts,
-     "math.modf(x) -> number, number\n"
-     "Integral and fractional part of x. Raises on a symbol."},
-    {NULL, DM_OP_COUNT, NULL, NULL},
-};
+enum { MAX, MIN }; /* the first of the table */
+static const function functions[];
 
 static int is_special(lua_State *L, int arg) {
     if (lua_type(L, arg) != LUA_TUSERDATA) return 0;
@@ -170,36 +121,277 @@ static int is_special(lua_State *L, int arg) {
     return class == DML_CLASS_SYMBOL || class == DML_CLASS_HYPERDUAL;
 }
 
-/* numbers where Lua has no function of that name */
-static int plain(lua_State *L, const wrapper *w) {
-    dml_scalar x[2] = {{.kind = DML_NUMBER}, {.kind = DML_NUMBER}};
-    const int n = lua_gettop(L) > 1 ? 2 : 1;
-    for (int k = 0; k < n; k++) x[k].as.number = luaL_checknumber(L, k + 1);
-    return w->call(L, x, n, w->op);
+static const function *find(lua_CFunction enter) {
+    const function *f = functions;
+    while (f->row.call != enter) f++;
+    return f;
 }
 
-/* upvalue 1: Lua's own function or nil, 2: the row, 3: true when the former may be
- * entered directly */
-static int wrapped(lua_State *L) {
-    const wrapper *w = lua_touserdata(L, lua_upvalueindex(2));
+/* Is one of the arguments a symbol or hyper-dual number? Then *results were pushed. */
+static int is_done(lua_State *L, lua_CFunction enter, int *results) {
     const int top = lua_gettop(L);
     int special = 0;
     for (int k = 1; k <= top && !special; k++) special = is_special(L, k);
-    if (!special) {
-        if (lua_toboolean(L, lua_upvalueindex(3)))
-            return lua_tocfunction(L, lua_upvalueindex(1))(L);
-        if (lua_isnil(L, lua_upvalueindex(1))) return plain(L, w);
-        lua_pushvalue(L, lua_upvalueindex(1));
-        lua_insert(L, 1);
-        lua_call(L, top, LUA_MULTRET);
-        return lua_gettop(L);
-    }
+    if (!special) return 0;
     dml_scalar x[2];
     const int n = top > 1 ? 2 : 1;
     for (int k = 0; k < n; k++)
         if (!dml_toscalar(L, k + 1, x + k)) return luaL_typeerror(L, k + 1, "number");
-    return w->call(L, x, n, w->op);
+    const function *f = find(enter);
+    *results = f->call(L, x, n, f);
+    return 1;
 }
+
+/* ---- numbers, as in Lua's lmathlib.c ---- */
+
+/* y = f(x) of one number */
+#define OF_ONE(name, f)                                                                            \
+    static int math_##name(lua_State *L) {                                                         \
+        int is_number, results;                                                                    \
+        const double x = lua_tonumberx(L, 1, &is_number);                                          \
+        if (!is_number && is_done(L, math_##name, &results)) return results;                       \
+        lua_pushnumber(L, f(is_number ? x : luaL_checknumber(L, 1)));                              \
+        return 1;                                                                                  \
+    }
+static double sign_of(double x) {
+    return dm_op_value(DM_OP_SIGN, x, 0, 0);
+}
+OF_ONE(sin, sin)
+OF_ONE(cos, cos)
+OF_ONE(tan, tan)
+OF_ONE(asin, asin)
+OF_ONE(acos, acos)
+OF_ONE(exp, exp)
+OF_ONE(sqrt, sqrt)
+OF_ONE(sinh, sinh)
+OF_ONE(cosh, cosh)
+OF_ONE(tanh, tanh)
+OF_ONE(log10, log10)
+OF_ONE(sign, sign_of)
+
+/* numbers at 1 and 2: 2; at 1 alone: 1; 0: the results were pushed */
+static int read_two(lua_State *L, lua_CFunction enter, double x[2], int *results) {
+    int first, second;
+    x[0] = lua_tonumberx(L, 1, &first);
+    x[1] = lua_tonumberx(L, 2, &second);
+    if ((!first || !second) && is_done(L, enter, results)) return 0;
+    if (!first) luaL_checknumber(L, 1);
+    if (!second && !lua_isnoneornil(L, 2)) luaL_checknumber(L, 2);
+    return second ? 2 : 1;
+}
+
+static int math_atan(lua_State *L) {
+    double x[2];
+    int results;
+    const int n = read_two(L, math_atan, x, &results);
+    if (!n) return results;
+    lua_pushnumber(L, atan2(x[0], n > 1 ? x[1] : 1.0));
+    return 1;
+}
+
+static int math_log(lua_State *L) {
+    double x[2];
+    int results;
+    const int n = read_two(L, math_log, x, &results);
+    if (!n) return results;
+    const double y = n == 1         ? log(x[0])
+                     : x[1] == 2.0  ? log2(x[0])
+                     : x[1] == 10.0 ? log10(x[0])
+                                    : log(x[0]) / log(x[1]);
+    lua_pushnumber(L, y);
+    return 1;
+}
+
+static int math_pow(lua_State *L) {
+    double x[2];
+    int results;
+    const int n = read_two(L, math_pow, x, &results);
+    if (!n) return results;
+    if (n < 2) luaL_checknumber(L, 2);
+    lua_pushnumber(L, pow(x[0], x[1]));
+    return 1;
+}
+
+static int math_abs(lua_State *L) {
+    int results;
+    if (lua_isinteger(L, 1)) {
+        const lua_Integer n = lua_tointeger(L, 1);
+        lua_pushinteger(L, n < 0 ? (lua_Integer)(0u - (lua_Unsigned)n) : n);
+        return 1;
+    }
+    if (lua_type(L, 1) != LUA_TNUMBER && is_done(L, math_abs, &results)) return results;
+    lua_pushnumber(L, fabs(luaL_checknumber(L, 1)));
+    return 1;
+}
+
+/* an integer where it fits, else the number */
+static int push_whole(lua_State *L, double x) {
+    lua_Integer n;
+    if (lua_numbertointeger(x, &n))
+        lua_pushinteger(L, n);
+    else
+        lua_pushnumber(L, x);
+    return 1;
+}
+
+/* a number with a fraction is none of Lua's integers, which stay as they are */
+#define TO_WHOLE(name)                                                                             \
+    static int math_##name(lua_State *L) {                                                         \
+        int is_number, results;                                                                    \
+        double x = lua_tonumberx(L, 1, &is_number);                                                \
+        if (!is_number && is_done(L, math_##name, &results)) return results;                       \
+        if (!is_number) x = luaL_checknumber(L, 1);                                                \
+        const double y = name(x);                                                                  \
+        if (x == y && lua_isinteger(L, 1)) return lua_settop(L, 1), 1;                             \
+        return push_whole(L, y);                                                                   \
+    }
+TO_WHOLE(floor)
+TO_WHOLE(ceil)
+
+/* Lua compares the arguments, and asks symbols and hyper-dual numbers only where there are some:
+ * these say so here. */
+static _Thread_local int compared;
+
+/* the C function that runs at that level, behind a row with a doc too */
+static lua_CFunction running(lua_State *L, int level) {
+    lua_Debug ar;
+    if (!lua_getstack(L, level, &ar) || !lua_getinfo(L, "f", &ar)) return NULL;
+    const lua_CFunction f = dml_rowof(L, -1);
+    lua_pop(L, 1);
+    return f;
+}
+
+int dml_inmax(lua_State *L) {
+    const lua_CFunction caller = running(L, 1);
+    if (caller != functions[MAX].row.call && caller != functions[MIN].row.call) return 0;
+    return compared = 1;
+}
+
+/* the argument itself is the result, an integer or not */
+static inline int farthest(lua_State *L, lua_CFunction enter, int largest) {
+    const int n = lua_gettop(L);
+    int best = 1, results;
+    luaL_argcheck(L, n >= 1, 1, "value expected");
+    for (int k = 2; k <= n; k++)
+        if (lua_compare(L, largest ? best : k, largest ? k : best, LUA_OPLT)) best = k;
+    if (compared) {
+        compared = 0;
+        if (is_done(L, enter, &results)) return results;
+    }
+    if (best < n) lua_settop(L, best);
+    return 1;
+}
+
+static int math_max(lua_State *L) {
+    return farthest(L, math_max, 1);
+}
+
+static int math_min(lua_State *L) {
+    return farthest(L, math_min, 0);
+}
+
+/* Lua's own function of that name, which is kept in the registry: those that few loops call */
+static int call_own(lua_State *L, lua_CFunction enter) {
+    int results;
+    if (is_done(L, enter, &results)) return results;
+    const int top = lua_gettop(L);
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_math");
+    lua_getfield(L, -1, find(enter)->row.name);
+    lua_insert(L, 1);
+    lua_settop(L, top + 1);
+    if (lua_tocfunction(L, 1)) { /* entered directly, so that messages name this one */
+        const lua_CFunction own = lua_tocfunction(L, 1);
+        lua_remove(L, 1);
+        return own(L);
+    }
+    lua_call(L, top, LUA_MULTRET);
+    return lua_gettop(L);
+}
+
+static int math_tointeger(lua_State *L) {
+    return call_own(L, math_tointeger);
+}
+
+static int math_fmod(lua_State *L) {
+    return call_own(L, math_fmod);
+}
+
+static int math_modf(lua_State *L) {
+    return call_own(L, math_modf);
+}
+
+/* ---- the table ---- */
+
+static const function functions[] = {
+    {{"max", math_max, "math.max(x, ...) -> number\nThe largest of its arguments."},
+     DM_OP_MAX,
+     extremum},
+    {{"min", math_min, "math.min(x, ...) -> number\nThe smallest of its arguments."},
+     DM_OP_MIN,
+     extremum},
+    {{"sin", math_sin, "math.sin(x) -> number\nThe sine; x in radians."}, DM_OP_SIN, unary},
+    {{"cos", math_cos, "math.cos(x) -> number\nThe cosine; x in radians."}, DM_OP_COS, unary},
+    {{"tan", math_tan, "math.tan(x) -> number\nThe tangent; x in radians."}, DM_OP_TAN, unary},
+    {{"asin", math_asin, "math.asin(x) -> number\nThe arc sine, in radians; NaN outside [-1, 1]."},
+     DM_OP_ASIN,
+     unary},
+    {{"acos", math_acos,
+      "math.acos(x) -> number\nThe arc cosine, in radians; NaN outside [-1, 1]."},
+     DM_OP_ACOS,
+     unary},
+    {{"atan", math_atan,
+      "math.atan(y [, x]) -> number\n"
+      "The angle of the point (x, y), x = 1 when left out, in radians."},
+     DM_OP_ATAN,
+     arctangent},
+    {{"exp", math_exp, "math.exp(x) -> number\nThe exponential."}, DM_OP_EXP, unary},
+    {{"log", math_log,
+      "math.log(x [, base]) -> number\n"
+      "The logarithm, natural when base is left out; NaN for x < 0."},
+     DM_OP_LOG,
+     logarithm},
+    {{"sqrt", math_sqrt, "math.sqrt(x) -> number\nThe square root; NaN for x < 0."},
+     DM_OP_SQRT,
+     unary},
+    {{"abs", math_abs, "math.abs(x) -> number\nThe absolute value."}, DM_OP_ABS, unary},
+    {{"sinh", math_sinh, "dm.sinh(x) -> number\nThe hyperbolic sine."}, DM_OP_SINH, unary},
+    {{"cosh", math_cosh, "dm.cosh(x) -> number\nThe hyperbolic cosine."}, DM_OP_COSH, unary},
+    {{"tanh", math_tanh, "dm.tanh(x) -> number\nThe hyperbolic tangent."}, DM_OP_TANH, unary},
+    {{"sign", math_sign,
+      "dm.sign(x) -> number\n1, 0 or -1: the sign of x; its derivative is taken as 0."},
+     DM_OP_SIGN,
+     unary},
+    {{"pow", math_pow, "dm.pow(x, y) -> number\nThe power x^y."}, DM_OP_POW, power},
+    {{"log10", math_log10, "dm.log10(x) -> number\nThe logarithm to base 10."},
+     DM_OP_LOG,
+     logarithm10},
+    {{"floor", math_floor,
+      "math.floor(x) -> integer\n"
+      "The largest integer <= x. Raises on a symbol: see dm.where."},
+     DM_OP_COUNT,
+     whole},
+    {{"ceil", math_ceil,
+      "math.ceil(x) -> integer\n"
+      "The smallest integer >= x. Raises on a symbol: see dm.where."},
+     DM_OP_COUNT,
+     whole},
+    {{"tointeger", math_tointeger,
+      "math.tointeger(x) -> integer\n"
+      "x as an integer, or nil. Raises on a symbol: see dm.where."},
+     DM_OP_COUNT,
+     whole},
+    {{"fmod", math_fmod,
+      "math.fmod(x, y) -> number\n"
+      "The remainder of x / y with the sign of x. Raises on a symbol."},
+     DM_OP_COUNT,
+     remainder_of},
+    {{"modf", math_modf,
+      "math.modf(x) -> number, number\n"
+      "Integral and fractional part of x. Raises on a symbol."},
+     DM_OP_COUNT,
+     parts},
+    {{NULL, NULL, NULL}, DM_OP_COUNT, NULL},
+};
 
 static const dml_scalar *check_scalar(lua_State *L, int arg, dml_scalar *x) {
     if (!dml_toscalar(L, arg, x)) luaL_typeerror(L, arg, "number");
@@ -217,70 +409,49 @@ static int where(lua_State *L) {
     return push(L, &y);
 }
 
-static const dml_row functions[] = {{"where", where,
-                                     "dm.where(c, a, b) -> number\n"
-                                     "a where c > 0, else b: the way to branch in a function that "
-                                     "is traced. Both sides are computed; derivatives are those of "
-                                     "the side that is taken."},
-                                    {NULL, NULL, NULL}};
+static const dml_row rows[] = {{"where", where,
+                                "dm.where(c, a, b) -> number\n"
+                                "a where c > 0, else b: the way to branch in a function that is "
+                                "traced. Both sides are computed; derivatives are those of the "
+                                "side that is taken."},
+                               {NULL, NULL, NULL}};
 
-/* a C function without upvalues needs no call of its own */
-static int is_light(lua_State *L, int arg) {
-    return lua_iscfunction(L, arg) && !lua_getupvalue(L, arg, 1);
-}
-
-/* replace what is on top, Lua's own function or nil, by its wrapper */
-static void wrap(lua_State *L, const wrapper *w) {
-    lua_pushlightuserdata(L, (void *)(uintptr_t)w);
-    lua_pushboolean(L, is_light(L, -2));
-    lua_pushcclosure(L, wrapped, 3);
-    dml_setdoc(L, -1, w->doc);
-}
-
-/* the wrapper on top takes every name in math of Lua's own function at index `own` (on
- * some systems math.atan2 is math.atan) */
-static void rename_all(lua_State *L, int math, int own) {
+/* what is in math of Lua's own function takes every name that it has there: on some systems
+ * math.atan2 is math.atan */
+static void replace(lua_State *L, int math, const function *f) {
+    if (lua_getfield(L, math, f->row.name) == LUA_TNIL || lua_tocfunction(L, -1) == f->row.call)
+        return;
+    const int own = lua_gettop(L);
     for (lua_pushnil(L); lua_next(L, math); lua_pop(L, 1)) {
         if (!lua_rawequal(L, -1, own)) continue;
         lua_pushvalue(L, -2);
-        lua_pushvalue(L, -4);
+        lua_pushcfunction(L, f->row.call);
         lua_rawset(L, math);
     }
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_math");
+    lua_pushvalue(L, own);
+    lua_setfield(L, -2, f->row.name);
 }
 
-/* math[name] becomes a wrapper, once: what is wrapped is remembered in dm_math */
-static void wrap_in_place(lua_State *L, const wrapper *w, int math, int dm_math) {
-    if (lua_getfield(L, dm_math, w->name) == LUA_TNIL &&
-        lua_getfield(L, math, w->name) != LUA_TNIL) {
-        lua_pushvalue(L, -1);
-        lua_setfield(L, dm_math, w->name); /* Lua's own */
-        const int own = lua_gettop(L);
-        lua_pushvalue(L, own);
-        wrap(L, w);
-        rename_all(L, math, own);
-    }
-    lua_settop(L, dm_math);
-}
-
-/* core on top. core.sin is a function of its own, so that messages of math.sin say
- * math.sin */
+/* core on top. core.sin is a function of its own, so that messages of math.sin say math.sin. */
 static void open_math(lua_State *L) {
-    const int core = lua_gettop(L), math = core + 1, dm_math = core + 2;
+    const int core = lua_gettop(L), math = core + 1;
     if (lua_getglobal(L, "math") != LUA_TTABLE) { /* a state without the math library */
         lua_pop(L, 1);
         lua_newtable(L);
     }
-    luaL_getsubtable(L, LUA_REGISTRYINDEX, "dm_math");
-    for (const wrapper *w = wrappers; w->name; w++) {
-        wrap_in_place(L, w, math, dm_math);
-        lua_getfield(L, dm_math, w->name);
-        wrap(L, w);
-        lua_setfield(L, core, w->name);
+    for (const function *f = functions; f->row.name; f++) {
+        lua_pushcfunction(L, f->row.call);
+        dml_setdoc(L, -1, f->row.doc);
+        replace(L, math, f);
+        lua_pushvalue(L, core);
+        dml_setfunction(L, &f->row);
+        lua_settop(L, math);
     }
     lua_settop(L, core);
 }
 
 const dml_class dml_class_math = {
-    .functions = functions,
+    .functions = rows,
     .open = open_math,
 };

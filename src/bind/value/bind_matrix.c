@@ -274,10 +274,10 @@ static const dml_row methods[] =
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"matrix", matrix_new,
-      "dm.matrix{{a11, a12, ...}, ...} -> dm.matrix\n"
-      "A matrix from a table of rows (tables or vectors of one length); dm.matrix(rows, columns) "
-      "has zeros. m[i][j] counts from 1, m[i] is a view of row i; * takes numbers, vectors and "
-      "matrices. Raises when the rows differ in length."},
+      "dm.matrix{{a11, a12, ...}, ...} -> dm.matrix   or   dm.matrix(rows, columns)\n"
+      "A matrix from a table of rows (tables or vectors of one length), or of zeros. m[i][j] "
+      "counts from 1, m[i] is a view of row i; * takes numbers, vectors and matrices. Raises when "
+      "the rows differ in length."},
      {"zeros", zeros,
       "dm.zeros(n [, columns]) -> dm.vector or dm.matrix\n"
       "n zeros, or n x columns of them."},

@@ -28,6 +28,7 @@ static int refuse(lua_State *L, const char *what) {
 }
 
 static int refuse_lt(lua_State *L) {
+    if (dml_inmax(L)) return 0; /* nil: not less */
     return refuse(L, "the comparison < or >");
 }
 static int refuse_le(lua_State *L) {

@@ -112,6 +112,9 @@ static int vector_set(lua_State *L) {
     const uint32_t i = check_index(L, 2, a->rows);
     if (!dml_toscalar(L, 3, &x))
         return luaL_error(L, "an entry must be a number, got %s", luaL_typename(L, 3));
+    if (a->is_copy)
+        return luaL_error(L, "a row of a path cannot be set, since it is a copy: change a vector "
+                             "of its own, local v = dm.vector(row)");
     dml_assign(L, 1, i, &x);
     return 0;
 }
@@ -210,13 +213,14 @@ static int vector_map(lua_State *L) {
         luaL_typeerror(L, 2, "function");
     lua_settop(L, 2);
     dml_newarray(L, 1, a->rows, 1, &zero);
+    const int with_place = lua_type(L, 2) == LUA_TFUNCTION && !lua_iscfunction(L, 2);
     for (uint32_t i = 0; i < a->rows; i++) {
         const dml_scalar x = dml_get(a, i);
         dml_scalar y;
         lua_pushvalue(L, 2);
         dml_pushscalar(L, &x);
-        lua_pushinteger(L, (lua_Integer)i + 1);
-        lua_call(L, 2, 1);
+        if (with_place) lua_pushinteger(L, (lua_Integer)i + 1);
+        dml_callone(L, 1 + with_place, "map: the function");
         if (!dml_toscalar(L, -1, &y))
             return luaL_error(L, "map: the function must return a number (got %s for entry %d)",
                               luaL_typename(L, -1), (int)i + 1);
@@ -276,7 +280,8 @@ static const dml_row methods[] =
      {"sum", vector_sum, "v:sum() -> number\nThe sum of the entries."},
      {"map", vector_map,
       "v:map(f) -> dm.vector\n"
-      "A new vector of f(v[i], i). Raises when f returns no number."},
+      "A new vector of f(v[i], i), or f(v[i]) of a function written in C, as those of math and dm "
+      "are. Raises when f returns no number."},
      {"slice", vector_slice,
       "v:slice(i [, j]) -> dm.vector\n"
       "A copy of the entries i to j (the last one when left out). Raises when they are out of "

@@ -38,6 +38,9 @@ dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scal
  * or one of them a number, which is most of what a trace does. 0: they are something else. */
 int dml_symbolic(lua_State *L, dm_op op);
 
+/* Is the metamethod that runs asked by math.max or math.min, which takes it from there? */
+int dml_inmax(lua_State *L);
+
 /* Push a new vector or matrix of zeros, owned by Lua; returns its entries (row-major). */
 double *dml_pushvector(lua_State *L, uint32_t n);
 double *dml_pushmatrix(lua_State *L, uint32_t rows, uint32_t columns);

@@ -266,9 +266,20 @@ static dm_status newton(dm_curve_step *e, const dm_stepper *s, int *iterations) 
     return status;
 }
 
+/* Are there factors of an earlier step of this length? Pivots are looked at, since the memory may
+ * come from a file. */
+static int has_factors(const dm_curve_step *e) {
+    const size_t m = e->unknowns;
+    const double *J = e->memory + 2 + 5 * e->n;
+    const uint32_t *pivot = (const uint32_t *)(const void *)(J + m * m);
+    int fits = e->memory[0] == e->h && e->memory[1 + 5 * e->n] == 1.0;
+    for (size_t i = 0; fits && i < m; i++) fits = pivot[i] < m;
+    return fits;
+}
+
 /* with the matrix of an earlier step, with one of this step, with care */
 static dm_status search(dm_curve_step *e, const dm_stepper *s, int *iterations) {
-    const int known = e->memory[0] == e->h && e->memory[1 + 5 * e->n] == 1.0;
+    const int known = has_factors(e);
     const size_t size = e->unknowns * sizeof *e->z;
     double *start = e->z + 3 * e->n;
     memcpy(start, e->z, size);

@@ -213,8 +213,10 @@ static int continued(pair *e) {
     static const double weight[KEPT][KEPT] = {{1}, {2, -1}, {3, -3, 1}, {4, -6, 4, -1}};
     const uint32_t n = e->n, N = e->N;
     const double *end = e->memory + END, *last = end + 4 * (size_t)n;
-    if (e->memory[COUNT] == 0.0 || memcmp(end, e->state, 4 * n * sizeof *end) != 0) return 0;
-    const double *w = weight[(int)e->memory[COUNT] - 1];
+    const double count = e->memory[COUNT]; /* 0, or anything in a file that was written to */
+    if (!(count >= 1.0 && count <= KEPT) || memcmp(end, e->state, 4 * n * sizeof *end) != 0)
+        return 0;
+    const double *w = weight[(int)count - 1];
     for (uint32_t i = 0; i < N; i++)
         e->z[i] = (w[0] * last[i] + w[1] * last[N + i]) +
                   (w[2] * last[2 * N + i] + w[3] * last[3 * N + i]);

@@ -8,11 +8,11 @@
  * not shrink at once, from a poor guess on rough motion, there may be another root than the one
  * of a small step: such a step is left to continuation in h (stage.c). */
 #include "base/largest.h"
-#include "numbers/compensated.h"
 #include "base/written_out.h"
 #include "integ/stage/lanes/one_point.h"
 #include "integ/stage/stage_inside.h"
 #include "linalg/solve/newton_limits.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 
@@ -49,7 +49,8 @@ void dm_stage_push_clear(dm_stage *g, double h) {
 /* the last step ended where this one begins, and was as long */
 DM_WRITTEN_OUT int continues(const dm_stage *g, uint32_t n) {
     const double *memory = g->pushes.memory, *end = memory + DM_PUSHED_END;
-    int differs = memory[DM_PUSHED_STEP] != g->h || memory[DM_PUSHED_COUNT] == 0.0;
+    const double count = memory[DM_PUSHED_COUNT]; /* 0, or what stands in a checkpoint */
+    int differs = memory[DM_PUSHED_STEP] != g->h || !(count >= 1.0 && count <= DM_PUSHED_TERMS);
 #pragma GCC unroll 16
     for (uint32_t k = 0; k < 4 * n; k++) differs |= end[k] != g->state[k];
     return !differs;
@@ -71,7 +72,7 @@ DM_WRITTEN_OUT void keep(dm_stage *g, const double *Z, int known, uint32_t n) {
     double *memory = g->pushes.memory, *end = memory + DM_PUSHED_END;
     double *guess = end + 4 * n, *P = guess + n, size[DM_PUSHED_TERMS] = {0.0};
     if (memory[DM_PUSHED_STEP] != g->h) return;
-    const int count = known ? (int)memory[DM_PUSHED_COUNT] : 0;
+    const int count = known ? (int)memory[DM_PUSHED_COUNT] : 0; /* continues() has looked at it */
 #pragma GCC unroll 6
     for (uint32_t j = 0; j < DM_PUSHED_TERMS; j++)
 #pragma GCC unroll 4

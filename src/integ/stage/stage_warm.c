@@ -77,11 +77,12 @@ DM_WRITTEN_OUT int continues(const double *end, const double *state, uint32_t n)
 
 DM_WRITTEN_OUT int guess(dm_stage *g, uint32_t s, uint32_t n) {
     const double *memory = g->warm, *end = memory + DM_WARM_END, *V = end + 4 * n;
-    if (memory[DM_WARM_STEP] != g->h || memory[DM_WARM_COUNT] == 0.0) return 0;
+    const double count = memory[DM_WARM_COUNT]; /* 0, or what stands in a checkpoint */
+    if (memory[DM_WARM_STEP] != g->h || !(count >= 1.0 && count <= DM_WARM_TERMS + 1)) return 0;
     if (!continues(end, g->state, n)) return 0;
     continue_polynomial(g, g->root, V);
-    add_missed(g->root, V + (size_t)s * n, (int)memory[DM_WARM_COUNT] - 1,
-               s == 1 ? DM_WARM_PARABOLA : 0, (size_t)s * n);
+    add_missed(g->root, V + (size_t)s * n, (int)count - 1, s == 1 ? DM_WARM_PARABOLA : 0,
+               (size_t)s * n);
     return 1;
 }
 
@@ -116,7 +117,9 @@ DM_WRITTEN_OUT void keep(dm_stage *g, uint32_t s, uint32_t n) {
     const size_t size = (size_t)s * n;
     if (g->warm[DM_WARM_STEP] != g->h) return;
     double *end = g->warm + DM_WARM_END, *V = end + 4 * n, *missed = g->before;
-    const int count = continues(end, g->state, n) ? (int)g->warm[DM_WARM_COUNT] : 0;
+    const double kept = g->warm[DM_WARM_COUNT];
+    const int whole = kept >= 1.0 && kept <= DM_WARM_TERMS + 1 ? (int)kept : 0;
+    const int count = continues(end, g->state, n) ? whole : 0;
     if (count > 0) {
         continue_polynomial(g, missed, V);
         for (size_t k = 0; k < size; k++) missed[k] = g->root[k] - missed[k];

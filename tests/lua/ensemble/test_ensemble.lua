@@ -281,4 +281,11 @@ for i = 1, 60 do
   end
 end
 ok(not differ, "what is watched has the bits of a single run, whatever the number of threads", differ)
+
+-- nothing varies
+local plain = solver:ensemble { members = 3, q = q0, v = v0, steps = 4, every = 2, vary = {} }
+local bare = solver:ensemble { members = 3, q = q0, v = v0, steps = 4, every = 2 }
+ok(plain.q == bare.q and plain.p == bare.p, "vary = {} of a system without params")
+raises("there are members 1 to 3", plain.path, plain, math.mininteger)
+raises("there are members 1 to 3", plain.path, plain, math.maxinteger)
 tap.done()

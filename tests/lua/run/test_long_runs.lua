@@ -107,9 +107,14 @@ if os.execute(("mkfifo %s 2>/dev/null"):format(fifo)) then
 end
 raises("field 'checkpoint': cannot write /no/such/folder/c", run, kepler:solver { rule = "verlet", h = 1e-3 },
   { steps = 3, checkpoint = "/no/such/folder/c" })
-os.execute("ln -s /dev/full " .. file .. ".new") -- a disk that is full later
-fine, failure = pcall(run, kepler:solver { rule = "verlet", h = 1e-3 }, { steps = 3, checkpoint = file })
-os.remove(file .. ".new")
+local gone = file .. ".folder"
+os.execute("mkdir " .. gone)
+local function leave(q)  -- the folder is removed while the run is under way
+  os.execute("rm -rf " .. gone)
+  return q[1]
+end
+fine, failure = pcall(run, kepler:solver { rule = "verlet", h = 1e-3 },
+  { steps = 3, checkpoint = gone .. "/c", record = { x = leave } })
 ok(not fine and failure.code == "not_written" and failure.path.steps == 3, "a checkpoint that cannot be written keeps the path")
 
 -- events: apsides of an ellipse of period 2 pi lie at multiples of pi

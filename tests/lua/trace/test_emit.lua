@@ -37,4 +37,10 @@ end)
 local function text_of(V) return dm.system({ Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - V(q) end }):emit_c() end
 local quartic, kepler = text_of(function(q) return q[1] ^ 4 + q[2] ^ 2 end), text_of(function(q) return -1 / q:norm() end)
 tap.ok(not quartic:find "reciprocal_root" and kepler:find "double reciprocal_root%(" ~= nil, "a file has the helpers that it calls, and no others")
+
+-- the name becomes C text: letters, digits and _, no word of C
+for _, name in ipairs { "f(void) { } //", "", "2f", "double", "_Bool", "main", "a b", "f\0g", "f-g" } do
+  raises("name of a C function", f.emit_c, f, name)
+end
+ok(f:emit_c("_f2"):find("void _f2(", 1, true) ~= nil, "a name that C takes")
 tap.done()

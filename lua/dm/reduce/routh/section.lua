@@ -16,7 +16,9 @@ local abs, max = math.abs, math.max
 -- the map of an action given as a function, or as a dm.action, and the dimension of its group
 local function read_action(options)
   local action = options.action
-  if type(action) == "function" then return action, options.dimension or 1 end
+  if type(action) == "function" then
+    return core.one(action, "action"), options.dimension or 1
+  end
   local fine, map = pcall(function() return action.map end)
   if fine and not map and pcall(function() return action.dimension, action.exp end)
     and action.name then
@@ -230,7 +232,7 @@ function M.split(system, options)
   local map, m = read_action(options)
   check_dimension(m, n)
   local move = mover(map, m)
-  local section, home, back = options.section, nil, lists.zeros(m)
+  local section, home, back = core.one(options.section, "section"), nil, lists.zeros(m)
   local given = system.given
   local function L(q, v, t) return given.L(core.vector(q), core.vector(v), t, given.params) end
   local points = check.points(n, L, options.q and { q = options.q, v = options.v })

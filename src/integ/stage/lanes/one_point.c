@@ -3,9 +3,9 @@
 #include "algebra/compact.h"
 #include "algebra/derive.h"
 #include "algebra/implicit.h"
+#include "integ/method/cache.h"
 #include "integ/method/elimination.h"
 #include "integ/method/hamilton.h"
-#include "integ/method/cache.h"
 
 #include <string.h>
 

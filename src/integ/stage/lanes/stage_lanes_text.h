@@ -3,8 +3,8 @@
 #ifndef DM_STAGE_LANES_TEXT_H
 #define DM_STAGE_LANES_TEXT_H
 
-#include "numbers/lanes_text.h"
 #include "integ/stage/lanes/stage_lanes.h"
+#include "numbers/lanes_text.h"
 
 typedef struct {
     V top, rest;

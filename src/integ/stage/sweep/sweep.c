@@ -1,7 +1,7 @@
 #include "integ/stage/sweep/sweep.h"
 
-#include "numbers/compensated.h"
 #include "base/written_out.h"
+#include "numbers/compensated.h"
 #include "numbers/processor.h"
 
 #include <stddef.h>

@@ -1,0 +1,75 @@
+/* new_file.c - files that replace others when they are whole. */
+#define _DEFAULT_SOURCE
+#include "bind/core/new_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { TRIES = 64, LETTERS = 12 };
+
+/* random letters; 0: the system has none */
+static int draw(char out[LETTERS + 1]) {
+    static const char letters[] = "0123456789abcdefghijklmnopqrstuv"; /* 32: no bias */
+    unsigned char bytes[LETTERS];
+    const int source = open("/dev/urandom", O_RDONLY | O_CLOEXEC);
+    const int fine = source >= 0 && read(source, bytes, sizeof bytes) == (ssize_t)sizeof bytes;
+    if (source >= 0) close(source);
+    for (int i = 0; i < LETTERS; i++) out[i] = letters[fine ? bytes[i] % 32 : 0];
+    out[LETTERS] = '\0';
+    return fine;
+}
+
+/* ".png", which tells some programs what to write; "" without one */
+static const char *ending(const char *file) {
+    const char *slash = strrchr(file, '/'), *dot = strrchr(slash ? slash + 1 : file, '.');
+    return dot ? dot : "";
+}
+
+FILE *dml_newfile(const char *file, mode_t mode, char name[DML_FILE_NAME]) {
+    int descriptor = -1;
+    const char *end = ending(file);
+    for (int k = 0; k < TRIES && descriptor < 0; k++) {
+        char letters[LETTERS + 1];
+        if (!draw(letters)) return NULL;
+        if (snprintf(name, DML_FILE_NAME, "%s.%s%s", file, letters, end) >= DML_FILE_NAME) {
+            errno = ENAMETOOLONG;
+            return NULL;
+        }
+        descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+        if (descriptor < 0 && errno != EEXIST) return NULL;
+    }
+    FILE *f = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
+    if (!f && descriptor >= 0) close(descriptor), remove(name);
+    return f;
+}
+
+/* the bytes are on the disk before the name is: a crash must not leave an empty file */
+int dml_endfile(FILE *f, int whole, const char *name, const char *file) {
+    whole = whole && fflush(f) == 0 && fsync(fileno(f)) == 0;
+    const int why = errno;
+    const int closed = fclose(f) == 0;
+    if (whole && closed && rename(name, file) == 0) return 1;
+    const int later = whole ? errno : why;
+    remove(name);
+    errno = later;
+    return 0;
+}
+
+/* ---- for modules in Lua ---- */
+
+int dml_core_new_file(lua_State *L) {
+    const char *file = luaL_checkstring(L, 1);
+    char name[DML_FILE_NAME];
+    FILE *f = dml_newfile(file, 0666, name);
+    if (!f || fclose(f) != 0) return luaL_fileresult(L, 0, file);
+    lua_pushstring(L, name);
+    return 1;
+}
+
+int dml_core_end_file(lua_State *L) {
+    const char *name = luaL_checkstring(L, 1), *file = luaL_checkstring(L, 2);
+    FILE *f = fopen(name, "ab");
+    return luaL_fileresult(L, f && dml_endfile(f, 1, name, file), file);
+}

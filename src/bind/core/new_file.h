@@ -1,0 +1,25 @@
+/* new_file.h - a file that takes the place of another one when it is whole: its name cannot be
+ * foreseen, so that no link of somebody else lies in its way, and a crash leaves the old one. */
+#ifndef DML_NEW_FILE_H
+#define DML_NEW_FILE_H
+
+#include "bind/core/bind.h"
+
+#include <stdio.h>
+#include <sys/types.h>
+
+enum { DML_FILE_NAME = 4096 };
+
+/* A new file beside `file`, open for writing, its name, which ends as that of `file`, in `name`.
+ * NULL: errno says why. */
+FILE *dml_newfile(const char *file, mode_t mode, char name[DML_FILE_NAME]);
+
+/* Close it and, where `whole` and all of it is on the disk, put it in the place of `file`; else
+ * remove it. 0: errno says why. */
+int dml_endfile(FILE *f, int whole, const char *name, const char *file);
+
+/* core.new_file and core.end_file, for what other programs write */
+int dml_core_new_file(lua_State *L);
+int dml_core_end_file(lua_State *L);
+
+#endif

@@ -1,0 +1,159 @@
+-- Files that runs write and read: a changed checkpoint is refused and crashes nothing, rows of a
+-- killed run are there, a resumed run adds to its rows, no link in the way is followed.
+local tap = require "tap"
+local dm = require "dm"
+local ok, raises = tap.ok, tap.raises
+
+local folder = os.tmpname()
+os.remove(folder)
+os.execute("mkdir " .. folder)
+local function at(name) return folder .. "/" .. name end
+local function spit(file, text)
+  local f <close> = assert(io.open(file, "wb"))
+  f:write(text)
+end
+local function slurp(file)
+  local f <close> = assert(io.open(file, "rb"))
+  return f:read "a"
+end
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local own = dm.discrete_lagrangian { Q = dm.R(2), h = 0.05, Ld = function(a, b, h)
+  local v = (b - a) / h
+  return h * (v:dot(v) / 2 + 1 / a:norm())
+end }
+local function start(o)
+  o.q, o.v = { 0.4, 0 }, { 0, 2 }
+  return o
+end
+
+-- FNV-1a of all lines but the last, as the file ends with it
+local function sealed(lines)
+  local sum, text = 0xcbf29ce484222325, table.concat(lines, "\n") .. "\n"
+  for i = 1, #text do sum = (sum ~ text:byte(i)) * 0x100000001b3 end
+  return text .. ("end %016x\n"):format(sum)
+end
+
+local function lines_of(text)
+  local lines = {}
+  for line in text:gmatch "([^\n]*)\n" do lines[#lines + 1] = line end
+  return lines
+end
+
+-- the number at the end of line i replaced; nil where there is none
+local function changed(lines, i, bad)
+  local before = lines[i]:match "^(.*%s)[-%d]%S*$" or lines[i]:match "^[-%d]%S*$" and ""
+  if not before then return end
+  local copy = table.move(lines, 1, #lines, 1, {})
+  copy[i] = before .. bad
+  return copy
+end
+
+local function same(a, b)
+  for i = 1, #a.q[1] do
+    if a.q[#a][i] ~= b.q[#b][i] or a.p[#a][i] ~= b.p[#b][i] then return false end
+  end
+  return true
+end
+
+-- rules that keep counts, pivots, matrices beside the state
+for _, case in ipairs { { kepler, "gauss(3)" }, { kepler, "midpoint" }, { kepler, dm.curve "rk4" },
+  { kepler, "verlet" }, { own } } do
+  local system, rule = case[1], case[2]
+  local solver = rule and system:solver { rule = rule, h = 0.05 } or dm.solver { system }
+  local path = solver:run(rule and start { steps = 9 } or { q = { 0.4, 0 }, p = { 0, 2 }, steps = 9 })
+  local file, name = at "checkpoint", tostring(rule or "del")
+  path:checkpoint(file)
+  local text = slurp(file)
+  local lines = lines_of(text)
+  local last = table.remove(lines)
+  ok(sealed(lines) == text, name .. ": the last line is the checksum of those before it")
+  local taken, tried = 0, 0
+  for i = 1, #lines do
+    for _, bad in ipairs { "0x1p+24", "-0x1p+40", "nan", "inf", "7", "" } do
+      local copy = changed(lines, i, bad)
+      if copy and copy[i] ~= lines[i] then
+        spit(file, table.concat(copy, "\n") .. "\n" .. last .. "\n")
+        tried = tried + 1
+        if pcall(dm.resume, file, system) then taken = taken + 1 end
+        spit(file, sealed(copy))  -- as somebody would who knows how
+        pcall(function() dm.resume(file, system):run { steps = 3 } end)
+      end
+    end
+  end
+  ok(tried > 40 and taken == 0, name .. ": a changed line is refused", taken .. " of " .. tried)
+  spit(file, text .. "more\n")
+  raises("its end expected", dm.resume, file, system)
+  spit(file, text)
+  ok(same(dm.resume(file, system):run { steps = 4 }, dm.resume(path):run { steps = 4 }),
+    name .. ": the file as it was goes on like the path")
+end
+spit(at "old", "dmlua checkpoint 2\nrule verlet\n")
+raises("dmlua checkpoint 3 expected", dm.resume, at "old", kepler)
+
+-- no name of ours is one that somebody else can foresee
+spit(at "victim", "mine")
+for _, name in ipairs { "c.new", "c.part", "p.png.part.png", "p.png.new" } do
+  os.execute(("ln -s victim %s/%s"):format(folder, name))
+end
+local path = kepler:solver({ rule = "verlet", h = 0.05 }):run(start { steps = 3 })
+path:checkpoint(at "c")
+pcall(dm.plot, { 1, 2 }, { 1, 2 }, { file = at "p.png" })
+ok(slurp(at "victim") == "mine", "a link in the way is not followed")
+os.execute(("ln -s victim %s/linked"):format(folder))
+path:checkpoint(at "linked")
+ok(slurp(at "victim") == "mine", "a link in the place of a checkpoint is replaced, not followed")
+local left = io.popen("ls " .. folder):read "a"
+ok(not left:find "%.%w%w%w%w%w%w%w%w%w%w%w%w", "nothing is left beside", left)
+
+-- rows: the header counts them block by block
+local file = at "rows.npy"
+local child = ([[local dm = require "dm"
+local k = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+k:solver { rule = "gauss(2)", h = .01 }:run { q = { .4, 0 }, v = { 0, 2 }, steps = 3e8, every = 5,
+  file = "%s" }]]):format(file)
+spit(at "child.lua", child)
+os.execute(("timeout -s KILL 2 '%s' %s >/dev/null 2>&1"):format(arg[-1], at "child.lua"))
+local data = dm.load(file)
+ok(#data.t > 4000 and math.abs(data.t[#data.t] - 0.05 * (#data.t - 1)) < 1e-6,
+  "rows of a killed run are there", #data.t)
+
+-- a resumed run adds to its file, and takes back rows that are later than its checkpoint
+os.remove(file)
+local gauss = kepler:solver { rule = "gauss(2)", h = 0.05 }
+local whole = gauss:run(start { steps = 1500 })
+gauss:run(start { steps = 1000, file = file, checkpoint = at "r" })
+dm.resume(at "r", kepler):run { steps = 500, file = file }
+data = dm.load(file)
+local equal = #data.t == 1501
+for i = 1, #data.t do equal = equal and data.t[i] == whole.t[i] and data.q1[i] == whole.q[i][1] end
+ok(equal, "rows of a run that went on are those of one run", #data.t)
+local early = gauss:run(start { steps = 400 })
+dm.resume(early):run { steps = 100, file = file }
+data = dm.load(file)
+ok(#data.t == 501 and data.q1[501] == whole.q[501][1], "rows later than the checkpoint are replaced", #data.t)
+raises("other columns", function()
+  dm.resume(early):run { steps = 100, file = file, watch = { "energy" } }
+end)
+spit(at "foreign.npy", "not rows")
+raises("another kind of file", function() dm.resume(early):run { steps = 1, file = at "foreign.npy" } end)
+ok(slurp(at "foreign.npy") == "not rows", "which stays as it is")
+gauss:run(start { steps = 10, file = file })
+ok(#dm.load(file).t == 11, "a start begins the file anew")
+
+-- a checkpoint that cannot be written ends the run where it is
+os.execute("mkdir " .. at "gone")
+local first = true
+local fine, failure = pcall(gauss.run, gauss, start { steps = 6e6, every = 1e4,
+  checkpoint = { file = at "gone/x", every = 0.05 }, watch = { x = function(q)
+    if first then
+      os.execute("rm -r " .. at "gone")
+      first = false
+    end
+    return q[1]
+  end } })
+local t = not fine and failure.path.t
+ok(t and failure.code == "not_written" and t[#t] < 1.5e5 and tostring(failure):find("gone/x", 1, true),
+  "a checkpoint that cannot be written ends the run, and names the file", tostring(failure))
+
+os.execute("rm -r " .. folder)
+tap.done()

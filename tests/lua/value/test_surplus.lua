@@ -1,0 +1,66 @@
+-- What is not asked for is not dropped in silence: surplus arguments raise, and so do entries of
+-- rows of a path, which are copies. A path says where it is other than was asked for.
+local tap = require "tap"
+local core, dm = require "dm.core", require "dm"
+local reference = require "dm.session.reference"
+local ok, raises = tap.ok, tap.raises
+
+local v = dm.vector { 1, 2 }
+raises("bad argument #2 to 'dot' (a surplus argument: v:dot(w))",
+  function() return v:dot({ 1, 1 }, { 5, 5 }) end)
+ok(v:dot({ 1, 1 }, nil) == 3, "a nil behind the last argument is none")
+ok(math.sin(0, 1, 2) == 0, "math.* is as in Lua")
+
+-- the signature of a doc says how many
+local arity = core.arity
+ok(arity "dm.clock() -> number" == 0 and arity "v:copy() -> dm.vector" == 1, "no argument")
+ok(arity "dm.where(c, a, b) -> number" == 3, "three")
+ok(arity "random:normal(i, k [, mean, deviation]) -> number" == 5, "optional ones")
+ok(arity "system:solver{rule=, newton={tolerance=, most=}} -> dm.solver" == 2, "a table is one")
+ok(arity "dm.resume(file, system [, {rule=}]) -> x   or   dm.resume(path) -> x" == 3, "the most")
+ok(arity "dm.max(x, ...) -> number" == nil, "any number")
+ok(arity "dm.vector{x1, x2, ...} -> dm.vector" == 1, "a list is one")
+ok(arity "path:plot(x, y | {y1, y2, ...}, {file=}) -> name" == 4, "lists inside")
+
+-- every function of dm: more than that raise before anything else is done
+local function all()
+  local list = {}
+  for name, f in pairs(reference.functions(dm)) do list[name] = f end
+  for class, methods in pairs(reference.classes()) do
+    for name, f in pairs(methods) do list[class .. ":" .. name] = f end
+  end
+  return list
+end
+local checked, silent = 0, {}
+for name, f in pairs(all()) do
+  local doc = core.docs[f]
+  local most = doc and doc:find("^math%.") == nil and math[name:match "[%w_]+$"] == nil and arity(doc)
+  if most then
+    local list = {}
+    for i = 1, most + 1 do list[i] = 1 end
+    local fine, why = pcall(f, table.unpack(list))
+    checked = checked + 1
+    if fine or not tostring(why):find "surplus argument" then
+      silent[#silent + 1] = name .. ": " .. tostring(why)
+    end
+  end
+end
+ok(checked > 150 and #silent == 0, "all functions of dm refuse a surplus argument (" .. checked .. ")",
+  table.concat(silent, "; "))
+
+-- rows of a path
+local osc = dm.system { Q = dm.R(1), L = function(q, w) return w[1] ^ 2 / 2 - q[1] ^ 2 / 2 end }
+local solver = osc:solver { rule = "verlet", h = 0.3 }
+local path = solver:run { q = { 1 }, v = { 0 }, steps = 5, every = 100 }
+raises("local v = dm.vector(row)", function() path.q[2][1] = 9 end)
+local row = dm.vector(path.q[2])
+row[1] = 9
+ok(row[1] == 9 and path.q[2][1] ~= 9, "a copy of a row can be changed")
+ok((path.q[2] * 2)[1] == 2 * path.q[2][1], "a row computes as any vector")
+ok(tostring(path):find("every = 100 is more than the 5 steps", 1, true) ~= nil,
+  "an `every` above the steps is told", tostring(path))
+path = solver:run { q = { 1 }, v = { 0 }, t = 1 }
+ok(tostring(path):find("to t = 1.2 (h = 0.3 does not divide the way to 1)", 1, true) ~= nil,
+  "a time that h does not divide is told", tostring(path))
+ok(not tostring(solver:run { q = { 1 }, v = { 0 }, t = 0.9 }):find "divide", "one that it divides is not")
+tap.done()
