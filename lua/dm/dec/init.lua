@@ -1,4 +1,5 @@
 --- Meshes: dm.mesh, and what a mesh makes. docs/design/dec.md says how they are built.
+local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
@@ -39,7 +40,7 @@ local function moved(points, map)
 end
 
 --- From options to a mesh.
-function M.mesh(options)
+M.mesh = blame.caller(function(options)
   option.check(options, KNOWN, "dm.mesh")
   local name = name_of(options)
   local given = name and named.make(name, options)
@@ -47,7 +48,7 @@ function M.mesh(options)
   if options.map then given.points = moved(given.points and core.matrix(given.points), options.map) end
   given.dual = options.dual
   return core.complex(given)
-end
+end)
 
 core.docs[M.mesh] = [[
 dm.mesh{simplices=, points= | lengths=, dual=, map=} or dm.mesh{name = size, ...} -> dm.mesh

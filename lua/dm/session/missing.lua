@@ -1,5 +1,6 @@
 --- Errors about a nil say which name or index was asked for in vain, and the nearest there is.
 local core = require "dm.core"
+local variable = require "dm.session.variable"
 
 local M = {}
 
@@ -97,10 +98,17 @@ end
 function M.explain(message)
   local note = getregistry().dm_missed
   if type(message) ~= "string" then return message end
-  if not note or not note.of or not is_about(note, message) then return of_library(message) end
+  local of_nil = find(message, ": cannot compute nil %S+ %S+$")
+    or find(message, ": cannot compute [^\n]* nil$")
+  local name = of_nil and variable.of_nil(2) or ""
+  if not note or not note.of or not is_about(note, message) then
+    return of_library(message) .. name
+  end
   local why = (type(note.key) == "string" or math.type(note.key) == "integer") and explained(note)
   note.of = nil
-  return why and message .. ": " .. why or message
+  if not why then return message .. name end
+  if name == " (field '?')" then name = "" end
+  return message .. name .. ": " .. why
 end
 
 --- What is noted in words, or nothing.

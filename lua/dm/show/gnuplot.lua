@@ -247,6 +247,7 @@ function M.write(figure, file)
   if file:find("%c") then
     error(("file %q: a name without control characters is needed"):format(file), 0)
   end
+  kind_of(file)  -- raises before there is a file
   local part, why = core.new_file(file)
   if not part then error(("cannot write %s: does the folder exist?"):format(why), 0) end
   local fine, said = run(M.script(figure, part))
@@ -257,7 +258,7 @@ function M.write(figure, file)
     os.remove(part)
     error(complaint(file, said), 0)
   end
-  assert(os.rename(part, file))
+  assert(core.end_file(part, file))
 end
 
 return M

@@ -29,6 +29,10 @@ void dml_checkpoint_check(dml_checkpoint *c, dml_stepping *r);
 int dml_checkpoint_write(const dml_checkpoint *c, const dml_solver *s, const char *rule,
                          const char *file);
 
+/* Push the options of the solver of the checkpoint in a file, then the checkpoint. Raises with the
+ * line of what is no whole one. */
+void dml_checkpoint_read(lua_State *L, const char *file);
+
 /* Could it be written there? 0: no, errno says why. */
 int dml_checkpoint_try(const char *file);
 

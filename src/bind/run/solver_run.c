@@ -98,36 +98,6 @@ static void keep_report(const dml_stepping *r, long steps, double seconds) {
                        .rolling = report->rolling};
 }
 
-/* what the method itself knows of it, or NULL */
-static const char *why_of(const dml_stepping *r, dm_status status) {
-    dm_stepper s = r->stepper;
-    if (status == DM_NOT_WRITTEN) return r->unwritten;
-    return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
-}
-
-void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path) {
-    const solver *s = r->solver;
-    dml_rethrow(L, r->model);
-    if (status == DM_OK) return;
-    lua_getiuservalue(L, 1, DML_SOLVER_RULE);
-    const char *rule = lua_tostring(L, -1);
-    const dm_constraints *constraints = r->model->model.constraints;
-    const char *trouble = dml_modeltrouble(L, r->model);
-    const int constraint = r->stepper.report.dependent,
-              rolls = constraints && constraint > (int)constraints->holonomic;
-    const dml_failure f = {.constraint = rolls ? 0 : constraint,
-                           .rolling = rolls ? constraint - (int)constraints->holonomic : 0,
-                           .status = status,
-                           .step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN),
-                           .time = r->t0 + s->h * (double)done,
-                           .h = s->h,
-                           .residual = r->stepper.report.residual,
-                           .iterations = r->stepper.report.iterations,
-                           .root = *trouble ? trouble : why_of(r, status),
-                           .rule = rule};
-    dml_fail(L, &f, path);
-}
-
 /* ---- a run ---- */
 
 /* everything that a run has beside its steps; what is not asked for is NULL in the plan */

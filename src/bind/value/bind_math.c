@@ -3,117 +3,14 @@
  * results and messages; only what is no number is looked at. */
 #include "bind/core/state.h"
 #include "bind/value/array.h"
+#include "bind/value/math_special.h"
 
 #include <math.h>
-
-/* one function; `call` gets 1 or 2 arguments of which one is a symbol or hyper-dual number */
-typedef struct function {
-    dml_row row;
-    dm_op op;
-    int (*call)(lua_State *L, const dml_scalar *x, int n, const struct function *f);
-} function;
-
-static int push(lua_State *L, const dml_scalar *x) {
-    dml_pushscalar(L, x);
-    return 1;
-}
-
-static int unary(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    const dml_scalar y = dml_apply(L, f->op, x, NULL, NULL);
-    (void)n;
-    return push(L, &y);
-}
-
-static int arctangent(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    if (n < 2) return unary(L, x, n, f);
-    const dml_scalar y = dml_apply(L, DM_OP_ATAN2, x, x + 1, NULL);
-    return push(L, &y);
-}
-
-static int power(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    if (n < 2) return luaL_argerror(L, 2, "number expected, got no value");
-    const dml_scalar y = dml_apply(L, f->op, x, x + 1, NULL);
-    return push(L, &y);
-}
-
-/* log(x) or log(x, base) = log(x) / log(base) */
-static int logarithm(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    dml_scalar y = dml_apply(L, f->op, x, NULL, NULL);
-    if (n > 1) {
-        const dml_scalar base = dml_apply(L, f->op, x + 1, NULL, NULL);
-        y = dml_apply(L, DM_OP_DIV, &y, &base, NULL);
-    }
-    return push(L, &y);
-}
-
-static int logarithm10(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    const dml_scalar pair[2] = {*x, {.kind = DML_NUMBER, .as.number = 10}};
-    (void)n;
-    return logarithm(L, pair, 2, f);
-}
-
-static int extremum(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    dml_scalar y = *x;
-    for (int k = 2; k <= lua_gettop(L); k++) {
-        dml_scalar z;
-        if (!dml_toscalar(L, k, &z)) return luaL_typeerror(L, k, "number");
-        y = dml_apply(L, f->op, &y, &z, NULL);
-    }
-    (void)n;
-    return push(L, &y);
-}
-
-/* ---- functions that need a value: on hyper-dual numbers only ---- */
-
-static void need_value(lua_State *L, const dml_scalar *x, int n, const char *name) {
-    for (int k = 0; k < n; k++)
-        if (x[k].kind == DML_SYMBOL)
-            luaL_error(L,
-                       "math.%s met a symbol while a function is traced, when its arguments have "
-                       "no values: use dm.where(c, a, b) (a where c > 0, else b), dm.abs, dm.max "
-                       "or dm.min, or derivatives = \"hyperdual\"",
-                       name);
-}
-
-static double value_of(const dml_scalar *x) {
-    return x->kind == DML_HYPERDUAL ? x->as.hyper.f : x->as.number;
-}
-
-/* the function on the value alone */
-static int on_value(lua_State *L, double x, const function *f) {
-    lua_settop(L, 0);
-    lua_pushnumber(L, x);
-    return f->row.call(L);
-}
-
-static int whole(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    need_value(L, x, n, f->row.name);
-    return on_value(L, value_of(x), f);
-}
-
-/* x - n y with the whole number n = x/y cut off towards zero */
-static int remainder_of(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    need_value(L, x, n, f->row.name);
-    if (n < 2) return luaL_argerror(L, 2, "number expected, got no value");
-    const double a = value_of(x), b = value_of(x + 1);
-    const dml_scalar quotient = {.kind = DML_NUMBER, .as.number = trunc(a / b)};
-    const dml_scalar part = dml_apply(L, DM_OP_MUL, &quotient, x + 1, NULL);
-    const dml_scalar rest = dml_apply(L, DM_OP_SUB, x, &part, NULL);
-    return push(L, &rest);
-}
-
-static int parts(lua_State *L, const dml_scalar *x, int n, const function *f) {
-    need_value(L, x, n, f->row.name);
-    const dml_scalar integral = {.kind = DML_NUMBER, .as.number = trunc(value_of(x))};
-    const dml_scalar fraction = dml_apply(L, DM_OP_SUB, x, &integral, NULL);
-    lua_pushnumber(L, integral.as.number);
-    return 1 + push(L, &fraction);
-}
 
 /* ---- what is no number ---- */
 
 enum { MAX, MIN }; /* the first of the table */
-static const function functions[];
+static const dml_math functions[];
 
 static int is_special(lua_State *L, int arg) {
     if (lua_type(L, arg) != LUA_TUSERDATA) return 0;
@@ -121,8 +18,8 @@ static int is_special(lua_State *L, int arg) {
     return class == DML_CLASS_SYMBOL || class == DML_CLASS_HYPERDUAL;
 }
 
-static const function *find(lua_CFunction enter) {
-    const function *f = functions;
+static const dml_math *find(lua_CFunction enter) {
+    const dml_math *f = functions;
     while (f->row.call != enter) f++;
     return f;
 }
@@ -137,7 +34,7 @@ static int is_done(lua_State *L, lua_CFunction enter, int *results) {
     const int n = top > 1 ? 2 : 1;
     for (int k = 0; k < n; k++)
         if (!dml_toscalar(L, k + 1, x + k)) return luaL_typeerror(L, k + 1, "number");
-    const function *f = find(enter);
+    const dml_math *f = find(enter);
     *results = f->call(L, x, n, f);
     return 1;
 }
@@ -322,74 +219,84 @@ static int math_modf(lua_State *L) {
 
 /* ---- the table ---- */
 
-static const function functions[] = {
+static const dml_math functions[] = {
     {{"max", math_max, "math.max(x, ...) -> number\nThe largest of its arguments."},
      DM_OP_MAX,
-     extremum},
+     dml_math_extremum},
     {{"min", math_min, "math.min(x, ...) -> number\nThe smallest of its arguments."},
      DM_OP_MIN,
-     extremum},
-    {{"sin", math_sin, "math.sin(x) -> number\nThe sine; x in radians."}, DM_OP_SIN, unary},
-    {{"cos", math_cos, "math.cos(x) -> number\nThe cosine; x in radians."}, DM_OP_COS, unary},
-    {{"tan", math_tan, "math.tan(x) -> number\nThe tangent; x in radians."}, DM_OP_TAN, unary},
+     dml_math_extremum},
+    {{"sin", math_sin, "math.sin(x) -> number\nThe sine; x in radians."},
+     DM_OP_SIN,
+     dml_math_unary},
+    {{"cos", math_cos, "math.cos(x) -> number\nThe cosine; x in radians."},
+     DM_OP_COS,
+     dml_math_unary},
+    {{"tan", math_tan, "math.tan(x) -> number\nThe tangent; x in radians."},
+     DM_OP_TAN,
+     dml_math_unary},
     {{"asin", math_asin, "math.asin(x) -> number\nThe arc sine, in radians; NaN outside [-1, 1]."},
      DM_OP_ASIN,
-     unary},
+     dml_math_unary},
     {{"acos", math_acos,
       "math.acos(x) -> number\nThe arc cosine, in radians; NaN outside [-1, 1]."},
      DM_OP_ACOS,
-     unary},
+     dml_math_unary},
     {{"atan", math_atan,
       "math.atan(y [, x]) -> number\n"
       "The angle of the point (x, y), x = 1 when left out, in radians."},
      DM_OP_ATAN,
-     arctangent},
-    {{"exp", math_exp, "math.exp(x) -> number\nThe exponential."}, DM_OP_EXP, unary},
+     dml_math_arctangent},
+    {{"exp", math_exp, "math.exp(x) -> number\nThe exponential."}, DM_OP_EXP, dml_math_unary},
     {{"log", math_log,
       "math.log(x [, base]) -> number\n"
       "The logarithm, natural when base is left out; NaN for x < 0."},
      DM_OP_LOG,
-     logarithm},
+     dml_math_logarithm},
     {{"sqrt", math_sqrt, "math.sqrt(x) -> number\nThe square root; NaN for x < 0."},
      DM_OP_SQRT,
-     unary},
-    {{"abs", math_abs, "math.abs(x) -> number\nThe absolute value."}, DM_OP_ABS, unary},
-    {{"sinh", math_sinh, "dm.sinh(x) -> number\nThe hyperbolic sine."}, DM_OP_SINH, unary},
-    {{"cosh", math_cosh, "dm.cosh(x) -> number\nThe hyperbolic cosine."}, DM_OP_COSH, unary},
-    {{"tanh", math_tanh, "dm.tanh(x) -> number\nThe hyperbolic tangent."}, DM_OP_TANH, unary},
+     dml_math_unary},
+    {{"abs", math_abs, "math.abs(x) -> number\nThe absolute value."}, DM_OP_ABS, dml_math_unary},
+    {{"sinh", math_sinh, "dm.sinh(x) -> number\nThe hyperbolic sine."}, DM_OP_SINH, dml_math_unary},
+    {{"cosh", math_cosh, "dm.cosh(x) -> number\nThe hyperbolic cosine."},
+     DM_OP_COSH,
+     dml_math_unary},
+    {{"tanh", math_tanh, "dm.tanh(x) -> number\nThe hyperbolic tangent."},
+     DM_OP_TANH,
+     dml_math_unary},
     {{"sign", math_sign,
       "dm.sign(x) -> number\n1, 0 or -1: the sign of x; its derivative is taken as 0."},
      DM_OP_SIGN,
-     unary},
-    {{"pow", math_pow, "dm.pow(x, y) -> number\nThe power x^y."}, DM_OP_POW, power},
+     dml_math_unary},
+    {{"pow", math_pow, "dm.pow(x, y) -> number\nThe power x^y."}, DM_OP_POW, dml_math_power},
     {{"log10", math_log10, "dm.log10(x) -> number\nThe logarithm to base 10."},
      DM_OP_LOG,
-     logarithm10},
+     dml_math_logarithm10},
     {{"floor", math_floor,
       "math.floor(x) -> integer\n"
       "The largest integer <= x. Raises on a symbol: see dm.where."},
      DM_OP_COUNT,
-     whole},
+     dml_math_whole},
     {{"ceil", math_ceil,
       "math.ceil(x) -> integer\n"
       "The smallest integer >= x. Raises on a symbol: see dm.where."},
      DM_OP_COUNT,
-     whole},
+     dml_math_whole},
     {{"tointeger", math_tointeger,
       "math.tointeger(x) -> integer\n"
       "x as an integer, or nil. Raises on a symbol: see dm.where."},
      DM_OP_COUNT,
-     whole},
+     dml_math_whole},
     {{"fmod", math_fmod,
       "math.fmod(x, y) -> number\n"
       "The remainder of x / y with the sign of x. Raises on a symbol."},
      DM_OP_COUNT,
-     remainder_of},
+     dml_math_remainder},
     {{"modf", math_modf,
       "math.modf(x) -> number, number\n"
       "Integral and fractional part of x. Raises on a symbol."},
      DM_OP_COUNT,
-     parts},
+     dml_math_parts},
     {{NULL, NULL, NULL}, DM_OP_COUNT, NULL},
 };
 
@@ -406,7 +313,8 @@ static int where(lua_State *L) {
     check_scalar(L, 2, &a);
     check_scalar(L, 3, &b);
     const dml_scalar y = dml_apply(L, DM_OP_WHERE, &c, &a, &b);
-    return push(L, &y);
+    dml_pushscalar(L, &y);
+    return 1;
 }
 
 static const dml_row rows[] = {{"where", where,
@@ -418,7 +326,7 @@ static const dml_row rows[] = {{"where", where,
 
 /* what is in math of Lua's own function takes every name that it has there: on some systems
  * math.atan2 is math.atan */
-static void replace(lua_State *L, int math, const function *f) {
+static void replace(lua_State *L, int math, const dml_math *f) {
     if (lua_getfield(L, math, f->row.name) == LUA_TNIL || lua_tocfunction(L, -1) == f->row.call)
         return;
     const int own = lua_gettop(L);
@@ -440,7 +348,7 @@ static void open_math(lua_State *L) {
         lua_pop(L, 1);
         lua_newtable(L);
     }
-    for (const function *f = functions; f->row.name; f++) {
+    for (const dml_math *f = functions; f->row.name; f++) {
         lua_pushcfunction(L, f->row.call);
         dml_setdoc(L, -1, f->row.doc);
         replace(L, math, f);

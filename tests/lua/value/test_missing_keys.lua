@@ -2,7 +2,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local explain = require "dm.session.missing".explain
-local ok = tap.ok
+local ok, raises = tap.ok, tap.raises
 
 local function says(words, f)
   local _, text = xpcall(f, explain)
@@ -68,4 +68,33 @@ local pipe = io.popen((os.getenv "DMLUA" or "build/dmlua") .. " -e 'dm.R(2):dime
 ok(pipe:read "a":find("a dm.space has no 'dimenson'; did you mean 'dimension'?", 1, true), "dmlua says so of a script")
 pipe:close()
 
+
+-- a nil is named as Lua names what it computes itself, whatever stands around it
+do
+  local function L(f) return function() return dm.system { Q = dm.R(1), L = f } end end
+  raises("cannot compute nil * dm.symbol (global 'stiffness')",
+    L(function(q, v) return v[1] ^ 2 / 2 - stiffness * q[1] end))
+  local outer
+  raises("(upvalue 'outer')", L(function(q, v) return v[1] ^ 2 / 2 - q[1] * outer end))
+  local spring = { k = {} }
+  raises("(field 'stiff')", L(function(q, v) return v[1] ^ 2 / 2 - spring.k.stiff * q[1] end))
+  raises("(local 'K')", L(function(q, v)
+    local T, K = v[1] ^ 2 / 2
+    for i = 1, 3 do
+      if i > 2 then T = T + i else T = T + q[1] ^ i end
+    end
+    return T - K * q[1]
+  end))
+  raises("(global 'first')", L(function(q, v) return first * q[1] + second * v[1] end))
+  raises("(field '?')", L(function(q, v) return spring[q] * v[1] end))
+  raises("(field 'kk'): the table of params has no 'kk'; did you mean 'k'?", function()
+    dm.system { Q = dm.R(1), params = { k = 1 }, L = function(q, v, _, p) return v[1] ^ 2 - p.kk * q[1] end }
+  end)
+  raises("dm.vector + nil (global 'shift')", function() return dm.vector { 1, 2 } + shift end)
+  -- a chunk that is loaded without its names is as good as it can be
+  local code = string.dump(function() return require "dm".vector { 1 } * nothing end, true)
+  local bare = load(code, "bare", "b", { require = require })
+  local fine, why = pcall(bare)
+  ok(not fine and tostring(why):find "dm.vector %* nil", "code without names", why)
+end
 tap.done()
