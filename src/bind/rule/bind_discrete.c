@@ -171,9 +171,9 @@ static int discrete_tostring(lua_State *L) {
 static int discrete_field(lua_State *L) {
     const dml_system *s = check(L);
     const char *key = luaL_checkstring(L, 2);
-    static const char *const fields[] = {"Q",      "Ld",     "name", "coordinates", "units",
-                                         "params", "system", "rule", "constraint",  "map",
-                                         NULL};
+    static const char *const fields[] = {"Q",          "Ld",     "name",   "coordinates",
+                                         "units",      "params", "system", "rule",
+                                         "constraint", "map",    NULL};
     if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
