@@ -47,13 +47,16 @@ local function misused(f, object)
     .. "x:%s(...)"):format(name, class, got or type(object), name)
 end
 
+--- A message without a position in here, for another one that quotes it.
+function M.bare(message) return (tostring(message):gsub(INSIDE, "")) end
+
 local function finish(f, object, fine, ...)
   if fine then return ... end
   local message = ...
   if type(message) == "string" and not M.is_stop(message) then
     message = misused(f, object) or message
   end
-  if type(message) == "string" then message = message:gsub(INSIDE, "") end
+  if type(message) == "string" then message = M.bare(message) end
   if is_misplaced(message) then
     message.message = select(2, pcall(error, "", 3)) .. message.message:gsub(INSIDE, "")
   end

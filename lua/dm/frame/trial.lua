@@ -3,6 +3,7 @@
 -- group, and be equivariant, rho(h z) = rho(z) h^-1. What both sides do to points is compared, so
 -- that elements which move nothing make no difference. Points where the frame has no finite value
 -- or an ill-conditioned one tell nothing.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
@@ -20,6 +21,7 @@ local huge, max, min = math.huge, math.max, math.min
 local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 12, 8, 6, 3, 2, 1 }
 local LOST = 5           -- samples' worth of time to find that there is no root
 local ON_SECTION = 6     -- samples of which one must lead to the section
+local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
 local SIZES = { 1, 0.3, 3, 1, 0.1, 10 } -- of points
 local PUSHES = { 1, 2.5, 0.5, 3.1 }     -- of vectors of the algebra whose exp moves them
 local FAR = 1e3          -- entries beyond which digits are missing
@@ -86,6 +88,7 @@ end
 local function by_formula(frame, list)
   local kit = groups.kit(frame.group)
   local fine, value, more = pcall(frame.solution, table.unpack(list))
+  if blame.is_stop(value) then error(value, 0) end
   if not fine then return nil, value end
   if more ~= nil then fail "solution must return one value, the element that moves the points" end
   local is, g = pcall(kit.element, value)
@@ -99,11 +102,13 @@ local function by_formula(frame, list)
   return g
 end
 
--- the root; nothing where there is none. What else it raises is an error of the section or branch
+-- The root; nothing where there is none, and why. What else it raises is an error of the section,
+-- branch or start.
 local function by_root(frame, list)
   local fine, y = pcall(frame.root, points.flat(list))
   if fine then return frame.group:unflat(y) end
-  if not tostring(y):find(text.advice, 1, true) then fail("%s", tostring(y)) end
+  if not tostring(y):find(text.advice, 1, true) then fail("%s", blame.bare(y)) end
+  return nil, y
 end
 
 -- what J psi and g make of rounding at the points there
@@ -127,7 +132,8 @@ local function is_on(trial, list, a)
   local fine, Z = pcall(trial.section, frame, a.there)
   if not fine or not kits.is_finite(Z) then return nil end
   if is_surely_on(trial, Z) then return true end
-  local off, condition, unit = tangent.distance(frame, a.there, Z)
+  local told, off, condition, unit = pcall(tangent.distance, frame, a.there, Z)
+  if not told then fail("the cross-section has no derivative: %s", blame.bare(off)) end
   a.condition = condition
   if not (condition < tangent.CONDITION and off < huge) then return nil end
   if off <= tangent.allowed(condition) then
@@ -154,7 +160,7 @@ end
 -- what the formula raises
 local function frame_of(trial, list)
   local frame, g, why = trial.frame, nil, nil
-  if frame.solution then g, why = by_formula(frame, list) else g = by_root(frame, list) end
+  if frame.solution then g, why = by_formula(frame, list) else g, why = by_root(frame, list) end
   local there = g and moved(frame, g, list)
   if not there then return nil, why end
   local a = { g = g, there = there }
@@ -216,7 +222,7 @@ local function large(G, seed)
 end
 
 -- the frame at sample `seed` and where a large element moves it; nothing where nothing is told, and
--- what the formula raises
+-- why: what the formula raises, or why there is no root
 local function try(trial, seed)
   local frame = trial.frame
   local list = sample(frame, seed)
@@ -230,18 +236,24 @@ local function try(trial, seed)
   return a
 end
 
+-- was a root refused because the section is tangent to the orbit there?
+local function is_singular(why) return why and tostring(why):find("is singular", 1, true) ~= nil end
+
 --- Raises where the frame is none. section(frame, list): Z at the points, as a list.
 function M.check(frame, section)
   local trial = { frame = frame, section = section, measured = 0, scale = huge }
   local left = (frame.solution and FORMULAS or ROOTS)[min(frame.r, #ROOTS)]
-  local told, first, seed = false, nil, 0
-  while left > 0 do
+  local told, first, tangential, seed = false, nil, 0, 0
+  while left > 0 or not told and tangential == seed and seed < TANGENTIAL do
     seed = seed + 1
     local a, why = try(trial, seed)
     left = left - ((a or frame.solution) and 1 or LOST)
     told, first = told or a ~= nil, first or why
+    tangential = tangential + (not frame.solution and is_singular(why) and 1 or 0)
   end
-  if not told and first then fail("the solution fails at random points: %s", tostring(first)) end
+  if told or not first then return end
+  if frame.solution then fail("the solution fails at random points: %s", blame.bare(first)) end
+  if tangential == seed then text.refuse(frame, frame.r) end
 end
 
 --- Points on the section, from one of the first samples that have a frame; nothing where none has.

@@ -228,4 +228,13 @@ raises("sigma must return one value", function()
 end)
 raises("nowhere transversal", frame, { action = turn, branch = first,
   cross_section = function(z) return dm.tanh(20 * z:norm()) end })
+raises("nowhere transversal", frame, { action = turn, branch = first,
+  cross_section = function(z) return z[2] ^ 2 end })
+local function by_the_sign(z) return z[1] > 0 and z[2] or 2 * z[2] end
+raises("dm.moving_frame: the cross-section has no derivative: ", frame, { action = turn,
+  cross_section = by_the_sign, branch = first, solution = angle })
+raises("met a symbol while 'equations' of the moving frame is traced", frame, { action = turn,
+  cross_section = by_the_sign, branch = first })
+raises("dm.moving_frame: the group element must be a vector", frame, { action = turn,
+  cross_section = second, branch = first, start = function() return "here" end })
 tap.done()

@@ -117,7 +117,8 @@ for _, mass in ipairs { 1, 0.1, 10, 100 } do
   for k = 1, 40 do
     local a = 0.7 * k
     local fine, path = pcall(function()
-      return dm.solver { invariant }:run { steps = 5, q = { cos(a) / 2, sin(a) / 2, 0.1 + 0.01 * k },
+      return dm.solver { invariant }:run { steps = 5,
+        q = { cos(a) / 2, sin(a) / 2, 0.1 + 0.01 * k },
         p = { -1.2 * mass * sin(a), 1.2 * mass * cos(a), 0.4 * mass * cos(3 * a) } }
     end)
     refused = refused + (fine and 0 or 1)
