@@ -108,12 +108,27 @@ static int refuses(const char *text) {
 }
 
 static void methods_check_their_arguments(void) {
-    static const char *const bad[] = {"gauss",          "gauss(0)",   "gauss(33)",
-                                      "gauss(1.5)",     "gauss(2,0)", "gauss(2,51)",
-                                      "gauss(2,2,2)",   "gauss(rk4)", "gauss(1e99)",
-                                      "gauss(-1)",      "lobatto(1)", "lobatto(33)",
-                                      "lobatto",        "verlet(2)",  "midpoint(1)",
-                                      "trapezoidal(1)", "del(1)",     "rk4(4)"};
+    static const char *const bad[] = {"gauss",
+                                      "gauss(0)",
+                                      "gauss(33)",
+                                      "gauss(1.5)",
+                                      "gauss(2,0)",
+                                      "gauss(2,51)",
+                                      "gauss(2,2,2)",
+                                      "gauss(rk4)",
+                                      "gauss(1e99)",
+                                      "gauss(-1)",
+                                      "lobatto(1)",
+                                      "lobatto(33)",
+                                      "lobatto",
+                                      "verlet(2)",
+                                      "midpoint(1)",
+                                      "trapezoidal(1)",
+                                      "del(1)",
+                                      "rk4(4)",
+                                      "yoshida(4, suzuki(3))",
+                                      "suzuki(4, gauss(0))",
+                                      "blanes-moan(4, midpoint)"};
     static const char *const good[] = {"gauss(1)",   "gauss(2,3)", "gauss(32)",
                                        "lobatto(2)", "verlet",     "del"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
