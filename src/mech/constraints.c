@@ -18,9 +18,9 @@ static unsigned read_structure(dm_graph *g, const dm_constraints *t) {
     if (k && dm_depends(g, t->g, k, time, 1)) has |= DM_CONSTRAINTS_MOVING | DM_CONSTRAINTS_TIMED;
     if (l && dm_depends(g, t->phi, l, time, 1)) has |= DM_CONSTRAINTS_TIMED;
     if (l && dm_depends(g, t->E, l * n, time, 1)) has |= DM_CONSTRAINTS_TIMED;
-    if (t->f && dm_depends(g, t->f, n, time, 1)) has |= DM_CONSTRAINTS_TIMED;
+    if (t->f && dm_depends(g, t->f, t->forces, time, 1)) has |= DM_CONSTRAINTS_TIMED;
     if (t->controls && dm_depends(g, t->u, t->controls, time, 1)) has |= DM_CONSTRAINTS_TIMED;
-    if (t->f && dm_depends(g, t->f, n, n, n)) has |= DM_CONSTRAINTS_FORCE_SEES_V;
+    if (t->f && dm_depends(g, t->f, t->forces, n, n)) has |= DM_CONSTRAINTS_FORCE_SEES_V;
     if (!l || !dm_depends(g, t->phi_v, l * n, n, n)) has |= DM_CONSTRAINTS_LINEAR;
     return has;
 }
@@ -47,6 +47,7 @@ dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced 
                         .holonomic = k,
                         .rolling = l,
                         .forced = x->f != NULL,
+                        .forces = x->forces,
                         .controls = x->controls,
                         .u = x->u,
                         .graph = x->graph,
@@ -143,18 +144,18 @@ static dm_status make_control(dm_constraints *t, dm_compile *compile) {
 
 static dm_status make_force(dm_constraints *t, dm_compile *compile) {
     list b;
-    if (!begin(&b, t, t->n)) return DM_NO_MEMORY;
-    add(&b, t->f, t->n);
+    if (!begin(&b, t, t->forces)) return DM_NO_MEMORY;
+    add(&b, t->f, t->forces);
     return end(&b, &t->force, DM_WANT_CONSTRAINT_FORCE, compile);
 }
 
 static dm_status make_force_curve(dm_constraints *t, dm_compile *compile) {
-    const size_t n = t->n;
+    const size_t forces = t->forces;
     list b;
-    if (!begin(&b, t, n + 2 * n * n)) return DM_NO_MEMORY;
-    add(&b, t->f, n);
-    add_jacobian(&b, t->f, t->n, 0);
-    add_jacobian(&b, t->f, t->n, t->n);
+    if (!begin(&b, t, forces + 2 * forces * t->n)) return DM_NO_MEMORY;
+    add(&b, t->f, forces);
+    add_jacobian(&b, t->f, t->forces, 0);
+    add_jacobian(&b, t->f, t->forces, t->n);
     return end(&b, &t->force_curve, DM_WANT_FORCE_CURVE, compile);
 }
 

@@ -1,8 +1,10 @@
 /* constraints.h - what a Lagrangian is constrained by: holonomic constraints g(q, t) = 0 with
  * the reactions G^T lambda, G = dg/dq; rolling constraints phi(q, v, t) = 0 with the reactions
  * E^T mu, where E is dphi/dv (Chetaev) or given; a force f(q, v, t) that is added to L_q
- * (Marsden-West 2001, 3.2). A model without any has no constraints at all. Kernels are made when
- * wanted. */
+ * (Marsden-West 2001, 3.2). Of a discrete Lagrangian they are functions of (q0, q1) in
+ * the place of (q, v): phi(q0, q1), whose dphi/dv is dphi/dq1, with E given, and F1, F2
+ * (Cuell-Patrick 2009, 3; Leok 2.8.2). A model without any has no constraints at all. Kernels are
+ * made when wanted. */
 #ifndef DM_CONSTRAINTS_H
 #define DM_CONSTRAINTS_H
 
@@ -21,6 +23,7 @@ typedef struct dm_constraints {
     uint32_t holonomic; /* k, entries of g */
     uint32_t rolling;   /* l, entries of phi */
     int forced;         /* is there a force? */
+    uint32_t forces;    /* entries of f: n, or 2 n of a discrete Lagrangian: F1 at q0, F2 at q1 */
     uint32_t controls;  /* entries of u, which is held over a step and is seen by the force alone */
     unsigned structure, has; /* DM_CONSTRAINTS_*; DM_WANT_* that are built */
     /* each takes x = (q[n], v[n], t), `reaction` (q, v, t, lambda[k], mu[l]); with controls the
@@ -29,8 +32,8 @@ typedef struct dm_constraints {
     dm_kernel holonomic_kernel; /* g[k], G[k*n], g_t[k] */
     dm_kernel rolling_kernel;   /* phi[l], E[l*n], phi_v[l*n], phi_q[l*n] */
     dm_kernel control;          /* u[controls] at the start of a step; made with the force */
-    dm_kernel force;            /* f[n] */
-    dm_kernel force_curve;      /* f[n], f_q[n*n], f_v[n*n] */
+    dm_kernel force;            /* f[forces] */
+    dm_kernel force_curve;      /* f[forces], f_q[forces*n], f_v[forces*n] */
     dm_kernel reaction;         /* r[n] = G^T lambda + E^T mu, r_q[n*n], r_v[n*n] */
     const uint8_t *touches;     /* [k*n]: 0 where an entry of G is zero everywhere */
     /* for methods that make kernels of their own: nodes of a graph with the inputs q, v, t,
@@ -39,7 +42,7 @@ typedef struct dm_constraints {
     const dm_node *g, *G, *g_t; /* [k], [k*n], [k] */
     const dm_node *phi, *E;     /* [l], [l*n] */
     const dm_node *phi_v;       /* [l*n], the same nodes as E unless that is given */
-    const dm_node *f, *u;       /* [n], NULL without a force; [controls] */
+    const dm_node *f, *u;       /* [forces], NULL without a force; [controls] */
     dm_arena *arena;
 } dm_constraints;
 
@@ -47,10 +50,10 @@ typedef struct dm_constraints {
  * u[controls]. */
 typedef struct {
     dm_graph *graph;
-    uint32_t n, holonomic, rolling, controls;
+    uint32_t n, holonomic, rolling, controls, forces;
     const dm_node *u;       /* [controls] or NULL */
     const dm_node *g, *phi; /* [k], [l] */
-    const dm_node *f;       /* [n] or NULL */
+    const dm_node *f;       /* [forces] or NULL */
     const dm_node *E;       /* [l*n] or NULL: dphi/dv */
 } dm_constraints_traced;
 

@@ -143,7 +143,8 @@ static inline void twice_maker(constrained_draft *d) {
 
 /* ---- from a maker to a problem ---- */
 
-static inline dm_status constrained_open(constrained_problem *t, constrained_maker *make, uint32_t n, uint32_t constraints) {
+static inline dm_status constrained_open(constrained_problem *t, constrained_maker *make,
+                                         uint32_t n, uint32_t constraints) {
     *t = (constrained_problem){.p = {.n = n}};
     dm_arena_init(&t->p.arena, problem_allocate, NULL);
     constrained_draft d = {.g = dm_graph_new(&t->p.arena, 2 * n + 1 + constraints)};
@@ -159,16 +160,19 @@ static inline dm_status constrained_open(constrained_problem *t, constrained_mak
                        dm_tape_build, &t->p.arena);
     if (status != DM_OK || !(d.constraints + d.rollings || d.forced)) return status;
     const dm_constraints_traced traced = {.graph = d.g,
-                                   .n = n,
-                                   .holonomic = d.constraints,
-                                   .rolling = d.rollings,
-                                   .g = d.constraint,
-                                   .phi = d.rolling,
-                                   .f = d.forced ? d.f : NULL,
-                                   .E = d.given ? d.E : NULL};
+                                          .n = n,
+                                          .holonomic = d.constraints,
+                                          .rolling = d.rollings,
+                                          .forces = d.forced ? n : 0,
+                                          .g = d.constraint,
+                                          .phi = d.rolling,
+                                          .f = d.forced ? d.f : NULL,
+                                          .E = d.given ? d.E : NULL};
     status = dm_constraints_build(&t->constraints, &traced, &t->p.arena);
-    if (status == DM_OK) status = dm_constraints_want(&t->constraints, DM_WANT_CONSTRAINTS, dm_tape_build);
-    if (t->constraints.structure & DM_CONSTRAINTS_TIMED) t->p.model.structure &= ~(unsigned)DM_AUTONOMOUS;
+    if (status == DM_OK)
+        status = dm_constraints_want(&t->constraints, DM_WANT_CONSTRAINTS, dm_tape_build);
+    if (t->constraints.structure & DM_CONSTRAINTS_TIMED)
+        t->p.model.structure &= ~(unsigned)DM_AUTONOMOUS;
     t->p.model.constraints = &t->constraints;
     return status;
 }
@@ -179,7 +183,8 @@ static inline void constrained_place(constrained_problem *t, const double *q, co
 }
 
 /* largest |g|, |G v + g_t| and |phi| of a state at time t */
-static inline double constrained_defect(const constrained_problem *t, const double *state, double time) {
+static inline double constrained_defect(const constrained_problem *t, const double *state,
+                                        double time) {
     double x[3 * PROBLEM_SIZE + 1] = {0}, out[PROBLEM_SIZE * (3 * PROBLEM_SIZE + 2)];
     const uint32_t n = t->p.n, k = t->constraints.holonomic, l = t->constraints.rolling;
     double worst = 0.0, *work = malloc(dm_legendre_work(&t->p.model) * sizeof *work);

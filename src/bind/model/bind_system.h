@@ -91,6 +91,9 @@ void dml_writeout(lua_State *L, dml_model *m);
 /* Push function `key` of the system at `arg`, its params bound as the last argument. */
 void dml_pushbound(lua_State *L, int arg, const char *key);
 
+/* The same of a discrete Lagrangian, whose functions get h before the params. */
+void dml_pushboundpair(lua_State *L, int arg, const char *key);
+
 /* What dm_legendre and its inverse need of this model, of which `want` is wanted too. */
 unsigned dml_legendre_wants(const dml_model *m, unsigned want);
 

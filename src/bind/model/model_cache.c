@@ -38,12 +38,13 @@ static int same_map(const dml_traced *a, const dml_traced *b) {
 static int same_constraints(const dml_model *cached, const dml_model *fresh) {
     const dm_constraints_traced *a = &cached->constrained, *b = &fresh->constrained;
     if (!a->graph != !b->graph || a->holonomic != b->holonomic || a->rolling != b->rolling ||
-        a->controls != b->controls || cached->constraints_traced != fresh->constraints_traced ||
+        a->controls != b->controls || a->forces != b->forces ||
+        cached->constraints_traced != fresh->constraints_traced ||
         !same_map(cached->constraint + DML_MAP, fresh->constraint + DML_MAP))
         return 0;
     return !a->graph ||
            (same_roots(a->g, b->g, a->holonomic) && same_roots(a->phi, b->phi, a->rolling) &&
-            same_roots(a->f, b->f, a->n) && same_roots(a->u, b->u, a->controls) &&
+            same_roots(a->f, b->f, a->forces) && same_roots(a->u, b->u, a->controls) &&
             same_roots(a->E, b->E, (size_t)a->rolling * a->n) &&
             dml_samenodes(a->graph, b->graph, cached->constraints_traced));
 }

@@ -1,5 +1,6 @@
 /* model_constraints.c - from constraint =, rolling =, force =, reaction = to the constraints of a
- * model. */
+ * model. Long because every function of
+ * the list is traced, checked and compared alike. */
 #include "bind/model/model_constraints.h"
 #include "bind/model/named.h"
 
@@ -13,17 +14,18 @@
 static const char *const keys[] = {"constraint", "rolling", "control", "force",
                                    "reaction",   "map",     NULL};
 
-/* constraint(q, t); force(q, v, t, u) where there are controls; map(q, p); all others (q, v, t) */
-static dml_signature signature(const dml_model *m, int which) {
+/* constraint(q, t); force(q, v, t, u) where there are controls; map(q, p); all others (q, v, t);
+ * rolling, force and reaction of a discrete Lagrangian (q0, q1), with h and params bound */
+static dml_signature signature(const dml_model *m, int pair, int which) {
     const int n = (int)m->n;
+    if (pair && which != DML_CONSTRAINT)
+        return (
+            dml_signature){.what = keys[which], .arguments = 2, .length = {n, n}, .may_grow = 1};
     if (which == DML_CONSTRAINT)
         return (dml_signature){.what = keys[which],
                                .arguments = 2,
                                .length = {n, DML_SCALAR_ARGUMENT},
                                .may_grow = 1};
-    if (which == DML_MAP)
-        return (
-            dml_signature){.what = keys[which], .arguments = 2, .length = {n, n}, .may_grow = 1};
     const int controls = (int)m->constraint[DML_CONTROL].outputs;
     return (dml_signature){.what = keys[which],
                            .arguments = which == DML_FORCE && controls ? 4 : 3,
@@ -43,14 +45,22 @@ int dml_isconstrained(lua_State *L, int arg) {
     return 0;
 }
 
-void dml_check_functions(lua_State *L, int hyperdual) {
-    static const char *const forms[] =
+void dml_check_functions(lua_State *L, int hyperdual, int pair) {
+    static const char *const of_pair[] =
+        {"function(q) that returns what shall be zero",
+         "function(q0, q1) or function(q0, q1, h) that returns what shall be zero",
+         "",
+         "function of (q0, q1 [, h]) that returns { F1, F2 }, the forces at q0 and at q1",
+         "function(q0, q1) or function(q0, q1, h) that returns a row for every rolling one",
+         "function of (q, p) at the start of a step that returns q, p at its end as one list"};
+    static const char *const of_system[] =
         {"function(q) or function(q, t) that returns what shall be zero",
          "function(q, v) or function(q, v, t) that returns what shall be zero",
          "function(q, v) or function(q, v, t) that returns the controls u of a step",
          "function of (q, v [, t [, u]]), u the controls, that returns dim Q numbers",
          "function(q, v) or function(q, v, t) that returns a row for every rolling one",
          "function of (q, p) at the start of a step that returns q, p at its end as one list"};
+    const char *const *forms = pair ? of_pair : of_system;
     for (int i = 0; keys[i]; i++, lua_pop(L, 1)) {
         const int type = lua_getfield(L, 1, keys[i]);
         if (type == LUA_TNIL) continue;
@@ -73,6 +83,10 @@ void dml_check_functions(lua_State *L, int hyperdual) {
     const int reaction = lua_getfield(L, 1, "reaction") != LUA_TNIL;
     const int rolling = lua_getfield(L, 1, "rolling") != LUA_TNIL;
     lua_pop(L, 2);
+    if (pair && rolling && !reaction)
+        luaL_error(L,
+                   "field 'reaction' is missing: the rows that span the annihilator of E_d at q0, "
+                   "in whose directions 'rolling' constraints of a discrete Lagrangian react");
     if (reaction && !rolling)
         luaL_error(L, "field 'reaction' gives the directions in which 'rolling' constraints react, "
                       "and there are none");
@@ -107,16 +121,30 @@ static int flat_call(lua_State *L) {
     return 1;
 }
 
-static void push_function(lua_State *L, int arg, int which) {
-    dml_pushbound(L, arg, keys[which]);
-    if (which == DML_REACTION) lua_pushcclosure(L, flat_call, 1);
+static int is_pair(lua_State *L, int arg) {
+    return dml_checksystem(L, arg)->pair;
 }
 
-static void check_lengths(lua_State *L, const dml_model *m) {
+static void push_function(lua_State *L, int arg, int which) {
+    const int pair = is_pair(L, arg);
+    if (pair && which != DML_CONSTRAINT && which != DML_MAP)
+        dml_pushboundpair(L, arg, keys[which]);
+    else
+        dml_pushbound(L, arg, keys[which]);
+    if (which == DML_REACTION || (pair && which == DML_FORCE)) lua_pushcclosure(L, flat_call, 1);
+}
+
+static void check_lengths(lua_State *L, const dml_model *m, int pair) {
     const uint32_t n = m->n, k = m->constraint[DML_CONSTRAINT].outputs,
                    l = m->constraint[DML_ROLLING].outputs;
     const uint32_t given = m->constraint[DML_REACTION].outputs;
-    if (m->constraint[DML_FORCE].graph && m->constraint[DML_FORCE].outputs != n)
+    if (pair && m->constraint[DML_FORCE].graph && m->constraint[DML_FORCE].outputs != 2 * n)
+        luaL_error(L,
+                   "force of a discrete Lagrangian must return { F1, F2 }, %d numbers each, got %d "
+                   "in "
+                   "all",
+                   (int)n, (int)m->constraint[DML_FORCE].outputs);
+    if (!pair && m->constraint[DML_FORCE].graph && m->constraint[DML_FORCE].outputs != n)
         luaL_error(L, "force must return %d numbers, one per coordinate, got %d", (int)n,
                    (int)m->constraint[DML_FORCE].outputs);
     if (m->constraint[DML_REACTION].graph && given != l * n)
@@ -155,7 +183,11 @@ static void join(lua_State *L, dml_model *m) {
     const uint32_t k = m->constraint[DML_CONSTRAINT].outputs,
                    l = m->constraint[DML_ROLLING].outputs;
     const uint32_t c = m->constraint[DML_CONTROL].outputs;
-    *t = (dm_constraints_traced){.n = m->n, .holonomic = k, .rolling = l, .controls = c};
+    *t = (dm_constraints_traced){.n = m->n,
+                                 .holonomic = k,
+                                 .rolling = l,
+                                 .controls = c,
+                                 .forces = m->constraint[DML_FORCE].outputs};
     t->graph = dm_graph_new(m->arena, 2 * m->n + 1 + k + l + c);
     if (!t->graph) luaL_error(L, "not enough memory");
     t->g = transplant(m, DML_CONSTRAINT);
@@ -175,7 +207,7 @@ void dml_traceconstraints(lua_State *L, int arg, dml_model *m) {
     arg = lua_absindex(L, arg);
     for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS; i++) {
         if (!has_field(L, arg, keys[i])) continue;
-        const dml_signature s = signature(m, i);
+        const dml_signature s = signature(m, is_pair(L, arg), i);
         push_function(L, arg, i);
         dml_retrace(L, lua_gettop(L), &s, m->arena, NULL, m->constraint + i);
         lua_pop(L, 1);
@@ -185,7 +217,7 @@ void dml_traceconstraints(lua_State *L, int arg, dml_model *m) {
         any = 1;
     }
     if (!any) return;
-    check_lengths(L, m);
+    check_lengths(L, m, is_pair(L, arg));
     join(L, m);
 }
 
@@ -195,7 +227,7 @@ int dml_repeatconstraints(lua_State *L, int arg, const dml_model *cached, dm_are
         const dml_traced *last = cached->constraint + i;
         dml_traced now;
         if (!last->graph) continue;
-        const dml_signature s = signature(cached, i);
+        const dml_signature s = signature(cached, is_pair(L, arg), i);
         push_function(L, arg, i);
         dml_retrace(L, lua_gettop(L), &s, arena, last, &now);
         lua_pop(L, 1);
@@ -223,8 +255,9 @@ void dml_buildconstraints(lua_State *L, dml_model *m) {
                    (int)idle + 1);
     if (idle < k + m->constrained.rolling)
         luaL_error(L,
-                   "rolling constraint %d does not depend on v: one on the coordinates alone goes "
-                   "into 'constraint'",
+                   "rolling constraint %d does not depend on v (of a discrete Lagrangian: on q1): "
+                   "one on "
+                   "the coordinates alone goes into 'constraint'",
                    (int)(idle - k) + 1);
 }
 
@@ -265,7 +298,7 @@ void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x) 
             dm_kernel_eval(kernel, at, held);
         }
         if (m->constrained.controls) memcpy(u, held, m->constrained.controls * sizeof *u);
-        const dml_signature s = signature(m, i);
+        const dml_signature s = signature(m, is_pair(L, arg), i);
         push_function(L, arg, i);
         if (m->checked)
             dml_trace_check_start(L, lua_gettop(L), &s, kernel, here ? at : NULL);
@@ -274,6 +307,24 @@ void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x) 
         lua_pop(L, 1);
     }
     lua_settop(L, top);
+}
+
+void dml_addforces(lua_State *L, dml_model *m, const double *x, double *p0, double *p1) {
+    const size_t n = m->n;
+    if (!m->constrained.graph || !m->constraints.forced) return;
+    dml_want(L, m, DM_WANT_CONSTRAINT_FORCE, NULL);
+    double *at = lua_newuserdatauv(L, (4 * n + 1 + 2 * n) * sizeof *at, 0), *F = at + 4 * n + 1;
+    memset(at, 0, (4 * n + 1) * sizeof *at);
+    memcpy(at, x, 2 * n * sizeof *at);
+    dm_kernel_prepare(&m->constraints.force, F);
+    dm_kernel_eval(&m->constraints.force, at, F);
+    for (size_t i = 0; i < 2 * n; i++)
+        if (!isfinite(F[i]))
+            luaL_error(L, "force %d is not finite at (q0, q1): is it inside its domain?",
+                       (int)i + 1);
+    for (size_t i = 0; i < n; i++) p0[i] -= F[i];
+    for (size_t i = 0; p1 && i < n; i++) p1[i] += F[n + i];
+    lua_pop(L, 1);
 }
 
 /* ---- what a script sees ---- */

@@ -9,8 +9,8 @@
 int dml_isconstrained(lua_State *L, int arg);
 
 /* Check the fields of the options at 1: functions, or nil; a reaction needs a rolling
- * constraint. */
-void dml_check_functions(lua_State *L, int hyperdual);
+ * constraint, and in a discrete Lagrangian (pair) the other way round. */
+void dml_check_functions(lua_State *L, int hyperdual, int pair);
 
 /* Trace them into m->constrained; raises what dml_trace raises, and wrong lengths. */
 void dml_traceconstraints(lua_State *L, int arg, dml_model *m);
@@ -28,6 +28,10 @@ void dml_checkpairconstraints(lua_State *L, const dml_model *m);
 /* Compare the traces with plain calls around x = (q, v, t), as dml_trace_check does; NULL:
  * nowhere in particular. */
 void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x);
+
+/* The discrete forces of a discrete Lagrangian at x = (q0, q1): p0[n] -= F1, p1[n] += F2 (NULL: not
+ * wanted); nothing where there are none. */
+void dml_addforces(lua_State *L, dml_model *m, const double *x, double *p0, double *p1);
 
 /* system:constraint(q [, t]), system:rolling(q, v [, t]), system:force(q, v [, t]); what they
  * are called. */

@@ -59,6 +59,14 @@ void dml_pushbound(lua_State *L, int arg, const char *key) {
         lua_pop(L, 1);
 }
 
+void dml_pushboundpair(lua_State *L, int arg, const char *key) {
+    arg = lua_absindex(L, arg);
+    dml_systemfield(L, arg, key);
+    lua_pushnumber(L, dml_checksystem(L, arg)->h);
+    dml_systemfield(L, arg, "params");
+    lua_pushcclosure(L, bound_call, 3);
+}
+
 /* push the function of the system at arg, its constant arguments bound */
 static void push_function(lua_State *L, int arg, const dml_system *s) {
     arg = lua_absindex(L, arg);
@@ -66,10 +74,7 @@ static void push_function(lua_State *L, int arg, const dml_system *s) {
         dml_pushbound(L, arg, "L");
         return;
     }
-    dml_systemfield(L, arg, "Ld");
-    lua_pushnumber(L, s->h);
-    dml_systemfield(L, arg, "params");
-    lua_pushcclosure(L, bound_call, 3);
+    dml_pushboundpair(L, arg, "Ld");
 }
 
 static void check_status(lua_State *L, dm_status status) {

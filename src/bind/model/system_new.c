@@ -122,7 +122,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     check_coordinates(L, n);
     check_units(L);
     check_params(L);
-    dml_check_functions(L, wants_hyperdual(L));
+    dml_check_functions(L, wants_hyperdual(L), pair);
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
     dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
     *s = (dml_system){.n = n, .pair = pair, .hyperdual = wants_hyperdual(L), .h = h};

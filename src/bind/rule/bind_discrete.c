@@ -14,7 +14,7 @@ static dml_system *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_DISCRETE);
 }
 
-/* p0 = -D1 Ld, p1 = D2 Ld, -D1D2 Ld at the points q0, q1 */
+/* p0 = -D1 Ld - F1, p1 = D2 Ld + F2, -D1D2 Ld at the points q0, q1 */
 typedef struct {
     const double *p0, *p1, *two_form;
 } momenta;
@@ -41,6 +41,7 @@ static momenta of_formula(lua_State *L) {
                        dml_modeltrouble(L, m));
         if (i < n || i >= 2 * n) out[i] = -out[i];
     }
+    dml_addforces(L, m, x, out, out + n);
     return (momenta){out, out + n, out + 2 * (size_t)n};
 }
 
@@ -171,9 +172,9 @@ static int discrete_tostring(lua_State *L) {
 static int discrete_field(lua_State *L) {
     const dml_system *s = check(L);
     const char *key = luaL_checkstring(L, 2);
-    static const char *const fields[] = {"Q",          "Ld",     "name",   "coordinates",
-                                         "units",      "params", "system", "rule",
-                                         "constraint", "map",    NULL};
+    static const char *const fields[] = {"Q",       "Ld",       "name", "coordinates", "units",
+                                         "params",  "system",   "rule", "constraint",  "force",
+                                         "rolling", "reaction", "map",  NULL};
     if (strcmp(key, "h") == 0) return lua_pushnumber(L, s->h), 1;
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
@@ -290,9 +291,10 @@ static int is_timed(lua_State *L) {
 }
 
 static int discrete_new(lua_State *L) {
-    static const char *const known[] = {"Q",           "h",     "Ld",     "name",
-                                        "coordinates", "units", "params", "derivatives",
-                                        "constraint",  "map",   NULL};
+    static const char *const known[] = {"Q",           "h",     "Ld",      "name",
+                                        "coordinates", "units", "params",  "derivatives",
+                                        "constraint",  "force", "rolling", "reaction",
+                                        "map",         NULL};
     lua_settop(L, 2);
     if (luaL_testudata(L, 1, DML_SYSTEM)) {
         check_of_system(L);
@@ -324,10 +326,10 @@ static const dml_row methods[] =
       "the weights h b_i; q1 = q0 + h sum_j beta_j V_j."},
      {"legendre_minus", discrete_minus,
       "Ld:legendre_minus(q0, q1) -> dm.vector\n"
-      "The momentum p0 = -D1 Ld(q0, q1) at q0 (Leok 2.3)."},
+      "The momentum p0 = -D1 Ld(q0, q1) - F1 at q0, F1 the discrete force (Leok 2.3, 2.8.2)."},
      {"legendre_plus", discrete_plus,
       "Ld:legendre_plus(q0, q1) -> dm.vector\n"
-      "The momentum p1 = D2 Ld(q0, q1) at q1 (Leok 2.3)."},
+      "The momentum p1 = D2 Ld(q0, q1) + F2 at q1, F2 the discrete force (Leok 2.3, 2.8.2)."},
      {"two_form", discrete_two_form,
       "Ld:two_form(q0, q1) -> dm.matrix\n"
       "The matrix -D1D2 Ld (row q0, column q1) of the discrete symplectic form omega = "
@@ -337,20 +339,27 @@ static const dml_row methods[] =
       "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; kept "
       "along a path when Ld is invariant."},
      {NULL, NULL, NULL}};
-static const dml_row functions[] =
-    {{"discrete_lagrangian", discrete_new,
-      "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "
-      "constraint=, map=} -> dm.discrete_lagrangian   or   dm.discrete_lagrangian(system, {rule=, "
-      "h=})\n"
-      "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
-      "...)\n"
-      "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
-      "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
-      "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "
-      "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are. map(q, p): the step "
-      "of Ld, q1 and p1 as one list (with constraints an impulse for each behind them), where it "
-      "is known: runs then take it (rule \"map\") in place of solving for q1."},
-     {NULL, NULL, NULL}};
+static const dml_row functions[] = {
+    {"discrete_lagrangian", discrete_new,
+     "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "
+     "constraint=, rolling=, reaction=, force=, map=} -> dm.discrete_lagrangian   or   "
+     "dm.discrete_lagrangian(system, {rule=, "
+     "h=})\n"
+     "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
+     "...)\n"
+     "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
+     "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
+     "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "
+     "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are. map(q, p): the step "
+     "of Ld, q1 and p1 as one list (with constraints an impulse for each behind them), where it "
+     "is known: runs then take it (rule \"map\") in place of solving for q1. rolling(q0, q1 [, h "
+     "[, "
+     "params]]): what is to be zero between two nodes; reaction(q0, q1 [, h [, params]]): a row of "
+     "dim Q numbers for each, in whose directions it reacts (the rows span the annihilator of the "
+     "virtual displacements at q0; Cuell-Patrick 3). force(q0, q1 [, h [, params]]): { F1, F2 }, "
+     "dim Q numbers each, the discrete forces at q0 and at q1: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 "
+     "(Leok 2.8.2)."},
+    {NULL, NULL, NULL}};
 
 const dml_class dml_class_discrete = {
     .name = DML_DISCRETE,

@@ -168,6 +168,29 @@ void dml_check_on_constraints(lua_State *L, dml_stepping *r, const char *who) {
     check_position(L, r, who);
 }
 
+void dml_check_rolling_pair(lua_State *L, const dml_stepping *r) {
+    const dm_constraints *t = r->model->model.constraints;
+    if (!t || !t->rolling) return;
+    const size_t n = t->n, l = t->rolling;
+    const size_t room = 2 * n + 1 + t->holonomic + l;
+    double *x = lua_newuserdatauv(L, (room + t->rolling_kernel.outputs) * sizeof *x, 0);
+    double *phi = x + room;
+    const double *slope = phi + l + l * n; /* dphi/dq1 */
+    memset(x, 0, room * sizeof *x);
+    memcpy(x, r->x, 2 * n * sizeof *x);
+    dm_kernel_prepare(&t->rolling_kernel, phi);
+    dm_kernel_eval(&t->rolling_kernel, x, phi);
+    for (size_t c = 0; c < l; c++) {
+        double size = 0.0;
+        for (size_t i = 0; i < n; i++)
+            size += fabs(slope[c * n + i]) * (fabs(x[i]) + fabs(x[n + i]));
+        if (!(fabs(phi[c]) <= ON * size))
+            luaL_error(L, "no start: q0 and q1 do not fit rolling constraint %d: it is %f",
+                       (int)c + 1, phi[c]);
+    }
+    lua_pop(L, 1);
+}
+
 dm_status dml_tangent_momentum(dml_stepping *r) {
     const dm_model *m = &r->model->model;
     double *v = r->x + m->n, *p = r->state + m->n;

@@ -1,5 +1,6 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/run/stepping.h"
+#include "bind/model/model_constraints.h"
 #include "bind/model/model_sums.h"
 #include "bind/model/named.h"
 #include "bind/run/start_branch.h"
@@ -215,7 +216,7 @@ static void start_here(lua_State *L, dml_stepping *r) {
     dml_start_on_constraints(L, r, "", 1);
 }
 
-/* two positions of a discrete Lagrangian: p0 = -D1 Ld(q0, q1) */
+/* two positions of a discrete Lagrangian: p0 = -D1 Ld(q0, q1) - F1 */
 static void start_pair(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
     const dm_kernel *pair = &r->model->model.pair;
@@ -230,6 +231,8 @@ static void start_pair(lua_State *L, dml_stepping *r) {
     dm_kernel_eval(pair, r->x, r->work);
     dml_rethrow(L, r->model);
     for (uint32_t i = 0; i < n; i++) r->state[n + i] = -r->work[i];
+    dml_addforces(L, r->model, r->x, r->state + n, NULL);
+    dml_check_rolling_pair(L, r);
     r->stepper.toward = r->x + n;
 }
 

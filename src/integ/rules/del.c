@@ -1,5 +1,6 @@
 /* del.c - the discrete Euler-Lagrange equations of a user's Ld(q0, q1), position-momentum form,
- * with holonomic constraints. */
+ * with holonomic constraints, rolling constraints on pairs and discrete forces. Long because it is
+ * one step equation, from its workspace to its Newton method. */
 #include "base/largest.h"
 #include "integ/method/method.h"
 #include "linalg/lu.h"
@@ -15,18 +16,26 @@
  * the last first, and what the kernel remembers of its implicit functions; the cubic through the
  * z is where Newton's method begins. With constraints g: p0 + D1 Ld + G(q0)^T lambda = 0, g(q0 +
  * z) = 0 for (z, lambda), and p1 = D2 Ld is left as it is: what it has across the constraint is
- * taken up by the next lambda (Marsden-West 2001 sec. 3.5, Leok 2.8.1). Row c is in units of
- * momentum and lambda_c in those of z by unit_c, the largest entry of D1D2 over that of row c of
- * G. */
+ * taken up by the next lambda (Marsden-West 2001 sec. 3.5, Leok 2.8.1). Rolling constraints
+ * phi(q0, q1) = 0 react along the rows of E: E^T mu stands beside G^T lambda, phi beside g
+ * (Cuell-Patrick 2009, 3). Discrete forces F1, F2 are added to D1 Ld and D2 Ld (Leok 2.8.2).
+ *
+ * Rows of G and phi are one list here. Row c is in units of momentum by unit_c, the largest entry
+ * of D1D2 over that of row c of the derivative in q1; its multiplier is in units of z by unit_c
+ * too, with G(q0) or E in place of that derivative (pull_c). */
 enum { COUNT, END, KEPT = 4 };
 
 typedef struct {
     const dm_model *m;
     const double *state;
-    uint32_t n, k, N; /* dim Q, constraints, unknowns */
+    uint32_t n, k, l, N; /* dim Q, holonomic and rolling constraints, unknowns */
     double *x, *out, *z, *next, *memory, *roots, *scratch;
-    double *constraint_x, *here, *there, *unit; /* (q, v, t); g, G, g_t at q0 and at q1; [k] */
-    double stiffness;                           /* largest entry of D1D2 */
+    /* (q, v, t, lambda, mu); g, G, g_t at q0 and at q1; [k + l] each */
+    double *constraint_x, *here, *there, *unit, *pull;
+    double *roll;     /* phi[l], E[l*n], dphi/dq1[l*n], dphi/dq0[l*n] */
+    double *turn;     /* E^T mu, its derivatives in q0 and in q1: [n + 2 n*n] */
+    double *push;     /* F1, F2, their derivatives in q0 and in q1 */
+    double stiffness; /* largest entry of D1D2 */
     double size;
     long evaluations;
 } pair;
@@ -36,10 +45,24 @@ static uint32_t constraints(const dm_model *m) {
     return m->constraints ? m->constraints->holonomic : 0;
 }
 
-/* Derivatives of Ld, and g, G, g_t. */
+static uint32_t rolling(const dm_model *m) {
+    return m->constraints ? m->constraints->rolling : 0;
+}
+
+static uint32_t rows(const dm_model *m) {
+    return constraints(m) + rolling(m);
+}
+
+static int is_forced(const dm_model *m) {
+    return m->constraints && m->constraints->forced;
+}
+
+/* Derivatives of Ld; g, G, g_t; what a model does not have is not made. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule;
-    return DM_WANT_PAIR | (constraints(m) ? DM_WANT_HOLONOMIC : 0);
+    if (!m->constraints) return DM_WANT_PAIR;
+    return DM_WANT_PAIR | DM_WANT_HOLONOMIC | DM_WANT_ROLLING | DM_WANT_FORCE_CURVE |
+           (rolling(m) ? DM_WANT_REACTION : 0);
 }
 
 /* g, G, g_t */
@@ -47,17 +70,31 @@ static size_t constraint_outputs(const dm_model *m) {
     return constraints(m) * ((size_t)m->n + 2);
 }
 
+/* phi, E and derivatives; E^T mu and derivatives; F1, F2 and derivatives */
+static size_t roll_outputs(const dm_model *m) {
+    return rolling(m) * (1 + 3 * (size_t)m->n);
+}
+
+static size_t turn_outputs(const dm_model *m) {
+    return rolling(m) ? m->n + 2 * (size_t)m->n * m->n : 0;
+}
+
+static size_t push_outputs(const dm_model *m) {
+    return is_forced(m) ? 2 * (size_t)m->n * (1 + 2 * (size_t)m->n) : 0;
+}
+
 /* with what the kernel remembers */
 static size_t memory_size(const dm_model *m) {
-    const size_t N = (size_t)m->n + constraints(m);
+    const size_t N = (size_t)m->n + rows(m);
     return END + 4 * (size_t)m->n + KEPT * N + m->pair.memory_size;
 }
 
 static size_t work(const dm_rule *rule, const dm_model *m) {
-    const size_t n = m->n, k = constraints(m);
+    const size_t n = m->n, r = rows(m);
     (void)rule;
-    return 2 * n + (2 * n + n * n) + (n + k) + 4 * n + memory_size(m) + 2 * n + 1 +
-           2 * constraint_outputs(m) + k + dm_newton_work((uint32_t)(n + k));
+    return 2 * n + (2 * n + n * n) + (n + r) + 4 * n + memory_size(m) + 2 * n + 1 + r +
+           2 * constraint_outputs(m) + 2 * r + roll_outputs(m) + turn_outputs(m) + push_outputs(m) +
+           dm_newton_work((uint32_t)(n + r));
 }
 
 /* No struct in the workspace: its places follow from the sizes. */
@@ -65,17 +102,22 @@ static pair lay_out(const dm_stepper *s) {
     const size_t n = s->model->n, outputs = constraint_outputs(s->model);
     pair e = {.m = s->model, .x = s->work, .n = s->model->n};
     e.k = constraints(s->model);
-    e.N = e.n + e.k;
+    e.l = rolling(s->model);
+    e.N = e.n + e.k + e.l;
     e.out = e.x + 2 * n;
     e.z = e.out + 2 * n + n * n;
     e.next = e.z + e.N;
     e.memory = e.next + 4 * n;
     e.roots = e.memory + END + 4 * n + KEPT * (size_t)e.N;
     e.constraint_x = e.memory + memory_size(s->model);
-    e.here = e.constraint_x + 2 * n + 1;
+    e.here = e.constraint_x + 2 * n + 1 + e.k + e.l;
     e.there = e.here + outputs;
     e.unit = e.there + outputs;
-    e.scratch = e.unit + e.k;
+    e.pull = e.unit + e.k + e.l;
+    e.roll = e.pull + e.k + e.l;
+    e.turn = e.roll + roll_outputs(s->model);
+    e.push = e.turn + turn_outputs(s->model);
+    e.scratch = e.push + push_outputs(s->model);
     return e;
 }
 
@@ -93,10 +135,14 @@ static void leave_roots(const pair *e) {
 /* Memory begins empty, and roots of implicit functions at those that the kernel has. */
 static dm_status open(dm_stepper *s) {
     const pair e = lay_out(s);
+    const dm_constraints *c = s->model->constraints;
     dm_kernel_prepare(&s->model->pair, e.out);
-    memset(e.constraint_x, 0, (2 * (size_t)e.n + 1) * sizeof *e.constraint_x);
-    if (e.k) dm_kernel_prepare(&s->model->constraints->holonomic_kernel, e.here);
-    if (e.k) dm_kernel_prepare(&s->model->constraints->holonomic_kernel, e.there);
+    memset(e.constraint_x, 0, (2 * (size_t)e.n + 1 + e.k + e.l) * sizeof *e.constraint_x);
+    if (e.k) dm_kernel_prepare(&c->holonomic_kernel, e.here);
+    if (e.k) dm_kernel_prepare(&c->holonomic_kernel, e.there);
+    if (e.l) dm_kernel_prepare(&c->rolling_kernel, e.roll);
+    if (e.l) dm_kernel_prepare(&c->reaction, e.turn);
+    if (c && c->forced) dm_kernel_prepare(&c->force_curve, e.push);
     memset(e.memory, 0, memory_size(s->model) * sizeof *e.memory);
     dm_kernel_remember(&s->model->pair, 1);
     leave_roots(&e);
@@ -133,6 +179,19 @@ static void evaluate_constraints(pair *e, double *out, const double *q) {
     dm_kernel_eval(&e->m->constraints->holonomic_kernel, e->constraint_x, out);
 }
 
+/* what is seen at both ends: phi, E^T mu with its derivatives, F1 and F2 */
+static void evaluate_pair(pair *e, const double *z) {
+    const dm_constraints *c = e->m->constraints;
+    if (!c || !(c->rolling || c->forced)) return;
+    memcpy(e->constraint_x, e->x, 2 * (size_t)e->n * sizeof *e->x);
+    if (c->forced) dm_kernel_eval(&c->force_curve, e->constraint_x, e->push);
+    if (!e->l) return;
+    double *mu = e->constraint_x + 2 * (size_t)e->n + 1 + e->k;
+    dm_kernel_eval(&c->rolling_kernel, e->constraint_x, e->roll);
+    for (uint32_t i = 0; i < e->l; i++) mu[i] = e->pull[e->k + i] * z[e->n + e->k + i];
+    dm_kernel_eval(&c->reaction, e->constraint_x, e->turn);
+}
+
 /* D1, D2, D1D2 at (q0, q0 + z), with g and G of the end. */
 static void evaluate(pair *e, const double *z) {
     const uint32_t n = e->n;
@@ -143,38 +202,65 @@ static void evaluate(pair *e, const double *z) {
     }
     dm_kernel_eval(&e->m->pair, e->x, e->out);
     evaluate_constraints(e, e->there, e->x + n);
+    evaluate_pair(e, z);
     e->evaluations++;
 }
 
-/* r += G^T lambda */
+/* r += F1 + G^T lambda + E^T mu */
 static void add_impulse(const pair *e, double *r, const double *z) {
-    const double *G = e->here + e->k;
+    const double *G = e->here + e->k, *E = e->roll + e->l;
+    for (uint32_t i = 0; i < e->n && is_forced(e->m); i++) r[i] += e->push[i];
     for (uint32_t c = 0; c < e->k; c++)
         for (uint32_t i = 0; i < e->n; i++)
-            r[i] += G[c * (size_t)e->n + i] * (e->unit[c] * z[e->n + c]);
+            r[i] += G[c * (size_t)e->n + i] * (e->pull[c] * z[e->n + c]);
+    for (uint32_t c = 0; c < e->l; c++)
+        for (uint32_t i = 0; i < e->n; i++)
+            r[i] += E[c * (size_t)e->n + i] * (e->pull[e->k + c] * z[e->n + e->k + c]);
+}
+
+/* row c of the derivative in q1 of g and phi, and of what their multipliers pull along */
+static const double *slope_row(const pair *e, uint32_t c) {
+    const size_t n = e->n;
+    return c < e->k ? e->there + e->k + c * n : e->roll + e->l + (e->l + c - e->k) * n;
+}
+
+static const double *pull_row(const pair *e, uint32_t c) {
+    const size_t n = e->n;
+    return c < e->k ? e->here + e->k + c * n : e->roll + e->l + (c - e->k) * n;
 }
 
 /* rounding q moves g by about G q, which is no error of the step */
 static void constrain(pair *e, double *r, const double *z) {
-    for (uint32_t c = 0; c < e->k; c++) {
-        r[e->n + c] = e->there[c] * e->unit[c];
+    const uint32_t all = e->k + e->l;
+    for (uint32_t c = 0; c < all; c++) {
+        r[e->n + c] = (c < e->k ? e->there[c] : e->roll[c - e->k]) * e->unit[c];
         e->size = fmax(e->size, e->stiffness * fabs(z[e->n + c]));
     }
-    for (uint32_t i = 0; i < e->n && e->k; i++)
+    for (uint32_t i = 0; i < e->n && all; i++)
         e->size = fmax(e->size, e->stiffness * fabs(e->state[i]));
 }
 
-/* [D1D2, G(q0)^T; G(q1), 0] in its units */
+/* J += of the first n rows: matrix[n][n] */
+static void add_block(const pair *e, double *J, const double *matrix) {
+    const size_t n = e->n;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) J[i * e->N + j] += matrix[i * n + j];
+}
+
+/* [D1D2 + dF1/dq1 + d(E^T mu)/dq1, G(q0)^T, E^T; G(q1), 0, 0; dphi/dq1, 0, 0] in its units */
 static void lay_matrix(const pair *e, double *J) {
     const size_t n = e->n, N = e->N;
-    const double *G0 = e->here + e->k, *G1 = e->there + e->k;
     memset(J, 0, N * N * sizeof *J);
     for (size_t i = 0; i < n; i++) memcpy(J + i * N, e->out + 2 * n + i * n, n * sizeof *J);
-    for (size_t c = 0; c < e->k; c++)
+    if (is_forced(e->m)) add_block(e, J, e->push + 2 * n + 2 * n * n);
+    if (e->l) add_block(e, J, e->turn + n + n * n);
+    for (uint32_t c = 0; c < e->k + e->l; c++) {
+        const double *pull = pull_row(e, c), *slope = slope_row(e, c);
         for (size_t i = 0; i < n; i++) {
-            J[i * N + n + c] = e->unit[c] * G0[c * n + i];
-            J[(n + c) * N + i] = e->unit[c] * G1[c * n + i];
+            J[i * N + n + c] = e->pull[c] * pull[i];
+            J[(n + c) * N + i] = e->unit[c] * slope[i];
         }
+    }
 }
 
 static dm_status equation(void *ctx, double *r, double *J, const double *z) {
@@ -193,12 +279,13 @@ static dm_status equation(void *ctx, double *r, double *J, const double *z) {
     return DM_OK;
 }
 
-/* q1 = q0 + z; p1 = D2 Ld, written p0 + (D1 + D2 + G^T lambda): velocity terms cancel before
- * they are rounded */
+/* q1 = q0 + z; p1 = D2 Ld + F2, written p0 + (D1 + F1 + G^T lambda + E^T mu + D2 + F2): velocity
+ * terms cancel before they are rounded */
 static dm_status finish(pair *e) {
     const uint32_t n = e->n;
     evaluate(e, e->z);
     add_impulse(e, e->out, e->z);
+    for (uint32_t i = 0; i < n && is_forced(e->m); i++) e->out[n + i] += e->push[n + i];
     memcpy(e->next, e->state, 4 * (size_t)n * sizeof *e->next);
     dm_sum_add_n(e->next, e->next + 2 * n, e->z, n);
     for (uint32_t i = 0; i < n; i++)
@@ -251,13 +338,16 @@ static int is_noise(const pair *e, double step, double size, double residual) {
 /* units of constraints from the matrix at the guess z */
 static void find_units(pair *e) {
     const size_t n = e->n;
-    if (!e->k) return;
+    if (e->k + e->l == 0) return;
+    for (uint32_t c = 0; c < e->k + e->l; c++) e->pull[c] = 0.0; /* multipliers are not known yet */
     evaluate(e, e->z);
     e->stiffness = norm(e->out + 2 * n, (uint32_t)(n * n));
     if (!isfinite(e->stiffness) || e->stiffness == 0.0) e->stiffness = 1.0;
-    for (uint32_t c = 0; c < e->k; c++) {
-        const double row = norm(e->here + e->k + c * n, (uint32_t)n);
-        e->unit[c] = row > 0.0 ? e->stiffness / row : 1.0;
+    for (uint32_t c = 0; c < e->k + e->l; c++) {
+        const double pull = norm(pull_row(e, c), (uint32_t)n);
+        const double slope = c < e->k ? pull : norm(slope_row(e, c), (uint32_t)n);
+        e->pull[c] = pull > 0.0 ? e->stiffness / pull : 1.0;
+        e->unit[c] = slope > 0.0 ? e->stiffness / slope : 1.0;
     }
 }
 
@@ -336,15 +426,17 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     keep(&e, follows);
     memcpy(state, e.next, 4 * (size_t)e.n * sizeof *state);
     s->report.constraint = fmax(s->report.constraint, norm(e.there, e.k));
+    s->report.rolling = fmax(s->report.rolling, norm(e.roll, e.l));
     return DM_OK;
 }
 
 /* the discrete equations put all of it at the start of the step */
 static void impulses(const dm_stepper *s, double *out) {
     const pair e = lay_out(s);
-    for (uint32_t c = 0; c < e.k; c++) {
-        out[c] = e.unit[c] * e.z[e.n + c];
-        out[e.k + c] = 0.0;
+    const uint32_t all = e.k + e.l;
+    for (uint32_t c = 0; c < all; c++) {
+        out[c] = e.pull[c] * e.z[e.n + c];
+        out[all + c] = 0.0;
     }
 }
 
@@ -361,13 +453,17 @@ static const dm_engine engine = {
 const dm_method dm_method_del = {
     .name = "del",
     .signature = "del",
-    .doc = "Discrete Euler-Lagrange equations of a discrete Lagrangian: p0 = -D1 Ld(q0, q1), p1 = "
-           "D2 Ld(q0, q1); n unknowns a step (Marsden-West 2001 sec. 1.5, Leok 2.2). With a "
-           "constraint g: p0 = -D1 Ld - G^T lambda, g(q1) = 0, one more unknown for each.",
+    .doc =
+        "Discrete Euler-Lagrange equations of a discrete Lagrangian: p0 = -D1 Ld(q0, q1), p1 = "
+        "D2 Ld(q0, q1); n unknowns a step (Marsden-West 2001 sec. 1.5, Leok 2.2). With a "
+        "constraint g: p0 = -D1 Ld - G^T lambda, g(q1) = 0, one more unknown for each; with "
+        "rolling "
+        "constraints phi(q0, q1) = 0 and the rows E of their reactions: p0 = -D1 Ld - E^T mu; with "
+        "discrete forces: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 (Leok 2.8.2; Cuell-Patrick 2009, 3).",
     .orders = "that of Ld: Ld:order()",
     .stages = "-",
     .cost = "n unknowns",
     .instances = "",
-    .traits = DM_SYMPLECTIC | DM_FOR_PAIRS | DM_HOLONOMIC | DM_LOOSE_MOMENTUM,
+    .traits = DM_SYMPLECTIC | DM_FOR_PAIRS | DM_CONSTRAINTS | DM_LOOSE_MOMENTUM,
     .engine = &engine,
 };

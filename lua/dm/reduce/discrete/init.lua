@@ -216,6 +216,10 @@ M.discrete = blame.caller(function(shape, given)
   local info = routh.need(shape, "discrete")
   local full = info.ambient and info.ambient.system or info.full
   local Ld = read(info, full, given)
+  if Ld.force or Ld.rolling then
+    error(("shape:discrete: this Ld has its own '%s', which has no place in the reduced step; "
+      .. "step Ld itself"):format(Ld.force and "force" or "rolling"), 0)
+  end
   local own = lists.copy(info)
   if type(given) == "table" then own.ambient = nil end
   local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape,
