@@ -1,5 +1,6 @@
--- make bench: what a moving frame costs a step of a discrete Lagrangian, solved for and by its formula, and what it costs to derive
--- it. The plain side is the same Ld without frame; all sides take turns, best of many short runs (the plain one fails later on).
+-- make bench: what a moving frame costs a step of a discrete Lagrangian, solved for and by its
+-- formula, and what it costs to derive it. The plain side is the same Ld without frame; all sides
+-- take turns, best of many short runs (the plain one fails later on).
 local dm = require "dm"
 local cos, sin, sqrt, pi = math.cos, math.sin, math.sqrt, math.pi
 
@@ -19,23 +20,31 @@ end
 -- trapezoidal Ld of a particle in a well that has the symmetry only as far as the frame gives it
 local function well(dimension, step)
   return dimension, step, function(a, b)
-    return (b - a):dot(b - a) / (2 * step) - step / 2 * (a:dot(a) + b:dot(b)) / 2 - step / 8 * (a:dot(a) ^ 2 + b:dot(b) ^ 2)
+    return (b - a):dot(b - a) / (2 * step) - step / 2 * (a:dot(a) + b:dot(b)) / 2
+      - step / 8 * (a:dot(a) ^ 2 + b:dot(b) ^ 2)
   end
 end
 
-local function lagrangian(n, step, Ld) return dm.discrete_lagrangian { Q = dm.R(n), h = step, Ld = Ld } end
+local function lagrangian(n, step, Ld)
+  return dm.discrete_lagrangian { Q = dm.R(n), h = step, Ld = Ld }
+end
 
 local problems = {
   { "Runge-Lenz, SO(2)", { 2, h, kepler }, { q = { 0.96, 0.28 }, p = { -0.8, -0.6 }, steps = 100 },
-    { action = function() return dm.action { group = dm.SO(2), on = dm.R(2), map = rotate } end, points = 2,
-      cross_section = function(w) return { w:dot(w) - 1 } end, branch = function(w) return w[2] end },
+    { action = function() return dm.action { group = dm.SO(2), on = dm.R(2), map = rotate } end,
+    points = 2,
+      cross_section = function(w) return { w:dot(w) - 1 } end,
+      branch = function(w) return w[2] end },
     function(a) return -math.atan(a:dot(a) - 1, 2 * a[2]) end },
   { "SE(2) in the plane", { well(2, 0.1) }, { q = { 0.4, 0.3 }, p = { 0.1, -0.4 }, steps = 1000 },
     { action = function() return dm.action { group = dm.SE(2), on = dm.R(2) } end, points = 2,
-      cross_section = function(a, b) return { a[1], a[2], b[2] } end, branch = function(_, b) return b[1] end } },
-  { "SO(3) in space", { well(3, 0.1) }, { q = { 0.4, 0.3, 0.5 }, p = { 0.1, -0.4, 0.3 }, steps = 1000 },
+      cross_section = function(a, b) return { a[1], a[2], b[2] } end,
+      branch = function(_, b) return b[1] end } },
+  { "SO(3) in space", { well(3, 0.1) },
+  { q = { 0.4, 0.3, 0.5 }, p = { 0.1, -0.4, 0.3 }, steps = 1000 },
     { action = function() return dm.action { group = dm.SO(3), on = dm.R(3) } end, points = 2,
-      cross_section = function(a, b) return { a[1], a[2], b[2] } end, branch = function(a, b) return { a[3], b[1] } end } },
+      cross_section = function(a, b) return { a[1], a[2], b[2] } end,
+      branch = function(a, b) return { a[3], b[1] } end } },
 }
 
 local function best_of(sides)
@@ -66,7 +75,8 @@ local function derive(p)
   for _ = 1, 9 do
     local action = options.action()
     local began = os.clock()
-    local frame = dm.moving_frame { action = action, points = options.points, cross_section = options.cross_section, branch = options.branch }
+    local frame = dm.moving_frame { action = action, points = options.points,
+      cross_section = options.cross_section, branch = options.branch }
     local Ld = frame:invariantize(L)
     least.frame = math.min(least.frame, 1e3 * (os.clock() - began))
     began = os.clock()
@@ -77,17 +87,21 @@ local function derive(p)
   return least
 end
 
-print(("%-20s %9s %9s %7s %9s %7s %8s %10s %10s"):format("a step of a frame", "plain ns", "solved", "ratio", "formula", "ratio",
+print(("%-20s %9s %9s %7s %9s %7s %8s %10s %10s")
+  :format("a step of a frame", "plain ns", "solved", "ratio", "formula", "ratio",
   "kernel", "frame ms", "kernels ms"))
 for _, p in ipairs(problems) do
   local made = derive(p)
   local sides = { lagrangian(table.unpack(p[2])), made.Ld }
   if p[5] then
-    sides[3] = dm.moving_frame({ action = p[4].action(), points = p[4].points, cross_section = p[4].cross_section, branch = p[4].branch,
+    sides[3] = dm.moving_frame({ action = p[4].action(), points = p[4].points,
+      cross_section = p[4].cross_section, branch = p[4].branch,
       solution = p[5] }):invariantize(sides[1])
   end
   local x = measure(sides, p[3])
-  local formula = x[3] and ("%9.0f %7.2f"):format(x[3].step, x[3].step / x[1].step) or ("%9s %7s"):format("-", "-")
-  print(("%-20s %9.0f %9.0f %7.2f %s %8d %10.2f %10.2f"):format(p[1], x[1].step, x[2].step, x[2].step / x[1].step, formula,
+  local formula = x[3] and ("%9.0f %7.2f"):format(x[3].step, x[3].step / x[1].step)
+    or ("%9s %7s"):format("-", "-")
+  print(("%-20s %9.0f %9.0f %7.2f %s %8d %10.2f %10.2f")
+    :format(p[1], x[1].step, x[2].step, x[2].step / x[1].step, formula,
     x[2].report.operations, made.frame, made.kernels))
 end
