@@ -1,7 +1,6 @@
 --- The points that groups act on, as vectors, and the map of an action at them: shared by what
 -- makes, tests and lifts actions.
 local core = require "dm.core"
-local lists = require "dm.base.lists"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
 
@@ -30,13 +29,12 @@ end
 
 -- map(g, z) as a vector, of a copy of z that the map may write on; unchecked arguments
 local function image(action, g, z)
-  local w = lists.one("map(g, z)", action.map(g, core.vector(z)))
-  return kits.vector(w, action.dimension, "what map(g, z) returns")
+  return kits.vector(action.map(g, core.vector(z)), action.dimension, "what map(g, z) returns")
 end
 
 local function is_inside(action, z)
   if not action.domain then return true end
-  local value = lists.one("domain(z)", action.domain(z))
+  local value = action.domain(z)
   if type(value) ~= "number" then
     error(("domain(z) must return a number, > 0 inside (got %s)"):format(kits.class_of(value)), 0)
   end

@@ -1,6 +1,5 @@
 --- Questions to an action: isotropy, freeness, orbits, and what it leaves invariant.
 local core = require "dm.core"
-local lists = require "dm.base.lists"
 local actions = require "dm.action"
 local axioms = require "dm.action.axioms"
 local groups = require "dm.group"
@@ -62,7 +61,7 @@ end
 
 -- values of f, or nothing where it fails or is not finite
 local function values_of(f, z)
-  local fine, value = pcall(function() return lists.one("the function", f(z)) end)
+  local fine, value = pcall(f, z)
   if not fine then return nil, value end
   local list = kits.is_scalar(value) and { value } or value
   if type(list) ~= "table" and kits.class_of(list) ~= "dm.vector" then

@@ -46,13 +46,6 @@ function M.entries(value)
   return out
 end
 
---- What a function of the user returned, where one value is meant: more would be lost in silence.
-function M.one(what, ...)
-  local count = select("#", ...)
-  if count > 1 then error(("%s must return one value (got %d)"):format(what, count), 0) end
-  return (...)
-end
-
 --- Entries first + 1 .. first + n of x as a vector.
 function M.part(x, first, n)
   local out = {}

@@ -9,7 +9,6 @@ local actions = require "dm.action"
 local groups = require "dm.group"
 local blame = require "dm.base.blame"
 local core = require "dm.core"
-local lists = require "dm.base.lists"
 local kits = require "dm.group.kit"
 local options = require "dm.base.options"
 local tangent = require "dm.frame.tangent"
@@ -172,10 +171,8 @@ local function start_of(self, start)
   local G, k, m = self.group, self.k, self.m
   if start == nil then return beginnings(G, self.r) end
   if type(start) ~= "function" then return start end
-  return function(z)
-    local g = lists.one("start", start(table.unpack(split(z, k, m))))
-    return points.entries(G:flat(g))
-  end
+  start = core.one(start, "start")
+  return function(z) return points.entries(G:flat(start(table.unpack(split(z, k, m))))) end
 end
 
 -- places of the flat coordinates that are angles
@@ -223,8 +220,8 @@ M.moving_frame = blame.caller(function(o)
   local action, k = base_of(o)
   local self = setmetatable({ action = action, group = action.group, k = k, points = k,
     m = action.dimension, r = action.group.dimension, cross_section = o.cross_section,
-    branch = o.branch, solution = core.one(o.solution, "solution"), name = o.name, invariants_named = o.invariants },
-    class)
+    branch = o.branch, solution = core.one(o.solution, "solution"), name = o.name,
+    invariants_named = o.invariants }, class)
   check_section(self)
   check_branch(self)
   if not self.solution then self.root = solved(self, o.start) end
@@ -254,20 +251,16 @@ local function verify(self, g, list)
   end
 end
 
-local function by_formula(self, list)
-  return lists.one("solution", self.solution(table.unpack(list, 1, self.k)))
-end
-
 local function element(self, list)
   local k = self.k
   if points.symbolic(list) then
-    if self.solution then return by_formula(self, list) end
+    if self.solution then return self.solution(table.unpack(list, 1, k)) end
     return self.group:unflat(self.root(flat({ table.unpack(list, 1, k) })))
   end
   local first = { table.unpack(list, 1, k) }
   local g
   if self.solution then
-    g = groups.element(self.group, by_formula(self, first))
+    g = groups.element(self.group, self.solution(table.unpack(first)))
   else
     local fine, y = pcall(self.root, flat(first))
     if not fine then no_frame(self, first, tostring(y):gsub("^.-root of ", "")) end

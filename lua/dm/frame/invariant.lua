@@ -5,7 +5,6 @@ local blame = require "dm.base.blame"
 local boundary = require "dm.frame.invariant_boundary"
 local curves = require "dm.frame.invariant_curve"
 local core = require "dm.core"
-local lists = require "dm.base.lists"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
 local options = require "dm.base.options"
@@ -39,7 +38,7 @@ end }
 
 -- name -> function of normalized points; {j, a} stands for entry a of point j
 local function named_function(name, what, points, entries)
-  if type(what) == "function" then return what end
+  if type(what) == "function" then return core.one(what, ("invariant '%s'"):format(name)) end
   if type(what) ~= "table" then
     fail("invariant '%s' must be a function of the normalized points, or { point, entry }", name)
   end
@@ -137,9 +136,7 @@ end
 local function functions_of_windows(p, o)
   local function windowed(x) return frames.split(x, p.N, p.d) end
   local function with_names(I)
-    for _, name in ipairs(p.names) do
-      I[name] = lists.one("invariant '" .. name .. "'", p.functions[name](table.unpack(I, 1, p.N)))
-    end
+    for _, name in ipairs(p.names) do I[name] = p.functions[name](table.unpack(I, 1, p.N)) end
     return setmetatable(I, Invariants)
   end
   function p.invariants_of(list)
@@ -151,7 +148,7 @@ local function functions_of_windows(p, o)
     for i, name in ipairs(p.names) do out[i] = I[name] end
     return out
   end
-  local function L(I) return lists.one("L", o.L(I)) end
+  local L = core.one(o.L, "L")
   p.bare_slope = core.derivative(function(x) return L(with_names(windowed(x))) end, p.N * p.d)
   function p.lagrangian(list) return L(p.invariants_of(list)) end
   p.slope = when_wanted(function(x) return p.lagrangian(windowed(x)) end, p.N * p.d)

@@ -6,7 +6,6 @@
 -- sum.
 local core = require "dm.core"
 local curves = require "dm.frame.invariant_curve"
-local lists = require "dm.base.lists"
 local frames = require "dm.frame"
 local options = require "dm.base.options"
 
@@ -23,7 +22,7 @@ end
 -- the options with both ends as lists of vectors
 local function ends_of(p, o)
   check(o)
-  local out = { n = o.n, guess = o.guess }
+  local out = { n = o.n, guess = core.one(o.guess, "guess") }
   for _, key in ipairs { "first", "last" } do
     out[key] = frames.list(o[key], p.d,
       "problem:boundary: 'first' and 'last' must be lists of the points given at both ends")
@@ -44,7 +43,7 @@ local function points_of(p, o)
   end
   for i = #o.first + 1, n - ends do
     if o.guess then
-      out[i] = frames.point(lists.one("guess", o.guess(i)), p.d, "guessed point " .. i)
+      out[i] = frames.point(o.guess(i), p.d, "guessed point " .. i)
     else
       local s = (i - #o.first) / (n - ends + 1 - #o.first)
       out[i] = a * (1 - s) + b * s

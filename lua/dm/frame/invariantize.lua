@@ -2,7 +2,6 @@
 -- F is (Bogfjellmo ch. 2 and 3).
 local core = require "dm.core"
 local frames = require "dm.frame"
-local lists = require "dm.base.lists"
 local options = require "dm.base.options"
 
 local M = {}
@@ -30,8 +29,9 @@ local function reparametrized(Ld, o)
     fail "with 'sigma' the step is not a constant: write Ld as a function of (q0, q1, h)"
   end
   local both, H0 = parameters(o.sigma) == 2, o.H0 or 0
+  local sigma_of = core.one(o.sigma, "sigma")
   return function(q0, q1, h, params)
-    local sigma = lists.one("sigma", o.sigma(q0, both and q1 or nil))
+    local sigma = sigma_of(q0, both and q1 or nil)
     local step = h * core.where(sigma, sigma, 0 / 0) -- time must not run backwards
     return Ld.Ld(q0, q1, step, params) + H0 * step
   end

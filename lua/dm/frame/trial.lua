@@ -87,10 +87,9 @@ end
 -- what the formula gives, an element; nothing where it raises or is not finite
 local function by_formula(frame, list)
   local kit = groups.kit(frame.group)
-  local fine, value, more = pcall(frame.solution, table.unpack(list))
+  local fine, value = pcall(frame.solution, table.unpack(list))
   if blame.is_stop(value) then error(value, 0) end
   if not fine then return nil, value end
-  if more ~= nil then fail "solution must return one value, the element that moves the points" end
   local is, g = pcall(kit.element, value)
   if not is then refuse("at z = %s the solution gives something else: %s", text.points(list), g) end
   if not kits.is_finite(kit.entries(g)) then return nil end

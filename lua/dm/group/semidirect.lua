@@ -1,7 +1,6 @@
 --- Semidirect products: lists {g, v} with (g, v)(h, w) = (g h, v + g w). Algebra: that of G, then
 -- V.
 local core = require "dm.core"
-local lists = require "dm.base.lists"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
 local matrix_functions = require "dm.group.matrix_functions"
@@ -128,12 +127,12 @@ local function affine(move, n)
 end
 
 function M.kit(_, space)
-  local given, name = space.representation, tostring(space.parts[1])
+  local name = tostring(space.parts[1])
+  local given = core.one(space.representation, "the action of dm.semidirect")
   local part, vectors = kits.of(space.parts[1]), kits.of(space.parts[2])
   if part.manifold then error(("dm.semidirect: %s is a manifold, not a group"):format(name), 0) end
   local n, r = vectors.dimension, part.dimension
-  local function own_action(g, v) return lists.one("the action of dm.semidirect", given(g, v)) end
-  local act = given and own_action or matrix_action(part, n, name)
+  local act = given or matrix_action(part, n, name)
   check(part, act, n)
   local E = slopes(part, act, n)
   local function rate(x)

@@ -301,11 +301,11 @@ raises("map(g, z) gets g in R^1, a vector of 1 number",
   map = function(g, z) return { z[1] + g, z[2] } end } end)
 raises("take the action on dm.R(2) and 2 points of it, action:on_points(2)",
   function() dm.action { group = dm.SE(2), on = dm.R(4) } end)
-raises("map(g, z) must return one value (got 2)", dm.action, { group = dm.R(1), on = dm.R(1),
+raises("map must return one value", dm.action, { group = dm.R(1), on = dm.R(1),
   map = function(g, z) return z + g, z end })
-raises("domain(z) must return one value (got 2)", dm.action, { group = dm.R(1), on = dm.R(1),
+raises("domain must return one value", dm.action, { group = dm.R(1), on = dm.R(1),
   map = function(g, z) return z + g end, domain = function() return 1, 2 end })
-raises("the function must return one value", turn.invariant, turn,
+raises("the function of action:invariant must return one value", turn.invariant, turn,
   function(z) return z[1], z[2] end)
 -- joint and prolonged actions take lists of points
 do
