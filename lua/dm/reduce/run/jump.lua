@@ -2,6 +2,7 @@
 -- of the section or of the coordinates, through which no motion goes and behind which the rows mean
 -- nothing. Looked for where the energy moves more than it does elsewhere in the same run: between
 -- rows that are far apart the steps are run again.
+local core = require "dm.core"
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -90,19 +91,44 @@ function M.energy_size(path, first, rows)
   return start > AT_REST * middle and start or max(middle, 1e-300)
 end
 
--- how much the energy moves in every step to a row, of its size; nothing where it need not be kept
-local function changes(path, info)
-  if info.full.given.force or not routh.is_autonomous(info) then return nil end
+--- The first rows of a path.
+function M.head(path, rows)
+  local columns = {}
+  for c, name in ipairs(path.columns) do
+    local all = path:column(name)
+    columns[c] = {}
+    for i = 1, rows do columns[c][i] = all[i] end
+  end
+  return core.path { system = path.system, h = path.h, rule = path.rule,
+    steps = math.floor((path.t[rows] - path.t[1]) / path.h + 0.5), columns = columns }
+end
+
+local LAST = 4 -- rows at the end of a run that failed which may have no energy
+
+--- The energies at the rows of a path, but for the last ones that have none; nothing where it need
+-- not keep one, or has recorded other things.
+function M.energies(path, info)
+  if path.watched or info.full.given.force or not routh.is_autonomous(info) then return nil end
   local fine, E = pcall(path.energy, path)
-  if not fine then return nil end
-  local out, size = {}, M.energy_size(path, E[1])
+  for less = 1, fine and 0 or min(LAST, #path - 1) do
+    fine, E = pcall(function() return M.head(path, #path - less):energy() end)
+    if fine then break end
+  end
+  return fine and E or nil
+end
+
+-- how much the energy moves in every step to a row, of its size
+local function changes(path, info)
+  local E, out = M.energies(path, info), {}
+  if not E then return nil end
+  local size = M.energy_size(path, E[1])
   for i = 2, #E do out[i - 1] = E[i] == E[i] and abs(E[i] - E[i - 1]) / size or math.huge end
   return out
 end
 
 -- rows to which the energy moved more than elsewhere, at most `most` of them, in their order, and
 -- the changes; all rows of a short path that has no energy to keep
-local function suspects(path, info, most)
+local function stand_out(path, info, most)
   local change, rows = changes(path, info), {}
   if not change then
     for i = 2, #path <= FEW and #path or 1 do rows[#rows + 1] = i end
@@ -123,6 +149,13 @@ local function suspects(path, info, most)
   return rows, change
 end
 
+--- Rows of a path that are far apart between which the steps are looked at, in their order.
+function M.suspects(path, info)
+  local rows, change = stand_out(path, info, AGAIN)
+  if change or path.steps <= FEW then return rows end
+  return {}
+end
+
 -- is the mass the same everywhere? then it is singular nowhere
 local function is_constant(path)
   local first = determinant(path, path.q[1], path.t[1])
@@ -134,40 +167,25 @@ local function is_constant(path)
   return true
 end
 
--- the steps between rows i - 1 and i, kept
-local function between(path, run, i)
-  local steps = math.floor((path.t[i] - path.t[i - 1]) / path.h + 0.5)
+--- The steps from row `first` to row `last` (left out: to where the run ended), all kept, or
+-- nothing: too many, or none. A run that fails on the way gives what it had.
+function M.again(path, run, first, last)
+  local t0 = path.t[first]
+  local steps = last and math.floor((path.t[last] - t0) / path.h + 0.5)
+    or path.steps - math.floor((t0 - path.t[1]) / path.h + 0.5)
   if steps < 1 or steps > LONGEST then return nil end
-  local fine, dense = pcall(run, { q = path.q[i - 1], p = path.p[i - 1], t0 = path.t[i - 1],
-    steps = steps })
-  return (fine or type(dense) == "table") and (fine and dense or dense.path) or nil
+  local fine, dense = pcall(run, { q = path.q[first], p = path.p[first], t0 = t0, steps = steps })
+  if not fine and type(dense) ~= "table" then return nil end
+  return fine and dense or dense.path
 end
 
--- the first of the steps of a path that were all kept that went over a singular mass, and where
-local function first_over(path, info)
+--- The first of the steps of a path that were all kept that went over a singular mass, and where.
+function M.first_over(path, info)
   if is_constant(path) then return nil end
-  local rows, change = suspects(path, info, LOOKED_AT)
+  local rows, change = stand_out(path, info, LOOKED_AT)
   for _, i in ipairs(rows) do
     local where = M.over(path, i, change and change[i - 1] or 0)
     if where then return i, where end
-  end
-end
-
---- The first row behind a shape with a singular mass, and that shape; run(options) steps again
--- between rows that are far apart, and also(dense) gives code and sentence where something else is
--- wrong with those steps: they are returned in place of the shape.
-function M.find(path, info, run, also)
-  if path.watched or #path < 2 then return nil end
-  if #path >= path.steps + 1 then return first_over(path, info) end
-  local rows, change = suspects(path, info, AGAIN)
-  for _, i in ipairs(change and rows or {}) do
-    local steps = between(path, run, i)
-    if steps and #steps >= 2 then
-      local code, why = also(steps)
-      if code then return i, nil, code, why end
-      local _, where = first_over(steps, info)
-      if where then return i, where end
-    end
   end
 end
 

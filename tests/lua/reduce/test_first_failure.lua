@@ -1,0 +1,78 @@
+-- The first step of a reduced run that went wrong is named, whatever rows were kept.
+local tap = require "tap"
+local dm = require "dm"
+local models = require "routh_models"
+local ok = tap.ok
+local sin, cos, abs = math.sin, math.cos, math.abs
+
+-- the failure of a run, or nothing; every: rows that are kept
+local function failure_of(shape, rule, h, start, steps, every)
+  local fine, e = pcall(function()
+    return shape:solver({ rule = rule, h = h }):run { q = start.q, v = start.v, p = start.p,
+      steps = steps, every = every }
+  end)
+  return not fine and e or nil
+end
+
+local EVERY = { 1, 3, 40, 7000 }
+
+-- one step for all kinds of rows, and before it the energy was kept
+local function check_alike(name, shape, rule, h, start, steps)
+  local first = failure_of(shape, rule, h, start, steps, 1)
+  ok(first and first.reason, name .. ": told", tostring(first))
+  for _, every in ipairs(EVERY) do
+    local e = failure_of(shape, rule, h, start, steps, every)
+    ok(e and e.step == first.step and e.reason == first.reason and e.time == first.time,
+      ("%s: every = %d names the same step"):format(name, every), e and ("%d against %d, %s"):format(
+        e.step, first.step, tostring(e)))
+    ok(e and e.path.t[#e.path] <= e.time + 1e-9, "and its path ends before it",
+      e and e.path.t[#e.path])
+  end
+  return first
+end
+
+-- a pendulum on a turntable that steps past its pole: a stiff wall behind which the run goes on
+local bob = dm.system { Q = dm.R(2), coordinates = { "azimuth", "angle" }, L = function(q, v)
+  return (v[2] ^ 2 + sin(q[2]) ^ 2 * v[1] ^ 2) / 2 + 2 * cos(q[2])
+end }
+local shape = bob:routh { cyclic = { 1 }, mu = 0.004 }
+local e = check_alike("a pole that is jumped", shape, "gauss(2)", 0.07, { q = { 1.1 }, v = { 0 } }, 400)
+local calm = shape:solver({ rule = "gauss(2)", h = 0.07 }):run { q = { 1.1 }, v = { 0 },
+  steps = e.step - 1 }
+ok(calm:drift("energy").largest < 1e-3, "up to the step that is named the energy is kept",
+  calm:drift("energy").largest)
+
+-- the double spherical pendulum near a straight rod, by other rules and steps than the one that is
+-- known: the energy goes in two bursts, and it is the first that is named
+local s = models.near_pole
+local rods = models.pendulum():routh { cyclic = { 1 }, q = s.q, v = s.v }
+local x, u = rods:start(s.q, s.v)
+local told = 0
+for rule, h in pairs { ["gauss(1)"] = 0.02, ["gauss(2)"] = 0.025, ["lobatto(3)"] = 0.02 } do
+  local one = failure_of(rods, rule, h, { q = x, v = u }, 2500, 1)
+  if one then
+    local name = one.message:match "before that (step %d+)" or ("step %d"):format(one.step)
+    for _, every in ipairs { 5, 400 } do
+      local other = failure_of(rods, rule, h, { q = x, v = u }, 2500, every)
+      ok(other and other.message:find(name .. " ", 1, true) and other.step == one.step,
+        ("%s: %s, every = %d"):format(rule, name, every), tostring(other))
+      told = told + 1
+    end
+  end
+end
+ok(told >= 4, "of several rules", told)
+
+-- a run that is right is none of that, its energy moves as rules let it
+local satellite = models.satellite(0.05):routh { cyclic = { 1 }, mu = 0.9 }
+for _, every in ipairs(EVERY) do
+  local failed = failure_of(satellite, "verlet", 0.2, { q = { 1, 0 }, v = { 0, 0.4 } }, 3000, every)
+  ok(not failed, ("a good run of Verlet, every = %d"):format(every), tostring(failed))
+end
+
+-- no energy to keep: a force; the pole is found between rows too
+local pushed = dm.system { Q = dm.R(2), coordinates = { "azimuth", "angle" }, L = bob.L,
+  force = function(_, v) return { 0, -0.01 * v[2] } end }
+local damped = pushed:routh { cyclic = { 1 }, mu = 0 }
+ok(not failure_of(damped, "gauss(2)", 0.05, { q = { 1.1 }, v = { 0 } }, 300, 50),
+  "without momentum nothing is in the way")
+tap.done()
