@@ -368,6 +368,10 @@ dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n, 
     dm_hessian(g, Ld, 0, 2 * n, roots, hessian);
     copy_block(roots + 2 * n, hessian, 0, n, n);
     status = make(&b, &b.m.pair, roots, 2 * n + nn, DM_WANT_PAIR);
+    if (status == DM_OK && !b.m.pair.memory) {
+        for (uint32_t i = 0; i < n; i++) roots[i] = dm_add(g, roots[i], roots[n + i]);
+        status = make(&b, &b.m.pair_sum, roots, n, DM_WANT_PAIR);
+    }
     if (status == DM_OK) *m = b.m;
     return status;
 }

@@ -27,7 +27,7 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_ENERGY = 16, /* v . L_v - L */
        DM_WANT_MASS = 32,   /* L_v[n], L_vv[n*n] */
        DM_WANT_POTENTIAL = 128, /* L(q, 0, t) = -V, then L_q[n]: separable L only */
-       DM_WANT_PAIR = 64, /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
+       DM_WANT_PAIR = 64,   /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
        DM_WANT_MAP = 16384, /* takes (q0[n], p0[n]): q1[n], p1[n], impulses; of a given step */
        DM_WANT_STAGE_LATER = 8192, /* when dm_model_stage asks for it, mostly never */
        DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_STAGE_LATER | DM_WANT_MASS |
@@ -47,6 +47,9 @@ typedef struct {
     unsigned structure;
     unsigned has; /* DM_WANT_* that are built */
     dm_kernel value, slope, stage, force, energy, mass, potential, pair, map;
+    /* D1[n] + D2[n] of a pair, rewritten by itself: velocity terms cancel before they are rounded.
+     * No eval: Ld has implicit functions or is a callback, take the sum of both */
+    dm_kernel pair_sum;
     const double *inverse_mass;   /* DM_CONSTANT_MASS: [n*n], or [n] when diagonal; else NULL */
     const double *mass_matrix;    /* same shape */
     const double *momentum_shift; /* DM_CONSTANT_MASS and separable: p = M v + shift, [n] */

@@ -29,7 +29,7 @@ typedef struct {
     const dm_model *m;
     const double *state;
     uint32_t n, k, l, N; /* dim Q, holonomic and rolling constraints, unknowns */
-    double *x, *out, *z, *next, *memory, *roots, *scratch;
+    double *x, *out, *sum, *z, *next, *memory, *roots, *scratch;
     /* (q, v, t, lambda, mu); g, G, g_t at q0 and at q1; [k + l] each */
     double *constraint_x, *here, *there, *unit, *pull;
     double *roll;     /* phi[l], E[l*n], dphi/dq1[l*n], dphi/dq0[l*n] */
@@ -92,7 +92,7 @@ static size_t memory_size(const dm_model *m) {
 static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n, r = rows(m);
     (void)rule;
-    return 2 * n + (2 * n + n * n) + (n + r) + 4 * n + memory_size(m) + 2 * n + 1 + r +
+    return 2 * n + (2 * n + n * n) + n + (n + r) + 4 * n + memory_size(m) + 2 * n + 1 + r +
            2 * constraint_outputs(m) + 2 * r + roll_outputs(m) + turn_outputs(m) + push_outputs(m) +
            dm_newton_work((uint32_t)(n + r));
 }
@@ -105,7 +105,8 @@ static pair lay_out(const dm_stepper *s) {
     e.l = rolling(s->model);
     e.N = e.n + e.k + e.l;
     e.out = e.x + 2 * n;
-    e.z = e.out + 2 * n + n * n;
+    e.sum = e.out + 2 * n + n * n;
+    e.z = e.sum + n;
     e.next = e.z + e.N;
     e.memory = e.next + 4 * n;
     e.roots = e.memory + END + 4 * n + KEPT * (size_t)e.N;
@@ -263,6 +264,19 @@ static void lay_matrix(const pair *e, double *J) {
     }
 }
 
+/* r += D1D2 (z - (x1 - x0)): the kernel sees positions that are rounded, and Newton's method would
+ * stop up to half a unit of the last place of q1 from the root, always on the side that it comes
+ * from: momentum maps drifted by that times p a step. The difference q1 - q0 is z exactly, and
+ * D11 + D1D2, the rest, is of the order of h. */
+static void add_rounded(const pair *e, double *r, const double *z) {
+    const size_t n = e->n;
+    const double *D12 = e->out + 2 * n;
+    for (size_t j = 0; j < n; j++) {
+        const double rest = z[j] - (e->x[n + j] - e->x[j]);
+        for (size_t i = 0; i < n && rest != 0.0; i++) r[i] += D12[i * n + j] * rest;
+    }
+}
+
 static dm_status equation(void *ctx, double *r, double *J, const double *z) {
     pair *e = ctx;
     const uint32_t n = e->n;
@@ -273,23 +287,35 @@ static dm_status equation(void *ctx, double *r, double *J, const double *z) {
         r[i] = (p0[i] + e->out[i]) + low[i];
         e->size = fmax(e->size, fmax(fabs(p0[i]), fabs(e->out[i])));
     }
+    add_rounded(e, r, z);
     add_impulse(e, r, z);
     constrain(e, r, z);
     if (J) lay_matrix(e, J);
     return DM_OK;
 }
 
+/* D1 Ld + D2 Ld into e->sum, after an evaluation at the end of a step */
+static void add_slopes(const pair *e) {
+    const dm_kernel *sum = &e->m->pair_sum;
+    if (sum->eval) {
+        dm_kernel_prepare(sum, e->sum); /* constants, to which impulses were added */
+        dm_kernel_eval(sum, e->x, e->sum);
+    } else {
+        for (uint32_t i = 0; i < e->n; i++) e->sum[i] = e->out[i] + e->out[e->n + i];
+    }
+}
+
 /* q1 = q0 + z; p1 = D2 Ld + F2, written p0 + (D1 + F1 + G^T lambda + E^T mu + D2 + F2): velocity
- * terms cancel before they are rounded */
+ * terms cancel before they are rounded, in a kernel of its own */
 static dm_status finish(pair *e) {
     const uint32_t n = e->n;
     evaluate(e, e->z);
-    add_impulse(e, e->out, e->z);
-    for (uint32_t i = 0; i < n && is_forced(e->m); i++) e->out[n + i] += e->push[n + i];
+    add_slopes(e);
+    add_impulse(e, e->sum, e->z);
+    for (uint32_t i = 0; i < n && is_forced(e->m); i++) e->sum[i] += e->push[n + i];
     memcpy(e->next, e->state, 4 * (size_t)n * sizeof *e->next);
     dm_sum_add_n(e->next, e->next + 2 * n, e->z, n);
-    for (uint32_t i = 0; i < n; i++)
-        dm_sum_add(e->next + n + i, e->next + 3 * n + i, e->out[i] + e->out[n + i]);
+    for (uint32_t i = 0; i < n; i++) dm_sum_add(e->next + n + i, e->next + 3 * n + i, e->sum[i]);
     for (uint32_t i = 0; i < 4 * n; i++)
         if (!isfinite(e->next[i])) return DM_NOT_FINITE;
     return DM_OK;

@@ -145,4 +145,17 @@ local line = dm.solver({ apart }):run { q0 = { 1 }, q1 = { 1.1 }, steps = 2 }
 near(line.q[2][1], 1.1, 1e-15, "a start from two positions knows where its first step leads")
 near(line.q[3][1], 1.1 + 1 / (10 - 0.11), 1e-14, "and the next one goes on from there")
 near(dm.solver({ apart }):step({ 1 }, { 1.1 })[1], 1.1 + 1 / (10 - 0.11), 1e-14, "so does a single step")
+
+-- momentum of a closed Ld whose term is not symmetric: a random walk of round-off, not a drift
+local turn = dm.action { group = dm.SO(2), on = dm.R(2) }
+for _, e in ipairs { 0.01, 1 } do
+  local closed = dm.discrete_lagrangian { Q = dm.R(2), h = 0.05, Ld = function(a, b, h)
+    local q, v, r = (a + b) / 2, (b - a) / h, a:norm()
+    return h * (v:dot(v) / 2 + 1 / q:norm() + e * h ^ 2 * (r + a:dot(b) / r) / 2)
+  end }
+  local steps = 1e5
+  local path = dm.solver { closed }:run { q = { 0.6, 0 }, p = { 0, 1.3 }, steps = steps, every = 500 }
+  local off = path:drift(path:momentum(turn)).largest
+  ok(off < 5e-14, "del keeps J of an Ld that is not symmetric", off)
+end
 tap.done()
