@@ -1,4 +1,4 @@
-/* tied_problems.h - systems with constraints, rolling and forces, as graphs, for the tests. */
+/* constrained_problems.h - systems with constraints, rolling and forces, as graphs, for the tests. */
 #ifndef CONSTRAINED_PROBLEMS_H
 #define CONSTRAINED_PROBLEMS_H
 
@@ -20,6 +20,7 @@ typedef void constrained_maker(constrained_draft *d);
 typedef struct {
     problem p;
     dm_constraints constraints;
+    constrained_draft draft; /* the constraints point into it */
 } constrained_problem;
 
 static inline dm_node num(constrained_draft *d, double x) {
@@ -147,27 +148,28 @@ static inline dm_status constrained_open(constrained_problem *t, constrained_mak
                                          uint32_t n, uint32_t constraints) {
     *t = (constrained_problem){.p = {.n = n}};
     dm_arena_init(&t->p.arena, problem_allocate, NULL);
-    constrained_draft d = {.g = dm_graph_new(&t->p.arena, 2 * n + 1 + constraints)};
-    if (!d.g) return DM_NO_MEMORY;
+    constrained_draft *d = &t->draft;
+    d->g = dm_graph_new(&t->p.arena, 2 * n + 1 + constraints);
+    if (!d->g) return DM_NO_MEMORY;
     for (uint32_t i = 0; i < n; i++) {
-        d.q[i] = dm_input(d.g, i);
-        d.v[i] = dm_input(d.g, n + i);
+        d->q[i] = dm_input(d->g, i);
+        d->v[i] = dm_input(d->g, n + i);
     }
-    d.t = dm_input(d.g, 2 * n);
-    make(&d);
+    d->t = dm_input(d->g, 2 * n);
+    make(d);
     dm_status status =
-        dm_model_build(&t->p.model, d.g, d.L, n, DM_WANT_DENSE | DM_WANT_SLOPE | DM_WANT_ENERGY,
+        dm_model_build(&t->p.model, d->g, d->L, n, DM_WANT_DENSE | DM_WANT_SLOPE | DM_WANT_ENERGY,
                        dm_tape_build, &t->p.arena);
-    if (status != DM_OK || !(d.constraints + d.rollings || d.forced)) return status;
-    const dm_constraints_traced traced = {.graph = d.g,
+    if (status != DM_OK || !(d->constraints + d->rollings || d->forced)) return status;
+    const dm_constraints_traced traced = {.graph = d->g,
                                           .n = n,
-                                          .holonomic = d.constraints,
-                                          .rolling = d.rollings,
-                                          .forces = d.forced ? n : 0,
-                                          .g = d.constraint,
-                                          .phi = d.rolling,
-                                          .f = d.forced ? d.f : NULL,
-                                          .E = d.given ? d.E : NULL};
+                                          .holonomic = d->constraints,
+                                          .rolling = d->rollings,
+                                          .forces = d->forced ? n : 0,
+                                          .g = d->constraint,
+                                          .phi = d->rolling,
+                                          .f = d->forced ? d->f : NULL,
+                                          .E = d->given ? d->E : NULL};
     status = dm_constraints_build(&t->constraints, &traced, &t->p.arena);
     if (status == DM_OK)
         status = dm_constraints_want(&t->constraints, DM_WANT_CONSTRAINTS, dm_tape_build);
