@@ -1,13 +1,13 @@
 --- What the codes of dm.failure mean and what to try, for ?failures and apropos. The codes are
--- those of src/base/status.h, then the reasons of reduced systems (routh_failure.lua).
+-- those of src/base/status.h, then the reasons of reduced systems (reduce/run/failure.lua).
 return {
   { "no_convergence", "the step equation did not converge",
     "Newton's method found no solution: the step is too long, or there is none. Take a smaller h; "
       .. "solver:fold says up to which step there is a solution." },
   { "singular", "the matrix of the step equation is singular",
     "d2L/dv2 or D1D2 Ld loses rank, or constraints depend on each other (failure.constraint, "
-      .. ".rolling): a pole of the coordinates, a degenerate L, a "
-    .. "singular configuration. solver:singularities finds such places." },
+      .. ".rolling: which): a pole of the coordinates, a degenerate L, a singular configuration. "
+      .. "solver:singularities finds such places." },
   { "not_finite", "a value became NaN or infinite",
     "The state left the domain of L or grew without bound: smaller h, another start. "
       .. "dm.stability_limit(rule) and system:linearize{q=} say where a rule grows." },

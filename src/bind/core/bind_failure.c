@@ -32,8 +32,11 @@ static void push_advice(lua_State *L, const dml_failure *f) {
             push_constraint(L, f);
             break;
         }
-        lua_pushstring(L, "d2L/dv2 or the discrete d2Ld/dq0dq1 loses rank there: is L regular, are "
-                          "the coordinates good at this point?");
+        lua_pushstring(L, f->constrained
+                              ? "constraints come near to depend on each other there, or d2L/dv2 "
+                                "loses rank on what they leave: is it a singular configuration?"
+                              : "d2L/dv2 or the discrete d2Ld/dq0dq1 loses rank there: is L "
+                                "regular, are the coordinates good at this point?");
         break;
     case DM_NOT_FINITE:
         lua_pushfstring(L, "%s: try a smaller step (h = %f), or another start",

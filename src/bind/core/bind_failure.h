@@ -12,14 +12,14 @@ typedef struct {
     double residual; /* of its step equation */
     int iterations;
     int constraint, rolling; /* from 1: the one that depends on the others there, 0: none */
+    int constrained;         /* are there constraints, holonomic or rolling? */
     const char *rule;
     const char
         *root; /* why an implicit function had no value, "; ...", what the method knows, or NULL */
 } dml_failure;
 
-/* Raise a dm.failure {code, step, time, residual, iterations, rule, message, path}; the
- * path so far is the
- * value at stack index `path` (0: none). */
+/* Raise a dm.failure {code, step, time, residual, iterations, rule, message, path}; the path so far
+ * is the value at stack index `path` (0: none). */
 void dml_fail(lua_State *L, const dml_failure *f, int path);
 
 #endif

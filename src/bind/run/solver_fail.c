@@ -21,6 +21,8 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
               rolls = constraints && constraint > (int)constraints->holonomic;
     const dml_failure f = {.constraint = rolls ? 0 : constraint,
                            .rolling = rolls ? constraint - (int)constraints->holonomic : 0,
+                           .constrained =
+                               constraints && constraints->holonomic + constraints->rolling > 0,
                            .status = status,
                            .step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN),
                            .time = r->t0 + s->h * (double)done,

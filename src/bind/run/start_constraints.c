@@ -44,6 +44,30 @@ void dml_refuseconstraints(lua_State *L, const dml_stepping *r) {
     luaL_error(L, "%s", lua_tostring(L, -1));
 }
 
+/* does any rule for L linear in v know what the system has beside it? */
+static int is_known_beside(unsigned needs) {
+    for (const dm_method *const *m = dm_methods; *m; m++)
+        if ((*m)->traits & DM_DEGENERATE && !(needs & ~(*m)->traits)) return 1;
+    return 0;
+}
+
+void dml_refuselinear(lua_State *L, const dml_stepping *r) {
+    const dml_solver *s = r->solver;
+    const unsigned needs = dm_method_needs(&r->model->model);
+    if (!(r->model->model.structure & DM_LINEAR_IN_V) || s->method->traits & DM_FOR_PAIRS) return;
+    if (!is_known_beside(needs))
+        luaL_error(L,
+                   "L is linear in v, so that its equations are of first order, and there are %s "
+                   "beside it: no rule steps such a system",
+                   name_of(needs));
+    if (!(s->method->traits & DM_DEGENERATE))
+        luaL_error(L,
+                   "L is linear in v: its equations are of first order, no momentum determines a "
+                   "velocity, and rule '%s' needs a regular Lagrangian; \"degenerate(2)\" is for "
+                   "such an L",
+                   s->nodes[0].name);
+}
+
 /* ---- the start ---- */
 
 unsigned dml_start_wants(const dml_stepping *r) {

@@ -7,6 +7,9 @@
 /* Raise where the rule does not know a constraint that the system has; names the rules that do. */
 void dml_refuseconstraints(lua_State *L, const dml_stepping *r);
 
+/* Raise where L is linear in v and the rule is not for that, or none knows what is beside it. */
+void dml_refuselinear(lua_State *L, const dml_stepping *r);
+
 /* Kernels that the checks below need; 0 without constraints. */
 unsigned dml_start_wants(const dml_stepping *r);
 

@@ -71,13 +71,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     if (r->model->model.structure & DM_NO_VELOCITY)
         luaL_error(L, "L has no velocity in it, so that nothing moves: L(q, v) needs terms in v, "
                       "such as m*v:dot(v)/2 with m not 0");
-    if (r->model->model.structure & DM_LINEAR_IN_V &&
-        !(s->method->traits & (DM_DEGENERATE | DM_FOR_PAIRS)))
-        luaL_error(L,
-                   "L is linear in v: its equations are of first order, no momentum determines a "
-                   "velocity, and rule '%s' needs a regular Lagrangian; \"degenerate(2)\" is for "
-                   "such an L",
-                   s->nodes[0].name);
+    dml_refuselinear(L, r);
     if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass &&
         !(s->method->traits & DM_DEGENERATE))
         luaL_error(L,

@@ -279,11 +279,9 @@ static dm_status solve(dm_constrained *g, const dm_stepper *stepper) {
 }
 
 /* a step that failed: is it the constraints that lose rank, here or where Newton's method went? */
-static dm_status find_lost(dm_constrained *g, dm_status status) {
+static dm_status find_lost(dm_constrained *g, dm_status status, int ended) {
     if (status != DM_NO_CONVERGENCE && status != DM_SINGULAR) return status;
-    g->lost = dm_constrained_dependent(g, 0);
-    for (uint32_t k = 1; k <= g->K && !g->lost && !g->l; k++)
-        g->lost = dm_constrained_dependent(g, k);
+    g->lost = dm_constrained_dependent(g, ended);
     return g->lost ? DM_SINGULAR : status;
 }
 
@@ -305,10 +303,12 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     g->lost = 0;
     if (g->h != h) dm_constrained_weights_scale(g, h);
     dm_status status = dm_constrained_begin(g);
-    if (status == DM_OK) status = find_lost(g, solve(g, stepper));
+    if (status == DM_OK) status = find_lost(g, solve(g, stepper), 0);
     if (status == DM_OK)
-        status = dm_constrained_turns(g) ? dm_constrained_turning_end(g, stepper)
-                                         : dm_constrained_finish(g, stepper);
+        status = find_lost(g,
+                           dm_constrained_turns(g) ? dm_constrained_turning_end(g, stepper)
+                                                   : dm_constrained_finish(g, stepper),
+                           1);
     stepper->report.iterations = g->iterations;
     stepper->report.residual = g->residual;
     stepper->report.dependent = (int)g->lost;

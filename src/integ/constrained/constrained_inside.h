@@ -190,8 +190,8 @@ void dm_constrained_longer_guess(dm_constrained *g, const double *V);
 
 /* ---- constrained_rank.c ---- */
 
-/* the first constraint at the constraint point k whose row depends on those before it, from 1; 0:
- * none */
-uint32_t dm_constrained_dependent(dm_constrained *g, uint32_t k);
+/* the first constraint whose row depends on those before it at a point of the step, from 1; 0:
+ * none; ended: did the step come to its end, where rolling is evaluated last? */
+uint32_t dm_constrained_dependent(dm_constrained *g, int ended);
 
 #endif

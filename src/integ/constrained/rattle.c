@@ -251,9 +251,9 @@ const dm_method dm_method_shake = {
     .name = "shake",
     .signature = "shake",
     .doc = "SHAKE, order 2: the positions of rattle without the projection of momenta, whose part "
-           "across the constraint is left to the next step: energies and velocities of rows err "
-           "like h^2 there, and a start from q and p takes any p. Ryckaert, Ciccotti & Berendsen "
-           "1977; HLW VII.1.4.",
+           "across the constraint is left to the next step: the velocities of rows err like h "
+           "across it (along it, and energies, like h^2), and a start from q and p takes any p. "
+           "Ryckaert, Ciccotti & Berendsen 1977; HLW VII.1.4.",
     .orders = "2",
     .stages = "2",
     .cost = "2 n unknowns and multipliers, or eliminated",

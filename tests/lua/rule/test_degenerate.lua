@@ -144,4 +144,39 @@ end)
 raises("linear in v", function() plain:velocity({ 2, 1 }, { 0, 0 }) end)
 raises("word free", function() plain:solver { rule = "degenerate(2, fixed)", h = 0.1 } end)
 raises("whole number", function() plain:solver { rule = "degenerate(0)", h = 0.1 } end)
+
+-- what is beside an L linear in v that no rule knows is told at once, whatever the rule
+for _, beside in ipairs { { "forces", { force = function(q) return { -0.1 * q[1], 0 } end } },
+  { "constraints", { constraint = function(q) return q[1] - 1 end } },
+  { "rolling constraints", { rolling = function(_, v) return v[1] end } } } do
+  local options = { Q = dm.R(2), L = function(q, v) return q[1] * v[2] - q:dot(q) / 2 end }
+  for key, f in pairs(beside[2]) do options[key] = f end
+  local system = dm.system(options)
+  for _, rule in ipairs { "midpoint", "degenerate(2)", "gauss(2)", "rk4", "verlet" } do
+    local fine, why = pcall(function() system:solver({ rule = rule, h = 0.1 }):run { q = { 1, 0 }, v = { 0, 0 }, steps = 1 } end)
+    ok(not fine and tostring(why):find("there are " .. beside[1] .. " beside it: no rule steps such a system", 1, true)
+      and not tostring(why):find "rules that do" and not tostring(why):find '"degenerate', beside[1] .. " by " .. rule, why)
+  end
+end
+raises("\"degenerate(2)\" is for such an L", function()
+  volterra(0):solver({ rule = "midpoint", h = 0.1 }):run { q = { 1, 1 }, v = { 0, 0 }, steps = 1 }
+end)
+
+-- two point vortices: three stages take hardly more iterations than two, so that a step costs what its equations do
+for _, row in ipairs { { 1, 1, 0.1 }, { 1, 1, 0.5 }, { 1, 0.5, 0.1 }, { 1, -1, 0.1 }, { 2, -1, 0.5 }, { 1, 1, 0.001 } } do
+  local a, b, h = table.unpack(row)
+  local pair = dm.system { Q = dm.R(4), L = function(q, v)
+    local r2 = (q[1] - q[3]) ^ 2 + (q[2] - q[4]) ^ 2
+    return a * q[1] * v[2] + b * q[3] * v[4] + a * b * log(r2) / (4 * math.pi)
+  end }
+  local cost = {}
+  for s = 2, 3 do
+    local solver = pair:solver { rule = ("degenerate(%d)"):format(s), h = h }
+    solver:run { q = { 0.5, 0, -0.5, 0.2 }, v = { 0, 0, 0, 0 }, steps = 2000, every = 2000 }
+    local report = solver:report()
+    cost[s] = report.evaluations / report.steps
+  end
+  ok(cost[3] < 2 * cost[2] and cost[3] < 40, ("vortices %g, %g, h = %g: kernels a step by two and three stages"):format(a, b, h),
+    cost[2] .. " and " .. cost[3])
+end
 tap.done()

@@ -43,6 +43,29 @@ local q1, p1 = end_of(sphere, "rattle", start, 0.05, 400)
 local q2, p2 = end_of(sphere, "shake", start, 0.05, 400)
 near((q1 - q2):norm(), 0, 1e-12, "shake has the positions of rattle")
 ok(abs(q1:dot(p1)) < 1e-15 and abs(q2:dot(p2)) > 1e-6, "rattle's momentum is tangent, shake's is not", q1:dot(p1) .. " " .. q2:dot(p2))
+-- a rod in the plane: shake's velocities err like h across the constraint; along it, and energies, like h^2
+local rod = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return q:dot(q) - 1 end }
+local function errors(rule, h)
+  local path = rod:solver { rule = rule, h = h }:run { q = { 1, 0 }, v = { 0, -0.3 }, t = 1 }
+  local n = #path
+  return path.q[n], path:velocity()[n], path:energy()[n]
+end
+local there, rate_there = errors("rattle", 1 / 2 ^ 13)
+for _, row in ipairs { { "rattle", 2, 2, 2 }, { "shake", 1, 2, 2 } } do
+  local across, along, energy = {}, {}, {}
+  for k = 1, 2 do
+    local q, v, E = errors(row[1], 1 / 2 ^ (5 + k))
+    local d = v - rate_there
+    across[k], along[k], energy[k] = abs(there:dot(d)), abs(there[1] * d[2] - there[2] * d[1]), abs(E - 0.045)
+  end
+  for i, e in ipairs { across, along, energy } do
+    near(math.log(e[1] / e[2], 2), row[1 + i], 0.05, ("%s: order of its velocity across, along, of its energy: %d"):format(row[1], i))
+  end
+end
+for _, rule in ipairs(dm.rules()) do
+  if rule.name == "shake" then ok(rule.doc:find "velocities of rows err like h across", "and its doc says so", rule.doc) end
+end
+
 local back = end_of(sphere, "rattle", { q = q1, p = -p1 }, 0.05, 400)
 near((back - start.q):norm(), 0, 1e-12, "the same steps lead back")
 

@@ -183,4 +183,13 @@ local recurrence = dm.recurrence { -1, 3, -3, 1 }
 ok(not recurrence.stable and recurrence.why:find "multiplicity 3", "a triple root 1: round-off grows like k^2", recurrence.why)
 local henon = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - (q:dot(q) / 2 + q[1] ^ 2 * q[2] - q[2] ^ 3 / 3) end }
 raises("disagree", function() henon:chart { q = { 0, -0.016 }, p = { 0.49974, 0 }, t = 2000, rules = { "verlet" }, h = { 0.05 }, samples = 4, repeats = 1 } end)
+-- constraints that become one; forces beside an L linear in v
+local crossing = dm.system { Q = dm.R(3), L = function(_, v) return v:dot(v) / 2 end,
+  rolling = function(x, v) return { v[1] - x[3] * v[2], v[1] + x[3] * v[2] } end }
+local held, met = pcall(function() crossing:solver({ rule = "midpoint", h = 0.1 }):run { q = { 0, 0, 1 }, v = { 0, 0, -1 }, steps = 30 } end)
+tap.ok(not held and met.code == "singular" and met.rolling == 2 and met.step == 10, "conditions that become one are named", met)
+tap.raises("no rule steps such a system", function()
+  dm.system({ Q = dm.R(2), L = function(q, v) return q[1] * v[2] - q:dot(q) / 2 end, force = function(q) return -0.1 * q end })
+    :solver({ rule = "degenerate(2)", h = 0.1 }):run { q = { 1, 0 }, v = { 0, 0 }, steps = 1 }
+end)
 tap.done()
