@@ -155,7 +155,7 @@ local function beginnings(G, r)
     for j = 1, r do
       local xi = {}
       for i = 1, r do xi[i] = i == j and angle or 0 end
-      out[#out + 1] = points.entries(G:flat(G:exp(core.vector(xi))))
+      out[#out + 1] = points.entries(kit.flat(kit.exp(core.vector(xi))))
     end
   end
   local stream = core.random(5)

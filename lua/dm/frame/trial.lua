@@ -18,8 +18,8 @@ local M = {}
 local huge, max, min = math.huge, math.max, math.min
 
 -- how many samples by dim G, so that a frame is made in a few milliseconds
-local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 12, 8, 6, 3, 2, 1 }
-local LOST = 5           -- samples' worth of time to find that there is no root
+local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 8, 8, 6, 3, 2, 1 }
+local LOST = 6           -- samples' worth of time to find that there is no root
 local ON_SECTION = 6     -- samples of which one must lead to the section
 local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
 local SIZES = { 1, 0.3, 3, 1, 0.1, 10 } -- of points
