@@ -41,6 +41,32 @@ static int do_string(lua_State *L, const char *text, const char *name) {
     return do_chunk(L, luaL_loadbuffer(L, text, strlen(text), name));
 }
 
+/* help(x) and its like, whose module (upvalue 1) is loaded when they are called */
+static int call_word(lua_State *L) {
+    const char *module = lua_tostring(L, lua_upvalueindex(1));
+    const char *name = lua_tostring(L, lua_upvalueindex(2));
+    if (dml_push_function(L, module, name) != LUA_OK) return lua_error(L);
+    lua_insert(L, 1);
+    lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
+    return lua_gettop(L);
+}
+
+/* the words of a session, for what -e executes; a name that is taken stays */
+static void open_words(lua_State *L) {
+    static const char *const words[][2] = {{"dm.session.help", "help"},
+                                           {"dm.session.help", "apropos"},
+                                           {"dm.session.demo", "demo"}};
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
+        const int taken = lua_getglobal(L, words[k][1]) != LUA_TNIL;
+        lua_pop(L, 1);
+        if (taken) continue;
+        lua_pushstring(L, words[k][0]);
+        lua_pushstring(L, words[k][1]);
+        lua_pushcclosure(L, call_word, 2);
+        lua_setglobal(L, words[k][1]);
+    }
+}
+
 /* -l mod, or -l g=mod */
 static int do_library(lua_State *L, const char *argument) {
     const char *equals = strchr(argument, '=');
@@ -146,6 +172,7 @@ static int execute(lua_State *L, const dml_command *c, char **argv, int argc) {
     const int session = session_follows(c, argc), environment = !(c->flags & DML_NO_ENVIRONMENT);
     if (environment && do_init(L) != LUA_OK) return 0;
     if (session && environment && !(c->flags & DML_NO_STARTUP)) dml_startup(L);
+    if (c->flags & DML_EXECUTE && !session && c->script == argc) open_words(L);
     if (!do_options(L, argv, c->script)) return 0;
     if (c->flags & DML_DEMO) return do_demo(L, argv + c->script, argc - c->script) == LUA_OK;
     if (c->script < argc && do_script(L, argv + c->script) != LUA_OK) return 0;

@@ -2,10 +2,13 @@
  * end by itself with exit code 0 or 1, or by that very signal when it came before the handler stood
  * or came twice; never by another signal, and never hang. */
 #define _DEFAULT_SOURCE
+#include "bind/core/bind.h"
 #include "check.h"
 
+#include <lualib.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -83,8 +86,30 @@ static void random_moments(void) {
     printf("# %d rounds: %d ended by themselves, %d by the signal\n", rounds, by_itself, by_signal);
 }
 
+/* loops that look at the flag themselves: no hook stands in this state */
+static void loops_see_the_flag(void) {
+    static const char *const chunks[] =
+        {"return a * a", "return a * v", "return a:solve(a)",
+         "return dm.derivative(function(x) return (a * x):dot(x) end, 2) { 1, 2 }"};
+    lua_State *L = luaL_newstate();
+    CHECK(L != NULL);
+    luaL_openlibs(L);
+    lua_pushcfunction(L, luaopen_dm_core);
+    lua_call(L, 0, 1);
+    lua_setglobal(L, "dm");
+    CHECK(luaL_dostring(L, "a, v = dm.identity(2), dm.vector { 1, 2 }") == LUA_OK);
+    for (size_t k = 0; k < sizeof chunks / sizeof *chunks; k++) {
+        dml_stop = 1;
+        CHECK(luaL_dostring(L, chunks[k]) != LUA_OK);
+        CHECK(strstr(lua_tostring(L, -1), "interrupted!") && !dml_stop);
+        CHECK(luaL_dostring(L, chunks[k]) == LUA_OK);
+    }
+    lua_close(L);
+}
+
 int main(int argc, char **argv) {
     if (argc > 1) rounds = atoi(argv[1]);
+    RUN(loops_see_the_flag, "Ctrl-C ends products of matrices and solutions with them");
     RUN(random_moments, "Ctrl-C at random moments ends a script in order");
     return check_finish();
 }

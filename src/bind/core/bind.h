@@ -86,6 +86,13 @@ const char *dml_nearest(const char *word, const char *const *known);
 /* Set by the cli's SIGINT handler; cleared when a run has seen it. */
 extern volatile sig_atomic_t dml_stop;
 
+/* Raise where it is set: for loops that take long and leave nothing behind. */
+static inline void dml_checkstop(lua_State *L) {
+    if (!dml_stop) return;
+    dml_stop = 0;
+    luaL_error(L, "interrupted!");
+}
+
 /* Ctrl-C as an error on its way through Lua: no pcall of our modules may keep it but
  * core.until_stop. */
 extern volatile sig_atomic_t dml_raised;

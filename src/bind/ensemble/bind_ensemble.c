@@ -30,9 +30,7 @@ static void clear(lua_State *L, char *data, size_t size) {
     enum { BLOCK = 1 << 24 };
     for (size_t done = 0; done < size; done += BLOCK) {
         memset(data + done, 0, size - done < BLOCK ? size - done : BLOCK);
-        if (!dml_stop) continue;
-        dml_stop = 0;
-        luaL_error(L, "interrupted!");
+        dml_checkstop(L);
     }
 }
 

@@ -45,7 +45,7 @@ static long read_members(lua_State *L) {
 typedef struct {
     lua_State *L;
     double start, told; /* s */
-    long before, all;   /* members of earlier parts, of the ensemble */
+    double before, all; /* steps of the members of earlier parts, of all members */
 } clock_of_run;
 
 static double now(void) {
@@ -54,15 +54,21 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void show_progress(void *ud, long done, long members) {
+static void show_progress(void *ud, long done) {
     clock_of_run *c = ud;
-    const double t = now(), finished = (double)(c->before + done);
+    const double t = now(), finished = c->before + (double)done;
     const double rate = finished / (t - c->start);
-    (void)members;
     if (t - c->told < 0.1) return;
     c->told = t;
-    dml_progress(c->L, "ensemble", finished / (double)c->all, rate,
-                 ((double)c->all - finished) / rate);
+    dml_progress(c->L, "ensemble", finished / c->all, rate, (c->all - finished) / rate);
+}
+
+/* steps of the members before the one at `end` */
+static double steps_before(const dml_part *p, long end) {
+    const dm_pace *pace = p->e->pace;
+    double steps = pace ? 0.0 : (double)p->steps * (double)end;
+    for (long i = 0; pace && i < end; i++) steps += (double)pace[i].steps;
+    return steps;
 }
 
 /* steps, or t = duration, as solver:run reads them */
@@ -187,12 +193,12 @@ static dm_status run_alike(lua_State *L, const dml_part *p, const dml_varied *v,
 /* a part that is a system of its own; ud: the clock */
 static dm_status run_own(lua_State *L, const dml_part *p, void *ud) {
     clock_of_run *clock = ud;
-    clock->before = p->first;
+    clock->before = steps_before(p, p->first);
     return run_alike(L, p, &(dml_varied){0}, clock);
 }
 
 static dm_status run_all(lua_State *L, dml_part *p, const dml_varied *v) {
-    clock_of_run clock = {.L = L, .start = now(), .all = p->e->members};
+    clock_of_run clock = {.L = L, .start = now(), .all = steps_before(p, p->e->members)};
     p->count = p->e->members;
     p->e->systems = 1;
     dm_status status = run_alike(L, p, v, &clock);

@@ -134,6 +134,7 @@ static int product(lua_State *L, const dml_array *a, const dml_array *b) {
     for (uint32_t i = 0; i < a->rows; i++)
         for (uint32_t j = 0; j < b->columns; j++) {
             const dml_run row = {a, i * a->columns, 1}, column = {b, j, b->columns};
+            dml_checkstop(L);
             const dml_scalar sum = dml_inner(L, row, column, a->columns);
             dml_put(L, out, i * b->columns + j, &sum);
         }

@@ -99,6 +99,7 @@ static void solve_numbers(lua_State *L, const double *a, const dml_array *b) {
     double *x = dml_newarray(L, b->rank, b->rows, b->columns, &kind)->entries;
     gsl_vector_view view = gsl_vector_view_array(column, n);
     for (size_t j = 0; j < k; j++) {
+        dml_checkstop(L);
         for (size_t i = 0; i < n; i++) column[i] = rhs[i * k + j];
         gsl_linalg_LU_svx(&f.lu.matrix, &f.p, &view.vector);
         for (size_t i = 0; i < n; i++) x[i * k + j] = column[i];
@@ -204,6 +205,7 @@ static int eliminate(lua_State *L, tableau *t) {
             row[j] = dml_apply(L, DM_OP_DIV, row + j, row + k, NULL);
         for (uint32_t i = 0; i < t->n; i++) {
             dml_scalar *other = t->a + i * t->width;
+            dml_checkstop(L);
             for (uint32_t j = k + 1; i != k && j < t->width; j++) {
                 const dml_scalar part = multiply(L, other + k, row + j);
                 other[j] = subtract(L, other + j, &part);

@@ -11,8 +11,9 @@ enum { BLOCK = 16 }; /* members that a thread takes at a time */
 
 typedef struct {
     const dm_ensemble *e;
-    atomic_long next, done;
-    long share; /* members that a thread takes at a time */
+    atomic_long next; /* member that no thread has taken */
+    atomic_long done; /* steps of all members, those that a failed one will not make among them */
+    long share;       /* members that a thread takes at a time */
 } shared;
 
 typedef struct {
@@ -21,10 +22,36 @@ typedef struct {
     dm_block *block;    /* NULL: members one by one */
     dm_observer *watch; /* of this thread */
     int first;          /* this thread tells the progress */
+    long counted;       /* steps told of the members in hand */
+    long of_run;        /* of the member that runs alone */
 } worker;
 
+/* members have made so many steps more */
+static void count_steps(void *ud, long steps) {
+    worker *w = ud;
+    const dm_ensemble *e = w->common->e;
+    w->counted += steps;
+    const long done = atomic_fetch_add(&w->common->done, steps) + steps;
+    if (w->first && e->progress) e->progress(e->ud, done);
+}
+
+/* a member that runs alone has made `done` steps */
+static void count_run(void *ud, long done, long steps) {
+    worker *w = ud;
+    (void)steps;
+    count_steps(w, done - w->of_run);
+    w->of_run = done;
+}
+
+/* steps that members from .. to - 1 are to make */
+static long steps_of(const dm_ensemble *e, long from, long to) {
+    long steps = e->pace ? 0 : e->steps * (to - from);
+    for (long i = from; e->pace && i < to; i++) steps += e->pace[i].steps;
+    return steps;
+}
+
 /* What dm_run would make of it alone; its rows lie at its place. */
-static void run_member(const worker *w, const dm_ensemble *e, long i) {
+static void run_member(worker *w, const dm_ensemble *e, long i) {
     const uint32_t many = w->stepper->model->params;
     double *state = e->state + (size_t)i * dm_state_size(w->stepper->model->n);
     if (many) w->stepper->params = e->params + (size_t)i * many;
@@ -37,8 +64,11 @@ static void run_member(const worker *w, const dm_ensemble *e, long i) {
                                                   : 1,
                               .until = INFINITY,
                               .watch = w->watch,
-                              .stop = e->stop};
+                              .stop = e->stop,
+                              .progress = count_run,
+                              .ud = w};
     long rows = 0;
+    w->of_run = 0;
     e->member[i].status =
         dm_run(&plan, w->stepper, state, e->rows ? dm_ensemble_rows_of(e->rows, i) : NULL,
                &e->member[i].steps, &rows);
@@ -46,7 +76,7 @@ static void run_member(const worker *w, const dm_ensemble *e, long i) {
 }
 
 /* members of one pace; a single one costs less alone than in lanes */
-static void run_alike(const worker *w, const dm_ensemble *e, long from, long to) {
+static void run_alike(worker *w, const dm_ensemble *e, long from, long to) {
     if (w->block && (to - from > 1 || !e->pace))
         dm_block_run(e, w->block, from, to - from);
     else
@@ -60,7 +90,7 @@ static int is_same_pace(const dm_pace *a, const dm_pace *b) {
 
 /* Runs of neighbours with one pace, each as if it were an ensemble of its own; where lanes may have
  * steps of their own all together. */
-static void run_members(const worker *w, long from, long to) {
+static void run_members(worker *w, long from, long to) {
     dm_ensemble e = *w->common->e;
     dm_ensemble_rows rows;
     const int paced = w->block && dm_block_is_paced(w->block) && to - from > 1;
@@ -90,7 +120,7 @@ static long choose_share(const dm_ensemble *e, const dm_block *b, int threads) {
 
 /* A thread takes members until there are none, or until it is told to stop. */
 static void *work(void *arg) {
-    const worker *w = arg;
+    worker *w = arg;
     const dm_ensemble *e = w->common->e;
     const long share = w->common->share;
     const int alike = !e->pace || (e->members > 1 && is_same_pace(e->pace, e->pace + 1));
@@ -99,9 +129,9 @@ static void *work(void *arg) {
         const long from = atomic_fetch_add(&w->common->next, size);
         if (from >= e->members || (e->stop && *e->stop)) return NULL;
         const long to = from + size < e->members ? from + size : e->members;
+        w->counted = 0;
         run_members(w, from, to);
-        const long done = atomic_fetch_add(&w->common->done, to - from) + to - from;
-        if (w->first && e->progress) e->progress(e->ud, done, e->members);
+        count_steps(w, steps_of(e, from, to) - w->counted);
     }
 }
 
@@ -116,6 +146,8 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int
     for (int i = 0; i < threads; i++) {
         const int wide = dm_block_open(blocks + i, steppers[i]);
         blocks[i].watch = e->watch ? e->watch + i : NULL;
+        blocks[i].count = count_steps;
+        blocks[i].ud = workers + i;
         workers[i] = (worker){.common = &common,
                               .stepper = steppers[i],
                               .block = wide ? blocks + i : NULL,

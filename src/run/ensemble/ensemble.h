@@ -33,8 +33,9 @@ typedef struct {
     dm_observer *watch;           /* [threads] what the rows hold; NULL: q, p */
     uint32_t *lanes;              /* members that went side by side, 1: one by one; may be NULL */
     const volatile sig_atomic_t *stop;
-    /* called by the first thread only; may be NULL */
-    void (*progress)(void *ud, long done, long members);
+    /* steps of all members that are done; called by the first thread only, every few
+     * milliseconds; may be NULL */
+    void (*progress)(void *ud, long done);
     void *ud;
 } dm_ensemble;
 

@@ -7,10 +7,12 @@
 
 typedef struct {
     dm_stepper *stepper;
-    dm_lanes lanes;                /* as many groups as the members in hand need */
-    uint32_t most;                 /* groups */
-    long burst;                    /* steps between looks at the stop flag, from block to block */
-    dm_observer *watch;            /* what rows hold; NULL: q, p */
+    dm_lanes lanes;     /* as many groups as the members in hand need */
+    uint32_t most;      /* groups */
+    long burst;         /* steps between looks at the stop flag, from block to block */
+    dm_observer *watch; /* what rows hold; NULL: q, p */
+    void (*count)(void *ud, long steps); /* told of steps that members have made */
+    void *ud;
     double h[DM_LANES_GROUPS * 8]; /* steps of the members */
 } dm_block;
 

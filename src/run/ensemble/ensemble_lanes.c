@@ -279,10 +279,11 @@ static dm_status run(block *x) {
     long burst = x->b->burst;
     end_some(x);
     while (x->alive) {
-        const long goal = to_event(x, burst);
+        const long goal = to_event(x, burst), before = x->done;
         if (x->e->stop && *x->e->stop) return DM_STOPPED;
         for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
             advance(x, autonomous ? goal : 1);
+        x->b->count(x->b->ud, (x->done - before) * x->alive);
         keep_rows(x);
         end_some(x);
         const double took = now() - looked;

@@ -162,7 +162,53 @@ static void refused_code_memory(void) {
     dm_arena_release(&k.arena);
 }
 
+/* what was told of the steps so far: how often, the last of them, did they ever go back? */
+typedef struct {
+    long calls, last;
+    int back;
+} told;
+
+static void listen(void *ud, long done) {
+    told *t = ud;
+    t->back |= done < t->last;
+    t->last = done;
+    t->calls++;
+}
+
+/* of two members that take long, one by one and side by side, one of which fails at once */
+static void progress_counts_steps(void) {
+    static double state[2 * SIZE];
+    static dm_member member[2];
+    enum { LONG = 3000000 };
+    const dm_pace own[2] = {{0.01, LONG, 1}, {0.02, LONG / 2, 1}};
+    for (int k = 0; k < 6; k++) {
+        kepler one;
+        told t = {0};
+        uint32_t lanes = 1;
+        dm_stepper *steppers[1] = {&one.s};
+        CHECK(kepler_open(&one, "verlet"));
+        dm_jit_limit(k % 2 ? 8 : 1);
+        starts(state, 2, k / 2 == 1 ? 1 : -1);
+        const dm_ensemble e = {.members = 2,
+                               .h = 0.01,
+                               .steps = LONG,
+                               .pace = k / 2 == 2 ? own : NULL,
+                               .state = state,
+                               .member = member,
+                               .lanes = &lanes,
+                               .progress = listen,
+                               .ud = &t};
+        CHECK(dm_ensemble_run(&e, steppers, 1) == DM_OK);
+        CHECK(t.last == (k / 2 == 2 ? LONG + LONG / 2 : 2 * (long)LONG));
+        CHECK(!t.back);
+        if (lanes > 1 && !e.pace) CHECK(t.calls > 2); /* not at the ends of members alone */
+        dm_jit_limit(8);
+        dm_arena_release(&one.arena);
+    }
+}
+
 int main(void) {
+    RUN(progress_counts_steps, "progress counts the steps of all members");
     RUN(members_are_single_runs, "members in lanes are single runs, bit for bit");
     RUN(broken_members_leave_the_others_alone,
         "a broken member leaves the others alone and says where it stopped");

@@ -183,6 +183,35 @@ for _, name in ipairs(calls) do
   local _, message = pcall(load("local x = math." .. name .. "({})", "=chunk"))
   messages = messages and (name == "tointeger" or message == "chunk:1: bad argument #1 to '" .. name .. "' (number expected, got table)")
 end
+local plain = true
+for name, f in pairs(math) do
+  local own = name:find "^random" or type(f) ~= "function" -- these have their state there
+  plain = plain and (own or debug.getinfo(f, "u").nups == 0)
+end
+ok(plain and debug.getupvalue(math.sin, 1) == nil, "functions of math have no upvalues, as in Lua")
+-- arguments that Lua converts, compares or refuses in ways of its own (lmathlib.c of 5.4)
+local odd = {
+  { 'math.max("10", "9")', "9" }, { 'math.max("a", "b")', "b" }, { "math.max(nil)", "nil" },
+  { "math.max(1, 1.0)", "1" }, { "math.min(2^53, math.maxinteger)", "9.007199254741e+15" },
+  { "math.max(-0.0, 0.0)", "-0.0" }, { 'math.floor("3.7")', "3" }, { "math.floor(-3.5)", "-4" },
+  { "math.ceil(2^53 + 2)", "9007199254740994" }, { "math.floor(1e300)", "1e+300" },
+  { "math.abs(math.mininteger)", "-9223372036854775808" }, { 'math.abs("-4")', "4.0" },
+  { "math.fmod(-7, 3)", "-1" }, { "math.log(8, 2)", "3.0" }, { "math.log(1000, 10)", "3.0" },
+  { "math.atan(1, nil) == math.atan(1)", "true" },
+}
+for _, case in ipairs(odd) do
+  local got = tostring(load("return " .. case[1])())
+  ok(got == case[2], case[1] .. " is " .. case[2], got)
+end
+raises("attempt to compare", math.max, "10", 5)
+raises("bad argument #2 to 'math.fmod' (zero)", math.fmod, 1, 0)
+-- max and min see a symbol or hyper-dual number behind any number of plain ones
+local third = dm.derivative(function(x) return math.max(1, 2, x[1], 0.5) + math.min(x[1], 9, 8) end, 1)
+ok(third { 3 }[1] == 2 and third { 1.5 }[1] == 1, "the derivatives of max and min of several")
+local h = math.max(1, dm.hyperdual(3, 1, 1), 2)
+ok(h.f == 3 and h.a == 1 and math.min(h, 1) == 1 or math.min(h, 1).f == 1, "max of hyper-dual numbers")
+raises("the comparison < or > met a symbol", dm.trace, function(x) return x[1] < 2 and 1 or 2 end, 1)
+
 ok(same, "math.* gives what Lua's own functions give")
 ok(messages, "math.* raises what Lua's own functions raise")
 ok(math.max(1, 2.5, -3) == 2.5 and math.type(math.max(1, 2)) == "integer" and math.fmod(7, -3) == 1, "max, fmod on numbers")
