@@ -131,7 +131,8 @@ static int new_solver(lua_State *L) {
     if (lua_isnil(L, -1) && s->pair) lua_pop(L, 1), lua_pushstring(L, has_map(L) ? "map" : "del");
     read_rule(L, s);
     const dm_model none = {0};
-    if (s->pair && dm_rule_engine(s->nodes, &none)->wants(s->nodes, &none) & DM_WANT_MAP && !has_map(L))
+    if (s->pair && dm_rule_engine(s->nodes, &none)->wants(s->nodes, &none) & DM_WANT_MAP &&
+        !has_map(L))
         luaL_error(L,
                    "rule '%s' takes the step that a discrete Lagrangian brings with it as "
                    "map =, and this one has none: it is stepped by 'del'",

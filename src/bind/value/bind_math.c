@@ -175,7 +175,7 @@ static inline int farthest(lua_State *L, lua_CFunction enter, int largest) {
         compared = 0;
         if (is_done(L, enter, &results)) return results;
     }
-    if (best < n) lua_settop(L, best);
+    lua_pushvalue(L, best);
     return 1;
 }
 
