@@ -85,12 +85,21 @@ static int do_library(lua_State *L, const char *argument) {
     return dml_report(L, status);
 }
 
+/* help and its like; without lua/dm there are none */
+static void set_globals(lua_State *L) {
+    const int top = lua_gettop(L);
+    if (dml_push_function(L, "dm.session.globals", "later") == LUA_OK) lua_pcall(L, 0, 0, 0);
+    lua_settop(L, top);
+}
+
 static int do_options(lua_State *L, char **argv, int n) {
+    int set = 0;
     for (int i = 1; i < n; i++) {
         const char option = argv[i][1];
         if (option == 'W') lua_warning(L, "@on", 0);
         if (option != 'e' && option != 'l') continue;
         const char *argument = argv[i][2] ? argv[i] + 2 : argv[++i];
+        if (option == 'e' && !set++) set_globals(L);
         const int status =
             option == 'e' ? do_string(L, argument, "=(command line)") : do_library(L, argument);
         if (status != LUA_OK) return 0;

@@ -306,10 +306,7 @@ docs[M.help], docs[M.who] = doc_help, doc_who
 
 --- The globals of a session; names that are taken stay. who() tells of what comes later.
 function M.open()
-  for _, name in ipairs { "help", "apropos", "who" } do
-    if rawget(_G, name) == nil then rawset(_G, name, M[name]) end
-  end
-  if rawget(_G, "demo") == nil then rawset(_G, "demo", require "dm.session.demo".demo) end
+  require "dm.session.globals".open()
   for name, value in next, _G do at_start[name] = value end
 end
 

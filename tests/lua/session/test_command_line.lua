@@ -125,6 +125,16 @@ shows("printf 'print(help)' | LUA -", "nil\n")
 shows("echo '?keys' | LUA -q -i", "a trailing ; evaluates without printing")
 shows("echo '1+1' | LUA -q -i | head -c 1", ">")
 
+-- help and its like in -e, where no name of the user is in the way
+shows("LUA -e 'help(dm)'", "dm.plot(x, y")
+shows("LUA -e 'help \"rules\"' -e 'print(type(demo), type(who))'", "function\tfunction")
+shows("LUA -e 'help = 6 print(help * 7)'", "42")
+shows("printf 'help(help)\\n' | LUA -q -i -e 'x = 1'", "What x is: the doc of a function")
+local plain = os.tmpname()
+io.open(plain, "w"):write("print('help is', help)"):close()
+shows("LUA " .. plain, "help is\tnil")
+os.remove(plain)
+
 -- every option of the table is in --help, in the man page, and known to the parser
 local man, help = require "dm.session.man", run(dmlua, "LUA --help")
 local page, bash, zsh = man.page(), man.bash(), man.zsh()
