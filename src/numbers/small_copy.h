@@ -17,4 +17,15 @@ static inline void dm_small_copy(double *to, const double *from, size_t n) {
     if (n > 3) to[3] = from[3];
 }
 
+/* Numbers that have just been stored one by one: a wide load would wait for those stores, so they
+ * are copied one by one where they are few. */
+static inline void dm_fresh_copy(double *to, const double *from, size_t n) {
+    enum { FEW = 64 };
+    const volatile double *one = from;
+    if (n > FEW)
+        memcpy(to, from, n * sizeof *to);
+    else
+        for (size_t i = 0; i < n; i++) to[i] = one[i];
+}
+
 #endif

@@ -1,6 +1,7 @@
 #include "integ/rules/compositions/composition.h"
 
 #include "integ/rules/verlet.h"
+#include "numbers/small_copy.h"
 
 #include <math.h>
 #include <string.h>
@@ -151,18 +152,17 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
 /* one step of the base for every gamma; a failing one takes the whole step back */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     layout *l = (layout *)(void *)s->work;
-    const size_t bytes = dm_state_size(s->model->n) * sizeof *state;
-    memcpy(l->before, state, bytes);
-    for (int i = 0; i < l->stages; i++) {
+    const size_t size = dm_state_size(s->model->n);
+    dm_status status = DM_OK;
+    dm_fresh_copy(l->before, state, size);
+    for (int i = 0; i < l->stages && status == DM_OK; i++) {
         const double part = l->gamma[i] * h;
-        const dm_status status = l->base.engine->step(&l->base, state, t, part);
+        status = l->base.engine->step(&l->base, state, t, part);
         t += part;
-        s->report = l->base.report;
-        if (status == DM_OK) continue;
-        memcpy(state, l->before, bytes);
-        return status;
     }
-    return DM_OK;
+    s->report = l->base.report;
+    if (status != DM_OK) memcpy(state, l->before, size * sizeof *state);
+    return status;
 }
 
 static size_t memory(dm_stepper *s, double **place) {
