@@ -1,3 +1,4 @@
+/* kernel.c - what every backend tells of its kernels in the same way. */
 #include "code/kernel.h"
 
 int dm_kernel_report_fixed(dm_kernel *k, const dm_graph *g, const dm_node *roots, dm_arena *arena) {

@@ -1,9 +1,13 @@
-/* kernel.h - a compiled function from doubles to doubles: tape, native code or a callback. eval
- * is straight-line: no allocation, no Lua inside (a callback kernel is the named exception). It
- * writes only the outputs that vary: call dm_kernel_prepare once on every output buffer, which
- * fills in the constant ones; they are then never touched. A kernel with implicit functions
- * (implicit.h) can be told to remember: it then begins to look for a root at the last one. Who
- * does so counts the kernel's memory among what a run goes on from. */
+/* kernel.h - a compiled function from doubles to doubles: tape, native code, C of the system's
+ * compiler or a callback. eval is straight-line: no allocation, no Lua inside (a callback
+ * kernel is the named exception). It writes only the outputs that vary: call dm_kernel_prepare
+ * once on every output buffer, which fills in the constant ones; they are then never touched.
+ *
+ * Between calls a kernel keeps nothing but its memory, and that only with implicit functions
+ * (algebra/implicit.h): it can be told to remember, and then begins to look for a root at the
+ * last one. Who does so counts the kernel's memory among what a run goes on from, since the
+ * bits of the outputs depend on it. A kernel without memory may be shared by threads if its
+ * backend says so. */
 #ifndef DM_KERNEL_H
 #define DM_KERNEL_H
 
@@ -11,6 +15,7 @@
 
 typedef void dm_eval(const void *pool, const double *in, double *out);
 
+/* one function of inputs[inputs] with outputs[outputs]; a copy of it is the same kernel */
 typedef struct {
     dm_eval *eval;
     const void *pool; /* what eval needs: constants, tape, callback context */
@@ -27,6 +32,7 @@ typedef struct {
 typedef dm_status dm_compile(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
                              dm_arena *arena);
 
+/* out[outputs] = f(in[inputs]), but for constant outputs; in and out do not overlap. */
 static inline void dm_kernel_eval(const dm_kernel *k, const double *in, double *out) {
     k->eval(k->pool, in, out);
 }
@@ -42,6 +48,7 @@ static inline void dm_kernel_remember(const dm_kernel *k, int on) {
  * of, after compaction. 0: no memory. */
 int dm_kernel_report_fixed(dm_kernel *k, const dm_graph *g, const dm_node *roots, dm_arena *arena);
 
+/* Fill in the constant outputs and empty the memory: before the first evaluation into `out`. */
 static inline void dm_kernel_prepare(const dm_kernel *k, double *out) {
     dm_kernel_remember(k, 0);
     for (uint32_t i = 0; k->fixed && i < k->outputs; i++)

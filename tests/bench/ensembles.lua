@@ -1,5 +1,5 @@
 -- dmlua tests/bench/ensembles.lua: ns a step of a member of an ensemble of implicit rules on one core, beside a step of a run alone; best of a few runs that
--- take turns. Members start a little apart, so that their iterations differ as they do in use.
+-- take turns. Members start a little apart, so that their iterations differ as they do in use. Last: what starting and ending a member costs.
 local dm = require "dm"
 local sin, cos = math.sin, math.cos
 local MEMBERS, STEPS, ALONE, TURNS = 4096, 400, 20000, 5
@@ -51,4 +51,15 @@ for _, model in ipairs(models) do
       print(("%-26s %-12s %9.0f  %9.1f  %5.2f  %5d"):format(model[1], rule, alone * 1e9, member * 1e9, member / alone, lanes))
     end
   end
+end
+
+if not only or only == "start" then
+  local solver = dm.system({ Q = dm.R(2), L = models[3].L }):solver { rule = "verlet", h = 0.01 }
+  local q, v, least = {}, {}, math.huge
+  for i = 1, 16 * MEMBERS do q[i], v[i] = { 0.4 + 1e-6 * i, 0 }, { 0, 2 } end
+  q, v = dm.matrix(q), dm.matrix(v)
+  for _ = 1, 3 * TURNS do
+    least = math.min(least, seconds(function() solver:ensemble { members = #q, q = q, v = v, steps = 1, threads = 1 } end) / #q)
+  end
+  print(("%-26s %-12s %9s  %9.1f"):format("start, one step, end", "verlet", "", least * 1e9))
 end

@@ -25,6 +25,29 @@ local models = {
     end } },
 }
 
+-- rods of length 1 hanging in a plane, unit masses at their ends, pushed at the lowest
+do
+  local RODS = 20
+  local q, v = {}, {}
+  for i = 1, RODS do q[2 * i - 1], q[2 * i], v[2 * i - 1], v[2 * i] = 0, -i, 0, 0 end
+  v[2 * RODS - 1] = 1
+  models[#models + 1] = { name = RODS .. " rods", q = q, v = v, h = 0.005, rules = { "rattle", "gauss(2)" },
+    system = dm.system { Q = dm.R(2 * RODS),
+      L = function(x, u)
+        local V = 0
+        for i = 1, RODS do V = V + G * x[2 * i] end
+        return u:dot(u) / 2 - V
+      end,
+      constraint = function(x)
+        local g = {}
+        for i = 1, RODS do
+          local a, b = i > 1 and x[2 * i - 3] or 0, i > 1 and x[2 * i - 2] or 0
+          g[i] = (x[2 * i - 1] - a) ^ 2 + (x[2 * i] - b) ^ 2 - 1
+        end
+        return g
+      end } }
+end
+
 -- best of three runs, of about a tenth of a second at most
 local function measure(model, rule)
   local solver = model.system:solver { rule = rule, h = model.h }
@@ -41,7 +64,7 @@ end
 
 print(("%-28s %-12s %10s %10s %8s"):format("model", "rule", "ns/step", "build ms", "Newton"))
 for _, model in ipairs(models) do
-  for _, rule in ipairs { "verlet", "midpoint", "gauss(2)", "gauss(4)", "lobatto(3)", "rk4", "rk8pd" } do
+  for _, rule in ipairs(model.rules or { "verlet", "midpoint", "gauss(2)", "gauss(4)", "lobatto(3)", "rk4", "rk8pd" }) do
     local ns, report = measure(model, rule)
     print(("%-28s %-12s %10.1f %10.3f %8.2f"):format(model.name, rule, ns, report.compile_ms,
       report.newton_per_step or 0))

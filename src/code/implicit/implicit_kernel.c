@@ -22,6 +22,7 @@ typedef struct {
     int has_inverse; /* J^-1 is asked for */
 } instance;
 
+/* a graph with its implicit functions, and the one without them */
 typedef struct {
     dm_graph *from, *to;
     uint32_t end;
@@ -62,6 +63,8 @@ static int read_instance(cut *c, instance *x) {
     return x->a != NULL;
 }
 
+/* every function with every set of arguments once, in the order in which they can be solved; 0
+ * without memory */
 static int find_instances(cut *c) {
     uint32_t roots = 0;
     for (dm_node n = 0; n < c->end; n++)
@@ -82,6 +85,8 @@ static int find_instances(cut *c) {
 
 /* ---- the new graph ---- */
 
+/* inputs of the new graph: those of the old one, then the roots (and matrices) of every
+ * instance */
 static int open_graph(cut *c) {
     uint32_t inputs = c->from->inputs;
     for (uint32_t i = 0; i < c->count; i++) {
@@ -123,6 +128,7 @@ static dm_node product_of(cut *c, const instance *x, dm_node chain, uint32_t k) 
     return sum;
 }
 
+/* a root is an input now, S and products with the inverse are made of inputs */
 static dm_node root_of(cut *c, const dm_expr *e) {
     const instance *x = find(c, last_argument(c->from, e->as.arg[0]));
     const uint32_t k = (uint32_t)dm_at(c->from, e->as.arg[1])->as.value;
@@ -130,6 +136,7 @@ static dm_node root_of(cut *c, const dm_expr *e) {
     return k < x->f->unknowns ? dm_input(c->to, x->at + k) : value_of(c, x);
 }
 
+/* the node of the new graph that n becomes; links to arguments become nothing */
 static dm_node node_of(cut *c, dm_node n) {
     const dm_expr e = *dm_at(c->from, n);
     dm_node arg[3] = {0, 0, 0};
@@ -149,6 +156,7 @@ static dm_node node_of(cut *c, dm_node n) {
     }
 }
 
+/* all marked nodes in their order, so that operands are there */
 static dm_status cut_graph(cut *c, const dm_node *roots, uint32_t m) {
     c->end = dm_mark(c->from, roots, m);
     if (!find_instances(c) || !open_graph(c)) return DM_NO_MEMORY;
@@ -158,6 +166,7 @@ static dm_status cut_graph(cut *c, const dm_node *roots, uint32_t m) {
 
 /* ---- the kernel ---- */
 
+/* one implicit function of one set of arguments, as a step of the kernel */
 typedef struct {
     dm_root_solver solver;
     dm_kernel arguments;  /* to next[n]; no eval: they are copied */
@@ -168,6 +177,8 @@ typedef struct {
     double *known, *x, *slope; /* is there one? its arguments [n]; dy/dx [r*n] */
 } stage;
 
+/* what the kernel is: all functions, then the straight line; `remembers` is the last entry of its
+ * memory */
 typedef struct {
     double *in; /* of `last`: inputs, then roots; then the rest of the memory */
     uint32_t inputs, count;
@@ -184,6 +195,8 @@ static void continue_root(const stage *s) {
             s->y[i] += s->slope[i * (size_t)n + j] * (s->next[j] - s->x[j]);
 }
 
+/* The root for the present arguments: the last one where they have not changed, from the last
+ * one continued where the kernel remembers, else from the starts of the function. */
 static void solve(stage *s, const double *in, int remembers) {
     const uint32_t n = s->solver.n;
     dm_root_outcome outcome;
@@ -203,6 +216,7 @@ static void solve(stage *s, const double *in, int remembers) {
     if (remembers && *s->known != 0.0) dm_root_slope(&s->solver, s->slope, s->inverse);
 }
 
+/* roots first, in their order, then the straight line */
 static void evaluate(const void *pool, const double *in, double *out) {
     const composite *c = pool;
     const int remembers = *c->remembers != 0.0;

@@ -30,12 +30,14 @@ static const double radii[] = {1.0, 3.0, 0.3, 6.0};
 
 /* ---- making one ---- */
 
+/* starts that are numbers need no kernel */
 static int all_constant(const dm_implicit *f, double *value) {
     for (uint32_t i = 0; i < f->starts * f->unknowns; i++)
         if (!dm_is_constant(f->graph, f->start[i], value + i)) return 0;
     return 1;
 }
 
+/* one block for all numbers that an attempt works on; 0 without memory */
 static int take_memory(dm_root_solver *s, const dm_implicit *f, dm_arena *arena) {
     const size_t r = f->unknowns, in = dm_graph_inputs(f->graph);
     const size_t total = in + (r + r * r + 1) + f->starts * r + 2 * r * r + 6 * r + r * f->inputs;
@@ -94,12 +96,14 @@ dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_com
 
 /* ---- Newton's method ---- */
 
+/* the largest |a_i|; a NaN stays */
 static double norm(const double *a, uint32_t m) {
     double largest = 0.0;
     for (uint32_t i = 0; i < m; i++) largest = dm_largest(largest, a[i]);
     return largest;
 }
 
+/* F, F_y and the branch condition at y; 0: F is not finite there */
 static int evaluate(dm_root_solver *s, const double *y) {
     memcpy(s->in, y, s->r * sizeof *y);
     dm_kernel_eval(&s->equation, s->in, s->out);
@@ -140,6 +144,7 @@ typedef struct {
     int slow; /* iterations that halved the step at best, since quick ones */
 } path;
 
+/* to = y + part dy */
 static void move(double *to, const double *y, const double *dy, double part, uint32_t r) {
     for (uint32_t i = 0; i < r; i++) to[i] = y[i] + part * dy[i];
 }
@@ -172,12 +177,14 @@ static double search(dm_root_solver *s, path *p) {
     return 0.0;
 }
 
+/* two matrices, or two increments, change places; nothing is copied */
 static void swap(double **a, double **b) {
     double *const kept = *a;
     *a = *b;
     *b = kept;
 }
 
+/* the trial point becomes the point, with its matrix and its increment */
 static void take_step(dm_root_solver *s, path *p) {
     memcpy(p->y, s->trial, s->r * sizeof *p->y);
     swap(&s->inverse, &s->other);
@@ -361,11 +368,13 @@ static int try_all(dm_root_solver *s, double *y, double *inverse, int inside,
     return 0;
 }
 
+/* NaN everywhere: who computes with it sees that there is no root */
 static void give_nothing(const dm_root_solver *s, double *y, double *inverse) {
     for (uint32_t i = 0; i < s->r; i++) y[i] = NAN;
     for (uint32_t i = 0; inverse && i < s->r * s->r; i++) inverse[i] = NAN;
 }
 
+/* a failure that lies far back is no longer told */
 static void forget(dm_root_trouble *t) {
     if (t && t->outcome != DM_ROOT_FOUND && ++t->since > FORGOTTEN) t->outcome = DM_ROOT_FOUND;
 }

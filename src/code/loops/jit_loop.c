@@ -1,8 +1,13 @@
-/* Machine code for loops. A single member's carried values have a register each as far as they
- * go, the others and those of lanes stay in the state in memory, where a new value is put as
- * soon as the old one has been used. At the end of a part every carried value is where the next
- * part expects it. rbx pool of the part   r13 the call   r14 state (of the group)   r15
- * coefficients   rsp stack */
+/* jit_loop.c - machine code for loops of steps. A single member's carried values have a
+ * register each as far as they go, the others and those of lanes stay in the state in memory,
+ * where a new value is put as soon as the old one has been used. At the end of a part every
+ * carried value is where the next part expects it: that is what stays true between parts, and
+ * what lets one loop serve every number of repeats. Coefficients are read from memory, one part
+ * after the other.
+ *
+ * rbx pool of the part   r13 the call   r14 state (of the group)   r15 coefficients   rsp stack
+ *
+ * Speed: steps, leapfrog ensemble of Kepler orbits: 19x, and 1.1x for a single member. */
 #include "code/loops/jit_loop.h"
 
 #include "code/native/code_memory.h"
@@ -16,6 +21,7 @@
 
 enum { FREE_REGISTERS = 6 }; /* at least so many without a carried value */
 
+/* a loop on its way to code, and the part in hand */
 typedef struct {
     dm_loop *loop;
     dm_arena *arena, *scratch;
@@ -31,6 +37,7 @@ typedef struct {
     uint8_t *carried; /* [nodes] 1: of the part in hand, a value that is carried on */
 } maker;
 
+/* code as bytes; the comments beside them say what they are */
 #define PUT(m, bytes) dm_x86_bytes(&(m)->code, bytes, sizeof bytes - 1)
 static void put_number(maker *m, int32_t x) {
     dm_x86_bytes(&m->code, &x, sizeof x);
@@ -54,21 +61,25 @@ static void put_field(maker *m, const char *instruction, size_t offset) {
 #define ADD_TO_R15 "\x4D\x03\x7D"
 #define DECREMENT "\x49\xFF\x4D"
 
+/* one round less; back to `target` while there are some left */
 static void put_again(maker *m, size_t counter, size_t target) {
     put_field(m, DECREMENT, counter);
     PUT(m, "\x0F\x85"); /* jnz */
     put_number(m, (int32_t)((int64_t)target - (int64_t)(m->code.size + 4)));
 }
 
+/* field = field, by way of rax */
 static void put_copy(maker *m, size_t to, size_t from) {
     put_field(m, LOAD_RAX, from);
     put_field(m, STORE_RAX, to);
 }
 
+/* carried value i of the group in hand */
 static dm_operand in_state(const maker *m, uint32_t i) {
     return dm_in_memory(DM_R14, (int32_t)i * m->bytes);
 }
 
+/* the node of input i, 0: the part does not read it */
 static dm_node input_of(const dm_graph *g, uint32_t i) {
     return i < g->leaves ? g->leaf[i] : 0;
 }
@@ -138,6 +149,7 @@ static int is_blocked(const maker *m, uint32_t i) {
     return 0;
 }
 
+/* carried value i into its register */
 static void move_to(maker *m, uint32_t i) {
     const dm_place *v = m->e.at + m->roots[i];
     dm_x86_load(&m->e.code, m->width, (int)i, v->reg >= 0 ? dm_in_register(v->reg) : v->home);
@@ -153,6 +165,7 @@ static void break_ring(maker *m, uint32_t i) {
     m->e.at[n].reg = (int8_t)aside;
 }
 
+/* moves in an order in which no value is overwritten before it has been moved; rings are broken */
 static void finish_registers(maker *m) {
     for (;;) {
         uint32_t left = m->held, moved = 0;
@@ -182,6 +195,7 @@ static int is_orderly(const maker *m, const dm_loop_part *p) {
     return 1;
 }
 
+/* Plan, pool and places of a part; the code goes on behind that of the part before. */
 static dm_status open_part(maker *m, const dm_loop_part *p, dm_plan *plan, void **pool) {
     const uint64_t inputs = m->size + (uint64_t)p->coefficients;
     if (dm_graph_status(p->graph) != DM_OK) return dm_graph_status(p->graph);
@@ -313,6 +327,7 @@ static dm_status put_part(maker *m, const dm_loop_part *part, dm_loop_kind kind)
     return DM_OK;
 }
 
+/* the C calling convention's registers are saved, carried values fetched */
 static void put_beginning(maker *m) {
     PUT(m, "\x55\x48\x89\xE5\x53\x41\x54\x41\x55\x41\x56\x41\x57" /* push rbp; rbp = rsp; push 5 */
            "\x48\x81\xEC");                                       /* rsp -= frame */
@@ -324,6 +339,7 @@ static void put_beginning(maker *m) {
     for (uint32_t i = 0; i < m->held; i++) dm_x86_load(&m->code, m->width, (int)i, in_state(m, i));
 }
 
+/* carried values back to the state, the frame's size filled in where it was left open */
 static void put_end(maker *m) {
     for (uint32_t i = 0; i < m->held; i++) dm_x86_store(&m->code, m->width, in_state(m, i), (int)i);
     dm_x86_clear_uppers(&m->code);
@@ -332,6 +348,7 @@ static void put_end(maker *m) {
     if (!m->code.failed) memcpy(m->code.bytes + m->frame_at, &frame, sizeof frame);
 }
 
+/* start; then for every step: head, body as often as it is repeated, tail */
 static dm_status put_all(maker *m, const dm_loop_part *part) {
     dm_status status;
     put_beginning(m);

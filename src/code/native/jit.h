@@ -1,4 +1,11 @@
-/* jit.h - native kernels: straight-line x86-64 code with the bits of the tape. */
+/* jit.h - native kernels: straight-line x86-64 code with the bits of the tape.
+ *
+ * A kernel is made in three passes: the order of its operations (jit_plan.h), machine code with
+ * values in registers (jit_emit.h, one function per kind of operation in jit_x86.c), and pages
+ * that can be executed (code_memory.h). All roads round as dm_op_value does, so the tape can
+ * stand in wherever native code is refused, and tests compare both on random graphs. Kernels
+ * for 4 and 8 members side by side do the same operations lane by lane; a lane has the bits of
+ * a single call. */
 #ifndef DM_JIT_H
 #define DM_JIT_H
 

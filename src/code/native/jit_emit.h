@@ -8,7 +8,7 @@
 #include "code/native/jit_plan.h"
 #include "code/native/x86.h"
 
-/* small, as there is one for every node */
+/* where one node's value is; small, as there is one for every node */
 typedef struct {
     dm_operand home;  /* in memory, or a register that the body of a loop only reads */
     uint32_t next;    /* position of the next use */
@@ -30,8 +30,7 @@ typedef struct {
     uint32_t fixed;            /* registers that keep a constant all along */
     int eager;         /* what is in memory and used again is fetched while there are registers */
     uint32_t reserved; /* registers that are taken last: they have a purpose (loops) */
-    /* registers exp_first, exp_first + 1, ... hold the first numbers of jit_exp.c */
-    int exp_first, exp_registers;
+    int exp_first, exp_registers; /* the registers that hold the first numbers of jit_exp.c */
     int8_t mask[8], mask_register[8]; /* numbers of jit_pool.h that have a register */
     int masks;
     int preferred; /* register for the result of the current step where it is free; -1: any */

@@ -12,6 +12,7 @@ extern const double dm_exp_table[][8];
  * loop. */
 void dm_exp_to_registers(dm_emitter *e, dm_code *before, int least);
 
+/* The code of the step, which is an exponential; table and registers as above. */
 void dm_emit_exponential(dm_emitter *e, const dm_step *s);
 
 #endif

@@ -8,6 +8,7 @@
 
 #define DM_NEVER UINT32_MAX
 
+/* one operation of the kernel, or a library call with two results */
 typedef struct {
     uint8_t op; /* dm_op; DM_OP_SIN with two results is a sincos */
     uint8_t operands;

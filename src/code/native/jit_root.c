@@ -1,8 +1,13 @@
+/* jit_root.c - x^(-1/2) and x^(-3/2) in machine code, operation by operation what
+ * numbers/reciprocal_root.c does, so that both have the same bits: a look-up to 14 bits and one
+ * correction of high order with AVX-512, root and division elsewhere.
+ * Speed: P3: 1.60x, gauss(8, 6) against root and division. */
 #include "code/native/jit_root.h"
 
 #include "code/native/jit_pool.h"
 #include "numbers/processor.h"
 
+/* registers: the argument, the look-up y, the error e0 = 1 - x y^2, the polynomial p(e0) */
 typedef struct {
     dm_emitter *e;
     int x, y, error, p; /* registers */
@@ -75,6 +80,7 @@ static void cube(const roots *r) {
         correct(r, r->y, r->error, 1);
 }
 
+/* one rounding more, and two long instructions */
 static void by_division(const roots *r, int cubed) {
     dm_code *c = &r->e->code;
     dm_x86_op(c, r->e->width, DM_X86_SQRT, r->y, r->x, dm_in_register(r->x));

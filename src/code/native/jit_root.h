@@ -1,4 +1,5 @@
-/* jit_root.h - machine code of reciprocal roots, the same operations as root.c does. */
+/* jit_root.h - machine code of reciprocal roots, the same operations as
+ * numbers/reciprocal_root.c. */
 #ifndef DM_JIT_ROOT_H
 #define DM_JIT_ROOT_H
 

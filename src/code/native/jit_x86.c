@@ -1,6 +1,14 @@
-/* From a plan to machine code in one pass. All roads round as dm_op_value does: no
- * contraction, library functions called.
- *   rdi/rbx pool   rsi/r14 in   rdx/r15 out   rsp stack   (the second where there are calls) */
+/* jit_x86.c - from a plan to machine code in one pass: a function for every kind of operation
+ * takes the operands where they are, writes the instruction and says where the result is. All
+ * roads round as dm_op_value does: no contraction but the operation fma, library functions
+ * called.
+ *
+ *   rdi/rbx pool   rsi/r14 in   rdx/r15 out   rsp stack   (the second where there are calls)
+ *
+ * The body is written first and the prologue put before it, since only then it is known how
+ * much stack the kernel wants. A kernel whose frame or displacements would be too large is
+ * refused.
+ * Speed: P4: 24x, against the tape. */
 #include "code/native/jit.h"
 
 #include "algebra/compact.h"
@@ -14,6 +22,7 @@
 
 #include <string.h>
 
+/* lanes that the user allows (dm_jit_limit), in the whole process */
 static uint32_t limit = 8;
 
 void dm_jit_limit(uint32_t lanes) {
@@ -36,6 +45,7 @@ uint32_t dm_jit_lanes(void) {
     return most >= 8 ? 8 : most >= 4 ? 4 : most != 0;
 }
 
+/* for those the operand in memory can be the second one */
 static int is_commutative(uint8_t op) {
     return op == DM_OP_ADD || op == DM_OP_MUL;
 }
@@ -54,6 +64,7 @@ static void two_operands(dm_emitter *e, const dm_step *s, int opcode) {
     dm_define(e, s->d, d);
 }
 
+/* a second operand from the masks, or the same register again */
 static void one_operand(dm_emitter *e, const dm_step *s, int opcode, int mask) {
     const int a = dm_in_a_register(e, s->arg[0]);
     dm_pass_operands(e, s);
@@ -182,6 +193,7 @@ static const uint8_t opcodes[DM_OP_COUNT] =
     {[DM_OP_ADD] = DM_X86_ADD, [DM_OP_SUB] = DM_X86_SUB, [DM_OP_MUL] = DM_X86_MUL,
      [DM_OP_DIV] = DM_X86_DIV, [DM_OP_MIN] = DM_X86_MIN, [DM_OP_MAX] = DM_X86_MAX};
 
+/* One step of the plan; slots that the last step freed can be used from now on. */
 void dm_emit_step(dm_emitter *e, const dm_step *s) {
     dm_free_slots(e);
     if (opcodes[s->op])
@@ -236,6 +248,7 @@ static void prologue(dm_code *c, const dm_emitter *e) {
     dm_x86_bytes(c, "\x48\x83\xE4\xC0", 4); /* rsp &= -64 */
 }
 
+/* stack and registers as they were */
 static void epilogue(dm_code *c, const dm_emitter *e) {
     if (e->width != DM_SCALAR) dm_x86_clear_uppers(c);
     if (e->plan->calls)
@@ -272,6 +285,7 @@ static int is_too_large(const dm_plan *plan, uint32_t inputs, uint32_t lanes) {
     return most * lanes * 8 > INT32_MAX / 4;
 }
 
+/* Scratch memory serves the plan, places and bytes; what the kernel needs later is in `arena`. */
 dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
                              uint32_t lanes, dm_arena *arena) {
     dm_plan plan;

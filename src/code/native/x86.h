@@ -58,6 +58,7 @@ enum { /* operations d = a op b with one opcode in all widths */
        DM_X86_MAX = 0x5F
 };
 
+/* Bytes as they are; an instruction that works on `w` doubles: d = a op b, moves. */
 void dm_x86_bytes(dm_code *c, const void *bytes, size_t count);
 void dm_x86_reserve(dm_code *c, size_t count); /* room for so many more */
 void dm_x86_op(dm_code *c, dm_width w, int opcode, int d, int a, dm_operand b);
@@ -105,6 +106,7 @@ void dm_x86_pick(dm_code *c, int d, int a, dm_operand b);
 /* 8 lanes: d = a 2^floor(b) */
 void dm_x86_scale(dm_code *c, int d, int a, int b);
 
+/* A call through a pointer, an address, and the end of the use of upper halves of registers. */
 void dm_x86_call(dm_code *c, dm_operand pointer);
 void dm_x86_lea(dm_code *c, int d, dm_operand memory);
 void dm_x86_clear_uppers(dm_code *c);

@@ -1,3 +1,6 @@
+/* emit_c.c - a graph as C text. The text of every operation stands in graph/ops.def with %a,
+ * %b, %c for the operands; here they are filled in, one operation a line, and numbers are
+ * written so that they are read back bit for bit. */
 #include "code/tape/emit_c.h"
 
 #include "algebra/compact.h"
@@ -10,6 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* from the list of operations; "" where an operation has no C text */
 static const char *const c_text[DM_OP_COUNT] = {
 #define X(name, operands, text, c) c,
 #include "graph/ops.def"
@@ -23,6 +27,7 @@ typedef struct {
     void *ud;
 } writer;
 
+/* a text as it is */
 static void text(const writer *w, const char *s) {
     w->put(w->ud, s, strlen(s));
 }
@@ -37,6 +42,7 @@ static void format(const writer *w, const char *pattern, ...) {
     text(w, s);
 }
 
+/* 17 digits; whole numbers as 2.0, so that no division is one of integers */
 static void constant(const writer *w, double x) {
     if (isnan(x))
         text(w, "NAN");
@@ -50,6 +56,7 @@ static void constant(const writer *w, double x) {
                x);
 }
 
+/* constants in place, inputs by their names, operations as t<node> */
 static void operand(const writer *w, dm_node n) {
     const dm_expr *e = dm_at(w->g, n);
     if (e->op == DM_OP_CONSTANT)

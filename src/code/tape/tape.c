@@ -1,9 +1,11 @@
-/* The tape: the needed nodes in order of number, each an instruction on a file of doubles
- * laid out as constants, inputs, slots. A slot is given back after its last use. A
- * product
- * used once rides on the sum or product that uses it (rounded twice all the same), sine
- * and
- * cosine of one angle come from one call. Dispatch is by computed goto (GNU C). */
+/* tape.c - the tape: the needed nodes in order of number, each an instruction on a file of
+ * doubles laid out as constants, inputs, slots. A slot is given back after its last use. A
+ * product used once rides on the sum or product that uses it (rounded twice all the same), sine
+ * and cosine of one angle come from one call. Dispatch is by computed goto (GNU C).
+ *
+ * The tape runs on every machine and defines the bits: native code, loops and kernels of the
+ * system's compiler are compared with it. So it does exactly what dm_op_value does, operation
+ * by operation; what is made of two operations here saves a dispatch, not a rounding. */
 #include "code/tape/tape.h"
 
 #include "algebra/compact.h"
@@ -29,6 +31,7 @@ enum { /* instructions: the operations, and what is made of several */
        DO_COUNT
 };
 
+/* one instruction: d = op(a, b, c), all of them places in the file */
 typedef struct {
     const void *go; /* address of the code that does it */
     uint32_t d, a, b, c;
@@ -118,6 +121,7 @@ END:
     return NULL;
 }
 
+/* inputs into the file, instructions, outputs out of it */
 static void evaluate(const void *pool, const double *in, double *out) {
     const tape *t = pool;
     for (uint32_t k = 0; k < t->inputs; k++) t->in[k] = in[k];
@@ -185,6 +189,7 @@ static const uint8_t pairs[][4] = {
     {DO_ADD, DO_ADD, 0, DO_ADD_ADD}, {DO_ADD, DO_ADD, 1, DO_ADD_ADD},
 };
 
+/* a part that has one user is done by it; the first pair in the table that fits is taken */
 static void fuse_pairs(builder *w) {
     for (dm_node n = 0; n < w->end; n++) {
         draft *d = w->d + n;
@@ -215,6 +220,7 @@ static void fuse_sincos(builder *w, uint32_t *seen) {
     }
 }
 
+/* after fusing: an absorbed node's operands are those of the node that does it */
 static void find_last_uses(builder *w) {
     for (dm_node n = 0; n < w->end; n++) {
         const draft *d = w->d + n;
@@ -222,6 +228,7 @@ static void find_last_uses(builder *w) {
     }
 }
 
+/* a slot that was given back last is warm in the cache */
 static uint32_t take_place(builder *w) {
     return w->frees ? w->free[--w->frees] : w->places++;
 }
@@ -237,6 +244,7 @@ static void release_operands(builder *w, dm_node n) {
     }
 }
 
+/* operands give their slots back before the result takes one: it may be the same */
 static instruction translate(builder *w, dm_node n, const void *const *address) {
     const draft *d = w->d + n;
     instruction i = {.go = address[d->kind]};
@@ -266,6 +274,7 @@ static void place_leaves(builder *w, uint32_t inputs) {
     w->places = constants + inputs;
 }
 
+/* drafts of all nodes, pairs found, leaves placed; 0 without memory */
 static int open_builder(builder *w, dm_graph *g, const dm_node *roots, uint32_t m) {
     *w = (builder){.g = g, .end = dm_mark(g, roots, m)};
     dm_arena *scratch = dm_arena_scratch(dm_graph_arena(g));
@@ -282,6 +291,7 @@ static int open_builder(builder *w, dm_graph *g, const dm_node *roots, uint32_t 
     return 1;
 }
 
+/* leaves have none */
 static uint32_t count_instructions(const builder *w) {
     uint32_t count = 0;
     for (dm_node n = 0; n < w->end; n++) count += !w->d[n].absorbed && w->d[n].operands;
