@@ -1,3 +1,6 @@
+/* body_sum.c - sums as leaves: kept by the graph beside its nodes, newest first, each an input
+ * behind those that there were before. A graph that has sums can be compared, copied and
+ * written out; how they are evaluated as loops is chain/loops.c's business. */
 #include "algebra/body_sum.h"
 
 #include "algebra/derive.h"
@@ -5,22 +8,26 @@
 
 #include <string.h>
 
+/* NULL: the graph is a plain one */
 const dm_sum *dm_sums(const dm_graph *g) {
     return g->sums;
 }
 
+/* inputs that are no sums; those of sums come behind */
 uint32_t dm_sum_first(const dm_graph *g) {
     uint32_t count = 0;
     for (const dm_sum *s = g->sums; s; s = s->next) count++;
     return g->inputs - count;
 }
 
+/* as a double: pairs of 10^5 bodies overflow 32 bits */
 double dm_sum_all_rounds(const dm_sum *s) {
     double rounds = 0;
     for (uint32_t shift = s->from; shift <= s->to; shift++) rounds += dm_sum_rounds(s, shift);
     return rounds;
 }
 
+/* the term and the columns stay where they are; the record is copied */
 dm_node dm_sum_leaf(dm_graph *g, const dm_sum *s) {
     dm_sum *kept = dm_arena_take(g->arena, sizeof *kept);
     if (!kept) return dm_graph_fail(g, DM_NO_MEMORY);
@@ -31,6 +38,7 @@ dm_node dm_sum_leaf(dm_graph *g, const dm_sum *s) {
     return dm_input(g, kept->input);
 }
 
+/* derivatives of a term are terms of the same columns */
 dm_node dm_sum_of(dm_graph *g, const dm_sum *like, dm_node value) {
     dm_sum s = *like;
     s.value = value;
@@ -38,6 +46,7 @@ dm_node dm_sum_of(dm_graph *g, const dm_sum *like, dm_node value) {
     return value ? dm_sum_leaf(g, &s) : 0;
 }
 
+/* as dm_op_value does, without simplification: what L itself would compute */
 double dm_sum_term(const dm_sum *s, const double *in, double *work) {
     for (dm_node k = 0; k <= s->value; k++) {
         const dm_expr *e = dm_at(s->term, k);
@@ -52,6 +61,7 @@ double dm_sum_term(const dm_sum *s, const double *in, double *work) {
     return work[s->value];
 }
 
+/* reads the same entries, or equal numbers */
 static int same_column(const dm_sum *s, const dm_column *a, const dm_column *b) {
     if (a->first != b->first || a->step != b->step || a->partner != b->partner ||
         !a->data != !b->data)
@@ -70,6 +80,7 @@ int dm_sum_alike(const dm_sum *a, const dm_sum *b) {
     return 1;
 }
 
+/* same pattern, same nodes in the term */
 static int same_sum(const dm_sum *kept, const dm_sum *fresh) {
     if (kept->value != fresh->value || kept->input != fresh->input || !dm_sum_alike(kept, fresh))
         return 0;
@@ -96,6 +107,7 @@ static void fill_columns(dm_graph *to, const dm_sum *s, dm_node *with, uint32_t 
     }
 }
 
+/* every round as nodes, added in their order */
 static dm_node write_sum(dm_graph *to, const dm_sum *s) {
     dm_node sum = 0, term = 0;
     dm_node *with = dm_arena_take(to->arena, (s->columns + 1) * sizeof *with);
@@ -109,6 +121,7 @@ static dm_node write_sum(dm_graph *to, const dm_sum *s) {
     return sum;
 }
 
+/* what the leaves stand for takes their place */
 dm_node dm_sum_write_out(dm_graph *to, dm_graph *g, dm_node root) {
     dm_node out = 0;
     dm_node *with = dm_arena_take(to->arena, (g->inputs + 1) * sizeof *with);

@@ -1,7 +1,8 @@
 /* body_sum.h - sums over equal bodies, neighbours or pairs that a graph keeps as one leaf: the
  * term is a graph of its own, made once, and columns say where its inputs come from in every
- * round. The value of the sum is an input of the graph behind its own ones, so that all algebra
- * works on L(x, S1, S2, ...); the chain rule joins dL/dS with the loops (chain/loops.h). */
+ * round (a round is one body, or one pair, of the sum). The value of the sum is an input of the
+ * graph behind its own ones, so that all algebra works on L(x, S1, S2, ...); the chain rule
+ * joins dL/dS with the loops (chain/loops.h). */
 #ifndef DM_BODY_SUM_H
 #define DM_BODY_SUM_H
 

@@ -1,3 +1,15 @@
+/* compact.c - the same functions with fewer operations. A graph is read as sums of products of
+ * powers (terms.h), rewritten there, and written back; what comes out is counted, and the
+ * cheapest form found is taken, which may be the one that was there. Two roads are followed as
+ * long as they gain: from the roots as they are, and from an expanded form, in which like terms
+ * meet and sin^2 + cos^2 = 1 is seen. Kernels are what pays for an expression, so this runs
+ * before each is made.
+ *
+ * A compacted graph is one of its own, with its nodes in the order of a walk from the roots. So
+ * what else the first graph holds makes no difference, and all kernels of the same roots round
+ * alike; the last ones are kept by the graph, as a force alone and in lanes have the same
+ * roots.
+ * Speed: henon, kahan-li(8): 1.31x, common factors; routh, J2 satellite: 1.14x. */
 #include "algebra/compact.h"
 
 #include "algebra/terms.h"
@@ -26,6 +38,7 @@ static uint32_t cost_of(const uint32_t counts[DM_OP_COUNT]) {
     return sum;
 }
 
+/* of what the roots need */
 static uint32_t cost(dm_graph *g, const dm_node *roots, uint32_t m) {
     uint32_t counts[DM_OP_COUNT];
     dm_operation_counts(g, roots, m, counts);
@@ -112,12 +125,14 @@ static dm_node inverse_of_root(dm_graph *g, dm_node n) {
     return dm_is_marked(g, found) ? found : 0;
 }
 
+/* anywhere in the graph, needed or not */
 static int has_op(const dm_graph *g, dm_op op) {
     for (dm_node n = 1; n < g->size; n++)
         if (dm_is_op(g, n, op)) return 1;
     return 0;
 }
 
+/* is there something to gain? */
 static int has_inverse_roots(dm_graph *g, uint32_t end) {
     for (dm_node n = 1; n < end; n++)
         if (dm_is_marked(g, n) && inverse_of_root(g, n)) return 1;
@@ -131,6 +146,7 @@ static dm_node by_inverse(dm_graph *g, dm_node u) {
     return dm_node_plain(g, DM_OP_MUL, u, dm_node_plain(g, DM_OP_MIN, inverse, bound, 0), 0);
 }
 
+/* roots whose reciprocal is needed anyway become products */
 static void replace_roots(dm_graph *g, dm_node *roots, uint32_t m) {
     if (!has_op(g, DM_OP_SQRT)) return;
     const uint32_t end = dm_mark(g, roots, m);
@@ -146,11 +162,13 @@ static void replace_roots(dm_graph *g, dm_node *roots, uint32_t m) {
     for (uint32_t i = 0; now && i < m; i++) roots[i] = now[roots[i]];
 }
 
+/* Bits do not depend on who asks: the search has no memory beside the graph. */
 void dm_compact(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     compact(g, roots, m, 100, out);
     if (g->status == DM_OK && !g->verbatim) replace_roots(g, out, m);
 }
 
+/* an expanded form may cost a third more: derivatives are taken of it, where like terms meet */
 dm_node dm_compact_source(dm_graph *g, dm_node f) {
     dm_node out = f;
     if (f == g->source[0]) return g->source[1];
@@ -205,6 +223,7 @@ dm_graph *dm_graph_copy(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *
     return h->status == DM_OK ? h : NULL;
 }
 
+/* copied once more where compaction has left nodes that nobody needs */
 static dm_graph *compact_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     dm_graph *h = g->status == DM_OK ? dm_graph_copy(g, roots, m, out) : NULL;
     if (!h) return NULL;
@@ -223,6 +242,7 @@ typedef struct dm_compacted {
     const dm_node *roots, *out;
 } compacted;
 
+/* by the roots, node by node */
 static const compacted *find_compacted(const dm_graph *g, const dm_node *roots, uint32_t m) {
     const compacted *c = g->compacted;
     while (c && (c->m != m || c->verbatim != g->verbatim ||

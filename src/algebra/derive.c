@@ -1,8 +1,9 @@
-/* Derivatives as nodes. A reverse sweep carries df/dn ("bar") from f down to the inputs, a
- * forward sweep dn/dx ("dot") from one input up to the results, by the local rules of
+/* derive.c - derivatives as nodes. A reverse sweep carries df/dn ("bar") from f down to the
+ * inputs, a forward sweep dn/dx ("dot") from one input up to the results, by the local rules of
  * derive_rules.c. A sweep goes only where something is to be done: one bit a node, in order of
  * number, so that a row or column of a large sparse matrix costs what stands in it and not a
- * look at every node. */
+ * look at every node. Both orders are tried where they may differ, and the smaller graph is
+ * kept. */
 #include "algebra/derive.h"
 
 #include "algebra/compact.h"

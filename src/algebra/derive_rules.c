@@ -1,9 +1,11 @@
-/* The local rules of derivatives: what operand k of a node gets of df/dn, or gives to dn/dx.
- * Results reuse the node itself where they can: d sqrt(u) = du / (2 sqrt(u)). A branch that is
- * not taken adds nothing, even where its derivative is not finite. */
+/* derive_rules.c - the local rules of derivatives: what operand k of a node gets of df/dn, or
+ * gives to dn/dx. Results reuse the node itself where they can: d sqrt(u) = du / (2 sqrt(u)). A
+ * branch that is not taken adds nothing, even where its derivative is not finite: 0 * NaN would
+ * be NaN, so zeros under a condition stay under it (dm_derive_join, dm_derive_times). */
 #include "algebra/derive_inside.h"
 #include "graph/nodes.h"
 
+/* small pieces of the rules below */
 static dm_node one(dm_graph *g) {
     return dm_constant(g, 1.0);
 }
@@ -180,6 +182,7 @@ static int is_choice(dm_graph *g, dm_node n, choice *out) {
     return 1;
 }
 
+/* whose operands get the derivative as it is, or negated */
 static int is_sum(dm_op op) {
     return op == DM_OP_ADD || op == DM_OP_SUB;
 }

@@ -1,5 +1,8 @@
 /* implicit.c - implicit functions: made with their derivatives, kept by graphs, written as
- * chains of nodes. */
+ * chains of nodes. A function has a graph of its own for F, F_y, F_x and the second derivatives
+ * along two vectors; who uses it in another graph has a copy there, node for node, so that
+ * kernels of both round alike. Functions are told apart by their serial numbers, whole and
+ * above 0. */
 #include "algebra/implicit.h"
 
 #include "algebra/compact.h"
@@ -10,32 +13,33 @@
 
 /* ---- chains ---- */
 
-const dm_implicit *dm_implicits(const dm_graph *g) {
-    return g->implicits;
-}
-
+/* newest first; there are few */
 const dm_implicit *dm_implicit_find(const dm_graph *g, double serial) {
     const dm_implicit *f = g->implicits;
     while (f && f->serial != serial) f = f->next;
     return f;
 }
 
+/* one link an argument */
 dm_node dm_implicit_with(dm_graph *g, dm_node f, const dm_node *a, uint32_t m) {
     for (uint32_t i = 0; i < m; i++) f = dm_node_plain(g, DM_OP_WITH, f, a[i], 0);
     return f;
 }
 
+/* the entry is a constant node, so that passes see two operands */
 dm_node dm_implicit_root(dm_graph *g, dm_node with, uint32_t k) {
     const dm_node entry = dm_constant(g, k);
     return dm_node_plain(g, DM_OP_ROOT, with, entry, 0);
 }
 
+/* links down to the leaf */
 uint32_t dm_implicit_length(const dm_graph *g, dm_node with) {
     uint32_t m = 0;
     for (; dm_is_op(g, with, DM_OP_WITH); m++) with = dm_at(g, with)->as.arg[0];
     return m;
 }
 
+/* arguments in the order in which they were given */
 const dm_implicit *dm_implicit_read(const dm_graph *g, dm_node with, dm_node *a) {
     for (uint32_t m = dm_implicit_length(g, with); m-- > 0;) {
         a[m] = dm_at(g, with)->as.arg[1];
@@ -44,6 +48,7 @@ const dm_implicit *dm_implicit_read(const dm_graph *g, dm_node with, dm_node *a)
     return dm_implicit_find(g, dm_at(g, with)->as.value);
 }
 
+/* for most graphs a look at one pointer */
 int dm_has_roots(dm_graph *g, const dm_node *roots, uint32_t m) {
     if (!g->implicits || g->status != DM_OK) return 0;
     const uint32_t end = dm_mark(g, roots, m);
@@ -54,6 +59,7 @@ int dm_has_roots(dm_graph *g, const dm_node *roots, uint32_t m) {
 
 /* ---- copies ---- */
 
+/* a text in the arena; NULL stays NULL */
 static const char *copy_text(dm_arena *arena, const char *text) {
     const size_t size = text ? strlen(text) + 1 : 0;
     char *copy = size ? dm_arena_take(arena, size) : NULL;
@@ -104,6 +110,7 @@ static dm_graph *copy_graph(const dm_graph *from, dm_arena *arena) {
     return to->status == DM_OK ? to : NULL;
 }
 
+/* f is among the functions of g; copied where g has another arena */
 static int add(dm_graph *g, const dm_implicit *f) {
     if (dm_implicit_find(g, f->serial)) return 1;
     dm_implicit *kept = dm_arena_take(g->arena, sizeof *kept);
@@ -124,6 +131,7 @@ static int add_all(dm_graph *to, const dm_implicit *list) {
     return !list || (add_all(to, list->next) && add(to, list));
 }
 
+/* The number of the function is the content of the node. */
 dm_node dm_implicit_leaf(dm_graph *g, const dm_implicit *f) {
     if (!add(g, f)) return 0;
     return dm_node_make(g, &(dm_expr){.op = DM_OP_IMPLICIT, .as.value = f->serial});
@@ -176,6 +184,7 @@ static void transplant(dm_implicit *f, const dm_implicit_draft *d, const dm_node
     dm_transplant(f->graph, d->graph, from, m, all, to);
 }
 
+/* all nodes of f: the draft brought over, then derivatives */
 static int fill(dm_implicit *f, const dm_implicit_draft *d, dm_node *nodes) {
     const uint32_t r = d->unknowns, n = d->inputs;
     lay_out(f, nodes);
@@ -193,6 +202,7 @@ static int fill(dm_implicit *f, const dm_implicit_draft *d, dm_node *nodes) {
     return differentiate(f, equation, slope) && find_bend(f, bend);
 }
 
+/* In a graph with inputs (y, x, w, u), w and u being the vectors of second derivatives. */
 dm_implicit *dm_implicit_make(const dm_implicit_draft *d, dm_arena *arena, dm_status *status) {
     const uint32_t r = d->unknowns, n = d->inputs;
     dm_implicit *f = dm_arena_take(arena, sizeof *f);
@@ -219,6 +229,7 @@ dm_implicit *dm_implicit_make(const dm_implicit_draft *d, dm_arena *arena, dm_st
 
 /* ---- trouble ---- */
 
+/* inner functions first: they are the cause */
 const dm_implicit *dm_root_troubled(const dm_graph *g) {
     for (const dm_implicit *f = g->implicits; f; f = f->next) {
         const dm_implicit *inside = dm_root_troubled(f->graph);
@@ -228,6 +239,7 @@ const dm_implicit *dm_root_troubled(const dm_graph *g) {
     return NULL;
 }
 
+/* of all functions, inner ones too */
 void dm_root_forget(const dm_graph *g) {
     for (const dm_implicit *f = g->implicits; f; f = f->next) {
         dm_root_forget(f->graph);

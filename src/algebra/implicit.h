@@ -65,8 +65,7 @@ dm_implicit *dm_implicit_make(const dm_implicit_draft *draft, dm_arena *arena, d
 /* The leaf for f in g; g keeps a copy of its own where it has another arena. */
 dm_node dm_implicit_leaf(dm_graph *g, const dm_implicit *f);
 
-/* Functions of g, newest first, or NULL; the one with that number, or NULL. */
-const dm_implicit *dm_implicits(const dm_graph *g);
+/* The function of g with that number, or NULL. */
 const dm_implicit *dm_implicit_find(const dm_graph *g, double serial);
 
 /* f with arguments a[m], and entry k of it. */

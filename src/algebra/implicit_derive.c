@@ -9,6 +9,7 @@
 
 #include <string.h>
 
+/* one chain of arguments in a sweep */
 typedef struct {
     dm_derive_sweep *s;
     dm_graph *g;
@@ -19,6 +20,7 @@ typedef struct {
     uint32_t r, n;
 } place;
 
+/* nodes that are zero */
 static dm_node *take(dm_graph *g, size_t count) {
     dm_node *nodes = dm_arena_take(g->arena, (count + 1) * sizeof *nodes);
     if (nodes)
@@ -28,6 +30,7 @@ static dm_node *take(dm_graph *g, size_t count) {
     return nodes;
 }
 
+/* zero everywhere */
 static int all_zero(const dm_node *a, uint32_t m) {
     for (uint32_t i = 0; i < m; i++)
         if (a[i]) return 0;
@@ -36,6 +39,7 @@ static int all_zero(const dm_node *a, uint32_t m) {
 
 /* ---- what has been gathered ---- */
 
+/* what the chain has got so far, made when it gets something first */
 static dm_root_adjoint *gathered(dm_derive_sweep *s, dm_graph *g, dm_node with, uint32_t outputs) {
     dm_root_adjoint *all = s->roots;
     while (all && all->with != with) all = all->next;
@@ -56,6 +60,7 @@ static void gather(const place *p, dm_node with, uint32_t k, dm_node d) {
     dm_derive_hold(p->s, with, dm_constant(p->g, 1.0));
 }
 
+/* an argument gets d, where the sweep wants to know of it */
 static void give(const place *p, dm_node to, dm_node d) {
     if (d && p->s->active[to])
         dm_derive_hold(p->s, to, dm_derive_join(p->g, dm_derive_held(p->s, to), d));
@@ -93,11 +98,13 @@ static int strip_one(guard *c, const dm_graph *g, dm_node *a, uint32_t m) {
     return 1;
 }
 
+/* conditions from the outermost on */
 static void strip(guard *c, const dm_graph *g, dm_node *a, uint32_t m) {
     c->count = 0;
     while (c->count < MOST_CONDITIONS && strip_one(c, g, a, m)) {}
 }
 
+/* d under these conditions again */
 static dm_node guarded(const guard *c, dm_graph *g, dm_node d) {
     for (int k = c->count; k-- > 0;)
         d = dm_apply(g, DM_OP_WHERE, c->condition[k], c->otherwise[k] ? 0 : d,

@@ -1,3 +1,6 @@
+/* prefix.c - the beginning of a graph as a graph of its own, when a trace that repeated an old
+ * one takes another turn: the same nodes under the same numbers, so that what follows is what
+ * it would have become without the old trace. */
 #include "algebra/prefix.h"
 
 #include "graph/nodes.h"
@@ -39,6 +42,7 @@ static void add_leaf(dm_graph *to, const dm_graph *g, uint32_t input) {
         dm_graph_fail(to, DM_NO_MEMORY);
 }
 
+/* node by node: their contents are new to the new graph, in this order */
 dm_graph *dm_graph_prefix(dm_arena *arena, const dm_graph *g, uint32_t size) {
     const uint32_t inputs = dm_sum_first(g);
     dm_graph *to = dm_graph_sized(arena, inputs, size);

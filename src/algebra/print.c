@@ -13,6 +13,7 @@
 enum { DEEPEST = 12 };                          /* operations written in place inside each other */
 enum { SUM = 1, PRODUCT, SIGNED, POWER, ATOM }; /* how strongly a text holds together */
 
+/* a text in the making */
 typedef struct {
     dm_graph *g;
     const char *const *names;
@@ -23,6 +24,7 @@ typedef struct {
     uint8_t *uses;   /* [nodes] saturated */
 } printer;
 
+/* as it is */
 static void text(printer *p, const char *s) {
     p->put(p->ud, s, strlen(s));
 }
@@ -38,12 +40,14 @@ static void number(printer *p, double x) {
     text(p, s);
 }
 
+/* a letter and a number, as x12 */
 static void numbered(printer *p, const char *letter, uint32_t i) {
     char s[24];
     snprintf(s, sizeof s, "%s%u", letter, (unsigned)i);
     text(p, s);
 }
 
+/* the number 1 */
 static int is_one(const dm_graph *g, dm_node n) {
     return dm_is_op(g, n, DM_OP_CONSTANT) && dm_at(g, n)->as.value == 1.0;
 }
@@ -54,6 +58,7 @@ static int is_plain_reciprocal(const printer *p, dm_node n) {
     return !p->name[n] && (turns || dm_is_op(p->g, n, DM_OP_RSQRT));
 }
 
+/* how tightly the operation of n binds: sums, products, signs, powers, calls */
 static int strength(const printer *p, dm_node n) {
     const dm_expr *e = dm_at(p->g, n);
     if (p->name[n]) return ATOM;
@@ -80,12 +85,14 @@ static int strength(const printer *p, dm_node n) {
 
 static void node(printer *p, dm_node n, int inside);
 
+/* a and b with a sign between them */
 static void operation(printer *p, dm_node a, const char *sign, dm_node b, int holds) {
     node(p, a, holds);
     text(p, sign);
     node(p, b, holds + 1);
 }
 
+/* a power with exponent 1/2 */
 static void root(printer *p, dm_node n) {
     text(p, "sqrt(");
     node(p, n, 0);
@@ -104,6 +111,7 @@ static void quotient(printer *p, dm_node y, dm_node reciprocal) {
     root(p, e->as.arg[0]);
 }
 
+/* y * (1/x) as y / x */
 static void product(printer *p, dm_node a, dm_node b) {
     if (a == b) {
         node(p, a, ATOM);
@@ -117,6 +125,7 @@ static void product(printer *p, dm_node a, dm_node b) {
     }
 }
 
+/* f(a), f(a, b) */
 static void call(printer *p, const dm_expr *e) {
     text(p, dm_op_text(e->op));
     for (int k = 0; k < dm_arity(e->op); k++) {
@@ -149,6 +158,7 @@ static void implicit(printer *p, const dm_expr *e) {
     text(p, "]");
 }
 
+/* a number or an input by its name */
 static void leaf(printer *p, const dm_expr *e) {
     if (e->op == DM_OP_CONSTANT)
         number(p, e->as.value);
@@ -216,6 +226,7 @@ static void node(printer *p, dm_node n, int inside) {
     if (open) text(p, ")");
 }
 
+/* what is used twice gets a line of its own */
 static void count_uses(printer *p, const dm_node *roots, uint32_t m, uint32_t end) {
     for (dm_node n = 0; n < end; n++) {
         const dm_expr *e = dm_at(p->g, n);
@@ -248,6 +259,7 @@ static void shared_lines(printer *p, uint32_t end) {
     }
 }
 
+/* shared parts first, then one line a root */
 void dm_print(dm_graph *g, const dm_node *roots, uint32_t m, const char *const *names, dm_put *put,
               void *ud) {
     printer p = {.g = g, .names = names, .put = put, .ud = ud};

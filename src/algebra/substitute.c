@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+/* Every node is made anew by dm_apply, which simplifies it for its new operands. */
 void dm_transplant(dm_graph *to, dm_graph *from, const dm_node *roots, uint32_t m,
                    const dm_node *with, dm_node *out) {
     memset(out, 0, m * sizeof *out);
@@ -30,6 +31,7 @@ void dm_transplant(dm_graph *to, dm_graph *from, const dm_node *roots, uint32_t 
     for (uint32_t i = 0; i < m; i++) out[i] = now[roots[i]];
 }
 
+/* within one graph */
 void dm_substitute(dm_graph *g, const dm_node *roots, uint32_t m, const dm_node *with,
                    dm_node *out) {
     dm_transplant(g, g, roots, m, with, out);

@@ -1,3 +1,9 @@
+/* terms.c - the store of terms: hash-consed like nodes, so that equal terms are equal numbers.
+ * What a term is known by (first, count) never changes; what it is made of (body, size) is
+ * rewritten when factors are pulled out, without making it another term. Products and sums are
+ * in canonical form: parts sorted by number, like ones gathered, a common coefficient in front.
+ * `unfit` is set where a coefficient overflows or underflows on the way; the graph is then left
+ * as it was. */
 #include "algebra/terms.h"
 
 #include "graph/nodes.h"
@@ -74,16 +80,19 @@ static int grow_parts(dm_terms *s, dm_part **parts, uint32_t *capacity, uint32_t
     return 1;
 }
 
+/* scratch may move: pointers into it do not outlive this */
 int dm_terms_reserve(dm_terms *s, uint32_t count) {
     return grow_parts(s, &s->scratch, &s->scratch_capacity, count);
 }
 
+/* an exact zero is no underflow */
 double dm_terms_times(dm_terms *s, double a, double b) {
     const double c = a * b;
     if (c == 0.0 && a != 0.0 && b != 0.0) s->unfit = 1;
     return c;
 }
 
+/* term 0 is the empty product, 1 */
 int dm_terms_open(dm_terms *s, dm_graph *g, uint32_t operations, dm_arena *arena) {
     size_t room = FIRST_TERMS;
     *s = (dm_terms){.g = g, .arena = arena};
@@ -94,6 +103,7 @@ int dm_terms_open(dm_terms *s, dm_graph *g, uint32_t operations, dm_arena *arena
     return 1;
 }
 
+/* the term with this content, made when it is not there */
 dm_term dm_terms_make(dm_terms *s, const dm_term_entry *head, const dm_part *parts) {
     uint32_t slot = slot_of(s, head, parts);
     if (s->table[slot]) return s->table[slot];
@@ -111,6 +121,7 @@ dm_term dm_terms_make(dm_terms *s, const dm_term_entry *head, const dm_part *par
     return s->table[slot] = s->size++;
 }
 
+/* the old parts stay behind in the array; there are few rewritings */
 void dm_terms_rewrite(dm_terms *s, dm_term t, uint32_t count) {
     dm_term_entry *e = s->entries + t;
     if (!grow_parts(s, &s->parts, &s->parts_capacity, s->parts_size + count)) return;
@@ -120,6 +131,7 @@ void dm_terms_rewrite(dm_terms *s, dm_term t, uint32_t count) {
     s->parts_size += count;
 }
 
+/* by term, then by exponent */
 static int comes_after(const dm_part *a, const dm_part *b) {
     return a->t != b->t ? a->t > b->t : a->e > b->e;
 }
@@ -178,6 +190,7 @@ static dm_scaled as_value(dm_terms *s, double c, uint32_t count) {
     return (dm_scaled){c, dm_terms_make(s, &head, p)};
 }
 
+/* sorted, so that equal bases are neighbours */
 dm_scaled dm_terms_product(dm_terms *s, double c, uint32_t count) {
     sort_parts(s->scratch, count);
     return as_value(s, c, gather_factors(s->scratch, count));
@@ -219,6 +232,7 @@ static double common_coefficient(const dm_part *p, uint32_t count) {
     return p[0].c < 0.0 ? -best : best;
 }
 
+/* sorted, like terms gathered, then the coefficient that saves most is pulled out */
 dm_scaled dm_terms_sum(dm_terms *s, uint32_t count) {
     dm_part *p = s->scratch;
     dm_term_entry head = {.kind = DM_TERM_SUM, .nonnegative = 1};
@@ -277,6 +291,7 @@ static int reserve_walk(dm_terms *s) {
     return fail(s);
 }
 
+/* operands before users, as nodes have it by their numbers */
 uint32_t dm_terms_order(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_term **order,
                         uint32_t **uses) {
     uint32_t done = 0;

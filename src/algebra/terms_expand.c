@@ -1,8 +1,11 @@
-/* (a + b) c = a c + b c, so that like terms of different roads meet; and the squares of sums of
- * sines and cosines, so that sin^2 + cos^2 = 1 can be seen. One sum a product at most is
- * opened: with two, small differences would become differences of large products. Sums of
- * plain inputs stay closed for the same reason: x - y is exact, x c - y c is not. What is
- * divided by or under a root stays as it is. */
+/* terms_expand.c - (a + b) c = a c + b c, so that like terms of different roads meet; and the
+ * squares of sums of sines and cosines, so that sin^2 + cos^2 = 1 can be seen. This is more
+ * than a saving: a rod whose velocity is written by components is found to have a constant mass
+ * by it.
+ *
+ * One sum a product at most is opened: with two, small differences would become differences of
+ * large products. Sums of plain inputs stay closed for the same reason: x - y is exact, x c - y
+ * c is not. What is divided by or under a root stays as it is. */
 #include "algebra/terms.h"
 
 #include "graph/nodes.h"
@@ -11,6 +14,7 @@
 
 enum { LONGEST_SUM = 48, LONGEST_SQUARE = 8 };
 
+/* terms on their way, parts before wholes */
 typedef struct {
     dm_terms *s;
     dm_scaled *now; /* [terms] what each became */
@@ -18,6 +22,7 @@ typedef struct {
     uint32_t count;
 } expansion;
 
+/* a number or an input */
 static int is_leaf(const dm_terms *s, dm_term t) {
     return t == 0 || (s->entries[t].kind == DM_TERM_ATOM && s->entries[t].count == 0);
 }
@@ -31,11 +36,13 @@ static int is_open(const dm_terms *s, dm_term t) {
     return 0;
 }
 
+/* sine or cosine */
 static int is_angle_function(const dm_terms *s, dm_term t) {
     const dm_term_entry *e = s->entries + t;
     return e->kind == DM_TERM_ATOM && (e->op == DM_OP_SIN || e->op == DM_OP_COS);
 }
 
+/* one of them, or a product with one */
 static int has_angle_function(const dm_terms *s, dm_term t) {
     const dm_term_entry *e = s->entries + t;
     if (is_angle_function(s, t)) return 1;
@@ -65,6 +72,7 @@ static int push_product(expansion *x, double c, const dm_part *rest, uint32_t co
     return 1;
 }
 
+/* the list as a term; `otherwise` where it has become too long */
 static dm_scaled sum_of_list(expansion *x, dm_scaled otherwise) {
     if (x->count > 2 * LONGEST_SUM || !dm_terms_reserve(x->s, x->count + 1)) return otherwise;
     memcpy(x->s->scratch, x->list, x->count * sizeof *x->list);
@@ -134,6 +142,7 @@ static int is_settled(const expansion *x, dm_term t) {
     return 1;
 }
 
+/* opened where exactly one factor may be */
 static dm_scaled expand_product(expansion *x, dm_term t) {
     dm_terms *s = x->s;
     const uint32_t count = s->entries[t].count;
@@ -192,6 +201,7 @@ static int collapse_term(expansion *x, uint32_t i) {
     return 0;
 }
 
+/* else nothing can collapse */
 static int has_squared_cosine(const dm_terms *s, dm_term t) {
     const dm_term_entry *e = s->entries + t;
     for (uint32_t i = 0; e->kind == DM_TERM_PRODUCT && i < e->count; i++) {
@@ -201,6 +211,7 @@ static int has_squared_cosine(const dm_terms *s, dm_term t) {
     return 0;
 }
 
+/* one pair of terms; 1 when there was one */
 static int collapse(expansion *x) {
     uint32_t cosines = 0;
     for (uint32_t i = 0; i < x->count; i++)
@@ -211,6 +222,7 @@ static int collapse(expansion *x) {
     return 0;
 }
 
+/* parts that became sums are opened in place, then pairs collapse as long as there are some */
 static dm_scaled expand_sum(expansion *x, dm_term t) {
     dm_terms *s = x->s;
     const uint32_t count = s->entries[t].count;
@@ -244,6 +256,7 @@ static dm_scaled expand_sum(expansion *x, dm_term t) {
     return sum;
 }
 
+/* the same function of what its operands became */
 static dm_scaled expand_atom(expansion *x, dm_term t) {
     const dm_term_entry head = x->s->entries[t];
     dm_part arg[3];
@@ -256,6 +269,7 @@ static dm_scaled expand_atom(expansion *x, dm_term t) {
     return (dm_scaled){1.0, head.count ? dm_terms_make(x->s, &head, arg) : t};
 }
 
+/* every term after its parts */
 void dm_terms_expand(dm_terms *s, dm_scaled *roots, uint32_t m) {
     dm_arena *arena = s->arena;
     dm_term *order;

@@ -1,4 +1,5 @@
-/* From nodes to terms: chains of additions become one sum, products are flattened. */
+/* terms_read.c - from nodes to terms: chains of additions become one sum, products are
+ * flattened. */
 #include "algebra/terms.h"
 
 #include "graph/nodes.h"
@@ -6,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+/* nodes and the terms that they are */
 typedef struct {
     dm_terms *s;
     dm_scaled *value;
@@ -14,10 +16,12 @@ typedef struct {
     double *factor;  /* ... and what they are multiplied by */
 } reader;
 
+/* adds or takes away */
 static int is_sum(const dm_expr *e) {
     return e->op == DM_OP_ADD || e->op == DM_OP_SUB;
 }
 
+/* a multiple by a number */
 static int is_scale(const dm_graph *g, const dm_expr *e) {
     return e->op == DM_OP_NEG || (e->op == DM_OP_MUL && dm_is_op(g, e->as.arg[0], DM_OP_CONSTANT));
 }
@@ -116,6 +120,7 @@ static dm_scaled read_root(reader *r, dm_node n, int e) {
     return dm_terms_product(r->s, opens ? pow(sqrt(a.c), e) : 1.0, 1);
 }
 
+/* the term of node n; those of its operands are there */
 static dm_scaled read_node(reader *r, dm_node n) {
     const dm_expr e = *dm_at(r->s->g, n);
     const dm_node a = e.as.arg[0], b = e.as.arg[1];
@@ -142,6 +147,7 @@ static dm_scaled read_node(reader *r, dm_node n) {
     }
 }
 
+/* nodes in order of number; inner parts of sums are read with their sum */
 int dm_terms_read(dm_terms *s, const dm_node *roots, uint32_t m, dm_scaled *out) {
     dm_arena *arena = s->arena;
     const uint32_t end = dm_mark(s->g, roots, m);

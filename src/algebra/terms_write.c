@@ -1,5 +1,6 @@
-/* From terms to nodes. Powers of one base share their chain; a denominator that one product
- * has alone divides it, one that several have is turned over once: w = 1/sqrt(u), w^3, w^5. */
+/* terms_write.c - from terms to nodes. Powers of one base share their chain; a denominator that
+ * one product has alone divides it, one that several have is turned over once: w = 1/sqrt(u),
+ * w^3, w^5. A sum may be written negated where all its users would negate it; `minus` says so. */
 #include "algebra/terms.h"
 
 #include "graph/nodes.h"
@@ -20,6 +21,7 @@ typedef struct {
 
 enum { EITHER = 0, PLUS = 1, MINUS = 2 }; /* signs that the users of a term would like */
 
+/* what is known of every term before the first one is written */
 typedef struct {
     dm_terms *s;
     dm_graph *g;
@@ -29,6 +31,7 @@ typedef struct {
     uint8_t *minus; /* [terms] 1: the node is the term's value negated */
 } writer;
 
+/* in order of number; a factor 1 is left out */
 static dm_node multiply(dm_graph *g, dm_node a, dm_node b) {
     double one;
     if (dm_is_constant(g, a, &one) && one == 1.0) return b;
@@ -37,20 +40,15 @@ static dm_node multiply(dm_graph *g, dm_node a, dm_node b) {
     return a < b ? dm_node_plain(g, DM_OP_MUL, a, b, 0) : dm_node_plain(g, DM_OP_MUL, b, a, 0);
 }
 
+/* c a, where c may be 1 */
 static dm_node times(dm_graph *g, double c, dm_node a) {
     return c == 1.0 ? a : dm_mul(g, dm_constant(g, c), a);
 }
 
+/* the power of the base, or of its reciprocal root, that a factor is */
 static uint32_t whole_steps(const writer *w, const dm_part *p) {
     const uint32_t size = (uint32_t)abs(p->e);
     return p->e < 0 && w->use[p->t].by_root ? size : size / 2;
-}
-
-/* x x is written out: the second of two equal factors */
-static uint32_t is_second(const dm_part *p, uint32_t k) {
-    for (uint32_t i = 0; i < k; i++)
-        if (p[i].t == p[k].t && p[i].e == p[k].e) return 1;
-    return 0;
 }
 
 /* gather who needs what; a base below in one product only is a plain denominator */
@@ -64,7 +62,7 @@ static void find_usage(writer *w, const dm_term *order, uint32_t count) {
                 usage *u = w->use + p->t;
                 if (pass == 0) {
                     u->under += p->e < 0;
-                    u->squares += is_second(s->parts + e->body, k);
+                    u->squares += p->e == 4;
                     u->by_root |= p->e < 0 && p->e % 2 != 0;
                     continue;
                 }
@@ -115,6 +113,7 @@ static dm_node chain(dm_graph *g, dm_node base, uint32_t k, uint64_t needed) {
     return multiply(g, root, root);
 }
 
+/* sqrt(base) */
 static dm_node root_of(dm_graph *g, dm_node base) {
     return dm_apply(g, DM_OP_SQRT, base, 0, 0);
 }
@@ -145,21 +144,6 @@ static dm_node inverse_power(const writer *w, const dm_part *p) {
     return chain(w->g, dm_apply(w->g, DM_OP_RSQRT, under, 0, 0), steps, w->use[p->t].below);
 }
 
-/* equal factors that were written out become powers again */
-static uint32_t gathered(const dm_terms *s, const dm_term_entry *e, dm_part *to) {
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < e->size; i++) {
-        const dm_part p = s->parts[e->body + i];
-        uint32_t k = 0;
-        while (k < count && (to[k].t != p.t || to[k].e <= 0 || p.e <= 0)) k++;
-        if (k < count)
-            to[k].e += p.e;
-        else
-            to[count++] = p;
-    }
-    return count;
-}
-
 /* squares that nobody else has as one square, x^2 y^2 = (x y)^2: their factors leave p[count] */
 static dm_node joint_square(const writer *w, dm_part *p, uint32_t *count) {
     dm_node joint = w->one;
@@ -175,10 +159,12 @@ static dm_node joint_square(const writer *w, dm_part *p, uint32_t *count) {
     return multiply(w->g, joint, joint);
 }
 
+/* what is above, joint squares first, over what is below */
 static dm_node write_product(writer *w, dm_term t) {
     dm_terms *s = w->s;
-    if (!dm_terms_reserve(s, s->entries[t].size)) return 0;
-    uint32_t count = gathered(s, s->entries + t, s->scratch);
+    uint32_t count = s->entries[t].size;
+    if (!dm_terms_reserve(s, count)) return 0;
+    if (count) memcpy(s->scratch, s->parts + s->entries[t].body, count * sizeof *s->scratch);
     dm_node above = joint_square(w, s->scratch, &count), below = w->one;
     for (uint32_t i = 0; i < count; i++) {
         const dm_part p = s->scratch[i];
@@ -193,6 +179,7 @@ static dm_node write_product(writer *w, dm_term t) {
     return below == w->one ? above : dm_node_plain(w->g, DM_OP_DIV, above, below, 0);
 }
 
+/* in order of number */
 static dm_node add(dm_graph *g, dm_node a, dm_node b) {
     return a < b ? dm_node_plain(g, DM_OP_ADD, a, b, 0) : dm_node_plain(g, DM_OP_ADD, b, a, 0);
 }
@@ -225,6 +212,7 @@ static dm_node write_sum(writer *w, dm_term t) {
     return sum;
 }
 
+/* the function of its operands, signs taken in */
 static dm_node write_atom(const writer *w, dm_term t) {
     const dm_term_entry *e = w->s->entries + t;
     const dm_part *p = w->s->parts + e->body;
@@ -247,6 +235,7 @@ static dm_node write_term(writer *w, dm_term t) {
     }
 }
 
+/* nothing is known yet; 0 without memory */
 static int open_writer(writer *w, dm_terms *s) {
     dm_arena *arena = s->arena;
     *w = (writer){.s = s, .g = s->g, .one = dm_constant(s->g, 1.0)};
@@ -260,6 +249,7 @@ static int open_writer(writer *w, dm_terms *s) {
     return 1;
 }
 
+/* users look first (usage, wishes), then every term is written after its parts */
 void dm_terms_write(dm_terms *s, const dm_scaled *roots, uint32_t m, dm_node *out) {
     writer w;
     dm_term *order;

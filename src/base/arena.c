@@ -1,3 +1,10 @@
+/* arena.c - chunks of memory that double in size, each with a header. `used` of `room` bytes of
+ * the newest chunk are taken; older chunks are full as far as anybody cares. Nothing is given
+ * back but all at once, so a Lua error or a refusal halfway through a computation leaks
+ * nothing.
+ *
+ * A scratch arena keeps its chunks when it is emptied: they wait in `spare`, the newest and
+ * largest first, and the next computation works in the same pages, which are in the caches. */
 #include "base/arena.h"
 
 #include <stdint.h>
@@ -5,11 +12,13 @@
 
 enum { ALIGNMENT = 64, FIRST_CHUNK = 16384, LARGEST_STEP = 1 << 24 };
 
+/* the head of a block from the allocator; its data begin at the next multiple of ALIGNMENT */
 struct dm_arena_chunk {
     dm_arena_chunk *next;
     size_t size; /* bytes of the whole block, header included */
 };
 
+/* what is to be called when the arena is released */
 struct dm_arena_cleanup {
     dm_arena_cleanup *next;
     dm_giveback *give_back;
@@ -27,6 +36,7 @@ static unsigned char *chunk_data(dm_arena_chunk *chunk) {
     return (unsigned char *)((raw + ALIGNMENT - 1) & ~(uintptr_t)(ALIGNMENT - 1));
 }
 
+/* whole cache lines */
 static size_t rounded(size_t size) {
     return (size + ALIGNMENT - 1) & ~(size_t)(ALIGNMENT - 1);
 }
@@ -67,6 +77,7 @@ static int add_chunk(dm_arena *arena, size_t size) {
     return 1;
 }
 
+/* A request for nothing gets a line of its own, so that pointers differ. */
 void *dm_arena_take(dm_arena *arena, size_t size) {
     if (size > SIZE_MAX / 2) return NULL;
     size = rounded(size ? size : 1);
@@ -76,6 +87,8 @@ void *dm_arena_take(dm_arena *arena, size_t size) {
     return block;
 }
 
+/* in place where the block is the newest and there is room, else a copy; the old one stays
+ * taken */
 void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size) {
     if (new_size > SIZE_MAX / 2) return NULL;
     const size_t held = rounded(old_size ? old_size : 1), want = rounded(new_size);
@@ -93,6 +106,7 @@ void *dm_arena_grow(dm_arena *arena, void *old, size_t old_size, size_t new_size
     return block;
 }
 
+/* by the owner of the memory where it has asked for that, else when the arena goes */
 int dm_arena_on_release(dm_arena *arena, dm_giveback *give_back, void *thing, size_t size) {
     if (arena->keep) return arena->keep(arena->ud, give_back, thing, size);
     dm_arena_cleanup *c = dm_arena_take(arena, sizeof *c);
@@ -102,6 +116,7 @@ int dm_arena_on_release(dm_arena *arena, dm_giveback *give_back, void *thing, si
     return 1;
 }
 
+/* a list of chunks back to the allocator */
 static void release_chunks(dm_arena *arena, dm_arena_chunk *chunk) {
     for (dm_arena_chunk *next; chunk; chunk = next) {
         next = chunk->next;
@@ -135,6 +150,7 @@ static void release_scratch(dm_arena *arena) {
     arena->scratch = NULL;
 }
 
+/* one chunk stays: the newest, which is the largest */
 void dm_arena_reset(dm_arena *arena) {
     release_scratch(arena);
     if (!arena->chunks) return;
@@ -143,6 +159,7 @@ void dm_arena_reset(dm_arena *arena) {
     arena->used = 0;
 }
 
+/* things outside first: they may need what is in the arena */
 void dm_arena_release(dm_arena *arena) {
     release_scratch(arena);
     for (const dm_arena_cleanup *c = arena->cleanups; c; c = c->next)

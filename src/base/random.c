@@ -1,3 +1,6 @@
+/* random.c - Philox4x32-10 of Salmon, Moraes, Dror and Shaw (SC 2011): random numbers as a
+ * function of a seed and a place. So member i of an ensemble has the same numbers whatever
+ * thread it is in and whoever was asked before it; nothing is kept between calls. */
 #include "base/random.h"
 
 #include <math.h>
@@ -9,6 +12,7 @@ enum { UNIFORM, NORMAL }; /* the last word of the counter keeps the kinds apart 
 static const uint32_t factor[2] = {0xD2511F53, 0xCD9E8D57};
 static const uint32_t weyl[2] = {0x9E3779B9, 0xBB67AE85};
 
+/* ten rounds of two 32 x 32 -> 64 bit products, a key that grows in between */
 void dm_philox(uint32_t out[4], const uint32_t counter[4], const uint32_t key[2]) {
     uint32_t a = counter[0], b = counter[1], c = counter[2], d = counter[3];
     uint32_t k0 = key[0], k1 = key[1];
@@ -22,6 +26,7 @@ void dm_philox(uint32_t out[4], const uint32_t counter[4], const uint32_t key[2]
     out[0] = a, out[1] = b, out[2] = c, out[3] = d;
 }
 
+/* four words for number k of member i */
 static void words(uint32_t out[4], uint64_t seed, uint64_t i, uint32_t k, uint32_t kind) {
     const uint32_t counter[4] = {(uint32_t)i, (uint32_t)(i >> 32), k, kind};
     const uint32_t key[2] = {(uint32_t)seed, (uint32_t)(seed >> 32)};

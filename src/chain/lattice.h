@@ -1,11 +1,15 @@
 /* lattice.h - the force of a Lagrangian whose potential is made of sums over bodies and
- * neighbours (algebra/body_sum.h), as loops along arrays (code/loops/array_loop.h). Coordinate c
- * of all bodies is one array, cut into 8 parts that lie side by side: body l depth + j is entry
- * 8 j + l, so that its neighbours are entries 8 further on in the same lane, and what crosses
- * from part to part is a few copies at the ends. Each sum has a loop over its rounds which
- * writes the derivatives of the term to a buffer; body i takes entry i - shift of it for every
- * place that it has in the term, F_i = sum over columns of slope[i - shift]. Tile by tile, so
- * that the buffer stays in the cache. */
+ * neighbours (algebra/body_sum.h), as loops along arrays (code/loops/array_loop.h).
+ *
+ * Coordinate c of all bodies is one array, cut into 8 parts that lie side by side: body l depth
+ * + j is entry 8 j + l, so that its neighbours are entries 8 further on in the same lane, and
+ * what crosses from part to part is a few copies at the ends, renewed before every pass. Each
+ * sum has a loop over its rounds which writes the derivatives of the term to a buffer; body i
+ * takes entry i - shift of it for every place that it has in the term, F_i = sum over columns
+ * of slope[i - shift]. So no two lanes write one entry, and the order of every sum is that of
+ * the graph: tape, scalar code, 4 and 8 lanes have the same bits. Tile by tile, so that the
+ * buffer stays in the cache.
+ * Speed: P8-fpu-1024: 12.7x, against loops over rounds (chain/loops.h). */
 #ifndef DM_LATTICE_H
 #define DM_LATTICE_H
 

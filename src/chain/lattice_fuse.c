@@ -1,4 +1,9 @@
-/* lattice_fuse.c - slopes and what they are for in one loop over a chain. */
+/* lattice_fuse.c - slopes and what they are for in one loop over a chain. Positions and slopes
+ * go from group to group in registers: a position is loaded once, as that of the next group, a
+ * slope is never stored. That is so for neighbours one body away and 8 lanes; depths whose
+ * rounds are not all there (the end of a chain that is not closed) are done apart, by way of
+ * the buffer.
+ * Speed: P8-fpu-1024: 1.31x with plain sums, 1.17x with compensated ones. */
 #include "chain/lattice_inside.h"
 #include "graph/nodes.h"
 
@@ -26,6 +31,7 @@ static dm_node position_ahead(const dm_lattice *l, dm_array_loop_draft *d, dm_la
     return dm_add(d->g, high, dm_array_loop_read(d, dq));
 }
 
+/* the position of this group is what was that of the next one a group ago */
 static void carry_positions(fusion *b, dm_lattice_pair at) {
     for (uint32_t c = 0; c < b->l->block; c++) {
         b->ahead[c] = position_ahead(b->l, &b->d, at, c);
@@ -41,12 +47,14 @@ static dm_node slope_input(fusion *b, dm_array_ref from) {
     return rest ? b->ahead[c] : dm_array_loop_read(&b->d, b->here[c]);
 }
 
+/* the loop of a sum, its inputs replaced */
 static void repeat_slopes(fusion *b, const dm_lattice_sum *r) {
     dm_node with[DM_ARRAY_LOOP_MOST];
     for (uint32_t k = 0; k < r->loop.one.inputs; k++) with[k] = slope_input(b, r->loop.in[k]);
     dm_array_loop_inline(&b->d, &r->loop, with, b->slope + r->slot);
 }
 
+/* the slope of the group before, at first the one in the buffer before the first group */
 static void carry_slopes(fusion *b) {
     for (uint32_t slot = 0; slot < b->l->slots; slot++) {
         const dm_array_ref start = {DM_ARRAY_BUFFER, (int64_t)slot * b->l->row - GROUP};
@@ -62,6 +70,7 @@ static dm_node use_input(fusion *b, dm_array_ref from) {
     return rest ? dm_array_loop_read(&b->d, b->last[slot]) : b->slope[slot];
 }
 
+/* what the slopes are for, its inputs replaced; positions themselves are not written */
 static void repeat_use(fusion *b, const dm_array_loop *use) {
     dm_node with[DM_ARRAY_LOOP_MOST], out[DM_ARRAY_LOOP_MOST];
     const int64_t coordinates = (int64_t)b->l->block * b->l->pitch;
@@ -71,6 +80,7 @@ static void repeat_use(fusion *b, const dm_array_loop *use) {
         if (use->out[k].at >= coordinates) dm_array_loop_write(&b->d, use->out[k], out[k]);
 }
 
+/* what this group leaves to the next */
 static void write_carried(fusion *b) {
     for (uint32_t c = 0; c < b->l->block; c++) dm_array_loop_write(&b->d, b->here[c], b->ahead[c]);
     for (uint32_t slot = 0; slot < b->l->slots; slot++)
@@ -106,6 +116,7 @@ dm_status dm_lattice_fuse(const dm_lattice *l, dm_array_loop *out, const dm_arra
 
 /* ---- running ---- */
 
+/* q = q0 + dq, or q = q0, of some depths: for ends, which loops read from memory */
 static void add_up(const dm_lattice *l, dm_lattice_pair at, uint32_t first, uint32_t end) {
     const size_t from = (size_t)first * GROUP, to = (size_t)end * GROUP;
     for (uint32_t c = 0; c < l->block; c++) {
@@ -132,6 +143,7 @@ static void give_array(const dm_lattice *l, double *to, const double *from) {
     }
 }
 
+/* what lies there has to be a sum of two arrays again */
 static void give_ends(const dm_lattice *l, dm_lattice_pair at) {
     for (uint32_t c = 0; c < l->block; c++) {
         double *q = l->space + (size_t)c * l->pitch;

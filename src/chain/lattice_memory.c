@@ -1,5 +1,6 @@
 /* lattice_memory.c - arrays of a lattice: where they are, what is beyond their ends, states in
- * and out. */
+ * and out. Behind each other: scalars (8 copies each), the buffer of slopes, the arrays with
+ * `pad` groups before and behind. Entries that no body has are copies of others, or zero. */
 #include "chain/lattice_inside.h"
 
 #include <string.h>
@@ -31,6 +32,7 @@ void dm_lattice_fill_ends(dm_lattice *l) {
     for (uint32_t c = 0; c < l->block; c++) fill_ends(l, l->space + (size_t)c * l->pitch);
 }
 
+/* numbers that differ from body to body, once: they do not change */
 static void fill_data(dm_lattice *l) {
     for (const struct dm_lattice_data *d = l->data; d < l->data + l->columns; d++) {
         double *to = l->space + (size_t)d->array * l->pitch;
@@ -42,6 +44,7 @@ static void fill_data(dm_lattice *l) {
     }
 }
 
+/* At most: sums whose columns need no array of their own take less. */
 size_t dm_lattice_work(const dm_source *from, uint32_t n, uint32_t arrays) {
     dm_lattice l = {.source = from, .n = n};
     uint32_t columns = 0;
@@ -64,6 +67,7 @@ static void clear(const dm_lattice *l) {
     }
 }
 
+/* from the first line of the caches on */
 void dm_lattice_place(dm_lattice *l, double *work) {
     const uintptr_t line = GROUP * sizeof *work;
     l->scalars = work + (line - (uintptr_t)work % line) % line / sizeof *work;
@@ -73,6 +77,7 @@ void dm_lattice_place(dm_lattice *l, double *work) {
     fill_data(l);
 }
 
+/* a scalar in all lanes */
 void dm_lattice_set(dm_lattice *l, uint32_t slot, double value) {
     double *to = l->scalars + (size_t)slot * GROUP;
     if (memcmp(to, &value, sizeof value) == 0) return; /* a loop would wait for it */
@@ -111,6 +116,7 @@ static uint32_t store_start(const dm_lattice *l, double *x, const double *from) 
     return even;
 }
 
+/* whole pairs of depths at once, the rest one by one */
 void dm_lattice_load(dm_lattice *l, uint32_t first, const double *x) {
     double *to = l->space + (size_t)first * l->pitch;
     for (uint32_t c = 0; c < l->block; c++, to += l->pitch)

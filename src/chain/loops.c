@@ -1,3 +1,7 @@
+/* loops.c - sums as loops over their rounds. A block of 64 rounds is evaluated at once, in 8 or
+ * 4 lanes as far as whole groups go, and then added in the order of the rounds; values of sums
+ * are added with compensation in eight partial sums that do not wait for each other. So the
+ * size of a block and the number of partial sums are part of the bits, lanes are not. */
 #include "chain/loops.h"
 
 #include "algebra/derive.h"
@@ -7,6 +11,7 @@
 
 #include <string.h>
 
+/* rounds of a block; columns of a term; partial sums */
 enum { BLOCK = DM_LOOP_BLOCK, COLUMNS = DM_LOOP_COLUMNS, LANES = 8 };
 
 /* the kernel of a term or of its derivatives, one round or `lanes` rounds at a time */
@@ -32,6 +37,7 @@ static dm_status make_loop(loop *l, const dm_node *roots, dm_compile *compile, d
     return status == DM_NO_NATIVE ? DM_OK : status;
 }
 
+/* the kernel of the term itself */
 static dm_status make_value_loop(loop *l, const dm_sum *s, dm_compile *compile, dm_arena *arena) {
     *l = (loop){.sum = s, .outputs = 1};
     return make_loop(l, &s->value, compile, arena);
@@ -141,10 +147,12 @@ static void eval_block(const loop *l, double *out, const double *x, uint32_t i, 
     if (whole < count) eval_one_by_one(l, out + whole, x, i + whole, count - whole, shift);
 }
 
+/* the smaller of two */
 static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
 }
 
+/* sum over shifts and rounds, block by block */
 static double sum_value(const loop *l, const double *x) {
     _Alignas(64) double y[BLOCK];
     const dm_sum *s = l->sum;
@@ -170,6 +178,7 @@ static int is_run(const dm_sum *s, const dm_column *c, uint32_t i, uint32_t coun
     return c->step == 1 && (body + count <= s->bodies || body >= s->bodies);
 }
 
+/* a whole block of neighbours: without look-ups of entries */
 static void add_run(double *restrict to, double factor, const double *restrict y) {
     for (uint32_t r = 0; r < BLOCK; r++) to[r] += factor * y[r];
 }
@@ -188,6 +197,7 @@ static void scatter(const loop *l, double *out, double factor, const double *y, 
     }
 }
 
+/* out += factor dS/dx */
 static void add_slopes(const loop *l, double *out, double factor, const double *x) {
     _Alignas(64) double y[COLUMNS * BLOCK];
     const dm_sum *s = l->sum;
@@ -214,6 +224,7 @@ typedef struct {
     uint32_t *at; /* [direct] number of the output */
 } whole;
 
+/* values of sums first, then the straight-line kernel */
 static void eval_outer(const whole *w, const double *x, double *y) {
     memcpy(w->x, x, w->inputs * sizeof *x);
     for (uint32_t k = 0; k < w->values; k++)
@@ -221,10 +232,12 @@ static void eval_outer(const whole *w, const double *x, double *y) {
     dm_kernel_eval(&w->outer, w->x, y);
 }
 
+/* one output */
 static void eval_value(const void *pool, const double *x, double *out) {
     eval_outer(pool, x, out);
 }
 
+/* direct derivatives, then those by way of the sums */
 static void eval_gradient(const void *pool, const double *x, double *out) {
     const whole *w = pool;
     if (w->outer.eval) eval_outer(w, x, w->y);
@@ -233,12 +246,14 @@ static void eval_gradient(const void *pool, const double *x, double *out) {
     for (uint32_t k = 0; k < w->slopes; k++) add_slopes(w->slope + k, out, w->y[w->direct + k], x);
 }
 
+/* of the graph */
 static uint32_t count_sums(const dm_graph *g) {
     uint32_t count = 0;
     for (const dm_sum *s = dm_sums(g); s; s = s->next) count++;
     return count;
 }
 
+/* with room for everything, NULL without memory */
 static whole *new_whole(dm_graph *g, uint32_t m, uint32_t outputs, dm_arena *arena) {
     const uint32_t sums = count_sums(g), inputs = dm_graph_inputs(g);
     whole *w = dm_arena_take(arena, sizeof *w);

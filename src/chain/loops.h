@@ -1,9 +1,10 @@
-/* loops.h - kernels of expressions with sums (algebra/body_sum.h). The sums are leaves
- * S_k of f(x, S), so
+/* loops.h - kernels of expressions with sums (algebra/body_sum.h). The sums are leaves S_k of
+ * f(x, S), so
  *   df/dx_i = f_i + sum_k f_Sk dS_k/dx_i,
- * where the first part and the factors f_Sk are one kernel of the graph, and the second is a loop
- * over the rounds of each sum with the kernel of the derivatives of its term: in lanes where there
- * are some, in blocks of a fixed size, so that lanes and backends make no difference to a bit. */
+ * where the first part and the factors f_Sk are one kernel of the graph, and the second is a
+ * loop over the rounds of each sum with the kernel of the derivatives of its term: in lanes
+ * where there are some, in blocks of a fixed size, so that lanes and backends make no
+ * difference to a bit. */
 #ifndef DM_LOOPS_H
 #define DM_LOOPS_H
 

@@ -1,9 +1,12 @@
+/* gln.c - regular matrices; their algebra has all of them, basis element a = n i + j being
+ * E_ij. */
 #include "geom/space.h"
 
 static uint32_t dimension(uint32_t n) {
     return n * n;
 }
 
+/* on vectors */
 static int acts(uint32_t n, uint32_t block) {
     return n == block;
 }
@@ -18,9 +21,8 @@ const dm_space dm_space_gln = {
     .kit = "gln",
     .name = "GL",
     .signature = "GL(n)",
-    .doc = "Regular n x n matrices. The algebra has all matrices, row by row. They act "
-           "on blocks of n coordinates by "
-           "g x; the momentum is the sum of the matrices p_i x_j.",
+    .doc = "Regular n x n matrices. The algebra has all matrices, row by row. They act on blocks "
+           "of n coordinates by g x; the momentum is the sum of the matrices p_i x_j.",
     .least = 1,
     .most = DM_LARGEST_GROUP,
     .multiple = 1,

@@ -1,9 +1,12 @@
+/* heisenberg.c - the Heisenberg group of n pairs, on itself from the left: xi_a at x is the
+ * derivative of (exp(s e_a)) x at s = 0. */
 #include "geom/space.h"
 
 static uint32_t dimension(uint32_t n) {
     return 2 * n + 1;
 }
 
+/* on its own elements */
 static int acts(uint32_t n, uint32_t block) {
     return 2 * n + 1 == block;
 }
@@ -21,11 +24,9 @@ const dm_space dm_space_heisenberg = {
     .kit = "heisenberg",
     .name = "Heisenberg",
     .signature = "Heisenberg(n)",
-    .doc = "The Heisenberg group of n pairs (1 when left out), of dimension 2n + 1: "
-           "vectors (x, y, z) with (a, b, c)(x, y, z) "
-           "= (a + x, b + y, c + z + (a . y - b . x)/2), so that exp is the identity. It "
-           "acts on blocks of 2n + 1 "
-           "coordinates from the left.",
+    .doc = "The Heisenberg group of n pairs (1 when left out), of dimension 2n + 1: vectors (x, "
+           "y, z) with (a, b, c)(x, y, z) = (a + x, b + y, c + z + (a . y - b . x)/2), so that "
+           "exp is the identity. It acts on blocks of 2n + 1 coordinates from the left.",
     .least = 1,
     .most = DM_LARGEST_GROUP / 2 - 1,
     .multiple = 1,

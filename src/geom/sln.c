@@ -1,5 +1,7 @@
+/* sln.c - matrices of determinant 1; their algebra has the matrices of trace zero. */
 #include "geom/space.h"
 
+/* all entries but one */
 static uint32_t dimension(uint32_t n) {
     return n * n - 1;
 }
@@ -20,10 +22,9 @@ const dm_space dm_space_sln = {
     .kit = "sln",
     .name = "SL",
     .signature = "SL(n)",
-    .doc = "Matrices n x n of determinant 1, n >= 2. The algebra has the matrices of "
-           "trace zero, row by row without the "
-           "last entry: (a, b, c) is {{a, b}, {c, -a}} for SL(2). They act on blocks of "
-           "n coordinates by g x.",
+    .doc = "Matrices n x n of determinant 1, n >= 2. The algebra has the matrices of trace zero, "
+           "row by row without the last entry: (a, b, c) is {{a, b}, {c, -a}} for SL(2). They "
+           "act on blocks of n coordinates by g x.",
     .least = 2,
     .most = DM_LARGEST_GROUP,
     .multiple = 1,

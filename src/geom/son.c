@@ -1,5 +1,8 @@
+/* son.c - rotations of R^n. The algebra has one basis element a coordinate plane (i, j): xi =
+ * x_i e_j - x_j e_i, turning from i to j. */
 #include "geom/space.h"
 
+/* planes of R^n */
 static uint32_t dimension(uint32_t n) {
     return n * (n - 1) / 2;
 }
@@ -20,6 +23,7 @@ static void plane(uint32_t n, uint32_t a, uint32_t *i, uint32_t *j) {
     *j = *i + 1 + a;
 }
 
+/* the velocity of x under a rotation in plane a */
 static void generator(double *out, const double *x, uint32_t n, uint32_t block, uint32_t a) {
     uint32_t i, j;
     plane(n, a, &i, &j);
@@ -33,10 +37,8 @@ const dm_space dm_space_son = {
     .name = "SO",
     .signature = "SO(n)",
     .doc = "Rotations of R^n, n >= 2, of dimension n(n-1)/2. They act on blocks of n "
-           "coordinates; SO(2) "
-           "also on blocks of 3, about the third axis. The momentum of SO(3) is the sum "
-           "of q x p, of "
-           "SO(2) the sum of q1 p2 - q2 p1.",
+           "coordinates; SO(2) also on blocks of 3, about the third axis. The momentum of SO(3) "
+           "is the sum of q x p, of SO(2) the sum of q1 p2 - q2 p1.",
     .least = 2,
     .most = DM_LARGEST_GROUP,
     .multiple = 1,

@@ -1,3 +1,4 @@
+/* space.c - the list of spaces.def as a table. */
 #include "geom/space.h"
 
 #include <stddef.h>

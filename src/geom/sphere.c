@@ -1,3 +1,5 @@
+/* sphere.c - spheres of unit vectors, manifolds and no groups: they act on nothing, but others
+ * act on them. */
 #include "geom/space.h"
 
 static uint32_t dimension(uint32_t n) {
@@ -19,10 +21,9 @@ const dm_space dm_space_sphere = {
     .kit = "sphere",
     .name = "S",
     .signature = "S(n)",
-    .doc = "Sphere S^n of unit vectors of R^(n+1): a manifold that groups act on. A "
-           "system on it has n+1 coordinates "
-           "q and the constraint q . q = 1, which dm.system adds. It is no group: "
-           "S:exp(z, w) and S:log(z, y) are those of its great circles, from a point z.",
+    .doc = "Sphere S^n of unit vectors of R^(n+1): a manifold that groups act on. A system on it "
+           "has n+1 coordinates q and the constraint q . q = 1, which dm.system adds. It is no "
+           "group: S:exp(z, w) and S:log(z, y) are those of its great circles, from a point z.",
     .least = 1,
     .most = DM_LARGEST_SPACE,
     .multiple = 1,

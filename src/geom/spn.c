@@ -1,3 +1,4 @@
+/* spn.c - symplectic matrices g^T J g = J; their algebra has the matrices X with J X symmetric. */
 #include "geom/space.h"
 
 /* n = 2 k: A of k x k entries, then B and C by their upper triangles */
@@ -5,6 +6,7 @@ static uint32_t dimension(uint32_t n) {
     return n * (n + 1) / 2;
 }
 
+/* on pairs (q, p) of k entries each */
 static int acts(uint32_t n, uint32_t block) {
     return n == block;
 }
@@ -36,11 +38,9 @@ const dm_space dm_space_spn = {
     .kit = "spn",
     .name = "Sp",
     .signature = "Sp(n)",
-    .doc = "Symplectic n x n matrices, n = 2k: g^T J g = J for x = (q, p) with k entries "
-           "each. The algebra has the "
-           "matrices {{A, B}, {C, -A^T}}, B and C symmetric: A row by row, then the upper "
-           "triangles of B and of C. They "
-           "act on blocks of n coordinates by g x.",
+    .doc = "Symplectic n x n matrices, n = 2k: g^T J g = J for x = (q, p) with k entries each. "
+           "The algebra has the matrices {{A, B}, {C, -A^T}}, B and C symmetric: A row by row, "
+           "then the upper triangles of B and of C. They act on blocks of n coordinates by g x.",
     .least = 2,
     .most = DM_LARGEST_GROUP,
     .multiple = 2,

@@ -19,10 +19,6 @@ uint32_t dm_operations(dm_graph *g, const dm_node *roots, uint32_t m);
 /* How often each operation is needed: counts[DM_OP_COUNT]. */
 void dm_operation_counts(dm_graph *g, const dm_node *roots, uint32_t m, uint32_t *counts);
 
-/* Clock cycles, roughly, from the inputs to each root: out[m]; sums and products that are fused
- * later count as two. */
-void dm_depths(uint32_t *out, dm_graph *g, const dm_node *roots, uint32_t m);
-
 /* A readable listing, one assignment a line, inputs by the names given (NULL: x1, x2, ...).
  * Writes through `put` so that no file is needed. */
 typedef void dm_put(void *ud, const char *text, size_t length);

@@ -1,3 +1,12 @@
+/* graph.c - making nodes. What stays true between calls: node 0 is the constant zero, so that
+ * "is it zero everywhere" is a comparison with 0; operands have smaller numbers than their
+ * users; no two nodes of a graph have the same content, so that equal expressions are equal
+ * numbers; an input has its node in `leaf`, everything else is found by the table of
+ * node_table.c.
+ *
+ * Nodes are never changed and, but for dm_graph_forget, never taken away. A graph that has
+ * failed (no memory, too many nodes) answers every call with node 0 and says so in its status,
+ * so that code that builds expressions need not test each call. */
 #include "graph/graph.h"
 
 #include "graph/nodes.h"
@@ -8,8 +17,10 @@
 #include <math.h>
 #include <string.h>
 
+/* room of a new graph */
 enum { FIRST_NODES = 256 };
 
+/* from the list of operations */
 static const struct {
     const char *text;
     int operands;
@@ -123,6 +134,7 @@ static uint8_t sign_of(const dm_graph *g, const dm_expr *e) {
     }
 }
 
+/* node 0 is it, whatever its sign */
 static int is_zero(const dm_expr *e) {
     return e->op == DM_OP_CONSTANT && e->as.value == 0.0;
 }
@@ -147,6 +159,7 @@ static dm_node *place_of_input(dm_graph *g, uint32_t i) {
     return g->leaf + i;
 }
 
+/* where the number of the node with this content is, or will be */
 static dm_node *place_of(dm_graph *g, const dm_expr *e) {
     return e->op == DM_OP_INPUT ? place_of_input(g, e->as.input) : dm_table_place(g, e);
 }
@@ -249,6 +262,7 @@ uint32_t dm_mark(dm_graph *g, const dm_node *roots, uint32_t m) {
     return end;
 }
 
+/* operations of three operands */
 static double value_of_three(dm_op op, double a, double b, double c) {
     switch (op) {
     case DM_OP_WHERE:

@@ -23,6 +23,7 @@ typedef enum {
     DM_OP_COUNT
 } dm_op;
 
+/* One node: an operation and its operands, or a leaf and its number. */
 typedef struct {
     dm_op op;
     union {
@@ -43,6 +44,7 @@ uint32_t dm_graph_inputs(const dm_graph *g);
 dm_arena *dm_graph_arena(dm_graph *g);
 
 const dm_expr *dm_graph_at(const dm_graph *g, dm_node n); /* valid until the next node is made */
+/* Of the list of operations: the text of an operation, and how many operands it has. */
 const char *dm_op_text(dm_op op);
 int dm_op_operands(dm_op op);
 

@@ -1,12 +1,18 @@
+/* linear.c - linear systems as nodes. Whether an entry is zero is known while the graph is made
+ * (node 0), so elimination leaves zeros out and looks for an order that fills in little; there
+ * is no pivoting by size, since sizes are not known. A reciprocal a pivot, products elsewhere:
+ * chains of divisions are what such a kernel waits for. */
 #include "graph/linear.h"
 
 #include "graph/nodes.h"
 
+/* nothing is made where a factor is zero everywhere */
 dm_node dm_add_product(dm_graph *g, dm_node sum, dm_node x, dm_node y) {
     if (!x || !y) return sum;
     return sum ? dm_multiply_add(g, x, y, sum) : dm_mul(g, x, y);
 }
 
+/* a fused product with the sign in a factor */
 dm_node dm_subtract_product(dm_graph *g, dm_node sum, dm_node x, dm_node y) {
     if (!x || !y) return sum;
     const dm_node minus = dm_neg(g, x);
@@ -67,6 +73,7 @@ static void eliminate(dm_graph *g, dm_node *A, dm_node *x, uint32_t m) {
 
 /* ---- along the diagonal, in an order that fills in little ---- */
 
+/* a system in elimination; rows order[0 .. k-1] are done */
 typedef struct {
     dm_graph *g;
     dm_node *A, *x;
@@ -102,6 +109,7 @@ static void choose(system_of *s, uint32_t k) {
     s->order[best] = kept;
 }
 
+/* the pivot's reciprocal stays in its place, fill-in where both row and column have an entry */
 static void eliminate_one(system_of *s, uint32_t k) {
     const uint32_t p = s->order[k];
     dm_node *pivot = entry(s, p, p);
@@ -119,6 +127,7 @@ static void eliminate_one(system_of *s, uint32_t k) {
     }
 }
 
+/* elimination in that order, then back substitution in the reverse one */
 static void eliminate_diagonal(system_of *s) {
     for (uint32_t k = 0; k < s->m; k++) s->order[k] = k, s->depth[k] = 0;
     for (uint32_t k = 0; k < s->m; k++) {
@@ -164,6 +173,7 @@ static void solve_two(dm_graph *g, const dm_node *A, dm_node *x, int symmetric) 
     x[1] = dm_mul(g, second, inverse);
 }
 
+/* one unknown by a division, two by Cramer's rule */
 void dm_graph_solve(dm_graph *g, dm_node *A, dm_node *x, uint32_t m, int symmetric) {
     if (m == 1)
         x[0] = dm_div(g, x[0], A[0]);

@@ -1,9 +1,13 @@
-/* The table that finds a node by its content. Who makes a node has most often just made one of
- * its operands, so its first places are near that operand's: those of nodes made in a row are in
- * a row, too, and in the processor's caches. Where many nodes have one newest operand (a
- * constant, an input) all but the first few go to places anywhere, by the hash. A graph that
- * nothing is looked for in has no table: it is made when it is first asked, and again after
- * growth. */
+/* node_table.c - the table that finds a node by its content. Who makes a node has most often
+ * just made one of its operands, so its first places are near that operand's: those of nodes
+ * made in a row are in a row, too, and in the processor's caches. Where many nodes have one
+ * newest operand (a constant, an input) all but the first few go to places anywhere, by the
+ * hash. A graph that nothing is looked for in has no table: it is made when it is first asked,
+ * and again after growth.
+ *
+ * Nodes below g->tabled are in the table, at most half of whose slots are taken. The table is
+ * an index only: taking the newest nodes out again, newest first, leaves it as it was before
+ * them. */
 #include "graph/nodes.h"
 
 /* what tells one node from another: op and three words */
@@ -11,6 +15,7 @@ typedef struct {
     uint64_t first, second;
 } content;
 
+/* operands that an operation does not have are 0, so that contents can be compared as words */
 static inline content content_of(const dm_expr *e) {
     const int is_value = e->op == DM_OP_CONSTANT || e->op == DM_OP_IMPLICIT;
     uint64_t bits;
@@ -41,6 +46,7 @@ static uint32_t line_of(const dm_graph *g, const dm_expr *e, uint32_t h) {
     return 2 * newest & g->mask & ~(uint32_t)(LINE - 1);
 }
 
+/* the hash first, since the node itself may not be in the caches */
 static inline int holds(const dm_graph *g, const dm_slot *slot, content c, uint32_t h) {
     if (slot->hash != h) return 0;
     const content other = content_of(g->nodes + slot->node);
@@ -84,6 +90,7 @@ static int open_table(dm_graph *g) {
     return 1;
 }
 
+/* nodes that were made since the last look-up are put in first */
 dm_node *dm_table_place(dm_graph *g, const dm_expr *e) {
     if (g->tabled == 0 && !open_table(g)) return NULL;
     for (; g->tabled < g->size; g->tabled++)

@@ -19,6 +19,7 @@ typedef struct {
     const dm_node *of; /* [n]; NULL: nothing is kept */
 } dm_gradient_cache;
 
+/* The graph; see the head of graph.c for what stays true of it. */
 struct dm_graph {
     dm_arena *arena;
     dm_expr *nodes;

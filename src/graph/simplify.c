@@ -1,21 +1,28 @@
-/* The rules by which dm_apply makes a node. Values are kept up to rounding, for operands whose
- * products and reciprocals neither overflow nor underflow; the sign of a zero is not kept. A NaN
- * stays a NaN, with three exceptions: 0*x = 0, 0/x = 0 and x - x = 0 for any x. Canonical forms:
- * constants first and folded together; a term is c*x with x free of constant factors; sums hold
- * positive coefficients (x - 2*y, not x + (-2)*y); commutative operands in order of number; a/b
- * is a * (1/b), so that reciprocals are shared. */
+/* simplify.c - the rules by which dm_apply makes a node. Values are kept up to rounding, for
+ * operands whose products and reciprocals neither overflow nor underflow; the sign of a zero is
+ * not kept. A NaN stays a NaN, with three exceptions: 0*x = 0, 0/x = 0 and x - x = 0 for any x.
+ *
+ * Canonical forms: constants first and folded together; a term is c*x with x free of constant
+ * factors; sums hold positive coefficients (x - 2*y, not x + (-2)*y); commutative operands in
+ * order of number; a/b is a * (1/b), so that reciprocals are shared. A rule looks at its
+ * operands and their operands only, so that making a node costs a bounded number of look-ups;
+ * what needs a wider view (like terms of long sums, common factors) is left to
+ * algebra/compact.c. */
 #include "graph/nodes.h"
 
 #include <math.h>
 
+/* the node for an operation of a, b, c; operands that it does not have are 0 */
 typedef dm_node rule(dm_graph *g, dm_node a, dm_node b, dm_node c);
 
 enum { LARGEST_POWER = 64 }; /* whole powers up to here are multiplications */
 
+/* a number */
 static int is_constant(const dm_graph *g, dm_node n) {
     return dm_is_op(g, n, DM_OP_CONSTANT);
 }
 
+/* which one */
 static double value(const dm_graph *g, dm_node n) {
     return g->nodes[n].as.value;
 }
@@ -99,6 +106,7 @@ static int are_halves(const dm_graph *g, dm_node a, dm_node b) {
     return (!p->as.arg[1] || !q->as.arg[1]) && (!p->as.arg[2] || !q->as.arg[2]);
 }
 
+/* constants go to the front, signs out of the terms, equal terms together */
 static dm_node add(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     (void)c;
     dm_node x, y;
@@ -133,6 +141,7 @@ static dm_node subtract_from(dm_graph *g, double c, dm_node n) {
     return dm_node_plain(g, DM_OP_SUB, dm_constant(g, c), n, 0);
 }
 
+/* as a sum; -(b - a) where b - a is there already, so that x - y and y - x are one subtraction */
 static dm_node sub(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     (void)c;
     dm_node x, y;
@@ -162,6 +171,7 @@ static dm_node product(dm_graph *g, dm_node x, dm_node y) {
     return ordered(g, DM_OP_MUL, x, y);
 }
 
+/* constants go to the front, if their product is in the normal range */
 static dm_node mul(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     (void)c;
     dm_node x, y;
@@ -188,6 +198,7 @@ static dm_node reciprocal(dm_graph *g, dm_node x) {
     return dm_node_plain(g, DM_OP_DIV, dm_constant(g, 1.0), x, 0);
 }
 
+/* by a constant: times its reciprocal; else times a node 1/b that others can share */
 static dm_node divide(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     (void)c;
     dm_node x, y;
@@ -229,6 +240,7 @@ static dm_node half_power(dm_graph *g, dm_node x, int twice) {
     return root ? dm_mul(g, whole, root) : whole;
 }
 
+/* whole and half exponents become products and roots, others stay */
 static dm_node power(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     (void)c;
     double exponent;
@@ -267,6 +279,7 @@ ODD(sign, DM_OP_SIGN)
 #undef ODD
 #undef EVEN
 
+/* the sign joins the constant factor */
 static dm_node negate(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     (void)b, (void)c;
     return scaled(g, -1.0, a);
@@ -305,11 +318,13 @@ static dm_node smaller(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     return a == b ? a : dm_node_plain(g, DM_OP_MIN, a, b, 0);
 }
 
+/* the same */
 static dm_node larger(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     (void)c;
     return a == b ? a : dm_node_plain(g, DM_OP_MAX, a, b, 0);
 }
 
+/* a branch that does not matter, or is known, is taken */
 static dm_node where(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     double condition;
     if (b == c) return b;
@@ -317,6 +332,7 @@ static dm_node where(dm_graph *g, dm_node a, dm_node b, dm_node c) {
     return dm_node_plain(g, DM_OP_WHERE, a, b, c);
 }
 
+/* operations without a row are made as they stand */
 static rule *const rules[DM_OP_COUNT] = {
     [DM_OP_NEG] = negate,
     [DM_OP_ABS] = absolute,
@@ -351,6 +367,7 @@ static int fold(dm_graph *g, dm_op op, const dm_node arg[3], double *result) {
     return 1;
 }
 
+/* verbatim first: then nothing is folded, ordered or shared but equal nodes */
 dm_node dm_apply(dm_graph *g, dm_op op, dm_node a, dm_node b, dm_node c) {
     double folded;
     const int count = dm_arity(op);

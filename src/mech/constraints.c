@@ -6,12 +6,14 @@
 
 #include <string.h>
 
+/* room for at least one node, so that a length of zero is no special case */
 static dm_node *take_nodes(dm_arena *arena, size_t count) {
     return dm_arena_take(arena, (count + 1) * sizeof(dm_node));
 }
 
 /* ---- structure ---- */
 
+/* which functions see t and v, by their graphs */
 static unsigned read_structure(dm_graph *g, const dm_constraints *t) {
     const uint32_t n = t->n, k = t->holonomic, l = t->rolling, time = 2 * n;
     unsigned has = 0;
@@ -25,6 +27,7 @@ static unsigned read_structure(dm_graph *g, const dm_constraints *t) {
     return has;
 }
 
+/* entries of G that can differ from zero */
 static dm_status read_pattern(dm_constraints *t) {
     const size_t count = (size_t)t->holonomic * t->n;
     uint8_t *touches = dm_arena_take(t->arena, count + 1);
@@ -34,6 +37,7 @@ static dm_status read_pattern(dm_constraints *t) {
     return DM_OK;
 }
 
+/* derivatives of what was traced; E is phi_v unless it is given */
 dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced *x,
                                dm_arena *arena) {
     const uint32_t n = x->n, k = x->holonomic, l = x->rolling;
@@ -66,6 +70,7 @@ dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced 
     return status;
 }
 
+/* zero everywhere */
 static int all_zero(const dm_node *row, uint32_t n) {
     for (uint32_t i = 0; i < n; i++)
         if (row[i]) return 0;
@@ -90,11 +95,13 @@ typedef struct {
     size_t count;
 } list;
 
+/* room for so many roots */
 static int begin(list *b, dm_constraints *t, size_t room) {
     *b = (list){.t = t, .roots = take_nodes(t->arena, room)};
     return b->roots != NULL;
 }
 
+/* the next roots */
 static void add(list *b, const dm_node *nodes, size_t count) {
     if (count) memcpy(b->roots + b->count, nodes, count * sizeof *nodes);
     b->count += count;
@@ -106,6 +113,7 @@ static void add_jacobian(list *b, const dm_node *f, uint32_t m, uint32_t first) 
     b->count += (size_t)m * b->t->n;
 }
 
+/* all of them as one kernel */
 static dm_status end(list *b, dm_kernel *out, unsigned which, dm_compile *compile) {
     dm_constraints *t = b->t;
     dm_status status = dm_graph_status(t->graph);
@@ -114,6 +122,7 @@ static dm_status end(list *b, dm_kernel *out, unsigned which, dm_compile *compil
     return status;
 }
 
+/* g, G, g_t */
 static dm_status make_holonomic(dm_constraints *t, dm_compile *compile) {
     const size_t k = t->holonomic;
     list b;
@@ -124,6 +133,7 @@ static dm_status make_holonomic(dm_constraints *t, dm_compile *compile) {
     return end(&b, &t->holonomic_kernel, DM_WANT_HOLONOMIC, compile);
 }
 
+/* phi, E, phi_v, phi_q */
 static dm_status make_rolling(dm_constraints *t, dm_compile *compile) {
     const size_t l = t->rolling;
     list b;
@@ -135,6 +145,7 @@ static dm_status make_rolling(dm_constraints *t, dm_compile *compile) {
     return end(&b, &t->rolling_kernel, DM_WANT_ROLLING, compile);
 }
 
+/* u, which a step evaluates once, at its start */
 static dm_status make_control(dm_constraints *t, dm_compile *compile) {
     list b;
     if (!begin(&b, t, t->controls)) return DM_NO_MEMORY;
@@ -142,6 +153,7 @@ static dm_status make_control(dm_constraints *t, dm_compile *compile) {
     return end(&b, &t->control, DM_WANT_CONSTRAINT_FORCE, compile);
 }
 
+/* f */
 static dm_status make_force(dm_constraints *t, dm_compile *compile) {
     list b;
     if (!begin(&b, t, t->forces)) return DM_NO_MEMORY;
@@ -149,6 +161,7 @@ static dm_status make_force(dm_constraints *t, dm_compile *compile) {
     return end(&b, &t->force, DM_WANT_CONSTRAINT_FORCE, compile);
 }
 
+/* f, f_q, f_v */
 static dm_status make_force_curve(dm_constraints *t, dm_compile *compile) {
     const size_t forces = t->forces;
     list b;
@@ -171,6 +184,7 @@ static void add_reaction(dm_constraints *t, dm_node *r, const dm_node *A, uint32
     }
 }
 
+/* r = G^T lambda + E^T mu with its derivatives, the multipliers held */
 static dm_status make_reaction(dm_constraints *t, dm_compile *compile) {
     const size_t n = t->n;
     list b;

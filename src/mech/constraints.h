@@ -18,6 +18,8 @@ enum {                                     /* structure of constraints */
        DM_CONSTRAINTS_LINEAR = 16          /* phi is affine in v */
 };
 
+/* Constraints and forces of a model; not changed after dm_constraints_build but for kernels
+ * that are added and their bits in `has`. */
 typedef struct dm_constraints {
     uint32_t n;         /* dim Q */
     uint32_t holonomic; /* k, entries of g */

@@ -1,6 +1,7 @@
 /* constraints_start.c - is a state on its constraints, are they independent there, and where is
  * the nearest state that is on them? A is G, or G above dphi/dv; c what it has to make zero: g,
- * or (G v + g_t, phi). */
+ * or (G v + g_t, phi). Nearest is meant in the metric of the mass, W = M^-1: the shift is -W
+ * A^T y, as that of an impulse would be. */
 #include "linalg/lu.h"
 #include "mech/constraints.h"
 
@@ -11,6 +12,7 @@ static const double DEPENDENT = 1e-13; /* what is left of a row's square, relati
 static const double ROUND_OFF = 1e-15, SETTLED = 1e-12;
 enum { TRIES = 500 };
 
+/* everything that one question needs, laid into the caller's scratch */
 typedef struct {
     const dm_constraints *t;
     const double *W;
@@ -24,10 +26,12 @@ typedef struct {
     uint32_t *pivot;      /* [m] */
 } frame;
 
+/* constraints of both kinds */
 static size_t rows(const dm_constraints *t) {
     return (size_t)t->holonomic + t->rolling;
 }
 
+/* doubles that both kernels write */
 static size_t outputs(const dm_constraints *t) {
     return t->holonomic * ((size_t)t->n + 2) + t->rolling * (3 * (size_t)t->n + 1);
 }
@@ -37,6 +41,7 @@ size_t dm_constraints_start_work(const dm_constraints *t) {
     return 2 * m * n + 2 * m + 2 * m * m + 2 * n + outputs(t) + 2 * n * n + 3 * larger + 2;
 }
 
+/* the same scratch for questions about positions and velocities */
 static frame lay_out(const dm_constraints *t, const double *W, int velocity, double *work) {
     const size_t n = t->n, m = rows(t);
     frame f = {.t = t, .W = W, .n = t->n, .velocity = velocity, .A = work};
@@ -67,6 +72,7 @@ static int all_finite(const double *a, size_t n) {
 
 /* ---- A and c ---- */
 
+/* A = G; c = g for positions, G v + g_t for velocities */
 static void read_holonomic(frame *f, const double *x) {
     const size_t n = f->n, k = f->t->holonomic;
     const double *G = f->out + k, *g_t = G + k * n, *v = x + n;
@@ -77,6 +83,7 @@ static void read_holonomic(frame *f, const double *x) {
         f->c[i] = f->velocity ? dot(G + i * n, v, f->n) + g_t[i] : f->out[i];
 }
 
+/* behind them dphi/dv and phi */
 static void read_rolling(frame *f, const double *x) {
     const size_t n = f->n, k = f->t->holonomic, l = f->t->rolling;
     double *phi = f->out + k * (n + 2);
@@ -86,6 +93,7 @@ static void read_rolling(frame *f, const double *x) {
     memcpy(f->A + k * n, phi + l + l * n, l * n * sizeof *phi);
 }
 
+/* A and c at x; not finite where a function has no value */
 static dm_status read_constraints(frame *f, const double *x) {
     if (f->t->holonomic) read_holonomic(f, x);
     if (f->velocity && f->t->rolling) read_rolling(f, x);
@@ -134,6 +142,8 @@ static uint32_t largest_part(frame *f, uint32_t i) {
     return best;
 }
 
+/* rows are made orthogonal one after the other; the first of which nothing is left depends on
+ * others */
 static void find_dependent(frame *f, dm_constraints_defect *out) {
     for (uint32_t i = 0; i < f->m; i++) {
         const double *row = f->basis + i * (size_t)f->n;
@@ -178,6 +188,7 @@ static dm_status find_move(frame *f) {
     return all_finite(f->move, n) ? DM_OK : DM_SINGULAR;
 }
 
+/* distance and rank first; the shift only where the rows are independent */
 static dm_status defect(dm_constraints_defect *out, frame *f, const double *x) {
     *out = (dm_constraints_defect){0};
     if (!f->m) return DM_OK;

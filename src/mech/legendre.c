@@ -1,4 +1,6 @@
-/* legendre.c - p = dL/dv and its inverse. */
+/* legendre.c - the Legendre transform p = dL/dv and its inverse. With a constant mass both are
+ * products; else the inverse is Newton's method with L_vv, to round-off, from the guess that
+ * the caller brings, and where that leads nowhere from multiples of p. */
 #include "linalg/solve/newton.h"
 #include "mech/model.h"
 #include "numbers/small_copy.h"
@@ -20,11 +22,13 @@ size_t dm_legendre_work(const dm_model *m) {
     return 2 * n + 1 + n + n * n + n + dm_newton_work(m->n);
 }
 
+/* L_v and L_vv at v */
 static void evaluate(const dm_model *m, double *x, double *out, const double *v) {
     dm_small_copy(x + m->n, v, m->n);
     dm_kernel_eval(&m->mass, x, out);
 }
 
+/* q and t are laid out once for all iterations */
 static equation prepare(const dm_model *m, const double *q, double t, double *work) {
     equation e = {.m = m, .x = work, .out = work + 2 * (size_t)m->n + 1};
     dm_small_copy(e.x, q, m->n);
@@ -56,6 +60,7 @@ dm_status dm_legendre(const dm_model *m, double *p, const double *q, const doubl
     return DM_OK;
 }
 
+/* r = L_v - p, J = L_vv; e->size is what r is to be compared with */
 static dm_status momentum_defect(void *ctx, double *r, double *J, const double *v) {
     equation *e = ctx;
     const uint32_t n = e->m->n;
@@ -69,6 +74,7 @@ static dm_status momentum_defect(void *ctx, double *r, double *J, const double *
     return DM_OK;
 }
 
+/* Newton's method from v */
 static dm_status solve(const dm_model *m, equation *e, double *v, double *work) {
     dm_newton_report report;
     const dm_newton_problem problem = {.m = m->n,

@@ -1,6 +1,8 @@
-/* loops_model.c - a Lagrangian with sums over many bodies as a model without n x n tables. It is
- * one when dL/dv_i depends on v_i alone, linearly and by a factor that is a number: then the
- * mass is constant and diagonal, and since mixed derivatives are symmetric, L is separable. */
+/* loops_model.c - a Lagrangian with sums over many bodies as a model without n x n tables. It
+ * is one when dL/dv_i depends on v_i alone, linearly and by a factor that is a number: then the
+ * mass is constant and diagonal, and since mixed derivatives are symmetric, L is separable. One
+ * sweep over the graph and one look at the term of each sum decide that, whatever the number of
+ * bodies. */
 #include "mech/model.h"
 
 #include "algebra/derive.h"
@@ -12,6 +14,7 @@
 #include <math.h>
 #include <string.h>
 
+/* a model in the making */
 typedef struct {
     dm_model *m;
     dm_graph *g;
@@ -136,6 +139,7 @@ static int read_sum(builder *b, const dm_sum *s, dm_status *status) {
     return 1;
 }
 
+/* outside of sums first, then sum by sum */
 static int read_mass(builder *b, dm_status *status) {
     int fits = read_direct_mass(b, status);
     for (const dm_sum *s = dm_sums(b->g); s && fits; s = s->next) fits = read_sum(b, s, status);
@@ -145,6 +149,7 @@ static int read_mass(builder *b, dm_status *status) {
 
 /* ---- the rest of the structure ---- */
 
+/* coordinates that a sum reads are not cyclic; one that reads t is not autonomous */
 static void forget_cyclic(const builder *b, uint8_t *cyclic, const dm_sum *s) {
     for (uint32_t c = 0; c < s->columns; c++) {
         const dm_column *column = s->column + c;
@@ -167,6 +172,7 @@ static dm_status read_cyclic(const builder *b) {
     return DM_OK;
 }
 
+/* as a diagonal model has it: 1/m, m, no shift */
 static dm_status keep_mass(const builder *b) {
     const uint32_t n = b->m->n;
     double *inverse = dm_arena_take(b->m->source.arena, 2 * (size_t)n * sizeof *inverse);
@@ -194,6 +200,7 @@ static dm_status make_gradient(const builder *b, dm_kernel *out, int momenta) {
                              m->source.compile, m->source.arena);
 }
 
+/* value, force, slope and energy, as far as they are wanted; stages would want n x n tables */
 static dm_status make_kernels(const builder *b, unsigned want) {
     dm_model *m = b->m;
     dm_compile *compile = m->source.compile;
@@ -210,6 +217,7 @@ static dm_status make_kernels(const builder *b, unsigned want) {
     return status;
 }
 
+/* *fits says whether sums stay loops; where they do not, nothing of *m is to be used */
 dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int *fits) {
     builder b = {.m = m, .g = g, .L = L};
     const size_t n = m->n;

@@ -1,3 +1,12 @@
+/* model.c - a Lagrangian as a model: its structure is read off the derivatives, then the
+ * kernels that are wanted are made. L_q and L_v are made once (`gradient`), the mass L_vv from
+ * L_v; whether an entry is zero, or a number, is known of its node. Hence separable: L_v
+ * depends on v alone; constant mass: every entry of L_vv is a number; linear in v: every entry
+ * is node 0.
+ *
+ * Compaction is most of the work of a kernel, so slope and mass are taken out of the compacted
+ * stage where there is one. They round in another way than alone; which kernels a model has is
+ * therefore decided by the rule that opens it, never by what ran before. */
 #include "mech/model.h"
 
 #include "algebra/body_sum.h"
@@ -28,6 +37,7 @@ static dm_node *take_nodes(const builder *b, size_t count) {
     return dm_arena_take(b->arena, count * sizeof(dm_node));
 }
 
+/* all of nodes[count] are numbers */
 static int all_constant(const dm_graph *g, const dm_node *nodes, size_t count) {
     double value;
     for (size_t i = 0; i < count; i++)
@@ -59,6 +69,7 @@ static dm_status find_shift(const builder *b, dm_node *shift) {
     return dm_graph_status(b->g);
 }
 
+/* what derivatives say without being evaluated: DM_* bits, cyclic coordinates */
 static dm_status read_structure(builder *b) {
     const uint32_t n = b->m.n;
     const dm_node *momentum = b->gradient + n;
@@ -79,6 +90,7 @@ static dm_status read_structure(builder *b) {
     return dm_graph_status(b->g);
 }
 
+/* the numbers that constant nodes are */
 static void read_values(double *out, const dm_graph *g, const dm_node *nodes, size_t count) {
     for (size_t i = 0; i < count; i++) dm_is_constant(g, nodes[i], out + i);
 }
@@ -93,6 +105,7 @@ static dm_status invert(const builder *b, double *inverse, const double *M) {
     return dm_lu_inverse(inverse, factors, pivot, factors + (size_t)n * n, n);
 }
 
+/* reciprocals in place of an inverse; a mass of zero is singular */
 static dm_status keep_diagonal(builder *b, double *mass, double *inverse) {
     const uint32_t n = b->m.n;
     for (uint32_t i = 0; i < n; i++) {
@@ -161,6 +174,7 @@ static dm_status stage_roots(const builder *b, dm_node *roots) {
     return dm_graph_status(b->g);
 }
 
+/* a kernel of roots[count]; `which` says that it is there */
 static dm_status make(builder *b, dm_kernel *out, const dm_node *roots, size_t count,
                       unsigned which) {
     dm_status status = dm_graph_status(b->g);
@@ -213,6 +227,7 @@ static dm_status make_stage(builder *b, unsigned want) {
     return status;
 }
 
+/* L_v, then L_vv */
 static dm_status make_mass(builder *b) {
     const size_t n = b->m.n, count = n + n * n;
     dm_node *roots = take_nodes(b, count);
@@ -235,6 +250,7 @@ static dm_status make_potential(builder *b) {
     return make(b, &b->m.potential, roots, n + 1, DM_WANT_POTENTIAL);
 }
 
+/* in an order in which later kernels find what earlier ones brought along */
 static dm_status make_kernels(builder *b, unsigned want) {
     dm_status status = DM_OK;
     if (want &
@@ -262,6 +278,7 @@ struct dm_later {
     builder b;
 };
 
+/* the builder stays with the model, in its arena */
 static dm_status make_later(builder *b) {
     struct dm_later *later = dm_arena_take(b->arena, sizeof *later);
     if (!later) return DM_NO_MEMORY;
@@ -279,6 +296,7 @@ dm_status dm_model_stage(const dm_kernel **out, const dm_model *m) {
     return b->m.stage.eval ? DM_OK : make_stage(b, 0);
 }
 
+/* L_q, L_v and L_vv */
 static dm_status differentiate(builder *b) {
     const uint32_t n = b->m.n;
     b->gradient = take_nodes(b, 2 * (size_t)n);
@@ -301,6 +319,7 @@ static dm_status use_extremum(builder *b) {
     return dm_graph_status(b->g);
 }
 
+/* the usual model: all sums written out, n x n tables allowed */
 static dm_status build_dense(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                              dm_compile *compile, dm_arena *arena) {
     builder b = {.m = {.n = n}, .g = g, .L = L, .arena = arena, .compile = compile};
@@ -333,6 +352,7 @@ static int is_short(const dm_graph *g, uint32_t n) {
     return rounds <= DM_MODEL_WRITTEN_OUT && n <= DM_MODEL_DENSE;
 }
 
+/* sums as plain additions in a graph of their own, then as above */
 static dm_status build_written_out(dm_model *m, dm_graph *g, dm_node L, unsigned want,
                                    dm_compile *compile, dm_arena *arena) {
     const uint32_t n = m->n;

@@ -1,6 +1,10 @@
-/* model.h - what the step kernels know of a mechanical system: its dimension, its
- * structure and the kernels derived from its Lagrangian L(q, v, t) or from a discrete
- * Lagrangian Ld(q0, q1). Kernels are made only when wanted, in the caller's arena. */
+/* model.h - what the step kernels know of a mechanical system: its dimension, its structure and
+ * the kernels derived from its Lagrangian L(q, v, t) or from a discrete Lagrangian Ld(q0, q1).
+ *
+ * Structure is read off the graph, never measured: a bit says that something holds everywhere.
+ * A kernel is made only when a rule wants it (DM_WANT_*), in the caller's arena, and is there
+ * when its bit is in `has`. A model is not changed after it has been built, but for the stage
+ * kernel that may be made late and for its cache; threads have models of their own. */
 #ifndef DM_MODEL_H
 #define DM_MODEL_H
 
@@ -42,6 +46,9 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
 
 struct dm_constraints;
 
+/* A system as steps see it. Where L is a discrete Lagrangian only n, value, pair and operations
+ * are set; where L is a function that cannot be traced its kernels are callbacks and
+ * source.graph is NULL. */
 typedef struct {
     uint32_t n; /* dim Q */
     unsigned structure;
@@ -62,7 +69,7 @@ typedef struct {
 } dm_model;
 
 /* With sums (algebra/body_sum.h) or very many coordinates: so many rounds are written out as
- * they are; above, loops are kept where mass is constant and diagonal; what needs n x n tables
+ * they are; above, loops stay where mass is constant and diagonal; what needs n x n tables
  * writes them out up to so many coordinates. */
 enum { DM_MODEL_WRITTEN_OUT = 40, DM_MODEL_DENSE = 400 };
 

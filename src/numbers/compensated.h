@@ -1,5 +1,7 @@
 /* compensated.h - compensated sums: a number kept as high + low, exact to about twice the
- * digits. */
+ * digits. The state of a run holds its coordinates and momenta so, since a step adds an
+ * increment of size h to numbers of size 1, and what rounding takes away in every step would
+ * add up. */
 #ifndef DM_COMPENSATED_H
 #define DM_COMPENSATED_H
 

@@ -1,3 +1,6 @@
+/* functions.c - which elementary function is called: our own with fused multiply-add, the C
+ * library's elsewhere and for those that we do not have, by the level of this process. The
+ * table of powers of two that exp reads stands here once for all widths. */
 #include "numbers/functions.h"
 
 #include "numbers/processor.h"
@@ -10,6 +13,7 @@ const double dm_exp_powers[2][16]
 typedef double one(double x);
 typedef double two(double x, double *cosine);
 
+/* dm_exp(x) and the like: the function of one lane */
 #define FUNCTION(name, op)                                                                         \
     double dm_##name(double x) {                                                                   \
         return ((one *)dm_function_for(op, 1))(x);                                                 \
@@ -28,6 +32,7 @@ double dm_sincos(double x, double *cosine) {
     return ((two *)dm_function_for(DM_FUNCTION_SINCOS, 1))(x, cosine);
 }
 
+/* own first; 1, 4 and 8 are the widths there are */
 dm_function *dm_function_for(dm_function_name name, uint32_t lanes) {
     dm_function *own = 0;
     if (dm_processor() != DM_PLAIN)

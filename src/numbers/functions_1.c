@@ -1,4 +1,6 @@
-/* elementary functions of one number, in the first of two lanes */
+/* functions_1.c - elementary functions of one number, in the first of two lanes: the text of
+ * functions_text.h for the narrowest vectors. What is defined before it is included are the few
+ * operations that have an instruction of their own in every width. */
 #include "numbers/functions.h"
 
 #if defined(__x86_64__)
@@ -12,14 +14,17 @@ typedef uint64_t whole __attribute__((vector_size(16)));
 #define TARGET __attribute__((target("avx2,fma")))
 #define INLINE TARGET __attribute__((always_inline)) static inline
 
+/* c in all lanes */
 INLINE real all(double c) {
     return (real)_mm_set1_pd(c);
 }
 
+/* a b + c, one rounding */
 INLINE real fused(real a, real b, real c) {
     return (real)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
 }
 
+/* b where a is no number, as the instruction has it; larger alike */
 INLINE real smaller(real a, real b) {
     return (real)_mm_min_pd((__m128d)a, (__m128d)b);
 }
@@ -28,10 +33,12 @@ INLINE real larger(real a, real b) {
     return (real)_mm_max_pd((__m128d)a, (__m128d)b);
 }
 
+/* some lane says yes; the second one is not looked at */
 INLINE int any(whole mask) {
     return _mm_movemask_pd((__m128d)mask) & 1;
 }
 
+/* entry n & 15 of a table of 16 */
 INLINE real picked(const double *table, whole n) {
     return (real){table[n[0] & 15], 0.0};
 }
@@ -48,6 +55,7 @@ INLINE real times_power(real y, real k) {
 
 #include "numbers/functions_entry.h"
 
+/* functions as machine code calls them: a number in, a number out */
 TARGET static double exp_of(double x) {
     return exponentials((real){x, 0.0})[0];
 }
@@ -87,6 +95,7 @@ TARGET static double sincos_of(double x, double *cosine) {
     return s[0];
 }
 
+/* by name; NULL where there is none of our own */
 dm_function *dm_own_function1(dm_function_name name) {
     static dm_function *const table[DM_FUNCTION_COUNT] = {
         [DM_FUNCTION_EXP] = (dm_function *)exp_of,

@@ -16,6 +16,8 @@ INLINE int has_large(real x) {
     return any((whole) ~(size_of(x) <= LARGEST_ANGLE));
 }
 
+/* The functions as they are called: reduction, polynomial, and the C library for the rare lane
+ * whose angle is beyond reduction. */
 TARGET static real sines(real x) {
     const angle a = reduced(x);
     const real y = sine_of(&a);
@@ -34,6 +36,7 @@ TARGET static real tangents(real x) {
     return __builtin_expect(has_large(x), 0) ? by_library(x, y, tan) : y;
 }
 
+/* sine and cosine of one reduction */
 TARGET static real both(real x, real *cosine) {
     const angle a = reduced(x);
     const real s = sine_of(&a), c = cosine_of(&a);
@@ -43,6 +46,7 @@ TARGET static real both(real x, real *cosine) {
     return by_library(x, s, sin);
 }
 
+/* no argument is unusual: bounds are a part of the function */
 TARGET static real exponentials(real x) {
     return exponential(x);
 }
@@ -51,6 +55,7 @@ TARGET __attribute__((noinline, cold)) static real unusual_logarithms(real x) {
     return logarithm(x);
 }
 
+/* zero, negative, infinite, denormal and NaN go apart: they are rare, and the test is cheap */
 TARGET static real logarithms(real x) {
     const whole usual = (whole)(x >= 0x1p-1022) & (whole)(x < INFINITY);
     if (__builtin_expect(any(~usual), 0)) return unusual_logarithms(x);

@@ -1,7 +1,11 @@
-/* functions_hyperbolic.h - behind functions_text.h: hyperbolic functions from e^x - 1 = m + low. */
+/* functions_hyperbolic.h - behind functions_text.h: hyperbolic functions from e^x - 1 = m +
+ * low, which keeps its digits near 0. sinh x = (m + m/(m + 1))/2, cosh x = (m + 1 + 1/(m +
+ * 1))/2, tanh x = m/(m + 2) of the double argument; beyond BEYOND the smaller exponential does
+ * not count. */
 
 #define BEYOND 22.0 /* sinh and cosh are e^|x| / 2 there, tanh is 1 */
 
+/* e^x - 1 and that plus a number, each as a sum of two */
 typedef struct {
     real m, low, d, d_low; /* d = m + `more` */
 } excess;
@@ -15,6 +19,7 @@ INLINE excess excess_of(const exponent *e, double more) {
     return (excess){m, low, d, ((m - (d - back)) + (more - back)) + low};
 }
 
+/* of |x|, the sign last */
 INLINE real hyperbolic_tangent(real x) {
     const exponent e = split_exponent(2.0 * between(size_of(x), 0.0, BEYOND));
     const excess m = excess_of(&e, 2.0);
@@ -22,10 +27,12 @@ INLINE real hyperbolic_tangent(real x) {
     return turned(q.high + q.low, (whole)x);
 }
 
+/* e^x/2 without overflow where e^x has one */
 INLINE real half_exponential(const exponent *e) {
     return times_power(1.0 + (e->r + (e->rest + e->low)), e->k - 1.0);
 }
 
+/* up to 711, where it overflows */
 INLINE real hyperbolic_sine(real x) {
     const real t = between(size_of(x), 0.0, 711.0);
     exponent e = split_exponent(t);

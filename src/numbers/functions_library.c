@@ -1,9 +1,12 @@
-/* the C library's functions, lane by lane, as machine code calls them */
+/* functions_library.c - the C library's functions, lane by lane, as machine code calls them:
+ * for processors without fused multiply-add, and for the functions that we do not have. Results
+ * of several lanes go to memory, since how vectors travel in registers depends on the compiler. */
 #define _GNU_SOURCE /* sincos */
 #include "numbers/functions.h"
 
 #include <math.h>
 
+/* functions of one argument: name in the table, name in the library */
 #define CALLS(X)                                                                                   \
     X(EXP, exp)                                                                                    \
     X(LOG, log)                                                                                    \
@@ -13,12 +16,14 @@
     X(ASIN, asin)                                                                                  \
     X(ACOS, acos) X(ATAN, atan) X(SINH, sinh) X(COSH, cosh) X(TANH, tanh)
 
+/* both, as machine code for one lane wants them */
 static double sine_and_cosine(double x, double *cosine) {
     double sine;
     sincos(x, &sine, cosine);
     return sine;
 }
 
+/* the function itself */
 dm_function *dm_library_function1(dm_function_name name) {
 #define X(which, f) [DM_FUNCTION_##which] = (dm_function *)f,
     static dm_function *const table[DM_FUNCTION_COUNT] = {[DM_FUNCTION_SINCOS] =
@@ -31,6 +36,7 @@ dm_function *dm_library_function1(dm_function_name name) {
     return table[name];
 }
 
+/* the same for n lanes; a macro for each kind of arguments */
 #define ONE(n, f)                                                                                  \
     static void f##_in_##n(double *d, double *d2, const double *a, const double *b) {              \
         (void)d2, (void)b;                                                                         \
@@ -56,6 +62,7 @@ TWO(8, atan2)
 BOTH(4)
 BOTH(8)
 
+/* of 4 lanes, then of 8 */
 dm_function *dm_library_function4(dm_function_name name) {
 #define X(which, f) [DM_FUNCTION_##which] = (dm_function *)f##_in_4,
     static dm_function *const table[DM_FUNCTION_COUNT] = {[DM_FUNCTION_SINCOS] =

@@ -20,10 +20,12 @@
 #define LOG2_1 0x1.62e42fefa39efp-1
 #define LOG2_2 0x1.abc9e3b39803fp-56
 
+/* lane by lane: bits of one or the other */
 INLINE real choose(whole mask, real yes, real no) {
     return (real)(((whole)yes & mask) | ((whole)no & ~mask));
 }
 
+/* x| */
 INLINE real size_of(real x) {
     return (real)((whole)x & ~SIGN_BIT);
 }
@@ -44,6 +46,7 @@ typedef struct {
     real k, r, low, rest; /* rest = r^2 p(r) */
 } exponent;
 
+/* p(r) in pairs (Estrin), whose operations do not wait for each other */
 INLINE real exponential_tail(real r) {
     const real r2 = r * r, r4 = r2 * r2;
     const real c01 = fused(all(0x1.555555555555cp-3), r, all(0.5));
@@ -55,6 +58,7 @@ INLINE real exponential_tail(real r) {
     return r2 * fused(high, r4, fused(c23, r2, c01));
 }
 
+/* k by adding SHIFT; r and low together are x - k log 2 to twice the digits */
 INLINE exponent split_exponent(real x) {
     const real k = fused(x, all(0x1.71547652b82fep+0), all(SHIFT)) - SHIFT;
     const real exact = fused(k, all(-LOG2_1), x), r = fused(k, all(-LOG2_2), exact);
@@ -62,6 +66,7 @@ INLINE exponent split_exponent(real x) {
     return (exponent){k, r, low, exponential_tail(r)};
 }
 
+/* bounds; a NaN becomes the lower one, and comes back at the end where that matters */
 INLINE real between(real x, double least, double most) {
     return smaller(all(most), larger(all(least), x));
 }
@@ -84,6 +89,7 @@ INLINE real exponential(real x) {
 /* ---- log: x = 2^k (1 + f), s = f/(2 + f), log(1 + f) = 2 s + 2/3 s^3 + ...; the tail to 2^-58
  * ---- */
 
+/* even in s, so in z = s^2 */
 INLINE real logarithm_tail(real z) {
     const real z2 = z * z;
     const real c01 = fused(all(0x1.999999997fd37p-2), z, all(0x1.5555555555592p-1));
@@ -145,10 +151,12 @@ INLINE angle reduced(real x) {
     return (angle){sine, cosine, (r - sine) + sine_rest, (main - cosine) + cosine_rest, (whole)t};
 }
 
+/* all ones in lanes where sine and cosine change places */
 INLINE whole is_odd(whole quadrant) {
     return -(quadrant & 1);
 }
 
+/* by quadrant: which of the two, and its sign */
 INLINE real sine_of(const angle *a) {
     const real value = choose(is_odd(a->quadrant), a->cosine, a->sine);
     return turned(value, a->quadrant << 62);

@@ -21,6 +21,7 @@ typedef int I;
 /* WHERE(x < y): the lanes that have it so */
 #define WHERE(condition) (condition)
 
+/* W numbers from memory and back */
 INLINE V load(const double *x) {
     return *x;
 }
@@ -29,6 +30,7 @@ INLINE void store(double *x, V v) {
     *x = v;
 }
 
+/* one number, or whole number, in all lanes */
 INLINE V same(double x) {
     return x;
 }
@@ -41,6 +43,7 @@ INLINE I not_of(I yes) {
     return !yes;
 }
 
+/* a where yes, else b */
 INLINE V pick(I yes, V a, V b) {
     return yes ? a : b;
 }
@@ -58,6 +61,7 @@ INLINE V magnitude(V x) {
     return fabs(x);
 }
 
+/* one bit a lane, and back */
 INLINE uint32_t bits_of(I yes) {
     return (uint32_t)yes;
 }
@@ -144,6 +148,7 @@ INLINE V madd(V a, V b, V c, int fused) {
 
 #endif
 
+/* every lane says yes */
 INLINE I all_lanes(void) {
     return mask_of((1u << W) - 1);
 }

@@ -1,5 +1,8 @@
+/* processor.c - the level of the processor, which results depend on: asked of the machine,
+ * lowered on request. */
 #include "numbers/processor.h"
 
+/* by dm_processor_limit */
 static dm_processor_level limit = DM_AVX512;
 
 void dm_processor_limit(dm_processor_level level) {
@@ -8,6 +11,7 @@ void dm_processor_limit(dm_processor_level level) {
 
 #if defined(__x86_64__)
 
+/* what is there; AVX-512 counts with the parts F, DQ and VL that kernels use */
 static dm_processor_level own(void) {
     if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return DM_PLAIN;
     return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&

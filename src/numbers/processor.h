@@ -9,6 +9,7 @@ typedef enum {
     DM_AVX512 /* F, DQ, VL too */
 } dm_processor_level;
 
+/* The level that holds now: the machine's, or a lower one that was asked for. */
 dm_processor_level dm_processor(void);
 
 /* At most `level` from now on, in the whole process (tests, options); kernels built before are

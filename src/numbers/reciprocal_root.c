@@ -1,4 +1,6 @@
-/* reciprocal roots of one number; jit_root.c has the same instructions for lanes */
+/* reciprocal_root.c - x^(-1/2) and x^(-3/2) of one number; code/native/jit_root.c has the same
+ * instructions for lanes, and with them the same bits. The series are explained in functions.h.
+ * Speed: P3: 1.60x by gauss(8, 6), where forces are x^(-3/2); against root and division. */
 #include "numbers/functions.h"
 
 #include "numbers/processor.h"
@@ -13,6 +15,7 @@
 
 static const double series[] = DM_ROOT_SERIES;
 
+/* the look-up y ~ x^(-1/2) and its error 1 - x y^2 */
 typedef struct {
     __m128d y, e0, e; /* e0: without the error of x y */
 } look_up;
@@ -37,6 +40,7 @@ TARGET static double corrected(__m128d a, const look_up *l, __m128d p) {
     return _mm_cvtsd_f64(_mm_mask3_fmadd_sd(_mm_mul_sd(l->e, a), p, a, valid));
 }
 
+/* three terms of the series */
 TARGET static double root_avx512(double x) {
     const look_up l = look_up_root(x);
     const __m128d p = _mm_fmadd_sd(pair(l.e0, 1), l.e0, _mm_set_sd(series[0]));
@@ -52,6 +56,7 @@ TARGET static double cube_avx512(double number) {
     return corrected(cube, &l, _mm_fmadd_sd(pair(e, 5), _mm_mul_sd(e, e), pair(e, 3)));
 }
 
+/* the level of this process has the instruction */
 static int by_look_up(void) {
     return dm_processor() == DM_AVX512;
 }
@@ -72,6 +77,7 @@ static double cube_avx512(double x) {
 
 #endif
 
+/* Without AVX-512 root and division, two roundings. */
 double dm_rsqrt(double x) {
     return by_look_up() ? root_avx512(x) : 1.0 / sqrt(x);
 }

@@ -6,19 +6,23 @@
 
 #include <stdint.h>
 
+/* w = top + rest */
 typedef struct {
     double top, rest;
 } dm_weight;
 
+/* top is w rounded to 24 bits, rest what a double holds of the remainder */
 static inline dm_weight dm_weight_of(long double w) {
     const double top = (double)(float)w;
     return (dm_weight){top, (double)(w - (long double)top)};
 }
 
+/* as it was given, to 64 bits */
 static inline long double dm_weight_exact(dm_weight w) {
     return (long double)w.top + (long double)w.rest;
 }
 
+/* the nearest double, or its neighbour */
 static inline double dm_weight_double(dm_weight w) {
     return w.top + w.rest;
 }

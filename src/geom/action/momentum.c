@@ -1,5 +1,7 @@
+/* momentum.c - momentum maps of actions that are linear or affine on blocks of coordinates. */
 #include "geom/action/momentum.h"
 
+/* block by block: J_a = sum p . xi_a(q) */
 void dm_momentum(double *J, const dm_action *action, uint32_t n, const double *q, const double *p) {
     const dm_space *group = action->group;
     const uint32_t block = action->block;
@@ -13,6 +15,7 @@ void dm_momentum(double *J, const dm_action *action, uint32_t n, const double *q
     }
 }
 
+/* all block sizes that divide n are tried; two possible ones are the user's choice */
 uint32_t dm_action_block(const dm_space *group, uint32_t k, uint32_t n, uint32_t *other) {
     uint32_t found = 0;
     *other = 0;

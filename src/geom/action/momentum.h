@@ -7,6 +7,7 @@
 /* J[a] = sum over blocks of p . xi_a(q), a < dimension: <J(q, p), xi> = <p, xi_Q(q)>.
  * q, p: n coordinates, a whole number of blocks of at most DM_MAX_BLOCK entries. */
 enum { DM_MAX_BLOCK = 64 };
+/* How a group acts on R^n. */
 typedef struct {
     const dm_space *group;
     uint32_t k;     /* of group(k) */
