@@ -7,7 +7,9 @@
  * order of number; a/b is a * (1/b), so that reciprocals are shared. A rule looks at its
  * operands and their operands only, so that making a node costs a bounded number of look-ups;
  * what needs a wider view (like terms of long sums, common factors) is left to
- * algebra/compact.c. */
+ * algebra/compact.c.
+ *
+ * Long because it is one set of rules, whose canonical forms have to agree. */
 #include "graph/nodes.h"
 
 #include <math.h>

@@ -1,3 +1,6 @@
+/* trace_log.c - the log of a trace: written once, compared with what the next call of the
+ * function does, copied into a graph of its own where that differs.
+ * Speed: setup, again: 1.6x, against a new trace and a comparison of graphs. */
 #include "bind/value/trace_log.h"
 
 #include "algebra/prefix.h"

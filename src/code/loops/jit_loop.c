@@ -7,6 +7,7 @@
  *
  * rbx pool of the part   r13 the call   r14 state (of the group)   r15 coefficients   rsp stack
  *
+ * Long because registers, parts and the loops around them are one layout.
  * Speed: steps, leapfrog ensemble of Kepler orbits: 19x, and 1.1x for a single member. */
 #include "code/loops/jit_loop.h"
 

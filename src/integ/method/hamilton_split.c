@@ -1,3 +1,7 @@
+/* hamilton_split.c - Hamilton's equations of a mass that varies in three kernels: forces and M,
+ * its factors, velocities. With them stages are found by sweeps where they would need Newton's
+ * method.
+ * Speed: P4: 43x by gauss(8), 2.8x by gauss(2). */
 #include "algebra/derive.h"
 #include "integ/method/elimination.h"
 #include "integ/method/hamilton.h"

