@@ -9,8 +9,8 @@ floors.src = {
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
   "geom", "geom/action", "chain", "mech", "dec",
   -- kept free: field
-  "integ/method", "integ/split", "integ/constrained", "integ/stage/sweep", "integ/stage/lanes",
-  "integ/stage",
+  "integ/method", "integ/split", "integ/constrained", "integ/stage/work", "integ/stage/sweep",
+  "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions", "integ",
   -- kept free: integ/lie, integ/sem (below integ)
   "run", "run/ensemble",
@@ -30,8 +30,6 @@ floors.lua = {
 -- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed
 -- fails.
 floors.up = {
-  { "include", "integ/stage/sweep", "integ/stage", "a sweep is over the stages of a step" },
-  { "include", "integ/stage/lanes", "integ/stage", "lanes are of the stages of a step" },
 }
 
 return floors

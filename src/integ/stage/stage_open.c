@@ -1,5 +1,8 @@
 /* stage_open.c - what a step of stages wants of its model, which form it takes, and its memory. */
+#include "integ/stage/lanes/one_point.h"
 #include "integ/stage/stage_inside.h"
+#include "integ/stage/sweep/stage_sweep.h"
+#include "integ/stage/work/stage_warm.h"
 
 #include "linalg/solve/newton.h"
 
@@ -15,10 +18,6 @@ unsigned dm_stage_wants(const dm_rule *rule, const dm_model *m) {
                   : DM_WANT_STAGE | DM_WANT_SLOPE | DM_WANT_MASS;
 }
 
-static size_t doubles(size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-
 static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
@@ -30,10 +29,10 @@ static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
 
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, curve = 2 * n + 3 * n * n;
-    return doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) + dm_stage_weights_size(s, r) +
-           2 * n + 1 + r * 2 * n + r * curve + 2 * larger(s, r) * n + 2 * n + 2 * r * n + 4 * n +
-           doubles(r * 4) + scratch_size(s, r, m) + dm_stage_push_size(m) +
-           dm_stage_warm_size(s, m->n) + dm_stage_sweeps_size(s, r, m);
+    return dm_stage_doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
+           dm_stage_weights_size(s, r) + 2 * n + 1 + r * 2 * n + r * curve + 2 * larger(s, r) * n +
+           2 * n + 2 * r * n + 4 * n + dm_stage_doubles(r * 4) + scratch_size(s, r, m) +
+           dm_one_point_size(m) + dm_stage_warm_size(s, m->n) + dm_stage_sweeps_size(s, r, m);
 }
 
 static double *take(double **memory, size_t count) {
@@ -44,40 +43,48 @@ static double *take(double **memory, size_t count) {
 
 /* returns what is left */
 static double *lay_out(dm_stage *g, double *memory) {
+    dm_stage_newton *w = &g->newton;
+    dm_stage_points *p = &g->points;
     const size_t n = g->n, s = g->table.s, r = g->table.r;
-    g->x = take(&memory, 2 * n + 1);
-    g->slope = take(&memory, r * 2 * n);
-    g->curve = take(&memory, r * (2 * n + 3 * n * n));
-    g->root = take(&memory, larger(s, r) * n);
-    g->v0 = take(&memory, n);
-    g->a0 = take(&memory, n);
-    g->push = take(&memory, r * n);
-    g->base = take(&memory, r * n);
-    g->next = take(&memory, 4 * n);
-    g->known = (uint32_t *)(void *)take(&memory, doubles(r * sizeof(uint32_t)));
+    w->x = take(&memory, 2 * n + 1);
+    w->slopes = take(&memory, r * 2 * n);
+    w->curve = take(&memory, r * (2 * n + 3 * n * n));
+    w->root = take(&memory, larger(s, r) * n);
+    p->v0 = take(&memory, n);
+    p->a0 = take(&memory, n);
+    p->u = take(&memory, r * n);
+    p->base = take(&memory, r * n);
+    g->group.next = take(&memory, 4 * n);
+    p->kind = (uint32_t *)(void *)take(&memory, dm_stage_doubles(r * sizeof(uint32_t)));
     g->scratch = take(&memory, scratch_size(s, r, g->m));
-    g->before = take(&memory, larger(s, r) * n);
+    g->before.root = take(&memory, larger(s, r) * n);
+    w->missed = g->before.root; /* which continuation has done with */
     return memory;
 }
 
+/* sweeps, a step of one point or Newton's method alone, as method and model have it */
+static void choose_road(dm_stage *g, const dm_galerkin *basis, double *memory) {
+    if (!basis->sweeps && dm_one_point_open(g, memory)) return;
+    memory += dm_one_point_size(g->m);
+    dm_stage_sweeps_open(g, basis, memory + dm_stage_warm_size(g->table.s, g->n));
+    if (!g->sweeps && !g->separable) dm_stage_warm_open(g, basis, memory);
+}
+
 dm_status dm_stage_open(dm_stepper *stepper, const dm_galerkin *basis) {
-    dm_stage *g = (dm_stage *)(void *)stepper->work;
+    dm_stage *g = dm_stage_of(stepper);
     const dm_model *m = stepper->model;
-    double *memory = stepper->work + doubles(sizeof *g);
-    *g = (dm_stage){.m = m, .n = m->n, .h = NAN}; /* of no step yet */
+    double *memory = stepper->work + dm_stage_doubles(sizeof *g);
+    *g = (dm_stage){.m = m, .n = m->n};
+    g->weights.h = NAN; /* of no step yet */
+    g->group.h = &g->weights.h;
     g->separable = (m->structure & SIMPLE) == SIMPLE;
+    g->newton.slope = g->separable ? &m->force : &m->slope;
     dm_stage_table_find(&g->table, basis, m, memory);
     memory += dm_stage_table_size(g->table.s, g->table.r);
-    dm_stage_weights_place(g, memory);
+    dm_stage_weights_place(&g->weights, &g->table, memory);
     memory = lay_out(g, memory + dm_stage_weights_size(g->table.s, g->table.r));
     if (g->separable) dm_stage_separable_open(g);
-    g->one = !g->separable && dm_stage_is_one(g);
-    if (!basis->sweeps && dm_stage_push_open(g, memory)) {
-        stepper->report.operations = g->pushes.kernel.operations;
-        return DM_OK;
-    }
-    memory += dm_stage_push_size(m);
-    dm_stage_sweeps_open(g, basis, memory + dm_stage_warm_size(g->table.s, g->n));
-    if (!g->sweeps.row && !g->separable) dm_stage_warm_open(g, basis, memory);
+    choose_road(g, basis, memory);
+    if (g->one_point) stepper->report.operations = g->one_point->kernel.operations;
     return DM_OK;
 }

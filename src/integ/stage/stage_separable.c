@@ -6,6 +6,7 @@
 #include "integ/stage/stage_inside.h"
 
 #include "linalg/solve/newton.h"
+#include "numbers/compensated.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,9 +25,9 @@ static int is_zero_column(const dm_stage_table *t, uint32_t m) {
 
 void dm_stage_separable_open(dm_stage *g) {
     for (uint32_t m = 0; m < g->table.r; m++)
-        g->known[m] = is_zero_row(&g->table, m)      ? DM_POINT_FIRST
-                      : is_zero_column(&g->table, m) ? DM_POINT_LAST
-                                                     : DM_POINT_SOLVED;
+        g->points.kind[m] = is_zero_row(&g->table, m)      ? DM_POINT_FIRST
+                            : is_zero_column(&g->table, m) ? DM_POINT_LAST
+                                                           : DM_POINT_SOLVED;
 }
 
 /* out = M^-1 f */
@@ -44,30 +45,30 @@ static void divide_by_mass(const dm_model *m, double *out, const double *f) {
 }
 
 static double *slope_of(const dm_stage *g, uint32_t m) {
-    return g->slope + m * (size_t)g->n;
+    return g->newton.slopes + m * (size_t)g->n;
 }
 
 /* force and M^-1 force at q0 + Z; with_curve: also L_qq */
 static void evaluate(dm_stage *g, uint32_t m, const double *Z, int with_curve) {
     const size_t n = g->n;
-    double *force = slope_of(g, m), *curve = g->curve + m * (2 * n + 3 * n * n);
-    dm_stage_at(g, Z, NULL, dm_weight_double(g->hc[m]));
+    double *force = slope_of(g, m), *curve = g->newton.curve + m * (2 * n + 3 * n * n);
+    dm_stage_at(g, Z, NULL, dm_weight_double(g->weights.hc[m]));
     if (with_curve) {
-        dm_kernel_eval(g->stage, g->x, curve);
+        dm_kernel_eval(g->newton.stage, g->newton.x, curve);
         memcpy(force, curve, n * sizeof *force);
     } else {
-        dm_kernel_eval(&g->m->force, g->x, force);
+        dm_kernel_eval(g->newton.slope, g->newton.x, force);
     }
-    divide_by_mass(g->m, g->push + m * n, force);
+    divide_by_mass(g->m, g->points.u + m * n, force);
     g->evaluations++;
 }
 
 /* out += h^2 sum of A_im f_m over the points of one kind */
-static void add_pushes(const dm_stage *g, double *out, uint32_t i, uint32_t kind) {
+static void add_forces(const dm_stage *g, double *out, uint32_t i, uint32_t kind) {
     const uint32_t n = g->n, r = g->table.r;
     for (uint32_t m = 0; m < r; m++) {
-        if (g->known[m] != kind) continue;
-        dm_weighted_add(out, g->hA[i * r + m], g->push + m * (size_t)n, n);
+        if (g->points.kind[m] != kind) continue;
+        dm_weighted_add(out, g->weights.hA[i * r + m], g->points.u + m * (size_t)n, n);
     }
 }
 
@@ -75,9 +76,9 @@ static void add_pushes(const dm_stage *g, double *out, uint32_t i, uint32_t kind
 static void residual(dm_stage *g, double *R, const double *Z) {
     const uint32_t n = g->n;
     for (uint32_t i = 0; i < g->table.r; i++) {
-        if (g->known[i] != DM_POINT_SOLVED) continue;
-        memcpy(R, g->base + i * (size_t)n, n * sizeof *R);
-        add_pushes(g, R, i, DM_POINT_SOLVED);
+        if (g->points.kind[i] != DM_POINT_SOLVED) continue;
+        memcpy(R, g->points.base + i * (size_t)n, n * sizeof *R);
+        add_forces(g, R, i, DM_POINT_SOLVED);
         for (uint32_t k = 0; k < n; k++) R[k] = Z[k] - R[k];
         R += n;
         Z += n;
@@ -87,9 +88,9 @@ static void residual(dm_stage *g, double *R, const double *Z) {
 /* block (i, m) = delta_im - h^2 A_im M^-1 L_qq(m) */
 static void jacobian_block(dm_stage *g, double *J, size_t rows, uint32_t i, uint32_t m) {
     const uint32_t n = g->n;
-    const double w = dm_weight_double(g->hA[i * g->table.r + m]);
-    const double *qq = g->curve + m * (2 * (size_t)n + 3 * (size_t)n * n) + 2 * n;
-    double *column = g->a0;            /* only the start value needed it */
+    const double w = dm_weight_double(g->weights.hA[i * g->table.r + m]);
+    const double *qq = g->newton.curve + m * (2 * (size_t)n + 3 * (size_t)n * n) + 2 * n;
+    double *column = g->points.a0;     /* only the start value needed it */
     for (uint32_t l = 0; l < n; l++) { /* L_qq is symmetric: its row l is its column */
         divide_by_mass(g->m, column, qq + l * (size_t)n);
         for (uint32_t k = 0; k < n; k++)
@@ -101,10 +102,10 @@ static void jacobian(dm_stage *g, double *J, size_t rows) {
     const uint32_t r = g->table.r;
     size_t at = 0;
     for (uint32_t i = 0; i < r; i++) {
-        if (g->known[i] != DM_POINT_SOLVED) continue;
+        if (g->points.kind[i] != DM_POINT_SOLVED) continue;
         double *block = J + at * rows;
         for (uint32_t m = 0; m < r; m++) {
-            if (g->known[m] != DM_POINT_SOLVED) continue;
+            if (g->points.kind[m] != DM_POINT_SOLVED) continue;
             jacobian_block(g, block, rows, i, m);
             block += g->n;
         }
@@ -117,7 +118,7 @@ static dm_status equation(void *ctx, double *R, double *J, const double *Z) {
     const uint32_t n = g->n;
     size_t at = 0;
     for (uint32_t m = 0; m < g->table.r; m++) {
-        if (g->known[m] != DM_POINT_SOLVED) continue;
+        if (g->points.kind[m] != DM_POINT_SOLVED) continue;
         evaluate(g, m, Z + at, J != NULL);
         at += n;
     }
@@ -129,14 +130,14 @@ static dm_status equation(void *ctx, double *R, double *J, const double *Z) {
 /* a0 = M^-1 L_q at the start, which a first point at c = 0 has found already */
 static void find_acceleration(dm_stage *g) {
     const uint32_t n = g->n;
-    if (g->known[0] == DM_POINT_FIRST && g->table.c[0].top == 0.0) {
-        memcpy(g->a0, g->push, n * sizeof *g->a0);
+    if (g->points.kind[0] == DM_POINT_FIRST && g->table.c[0].top == 0.0) {
+        memcpy(g->points.a0, g->points.u, n * sizeof *g->points.a0);
         return;
     }
-    memset(g->root, 0, n * sizeof *g->root);
-    dm_stage_at(g, g->root, NULL, 0.0);
-    dm_kernel_eval(&g->m->force, g->x, slope_of(g, 0));
-    divide_by_mass(g->m, g->a0, slope_of(g, 0));
+    memset(g->newton.root, 0, n * sizeof *g->newton.root);
+    dm_stage_at(g, g->newton.root, NULL, 0.0);
+    dm_kernel_eval(g->newton.slope, g->newton.x, slope_of(g, 0));
+    divide_by_mass(g->m, g->points.a0, slope_of(g, 0));
     g->evaluations++;
 }
 
@@ -144,13 +145,14 @@ static void find_acceleration(dm_stage *g) {
 static void first_points(dm_stage *g) {
     const uint32_t n = g->n, r = g->table.r;
     for (uint32_t i = 0; i < r; i++) {
-        double *base = g->base + i * (size_t)n;
-        for (uint32_t k = 0; k < n; k++) base[k] = dm_weighted(g->hreach[i], g->v0[k]);
-        if (g->known[i] == DM_POINT_FIRST) evaluate(g, i, base, 0);
+        double *base = g->points.base + i * (size_t)n;
+        for (uint32_t k = 0; k < n; k++)
+            base[k] = dm_weighted(g->weights.reach[i], g->points.v0[k]);
+        if (g->points.kind[i] == DM_POINT_FIRST) evaluate(g, i, base, 0);
     }
     for (uint32_t i = 0; i < r; i++)
-        if (g->known[i] != DM_POINT_FIRST)
-            add_pushes(g, g->base + i * (size_t)n, i, DM_POINT_FIRST);
+        if (g->points.kind[i] != DM_POINT_FIRST)
+            add_forces(g, g->points.base + i * (size_t)n, i, DM_POINT_FIRST);
 }
 
 /* Z_i = h c_i v0 + (h c_i)^2 a0 / 2: a function of the state alone, so that a restart gives the
@@ -159,10 +161,11 @@ static uint32_t guess(dm_stage *g) {
     const uint32_t n = g->n;
     uint32_t at = 0;
     for (uint32_t i = 0; i < g->table.r; i++) {
-        if (g->known[i] != DM_POINT_SOLVED) continue;
+        if (g->points.kind[i] != DM_POINT_SOLVED) continue;
         if (at == 0) find_acceleration(g);
-        const double hc = dm_weight_double(g->hreach[i]);
-        for (uint32_t k = 0; k < n; k++) g->root[at + k] = hc * (g->v0[k] + 0.5 * hc * g->a0[k]);
+        const double hc = dm_weight_double(g->weights.reach[i]);
+        for (uint32_t k = 0; k < n; k++)
+            g->newton.root[at + k] = hc * (g->points.v0[k] + 0.5 * hc * g->points.a0[k]);
         at += n;
     }
     return at;
@@ -173,38 +176,49 @@ static void correct_forces(dm_stage *g, const double *dZ) {
     const uint32_t n = g->n;
     const size_t width = 2 * (size_t)n + 3 * (size_t)n * n;
     for (uint32_t m = 0; m < g->table.r; m++) {
-        const double *qq = g->curve + m * width + 2 * n;
+        const double *qq = g->newton.curve + m * width + 2 * n;
         double *force = slope_of(g, m);
-        if (g->known[m] != DM_POINT_SOLVED) continue;
+        if (g->points.kind[m] != DM_POINT_SOLVED) continue;
         for (uint32_t k = 0; k < n; k++)
             for (uint32_t l = 0; l < n; l++) force[k] += qq[k * (size_t)n + l] * dZ[l];
-        divide_by_mass(g->m, g->push + m * (size_t)n, force);
+        divide_by_mass(g->m, g->points.u + m * (size_t)n, force);
         dZ += n;
     }
 }
 
 static void last_points(dm_stage *g) {
     for (uint32_t i = 0; i < g->table.r; i++) {
-        double *Z = g->base + i * (size_t)g->n;
-        if (g->known[i] != DM_POINT_LAST) continue;
-        add_pushes(g, Z, i, DM_POINT_SOLVED);
+        double *Z = g->points.base + i * (size_t)g->n;
+        if (g->points.kind[i] != DM_POINT_LAST) continue;
+        add_forces(g, Z, i, DM_POINT_SOLVED);
         evaluate(g, i, Z, 0);
     }
+}
+
+/* next = state + (dq[n], dp[n]) with compensation; DM_NOT_FINITE when it is not */
+static dm_status update(dm_stage *g, const double *dq, const double *dp) {
+    const uint32_t n = g->n;
+    double *high = g->group.next, *low = high + 2 * n, bad = 0.0;
+    dm_stage_copy(high, g->group.state, 4 * n);
+    dm_sum_add_n(high, low, dq, n);
+    dm_sum_add_n(high + n, low + n, dp, n);
+    for (uint32_t i = 0; i < 2 * n; i++) bad += 0.0 * low[i]; /* NaN where high is infinite */
+    return bad == 0.0 ? DM_OK : DM_NOT_FINITE;
 }
 
 /* q1 = q0 + h v0 + h^2 sum_m mean_m f_m, p1 = p0 + h sum_m b_m L_q(m) */
 static dm_status finish(dm_stage *g) {
     const uint32_t n = g->n, r = g->table.r;
-    double *dq = g->base, *dp = g->a0;
+    double *dq = g->points.base, *dp = g->points.a0;
     for (uint32_t k = 0; k < n; k++) {
-        dq[k] = g->h * g->v0[k];
+        dq[k] = g->weights.h * g->points.v0[k];
         dp[k] = 0.0;
     }
     for (uint32_t m = 0; m < r; m++) {
-        dm_weighted_add(dq, g->hmean[m], g->push + m * (size_t)n, n);
-        dm_weighted_add(dp, g->hb[m], slope_of(g, m), n);
+        dm_weighted_add(dq, g->weights.hmean[m], g->points.u + m * (size_t)n, n);
+        dm_weighted_add(dp, g->weights.hb[m], slope_of(g, m), n);
     }
-    return dm_stage_update(g, dq, dp);
+    return update(g, dq, dp);
 }
 
 static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
@@ -216,24 +230,26 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
                                        .near_identity = unknowns > g->n, /* one point: J is cheap */
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
-    const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);
+    const dm_status status = dm_newton(g->newton.root, &problem, g->scratch, &report);
     stepper->report.iterations = report.iterations;
-    stepper->report.residual = report.residual * dm_stage_heaviest(g) / fabs(g->h);
+    stepper->report.residual = report.residual * dm_stage_heaviest(g->m) / fabs(g->weights.h);
     if (status == DM_OK && report.jacobians) correct_forces(g, g->scratch);
     return status;
 }
 
 dm_status dm_stage_separable(dm_stage *g, dm_stepper *stepper) {
     const uint32_t n = g->n;
-    dm_status status = dm_legendre_inverse(g->m, g->v0, g->state, g->state + n, g->t, g->scratch);
+    dm_status status = dm_legendre_inverse(g->m, g->points.v0, g->group.state, g->group.state + n,
+                                           g->group.t, g->scratch);
     if (status != DM_OK) return status;
     stepper->report.iterations = 0;
     stepper->report.residual = 0.0;
     first_points(g);
     g->size = 0.0;
-    for (uint32_t k = 0; k < n; k++) g->size = fmax(g->size, fabs(g->state[k]));
+    for (uint32_t k = 0; k < n; k++) g->size = fmax(g->size, fabs(g->group.state[k]));
     const uint32_t unknowns = guess(g);
-    for (uint32_t k = 0; g->ratio > 0.0 && k < unknowns; k++) g->root[k] = g->ratio * g->before[k];
+    for (uint32_t k = 0; g->before.ratio > 0.0 && k < unknowns; k++)
+        g->newton.root[k] = g->before.ratio * g->before.root[k];
     if (unknowns) status = solve(g, stepper, unknowns);
     if (status != DM_OK) return status;
     last_points(g);

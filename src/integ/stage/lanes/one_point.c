@@ -16,13 +16,13 @@ typedef struct {
     dm_node *slopes; /* [n] and [n(n+1)/2] there */
     const double *mass;
     int diagonal;
-    dm_node q0[DM_PUSH_MOST], base[DM_PUSH_MOST], w, t;
-    dm_node inverse[DM_PUSH_MOST * DM_PUSH_MOST]; /* of M - w L_qq, lower triangle */
+    dm_node q0[DM_ONE_POINT_MOST], base[DM_ONE_POINT_MOST], w, t;
+    dm_node inverse[DM_ONE_POINT_MOST * DM_ONE_POINT_MOST]; /* of M - w L_qq, lower triangle */
 } writing;
 
 static int fits(const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
-    return (m->structure & simple) == simple && m->n <= DM_PUSH_MOST && m->source.graph &&
+    return (m->structure & simple) == simple && m->n <= DM_ONE_POINT_MOST && m->source.graph &&
            !m->params && m->inverse_mass;
 }
 
@@ -33,7 +33,8 @@ static uint32_t triangle(uint32_t n) {
 /* From a graph of its own, so that it rounds alike whatever the model's graph holds by then. */
 static int find_slopes(writing *x, const dm_model *m) {
     const uint32_t n = x->n;
-    dm_node L, H[DM_PUSH_MOST * DM_PUSH_MOST], roots[DM_PUSH_MOST + DM_PUSH_MOST * DM_PUSH_MOST];
+    dm_node L, H[DM_ONE_POINT_MOST * DM_ONE_POINT_MOST],
+        roots[DM_ONE_POINT_MOST + DM_ONE_POINT_MOST * DM_ONE_POINT_MOST];
     dm_graph *g = dm_graph_copy(m->source.graph, &m->source.lagrangian, 1, &L);
     if (!g || dm_has_roots(g, &L, 1)) return 0;
     dm_gradient(g, L, 0, n, roots);
@@ -66,7 +67,7 @@ static dm_node product(const writing *x, const dm_node *a, uint32_t i, const dm_
 /* L_q[n], and w L_qq as a lower triangle of [n*n] where that is wanted, at q0 + Z */
 static void evaluate(const writing *x, dm_node *force, dm_node *curve, const dm_node *Z) {
     const uint32_t n = x->n;
-    dm_node with[2 * DM_PUSH_MOST + 1] = {0}, H[DM_PUSH_MOST * DM_PUSH_MOST];
+    dm_node with[2 * DM_ONE_POINT_MOST + 1] = {0}, H[DM_ONE_POINT_MOST * DM_ONE_POINT_MOST];
     for (uint32_t k = 0; k < n; k++) with[k] = dm_add(x->g, x->q0[k], Z[k]);
     with[2 * n] = x->t;
     dm_transplant(x->g, x->from, x->slopes, n, with, force);
@@ -79,8 +80,9 @@ static void evaluate(const writing *x, dm_node *force, dm_node *curve, const dm_
 /* by columns; 0 at a pivot that vanishes everywhere */
 static int invert(writing *x, const dm_node *curve) {
     const uint32_t n = x->n;
-    dm_node K[DM_PUSH_MOST * DM_PUSH_MOST],
-        lower[DM_PUSH_MOST * DM_PUSH_MOST] = {0}, pivot[DM_PUSH_MOST], column[DM_PUSH_MOST];
+    dm_node K[DM_ONE_POINT_MOST * DM_ONE_POINT_MOST],
+        lower[DM_ONE_POINT_MOST * DM_ONE_POINT_MOST] = {0}, pivot[DM_ONE_POINT_MOST],
+                                  column[DM_ONE_POINT_MOST];
     dm_elimination e = {.g = x->g, .n = n, .mass = K, .lower = lower, .pivot = pivot};
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j <= i; j++) {
@@ -100,7 +102,7 @@ static int invert(writing *x, const dm_node *curve) {
 /* d = (M - w L_qq)^-1 (force - M u) */
 static void find_increment(const writing *x, dm_node *d, const dm_node *force, const dm_node *u) {
     const uint32_t n = x->n;
-    dm_node r[DM_PUSH_MOST];
+    dm_node r[DM_ONE_POINT_MOST];
     for (uint32_t i = 0; i < n; i++) {
         r[i] = force[i];
         for (uint32_t j = 0; j < n; j++) {
@@ -121,9 +123,9 @@ static void advance(const writing *x, dm_node *u, dm_node *Z, const dm_node *d) 
 
 static void read_inputs(writing *x, dm_node *u, dm_node *Z) {
     const uint32_t n = x->n;
-    x->w = dm_input(x->g, 3 * n + DM_PUSH_WEIGHT);
-    x->t = dm_input(x->g, 3 * n + DM_PUSH_TIME);
-    const dm_node over = dm_input(x->g, 3 * n + DM_PUSH_OVER);
+    x->w = dm_input(x->g, 3 * n + DM_ONE_POINT_WEIGHT);
+    x->t = dm_input(x->g, 3 * n + DM_ONE_POINT_TIME);
+    const dm_node over = dm_input(x->g, 3 * n + DM_ONE_POINT_OVER);
     for (uint32_t k = 0; k < n; k++) {
         x->q0[k] = dm_input(x->g, k);
         x->base[k] = dm_input(x->g, n + k);
@@ -132,11 +134,11 @@ static void read_inputs(writing *x, dm_node *u, dm_node *Z) {
     }
 }
 
-/* out[3n] as dm_push_outputs says; 0: the matrix is singular everywhere */
+/* out[3n] as dm_one_point_outputs says; 0: the matrix is singular everywhere */
 static int write_out(writing *x, dm_node *out) {
     const uint32_t n = x->n;
-    dm_node u[DM_PUSH_MOST] = {0}, Z[DM_PUSH_MOST] = {0}, force[DM_PUSH_MOST],
-            curve[DM_PUSH_MOST * DM_PUSH_MOST];
+    dm_node u[DM_ONE_POINT_MOST] = {0}, Z[DM_ONE_POINT_MOST] = {0}, force[DM_ONE_POINT_MOST],
+            curve[DM_ONE_POINT_MOST * DM_ONE_POINT_MOST];
     dm_node *first = out + n, *second = first + n;
     read_inputs(x, u, Z);
     evaluate(x, force, curve, Z);
@@ -153,15 +155,15 @@ static int build(dm_kernel *out, const dm_model *m, uint32_t lanes) {
     writing x = {.n = m->n,
                  .mass = m->mass_matrix,
                  .diagonal = (m->structure & DM_DIAGONAL_MASS) != 0};
-    dm_node roots[3 * DM_PUSH_MOST];
+    dm_node roots[3 * DM_ONE_POINT_MOST];
     if (!fits(m) || !find_slopes(&x, m)) return 0;
-    x.g = dm_graph_new(m->source.arena, dm_push_inputs(m->n));
+    x.g = dm_graph_new(m->source.arena, dm_one_point_inputs(m->n));
     if (!x.g || !write_out(&x, roots)) return 0;
-    return dm_lanes_build_compacted(out, m, x.g, roots, dm_push_outputs(m->n), lanes) == lanes;
+    return dm_lanes_build_compacted(out, m, x.g, roots, dm_one_point_outputs(m->n), lanes) == lanes;
 }
 
 /* that there is none is kept, too */
-int dm_push_kernel(dm_kernel *out, const dm_model *m, uint32_t lanes) {
+int dm_one_point_kernel(dm_kernel *out, const dm_model *m, uint32_t lanes) {
     static const char maker;
     if (dm_cache_find(out, m, &maker, lanes)) return out->eval != NULL;
     *out = (dm_kernel){0};

@@ -15,14 +15,14 @@
 #ifdef __x86_64__
 /* sums over stages are fused where sweep.c has them so for one member */
 static int is_fused(const dm_stage *g) {
-    const uint32_t width = g->sweeps.row->width;
+    const uint32_t width = g->sweeps->row->width;
     if (width == 4) return dm_processor() >= DM_FMA;
     return width == 8 && dm_processor() == DM_AVX512;
 }
 
 static dm_stage_lanes_step *choose_step(const dm_stage *g, uint32_t lanes) {
-    if (g->pushes.memory) return lanes == 8 ? dm_stage_push_avx512 : dm_stage_push_avx;
-    if (!g->sweeps.row) return lanes == 8 ? dm_stage_newton_avx512 : dm_stage_newton_avx;
+    if (g->one_point) return lanes == 8 ? dm_one_point_avx512 : dm_one_point_avx;
+    if (!g->sweeps) return lanes == 8 ? dm_stage_newton_avx512 : dm_stage_newton_avx;
     if (lanes == 8) return is_fused(g) ? dm_stage_sweep_avx512 : dm_stage_sweep_avx512_plain;
     return is_fused(g) ? dm_stage_sweep_fma : dm_stage_sweep_avx;
 }
@@ -39,9 +39,10 @@ static int build_curves(dm_stage_lanes *w, const dm_stage *g, uint32_t lanes) {
     const uint32_t n = g->n, all = 2 * n + 3 * n * n;
     if (!s->stage_graph || g->m->stage.memory || g->m->slope.memory) return 0;
     dm_graph_verbatim(s->stage_graph, 1);
-    const int made =
-        dm_jit_build_lanes(&w->stage, s->stage_graph, s->stage, all, lanes, s->arena) == DM_OK &&
-        dm_jit_build_lanes(&w->slope, s->stage_graph, s->stage, 2 * n, lanes, s->arena) == DM_OK;
+    const int made = dm_jit_build_lanes(&w->matrix.stage, s->stage_graph, s->stage, all, lanes,
+                                        s->arena) == DM_OK &&
+                     dm_jit_build_lanes(&w->matrix.slope, s->stage_graph, s->stage, 2 * n, lanes,
+                                        s->arena) == DM_OK;
     dm_graph_verbatim(s->stage_graph, 0);
     return made;
 }
@@ -49,10 +50,10 @@ static int build_curves(dm_stage_lanes *w, const dm_stage *g, uint32_t lanes) {
 static int build_sweeps(dm_stage_lanes *w, const dm_stage *g, uint32_t lanes) {
     dm_kernel kernels[3];
     if (dm_stage_sweeps_kernels(kernels, g, lanes) != lanes) return 0;
-    w->force = kernels[0];
+    w->sweeps.force = kernels[0];
     if (g->separable) return 1;
-    w->factors = kernels[1];
-    w->velocity = kernels[2];
+    w->sweeps.factors = kernels[1];
+    w->sweeps.velocity = kernels[2];
     return 1;
 }
 
@@ -79,67 +80,70 @@ static int lay_out(const dm_stage_lanes *w, const array *arrays, size_t count) {
 }
 
 static int lay_out_sweeps(dm_stage_lanes *w) {
+    dm_lanes_sweeps *x = &w->sweeps;
     const dm_stage *g = w->g;
     const size_t n = g->n, r = g->table.r;
     const size_t triangle = g->separable ? 0 : n * (n + 1) / 2;
-    const size_t taken = 2 * n + 1, given = g->sweeps.force.outputs,
+    const size_t taken = 2 * n + 1, given = g->sweeps->force.outputs,
                  factored = g->separable ? 0 : 3 * n + triangle;
-    const array arrays[] = {{&w->next, 4 * n},  {&w->in, r * taken}, {&w->out, r * given},
-                            {&w->u, r * n},     {&w->base, r * n},   {&w->factored, r * factored},
-                            {&w->lift, r * n},  {&w->v0, n},         {&w->drift, n},
-                            {&w->end_u, r * n}, {&w->end_f, r * n},  {&w->zeros, r * n}};
+    const array arrays[] = {{&w->group.next, 4 * n},
+                            {&x->in, r * taken},
+                            {&x->out, r * given},
+                            {&x->u, r * n},
+                            {&x->base, r * n},
+                            {&x->lift, r * n},
+                            {&x->v0, n},
+                            {&x->drift, n},
+                            {&x->end_u, r * n},
+                            {&x->end_f, r * n},
+                            {&x->zeros, r * n},
+                            {&x->factored, r * factored}};
     const uint32_t lanes = w->members.lanes;
     if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
     for (size_t m = 0; m < r; m++) {
-        dm_kernel_prepare_lanes(&w->force, lanes, w->out + m * given * lanes);
+        dm_kernel_prepare_lanes(&x->force, lanes, x->out + m * given * lanes);
         if (g->separable) continue;
-        dm_kernel_prepare_lanes(&w->factors, lanes, w->factored + m * factored * lanes);
-        dm_kernel_prepare_lanes(&w->velocity, lanes, w->in + (m * taken + n) * lanes);
+        dm_kernel_prepare_lanes(&x->factors, lanes, x->factored + m * factored * lanes);
+        dm_kernel_prepare_lanes(&x->velocity, lanes, x->in + (m * taken + n) * lanes);
     }
     return 1;
 }
 
 static int lay_out_newton(dm_stage_lanes *w) {
-    const dm_stage *g = w->g;
-    const size_t n = g->n, s = g->table.s, r = g->table.r, m = s * n;
+    dm_stage_newton *x = &w->newton;
+    dm_lanes_newton *y = &w->matrix;
+    const size_t n = w->g->n, s = w->g->table.s, r = w->g->table.r, m = s * n;
     const size_t curve = 2 * n + 3 * n * n;
-    double *pivot = NULL, *pivot2 = NULL;
-    const array arrays[] = {{&w->next, 4 * n},
-                            {&w->x, 2 * n + 1},
-                            {&w->curve, r * curve},
-                            {&w->slopes, r * 2 * n},
-                            {&w->other, curve + 2 * n},
-                            {&w->root, m},
-                            {&w->dx, m},
-                            {&w->r, m},
-                            {&w->missed, m},
-                            {&w->J, m * m},
-                            {&w->J2, m * m},
-                            {&pivot, m},
-                            {&pivot2, m}};
+    const array arrays[] = {{&w->group.next, 4 * n},
+                            {&x->x, 2 * n + 1},
+                            {&x->curve, r * curve},
+                            {&x->slopes, r * 2 * n},
+                            {&x->root, m},
+                            {&x->missed, m},
+                            {&y->r, m},
+                            {&y->dx, m},
+                            {&y->J, m * m},
+                            {&y->J2, m * m},
+                            {&y->pivot, m},
+                            {&y->pivot2, m},
+                            {&y->other, curve + 2 * n}};
     const uint32_t lanes = w->members.lanes;
     if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
-    w->pivot = pivot;
-    w->pivot2 = pivot2;
+    x->stage = &y->stage;
+    x->slope = &y->slope;
     for (size_t i = 0; i < r; i++)
-        dm_kernel_prepare_lanes(&w->stage, lanes, w->curve + i * curve * lanes);
-    dm_kernel_prepare_lanes(&w->stage, lanes, w->other);
-    dm_kernel_prepare_lanes(&w->slope, lanes, w->other + curve * lanes);
+        dm_kernel_prepare_lanes(&y->stage, lanes, x->curve + i * curve * lanes);
+    dm_kernel_prepare_lanes(&y->stage, lanes, y->other);
+    dm_kernel_prepare_lanes(&y->slope, lanes, y->other + curve * lanes);
     return 1;
 }
 
-static int lay_out_pushes(dm_stage_lanes *w) {
-    const size_t n = w->g->n;
-    const array arrays[] = {{&w->next, 4 * n},
-                            {&w->in, dm_push_inputs(w->g->n)},
-                            {&w->out, dm_push_outputs(w->g->n)},
-                            {&w->v0, n},
-                            {&w->u, n},
-                            {&w->root, n},
-                            {&w->end_u, n},
-                            {&w->end_f, n}};
+static int lay_out_one_point(dm_stage_lanes *w) {
+    dm_one_point *x = &w->one_point;
+    const array arrays[] = {{&x->in, dm_one_point_inputs(w->g->n)},
+                            {&x->out, dm_one_point_outputs(w->g->n)}};
     if (!lay_out(w, arrays, sizeof arrays / sizeof *arrays)) return 0;
-    dm_kernel_prepare_lanes(&w->stage, w->members.lanes, w->out);
+    dm_kernel_prepare_lanes(&x->kernel, w->members.lanes, x->out);
     return 1;
 }
 
@@ -167,9 +171,8 @@ static size_t paces_size(const dm_stage_lanes *w) {
 static int lay_out_paces(dm_stage_lanes *w) {
     const dm_stage *g = w->g;
     dm_lanes *x = &w->members;
-    w->one = &g->hA->top;
     w->entries = dm_stage_weights_size(g->table.s, g->table.r);
-    if (g->sweeps.row) w->entries = dm_stage_sweeps_scaled(g, &w->one);
+    if (g->sweeps) w->entries = dm_stage_sweeps_scaled(g->sweeps, &w->group.one);
     const size_t all = x->groups * paces_size(w);
     w->paces = dm_arena_take(g->m->source.arena, all * sizeof *w->paces);
     if (!w->paces) return 0;
@@ -180,27 +183,27 @@ static int lay_out_paces(dm_stage_lanes *w) {
 
 /* those that a method of other coefficients left */
 static void forget_paces(dm_stage_lanes *w, const dm_stage *g) {
-    w->one = &g->hA->top;
-    if (g->sweeps.row) dm_stage_sweeps_scaled(g, &w->one);
+    w->group.one = &g->weights.hA->top;
+    if (g->sweeps) dm_stage_sweeps_scaled(g->sweeps, &w->group.one);
     for (uint32_t i = 0; i < w->members.groups; i++)
         memset(w->paces + i * paces_size(w), 0, w->members.lanes * sizeof *w->paces);
 }
 
 /* what Newton's method needs, which continuation in h leaves undone when it gives up */
 static void complete_weights(dm_stage *g) {
-    if (!g->sweeps.row && !g->weighed) dm_stage_weights_complete(g);
+    if (!g->sweeps && !g->weights.complete) dm_stage_weights_complete(g);
 }
 
 /* the coefficients of one lane for a step h */
 static void scale_lane(dm_stage_lanes *w, dm_stage *g, double *place, double h) {
     const uint32_t lanes = w->members.lanes;
-    if (g->h != h) {
+    if (g->weights.h != h) {
         dm_stage_weights_scale(g, h);
-        dm_stage_sweeps_scale(g);
+        if (g->sweeps) dm_stage_sweeps_scale(g->sweeps, g);
     }
     complete_weights(g);
     *place = h;
-    for (size_t k = 0; k < w->entries; k++) place[(k + 1) * lanes] = w->one[k];
+    for (size_t k = 0; k < w->entries; k++) place[(k + 1) * lanes] = w->group.one[k];
 }
 
 /* of the lanes of a group whose step is another one than it was */
@@ -209,8 +212,8 @@ static void scale_group(dm_stage_lanes *w, dm_stage *g, uint32_t group, const do
     double *paces = w->paces + group * paces_size(w);
     for (uint32_t l = 0; l < lanes; l++)
         if (paces[l] != h[l]) scale_lane(w, g, paces + l, h[l]);
-    w->h = paces;
-    w->scaled = paces + lanes;
+    w->group.h = paces;
+    w->group.scaled = paces + lanes;
 }
 
 /* ---- opening ---- */
@@ -221,9 +224,11 @@ static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
     if (!w) return NULL;
     *w = (dm_stage_lanes){.g = g};
     if (!open_members(w, dm_stepper_memory(s, &place)) || !lay_out_paces(w)) return NULL;
-    if (g->pushes.memory)
-        return dm_push_kernel(&w->stage, g->m, lanes) && lay_out_pushes(w) ? w : NULL;
-    if (g->sweeps.row) return build_sweeps(w, g, lanes) && lay_out_sweeps(w) ? w : NULL;
+    if (g->one_point)
+        return dm_one_point_kernel(&w->one_point.kernel, g->m, lanes) && lay_out_one_point(w)
+                   ? w
+                   : NULL;
+    if (g->sweeps) return build_sweeps(w, g, lanes) && lay_out_sweeps(w) ? w : NULL;
     return build_curves(w, g, lanes) && lay_out_newton(w) ? w : NULL;
 }
 
@@ -231,17 +236,17 @@ static dm_stage_lanes *make(dm_stage *g, dm_stepper *s, uint32_t lanes) {
 static int is_usual(const dm_stage *g) {
     const uint32_t unknowns = g->table.s * g->n;
     if (!g->m->source.graph || g->m->source.compile != dm_native_build) return 0;
-    return g->sweeps.row || g->pushes.memory || (g->warm && unknowns <= DM_STAGE_LANES_UNKNOWNS);
+    return g->sweeps || g->one_point || (g->ahead && unknowns <= DM_STAGE_LANES_UNKNOWNS);
 }
 
 /* those of the model's last ensemble, or new ones */
 int dm_stage_widen(dm_stepper *s, dm_lanes *x) {
     static const char maker;
-    dm_stage *g = (dm_stage *)(void *)s->work;
+    dm_stage *g = dm_stage_of(s);
     const uint32_t lanes = dm_jit_lanes();
     dm_kernel kept;
     if (s->model->constraints || lanes < 4 || !is_usual(g)) return 0;
-    const uint32_t form = (g->sweeps.row != NULL) * 2u + (uint32_t)g->separable;
+    const uint32_t form = (g->sweeps != NULL) * 2u + (uint32_t)g->separable;
     const uint32_t which = ((g->table.s * 64 + g->table.r) * 16 + lanes) * 4 + form;
     if (dm_cache_find(&kept, g->m, &maker, which)) {
         g->lanes = (dm_stage_lanes *)(uintptr_t)kept.pool;
@@ -277,34 +282,34 @@ static void step_alone(dm_stepper *s, dm_lanes *x, uint32_t i, double t, double 
 /* t counts where the model sees it, and the steps of all are the same then */
 static void advance_group(dm_stepper *s, dm_lanes *x, uint32_t group, double t, const double *h,
                           long count) {
-    dm_stage *g = (dm_stage *)(void *)s->work;
+    dm_stage *g = dm_stage_of(s);
     dm_stage_lanes *w = g->lanes;
     const uint32_t first = group * x->lanes;
     uint32_t asked = 0;
     scale_group(w, g, group, h);
-    w->state = x->state + first * dm_state_size(s->model->n);
-    w->memory = x->memory + first * x->memory_size;
+    w->group.state = x->state + first * dm_state_size(s->model->n);
+    w->group.memory = x->memory + first * x->memory_size;
     for (uint32_t l = 0; l < x->lanes; l++) {
         x->done[first + l] = 0;
         if (x->failed[first + l] == DM_OK) asked |= 1u << l;
     }
     for (long k = 0; k < count && asked; k++) {
-        w->t = t + (double)k * *h;
+        w->group.t = t + (double)k * *h;
         const uint32_t ready = w->step(w, asked);
         for (uint32_t l = 0; l < x->lanes; l++) {
             if (!(asked >> l & 1)) continue;
             if (ready >> l & 1)
                 x->done[first + l]++;
             else
-                step_alone(s, x, first + l, w->t, h[l]);
+                step_alone(s, x, first + l, w->group.t, h[l]);
             if (x->failed[first + l] != DM_OK) asked &= ~(1u << l);
         }
     }
 }
 
 void dm_stage_advance_lanes(dm_stepper *s, dm_lanes *x, double t, const double *h, long count) {
-    dm_stage *g = (dm_stage *)(void *)s->work;
-    g->lanes->tolerance = s->tolerance;
-    g->lanes->max_iterations = s->max_iterations;
+    dm_stage *g = dm_stage_of(s);
+    g->lanes->group.tolerance = s->tolerance;
+    g->lanes->group.max_iterations = s->max_iterations;
     for (uint32_t i = 0; i < x->groups; i++) advance_group(s, x, i, t, h + i * x->lanes, count);
 }

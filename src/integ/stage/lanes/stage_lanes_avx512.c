@@ -17,7 +17,7 @@ HOW uint32_t dm_stage_newton_avx512(const dm_stage_lanes *w, uint32_t asked) {
     return step_by_newton(w, asked);
 }
 
-HOW uint32_t dm_stage_push_avx512(const dm_stage_lanes *w, uint32_t asked) {
-    return step_by_push(w, asked);
+HOW uint32_t dm_one_point_avx512(const dm_stage_lanes *w, uint32_t asked) {
+    return step_by_one_point(w, asked);
 }
 #endif

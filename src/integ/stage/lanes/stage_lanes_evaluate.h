@@ -4,7 +4,7 @@
 #define DM_STAGE_LANES_EVALUATE_H
 
 #include "integ/stage/lanes/stage_lanes_walk.h"
-#include "integ/stage/stage_limits.h"
+#include "integ/stage/work/stage_limits.h"
 
 /* u = M^-1 out, M full */
 INLINE void divide_lanes_by_mass(const lanes_sweeps *it) {
@@ -14,8 +14,8 @@ INLINE void divide_lanes_by_mass(const lanes_sweeps *it) {
         for (uint32_t i = 0; i < n; i++) {
             V sum = {0};
             for (uint32_t j = 0; j < n; j++, factor++)
-                sum += *factor * load(it->w->out + m * given(it) + j * W);
-            store(it->w->u + (m * n + i) * W, sum);
+                sum += *factor * load(it->w->sweeps.out + m * given(it) + j * W);
+            store(it->w->sweeps.u + (m * n + i) * W, sum);
         }
     }
 }
@@ -25,27 +25,29 @@ INLINE void evaluate_stages(lanes_sweeps *it) {
     const dm_stage_lanes *w = it->w;
     const uint32_t n = it->n;
     for (uint32_t m = 0; m < it->r; m++)
-        dm_kernel_eval(&w->force, w->in + m * taken(it), w->out + m * given(it));
+        dm_kernel_eval(&w->sweeps.force, w->sweeps.in + m * taken(it),
+                       w->sweeps.out + m * given(it));
     if (is_full_mass(w->g)) divide_lanes_by_mass(it);
     if (w->g->separable) return;
     for (uint32_t m = 0; m < it->r; m++)
-        dm_kernel_eval(&w->factors, w->out + m * given(it) + n * W, w->factored + m * factored(it));
+        dm_kernel_eval(&w->sweeps.factors, w->sweeps.out + m * given(it) + n * W,
+                       w->sweeps.factored + m * factored(it));
     const lanes_walk p = walk_of_p(it);
     if (it->measured)
         it->moved[1] = move(it, &p);
     else
         put(it, &p);
     for (uint32_t m = 0; m < it->r; m++)
-        dm_kernel_eval(&w->velocity, w->factored + m * factored(it) + n * W,
-                       w->in + m * taken(it) + n * W);
+        dm_kernel_eval(&w->sweeps.velocity, w->sweeps.factored + m * factored(it) + n * W,
+                       w->sweeps.in + m * taken(it) + n * W);
 }
 
 INLINE V relative_change(const lanes_sweeps *it) {
     V largest = {0};
     for (int k = 0; k < (it->w->g->separable ? 1 : 2); k++) {
         const V change = it->moved[k], ratio = change * it->scale[k];
-        const V x = magnitude(pick((I)(change > (V){0}), ratio, change));
-        largest = pick((I)(x <= largest) | (I)(largest != largest), largest, x);
+        const V x = magnitude(pick(WHERE(change > (V){0}), ratio, change));
+        largest = pick(WHERE(x <= largest) | WHERE(largest != largest), largest, x);
     }
     return largest;
 }
@@ -53,11 +55,11 @@ INLINE V relative_change(const lanes_sweeps *it) {
 /* what the coefficients lack, into the bases of the lanes of `where` */
 INLINE void settle_lanes(lanes_sweeps *it, I where) {
     lanes_walk q = walk_of_q(it), p = walk_of_p(it);
-    q.x = it->w->base;
-    p.x = it->w->lift;
+    q.x = it->w->sweeps.base;
+    p.x = it->w->sweeps.lift;
     q.x_stage = p.x_stage = it->n * W;
-    q.column = p.column = columns_of(it->w, it->w->g->sweeps.rest);
-    q.start = p.start = it->w->zeros;
+    q.column = p.column = columns_of(it->w, it->w->g->sweeps->rest);
+    q.start = p.start = it->w->sweeps.zeros;
     put_some(it, &q, where);
     if (!it->w->g->separable) put_some(it, &p, where);
     it->settled |= where;
@@ -65,14 +67,14 @@ INLINE void settle_lanes(lanes_sweeps *it, I where) {
 
 /* base[stage][n][W] = low + c v */
 INLINE void draw_line(const lanes_sweeps *it, double *base, const double *low, const double *v) {
-    const dm_parts *c = &it->w->g->sweeps.line;
+    const dm_parts *c = &it->w->g->sweeps->line;
     for (uint32_t m = 0; m < it->r; m++)
         for (uint32_t k = 0; k < it->n; k++) {
             const V x = v ? load(v + k * W) : (V){0};
-            const V sum =
-                madd(scaled(it->w, c->rest + m), x, load(low + k * W), DM_LANES_FUSED && it->r > 1);
+            const V sum = madd(scaled(&it->w->group, c->rest + m), x, load(low + k * W),
+                               DM_LANES_FUSED && it->r > 1);
             store(base + (m * it->n + k) * W,
-                  madd(scaled(it->w, c->top + m), x, sum, DM_LANES_FUSED && it->r > 1));
+                  madd(scaled(&it->w->group, c->top + m), x, sum, DM_LANES_FUSED && it->r > 1));
         }
 }
 
@@ -81,8 +83,8 @@ INLINE I find_velocities(const lanes_sweeps *it) {
     const dm_stage_lanes *w = it->w;
     const dm_model *m = w->g->m;
     const uint32_t n = it->n;
-    const double *p = w->state + n * W, *row = m->inverse_mass;
-    I fine = mask_of((1u << W) - 1);
+    const double *p = w->group.state + n * W, *row = m->inverse_mass;
+    I fine = all_lanes();
     for (uint32_t i = 0; i < n; i++) {
         V v = {0};
         if (m->structure & DM_DIAGONAL_MASS) {
@@ -92,8 +94,8 @@ INLINE I find_velocities(const lanes_sweeps *it) {
                 v += row[i * n + j] * (load(p + j * W) - m->momentum_shift[j]);
             fine &= is_finite(v);
         }
-        store(w->v0 + i * W, v);
-        store(w->drift + i * W, load(w->h) * v);
+        store(w->sweeps.v0 + i * W, v);
+        store(w->sweeps.drift + i * W, load(w->group.h) * v);
     }
     return fine;
 }
@@ -103,25 +105,26 @@ INLINE I prepare_sweeps(lanes_sweeps *it) {
     const dm_stage_lanes *w = it->w;
     const dm_stage *g = w->g;
     const uint32_t n = it->n;
-    const double *low = w->state + 2 * n * W;
-    const I fine = g->separable ? find_velocities(it) : mask_of((1u << W) - 1);
+    const double *low = w->group.state + 2 * n * W;
+    const I fine = g->separable ? find_velocities(it) : all_lanes();
     lanes_walk ahead = walk_of_q(it);
     if (!(g->m->structure & DM_AUTONOMOUS))
         for (uint32_t m = 0; m < it->r; m++)
-            store(w->in + m * taken(it) + 2 * n * W, w->t + scaled(w, g->sweeps.after + m));
-    draw_line(it, w->base, low, g->separable ? w->v0 : NULL);
-    ahead.column = columns_of(w, g->sweeps.further);
-    ahead.u = w->memory + (DM_SWEPT_END + 4 * n) * W;
+            store(w->sweeps.in + m * taken(it) + 2 * n * W,
+                  w->group.t + scaled(&w->group, g->sweeps->after + m));
+    draw_line(it, w->sweeps.base, low, g->separable ? w->sweeps.v0 : NULL);
+    ahead.column = columns_of(w, g->sweeps->further);
+    ahead.u = w->group.memory + (DM_SWEPT_END + 4 * n) * W;
     ahead.u_stage = W;
     ahead.u_row = (size_t)it->width * W;
     put(it, &ahead);
-    it->rate = 4.0 * load(w->memory + DM_SWEPT_RATE * W);
-    it->rate = pick((I)(it->rate > same(DM_SWEEP_LEAST)), it->rate, same(DM_SWEEP_LEAST));
+    it->rate = 4.0 * load(w->group.memory + DM_SWEPT_RATE * W);
+    it->rate = pick(WHERE(it->rate > same(DM_SWEEP_LEAST)), it->rate, same(DM_SWEEP_LEAST));
     if (g->separable) return fine;
-    draw_line(it, w->lift, low + n * W, NULL);
-    ahead.x = w->in + n * W;
-    ahead.base = ahead.start = it->w->zeros;
-    ahead.column = columns_of(w, g->sweeps.turning);
+    draw_line(it, w->sweeps.lift, low + n * W, NULL);
+    ahead.x = w->sweeps.in + n * W;
+    ahead.base = ahead.start = it->w->sweeps.zeros;
+    ahead.column = columns_of(w, g->sweeps->turning);
     ahead.factor = NULL;
     put(it, &ahead);
     return fine;
@@ -158,7 +161,7 @@ INLINE void sweep_lanes(lanes_sweeps *it) {
         put(it, &q);
     }
     evaluate_stages(it);
-    const I clean = (I)(before <= DM_SWEEP_CLEAN) & (I)(it->change <= 100.0 * DM_SWEEP_CLEAN);
+    const I clean = WHERE(before <= DM_SWEEP_CLEAN) & WHERE(it->change <= 100.0 * DM_SWEEP_CLEAN);
     if (it->measured && it->count > 0) {
         it->rate = pick(clean, it->rate, it->change / before);
         it->rated |= ~clean;

@@ -1,102 +1,67 @@
-/* stage_lanes_newton.h - a step of the general form by chord iterations for W members, as
- * stage.c, stage_warm.c and linalg/solve/newton.c make it for one; a text for the files of
- * stage_lanes.h. */
+/* stage_lanes_newton.h - a step of the general form by chord iterations for W members; a text for
+ * the files of stage_lanes.h. */
 #ifndef DM_STAGE_LANES_NEWTON_H
 #define DM_STAGE_LANES_NEWTON_H
 
-#include "integ/stage/lanes/stage_lanes_equation.h"
+#include "integ/stage/lanes/end_text.h"
+#include "integ/stage/lanes/stage_lanes.h"
+#include "integ/stage/lanes/warm_text.h"
+#include "linalg/lu_text.h"
+#include "linalg/solve/newton_text.h"
 
-/* ---- the end ---- */
+typedef struct {
+    step_equation e;
+    const dm_lanes_newton *matrix;
+} lanes_newton;
 
-/* L_q(i) at the root from its value one increment before */
-INLINE void correct_lanes(const lanes_newton *it, uint32_t i) {
-    const dm_stage_lanes *w = it->w;
-    const dm_stage *g = w->g;
-    const uint32_t n = it->n, s = it->s;
-    const double *qq = w->curve + i * curve_size(n) + 2 * n * W, *qv = qq + n * n * W;
-    double *dq = w->x, *dv = dq + n * W; /* not needed any more */
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < n; k++) {
-        V to_q = {0}, to_v = {0};
-#pragma GCC unroll 4
-        for (uint32_t j = 0; j < s; j++) {
-            const V d = load(w->dx + (j * n + k) * W);
-            to_q += scaled(w, &g->ha[i * s + j].top) * d;
-            to_v += g->table.d[i * s + j].top * d;
-        }
-        store(dq + k * W, to_q);
-        store(dv + k * W, to_v);
-    }
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < n; k++) {
-        double *force = w->slopes + (i * 2 * n + k) * W;
-        V sum = load(force);
-#pragma GCC unroll 4
-        for (uint32_t l = 0; l < n; l++) {
-            const size_t at = (k * n + l) * W;
-            sum += load(qq + at) * load(dq + l * W) + load(qv + at) * load(dv + l * W);
-        }
-        store(force, sum);
-    }
+/* factors and pivots of the lanes of `yes` from another matrix */
+INLINE void take_factors(I yes, double *to, I *pivot, const double *from, const I *other,
+                         uint32_t n) {
+    copy_where(yes, to, from, n * n);
+    for (uint32_t k = 0; k < n; k++) pivot[k] = pick_number(yes, other[k], pivot[k]);
 }
 
-INLINE I finish_newton(const lanes_newton *it) {
-    const dm_stage_lanes *w = it->w;
-    const uint32_t n = it->n;
-    I fine = mask_of((1u << W) - 1);
-#pragma GCC unroll 4
-    for (uint32_t i = 0; i < it->r; i++) correct_lanes(it, i);
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < n; k++) {
-        V dq = {0}, dp = {0};
-#pragma GCC unroll 4
-        for (uint32_t j = 0; j < it->s; j++)
-            dq = add_weighted(dq, weight_of(w, w->g->hbeta + j), load(w->root + (j * n + k) * W));
-#pragma GCC unroll 4
-        for (uint32_t i = 0; i < it->r; i++)
-            dp =
-                add_weighted(dp, weight_of(w, w->g->hb + i), load(w->slopes + (i * 2 * n + k) * W));
-        fine &= add_to_state(w, n, k, dq);
-        fine &= add_to_state(w, n, n + k, dp);
-    }
-    return fine;
+/* residual, and matrix and factors of the lanes that renew them; lanes where that does not go
+ * well leave */
+INLINE void evaluate_equation(chord *c, void *ctx, uint32_t m, int all) {
+    const lanes_newton *it = ctx;
+    const dm_lanes_newton *w = it->matrix;
+    evaluate_points(&it->e, c->x, c->fresh, c->todo & not_of(c->fresh), all);
+    c->terms = find_residual(&it->e, c->r);
+    c->residual = norm_of(c->r, m);
+    c->todo &= is_finite(c->residual);
+    c->fresh &= c->todo;
+    if (!some(c->fresh)) return;
+    double *J = all ? w->J : w->J2;
+    I *pivot = (I *)(void *)(all ? w->pivot : w->pivot2), numbers;
+    find_matrix(&it->e, J);
+    c->todo &= factor_matrix(J, pivot, m, &numbers) | not_of(c->fresh);
+    c->fresh &= c->todo;
+    if (!all) take_factors(c->fresh, w->J, (I *)(void *)w->pivot, J, pivot, m);
 }
 
-/* the new state, and what is left to the next step. Differences behind those that a lane has yet
- * are numbers that no step reads before they are renewed. */
-INLINE void keep_newton(const lanes_newton *it, I where) {
-    const dm_stage_lanes *w = it->w;
-    double *end = w->memory + DM_WARM_END * W, *before = end + 4 * it->n * W;
-    double *D = before + it->m * W, *count = w->memory + DM_WARM_COUNT * W;
-    continue_lanes(it, w->missed, before);
-#pragma GCC unroll 4
-    for (uint32_t k = 0; k < it->m; k++) {
-        V missed = load(w->root + k * W) - load(w->missed + k * W);
-#pragma GCC unroll 4
-        for (uint32_t i = 0; i < DM_WARM_TERMS; i++) {
-            double *place = D + (i * it->m + k) * W;
-            const V now = missed;
-            missed -= load(place);
-            put_where(where, place, now);
-        }
-        put_where(where, before + k * W, load(w->root + k * W));
-    }
-    const V one_more = load(count) + 1.0, most = same(DM_WARM_TERMS + 1);
-    put_where(where, count, pick((I)(one_more <= most), one_more, most));
-    copy_where(where, end, w->next, 4 * it->n);
-    copy_where(where, w->state, w->next, 4 * it->n);
+INLINE void solve_equation(const chord *c, void *ctx, double *x, uint32_t m) {
+    const lanes_newton *it = ctx;
+    (void)c;
+    solve_factored(x, it->matrix->J, (const I *)(const void *)it->matrix->pivot, m);
 }
 
 INLINE uint32_t step_of(const dm_stage_lanes *w, uint32_t asked, uint32_t n, uint32_t s,
                         uint32_t r) {
-    lanes_newton it = {.w = w, .n = n, .s = s, .r = r, .m = s * n};
-    chord c = {.x = w->root, .dx = w->dx, .r = w->r, .tolerance = w->tolerance, .factored = 1};
-    c.todo = c.fresh = mask_of(asked) & guess_lanes(&it);
+    const dm_stage_group *x = &w->group;
+    lanes_newton it = {{w->g, x, &w->newton, w->matrix.other, n, s, r}, &w->matrix};
+    chord c = {.x = w->newton.root,
+               .r = w->matrix.r,
+               .dx = w->matrix.dx,
+               .tolerance = x->tolerance,
+               .factored = 1};
+    c.todo = c.fresh = mask_of(asked) & guess_velocities(&it.e);
     if (!some(c.todo)) return 0;
     I ended =
-        iterate_chord(&c, evaluate_equation, solve_equation, &it, s * n, w->max_iterations, NULL);
-    ended &= finish_newton(&it);
-    keep_newton(&it, ended);
+        iterate_chord(&c, evaluate_equation, solve_equation, &it, s * n, x->max_iterations, NULL);
+    ended &= find_end(&it.e, c.x, c.dx);
+    keep_velocities(&it.e, ended, all_lanes());
+    copy_where(ended, x->state, x->next, 4 * n);
     return bits_of(ended);
 }
 

@@ -8,11 +8,11 @@
 
 /* lanes that have all pivots of the mass matrix positive */
 INLINE I regular_lanes(const lanes_sweeps *it) {
-    I fine = mask_of((1u << W) - 1);
+    I fine = all_lanes();
     for (uint32_t m = 0; m < it->r && !it->w->g->separable; m++)
         for (uint32_t k = 0; k < it->n; k++) {
-            const V pivot = load(it->w->factored + m * factored(it) + k * W);
-            fine &= (I)(pivot > DM_PIVOT_LEAST) & (I)(pivot < DM_PIVOT_MOST);
+            const V pivot = load(it->w->sweeps.factored + m * factored(it) + k * W);
+            fine &= WHERE(pivot > DM_PIVOT_LEAST) & WHERE(pivot < DM_PIVOT_MOST);
         }
     return fine;
 }
@@ -25,16 +25,16 @@ INLINE void leave_ends(const lanes_sweeps *it, I where, V *rate) {
     for (uint32_t m = 0; m < it->r; m++)
         for (uint32_t k = 0; k < it->n; k++) {
             const size_t at = (m * it->n + k) * W;
-            put_where(where, w->end_u + at, load(u + m * u_stage + k * W));
-            put_where(where, w->end_f + at, load(w->out + m * given(it) + k * W));
+            put_where(where, w->sweeps.end_u + at, load(u + m * u_stage + k * W));
+            put_where(where, w->sweeps.end_f + at, load(w->sweeps.out + m * given(it) + k * W));
         }
-    const V kept = load(w->memory + DM_SWEPT_RATE * W);
+    const V kept = load(w->group.memory + DM_SWEPT_RATE * W);
     *rate = pick(where, pick(it->rated, it->rate, kept), *rate);
 }
 
 /* so many evaluations; the lanes that are regular */
 INLINE I count_out_lanes(lanes_sweeps *it, I todo, V *rate) {
-    const int fixed = it->w->g->sweeps.count;
+    const int fixed = it->w->g->sweeps->count;
     it->measured = 0;
     evaluate_first(it);
     for (int k = 1; k < fixed; k++) {
@@ -48,18 +48,18 @@ INLINE I count_out_lanes(lanes_sweeps *it, I todo, V *rate) {
 
 /* until all lanes are settled to round-off or need another way; those that are */
 INLINE I iterate_lanes(lanes_sweeps *it, I todo, V *rate) {
-    const double enough = DM_SWEEP_LEFT * it->w->tolerance;
+    const double enough = DM_SWEEP_LEFT * it->w->group.tolerance;
     I ended = {0};
     it->measured = 1;
     evaluate_first(it);
-    for (int k = 1; k < DM_STAGE_SWEEPS && bits_of(todo); k++) {
-        const I settles = todo & ~it->settled & (I)(it->change < DM_SWEEP_SETTLED);
-        if (bits_of(settles)) settle_lanes(it, settles);
+    for (int k = 1; k < DM_STAGE_SWEEPS && some(todo); k++) {
+        const I settles = todo & not_of(it->settled) & WHERE(it->change < DM_SWEEP_SETTLED);
+        if (some(settles)) settle_lanes(it, settles);
         sweep_lanes(it);
         const double most = it->count > 5 ? DM_SWEEP_SLOW : 4.0;
-        todo &= is_finite(it->change) & ~(it->rated & (I)(it->rate > most));
-        const I now = todo & it->settled & (I)(it->rate * it->change <= enough * enough);
-        if (!bits_of(now)) continue;
+        todo &= is_finite(it->change) & ~(it->rated & WHERE(it->rate > most));
+        const I now = todo & it->settled & WHERE(it->rate * it->change <= enough * enough);
+        if (!some(now)) continue;
         const I fine = now & regular_lanes(it);
         leave_ends(it, fine, rate);
         ended |= fine;
@@ -70,9 +70,9 @@ INLINE I iterate_lanes(lanes_sweeps *it, I todo, V *rate) {
 
 INLINE I finish_sweeps(const lanes_sweeps *it) {
     const dm_stage_lanes *w = it->w;
-    const dm_sweep_end *one = &w->g->sweeps.end;
+    const dm_sweep_end *one = &w->g->sweeps->end;
     const uint32_t n = it->n, width = it->width;
-    I fine = mask_of((1u << W) - 1);
+    I fine = all_lanes();
     for (uint32_t k = 0; k < n; k++) {
         V q[8], p[8];
 #pragma GCC unroll 8
@@ -80,16 +80,16 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
 #pragma GCC unroll 8
         for (uint32_t m = 0; m < it->r; m++) {
             const size_t at = (m * n + k) * W;
-            const V u = load(w->end_u + at), f = load(w->end_f + at);
-            q[m] = madd(scaled(w, one->b[0]->top + m), u, scaled(w, one->b[0]->rest + m) * u,
-                        DM_LANES_FUSED && it->r > 1);
-            p[m] = madd(scaled(w, one->b[1]->top + m), f, scaled(w, one->b[1]->rest + m) * f,
-                        DM_LANES_FUSED && it->r > 1);
+            const V u = load(w->sweeps.end_u + at), f = load(w->sweeps.end_f + at);
+            q[m] = madd(scaled(&w->group, one->b[0]->top + m), u,
+                        scaled(&w->group, one->b[0]->rest + m) * u, DM_LANES_FUSED && it->r > 1);
+            p[m] = madd(scaled(&w->group, one->b[1]->top + m), f,
+                        scaled(&w->group, one->b[1]->rest + m) * f, DM_LANES_FUSED && it->r > 1);
         }
-        const V drift = w->g->separable ? load(w->drift + k * W) : (V){0};
+        const V drift = w->g->separable ? load(w->sweeps.drift + k * W) : (V){0};
         const V dq = total_of(q, width) * one->factor[k] + drift;
-        fine &= add_to_state(w, n, k, dq);
-        fine &= add_to_state(w, n, n + k, total_of(p, width) + (V){0});
+        fine &= add_to_next(&w->group, n, k, dq);
+        fine &= add_to_next(&w->group, n, n + k, total_of(p, width) + (V){0});
     }
     return fine;
 }
@@ -97,10 +97,11 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
 /* lanes whose memory is that of the step that ended here */
 INLINE I swept_before(const dm_stage_lanes *w) {
     const uint32_t n = w->g->n;
-    I fits = (I)(load(w->memory + DM_SWEPT_STEP * W) == load(w->h)) &
-             (I)(load(w->memory + DM_SWEPT_MARK * W) == (double)DM_SWEPT_FULL);
+    I fits = WHERE(load(w->group.memory + DM_SWEPT_STEP * W) == load(w->group.h)) &
+             WHERE(load(w->group.memory + DM_SWEPT_MARK * W) == (double)DM_SWEPT_FULL);
     for (uint32_t k = 0; k < 4 * n; k++)
-        fits &= (I)((I)load(w->memory + (DM_SWEPT_END + k) * W) == (I)load(w->state + k * W));
+        fits &= WHERE((I)load(w->group.memory + (DM_SWEPT_END + k) * W) ==
+                      (I)load(w->group.state + k * W));
     return fits;
 }
 
@@ -108,15 +109,15 @@ INLINE I swept_before(const dm_stage_lanes *w) {
 INLINE void keep_sweeps(const lanes_sweeps *it, I where, V rate) {
     const dm_stage_lanes *w = it->w;
     const uint32_t n = it->n;
-    double *u = w->memory + (DM_SWEPT_END + 4 * n) * W;
-    put_where(where, w->memory + DM_SWEPT_RATE * W, rate);
+    double *u = w->group.memory + (DM_SWEPT_END + 4 * n) * W;
+    put_where(where, w->group.memory + DM_SWEPT_RATE * W, rate);
     for (uint32_t k = 0; k < 4 * n; k++) {
-        put_where(where, w->state + k * W, load(w->next + k * W));
-        put_where(where, w->memory + (DM_SWEPT_END + k) * W, load(w->next + k * W));
+        put_where(where, w->group.state + k * W, load(w->group.next + k * W));
+        put_where(where, w->group.memory + (DM_SWEPT_END + k) * W, load(w->group.next + k * W));
     }
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t m = 0; m < it->r; m++)
-            put_where(where, u + (k * it->width + m) * W, load(w->end_u + (m * n + k) * W));
+            put_where(where, u + (k * it->width + m) * W, load(w->sweeps.end_u + (m * n + k) * W));
 }
 
 HOW static uint32_t step_by_sweeps(const dm_stage_lanes *w, uint32_t asked) {
@@ -124,13 +125,13 @@ HOW static uint32_t step_by_sweeps(const dm_stage_lanes *w, uint32_t asked) {
     lanes_sweeps it = {.w = w,
                        .n = g->n,
                        .r = g->table.r,
-                       .width = g->sweeps.row->width,
+                       .width = g->sweeps->row->width,
                        .change = same(1.0)};
     I todo = mask_of(asked) & swept_before(w);
     V rate = {0};
-    if (!bits_of(todo)) return 0;
+    if (!some(todo)) return 0;
     todo &= prepare_sweeps(&it);
-    todo = g->sweeps.count ? count_out_lanes(&it, todo, &rate) : iterate_lanes(&it, todo, &rate);
+    todo = g->sweeps->count ? count_out_lanes(&it, todo, &rate) : iterate_lanes(&it, todo, &rate);
     todo &= finish_sweeps(&it);
     keep_sweeps(&it, todo, rate);
     return bits_of(todo);

@@ -3,7 +3,8 @@
 #ifndef DM_STAGE_LANES_WALK_H
 #define DM_STAGE_LANES_WALK_H
 
-#include "integ/stage/lanes/stage_lanes_text.h"
+#include "integ/stage/lanes/group_text.h"
+#include "integ/stage/lanes/stage_lanes.h"
 
 /* x = start + (base + factor sum_m column_m u_m) at every stage, column [r][width][W]; distances
  * in doubles, from row to row where not W */
@@ -113,7 +114,7 @@ INLINE size_t taken(const lanes_sweeps *it) {
 }
 
 INLINE size_t given(const lanes_sweeps *it) {
-    return it->w->g->sweeps.force.outputs * (size_t)W;
+    return it->w->g->sweeps->force.outputs * (size_t)W;
 }
 
 INLINE size_t factored(const lanes_sweeps *it) {
@@ -129,24 +130,24 @@ INLINE int is_full_mass(const dm_stage *g) {
 INLINE const double *unknowns_of(const lanes_sweeps *it, size_t *from_stage) {
     const dm_stage_lanes *w = it->w;
     *from_stage = taken(it);
-    if (!w->g->separable) return w->in + it->n * W;
+    if (!w->g->separable) return w->sweeps.in + it->n * W;
     *from_stage = it->n * W;
-    return is_full_mass(w->g) ? w->u : w->out;
+    return is_full_mass(w->g) ? w->sweeps.u : w->sweeps.out;
 }
 
 /* columns of the stepper's for every lane */
 INLINE const double *columns_of(const dm_stage_lanes *w, const double *one) {
-    return w->scaled + (one - w->one) * W;
+    return w->group.scaled + (one - w->group.one) * W;
 }
 
 INLINE lanes_walk walk_of_q(const lanes_sweeps *it) {
     const dm_stage_lanes *w = it->w;
-    const dm_stage_sweeps *one = &w->g->sweeps;
-    lanes_walk a = {.x = w->in,
-                    .base = w->base,
+    const dm_stage_sweeps *one = w->g->sweeps;
+    lanes_walk a = {.x = w->sweeps.in,
+                    .base = w->sweeps.base,
                     .column = columns_of(w, one->whole),
                     .factor = one->q.factor,
-                    .start = w->state,
+                    .start = w->group.state,
                     .x_stage = taken(it),
                     .u_row = W};
     a.u = unknowns_of(it, &a.u_stage);
@@ -155,12 +156,12 @@ INLINE lanes_walk walk_of_q(const lanes_sweeps *it) {
 
 INLINE lanes_walk walk_of_p(const lanes_sweeps *it) {
     const dm_stage_lanes *w = it->w;
-    const dm_stage_sweeps *one = &w->g->sweeps;
-    return (lanes_walk){.x = w->factored + factored(it) - it->n * W,
-                        .base = w->lift,
+    const dm_stage_sweeps *one = w->g->sweeps;
+    return (lanes_walk){.x = w->sweeps.factored + factored(it) - it->n * W,
+                        .base = w->sweeps.lift,
                         .column = columns_of(w, one->whole),
-                        .u = w->out,
-                        .start = w->state + it->n * W,
+                        .u = w->sweeps.out,
+                        .start = w->group.state + it->n * W,
                         .x_stage = factored(it),
                         .u_stage = given(it),
                         .u_row = W};

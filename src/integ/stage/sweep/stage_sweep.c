@@ -5,8 +5,8 @@
  * (HLW VIII.6.1). Sweeps end when what the last one leaves is below round-off of the sums. What
  * the coefficients lack as doubles is added to the bases once, from a u that is near enough to
  * the last one. */
-#include "integ/stage/stage_inside.h"
-#include "integ/stage/stage_limits.h"
+#include "integ/stage/sweep/stage_sweep.h"
+#include "integ/stage/work/stage_limits.h"
 
 #include "base/largest.h"
 
@@ -38,7 +38,7 @@ static inline void apply(const dm_stage_kernel *k, uint32_t width, uint32_t stag
 
 /* u = M^-1 out */
 static void divide_by_mass(const dm_stage *g) {
-    const dm_stage_sweeps *w = &g->sweeps;
+    const dm_stage_sweeps *w = g->sweeps;
     const uint32_t n = g->n, width = w->row->width;
     const double *factor = g->m->inverse_mass;
     memset(w->u, 0, n * width * sizeof *w->u);
@@ -49,7 +49,7 @@ static void divide_by_mass(const dm_stage *g) {
 }
 
 const double *dm_stage_sweeps_u(const dm_stage *g) {
-    const dm_stage_sweeps *w = &g->sweeps;
+    const dm_stage_sweeps *w = g->sweeps;
     if (!g->separable) return w->velocity.out; /* among the arguments of the force */
     return g->m->structure & DM_DIAGONAL_MASS ? w->force.out : w->u;
 }
@@ -58,6 +58,7 @@ const double *dm_stage_sweeps_u(const dm_stage *g) {
 
 typedef struct {
     dm_stage *g;
+    dm_stage_sweeps *w;
     int measured; /* what sweeps change is looked at */
     int settled;  /* the bases are whole */
     int rated;    /* the rate is of this step */
@@ -69,15 +70,15 @@ typedef struct {
 } iteration;
 
 static inline double move(const iteration *it, const dm_sweep *a) {
-    if (it->measured) return it->g->sweeps.row->move(a);
-    it->g->sweeps.row->put(a);
+    if (it->measured) return it->w->row->move(a);
+    it->w->row->put(a);
     return 0.0;
 }
 
 /* forces at the stages, and the velocities that follow from them */
 static void evaluate(iteration *it) {
     dm_stage *g = it->g;
-    dm_stage_sweeps *w = &g->sweeps;
+    dm_stage_sweeps *w = it->w;
     const uint32_t width = w->row->width;
     apply(&w->force, width, g->table.r);
     g->evaluations += g->table.r;
@@ -107,7 +108,7 @@ static double left(const iteration *it) {
 
 /* what the coefficients lack, into the bases */
 static void settle(iteration *it) {
-    const dm_stage_sweeps *w = &it->g->sweeps;
+    const dm_stage_sweeps *w = it->w;
     w->row->put(&w->q_rest);
     if (!it->g->separable) w->row->put(&w->p_rest);
     it->settled = 1;
@@ -116,7 +117,7 @@ static void settle(iteration *it) {
 /* one sweep: new positions from the velocities, forces and velocities there */
 static void sweep(iteration *it) {
     const double before = it->change;
-    it->moved[0] = move(it, &it->g->sweeps.q);
+    it->moved[0] = move(it, &it->w->q);
     if (it->measured) it->change = relative(it);
     evaluate(it);
     if (before <= DM_SWEEP_CLEAN && it->change <= 100.0 * DM_SWEEP_CLEAN) {
@@ -141,9 +142,9 @@ static double square(const dm_sweep *a, uint32_t width) {
 /* the first positions and velocities: u of the step before, continued, or a straight line */
 static void set_off(iteration *it, int warm) {
     dm_stage *g = it->g;
-    dm_stage_sweeps *w = &g->sweeps;
+    dm_stage_sweeps *w = it->w;
     const uint32_t n = g->n, width = w->row->width;
-    const double *low = g->state + 2 * n, *v = g->separable || !warm ? g->v0 : w->none;
+    const double *low = g->group.state + 2 * n, *v = g->separable || !warm ? g->points.v0 : w->none;
     w->row->line(w->base, low, v, &w->line, n);
     w->ahead.u = warm ? w->v_ahead.u : w->none;
     w->row->put(&w->ahead);
@@ -152,26 +153,26 @@ static void set_off(iteration *it, int warm) {
     w->row->line(w->lift, low + n, w->none, &w->line, n);
     if (warm) w->row->put(&w->v_ahead);
     for (uint32_t k = 0; k < n && !warm; k++)
-        for (uint32_t l = 0; l < width; l++) w->v_ahead.x[k * width + l] = g->v0[k];
+        for (uint32_t l = 0; l < width; l++) w->v_ahead.x[k * width + l] = g->points.v0[k];
 }
 
 /* bases and times of the stages, arguments of the first sweep */
 static void prepare(iteration *it, int warm) {
     dm_stage *g = it->g;
-    dm_stage_sweeps *w = &g->sweeps;
+    dm_stage_sweeps *w = it->w;
     const uint32_t n = g->n, width = w->row->width;
     double *time = w->force.in + 2 * n * width;
     if (!(g->m->structure & DM_AUTONOMOUS))
-        for (uint32_t l = 0; l < width; l++) time[l] = g->t + w->after[l];
-    w->q.start = w->ahead.start = g->state;
-    w->p.start = g->state + n;
+        for (uint32_t l = 0; l < width; l++) time[l] = g->group.t + w->after[l];
+    w->q.start = w->ahead.start = g->group.state;
+    w->p.start = g->group.state + n;
     set_off(it, warm);
-    if (warm) it->rate = fmax(DM_SWEEP_LEAST, 4.0 * dm_stage_memory_rate(g));
+    if (warm) it->rate = fmax(DM_SWEEP_LEAST, 4.0 * w->memory[DM_SWEPT_RATE]);
 }
 
 /* the first one, which tells what changes are compared with */
 static void evaluate_first(iteration *it) {
-    const dm_stage_sweeps *w = &it->g->sweeps;
+    const dm_stage_sweeps *w = it->w;
     it->size[0] = square(&w->q, w->row->width);
     evaluate(it);
     it->moved[1] = it->size[1] = it->g->separable ? 0.0 : square(&w->p, w->row->width);
@@ -205,7 +206,7 @@ static dm_status iterate(iteration *it, double tolerance) {
 
 /* all pivots of the mass matrix are positive, so that its elimination was exact to round-off */
 static int is_regular(const dm_stage *g) {
-    const dm_stage_sweeps *w = &g->sweeps;
+    const dm_stage_sweeps *w = g->sweeps;
     const uint32_t n = g->n, width = w->row->width;
     int bad = 0;
     for (uint32_t k = 0; k < n && !g->separable; k++)
@@ -218,33 +219,35 @@ static int is_regular(const dm_stage *g) {
 
 /* q1 = q0 + h v0 + sum mean_m u_m or q0 + h sum b_m V_m, p1 = p0 + h sum b_m L_q(m) */
 static dm_status finish(dm_stage *g, const double *before) {
-    dm_stage_sweeps *w = &g->sweeps;
-    w->end.state = g->state;
+    dm_stage_sweeps *w = g->sweeps;
+    w->end.state = g->group.state;
     if (w->row->finish(&w->end) == 0.0) return DM_OK;
-    dm_stage_copy(g->state, before, 4 * g->n);
+    dm_stage_copy(g->group.state, before, 4 * g->n);
     return DM_NOT_FINITE;
 }
 
-/* v0 where a step needs it */
+/* v0, and h v0 in the separable form, where a step needs them */
 static dm_status find_velocity(dm_stage *g, int warm) {
     const uint32_t n = g->n;
-    const double *p = g->state + n, *factor = g->m->inverse_mass;
-    if (!g->separable && warm) return DM_OK;
+    const double *q = g->group.state, *p = q + n, *factor = g->m->inverse_mass, h = g->weights.h;
+    double *v0 = g->points.v0, *drift = g->sweeps->drift;
     dm_status status = DM_OK;
-    memset(g->v0, 0, n * sizeof *g->v0);
-    if (g->separable && g->m->structure & DM_DIAGONAL_MASS)
-        for (uint32_t k = 0; k < n; k++) g->v0[k] = factor[k] * p[k];
-    else
-        status = dm_legendre_inverse(g->m, g->v0, g->state, p, g->t, g->scratch);
-    for (uint32_t k = 0; k < n && g->separable; k++) g->sweeps.drift[k] = g->h * g->v0[k];
+    if (!g->separable && warm) return DM_OK;
+    if (g->separable && g->m->structure & DM_DIAGONAL_MASS) {
+        for (uint32_t k = 0; k < n; k++) v0[k] = factor[k] * p[k];
+    } else {
+        memset(v0, 0, n * sizeof *v0);
+        status = dm_legendre_inverse(g->m, v0, q, p, g->group.t, g->scratch);
+    }
+    for (uint32_t k = 0; k < n && g->separable; k++) drift[k] = h * v0[k];
     return status;
 }
 
 /* the iteration from one start */
 static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
     dm_stage *g = it->g;
-    const int fixed = warm ? g->sweeps.count : 0;
-    *it = (iteration){.g = g, .measured = !fixed, .change = 1.0, .rate = DM_SWEEP_SLOW};
+    const int fixed = warm ? it->w->count : 0;
+    *it = (iteration){.g = g, .w = it->w, .measured = !fixed, .change = 1.0, .rate = DM_SWEEP_SLOW};
     dm_status status = find_velocity(g, warm);
     if (status != DM_OK) return status;
     prepare(it, warm);
@@ -253,19 +256,21 @@ static dm_status attempt(iteration *it, dm_stepper *stepper, int warm) {
 }
 
 /* far from its step the polynomial may leave the domain: then from a straight line. The end is
- * in g->state */
+ * in the state */
 dm_status dm_stage_sweep(dm_stage *g, dm_stepper *stepper) {
-    iteration it = {.g = g};
+    iteration it = {.g = g, .w = g->sweeps};
+    const dm_stage_sweeps *w = it.w;
     const int warm = dm_stage_memory_fits(g);
-    const double *before = warm ? dm_stage_memory_end(g) : g->next;
-    if (!warm) dm_stage_copy(g->next, g->state, 4 * g->n); /* should the end not be finite */
+    const double *before = warm ? w->memory + DM_SWEPT_END : g->group.next;
+    if (!warm)
+        dm_stage_copy(g->group.next, g->group.state, 4 * g->n); /* should the end not be finite */
     dm_status status = attempt(&it, stepper, warm);
     if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
     stepper->report.iterations = it.count;
     if (status == DM_OK) status = finish(g, before);
     if (status != DM_OK) return status;
     const double missed = sqrt(left(&it)) * sqrt(it.size[!g->separable]);
-    stepper->report.residual = g->separable ? missed * g->sweeps.heaviest / fabs(g->h) : missed;
-    dm_stage_memory_keep(g, it.rated ? it.rate : dm_stage_memory_rate(g));
+    stepper->report.residual = g->separable ? missed * w->heaviest / fabs(g->weights.h) : missed;
+    dm_stage_memory_keep(g, it.rated ? it.rate : w->memory[DM_SWEPT_RATE]);
     return DM_OK;
 }

@@ -2,7 +2,7 @@
 #include "code/native/jit.h"
 #include "integ/method/cache.h"
 #include "integ/method/hamilton.h"
-#include "integ/stage/stage_inside.h"
+#include "integ/stage/sweep/stage_sweep.h"
 
 #include <assert.h>
 #include <math.h>
@@ -26,7 +26,8 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
     const int separable = (m->structure & DM_SEPARABLE) && (m->structure & DM_CONSTANT_MASS);
     if (s > DM_SWEEP_WIDTH || r > DM_SWEEP_WIDTH) return 0;
     if (!separable && !dm_hamilton_fits(m)) return 0;
-    return kernels_size(n, w, separable ? 0 : dm_hamilton_known(m->n)) + 4 * n * w + 5 * r * w +
+    return dm_stage_doubles(sizeof(dm_stage_sweeps)) +
+           kernels_size(n, w, separable ? 0 : dm_hamilton_known(m->n)) + 4 * n * w + 5 * r * w +
            7 * w + 8 * n + 3 + ARRAYS * LINE;
 }
 
@@ -60,10 +61,10 @@ static double *lay_kernels(dm_stage_sweeps *w, size_t n, double *memory) {
 }
 
 static void lay_out(dm_stage *g, double *memory) {
-    dm_stage_sweeps *w = &g->sweeps;
+    dm_stage_sweeps *w = g->sweeps;
     const size_t n = g->n, r = g->table.r, width = w->row->width;
     double **const rows[] = {&w->u, &w->base, &w->lift, &w->none};
-    double **const columns[] = {&w->whole, &w->rest, &w->further, &w->flying, &w->turning};
+    double **const columns[] = {&w->whole, &w->rest, &w->further};
     double **const single[] = {&w->after,  &w->line.top, &w->line.rest, &w->b.top,
                                &w->b.rest, &w->mean.top, &w->mean.rest};
     memory = lay_kernels(w, n, memory);
@@ -85,32 +86,32 @@ static void lay_out(dm_stage *g, double *memory) {
  * step */
 static void make_ahead(dm_stage *g, const dm_quadrature *q) {
     const int r = q->r;
-    const uint32_t width = g->sweeps.row->width;
+    const uint32_t width = g->sweeps->row->width;
     const dm_weight *A = g->separable ? g->table.A : g->table.a;
     long double E[DM_SWEEP_WIDTH][DM_SWEEP_WIDTH];
     for (int m = 0; m < r; m++) dm_lagrange_value(E[m], q->c, r, 1.0L + q->c[m]);
     for (int j = 0; j < r; j++)
         for (int i = 0; i < r; i++) {
             long double sum = 0.0L;
-            g->sweeps.turning[j * (int)width + i] = (double)E[i][j];
+            g->sweeps->turning[j * (int)width + i] = (double)E[i][j];
             for (int m = 0; m < r; m++) sum += dm_weight_exact(A[i * r + m]) * E[m][j];
-            g->sweeps.flying[j * (int)width + i] = (double)sum;
+            g->sweeps->flying[j * (int)width + i] = (double)sum;
         }
 }
 
 /* the same, from the model where the last stepper left it; turning is laid out behind flying */
 static void find_ahead(dm_stage *g, const dm_galerkin *basis) {
     static const char maker;
-    const uint32_t count = 2 * g->table.r * g->sweeps.row->width;
+    const uint32_t count = 2 * g->table.r * g->sweeps->row->width;
     double key[DM_STAGE_KEY];
     const uint32_t keys = dm_stage_key(key, basis);
     const double *kept = basis->tableau ? NULL : dm_cache_numbers(g->m, &maker, key, keys);
     if (kept) {
-        memcpy(g->sweeps.flying, kept, count * sizeof *kept);
+        memcpy(g->sweeps->flying, kept, count * sizeof *kept);
         return;
     }
     make_ahead(g, &basis->q);
-    if (!basis->tableau) dm_cache_leave(g->m, &maker, key, keys, g->sweeps.flying, count);
+    if (!basis->tableau) dm_cache_leave(g->m, &maker, key, keys, g->sweeps->flying, count);
 }
 
 /* the nearest double, and the rest */
@@ -119,18 +120,17 @@ static void split(const dm_parts *out, uint32_t at, dm_weight w) {
     out->rest[at] = (double)(dm_weight_exact(w) - (long double)out->top[at]);
 }
 
-void dm_stage_sweeps_scale(dm_stage *g) {
-    dm_stage_sweeps *w = &g->sweeps;
-    if (!w->row) return;
+void dm_stage_sweeps_scale(dm_stage_sweeps *w, const dm_stage *g) {
+    const double h = g->weights.h;
     const uint32_t r = g->table.r, width = w->row->width;
-    const dm_weight *A = g->separable ? g->hA : g->ha;
+    const dm_weight *A = g->separable ? g->weights.hA : g->weights.ha;
     const dm_parts columns = {w->whole, w->rest};
-    const double factor = g->separable ? g->h * g->h : g->h;
+    const double factor = g->separable ? h * h : h;
     for (uint32_t i = 0; i < r; i++) {
-        w->after[i] = dm_weight_double(g->hc[i]);
-        split(&w->line, i, g->hc[i]);
-        split(&w->b, i, g->hb[i]);
-        if (g->separable) split(&w->mean, i, g->hmean[i]);
+        w->after[i] = dm_weight_double(g->weights.hc[i]);
+        split(&w->line, i, g->weights.hc[i]);
+        split(&w->b, i, g->weights.hb[i]);
+        if (g->separable) split(&w->mean, i, g->weights.hmean[i]);
         for (uint32_t m = 0; m < r; m++) {
             const uint32_t at = m * width + i;
             split(&columns, at, A[i * r + m]);
@@ -139,8 +139,7 @@ void dm_stage_sweeps_scale(dm_stage *g) {
     }
 }
 
-size_t dm_stage_sweeps_scaled(const dm_stage *g, const double **first) {
-    const dm_stage_sweeps *w = &g->sweeps;
+size_t dm_stage_sweeps_scaled(const dm_stage_sweeps *w, const double **first) {
     *first = w->whole;
     return (size_t)(w->mean.rest + w->row->width - w->whole);
 }
@@ -148,7 +147,7 @@ size_t dm_stage_sweeps_scaled(const dm_stage *g, const double **first) {
 /* ---- the sums ---- */
 
 static void plan(dm_stage *g) {
-    dm_stage_sweeps *w = &g->sweeps;
+    dm_stage_sweeps *w = g->sweeps;
     const uint32_t n = g->n, width = w->row->width;
     const int diagonal = g->separable && g->m->structure & DM_DIAGONAL_MASS;
     const double *kept = w->memory + dm_stage_memory_size(g) - n * width;
@@ -206,7 +205,7 @@ static int is_collocation(const dm_stage *g, const dm_galerkin *basis) {
 
 static int has_unknowns(const dm_stage *g) {
     for (uint32_t i = 0; i < g->table.r; i++)
-        if (g->known[i] == DM_POINT_SOLVED) return 1;
+        if (g->points.kind[i] == DM_POINT_SOLVED) return 1;
     return 0;
 }
 
@@ -237,8 +236,7 @@ uint32_t dm_stage_sweeps_kernels(dm_kernel out[3], const dm_stage *g, uint32_t w
 }
 
 /* the kernels of the model's last stepper, or new ones */
-static int find_kernels(dm_stage *g, const dm_galerkin *basis) {
-    dm_stage_sweeps *w = &g->sweeps;
+static int find_kernels(dm_stage_sweeps *w, const dm_stage *g, const dm_galerkin *basis) {
     dm_kernel kernels[3];
     const uint32_t r = g->table.r;
     if (r > DM_SWEEP_WIDTH || !g->m->source.graph) return 0;
@@ -264,35 +262,41 @@ static void open_kernel(dm_stage_kernel *k, uint32_t width) {
     dm_kernel_prepare_lanes(&k->kernel, k->lanes, k->lanes == width ? k->out : k->some_out);
 }
 
-void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
-    dm_stage_sweeps *w = &g->sweeps;
-    const uint32_t r = g->table.r, n = g->n;
+/* what kernels take and give; `factors` takes what `force` gives behind L_q */
+static void count_entries(dm_stage_sweeps *w, uint32_t n) {
     const uint32_t triangle = n * (n + 1) / 2;
-    w->row = NULL;
-    if (!find_kernels(g, basis)) return;
-    w->row = dm_sweep_find(r);
-    w->count = basis->sweeps;
     w->force.inputs = 2 * n + 1;
     w->force.outputs = w->force.kernel.outputs;
     w->factors.inputs = w->force.outputs - n;
     w->factors.outputs = triangle + 2 * n;
     w->velocity.inputs = triangle + 2 * n;
     w->velocity.outputs = n;
-    memset(memory, 0, dm_stage_sweeps_size(g->table.s, r, g->m) * sizeof *memory);
-    lay_out(g, aligned(memory));
-    assert(w->memory + dm_stage_memory_size(g) <=
-           memory + dm_stage_sweeps_size(g->table.s, r, g->m));
-    open_kernel(&w->force, w->row->width);
-    if (w->factors.lanes) open_kernel(&w->factors, w->row->width);
-    if (w->velocity.lanes) open_kernel(&w->velocity, w->row->width);
-    w->heaviest = g->separable ? dm_stage_heaviest(g) : 0.0;
-    find_ahead(g, basis);
-    plan(g);
 }
 
-double dm_stage_heaviest(const dm_stage *g) {
-    const size_t n = g->n, count = g->m->structure & DM_DIAGONAL_MASS ? n : n * n;
-    double largest = 0.0;
-    for (size_t i = 0; i < count; i++) largest = fmax(largest, fabs(g->m->mass_matrix[i]));
-    return largest;
+static void open_kernels(dm_stage_sweeps *w) {
+    const uint32_t width = w->row->width;
+    open_kernel(&w->force, width);
+    if (w->factors.lanes) open_kernel(&w->factors, width);
+    if (w->velocity.lanes) open_kernel(&w->velocity, width);
+}
+
+void dm_stage_sweeps_open(dm_stage *g, const dm_galerkin *basis, double *memory) {
+    dm_stage_sweeps *w = (dm_stage_sweeps *)(void *)aligned(memory);
+    const size_t all = dm_stage_sweeps_size(g->table.s, g->table.r, g->m);
+    if (!all) return;
+    *w = (dm_stage_sweeps){0};
+    if (!find_kernels(w, g, basis)) return;
+    double *behind = (double *)(void *)(w + 1);
+    memset(behind, 0, (size_t)(memory + all - behind) * sizeof *behind);
+    g->sweeps = w;
+    w->row = dm_sweep_find(g->table.r);
+    w->count = basis->sweeps;
+    count_entries(w, g->n);
+    lay_out(g, aligned(behind));
+    g->group.memory = w->memory;
+    assert(w->memory + dm_stage_memory_size(g) <= memory + all);
+    open_kernels(w);
+    w->heaviest = g->separable ? dm_stage_heaviest(g->m) : 0.0;
+    find_ahead(g, basis);
+    plan(g);
 }
