@@ -3,6 +3,7 @@
 #include "integ/method/hamilton.h"
 #include "integ/split/splitting.h"
 #include "integ/stage/lanes/stage_lanes.h"
+#include "integ/stage/stage.h"
 #include "integ/stage/sweep/sweep.h"
 
 static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
