@@ -19,7 +19,7 @@ typedef double V;
 typedef int I;
 
 /* WHERE(x < y): the lanes that have it so */
-#define WHERE(condition) (condition)
+#define WHERE(condition) ((I)(condition))
 
 /* W numbers from memory and back */
 INLINE V load(const double *x) {

@@ -69,7 +69,8 @@ INLINE void copy_where(I yes, double *to, const double *from, uint32_t count) {
 #endif
 }
 
-/* lanes whose last step, of which stage_warm.h keeps the end, was as long and ended here */
+/* lanes whose last step, of which stage_warm.h keeps the end, was as long and ended here. The count
+ * may be any number, from a checkpoint of another's making: no loop goes by it alone. */
 INLINE I goes_on(const dm_stage_group *x, uint32_t n) {
     const double *memory = x->memory, *end = memory + DM_WARM_END * W;
     I fits = WHERE(load(memory + DM_WARM_STEP * W) == load(x->h)) &
