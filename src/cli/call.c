@@ -41,6 +41,7 @@ static void interrupt(lua_State *L, lua_Debug *ar) {
     lua_sethook(L, NULL, 0, 0);
 }
 
+/* Without SA_RESTART: a read of the terminal ends by Ctrl-C. */
 static void set_signal(int number, void (*handler)(int), struct sigaction *before) {
     struct sigaction action = {0};
     action.sa_handler = handler;
@@ -91,6 +92,7 @@ void dml_drop_interrupts(void) {
     set_signal(SIGINT, drop, NULL);
 }
 
+/* Ctrl-C becomes an error of Lua while this runs, and is nothing afterwards. */
 static int guarded_call(lua_State *L, lua_CFunction handler, int arguments, int results) {
     const int base = lua_gettop(L) - arguments;
     struct sigaction before;
@@ -126,6 +128,8 @@ static void leave_out_blame(lua_State *L) {
     lua_replace(L, -2);
 }
 
+/* The message handler of scripts: an object with __tostring gives its text, all else gets a
+ * traceback. */
 static int add_traceback(lua_State *L) {
     if (!lua_tostring(L, 1)) {
         if (luaL_callmeta(L, 1, "__tostring") && lua_type(L, -1) == LUA_TSTRING) return 1;
@@ -167,6 +171,7 @@ void dml_message(const char *program, const char *text) {
     fflush(stderr);
 }
 
+/* To stderr, as lua does. */
 int dml_report(lua_State *L, int status) {
     if (status == LUA_OK) return status;
     const char *text = lua_tostring(L, -1);
@@ -177,6 +182,7 @@ int dml_report(lua_State *L, int status) {
 
 /* ---- our own modules ---- */
 
+/* Protected: a module that cannot be loaded is an error like any other. */
 static int find_function(lua_State *L) {
     const char *name = lua_tostring(L, 1), *field = lua_tostring(L, 2);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_LOADED_TABLE);

@@ -41,6 +41,8 @@ static int ask(int end) {
     return lua_pcall(L, 1, 1, 0);
 }
 
+/* readline asks for candidates between start and end; they come from Lua, which runs no code of
+ * the user for it. */
 static char **attempt(const char *text, int start, int end) {
     lua_State *L = asked;
     const int top = lua_gettop(L);
@@ -92,6 +94,7 @@ static int tab(int count, int key) {
     return rl_complete(count, key);
 }
 
+/* Word breaks of Lua, not of a shell. */
 void dml_complete_open(lua_State *L) {
     asked = L;
     rl_initialize();

@@ -35,6 +35,7 @@ static int go_on(lua_State *L, lua_State *co, int count) {
     return finish(L, co, status, results);
 }
 
+/* Notes which thread runs meanwhile, as hooks belong to one thread. */
 static int resume(lua_State *L) {
     lua_State *co = lua_tothread(L, 1);
     luaL_argexpected(L, co, 1, "thread");
@@ -62,6 +63,7 @@ static int raise_again(lua_State *L, lua_State *co) {
     return lua_error(L);
 }
 
+/* As coroutine.wrap, by way of resume above. */
 static int wrapped(lua_State *L) {
     lua_State *co = lua_tothread(L, lua_upvalueindex(1));
     const int results = go_on(L, co, lua_gettop(L));
@@ -79,6 +81,7 @@ static int wrap(lua_State *L) {
     return 1;
 }
 
+/* In the place of the library's two functions; all else of it stays. */
 void dml_open_coroutines(lua_State *L) {
     static const luaL_Reg functions[] = {{"resume", resume}, {"wrap", wrap}, {NULL, NULL}};
     if (lua_getglobal(L, "coroutine") == LUA_TTABLE) luaL_setfuncs(L, functions, 0);

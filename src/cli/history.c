@@ -63,6 +63,7 @@ static void cut(lua_State *L, const char *path, lua_Integer lines) {
     if (file) dml_endfile(file, fine, beside, path);
 }
 
+/* One entry a line; those of several lines are kept with escaped ends of line. */
 void dml_history_load(lua_State *L, const char *path) {
     FILE *file = fopen(path, "r");
     if (!file) return;
@@ -89,6 +90,8 @@ static void make_folders(lua_State *L, const char *path) {
     }
 }
 
+/* At once, so that a session that is killed keeps its history; two sessions do not overwrite
+ * each other. */
 void dml_history_append(lua_State *L, const char *path, const char *entry) {
     FILE *file = fopen(path, "a");
     if (!file) {

@@ -75,6 +75,7 @@ static void add_searcher(lua_State *L) {
     lua_pop(L, 2);
 }
 
+/* The core and the manual are built in, modules in Lua are looked for beside the program. */
 static int open_home(lua_State *L) {
     static const luaL_Reg modules[] = {{"dm.core", luaopen_dm_core},
                                        {"dm.manual", dml_open_manual},

@@ -92,6 +92,7 @@ static void set_globals(lua_State *L) {
     lua_settop(L, top);
 }
 
+/* In the order in which they stand, as lua does. */
 static int do_options(lua_State *L, char **argv, int n) {
     int set = 0;
     for (int i = 1; i < n; i++) {
@@ -107,6 +108,7 @@ static int do_options(lua_State *L, char **argv, int n) {
     return 1;
 }
 
+/* LUA_INIT, unless -E. */
 static int do_init(lua_State *L) {
     const char *name = "=LUA_INIT" LUA_VERSUFFIX;
     const char *init = getenv(name + 1);
@@ -115,6 +117,7 @@ static int do_init(lua_State *L) {
     return init[0] == '@' ? do_file(L, init + 1) : do_string(L, init, name);
 }
 
+/* The global arg and the arguments of the script. */
 static int push_arguments(lua_State *L) {
     if (lua_getglobal(L, "arg") != LUA_TTABLE) luaL_error(L, "'arg' is not a table");
     const int n = (int)luaL_len(L, -1);
@@ -157,6 +160,7 @@ static int only_prints(const dml_command *c, char **argv) {
     return 1;
 }
 
+/* The standard ones, then dm, before any script runs. */
 static void open_libraries(lua_State *L, const dml_command *c) {
     if (c->flags & DML_NO_ENVIRONMENT) {
         lua_pushboolean(L, 1);
@@ -227,6 +231,7 @@ static void keep_memory(void) {
 #endif
 }
 
+/* Everything else runs protected: what is raised ends in a message and a status. */
 int main(int argc, char **argv) {
     keep_memory();
     lua_State *L = luaL_newstate();

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* --help, --version, --color=. */
 static int long_option(dml_command *c, const char *option) {
     static const char *const when[] = {"auto", "always", "never"};
     static const char colour[] = "--color=";
@@ -60,6 +61,7 @@ static int is_demo(const char *option) {
     return strcmp(option, "--demo") == 0 || strncmp(option, DML_DEMO_IS, 7) == 0;
 }
 
+/* Only reads: nothing is run before all options are known to be right. */
 dml_command dml_command_read(char **argv) {
     dml_command c = {0};
     int i = 1;
@@ -152,6 +154,7 @@ static void set_text(lua_State *L, const char *key, const char *text) {
     lua_setfield(L, -2, key);
 }
 
+/* Rows of the manual as tables, for the man page and completions. */
 static void set_rows(lua_State *L, const char *key, const row *rows) {
     lua_newtable(L);
     for (int i = 0; rows[i].name; i++) {
@@ -165,6 +168,7 @@ static void set_rows(lua_State *L, const char *key, const row *rows) {
     lua_setfield(L, -2, key);
 }
 
+/* The one list of options, as Lua modules read it. */
 int dml_open_manual(lua_State *L) {
     lua_newtable(L);
     set_rows(L, "options", options);

@@ -15,6 +15,7 @@ typedef struct {
     const char *history; /* file, or NULL */
 } session;
 
+/* The user's start-up file, before the first prompt; an error there does not end the session. */
 void dml_startup(lua_State *L) {
     dml_history_path(L, "XDG_CONFIG_HOME", ".config", "init.lua");
     const char *path = lua_tostring(L, -1);
@@ -41,6 +42,7 @@ static const char *push_prompt(lua_State *L, int first) {
     return lua_tostring(L, -1);
 }
 
+/* The first line of an entry, or one that goes on. */
 static int prompted_line(lua_State *L, int first) {
     const char *prompt = push_prompt(L, first);
     const dml_line_result got = dml_line_read(L, prompt);
@@ -197,6 +199,7 @@ static void print_results(lua_State *L) {
     dml_message(NULL, lua_tostring(L, -1));
 }
 
+/* What an entry returned, as dm.pretty shows it; _ and out keep it. */
 static void show_results(lua_State *L) {
     luaL_checkstack(L, LUA_MINSTACK, "too many results to print");
     lua_pushcfunction(L, keep_protected);
@@ -233,6 +236,7 @@ static int show_failure(lua_State *L) {
     return 0;
 }
 
+/* An error keeps the session; a failure of dm gives its path so far to _. */
 static void report_entry(lua_State *L, int status) {
     if (!dml_is_failure(L, -1)) {
         dml_report(L, status);
@@ -256,6 +260,7 @@ static void set_globals(lua_State *L) {
     dml_report(L, status);
 }
 
+/* Runs the function on top and shows its results, which then stand from index 3 on. */
 static void evaluate(lua_State *L) {
     const int status = dml_call_keeping(L, 0, LUA_MULTRET);
     if (status != LUA_OK)
@@ -267,6 +272,7 @@ static void evaluate(lua_State *L) {
     }
 }
 
+/* Reads, runs and shows until the end of input. */
 void dml_session(lua_State *L, int environment) {
     session s = {.L = L};
     const char *program = dml_program;

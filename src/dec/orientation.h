@@ -5,9 +5,9 @@
 
 #include "dec/complex.h"
 
-/* Set K->orientation, to NULL where there is none (a Moebius band, or a face of more than two top
- * cells). The first cell of every component has the sign that `wish` says, [count[n]] of +1 and -1, or
- * +1 where wish is NULL. DM_OK or DM_NO_MEMORY. */
+/* Set K->orientation, to NULL where there is none (a Moebius band, or a face of more than two
+ * top cells). The first cell of every component has the sign that `wish` says, [count[n]] of +1
+ * and -1, or +1 where wish is NULL. DM_OK or DM_NO_MEMORY. */
 dm_status dm_complex_orient(dm_complex *K, dm_arena *arena, const int8_t *wish);
 
 /* The first face of degree n - 1 with more than two top cells, or UINT32_MAX. */

@@ -131,8 +131,8 @@ class.method("dm.form", "delta", function(a, options)
   return sign * a:star():d():star(options)
 end, [[
 a:delta{pinv=} -> dm.form
-The codifferential (-1)^(n (k - 1) + 1) * d * of a k-form, the adjoint of d: (d a).b = a.(delta b), on
-closed meshes or with natural boundary conditions (Leok, Def 3.19).]])
+The codifferential (-1)^(n (k - 1) + 1) * d * of a k-form, the adjoint of d: (d a).b = a.(delta b),
+on closed meshes or with natural boundary conditions (Leok, Def 3.19).]])
 
 class.method("dm.form", "wedge", function(a, b, options)
   local rule = option.check(options or {}, { "rule" }, "form:wedge").rule
@@ -145,9 +145,10 @@ class.method("dm.form", "wedge", function(a, b, options)
     a.mesh:wedge_values(a.degree, a.values, b.degree, b.values, rule))
 end, [[
 a:wedge(b, {rule = "natural" | "metric" | "cup"}) -> dm.form
-The product of two primal forms. "natural": the mean over all orders of vertices; anticommutative, d (a
-^ b) = da ^ b +- a ^ db, no metric (Leok, Def 3.47). "metric": weighted by shares of dual volumes (Def
-3.24), without that rule. "cup": in the order of the vertices, associative, not anticommutative.]])
+The product of two primal forms. "natural": the mean over all orders of vertices; anticommutative,
+d (a ^ b) = da ^ b +- a ^ db, no metric (Leok, Def 3.47). "metric": weighted by shares of dual
+volumes (Def 3.24), without that rule. "cup": in the order of the vertices, associative, not
+anticommutative.]])
 
 class.method("dm.form", "dot", function(a, b)
   match(a, b, "form:dot")

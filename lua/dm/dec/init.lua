@@ -45,7 +45,9 @@ M.mesh = blame.caller(function(options)
   local name = name_of(options)
   local given = name and named.make(name, options)
     or { simplices = options.simplices, points = options.points, lengths = options.lengths }
-  if options.map then given.points = moved(given.points and core.matrix(given.points), options.map) end
+  if options.map then
+    given.points = moved(given.points and core.matrix(given.points), options.map)
+  end
   given.dual = options.dual
   return core.complex(given)
 end)
@@ -53,13 +55,13 @@ end)
 core.docs[M.mesh] = [[
 dm.mesh{simplices=, points= | lengths=, dual=, map=} or dm.mesh{name = size, ...} -> dm.mesh
 A simplicial mesh of dimension 1 to 8: simplices, lists of vertex numbers from 1; points, a list of
-points in any space, or lengths of edges (a number, a list, a function(i, j) with i < j), or neither,
-for topology alone. map(x, y, ...) gives the list of the moved point; dual = "barycentric" takes duals
-from barycentres in place of circumcentres. dm.complex says what is refused.
+points in any space, or lengths of edges (a number, a list, a function(i, j) with i < j), or
+neither, for topology alone. map(x, y, ...) gives the list of the moved point; dual = "barycentric"
+takes duals from barycentres in place of circumcentres. dm.complex says what is refused.
 By name: grid = N (unit square), triangle = N (equilateral), annulus = {rings, m} with ratio =,
-hex_torus = N, square_torus = N, torus = {nu, nv} with radii = {R, r}, klein = n, icosphere = s, bcc = N
-(flat 3-torus), cube_tiling = N, simplex_boundary = m, cross_polytope = m, shells = {n, L}, named =
-"csaszar7" | "rp2" | "dunce".]]
+hex_torus = N, square_torus = N, torus = {nu, nv} with radii = {R, r}, klein = n, icosphere = s,
+bcc = N (flat 3-torus), cube_tiling = N, simplex_boundary = m, cross_polytope = m, shells = {n, L},
+named = "csaszar7" | "rp2" | "dunce".]]
 
 ---- forms ----
 
@@ -89,8 +91,8 @@ class.method("dm.mesh", "form", function(K, k, x, options)
   return form.new(K, k, is_dual and "dual" or "primal", values_of(K, listed, x))
 end, [[
 K:form(k, values | f(x, y, ...), {dual=}) -> dm.form
-A form of degree k from its values, in the order of the cells (dual = true: of the duals of the cells
-of degree n - k).]])
+A form of degree k from its values, in the order of the cells (dual = true: of the duals of the
+cells of degree n - k).]])
 
 
 

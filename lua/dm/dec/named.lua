@@ -296,7 +296,8 @@ function M.cross_polytope(m)
 end
 
 --- shells = {n, L}: a ball of dimension n in L shells of a cross-polytope round a centre, whose
--- prisms are cut so that every geometric cone from the centre is a sum of simplices (Leok, Ex 3.10).
+-- prisms are cut so that every geometric cone from the centre is a sum of simplices (Leok, Ex
+-- 3.10).
 function M.shells(given)
   local n, L = pair_of(given, "shells", 1, 1)
   local points, simplices, zero = {}, {}, {}
@@ -344,14 +345,16 @@ end
 
 -- the projective plane of 6 vertices
 function NAMED.rp2()
-  return { { 1, 2, 3 }, { 1, 3, 4 }, { 1, 4, 5 }, { 1, 5, 6 }, { 1, 2, 6 }, { 2, 3, 5 }, { 3, 4, 6 },
+  return { { 1, 2, 3 }, { 1, 3, 4 }, { 1, 4, 5 }, { 1, 5, 6 }, { 1, 2, 6 }, { 2, 3, 5 },
+    { 3, 4, 6 },
     { 2, 4, 5 }, { 3, 5, 6 }, { 2, 4, 6 } }
 end
 
 -- the dunce hat of 8 vertices: contractible, but no cell can be collapsed
 function NAMED.dunce()
-  return { { 1, 2, 4 }, { 1, 2, 5 }, { 1, 2, 6 }, { 1, 3, 6 }, { 1, 3, 7 }, { 1, 3, 8 }, { 1, 4, 5 },
-    { 1, 7, 8 }, { 2, 3, 4 }, { 2, 3, 5 }, { 2, 3, 7 }, { 2, 6, 7 }, { 3, 4, 8 }, { 3, 5, 6 },
+  return { { 1, 2, 4 }, { 1, 2, 5 }, { 1, 2, 6 }, { 1, 3, 6 }, { 1, 3, 7 }, { 1, 3, 8 },
+    { 1, 4, 5 }, { 1, 7, 8 }, { 2, 3, 4 }, { 2, 3, 5 }, { 2, 3, 7 }, { 2, 6, 7 }, { 3, 4, 8 },
+    { 3, 5, 6 },
     { 4, 5, 6 }, { 4, 6, 7 }, { 4, 7, 8 } }
 end
 
@@ -364,8 +367,8 @@ function M.named(name)
 end
 
 --- The names, for the check of options.
-M.names = { "grid", "triangle", "annulus", "hex_torus", "square_torus", "torus", "klein", "icosphere",
-  "bcc", "cube_tiling", "simplex_boundary", "cross_polytope", "shells", "named" }
+M.names = { "grid", "triangle", "annulus", "hex_torus", "square_torus", "torus", "klein",
+  "icosphere", "bcc", "cube_tiling", "simplex_boundary", "cross_polytope", "shells", "named" }
 
 --- What dm.complex takes, points as a dm.matrix.
 function M.make(name, options)

@@ -26,12 +26,14 @@ void dml_needmetric(lua_State *L, const dml_mesh *m) {
                       "and homology work without");
 }
 
+/* Arguments of all methods: the mesh at 1, the degree at 2, what is asked of it behind. */
 static int mesh_count(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     lua_pushinteger(L, m->K.count[dml_checkdegree(L, 2, m)]);
     return 1;
 }
 
+/* A table of tables: ids of a script begin at 1, those of the complex at 0. */
 static int mesh_simplices(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), *v = m->K.vertex[k];
@@ -48,6 +50,7 @@ static int mesh_simplices(lua_State *L) {
     return 1;
 }
 
+/* A copy: the mesh itself never changes. */
 static int mesh_points(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     if (!m->points) luaL_error(L, "this mesh has no points: it is made of lengths, or of neither");
@@ -222,6 +225,7 @@ static int mesh_wedge_values(lua_State *L) {
     return 1;
 }
 
+/* K.dimension and its like; what is asked of a mesh without points or metric is nil. */
 static int mesh_field(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const char *key = luaL_checkstring(L, 2);

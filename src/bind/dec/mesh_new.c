@@ -9,6 +9,7 @@
 /* the stack of dml_mesh_new: options, mesh, arena, what was read */
 enum { OPTIONS = 1, MESH, ARENA };
 
+/* Memory of an arena, or an error: the arena is Lua's, so nothing is lost by it. */
 static void *take(lua_State *L, dm_arena *arena, size_t size) {
     void *block = dm_arena_take(arena, size);
     if (!block) luaL_error(L, "dm.mesh: not enough memory");
@@ -17,6 +18,7 @@ static void *take(lua_State *L, dm_arena *arena, size_t size) {
 
 /* ---- simplices ---- */
 
+/* The vertex on top of the stack, from 0; `simplex` is for the message. */
 static uint32_t read_id(lua_State *L, lua_Integer simplex) {
     int whole = 0;
     const lua_Integer id = lua_tointegerx(L, -1, &whole);
@@ -76,6 +78,8 @@ static void read_lists(lua_State *L, dm_arena *arena, dm_simplices *out) {
     *out = (dm_simplices){0, (uint32_t)count, start, vertex};
 }
 
+/* The field simplices in either of its forms; vertices beyond the largest one that is named are
+ * asked for by `vertices`. */
 static void read_simplices(lua_State *L, dm_arena *arena, dm_simplices *out) {
     if (!dml_field(L, OPTIONS, "simplices"))
         luaL_error(L, "dm.mesh: field 'simplices' is missing: a list of lists of vertices");
@@ -108,6 +112,7 @@ const char *dml_pushcell(lua_State *L, const uint32_t *vertex, uint32_t count) {
     return lua_tostring(L, -1);
 }
 
+/* The sentence of a fault, with the simplex as it was given. */
 static void refuse(lua_State *L, const dm_simplices *given, const dm_complex_report *report) {
     static const char *const why[] =
         {"", "a vertex is repeated in simplex %d, %s",
@@ -150,6 +155,7 @@ static void read_points(lua_State *L, dm_arena *arena, dml_mesh *m) {
     lua_pop(L, 1);
 }
 
+/* The length of edge e, on top of the stack. */
 static double length_of(lua_State *L, const dml_mesh *m, uint32_t e) {
     const double length = lua_tonumber(L, -1);
     if (lua_type(L, -1) != LUA_TNUMBER || !(length > 0.0) || !isfinite(length))
@@ -184,6 +190,7 @@ static void read_lengths(lua_State *L, const dml_mesh *m, double *length2) {
     }
 }
 
+/* The field dual: where duals of simplices meet. */
 static dm_centres read_centres(lua_State *L) {
     static const char *const names[] = {"circumcentric", "barycentric", NULL};
     if (!dml_field(L, OPTIONS, "dual")) {
@@ -198,6 +205,8 @@ static dm_centres read_centres(lua_State *L) {
     return centres;
 }
 
+/* Squares of lengths, then all volumes and duals. They are made from lengths alone, also where
+ * there are points, so that both roads give the same numbers. */
 static void measure(lua_State *L, dm_arena *arena, dml_mesh *m) {
     uint32_t k = 0, cell = 0;
     double *length2 = lua_newuserdatauv(L, ((size_t)m->K.count[1] + 1) * sizeof *length2, 0);
@@ -255,6 +264,8 @@ static void orient(lua_State *L, dm_arena *arena, dml_mesh *m) {
     if (dm_complex_orient(&m->K, arena, wish) != DM_OK) luaL_error(L, "dm.mesh: not enough memory");
 }
 
+/* The mesh is pushed before anything is read: its arena belongs to Lua from the start, and an
+ * error anywhere gives all memory back. */
 int dml_mesh_new(lua_State *L) {
     static const char *const known[] = {"simplices", "degree", "vertices", "points",
                                         "lengths",   "dual",   NULL};

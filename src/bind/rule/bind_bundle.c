@@ -24,6 +24,8 @@ void dml_bundle_raise(lua_State *L, dm_status status, const char *what) {
     if (status != DM_OK) luaL_error(L, "%s: %s", what, dm_status_text(status));
 }
 
+/* The kernels are of the system as it is now: a changed upvalue of L is seen. The userdata keeps
+ * the model alive, which keeps the kernels. */
 dm_bundle *dml_pushbundle(lua_State *L) {
     const dml_bundle *b = check(L);
     lua_getiuservalue(L, 1, DML_BUNDLE_SYSTEM);
@@ -56,6 +58,7 @@ static dm_element element_at(lua_State *L, int arg, int time) {
     return (dm_element){y, y + n, luaL_optnumber(L, time, 0.0)};
 }
 
+/* d-(y) or d+(y) of the element (q, v) at 2, 3, at the time at 4. */
 static int push_end(lua_State *L, int plus) {
     lua_settop(L, 4);
     const dm_element e = element_at(L, 2, 4);
@@ -76,6 +79,7 @@ static int bundle_plus(lua_State *L) {
     return push_end(L, 1);
 }
 
+/* Both ends of a segment from one evaluation. */
 static int bundle_pair(lua_State *L) {
     lua_settop(L, 4);
     const dm_element e = element_at(L, 2, 4);
@@ -85,6 +89,7 @@ static int bundle_pair(lua_State *L) {
     return 2;
 }
 
+/* T d-(y) or T d+(y), a matrix of n rows: columns of dq, then of dv. */
 static int push_tangent(lua_State *L, int plus) {
     lua_settop(L, 4);
     const dm_element e = element_at(L, 2, 4);
@@ -118,6 +123,7 @@ static int push_lift(lua_State *L, const dm_element *e, const double *minus, con
     return 2;
 }
 
+/* The element that one end keeps and the other moves by a tangent vector. */
 static int vertical(lua_State *L, int plus) {
     lua_settop(L, 5);
     const dm_element e = element_at(L, 2, 5);
@@ -154,6 +160,7 @@ static int bundle_split(lua_State *L) {
     return 4;
 }
 
+/* p- and p+ of an element: the Legendre transforms of Ld at it. */
 static int bundle_momenta(lua_State *L) {
     double action;
     lua_settop(L, 4);
@@ -164,6 +171,7 @@ static int bundle_momenta(lua_State *L) {
     return 2;
 }
 
+/* Ld(y): the action along the segment. */
 static int bundle_action(lua_State *L) {
     double action;
     lua_settop(L, 4);
@@ -176,6 +184,7 @@ static int bundle_action(lua_State *L) {
     return 1;
 }
 
+/* The element whose ends are q0 and q1: found by Newton's method. */
 static int bundle_velocity(lua_State *L) {
     const uint32_t n = check(L)->n;
     lua_settop(L, 4);
@@ -200,6 +209,7 @@ static int bundle_tostring(lua_State *L) {
     return 1;
 }
 
+/* b.h, b.bias, b.dimension, b.segments, b.system. */
 static int bundle_field(lua_State *L) {
     const dml_bundle *b = check(L);
     const char *key = luaL_checkstring(L, 2);

@@ -10,6 +10,7 @@ const dm_curve *dml_tocurve(lua_State *L, int arg) {
     return r && r->rule.method->engine == &dm_engine_curve ? r->rule.data : NULL;
 }
 
+/* Names what there is: tables of our own, then GSL's steppers. */
 static void unknown_method(lua_State *L, const char *name) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
@@ -28,6 +29,7 @@ static void found_method(lua_State *L, dm_curve *c, const char *name) {
     if (!dm_curve_find(c, name)) unknown_method(L, name);
 }
 
+/* A method written in Lua is traced once, here; its coefficients are all that is kept of it. */
 static void own_method(lua_State *L, dm_curve *c, int fn) {
     dml_curve_trace(L, fn, c);
     strcpy(c->name, "own method");
@@ -55,6 +57,8 @@ static void read_method(lua_State *L, dm_curve *c) {
     lua_pop(L, 1);
 }
 
+/* The bias is the part of a step that lies behind (q, v). With points on both sides there are
+ * more of them than the method has stages. */
 static void read_bias(lua_State *L, dm_curve *c) {
     const double bias = dml_number(L, 1, "bias", c->bias);
     if (!(bias >= 0.0 && bias <= 1.0))
@@ -85,6 +89,8 @@ static void read_name(lua_State *L) {
     lua_replace(L, 1);
 }
 
+/* The curve lies in a userdata that the rule keeps, so that solvers which have the rule have it
+ * too. */
 int dml_curve_new(lua_State *L) {
     static const char *const known[] = {"method", "bias", "order", NULL};
     if (lua_type(L, 1) == LUA_TSTRING) read_name(L);

@@ -45,6 +45,8 @@ static momenta of_formula(lua_State *L) {
     return (momenta){out, out + n, out + 2 * (size_t)n};
 }
 
+/* Of a formula by its derivatives, of a rule by solving for its stages: the methods below do not
+ * care. */
 static momenta find_ends(lua_State *L) {
     dm_discrete d;
     if (!check(L)->ruled) return of_formula(L);
@@ -56,6 +58,7 @@ static void push_vector(lua_State *L, const double *x, uint32_t n) {
     memcpy(dml_pushvector(L, n), x, n * sizeof *x);
 }
 
+/* Stack of the methods: Ld, q0, q1, and a time for a rule. */
 static int discrete_minus(lua_State *L) {
     lua_settop(L, 4);
     const momenta e = find_ends(L);
@@ -94,6 +97,7 @@ static int discrete_momentum(lua_State *L) {
     return 1;
 }
 
+/* The value has a kernel of its own, on the tape: it is asked for seldom. */
 static double value_of_formula(lua_State *L) {
     const uint32_t n = check(L)->n;
     double *x = lua_newuserdatauv(L, 2 * (size_t)n * sizeof *x, 0), value;
@@ -111,6 +115,7 @@ static double value_of_formula(lua_State *L) {
     return value;
 }
 
+/* Ld(q0, q1). */
 static int discrete_call(lua_State *L) {
     dm_discrete d;
     lua_settop(L, 4);
@@ -132,6 +137,7 @@ static void set_matrix(lua_State *L, const char *key, const double *x, uint32_t 
     lua_setfield(L, -2, key);
 }
 
+/* All that the stationary curve has: a table of vectors and matrices, a row a point. */
 static int hamilton_pontryagin(lua_State *L) {
     const dml_system *s = check(L);
     dm_discrete d;
@@ -169,6 +175,7 @@ static int discrete_tostring(lua_State *L) {
     return 1;
 }
 
+/* Fields are those that were given, h is a number of its own. */
 static int discrete_field(lua_State *L) {
     const dml_system *s = check(L);
     const char *key = luaL_checkstring(L, 2);
@@ -290,6 +297,8 @@ static int is_timed(lua_State *L) {
     return timed;
 }
 
+/* A table is a formula. A system and a rule become a formula where the rule has one velocity,
+ * else they stay a rule whose stages are solved for. */
 static int discrete_new(lua_State *L) {
     static const char *const known[] = {"Q",           "h",     "Ld",      "name",
                                         "coordinates", "units", "params",  "derivatives",

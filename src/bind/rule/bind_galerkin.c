@@ -24,6 +24,7 @@ static int read_numbers(lua_State *L, const char *key, long double *out, int *co
     return there;
 }
 
+/* Nodes ascend and lie in [0, 1], so that a curve passes them in order. */
 static void check_nodes(lua_State *L, const dm_quadrature *q) {
     for (int i = 0; i < q->r; i++) {
         const double c = (double)q->c[i];
@@ -71,6 +72,7 @@ static void check_degree(lua_State *L, int s, const dm_quadrature *q) {
                    s, s - 1, degree);
 }
 
+/* Nodes and weights become the data of a rule; degree and quadrature decide its order. */
 static int galerkin_new(lua_State *L) {
     static const char *const known[] = {"degree", "nodes", "weights", NULL};
     dm_quadrature q = {0};

@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+/* `data` lies in the userdata on top, which the rule keeps: what points into it lives as long. */
 void dml_pushrule(lua_State *L, const char *name, const void *data, const char *text) {
     dml_rule *r = lua_newuserdatauv(L, sizeof *r, 2);
     *r = (dml_rule){.rule = {.method = dm_method_find(name, NULL), .data = data}};
@@ -27,6 +28,7 @@ static int rule_tostring(lua_State *L) {
     return 1;
 }
 
+/* What holds of a rule is asked of its method, with its arguments. */
 static int rule_field(lua_State *L) {
     const dml_rule *r = luaL_checkudata(L, 1, DML_RULE);
     const char *key = luaL_checkstring(L, 2);

@@ -16,6 +16,7 @@ static void set_count(lua_State *L, const char *key, int n) {
     lua_setfield(L, -2, key);
 }
 
+/* Traits as fields true or false of the table on top. */
 static void set_traits(lua_State *L, unsigned traits) {
     static const struct {
         const char *key;
@@ -48,6 +49,7 @@ static void push_instance(lua_State *L, const char *text, size_t length) {
     set_traits(L, dm_rule_traits(nodes));
 }
 
+/* The rules on which the tests measure what a row says. */
 static void push_instances(lua_State *L, const char *text) {
     lua_newtable(L);
     for (lua_Integer i = 1; *text; i++) {
@@ -59,6 +61,7 @@ static void push_instances(lua_State *L, const char *text) {
     }
 }
 
+/* One table a method, in the order of methods.def. */
 static int rules(lua_State *L) {
     lua_Integer i = 0;
     lua_newtable(L);

@@ -13,6 +13,8 @@ static int has(lua_State *L, const char *key) {
     return there;
 }
 
+/* s numbers of the table in the field `key`, in long double: coefficients are kept to more
+ * digits than a double has. */
 static void read_row(lua_State *L, const char *key, long double *out, int s) {
     double x[DM_SPRK_STAGES];
     dml_numbers(L, 1, key, x, (uint32_t)s);
@@ -36,6 +38,7 @@ static void read_matrix(lua_State *L, const char *key,
     lua_pop(L, 1);
 }
 
+/* A consistent tableau has weights that add up to 1. */
 static void check_weights(lua_State *L, const char *key, const long double *b, int s) {
     long double sum = 0.0L;
     for (int i = 0; i < s; i++) sum += b[i];
@@ -44,6 +47,7 @@ static void check_weights(lua_State *L, const char *key, const long double *b, i
                    (double)(sum - 1.0L));
 }
 
+/* b_i A_ij + B_j a_ji = b_i B_j, and the i, j where it fails most (HLW VI.4.6). */
 static void check_symplectic(lua_State *L, const dm_tableau *t) {
     int i, j;
     const long double defect = dm_tableau_defect(t, &i, &j);
@@ -110,6 +114,7 @@ static void check_times(lua_State *L, const dm_tableau *t, int order) {
     }
 }
 
+/* The partner is computed from the tableau, or checked where it is given too. */
 static int sprk_new(lua_State *L) {
     static const char *const known[] = {"a", "b", "A", "B", "c", "name", NULL};
     lua_settop(L, 1);

@@ -28,6 +28,7 @@ static dm_status measure_limit(dm_bundle *b, const dm_element *e, double *order)
     return status;
 }
 
+/* The smallest singular values of T d- and T d+: above zero both are submersions. */
 static dm_status measure_submersions(dm_bundle *b, findings *f, const dm_element *e, double *D) {
     const dm_status status = dm_bundle_tangents(b, D, e);
     if (status != DM_OK) return status;
@@ -36,6 +37,8 @@ static dm_status measure_submersions(dm_bundle *b, findings *f, const dm_element
     return DM_OK;
 }
 
+/* All findings at one element; tangents of both ends, and the place where kernels meet, lie in
+ * one userdata. */
 static void measure(lua_State *L, dm_bundle *b, findings *f, const dm_element *e) {
     const uint32_t n = b->n;
     double *D = lua_newuserdatauv(L, (4 * (size_t)n * n + 2 * n) * sizeof *D, 0);
@@ -59,6 +62,7 @@ static void set(lua_State *L, const char *key, double x) {
     lua_setfield(L, -2, key);
 }
 
+/* Findings as fields of a result. */
 static void push_table(lua_State *L, const dm_bundle *b, const findings *f) {
     lua_createtable(L, 0, 8);
     dml_setresult(L);
@@ -77,6 +81,7 @@ static void push_table(lua_State *L, const dm_bundle *b, const findings *f) {
     lua_setfield(L, -2, "ok");
 }
 
+/* And as one sentence, for a person. */
 static void push_sentence(lua_State *L, const dm_bundle *b, const findings *f) {
     const char *what = holds(f) ? "a discrete tangent bundle" : "NO discrete tangent bundle";
     if (isfinite(f->largest))

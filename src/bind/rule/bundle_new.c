@@ -63,6 +63,8 @@ static const dm_curve *push_segments(lua_State *L) {
     return dml_tocurve(L, -1);
 }
 
+/* Segments and system become user values; kernels are made when the bundle is asked for
+ * something. */
 int dml_bundle_new(lua_State *L) {
     static const char *const known[] = {"system", "Q", "h", "segments", "bias", NULL};
     lua_settop(L, 1);

@@ -119,6 +119,7 @@ static void ask(probe *p, double *one) {
     dm_kernel_eval(&p->kernel, p->in, p->out);
 }
 
+/* What is added to x: coefficients of h k_i in positions and in velocities. */
 static void read_sums(probe *p) {
     memset(p->rows, 0, (size_t)(p->s + 1) * sizeof *p->rows);
     ask(p, p->in + HALF);
@@ -193,6 +194,8 @@ static int has_right_times(probe *p) {
     return 1;
 }
 
+/* From the traced sums to the rows of the tableau; anything but numbers there is no linear
+ * method. */
 static void read_coefficients(lua_State *L, probe *p) {
     read_sums(p);
     if (!is_linear(p))
@@ -204,6 +207,7 @@ static void read_coefficients(lua_State *L, probe *p) {
                       "coefficients of that call");
 }
 
+/* Positions and velocities are treated alike: then Ld has a sum of its own, and its order. */
 static int is_runge_kutta(const probe *p) {
     for (int i = 0; i <= p->s; i++) {
         const sums *row = p->rows + i;
@@ -225,6 +229,8 @@ static int is_at_start(const sums *row) {
     return row->g == 0.0;
 }
 
+/* A method that treats them differently: accelerations enter positions by h^2, and the
+ * quadrature runs along nodes. */
 static void fill_lifted(lua_State *L, dm_curve *out, const probe *p) {
     const int before = !is_at_start(p->rows), s = p->s + before;
     if (s > DM_CURVE_STAGES)
@@ -252,6 +258,7 @@ static void build(lua_State *L, dm_kernel *out, const dml_traced *traced, dm_are
     if (status != DM_OK) luaL_error(L, "the method: %s", dm_status_text(status));
 }
 
+/* A method must move by h f for constant f, or it is none. */
 static void check_consistent(lua_State *L, const dm_curve *c) {
     const double moved = sum_of(c->plus, c->s), pushed = sum_of(c->arrival, c->s);
     if (!(fabs(moved - 1.0) <= 1e-10 && fabs(pushed - 1.0) <= 1e-10))
@@ -261,6 +268,8 @@ static void check_consistent(lua_State *L, const dm_curve *c) {
                    moved, pushed);
 }
 
+/* The function at `fn` is called with symbols; what it did with the answers of f is read off the
+ * graph. */
 void dml_curve_trace(lua_State *L, int fn, dm_curve *out) {
     static const dml_signature signature = {.what = "the method",
                                             .arguments = 4,

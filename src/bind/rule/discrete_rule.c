@@ -34,6 +34,8 @@ static const dm_method *read_rule(lua_State *L, int at, dm_rule *nodes) {
     return method;
 }
 
+/* Nodes and quadrature of the rule in the table at `at`; a rule without stages has no discrete
+ * Lagrangian. */
 static void read_basis(lua_State *L, int at, dm_galerkin *g) {
     dm_rule nodes[DM_RULE_NODES];
     const dm_method *method = read_rule(L, at, nodes);
@@ -75,6 +77,7 @@ static void join_arguments(lua_State *L) {
     lua_settop(L, 2);
 }
 
+/* It keeps the system and the rule, and traces L when it is asked for something. */
 void dml_pushruled(lua_State *L) {
     static const char *const known[] = {"rule", "h", "name", "degree", "quadrature", NULL};
     static const char *const copied[] = {"Q", "name", "coordinates", "units", "params", NULL};
@@ -101,6 +104,7 @@ void dml_pushruled(lua_State *L) {
     luaL_setmetatable(L, DML_DISCRETE);
 }
 
+/* Why the curve between q0 and q1 was not found, in words. */
 static void check_status(lua_State *L, dml_model *m, dm_status status, const dml_system *s) {
     dml_rethrow(L, m);
     if (status == DM_SINGULAR)
@@ -115,6 +119,7 @@ static void check_status(lua_State *L, dml_model *m, dm_status status, const dml
                    s->h, dm_status_text(status));
 }
 
+/* Arguments at 2, 3, 4 of the caller: q0, q1, t. What *out points to stays on the stack. */
 void dml_solveruled(lua_State *L, dm_discrete *out) {
     const dml_system *s = luaL_checkudata(L, 1, DML_DISCRETE);
     const uint32_t n = s->n;
@@ -165,6 +170,7 @@ int dml_discrete_coefficients(lua_State *L) {
     return 1;
 }
 
+/* A solver of such an Ld is the solver of its system with its rule: the steps are the same. */
 void dml_unfoldruled(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 2, DML_DISCRETE);
     lua_newtable(L);

@@ -29,7 +29,8 @@ dm_status dml_tangent_momentum(dml_stepping *r);
 /* r->x = (q, v, t): only the positions. */
 void dml_check_on_constraints(lua_State *L, dml_stepping *r, const char *who);
 
-/* Raise where two positions of a discrete Lagrangian, in r->x, do not fit its rolling constraints. */
+/* Raise where two positions of a discrete Lagrangian, in r->x, do not fit its rolling
+ * constraints. */
 void dml_check_rolling_pair(lua_State *L, const dml_stepping *r);
 
 #endif

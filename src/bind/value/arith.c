@@ -19,6 +19,7 @@ static int read_operand(lua_State *L, int arg, dml_operand *out) {
     return out->rank = 1;
 }
 
+/* What a user calls the value: our classes by name, else Lua's word. */
 static const char *type_name(lua_State *L, int arg) {
     if (luaL_getmetafield(L, arg, "__name") == LUA_TSTRING) return lua_tostring(L, -1);
     if (lua_type(L, arg) == LUA_TSTRING)
@@ -26,6 +27,7 @@ static const char *type_name(lua_State *L, int arg) {
     return luaL_typename(L, arg);
 }
 
+/* Lua's own message has no names of our classes, and a nil of a misspelt field is told here. */
 static void refuse_operands(lua_State *L, dm_op op) {
     const char *a = type_name(L, 1), *b = type_name(L, 2);
     luaL_where(L, 1);
@@ -59,6 +61,8 @@ static const double *numbers_of(const dml_operand *x, uint32_t *step) {
     return x->scalar.kind == DML_NUMBER ? &x->scalar.as.number : NULL;
 }
 
+/* out = a op b entry by entry, where a scalar stands for all entries. The loops have no calls in
+ * them, so that the compiler makes vectors of them. */
 static void number_loop(double *out, dm_op op, const dml_operand *a, const dml_operand *b,
                         uint32_t n) {
     uint32_t da, db;
@@ -141,12 +145,15 @@ static int product(lua_State *L, const dml_array *a, const dml_array *b) {
     return 1;
 }
 
+/* Both are scalars of any kind: one operation. */
 static int apply_scalars(lua_State *L, dm_op op, const dml_operand *a, const dml_operand *b) {
     const dml_scalar z = dml_apply(L, op, &a->scalar, &b->scalar, NULL);
     dml_pushscalar(L, &z);
     return 1;
 }
 
+/* + and -: of arrays of one shape, of scalars, of a vector and a number, which goes to every
+ * entry. Of a matrix and a number it is refused: a multiple of the identity is meant as often. */
 static int sum(lua_State *L, dm_op op) {
     dml_operand a, b;
     if (read_operands(L, op, &a, &b)) return 1;
@@ -170,6 +177,8 @@ int dml_sub(lua_State *L) {
     return sum(L, DM_OP_SUB);
 }
 
+/* A number scales; matrix * matrix and matrix * vector are products; two vectors have none:
+ * v:dot(w), v:cross(w), v:outer(w) are named. */
 int dml_mul(lua_State *L) {
     dml_operand a, b;
     if (read_operands(L, DM_OP_MUL, &a, &b)) return 1;
@@ -182,6 +191,7 @@ int dml_mul(lua_State *L) {
                           : "vector * matrix is not defined: use m:transpose() * v");
 }
 
+/* Only by scalars. */
 int dml_div(lua_State *L) {
     dml_operand a, b;
     if (read_operands(L, DM_OP_DIV, &a, &b)) return 1;
@@ -195,6 +205,7 @@ int dml_div(lua_State *L) {
     return elementwise(L, DM_OP_DIV, &a, &b);
 }
 
+/* Scalars alone have powers; what a power of an array might mean is named. */
 int dml_pow(lua_State *L) {
     dml_operand a, b;
     if (read_operands(L, DM_OP_POW, &a, &b)) return 1;
@@ -203,6 +214,7 @@ int dml_pow(lua_State *L) {
                          "v:map(function(x) return x^2 end)");
 }
 
+/* Entries of any kind; -x of a symbol is a node. */
 int dml_unm(lua_State *L) {
     dml_operand a;
     lua_settop(L, 1);

@@ -12,6 +12,8 @@ static size_t entry_size(dml_kind kind) {
     return size[kind];
 }
 
+/* Entries stand behind the header in one block, zero: nothing is to be released, the collector
+ * takes all. */
 dml_array *dml_newarray(lua_State *L, int rank, uint32_t rows, uint32_t columns,
                         const dml_scalar *like) {
     const uint64_t n = (uint64_t)rows * columns;
@@ -30,6 +32,7 @@ dml_array *dml_newarray(lua_State *L, int rank, uint32_t rows, uint32_t columns,
     return a;
 }
 
+/* The class is told by the address of the metatable: no look-up of a name. */
 dml_array *dml_toarray(lua_State *L, int arg, int rank) {
     const int class = dml_classof(L, arg);
     return class == (rank == 1 ? DML_CLASS_VECTOR : DML_CLASS_MATRIX) ? lua_touserdata(L, arg)
@@ -42,6 +45,8 @@ dml_array *dml_checkarray(lua_State *L, int arg, int rank) {
     return a;
 }
 
+/* A table is copied into a vector which takes its place on the stack, so that it stays alive as
+ * long as the argument. */
 const dml_array *dml_vectorat(lua_State *L, int arg) {
     static const dml_scalar zero = {.kind = DML_NUMBER};
     arg = lua_absindex(L, arg);
@@ -60,6 +65,8 @@ const dml_array *dml_vectorat(lua_State *L, int arg) {
     return a;
 }
 
+/* A view: user value 1 holds the matrix, and entries are read where they are then, should the
+ * matrix move them. */
 void dml_pushrow(lua_State *L, int arg, uint32_t i) {
     arg = lua_absindex(L, arg);
     dml_array *m = lua_touserdata(L, arg);
@@ -94,6 +101,7 @@ const dm_node *dml_nodesof(const dml_array *a) {
     return h->kind == DML_SYMBOL ? (const dm_node *)h->entries + a->offset : NULL;
 }
 
+/* Entry i as a scalar of the kind of the array. */
 dml_scalar dml_get(const dml_array *a, uint32_t i) {
     dml_scalar x = dml_kindof(a);
     const void *entries = holder(a)->entries;
@@ -107,6 +115,7 @@ dml_scalar dml_get(const dml_array *a, uint32_t i) {
     return x;
 }
 
+/* The array keeps its kind: numbers are lifted to it; dml_assign is for entries of another kind. */
 void dml_put(lua_State *L, dml_array *a, uint32_t i, const dml_scalar *x) {
     const dml_scalar kind = dml_kindof(a), y = dml_lift(L, x, &kind);
     void *entries = holder(a)->entries;
@@ -162,6 +171,7 @@ static void make_room_for(lua_State *L, dml_array *a, const dml_scalar *x) {
     if (common.kind != kind.kind) change_kind(L, h, &common);
 }
 
+/* An entry of a higher kind makes all others of that kind first: the new block is user value 1. */
 void dml_assign(lua_State *L, int arg, uint32_t i, const dml_scalar *x) {
     dml_array *a = lua_touserdata(L, arg);
     const dml_scalar kind = dml_kindof(a);
@@ -176,6 +186,7 @@ void dml_assign(lua_State *L, int arg, uint32_t i, const dml_scalar *x) {
 
 /* ---- sums of products ---- */
 
+/* Strides da, db: rows and columns of a matrix alike. */
 static double inner_numbers(const double *a, uint32_t da, const double *b, uint32_t db,
                             uint32_t n) {
     double sum = 0;
@@ -203,6 +214,8 @@ static int are_symbols(lua_State *L, const dml_array *a, const dml_array *b) {
            dml_findframe(L, x.serial);
 }
 
+/* sum_i a_i b_i from the first entry on, in every kind in the same order, so that a trace rounds
+ * as plain calls do. */
 dml_scalar dml_inner(lua_State *L, dml_run a, dml_run b, uint32_t n) {
     const double *x = dml_numbersof(a.array), *y = dml_numbersof(b.array);
     dml_scalar sum = {.kind = DML_NUMBER, .as.number = 0};

@@ -19,6 +19,7 @@ static void read_pair(lua_State *L, dml_scalar *x, double *a, double *b) {
     *b = y.kind ? y.as.hyper.f : y.as.number;
 }
 
+/* Comparisons look at the value alone: the branch of a function is that of its value. */
 static int hyper_lt(lua_State *L) {
     dml_scalar x;
     double a, b;
@@ -70,6 +71,7 @@ static const dml_hyperdual *check(lua_State *L) {
     return lua_touserdata(L, 1);
 }
 
+/* x.f, x.a, x.b, x.ab: value, both slopes and the mixed second derivative. */
 static int hyper_field(lua_State *L) {
     static const char *const names[] = {"f", "a", "b", "ab"};
     const dml_hyperdual *h = check(L);
@@ -88,6 +90,7 @@ static int hyper_tostring(lua_State *L) {
     return 1;
 }
 
+/* Parts that are left out are zero: a constant. */
 static int hyper_new(lua_State *L) {
     const dml_scalar x = {.kind = DML_HYPERDUAL,
                           .as.hyper = {.f = luaL_checknumber(L, 1),

@@ -12,6 +12,7 @@
 enum { MAX, MIN }; /* the first of the table */
 static const dml_math functions[];
 
+/* A symbol or a hyper-dual number: what plain math does not know. */
 static int is_special(lua_State *L, int arg) {
     if (lua_type(L, arg) != LUA_TUSERDATA) return 0;
     const int class = dml_classof(L, arg);
@@ -77,6 +78,7 @@ static int read_two(lua_State *L, lua_CFunction enter, double x[2], int *results
     return second ? 2 : 1;
 }
 
+/* Of two arguments too, as Lua's. */
 static int math_atan(lua_State *L) {
     double x[2];
     int results;
@@ -86,6 +88,7 @@ static int math_atan(lua_State *L) {
     return 1;
 }
 
+/* Any base; 2 and 10 have functions of their own in C, and keep them. */
 static int math_log(lua_State *L) {
     double x[2];
     int results;
@@ -109,6 +112,7 @@ static int math_pow(lua_State *L) {
     return 1;
 }
 
+/* Integers stay integers, and the least one is its own modulus, as in Lua. */
 static int math_abs(lua_State *L) {
     int results;
     if (lua_isinteger(L, 1)) {
@@ -305,6 +309,7 @@ static const dml_scalar *check_scalar(lua_State *L, int arg, dml_scalar *x) {
     return x;
 }
 
+/* dm.where(condition, a, b): both sides are computed, the one that is not taken has slope zero. */
 static int where(lua_State *L) {
     dml_scalar c, a, b;
     check_scalar(L, 1, &c);

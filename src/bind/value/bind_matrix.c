@@ -15,6 +15,7 @@ static dml_array *check(lua_State *L) {
 
 /* ---- making one ---- */
 
+/* A number of rows or columns. */
 static uint32_t check_extent(lua_State *L, int arg) {
     const lua_Integer n = luaL_checkinteger(L, arg);
     luaL_argcheck(L, n >= 1 && n <= 1 << 24, arg, "a number of rows or columns >= 1 expected");
@@ -45,6 +46,7 @@ static void push_row_of_table(lua_State *L, uint32_t i) {
                    (int)i + 1, luaL_typename(L, -1));
 }
 
+/* All rows have the length of the first; entries may be of any kind. */
 static int from_rows(lua_State *L) {
     const lua_Integer n = luaL_len(L, 1);
     luaL_argcheck(L, n >= 1 && n <= 1 << 24, 1,
@@ -72,6 +74,7 @@ static int copy(lua_State *L, const dml_array *a) {
     return 1;
 }
 
+/* A table of rows, a matrix to copy, or two numbers. */
 static int matrix_new(lua_State *L) {
     const dml_array *given = dml_toarray(L, 1, 2);
     if (given) return copy(L, given);
@@ -102,6 +105,7 @@ static int matrix_copy(lua_State *L) {
 
 /* ---- rows, columns, entries ---- */
 
+/* From 1; `what` is "row" or "column". */
 static uint32_t check_index(lua_State *L, int arg, uint32_t limit, const char *what) {
     int whole;
     const lua_Integer i = lua_tointegerx(L, arg, &whole);
@@ -113,6 +117,7 @@ static uint32_t check_index(lua_State *L, int arg, uint32_t limit, const char *w
     return (uint32_t)(i - 1);
 }
 
+/* m[i] is a view, so that m[i][j] = x changes the matrix. */
 static int matrix_field(lua_State *L) {
     const dml_array *m = check(L);
     if (lua_type(L, 2) == LUA_TSTRING) {
@@ -183,6 +188,7 @@ static int matrix_totable(lua_State *L) {
 
 /* ---- algebra ---- */
 
+/* A new matrix: rows and columns exchanged. */
 static int matrix_transpose(lua_State *L) {
     const dml_array *m = check(L);
     const dml_scalar kind = dml_kindof(m);
@@ -223,6 +229,7 @@ static int matrix_solve(lua_State *L) {
     return 1;
 }
 
+/* By the linear system with the identity: one factorization. */
 static int matrix_inverse(lua_State *L) {
     const dml_array *m = check(L);
     check_square(L, m);

@@ -18,6 +18,7 @@ static const char *traced_function(lua_State *L) {
     return "the function";
 }
 
+/* What needs a value cannot be recorded: the message says what to use in its place. */
 static int refuse(lua_State *L, const char *what) {
     lua_settop(L, 2);
     return luaL_error(L,
@@ -56,6 +57,7 @@ static int refuse_call(lua_State *L) {
     return refuse(L, "a call");
 }
 
+/* x.y of a symbol: the message guesses which function should have got another argument there. */
 static int refuse_field(lua_State *L) {
     lua_settop(L, 2);
     const char *key = luaL_tolstring(L, 2, NULL);

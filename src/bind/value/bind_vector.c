@@ -25,12 +25,14 @@ static const dml_array *same_length(lua_State *L, const dml_array *a, int arg) {
 
 /* ---- making one ---- */
 
+/* Entries of a new vector of zeros. */
 static uint32_t check_length(lua_State *L, int arg) {
     const lua_Integer n = luaL_checkinteger(L, arg);
     luaL_argcheck(L, n >= 0 && n <= 1 << 28, arg, "a length from 0 to 2^28 expected");
     return (uint32_t)n;
 }
 
+/* n entries from the one `first` on, of any kind. */
 static int copy(lua_State *L, const dml_array *a, uint32_t first, uint32_t n) {
     const dml_scalar kind = dml_kindof(a);
     dml_array *out = dml_newarray(L, 1, n, 1, &kind);
@@ -43,6 +45,7 @@ static int copy(lua_State *L, const dml_array *a, uint32_t first, uint32_t n) {
     return 1;
 }
 
+/* A table, a vector or a number of zeros. */
 static int vector_new(lua_State *L) {
     if (lua_gettop(L) > 1)
         return luaL_error(L, "dm.vector takes one table of entries, or a length: write "
@@ -87,6 +90,7 @@ static uint32_t check_index(lua_State *L, int arg, uint32_t limit) {
     return (uint32_t)(i - 1);
 }
 
+/* v[i] from 1; anything else is a method. Beyond the end it is nil, so that ipairs ends. */
 static int vector_field(lua_State *L) {
     const dml_array *a = check(L);
     if (lua_isinteger(L, 2)) {
@@ -106,6 +110,7 @@ static int vector_field(lua_State *L) {
     return 1;
 }
 
+/* Entries may be of a higher kind than those there are: then all are lifted. */
 static int vector_set(lua_State *L) {
     const dml_array *a = check(L);
     dml_scalar x;
@@ -126,6 +131,7 @@ static int vector_len(lua_State *L) {
 
 /* ---- products and sums ---- */
 
+/* See dml_inner for the order of the sum. */
 static int vector_dot(lua_State *L) {
     const dml_array *a = check(L), *b = same_length(L, a, 2);
     const dml_scalar sum = dml_inner(L, (dml_run){a, 0, 1}, (dml_run){b, 0, 1}, a->rows);
@@ -145,6 +151,7 @@ static double norm_of_numbers(const double *x, uint32_t n) {
     return largest * sqrt(sum);
 }
 
+/* Of numbers without overflow; of symbols the root of the sum of squares. */
 static int vector_norm(lua_State *L) {
     const dml_array *a = check(L);
     const double *numbers = dml_numbersof(a);
@@ -179,6 +186,7 @@ static dml_scalar minor(lua_State *L, const dml_array *a, const dml_array *b, ui
     return dml_apply(L, DM_OP_SUB, &plus, &minus, NULL);
 }
 
+/* In the plane the one number that is left of it. */
 static int vector_cross(lua_State *L) {
     const dml_array *a = check(L), *b = same_length(L, a, 2);
     if (a->rows == 2) {
@@ -206,6 +214,7 @@ static int vector_outer(lua_State *L) {
     return 1;
 }
 
+/* f sees the entry and its number; results may be of any kind. */
 static int vector_map(lua_State *L) {
     const dml_array *a = check(L);
     lua_settop(L, 2);
@@ -241,6 +250,7 @@ static int vector_totable(lua_State *L) {
     return 1;
 }
 
+/* Shape and values; symbols have no value to compare, and raise. */
 int dml_equal(lua_State *L) {
     const int rank = dml_toarray(L, 1, 1) ? 1 : 2;
     const dml_array *a = dml_toarray(L, 1, rank), *b = dml_toarray(L, 2, rank);

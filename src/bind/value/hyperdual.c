@@ -21,6 +21,7 @@ static double times(double slope, double move) {
     return move == 0 ? 0.0 : slope * move;
 }
 
+/* f(x) by f, f', f'': the second derivative has the product of the slopes. */
 static dml_hyperdual chain1(const jet1 *j, const dml_hyperdual *x) {
     return (dml_hyperdual){
         .f = j->g,
@@ -30,6 +31,7 @@ static dml_hyperdual chain1(const jet1 *j, const dml_hyperdual *x) {
     };
 }
 
+/* f(x, y) by its first and second partial derivatives. */
 static dml_hyperdual chain2(const jet2 *j, const dml_hyperdual *x, const dml_hyperdual *y) {
     return (dml_hyperdual){
         .f = j->g,
@@ -66,6 +68,7 @@ static jet1 reciprocal_root(double x) {
     return (jet1){w, -0.5 * w / x, 0.75 * w / (x * x)};
 }
 
+/* f, f', f'' of every function of one argument. */
 static jet1 jet_of_one(dm_op op, double x) {
     const double g = dm_op_value(op, x, 0, 0);
     const jet1 w = arcsine(x);
@@ -125,6 +128,7 @@ static jet2 angle(double y, double x) {
     return (jet2){atan2(y, x), gy, gx, 2 * gx * gy, gx * gx - gy * gy, -2 * gx * gy};
 }
 
+/* Powers, quotients, arctangents of two arguments. */
 static jet2 jet_of_two(dm_op op, double x, double y) {
     const double g = dm_op_value(op, x, y, 0);
     switch (op) {

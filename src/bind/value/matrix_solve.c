@@ -53,6 +53,7 @@ static int is_singular(const factors *f, const double *a, size_t n) {
     return 0;
 }
 
+/* Tells the condition number in the norm of column sums. */
 static void raise_singular(lua_State *L, const factors *f, const double *a, size_t n) {
     double *inverse = lua_newuserdatauv(L, n * n * sizeof *inverse, 0);
     gsl_matrix_view view = gsl_matrix_view_array(inverse, n, n);
@@ -68,6 +69,7 @@ static void raise_singular(lua_State *L, const factors *f, const double *a, size
                condition);
 }
 
+/* NaN would come out as a wrong solution, without an error. */
 static void check_finite(lua_State *L, const double *a, size_t n) {
     for (size_t i = 0; i < n; i++)
         if (!isfinite(a[i]))
@@ -81,6 +83,7 @@ static void factor_regular(lua_State *L, factors *f, const double *a, size_t n) 
     if (is_singular(f, a, n)) raise_singular(L, f, a, n);
 }
 
+/* The product of the pivots, with the sign of the permutation. */
 static void det_of_numbers(lua_State *L, const double *a, size_t n) {
     factors f;
     check_finite(L, a, n * n);
@@ -88,6 +91,7 @@ static void det_of_numbers(lua_State *L, const double *a, size_t n) {
     lua_pushnumber(L, gsl_linalg_LU_det(&f.lu.matrix, f.sign));
 }
 
+/* One factorization serves all columns; Ctrl-C is looked for between them. */
 static void solve_numbers(lua_State *L, const double *a, const dml_array *b) {
     const size_t n = b->rows, k = b->columns;
     const double *rhs = dml_numbersof(b);
@@ -173,6 +177,7 @@ typedef struct {
     dml_scalar det;
 } tableau;
 
+/* The row of the largest weight in column k; t->n where all are zero. */
 static uint32_t find_pivot(lua_State *L, const tableau *t, uint32_t k) {
     uint32_t best = k;
     double most = 0;
@@ -226,6 +231,7 @@ static tableau make_tableau(lua_State *L, const dml_array *m, const dml_array *b
     return t;
 }
 
+/* Gauss elimination in the graph: the result is an expression in the entries. */
 static void eliminate_solve(lua_State *L, dml_array *x, const dml_array *m, const dml_array *b) {
     tableau t = make_tableau(L, m, b);
     if (!eliminate(L, &t)) luaL_error(L, "the matrix is singular (its condition is infinite)");
@@ -245,6 +251,7 @@ static int by_cofactors(const dml_array *m) {
     return dml_kindof(m).kind == DML_SYMBOL && m->rows <= MOST_COFACTORS;
 }
 
+/* Numbers by LU, all else by elimination. */
 void dml_det(lua_State *L, const dml_array *m) {
     const double *numbers = dml_numbersof(m);
     check_square(L, m);
@@ -262,6 +269,7 @@ void dml_det(lua_State *L, const dml_array *m) {
     dml_pushscalar(L, &det);
 }
 
+/* m x = b for a vector or a matrix b. */
 void dml_solve(lua_State *L, const dml_array *m, const dml_array *b) {
     const double *numbers = dml_numbersof(m);
     check_square(L, m);
@@ -324,6 +332,8 @@ static void sort_pairs(double *re, double *im, size_t n) {
         }
 }
 
+/* Symmetric matrices by the symmetric solver, which gives real values; others by the general
+ * one. Sorted. */
 void dml_eigenvalues(lua_State *L, const dml_array *m) {
     const size_t n = m->rows;
     check_square(L, m);

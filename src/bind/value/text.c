@@ -22,6 +22,7 @@ typedef struct {
     const dm_graph *graph;
 } writer;
 
+/* What does not fit is cut with three dots. */
 static void write_text(writer *w, const char *text) {
     for (; *text && w->length < LONGEST_EXPRESSION; text++) w->text[w->length++] = *text;
     w->text[w->length] = '\0';
@@ -49,6 +50,7 @@ static int strength(dm_op op) {
 
 static void write_node(writer *w, dm_node n, int least, int depth);
 
+/* f(a, b). */
 static void write_call(writer *w, const dm_expr *e, int depth) {
     write_text(w, e->op == DM_OP_RSQRT ? "1/sqrt" : dm_op_text(e->op));
     for (int k = 0; k < dm_op_operands(e->op); k++) {
@@ -81,6 +83,7 @@ static void write_root(writer *w, const dm_expr *e, int depth) {
     write_text(w, entry);
 }
 
+/* Parentheses only where the order of operations needs them. */
 static void write_infix(writer *w, const dm_expr *e, int depth) {
     const int own = strength(e->op), loose = e->op == DM_OP_ADD || e->op == DM_OP_MUL;
     if (e->op == DM_OP_NEG) {
@@ -104,6 +107,7 @@ static void write_leaf(writer *w, const dm_expr *e) {
     write_text(w, leaf);
 }
 
+/* `least` is how tightly the surroundings bind; `depth` ends what would be too long to read. */
 static void write_node(writer *w, dm_node n, int least, int depth) {
     const dm_expr *e = dm_graph_at(w->graph, n);
     const int own = strength(e->op);
@@ -126,6 +130,7 @@ static void write_node(writer *w, dm_node n, int least, int depth) {
     }
 }
 
+/* The expression of a symbol, as far as it fits. */
 static void symbol_text(lua_State *L, char *out, const dml_scalar *x) {
     const dml_frame *frame = dml_findframe(L, x->serial);
     writer w = {.length = 0};
@@ -138,6 +143,7 @@ static void symbol_text(lua_State *L, char *out, const dml_scalar *x) {
     strcpy(out, w.text);
 }
 
+/* Numbers as Lua prints them, hyper-dual numbers as f + a e1 + b e2 + c e1e2. */
 void dml_scalartext(lua_State *L, char out[DML_TEXT], const dml_scalar *x) {
     const dml_hyperdual *h = &x->as.hyper;
     if (x->kind == DML_NUMBER)

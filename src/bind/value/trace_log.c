@@ -24,6 +24,8 @@ static void make_symbols(const dml_traced *last) {
     s->keeper = dml_arenastack(arena);
 }
 
+/* Symbols of the last time are given out again: making and collecting userdata was half of the
+ * time of an operation. */
 static void take_symbols(dml_frame *f) {
     dml_symbols *s = f->last->log->symbols;
     if (!s->of) make_symbols(f->last);
@@ -37,6 +39,7 @@ void dml_leavesymbols(dml_frame *f) {
     f->symbols = NULL;
 }
 
+/* They stay on the keeper's stack, for the next trace of the same function. */
 void dml_dropsymbols(dml_frame *f) {
     dml_symbols *s = f->symbols;
     dml_leavesymbols(f);
@@ -45,6 +48,7 @@ void dml_dropsymbols(dml_frame *f) {
     s->keeper = NULL;
 }
 
+/* It grows in the arena of the trace. */
 static dml_log *new_log(dm_arena *arena) {
     dml_log *log = dm_arena_take(arena, sizeof *log);
     dml_symbols *symbols = dm_arena_take(arena, sizeof *symbols);
@@ -54,6 +58,7 @@ static dml_log *new_log(dm_arena *arena) {
     return log;
 }
 
+/* 1: the trace repeats *last and makes no nodes until something differs. */
 int dml_beginlog(dml_frame *f, const dml_traced *last) {
     f->last = last && last->log && dm_graph_status(last->graph) == DM_OK ? last : NULL;
     if (f->last) {
@@ -88,6 +93,7 @@ static int make_room(dm_arena *arena, dml_log *log, uint32_t steps, uint32_t sum
     return 1;
 }
 
+/* The deed and the node that it became, at the end of the log. */
 static void note(dml_frame *f, const dml_deed *d, dm_node node) {
     if (!f->log || dm_graph_status(f->graph) != DM_OK) return;
     if (!make_room(f->arena, f->log, f->log->count + 1, 0)) {
@@ -98,6 +104,7 @@ static void note(dml_frame *f, const dml_deed *d, dm_node node) {
         (dml_step){.did = *d, .node = node, .size = dm_graph_size(f->graph)};
 }
 
+/* The trace of a term in the arena of this trace: the other one may go first. */
 static dml_traced copy_term(dm_arena *arena, const dm_sum *s, const dml_traced *term) {
     dml_traced copy = *term;
     dml_log *log = new_log(arena);
@@ -138,6 +145,8 @@ static int copy_log(dml_frame *f, const dml_log *from, uint32_t count) {
     return 1;
 }
 
+/* Something differs: from here on the trace has a graph of its own, which begins as a copy of
+ * what was the same, under the same numbers. */
 void dml_leavelast(lua_State *L, dml_frame *f) {
     if (!f->last) return;
     const dml_log *log = f->last->log;
@@ -150,6 +159,7 @@ void dml_leavelast(lua_State *L, dml_frame *f) {
     f->step = f->end = NULL;
 }
 
+/* The operation is made in the graph and noted. */
 dm_node dml_doanew(lua_State *L, dml_frame *f, const dml_deed *d) {
     dml_leavelast(L, f);
     double x;
@@ -176,6 +186,7 @@ dm_node dml_sumagain(dml_frame *f) {
     return f->step++->node;
 }
 
+/* A sum over bodies is one entry, with the log of its term. */
 dm_node dml_sumanew(lua_State *L, dml_frame *f, const dm_sum *s, const dml_traced *term) {
     dml_leavelast(L, f);
     const dm_node node = dm_sum_leaf(f->own, s);

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Numbers first: nearly all arguments are. */
 int dml_toscalar(lua_State *L, int arg, dml_scalar *out) {
     *out = (dml_scalar){.kind = DML_NUMBER};
     if (lua_type(L, arg) == LUA_TNUMBER) {
@@ -45,6 +46,7 @@ static int push_kept(lua_State *L, const dml_frame *frame, dm_node node) {
     return 1;
 }
 
+/* A new userdata with the number of its trace, so that one which outlives it is told. */
 static void push_symbol(lua_State *L, dm_node node, uint32_t serial) {
     const dml_frame *frame = dml_getstate(L)->frames;
     if (frame && frame->serial == serial && push_kept(L, frame, node)) return;
@@ -52,6 +54,7 @@ static void push_symbol(lua_State *L, dm_node node, uint32_t serial) {
     *s = (dml_symbol){.node = node, .serial = serial};
 }
 
+/* The inverse of dml_toscalar. */
 void dml_pushscalar(lua_State *L, const dml_scalar *x) {
     if (x->kind == DML_NUMBER) {
         lua_pushnumber(L, x->as.number);
@@ -65,6 +68,7 @@ void dml_pushscalar(lua_State *L, const dml_scalar *x) {
 
 /* ---- kinds ---- */
 
+/* The trace that a symbol belongs to, or an error: it has ended. */
 static dml_frame *live_frame(lua_State *L, uint32_t serial) {
     dml_frame *frame = dml_findframe(L, serial);
     if (!frame)
@@ -73,6 +77,8 @@ static dml_frame *live_frame(lua_State *L, uint32_t serial) {
     return frame;
 }
 
+/* The kind that both fit: number < symbol, number < hyper-dual number; symbols of two traces,
+ * and symbols with hyper-dual numbers, have none. */
 dml_scalar dml_common(lua_State *L, const dml_scalar *a, const dml_scalar *b) {
     if (a->kind == DML_NUMBER) return *b;
     if (b->kind == DML_NUMBER) return *a;
@@ -88,6 +94,7 @@ dml_scalar dml_common(lua_State *L, const dml_scalar *a, const dml_scalar *b) {
     return *a;
 }
 
+/* x as a scalar of the kind of `like`: a number becomes a constant node, or has slopes zero. */
 dml_scalar dml_lift(lua_State *L, const dml_scalar *x, const dml_scalar *like) {
     if (x->kind == like->kind) return *x;
     if (x->kind != DML_NUMBER || like->kind == DML_NUMBER)
@@ -120,6 +127,8 @@ static dml_scalar numeric(dm_op op, const dml_scalar *const x[3], int n) {
     return (dml_scalar){.kind = DML_NUMBER, .as.number = dm_op_value(op, x[0]->as.number, b, c)};
 }
 
+/* One operation of the table, whatever the kind: the place where all arithmetic of a script
+ * ends. */
 dml_scalar dml_apply(lua_State *L, dm_op op, const dml_scalar *a, const dml_scalar *b,
                      const dml_scalar *c) {
     const dml_scalar *const x[3] = {a, b, c};
@@ -170,6 +179,7 @@ int dml_symbolic(lua_State *L, dm_op op) {
 
 enum { CHUNK = 16 }; /* entries of a table on the stack at once */
 
+/* -1 is no error: callers say what they expected. */
 long dml_length(lua_State *L, int arg) {
     dml_scalar x;
     const dml_array *a = dml_toarray(L, arg, 1);
@@ -251,6 +261,8 @@ static uint32_t read_plain(lua_State *L, int arg, double *out, uint32_t n) {
     return i;
 }
 
+/* Vectors are read in their block, tables in pieces of raw entries, all else entry by entry,
+ * with the first bad one named. */
 void dml_vectorarg(lua_State *L, int arg, const char *name, double *out, uint32_t n) {
     arg = lua_absindex(L, arg);
     const long length = dml_length(L, arg);
