@@ -259,6 +259,7 @@ static dm_node *copy_roots(dm_graph *g, const dm_node *roots, uint32_t m) {
     return both;
 }
 
+/* the one that was made before, if there is one for these roots */
 dm_graph *dm_compact_graph(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out) {
     const compacted *last = find_compacted(g, roots, m);
     if (last && g->status == DM_OK) {

@@ -81,6 +81,7 @@ static dm_node copy_of(pass *p, dm_node n) {
                     operands > 2 ? copy[arg[2]] : 0);
 }
 
+/* the marked nodes in their order, each copied or taken in; NULL without memory */
 static dm_graph *contract(dm_graph *g, const dm_node *roots, uint32_t m, dm_node *out,
                           int differences) {
     const uint32_t end = dm_mark(g, roots, m);

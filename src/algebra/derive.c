@@ -19,6 +19,7 @@ static dm_node one(dm_graph *g) {
     return dm_constant(g, 1.0);
 }
 
+/* sets of nodes, 64 to a word */
 static int has_bit(const uint64_t *bits, dm_node n) {
     return bits[n / 64] >> n % 64 & 1;
 }
@@ -67,15 +68,18 @@ static int needs(const sweep *s, const dm_graph *g, dm_node n) {
     return dm_is_marked(g, n) && s->active[n];
 }
 
+/* d[n] counts only while n is pending; what is left from the last row is not looked at */
 dm_node dm_derive_held(const dm_derive_sweep *s, dm_node n) {
     return has_bit(s->pending, n) ? s->d[n] : 0;
 }
 
+/* n will be come to: operands have smaller numbers, so it lies ahead of a reverse sweep */
 void dm_derive_hold(dm_derive_sweep *s, dm_node n, dm_node d) {
     s->d[n] = d;
     set_bit(s->pending, n);
 }
 
+/* df/dn to the operands of n, those that depend on the inputs in question */
 static void hand_down(sweep *s, dm_graph *g, dm_node n) {
     const dm_expr e = *dm_at(g, n);
     for (int k = 0; k < dm_arity(e.op); k++) {
@@ -112,6 +116,8 @@ static int is_last(const dm_graph *g, dm_node f, uint32_t first, uint32_t n) {
     return g->status == DM_OK && last->of && last->f == f && last->first == first && last->n == n;
 }
 
+/* the arrays of later gradients take its place; verbatim graphs are made for rounding and keep
+ * none */
 static void keep_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, const dm_node *out) {
     dm_node *of = dm_arena_take(g->arena, n * sizeof *of);
     if (!of || g->status != DM_OK || g->verbatim) return;
@@ -119,6 +125,7 @@ static void keep_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, co
     g->gradient = (dm_gradient_cache){f, first, n, of};
 }
 
+/* of f as it is, the last one again where it is asked for again */
 static void gradient_of(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *out) {
     sweep s;
     if (is_last(g, f, first, n)) {
@@ -131,10 +138,12 @@ static void gradient_of(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_n
     keep_gradient(g, f, first, n, out);
 }
 
+/* of the form of f whose derivatives are short */
 void dm_gradient(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *out) {
     gradient_of(g, dm_compact_source(g, f), first, n, out);
 }
 
+/* one reverse sweep a row; bits and arrays are used again */
 static void jacobian_by_rows(sweep *s, dm_graph *g, const dm_node *f, uint32_t m, dm_node *out) {
     for (uint32_t i = 0; i < m; i++) reverse(s, g, f[i], out + (size_t)i * s->n);
 }
@@ -146,6 +155,7 @@ typedef struct {
     dm_node *user;
 } users;
 
+/* counted first, then filled in, as a sparse matrix by columns; 0 without memory */
 static int find_users(users *u, const sweep *s, dm_graph *g, uint32_t end) {
     uint32_t sum = 0;
     u->start = dm_arena_take(g->arena, ((size_t)end + 2) * sizeof *u->start);
@@ -190,6 +200,7 @@ static void forward(sweep *s, dm_graph *g, const users *u, uint32_t end, dm_node
         }
 }
 
+/* one forward sweep a column; an input that no node stands for has a column of zeros */
 static void jacobian_by_columns(sweep *s, dm_graph *g, const dm_node *f, uint32_t m, dm_node *out) {
     users u;
     const uint32_t end = dm_mark(g, f, m);
@@ -205,6 +216,7 @@ static void jacobian_by_columns(sweep *s, dm_graph *g, const dm_node *f, uint32_
     }
 }
 
+/* numbers only: no other order can be cheaper */
 static int all_constant(const dm_graph *g, const dm_node *nodes, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!dm_is_op(g, nodes[i], DM_OP_CONSTANT)) return 0;
@@ -217,6 +229,7 @@ static uint32_t cost(dm_graph *g, dm_node *all, uint32_t m, const dm_node *d, si
     return dm_operations(g, all, m + (uint32_t)count);
 }
 
+/* by rows, then by columns unless that cannot gain; the cheaper one with f itself counted in */
 void dm_jacobian(dm_graph *g, const dm_node *f, uint32_t m, uint32_t first, uint32_t n,
                  dm_node *out) {
     sweep s;
@@ -259,6 +272,7 @@ static void keep_smaller(dm_graph *g, dm_node *best, uint32_t *least, dm_node *a
     }
 }
 
+/* The Jacobian of the gradient by rows and by columns, each with either triangle mirrored. */
 void dm_hessian(dm_graph *g, dm_node f, uint32_t first, uint32_t n, dm_node *gradient,
                 dm_node *hessian) {
     sweep s;

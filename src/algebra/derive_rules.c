@@ -168,6 +168,7 @@ typedef struct {
     int yes, no; /* numbers of the operands */
 } choice;
 
+/* min(a, b) is b where a - b > 0; max(a, b) is b where b - a > 0 */
 static int is_choice(dm_graph *g, dm_node n, choice *out) {
     const dm_expr e = *dm_at(g, n);
     const dm_node a = e.as.arg[0], b = e.as.arg[1];

@@ -13,6 +13,7 @@
 
 enum { FIRST_TERMS = 256 };
 
+/* no memory: the graph has failed, too */
 static int fail(dm_terms *s) {
     dm_graph_fail(s->g, DM_NO_MEMORY);
     return 0;
@@ -27,6 +28,7 @@ static uint64_t hash_part(const dm_part *p) {
     return x ^ x >> 29;
 }
 
+/* of what a term is known by; leaves by their node */
 static uint32_t hash(const dm_term_entry *head, const dm_part *parts) {
     uint64_t h = (uint64_t)head->kind << 8 | head->op;
     if (head->count == 0) h += (uint64_t)head->node << 16;
@@ -34,6 +36,7 @@ static uint32_t hash(const dm_term_entry *head, const dm_part *parts) {
     return (uint32_t)(h * 0xD6E8FEB86659FD93u >> 32);
 }
 
+/* is t the term of this content? */
 static int same(const dm_terms *s, dm_term t, const dm_term_entry *head, const dm_part *parts) {
     const dm_term_entry *e = s->entries + t;
     if (e->kind != head->kind || e->op != head->op || e->count != head->count) return 0;
@@ -44,12 +47,14 @@ static int same(const dm_terms *s, dm_term t, const dm_term_entry *head, const d
     return 1;
 }
 
+/* where it is in the table, or would be */
 static uint32_t slot_of(const dm_terms *s, const dm_term_entry *head, const dm_part *parts) {
     uint32_t slot = hash(head, parts) & s->mask;
     while (s->table[slot] && !same(s, s->table[slot], head, parts)) slot = (slot + 1) & s->mask;
     return slot;
 }
 
+/* room for `want` terms, a power of two; the table, at most half full, is filled anew */
 static int grow_entries(dm_terms *s, size_t want) {
     dm_arena *arena = s->arena;
     const size_t held = s->capacity;

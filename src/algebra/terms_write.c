@@ -224,6 +224,7 @@ static dm_node write_atom(const writer *w, dm_term t) {
     return dm_apply(w->g, (dm_op)e->op, arg[0], arg[1], arg[2]);
 }
 
+/* the node of t; its parts have theirs */
 static dm_node write_term(writer *w, dm_term t) {
     switch (w->s->entries[t].kind) {
     case DM_TERM_PRODUCT:

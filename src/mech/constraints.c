@@ -77,6 +77,7 @@ static int all_zero(const dm_node *row, uint32_t n) {
     return 1;
 }
 
+/* known of the nodes, without a point */
 uint32_t dm_constraints_idle(const dm_constraints *t) {
     const size_t n = t->n;
     for (uint32_t i = 0; i < t->holonomic; i++)
@@ -207,6 +208,7 @@ void dm_constraints_add_force(double *sum, const dm_constraints *constraints, co
     for (uint32_t i = 0; i < constraints->n; i++) sum[i] += f[i];
 }
 
+/* One after the other, the first refusal ends it; what is there is not made again. */
 dm_status dm_constraints_want(dm_constraints *t, unsigned want, dm_compile *compile) {
     const unsigned missing = want & ~t->has;
     dm_status status = DM_OK;

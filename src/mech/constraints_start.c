@@ -58,6 +58,7 @@ static frame lay_out(const dm_constraints *t, const double *W, int velocity, dou
     return f;
 }
 
+/* a . b */
 static double dot(const double *a, const double *b, uint32_t n) {
     double sum = 0.0;
     for (uint32_t i = 0; i < n; i++) sum += a[i] * b[i];
@@ -260,6 +261,7 @@ dm_status dm_constraints_project_velocity(const dm_constraints *t, double *x, co
 
 /* ---- the metric ---- */
 
+/* a constant mass brings its inverse along */
 dm_status dm_constraints_inverse_mass(double *W, const dm_model *m, const double *x, double *work) {
     const size_t n = m->n;
     double *mass = work, *column = mass + n + n * n;

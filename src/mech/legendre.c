@@ -16,6 +16,7 @@ typedef struct {
     double size;
 } equation;
 
+/* x, L_v, L_vv, the root, and what Newton's method wants */
 size_t dm_legendre_work(const dm_model *m) {
     const size_t n = m->n;
     if (m->structure & DM_DIAGONAL_MASS) return 3 * n + 1;
@@ -50,6 +51,7 @@ static dm_status by_mass(const dm_model *m, double *p, const double *v) {
     return all_finite(p, m->n) ? DM_OK : DM_NOT_FINITE;
 }
 
+/* one evaluation; what is not finite is told, not handed on */
 dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v, double t,
                       double *work) {
     if (m->structure & DM_DIAGONAL_MASS) return by_mass(m, p, v);
@@ -105,6 +107,7 @@ static dm_status by_inverse(const dm_model *m, double *v, const double *p, doubl
  * leads nowhere: so far along p. */
 static const double along[] = {1.0, 0.125, 8.0};
 
+/* v stays as it is where there is no answer */
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, const double *p,
                               double t, double *work) {
     if (m->structure & DM_LINEAR_IN_V) return DM_OK;

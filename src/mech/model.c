@@ -6,7 +6,9 @@
  *
  * Compaction is most of the work of a kernel, so slope and mass are taken out of the compacted
  * stage where there is one. They round in another way than alone; which kernels a model has is
- * therefore decided by the rule that opens it, never by what ran before. */
+ * therefore decided by the rule that opens it, never by what ran before.
+ *
+ * Long because structure and kernels are made of the same derivatives, by one builder. */
 #include "mech/model.h"
 
 #include "algebra/body_sum.h"
@@ -33,6 +35,7 @@ typedef struct {
     dm_compile *compile;
 } builder;
 
+/* nodes[count] in the model's arena */
 static dm_node *take_nodes(const builder *b, size_t count) {
     return dm_arena_take(b->arena, count * sizeof(dm_node));
 }
@@ -52,6 +55,7 @@ static int all_zero(const dm_node *nodes, size_t count) {
     return 1;
 }
 
+/* nothing beside the diagonal, anywhere */
 static int is_diagonal(const dm_node *mass, uint32_t n) {
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++)
@@ -288,6 +292,7 @@ static dm_status make_later(builder *b) {
     return DM_OK;
 }
 
+/* made at most once; later calls find it */
 dm_status dm_model_stage(const dm_kernel **out, const dm_model *m) {
     *out = &m->stage;
     if (m->stage.eval) return DM_OK;
@@ -364,6 +369,7 @@ static dm_status build_written_out(dm_model *m, dm_graph *g, dm_node L, unsigned
     return build_dense(m, plain, all, n, want, compile, arena);
 }
 
+/* sums stay loops where they are long and nobody wants n x n tables */
 dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsigned want,
                          dm_compile *compile, dm_arena *arena) {
     int fits = 0;
@@ -376,6 +382,7 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
     return status;
 }
 
+/* D1 and D2 are the gradient, D1D2 the upper right block of the Hessian */
 dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n, dm_compile *compile,
                               dm_arena *arena) {
     builder b = {.m = {.n = n}, .g = g, .L = Ld, .arena = arena, .compile = compile};

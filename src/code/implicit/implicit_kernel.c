@@ -43,6 +43,7 @@ static dm_node last_argument(const dm_graph *g, dm_node with) {
     return with;
 }
 
+/* the instance of these arguments, NULL: not met before */
 static instance *find(const cut *c, dm_node with) {
     for (uint32_t i = 0; i < c->count; i++)
         if (c->instances[i].with == with) return c->instances + i;
@@ -57,6 +58,7 @@ static instance *insert(cut *c, dm_node with) {
     return c->instances + i;
 }
 
+/* its function and its arguments, by the chain of links */
 static int read_instance(cut *c, instance *x) {
     x->a = dm_arena_take(c->from->arena, (dm_implicit_length(c->from, x->with) + 1) * sizeof *x->a);
     if (x->a) x->f = dm_implicit_read(c->from, x->with, x->a);
@@ -257,6 +259,7 @@ static void place(stage *s, const composite *k, const instance *x, double **at) 
     *at = s->slope + r * (size_t)n;
 }
 
+/* arguments, then the solver of the function */
 static dm_status make_stage(stage *s, const cut *c, const instance *x, dm_compile *compile,
                             dm_arena *arena) {
     const uint32_t n = x->f->inputs;
@@ -287,6 +290,7 @@ static int take_memory(composite *k, const cut *c, dm_arena *arena) {
     return 1;
 }
 
+/* memory, one stage an instance in their order, then the kernel of the rest */
 static dm_status build(composite *k, const cut *c, const dm_node *roots, uint32_t m,
                        dm_compile *compile, dm_arena *arena) {
     dm_node *node = dm_arena_take(c->to->arena, m * sizeof *node);
@@ -301,6 +305,8 @@ static dm_status build(composite *k, const cut *c, const dm_node *roots, uint32_
     return compile(&k->last, c->to, node, m, arena);
 }
 
+/* What the kernel remembers lies behind its inputs, so that a run can save and restore it at
+ * once. */
 dm_status dm_root_kernel(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
                          dm_compile *compile, dm_arena *arena) {
     cut c = {.from = g};

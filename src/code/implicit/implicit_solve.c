@@ -68,6 +68,7 @@ static void find_strides(dm_root_solver *s) {
     for (uint32_t i = 0; i < s->r; i++) s->stride[i] = stride /= g;
 }
 
+/* Starts that are numbers are read once; else they have a kernel of x. */
 dm_status dm_root_solver_build(dm_root_solver *out, const dm_implicit *f, dm_compile *compile,
                                dm_arena *arena, int noted) {
     const uint32_t r = f->unknowns;
@@ -306,6 +307,7 @@ static void note(dm_root_solver *s, dm_root_trouble *found, const dm_root_troubl
     memcpy(s->best, y, s->r * sizeof *y);
 }
 
+/* what was nearest to a root, for the message */
 static void keep(const dm_root_solver *s, const dm_root_trouble *found, const double *x) {
     dm_root_trouble *t = s->trouble;
     double *const where_x = t->x, *const where_y = t->y;
@@ -379,6 +381,7 @@ static void forget(dm_root_trouble *t) {
     if (t && t->outcome != DM_ROOT_FOUND && ++t->since > FORGOTTEN) t->outcome = DM_ROOT_FOUND;
 }
 
+/* a few iterations from y, and all starts where they do not do */
 dm_root_outcome dm_root_solve_near(dm_root_solver *s, const double *x, double *y, double *inverse) {
     memcpy(s->in + s->r, x, s->n * sizeof *x);
     s->most = AT_MOST_NEAR;
@@ -389,6 +392,7 @@ dm_root_outcome dm_root_solve_near(dm_root_solver *s, const double *x, double *y
     return DM_ROOT_FOUND;
 }
 
+/* F_x is that of the root that was found last */
 void dm_root_slope(const dm_root_solver *s, double *slope, const double *inverse) {
     const uint32_t r = s->r, n = s->n;
     for (uint32_t i = 0; i < r; i++)
@@ -400,6 +404,7 @@ void dm_root_slope(const dm_root_solver *s, double *slope, const double *inverse
         }
 }
 
+/* first on paths that stay on the branch, then on any */
 dm_root_outcome dm_root_solve(dm_root_solver *s, const double *x, double *y, double *inverse) {
     dm_root_trouble found = {.outcome = DM_ROOT_NONE, .residual = INFINITY};
     if (!isfinite(norm(x, s->n))) { /* the trouble is elsewhere */

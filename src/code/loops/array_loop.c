@@ -11,6 +11,7 @@
 
 #include <string.h>
 
+/* a graph with as many inputs as there may be references */
 int dm_array_loop_begin(dm_array_loop_draft *d, dm_arena *arena) {
     d->g = dm_graph_new(arena, DM_ARRAY_LOOP_MOST);
     d->inputs = d->outputs = d->carried = 0;
@@ -118,6 +119,7 @@ static dm_graph *contract_all(dm_graph *g, dm_node *roots, uint32_t m) {
     return c.to->status == DM_OK ? c.to : NULL;
 }
 
+/* Carried values need registers: without native code such a loop is refused. */
 dm_status dm_array_loop_end(dm_array_loop *out, dm_array_loop_draft *d, dm_compile *compile,
                             dm_arena *arena) {
     dm_array_loop s = {.lanes = 0};
@@ -161,6 +163,7 @@ static void run_one_by_one(const dm_array_loop *s, const dm_array_bases *at, uin
     }
 }
 
+/* whole groups of lanes, also behind the last entry */
 void dm_array_loop_run(const dm_array_loop *s, dm_array_bases at, uint32_t count) {
     const uint32_t whole = (count + DM_ARRAY_GROUP - 1) & ~(uint32_t)(DM_ARRAY_GROUP - 1);
     if (!count) return;

@@ -168,6 +168,7 @@ static void load_carried(dm_code *c, const dm_array_loop_draft *d) {
         dm_x86_load(c, DM_LANES8, 31 - (int)k, home_of(d->start[k]));
 }
 
+/* values that are asked for at the end go back to where they came from */
 static void store_carried(dm_code *c, const dm_array_loop_draft *d) {
     if (d->carried) dm_x86_bytes(c, "\x4D\x89\xC5", 3); /* r13 = r8 */
     for (uint32_t k = 0; k < d->carried; k++)

@@ -40,6 +40,7 @@ typedef struct {
 
 /* code as bytes; the comments beside them say what they are */
 #define PUT(m, bytes) dm_x86_bytes(&(m)->code, bytes, sizeof bytes - 1)
+/* a 32-bit immediate or displacement */
 static void put_number(maker *m, int32_t x) {
     dm_x86_bytes(&m->code, &x, sizeof x);
 }

@@ -56,6 +56,7 @@ static uint32_t choose_together(uint32_t size, uint32_t lanes) {
     return lanes > 1 && size <= 12 ? 2 : 1;
 }
 
+/* parts are repeated for the groups that take turns; one group alone goes as it is */
 dm_status dm_loop_native(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS], uint32_t size,
                          uint32_t lanes, dm_arena *arena) {
     for (int k = 0; k < DM_LOOP_PARTS; k++)

@@ -37,6 +37,7 @@ static void give_slot_back(dm_emitter *e, dm_place *v) {
     v->on_stack = v->homed = 0;
 }
 
+/* what the step before used last */
 void dm_free_slots(dm_emitter *e) {
     while (e->releases) e->free[e->frees++] = e->released[--e->releases];
 }
@@ -109,6 +110,7 @@ static int is_worth_fetching(const dm_emitter *e, dm_node n) {
     return 0;
 }
 
+/* memory will do as an operand; a value with another use is fetched where there is room */
 dm_operand dm_anywhere(dm_emitter *e, dm_node n) {
     const dm_place *v = e->at + n;
     if (v->reg < 0 && is_worth_fetching(e, n)) dm_in_a_register(e, n);
@@ -155,6 +157,7 @@ void dm_save_registers(dm_emitter *e) {
         if (e->occupied >> r & 1) give_home(e, e->held[r]);
 }
 
+/* all are free; values are in their homes */
 void dm_forget_registers(dm_emitter *e) {
     for (int r = 0; r < e->registers; r++)
         if (e->occupied >> r & 1) drop(e, r);

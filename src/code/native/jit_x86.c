@@ -31,6 +31,7 @@ void dm_jit_limit(uint32_t lanes) {
 
 #if defined(__x86_64__)
 
+/* AVX for 4 lanes, AVX-512 with its parts F, DQ and VL for 8 */
 static uint32_t processor_lanes(void) {
     __builtin_cpu_init();
     if (!__builtin_cpu_supports("avx")) return 0;
@@ -329,6 +330,7 @@ dm_status dm_jit_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots, 
 
 #endif
 
+/* compacted as a graph of its own, so that a lane has the bits of the kernel for one */
 dm_status dm_jit_build_lanes(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
                              uint32_t lanes, dm_arena *arena) {
     if (lanes > dm_jit_lanes()) return DM_NO_NATIVE;
@@ -352,6 +354,7 @@ dm_status dm_native_build(dm_kernel *out, dm_graph *g, const dm_node *roots, uin
     return status == DM_NO_NATIVE ? dm_tape_build(out, g, roots, m, arena) : status;
 }
 
+/* each constant once a lane */
 void dm_kernel_prepare_lanes(const dm_kernel *k, uint32_t lanes, double *out) {
     for (uint32_t i = 0; k->fixed && i < k->outputs; i++)
         for (uint32_t lane = 0; k->fixed[i] && lane < lanes; lane++)

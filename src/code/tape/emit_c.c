@@ -101,6 +101,7 @@ static int body(const writer *w, uint32_t end) {
     return 1;
 }
 
+/* Constants stand where they are used, so that no line is spent on them. */
 int dm_emit_c(dm_graph *g, const dm_node *roots, uint32_t m, const char *name,
               const char *const *names, dm_put *put, void *ud) {
     if (dm_has_roots(g, roots, m)) return 0;
@@ -124,6 +125,7 @@ int dm_emit_c(dm_graph *g, const dm_node *roots, uint32_t m, const char *name,
     return 1;
 }
 
+/* reciprocal roots only where the text calls them */
 void dm_emit_c_head(dm_put *put, void *ud, const char *body) {
     static const char library[] = "#include <math.h>\n\n",
                       root[] = "static inline double reciprocal_root(double x) {\n"

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+/* Two buffers hold carried values and coefficients by turns: a part reads one and writes the
+ * other. */
 dm_status dm_loop_by_kernels(dm_loop *out, const dm_loop_part part[DM_LOOP_PARTS], uint32_t size,
                              dm_compile *compile, dm_arena *arena) {
     dm_loop l = {.size = size, .lanes = 1, .together = 1};
@@ -30,6 +32,7 @@ typedef struct {
     const double *coefficients;
 } cursor;
 
+/* one part; its coefficients are copied behind the carried values */
 static void do_part(const dm_loop *l, dm_loop_kind kind, cursor *at) {
     const dm_kernel *k = l->kernel + kind;
     const uint32_t count = l->coefficients[kind];
@@ -43,6 +46,7 @@ static void do_part(const dm_loop *l, dm_loop_kind kind, cursor *at) {
     at->coefficients += count;
 }
 
+/* start once, then head, body as often as it is repeated, and tail of every step */
 static void run_kernels(const dm_loop *l, const dm_loop_call *c) {
     cursor at = {l->buffer[0], l->buffer[1], c->coefficients};
     memcpy(at.now, c->state, l->size * sizeof(double));
@@ -58,6 +62,7 @@ static void run_kernels(const dm_loop *l, const dm_loop_call *c) {
     memcpy(c->state, at.now, l->size * sizeof(double));
 }
 
+/* Native code counts groups by as many as it takes at once. */
 void dm_loop_run(const dm_loop *l, dm_loop_call *call) {
     if (!l->native) {
         run_kernels(l, call);

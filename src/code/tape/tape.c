@@ -343,6 +343,7 @@ static int make_moves(dm_kernel *out, tape *t, const builder *w, const dm_node *
     return 1;
 }
 
+/* The tape in the caller's arena; what is only needed to make it, in scratch memory. */
 dm_status dm_tape_build_exact(dm_kernel *out, dm_graph *g, const dm_node *roots, uint32_t m,
                               dm_arena *arena) {
     builder w;
