@@ -421,13 +421,22 @@ static dm_status solve_from(pair *e, const dm_stepper *s, const double *v, doubl
     return dm_newton(e->z, &problem, e->scratch, report);
 }
 
+/* Is what is left of the equations small beside p0? Near a kink of Ld their terms are so large that
+ * what rounding leaves of them is no root. Multipliers have units of their own. */
+static int is_balanced(const pair *e, const dm_newton_report *report) {
+    static const double LEFT = 1e-6;
+    return e->N > e->n || report->residual <= LEFT * norm(e->state + e->n, e->n);
+}
+
 /* From z = 0, where one iteration finds h M^-1 p0 whatever the masses; where that fails, as where
  * Ld(q, q) is not defined or has a kink, from z = h p0. Where both do, the failure of the one that
  * stays where Ld is defined is told. */
 static dm_status solve_far(pair *e, const dm_stepper *s, double h, dm_newton_report *report) {
+    const double *p = e->state + e->n;
     const dm_status first = solve_from(e, s, NULL, h, report);
-    if (first == DM_OK) return first;
-    const dm_status status = solve_from(e, s, e->state + e->n, h, report);
+    if (first == DM_OK && is_balanced(e, report)) return first;
+    const dm_status status = solve_from(e, s, p, h, report);
+    if (status != DM_OK && first == DM_OK) return solve_from(e, s, NULL, h, report);
     return status == DM_OK || first == DM_NOT_FINITE || first == DM_SINGULAR ? status : first;
 }
 
