@@ -2,6 +2,7 @@
 -- resonances.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
+local option = require "dm.base.options"
 
 local M = {}
 
@@ -224,18 +225,8 @@ nonlinear forces, for n = 3 however small the amplitude; cause: a sentence.]]
 
 M.stability_limit = blame.caller(function(rule, options)
   check_rule(rule, "dm.stability_limit")
-  options = options or {}
-  if type(options) ~= "table" then error("dm.stability_limit takes (rule, { tolerance = })", 0) end
-  for key in pairs(options) do
-    if key ~= "tolerance" then
-      error(("dm.stability_limit: unknown option '%s'; there is 'tolerance'"):format(tostring(key)),
-        0)
-    end
-  end
-  local tolerance = options.tolerance or 1e-6
-  if type(tolerance) ~= "number" or not (tolerance > 0 and tolerance < 1) then
-    error("dm.stability_limit: 'tolerance' must be a number between 0 and 1", 0)
-  end
+  option.check(options or {}, { "tolerance" }, "dm.stability_limit", "{ tolerance = }")
+  local tolerance = option.fraction(options or {}, "tolerance", "dm.stability_limit", 1e-6)
   local out = profile(rule, tolerance)
   local z = out.gaps[1] and out.gaps[1][1] or huge
   if z < 1e-3 then z = 0 end
