@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <string.h>
 
+/* Both classes have one layout. */
 dml_system *dml_checksystem(lua_State *L, int arg) {
     dml_system *s = luaL_testudata(L, arg, DML_SYSTEM);
     if (!s) s = luaL_testudata(L, arg, DML_DISCRETE);
@@ -16,6 +17,7 @@ dml_system *dml_checksystem(lua_State *L, int arg) {
     return s;
 }
 
+/* Fields are as the user gave them; nil for what was left out. */
 int dml_systemfield(lua_State *L, int arg, const char *key) {
     lua_getiuservalue(L, arg, 1);
     const int type = lua_getfield(L, -1, key);
@@ -23,6 +25,7 @@ int dml_systemfield(lua_State *L, int arg, const char *key) {
     return type;
 }
 
+/* The string is left on the stack. */
 const char *dml_coordinate(lua_State *L, int arg, uint32_t i) {
     if (dml_systemfield(L, arg, "coordinates") == LUA_TTABLE) {
         lua_geti(L, -1, (lua_Integer)i + 1);
@@ -47,6 +50,7 @@ static double *arguments(lua_State *L, const dml_system *s, const char *second) 
     return x;
 }
 
+/* A result that is no number raises with the entry that is not. */
 static void check_finite(lua_State *L, const double *y, uint32_t n, const char *what) {
     for (uint32_t i = 0; i < n; i++)
         if (!isfinite(y[i]))
@@ -72,18 +76,21 @@ static double *evaluate(lua_State *L, unsigned want, size_t which, const char *w
     return out;
 }
 
+/* (q, v, t): v . dL/dv - L */
 static int system_energy(lua_State *L) {
     const double *E = evaluate(L, DM_WANT_ENERGY, offsetof(dm_model, energy), "the energy");
     lua_pushnumber(L, *E);
     return 1;
 }
 
+/* (q, v, t): L itself, by its kernel. */
 static int system_lagrangian(lua_State *L) {
     const double *value = evaluate(L, DM_WANT_VALUE, offsetof(dm_model, value), "L");
     lua_pushnumber(L, *value);
     return 1;
 }
 
+/* (q, v, t): p = dL/dv */
 static int system_legendre(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *p = evaluate(L, DM_WANT_SLOPE, offsetof(dm_model, slope), "the momentum");
@@ -96,6 +103,7 @@ static int system_momentum(lua_State *L) {
     return system_legendre(L);
 }
 
+/* (q, v, t): d2L/dv2, n x n */
 static int system_mass(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *p = evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the mass matrix");
@@ -103,6 +111,7 @@ static int system_mass(lua_State *L) {
     return 1;
 }
 
+/* (q, p, t): v with dL/dv = p, from v = 0 on. */
 static int system_velocity(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "p");
@@ -128,11 +137,13 @@ static int system_velocity(lua_State *L) {
     return 1;
 }
 
+/* Entry of the table on top. */
 static void set_flag(lua_State *L, const char *name, int value) {
     lua_pushboolean(L, value);
     lua_setfield(L, -2, name);
 }
 
+/* What was found in the graph, and what rules use of it. */
 static int system_structure(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const dml_model *m = dml_pushmodel(L, 1);
@@ -161,6 +172,7 @@ static int system_structure(lua_State *L) {
     return 1;
 }
 
+/* A piece of text to the buffer. */
 static void put(void *ud, const char *text, size_t length) {
     luaL_addlstring(ud, text, length);
 }
@@ -180,6 +192,7 @@ static const char *const *input_names(lua_State *L, const dml_system *s) {
     return names;
 }
 
+/* L in the language of graphviz. */
 static int system_graph(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const char *const *names = input_names(L, s);
@@ -193,6 +206,7 @@ static int system_graph(lua_State *L) {
     return 1;
 }
 
+/* Name, space, and how many constraints. */
 static int system_tostring(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     luaL_Buffer b;

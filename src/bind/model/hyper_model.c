@@ -11,6 +11,7 @@ typedef struct {
     double *buffer; /* inputs + inputs^2 */
 } hyper;
 
+/* dL/dq, dL/dv: of x = (q, v, t) the derivative by t is left out. */
 static void eval_slope(const void *pool, const double *x, double *out) {
     const hyper *c = pool;
     dm_kernel_eval(&c->slope, x, c->buffer);
@@ -25,6 +26,7 @@ static double *block(double *out, const hyper *c, uint32_t row, uint32_t column)
     return out;
 }
 
+/* Slopes and all second derivatives by q and v. */
 static void eval_stage(const void *pool, const double *x, double *out) {
     const hyper *c = pool;
     dm_kernel_eval(&c->curve, x, c->buffer);
@@ -34,12 +36,14 @@ static void eval_stage(const void *pool, const double *x, double *out) {
     block(out, c, c->n, c->n);
 }
 
+/* dL/dq */
 static void eval_force(const void *pool, const double *x, double *out) {
     const hyper *c = pool;
     dm_kernel_eval(&c->slope, x, c->buffer);
     memcpy(out, c->buffer, c->n * sizeof *out);
 }
 
+/* v . dL/dv - L */
 static void eval_energy(const void *pool, const double *x, double *out) {
     const hyper *c = pool;
     double L;
@@ -49,6 +53,7 @@ static void eval_energy(const void *pool, const double *x, double *out) {
     for (uint32_t i = 0; i < c->n; i++) out[0] += x[c->n + i] * c->buffer[c->n + i];
 }
 
+/* d2L/dv2 out of the whole Hessian. */
 static void eval_mass(const void *pool, const double *x, double *out) {
     const hyper *c = pool;
     dm_kernel_eval(&c->curve, x, c->buffer);
@@ -56,6 +61,7 @@ static void eval_mass(const void *pool, const double *x, double *out) {
     block(out + c->n, c, c->n, c->n);
 }
 
+/* Slopes and second derivatives by q0 and q1. */
 static void eval_pair(const void *pool, const double *x, double *out) {
     const hyper *c = pool;
     dm_kernel_eval(&c->curve, x, c->buffer);
@@ -63,6 +69,7 @@ static void eval_pair(const void *pool, const double *x, double *out) {
     block(out + 2 * c->n, c, 0, c->n);
 }
 
+/* c is its pool. */
 static dm_kernel kernel(const hyper *c, dm_eval *eval, uint32_t outputs) {
     return (dm_kernel){.eval = eval,
                        .pool = c,
@@ -71,6 +78,7 @@ static dm_kernel kernel(const hyper *c, dm_eval *eval, uint32_t outputs) {
                        .backend = "hyperdual"};
 }
 
+/* What of `want` is missing; kernels live as long as the callback. */
 void dml_hyperdual_model(lua_State *L, dml_model *m, unsigned want, int pair) {
     const uint32_t n = m->n, inputs = pair ? 2 * n : 2 * n + 1;
     hyper *c = dm_arena_take(m->arena, sizeof *c);

@@ -12,6 +12,7 @@
  * for the other */
 static const char key;
 
+/* Made when first asked for. */
 static void push_table(lua_State *L) {
     if (lua_rawgetp(L, LUA_REGISTRYINDEX, &key) == LUA_TTABLE) return;
     lua_pop(L, 1);
@@ -24,6 +25,7 @@ static void push_table(lua_State *L) {
     lua_rawsetp(L, LUA_REGISTRYINDEX, &key);
 }
 
+/* Nodes by number: the graphs were found to be the same. */
 static int same_roots(const dm_node *a, const dm_node *b, size_t count) {
     if (!a != !b) return 0;
     return !a || memcmp(a, b, count * sizeof *a) == 0;
@@ -60,6 +62,7 @@ int dml_sametrace(const dml_model *cached, const dml_model *fresh) {
            dm_sums_same(cached->graph, fresh->graph) && same_constraints(cached, fresh);
 }
 
+/* A model whose native code the collector has given back already is none. */
 dml_model *dml_pushcached(lua_State *L, int arg, dm_compile *compile) {
     arg = lua_absindex(L, arg);
     push_table(L);
@@ -72,6 +75,7 @@ dml_model *dml_pushcached(lua_State *L, int arg, dm_compile *compile) {
     return NULL;
 }
 
+/* The model stays on the stack. */
 void dml_cachemodel(lua_State *L, int arg, dml_model *m, dm_compile *compile) {
     arg = lua_absindex(L, arg);
     m->compile = compile;

@@ -33,12 +33,14 @@ static dml_signature signature(const dml_model *m, int pair, int which) {
                            .may_grow = 1};
 }
 
+/* Is it given, of the system at arg? */
 static int has_field(lua_State *L, int arg, const char *key) {
     const int there = dml_systemfield(L, arg, key) != LUA_TNIL;
     lua_pop(L, 1);
     return there;
 }
 
+/* Forces and controls count, too. */
 int dml_isconstrained(lua_State *L, int arg) {
     for (const char *const *key = keys; *key; key++)
         if (has_field(L, arg, *key)) return 1;
@@ -125,6 +127,7 @@ static int is_pair(lua_State *L, int arg) {
     return dml_checksystem(L, arg)->pair;
 }
 
+/* That of number `which`, with params bound, its result flattened to a list. */
 static void push_function(lua_State *L, int arg, int which) {
     const int pair = is_pair(L, arg);
     if (pair && which != DML_CONSTRAINT && which != DML_MAP)
@@ -178,6 +181,7 @@ static const dm_node *transplant(dml_model *m, int which) {
     return out;
 }
 
+/* All functions in one graph, so that they share what they have in common. */
 static void join(lua_State *L, dml_model *m) {
     dm_constraints_traced *t = &m->constrained;
     const uint32_t k = m->constraint[DML_CONSTRAINT].outputs,
@@ -202,6 +206,7 @@ static void join(lua_State *L, dml_model *m) {
     m->constraints_traced = dm_graph_size(t->graph);
 }
 
+/* Each is traced in a graph of its own first, to be compared alone. */
 void dml_traceconstraints(lua_State *L, int arg, dml_model *m) {
     int any = 0;
     arg = lua_absindex(L, arg);
@@ -221,6 +226,7 @@ void dml_traceconstraints(lua_State *L, int arg, dml_model *m) {
     join(L, m);
 }
 
+/* *cached is not changed. */
 int dml_repeatconstraints(lua_State *L, int arg, const dml_model *cached, dm_arena *arena) {
     arg = lua_absindex(L, arg);
     for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS && cached->constrained.graph; i++) {
@@ -243,6 +249,7 @@ void dml_checkpairconstraints(lua_State *L, const dml_model *m) {
                       "q1) knows no time");
 }
 
+/* Counts are known after this. */
 void dml_buildconstraints(lua_State *L, dml_model *m) {
     const uint32_t k = m->constrained.holonomic;
     const dm_status status = dm_constraints_build(&m->constraints, &m->constrained, m->arena);
@@ -280,6 +287,7 @@ static const dm_kernel *traced_kernel(lua_State *L, dml_model *m, int which) {
     return kernel;
 }
 
+/* Raises at x what differs. */
 void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x) {
     if (!m->constrained.graph) return;
     const int top = lua_gettop(L);
@@ -329,6 +337,7 @@ void dml_addforces(lua_State *L, dml_model *m, const double *x, double *p0, doub
 
 /* ---- what a script sees ---- */
 
+/* "2 constraints", with a comma where something stands before it. */
 static void add_count(lua_State *L, luaL_Buffer *b, uint32_t count, const char *what) {
     if (!count) return;
     lua_pushfstring(L, ", %d %s%s", (int)count, what, count > 1 ? "s" : "");
@@ -383,6 +392,7 @@ static dml_model *read_point(lua_State *L, int which, double **x) {
     return m;
 }
 
+/* (q, t): g */
 static int system_constraint(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_CONSTRAINT, &x);
@@ -391,6 +401,7 @@ static int system_constraint(lua_State *L) {
                         "constraint");
 }
 
+/* (q, v, t): phi */
 static int system_rolling(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_ROLLING, &x);
@@ -399,6 +410,7 @@ static int system_rolling(lua_State *L) {
                         "rolling constraint");
 }
 
+/* (q, v, t): f, with the control where there is one. */
 static int system_force(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_FORCE, &x);
@@ -412,6 +424,7 @@ static int system_force(lua_State *L) {
     return push_outputs(L, &m->constraints.force, x, m->constraints.n, "force");
 }
 
+/* (q, v, t): u */
 static int system_control(lua_State *L) {
     double *x;
     dml_model *m = read_point(L, DML_CONTROL, &x);

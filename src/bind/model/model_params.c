@@ -24,6 +24,7 @@ static int call_with(lua_State *L) {
     return lua_gettop(L);
 }
 
+/* A closure over L, its params and the names. */
 void dml_pushwith(lua_State *L, int system, int names) {
     system = lua_absindex(L, system), names = lua_absindex(L, names);
     dml_systemfield(L, system, "L");
@@ -147,6 +148,7 @@ static int find_inputs(lua_State *L) {
     return 0;
 }
 
+/* The model or nil is left on the stack in any case. */
 dml_model *dml_pushinputs(lua_State *L, int system) {
     system = lua_absindex(L, system);
     lua_pushcfunction(L, find_inputs);

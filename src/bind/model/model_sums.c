@@ -13,6 +13,7 @@ static int end_given(lua_State *L) {
     return 0;
 }
 
+/* Closing it takes it out of the list, also when an error passes. */
 static void push_given(lua_State *L, const dml_model *m) {
     dml_state *state = dml_getstate(L);
     dml_given *given = lua_newuserdatauv(L, sizeof *given, 0);
@@ -28,6 +29,7 @@ static void push_given(lua_State *L, const dml_model *m) {
     state->given = given;
 }
 
+/* What is pushed must stay until the comparison is over. */
 const double *dml_givesums(lua_State *L, const dml_model *m, const dm_kernel **kernel,
                            const double *x) {
     double value;
@@ -54,6 +56,7 @@ static void push_twin(lua_State *L, int at, const dml_model *m) {
     lua_setiuservalue(L, at, 5);
 }
 
+/* Dense kernels see all bodies at once, which loops do not give. */
 static int needs_tables(const dml_model *m, unsigned want) {
     return want & DM_WANT_DENSE && m->model.structure & DM_LOOPS && dm_sums(m->graph) &&
            m->n <= DM_MODEL_DENSE;
@@ -69,6 +72,7 @@ static int needs_own(const dml_model *m, unsigned want) {
            want & shared;
 }
 
+/* The stack index stays, the model there may be another one. */
 dml_model *dml_standin(lua_State *L, int at, unsigned want) {
     dml_model *m = lua_touserdata(L, at);
     at = lua_absindex(L, at);

@@ -1,6 +1,7 @@
 /* named.c - starts by the names of coordinates. */
 #include "bind/model/named.h"
 
+/* Vectors and lists are not. */
 int dml_is_named(lua_State *L, int at) {
     if (lua_type(L, at) != LUA_TTABLE || lua_rawlen(L, at) > 0) return 0;
     at = lua_absindex(L, at);
@@ -47,6 +48,7 @@ static void check_keys(lua_State *L, int system, int at, const char *what) {
     }
 }
 
+/* The table at `at` is replaced, never written to. */
 void dml_unname(lua_State *L, int system, int at, const char *what) {
     system = lua_absindex(L, system), at = lua_absindex(L, at);
     if (!dml_is_named(L, at)) return;

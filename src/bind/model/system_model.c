@@ -13,12 +13,14 @@
 #include <string.h>
 #include <time.h>
 
+/* Milliseconds of the clock `by`. */
 static double now_ms(clockid_t by) {
     struct timespec t;
     clock_gettime(by, &t);
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
+/* How L or Ld is called when it is traced. */
 static dml_signature signature(const dml_system *s) {
     const int n = (int)s->n;
     if (s->pair)
@@ -77,6 +79,7 @@ static void push_function(lua_State *L, int arg, const dml_system *s) {
     dml_pushboundpair(L, arg, "Ld");
 }
 
+/* Raises where no kernel could be made. */
 static void check_status(lua_State *L, dm_status status) {
     if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
     if (status == DM_NOT_FINITE)
@@ -248,14 +251,17 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     return m;
 }
 
+/* Without a cache: what is made for it goes with it. */
 dml_model *dml_pushmodel(lua_State *L, int arg) {
     return push_model(L, arg, NULL);
 }
 
+/* Parameters that changed are seen: the function is traced every time. */
 dml_model *dml_pushlast(lua_State *L, int arg, const char *backend) {
     return push_model(L, arg, dml_findbackend(L, backend)->compile);
 }
 
+/* That of the name, or of the environment; hyper-dual numbers have none. */
 static const dml_backend *backend_of(lua_State *L, const dml_model *m, const char *backend) {
     return dml_findbackend(L, dml_arenalost(m->arena) ? "tape" : backend);
 }
@@ -289,6 +295,7 @@ static void want_map(lua_State *L, dml_model *m, const char *backend) {
     m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
 }
 
+/* Kernels that are there stay, so that their bits do. */
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (want & DM_WANT_MAP) {
         dml_want(L, m, want & ~(unsigned)DM_WANT_MAP, backend);
@@ -322,6 +329,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
 }
 
+/* Kernels made before go. */
 void dml_writeout(lua_State *L, dml_model *m) {
     if (!m->graph || !dm_sums(m->graph)) return;
     if (m->n > DM_MODEL_DENSE)
@@ -384,14 +392,17 @@ static void check_model(lua_State *L, int arg, dml_model *m, const double *x, in
     m->checked = 1;
 }
 
+/* x: see bind_system.h; NULL: around 0. */
 void dml_checkmodel(lua_State *L, int arg, dml_model *m, const double *x) {
     check_model(L, arg, m, x, 0);
 }
 
+/* A member that starts outside fails later, alone. */
 void dml_checkmember(lua_State *L, int arg, dml_model *m, const double *x) {
     check_model(L, arg, m, x, 1);
 }
 
+/* Nothing where L was traced. */
 void dml_rethrow(lua_State *L, dml_model *m) {
     if (m->callback) dml_hyperdual_rethrow(L, m->callback);
 }

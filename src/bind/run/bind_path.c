@@ -9,10 +9,12 @@
 #include <string.h>
 #include <unistd.h>
 
+/* The path at stack index 1, as of every method here. */
 static dml_path *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_PATH);
 }
 
+/* What is refused is a path of `watch`, whose rows hold t and what was watched. */
 dml_path *dml_path_states(lua_State *L, const char *what) {
     dml_path *p = check(L);
     if (p->watched)
@@ -23,10 +25,13 @@ dml_path *dml_path_states(lua_State *L, const char *what) {
     return p;
 }
 
+/* Bytes; half of it is the most that rows may take. */
 static double memory_of_machine(void) {
     return (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
 }
 
+/* The rows stand behind the header in one block of Lua, so that nothing is left to free when a run
+ * fails. */
 dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width) {
     static const double small = 1e6; /* bytes: no need to ask the system */
     const double bytes = (double)rows * width * sizeof(double);
@@ -96,6 +101,7 @@ static const double *try_energy(lua_State *L, const dml_path *p) {
     return E && dml_size(E) == (uint32_t)p->rows ? dml_numbersof(E) : NULL;
 }
 
+/* The ending of a word that is counted. */
 static const char *plural(long count) {
     return count == 1 ? "" : "s";
 }
@@ -150,6 +156,7 @@ static void add_every(luaL_Buffer *b, const dml_path *p) {
     luaL_addstring(b, text);
 }
 
+/* One line: steps, rule, last time, what became of the energy, rows and columns. */
 static int path_tostring(lua_State *L) {
     const dml_path *p = check(L);
     char text[128];
@@ -174,6 +181,7 @@ static int path_tostring(lua_State *L) {
     return 1;
 }
 
+/* #path: rows that are kept, not steps. */
 static int path_len(lua_State *L) {
     lua_pushinteger(L, check(L)->rows);
     return 1;
@@ -206,6 +214,7 @@ static int recorded(lua_State *L, const char *key, const char *stem) {
     return dml_path_columns(L, key, first, count);
 }
 
+/* Fields of the path at 1 by the key at 2; 0 results: a method is looked for. */
 static int path_field(lua_State *L) {
     const dml_path *p = check(L);
     const char *key = luaL_checkstring(L, 2);

@@ -8,10 +8,12 @@
 
 typedef dml_solver solver;
 
+/* The solver at stack index 1. */
 static solver *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_SOLVER);
 }
 
+/* q and p of the state that a step ended in, two vectors. */
 static int push_state(lua_State *L, const dml_stepping *r) {
     const uint32_t n = r->solver->n;
     memcpy(dml_pushvector(L, n), r->state, n * sizeof(double));
@@ -54,11 +56,13 @@ static int solver_step(lua_State *L) {
     return 1;
 }
 
+/* Entry of the table on top. */
 static void set_number(lua_State *L, const char *key, double x) {
     lua_pushnumber(L, x);
     lua_setfield(L, -2, key);
 }
 
+/* A whole number as an entry of the table on top. */
 static void set_count(lua_State *L, const char *key, long n) {
     lua_pushinteger(L, n);
     lua_setfield(L, -2, key);

@@ -8,6 +8,7 @@
 
 /* ---- in memory ---- */
 
+/* How large the memory of a method is shows only where its stepper is open. */
 dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r) {
     dm_stepper *s = (dm_stepper *)&r->stepper;
     const uint32_t n = r->solver->n;
@@ -32,11 +33,13 @@ static double fingerprint(const dml_model *m, double *x, const double *state, do
     return value;
 }
 
+/* The fingerprint is made once: L is not called again for every save. */
 static void check(dml_checkpoint *c, const dml_model *m, double *x, double h) {
     if (!c->checked) c->check = fingerprint(m, x, c->state, c->t0 + h * (double)c->steps);
     c->checked = 1;
 }
 
+/* Between two steps, where kernels of L can be evaluated at r->x. */
 void dml_checkpoint_check(dml_checkpoint *c, dml_stepping *r) {
     check(c, r->model, r->x, r->solver->h);
 }
@@ -56,6 +59,7 @@ static dml_checkpoint *push_end(lua_State *L, double h) {
     return c;
 }
 
+/* Only copies, so that it can be done between any two steps. */
 void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps) {
     const size_t size = dm_state_size(c->n);
     double *place;
@@ -67,6 +71,8 @@ void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps) {
         memcpy(c->state + size, place, c->memory * sizeof(double));
 }
 
+/* The stepper is open on return, as dml_stepping_start leaves it; the memory of the method goes
+ * back in when the run begins (dm_run_plan.resume). */
 void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c) {
     const double t = c->t0 + r->solver->h * (double)c->steps;
     const double check = fingerprint(r->model, r->x, c->state, t);
@@ -89,6 +95,7 @@ void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c)
 
 /* ---- what Lua sees ---- */
 
+/* (path, file) -> file */
 int dml_path_checkpoint(lua_State *L) {
     luaL_checkudata(L, 1, DML_PATH);
     const char *file = luaL_checkstring(L, 2);
@@ -171,6 +178,8 @@ static void override(lua_State *L, int options) {
     lua_settop(L, options + 1);
 }
 
+/* (file or path, system, options) -> a solver whose user value DML_SOLVER_START is the checkpoint
+ * */
 int dml_resume(lua_State *L) {
     lua_settop(L, 3);
     const int from_path = luaL_testudata(L, 1, DML_PATH) != NULL;

@@ -46,11 +46,13 @@ static void put(writer *w, const char *format, ...) {
     if (w->fine) w->sum = add_to_sum(w->sum, text);
 }
 
+/* "name count", then a number a line. */
 static void put_numbers(writer *w, const char *name, const double *x, size_t count) {
     put(w, "%s %zu\n", name, count);
     for (size_t i = 0; i < count && w->fine; i++) put(w, "%a\n", x[i]);
 }
 
+/* The order of the lines is that of read_checkpoint. 0: not all could be written. */
 static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s, const char *rule) {
     const size_t size = dm_state_size(c->n);
     writer w = {f, EMPTY_SUM, 1};
@@ -70,6 +72,8 @@ static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s, cons
     return w.fine;
 }
 
+/* What is written goes to a new file in the same folder, so that it is the folder which must let
+ * us. */
 int dml_checkpoint_try(const char *file) {
     char folder[4096];
     struct stat at;
@@ -85,6 +89,7 @@ int dml_checkpoint_try(const char *file) {
     return access(folder, W_OK) == 0;
 }
 
+/* A file that cannot be written whole leaves the old one as it was. */
 int dml_checkpoint_write(const dml_checkpoint *c, const dml_solver *s, const char *rule,
                          const char *file) {
     char name[DML_FILE_NAME];
@@ -102,6 +107,7 @@ typedef struct {
     uint64_t sum, before; /* of the lines so far, and without the last one */
 } reader;
 
+/* Raises with the number of the line that was read last. */
 static void fail(const reader *r, const char *expected) {
     luaL_error(r->L, "%s, line %d: not a whole checkpoint (%s expected)", r->file, (int)r->line,
                *expected ? expected : "a number");
@@ -119,6 +125,7 @@ static char *read_line(reader *r, char text[LINE], const char *name) {
     return text[length] == ' ' ? text + length + 1 : text + length;
 }
 
+/* A line that holds more than the number, or less, is refused. */
 static double read_number(reader *r, const char *name) {
     char text[LINE], *end, *start = read_line(r, text, name);
     const double x = strtod(start, &end);
@@ -126,24 +133,28 @@ static double read_number(reader *r, const char *name) {
     return x;
 }
 
+/* Times and states: infinite ones come from no run that can go on. */
 static double read_finite(reader *r, const char *name) {
     const double x = read_number(r, name);
     if (!isfinite(x)) fail(r, "a finite number");
     return x;
 }
 
+/* Steps and tolerances. */
 static double read_positive(reader *r, const char *name) {
     const double x = read_finite(r, name);
     if (!(x > 0.0)) fail(r, "a number > 0");
     return x;
 }
 
+/* A whole number in 0 .. most: it is used as a size. */
 static long read_count(reader *r, const char *name, double most) {
     const double x = read_number(r, name);
     if (!(x >= 0 && x <= most && x == floor(x))) fail(r, name);
     return (long)x;
 }
 
+/* Memory of a method, where NaN can stand for "not known". */
 static void read_numbers(reader *r, double *x, size_t count) {
     for (size_t i = 0; i < count; i++) x[i] = read_number(r, "");
 }
@@ -206,11 +217,13 @@ static dml_checkpoint *read_checkpoint(reader *r) {
     return c;
 }
 
+/* How a file that the collector finds open is closed. */
 static int close_file(lua_State *L) {
     luaL_Stream *s = luaL_checkudata(L, 1, LUA_FILEHANDLE);
     return luaL_fileresult(L, fclose(s->f) == 0, NULL);
 }
 
+/* The file is closed by the collector where a line is refused. */
 void dml_checkpoint_read(lua_State *L, const char *file) {
     luaL_Stream *s = lua_newuserdatauv(L, sizeof *s, 0);
     s->closef = NULL;

@@ -8,11 +8,13 @@ static dml_model *model_of(const dml_stepping *r) {
     return r->inputs ? r->inputs : r->model;
 }
 
+/* Their inputs are (q, v, t, p), v being found from p where one of them asks for it. */
 void dml_observables_start(dml_observables *o, const dml_stepping *r) {
     const dml_model *m = model_of(r);
     o->observer = (dm_observer){.model = &m->model, .list = o->list, .params = r->stepper.params};
 }
 
+/* Room for one more; raises where a run has DML_OBSERVABLES already. */
 static dm_observable *next(lua_State *L, dml_observables *o) {
     if (o->observer.count == DML_OBSERVABLES)
         luaL_error(L, "a run observes at most %d functions and columns", DML_OBSERVABLES);
@@ -25,6 +27,7 @@ static dm_compile *compiler(lua_State *L, const dml_stepping *r) {
     return dml_findbackend(L, name)->compile;
 }
 
+/* The kernel lives as long as the arena that is left on the stack. */
 void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r, const char *what,
                          int any) {
     const int n = (int)r->solver->n, fn = lua_gettop(L);
@@ -52,6 +55,7 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
     o->observer.work = r->work; /* only that it is needed */
 }
 
+/* E = p . v - L, which needs no trace of its own. */
 void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping *r) {
     if (r->solver->pair) luaL_error(L, "a discrete Lagrangian alone has no energy to watch");
     dml_model *m = model_of(r);
@@ -60,10 +64,12 @@ void dml_observables_energy(lua_State *L, dml_observables *o, const dml_stepping
     o->observer.work = r->work;
 }
 
+/* Entries are counted through q, then p. */
 void dml_observables_entry(lua_State *L, dml_observables *o, uint32_t entry) {
     *next(L, o) = (dm_observable){.entry = entry};
 }
 
+/* Called once, when all are known: the room depends on how many there are. */
 void dml_observables_end(lua_State *L, dml_observables *o) {
     const dm_model *m = o->observer.model;
     const size_t own = m->params ? 2 * (size_t)m->n + 1 + m->params : 0;
@@ -89,6 +95,7 @@ static void insert_name(lua_State *L, int keys, lua_Integer first, lua_Integer c
     lua_rawseti(L, keys, i);
 }
 
+/* The order of columns must not depend on that of a table of Lua. */
 void dml_pushkeys(lua_State *L, int table, const char *field) {
     const lua_Integer listed = (lua_Integer)lua_rawlen(L, table);
     lua_Integer count = listed;

@@ -7,6 +7,7 @@
 
 #define COLUMNS "dm.columns"
 
+/* The path at stack index 1. */
 static dml_path *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_PATH);
 }
@@ -17,6 +18,7 @@ typedef struct {
     const char *name;
 } columns;
 
+/* A view keeps its path alive, and sees the rows of it. */
 int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t count) {
     columns *c = lua_newuserdatauv(L, sizeof *c, 1);
     *c = (columns){.path = check(L), .first = first, .count = count, .name = name};
@@ -26,6 +28,8 @@ int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t co
     return 1;
 }
 
+/* Row i as a new vector, a copy that cannot be set; t alone as a number. nil one behind the last
+ * row ends ipairs. */
 static int columns_index(lua_State *L) {
     const columns *c = luaL_checkudata(L, 1, COLUMNS);
     const dml_path *p = c->path;
@@ -45,12 +49,14 @@ static int columns_index(lua_State *L) {
     return 1;
 }
 
+/* Rows, as of the path. */
 static int columns_len(lua_State *L) {
     const columns *c = luaL_checkudata(L, 1, COLUMNS);
     lua_pushinteger(L, c->path->rows);
     return 1;
 }
 
+/* What it is; rows are shown by index. */
 static int columns_tostring(lua_State *L) {
     const columns *c = luaL_checkudata(L, 1, COLUMNS);
     lua_pushfstring(L, "columns %s of a path: %d rows of %d numbers", c->name, (int)c->path->rows,
@@ -58,6 +64,7 @@ static int columns_tostring(lua_State *L) {
     return 1;
 }
 
+/* t, coordinates, momenta: made when first asked for, where the run has named none. */
 int dml_path_names(lua_State *L) {
     const dml_path *p = check(L);
     if (lua_getiuservalue(L, 1, DML_PATH_NAMES) != LUA_TNIL) return 1;
@@ -121,6 +128,7 @@ static int find_column(lua_State *L, const char *name) {
     return found;
 }
 
+/* Raises with all the names that there are. */
 static void unknown_column(lua_State *L, const char *name) {
     luaL_Buffer b;
     dml_path_names(L);
@@ -136,6 +144,7 @@ static void unknown_column(lua_State *L, const char *name) {
                !check(L)->watched ? ", and \"energy\"" : "");
 }
 
+/* "time" is t by another name. */
 uint32_t dml_path_find(lua_State *L, const char *name) {
     const int c = find_column(L, strcmp(name, "time") == 0 ? "t" : name);
     if (c < 0) unknown_column(L, name);

@@ -27,6 +27,7 @@ static long check_columns(lua_State *L, uint32_t n) {
     return rows;
 }
 
+/* The rule is a text of the user's, kept by the path; the path is on top. */
 static void describe(lua_State *L, dml_path *p, const char *rule, long steps) {
     p->h = dml_positive(L, 1, "h", 0);
     p->t0 = p->data[0];
@@ -37,6 +38,7 @@ static void describe(lua_State *L, dml_path *p, const char *rule, long steps) {
     lua_setiuservalue(L, -2, DML_PATH_RULE);
 }
 
+/* (options) -> path, whose rows are copies of the columns */
 int dml_path_new(lua_State *L) {
     static const char *const known[] = {"system", "h", "rule", "steps", "columns", NULL};
     lua_settop(L, 1);

@@ -11,10 +11,13 @@
 #include <math.h>
 #include <string.h>
 
+/* The path at stack index 1. */
 static dml_path *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_PATH);
 }
 
+/* The model that the path was stepped with, with the kernels `want` made now; a path loaded from
+ * elsewhere has one, too. */
 static dml_model *model_for(lua_State *L, unsigned want) {
     lua_getiuservalue(L, 1, DML_PATH_MODEL);
     dml_model *m = dml_standin(L, -1, want); /* kept by the path */
@@ -45,6 +48,7 @@ static double *scratch(lua_State *L, const dml_path *p, const dml_model *m) {
     return x;
 }
 
+/* Raises with the number of the row, from 1. */
 static void check_row(lua_State *L, dml_model *m, dm_status status, long i) {
     dml_rethrow(L, m);
     if (status != DM_OK)
@@ -66,6 +70,7 @@ static int watched_energy(lua_State *L) {
     return 0;
 }
 
+/* E = p . v - L at every row, v from p by the inverse Legendre transform. */
 int dml_path_energy(lua_State *L) {
     if (check(L)->watched && watched_energy(L)) return 1;
     const dml_path *p = dml_path_states(L, "the energy");
@@ -103,6 +108,7 @@ static double worst_of_rows(lua_State *L, const dml_path *p, int rolling) {
     return worst;
 }
 
+/* The largest |g| or |phi| that the solver saw, at every step, not at rows alone. */
 static int path_worst(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the worst defect");
     const char *of = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "";
@@ -137,6 +143,7 @@ static int velocity_of_row(lua_State *L, const dml_path *p, dml_model *m) {
     return 1;
 }
 
+/* v of all rows as a matrix, or of the row at 2. */
 static int path_velocity(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the velocity");
     dml_model *m = model_for(L, 0);
@@ -152,6 +159,7 @@ static int path_velocity(lua_State *L) {
     return 1;
 }
 
+/* d2L/dv2 at (q, 0, t): of systems whose mass does not depend on v. */
 static int path_mass(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the mass matrix");
     const double t = luaL_optnumber(L, 3, p->t0);
@@ -188,6 +196,7 @@ static int momentum_of_generator(lua_State *L, const dml_path *p) {
     return 1;
 }
 
+/* J = p . (generator of the group at q), by rows. */
 static int path_momentum(lua_State *L) {
     const dml_path *p = dml_path_states(L, "a momentum map");
     lua_settop(L, 3);
@@ -202,6 +211,7 @@ static int path_momentum(lua_State *L) {
     return 1;
 }
 
+/* (path, name) -> vector */
 static int path_column(lua_State *L) {
     const dml_path *p = check(L);
     const char *name = luaL_checkstring(L, 2);
@@ -212,6 +222,7 @@ static int path_column(lua_State *L) {
     return 1;
 }
 
+/* A table of what a straight line through the numbers says. */
 static void push_drift(lua_State *L, const dm_drift *d) {
     const struct {
         const char *key;
@@ -244,6 +255,7 @@ static const double *quantity(lua_State *L, const dml_path *p) {
     return y;
 }
 
+/* (path, name or vector): per unit of time, with the standard error of the slope. */
 static int path_drift(lua_State *L) {
     const dml_path *p = check(L);
     lua_settop(L, 2);

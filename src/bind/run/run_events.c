@@ -45,6 +45,7 @@ static dm_event read_event(lua_State *L, const char *what) {
     return event;
 }
 
+/* Called between steps, from inside of the run: it takes from the arena and never raises. */
 static dm_status found(void *ud, uint32_t which, double t, const double *state) {
     dml_run_events *e = ud;
     const size_t size = 2 * (size_t)e->g.observer.model->n * sizeof(double);
@@ -57,6 +58,7 @@ static dm_status found(void *ud, uint32_t which, double t, const double *state) 
     return DM_OK;
 }
 
+/* Brackets, and the states between which an event is looked for. */
 static void take_room(lua_State *L, dml_run_events *e, const dml_stepping *r) {
     const size_t size = dm_events_size(e->g.observer.count, r->solver->n);
     double *memory = lua_newuserdatauv(L, size * sizeof *memory, 0);
@@ -68,6 +70,7 @@ static void take_room(lua_State *L, dml_run_events *e, const dml_stepping *r) {
     e->last = &e->first;
 }
 
+/* Names are in alphabetic order, as columns are; the list stands at e->names. */
 void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r) {
     if (r->solver->pair)
         luaL_error(L, "a discrete Lagrangian has a fixed step: no state between two steps is "
@@ -98,6 +101,7 @@ void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r) {
     take_room(L, e, r);
 }
 
+/* In the order of time, each with copies of q and p. */
 void dml_pushevents(lua_State *L, const dml_run_events *e) {
     const uint32_t n = e->g.observer.model->n;
     lua_Integer i = 0;

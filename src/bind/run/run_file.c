@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+/* How Lua closes it where a run is left by an error. */
 static int close_stream(lua_State *L) {
     luaL_Stream *s = luaL_checkudata(L, 1, LUA_FILEHANDLE);
     FILE *file = s->f;
@@ -79,6 +80,8 @@ static int count_rows(dml_run_file *f) {
            fwrite(count, 1, ROOM, file) == ROOM && fseek(file, 0, SEEK_END) == 0;
 }
 
+/* Rows are in the file before its header counts them: a run that is killed between both leaves
+ * rows that nobody counts, never a count of rows that are not there. */
 static dm_status flush(void *ud, const double *rows, long count) {
     dml_run_file *f = ud;
     const size_t wanted = (size_t)count * f->width;
@@ -92,6 +95,7 @@ static dm_status flush(void *ud, const double *rows, long count) {
 
 /* ---- a file that is there ---- */
 
+/* Of a row of the file, from 0; NaN where it cannot be read. */
 static double time_of(const dml_run_file *f, size_t header, long row) {
     double t = NAN;
     const long at = (long)header + row * (long)(f->width * sizeof t);
@@ -138,6 +142,7 @@ static void open_stream(lua_State *L, dml_run_file *f, int fresh) {
     f->stream->closef = close_stream;
 }
 
+/* Not empty: what is there is not to be overwritten by a run that goes on. */
 static int is_there(const char *name) {
     FILE *file = fopen(name, "rb");
     const int there = file && fgetc(file) != EOF;
@@ -145,6 +150,7 @@ static int is_there(const char *name) {
     return there;
 }
 
+/* The header is as long for any number of rows, so that it can be counted up in its place. */
 void dml_file_open(lua_State *L, dml_run_file *f, int names, double from) {
     const int one = 1;
     lua_getfield(L, 2, "file");
@@ -173,6 +179,7 @@ void dml_file_open(lua_State *L, dml_run_file *f, int names, double from) {
     }
 }
 
+/* The stream is left closed for Lua, whatever came of it. */
 int dml_file_close(lua_State *L, dml_run_file *f) {
     (void)L;
     FILE *file = f->stream->f;

@@ -9,6 +9,7 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
     return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
 }
 
+/* An error of the user's own function comes before what it did to the numbers. */
 void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long done, int path) {
     const dml_solver *s = r->solver;
     dml_rethrow(L, r->model);

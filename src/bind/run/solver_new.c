@@ -9,6 +9,7 @@
 
 typedef dml_solver solver;
 
+/* Those for a system, or (pair) for a discrete Lagrangian. */
 static void add_known_rules(lua_State *L, luaL_Buffer *b, int pair) {
     const char *separator = "";
     (void)L;
@@ -20,6 +21,7 @@ static void add_known_rules(lua_State *L, luaL_Buffer *b, int pair) {
     }
 }
 
+/* Raises with the nearest name, and all names. */
 static void unknown_rule(lua_State *L, const char *text, const char *nearest) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
@@ -98,6 +100,7 @@ static void read_sums(lua_State *L, solver *s) {
     lua_pop(L, 1);
 }
 
+/* h of the options, or that of a discrete Lagrangian, which has no other. */
 static void read_step(lua_State *L, solver *s, const dml_system *system) {
     if (!s->pair) {
         s->h = dml_positive(L, 1, "h", 0);

@@ -20,10 +20,12 @@ enum {
     LONGEST_OWN_TIME = 2000000000
 }; /* steps of a rule whose number of steps is not known beforehand */
 
+/* The solver at stack index 1. */
 static solver *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_SOLVER);
 }
 
+/* s of a clock that never goes back. */
 static double now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -56,12 +58,14 @@ static void read_times(lua_State *L, const solver *s, dm_run_plan *plan, double 
     plan->until = at[count - 1];
 }
 
+/* Is option `key` of the table at 2 given? */
 static int has(lua_State *L, const char *key) {
     const int there = lua_getfield(L, 2, key) != LUA_TNIL;
     lua_pop(L, 1);
     return there;
 }
 
+/* Of the kernels of the constraints that a rule evaluates. */
 static uint32_t constraint_operations(const dm_constraints *t, unsigned wants) {
     return (wants & DM_WANT_HOLONOMIC ? t->holonomic_kernel.operations : 0) +
            (wants & DM_WANT_ROLLING ? t->rolling_kernel.operations : 0) +
@@ -70,6 +74,7 @@ static uint32_t constraint_operations(const dm_constraints *t, unsigned wants) {
            (wants & DM_WANT_REACTION ? t->reaction.operations : 0);
 }
 
+/* Of all kernels that a step evaluates, once each: solver:report() says it. */
 static uint32_t operations(const dm_model *m, unsigned wants) {
     return (wants & DM_WANT_STAGE ? m->stage.operations : 0) +
            (wants & DM_WANT_FORCE ? m->force.operations : 0) +
@@ -118,6 +123,7 @@ typedef struct {
     int unwritten;              /* errno of the checkpoint that could not be written, or 0 */
 } run;
 
+/* About ten times a second; the time that is left is that of the rate so far. */
 static void show_progress(void *ud, long done, long steps) {
     const run *u = ud;
     const double seconds = now() - u->began, rate = (double)done / seconds;
@@ -208,6 +214,7 @@ static dm_status save(void *ud, long done) {
     return DM_NOT_WRITTEN;
 }
 
+/* What is asked of the run, before anything is traced. */
 static void read_plan(lua_State *L, run *u) {
     const double from = find_start(L, u);
     u->plan.t0 = u->r.t0;
@@ -343,6 +350,7 @@ static dm_status finish(lua_State *L, run *u, dm_status status) {
     return status == DM_OK && u->r.unwritten ? DM_NOT_WRITTEN : status;
 }
 
+/* (solver, options) -> path. Whatever fails after the first step has its path so far. */
 int dml_solver_run(lua_State *L) {
     static const char *const known[] = {"q",          "v",       "p",      "q0",     "q1",
                                         "p0",         "steps",   "t0",     "every",  "t",

@@ -12,12 +12,14 @@ static const double ON = 1e-10; /* a start that far off, relatively, lies on the
 
 /* ---- rules that do not know them ---- */
 
+/* What a rule that lacks it cannot step, in words. */
 static const char *name_of(unsigned lacking) {
     return lacking & DM_HOLONOMIC ? "constraints"
            : lacking & DM_ROLLING ? "rolling constraints"
                                   : "forces";
 }
 
+/* Names of rules that know all of `needs`. */
 static void add_rules(luaL_Buffer *b, unsigned needs) {
     const char *separator = "";
     for (const dm_method *const *m = dm_methods; *m; m++) {
@@ -29,6 +31,7 @@ static void add_rules(luaL_Buffer *b, unsigned needs) {
     if (!*separator) luaL_addstring(b, "none");
 }
 
+/* Before any step: a rule must not drop what it does not know. */
 void dml_refuseconstraints(lua_State *L, const dml_stepping *r) {
     const unsigned needs = dm_method_needs(&r->model->model);
     const unsigned lacking = needs & ~r->solver->method->traits;
@@ -70,11 +73,13 @@ void dml_refuselinear(lua_State *L, const dml_stepping *r) {
 
 /* ---- the start ---- */
 
+/* Kernels for defects and projections, whatever the rule itself needs. */
 unsigned dml_start_wants(const dml_stepping *r) {
     if (!r->model->model.constraints) return 0;
     return DM_WANT_HOLONOMIC | DM_WANT_ROLLING | (r->solver->pair ? 0 : DM_WANT_MASS);
 }
 
+/* Inverse mass n x n, and scratch for the projections. */
 size_t dml_start_work(const dm_model *m) {
     return m->constraints ? m->n * (size_t)m->n + dm_constraints_start_work(m->constraints) : 0;
 }
@@ -85,6 +90,7 @@ static const char *push_name(lua_State *L, const dm_constraints *t, uint32_t i) 
     return lua_pushfstring(L, "rolling constraint %d", (int)(i - t->holonomic));
 }
 
+/* project = true among the options at 2. */
 static int wants_projection(lua_State *L) {
     const int type = lua_getfield(L, 2, "project");
     const int yes = lua_toboolean(L, -1);
@@ -94,6 +100,7 @@ static int wants_projection(lua_State *L) {
     return yes;
 }
 
+/* Constraints that depend on each other at the start hold nothing there. */
 static void check_rank(lua_State *L, const dm_constraints *t, const dm_constraints_defect *d,
                        const char *who) {
     if (!d->depends) return;
@@ -110,6 +117,7 @@ static void check_rank(lua_State *L, const dm_constraints *t, const dm_constrain
                who, name, push_name(L, t, d->on));
 }
 
+/* A computation at the start that failed, as an error of the start. */
 static void check_status(lua_State *L, dm_status status, const char *who) {
     if (status == DM_OK) return;
     luaL_error(L,
@@ -118,6 +126,7 @@ static void check_status(lua_State *L, dm_status status, const char *who) {
                who, dm_status_text(status));
 }
 
+/* |g(q, t)| beside the size of its terms. */
 static void check_position(lua_State *L, dml_stepping *r, const char *who) {
     const dm_constraints *t = r->model->model.constraints;
     dm_constraints_defect d;
@@ -132,6 +141,7 @@ static void check_position(lua_State *L, dml_stepping *r, const char *who) {
                    r->solver->pair ? "" : "; project = true moves it to the nearest q on them");
 }
 
+/* dg/dq v + dg/dt and phi(q, v, t); loose: the velocity came out of a momentum. */
 static void check_velocity(lua_State *L, dml_stepping *r, const char *who, int loose) {
     const dm_constraints *t = r->model->model.constraints;
     dm_constraints_defect d;
@@ -215,6 +225,7 @@ void dml_check_rolling_pair(lua_State *L, const dml_stepping *r) {
     lua_pop(L, 1);
 }
 
+/* p and v of the state belong to each other on return. */
 dm_status dml_tangent_momentum(dml_stepping *r) {
     const dm_model *m = &r->model->model;
     double *v = r->x + m->n, *p = r->state + m->n;

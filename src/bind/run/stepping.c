@@ -11,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Of the solver at 1; NULL: whatever is best here. */
 static const char *backend_name(lua_State *L) {
     lua_getiuservalue(L, 1, DML_SOLVER_BACKEND);
     const char *name = lua_tostring(L, -1); /* kept by the solver */
@@ -35,6 +36,7 @@ static void *push_block(lua_State *L, size_t size) {
     return lua_touserdata(L, -1);
 }
 
+/* Its size is kept with it: the next run takes it where that fits. */
 void dml_stepping_leave(lua_State *L, const dml_stepping *r) {
     if (lua_rawlen(L, r->block_at) > LARGEST_SPARE) return;
     lua_pushvalue(L, r->block_at);
@@ -98,6 +100,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     take_memory(L, r);
 }
 
+/* Before the first step; what a run finds out is filled in when it ends. */
 void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path) {
     path->h = r->solver->h;
     path->t0 = r->t0;
@@ -108,12 +111,14 @@ void dml_stepping_describe(lua_State *L, const dml_stepping *r, dml_path *path) 
     lua_setiuservalue(L, -2, DML_PATH_MODEL);
 }
 
+/* Is option `key` of the table at 2 given? */
 static int has(lua_State *L, const char *key) {
     const int there = lua_getfield(L, 2, key) != LUA_TNIL;
     lua_pop(L, 1);
     return there;
 }
 
+/* The table at 2 is replaced by a copy; that of the user stays as it is. */
 void dml_stepping_names(lua_State *L) {
     static const char *const from[] = {"q0", "p0"}, *const to[] = {"q", "p"};
     if (!has(L, "p0")) return;
@@ -149,6 +154,7 @@ static void numbers(lua_State *L, const dml_stepping *r, const char *key, double
     lua_pop(L, 2);
 }
 
+/* Where d2L/dv2 is singular there is no p for v, or no v for p. */
 static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     dml_rethrow(L, r->model);
     if (status == DM_SINGULAR)
@@ -243,10 +249,12 @@ static void start_momentum(lua_State *L, dml_stepping *r) {
     dml_check_on_constraints(L, r, "");
 }
 
+/* p += M v of a mass that is a list of numbers. */
 static void add_diagonal(double *p, const double *mass, const double *v, uint32_t n) {
     for (uint32_t i = 0; i < n; i++) p[i] += mass[i] * v[i];
 }
 
+/* p += M v, M row by row. */
 static void add_product(double *p, const double *mass, const double *v, uint32_t n) {
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++) p[i] += mass[i * (size_t)n + j] * v[j];
@@ -305,6 +313,7 @@ static void guess_momentum(lua_State *L, dml_stepping *r) {
     numbers(L, r, "q1", q1);
 }
 
+/* From here on the stepper may hold what only dml_stepping_end gives back: no error may pass. */
 void dml_stepping_open(lua_State *L, dml_stepping *r) {
     const dml_solver *s = r->solver;
     dml_forgetroots(r->model);
@@ -320,6 +329,7 @@ void dml_stepping_open(lua_State *L, dml_stepping *r) {
     luaL_error(L, "rule '%s' cannot start: %s", s->nodes[0].name, dm_status_text(status));
 }
 
+/* Two positions of a discrete Lagrangian: p = D2 Ld(q0, q1) at q1. */
 static void start_between(lua_State *L, dml_stepping *r) {
     guess_momentum(L, r);
     dml_stepping_open(L, r);
@@ -334,6 +344,7 @@ static void start_between(lua_State *L, dml_stepping *r) {
                dm_status_text(status));
 }
 
+/* L is compared with its trace at the start before any step is made. */
 void dml_stepping_start(lua_State *L, dml_stepping *r) {
     const int two = has(L, "q0") || has(L, "q1");
     if (two && (has(L, "q") || has(L, "v") || has(L, "p")))
@@ -358,6 +369,7 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
     dml_stepping_open(L, r);
 }
 
+/* Sums of states are compensated unless somebody asks for plain ones. */
 void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
     if (!r->solver->plain || r->stepper.report.plain) return;
     dml_stepping_end(r);
@@ -368,11 +380,13 @@ void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
                r->solver->nodes[0].name);
 }
 
+/* May be called once; what it gives back is not Lua's. */
 void dml_stepping_end(dml_stepping *r) {
     dm_stepper_close(&r->stepper);
     r->stepper.outside = NULL;
 }
 
+/* A duration that h divides to round-off takes no step more. */
 long dml_stepping_cover(lua_State *L, double duration, double h) {
     const double n = ceil(duration / h - 1e-9);
     if (!(n < 9e15)) luaL_error(L, "%f steps of h = %f are too many", n, h);

@@ -66,12 +66,14 @@ static void push_kept(lua_State *L, const dml_stepping *r) {
     lua_setiuservalue(L, r->model_at, 4);
 }
 
+/* User value 4 of the model with inputs; of one without: nil. */
 void dml_pushnames(lua_State *L, const dml_stepping *r) {
     lua_getiuservalue(L, r->model_at, 4);
     lua_getiuservalue(L, -1, 4);
     lua_remove(L, -2);
 }
 
+/* r->given holds (q, v, t, values) for as long as what is left on the stack. */
 void dml_stepping_inputs(lua_State *L, dml_stepping *r) {
     if (r->numbers || !takes_inputs(r)) return;
     push_kept(L, r);

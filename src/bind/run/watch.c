@@ -31,6 +31,7 @@ typedef struct {
     dm_impulses *impulses;
 } reading;
 
+/* Two columns of one name could not be told apart later. */
 static void add_name(lua_State *L, const reading *in, const char *name) {
     const int names = in->names;
     for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, names); i++, lua_pop(L, 1)) {
@@ -159,6 +160,7 @@ static void read_all(lua_State *L, dml_observables *o, const dml_stepping *r, re
     dml_observables_end(L, o);
 }
 
+/* Rows hold t and these, in the order of dml_pushkeys. */
 void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r) {
     lua_newtable(L);
     reading in = {.field = "watch", .names = lua_gettop(L)};

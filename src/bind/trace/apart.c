@@ -1,5 +1,6 @@
 #include "bind/trace/apart.h"
 
+/* What it returns must be given back by dml_endapart, or by the close of dml_pushapart. */
 dml_apart dml_setapart(dml_state *state) {
     dml_given *given = state->given;
     dml_frame *frame = state->frames;
@@ -8,6 +9,7 @@ dml_apart dml_setapart(dml_state *state) {
     return apart;
 }
 
+/* Nothing where nothing was under way. */
 void dml_endapart(const dml_apart *a) {
     if (a->given) a->given->values = a->values;
     if (a->frame) a->frame->sums = a->sums;
@@ -21,6 +23,7 @@ static int end_apart(lua_State *L) {
     return 0;
 }
 
+/* A value to be closed is left on the stack. */
 void dml_pushapart(lua_State *L) {
     dml_state *state = dml_getstate(L);
     if (!state->given && !state->frames) return;

@@ -16,6 +16,7 @@ static const dml_backend backends[] = {{"jit", dm_native_build, NULL},
                                        {"cc", dml_cc_or_tape, NULL},
                                        {NULL, NULL, NULL}};
 
+/* `from`: where the name was given, for the message. */
 static const dml_backend *by_name(lua_State *L, const char *name, const char *from) {
     luaL_Buffer b;
     for (const dml_backend *row = backends; row->name; row++)
@@ -30,6 +31,7 @@ static const dml_backend *by_name(lua_State *L, const char *name, const char *fr
     return NULL;
 }
 
+/* An option comes before the environment. */
 const dml_backend *dml_findbackend(lua_State *L, const char *name) {
     if (name) return by_name(L, name, "field 'backend'");
     const char *env = getenv("DMLUA_BACKEND");
@@ -39,6 +41,7 @@ const dml_backend *dml_findbackend(lua_State *L, const char *name) {
     return row;
 }
 
+/* Once, when the bindings open: kernels that are there stay as they are. */
 void dml_limitprocessor(lua_State *L) {
     static const char *const names[] =
         {[DM_PLAIN] = "plain", [DM_FMA] = "fma", [DM_AVX512] = "avx512"};

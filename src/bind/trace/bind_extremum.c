@@ -55,6 +55,7 @@ static void check_at(lua_State *L, const dm_graph *g, const dm_extremum *e, cons
     }
 }
 
+/* Raises where the function is not stationary in y where it should be. */
 static void check(lua_State *L, const dm_graph *g, const dm_extremum *e) {
     const uint32_t inputs = dm_graph_inputs(g);
     const size_t room = (size_t)dm_graph_size(g) + dm_graph_size(e->of);
@@ -130,6 +131,7 @@ static int fits(lua_State *L, dml_frame *frame) {
     return !dm_sums(g) && are_inputs(L, 4, g, frame, 0, n) && are_inputs(L, 5, g, frame, n, n);
 }
 
+/* (value, f, y, q, v): the value with the derivatives of the function at its stationary point. */
 static int extremum(lua_State *L) {
     dml_scalar value;
     lua_settop(L, 5);

@@ -6,10 +6,12 @@
 #include <math.h>
 #include <string.h>
 
+/* The function at stack index 1. */
 static dml_function *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_FUNCTION);
 }
 
+/* Tables, vectors and numbers count as one argument each. */
 void dml_function_checkcount(lua_State *L, const dml_function *f) {
     if (lua_gettop(L) - 1 != f->s.arguments)
         luaL_error(L, "the function takes %d argument%s (got %d)", f->s.arguments,
@@ -56,12 +58,14 @@ static int answer(lua_State *L, dml_function *f, const request *r) {
     return 1;
 }
 
+/* On symbols and hyper-dual numbers its operations are done again. */
 static int function_call(lua_State *L) {
     dml_function *f = check(L);
     if (dml_function_isspecial(L, f)) return dml_function_replay(L, f);
     return answer(L, f, &(request){DML_VALUE, f->rank, f->rows, f->columns, "the value"});
 }
 
+/* Of a function that gives one number. */
 static int function_gradient(lua_State *L) {
     dml_function *f = check(L);
     if (f->rank != 0)
@@ -70,11 +74,13 @@ static int function_gradient(lua_State *L) {
     return answer(L, f, &(request){DML_JACOBIAN, 1, f->inputs, 1, "the gradient"});
 }
 
+/* Rows: entries of the result; columns: all inputs. */
 static int function_jacobian(lua_State *L) {
     dml_function *f = check(L);
     return answer(L, f, &(request){DML_JACOBIAN, 2, dml_outputs(f), f->inputs, "the Jacobian"});
 }
 
+/* Of a function that gives one number, symmetric. */
 static int function_hessian(lua_State *L) {
     dml_function *f = check(L);
     if (dml_outputs(f) != 1)
@@ -85,10 +91,12 @@ static int function_hessian(lua_State *L) {
 
 /* ---- what it looks like ---- */
 
+/* A piece of text to the buffer. */
 static void put(void *ud, const char *text, size_t length) {
     luaL_addlstring(ud, text, length);
 }
 
+/* In the language of graphviz. */
 static int function_graph(lua_State *L) {
     dml_function *f = check(L);
     luaL_Buffer b;
@@ -98,12 +106,14 @@ static int function_graph(lua_State *L) {
     return 1;
 }
 
+/* Of the compacted value, without inputs and constants. */
 static int function_operations(lua_State *L) {
     dml_function *f = check(L);
     lua_pushinteger(L, dm_operations(f->graph, f->parts[DML_VALUE].nodes, dml_outputs(f)));
     return 1;
 }
 
+/* Shapes of arguments and result. */
 static int function_tostring(lua_State *L) {
     dml_function *f = check(L);
     const int n = (int)dm_operations(f->graph, f->parts[DML_VALUE].nodes, dml_outputs(f));

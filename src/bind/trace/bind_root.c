@@ -68,6 +68,7 @@ static void choose(const dml_root_shape *s, dml_scalar *x) {
     for (uint32_t i = 0; i < s->uses; i++) x[i] = x[s->used[i]];
 }
 
+/* A number where there is one unknown that was asked for as such, else a vector. */
 static void push_root(lua_State *L, const dml_root_shape *s, const dml_scalar *y) {
     if (s->s.length[0] == DML_SCALAR_ARGUMENT)
         dml_pushscalar(L, y);
@@ -113,6 +114,7 @@ static dml_root_shape *shape_in_trace(lua_State *L, int top) {
     return s;
 }
 
+/* The root becomes a leaf of the graph; its equations stay a graph of their own. */
 static int call_on_symbols(lua_State *L, int top, int value) {
     const dml_root_shape *s = shape_in_trace(L, top);
     const uint32_t r = s->unknowns, first = value ? r : 0;
@@ -129,6 +131,7 @@ static int call_on_symbols(lua_State *L, int top, int value) {
     return 1;
 }
 
+/* Derivatives of the root follow from those of its equations. */
 static int call_on_hyperduals(lua_State *L, int top, int value) {
     dml_root_shape *s = solve(L, top);
     dml_scalar *x = lua_newuserdatauv(L, (s->inputs + s->unknowns + 1) * sizeof *x, 0);
@@ -145,10 +148,12 @@ static int call_on_hyperduals(lua_State *L, int top, int value) {
     return 1;
 }
 
+/* Arguments stand at 2 .. top; value: S is asked for, not the root. */
 static int call_special(lua_State *L, dml_kind kind, int top, int value) {
     return kind == DML_SYMBOL ? call_on_symbols(L, top, value) : call_on_hyperduals(L, top, value);
 }
 
+/* (root, x ...): plain numbers, unless one of the arguments is special. */
 static int root_call(lua_State *L) {
     luaL_checkudata(L, 1, DML_ROOT);
     const int top = lua_gettop(L);
@@ -162,6 +167,7 @@ static int root_call(lua_State *L) {
     return 1;
 }
 
+/* S at the root, of one that was given by `stationary`. */
 static int root_value(lua_State *L) {
     luaL_checkudata(L, 1, DML_ROOT);
     const int top = lua_gettop(L);
@@ -189,6 +195,7 @@ static int root_inverse(lua_State *L) {
 
 /* ---- making one ---- */
 
+/* Field `key` of the options at 1; needed: nil raises, too. */
 static void check_type(lua_State *L, const char *key, int needed) {
     const int type = lua_getfield(L, 1, key);
     if (type != LUA_TFUNCTION && (needed || type != LUA_TNIL))
@@ -196,6 +203,7 @@ static void check_type(lua_State *L, const char *key, int needed) {
     lua_pop(L, 1);
 }
 
+/* A string or nil. */
 static void check_text(lua_State *L, const char *key) {
     const int type = lua_getfield(L, 1, key);
     if (type != LUA_TSTRING && type != LUA_TNIL)
@@ -203,6 +211,7 @@ static void check_text(lua_State *L, const char *key) {
     lua_pop(L, 1);
 }
 
+/* A list of strings or nil. */
 static void check_list(lua_State *L, const char *key) {
     const int type = lua_getfield(L, 1, key);
     if (type != LUA_TTABLE && type != LUA_TNIL)
@@ -210,6 +219,7 @@ static void check_list(lua_State *L, const char *key) {
     lua_pop(L, 1);
 }
 
+/* All fields before anything is traced. */
 static void check_options(lua_State *L) {
     static const char *const known[] = {"equations", "stationary", "unknowns", "start", "branch",
                                         "angles",    "name",       "failure",  NULL};
@@ -239,6 +249,7 @@ static void check_options(lua_State *L) {
     lua_settop(L, 1);
 }
 
+/* (options) -> root; it is traced when its arguments are known. */
 static int root_new(lua_State *L) {
     lua_settop(L, 1);
     check_options(L);
@@ -261,6 +272,7 @@ static int root_new(lua_State *L) {
     return 1;
 }
 
+/* Its name and unknowns. */
 static int root_tostring(lua_State *L) {
     luaL_checkudata(L, 1, DML_ROOT);
     const char *name = dml_rootname(L, 1);

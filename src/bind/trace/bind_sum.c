@@ -16,6 +16,7 @@ enum { FEWEST_ROUNDS = 16 /* fewer are written out at once */ };
 
 typedef dml_sum_request request;
 
+/* Bodies that have a partner at this distance; with shift 0 all. */
 static uint32_t rounds(const request *r, uint32_t shift) {
     return r->periodic ? r->bodies : r->bodies - shift;
 }
@@ -42,6 +43,7 @@ static void push_body(lua_State *L, const request *r, uint32_t body) {
     }
 }
 
+/* One round of the function; its result is a scalar of any kind. */
 static dml_scalar call(lua_State *L, const request *r, uint32_t i, uint32_t shift) {
     lua_pushvalue(L, r->fn);
     push_body(L, r, i);
@@ -164,6 +166,7 @@ static dm_node repeat_sum(lua_State *L, const request *r, dml_frame *frame, dm_s
     return traced.graph == next->term.graph ? dml_sumagain(frame) : 0;
 }
 
+/* The sum becomes a leaf of the graph, or is written out where roots are in its term. */
 static int keep_loop(lua_State *L, const request *r, dml_frame *frame, dm_sum *s) {
     dml_traced traced;
     dml_scalar x = {.kind = DML_SYMBOL, .serial = frame->serial};
@@ -230,6 +233,7 @@ static void compare_round(lua_State *L, const request *r, dml_given *given, cons
     given->traced = traced;
 }
 
+/* The number that stands in the comparison, after the first and last round were looked at. */
 static int give(lua_State *L, const request *r, dml_given *given, const dm_sum *s) {
     const double *values = given->values;
     given->values = NULL; /* sums inside of the function are loops */
@@ -240,6 +244,7 @@ static int give(lua_State *L, const request *r, dml_given *given, const dm_sum *
     return 1;
 }
 
+/* Numbers are summed in a loop; symbols of a trace that keeps sums make a leaf. */
 static int sum_over(lua_State *L) {
     request r = {.bodies = 0};
     dml_state *state = dml_getstate(L);

@@ -30,6 +30,7 @@ typedef struct {
     char folder[LONGEST], source[LONGEST + 8], object[LONGEST + 8];
 } workshop;
 
+/* A folder of its own with a name of mkdtemp; 0: there is none. */
 static int open_workshop(workshop *w) {
     const char *tmp = getenv("TMPDIR");
     const int n =
@@ -40,12 +41,14 @@ static int open_workshop(workshop *w) {
     return 1;
 }
 
+/* The files are not needed once the object is loaded. */
 static void close_workshop(const workshop *w) {
     unlink(w->source);
     unlink(w->object);
     rmdir(w->folder);
 }
 
+/* A piece of text to the source. */
 static void put(void *ud, const char *text, size_t length) {
     fwrite(text, 1, length, ud);
 }
@@ -62,6 +65,7 @@ static void write_head(FILE *f) {
     }
 }
 
+/* One function of the graph, and the helpers that it calls. */
 static int write_source(const workshop *w, dm_graph *g, const dm_node *roots, uint32_t m) {
     FILE *f = fopen(w->source, "w");
     if (!f) return 0;
@@ -70,6 +74,7 @@ static int write_source(const workshop *w, dm_graph *g, const dm_node *roots, ui
     return fclose(f) == 0 && whole;
 }
 
+/* The compiler of CC, with the flags that give the bits of the tape; 0: it failed. */
 static int run_compiler(workshop *w) {
     char *cc = getenv("CC");
     char *argv[] = {cc && *cc ? cc : "cc",
@@ -97,16 +102,19 @@ typedef struct {
     void (*kernel)(const double *in, double *out);
 } object;
 
+/* By the collector, with the arena of the kernel. */
 static void unload(void *handle, size_t size) {
     (void)size;
     dlclose(handle);
 }
 
+/* The function of the shared object. */
 static void eval(const void *pool, const double *in, double *out) {
     const object *o = pool;
     o->kernel(in, out);
 }
 
+/* Elementary functions are those of the program, not of libm. */
 static void give_functions(void *handle) {
     unsigned char *table = dlsym(handle, "functions");
     for (int op = DM_OP_RSQRT; table && op <= DM_OP_TANH; op++) {
@@ -117,6 +125,7 @@ static void give_functions(void *handle) {
     }
 }
 
+/* NULL where the object cannot be opened. */
 static object *load(const workshop *w, dm_arena *arena) {
     object *o = dm_arena_take(arena, sizeof *o);
     void *handle = o ? dlopen(w->object, RTLD_NOW | RTLD_LOCAL) : NULL;

@@ -9,12 +9,14 @@
 #include <math.h>
 #include <string.h>
 
+/* Of the arena; raises without memory. */
 static void *take(lua_State *L, dm_arena *arena, size_t size) {
     void *block = dm_arena_take(arena, size);
     if (!block) luaL_error(L, "not enough memory");
     return block;
 }
 
+/* Raises where a graph or kernel could not be made. */
 static void check_status(lua_State *L, dm_status status) {
     if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
     if (status != DM_OK) luaL_error(L, "the function: %s", dm_status_text(status));
@@ -22,6 +24,7 @@ static void check_status(lua_State *L, dm_status status) {
 
 /* ---- kernels ---- */
 
+/* Nodes of the value, the Jacobian or the Hessian. */
 static const dm_node *derive(lua_State *L, dml_function *f, int which) {
     const uint32_t n = f->inputs, m = dml_outputs(f);
     const dm_node *value = f->parts[DML_VALUE].nodes;
@@ -37,6 +40,7 @@ static const dm_node *derive(lua_State *L, dml_function *f, int which) {
     return nodes;
 }
 
+/* Made once, kept by f: the kernel has an output for every node. */
 static const dml_function_part *want(lua_State *L, dml_function *f, int which) {
     dml_function_part *p = f->parts + which;
     const uint32_t size[DML_PARTS] = {dml_outputs(f), dml_outputs(f) * f->inputs,
@@ -49,6 +53,7 @@ static const dml_function_part *want(lua_State *L, dml_function *f, int which) {
     return p;
 }
 
+/* The numbers stand until the part is evaluated again. */
 const double *dml_function_evaluate(lua_State *L, dml_function *f, int which, const char *what) {
     const dml_function_part *p = want(L, f, which);
     dm_root_forget(f->graph);
@@ -83,6 +88,7 @@ static void read_lengths(lua_State *L, int first, dml_signature *s) {
     }
 }
 
+/* Lengths of the arguments, from stack index 2 on; none: as many as the function names. */
 static void read_function(lua_State *L, dml_signature *s) {
     const dml_function *given = luaL_testudata(L, 1, DML_FUNCTION);
     *s = (dml_signature){.what = "the function"};
@@ -111,6 +117,7 @@ static dml_function *push_function(lua_State *L, const dml_signature *s) {
     return f;
 }
 
+/* (function, lengths ...) -> dm.function */
 int dml_function_trace(lua_State *L) {
     dml_signature s;
     read_function(L, &s);

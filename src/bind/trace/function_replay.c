@@ -6,6 +6,7 @@
 
 #include <string.h>
 
+/* Arguments from stack index 2 on. */
 int dml_function_isspecial(lua_State *L, const dml_function *f) {
     dml_scalar x;
     for (int arg = 2; arg <= lua_gettop(L) && arg < 2 + f->s.arguments; arg++) {
@@ -77,6 +78,7 @@ static dml_scalar replay(lua_State *L, const dm_graph *g, dm_node n, const dml_s
     }
 }
 
+/* Only nodes that the outputs need are computed. */
 void dml_replay(lua_State *L, const dm_graph *g, const dm_node *nodes, uint32_t m,
                 const dml_scalar *x, dml_scalar *out) {
     const uint32_t size = dm_graph_size(g);
@@ -90,6 +92,7 @@ void dml_replay(lua_State *L, const dm_graph *g, const dm_node *nodes, uint32_t 
     lua_settop(L, top);
 }
 
+/* Pushes a number, vector or matrix, as a call on numbers does. */
 int dml_function_replay(lua_State *L, dml_function *f) {
     const uint32_t m = dml_outputs(f);
     dml_function_checkcount(L, f);

@@ -19,6 +19,7 @@ typedef struct {
     double power[MOST_FACTORS];
 } product;
 
+/* Powers of one base are added. */
 static void add_factor(product *p, dm_node base, double power) {
     for (uint32_t i = 0; i < p->count; i++)
         if (p->base[i] == base) {
@@ -37,6 +38,7 @@ typedef struct {
     double power[MOST_FACTORS];
 } todo;
 
+/* What is still to be opened. */
 static void later(todo *t, dm_node n, double power) {
     t->node[t->count] = n;
     t->power[t->count++] = power;
@@ -144,6 +146,7 @@ static void push_part(lua_State *L, const dml_function *f, dm_node n) {
     luaL_setmetatable(L, DML_FUNCTION);
 }
 
+/* The function at 1, which must give one number. */
 static dml_function *check_number(lua_State *L, const char *what) {
     dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
     if (dml_outputs(f) != 1)
@@ -152,6 +155,7 @@ static dml_function *check_number(lua_State *L, const char *what) {
     return f;
 }
 
+/* A list of functions whose sum is f. */
 static int function_terms(lua_State *L) {
     dml_function *f = check_number(L, "terms");
     sum *s = lua_newuserdatauv(L, sizeof *s, 0);
@@ -166,6 +170,7 @@ static int function_terms(lua_State *L) {
     return 1;
 }
 
+/* The constant, then the powers. */
 static int function_factors(lua_State *L) {
     dml_function *f = check_number(L, "factors");
     product *p = lua_newuserdatauv(L, sizeof *p, 0);
@@ -184,6 +189,7 @@ static int function_factors(lua_State *L) {
     return 2;
 }
 
+/* By outputs, a boolean for every input. */
 static int function_depends(lua_State *L) {
     const dml_function *f = luaL_checkudata(L, 1, DML_FUNCTION);
     const dm_node *roots = f->parts[DML_VALUE].nodes;

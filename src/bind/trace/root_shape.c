@@ -13,12 +13,14 @@ typedef dml_root_shape shape;
 
 enum { FIELDS = 1, SHAPES = 2 }; /* user values of a dm.root */
 
+/* Of the arena of the shape; raises without memory. */
 static void *take(lua_State *L, dm_arena *arena, size_t size) {
     void *block = dm_arena_take(arena, size);
     if (!block) luaL_error(L, "not enough memory");
     return block;
 }
 
+/* Raises with the name of the root. */
 static void check_status(lua_State *L, const char *name, dm_status status) {
     if (status == DM_NO_MEMORY) luaL_error(L, "not enough memory");
     if (status != DM_OK) luaL_error(L, "%s: %s", name, dm_status_text(status));
@@ -32,6 +34,7 @@ static int push_field(lua_State *L, const char *key) {
     return type;
 }
 
+/* The string is left on the stack. */
 const char *dml_rootname(lua_State *L, int arg) {
     lua_getiuservalue(L, arg, FIELDS);
     lua_getfield(L, -1, "name");
@@ -59,6 +62,7 @@ static void read_lengths(lua_State *L, shape *s, int top) {
     }
 }
 
+/* The lengths of the arguments as a string: the name of the shape in the table of shapes. */
 static void push_key(lua_State *L, const shape *s) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
@@ -81,6 +85,7 @@ static const char *title(lua_State *L, const shape *s, const char *key) {
     return kept;
 }
 
+/* Field `key` of the options traced into the arena of the shape; graph NULL without it. */
 static void trace_field(lua_State *L, shape *s, const char *key, dml_signature *sig,
                         dml_traced *out) {
     push_field(L, key);
@@ -89,6 +94,7 @@ static void trace_field(lua_State *L, shape *s, const char *key, dml_signature *
     lua_pop(L, 1);
 }
 
+/* Is field `key` of the root at 1 given? */
 static int has(lua_State *L, const char *key) {
     const int there = push_field(L, key) != LUA_TNIL;
     lua_pop(L, 1);
@@ -178,6 +184,7 @@ static void trace_all(lua_State *L, shape *s) {
     s->s.outputs = s->equation.bare ? DML_SCALAR_ARGUMENT : (int)s->equation.outputs;
 }
 
+/* Node for node, so that the kernels of one are those of the other. */
 static int same_traced(const dml_traced *a, const dml_traced *b) {
     if (!a->graph || !b->graph) return !a->graph && !b->graph;
     const uint32_t size = dm_graph_size(b->graph);
@@ -186,6 +193,7 @@ static int same_traced(const dml_traced *a, const dml_traced *b) {
            memcmp(a->out, b->out, a->outputs * sizeof *a->out) == 0;
 }
 
+/* All that was traced of both. */
 static int is_same(const shape *a, const shape *b) {
     return a->unknowns == b->unknowns && same_traced(&a->equation, &b->equation) &&
            same_traced(&a->branch, &b->branch) && same_traced(&a->start, &b->start);
@@ -193,10 +201,12 @@ static int is_same(const shape *a, const shape *b) {
 
 /* ---- the function ---- */
 
+/* Does an output depend on it? */
 static int is_used(const dml_traced *t, uint32_t input) {
     return t->graph && dm_depends(t->graph, t->out, t->outputs, input, 1);
 }
 
+/* Arguments that nothing depends on are left out of f: their derivatives are zero. */
 static void find_used(lua_State *L, shape *s) {
     const uint32_t r = s->unknowns;
     s->used = take(L, s->arena, (s->inputs + (size_t)1) * sizeof *s->used);
@@ -244,6 +254,7 @@ static uint64_t read_angles(lua_State *L, const shape *s) {
     return angles;
 }
 
+/* f, from equations, start and branch in one graph. */
 static void make_function(lua_State *L, shape *s) {
     const uint32_t r = s->unknowns;
     const char *name = dml_rootname(L, 1);
@@ -298,6 +309,7 @@ static shape *push_traced(lua_State *L, int top) {
     return s;
 }
 
+/* A shape that is traced but not known yet becomes one that can be solved. */
 static void make(lua_State *L, shape *s) {
     const size_t n = s->inputs + (size_t)1, r = s->unknowns;
     make_function(L, s);
@@ -308,6 +320,7 @@ static void make(lua_State *L, shape *s) {
     s->inverse = s->y + r;
 }
 
+/* Pushes the userdata of the shape, which is kept by the root. */
 dml_root_shape *dml_rootshape(lua_State *L, int anew) {
     shape like = {.inputs = 0};
     const int top = lua_gettop(L), shapes = top + 1, key = top + 2;

@@ -5,6 +5,7 @@
 
 enum { SHOWN = 6 };
 
+/* At most SHOWN numbers. */
 static void add_point(luaL_Buffer *b, const double *x, uint32_t n) {
     char text[40];
     luaL_addchar(b, '(');
@@ -15,6 +16,7 @@ static void add_point(luaL_Buffer *b, const double *x, uint32_t n) {
     luaL_addstring(b, n > SHOWN ? ", ...)" : ")");
 }
 
+/* pattern takes one double. */
 static void add_number(luaL_Buffer *b, const char *pattern, double x) {
     char text[96];
     snprintf(text, sizeof text, pattern, x);
@@ -37,6 +39,7 @@ static void add_outcome(luaL_Buffer *b, const dm_implicit *f) {
     add_number(b, " the residual is %.3g", t->residual);
 }
 
+/* Name, point, outcome and advice as one sentence. */
 static void push_trouble(lua_State *L, const dm_implicit *f) {
     luaL_Buffer b;
     luaL_buffinit(L, &b);
@@ -50,6 +53,7 @@ static void push_trouble(lua_State *L, const dm_implicit *f) {
     luaL_pushresult(&b);
 }
 
+/* The newest of them, where several had none. */
 const char *dml_roottrouble(lua_State *L, const dm_graph *g) {
     const dm_implicit *f = g ? dm_root_troubled(g) : NULL;
     if (!f) return lua_pushliteral(L, "");
@@ -58,6 +62,7 @@ const char *dml_roottrouble(lua_State *L, const dm_graph *g) {
     return lua_pushfstring(L, "; %s", lua_tostring(L, -1));
 }
 
+/* With the place of the script in front. */
 void dml_raiseroot(lua_State *L, const dm_implicit *f) {
     luaL_checkstack(L, 8, NULL);
     luaL_where(L, 1);

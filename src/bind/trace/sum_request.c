@@ -5,6 +5,7 @@
 
 static const char *const what = "the function of dm.sum_over";
 
+/* The last function among the arguments; what stands behind it is the table of options. */
 static void find_function(lua_State *L, dml_sum_request *r) {
     const int top = lua_gettop(L);
     for (r->fn = 1; r->fn <= top && !lua_isfunction(L, r->fn); r->fn++) {}
@@ -22,6 +23,7 @@ static void find_function(lua_State *L, dml_sum_request *r) {
     lua_settop(L, r->fn + 1);
 }
 
+/* A boolean of the table at `options`; 0: there is no table. */
 static int flag(lua_State *L, int options, const char *key) {
     const int type = lua_getfield(L, options, key);
     if (type != LUA_TNIL && type != LUA_TBOOLEAN)
@@ -102,6 +104,7 @@ static void check_arity(lua_State *L, const dml_sum_request *r) {
                    r->to ? ", then the same of its partner, then numbers" : ", then numbers");
 }
 
+/* Raises where shapes do not fit; r->given vectors and numbers stand from 1 on. */
 void dml_read_sum(lua_State *L, dml_sum_request *r) {
     static const char *const known[] = {"shift", "periodic", "pairs", "block", NULL};
     find_function(L, r);

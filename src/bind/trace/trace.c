@@ -9,6 +9,7 @@
 
 #include <string.h>
 
+/* The inputs of the graph, numbered through all arguments in their order. */
 uint32_t dml_signature_inputs(const dml_signature *s) {
     uint32_t n = 0;
     for (int k = 0; k < s->arguments; k++)
@@ -23,6 +24,7 @@ static const char *type_name(lua_State *L, int arg) {
     return luaL_typename(L, arg);
 }
 
+/* Raises with what was wanted, what came, and what may have been meant. */
 static void wrong_result(lua_State *L, const dml_signature *s, int result) {
     const char *noted = lua_isnil(L, result) ? dml_noted(L) : NULL;
     const char *hint = noted                  ? lua_pushfstring(L, ": %s", noted)
@@ -37,6 +39,7 @@ static void wrong_result(lua_State *L, const dml_signature *s, int result) {
                type_name(L, result), hint);
 }
 
+/* The result is at `result`; it is looked at, not changed. */
 uint32_t dml_result_length(lua_State *L, const dml_signature *s, int result) {
     dml_scalar x;
     const int bare = dml_toscalar(L, result, &x);
@@ -51,6 +54,7 @@ uint32_t dml_result_length(lua_State *L, const dml_signature *s, int result) {
     return (uint32_t)n;
 }
 
+/* From 0; raises where an entry of a table is no number. */
 dml_scalar dml_result_entry(lua_State *L, const dml_signature *s, int result, uint32_t i) {
     dml_scalar x;
     if (dml_toscalar(L, result, &x)) return x;
@@ -65,6 +69,7 @@ dml_scalar dml_result_entry(lua_State *L, const dml_signature *s, int result, ui
 
 /* ---- calls ---- */
 
+/* x points to the first entry of argument k, not of all. */
 void dml_pushargument(lua_State *L, const dml_signature *s, int k, const dml_scalar *x) {
     if (s->length[k] == DML_SCALAR_ARGUMENT)
         dml_pushscalar(L, x);
@@ -87,6 +92,7 @@ static void push_numbers(lua_State *L, int fn, const dml_signature *s, const dou
     }
 }
 
+/* The stack is left as it was. */
 void dml_call_numbers(lua_State *L, int fn, const dml_signature *s, const double *in, double *out,
                       uint32_t outputs) {
     fn = lua_absindex(L, fn);
@@ -153,6 +159,7 @@ static void make_inputs(const dml_frame *frame, dm_node *out, uint32_t first, ui
     for (uint32_t i = 0; !frame->own && i < count; i++) out[i] = 1 + first + i;
 }
 
+/* The function and its arguments; nodes of inputs are the first of any graph. */
 static void push_symbols(lua_State *L, int fn, const dml_signature *s, const dml_frame *frame) {
     dml_scalar x = {.kind = DML_SYMBOL, .serial = frame->serial};
     uint32_t input = 0;
@@ -171,6 +178,7 @@ static void push_symbols(lua_State *L, int fn, const dml_signature *s, const dml
     dml_checkgraph(L, frame);
 }
 
+/* The result on top becomes nodes in the arena of the frame. */
 static void read_result(lua_State *L, const dml_signature *s, const dml_frame *frame,
                         dml_traced *out) {
     const int result = lua_gettop(L);
@@ -258,10 +266,12 @@ static int trace(lua_State *L, int fn, const dml_signature *s, dml_frame *frame,
     return 1;
 }
 
+/* Raises where there is none. */
 static void need(lua_State *L, int memory) {
     if (!memory) luaL_error(L, "not enough memory");
 }
 
+/* The frame is closed on return, also by an error (it is a value to be closed). */
 void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena, dml_traced *out) {
     fn = lua_absindex(L, fn);
     luaL_checkstack(L, s->arguments + 12, NULL);
@@ -271,6 +281,7 @@ void dml_trace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena, dm
     trace(L, fn, s, frame, out);
 }
 
+/* Where symbols of the last time cannot be used, it is traced again without them. */
 void dml_retrace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
                  const dml_traced *last, dml_traced *out) {
     fn = lua_absindex(L, fn);
@@ -282,6 +293,7 @@ void dml_retrace(lua_State *L, int fn, const dml_signature *s, dm_arena *arena,
     if (!trace(L, fn, s, frame, out)) dml_retrace(L, fn, s, arena, NULL, out);
 }
 
+/* Constants by their bits: 0 and -0, and NaN, are told apart. */
 static int same_node(const dm_expr *a, const dm_expr *b) {
     if (a->op != b->op) return 0;
     if (a->op == DM_OP_CONSTANT || a->op == DM_OP_IMPLICIT)
@@ -290,6 +302,7 @@ static int same_node(const dm_expr *a, const dm_expr *b) {
     return memcmp(a->as.arg, b->as.arg, sizeof a->as.arg) == 0; /* 0 where unused */
 }
 
+/* What was made later, derivatives for instance, is not looked at. */
 int dml_samenodes(const dm_graph *a, const dm_graph *b, uint32_t size) {
     const dm_expr *x = dm_graph_at(a, 0), *y = dm_graph_at(b, 0);
     for (dm_node i = 0; i < size; i++)

@@ -42,6 +42,7 @@ static double next_random(uint64_t *state) {
     return (double)bits * 0x1p-52 - 1.0;
 }
 
+/* The kernel at c->x. */
 static void eval(const check *c, double *out) {
     dm_kernel_prepare(c->kernel, out);
     dm_kernel_eval(c->kernel, c->x, out);
@@ -111,6 +112,7 @@ static void call_plain(lua_State *L, check *c, int fn) {
     dml_call_numbers(L, fn, c->s, c->x, c->plain, c->kernel->outputs);
 }
 
+/* `point`: the arguments as a call shows them. */
 static void raise_difference(lua_State *L, const char *what, double plain, double traced,
                              const char *point) {
     luaL_error(L,
@@ -123,6 +125,7 @@ static void raise_difference(lua_State *L, const char *what, double plain, doubl
                what, plain, traced, point);
 }
 
+/* The function is called once more: one that gives another value now is told apart. */
 static void raise_mismatch(lua_State *L, check *c, long k) {
     const char *what = c->s->what, *point = push_point(L, c);
     const double plain = c->plain[k], traced = c->kernel_out[k];
@@ -135,6 +138,7 @@ static void raise_mismatch(lua_State *L, check *c, long k) {
     raise_difference(L, what, plain, traced, point);
 }
 
+/* Only at the start, which the user gave. */
 static void raise_not_finite(lua_State *L, const check *c) {
     for (uint32_t k = 0; k < c->kernel->outputs; k++) {
         const double a = c->plain[k], b = c->kernel_out[k], bad = isfinite(a) ? b : a;
@@ -155,6 +159,7 @@ static void check_terms(lua_State *L, check *c) {
                          push_point(L, c));
 }
 
+/* At c->x; whatever is wrong there is raised. */
 static void check_at(lua_State *L, check *c) {
     call_plain(L, c, c->fn);
     check_terms(L, c);
@@ -253,6 +258,7 @@ static void check_beside(lua_State *L, check *c, const double *at, size_t moved)
 
 enum { START, AROUND, BESIDE };
 
+/* The stack is left as it was; sums are given where the kernel has inputs for them. */
 static void check_points(lua_State *L, int fn, const dml_signature *s, const dm_kernel *kernel,
                          const double *at, int where, size_t moved) {
     const size_t n = kernel->inputs, m = kernel->outputs;

@@ -60,6 +60,7 @@ static dml_hyperdual call(lua_State *L, const job *j, uint32_t a, uint32_t b) {
     return y.kind == DML_HYPERDUAL ? y.as.hyper : (dml_hyperdual){.f = y.as.number};
 }
 
+/* Two inputs with each call, one along either direction. */
 static void gradient(lua_State *L, const job *j) {
     const uint32_t n = j->callback->inputs;
     for (uint32_t i = 0; i < n; i += 2) {
@@ -69,6 +70,7 @@ static void gradient(lua_State *L, const job *j) {
     }
 }
 
+/* The lower triangle by calls, the upper one by symmetry; the gradient comes with the diagonal. */
 static void hessian(lua_State *L, const job *j) {
     const uint32_t n = j->callback->inputs;
     double *slope = j->out, *curve = j->out + n;
@@ -95,14 +97,17 @@ static int work(lua_State *L) {
     return 0;
 }
 
+/* What a kernel gives whose function failed; the error itself waits in the thread. */
 static void fill_nan(double *out, uint32_t n) {
     for (uint32_t i = 0; i < n; i++) out[i] = NAN;
 }
 
+/* By the order of the kernel: see trace.h. */
 static uint32_t outputs(const dml_callback *c, int order) {
     return order == 0 ? 1 : order == 1 ? c->inputs : c->inputs + c->inputs * c->inputs;
 }
 
+/* Called from inside of loops in C: no error of Lua may pass through these. */
 static void eval(const void *pool, const double *in, double *out) {
     const context *at = pool;
     dml_callback *c = at->callback;
@@ -125,6 +130,7 @@ static void eval(const void *pool, const double *in, double *out) {
     if (c->failed) fill_nan(out, outputs(c, at->order));
 }
 
+/* Leaves the callback on the stack, which keeps the thread and so the function. */
 dml_callback *dml_hyperdual_new(lua_State *L, int fn, const dml_signature *s) {
     const uint32_t inputs = dml_signature_inputs(s);
     fn = lua_absindex(L, fn);
@@ -139,6 +145,7 @@ dml_callback *dml_hyperdual_new(lua_State *L, int fn, const dml_signature *s) {
     return c;
 }
 
+/* The kernel is only as good as the callback lives. */
 void dml_hyperdual_kernel(dml_callback *c, int order, dm_kernel *out) {
     *out = (dm_kernel){.eval = eval,
                        .pool = c->orders + order,
@@ -147,6 +154,7 @@ void dml_hyperdual_kernel(dml_callback *c, int order, dm_kernel *out) {
                        .backend = "hyperdual"};
 }
 
+/* After every loop that may have called the kernel. */
 void dml_hyperdual_rethrow(lua_State *L, dml_callback *c) {
     const int recursed = c->recursed;
     c->recursed = 0;

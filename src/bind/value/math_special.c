@@ -3,23 +3,27 @@
 
 #include <math.h>
 
+/* One result. */
 static int push(lua_State *L, const dml_scalar *x) {
     dml_pushscalar(L, x);
     return 1;
 }
 
+/* The operation of the row itself. */
 int dml_math_unary(lua_State *L, const dml_scalar *x, int n, const dml_math *f) {
     const dml_scalar y = dml_apply(L, f->op, x, NULL, NULL);
     (void)n;
     return push(L, &y);
 }
 
+/* The operation of the row is that of one argument. */
 int dml_math_arctangent(lua_State *L, const dml_scalar *x, int n, const dml_math *f) {
     if (n < 2) return dml_math_unary(L, x, n, f);
     const dml_scalar y = dml_apply(L, DM_OP_ATAN2, x, x + 1, NULL);
     return push(L, &y);
 }
 
+/* Symbolic powers are simplified where the graph is made. */
 int dml_math_power(lua_State *L, const dml_scalar *x, int n, const dml_math *f) {
     if (n < 2) return luaL_argerror(L, 2, "number expected, got no value");
     const dml_scalar y = dml_apply(L, f->op, x, x + 1, NULL);
@@ -36,12 +40,14 @@ int dml_math_logarithm(lua_State *L, const dml_scalar *x, int n, const dml_math 
     return push(L, &y);
 }
 
+/* There is no operation of its own for it. */
 int dml_math_logarithm10(lua_State *L, const dml_scalar *x, int n, const dml_math *f) {
     const dml_scalar pair[2] = {*x, {.kind = DML_NUMBER, .as.number = 10}};
     (void)n;
     return dml_math_logarithm(L, pair, 2, f);
 }
 
+/* From left to right, pair by pair: arguments behind the second are still on the stack. */
 int dml_math_extremum(lua_State *L, const dml_scalar *x, int n, const dml_math *f) {
     dml_scalar y = *x;
     for (int k = 2; k <= lua_gettop(L); k++) {
@@ -55,6 +61,8 @@ int dml_math_extremum(lua_State *L, const dml_scalar *x, int n, const dml_math *
 
 /* ---- functions that need a value: on hyper-dual numbers only ---- */
 
+/* Raises where x is a symbol: what the function does would be fixed at a value that there is not.
+ * */
 static void need_value(lua_State *L, const dml_scalar *x, int n, const char *name) {
     for (int k = 0; k < n; k++)
         if (x[k].kind == DML_SYMBOL)
@@ -65,6 +73,7 @@ static void need_value(lua_State *L, const dml_scalar *x, int n, const char *nam
                        name);
 }
 
+/* Of a hyper-dual number without its derivatives. */
 static double value_of(const dml_scalar *x) {
     return x->kind == DML_HYPERDUAL ? x->as.hyper.f : x->as.number;
 }
@@ -76,6 +85,7 @@ static int on_value(lua_State *L, double x, const dml_math *f) {
     return f->row.call(L);
 }
 
+/* The result is a plain number. */
 int dml_math_whole(lua_State *L, const dml_scalar *x, int n, const dml_math *f) {
     need_value(L, x, n, f->row.name);
     return on_value(L, value_of(x), f);
@@ -92,6 +102,7 @@ int dml_math_remainder(lua_State *L, const dml_scalar *x, int n, const dml_math 
     return push(L, &rest);
 }
 
+/* The integral part is a plain number, the fraction has the derivatives of x. */
 int dml_math_parts(lua_State *L, const dml_scalar *x, int n, const dml_math *f) {
     need_value(L, x, n, f->row.name);
     const dml_scalar integral = {.kind = DML_NUMBER, .as.number = trunc(value_of(x))};
