@@ -6,6 +6,7 @@
 #define DM_LANES_FUSED 0
 #include "linalg/lu_text.h"
 
+/* why a matrix was not factored: the first pivot that is no number, or zero */
 INLINE dm_status factor(double *A, uint32_t *pivot, uint32_t n) {
     I numbers;
     if (factor_matrix(A, (I *)pivot, n, &numbers)) return DM_OK;

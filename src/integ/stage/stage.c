@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+/* of h alone: what the first step continues is empty, whatever the state is */
 dm_status dm_stage_start(dm_stepper *stepper, double *state, double t, double h) {
     dm_stage *g = dm_stage_of(stepper);
     (void)state, (void)t;
@@ -16,6 +17,7 @@ dm_status dm_stage_start(dm_stepper *stepper, double *state, double t, double h)
     return DM_OK;
 }
 
+/* which memory that is was settled at opening, see choose_road in stage_open.c */
 size_t dm_stage_memory(dm_stepper *stepper, double **place) {
     dm_stage *g = dm_stage_of(stepper);
     *place = g->group.memory;
@@ -50,6 +52,7 @@ static dm_status prepare(dm_stage *g) {
     return DM_OK;
 }
 
+/* with all weights of the step in hand */
 static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
     if (!g->weights.complete) dm_stage_weights_complete(g);
     return g->separable ? dm_stage_separable(g, stepper) : dm_stage_general(g, stepper);
@@ -95,6 +98,7 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     return DM_OK;
 }
 
+/* the group is one member, the state is stepped in place, and stays as it was on failure */
 dm_status dm_stage_step(dm_stepper *stepper, double *state, double t, double h) {
     dm_stage *g = dm_stage_of(stepper);
     g->group.state = state;

@@ -22,11 +22,13 @@ static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
 
+/* Newton's method and the first guess take turns in it; the guess lays M and its pivots there */
 static size_t scratch_size(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, unknowns = larger(s, r) * n;
     return larger(dm_newton_work((uint32_t)unknowns), dm_legendre_work(m) + n * n + n);
 }
 
+/* struct, table, weights and arrays of Newton's method, then room for each of the other roads */
 size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
     const size_t n = m->n, curve = 2 * n + 3 * n * n;
     return dm_stage_doubles(sizeof(dm_stage)) + dm_stage_table_size(s, r) +
@@ -35,6 +37,7 @@ size_t dm_stage_work(size_t s, size_t r, const dm_model *m) {
            dm_one_point_size(m) + dm_stage_warm_size(s, m->n) + dm_stage_sweeps_size(s, r, m);
 }
 
+/* the next `count` doubles; *memory moves behind them */
 static double *take(double **memory, size_t count) {
     double *block = *memory;
     *memory += count;

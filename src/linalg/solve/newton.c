@@ -41,6 +41,7 @@ INLINE dm_status evaluate_at(solver *s, const double *x, int with_jacobian, uint
     return dm_lu_factor(s->J, s->pivot, m);
 }
 
+/* for the text of the iterations, which has one lane here: `all` is always true of it */
 INLINE void evaluate(chord *it, void *ctx, uint32_t m, int all) {
     solver *s = ctx;
     (void)all;
@@ -48,6 +49,7 @@ INLINE void evaluate(chord *it, void *ctx, uint32_t m, int all) {
     if (s->status != DM_OK) it->todo = it->fresh = 0;
 }
 
+/* before the first matrix it is 1, and x stays as it is */
 INLINE void solve(const chord *it, void *ctx, double *x, uint32_t m) {
     const solver *s = ctx;
     if (it->factored && s->p->band)
@@ -126,6 +128,7 @@ static dm_status damped(solver *s) {
     return DM_NO_CONVERGENCE;
 }
 
+/* chord iterations, and damped ones from the same start where they fail */
 static dm_status find_root(solver *s) {
     if (chord_iterations(s)) return DM_OK;
     if (s->status == DM_CALLBACK) return DM_CALLBACK;

@@ -4,7 +4,7 @@
  * D, D', D'' of the last steps the guess is the polynomial's + D + (D - D') + (D - 2 D' + D'') +
  * ..., as long as the differences get much smaller: on rough motion a guess further out than the
  * polynomial may lead to another root. Another h neither uses nor changes them.
- * Moves the row `J2 satellite midpoint` of make bench (steps); with it that costs 2.4 times less. */
+ * Speed: steps, midpoint, double spherical pendulum: 2.4x, against a start from the state alone. */
 #ifndef DM_STAGE_WARM_H
 #define DM_STAGE_WARM_H
 

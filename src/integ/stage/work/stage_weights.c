@@ -7,6 +7,7 @@ size_t dm_stage_weights_size(size_t s, size_t r) {
     return 2 * (r * r + r + 3 * r * s + s + 3 * r);
 }
 
+/* behind each other in the order of the struct, hA first: dm_stage_group.one counts from there */
 void dm_stage_weights_place(dm_stage_weights *w, const dm_stage_table *t, double *memory) {
     const size_t s = t->s, r = t->r;
     w->hA = (dm_weight *)(void *)memory;
@@ -25,6 +26,7 @@ static void scale(dm_weight *out, const dm_weight *in, long double factor, uint3
     for (uint32_t i = 0; i < count; i++) out[i] = dm_weight_of(factor * dm_weight_exact(in[i]));
 }
 
+/* what every step reads; a step that Newton's method takes has the rest made, too */
 void dm_stage_weights_scale(dm_stage *g, double h) {
     dm_stage_weights *w = &g->weights;
     const dm_stage_table *t = &g->table;
