@@ -93,7 +93,7 @@ static double factorial(uint32_t k) {
 
 /* volume and centre of one face; 0: it is flat or cannot be */
 static int measure(dm_cell_metric *c, uint32_t set, double *lambda, dm_centres centres) {
-    double G[DM_DIMENSION][DM_DIMENSION], longest = 0.0;
+    double G[DM_DIMENSION][DM_DIMENSION] = {{0.0}}, longest = 0.0;
     uint32_t v[DM_DIMENSION + 1];
     const uint32_t k = members(v, set) - 1;
     for (uint32_t i = 0; i <= k; i++)

@@ -48,8 +48,8 @@ typedef struct {
     dm_impulses *impulses; /* behind all that; without `at` and events; NULL: none */
     dm_outlet *outlet;     /* NULL: all rows fit */
     dm_events *events;     /* NULL: none is looked for */
-    const dm_resumption *resume;       /* NULL: a start */
-    double save_every;                 /* s of wall time between calls of save */
+    const dm_resumption *resume; /* NULL: a start */
+    double save_every;           /* s of wall time between calls of save */
     /* between steps: the state can be kept; may be NULL; not DM_OK ends the run */
     dm_status (*save)(void *ud, long done);
     const volatile sig_atomic_t *stop; /* polled between bursts of steps; may be NULL */

@@ -9,7 +9,7 @@ local points = require "dm.action.points"
 
 local M = {}
 
-local abs, sqrt, max = math.abs, math.sqrt, math.max
+local abs, max = math.abs, math.max
 
 local RANK = 1e-10
 

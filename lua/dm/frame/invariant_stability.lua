@@ -9,7 +9,6 @@
 local core = require "dm.core"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
-local points = require "dm.frame.points"
 local tangent = require "dm.frame.tangent"
 local windows = require "dm.frame.invariant_windows"
 local starts = require "dm.frame.invariant_start"

@@ -112,7 +112,10 @@ end
 
 -- what J psi and g make of rounding at the points there
 local function condition_of(frame, list, a)
-  if not a.condition then _, a.condition = tangent.transversality(frame, a.there) end
+  if not a.condition then
+    local _, condition = tangent.transversality(frame, a.there)
+    a.condition = condition
+  end
   return a.condition * max(1, stretch(frame, a.g, list, a.there)) ^ 2
 end
 

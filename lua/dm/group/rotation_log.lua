@@ -10,7 +10,7 @@ local linear = require "dm.base.linear"
 
 local M = {}
 
-local abs, sqrt = math.abs, math.sqrt
+local sqrt = math.sqrt
 
 -- where to part the half turns from the rest: the middle of the largest gap of the cosines between
 -- -0.97 and -0.6

@@ -3,7 +3,6 @@ local axes = require "dm.stability.axes"
 local cells = require "dm.stability.cells"
 local characters = require "dm.show.characters"
 local class = require "dm.base.class"
-local core = require "dm.core"
 
 local COLOURS = { bounded = "#228833", drifting = "#ccbb44", chaotic = "#aa3377", off = "#66ccee",
   ["no value"] = "#eedd88", ["blow-up"] = "#ee6677", left = "#ee99aa",

@@ -64,8 +64,7 @@ int dml_product(lua_State *L) {
 int dml_semidirect(lua_State *L) {
     lua_settop(L, 3);
     dml_checkspace(L, 1);
-    luaL_argcheck(L, dml_checkspace(L, 2)->row->vectors, 2,
-                  "V must be a vector space dm.R(n)");
+    luaL_argcheck(L, dml_checkspace(L, 2)->row->vectors, 2, "V must be a vector space dm.R(n)");
     luaL_argcheck(L, lua_isnil(L, 3) || lua_isfunction(L, 3), 3,
                   "action must be a function of (g, v) that is linear in v");
     push_product(L, &semidirect_row, 2);

@@ -30,7 +30,7 @@ typedef struct {
     uint32_t fixed;            /* registers that keep a constant all along */
     int eager;         /* what is in memory and used again is fetched while there are registers */
     uint32_t reserved; /* registers that are taken last: they have a purpose (loops) */
-    int exp_first, exp_registers; /* the registers that hold the first numbers of jit_exp.c */
+    int exp_first, exp_registers;     /* the registers that hold the first numbers of jit_exp.c */
     int8_t mask[8], mask_register[8]; /* numbers of jit_pool.h that have a register */
     int masks;
     int preferred; /* register for the result of the current step where it is free; -1: any */

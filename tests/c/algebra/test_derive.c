@@ -1,7 +1,7 @@
 /* derivatives against closed forms, differences, and the mechanics they come from */
-#include "graph/analyse.h"
 #include "algebra/compact.h"
 #include "algebra/derive.h"
+#include "graph/analyse.h"
 
 #include "check.h"
 #include "models.h"

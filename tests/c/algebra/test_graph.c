@@ -1,7 +1,7 @@
 /* nodes are shared and simplified, and keep their values */
-#include "graph/analyse.h"
 #include "algebra/compact.h"
 #include "algebra/derive.h"
+#include "graph/analyse.h"
 
 #include "check.h"
 #include "models.h"

@@ -1,9 +1,9 @@
 /* systems written out in a graph: against dense LU, and how many operations they take */
-#include "check.h"
-#include "graph/analyse.h"
 #include "algebra/contract.h"
-#include "graph/linear.h"
+#include "check.h"
 #include "code/tape/tape.h"
+#include "graph/analyse.h"
+#include "graph/linear.h"
 #include "linalg/lu.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* native code gives the bits of a node-by-node sweep, in every width */
-#include "numbers/fma.h"
 #include "code/native/jit.h"
-#include "numbers/processor.h"
 #include "code/tape/tape.h"
+#include "numbers/fma.h"
+#include "numbers/processor.h"
 
 #include "check.h"
 #include "models.h"

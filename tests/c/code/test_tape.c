@@ -1,6 +1,6 @@
 /* the tape gives the bits of a node-by-node sweep */
-#include "numbers/functions.h"
 #include "code/tape/tape.h"
+#include "numbers/functions.h"
 
 #include "check.h"
 #include "random_graph.h"

@@ -2,8 +2,8 @@
 #include "check.h"
 #include "problems.h"
 
-#include "code/native/jit.h"
 #include "algebra/body_sum.h"
+#include "code/native/jit.h"
 
 #include <stdlib.h>
 #include <string.h>

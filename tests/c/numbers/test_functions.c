@@ -1,9 +1,9 @@
 /* elementary functions: their error against long double, and that all processor levels have them */
-#include "numbers/functions.h"
-#include "code/native/jit.h"
-#include "numbers/processor.h"
 #include "code/loops/array_loop.h"
+#include "code/native/jit.h"
 #include "code/tape/tape.h"
+#include "numbers/functions.h"
+#include "numbers/processor.h"
 
 #include "check.h"
 #include "random_graph.h"
@@ -208,7 +208,8 @@ static void along_an_array_at(dm_processor_level level) {
     (void)level;
     CHECK(dm_array_loop_begin(&d, &arena));
     const dm_node root = dm_array_loop_read(&d, (dm_array_ref){DM_ARRAY_MAIN, 0});
-    dm_array_loop_write(&d, (dm_array_ref){DM_ARRAY_MAIN, COUNT}, dm_apply(d.g, DM_OP_EXP, root, 0, 0));
+    dm_array_loop_write(&d, (dm_array_ref){DM_ARRAY_MAIN, COUNT},
+                        dm_apply(d.g, DM_OP_EXP, root, 0, 0));
     CHECK(dm_array_loop_end(&s, &d, dm_native_build, &arena) == DM_OK);
     for (int i = 0; i < COUNT; i++)
         x[i] = i < 2 * HARD ? (i % 2 ? 1.0 : 720.0) * hard[i / 2]

@@ -109,7 +109,7 @@ for k = 2, 200 do
   local a, b, d = path.q[k - 1], path.q[k], path.q[k + 1]
   local r = skate:legendre_minus(b, d) - skate:legendre_plus(a, b)
   -- r = G(b)^T lambda + E(b, d)^T mu: what is across both vanishes
-  local G, E = dm.vector { -b[1], 0, 0, 1 }, dm.vector(rows(b, d)[1])
+  local E = dm.vector(rows(b, d)[1]) -- G(b) = (-b1, 0, 0, 1)
   local across = dm.vector { E[2], -E[1], 0, E[2] * b[1] } -- in the first, second and fourth direction
   worst = max(worst, abs(r[3]), abs(across:dot(r)) / across:norm())
 end

@@ -3,7 +3,7 @@ local tap = require "tap"
 local dm = require "dm"
 local models = require "routh_models"
 local ok = tap.ok
-local sin, cos, abs = math.sin, math.cos, math.abs
+local sin, cos = math.sin, math.cos
 
 -- the failure of a run, or nothing; every: rows that are kept
 local function failure_of(shape, rule, h, start, steps, every)

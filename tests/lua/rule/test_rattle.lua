@@ -54,7 +54,7 @@ local there, rate_there = errors("rattle", 1 / 2 ^ 13)
 for _, row in ipairs { { "rattle", 2, 2, 2 }, { "shake", 1, 2, 2 } } do
   local across, along, energy = {}, {}, {}
   for k = 1, 2 do
-    local q, v, E = errors(row[1], 1 / 2 ^ (5 + k))
+    local _, v, E = errors(row[1], 1 / 2 ^ (5 + k))
     local d = v - rate_there
     across[k], along[k], energy[k] = abs(there:dot(d)), abs(there[1] * d[2] - there[2] * d[1]), abs(E - 0.045)
   end
