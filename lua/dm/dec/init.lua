@@ -90,7 +90,7 @@ class.method("dm.mesh", "form", function(K, k, x, options)
   local listed = is_dual and K.dimension - k or k
   return form.new(K, k, is_dual and "dual" or "primal", values_of(K, listed, x))
 end, [[
-K:form(k, values | f(x, y, ...), {dual=}) -> dm.form
+K:form(k, values, {dual=}) -> dm.form
 A form of degree k from its values, in the order of the cells (dual = true: of the duals of the
 cells of degree n - k).]])
 

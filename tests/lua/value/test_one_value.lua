@@ -3,7 +3,7 @@
 local tap = require "tap"
 local dm = require "dm"
 
-local R1, R2 = dm.R(1), dm.R(2)
+local R2 = dm.R(2)
 local function free(_, v) return v:dot(v) / 2 end
 local function system(o)
   local all = { Q = R2, L = function(q, v) return v:dot(v) / 2 - q:dot(q) / 2 end }
