@@ -1,5 +1,6 @@
--- Names of the sources: one base name for one file, one type name for one type; and no decision by
--- the name of a rule or a group: what is particular to one is said in its row.
+-- How sources are written: one base name for one file, one type name for one type; lines of 100
+-- columns, comments; and no decision by the name of a rule or a group: what is particular to one is
+-- said in its row.
 package.path = "tests/house/?.lua;" .. package.path
 local house = require "house"
 local exceptions = require "exceptions"
@@ -46,6 +47,30 @@ house.check("there are types", next(types) and {} or { "none" })
 house.check("no base name of C files in two folders", doubled(base))
 house.check("no type name in two files", doubled(types))
 house.check("every exception to that is needed", twice.idle())
+
+-- ---- lines
+
+local WIDTH, COMMENTS = 100, 0.12 -- columns; of the lines of C that are not blank, at least
+
+local wide, lines, comments = {}, 0, 0
+for _, file in ipairs(house.files "^[sl].*%.[chld][ua]?[ae]?f?$") do
+  local n, inside, is_c = 0, false, file:find "%.[ch]$"
+  for line in house.read(file):gmatch "([^\n]*)\n" do
+    n = n + 1
+    if (utf8.len(line) or #line) > WIDTH then wide[#wide + 1] = ("%s:%d"):format(file, n) end
+    if is_c and line:find "%S" then
+      local starts = line:find "^%s*/[*/]"
+      lines = lines + 1
+      if inside or starts then comments = comments + 1 end
+      if starts and line:find "/%*" then inside = true end
+      if line:find "%*/" then inside = false end
+    end
+  end
+end
+house.check(("no line of src and lua is wider than %d columns"):format(WIDTH), wide)
+local share = comments / lines
+house.check(("of the lines of C %.2f are comments, or more"):format(COMMENTS),
+  share >= COMMENTS and {} or { ("%.3f"):format(share) })
 
 -- ---- decisions
 

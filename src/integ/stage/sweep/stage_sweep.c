@@ -1,7 +1,7 @@
-/* stage_sweep.c - the step of a stage method by fixed-point sweeps with all stages in lanes: S
- * <- base + h^2 A M^-1 L_q(q0 + S)                      for L = T(v) - V(q, t), constant mass, S
- * <- h a V(q0 + S, p0 + h a L_q(q0 + S, V))            for Gauss collocation, where V(q, p)
- * solves p = L_v. The first S comes from the polynomial through the forces of the step before
+/* stage_sweep.c - the step of a stage method by fixed-point sweeps with all stages in lanes:
+ *   S <- base + h^2 A M^-1 L_q(q0 + S)          for L = T(v) - V(q, t), constant mass,
+ *   S <- h a V(q0 + S, p0 + h a L_q(q0 + S, V))  for Gauss collocation, where V(q, p) solves
+ * p = L_v. The first S comes from the polynomial through the forces of the step before
  * (HLW VIII.6.1). Sweeps end when what the last one leaves is below round-off of the sums. What
  * the coefficients lack as doubles is added to the bases once, from a u that is near enough to
  * the last one. */
