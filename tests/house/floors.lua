@@ -9,7 +9,7 @@ floors.src = {
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
   "geom", "geom/action", "chain", "mech", "dec",
   -- kept free: field
-  "integ/method", "integ/split", "integ/constrained", "integ/stage/work", "integ/stage/sweep",
+  "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions", "integ",
   -- kept free: integ/lie, integ/sem (below integ)

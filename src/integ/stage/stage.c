@@ -1,6 +1,6 @@
 #include "integ/stage/stage_inside.h"
 #include "integ/stage/sweep/stage_sweep.h"
-#include "integ/stage/work/stage_warm.h"
+#include "integ/stage/workspace/stage_warm.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #define DM_STAGE_INSIDE_H
 
 #include "integ/stage/stage.h"
-#include "integ/stage/work/workspace.h"
+#include "integ/stage/workspace/workspace.h"
 
 /* Kernel arguments: x = (q0 + shift[n], v[n], t + after); v NULL: the start's. */
 void dm_stage_at(dm_stage *g, const double *shift, const double *v, double after);

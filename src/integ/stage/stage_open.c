@@ -2,7 +2,7 @@
 #include "integ/stage/lanes/one_point.h"
 #include "integ/stage/stage_inside.h"
 #include "integ/stage/sweep/stage_sweep.h"
-#include "integ/stage/work/stage_warm.h"
+#include "integ/stage/workspace/stage_warm.h"
 
 #include "linalg/solve/newton.h"
 

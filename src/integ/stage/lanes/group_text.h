@@ -3,7 +3,7 @@
 #ifndef DM_GROUP_TEXT_H
 #define DM_GROUP_TEXT_H
 
-#include "integ/stage/work/stage_warm.h"
+#include "integ/stage/workspace/stage_warm.h"
 #include "numbers/lanes_text.h"
 
 typedef struct {

@@ -6,7 +6,7 @@
 #ifndef DM_ONE_POINT_H
 #define DM_ONE_POINT_H
 
-#include "integ/stage/work/stage_warm.h"
+#include "integ/stage/workspace/stage_warm.h"
 
 enum { DM_ONE_POINT_MOST = 4 }; /* coordinates */
 

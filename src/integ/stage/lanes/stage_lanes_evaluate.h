@@ -4,7 +4,7 @@
 #define DM_STAGE_LANES_EVALUATE_H
 
 #include "integ/stage/lanes/stage_lanes_walk.h"
-#include "integ/stage/work/stage_limits.h"
+#include "integ/stage/workspace/stage_limits.h"
 
 /* u = M^-1 out, M full */
 INLINE void divide_lanes_by_mass(const lanes_sweeps *it) {

@@ -6,7 +6,7 @@
  * the coefficients lack as doubles is added to the bases once, from a u that is near enough to
  * the last one. */
 #include "integ/stage/sweep/stage_sweep.h"
-#include "integ/stage/work/stage_limits.h"
+#include "integ/stage/workspace/stage_limits.h"
 
 #include "base/largest.h"
 

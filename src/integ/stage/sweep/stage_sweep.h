@@ -8,7 +8,7 @@
 #define DM_STAGE_SWEEP_H
 
 #include "integ/stage/sweep/sweep.h"
-#include "integ/stage/work/workspace.h"
+#include "integ/stage/workspace/workspace.h"
 
 /* A kernel on [inputs][width] and [outputs][width], `lanes` at a time. */
 typedef struct {

@@ -1,5 +1,5 @@
 /* stage_warm.c - the memory of stage_warm.h, and the continuation of velocities by one step. */
-#include "integ/stage/work/stage_warm.h"
+#include "integ/stage/workspace/stage_warm.h"
 
 #include <string.h>
 

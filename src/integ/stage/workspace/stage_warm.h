@@ -8,7 +8,7 @@
 #ifndef DM_STAGE_WARM_H
 #define DM_STAGE_WARM_H
 
-#include "integ/stage/work/workspace.h"
+#include "integ/stage/workspace/workspace.h"
 
 /* Where it has what: h; steps so far, from the first one after `start` or after a state that was
  * changed (at most TERMS + 1); the state at the end of the last [4n]; its velocities [s][n]; and

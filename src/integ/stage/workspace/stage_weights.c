@@ -1,5 +1,5 @@
 /* stage_weights.c - coefficients of a stage method multiplied by powers of the step. */
-#include "integ/stage/work/workspace.h"
+#include "integ/stage/workspace/workspace.h"
 
 #include <math.h>
 
