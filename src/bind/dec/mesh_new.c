@@ -9,6 +9,8 @@
 /* the stack of dml_mesh_new: options, mesh, arena, what was read */
 enum { OPTIONS = 1, MESH, ARENA };
 
+enum { SPARE = 64 }; /* vertices in no simplex for each that is named, before it is a mistake */
+
 /* Memory of an arena, or an error: the arena is Lua's, so nothing is lost by it. */
 static void *take(lua_State *L, dm_arena *arena, size_t size) {
     void *block = dm_arena_take(arena, size);
@@ -84,16 +86,24 @@ static void read_simplices(lua_State *L, dm_arena *arena, dm_simplices *out) {
     if (!dml_field(L, OPTIONS, "simplices"))
         luaL_error(L, "dm.mesh: field 'simplices' is missing: a list of lists of vertices");
     const dml_array *a = dml_toarray(L, -1, 1);
+    if (!a && !lua_istable(L, -1)) {
+        dml_wrongfield(L, "simplices", "a list of lists of vertices");
+        return;
+    }
     if (a)
         read_flat(L, arena, out, a);
-    else if (lua_istable(L, -1))
-        read_lists(L, arena, out);
     else
-        dml_wrongfield(L, "simplices", "a list of lists of vertices");
+        read_lists(L, arena, out);
     lua_pop(L, 1);
     uint32_t most = 0;
     for (uint32_t i = 0; i < out->start[out->simplices]; i++)
         most = out->vertex[i] >= most ? out->vertex[i] + 1 : most;
+    /* no memory by a number that is only claimed: ids that nobody uses are asked for by name */
+    if (most / SPARE > out->start[out->simplices] + SPARE && !dml_field(L, OPTIONS, "vertices"))
+        luaL_error(L,
+                   "dm.mesh: vertex %d is far above the %d vertices that are named; vertices = %d "
+                   "says that there are so many",
+                   (int)most, (int)out->start[out->simplices], (int)most);
     out->vertices = (uint32_t)dml_count(L, OPTIONS, "vertices", 0, most);
     if (out->vertices == 0) luaL_error(L, "dm.mesh: there are no vertices");
 }
@@ -198,9 +208,9 @@ static dm_centres read_centres(lua_State *L) {
         return DM_CIRCUMCENTRES;
     }
     const char *name = lua_tostring(L, -1);
-    if (!name || (strcmp(name, names[0]) && strcmp(name, names[1])))
+    if (!name || (strcmp(name, names[0]) != 0 && strcmp(name, names[1]) != 0))
         dml_wrongfield(L, "dual", "\"circumcentric\" or \"barycentric\"");
-    const dm_centres centres = strcmp(name, names[1]) ? DM_CIRCUMCENTRES : DM_BARYCENTRES;
+    const dm_centres centres = strcmp(name, names[1]) == 0 ? DM_BARYCENTRES : DM_CIRCUMCENTRES;
     lua_pop(L, 1);
     return centres;
 }
