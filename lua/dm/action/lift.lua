@@ -4,6 +4,7 @@ local core = require "dm.core"
 local actions = require "dm.action"
 local groups = require "dm.group"
 local kits = require "dm.group.kit"
+local option = require "dm.base.options"
 local points = require "dm.action.points"
 
 local M = {}
@@ -196,23 +197,11 @@ local function check_jet(action, order, options)
   if math.type(order) ~= "integer" or order < 1 or order > 8 then
     error("action:jet(n) takes the order of the derivatives, a whole number from 1 to 8", 0)
   end
-  if options ~= nil and type(options) ~= "table" then
-    error("action:jet(n, { independent = i }) takes a table of options", 0)
-  end
-  for key in pairs(options or {}) do
-    if key ~= "independent" then
-      error(("action:jet: unknown option '%s'; known: independent"):format(tostring(key)), 0)
-    end
-  end
-  local independent = options and options.independent
-  if independent == nil then return nil end
-  if math.type(independent) ~= "integer" or independent < 1 or independent > action.dimension
-    or action.dimension < 2 then
-    error(("action:jet: 'independent' must be the place of one of the %d numbers of a point, "
-      .. "beside which another depends on it")
-      :format(action.dimension), 0)
-  end
-  return independent
+  local where, m = "action:jet", action.dimension
+  options = option.check(options or {}, { "independent" }, where)
+  option.demand(options.independent == nil or m > 1, options, "independent", where,
+    "left out, since nothing else depends on the one number of a point")
+  return option.whole(options, "independent", where, 1, m)
 end
 
 actions.method("jet", function(action, order, options)

@@ -333,8 +333,8 @@ method("both_ways", function(p, o)
   if p.N ~= 2 or p.constraints > 0 then
     error("problem:both_ways is for problems of two points without constraint", 0)
   end
-  local wanted = "problem:both_ways takes a table { points = two points, n = }"
-  if type(o) ~= "table" then error(wanted, 0) end
+  options.check(o, { "points", "n", "form" }, "problem:both_ways", "{ points =, n = }")
+  local wanted = "problem:both_ways: option 'points' must be two points"
   local a, b = table.unpack(frames.list(o.points, p.d, wanted))
   if not b then error(wanted, 0) end
   local second = p:solve { points = { a, b }, n = o.n, form = o.form }

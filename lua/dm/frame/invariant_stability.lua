@@ -9,6 +9,7 @@
 local core = require "dm.core"
 local equations = require "dm.frame.invariant_equations"
 local frames = require "dm.frame"
+local option = require "dm.base.options"
 local tangent = require "dm.frame.tangent"
 local windows = require "dm.frame.invariant_windows"
 local starts = require "dm.frame.invariant_start"
@@ -234,17 +235,10 @@ local Report = { __name = "dm.frame.invariant_stability",
   __tostring = function(s) return s.why end }
 
 function M.stability(p, o)
-  if type(o) ~= "table" or o.points == nil then
-    error("problem:stability takes a table { points = the first points of a solution }", 0)
-  end
-  for key in pairs(o) do
-    if key ~= "points" and key ~= "multiplier" and key ~= "steps" then
-      error(("problem:stability: unknown option '%s'"):format(tostring(key)), 0)
-    end
-  end
-  if o.steps ~= nil and not (math.tointeger(o.steps) and o.steps >= 2 and o.steps <= 2 ^ 20) then
-    error("problem:stability: 'steps' must be a whole number from 2 to 2^20", 0)
-  end
+  local where = "problem:stability"
+  option.check(o, { "points", "multiplier", "steps" }, where, "{ points = }")
+  option.need(o, "points", where, "the first points of a solution")
+  option.whole(o, "steps", where, 2, 2 ^ 20)
   local out = { points = of_form(p, "points", o), momentum = of_form(p, "momentum", o) }
   out.constant = out.points.moved < 1e-6
   out.why = out.points.why .. "\n" .. out.momentum.why

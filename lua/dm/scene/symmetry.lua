@@ -2,24 +2,18 @@
 -- and a section, in which theta is cyclic.
 local core = require "dm.core"
 local model = require "dm.scene.model"
+local option = require "dm.base.options"
 local section = require "dm.reduce.routh.section"
 
 local M = {}
 
-local KNOWN = { action = true, section = true, dimension = true, names = true, at = true,
-  branch = true }
+local KNOWN = { "action", "section", "dimension", "names", "at", "branch" }
 
 --- Is it a table with an action? Raises where not.
 function M.check(symmetry)
-  if type(symmetry) ~= "table" or not symmetry.action then
-    error("dm.scene: option 'symmetry' must be a table { action = f(theta, q), section = f(x) ... "
-      .. "}, as for system:routh", 0)
-  end
-  for key in pairs(symmetry) do
-    if not KNOWN[key] then
-      error(("dm.scene: option 'symmetry': unknown field '%s'"):format(tostring(key)), 0)
-    end
-  end
+  local where = "dm.scene: option 'symmetry'"
+  option.check(symmetry, KNOWN, where, "{ action = f(theta, q), section = f(x) ... }")
+  option.need(symmetry, "action", where, "a function of (theta, q), as for system:routh")
 end
 
 -- what is watched, as functions of the state in (theta, x)

@@ -222,7 +222,7 @@ raises("must return a number", function() return turn:invariant(function() retur
 raises("moves points of 3", function() return so3:invariant(kepler) end)
 raises("takes a function of z, a dm.system", function() return so3:invariant(3) end)
 raises("whole number from 1 to 8", function() return so3:jet(0) end)
-raises("'independent' must be", function() return so3:jet(1, { independent = 4 }) end)
+raises("option 'independent' must be", function() return so3:jet(1, { independent = 4 }) end)
 raises("unknown option", function() return so3:jet(1, { dependent = 1 }) end)
 
 -- Routh reduction takes abelian actions of any group, whatever its elements look like

@@ -12,6 +12,7 @@ local core = require "dm.core"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
 local model = require "dm.reduce.routh.model"
+local option = require "dm.base.options"
 local routh = require "dm.reduce.routh"
 local tableau = require "dm.reduce.discrete.tableau"
 
@@ -114,9 +115,9 @@ end
 
 M.rsprk = blame.caller(function(shape, options)
   local info = routh.need(shape, "rsprk")
-  if type(options) ~= "table" or type(options.h) ~= "number" or not (options.h > 0) then
-    error("shape:rsprk takes a table { rule = \"gauss(2)\", h = a step > 0 }", 0)
-  end
+  option.check(options, { "rule", "h", "a", "b", "A", "beta" }, "shape:rsprk")
+  option.need(options, "h", "shape:rsprk", "a step > 0")
+  option.positive(options, "h", "shape:rsprk", "a step")
   routh.need_free(info, "rsprk")
   routh.need_autonomous(info, "rsprk")
   local a, A, b = tableau.read(options)
