@@ -107,7 +107,8 @@ class.method("dm.form", "d", function(a)
   if a.degree == n then fail("form:d", "a form of degree %d, that of the mesh, has no d", n) end
   if a.side == "primal" then return new(K, k + 1, "primal", K:coboundary(k, a.values)) end
   local sign = k % 2 == 0 and 1 or -1
-  return new(K, a.degree + 1, "dual", sign * K:boundary_sum(k, a.values))
+  local values = k == n and K:oriented(a.values) or a.values
+  return new(K, a.degree + 1, "dual", sign * K:boundary_sum(k, values))
 end, [[
 a:d() -> dm.form
 The exterior derivative, exact: d d = 0. On duals of k-cells it is (-1)^k times the transpose (Leok,
@@ -118,21 +119,29 @@ class.method("dm.form", "star", function(a, options)
   local K, k, n = a.mesh, listed(a), a.mesh.dimension
   local to = a.side == "primal" and "dual" or "primal"
   local values = K:star_values(k, a.values, to, options and options.pinv)
-  return new(K, n - a.degree, to, values)
+  return new(K, n - a.degree, to, k == n and K:oriented(values) or values)
 end, [[
 a:star{pinv=} -> dm.form
 The Hodge star: a primal k-form becomes a dual (n - k)-form and back; star star = (-1)^(k (n - k)).
 Raises "zero dual volume" with the cell where there is no way back, unless pinv = true: 0 there
-(Leok, Def 3.18).]])
+(Leok, Def 3.18). Values on top cells are about ascending vertices, dual 0-forms are plain
+functions: between them the sign of the coherent orientation enters.]])
 
 class.method("dm.form", "delta", function(a, options)
   if a.degree == 0 then fail("form:delta", "a form of degree 0 has no delta") end
-  local sign = a.mesh.dimension * (a.degree - 1) % 2 == 0 and -1 or 1
-  return sign * a:star():d():star(options)
+  local K, k, n = a.mesh, a.degree, a.mesh.dimension
+  if a.side == "dual" then
+    return (n * (k - 1) % 2 == 0 and -1 or 1) * a:star():d():star(options)
+  end
+  local dual = K:boundary_sum(k, K:star_values(k, a.values, "dual"))
+  local sign = (k - 1) * (n - k + 1) % 2 == 0 and 1 or -1
+  return new(K, k - 1, "primal",
+    sign * K:star_values(k - 1, dual, "primal", options and options.pinv))
 end, [[
 a:delta{pinv=} -> dm.form
 The codifferential (-1)^(n (k - 1) + 1) * d * of a k-form, the adjoint of d: (d a).b = a.(delta b),
-on closed meshes or with natural boundary conditions (Leok, Def 3.19).]])
+on closed meshes or with natural boundary conditions (Leok, Def 3.19). That of primal forms is
+M^-1 d^T M and needs no orientation.]])
 
 class.method("dm.form", "wedge", function(a, b, options)
   local rule = option.check(options or {}, { "rule" }, "form:wedge").rule
@@ -152,8 +161,9 @@ anticommutative.]])
 
 class.method("dm.form", "dot", function(a, b)
   match(a, b, "form:dot")
-  local sign = a.side == "dual" and listed(a) * a.degree % 2 == 1 and -1 or 1
-  return sign * a:star().values:dot(b.values)
+  local K, k = a.mesh, listed(a)
+  local sign = a.side == "dual" and k * a.degree % 2 == 1 and -1 or 1
+  return sign * K:star_values(k, a.values, a.side == "dual" and "primal" or "dual"):dot(b.values)
 end, [[
 a:dot(b) -> number
 The L2 product of two forms of one kind, sum of |*s| / |s| a(s) b(s).]])

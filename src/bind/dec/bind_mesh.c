@@ -145,6 +145,20 @@ static int mesh_orientation(lua_State *L) {
     return 1;
 }
 
+/* x with the signs of the top cells: between values about ascending vertices and functions */
+static int mesh_oriented(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    const uint32_t count = m->K.count[m->K.n];
+    if (!m->K.orientation)
+        luaL_error(L, "the mesh is not orientable: top forms are no functions; d, Betti numbers "
+                      "and Laplacians go on");
+    double *x = lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *x, 0);
+    dml_vectorarg(L, 2, "the values on top cells", x, count);
+    double *out = dml_pushvector(L, count);
+    for (uint32_t i = 0; i < count; i++) out[i] = m->K.orientation[i] * x[i];
+    return 1;
+}
+
 /* d x, and d^T x */
 static int mesh_coboundary(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
@@ -277,6 +291,10 @@ static const dml_row methods[] = {
     {"orientation", mesh_orientation,
      "K:orientation() -> dm.vector   or nothing\n"
      "1 or -1 for every top cell: the coherent orientation against the ascending order."},
+    {"oriented", mesh_oriented,
+     "K:oriented(x) -> dm.vector\n"
+     "Values on the top cells times the signs of K:orientation(): what is about ascending vertices "
+     "becomes a function, and back. Raises where the mesh is not orientable."},
     {"coboundary", mesh_coboundary,
      "K:coboundary(k, x) -> dm.vector\n"
      "d x of plain values x on the cells of degree k, on those of degree k + 1."},
@@ -286,9 +304,8 @@ static const dml_row methods[] = {
     {"star_values", mesh_star_values,
      "K:star_values(k, x, \"dual\" | \"primal\" [, pinv]) -> dm.vector\n"
      "Plain values x on the cells of degree k to their duals, by |*s| / |s|, or back, by (-1)^(k "
-     "(n "
-     "- k)) |s| / |*s| (Leok, Def 3.18). Raises where a dual volume is below 1e-12 of the largest, "
-     "unless pinv: 0 there."},
+     "(n - k)) |s| / |*s| (Leok, Def 3.18), without signs of orientation. Raises where a dual "
+     "volume is below 1e-12 of the largest, unless pinv: 0 there."},
     {"wedge_values", mesh_wedge_values,
      "K:wedge_values(k, a, l, b [, rule]) -> dm.vector\n"
      "The product of plain values a on k-cells and b on l-cells, on (k + l)-cells; rule "

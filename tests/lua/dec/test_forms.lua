@@ -15,6 +15,20 @@ ok((a:star():star() + a):max() < 1e-14, "and -1 on 1-forms")
 -- |1|^2 is the area: (1 * 1 + ...) by the shoelace formula
 local area = ((0 * 0 - 1 * 0) + (1 * 1 - 1.2 * 0) + (1.2 * 1.1 - 0.1 * 1) + (0.1 * 0 - 0 * 1.1)) / 2
 near(square:form(0, { 1, 1, 1, 1 }):dot(square:form(0, { 1, 1, 1, 1 })), area, 1e-14, "the norm of 1 is the area")
+-- dual 0-forms are functions: the star of the area form is 1 on every cell, whatever the order of
+-- vertices, and a constant has no d
+local turned = dm.mesh { points = { { 0, 0 }, { 1, 0 }, { 0, 1 }, { 1.1, 1.2 } },
+  simplices = { { 1, 3, 2 }, { 2, 3, 4 }, } }
+local areas = turned:form(2, turned:oriented(turned:volume(2)))
+ok((areas:star().values - dm.vector { 1, 1 }):norm() < 1e-15 and turned:orientation()[2] == -1,
+  "the star of the area form")
+local one = turned:form(0, { 1, 1 }, { dual = true })
+ok(one:d():at { 2, 3 } == 0 and (one:star() - areas):max() < 1e-15, "a constant dual function")
+ok(turned:form(0, { 5, 1 }, { dual = true }):d():at { 2, 3 } == 4, "left minus right")
+ok(turned:form(2, { 1, 2 }):dot(turned:form(2, { 1, 2 })) > 0, "products are positive")
+local rp2 = dm.mesh { named = "rp2" }
+ok(rp2:form(2, rp2:volume(2)):delta():norm() > 0, "delta without orientation")
+raises("orient", function() return rp2:form(2, rp2:volume(2)):star() end)
 raises("degree", function() return f + a end)
 raises("mesh", function() return f + dm.mesh { simplices = { { 1, 2, 3, 4 } } }:form(0, { 1, 2, 3, 4 }) end)
 raises("4 cells", function() return square:form(0, { 1, 2 }) end)
