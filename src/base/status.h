@@ -7,6 +7,7 @@
     X(NO_CONVERGENCE, "no_convergence", "the step equation did not converge")                      \
     X(SINGULAR, "singular", "the matrix of the step equation is singular")                         \
     X(NOT_FINITE, "not_finite", "a value became NaN or infinite")                                  \
+    X(INERTIA, "inertia", "the step goes over a change of inertia of d2L/dv2")                     \
     X(CALLBACK, "callback", "a function of the script failed")                                     \
     X(STOPPED, "stopped", "stopped on request")                                                    \
     X(NO_MEMORY, "no_memory", "not enough memory")                                                 \

@@ -190,10 +190,10 @@ static dm_status advance_own(loop *l, long end) {
     return DM_OK;
 }
 
-/* steps up to `end`; one by one when L depends on t, so that the time of a step, and with it
- * every bit of the result, does not depend on where bursts happen to end; where impulses are
- * wanted too */
-static dm_status advance(loop *l, long end) {
+/* steps up to `end`, unlooked at; one by one when L depends on t, so that the time of a step, and
+ * with it every bit of the result, does not depend on where bursts happen to end; where impulses
+ * are wanted too */
+static dm_status advance_plainly(loop *l, long end) {
     const int timed =
         !(l->s->model->structure & DM_AUTONOMOUS) && !(l->s->rule->method->traits & DM_FOR_PAIRS);
     const int by_one = timed || l->plan->impulses;
@@ -213,6 +213,73 @@ static dm_status advance(loop *l, long end) {
         if (status != DM_OK) return status;
     }
     return DM_OK;
+}
+
+/* Steps, a zero, or the end of a time of its own. */
+static int is_finished(const loop *l) {
+    return l->done >= l->plan->steps || is_ended(l) || (l->own && time_now(l) >= l->plan->until);
+}
+
+/* Do rows lie inside of steps? Then the inertia is looked at in every step. */
+static int looks_at_steps(const loop *l) {
+    const dm_run_plan *plan = l->plan;
+    return plan->at || plan->events || plan->impulses;
+}
+
+/* Is it looked at here? Never by the clock, so that a run ends where another one does; before a
+ * row that cannot be taken back. */
+static int looks_here(const loop *l) {
+    const dm_run_plan *plan = l->plan;
+    return looks_at_steps(l) || l->done >= plan->steps || l->done >= plan->inertia->seen.due ||
+           (plan->outlet && l->done % plan->every == 0);
+}
+
+static void keep(loop *l) {
+    dm_inertia *x = l->plan->inertia;
+    dm_inertia_keep(x, l->s, l->state);
+    x->done = l->done;
+    x->rows = l->rows_done;
+}
+
+/* from the kept state again, step by step up to the one that goes over, which is not taken */
+static dm_status stop_before(loop *l, long end) {
+    dm_inertia *x = l->plan->inertia;
+    l->goes_on = 0;
+    dm_inertia_go_back(x, l->s, l->state);
+    const int one = l->done == x->done + 1;
+    l->done = x->done;
+    l->rows_done = x->rows;
+    if (one) return DM_INERTIA;
+    while (l->done < end) {
+        keep(l);
+        dm_status status = advance_plainly(l, l->done + 1);
+        if (status == DM_OK && dm_inertia_has_changed(x, l->state, time_now(l))) {
+            dm_inertia_go_back(x, l->s, l->state);
+            l->done = x->done;
+            return DM_INERTIA;
+        }
+        if (status == DM_OK && l->done < end) status = record_due(l);
+        if (status != DM_OK) return status;
+    }
+    return DM_OK;
+}
+
+/* steps up to `end`, or to the one that goes over a change of inertia */
+static dm_status advance(loop *l, long end) {
+    dm_inertia *x = l->plan->inertia;
+    while (x && l->done < end && !is_finished(l)) {
+        const long due = looks_at_steps(l) ? l->done + 1 : x->seen.due;
+        const long next = due < end && due > l->done ? due : end;
+        if (l->done == x->seen.looked) keep(l);
+        dm_status status = advance_plainly(l, next);
+        const int looks = status == DM_OK ? looks_here(l) : status != DM_STOPPED;
+        if (looks && dm_inertia_look(x, l->state, time_now(l), l->done)) {
+            const dm_status again = stop_before(l, next);
+            if (status == DM_OK || again == DM_INERTIA) status = again;
+        }
+        if (status != DM_OK) return status;
+    }
+    return x ? DM_OK : advance_plainly(l, end);
 }
 
 /* look at the clock: tell the progress, save, fit the burst to LOOK */
@@ -252,11 +319,6 @@ static long next_stop(const loop *l) {
     return l->done + (nearer < left ? nearer : left);
 }
 
-/* Steps, a zero, or the end of a time of its own. */
-static int is_finished(const loop *l) {
-    return l->done >= l->plan->steps || is_ended(l) || (l->own && time_now(l) >= l->plan->until);
-}
-
 /* In bursts, between which rows are kept, the clock and the stop flag looked at. */
 static dm_status run(loop *l) {
     dm_status status = record_due(l);
@@ -281,6 +343,8 @@ static dm_status begin(loop *l) {
         const size_t size = dm_stepper_memory(l->s, &place);
         if (size) memcpy(place, resume->memory, size * sizeof *place);
     }
+    if (status == DM_OK && l->plan->inertia)
+        dm_inertia_begin(l->plan->inertia, l->state, time_now(l));
     if (status == DM_OK && l->plan->events)
         status = dm_events_begin(l->plan->events, l->state, time_now(l), l->plan->h);
     return status;

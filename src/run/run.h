@@ -4,6 +4,7 @@
 
 #include "integ/method/method.h"
 #include "run/events.h"
+#include "run/inertia.h"
 #include "run/observe.h"
 
 #include <signal.h>
@@ -48,6 +49,7 @@ typedef struct {
     dm_impulses *impulses; /* behind all that; without `at` and events; NULL: none */
     dm_outlet *outlet;     /* NULL: all rows fit */
     dm_events *events;     /* NULL: none is looked for */
+    dm_inertia *inertia;   /* a step over a change of it ends the run; NULL: it cannot change */
     const dm_resumption *resume; /* NULL: a start */
     double save_every;           /* s of wall time between calls of save */
     /* between steps: the state can be kept; may be NULL; not DM_OK ends the run */

@@ -5,6 +5,7 @@
 -- it and look for its zeros. No step is in it: what is known of q and v to the order of a rule is
 -- so known of the forces. Impulses of the step equation are another thing (solver:run, record).
 local blame = require "dm.base.blame"
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 
@@ -12,19 +13,12 @@ local M = {}
 
 local entries = lists.entries
 
--- f(a, b, c) with the params of the system behind its last argument
-local function bound(f, params, holonomic)
-  if not f or params == nil then return f end
-  if holonomic then return function(q, t) return f(q, t, params) end end
-  return function(q, v, t, u) return u == nil and f(q, v, t, params) or f(q, v, t, u, params) end
-end
-
 -- the functions of a system as functions of (q, v, t), lists behind vectors; the force with its
 -- control as it is at this state
 local function functions_of(system)
   local given = system.given
   local p = given.params
-  local L, g, phi, f = bound(given.L, p), bound(given.constraint, p, true), bound(given.rolling, p),
+  local L, g, phi, f = bound(given.L, p), bound(given.constraint, p), bound(given.rolling, p),
     bound(given.force, p)
   local control, E = bound(given.control, p), bound(given.reaction, p)
   return {

@@ -4,17 +4,12 @@
 -- not care for linear changes of coordinates (stages, splittings, compositions) takes one step of
 -- L~ as the exact derivative of its step of L. Momenta: of q the varied momentum dp, of u the
 -- momentum p.
+local bound = require "dm.base.bound"
 local lists = require "dm.base.lists"
 
 local M = {}
 
 local part, joined, entries = lists.part, lists.joined, lists.entries
-
--- f(q, v, t) with the params of the system bound
-local function bound(f, params)
-  if not params then return f end
-  return function(q, v, t) return f(q, v, t, params) end
-end
 
 -- f and its change along (u, w), as two lists: of a function of (q, v, t), or, holonomic, of (q, t)
 local function with_change(f, n, holonomic)
@@ -145,7 +140,5 @@ function M.system(system, names)
   end
   return core.system(out)
 end
-
-M.bound = bound
 
 return M

@@ -1,5 +1,6 @@
 --- Models of a scene: the system as given, or fewer terms of L and of the force on fewer
 -- coordinates, with further constraints.
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local prolong = require "dm.measure.prolong"
@@ -12,7 +13,7 @@ M.__index = M
 
 local MOST_COORDINATES, MOST_TERMS = 48, 200  -- beyond, a system is taken as a whole
 
-local bound, entries = prolong.bound, lists.entries
+local entries = lists.entries
 
 M.entries = entries
 

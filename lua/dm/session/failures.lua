@@ -11,6 +11,9 @@ return {
   { "not_finite", "a value became NaN or infinite",
     "The state left the domain of L or grew without bound: smaller h, another start. "
       .. "dm.stability_limit(rule) and system:linearize{q=} say where a rule grows." },
+  { "inertia", "the step goes over a change of inertia of d2L/dv2",
+    "A value of d2L/dv2 passes through zero: the momentum no longer determines the velocity there, "
+      .. "and the motion ends. solver:singularities shows how it comes near." },
   { "callback", "a function of the script failed",
     "L, an event or a watched quantity raised; the message is that of the function." },
   { "stopped", "stopped on request", "Ctrl-C: what was computed is in failure.path." },

@@ -46,6 +46,11 @@ static void push_advice(lua_State *L, const dml_failure *f) {
                               "infinite at the start",
                         f->h / 2);
         break;
+    case DM_INERTIA:
+        lua_pushstring(L, "a value of d2L/dv2 passes through zero there: the momentum no longer "
+                          "determines the velocity, and the motion ends; solver:singularities "
+                          "shows how it comes near");
+        break;
     case DM_STOPPED:
         lua_pushstring(L, "the path so far is in failure.path");
         break;
@@ -76,6 +81,7 @@ void dml_fail(lua_State *L, const dml_failure *f, int path) {
     lua_setfield(L, -2, "rule");
     set_number(L, "time", f->time);
     set_number(L, "residual", f->residual);
+    if (f->fading) lua_pushboolean(L, 1), lua_setfield(L, -2, "fading");
     if (f->constraint) set_number(L, "constraint", f->constraint);
     if (f->rolling) set_number(L, "rolling", f->rolling);
     if (path) lua_pushvalue(L, path), lua_setfield(L, -2, "path");
@@ -102,8 +108,9 @@ const dml_class dml_class_failure = {
     .name = TNAME,
     .doc =
         "dm.failure: raised when a computation fails; pcall returns it\n"
-        "fields: code (\"no_convergence\", \"singular\", \"not_finite\", \"stopped\"), step, time, "
+        "fields: code (\"no_convergence\", \"singular\", \"not_finite\", \"inertia\", "
+        "\"stopped\"), step, time, "
         "residual, iterations, rule, message, path (what was computed before); constraint or "
-        "rolling: the number of the one that lost rank",
+        "rolling: the number of the one that lost rank; fading: d2L/dv2 was about to lose a value",
     .meta = meta,
 };

@@ -131,6 +131,21 @@ static dm_observer *read_watch(lua_State *L, dm_stepper **steppers, int threads)
     return out;
 }
 
+/* what every thread looks at where the mass may change its inertia; it stays on the stack */
+static dm_inertia *open_inertia(lua_State *L, dm_stepper **steppers, int threads) {
+    if (!dm_inertia_may_change(steppers[0]->model)) return NULL;
+    dm_inertia *out = lua_newuserdatauv(L, (size_t)threads * sizeof *out, 0);
+    for (int i = 0; i < threads; i++) {
+        double *place;
+        const dm_model *m = steppers[i]->model;
+        const size_t memory = steppers[i]->engine ? dm_stepper_memory(steppers[i], &place) : 0;
+        luaL_checkstack(L, 8, "too many threads");
+        dm_inertia_open(out + i, m, memory,
+                        lua_newuserdatauv(L, dm_inertia_work(m, memory) * sizeof(double), 0));
+    }
+    return out;
+}
+
 /* the rows of the members of a part */
 static dm_ensemble_rows rows_of(const dml_part *p) {
     dm_ensemble_rows rows = p->e->rows;
@@ -154,22 +169,26 @@ static dm_status run_part(lua_State *L, const dml_part *p, dml_solver *solver, i
     if (p->values && !dml_vary_is_traced(L, p, &r)) return DM_NO_NATIVE;
     open_steppers(L, &r, threads, steppers);
     const dm_ensemble_rows rows = rows_of(p);
-    const dm_ensemble plan = {.members = p->count,
-                              .steps = p->steps,
-                              .t0 = e->t,
-                              .h = solver->h,
-                              .pace = e->pace ? e->pace + p->first : NULL,
-                              .params = p->values,
-                              .state = e->state + (size_t)p->first * dm_state_size(e->n),
-                              .member = e->member + p->first,
-                              .rows = rows.room ? &rows : NULL,
-                              .watch = read_watch(L, steppers, threads),
-                              .lanes = &e->lanes,
-                              .stop = &dml_stop,
-                              .progress = show_progress,
-                              .ud = clock};
+    dm_ensemble plan = {.members = p->count,
+                        .steps = p->steps,
+                        .t0 = e->t,
+                        .h = solver->h,
+                        .pace = e->pace ? e->pace + p->first : NULL,
+                        .params = p->values,
+                        .state = e->state + (size_t)p->first * dm_state_size(e->n),
+                        .member = e->member + p->first,
+                        .rows = rows.room ? &rows : NULL,
+                        .watch = read_watch(L, steppers, threads),
+                        .lanes = &e->lanes,
+                        .stop = &dml_stop,
+                        .progress = show_progress,
+                        .ud = clock};
+    /* what engines without a memory hold outside of Lua is not given back where memory ends */
+    const int early = dm_rule_engine(r.stepper.rule, r.stepper.model)->memory == NULL;
+    if (early) plan.inertia = open_inertia(L, steppers, threads);
     dm_status status = open_all(steppers, threads);
     if (status != DM_OK) luaL_error(L, "rule cannot start: %s", dm_status_text(status));
+    if (!early) plan.inertia = open_inertia(L, steppers, threads);
     check_plain(L, &r, steppers, threads);
     status = dm_ensemble_run(&plan, steppers, threads);
     close_all(steppers, 0, threads);

@@ -2,10 +2,20 @@
 #include "bind/core/bind_failure.h"
 #include "bind/run/stepping.h"
 
+/* a step that failed since d2L/dv2 was about to lose a value, not its constraints */
+static int fades(const dml_stepping *r, dm_status status) {
+    return r->fading && !r->stepper.report.dependent &&
+           (status == DM_NO_CONVERGENCE || status == DM_SINGULAR);
+}
+
 /* what the method itself knows of it, or NULL */
 static const char *why_of(const dml_stepping *r, dm_status status) {
     dm_stepper s = r->stepper;
     if (status == DM_NOT_WRITTEN) return r->unwritten;
+    if (fades(r, status))
+        return "a value of d2L/dv2 goes to zero there, behind which the momentum determines no "
+               "velocity near this one: a fold of the momentum, where motions end, or a pole of "
+               "the coordinates; solver:singularities shows it";
     return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
 }
 
@@ -25,6 +35,7 @@ void dml_solver_fail(lua_State *L, const dml_stepping *r, dm_status status, long
                            .constrained =
                                constraints && constraints->holonomic + constraints->rolling > 0,
                            .status = status,
+                           .fading = fades(r, status),
                            .step = done + (status != DM_STOPPED && status != DM_NOT_WRITTEN),
                            .time = r->t0 + s->h * (double)done,
                            .h = s->h,

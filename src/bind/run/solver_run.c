@@ -116,6 +116,7 @@ typedef struct {
     dml_run_events events;
     dml_run_file file;
     dm_resumption resume;
+    dm_inertia inertia;
     dml_checkpoint *end;        /* where it ends, or is */
     const dml_checkpoint *from; /* where it goes on; NULL: a start */
     const char *rule, *saving;  /* file of checkpoints; NULL: none */
@@ -280,6 +281,15 @@ static void open_file(lua_State *L, run *u) {
     lua_setiuservalue(L, u->path, DML_PATH_FILE);
 }
 
+/* where the mass may change its inertia; the room stays on the stack */
+static void open_inertia(lua_State *L, run *u) {
+    const dm_model *m = u->r.stepper.model;
+    if (!dm_inertia_may_change(m)) return;
+    const size_t size = dm_inertia_work(m, u->end->memory) * sizeof(double);
+    dm_inertia_open(&u->inertia, m, u->end->memory, lua_newuserdatauv(L, size, 0));
+    u->plan.inertia = &u->inertia;
+}
+
 /* The stepper is opened last, since what it holds outside of Lua is not given back when an error
  * is raised. Rules with a memory hold nothing there, and how large that is is known only then. */
 static void start(lua_State *L, run *u) {
@@ -290,6 +300,7 @@ static void start(lua_State *L, run *u) {
     lua_setiuservalue(L, u->path, DML_PATH_SOLVER);
     if (early) u->end = dml_pushcheckpoint(L, &u->r);
     if (early) lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
+    if (early) open_inertia(L, u);
     if (u->from)
         dml_stepping_resume(L, &u->r, u->from);
     else
@@ -299,6 +310,7 @@ static void start(lua_State *L, run *u) {
         u->r.stepper.aside = lua_newuserdatauv(L, u->end->memory * sizeof(double), 0);
     if (!early && u->end->memory) lua_insert(L, -2);
     if (!early) lua_pushvalue(L, -1), lua_setiuservalue(L, u->path, DML_PATH_END);
+    if (!early) open_inertia(L, u);
 }
 
 /* the path says what was done; of rows that went to a file it keeps the last */
@@ -372,6 +384,7 @@ int dml_solver_run(lua_State *L) {
     u.began = now();
     dm_status status = dm_run(&u.plan, &u.r.stepper, u.r.state, path->data, &done, &rows);
     const double seconds = now() - u.began;
+    u.r.fading = u.plan.inertia && dm_inertia_is_fading(u.plan.inertia);
     keep_end(&u, done);
     dml_stepping_end(&u.r);
     if (status == DM_STOPPED) dml_stop = 0;

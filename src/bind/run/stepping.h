@@ -59,6 +59,7 @@ typedef struct {
     double *state;         /* dm_state_size doubles */
     double *work;          /* for the Legendre transform */
     const char *unwritten; /* the file that ended the run, "name: why", or NULL */
+    int fading;            /* d2L/dv2 was about to lose a value where the run failed */
     double *metric;        /* with constraints: inverse mass [n, n], then scratch */
 } dml_stepping;
 

@@ -21,6 +21,7 @@ typedef struct {
     dm_stepper *stepper;
     dm_block *block;    /* NULL: members one by one */
     dm_observer *watch; /* of this thread */
+    dm_inertia *inertia; /* NULL: it cannot change */
     int first;          /* this thread tells the progress */
     long counted;       /* steps told of the members in hand */
     long of_run;        /* of the member that runs alone */
@@ -50,12 +51,12 @@ static long steps_of(const dm_ensemble *e, long from, long to) {
     return steps;
 }
 
-/* What dm_run would make of it alone; its rows lie at its place. */
-static void run_member(worker *w, const dm_ensemble *e, long i) {
-    const uint32_t many = w->stepper->model->params;
-    double *state = e->state + (size_t)i * dm_state_size(w->stepper->model->n);
-    if (many) w->stepper->params = e->params + (size_t)i * many;
-    if (many && w->watch) w->watch->params = w->stepper->params;
+void dm_run_member(const dm_ensemble *e, const dm_member_run *run, long i) {
+    dm_stepper *s = run->stepper;
+    const uint32_t many = s->model->params;
+    double *state = e->state + (size_t)i * dm_state_size(s->model->n);
+    if (many) s->params = e->params + (size_t)i * many;
+    if (many && run->watch) run->watch->params = s->params;
     const dm_run_plan plan = {.t0 = e->t0,
                               .h = e->h,
                               .steps = e->steps,
@@ -63,16 +64,26 @@ static void run_member(worker *w, const dm_ensemble *e, long i) {
                                        : e->steps ? e->steps
                                                   : 1,
                               .until = INFINITY,
-                              .watch = w->watch,
+                              .watch = run->watch,
+                              .inertia = run->inertia,
                               .stop = e->stop,
-                              .progress = count_run,
-                              .ud = w};
+                              .progress = run->progress,
+                              .ud = run->ud};
     long rows = 0;
-    w->of_run = 0;
-    e->member[i].status =
-        dm_run(&plan, w->stepper, state, e->rows ? dm_ensemble_rows_of(e->rows, i) : NULL,
-               &e->member[i].steps, &rows);
+    e->member[i].status = dm_run(&plan, s, state, e->rows ? dm_ensemble_rows_of(e->rows, i) : NULL,
+                                 &e->member[i].steps, &rows);
     if (e->rows) e->rows->count[i] = rows;
+}
+
+static void run_member(worker *w, const dm_ensemble *e, long i) {
+    w->of_run = 0;
+    dm_run_member(e,
+                  &(dm_member_run){.stepper = w->stepper,
+                                   .watch = w->watch,
+                                   .inertia = w->inertia,
+                                   .progress = count_run,
+                                   .ud = w},
+                  i);
 }
 
 /* members of one pace; a single one costs less alone than in lanes */
@@ -144,14 +155,17 @@ dm_status dm_ensemble_run(const dm_ensemble *e, dm_stepper *const *steppers, int
     int made = 0;
     for (long i = 0; i < e->members; i++) e->member[i] = (dm_member){.status = DM_STOPPED};
     for (int i = 0; i < threads; i++) {
+        dm_inertia *inertia = e->inertia ? e->inertia + i : NULL;
         const int wide = dm_block_open(blocks + i, steppers[i]);
         blocks[i].watch = e->watch ? e->watch + i : NULL;
         blocks[i].count = count_steps;
         blocks[i].ud = workers + i;
+        blocks[i].inertia = inertia;
         workers[i] = (worker){.common = &common,
                               .stepper = steppers[i],
                               .block = wide ? blocks + i : NULL,
                               .watch = e->watch ? e->watch + i : NULL,
+                              .inertia = inertia,
                               .first = i == 0};
         common.share = choose_share(e, wide ? blocks + i : NULL, threads);
     }

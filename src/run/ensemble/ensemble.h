@@ -5,6 +5,7 @@
 
 #include "integ/method/method.h"
 #include "run/ensemble/ensemble_rows.h"
+#include "run/inertia.h"
 
 #include <signal.h>
 
@@ -31,6 +32,7 @@ typedef struct {
     dm_member *member;            /* [members] */
     const dm_ensemble_rows *rows; /* NULL: only the ends are kept */
     dm_observer *watch;           /* [threads] what the rows hold; NULL: q, p */
+    dm_inertia *inertia;          /* [threads]; NULL: it cannot change */
     uint32_t *lanes;              /* members that went side by side, 1: one by one; may be NULL */
     const volatile sig_atomic_t *stop;
     /* steps of all members that are done; called by the first thread only, every few

@@ -11,6 +11,7 @@ typedef struct {
     uint32_t most;      /* groups */
     long burst;         /* steps between looks at the stop flag, from block to block */
     dm_observer *watch; /* what rows hold; NULL: q, p */
+    dm_inertia *inertia; /* NULL: it cannot change */
     void (*count)(void *ud, long steps); /* told of steps that members have made */
     void *ud;
     double h[DM_LANES_GROUPS * 8]; /* steps of the members */
@@ -21,6 +22,18 @@ int dm_block_open(dm_block *b, dm_stepper *s);
 
 /* May members with steps of their own go side by side? */
 int dm_block_is_paced(const dm_block *b);
+
+/* Who runs a member alone, and who is told of its steps (may be NULL). */
+typedef struct {
+    dm_stepper *stepper;
+    dm_observer *watch;
+    dm_inertia *inertia;
+    void (*progress)(void *ud, long done, long steps);
+    void *ud;
+} dm_member_run;
+
+/* What dm_run would make of member i alone; its rows lie at its place. */
+void dm_run_member(const dm_ensemble *e, const dm_member_run *run, long i);
 
 /* Members first .. first + count - 1, at most lanes x most, to the end, to their failures or to
  * the stop flag; e->pace: that of the first, or that of each where the block is paced. */

@@ -12,10 +12,11 @@ enum { FIRST = 16, LONGEST = 1 << 16 }; /* steps between them */
 typedef struct {
     const dm_ensemble *e;
     dm_block *b;
-    long first, count;               /* members of the block */
-    long done;                       /* steps */
-    long alive;                      /* members that still run */
-    char ended[DM_LANES_GROUPS * 8]; /* members that have done all of their steps */
+    long first, count;                         /* members of the block */
+    long done;                                 /* steps */
+    long alive;                                /* members that still run */
+    char ended[DM_LANES_GROUPS * 8];           /* members that have done all of their steps */
+    dm_inertia_seen seen[DM_LANES_GROUPS * 8]; /* of members, where the inertia may change */
 } block;
 
 /* s of a clock that never goes back. */
@@ -150,6 +151,8 @@ static long lesser(long a, long b) {
 /* at most `most` steps to the next row or the end of a member */
 static long to_event(const block *x, long most) {
     const int rows = x->e->rows != NULL;
+    for (long i = 0; i < x->count && x->b->inertia; i++)
+        if (runs(x, i)) most = lesser(most, x->seen[i].due - x->done);
     if (!has_paces(x)) {
         most = lesser(most, x->e->steps - x->done);
         return rows ? lesser(most, every_of(x, 0) - x->done % every_of(x, 0)) : most;
@@ -178,6 +181,10 @@ static void begin(block *x) {
         choose_member(x, i);
         m->status = dm_stepper_start(s, state_of(x, i), x->e->t0, x->b->h[i]);
         if (m->status != DM_OK) continue;
+        if (x->b->inertia) {
+            dm_inertia_begin(x->b->inertia, state_of(x, i), x->e->t0);
+            x->seen[i] = x->b->inertia->seen;
+        }
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
         put_params(x, i, (uint32_t)i);
         put_memory(x, (uint32_t)i);
@@ -185,6 +192,36 @@ static void begin(block *x) {
         x->alive++;
     }
     pad(x);
+}
+
+/* Member i from its start, which its place still holds, as a run of its own. */
+static void run_alone(block *x, long i) {
+    dm_ensemble e = *x->e;
+    dm_ensemble_rows rows;
+    if (e.rows) rows = *e.rows, rows.every = every_of(x, i), e.rows = &rows;
+    e.h = x->b->h[i];
+    e.steps = steps_of(x, i);
+    dm_run_member(&e,
+                  &(dm_member_run){.stepper = x->b->stepper,
+                                   .watch = x->b->watch,
+                                   .inertia = x->b->inertia},
+                  x->first + i);
+    x->ended[i] = 1;
+}
+
+/* Has member i gone over a change of inertia? Then it is run again alone, up to the step that
+ * does. */
+static int has_crossed(block *x, long i) {
+    dm_inertia *inertia = x->b->inertia;
+    const double *now = x->b->lanes.alone;
+    if (!inertia || x->done == 0) return 0;
+    dm_inertia_begin(inertia, state_of(x, i), x->e->t0);
+    inertia->seen = x->seen[i];
+    dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
+    const int crossed = dm_inertia_look(inertia, now, time_of(x, i, x->done), x->done);
+    x->seen[i] = inertia->seen;
+    if (crossed) run_alone(x, i);
+    return crossed;
 }
 
 /* member i is not finite after `count` steps: from the kept state alone, up to the step that
@@ -195,6 +232,11 @@ static void repeat_alone(block *x, long i, double t, long count) {
     dm_member *m = member_of(x, i);
     double *state = state_of(x, i);
     long done = 0;
+    if (x->b->inertia) {
+        run_alone(x, i);
+        x->alive--;
+        return;
+    }
     choose_member(x, i);
     kept.state = x->b->lanes.kept;
     dm_lanes_get(&kept, dim(x), (uint32_t)i, state);
@@ -211,6 +253,10 @@ static void repeat_alone(block *x, long i, double t, long count) {
 /* member i failed, as the method says, in the step after those that it has done of a burst */
 static void leave(block *x, long i) {
     const dm_lanes *lanes = &x->b->lanes;
+    if (has_crossed(x, i)) {
+        x->alive--;
+        return;
+    }
     *member_of(x, i) = (dm_member){.status = lanes->failed[i], .steps = x->done + lanes->done[i]};
     dm_lanes_get(lanes, dim(x), (uint32_t)i, state_of(x, i));
     x->alive--;
@@ -254,9 +300,18 @@ static void advance(block *x, long count) {
 
 /* what becomes of member i, which goes no further */
 static void end(block *x, long i, dm_status status) {
+    if (status == DM_OK && has_crossed(x, i)) return;
     dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
     *member_of(x, i) = (dm_member){.status = status, .steps = x->done};
     keep_last_row(x, i);
+}
+
+/* members that have gone over a change of inertia leave */
+static void end_crossed(block *x) {
+    const long before = x->alive;
+    for (long i = 0; i < x->count && x->b->inertia; i++)
+        if (runs(x, i) && x->done >= x->seen[i].due && has_crossed(x, i)) x->alive--;
+    if (x->alive < before) pad(x);
 }
 
 /* members that have done all of their steps leave */
@@ -285,6 +340,7 @@ static dm_status run(block *x) {
         for (long k = 0; k < goal && x->alive; k += autonomous ? goal : 1)
             advance(x, autonomous ? goal : 1);
         x->b->count(x->b->ud, (x->done - before) * x->alive);
+        end_crossed(x);
         keep_rows(x);
         end_some(x);
         const double took = now() - looked;

@@ -2,9 +2,9 @@
 -- That of a stage rule is stationary in inner variables w, its velocities V_j but one (Leok 2.4):
 --   A(q0, q1, w) = h sum_i b_i L(Q_i, Qdot_i),   Q_i = q0 + h sum_j a_ij V_j,
 --   Qdot_i = sum_j d_ij V_j,   h sum_j beta_j V_j = q1 - q0.
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
-local params = require "dm.reduce.routh.params"
 
 local M = {}
 
@@ -43,7 +43,7 @@ end
 
 local function of_rule(Ld)
   local n, h, c = Ld.Q.dimension, Ld.h, Ld:coefficients()
-  local L, s, last = params.bound(Ld.system.L, Ld.system.params), #c.beta, largest(c.beta)
+  local L, s, last = bound(Ld.system.L, Ld.system.params), #c.beta, largest(c.beta)
   local function value(q0, q1, w)
     local V, sum = velocities(c.beta, last, q0, q1, w, h), 0
     for i = 1, #c.b do

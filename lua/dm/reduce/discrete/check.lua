@@ -1,9 +1,9 @@
 --- What shape:discrete takes: an Ld of the unreduced system, with its constraint or none, that the
 -- group leaves as it is.
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local check = require "dm.reduce.routh.check"
 local model = require "dm.reduce.routh.model"
-local params = require "dm.reduce.routh.params"
 local routh = require "dm.reduce.routh"
 
 local M = {}
@@ -32,8 +32,8 @@ local function check_own_constraint(full, Ld, points)
     error("discrete: this Ld has a constraint that its system does not have: give it to the "
       .. "system, dm.system{..., constraint =}, and reduce that", 0)
   end
-  local mine = params.bound(own, Ld.params)
-  local yours = params.bound(given, full.given.params)
+  local mine = bound(own, Ld.params)
+  local yours = bound(given, full.given.params)
   for _, p in ipairs(points) do
     local a, b = check.numbers(mine(p.q, 0)), check.numbers(yours(p.q, 0))
     local same = #a == #b

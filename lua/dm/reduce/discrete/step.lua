@@ -3,10 +3,10 @@
 --   D1 Ld(q0, q1) + G(q0)^T lambda = -p0,  g(q1) = 0,   q0 = section(x0),  p0 over (mu, y0),
 -- an implicit function of n unknowns q1 (and lambda, and inner variables of Ld) that begins where
 -- the step of Ld does, at q1 = q0; then q1 = psi . section(x1), and y1 is D2 Ld there (Leok 2.3).
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
-local params = require "dm.reduce.routh.params"
 
 local M = {}
 
@@ -41,8 +41,8 @@ local function constraint_of(info)
   local full = info.ambient and info.ambient.system or info.full
   local given = full.given
   if not given.constraint then return nil end
-  local bound = params.bound(given.constraint, given.params)
-  local function g(q) return core.vector(lists.entries(bound(q, 0))) end
+  local constraint = bound(given.constraint, given.params)
+  local function g(q) return core.vector(lists.entries(constraint(q, 0))) end
   return g, core.derivative(g, info.n)
 end
 

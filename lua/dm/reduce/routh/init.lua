@@ -3,6 +3,7 @@
 -- event, chart and ensemble steps it. A symplectic partitioned Runge-Kutta rule on R is the
 -- reduction of that rule on L (Jalnapurkar, Leok, Marsden & West 2006; Leok ch. 2).
 local blame = require "dm.base.blame"
+local bound = require "dm.base.bound"
 local class = require "dm.base.class"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
@@ -263,8 +264,8 @@ local function read(system, options)
   end
   local p = given.params
   return { full = system, names = names, n = n, m = #cyclic, d = #shape,
-    cyclic = cyclic, shape = shape, params = p, L = parameters.bound(given.L, p),
-    g = parameters.bound(given.constraint, p), F = parameters.bound(given.force, p),
+    cyclic = cyclic, shape = shape, params = p, L = bound(given.L, p),
+    g = bound(given.constraint, p), F = bound(given.force, p),
     given_connection = options.connection, shown = {} }
 end
 

@@ -2,20 +2,12 @@
 -- the momentum as mu (mu1, mu2, ...), so that members of ensembles and cells of maps vary them. At
 -- other values the reduction is made again from L with these; where they are symbols (inputs of
 -- kernels: one trace for all members) derivatives take them as arguments.
+local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 
 local M = {}
-
---- f(a [, b], t, params) with the params bound.
-function M.bound(f, params)
-  if not f or params == nil then return f end
-  return function(a, b, t)
-    if t == nil then return f(a, b, params) end
-    return f(a, b, t, params)
-  end
-end
 
 -- mu, or mu1, mu2, ...; with _ in front of the number where a parameter has that name
 local function names_of_mu(info, taken)
@@ -57,8 +49,8 @@ local function variant(info, p)
   for a, name in ipairs(info.mu_names) do out.mu[a] = p[name] end
   if info.params ~= nil then
     out.params = merged(info, p)
-    out.L, out.g, out.F = M.bound(given.L, out.params), M.bound(given.constraint, out.params),
-      M.bound(given.force, out.params)
+    out.L, out.g, out.F = bound(given.L, out.params), bound(given.constraint, out.params),
+      bound(given.force, out.params)
   end
   return out
 end

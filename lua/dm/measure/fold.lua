@@ -1,19 +1,15 @@
---- Where a step ends to exist: folds of implicit step equations by continuation in h, and
--- coordinates that break down on the way.
+--- Where a step ends to exist: folds of implicit step equations by continuation in h.
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
-local lists = require "dm.base.lists"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
 local M = {}
 
-local abs, max, min, huge = math.abs, math.max, math.min, math.huge
+local abs, min, huge = math.abs, math.min, math.huge
 
 local START = "{ q =, v = } or { q =, p = }"
-
----- solvability ----
 
 -- the discrete Lagrangian of a solver with another step
 local function with_step(solver, h)
@@ -144,103 +140,6 @@ M.fold = blame.caller(function(solver, options)
   return describe_end(rule, before, here, found and det or here.det)
 end)
 
----- coordinates ----
-
--- largest over smallest eigenvalue of the mass matrix
-local function condition(system, q, v, t)
-  local re = system:mass(q, v, t):eigenvalues()
-  local least, most = huge, 0
-  for i = 1, #re do least, most = min(least, abs(re[i])), max(most, abs(re[i])) end
-  return least > 0 and most / least or huge
-end
-
-local function name_of(system, i)
-  return system.coordinates and system.coordinates[i] or "q" .. i
-end
-
--- as much of its inertia left: it is no coordinate of its own; so near to 1: two move the same
-local KEPT, SAME = 0.1, 0.99
-
--- which coordinate, or which two, make the mass singular: the one whose inertia is the least of
--- what it was at the start, or those that move the same there, as two angles of Euler do
-local function weakest(system, q, v, t, start)
-  local mass, best, ratio = system:mass(q, v, t), 1, huge
-  for i = 1, #q do
-    local r = abs(mass[i][i] / start[i][i])
-    if r < ratio then best, ratio = i, r end
-  end
-  if ratio < KEPT then
-    return ("'%s' has %.1g of the inertia that it had at the start")
-      :format(name_of(system, best), ratio)
-  end
-  local most, one, other = 0, nil, nil
-  for i = 1, #q do
-    for j = 1, i - 1 do
-      local together = abs(mass[i][j]) / (abs(mass[i][i] * mass[j][j])) ^ 0.5
-      if together > most then most, one, other = together, j, i end
-    end
-  end
-  if most > SAME then
-    return ("'%s' and '%s' move the same there")
-      :format(name_of(system, one), name_of(system, other))
-  end
-  return "a combination of them loses its inertia"
-end
-
-local MOST_ROWS, BAD = 4000, 1e4
-
-M.singularities = blame.caller(function(solver, options)
-  local what = "solver:singularities"
-  option.check(options, { "q", "v", "p", "t0", "steps", "t" }, what, START)
-  option.need(options, "q", what, START)
-  local system = solver.system
-  if not (system.given and system.given.L) then error(what .. " needs a dm.system", 0) end
-  local steps = options.steps or (options.t and math.ceil(options.t / solver.h - 1e-9))
-  if not math.tointeger(steps) or steps < 1 then error(what .. ": give 'steps' or 't'", 0) end
-  local run = lists.copy(options)
-  run.every = max(1, steps // MOST_ROWS)
-  local fine, path = pcall(solver.run, solver, run)
-  local failure = not fine and path or nil
-  if not fine then
-    if type(path) == "string" or path.code == "stopped" or not path.path then error(path, 0) end
-    path = failure.path
-  end
-  local out, start = core.result { worst = 0, places = {} }, nil
-  for i = 1, #path do
-    local q, t = path.q[i], path.t[i]
-    local known, v = pcall(system.velocity, system, q, path.p[i], t)
-    start = start or known and system:mass(q, v, t)
-    local c = known and condition(system, q, v, t) or huge
-    if c > out.worst then out.worst, out.t, out.q, out.v = c, t, q:copy(), known and v or nil end
-    if c > BAD and (#out.places == 0 or out.places[#out.places].last < i - 1) then
-      out.places[#out.places + 1] = { t = t, condition = c }
-    end
-    if c > BAD then
-      local here = out.places[#out.places]
-      here.last, here.condition = i, max(here.condition, c)
-    end
-  end
-  out.failure = failure and failure.code
-  if out.worst < BAD then
-    out.why = ("the coordinates stay regular: the condition of d2L/dv2 is at most %.3g (t = %.5g)")
-      :format(out.worst, out.t)
-  elseif out.v then
-    local which = weakest(system, out.q, out.v, out.t, start)
-    out.why = ("the coordinates come near a singular place at t = %.6g: %s, condition %.2g; use "
-      .. "other "
-      .. "coordinates there (a constraint in R^n has no such places)")
-        :format(out.t, which, out.worst)
-  else
-    out.why = ("d2L/dv2 is singular at t = %.6g: no velocity belongs to the momentum there")
-      :format(out.t)
-  end
-  if failure then
-    out.why = out.why .. ("; the run ends there: %s at step %d"):format(failure.code, failure.step)
-  end
-  for _, place in ipairs(out.places) do place.last = nil end
-  return out
-end)
-
 class.method("dm.solver", "fold", M.fold, [[
 solver:fold{q=, v= | p=, up_to=} -> {h, fold, q1, why}
 Up to which step does an implicit step from this state have a solution? The solution q1 of p + D1
@@ -248,11 +147,5 @@ Ld(q, q1) = 0 is followed from small h to up_to (default 256 steps of the solver
 where two solutions meet, found where det D1D2 Ld vanishes; h is infinite when there is none. fold =
 false with a finite h: Newton's method gives up although the matrix is regular. Stage rules and
 discrete Lagrangians.]])
-
-class.method("dm.solver", "singularities", M.singularities, [[
-solver:singularities{q=, v= | p=, steps= | t=, t0=} -> {worst, t, q, places, why, failure}
-Do the coordinates break down on the way? The condition of d2L/dv2 at the rows of a run (at most
-4000), the worst and where; places: {t, condition} where it exceeds 1e4; failure: the code that
-ended the run, if one did. why names the coordinate that loses its inertia.]])
 
 return M

@@ -1,0 +1,88 @@
+#include "linalg/signature.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* What is left of A: rows and columns from `first` on. */
+typedef struct {
+    double *A;
+    uint32_t n, first;
+} rest;
+
+static double *at(const rest *r, uint32_t i, uint32_t j) {
+    return r->A + (size_t)i * r->n + j;
+}
+
+/* Row and column a change places with b. */
+static void exchange(const rest *r, uint32_t a, uint32_t b) {
+    for (uint32_t k = 0; k < r->n && a != b; k++) {
+        const double x = *at(r, a, k);
+        *at(r, a, k) = *at(r, b, k);
+        *at(r, b, k) = x;
+    }
+    for (uint32_t k = 0; k < r->n && a != b; k++) {
+        const double x = *at(r, k, a);
+        *at(r, k, a) = *at(r, k, b);
+        *at(r, k, b) = x;
+    }
+}
+
+/* The largest entry of the diagonal, and the largest one beside it. */
+static void find_pivots(const rest *r, uint32_t *diagonal, uint32_t *row, uint32_t *column) {
+    double most = -1.0, beside = -1.0;
+    for (uint32_t i = r->first; i < r->n; i++) {
+        if (fabs(*at(r, i, i)) > most) most = fabs(*at(r, i, i)), *diagonal = i;
+        for (uint32_t j = r->first; j < i; j++)
+            if (fabs(*at(r, i, j)) > beside) beside = fabs(*at(r, i, j)), *row = i, *column = j;
+    }
+}
+
+/* A -= a a^T / pivot behind the first row */
+static void eliminate_one(const rest *r) {
+    const uint32_t k = r->first;
+    const double pivot = *at(r, k, k);
+    for (uint32_t i = k + 1; i < r->n; i++)
+        for (uint32_t j = k + 1; j < r->n; j++) *at(r, i, j) -= *at(r, i, k) / pivot * *at(r, k, j);
+}
+
+/* the same with the first two rows, whose block [a, b; b, c] has a negative determinant */
+static void eliminate_two(const rest *r) {
+    const uint32_t k = r->first;
+    const double a = *at(r, k, k), b = *at(r, k + 1, k), c = *at(r, k + 1, k + 1);
+    const double det = a * c - b * b;
+    for (uint32_t i = k + 2; i < r->n; i++) {
+        const double x = *at(r, i, k), y = *at(r, i, k + 1);
+        const double u = (c * x - b * y) / det, v = (a * y - b * x) / det;
+        for (uint32_t j = k + 2; j < r->n; j++)
+            *at(r, i, j) -= u * *at(r, k, j) + v * *at(r, k + 1, j);
+    }
+}
+
+uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
+    static const double SINGLE = 0.6403882032022076; /* (1 + sqrt 17)/8: growth is least */
+    rest r = {.A = A, .n = n};
+    uint32_t negative = 0;
+    *least = INFINITY;
+    while (r.first < n) {
+        uint32_t diagonal = r.first, row = r.first, column = r.first;
+        find_pivots(&r, &diagonal, &row, &column);
+        const double one = fabs(*at(&r, diagonal, diagonal)), two = fabs(*at(&r, row, column));
+        if (row == column || one >= SINGLE * two) {
+            *least = fmin(*least, one);
+            if (one == 0.0 || !(one < INFINITY)) return negative; /* zeros, or no numbers */
+            exchange(&r, r.first, diagonal);
+            negative += *at(&r, r.first, r.first) < 0.0;
+            eliminate_one(&r);
+            r.first++;
+            continue;
+        }
+        *least = fmin(*least, two);
+        if (!(two < INFINITY)) return negative;
+        exchange(&r, r.first, column); /* column < row, so that row is still in its place */
+        exchange(&r, r.first + 1, row == r.first ? column : row);
+        negative++; /* one value of each sign */
+        eliminate_two(&r);
+        r.first += 2;
+    }
+    return negative;
+}

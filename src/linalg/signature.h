@@ -1,0 +1,12 @@
+/* signature.h - signs of the values of a symmetric matrix, without the values. */
+#ifndef DM_SIGNATURE_H
+#define DM_SIGNATURE_H
+
+#include <stdint.h>
+
+/* How many values of A[n*n] are negative, by elimination with symmetric pivots (Bunch & Parlett
+ * 1971: Sylvester's law of inertia keeps the signs), and the least size of a pivot, which goes to
+ * zero with a value. A is overwritten; values that are zero to round-off may count as either. */
+uint32_t dm_negative_values(double *A, uint32_t n, double *least);
+
+#endif

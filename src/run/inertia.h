@@ -1,0 +1,54 @@
+/* inertia.h - how many values of d2L/dv2 are negative, on the velocities that constraints allow. A
+ * motion keeps that number: where a value passes through zero the momentum no longer determines
+ * the velocity and the motion ends, but a step may go over such a place. */
+#ifndef DM_INERTIA_H
+#define DM_INERTIA_H
+
+#include "integ/method/method.h"
+
+/* What is known of a run. A look costs a part of a step: the next one is due when a value could be
+ * near zero by how fast the least one moved, a number of steps that depends on the states alone. */
+typedef struct {
+    uint32_t negative; /* at the start */
+    int known;         /* is it? a start without a velocity has none */
+    double least;      /* size of the value next to zero, when it was looked at last */
+    double rate;       /* how fast it moved before that, a step */
+    long looked, due;  /* steps done then, and when the next look is due */
+} dm_inertia_seen;
+
+typedef struct {
+    const dm_model *model;
+    dm_inertia_seen seen;
+    double *scale; /* [n] of the velocities: the mass at the start has ones on its diagonal */
+    double *room;  /* arguments and outputs of kernels, the matrix */
+    /* a state that steps can be taken again from, what the engine remembered there, how many
+     * steps and rows were done */
+    double *state, *memory;
+    size_t memory_size;
+    long done, rows;
+} dm_inertia;
+
+/* Can the inertia of a model change? Not where its mass is constant. */
+int dm_inertia_may_change(const dm_model *m);
+
+/* Doubles of room, for an engine with so much memory. */
+size_t dm_inertia_work(const dm_model *m, size_t memory);
+void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *room);
+
+/* The state of a start. */
+void dm_inertia_begin(dm_inertia *x, const double *state, double t);
+
+/* Has it changed since? */
+int dm_inertia_has_changed(const dm_inertia *x, const double *state, double t);
+
+/* The same after so many steps, and when to look again. */
+int dm_inertia_look(dm_inertia *x, const double *state, double t, long done);
+
+/* Was a value about to vanish within a few steps of the last look? */
+int dm_inertia_is_fading(const dm_inertia *x);
+
+/* Keep a state, and go back to it. */
+void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state);
+void dm_inertia_go_back(const dm_inertia *x, dm_stepper *s, double *state);
+
+#endif

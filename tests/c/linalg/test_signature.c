@@ -1,0 +1,77 @@
+/* signs of the values of symmetric matrices, from congruences whose signs are known. */
+#include "check.h"
+#include "linalg/signature.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+enum { MOST = 12 };
+
+static uint64_t seed = 1;
+
+/* uniform in [-1, 1) */
+static double random_number(void) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return (double)(seed >> 11) * 0x1p-52 - 1.0;
+}
+
+/* A = S D S^T has the signs of D (Sylvester). */
+static void congruent(double *A, const double *S, const double *D, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++) {
+            double sum = 0.0;
+            for (uint32_t k = 0; k < n; k++) sum += S[i * n + k] * D[k] * S[j * n + k];
+            A[i * n + j] = sum;
+        }
+}
+
+static void counts_random_matrices(void) {
+    double A[MOST * MOST], S[MOST * MOST], D[MOST], least;
+    for (uint32_t n = 1; n <= MOST; n++)
+        for (int trial = 0; trial < 200; trial++) {
+            uint32_t negative = 0;
+            for (uint32_t i = 0; i < n * n; i++) S[i] = random_number();
+            for (uint32_t i = 0; i < n; i++) {
+                S[i * n + i] += 3.0; /* regular */
+                D[i] = (random_number() < 0.0 ? -1.0 : 1.0) * exp(3.0 * random_number());
+                negative += D[i] < 0.0;
+            }
+            congruent(A, S, D, n);
+            if (!CHECK(dm_negative_values(A, n, &least) == negative)) return;
+            if (!CHECK(least > 0.0 && least < INFINITY)) return;
+        }
+}
+
+/* [0, G^T; G, 0] has k of each sign and zeros, [1, g; g, 0] one of each */
+static void counts_without_a_diagonal(void) {
+    double least;
+    double swap[] = {0.0, 2.0, 2.0, 0.0}, border[] = {1.0, 3.0, 3.0, 0.0};
+    double zero[] = {0.0, 0.0, 0.0, 0.0};
+    double two[] = {0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0};
+    CHECK(dm_negative_values(swap, 2, &least) == 1);
+    CHECK(least == 2.0);
+    CHECK(dm_negative_values(border, 2, &least) == 1);
+    CHECK(dm_negative_values(zero, 2, &least) == 0);
+    CHECK(least == 0.0);
+    CHECK(dm_negative_values(two, 4, &least) == 2);
+}
+
+/* The pivot goes to zero with the value. */
+static void tells_how_near(void) {
+    double near = 0.0;
+    for (double e = 1e-2; e > 1e-9; e /= 10.0) {
+        double A[] = {2.0, 1.0, 1.0, 0.5 + e};
+        CHECK(dm_negative_values(A, 2, &near) == 0);
+        CHECK(fabs(near - e) < 1e-12);
+    }
+    double broken[] = {NAN, 1.0, 1.0, 1.0};
+    dm_negative_values(broken, 2, &near); /* ends */
+}
+
+int main(void) {
+    RUN(counts_random_matrices, "counts negative values of 1 to 12");
+    RUN(counts_without_a_diagonal, "counts where the diagonal is zero");
+    RUN(tells_how_near, "tells how near to zero a value is");
+    return check_finish();
+}

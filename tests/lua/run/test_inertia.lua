@@ -1,0 +1,136 @@
+-- Steps over a change of inertia of d2L/dv2 end a run and are named; solver:singularities sees the
+-- place, on the velocities that constraints allow.
+local tap = require "tap"
+local dm = require "dm"
+local ok = tap.ok
+local abs, sqrt, cosh = math.abs, math.sqrt, dm.cosh
+
+local function run(system, rule, h, options)
+  local solver = system:solver { rule = rule, h = h }
+  local fine, result = pcall(solver.run, solver, options)
+  return fine, result
+end
+
+-- L = v cosh(v) - 3 v^2 - q: p = cosh v + v sinh v - 6 v falls by t, and folds where 2 cosh v + v
+-- sinh v = 6; the motion ends there
+local function fold_of(from)
+  local v = from
+  for _ = 1, 60 do
+    local c, s = math.cosh and math.cosh(v) or (math.exp(v) + math.exp(-v)) / 2,
+      (math.exp(v) - math.exp(-v)) / 2
+    v = v - (2 * c + v * s - 6) / (3 * s + v * c)
+  end
+  return v
+end
+local function momentum(v)
+  return (math.exp(v) + math.exp(-v)) / 2 + v * (math.exp(v) - math.exp(-v)) / 2 - 6 * v
+end
+local folding = dm.system { Q = dm.R(1), L = function(q, v)
+  return v[1] * cosh(v[1]) - 3 * v[1] ^ 2 - q[1]
+end }
+local v0, v1 = 0.3, fold_of(1.2)
+local ends = momentum(v0) - momentum(v1) -- dp/dt = -1
+ok(ends > 1, "the motion ends after a while", ends)
+for _, rule in ipairs { "verlet", "gauss(2)", "midpoint", "rk4", "yoshida(4)" } do
+  for _, every in ipairs { 1, 7, 1000 } do
+    local fine, e = run(folding, rule, 0.01, { q = { 0 }, v = { v0 }, t = 2 * ends, every = every })
+    local path = not fine and e.path
+    ok(not fine and tostring(e):find("d2L/dv2", 1, true),
+      ("%s, every = %d: the step over the fold is told"):format(rule, every), tostring(e))
+    ok(path and abs(e.time - ends) < 0.02 and abs(path.t[#path] - e.time) < 1e-12,
+      "where it is, with the path up to there", tostring(e))
+  end
+end
+
+-- a mass that vanishes at q1 = 0: q1 q1'^2 = 2 E1, so that q1^(3/2) falls by 3/2 sqrt(2 E1) t
+local thin = dm.system { Q = dm.R(2), L = function(q, v)
+  return q[1] * v[1] ^ 2 / 2 + v[2] ^ 2 / 2 end }
+local function start(x) return { q = { x, 0 }, v = { -1, 0.5 }, steps = 60 } end
+for _, rule in ipairs { "gauss(2)", "midpoint", "lobatto(3)" } do
+  local options, seen = start(1), nil
+  for _, every in ipairs { 1, 4, 60 } do
+    options.every = every
+    local fine, e = run(thin, rule, 0.05, options)
+    seen = seen or not fine and e.step
+    ok(not fine and (e.code == "inertia" or e.code == "no_convergence") and e.step == seen
+      and abs(e.time - 2 / 3) < 0.06, ("%s, every = %d: a mass that vanishes"):format(rule, every),
+      tostring(e))
+  end
+  local members = thin:solver({ rule = rule, h = 0.05 }):ensemble { members = 21, steps = 60,
+    threads = 1, q = function(i) return { 0.8 + 0.07 * i, 0 } end,
+    v = function() return { -1, 0.5 } end }
+  local unlike = 0
+  for i = 1, 21 do
+    local one = start(0.8 + 0.07 * i)
+    one.every = 60
+    local fine, e = run(thin, rule, 0.05, one)
+    local last = fine and e.q[#e] or e.path.q[#e.path]
+    local code, steps = fine and "ok" or e.code, fine and 60 or e.step - 1
+    if members.status[i] ~= code or members.steps[i] ~= steps
+      or (members.q:row(i) - last):norm() ~= 0 then
+      unlike = unlike + 1
+    end
+  end
+  ok(unlike == 0, rule .. ": members end as runs of their own", unlike)
+end
+
+-- regular masses that move, indefinite ones too, are none of that
+local moving = dm.system { Q = dm.R(2), L = function(q, v)
+  return (2 + dm.sin(q[1])) * v[1] ^ 2 / 2 - (1.5 + dm.cos(q[2])) * v[2] ^ 2 / 2 - q:dot(q) / 2
+end }
+for _, rule in ipairs { "gauss(2)", "verlet" } do
+  ok(run(moving, rule, 0.01, { q = { 0.3, 0.1 }, v = { 0.5, -0.2 }, t = 3 }),
+    rule .. ": a mass with a value of each sign")
+end
+local fast = dm.system { Q = dm.R(2), L = function(q, v)
+  return -(1 - v:dot(v)) ^ 0.5 + 0.3 / q:norm() end }
+ok(run(fast, "gauss(2)", 0.02, { q = { 1, 0 }, v = { 0, 0.5 }, t = 5 }), "nor a relativistic one")
+
+-- with constraints: singular across them is regular; what counts is along them
+local function on_circle(L)
+  return dm.system { Q = dm.R(2), L = L, constraint = function(q) return q:dot(q) - 1 end }
+end
+local across = on_circle(function(q, v)
+  local spin = q[1] * v[2] - q[2] * v[1]
+  return spin ^ 2 / 2 - (q[1] * v[1] + q[2] * v[2]) ^ 2 * q[1] - q[2]
+end)
+local fine, e = run(across, "gauss(2)", 0.02, { q = { 0.6, 0.8 }, v = { 0.8, -0.6 }, t = 6 })
+ok(fine, "a mass that changes across the constraint alone", tostring(e))
+local along = on_circle(function(q, v)
+  return (q[1] + 0.4) * (q[1] * v[2] - q[2] * v[1]) ^ 2 / 2 + (q[1] * v[1] + q[2] * v[2]) ^ 2
+end)
+fine, e = run(along, "gauss(2)", 0.02, { q = { 0.6, 0.8 }, v = { -0.8, 0.6 }, t = 6 })
+ok(not fine and e.path.q[#e.path][1] > -0.45, "and one that vanishes along it", tostring(e))
+
+---- solver:singularities ----
+
+local report = folding:solver({ rule = "verlet", h = 0.01 }):singularities { q = { 0 }, v = { v0 },
+  t = 2 * ends }
+ok(#report.places > 0 and report.worst == math.huge and abs(report.t - ends) < 0.02
+  and report.failure and report.why:find("d2L/dv2 is singular", 1, true),
+  "a scalar mass that folds is no regular one", report.why)
+-- behind this fold another velocity has the momentum: rules that find it go over the place
+local double = dm.system { Q = dm.R(1), L = function(q, v)
+  return v[1] ^ 4 / 8 - v[1] ^ 2 / 3 - q[1] ^ 2 end }
+for _, rule in ipairs { "verlet", "gauss(2)", "midpoint" } do
+  local solver = double:solver { rule = rule, h = 0.03 }
+  local seen = solver:singularities { q = { 0.8 }, v = { 0.1 }, t = 2 }
+  local step = select(2, run(double, rule, 0.03, { q = { 0.8 }, v = { 0.1 }, t = 2, every = 9 }))
+  local crossed = step.code == "inertia"
+  ok((crossed or step.fading) and #seen.places > 0 and seen.t == step.time
+    and seen.why:find(crossed and "its inertia changes" or "d2L/dv2 is singular", 1, true)
+    and (crossed or rule == "gauss(2)"), rule .. ": and where it is gone over", seen.why)
+end
+local slow = folding:solver({ rule = "verlet", h = 0.01 }):singularities { q = { 0 }, v = { v0 },
+  t = ends / 2 }
+ok(#slow.places == 0 and slow.why:find("stay regular", 1, true), "before that it is", slow.why)
+local near = dm.system { Q = dm.R(1), L = function(q, v)
+  return (q[1] ^ 2 + 1e-5) * v[1] ^ 2 / 2 end }
+local passed = near:solver({ rule = "gauss(2)", h = 1e-3 }):singularities { q = { 1 }, v = { -0.1 },
+  t = 6 }
+ok(passed.worst > 1e2 and #passed.places >= 0 and passed.worst < 2e5,
+  "a scalar mass that all but vanishes is seen beside what it was", passed.worst)
+local held = across:solver({ rule = "gauss(2)", h = 0.02 }):singularities { q = { 0.6, 0.8 },
+  v = { 0.8, -0.6 }, t = 6 }
+ok(#held.places == 0, "under a constraint the velocities that it allows count", held.why)
+tap.done()
