@@ -151,15 +151,16 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     const double safe = rate > 0.0 ? part * least / rate : INFINITY;
     const double far = fmin(fmin(safe, MOST), 2.0 * (double)since);
     s->due = done + (found && far >= 1.0 ? (long)far : 1);
-    s->least = least;
     s->rate = rate;
+    s->falls = least < s->least;
+    s->least = least;
     s->looked = done;
     return changed;
 }
 
 int dm_inertia_is_fading(const dm_inertia *x) {
     static const double STEPS = 4.0; /* as it moved last; by a root there are half of them */
-    return x->seen.known && x->seen.least <= STEPS * x->seen.rate;
+    return x->seen.known && x->seen.falls && x->seen.least <= STEPS * x->seen.rate;
 }
 
 void dm_inertia_keep(dm_inertia *x, dm_stepper *s, const double *state) {

@@ -13,6 +13,7 @@ typedef struct {
     int known;         /* is it? a start without a velocity has none */
     double least;      /* size of the value next to zero, when it was looked at last */
     double rate;       /* how fast it moved before that, a step */
+    int falls;         /* did it come nearer to zero? */
     long looked, due;  /* steps done then, and when the next look is due */
 } dm_inertia_seen;
 

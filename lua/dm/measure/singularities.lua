@@ -63,16 +63,43 @@ local function allowed(rows, n)
   return out
 end
 
--- the values of the mass at a state
-local function values_of(system, rows, q, v, t)
-  local mass, n = system:mass(q, v, t), #q
-  if not rows then return mass:eigenvalues() end
-  local basis, out = allowed(rows(q, v, t), n), {}
+-- the scales of the velocities with which a mass has ones on its diagonal
+local function scales_of(mass)
+  local out = {}
+  for i = 1, #mass do
+    local own = abs(mass[i][i])
+    out[i] = own > 0 and own < huge and own ^ -0.5 or 1
+  end
+  return out
+end
+
+-- the entries of a row, each by its scale
+local function scaled(row, scales)
+  local out = {}
+  for i, scale in ipairs(scales) do out[i] = scale * row[i] end
+  return core.vector(out)
+end
+
+-- the values of a mass on the velocities at right angles to rows
+local function values_of(mass, rows)
+  if not rows then return lists.entries(mass:eigenvalues()) end
+  local basis, out = allowed(rows, #mass), {}
   for i, a in ipairs(basis) do
     out[i] = {}
     for j, b in ipairs(basis) do out[i][j] = a:dot(mass * b) end
   end
-  return #out > 0 and core.matrix(out):eigenvalues() or {}
+  return #out > 0 and lists.entries(core.matrix(out):eigenvalues()) or {}
+end
+
+-- how many are negative, counted with scaled velocities, so that no unit makes a value small
+local function negative_values(mass, rows, scales)
+  local all, across, negative = {}, rows and {}, 0
+  for i = 1, #mass do all[i] = (scales[i] * scaled(mass[i], scales)):totable() end
+  for i, row in ipairs(rows or {}) do across[i] = scaled(row, scales) end
+  for _, value in ipairs(values_of(core.matrix(all), across)) do
+    negative = negative + (value < 0 and 1 or 0)
+  end
+  return negative
 end
 
 ---- what breaks down ----
@@ -110,7 +137,6 @@ local function weakest(system, q, v, t, start)
   return "a combination of them loses its inertia"
 end
 
-
 ---- along a run ----
 
 local MOST_ROWS, BAD = 4000, 1e4
@@ -127,16 +153,19 @@ end
 
 -- what the mass is at a row: how singular beside the largest value there and at the start, how many
 -- values are negative, the velocity; nothing where no velocity belongs to the momentum
-local function look_at(system, path, rows, i, most)
+local function look_at(system, path, rows, i, first)
   local q, t = path.q[i], path.t[i]
   local known, v = pcall(path.velocity, path, i)
   if not known then return nil end
-  local least, negative = huge, 0
-  for _, value in ipairs(lists.entries(values_of(system, rows, q, v, t))) do
+  local mass, across = system:mass(q, v, t), rows and rows(q, v, t)
+  local scales = first and first.scales or scales_of(mass)
+  local least, most = huge, first and first.most or 0
+  for _, value in ipairs(values_of(mass, across)) do
     least, most = min(least, abs(value)), max(most, abs(value))
-    negative = negative + (value < 0 and 1 or 0)
   end
-  return { v = v, most = most, negative = negative, condition = least > 0 and most / least or huge }
+  local negative = negative_values(mass, across, scales)
+  local condition = least > 0 and most / least or huge
+  return { v = v, scales = scales, most = most, negative = negative, condition = condition }
 end
 
 -- a place where the condition is bad goes on in the next row, or begins
@@ -154,7 +183,7 @@ end
 local function look_along(system, path)
   local out, rows, first = core.result { worst = 0, places = {} }, rows_of(system), nil
   for i = 1, #path do
-    local here = look_at(system, path, rows, i, first and first.most or 0)
+    local here = look_at(system, path, rows, i, first)
     first = first or here
     local c, t = here and here.condition or huge, path.t[i]
     if here and here.negative ~= first.negative and not out.change then

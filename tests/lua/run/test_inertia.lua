@@ -130,6 +130,19 @@ local passed = near:solver({ rule = "gauss(2)", h = 1e-3 }):singularities { q = 
   t = 6 }
 ok(passed.worst > 1e2 and #passed.places >= 0 and passed.worst < 2e5,
   "a scalar mass that all but vanishes is seen beside what it was", passed.worst)
+-- values that are small by their units alone change no sign
+local turned = { { 2.5, -0.7, 0.9 }, { 0.6, 2.2, -0.8 }, { -0.9, 0.5, 2.7 } }
+local units = dm.system { Q = dm.R(3), L = function(q, v)
+  local T = 0
+  for i, row in ipairs(turned) do
+    local u = 1e-6 * row[1] * v[1] + row[2] * v[2] + 1e6 * row[3] * v[3]
+    T = T + (i == 2 and 1 + 0.5 * dm.sin(q[2]) or 1) * u ^ 2 / 2
+  end
+  return T - q[2] ^ 2 / 2
+end }
+local by_units = units:solver({ rule = "gauss(2)", h = 0.02 }):singularities { q = { 0, 0.4, 0 },
+  v = { 1e5, 0.3, 1e-7 }, steps = 300 }
+ok(not by_units.change, "values that are small by their units alone", by_units.why)
 local held = across:solver({ rule = "gauss(2)", h = 0.02 }):singularities { q = { 0.6, 0.8 },
   v = { 0.8, -0.6 }, t = 6 }
 ok(#held.places == 0, "under a constraint the velocities that it allows count", held.why)
