@@ -3,6 +3,7 @@
 #include "bind/core/bind.h"
 #include "bind/core/missing_key.h"
 #include "bind/core/new_file.h"
+#include "bind/rule/discrete_rule.h"
 
 /* Push the metatable of the class at 1 and its methods. */
 static void push_class(lua_State *L) {
@@ -127,6 +128,10 @@ static const dml_row functions[] =
       "core.until_stop(f, ...) -> true, results   or   false, error\n"
       "pcall for what has something to show when Ctrl-C ends it: the only one of our modules that "
       "keeps this error."},
+     {"with_step", dml_core_with_step,
+      "core.with_step(options) -> dm.discrete_lagrangian\n"
+      "As dm.discrete_lagrangian, whose map is not compared with Ld: that of a reduced one is the "
+      "step of the unreduced equations."},
      {"miss", dml_core_miss,
       "core.miss(class, key [, names])\n"
       "Note that class has no such key, for the message of an error on the same line; called from "

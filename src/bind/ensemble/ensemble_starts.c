@@ -1,6 +1,7 @@
 /* ensemble_starts.c - where the members of an ensemble start: functions, tables or matrices of
  * numbers. */
 #include "bind/ensemble/bind_ensemble.h"
+#include "bind/model/model_map.h"
 #include "bind/model/named.h"
 #include "bind/run/start_branch.h"
 #include "bind/run/start_constraints.h"
@@ -120,6 +121,10 @@ static void check_trace(lua_State *L, const dml_part *p, dml_stepping *r) {
         r->x[2 * r->solver->n] = r->t0;
     }
     dml_checkmember(L, r->system, r->model, p->velocity ? r->x : NULL);
+    if (r->wants & DM_WANT_MAP) {
+        const size_t size = dm_state_size(p->e->n);
+        dml_checkmap(L, r->system, r->model, p->e->state + (size_t)p->first * size, p->count, size);
+    }
 }
 
 static int has(lua_State *L, const char *key) {

@@ -13,6 +13,7 @@ typedef struct {
     int pair;      /* 1: a discrete Lagrangian Ld(q0, q1), 0: L(q, v, t) */
     int ruled;     /* 1: a discrete Lagrangian of a system and a rule (discrete_rule.h) */
     int hyperdual; /* 1: derivatives = "hyperdual" */
+    int solved;    /* 1: its map solves equations of its own, and is not compared with Ld */
     double h;      /* step of a discrete Lagrangian, else 0 */
 } dml_system;
 
@@ -68,8 +69,9 @@ typedef struct {
     dml_traced constraint
         [DML_CONSTRAINT_FUNCTIONS]; /* each in a graph of its own; graph NULL: there is none */
     dm_kernel constraint_kernel[DML_CONSTRAINT_FUNCTIONS]; /* the same for comparisons, once made */
-    dm_constraints_traced constrained;                     /* all in one graph, NULL without any */
-    uint32_t constraints_traced;                           /* its nodes, before derivatives */
+    double *room;                      /* for their inputs and outputs, or NULL */
+    dm_constraints_traced constrained; /* all in one graph, NULL without any */
+    uint32_t constraints_traced;       /* its nodes, before derivatives */
     dm_constraints constraints;
 } dml_model;
 

@@ -5,6 +5,7 @@
 #include "bind/model/named.h"
 
 #include "algebra/derive.h"
+#include "base/random.h"
 #include "bind/model/model_cache.h"
 #include "code/tape/tape.h"
 
@@ -155,10 +156,10 @@ static void check_lengths(lua_State *L, const dml_model *m, int pair) {
                    "reaction must return %d rows of %d numbers, one row per rolling constraint, "
                    "got %d numbers in all",
                    (int)l, (int)n, (int)given);
-    if (m->constraint[DML_MAP].graph && m->constraint[DML_MAP].outputs != 2 * n + k)
+    if (m->constraint[DML_MAP].graph && m->constraint[DML_MAP].outputs != 2 * n + k + l)
         luaL_error(L,
                    "map must return %d numbers, q1, p1 and an impulse for each constraint, got %d",
-                   (int)(2 * n + k), (int)m->constraint[DML_MAP].outputs);
+                   (int)(2 * n + k + l), (int)m->constraint[DML_MAP].outputs);
     if (k + l > n)
         luaL_error(L, "%d constraints for %d coordinates: they leave no motion", (int)(k + l),
                    (int)n);
@@ -277,14 +278,24 @@ static void arguments_of(const dml_model *m, int which, const double *x, double 
     if (which == DML_CONSTRAINT) out[n] = x[2 * n];
 }
 
-/* the constraint function as it was traced, on the tape; made once for all comparisons */
-static const dm_kernel *traced_kernel(lua_State *L, dml_model *m, int which) {
+/* the constraint function as it was traced, on the tape; made once for all comparisons. NULL: no
+ * memory for it */
+static const dm_kernel *find_traced_kernel(dml_model *m, int which) {
     dm_kernel *kernel = m->constraint_kernel + which;
     const dml_traced *one = m->constraint + which;
-    if (!kernel->eval &&
-        dm_tape_build(kernel, one->graph, one->out, one->outputs, m->arena) != DM_OK)
-        luaL_error(L, "not enough memory");
+    const int made = kernel->eval ||
+                     dm_tape_build(kernel, one->graph, one->out, one->outputs, m->arena) == DM_OK;
+    return made ? kernel : NULL;
+}
+
+static const dm_kernel *traced_kernel(lua_State *L, dml_model *m, int which) {
+    const dm_kernel *kernel = find_traced_kernel(m, which);
+    if (!kernel) luaL_error(L, "not enough memory");
     return kernel;
+}
+
+const char *dml_functionname(int which) {
+    return keys[which];
 }
 
 /* Raises at x what differs. */
@@ -315,6 +326,37 @@ void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x) 
         lua_pop(L, 1);
     }
     lua_settop(L, top);
+}
+
+/* inputs and outputs of all of them, one after the other; NULL: no memory */
+static double *take_room(dml_model *m) {
+    const size_t n = m->n, inputs = 2 * n + 1 + 2 * m->constrained.controls;
+    size_t most = 0;
+    for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS; i++)
+        most = m->constraint[i].outputs > most ? m->constraint[i].outputs : most;
+    if (!m->room) m->room = dm_arena_take(m->arena, (inputs + most) * sizeof *m->room);
+    if (m->room) memset(m->room, 0, (inputs + most) * sizeof *m->room);
+    return m->room;
+}
+
+double dml_constraintsum(dml_model *m, int which, const double *x) {
+    const uint32_t controls = m->constrained.controls;
+    const dm_kernel *kernel = find_traced_kernel(m, which);
+    const dm_kernel *control = controls ? find_traced_kernel(m, DML_CONTROL) : NULL;
+    double *at = take_room(m), sum = 0.0;
+    if (!kernel || !at || (controls && !control)) return NAN;
+    double *u = at + 2 * (size_t)m->n + 1, *held = u + controls, *out = held + controls;
+    arguments_of(m, which, x, at);
+    if (control) {
+        dm_kernel_prepare(control, held);
+        dm_kernel_eval(control, x, held);
+        memcpy(u, held, controls * sizeof *u);
+    }
+    dm_kernel_prepare(kernel, out);
+    dm_kernel_eval(kernel, at, out);
+    for (uint32_t i = 0; i < kernel->outputs; i++)
+        sum += (1 + dm_random_uniform(4, (uint64_t)which, i)) * (isfinite(out[i]) ? out[i] : 1.0);
+    return sum;
 }
 
 void dml_addforces(lua_State *L, dml_model *m, const double *x, double *p0, double *p1) {

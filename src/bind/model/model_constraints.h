@@ -29,6 +29,13 @@ void dml_checkpairconstraints(lua_State *L, const dml_model *m);
  * nowhere in particular. */
 void dml_checkconstraints(lua_State *L, int arg, dml_model *m, const double *x);
 
+/* What function `which` (DML_CONSTRAINT ...) is called among the options. */
+const char *dml_functionname(int which);
+
+/* A number that tells function `which` from others at x = (q, v, t) or (q0, q1, 0): its entries
+ * with weights, one that is not finite as 1; controls are those of x. NaN: no memory for it. */
+double dml_constraintsum(dml_model *m, int which, const double *x);
+
 /* The discrete forces of a discrete Lagrangian at x = (q0, q1): p0[n] -= F1, p1[n] += F2 (NULL: not
  * wanted); nothing where there are none. */
 void dml_addforces(lua_State *L, dml_model *m, const double *x, double *p0, double *p1);

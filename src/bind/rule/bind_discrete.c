@@ -3,6 +3,7 @@
 #include "bind/model/bind_space.h"
 #include "bind/model/bind_system.h"
 #include "bind/model/model_constraints.h"
+#include "bind/model/model_map.h"
 #include "bind/rule/discrete_rule.h"
 #include "bind/trace/bind_root.h"
 #include "integ/registry.h"
@@ -262,8 +263,8 @@ static void options_of_system(lua_State *L) {
     lua_replace(L, 1);
 }
 
-static int has_field(lua_State *L, const char *key) {
-    const int there = dml_systemfield(L, 1, key) != LUA_TNIL;
+static int has_field(lua_State *L, int arg, const char *key) {
+    const int there = dml_systemfield(L, arg, key) != LUA_TNIL;
     lua_pop(L, 1);
     return there;
 }
@@ -272,7 +273,7 @@ static int has_field(lua_State *L, const char *key) {
 static void check_of_system(lua_State *L) {
     luaL_checktype(L, 2, LUA_TTABLE);
     const int holonomic =
-        has_field(L, "constraint") && !has_field(L, "rolling") && !has_field(L, "force");
+        has_field(L, 1, "constraint") && !has_field(L, 1, "rolling") && !has_field(L, 1, "force");
     if (dml_isconstrained(L, 1) && !(holonomic && formula_points(L)))
         luaL_error(L,
                    "a discrete Lagrangian has no place for %s: solve the system with a rule, for "
@@ -297,13 +298,21 @@ static int is_timed(lua_State *L) {
     return timed;
 }
 
+static const char *const known[] = {"Q",           "h",     "Ld",      "name",
+                                    "coordinates", "units", "params",  "derivatives",
+                                    "constraint",  "force", "rolling", "reaction",
+                                    "map",         NULL};
+
+/* core.with_step: the map is that of the unreduced equations, and Ld another road */
+int dml_core_with_step(lua_State *L) {
+    dml_newsystem(L, known, 1);
+    dml_checksystem(L, -1)->solved = 1;
+    return 1;
+}
+
 /* A table is a formula. A system and a rule become a formula where the rule has one velocity,
  * else they stay a rule whose stages are solved for. */
 static int discrete_new(lua_State *L) {
-    static const char *const known[] = {"Q",           "h",     "Ld",      "name",
-                                        "coordinates", "units", "params",  "derivatives",
-                                        "constraint",  "force", "rolling", "reaction",
-                                        "map",         NULL};
     lua_settop(L, 2);
     if (luaL_testudata(L, 1, DML_SYSTEM)) {
         check_of_system(L);
@@ -311,6 +320,10 @@ static int discrete_new(lua_State *L) {
         options_of_system(L);
     }
     dml_newsystem(L, known, 1);
+    if (has_field(L, -1, "map")) {
+        dml_checkmap(L, -2, dml_pushlast(L, -1, NULL), NULL, 0, 0);
+        lua_pop(L, 1);
+    }
     return 1;
 }
 
@@ -348,27 +361,28 @@ static const dml_row methods[] =
       "The discrete momentum map <J, xi> = D2 Ld(q0, q1) . xi_Q(q1) of a standard action; kept "
       "along a path when Ld is invariant."},
      {NULL, NULL, NULL}};
-static const dml_row functions[] = {
-    {"discrete_lagrangian", discrete_new,
-     "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "
-     "constraint=, rolling=, reaction=, force=, map=} -> dm.discrete_lagrangian   or   "
-     "dm.discrete_lagrangian(system, {rule=, "
-     "h=})\n"
-     "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
-     "...)\n"
-     "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
-     "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
-     "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "
-     "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are. map(q, p): the step "
-     "of Ld, q1 and p1 as one list (with constraints an impulse for each behind them), where it "
-     "is known: runs then take it (rule \"map\") in place of solving for q1. rolling(q0, q1 [, h "
-     "[, "
-     "params]]): what is to be zero between two nodes; reaction(q0, q1 [, h [, params]]): a row of "
-     "dim Q numbers for each, in whose directions it reacts (the rows span the annihilator of the "
-     "virtual displacements at q0; Cuell-Patrick 3). force(q0, q1 [, h [, params]]): { F1, F2 }, "
-     "dim Q numbers each, the discrete forces at q0 and at q1: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 "
-     "(Leok 2.8.2)."},
-    {NULL, NULL, NULL}};
+static const dml_row functions[] =
+    {{"discrete_lagrangian", discrete_new,
+      "dm.discrete_lagrangian{Q=, h=, Ld=, name=, coordinates=, units=, params=, derivatives=, "
+      "constraint=, rolling=, reaction=, force=, map=} -> dm.discrete_lagrangian   or   "
+      "dm.discrete_lagrangian(system, {rule=, "
+      "h=})\n"
+      "The latter with any stage rule (\"galerkin(3, lobatto(4))\", \"gauss(2)\", \"midpoint\" "
+      "...)\n"
+      "Ld(q0, q1), Ld(q0, q1, h) or Ld(q0, q1, h, params): approximately the action from q0 to q1 "
+      "in the time h. Step it with dm.solver{Ld}; Ld(q0, q1) is its value. constraint(q): what is "
+      "to be zero at every node, D2 Ld(q0, q1) + D1 Ld(q1, q2) + G^T lambda = 0 (a run gives "
+      "lambda with record = { \"impulses\" }); momenta are D2 Ld, as they are. map(q, p): the step "
+      "of Ld, q1 and p1 as one list (with constraints, holonomic and rolling, an impulse for each "
+      "behind them), where it is known: runs then take it (rule \"map\") in place of solving for "
+      "q1. It is compared with Ld and its forces at made-up points here, and at the start of every "
+      "run: raises with the point where it is not their step. rolling(q0, q1 [, h [, params]]): "
+      "what is to be zero between two nodes; reaction(q0, q1 [, h [, params]]): a row of "
+      "dim Q numbers for each, in whose directions it reacts (the rows span the annihilator of the "
+      "virtual displacements at q0; Cuell-Patrick 3). force(q0, q1 [, h [, params]]): { F1, F2 }, "
+      "dim Q numbers each, the discrete forces at q0 and at q1: p0 = -D1 Ld - F1, p1 = D2 Ld + F2 "
+      "(Leok 2.8.2)."},
+     {NULL, NULL, NULL}};
 
 const dml_class dml_class_discrete = {
     .name = DML_DISCRETE,

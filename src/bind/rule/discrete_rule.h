@@ -21,4 +21,7 @@ void dml_unfoldruled(lua_State *L);
 /* Ld:coefficients(), as a C function. */
 int dml_discrete_coefficients(lua_State *L);
 
+/* core.with_step, by which shape:discrete makes what it steps. */
+int dml_core_with_step(lua_State *L);
+
 #endif

@@ -1,6 +1,8 @@
 /* checkpoint.c - the end of a run, from which another one goes on: taken between two steps, asked
  * for by path:checkpoint and dm.resume. */
 #include "bind/run/checkpoint.h"
+#include "base/random.h"
+#include "bind/model/model_constraints.h"
 
 #include <errno.h>
 #include <math.h>
@@ -21,38 +23,83 @@ dml_checkpoint *dml_pushcheckpoint(lua_State *L, const dml_stepping *r) {
     return c;
 }
 
-/* a number that tells one system from another: L or Ld at the state, p taken for a velocity or a
- * position */
-static double fingerprint(const dml_model *m, double *x, const double *state, double t) {
+/* L or Ld at x = (q, v, t) or (q0, q1) */
+static double value_at(const dml_model *m, const double *x) {
     double value = NAN;
-    if (m->callback) return value;
-    memcpy(x, state, 2 * (size_t)m->n * sizeof *x);
-    x[2 * m->n] = t;
     dm_kernel_prepare(&m->model.value, &value);
     dm_kernel_eval(&m->model.value, x, &value);
     return value;
 }
 
+enum { NEAR = 3 }; /* points near a state */
+
+/* Point k near the state, the same in every run: x = (q, p, t) moved, for a position behind q
+ * (`pair`) q moved. */
+static void near(double *x, const double *state, uint32_t n, double t, int k, int pair) {
+    static const double reach = 0.1;
+    for (uint32_t i = 0; i <= 2 * n; i++) {
+        const double at = i == 2 * n ? t : state[pair && i >= n ? i - n : i];
+        const double u = 2 * dm_random_uniform(3, (uint64_t)k, i) - 1;
+        x[i] = at + reach * u * (1 + fabs(at));
+    }
+}
+
+/* Sum of finite values; one that is not counts as 1. */
+static double value_near(const dml_model *m, double *x, const double *state, double t, int pair) {
+    double sum = 0.0;
+    for (int k = 0; k < NEAR; k++) {
+        near(x, state, m->n, t, k, pair);
+        const double value = value_at(m, x);
+        sum += isfinite(value) ? value : 1.0;
+    }
+    return sum;
+}
+
+/* the same of function `which`, whose entries have weights of their own */
+static double function_near(dml_model *m, double *x, const double *state, double t, int pair,
+                            int which) {
+    double sum = 0.0;
+    if (!m->constraint[which].graph) return NAN;
+    for (int k = 0; k < NEAR; k++) {
+        near(x, state, m->n, t, k, pair && which != DML_MAP);
+        sum += dml_constraintsum(m, which, x);
+    }
+    return sum;
+}
+
+/* x: room for 2 n + 1 numbers */
+static void fingerprint(double check[DML_CHECKS], dml_model *m, double *x, const double *state,
+                        double t, int pair) {
+    for (int k = 0; k < DML_CHECKS; k++) check[k] = NAN;
+    if (m->callback) return;
+    memcpy(x, state, 2 * (size_t)m->n * sizeof *x);
+    x[2 * m->n] = t;
+    check[DML_CHECK_STATE] = value_at(m, x);
+    check[DML_CHECK_NEAR] = value_near(m, x, state, t, pair);
+    for (int i = 0; i < DML_CONSTRAINT_FUNCTIONS; i++)
+        check[DML_CHECK_FUNCTIONS + i] = function_near(m, x, state, t, pair, i);
+}
+
 /* The fingerprint is made once: L is not called again for every save. */
-static void check(dml_checkpoint *c, const dml_model *m, double *x, double h) {
-    if (!c->checked) c->check = fingerprint(m, x, c->state, c->t0 + h * (double)c->steps);
+static void check(dml_checkpoint *c, dml_model *m, double *x, double h, int pair) {
+    if (!c->checked) fingerprint(c->check, m, x, c->state, c->t0 + h * (double)c->steps, pair);
     c->checked = 1;
 }
 
 /* Between two steps, where kernels of L can be evaluated at r->x. */
 void dml_checkpoint_check(dml_checkpoint *c, dml_stepping *r) {
-    check(c, r->model, r->x, r->solver->h);
+    check(c, r->model, r->x, r->solver->h, r->solver->pair);
 }
 
-/* push the end of the path at 1, whose solver has the step h */
-static dml_checkpoint *push_end(lua_State *L, double h) {
+/* push the end of the path at 1 */
+static dml_checkpoint *push_end(lua_State *L, const dml_solver *s) {
     lua_getiuservalue(L, 1, DML_PATH_MODEL);
-    const dml_model *m = lua_touserdata(L, -1);
+    dml_model *m = lua_touserdata(L, -1);
     lua_getiuservalue(L, 1, DML_PATH_END);
     dml_checkpoint *c = lua_touserdata(L, -1);
     if (c && !c->checked) {
         double *x = lua_newuserdatauv(L, (2 * (size_t)c->n + 1) * sizeof *x, 0);
-        check(c, m, x, h);
+        check(c, m, x, s->h, s->pair);
         lua_pop(L, 1);
     }
     lua_remove(L, -2);
@@ -71,18 +118,37 @@ void dml_checkpoint_take(dml_checkpoint *c, dml_stepping *r, long steps) {
         memcpy(c->state + size, place, c->memory * sizeof(double));
 }
 
+static int is_same(double was, double is) {
+    const double off = fabs(is - was), size = fabs(is) + fabs(was);
+    return is == was || off <= 1e-9 * size || (isnan(is) && isnan(was));
+}
+
+/* Raise where the system is another one: "L", "Ld" or the function that differs. */
+static void check_same(lua_State *L, const dml_stepping *r, const dml_checkpoint *c, double t) {
+    double now[DML_CHECKS];
+    const char *what = r->solver->pair ? "Ld" : "L";
+    fingerprint(now, r->model, r->x, c->state, t, r->solver->pair);
+    for (int k = 0; k < DML_CHECKS; k++) {
+        const char *name =
+            k < DML_CHECK_FUNCTIONS ? what : dml_functionname(k - DML_CHECK_FUNCTIONS);
+        if (is_same(c->check[k], now[k])) continue;
+        if (isnan(c->check[k]) != isnan(now[k]) && k >= DML_CHECK_FUNCTIONS)
+            luaL_error(L,
+                       "the system is not the one of the checkpoint: it has %s '%s'; for another "
+                       "system start a new run from q and p",
+                       isnan(now[k]) ? "no" : "a", name);
+        luaL_error(L,
+                   "the system is not the one of the checkpoint: %s %s was %f and is %f; for "
+                   "another system start a new run from q and p",
+                   k == DML_CHECK_STATE ? "at its state" : "near its state the sum of", name,
+                   c->check[k], now[k]);
+    }
+}
+
 /* The stepper is open on return, as dml_stepping_start leaves it; the memory of the method goes
  * back in when the run begins (dm_run_plan.resume). */
 void dml_stepping_resume(lua_State *L, dml_stepping *r, const dml_checkpoint *c) {
-    const double t = c->t0 + r->solver->h * (double)c->steps;
-    const double check = fingerprint(r->model, r->x, c->state, t);
-    const double off = fabs(check - c->check), size = fabs(check) + fabs(c->check);
-    const int same = check == c->check || off <= 1e-9 * size || (isnan(check) && isnan(c->check));
-    if (!same)
-        luaL_error(L,
-                   "the system is not the one of the checkpoint: at its state L was %f and is %f; "
-                   "for another system start a new run from q and p",
-                   c->check, check);
+    check_same(L, r, c, c->t0 + r->solver->h * (double)c->steps);
     memcpy(r->state, c->state, dm_state_size(c->n) * sizeof(double));
     dml_stepping_open(L, r);
     double *place;
@@ -103,7 +169,7 @@ int dml_path_checkpoint(lua_State *L) {
         luaL_error(L, "this path has no end to go on from: its run did not begin");
     lua_getiuservalue(L, 1, DML_PATH_SOLVER);
     const dml_solver *s = luaL_checkudata(L, -1, DML_SOLVER);
-    const dml_checkpoint *c = push_end(L, s->h);
+    const dml_checkpoint *c = push_end(L, s);
     lua_getiuservalue(L, 1, DML_PATH_RULE);
     if (!dml_checkpoint_write(c, s, luaL_tolstring(L, -1, NULL), file))
         luaL_error(L, "path:checkpoint: cannot write %s: %s", file, strerror(errno));
@@ -136,7 +202,7 @@ static void read_path(lua_State *L) {
     set_number(L, "tolerance", s->tolerance);
     set_number(L, "max_iterations", s->max_iterations);
     lua_setfield(L, -2, "newton");
-    push_end(L, s->h);
+    push_end(L, s);
 }
 
 /* is the rule of the checkpoint an object that its text does not give? */

@@ -4,13 +4,22 @@
 
 #include "bind/run/stepping.h"
 
+/* What tells one system from another: L at (q, p, t), or Ld at (q, p); L or Ld near q; and each of
+ * the functions of model_constraints.h, NaN where there is none. */
+enum {
+    DML_CHECK_STATE,
+    DML_CHECK_NEAR,
+    DML_CHECK_FUNCTIONS,
+    DML_CHECKS = DML_CHECK_FUNCTIONS + DML_CONSTRAINT_FUNCTIONS
+};
+
 /* The end of a run: state, what the rule left beside it, and which step it was. */
 typedef struct {
     double t0;
     long steps; /* from t0 on: t = t0 + steps h */
     uint32_t n;
-    size_t memory;  /* doubles of dm_method.memory */
-    double check;   /* L at (q, p, t), or Ld at (q, p): is it the same system? */
+    size_t memory;            /* doubles of dm_method.memory */
+    double check[DML_CHECKS]; /* is it the same system? */
     int checked;    /* that is known: it is asked for when somebody wants to go on from here */
     double state[]; /* dm_state_size(n), memory */
 } dml_checkpoint;

@@ -1,5 +1,5 @@
 /* checkpoint_file.c - a checkpoint as a text of names and numbers, the numbers in hexadecimal, so
- * with all their bits:  dmlua checkpoint 3 / rule gauss(2) / n, h, tolerance, ... / state ... /
+ * with all their bits:  dmlua checkpoint 4 / rule gauss(2) / n, h, tolerance, ... / state ... /
  * memory ... / end and a checksum of all lines before. Nothing that is read is believed: numbers
  * are looked at one by one, and what methods take for a count or a pivot in their memory they look
  * at themselves. */
@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char *const HEAD = "dmlua checkpoint 3";
+static const char *const HEAD = "dmlua checkpoint 4";
 enum { LINE = 4096 };
 
 /* ---- to a file ---- */
@@ -65,7 +65,7 @@ static int write_all(FILE *f, const dml_checkpoint *c, const dml_solver *s, cons
     put(&w, "max_iterations %d\n", s->max_iterations);
     put(&w, "t0 %a\n", c->t0);
     put(&w, "steps %ld\n", c->steps);
-    put(&w, "check %a\n", c->check);
+    put_numbers(&w, "check", c->check, DML_CHECKS);
     put_numbers(&w, "state", c->state, size);
     put_numbers(&w, "memory", c->state + size, c->memory);
     put(&w, "end %016llx\n", (unsigned long long)w.sum);
@@ -197,7 +197,9 @@ static dml_checkpoint *read_checkpoint(reader *r) {
     lua_setfield(L, -2, "newton");
     const double t0 = read_finite(r, "t0");
     const long steps = read_count(r, "steps", 9e15);
-    const double check = read_number(r, "check");
+    double check[DML_CHECKS];
+    if (read_count(r, "check", MOST) != DML_CHECKS) fail(r, "how many numbers tell the system");
+    read_numbers(r, check, DML_CHECKS);
     const size_t size = (size_t)read_count(r, "state", MOST);
     if (size != dm_state_size((uint32_t)n)) fail(r, "the size of the state");
     double *state = lua_newuserdatauv(L, size * sizeof *state, 0);
@@ -208,8 +210,8 @@ static dml_checkpoint *read_checkpoint(reader *r) {
                           .steps = steps,
                           .n = (uint32_t)n,
                           .memory = memory,
-                          .check = check,
                           .checked = 1};
+    memcpy(c->check, check, sizeof check);
     memcpy(c->state, state, size * sizeof *state);
     read_numbers(r, c->state + size, memory);
     read_end(r);

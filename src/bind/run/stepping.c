@@ -1,6 +1,7 @@
 /* stepping.c - from the options of a run to an open stepper and its first state. */
 #include "bind/run/stepping.h"
 #include "bind/model/model_constraints.h"
+#include "bind/model/model_map.h"
 #include "bind/model/model_sums.h"
 #include "bind/model/named.h"
 #include "bind/run/start_branch.h"
@@ -366,6 +367,7 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
         start_pair(L, r);
     else
         start_momentum(L, r);
+    if (r->wants & DM_WANT_MAP) dml_checkmap(L, r->system, r->model, r->state, 1, 0);
     dml_stepping_open(L, r);
 }
 

@@ -88,7 +88,7 @@ for _, case in ipairs { { kepler, "gauss(3)" }, { kepler, "midpoint" }, { kepler
     name .. ": the file as it was goes on like the path")
 end
 spit(at "old", "dmlua checkpoint 2\nrule verlet\n")
-raises("dmlua checkpoint 3 expected", dm.resume, at "old", kepler)
+raises("dmlua checkpoint 4 expected", dm.resume, at "old", kepler)
 
 -- no name of ours is one that somebody else can foresee
 spit(at "victim", "mine")

@@ -18,7 +18,7 @@ function M.of(system) return known[system] end
 local function make(D)
   local straight = psi_of.straight(D)
   local step, size = step_of.of(D)
-  local W = core.discrete_lagrangian { Q = core.R(D.info.d), h = D.h,
+  local W = core.with_step { Q = core.R(D.info.d), h = D.h,
     coordinates = D.shape.coordinates, name = "discrete Routhian", constraint = D.constraint,
     Ld = function(x0, x1) return D.root:value(x0, x1, straight(x0, x1)) end,
     map = function(x, y) return lists.part(step(x, y, x), 0, size) end }
