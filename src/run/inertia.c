@@ -143,7 +143,7 @@ int dm_inertia_look(dm_inertia *x, const double *state, double t, long done) {
     double least = s->least;
     const int found = s->known && find_mass(x, state, t);
     const int changed = found && count(x, &least) != s->negative;
-    if (!found) least = 0.0; /* so near to a fold that no velocity is found */
+    if (!found) least = 0.0;               /* so near to a fold that no velocity is found */
     if (done == s->looked) return changed; /* a step from here failed */
     const long since = done > s->looked ? done - s->looked : 1;
     const double rate = fabs(least - s->least) / (double)since;

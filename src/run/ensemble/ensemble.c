@@ -19,12 +19,12 @@ typedef struct {
 typedef struct {
     shared *common;
     dm_stepper *stepper;
-    dm_block *block;    /* NULL: members one by one */
-    dm_observer *watch; /* of this thread */
+    dm_block *block;     /* NULL: members one by one */
+    dm_observer *watch;  /* of this thread */
     dm_inertia *inertia; /* NULL: it cannot change */
-    int first;          /* this thread tells the progress */
-    long counted;       /* steps told of the members in hand */
-    long of_run;        /* of the member that runs alone */
+    int first;           /* this thread tells the progress */
+    long counted;        /* steps told of the members in hand */
+    long of_run;         /* of the member that runs alone */
 } worker;
 
 /* members have made so many steps more */

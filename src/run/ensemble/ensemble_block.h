@@ -7,10 +7,10 @@
 
 typedef struct {
     dm_stepper *stepper;
-    dm_lanes lanes;     /* as many groups as the members in hand need */
-    uint32_t most;      /* groups */
-    long burst;         /* steps between looks at the stop flag, from block to block */
-    dm_observer *watch; /* what rows hold; NULL: q, p */
+    dm_lanes lanes;      /* as many groups as the members in hand need */
+    uint32_t most;       /* groups */
+    long burst;          /* steps between looks at the stop flag, from block to block */
+    dm_observer *watch;  /* what rows hold; NULL: q, p */
     dm_inertia *inertia; /* NULL: it cannot change */
     void (*count)(void *ud, long steps); /* told of steps that members have made */
     void *ud;
