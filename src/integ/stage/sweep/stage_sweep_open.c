@@ -114,26 +114,28 @@ static void find_ahead(dm_stage *g, const dm_galerkin *basis) {
     if (!basis->tableau) dm_cache_leave(g->m, &maker, key, keys, g->sweeps->flying, count);
 }
 
-/* the nearest double, and the rest */
-static void split(const dm_parts *out, uint32_t at, dm_weight w) {
-    out->top[at] = dm_weight_double(w);
-    out->rest[at] = (double)(dm_weight_exact(w) - (long double)out->top[at]);
+/* Of few bits and the rest: what rounding takes from the product with the first is then far
+ * smaller than the product with the rest. The nearest double leaves a rest that two roundings of
+ * its product take away in every step alike, so that invariants drift. */
+static void put_parts(const dm_parts *out, uint32_t at, dm_weight w) {
+    out->top[at] = w.top;
+    out->rest[at] = w.rest;
 }
 
 void dm_stage_sweeps_scale(dm_stage_sweeps *w, const dm_stage *g) {
     const double h = g->weights.h;
     const uint32_t r = g->table.r, width = w->row->width;
     const dm_weight *A = g->separable ? g->weights.hA : g->weights.ha;
-    const dm_parts columns = {w->whole, w->rest};
     const double factor = g->separable ? h * h : h;
     for (uint32_t i = 0; i < r; i++) {
         w->after[i] = dm_weight_double(g->weights.hc[i]);
-        split(&w->line, i, g->weights.hc[i]);
-        split(&w->b, i, g->weights.hb[i]);
-        if (g->separable) split(&w->mean, i, g->weights.hmean[i]);
+        put_parts(&w->line, i, g->weights.hc[i]);
+        put_parts(&w->b, i, g->weights.hb[i]);
+        if (g->separable) put_parts(&w->mean, i, g->weights.hmean[i]);
         for (uint32_t m = 0; m < r; m++) {
             const uint32_t at = m * width + i;
-            split(&columns, at, A[i * r + m]);
+            w->whole[at] = dm_weight_double(A[i * r + m]);
+            w->rest[at] = (double)(dm_weight_exact(A[i * r + m]) - (long double)w->whole[at]);
             w->further[at] = factor * w->flying[at];
         }
     }
