@@ -2,9 +2,11 @@
 -- group leaves as it is.
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local lists = require "dm.base.lists"
 local check = require "dm.reduce.routh.check"
 local model = require "dm.reduce.routh.model"
 local routh = require "dm.reduce.routh"
+local system = require "dm.reduce.discrete.system"
 
 local M = {}
 
@@ -49,58 +51,28 @@ end
 
 local OTHER = "discrete: this Ld is of another system: %s"
 
--- L_q - d/dt L_v of a motion with the velocity v and the acceleration a, and the size of its terms
-local function of_lagrangian(L, q, v, a)
-  local n, H, g = #q, L:hessian(q, v), L:gradient(q, v)
-  local out, size = {}, 0
-  for i = 1, n do
-    out[i] = g[i]
-    size = max(size, abs(g[i]))
-    for k = 1, n do
-      local inertia = H[n + i][k] * v[k] + H[n + i][n + k] * a[k]
-      out[i], size = out[i] - inertia, max(size, abs(inertia))
+-- the points with what M.compare needs beside them
+local function with_directions(D, full, points)
+  local info, given, out = D.info, full.given, {}
+  local G = given.constraint and core.derivative(function(q)
+    return core.vector(lists.entries(bound(given.constraint, given.params)(q, 0)))
+  end, info.n)
+  for k, p in ipairs(points) do
+    local generators, J = {}, info.ambient and info.ambient.slope(info.points[k].q)
+    for a, i in ipairs(info.cyclic) do
+      local xi = {}
+      for row = 1, info.n do xi[row] = J and J[row][i] or (row == i and 1 or 0) end
+      generators[a] = core.vector(xi)
     end
+    out[k] = { q = p.q, v = p.v, G = G and G(p.q), generators = generators }
   end
-  return core.vector(out), size
+  return out
 end
 
--- the same of Ld at three points of that motion, a time k apart
-local function of_pairs(slope, q, v, a, k)
-  local n, out = #q, {}
-  local before, after = q - k * v + k * k / 2 * a, q + k * v + k * k / 2 * a
-  local last, now = slope(before, q, k), slope(q, after, k)
-  for i = 1, n do out[i] = (last[n + i] + now[i]) / k end
-  return core.vector(out)
-end
-
-local FINE = 1 / 256 -- of h: steps at which the equations of Ld are compared with those of L
-
--- do the discrete Euler-Lagrange equations of a formula approach those of L as h goes to 0?
-local function check_formula(full, Ld, points)
-  local n, f, own, given = full.Q.dimension, Ld.Ld, Ld.params, full.given
-  local formula = core.trace(function(q0, q1, h) return f(q0, q1, h, own) end, n, n, "number")
-  if not formula:depends()[3] then return end -- made for this h alone
-  local slope = core.derivative(function(q0, q1, h) return f(q0, q1, h, own) end, n, n, "number")
-  local L = core.trace(function(q, v) return given.L(q, v, 0, given.params) end, n, n)
-  local a = {}
-  for i = 1, n do a[i] = 0.3 + 0.1 * i end
-  a = core.vector(a)
-  for _, p in ipairs(points) do
-    local fine, E, size, coarse, dense = pcall(function()
-      local E, size = of_lagrangian(L, p.q, p.v, a)
-      return E, size, of_pairs(slope, p.q, p.v, a, FINE * Ld.h),
-        of_pairs(slope, p.q, p.v, a, FINE / 2 * Ld.h)
-    end)
-    if fine and (2 * dense - coarse - E):norm() > 10 * (coarse - dense):norm() + 1e-6 * size then
-      error(OTHER:format(("its equations do not approach those of L, at q = %s")
-        :format(check.text(p.q))), 0)
-    end
-  end
-end
-
-local function check_system(full, Ld, points)
+local function check_system(D, full, points)
+  local Ld = D.Ld
   if not Ld.system then
-    if not full.given.constraint then check_formula(full, Ld, points) end
+    system.compare(full, Ld, with_directions(D, full, points))
   elseif Ld.system ~= full and (Ld.system.L ~= full.L or Ld.system.params ~= full.params) then
     error(OTHER:format(("of %s, not of %s"):format(tostring(Ld.system), tostring(full))), 0)
   end
@@ -174,7 +146,7 @@ end
 --- Raises where D.Ld has not the symmetry of the shape, or is of another system.
 function M.given(D, full)
   for _, p in ipairs(D.info.points) do check_symmetry(D, p) end
-  check_system(full, D.Ld, points_of(D.info))
+  check_system(D, full, points_of(D.info))
 end
 
 return M

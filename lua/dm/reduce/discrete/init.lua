@@ -236,7 +236,7 @@ shape:discrete{rule=, h=} -> dm.discrete_shape   or   shape:discrete(Ld) -> dm.d
 A discrete Lagrangian of the unreduced system without its group variables: that of a stage rule, or
 a dm.discrete_lagrangian in the unreduced coordinates. It has psi_mu, the discrete connection, the
 discrete Routh equations. Raises where the group does not leave Ld as it is, where it is that of
-another system (its equations do not approach those of L as h goes to 0), or has a constraint that
-the system has not.]])
+another system (its equations do not approach those of L as h goes to 0) or has another momentum
+along the group than L has, or a constraint that the system has not.]])
 
 return M
