@@ -14,6 +14,7 @@ local rows = {
   commute = "dm.reduce.commute",
   compare = "dm.data.compare",
   demo = "dm.session.demo",
+  embeddable = "dm.dec.parts",
   figure = "dm.show.plot",
   help = "dm.session.help",
   invariant_problem = "dm.frame.invariant",
@@ -79,6 +80,13 @@ local rows = {
   ["mesh:chain"] = "dm.dec.chain",
   ["mesh:form"] = "dm.dec",
   ["mesh:fundamental"] = "dm.dec.chain",
+  ["mesh:boundary"] = "dm.dec.parts",
+  ["mesh:link"] = "dm.dec.parts",
+  ["mesh:make_delaunay"] = "dm.dec.parts",
+  ["mesh:open_star"] = "dm.dec.parts",
+  ["mesh:skeleton"] = "dm.dec.parts",
+  ["mesh:subcomplex"] = "dm.dec.parts",
+  ["mesh:vector_field"] = "dm.dec.field",
   ["ensemble:plot"] = "dm.show.fan",
 }
 

@@ -118,7 +118,9 @@ static int share(dm_cell_metric *c, dm_centres centres) {
     for (uint32_t G = all; G > 0; G--) {
         uint32_t v[DM_DIMENSION + 1];
         const uint32_t k = members(v, G) - 1;
-        if (k == 0 || !measure(c, G, lambda, centres)) continue;
+        if (!measure(c, G, lambda, centres)) continue;
+        if (G == all) memcpy(c->centre, lambda, (k + 1) * sizeof *lambda);
+        if (k == 0) continue;
         for (uint32_t i = 0; i <= k; i++) { /* to F = G without v[i], of degree k - 1 */
             const uint32_t F = G & ~(1u << v[i]);
             const double height = k * c->volume[G] / c->volume[F];
@@ -126,6 +128,13 @@ static int share(dm_cell_metric *c, dm_centres centres) {
         }
     }
     return 1;
+}
+
+void dm_metric_centre(double *lambda, dm_cell_metric *c, uint32_t set, dm_centres centres) {
+    double own[DM_DIMENSION + 1];
+    uint32_t at = 0;
+    measure(c, set, own, centres);
+    for (uint32_t i = 0; i <= c->n; i++) lambda[i] = set >> i & 1 ? own[at++] : 0.0;
 }
 
 int dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric, uint32_t k,

@@ -28,7 +28,8 @@ typedef struct {
     uint32_t n;
     double length2[DM_DIMENSION + 1][DM_DIMENSION + 1];
     double volume[DM_FACES];
-    double share[DM_FACES]; /* |*face in the cell| */
+    double share[DM_FACES];          /* |*face in the cell| */
+    double centre[DM_DIMENSION + 1]; /* barycentric coordinates of the centre of the cell */
 } dm_cell_metric;
 
 /* length2[count[1]] of points[count[0]][N]. */
@@ -44,6 +45,10 @@ dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
 /* The same of one cell of degree k by itself: shares are of its own centre. */
 int dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric, uint32_t k,
                       uint32_t cell);
+
+/* Barycentric coordinates lambda[DM_DIMENSION + 1] of the centre of one of its faces: those of the
+ * vertices in the set, the others 0. */
+void dm_metric_centre(double *lambda, dm_cell_metric *c, uint32_t set, dm_centres centres);
 
 /* The same of one top cell, for what needs shares (flat, sharp, divergence, contraction). */
 void dm_metric_cell(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,

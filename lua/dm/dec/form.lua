@@ -143,21 +143,53 @@ The codifferential (-1)^(n (k - 1) + 1) * d * of a k-form, the adjoint of d: (d 
 on closed meshes or with natural boundary conditions (Leok, Def 3.19). That of primal forms is
 M^-1 d^T M and needs no orientation.]])
 
+-- the factors of support volumes, which a product of complementary degrees is on (Def 3.35)
+local SUPPORT = { "l2", "geometric", "thesis" }
+
+-- number of lists of k among n
+local function binomial(n, k)
+  local product = 1
+  for i = 1, k do product = product * (n - k + i) // i end
+  return product
+end
+
+-- a primal k-form by a dual (n - k)-form: a number for the support of every k-cell
+local function support_wedge(a, b, rule)
+  local K, k, n = a.mesh, a.degree, a.mesh.dimension
+  if a.side == "dual" then return (b.degree * (n - b.degree) % 2 == 0 and 1 or -1)
+    * support_wedge(b, a, rule) end
+  local factor = rule == "geometric" and 1 / binomial(n, k) or rule == "thesis" and 1 / n or 1
+  local x, y = k == n and K:oriented(a.values) or a.values, b.values
+  return x:map(function(value, i) return factor * value * y[i] end)
+end
+
 class.method("dm.form", "wedge", function(a, b, options)
-  local rule = option.check(options or {}, { "rule" }, "form:wedge").rule
+  options = option.check(options or {}, { "rule" }, "form:wedge")
   if not is_form(b) then fail("form:wedge", "a form is needed (got %s)", option.got(b)) end
   if not rawequal(a.mesh, b.mesh) then fail("form:wedge", "the forms are of two meshes") end
-  if a.side ~= "primal" or b.side ~= "primal" then
-    fail("form:wedge", "a %s and a %s have no product", name(a), name(b))
+  local K, degree = a.mesh, a.degree + b.degree
+  local function rule(names) return option.one_of(options, "rule", "form:wedge", names, names[1]) end
+  if a.side ~= b.side then
+    if degree ~= K.dimension then
+      fail("form:wedge", "a %s and a %s have a product only where their degrees add up to %d",
+        name(a), name(b), K.dimension)
+    end
+    return support_wedge(a, b, rule(SUPPORT))
   end
-  return new(a.mesh, a.degree + b.degree, "primal",
-    a.mesh:wedge_values(a.degree, a.values, b.degree, b.values, rule))
+  local values = a.side == "dual"
+    and K:dual_wedge_values(a.degree, a.values, b.degree, b.values, rule { "consistent", "thesis" })
+    or K:wedge_values(a.degree, a.values, b.degree, b.values, rule { "natural", "metric", "cup" })
+  return new(K, degree, a.side, values)
 end, [[
-a:wedge(b, {rule = "natural" | "metric" | "cup"}) -> dm.form
-The product of two primal forms. "natural": the mean over all orders of vertices; anticommutative,
-d (a ^ b) = da ^ b +- a ^ db, no metric (Leok, Def 3.47). "metric": weighted by shares of dual
-volumes (Def 3.24), without that rule. "cup": in the order of the vertices, associative, not
-anticommutative.]])
+a:wedge(b, {rule=}) -> dm.form, or a dm.vector
+The product of two forms. Both primal: rule "natural" (the default), the mean over all orders of
+vertices; anticommutative, d (a ^ b) = da ^ b +- a ^ db, no metric (Leok, Def 3.47); "metric":
+weighted by shares of dual volumes (Def 3.24), without that rule; "cup": in the order of the
+vertices, associative, not anticommutative. Both dual: "consistent" (the default), exact on constant
+forms; "thesis": Def 3.25 as printed, wrong by a factor that depends on the cells around.
+One primal of degree k, one dual of degree n - k: a dm.vector with a number for the support of every
+k-cell, whose sum() is the integral: rule "l2" a(s) b(*s), "geometric" with 1 / C(n, k), "thesis"
+with 1 / n (Def 3.35). Dual products need an orientation.]])
 
 class.method("dm.form", "dot", function(a, b)
   match(a, b, "form:dot")

@@ -3,6 +3,7 @@ local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local form = require "dm.dec.form"
+require "dm.dec.field"
 local named = require "dm.dec.named"
 local option = require "dm.base.options"
 
@@ -84,16 +85,23 @@ local function values_of(K, k, x)
 end
 
 class.method("dm.mesh", "form", function(K, k, x, options)
-  option.check(options or {}, { "dual" }, "mesh:form")
-  local is_dual = options and options.dual
+  options = option.check(options or {}, { "dual", "order", "chart" }, "mesh:form")
+  local is_dual = options.dual
   degree_of(K, k, "mesh:form")
   local listed = is_dual and K.dimension - k or k
-  return form.new(K, k, is_dual and "dual" or "primal", values_of(K, listed, x))
+  local order = option.whole(options, "order", "mesh:form", 1, 21)
+  local chart = option.callable(options, "chart", "mesh:form", "(x, y, ...)")
+  local values = type(x) == "function" and K:integrals(k, x, is_dual, order, chart)
+    or values_of(K, listed, x)
+  return form.new(K, k, is_dual and "dual" or "primal", values)
 end, [[
-K:form(k, values, {dual=}) -> dm.form
+K:form(k, values | f, {dual=, order=, chart=}) -> dm.form
 A form of degree k from its values, in the order of the cells (dual = true: of the duals of the
-cells of degree n - k).]])
-
-
+cells of degree n - k); or from f(x, y, ...), which gives the components of a smooth k-form, in
+increasing order of their coordinates (dx dy, dx dz, dy dz): its integrals over the cells, about
+ascending vertices, or over the dual cells (the de Rham map, Leok 3.5). order: the degree of
+polynomials whose integrals are exact, 5 by default, at most 21. chart(x, y, ...) gives the list of
+the point of a curved surface that belongs to a point of the mesh: cells are integrated over as it
+bends them, such as p / |p| for a sphere. Raises where f gives what is not finite.]])
 
 return M

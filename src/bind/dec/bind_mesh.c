@@ -251,6 +251,10 @@ static int mesh_field(lua_State *L) {
         lua_pushinteger(L, dm_complex_euler(&m->K));
     else if (strcmp(key, "orientable") == 0)
         lua_pushboolean(L, m->K.orientation != NULL);
+    else if (strcmp(key, "manifold") == 0)
+        lua_pushboolean(L, m->K.manifold);
+    else if (strcmp(key, "dual") == 0 && m->measured)
+        lua_pushstring(L, m->metric.centres == DM_BARYCENTRES ? "barycentric" : "circumcentric");
     else if (strcmp(key, "pure") == 0)
         lua_pushboolean(L, m->K.pure);
     else if (strcmp(key, "measured") == 0)
@@ -328,7 +332,8 @@ const dml_class dml_class_mesh = {
     .name = DML_MESH,
     .doc = "dm.mesh: a simplicial complex of dimension 1 to 8, with volumes and signed duals, made "
            "by dm.mesh{...}\n"
-           "fields: dimension, ambient, euler, orientable, pure, measured, bytes",
+           "fields: dimension, ambient (of its points), euler, orientable, manifold, pure, measured, "
+           "dual (\"circumcentric\", \"barycentric\"), bytes",
     .methods = methods,
     .field = mesh_field,
     .functions = functions,

@@ -30,6 +30,9 @@ void dml_needmetric(lua_State *L, const dml_mesh *m);
 /* dm.complex{...}: read, build, measure. */
 int dml_mesh_new(lua_State *L);
 
+/* K:integrals(k, f, dual, order, chart): the de Rham map. */
+int dml_mesh_integrals(lua_State *L);
+
 /* Push "{2, 5, 9}": vertices of a cell, from 1. */
 const char *dml_pushcell(lua_State *L, const uint32_t *vertex, uint32_t count);
 
