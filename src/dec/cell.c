@@ -83,8 +83,8 @@ void dm_cell_rates(double *rates, const dm_cell *c, const double *points, uint32
     dm_cell_raise(rates, c, along);
 }
 
-void dm_cell_add(double *X, const dm_cell *c, const double *points, uint32_t N,
-                 const double *rates, double weight) {
+void dm_cell_add(double *X, const dm_cell *c, const double *points, uint32_t N, const double *rates,
+                 double weight) {
     const double *p0 = points + (size_t)c->vertex[0] * N;
     for (uint32_t j = 1; j <= c->n; j++) {
         const double *p = points + (size_t)c->vertex[j] * N;

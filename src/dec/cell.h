@@ -26,8 +26,8 @@ void dm_cell_rates(double *rates, const dm_cell *c, const double *points, uint32
                    const double *X);
 
 /* X[N] += weight * the vector of these rates. */
-void dm_cell_add(double *X, const dm_cell *c, const double *points, uint32_t N,
-                 const double *rates, double weight);
+void dm_cell_add(double *X, const dm_cell *c, const double *points, uint32_t N, const double *rates,
+                 double weight);
 
 /* rates[n + 1] of the gradient of sum a_i phi_i. */
 void dm_cell_raise(double *rates, const dm_cell *c, const double *slopes);

@@ -31,8 +31,7 @@ typedef struct {
     /* [count[n]]: sign of a top cell in the coherent orientation; NULL: there is none. Each
      * component begins with +1 at its first cell */
     int8_t *orientation;
-    int pure;     /* every cell lies in a top cell */
-    int manifold; /* at most two top cells meet in a face, every vertex link is connected */
+    int pure; /* every cell lies in a top cell */
 } dm_complex;
 
 /* What dm_complex_build refuses, and at which of the given simplices (from 0). */

@@ -11,10 +11,10 @@ typedef struct {
     uint32_t N;
     const double *points; /* [count[0]][N] */
     const double *values; /* [count[0] or count[n]][N] */
-} dm_field;
+} dm_vector_field;
 
 /* rates[n + 1] of the field in cell c: its vector, or the mean over the vertices in `set`. */
-void dm_field_rates(double *rates, const dm_field *X, const dm_cell *c, uint32_t set);
+void dm_field_rates(double *rates, const dm_vector_field *X, const dm_cell *c, uint32_t set);
 
 /* values[count[n]][N]: only what lies in the cells stays; returns the largest length that went. */
 double dm_field_tangent(double *values, const dm_complex *K, const dm_metric *metric,
@@ -23,12 +23,13 @@ double dm_field_tangent(double *values, const dm_complex *K, const dm_metric *me
 /* out[count[1]], to primal 1-forms. On cells: sum over top cells of |*e in s| / |*e| X . e (Def
  * 3.22); of edges with zero dual volume the plain mean, and *degenerate counts them; tops:
  * count[1] entries of work. On vertices: (X_0 + X_1) . e / 2. */
-void dm_flat_primal(double *out, const dm_complex *K, const dm_metric *metric, const dm_field *X,
-                    uint32_t *tops, uint32_t *degenerate);
+void dm_flat_primal(double *out, const dm_complex *K, const dm_metric *metric,
+                    const dm_vector_field *X, uint32_t *tops, uint32_t *degenerate);
 
 /* out[count[n - 1]], to dual 1-forms: sum over the top cells of a facet of |*f in s| X . m, m the
  * unit vector along *f (in the plane: the facet turned by +90 degrees). Needs an orientation. */
-void dm_flat_dual(double *out, const dm_complex *K, const dm_metric *metric, const dm_field *X);
+void dm_flat_dual(double *out, const dm_complex *K, const dm_metric *metric,
+                  const dm_vector_field *X);
 
 /* What a sharp cannot divide by: DM_SINGULAR, with the cell of degree `degree`. */
 typedef struct {
@@ -48,8 +49,8 @@ void dm_sharp_thesis(double *out, const dm_complex *K, const dm_metric *metric,
                      const double *points, uint32_t N, const double *a);
 
 /* out[count[n]][N] of a primal 1-form: its Whitney interpolant at the centre of each top cell. */
-void dm_sharp_cells(double *out, const dm_complex *K, const dm_metric *metric,
-                    const double *points, uint32_t N, const double *a);
+void dm_sharp_cells(double *out, const dm_complex *K, const dm_metric *metric, const double *points,
+                    uint32_t N, const double *a);
 
 /* out[count[n]][N] of a dual 1-form b[count[n - 1]]: least squares of X . m_f = b(f) / |*f| over
  * the facets of each top cell, with weights (|*f in s| / |*f|)^2. A facet of zero dual volume says
@@ -61,6 +62,6 @@ dm_status dm_sharp_dual(double *out, const dm_complex *K, const dm_metric *metri
 /* out[count[0]]: div X = -delta of X's flat, 1 / |*v| times the flux out of the dual cell of v.
  * boundary: with the flux through the part of it that lies in the boundary of the mesh. */
 dm_status dm_divergence(double *out, const dm_complex *K, const dm_metric *metric,
-                        const dm_field *X, int boundary, dm_sharp_fault *fault);
+                        const dm_vector_field *X, int boundary, dm_sharp_fault *fault);
 
 #endif

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-void dm_field_rates(double *rates, const dm_field *X, const dm_cell *c, uint32_t set) {
+void dm_field_rates(double *rates, const dm_vector_field *X, const dm_cell *c, uint32_t set) {
     if (X->on_cells) {
         dm_cell_rates(rates, c, X->points, X->N, X->values + (size_t)c->top * X->N);
         return;
@@ -37,14 +37,14 @@ double dm_field_tangent(double *values, const dm_complex *K, const dm_metric *me
 }
 
 /* X . (p_b - p_a) */
-static double along(const dm_field *X, const double *value, uint32_t a, uint32_t b) {
+static double along(const dm_vector_field *X, const double *value, uint32_t a, uint32_t b) {
     const double *p = X->points + (size_t)a * X->N, *q = X->points + (size_t)b * X->N;
     double sum = 0.0;
     for (uint32_t m = 0; m < X->N; m++) sum += value[m] * (q[m] - p[m]);
     return sum;
 }
 
-static void flat_vertices(double *out, const dm_complex *K, const dm_field *X) {
+static void flat_vertices(double *out, const dm_complex *K, const dm_vector_field *X) {
     for (uint32_t e = 0; e < K->count[1]; e++) {
         const uint32_t a = K->vertex[1][2 * (size_t)e], b = K->vertex[1][2 * (size_t)e + 1];
         out[e] = (along(X, X->values + (size_t)a * X->N, a, b) +
@@ -53,8 +53,8 @@ static void flat_vertices(double *out, const dm_complex *K, const dm_field *X) {
     }
 }
 
-void dm_flat_primal(double *out, const dm_complex *K, const dm_metric *metric, const dm_field *X,
-                    uint32_t *tops, uint32_t *degenerate) {
+void dm_flat_primal(double *out, const dm_complex *K, const dm_metric *metric,
+                    const dm_vector_field *X, uint32_t *tops, uint32_t *degenerate) {
     dm_weights weights;
     dm_cell c;
     *degenerate = 0;
@@ -78,7 +78,8 @@ void dm_flat_primal(double *out, const dm_complex *K, const dm_metric *metric, c
 
 /* (facet, m) is positive where m points to the vertex behind it, which is moved there through the
  * n - j vertices of the facet that follow it */
-void dm_flat_dual(double *out, const dm_complex *K, const dm_metric *metric, const dm_field *X) {
+void dm_flat_dual(double *out, const dm_complex *K, const dm_metric *metric,
+                  const dm_vector_field *X) {
     dm_cell c;
     double rates[DM_DIMENSION + 1];
     const uint32_t n = K->n, all = (2u << n) - 1;

@@ -10,7 +10,13 @@ uint32_t dm_parts_boundary(uint8_t *mark, uint8_t *work, const dm_complex *K, ui
 
 /* mark[count[d]]: 1 where a cell of degree d has cell `cell` of degree k as a face, or is it;
  * d >= k; work as above, count[d] bytes. */
-uint32_t dm_parts_star(uint8_t *mark, uint8_t *work, const dm_complex *K, uint32_t k,
-                       uint32_t cell, uint32_t d);
+uint32_t dm_parts_star(uint8_t *mark, uint8_t *work, const dm_complex *K, uint32_t k, uint32_t cell,
+                       uint32_t d);
+
+/* Is it a manifold, with boundary or without? Pure, at most two top cells at a facet, and the link
+ * of every cell connected, with the Euler number of a sphere or, at the boundary, of a ball: up to
+ * dimension 3 that is all; beyond, a link may be something else with these numbers. Linear in the
+ * cells, times 4^n. -1: no memory. */
+int dm_parts_manifold(const dm_complex *K, dm_arena *scratch);
 
 #endif

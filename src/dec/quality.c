@@ -19,8 +19,8 @@ void dm_quality_measure(dm_quality *out, const dm_complex *K, const dm_metric *m
             const double dual = metric->dual[k][i];
             out->zero[k] += fabs(dual) <= zero;
             out->negative[k] += dual < -zero;
-            out->crossed += k + 1 == K->n && dual < -zero &&
-                            K->coface_at[k][i + 1] - K->coface_at[k][i] > 1;
+            out->crossed +=
+                k + 1 == K->n && dual < -zero && K->coface_at[k][i + 1] - K->coface_at[k][i] > 1;
             if (k == 0) continue;
             dm_metric_simplex(&c, K, metric, k, i);
             dm_metric_centre(c.centre, &c, (2u << k) - 1, DM_CIRCUMCENTRES);
@@ -49,7 +49,7 @@ void dm_triangles_read(dm_triangles *out, const dm_complex *K, const double *len
             const uint32_t at = K->coface_at[1][e], end = K->coface_at[1][e + 1];
             out->vertex[c][i] = K->vertex[2][3 * (size_t)c + from];
             out->length2[c][i] = length2[e];
-            out->beside[c][i] = end - at == 1 ? UINT32_MAX
+            out->beside[c][i] = end - at == 1           ? UINT32_MAX
                                 : K->coface[1][at] == c ? K->coface[1][at + 1]
                                                         : K->coface[1][at];
         }
@@ -140,7 +140,7 @@ static int improve(dm_triangles *t, uint32_t a, uint32_t i, uint32_t *ends, dm_s
     return 1;
 }
 
-/* flips one edge of a triangle; the triangle beside it, or UINT32_MAX where none is to be flipped */
+/* flips one edge of a triangle; the triangle beside it, or UINT32_MAX where none asks for it */
 static uint32_t improve_one(dm_triangles *t, uint32_t a) {
     dm_status status = DM_OK;
     uint32_t ends[2];

@@ -7,7 +7,7 @@
 
 typedef struct {
     uint32_t negative[DM_DIMENSION + 1]; /* dual volumes below 0 of cells of degree k */
-    uint32_t zero[DM_DIMENSION + 1];     /* within 1e-12 of the largest modulus: in no other count */
+    uint32_t zero[DM_DIMENSION + 1];     /* modulus within 1e-12 of the largest */
     uint32_t crossed; /* facets between two top cells with negative dual: 0 is locally Delaunay */
     double least;     /* least barycentric coordinate of a circumcentre of any cell */
 } dm_quality;

@@ -25,8 +25,7 @@ dm_status dm_sharp_vertices(double *out, const dm_complex *K, const dm_metric *m
         for (uint32_t i = 0; i <= K->n; i++) {
             const double dual = metric->dual[0][c.vertex[i]];
             if (!(fabs(dual) > least)) continue;
-            for (uint32_t j = 0; j <= K->n; j++)
-                slopes[j] = i == j ? 0.0 : on_edge(a, K, &c, i, j);
+            for (uint32_t j = 0; j <= K->n; j++) slopes[j] = i == j ? 0.0 : on_edge(a, K, &c, i, j);
             dm_cell_raise(rates, &c, slopes);
             dm_cell_add(out + (size_t)c.vertex[i] * N, &c, points, N, rates,
                         c.metric.share[1u << i] / dual);
@@ -72,8 +71,8 @@ void dm_sharp_thesis(double *out, const dm_complex *K, const dm_metric *metric,
 }
 
 /* sum over i < j of a_ij (lambda_i grad phi_j - lambda_j grad phi_i) at the centre */
-void dm_sharp_cells(double *out, const dm_complex *K, const dm_metric *metric,
-                    const double *points, uint32_t N, const double *a) {
+void dm_sharp_cells(double *out, const dm_complex *K, const dm_metric *metric, const double *points,
+                    uint32_t N, const double *a) {
     dm_cell c;
     double slopes[DM_DIMENSION + 1], rates[DM_DIMENSION + 1];
     memset(out, 0, (size_t)K->count[K->n] * N * sizeof *out);
@@ -102,8 +101,7 @@ static int least_squares(double *rates, const double *target, const double *weig
         sum += rates[j];
         silent += !(weight[j] > 0.0);
     }
-    for (uint32_t j = 0; j <= n; j++)
-        flexible += silent ? !(weight[j] > 0.0) : 1.0 / weight[j];
+    for (uint32_t j = 0; j <= n; j++) flexible += silent ? !(weight[j] > 0.0) : 1.0 / weight[j];
     for (uint32_t j = 0; j <= n; j++)
         rates[j] -= sum * (silent ? !(weight[j] > 0.0) : 1.0 / weight[j]) / flexible;
     return silent < 2;
@@ -137,7 +135,7 @@ dm_status dm_sharp_dual(double *out, const dm_complex *K, const dm_metric *metri
 /* ---- divergence ---- */
 
 /* flux along the edges of a cell, out of the dual cells of their vertices */
-static void add_fluxes(double *out, const dm_field *X, const dm_cell *c) {
+static void add_fluxes(double *out, const dm_vector_field *X, const dm_cell *c) {
     double rates[DM_DIMENSION + 1];
     const uint32_t n = c->n;
     for (uint32_t i = 0; i <= n; i++)
@@ -163,7 +161,7 @@ static double own_weight(uint32_t n) {
 
 /* flux through the parts of facet j, which lies in the boundary, that belong to its vertices */
 static void add_boundary(double *out, const dm_complex *K, const dm_metric *metric,
-                         const dm_field *X, const dm_cell *c, uint32_t j) {
+                         const dm_vector_field *X, const dm_cell *c, uint32_t j) {
     dm_cell_metric facet;
     double mean[DM_DIMENSION + 1], own[DM_DIMENSION + 1];
     const uint32_t n = c->n, set = ((2u << n) - 1) & ~(1u << j);
@@ -180,7 +178,7 @@ static void add_boundary(double *out, const dm_complex *K, const dm_metric *metr
 }
 
 dm_status dm_divergence(double *out, const dm_complex *K, const dm_metric *metric,
-                        const dm_field *X, int boundary, dm_sharp_fault *fault) {
+                        const dm_vector_field *X, int boundary, dm_sharp_fault *fault) {
     dm_cell c;
     const uint32_t n = K->n;
     *fault = (dm_sharp_fault){0, dm_metric_zero(K, metric, 0)};

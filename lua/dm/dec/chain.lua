@@ -98,7 +98,7 @@ end
 local index = Chain.__index
 function Chain.__index(c, key)
   if math_type(key) == "integer" then return rawget(c, "coefficients")[key] or 0 end
-  return type(index) == "function" and index(c, key) or index and index[key]
+  return index(c, key)
 end
 
 local MOST = 12 -- terms that are shown

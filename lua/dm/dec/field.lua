@@ -73,7 +73,7 @@ function Field.__index(X, key)
     local row = rawget(X, "values")[key]
     return row and row:totable()
   end
-  return type(index) == "function" and index(X, key) or index and index[key]
+  return index(X, key)
 end
 
 function Field.__tostring(X)

@@ -82,7 +82,7 @@ function Form.__len(a) return #a.values end
 local index = Form.__index
 function Form.__index(a, key)
   if type(key) == "number" then return a.values[key] end
-  return type(index) == "function" and index(a, key) or index and index[key]
+  return index(a, key)
 end
 
 function Form.__tostring(a)
@@ -156,8 +156,9 @@ end
 -- a primal k-form by a dual (n - k)-form: a number for the support of every k-cell
 local function support_wedge(a, b, rule)
   local K, k, n = a.mesh, a.degree, a.mesh.dimension
-  if a.side == "dual" then return (b.degree * (n - b.degree) % 2 == 0 and 1 or -1)
-    * support_wedge(b, a, rule) end
+  if a.side == "dual" then
+    return (b.degree * (n - b.degree) % 2 == 0 and 1 or -1) * support_wedge(b, a, rule)
+  end
   local factor = rule == "geometric" and 1 / binomial(n, k) or rule == "thesis" and 1 / n or 1
   local x, y = k == n and K:oriented(a.values) or a.values, b.values
   return x:map(function(value, i) return factor * value * y[i] end)
@@ -168,7 +169,9 @@ class.method("dm.form", "wedge", function(a, b, options)
   if not is_form(b) then fail("form:wedge", "a form is needed (got %s)", option.got(b)) end
   if not rawequal(a.mesh, b.mesh) then fail("form:wedge", "the forms are of two meshes") end
   local K, degree = a.mesh, a.degree + b.degree
-  local function rule(names) return option.one_of(options, "rule", "form:wedge", names, names[1]) end
+  local function rule(names)
+    return option.one_of(options, "rule", "form:wedge", names, names[1])
+  end
   if a.side ~= b.side then
     if degree ~= K.dimension then
       fail("form:wedge", "a %s and a %s have a product only where their degrees add up to %d",

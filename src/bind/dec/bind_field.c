@@ -2,7 +2,8 @@
  * make forms and fields of it. Fields are matrices, a row for every vertex or top cell. */
 #include "bind/dec/bind_mesh.h"
 #include "bind/value/array.h"
-#include "dec/contract.h"
+#include "dec/dual_wedge.h"
+#include "dec/extrusion.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,15 +26,16 @@ static const dml_mesh *check_embedded(lua_State *L) {
 static const char *const PLACES[] = {"vertices", "cells", NULL};
 
 /* the field whose matrix is at arg and whose place, "vertices" or "cells", behind it */
-static dm_field check_field(lua_State *L, int arg, const dml_mesh *m) {
+static dm_vector_field check_field(lua_State *L, int arg, const dml_mesh *m) {
     const int on_cells = luaL_checkoption(L, arg + 1, NULL, PLACES);
     const dml_array *a = dml_checkarray(L, arg, 2);
     const uint32_t rows = m->K.count[on_cells ? m->K.n : 0];
     const double *values = dml_numbersof(a);
     if (!values || a->rows != rows || a->columns != m->ambient)
-        luaL_argerror(L, arg, lua_pushfstring(L, "a matrix of %d x %d numbers is needed, got %s",
-                                              (int)rows, (int)m->ambient, dml_shape(L, a)));
-    return (dm_field){on_cells, m->ambient, m->points, values};
+        luaL_argerror(L, arg,
+                      lua_pushfstring(L, "a matrix of %d x %d numbers is needed, got %s", (int)rows,
+                                      (int)m->ambient, dml_shape(L, a)));
+    return (dm_vector_field){on_cells, m->ambient, m->points, values};
 }
 
 static double *check_values(lua_State *L, int arg, uint32_t count) {
@@ -45,11 +47,11 @@ static double *check_values(lua_State *L, int arg, uint32_t count) {
 /* Raise for a dual volume that is divided by. */
 static void refuse(lua_State *L, const dml_mesh *m, const dm_sharp_fault *fault) {
     const uint32_t k = fault->degree;
-    const char *cell =
-        dml_pushcell(L, m->K.vertex[k] + (size_t)fault->cell * (k + 1), k + 1);
+    const char *cell = dml_pushcell(L, m->K.vertex[k] + (size_t)fault->cell * (k + 1), k + 1);
     luaL_error(L,
                "zero dual volume at simplex %s; dual = \"barycentric\" makes a mesh without, "
-               "K:quality() counts them", cell);
+               "K:quality() counts them",
+               cell);
 }
 
 static void need_orientation(lua_State *L, const dml_mesh *m) {
@@ -61,7 +63,7 @@ static void need_orientation(lua_State *L, const dml_mesh *m) {
 static int mesh_flat(lua_State *L) {
     static const char *const sides[] = {"primal", "dual", NULL};
     const dml_mesh *m = check_embedded(L);
-    const dm_field X = check_field(L, 2, m);
+    const dm_vector_field X = check_field(L, 2, m);
     const int to_dual = luaL_checkoption(L, 4, "primal", sides);
     uint32_t degenerate = 0;
     if (to_dual) {
@@ -107,7 +109,7 @@ static int mesh_sharp(lua_State *L) {
 
 static int mesh_tangent(lua_State *L) {
     const dml_mesh *m = check_embedded(L);
-    const dm_field X = check_field(L, 2, m);
+    const dm_vector_field X = check_field(L, 2, m);
     const uint32_t count = m->K.count[m->K.n];
     luaL_argcheck(L, X.on_cells, 3, "a field on cells is needed");
     double *out = dml_pushmatrix(L, count, X.N);
@@ -118,7 +120,7 @@ static int mesh_tangent(lua_State *L) {
 
 static int mesh_divergence(lua_State *L) {
     const dml_mesh *m = check_embedded(L);
-    const dm_field X = check_field(L, 2, m);
+    const dm_vector_field X = check_field(L, 2, m);
     dm_sharp_fault fault;
     double *out = dml_pushvector(L, m->K.count[0]);
     if (dm_divergence(out, &m->K, &m->metric, &X, lua_toboolean(L, 4), &fault) != DM_OK)
@@ -130,7 +132,7 @@ static int mesh_contract(lua_State *L) {
     static const char *const sides[] = {"central", "forward", "backward", NULL};
     const dml_mesh *m = check_embedded(L);
     const uint32_t k = dml_checkdegree(L, 2, m);
-    const dm_field X = check_field(L, 4, m);
+    const dm_vector_field X = check_field(L, 4, m);
     const dm_side side = (dm_side)luaL_checkoption(L, 6, "central", sides);
     uint32_t degenerate = 0;
     luaL_argcheck(L, k > 0, 2, "a form of degree 0 has no contraction");
@@ -162,36 +164,36 @@ static int mesh_dual_wedge(lua_State *L) {
     return 1;
 }
 
-static const dml_row methods[] = {
-    {"integrals", dml_mesh_integrals,
-     "K:integrals(k, f [, dual [, order [, chart]]]) -> dm.vector\n"
-     "The de Rham map on plain values: see mesh:form. f(x, y, ...) gives the components of a "
-     "k-form, in increasing order of their coordinates; order: the degree of polynomials that the "
-     "quadrature (Grundmann & Moeller) integrates exactly, from 1 to 21, 5 by default."},
-    {"flat_values", mesh_flat,
-     "K:flat_values(X, \"vertices\" | \"cells\", \"primal\" | \"dual\") -> dm.vector, number\n"
-     "The 1-form of a field of vectors, a matrix with a row for every vertex or top cell: see "
-     "field:flat; and the number of edges of zero dual volume, where plain means are taken."},
-    {"sharp_values", mesh_sharp,
-     "K:sharp_values(a, \"primal\" | \"dual\", \"vertices\" | \"cells\" [, thesis [, pinv]]) -> "
-     "dm.matrix\nThe field of vectors of the values of a 1-form: see form:sharp."},
-    {"tangent_values", mesh_tangent,
-     "K:tangent_values(X, \"cells\") -> dm.matrix, number\n"
-     "Vectors in the top cells without what points out of these cells; and the largest length "
-     "that went."},
-    {"divergence_values", mesh_divergence,
-     "K:divergence_values(X, \"vertices\" | \"cells\" [, flux]) -> dm.vector\n"
-     "The divergence at the vertices, with the flux through the boundary or without: see "
-     "field:div."},
-    {"contract_values", mesh_contract,
-     "K:contract_values(k, a, X, \"vertices\" | \"cells\" [, side]) -> dm.vector, number\n"
-     "i_X a of a primal k-form by extrusion, side \"central\", \"forward\" or \"backward\": see "
-     "form:contract; and the number of cells of zero dual volume, where plain means are taken."},
-    {"dual_wedge_values", mesh_dual_wedge,
-     "K:dual_wedge_values(k, a, l, b [, rule]) -> dm.vector\n"
-     "The product of a dual k-form and a dual l-form, rule \"consistent\" or \"thesis\": see "
-     "form:wedge."},
-    {NULL, NULL, NULL}};
+static const dml_row methods[] =
+    {{"integrals", dml_mesh_integrals,
+      "K:integrals(k, f [, dual [, order [, chart]]]) -> dm.vector\n"
+      "The de Rham map on plain values: see mesh:form. f(x, y, ...) gives the components of a "
+      "k-form, in increasing order of their coordinates; order: the degree of polynomials that the "
+      "quadrature (Grundmann & Moeller) integrates exactly, from 1 to 21, 5 by default."},
+     {"flat_values", mesh_flat,
+      "K:flat_values(X, \"vertices\" | \"cells\", \"primal\" | \"dual\") -> dm.vector, number\n"
+      "The 1-form of a field of vectors, a matrix with a row for every vertex or top cell: see "
+      "field:flat; and the number of edges of zero dual volume, where plain means are taken."},
+     {"sharp_values", mesh_sharp,
+      "K:sharp_values(a, \"primal\" | \"dual\", \"vertices\" | \"cells\" [, thesis [, pinv]]) -> "
+      "dm.matrix\nThe field of vectors of the values of a 1-form: see form:sharp."},
+     {"tangent_values", mesh_tangent,
+      "K:tangent_values(X, \"cells\") -> dm.matrix, number\n"
+      "Vectors in the top cells without what points out of these cells; and the largest length "
+      "that went."},
+     {"divergence_values", mesh_divergence,
+      "K:divergence_values(X, \"vertices\" | \"cells\" [, flux]) -> dm.vector\n"
+      "The divergence at the vertices, with the flux through the boundary or without: see "
+      "field:div."},
+     {"contract_values", mesh_contract,
+      "K:contract_values(k, a, X, \"vertices\" | \"cells\" [, side]) -> dm.vector, number\n"
+      "i_X a of a primal k-form by extrusion, side \"central\", \"forward\" or \"backward\": see "
+      "form:contract; and the number of cells of zero dual volume, where plain means are taken."},
+     {"dual_wedge_values", mesh_dual_wedge,
+      "K:dual_wedge_values(k, a, l, b [, rule]) -> dm.vector\n"
+      "The product of a dual k-form and a dual l-form, rule \"consistent\" or \"thesis\": see "
+      "form:wedge."},
+     {NULL, NULL, NULL}};
 
 static const dml_extension more[] = {{DML_MESH, methods}, {NULL, NULL}};
 

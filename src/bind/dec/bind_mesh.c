@@ -2,6 +2,7 @@
 #include "bind/dec/bind_mesh.h"
 #include "bind/value/array.h"
 #include "dec/orientation.h"
+#include "dec/parts.h"
 #include "dec/wedge.h"
 
 #include <math.h>
@@ -239,9 +240,17 @@ static int mesh_wedge_values(lua_State *L) {
     return 1;
 }
 
+/* found when first asked for */
+static int push_manifold(lua_State *L, dml_mesh *m) {
+    if (m->manifold < 0) m->manifold = dm_parts_manifold(&m->K, dml_pusharena(L));
+    if (m->manifold < 0) luaL_error(L, "not enough memory");
+    lua_pushboolean(L, m->manifold);
+    return 1;
+}
+
 /* K.dimension and its like; what is asked of a mesh without points or metric is nil. */
 static int mesh_field(lua_State *L) {
-    const dml_mesh *m = dml_checkmesh(L, 1);
+    dml_mesh *m = dml_checkmesh(L, 1);
     const char *key = luaL_checkstring(L, 2);
     if (strcmp(key, "dimension") == 0)
         lua_pushinteger(L, m->K.n);
@@ -252,7 +261,7 @@ static int mesh_field(lua_State *L) {
     else if (strcmp(key, "orientable") == 0)
         lua_pushboolean(L, m->K.orientation != NULL);
     else if (strcmp(key, "manifold") == 0)
-        lua_pushboolean(L, m->K.manifold);
+        return push_manifold(L, m);
     else if (strcmp(key, "dual") == 0 && m->measured)
         lua_pushstring(L, m->metric.centres == DM_BARYCENTRES ? "barycentric" : "circumcentric");
     else if (strcmp(key, "pure") == 0)
@@ -332,8 +341,8 @@ const dml_class dml_class_mesh = {
     .name = DML_MESH,
     .doc = "dm.mesh: a simplicial complex of dimension 1 to 8, with volumes and signed duals, made "
            "by dm.mesh{...}\n"
-           "fields: dimension, ambient (of its points), euler, orientable, manifold, pure, measured, "
-           "dual (\"circumcentric\", \"barycentric\"), bytes",
+           "fields: dimension, ambient (of its points), euler, orientable, manifold, pure, "
+           "measured, dual (\"circumcentric\", \"barycentric\"), bytes",
     .methods = methods,
     .field = mesh_field,
     .functions = functions,

@@ -16,6 +16,7 @@ typedef struct {
     uint32_t ambient; /* N of the points, 0: there are none */
     double *points;   /* [count[0]][ambient] */
     size_t bytes;     /* of the arena */
+    int manifold;     /* it is one; -1: nobody has asked yet */
 } dml_mesh;
 
 /* The mesh at arg; raises when it is none. */

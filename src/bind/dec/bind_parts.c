@@ -159,7 +159,8 @@ static const dml_row methods[] = {
      "The cells of degree d >= k that have cell i of degree k as a face, or are it."},
     {"circumcentres", mesh_circumcentres,
      "K:circumcentres(k) -> dm.matrix\n"
-     "The circumcentres of the cells of degree k, a row each (Leok, Def 3.5); the barycentres where "
+     "The circumcentres of the cells of degree k, a row each (Leok, Def 3.5); the barycentres "
+     "where "
      "the mesh takes its duals from these."},
     {"components", mesh_components,
      "K:components() -> list of lists of vertices\n"
@@ -167,7 +168,8 @@ static const dml_row methods[] = {
     {"quality", mesh_quality,
      "K:quality() -> table\n"
      "negative[k], zero[k], k from 0: how many dual volumes of cells of degree k are below 0, or 0 "
-     "(below 1e-12 of the largest of that degree); well_centred: every circumcentre lies inside its "
+     "(below 1e-12 of the largest of that degree); well_centred: every circumcentre lies inside "
+     "its "
      "simplex; least: the least barycentric coordinate of a circumcentre; delaunay: no facet "
      "between two top cells has a negative dual volume."},
     {"flip_values", mesh_flip,

@@ -3,7 +3,7 @@
 #include "bind/dec/bind_mesh.h"
 #include "bind/value/array.h"
 #include "dec/cell.h"
-#include "dec/quadrature.h"
+#include "dec/simplex_rule.h"
 
 #include <math.h>
 #include <string.h>
@@ -132,8 +132,7 @@ static void over_cells(const integral *q, const dml_mesh *m, double *out) {
 /* ---- dual cells: a simplex of centres for every flag above a cell ---- */
 
 /* corner j = the centre of face `set` of c */
-static void set_centre(const integral *q, const dml_mesh *m, dm_cell *c, uint32_t set,
-                       uint32_t j) {
+static void set_centre(const integral *q, const dml_mesh *m, dm_cell *c, uint32_t set, uint32_t j) {
     double lambda[DM_DIMENSION + 1];
     double *corner = q->corner + (size_t)j * q->N;
     dm_metric_centre(lambda, &c->metric, set, m->metric.centres);
@@ -145,8 +144,8 @@ static void set_centre(const integral *q, const dml_mesh *m, dm_cell *c, uint32_
 
 /* corners from j on, through all orders in which vertices join `set`; the sign of a flag is that of
  * the cell with the vertices that joined behind it */
-static double over_flags(const integral *q, const dml_mesh *m, dm_cell *c, uint32_t set,
-                         uint32_t j, int sign) {
+static double over_flags(const integral *q, const dml_mesh *m, dm_cell *c, uint32_t set, uint32_t j,
+                         int sign) {
     const uint32_t all = (2u << c->n) - 1;
     double sum = 0.0;
     set_centre(q, m, c, set, j);

@@ -285,7 +285,7 @@ int dml_mesh_new(lua_State *L) {
     lua_settop(L, OPTIONS);
     dml_options(L, OPTIONS, known);
     dml_mesh *m = lua_newuserdatauv(L, sizeof *m, 1);
-    *m = (dml_mesh){.measured = 0};
+    *m = (dml_mesh){.manifold = -1};
     dm_arena *arena = dml_pusharena(L), *reading = dml_pusharena(L);
     lua_pushvalue(L, ARENA);
     lua_setiuservalue(L, MESH, 1);

@@ -1,4 +1,4 @@
-#include "dec/quadrature.h"
+#include "dec/simplex_rule.h"
 
 #include "dec/complex.h"
 

@@ -1,8 +1,8 @@
-/* quadrature.h - integrals over simplices of any dimension (Grundmann & Moeller 1978), for the de
+/* simplex_rule.h - integrals over simplices of any dimension (Grundmann & Moeller 1978), for the de
  * Rham map: exact for polynomials of odd degree 2 s + 1, by nodes that no order of vertices moves.
  * Weights of both signs: their moduli add up to some 3^s at most, so high degrees lose digits. */
-#ifndef DM_SIMPLEX_QUADRATURE_H
-#define DM_SIMPLEX_QUADRATURE_H
+#ifndef DM_SIMPLEX_RULE_H
+#define DM_SIMPLEX_RULE_H
 
 #include <stdint.h>
 
