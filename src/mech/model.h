@@ -20,7 +20,8 @@ enum {                         /* structure, read off the graph */
        DM_LINEAR_IN_V = 16,    /* d2L/dv2 = 0: degenerate */
        DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
        DM_NO_VELOCITY = 128,   /* dL/dv = 0, DM_LINEAR_IN_V too: nothing moves */
-       DM_LOOPS = 64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
+       DM_SADDLE = 256, /* d2L/dv2 is singular by itself: L of the model is that of saddle.h */
+       DM_LOOPS = 64    /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
 };
 
 enum {                      /* kernels; each takes x = (q[n], v[n], t) */

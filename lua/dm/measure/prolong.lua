@@ -6,6 +6,7 @@
 -- momentum p.
 local bound = require "dm.base.bound"
 local lists = require "dm.base.lists"
+local saddle = require "dm.measure.saddle"
 
 local M = {}
 
@@ -115,14 +116,14 @@ function M.system(system, names)
     return core.system { Q = core.R(2 * n), params = params,
       L = lift_open(given.L, n, params, names) }
   end
-  local out = { Q = core.R(2 * n), L = lift_lagrangian(bound(given.L, params), n) }
-  if given.constraint then
-    local g = given.constraint
-    local lifted = with_change(params and function(q, t) return g(q, t, params) end or g, n, true)
+  local g, phi = bound(given.constraint, params), bound(given.rolling, params)
+  local L = saddle.lagrangian(system, bound(given.L, params), g, phi)
+  local out = { Q = core.R(2 * n), L = lift_lagrangian(L, n) }
+  if g then
+    local lifted = with_change(g, n, true)
     out.constraint = function(x, t) return joined(lifted(x, x, t)) end
   end
-  if given.rolling then
-    local phi = bound(given.rolling, params)
+  if phi then
     local lifted = with_change(phi, n)
     out.rolling = function(x, y, t)
       local value, change = lifted(x, y, t)
@@ -139,6 +140,13 @@ function M.system(system, names)
     end
   end
   return core.system(out)
+end
+
+--- The rule whose step of the prolonged system is the derivative of a step by `rule`: where the
+-- mass is singular by itself RATTLE is the Lobatto pair of two stages, and L~ does not tell.
+function M.rule(system, rule)
+  if type(rule) ~= "string" or not system:structure().saddle then return rule end
+  return (rule:gsub("%f[%w]rattle%f[%W]", "lobatto(2)"))
 end
 
 return M

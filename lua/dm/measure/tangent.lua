@@ -16,7 +16,8 @@ local function newton(solver)
 end
 
 local function solver_of(solver, system, h)
-  return system:solver { rule = solver.rule, h = h or solver.h, newton = newton(solver) }
+  local rule = prolong.rule(solver.system, solver.rule)
+  return system:solver { rule = rule, h = h or solver.h, newton = newton(solver) }
 end
 
 -- why L~ stepped by the rule is not the tangent of the rule, or nothing

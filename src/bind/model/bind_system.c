@@ -63,8 +63,11 @@ static void check_finite(lua_State *L, const double *y, uint32_t n, const char *
 static double *evaluate(lua_State *L, unsigned want, size_t which, const char *what) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *x = arguments(L, s, "v");
-    dml_pushlast(L, 1, NULL);
-    dml_model *m = dml_standin(L, -1, want);
+    dml_model *m = dml_pushlast(L, 1, NULL);
+    if (m->model.structure & DM_SADDLE)
+        dml_asgiven(L, m = dml_pushmodel(L, 1));
+    else
+        m = dml_standin(L, -1, want);
     dml_want(L, m, want | DM_WANT_VALUE, NULL);
     dml_checkmember(L, 1, m, x); /* what the trace did not see is told, not computed */
     const dm_kernel *kernel = (const dm_kernel *)((const char *)&m->model + which);
@@ -146,7 +149,9 @@ static void set_flag(lua_State *L, const char *name, int value) {
 /* What was found in the graph, and what rules use of it. */
 static int system_structure(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    const dml_model *m = dml_pushmodel(L, 1);
+    dml_model *m = dml_pushmodel(L, 1);
+    const int saddle = (m->model.structure & DM_SADDLE) != 0;
+    dml_asgiven(L, m);
     const unsigned bits = m->model.structure;
     lua_newtable(L);
     dml_setresult(L);
@@ -155,6 +160,7 @@ static int system_structure(lua_State *L) {
     set_flag(L, "diagonal_mass", (bits & DM_DIAGONAL_MASS) != 0);
     set_flag(L, "autonomous", (bits & DM_AUTONOMOUS) != 0);
     set_flag(L, "linear_in_v", (bits & DM_LINEAR_IN_V) != 0);
+    set_flag(L, "saddle", saddle);
     set_flag(L, "forced", m->constraints.forced);
     lua_pushinteger(L, m->constraints.holonomic);
     lua_setfield(L, -2, "constraints");
@@ -214,7 +220,8 @@ static int system_tostring(lua_State *L) {
     const char *name = lua_tostring(L, -1);
     dml_systemfield(L, 1, "Q");
     const char *Q = luaL_tolstring(L, -1, NULL);
-    const dml_model *m = dml_pushmodel(L, 1);
+    dml_model *m = dml_pushmodel(L, 1);
+    dml_asgiven(L, m);
     const unsigned bits = m->model.structure;
     luaL_buffinit(L, &b);
     if (name)
@@ -291,7 +298,9 @@ static const dml_row methods[] =
      {"structure", system_structure,
       "system:structure() -> table\n"
       "What was read off the graph of L: separable, constant_mass, diagonal_mass, autonomous, "
-      "linear_in_v (booleans), cyclic (names of coordinates that L does not depend on), "
+      "linear_in_v, saddle (d2L/dv2 is singular by itself and regular with the constraints; rules "
+      "step L plus squares of the constraints' velocities, which vanish) (booleans), cyclic (names "
+      "of coordinates that L does not depend on), "
       "operations; and how the system is constrained: constraints, rolling (how many), forced "
       "(boolean)."},
      {"graph", system_graph,

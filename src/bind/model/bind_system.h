@@ -54,6 +54,7 @@ typedef struct {
     dm_arena *arena;
     dm_graph *graph; /* NULL when on hyper-dual numbers */
     dm_node lagrangian;
+    dm_node stepped; /* the same node, or of a singular mass that of mech/saddle.h */
     uint32_t n;
     uint32_t params; /* inputs behind t (model_params.h) */
     double *values;  /* [params] of the system when it was traced */
@@ -85,6 +86,9 @@ dml_model *dml_pushlast(lua_State *L, int arg, const char *backend);
 /* Make the kernels `want` (DM_WANT_*) that are missing, with the backend of that name
  * (NULL: the default). */
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend);
+
+/* From now on *m is made of L as it is given, however singular its mass is. */
+void dml_asgiven(lua_State *L, dml_model *m);
 
 /* From now on the graph of *m has no sums, every round is written out; raises where that is too
  * large. */

@@ -121,7 +121,7 @@ static dml_model *push_traced(lua_State *L, int system, int names) {
     dml_retrace(L, fn, &sig, m->arena, NULL, &m->trace);
     m->graph = m->trace.graph;
     if (!m->graph) luaL_error(L, "too large a graph");
-    m->lagrangian = m->trace.out[0];
+    m->lagrangian = m->stepped = m->trace.out[0];
     m->values = dm_arena_take(m->arena, params * sizeof *m->values);
     if (!m->values) luaL_error(L, "not enough memory");
     lua_pushvalue(L, names);

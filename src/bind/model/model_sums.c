@@ -87,3 +87,19 @@ dml_model *dml_standin(lua_State *L, int at, unsigned want) {
     lua_replace(L, at);
     return twin;
 }
+
+/* Kernels made before go. */
+void dml_writeout(lua_State *L, dml_model *m) {
+    if (!m->graph || !dm_sums(m->graph)) return;
+    if (m->n > DM_MODEL_DENSE)
+        luaL_error(L,
+                   "the sums of dm.sum_over are written out up to %d coordinates (this system has "
+                   "%d)",
+                   DM_MODEL_DENSE, (int)m->n);
+    dm_graph *plain = dm_graph_new(m->arena, dm_sum_first(m->graph));
+    if (!plain) luaL_error(L, "not enough memory");
+    m->lagrangian = m->stepped = dm_sum_write_out(plain, m->graph, m->lagrangian);
+    m->graph = plain;
+    const dm_status status = dm_graph_status(plain);
+    if (status != DM_OK) luaL_error(L, "%s", dm_status_text(status));
+}

@@ -8,6 +8,8 @@
 #include "bind/model/model_sums.h"
 #include "bind/trace/backend.h"
 #include "code/native/jit.h"
+#include "code/tape/tape.h"
+#include "mech/saddle.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -80,6 +82,7 @@ static void refuse_many(lua_State *L, const dml_model *m) {
 /* after every dm_model_build, which knows nothing of them */
 static void attach_constraints(dml_model *m) {
     m->model.params = m->params;
+    if (m->stepped != m->lagrangian) m->model.structure |= DM_SADDLE;
     if (!m->constrained.graph) return;
     m->model.constraints = &m->constraints;
     if (m->constraints.structure & DM_CONSTRAINTS_TIMED)
@@ -93,13 +96,37 @@ static int read_structure(lua_State *L, dml_model *m, int pair) {
     if (status == DM_OK && pair)
         m->model.n = m->n;
     else if (status == DM_OK)
-        status = dm_model_build(&m->model, m->graph, m->lagrangian, m->n, 0, NULL, m->arena);
+        status = dm_model_build(&m->model, m->graph, m->stepped, m->n, 0, NULL, m->arena);
     if (status == DM_TOO_LARGE && m->graph && dm_sums(m->graph))
         refuse_dense(L, m, "a kinetic energy that is no sum of m v^2/2 with constant masses");
     if (status == DM_TOO_LARGE) return 0;
     check_status(L, status);
     attach_constraints(m);
     return 1;
+}
+
+/* a mass that is singular by itself and regular with the constraints: L as mech/saddle.h has it */
+static void regularize(lua_State *L, dml_model *m) {
+    const dm_constraints *t = &m->constraints;
+    const unsigned structure = m->model.structure;
+    int needed;
+    if (!m->graph || !m->constrained.graph || t->holonomic + t->rolling == 0 || m->params ||
+        structure & DM_LINEAR_IN_V || m->model.inverse_mass)
+        return;
+    dm_arena *scratch = dml_pusharena(L);
+    check_status(L, dm_saddle_needed(&needed, m->graph, m->lagrangian, t, scratch));
+    if (needed)
+        check_status(L, dm_saddle_lagrangian(&m->stepped, m->graph, m->lagrangian, t, scratch));
+    dml_sparearena(L, lua_gettop(L));
+    lua_pop(L, 1);
+    if (needed) read_structure(L, m, 0);
+}
+
+void dml_asgiven(lua_State *L, dml_model *m) {
+    if (m->stepped == m->lagrangian) return;
+    m->stepped = m->lagrangian;
+    m->model = (dm_model){0};
+    read_structure(L, m, 0);
 }
 
 /* derivatives of the constraints; sums in L are written out, since a constrained step needs
@@ -111,6 +138,7 @@ static void read_constraints(lua_State *L, dml_model *m) {
                       "exact derivatives: is there a long loop in L?");
     dml_buildconstraints(L, m);
     dml_writeout(L, m);
+    m->stepped = m->lagrangian;
     m->traced = dm_graph_size(m->graph);
 }
 
@@ -167,7 +195,7 @@ static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *cached,
     if (!same) {
         m->trace = traced;
         m->graph = traced.graph;
-        m->lagrangian = traced.out[0];
+        m->lagrangian = m->stepped = traced.out[0];
         m->traced = m->graph ? dm_graph_size(m->graph) : 0;
         dml_traceconstraints(L, arg, m);
         same = cached && m->graph && dml_sametrace(cached, m);
@@ -186,7 +214,10 @@ static void build_model(lua_State *L, int arg, int fn, dml_model *m) {
     if (!s->hyperdual) {
         read_constraints(L, m);
         if (s->pair) dml_checkpairconstraints(L, m);
-        if (!read_structure(L, m, s->pair)) warn_too_large(s, sig.what);
+        if (!read_structure(L, m, s->pair))
+            warn_too_large(s, sig.what);
+        else if (!s->pair)
+            regularize(L, m);
     }
     if (s->hyperdual) go_hyperdual(L, m, fn, &sig);
 }
@@ -263,6 +294,15 @@ static void want_map(lua_State *L, dml_model *m, const char *backend) {
     m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
 }
 
+/* all kernels of `want`; the value is that of L as it is given, which is what calls of it give */
+static dm_status build_kernels(dml_model *m, unsigned want, dm_compile *compile) {
+    dm_status status =
+        dm_model_build(&m->model, m->graph, m->stepped, m->n, want, compile, m->arena);
+    if (status == DM_OK && want & DM_WANT_VALUE && m->stepped != m->lagrangian)
+        status = dm_tape_build_exact(&m->model.value, m->graph, &m->lagrangian, 1, m->arena);
+    return status;
+}
+
 /* Kernels that are there stay, so that their bits do. */
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (want & DM_WANT_MAP) {
@@ -287,29 +327,13 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
         const dml_backend *row = backend_of(L, m, backend);
         const dm_status status = pair ? dm_model_build_pair(&m->model, m->graph, m->lagrangian,
                                                             m->n, row->compile, m->arena)
-                                      : dm_model_build(&m->model, m->graph, m->lagrangian, m->n,
-                                                       want | m->model.has, row->compile, m->arena);
+                                      : build_kernels(m, want | m->model.has, row->compile);
         check_status(L, status);
         attach_constraints(m);
         if (m->compile) m->model.source.cache = &m->cache;
         m->backend = built_by(&m->model, row->name);
     }
     m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
-}
-
-/* Kernels made before go. */
-void dml_writeout(lua_State *L, dml_model *m) {
-    if (!m->graph || !dm_sums(m->graph)) return;
-    if (m->n > DM_MODEL_DENSE)
-        luaL_error(L,
-                   "the sums of dm.sum_over are written out up to %d coordinates (this system has "
-                   "%d)",
-                   DM_MODEL_DENSE, (int)m->n);
-    dm_graph *plain = dm_graph_new(m->arena, dm_sum_first(m->graph));
-    if (!plain) luaL_error(L, "not enough memory");
-    m->lagrangian = dm_sum_write_out(plain, m->graph, m->lagrangian);
-    m->graph = plain;
-    check_status(L, dm_graph_status(plain));
 }
 
 unsigned dml_legendre_wants(const dml_model *m, unsigned want) {

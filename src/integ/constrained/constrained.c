@@ -1,4 +1,5 @@
 #include "integ/constrained/constrained_inside.h"
+#include "integ/method/method.h"
 
 #include "linalg/solve/newton.h"
 
@@ -317,7 +318,8 @@ static dm_status step(dm_stepper *stepper, double *state, double t, double h) {
     stepper->report.evaluations += g->evaluations;
     if (status != DM_OK) return status;
     report_constraints(g, &stepper->report);
-    dm_constrained_memory_keep(g);
+    const int loose = (stepper->rule->method->traits & DM_LOOSE_MOMENTUM) != 0;
+    if (!loose) dm_constrained_memory_keep(g); /* no v1 is known of a loose momentum */
     memcpy(state, g->next, 4 * (size_t)g->n * sizeof *state);
     return DM_OK;
 }

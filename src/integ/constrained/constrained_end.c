@@ -1,6 +1,7 @@
 /* constrained_end.c - from the root to the state at the end: forces and impulses at the root,
  * compensated sums. */
 #include "integ/constrained/constrained_inside.h"
+#include "integ/method/method.h"
 
 #include "numbers/compensated.h"
 
@@ -80,6 +81,10 @@ dm_status dm_constrained_finish(dm_constrained *g, const dm_stepper *stepper) {
         for (uint32_t i = 0; i < n; i++) g->dp[i] += g->impulse[k * n + i];
     dm_status status = update(g);
     if (status != DM_OK || m == 0) return status;
+    if (stepper->rule->method->traits & DM_LOOSE_MOMENTUM) { /* the next I_0 does all */
+        memset(g->end + n, 0, m * sizeof *g->end);
+        return DM_OK;
+    }
     memcpy(g->before, g->next + n, n * sizeof *g->before);
     status = dm_constrained_hidden(g, stepper);
     if (status != DM_OK) return status;

@@ -1,6 +1,7 @@
 /* rattle.c - RATTLE and SHAKE: the loop around the kernels of rattle_kernels.c. */
 #include "integ/constrained/rattle.h"
 
+#include "integ/constrained/constrained.h"
 #include "mech/constraints.h"
 
 #include <math.h>
@@ -219,7 +220,12 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return advance(s, state, t, h, 1, &done);
 }
 
+/* A mass that is singular by itself leaves a Lagrangian that is not separable: RATTLE is then the
+ * Lobatto IIIA-IIIB pair of 2 stages with constraints (HLW VII.1.4, (1.26)). */
+static const dm_engine *choose(const dm_rule *rule, const dm_model *m);
+
 static const dm_engine engine = {
+    .choose = choose,
     .fits = fits,
     .wants = wants,
     .work = work,
@@ -230,6 +236,19 @@ static const dm_engine engine = {
     .memory = memory,
     .impulses = impulses,
 };
+
+static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
+    (void)rule;
+    return m->structure & DM_SADDLE ? &dm_engine_constrained : &engine;
+}
+
+/* Lobatto nodes are both ends. */
+static void basis(dm_galerkin *g, const dm_rule *rule) {
+    dm_quadrature q;
+    (void)rule;
+    dm_quadrature_lobatto(&q, 2);
+    dm_galerkin_collocation(g, &q);
+}
 
 const dm_method dm_method_rattle = {
     .name = "rattle",
@@ -245,6 +264,7 @@ const dm_method dm_method_rattle = {
     .instances = "",
     .traits = DM_SYMMETRIC | DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED,
     .engine = &engine,
+    .basis = basis,
 };
 
 const dm_method dm_method_shake = {
@@ -260,4 +280,5 @@ const dm_method dm_method_shake = {
     .instances = "",
     .traits = DM_SYMPLECTIC | DM_HOLONOMIC | DM_FORCED | DM_LOOSE_MOMENTUM,
     .engine = &engine,
+    .basis = basis,
 };
