@@ -1,6 +1,6 @@
 /* bind_matching.c - `dm.matching`: pairs of the cells of a mesh, for Lua modules that make
- * homology, cones and potentials of them; and `core.smith_form`. Cells of a script are numbered from 1; a chain
- * is a table from cells to integers. */
+ * homology, cones and potentials of them; and `core.smith_form`. Cells of a script are numbered
+ * from 1; a chain is a table from cells to integers. */
 #include "bind/dec/bind_mesh.h"
 #include "bind/value/array.h"
 #include "dec/matching.h"
@@ -271,7 +271,8 @@ static const dml_row functions[] =
 
 const dml_class dml_class_matching = {
     .name = TNAME,
-    .doc = "dm.matching: pairs of the cells of a mesh, made by core.matching(K)",
+    .doc = "dm.matching: an acyclic matching of the cells of a mesh, made by core.matching(K)\n"
+           "M:critical(k): the cells in no pair; chains flow along the pairs to them (Leok 3.11).",
     .methods = methods,
     .functions = functions,
 };

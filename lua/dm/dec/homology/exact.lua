@@ -162,11 +162,11 @@ end)
 core.docs[M.exact] = [[
 dm.exact(f [, g] [, {over=}]) -> {exact, mono, epi, short, splits, section, retraction, cokernel}
 Is A -f-> B -g-> C exact, im f = ker g? Maps are lists of rows of integers; over = "Z" (the
-default), "Q" or a prime. mono: is f one to one; epi: does g reach all of C; short: is 0 -> A -> B -> C -> 0
-exact; splits: then, is B the sum of A and C? section: h with g h = 1, retraction: k with k f = 1,
-where there are any; if both and exact, k h = 0. cokernel of f: rank, torsion. Without g it is C =
-B/im f, which over Z may have torsion: 0 -> Z -2-> Z -> Z/2 -> 0 does not split (Leok, appendix
-A).]]
+default), "Q" or a prime. mono: is f one to one; epi: does g reach all of C; short: is 0 -> A -> B
+-> C -> 0 exact; splits: then, is B the sum of A and C? section: h with g h = 1, retraction: k with
+k f = 1, where there are any; if both and exact, k h = 0. cokernel of f: rank, torsion. Without g it
+is C = B/im f, which over Z may have torsion: 0 -> Z -2-> Z -> Z/2 -> 0 does not split (Leok,
+appendix A).]]
 
 ---- dm.five_lemma ----
 
