@@ -52,6 +52,22 @@ void dm_lu_solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n)
     }
 }
 
+/* P A = L U, so that U^T L^T P x is what was in x. */
+void dm_lu_solve_transposed(double *x, const double *LU, const uint32_t *pivot, uint32_t n) {
+    for (uint32_t i = 0; i < n; i++) {
+        for (uint32_t j = 0; j < i; j++) x[i] -= LU[j * (size_t)n + i] * x[j];
+        x[i] *= LU[i * (size_t)n + i];
+    }
+    for (uint32_t i = n; i-- > 0;) {
+        for (uint32_t j = i + 1; j < n; j++) x[i] -= LU[j * (size_t)n + i] * x[j];
+    }
+    for (uint32_t k = n; k-- > 0;) {
+        const double last = x[k];
+        x[k] = x[pivot[k]];
+        x[pivot[k]] = last;
+    }
+}
+
 /* largest entry of A in column j */
 static double column_size(const double *A, uint32_t j, uint32_t n) {
     double size = 0.0;

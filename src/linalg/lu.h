@@ -14,6 +14,9 @@ dm_status dm_lu_factor(double *A, uint32_t *pivot, uint32_t n);
 /* x = A^-1 x in place, from the factors. */
 void dm_lu_solve(double *x, const double *LU, const uint32_t *pivot, uint32_t n);
 
+/* x = A^-T x in place, from the factors. */
+void dm_lu_solve_transposed(double *x, const double *LU, const uint32_t *pivot, uint32_t n);
+
 /* inverse[n*n] of A, which becomes its factors; pivot[n], column[n] are scratch.
  * DM_SINGULAR also when a pivot is zero to round-off of its column. */
 dm_status dm_lu_inverse(double *inverse, double *A, uint32_t *pivot, double *column, uint32_t n);

@@ -51,8 +51,8 @@ static inline int bench_open(bench *b, const model *m, const char *method, doubl
     const unsigned want = DM_WANT_VALUE | DM_WANT_SLOPE | DM_WANT_MASS | DM_WANT_ENERGY;
     if (dm_model_build(&b->model, g, L, m->n, want, dm_tape_build, &b->arena) != DM_OK) return 0;
     if (!dm_curve_find(&b->curve, method) || !dm_curve_bias(&b->curve, bias)) return 0;
-    b->memory = calloc(dm_segment_work(&b->curve, m->n) + 2 * m->n, sizeof(double));
-    b->y = b->memory + dm_segment_work(&b->curve, m->n);
+    b->memory = calloc(dm_segment_work(&b->curve, &b->model) + 2 * m->n, sizeof(double));
+    b->y = b->memory + dm_segment_work(&b->curve, &b->model);
     for (uint32_t i = 0; i < 2 * m->n; i++) b->y[i] = 0.5 + 0.1 * ((7 * i) % 5);
     return dm_segment_open(&b->segment, &b->curve, &b->model, b->memory) == DM_OK;
 }

@@ -37,7 +37,7 @@ dm_bundle *dml_pushbundle(lua_State *L) {
         (m->model.structure & DM_CONSTANT_MASS && !m->model.inverse_mass))
         luaL_error(L, "L is degenerate, it has no second-order field for the segments to follow");
     dml_want(L, m, DM_WANT_VALUE | DM_WANT_MASS, NULL);
-    const size_t work = dm_bundle_work(b->curve, b->n);
+    const size_t work = dm_bundle_work(b->curve, &m->model);
     dm_bundle *out = lua_newuserdatauv(L, sizeof *out + work * sizeof(double), 1);
     memset(out + 1, 0, work * sizeof(double));
     lua_insert(L, -2);

@@ -76,20 +76,21 @@ static int order(const dm_rule *rule) {
 
 /* For the momentum at the ends and the size of M; all else are kernels of its own. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
-    (void)rule, (void)m;
-    return DM_WANT_SLOPE | DM_WANT_MASS;
+    (void)rule;
+    const unsigned tied = DM_WANT_HOLONOMIC | DM_WANT_ROLLING | DM_WANT_REACTION;
+    return DM_WANT_SLOPE | DM_WANT_MASS | (m->constraints ? tied | DM_WANT_CONSTRAINT_FORCE : 0);
 }
 
 /* h, the state at the end, v of the next segment; 1 when factors hold, factors and pivots of the
  * last matrix */
-static size_t memory_size(const dm_curve *c, size_t n) {
-    const size_t m = dm_curve_unknowns(c, n);
+static size_t memory_size(const dm_curve *c, const dm_model *model) {
+    const size_t n = model->n, m = dm_curve_unknowns(c, model);
     return 1 + 4 * n + n + 1 + m * m + (m + 1) / 2;
 }
 
 /* Newton's method or the Legendre transform, never both. */
 static size_t scratch_size(const dm_curve *c, const dm_model *m) {
-    const size_t newton = dm_newton_work((uint32_t)dm_curve_unknowns(c, m->n));
+    const size_t newton = dm_newton_work((uint32_t)dm_curve_unknowns(c, m));
     const size_t legendre = dm_legendre_work(m);
     return newton > legendre ? newton : legendre;
 }
@@ -98,8 +99,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     const size_t n = m->n;
     dm_curve c;
     if (!read_curve(&c, rule)) return 0;
-    return head() + n + 6 * n + 2 * n + n + 4 * n + memory_size(&c, n) + 2 * n + n * n + n +
-           scratch_size(&c, m) + dm_segment_work(&c, n);
+    return head() + n + 2 * dm_curve_unknowns(&c, m) + 2 * n + n + 4 * n + memory_size(&c, m) +
+           2 * n + n * n + n + scratch_size(&c, m) + dm_curve_tie_work(m) + dm_segment_work(&c, m);
 }
 
 /* The matrix of the last step lives in the memory, so that a run goes on with it. */
@@ -108,33 +109,40 @@ static dm_status open(dm_stepper *s) {
     const size_t n = s->model->n;
     *e = (dm_curve_step){.n = n, .mass = s->work + head()};
     if (!read_curve(&e->curve, s->rule)) return DM_NO_MEMORY;
-    e->unknowns = dm_curve_unknowns(&e->curve, n);
+    e->unknowns = dm_curve_unknowns(&e->curve, s->model);
     e->columns = e->curve.centred ? 0 : s->model->n;
     e->z = e->mass + n;
-    e->y = e->z + 6 * n;
+    e->y = e->z + 2 * e->unknowns;
     e->p1 = e->y + 2 * n;
     e->next = e->p1 + n;
     e->memory = e->next + 4 * n;
-    e->slope = e->memory + memory_size(&e->curve, n);
-    memset(e->memory, 0, memory_size(&e->curve, n) * sizeof *e->memory);
+    e->slope = e->memory + memory_size(&e->curve, s->model);
+    memset(e->memory, 0, memory_size(&e->curve, s->model) * sizeof *e->memory);
     e->scratch = e->slope + 2 * n + n * n + n;
+    double *rest = e->scratch + scratch_size(&e->curve, s->model);
     dm_kernel_prepare(&s->model->slope, e->slope);
-    return dm_segment_open(&e->segment, &e->curve, s->model,
-                           e->scratch + scratch_size(&e->curve, s->model));
+    dm_curve_tie_open(&e->tie, s->model, rest);
+    return dm_segment_open(&e->segment, &e->curve, s->model, rest + dm_curve_tie_work(s->model));
 }
 
 /* Forget the last segment and its matrix. */
 static dm_status start(dm_stepper *s, double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     (void)state, (void)t, (void)h;
-    memset(e->memory, 0, memory_size(&e->curve, e->n) * sizeof *e->memory);
+    memset(e->memory, 0, memory_size(&e->curve, s->model) * sizeof *e->memory);
     return DM_OK;
 }
 
 static size_t memory(dm_stepper *s, double **place) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     *place = e->memory;
-    return memory_size(&e->curve, e->n);
+    return memory_size(&e->curve, s->model);
+}
+
+/* Of the last step, with constraints. */
+static void impulses(const dm_stepper *s, double *out) {
+    const dm_curve_tie *c = &((const dm_curve_step *)(const void *)s->work)->tie;
+    memcpy(out, c->impulse, 2 * c->m * sizeof *out);
 }
 
 /* ---- the start of the iteration ---- */
@@ -147,14 +155,17 @@ static int fits_memory(const dm_curve_step *e) {
 
 /* the velocity at the end of the last segment is that of this one to the order of the method and
  * one more */
-static dm_status guess_velocity(dm_curve_step *e, const dm_model *m, double *v) {
+static dm_status guess_velocity(dm_curve_step *e, const dm_stepper *s, double *v) {
     const size_t n = e->n;
+    const double t0 = e->t - (1.0 - e->curve.bias) * e->h;
     if (fits_memory(e)) {
         memcpy(v, e->memory + 1 + 4 * n, n * sizeof *v);
         return DM_OK;
     }
     memset(v, 0, n * sizeof *v);
-    return dm_legendre_inverse(m, v, e->state, e->state + n, e->t, e->scratch);
+    const dm_status status =
+        dm_legendre_inverse(s->model, v, e->state, e->state + n, e->t, e->scratch);
+    return e->tie.m ? dm_curve_tie_hide(e, s, v, e->state + n, e->state, t0) : status;
 }
 
 /* rows of M, by their largest entries */
@@ -180,12 +191,17 @@ static void measure_mass(dm_curve_step *e, const dm_model *m) {
 }
 
 /* p1 = L_v where the segment of the guess ends */
-static dm_status guess(dm_curve_step *e, const dm_model *m) {
+static dm_status guess(dm_curve_step *e, const dm_stepper *s) {
     const size_t n = e->n;
-    dm_status status = guess_velocity(e, m, e->z);
+    const dm_model *m = s->model;
+    dm_status status = guess_velocity(e, s, e->z);
     if (status != DM_OK) return status;
     measure_mass(e, m);
-    for (size_t k = 0; k < n; k++) e->z[2 * n + k] = (1.0 - e->curve.bias) * e->z[k];
+    status = dm_curve_tie_begin(e, e->z);
+    if (status != DM_OK) return status;
+    memset(e->z + e->unknowns - e->tie.m, 0, e->tie.m * sizeof *e->z);
+    for (size_t k = 0; k < n && e->curve.centred; k++)
+        e->z[2 * n + k] = (1.0 - e->curve.bias) * e->z[k];
     status = dm_curve_place(e, e->z);
     if (status != DM_OK) return status;
     double *x = e->scratch;
@@ -281,12 +297,12 @@ static int has_factors(const dm_curve_step *e) {
 static dm_status search(dm_curve_step *e, const dm_stepper *s, int *iterations) {
     const int known = has_factors(e);
     const size_t size = e->unknowns * sizeof *e->z;
-    double *start = e->z + 3 * e->n;
+    double *start = e->z + e->unknowns;
     memcpy(start, e->z, size);
     dm_status status = known ? chord(e, s, iterations, 0) : DM_NO_CONVERGENCE;
     if (status == DM_OK) return status;
     memcpy(e->z, start, size);
-    e->estimate = e->curve.order > 2;
+    e->estimate = e->curve.order > 2 && !e->tie.k;
     status = chord(e, s, iterations, 1);
     e->estimate = 0;
     if (status == DM_OK) return status;
@@ -307,7 +323,7 @@ dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h)
     e->residual = 0.0;
     e->settled = 0;
     if (!fits_memory(e)) e->memory[0] = 0.0;
-    dm_status status = guess(e, s->model);
+    dm_status status = guess(e, s);
     if (status == DM_OK) status = search(e, s, &iterations);
     s->report.iterations = iterations;
     s->report.residual = e->residual;
@@ -331,16 +347,31 @@ static dm_status find_end(dm_curve_step *e, double *end, double *v) {
     return status;
 }
 
+/* what constraints at the end add to the momentum, and the velocity there */
+static dm_status hide_end(dm_curve_step *e, const dm_stepper *s, double *v) {
+    const size_t n = e->n;
+    dm_curve_tie_keep(e, e->z);
+    for (size_t k = 0; k < n; k++) e->p1[k] = e->next[n + k] + e->mass[k] * e->z[n + k];
+    const double t1 = e->t + e->curve.bias * e->h;
+    const dm_status status = dm_curve_tie_hide(e, s, v, e->p1, e->next, t1);
+    if (status == DM_OK) dm_curve_tie_end(e);
+    return status;
+}
+
 /* q1 = d+(y) and p1, summed with compensation; and what the next step starts from. */
-static dm_status finish(dm_curve_step *e) {
+static dm_status finish(dm_curve_step *e, const dm_stepper *s) {
     const size_t n = e->n;
     double *next = e->next, *end = e->p1, *v = e->slope;
-    const dm_status status = find_end(e, end, v);
+    dm_status status = find_end(e, end, v);
     if (status != DM_OK) return status;
     memcpy(next, e->state, 4 * n * sizeof *next);
+    for (size_t k = 0; k < n; k++) dm_sum_add(next + k, next + 2 * n + k, end[k]);
+    if (e->tie.m) status = hide_end(e, s, v);
+    if (status != DM_OK) return status;
     for (size_t k = 0; k < n; k++) {
-        dm_sum_add(next + k, next + 2 * n + k, end[k]);
-        dm_sum_add(next + n + k, next + 3 * n + k, e->mass[k] * e->z[n + k]);
+        double dp = e->mass[k] * e->z[n + k];
+        if (e->tie.m) dp += e->tie.reaction[k];
+        dm_sum_add(next + n + k, next + 3 * n + k, dp);
     }
     for (size_t k = 0; k < 4 * n; k++)
         if (!isfinite(next[k])) return DM_NOT_FINITE;
@@ -350,12 +381,20 @@ static dm_status finish(dm_curve_step *e) {
     return DM_OK;
 }
 
+/* g and phi at the end, where `hide` looked last */
+static void report_constraints(const dm_curve_step *e, dm_report *report) {
+    const dm_curve_tie *c = &e->tie;
+    if (c->k) report->constraint = fmax(report->constraint, norm(c->start, c->k));
+    if (c->l) report->rolling = fmax(report->rolling, norm(c->roll_start, c->l));
+}
+
 /* The state is overwritten last. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_curve_step *e = (dm_curve_step *)(void *)s->work;
     dm_status status = dm_curve_solve(s, state, t, h);
-    if (status == DM_OK) status = finish(e);
+    if (status == DM_OK) status = finish(e, s);
     s->report.evaluations += e->evaluations;
+    if (status == DM_OK) report_constraints(e, &s->report);
     if (status == DM_OK) memcpy(state, e->next, 4 * e->n * sizeof *state);
     return status;
 }
@@ -368,6 +407,7 @@ const dm_engine dm_engine_curve = {
     .start = start,
     .step = step,
     .memory = memory,
+    .impulses = impulses,
 };
 
 const dm_method dm_method_curve = {
@@ -385,7 +425,7 @@ const dm_method dm_method_curve = {
     .instances =
         "curve(euler):1:0; curve(heun):2:0; curve(kutta3):3:0; curve(rk4):4:0; curve(dopri5):6:0; "
         "curve(butcher6):7:0; curve(fehlberg7):11:0; curve(dop853):12:0",
-    .traits = DM_SYMPLECTIC,
+    .traits = DM_SYMPLECTIC | DM_CONSTRAINTS,
     .engine = &dm_engine_curve,
     .check = check,
     .order = order,

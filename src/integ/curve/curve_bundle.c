@@ -14,8 +14,9 @@ static size_t scratch_size(size_t n) {
     return dm_newton_work((uint32_t)N) + 3 * N * N + 2 * N + pivots;
 }
 
-size_t dm_bundle_work(const dm_curve *c, size_t n) {
-    return dm_segment_work(c, n) + 5 * n + 4 * n * n + scratch_size(n);
+size_t dm_bundle_work(const dm_curve *c, const dm_model *m) {
+    const size_t n = m->n;
+    return dm_segment_work(c, m) + 5 * n + 4 * n * n + scratch_size(n);
 }
 
 /* An element is evaluated as a segment of the curve, whose workspace lies behind the rest. */

@@ -23,7 +23,7 @@ typedef struct {
 
 /* Doubles of a bundle; make its kernels, lay it out. The model needs DM_WANT_VALUE and a
  * second-order field. */
-size_t dm_bundle_work(const dm_curve *c, size_t n);
+size_t dm_bundle_work(const dm_curve *c, const dm_model *m);
 dm_status dm_bundle_open(dm_bundle *b, const dm_curve *c, const dm_model *m, double h,
                          double *memory);
 

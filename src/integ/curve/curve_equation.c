@@ -27,7 +27,7 @@ dm_status dm_curve_place(dm_curve_step *e, const double *z) {
     return status;
 }
 
-/* J for r = (r1, r2, r3) and z = (v, (p1 - p0) / m, (q - q0) / h) */
+/* J for r = (r1, r2, r3) and z = (v, (p1 - p0) / m, (q - q0) / h), without constraints */
 static void fill_jacobian(const dm_curve_step *e, double *J) {
     const size_t n = e->n, N = 2 * n, m = e->unknowns;
     const double *G = e->segment.hessian, *Dp = e->segment.plus_tangent;
@@ -53,6 +53,7 @@ static void fill_jacobian(const dm_curve_step *e, double *J) {
 dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
     dm_curve_step *e = ctx;
     const size_t n = e->n;
+    const int tied = e->tie.m > 0;
     const double *p0 = e->state + n, *low = e->state + 3 * n;
     dm_status status = dm_curve_place(e, z);
     if (status != DM_OK) return status;
@@ -61,18 +62,22 @@ dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
         e->p1[k] = p0[k] + (low[k] + e->mass[k] * z[n + k]);
         e->size = fmax(e->size, fabs(p0[k]) + fabs(e->p1[k]));
     }
-    dm_segment_gradient(&e->segment, e->p1, e->curve.centred ? p0 : NULL);
+    if (tied) dm_curve_tie_react(e, z);
+    dm_segment_gradient(&e->segment, e->p1, e->curve.centred ? (tied ? e->tie.p0 : p0) : NULL);
     for (size_t k = 0; k < n; k++) {
         r[k] = e->segment.slope[k] - e->mass[k] * z[n + k];
+        if (tied) r[k] += e->tie.reaction[k];
         r[n + k] = e->segment.slope[n + k] / e->h;
         if (e->curve.centred) r[2 * n + k] = z[2 * n + k] + e->segment.minus[k] / e->h;
     }
+    if (tied) dm_curve_tie_residual(e, r);
     if (J) {
         if (e->estimate)
             dm_segment_estimate(&e->segment, e->columns);
         else
             dm_segment_hessian(&e->segment, e->columns);
         fill_jacobian(e, J);
+        if (tied) dm_curve_tie_matrix(e, J);
     }
     return DM_OK;
 }

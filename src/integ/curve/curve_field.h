@@ -1,25 +1,37 @@
-/* curve_field.h - the second-order field of a Lagrangian and its exact derivatives as kernels.
- * The acceleration a(q, v, t) is what makes the Euler-Lagrange defect vanish, E(q, v, a, t) =
- * L_q - L_vq v - L_vv a - L_vt = 0, and is not written out: with M = L_vv and M u = k, (k . a)_y
- * = (u . E)_y,   a_y = M^-1 E_y, (k . a)_yy = (u . E)_yy + B^T a_y + (B^T a_y)^T,   B = (u .
- * E)_ay,   y = (q, v), u and a held. */
+/* curve_field.h - the second-order field of a Lagrangian, with forces and constraints, and its
+ * exact derivatives as kernels. At a point (q, v, t) the acceleration a and the multipliers of the
+ * reactions, together w = (a, lambda, mu), make R(q, v, t, w) vanish:
+ *   L_q - L_vq v - L_vv a - L_vt + f + G^T lambda + E^T mu,  (g(q, t))'',  phi(q, v, t)',
+ * the last two along the curve. R is affine in w and not solved in the graph: with S = -R_w,
+ * S^T U = (k, 0) and y = (q, v)
+ *   w_y = S^-1 R_y,  (k . a)_y = (U . R)_y,
+ *   (k . a)_yy = (U . R)_yy + B^T w_y + (B^T w_y)^T,  B = (U . R)_wy,
+ * U and w held. Without constraints S is the mass matrix. The work of f and of E^T mu, which is no
+ * differential, is C = (f + E^T mu, 0). */
 #ifndef DM_CURVE_FIELD_H
 #define DM_CURVE_FIELD_H
 
-#include "mech/model.h"
+#include "mech/constraints.h"
 
-/* Each takes (q[n], v[n], t, a[n], u[n], l). */
+/* Each takes (q[n], v[n], t, w[N], U[N], l, u[controls]). */
 typedef struct {
-    dm_kernel force;    /* a[n] where the mass is constant, else (E + M a)[n], M[n*n] */
-    dm_kernel gradient; /* (u . E + l L)_y [2n] */
-    dm_kernel curve;    /* (u . E + l L)_yy [2n*2n], E_y[n*2n], B[n*2n] */
-    dm_kernel tangent;  /* E_y[n*2n] */
-    dm_kernel momentum; /* L_vy[n*2n] */
+    uint32_t n, N, rolling; /* dim Q; with the multipliers; those of rolling constraints */
+    int solved;             /* S is the constant mass: `force` gives a, and B is zero */
+    dm_kernel force;        /* a[n] where it is solved, else R at w = 0 [N], S[N*N] */
+    dm_kernel gradient;     /* (U . R + l L)_y + l C [2n] */
+    dm_kernel curve;        /* (U . R + l L)_yy + l C_y [2n*2n], R_y[N*2n], B[N*2n], l E^T[n*l] */
+    dm_kernel tangent;      /* R_y[N*2n] */
+    dm_kernel momentum;     /* L_vy[n*2n] */
 } dm_field;
 
-static inline size_t dm_field_inputs(size_t n) {
-    return 4 * n + 2;
-}
+/* n and the number of constraints */
+uint32_t dm_field_rows(const dm_model *m);
+
+/* Entries of what the kernels take. */
+size_t dm_field_inputs(const dm_model *m);
+
+/* Outputs of `curve`. */
+size_t dm_field_curve(const dm_model *m);
 
 /* In the model's arena, kept by the model; DM_TOO_LARGE where there is no graph. */
 dm_status dm_field_build(dm_field *out, const dm_model *m);

@@ -37,24 +37,31 @@ static void multiply(double *C, const double *A, const double *B, size_t rows, s
     }
 }
 
-/* row^T = M^-1 row^T for the columns of E_y[n*N] at point i */
-static void push_columns(dm_segment *g, size_t i, double *E) {
-    const size_t n = g->n, N = 2 * n;
+/* row^T = S^-1 row^T for the columns of R_y[M*2n] at point i */
+static void push_columns(dm_segment *g, size_t i, double *R) {
+    const size_t M = g->field.N, N = 2 * (size_t)g->n;
     double *column = g->some + N * N;
     for (size_t j = 0; j < N; j++) {
-        for (size_t k = 0; k < n; k++) column[k] = E[k * N + j];
+        for (size_t k = 0; k < M; k++) column[k] = R[k * N + j];
         dm_segment_divide(g, i, column);
-        for (size_t k = 0; k < n; k++) E[k * N + j] = column[k];
+        for (size_t k = 0; k < M; k++) R[k * N + j] = column[k];
     }
 }
 
-/* W += B^T a_y + (B^T a_y)^T */
-static void add_mass_terms(double *W, const double *B, const double *a_y, size_t n) {
-    const size_t N = 2 * n;
-    for (size_t k = 0; k < n; k++)
+/* W += B^T w_y + (B^T w_y)^T for B, w_y[rows*N] */
+static void add_mass_terms(double *W, const double *B, const double *w_y, size_t rows, size_t N) {
+    for (size_t k = 0; k < rows; k++)
         for (size_t i = 0; i < N; i++)
             for (size_t j = 0; j < N; j++)
-                W[i * N + j] += B[k * N + i] * a_y[k * N + j] + B[k * N + j] * a_y[k * N + i];
+                W[i * N + j] += B[k * N + i] * w_y[k * N + j] + B[k * N + j] * w_y[k * N + i];
+}
+
+/* W += (l E^T mu_y, 0), as work sees the multipliers of rolling constraints; bend[n*rolling] */
+static void add_bend(const dm_segment *g, double *W, const double *bend, const double *w_y) {
+    const size_t n = g->n, N = 2 * n, l = g->field.rolling;
+    const double *mu_y = w_y + (g->field.N - l) * N;
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < l; c++) add(W + i * N, bend[i * l + c], mu_y + c * N, N);
 }
 
 /* columns first .. N-1 of hessian += T^T W T */
@@ -85,17 +92,19 @@ static void add_ends(dm_segment *g, size_t i, const double *dv, const double *da
 /* Forward again, with the tangents of the points: by then all pulls are known, and every point adds
  * its own term. */
 void dm_segment_hessian(dm_segment *g, uint32_t first) {
-    const size_t n = g->n, N = 2 * n;
+    const size_t n = g->n, N = 2 * n, M = g->field.N;
     memset(g->hessian, 0, N * N * sizeof *g->hessian);
     memset(g->plus_tangent, 0, n * N * sizeof *g->plus_tangent);
     memset(g->minus_tangent, 0, n * N * sizeof *g->minus_tangent);
     for (size_t i = 0; i < g->points; i++) {
         double *T = g->tangent + i * N * N, *W = g->second, *a_y = W + N * N;
+        double *B = a_y + M * N;
         place_tangent(g, i);
         dm_kernel_prepare(&g->field.curve, g->second); /* a_y is changed in place */
         dm_kernel_eval(&g->field.curve, g->x + i * g->inputs, g->second);
         push_columns(g, i, a_y);
-        if (!g->m->inverse_mass) add_mass_terms(W, a_y + n * N, a_y, n);
+        if (!g->field.solved) add_mass_terms(W, B, a_y, M, N);
+        add_bend(g, W, B + M * N, a_y);
         multiply(g->push + i * n * N, a_y, T, n, N, 0);
         add_second(g, W, T, first);
         add_ends(g, i, T + n * N, g->push + i * n * N);

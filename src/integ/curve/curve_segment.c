@@ -17,12 +17,12 @@ static double *take(double **memory, size_t count) {
 }
 
 /* In the order of dm_segment_open: what every point has, then what the segment has once. */
-size_t dm_segment_work(const dm_curve *c, size_t n) {
-    const size_t s = (size_t)c->s, N = 2 * n;
-    return s * (dm_field_inputs(n) + n + n * n + n * n + doubles(n * sizeof(uint32_t)) + N + N * N +
-                n * N) +
-           N + 2 * N * N + (N * N + N) + 4 * n + N + N * N + 2 * n * N + 3 * s * s + 7 * s +
-           5 * n * N + dm_field_inputs(n);
+size_t dm_segment_work(const dm_curve *c, const dm_model *m) {
+    const size_t s = (size_t)c->s, n = m->n, N = 2 * n, M = dm_field_rows(m);
+    const size_t inputs = dm_field_inputs(m), controls = inputs - N - 2 - 2 * M;
+    return s * (inputs + M + 2 * M * M + doubles(M * sizeof(uint32_t)) + N + N * N + n * N) + N +
+           dm_field_curve(m) + (N * N + 2 * M) + controls + 4 * n + N + N * N + 2 * n * N +
+           3 * s * s + 7 * s + 4 * n * N + M * N + inputs;
 }
 
 /* They are filled when the first step tells its h. */
@@ -66,22 +66,23 @@ static void scale(dm_segment *g, double h) {
 
 /* Kernels, arrays, and the outputs that never vary. */
 dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, double *memory) {
-    const size_t n = m->n, s = (size_t)c->s, N = 2 * n;
+    const size_t n = m->n, s = (size_t)c->s, N = 2 * n, M = dm_field_rows(m);
     *g = (dm_segment){.curve = c, .m = m, .n = m->n, .points = s, .h = NAN};
-    g->inputs = dm_field_inputs(n);
+    g->inputs = dm_field_inputs(m);
     const dm_status status = dm_field_build(&g->field, m);
     if (status != DM_OK) return status;
     place_coefficients(g, take(&memory, 3 * s * s + 7 * s));
     g->x = take(&memory, s * g->inputs);
-    g->force = take(&memory, s * (n + n * n));
-    g->factors = take(&memory, s * n * n);
-    g->pivot = (uint32_t *)(void *)take(&memory, s * doubles(n * sizeof(uint32_t)));
+    g->force = take(&memory, s * (M + M * M));
+    g->factors = take(&memory, s * M * M);
+    g->pivot = (uint32_t *)(void *)take(&memory, s * doubles(M * sizeof(uint32_t)));
     g->gradient = take(&memory, s * N);
     g->pull = take(&memory, N);
-    g->second = take(&memory, 2 * N * N);
+    g->second = take(&memory, dm_field_curve(m));
     g->tangent = take(&memory, s * N * N);
     g->push = take(&memory, s * n * N);
-    g->some = take(&memory, N * N + N);
+    g->some = take(&memory, N * N + 2 * M);
+    g->held = take(&memory, g->inputs - N - 2 - 2 * M);
     g->plus = take(&memory, n);
     g->minus = take(&memory, n);
     g->arrival = take(&memory, n);
@@ -94,7 +95,7 @@ dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, d
     g->departure_tangent = take(&memory, n * N);
     g->momentum = take(&memory, n * N);
     g->change = take(&memory, n * N);
-    g->a_y = take(&memory, n * N);
+    g->a_y = take(&memory, M * N);
     g->end = take(&memory, g->inputs);
     for (size_t i = 0; i < s; i++)
         dm_kernel_prepare(&g->field.force, g->force + i * g->field.force.outputs);
@@ -105,13 +106,11 @@ dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, d
 
 /* ---- forward ---- */
 
-/* x = M^-1 x at point i */
-void dm_segment_divide(const dm_segment *g, size_t i, double *x) {
+/* x = M^-1 x with the numbers of a constant mass */
+static void divide_by_mass(const dm_segment *g, double *x) {
     const size_t n = g->n;
     const double *inverse = g->m->inverse_mass;
-    if (!inverse) {
-        dm_lu_solve(x, g->factors + i * n * n, g->pivot + i * n, g->n);
-    } else if (g->m->structure & DM_DIAGONAL_MASS) {
+    if (g->m->structure & DM_DIAGONAL_MASS) {
         for (size_t k = 0; k < n; k++) x[k] *= inverse[k];
     } else {
         double *y = g->some;
@@ -122,18 +121,35 @@ void dm_segment_divide(const dm_segment *g, size_t i, double *x) {
     }
 }
 
-/* acceleration of point i from its q, v, t */
+void dm_segment_divide(const dm_segment *g, size_t i, double *x) {
+    const size_t N = g->field.N;
+    if (g->field.solved)
+        divide_by_mass(g, x);
+    else
+        dm_lu_solve(x, g->factors + i * N * N, g->pivot + i * N, g->field.N);
+}
+
+/* Given reactions make S another matrix than its transpose. */
+void dm_segment_divide_transposed(const dm_segment *g, size_t i, double *x) {
+    const size_t N = g->field.N;
+    if (N == g->n)
+        dm_segment_divide(g, i, x);
+    else
+        dm_lu_solve_transposed(x, g->factors + i * N * N, g->pivot + i * N, g->field.N);
+}
+
+/* acceleration and multipliers of point i from its q, v, t */
 static dm_status accelerate(dm_segment *g, size_t i) {
-    const size_t n = g->n;
-    double *x = g->x + i * g->inputs, *a = x + 2 * n + 1;
+    const size_t N = g->field.N;
+    double *x = g->x + i * g->inputs, *w = x + 2 * g->n + 1;
     double *out = g->force + i * g->field.force.outputs;
     dm_kernel_eval(&g->field.force, x, out);
-    memcpy(a, out, n * sizeof *a);
-    if (g->m->inverse_mass) return DM_OK;
-    double *M = g->factors + i * n * n;
-    memcpy(M, out + n, n * n * sizeof *M);
-    const dm_status status = dm_lu_factor(M, g->pivot + i * n, g->n);
-    if (status == DM_OK) dm_segment_divide(g, i, a);
+    memcpy(w, out, N * sizeof *w);
+    if (g->field.solved) return DM_OK;
+    double *S = g->factors + i * N * N;
+    memcpy(S, out + N, N * N * sizeof *S);
+    const dm_status status = dm_lu_factor(S, g->pivot + i * N, g->field.N);
+    if (status == DM_OK) dm_segment_divide(g, i, w);
     return status;
 }
 
@@ -153,6 +169,8 @@ static void place_point(dm_segment *g, const dm_segment_place *at, size_t i) {
         x[n + k] = at->v[k] + dv;
     }
     x[2 * n] = at->t + at->h * g->curve->c[i];
+    const size_t known = 2 * n + 2 + 2 * (size_t)g->field.N;
+    if (width > known) memcpy(x + known, g->held, (width - known) * sizeof *x);
 }
 
 /* Sums over the points, from the first one on: the order is that of every backend. */
@@ -222,18 +240,18 @@ static void pull_back(dm_segment *g, double *k, size_t i, const double *p1, cons
 }
 
 /* From the last point to the first: what a point is pulled back by is known when those behind it
- * are done. u = M^-1 of the part that meets the acceleration. */
+ * are done. U = S^-T of the part that meets the acceleration. */
 void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0) {
-    const size_t n = g->n;
+    const size_t n = g->n, N = g->field.N;
     double *k = g->hessian; /* not yet in use */
     for (size_t l = 0; l < 2 * n; l++) g->slope[l] = 0.0;
     for (size_t i = g->points; i-- > 0;) {
-        double *x = g->x + i * g->inputs, *u = x + 3 * n + 1;
+        double *x = g->x + i * g->inputs, *u = x + 2 * n + 1 + N;
         double *y = g->gradient + i * 2 * n;
         pull_back(g, k, i, p1, p0);
-        for (size_t l = 0; l < n; l++) u[l] = k[n + l];
-        dm_segment_divide(g, i, u);
-        x[4 * n + 1] = g->weight[i];
+        for (size_t l = 0; l < N; l++) u[l] = l < n ? k[n + l] : 0.0;
+        dm_segment_divide_transposed(g, i, u);
+        u[N] = g->weight[i];
         dm_kernel_eval(&g->field.gradient, x, g->pull);
         for (size_t l = 0; l < n; l++) {
             y[l] = g->pull[l];

@@ -3,7 +3,9 @@
  * with F = (v, a), k_i = dG/dF_i and y_i = dG/dY_i, k_i = (h minus_i p0 - h plus_i p1, 0) + h
  * sum_j>i a_ji y_j,   y_i = (0, kq_i) + (kv_i . a + h weight_i L)_y(Y_i) (and the like for push
  * and lift), and with the tangents T_i = dY_i/dy G_yy = sum_i T_i^T (kv_i . a + h weight_i L)_yy
- * T_i. All exact. */
+ * T_i. All exact. Forces and rolling constraints do work along the segment: dLd becomes the
+ * one-form sigma_d = dLd + h sum_i weight_i C(Y_i) . T_i, which need not be closed, and C enters
+ * y_i as L_y does; G_y and G_yy then stand for the form and its derivative. */
 #ifndef DM_CURVE_SEGMENT_H
 #define DM_CURVE_SEGMENT_H
 
@@ -23,14 +25,15 @@ typedef struct {
     double *plus_v, *next_v;           /* [s] of arrival and next, times h */
     double *x;                         /* [s][inputs] of the field's kernels: q, v, t, a, u, l */
     double *force;                     /* [s][force.outputs] */
-    double *factors;                   /* [s][n*n] of M; none where it is constant */
-    uint32_t *pivot;                   /* [s][n] */
+    double *factors;                   /* [s][N*N] of S; none where the field is solved */
+    uint32_t *pivot;                   /* [s][N] */
     double *gradient;                  /* [s][2n] y_i */
     double *pull;                      /* [2n] outputs of the kernels */
-    double *second;                    /* [2n*2n + 2 n*2n] */
+    double *second;                    /* [outputs of `curve`] */
     double *tangent;                   /* [s][2n*2n] T_i */
     double *push;                      /* [s][n*2n] da_i/dy */
-    double *some;                      /* [2n*2n + 2n] scratch */
+    double *some;                      /* [2n*2n + 2N] scratch */
+    double *held;                      /* [controls] of this step, set by the caller */
     double *plus, *minus;              /* [n] d+ - q, d- - q */
     double *arrival;                   /* [n] v + h sum plus a: the velocity at d+ */
     double *next;                      /* [n] v + h sum (plus - minus) a: v of the next segment */
@@ -38,11 +41,11 @@ typedef struct {
     double *hessian;                   /* [2n*2n] G_yy */
     double *plus_tangent, *minus_tangent;        /* [n*2n] of d+ - q, d- - q */
     double *arrival_tangent, *departure_tangent; /* [n*2n] of the velocities there, less v */
-    double *momentum, *change, *a_y, *end;       /* [n*2n] L_vy, its use, a_y; inputs of it */
+    double *momentum, *change, *a_y, *end; /* [n*2n] L_vy, its use; [N*2n] w_y; inputs of L_vy */
 } dm_segment;
 
 /* Doubles of a segment; make its kernels, lay it out. */
-size_t dm_segment_work(const dm_curve *c, size_t n);
+size_t dm_segment_work(const dm_curve *c, const dm_model *m);
 dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, double *memory);
 
 /* Points, ends, `arrival` and `next` for q + shift, v (shift NULL: 0), step h around time t. */
@@ -63,8 +66,9 @@ void dm_segment_hessian(dm_segment *g, uint32_t first);
  * derivatives of the field. */
 void dm_segment_estimate(dm_segment *g, uint32_t first);
 
-/* x = M^-1 x at point i. */
+/* x = S^-1 x and S^-T x at point i, x[N]; without constraints S is the mass, and symmetric. */
 void dm_segment_divide(const dm_segment *g, size_t i, double *x);
+void dm_segment_divide_transposed(const dm_segment *g, size_t i, double *x);
 
 /* Ld, after run. Needs DM_WANT_VALUE. */
 double dm_segment_action(const dm_segment *g);

@@ -224,14 +224,6 @@ raises("degenerate", function()
   dm.system({ Q = dm.R(2), L = function(q, v) return q[1] * v[2] - q[2] ^ 2 end })
     :solver({ rule = dm.curve "rk4", h = 0.1 }):run { q = { 1, 0 }, v = { 0, 0 }, steps = 1 }
 end)
-raises("constraint", function()
-  dm.system({ Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end, constraint = function(q) return { q:dot(q) - 1 } end })
-    :solver({ rule = dm.curve "rk4", h = 0.1 }):run { q = { 1, 0 }, v = { 0, 0 }, steps = 1 }
-end)
-raises("force", function()
-  dm.system({ Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - q[1] ^ 2) / 2 end, force = function(q, v) return { -v[1] } end })
-    :solver({ rule = dm.curve "rk4", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 1 }
-end)
 -- steps too large: a failure that carries the path
 local steep = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 + math.exp(q[1]) end }
 local _, failure = pcall(function() return steep:solver { rule = dm.curve "straight", h = 2 }:run { q = { -9 }, v = { 0 }, steps = 1000 } end)
