@@ -121,7 +121,8 @@ static const dml_row functions[] =
       "are, with numbers for coefficients; its order is found, and `order` (optional) checked "
       "against it. bias in [0, 1]: the part of a step behind (q, v), 1 unless given, 1/2 for "
       "\"straight\" and for symmetric rules; straight segments with bias 1/2 are the midpoint "
-      "rule, with 0 and 1 the two symplectic Euler methods. The rule as text: rule = "
+      "rule, with 0 and 1 the two symplectic Euler methods. Systems may have force, control, "
+      "constraint and rolling. The rule as text: rule = "
       "\"curve(rk4)\", \"curve(rk4, 0.5)\" (Cuell-Patrick 2008)."},
      {NULL, NULL, NULL}};
 

@@ -86,7 +86,7 @@ static void place(dm_curve_tie *c, const double *q, const double *v, double t) {
     c->x[2 * n] = t;
 }
 
-/* the row that multiplier i pulls along, at the start, and that of the derivative of its equation */
+/* the row that multiplier i pulls along, at the start, and the derivative of its equation */
 static const double *pull_row(const dm_curve_tie *c, size_t i) {
     const size_t n = c->c->n;
     return i < c->k ? c->start + c->k + i * n : c->roll_start + c->l + (i - c->k) * n;
