@@ -119,7 +119,7 @@ ok(path:worst "rolling" < 1e-13 and path:worst "constraint" < 1e-13, "both kinds
 -- bad input
 local disc = dm.system { Q = dm.R(2), coordinates = { "r", "theta" },
   L = function(q, v) return (v[1] ^ 2 + q[1] ^ 2 * v[2] ^ 2) / 2 + 1 / q[1] end }:routh { cyclic = { "theta" }, mu = 1 }
-raises("no place in the reduced step", function()
+raises("a component along the group", function()
   return disc:discrete(dm.discrete_lagrangian { Q = dm.R(2), h = h, Ld = function(a, b, h) return (b - a):dot(b - a) / 2 / h end,
     force = function(a, b) return { a - b, a - b } end })
 end)

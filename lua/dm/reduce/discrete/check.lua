@@ -2,6 +2,7 @@
 -- group leaves as it is.
 local bound = require "dm.base.bound"
 local core = require "dm.core"
+local forces = require "dm.reduce.discrete.forces"
 local lists = require "dm.base.lists"
 local check = require "dm.reduce.routh.check"
 local model = require "dm.reduce.routh.model"
@@ -106,13 +107,16 @@ local PLACES = { 0, 0.9, -2.1 } -- of theta at q0, where Ld is looked at
 
 -- does Ld depend on theta1 - theta0 alone, -D1 Ld = D2 Ld along the group, at a point of L?
 local function check_symmetry(D, p)
-  local info, y, psi = D.info, {}, {}
+  local info, y, psi, places = D.info, {}, {}, {}
   local x, u = model.split(info, p.q), model.split(info, p.v)
   for j = 1, info.d do y[j] = x[j] + math.min(D.h, 0.1) * u[j] end
   for a = 1, info.m do psi[a] = 0.2 + 0.1 * a end
-  for _, place in ipairs(PLACES) do
-    local theta = {}
-    for a = 1, info.m do theta[a] = a * place end
+  for k, place in ipairs(PLACES) do
+    places[k] = {}
+    for a = 1, info.m do places[k][a] = a * place end
+  end
+  if D.forces then forces.check(D, x, y, psi, places) end
+  for _, theta in ipairs(places) do
     local fine, worst, name, p0, p1 = pcall(defect, D, x, y, theta, psi)
     if fine and worst > 1e-8 then
       error(("this Ld is not invariant: its momenta along '%s' are %.6g at q0 and %.6g at q1, for "
@@ -135,10 +139,11 @@ local function points_of(info)
   return out
 end
 
---- Raises where the system has a force or the time, for which there is no place in an Ld, or Ld
--- (left out: that of a rule in the coordinates (theta, x)) has a constraint of its own.
+--- Raises where the system has a force that Ld has not, or the time, for which there is no place
+-- in an Ld, or Ld (left out: that of a rule in the coordinates (theta, x)) has a constraint of its
+-- own.
 function M.places(info, full, Ld)
-  if full.given.force then routh.need_free(info, "discrete") end
+  if full.given.force and not (Ld and Ld.force) then routh.need_free(info, "discrete") end
   routh.need_autonomous(info, "discrete")
   if Ld then check_own_constraint(full, Ld, points_of(info)) end
 end

@@ -2,6 +2,7 @@
 -- psi, stationary in psi, is a discrete Lagrangian of its own (dm.root); its step comes with it as
 -- a function (step.lua), which finds x1 and psi together.
 local core = require "dm.core"
+local forces = require "dm.reduce.discrete.forces"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 local psi_of = require "dm.reduce.discrete.psi"
@@ -15,10 +16,36 @@ local known = setmetatable({}, { __mode = "k" })
 --- The discrete shape of a path of its solver, or nothing.
 function M.of(system) return known[system] end
 
+-- what acts beside Ld, of a pair of shapes, along them
+local function acting(D, straight)
+  local info, out = D.info, {}
+  local function over(f)
+    return f and function(x0, x1)
+      return f(psi_of.lifted(info, x0, x1, D.root(x0, x1, straight(x0, x1))))
+    end
+  end
+  local given = D.forces or {}
+  out.force = over(given.push and function(q0, q1, J0, J1)
+    local F1, F2 = given.push(q0, q1)
+    return { forces.of_shape(info, J0, F1), forces.of_shape(info, J1, F2) }
+  end)
+  out.rolling = over(given.rolling and function(q0, q1)
+    return core.vector(given.rolling(q0, q1))
+  end)
+  out.reaction = over(given.reaction and function(q0, q1, J0)
+    local rows = given.reaction(q0, q1)
+    for c, E in ipairs(rows) do rows[c] = forces.of_shape(info, J0, E) end
+    return rows
+  end)
+  return out
+end
+
 local function make(D)
   local straight = psi_of.straight(D)
   local step, size = step_of.of(D)
-  local W = core.with_step { Q = core.R(D.info.d), h = D.h,
+  local beside = acting(D, straight)
+  local W = core.with_step { force = beside.force, rolling = beside.rolling,
+    reaction = beside.reaction, Q = core.R(D.info.d), h = D.h,
     coordinates = D.shape.coordinates, name = "discrete Routhian", constraint = D.constraint,
     Ld = function(x0, x1) return D.root:value(x0, x1, straight(x0, x1)) end,
     map = function(x, y) return lists.part(step(x, y, x), 0, size) end }

@@ -10,6 +10,7 @@ local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local check = require "dm.reduce.discrete.check"
 local core = require "dm.core"
+local forces = require "dm.reduce.discrete.forces"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 local psi_of = require "dm.reduce.discrete.psi"
@@ -93,7 +94,7 @@ function methods.one_form(D, x0, x1)
   return s.A1, s.A2
 end
 
--- D1 L^d, D2 L^d at a pair
+-- D1 L^d + F1, D2 L^d + F2 at a pair
 local function slopes(s) return s.by0 - s.y0, s.by1 + s.y1 end
 
 function methods.legendre_minus(D, x0, x1)
@@ -123,7 +124,7 @@ function methods.two_form(D, x0, x1)
 end
 
 function methods.step(D, x0, x1)
-  if D.constraint then
+  if D.constraint or D.forces and D.forces.rolling then
     error("step: this system has constraints, with which D:solver{} steps it", 0)
   end
   x0, x1 = points(D, x0, x1)
@@ -166,15 +167,16 @@ The two halves of the one-form of Leok (2.3.29), mu psi_x0 - mu A(x0) and mu psi
 the connection of the shape.]])
 doc("legendre_minus", [[
 D:legendre_minus(x0, x1) -> dm.vector
-The reduced momentum at x0, s0 = -(D1 L^d - A^1): p - mu A of the unreduced path there.]])
+The reduced momentum at x0, s0 = -(D1 L^d + F1 - A^1), F1 the discrete force where there is one: p -
+mu A of the unreduced path there.]])
 doc("legendre_plus", [[
 D:legendre_plus(x0, x1) -> dm.vector
-The reduced momentum at x1, s1 = D2 L^d - A^2.]])
+The reduced momentum at x1, s1 = D2 L^d + F2 - A^2.]])
 doc("residual", [[
 D:residual(x0, x1, x2 [, kind]) -> dm.vector
 What is left of the discrete Routh equations at three points in a row: kind = "literal" (default),
 D2 L^d + D1 L^d - A^2 - A^1 (Leok 2.3.29), or "direct", dLd/dx1 + dLd/dx1 at psi_mu, which is the
-same without a connection.]])
+same without a connection; discrete forces F2 + F1 are in it (Leok 2.8.2), reactions are not.]])
 doc("two_form", [[
 D:two_form(x0, x1) -> dm.matrix, dim shape x dim shape
 The matrix -d2W/dx0dx1 (row x0, column x1) of the reduced discrete symplectic form, W the discrete
@@ -216,14 +218,10 @@ M.discrete = blame.caller(function(shape, given)
   local info = routh.need(shape, "discrete")
   local full = info.ambient and info.ambient.system or info.full
   local Ld = read(info, full, given)
-  if Ld.force or Ld.rolling then
-    error(("shape:discrete: this Ld has its own '%s', which has no place in the reduced step; "
-      .. "step Ld itself"):format(Ld.force and "force" or "rolling"), 0)
-  end
   local own = lists.copy(info)
   if type(given) == "table" then own.ambient = nil end
   local D = setmetatable({ info = own, Ld = Ld, h = Ld.h, shape = shape,
-    action = action.of(Ld), constraint = shape.given.constraint }, Discrete)
+    action = action.of(Ld), constraint = shape.given.constraint, forces = forces.of(Ld) }, Discrete)
   if type(given) ~= "table" then check.given(D, full) end
   psi_of.make(D)
   return D
@@ -237,6 +235,8 @@ A discrete Lagrangian of the unreduced system without its group variables: that 
 a dm.discrete_lagrangian in the unreduced coordinates. It has psi_mu, the discrete connection, the
 discrete Routh equations. Raises where the group does not leave Ld as it is, where it is that of
 another system (its equations do not approach those of L as h goes to 0) or has another momentum
-along the group than L has, or a constraint that the system has not.]])
+along the group than L has, or a constraint that the system has not. Its forces and rolling
+constraints are reduced where the group leaves them and their reactions invariant and they have no
+part along it (Leok 2.8.2-2.8.3); else raises with the entry and the component.]])
 
 return M

@@ -2,6 +2,7 @@
 -- dLd/dpsi (x0, x1, psi) = mu, an implicit function; with it the canonical momenta -dLd/dx0 and
 -- dLd/dx1. Its derivatives are those of the graph.
 local core = require "dm.core"
+local forces = require "dm.reduce.discrete.forces"
 local lists = require "dm.base.lists"
 local model = require "dm.reduce.routh.model"
 local shape_of = require "dm.reduce.routh.shape"
@@ -46,30 +47,23 @@ local function root_of(D)
     end }
 end
 
--- entries of J^T p for the coordinates of the shape
-local function of_shape(info, J, p, first)
-  local out = {}
-  for j, k in ipairs(info.shape) do
-    out[j] = J and 0 or p[first + k]
-    for i = 1, J and info.n or 0 do out[j] = out[j] + J[i][k] * p[first + i] end
-  end
-  return out
-end
-
---- D.root and D.both: (x0, x1, guess) -> psi[m], -dLd/dx0 [d], dLd/dx1 [d], as one vector.
+--- D.root and D.both: (x0, x1, guess) -> psi[m], -dLd/dx0 [d], dLd/dx1 [d] and, with forces, F1, F2
+-- along the shape [d each], as one vector.
 function M.make(D)
-  local info, A = D.info, D.action
-  local n, m, d = info.n, info.m, info.d
+  local info, A, push = D.info, D.action, D.forces and D.forces.push
+  local n, m = info.n, info.m
   D.root = root_of(D)
   D.both = core.trace(function(x0, x1, guess)
-    local y, out = D.root(x0, x1, guess), {}
+    local y = D.root(x0, x1, guess)
     local q0, q1, J0, J1 = lifted(info, x0, x1, y)
     local slope = A.slope(q0, q1, A.inner > 0 and lists.part(y, m, A.inner) or nil)
-    local p0, p1 = of_shape(info, J0, slope, 0), of_shape(info, J1, slope, n)
-    for a = 1, m do out[a] = y[a] end
-    for j = 1, d do out[m + j], out[m + d + j] = -p0[j], p1[j] end
-    return core.vector(out)
-  end, d, d, m)
+    local out = lists.joined(lists.part(y, 0, m), -forces.of_shape(info, J0, slope))
+    out = lists.joined(out, forces.of_shape(info, J1, lists.part(slope, n, n)))
+    if not push then return out end
+    local F1, F2 = push(q0, q1)
+    return lists.joined(out,
+      lists.joined(forces.of_shape(info, J0, F1), forces.of_shape(info, J1, F2)))
+  end, info.d, info.d, m)
 end
 
 -- the same on numbers, or nothing where the line has no velocity of the group
@@ -93,15 +87,20 @@ local function at_pair(D, f, x0, x1, guess)
   error(NONE:format(tostring(x0), tostring(x1), why, D.h), 0)
 end
 
---- psi, and the canonical momenta y0, y1 at both ends.
+--- psi, and the canonical momenta y0 = -dLd/dx0 - F1, y1 = dLd/dx1 + F2 at both ends.
 function M.pair(D, x0, x1, guess)
   local info, both = D.info, at_pair(D, D.both, x0, x1, guess)
   local m, d = info.m, info.d
-  return { psi = lists.part(both, 0, m), y0 = lists.part(both, m, d),
+  local out = { psi = lists.part(both, 0, m), y0 = lists.part(both, m, d),
     y1 = lists.part(both, m + d, d) }
+  if D.forces and D.forces.push then
+    out.y0 = out.y0 - lists.part(both, m + 2 * d, d)
+    out.y1 = out.y1 + lists.part(both, m + 3 * d, d)
+  end
+  return out
 end
 
---- The derivatives of all that in (x0, x1): psi_x0, psi_x1 (m x d), and dy0/dx1 (d x d).
+--- Derivatives in (x0, x1): psi_x0, psi_x1 (m x d), and y0_x1, that of -dLd/dx0 (d x d).
 function M.derivatives(D, x0, x1, psi)
   local info = D.info
   local m, d = info.m, info.d

@@ -1,8 +1,9 @@
 --- The step of a reduced discrete Lagrangian: the next shape and psi, solved for together, by the
 -- unreduced equations in the coordinates of Q. From (x0, y0) over the group's identity:
---   D1 Ld(q0, q1) + G(q0)^T lambda = -p0,  g(q1) = 0,   q0 = section(x0),  p0 over (mu, y0),
--- an implicit function of n unknowns q1 (and lambda, and inner variables of Ld) that begins where
--- the step of Ld does, at q1 = q0; then q1 = psi . section(x1), and y1 is D2 Ld there (Leok 2.3).
+--   D1 Ld(q0, q1) + F1 + G(q0)^T lambda + E^T kappa = -p0,  g(q1) = 0,  phi(q0, q1) = 0,
+-- q0 = section(x0), p0 over (mu, y0), an implicit function of n unknowns q1 (and lambda, kappa and
+-- inner variables of Ld) that begins where the step of Ld does, at q1 = q0; then q1 = psi .
+-- section(x1), and y1 is D2 Ld + F2 there (Leok 2.3, 2.8).
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
@@ -46,27 +47,50 @@ local function constraint_of(info)
   return g, core.derivative(g, info.n)
 end
 
--- what is left of the equations at z = (q1, w, lambda), in the coordinates (theta, x) of q0
-local function equations_of(D, count)
+-- all that stands beside D1 Ld at the start of a step, to be added to p: forces and reactions
+local function beside_of(D, constraints)
+  local acting, _, G = D.forces or {}, constraint_of(D.info)
+  return function(p, q0, q1, multipliers)
+    local rows, F1 = G and G(q0) or {}, acting.push and acting.push(q0, q1)
+    for i = 1, F1 and #p or 0 do p[i] = p[i] + F1[i] end
+    for c = 1, constraints do
+      for i = 1, #p do p[i] = p[i] + rows[c][i] * multipliers[c] end
+    end
+    for c, E in ipairs(acting.reaction and acting.reaction(q0, q1) or {}) do
+      for i = 1, #p do p[i] = p[i] + E[i] * multipliers[constraints + c] end
+    end
+    return p
+  end
+end
+
+-- g(q1), then phi(q0, q1)
+local function constraints_of(D)
+  local g, rolling = constraint_of(D.info), D.forces and D.forces.rolling
+  return function(q0, q1)
+    local out = g and lists.entries(g(q1)) or {}
+    for _, phi in ipairs(rolling and rolling(q0, q1) or {}) do out[#out + 1] = phi end
+    return out
+  end
+end
+
+-- what is left of the equations at z = (q1, w, lambda, kappa), in the coordinates (theta, x) of q0
+local function equations_of(D, constraints, count)
   local info, A = D.info, D.action
   local chart, slope = chart_of(info)
-  local g, G = constraint_of(info)
+  local add_beside, left_of = beside_of(D, constraints), constraints_of(D)
   local n, inner = info.n, A.inner
   return function(z, x, y)
     local at = model.embed(info, x)
     local q0, q1 = chart(at), lists.part(z, 0, n)
     local D1 = A.slope(q0, q1, inner > 0 and lists.part(z, n, inner) or nil)
-    local rows, p = G and G(q0), {}
-    for i = 1, n do
-      p[i] = D1[i]
-      for c = 1, count do p[i] = p[i] + rows[c][i] * z[n + inner + c] end
-    end
+    local p = {}
+    for i = 1, n do p[i] = D1[i] end
+    add_beside(p, q0, q1, lists.part(z, n + inner, count))
     local out = pulled_back(slope and slope(at), p, 0, n)
     for a, i in ipairs(info.cyclic) do out[i] = out[i] + info.mu[a] end
     for j, i in ipairs(info.shape) do out[i] = out[i] + y[j] end
     for i = 1, inner do out[n + i] = D1[2 * n + i] end
-    local left = g and g(q1)
-    for c = 1, count do out[n + inner + c] = left[c] end
+    for c, left in ipairs(left_of(q0, q1)) do out[n + inner + c] = left end
     return out
   end
 end
@@ -124,17 +148,21 @@ end
 
 local function make(D)
   local info, A = D.info, D.action
-  local n, d, count = info.n, info.d, D.constraint and D.shape:structure().constraints or 0
+  local n, d = info.n, info.d
+  local constraints = D.constraint and D.shape:structure().constraints or 0
+  local push, count = D.forces and D.forces.push, constraints + (D.forces and D.forces.rolls or 0)
   local root = core.root { name = "the next point", unknowns = n + A.inner + count,
     failure = "is the step too long for this momentum?",
-    start = start_of(D, count), equations = equations_of(D, count) }
+    start = start_of(D, count), equations = equations_of(D, constraints, count) }
   local inverse, chart, slope = inverse_of(info), chart_of(info)
   local function step(x, y, near)
     local z = root(x, y)
     local q1, w = lists.part(z, 0, n), A.inner > 0 and lists.part(z, n, A.inner) or nil
     local there = inverse(q1, near)
-    local D2 = A.slope(chart(model.embed(info, x)), q1, w)
-    local p, out = pulled_back(slope and slope(there), D2, n, n), {}
+    local q0, out = chart(model.embed(info, x)), {}
+    local p1, F2 = lists.part(A.slope(q0, q1, w), n, n), nil
+    if push then F2 = select(2, push(q0, q1)) end
+    local p = pulled_back(slope and slope(there), F2 and p1 + F2 or p1, 0, n)
     for j, i in ipairs(info.shape) do out[j], out[d + j] = there[i], p[i] end
     for c = 1, count do out[2 * d + c] = z[n + A.inner + c] end
     for _, i in ipairs(info.cyclic) do out[#out + 1] = there[i] end

@@ -3,8 +3,10 @@
 -- (D2 Ld - D1 Ld) / 2 of a step approaches L_v: along the group, or mu would mean something else.
 -- What is left at k must be explained by how it changes with k and by round-off: eps |L_vv| |q| / k
 -- of momenta, by k once more of equations, or more, as it scatters.
+local bound = require "dm.base.bound"
 local check = require "dm.reduce.routh.check"
 local core = require "dm.core"
+local forces = require "dm.reduce.discrete.forces"
 
 local M = {}
 
@@ -74,6 +76,12 @@ local function momentum_at(slope, s, k)
   local D = slope(s.q - k / 2 * s.v, s.q + k / 2 * s.v, k)
   for i = 1, n do out[i] = (D[n + i] - D[i]) / 2 end
   return core.vector(out)
+end
+
+-- (F1 + F2) / k of a step, the force of Ld in the mean
+local function force_at(push, s, k)
+  local F1, F2 = push(s.q - k / 2 * s.v, s.q + k / 2 * s.v, k)
+  return (F1 + F2) / k
 end
 
 ---- the limit of small steps ----
@@ -188,6 +196,25 @@ local function compare(o, s, f, want, size, project, power)
   return wrong_value(c, s, o.h)
 end
 
+local FORCE = "discrete: the force of this Ld is not that of its system: (F1 + F2) / h is %s where "
+  .. "the system has %s, at %s"
+
+-- the force of the system, where it has one: by short steps or, as one may know its h only, at h,
+-- by how much the force changes over such a step
+local function check_force(o, s, project, place)
+  if not o.force then return nil end
+  local f, h = core.vector(o.force(s.q, s.v, 0)), o.h
+  local function seen(k) return project(force_at(o.push, s, k)) end
+  local c = { want = project(f), size = f:norm(), f = seen }
+  function c.rounded(k) return s.rounded / k end
+  local found = wrong_limit(c, o.steps)
+  if not found then return nil end
+  local change = (core.vector(o.force(s.q - h / 2 * s.v, s.v, 0)) - f):norm()
+    + (core.vector(o.force(s.q + h / 2 * s.v, s.v, 0)) - f):norm()
+  if (seen(h) - c.want):norm() <= UNEXPLAINED * change + 0.01 * c.size then return nil end
+  return FORCE:format(check.text(found), check.text(c.want), place)
+end
+
 local function check_point(o, p, G, generators)
   local s = state_of(o.L, p, o.timed and 1 or SLOW)
   local E, size = equation(s)
@@ -196,22 +223,26 @@ local function check_point(o, p, G, generators)
   if found then
     return OTHER:format(check.text(found), check.text(project(E)), place, check.text(s.a))
   end
+  found = check_force(o, s, project, place)
+  if found then return found end
   local J, large = momentum(s)
   project = along_group(generators)
   found = compare(o, s, momentum_at, J, large, project, 1)
   if found then return MOMENTUM:format(check.text(found), check.text(project(J)), place) end
 end
 
---- Raises where the formula Ld is of another system than `full`, or has another momentum map;
--- points {q, v}, with G the derivative of the constraints there and the generators of the group,
--- xi_Q(q) for each of its coordinates.
+--- Raises where the formula Ld is of another system than `full`, or has another momentum map or
+-- force; points {q, v}, with G the derivative of the constraints there and the generators of the
+-- group, xi_Q(q) for each of its coordinates.
 function M.compare(full, Ld, points)
   local n, f, own, given = full.Q.dimension, Ld.Ld, Ld.params, full.given
-  local function bound(q0, q1, h) return f(q0, q1, h, own) end
+  local function Ld_at(q0, q1, h) return f(q0, q1, h, own) end
   local o = { h = Ld.h, steps = { table.unpack(STEPS) },
-    timed = core.trace(bound, n, n, "number"):depends()[3][1],
-    slope = core.derivative(bound, n, n, "number"),
-    L = core.trace(function(q, v) return given.L(q, v, 0, given.params) end, n, n) }
+    timed = core.trace(Ld_at, n, n, "number"):depends()[3][1],
+    slope = core.derivative(Ld_at, n, n, "number"),
+    L = core.trace(function(q, v) return given.L(q, v, 0, given.params) end, n, n),
+    force = given.force and bound(given.force, given.params),
+    push = given.force and forces.of(Ld).push }
   for _, part in ipairs(PARTS) do o.steps[#o.steps + 1] = min(part * Ld.h, 2 ^ 40) end
   for _, p in ipairs(points) do
     local fine, why = pcall(check_point, o, p, p.G, p.generators)
