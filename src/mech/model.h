@@ -42,10 +42,14 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_CONSTRAINT_FORCE = 1024,   /* f */
        DM_WANT_FORCE_CURVE = 2048,        /* f, f_q, f_v */
        DM_WANT_REACTION = 4096,           /* r = G^T lambda + E^T mu, r_q, r_v */
-       DM_WANT_CONSTRAINTS = 7936         /* all of these; what a model does not have is not made */
+       DM_WANT_CHART = 32768, /* of a system on a group, the charts of mech/group.h: this bit
+                                 shifted by the number of a dm_tau */
+       DM_WANT_CHARTS = 98304,
+       DM_WANT_CONSTRAINTS = 7936 /* all of these; what a model does not have is not made */
 };
 
 struct dm_constraints;
+struct dm_group;
 
 /* A system as steps see it. Where L is a discrete Lagrangian only n, value, pair and operations
  * are set; where L is a function that cannot be traced its kernels are callbacks and
@@ -66,6 +70,7 @@ typedef struct {
     uint32_t params; /* inputs of L behind t: numbers that a stepper brings; mostly 0 */
     dm_source source;
     const struct dm_constraints *constraints; /* NULL: none */
+    const struct dm_group *group;             /* NULL: q are coordinates (mech/group.h) */
     struct dm_later *later;                   /* how to make the stage kernel; NULL: nobody asked */
 } dm_model;
 

@@ -1,5 +1,6 @@
 #include "run/run.h"
 
+#include "mech/group.h"
 #include "run/interpolate.h"
 
 #include <limits.h>
@@ -58,7 +59,7 @@ static int is_ended(const loop *l) {
  */
 static size_t width(const loop *l) {
     const dm_run_plan *plan = l->plan;
-    const size_t states = 2 * (size_t)l->s->model->n;
+    const size_t states = l->s->model->n + (size_t)dm_momenta(l->s->model);
     return 1 + (plan->watch ? dm_observer_width(plan->watch) : 0) +
            (plan->watch && !plan->beside ? 0 : states) +
            (plan->impulses ? dm_impulses_width(plan->impulses) : 0);
@@ -95,7 +96,7 @@ static void take_impulses(loop *l) {
 /* One row, behind those before it; a full block is sent away first. */
 static dm_status record(loop *l, const double *state, double t) {
     const dm_outlet *out = l->plan->outlet;
-    const size_t states = 2 * (size_t)l->s->model->n;
+    const size_t states = l->s->model->n + (size_t)dm_momenta(l->s->model);
     dm_status status = DM_OK;
     if (!l->rows) return DM_OK;
     if (out && l->rows_done - l->flushed == out->room) status = flush(l);

@@ -11,8 +11,9 @@ floors.src = {
   -- kept free: field
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
   "integ/stage/lanes", "integ/stage",
-  "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions", "integ",
-  -- kept free: integ/lie, integ/sem (below integ)
+  "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
+  "integ/lie", "integ",
+  -- kept free: integ/sem (below integ)
   "run", "run/ensemble",
   -- kept free: mpi
   "bind/core", "bind/value", "bind/trace", "bind/model", "bind/dec", "bind/rule", "bind/run",

@@ -12,6 +12,9 @@
 --   others()                elements of its other components, which exp does not reach
 --   acts                    its standard actions: acts[kind](m) gives map(g, z) on R^m, or nothing
 --   parts                   kits of the factors of a product
+--   smooth                  flat coordinates of a run where those of `flat` jump (group/flat.lua)
+--   arcs(xi)                squares of the angles by which exp(xi) turns, below pi^2 where log is
+--                           its inverse; nothing where it always is
 --   manifold                true where it is none: a space without a product of its points
 local core = require "dm.core"
 local linear = require "dm.base.linear"

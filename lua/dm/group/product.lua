@@ -225,6 +225,14 @@ function M.of(parts)
   end
   kit.no_cayley = not kit.cayley
   matrix_maps(kit, parts)
+  function kit.arcs(xi)
+    local out, first = {}, 0
+    for _, part in ipairs(parts) do
+      append(out, part.arcs and part.arcs(core.vector(slice(xi, first, part.dimension))) or {})
+      first = first + part.dimension
+    end
+    return out
+  end
   kit.turns, kit.others = of_factors(parts, "turns"), of_factors(parts, "others")
   return kits.complete(kit)
 end

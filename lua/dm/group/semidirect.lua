@@ -1,6 +1,7 @@
 --- Semidirect products: lists {g, v} with (g, v)(h, w) = (g h, v + g w). Algebra: that of G, then
 -- V.
 local core = require "dm.core"
+local flats = require "dm.group.flat"
 local kits = require "dm.group.kit"
 local linear = require "dm.base.linear"
 local matrix_functions = require "dm.group.matrix_functions"
@@ -119,6 +120,35 @@ end
 local NOT_BY_FACTORS = { "Ad", "coAd", "coad", "dexp", "dexpinv", "cayley", "cayleyinv", "dcay",
   "dcayinv", "matrix", "hat", "vee", "left_tangent", "right_tangent", "distance", "from_matrix" }
 
+-- those of g, then v (group/flat.lua)
+local function coordinates(kit, part, n)
+  local first = flats.of(part)
+  local m = #first.flat(part.identity())
+  local function split_list(list)
+    local a, v = {}, {}
+    for i = 1, m do a[i] = list[i] end
+    for i = 1, n do v[i] = list[m + i] end
+    return a, core.vector(v)
+  end
+  local function carry(a, b)
+    local g, v = split_list(a)
+    local h, w = split_list(b)
+    local moved = kit.compose({ first.element(g), v }, { part.identity(), w })[2]
+    return kits.list_of(joined(first.carry(g, h), moved))
+  end
+  local function of(name)
+    return function(xi)
+      local x = split(xi, part.dimension)
+      return kits.list_of(joined(first[name](x), kit[name](xi)[2]))
+    end
+  end
+  return { carry = carry, exp = of "exp", near = of "near",
+    tidy = function(list)
+      local a, v = split_list(list)
+      return kits.list_of(joined(first.tidy(a), v))
+    end }
+end
+
 -- z -> g z + v of {g, v} on V
 local function affine(move, n)
   return function(m)
@@ -157,6 +187,8 @@ function M.kit(_, space)
     return joined(turned, move(g[1], u) - rate(turned) * g[2])
   end
   kit.no_cayley = true
+  function kit.arcs(xi) return part.arcs and part.arcs((split(xi, r))) or {} end
+  kit.smooth = coordinates(kit, part, n)
   if not given then matrix_maps(kit, part, n) end
   return kits.complete(kit)
 end

@@ -91,8 +91,30 @@ local function blocks(xi)
   return so3.combine(W, c[2], c[3]), Q
 end
 
+-- a quaternion and a shift (group/flat.lua), given those of R and the matrices of the group
+local function coordinates(kit)
+  local turns = so3.smooth
+  local function of(name)
+    return function(xi)
+      local _, omega = parts(xi)
+      return sequence(turns[name](omega), shift(kit[name](xi), 3))
+    end
+  end
+  local function carry(a, b)
+    local moved = so3.rotation(a) * core.vector { b[5], b[6], b[7] }
+    return sequence(turns.carry(a, b), core.vector { a[5], a[6], a[7] } + moved)
+  end
+  return { carry = carry, exp = of "exp", near = of "near", cayley = of "cayley",
+    tidy = function(list) return sequence(turns.tidy(list), { list[5], list[6], list[7] }) end }
+end
+
 local function three()
   local kit = common(3, so3.kit())
+  kit.smooth = coordinates(kit)
+  function kit.arcs(xi)
+    local _, omega = parts(xi)
+    return { omega:dot(omega) }
+  end
   function kit.exp(xi)
     local v, omega = parts(xi)
     return joined(so3.exp(omega), so3.dexp(omega) * v)

@@ -96,13 +96,41 @@ local function cayley_maps(kit)
   function kit.dcayinv(xi, eta) return eta - xi:cross(eta) * 0.5 + xi * (0.25 * xi:dot(eta)) end
 end
 
+-- unit quaternions as coordinates: products and maps without a choice of sign
+local function times(a, b)
+  return { a[1] * b[1] - a[2] * b[2] - a[3] * b[3] - a[4] * b[4],
+    a[1] * b[2] + a[2] * b[1] + a[3] * b[4] - a[4] * b[3],
+    a[1] * b[3] - a[2] * b[4] + a[3] * b[1] + a[4] * b[2],
+    a[1] * b[4] + a[2] * b[3] - a[3] * b[2] + a[4] * b[1] }
+end
+
+-- (w, s v)
+local function joined(w, v, s) return { w, s * v[1], s * v[2], s * v[3] } end
+
+--- Coordinates of a run (group/flat.lua); `tidy` is a step of Newton's method to |q| = 1.
+M.smooth = { carry = times,
+  exp = function(xi)
+    local t = 0.25 * xi:dot(xi)
+    return joined(circular(0, t), xi, 0.5 * circular(1, t))
+  end,
+  near = function(xi) return joined(1, xi, 0.5) end,
+  cayley = function(xi)
+    local w = 1 / core.sqrt(1 + 0.25 * xi:dot(xi))
+    return joined(w, xi, 0.5 * w)
+  end,
+  tidy = function(q)
+    local s = 1.5 - 0.5 * (q[1] * q[1] + q[2] * q[2] + q[3] * q[3] + q[4] * q[4])
+    return { s * q[1], s * q[2], s * q[3], s * q[4] }
+  end }
+
 function M.kit()
   local kit = { dimension = 3, coordinates = 4, exp = M.exp, log = M.log, hat = M.hat, vee = M.vee,
     flat = M.quaternion, unflat = M.rotation, bonds = M.norm_bond, sample = M.sample,
-    project = matrix_functions.nearest_rotation }
+    project = matrix_functions.nearest_rotation, smooth = M.smooth }
   cayley_maps(kit)
   kit.acts = rotations.acts(kit, 3)
   function kit.inverse(g) return g:transpose() end
+  function kit.arcs(xi) return { xi:dot(xi) } end
   function kit.Ad(g, xi) return g * xi end
   function kit.ad(xi, eta) return xi:cross(eta) end
   function kit.coAd(g, mu) return g * mu end

@@ -1,6 +1,7 @@
 /* bind_ensemble.c - the `dm.ensemble` that members of solver:ensemble{} end in: what can be
  * asked of it. */
 #include "bind/ensemble/bind_ensemble.h"
+#include "bind/model/space_group.h"
 #include "bind/trace/backend.h"
 #include "code/native/jit.h"
 
@@ -61,12 +62,36 @@ dml_ensemble *dml_pushensemble(lua_State *L, long members, uint32_t n,
     return e;
 }
 
-/* a matrix members x n of the entries from `first` of every state */
-static int push_states(lua_State *L, const ensemble *e, uint32_t first) {
-    double *out = dml_pushmatrix(L, (uint32_t)e->members, e->n);
+/* a matrix members x count of the entries from `first` of every state */
+static void push_entries(lua_State *L, const ensemble *e, uint32_t first, uint32_t count) {
+    double *out = dml_pushmatrix(L, (uint32_t)e->members, count);
     for (long i = 0; i < e->members; i++)
-        memcpy(out + (size_t)i * e->n, e->state + (size_t)i * dm_state_size(e->n) + first,
-               e->n * sizeof *out);
+        memcpy(out + (size_t)i * count, e->state + (size_t)i * dm_state_size(e->n) + first,
+               count * sizeof *out);
+}
+
+/* of a system on a group, which is at `system`: a list of elements */
+static void push_elements(lua_State *L, const ensemble *e, int system) {
+    lua_createtable(L, (int)e->members, 0);
+    for (long i = 0; i < e->members; i++) {
+        dml_pushposition(L, system, e->state + (size_t)i * dm_state_size(e->n));
+        lua_rawseti(L, -2, i + 1);
+    }
+}
+
+/* places (or momenta) of all members */
+static int push_states(lua_State *L, const ensemble *e, int places) {
+    const int top = lua_gettop(L), system = top + 1;
+    lua_getiuservalue(L, 1, DML_ENSEMBLE_SOLVER);
+    lua_getiuservalue(L, -1, DML_SOLVER_SYSTEM);
+    lua_replace(L, system);
+    if (!places)
+        push_entries(L, e, e->n, dml_checksystem(L, system)->momenta);
+    else if (dml_placed(L, system))
+        push_elements(L, e, system);
+    else
+        push_entries(L, e, 0, e->n);
+    lua_replace(L, system);
     return 1;
 }
 
@@ -97,8 +122,8 @@ static int push_steps_of(lua_State *L, const ensemble *e, int ends) {
 }
 
 static int make_field(lua_State *L, const ensemble *e, const char *key) {
-    if (strcmp(key, "q") == 0) return push_states(L, e, 0);
-    if (strcmp(key, "p") == 0) return push_states(L, e, e->n);
+    if (strcmp(key, "q") == 0) return push_states(L, e, 1);
+    if (strcmp(key, "p") == 0) return push_states(L, e, 0);
     if (strcmp(key, "status") == 0) return push_status(L, e);
     if (strcmp(key, "steps") == 0) return push_steps(L, e);
     if (strcmp(key, "h") == 0) return push_steps_of(L, e, 0);

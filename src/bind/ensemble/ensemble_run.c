@@ -2,6 +2,7 @@
 #include "bind/core/bind_failure.h"
 #include "bind/core/bind_terminal.h"
 #include "bind/ensemble/bind_ensemble.h"
+#include "bind/model/space_group.h"
 #include "bind/run/observables.h"
 #include "run/run.h"
 
@@ -233,7 +234,9 @@ static dm_ensemble_rows read_rows(lua_State *L, long steps, double t0) {
     dml_stepping r = {.solver = lua_touserdata(L, 1)};
     dml_observables *o;
     const int top = lua_gettop(L);
-    rows.width = 1 + 2 * r.solver->n;
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    rows.width = 1 + r.solver->n + dml_checksystem(L, -1)->momenta;
+    lua_settop(L, top);
     lua_pushnil(L);
     if (has(L, "every") || has(L, "watch"))
         rows.room = dm_run_rows(&(dm_run_plan){.steps = steps, .every = rows.every});
@@ -264,6 +267,8 @@ int dml_solver_ensemble(lua_State *L) {
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    dml_place_options(L, 3, 2, "starts");
     if (lua_getiuservalue(L, 1, DML_SOLVER_START) != LUA_TNIL)
         luaL_error(L, "this solver goes on from a checkpoint, which is one run: make a solver of "
                       "the system for an ensemble");

@@ -3,6 +3,7 @@
 #include "bind/model/model_constraints.h"
 #include "bind/model/model_sums.h"
 #include "bind/model/named.h"
+#include "bind/model/space_group.h"
 #include "graph/analyse.h"
 
 #include <math.h>
@@ -37,10 +38,26 @@ const char *dml_coordinate(lua_State *L, int arg, uint32_t i) {
     return lua_tostring(L, -1);
 }
 
+/* q and v or p at 2 and 3 of a system on a group, by way of the options of a start */
+static void flatten(lua_State *L, const char *second) {
+    lua_createtable(L, 0, 2);
+    lua_pushvalue(L, 2);
+    lua_setfield(L, -2, "q");
+    lua_pushvalue(L, 3);
+    lua_setfield(L, -2, second);
+    dml_place_options(L, 1, lua_gettop(L), "start");
+    lua_getfield(L, -1, "q");
+    lua_replace(L, 2);
+    lua_getfield(L, -1, second);
+    lua_replace(L, 3);
+    lua_pop(L, 1);
+}
+
 /* x = (q, v, t) from arguments 2, 3 and the optional 4; t = 0 when it is left out */
 static double *arguments(lua_State *L, const dml_system *s, const char *second) {
     lua_settop(L, 4);
     const double t = luaL_optnumber(L, 4, 0.0);
+    if (s->placed) flatten(L, second);
     double *x = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *x, 0);
     dml_unname(L, 1, 2, "q");
     dml_unname(L, 1, 3, second);
@@ -97,7 +114,7 @@ static int system_lagrangian(lua_State *L) {
 static int system_legendre(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *p = evaluate(L, DM_WANT_SLOPE, offsetof(dm_model, slope), "the momentum");
-    memcpy(dml_pushvector(L, s->n), p + s->n, s->n * sizeof *p);
+    memcpy(dml_pushvector(L, s->momenta), p + s->n, s->momenta * sizeof *p);
     return 1;
 }
 
@@ -110,7 +127,9 @@ static int system_momentum(lua_State *L) {
 static int system_mass(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
     const double *p = evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the mass matrix");
-    memcpy(dml_pushmatrix(L, s->n, s->n), p + s->n, (size_t)s->n * s->n * sizeof *p);
+    double *mass = dml_pushmatrix(L, s->momenta, s->momenta);
+    for (size_t i = 0; i < s->momenta; i++)
+        memcpy(mass + i * s->momenta, p + s->n + i * s->n, s->momenta * sizeof *p);
     return 1;
 }
 
@@ -128,7 +147,8 @@ static int system_velocity(lua_State *L) {
     dml_want(L, m, DM_WANT_VALUE | dml_legendre_wants(m, 0), NULL);
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
     double *at = lua_newuserdatauv(L, (2 * (size_t)s->n + 1) * sizeof *at, 0);
-    double *v = dml_pushvector(L, s->n);
+    double *v = lua_newuserdatauv(L, s->n * sizeof *v, 0);
+    memset(v, 0, s->n * sizeof *v);
     const dm_status status = dm_legendre_inverse(&m->model, v, x, x + s->n, x[2 * s->n], work);
     dml_rethrow(L, m);
     memcpy(at, x, (2 * (size_t)s->n + 1) * sizeof *x);
@@ -137,6 +157,7 @@ static int system_velocity(lua_State *L) {
     if (status != DM_OK)
         luaL_error(L, "no velocity has this momentum: %s; is L regular (d2L/dv2 invertible) at q?",
                    dm_status_text(status));
+    memcpy(dml_pushvector(L, s->momenta), v, s->momenta * sizeof *v);
     return 1;
 }
 
@@ -169,7 +190,7 @@ static int system_structure(lua_State *L) {
     lua_pushinteger(L, m->model.operations);
     lua_setfield(L, -2, "operations");
     lua_newtable(L);
-    for (uint32_t i = 0, k = 0; m->model.cyclic && i < s->n; i++) {
+    for (uint32_t i = 0, k = 0; !s->placed && m->model.cyclic && i < s->n; i++) {
         if (!m->model.cyclic[i]) continue;
         dml_coordinate(L, 1, i);
         lua_rawseti(L, -2, (lua_Integer)++k);
@@ -252,6 +273,12 @@ static int system_tostring(lua_State *L) {
 static int push_given(lua_State *L) {
     lua_newtable(L);
     lua_getiuservalue(L, 1, 1);
+    if (dml_placed(L, 1)) {
+        lua_getfield(L, -1, "place");
+        lua_getfield(L, -1, "given");
+        lua_copy(L, -1, -3);
+        lua_pop(L, 2);
+    }
     for (lua_pushnil(L); lua_next(L, -2);) {
         lua_pushvalue(L, -2);
         lua_insert(L, -2);
@@ -265,7 +292,10 @@ static int system_field(lua_State *L) {
     luaL_checkudata(L, 1, DML_SYSTEM);
     const char *key = luaL_checkstring(L, 2);
     if (strcmp(key, "given") == 0) return push_given(L);
-    static const char *const fields[] = {"Q", "L", "name", "coordinates", "units", "params", NULL};
+    if (strcmp(key, "L") == 0 && dml_placed(L, 1))
+        return push_given(L), lua_getfield(L, -1, key), 1;
+    static const char *const fields[] = {"Q",     "L",      "name",  "coordinates",
+                                         "units", "params", "place", NULL};
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
     return 0;

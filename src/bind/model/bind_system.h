@@ -5,16 +5,19 @@
 
 #include "bind/trace/trace.h"
 #include "mech/constraints.h"
+#include "mech/group.h"
 
 /* A mechanical system: the userdata keeps numbers, its user value 1 the fields as given.
  */
 typedef struct {
-    uint32_t n;    /* dim Q */
-    int pair;      /* 1: a discrete Lagrangian Ld(q0, q1), 0: L(q, v, t) */
-    int ruled;     /* 1: a discrete Lagrangian of a system and a rule (discrete_rule.h) */
-    int hyperdual; /* 1: derivatives = "hyperdual" */
-    int solved;    /* 1: its map solves equations of its own, and is not compared with Ld */
-    double h;      /* step of a discrete Lagrangian, else 0 */
+    uint32_t n;       /* dim Q; on a group: flat coordinates of an element */
+    uint32_t momenta; /* entries of p: n, or the dimension of the group */
+    int placed;       /* Q is a group: field `place` says how (space_group.h) */
+    int pair;         /* 1: a discrete Lagrangian Ld(q0, q1), 0: L(q, v, t) */
+    int ruled;        /* 1: a discrete Lagrangian of a system and a rule (discrete_rule.h) */
+    int hyperdual;    /* 1: derivatives = "hyperdual" */
+    int solved;       /* 1: its map solves equations of its own, and is not compared with Ld */
+    double h;         /* step of a discrete Lagrangian, else 0 */
 } dml_system;
 
 #define DML_SYSTEM "dm.system"
@@ -74,6 +77,8 @@ typedef struct {
     dm_constraints_traced constrained; /* all in one graph, NULL without any */
     uint32_t constraints_traced;       /* its nodes, before derivatives */
     dm_constraints constraints;
+    dm_group group;
+    int placed; /* it is on a group */
 } dml_model;
 
 /* Trace the system at `arg` and push its model with no kernels yet but its structure. */

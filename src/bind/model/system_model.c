@@ -6,6 +6,7 @@
 #include "bind/model/model_cache.h"
 #include "bind/model/model_constraints.h"
 #include "bind/model/model_sums.h"
+#include "bind/model/space_group.h"
 #include "bind/trace/backend.h"
 #include "code/native/jit.h"
 #include "code/tape/tape.h"
@@ -79,10 +80,11 @@ static void refuse_many(lua_State *L, const dml_model *m) {
                (int)m->n, (int)m->n, (int)m->n, LARGEST_WRITTEN_OUT);
 }
 
-/* after every dm_model_build, which knows nothing of them */
-static void attach_constraints(dml_model *m) {
+/* after every dm_model_build, which knows nothing of constraints and groups */
+static void attach(dml_model *m) {
     m->model.params = m->params;
     if (m->stepped != m->lagrangian) m->model.structure |= DM_SADDLE;
+    m->model.group = m->placed ? &m->group : NULL;
     if (!m->constrained.graph) return;
     m->model.constraints = &m->constraints;
     if (m->constraints.structure & DM_CONSTRAINTS_TIMED)
@@ -101,7 +103,7 @@ static int read_structure(lua_State *L, dml_model *m, int pair) {
         refuse_dense(L, m, "a kinetic energy that is no sum of m v^2/2 with constant masses");
     if (status == DM_TOO_LARGE) return 0;
     check_status(L, status);
-    attach_constraints(m);
+    attach(m);
     return 1;
 }
 
@@ -160,11 +162,14 @@ static void warn_too_large(dml_system *s, const char *what) {
 }
 
 /* push a model with the arena on top and the function at fn */
-static dml_model *new_model(lua_State *L, int fn, dm_arena *arena, uint32_t n) {
+static dml_model *new_model(lua_State *L, int arg, int fn, dm_arena *arena) {
+    const dml_system *s = dml_checksystem(L, arg);
     /* arena, function, callback, the model with parameters as inputs (model_params.h) or false,
      * the one with tables (dml_standin) */
     dml_model *m = lua_newuserdatauv(L, sizeof *m, 5);
-    *m = (dml_model){.n = n, .arena = arena};
+    *m = (dml_model){.n = s->n, .arena = arena, .placed = s->placed};
+    m->group.momenta = s->momenta;
+    if (s->placed) dml_place_charts(L, arg, &m->group);
     lua_pushvalue(L, -2);
     lua_setiuservalue(L, -2, 1);
     lua_pushvalue(L, fn);
@@ -191,7 +196,7 @@ static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *cached,
         dml_retrace(L, fn, &sig, arena, NULL, &traced); /* of a model of its own */
         same = 0;
     }
-    dml_model *m = same ? cached : new_model(L, fn, arena, s->n);
+    dml_model *m = same ? cached : new_model(L, arg, fn, arena);
     if (!same) {
         m->trace = traced;
         m->graph = traced.graph;
@@ -237,7 +242,7 @@ static dml_model *push_model(lua_State *L, int arg, dm_compile *compile) {
     dml_model *m;
     if (s->hyperdual) {
         dm_arena *arena = dml_pusharena(L);
-        m = new_model(L, fn, arena, s->n);
+        m = new_model(L, arg, fn, arena);
     } else {
         m = trace_model(L, arg, fn, cached, compile);
     }
@@ -303,11 +308,26 @@ static dm_status build_kernels(dml_model *m, unsigned want, dm_compile *compile)
     return status;
 }
 
+/* of the chart of one tau of the group that the model is on */
+static void want_chart(lua_State *L, dml_model *m, unsigned charts, const char *backend) {
+    const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
+    const dm_tau tau = charts & DM_WANT_CHART ? DM_TAU_EXP : DM_TAU_CAYLEY;
+    if (!m->group.trace[tau].chart)
+        luaL_error(L, "this group has no Cayley map that stays on it; take \"exp\"");
+    check_status(L, dm_group_want(&m->group, &m->model, tau, backend_of(L, m, backend)->compile));
+    m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
+}
+
 /* Kernels that are there stay, so that their bits do. */
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (want & DM_WANT_MAP) {
         dml_want(L, m, want & ~(unsigned)DM_WANT_MAP, backend);
         want_map(L, m, backend);
+        return;
+    }
+    if (want & DM_WANT_CHARTS) {
+        dml_want(L, m, want & ~(unsigned)DM_WANT_CHARTS, backend);
+        want_chart(L, m, want & DM_WANT_CHARTS, backend);
         return;
     }
     if (dml_arenalost(m->arena))
@@ -329,7 +349,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
                                                             m->n, row->compile, m->arena)
                                       : build_kernels(m, want | m->model.has, row->compile);
         check_status(L, status);
-        attach_constraints(m);
+        attach(m);
         if (m->compile) m->model.source.cache = &m->cache;
         m->backend = built_by(&m->model, row->name);
     }

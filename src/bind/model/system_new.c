@@ -2,6 +2,7 @@
 #include "bind/model/bind_space.h"
 #include "bind/model/bind_system.h"
 #include "bind/model/model_constraints.h"
+#include "bind/model/space_group.h"
 
 #include <string.h>
 
@@ -110,12 +111,44 @@ static void check_units(lua_State *L) {
     lua_pop(L, 1);
 }
 
+/* push the place of a system on a group, whose options at 1 become those on R^N, and a copy of the
+ * options as they were given in its field `given`; nil of another system */
+static void push_place(lua_State *L) {
+    dml_pushcopy(L, 1);
+    dml_unfold_group(L);
+    if (lua_istable(L, -1)) {
+        lua_pushvalue(L, -2);
+        lua_setfield(L, -2, "given");
+    }
+    lua_remove(L, -2);
+}
+
+/* fields that only a system on a group has, into the table on top */
+static void keep_place(lua_State *L, int place) {
+    lua_pushvalue(L, place);
+    lua_setfield(L, -2, "place");
+}
+
+/* how elements are written, which only a system on a group has */
+static void refuse_place(lua_State *L) {
+    static const char *const keys[] = {"columns", "trivialization", NULL};
+    for (const char *const *key = keys; *key; key++, lua_pop(L, 1))
+        if (lua_getfield(L, 1, *key) != LUA_TNIL)
+            luaL_error(L, "field '%s' is for systems on groups, such as dm.SO(3)", *key);
+}
+
 void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
     dml_unfold_spheres(L);
-    const uint32_t n = check_Q(L);
+    if (pair)
+        lua_pushnil(L);
+    else
+        push_place(L);
+    const int place = lua_gettop(L), placed = !lua_isnil(L, place);
+    const uint32_t n = placed ? dml_place_size(L, 0) : check_Q(L);
+    if (!placed && !pair) refuse_place(L);
     require_field(L, pair ? "Ld" : "L", LUA_TFUNCTION,
                   pair ? "a function of (q0, q1) or (q0, q1, h)"
                        : "a function of (q, v) or (q, v, t)");
@@ -124,9 +157,18 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     check_params(L);
     dml_check_functions(L, wants_hyperdual(L), pair);
     const double h = pair ? dml_positive(L, 1, "h", 0) : 0.0;
+    lua_pushvalue(L, place);
+    const uint32_t momenta = dml_place_dimension(L, n);
+    lua_pop(L, 1);
     dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
-    *s = (dml_system){.n = n, .pair = pair, .hyperdual = wants_hyperdual(L), .h = h};
+    *s = (dml_system){.n = n,
+                      .momenta = momenta,
+                      .placed = placed,
+                      .pair = pair,
+                      .hyperdual = wants_hyperdual(L),
+                      .h = h};
     keep_fields(L, known);
+    if (placed) keep_place(L, place);
     lua_setiuservalue(L, -2, 1);
     luaL_setmetatable(L, pair ? DML_DISCRETE : DML_SYSTEM);
     dml_pushlast(
@@ -136,10 +178,10 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
 }
 
 int dml_system_new(lua_State *L) {
-    static const char *const known[] = {"Q",       "L",       "name",        "coordinates",
-                                        "units",   "params",  "derivatives", "constraint",
-                                        "rolling", "control", "force",       "reaction",
-                                        NULL};
+    static const char *const known[] =
+        {"Q",      "L",           "name",       "coordinates",    "units",
+         "params", "derivatives", "constraint", "rolling",        "control",
+         "force",  "reaction",    "columns",    "trivialization", NULL};
     dml_newsystem(L, known, 0);
     return 1;
 }

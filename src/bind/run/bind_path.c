@@ -45,7 +45,10 @@ dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t
     }
     const size_t doubles = (size_t)rows * width;
     dml_path *p = lua_newuserdatauv(L, sizeof *p + doubles * sizeof(double), DML_PATH_VALUES);
+    const dml_system *s = dml_checksystem(L, system);
     *p = (dml_path){.n = n,
+                    .momenta = s->momenta,
+                    .placed = s->placed,
                     .width = width,
                     .until = INFINITY,
                     .every = 1,
@@ -109,12 +112,12 @@ static const char *plural(long count) {
 /* "; 100 rows, 2 columns q, 2 columns p", or what was watched, and where the rows are */
 static void add_columns(lua_State *L, luaL_Buffer *b, const dml_path *p) {
     char text[128], aside[32] = "";
-    const uint32_t beside = p->width - 1 - 2 * p->n;
+    const uint32_t beside = p->width - 1 - p->n - p->momenta;
     const char *rows = plural(p->rows), *more = plural(p->n);
     if (beside) snprintf(aside, sizeof aside, ", %u beside", beside);
     if (!p->watched)
         snprintf(text, sizeof text, "; %ld row%s, %u column%s q, %u column%s p%s", p->rows, rows,
-                 p->n, more, p->n, more, aside);
+                 p->n, more, p->momenta, plural(p->momenta), aside);
     else
         snprintf(text, sizeof text, "; %ld row%s of %u column%s that were watched", p->rows, rows,
                  p->width, plural(p->width));
@@ -224,7 +227,7 @@ static int path_field(lua_State *L) {
     if (strcmp(key, "q") == 0)
         return dml_path_states(L, "path.q"), dml_path_columns(L, "q", 1, p->n);
     if (strcmp(key, "p") == 0)
-        return dml_path_states(L, "path.p"), dml_path_columns(L, "p", 1 + p->n, p->n);
+        return dml_path_states(L, "path.p"), dml_path_columns(L, "p", 1 + p->n, p->momenta);
     if (strcmp(key, "columns") == 0) return dml_path_names(L);
     if (strcmp(key, "steps") == 0)
         lua_pushinteger(L, p->steps);

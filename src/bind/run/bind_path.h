@@ -1,4 +1,4 @@
-/* bind_path.h - `dm.path` as the other bindings see it: rows of t, q[n], p[n] in one block. */
+/* bind_path.h - `dm.path` as the other bindings see it: rows of t, q[n], p[momenta] in one block. */
 #ifndef DML_PATH_H
 #define DML_PATH_H
 
@@ -6,19 +6,21 @@
 #include "integ/method/method.h"
 
 typedef struct {
-    uint32_t n;      /* dim Q */
-    uint32_t width;  /* columns of a row */
-    int watched;     /* its rows hold t and what was watched, not q and p */
-    long rows;       /* recorded */
-    long steps;      /* finished */
-    double h, t0, t; /* step, first and last time */
-    double until;    /* time that the run was to reach; infinite where steps were asked for */
-    long every;      /* a row for so many steps */
+    uint32_t n;       /* entries of q: dim Q, or flat coordinates of an element of a group */
+    uint32_t momenta; /* entries of p: n, or the dimension of the group */
+    int placed;       /* q[i] are elements of a group (space_group.h) */
+    uint32_t width;   /* columns of a row */
+    int watched;      /* its rows hold t and what was watched, not q and p */
+    long rows;        /* recorded */
+    long steps;       /* finished */
+    double h, t0, t;  /* step, first and last time */
+    double until;     /* time that the run was to reach; infinite where steps were asked for */
+    long every;       /* a row for so many steps */
     double ns_per_step;
     double constraint, rolling; /* largest |g|, |phi| that the solver saw */
     const char *rule;           /* as the user gave it; kept by the path */
     double *
-        /* rows x width: t, q[n], p[n] and what was recorded beside, or t and what was watched */
+        /* rows x width: t, q[n], p[momenta] and what was recorded beside, or t and what was watched */
         data;
 } dml_path;
 
@@ -43,7 +45,7 @@ enum {
  * `system`. Raises when the block would not fit in half of the machine's memory. */
 dml_path *dml_pushpath(lua_State *L, int system, uint32_t n, long rows, uint32_t width);
 
-/* Columns of a row: t, q[n], p[n], or t and what was watched. */
+/* Columns of a row: t, q[n], p[momenta], or t and what was watched. */
 static inline uint32_t dml_path_width(const dml_path *p) {
     return p->width;
 }

@@ -1,4 +1,5 @@
 #include "bind/run/observables.h"
+#include "bind/model/space_group.h"
 #include "bind/trace/backend.h"
 
 #include <string.h>
@@ -38,6 +39,7 @@ void dml_observables_add(lua_State *L, dml_observables *o, const dml_stepping *r
     dml_traced traced;
     if (!lua_isfunction(L, fn))
         luaL_error(L, "%s must be a function of (q, v, t, p) (got %s)", what, luaL_typename(L, fn));
+    dml_place_function(L, r->system, "observable");
     if (r->solver->pair)
         luaL_error(L,
                    "%s: a discrete Lagrangian knows no velocity: only columns of the path can be "

@@ -1,4 +1,5 @@
 /* path_columns.c - path.t, path.q, path.p as views, and the names of columns. */
+#include "bind/model/space_group.h"
 #include "bind/run/bind_path.h"
 #include "bind/value/array.h"
 
@@ -28,6 +29,14 @@ int dml_path_columns(lua_State *L, const char *name, uint32_t first, uint32_t co
     return 1;
 }
 
+/* the element of a group whose flat coordinates are at q; the view is at 1 */
+static int push_element(lua_State *L, const double *q) {
+    lua_getiuservalue(L, 1, 1);
+    lua_getiuservalue(L, -1, DML_PATH_SYSTEM);
+    dml_pushposition(L, -1, q);
+    return 1;
+}
+
 /* Row i as a new vector, a copy that cannot be set; t alone as a number. nil one behind the last
  * row ends ipairs. */
 static int columns_index(lua_State *L) {
@@ -44,6 +53,7 @@ static int columns_index(lua_State *L) {
                           (LUAI_UACINT)i);
     const double *row = p->data + (size_t)(i - 1) * dml_path_width(p) + c->first;
     if (c->count == 1 && c->first == 0) return lua_pushnumber(L, *row), 1;
+    if (p->placed && strcmp(c->name, "q") == 0) return push_element(L, row);
     memcpy(dml_pushvector(L, c->count), row, c->count * sizeof *row);
     dml_toarray(L, -1, 1)->is_copy = 1;
     return 1;
@@ -83,7 +93,10 @@ int dml_path_names(lua_State *L) {
             lua_pushfstring(L, "p_%s", name);
         else
             lua_pushfstring(L, "p%d", (int)i + 1);
-        lua_rawseti(L, -3, 2 + (lua_Integer)p->n + i);
+        if (i < p->momenta)
+            lua_rawseti(L, -3, 2 + (lua_Integer)p->n + i);
+        else
+            lua_pop(L, 1);
         lua_rawseti(L, -2, 2 + (lua_Integer)i);
     }
     return 1;
@@ -123,7 +136,7 @@ static int find_column(lua_State *L, const char *name) {
     if (p->watched) return found;
     if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 && i <= p->n) {
         if (kind == 'q') found = (int)i;
-        if (kind == 'p') found = (int)(p->n + i);
+        if (kind == 'p' && i <= p->momenta) found = (int)(p->n + i);
     }
     return found;
 }

@@ -14,12 +14,12 @@ static void read_column(lua_State *L, int list, uint32_t c, dml_path *p, double 
     lua_pop(L, 2);
 }
 
-/* the list of columns at the top: t, then q and p of n coordinates each; the number of rows */
-static long check_columns(lua_State *L, uint32_t n) {
+/* the list of columns at the top: t, then q and p; the number of rows */
+static long check_columns(lua_State *L, uint32_t states) {
     const lua_Integer count = lua_istable(L, -1) ? luaL_len(L, -1) : -1;
-    if (count != 2 * (lua_Integer)n + 1)
+    if (count != (lua_Integer)states + 1)
         luaL_error(L, "field 'columns' must be a list of %d columns: t, the q, the p",
-                   2 * (int)n + 1);
+                   (int)states + 1);
     lua_geti(L, -1, 1);
     const long rows = dml_length(L, -1);
     if (rows < 1) luaL_error(L, "field 'columns': the first must be a vector of times");
@@ -49,10 +49,10 @@ int dml_path_new(lua_State *L) {
         luaL_error(L, "field 'system' must be a dm.system (got %s)", luaL_typename(L, 2));
     lua_getfield(L, 1, "rule");
     const char *rule = luaL_optstring(L, 3, "columns");
-    const uint32_t n = dml_checksystem(L, 2)->n;
+    const uint32_t n = dml_checksystem(L, 2)->n, states = n + dml_checksystem(L, 2)->momenta;
     lua_getfield(L, 1, "columns");
-    const long rows = check_columns(L, n), steps = dml_count(L, 1, "steps", 0, rows - 1);
-    dml_path *p = dml_pushpath(L, 2, n, rows, 2 * n + 1);
+    const long rows = check_columns(L, states), steps = dml_count(L, 1, "steps", 0, rows - 1);
+    dml_path *p = dml_pushpath(L, 2, n, rows, states + 1);
     double *column = lua_newuserdatauv(L, (size_t)rows * sizeof *column, 0);
     p->rows = rows;
     for (uint32_t c = 0; c < p->width; c++) read_column(L, 4, c, p, column);

@@ -3,6 +3,7 @@
 #include "base/largest.h"
 #include "bind/model/bind_space.h"
 #include "bind/model/model_sums.h"
+#include "bind/model/space_group.h"
 #include "bind/run/bind_path.h"
 #include "bind/run/checkpoint.h"
 #include "bind/value/array.h"
@@ -36,15 +37,18 @@ static dm_status read_row(const dml_path *p, const dml_model *m, long i, double 
     const double *row = p->data + (size_t)i * dml_path_width(p);
     memcpy(x, row + 1, p->n * sizeof *x);
     x[2 * p->n] = row[0];
-    return dm_legendre_inverse(&m->model, x + p->n, row + 1, row + 1 + p->n, row[0], work);
+    double *full = work + dm_legendre_work(&m->model); /* with the zeros that rows leave out */
+    memset(full, 0, p->n * sizeof *full);
+    memcpy(full, row + 1 + p->n, p->momenta * sizeof *full);
+    return dm_legendre_inverse(&m->model, x + p->n, row + 1, full, row[0], work);
 }
 
 /* room for x and the Legendre transform; v of the first row starts from p */
 static double *scratch(lua_State *L, const dml_path *p, const dml_model *m) {
-    const size_t size = 2 * (size_t)p->n + 1 + dm_legendre_work(&m->model);
+    const size_t size = 3 * (size_t)p->n + 1 + dm_legendre_work(&m->model);
     double *x = lua_newuserdatauv(L, size * sizeof *x, 0);
     memset(x, 0, size * sizeof *x);
-    if (p->rows) memcpy(x + p->n, p->data + 1 + p->n, p->n * sizeof *x);
+    if (p->rows) memcpy(x + p->n, p->data + 1 + p->n, p->momenta * sizeof *x);
     return x;
 }
 
@@ -137,9 +141,9 @@ static int velocity_of_row(lua_State *L, const dml_path *p, dml_model *m) {
     if (i < 1 || i > p->rows)
         luaL_error(L, "path:velocity: there are rows 1 to %d (got %I)", (int)p->rows,
                    (LUAI_UACINT)i);
-    double *x = scratch(L, p, m), *v = dml_pushvector(L, p->n);
+    double *x = scratch(L, p, m), *v = dml_pushvector(L, p->momenta);
     check_row(L, m, read_row(p, m, (long)i - 1, x, x + 2 * p->n + 1), (long)i - 1);
-    memcpy(v, x + p->n, p->n * sizeof *v);
+    memcpy(v, x + p->n, p->momenta * sizeof *v);
     return 1;
 }
 
@@ -151,10 +155,10 @@ static int path_velocity(lua_State *L) {
         luaL_error(L, "L is linear in v: no momentum determines a velocity");
     if (!lua_isnoneornil(L, 2)) return velocity_of_row(L, p, m);
     double *x = scratch(L, p, m), *work = x + 2 * p->n + 1;
-    double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->n);
+    double *v = dml_pushmatrix(L, (uint32_t)p->rows, p->momenta);
     for (long i = 0; i < p->rows; i++) {
         check_row(L, m, read_row(p, m, i, x, work), i);
-        memcpy(v + (size_t)i * p->n, x + p->n, p->n * sizeof *v);
+        memcpy(v + (size_t)i * p->momenta, x + p->n, p->momenta * sizeof *v);
     }
     return 1;
 }
@@ -200,6 +204,11 @@ static int momentum_of_generator(lua_State *L, const dml_path *p) {
 static int path_momentum(lua_State *L) {
     const dml_path *p = dml_path_states(L, "a momentum map");
     lua_settop(L, 3);
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    if (dml_placed(L, -1))
+        luaL_error(L, "the momentum map of this path: of which group? (a generator of elements is "
+                      "not known)");
+    lua_settop(L, 3);
     if (lua_isfunction(L, 2)) return momentum_of_generator(L, p);
     const dm_action action = dml_standard_action(L, 2, 3, p->n);
     const uint32_t d = action.group->dimension(action.k), rows = (uint32_t)p->rows;
@@ -216,6 +225,8 @@ static int path_column(lua_State *L) {
     const dml_path *p = check(L);
     const char *name = luaL_checkstring(L, 2);
     if (!p->watched && strcmp(name, "energy") == 0) return dml_path_energy(L);
+    lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
+    if (!p->watched && dml_place_column(L, -1, name)) return 1;
     const uint32_t c = dml_path_find(L, name);
     double *out = dml_pushvector(L, (uint32_t)p->rows);
     for (long i = 0; i < p->rows; i++) out[i] = p->data[(size_t)i * dml_path_width(p) + c];

@@ -1,4 +1,5 @@
 #include "bind/run/run_events.h"
+#include "bind/model/space_group.h"
 
 #include <string.h>
 
@@ -102,8 +103,8 @@ void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r) {
 }
 
 /* In the order of time, each with copies of q and p. */
-void dml_pushevents(lua_State *L, const dml_run_events *e) {
-    const uint32_t n = e->g.observer.model->n;
+void dml_pushevents(lua_State *L, const dml_run_events *e, int system) {
+    const uint32_t n = e->g.observer.model->n, momenta = dml_checksystem(L, system)->momenta;
     lua_Integer i = 0;
     lua_newtable(L);
     for (const dml_found *f = e->first; f; f = f->next) {
@@ -112,9 +113,9 @@ void dml_pushevents(lua_State *L, const dml_run_events *e) {
         lua_setfield(L, -2, "name");
         lua_pushnumber(L, f->t);
         lua_setfield(L, -2, "t");
-        memcpy(dml_pushvector(L, n), f->state, n * sizeof(double));
+        dml_pushposition(L, system, f->state);
         lua_setfield(L, -2, "q");
-        memcpy(dml_pushvector(L, n), f->state + n, n * sizeof(double));
+        memcpy(dml_pushvector(L, momenta), f->state + n, momenta * sizeof(double));
         lua_setfield(L, -2, "p");
         lua_rawseti(L, -2, ++i);
     }

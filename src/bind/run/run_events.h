@@ -20,7 +20,7 @@ typedef struct {
 /* Field 'events' of the options at 2. Leaves things on the stack that must stay. */
 void dml_events_read(lua_State *L, dml_run_events *e, const dml_stepping *r);
 
-/* Push what was found: a list of { name =, t =, q =, p = }. */
-void dml_pushevents(lua_State *L, const dml_run_events *e);
+/* Push what was found: a list of { name =, t =, q =, p = }, of the system at that stack index. */
+void dml_pushevents(lua_State *L, const dml_run_events *e, int system);
 
 #endif

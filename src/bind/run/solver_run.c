@@ -246,7 +246,7 @@ static uint32_t read_record(lua_State *L, run *u) {
 /* what it records and looks for; the empty path is left on the stack */
 static dml_path *make_path(lua_State *L, run *u) {
     const uint32_t n = u->r.solver->n;
-    uint32_t width = 1 + 2 * n;
+    uint32_t width = 1 + n + dml_checksystem(L, u->r.system)->momenta;
     if (has(L, "watch") && has(L, "record"))
         luaL_error(L, "give 'watch' (rows hold this instead of q and p) or 'record' (rows hold it "
                       "too), not both");
@@ -356,7 +356,7 @@ static dm_status finish(lua_State *L, run *u, dm_status status) {
     if (u->saving && !dml_checkpoint_write(u->end, u->r.solver, u->rule, u->saving))
         note_unwritten(L, u, u->saving, errno);
     if (u->plan.events) {
-        dml_pushevents(L, &u->events);
+        dml_pushevents(L, &u->events, u->r.system);
         lua_setiuservalue(L, u->path, DML_PATH_EVENTS);
     }
     return status == DM_OK && u->r.unwritten ? DM_NOT_WRITTEN : status;

@@ -9,7 +9,7 @@
 
 /* entry of (q, p) that is called `name`, -1: none */
 static int find_entry(lua_State *L, const dml_stepping *r, const char *name) {
-    const uint32_t n = r->solver->n;
+    const uint32_t n = r->solver->n, momenta = dml_checksystem(L, r->system)->momenta;
     char kind, rest;
     unsigned i;
     int found = -1;
@@ -18,8 +18,8 @@ static int find_entry(lua_State *L, const dml_stepping *r, const char *name) {
         if (strcmp(coordinate, name) == 0) found = (int)k;
         if (strncmp(name, "p_", 2) == 0 && strcmp(coordinate, name + 2) == 0) found = (int)(n + k);
     }
-    if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 && i <= n &&
-        (kind == 'q' || kind == 'p'))
+    if (found < 0 && sscanf(name, "%c%u%c", &kind, &i, &rest) == 2 && i >= 1 &&
+        ((kind == 'q' && i <= n) || (kind == 'p' && i <= momenta)))
         found = (int)(kind == 'q' ? i - 1 : n + i - 1);
     return found;
 }
@@ -170,7 +170,7 @@ void dml_watch_read(lua_State *L, dml_observables *o, const dml_stepping *r) {
 
 /* columns of every path */
 static void add_state_names(lua_State *L, const dml_stepping *r, const reading *in) {
-    const lua_Integer n = r->solver->n;
+    const lua_Integer n = r->solver->n, momenta = dml_checksystem(L, r->system)->momenta;
     const int given = dml_systemfield(L, r->system, "coordinates") != LUA_TNIL;
     const int top = lua_gettop(L) - 1;
     add_name(L, in, "t");
@@ -182,7 +182,7 @@ static void add_state_names(lua_State *L, const dml_stepping *r, const reading *
             lua_pushfstring(L, "p_%s", q);
         else
             lua_pushfstring(L, "p%d", (int)i);
-        lua_rawseti(L, in->names, 1 + n + i);
+        if (i <= momenta) lua_rawseti(L, in->names, 1 + n + i);
     }
 }
 

@@ -20,6 +20,7 @@ enum {
     DM_FORCED = 256,         /* forces; without the trait a model that has them is refused */
     DM_LOOSE_MOMENTUM = 512, /* leaves momenta off the hidden constraint G v + g_t = 0 */
     DM_DEGENERATE = 1024,    /* steps L = alpha(q) . v - H(q), linear in v, and nothing else */
+    DM_ON_GROUPS = 2048,     /* steps systems on groups (mech/group.h) */
     DM_CONSTRAINTS = DM_HOLONOMIC | DM_ROLLING | DM_FORCED
 };
 

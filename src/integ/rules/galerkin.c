@@ -92,12 +92,16 @@ static int smaller(int a, int b) {
  * exact to degree e. 2 (e - s + 2): L_v meets variations of degree s - 1 under that quadrature,
  * so that the velocities are off by h^(e - s + 2), and their error enters the extremal value
  * squared (measured in the tests: it is sharp). */
-static int order(const dm_rule *rule) {
+int dm_galerkin_order(const dm_galerkin *g) {
     static const double tolerance = 1e-12; /* a user has rounded nodes */
+    const int exact = dm_quadrature_degree(&g->q, tolerance);
+    return smaller(smaller(2 * g->s, exact + 1), 2 * (exact - g->s + 2));
+}
+
+static int order(const dm_rule *rule) {
     dm_galerkin g;
     basis(&g, rule);
-    const int exact = dm_quadrature_degree(&g.q, tolerance);
-    return smaller(smaller(2 * g.s, exact + 1), 2 * (exact - g.s + 2));
+    return dm_galerkin_order(&g);
 }
 
 const dm_method dm_method_galerkin = {

@@ -1,0 +1,89 @@
+--- Flat coordinates of elements as a run keeps them: their products and maps from the algebra
+-- without a branch, so that they go on smoothly where `kit.flat` of an element would choose a sign.
+local core = require "dm.core"
+local kits = require "dm.group.kit"
+
+local M = {}
+
+-- products and maps of entries, or of whatever flat coordinates have no choice in them
+local function plain(kit, flat, unflat)
+  return { flat = flat, element = unflat,
+    carry = function(a, b) return flat(kit.compose(unflat(a), unflat(b))) end,
+    exp = function(xi) return flat(kit.exp(xi)) end,
+    near = function(xi) return flat(kit.near(xi)) end,
+    cayley = kit.cayley and function(xi) return flat(kit.cayley(xi)) end }
+end
+
+local function cut(list, first, n)
+  local out = {}
+  for i = 1, n do out[i] = list[first + i] end
+  return out
+end
+
+local function append(out, list)
+  for i = 1, #list do out[#out + 1] = list[i] end
+  return out
+end
+
+-- factor by factor
+local function product(kit, matrix)
+  local parts, counts = {}, {}
+  for k, part in ipairs(kit.parts) do
+    parts[k] = M.of(part, matrix)
+    counts[k] = #parts[k].flat(part.identity())
+  end
+  -- f of each factor, whose arguments are cut to pieces of `sizes`
+  local function by_factor(name, sizes)
+    return function(...)
+      local out, first, given = {}, 0, { ... }
+      for k, part in ipairs(parts) do
+        local arguments = {}
+        for i, x in ipairs(given) do arguments[i] = cut(x, first, sizes[k]) end
+        if sizes ~= counts then arguments[1] = core.vector(arguments[1]) end
+        append(out, part[name](table.unpack(arguments)))
+        first = first + sizes[k]
+      end
+      return out
+    end
+  end
+  local dimensions, cayley = {}, true
+  for k, part in ipairs(kit.parts) do
+    dimensions[k], cayley = part.dimension, cayley and parts[k].cayley
+  end
+  return { carry = by_factor("carry", counts), exp = by_factor("exp", dimensions),
+    near = by_factor("near", dimensions), cayley = cayley and by_factor("cayley", dimensions),
+    tidy = by_factor("tidy", counts),
+    flat = function(g)
+      local out = {}
+      for k, part in ipairs(parts) do append(out, part.flat(g[k])) end
+      return out
+    end,
+    element = function(list)
+      local out, first = {}, 0
+      for k, part in ipairs(parts) do
+        out[k] = part.element(cut(list, first, counts[k]))
+        first = first + counts[k]
+      end
+      return out
+    end }
+end
+
+--- flat, element, carry, exp, near, cayley and tidy of a kit: `kit.smooth` where it has a closed
+-- form, else by entries where `matrix` is asked for.
+function M.of(kit, matrix)
+  local out
+  if kit.parts then
+    out = product(kit, matrix)
+  elseif matrix then
+    out = plain(kit, kit.entries, kit.rebuild)
+  else
+    out = plain(kit, kit.flat, kit.unflat)
+    for name, f in pairs(kit.smooth or {}) do out[name] = f end
+  end
+  out.tidy = out.tidy or function(list) return list end
+  return out
+end
+
+M.list_of = kits.list_of
+
+return M

@@ -1,0 +1,259 @@
+--- A group as the configuration space of a system (docs/design/groups.md): flat coordinates of
+-- elements, functions of elements as functions of coordinates, starts of runs.
+--
+-- A place is what a system keeps of its space, made by `M.of`:
+--   space, kit     the group
+--   size, dimension  N flat coordinates, d entries of velocities and momenta
+--   right          is xi the spatial velocity?
+--   flat(g)        -> list of N numbers; element(list) -> g
+--   carry(a, b)    -> flat coordinates of the product of two elements, without a branch
+--   maps           tau by name: tau(xi) in flat coordinates, and its left differential
+local blame = require "dm.base.blame"
+local core = require "dm.core"
+local flats = require "dm.group.flat"
+local kits = require "dm.group.kit"
+
+local M = {}
+
+---- what a place is ----
+
+local COLUMNS = { flat = true, matrix = true }
+local SIDES = { left = true, right = true }
+
+local function choice(options, key, known, usual, words)
+  local value = options[key]
+  if value == nil then return usual end
+  if not known[value] then
+    error(("field '%s' must be %s (got %s)"):format(key, words, tostring(value)), 0)
+  end
+  return value
+end
+
+--- The place of a system on the group `space`.
+function M.of(space, options)
+  local kit = kits.of(space)
+  if kit.manifold then
+    error(("field 'Q': %s is a product of groups and spheres; systems live on groups, or on "
+      .. "products of dm.R(n), dm.T(n), dm.S(n)"):format(tostring(space)), 0)
+  end
+  local matrix = choice(options, "columns", COLUMNS, "flat", [["flat" or "matrix"]]) == "matrix"
+  local right = choice(options, "trivialization", SIDES, "left", [["left" or "right"]]) == "right"
+  local place = flats.of(kit, matrix)
+  place.space, place.kit, place.right, place.dimension = space, kit, right, kit.dimension
+  place.size = #place.flat(kit.identity())
+  return place
+end
+
+---- functions of a state ----
+
+local function zeros(n)
+  local out = {}
+  for i = 1, n do out[i] = 0 end
+  return out
+end
+
+-- the first d entries of a vector of N
+local function body(place, v)
+  local out = {}
+  for i = 1, place.dimension do out[i] = v[i] end
+  return core.vector(out)
+end
+
+--- d numbers with zeros behind them, N in all.
+function M.padded(place, v, what)
+  local x = kits.vector(v, place.dimension, what)
+  local out = zeros(place.size)
+  for i = 1, place.dimension do out[i] = x[i] end
+  return core.vector(out)
+end
+
+--- f(g, xi, ...) as a function of (q, v, ...).
+function M.of_velocity(place, f)
+  return function(q, v, ...) return f(place.element(q), body(place, v), ...) end
+end
+
+-- f(g, ...) as a function of (q, ...)
+local function of_position(place, f)
+  return function(q, ...) return f(place.element(q), ...) end
+end
+
+-- what watches, records and events see: f(g, xi, t, mu)
+function M.observable(place, f)
+  return function(q, v, t, p) return f(place.element(q), body(place, v), t, body(place, p)) end
+end
+
+-- L with a unit mass for every entry of v behind xi
+local function lagrangian(place, f)
+  local own = M.of_velocity(place, f)
+  return function(q, v, ...)
+    local value = own(q, v, ...)
+    if not kits.is_scalar(value) then return value end
+    for i = place.dimension + 1, place.size do value = value + 0.5 * v[i] * v[i] end
+    return value
+  end
+end
+
+-- a covector of d entries as one of N
+local function covector(place, f)
+  local own = M.of_velocity(place, f)
+  return function(...) return M.padded(place, own(...), "what force returns") end
+end
+
+local REFUSED = { coordinates = "the coordinates of a group have names of their own",
+  derivatives = "derivatives on a group are exact", reaction = "not for systems on groups yet",
+  control = "not for systems on groups yet" }
+
+--- The options of dm.system on R^N of a system on a group, and its place.
+function M.unfold(options)
+  for key, why in pairs(REFUSED) do
+    if options[key] ~= nil then
+      error(("field '%s': %s"):format(key, why), 0)
+    end
+  end
+  local place, out = M.of(options.Q, options), {}
+  for key, value in pairs(options) do out[key] = value end
+  local function wrap(key, how)
+    if type(options[key]) == "function" then out[key] = how(place, options[key]) end
+  end
+  wrap("L", lagrangian)
+  wrap("constraint", of_position)
+  wrap("rolling", M.of_velocity)
+  wrap("force", covector)
+  return out, place
+end
+
+---- charts about an element, as steps use them ----
+
+local function append(out, list)
+  for i = 1, #list do out[#out + 1] = list[i] end
+  return out
+end
+
+-- the left differential of tau: g^-1 g' of tau(xi), as d/dt tau(xi) = tau(xi) hat(left(xi, xi'))
+local DIFFERENTIALS = { exp = "dexp", cayley = "dcay" }
+
+--- What a step asks of the chart g = g0 tau(xi) (right: tau(xi) g0), tau = exp or cayley, as
+-- functions that are traced: chart(q0, e, xi, rate) gives the coordinates of g0 near(e) tau(xi),
+-- then the velocity of xi(t) with this rate; finish(q0, xi, mu) those of g0 tau(xi), then mu
+-- carried there by the coadjoint action, then squares of angles that must stay below pi. Nothing
+-- where the group has no such tau.
+function M.chart(place, tau)
+  local kit, right = place.kit, place.right
+  local map, slope = place[tau], kit[DIFFERENTIALS[tau]]
+  if not map or not slope then return end
+  local function about(q0, xi, e)
+    local list = kits.list_of(q0)
+    if right then return place.carry(map(xi), e and place.carry(place.near(e), list) or list) end
+    return place.carry(list, e and place.carry(place.near(e), map(xi)) or map(xi))
+  end
+  local function chart(q0, e, xi, rate)
+    return append(kits.list_of(about(q0, xi, e)), slope(right and xi or -xi, rate))
+  end
+  local function finish(q0, xi, mu)
+    local f = kit[tau](xi)
+    local carried = kit.coAd(right and f or kit.inverse(f), mu)
+    local out = append(kits.list_of(place.tidy(about(q0, xi))), carried)
+    return tau == "exp" and kit.arcs and append(out, kit.arcs(xi)) or out
+  end
+  return chart, finish
+end
+
+---- starts ----
+
+local LOOSE = 1e-9  -- how far a start may be off its group
+
+-- the element, on the group or brought there
+local function on_group(place, q, project)
+  local kit, name = place.kit, tostring(place.space)
+  local fine, g = pcall(kit.element, q)
+  if not fine then
+    error(("%s; an element of %s is %s"):format(g, name, require "dm.group.form".of(kit)), 0)
+  end
+  local list = place.flat(g)
+  if not kits.is_finite(kit.entries(g)) then
+    error(("field 'q': the element of %s is not finite"):format(name), 0)
+  end
+  local defect = kit.defect(g)
+  if defect <= LOOSE then return list end
+  if not project then
+    error(("field 'q': this is no element of %s, it is off by %.3g: project = true starts at the "
+      .. "nearest one"):format(name, defect), 0)
+  end
+  return place.flat(kit.project(g))
+end
+
+--- q, v, p of a run in flat coordinates, in a copy of its options.
+function M.start(place, options)
+  local out = {}
+  for key, value in pairs(options) do out[key] = value end
+  for _, key in ipairs { "q0", "q1" } do
+    if options[key] ~= nil then
+      error(("field '%s': a system on %s starts from q and v or from q and p")
+        :format(key, tostring(place.space)), 0)
+    end
+  end
+  if options.q ~= nil then out.q = core.vector(on_group(place, options.q, options.project)) end
+  for _, key in ipairs { "v", "p" } do
+    if options[key] ~= nil then
+      out[key] = M.padded(place, options[key], ("field '%s'"):format(key))
+    end
+  end
+  return out
+end
+
+-- the source of members `key`, a function of their number or a table, with `how` of each
+local function each(source, how)
+  if type(source) == "function" then
+    return function(i) return how(source(i), i) end
+  end
+  local out = {}
+  for i = 1, #source do out[i] = how(source[i], i) end
+  return out
+end
+
+--- q, v, p of the members of an ensemble, in a copy of its options.
+function M.starts(place, options)
+  local out = {}
+  for key, value in pairs(options) do out[key] = value end
+  if options.q ~= nil then
+    out.q = each(options.q, function(q) return on_group(place, q, options.project) end)
+  end
+  for _, key in ipairs { "v", "p" } do
+    if options[key] ~= nil then
+      out[key] = each(options[key], function(x, i)
+        return M.padded(place, x, ("'%s' of member %d"):format(key, i))
+      end)
+    end
+  end
+  return out
+end
+
+---- rows ----
+
+-- "R31" or "R31_2": row, column, factor
+local function entry_of(name)
+  local i, j, k = name:match "^R(%d)(%d)$", nil, nil
+  i, j, k = name:match "^R(%d)(%d)_?(%d*)$"
+  if not i then return end
+  return tonumber(i), tonumber(j), tonumber(k)
+end
+
+--- The column of an entry of the elements of a path, or nothing: "R31", of factor k "R31_k".
+function M.column(place, path, name)
+  local i, j, k = entry_of(name)
+  local kit = place.kit
+  if k and kit.parts then kit = kit.parts[k] end
+  if not i or not kit or not kit.matrix then return end
+  local m = kit.matrix(kit.identity())
+  if i < 1 or j < 1 or i > m.rows or j > m.columns or k and not place.kit.parts then return end
+  local out, q = {}, path.q
+  for row = 1, #path do
+    local g = q[row]
+    if k then g = g[k] end
+    out[row] = kit.matrix(g)[i][j]
+  end
+  return core.vector(out)
+end
+
+M.blame = blame
+return M

@@ -1,0 +1,155 @@
+/* space_group.c - systems on groups: calls of lua/dm/group/place.lua, where elements become flat
+ * coordinates and back. */
+#include "bind/model/space_group.h"
+#include "bind/core/state.h"
+#include "bind/model/bind_space.h"
+
+#include <string.h>
+
+/* function `name` of the module */
+static void push_module(lua_State *L, const char *name) {
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "dm.group.place");
+    lua_call(L, 1, 1);
+    lua_getfield(L, -1, name);
+    lua_remove(L, -2);
+}
+
+/* Spheres are unfolded before. */
+void dml_unfold_group(lua_State *L) {
+    lua_getfield(L, 1, "Q");
+    const dml_space *Q = luaL_testudata(L, -1, "dm.space");
+    lua_pop(L, 1);
+    if (!Q || Q->chart) {
+        lua_pushnil(L);
+        return;
+    }
+    push_module(L, "unfold");
+    lua_pushvalue(L, 1);
+    lua_call(L, 1, 2);
+    lua_insert(L, -2);
+    lua_replace(L, 1);
+}
+
+/* a whole number among the fields of the place on top */
+static uint32_t field(lua_State *L, const char *key, uint32_t otherwise) {
+    if (!lua_istable(L, -1)) return otherwise;
+    lua_getfield(L, -1, key);
+    const lua_Integer value = lua_tointeger(L, -1);
+    lua_pop(L, 1);
+    return (uint32_t)value;
+}
+
+uint32_t dml_place_dimension(lua_State *L, uint32_t n) {
+    return field(L, "dimension", n);
+}
+
+uint32_t dml_place_size(lua_State *L, uint32_t n) {
+    return field(L, "size", n);
+}
+
+int dml_placed(lua_State *L, int arg) {
+    return dml_checksystem(L, arg)->placed;
+}
+
+/* how(place, x) in place of x at the absolute index `at` */
+static void convert(lua_State *L, int arg, int at, const char *how) {
+    if (!dml_placed(L, arg)) return;
+    arg = lua_absindex(L, arg);
+    push_module(L, how);
+    dml_systemfield(L, arg, "place");
+    lua_pushvalue(L, at);
+    lua_call(L, 2, 1);
+    lua_replace(L, at);
+}
+
+void dml_place_options(lua_State *L, int arg, int options, const char *how) {
+    convert(L, arg, lua_absindex(L, options), how);
+}
+
+void dml_place_function(lua_State *L, int arg, const char *how) {
+    convert(L, arg, lua_gettop(L), how);
+}
+
+void dml_pushposition(lua_State *L, int arg, const double *q) {
+    const uint32_t n = dml_checksystem(L, arg)->n;
+    arg = lua_absindex(L, arg);
+    memcpy(dml_pushvector(L, n), q, n * sizeof *q);
+    if (!dml_placed(L, arg)) return;
+    dml_systemfield(L, arg, "place");
+    lua_getfield(L, -1, "element");
+    lua_pushvalue(L, -3);
+    lua_call(L, 1, 1);
+    lua_replace(L, -3);
+    lua_pop(L, 1);
+}
+
+int dml_place_column(lua_State *L, int arg, const char *name) {
+    if (!dml_placed(L, arg)) return 0;
+    arg = lua_absindex(L, arg);
+    push_module(L, "column");
+    dml_systemfield(L, arg, "place");
+    lua_pushvalue(L, 1);
+    lua_pushstring(L, name);
+    lua_call(L, 3, 1);
+    if (!lua_isnil(L, -1)) return 1;
+    lua_pop(L, 1);
+    return 0;
+}
+
+/* ---- charts ---- */
+
+static const char *const taus[] = {"exp", "cayley"};
+
+/* chart and finish of one tau are at fn and fn + 1, nil where there is none */
+static void trace_chart(lua_State *L, int fn, uint32_t n, uint32_t d, dm_arena *arena,
+                        dm_chart_trace *out) {
+    const int N = (int)n, D = (int)d;
+    const dml_signature chart = {.what = "the chart of a group",
+                                 .arguments = 4,
+                                 .length = {N, D, D, D},
+                                 .outputs = N + D};
+    const dml_signature end = {.what = "the end of a step on a group",
+                               .arguments = 3,
+                               .length = {N, D, D}};
+    dml_traced traced;
+    if (lua_isnil(L, fn)) return;
+    dml_trace(L, fn, &chart, arena, &traced);
+    out->chart = traced.graph;
+    out->place = traced.out;
+    dml_trace(L, fn + 1, &end, arena, &traced);
+    out->end = traced.graph;
+    out->carried = traced.out;
+    out->arcs = traced.outputs - n - d;
+}
+
+/* a userdata with the traces of all taus; the place is on top */
+static void make_traces(lua_State *L, const dml_system *s) {
+    const int place = lua_gettop(L);
+    dm_chart_trace *out = lua_newuserdatauv(L, DM_TAUS * sizeof *out, 1);
+    memset(out, 0, DM_TAUS * sizeof *out);
+    dm_arena *arena = dml_pusharena(L);
+    lua_setiuservalue(L, -2, 1);
+    for (int tau = 0; tau < DM_TAUS; tau++) {
+        push_module(L, "chart");
+        lua_pushvalue(L, place);
+        lua_pushstring(L, taus[tau]);
+        lua_call(L, 2, 2);
+        trace_chart(L, lua_gettop(L) - 1, s->n, s->momenta, arena, out + tau);
+        lua_pop(L, 2);
+    }
+    lua_setfield(L, place, "traces");
+}
+
+void dml_place_charts(lua_State *L, int arg, dm_group *out) {
+    const dml_system *s = dml_checksystem(L, arg);
+    const int top = lua_gettop(L);
+    dml_systemfield(L, arg, "place");
+    if (lua_getfield(L, -1, "traces") == LUA_TNIL) {
+        lua_pop(L, 1);
+        make_traces(L, s);
+        lua_getfield(L, -1, "traces");
+    }
+    memcpy(out->trace, lua_touserdata(L, -1), sizeof out->trace);
+    lua_settop(L, top);
+}

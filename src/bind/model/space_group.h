@@ -1,0 +1,35 @@
+/* space_group.h - systems whose configuration space is a group: between elements, as a script sees
+ * them, and flat coordinates, as a run has them (lua/dm/group/place.lua). */
+#ifndef DML_SPACE_GROUP_H
+#define DML_SPACE_GROUP_H
+
+#include "bind/model/bind_system.h"
+
+/* The options of a system at 1: where Q is a group that has no global coordinates, they become
+ * those of the system on R^N, and its place is pushed; else nil is pushed. */
+void dml_unfold_group(lua_State *L);
+
+/* dim of the algebra and N, of the place on top; n and n where it is nil. */
+uint32_t dml_place_dimension(lua_State *L, uint32_t n);
+uint32_t dml_place_size(lua_State *L, uint32_t n);
+
+/* Is the configuration space of the system at `arg` a group? */
+int dml_placed(lua_State *L, int arg);
+
+/* Replace the options at `options` by function `how` ("start", "starts") of them, for a system at
+ * `arg` on a group; others stay as they are. */
+void dml_place_options(lua_State *L, int arg, int options, const char *how);
+
+/* Replace the function on top by how(function) ("observable"), as above. */
+void dml_place_function(lua_State *L, int arg, const char *how);
+
+/* Push the position q[N] of the system at `arg`: an element, or the vector q[n]. */
+void dml_pushposition(lua_State *L, int arg, const double *q);
+
+/* Push the column `name` of the path at 1 that is an entry of its elements; 0: it is none. */
+int dml_place_column(lua_State *L, int arg, const char *name);
+
+/* The traces of the charts of the group of the system at `arg`, made once and kept by it. */
+void dml_place_charts(lua_State *L, int arg, dm_group *out);
+
+#endif

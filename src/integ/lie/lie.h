@@ -1,0 +1,18 @@
+/* lie.h - Lie group variational integrators in the natural chart about the start of a step (Leok
+ * 5.3.2), g = g0 tau(xi), xi = h sum_j a_j(c) V_j with velocities V_j at nodes as in stage/stage.h:
+ *   sum_i b_i [h a_ij L_xi(i) + d_ij L_xi'(i)] = beta_j dtau_R(xi1)^T (p0 + P),
+ *   P = h sum_i b_i L_e(i),  xi1 = h sum_j beta_j V_j,  g1 = g0 tau(xi1),  p1 = Ad*_tau(xi1) (p0 +
+ * P), where L_e is the derivative at g0. On R^n this is the Galerkin method of the same basis. */
+#ifndef DM_LIE_H
+#define DM_LIE_H
+
+#include "integ/method/method.h"
+#include "mech/group.h"
+
+/* Reads the basis of a row; steps free coordinates as rules of stages do. */
+extern const dm_engine dm_engine_lie;
+
+/* The map that the arguments of a rule name; exp where they name none. */
+dm_tau dm_lie_tau(const dm_rule *rule);
+
+#endif

@@ -1,0 +1,42 @@
+/* lie_inside.h - what a step in the natural chart works on, laid into the workspace of its
+ * stepper. */
+#ifndef DM_LIE_INSIDE_H
+#define DM_LIE_INSIDE_H
+
+#include "integ/lie/lie.h"
+#include "linalg/solve/newton.h"
+
+enum { DM_LIE_KEPT = 3, DM_LIE_TEXT = 128 };
+
+/* Sizes: n flat coordinates, d dimension of the group, s velocities, r points, m = s d unknowns. */
+typedef struct {
+    const dm_model *model;
+    const dm_group *group;
+    uint32_t n, d, s, r, m;
+    double h, t;                  /* of this step */
+    double *a, *D, *b, *c, *beta; /* [r*s], [r*s], [r], [r], [s]: coefficients */
+    double *state;                /* of the run: q[n], p[n] ... */
+    double *x;                    /* [n + 2d + 1] inputs of a point */
+    double *slope;                /* [3d] at a point */
+    double *curve;                /* [3d (2d + 1)] at a point, then */
+    double *V;                    /* [m] the unknowns */
+    double *xi;                   /* [d] at the end of the step */
+    double *mu;                   /* [d] p0 + P */
+    double *mu_V;                 /* [d * m] its derivative */
+    double *in;                   /* [n + 2d] inputs of pull and finish */
+    double *pull;                 /* [d (2d + 1)] */
+    double *end;                  /* [n + d + arcs] */
+    double *work;                 /* of Newton's method, or of the Legendre transform */
+    double *sizes;                /* [m] of the terms of each equation */
+    double size;                  /* of the terms of the equation where it was last evaluated */
+    /* what steps leave to the next: how many there are, their h, V of the last ones, newest first:
+     * [2 + DM_LIE_KEPT m] */
+    double *memory;
+    double turn;            /* rad, of a step that left the chart, else 0 */
+    char text[DM_LIE_TEXT]; /* why a step failed */
+} dm_lie;
+
+/* For dm_newton: the step equation at V, and its matrix. */
+dm_status dm_lie_equation(void *lie, double *R, double *J, const double *V);
+
+#endif

@@ -1,0 +1,44 @@
+/* group.h - the group that a system lives on, as steps see it: q[n] are flat coordinates of an
+ * element, p[n] begins with the momentum dL/dxi and has zeros behind it
+ * (docs/design/groups.md). */
+#ifndef DM_GROUP_H
+#define DM_GROUP_H
+
+#include "mech/model.h"
+
+/* Maps tau from the algebra to the group whose charts g0 tau(xi) are known. */
+typedef enum { DM_TAU_EXP, DM_TAU_CAYLEY, DM_TAUS } dm_tau;
+
+/* The traces of one tau (lua/dm/group/place.lua); chart NULL: the group has no such map. With
+ * right trivialization tau(xi) stands on the left of g0. */
+typedef struct {
+    dm_graph *chart;        /* inputs q0[n], e[d], xi[d], rate[d] */
+    const dm_node *place;   /* [n + d]: coordinates of g0 near(e) tau(xi), then its velocity */
+    dm_graph *end;          /* inputs q0[n], xi[d], mu[d] */
+    const dm_node *carried; /* [n + d + arcs]: g0 tau(xi), mu carried there, squares of angles */
+    uint32_t arcs;
+} dm_chart_trace;
+
+/* L in the chart about g0. Kernels are there for one tau at a time. */
+typedef struct dm_group {
+    uint32_t momenta; /* d, dimension of the algebra */
+    dm_chart_trace trace[DM_TAUS];
+    int ready; /* kernels are made, of: */
+    dm_tau tau;
+    /* take (q0[n], xi[d], rate[d], t): L_e, L_xi, L_rate of L(g0 near(e) tau(xi), velocity, t) at
+     * e = 0, forces added: [3d]; then their derivatives in (xi, rate), row by row [3d][2d] */
+    dm_kernel slope, curve;
+    dm_kernel pull;   /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d], then db [d][2d] */
+    dm_kernel finish; /* as dm_chart_trace.end */
+    uint32_t arcs;
+} dm_group;
+
+/* Entries of p that are momenta, those that rows hold. */
+static inline uint32_t dm_momenta(const dm_model *m) {
+    return m->group ? m->group->momenta : m->n;
+}
+
+/* Make the kernels of tau for a model that was built, in its arena. */
+dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);
+
+#endif
