@@ -33,8 +33,8 @@ end
 function M.of(space, options)
   local kit = kits.of(space)
   if kit.manifold then
-    error(("field 'Q': %s is a product of groups and spheres; systems live on groups, or on "
-      .. "products of dm.R(n), dm.T(n), dm.S(n)"):format(tostring(space)), 0)
+    error(("field 'Q': %s has no global coordinates: systems live on products of groups, or "
+      .. "on products of dm.R(n), dm.T(n), dm.S(n)"):format(tostring(space)), 0)
   end
   local matrix = choice(options, "columns", COLUMNS, "flat", [["flat" or "matrix"]]) == "matrix"
   local right = choice(options, "trivialization", SIDES, "left", [["left" or "right"]]) == "right"

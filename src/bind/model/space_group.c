@@ -3,6 +3,7 @@
 #include "bind/model/space_group.h"
 #include "bind/core/state.h"
 #include "bind/model/bind_space.h"
+#include "integ/registry.h"
 
 #include <string.h>
 
@@ -95,6 +96,26 @@ int dml_place_column(lua_State *L, int arg, const char *name) {
     if (!lua_isnil(L, -1)) return 1;
     lua_pop(L, 1);
     return 0;
+}
+
+/* Rules for free coordinates cannot step a group. */
+void dml_refuse_group(lua_State *L, int arg, const dm_rule *rule) {
+    luaL_Buffer b;
+    const char *separator = "";
+    if (rule->method->traits & DM_ON_GROUPS) return;
+    luaL_buffinit(L, &b);
+    for (const dm_method *const *m = dm_methods; *m; m++) {
+        if (!((*m)->traits & DM_ON_GROUPS)) continue;
+        luaL_addstring(&b, separator);
+        luaL_addstring(&b, (*m)->signature);
+        separator = ", ";
+    }
+    luaL_pushresult(&b);
+    const char *known = lua_tostring(L, -1);
+    dml_systemfield(L, arg, "Q");
+    const char *Q = luaL_tolstring(L, -1, NULL);
+    luaL_error(L, "rule '%s' cannot step a system on %s; rules that step groups: %s", rule->name, Q,
+               known);
 }
 
 /* ---- charts ---- */

@@ -4,6 +4,7 @@
 #define DML_SPACE_GROUP_H
 
 #include "bind/model/bind_system.h"
+#include "integ/method/method.h"
 
 /* The options of a system at 1: where Q is a group that has no global coordinates, they become
  * those of the system on R^N, and its place is pushed; else nil is pushed. */
@@ -31,5 +32,8 @@ int dml_place_column(lua_State *L, int arg, const char *name);
 
 /* The traces of the charts of the group of the system at `arg`, made once and kept by it. */
 void dml_place_charts(lua_State *L, int arg, dm_group *out);
+
+/* Raise where the rule does not step groups, as that of the system at `arg`. */
+void dml_refuse_group(lua_State *L, int arg, const dm_rule *rule);
 
 #endif

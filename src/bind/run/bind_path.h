@@ -1,4 +1,4 @@
-/* bind_path.h - `dm.path` as the other bindings see it: rows of t, q[n], p[momenta] in one block. */
+/* bind_path.h - `dm.path` for the other bindings: rows of t, q[n], p[momenta] in one block. */
 #ifndef DML_PATH_H
 #define DML_PATH_H
 
@@ -20,7 +20,7 @@ typedef struct {
     double constraint, rolling; /* largest |g|, |phi| that the solver saw */
     const char *rule;           /* as the user gave it; kept by the path */
     double *
-        /* rows x width: t, q[n], p[momenta] and what was recorded beside, or t and what was watched */
+        /* rows x width: t, q[n], p[momenta] and what was recorded beside, or what was watched */
         data;
 } dml_path;
 

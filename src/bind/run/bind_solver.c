@@ -1,5 +1,6 @@
 /* bind_solver.c - `dm.solver`: a system, a rule and a step; runs end in a path or a
  * dm.failure. */
+#include "bind/model/space_group.h"
 #include "bind/run/bind_path.h"
 #include "bind/run/checkpoint.h"
 #include "bind/run/stepping.h"
@@ -13,11 +14,11 @@ static solver *check(lua_State *L) {
     return luaL_checkudata(L, 1, DML_SOLVER);
 }
 
-/* q and p of the state that a step ended in, two vectors. */
+/* q and p of the state that a step ended in. */
 static int push_state(lua_State *L, const dml_stepping *r) {
-    const uint32_t n = r->solver->n;
-    memcpy(dml_pushvector(L, n), r->state, n * sizeof(double));
-    memcpy(dml_pushvector(L, n), r->state + n, n * sizeof(double));
+    const uint32_t momenta = dml_checksystem(L, r->system)->momenta;
+    dml_pushposition(L, r->system, r->state);
+    memcpy(dml_pushvector(L, momenta), r->state + r->solver->n, momenta * sizeof(double));
     return 2;
 }
 
@@ -43,6 +44,9 @@ static int solver_step(lua_State *L) {
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
     dml_stepping_names(L);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    dml_place_options(L, -1, 2, "start");
+    lua_settop(L, 2);
     dml_stepping_prepare(L, &r, dml_number(L, 2, "t0", 0.0));
     dml_stepping_start(L, &r);
     const double h = r.solver->h;

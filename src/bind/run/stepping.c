@@ -9,7 +9,6 @@
 #include "bind/run/start_constraints.h"
 #include "bind/run/stepping_params.h"
 #include "bind/trace/bind_root.h"
-#include "integ/registry.h"
 
 #include <math.h>
 #include <string.h>
@@ -66,26 +65,6 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     r->metric = r->work + scratch;
 }
 
-/* Rules for free coordinates cannot step a group. */
-static void refuse_group(lua_State *L, const dml_stepping *r) {
-    luaL_Buffer b;
-    const char *separator = "";
-    if (!r->model->model.group || r->solver->method->traits & DM_ON_GROUPS) return;
-    luaL_buffinit(L, &b);
-    for (const dm_method *const *m = dm_methods; *m; m++) {
-        if (!((*m)->traits & DM_ON_GROUPS)) continue;
-        luaL_addstring(&b, separator);
-        luaL_addstring(&b, (*m)->signature);
-        separator = ", ";
-    }
-    luaL_pushresult(&b);
-    const char *known = lua_tostring(L, -1);
-    dml_systemfield(L, r->system, "Q");
-    const char *Q = luaL_tolstring(L, -1, NULL);
-    luaL_error(L, "rule '%s' cannot step a system on %s; rules that step groups: %s",
-               r->solver->nodes[0].name, Q, known);
-}
-
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     dml_solver *s = r->solver;
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
@@ -97,7 +76,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
         luaL_error(L, "L has no velocity in it, so that nothing moves: L(q, v) needs terms in v, "
                       "such as m*v:dot(v)/2 with m not 0");
     dml_refuselinear(L, r);
-    refuse_group(L, r);
+    if (r->model->model.group) dml_refuse_group(L, r->system, s->nodes);
     if (r->model->model.structure & DM_CONSTANT_MASS && !r->model->model.inverse_mass &&
         !(s->method->traits & DM_DEGENERATE))
         luaL_error(L,
@@ -142,9 +121,8 @@ static int has(lua_State *L, const char *key) {
     return there;
 }
 
-/* q0 and p0, as discrete mechanics writes a start, are q and p. The table at 2 is replaced by a
- * copy; that of the user stays as it is. */
-static void rename_start(lua_State *L) {
+/* The table at 2 is replaced by a copy; that of the user stays as it is. */
+void dml_stepping_names(lua_State *L) {
     static const char *const from[] = {"q0", "p0"}, *const to[] = {"q", "p"};
     if (!has(L, "p0")) return;
     if (has(L, "q") || has(L, "p") || has(L, "v") || has(L, "q1") || !has(L, "q0"))
@@ -162,14 +140,6 @@ static void rename_start(lua_State *L) {
         lua_setfield(L, -2, from[i]);
     }
     lua_replace(L, 2);
-}
-
-/* Of a system on a group then the coordinates of elements. */
-void dml_stepping_names(lua_State *L) {
-    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    rename_start(L);
-    dml_place_options(L, -1, 2, "start");
-    lua_pop(L, 1);
 }
 
 /* n numbers of the start, in a list or by the names of coordinates */

@@ -64,7 +64,7 @@ near(long:energy({ 1e-3 }, { 2 }), 2 + 1e-9 * 1100000 * 1100001 / 2, 1e-8, "with
 
 -- misuse
 raises("'Q' must be a space", dm.system, { L = function() return 1 end })
-raises("no global coordinates", dm.system, { Q = dm.SO(3), L = function() return 1 end })
+raises("for systems on groups", dm.system, { Q = dm.R(1), columns = "matrix", L = function() return 1 end })
 raises("'L' must be a function", dm.system, { Q = dm.R(1) })
 raises("did you mean", dm.system, { Q = dm.R(1), L = function() return 1 end, nmae = "x" })
 raises("'coordinates' must be", dm.system, { Q = dm.R(2), L = function(q, v) return v[1] ^ 2 end, coordinates = { "x" } })
