@@ -126,4 +126,9 @@ void dml_rethrow(lua_State *L, dml_model *m);
 /* Hyper-dual kernels in the layout of mech/model.h. */
 void dml_hyperdual_model(lua_State *L, dml_model *m, unsigned want, int pair);
 
+/* A kernel that calls L itself at x: raises where it is NaN there, unless it may be, or not the
+ * same number when asked again. */
+void dml_check_callback(lua_State *L, dml_model *m, const char *what, const double *x,
+                        int may_be_outside);
+
 #endif

@@ -97,3 +97,23 @@ void dml_hyperdual_model(lua_State *L, dml_model *m, unsigned want, int pair) {
     m->model.pair = kernel(c, eval_pair, 2 * n + n * n);
     m->model.has |= want;
 }
+
+/* the kernel is the function: it need only be a number, and the same one when asked again */
+void dml_check_callback(lua_State *L, dml_model *m, const char *what, const double *x,
+                        int may_be_outside) {
+    double once = 0.0, again = 0.0;
+    dm_kernel_eval(&m->model.value, x, &once);
+    dm_kernel_eval(&m->model.value, x, &again);
+    dml_rethrow(L, m);
+    if (once != once && may_be_outside) return;
+    if (once != once)
+        luaL_error(L,
+                   "%s is NaN at the start: is the start inside its domain (a logarithm, root or "
+                   "quotient)?",
+                   what);
+    if (once != again)
+        luaL_error(L,
+                   "%s gives %f and then %f at the same point: does it use random numbers, or a "
+                   "counter?",
+                   what, once, again);
+}

@@ -41,14 +41,17 @@ static uint32_t field(lua_State *L, const char *key, uint32_t otherwise) {
     return (uint32_t)value;
 }
 
+/* Of velocities and momenta; n where the place is nil. */
 uint32_t dml_place_dimension(lua_State *L, uint32_t n) {
     return field(L, "dimension", n);
 }
 
+/* Of flat coordinates. */
 uint32_t dml_place_size(lua_State *L, uint32_t n) {
     return field(L, "size", n);
 }
 
+/* Told by the userdata alone. */
 int dml_placed(lua_State *L, int arg) {
     return dml_checksystem(L, arg)->placed;
 }
@@ -64,14 +67,17 @@ static void convert(lua_State *L, int arg, int at, const char *how) {
     lua_replace(L, at);
 }
 
+/* A copy takes their place: those of the user stay as they are. */
 void dml_place_options(lua_State *L, int arg, int options, const char *how) {
     convert(L, arg, lua_absindex(L, options), how);
 }
 
+/* Events and watches are written for elements, and see coordinates. */
 void dml_place_function(lua_State *L, int arg, const char *how) {
     convert(L, arg, lua_gettop(L), how);
 }
 
+/* The kit makes the element when somebody asks for it. */
 void dml_pushposition(lua_State *L, int arg, const double *q) {
     const uint32_t n = dml_checksystem(L, arg)->n;
     arg = lua_absindex(L, arg);
@@ -85,6 +91,7 @@ void dml_pushposition(lua_State *L, int arg, const double *q) {
     lua_pop(L, 1);
 }
 
+/* Elements are made row by row: this is for plots and tests. */
 int dml_place_column(lua_State *L, int arg, const char *name) {
     if (!dml_placed(L, arg)) return 0;
     arg = lua_absindex(L, arg);
@@ -162,6 +169,7 @@ static void make_traces(lua_State *L, const dml_system *s) {
     lua_setfield(L, place, "traces");
 }
 
+/* The kit has no upvalue of the user's, so one trace serves for ever. */
 void dml_place_charts(lua_State *L, int arg, dm_group *out) {
     const dml_system *s = dml_checksystem(L, arg);
     const int top = lua_gettop(L);
@@ -173,4 +181,13 @@ void dml_place_charts(lua_State *L, int arg, dm_group *out) {
     }
     memcpy(out->trace, lua_touserdata(L, -1), sizeof out->trace);
     lua_settop(L, top);
+}
+
+/* One bit of them is set. */
+void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *compile) {
+    const dm_tau tau = chart & DM_WANT_CHART ? DM_TAU_EXP : DM_TAU_CAYLEY;
+    if (!m->group.trace[tau].chart)
+        luaL_error(L, "this group has no Cayley map that stays on it; take \"exp\"");
+    const dm_status status = dm_group_want(&m->group, &m->model, tau, compile);
+    if (status != DM_OK) luaL_error(L, "the chart of the group: %s", dm_status_text(status));
 }

@@ -36,4 +36,8 @@ void dml_place_charts(lua_State *L, int arg, dm_group *out);
 /* Raise where the rule does not step groups, as that of the system at `arg`. */
 void dml_refuse_group(lua_State *L, int arg, const dm_rule *rule);
 
+/* Make the kernels of the chart that these bits (DM_WANT_CHARTS) say; raises where the group has no
+ * such map. */
+void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *compile);
+
 #endif

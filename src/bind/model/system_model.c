@@ -308,16 +308,6 @@ static dm_status build_kernels(dml_model *m, unsigned want, dm_compile *compile)
     return status;
 }
 
-/* of the chart of one tau of the group that the model is on */
-static void want_chart(lua_State *L, dml_model *m, unsigned charts, const char *backend) {
-    const double start = now_ms(CLOCK_THREAD_CPUTIME_ID);
-    const dm_tau tau = charts & DM_WANT_CHART ? DM_TAU_EXP : DM_TAU_CAYLEY;
-    if (!m->group.trace[tau].chart)
-        luaL_error(L, "this group has no Cayley map that stays on it; take \"exp\"");
-    check_status(L, dm_group_want(&m->group, &m->model, tau, backend_of(L, m, backend)->compile));
-    m->compile_ms += now_ms(CLOCK_THREAD_CPUTIME_ID) - start;
-}
-
 /* Kernels that are there stay, so that their bits do. */
 void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     if (want & DM_WANT_MAP) {
@@ -327,7 +317,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
     }
     if (want & DM_WANT_CHARTS) {
         dml_want(L, m, want & ~(unsigned)DM_WANT_CHARTS, backend);
-        want_chart(L, m, want & DM_WANT_CHARTS, backend);
+        dml_want_chart(L, m, want & DM_WANT_CHARTS, backend_of(L, m, backend)->compile);
         return;
     }
     if (dml_arenalost(m->arena))
@@ -362,30 +352,10 @@ unsigned dml_legendre_wants(const dml_model *m, unsigned want) {
     return structure & DM_DIAGONAL_MASS ? 0 : DM_WANT_MASS;
 }
 
-/* the kernel is the function: it need only be a number, and the same one when asked again */
-static void check_callback(lua_State *L, dml_model *m, const char *what, const double *x,
-                           int may_be_outside) {
-    double once = 0.0, again = 0.0;
-    dm_kernel_eval(&m->model.value, x, &once);
-    dm_kernel_eval(&m->model.value, x, &again);
-    dml_rethrow(L, m);
-    if (once != once && may_be_outside) return;
-    if (once != once)
-        luaL_error(L,
-                   "%s is NaN at the start: is the start inside its domain (a logarithm, root or "
-                   "quotient)?",
-                   what);
-    if (once != again)
-        luaL_error(L,
-                   "%s gives %f and then %f at the same point: does it use random numbers, or a "
-                   "counter?",
-                   what, once, again);
-}
-
 static void check_model(lua_State *L, int arg, dml_model *m, const double *x, int may_be_outside) {
     const char *what = m->model.has & DM_WANT_PAIR ? "Ld" : "L";
     if (m->callback) {
-        if (x) check_callback(L, m, what, x, may_be_outside);
+        if (x) dml_check_callback(L, m, what, x, may_be_outside);
         return;
     }
     const dml_system *s = dml_checksystem(L, arg);

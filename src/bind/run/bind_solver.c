@@ -44,9 +44,6 @@ static int solver_step(lua_State *L) {
     luaL_checktype(L, 2, LUA_TTABLE);
     dml_options(L, 2, known);
     dml_stepping_names(L);
-    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    dml_place_options(L, -1, 2, "start");
-    lua_settop(L, 2);
     dml_stepping_prepare(L, &r, dml_number(L, 2, "t0", 0.0));
     dml_stepping_start(L, &r);
     const double h = r.solver->h;

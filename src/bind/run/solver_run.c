@@ -2,7 +2,6 @@
  * far. */
 #include "bind/core/bind_failure.h"
 #include "bind/core/bind_terminal.h"
-#include "bind/model/space_group.h"
 #include "bind/run/bind_path.h"
 #include "bind/run/checkpoint.h"
 #include "bind/run/run_events.h"
@@ -377,9 +376,6 @@ int dml_solver_run(lua_State *L) {
                    luaL_typename(L, 2));
     dml_options(L, 2, known);
     dml_stepping_names(L);
-    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
-    dml_place_options(L, -1, 2, "start");
-    lua_settop(L, 2);
     read_plan(L, &u);
     dml_stepping_prepare(L, &u.r, u.r.t0);
     dml_path *path = make_path(L, &u);

@@ -1,4 +1,8 @@
+/* start_branch.c - the start of a run as it is given: names, elements of groups, and which of the
+ * velocities of a momentum is meant. */
 #include "bind/run/start_branch.h"
+
+#include "bind/model/space_group.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,4 +27,40 @@ void dml_check_velocity(lua_State *L, dml_stepping *r, const double *state, cons
                "%sno start: L is not convex in v, so that the momentum of this v belongs to other "
                "velocities too, and a run, which goes on from q and p, would take one of these",
                who);
+}
+
+/* Is option `key` of the table at 2 given? */
+static int has(lua_State *L, const char *key) {
+    const int there = lua_getfield(L, 2, key) != LUA_TNIL;
+    lua_pop(L, 1);
+    return there;
+}
+
+/* The table at 2 is replaced by a copy; that of the user stays as it is. */
+static void rename_start(lua_State *L) {
+    static const char *const from[] = {"q0", "p0"}, *const to[] = {"q", "p"};
+    if (!has(L, "p0")) return;
+    if (has(L, "q") || has(L, "p") || has(L, "v") || has(L, "q1") || !has(L, "q0"))
+        luaL_error(L, "give the momentum p0 with the position q0 alone");
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, 2);) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -4);
+    }
+    for (int i = 0; i < 2; i++) {
+        lua_getfield(L, 2, from[i]);
+        lua_setfield(L, -2, to[i]);
+        lua_pushnil(L);
+        lua_setfield(L, -2, from[i]);
+    }
+    lua_replace(L, 2);
+}
+
+/* q0 and p0 are q and p; of a system on a group elements are flat coordinates. */
+void dml_stepping_names(lua_State *L) {
+    rename_start(L);
+    lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    dml_place_options(L, -1, 2, "start");
+    lua_settop(L, 2);
 }

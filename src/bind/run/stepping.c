@@ -121,27 +121,6 @@ static int has(lua_State *L, const char *key) {
     return there;
 }
 
-/* The table at 2 is replaced by a copy; that of the user stays as it is. */
-void dml_stepping_names(lua_State *L) {
-    static const char *const from[] = {"q0", "p0"}, *const to[] = {"q", "p"};
-    if (!has(L, "p0")) return;
-    if (has(L, "q") || has(L, "p") || has(L, "v") || has(L, "q1") || !has(L, "q0"))
-        luaL_error(L, "give the momentum p0 with the position q0 alone");
-    lua_newtable(L);
-    for (lua_pushnil(L); lua_next(L, 2);) {
-        lua_pushvalue(L, -2);
-        lua_insert(L, -2);
-        lua_rawset(L, -4);
-    }
-    for (int i = 0; i < 2; i++) {
-        lua_getfield(L, 2, from[i]);
-        lua_setfield(L, -2, to[i]);
-        lua_pushnil(L);
-        lua_setfield(L, -2, from[i]);
-    }
-    lua_replace(L, 2);
-}
-
 /* n numbers of the start, in a list or by the names of coordinates */
 static void numbers(lua_State *L, const dml_stepping *r, const char *key, double *out) {
     const uint32_t n = r->solver->n;
