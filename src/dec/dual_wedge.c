@@ -70,7 +70,8 @@ static double printed(const dual_cell *d, uint32_t base, uint32_t k, uint32_t l,
         if ((I & ~r) || dm_bits(I) != k) continue;
         const uint32_t J = r & ~I;
         /* without I: vertices J + base, which carry a; without J: those that carry b */
-        const double value = on_dual(d, a, I) * on_dual(d, b, J);
+        double value = on_dual(d, a, I) * on_dual(d, b, J);
+        if (r && (I == 0 || J == 0)) value *= d->c->sign; /* a function: about ascending vertices */
         sum += dm_parity(J, I) * dm_parity(J, base) * dm_parity(I, base) * value;
     }
     const double oriented = r ? d->c->sign * dm_parity(r, base) : 1.0;
