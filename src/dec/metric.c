@@ -1,4 +1,6 @@
-/* metric.c - volumes by Gram determinants, duals by the recursion over flags of centres. */
+/* metric.c - volumes by Gram determinants, duals by the recursion over flags of centres. Edges and
+ * triangles, of which there are most, have formulas of their own: rows "mesh of triangles" and
+ * "mesh of tetrahedra" of make bench. */
 #include "dec/metric.h"
 
 #include <math.h>
@@ -18,25 +20,7 @@ void dm_metric_lengths(double *length2, const dm_complex *K, const double *point
     }
 }
 
-/* ---- one cell ---- */
-
-/* edges of a cell of degree k, [k + 1][k + 1]: the edge of vertices i < j is found by dropping the
- * others, last ones first */
-static void read_lengths(dm_cell_metric *c, const dm_complex *K, const double *length2, uint32_t k,
-                         uint32_t cell) {
-    c->n = k;
-    for (uint32_t i = 0; i <= k; i++)
-        for (uint32_t j = i + 1; j <= k; j++) {
-            uint32_t at = cell;
-            for (uint32_t d = k, p = k; d > 1; p--) {
-                if (p == i || p == j) continue;
-                at = K->face[d][(size_t)at * (d + 1) + p];
-                d--;
-            }
-            c->length2[i][j] = c->length2[j][i] = length2[at];
-        }
-    for (uint32_t i = 0; i <= k; i++) c->length2[i][i] = 0.0;
-}
+/* ---- one simplex ---- */
 
 /* vertices of a set, ascending; how many */
 static uint32_t members(uint32_t *out, uint32_t set) {
@@ -68,8 +52,8 @@ static double factor_gram(double G[DM_DIMENSION][DM_DIMENSION], const dm_cell_me
     return det;
 }
 
-/* barycentric coordinates of the circumcentre: 2 G mu = diagonal of G, lambda_0 = 1 - sum mu */
-static void circumcentre(double *lambda, double G[DM_DIMENSION][DM_DIMENSION],
+/* 2 G mu = diagonal of G, lambda_0 = 1 - sum mu */
+static void solve_centre(double *lambda, double G[DM_DIMENSION][DM_DIMENSION],
                          const dm_cell_metric *c, const uint32_t *v, uint32_t k) {
     double *mu = lambda + 1;
     lambda[0] = 1.0;
@@ -85,67 +69,114 @@ static void circumcentre(double *lambda, double G[DM_DIMENSION][DM_DIMENSION],
     }
 }
 
-static double factorial(uint32_t k) {
-    double product = 1.0;
-    for (uint32_t i = 2; i <= k; i++) product *= i;
-    return product;
+/* (4 area)^2 of a triangle with squared edges a, b, c */
+static double area4_squared(double a, double b, double c) {
+    const double mixed = a + b - c;
+    return 4.0 * a * b - mixed * mixed;
 }
 
-/* volume and centre of one face; 0: it is flat or cannot be */
-static int measure(dm_cell_metric *c, uint32_t set, double *lambda, dm_centres centres) {
-    double G[DM_DIMENSION][DM_DIMENSION] = {{0.0}}, longest = 0.0;
-    uint32_t v[DM_DIMENSION + 1];
-    const uint32_t k = members(v, set) - 1;
-    for (uint32_t i = 0; i <= k; i++)
-        for (uint32_t j = 0; j < i; j++) longest = fmax(longest, c->length2[v[i]][v[j]]);
-    const double det = factor_gram(G, c, v, k);
-    if (!(det > FLAT * pow(longest, k)) && k) return 0;
-    c->volume[set] = sqrt(det) / factorial(k);
-    if (centres == DM_CIRCUMCENTRES)
-        circumcentre(lambda, G, c, v, k);
-    else
+/* barycentric coordinates of the centre of the simplex v[0 .. k], k > 0 */
+static void centre_of(double *lambda, const dm_cell_metric *c, const uint32_t *v, uint32_t k,
+                      dm_centres centres) {
+    double G[DM_DIMENSION][DM_DIMENSION];
+    if (centres == DM_BARYCENTRES || k == 1) {
         for (uint32_t i = 0; i <= k; i++) lambda[i] = 1.0 / (k + 1);
-    return 1;
-}
-
-/* shares of all faces, from the cell down: a set comes after all sets that hold it */
-static int share(dm_cell_metric *c, dm_centres centres) {
-    const uint32_t all = (2u << c->n) - 1;
-    double lambda[DM_DIMENSION + 1];
-    for (uint32_t set = 1; set <= all; set++) c->share[set] = set == all ? 1.0 : 0.0;
-    for (uint32_t set = 1; set <= all; set++)
-        if (!measure(c, set, lambda, centres)) return 0;
-    for (uint32_t G = all; G > 0; G--) {
-        uint32_t v[DM_DIMENSION + 1];
-        const uint32_t k = members(v, G) - 1;
-        if (!measure(c, G, lambda, centres)) continue;
-        if (G == all) memcpy(c->centre, lambda, (k + 1) * sizeof *lambda);
-        if (k == 0) continue;
-        for (uint32_t i = 0; i <= k; i++) { /* to F = G without v[i], of degree k - 1 */
-            const uint32_t F = G & ~(1u << v[i]);
-            const double height = k * c->volume[G] / c->volume[F];
-            c->share[F] += lambda[i] * height * c->share[G] / (c->n - k + 1);
-        }
+    } else if (k == 2) {
+        const double l[3] = {c->length2[v[1]][v[2]], c->length2[v[0]][v[2]],
+                             c->length2[v[0]][v[1]]};
+        const double scale = 1.0 / area4_squared(l[0], l[1], l[2]);
+        for (uint32_t i = 0; i < 3; i++)
+            lambda[i] = l[i] * (l[(i + 1) % 3] + l[(i + 2) % 3] - l[i]) * scale;
+    } else {
+        factor_gram(G, c, v, k);
+        solve_centre(lambda, G, c, v, k);
     }
-    return 1;
 }
 
-void dm_metric_centre(double *lambda, dm_cell_metric *c, uint32_t set, dm_centres centres) {
-    double own[DM_DIMENSION + 1];
-    uint32_t at = 0;
-    measure(c, set, own, centres);
+void dm_metric_centre(double *lambda, const dm_cell_metric *c, uint32_t set, dm_centres centres) {
+    double own[DM_DIMENSION + 1] = {1.0};
+    uint32_t v[DM_DIMENSION + 1], at = 0;
+    const uint32_t k = members(v, set) - 1;
+    if (k > 0) centre_of(own, c, v, k, centres);
     for (uint32_t i = 0; i <= c->n; i++) lambda[i] = set >> i & 1 ? own[at++] : 0.0;
 }
 
-int dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric, uint32_t k,
-                      uint32_t cell) {
-    read_lengths(out, K, metric->length2, k, cell);
-    return share(out, metric->centres);
+/* ---- one cell with its faces ---- */
+
+/* the numbers of all faces: a set is a set with one vertex more, without that vertex */
+static void read_faces(dm_cell_metric *c, const dm_complex *K, uint32_t k, uint32_t cell) {
+    const uint32_t all = (2u << k) - 1;
+    c->n = k;
+    c->face[all] = cell;
+    for (uint32_t set = all - 1; set > 0; set--) {
+        uint32_t p = 0, size = 0;
+        while (set >> p & 1) p++; /* the first vertex that is not in it; it comes p-th */
+        for (uint32_t rest = set; rest; rest &= rest - 1) size++;
+        c->face[set] = K->face[size][(size_t)c->face[set | 1u << p] * (size + 1) + p];
+    }
+}
+
+static void read_lengths(dm_cell_metric *c, const double *length2) {
+    for (uint32_t i = 0; i <= c->n; i++) {
+        c->length2[i][i] = 0.0;
+        for (uint32_t j = 0; j < i; j++)
+            c->length2[i][j] = c->length2[j][i] = length2[c->face[1u << i | 1u << j]];
+    }
+}
+
+/* from G to its faces: h = lambda_w k |G| / |F| for F = G without w, k the degree of G */
+static void pass_down(dm_cell_metric *c, uint32_t G, dm_centres centres) {
+    double lambda[DM_DIMENSION + 1];
+    uint32_t v[DM_DIMENSION + 1];
+    const uint32_t k = members(v, G) - 1;
+    if (k == 0) return;
+    centre_of(lambda, c, v, k, centres);
+    if (k == c->n) memcpy(c->centre, lambda, (k + 1) * sizeof *lambda);
+    const double factor = k * c->volume[G] * c->share[G] / (c->n - k + 1);
+    for (uint32_t i = 0; i <= k; i++) {
+        const uint32_t F = G & ~(1u << v[i]);
+        c->share[F] += factor * lambda[i] / c->volume[F];
+    }
+}
+
+/* shares of a triangle: lambda_i 2 A / |e_i| for the edge opposite to i, |e| |*e| / 4 from an edge
+ * to each of its ends */
+static void share_triangle(dm_cell_metric *c, dm_centres centres) {
+    static const uint32_t v[3] = {0, 1, 2};
+    centre_of(c->centre, c, v, 2, centres);
+    for (uint32_t i = 0; i < 3; i++) {
+        const uint32_t e = 7 & ~(1u << i);
+        c->share[e] = c->centre[i] * 2.0 * c->volume[7] / c->volume[e];
+    }
+    for (uint32_t i = 0; i < 3; i++) {
+        const uint32_t e = 1u << i | 1u << (i + 1) % 3, f = 1u << i | 1u << (i + 2) % 3;
+        c->share[1u << i] = (c->volume[e] * c->share[e] + c->volume[f] * c->share[f]) / 4.0;
+    }
+    c->share[7] = 1.0;
+}
+
+void dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
+                       uint32_t k, uint32_t cell) {
+    const uint32_t all = (2u << k) - 1;
+    read_faces(out, K, k, cell);
+    read_lengths(out, metric->length2);
+    out->centre[0] = 1.0;
+    for (uint32_t set = 1; set <= all; set++) {
+        uint32_t degree = 0;
+        for (uint32_t rest = set & (set - 1); rest; rest &= rest - 1) degree++;
+        out->volume[set] = metric->volume[degree][out->face[set]];
+    }
+    if (k == 2) {
+        share_triangle(out, metric->centres);
+        return;
+    }
+    for (uint32_t set = 1; set <= all; set++) out->share[set] = set == all ? 1.0 : 0.0;
+    for (uint32_t G = all; G > 0; G--) pass_down(out, G, metric->centres);
 }
 
 void dm_metric_cell(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
                     uint32_t top) {
-    dm_metric_simplex(out, K, metric, K->n, top); /* it was measured when the mesh was made */
+    dm_metric_simplex(out, K, metric, K->n, top);
 }
 
 /* ---- all of them ---- */
@@ -163,43 +194,65 @@ static dm_status take(dm_metric *out, dm_arena *arena, const dm_complex *K) {
     return DM_OK;
 }
 
-/* each cell by itself: the volume of a face is the same number in every cell that has it */
-static dm_status measure_degree(dm_metric *out, const dm_complex *K, uint32_t k, uint32_t *cell) {
+/* the volume of a triangle or a larger simplex; 0: it is flat or cannot be */
+static double volume_of(const dm_metric *metric, const dm_complex *K, uint32_t k, uint32_t cell) {
+    static const uint32_t v[DM_DIMENSION + 1] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
     dm_cell_metric c;
-    double lambda[DM_DIMENSION + 1];
-    for (uint32_t i = 0; i < K->count[k]; i++) {
-        *cell = i;
-        if (k == 0) {
-            out->volume[0][i] = 1.0;
-            continue;
-        }
-        read_lengths(&c, K, out->length2, k, i);
-        if (!measure(&c, (2u << k) - 1, lambda, out->centres)) return DM_SINGULAR;
-        out->volume[k][i] = c.volume[(2u << k) - 1];
+    double G[DM_DIMENSION][DM_DIMENSION], longest = 0.0, det, scale = 1.0;
+    if (k == 2) {
+        const uint32_t *e = K->face[2] + 3 * (size_t)cell;
+        const double l[3] = {metric->length2[e[0]], metric->length2[e[1]], metric->length2[e[2]]};
+        longest = fmax(fmax(l[0], l[1]), l[2]);
+        det = area4_squared(l[0], l[1], l[2]) / 4.0;
+    } else {
+        read_faces(&c, K, k, cell);
+        read_lengths(&c, metric->length2);
+        for (uint32_t i = 0; i <= k; i++)
+            for (uint32_t j = 0; j < i; j++) longest = fmax(longest, c.length2[i][j]);
+        det = factor_gram(G, &c, v, k);
     }
-    return DM_OK;
+    for (uint32_t i = 0; i < k; i++) scale *= longest;
+    if (!(det > FLAT * scale)) return 0.0;
+    scale = sqrt(det);
+    for (uint32_t i = 2; i <= k; i++) scale /= i;
+    return scale;
+}
+
+/* each cell by itself: the volume of a face is the same number in every cell that has it. 0: cell
+ * *cell is flat */
+static int measure_degree(dm_metric *out, const dm_complex *K, uint32_t k, uint32_t *cell) {
+    for (*cell = 0; *cell < K->count[k]; ++*cell) {
+        double *volume = out->volume[k] + *cell;
+        if (k == 0)
+            *volume = 1.0;
+        else if (k == 1)
+            *volume = sqrt(out->length2[*cell]);
+        else
+            *volume = volume_of(out, K, k, *cell);
+        if (!(*volume > 0.0)) return 0;
+    }
+    return 1;
 }
 
 static void add_shares(dm_metric *out, const dm_complex *K, uint32_t top) {
     dm_cell_metric c;
-    uint32_t v[DM_DIMENSION + 1];
     dm_metric_cell(&c, K, out, top);
-    for (uint32_t set = 1; set < 2u << K->n; set++)
-        out->dual[members(v, set) - 1][dm_complex_face(K, K->n, top, set)] += c.share[set];
+    for (uint32_t set = 1; set < 2u << K->n; set++) {
+        uint32_t degree = 0;
+        for (uint32_t rest = set & (set - 1); rest; rest &= rest - 1) degree++;
+        out->dual[degree][c.face[set]] += c.share[set];
+    }
 }
 
 dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
                           const double *length2, dm_centres centres, uint32_t *degree,
                           uint32_t *cell) {
     *out = (dm_metric){.centres = centres};
-    dm_status status = take(out, arena, K);
+    const dm_status status = take(out, arena, K);
     if (status != DM_OK) return status;
     memcpy(out->length2, length2, K->count[1] * sizeof *length2);
-    for (uint32_t k = 0; k <= K->n; k++) {
-        *degree = k;
-        status = measure_degree(out, K, k, cell);
-        if (status != DM_OK) return status;
-    }
+    for (*degree = 0; *degree <= K->n; ++*degree)
+        if (!measure_degree(out, K, *degree, cell)) return DM_SINGULAR;
     for (uint32_t top = 0; top < K->count[K->n]; top++) add_shares(out, K, top);
     return DM_OK;
 }

@@ -21,11 +21,12 @@ typedef struct {
     dm_centres centres;
 } dm_metric;
 
-/* One top cell: volumes, barycentric coordinates of the centres and shares of dual volumes of all
- * its faces. A face is a set of its n + 1 vertices, bit j for vertex j. */
+/* One cell: its faces, volumes, shares of dual volumes, and its centre. A face is a set of the
+ * n + 1 vertices of the cell, bit j for vertex j. */
 enum { DM_FACES = 1 << (DM_DIMENSION + 1) };
 typedef struct {
     uint32_t n;
+    uint32_t face[DM_FACES]; /* number of the face, among the cells of its degree */
     double length2[DM_DIMENSION + 1][DM_DIMENSION + 1];
     double volume[DM_FACES];
     double share[DM_FACES];          /* |*face in the cell| */
@@ -42,16 +43,16 @@ dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
                           const double *length2, dm_centres centres, uint32_t *degree,
                           uint32_t *cell);
 
-/* The same of one cell of degree k by itself: shares are of its own centre. */
-int dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric, uint32_t k,
-                      uint32_t cell);
+/* One cell of degree k by itself: shares are of its own centre, |*face in the cell|. */
+void dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
+                       uint32_t k, uint32_t cell);
 
-/* Barycentric coordinates lambda[DM_DIMENSION + 1] of the centre of one of its faces: those of the
- * vertices in the set, the others 0. */
-void dm_metric_centre(double *lambda, dm_cell_metric *c, uint32_t set, dm_centres centres);
-
-/* The same of one top cell, for what needs shares (flat, sharp, divergence, contraction). */
+/* One top cell, for what needs shares (flat, sharp, divergence, contraction). */
 void dm_metric_cell(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
                     uint32_t top);
+
+/* Barycentric coordinates lambda[n + 1] of the centre of the face `set` of a cell: those of the
+ * vertices in the set, the others 0. */
+void dm_metric_centre(double *lambda, const dm_cell_metric *c, uint32_t set, dm_centres centres);
 
 #endif

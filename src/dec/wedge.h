@@ -14,8 +14,8 @@ typedef enum {
 } dm_wedge_rule;
 
 /* out[count[k + l]] = a ^ b, a[count[k]], b[count[l]]; k + l <= n. The metric rule needs a metric,
- * the others take NULL. DM_SINGULAR: a cell without a centre. */
-dm_status dm_wedge(double *out, const dm_complex *K, const dm_metric *metric, dm_wedge_rule rule,
-                   uint32_t k, const double *a, uint32_t l, const double *b);
+ * the others take NULL. */
+void dm_wedge(double *out, const dm_complex *K, const dm_metric *metric, dm_wedge_rule rule,
+              uint32_t k, const double *a, uint32_t l, const double *b);
 
 #endif
