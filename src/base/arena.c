@@ -65,7 +65,7 @@ static int add_chunk(dm_arena *arena, size_t size) {
     }
     size_t room = arena->total < FIRST_CHUNK ? FIRST_CHUNK : arena->total;
     if (room > LARGEST_STEP) room = LARGEST_STEP;
-    if (room < size) room = size;
+    if (room < size || arena->exact) room = size;
     const size_t whole = room + around;
     dm_arena_chunk *chunk = arena->allocate(arena->ud, NULL, 0, whole);
     if (!chunk) return 0;

@@ -20,6 +20,7 @@ typedef struct dm_arena {
     dm_arena_chunk *chunks;                                                  /* newest first */
     size_t used, room;          /* of the newest chunk, bytes */
     size_t total;               /* bytes held */
+    int exact;                  /* blocks as large as what is asked for: for few large ones */
     dm_arena_cleanup *cleanups; /* newest first */
     struct dm_arena *scratch;   /* dm_arena_scratch, NULL before the first */
     dm_arena_chunk *spare;      /* of a scratch arena: to be used again */

@@ -2,22 +2,11 @@
  *
  * Degree by degree from the top: the cells of degree k are the given simplices of that degree and
  * the faces of the cells of degree k + 1, sorted, each once. Sorting takes most of the time of a
- * mesh, so tuples are first dealt out by their first vertex, which leaves a few in each bucket,
- * and only buckets are sorted. A record is a tuple with where it comes from behind it. */
+ * mesh (rows "mesh of triangles", "mesh of tetrahedra" of make bench), so tuples are first dealt
+ * out by their first vertex, which leaves a few in each bucket, and only buckets are sorted. */
 #include "dec/complex.h"
 
 #include <string.h>
-
-/* records of degree k: [count][k + 2], vertices ascending, then the source */
-typedef struct {
-    uint32_t *at;
-    size_t count;
-    uint32_t k;
-} records;
-
-static uint32_t *record(const records *r, size_t i) {
-    return r->at + i * (r->k + 2);
-}
 
 static int compare(const uint32_t *a, const uint32_t *b, uint32_t length) {
     for (uint32_t i = 0; i < length; i++)
@@ -25,38 +14,58 @@ static int compare(const uint32_t *a, const uint32_t *b, uint32_t length) {
     return 0;
 }
 
+/* ---- sorting ---- */
+
+/* Records of degree k in the making, dealt out by their first vertex v into the buckets
+ * at[start[v] (k + 1)] .. at[start[v + 1] (k + 1)]: the other k vertices, then the source. */
+typedef struct {
+    uint32_t k;
+    uint32_t *at;
+    uint32_t *start; /* [vertices + 1]; while records come, where the next one of v goes */
+    uint32_t vertices;
+} buckets;
+
 /* by all entries, the source last: equal tuples keep the order of their sources. Shell's sort:
  * buckets are short, and a long one (a hub) still costs less than its square */
-static void sort_bucket(const records *r, size_t from, size_t to) {
-    const uint32_t length = r->k + 2;
+static inline void sort_any(uint32_t *at, size_t count, const uint32_t length) {
     uint32_t moved[DM_DIMENSION + 2];
     size_t gap = 1;
-    while (gap < (to - from) / 3) gap = 3 * gap + 1;
+    while (count > 64 && gap < count / 3) gap = 3 * gap + 1;
     for (; gap > 0; gap /= 3)
-        for (size_t i = from + gap; i < to; i++) {
+        for (size_t i = gap; i < count; i++) {
             size_t j = i;
-            memcpy(moved, record(r, i), length * sizeof *moved);
-            for (; j >= from + gap && compare(record(r, j - gap), moved, length) > 0; j -= gap)
-                memcpy(record(r, j), record(r, j - gap), length * sizeof *moved);
-            memcpy(record(r, j), moved, length * sizeof *moved);
+            memcpy(moved, at + i * length, length * sizeof *moved);
+            for (; j >= gap && compare(at + (j - gap) * length, moved, length) > 0; j -= gap)
+                memcpy(at + j * length, at + (j - gap) * length, length * sizeof *moved);
+            memcpy(at + j * length, moved, length * sizeof *moved);
         }
 }
 
-/* *out = the records in order; place: [vertices + 1] */
-static void sort_records(records *out, const records *in, uint32_t *place, uint32_t vertices) {
-    const uint32_t length = in->k + 2;
-    memset(place, 0, ((size_t)vertices + 1) * sizeof *place);
-    for (size_t i = 0; i < in->count; i++) place[record(in, i)[0] + 1]++;
-    for (uint32_t v = 0; v < vertices; v++) place[v + 1] += place[v];
-    for (size_t i = 0; i < in->count; i++) {
-        const uint32_t *r = record(in, i);
-        memcpy(record(out, place[r[0]]++), r, length * sizeof *r);
+/* different tuples of a sorted bucket */
+static inline uint32_t count_any(const uint32_t *at, size_t count, const uint32_t length) {
+    uint32_t different = count > 0;
+    for (size_t i = 1; i < count; i++)
+        different += compare(at + (i - 1) * length, at + i * length, length - 1) != 0;
+    return different;
+}
+
+/* sorts all buckets and counts the cells; lengths that are constants make short loops */
+static inline uint32_t sort_length(const buckets *b, const uint32_t length) {
+    uint32_t cells = 0;
+    for (uint32_t v = 0; v < b->vertices; v++) {
+        uint32_t *at = b->at + (size_t)b->start[v] * length;
+        const size_t count = b->start[v + 1] - b->start[v];
+        sort_any(at, count, length);
+        cells += count_any(at, count, length);
     }
-    size_t from = 0;
-    for (uint32_t v = 0; v < vertices; v++) { /* place[v] is where the bucket of v ends now */
-        if (place[v] - from > 1) sort_bucket(out, from, place[v]);
-        from = place[v];
-    }
+    return cells;
+}
+
+static uint32_t sort_buckets(const buckets *b) {
+    if (b->k == 1) return sort_length(b, 2);
+    if (b->k == 2) return sort_length(b, 3);
+    if (b->k == 3) return sort_length(b, 4);
+    return sort_length(b, b->k + 1);
 }
 
 /* ---- what is given ---- */
@@ -80,64 +89,113 @@ static uint32_t degree_of(const dm_simplices *given, uint32_t i) {
     return given->start[i + 1] - given->start[i] - 1;
 }
 
-/* the given simplices of degree r->k, ascending, behind what r has; sources are their numbers */
-static dm_status add_given(records *r, const dm_simplices *given, dm_complex_report *report) {
-    for (uint32_t i = 0; i < given->simplices; i++) {
-        if (degree_of(given, i) != r->k) continue;
-        uint32_t *tuple = record(r, r->count++);
-        memcpy(tuple, given->vertex + given->start[i], (r->k + 1) * sizeof *tuple);
-        sort_tuple(tuple, r->k + 1);
-        tuple[r->k + 1] = i;
-        if (tuple[r->k] >= given->vertices) return refuse(report, DM_COMPLEX_UNKNOWN, i, i);
-        for (uint32_t j = 0; j < r->k; j++)
-            if (tuple[j] == tuple[j + 1]) return refuse(report, DM_COMPLEX_REPEATED, i, i);
-    }
+/* given simplex i, ascending, or what is wrong with it */
+static dm_status read_given(uint32_t *tuple, const dm_simplices *given, uint32_t i,
+                            dm_complex_report *report) {
+    const uint32_t k = degree_of(given, i);
+    memcpy(tuple, given->vertex + given->start[i], (k + 1) * sizeof *tuple);
+    sort_tuple(tuple, k + 1);
+    if (tuple[k] >= given->vertices) return refuse(report, DM_COMPLEX_UNKNOWN, i, i);
+    for (uint32_t j = 0; j < k; j++)
+        if (tuple[j] == tuple[j + 1]) return refuse(report, DM_COMPLEX_REPEATED, i, i);
     return DM_OK;
-}
-
-static uint32_t given_of_degree(const dm_simplices *given, uint32_t k) {
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < given->simplices; i++) count += degree_of(given, i) == k;
-    return count;
-}
-
-/* faces of the cells of degree r->k + 1; the source of face j of cell i is base + i (k + 2) + j */
-static void add_faces(records *r, const dm_complex *K, uint32_t base) {
-    const uint32_t k = r->k, length = k + 2, count = K->count[k + 1];
-    const uint32_t *cell = K->vertex[k + 1];
-    for (uint32_t i = 0; i < count; i++, cell += length)
-        for (uint32_t j = 0; j < length; j++) {
-            uint32_t *tuple = record(r, r->count++);
-            memcpy(tuple, cell, j * sizeof *tuple);
-            memcpy(tuple + j, cell + j + 1, (k + 1 - j) * sizeof *tuple);
-            tuple[k + 1] = base + i * length + j;
-        }
 }
 
 /* ---- cells of one degree ---- */
 
-/* sorted records to cells, each once, and the faces of the degree above to their numbers */
-static dm_status number_cells(dm_complex *K, dm_arena *arena, const records *r, uint32_t base,
-                              dm_complex_report *report) {
-    const uint32_t k = r->k, length = k + 1;
-    uint32_t count = 0;
-    for (size_t i = 0; i < r->count; i++)
-        count += i == 0 || compare(record(r, i - 1), record(r, i), length) != 0;
-    K->count[k] = count;
-    K->vertex[k] = dm_arena_take(arena, ((size_t)count + 1) * length * sizeof(uint32_t));
-    if (!K->vertex[k]) return DM_NO_MEMORY;
-    uint32_t cell = UINT32_MAX;
-    for (size_t i = 0; i < r->count; i++) {
-        const uint32_t *tuple = record(r, i), source = tuple[length];
-        if (i == 0 || compare(record(r, i - 1), tuple, length) != 0)
-            memcpy(K->vertex[k] + (size_t)++cell * length, tuple, length * sizeof *tuple);
-        else if (source < base)
-            return refuse(report, DM_COMPLEX_DUPLICATE, source, record(r, i - 1)[length]);
-        if (source >= base)
-            K->face[k + 1][source - base] = cell;
-        else if (k < K->n)
-            K->pure = K->pure && i + 1 < r->count && compare(tuple, record(r, i + 1), length) == 0;
+/* how many records begin with each vertex, to start[v + 1] */
+static dm_status count_records(buckets *b, const dm_complex *K, const dm_simplices *given,
+                               dm_complex_report *report) {
+    const uint32_t k = b->k, above = k < K->n ? K->count[k + 1] : 0;
+    uint32_t tuple[DM_DIMENSION + 1];
+    const uint32_t *cell = above ? K->vertex[k + 1] : NULL;
+    memset(b->start, 0, ((size_t)b->vertices + 1) * sizeof *b->start);
+    for (uint32_t i = 0; i < given->simplices; i++) {
+        if (degree_of(given, i) != k) continue;
+        const dm_status status = read_given(tuple, given, i, report);
+        if (status != DM_OK) return status;
+        b->start[tuple[0] + 1]++;
     }
+    for (uint32_t i = 0; i < above; i++, cell += k + 2) {
+        b->start[cell[1] + 1]++; /* the face opposite to vertex 0 */
+        b->start[cell[0] + 1] += k + 1;
+    }
+    return DM_OK;
+}
+
+static inline void put(const buckets *b, uint32_t first, const uint32_t *rest, uint32_t source,
+                       const uint32_t k) {
+    uint32_t *at = b->at + (size_t)b->start[first]++ * (k + 1);
+    memcpy(at, rest, k * sizeof *at);
+    at[k] = source;
+}
+
+/* the k + 2 faces of every cell of degree k + 1; the source of face j of cell i is
+ * base + i (k + 2) + j */
+static inline void put_faces(const buckets *b, const dm_complex *K, uint32_t base,
+                             const uint32_t k) {
+    const uint32_t *cell = K->vertex[k + 1];
+    uint32_t rest[DM_DIMENSION + 1];
+    for (uint32_t i = 0; i < K->count[k + 1]; i++, cell += k + 2, base += k + 2) {
+        put(b, cell[1], cell + 2, base, k);
+        memcpy(rest, cell + 2, k * sizeof *rest);
+        for (uint32_t j = 1; j < k + 2; j++) { /* rest: without vertex j */
+            put(b, cell[0], rest, base + j, k);
+            if (j < k + 1) rest[j - 1] = cell[j];
+        }
+    }
+}
+
+static void put_records(const buckets *b, const dm_complex *K, const dm_simplices *given,
+                        dm_complex_report *report) {
+    const uint32_t k = b->k;
+    uint32_t tuple[DM_DIMENSION + 1];
+    for (uint32_t i = 0; i < given->simplices; i++) {
+        if (degree_of(given, i) != k) continue;
+        read_given(tuple, given, i, report);
+        put(b, tuple[0], tuple + 1, i, k);
+    }
+    if (k == K->n) return;
+    if (k == 1)
+        put_faces(b, K, given->simplices, 1);
+    else if (k == 2)
+        put_faces(b, K, given->simplices, 2);
+    else
+        put_faces(b, K, given->simplices, k);
+}
+
+/* one sorted record, the first of its cell or not; alone: it is also the last */
+static dm_status number_record(dm_complex *K, const buckets *b, const uint32_t *at, uint32_t cell,
+                               int is_first, int alone, uint32_t base, dm_complex_report *report) {
+    const uint32_t source = at[b->k];
+    if (source >= base)
+        K->face[b->k + 1][source - base] = cell;
+    else if (!is_first)
+        return refuse(report, DM_COMPLEX_DUPLICATE, source, (at - b->k - 1)[b->k]);
+    else if (b->k < K->n && alone)
+        K->pure = 0;
+    return DM_OK;
+}
+
+/* sorted records to cells, each once, and the faces of the degree above to their numbers */
+static dm_status number_cells(dm_complex *K, const buckets *b, uint32_t base,
+                              dm_complex_report *report) {
+    const uint32_t k = b->k, length = k + 1;
+    uint32_t cell = UINT32_MAX;
+    for (uint32_t v = 0; v < b->vertices; v++)
+        for (uint32_t i = b->start[v]; i < b->start[v + 1]; i++) {
+            const uint32_t *at = b->at + (size_t)i * length;
+            const int is_first = i == b->start[v] || compare(at - length, at, k) != 0;
+            const int alone =
+                is_first && (i + 1 == b->start[v + 1] || compare(at, at + length, k) != 0);
+            if (is_first) {
+                uint32_t *tuple = K->vertex[k] + (size_t)++cell * length;
+                tuple[0] = v;
+                memcpy(tuple + 1, at, k * sizeof *tuple);
+            }
+            const dm_status status = number_record(K, b, at, cell, is_first, alone, base, report);
+            if (status != DM_OK) return status;
+        }
     return DM_OK;
 }
 
@@ -145,22 +203,24 @@ static dm_status make_degree(dm_complex *K, dm_arena *arena, dm_arena *scratch,
                              const dm_simplices *given, uint32_t k, dm_complex_report *report) {
     const uint32_t base = given->simplices;
     const size_t faces = k < K->n ? (size_t)K->count[k + 1] * (k + 2) : 0;
-    const size_t most = faces + given_of_degree(given, k);
     if (base + faces >= UINT32_MAX) return DM_TOO_LARGE;
-    records in = {dm_arena_take(scratch, (most + 1) * (k + 2) * sizeof(uint32_t)), 0, k};
-    records out = {dm_arena_take(scratch, (most + 1) * (k + 2) * sizeof(uint32_t)), 0, k};
-    uint32_t *place = dm_arena_take(scratch, ((size_t)given->vertices + 1) * sizeof *place);
-    if (!in.at || !out.at || !place) return DM_NO_MEMORY;
-    const dm_status status = add_given(&in, given, report);
+    uint32_t *start = dm_arena_take(scratch, ((size_t)given->vertices + 2) * sizeof *start);
+    if (!start) return DM_NO_MEMORY;
+    /* begins stand one place further while put_records moves each to its end, the next begin */
+    buckets b = {k, NULL, start + 1, given->vertices};
+    start[0] = 0;
+    const dm_status status = count_records(&b, K, given, report);
     if (status != DM_OK) return status;
-    if (k < K->n) {
-        K->face[k + 1] = dm_arena_take(arena, (faces + 1) * sizeof(uint32_t));
-        if (!K->face[k + 1]) return DM_NO_MEMORY;
-        add_faces(&in, K, base);
-    }
-    out.count = in.count;
-    sort_records(&out, &in, place, given->vertices);
-    return number_cells(K, arena, &out, base, report);
+    for (uint32_t v = 0; v < given->vertices; v++) b.start[v + 1] += b.start[v];
+    b.at = dm_arena_take(scratch, ((size_t)b.start[given->vertices] + 1) * (k + 1) * sizeof *b.at);
+    if (faces) K->face[k + 1] = dm_arena_take(arena, faces * sizeof(uint32_t));
+    if (!b.at || (faces && !K->face[k + 1])) return DM_NO_MEMORY;
+    put_records(&b, K, given, report);
+    b.start = start;
+    K->count[k] = sort_buckets(&b);
+    K->vertex[k] = dm_arena_take(arena, ((size_t)K->count[k] + 1) * (k + 1) * sizeof(uint32_t));
+    if (!K->vertex[k]) return DM_NO_MEMORY;
+    return number_cells(K, &b, base, report);
 }
 
 /* every vertex is a cell, in a simplex or not: faces of edges are their vertices' numbers */

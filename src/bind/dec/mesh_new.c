@@ -138,6 +138,19 @@ static void refuse(lua_State *L, const dm_simplices *given, const dm_complex_rep
 
 /* ---- metric ---- */
 
+/* of a matrix of numbers, all at once; 0: it is something else */
+static int copy_points(lua_State *L, dm_arena *arena, dml_mesh *m, const dml_array *a) {
+    const double *x = a ? dml_numbersof(a) : NULL;
+    if (!x || a->columns == 0) return 0;
+    m->ambient = a->columns;
+    m->points = take(L, arena, (size_t)a->rows * a->columns * sizeof *x);
+    memcpy(m->points, x, (size_t)a->rows * a->columns * sizeof *x);
+    for (size_t i = 0; i < (size_t)a->rows * a->columns; i++)
+        if (!isfinite(x[i]))
+            luaL_error(L, "dm.mesh: point %d is not finite", (int)(i / a->columns) + 1);
+    return 1;
+}
+
 /* points[count[0]][N] from a matrix or a list of lists */
 static void read_points(lua_State *L, dm_arena *arena, dml_mesh *m) {
     if (!dml_field(L, OPTIONS, "points")) {
@@ -150,7 +163,8 @@ static void read_points(lua_State *L, dm_arena *arena, dml_mesh *m) {
     const lua_Integer rows = a ? (lua_Integer)a->rows : luaL_len(L, points);
     if (rows != (lua_Integer)count)
         luaL_error(L, "dm.mesh: there are %d vertices, but %I points", (int)count, rows);
-    for (uint32_t i = 0; i < count; i++) {
+    const int copied = copy_points(L, arena, m, a);
+    for (uint32_t i = 0; i < count && !copied; i++) {
         lua_geti(L, points, (lua_Integer)i + 1);
         if (i == 0) {
             const long N = dml_length(L, -1);
@@ -287,6 +301,7 @@ int dml_mesh_new(lua_State *L) {
     dml_mesh *m = lua_newuserdatauv(L, sizeof *m, 1);
     *m = (dml_mesh){.manifold = -1};
     dm_arena *arena = dml_pusharena(L), *reading = dml_pusharena(L);
+    arena->exact = 1; /* a few arrays of known size: nothing is held in reserve */
     lua_pushvalue(L, ARENA);
     lua_setiuservalue(L, MESH, 1);
     read_simplices(L, reading, &given);
@@ -296,6 +311,7 @@ int dml_mesh_new(lua_State *L) {
     read_points(L, arena, m);
     orient(L, arena, m);
     measure(L, arena, m);
+    if (arena->scratch) dm_arena_release(arena->scratch);
     m->bytes = arena->total;
     lua_settop(L, MESH);
     luaL_setmetatable(L, DML_MESH);
