@@ -8,10 +8,14 @@
 
 #include <string.h>
 
-static int compare(const uint32_t *a, const uint32_t *b, uint32_t length) {
+static inline int compare(const uint32_t *a, const uint32_t *b, const uint32_t length) {
     for (uint32_t i = 0; i < length; i++)
         if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;
     return 0;
+}
+
+static inline void copy(uint32_t *to, const uint32_t *from, const uint32_t length) {
+    for (uint32_t i = 0; i < length; i++) to[i] = from[i];
 }
 
 /* ---- sorting ---- */
@@ -34,10 +38,10 @@ static inline void sort_any(uint32_t *at, size_t count, const uint32_t length) {
     for (; gap > 0; gap /= 3)
         for (size_t i = gap; i < count; i++) {
             size_t j = i;
-            memcpy(moved, at + i * length, length * sizeof *moved);
+            copy(moved, at + i * length, length);
             for (; j >= gap && compare(at + (j - gap) * length, moved, length) > 0; j -= gap)
-                memcpy(at + j * length, at + (j - gap) * length, length * sizeof *moved);
-            memcpy(at + j * length, moved, length * sizeof *moved);
+                copy(at + j * length, at + (j - gap) * length, length);
+            if (j != i) copy(at + j * length, moved, length);
         }
 }
 
@@ -93,7 +97,7 @@ static uint32_t degree_of(const dm_simplices *given, uint32_t i) {
 static dm_status read_given(uint32_t *tuple, const dm_simplices *given, uint32_t i,
                             dm_complex_report *report) {
     const uint32_t k = degree_of(given, i);
-    memcpy(tuple, given->vertex + given->start[i], (k + 1) * sizeof *tuple);
+    copy(tuple, given->vertex + given->start[i], k + 1);
     sort_tuple(tuple, k + 1);
     if (tuple[k] >= given->vertices) return refuse(report, DM_COMPLEX_UNKNOWN, i, i);
     for (uint32_t j = 0; j < k; j++)
@@ -126,7 +130,7 @@ static dm_status count_records(buckets *b, const dm_complex *K, const dm_simplic
 static inline void put(const buckets *b, uint32_t first, const uint32_t *rest, uint32_t source,
                        const uint32_t k) {
     uint32_t *at = b->at + (size_t)b->start[first]++ * (k + 1);
-    memcpy(at, rest, k * sizeof *at);
+    copy(at, rest, k);
     at[k] = source;
 }
 
@@ -138,7 +142,7 @@ static inline void put_faces(const buckets *b, const dm_complex *K, uint32_t bas
     uint32_t rest[DM_DIMENSION + 1];
     for (uint32_t i = 0; i < K->count[k + 1]; i++, cell += k + 2, base += k + 2) {
         put(b, cell[1], cell + 2, base, k);
-        memcpy(rest, cell + 2, k * sizeof *rest);
+        copy(rest, cell + 2, k);
         for (uint32_t j = 1; j < k + 2; j++) { /* rest: without vertex j */
             put(b, cell[0], rest, base + j, k);
             if (j < k + 1) rest[j - 1] = cell[j];
@@ -164,39 +168,48 @@ static void put_records(const buckets *b, const dm_complex *K, const dm_simplice
         put_faces(b, K, given->simplices, k);
 }
 
-/* one sorted record, the first of its cell or not; alone: it is also the last */
-static dm_status number_record(dm_complex *K, const buckets *b, const uint32_t *at, uint32_t cell,
-                               int is_first, int alone, uint32_t base, dm_complex_report *report) {
-    const uint32_t source = at[b->k];
+/* What sorted record i tells: `cell` is its cell, is_first and is_last of the records of it. */
+static inline dm_status number_record(dm_complex *K, const uint32_t *at, const uint32_t k,
+                                      uint32_t cell, int is_first, int is_last, uint32_t base,
+                                      dm_complex_report *report) {
+    const uint32_t source = at[k];
     if (source >= base)
-        K->face[b->k + 1][source - base] = cell;
-    else if (!is_first)
-        return refuse(report, DM_COMPLEX_DUPLICATE, source, (at - b->k - 1)[b->k]);
-    else if (b->k < K->n && alone)
+        K->face[k + 1][source - base] = cell;
+    else if (!is_first) /* given ones come before faces */
+        return refuse(report, DM_COMPLEX_DUPLICATE, source, at[-1]);
+    else if (k < K->n && is_last)
         K->pure = 0;
     return DM_OK;
 }
 
 /* sorted records to cells, each once, and the faces of the degree above to their numbers */
+static inline dm_status number_length(dm_complex *K, const buckets *b, uint32_t base,
+                                      dm_complex_report *report, const uint32_t k) {
+    const uint32_t *at = b->at;
+    uint32_t *tuple = K->vertex[k], cell = UINT32_MAX;
+    for (uint32_t v = 0; v < b->vertices; v++) {
+        int is_first = 1;
+        for (uint32_t i = b->start[v]; i < b->start[v + 1]; i++, at += k + 1) {
+            const int is_last = i + 1 == b->start[v + 1] || compare(at, at + k + 1, k) != 0;
+            if (is_first) {
+                cell++;
+                *tuple++ = v;
+                for (uint32_t j = 0; j < k; j++) *tuple++ = at[j];
+            }
+            const dm_status status = number_record(K, at, k, cell, is_first, is_last, base, report);
+            if (status != DM_OK) return status;
+            is_first = is_last;
+        }
+    }
+    return DM_OK;
+}
+
 static dm_status number_cells(dm_complex *K, const buckets *b, uint32_t base,
                               dm_complex_report *report) {
-    const uint32_t k = b->k, length = k + 1;
-    uint32_t cell = UINT32_MAX;
-    for (uint32_t v = 0; v < b->vertices; v++)
-        for (uint32_t i = b->start[v]; i < b->start[v + 1]; i++) {
-            const uint32_t *at = b->at + (size_t)i * length;
-            const int is_first = i == b->start[v] || compare(at - length, at, k) != 0;
-            const int alone =
-                is_first && (i + 1 == b->start[v + 1] || compare(at, at + length, k) != 0);
-            if (is_first) {
-                uint32_t *tuple = K->vertex[k] + (size_t)++cell * length;
-                tuple[0] = v;
-                memcpy(tuple + 1, at, k * sizeof *tuple);
-            }
-            const dm_status status = number_record(K, b, at, cell, is_first, alone, base, report);
-            if (status != DM_OK) return status;
-        }
-    return DM_OK;
+    if (b->k == 1) return number_length(K, b, base, report, 1);
+    if (b->k == 2) return number_length(K, b, base, report, 2);
+    if (b->k == 3) return number_length(K, b, base, report, 3);
+    return number_length(K, b, base, report, b->k);
 }
 
 static dm_status make_degree(dm_complex *K, dm_arena *arena, dm_arena *scratch,

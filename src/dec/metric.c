@@ -139,24 +139,63 @@ static void pass_down(dm_cell_metric *c, uint32_t G, dm_centres centres) {
     }
 }
 
-/* shares of a triangle: lambda_i 2 A / |e_i| for the edge opposite to i, |e| |*e| / 4 from an edge
- * to each of its ends */
-static void share_triangle(dm_cell_metric *c, dm_centres centres) {
+/* Shares of a triangle, in the order of what is opposite to its vertices: edges lambda_i 2 A /
+ * |e_i|; from an edge to each of its ends |e| |*e| / 4. l: squares of lengths. */
+static inline void share_triangle(double *edge, double *vertex, const double *l,
+                                  const double *length, double area, dm_centres centres) {
+    const double scale = centres == DM_BARYCENTRES ? 0.0 : 0.125 / area;
+    const double third = centres == DM_BARYCENTRES ? 2.0 * area / 3.0 : 0.0;
+    double piece[3];
+    for (uint32_t i = 0; i < 3; i++) { /* |e| |*e| */
+        piece[i] = third + l[i] * (l[(i + 1) % 3] + l[(i + 2) % 3] - l[i]) * scale;
+        edge[i] = piece[i] / length[i];
+    }
+    for (uint32_t i = 0; i < 3; i++) vertex[i] = (piece[(i + 1) % 3] + piece[(i + 2) % 3]) / 4.0;
+}
+
+static void read_triangle(dm_cell_metric *c, dm_centres centres) {
     static const uint32_t v[3] = {0, 1, 2};
-    centre_of(c->centre, c, v, 2, centres);
-    for (uint32_t i = 0; i < 3; i++) {
-        const uint32_t e = 7 & ~(1u << i);
-        c->share[e] = c->centre[i] * 2.0 * c->volume[7] / c->volume[e];
-    }
-    for (uint32_t i = 0; i < 3; i++) {
-        const uint32_t e = 1u << i | 1u << (i + 1) % 3, f = 1u << i | 1u << (i + 2) % 3;
-        c->share[1u << i] = (c->volume[e] * c->share[e] + c->volume[f] * c->share[f]) / 4.0;
-    }
+    const double l[3] = {c->length2[1][2], c->length2[0][2], c->length2[0][1]};
+    const double length[3] = {c->volume[6], c->volume[5], c->volume[3]};
+    double edge[3], vertex[3];
+    share_triangle(edge, vertex, l, length, c->volume[7], centres);
+    for (uint32_t i = 0; i < 3; i++)
+        c->share[7 & ~(1u << i)] = edge[i], c->share[1u << i] = vertex[i];
     c->share[7] = 1.0;
+    centre_of(c->centre, c, v, 2, centres);
+}
+
+/* Shares of a tetrahedron: lambda_j 3 V / A_j for face j, and so on down; c->centre is there */
+static void share_tetrahedron(dm_cell_metric *c, dm_centres centres) {
+    double *share = c->share;
+    for (uint32_t set = 1; set < 15; set++) share[set] = 0.0;
+    share[15] = 1.0;
+    for (uint32_t j = 0; j < 4; j++) {
+        const uint32_t F = 15 & ~(1u << j);
+        const double area = c->volume[F];
+        share[F] = c->centre[j] * 3.0 * c->volume[15] / area;
+        const double factor =
+            (centres == DM_BARYCENTRES ? area / 3.0 : 1.0 / (16.0 * area)) * share[F];
+        for (uint32_t w = 0; w < 4; w++) { /* to the edge a, b opposite to w */
+            if (w == j) continue;
+            const uint32_t E = F & ~(1u << w);
+            const uint32_t a = E & 1 ? 0 : E & 2 ? 1 : 2, b = 6 - a - w - j;
+            const double *l = c->length2[w], ab = c->length2[a][b];
+            share[E] += factor * (centres == DM_BARYCENTRES ? 1.0 : ab * (l[a] + l[b] - ab));
+        }
+    }
+    for (uint32_t a = 0; a < 4; a++) /* so far |e| |*e| */
+        for (uint32_t b = a + 1; b < 4; b++) {
+            const uint32_t E = 1u << a | 1u << b;
+            share[1u << a] += share[E] / 6.0;
+            share[1u << b] += share[E] / 6.0;
+            share[E] /= c->volume[E];
+        }
 }
 
 void dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
                        uint32_t k, uint32_t cell) {
+    static const uint32_t first[4] = {0, 1, 2, 3};
     const uint32_t all = (2u << k) - 1;
     read_faces(out, K, k, cell);
     read_lengths(out, metric->length2);
@@ -167,11 +206,14 @@ void dm_metric_simplex(dm_cell_metric *out, const dm_complex *K, const dm_metric
         out->volume[set] = metric->volume[degree][out->face[set]];
     }
     if (k == 2) {
-        share_triangle(out, metric->centres);
-        return;
+        read_triangle(out, metric->centres);
+    } else if (k == 3) {
+        centre_of(out->centre, out, first, 3, metric->centres);
+        share_tetrahedron(out, metric->centres);
+    } else {
+        for (uint32_t set = 1; set <= all; set++) out->share[set] = set == all ? 1.0 : 0.0;
+        for (uint32_t G = all; G > 0; G--) pass_down(out, G, metric->centres);
     }
-    for (uint32_t set = 1; set <= all; set++) out->share[set] = set == all ? 1.0 : 0.0;
-    for (uint32_t G = all; G > 0; G--) pass_down(out, G, metric->centres);
 }
 
 void dm_metric_cell(dm_cell_metric *out, const dm_complex *K, const dm_metric *metric,
@@ -244,6 +286,21 @@ static void add_shares(dm_metric *out, const dm_complex *K, uint32_t top) {
     }
 }
 
+static void add_triangles(dm_metric *out, const dm_complex *K) {
+    double edge[3], vertex[3];
+    for (uint32_t t = 0; t < K->count[2]; t++) {
+        const uint32_t *e = K->face[2] + 3 * (size_t)t, *v = K->vertex[2] + 3 * (size_t)t;
+        const double l[3] = {out->length2[e[0]], out->length2[e[1]], out->length2[e[2]]};
+        const double length[3] = {out->volume[1][e[0]], out->volume[1][e[1]], out->volume[1][e[2]]};
+        share_triangle(edge, vertex, l, length, out->volume[2][t], out->centres);
+        for (uint32_t i = 0; i < 3; i++) {
+            out->dual[1][e[i]] += edge[i];
+            out->dual[0][v[i]] += vertex[i];
+        }
+        out->dual[2][t] = 1.0;
+    }
+}
+
 dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
                           const double *length2, dm_centres centres, uint32_t *degree,
                           uint32_t *cell) {
@@ -253,6 +310,9 @@ dm_status dm_metric_build(dm_metric *out, dm_arena *arena, const dm_complex *K,
     memcpy(out->length2, length2, K->count[1] * sizeof *length2);
     for (*degree = 0; *degree <= K->n; ++*degree)
         if (!measure_degree(out, K, *degree, cell)) return DM_SINGULAR;
-    for (uint32_t top = 0; top < K->count[K->n]; top++) add_shares(out, K, top);
+    if (K->n == 2)
+        add_triangles(out, K);
+    else
+        for (uint32_t top = 0; top < K->count[K->n]; top++) add_shares(out, K, top);
     return DM_OK;
 }
