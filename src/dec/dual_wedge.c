@@ -32,6 +32,7 @@ typedef struct {
     uint32_t all;
 } dual_cell;
 
+/* a on the dual of the face without these vertices */
 static double on_dual(const dual_cell *d, const double *a, uint32_t without) {
     return a[dm_complex_face(d->K, d->K->n, d->c->top, d->all & ~without)];
 }

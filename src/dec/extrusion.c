@@ -78,6 +78,7 @@ static void add_sides(double *out, const contraction *x, const double *best, uin
         if (count[i]) out[i] /= count[i];
 }
 
+/* the mean over all top cells, by shares of the dual */
 static void add_central(double *out, const contraction *x, const dm_weights *weights) {
     dm_cell c;
     double rates[DM_DIMENSION + 1];

@@ -116,6 +116,7 @@ static void read_faces(dm_cell_metric *c, const dm_complex *K, uint32_t k, uint3
     }
 }
 
+/* squares of lengths of all edges of the cell, both ways */
 static void read_lengths(dm_cell_metric *c, const double *length2) {
     for (uint32_t i = 0; i <= c->n; i++) {
         c->length2[i][i] = 0.0;
@@ -153,6 +154,7 @@ static inline void share_triangle(double *edge, double *vertex, const double *l,
     for (uint32_t i = 0; i < 3; i++) vertex[i] = (piece[(i + 1) % 3] + piece[(i + 2) % 3]) / 4.0;
 }
 
+/* shares and centre of a cell of degree 2 */
 static void read_triangle(dm_cell_metric *c, dm_centres centres) {
     static const uint32_t v[3] = {0, 1, 2};
     const double l[3] = {c->length2[1][2], c->length2[0][2], c->length2[0][1]};
@@ -223,6 +225,7 @@ void dm_metric_cell(dm_cell_metric *out, const dm_complex *K, const dm_metric *m
 
 /* ---- all of them ---- */
 
+/* memory of all numbers; duals are 0 until shares are added */
 static dm_status take(dm_metric *out, dm_arena *arena, const dm_complex *K) {
     out->length2 = dm_arena_take(arena, ((size_t)K->count[1] + 1) * sizeof(double));
     if (!out->length2) return DM_NO_MEMORY;
@@ -276,6 +279,7 @@ static int measure_degree(dm_metric *out, const dm_complex *K, uint32_t k, uint3
     return 1;
 }
 
+/* of one top cell, to the duals of all its faces */
 static void add_shares(dm_metric *out, const dm_complex *K, uint32_t top) {
     dm_cell_metric c;
     dm_metric_cell(&c, K, out, top);
@@ -286,6 +290,7 @@ static void add_shares(dm_metric *out, const dm_complex *K, uint32_t top) {
     }
 }
 
+/* of all of them, for a mesh of triangles */
 static void add_triangles(dm_metric *out, const dm_complex *K) {
     double edge[3], vertex[3];
     for (uint32_t t = 0; t < K->count[2]; t++) {

@@ -54,6 +54,7 @@ static uint32_t size_of(uint32_t set) {
     return count;
 }
 
+/* every cell lies in a top cell, and at most two of them meet in a facet */
 static int is_pure_and_thin(const dm_complex *K) {
     const uint32_t *at = K->coface_at[K->n - 1];
     for (uint32_t f = 0; f < K->count[K->n - 1]; f++)
@@ -71,6 +72,7 @@ static void link_euler(int32_t *euler, const dm_complex *K, uint32_t k) {
                     euler[dm_complex_face(K, d, i, set)] += (d - k) % 2 ? 1 : -1;
 }
 
+/* of union-find; paths are halved on the way */
 static uint32_t root_of(uint32_t *parent, uint32_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+/* below 0: the centre lies beyond a facet */
 static double least_of(const double *lambda, uint32_t n) {
     double least = INFINITY;
     for (uint32_t i = 0; i <= n; i++) least = fmin(least, lambda[i]);

@@ -23,6 +23,7 @@ static const dml_mesh *check_embedded(lua_State *L) {
     return m;
 }
 
+/* where a field has its vectors */
 static const char *const PLACES[] = {"vertices", "cells", NULL};
 
 /* the field whose matrix is at arg and whose place, "vertices" or "cells", behind it */
@@ -38,6 +39,7 @@ static dm_vector_field check_field(lua_State *L, int arg, const dml_mesh *m) {
     return (dm_vector_field){on_cells, m->ambient, m->points, values};
 }
 
+/* `count` numbers of the vector or table at arg, in memory of the collector */
 static double *check_values(lua_State *L, int arg, uint32_t count) {
     double *x = work(L, count, sizeof *x);
     dml_vectorarg(L, arg, "the values of a form", x, count);
@@ -54,12 +56,14 @@ static void refuse(lua_State *L, const dml_mesh *m, const dm_sharp_fault *fault)
                cell);
 }
 
+/* Raise where the mesh has no coherent orientation: (cell, dual) is to be positive. */
 static void need_orientation(lua_State *L, const dml_mesh *m) {
     if (!m->K.orientation)
         luaL_error(L, "the mesh is not orientable: dual cells have no directions; d, Betti numbers "
                       "and Laplacians go on");
 }
 
+/* stack: mesh, matrix, place, side; results: values, how many edges took plain means */
 static int mesh_flat(lua_State *L) {
     static const char *const sides[] = {"primal", "dual", NULL};
     const dml_mesh *m = check_embedded(L);
@@ -77,6 +81,7 @@ static int mesh_flat(lua_State *L) {
     return 2;
 }
 
+/* to cells by Whitney forms, to vertices by gradients or as printed */
 static int sharp_primal(lua_State *L, const dml_mesh *m, int to_cells, int thesis, int pinv) {
     const uint32_t N = m->ambient, rows = m->K.count[to_cells ? m->K.n : 0];
     const double *a = check_values(L, 2, m->K.count[1]);
@@ -91,6 +96,7 @@ static int sharp_primal(lua_State *L, const dml_mesh *m, int to_cells, int thesi
     return 1;
 }
 
+/* stack: mesh, values, side, place, thesis, pinv; result: a matrix, a row for each vector */
 static int mesh_sharp(lua_State *L) {
     static const char *const froms[] = {"primal", "dual", NULL};
     const dml_mesh *m = check_embedded(L);
@@ -107,6 +113,7 @@ static int mesh_sharp(lua_State *L) {
     return 1;
 }
 
+/* stack: mesh, matrix, place; results: the matrix of tangent parts, the largest normal part */
 static int mesh_tangent(lua_State *L) {
     const dml_mesh *m = check_embedded(L);
     const dm_vector_field X = check_field(L, 2, m);
@@ -118,6 +125,7 @@ static int mesh_tangent(lua_State *L) {
     return 2;
 }
 
+/* stack: mesh, matrix, place, with the flux through the boundary */
 static int mesh_divergence(lua_State *L) {
     const dml_mesh *m = check_embedded(L);
     const dm_vector_field X = check_field(L, 2, m);
@@ -128,6 +136,8 @@ static int mesh_divergence(lua_State *L) {
     return 1;
 }
 
+/* stack: mesh, k, values, matrix, place, side; results: values on (k - 1)-cells, how many of them
+ * took plain means */
 static int mesh_contract(lua_State *L) {
     static const char *const sides[] = {"central", "forward", "backward", NULL};
     const dml_mesh *m = check_embedded(L);
@@ -145,6 +155,7 @@ static int mesh_contract(lua_State *L) {
     return 2;
 }
 
+/* stack: mesh, k, values on duals of (n - k)-cells, l, values, rule */
 static int mesh_dual_wedge(lua_State *L) {
     static const char *const rules[] = {"consistent", "thesis", NULL};
     const dml_mesh *m = dml_checkmesh(L, 1);

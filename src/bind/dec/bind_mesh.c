@@ -60,11 +60,13 @@ static int mesh_points(lua_State *L) {
     return 1;
 }
 
+/* a copy of `count` numbers */
 static int push_numbers(lua_State *L, const double *x, uint32_t count) {
     memcpy(dml_pushvector(L, count), x, count * sizeof *x);
     return 1;
 }
 
+/* stack: mesh, k */
 static int mesh_volume(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m);
@@ -89,6 +91,7 @@ static uint32_t check_cell(lua_State *L, int arg, const dml_mesh *m, uint32_t k)
     return (uint32_t)i - 1;
 }
 
+/* numbers of cells, from 1 */
 static int push_ids(lua_State *L, const uint32_t *id, uint32_t count) {
     lua_createtable(L, (int)count, 0);
     dml_setresult(L);
@@ -99,6 +102,7 @@ static int push_ids(lua_State *L, const uint32_t *id, uint32_t count) {
     return 1;
 }
 
+/* stack: mesh, k, cell */
 static int mesh_faces(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), i = check_cell(L, 3, m, k);
@@ -174,6 +178,7 @@ static int mesh_coboundary(lua_State *L) {
     return 1;
 }
 
+/* stack: mesh, k, values on k-cells; result: on (k - 1)-cells */
 static int mesh_boundary_sum(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m);
@@ -193,6 +198,7 @@ static int is_to_dual(lua_State *L, int arg) {
     return luaL_checkoption(L, arg, "dual", names) == 0;
 }
 
+/* stack: mesh, k, values, "dual" or "primal", pinv; no sign of the orientation is in it */
 static int mesh_star_values(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), count = m->K.count[k];

@@ -12,6 +12,7 @@ static void *work(lua_State *L, size_t count, size_t size) {
     return lua_newuserdatauv(L, (count + 1) * size, 0);
 }
 
+/* so many marks are enough for any degree */
 static uint32_t most_cells(const dml_mesh *m) {
     uint32_t most = 0;
     for (uint32_t k = 0; k <= m->K.n; k++) most = m->K.count[k] > most ? m->K.count[k] : most;
@@ -30,6 +31,7 @@ static int push_marked(lua_State *L, const uint8_t *mark, uint32_t count, uint32
     return 1;
 }
 
+/* stack: mesh, k */
 static int mesh_boundary_cells(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), most = most_cells(m);
@@ -38,6 +40,7 @@ static int mesh_boundary_cells(lua_State *L) {
     return push_marked(L, mark, marked ? m->K.count[k] : 0, marked);
 }
 
+/* stack: mesh, k, cell, degree d >= k of the cells that are asked for */
 static int mesh_star_cells(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), d = dml_checkdegree(L, 4, m);
@@ -49,6 +52,7 @@ static int mesh_star_cells(lua_State *L) {
     return push_marked(L, mark, m->K.count[d], marked);
 }
 
+/* c = sum of lambda_j p_j, lambda from lengths alone */
 static int mesh_circumcentres(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), N = m->ambient;
@@ -66,6 +70,7 @@ static int mesh_circumcentres(lua_State *L) {
     return 1;
 }
 
+/* two passes: how many components, then the vertices of each in a list of its own */
 static int mesh_components(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t vertices = m->K.count[0];
@@ -99,6 +104,7 @@ static void set_counts(lua_State *L, const char *key, const uint32_t *count, uin
     lua_setfield(L, -2, key);
 }
 
+/* counts, and what follows from them */
 static int mesh_quality(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     dm_quality q;

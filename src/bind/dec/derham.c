@@ -58,6 +58,7 @@ static double minor_of(const integral *q, const uint32_t *list) {
     return det;
 }
 
+/* all k x k minors of the edges, by their lists of columns in lexicographic order */
 static void make_minors(const integral *q) {
     uint32_t list[DM_DIMENSION + 1];
     for (uint32_t j = 0; j < q->k; j++) list[j] = j;
@@ -116,11 +117,13 @@ static double integrate(const integral *q) {
     return factor * sum;
 }
 
+/* corner j = the point of a vertex */
 static void set_corner(const integral *q, const dml_mesh *m, uint32_t j, uint32_t vertex) {
     memcpy(q->corner + (size_t)j * q->N, m->points + (size_t)vertex * q->N,
            q->N * sizeof *q->corner);
 }
 
+/* out[count[k]]: cells about ascending vertices */
 static void over_cells(const integral *q, const dml_mesh *m, double *out) {
     for (uint32_t i = 0; i < m->K.count[q->k]; i++) {
         for (uint32_t j = 0; j <= q->k; j++)
@@ -157,6 +160,8 @@ static double over_flags(const integral *q, const dml_mesh *m, dm_cell *c, uint3
     return sum;
 }
 
+/* out[count[n - k]]: every top cell adds its part of the dual cells of its faces. A dual function
+ * (k = 0) is a plain value: no sign */
 static void over_duals(const integral *q, const dml_mesh *m, double *out) {
     dm_cell c;
     const uint32_t n = m->K.n, all = (2u << n) - 1;
@@ -172,10 +177,12 @@ static void over_duals(const integral *q, const dml_mesh *m, double *out) {
 
 /* ---- the call ---- */
 
+/* memory of the collector */
 static double *take(lua_State *L, size_t count) {
     return lua_newuserdatauv(L, (count + 1) * sizeof(double), 0);
 }
 
+/* C(N, k) */
 static uint32_t count_components(lua_State *L, uint32_t N, uint32_t k) {
     double count = 1.0;
     for (uint32_t i = 1; i <= k; i++) count = count * (N - k + i) / i;
@@ -185,6 +192,7 @@ static uint32_t count_components(lua_State *L, uint32_t N, uint32_t k) {
     return (uint32_t)(count + 0.5);
 }
 
+/* rule and memory of all integrals of a call */
 static void make(lua_State *L, integral *q, const dml_mesh *m, uint32_t k, uint32_t order) {
     *q = (integral){.L = L, .N = m->ambient, .k = k};
     q->components = count_components(L, q->N, k);
@@ -202,6 +210,7 @@ static void make(lua_State *L, integral *q, const dml_mesh *m, uint32_t k, uint3
     q->chart = lua_isnil(L, CHART) ? 0 : CHART;
 }
 
+/* stack: mesh, degree, function, dual, order, chart */
 int dml_mesh_integrals(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, MESH);
     const uint32_t k = dml_checkdegree(L, DEGREE, m);
