@@ -76,13 +76,16 @@ static dm_status momentum_defect(void *ctx, double *r, double *J, const double *
     return DM_OK;
 }
 
-/* Newton's method from v */
+/* Newton's method from v; v = 0 is in the domain of most L */
 static dm_status solve(const dm_model *m, equation *e, double *v, double *work) {
+    static const double rest = 0.0;
     dm_newton_report report;
     const dm_newton_problem problem = {.m = m->n,
                                        .equation = momentum_defect,
                                        .ctx = e,
                                        .size = &e->size,
+                                       .inside = &rest,
+                                       .period = 1,
                                        .tolerance = 4e-15,
                                        .max_iterations = 100};
     return dm_newton(v, &problem, work, &report);
@@ -120,8 +123,7 @@ dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, con
     e.p = p;
     memcpy(root, v, n * sizeof *v);
     dm_status status = solve(m, &e, root, root + n);
-    for (size_t k = 0;
-         (status == DM_SINGULAR || status == DM_NO_CONVERGENCE) && k < sizeof along / sizeof *along;
+    for (size_t k = 0; status != DM_OK && status != DM_CALLBACK && k < sizeof along / sizeof *along;
          k++) {
         for (uint32_t i = 0; i < n; i++) root[i] = along[k] * p[i];
         status = solve(m, &e, root, root + n);

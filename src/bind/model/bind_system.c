@@ -155,8 +155,9 @@ static int system_velocity(lua_State *L) {
     memcpy(at + s->n, v, s->n * sizeof *v);
     if (status == DM_OK) dml_checkmember(L, 1, m, at);
     if (status != DM_OK)
-        luaL_error(L, "no velocity has this momentum: %s; is L regular (d2L/dv2 invertible) at q?",
-                   dm_status_text(status));
+        luaL_error(L, "no velocity has this momentum: %s; %s", dm_status_text(status),
+                   status == DM_NOT_FINITE ? "no velocity inside the domain of L was found"
+                                           : "is L regular (d2L/dv2 invertible) at q?");
     memcpy(dml_pushvector(L, s->momenta), v, s->momenta * sizeof *v);
     return 1;
 }

@@ -16,6 +16,10 @@ static const char *why_of(const dml_stepping *r, dm_status status) {
         return "a value of d2L/dv2 goes to zero there, behind which the momentum determines no "
                "velocity near this one: a fold of the momentum, where motions end, or a pole of "
                "the coordinates; solver:singularities shows it";
+    if (status == DM_NO_CONVERGENCE && s.report.outside)
+        return "Newton's method was stopped at the edge of the domain of L (a root of a negative "
+               "number, a logarithm, a speed limit): the step has no solution inside, or none that "
+               "a shorter step leads to";
     return s.engine && s.engine->why ? s.engine->why(&s, r->state, status) : NULL;
 }
 

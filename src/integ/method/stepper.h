@@ -17,6 +17,7 @@ typedef struct {
     int plain;                  /* sums are made without compensation, as was asked for */
     long operations;            /* of a step, where the engine makes kernels of its own */
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */
+    int outside;   /* Newton's method met the edge of the domain of L in the last step */
     int dependent; /* a step failed as constraints lose rank: one that depends on those before it */
 } dm_report;
 

@@ -2,7 +2,10 @@
 #include "integ/stage/sweep/stage_sweep.h"
 #include "integ/stage/workspace/stage_warm.h"
 
+#include <math.h>
 #include <string.h>
+
+enum { MOST_WAYS = 200 }; /* of a continuation in h */
 
 /* of h alone: what the first step continues is empty, whatever the state is */
 dm_status dm_stage_start(dm_stepper *stepper, double *state, double t, double h) {
@@ -58,22 +61,50 @@ static dm_status by_newton(dm_stage *g, dm_stepper *stepper) {
     return g->separable ? dm_stage_separable(g, stepper) : dm_stage_general(g, stepper);
 }
 
-/* Where Newton's method fails from its guess: h/16, h/8, ... h from the same state, each from
- * the root before. What fails then has no root that is the one of a small step. */
-static dm_status by_continuation(dm_stage *g, dm_stepper *stepper) {
+/* the step of part * h from the root before, of a step so much shorter */
+static dm_status longer(dm_stage *g, dm_stepper *stepper, double part, double h) {
     const size_t s = g->table.s, r = g->table.r, unknowns = (s > r ? s : r) * g->n;
-    const double h = g->weights.h;
+    dm_stage_weights_scale(g, part * h);
+    const dm_status status = by_newton(g, stepper);
+    if (status == DM_OK) memcpy(g->before.root, g->newton.root, unknowns * sizeof *g->before.root);
+    return status;
+}
+
+/* Where Newton's method fails from its guess: h/16, h/8, ... h from the same state, each from
+ * the root before. What fails then has no root that is the one of a small step, but for an L that
+ * is not quadratic in v: near the edge of its domain Newton's method reaches less far, and shorter
+ * ways are tried. */
+static dm_status by_continuation(dm_stage *g, dm_stepper *stepper) {
+    const double h = g->weights.h, least = g->m->structure & DM_QUADRATIC_IN_V ? 2.0 : 1.02;
     const dm_report first = stepper->report;
-    dm_status status = DM_OK;
-    for (double part = 1.0 / 16.0; part <= 1.0 && status == DM_OK; part *= 2.0) {
-        dm_stage_weights_scale(g, part * h);
-        status = by_newton(g, stepper);
-        memcpy(g->before.root, g->newton.root, unknowns * sizeof *g->before.root);
-        g->before.ratio = 2.0;
+    double part = 1.0 / 16.0, factor = 2.0;
+    dm_status status = longer(g, stepper, part, h);
+    for (int k = 0; k < MOST_WAYS && part < 1.0 && status == DM_OK; k++) {
+        const double next = fmin(part * factor, 1.0);
+        g->before.ratio = next / part;
+        const dm_status there = longer(g, stepper, next, h);
+        if (there == DM_OK)
+            part = next;
+        else
+            factor = sqrt(factor);
+        if (there != DM_OK && factor < least) status = there;
     }
     g->before.ratio = 0.0;
     if (g->weights.h != h) dm_stage_weights_scale(g, h);
+    if (status == DM_OK && part < 1.0) status = DM_NO_CONVERGENCE;
     if (status != DM_OK) stepper->report = first; /* what the first try met */
+    return status;
+}
+
+/* Where all else fails, of an L that is not quadratic in v: from rest, which is in the domain. A
+ * root near the speed of light is far from one on the other side, along the edge of the domain. */
+static dm_status from_rest(dm_stage *g, dm_stepper *stepper) {
+    const dm_report first = stepper->report;
+    memset(g->before.root, 0, (size_t)g->table.s * g->n * sizeof *g->before.root);
+    g->before.ratio = 1.0;
+    const dm_status status = by_newton(g, stepper);
+    g->before.ratio = 0.0;
+    if (status != DM_OK) stepper->report = first;
     return status;
 }
 
@@ -87,8 +118,9 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     if (status != DM_OK) return status;
     if (g->one_point) status = by_continuation(g, stepper);
     if (!g->one_point || status != DM_OK) status = by_newton(g, stepper);
-    if (!g->one_point && (status == DM_NO_CONVERGENCE || status == DM_SINGULAR)) {
-        const dm_status again = by_continuation(g, stepper);
+    if (!g->one_point && status != DM_OK && status != DM_CALLBACK) {
+        dm_status again = by_continuation(g, stepper);
+        if (again != DM_OK && !(g->m->structure & DM_QUADRATIC_IN_V)) again = from_rest(g, stepper);
         if (again == DM_OK) status = DM_OK;
     }
     if (status == DM_OK && g->sweeps) dm_stage_memory_newton(g);

@@ -135,10 +135,13 @@ dm_status dm_stage_general(dm_stage *g, dm_stepper *stepper) {
                                        .equation = equation,
                                        .ctx = g,
                                        .size = &g->size,
+                                       .inside = g->points.v0,
+                                       .period = g->n,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = find_root(g, &problem, &report);
     stepper->report.iterations = report.iterations;
+    stepper->report.outside = report.outside;
     stepper->report.residual = report.residual;
     if (status != DM_OK) return status;
     if (!written_out(end_step, g, NULL)) return DM_NOT_FINITE;

@@ -11,7 +11,10 @@
 #define DM_LANES_FUSED 0
 #include "linalg/solve/newton_text.h"
 
-enum { HALVINGS = 12 };
+enum {
+    HALVINGS = 12,
+    HALVINGS_TO_DOMAIN = 60 /* an increment may be that much longer than what is left to its edge */
+};
 
 typedef struct {
     const dm_newton_problem *p;
@@ -79,13 +82,15 @@ static I chord_iterations(solver *s) {
     }
 }
 
-/* the largest of dx, dx/2, dx/4, ... that makes |r| smaller; leaves r there, x moved */
+/* the largest of dx, dx/2, dx/4, ... that stays in the domain and makes |r| smaller; leaves r
+ * there, x moved */
 static dm_status search(solver *s) {
     chord *it = &s->it;
     const uint32_t m = s->p->m;
     const double before = it->residual;
     double part = 1.0;
-    for (int k = 0; k < HALVINGS; k++, part *= 0.5) {
+    int outside = 0, larger = 0;
+    while (outside < HALVINGS_TO_DOMAIN && larger < HALVINGS) {
         for (uint32_t i = 0; i < m; i++) s->trial[i] = it->x[i] + part * it->dx[i];
         const dm_status status = evaluate_at(s, s->trial, 0, m);
         if (status != DM_OK && status != DM_NOT_FINITE) return status;
@@ -93,6 +98,10 @@ static dm_status search(solver *s) {
             memcpy(it->x, s->trial, m * sizeof *it->x);
             return DM_OK;
         }
+        larger += status == DM_OK;
+        outside += status != DM_OK;
+        s->report->outside += status != DM_OK;
+        part *= 0.5;
     }
     it->residual = before;
     return DM_NO_CONVERGENCE;
@@ -106,12 +115,32 @@ static int is_floor(const solver *s) {
     return it->step <= DM_NEWTON_FLOOR * (norm_of(it->x, s->p->m) + it->step);
 }
 
+/* A start outside of the domain: half of the way to where r has a value, and half of that. */
+static dm_status enter_domain(solver *s) {
+    const dm_newton_problem *p = s->p;
+    double *x = s->it.x;
+    dm_status status = evaluate_at(s, x, 0, p->m);
+    double part = 0.5;
+    for (int k = 0; status == DM_NOT_FINITE && p->inside && k <= HALVINGS; k++, part *= 0.5) {
+        for (uint32_t i = 0; i < p->m; i++) {
+            const double to = p->inside[i % p->period], away = s->start[i] - to;
+            x[i] = k < HALVINGS && isfinite(away) ? to + part * away : to;
+        }
+        status = evaluate_at(s, x, 0, p->m);
+    }
+    return status;
+}
+
 /* Newton with a Jacobian at every iterate and a line search */
 static dm_status damped(solver *s) {
     chord *it = &s->it;
     const uint32_t m = s->p->m;
     it->todo = 1;
     it->step = INFINITY;
+    if (s->status == DM_NOT_FINITE) {
+        const dm_status entered = enter_domain(s);
+        if (entered != DM_OK) return entered;
+    }
     while (it->count < s->p->max_iterations) {
         dm_status status = evaluate_at(s, it->x, 1, m);
         if (status != DM_OK) return status;

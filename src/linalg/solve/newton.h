@@ -19,13 +19,18 @@ typedef struct {
     const double *size;  /* size of the terms of r at the last x, to tell round-off; may be NULL */
     const dm_band *band; /* J is such a band, and made so by `equation`; NULL: dense */
     int near_identity;   /* dr/dx is nearly 1: begin with J = 1 while that shrinks fast */
-    double tolerance;    /* of the last increment, relative to max |x| */
+    /* [period], repeated: where r surely has a value; a start where it has none is drawn there.
+     * NULL: no such place is known */
+    const double *inside;
+    uint32_t period;
+    double tolerance; /* of the last increment, relative to max |x| */
     int max_iterations;
 } dm_newton_problem;
 
 typedef struct {
     int iterations;
     int jacobians;   /* taken: 0 when J = 1 was enough */
+    int outside;     /* increments that were shortened as r has no value where they lead */
     double residual; /* max |r| where it was last evaluated */
 } dm_newton_report;
 

@@ -1,0 +1,115 @@
+-- Newton's method inside the domain of L: speeds near the limit, starts and steps that an increment would take out of it
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local sqrt, random, cos, sin, abs, max = math.sqrt, math.random, math.cos, math.sin, math.abs, math.max
+
+-- one dimension, where Verlet is p + h/2 f, q + h v(p): from v = -0.9 by a force of 100
+local fast = dm.system { Q = dm.R(1), L = function(q, v) return -(1 - v[1] ^ 2) ^ 0.5 + 100 * q[1] end }
+local function explicit(h, steps, v)
+  local q, p = 0, v / sqrt(1 - v ^ 2)
+  for _ = 1, steps do
+    p = p + h / 2 * 100
+    q = q + h * p / sqrt(1 + p ^ 2)
+    p = p + h / 2 * 100
+  end
+  return q, p
+end
+for _, rule in ipairs { "verlet", "trapezoidal", "lobatto(2)", "gauss(2)", "midpoint" } do
+  local path = fast:solver { rule = rule, h = 0.5 }:run { q = { 0 }, v = { -0.9 }, steps = 3 }
+  local q, p = explicit(0.5, 3, -0.9)
+  near(path.p[4][1], p, 1e-9 * p, rule .. " finds the momentum beyond the turn")
+  if rule == "verlet" or rule == "lobatto(2)" then near(path.q[4][1], q, 1e-12, rule .. " and the explicit positions") end
+end
+near(fast:velocity({ 0 }, { 1e5 })[1], 1e5 / sqrt(1 + 1e10), 1e-15, "the velocity of a momentum of 10^5")
+near(fast:velocity({ 0 }, { -30 })[1], -30 / sqrt(901), 1e-15, "and of -30")
+
+-- a relativistic planet, L = -sqrt(1 - v^2) + 1/r: 200 bound starts that do not fall into the centre; Verlet is explicit in (q, p)
+local planet = dm.system { Q = dm.R(2), L = function(q, v) return -(1 - v:dot(v)) ^ 0.5 + 1 / q:norm() end }
+math.randomseed(5)
+local starts = {}
+while #starts < 200 do
+  local r, a, s, b = 0.3 + 4 * random(), 2 * math.pi * random(), 0.995 * random(), 2 * math.pi * random()
+  local g = 1 / sqrt(1 - s ^ 2)
+  if g - 1 < 1 / r and g * r * s * abs(sin(b - a)) > 1.05 then
+    starts[#starts + 1] = { q = { r * cos(a), r * sin(a) }, v = { s * cos(b), s * sin(b) } }
+  end
+end
+local function planet_explicit(start, h, steps)
+  local x, y, g = start.q[1], start.q[2], 1 / sqrt(1 - start.v[1] ^ 2 - start.v[2] ^ 2)
+  local a, b = g * start.v[1], g * start.v[2]
+  local function kick()
+    local r3 = (x * x + y * y) ^ 1.5
+    a, b = a - h / 2 * x / r3, b - h / 2 * y / r3
+  end
+  for _ = 1, steps do
+    kick()
+    local e = sqrt(1 + a * a + b * b)
+    x, y = x + h * a / e, y + h * b / e
+    kick()
+  end
+  return x, y
+end
+for _, h in ipairs { 0.02, 0.3 } do
+  local solver, failed, worst = planet:solver { rule = "verlet", h = h }, 0, 0
+  for _, start in ipairs(starts) do
+    local fine, path = pcall(solver.run, solver, { q = start.q, v = start.v, steps = 20 })
+    if fine then
+      local x, y = planet_explicit(start, h, 20)
+      worst = max(worst, abs(path.q[21][1] - x), abs(path.q[21][2] - y))
+    else
+      failed = failed + 1
+    end
+  end
+  ok(failed == 0, "Verlet from 200 bound starts, h = " .. h, failed .. " fail")
+  ok(worst < 1e-9, "and steps as its explicit form does, h = " .. h, worst)
+end
+for _, rule in ipairs { "midpoint", "gauss(2)", "gauss(3)", "lobatto(3)", "trapezoidal", "yoshida(4, midpoint)", "galerkin(2, lobatto(3))" } do
+  local solver, failed = planet:solver { rule = rule, h = 0.02 }, 0
+  for _, start in ipairs(starts) do
+    if not pcall(solver.run, solver, { q = start.q, v = start.v, steps = 100 }) then failed = failed + 1 end
+  end
+  ok(failed == 0, rule .. " from 200 bound starts", failed .. " fail")
+end
+-- a step that shortens its way to the root has the bits of its kind in lanes too
+for _, rule in ipairs { "verlet", "midpoint", "gauss(3)" } do
+  local solver, same = planet:solver { rule = rule, h = 0.1 }, 0
+  local all = solver:ensemble { members = 40, steps = 30, q = function(i) return starts[i].q end, v = function(i) return starts[i].v end }
+  local whole = 0
+  for i = 1, 40 do
+    local fine, path = pcall(solver.run, solver, { q = starts[i].q, v = starts[i].v, steps = 30 })
+    if fine then whole = whole + 1 end
+    if fine and dm.vector(all.q[i]) == path.q[31] then same = same + 1 end
+  end
+  ok(whole > 30 and same == whole, rule .. ": members have the bits of runs of their own", same .. " of " .. whole)
+end
+
+-- the midpoint rule has a solution wherever the centre is further than h/2 (a continuous map of the ball of velocities into itself); nearer there
+-- may be none, and the message says what stopped it
+local coarse, named, unnamed, far = planet:solver { rule = "midpoint", h = 0.3 }, 0, 0, 0
+for _, start in ipairs(starts) do
+  local fine, why = pcall(coarse.run, coarse, { q = start.q, v = start.v, steps = 200 })
+  if not fine then
+    if why.message:find "domain" then named = named + 1 else unnamed = unnamed + 1 end
+    if why.path.q[#why.path]:norm() > 0.151 then far = far + 1 end
+  end
+end
+ok(named > 0 and unnamed == 0, "steps that fail name the domain", named .. " named, " .. unnamed .. " not")
+ok(far == 0, "none fails where a solution exists", far)
+
+-- a potential with an edge: the guess of a step is outside, its solution is inside
+local wall = dm.system { Q = dm.R(1), L = function(q, v) return v[1] ^ 2 / 2 - q[1] ^ -0.5 end }
+for _, rule in ipairs { "lobatto(3)", "lobatto(4)", "lobatto(5)" } do
+  local path = wall:solver { rule = rule, h = 0.2 }:run { q = { 0.3 }, v = { -2 }, steps = 20 }
+  local least = math.huge
+  for i = 1, #path do least = math.min(least, path.q[i][1]) end
+  ok(least > 0, rule .. " turns before the wall", least)
+end
+-- with a constraint: a fast bead on a circle
+local bead = dm.system { Q = dm.R(2), constraint = function(q) return q:dot(q) - 1 end, L = function(q, v) return -(1 - v:dot(v)) ^ 0.5 - 20 * q[2] end }
+for _, rule in ipairs { "midpoint", "gauss(2)", "lobatto(3)" } do
+  local path = bead:solver { rule = rule, h = 0.05 }:run { q = { 1, 0 }, v = { 0, -0.95 }, steps = 50 }
+  ok(path:worst "constraint" < 1e-13, rule .. " keeps a fast bead on its circle")
+end
+raises("domain", fast.velocity, dm.system { Q = dm.R(1), L = function(_, v) return (v[1] - 3) ^ 0.5 * v[1] end }, { 0 }, { -5 })
+tap.done()
