@@ -15,8 +15,9 @@ local M = {}
 
 local Chart = core.class({ __name = "dm.chart" }, [[
 dm.chart: a work-precision chart, made by dm.chart{system, q=, v=, t=, rules=, h=}
-fields: points (a list of {rule, h, error, ns, steps, evaluations, newton}), rules (names), failures
-(points that could not be run, and why), rival]])
+fields: points (a list of {rule, h, error, ns, setup, steps, evaluations, newton, below}), rules
+(names), failures (what could not be run, and why), floor (errors below it cannot be told from the
+reference's), rival]])
 
 local max, min, floor = math.max, math.min, math.floor
 
@@ -108,9 +109,13 @@ local function measure(chart, entry, h)
   local step = options.t / steps
   local own = tostring(rule):find "^log%-hamiltonian"
   local solver = chart.system:solver { rule = rule, h = own and h or step, newton = entry.newton }
+  local setup = core.cpu()
+  solver:run(run_options(options, { steps = 1 }))
+  setup = core.cpu() - setup
   local path = solver:run(run_options(options, { at = chart.times, watch = chart.watch }))
-  local point = { rule = entry.name, h = own and h or step,
+  local point = { rule = entry.name, h = own and h or step, setup = 1e9 * setup,
     error = chart.measure(path, chart.reference) }
+  if point.error < chart.floor then point.error, point.below = chart.floor, true end
   local timed = own and { at = { (options.t0 or 0) + options.t } }
     or { steps = steps, every = steps }
   local plain = run_options(options, timed)
@@ -118,6 +123,16 @@ local function measure(chart, entry, h)
   local report = solver:report()
   point.steps, point.evaluations, point.newton = report.steps, report.evaluations, report.newton
   return point
+end
+
+-- what every step of a rule fails by is told once
+local function note_failure(chart, rule, h, why)
+  local last = chart.failures[#chart.failures]
+  if last and last.rule == rule and last.why == why then
+    last.count = last.count + 1
+    return
+  end
+  chart.failures[#chart.failures + 1] = { rule = rule, h = h, why = why, count = 1 }
 end
 
 -- a failure belongs into the chart: it says where a rule stops working
@@ -128,8 +143,7 @@ local function try_point(chart, entry, h, points)
     points[#points + 1] = core.result(point)
   elseif points == chart.points then
     local why = tostring(point):match "^[^\n]*":gsub("^.-%.lua:%d+: ", "")
-    chart.failures[#chart.failures + 1] = { rule = entry.name, h = h,
-      why = fine and "the error is not finite" or why }
+    note_failure(chart, entry.name, h, fine and "the error is not finite" or why)
   end
 end
 
@@ -167,6 +181,9 @@ chart:pareto() -> list of points
 The points that no other beats in both error and time, from the cheapest to the most accurate.]])
 
 local function number(x) return x and ("%.2f"):format(x) or "-" end
+
+-- an error that is below what can be measured is told as that
+local function error_text(p) return (p.below and "below %.0e" or "%.1e"):format(p.error) end
 
 local TIMES = { { 1e3, 1, "ns" }, { 1e6, 1e3, "us" }, { 1e9, 1e6, "ms" }, { math.huge, 1e9, "s" } }
 
@@ -217,14 +234,15 @@ class.method("dm.chart", "table", function(chart)
   for _, rule in ipairs(chart.rules) do
     local points, least = of_rule(chart, rule), nil
     for _, p in ipairs(points) do least = (not least or p.error < least.error) and p or least end
-    lines[#lines + 1] = least and ("%-28s %6s %7d %11.1e %10s")
-      :format(rule, number((chart:order(rule))), #points, least.error, time_text(least.ns))
+    lines[#lines + 1] = least and ("%-28s %6s %7d %11s %10s")
+      :format(rule, number((chart:order(rule))), #points, error_text(least), time_text(least.ns))
       or ("%-28s %6s %7d %11s %10s"):format(rule, "-", 0, "-", "-")
   end
   cheapest_lines(chart, lines)
   lines[#lines + 1] = front_line(chart)
   for _, f in ipairs(chart.failures) do
-    lines[#lines + 1] = ("%s, h = %.4g: %s"):format(f.rule, f.h, f.why)
+    lines[#lines + 1] = ("%s, h = %.4g%s: %s"):format(f.rule, f.h,
+      f.count > 1 and (" and %d more"):format(f.count - 1) or "", f.why)
   end
   lines[#lines + 1] = chart.reference_text
   lines[#lines + 1] = ("load %.2f at the start, median of %d batches, CPU time with set-up")
@@ -252,7 +270,9 @@ whole number of steps) and measure error against CPU time (median of batches, se
 pinned to one core), evaluations, Newton iterations and steps. error: "position" (default: the
 largest difference of a coordinate from a reference over 32 times), "energy", "momentum" (of
 coordinates that L does not depend on) or a group (dm.SO(2)), "constraint", a function f(q, v, t, p)
-compared with the reference, or { f }: the change of f along the run.
+compared with the reference, or { f }: the change of f along the run. Errors below chart.floor, what
+the references differ by, are raised to it and marked `below`. ns is the CPU time of a run, setup
+that of its first step, kernels included.
 The reference is found: two unlike methods, each refined until they agree; where they do not come
 close enough, dm.chart raises and says how far apart they are; reference = { rule =, h = } takes one
 on your word. tolerances = { 1e-6 }: rules that solve also with Newton's method stopped at these.

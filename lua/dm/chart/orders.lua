@@ -1,7 +1,7 @@
 --- The orders that a chart measures.
 local blame = require "dm.base.blame"
 
-local max, log = math.max, math.log
+local abs, max, log = math.abs, math.max, math.log
 
 local fail = require "dm.base.options".failing "dm.chart"
 
@@ -17,10 +17,11 @@ end
 
 local doc_order = [[
 chart:order(rule) -> number   or   nil, sentence
-The measured order of a rule: the slope of ln error over ln h, least squares over the four finest
-steps whose error is well above (30 times) what the references differ by, and above the rule's own
-round-off where finer steps have larger errors. nil, and why, with fewer than two such steps.
-Coarse steps may lie before the limit where the order shows.]]
+The measured order of a rule: the slope of ln error over ln h, least squares over the finest steps
+whose error is well above (30 times) what the references differ by, and above the rule's own
+round-off where finer steps have larger errors, as far as the slopes between neighbours agree to a
+tenth or 0.35. nil, and why, with fewer than three such steps ("not measurable"), or where they do
+not agree ("not asymptotic").]]
 
 -- where errors of a rule grow again with finer steps its own round-off is what is seen there
 local function round_off(points)
@@ -31,16 +32,37 @@ local function round_off(points)
   return points[best] and best < #points and points[best].error or 0
 end
 
--- the finest steps above round-off, at most four, are nearest to the limit
+-- the finest steps above round-off, from the finest, each once
 local function finest(points, floor_)
-  local used, sizes, last = {}, 0, nil
+  local used = {}
   for i = #points, 1, -1 do
     local p = points[i]
-    if p.error > floor_ and #used < 4 then
-      used[#used + 1], sizes, last = p, sizes + (p.h ~= last and 1 or 0), p.h
+    if p.error > floor_ and not p.below and (#used == 0 or p.h > used[#used].h) then
+      used[#used + 1] = p
     end
   end
-  return used, sizes
+  return used
+end
+
+-- slopes between neighbours
+local function slopes_of(used)
+  local out = {}
+  for i = 1, #used - 1 do
+    out[i] = log(used[i + 1].error / used[i].error) / log(used[i + 1].h / used[i].h)
+  end
+  return out
+end
+
+local MOST = 4 -- points: what is finest is nearest to the limit
+
+-- how many points from the finest on have slopes that agree with the first
+local function agreeing(slopes)
+  local count = 1
+  while slopes[count] and count < MOST
+    and abs(slopes[count] - slopes[1]) <= max(0.35, 0.1 * abs(slopes[1])) do
+    count = count + 1
+  end
+  return count
 end
 
 local function slope_of(points)
@@ -58,6 +80,8 @@ local function find_name(names, wanted)
   end
 end
 
+local COUNTS = { [0] = "no step", "one step", "two steps" }
+
 local function order_of(chart, rule)
   if type(rule) ~= "string" and rule ~= nil then rule = tostring(rule):gsub("^rule ", "") end
   if not find_name(chart.rules, rule) then
@@ -69,11 +93,18 @@ local function order_of(chart, rule)
       :format(#points == 0 and "no step" or "one step", rule)
   end
   local floor_ = 30 * max(chart.floor, round_off(points))
-  local used, sizes = finest(points, floor_)
-  if sizes > 1 then return slope_of(used) end
-  return nil, ("not measurable: at %s step of %s is the error above %.1e, which is 30 times "
-    .. "round-off or what the references differ by; coarser steps show more")
-    :format(sizes == 0 and "no" or "only one", rule, floor_)
+  local used = finest(points, floor_)
+  local slopes = slopes_of(used)
+  local count = agreeing(slopes)
+  if count > 2 then return slope_of(table.move(used, 1, count, 1, {})) end
+  if #used < 3 then
+    return nil, ("not measurable: at %s of %s is the error above %.1e, which is 30 times "
+      .. "round-off or what the references differ by, and three are needed; coarser steps show more")
+      :format(COUNTS[#used], rule, floor_)
+  end
+  for i, slope in ipairs(slopes) do slopes[i] = ("%.2f"):format(slope) end
+  return nil, ("not asymptotic: the slopes between successive steps of %s, from the finest, are %s; "
+    .. "finer steps may show an order"):format(rule, table.concat(slopes, ", "))
 end
 
 return { order = blame.caller(order_of), doc = doc_order, of_rule = of_rule }

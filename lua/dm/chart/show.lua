@@ -69,13 +69,13 @@ end)
 
 local doc_csv = [[
 chart:csv(file) -> file name   or   chart:csv() -> string
-A line per point: rule, h, error, ns, steps, evaluations, newton.]]
+A line per point: rule, h, error, ns, setup, steps, evaluations, newton.]]
 
 local csv = blame.caller(function(self, file)
-  local lines = { "rule,h,error,ns,steps,evaluations,newton" }
+  local lines = { "rule,h,error,ns,setup,steps,evaluations,newton" }
   for _, p in ipairs(self.points) do
-    lines[#lines + 1] = ('"%s",%.17g,%.17g,%.17g,%d,%d,%d')
-      :format(p.rule, p.h, p.error, p.ns, p.steps, p.evaluations, p.newton)
+    lines[#lines + 1] = ('"%s",%.17g,%.17g,%.17g,%.17g,%d,%d,%d')
+      :format(p.rule, p.h, p.error, p.ns, p.setup, p.steps, p.evaluations, p.newton)
   end
   return require "dm.base.text_file".write(file, table.concat(lines, "\n") .. "\n", "chart:csv")
 end)

@@ -1,84 +1,18 @@
---- Structure, measured: the exact tangent map of a solver, the symplecticity of its step, chaos,
+--- Structure, measured: the exact tangent map of a solver, the symplecticity of its step,
 -- reversal, energy.
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
-local option = require "dm.base.options"
 local prolong = require "dm.measure.prolong"
+local prolonged = require "dm.measure.prolonged_run"
 local starts = require "dm.base.start"
 
 local M = {}
 
-local abs, sqrt, log, max = math.abs, math.sqrt, math.log, math.max
-
-local function newton(solver)
-  return { tolerance = solver.tolerance, max_iterations = solver.max_iterations }
-end
-
-local function solver_of(solver, system, h)
-  local rule = prolong.rule(solver.system, solver.rule)
-  return system:solver { rule = rule, h = h or solver.h, newton = newton(solver) }
-end
-
--- why L~ stepped by the rule is not the tangent of the rule, or nothing
-local function refuse(solver, what)
-  local rule = tostring(solver.rule)
-  local given = solver.system.given
-  if rule:find "^degenerate" then
-    error(what .. ": L is linear in v, so that p is a function of q, and (q, p) has no "
-      .. "neighbours off p = alpha(q): not for rule '"
-      .. rule .. "'", 0)
-  end
-  if not (given and given.L) then
-    error(what .. ": a discrete Lagrangian has no prolonged system here; use a dm.system", 0)
-  end
-  if solver.system.given.control then
-    error(what .. ": a control held over a step is not part of the prolonged system; put it into "
-      .. "'force' to see its tangent", 0)
-  end
-  if rule:find "^log%-hamiltonian" then
-    error(what .. ": '" .. rule
-      .. "' changes the time with the state, so the prolonged system runs on another time: "
-      .. "use a rule with a fixed step", 0)
-  end
-end
-
--- q and p at the start; t0
-local function start_of(solver, options)
-  local system = solver.system
-  local t0 = options.t0 or 0
-  if not options.q or not (options.v or options.p) then
-    error("give the start as q and v, or as q and p", 0)
-  end
-  local p = options.p or system:legendre(options.q, options.v, t0)
-  return core.vector(options.q), core.vector(p), t0
-end
-
-local MOST = 2 ^ 53  -- steps: more could not be counted in numbers of Lua that are not integers
-
-local function steps_of(solver, options)
-  local steps = options.steps
-  if not steps then
-    if type(options.t) ~= "number" or not (options.t > 0) then
-      error("give 'steps' or 't' (a duration > 0)", 0)
-    end
-    steps = math.ceil(options.t / solver.h - 1e-9)
-  end
-  if not math.tointeger(steps) or steps < 0 or steps > MOST then
-    error(("'steps' must be a whole number from 0 to 2^53 (got %s)"):format(tostring(steps)), 0)
-  end
-  return math.tointeger(steps)
-end
-
-local KNOWN = { "q", "v", "p", "t0", "steps", "t" }
-local function check_options(options, what, known)
-  return option.check(options, known or KNOWN, what, "{ q =, v =, steps = }")
-end
-
-local function is_constrained(solver)
-  local given = solver.system.given
-  return (given.constraint or given.rolling) ~= nil
-end
+local abs, log, max = math.abs, math.log, math.max
+local check_options, is_constrained, refuse = prolonged.check_options, prolonged.is_constrained,
+  prolonged.refuse
+local solver_of, start_of, steps_of = prolonged.solver_of, prolonged.start_of, prolonged.steps_of
 
 -- where the unit vectors of (q, p), or what of them is tangent to the constraints, lead; and these;
 -- and the end of the run
@@ -161,122 +95,6 @@ M.symplecticity = blame.caller(function(solver, options)
   return defect_of(cols, first)
 end)
 
----- chaos ----
-
-local LARGEST = 200  -- growth of ln |tangent vector| within a block: far from overflow
-
--- the tangent vector: given, or one without symmetry, made a unit vector
-local function first_vector(options, n)
-  for _, name in ipairs { "u", "dp" } do
-    local given = options[name]
-    local kind = type(given) == "userdata" and (getmetatable(given) or {}).__name or type(given)
-    if given ~= nil and ((kind ~= "table" and kind ~= "dm.vector") or #given ~= n) then
-      error(("solver:lyapunov: option '%s' must be a vector or table of %d numbers (got %s)")
-        :format(name, n,
-        (kind == "table" or kind == "dm.vector") and #given or kind), 0)
-    end
-  end
-  local u, dp = options.u or {}, options.dp or {}
-  local out = {}
-  for i = 1, n do
-    out[i] = u[i] or (options.dp and 0 or 1 / (1 + i))
-    out[n + i] = dp[i] or (options.u and 0 or 1 / (2 + i * i))
-  end
-  local size = 0
-  for i = 1, 2 * n do size = size + out[i] ^ 2 end
-  if not (size > 0) then error("solver:lyapunov: the tangent vector u, dp is zero", 0) end
-  for i = 1, 2 * n do out[i] = out[i] / sqrt(size) end
-  return out
-end
-
--- ln of the length of (u, dp) along the run, as a watched number
-local function growth(n)
-  return function(x, _, _, p)
-    local sum = 0
-    for i = 1, n do sum = sum + x[n + i] ^ 2 + p[i] ^ 2 end
-    return 0.5 * math.log(sum)
-  end
-end
-
--- one block of steps from state s; rows of (t, ln growth) are added to the record
-local function block(lifted, s, n, steps, every)
-  local q, p = core.vector(s.x), core.vector(s.p)
-  local path = lifted:run { q = q, p = p, t0 = s.t, steps = steps, every = every,
-    project = s.project,
-    watch = { "energy", growth = growth(n), x = function(x) return x end,
-      p = function(_, _, _, y) return y end } }
-  local ln = path:column "growth"
-  return path, ln
-end
-
-local function end_of(path, n)
-  local x, p = {}, {}
-  for i = 1, 2 * n do
-    x[i], p[i] = path:column("x" .. i)[#path], path:column("p" .. i)[#path]
-  end
-  return x, p
-end
-
--- MEGNO (Cincotta & Simo 2000): Y(t) = 2/t int (d ln|u|/ds) s ds, and its mean over time
-local function follow(record, t, dt, dln)
-  record.sum = record.sum + dln * (t - 0.5 * dt - record.t0)
-  record.growth = record.growth + dln
-  local age = t - record.t0
-  local Y = 2 * record.sum / age
-  record.mean = record.mean + 0.5 * (Y + record.Y) * dt
-  record.Y = Y
-  local i = #record.t + 1
-  record.t[i], record.exponent[i], record.megno[i] = t, record.growth / age, record.mean / age
-end
-
-local doc_lyapunov = [[
-solver:lyapunov{q=, v= | p=, steps= | t=, every=, u=, dp=, t0=} -> {exponent, megno, t, ...}
-Follow one tangent vector (u, dp; default: one without symmetry) by the exact tangent map of the
-rule. exponent: ln |growth| / t, the largest Lyapunov exponent, per unit of time, of the last row;
-megno: the mean of MEGNO (Cincotta & Simo 2000), which tends to 2 on a regular orbit and to exponent
-* t / 2 on a chaotic one. A row is taken every `every` steps (default: 1000 rows). history: {t,
-exponent, megno} of all rows; q, p: the end.]]
-
-M.lyapunov = blame.caller(function(solver, options)
-  options = starts.lists(options, solver)
-  check_options(options, "solver:lyapunov",
-    { "q", "v", "p", "t0", "steps", "t", "every", "u", "dp" })
-  refuse(solver, "solver:lyapunov")
-  local n, steps = #(options.q or {}), steps_of(solver, options)
-  if steps < 1 then error("solver:lyapunov needs at least one step", 0) end
-  local every = options.every or max(1, steps // 1000)
-  local q, p, t0 = start_of(solver, options)
-  local w = first_vector(options, n)
-  local s = { t = t0, x = {}, p = {}, project = is_constrained(solver) }
-  for i = 1, n do s.x[i], s.x[n + i], s.p[i], s.p[n + i] = q[i], w[i], w[n + i], p[i] end
-  local lifted = solver_of(solver, prolong.system(solver.system))
-  local record = { t0 = t0, sum = 0, growth = 0, mean = 0, Y = 0, t = {}, exponent = {},
-    megno = {} }
-  local done, length = 0, every * 64
-  while done < steps do
-    local now = math.min(length, steps - done)
-    local path, ln = block(lifted, s, n, now, every)
-    if abs(ln[#ln]) > LARGEST and now > every then
-      length = max(every, (now // every // 2) * every)
-    else
-      for i = 2, #path do
-        follow(record, path.t[i], path.t[i] - path.t[i - 1], ln[i] - ln[i - 1])
-      end
-      s.x, s.p = end_of(path, n)
-      local scale = math.exp(-ln[#ln])
-      for i = 1, n do s.x[n + i], s.p[i] = s.x[n + i] * scale, s.p[i] * scale end
-      done, s.t = done + now, t0 + (done + now) * solver.h
-      if abs(ln[#ln]) < LARGEST / 4 and length < every * 4096 then length = length * 2 end
-    end
-  end
-  local last = #record.t
-  return core.result { exponent = record.exponent[last], megno = record.megno[last],
-    t = record.t[last],
-    history = { t = core.vector(record.t), exponent = core.vector(record.exponent),
-      megno = core.vector(record.megno) },
-    q = lists.part(s.x, 0, n), p = lists.part(s.p, n, n) }
-end)
-
 ---- there and back ----
 
 -- the system run backwards: L(q, -v, t1 - t)
@@ -356,7 +174,6 @@ end)
 
 core.method("dm.solver", "tangent", M.tangent, doc_tangent)
 core.method("dm.solver", "symplecticity", M.symplecticity, doc_symplecticity)
-core.method("dm.solver", "lyapunov", M.lyapunov, doc_lyapunov)
 core.method("dm.solver", "reversal", M.reversal, doc_reversal)
 core.method("dm.solver", "backward_error", M.backward_error, doc_backward)
 

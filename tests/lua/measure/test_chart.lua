@@ -87,9 +87,23 @@ do
   end
   told({ t = 2, rules = "verlet", h = 0.1 }, "one step of verlet gave an error", "one step has no order")
   told({ t = 2, rules = "gauss(6)", h = { 0.1, 0.05, 0.025 } }, "at no step of gauss(6) is the error above", "nor have errors at round-off")
-  told({ t = 2, rules = "gauss(5)", h = { 1, 0.05, 0.025 } }, "at only one step of gauss(5)", "nor has one step above it")
-  told({ t = 2, rules = "verlet", h = { 0.1, 0.1 } }, "only one step", "nor has the same step twice")
+  told({ t = 2, rules = "gauss(5)", h = { 1, 0.05, 0.025 } }, "at one step of gauss(5)", "nor has one step above it")
+  told({ t = 2, rules = "verlet", h = { 0.1, 0.1 } }, "at one step of verlet", "nor has the same step twice")
+  told({ t = 2, rules = "verlet", h = { 0.1, 0.05 } }, "three are needed", "nor have two, whose slope nothing supports")
   told({ t = 4000, rules = "verlet", h = { 2.5, 3 }, samples = 2 }, "no step of verlet gave an error", "nor have steps that all fail")
+end
+-- blow-ups have slopes, but no order; the neighbours of a slope must agree with it
+do
+  local stiff = dm.system { Q = dm.R(1), L = function(q, v) return (v[1] ^ 2 - 1e4 * q[1] ^ 2) / 2 end }
+  local c = stiff:chart { q = { 1 }, v = { 0 }, t = 1, rules = { "verlet" }, h = { 0.1, 0.05, 0.025, 0.0125 }, rivals = false, repeats = 1 }
+  local order, why = c:order "verlet"
+  ok(order == nil and why:find("not asymptotic", 1, true), "no order through blow-ups", tostring(order) .. " " .. tostring(why))
+  -- errors below what references differ by are raised to it; a refusal is told once
+  local exact = dm.chart { spring, q = { 1 }, v = { 0 }, t = 2, rules = { "gauss(8)", "degenerate(2)" }, h = { 0.2, 0.1, 0.05 }, rivals = false, repeats = 1 }
+  local fine = #exact.points > 0
+  for _, p in ipairs(exact.points) do fine = fine and p.error >= exact.floor and (p.error > exact.floor or p.below) and p.setup > 0 end
+  ok(fine and exact.points[#exact.points].below and tostring(exact):find "below %d", "errors below the floor are told as that", tostring(exact))
+  ok(#exact.failures == 1 and exact.failures[1].count == 3, "a refusal is told once a rule", #exact.failures)
 end
 ---- steps that are not given ----
 

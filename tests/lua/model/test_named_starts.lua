@@ -30,7 +30,7 @@ ok(math.abs(rest:linearize({ q = { x = 0 } }).fastest - 2) < 1e-12, "a lineariza
 local function map(a, b) return dm.stability { system = kepler, rule = "verlet", q = a, v = b, h = { 0.01, 1 }, steps = 100, refine = false } end
 ok(map(Q, V):at(1, 1).error == map(q, v):at(1, 1).error, "a stability map")
 ok(#solver:section({ g = "y", q = Q, v = V, t = 30 }).orbits[1].x == #solver:section({ g = "y", q = q, v = v, t = 30 }).orbits[1].x, "a section")
-local chart = kepler:chart { q = Q, v = V, t = 2, rules = { "verlet" }, h = { 0.1, 0.05 }, repeats = 1 }
+local chart = kepler:chart { q = Q, v = V, t = 2, rules = { "verlet" }, h = { 0.1, 0.05, 0.025 }, repeats = 1 }
 ok(math.abs(chart:order "verlet" - 2) < 0.3, "a chart", chart:order "verlet")
 local polar = dm.system { Q = dm.R(2), coordinates = { "r", "phi" }, L = function(x, u) return (u[1] ^ 2 + x[1] ^ 2 * u[2] ^ 2) / 2 + 1 / x[1] end }
 local reduced = polar:routh { cyclic = { "phi" }, q = { r = 1, phi = 0 }, v = { r = 0, phi = 1.1 } }

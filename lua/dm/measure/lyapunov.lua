@@ -1,0 +1,236 @@
+--- Lyapunov exponents and MEGNO: tangent vectors that run beside an orbit by the exact tangent map of
+-- the rule, and are made orthonormal again as they grow (Benettin, Galgani, Giorgilli & Strelcyn
+-- 1980).
+local blame = require "dm.base.blame"
+local class = require "dm.base.class"
+local core = require "dm.core"
+local lists = require "dm.base.lists"
+local option = require "dm.base.options"
+local prolong = require "dm.measure.prolong"
+local prolonged = require "dm.measure.prolonged_run"
+local starts = require "dm.base.start"
+
+local M = {}
+
+local abs, log, max, min = math.abs, math.log, math.max, math.min
+
+local WHERE = "solver:lyapunov"
+local LARGEST = 200  -- growth of ln |tangent vector| within a block: far from overflow
+local SPREAD = 10    -- of ln |w_1| - ln |w_k|: what is orthogonal to the first still has digits
+
+---- tangent vectors (u, dp): lists of 2 n numbers ----
+
+local function dot(a, b)
+  local sum = 0
+  for i = 1, #a do sum = sum + a[i] * b[i] end
+  return sum
+end
+
+local function scaled(a, factor)
+  local out = {}
+  for i = 1, #a do out[i] = a[i] * factor end
+  return out
+end
+
+-- the first one: given, or one without symmetry
+local function first_vector(options, n)
+  for _, name in ipairs { "u", "dp" } do
+    local given = options[name]
+    if given ~= nil and lists.count(given) ~= n then
+      option.fail(WHERE, "option '%s' must be a vector or table of %d numbers (got %s)", name, n,
+        tostring(lists.got(given)))
+    end
+  end
+  local u, dp, out = options.u or {}, options.dp or {}, {}
+  for i = 1, n do
+    out[i] = u[i] or (options.dp and 0 or 1 / (1 + i))
+    out[n + i] = dp[i] or (options.u and 0 or 1 / (2 + i * i))
+  end
+  if not (dot(out, out) > 0) then option.fail(WHERE, "the tangent vector u, dp is zero") end
+  return out
+end
+
+-- Gram and Schmidt: the vectors made orthonormal, and ln of what was left of each
+local function orthonormal(vectors)
+  local out, growth = {}, {}
+  for j, w in ipairs(vectors) do
+    local whole = dot(w, w)
+    for _ = 1, 2 do -- twice, for round-off
+      for _, e in ipairs(out) do
+        local share = dot(w, e)
+        local left = {}
+        for i = 1, #w do left[i] = w[i] - share * e[i] end
+        w = left
+      end
+    end
+    local left = dot(w, w)
+    if not (left > 1e-24 * whole) then return nil, j end
+    out[j], growth[j] = scaled(w, left ^ -0.5), 0.5 * log(left)
+  end
+  return out, growth
+end
+
+-- k vectors: the first, then unit vectors that are not in their span
+local function frame(first, k)
+  local out, size = orthonormal { first }, #first
+  for i = 1, size do
+    if #out == k then break end
+    local more, unit = table.move(out, 1, #out, 1, {}), lists.zeros(size)
+    unit[i] = 1
+    more[#more + 1] = unit
+    out = orthonormal(more) or out
+  end
+  return out
+end
+
+---- a block of steps ----
+
+-- ln of the length of (u, dp) along the run, as a watched number
+local function growth_of(n)
+  return function(x, _, _, p)
+    local sum = 0
+    for i = 1, n do sum = sum + x[n + i] ^ 2 + p[i] ^ 2 end
+    return 0.5 * log(sum)
+  end
+end
+
+-- the run of vector j beside the orbit from state s: its path and its end; nothing where a number
+-- has outgrown all others
+local function run_beside(lifted, s, j, steps, every)
+  local n, w = s.n, s.vectors[j]
+  local fine, path = pcall(lifted.run, lifted, { q = lists.joined(s.q, lists.part(w, 0, n)),
+    p = lists.joined(lists.part(w, n, n), s.p), t0 = s.t, steps = steps, every = every,
+    project = s.project, watch = { growth = growth_of(n), x = function(x) return x end,
+      p = function(_, _, _, y) return y end } })
+  if not fine then
+    if steps > 1 and type(path) == "table" and path.code == "not_finite" then return nil end
+    error(path, 0)
+  end
+  local x, p = {}, {}
+  for i = 1, 2 * n do
+    x[i], p[i] = path:column("x" .. i)[#path], path:column("p" .. i)[#path]
+  end
+  return path, { q = lists.part(x, 0, n), p = lists.part(p, n, n),
+    vector = lists.joined(lists.part(x, n, n), lists.part(p, 0, n)):totable() }
+end
+
+-- All vectors over a block. Nothing where they grow too far, or too far apart: a shorter one is
+-- then to be taken. s is changed only where it succeeds.
+local function advance(lifted, s, steps, every)
+  local vectors, path, finish = {}, nil, nil
+  for j = 1, #s.vectors do
+    local its_path, its_end = run_beside(lifted, s, j, steps, j == 1 and min(every, steps) or steps)
+    if not its_path then return nil end
+    if j == 1 then path, finish = its_path, its_end end
+    vectors[j] = its_end.vector
+  end
+  local next_ones, growth = orthonormal(vectors)
+  if not next_ones then
+    if steps > 1 then return nil end
+    option.fail(WHERE, "there are only %d independent tangent vectors: fewer exponents", growth - 1)
+  end
+  local least, largest = min(table.unpack(growth)), max(table.unpack(growth))
+  if steps > 1 and (largest > LARGEST or least < -LARGEST or largest - least > SPREAD) then
+    return nil
+  end
+  s.q, s.p, s.vectors = finish.q, finish.p, next_ones
+  for j, x in ipairs(growth) do s.sums[j] = s.sums[j] + x end
+  return path, max(abs(least), abs(largest)) / LARGEST, (largest - least) / SPREAD
+end
+
+---- what is recorded ----
+
+-- MEGNO (Cincotta & Simo 2000): Y(t) = 2/t int (d ln|u|/ds) s ds, and its mean over time
+local function follow(record, t, dt, growth)
+  record.sum = record.sum + growth * (t - 0.5 * dt - record.t0)
+  record.growth = record.growth + growth
+  local Y = 2 * record.sum / (t - record.t0)
+  record.mean = record.mean + 0.5 * (Y + record.Y) * dt
+  record.Y = Y
+end
+
+local function note(record, t)
+  local i, age = #record.t + 1, t - record.t0
+  record.t[i], record.exponent[i] = t, record.growth / age
+  record.megno[i] = record.mean / age
+end
+
+-- the rows of a block that begins after `done` steps; those of every `every` steps are kept
+local function note_block(record, path, done, steps, every, last)
+  local ln = path:column "growth"
+  for i = 2, #path do
+    follow(record, path.t[i], path.t[i] - path.t[i - 1], ln[i] - ln[i - 1])
+    local at = i == #path and done + steps or done + (i - 1) * every
+    if at % every == 0 or at == last then note(record, path.t[i]) end
+  end
+end
+
+-- Steps of the next block: within a row, or whole rows.
+local function next_length(length, done, steps, every)
+  if length >= every and done % every == 0 then length = length // every * every end
+  if done % every ~= 0 then length = min(length, every - done % every) end
+  return min(length, steps - done)
+end
+
+local function follow_all(lifted, s, steps, every, h)
+  local record = { t0 = s.t, sum = 0, growth = 0, mean = 0, Y = 0, t = {}, exponent = {},
+    megno = {} }
+  local done, length, t0 = 0, every * 64, s.t
+  while done < steps do
+    local now = next_length(length, done, steps, every)
+    local path, used, apart = advance(lifted, s, now, every)
+    if path then
+      note_block(record, path, done, now, every, steps)
+      done, s.t = done + now, t0 + (done + now) * h
+      if max(used, apart) < 0.25 and length < every * 4096 then length = length * 2 end
+    else
+      length = max(1, now // 2)
+    end
+  end
+  return record
+end
+
+---- the verb ----
+
+local doc_lyapunov = [[
+solver:lyapunov{q=, v= | p=, steps= | t=, exponents=, every=, u=, dp=, t0=} -> {exponent, megno, ...}
+Follow one tangent vector (u, dp; default: one without symmetry) by the exact tangent map of the
+rule. exponent: ln |growth| / t, the largest Lyapunov exponent, per unit of time, of the last row;
+megno: the mean of MEGNO (Cincotta & Simo 2000), which tends to 2 on a regular orbit and to exponent
+* t / 2 on a chaotic one. A row is taken every `every` steps (default: 1000 rows). history: {t,
+exponent, megno} of all rows; q, p, t: the end. exponents = k, from 1 to 2 dim Q: k vectors that are
+kept orthonormal; exponents: their rates of growth, the largest first, and sum of them, the rate at
+which volumes of that dimension grow (Benettin et al. 1980). Vectors are rescaled as they grow, so
+that no time is too long.]]
+
+M.lyapunov = blame.caller(function(solver, options)
+  options = starts.lists(options, solver)
+  prolonged.check_options(options, WHERE,
+    { "q", "v", "p", "t0", "steps", "t", "every", "u", "dp", "exponents" })
+  prolonged.refuse(solver, WHERE)
+  local n, steps = #(options.q or {}), prolonged.steps_of(solver, options)
+  if steps < 1 then option.fail(WHERE, "needs at least one step") end
+  local every = option.whole(options, "every", WHERE, 1, steps, max(1, steps // 1000))
+  local k = option.whole(options, "exponents", WHERE, 1, 2 * n, 1)
+  local q, p, t0 = prolonged.start_of(solver, options)
+  local s = { n = n, t = t0, q = q, p = p, project = prolonged.is_constrained(solver), sums = {},
+    vectors = frame(first_vector(options, n), k) }
+  for j = 1, k do s.sums[j] = 0 end
+  local lifted = prolonged.solver_of(solver, prolong.system(solver.system))
+  local record = follow_all(lifted, s, steps, every, solver.h)
+  local last, out, sum = #record.t, {}, 0
+  for j = 1, k do
+    out[j] = s.sums[j] / (steps * solver.h)
+    sum = sum + out[j]
+  end
+  table.sort(out, function(a, b) return a > b end)
+  return core.result { exponent = record.exponent[last], megno = record.megno[last],
+    t = record.t[last], exponents = out, sum = sum,
+    history = { t = core.vector(record.t), exponent = core.vector(record.exponent),
+      megno = core.vector(record.megno) },
+    q = s.q, p = s.p }
+end)
+
+class.method("dm.solver", "lyapunov", M.lyapunov, doc_lyapunov)
+
+return M

@@ -1,0 +1,53 @@
+-- several exponents at once: known rates, their sum, pairs of a Hamiltonian flow, long times
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+
+-- two pendulums upside down: rates +-1 and +-1/2, for ever
+local tops = dm.system { Q = dm.R(2), L = function(q, v)
+  return v:dot(v) / 2 - math.cos(q[1]) - math.cos(q[2]) / 4
+end }:solver { rule = "gauss(4)", h = 0.1 }
+local still = { 0, 0 }
+local all = tops:lyapunov { q = still, v = still, t = 1000, exponents = 4 }
+for i, rate in ipairs { 1, 0.5, -0.5, -1 } do near(all.exponents[i], rate, 2e-3, "rate " .. rate) end
+near(all.sum, 0, 1e-12, "volumes are kept")
+ok(all.exponent == all.exponents[1], "the first one is the largest")
+local long = tops:lyapunov { q = still, v = still, t = 1e5 }
+near(long.exponent, 1, 1e-4, "a vector that would grow by e^100000")
+ok(#long.history.t == 1000, "a row every thousandth of the time, however short the blocks")
+near(long.megno, 1e5 / 2, 50, "MEGNO grows by half of the exponent")
+
+-- exponents of a chaotic flow come in pairs
+local henon = dm.system { Q = dm.R(2), L = function(q, v)
+  return (v:dot(v) - q:dot(q)) / 2 - q[1] ^ 2 * q[2] + q[2] ^ 3 / 3
+end }:solver { rule = "verlet", h = 0.05 }
+local start = { q = { 0, 0.1 }, v = { 0.5603570290448759, 0.1 }, t = 1000 }
+start.exponents = 4
+local pairs_ = henon:lyapunov(start).exponents
+near(pairs_[1] + pairs_[4], 0, 2e-3, "the largest and the least are opposite")
+near(pairs_[2] + pairs_[3], 0, 2e-3, "the two in the middle as well")
+ok(pairs_[1] > 0.05, "chaos", pairs_[1])
+start.t = 100 -- blocks of other lengths round differently, and chaos makes the most of it
+local together = henon:lyapunov(start).exponents[1]
+start.exponents = nil
+near(henon:lyapunov(start).exponent, together, 1e-6, "alone it is the same one")
+
+-- friction: volumes shrink at its rate, whatever the orbit does
+for _, c in ipairs { 0.1, 0.4 } do
+  local duffing = dm.system { Q = dm.R(1), L = function(q, v, t)
+    return (v[1] ^ 2 + q[1] ^ 2) / 2 - q[1] ^ 4 / 4 + 0.3 * math.cos(1.2 * t) * q[1]
+  end, force = function(_, v) return -c * v end }:solver { rule = "gauss(4)", h = 0.05 }
+  near(duffing:lyapunov { q = { 0.5 }, v = { 0 }, t = 300, exponents = 2 }.sum, -c, 1e-7, "the rate of friction")
+end
+
+-- under a constraint there are as many vectors as the surface has tangent directions
+local rod = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 - q[2] end,
+  constraint = function(q) return { q:dot(q) - 1 } end }:solver { rule = "rattle", h = 0.05 }
+local swing = { q = { 0.6, -0.8 }, v = { 0.8, 0.6 }, t = 100, exponents = 2 }
+ok(math.abs(rod:lyapunov(swing).exponents[1]) < 0.06, "a pendulum is not chaotic")
+swing.exponents = 3
+raises("only 2 independent", rod.lyapunov, rod, swing)
+swing.exponents = 5
+raises("from 1 to 4", rod.lyapunov, rod, swing)
+raises("every", rod.lyapunov, rod, { q = { 0.6, -0.8 }, v = { 0.8, 0.6 }, t = 1, every = 0 })
+tap.done()
