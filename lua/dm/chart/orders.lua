@@ -98,13 +98,13 @@ local function order_of(chart, rule)
   local count = agreeing(slopes)
   if count > 2 then return slope_of(table.move(used, 1, count, 1, {})) end
   if #used < 3 then
-    return nil, ("not measurable: at %s of %s is the error above %.1e, which is 30 times "
-      .. "round-off or what the references differ by, and three are needed; coarser steps show more")
+    return nil, ("not measurable: at %s of %s is the error above %.1e, which is 30 times round-off "
+      .. "or what the references differ by, and three are needed; coarser steps show more")
       :format(COUNTS[#used], rule, floor_)
   end
   for i, slope in ipairs(slopes) do slopes[i] = ("%.2f"):format(slope) end
-  return nil, ("not asymptotic: the slopes between successive steps of %s, from the finest, are %s; "
-    .. "finer steps may show an order"):format(rule, table.concat(slopes, ", "))
+  return nil, ("not asymptotic: the slopes between successive steps of %s, from the finest, are "
+    .. "%s; finer steps may show an order"):format(rule, table.concat(slopes, ", "))
 end
 
 return { order = blame.caller(order_of), doc = doc_order, of_rule = of_rule }

@@ -1,5 +1,5 @@
---- Lyapunov exponents and MEGNO: tangent vectors that run beside an orbit by the exact tangent map of
--- the rule, and are made orthonormal again as they grow (Benettin, Galgani, Giorgilli & Strelcyn
+--- Lyapunov exponents and MEGNO: tangent vectors that run beside an orbit by the exact tangent map
+-- of the rule, and are made orthonormal again as they grow (Benettin, Galgani, Giorgilli & Strelcyn
 -- 1980).
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
@@ -193,7 +193,7 @@ end
 ---- the verb ----
 
 local doc_lyapunov = [[
-solver:lyapunov{q=, v= | p=, steps= | t=, exponents=, every=, u=, dp=, t0=} -> {exponent, megno, ...}
+solver:lyapunov{q=, v= | p=, steps= | t=, exponents=, every=, u=, dp=, t0=} -> {exponent, megno, t}
 Follow one tangent vector (u, dp; default: one without symmetry) by the exact tangent map of the
 rule. exponent: ln |growth| / t, the largest Lyapunov exponent, per unit of time, of the last row;
 megno: the mean of MEGNO (Cincotta & Simo 2000), which tends to 2 on a regular orbit and to exponent
