@@ -15,14 +15,15 @@ VERSION = 0.1
 below = $(sort $(wildcard $(foreach stars,/ /*/ /*/*/ /*/*/*/,$(addsuffix $(stars)$(2),$(1)))))
 BIND = $(call below,src/bind,*.c)
 CLI = $(call below,src/cli,*.c)
-KERNEL = $(filter-out $(BIND) $(CLI),$(call below,src,*.c))
+SPARSE = $(call below,src/sparse,*.c)
+KERNEL = $(filter-out $(BIND) $(CLI) $(SPARSE),$(call below,src,*.c))
 LUA_FILES = $(call below,lua/dm,*.lua)
 EXAMPLES = $(sort $(wildcard examples/*.lua))
-C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(call below,tests/c,*.c)
+C_SOURCES = $(KERNEL) $(BIND) $(CLI) $(if $(SPARSE_LIBS),$(SPARSE)) $(call below,tests/c,*.c)
 objects = $(patsubst src/%.c,$(B)/%.o,$(1))
 export B
 
-all: $(B)/dmlua $(B)/dm/core.so
+all: $(B)/dmlua $(B)/dm/core.so modules
 
 # what the machine offers: made by .ci/setup, which installs what is missing for these goals,
 # after which make reads this file again
@@ -44,7 +45,7 @@ say = $(if $(V),,@printf '  %-4s %s\n' $(1) $(2);)
 # objects are made again when the compiler or its flags change
 COMPILE = $(CC) $(WARN) $(CFLAGS) $(FLOAT) -fPIC -MMD -MP -Isrc -D_POSIX_C_SOURCE=200809L
 READLINE_FLAGS = $(if $(filter yes,$(READLINE)),-DDM_READLINE,-UDM_READLINE)
-SAME = $(COMPILE) $(READLINE_FLAGS) $(LUA_CFLAGS) $(LUA_LIBS)
+SAME = $(COMPILE) $(READLINE_FLAGS) $(LUA_CFLAGS) $(LUA_LIBS) $(SPARSE_LIBS)
 $(B)/flags: always
 	@mkdir -p $(B)
 	@echo '$(SAME)' | cmp -s - $@ || echo '$(SAME)' >$@
@@ -64,6 +65,12 @@ $(B)/dmlua: $(call objects,$(CLI) $(BIND)) $(B)/libdm.a
 $(B)/dm/core.so: $(call objects,$(BIND)) $(B)/libdm.a
 	@mkdir -p $(@D)
 	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(GSL_LIBS) -lm
+
+# modules of libraries that not everybody has: the core opens them at first use
+modules: $(if $(SPARSE_LIBS),$(B)/dm/sparse.so)
+$(B)/dm/sparse.so: $(call objects,$(SPARSE)) $(B)/libdm.a
+	@mkdir -p $(@D)
+	$(call say,link,$@)$(CC) $(CFLAGS) -shared -Wl,-z,now -o $@ $^ $(SPARSE_LIBS) -lm
 
 # tests/c/test_*.c know only libdm.a; the other programs there drive an interpreter
 C_TESTS = $(patsubst tests/c/%.c,$(B)/tests/%,$(call below,tests/c,test_*.c))
@@ -123,7 +130,7 @@ install: all
 	  $(SHARE)/dmlua/examples $(SHARE)/lua/5.4 $(SHARE)/man/man1 \
 	  $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions
 	install -m 755 $(B)/dmlua $(DESTDIR)$(PREFIX)/bin/dmlua
-	install -m 755 $(B)/dm/core.so $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm/core.so
+	install -m 755 $(wildcard $(B)/dm/*.so) $(DESTDIR)$(PREFIX)/lib/lua/5.4/dm
 	@for file in $(LUA_FILES); do install -D -m 644 $$file $(SHARE)/dmlua/$$file || exit 1; done
 	install -m 644 $(EXAMPLES) $(SHARE)/dmlua/examples
 	@ln -sfn ../../dmlua/lua/dm $(SHARE)/lua/5.4/dm
@@ -154,6 +161,6 @@ help:
 	@echo "make clean"
 	@echo "options: CC=clang  CFLAGS='$(CFLAGS)'  READLINE=no  B=folder  V=1 (show commands)"
 
-.PHONY: all setup programs test house demo san sanitized valgrind bench charts format lint docs \
+.PHONY: all modules setup programs test house demo san sanitized valgrind bench charts format lint docs \
   install uninstall clean help always
 -include $(shell find $(B) -name '*.d' -not -path '$(B)/san/*' 2>/dev/null)

@@ -96,6 +96,13 @@ local rows = {
   ["mesh:generators"] = "dm.dec.homology",
   ["mesh:homology"] = "dm.dec.homology",
   ["mesh:potential"] = "dm.dec.homology.potential",
+  ["mesh:d"] = "dm.dec.equations",
+  ["mesh:star"] = "dm.dec.equations",
+  ["mesh:laplacian"] = "dm.dec.equations",
+  ["mesh:laplace_beltrami"] = "dm.dec.equations",
+  ["mesh:harmonic"] = "dm.dec.equations",
+  ["mesh:poisson"] = "dm.dec.equations",
+  ["mesh:darcy"] = "dm.dec.equations",
   ["ensemble:plot"] = "dm.show.fan",
 }
 

@@ -5,7 +5,7 @@
 local floors = {}
 
 floors.src = {
-  "base", "numbers", "linalg", "linalg/solve", "graph", "algebra",
+  "base", "numbers", "linalg", "linalg/solve", "linalg/sparse", "sparse", "graph", "algebra",
   "code", "code/implicit", "code/tape", "code/native", "code/loops",
   "geom", "geom/action", "chain", "mech", "dec",
   -- kept free: field
@@ -24,8 +24,8 @@ floors.src = {
 -- kept free: connection (above group), sweep (above measure)
 floors.lua = {
   "base", "group", "action", "frame", "show", "show/animate", "data", "dec", "dec/homology",
-  "chart", "measure", "stability", "reduce/routh", "reduce/discrete", "reduce/equilibria",
-  "reduce/run", "reduce", "scene", "demos", "session",
+  "dec/equations", "chart", "measure", "stability", "reduce/routh", "reduce/discrete",
+  "reduce/equilibria", "reduce/run", "reduce", "scene", "demos", "session",
 }
 
 -- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed

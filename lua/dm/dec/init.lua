@@ -105,4 +105,7 @@ polynomials whose integrals are exact, 5 by default, at most 21. chart(x, y, ...
 the point of a curved surface that belongs to a point of the mesh: cells are integrated over as it
 bends them, such as p / |p| for a sphere. Raises where f gives what is not finite.]])
 
+-- methods of forms that stand in rooms above
+class.later("dm.form", "hodge", "dm.dec.equations")
+
 return M

@@ -1,0 +1,218 @@
+--- A:eigen: eigenvalues and eigenforms of self-adjoint operators in the product of their forms,
+-- from S x = lambda M x. Small problems by dense rotations, which know every multiplicity; large
+-- ones by Lanczos iterations with shift and invert.
+local class = require "dm.base.class"
+local core = require "dm.core"
+local form = require "dm.dec.form"
+local mass = require "dm.dec.equations.mass"
+local matrices = require "dm.dec.equations.matrices"
+local operator = require "dm.dec.equations.operator"
+local option = require "dm.base.options"
+local solver = require "dm.dec.equations.solver"
+
+local M = {}
+
+local WHERE = "operator:eigen"
+local SMALL = 300 -- unknowns up to which dense rotations are always taken
+local ASYMMETRY = 1e-9 -- of a self-adjoint operator, at most
+
+local function fail(...) option.fail(WHERE, ...) end
+
+-- the masses of the forms that A maps, all >= 0
+local function masses(A)
+  local K, cells = A.mesh, operator.listed(A.mesh, A.from)
+  local values = mass.positive(K, cells, WHERE)
+  return A.from.side == "primal" and values or mass.inverse(K, cells, false, WHERE)
+end
+
+-- S and M of what is free
+local function pencil(A)
+  if A.from.degree ~= A.to.degree or A.from.side ~= A.to.side then
+    fail("the operator maps %s %d-forms to %s %d-forms: it has no eigenvalues", A.from.side,
+      A.from.degree, A.to.side, A.to.degree)
+  end
+  local weights = masses(A)
+  local S = A.stiffness or A.matrix:scale(weights)
+  local asymmetry = S:asymmetry()
+  if asymmetry > ASYMMETRY then
+    fail("the operator is not self-adjoint: a . (A b) and (A a) . b differ by %.2g", asymmetry)
+  end
+  if not A.keep then return S, weights end
+  return S:pick(A.keep, A.keep), core.pick(weights, A.keep)
+end
+
+-- which eigenvalues are asked for: a number that says how good each is, the less the better;
+-- nothing for one that is not asked for
+local function order_of(options)
+  local above, near = options.above, options.near
+  if above then return function(x) return x > above and x - above or nil end end
+  near = near or 0
+  return function(x) return math.abs(x - near) end
+end
+
+-- the m best of a list of pairs
+local function best(pairs_, m, rank)
+  local list = {}
+  for _, pair in ipairs(pairs_) do
+    pair.rank = rank(pair.value)
+    if pair.rank then list[#list + 1] = pair end
+  end
+  table.sort(list, function(a, b) return a.rank < b.rank end)
+  return table.move(list, 1, math.min(m, #list), 1, {})
+end
+
+local function zipped(values, vectors, residuals)
+  local out = {}
+  for i = 1, #vectors do
+    out[i] = { value = values[i], vector = vectors[i], residual = residuals[i] }
+  end
+  return out
+end
+
+local function at_eigenvalue(shift)
+  fail("the shift %.12g is an eigenvalue: move it a little", shift)
+end
+
+local NEAR = 1e-13 -- of the largest eigenvalue: nothing tells values that are nearer apart
+
+local function dense(S, weights, m, options)
+  local values, vectors, residuals = S:all_eigenpairs(weights)
+  local shift = options.above or options.near
+  local size = math.max(math.abs(values[1]), math.abs(values[#values]))
+  for i = 1, shift and #values or 0 do
+    if math.abs(values[i] - shift) <= NEAR * size then at_eigenvalue(shift) end
+  end
+  return best(zipped(values, vectors, residuals), m, order_of(options)), "dense rotations"
+end
+
+-- a length of the mesh, to the power -2: what low eigenvalues of Laplacians are measured in
+local function low(K) return K:volume(K.dimension):sum() ^ (-2 / K.dimension) end
+
+-- the distance from the shift to the nearest eigenvalue, by inverse iterations
+local function distance(factor, M_)
+  local x = core.start_vector(factor.unknowns)
+  for _ = 1, 3 do x = factor:solve(M_ * x) / x:norm() end
+  return 1 / x:norm()
+end
+
+-- an estimate of the largest eigenvalue
+local function largest(S, weights)
+  local diagonal, most = S:diagonal(), 0
+  for i = 1, #weights do
+    if weights[i] > 0 then most = math.max(most, math.abs(diagonal[i]) / weights[i]) end
+  end
+  return most
+end
+
+-- the factor of S - shift M; Cholesky where no eigenvalue should be below the shift
+local function factored(S, weights, shift, lowest)
+  local M_ = matrices.diagonal(weights)
+  local shifted = S - shift * M_
+  local factor = lowest and shifted:factor "cholesky" or shifted:factor "lu"
+  if not factor or distance(factor, M_) < NEAR * largest(S, weights) then at_eigenvalue(shift) end
+  return factor
+end
+
+local FACTORS = { cholesky = "Cholesky factors (CHOLMOD)",
+  lu = "LU factors (UMFPACK) of an indefinite matrix" }
+
+-- how many eigenvalues lie below x, or nothing
+local function below(S, weights, x) return (S - x * matrices.diagonal(weights)):negatives() end
+
+-- How many eigenvalues the iteration has left out that are better than the worst it found: by the
+-- law of inertia, up to a little before that one, so that a cluster may be cut.
+local function left_out(S, weights, pairs_, options)
+  local from, worst = options.above or options.near, pairs_[#pairs_].value
+  local reach = options.near and pairs_[#pairs_].rank or worst - (from or 0)
+  local high, low_ = (from or 0) + reach, options.near and from - reach or from
+  local margin = 1e-7 * math.max(math.abs(high), math.abs(low_ or 0))
+  high, low_ = high - margin, low_ and options.near and low_ + margin or low_
+  if low_ and high <= low_ then return 0 end
+  local found, there = 0, below(S, weights, high)
+  for _, pair in ipairs(pairs_) do
+    if pair.value < high and pair.value > (low_ or -math.huge) then found = found + 1 end
+  end
+  local less = low_ and below(S, weights, low_) or not low_ and 0
+  return there and less and there - less - found or 0
+end
+
+local ROUNDS = 4
+
+-- around a given shift, or from a shift below all eigenvalues (above those of negative operators)
+local function lanczos(A, S, weights, m, options)
+  local given, n = options.above or options.near, S.rows
+  local sign = not given and S:diagonal():sum() < 0 and -1 or 1
+  local shift = given or -low(A.mesh)
+  if sign < 0 then S = -1 * S end
+  local factor = factored(S, weights, shift, not given)
+  local rank, count, pairs_, missing, all = order_of(options), m, nil, 0, 0
+  for _ = 1, ROUNDS do
+    local values, vectors, residuals, solves =
+      S:eigenpairs(weights, factor, shift, count, options.above ~= nil)
+    pairs_, all = best(zipped(values, vectors, residuals), m, rank), all + solves
+    local counts = given or factor.kind == "cholesky"
+    missing = #pairs_ > 0 and counts and left_out(S, weights, pairs_, options) or 0
+    if missing <= 0 or count == n - 1 then break end
+    count = math.min(n - 1, count + missing + 2)
+  end
+  if missing > 0 then fail("%d eigenvalues are left out: ask for more, or for fewer", missing) end
+  for _, pair in ipairs(pairs_) do pair.value = sign * pair.value end
+  return pairs_, ("Lanczos iterations (ARPACK), %s"):format(FACTORS[factor.kind]), all
+end
+
+local function has_zero(weights)
+  for i = 1, #weights do
+    if weights[i] == 0 then return true end
+  end
+  return false
+end
+
+-- pairs, and which solver found them
+local function find(A, m, options)
+  local S, weights = pencil(A)
+  local n, has_zeros = S.rows, has_zero(weights)
+  local has_library, why = core.solvers()
+  local can_be_dense = n <= solver.MOST_DENSE and not has_zeros
+  if n == 0 then fail("every cell is fixed: nothing is left") end
+  if can_be_dense and (n <= SMALL or m > n // 4 or not has_library) then
+    return dense(S, weights, m, options)
+  end
+  if not has_library then
+    fail("eigenvalues of %d unknowns%s: %s", n, has_zeros and ", some of zero dual volume," or "",
+      why)
+  end
+  return lanczos(A, S, weights, math.min(m, n - 1), options)
+end
+
+local function check(m, options)
+  if math.type(m) ~= "integer" or m < 1 then
+    fail("how many eigenvalues must be a whole number >= 1 (got %s)", option.got(m))
+  end
+  option.check(options, { "above", "near" }, WHERE)
+  option.number(options, "above", WHERE)
+  option.number(options, "near", WHERE)
+  if options.above and options.near then fail("give one of 'above' and 'near'") end
+end
+
+class.method("dm.operator", "eigen", function(A, m, options)
+  options = options or {}
+  check(m, options)
+  local pairs_, name, solves = find(A, m, options)
+  local values, residuals, forms = {}, {}, core.result {}
+  for i, pair in ipairs(pairs_) do
+    local x = A.keep and core.spread(pair.vector, A.keep) or pair.vector
+    values[i], residuals[i] = pair.value, pair.residual
+    forms[i] = form.new(A.mesh, A.from.degree, A.from.side, x)
+  end
+  return core.result { values = core.vector(values), forms = forms,
+    residuals = core.vector(residuals), solver = name, solves = solves }
+end, [[
+A:eigen(m, {above=, near=}) -> { values, forms, residuals, solver }
+m eigenvalues of a self-adjoint operator, in the product of the forms that it maps, and eigenforms
+of norm 1: those nearest to 0, with near = x nearest to x, with above = x the least beyond x; the
+best first. Fewer where there are no more. residuals: |A a - lambda a|. Up to 300 unknowns (1200
+where many are asked for) by dense rotations, else by Lanczos iterations, which need dm/sparse.so
+(libsuitesparse-dev, libarpack2-dev). Raises where x is an eigenvalue, where the operator is not
+self-adjoint, and where negative stars leave the forms without a norm.]])
+
+return M

@@ -1,0 +1,67 @@
+--- The masses of forms, |*s| / |s| for every cell: the inner product of primal forms is their
+-- weighted sum. They may be 0 or negative where a mesh is not well-centred; what cannot go on with
+-- that says so here.
+local core = require "dm.core"
+local option = require "dm.base.options"
+
+local M = {}
+
+local REMEDY = "K:make_delaunay() gives other triangles to a surface, dual = \"barycentric\" other "
+  .. "duals to any mesh"
+
+local made = setmetatable({}, { __mode = "k" })
+
+--- The masses of the k-cells: { values, zeros, negatives, zero, negative }, the last two being the
+-- first cell with such a dual. Made once for a mesh.
+function M.of(K, k)
+  local all = made[K] or {}
+  made[K] = all
+  if not all[k] then
+    local values, zeros, negatives, zero, negative = K:star_weights(k)
+    all[k] = { values = values, zeros = zeros, negatives = negatives, zero = zero,
+      negative = negative }
+  end
+  return all[k]
+end
+
+local function cell_text(K, k, i)
+  return ("{%s}"):format(table.concat(K:simplices(k)[i], ", "))
+end
+
+local function reciprocal(x) return x == 0 and 0 or 1 / x end
+
+--- 1 / masses of the k-cells; where one is 0: 0 with pinv, else an error with the cell.
+function M.inverse(K, k, pinv, where)
+  local m = M.of(K, k)
+  if m.zeros > 0 and not pinv then
+    option.fail(where, "zero dual volume at simplex %s (one of %d of degree %d): its star has no "
+      .. "inverse; give pinv = true for 0 there, or dual = \"barycentric\" to the mesh",
+      cell_text(K, k, m.zero), m.zeros, k)
+  end
+  return m.values:map(reciprocal)
+end
+
+--- Raises where masses of k-cells are negative: what needs a norm has none.
+function M.positive(K, k, where)
+  local m = M.of(K, k)
+  if m.negatives > 0 then
+    option.fail(where, "the star is negative at %d cells of degree %d, the first is %s, so "
+      .. "%d-forms have no norm and eigenvalues may be complex: %s", m.negatives, k,
+      cell_text(K, k, m.negative), k, REMEDY)
+  end
+  return m.values
+end
+
+--- The moduli of the masses, their mean in the place of zeros: a norm on any mesh.
+function M.norm(K, k)
+  local values = M.of(K, k).values:map(math.abs)
+  local mean = values:sum() / #values
+  return values:map(function(x) return x == 0 and mean or x end)
+end
+
+--- Ones, as many as k-cells.
+function M.ones(K, k)
+  return core.vector(K:count(k)):map(function() return 1 end)
+end
+
+return M

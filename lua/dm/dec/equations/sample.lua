@@ -1,0 +1,57 @@
+--- Numbers on cells from what a script gives for them: a number, a function of the point, a form, a
+-- list or a vector.
+local core = require "dm.core"
+local form = require "dm.dec.form"
+local option = require "dm.base.options"
+
+local M = {}
+
+local function finite(x) return type(x) == "number" and x - x == 0 end
+
+-- f at row i of a matrix of points, a number; `maybe`: or nil
+function M.at_point(f, points, i, where, what, maybe)
+  local p = points[i]
+  local x = f(p[1], p[2], p[3], select(4, table.unpack(p:totable())))
+  if maybe and x == nil then return nil end
+  if not finite(x) then
+    option.fail(where, "%s must give finite numbers (got %s at point %d)", what, option.got(x), i)
+  end
+  return x
+end
+
+--- One number for every cell. points(): where functions are asked, a matrix with a row for each
+-- cell; kind = { degree, side } of forms that may be given; count: of the cells.
+function M.values(x, K, kind, count, points, where, what)
+  if finite(x) then return core.vector(count):map(function() return x end) end
+  if form.is_form(x) then
+    if not rawequal(x.mesh, K) or x.degree ~= kind.degree or x.side ~= kind.side then
+      option.fail(where, "%s must be a %s %d-form of this mesh (got a %s)", what, kind.side,
+        kind.degree, form.name(x))
+    end
+    return x.values
+  end
+  if type(x) == "function" then
+    local at, out = points(), core.vector(count)
+    for i = 1, count do out[i] = M.at_point(x, at, i, where, what) end
+    return out
+  end
+  local fine, values = pcall(core.vector, x)
+  if x == nil or not fine or #values ~= count then
+    option.fail(where, "%s must be a number, a function of the point, a form or a list of %d "
+      .. "numbers (got %s)", what, count, option.got(x))
+  end
+  return values
+end
+
+--- The mean of the points of every k-cell.
+function M.barycentres(K, k)
+  local points, cells, out = K:points(), K:simplices(k), {}
+  for i, cell in ipairs(cells) do
+    local sum = points[cell[1]]
+    for j = 2, #cell do sum = sum + points[cell[j]] end
+    out[i] = sum / #cell
+  end
+  return out
+end
+
+return M

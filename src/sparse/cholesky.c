@@ -1,0 +1,92 @@
+/* cholesky.c - L L^T of CHOLMOD: its own choice of ordering (AMD, METIS where that fills in too
+ * much) and of supernodes. */
+#include "sparse/factor.h"
+
+#include <string.h>
+
+/* the matrix as CHOLMOD sees it: the upper triangle of a symmetric one */
+static cholmod_sparse view(const dm_sparse *A) {
+    return (cholmod_sparse){.nrow = (size_t)A->rows,
+                            .ncol = (size_t)A->columns,
+                            .nzmax = (size_t)A->start[A->columns],
+                            .p = A->start,
+                            .i = A->row,
+                            .x = A->value,
+                            .stype = 1,
+                            .itype = CHOLMOD_INT,
+                            .xtype = CHOLMOD_REAL,
+                            .dtype = CHOLMOD_DOUBLE,
+                            .sorted = 1,
+                            .packed = 1};
+}
+
+/* Analysis and numbers. Between them is the one place where a stop is seen for sure; besides it
+ * is seen whenever memory is asked for. */
+static dm_status factorize(dm_factor *f, cholmod_sparse *A) {
+    cholmod_common *c = &f->common;
+    f->L = cholmod_analyze(A, c);
+    if (!f->L) return DM_NO_MEMORY;
+    if (f->stop && *f->stop) {
+        f->stopped = 1;
+        return DM_STOPPED;
+    }
+    cholmod_factorize(A, f->L, c);
+    if (c->status == CHOLMOD_NOT_POSDEF) return DM_SINGULAR;
+    return c->status == CHOLMOD_OK ? DM_OK : DM_NO_MEMORY;
+}
+
+dm_status dm_cholesky_factor(dm_factor *f, double *condition) {
+    cholmod_sparse A = view(f->A);
+    dm_library_enter(f);
+    cholmod_start(&f->common);
+    f->common.print = 0;
+    f->common.final_ll = 1;
+    const dm_status status = factorize(f, &A);
+    *condition = status == DM_OK ? cholmod_rcond(f->L, &f->common) : 0.0;
+    dm_library_leave();
+    return f->stopped ? DM_STOPPED : status;
+}
+
+/* CHOLMOD keeps its own x and workspace for the next solve */
+dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b) {
+    const size_t n = (size_t)f->A->columns;
+    cholmod_dense right = {.nrow = n,
+                           .ncol = 1,
+                           .nzmax = n,
+                           .d = n,
+                           .x = (double *)(uintptr_t)b,
+                           .xtype = CHOLMOD_REAL,
+                           .dtype = CHOLMOD_DOUBLE};
+    dm_library_enter(f);
+    const int fine =
+        cholmod_solve2(CHOLMOD_A, f->L, &right, NULL, &f->x, NULL, &f->y, &f->e, &f->common);
+    dm_library_leave();
+    if (!fine) return DM_NO_MEMORY;
+    memcpy(x, f->x->x, n * sizeof *x);
+    return DM_OK;
+}
+
+/* D of L D L^T has the signs of the eigenvalues (Sylvester); column j of L begins with D_j */
+static int64_t negatives_of(const cholmod_factor *L) {
+    const int *start = L->p;
+    const double *x = L->x;
+    int64_t negatives = 0;
+    for (size_t j = 0; j < L->n; j++) negatives += x[start[j]] < 0.0;
+    return negatives;
+}
+
+/* Simplicial, since supernodes have L L^T only. */
+dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena,
+                     volatile const int *stop) {
+    dm_factor f = {.A = A, .arena = arena, .stop = stop};
+    cholmod_sparse symmetric = view(A);
+    dm_library_enter(&f);
+    cholmod_start(&f.common);
+    f.common.print = 0;
+    f.common.supernodal = CHOLMOD_SIMPLICIAL;
+    const dm_status status = factorize(&f, &symmetric);
+    if (status == DM_OK) *negatives = negatives_of(f.L);
+    dm_library_leave();
+    dm_library_release(&f);
+    return f.stopped ? DM_STOPPED : status;
+}

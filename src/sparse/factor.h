@@ -1,0 +1,47 @@
+/* factor.h - one factorization: what the files of this room share. CHOLMOD and UMFPACK get their
+ * memory from the allocator of an arena, block by block, so that a refusing allocator is felt here
+ * too and a collector sees it. */
+#ifndef DM_FACTOR_H
+#define DM_FACTOR_H
+
+#include "linalg/sparse/solvers.h"
+
+#include <suitesparse/cholmod.h>
+
+/* a block of a library: stands in front of it, in the list of its factorization */
+typedef struct dm_library_block dm_library_block;
+
+struct dm_factor {
+    dm_factorization kind;
+    const dm_sparse *A;
+    dm_arena *arena;          /* whose allocator gives */
+    dm_library_block *blocks; /* all that were given, newest first */
+    volatile const int *stop; /* while it is made: set, no more memory is given */
+    int stopped;              /* that is why */
+    /* Cholesky: workspace and factors */
+    cholmod_common common;
+    cholmod_factor *L;
+    cholmod_dense *x, *y, *e; /* of solves: kept for the next */
+    void *numeric;            /* LU */
+};
+
+/* Between these two the allocation functions of SuiteSparse are ours and give to f. They nest
+ * nowhere, and what stood there before comes back. */
+void dm_library_enter(dm_factor *f);
+void dm_library_leave(void);
+
+/* All blocks back to the allocator. */
+void dm_library_release(dm_factor *f);
+
+dm_status dm_cholesky_factor(dm_factor *f, double *condition);
+dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b);
+dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena,
+                     volatile const int *stop);
+dm_status dm_umfpack_factor(dm_factor *f, double *condition);
+dm_status dm_umfpack_solve(dm_factor *f, double *x, const double *b);
+dm_status dm_lanczos(dm_eigen_problem *problem, dm_arena *arena);
+
+/* f's own solve */
+dm_status dm_factor_solve(const dm_factor *f, double *x, const double *b);
+
+#endif

@@ -1,0 +1,37 @@
+/* umfpack_lu.c - LU of UMFPACK with its default pivoting, for what is not positive definite. */
+#include "sparse/factor.h"
+
+#include <suitesparse/umfpack.h>
+
+/* what is neither fine nor singular is want of memory: the matrix was looked at before */
+static dm_status status_of(const dm_factor *f, int status) {
+    if (f->stopped) return DM_STOPPED;
+    if (status == UMFPACK_OK) return DM_OK;
+    return status == UMFPACK_WARNING_singular_matrix ? DM_SINGULAR : DM_NO_MEMORY;
+}
+
+/* symbolic factors are only needed for the numbers */
+dm_status dm_umfpack_factor(dm_factor *f, double *condition) {
+    const dm_sparse *A = f->A;
+    double info[UMFPACK_INFO];
+    void *symbolic = NULL;
+    dm_library_enter(f);
+    int status =
+        umfpack_di_symbolic(A->rows, A->columns, A->start, A->row, A->value, &symbolic, NULL, info);
+    if (status == UMFPACK_OK)
+        status = umfpack_di_numeric(A->start, A->row, A->value, symbolic, &f->numeric, NULL, info);
+    umfpack_di_free_symbolic(&symbolic);
+    dm_library_leave();
+    *condition = status == UMFPACK_OK ? info[UMFPACK_RCOND] : 0.0;
+    return status_of(f, status);
+}
+
+/* with its steps of refinement */
+dm_status dm_umfpack_solve(dm_factor *f, double *x, const double *b) {
+    const dm_sparse *A = f->A;
+    dm_library_enter(f);
+    const int status =
+        umfpack_di_solve(UMFPACK_A, A->start, A->row, A->value, x, b, f->numeric, NULL, NULL);
+    dm_library_leave();
+    return status_of(f, status);
+}
