@@ -12,6 +12,7 @@ static double sign_in(const dm_complex *K, uint32_t k, uint32_t cell, uint32_t f
     return j % 2 ? -1.0 : 1.0;
 }
 
+/* Cofaces are ascending, so rows are; every cell of degree k + 1 has k + 2 entries. */
 dm_status dm_incidence(dm_sparse *d, dm_arena *arena, const dm_complex *K, uint32_t k) {
     if (K->count[k] > INT32_MAX || K->count[k + 1] > INT32_MAX) return DM_TOO_LARGE;
     const int64_t entries = (int64_t)K->count[k + 1] * (k + 2);
@@ -37,6 +38,7 @@ static void mark_faces(unsigned char *mark, const dm_complex *K, uint32_t k, uin
     }
 }
 
+/* cells of lower degree by the facets that have them: nothing is stored for it */
 void dm_boundary_marks(unsigned char *mark, const dm_complex *K, uint32_t k) {
     const uint32_t n = K->n;
     memset(mark, 0, K->count[k]);

@@ -33,12 +33,15 @@ void dm_library_leave(void);
 /* All blocks back to the allocator. */
 void dm_library_release(dm_factor *f);
 
+/* Both of one factorization: Cholesky's is of the symmetric matrix in the upper triangle. */
 dm_status dm_cholesky_factor(dm_factor *f, double *condition);
 dm_status dm_cholesky_solve(dm_factor *f, double *x, const double *b);
 dm_status dm_inertia(int64_t *negatives, const dm_sparse *A, dm_arena *arena,
                      volatile const int *stop);
+/* LU of the whole matrix; its solves refine until rounding. */
 dm_status dm_umfpack_factor(dm_factor *f, double *condition);
 dm_status dm_umfpack_solve(dm_factor *f, double *x, const double *b);
+/* eigen of the table */
 dm_status dm_lanczos(dm_eigen_problem *problem, dm_arena *arena);
 
 /* f's own solve */

@@ -21,6 +21,7 @@ typedef struct {
     int *select;
 } lanczos;
 
+/* Sizes as dsaupd asks for them; v is the basis of the Krylov space, a column each. */
 static int room(lanczos *l, dm_arena *arena) {
     const size_t n = (size_t)l->n, m = (size_t)l->basis;
     l->v = dm_arena_take(arena, n * m * sizeof(double));
@@ -70,6 +71,7 @@ static dm_status iterate(lanczos *l, int *converged) {
         const dm_status status = answer(l, ido, ipntr);
         if (status != DM_OK) return status;
     }
+    /* 1: cycles are used up; what has converged is counted below */
     if (info < 0) return DM_NO_CONVERGENCE;
     *converged = extract(l, iparam, ipntr, which);
     return *converged >= l->wanted ? DM_OK : DM_NO_CONVERGENCE;

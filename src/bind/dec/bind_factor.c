@@ -11,6 +11,7 @@
 
 #define DML_FACTOR "dm.factor"
 
+/* The first two are of dm/sparse.so, the others always there. */
 typedef enum { BY_CHOLESKY, BY_LU, BY_GRADIENTS, BY_DENSE_LU } way;
 static const char *const ways[] = {"cholesky", "lu", "gradients", "dense", NULL};
 
@@ -26,6 +27,7 @@ typedef struct {
     double *right; /* [n] */
 } solver;
 
+/* stack index of the matrix in its methods, user values of a solver, unknowns of dense ways */
 enum { MATRIX = 1, KEPT_MATRIX = 1, KEPT_ARENA = 2, MOST_DENSE = 1200 };
 
 /* ---- making one ---- */
@@ -202,6 +204,7 @@ static int push_pairs(lua_State *L, const dm_sparse *S, const double *mass, cons
     double *r = lua_newuserdatauv(L, (n + 1) * sizeof *r, 0);
     memcpy(dml_pushvector(L, (uint32_t)count), value, (size_t)count * sizeof *value);
     lua_createtable(L, count, 0);
+    dml_setresult(L);
     double *residuals = dml_pushvector(L, (uint32_t)count);
     for (int32_t k = 0; k < count; k++) {
         double *x = vector + (size_t)k * n;
@@ -214,16 +217,18 @@ static int push_pairs(lua_State *L, const dm_sparse *S, const double *mass, cons
 }
 
 /* S:eigenpairs(mass, factor, shift, count, above) -> values, vectors, residuals, solves */
+/* The start depends on the count alone, so that asking again for more begins elsewhere. */
 static int sparse_eigenpairs(lua_State *L) {
     const char *why;
     const dm_solvers *solvers = dml_solvers(&why);
     if (!solvers) luaL_error(L, "%s", why);
     dm_eigen_problem p = {.S = dml_checksparse(L, MATRIX), .stop = &dml_stop};
     const int32_t n = p.S->columns;
-    const solver *s = luaL_checkudata(L, 3, DML_FACTOR);
     lua_settop(L, 6);
-    if (!s->factor || s->A->columns != n) luaL_argerror(L, 3, "a factorization of S - shift M");
     p.mass = dml_numbersat(L, 2, "the masses", n);
+    const solver *s = luaL_checkudata(L, 3, DML_FACTOR);
+    if (!s->factor || s->A->columns != n)
+        luaL_argerror(L, 3, "not a factorization of S - shift M by dm/sparse.so");
     p.shifted = s->factor;
     p.shift = luaL_checknumber(L, 4);
     p.count = (int32_t)luaL_checkinteger(L, 5);
@@ -279,6 +284,7 @@ static int sparse_all_eigenpairs(lua_State *L) {
     for (size_t j = 0; j < size; j++)
         for (int32_t p = S->start[j]; p < S->start[j + 1]; p++)
             A[(size_t)S->row[p] * size + j] = S->value[p] * root[S->row[p]] * root[j];
+    /* rows of A become eigenvectors M^1/2 x; below they are divided again */
     const dm_status status = dm_symmetric_eigen(A, value, work, (uint32_t)n, &dml_stop);
     if (status == DM_STOPPED) dml_checkstop(L);
     if (status != DM_OK) luaL_error(L, "eigenvalues: %s", dm_status_text(status));

@@ -54,7 +54,8 @@ static int mesh_star_weights(lua_State *L) {
     return 5;
 }
 
-/* sum over the top cells S of x_S |*s in S|, for the cells s of degree k */
+/* The sum over the top cells S of x_S |*s in S|, for the cells s of degree k. Shares are computed
+ * anew for every top cell: keeping them would take 2^(n + 1) doubles each. */
 static int mesh_weighted_dual(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     const uint32_t k = dml_checkdegree(L, 2, m), n = m->K.n, top = m->K.count[n];

@@ -234,6 +234,7 @@ static int combine(lua_State *L, double factor) {
     return 1;
 }
 
+/* metamethods: both are matrices, or dml_checksparse names what is not */
 static int sparse_add(lua_State *L) {
     return combine(L, 1.0);
 }
@@ -252,6 +253,7 @@ static int sparse_text(lua_State *L) {
 /* ---- parts of vectors ---- */
 
 /* core.pick(x, marks) */
+/* How many are marked is counted first: the result is made in its final size. */
 static int vector_pick(lua_State *L) {
     const long n = dml_length(L, 1);
     luaL_argcheck(L, n >= 0 && n < INT32_MAX, 1, "a vector is needed");

@@ -12,7 +12,8 @@
 
 enum { LONGEST_PATH = 4096 };
 
-/* the folder of what this code is in: a program or core.so */
+/* The folder of what this code is in: a program or core.so. A program may have been started by a
+ * name that says nothing, so that one is asked for by the link of the process. */
 static int own_folder(char *out, size_t size) {
     Dl_info info;
     ssize_t n = -1;
@@ -32,6 +33,8 @@ static int own_folder(char *out, size_t size) {
     return slash != NULL;
 }
 
+/* The first place that has one that opens. RTLD_LOCAL keeps its BLAS from other modules; *why says
+ * what to install. */
 static const dm_solvers *open_library(const char **why) {
     static const char *const places[] = {"sparse.so", "dm/sparse.so", "../dm/sparse.so",
                                          "../lib/lua/5.4/dm/sparse.so"};

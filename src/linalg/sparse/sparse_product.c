@@ -36,6 +36,7 @@ static int32_t add_column(const dense_column *c, dm_sparse *out, int32_t to, int
 }
 
 /* the sums of column j to its values */
+/* rows stay in the order in which they were met */
 static void close_column(const dense_column *c, dm_sparse *out, int32_t j, int32_t to) {
     for (int32_t p = out->start[j]; p < to; p++) out->value[p] = c->sum[out->row[p]];
     out->start[j + 1] = to;

@@ -133,6 +133,8 @@ static dm_status diagonal(double *V, double *d, double *e, uint32_t n, volatile 
 }
 
 /* by choice of the least */
+/* vectors change places with their values; the comparisons are nothing beside n^3 rotations;
+ * equal values stay as they come */
 static void sort(double *V, double *d, uint32_t n) {
     for (uint32_t i = 0; i < n; i++) {
         uint32_t least = i;

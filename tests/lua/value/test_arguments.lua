@@ -34,6 +34,7 @@ local G, g, xi, M = dm.SO(3), dm.SO(3):exp { 0.1, 0.2, 0.3 }, { 0.1, 0.2, 0.3 },
 local a, b, x, y = { 1, 0 }, { 1, 0.1 }, { 1 }, { 1.01 }
 local reduced = shape:solver({ rule = "gauss(2)", h = 0.1 }):run { q = x, v = { 0.1 }, steps = 20 }
 local triangle = dm.mesh { simplices = { { 1, 2, 3 } }, lengths = 1 }
+local operator = triangle:laplacian(0)
 local random, bundle = dm.random(1), dm.bundle { system = kepler, h = 0.1 }
 local chords = dm.invariant_problem { frame = rho, invariants = { lambda = { 2, 1 }, sigma = { 3, 2 } },
   L = function(I) return I.sigma ^ 2 / I.lambda ^ 3 + I.lambda end }
@@ -63,6 +64,10 @@ local calls = {
   ["dm.mesh"] = { { triangle, count = { 1 }, simplices = { 1 }, volume = { 1 }, dual_volume = { 1 }, faces = { 1, 1 },
     cofaces = { 1, 1 }, find = { { 1, 2 } }, coboundary = { 0, { 1, 2, 3 } }, boundary_sum = { 1, { 1, 2, 3 } },
     star_values = { 0, { 1, 2, 3 }, "dual" }, wedge_values = { 0, { 1, 2, 3 }, 1, { 1, 2, 3 }, "natural" } } },
+  ["dm.operator"] = { { operator, eigen = { 1 } } },
+  ["dm.sparse"] = { { operator.stiffness, gram = { { 1, 1, 1 } }, scale = { { 1, 1, 1 }, { 1, 1, 1 } }, pick = { { 1, 0, 1 }, { 1, 1, 0 } },
+    saddle = { { 1, 1, 1 } }, factor = { "gradients" }, all_eigenpairs = { { 1, 1, 1 } } } },
+  ["dm.factor"] = { { operator.stiffness:factor "gradients", solve = { { 1, -1, 0 } } } },
   ["dm.bundle"] = { { bundle, action = { a, b, 0 }, minus = { a, b, 0 }, momenta = { a, b, 0 }, pair = { a, b, 0 }, plus = { a, b, 0 },
     split = { a, b, a, b, 0 }, tangent_minus = { a, b, 0 }, tangent_plus = { a, b, 0 }, velocity = { a, b, 0 }, vertical_minus = { a, b, a, 0 },
     vertical_plus = { a, b, a, 0 } } },
