@@ -211,7 +211,7 @@ static dm_status finish(dm_stage *g) {
     const uint32_t n = g->n, r = g->table.r;
     double *dq = g->points.base, *dp = g->points.a0;
     for (uint32_t k = 0; k < n; k++) {
-        dq[k] = g->weights.h * g->points.v0[k];
+        dq[k] = dm_weighted(*g->weights.flight, g->points.v0[k]);
         dp[k] = 0.0;
     }
     for (uint32_t m = 0; m < r; m++) {

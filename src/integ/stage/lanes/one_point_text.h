@@ -120,7 +120,8 @@ INLINE I finish_one_point(one_point_step *a) {
     I fine = all_lanes();
 #pragma GCC unroll 4
     for (uint32_t k = 0; k < n; k++) {
-        const V dq = load(x->h) * a->v0[k] + weighted(weight_of(x, w->hmean), a->u[k]);
+        const V flown = weighted(weight_of(x, w->flight), a->v0[k]);
+        const V dq = flown + weighted(weight_of(x, w->hmean), a->u[k]);
         const V dp = weighted(weight_of(x, w->hb), a->force[k]);
         fine &= add_to_state(x, n, k, dq, end + k, end + 2 * n + k);
         fine &= add_to_state(x, n, n + k, dp, end + n + k, end + 3 * n + k);

@@ -84,6 +84,8 @@ INLINE I find_velocities(const lanes_sweeps *it) {
     const dm_model *m = w->g->m;
     const uint32_t n = it->n;
     const double *p = w->group.state + n * W, *row = m->inverse_mass;
+    const dm_parts *c = &w->g->sweeps->flight;
+    const V top = scaled(&w->group, c->top), rest = scaled(&w->group, c->rest);
     I fine = all_lanes();
     for (uint32_t i = 0; i < n; i++) {
         V v = {0};
@@ -95,7 +97,7 @@ INLINE I find_velocities(const lanes_sweeps *it) {
             fine &= is_finite(v);
         }
         store(w->sweeps.v0 + i * W, v);
-        store(w->sweeps.drift + i * W, load(w->group.h) * v);
+        store(w->sweeps.drift + i * W, top * v + rest * v);
     }
     return fine;
 }

@@ -81,10 +81,10 @@ INLINE I finish_sweeps(const lanes_sweeps *it) {
         for (uint32_t m = 0; m < it->r; m++) {
             const size_t at = (m * n + k) * W;
             const V u = load(w->sweeps.end_u + at), f = load(w->sweeps.end_f + at);
-            q[m] = madd(scaled(&w->group, one->b[0]->top + m), u,
-                        scaled(&w->group, one->b[0]->rest + m) * u, DM_LANES_FUSED && it->r > 1);
-            p[m] = madd(scaled(&w->group, one->b[1]->top + m), f,
-                        scaled(&w->group, one->b[1]->rest + m) * f, DM_LANES_FUSED && it->r > 1);
+            q[m] = scaled(&w->group, one->b[0]->top + m) * u +
+                   scaled(&w->group, one->b[0]->rest + m) * u;
+            p[m] = scaled(&w->group, one->b[1]->top + m) * f +
+                   scaled(&w->group, one->b[1]->rest + m) * f;
         }
         const V drift = w->g->separable ? load(w->sweeps.drift + k * W) : (V){0};
         const V dq = total_of(q, width) * one->factor[k] + drift;

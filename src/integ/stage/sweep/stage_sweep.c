@@ -229,7 +229,8 @@ static dm_status finish(dm_stage *g, const double *before) {
 /* v0, and h v0 in the separable form, where a step needs them */
 static dm_status find_velocity(dm_stage *g, int warm) {
     const uint32_t n = g->n;
-    const double *q = g->group.state, *p = q + n, *factor = g->m->inverse_mass, h = g->weights.h;
+    const double *q = g->group.state, *p = q + n, *factor = g->m->inverse_mass;
+    const dm_parts *c = &g->sweeps->flight;
     double *v0 = g->points.v0, *drift = g->sweeps->drift;
     dm_status status = DM_OK;
     if (!g->separable && warm) return DM_OK;
@@ -239,7 +240,8 @@ static dm_status find_velocity(dm_stage *g, int warm) {
         memset(v0, 0, n * sizeof *v0);
         status = dm_legendre_inverse(g->m, v0, q, p, g->group.t, g->scratch);
     }
-    for (uint32_t k = 0; k < n && g->separable; k++) drift[k] = h * v0[k];
+    for (uint32_t k = 0; k < n && g->separable; k++)
+        drift[k] = c->top[0] * v0[k] + c->rest[0] * v0[k];
     return status;
 }
 

@@ -33,6 +33,7 @@ typedef struct dm_stage_sweeps {
     double *turning;          /* [r][width] columns of v_ahead, behind `flying`, of any h */
     double *after;            /* [width] h c */
     dm_parts line, b, mean;   /* [width] h c, h b, h^2 mean */
+    dm_parts flight;          /* [1] h itself */
     double *none;             /* [max(n, width)][width] zeros */
     double *share;            /* [2n] factors of q's increments, ones for p */
     double *drift;            /* [2n] h v0 in the separable form, else zero */

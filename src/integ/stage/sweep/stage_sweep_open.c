@@ -28,7 +28,7 @@ size_t dm_stage_sweeps_size(size_t s, size_t r, const dm_model *m) {
     if (!separable && !dm_hamilton_fits(m)) return 0;
     return dm_stage_doubles(sizeof(dm_stage_sweeps)) +
            kernels_size(n, w, separable ? 0 : dm_hamilton_known(m->n)) + 4 * n * w + 5 * r * w +
-           7 * w + 8 * n + 3 + ARRAYS * LINE;
+           9 * w + 8 * n + 3 + ARRAYS * LINE;
 }
 
 static double *take(double **memory, size_t count) {
@@ -65,8 +65,9 @@ static void lay_out(dm_stage *g, double *memory) {
     const size_t n = g->n, r = g->table.r, width = w->row->width;
     double **const rows[] = {&w->u, &w->base, &w->lift, &w->none};
     double **const columns[] = {&w->whole, &w->rest, &w->further};
-    double **const single[] = {&w->after,  &w->line.top, &w->line.rest, &w->b.top,
-                               &w->b.rest, &w->mean.top, &w->mean.rest};
+    double **const single[] = {&w->after,       &w->line.top, &w->line.rest,
+                               &w->b.top,       &w->b.rest,   &w->flight.top,
+                               &w->flight.rest, &w->mean.top, &w->mean.rest};
     memory = lay_kernels(w, n, memory);
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) *rows[i] = take(&memory, n * width);
     for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
@@ -114,6 +115,15 @@ static void find_ahead(dm_stage *g, const dm_galerkin *basis) {
     if (!basis->tableau) dm_cache_leave(g->m, &maker, key, keys, g->sweeps->flying, count);
 }
 
+/* Nearly all of a coefficient (Veltkamp's splitting): the rest is small enough to be added once,
+ * and large enough to reach the bases. A decimal one, such as h/4, is no nearer to a ratio of
+ * small numbers than others in these bits, so that its products are rounded evenly. */
+static double in_42_bits(dm_weight w) {
+    static const double SHIFT = 0x1p11 + 1.0;
+    const double x = dm_weight_double(w), shifted = SHIFT * x;
+    return shifted - (shifted - x);
+}
+
 /* Of few bits and the rest: what rounding takes from the product with the first is then far
  * smaller than the product with the rest. The nearest double leaves a rest that two roundings of
  * its product take away in every step alike, so that invariants drift. */
@@ -127,6 +137,7 @@ void dm_stage_sweeps_scale(dm_stage_sweeps *w, const dm_stage *g) {
     const uint32_t r = g->table.r, width = w->row->width;
     const dm_weight *A = g->separable ? g->weights.hA : g->weights.ha;
     const double factor = g->separable ? h * h : h;
+    if (g->separable) put_parts(&w->flight, 0, *g->weights.flight);
     for (uint32_t i = 0; i < r; i++) {
         w->after[i] = dm_weight_double(g->weights.hc[i]);
         put_parts(&w->line, i, g->weights.hc[i]);
@@ -134,7 +145,7 @@ void dm_stage_sweeps_scale(dm_stage_sweeps *w, const dm_stage *g) {
         if (g->separable) put_parts(&w->mean, i, g->weights.hmean[i]);
         for (uint32_t m = 0; m < r; m++) {
             const uint32_t at = m * width + i;
-            w->whole[at] = dm_weight_double(A[i * r + m]);
+            w->whole[at] = w->count ? dm_weight_double(A[i * r + m]) : in_42_bits(A[i * r + m]);
             w->rest[at] = (double)(dm_weight_exact(A[i * r + m]) - (long double)w->whole[at]);
             w->further[at] = factor * w->flying[at];
         }

@@ -97,7 +97,8 @@ HOW static double OWN(finish)(const dm_sweep_end *a) {
     for (uint32_t k = 0; k < n; k++) {
         const V u = (V)(used_q & (BITS)LOAD(at.u[0] + (size_t)k * W));
         const V f = (V)(used_p & (BITS)LOAD(at.u[1] + (size_t)k * W));
-        const V q = MADD(top_q, u, rest_q * u), p = MADD(top_p, f, rest_p * f);
+        /* two roundings also where one would do: by a decimal coefficient it is not even */
+        const V q = top_q * u + rest_q * u, p = top_p * f + rest_p * f;
         const H *x = (const H *)(const void *)&q, *y = (const H *)(const void *)&p;
         const H q_half = x[0] + x[1], p_half = y[0] + y[1];
         const v2 d = TOTALS(q_half, p_half) * (v2){at.factor[k], 1.0} + (v2){at.drift[k], 0.0};

@@ -25,11 +25,11 @@ typedef struct {
 WIDE INLINE __m512d product(const increments *x, uint32_t k) {
     if (k < x->rows) {
         const __m512d u = _mm512_loadu_pd(x->u[0] + (size_t)k * 8);
-        return _mm512_fmadd_pd(x->top[0], u, _mm512_mul_pd(x->rest[0], u));
+        return _mm512_add_pd(_mm512_mul_pd(x->top[0], u), _mm512_mul_pd(x->rest[0], u));
     }
     if (k >= 2 * x->rows) return _mm512_setzero_pd();
     const __m512d u = _mm512_loadu_pd(x->u[1] + (size_t)(k - x->rows) * 8);
-    return _mm512_fmadd_pd(x->top[1], u, _mm512_mul_pd(x->rest[1], u));
+    return _mm512_add_pd(_mm512_mul_pd(x->top[1], u), _mm512_mul_pd(x->rest[1], u));
 }
 
 /* sum_m b_m u_m of the entries k, k + 1, ... k + 7 */

@@ -4,7 +4,7 @@
 #include <math.h>
 
 size_t dm_stage_weights_size(size_t s, size_t r) {
-    return 2 * (r * r + r + 3 * r * s + s + 3 * r);
+    return 2 * (r * r + r + 3 * r * s + s + 3 * r + 1);
 }
 
 /* behind each other in the order of the struct, hA first: dm_stage_group.one counts from there */
@@ -19,6 +19,7 @@ void dm_stage_weights_place(dm_stage_weights *w, const dm_stage_table *t, double
     w->hb = w->hbeta + s;
     w->hc = w->hb + r;
     w->reach = w->hc + r;
+    w->flight = w->reach + r;
 }
 
 /* in long double: the two parts of a weight are exact to more than a double */
@@ -36,6 +37,7 @@ void dm_stage_weights_scale(dm_stage *g, double h) {
     if (g->separable) {
         scale(w->hA, t->A, (long double)h * h, r * r);
         scale(w->hmean, t->mean, (long double)h * h, r);
+        *w->flight = dm_weight_of(h);
     } else {
         scale(w->ha, t->a, h, r * s);
     }

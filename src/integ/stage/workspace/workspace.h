@@ -21,6 +21,9 @@ typedef struct {
     dm_weight *hb;    /* [r] h b */
     dm_weight *hc;    /* [r] h c */
     dm_weight *reach; /* [r] h times the sums of the rows of a, when complete */
+    /* [1] h itself, in the separable form: a decimal h is near a ratio of small numbers, and
+     * products with it would be rounded in few ways, not evenly */
+    dm_weight *flight;
 } dm_stage_weights;
 
 /* The members whose step is made, and what steps leave behind. */
