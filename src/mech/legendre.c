@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* the equation dL/dv(q, v, t) - p = 0 for v; x = (q, v, t), out = L_v[n], L_vv[n*n] */
+/* the equation dL/dv(q, v, t) - p = 0 for v; x = (q, v, t), out = L_v[n], L_vv[n*n]. Of an H it is
+ * dH/dp(q, p, t) - v = 0, with p and v in each other's places and out as the kernel gives it. */
 typedef struct {
     const dm_model *m;
     const double *p;
@@ -19,6 +20,8 @@ typedef struct {
 /* x, L_v, L_vv, the root, and what Newton's method wants */
 size_t dm_legendre_work(const dm_model *m) {
     const size_t n = m->n;
+    if (m->structure & DM_HAMILTONIAN)
+        return 2 * n + 1 + 2 * n + 4 * n * n + n + dm_newton_work(m->n);
     if (m->structure & DM_DIAGONAL_MASS) return 3 * n + 1;
     return 2 * n + 1 + n + n * n + n + dm_newton_work(m->n);
 }
@@ -51,9 +54,63 @@ static dm_status by_mass(const dm_model *m, double *p, const double *v) {
     return all_finite(p, m->n) ? DM_OK : DM_NOT_FINITE;
 }
 
+/* r = H_p - v, J = H_pp at p */
+static dm_status velocity_defect(void *ctx, double *r, double *J, const double *p) {
+    equation *e = ctx;
+    const size_t n = e->m->n;
+    dm_small_copy(e->x + n, p, e->m->n);
+    dm_kernel_eval(&e->m->field_curve, e->x, e->out);
+    e->size = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        r[i] = e->out[i] - e->p[i];
+        e->size = fmax(e->size, fmax(fabs(e->p[i]), fabs(e->out[i])));
+    }
+    for (size_t i = 0; J && i < n; i++)
+        memcpy(J + i * n, e->out + 2 * n + i * 2 * n + n, n * sizeof *J);
+    return DM_OK;
+}
+
+/* p with H_p(q, p, t) = v, from v on */
+static dm_status momentum_of(const dm_model *m, double *p, const double *q, const double *v,
+                             double t, double *work) {
+    const size_t n = m->n;
+    equation e = {.m = m, .p = v, .x = work, .out = work + 2 * n + 1};
+    double *root = e.out + 2 * n + 4 * n * n;
+    dm_newton_report report;
+    const dm_newton_problem problem = {.m = m->n,
+                                       .equation = velocity_defect,
+                                       .ctx = &e,
+                                       .size = &e.size,
+                                       .tolerance = 4e-15,
+                                       .max_iterations = 100};
+    dm_small_copy(e.x, q, m->n);
+    e.x[2 * n] = t;
+    dm_kernel_prepare(&m->field_curve, e.out);
+    memcpy(root, v, n * sizeof *v);
+    const dm_status status = dm_newton(root, &problem, root + n, &report);
+    if (status == DM_OK) memcpy(p, root, n * sizeof *p);
+    return status;
+}
+
+/* v = H_p(q, p, t); p may be v */
+static dm_status velocity_of(const dm_model *m, double *v, const double *q, const double *p,
+                             double t, double *work) {
+    const size_t n = m->n;
+    double *out = work + 2 * n + 1;
+    dm_small_copy(work, q, m->n);
+    dm_small_copy(work + n, p, m->n);
+    work[2 * n] = t;
+    dm_kernel_prepare(&m->field, out);
+    dm_kernel_eval(&m->field, work, out);
+    if (!all_finite(out, m->n)) return DM_NOT_FINITE;
+    memcpy(v, out, n * sizeof *v);
+    return DM_OK;
+}
+
 /* one evaluation; what is not finite is told, not handed on */
 dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v, double t,
                       double *work) {
+    if (m->structure & DM_HAMILTONIAN) return momentum_of(m, p, q, v, t, work);
     if (m->structure & DM_DIAGONAL_MASS) return by_mass(m, p, v);
     equation e = prepare(m, q, t, work);
     evaluate(m, e.x, e.out, v);
@@ -113,6 +170,7 @@ static const double along[] = {1.0, 0.125, 8.0};
 /* v stays as it is where there is no answer */
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, const double *p,
                               double t, double *work) {
+    if (m->structure & DM_HAMILTONIAN) return velocity_of(m, v, q, p, t, work);
     if (m->structure & DM_LINEAR_IN_V) return DM_OK;
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     const uint32_t n = m->n;

@@ -1,5 +1,6 @@
 /* model.h - what the step kernels know of a mechanical system: its dimension, its structure and
- * the kernels derived from its Lagrangian L(q, v, t) or from a discrete Lagrangian Ld(q0, q1).
+ * the kernels derived from its Lagrangian L(q, v, t), from a discrete Lagrangian Ld(q0, q1), or
+ * from a Hamiltonian H(q, p, t) that is no Legendre transform of an L with a formula.
  *
  * Structure is read off the graph, never measured: a bit says that something holds everywhere.
  * A kernel is made only when a rule wants it (DM_WANT_*), in the caller's arena, and is there
@@ -21,7 +22,10 @@ enum {                         /* structure, read off the graph */
        DM_QUADRATIC_IN_V = 32, /* d2L/dv2 does not depend on v */
        DM_NO_VELOCITY = 128,   /* dL/dv = 0, DM_LINEAR_IN_V too: nothing moves */
        DM_SADDLE = 256, /* d2L/dv2 is singular by itself: L of the model is that of saddle.h */
-       DM_LOOPS = 64    /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
+       /* H(q, p, t) is given and there is no L (hamiltonian.c): kernels are value and energy, both
+        * H at (q, p, t), field and field_curve. DM_SEPARABLE: H = T(p) + V(q, t) */
+       DM_HAMILTONIAN = 512,
+       DM_LOOPS = 64 /* sums are kept as loops: no n x n tables, DM_WANT_DENSE cannot be had */
 };
 
 enum {                      /* kernels; each takes x = (q[n], v[n], t) */
@@ -34,7 +38,9 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_POTENTIAL = 128, /* L(q, 0, t) = -V, then L_q[n]: separable L only */
        DM_WANT_PAIR = 64,   /* takes (q0[n], q1[n]): D1[n], D2[n], D1D2[n*n] (row q0, column q1) */
        DM_WANT_MAP = 16384, /* takes (q0[n], p0[n]): q1[n], p1[n], impulses; of a given step */
-       DM_WANT_STAGE_LATER = 8192, /* when dm_model_stage asks for it, mostly never */
+       DM_WANT_FIELD = 131072,       /* of H, at (q, p, t): H_p[n], -H_q[n] */
+       DM_WANT_FIELD_CURVE = 262144, /* the same, then its derivatives by (q, p): [2n*2n] by rows */
+       DM_WANT_STAGE_LATER = 8192,   /* when dm_model_stage asks for it, mostly never */
        DM_WANT_DENSE = DM_WANT_STAGE | DM_WANT_STAGE_LATER | DM_WANT_MASS |
                        DM_WANT_POTENTIAL, /* with sums written out */
        DM_WANT_HOLONOMIC = 256,           /* of the constraints (mech/constraints.h): g, G, g_t */
@@ -45,6 +51,8 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_CHART = 32768, /* of a system on a group, the charts of mech/group.h: this bit
                                  shifted by the number of a dm_tau */
        DM_WANT_CHARTS = 98304,
+       DM_WANT_OF_H = DM_WANT_VALUE | DM_WANT_ENERGY | DM_WANT_FIELD |
+                      DM_WANT_FIELD_CURVE, /* all of a DM_HAMILTONIAN model */
        DM_WANT_CONSTRAINTS = 7936 /* all of these; what a model does not have is not made */
 };
 
@@ -58,7 +66,7 @@ typedef struct {
     uint32_t n; /* dim Q */
     unsigned structure;
     unsigned has; /* DM_WANT_* that are built */
-    dm_kernel value, slope, stage, force, energy, mass, potential, pair, map;
+    dm_kernel value, slope, stage, force, energy, mass, potential, pair, map, field, field_curve;
     /* D1[n] + D2[n] of a pair, rewritten by itself: velocity terms cancel before they are rounded.
      * No eval: Ld has implicit functions or is a callback, take the sum of both */
     dm_kernel pair_sum;
@@ -92,6 +100,11 @@ dm_status dm_model_build(dm_model *m, dm_graph *g, dm_node L, uint32_t n, unsign
  * models of their own. */
 dm_status dm_model_stage(const dm_kernel **out, const dm_model *m);
 
+/* The same for H(q, p, t) in g, with inputs q[n], p[n], t; *m is DM_HAMILTONIAN. What else than
+ * VALUE, ENERGY, FIELD and FIELD_CURVE is wanted there is not. */
+dm_status dm_hamiltonian_build(dm_model *m, dm_graph *g, dm_node H, uint32_t n, unsigned want,
+                               dm_compile *compile, dm_arena *arena);
+
 /* The same for a discrete Lagrangian in g with inputs q0[n], q1[n]: value takes (q0, q1). */
 dm_status dm_model_build_pair(dm_model *m, dm_graph *g, dm_node Ld, uint32_t n, dm_compile *compile,
                               dm_arena *arena);
@@ -102,12 +115,14 @@ dm_status dm_loops_model(dm_model *m, dm_graph *g, dm_node L, unsigned want, int
 /* Doubles of scratch that the two functions below need. */
 size_t dm_legendre_work(const dm_model *m);
 
-/* p = dL/dv at (q, v, t). Needs DM_WANT_MASS or DM_DIAGONAL_MASS. */
+/* p = dL/dv at (q, v, t). Needs DM_WANT_MASS or DM_DIAGONAL_MASS; of an H, where it is Newton's
+ * method for dH/dp = v, DM_WANT_FIELD_CURVE. */
 dm_status dm_legendre(const dm_model *m, double *p, const double *q, const double *v, double t,
                       double *work);
 
 /* v with dL/dv(q, v, t) = p, Newton from the v given (which may alias p). Needs DM_WANT_MASS or
- * DM_SEPARABLE and DM_CONSTANT_MASS, where it is one product. On failure v is unchanged. Where L
+ * DM_SEPARABLE and DM_CONSTANT_MASS, where it is one product; of an H, v = dH/dp, DM_WANT_FIELD. On
+ * failure v is unchanged. Where L
  * is linear in v no p determines it: v stays as it is, which is enough for the energy. */
 dm_status dm_legendre_inverse(const dm_model *m, double *v, const double *q, const double *p,
                               double t, double *work);

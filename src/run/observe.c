@@ -28,8 +28,10 @@ static dm_status place(dm_observer *o, const double *state, double t) {
 static const double *inputs_of(const dm_observer *o, const dm_observable *what) {
     const uint32_t n = o->model->n, params = o->model->params;
     double *own = o->x + 3 * n + 1;
-    if (!params || !what->of_model) return o->x;
+    const int phase = (o->model->structure & DM_HAMILTONIAN) != 0; /* of (q, p, t) */
+    if (!what->of_model || !(params || phase)) return o->x;
     memcpy(own, o->x, (2 * n + 1) * sizeof *own);
+    if (phase) memcpy(own + n, o->x + 2 * n + 1, n * sizeof *own);
     memcpy(own + 2 * n + 1, o->params, params * sizeof *own);
     return own;
 }

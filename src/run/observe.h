@@ -7,14 +7,15 @@
 typedef struct {
     const dm_kernel *kernel; /* of x = (q[n], v[n], t, p[n]) or of its head; NULL: an entry */
     uint32_t entry;          /* of (q[n], p[n]) */
-    int of_model; /* the kernel takes (q[n], v[n], t, params): it is one of the model's */
+    /* the kernel is one of the model's, of (q[n], v[n], t, params) or, of an H, (q[n], p[n], t) */
+    int of_model;
 } dm_observable;
 
 typedef struct {
     const dm_model *model;
     const dm_observable *list;
     uint32_t count;
-    double *x;            /* [3n + 1], then (q, v, t, params) of models that have some */
+    double *x;            /* [3n + 1], then as much as a kernel of the model takes */
     const double *params; /* [params of the model] */
     double *work;         /* dm_legendre_work doubles; NULL: no kernel reads v */
 } dm_observer;

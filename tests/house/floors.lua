@@ -10,7 +10,7 @@ floors.src = {
   "geom", "geom/action", "chain", "mech", "dec",
   -- kept free: field
   "integ/method", "integ/split", "integ/constrained", "integ/stage/workspace", "integ/stage/sweep",
-  "integ/stage/lanes", "integ/stage",
+  "integ/phase", "integ/stage/lanes", "integ/stage",
   "integ/rules/explicit", "integ/curve", "integ/rules", "integ/rules/compositions",
   "integ/lie", "integ",
   -- kept free: integ/sem (below integ)

@@ -37,9 +37,28 @@ local function field(system, q, v, t)
   return out
 end
 
+-- d(q, p)/dt of a small change, by the second derivatives of H
+local function phase_field(system, q, p, t)
+  local given, n = system.given, system.Q.dimension
+  local S = core.trace(function(x, y) return given.H(x, y, t, given.params) end, n, n)
+    :hessian(q, p)
+  local out = core.matrix(2 * n, 2 * n)
+  for i = 1, n do
+    for k = 1, 2 * n do out[i][k], out[n + i][k] = S[n + i][k], -S[i][k] end
+  end
+  return out
+end
+
+-- p of a state of a system that has only H: given, or the one of v
+local function momentum_of(system, options, q)
+  if options.p then return core.vector(options.p) end
+  if options.v then return system:legendre(q, options.v, options.t or 0) end
+  return core.zeros(#q)
+end
+
 local function check_plain(system, what)
   local given = system.given
-  if not (given and given.L) then error(what .. " needs a dm.system", 0) end
+  if not (given and (given.L or given.H)) then error(what .. " needs a dm.system", 0) end
   if given.constraint or given.rolling or given.force then
     error(what .. ": for systems without constraints and forces; solver:multipliers has the "
       .. "tangent map of any", 0)
@@ -65,15 +84,19 @@ end
 M.linearize = blame.caller(function(system, options)
   options = starts.lists(options, system)
   local what = "system:linearize"
-  option.check(options, { "q", "v", "t" }, what, "{ q =, v = }")
+  local known = { "q", "v", "t" }
+  if not system.given.L then known[4] = "p" end
+  option.check(options, known, what, "{ q =, v = }")
   option.need(options, "q", what, "the state is q and v (default: at rest)")
   check_plain(system, what)
   local n = system.Q.dimension
-  if #options.q ~= n or options.v and #options.v ~= n then
+  local second = options.v or options.p
+  if #options.q ~= n or second and #second ~= n then
     error(("%s: q and v have %d entries"):format(what, n), 0)
   end
   local q, v = core.vector(options.q), core.vector(options.v or core.zeros(n))
-  local A = field(system, q, v, options.t or 0)
+  local A = system.given.L and field(system, q, v, options.t or 0)
+    or phase_field(system, q, momentum_of(system, options, q), options.t or 0)
   for i = 1, 2 * n do
     for k = 1, 2 * n do
       if not (abs(A[i][k]) < huge) then
@@ -121,7 +144,8 @@ The system linearised at a state (v default 0, t default 0): d(dq, dv)/dt = matr
 real parts `rates` and imaginary parts `frequencies` of its eigenvalues. At an equilibrium, and at a
 relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
 anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
-step has to resolve.]])
+step has to resolve. A system that has only H takes p in place of v, and its matrix is that of (dq,
+dp).]])
 
 class.method("dm.solver", "multipliers", M.multipliers, [[
 solver:multipliers{q=, v= | p=, steps= | t=, t0=} -> {stable, why, largest, re, im, matrix, closes}

@@ -183,6 +183,10 @@ local function make(system)
     error("multipliers and accelerations need the graph of L, and this system runs on hyper-dual "
       .. "numbers", 0)
   end
+  if not given.L then
+    error("multipliers and accelerations need a Lagrangian, and this H has none (d2H/dp2 is "
+      .. "singular, or H is not quadratic in p)", 0)
+  end
   local made = { f = functions_of(system), n = system.Q.dimension,
     k = structure.constraints or 0, l = structure.rolling or 0 }
   made.root = solution(system, made.f, made.n, made.k, made.l)

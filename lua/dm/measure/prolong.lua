@@ -3,7 +3,7 @@
 -- has the equations of L (from the variation of u) and their linearization (of q). A rule that does
 -- not care for linear changes of coordinates (stages, splittings, compositions) takes one step of
 -- L~ as the exact derivative of its step of L. Momenta: of q the varied momentum dp, of u the
--- momentum p.
+-- momentum p. Of an H(q, p, t) without a Lagrangian it is H~(q, u; dp, p) = H_q . u + H_p . dp.
 local bound = require "dm.base.bound"
 local lists = require "dm.base.lists"
 local saddle = require "dm.measure.saddle"
@@ -106,12 +106,26 @@ local function reaction_rows(given, phi, n)
   end
 end
 
+-- H~ of a Hamiltonian, of (q, u) and their momenta (dp, p)
+local function lift_hamiltonian(H, n)
+  local slope = require "dm.core".derivative(function(q, p, t) return H(q, p, t) end, n, n,
+    "number")
+  return function(x, y, t)
+    local g, sum = slope(part(x, 0, n), part(y, n, n), t), 0
+    for k = 1, n do sum = sum + g[k] * x[n + k] + g[n + k] * y[k] end
+    return sum
+  end
+end
+
 --- The prolonged system of a dm.system, on R^(2n). names: parameters that it has, too, where L
 -- alone makes the system; all others are the numbers that they are.
 function M.system(system, names)
   local core = require "dm.core"
   local given, n = system.given, system.Q.dimension
   local params = given.params
+  if not given.L then
+    return core.system { Q = core.R(2 * n), H = lift_hamiltonian(bound(given.H, params), n) }
+  end
   if names then
     return core.system { Q = core.R(2 * n), params = params,
       L = lift_open(given.L, n, params, names) }

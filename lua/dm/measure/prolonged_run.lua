@@ -24,7 +24,7 @@ function M.refuse(solver, what)
       .. "neighbours off p = alpha(q): not for rule '"
       .. rule .. "'", 0)
   end
-  if not (given and given.L) then
+  if not (given and (given.L or given.H)) then
     error(what .. ": a discrete Lagrangian has no prolonged system here; use a dm.system", 0)
   end
   if solver.system.given.control then

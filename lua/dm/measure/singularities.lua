@@ -233,7 +233,9 @@ M.singularities = blame.caller(function(solver, options)
   option.check(options, { "q", "v", "p", "t0", "steps", "t" }, what, START)
   option.need(options, "q", what, START)
   local system = solver.system
-  if not (system.given and system.given.L) then error(what .. " needs a dm.system", 0) end
+  if not (system.given and system.given.L) then
+    error(what .. " needs a dm.system with a Lagrangian", 0)
+  end
   local steps = options.steps or (options.t and math.ceil(options.t / solver.h - 1e-9))
   if not math.tointeger(steps) or steps < 1 then error(what .. ": give 'steps' or 't'", 0) end
   local path, failure = path_of(solver, options, steps)

@@ -97,12 +97,13 @@ end)
 
 ---- there and back ----
 
--- the system run backwards: L(q, -v, t1 - t)
+-- the system run backwards: L(q, -v, t1 - t), of an H alone H(q, -p, t1 - t)
 local function reversed(system, t1)
   local given = system.given
   local function back(f)
     return f and function(q, v, t) return f(q, -v, t1 - t, given.params) end
   end
+  if not given.L then return core.system { Q = given.Q, H = back(given.H) } end
   local out = { Q = given.Q, L = back(given.L), force = back(given.force),
     rolling = back(given.rolling),
     reaction = back(given.reaction) }
@@ -114,9 +115,9 @@ end
 
 local doc_reversal = [[
 solver:reversal{q=, v= | p=, steps= | t=, t0=} -> number
-Run, then run L(q, -v, -t) from the end with the momentum reversed: the largest distance from the
-start in any entry of q or p. Round-off, as far as the orbit lets it stay so, for a symmetric rule;
-the error of the step for any other.]]
+Run, then run L(q, -v, -t), or H(q, -p, -t), from the end with the momentum reversed: the largest
+distance from the start in any entry of q or p. Round-off, as far as the orbit lets it stay so, for
+a symmetric rule; the error of the step for any other.]]
 
 M.reversal = blame.caller(function(solver, options)
   check_options(options, "solver:reversal")

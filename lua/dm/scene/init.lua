@@ -34,6 +34,10 @@ local ROWS = { "at", "every", "file" }
 local function check_system(options)
   local system = options.system or options[1]
   local fine, given = pcall(function() return system.given end)
+  if fine and given and given.H and not given.L then
+    fail("option 'system': scenes read the kinetic energy off a Lagrangian, and this H has none "
+      .. "(d2H/dp2 is singular, or H is not quadratic in p)")
+  end
   if not (fine and given and given.L) then
     fail("option 'system' must be a dm.system (got %s)", tostring(system))
   end

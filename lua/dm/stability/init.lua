@@ -239,7 +239,8 @@ local function wants_chaos(map, cell)
   if map.options.chaos == false or map.options.chaos == nil and is_costly(map, system) then
     return false
   end
-  if not (system.given and system.given.L) or system.given.control
+  local given = system.given
+  if not (given and (given.L or given.H)) or given.control
     or system:structure().linear_in_v then
     return false
   end

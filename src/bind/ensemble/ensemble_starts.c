@@ -173,6 +173,7 @@ static int is_inside(const dml_part *these, const dml_stepping *r, long i, const
     const uint32_t n = these->e->n, many = these->values ? r->inputs->params : 0;
     const double *q = these->e->state + (size_t)i * dm_state_size(n);
     double value = 0.0;
+    if (m->structure & DM_HAMILTONIAN) return 1; /* the value is one of p */
     if (!(m->has & DM_WANT_VALUE) || m->value.inputs != 2 * n + 1 + many) return 1;
     dm_small_copy(x, q, n);
     dm_small_copy(x + n, v, n);

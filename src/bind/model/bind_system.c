@@ -75,11 +75,21 @@ static void check_finite(lua_State *L, const double *y, uint32_t n, const char *
                        what, isnan(y[i]) ? "NaN" : "infinite");
 }
 
+/* of a system that has only H there is no L */
+static void need_lagrangian(lua_State *L, const char *what) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    if (s->hamiltonian)
+        luaL_error(L,
+                   "%s: this H has no Lagrangian with a formula (d2H/dp2 is singular, or H is not "
+                   "quadratic in p)",
+                   what);
+}
+
 /* the kernel of a model, evaluated at the arguments; out is a userdata on the stack
  */
 static double *evaluate(lua_State *L, unsigned want, size_t which, const char *what) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    const double *x = arguments(L, s, "v");
+    const double *x = arguments(L, s, s->hamiltonian ? "p" : "v");
     dml_model *m = dml_pushlast(L, 1, NULL);
     if (m->model.structure & DM_SADDLE)
         dml_asgiven(L, m = dml_pushmodel(L, 1));
@@ -96,7 +106,7 @@ static double *evaluate(lua_State *L, unsigned want, size_t which, const char *w
     return out;
 }
 
-/* (q, v, t): v . dL/dv - L */
+/* (q, v, t): v . dL/dv - L; of an H (q, p, t) */
 static int system_energy(lua_State *L) {
     const double *E = evaluate(L, DM_WANT_ENERGY, offsetof(dm_model, energy), "the energy");
     lua_pushnumber(L, *E);
@@ -105,14 +115,30 @@ static int system_energy(lua_State *L) {
 
 /* (q, v, t): L itself, by its kernel. */
 static int system_lagrangian(lua_State *L) {
+    need_lagrangian(L, "system:lagrangian");
     const double *value = evaluate(L, DM_WANT_VALUE, offsetof(dm_model, value), "L");
     lua_pushnumber(L, *value);
+    return 1;
+}
+
+/* p with dH/dp = v, of a system that has only H */
+static int momentum_of_velocity(lua_State *L, const dml_system *s) {
+    const double *x = arguments(L, s, "v");
+    dml_model *m = dml_pushlast(L, 1, NULL);
+    dml_want(L, m, dml_legendre_wants(m, 0), NULL);
+    double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
+    double *p = dml_pushvector(L, s->n);
+    const dm_status status = dm_legendre(&m->model, p, x, x + s->n, x[2 * s->n], work);
+    if (status != DM_OK)
+        luaL_error(L, "no momentum has this velocity: %s; is d2H/dp2 regular at q?",
+                   dm_status_text(status));
     return 1;
 }
 
 /* (q, v, t): p = dL/dv */
 static int system_legendre(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    if (s->hamiltonian) return momentum_of_velocity(L, s);
     const double *p = evaluate(L, DM_WANT_SLOPE, offsetof(dm_model, slope), "the momentum");
     memcpy(dml_pushvector(L, s->momenta), p + s->n, s->momenta * sizeof *p);
     return 1;
@@ -126,6 +152,7 @@ static int system_momentum(lua_State *L) {
 /* (q, v, t): d2L/dv2, n x n */
 static int system_mass(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    need_lagrangian(L, "system:mass");
     const double *p = evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the mass matrix");
     double *mass = dml_pushmatrix(L, s->momenta, s->momenta);
     for (size_t i = 0; i < s->momenta; i++)
@@ -152,7 +179,7 @@ static int system_velocity(lua_State *L) {
     const dm_status status = dm_legendre_inverse(&m->model, v, x, x + s->n, x[2 * s->n], work);
     dml_rethrow(L, m);
     memcpy(at, x, (2 * (size_t)s->n + 1) * sizeof *x);
-    memcpy(at + s->n, v, s->n * sizeof *v);
+    if (!s->hamiltonian) memcpy(at + s->n, v, s->n * sizeof *v);
     if (status == DM_OK) dml_checkmember(L, 1, m, at);
     if (status != DM_OK)
         luaL_error(L, "no velocity has this momentum: %s; %s", dm_status_text(status),
@@ -184,6 +211,7 @@ static int system_structure(lua_State *L) {
     set_flag(L, "linear_in_v", (bits & DM_LINEAR_IN_V) != 0);
     set_flag(L, "saddle", saddle);
     set_flag(L, "forced", m->constraints.forced);
+    set_flag(L, "hamiltonian", m->hamiltonian);
     lua_pushinteger(L, m->constraints.holonomic);
     lua_setfield(L, -2, "constraints");
     lua_pushinteger(L, m->constraints.rolling);
@@ -212,7 +240,8 @@ static const char *const *input_names(lua_State *L, const dml_system *s) {
     for (uint32_t i = 0; i < s->n; i++) {
         names[i] = dml_coordinate(L, 1, i);
         lua_rawseti(L, -2, 2 * (lua_Integer)i + 1);
-        names[s->n + i] = lua_pushfstring(L, "d%s", names[i]);
+        names[s->n + i] = s->hamiltonian ? lua_pushfstring(L, "p%d", (int)i + 1)
+                                         : lua_pushfstring(L, "d%s", names[i]);
         lua_rawseti(L, -2, 2 * (lua_Integer)i + 2);
     }
     lua_setiuservalue(L, -2, 1);
@@ -254,11 +283,12 @@ static int system_tostring(lua_State *L) {
     if (s->hyperdual)
         luaL_addstring(&b, "L on hyper-dual numbers");
     else {
-        luaL_addstring(&b, bits & DM_NO_VELOCITY   ? "no velocity in L, "
+        luaL_addstring(&b, s->hamiltonian          ? "H as it stands, "
+                           : bits & DM_NO_VELOCITY ? "no velocity in L, "
                            : bits & DM_LINEAR_IN_V ? "linear in v, "
                            : bits & DM_SEPARABLE   ? "separable, "
                                                    : "not separable, ");
-        if (!(bits & DM_LINEAR_IN_V))
+        if (!(bits & (DM_LINEAR_IN_V | DM_HAMILTONIAN)))
             luaL_addstring(&b, bits & DM_CONSTANT_MASS ? "constant mass, "
                                                        : "mass depends on the state, ");
         if (!(bits & DM_AUTONOMOUS)) luaL_addstring(&b, "depends on time, ");
@@ -295,7 +325,7 @@ static int system_field(lua_State *L) {
     if (strcmp(key, "given") == 0) return push_given(L);
     if (strcmp(key, "L") == 0 && dml_placed(L, 1))
         return push_given(L), lua_getfield(L, -1, key), 1;
-    static const char *const fields[] = {"Q",     "L",      "name",  "coordinates",
+    static const char *const fields[] = {"Q",     "L",      "H",     "name", "coordinates",
                                          "units", "params", "place", NULL};
     for (const char *const *f = fields; *f; f++)
         if (strcmp(*f, key) == 0) return dml_systemfield(L, 1, key), 1;
@@ -307,7 +337,8 @@ static const dml_row methods[] =
     {{"energy", system_energy,
       "system:energy(q, v [, t]) -> number\n"
       "v . dL/dv - L, in the units of L; q, v: vectors or tables of dim Q numbers, t: 0 unless "
-      "given. Raises where it is not finite, as do the other methods of a state."},
+      "given. Of an H that has no Lagrangian: system:energy(q, p [, t]), H itself. Raises where it "
+      "is not finite, as do the other methods of a state."},
      {"lagrangian", system_lagrangian,
       "system:lagrangian(q, v [, t]) -> number\n"
       "L(q, v, t) through the kernel that was traced from it, in the units of L."},
@@ -321,8 +352,8 @@ static const dml_row methods[] =
       "path:momentum(group)."},
      {"velocity", system_velocity,
       "system:velocity(q, p [, t]) -> dm.vector\n"
-      "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off. Raises when d2L/dv2 is "
-      "singular, or L linear in v."},
+      "The velocity v with dL/dv(q, v, t) = p, by Newton to round-off; of an H, dH/dp. Raises when "
+      "d2L/dv2 is singular, or L linear in v."},
      {"mass", system_mass,
       "system:mass(q, v [, t]) -> dm.matrix\n"
       "The mass matrix d2L/dv2, dim Q x dim Q; singular where L is degenerate."},
@@ -333,21 +364,28 @@ static const dml_row methods[] =
       "step L plus squares of the constraints' velocities, which vanish) (booleans), cyclic (names "
       "of coordinates that L does not depend on), "
       "operations; and how the system is constrained: constraints, rolling (how many), forced "
-      "(boolean)."},
+      "(boolean). hamiltonian: H(q, p) is stepped as it stands, since no formula gives an L of it; "
+      "separable is then H = T(p) + V(q, t)."},
      {"graph", system_graph,
       "system:graph() -> string\n"
-      "The expression graph of L, one assignment a line; coordinates and their rates by name."},
+      "The expression graph of L, one assignment a line; coordinates and their rates by name; of "
+      "an H that is stepped as it stands q and p1, p2 ..."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"system", dml_system_new,
-      "dm.system{Q=, L=, constraint=, rolling=, force=, control=, reaction=, name=, coordinates=, "
-      "units=, params=, derivatives=} -> dm.system\n"
+      "dm.system{Q=, L= | H=, constraint=, rolling=, force=, control=, reaction=, name=, "
+      "coordinates=, units=, params=, derivatives=} -> dm.system\n"
       "A mechanical system on the space Q with the Lagrangian L(q, v), L(q, v, t) or, with params, "
       "L(q, v, t, params); q, v are vectors of dim Q entries. L is called with symbols at every "
       "run, so a changed upvalue is picked up. coordinates: dim Q names, used for columns; units: "
       "table name -> unit, used for labels; derivatives: \"exact\" (traced, the default) or "
       "\"hyperdual\" for functions that branch on the state. Raises when L cannot be traced, with "
       "what to use instead.\n"
+      "H(q, p), H(q, p, t) or H(q, p, t, params) in place of L: a Hamiltonian. Quadratic in p with "
+      "a regular mass it is taken as its Lagrangian, in the field L, and every rule steps it; "
+      "functions of a state get v = dH/dp. Any other (point vortices, H = q p, a relativistic "
+      "particle) is stepped as it stands, by rules of stages and explicit rules, and starts from q "
+      "and p, or from v where dH/dp = v has a solution.\n"
       "constraint(q [, t]) returns what shall be zero along every path (holonomic: reactions along "
       "its gradient), rolling(q, v [, t]) what shall be zero of the velocities (reactions along "
       "its derivative in v, Chetaev's rule, or along the rows that reaction(q, v [, t]) returns), "

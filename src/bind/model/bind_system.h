@@ -17,6 +17,7 @@ typedef struct {
     int ruled;        /* 1: a discrete Lagrangian of a system and a rule (discrete_rule.h) */
     int hyperdual;    /* 1: derivatives = "hyperdual" */
     int solved;       /* 1: its map solves equations of its own, and is not compared with Ld */
+    int hamiltonian;  /* 1: H(q, p, t) is stepped, there is no L (mech/hamiltonian.c) */
     double h;         /* step of a discrete Lagrangian, else 0 */
 } dml_system;
 
@@ -62,6 +63,7 @@ typedef struct {
     uint32_t params; /* inputs behind t (model_params.h) */
     double *values;  /* [params] of the system when it was traced */
     dm_model model;
+    int hamiltonian;        /* what was traced is H(q, p, t) */
     dml_callback *callback; /* NULL when traced */
     const char *backend;    /* of the kernels: "tape", "hyperdual" */
     double trace_ms, compile_ms;

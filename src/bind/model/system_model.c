@@ -32,11 +32,11 @@ static dml_signature signature(const dml_system *s) {
                                .length = {n, n},
                                .outputs = DML_SCALAR_ARGUMENT,
                                .may_grow = 1};
-    return (dml_signature){.what = "L",
+    return (dml_signature){.what = s->hamiltonian ? "H" : "L",
                            .arguments = 3,
                            .length = {n, n, DML_SCALAR_ARGUMENT},
                            .outputs = DML_SCALAR_ARGUMENT,
-                           .keeps_sums = 1,
+                           .keeps_sums = !s->hamiltonian,
                            .may_grow = 1};
 }
 
@@ -44,7 +44,7 @@ static dml_signature signature(const dml_system *s) {
 static void push_function(lua_State *L, int arg, const dml_system *s) {
     arg = lua_absindex(L, arg);
     if (!s->pair) {
-        dml_pushbound(L, arg, "L");
+        dml_pushbound(L, arg, s->hamiltonian ? "H" : "L");
         return;
     }
     dml_pushboundpair(L, arg, "Ld");
@@ -91,6 +91,12 @@ static void attach(dml_model *m) {
         m->model.structure &= ~(unsigned)DM_AUTONOMOUS;
 }
 
+/* the kernels `want` of what was traced */
+static dm_status build(dml_model *m, unsigned want, dm_compile *compile) {
+    return (m->hamiltonian ? dm_hamiltonian_build : dm_model_build)(&m->model, m->graph, m->stepped,
+                                                                    m->n, want, compile, m->arena);
+}
+
 /* 0: the graph is too large */
 static int read_structure(lua_State *L, dml_model *m, int pair) {
     refuse_many(L, m);
@@ -98,7 +104,7 @@ static int read_structure(lua_State *L, dml_model *m, int pair) {
     if (status == DM_OK && pair)
         m->model.n = m->n;
     else if (status == DM_OK)
-        status = dm_model_build(&m->model, m->graph, m->stepped, m->n, 0, NULL, m->arena);
+        status = build(m, 0, NULL);
     if (status == DM_TOO_LARGE && m->graph && dm_sums(m->graph))
         refuse_dense(L, m, "a kinetic energy that is no sum of m v^2/2 with constant masses");
     if (status == DM_TOO_LARGE) return 0;
@@ -199,6 +205,7 @@ static dml_model *trace_model(lua_State *L, int arg, int fn, dml_model *cached,
     dml_model *m = same ? cached : new_model(L, arg, fn, arena);
     if (!same) {
         m->trace = traced;
+        m->hamiltonian = s->hamiltonian;
         m->graph = traced.graph;
         m->lagrangian = m->stepped = traced.out[0];
         m->traced = m->graph ? dm_graph_size(m->graph) : 0;
@@ -281,8 +288,8 @@ static void want_constraints(lua_State *L, dml_model *m, unsigned want, const ch
 
 /* the backend of the kernels that step; the value is on the tape */
 static const char *built_by(const dm_model *m, const char *wanted) {
-    const dm_kernel *const all[] = {&m->stage, &m->force, &m->slope,  &m->potential,
-                                    &m->pair,  &m->mass,  &m->energy, NULL};
+    const dm_kernel *const all[] = {&m->stage, &m->force,  &m->slope, &m->potential, &m->pair,
+                                    &m->mass,  &m->energy, &m->field, NULL};
     for (const dm_kernel *const *k = all; *k; k++)
         if ((*k)->eval && (*k)->backend) return (*k)->backend;
     return strcmp(wanted, "jit") == 0 && !dm_jit_lanes() ? "tape" : wanted;
@@ -301,8 +308,7 @@ static void want_map(lua_State *L, dml_model *m, const char *backend) {
 
 /* all kernels of `want`; the value is that of L as it is given, which is what calls of it give */
 static dm_status build_kernels(dml_model *m, unsigned want, dm_compile *compile) {
-    dm_status status =
-        dm_model_build(&m->model, m->graph, m->stepped, m->n, want, compile, m->arena);
+    dm_status status = build(m, want, compile);
     if (status == DM_OK && want & DM_WANT_VALUE && m->stepped != m->lagrangian)
         status = dm_tape_build_exact(&m->model.value, m->graph, &m->lagrangian, 1, m->arena);
     return status;
@@ -324,6 +330,7 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
         m->model.has = m->constraints.has = 0; /* called by a finalizer: made again, on the tape */
     want_constraints(L, m, want, backend);
     want &= ~(unsigned)DM_WANT_CONSTRAINTS;
+    if (m->hamiltonian) want &= DM_WANT_OF_H;
     const unsigned missing = want & ~m->model.has;
     const int pair = (want & DM_WANT_PAIR) != 0;
     if (!missing) return;
@@ -348,12 +355,13 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
 
 unsigned dml_legendre_wants(const dml_model *m, unsigned want) {
     const unsigned structure = m->model.structure;
+    if (structure & DM_HAMILTONIAN) return DM_WANT_FIELD | DM_WANT_FIELD_CURVE;
     if (structure & DM_LOOPS && !(want & DM_WANT_DENSE)) return 0;
     return structure & DM_DIAGONAL_MASS ? 0 : DM_WANT_MASS;
 }
 
 static void check_model(lua_State *L, int arg, dml_model *m, const double *x, int may_be_outside) {
-    const char *what = m->model.has & DM_WANT_PAIR ? "Ld" : "L";
+    const char *what = m->model.has & DM_WANT_PAIR ? "Ld" : m->hamiltonian ? "H" : "L";
     if (m->callback) {
         if (x) dml_check_callback(L, m, what, x, may_be_outside);
         return;

@@ -3,6 +3,7 @@
 #include "bind/model/bind_system.h"
 #include "bind/model/model_constraints.h"
 #include "bind/model/space_group.h"
+#include "bind/model/system_dual.h"
 
 #include <string.h>
 
@@ -149,9 +150,12 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
     const int place = lua_gettop(L), placed = !lua_isnil(L, place);
     const uint32_t n = placed ? dml_place_size(L, 0) : check_Q(L);
     if (!placed && !pair) refuse_place(L);
-    require_field(L, pair ? "Ld" : "L", LUA_TFUNCTION,
-                  pair ? "a function of (q0, q1) or (q0, q1, h)"
-                       : "a function of (q, v) or (q, v, t)");
+    const int hamiltonian = !pair && dml_add_lagrangian(L, n);
+    if (!hamiltonian)
+        require_field(L, pair ? "Ld" : "L", LUA_TFUNCTION,
+                      pair ? "a function of (q0, q1) or (q0, q1, h)"
+                           : "a function of (q, v) or (q, v, t), or there is 'H', one of (q, p) or "
+                             "(q, p, t)");
     check_coordinates(L, n);
     check_units(L);
     check_params(L);
@@ -165,6 +169,7 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
                       .momenta = momenta,
                       .placed = placed,
                       .pair = pair,
+                      .hamiltonian = hamiltonian,
                       .hyperdual = wants_hyperdual(L),
                       .h = h};
     keep_fields(L, known);
@@ -178,10 +183,12 @@ void dml_newsystem(lua_State *L, const char *const *known, int pair) {
 }
 
 int dml_system_new(lua_State *L) {
-    static const char *const known[] =
-        {"Q",      "L",           "name",       "coordinates",    "units",
-         "params", "derivatives", "constraint", "rolling",        "control",
-         "force",  "reaction",    "columns",    "trivialization", NULL};
+    static const char *const known[] = {"Q",        "L",           "H",
+                                        "name",     "coordinates", "units",
+                                        "params",   "derivatives", "constraint",
+                                        "rolling",  "control",     "force",
+                                        "reaction", "columns",     "trivialization",
+                                        NULL};
     dml_newsystem(L, known, 0);
     return 1;
 }

@@ -129,6 +129,8 @@ void dml_solveruled(lua_State *L, dm_discrete *out) {
     read_basis(L, lua_gettop(L), &g);
     lua_getfield(L, -1, "system");
     dml_model *m = dml_pushlast(L, lua_gettop(L), NULL);
+    if (m->hamiltonian)
+        luaL_error(L, "a discrete Lagrangian needs an L, and this H has none with a formula");
     dml_want(L, m, DM_WANT_STAGE | DM_WANT_VALUE, NULL);
     const size_t size = dm_discrete_work(&g, n) + 2 * (size_t)n;
     double *q0 = lua_newuserdatauv(L, size * sizeof *q0, 0);

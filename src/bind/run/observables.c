@@ -74,7 +74,8 @@ void dml_observables_entry(lua_State *L, dml_observables *o, uint32_t entry) {
 /* Called once, when all are known: the room depends on how many there are. */
 void dml_observables_end(lua_State *L, dml_observables *o) {
     const dm_model *m = o->observer.model;
-    const size_t own = m->params ? 2 * (size_t)m->n + 1 + m->params : 0;
+    const size_t own =
+        m->params || m->structure & DM_HAMILTONIAN ? 2 * (size_t)m->n + 1 + m->params : 0;
     const size_t inputs = 3 * (size_t)m->n + 1 + own;
     const size_t size = inputs + dm_legendre_work(m);
     o->observer.x = lua_newuserdatauv(L, size * sizeof(double), 0);

@@ -83,6 +83,8 @@ int dml_path_energy(lua_State *L) {
     double *E = dml_pushvector(L, (uint32_t)p->rows);
     for (long i = 0; i < p->rows; i++) {
         check_row(L, m, read_row(p, m, i, x, work), i);
+        if (m->hamiltonian) /* of p, not of v */
+            memcpy(x + p->n, p->data + (size_t)i * dml_path_width(p) + 1 + p->n, p->n * sizeof *x);
         dm_kernel_prepare(&m->model.energy, E + i);
         dm_kernel_eval(&m->model.energy, x, E + i);
     }
@@ -168,6 +170,7 @@ static int path_mass(lua_State *L) {
     const dml_path *p = dml_path_states(L, "the mass matrix");
     const double t = luaL_optnumber(L, 3, p->t0);
     dml_model *m = model_for(L, DM_WANT_MASS);
+    if (m->hamiltonian) luaL_error(L, "this H has no Lagrangian, and hence no mass matrix");
     const dm_kernel *mass = &m->model.mass;
     double *x = scratch(L, p, m), *y = lua_newuserdatauv(L, mass->outputs * sizeof *y, 0);
     dml_vectorarg(L, 2, "q", x, p->n);

@@ -14,7 +14,7 @@ void dml_check_velocity(lua_State *L, dml_stepping *r, const double *state, cons
                         const char *who) {
     const dm_model *m = &r->model->model;
     double *found = r->work + dm_legendre_work(m), apart = 0.0, size = 0.0;
-    if (m->structure & DM_QUADRATIC_IN_V || r->model->callback) return;
+    if (m->structure & (DM_QUADRATIC_IN_V | DM_HAMILTONIAN) || r->model->callback) return;
     memset(found, 0, m->n * sizeof *found);
     if (dm_legendre_inverse(m, found, state, state + m->n, r->t0, r->work) != DM_OK)
         return; /* the first step says so */

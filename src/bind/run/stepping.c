@@ -139,6 +139,11 @@ static void numbers(lua_State *L, const dml_stepping *r, const char *key, double
 /* Where d2L/dv2 is singular there is no p for v, or no v for p. */
 static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     dml_rethrow(L, r->model);
+    if (status != DM_OK && r->model->model.structure & DM_HAMILTONIAN)
+        luaL_error(L,
+                   "no start: no momentum has this velocity, dH/dp(q, p) = v (%s): give 'p' "
+                   "instead of 'v'",
+                   dm_status_text(status));
     if (status == DM_SINGULAR)
         luaL_error(L, "no start: d2L/dv2 is singular at the given q: L is degenerate there, or the "
                       "coordinates are");
@@ -168,6 +173,19 @@ static void start_on_alpha(lua_State *L, dml_stepping *r) {
                    distance);
 }
 
+/* q and v, or q and p, of a system that is stepped by its H; x = (q, p, t) is where the trace is
+ * checked */
+static void start_in_phase(lua_State *L, dml_stepping *r) {
+    const uint32_t n = r->solver->n;
+    double *p = r->state + n;
+    if (has(L, "v"))
+        check_legendre(L, r, dm_legendre(&r->model->model, p, r->state, r->x + n, r->t0, r->work));
+    else
+        memcpy(p, r->x + n, n * sizeof *p);
+    memcpy(r->x + n, p, n * sizeof *p);
+    dml_checkmodel(L, r->system, r->model, r->x);
+}
+
 /* q and v, or q and p; x = (q, v, t) is where the trace is checked */
 static void start_here(lua_State *L, dml_stepping *r) {
     const uint32_t n = r->solver->n;
@@ -185,6 +203,11 @@ static void start_here(lua_State *L, dml_stepping *r) {
                    "give the start as q and v, as q and p, or as q0 and q1: one of 'v' (velocity) "
                    "and 'p' (momentum) is needed, %d numbers",
                    (int)n);
+    if (m->structure & DM_HAMILTONIAN) {
+        numbers(L, r, has(L, "v") ? "v" : "p", v);
+        start_in_phase(L, r);
+        return;
+    }
     numbers(L, r, has(L, "v") ? "v" : "p", has(L, "v") ? v : p);
     if (has(L, "v")) {
         dml_checkmodel(L, r->system, r->model, r->x);
@@ -336,6 +359,8 @@ void dml_stepping_start(lua_State *L, dml_stepping *r) {
                    "rule '%s' has a time of its own, its steps are not h apart: give q and v or q "
                    "and p",
                    r->solver->nodes[0].name);
+    if (two && r->model->model.structure & DM_HAMILTONIAN)
+        luaL_error(L, "this H has no Lagrangian, so that two positions are no start: give q and p");
     if (two && r->model->model.structure & DM_LINEAR_IN_V && !r->solver->pair)
         luaL_error(L, "L is linear in v: a position q alone is a start");
     if (two && !r->solver->pair) {

@@ -28,6 +28,10 @@ const dm_engine *dm_rule_engine(const dm_rule *rule, const dm_model *m) {
 /* Asked of the engine that would step it. */
 const char *dm_rule_fits(const dm_rule *rule, const dm_model *m) {
     const dm_engine *e = dm_rule_engine(rule, m);
+    if (m->structure & DM_HAMILTONIAN && !e->hamiltonian)
+        return "it needs a Lagrangian, and this H has none (d2H/dp2 is singular, or H is not "
+               "quadratic in p); gauss(s), lobatto(s), midpoint, verlet and explicit Runge-Kutta "
+               "rules step any H(q, p)";
     return e->fits ? e->fits(rule, m) : NULL;
 }
 

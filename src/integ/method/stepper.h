@@ -43,6 +43,7 @@ typedef struct {
 /* How a family of rules steps. What differs from rule to rule it reads from the row of the rule
  * (method.h). Of the functions only wants, work, open and step must be there. */
 typedef struct dm_engine {
+    int hamiltonian; /* it steps DM_HAMILTONIAN models, too */
     /* the engine that steps such a model: this one, or another that serves it better */
     const struct dm_engine *(*choose)(const dm_rule *rule, const dm_model *m);
     /* NULL when the rule can step the model, else a static sentence */

@@ -1,12 +1,14 @@
 /* stage_engine.c - rules of stages: the row has a basis, the rest is here. */
 #include "integ/constrained/constrained.h"
 #include "integ/method/hamilton.h"
+#include "integ/phase/phase.h"
 #include "integ/split/splitting.h"
 #include "integ/stage/lanes/stage_lanes.h"
 #include "integ/stage/stage.h"
 #include "integ/stage/sweep/sweep.h"
 
 static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
+    if (m->structure & DM_HAMILTONIAN) return dm_phase_choose(rule, m);
     if (dm_splitting_steps(rule, m)) return &dm_engine_splitting;
     return m->constraints ? &dm_engine_constrained : &dm_engine_stage;
 }

@@ -50,7 +50,7 @@ raises("unknown rule 'foo'; ?rules", function() dm.discrete_lagrangian(kepler, {
 -- options under the names that other programs use
 raises("unknown field 'dt'; did you mean 'h'?", function() kepler:solver { rule = "verlet", dt = 1 } end)
 raises("unknown field 'integrator'; did you mean 'rule'?", function() kepler:solver { integrator = "verlet", h = 1 } end)
-raises("unknown field 'H'; did you mean 'L'?", dm.system, { Q = dm.R(1), H = function() return 0 end })
+raises("unknown field 'LL'; did you mean 'L'?", dm.system, { Q = dm.R(1), LL = function() return 0 end })
 raises("how long? 'steps' (how many), 't' (a duration) or 'at' (times) is missing", solver.run, solver, { q = { 1, 0 }, v = { 0, 1 } })
 
 local moved = dm.action { group = dm.SE(2), on = dm.R(2) }

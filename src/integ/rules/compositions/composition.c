@@ -104,6 +104,9 @@ static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
 /* what the base says, which must know the constraints of the model */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     const dm_rule *base = base_rule(rule);
+    if (m->structure & DM_HAMILTONIAN && find(rule)->kind != DM_GAMMA)
+        return "a Runge-Kutta-Nystroem splitting needs an H that is quadratic in p; compose a rule "
+               "instead, for instance kahan-li(6)";
     if (dm_method_needs(m) & ~base->method->traits)
         return "its base rule does not know constraints or forces; name one that does, for "
                "instance yoshida(4, rattle)";
@@ -170,6 +173,7 @@ static size_t memory(dm_stepper *s, double **place) {
 }
 
 const dm_engine dm_engine_composition = {
+    .hamiltonian = 1,
     .choose = choose,
     .fits = fits,
     .wants = wants,

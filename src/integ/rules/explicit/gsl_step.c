@@ -33,10 +33,22 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     return head() + 2 * n + 1 + 2 * n + 10 * n + dm_legendre_work(m);
 }
 
+/* H_p and -H_q of an H that is given */
+static int field_of(explicit *e, double t, const double y[], double slope[]) {
+    const size_t n = e->m->n;
+    memcpy(e->x, y, 2 * n * sizeof *y);
+    e->x[2 * n] = t;
+    dm_kernel_prepare(&e->m->field, slope);
+    dm_kernel_eval(&e->m->field, e->x, slope);
+    e->evaluations++;
+    return GSL_SUCCESS;
+}
+
 /* The callback of GSL; what went wrong is kept, since GSL knows only that something did. */
 static int right_hand_side(double t, const double y[], double slope[], void *params) {
     explicit *e = params;
     const uint32_t n = e->m->n;
+    if (e->m->structure & DM_HAMILTONIAN) return field_of(e, t, y, slope);
     double *v = e->x + n;
     memset(v, 0, n * sizeof *v); /* a function of (q, p, t) alone: no memory of the last v */
     e->status = dm_legendre_inverse(e->m, v, y, y + n, t, e->scratch);
@@ -65,7 +77,7 @@ static dm_status open(dm_stepper *s) {
     e->end = e->after + 2 * n;
     e->scratch = e->end + 2 * n;
     memset(e->x, 0, (2 * n + 1) * sizeof *e->x);
-    dm_kernel_prepare(&s->model->force, e->force);
+    if (!(s->model->structure & DM_HAMILTONIAN)) dm_kernel_prepare(&s->model->force, e->force);
     gsl_set_error_handler_off();
     s->outside =
         gsl_odeiv2_step_alloc(*(const gsl_odeiv2_step_type *const *)s->rule->method->table, 2 * n);
@@ -122,6 +134,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 }
 
 const dm_engine dm_engine_gsl = {
+    .hamiltonian = 1,
     .fits = dm_runge_kutta_fits,
     .wants = dm_runge_kutta_wants,
     .work = work,

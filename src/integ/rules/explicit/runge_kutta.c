@@ -34,6 +34,7 @@ unsigned dm_runge_kutta_wants(const dm_rule *rule, const dm_model *m) {
     const unsigned simple = DM_SEPARABLE | DM_CONSTANT_MASS;
     const unsigned mass = (m->structure & simple) == simple ? 0 : DM_WANT_MASS;
     (void)rule;
+    if (m->structure & DM_HAMILTONIAN) return DM_WANT_FIELD;
     return DM_WANT_FORCE | mass | (m->constraints ? DM_WANT_CONSTRAINT_FORCE : 0);
 }
 
@@ -57,6 +58,10 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
  * tableaus. */
 static void find_kernel(layout *e) {
     static const char maker;
+    if (e->m->structure & DM_HAMILTONIAN) {
+        e->kernel = e->m->field;
+        return;
+    }
     if (dm_cache_find(&e->kernel, e->m, &maker, 0)) return;
     if (!dm_hamilton_build(&e->kernel, e->m, 1))
         e->kernel.outputs = 0;
@@ -100,12 +105,13 @@ static void place(layout *e, const double *state, uint32_t i, double h) {
     for (size_t k = 0; k < 2 * n; k++) x[k] += state[k];
 }
 
-/* 0: there is no kernel, or the mass matrix is not positive and it cannot be trusted */
+/* 0: there is no kernel, or the mass matrix is not positive and it cannot be trusted; that of an H
+ * has no pivots */
 static int by_kernel(layout *e, double *slope) {
     const uint32_t n = e->m->n;
     if (!e->kernel.outputs) return 0;
     dm_kernel_eval(&e->kernel, e->x, e->out);
-    for (uint32_t k = 2 * n; k < 3 * n; k++)
+    for (uint32_t k = 2 * n; k < e->kernel.outputs; k++)
         if (!(e->out[k] > 0.0)) return 0;
     memcpy(slope, e->out, 2 * n * sizeof *slope);
     return 1;
@@ -162,6 +168,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
 }
 
 const dm_engine dm_engine_runge_kutta = {
+    .hamiltonian = 1,
     .fits = dm_runge_kutta_fits,
     .wants = dm_runge_kutta_wants,
     .work = work,

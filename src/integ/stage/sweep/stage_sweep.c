@@ -15,8 +15,8 @@
 
 /* ---- evaluation ---- */
 
-/* all stages, some lanes at a time through copies where there are fewer */
-static void apply_some(const dm_stage_kernel *k, uint32_t width, uint32_t stages) {
+/* some lanes at a time through copies */
+void dm_stage_apply_some(const dm_stage_kernel *k, uint32_t width, uint32_t stages) {
     const uint32_t lanes = k->lanes;
     for (uint32_t first = 0; first < stages; first += lanes) {
         for (uint32_t i = 0; i < k->inputs; i++)
@@ -27,13 +27,6 @@ static void apply_some(const dm_stage_kernel *k, uint32_t width, uint32_t stages
             for (uint32_t l = 0; l < lanes; l++)
                 k->out[i * width + first + l] = k->some_out[i * lanes + l];
     }
-}
-
-static inline void apply(const dm_stage_kernel *k, uint32_t width, uint32_t stages) {
-    if (k->lanes == width)
-        dm_kernel_eval(&k->kernel, k->in, k->out);
-    else
-        apply_some(k, width, stages);
 }
 
 /* u = M^-1 out */
@@ -80,12 +73,12 @@ static void evaluate(iteration *it) {
     dm_stage *g = it->g;
     dm_stage_sweeps *w = it->w;
     const uint32_t width = w->row->width;
-    apply(&w->force, width, g->table.r);
+    dm_stage_apply(&w->force, width, g->table.r);
     g->evaluations += g->table.r;
     if (!g->separable) {
-        apply(&w->factors, width, g->table.r);
+        dm_stage_apply(&w->factors, width, g->table.r);
         it->moved[1] = move(it, &w->p);
-        apply(&w->velocity, width, g->table.r);
+        dm_stage_apply(&w->velocity, width, g->table.r);
     } else if (!(g->m->structure & DM_DIAGONAL_MASS)) {
         divide_by_mass(g);
     }

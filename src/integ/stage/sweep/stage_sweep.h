@@ -18,6 +18,15 @@ typedef struct {
     double *some_in, *some_out; /* [.][lanes] for fewer lanes than stages */
 } dm_stage_kernel;
 
+/* All stages of it at once, or some lanes at a time where it has fewer. */
+void dm_stage_apply_some(const dm_stage_kernel *k, uint32_t width, uint32_t stages);
+static inline void dm_stage_apply(const dm_stage_kernel *k, uint32_t width, uint32_t stages) {
+    if (k->lanes == width)
+        dm_kernel_eval(&k->kernel, k->in, k->out);
+    else
+        dm_stage_apply_some(k, width, stages);
+}
+
 typedef struct dm_stage_sweeps {
     const dm_sweep_row *row;                  /* sums for so many stages, of this processor */
     dm_stage_kernel force, factors, velocity; /* the last two: general form, else lanes = 0 */

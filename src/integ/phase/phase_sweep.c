@@ -1,0 +1,115 @@
+/* phase_sweep.c - the stages of a step on H by fixed-point sweeps with all of them in lanes,
+ *   (Q, P) <- (q0, p0) + base + h (a V, A F),  (V, F) <- field(Q, P),
+ * which end, like those of stage_sweep.c, when what the last one leaves is below round-off of the
+ * sums. The first stages come from the polynomials through V and F of the step before. */
+#include "base/largest.h"
+#include "integ/phase/phase_inside.h"
+#include "integ/stage/workspace/stage_limits.h"
+
+#include <math.h>
+
+typedef struct {
+    dm_phase *g;
+    int settled;               /* what the coefficients lack is in the base */
+    int rated;                 /* the rate is of this step */
+    int count;                 /* sweeps */
+    double scale[2], moved[2]; /* squares, of q and p: 1 over their size, of the last change */
+    double change;             /* of the sums by the last sweep, relative, squared */
+    double rate;               /* by which it shrinks */
+} iteration;
+
+static void evaluate(dm_phase *g) {
+    dm_stage_apply(&g->field, g->width, g->r);
+    g->evaluations += g->r;
+}
+
+/* sum of the squares of the start and of a point of the step */
+static double square(const dm_sweep *a, uint32_t width) {
+    double size = 0.0;
+    for (uint32_t k = 0; k < a->rows; k++) {
+        const double x = a->start[k], y = a->x[(size_t)k * width + a->columns - 1];
+        size += x * x + y * y;
+    }
+    return size;
+}
+
+/* one sweep; what positions and momenta moved by, relative to their size */
+static void sweep(iteration *it) {
+    dm_phase *g = it->g;
+    const double before = it->change;
+    double change = 0.0;
+    for (int k = 0; k < 2; k++) it->moved[k] = g->row->move(&g->sum[k]);
+    for (int k = 0; k < 2; k++) {
+        const double moved = it->moved[k];
+        change = dm_largest(change, moved > 0.0 ? moved * it->scale[k] : moved);
+    }
+    evaluate(g);
+    it->change = change;
+    if (before <= DM_SWEEP_CLEAN && change <= 100.0 * DM_SWEEP_CLEAN) {
+        it->change = it->rate * before;
+    } else if (it->count > 0) {
+        it->rate = change / before;
+        it->rated = 1;
+    }
+    it->count++;
+}
+
+/* what the coefficients lack, into the bases, from a u that is near enough to the last one */
+static void settle(iteration *it) {
+    for (int k = 0; k < 2; k++) it->g->row->put(&it->g->rest[k]);
+    it->settled = 1;
+}
+
+/* until what is left is round-off; `fixed` sweeps where their number is given */
+static dm_status iterate(iteration *it, double tolerance, int fixed) {
+    const double enough = DM_SWEEP_LEFT * tolerance;
+    for (int k = 1; k < (fixed ? fixed : DM_STAGE_SWEEPS); k++) {
+        const int settled = it->settled;
+        if (!settled && it->change < DM_SWEEP_SETTLED) settle(it);
+        sweep(it);
+        if (!isfinite(it->change)) return DM_NOT_FINITE;
+        if (fixed) continue;
+        if (it->rated && it->rate > (it->count > 5 ? DM_SWEEP_SLOW : 4.0)) return DM_NO_CONVERGENCE;
+        if (it->settled && it->rate * it->change <= enough * enough) return DM_OK;
+    }
+    return fixed ? DM_OK : DM_NO_CONVERGENCE;
+}
+
+/* times of the stages, low-order parts, and the first stages: ahead of the step before, or all at
+ * the start */
+static void set_off(dm_phase *g, int warm) {
+    double *time = g->x + 2 * (size_t)g->n * g->width;
+    for (uint32_t i = 0; i < g->r; i++) time[i] = g->t + dm_weight_double(g->hc[i]);
+    g->row->line(g->base, g->state + 2 * g->n, g->none, &g->line, 2 * g->n);
+    for (int k = 0; k < 2; k++) {
+        const double *start = g->state + (k ? g->n : 0);
+        g->sum[k].start = g->ahead[k].start = start;
+        dm_sweep first = g->ahead[k];
+        if (!warm) first.u = g->none;
+        g->row->put(&first);
+    }
+}
+
+/* the iteration from one guess; the rate of the step before is taken with a margin */
+static dm_status attempt(iteration *it, const dm_stepper *stepper, int warm) {
+    dm_phase *g = it->g;
+    *it = (iteration){.g = g, .change = 1.0, .rate = DM_SWEEP_SLOW};
+    if (warm) it->rate = fmax(DM_SWEEP_LEAST, 4.0 * g->memory[DM_SWEPT_RATE]);
+    set_off(g, warm);
+    for (int k = 0; k < 2; k++) it->scale[k] = 1.0 / square(&g->sum[k], g->width);
+    evaluate(g);
+    return iterate(it, stepper->tolerance, warm ? g->count : 0);
+}
+
+/* Far from its step the polynomial may leave the domain: then from the start. */
+dm_status dm_phase_sweep(dm_phase *g, dm_stepper *stepper) {
+    iteration it = {.g = g};
+    const int warm = dm_phase_memory_fits(g);
+    dm_status status = attempt(&it, stepper, warm);
+    if (status != DM_OK && warm) status = attempt(&it, stepper, 0);
+    stepper->report.iterations = it.count;
+    if (status != DM_OK) return status;
+    stepper->report.residual = sqrt(it.rate * it.change / it.scale[1]);
+    if (it.rated) g->memory[DM_SWEPT_RATE] = it.rate;
+    return DM_OK;
+}
