@@ -4,6 +4,7 @@
 #include "bind/model/model_sums.h"
 #include "bind/model/named.h"
 #include "bind/model/space_group.h"
+#include "bind/model/system_dual.h"
 #include "graph/analyse.h"
 
 #include <math.h>
@@ -75,16 +76,6 @@ static void check_finite(lua_State *L, const double *y, uint32_t n, const char *
                        what, isnan(y[i]) ? "NaN" : "infinite");
 }
 
-/* of a system that has only H there is no L */
-static void need_lagrangian(lua_State *L, const char *what) {
-    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    if (s->hamiltonian)
-        luaL_error(L,
-                   "%s: this H has no Lagrangian with a formula (d2H/dp2 is singular, or H is not "
-                   "quadratic in p)",
-                   what);
-}
-
 /* the kernel of a model, evaluated at the arguments; out is a userdata on the stack
  */
 static double *evaluate(lua_State *L, unsigned want, size_t which, const char *what) {
@@ -115,7 +106,7 @@ static int system_energy(lua_State *L) {
 
 /* (q, v, t): L itself, by its kernel. */
 static int system_lagrangian(lua_State *L) {
-    need_lagrangian(L, "system:lagrangian");
+    dml_need_lagrangian(L, "system:lagrangian");
     const double *value = evaluate(L, DM_WANT_VALUE, offsetof(dm_model, value), "L");
     lua_pushnumber(L, *value);
     return 1;
@@ -127,8 +118,8 @@ static int momentum_of_velocity(lua_State *L, const dml_system *s) {
     dml_model *m = dml_pushlast(L, 1, NULL);
     dml_want(L, m, dml_legendre_wants(m, 0), NULL);
     double *work = lua_newuserdatauv(L, dm_legendre_work(&m->model) * sizeof *work, 0);
-    double *p = dml_pushvector(L, s->n);
-    const dm_status status = dm_legendre(&m->model, p, x, x + s->n, x[2 * s->n], work);
+    const dm_status status =
+        dm_legendre(&m->model, dml_pushvector(L, s->n), x, x + s->n, x[2 * s->n], work);
     if (status != DM_OK)
         luaL_error(L, "no momentum has this velocity: %s; is d2H/dp2 regular at q?",
                    dm_status_text(status));
@@ -152,7 +143,7 @@ static int system_momentum(lua_State *L) {
 /* (q, v, t): d2L/dv2, n x n */
 static int system_mass(lua_State *L) {
     const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
-    need_lagrangian(L, "system:mass");
+    dml_need_lagrangian(L, "system:mass");
     const double *p = evaluate(L, DM_WANT_MASS, offsetof(dm_model, mass), "the mass matrix");
     double *mass = dml_pushmatrix(L, s->momenta, s->momenta);
     for (size_t i = 0; i < s->momenta; i++)
@@ -362,14 +353,12 @@ static const dml_row methods[] =
       "What was read off the graph of L: separable, constant_mass, diagonal_mass, autonomous, "
       "linear_in_v, saddle (d2L/dv2 is singular by itself and regular with the constraints; rules "
       "step L plus squares of the constraints' velocities, which vanish) (booleans), cyclic (names "
-      "of coordinates that L does not depend on), "
-      "operations; and how the system is constrained: constraints, rolling (how many), forced "
-      "(boolean). hamiltonian: H(q, p) is stepped as it stands, since no formula gives an L of it; "
-      "separable is then H = T(p) + V(q, t)."},
+      "of coordinates that L does not depend on), operations; and how the system is constrained: "
+      "constraints, rolling (how many), forced (boolean). hamiltonian: H(q, p) is stepped as it "
+      "stands, no formula gives an L of it; separable is then H = T(p) + V(q, t)."},
      {"graph", system_graph,
       "system:graph() -> string\n"
-      "The expression graph of L, one assignment a line; coordinates and their rates by name; of "
-      "an H that is stepped as it stands q and p1, p2 ..."},
+      "The expression graph of L, one assignment a line; coordinates and their rates by name."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =
     {{"system", dml_system_new,

@@ -2,6 +2,8 @@
  * is that of its Lagrangian (lua/dm/base/hamiltonian.lua). */
 #include "bind/model/system_dual.h"
 
+#include "bind/model/bind_system.h"
+
 /* beside an H that has no Lagrangian nothing else is known */
 static void check_alone(lua_State *L) {
     static const char *const beside[] = {"constraint", "rolling",     "control", "force",
@@ -47,4 +49,13 @@ int dml_add_lagrangian(lua_State *L, uint32_t n) {
     }
     lua_settop(L, top);
     return none;
+}
+
+void dml_need_lagrangian(lua_State *L, const char *what) {
+    const dml_system *s = luaL_checkudata(L, 1, DML_SYSTEM);
+    if (s->hamiltonian)
+        luaL_error(L,
+                   "%s: this H has no Lagrangian with a formula (d2H/dp2 is singular, or H is not "
+                   "quadratic in p)",
+                   what);
 }

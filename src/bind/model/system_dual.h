@@ -9,4 +9,7 @@
  * Without H: 0. */
 int dml_add_lagrangian(lua_State *L, uint32_t n);
 
+/* Raise, for what needs a Lagrangian, where the system at 1 has only its H. */
+void dml_need_lagrangian(lua_State *L, const char *what);
+
 #endif

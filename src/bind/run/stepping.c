@@ -141,8 +141,8 @@ static void check_legendre(lua_State *L, dml_stepping *r, dm_status status) {
     dml_rethrow(L, r->model);
     if (status != DM_OK && r->model->model.structure & DM_HAMILTONIAN)
         luaL_error(L,
-                   "no start: no momentum has this velocity, dH/dp(q, p) = v (%s): give 'p' "
-                   "instead of 'v'",
+                   "no start: no momentum has this velocity, dH/dp = v (%s): give 'p' instead of "
+                   "'v'",
                    dm_status_text(status));
     if (status == DM_SINGULAR)
         luaL_error(L, "no start: d2L/dv2 is singular at the given q: L is degenerate there, or the "
@@ -180,8 +180,6 @@ static void start_in_phase(lua_State *L, dml_stepping *r) {
     double *p = r->state + n;
     if (has(L, "v"))
         check_legendre(L, r, dm_legendre(&r->model->model, p, r->state, r->x + n, r->t0, r->work));
-    else
-        memcpy(p, r->x + n, n * sizeof *p);
     memcpy(r->x + n, p, n * sizeof *p);
     dml_checkmodel(L, r->system, r->model, r->x);
 }
@@ -203,12 +201,11 @@ static void start_here(lua_State *L, dml_stepping *r) {
                    "give the start as q and v, as q and p, or as q0 and q1: one of 'v' (velocity) "
                    "and 'p' (momentum) is needed, %d numbers",
                    (int)n);
+    numbers(L, r, has(L, "v") ? "v" : "p", has(L, "v") ? v : p);
     if (m->structure & DM_HAMILTONIAN) {
-        numbers(L, r, has(L, "v") ? "v" : "p", v);
         start_in_phase(L, r);
         return;
     }
-    numbers(L, r, has(L, "v") ? "v" : "p", has(L, "v") ? v : p);
     if (has(L, "v")) {
         dml_checkmodel(L, r->system, r->model, r->x);
         check_legendre(L, r, dm_legendre(m, p, q, v, r->t0, r->work));
