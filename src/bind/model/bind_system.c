@@ -231,8 +231,7 @@ static const char *const *input_names(lua_State *L, const dml_system *s) {
     for (uint32_t i = 0; i < s->n; i++) {
         names[i] = dml_coordinate(L, 1, i);
         lua_rawseti(L, -2, 2 * (lua_Integer)i + 1);
-        names[s->n + i] = s->hamiltonian ? lua_pushfstring(L, "p%d", (int)i + 1)
-                                         : lua_pushfstring(L, "d%s", names[i]);
+        names[s->n + i] = lua_pushfstring(L, "%s%s", s->hamiltonian ? "p_" : "d", names[i]);
         lua_rawseti(L, -2, 2 * (lua_Integer)i + 2);
     }
     lua_setiuservalue(L, -2, 1);
