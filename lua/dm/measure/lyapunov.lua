@@ -208,6 +208,10 @@ M.lyapunov = blame.caller(function(solver, options)
   prolonged.check_options(options, WHERE,
     { "q", "v", "p", "t0", "steps", "t", "every", "u", "dp", "exponents" })
   prolonged.refuse(solver, WHERE)
+  if not prolonged.prolongs(solver) then
+    option.fail(WHERE, "the method of these curves is not linear in the values of f, so that the "
+      .. "prolonged system has other steps; solver:tangent knows their derivative")
+  end
   local n, steps = #(options.q or {}), prolonged.steps_of(solver, options)
   if steps < 1 then option.fail(WHERE, "needs at least one step") end
   local every = option.whole(options, "every", WHERE, 1, steps, max(1, steps // 1000))

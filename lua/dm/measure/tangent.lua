@@ -14,9 +14,31 @@ local check_options, is_constrained, refuse = prolonged.check_options, prolonged
   prolonged.refuse
 local solver_of, start_of, steps_of = prolonged.solver_of, prolonged.start_of, prolonged.steps_of
 
+-- the same from the derivatives of the steps, one by one
+local function columns_of_steps(solver, options)
+  local q, p, t0 = start_of(solver, options)
+  if is_constrained(solver) then
+    error(("%s is curves by a method that is not linear in the values of f: its tangent is not "
+      .. "known with constraints"):format(tostring(solver.rule)), 0)
+  end
+  local out, first = {}, {}
+  for k = 1, 2 * #q do
+    local unit = lists.zeros(2 * #q)
+    unit[k] = 1
+    first[k], out[k] = unit, core.vector(unit)
+  end
+  for i = 1, steps_of(solver, options) do
+    local D
+    D, q, p = solver:step_tangent { q = q, p = p, t0 = t0 + (i - 1) * solver.h }
+    for k = 1, #out do out[k] = D * out[k] end
+  end
+  return out, first, q, p
+end
+
 -- where the unit vectors of (q, p), or what of them is tangent to the constraints, lead; and these;
 -- and the end of the run
 local function columns(solver, options)
+  if not prolonged.prolongs(solver) then return columns_of_steps(solver, options) end
   local q, p, t0 = start_of(solver, options)
   local n, steps = #q, steps_of(solver, options)
   local lifted = solver_of(solver, prolong.system(solver.system))

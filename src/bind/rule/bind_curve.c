@@ -1,6 +1,7 @@
 /* bind_curve.c - `dm.curve`: an explicit one-step method as the curve segments of a variational
  * rule. */
-#include "bind/rule/bind_curve.h"
+#include "bind/rule/curve_recipes.h"
+#include "code/tape/tape.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,17 +30,47 @@ static void found_method(lua_State *L, dm_curve *c, const char *name) {
     if (!dm_curve_find(c, name)) unknown_method(L, name);
 }
 
-/* A method written in Lua is traced once, here; its coefficients are all that is kept of it. */
+/* The order of a method that no coefficients describe, from its recipe for two coordinates. */
+static int measure(lua_State *L, const dm_curve *c) {
+    int order = 0;
+    dm_arena *arena = dml_pusharena(L);
+    const dm_status status = dm_curve_measure_recipe(&order, c, dm_tape_build, arena);
+    if (status != DM_OK) luaL_error(L, "the method: %s", dm_status_text(status));
+    if (!order)
+        luaL_error(L, "the method is not consistent: steps of h and h/2 do not come nearer to the "
+                      "solution of x' = f(x)");
+    lua_pop(L, 1);
+    return order;
+}
+
+/* A method written in Lua is traced here: where it is linear in the values of f its coefficients
+ * are all that is kept of it. The dm_curve is at 2. */
 static void own_method(lua_State *L, dm_curve *c, int fn) {
-    dml_curve_trace(L, fn, c);
+    const int linear = dml_curve_tableau(L, fn, c);
+    if (!linear) {
+        lua_createtable(L, 0, 2);
+        lua_pushvalue(L, fn);
+        lua_setfield(L, -2, "method");
+        lua_setiuservalue(L, 2, 1);
+        memset(c, 0, sizeof *c);
+        c->bias = 1.0;
+        c->recipe = dml_curve_recipe(L, 2, 2)->recipe;
+    }
     strcpy(c->name, "own method");
-    c->order = c->lifted ? dm_curve_measure(c) : dm_curve_conditions(c, NULL);
+    c->order = !linear     ? measure(L, c)
+               : c->lifted ? dm_curve_measure(c)
+                           : dm_curve_conditions(c, NULL);
     const long claimed = dml_count(L, 1, "order", 1, 1);
     if (claimed > c->order && c->order < 8)
         luaL_error(L, "field 'order' is %d, but the method has order %d only (%s)", (int)claimed,
                    c->order,
-                   c->lifted ? "measured where accelerations depend on q"
-                             : "its coefficients satisfy the order conditions up to there");
+                   c->lifted || !linear
+                       ? "measured where accelerations depend on q"
+                       : "its coefficients satisfy the order conditions up to there");
+}
+
+static const void *for_space(lua_State *L, int data, uint32_t n) {
+    return dml_curve_recipe(L, data, n);
 }
 
 /* method = a name or a function, of the options at 1 */
@@ -97,7 +128,7 @@ int dml_curve_new(lua_State *L) {
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
-    dm_curve *c = lua_newuserdatauv(L, sizeof *c, 0);
+    dm_curve *c = lua_newuserdatauv(L, sizeof *c, 1); /* the table of a method with recipes */
     read_method(L, c);
     read_bias(L, c);
     if (c->bias == 1.0)
@@ -105,7 +136,9 @@ int dml_curve_new(lua_State *L) {
     else
         lua_pushfstring(L, "curve(%s, %f)", c->name, c->bias);
     lua_pushvalue(L, 2);
-    dml_pushrule(L, "curve", c, lua_tostring(L, 3));
+    const int own = c->recipe != NULL;
+    dml_rule *rule = dml_pushrule(L, "curve", c, lua_tostring(L, 3));
+    if (own) rule->for_space = for_space;
     return 1;
 }
 
@@ -116,10 +149,13 @@ static const dml_row functions[] =
       "the order of the method. Names: straight, euler, midpoint, heun, kutta3, rk4, dopri5, "
       "butcher6, fehlberg7, dop853, and GSL's gsl-rk2, gsl-rk4, gsl-rkf45, gsl-rkck, gsl-rk8pd. "
       "method may be a function(x, f, h) or function(x, f, h, t) that gives the state x = (q, v), "
-      "a vector of 2 n entries, after a step h of x' = f(x) (f(x, t) takes the time too): any "
-      "method that is linear in the values of f, as Runge-Kutta, leapfrog and Nystroem methods "
-      "are, with numbers for coefficients; its order is found, and `order` (optional) checked "
-      "against it. bias in [0, 1]: the part of a step behind (q, v), 1 unless given, 1/2 for "
+      "a vector of 2 n entries, after a step h of x' = f(x) (f(x, t) takes the time too). "
+      "f:along(x, u, ...) is the derivative of f at x along u, the second one along two "
+      "directions, ..., at most four, for Taylor methods: x + h*k + h^2/2*f:along(x, k), k = f(x). "
+      "The order is found, and `order` (optional) checked against it. Methods that are linear in "
+      "the values of f, as Runge-Kutta, leapfrog and Nystroem methods are, become tables of "
+      "numbers; any other is written out as one expression. bias in [0, 1]: the part of a step "
+      "behind (q, v), 1 unless given, 1/2 for "
       "\"straight\" and for symmetric rules; straight segments with bias 1/2 are the midpoint "
       "rule, with 0 and 1 the two symplectic Euler methods. Systems may have force, control, "
       "constraint and rolling. The rule as text: rule = "

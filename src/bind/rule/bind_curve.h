@@ -11,8 +11,4 @@ const dm_curve *dml_tocurve(lua_State *L, int arg);
 /* dm.curve, as a C function. */
 int dml_curve_new(lua_State *L);
 
-/* Coefficients of the Runge-Kutta method that the Lua function at fn is; raises when it is none,
- * not consistent, or cannot be traced. */
-void dml_curve_trace(lua_State *L, int fn, dm_curve *out);
-
 #endif

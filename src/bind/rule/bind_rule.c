@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* `data` lies in the userdata on top, which the rule keeps: what points into it lives as long. */
-void dml_pushrule(lua_State *L, const char *name, const void *data, const char *text) {
+dml_rule *dml_pushrule(lua_State *L, const char *name, const void *data, const char *text) {
     dml_rule *r = lua_newuserdatauv(L, sizeof *r, 2);
     *r = (dml_rule){.rule = {.method = dm_method_find(name, NULL), .data = data}};
     strncpy(r->rule.name, name, DM_RULE_NAME - 1);
@@ -15,10 +15,20 @@ void dml_pushrule(lua_State *L, const char *name, const void *data, const char *
     lua_pushstring(L, text);
     lua_setiuservalue(L, -2, 2);
     luaL_setmetatable(L, DML_RULE);
+    return r;
 }
 
 const dml_rule *dml_torule(lua_State *L, int arg) {
     return luaL_testudata(L, arg, DML_RULE);
+}
+
+const void *dml_ruledata(lua_State *L, int arg, uint32_t n) {
+    const dml_rule *r = luaL_checkudata(L, arg, DML_RULE);
+    if (!r->for_space) return r->rule.data;
+    lua_getiuservalue(L, arg, 1);
+    const void *data = r->for_space(L, lua_gettop(L), n);
+    lua_pop(L, 1);
+    return data;
 }
 
 static int rule_tostring(lua_State *L) {
@@ -40,6 +50,8 @@ static int rule_field(lua_State *L) {
         lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_SYMMETRIC) != 0);
     } else if (strcmp(key, "symplectic") == 0) {
         lua_pushboolean(L, (dm_rule_traits(&r->rule) & DM_SYMPLECTIC) != 0);
+    } else if (strcmp(key, "linear") == 0) {
+        lua_pushboolean(L, r->for_space == NULL);
     } else {
         return 0;
     }
@@ -52,7 +64,8 @@ const dml_class dml_class_rule = {
     .name = DML_RULE,
     .doc = "dm.rule: a rule with coefficients of its own, made by dm.galerkin and its like, for "
            "rule = in a solver\n"
-           "fields: name, order, symmetric, symplectic",
+           "fields: name, order, symmetric, symplectic, linear (false: curves by a method that is "
+           "not linear in the values of f)",
     .meta = meta,
     .field = rule_field,
 };

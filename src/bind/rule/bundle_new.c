@@ -74,6 +74,7 @@ int dml_bundle_new(lua_State *L) {
     const dm_curve *c = push_segments(L);
     push_system(L, c);
     const dml_system *s = dml_checksystem(L, 3);
+    c = dml_ruledata(L, 2, s->n);
     dml_bundle *b = lua_newuserdatauv(L, sizeof *b, 2);
     *b = (dml_bundle){.n = s->n, .h = h, .curve = c};
     lua_insert(L, 2);

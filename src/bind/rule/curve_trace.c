@@ -1,10 +1,10 @@
-/* curve_trace.c - the coefficients of a one-step method written in Lua. It is traced with
- * symbols for x = (q, v) and h and with a field f whose i-th call answers with symbols k_i =
- * (V_i, A_i) of its own. What it put into that call, and gives in the end, must be (q + h g v +
- * h sum_j a_j V_j + h^2 sum_j lift_j A_j, v + h sum_j push_j A_j): a Runge-Kutta method where
- * push is a and the others are zero, else one that treats q and v each in its way (Nystroem;
- * leapfrog). */
-#include "bind/rule/bind_curve.h"
+/* curve_trace.c - a one-step method written in Lua. It is traced with symbols for x = (q, v) and h
+ * and with a field f whose i-th call answers with symbols k_i = (V_i, A_i) of its own. Where what
+ * it put into that call, and gives in the end, is (q + h g v + h sum_j a_j V_j + h^2 sum_j lift_j
+ * A_j, v + h sum_j push_j A_j), its coefficients say all: a Runge-Kutta method where push is a and
+ * the others are zero, else one that treats q and v each in its way (Nystroem; leapfrog). Any
+ * other method is kept as its graph, a recipe, and traced again for every dim Q. */
+#include "bind/rule/curve_recipes.h"
 #include "bind/trace/trace.h"
 #include "bind/value/array.h"
 #include "code/tape/tape.h"
@@ -12,80 +12,105 @@
 #include <math.h>
 #include <string.h>
 
-/* x of the trace: positions and velocities of two coordinates; a call of f is its point and its
- * time */
+/* x of the trace that looks for coefficients: positions and velocities of two coordinates; a call
+ * of f is its point and its time */
 enum { HALF = 2, SIZE = 2 * HALF, CALL = SIZE + 1, INPUTS = SIZE + 1 + DM_CURVE_STAGES * SIZE + 1 };
 static const double NOISE = 1e-12; /* of what is linear to round-off */
 
 /* ---- the call ---- */
 
-/* append the `count` entries of the vector or table at `arg` to the table at `list` */
-static void append(lua_State *L, int list, int arg, const char *what) {
+/* upvalues of f and of f.along: what was asked so far, entry by entry; the k of all calls; t; of
+ * every call twice its directions, and 1 where it says the time; entries of x */
+enum { ASKED = 1, SLOPES, TIME, KINDS, ENTRIES };
+
+/* append the entries of the vector or table at `arg` to the table at `list` */
+static void append(lua_State *L, int list, int arg, long size, const char *what) {
     const long n = dml_length(L, arg);
-    if (n != SIZE || (!lua_istable(L, arg) && !dml_toarray(L, arg, 1)))
+    if (n != size || (!lua_istable(L, arg) && !dml_toarray(L, arg, 1)))
         luaL_error(L,
                    "%s must be a vector of as many entries as x, positions and velocities (got %s)",
                    what,
-                   n > 1 ? lua_pushfstring(L, "%d for %d", (int)n, SIZE) : luaL_typename(L, arg));
-    for (uint32_t i = 0; i < SIZE; i++) {
+                   n > 1 ? lua_pushfstring(L, "%d for %d", (int)n, (int)size)
+                         : luaL_typename(L, arg));
+    for (uint32_t i = 0; i < (uint32_t)size; i++) {
         const dml_scalar x = dml_entry(L, arg, i);
         dml_pushscalar(L, &x);
         lua_rawseti(L, list, (lua_Integer)lua_rawlen(L, list) + 1);
     }
 }
 
-/* f(x) or f(x, t); upvalues: the list of calls, the k of all calls, t */
-static int field(lua_State *L) {
-    dml_scalar k[SIZE];
-    const int list = lua_upvalueindex(1), slopes = lua_upvalueindex(2);
-    const uint32_t call = (uint32_t)(lua_rawlen(L, list) / CALL);
+/* A call at the point at `point`, at the time at `time` (nil: that of the step), along `count`
+ * directions from `first` on; pushes its answer. */
+static int note_call(lua_State *L, int point, int time, int first, int count) {
+    const int kinds = lua_upvalueindex(KINDS), slopes = lua_upvalueindex(SLOPES);
+    const long size = (long)lua_tointeger(L, lua_upvalueindex(ENTRIES));
+    const uint32_t call = (uint32_t)lua_rawlen(L, kinds);
     if (call == DM_CURVE_STAGES)
         luaL_error(L, "the method calls f more than %d times a step", DM_CURVE_STAGES);
-    lua_settop(L, 2);
-    lua_pushvalue(L, list);
-    append(L, 3, 1, "the argument of f");
-    if (lua_isnil(L, 2))
-        lua_pushboolean(L, 0);
-    else
-        lua_pushvalue(L, 2);
+    lua_pushvalue(L, lua_upvalueindex(ASKED));
+    const int list = lua_gettop(L), timed = !lua_isnil(L, time);
+    append(L, list, point, size, "the argument of f");
+    lua_pushvalue(L, timed ? time : lua_upvalueindex(TIME));
     lua_rawseti(L, list, (lua_Integer)lua_rawlen(L, list) + 1);
-    for (uint32_t i = 0; i < SIZE; i++) k[i] = dml_entry(L, slopes, call * SIZE + i);
-    dml_pushscalars(L, k, SIZE);
+    for (int i = 0; i < count; i++) append(L, list, first + i, size, "a direction of f:along");
+    lua_pushinteger(L, 2 * count + timed);
+    lua_rawseti(L, kinds, (lua_Integer)call + 1);
+    dml_scalar *k = lua_newuserdatauv(L, (size_t)size * sizeof *k, 0);
+    for (uint32_t i = 0; i < (uint32_t)size; i++)
+        k[i] = dml_entry(L, slopes, call * (uint32_t)size + i);
+    dml_pushscalars(L, k, (uint32_t)size);
     return 1;
 }
 
-/* times that were not given are those of the coefficients: marked by t itself, told apart by
- * `timed` */
-static void settle_times(lua_State *L, int list, int t) {
-    const lua_Integer length = (lua_Integer)lua_rawlen(L, list);
-    for (lua_Integer i = CALL; i <= length; i += CALL) {
-        if (lua_rawgeti(L, list, i) == LUA_TBOOLEAN) {
-            lua_pushvalue(L, t);
-            lua_rawseti(L, list, i);
-        }
-        lua_pop(L, 1);
-    }
+/* f(x) or f(x, t) */
+static int field(lua_State *L) {
+    lua_settop(L, 3);
+    return note_call(L, 2, 3, 0, 0);
 }
 
-/* (x, h, k, t) -> all points with their times, then the end; upvalue 1: the method */
+/* f:along(x, u, ...): the derivative of f at x along u, the second one along two directions, ... */
+static int field_along(lua_State *L) {
+    const int count = lua_gettop(L) - 2;
+    if (count < 1) luaL_error(L, "f:along takes a point and a direction, f:along(x, u)");
+    if (count > DM_RECIPE_DIRECTIONS)
+        luaL_error(L, "f:along takes at most %d directions", DM_RECIPE_DIRECTIONS);
+    lua_pushnil(L);
+    return note_call(L, 2, 3 + count, 3, count);
+}
+
+/* push f for (asked, k, t, kinds, size) at 5, 3, 4, 6, 7 */
+static void push_field(lua_State *L) {
+    static const int upvalues[] = {5, 3, 4, 6, 7};
+    lua_createtable(L, 0, 1);
+    for (int i = 0; i < 5; i++) lua_pushvalue(L, upvalues[i]);
+    lua_pushcclosure(L, field_along, 5);
+    lua_setfield(L, -2, "along");
+    lua_createtable(L, 0, 1);
+    for (int i = 0; i < 5; i++) lua_pushvalue(L, upvalues[i]);
+    lua_pushcclosure(L, field, 5);
+    lua_setfield(L, -2, "__call");
+    lua_setmetatable(L, -2);
+}
+
+/* (x, h, k, t) -> all that was asked, then the end; upvalues: the method, and the kinds of calls,
+ * which begin anew */
 static int call_method(lua_State *L) {
     lua_settop(L, 4);
     lua_newtable(L);
+    lua_pushvalue(L, lua_upvalueindex(2));
+    for (lua_Integer i = (lua_Integer)lua_rawlen(L, 6); i > 0; i--) {
+        lua_pushnil(L);
+        lua_rawseti(L, 6, i);
+    }
+    lua_pushinteger(L, dml_length(L, 1));
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_pushvalue(L, 1);
-    lua_pushvalue(L, 5);
-    lua_pushvalue(L, 3);
-    lua_pushvalue(L, 4);
-    lua_pushcclosure(L, field, 3);
+    push_field(L);
     lua_pushvalue(L, 2);
     lua_pushvalue(L, 4);
     dml_callone(L, 4, "the method");
-    append(L, 5, 6, "what the method returns");
+    append(L, 5, 8, dml_length(L, 1), "what the method returns");
     lua_settop(L, 5);
-    const lua_Integer length = (lua_Integer)lua_rawlen(L, 5);
-    for (lua_Integer i = length; i > length - SIZE; i--) lua_rawgeti(L, 5, i);
-    lua_settop(L, 5);
-    settle_times(L, 5, 4);
     return 1;
 }
 
@@ -184,7 +209,7 @@ static double sum_of(const double *x, int n) {
 }
 
 /* times that are given must be t + c h, where q is moved by c h v in all */
-static int has_right_times(probe *p) {
+static int has_right_times(const probe *p) {
     const double h = p->in[SIZE], t = p->in[INPUTS - 1];
     for (int i = 0; i < p->s; i++) {
         const double c = p->rows[i].g + sum_of(p->rows[i].a, i);
@@ -194,14 +219,8 @@ static int has_right_times(probe *p) {
     return 1;
 }
 
-/* From the traced sums to the rows of the tableau; anything but numbers there is no linear
- * method. */
-static void read_coefficients(lua_State *L, probe *p) {
-    read_sums(p);
-    if (!is_linear(p))
-        luaL_error(L, "the method is not linear in the values of f: every argument of f, and the "
-                      "result, must be x + h times a sum of numbers times values of f (positions "
-                      "may also take h v, and h^2 times accelerations)");
+/* The rows of the tableau are known. */
+static void check_times(lua_State *L, const probe *p) {
     if (!has_right_times(p))
         luaL_error(L, "the method gives f a time that is not t + c h, where c is the sum of the "
                       "coefficients of that call");
@@ -253,11 +272,6 @@ static void fill_lifted(lua_State *L, dm_curve *out, const probe *p) {
     }
 }
 
-static void build(lua_State *L, dm_kernel *out, const dml_traced *traced, dm_arena *arena) {
-    const dm_status status = dm_tape_build(out, traced->graph, traced->out, traced->outputs, arena);
-    if (status != DM_OK) luaL_error(L, "the method: %s", dm_status_text(status));
-}
-
 /* A method must move by h f for constant f, or it is none. */
 static void check_consistent(lua_State *L, const dm_curve *c) {
     const double moved = sum_of(c->plus, c->s), pushed = sum_of(c->arrival, c->s);
@@ -268,31 +282,65 @@ static void check_consistent(lua_State *L, const dm_curve *c) {
                    moved, pushed);
 }
 
-/* The function at `fn` is called with symbols; what it did with the answers of f is read off the
- * graph. */
-void dml_curve_trace(lua_State *L, int fn, dm_curve *out) {
-    static const dml_signature signature = {.what = "the method",
-                                            .arguments = 4,
-                                            .length = {SIZE, DML_SCALAR_ARGUMENT,
-                                                       DM_CURVE_STAGES * SIZE,
-                                                       DML_SCALAR_ARGUMENT}};
-    double in[INPUTS], values[DM_CURVE_STAGES * CALL + SIZE];
-    dml_traced traced;
+/* ---- the trace ---- */
+
+void dml_curve_ask(lua_State *L, int fn, uint32_t n, dml_curve_asked *out) {
+    const int size = 2 * (int)n;
+    *out =
+        (dml_curve_asked){.signature = {.what = "the method",
+                                        .arguments = 4,
+                                        .length = {size, DML_SCALAR_ARGUMENT,
+                                                   DM_CURVE_STAGES * size, DML_SCALAR_ARGUMENT}}};
+    lua_newtable(L);
+    out->kinds = lua_gettop(L);
     lua_pushvalue(L, fn);
-    lua_pushcclosure(L, call_method, 1);
+    lua_pushvalue(L, out->kinds);
+    lua_pushcclosure(L, call_method, 2);
     const int call = lua_gettop(L);
-    dm_arena *arena = dml_pusharena(L);
-    dml_trace(L, call, &signature, arena, &traced);
-    probe p = {.in = in, .out = values, .s = ((int)traced.outputs - SIZE) / CALL};
+    out->arena = dml_pusharena(L);
+    out->arena_at = lua_gettop(L);
+    dml_trace(L, call, &out->signature, out->arena, &out->traced);
+    out->calls = (int)lua_rawlen(L, out->kinds);
+    dm_kernel *k = &out->kernel;
+    const dml_traced *t = &out->traced;
+    const dm_status status = dm_tape_build(k, t->graph, t->out, t->outputs, out->arena);
+    if (status != DM_OK) luaL_error(L, "the method: %s", dm_status_text(status));
+    dml_trace_check(L, call, &out->signature, k, NULL);
+}
+
+/* how many directions a call has, of the table of kinds */
+static int asks_derivatives(lua_State *L, const dml_curve_asked *a) {
+    int any = 0;
+    for (int i = 1; i <= a->calls; i++) {
+        lua_rawgeti(L, a->kinds, i);
+        any |= lua_tointeger(L, -1) > 1;
+        lua_pop(L, 1);
+    }
+    return any;
+}
+
+/* Coefficients where numbers say all; 0: they do not. */
+int dml_curve_tableau(lua_State *L, int fn, dm_curve *out) {
+    double in[INPUTS], values[DM_CURVE_STAGES * CALL + SIZE];
+    const int top = lua_gettop(L);
+    dml_curve_asked asked;
+    dml_curve_ask(L, fn, HALF, &asked);
+    probe p = {.in = in, .out = values, .s = asked.calls, .kernel = asked.kernel};
     p.rows = lua_newuserdatauv(L, (size_t)(p.s + 1) * sizeof *p.rows, 0);
-    build(L, &p.kernel, &traced, arena);
-    dml_trace_check(L, call, &signature, &p.kernel, NULL);
-    dm_kernel_prepare(&p.kernel, p.out);
-    read_coefficients(L, &p);
-    if (is_runge_kutta(&p))
-        fill_runge_kutta(out, &p);
-    else
-        fill_lifted(L, out, &p);
-    check_consistent(L, out);
-    lua_settop(L, call - 1);
+    int linear = !asks_derivatives(L, &asked);
+    if (linear) {
+        dm_kernel_prepare(&p.kernel, p.out);
+        read_sums(&p);
+        linear = is_linear(&p);
+    }
+    if (linear) {
+        check_times(L, &p);
+        if (is_runge_kutta(&p))
+            fill_runge_kutta(out, &p);
+        else
+            fill_lifted(L, out, &p);
+        check_consistent(L, out);
+    }
+    lua_settop(L, top);
+    return linear;
 }

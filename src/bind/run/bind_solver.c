@@ -57,6 +57,37 @@ static int solver_step(lua_State *L) {
     return 1;
 }
 
+/* Step and derivative are made from the same start, the step last. */
+static int solver_step_tangent(lua_State *L) {
+    static const char *const known[] = {"q", "v", "p", "t0", NULL};
+    dml_stepping r = {.solver = check(L)};
+    const uint32_t n = r.solver->n;
+    long done = 0;
+    lua_settop(L, 2);
+    luaL_checktype(L, 2, LUA_TTABLE);
+    dml_options(L, 2, known);
+    dml_stepping_prepare(L, &r, dml_number(L, 2, "t0", 0.0));
+    const dm_engine *engine = dm_rule_engine(r.solver->nodes, &r.model->model);
+    if (!engine->tangent)
+        luaL_error(L, "solver:step_tangent: only rules of curve segments have it; solver:tangent "
+                      "is for all");
+    if (dm_method_needs(&r.model->model) & (DM_HOLONOMIC | DM_ROLLING))
+        luaL_error(L, "solver:step_tangent: the unit vectors of (q, p) are not tangent to the "
+                      "constraints of this system");
+    double *D = dml_pushmatrix(L, 2 * n, 2 * n);
+    const int at = lua_gettop(L);
+    dml_stepping_start(L, &r);
+    const double h = r.solver->h;
+    dm_status status = dm_stepper_start(&r.stepper, r.state, r.t0, h);
+    double *memory = lua_newuserdatauv(L, engine->tangent_work(&r.stepper) * sizeof *memory, 0);
+    if (status == DM_OK) status = engine->tangent(&r.stepper, D, r.state, r.t0, h, memory);
+    if (status == DM_OK) status = dm_advance(&r.stepper, r.state, r.t0, h, 1, &done);
+    dml_stepping_end(&r);
+    dml_solver_fail(L, &r, status, done, 0);
+    lua_pushvalue(L, at);
+    return 1 + push_state(L, &r);
+}
+
 /* Entry of the table on top. */
 static void set_number(lua_State *L, const char *key, double x) {
     lua_pushnumber(L, x);
@@ -166,6 +197,11 @@ static const dml_row methods[] =
      {"step", solver_step,
       "solver:step{q=, v=, p=, q0=, q1=, t0=, project=} -> q, p   or   solver:step(q0, q1) -> q2\n"
       "One step from a state, or the next position after two positions one step apart."},
+     {"step_tangent", solver_step_tangent,
+      "solver:step_tangent{q=, v= | p=, t0=} -> dm.matrix, q, p\n"
+      "The exact derivative of one step in (q, p), 2 dim Q x 2 dim Q, by the rule itself, and the "
+      "end of the step: for rules of curve segments without constraints. A choice of substeps is "
+      "held. solver:tangent is for all rules and many steps."},
      {"report", solver_report,
       "solver:report() -> table\n"
       "What the last run cost: rule, order, h, backend, operations (of the kernels, per "

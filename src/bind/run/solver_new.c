@@ -57,6 +57,7 @@ static void read_rule(lua_State *L, solver *s) {
     const char *nearest = NULL;
     if (object) {
         s->nodes[0] = object->rule;
+        s->nodes[0].data = dml_ruledata(L, lua_gettop(L), s->n);
         lua_pushvalue(L, -1);
         lua_setiuservalue(L, 3, DML_SOLVER_OBJECT);
         lua_getiuservalue(L, -1, 2);

@@ -6,6 +6,7 @@
  * the method. */
 #include "integ/curve/curve.h"
 #include "integ/curve/curve_inside.h"
+#include "integ/curve/curve_recipe.h"
 
 #include "base/largest.h"
 #include "linalg/solve/newton.h"
@@ -50,14 +51,25 @@ static const char *check(const dm_rule *rule) {
     return NULL;
 }
 
+static int is_timed(const dm_model *m) {
+    return !(m->structure & DM_AUTONOMOUS) ||
+           (m->constraints && m->constraints->structure & DM_CONSTRAINTS_TIMED);
+}
+
 /* The field needs second derivatives of L, as a graph, and M that is not zero. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
-    (void)rule;
+    const dm_curve *own = rule->data;
     if (!m->source.graph && !m->structure)
         return "it runs on hyper-dual numbers, and curve segments need derivatives of the "
                "acceleration, which come from a trace";
     if (m->structure & DM_LINEAR_IN_V)
         return "L is linear in v, so that it has no second-order field";
+    if (own && own->recipe && own->recipe->n != m->n)
+        return "its method was traced for another number of coordinates";
+    if (own && own->recipe && !own->recipe->timed && is_timed(m))
+        return "the system depends on t, and its method, which is not linear in the values of f, "
+               "asks for f without the time: write f(x, t); f:along knows no time, make t a "
+               "coordinate";
     return NULL;
 }
 
@@ -223,6 +235,8 @@ const dm_engine dm_engine_curve = {
     .step = step,
     .memory = memory,
     .impulses = impulses,
+    .tangent_work = dm_curve_tangent_work,
+    .tangent = dm_curve_tangent,
 };
 
 const dm_method dm_method_curve = {

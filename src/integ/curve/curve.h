@@ -26,6 +26,9 @@ typedef struct {
     double arrival[DM_CURVE_STAGES], departure[DM_CURVE_STAGES]; /* velocities at d+, d- from A */
     double c[DM_CURVE_STAGES];                                   /* times of the points, in h */
     int lifted; /* some lift is not zero, or push is not a */
+    /* a method that no such numbers describe: s is 0, and only order and bias hold; else NULL */
+    const struct dm_curve_recipe *recipe;
+    int substeps; /* a step may be cut into so many, as is chosen at its start; 0: it is not */
 } dm_curve;
 
 /* The built-in or GSL method of that name; 0 where there is none. Coefficients are those of bias
@@ -53,15 +56,14 @@ int dm_curve_measure(const dm_curve *c);
  * that takes too many points. */
 int dm_curve_bias(dm_curve *c, double bias);
 
+/* The order, 1 to 8, of a recipe for two coordinates as a step of it shows, likewise; 0: it is no
+ * method for x' = f(x). */
+dm_status dm_curve_measure_recipe(int *order, const dm_curve *c, dm_compile *compile,
+                                  dm_arena *arena);
+
 /* Order of the variational step: that of the method, or the next even number where the segment
  * is symmetric. */
 int dm_curve_order(const dm_curve *c);
-
-/* D[2n*2n], the exact derivative of the step h from `state` at t in (q, p), by an open stepper;
- * memory of that many doubles. */
-size_t dm_curve_tangent_work(const dm_stepper *s);
-dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double t, double h,
-                           double *memory);
 
 /* The tableau of a stepper of GSL, read off by running it; 0 when it is none of its explicit
  * ones. */

@@ -88,7 +88,7 @@ dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z) {
 size_t dm_curve_tangent_work(const dm_stepper *s) {
     const dm_curve_step *e = (const dm_curve_step *)(const void *)s->work;
     const size_t m = e->unknowns;
-    return m * m + 2 * m + m;
+    return e->tie.m ? 0 : m * m + 2 * m + m;
 }
 
 /* change of r with entry `which` of (q0, p0), z held */

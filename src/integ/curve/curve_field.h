@@ -33,6 +33,9 @@ size_t dm_field_inputs(const dm_model *m);
 /* Outputs of `curve`. */
 size_t dm_field_curve(const dm_model *m);
 
+/* n, N, rolling, solved alone: no kernels. */
+void dm_field_shape(dm_field *out, const dm_model *m);
+
 /* In the model's arena, kept by the model; DM_TOO_LARGE where there is no graph. */
 dm_status dm_field_build(dm_field *out, const dm_model *m);
 

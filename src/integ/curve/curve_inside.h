@@ -57,6 +57,12 @@ dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h)
 /* The step equation for dm_newton: r = 0 for z = (v, (p1 - p0) / mass, (q - q0) / h, kappa). */
 dm_status dm_curve_equation(void *ctx, double *r, double *J, const double *z);
 
+/* The exact derivative of a step, for the engine; not with constraints, where unit vectors of (q,
+ * p) are no tangents. */
+size_t dm_curve_tangent_work(const dm_stepper *s);
+dm_status dm_curve_tangent(dm_stepper *s, double *D, const double *state, double t, double h,
+                           double *memory);
+
 /* ---- curve_tie.c: constraints of a step ---- */
 
 size_t dm_curve_tie_work(const dm_model *m);

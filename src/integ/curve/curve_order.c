@@ -1,7 +1,7 @@
 /* curve_order.c - the order of a Runge-Kutta method by its order conditions (Butcher; HNW I,
  * II.2): for every rooted tree t of order up to p, sum_i b_i phi_i(t) = 1/gamma(t). With t =
  * [t_1, ..., t_m]: phi_i(t) = prod_k sum_j a_ij phi_j(t_k) and gamma(t) = |t| prod_k gamma(t_k). */
-#include "integ/curve/curve.h"
+#include "integ/curve/curve_written.h"
 
 #include <math.h>
 #include <string.h>
@@ -80,26 +80,102 @@ static void test_step(double *y, const dm_curve *c, double h) {
     memcpy(y, end, sizeof end);
 }
 
+/* what makes a step of h of two such coordinates, y = (q, v) */
+typedef struct {
+    const dm_curve *tableau;
+    const dm_written *written; /* where there is no tableau */
+    double *x, *out;           /* of its kernels */
+} stepping;
+
+static void make_step(double y[4], const stepping *s, double h) {
+    if (s->tableau) {
+        for (int i = 0; i < 2; i++) {
+            double one[2] = {y[i], y[2 + i]};
+            test_step(one, s->tableau, h);
+            y[i] = one[0];
+            y[2 + i] = one[1];
+        }
+        return;
+    }
+    memcpy(s->x, y, 4 * sizeof *y);
+    s->x[s->written->h] = h;
+    dm_kernel_eval(&s->written->ends, s->x, s->out);
+    for (int i = 0; i < 2; i++) {
+        y[i] += s->out[i];
+        y[2 + i] = s->out[4 + i];
+    }
+}
+
 /* error of one step, added up over some starts */
-static double local_error(const dm_curve *c, const dm_curve *fine, double h) {
+static double local_error(const stepping *s, const stepping *fine, double h) {
     enum { STARTS = 7, FINE = 32 };
     double sum = 0.0;
     for (int k = 0; k < STARTS; k++) {
-        double y[2] = {cos(1.7 * k), sin(1.1 * k)}, goal[2] = {y[0], y[1]};
-        test_step(y, c, h);
-        for (int i = 0; i < FINE; i++) test_step(goal, fine, h / FINE);
-        sum += fabs(y[0] - goal[0]) + fabs(y[1] - goal[1]);
+        double y[4] = {cos(1.7 * k), sin(0.9 * k), sin(1.1 * k), cos(2.3 * k)}, goal[4];
+        memcpy(goal, y, sizeof goal);
+        make_step(y, s, h);
+        for (int i = 0; i < FINE; i++) make_step(goal, fine, h / FINE);
+        for (int i = 0; i < 4; i++) sum += fabs(y[i] - goal[i]);
     }
     return sum;
 }
 
-/* From the error of one step and of half of it, against many small steps of order 8; rounded down
- * unless it is near the next number. */
+/* From the error of one step and of half of it, against many small steps of order 8, as small as
+ * round-off allows; rounded down unless it is near the next number. */
+static int measure(const stepping *s) {
+    static const double CLEAR = 1e-9, LEAST = 0.01; /* error above round-off; step */
+    dm_curve dop853;
+    if (!dm_curve_find(&dop853, "dop853")) return 0;
+    const stepping fine = {.tableau = &dop853};
+    double h = 0.25, coarse = local_error(s, &fine, h), half = local_error(s, &fine, 0.5 * h);
+    while (half > CLEAR && h > LEAST) {
+        h *= 0.5;
+        coarse = half;
+        half = local_error(s, &fine, 0.5 * h);
+    }
+    const double order = floor(log2(coarse / half) - 1.0 + 0.35);
+    return !(order >= 1.0) ? 0 : order > HIGHEST ? HIGHEST : (int)order;
+}
+
 int dm_curve_measure(const dm_curve *c) {
-    dm_curve fine;
-    if (!dm_curve_find(&fine, "dop853")) return 0;
-    const double h = 0.25;
-    const double coarse = local_error(c, &fine, h), half = local_error(c, &fine, 0.5 * h);
-    const int order = (int)floor(log2(coarse / half) - 1.0 + 0.35);
-    return order < 1 ? 1 : order > HIGHEST ? HIGHEST : order;
+    const stepping s = {.tableau = c};
+    const int order = measure(&s);
+    return order < 1 ? 1 : order;
+}
+
+/* L = sum of v^2/2 + cos q + q^3/9, whose equations test_step knows */
+static dm_node lagrangian(dm_graph *g) {
+    dm_node sum = 0;
+    for (uint32_t i = 0; i < 2; i++) {
+        const dm_node q = dm_input(g, i), v = dm_input(g, 2 + i);
+        const dm_node vv = dm_mul(g, dm_constant(g, 0.5), dm_mul(g, v, v));
+        const dm_node qqq = dm_mul(g, dm_constant(g, 1.0 / 9.0), dm_mul(g, q, dm_mul(g, q, q)));
+        const dm_node pull = dm_apply(g, DM_OP_COS, q, 0, 0);
+        sum = dm_add(g, sum, dm_add(g, vv, dm_add(g, pull, qqq)));
+    }
+    return sum;
+}
+
+dm_status dm_curve_measure_recipe(int *order, const dm_curve *c, dm_compile *compile,
+                                  dm_arena *arena) {
+    dm_model m;
+    dm_written written;
+    dm_curve whole = *c;
+    whole.order = 1; /* of the action, which is not looked at */
+    whole.bias = 1.0;
+    whole.centred = whole.substeps = 0;
+    dm_graph *g = dm_graph_new(arena, 5);
+    if (!g) return DM_NO_MEMORY;
+    const dm_node L = lagrangian(g);
+    dm_status status = dm_model_build(&m, g, L, 2, DM_WANT_VALUE, compile, arena);
+    if (status == DM_OK) status = dm_written_build(&written, &whole, &m);
+    if (status != DM_OK) return status;
+    const size_t room = written.inputs + dm_written_outputs(&m);
+    double *x = dm_arena_take(arena, room * sizeof *x);
+    if (!x) return DM_NO_MEMORY;
+    memset(x, 0, room * sizeof *x);
+    const stepping s = {.written = &written, .x = x, .out = x + written.inputs};
+    dm_kernel_prepare(&written.ends, s.out);
+    *order = measure(&s);
+    return DM_OK;
 }

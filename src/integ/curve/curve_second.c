@@ -93,6 +93,10 @@ static void add_ends(dm_segment *g, size_t i, const double *dv, const double *da
  * its own term. */
 void dm_segment_hessian(dm_segment *g, uint32_t first) {
     const size_t n = g->n, N = 2 * n, M = g->field.N;
+    if (g->curve->recipe) {
+        dm_written_segment_hessian(g);
+        return;
+    }
     memset(g->hessian, 0, N * N * sizeof *g->hessian);
     memset(g->plus_tangent, 0, n * N * sizeof *g->plus_tangent);
     memset(g->minus_tangent, 0, n * N * sizeof *g->minus_tangent);
@@ -167,6 +171,10 @@ static void look_at_end(dm_segment *g, const double *shift, const double *v, dou
 void dm_segment_estimate(dm_segment *g, uint32_t first) {
     const size_t n = g->n, N = 2 * n;
     double *v = g->some;
+    if (g->curve->recipe) {
+        dm_written_segment_hessian(g);
+        return;
+    }
     run_tangents(g);
     memset(g->hessian, 0, N * N * sizeof *g->hessian);
     look_at_end(g, g->plus, g->arrival, g->curve->bias * g->h);

@@ -19,6 +19,7 @@ static double *take(double **memory, size_t count) {
 /* In the order of dm_segment_open: what every point has, then what the segment has once. */
 size_t dm_segment_work(const dm_curve *c, const dm_model *m) {
     const size_t s = (size_t)c->s, n = m->n, N = 2 * n, M = dm_field_rows(m);
+    if (c->recipe) return dm_written_segment_work(c, m);
     const size_t inputs = dm_field_inputs(m), controls = inputs - N - 2 - 2 * M;
     return s * (inputs + M + 2 * M * M + doubles(M * sizeof(uint32_t)) + N + N * N + n * N) + N +
            dm_field_curve(m) + (N * N + 2 * M) + controls + 4 * n + N + N * N + 2 * n * N +
@@ -68,6 +69,8 @@ static void scale(dm_segment *g, double h) {
 dm_status dm_segment_open(dm_segment *g, const dm_curve *c, const dm_model *m, double *memory) {
     const size_t n = m->n, s = (size_t)c->s, N = 2 * n, M = dm_field_rows(m);
     *g = (dm_segment){.curve = c, .m = m, .n = m->n, .points = s, .h = NAN};
+    dm_field_shape(&g->field, m);
+    if (c->recipe) return dm_written_segment_open(g, memory);
     g->inputs = dm_field_inputs(m);
     const dm_status status = dm_field_build(&g->field, m);
     if (status != DM_OK) return status;
@@ -199,6 +202,7 @@ static void find_ends(dm_segment *g, const dm_segment_place *at) {
 
 /* Point by point, as an explicit method goes. */
 dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at) {
+    if (g->curve->recipe) return dm_written_segment_run(g, at);
     scale(g, at->h);
     for (size_t i = 0; i < g->points; i++) {
         place_point(g, at, i);
@@ -211,6 +215,7 @@ dm_status dm_segment_run(dm_segment *g, const dm_segment_place *at) {
 
 /* Ld = h sum weight_i L(Y_i), at the points where they are. */
 double dm_segment_action(const dm_segment *g) {
+    if (g->curve->recipe) return dm_written_segment_action(g);
     double sum = 0.0, L = 0.0;
     dm_kernel_prepare(&g->m->value, &L);
     for (size_t i = 0; i < g->points; i++) {
@@ -218,6 +223,23 @@ double dm_segment_action(const dm_segment *g) {
         sum += g->weight[i] * L;
     }
     return sum;
+}
+
+void dm_segment_impulses(const dm_segment *g, double *out) {
+    const size_t l = g->field.rolling, first = 2 * (size_t)g->n + 1 + g->field.N - l;
+    if (g->curve->recipe) {
+        dm_written_segment_impulses(g, out);
+        return;
+    }
+    for (size_t c = 0; c < 2 * l; c++) out[c] = 0.0;
+    for (size_t i = 0; i < g->points; i++) {
+        const double part = 1.0 - g->curve->bias + g->curve->c[i];
+        for (size_t c = 0; c < l; c++) {
+            const double impulse = g->weight[i] * g->x[i * g->inputs + first + c];
+            out[c] += (1.0 - part) * impulse;
+            out[l + c] += part * impulse;
+        }
+    }
 }
 
 /* ---- back ---- */
@@ -244,6 +266,10 @@ static void pull_back(dm_segment *g, double *k, size_t i, const double *p1, cons
 void dm_segment_gradient(dm_segment *g, const double *p1, const double *p0) {
     const size_t n = g->n, N = g->field.N;
     double *k = g->hessian; /* not yet in use */
+    if (g->curve->recipe) {
+        dm_written_segment_gradient(g, p1, p0);
+        return;
+    }
     for (size_t l = 0; l < 2 * n; l++) g->slope[l] = 0.0;
     for (size_t i = g->points; i-- > 0;) {
         double *x = g->x + i * g->inputs, *u = x + 2 * n + 1 + N;

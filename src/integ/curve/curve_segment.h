@@ -11,6 +11,7 @@
 
 #include "integ/curve/curve.h"
 #include "integ/curve/curve_field.h"
+#include "integ/curve/curve_written.h"
 
 typedef struct {
     const dm_curve *curve;
@@ -42,6 +43,8 @@ typedef struct {
     double *plus_tangent, *minus_tangent;        /* [n*2n] of d+ - q, d- - q */
     double *arrival_tangent, *departure_tangent; /* [n*2n] of the velocities there, less v */
     double *momentum, *change, *a_y, *end; /* [n*2n] L_vy, its use; [N*2n] w_y; inputs of L_vy */
+    dm_written written;                    /* of a recipe, which has no points */
+    double *share;                         /* [substeps] of h, set by the caller; sum 1 */
 } dm_segment;
 
 /* Doubles of a segment; make its kernels, lay it out. */
@@ -72,5 +75,18 @@ void dm_segment_divide_transposed(const dm_segment *g, size_t i, double *x);
 
 /* Ld, after run. Needs DM_WANT_VALUE. */
 double dm_segment_action(const dm_segment *g);
+
+/* What rolling constraints do along the segment, by time to both ends: out[2][rolling]. */
+void dm_segment_impulses(const dm_segment *g, double *out);
+
+/* ---- the same of a recipe, by kernels of the whole segment (curve_segment_written.c) ---- */
+
+size_t dm_written_segment_work(const dm_curve *c, const dm_model *m);
+dm_status dm_written_segment_open(dm_segment *g, double *memory);
+dm_status dm_written_segment_run(dm_segment *g, const dm_segment_place *at);
+void dm_written_segment_gradient(dm_segment *g, const double *p1, const double *p0);
+void dm_written_segment_hessian(dm_segment *g);
+double dm_written_segment_action(const dm_segment *g);
+void dm_written_segment_impulses(const dm_segment *g, double *out);
 
 #endif

@@ -183,6 +183,11 @@ static void add_nodes(dm_curve *out, const dm_curve *whole, double bias) {
 /* Point 0 is y itself and belongs to both sides; a lifted method needs Gauss nodes for its action,
  * with points of their own. */
 int dm_curve_bias(dm_curve *c, double bias) {
+    if (c->recipe) {
+        c->bias = bias;
+        c->centred = bias != 1.0;
+        return 1;
+    }
     const dm_curve whole = *c;
     const int sides = (bias != 0.0) + (bias != 1.0), nodes = (whole.order + 1) / 2;
     const int points = 1 + sides * (whole.s - 1);

@@ -334,21 +334,19 @@ dm_status dm_curve_tie_hide(dm_curve_step *e, const dm_stepper *s, double *v, co
 
 /* ---- impulses ---- */
 
-/* Of the start: R0, and of what rolling constraints do at the points the part of each, by time; of
- * the end the rest of that. */
+/* Of the start: R0; rolling constraints act along the segment too. */
 void dm_curve_tie_keep(dm_curve_step *e, const double *z) {
     dm_curve_tie *c = &e->tie;
-    const dm_segment *g = &e->segment;
-    const double *kappa = multipliers(e, z), before = 1.0 - e->curve.bias;
+    const double *kappa = multipliers(e, z);
+    double *inside = c->hidden; /* [2][l] */
     for (size_t i = 0; i < c->m; i++) {
         c->impulse[i] = c->pull[i] * kappa[i];
         c->impulse[c->m + i] = 0.0;
-        for (size_t k = 0; k < g->points && i >= c->k; k++) {
-            const double mu = g->x[k * g->inputs + 2 * e->n + 1 + e->n + i] * g->weight[k];
-            const double part = before + e->curve.c[k];
-            c->impulse[i] += (1.0 - part) * mu;
-            c->impulse[c->m + i] += part * mu;
-        }
+    }
+    dm_segment_impulses(&e->segment, inside);
+    for (size_t i = 0; i < c->l; i++) {
+        c->impulse[c->k + i] += inside[i];
+        c->impulse[c->m + c->k + i] += inside[c->l + i];
     }
 }
 

@@ -81,6 +81,11 @@ typedef struct dm_engine {
     /* why a step from this state failed and what to try, a static sentence; NULL is the general
      * advice */
     const char *(*why)(dm_stepper *s, const double *state, dm_status status);
+    /* D[2n*2n], the exact derivative in (q, p) of the step h from `state`, where the engine has one
+     * of its own, and the doubles of memory for it (0: not on this model); NULL: prolong L */
+    size_t (*tangent_work)(const dm_stepper *s);
+    dm_status (*tangent)(dm_stepper *s, double *D, const double *state, double t, double h,
+                         double *memory);
     void (*close)(dm_stepper *s); /* gives back what open took outside the workspace (GSL) */
 } dm_engine;
 

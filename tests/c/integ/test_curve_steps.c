@@ -32,8 +32,8 @@ static void run_close(run *r) {
 static double symplectic_defect(run *r) {
     const uint32_t n = r->p.n, N = 2 * n;
     double D[64], worst = 0.0;
-    double *memory = malloc(dm_curve_tangent_work(&r->x.s) * sizeof *memory);
-    const dm_status status = dm_curve_tangent(&r->x.s, D, r->x.state, 0.1, r->x.h, memory);
+    double *memory = malloc(r->x.s.engine->tangent_work(&r->x.s) * sizeof *memory);
+    const dm_status status = r->x.s.engine->tangent(&r->x.s, D, r->x.state, 0.1, r->x.h, memory);
     free(memory);
     if (status != DM_OK) return NAN;
     for (uint32_t i = 0; i < N; i++)
@@ -50,8 +50,8 @@ static double symplectic_defect(run *r) {
 static void check_tangent(run *r) {
     const uint32_t n = r->p.n, N = 2 * n;
     double D[64], start[4 * PROBLEM_SIZE + 8];
-    double *memory = malloc(dm_curve_tangent_work(&r->x.s) * sizeof *memory);
-    CHECK(dm_curve_tangent(&r->x.s, D, r->x.state, 0.1, r->x.h, memory) == DM_OK);
+    double *memory = malloc(r->x.s.engine->tangent_work(&r->x.s) * sizeof *memory);
+    CHECK(r->x.s.engine->tangent(&r->x.s, D, r->x.state, 0.1, r->x.h, memory) == DM_OK);
     free(memory);
     memcpy(start, r->x.state, sizeof start);
     for (uint32_t i = 0; i < N; i++) {
