@@ -15,8 +15,8 @@ function M.solver_of(solver, system, h)
   return system:solver { rule = rule, h = h or solver.h, newton = newton(solver) }
 end
 
---- Does the rule step the prolonged system by its own tangent? Not where its method is not linear in
--- the values of f, which in L~ are not those of L and their derivatives side by side.
+--- Does the rule step the prolonged system by its own tangent? Not where its method is not linear
+-- in the values of f, which in L~ are not those of L and their derivatives side by side.
 function M.prolongs(solver)
   local rule = solver.rule
   return type(rule) == "string" or rule.linear ~= false

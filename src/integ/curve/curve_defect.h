@@ -1,6 +1,6 @@
-/* curve_defect.h - the equations R(q, v, t, w) = 0 of curve_field.h as nodes of a graph, all of them
- * in one: psi = U . R + l L. The graph has the inputs (q[n], v[n], t, w[N], U[N], l, u[controls]),
- * then what its maker wants. */
+/* curve_defect.h - the equations R(q, v, t, w) = 0 of curve_field.h as nodes of a graph, all of
+ * them in one: psi = U . R + l L. The graph has the inputs (q[n], v[n], t, w[N], U[N], l,
+ * u[controls]), then what its maker wants. */
 #ifndef DM_CURVE_DEFECT_H
 #define DM_CURVE_DEFECT_H
 

@@ -1,4 +1,5 @@
-/* curve_segment_written.c - a segment of a method that is no tableau: three kernels of all of it. */
+/* curve_segment_written.c - a segment of a method that is no tableau: three kernels of all of
+ * it. */
 #include "integ/curve/curve_segment.h"
 
 #include <math.h>
