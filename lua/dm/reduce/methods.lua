@@ -33,8 +33,41 @@ core.method("dm.solver", "run", blame.relay(guarded, "run"), run_doc .. [[
 
 A failure of a reduced system (system:routh) has a reason: "collapse" (the locked inertia vanishes;
 also raised where a step jumped through such a shape), "pole" or "edge" of the coordinates. Jumps
-are looked for at the rows that are kept and, where these are suspect, between them: with every = k
-fewer may be seen. Members of ensembles are not looked through for jumps: watch = { "energy" } shows
+are looked for at every step of runs of up to 20000 steps, whatever rows are kept (steps between
+rows are made again), in longer ones at the rows that are kept and, where these are suspect, between
 them.]])
+
+local ensemble, ensemble_doc = core.method("dm.solver", "ensemble")
+
+local function guarded_ensemble(solver, options)
+  local routh = package.loaded["dm.reduce.routh"]
+  if routh and pcall(function() return solver.system end) and routh.info(solver.system) then
+    return require "dm.reduce.run.members".ensemble(ensemble, run, solver, options)
+  end
+  return ensemble(solver, options)
+end
+
+core.method("dm.solver", "ensemble", blame.relay(guarded_ensemble, "ensemble"), ensemble_doc .. [[
+
+Members of a reduced system (system:routh) are looked through for jumps: status[i] is "collapse",
+"pole" or "edge" where a run of its own would have been refused, failures() names the step; q and p
+are those of its end. All members are, where these take up to 20000 steps in all, else those whose
+energy at the end has moved by more than 2 %, the 256 that moved most. Not looked through are
+ensembles that only watch, of more than 1000 members with less than 500 steps each, and long ones
+with vary, a force or a time in L.]])
+
+local failures, failures_doc = core.method("dm.ensemble", "failures")
+core.method("dm.ensemble", "failures", blame.relay(function(e)
+  local members = package.loaded["dm.reduce.run.members"]
+  if members then return members.failures(failures, e) end
+  return failures(e)
+end, "failures"), failures_doc)
+
+local class = debug.getregistry()["dm.ensemble"]
+local text = class.__tostring
+class.__tostring = function(e)
+  local members = package.loaded["dm.reduce.run.members"]
+  return members and members.text(text, e) or text(e)
+end
 
 return {}

@@ -155,19 +155,29 @@ local function around_origin(path, info, run, row)
   return left and jumps.again(path, run, left - 1, left)
 end
 
--- the first wrong step of a run, { path, row, code, why }, or nothing; run(options) steps again
-local function wrong(path, info, run, failed)
-  if path.watched or #path < 2 and not failed then return nil end
-  local found, dense, row = nil, path, nil
+-- The first wrong step of a run, { path, row, code, why, whole = the path that begins with the
+-- start }, or nothing; run(options) steps again, all_steps(path) makes all of them where these are
+-- not too many.
+local function wrong(path, info, run, all_steps, failed)
+  if path.watched or #path < 1 then return nil end
+  local found, dense, row, whole = nil, path, nil, path
   if #path >= path.steps + 1 then
     found = first_wrong(path, info, path)
   else
-    found, row = first_between(path, info, run)
-    dense = (found or failed) and around_origin(path, info, run, row) or nil
-    if dense then found = first_wrong(dense, info, path) or found end
+    local all = not failed and all_steps(path)
+    if all then
+      if path.t[1] > all.t[1] or #path < 2 then whole = all end
+      found, dense = first_wrong(all, info, whole), all
+    else
+      found, row = first_between(path, info, run)
+      dense = (found or failed) and around_origin(path, info, run, row) or nil
+      if dense then found = first_wrong(dense, info, path) or found end
+    end
   end
   if not found and not failed then return nil end
-  return dense and #dense >= 2 and with_origin(found, dense, info, path) or found
+  local out = dense and #dense >= 2 and with_origin(found, dense, info, whole) or found
+  if out then out.whole = whole end
+  return out
 end
 
 ---- what is raised ----
@@ -215,15 +225,30 @@ end
 
 -- raises for a path that lost its way; a run that failed at an edge keeps that reason, with what
 -- was wrong before
-local function look(path, info, run, failure)
+local function look(path, info, run, all_steps, failure)
   local stopped = failure and failure.code == "stopped"
-  local fine, found = pcall(wrong, path, info, run, failure and not stopped)
+  local fine, found = pcall(wrong, path, info, run, all_steps, failure and not stopped)
   if failure then explain(path.system, info, failure) end
   if not fine or not found or not found.code and not failure then return end
-  if not failure or failure.reason ~= "edge" and not found.alone then raise(path, found) end
+  if not failure or failure.reason ~= "edge" and not found.alone then raise(found.whole, found) end
   local _, which = name_of(found, path)
   failure.message = ("%s; before that %s %s"):format(failure.message, which,
     found.why or "left its energy")
+end
+
+local KEPT = { "q", "v", "p", "q0", "q1", "p0", "t0", "project" } -- of the options of a run
+
+-- path -> all its steps, from the same start, or nothing: too many, or they fail
+local function all_steps_of(plain, solver, options)
+  return function(path)
+    local again = { steps = path.steps }
+    for _, key in ipairs(KEPT) do again[key] = options[key] end
+    local fine, all = false, nil
+    if path.steps >= 1 and path.steps <= jumps.LONGEST then
+      fine, all = pcall(plain, solver, again)
+    end
+    return fine and all or nil
+  end
 end
 
 --- solver:run of a reduced system; plain is the method without this. Positions are put in front by
@@ -244,7 +269,7 @@ function M.run(plain, solver, options)
     look(path, info, function(again)
       again.project = options.project
       return plain(solver, again)
-    end, failure)
+    end, all_steps_of(plain, solver, options), failure)
   end
   if failure then error(failure, 0) end
   return path

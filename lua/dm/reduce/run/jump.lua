@@ -18,6 +18,7 @@ local TINY, LARGE, HUGE, STANDS_OUT = 1e-7, 1e-3, 0.1, 30
 local ZERO, SINGULAR = 1e-6, 1e-3
 -- rows looked at; rows of which all are; rows run again, and their steps
 local LOOKED_AT, FEW, AGAIN, LONGEST = 64, 2000, 8, 20000
+M.LONGEST = LONGEST
 
 --- The mass of the shape that a path is of at (x, t), or nothing.
 function M.mass(path, x, t)
