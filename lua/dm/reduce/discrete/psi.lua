@@ -66,14 +66,30 @@ function M.make(D)
   end, info.d, info.d, m)
 end
 
--- the same on numbers, or nothing where the line has no velocity of the group
+-- h theta' of the straight line on numbers: traced once, since D is of the L that it was made for
+local function line_of(D)
+  local line = rawget(D, "line")
+  if line then return line end
+  local info, h = D.info, D.h
+  if info.root then
+    local rate = shape_of.rate_of(info)
+    function line(x0, x1) return h * rate((x0 + x1) / 2, (x1 - x0) / h, 0) end
+  else
+    line = core.trace(M.straight(D), info.d, info.d)
+  end
+  D.line = line
+  return line
+end
+
+-- the same, 0 where the line has no velocity of the group
 local function first_guess(D, x0, x1)
-  local info = D.info
-  local fine, rate = pcall(function()
-    return shape_of.rate_of(info)((x0 + x1) / 2, (x1 - x0) / D.h, 0)
-  end)
+  local fine, guess = pcall(line_of(D), x0, x1)
+  if not fine then return core.zeros(D.info.m) end
+  local sum = 0
+  for a = 1, D.info.m do sum = sum + abs(guess[a]) end
+  if sum < math.huge then return guess end
   local out = {}
-  for a = 1, info.m do out[a] = fine and abs(rate[a]) < math.huge and D.h * rate[a] or 0 end
+  for a = 1, D.info.m do out[a] = abs(guess[a]) < math.huge and guess[a] or 0 end
   return core.vector(out)
 end
 
