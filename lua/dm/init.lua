@@ -90,6 +90,7 @@ local rows = {
   ["mesh:link"] = "dm.dec.parts",
   ["mesh:make_delaunay"] = "dm.dec.parts",
   ["mesh:open_star"] = "dm.dec.parts",
+  ["mesh:save"] = "dm.dec.save",
   ["mesh:skeleton"] = "dm.dec.parts",
   ["mesh:subcomplex"] = "dm.dec.parts",
   ["mesh:vector_field"] = "dm.dec.field",

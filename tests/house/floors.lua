@@ -23,8 +23,8 @@ floors.src = {
 
 -- kept free: connection (above group), sweep (above measure)
 floors.lua = {
-  "base", "group", "action", "frame", "show", "show/animate", "data", "dec", "dec/homology",
-  "dec/equations", "chart", "measure", "stability", "reduce/routh", "reduce/discrete",
+  "base", "group", "action", "frame", "show", "show/animate", "data", "dec/files", "dec",
+  "dec/homology", "dec/equations", "chart", "measure", "stability", "reduce/routh", "reduce/discrete",
   "reduce/equilibria", "reduce/run", "reduce", "scene", "demos", "session",
 }
 

@@ -2,6 +2,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local files = require "dm.dec.files"
 local form = require "dm.dec.form"
 require "dm.dec.chain"
 require "dm.dec.field"
@@ -43,6 +44,7 @@ end
 
 --- From options to a mesh.
 M.mesh = blame.caller(function(options)
+  if type(options) == "string" then return core.complex(files.read(options)) end
   option.check(options, KNOWN, "dm.mesh")
   local name = name_of(options)
   local given = name and named.make(name, options)
@@ -56,6 +58,7 @@ end)
 
 core.docs[M.mesh] = [[
 dm.mesh{simplices=, points= | lengths=, dual=, map=} or dm.mesh{name = size, ...} -> dm.mesh
+dm.mesh(file) -> dm.mesh
 A simplicial mesh of dimension 1 to 8: simplices, lists of vertex numbers from 1; points, a list of
 points in any space, or lengths of edges (a number, a list, a function(i, j) with i < j), or
 neither, for topology alone. map(x, y, ...) gives the list of the moved point; dual = "barycentric"
@@ -63,7 +66,10 @@ takes duals from barycentres in place of circumcentres. dm.complex says what is 
 By name: grid = N (unit square), triangle = N (equilateral), annulus = {rings, m} with ratio =,
 hex_torus = N, square_torus = N, torus = {nu, nv} with radii = {R, r}, klein = n, icosphere = s,
 bcc = N (flat 3-torus), cube_tiling = N, simplex_boundary = m, cross_polytope = m, shells = {n, L},
-named = "csaszar7" | "rp2" | "dunce".]]
+named = "csaszar7" | "rp2" | "dunce".
+From a file: .obj, .off, .msh (Gmsh 2.2 and 4.1), .mesh (Medit), .node and .ele (Triangle, TetGen),
+as text. Points whose third coordinate is the same everywhere lie in the plane; of .msh and .mesh
+the simplices of the highest dimension count. Errors name the line.]]
 
 ---- forms ----
 
