@@ -49,6 +49,10 @@ M.mesh = blame.caller(function(options)
   local name = name_of(options)
   local given = name and named.make(name, options)
     or { simplices = options.simplices, points = options.points, lengths = options.lengths }
+  if not given.simplices and given.points then -- Delaunay
+    given.points = core.matrix(given.points)
+    given.simplices, given.degree = core.delaunay(given.points), #given.points[1]
+  end
   if options.map then
     given.points = moved(given.points and core.matrix(given.points), options.map)
   end
@@ -61,8 +65,9 @@ dm.mesh{simplices=, points= | lengths=, dual=, map=} or dm.mesh{name = size, ...
 dm.mesh(file) -> dm.mesh
 A simplicial mesh of dimension 1 to 8: simplices, lists of vertex numbers from 1; points, a list of
 points in any space, or lengths of edges (a number, a list, a function(i, j) with i < j), or
-neither, for topology alone. map(x, y, ...) gives the list of the moved point; dual = "barycentric"
-takes duals from barycentres in place of circumcentres. dm.complex says what is refused.
+neither, for topology alone. Points alone: their Delaunay triangulation (dm.delaunay). map(x, y,
+...) gives the list of the moved point; dual = "barycentric" takes duals from barycentres in place
+of circumcentres. dm.complex says what is refused.
 By name: grid = N (unit square), triangle = N (equilateral), annulus = {rings, m} with ratio =,
 hex_torus = N, square_torus = N, torus = {nu, nv} with radii = {R, r}, klein = n, icosphere = s,
 bcc = N (flat 3-torus), cube_tiling = N, simplex_boundary = m, cross_polytope = m, shells = {n, L},

@@ -245,6 +245,24 @@ static int mesh_wedge_values(lua_State *L) {
     return 1;
 }
 
+/* "mesh of dimension 2: 162, 480, 320 cells; orientable, chi 2" */
+static int mesh_text(lua_State *L) {
+    const dml_mesh *m = dml_checkmesh(L, 1);
+    luaL_Buffer b;
+    luaL_buffinit(L, &b);
+    lua_pushfstring(L, "mesh of dimension %d: ", (int)m->K.n);
+    luaL_addvalue(&b);
+    for (uint32_t k = 0; k <= m->K.n; k++) {
+        lua_pushfstring(L, k ? ", %d" : "%d", (int)m->K.count[k]);
+        luaL_addvalue(&b);
+    }
+    lua_pushfstring(L, " cells; %sorientable, chi %d%s", m->K.orientation ? "" : "not ",
+                    (int)dm_complex_euler(&m->K), m->measured ? "" : ", without a metric");
+    luaL_addvalue(&b);
+    luaL_pushresult(&b);
+    return 1;
+}
+
 /* found when first asked for */
 static int push_manifold(lua_State *L, dml_mesh *m) {
     if (m->manifold < 0) m->manifold = dm_parts_manifold(&m->K, dml_pusharena(L));
@@ -331,6 +349,8 @@ static const dml_row methods[] = {
      "(the default), \"metric\" or \"cup\": see form:wedge."},
     {NULL, NULL, NULL}};
 
+static const dml_row meta[] = {{"__tostring", mesh_text, NULL}, {NULL, NULL, NULL}};
+
 static const dml_row functions[] = {
     {"complex", dml_mesh_new,
      "dm.complex{simplices=, points= | lengths=, dual=, vertices=, degree=} -> dm.mesh\n"
@@ -348,6 +368,7 @@ const dml_class dml_class_mesh = {
            "by dm.mesh{...}\n"
            "fields: dimension, ambient (of its points), euler, orientable, manifold, pure, "
            "measured, dual (\"circumcentric\", \"barycentric\"), bytes",
+    .meta = meta,
     .methods = methods,
     .field = mesh_field,
     .functions = functions,

@@ -29,6 +29,7 @@ ok(turned:form(2, { 1, 2 }):dot(turned:form(2, { 1, 2 })) > 0, "products are pos
 local rp2 = dm.mesh { named = "rp2" }
 ok(rp2:form(2, rp2:volume(2)):delta():norm() > 0, "delta without orientation")
 raises("orient", function() return rp2:form(2, rp2:volume(2)):star() end)
+ok(tostring(dm.mesh { icosphere = 1 }) == "mesh of dimension 2: 42, 120, 80 cells; orientable, chi 2", "a mesh as text")
 raises("degree", function() return f + a end)
 raises("mesh", function() return f + dm.mesh { simplices = { { 1, 2, 3, 4 } } }:form(0, { 1, 2, 3, 4 }) end)
 raises("4 cells", function() return square:form(0, { 1, 2 }) end)
