@@ -7,8 +7,8 @@ const dm_solvers *dml_solvers(const char **why) {
     static const dm_solvers *solvers;
     static char reason[DML_WHY];
     if (!solvers && !reason[0])
-        solvers = dml_module("sparse", DM_SOLVERS_SYMBOL, "libsuitesparse-dev, libarpack2-dev",
-                             reason);
+        solvers =
+            dml_module("sparse", DM_SOLVERS_SYMBOL, "libsuitesparse-dev, libarpack2-dev", reason);
     *why = solvers ? NULL : reason;
     return solvers;
 }
