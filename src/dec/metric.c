@@ -4,6 +4,7 @@
 #include "dec/metric.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Where a cell counts as flat: (k! volume)^2 against the longest edge to the power 2 k. Lengths in
@@ -239,28 +240,49 @@ static dm_status take(dm_metric *out, dm_arena *arena, const dm_complex *K) {
     return DM_OK;
 }
 
+/* Squares of lengths whose powers might leave the range of numbers, in units of a power of 4 near
+ * the longest; returns the power of 2 of the lengths, 0 for all others. */
+static int choose_unit(dm_cell_metric *c, uint32_t k, double *longest) {
+    enum { FAR = 100 };
+    int exponent;
+    frexp(*longest, &exponent);
+    const int half = exponent / 2;
+    if (abs(exponent) < FAR) return 0;
+    for (uint32_t i = 0; i <= k; i++)
+        for (uint32_t j = 0; j <= k; j++) c->length2[i][j] = ldexp(c->length2[i][j], -2 * half);
+    *longest = ldexp(*longest, -2 * half);
+    return half;
+}
+
 /* the volume of a triangle or a larger simplex; 0: it is flat or cannot be */
 static double volume_of(const dm_metric *metric, const dm_complex *K, uint32_t k, uint32_t cell) {
     static const uint32_t v[DM_DIMENSION + 1] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
     dm_cell_metric c;
-    double G[DM_DIMENSION][DM_DIMENSION], longest = 0.0, det, scale = 1.0;
-    if (k == 2) {
-        const uint32_t *e = K->face[2] + 3 * (size_t)cell;
-        const double l[3] = {metric->length2[e[0]], metric->length2[e[1]], metric->length2[e[2]]};
-        longest = fmax(fmax(l[0], l[1]), l[2]);
-        det = area4_squared(l[0], l[1], l[2]) / 4.0;
-    } else {
-        read_faces(&c, K, k, cell);
-        read_lengths(&c, metric->length2);
-        for (uint32_t i = 0; i <= k; i++)
-            for (uint32_t j = 0; j < i; j++) longest = fmax(longest, c.length2[i][j]);
-        det = factor_gram(G, &c, v, k);
-    }
+    double G[DM_DIMENSION][DM_DIMENSION], longest = 0.0, scale = 1.0;
+    read_faces(&c, K, k, cell);
+    read_lengths(&c, metric->length2);
+    for (uint32_t i = 0; i <= k; i++)
+        for (uint32_t j = 0; j < i; j++) longest = fmax(longest, c.length2[i][j]);
+    const int unit = choose_unit(&c, k, &longest);
+    const double det = k == 2
+                           ? area4_squared(c.length2[1][2], c.length2[0][2], c.length2[0][1]) / 4.0
+                           : factor_gram(G, &c, v, k);
     for (uint32_t i = 0; i < k; i++) scale *= longest;
     if (!(det > FLAT * scale)) return 0.0;
     scale = sqrt(det);
     for (uint32_t i = 2; i <= k; i++) scale /= i;
-    return scale;
+    return unit ? ldexp(scale, unit * (int)k) : scale;
+}
+
+/* the same of a triangle, of which there are many, by its edges */
+static double area_of(const dm_metric *metric, const dm_complex *K, uint32_t cell) {
+    static const double LEAST = 0x1p-100, MOST = 0x1p100;
+    const uint32_t *e = K->face[2] + 3 * (size_t)cell;
+    const double l[3] = {metric->length2[e[0]], metric->length2[e[1]], metric->length2[e[2]]};
+    const double longest = fmax(fmax(l[0], l[1]), l[2]);
+    if (!(longest > LEAST && longest < MOST)) return volume_of(metric, K, 2, cell);
+    const double det = area4_squared(l[0], l[1], l[2]) / 4.0;
+    return det > FLAT * (longest * longest) ? sqrt(det) / 2 : 0.0;
 }
 
 /* each cell by itself: the volume of a face is the same number in every cell that has it. 0: cell
@@ -273,7 +295,7 @@ static int measure_degree(dm_metric *out, const dm_complex *K, uint32_t k, uint3
         else if (k == 1)
             *volume = sqrt(out->length2[*cell]);
         else
-            *volume = volume_of(out, K, k, *cell);
+            *volume = k == 2 ? area_of(out, K, *cell) : volume_of(out, K, k, *cell);
         if (!(*volume > 0.0)) return 0;
     }
     return 1;

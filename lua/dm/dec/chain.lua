@@ -173,7 +173,14 @@ class.method("dm.mesh", "chain", function(K, k, terms)
   if math_type(k) ~= "integer" or k < 0 or k > K.dimension then
     fail("mesh:chain", "a degree from 0 to %d is needed (got %s)", K.dimension, option.got(k))
   end
+  if terms ~= nil and type(terms) ~= "table" then
+    fail("mesh:chain", "a list of terms { integer, { vertices } } is needed (got %s)",
+      option.got(terms))
+  end
   for i, t in ipairs(terms or {}) do
+    if type(t) ~= "table" then
+      fail("mesh:chain", "term %d must be { integer, { vertices } } (got %s)", i, option.got(t))
+    end
     local cell, x = term(K, k, t, i)
     add(out, cell, x)
   end

@@ -19,8 +19,20 @@ local rawequal, getmetatable, type = rawequal, getmetatable, type
 local function listed(a) return a.side == "dual" and a.mesh.dimension - a.degree or a.degree end
 M.listed = listed
 
---- A form of a mesh; values: a dm.vector, as many as there are cells.
+local function is_finite(x) return x - x == 0 end
+
+--- A form of a mesh; values: a dm.vector, as many as there are cells. Raises where one is NaN or
+-- infinite.
 function M.new(mesh, degree, side, values)
+  local zeros = 0 * values  -- NaN where an entry is not finite
+  if not is_finite(zeros:dot(zeros)) then
+    for i = 1, #values do
+      if not is_finite(values[i]) then
+        fail("dm.form", "value %d of a %s %d-form is %s: values must be finite", i, side, degree,
+          values[i] ~= values[i] and "NaN" or "infinite")
+      end
+    end
+  end
   return setmetatable({ mesh = mesh, degree = degree, side = side, values = values }, Form)
 end
 local new = M.new
@@ -198,10 +210,12 @@ class.method("dm.form", "dot", function(a, b)
   match(a, b, "form:dot")
   local K, k = a.mesh, listed(a)
   local sign = a.side == "dual" and k * a.degree % 2 == 1 and -1 or 1
-  return sign * K:star_values(k, a.values, a.side == "dual" and "primal" or "dual"):dot(b.values)
+  local product = K:star_values(k, a.values, a.side == "dual" and "primal" or "dual"):dot(b.values)
+  if not is_finite(product) then fail("form:dot", "the product is too large for a number") end
+  return sign * product
 end, [[
 a:dot(b) -> number
-The L2 product of two forms of one kind, sum of |*s| / |s| a(s) b(s).]])
+The L2 product of two forms of one kind, sum of |*s| / |s| a(s) b(s). Raises where it overflows.]])
 
 class.method("dm.form", "norm", function(a)
   local square = a:dot(a)

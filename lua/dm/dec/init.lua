@@ -28,6 +28,19 @@ local function name_of(options)
   return found
 end
 
+-- what belongs to one kind of mesh alone: options, and what they go with
+local GOES_WITH = { ratio = "annulus", radii = "torus", simplices = "simplices",
+  points = "simplices", lengths = "simplices" }
+
+local function check_kind(options, name)
+  for key, with in pairs(GOES_WITH) do
+    if options[key] ~= nil and with ~= (name or "simplices") then
+      if key == with then fail("give one of '%s' and '%s'", key, name) end
+      fail("'%s' goes with '%s'%s", key, with, name and (", not with '%s'"):format(name) or "")
+    end
+  end
+end
+
 -- points moved by map(x, y, ...)
 local function moved(points, map)
   if not points then fail("'map' moves points, and this mesh is made of lengths") end
@@ -47,6 +60,7 @@ M.mesh = blame.caller(function(options)
   if type(options) == "string" then return core.complex(files.read(options)) end
   option.check(options, KNOWN, "dm.mesh")
   local name = name_of(options)
+  check_kind(options, name)
   local given = name and named.make(name, options)
     or { simplices = options.simplices, points = options.points, lengths = options.lengths }
   if not given.simplices and given.points then -- Delaunay

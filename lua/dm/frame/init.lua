@@ -111,8 +111,8 @@ local function check_section(self)
     end
   end
   if #value ~= self.r then
-    fail("the cross-section has %d equation%s, but the group has %d dimension%s: a frame needs as "
-      .. "many equations as dimensions", #value, #value == 1 and "" or "s", self.r,
+    fail("the cross-section has %d equation%s, but the group has %d dimension%s: it must return as "
+      .. "many numbers as the group has dimensions", #value, #value == 1 and "" or "s", self.r,
       self.r == 1 and "" or "s")
   end
 end

@@ -52,9 +52,23 @@ function M.list(given, d, what)
   return out
 end
 
+-- several values of a function are the entries of its list
+local function several(...)
+  local out = table.pack(...)
+  for i = 1, out.n do
+    local class = kits.class_of(out[i])
+    if out[i] == nil or class == "table" or class == "dm.vector" then
+      error(("must return one list or several numbers: value %d of %d is %s")
+        :format(i, out.n, out[i] == nil and "nil" or "a list"), 0)
+    end
+  end
+  out.n = nil
+  return out
+end
+
 --- a number, a table or a vector as a list; also what a function returns as several values
 function M.entries(value, ...)
-  if select("#", ...) > 0 then return { value, ... } end
+  if select("#", ...) > 0 then return several(value, ...) end
   if type(value) == "table" then return { table.unpack(value) } end
   local fine, count = pcall(function() return #value end)
   if not fine or type(value) == "string" then return { value } end

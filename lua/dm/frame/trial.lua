@@ -19,7 +19,8 @@ local huge, max, min = math.huge, math.max, math.min
 
 -- how many samples by dim G, so that a frame is made in a few milliseconds
 local FORMULAS, ROOTS = { 48, 48, 32, 24, 24, 16, 12, 8 }, { 24, 16, 8, 8, 6, 3, 2, 1 }
-local LOST = 6           -- samples' worth of time to find that there is no root
+local LOST = 6           -- samples' worth of time to find that there is no root,
+local OUTSIDE = 1 / 16   -- that the points are outside of the domain
 local ON_SECTION = 6     -- samples of which one must lead to the section
 local TANGENTIAL = 3     -- samples with a singular root that are enough, if there are no others
 local SIZES = { 1, 0.3, 3, 1, 0.1, 10 } -- of points
@@ -223,12 +224,12 @@ local function large(G, seed)
   return other and kit.compose(other, h) or h
 end
 
--- the frame at sample `seed` and where a large element moves it; nothing where nothing is told, and
--- why: what the formula raises, or why there is no root
+-- The frame at sample `seed` and where a large element moves it; nothing where nothing is told, and
+-- why: what the formula raises, or why there is no root; true: the sample is outside of the domain
 local function try(trial, seed)
   local frame = trial.frame
   local list = sample(frame, seed)
-  if not list then return nil end
+  if not list then return nil, nil, true end
   local a, why = frame_of(trial, list)
   if not a then return nil, why end
   local h = large(frame.group, seed)
@@ -248,14 +249,23 @@ function M.check(frame, section)
   local told, first, tangential, seed = false, nil, 0, 0
   while left > 0 or not told and tangential == seed and seed < TANGENTIAL do
     seed = seed + 1
-    local a, why = try(trial, seed)
-    left = left - ((a or frame.solution) and 1 or LOST)
+    local a, why, outside = try(trial, seed)
+    local cost = (a or frame.solution) and 1 or LOST
+    left = left - (outside and OUTSIDE or cost)
     told, first = told or a ~= nil, first or why
     tangential = tangential + (not frame.solution and is_singular(why) and 1 or 0)
   end
-  if told or not first then return end
+  if told then return end
+  if not first then
+    refuse("no point tried was finite: %d samples of numbers up to 10 %s, and nothing is known of "
+      .. "the frame. Take units and an origin in which such points are inside the domain of %s, or "
+      .. "say where points are by the action's domain(z) > 0", seed,
+      frame.action.domain and "in the domain of the action" or "on the space of the action",
+      frame.solution and "section and solution" or "the section")
+  end
   if frame.solution then fail("the solution fails at random points: %s", blame.bare(first)) end
   if tangential == seed then text.refuse(frame, frame.r) end
+  refuse("there was none at %d samples of points of size 0.1 to 10: %s", seed, blame.bare(first))
 end
 
 --- Points on the section, from one of the first samples that have a frame; nothing where none has.

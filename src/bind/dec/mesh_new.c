@@ -160,6 +160,8 @@ static void read_points(lua_State *L, dm_arena *arena, dml_mesh *m) {
     const uint32_t count = m->K.count[0];
     const int points = lua_gettop(L);
     const dml_array *a = dml_toarray(L, points, 2);
+    if (!a && lua_type(L, points) != LUA_TTABLE)
+        dml_wrongfield(L, "points", "a list of points or a matrix of rows");
     const lua_Integer rows = a ? (lua_Integer)a->rows : luaL_len(L, points);
     if (rows != (lua_Integer)count)
         luaL_error(L, "dm.mesh: there are %d vertices, but %I points", (int)count, rows);
@@ -181,10 +183,11 @@ static void read_points(lua_State *L, dm_arena *arena, dml_mesh *m) {
 
 /* The length of edge e, on top of the stack. */
 static double length_of(lua_State *L, const dml_mesh *m, uint32_t e) {
-    const double length = lua_tonumber(L, -1);
-    if (lua_type(L, -1) != LUA_TNUMBER || !(length > 0.0) || !isfinite(length))
+    const int at = lua_gettop(L);
+    const double length = lua_tonumber(L, at);
+    if (lua_type(L, at) != LUA_TNUMBER || !(length > 0.0) || !isfinite(length))
         luaL_error(L, "dm.mesh: the length of edge %s must be a number > 0 (got %s)",
-                   dml_pushcell(L, m->K.vertex[1] + 2 * (size_t)e, 2), luaL_tolstring(L, -2, NULL));
+                   dml_pushcell(L, m->K.vertex[1] + 2 * (size_t)e, 2), luaL_tolstring(L, at, NULL));
     return length;
 }
 
@@ -202,7 +205,7 @@ static void read_lengths(lua_State *L, const dml_mesh *m, double *length2) {
             lua_pushvalue(L, given);
             lua_pushinteger(L, (lua_Integer)m->K.vertex[1][2 * (size_t)e] + 1);
             lua_pushinteger(L, (lua_Integer)m->K.vertex[1][2 * (size_t)e + 1] + 1);
-            lua_call(L, 2, 1);
+            dml_callone(L, 2, "lengths");
         } else if (kind == LUA_TNUMBER) {
             lua_pushvalue(L, given);
         } else {
@@ -229,6 +232,21 @@ static dm_centres read_centres(lua_State *L) {
     return centres;
 }
 
+/* Volumes are powers of lengths: an edge so long, or so short, that they are no numbers. */
+static void check_range(lua_State *L, const dml_mesh *m, const double *length2) {
+    static const double RANGE = 290.0; /* powers of ten */
+    const double n = fmax(2.0, m->K.n);
+    for (uint32_t e = 0; e < m->K.count[1]; e++)
+        if (length2[e] != 0.0 || !m->points) { /* two equal points are told as such */
+            if (fabs(log10(length2[e]) / 2.0) * n < RANGE) continue;
+            luaL_error(L,
+                       "dm.mesh: edge %s is too %s for volumes of degree %d, which leave the "
+                       "range of numbers: take another unit of length",
+                       dml_pushcell(L, m->K.vertex[1] + 2 * (size_t)e, 2),
+                       length2[e] > 1.0 ? "long" : "short", (int)n);
+        }
+}
+
 /* Squares of lengths, then all volumes and duals. They are made from lengths alone, also where
  * there are points, so that both roads give the same numbers. */
 static void measure(lua_State *L, dm_arena *arena, dml_mesh *m) {
@@ -242,6 +260,7 @@ static void measure(lua_State *L, dm_arena *arena, dml_mesh *m) {
         read_lengths(L, m, length2);
     else
         dm_metric_lengths(length2, &m->K, m->points, m->ambient);
+    check_range(L, m, length2);
     const dm_status status = dm_metric_build(&m->metric, arena, &m->K, length2, centres, &k, &cell);
     if (status == DM_NO_MEMORY) luaL_error(L, "dm.mesh: not enough memory");
     if (status != DM_OK)

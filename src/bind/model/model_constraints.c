@@ -103,7 +103,7 @@ static int flat_call(lua_State *L) {
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_insert(L, 1);
     lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
-    if (lua_gettop(L) > 1) return lua_gettop(L);
+    if (lua_gettop(L) != 1) return lua_gettop(L);
     if (lua_type(L, 1) != LUA_TTABLE && lua_type(L, 1) != LUA_TUSERDATA) return 1;
     lua_newtable(L);
     const lua_Integer rows = luaL_len(L, 1);
@@ -220,6 +220,7 @@ void dml_traceconstraints(lua_State *L, int arg, dml_model *m) {
         if (!m->constraint[i].graph)
             luaL_error(L, "%s makes more than %d operations: too many to trace", keys[i],
                        DM_GRAPH_LIMIT);
+        dml_refusenans(L, m->constraint + i, keys[i]);
         any = 1;
     }
     if (!any) return;

@@ -1,0 +1,56 @@
+-- meshes and forms that are refused: the message says what it is, sizes at the edge of what numbers hold are none of them
+local tap = require "tap"
+local dm = require "dm"
+local near, raises = tap.near, tap.raises
+
+local function edge(lengths) return dm.mesh { simplices = { { 1, 2, 3 } }, lengths = lengths } end
+raises("the length of edge {1, 2} must be a number > 0 (got nil)", edge, function() return nil end)
+raises("(got x)", edge, function() return "x" end)
+raises("lengths must return one value", edge, function() return 1, 2 end)
+
+-- the volume of a regular simplex of side a and degree n: a^n sqrt((n + 1)/2^n)/n!
+local function simplex(n, a)
+  local ids = {}
+  for i = 1, n + 1 do ids[i] = i end
+  return dm.mesh { simplices = { ids }, lengths = a }
+end
+for _, case in ipairs { { 8, 1e30 }, { 8, 1e-30 }, { 3, 1e90 }, { 2, 1e-140 }, { 1, 1e140 }, { 5, 1 } } do
+  local n, a = table.unpack(case)
+  local expected = ((n + 1) / 2 ^ n) ^ 0.5
+  for i = 1, n do expected = expected * a / i end
+  near(simplex(n, a):volume(n)[1] / expected, 1, 1e-13, ("a simplex of degree %d and side %g"):format(n, a))
+end
+raises("too short for volumes of degree 2", simplex, 1, 1e-170)
+raises("too long for volumes of degree 8", simplex, 8, 1e100)
+raises("too short for volumes of degree 8", simplex, 8, 1e-100)
+raises("Cayley-Menger", edge, { 1, 1, 3 })
+
+-- options that belong to another kind of mesh
+raises("'ratio' goes with 'annulus', not with 'grid'", dm.mesh, { grid = 2, ratio = 3 })
+raises("'radii' goes with 'torus', not with 'annulus'", dm.mesh, { annulus = { 2, 5 }, ratio = 3, radii = { 2, 1 } })
+raises("'points' goes with 'simplices', not with 'icosphere'", dm.mesh, { icosphere = 1, points = { { 1 } } })
+raises("'lengths' goes with 'simplices', not with 'klein'", dm.mesh, { klein = 4, lengths = 1 })
+raises("give one of 'simplices' and 'grid'", dm.mesh, { grid = 2, simplices = { { 1, 2 } } })
+raises("'ratio' goes with 'annulus'", dm.mesh, { simplices = { { 1, 2 } }, ratio = 2 })
+raises("points", dm.mesh, { simplices = { { 1, 2 } }, points = 3 })
+
+local K = dm.mesh { grid = 2 }
+raises("term 1 must be { integer, { vertices } } (got 1)", K.chain, K, 1, { 1 })
+raises("a list of terms", K.chain, K, 1, 7)
+
+-- forms have finite values, whatever makes them
+local many = {}
+for i = 1, K:count(0) do many[i] = i == 4 and 0 / 0 or 1 end
+raises("value 4 of a primal 0-form is NaN", K.form, K, 0, many)
+many[4] = 1 / 0
+raises("value 4 of a primal 0-form is infinite", K.form, K, 0, dm.vector(many))
+local large = K:form(0, function() return 1e308 end)
+raises("infinite", function() return large + large end)
+raises("infinite", function() return 10 * large end)
+raises("infinite", function() return large / 1e-3 end)
+raises("infinite", function() return large:wedge(large) end)
+raises("too large", large.dot, large, large)
+raises("too large", large.norm, large)
+local sign = 1
+raises("infinite", function() return K:form(0, function() sign = -sign return sign * 1.7e308 end):d() end)
+tap.done()

@@ -1,0 +1,43 @@
+-- frames are tried when they are made: none is made of which nothing is known, and what section and branch return is looked at
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+
+local shift = dm.action { group = dm.R(1), on = dm.R(2), map = function(g, z) return { z[1] + g[1], z[2] } end }
+local function frame(section, solution, branch)
+  return dm.moving_frame { action = shift, cross_section = section, solution = solution, branch = branch }
+end
+local function first(z) return z[1] end
+raises("no point tried was finite", frame, first, function() return { 0 / 0 } end)
+raises("no point tried was finite", frame, first, function() return { 1 / 0 } end)
+raises("no point tried was finite", frame, first, function(z) return { -z[1] + 0 * (z[2] - 1000) ^ 0.5 } end)
+raises("domain(z) > 0", frame, first, function(z) return { -z[1] + 0 * (z[2] - 1000) ^ 0.5 } end)
+raises("there was none at", frame, function(z) return z[1] + (z[2] - 1000) ^ 0.5 end)
+-- points where the domain is rare are looked for
+local rare = dm.action { group = dm.R(1), on = dm.R(2), domain = function(z) return z[2] - 1.5 end,
+  map = function(g, z) return { z[1] + g[1], z[2] } end }
+local rho = dm.moving_frame { action = rare, cross_section = function(z) return z[1] + (z[2] - 1.5) ^ 0.5 end }
+near(rho({ 3, 5.5 })[1], -5, 1e-12, "a frame whose domain is rare among the points tried")
+
+raises("must return", frame, function(z) return z[1], 5 end)
+raises("must return", frame, function(z) return z[1], nil end)
+raises("must return", frame, function(z) return { z[1] }, 5 end)
+raises("must return", frame, first, nil, function() return { 1 }, 5 end)
+raises("must return", frame, first, nil, function() return 1, nil end)
+raises("must return", frame, first, nil, function() return 1, "x" end)
+ok(frame(first, nil, function() return 1, 2 end), "several numbers are several conditions")
+
+-- a steep section: the root where it is found, else an error that says where
+local steep, found = frame(function(z) return math.tanh(50 * z[1]) end), 0
+for i = 1, 50 do
+  local x = -3 + 6 * (i - 0.5) / 50
+  local fine, g = pcall(steep, { x, 0.3 })
+  if fine then
+    found = found + 1
+    if math.abs(g[1] + x) > 1e-14 then ok(false, "a root that is found is one", g[1] + x) end
+  elseif not tostring(g):find "no moving frame near" then
+    ok(false, "it says that there is none near", g)
+  end
+end
+ok(found >= 35, "a section of slope 50 from most points", found)
+tap.done()
