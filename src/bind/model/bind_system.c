@@ -219,7 +219,6 @@ static int system_structure(lua_State *L) {
     return 1;
 }
 
-/* A piece of text to the buffer. */
 static void put(void *ud, const char *text, size_t length) {
     luaL_addlstring(ud, text, length);
 }

@@ -12,7 +12,6 @@
 #include "code/tape/tape.h"
 #include "mech/saddle.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -149,19 +148,6 @@ static void read_constraints(lua_State *L, dml_model *m) {
     dml_writeout(L, m);
     m->stepped = m->lagrangian;
     m->traced = dm_graph_size(m->graph);
-}
-
-void dml_refusenans(lua_State *L, const dml_traced *traced, const char *what) {
-    double x = 0.0;
-    for (uint32_t i = 0; traced->graph && i < traced->outputs; i++) {
-        if (!dm_is_constant(traced->graph, traced->out[i], &x) || isfinite(x)) continue;
-        const char *entry =
-            traced->outputs > 1 ? lua_pushfstring(L, "entry %d of ", (int)i + 1) : "";
-        luaL_error(L,
-                   "%s%s is %s whatever its arguments are: is there a 0/0 in it, or a number that "
-                   "overflows?",
-                   entry, what, isnan(x) ? "NaN" : "infinite");
-    }
 }
 
 static void go_hyperdual(lua_State *L, dml_model *m, int fn, const dml_signature *sig) {
