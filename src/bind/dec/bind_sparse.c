@@ -252,6 +252,16 @@ static int sparse_text(lua_State *L) {
 
 /* ---- parts of vectors ---- */
 
+/* core.constant(n, x) */
+static int vector_constant(lua_State *L) {
+    const lua_Integer n = luaL_checkinteger(L, 1);
+    const double x = luaL_checknumber(L, 2);
+    luaL_argcheck(L, n >= 0 && n < INT32_MAX, 1, "a count is needed");
+    double *out = dml_pushvector(L, (uint32_t)n);
+    for (lua_Integer i = 0; i < n; i++) out[i] = x;
+    return 1;
+}
+
 /* core.pick(x, marks) */
 /* How many are marked is counted first: the result is made in its final size. */
 static int vector_pick(lua_State *L) {
@@ -313,6 +323,7 @@ static const dml_row functions[] =
     {{"sparse", sparse_new,
       "core.sparse(rows, columns, {i}, {j}, {x}) -> dm.sparse\n"
       "The matrix with the sums of entries x at (i, j), from 1. Raises on indices out of range."},
+     {"constant", vector_constant, "core.constant(n, x) -> dm.vector\nn entries that are all x."},
      {"pick", vector_pick,
       "core.pick(x, marks) -> dm.vector\nThe entries of x whose mark is not 0, in their order."},
      {"spread", vector_spread,

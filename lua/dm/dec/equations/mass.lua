@@ -60,8 +60,6 @@ function M.norm(K, k)
 end
 
 --- Ones, as many as k-cells.
-function M.ones(K, k)
-  return core.vector(K:count(k)):map(function() return 1 end)
-end
+function M.ones(K, k) return core.constant(K:count(k), 1) end
 
 return M

@@ -79,7 +79,7 @@ end
 
 -- the sum of x over a component
 local function total(x, vertices)
-  if not vertices then return x:sum() end
+  if not vertices then return x:dot(core.constant(#x, 1)) end
   local sum = 0
   for _, i in ipairs(vertices) do sum = sum + x[i] end
   return sum

@@ -22,7 +22,7 @@ end
 --- One number for every cell. points(): where functions are asked, a matrix with a row for each
 -- cell; kind = { degree, side } of forms that may be given; count: of the cells.
 function M.values(x, K, kind, count, points, where, what)
-  if finite(x) then return core.vector(count):map(function() return x end) end
+  if finite(x) then return core.constant(count, x) end
   if form.is_form(x) then
     if not rawequal(x.mesh, K) or x.degree ~= kind.degree or x.side ~= kind.side then
       option.fail(where, "%s must be a %s %d-form of this mesh (got a %s)", what, kind.side,
