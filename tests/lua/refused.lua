@@ -53,3 +53,13 @@ local top = dm.system { Q = dm.R(1), L = function(q, v)
 end }
 path = top:solver({ rule = "gauss(1)", h = 0.1 }):run { q = { 1 }, v = { 0 }, steps = 2 }
 assert(#dm.path { system = top, h = 0.1, columns = { path:column "t", path:column "q1", path:column "p1" } } == 3)
+
+-- equations on a mesh, by every solver
+local mesh = dm.mesh { triangle = 4 }
+mesh:poisson { f = 1, fixed = { boundary = 0 } }
+mesh:poisson { f = 1, solver = "gradients" }
+mesh:poisson { f = 1, solver = "dense" }
+local stiffness = mesh:laplacian(0, { fixed = { 1 } }).stiffness:pick(nil, nil)
+assert(#tostring(stiffness) > 0 and #mesh:laplacian(1):eigen(3).values == 3 and #mesh:harmonic(0) == 1)
+mesh:form(1, dm.zeros(mesh:count(1))):hodge()
+dm.mesh({ grid = 2 }):darcy { pressure = 1 }

@@ -44,12 +44,23 @@ static dm_status begin(iteration *it, const double *x, const double *b) {
     return isfinite(it->rho) && isfinite(it->size) ? DM_OK : DM_NOT_FINITE;
 }
 
-/* one step; DM_SINGULAR where A bends down along p */
-static dm_status advance(iteration *it, double *x) {
+/* Is a curvature <= 0 along p but rounding beside the largest that the diagonal tells of? Then p is
+ * in the null space of a semidefinite matrix. */
+static int is_flat(const iteration *it, double curvature) {
+    double largest = 0.0;
+    for (int32_t i = 0; i < it->A->columns; i++)
+        largest = fmax(largest, it->p[i] * it->p[i] / it->inverse[i]);
+    return curvature >= -1e-12 * it->A->columns * largest;
+}
+
+/* One step; *done: along p there is nothing left to gain. DM_SINGULAR where A bends down along p. */
+static dm_status advance(iteration *it, double *x, int *done) {
     const int32_t n = it->A->columns;
     dm_sparse_apply_transpose(it->q, it->A, it->p);
     const double curvature = dot(it->p, it->q, n);
     if (!isfinite(curvature)) return DM_NOT_FINITE;
+    *done = curvature <= 0.0 && is_flat(it, curvature);
+    if (*done) return DM_OK;
     if (curvature <= 0.0) return DM_SINGULAR;
     const double alpha = it->rho / curvature, before = it->rho;
     for (int32_t i = 0; i < n; i++) {
@@ -67,14 +78,15 @@ dm_status dm_conjugate_gradient(double *x, const dm_sparse *A, const double *b, 
     const size_t n = (size_t)A->columns;
     iteration it = {.A = A, .r = work, .inverse = work + n, .p = work + 2 * n, .q = work + 3 * n};
     dm_status status = begin(&it, x, b);
+    int done = 0;
     how->iterations = 0, how->residual = 0.0;
-    while (status == DM_OK) {
+    while (status == DM_OK && !done) {
         const double left = dot(it.r, it.r, A->columns);
         how->residual = it.size > 0.0 ? sqrt(left / it.size) : 0.0;
         if (how->residual <= how->tolerance) return DM_OK;
         if (how->iterations >= how->most) return DM_NO_CONVERGENCE;
         if (how->stop && *how->stop) return DM_STOPPED;
-        status = advance(&it, x);
+        status = advance(&it, x, &done);
         how->iterations++;
     }
     return status;

@@ -85,7 +85,7 @@ for i = 1, sphere:count(0) do order[i] = 1 + (i * 101) % sphere:count(0) end
 for i, p in ipairs(order) do points[p] = sphere:points()[i]:totable() end
 for i, t in ipairs(sphere:simplices(2)) do simplices[i] = { order[t[3]], order[t[1]], order[t[2]] } end
 local turned = dm.mesh { points = points, simplices = simplices }
-for _, k in ipairs { 0, 1 } do
+for _, k in ipairs(require "dm.core".solvers() and { 0, 1 } or { 0 }) do
   local a, b = sphere:laplacian(k):eigen(16), turned:laplacian(k):eigen(16)
   ok((a.values - b.values):norm() < 1e-10, ("%d-forms in another order of vertices"):format(k), (a.values - b.values):norm())
 end

@@ -15,7 +15,8 @@ local solver = require "dm.dec.equations.solver"
 
 local M = {}
 
-local EPSILON = 1e-10 -- of the largest eigenvalue of S in the norm R
+-- of the largest eigenvalue of S in the norm R: of factors, and where conjugate gradients feel it
+local EPSILON, EPSILON_GRADIENTS = 1e-10, 1e-8
 local ROUNDS = 12
 local PART = 1e-7     -- of a random form: less is no harmonic part
 local SETTLED = 1e-11 -- of the size of S x for a random x: S x is 0
@@ -26,7 +27,7 @@ local function setting(K, k, pinv, where)
     local S, R = matrices.stiffness(K, k, nil, nil, pinv, where), mass.norm(K, k)
     local diagonal, most = S:diagonal(), 0
     for i = 1, #R do most = math.max(most, diagonal[i] / R[i]) end
-    local shift = core.solvers() and EPSILON * math.max(most, 1e-300) or 0
+    local shift = (core.solvers() and EPSILON or EPSILON_GRADIENTS) * math.max(most, 1e-300)
     local A = S + shift * matrices.diagonal(R)
     return { S = S, R = matrices.diagonal(R), M = matrices.diagonal(mass.of(K, k).values),
       solver = solver.new(A, nil, where), size = most }

@@ -145,7 +145,7 @@ local function note_mean(report, removed)
   for _, x in ipairs(removed) do largest = math.max(largest, math.abs(x)) end
   report.mean = #removed == 1 and removed[1] or removed
   report.text = ("nothing is fixed on %s: the mean of the load, %.6g, is taken away, and u has "
-    .. "mean 0"):format(#removed == 1 and "the mesh" or #removed .. " components", largest)
+    .. "mean 0"):format(#removed == 1 and "a component" or #removed .. " components", largest)
 end
 
 class.method("dm.mesh", "poisson", function(K, options)

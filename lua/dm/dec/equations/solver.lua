@@ -12,6 +12,7 @@ local NAMES = { cholesky = "Cholesky factors (CHOLMOD)", lu = "LU factors (UMFPA
   gradients = "conjugate gradients, diagonal preconditioner", dense = "dense LU factors" }
 M.ways = { "cholesky", "lu", "gradients", "dense" }
 M.MOST_DENSE = 1200
+local SMALL = 300 -- unknowns up to which dense elimination takes the place of factors
 
 local PACKAGES = "with the packages libsuitesparse-dev and libarpack2-dev, and dmlua built again, "
   .. "it is solved"
@@ -27,9 +28,14 @@ local SINGULAR = 1e-14 -- of pivots, the least over the largest: less is a singu
 local function regular(factor) return factor and factor.condition > SINGULAR and factor or nil end
 
 -- the factor and why it is this one
-local function choose(S, wish)
+local function choose(S, wish, where)
+  if wish == "dense" and S.rows > M.MOST_DENSE then
+    fail(where, "dense elimination is for up to %d unknowns, not %d; %s", M.MOST_DENSE, S.rows,
+      select(2, core.solvers()) or "leave solver = out")
+  end
   if wish then return regular(S:factor(wish)) end
-  if not core.solvers() then return S:factor "gradients" end
+  if not core.solvers() and S.rows > SMALL then return S:factor "gradients" end
+  if not core.solvers() then return regular(S:factor "dense") end
   local factor = regular(S:factor "cholesky")
   if factor then return factor end
   return regular(S:factor "lu"), "the matrix is not positive definite"
@@ -47,7 +53,7 @@ Solver.__index = Solver
 
 function M.new(S, wish, where)
   local s = setmetatable({ S = S, where = where, unknowns = S.rows }, Solver)
-  local factor, note = choose(S, wish)
+  local factor, note = choose(S, wish, where)
   if not factor then singular(S, where, wish == "cholesky" and ", or not positive definite") end
   s:take(factor, note)
   return s
