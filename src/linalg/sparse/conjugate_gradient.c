@@ -53,7 +53,7 @@ static int is_flat(const iteration *it, double curvature) {
     return curvature >= -1e-12 * it->A->columns * largest;
 }
 
-/* One step; *done: along p there is nothing left to gain. DM_SINGULAR where A bends down along p. */
+/* One step; *done: along p nothing is left to gain. DM_SINGULAR where A bends down along p. */
 static dm_status advance(iteration *it, double *x, int *done) {
     const int32_t n = it->A->columns;
     dm_sparse_apply_transpose(it->q, it->A, it->p);
