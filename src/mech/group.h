@@ -31,6 +31,11 @@ typedef struct dm_group {
     dm_kernel pull;   /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d], then db [d][2d] */
     dm_kernel finish; /* as dm_chart_trace.end */
     uint32_t arcs;
+    /* the collective lift (lift.c), where it is made: H on T*R^n; take (q[n], p[n], t) of that and
+     * give the momenta J[d], and the directions X[n*d] in which J = X^T p */
+    int liftable; /* the group is a level set of quadratic invariants of the lift */
+    const dm_model *lifted;
+    dm_kernel momentum, directions;
 } dm_group;
 
 /* Entries of p that are momenta, those that rows hold. */
@@ -40,5 +45,8 @@ static inline uint32_t dm_momenta(const dm_model *m) {
 
 /* Make the kernels of tau for a model that was built, in its arena. */
 dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);
+
+/* Make the lift of a model that was built, in its arena; L quadratic in xi with a regular mass. */
+dm_status dm_group_lift(dm_group *out, const dm_model *m, dm_compile *compile);
 
 #endif

@@ -29,6 +29,15 @@ local function choice(options, key, known, usual, words)
   return value
 end
 
+-- is the group a level set of quadratic functions of its flat coordinates that translations keep
+-- (mech/lift.c), or have these no relation at all?
+local function is_liftable(kit)
+  for _, part in ipairs(kit.parts or {}) do
+    if not is_liftable(part) then return false end
+  end
+  return kit.parts ~= nil or kit.liftable or #kit.flat(kit.identity()) == kit.dimension
+end
+
 --- The place of a system on the group `space`.
 function M.of(space, options)
   local kit = kits.of(space)
@@ -40,7 +49,7 @@ function M.of(space, options)
   local right = choice(options, "trivialization", SIDES, "left", [["left" or "right"]]) == "right"
   local place = flats.of(kit, matrix)
   place.space, place.kit, place.right, place.dimension = space, kit, right, kit.dimension
-  place.size = #place.flat(kit.identity())
+  place.size, place.liftable = #place.flat(kit.identity()), is_liftable(kit)
   return place
 end
 
@@ -93,6 +102,9 @@ local function lagrangian(place, f)
   end
 end
 
+-- H with unit masses for the entries of p behind mu
+local function hamiltonian(place, f) return lagrangian(place, f) end
+
 -- a covector of d entries as one of N
 local function covector(place, f)
   local own = M.of_velocity(place, f)
@@ -116,10 +128,18 @@ function M.unfold(options)
     if type(options[key]) == "function" then out[key] = how(place, options[key]) end
   end
   wrap("L", lagrangian)
+  wrap("H", hamiltonian)
   wrap("constraint", of_position)
   wrap("rolling", M.of_velocity)
   wrap("force", covector)
   return out, place
+end
+
+--- L(g, xi, ...) of a function of (q, v, ...), as it was found for an H.
+function M.on_elements(place, f)
+  return function(g, xi, ...)
+    return f(core.vector(place.flat(g)), M.padded(place, xi, "the velocity"), ...)
+  end
 end
 
 ---- charts about an element, as steps use them ----

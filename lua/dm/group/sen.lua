@@ -34,7 +34,7 @@ end
 
 -- what is the same in all dimensions; `turns` is the kit of SO(n)
 local function common(n, turns)
-  local kit = { dimension = n + turns.dimension }
+  local kit = { dimension = n + turns.dimension, liftable = true }
   kit.acts = { affine = acts.affine(kit, n) }
   function kit.hat(xi)
     local out = rotations.hat(xi, n, n + 1, n)

@@ -71,7 +71,7 @@ local function unit_determinant(g, n)
 end
 
 function M.kit(n)
-  local kit = { dimension = n * n - 1, no_cayley = n > 2 }
+  local kit = { dimension = n * n - 1, no_cayley = n > 2, liftable = n == 2 }
   kit.acts = { linear = acts.linear(kit, n), projective = acts.projective(kit, n) }
   function kit.hat(xi)
     local trace = 0

@@ -156,7 +156,7 @@ end
 
 --- SO(n) by its matrices, n >= 3.
 function M.general(n)
-  local kit = { dimension = n * (n - 1) // 2 }
+  local kit = { dimension = n * (n - 1) // 2, liftable = true }
   kit.acts = M.acts(kit, n)
   function kit.hat(xi) return core.matrix(M.hat(xi, n, n, 0)) end
   function kit.vee(m) return core.vector(M.vee(m, n)) end

@@ -47,7 +47,7 @@ function M.kit(n)
   -- the same matrices in the same coordinates
   if n == 2 then return require "dm.group.sln".kit(2) end
   local k, J = n // 2, matrix_functions.symplectic_unit(n)
-  local kit = { dimension = n * (n + 1) // 2 }
+  local kit = { dimension = n * (n + 1) // 2, liftable = true }
   kit.acts = { linear = acts.linear(kit, n) }
   function kit.hat(xi) return sp_hat(xi, k) end
   function kit.vee(m) return sp_vee(m, k) end

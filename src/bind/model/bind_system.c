@@ -100,8 +100,7 @@ static double *evaluate(lua_State *L, unsigned want, size_t which, const char *w
 /* (q, v, t): v . dL/dv - L; of an H (q, p, t) */
 static int system_energy(lua_State *L) {
     const double *E = evaluate(L, DM_WANT_ENERGY, offsetof(dm_model, energy), "the energy");
-    lua_pushnumber(L, *E);
-    return 1;
+    return lua_pushnumber(L, *E), 1;
 }
 
 /* (q, v, t): L itself, by its kernel. */

@@ -32,6 +32,22 @@ void dml_unfold_group(lua_State *L) {
     lua_replace(L, 1);
 }
 
+/* What reads an L of elements finds it as if it had been given. */
+void dml_place_lagrangian(lua_State *L, int place) {
+    const int top = lua_gettop(L);
+    lua_getfield(L, 1, "H");
+    lua_getfield(L, 1, "L");
+    if (!lua_isnil(L, -1) && !lua_isnil(L, -2)) {
+        lua_getfield(L, place, "given");
+        push_module(L, "on_elements");
+        lua_pushvalue(L, place);
+        lua_pushvalue(L, -4);
+        lua_call(L, 2, 1);
+        lua_setfield(L, -2, "L");
+    }
+    lua_settop(L, top);
+}
+
 /* a whole number among the fields of the place on top */
 static uint32_t field(lua_State *L, const char *key, uint32_t otherwise) {
     if (!lua_istable(L, -1)) return otherwise;
@@ -105,11 +121,23 @@ int dml_place_column(lua_State *L, int arg, const char *name) {
     return 0;
 }
 
-/* Rules for free coordinates cannot step a group. */
-void dml_refuse_group(lua_State *L, int arg, const dm_rule *rule) {
+/* L is quadratic in xi, with a mass that can be inverted */
+static int has_lift(const dml_model *m) {
+    const unsigned structure = m->model.structure;
+    if (structure & DM_CONSTANT_MASS && !m->model.inverse_mass) return 0;
+    return m->graph && structure & (DM_QUADRATIC_IN_V | DM_HAMILTONIAN);
+}
+
+/* Rules of coordinates step the lift, where there is one. */
+void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *rule,
+                      const char *backend) {
     luaL_Buffer b;
     const char *separator = "";
     if (rule->method->traits & DM_ON_GROUPS) return;
+    if (model->group.liftable) {
+        if (has_lift(model)) dml_want(L, model, DM_WANT_LIFT, backend);
+        return;
+    }
     luaL_buffinit(L, &b);
     for (const dm_method *const *m = dm_methods; *m; m++) {
         if (!((*m)->traits & DM_ON_GROUPS)) continue;
@@ -180,11 +208,25 @@ void dml_place_charts(lua_State *L, int arg, dm_group *out) {
         lua_getfield(L, -1, "traces");
     }
     memcpy(out->trace, lua_touserdata(L, -1), sizeof out->trace);
+    lua_getfield(L, top + 1, "liftable");
+    out->liftable = lua_toboolean(L, -1);
     lua_settop(L, top);
+}
+
+/* Once a model. */
+static void want_lift(lua_State *L, dml_model *m, dm_compile *compile) {
+    if (m->group.lifted) return;
+    if (m->compile) m->model.source.cache = &m->cache;
+    const dm_status status = dm_group_lift(&m->group, &m->model, compile);
+    if (status != DM_OK) luaL_error(L, "the lift of the system: %s", dm_status_text(status));
 }
 
 /* One bit of them is set. */
 void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *compile) {
+    if (chart & DM_WANT_LIFT) {
+        want_lift(L, m, compile);
+        return;
+    }
     const dm_tau tau = chart & DM_WANT_CHART ? DM_TAU_EXP : DM_TAU_CAYLEY;
     if (!m->group.trace[tau].chart)
         luaL_error(L, "this group has no Cayley map that stays on it; take \"exp\"");

@@ -10,6 +10,10 @@
  * those of the system on R^N, and its place is pushed; else nil is pushed. */
 void dml_unfold_group(lua_State *L);
 
+/* Where the options of a system at 1 have an L that was found for an H on R^N, the one on elements
+ * goes into the options that are given, of the place at `place`. */
+void dml_place_lagrangian(lua_State *L, int place);
+
 /* dim of the algebra and N, of the place on top; n and n where it is nil. */
 uint32_t dml_place_dimension(lua_State *L, uint32_t n);
 uint32_t dml_place_size(lua_State *L, uint32_t n);
@@ -33,10 +37,12 @@ int dml_place_column(lua_State *L, int arg, const char *name);
 /* The traces of the charts of the group of the system at `arg`, made once and kept by it. */
 void dml_place_charts(lua_State *L, int arg, dm_group *out);
 
-/* Raise where the rule does not step groups, as that of the system at `arg`. */
-void dml_refuse_group(lua_State *L, int arg, const dm_rule *rule);
+/* Raise where the rule does not step groups, as that of the system at `arg`; a rule of coordinates
+ * gets the lift of the model, where the group has one. */
+void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *rule,
+                      const char *backend);
 
-/* Make the kernels of the chart that these bits (DM_WANT_CHARTS) say; raises where the group has no
+/* Make the kernels of the chart that these bits (DM_WANT_ON_GROUP) say; raises where the group has no
  * such map. */
 void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *compile);
 

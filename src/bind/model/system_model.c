@@ -322,9 +322,9 @@ void dml_want(lua_State *L, dml_model *m, unsigned want, const char *backend) {
         want_map(L, m, backend);
         return;
     }
-    if (want & DM_WANT_CHARTS) {
-        dml_want(L, m, want & ~(unsigned)DM_WANT_CHARTS, backend);
-        dml_want_chart(L, m, want & DM_WANT_CHARTS, backend_of(L, m, backend)->compile);
+    if (want & DM_WANT_ON_GROUP) {
+        dml_want(L, m, want & ~(unsigned)DM_WANT_ON_GROUP, backend);
+        dml_want_chart(L, m, want & DM_WANT_ON_GROUP, backend_of(L, m, backend)->compile);
         return;
     }
     if (dml_arenalost(m->arena))

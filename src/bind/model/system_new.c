@@ -128,6 +128,7 @@ static void push_place(lua_State *L) {
 static void keep_place(lua_State *L, int place) {
     lua_pushvalue(L, place);
     lua_setfield(L, -2, "place");
+    dml_place_lagrangian(L, place);
 }
 
 /* how elements are written, which only a system on a group has */

@@ -1,5 +1,6 @@
 #include "integ/method/method.h"
 
+#include "integ/method/lift.h"
 #include "integ/method/stage_table.h"
 #include "mech/constraints.h"
 
@@ -19,9 +20,11 @@ int dm_rule_order(const dm_rule *rule) {
     return m->order ? m->order(rule) : (int)strtol(m->orders, NULL, 10);
 }
 
-/* The engine of the row may know a better one for the model. */
+/* The engine of the row may know a better one for the model; what does not know groups steps their
+ * lift. */
 const dm_engine *dm_rule_engine(const dm_rule *rule, const dm_model *m) {
     const dm_engine *e = rule->method->engine;
+    if (m->group && !(rule->method->traits & DM_ON_GROUPS)) return &dm_engine_lift;
     return e->choose ? e->choose(rule, m) : e;
 }
 

@@ -48,6 +48,8 @@ typedef struct dm_engine {
     const struct dm_engine *(*choose)(const dm_rule *rule, const dm_model *m);
     /* NULL when the rule can step the model, else a static sentence */
     const char *(*fits)(const dm_rule *rule, const dm_model *m);
+    /* does a step of the rule keep every quadratic invariant of an H (HLW IV.2)? NULL: no */
+    int (*keeps_quadratic)(const dm_rule *rule, const dm_model *m);
     /* DM_WANT_*; may depend on m->structure */
     unsigned (*wants)(const dm_rule *rule, const dm_model *m);
     size_t (*work)(const dm_rule *rule, const dm_model *m); /* doubles of workspace */

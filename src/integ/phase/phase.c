@@ -6,6 +6,7 @@
 #include "numbers/compensated.h"
 #include "numbers/small_copy.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { EMPTY, FULL = DM_SWEPT_FULL, PATIENCE = 16, MOST_UNKNOWNS = 4000 };
@@ -139,6 +140,26 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return NULL;
 }
 
+/* b_i a_ij + b_j a_ji = b_i b_j, so that q and p have the same coefficients: Gauss collocation */
+static int keeps_quadratic(const dm_rule *rule, const dm_model *m) {
+    static const long double SAME = 1e-15L;
+    dm_galerkin g;
+    long double beta[DM_QUADRATURE_NODES], d[DM_QUADRATURE_NODES],
+        a[DM_QUADRATURE_NODES][DM_QUADRATURE_NODES];
+    dm_stage_basis(&g, rule, m);
+    if (!is_collocated(&g)) return 0;
+    dm_lagrange(d, beta, g.node, g.s, 1.0L);
+    for (int i = 0; i < g.s && !g.tableau; i++) dm_lagrange(d, a[i], g.node, g.s, g.q.c[i]);
+    for (int i = 0; i < g.s; i++)
+        for (int j = 0; j < g.s; j++) {
+            const long double aij = g.tableau ? g.a[i][j] : a[i][j],
+                              aji = g.tableau ? g.a[j][i] : a[j][i];
+            const long double left = g.q.b[i] * aij + g.q.b[j] * aji;
+            if (fabsl(left - g.q.b[i] * g.q.b[j]) > SAME) return 0;
+        }
+    return 1;
+}
+
 /* The curve is for Newton's method alone. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule, (void)m;
@@ -148,6 +169,7 @@ static unsigned wants(const dm_rule *rule, const dm_model *m) {
 const dm_engine dm_engine_phase = {
     .hamiltonian = 1,
     .fits = fits,
+    .keeps_quadratic = keeps_quadratic,
     .wants = wants,
     .work = dm_phase_work,
     .open = dm_phase_open,

@@ -113,6 +113,12 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return dm_rule_fits(base, m);
 }
 
+/* Steps of a base that does. */
+static int keeps_quadratic(const dm_rule *rule, const dm_model *m) {
+    const dm_engine *e = dm_rule_engine(base_rule(rule), m);
+    return e->keeps_quadratic && e->keeps_quadratic(base_rule(rule), m);
+}
+
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     return dm_rule_engine(base_rule(rule), m)->wants(base_rule(rule), m);
 }
@@ -176,6 +182,7 @@ const dm_engine dm_engine_composition = {
     .hamiltonian = 1,
     .choose = choose,
     .fits = fits,
+    .keeps_quadratic = keeps_quadratic,
     .wants = wants,
     .work = work,
     .open = open,

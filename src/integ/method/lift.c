@@ -1,0 +1,237 @@
+#include "integ/method/lift.h"
+
+#include "linalg/lu.h"
+#include "numbers/small_copy.h"
+
+#include <string.h>
+
+/* at the head of the workspace, behind it the arrays, then the workspace of the base. In the
+ * memory: a mark, the bound of p (see regauge) and the steps since that was set, the state of the
+ * run [4n], the lifted one that it came of [4n], the memory of the base. */
+typedef struct {
+    dm_stepper base;
+    const dm_group *group;
+    uint32_t n, d;
+    double *lifted;     /* [dm_state_size] */
+    double *in, *X, *J; /* [2n + 1], [n*d], [d] of the kernels between both */
+    double *gram;       /* [d*d + 2d] X^T X, the momentum, pivots */
+    double *memory, *of_base;
+    size_t base_memory;
+} lift;
+
+enum { MARK, BOUND, SINCE, STATE };
+
+static lift *lift_of(const dm_stepper *s) {
+    return (lift *)(void *)s->work;
+}
+
+static size_t head(void) {
+    return (sizeof(lift) + sizeof(double) - 1) / sizeof(double);
+}
+
+/* doubles of the arrays, without what the base leaves to its next step */
+static size_t arrays(const dm_model *m) {
+    const size_t n = m->n, d = m->group->momenta;
+    return dm_state_size(m->n) + 2 * n + 1 + n * d + d + d * d + 2 * d + STATE + 8 * n;
+}
+
+static const dm_engine *engine_of(const dm_rule *rule, const dm_model *m) {
+    return dm_rule_engine(rule, m->group->lifted);
+}
+
+/* The lift was made before, where it can be. */
+static const char *fits(const dm_rule *rule, const dm_model *m) {
+    if (!m->group->liftable)
+        return "it goes by the collective lift, and this group is no level set of quadratic "
+               "functions; lie(s) steps any group";
+    if (m->constraints) return "it knows no constraints and forces on groups; lie(s) does";
+    if (!m->group->lifted)
+        return "it goes by the collective lift, which needs an L quadratic in the velocity; lie(s) "
+               "does without";
+    const dm_engine *e = engine_of(rule, m);
+    const int keeps = e->keeps_quadratic && e->keeps_quadratic(rule, m->group->lifted);
+    if (m->n > m->group->momenta && !keeps)
+        return "it goes by the collective lift, and does not keep the quadratic functions by which "
+               "this group is given; gauss(s), midpoint, compositions of midpoint and lie(s) do";
+    return dm_rule_fits(rule, m->group->lifted);
+}
+
+static unsigned wants(const dm_rule *rule, const dm_model *m) {
+    (void)rule, (void)m;
+    return 0;
+}
+
+/* The workspace of the base twice: its memory is no more than that. */
+static size_t work(const dm_rule *rule, const dm_model *m) {
+    return head() + arrays(m) + 2 * engine_of(rule, m)->work(rule, m->group->lifted);
+}
+
+static void lay_out(lift *l, double *memory) {
+    const size_t n = l->n, d = l->d;
+    l->lifted = memory;
+    l->in = l->lifted + dm_state_size(l->n);
+    l->X = l->in + 2 * n + 1;
+    l->J = l->X + n * d;
+    l->gram = l->J + d;
+    l->base.work = l->gram + d * d + 2 * d;
+}
+
+static dm_status open(dm_stepper *s) {
+    lift *l = lift_of(s);
+    const dm_model *m = s->model;
+    *l = (lift){.base = *s, .group = m->group, .n = m->n, .d = m->group->momenta};
+    l->base.model = m->group->lifted;
+    memset(s->work + head(), 0, arrays(m) * sizeof *s->work);
+    lay_out(l, s->work + head());
+    l->memory = l->base.work + engine_of(s->rule, m)->work(s->rule, l->base.model);
+    dm_kernel_prepare(&m->group->directions, l->X);
+    dm_kernel_prepare(&m->group->momentum, l->J);
+    const dm_status status = dm_stepper_open(&l->base);
+    s->outside = l->base.outside;
+    s->report = l->base.report;
+    l->base_memory = dm_stepper_memory(&l->base, &l->of_base);
+    l->memory[MARK] = 0.0;
+    return status;
+}
+
+static size_t memory(dm_stepper *s, double **place) {
+    const lift *l = lift_of(s);
+    *place = l->memory;
+    return STATE + 8 * (size_t)l->n + l->base_memory;
+}
+
+/* what the base has left to its next step, into the memory; and back */
+static void keep_base(lift *l) {
+    dm_fresh_copy(l->memory + STATE + 8 * (size_t)l->n, l->of_base, l->base_memory);
+}
+
+static void give_base(lift *l) {
+    memcpy(l->of_base, l->memory + STATE + 8 * (size_t)l->n, l->base_memory * sizeof(double));
+}
+
+/* Nothing is known of the state of the first step. */
+static dm_status start(dm_stepper *s, double *state, double t, double h) {
+    lift *l = lift_of(s);
+    const dm_status status = dm_stepper_start(&l->base, state, t, h);
+    l->memory[MARK] = 0.0;
+    keep_base(l);
+    return status;
+}
+
+static double square(const double *x, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) sum += x[i] * x[i];
+    return sum;
+}
+
+/* p = X (X^T X)^-1 mu, the least one with J = mu, into the lifted state */
+static dm_status lift_momentum(lift *l, const double *q, const double *mu) {
+    const size_t n = l->n, d = l->d;
+    double *A = l->gram, *x = A + d * d;
+    uint32_t *pivot = (uint32_t *)(void *)(x + d);
+    memcpy(l->in, q, n * sizeof *q);
+    dm_kernel_eval(&l->group->directions, l->in, l->X);
+    memset(A, 0, d * d * sizeof *A);
+    for (size_t i = 0; i < n; i++)
+        for (size_t a = 0; a < d; a++)
+            for (size_t b = 0; b < d; b++) A[a * d + b] += l->X[i * d + a] * l->X[i * d + b];
+    memcpy(x, mu, d * sizeof *x);
+    const dm_status status = dm_lu_factor(A, pivot, l->d);
+    if (status != DM_OK) return status;
+    dm_lu_solve(x, A, pivot, l->d);
+    for (size_t i = 0; i < n; i++) {
+        double sum = 0.0;
+        for (size_t a = 0; a < d; a++) sum += l->X[i * d + a] * x[a];
+        l->lifted[n + i] = sum;
+        l->lifted[3 * n + i] = 0.0;
+    }
+    return DM_OK;
+}
+
+/* the lifted state: the one that was left with this state of the run, or a new one */
+static dm_status enter(lift *l, const double *state) {
+    const size_t n = l->n;
+    const double *kept = l->memory + STATE;
+    if (l->memory[MARK] && memcmp(kept, state, 4 * n * sizeof *state) == 0) {
+        memcpy(l->lifted, kept + 4 * n, 4 * n * sizeof *state);
+        give_base(l);
+        return DM_OK;
+    }
+    memcpy(l->lifted, state, n * sizeof *state);
+    memcpy(l->lifted + 2 * n, state + 2 * n, n * sizeof *state);
+    const dm_status status = lift_momentum(l, state, state + n);
+    l->memory[BOUND] = 4.0 * square(l->lifted + n, n);
+    l->memory[SINCE] = 0.0;
+    return status;
+}
+
+/* What p has beside the least one with its momentum moves nothing on the group, but grows, and J
+ * loses digits by it: it is taken away where p has become large. Much of it in few steps: later. */
+static dm_status regauge(lift *l) {
+    enum { FEW = 16 };
+    const size_t n = l->n;
+    double *p = l->lifted + n, beside = 0.0;
+    l->memory[SINCE] += 1.0;
+    if (square(p, n) <= l->memory[BOUND]) return DM_OK;
+    memcpy(l->in, l->lifted, 2 * n * sizeof *p);
+    dm_kernel_eval(&l->group->momentum, l->in, l->J);
+    const dm_status status = lift_momentum(l, l->lifted, l->J);
+    for (size_t i = 0; i < n; i++) beside += (l->in[n + i] - p[i]) * (l->in[n + i] - p[i]);
+    l->memory[BOUND] = 4.0 * square(p, n) + (l->memory[SINCE] < FEW ? 64.0 : 1.0) * beside;
+    l->memory[SINCE] = 0.0;
+    return status;
+}
+
+/* the state of the run, and the memory of where it came of */
+static void leave(lift *l, double *state) {
+    const size_t n = l->n;
+    double *kept = l->memory + STATE;
+    memcpy(l->in, l->lifted, 2 * n * sizeof *state);
+    dm_kernel_eval(&l->group->momentum, l->in, l->J);
+    memcpy(state, l->lifted, n * sizeof *state);
+    memcpy(state + n, l->J, l->d * sizeof *state);
+    memcpy(state + 2 * n, l->lifted + 2 * n, n * sizeof *state);
+    l->memory[MARK] = 1.0;
+    memcpy(kept, state, 4 * n * sizeof *state);
+    memcpy(kept + 4 * n, l->lifted, 4 * n * sizeof *state);
+    keep_base(l);
+}
+
+/* The lifted state is entered and left once a burst. */
+static dm_status advance(dm_stepper *s, double *state, double t, double h, long count, long *done) {
+    lift *l = lift_of(s);
+    *done = 0;
+    dm_status status = enter(l, state);
+    if (status != DM_OK) return status;
+    for (; *done < count && status == DM_OK; *done += status == DM_OK) {
+        status = l->base.engine->step(&l->base, l->lifted, t + (double)*done * h, h);
+        if (status == DM_OK && l->n > l->d) status = regauge(l);
+    }
+    leave(l, state);
+    s->report = l->base.report;
+    return status;
+}
+
+/* A burst of one. */
+static dm_status step(dm_stepper *s, double *state, double t, double h) {
+    long done;
+    return advance(s, state, t, h, 1, &done);
+}
+
+static void close(dm_stepper *s) {
+    dm_stepper_close(&lift_of(s)->base);
+    s->outside = NULL;
+}
+
+const dm_engine dm_engine_lift = {
+    .hamiltonian = 1,
+    .fits = fits,
+    .wants = wants,
+    .work = work,
+    .open = open,
+    .start = start,
+    .step = step,
+    .advance = advance,
+    .memory = memory,
+    .close = close,
+};

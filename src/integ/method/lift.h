@@ -1,0 +1,13 @@
+/* lift.h - rules of coordinates on groups by the collective lift (mech/lift.c): a step of (q, p)
+ * on T*R^N, which leads to the momentum J(q, p) on the group. The lifted state, which has more
+ * than J tells, stays with the stepper from step to step, and its memory is part of a restart. */
+#ifndef DM_LIFT_H
+#define DM_LIFT_H
+
+#include "integ/method/method.h"
+#include "mech/group.h"
+
+/* Steps the lifted model by the engine that the rule has for it. */
+extern const dm_engine dm_engine_lift;
+
+#endif
