@@ -18,6 +18,7 @@ return {
   -- examples without a chart of rules: name, why
   charts = {
     own_forces = "forces of one discrete Lagrangian, no rules of the table",
+    taylor_segments = "methods of the script, no rules of the table",
     slack_rope = "a force that is read off a run; how well rules know it is in its picture",
     sliding_plate = "what a symmetry keeps, asked of one rule",
     runge_lenz = "one discrete Lagrangian and its invariantization, no rules of the table",

@@ -4,8 +4,8 @@ local M = {}
 --- Files of examples/, without .lua.
 M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite",
   "double_spherical_pendulum", "reduced_pendulum", "families",
-  "spherical_pendulum", "slack_rope", "own_forces", "damped_double_pendulum", "pendulum_chain",
-  "chain",
+  "spherical_pendulum", "slack_rope", "own_forces", "taylor_segments", "damped_double_pendulum",
+  "pendulum_chain", "chain",
   "carousel", "charged_particle", "runge_lenz", "sliding_plate",
   "elastica", "space_elastica", "schwarzian", "rolling_disk", "chaplygin_sleigh",
   "contact_oscillator", "cart", "guiding_centre",
