@@ -3,6 +3,8 @@
 #include "bind/rule/curve_recipes.h"
 #include "code/tape/tape.h"
 
+#include "integ/curve/curve_choice.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -48,13 +50,13 @@ static int measure(lua_State *L, const dm_curve *c) {
 static void own_method(lua_State *L, dm_curve *c, int fn) {
     const int linear = dml_curve_tableau(L, fn, c);
     if (!linear) {
-        lua_createtable(L, 0, 2);
+        lua_getiuservalue(L, 2, 1);
         lua_pushvalue(L, fn);
         lua_setfield(L, -2, "method");
-        lua_setiuservalue(L, 2, 1);
+        lua_pop(L, 1);
         memset(c, 0, sizeof *c);
         c->bias = 1.0;
-        c->recipe = dml_curve_recipe(L, 2, 2)->recipe;
+        c->recipe = dml_curve_for(L, 2, 2)->recipe;
     }
     strcpy(c->name, "own method");
     c->order = !linear     ? measure(L, c)
@@ -70,7 +72,7 @@ static void own_method(lua_State *L, dm_curve *c, int fn) {
 }
 
 static const void *for_space(lua_State *L, int data, uint32_t n) {
-    return dml_curve_recipe(L, data, n);
+    return dml_curve_for(L, data, n);
 }
 
 /* method = a name or a function, of the options at 1 */
@@ -86,6 +88,45 @@ static void read_method(lua_State *L, dm_curve *c) {
                    "a function(x, f, h) that gives x after a step h of x' = f(x) (got %s)",
                    luaL_typename(L, -1));
     lua_pop(L, 1);
+}
+
+/* May all substeps have points of their own, on both sides of the bias? */
+static void check_points(lua_State *L, const dm_curve *c) {
+    double share[DM_CURVE_STAGES];
+    dm_curve all;
+    if (c->recipe) return;
+    for (int i = 0; i < c->substeps; i++) share[i] = 1.0 / c->substeps;
+    if (!dm_curve_compose(&all, c, share) || !dm_curve_bias(&all, c->bias))
+        luaL_error(L, "field 'substeps': %d of them with this method take more than %d points",
+                   c->substeps, DM_CURVE_STAGES);
+}
+
+/* substeps = a function (x, h, t), and most; after the method, before the bias */
+static void read_substeps(lua_State *L, dm_curve *c) {
+    const int type = lua_getfield(L, 1, "substeps");
+    const long most = dml_count(L, 1, "most", 1, 4);
+    if (type == LUA_TNIL) {
+        lua_pop(L, 1);
+        return;
+    }
+    if (type != LUA_TFUNCTION)
+        luaL_error(L,
+                   "field 'substeps' must be a function(x, h, t) that gives how many substeps a "
+                   "step has, or a list of their weights (got %s)",
+                   luaL_typename(L, -1));
+    if (most > DM_CURVE_STAGES) luaL_error(L, "field 'most' must be at most %d", DM_CURVE_STAGES);
+    lua_getiuservalue(L, 2, 1);
+    lua_insert(L, -2);
+    lua_setfield(L, -2, "substeps");
+    lua_pushnil(L);
+    lua_rawseti(L, -2, 2); /* the copy for two coordinates has no choice yet */
+    lua_pop(L, 1);
+    const dm_curve_choice *choice = dml_curve_for(L, 2, 2)->choice;
+    if (!choice->bare && (choice->outputs < 2 || choice->outputs > DM_CURVE_STAGES))
+        luaL_error(L, "field 'substeps': a list of weights has 2 to %d of them (got %d)",
+                   DM_CURVE_STAGES, choice->outputs);
+    c->choice = choice;
+    c->substeps = choice->bare ? (int)most : choice->outputs;
 }
 
 /* The bias is the part of a step that lies behind (q, v). With points on both sides there are
@@ -123,20 +164,24 @@ static void read_name(lua_State *L) {
 /* The curve lies in a userdata that the rule keeps, so that solvers which have the rule have it
  * too. */
 int dml_curve_new(lua_State *L) {
-    static const char *const known[] = {"method", "bias", "order", NULL};
+    static const char *const known[] = {"method", "bias", "order", "substeps", "most", NULL};
     if (lua_type(L, 1) == LUA_TSTRING) read_name(L);
     lua_settop(L, 1);
     luaL_checktype(L, 1, LUA_TTABLE);
     dml_options(L, 1, known);
-    dm_curve *c = lua_newuserdatauv(L, sizeof *c, 1); /* the table of a method with recipes */
+    dm_curve *c = lua_newuserdatauv(L, sizeof *c, 1);
+    lua_newtable(L); /* what is traced again for every dim Q */
+    lua_setiuservalue(L, 2, 1);
     read_method(L, c);
+    read_substeps(L, c);
     read_bias(L, c);
+    if (c->choice) check_points(L, c);
     if (c->bias == 1.0)
         lua_pushfstring(L, "curve(%s)", c->name);
     else
         lua_pushfstring(L, "curve(%s, %f)", c->name, c->bias);
     lua_pushvalue(L, 2);
-    const int own = c->recipe != NULL;
+    const int own = c->recipe || c->choice;
     dml_rule *rule = dml_pushrule(L, "curve", c, lua_tostring(L, 3));
     if (own) rule->for_space = for_space;
     return 1;
@@ -152,6 +197,10 @@ static const dml_row functions[] =
       "a vector of 2 n entries, after a step h of x' = f(x) (f(x, t) takes the time too). "
       "f:along(x, u, ...) is the derivative of f at x along u, the second one along two "
       "directions, ..., at most four, for Taylor methods: x + h*k + h^2/2*f:along(x, k), k = f(x). "
+      "substeps = function(x, h, t): how many equal substeps of the method a step has (rounded, 1 "
+      "to `most`, 4 unless given), or a list of weights of substeps (rounded to whole numbers, 0: "
+      "left out), from the state at its start; held for the step, derivatives too, so that a step "
+      "is symplectic wherever the choice does not change; solver:report().substeps_per_step. "
       "The order is found, and `order` (optional) checked against it. Methods that are linear in "
       "the values of f, as Runge-Kutta, leapfrog and Nystroem methods are, become tables of "
       "numbers; any other is written out as one expression. bias in [0, 1]: the part of a step "

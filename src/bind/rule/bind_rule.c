@@ -65,7 +65,7 @@ const dml_class dml_class_rule = {
     .doc = "dm.rule: a rule with coefficients of its own, made by dm.galerkin and its like, for "
            "rule = in a solver\n"
            "fields: name, order, symmetric, symplectic, linear (false: curves by a method that is "
-           "not linear in the values of f)",
+           "not linear in the values of f, or with substeps that are chosen)",
     .meta = meta,
     .field = rule_field,
 };

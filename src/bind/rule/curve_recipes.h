@@ -22,8 +22,8 @@ void dml_curve_ask(lua_State *L, int fn, uint32_t n, dml_curve_asked *out);
 /* Its coefficients; 0 where it is not linear in the values of f. Raises when it is no method. */
 int dml_curve_tableau(lua_State *L, int fn, dm_curve *out);
 
-/* Of the dm_curve at stack index `at`, whose user value is the table { method = }: the recipe for
- * so many coordinates in the place of that which it has, kept in that table. */
-const dm_curve *dml_curve_recipe(lua_State *L, int at, uint32_t n);
+/* Of the dm_curve at stack index `at`, whose user value is the table { method =, substeps = }: its
+ * copy for so many coordinates, with the recipe and the choice for them, kept in that table. */
+const dm_curve *dml_curve_for(lua_State *L, int at, uint32_t n);
 
 #endif

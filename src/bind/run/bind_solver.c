@@ -122,6 +122,8 @@ static int solver_report(lua_State *L) {
     set_count(L, "evaluations", last->evaluations);
     set_number(L, "newton_per_step",
                last->steps ? (double)last->newton / (double)last->steps : 0.0);
+    if (last->substeps && last->steps)
+        set_number(L, "substeps_per_step", (double)last->substeps / (double)last->steps);
     if (!last->constrained) return 1;
     set_number(L, "constraint", last->constraint);
     set_number(L, "rolling", last->rolling);
@@ -206,7 +208,8 @@ static const dml_row methods[] =
       "solver:report() -> table\n"
       "What the last run cost: rule, order, h, backend, operations (of the kernels, per "
       "evaluation), trace_ms, compile_ms (trace to kernels), steps, ns_per_step, newton, "
-      "newton_per_step, evaluations; with constraints: constraint and rolling, the largest |g| and "
+      "newton_per_step, evaluations; substeps_per_step where they are chosen; with constraints: "
+      "constraint and rolling, the largest |g| and "
       "|phi| at the end of a step."},
      {NULL, NULL, NULL}};
 static const dml_row functions[] =

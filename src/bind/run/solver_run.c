@@ -87,17 +87,17 @@ static uint32_t operations(const dm_model *m, unsigned wants) {
 /* what the run cost; solver:report() shows it */
 static void keep_report(const dml_stepping *r, long steps, double seconds) {
     const dm_report *report = &r->stepper.report;
+    const long own = report->operations;
     r->solver->last =
         (dml_last_run){.backend = r->model->backend ? r->model->backend : "tape",
-                       .operations = report->operations
-                                         ? report->operations
-                                         : (long)operations(&r->model->model, r->wants),
+                       .operations = own ? own : (long)operations(&r->model->model, r->wants),
                        .trace_ms = r->model->trace_ms,
                        .compile_ms = r->model->trace_ms + r->model->compile_ms,
                        .steps = steps,
                        .ns_per_step = steps ? seconds * 1e9 / (double)steps : 0.0,
                        .newton = report->newton,
                        .evaluations = report->evaluations,
+                       .substeps = report->substeps,
                        .constrained = r->model->model.constraints != NULL,
                        .constraint = report->constraint,
                        .rolling = report->rolling};

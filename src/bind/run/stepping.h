@@ -8,7 +8,7 @@
 /* what the last run of a solver cost */
 typedef struct {
     const char *backend; /* NULL: there was no run */
-    long operations, steps, newton, evaluations;
+    long operations, steps, newton, evaluations, substeps;
     double trace_ms, compile_ms, ns_per_step;
     int constrained; /* the rest is known */
     double constraint, rolling;

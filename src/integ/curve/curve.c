@@ -15,6 +15,12 @@
 #include <math.h>
 #include <string.h>
 
+/* shares of a step, what the choice takes and gives, the next shares */
+static size_t choice_size(const dm_rule *rule, size_t n) {
+    const dm_curve *own = rule->data;
+    return own && own->choice ? 3 * (size_t)own->substeps + 2 * n + 2 : 0;
+}
+
 /* The struct at the head of the workspace, in doubles. */
 static size_t head(void) {
     return (sizeof(dm_curve_step) + sizeof(double) - 1) / sizeof(double);
@@ -22,12 +28,16 @@ static size_t head(void) {
 
 /* ---- the rule ---- */
 
-/* Of a dm.rule the curve itself; of a text the method that it names, with the bias that it names or
- * the method has. */
+/* Of a dm.rule the curve itself, with all its substeps; of a text the method that it names, with
+ * the bias that it names or the method has. */
 static int read_curve(dm_curve *out, const dm_rule *rule) {
     if (rule->data) {
-        *out = *(const dm_curve *)rule->data;
-        return 1;
+        const dm_curve *own = rule->data;
+        double share[DM_CURVE_STAGES];
+        *out = *own;
+        if (!own->choice || own->recipe) return 1;
+        for (int i = 0; i < own->substeps; i++) share[i] = 1.0 / own->substeps;
+        return dm_curve_compose(out, own, share) && dm_curve_bias(out, own->bias);
     }
     if (!dm_curve_find(out, rule->arg[0].rule->name)) return 0;
     return dm_curve_bias(out, rule->count == 2 ? rule->arg[1].number : out->bias);
@@ -64,7 +74,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
                "acceleration, which come from a trace";
     if (m->structure & DM_LINEAR_IN_V)
         return "L is linear in v, so that it has no second-order field";
-    if (own && own->recipe && own->recipe->n != m->n)
+    if (own && ((own->recipe && own->recipe->n != m->n) || (own->choice && own->choice->n != m->n)))
         return "its method was traced for another number of coordinates";
     if (own && own->recipe && !own->recipe->timed && is_timed(m))
         return "the system depends on t, and its method, which is not linear in the values of f, "
@@ -105,7 +115,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_curve c;
     if (!read_curve(&c, rule)) return 0;
     return head() + n + 2 * dm_curve_unknowns(&c, m) + 2 * n + n + 4 * n + memory_size(&c, m) +
-           2 * n + n * n + n + scratch_size(&c, m) + dm_curve_tie_work(m) + dm_segment_work(&c, m);
+           2 * n + n * n + n + scratch_size(&c, m) + dm_curve_tie_work(m) + choice_size(rule, n) +
+           dm_segment_work(&c, m);
 }
 
 /* The matrix of the last step lives in the memory, so that a run goes on with it. */
@@ -127,7 +138,10 @@ static dm_status open(dm_stepper *s) {
     double *rest = e->scratch + scratch_size(&e->curve, s->model);
     dm_kernel_prepare(&s->model->slope, e->slope);
     dm_curve_tie_open(&e->tie, s->model, rest);
-    return dm_segment_open(&e->segment, &e->curve, s->model, rest + dm_curve_tie_work(s->model));
+    e->share = rest + dm_curve_tie_work(s->model);
+    const size_t choice = choice_size(s->rule, n);
+    memset(e->share, 0, choice * sizeof *e->share);
+    return dm_segment_open(&e->segment, &e->curve, s->model, e->share + choice);
 }
 
 /* Forget the last segment and its matrix. */

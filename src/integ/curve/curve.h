@@ -28,7 +28,10 @@ typedef struct {
     int lifted; /* some lift is not zero, or push is not a */
     /* a method that no such numbers describe: s is 0, and only order and bias hold; else NULL */
     const struct dm_curve_recipe *recipe;
-    int substeps; /* a step may be cut into so many, as is chosen at its start; 0: it is not */
+    /* of `substeps` at most a step is made, as is chosen at its start (curve_choice.h): then the
+     * numbers above are those of one of them, with bias 1; else 0 and NULL */
+    int substeps;
+    const struct dm_curve_choice *choice;
 } dm_curve;
 
 /* The built-in or GSL method of that name; 0 where there is none. Coefficients are those of bias
@@ -60,6 +63,10 @@ int dm_curve_bias(dm_curve *c, double bias);
  * method for x' = f(x). */
 dm_status dm_curve_measure_recipe(int *order, const dm_curve *c, dm_compile *compile,
                                   dm_arena *arena);
+
+/* The method that is one with bias 1, one substep after the other, as long as share[substeps] says;
+ * those of length 0 are left out. 0 where that takes too many points. */
+int dm_curve_compose(dm_curve *out, const dm_curve *whole, const double *share);
 
 /* Order of the variational step: that of the method, or the next even number where the segment
  * is symmetric. */

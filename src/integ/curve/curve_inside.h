@@ -2,6 +2,7 @@
 #ifndef DM_CURVE_INSIDE_H
 #define DM_CURVE_INSIDE_H
 
+#include "integ/curve/curve_choice.h"
 #include "integ/curve/curve_segment.h"
 
 /* What constraints bring into a step, all zero without any. The reaction of the start is R0 =
@@ -36,6 +37,7 @@ typedef struct {
     double *next, *memory; /* [4n]; see below */
     double *slope;         /* [2n] of L at the end */
     double *scratch;
+    double *share;         /* [substeps] of this step, and what chooses them (curve_choice.c) */
     double size, residual; /* of the momenta; of the step equation */
     int ran;               /* the segment is at y */
     int settled;           /* the last increment, at the head of scratch, was at round-off */
@@ -46,6 +48,10 @@ typedef struct {
 static inline size_t dm_curve_unknowns(const dm_curve *c, const dm_model *m) {
     return (c->centred ? 2 : 1) * (size_t)m->n + dm_field_rows(m);
 }
+
+/* The substeps of the step in hand, of the method of the rule; made anew where they differ from
+ * those of the last one. */
+dm_status dm_curve_choose(dm_curve_step *e, dm_stepper *s, const dm_curve *whole);
 
 /* Points and ends for the unknowns z, unless they are there already. */
 dm_status dm_curve_place(dm_curve_step *e, const double *z);

@@ -193,7 +193,9 @@ dm_status dm_curve_solve(dm_stepper *s, const double *state, double t, double h)
     e->residual = 0.0;
     e->settled = 0;
     if (!fits_memory(e)) e->memory[0] = 0.0;
-    dm_status status = guess(e, s);
+    const dm_curve *own = s->rule->data;
+    dm_status status = own && own->choice ? dm_curve_choose(e, s, own) : DM_OK;
+    if (status == DM_OK) status = guess(e, s);
     if (status == DM_OK) status = search(e, s, &iterations);
     s->report.iterations = iterations;
     s->report.residual = e->residual;

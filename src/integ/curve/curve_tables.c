@@ -180,10 +180,47 @@ static void add_nodes(dm_curve *out, const dm_curve *whole, double bias) {
     }
 }
 
+/* points and ends of one substep of that length, which begins after `start` */
+static void add_substep(dm_curve *out, const dm_curve *whole, double length, double start) {
+    const int first = out->s;
+    for (int i = 0; i < whole->s; i++) {
+        const int k = first + i;
+        memcpy(out->a[k], out->plus, (size_t)first * sizeof *out->plus);
+        memcpy(out->push[k], out->arrival, (size_t)first * sizeof *out->plus);
+        memcpy(out->lift[k], out->plus_lift, (size_t)first * sizeof *out->plus);
+        for (int j = 0; j < i; j++) {
+            out->a[k][first + j] = length * whole->a[i][j];
+            out->push[k][first + j] = length * whole->push[i][j];
+            out->lift[k][first + j] = length * length * whole->lift[i][j];
+        }
+        out->c[k] = start + length * whole->c[i];
+    }
+    for (int i = 0; i < whole->s; i++) {
+        out->plus[first + i] = length * whole->plus[i];
+        out->arrival[first + i] = length * whole->arrival[i];
+        out->plus_lift[first + i] = length * length * whole->plus_lift[i];
+        out->weight[first + i] = length * whole->weight[i];
+    }
+    out->s += whole->s;
+}
+
+int dm_curve_compose(dm_curve *out, const dm_curve *whole, const double *share) {
+    double start = 0.0;
+    *out = (dm_curve){.order = whole->order, .lifted = whole->lifted, .bias = 1.0};
+    memcpy(out->name, whole->name, sizeof out->name);
+    for (int i = 0; i < whole->substeps; i++) {
+        if (share[i] == 0.0) continue;
+        if (out->s + whole->s > DM_CURVE_STAGES) return 0;
+        add_substep(out, whole, share[i], start);
+        start += share[i];
+    }
+    return 1;
+}
+
 /* Point 0 is y itself and belongs to both sides; a lifted method needs Gauss nodes for its action,
  * with points of their own. */
 int dm_curve_bias(dm_curve *c, double bias) {
-    if (c->recipe) {
+    if (c->recipe || c->choice) { /* of the whole step, which is not known yet */
         c->bias = bias;
         c->centred = bias != 1.0;
         return 1;

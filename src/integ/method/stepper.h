@@ -14,6 +14,7 @@ typedef struct {
     long solves;                /* step equations solved so far */
     long newton;                /* Newton iterations so far */
     long evaluations;           /* kernel evaluations so far */
+    long substeps;              /* so far, of engines that choose them */
     int plain;                  /* sums are made without compensation, as was asked for */
     long operations;            /* of a step, where the engine makes kernels of its own */
     double constraint, rolling; /* largest |g|, |phi| at the ends of steps so far */

@@ -1,0 +1,59 @@
+#include "integ/curve/curve_choice.h"
+
+#include "integ/curve/curve_inside.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double MOST = 1e6; /* of a weight */
+
+/* a number of equal substeps, from 1 to count */
+static void share_equally(double *share, int count, double number) {
+    const double n = fmin(fmax(floor(number + 0.5), 1.0), (double)count);
+    for (int i = 0; i < count; i++) share[i] = i < (int)n ? 1.0 / n : 0.0;
+}
+
+int dm_curve_shares(const dm_curve_choice *c, double *share, int count, const double *out) {
+    double sum = 0.0;
+    if (c->bare && isfinite(out[0])) share_equally(share, count, out[0]);
+    if (c->bare) return isfinite(out[0]);
+    for (int i = 0; i < count; i++) {
+        share[i] = floor(out[i] + 0.5);
+        if (!(share[i] >= 0.0 && share[i] <= MOST)) return 0;
+        sum += share[i];
+    }
+    for (int i = 0; i < count; i++) share[i] /= sum;
+    return sum > 0.0;
+}
+
+/* A method of other substeps than the last step had: its points and coefficients. */
+static void recompose(dm_curve_step *e, const dm_curve *whole) {
+    if (whole->recipe) return;
+    dm_curve_compose(&e->curve, whole, e->share);
+    dm_curve_bias(&e->curve, whole->bias);
+    e->segment.points = (size_t)e->curve.s;
+    e->segment.h = NAN;
+}
+
+dm_status dm_curve_choose(dm_curve_step *e, dm_stepper *s, const dm_curve *whole) {
+    const size_t n = e->n, count = (size_t)whole->substeps;
+    const double t0 = e->t - (1.0 - whole->bias) * e->h;
+    double *x = e->share + count, *out = x + 2 * n + 2, *next = out + count;
+    double *v = x + n;
+    memset(v, 0, n * sizeof *v);
+    dm_status status = dm_legendre_inverse(s->model, v, e->state, e->state + n, t0, e->scratch);
+    if (e->tie.m) status = dm_curve_tie_hide(e, s, v, e->state + n, e->state, t0);
+    if (status != DM_OK) return status;
+    memcpy(x, e->state, n * sizeof *x);
+    x[2 * n] = e->h;
+    x[2 * n + 1] = t0;
+    dm_kernel_prepare(&whole->choice->kernel, out);
+    dm_kernel_eval(&whole->choice->kernel, x, out);
+    if (!dm_curve_shares(whole->choice, next, whole->substeps, out)) return DM_NOT_FINITE;
+    for (size_t i = 0; i < count; i++) s->report.substeps += next[i] > 0.0;
+    if (memcmp(e->share, next, count * sizeof *next) == 0) return DM_OK;
+    memcpy(e->share, next, count * sizeof *next);
+    if (e->segment.share) memcpy(e->segment.share, next, count * sizeof *next);
+    recompose(e, whole);
+    return DM_OK;
+}
