@@ -24,8 +24,9 @@ floors.src = {
 -- kept free: connection (above group), sweep (above measure)
 floors.lua = {
   "base", "group", "action", "frame", "show", "show/animate", "data", "dec/files", "dec",
-  "dec/homology", "dec/equations", "chart", "measure", "stability", "reduce/routh", "reduce/discrete",
-  "reduce/equilibria", "reduce/run", "reduce", "scene", "demos", "session",
+  "dec/homology", "dec/equations", "dec/pictures", "chart", "measure", "stability",
+  "reduce/routh", "reduce/discrete", "reduce/equilibria", "reduce/run", "reduce", "scene", "demos",
+  "session",
 }
 
 -- Arrows that point up nevertheless: how it is seen, from, to, why. One that is no longer needed

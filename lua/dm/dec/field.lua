@@ -273,4 +273,7 @@ a:lie(X, {method=, side=}) -> dm.form
 The Lie derivative i_X d a + d i_X a, options as in a:contract; d (L_X a) = L_X (d a) (Leok, Lemma
 3.7).]])
 
+-- in a room above this one
+class.later("dm.vector_field", "plot", "dm.dec.pictures.plot")
+
 return M

@@ -236,4 +236,7 @@ class.method("dm.form", "max", function(a)
   return largest
 end, "a:max() -> number\nThe largest modulus of its values.")
 
+-- in a room above this one
+class.later("dm.form", "plot", "dm.dec.pictures.plot")
+
 return M

@@ -242,15 +242,25 @@ local function complaint(file, said)
   return ("cannot draw %q: gnuplot says: %s"):format(file, said:gsub("%s+", " "):sub(1, 300))
 end
 
---- Draw a figure to a file; the file appears whole or not at all.
-function M.write(figure, file)
+--- The first lines of a script that draws to `file`: width and height in pixels.
+function M.head(file, width, height)
+  return "set terminal " .. TERMINALS[kind_of(file)](width, height) .. "\nset output "
+    .. quote(output_name(file)) .. "\nset encoding utf8\n"
+end
+
+--- Text of a user, as gnuplot reads it.
+M.caption = caption
+
+--- Have gnuplot draw the script that script_of(name of a new file) is; the file appears whole or not
+-- at all.
+function M.draw(file, script_of)
   if file:find("%c") then
     error(("file %q: a name without control characters is needed"):format(file), 0)
   end
   kind_of(file)  -- raises before there is a file
   local part, why = core.new_file(file)
   if not part then error(("cannot write %s: does the folder exist?"):format(why), 0) end
-  local fine, said = run(M.script(figure, part))
+  local fine, said = run(script_of(part))
   local made = io.open(part, "rb")
   local size = made and made:seek("end") or 0
   if made then made:close() end
@@ -259,6 +269,11 @@ function M.write(figure, file)
     error(complaint(file, said), 0)
   end
   assert(core.end_file(part, file))
+end
+
+--- Draw a figure to a file.
+function M.write(figure, file)
+  M.draw(file, function(part) return M.script(figure, part) end)
 end
 
 return M

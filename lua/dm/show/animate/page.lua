@@ -91,6 +91,8 @@ end
 --- Numbers as base64 of doubles or of floats.
 function M.doubles(numbers) return packed(numbers, "d") end
 function M.floats(numbers) return packed(numbers, "f") end
+--- Whole numbers from 0 as base64 of 32 bits each.
+function M.wholes(numbers) return packed(numbers, "I4") end
 
 ---- JSON ----
 
@@ -117,8 +119,11 @@ local function json(value)
   return "{" .. table.concat(out, ",") .. "}"
 end
 
+M.json = json
+
 local ENTITIES = { ["<"] = "&lt;", [">"] = "&gt;", ["&"] = "&amp;", ['"'] = "&quot;" }
 local function escaped(text) return (text:gsub('[<>&"]', ENTITIES)) end
+M.escaped = escaped
 
 --- The whole page of a scene, as text.
 function M.text(scene)

@@ -1,0 +1,82 @@
+-- pictures of meshes: what is drawn by files, terminals and pages; looked at by eye when they change
+local tap = require "tap"
+local dm = require "dm"
+local ok, raises = tap.ok, tap.raises
+
+local function read(name)
+  local handle = assert(io.open(name, "rb"))
+  local text = handle:read "a"
+  handle:close()
+  os.remove(name)
+  return text
+end
+local function count(text, pattern) return select(2, text:gsub(pattern, "")) end
+
+local base = os.tmpname()
+os.remove(base)
+local flat, ball, solid = dm.mesh { grid = 3 }, dm.mesh { icosphere = 1 }, dm.mesh { shells = { 3, 1 } }
+local height = ball:form(0, function(_, _, z) return z end)
+local swirl = flat:form(1, function(x, y) return { -y, x } end)
+
+---- files ----
+
+local pipe = io.popen "gnuplot --version 2>/dev/null"
+local is_there = pipe:read "a":find "^gnuplot"
+pipe:close()
+if is_there then
+  local name = base .. ".svg"
+  for what, draw in pairs {
+    mesh = function() return flat:plot { file = name, dual = true } end,
+    ["0-form"] = function() return height:plot { file = name, azimuth = 1, height = 0.2 } end,
+    ["1-form"] = function() return swirl:plot { file = name, title = "a swirl", label = "m/s" } end,
+    ["2-form"] = function() return flat:form(2, flat:oriented(flat:volume(2))):plot { file = name } end,
+    ["dual function"] = function() return flat:form(2, flat:volume(2)):star():plot { file = name } end,
+    field = function() return swirl:sharp { to = "cells" }:plot { file = name } end,
+    solid = function() return solid:plot { file = name } end,
+  } do
+    local file = draw()
+    local text = read(file)
+    ok(text:find "<svg" and count(text, "<polygon") + count(text, "<path") > 20, what .. " drawn")
+    if what == "1-form" then ok(text:find "a swirl" and text:find "m/s", "title and label") end
+  end
+  raises("does the folder exist", function() flat:plot { file = base .. "/no/such.png" } end)
+else
+  print "# gnuplot is not installed: files are not drawn"
+end
+raises("picture is .png", function() flat:plot { file = base .. ".gif" } end)
+raises("no points", function() dm.mesh { hex_torus = 4 }:plot() end)
+raises("'axis'", function() flat:plot { axis = 1 } end)
+raises("boundary", function() solid:form(3, solid:volume(3)):plot() end)
+raises("surfaces", function() solid:plot { dual = true } end)
+
+---- a page ----
+
+local name = base .. ".html"
+ball:animate(name, { forms = { height = height, slope = height:d() }, title = "a <ball> & more" })
+local page = read(name)
+ok(page:lower():find "^<!doctype html" and page:find "a &lt;ball&gt; &amp; more", "a page with its title")
+ok(not page:find "https?://" and not page:find "@%u+@", "of its own: no network, nothing left out")
+local data = page:match '<script type="application/json" id="data">(.-)</script>'
+ok(count(data, '"name":') == 3 and data:find '"least":%-1' and data:find '"label":"per length"', "mesh and forms, with their scales")
+ok(#data:match '"points":"([^"]*)"' == 4 * math.ceil(ball:count(0) * 3 * 4 / 3), "all points")
+solid:animate(name)
+ok(read(name):find "drawn", "a solid")
+raises("html", function() ball:animate(base .. ".png") end)
+raises("of this mesh", function() ball:animate(name, { forms = { x = swirl } }) end)
+
+---- chromium, where it is: the page runs and draws ----
+
+local which = io.popen "command -v chromium chromium-browser 2>/dev/null"
+local browser = which:read "l"
+which:close()
+if browser then
+  ball:animate(name, { forms = { height = height } })
+  local run = io.popen(("timeout 60 %s --headless --no-sandbox --disable-gpu --dump-dom 'file://%s#form=2' 2>/dev/null"):format(browser, name))
+  local dom = run:read "a"
+  run:close()
+  os.remove(name)
+  ok(dom:find 'data%-form="height"' and count(dom, "<option") == 2, "a browser draws it")
+else
+  print "# chromium is not installed: the page is not opened"
+end
+tap.done()
