@@ -17,6 +17,11 @@ return {
   },
   -- examples without a chart of rules: name, why
   charts = {
+    porous_hole = "an equation on a mesh, no rule of time",
+    cavity = "frequencies on a mesh, no rule of time",
+    torus_fields = "forms on a mesh, no rule of time",
+    heat_sphere = "modes of a mesh, exact in time",
+    potential = "forms on a mesh, no rule of time",
     own_forces = "forces of one discrete Lagrangian, no rules of the table",
     taylor_segments = "methods of the script, no rules of the table",
     slack_rope = "a force that is read off a run; how well rules know it is in its picture",

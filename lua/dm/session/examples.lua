@@ -10,7 +10,8 @@ M.names = { "kepler", "outer_solar_system", "satellite", "reduced_satellite",
   "elastica", "space_elastica", "schwarzian", "rolling_disk", "chaplygin_sleigh",
   "contact_oscillator", "cart", "guiding_centre",
   "henon_heiles", "stiff_spring", "resonance_tongues", "least_model", "exact_oscillator",
-  "variational_runge_kutta" }
+  "variational_runge_kutta",
+  "porous_hole", "cavity", "torus_fields", "heat_sphere", "potential" }
 
 local function text_of(file)
   local handle = io.open(file)

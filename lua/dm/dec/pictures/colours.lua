@@ -14,7 +14,7 @@ function M.scale(values)
   local lo, hi = math.huge, -math.huge
   for i = 1, #values do lo, hi = math.min(lo, values[i]), math.max(hi, values[i]) end
   local stops = {}
-  local is_signed = lo < 0 and hi > 0
+  local is_signed = math.min(-lo, hi) > 0.01 * math.max(-lo, hi) -- not by round-off
   if is_signed then lo, hi = math.min(lo, -hi), math.max(hi, -lo) end
   for i, x in ipairs(is_signed and SIGNED or RISING) do stops[i] = hex(x) end
   if lo == hi then lo, hi = lo - 0.5, hi + 0.5 end
