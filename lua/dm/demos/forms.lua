@@ -28,9 +28,10 @@ print(worst)
 f:plot()]] },
   },
   claim = function(e)
-    return e.df:d():max() < 1e-14 and math.abs(e.round - 2 * e.area) < 1e-12 and e.worst < 0.02 / e.N ^ 4,
-      ([[dd = %.0e and Stokes holds to %.0e; the Laplacian of a harmonic function is off by %.1e, which
-      falls like 1/N^2: try N = %d.]])
+    return e.df:d():max() < 1e-14 and math.abs(e.round - 2 * e.area) < 1e-12
+      and e.worst < 0.02 / e.N ^ 4,
+      ([[dd = %.0e and Stokes holds to %.0e; the Laplacian of a harmonic function is off by %.1e,
+      which falls like 1/N^2: try N = %d.]])
         :format(e.df:d():max(), math.abs(e.round - 2 * e.area), e.worst, 2 * e.N)
   end,
 }

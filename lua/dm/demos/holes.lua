@@ -30,8 +30,8 @@ print(p, p:check(), (b:d() - a):max())]] },
     local betti = e.ring:betti()
     return betti[1] == 1 and betti[2] == 1 and betti[3] == 0 and not e.fine and e.p:check() == 0
       and (e.b:d() - e.a):max() < 1e-12,
-      ([[the ring has one hole, and the period of its field round it is %.4f; on the disc d p + p d = 1
-      without an error, and a potential was found to %.0e.]])
+      ([[the ring has one hole, and the period of its field round it is %.4f; on the disc d p + p d
+      = 1 without an error, and a potential was found to %.0e.]])
         :format(e.period, (e.b:d() - e.a):max())
   end,
 }

@@ -251,8 +251,8 @@ end
 --- Text of a user, as gnuplot reads it.
 M.caption = caption
 
---- Have gnuplot draw the script that script_of(name of a new file) is; the file appears whole or not
--- at all.
+--- Have gnuplot draw the script that script_of(name of a new file) is; the file appears whole or
+-- not at all.
 function M.draw(file, script_of)
   if file:find("%c") then
     error(("file %q: a name without control characters is needed"):format(file), 0)

@@ -378,8 +378,7 @@ static const dml_row functions[] =
       "force(q, v [, t]) dim Q numbers (friction, driving) that are added to dL/dq (discrete "
       "Lagrange-d'Alembert); with control(q, v [, t]) it is force(q, v, t, u), where u is what "
       "control returned at the start of the step and is held over it; each a number, a vector or a "
-      "table, traced like L. Rules that do not know them refuse the system and name those that "
-      "do."},
+      "table, traced like L. Rules without them refuse the system and name others."},
      {NULL, NULL, NULL}};
 
 static const dml_extension more[] = {
