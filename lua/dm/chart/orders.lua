@@ -20,7 +20,7 @@ chart:order(rule) -> number   or   nil, sentence
 The measured order of a rule: the slope of ln error over ln h, least squares over the finest steps
 whose error is well above (30 times) what the references differ by, and above the rule's own
 round-off where finer steps have larger errors, as far as the slopes between neighbours agree to a
-tenth or 0.35. nil, and why, with fewer than three such steps ("not measurable"), or where they do
+tenth or 0.4. nil, and why, with fewer than three such steps ("not measurable"), or where they do
 not agree ("not asymptotic").]]
 
 -- where errors of a rule grow again with finer steps its own round-off is what is seen there
@@ -55,14 +55,17 @@ end
 
 local MOST = 4 -- points: what is finest is nearest to the limit
 
--- how many points from the finest on have slopes that agree with the first
+-- The first and the last of the points, at most MOST, whose slopes agree with the first of them;
+-- what is finer than these may be bent by round-off. Nothing where no two slopes agree.
 local function agreeing(slopes)
-  local count = 1
-  while slopes[count] and count < MOST
-    and abs(slopes[count] - slopes[1]) <= max(0.35, 0.1 * abs(slopes[1])) do
-    count = count + 1
+  for first = 1, #slopes - 1 do
+    local last, near = first, max(0.4, 0.1 * abs(slopes[first]))
+    while slopes[last + 1] and last - first < MOST - 2
+      and abs(slopes[last + 1] - slopes[first]) <= near do
+      last = last + 1
+    end
+    if last > first then return first, last + 1 end
   end
-  return count
 end
 
 local function slope_of(points)
@@ -95,8 +98,8 @@ local function order_of(chart, rule)
   local floor_ = 30 * max(chart.floor, round_off(points))
   local used = finest(points, floor_)
   local slopes = slopes_of(used)
-  local count = agreeing(slopes)
-  if count > 2 then return slope_of(table.move(used, 1, count, 1, {})) end
+  local first, last = agreeing(slopes)
+  if first then return slope_of(table.move(used, first, last, 1, {})) end
   if #used < 3 then
     return nil, ("not measurable: at %s of %s is the error above %.1e, which is 30 times round-off "
       .. "or what the references differ by, and three are needed; coarser steps show more")
