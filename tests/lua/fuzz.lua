@@ -1,12 +1,17 @@
---[[ dmlua tests/lua/fuzz.lua SECONDS [SEED] - random arguments to every function, method and operator.
+--[[ dmlua tests/lua/fuzz.lua SECONDS [SEED] [CALLS] - random arguments to every function, method and operator, options by the names that
+docs give them, functions that go wrong in every way, and files that were spoilt; until so many seconds, or calls, are over.
 Whatever is given, a call must return or raise an error with a message: it must not crash, hang or
 leave a message that says nothing. Prints the number of calls; under sanitizers it also finds what
 only they see. Files are written to the current folder: tests/lua/value/test_fuzz.lua makes an empty one.
 The call that is under way is in the file "last-call", so that a crash names it.]]
+local here = arg[0]:match "^(.*)/" or "."
+package.path = here .. "/?.lua;" .. package.path
 local dm = require "dm"
+local parts = require "fuzz_parts"
 local reference = require "dm.session.reference"
+local docs = require "dm.core".docs
 
-local seconds, seed = tonumber(arg[1]) or 10, math.tointeger(arg[2]) or 1
+local seconds, seed, most = tonumber(arg[1]) or 10, math.tointeger(arg[2]) or 1, math.tointeger(arg[3]) or math.maxinteger
 math.randomseed(seed)
 local random = math.random
 local function pick(list) return list[random(#list)] end
@@ -15,12 +20,15 @@ local function pick(list) return list[random(#list)] end
 
 local calls = {} -- { name, function, class of self or nil }
 -- left out: what ends the process, waits for the keyboard or takes minutes by design
-local skip = { ["dm.core"] = true, ["dm.time"] = true }
+local skip = { ["dm.core"] = true, ["dm.time"] = true, ["dm.demo"] = true, ["core.end_file"] = true }
 for name, f in pairs(reference.functions(dm)) do
+  if not skip[name] then calls[#calls + 1] = { name, f, nil, parts.keys(docs[f]) } end
+end
+for name, f in pairs(reference.for_modules()) do
   if not skip[name] then calls[#calls + 1] = { name, f } end
 end
 for class, methods in pairs(reference.classes()) do
-  for name, f in pairs(methods) do calls[#calls + 1] = { class .. ":" .. name, f, class } end
+  for name, f in pairs(methods) do calls[#calls + 1] = { class .. ":" .. name, f, class, parts.keys(docs[f]) } end
   local meta = debug.getregistry()[class]
   for name, f in pairs(meta) do
     -- collecting twice by hand is a broken promise of the script that has debug.getregistry
@@ -92,6 +100,8 @@ add(kepler, swing, mine, solver, path, failure, stale, stale_vector, dm.R(2), dm
   solver:ensemble { members = 3, q = function(i) return { i, 0 } end, v = function() return { 0, 1 } end,
     steps = 10 })
 
+-- an object of every other class
+parts.objects(add)
 -- a reduced system and what comes of it
 local planet = dm.system { Q = dm.R(2), L = function(q, v) return (v[2] ^ 2 + q[2] ^ 2 * v[1] ^ 2) / 2 + 1 / q[2] end }
 local shape = planet:routh { cyclic = 1, mu = 1 }
@@ -99,6 +109,7 @@ local at_rest = shape:relative_equilibria { region = { 0.5, 2 }, starts = 5 }[1]
 add(planet, shape, shape:discrete { rule = "gauss(2)", h = 0.1 }, shape:solver { rule = "gauss(2)", h = 0.1 }, at_rest,
   shape:solver({ rule = "gauss(2)", h = 0.1 }):run { q = 1, v = 0.1, steps = 20 }, shape:continue(at_rest, { mu = { 0.5, 1.5 }, step = 0.2 }))
 
+local made = #pool -- results of calls stand behind what was made above
 local value
 local keys = { "cyclic", "action", "section", "mu", "connection", "region", "theta", "from", "to", "q", "v", "p", "q0", "q1", "p0", "p1", "h", "t", "rule", "steps", "every", "Q", "L", "Ld", "params", "newton",
   "tolerance", "derivatives", "name", "units", "coordinates", "file", "title", "log", "degree", "quadrature", "x", "y",
@@ -138,6 +149,18 @@ local function nearly(depth)
   t[key] = fitting[key] and pick(fitting[key]) or value(depth + 1)
   return t
 end
+-- options by the names of the doc of what is called
+local function documented(keys, depth)
+  local t = {}
+  for _ = 1, random(1, 6) do
+    local key = pick(keys)
+    if fitting[key] and random() < 0.7 then t[key] = pick(fitting[key]) else t[key] = value(depth + 1) end
+  end
+  return t
+end
+local rights = { functions[4], functions[5], functions[6], function(q, v) return v[1] end, function(i) return { i, 0 } end,
+  function(a, b) return (b - a):dot(b - a) end, function() return 1 end, function(x, f, h) return x + h * f(x) end }
+local function callback() return parts.callback(random, pick(rights), value) end
 local function list(depth)
   local t = {}
   for i = 1, random(0, 4) do t[i] = value(depth + 1) end
@@ -151,12 +174,12 @@ local makers = {
   function() return pick(strings) end,
   function() return random() < 0.5 end,
   function() return pick(functions) end,
-  function() return pick(pool) end,
-  function() return pick(pool) end,
+  function() return pool[random(made + 60)] end,
+  function() return pool[random(made)] end,
   function() return { random(), random() } end,
   function() return dm.vector { random(), pick(numbers) } end,
   function() return pick { deep, cyclic, hostile } end,
-  list, options, options, nearly, nearly,
+  list, options, options, nearly, nearly, callback, callback,
 }
 function value(depth)
   if depth > 3 then return pick(numbers) end
@@ -165,10 +188,14 @@ end
 
 ---- calling
 
+local function class_of(x)
+  local meta = debug.getmetatable(x)
+  return type(meta) == "table" and rawget(meta, "__name")
+end
 local function of_class(class)
   local some = {}
   for _, x in pairs(pool) do
-    if (getmetatable(x) or {}).__name == class then some[#some + 1] = x end
+    if class_of(x) == class then some[#some + 1] = x end
   end
   return #some > 0 and pick(some) or value(1)
 end
@@ -195,23 +222,41 @@ local function listed(arguments, n)
   for i = 1, n do words[i] = shown(arguments[i], 0) end
   return table.concat(words, ", ")
 end
+-- what is asked to go on for ever, such as 2^31 samples, is stopped: loops of C look at their own limits
+local INSTRUCTIONS = 3e6
+local function too_long() error("interrupted! the fuzzer lost patience", 0) end
+local function guarded(f)
+  return function(...)
+    debug.sethook(too_long, "", INSTRUCTIONS)
+    return f(...)
+  end
+end
 local empty = {} -- functions that raised a message without words
+local spoil = parts.files(random)
 local function once(i)
   local call, arguments = pick(calls), {}
+  if random(400) == 1 then call = { "a spoilt file", spoil } end
   local n = random(0, 4)
   for k = 1, n do arguments[k] = value(0) end
+  if call[4] and #call[4] > 0 and random() < 0.6 then
+    local at = call[3] and 2 or random(1, math.max(n, 1))
+    n = math.max(n, at)
+    arguments[at] = documented(call[4], 0)
+  end
   if call[3] and random() < 0.9 then
     n = math.max(n, 1)
     arguments[1] = of_class(call[3])
   end
   note(("seed %d call %d: %s(%s)"):format(seed, i, call[1], listed(arguments, n)))
   local f = call[2]
-  local fine, result = pcall(random() < 0.95 and f or coroutine.wrap(f), table.unpack(arguments, 1, n))
+  local called = guarded(f)
+  local fine, result = pcall(random() < 0.95 and called or coroutine.wrap(called), table.unpack(arguments, 1, n))
+  debug.sethook()
   if not fine and type(result) == "string" and not result:find "%a%a%a" then empty[call[1]] = result end
   -- results live on as arguments
-  if fine and type(result) == "userdata" and random() < 0.2 then pool[math.min(#pool + 1, random(20, 60))] = result end
+  if fine and (type(result) == "userdata" or getmetatable(result)) and random() < 0.2 then pool[made + random(60)] = result end
   if fine then pcall(tostring, result) end
-  return fine
+  return fine, call[1]
 end
 
 -- pictures of the terminal and the like go nowhere
@@ -220,14 +265,26 @@ io.stdout = assert(io.open("/dev/null", "w")) -- luacheck: ignore
 io.output(io.stdout)
 print = function() end -- luacheck: ignore
 local start, n, returned = os.time(), 0, 0
-while os.difftime(os.time(), start) < seconds do
+local returns = {} -- by name
+while os.difftime(os.time(), start) < seconds and n < most do
   for _ = 1, 50 do
     n = n + 1
-    if once(n) then returned = returned + 1 end
+    local fine, name = once(n)
+    if fine then returned, returns[name] = returned + 1, true end
   end
 end
 log:close()
 for name, message in pairs(empty) do report:write(("%s raised %q\n"):format(name, message)) end
-report:write(("%d calls of %d functions, methods and operators: %d returned, the others raised an error\n")
-  :format(n, #calls, returned))
+local reached = 0
+for _, call in ipairs(calls) do reached = reached + (returns[call[1]] and 1 or 0) end
+report:write(("%d calls of %d functions, methods and operators: %d returned, of %d of them, the others raised an error\n")
+  :format(n, #calls, returned, reached))
+local without = {} -- classes of which there was no object
+for class in pairs(reference.classes()) do
+  local found = false
+  for _, x in pairs(pool) do found = found or class_of(x) == class end
+  if not found then without[#without + 1] = class end
+end
+table.sort(without)
+if #without > 0 then report:write("no object of ", table.concat(without, " "), "\n") end
 os.exit(next(empty) == nil, true)

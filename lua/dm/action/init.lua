@@ -11,6 +11,8 @@ local standard = require "dm.action.standard"
 
 local M = {}
 
+local pcall = blame.try  -- Ctrl-C passes
+
 local image, point, show = points.image, points.point, points.show
 
 ---- the class ----

@@ -1,4 +1,5 @@
 --- Questions to an action: isotropy, freeness, orbits, and what it leaves invariant.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local actions = require "dm.action"
 local axioms = require "dm.action.axioms"
@@ -8,6 +9,8 @@ local linear = require "dm.base.linear"
 local points = require "dm.action.points"
 
 local M = {}
+
+local pcall = blame.try  -- Ctrl-C passes
 
 local abs, max = math.abs, math.max
 

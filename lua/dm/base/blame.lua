@@ -71,6 +71,14 @@ function M.is_stop(failure)
   return fine and code == "stopped"
 end
 
+local function passed(fine, ...)
+  if not fine and M.is_stop((...)) then error((...), 0) end
+  return fine, ...
+end
+
+--- pcall, but for a stop by Ctrl-C, which passes: for functions of a user that are tried.
+function M.try(f, ...) return passed(pcall(f, ...)) end
+
 --- The dm.failure of a stop by Ctrl-C, also where that came between instructions of Lua and is a
 -- string; other errors as they are.
 function M.stopped(failure)

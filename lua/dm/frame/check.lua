@@ -1,10 +1,13 @@
 --- Is a moving frame one? Its defining properties at random points.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local options = require "dm.base.options"
 local points = require "dm.frame.points"
 local tangent = require "dm.frame.tangent"
 
 local M = {}
+
+local pcall = blame.try  -- Ctrl-C passes
 
 local abs = math.abs
 

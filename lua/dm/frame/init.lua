@@ -17,6 +17,8 @@ local text = require "dm.frame.text"
 local trial = require "dm.frame.trial"
 
 local M = {}
+
+local pcall = blame.try  -- Ctrl-C passes
 local point, split, flat = points.point, points.split, points.flat
 
 local class = core.class({ __name = "dm.frame" }, [[

@@ -16,6 +16,8 @@ local starts = require "dm.frame.invariant_start"
 
 local M = {}
 
+local pcall = blame.try  -- Ctrl-C passes
+
 local class = core.class({ __name = "dm.invariant_problem" }, [[
 dm.invariant_problem: a variational problem in invariants of an action, by dm.invariant_problem{}
 fields: frame, action, group, N (points of L), constraints (how many)]])

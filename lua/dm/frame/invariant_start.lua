@@ -1,5 +1,6 @@
 --- Starts of invariant problems: the first state y from given points, or from a frame and a
 -- momentum.
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local equations = require "dm.frame.invariant_equations"
@@ -8,6 +9,8 @@ local points = require "dm.frame.points"
 local windows = require "dm.frame.invariant_windows"
 
 local M = {}
+
+local pcall = blame.try  -- Ctrl-C passes
 
 local part = windows.part
 

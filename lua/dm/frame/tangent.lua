@@ -3,9 +3,12 @@
 --   T rho at I = -(J psi)^-1 J,   T iota = (1 - psi (J psi)^-1 J) T Psi_rho
 --   d/dx I_K = I_K,x + psi_K C,   C = -(J psi)^-1 J I_x
 --   S(I) = P . I with the shifted points, P = rho(S z) rho(z)^-1 = rho(iota(S z))
+local blame = require "dm.base.blame"
 local core = require "dm.core"
 local linear = require "dm.base.linear"
 local points = require "dm.frame.points"
+
+local pcall = blame.try  -- Ctrl-C passes
 
 local M = { docs = {}, CONDITION = 1e10 } -- of J psi: beyond it the frame turns on round-off
 

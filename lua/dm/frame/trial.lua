@@ -15,6 +15,8 @@ local text = require "dm.frame.text"
 
 local M = {}
 
+local pcall = blame.try  -- Ctrl-C passes
+
 local huge, max, min = math.huge, math.max, math.min
 
 -- how many samples by dim G, so that a frame is made in a few milliseconds

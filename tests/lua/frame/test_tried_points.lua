@@ -40,4 +40,17 @@ for i = 1, 50 do
   end
 end
 ok(found >= 35, "a section of slope 50 from most points", found)
+
+-- a stop passes through everything that is tried, also in a function of the user that spins
+local rest = frame(first)
+local function stopped(name, f, ...)
+  debug.sethook(function() error("interrupted!", 0) end, "", 1000000)
+  local fine, why = pcall(f, ...)
+  debug.sethook()
+  ok(not fine and tostring(why):find "interrupted!", name .. " is stopped by Ctrl-C", why)
+end
+local function spin() while true do end end
+stopped("action:invariant", shift.invariant, shift, spin)
+stopped("rho:check", rest.check, rest, { samples = 2 ^ 40 // 1 | 0 })
+stopped("dm.moving_frame", dm.moving_frame, { action = shift, cross_section = spin })
 tap.done()
