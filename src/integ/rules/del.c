@@ -193,14 +193,20 @@ static void evaluate_pair(pair *e, const double *z) {
     dm_kernel_eval(&c->reaction, e->constraint_x, e->turn);
 }
 
-/* D1, D2, D1D2 at (q0, q0 + z), with g and G of the end. */
-static void evaluate(pair *e, const double *z) {
+/* (q0, q0 + z) */
+static void place_pair(pair *e, const double *z) {
     const uint32_t n = e->n;
     const double *low = e->state + 2 * n;
     for (uint32_t i = 0; i < n; i++) {
         e->x[i] = e->state[i];
         e->x[n + i] = e->state[i] + (low[i] + z[i]);
     }
+}
+
+/* D1, D2, D1D2 at (q0, q0 + z), with g and G of the end. */
+static void evaluate(pair *e, const double *z) {
+    const uint32_t n = e->n;
+    place_pair(e, z);
     dm_kernel_eval(&e->m->pair, e->x, e->out);
     evaluate_constraints(e, e->there, e->x + n);
     evaluate_pair(e, z);
@@ -294,23 +300,27 @@ static dm_status equation(void *ctx, double *r, double *J, const double *z) {
     return DM_OK;
 }
 
-/* D1 Ld + D2 Ld into e->sum, after an evaluation at the end of a step */
-static void add_slopes(const pair *e) {
+/* D1 Ld + D2 Ld into e->sum, and what acts between both ends, at the end of a step */
+static void evaluate_end(pair *e) {
     const dm_kernel *sum = &e->m->pair_sum;
-    if (sum->eval) {
-        dm_kernel_prepare(sum, e->sum); /* constants, to which impulses were added */
-        dm_kernel_eval(sum, e->x, e->sum);
-    } else {
+    if (!sum->eval) {
+        evaluate(e, e->z);
         for (uint32_t i = 0; i < e->n; i++) e->sum[i] = e->out[i] + e->out[e->n + i];
+        return;
     }
+    place_pair(e, e->z);
+    dm_kernel_prepare(sum, e->sum); /* constants, to which impulses were added */
+    dm_kernel_eval(sum, e->x, e->sum);
+    evaluate_constraints(e, e->there, e->x + e->n);
+    evaluate_pair(e, e->z);
+    e->evaluations++;
 }
 
 /* q1 = q0 + z; p1 = D2 Ld + F2, written p0 + (D1 + F1 + G^T lambda + E^T mu + D2 + F2): velocity
  * terms cancel before they are rounded, in a kernel of its own */
 static dm_status finish(pair *e) {
     const uint32_t n = e->n;
-    evaluate(e, e->z);
-    add_slopes(e);
+    evaluate_end(e);
     add_impulse(e, e->sum, e->z);
     for (uint32_t i = 0; i < n && is_forced(e->m); i++) e->sum[i] += e->push[n + i];
     memcpy(e->next, e->state, 4 * (size_t)n * sizeof *e->next);
