@@ -183,7 +183,7 @@ static void evaluate_constraints(pair *e, double *out, const double *q) {
 /* what is seen at both ends: phi, E^T mu with its derivatives, F1 and F2 */
 static void evaluate_pair(pair *e, const double *z) {
     const dm_constraints *c = e->m->constraints;
-    if (!c || !(c->rolling || c->forced)) return;
+    if (!(c->rolling || c->forced)) return;
     memcpy(e->constraint_x, e->x, 2 * (size_t)e->n * sizeof *e->x);
     if (c->forced) dm_kernel_eval(&c->force_curve, e->constraint_x, e->push);
     if (!e->l) return;
@@ -203,13 +203,18 @@ static void place_pair(pair *e, const double *z) {
     }
 }
 
-/* D1, D2, D1D2 at (q0, q0 + z), with g and G of the end. */
+/* What stands beside Ld, with g and G of the end. */
+static inline void evaluate_beside(pair *e, const double *z) {
+    if (!e->m->constraints) return;
+    evaluate_constraints(e, e->there, e->x + e->n);
+    evaluate_pair(e, z);
+}
+
+/* D1, D2, D1D2 at (q0, q0 + z), and that. */
 static void evaluate(pair *e, const double *z) {
-    const uint32_t n = e->n;
     place_pair(e, z);
     dm_kernel_eval(&e->m->pair, e->x, e->out);
-    evaluate_constraints(e, e->there, e->x + n);
-    evaluate_pair(e, z);
+    evaluate_beside(e, z);
     e->evaluations++;
 }
 
@@ -257,6 +262,10 @@ static void add_block(const pair *e, double *J, const double *matrix) {
 /* [D1D2 + dF1/dq1 + d(E^T mu)/dq1, G(q0)^T, E^T; G(q1), 0, 0; dphi/dq1, 0, 0] in its units */
 static void lay_matrix(const pair *e, double *J) {
     const size_t n = e->n, N = e->N;
+    if (!e->m->constraints) {
+        memcpy(J, e->out + 2 * n, n * n * sizeof *J);
+        return;
+    }
     memset(J, 0, N * N * sizeof *J);
     for (size_t i = 0; i < n; i++) memcpy(J + i * N, e->out + 2 * n + i * n, n * sizeof *J);
     if (is_forced(e->m)) add_block(e, J, e->push + 2 * n + 2 * n * n);
@@ -294,8 +303,10 @@ static dm_status equation(void *ctx, double *r, double *J, const double *z) {
         e->size = fmax(e->size, fmax(fabs(p0[i]), fabs(e->out[i])));
     }
     add_rounded(e, r, z);
-    add_impulse(e, r, z);
-    constrain(e, r, z);
+    if (e->m->constraints) {
+        add_impulse(e, r, z);
+        constrain(e, r, z);
+    }
     if (J) lay_matrix(e, J);
     return DM_OK;
 }
@@ -311,8 +322,7 @@ static void evaluate_end(pair *e) {
     place_pair(e, e->z);
     dm_kernel_prepare(sum, e->sum); /* constants, to which impulses were added */
     dm_kernel_eval(sum, e->x, e->sum);
-    evaluate_constraints(e, e->there, e->x + e->n);
-    evaluate_pair(e, e->z);
+    evaluate_beside(e, e->z);
     e->evaluations++;
 }
 
@@ -321,7 +331,7 @@ static void evaluate_end(pair *e) {
 static dm_status finish(pair *e) {
     const uint32_t n = e->n;
     evaluate_end(e);
-    add_impulse(e, e->sum, e->z);
+    if (e->m->constraints) add_impulse(e, e->sum, e->z);
     for (uint32_t i = 0; i < n && is_forced(e->m); i++) e->sum[i] += e->push[n + i];
     memcpy(e->next, e->state, 4 * (size_t)n * sizeof *e->next);
     dm_sum_add_n(e->next, e->next + 2 * n, e->z, n);
