@@ -17,9 +17,9 @@ local M = {}
 
 -- of the largest eigenvalue of S in the norm R: of factors, and where conjugate gradients feel it
 local EPSILON, EPSILON_GRADIENTS = 1e-10, 1e-8
-local ROUNDS = 12
-local PART = 1e-7     -- of a random form: less is no harmonic part
-local SETTLED = 1e-11 -- of the size of S x for a random x: S x is 0
+local ROUNDS = 60      -- slivers have eigenvalues that are small beside epsilon: it takes many
+local SETTLED = 1e-15  -- of the size of S x for a random x: S x is 0
+local PART = 1e-7      -- of a random form: less is no harmonic part
 
 -- S, the solver of S + epsilon R and the norm R of k-forms; once for a mesh
 local function setting(K, k, pinv, where)
@@ -34,15 +34,15 @@ local function setting(K, k, pinv, where)
   end)
 end
 
--- the harmonic part of x, or nothing; S x is pushed down to rounding
-local function purified(at, x)
-  local r = at.S * x
+-- x + F (b - S x) again and again, until b - S x is rounding or shrinks no more
+local function refined(at, x, b)
+  local r = b - at.S * x
   local first, last = r:norm(), math.huge
   for _ = 1, ROUNDS do
     local now = r:norm()
-    if now <= SETTLED * 1e-4 * first or now > last / 2 then break end
-    last, x = now, x - at.solver:solve(r)
-    r = at.S * x
+    if now <= SETTLED * first or now > 0.9 * last then break end
+    last, x = now, x + at.solver:solve(r)
+    r = b - at.S * x
   end
   return x
 end
@@ -55,17 +55,22 @@ local function orthogonal(x, others, A)
   return x
 end
 
--- a basis of the null space of S: what is left of one random form after the other, until nothing is
-local function null_space(K, k, at)
-  local basis, n = {}, K:count(k)
-  for which = 0, n do
-    local x = core.start_vector(n, which)
+local SPARE = 4 -- random forms more than are needed: one may have next to no harmonic part
+
+-- A basis of the null space of S: what is left of one random form after the other. How many there
+-- are is known from homology, in integers.
+local function null_space(K, k, at, where)
+  local basis, n, wanted = {}, K:count(k), K:betti()[k + 1]
+  for which = 0, wanted + SPARE do
+    if #basis == wanted then break end
+    local x = orthogonal(core.start_vector(n, which), basis, at.R)
     local length = x:norm()
-    x = orthogonal(x, basis, at.R)
-    if x:norm() < PART * length then break end
-    x = orthogonal(purified(at, x), basis, at.R)
-    if x:norm() < PART * length then break end
-    basis[#basis + 1] = x / x:norm()
+    x = orthogonal(refined(at, x, 0 * x), basis, at.R)
+    if x:norm() > PART * length then basis[#basis + 1] = x / x:norm() end
+  end
+  if #basis < wanted then
+    option.fail(where, "%d harmonic forms are there, %d were found: some cells are too flat",
+      wanted, #basis)
   end
   return basis
 end
@@ -89,7 +94,7 @@ end
 local function harmonic_values(K, k, pinv, where)
   return solver.once(K, ("harmonic %d %s"):format(k, pinv and "pinv" or ""), function()
     local at = setting(K, k, pinv, where)
-    return orthonormal(null_space(K, k, at), at)
+    return orthonormal(null_space(K, k, at, where), at)
   end)
 end
 
@@ -132,10 +137,7 @@ end
 
 -- u with S u = M b
 local function potential_of(at, b)
-  local right = at.M * b
-  local u = at.solver:solve(right)
-  for _ = 1, 3 do u = u + at.solver:solve(right - at.S * u) end
-  return u
+  return refined(at, 0 * b, at.M * b)
 end
 
 -- of a primal form
