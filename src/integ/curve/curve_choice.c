@@ -13,6 +13,7 @@ static void share_equally(double *share, int count, double number) {
     for (int i = 0; i < count; i++) share[i] = i < (int)n ? 1.0 / n : 0.0;
 }
 
+/* NaN, negative weights and no weight at all are refused: a step needs some length. */
 int dm_curve_shares(const dm_curve_choice *c, double *share, int count, const double *out) {
     double sum = 0.0;
     if (c->bare && isfinite(out[0])) share_equally(share, count, out[0]);
@@ -35,6 +36,8 @@ static void recompose(dm_curve_step *e, const dm_curve *whole) {
     e->segment.h = NAN;
 }
 
+/* From (q0, v0) with v0 of p0, not of the last segment: a choice that is a function of the state
+ * alone is the same after a restart. */
 dm_status dm_curve_choose(dm_curve_step *e, dm_stepper *s, const dm_curve *whole) {
     const size_t n = e->n, count = (size_t)whole->substeps;
     const double t0 = e->t - (1.0 - whole->bias) * e->h;
@@ -50,6 +53,7 @@ dm_status dm_curve_choose(dm_curve_step *e, dm_stepper *s, const dm_curve *whole
     dm_kernel_prepare(&whole->choice->kernel, out);
     dm_kernel_eval(&whole->choice->kernel, x, out);
     if (!dm_curve_shares(whole->choice, next, whole->substeps, out)) return DM_NOT_FINITE;
+    /* what was chosen is reported, also where it is what the last step had */
     for (size_t i = 0; i < count; i++) s->report.substeps += next[i] > 0.0;
     if (memcmp(e->share, next, count * sizeof *next) == 0) return DM_OK;
     memcpy(e->share, next, count * sizeof *next);

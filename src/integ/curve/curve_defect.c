@@ -139,6 +139,7 @@ static dm_status add_constraints(dm_defect *b) {
 
 /* ---- rows ---- */
 
+/* What is left of R without the part of the acceleration. */
 void dm_defect_push(const dm_defect *b, dm_node *out, dm_node *mixed) {
     const uint32_t n = b->n;
     dm_node *rate = mixed + (size_t)n * n; /* [n]; mixed: row v, column q */
@@ -165,6 +166,7 @@ void dm_defect_divide(const dm_defect *b, dm_node *x, dm_node *y) {
     }
 }
 
+/* R is affine in w: its value at zero and its derivative are all of it. */
 dm_status dm_defect_rows(const dm_defect *b, dm_node *R, dm_node *S) {
     const uint32_t N = b->N, inputs = dm_graph_inputs(b->g);
     dm_node *with = dm_defect_take(b, inputs), *all = dm_defect_take(b, N);
@@ -187,6 +189,7 @@ static uint32_t pivot_row(const dm_node *S, uint32_t N, uint32_t k) {
     return N;
 }
 
+/* rows k and i of S and R */
 static void exchange(dm_node *S, dm_node *R, uint32_t N, uint32_t k, uint32_t i) {
     const dm_node last = R[k];
     R[k] = R[i];
@@ -198,6 +201,7 @@ static void exchange(dm_node *S, dm_node *R, uint32_t N, uint32_t k, uint32_t i)
     }
 }
 
+/* a - x y */
 static dm_node less_product(dm_graph *g, dm_node a, dm_node x, dm_node y) {
     const dm_node product = dm_mul(g, x, y);
     return dm_sub(g, a, product);
@@ -231,6 +235,7 @@ static dm_status solve_rows(const dm_defect *b, dm_node *S, dm_node *w) {
     return dm_graph_status(b->g);
 }
 
+/* A constant mass has been inverted in numbers already. */
 dm_status dm_defect_solve(const dm_defect *b, dm_node *w) {
     const size_t n = b->n, N = b->N;
     dm_node *S = dm_defect_take(b, N * N + n);
@@ -246,6 +251,7 @@ dm_status dm_defect_solve(const dm_defect *b, dm_node *w) {
 
 /* ---- all of it ---- */
 
+/* L first, then what forces and constraints add to psi. */
 dm_status dm_defect_build(dm_defect *out, const dm_model *m, uint32_t more) {
     const uint32_t n = m->n, N = dm_field_rows(m), known = (uint32_t)dm_field_inputs(m);
     dm_defect b = {.m = m, .c = m->constraints, .n = n, .N = N, .t = 2 * n, .w = 2 * n + 1};

@@ -15,16 +15,19 @@ typedef struct {
 enum { FORCE, GRADIENT, CURVE, TANGENT, MOMENTUM };
 static const char maker;
 
+/* Rows of R: one for every coordinate, one for every constraint. */
 uint32_t dm_field_rows(const dm_model *m) {
     const dm_constraints *c = m->constraints;
     return m->n + (c ? c->holonomic + c->rolling : 0);
 }
 
+/* q, v, t, w, U, l and the controls. */
 size_t dm_field_inputs(const dm_model *m) {
     const size_t controls = m->constraints ? m->constraints->controls : 0;
     return 2 * (size_t)m->n + 2 + 2 * (size_t)dm_field_rows(m) + controls;
 }
 
+/* Second derivatives, R_y, B, and the part of C that sees mu. */
 size_t dm_field_curve(const dm_model *m) {
     const size_t n = m->n, N = dm_field_rows(m),
                  rolling = m->constraints ? m->constraints->rolling : 0;
@@ -144,6 +147,7 @@ static int find(dm_field *out, const dm_model *m) {
            dm_cache_find(&out->momentum, m, &maker, MOMENTUM);
 }
 
+/* What a segment without kernels of points needs to know, too. */
 void dm_field_shape(dm_field *out, const dm_model *m) {
     out->n = m->n;
     out->N = dm_field_rows(m);

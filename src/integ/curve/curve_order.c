@@ -87,6 +87,7 @@ typedef struct {
     double *x, *out;           /* of its kernels */
 } stepping;
 
+/* Coordinates of the test do not see each other, but a method may mix them in a norm. */
 static void make_step(double y[4], const stepping *s, double h) {
     if (s->tableau) {
         for (int i = 0; i < 2; i++) {
@@ -137,6 +138,7 @@ static int measure(const stepping *s) {
     return !(order >= 1.0) ? 0 : order > HIGHEST ? HIGHEST : (int)order;
 }
 
+/* At least 1: its consistency has been checked by its coefficients. */
 int dm_curve_measure(const dm_curve *c) {
     const stepping s = {.tableau = c};
     const int order = measure(&s);
@@ -156,6 +158,7 @@ static dm_node lagrangian(dm_graph *g) {
     return sum;
 }
 
+/* With bias 1 and no substeps, which do not change the order. */
 dm_status dm_curve_measure_recipe(int *order, const dm_curve *c, dm_compile *compile,
                                   dm_arena *arena) {
     dm_model m;

@@ -225,6 +225,7 @@ double dm_segment_action(const dm_segment *g) {
     return sum;
 }
 
+/* h weight mu of every point, shared by both ends as its time tells. */
 void dm_segment_impulses(const dm_segment *g, double *out) {
     const size_t l = g->field.rolling, first = 2 * (size_t)g->n + 1 + g->field.N - l;
     if (g->curve->recipe) {

@@ -12,10 +12,12 @@ static double *take(double **memory, size_t count) {
     return block;
 }
 
+/* Controls are inputs of the field, before h. */
 static size_t controls(const dm_model *m) {
     return m->constraints ? m->constraints->controls : 0;
 }
 
+/* In the order of dm_written_segment_open; the last are plus, minus, arrival and next. */
 size_t dm_written_segment_work(const dm_curve *c, const dm_model *m) {
     const size_t n = m->n;
     return dm_written_inputs(c, m) + dm_written_outputs(m) + controls(m) + (size_t)c->substeps +
@@ -48,6 +50,7 @@ dm_status dm_written_segment_open(dm_segment *g, double *memory) {
     return DM_OK;
 }
 
+/* (q, v, t) stand first in x, as those of point 0 of a tableau do: constraints look there. */
 dm_status dm_written_segment_run(dm_segment *g, const dm_segment_place *at) {
     const size_t n = g->n, held = controls(g->m);
     double *x = g->x;
@@ -65,6 +68,7 @@ dm_status dm_written_segment_run(dm_segment *g, const dm_segment_place *at) {
     return DM_OK;
 }
 
+/* After run, which set all other inputs. */
 void dm_written_segment_gradient(dm_segment *g, const double *p1, const double *p0) {
     double *x = g->x;
     memcpy(x + g->written.p1, p1, g->n * sizeof *x);
@@ -73,6 +77,7 @@ void dm_written_segment_gradient(dm_segment *g, const double *p1, const double *
     dm_kernel_eval(&g->written.gradient, x, g->slope);
 }
 
+/* All columns; the tangents of both ends lie behind. */
 void dm_written_segment_hessian(dm_segment *g) {
     dm_kernel_eval(&g->written.hessian, g->x, g->hessian);
 }

@@ -204,6 +204,7 @@ static void add_substep(dm_curve *out, const dm_curve *whole, double length, dou
     out->s += whole->s;
 }
 
+/* The points of a substep begin where those before it have led: rows of plus and arrival so far. */
 int dm_curve_compose(dm_curve *out, const dm_curve *whole, const double *share) {
     double start = 0.0;
     *out = (dm_curve){.order = whole->order, .lifted = whole->lifted, .bias = 1.0};

@@ -24,10 +24,12 @@ static size_t roll_size(const dm_constraints *c) {
     return c->rolling * (1 + 3 * (size_t)c->n);
 }
 
+/* (q, v, t, lambda, mu, u) */
 static size_t inputs(const dm_constraints *c) {
     return 2 * (size_t)c->n + 1 + c->holonomic + c->rolling + c->controls;
 }
 
+/* In the order of dm_curve_tie_open. */
 size_t dm_curve_tie_work(const dm_model *m) {
     const dm_constraints *c = m->constraints;
     const size_t n = m->n, rows = dm_field_rows(m) - n;
@@ -120,6 +122,7 @@ static dm_status find_units(dm_curve_step *e) {
     return DM_OK;
 }
 
+/* Kernels of the field see them beside every point. */
 static dm_status hold_controls(dm_curve_step *e) {
     dm_curve_tie *c = &e->tie;
     double *u = e->segment.held;
@@ -129,6 +132,7 @@ static dm_status hold_controls(dm_curve_step *e) {
     return isfinite(largest(u, c->c->controls)) ? DM_OK : DM_NOT_FINITE;
 }
 
+/* A force alone has no rows. */
 dm_status dm_curve_tie_begin(dm_curve_step *e, const double *v) {
     dm_curve_tie *c = &e->tie;
     if (!c->c) return DM_OK;
@@ -350,6 +354,7 @@ void dm_curve_tie_keep(dm_curve_step *e, const double *z) {
     }
 }
 
+/* The multipliers that `hide` found for the end. */
 void dm_curve_tie_end(dm_curve_step *e) {
     dm_curve_tie *c = &e->tie;
     for (size_t i = 0; i < c->m; i++) c->impulse[c->m + i] += c->pull[i] * c->hidden[e->n + i];

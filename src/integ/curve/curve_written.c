@@ -28,10 +28,12 @@ typedef struct {
 
 /* ---- sizes ---- */
 
+/* Exact to degree 2 r - 1: the action has the order of the method. */
 static size_t gauss_nodes(const dm_curve *c) {
     return (size_t)(c->order + 1) / 2;
 }
 
+/* Formal directions are inputs of the graph, as many as any call asks for. */
 static size_t most_directions(const dm_curve_recipe *r) {
     int most = 0;
     for (int i = 0; i < r->calls; i++)
@@ -39,16 +41,20 @@ static size_t most_directions(const dm_curve_recipe *r) {
     return (size_t)most;
 }
 
+/* Those of the field, h, both momenta, shares; formal directions and formal work, which no caller
+ * sets. */
 size_t dm_written_inputs(const dm_curve *c, const dm_model *m) {
     const size_t n = m->n, formal = 2 * n * most_directions(c->recipe) + n * gauss_nodes(c);
     return dm_field_inputs(m) + 1 + 2 * n + (size_t)c->substeps + formal;
 }
 
+/* Of `ends`, `gradient` and `hessian` together. */
 size_t dm_written_outputs(const dm_model *m) {
     const size_t n = m->n, rolling = m->constraints ? m->constraints->rolling : 0;
     return 4 * n + 1 + 2 * rolling + 2 * n + 8 * n * n;
 }
 
+/* In the arena of the model. */
 static dm_node *take(const writer *b, size_t count) {
     return dm_defect_take(&b->d, count);
 }
@@ -173,6 +179,7 @@ typedef struct {
     dm_node *slope;         /* [2n] */
 } segment;
 
+/* q itself where the bias leaves one side without length: its distance is then a constant zero. */
 static void find_ends(const writer *b, segment *s) {
     dm_graph *g = b->d.g;
     run(b, s->after, b->c->bias);
@@ -239,6 +246,7 @@ static void find_slope(const writer *b, segment *s) {
     dm_substitute(g, b->asked, (uint32_t)N, b->with, s->slope);
 }
 
+/* Ends first, since p1 and p0 pull along their distances. */
 static dm_status describe(writer *b, segment *s) {
     const size_t n = b->n, rolling = b->d.rolling;
     s->after = take(b, 2 * n);
@@ -259,6 +267,8 @@ static dm_status describe(writer *b, segment *s) {
 
 /* ---- kernels ---- */
 
+/* A kernel is known by the serial number of its recipe: another curve of the same place in memory
+ * has another. */
 static dm_status make(const writer *b, dm_kernel *out, const dm_node *roots, size_t count,
                       uint32_t which) {
     const dm_model *m = b->d.m;
@@ -269,6 +279,7 @@ static dm_status make(const writer *b, dm_kernel *out, const dm_node *roots, siz
     return status;
 }
 
+/* Velocities at both ends are the guess of the next step. */
 static dm_status make_ends(const writer *b, dm_kernel *out, const segment *s, dm_node *roots) {
     const size_t n = b->n, rolling = b->d.rolling;
     memcpy(roots, s->plus, n * sizeof *roots);
@@ -280,6 +291,7 @@ static dm_status make_ends(const writer *b, dm_kernel *out, const segment *s, dm
     return make(b, out, roots, 4 * n + 1 + 2 * rolling, ENDS);
 }
 
+/* The slope is no gradient where there is work, so that its derivatives are not symmetric. */
 static dm_status make_all(const writer *b, dm_written *out, const segment *s) {
     const uint32_t n = (uint32_t)b->n, N = 2 * n;
     dm_node *roots = take(b, dm_written_outputs(b->d.m));
@@ -293,6 +305,7 @@ static dm_status make_all(const writer *b, dm_written *out, const segment *s) {
     return make(b, &out->hessian, roots, 2 * (size_t)N * N, HESSIAN);
 }
 
+/* Behind those of curve_field.h, in the order of curve_written.h. */
 static void place_inputs(writer *b, dm_written *out) {
     const size_t known = b->d.more;
     out->h = known;
@@ -307,12 +320,14 @@ static void place_inputs(writer *b, dm_written *out) {
     b->held = b->direction + (uint32_t)(2 * b->n * most_directions(b->r));
 }
 
+/* All three or none. */
 static int find(dm_written *out, const dm_model *m, const dm_curve_recipe *r) {
     return dm_cache_find(&out->ends, m, &maker, r->serial * KERNELS + ENDS) &&
            dm_cache_find(&out->gradient, m, &maker, r->serial * KERNELS + GRADIENT) &&
            dm_cache_find(&out->hessian, m, &maker, r->serial * KERNELS + HESSIAN);
 }
 
+/* The substitution buffer serves two graphs, this one and that of the recipe. */
 static dm_status write_out(dm_written *out, writer *b) {
     const size_t N = 2 * b->n;
     segment s = {0};
@@ -326,6 +341,7 @@ static dm_status write_out(dm_written *out, writer *b) {
     return status == DM_OK ? make_all(b, out, &s) : status;
 }
 
+/* Where all kernels are known no graph is made. */
 dm_status dm_written_build(dm_written *out, const dm_curve *c, const dm_model *m) {
     writer b = {.c = c, .r = c->recipe, .n = m->n, .inputs = (uint32_t)dm_written_inputs(c, m)};
     const size_t known = dm_field_inputs(m), runs = gauss_nodes(c) + 1 + (c->centred != 0);

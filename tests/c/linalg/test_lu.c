@@ -43,6 +43,29 @@ static void solves_random_systems(void) {
         }
 }
 
+/* of the transposed matrix, from the same factors */
+static void solves_transposed_systems(void) {
+    static double A[MOST * MOST], LU[MOST * MOST];
+    double x[MOST], b[MOST];
+    uint32_t pivot[MOST];
+    for (uint32_t n = 1; n <= MOST; n++) {
+        fill(A, n * n);
+        fill(b, n);
+        memcpy(LU, A, n * n * sizeof *A);
+        memcpy(x, b, n * sizeof *b);
+        if (!CHECK(dm_lu_factor(LU, pivot, n) == DM_OK)) return;
+        dm_lu_solve_transposed(x, LU, pivot, n);
+        for (uint32_t i = 0; i < n; i++) {
+            double r = -b[i], size = 0.0;
+            for (uint32_t j = 0; j < n; j++) {
+                r += A[j * n + i] * x[j];
+                size += fabs(A[j * n + i] * x[j]);
+            }
+            CHECK_NEAR(r, 0.0, 1e-13 * (1.0 + size));
+        }
+    }
+}
+
 /* H_ij = 1/(i+j+1); the inverse of the Hilbert matrix of 4 is known in integers */
 static void inverts_the_hilbert_matrix(void) {
     static const double exact[16] = {16,  -120,  240,  -140,  -120, 1200, -2700, 1680,
@@ -84,6 +107,7 @@ static void tells_singular_and_broken_matrices(void) {
 
 int main(void) {
     RUN(solves_random_systems, "solves random systems of 1 to 40 unknowns");
+    RUN(solves_transposed_systems, "solves transposed systems by the same factors");
     RUN(inverts_the_hilbert_matrix, "inverts the Hilbert matrix of 4");
     RUN(exchanges_rows, "exchanges rows where the diagonal is zero");
     RUN(small_is_not_singular, "a matrix of very different units is not singular");
