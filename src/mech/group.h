@@ -31,8 +31,8 @@ typedef struct dm_group {
     dm_kernel pull;   /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d], then db [d][2d] */
     dm_kernel finish; /* as dm_chart_trace.end */
     uint32_t arcs;
-    /* the collective lift (lift.c), where it is made: H on T*R^n; take (q[n], p[n], t) of that and
-     * give the momenta J[d], and the directions X[n*d] in which J = X^T p */
+    /* the collective lift (group_lift.c), where it is made: H on T*R^n; take (q[n], p[n], t) of
+     * that and give the momenta J[d], and the directions X[n*d] in which J = X^T p */
     int liftable; /* the group is a level set of quadratic invariants of the lift */
     const dm_model *lifted;
     dm_kernel momentum, directions;

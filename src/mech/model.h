@@ -51,7 +51,7 @@ enum {                      /* kernels; each takes x = (q[n], v[n], t) */
        DM_WANT_CHART = 32768, /* of a system on a group, the charts of mech/group.h: this bit
                                  shifted by the number of a dm_tau */
        DM_WANT_CHARTS = 98304,
-       DM_WANT_LIFT = 524288, /* of a system on a group: its collective lift (mech/lift.c) */
+       DM_WANT_LIFT = 524288, /* of a system on a group: its collective lift (mech/group_lift.c) */
        DM_WANT_ON_GROUP = DM_WANT_CHARTS | DM_WANT_LIFT,
        DM_WANT_OF_H = DM_WANT_VALUE | DM_WANT_ENERGY | DM_WANT_FIELD |
                       DM_WANT_FIELD_CURVE, /* all of a DM_HAMILTONIAN model */

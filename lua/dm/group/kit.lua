@@ -12,7 +12,7 @@
 --   others()                elements of its other components, which exp does not reach
 --   acts                    its standard actions: acts[kind](m) gives map(g, z) on R^m, or nothing
 --   liftable                are its flat coordinates related by quadratic functions alone, which
---                           translations keep, as |q| = 1 or g J g^T = J? (mech/lift.c)
+--                           translations keep, as |q| = 1 or g J g^T = J? (mech/group_lift.c)
 --   parts                   kits of the factors of a product
 --   smooth                  flat coordinates of a run where those of `flat` jump (group/flat.lua)
 --   arcs(xi)                squares of the angles by which exp(xi) turns, below pi^2 where log is

@@ -30,7 +30,7 @@ local function choice(options, key, known, usual, words)
 end
 
 -- is the group a level set of quadratic functions of its flat coordinates that translations keep
--- (mech/lift.c), or have these no relation at all?
+-- (mech/group_lift.c), or have these no relation at all?
 local function is_liftable(kit)
   for _, part in ipairs(kit.parts or {}) do
     if not is_liftable(part) then return false end

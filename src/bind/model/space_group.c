@@ -221,12 +221,10 @@ static void want_lift(lua_State *L, dml_model *m, dm_compile *compile) {
     if (status != DM_OK) luaL_error(L, "the lift of the system: %s", dm_status_text(status));
 }
 
-/* One bit of them is set. */
+/* The lift, one chart or both. */
 void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *compile) {
-    if (chart & DM_WANT_LIFT) {
-        want_lift(L, m, compile);
-        return;
-    }
+    if (chart & DM_WANT_LIFT) want_lift(L, m, compile);
+    if (!(chart & DM_WANT_CHARTS)) return;
     const dm_tau tau = chart & DM_WANT_CHART ? DM_TAU_EXP : DM_TAU_CAYLEY;
     if (!m->group.trace[tau].chart)
         luaL_error(L, "this group has no Cayley map that stays on it; take \"exp\"");

@@ -42,8 +42,8 @@ void dml_place_charts(lua_State *L, int arg, dm_group *out);
 void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *rule,
                       const char *backend);
 
-/* Make the kernels of the chart that these bits (DM_WANT_ON_GROUP) say; raises where the group has no
- * such map. */
+/* Make the kernels of the chart that these bits (DM_WANT_ON_GROUP) say; raises where the group has
+ * no such map. */
 void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *compile);
 
 #endif

@@ -25,6 +25,7 @@ static lift *lift_of(const dm_stepper *s) {
     return (lift *)(void *)s->work;
 }
 
+/* the struct, in doubles */
 static size_t head(void) {
     return (sizeof(lift) + sizeof(double) - 1) / sizeof(double);
 }
@@ -35,6 +36,7 @@ static size_t arrays(const dm_model *m) {
     return dm_state_size(m->n) + 2 * n + 1 + n * d + d + d * d + 2 * d + STATE + 8 * n;
 }
 
+/* that steps the lifted model */
 static const dm_engine *engine_of(const dm_rule *rule, const dm_model *m) {
     return dm_rule_engine(rule, m->group->lifted);
 }
@@ -56,6 +58,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return dm_rule_fits(rule, m->group->lifted);
 }
 
+/* The lift is there when a run asks. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     (void)rule, (void)m;
     return 0;
@@ -66,6 +69,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     return head() + arrays(m) + 2 * engine_of(rule, m)->work(rule, m->group->lifted);
 }
 
+/* Arrays in the order of the struct, then the workspace of the base. */
 static void lay_out(lift *l, double *memory) {
     const size_t n = l->n, d = l->d;
     l->lifted = memory;
@@ -76,6 +80,7 @@ static void lay_out(lift *l, double *memory) {
     l->base.work = l->gram + d * d + 2 * d;
 }
 
+/* The base shares the report; its memory is copied, since a restart wants all in one piece. */
 static dm_status open(dm_stepper *s) {
     lift *l = lift_of(s);
     const dm_model *m = s->model;
@@ -218,6 +223,7 @@ static dm_status step(dm_stepper *s, double *state, double t, double h) {
     return advance(s, state, t, h, 1, &done);
 }
 
+/* What is outside is the base's. */
 static void close(dm_stepper *s) {
     dm_stepper_close(&lift_of(s)->base);
     s->outside = NULL;

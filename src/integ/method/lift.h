@@ -1,5 +1,5 @@
-/* lift.h - rules of coordinates on groups by the collective lift (mech/lift.c): a step of (q, p)
- * on T*R^N, which leads to the momentum J(q, p) on the group. The lifted state, which has more
+/* lift.h - rules of coordinates on groups by the collective lift (mech/group_lift.c): a step of (q,
+ * p) on T*R^N, which leads to the momentum J(q, p) on the group. The lifted state, which has more
  * than J tells, stays with the stepper from step to step, and its memory is part of a restart. */
 #ifndef DM_LIFT_H
 #define DM_LIFT_H

@@ -149,6 +149,26 @@ end }
 local e = finish(satellite, "gauss(4)", 0.1, 100, { q = { one, dm.vector { r, 0, 0 } }, v = { 0, 0, n, 0, r * n, 0 } })
 ok(far(e[2], { r * cos(10 * n), r * sin(10 * n), 0 }) < 1e-9 and abs(e[1][2][1] - sin(10 * n)) < 1e-9, "SO(3) x R^3: orbit and attitude of a satellite")
 
+---- explicit splittings ----
+
+for _, row in ipairs { { 2, 160 }, { 4, 80 }, { 6, 40 }, { 8, 16 } } do
+  local e, rule = {}, ("rotations(%d)"):format(row[1])
+  for k = 1, 2 do e[k] = far(finish(heavy, rule, 4 / row[2] / k, row[2] * k, tilt), at4) end
+  near(log(e[1] / e[2]) / log(2), row[1], 0.2, rule .. ": order on a heavy top")
+end
+local _, _, spun = finish(free, "rotations(4)", 0.1, 10000, spin, 100)
+local lost = 0
+for i = 1, #spun do lost = max(lost, far(spun.q[i] * spun.p[i], spin.p), far(spun.q[i]:transpose() * spun.q[i], one)) end
+ok(lost < 1e-12 and spun:drift "energy".largest < 1e-5, ("rotations(4): spatial momentum and R^T R (%.1e)"):format(lost))
+local gliding = dm.system { Q = SR, L = function(q, v)
+  return (v[1] ^ 2 + 2 * v[2] ^ 2 + 3 * v[3] ^ 2 + v[4] ^ 2 + v[5] ^ 2 + v[6] ^ 2) / 2 - q[2]:dot(q[2]) / 2 - q[1][3][3] * q[2][1]
+end }
+local there = { q = { one, dm.vector { 0.3, 0, 0.1 } }, v = { 0.2, 0.5, -0.3, 0, 0.4, 0.1 } }
+ok(far(finish(gliding, "rotations(8)", 0.05, 40, there), (finish(gliding, "gauss(6)", 0.05, 40, there))) < 1e-9, "and on SO(3) x R^3")
+raises("rotations", function() finish(dm.system { Q = G, L = function(_, W) return W:dot(W) / 2 + W[1] * W[2] / 2 end }, "rotations(2)", 0.1, 1, { q = one, v = { 1, 0, 0 } }) end)
+raises("verlet is for R^n", function() dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end }:solver { rule = "rotations", h = 0.1 }:run { q = { 0 }, v = { 1 }, steps = 1 } end)
+raises("2, 4, 6 or 8", function() heavy:solver { rule = "rotations(3)", h = 0.1 } end)
+
 ---- refusals ----
 
 raises("does not keep the quadratic functions", function() finish(heavy, "lobatto(3)", 0.1, 1, tilt) end)

@@ -1,13 +1,14 @@
-/* lift.c - a system on a group as one on R^N: H(g, mu, t) becomes H(q, J(q, p), t) on T*R^N, where
- * q are the flat coordinates and J_a = p . X_a(q) the momentum map of translations q -> q near(e)
- * (McLachlan, Modin & Verdier 2014). With a relation that these keep, |q| = 1 or g J g^T = J, the
- * group is a level set of quadratic invariants, and a method that keeps these keeps it. */
+/* group_lift.c - a system on a group as one on R^N: H(g, mu, t) becomes H(q, J(q, p), t) on T*R^N,
+ * where q are the flat coordinates and J_a = p . X_a(q) the momentum map of translations q -> q
+ * near(e) (McLachlan, Modin & Verdier 2014). With a relation that these keep, |q| = 1 or g J g^T =
+ * J, the group is a level set of quadratic invariants, and a method that keeps these keeps it. */
 #include "algebra/derive.h"
 #include "graph/linear.h"
 #include "mech/group.h"
 
 #include <string.h>
 
+/* what is worked on while a lift is made */
 typedef struct {
     const dm_model *m;
     const dm_group *group;
@@ -20,6 +21,7 @@ typedef struct {
     dm_node H;
 } lifting;
 
+/* nodes in the arena of the model */
 static dm_node *take(const lifting *l, size_t count) {
     return dm_arena_take(l->arena, (count + 1) * sizeof(dm_node));
 }
