@@ -115,15 +115,6 @@ static void find_ahead(dm_stage *g, const dm_galerkin *basis) {
     if (!basis->tableau) dm_cache_leave(g->m, &maker, key, keys, g->sweeps->flying, count);
 }
 
-/* Nearly all of a coefficient (Veltkamp's splitting): the rest is small enough to be added once,
- * and large enough to reach the bases. A decimal one, such as h/4, is no nearer to a ratio of
- * small numbers than others in these bits, so that its products are rounded evenly. */
-static double in_42_bits(dm_weight w) {
-    static const double SHIFT = 0x1p11 + 1.0;
-    const double x = dm_weight_double(w), shifted = SHIFT * x;
-    return shifted - (shifted - x);
-}
-
 /* Of few bits and the rest: what rounding takes from the product with the first is then far
  * smaller than the product with the rest. The nearest double leaves a rest that two roundings of
  * its product take away in every step alike, so that invariants drift. */
@@ -145,7 +136,7 @@ void dm_stage_sweeps_scale(dm_stage_sweeps *w, const dm_stage *g) {
         if (g->separable) put_parts(&w->mean, i, g->weights.hmean[i]);
         for (uint32_t m = 0; m < r; m++) {
             const uint32_t at = m * width + i;
-            w->whole[at] = w->count ? dm_weight_double(A[i * r + m]) : in_42_bits(A[i * r + m]);
+            w->whole[at] = dm_weight_double(A[i * r + m]);
             w->rest[at] = (double)(dm_weight_exact(A[i * r + m]) - (long double)w->whole[at]);
             w->further[at] = factor * w->flying[at];
         }
