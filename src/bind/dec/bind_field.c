@@ -17,6 +17,7 @@ static void *work(lua_State *L, size_t count, size_t size) {
 static const dml_mesh *check_embedded(lua_State *L) {
     const dml_mesh *m = dml_checkmesh(L, 1);
     dml_needmetric(L, m);
+    if (m->K.n == 0) luaL_error(L, "a mesh of single points has no fields of vectors along it");
     if (!m->points)
         luaL_error(L, "fields of vectors need points, and this mesh is made of lengths; forms go "
                       "on without");
