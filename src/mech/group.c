@@ -20,6 +20,7 @@ typedef struct {
     dm_node *slope; /* [3d] L_e, L_xi, L_rate */
 } joining;
 
+/* One more than asked for: none is empty. */
 static dm_node *take(const joining *j, size_t count) {
     return dm_arena_take(j->arena, (count + 1) * sizeof(dm_node));
 }
@@ -151,6 +152,7 @@ static dm_status make_finish(joining *j, dm_group *out, dm_compile *compile) {
     return status == DM_OK ? compile(&out->finish, g, roots, outputs, j->arena) : status;
 }
 
+/* What was made for another tau stays in the arena of the model. */
 dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile) {
     const dm_chart_trace *trace = out->trace + tau;
     joining j = {.m = m,

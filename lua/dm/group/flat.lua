@@ -27,7 +27,7 @@ end
 
 -- factor by factor
 local function product(kit, matrix)
-  local parts, counts = {}, {}
+  local parts, counts, dimensions, cayley = {}, {}, {}, true
   for k, part in ipairs(kit.parts) do
     parts[k] = M.of(part, matrix)
     counts[k] = #parts[k].flat(part.identity())
@@ -39,20 +39,19 @@ local function product(kit, matrix)
       for k, part in ipairs(parts) do
         local arguments = {}
         for i, x in ipairs(given) do arguments[i] = cut(x, first, sizes[k]) end
-        if sizes ~= counts then arguments[1] = core.vector(arguments[1]) end
+        if sizes == dimensions then arguments[1] = core.vector(arguments[1]) end
         append(out, part[name](table.unpack(arguments)))
         first = first + sizes[k]
       end
       return out
     end
   end
-  local dimensions, cayley = {}, true
   for k, part in ipairs(kit.parts) do
     dimensions[k], cayley = part.dimension, cayley and parts[k].cayley
   end
   return { carry = by_factor("carry", counts), exp = by_factor("exp", dimensions),
     near = by_factor("near", dimensions), cayley = cayley and by_factor("cayley", dimensions),
-    tidy = by_factor("tidy", counts),
+    tidy = by_factor("tidy", counts), follow = by_factor("follow", counts),
     flat = function(g)
       local out = {}
       for k, part in ipairs(parts) do append(out, part.flat(g[k])) end
@@ -68,8 +67,8 @@ local function product(kit, matrix)
     end }
 end
 
---- flat, element, carry, exp, near, cayley and tidy of a kit: `kit.smooth` where it has a closed
--- form, else by entries where `matrix` is asked for.
+--- flat, element, carry, exp, near, cayley, tidy and follow of a kit: `kit.smooth` where it has
+-- closed forms, or by entries where `matrix` is asked for.
 function M.of(kit, matrix)
   local out
   if kit.parts then
@@ -80,6 +79,7 @@ function M.of(kit, matrix)
     out = plain(kit, kit.flat, kit.unflat)
     for name, f in pairs(kit.smooth or {}) do out[name] = f end
   end
+  out.follow = out.follow or function(list) return list end
   out.tidy = out.tidy or function(list) return list end
   return out
 end

@@ -15,6 +15,7 @@
 --                           translations keep, as |q| = 1 or g J g^T = J? (mech/group_lift.c)
 --   parts                   kits of the factors of a product
 --   smooth                  flat coordinates of a run where those of `flat` jump (group/flat.lua)
+--   momenta                 of standard actions of other groups on it, by their names: f(g, mu)
 --   arcs(xi)                squares of the angles by which exp(xi) turns, below pi^2 where log is
 --                           its inverse; nothing where it always is
 --   manifold                true where it is none: a space without a product of its points

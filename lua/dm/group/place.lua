@@ -7,8 +7,10 @@
 --   right          is xi the spatial velocity?
 --   flat(g)        -> list of N numbers; element(list) -> g
 --   carry(a, b)    -> flat coordinates of the product of two elements, without a branch
---   maps           tau by name: tau(xi) in flat coordinates, and its left differential
-local blame = require "dm.base.blame"
+--   exp, cayley, near  maps from the algebra to flat coordinates
+--   dexp           that of the kit without a branch, within a chart, or nothing
+--   tidy(list)     coordinates nearer to the group by what rounding left
+--   follow(list, last)  those of the same element that are near to `last`
 local core = require "dm.core"
 local flats = require "dm.group.flat"
 local kits = require "dm.group.kit"
@@ -159,7 +161,8 @@ local DIFFERENTIALS = { exp = "dexp", cayley = "dcay" }
 -- where the group has no such tau.
 function M.chart(place, tau)
   local kit, right = place.kit, place.right
-  local map, slope = place[tau], kit[DIFFERENTIALS[tau]]
+  local name = DIFFERENTIALS[tau]
+  local map, slope = place[tau], place[name] or kit[name]
   if not map or not slope then return end
   local function about(q0, xi, e)
     local list = kits.list_of(q0)
@@ -202,10 +205,24 @@ local function on_group(place, q, project)
   return place.flat(kit.project(g))
 end
 
+-- a reduced system begins at the identity, with the quantity that it carries along
+local function start_reduced(place, options, out)
+  local reduced = place.reduced
+  if options.a ~= nil and not (reduced and reduced.takes_a) then
+    error("field 'a': this system carries no quantity along (dm.euler_poincare, advected =)", 0)
+  end
+  if not reduced then return end
+  out.a = nil
+  local a = options.a or reduced.usual
+  reduced.a = a ~= nil and core.vector(a) or nil
+  if options.q == nil then out.q = core.vector(place.flat(place.kit.identity())) end
+end
+
 --- q, v, p of a run in flat coordinates, in a copy of its options.
 function M.start(place, options)
   local out = {}
   for key, value in pairs(options) do out[key] = value end
+  start_reduced(place, options, out)
   for _, key in ipairs { "q0", "q1" } do
     if options[key] ~= nil then
       error(("field '%s': a system on %s starts from q and v or from q and p")
@@ -275,5 +292,59 @@ function M.column(place, path, name)
   return core.vector(out)
 end
 
-M.blame = blame
+---- momentum maps ----
+
+-- momenta of the standard actions of other groups on this space, by their names
+local function standard(kit, name, g, mu)
+  if kit.momenta and kit.momenta[name] then return kit.momenta[name](g, mu) end
+  if not kit.parts then return end
+  local sum, first = nil, 0
+  for k, part in ipairs(kit.parts) do
+    local own = {}
+    for i = 1, part.dimension do own[i] = mu[first + i] end
+    local J = standard(part, name, g[k], core.vector(own))
+    if J then sum = sum and sum + J or J end
+    first = first + part.dimension
+  end
+  return sum
+end
+
+-- J of a row: f(g, mu) with the body momentum mu
+local function map_of(place, group, side)
+  local kit = place.kit
+  if type(group) == "function" then
+    return function(g, mu) return core.vector { core.vector(group(g)):dot(mu) }, 1 end, 1
+  end
+  if group == place.space then
+    if side == "right" then return function(_, mu) return mu end, kit.dimension end
+    return kit.coAd, kit.dimension
+  end
+  if kits.class_of(group) ~= "dm.space" or side == "right" then return end
+  local name, d = tostring(group), group.dimension
+  local e, zero = kit.identity(), core.zeros(kit.dimension)
+  if not standard(kit, name, e, zero) then return end
+  return function(g, mu) return standard(kit, name, g, mu) end, d
+end
+
+--- Noether's momentum of every row: of the group itself on its left (spatial) or right (body), of
+-- rotations and translations of space, of one generator g -> the body velocity of its field.
+function M.momentum(place, path, group, options)
+  local side = options and options.side or "left"
+  if side ~= "left" and side ~= "right" then error([[side must be "left" or "right"]], 0) end
+  local J, d = map_of(place, group, side)
+  if not J then
+    error(("%s has no standard action on %s: give the generator as a function of the element that "
+      .. "returns the body velocity of its field")
+      :format(tostring(group), tostring(place.space)), 0)
+  end
+  local rows, q, p = {}, path.q, path.p
+  for i = 1, #path do
+    local g, mu = q[i], p[i]
+    if place.right then mu = place.kit.coAd(place.kit.inverse(g), mu) end
+    local value = J(g, mu)
+    rows[i] = d == 1 and value[1] or value
+  end
+  return d == 1 and core.vector(rows) or core.matrix(rows)
+end
+
 return M

@@ -28,6 +28,9 @@ function M.kit(n)
   function kit.vee(m) return m:column(n + 1):slice(1, n) end
   kit.from_matrix = kit.vee
   kit.raw = kit.element
+  local function turned(x, p) return core.vector { x[1] * p[2] - x[2] * p[1] } end
+  kit.momenta = { ["R^" .. n] = first, ["SO(2)"] = (n == 2 or n == 3) and turned or nil,
+    ["SO(3)"] = n == 3 and function(x, p) return x:cross(p) end or nil }
   kit.acts = { translation = acts.translation(kit) }
   return kits.complete(kit)
 end

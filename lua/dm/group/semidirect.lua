@@ -143,6 +143,10 @@ local function coordinates(kit, part, n)
     end
   end
   return { carry = carry, exp = of "exp", near = of "near",
+    follow = function(list, last)
+      local a, v = split_list(list)
+      return kits.list_of(joined(first.follow(a, last), v))
+    end,
     tidy = function(list)
       local a, v = split_list(list)
       return kits.list_of(joined(first.tidy(a), v))

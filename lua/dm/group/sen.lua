@@ -105,6 +105,9 @@ local function coordinates(kit)
     return sequence(turns.carry(a, b), core.vector { a[5], a[6], a[7] } + moved)
   end
   return { carry = carry, exp = of "exp", near = of "near", cayley = of "cayley",
+    follow = function(list, last)
+      return sequence(turns.follow(list, last), { list[5], list[6], list[7] })
+    end,
     tidy = function(list) return sequence(turns.tidy(list), { list[5], list[6], list[7] }) end }
 end
 
@@ -148,7 +151,12 @@ local function three()
     local turned = back * nu
     return core.vector(sequence(back * (w - Q * turned), turned))
   end
-  return matrices.complete(kit, 4)
+  matrices.complete(kit, 4)
+  local function part(first, last)
+    return function(g, mu) return kit.coAd(g, mu):slice(first, last) end
+  end
+  kit.momenta = { ["R^3"] = part(1, 3), ["SO(3)"] = part(4, 6), ["SO(2)"] = part(6, 6) }
+  return kit
 end
 
 function M.kit(n)

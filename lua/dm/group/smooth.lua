@@ -68,6 +68,24 @@ function M.stumpff(k, t)
   end)
 end
 
+-- coefficients (-1)^j/(2j + k)! of the same, the first first
+local within = {}
+for k = 0, 5 do
+  local list, term = {}, series[k][0]
+  for j = 0, 14 do
+    list[j] = (j % 2 == 0 and 1 or -1) * term
+    term = term / ((2 * j + k + 1) * (2 * j + k + 2))
+  end
+  within[k] = list
+end
+
+--- The same for 0 <= t <= pi^2, as within a chart: one polynomial of `terms` terms, no branch.
+function M.stumpff_within(k, t, terms)
+  local sum = within[k][terms - 1]
+  for j = terms - 2, 0, -1 do sum = sum * t + within[k][j] end
+  return sum
+end
+
 --- The same for t >= 0: two branches instead of three.
 function M.stumpff_circular(k, t)
   local far = t - NEAR

@@ -9,7 +9,7 @@ local rotations = require "dm.group.son"
 local M = {}
 
 local choose = smooth.choose
-local circular = smooth.stumpff_circular
+local circular, within = smooth.stumpff_circular, smooth.stumpff_within
 
 function M.hat(xi)
   return core.matrix { { 0, -xi[3], xi[2] }, { xi[3], 0, -xi[1] }, { -xi[2], xi[1], 0 } }
@@ -111,12 +111,23 @@ local function joined(w, v, s) return { w, s * v[1], s * v[2], s * v[3] } end
 M.smooth = { carry = times,
   exp = function(xi)
     local t = 0.25 * xi:dot(xi)
-    return joined(circular(0, t), xi, 0.5 * circular(1, t))
+    return joined(within(0, t, 12), xi, 0.5 * within(1, t, 12))
+  end,
+  -- with c_2(t) = c_1(t/4)^2/2
+  dexp = function(xi, eta)
+    local t = xi:dot(xi)
+    local s, turned = within(1, 0.25 * t, 12), xi:cross(eta)
+    return eta + turned * (0.5 * s * s) + xi:cross(turned) * within(3, t, 14)
   end,
   near = function(xi) return joined(1, xi, 0.5) end,
   cayley = function(xi)
     local w = 1 / core.sqrt(1 + 0.25 * xi:dot(xi))
     return joined(w, xi, 0.5 * w)
+  end,
+  follow = function(q, last)
+    local dot = q[1] * last[1] + q[2] * last[2] + q[3] * last[3] + q[4] * last[4]
+    local s = choose(dot, function() return 1 end, function() return -1 end)
+    return { s * q[1], s * q[2], s * q[3], s * q[4] }
   end,
   tidy = function(q)
     local s = 1.5 - 0.5 * (q[1] * q[1] + q[2] * q[2] + q[3] * q[3] + q[4] * q[4])
@@ -136,6 +147,8 @@ function M.kit()
   function kit.ad(xi, eta) return xi:cross(eta) end
   function kit.coAd(g, mu) return g * mu end
   function kit.coad(xi, mu) return mu:cross(xi) end
+  kit.momenta = { ["SO(3)"] = kit.coAd,
+    ["SO(2)"] = function(g, mu) return core.vector { (g * mu)[3] } end }
   function kit.dexp(xi, eta) return M.dexp(xi) * eta end
   function kit.dexpinv(xi, eta) return M.dexpinv(xi) * eta end
   function kit.distance(a, b) return kits.norm(M.log(a:transpose() * b)) end

@@ -119,6 +119,7 @@ local function describe_end(rule, before, here, first)
 end
 
 M.fold = blame.caller(function(solver, options)
+  if solver.system.place then error("solver:fold: not for systems on groups yet", 0) end
   options = starts.lists(options, solver)
   local what, rule = "solver:fold", tostring(solver.rule or "del")
   option.check(options, { "q", "v", "p", "up_to" }, what, START)

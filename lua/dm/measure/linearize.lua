@@ -3,6 +3,7 @@
 local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
+local on_group = require "dm.measure.on_group"
 local option = require "dm.base.options"
 local starts = require "dm.base.start"
 
@@ -81,6 +82,31 @@ local function describe(rates, frequencies)
     :format(fastest), fastest
 end
 
+local function check_matrix(A, what)
+  for i = 1, A.rows do
+    for k = 1, A.columns do
+      if not (abs(A[i][k]) < huge) then
+        error(what .. ": the second derivatives of L are not finite at this state", 0)
+      end
+    end
+  end
+end
+
+local function result_of(A)
+  local re, im = A:eigenvalues()
+  local stable, why, fastest = describe(re:totable(), im:totable())
+  return core.result { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im,
+    matrix = A }
+end
+
+-- of changes (g^-1 dg, dxi)
+local function of_group(system, options, what)
+  local v = options.v or core.zeros(system.place.dimension)
+  local A = on_group.field(system, options.q, v, options.t or 0, what)
+  check_matrix(A, what)
+  return result_of(A)
+end
+
 M.linearize = blame.caller(function(system, options)
   options = starts.lists(options, system)
   local what = "system:linearize"
@@ -89,6 +115,7 @@ M.linearize = blame.caller(function(system, options)
   option.check(options, known, what, "{ q =, v = }")
   option.need(options, "q", what, "the state is q and v (default: at rest)")
   check_plain(system, what)
+  if system.place then return of_group(system, options, what) end
   local n = system.Q.dimension
   local second = options.v or options.p
   if #options.q ~= n or second and #second ~= n then
@@ -97,17 +124,8 @@ M.linearize = blame.caller(function(system, options)
   local q, v = core.vector(options.q), core.vector(options.v or core.zeros(n))
   local A = system.given.L and field(system, q, v, options.t or 0)
     or phase_field(system, q, momentum_of(system, options, q), options.t or 0)
-  for i = 1, 2 * n do
-    for k = 1, 2 * n do
-      if not (abs(A[i][k]) < huge) then
-        error(what .. ": the second derivatives of L are not finite at this state", 0)
-      end
-    end
-  end
-  local re, im = A:eigenvalues()
-  local stable, why, fastest = describe(re:totable(), im:totable())
-  return core.result { stable = stable, why = why, fastest = fastest, rates = re, frequencies = im,
-    matrix = A }
+  check_matrix(A, what)
+  return result_of(A)
 end)
 
 ---- orbits ----
@@ -116,14 +134,17 @@ M.multipliers = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
   local matrix, q, p = solver:tangent(options)
   local re, im = matrix:eigenvalues()
-  local largest, size, n = 0, 1, #q
+  local place = solver.system.place
+  local largest, size, n = 0, 1, matrix.rows // 2
   for i = 1, 2 * n do
     largest = max(largest, sqrt(re[i] ^ 2 + im[i] ^ 2))
     for k = 1, 2 * n do size = max(size, abs(matrix[i][k])) end
   end
   local p0 = options.p or solver.system:legendre(options.q, options.v, options.t0 or 0)
   local closes = 0
-  for i = 1, n do closes = max(closes, abs(q[i] - options.q[i]), abs(p[i] - p0[i])) end
+  for i = 1, n do closes = max(closes, abs(p[i] - p0[i])) end
+  if place then closes = max(closes, place.kit.distance(place.kit.element(options.q), q)) end
+  for i = 1, place and 0 or n do closes = max(closes, abs(q[i] - options.q[i])) end
   local slack = max(1e-6, 10 * sqrt(2.2e-16 * size))
   local stable = largest <= 1 + slack
   local why = stable
@@ -145,7 +166,7 @@ real parts `rates` and imaginary parts `frequencies` of its eigenvalues. At an e
 relative equilibrium (v along coordinates that L does not depend on), this is its linear stability;
 anywhere else how fast the system oscillates there, frozen. fastest: the largest frequency, which a
 step has to resolve. A system that has only H takes p in place of v, and its matrix is that of (dq,
-dp).]])
+dp); on a group the changes are (g^-1 dg, dxi).]])
 
 class.method("dm.solver", "multipliers", M.multipliers, [[
 solver:multipliers{q=, v= | p=, steps= | t=, t0=} -> {stable, why, largest, re, im, matrix, closes}

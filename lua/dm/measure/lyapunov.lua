@@ -208,6 +208,7 @@ M.lyapunov = blame.caller(function(solver, options)
   prolonged.check_options(options, WHERE,
     { "q", "v", "p", "t0", "steps", "t", "every", "u", "dp", "exponents" })
   prolonged.refuse(solver, WHERE)
+  if solver.system.place then option.fail(WHERE, "not for systems on groups yet") end
   if not prolonged.prolongs(solver) then
     option.fail(WHERE, "the method of these curves is not linear in the values of f, so that the "
       .. "prolonged system has other steps; solver:tangent knows their derivative")

@@ -181,6 +181,7 @@ modified energy from its mean; drift: its slope per unit of time with its standa
 for a symplectic rule. Needs a Lagrangian without time, constraints and forces.]]
 
 M.modified_energy = blame.caller(function(solver, options)
+  if solver.system.place then error("solver:modified_energy: not for systems on groups yet", 0) end
   options = starts.lists(options, solver)
   local system, k = check(solver, options)
   local n, simple = system.Q.dimension, is_simple(system)

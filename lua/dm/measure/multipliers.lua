@@ -18,6 +18,7 @@ local entries = lists.entries
 local function functions_of(system)
   local given = system.given
   local p = given.params
+  if system.place then error("multipliers at a state: not for systems on groups yet", 0) end
   local L, g, phi, f = bound(given.L, p), bound(given.constraint, p), bound(given.rolling, p),
     bound(given.force, p)
   local control, E = bound(given.control, p), bound(given.reaction, p)

@@ -121,6 +121,7 @@ end
 -- alone makes the system; all others are the numbers that they are.
 function M.system(system, names)
   local core = require "dm.core"
+  if system.place then error("prolonged systems are those of free coordinates", 0) end
   local given, n = system.given, system.Q.dimension
   local params = given.params
   if not given.L then

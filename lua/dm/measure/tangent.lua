@@ -3,6 +3,7 @@
 local blame = require "dm.base.blame"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
+local on_group = require "dm.measure.on_group"
 local prolong = require "dm.measure.prolong"
 local prolonged = require "dm.measure.prolonged_run"
 local starts = require "dm.base.start"
@@ -71,12 +72,27 @@ solver:tangent{q=, v= | p=, steps= | t=, t0=} -> dm.matrix, q, p
 The exact derivative of the flow of the rule, d(q, p at the end)/d(q, p at the start), 2 dim Q x 2
 dim Q, not a difference: the rule steps the prolonged Lagrangian dL . (u, w), whose step is the
 tangent of the step. Also the end of the run. With constraints the start must lie on them, and so
-must each column: use tangent vectors of solver:lyapunov instead.]]
+must each column: use tangent vectors of solver:lyapunov instead. On a group the changes are g^-1 dg
+and that of the body momentum.]]
+
+-- the start of a run on a group: an element stays one
+local function start_on_group(solver, options)
+  if not options.q or not (options.v or options.p) then
+    error("give the start as q and v, or as q and p", 0)
+  end
+  return { q = options.q, v = options.v, p = options.p, t0 = options.t0 or 0,
+    steps = steps_of(solver, options) }
+end
 
 M.tangent = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
   check_options(options, "solver:tangent")
   refuse(solver, "solver:tangent")
+  if solver.system.place then
+    local start = start_on_group(solver, options)
+    local cols, _, q, p = on_group.columns(solver, start, "solver:tangent")
+    return matrix_of(cols), q, p
+  end
   if is_constrained(solver) then
     error("solver:tangent: the unit vectors of (q, p) are not tangent to the constraints of this "
       .. "system", 0)
@@ -113,6 +129,9 @@ M.symplecticity = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
   check_options(options, "solver:symplecticity")
   refuse(solver, "solver:symplecticity")
+  if solver.system.place then
+    return on_group.defect(solver, start_on_group(solver, options), "solver:symplecticity")
+  end
   local cols, first = columns(solver, options)
   return defect_of(cols, first)
 end)
@@ -146,6 +165,7 @@ M.reversal = blame.caller(function(solver, options)
   options = starts.lists(options, solver)
   local what = "solver:reversal"
   refuse(solver, what)
+  if solver.system.place then error(what .. ": not for systems on groups yet", 0) end
   local steps = steps_of(solver, options)
   local q, p, t0 = start_of(solver, options)
   local there = solver:run { q = q, p = p, t0 = t0, steps = steps, every = max(steps, 1) }

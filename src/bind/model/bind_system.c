@@ -42,10 +42,8 @@ const char *dml_coordinate(lua_State *L, int arg, uint32_t i) {
 /* q and v or p at 2 and 3 of a system on a group, by way of the options of a start */
 static void flatten(lua_State *L, const char *second) {
     lua_createtable(L, 0, 2);
-    lua_pushvalue(L, 2);
-    lua_setfield(L, -2, "q");
-    lua_pushvalue(L, 3);
-    lua_setfield(L, -2, second);
+    lua_pushvalue(L, 2), lua_setfield(L, -2, "q");
+    lua_pushvalue(L, 3), lua_setfield(L, -2, second);
     dml_place_options(L, 1, lua_gettop(L), "start");
     lua_getfield(L, -1, "q");
     lua_replace(L, 2);

@@ -121,6 +121,16 @@ int dml_place_column(lua_State *L, int arg, const char *name) {
     return 0;
 }
 
+/* Of the group itself, of subgroups, of a generator. */
+int dml_place_momentum(lua_State *L, int arg) {
+    arg = lua_absindex(L, arg);
+    push_module(L, "momentum");
+    dml_systemfield(L, arg, "place");
+    for (int i = 1; i <= 3; i++) lua_pushvalue(L, i);
+    lua_call(L, 4, 1);
+    return 1;
+}
+
 /* L is quadratic in xi, with a mass that can be inverted */
 static int has_lift(const dml_model *m) {
     const unsigned structure = m->model.structure;

@@ -46,4 +46,7 @@ void dml_refuse_group(lua_State *L, int arg, dml_model *model, const dm_rule *ru
  * no such map. */
 void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *compile);
 
+/* Push the momentum map of the path at 1 of the group at 2 with the options at 3. */
+int dml_place_momentum(lua_State *L, int arg);
+
 #endif

@@ -87,8 +87,11 @@ void dml_pushruled(lua_State *L) {
     read_basis(L, 2, &g);
     const dml_system *system = luaL_checkudata(L, 1, DML_SYSTEM);
     const double h = dml_positive(L, 2, "h", 0);
+    if (system->placed)
+        luaL_error(L, "discrete Lagrangians are made of systems on free coordinates; one on a "
+                      "group is stepped by lie(s)");
     dml_system *s = lua_newuserdatauv(L, sizeof *s, 1);
-    *s = (dml_system){.n = system->n, .pair = 1, .ruled = 1, .h = h};
+    *s = (dml_system){.n = system->n, .momenta = system->n, .pair = 1, .ruled = 1, .h = h};
     lua_newtable(L);
     for (const char *const *key = copied; *key; key++)
         dml_systemfield(L, 1, *key), lua_setfield(L, -2, *key);

@@ -228,6 +228,8 @@ static int path_field(lua_State *L) {
         return dml_path_states(L, "path.q"), dml_path_columns(L, "q", 1, p->n);
     if (strcmp(key, "p") == 0)
         return dml_path_states(L, "path.p"), dml_path_columns(L, "p", 1 + p->n, p->momenta);
+    if (p->placed && strcmp(key, "mu") == 0)
+        return dml_path_states(L, "path.mu"), dml_path_columns(L, "mu", 1 + p->n, p->momenta);
     if (strcmp(key, "columns") == 0) return dml_path_names(L);
     if (strcmp(key, "steps") == 0)
         lua_pushinteger(L, p->steps);

@@ -208,9 +208,7 @@ static int path_momentum(lua_State *L) {
     const dml_path *p = dml_path_states(L, "a momentum map");
     lua_settop(L, 3);
     lua_getiuservalue(L, 1, DML_PATH_SYSTEM);
-    if (dml_placed(L, -1))
-        luaL_error(L, "the momentum map of this path: of which group? (a generator of elements is "
-                      "not known)");
+    if (dml_placed(L, -1)) return dml_place_momentum(L, -1);
     lua_settop(L, 3);
     if (lua_isfunction(L, 2)) return momentum_of_generator(L, p);
     const dm_action action = dml_standard_action(L, 2, 3, p->n);
@@ -331,7 +329,10 @@ const dml_row dml_path_quantities[] =
       "dm.vector\n"
       "Noether's momentum map at every row: of a group by its standard action on blocks of "
       "coordinates (dm.SO(2), dm.SO(3), dm.R(n); a matrix #path x dim G when dim G > 1), or p . "
-      "xi(q) of a generator xi(q), a Lua function that returns dim Q numbers."},
+      "xi(q) of a generator xi(q), a Lua function that returns dim Q numbers. On a group G, of G "
+      "itself the spatial momentum ({ side = \"right\" }: the body momentum), of SO(3), SO(2) and "
+      "R(n) that of rotations and translations of space; a generator returns the body velocity of "
+      "its field."},
      {"drift", path_drift,
       "path:drift(name | vector) -> {per_time, error, mean, largest}\n"
       "Least squares slope of a column, of \"energy\" or of any vector of #path entries against "

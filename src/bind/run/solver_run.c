@@ -367,7 +367,7 @@ int dml_solver_run(lua_State *L) {
     static const char *const known[] = {"q",          "v",       "p",      "q0",     "q1",
                                         "p0",         "steps",   "t0",     "every",  "t",
                                         "at",         "watch",   "record", "events", "file",
-                                        "checkpoint", "project", NULL};
+                                        "checkpoint", "project", "a",      NULL};
     run u = {.r.solver = check(L), .L = L};
     long done = 0, rows = 0;
     lua_settop(L, 2);

@@ -1,5 +1,5 @@
-/* start_branch.c - the start of a run as it is given: names, elements of groups, and which of the
- * velocities of a momentum is meant. */
+/* start_branch.c - the start of a run as it is given: names, elements of groups, which of the
+ * velocities of a momentum is meant, how many steps. */
 #include "bind/run/start_branch.h"
 
 #include "bind/model/space_group.h"
@@ -61,6 +61,16 @@ static void rename_start(lua_State *L) {
 void dml_stepping_names(lua_State *L) {
     rename_start(L);
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
+    if (has(L, "a") && !dml_placed(L, -1))
+        luaL_error(L, "field 'a' is for reduced systems that carry a quantity along "
+                      "(dm.euler_poincare, advected =)");
     dml_place_options(L, -1, 2, "start");
     lua_settop(L, 2);
+}
+
+/* A duration that h divides to round-off takes no step more. */
+long dml_stepping_cover(lua_State *L, double duration, double h) {
+    const double n = ceil(duration / h - 1e-9);
+    if (!(n < 9e15)) luaL_error(L, "%f steps of h = %f are too many", n, h);
+    return n < 0.0 ? 0 : (long)n;
 }

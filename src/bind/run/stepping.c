@@ -5,6 +5,7 @@
 #include "bind/model/model_sums.h"
 #include "bind/model/named.h"
 #include "bind/model/space_group.h"
+#include "bind/rule/bind_step.h"
 #include "bind/run/start_branch.h"
 #include "bind/run/start_constraints.h"
 #include "bind/run/stepping_params.h"
@@ -65,6 +66,12 @@ static void take_memory(lua_State *L, dml_stepping *r) {
     r->metric = r->work + scratch;
 }
 
+/* functions of the rule for this system; their kernels stay on the stack */
+static const void *bring(lua_State *L, const dml_stepping *r) {
+    lua_getiuservalue(L, 1, DML_SOLVER_OBJECT);
+    return dml_step_trace(L, -1, r->system, backend_name(L));
+}
+
 void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
     dml_solver *s = r->solver;
     lua_getiuservalue(L, 1, DML_SOLVER_SYSTEM);
@@ -100,6 +107,7 @@ void dml_stepping_prepare(lua_State *L, dml_stepping *r, double t0) {
                               .plain = s->plain,
                               .tolerance = s->tolerance,
                               .max_iterations = s->max_iterations};
+    if (s->method->traits & DM_OF_FUNCTIONS) r->stepper.brought = bring(L, r);
     take_memory(L, r);
 }
 
@@ -389,11 +397,4 @@ void dml_stepping_checkplain(lua_State *L, dml_stepping *r) {
 void dml_stepping_end(dml_stepping *r) {
     dm_stepper_close(&r->stepper);
     r->stepper.outside = NULL;
-}
-
-/* A duration that h divides to round-off takes no step more. */
-long dml_stepping_cover(lua_State *L, double duration, double h) {
-    const double n = ceil(duration / h - 1e-9);
-    if (!(n < 9e15)) luaL_error(L, "%f steps of h = %f are too many", n, h);
-    return n < 0.0 ? 0 : (long)n;
 }

@@ -10,10 +10,12 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Free coordinates are those of rules of stages: the same equations, solved there. */
 static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
     return m->group ? &dm_engine_lie : dm_engine_stage.choose(rule, m);
 }
 
+/* A static sentence, or NULL. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
     const dm_constraints *c = m->constraints;
     (void)rule;
@@ -22,6 +24,7 @@ static const char *fits(const dm_rule *rule, const dm_model *m) {
     return NULL;
 }
 
+/* The chart of one tau; the mass for the first guess where it is no constant. */
 static unsigned wants(const dm_rule *rule, const dm_model *m) {
     const unsigned mass = m->structure & DM_CONSTANT_MASS ? 0 : DM_WANT_MASS;
     return (unsigned)DM_WANT_CHART << dm_lie_tau(rule) | mass;
@@ -33,6 +36,7 @@ static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
 }
 
+/* The next `count` doubles; *memory moves behind them. */
 static double *take(double **memory, size_t count) {
     double *block = *memory;
     *memory += count;
@@ -66,6 +70,7 @@ static void lay_out(dm_lie *e, double *memory) {
     e->work = memory;
 }
 
+/* Pointers are laid out later. */
 static dm_lie sizes(const dm_galerkin *g, const dm_model *m) {
     dm_lie e = {.model = m, .group = m->group, .n = m->n};
     e.d = dm_momenta(m);
@@ -84,6 +89,7 @@ static size_t arrays(const dm_lie *e) {
            DM_LIE_KEPT * m + m;
 }
 
+/* Newton's method, the Legendre transform and the table of coefficients take turns. */
 static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_galerkin g;
     dm_stage_basis(&g, rule, m);
@@ -92,6 +98,7 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     return doubles(sizeof e) + arrays(&e) + larger(solving, dm_stage_table_size(e.s, e.r));
 }
 
+/* The structure stands at the beginning of the workspace. */
 static dm_lie *lie_of(const dm_stepper *s) {
     return (dm_lie *)(void *)s->work;
 }
@@ -111,6 +118,7 @@ static void fill(dm_lie *e, const dm_galerkin *g, double *memory) {
     for (uint32_t j = 0; j < e->s; j++) e->beta[j] = dm_weight_double(t.beta[j]);
 }
 
+/* Constant outputs of the kernels are filled in once, here. */
 static dm_status open(dm_stepper *s) {
     dm_galerkin g;
     dm_lie *e = lie_of(s);
@@ -135,6 +143,7 @@ static dm_status start(dm_stepper *s, double *state, double t, double h) {
     return DM_OK;
 }
 
+/* What `keep` leaves. */
 static size_t memory(dm_stepper *s, double **place) {
     const dm_lie *e = lie_of(s);
     *place = e->memory;
@@ -154,9 +163,13 @@ static dm_status guess_at_rest(dm_lie *e) {
     return DM_OK;
 }
 
-/* the polynomial through the last steps, node by node: V, 2 V - V', 3 V - 3 V' + V'' */
+/* the polynomial through the last steps, node by node: V, 2 V - V', 3 V - 3 V' + V'' ... */
 static dm_status guess(dm_lie *e) {
-    static const double weights[DM_LIE_KEPT][DM_LIE_KEPT] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
+    static const double weights[DM_LIE_KEPT][DM_LIE_KEPT] = {{1},
+                                                             {2, -1},
+                                                             {3, -3, 1},
+                                                             {4, -6, 4, -1},
+                                                             {5, -10, 10, -5, 1}};
     const int count = (int)e->memory[0];
     if (!count || e->memory[1] != e->h) return guess_at_rest(e);
     memset(e->V, 0, e->m * sizeof *e->V);
@@ -166,6 +179,7 @@ static dm_status guess(dm_lie *e) {
     return DM_OK;
 }
 
+/* Steps of another length tell nothing of the next one. */
 static void keep(dm_lie *e) {
     double *last = e->memory + 2;
     const int count = e->memory[1] == e->h ? (int)e->memory[0] : 0;
@@ -193,6 +207,7 @@ static void find_end(dm_lie *e) {
     dm_kernel_eval(&e->group->finish, e->in, e->end);
 }
 
+/* NaN and infinity. */
 static int is_finite(const double *x, uint32_t count) {
     for (uint32_t i = 0; i < count; i++)
         if (!isfinite(x[i])) return 0;
@@ -209,6 +224,7 @@ static dm_status check_end(dm_lie *e) {
     return is_finite(e->end, e->n + e->d) ? DM_OK : DM_NOT_FINITE;
 }
 
+/* V from a guess; reports what it took. */
 static dm_status solve(dm_lie *e, dm_stepper *s) {
     dm_newton_report report;
     const dm_newton_problem problem = {.m = e->m,
@@ -241,6 +257,7 @@ static dm_status solve_again(dm_lie *e, dm_stepper *s, dm_status status) {
     return status;
 }
 
+/* The state is changed at the end alone. */
 static dm_status step(dm_stepper *s, double *state, double t, double h) {
     dm_lie *e = lie_of(s);
     e->state = state;

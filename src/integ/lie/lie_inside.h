@@ -6,7 +6,7 @@
 #include "integ/lie/lie.h"
 #include "linalg/solve/newton.h"
 
-enum { DM_LIE_KEPT = 3, DM_LIE_TEXT = 128 };
+enum { DM_LIE_KEPT = 5, DM_LIE_TEXT = 128 };
 
 /* Sizes: n flat coordinates, d dimension of the group, s velocities, r points, m = s d unknowns. */
 typedef struct {

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+/* The first argument. */
 static int degree(const dm_rule *rule) {
     return (int)rule->arg[0].number;
 }
@@ -13,6 +14,7 @@ static int degree(const dm_rule *rule) {
 /* The maps by name, in the order of dm_tau. */
 static const char *const taus[] = {"exp", "cayley"};
 
+/* -1: it is no map. */
 static int tau_of(const dm_rule *arg) {
     for (int k = 0; k < DM_TAUS; k++)
         if (strcmp(arg->name, taus[k]) == 0 && !arg->count) return k;
@@ -30,19 +32,23 @@ dm_tau dm_lie_tau(const dm_rule *rule) {
     return DM_TAU_EXP;
 }
 
+/* NULL: gauss(s). */
 static const dm_rule *quadrature_of(const dm_rule *rule) {
     const dm_rule *q = named(rule, 1);
     return q && tau_of(q) < 0 ? q : NULL;
 }
 
+/* Of a quadrature by name. */
 static int nodes(const dm_rule *q) {
     return (int)q->arg[0].number;
 }
 
+/* A whole number that is not too large. */
 static int is_count(double number, int least) {
     return number >= least && number <= DM_QUADRATURE_NODES && number == floor(number);
 }
 
+/* What stands where is told by the names of the arguments. */
 static const char *check(const dm_rule *rule) {
     const dm_rule *q = quadrature_of(rule);
     const int last = q ? 2 : 1;
@@ -59,6 +65,7 @@ static const char *check(const dm_rule *rule) {
     return NULL;
 }
 
+/* That of the Galerkin method of the same degree and quadrature. */
 static void basis(dm_galerkin *g, const dm_rule *rule) {
     const dm_rule *named_quadrature = quadrature_of(rule);
     dm_quadrature q;
@@ -69,6 +76,7 @@ static void basis(dm_galerkin *g, const dm_rule *rule) {
     dm_galerkin_of(g, degree(rule), &q);
 }
 
+/* The chart does not change it. */
 static int order(const dm_rule *rule) {
     dm_galerkin g;
     basis(&g, rule);

@@ -21,6 +21,7 @@ enum {
     DM_LOOSE_MOMENTUM = 512, /* leaves momenta off the hidden constraint G v + g_t = 0 */
     DM_DEGENERATE = 1024,    /* steps L = alpha(q) . v - H(q), linear in v, and nothing else */
     DM_ON_GROUPS = 2048,     /* steps systems on groups (mech/group.h) */
+    DM_OF_FUNCTIONS = 4096,  /* made of functions that are traced for its system (`brought`) */
     DM_CONSTRAINTS = DM_HOLONOMIC | DM_ROLLING | DM_FORCED
 };
 

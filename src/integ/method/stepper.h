@@ -113,6 +113,7 @@ struct dm_stepper {
     double tolerance; /* Newton: relative, 4e-15 unless the user says otherwise */
     int max_iterations;
     const double *params; /* [params of the model] */
+    const void *brought;  /* what a run brings for a rule that is DM_OF_FUNCTIONS, else NULL */
     double *work;         /* as many doubles as engine->work says */
     void *outside;        /* what close gives back */
     double *aside;        /* room for `memory` during a step on the side (run/interpolate.h) */

@@ -124,6 +124,55 @@ for degree = 1, 3 do
     finish(kepler, "galerkin" .. name, 0.05, 50, start)) < 1e-15, "lie on R^n is galerkin" .. name)
 end
 
+---- momentum maps, tangent maps, linearization ----
+
+local J = long:momentum(SO3)
+ok(far(J[#long], spin.p) < 1e-13, "spatial momentum of a path")
+near(far(long:momentum(SO3, { side = "right" })[7], long.p[7]), 0, 0, "body momentum")
+local nod = run(heavy, "lie(2)", 0.1, 2000, tilt, 1)
+ok(nod:drift(nod:momentum(dm.SO(2))).largest < 1e-12, "vertical momentum of a top")
+near(nod:momentum(function(g) return g:transpose() * dm.vector { 0, 0, 1 } end)[9],
+  nod:momentum(dm.SO(2))[9], 1e-14, "and by its generator")
+local pair = dm.system { Q = dm.product(SO3, dm.R(3)), L = function(q, v)
+  return (v[1] ^ 2 + 2 * v[2] ^ 2 + 3 * v[3] ^ 2 + v[4] ^ 2 + v[5] ^ 2 + v[6] ^ 2) / 2
+    - (q[1]:transpose() * q[2])[1] ^ 2
+end }
+local flying = run(pair, "lie(2)", 0.05, 100, { q = { tilt.q, { 0.3, 0.1, -0.2 } },
+  v = { 0.1, 0.4, -0.3, 0.2, 0.1, 0.5 } }, 1)
+local M = flying:momentum(SO3)
+ok(far(M[101], M[1]) < 1e-14, "rotations of a body and a point")
+raises("no standard action", nod.momentum, nod, dm.R(2))
+
+for _, rule in ipairs { "lie(1)", "lie(2)", "lie(2, lobatto(3))", "lie(3)" } do
+  ok(heavy:solver { rule = rule, h = 0.1 }
+    :symplecticity { q = tilt.q, p = tilt.p, steps = 20 } < 1e-12, rule .. " is symplectic")
+end
+local tangent_solver = heavy:solver { rule = "lie(2)", h = 0.1 }
+local T, end_q, end_p = tangent_solver:tangent { q = tilt.q, p = tilt.p, steps = 20 }
+local e, worst = 1e-5, 0
+local function changed(u, dp)
+  local there = tangent_solver:run { q = tilt.q * SO3:exp(u), p = dm.vector(tilt.p) + dp,
+    steps = 20 }
+  return SO3:log(end_q:transpose() * there.q[21]), there.p[21] - end_p
+end
+for column = 1, 6 do
+  local u, dp = dm.zeros(3), dm.zeros(3)
+  if column <= 3 then u[column] = e else dp[column - 3] = e end
+  local a, da = changed(u, dp)
+  local c, dc = changed(-u, -dp)
+  for i = 1, 3 do
+    worst = max(worst, abs((a[i] - c[i]) / (2 * e) - T[i][column]),
+      abs((da[i] - dc[i]) / (2 * e) - T[3 + i][column]))
+  end
+end
+ok(worst < 1e-8, "the tangent map against differences")
+near(max(table.unpack(free:linearize { q = one, v = { 0, 1, 0 } }.rates:totable())),
+  1 / math.sqrt(3), 1e-14, "growth about the middle axis")
+local hanging = heavy:linearize { q = SO3:exp { math.pi, 0, 0 }, v = { 0, 0, 0 } }
+near(hanging.fastest, 1, 1e-12, "a hanging top swings with sqrt(m g l / I)")
+raises("not for systems on groups", tangent_solver.reversal, tangent_solver,
+  { q = tilt.q, p = tilt.p, steps = 2 })
+
 ---- what a run takes and gives ----
 
 local path = run(heavy, "lie(2)", 0.1, 20, tilt, 1)

@@ -63,6 +63,9 @@ end
 
 M.reconstruct = blame.caller(function(path, options)
   options = options or {}
+  if path.system.place then
+    return require "dm.reduce.run.on_group".reconstruct(path, options)
+  end
   option.check(options, { "theta" }, "path:reconstruct")
   local del = require "dm.reduce.discrete.del"
   local D = del.of(path.system)
@@ -150,7 +153,8 @@ path:reconstruct{theta=} -> dm.path
 From a path of a reduced system to the one of the unreduced system over it: the group variable is
 the integral of I^-1(mu - ...) by the rule's own quadrature, theta + h sum_j b_j theta'_j over the
 stages of every step, at every row that was kept. theta: the group variable at the first row, a
-number or list (default 0).]])
+number or list (default 0). Of dm.euler_poincare: path:reconstruct{q = g0}, the path on the group
+that begins at the element g0.]])
 
 class.method("dm.path", "phases", M.phases, [[
 path:phases() -> {total, dynamic, geometric}

@@ -1,0 +1,68 @@
+-- dm.euler_poincare: reduced runs are those of the system on the group, and lead back to it
+local tap = require "tap"
+local dm = require "dm"
+local ok, near, raises = tap.ok, tap.near, tap.raises
+local abs, max = math.abs, math.max
+
+local function far(a, b)
+  if type(b) == "number" then return abs(a - b) end
+  local worst = 0
+  for i = 1, #b do worst = max(worst, far(a[i], b[i])) end
+  return worst
+end
+
+---- Kirchhoff's equations, against an independent program ----
+
+local body = dm.euler_poincare { group = dm.SE(3), l = function(x)
+  return (x[1] ^ 2 + 2 * x[2] ^ 2 + 3 * x[3] ^ 2 + 1.5 * x[4] ^ 2 + x[5] ^ 2 + 0.5 * x[6] ^ 2) / 2
+end }
+local path = body:solver { rule = "lie(3)", h = 0.05 }
+  :run { p = { 0.5, -0.4, 0.9, 0.3, 0.6, -0.2 }, t = 3 }
+local p = path.p[#path]
+ok(far(p, { -0.958450321457076264, -0.198170605138303685, 0.511958389479013909,
+  0.185547070286320085, 0.141750723649172072, -0.125149866612226524 }) < 1e-11, "Kirchhoff")
+near(p[1] * p[4] + p[2] * p[5] + p[3] * p[6], -0.27, 1e-14, "its Casimir p . m")
+near(p:slice(1, 3):norm(), dm.vector({ 0.5, -0.4, 0.9 }):norm(), 1e-14, "its Casimir |p|")
+local whole = path:reconstruct { q = dm.SE(3):identity() }
+ok(far(whole.q[#whole][1], { -0.232544614153195502, 0.593053648736297423, 0.770850421384658631,
+  0.524362173619093961 }) < 1e-11, "the place that it leads to")
+near(far(path.mu[7], path.p[7]), 0, 0, "path.mu is path.p")
+
+---- a heavy top with the direction of gravity carried along ----
+
+local G = dm.SO(3)
+local heavy = dm.system { Q = G, L = function(R, W)
+  return (W[1] ^ 2 + 1.2 * W[2] ^ 2 + 0.6 * W[3] ^ 2) / 2 - R[3][3]
+end }
+local reduced = dm.euler_poincare { group = G, advected = dm.action { group = G, on = dm.R(3) },
+  l = function(W, a) return (W[1] ^ 2 + 1.2 * W[2] ^ 2 + 0.6 * W[3] ^ 2) / 2 - a[3] end }
+local g0, mu = G:exp { 0.4, 0, 0 }, { 0.2, 0.1, 1.5 }
+local above = heavy:solver { rule = "lie(2)", h = 0.1 }:run { q = g0, p = mu, steps = 50 }
+local solver = reduced:solver { rule = "lie(2)", h = 0.1 }
+local below = solver:run { p = mu, a = g0:transpose() * dm.vector { 0, 0, 1 }, steps = 50 }
+ok(far(below.p[51], above.p[51]) < 1e-13, "body momentum of the top")
+ok(far(below:reconstruct { q = g0 }.q[51], above.q[51]) < 1e-13, "and its attitude")
+
+---- of a system, and what is refused ----
+
+local free = dm.euler_poincare(dm.system { Q = G, L = function(_, W)
+  return (W[1] ^ 2 + 2 * W[2] ^ 2 + 3 * W[3] ^ 2) / 2
+end })
+local spun = free:solver { rule = "lie(1)", h = 0.1 }:run { v = { 1, 2, 3 }, steps = 1000 }
+near(spun.p[1001]:norm(), spun.p[1]:norm(), 1e-13, "a free body stays on its sphere")
+raises("L is not invariant: at g = exp(", dm.euler_poincare, heavy)
+raises("a run needs the advected quantity", solver.run, solver, { p = mu, steps = 1 })
+raises("carries no quantity along", function()
+  body:solver { rule = "lie(1)", h = 0.1 }:run { p = { 0, 0, 0, 0, 0, 0 }, a = { 1 }, steps = 1 }
+end)
+raises("is for reduced systems", function()
+  dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end }
+    :solver { rule = "verlet", h = 0.1 }:run { q = { 0 }, p = { 0 }, a = { 1 }, steps = 1 }
+end)
+raises("must be a group", dm.euler_poincare, { group = dm.S(2), l = function() return 0 end })
+raises("'advected' must be a dm.action", dm.euler_poincare,
+  { group = G, l = function() return 0 end, advected = 3 })
+raises("system on a group is needed", dm.euler_poincare,
+  dm.system { Q = dm.R(1), L = function(_, v) return v[1] ^ 2 end })
+
+tap.done()
