@@ -1,0 +1,126 @@
+-- three printed formulas of natural-chart integrators that lose the order (Leok 5.3, 5.4), written
+-- as dm.step beside the right ones: the body velocity with dexp_(+xi), stationarity without the
+-- derivative of dexp, momenta with dexp in place of its inverse
+local tap = require "tap"
+local dm = require "dm"
+local near = tap.near
+local abs, max, log = math.abs, math.max, math.log
+
+local G = dm.SO(3)
+local top = dm.system { Q = G, L = function(R, W)
+  return (W[1] ^ 2 + 1.2 * W[2] ^ 2 + 0.6 * W[3] ^ 2) / 2 - R[3][3]
+end }
+
+local function part(x, first) return dm.vector { x[first + 1], x[first + 2], x[first + 3] } end
+local function rotation(list)
+  return dm.matrix { { list[1], list[2], list[3] }, { list[4], list[5], list[6] },
+    { list[7], list[8], list[9] } }
+end
+
+-- L at a point of the chart: of g0 (9 entries), e at g0, xi, its rate, and the xi in dexp
+local function at_point(sign)
+  return dm.derivative(function(g0, e, xi, rate, frozen)
+    local R = rotation(g0) * G:exp(e) * G:exp(xi)
+    local W = G:dexp(frozen * sign, rate)
+    return (W[1] ^ 2 + 1.2 * W[2] ^ 2 + 0.6 * W[3] ^ 2) / 2 - R[3][3]
+  end, 9, 3, 3, 3, 3)
+end
+
+-- f^T mu of a map f that is linear in its last argument
+local function transposed(f, mu)
+  local out = {}
+  for i = 1, 3 do
+    local unit = dm.vector { i == 1 and 1 or 0, i == 2 and 1 or 0, i == 3 and 1 or 0 }
+    out[i] = mu:dot(f(unit))
+  end
+  return dm.vector(out)
+end
+
+-- nodes and weights of Gauss, polynomials through 0, 1/2 (degree 2), 1
+local RULES = {
+  { c = { 0.5 }, b = { 1 }, l = { function(c) return c end }, d = { function() return 1 end } },
+  { c = { 0.5 - math.sqrt(3) / 6, 0.5 + math.sqrt(3) / 6 }, b = { 0.5, 0.5 },
+    l = { function(c) return 4 * c * (1 - c) end, function(c) return c * (2 * c - 1) end },
+    d = { function(c) return 4 - 8 * c end, function(c) return 4 * c - 1 end } },
+}
+
+-- S_1 .. S_s and the derivative at g0
+local function slopes(rule, L, wrong, y, x, h)
+  local s, S, P = #rule.b, {}, dm.zeros(3)
+  for k = 1, s do S[k] = dm.zeros(3) end
+  local q = {}
+  for i = 1, 3 do
+    for j = 1, 3 do q[#q + 1] = y.q[i][j] end
+  end
+  for j, c in ipairs(rule.c) do
+    local xi, rate = dm.zeros(3), dm.zeros(3)
+    for k = 1, s do
+      xi = xi + part(x, 3 * (k - 1)) * rule.l[k](c)
+      rate = rate + part(x, 3 * (k - 1)) * (rule.d[k](c) / h)
+    end
+    local slope = L(dm.vector(q), dm.zeros(3), xi, rate, xi)
+    P = P + part(slope, 9) * (h * rule.b[j])
+    local of_xi = part(slope, 12)
+    if wrong ~= "frozen" then of_xi = of_xi + part(slope, 18) end
+    for k = 1, s do
+      S[k] = S[k] + of_xi * (h * rule.b[j] * rule.l[k](c))
+        + part(slope, 15) * (rule.b[j] * rule.d[k](c))
+    end
+  end
+  return S, P
+end
+
+local function natural_chart(s, wrong)
+  local rule, L = RULES[s], at_point(wrong == "velocity" and 1 or -1)
+  local function back(xi, S)
+    return transposed(function(u)
+      return wrong == "momentum" and G:dexp(xi, u) or G:dexpinv(xi, u)
+    end, S)
+  end
+  return dm.step { unknowns = 3 * s, order = 2 * s,
+    start = function(y, h)
+      local out = {}
+      for k = 1, s do
+        for i, I in ipairs { 1, 1.2, 0.6 } do out[#out + 1] = h * k / s * y.p[i] / I end
+      end
+      return out
+    end,
+    equation = function(y, x, h)
+      local S, P = slopes(rule, L, wrong, y, x, h)
+      local out, last = {}, back(part(x, 3 * s - 3), S[s]) - P - y.p
+      for k = 1, s - 1 do
+        for i = 1, 3 do out[#out + 1] = S[k][i] end
+      end
+      for i = 1, 3 do out[#out + 1] = last[i] end
+      return out
+    end,
+    next = function(y, x, h)
+      local S, xi = slopes(rule, L, wrong, y, x, h), part(x, 3 * s - 3)
+      return { q = y.q * G:exp(xi), p = back(-xi, S[s]) }
+    end }
+end
+
+local tilt = { q = G:exp { 0.4, 0, 0 }, p = { 0.2, 0.1, 1.5 } }
+local function finish(rule, n)
+  local path = top:solver { rule = rule, h = 1 / n }:run { q = tilt.q, p = tilt.p, steps = n,
+    every = n }
+  return path.q[#path]
+end
+local exact = finish("lie(4)", 40)
+local function far(a)
+  local worst = 0
+  for i = 1, 3 do
+    for j = 1, 3 do worst = max(worst, abs(a[i][j] - exact[i][j])) end
+  end
+  return worst
+end
+local function order(rule, n) return log(far(finish(rule, n)) / far(finish(rule, 4 * n)), 4) end
+
+near(order(natural_chart(1), 20), 2, 0.1, "s = 1")
+near(order(natural_chart(2), 10), 4, 0.1, "s = 2")
+near(far(finish(natural_chart(2), 20)), far(finish("lie(2)", 20)), 1e-13, "which is lie(2)")
+near(order(natural_chart(2, "velocity"), 20), 2, 0.2, "s = 2 with dexp_(+xi): order 2")
+near(order(natural_chart(2, "frozen"), 40), 1, 0.2, "without the derivative of dexp: order 1")
+near(order(natural_chart(2, "momentum"), 40), 0, 0.2, "with dexp for its inverse: none at all")
+
+tap.done()
