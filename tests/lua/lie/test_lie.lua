@@ -238,11 +238,7 @@ raises("matrix of 3 x 3", finish, free, "lie(1)", 0.1, 1, { q = { 1, 0 }, v = { 
 raises("3 entries", finish, free, "lie(1)", 0.1, 1, { q = one, v = { 0, 0, 1, 0 } })
 raises("degenerate", finish, dm.system { Q = SO3, L = function(_, w) return w[1] ^ 2 end },
   "lie(1)", 0.1, 1, { q = one, v = { 1, 0, 0 } })
-<<<<<<< HEAD
 raises("compositions of midpoint and lie(s) do", finish, free, "verlet", 0.1, 1, spin)
-=======
-raises("lie(s) do", finish, free, "verlet", 0.1, 1, spin)
->>>>>>> 15c3a52 (Reference as the help says; what lie(s) is named beside)
 raises("no Cayley map", finish, dm.system { Q = dm.SL(3),
   L = function(_, x) return x:dot(x) / 2 end }, "lie(1, cayley)", 0.1, 1,
   { q = dm.SL(3):identity(), p = { 0, 0, 0, 0, 0, 0, 0, 1 } })
