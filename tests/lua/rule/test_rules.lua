@@ -157,7 +157,7 @@ local function check_cost(r)
 end
 
 -- measured with what they are for
-local elsewhere = { degenerate = "test_degenerate.lua", del = "test_solver.lua, test_discrete.lua",
+local elsewhere = { step = "test_step.lua", degenerate = "test_degenerate.lua", del = "test_solver.lua, test_discrete.lua",
   map = "test_discrete_steps.lua", ["log-hamiltonian"] = "test_times.lua", rattle = "test_rattle.lua",
   shake = "test_rattle.lua" }
 for _, rule in ipairs(dm.rules()) do
