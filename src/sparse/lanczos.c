@@ -31,6 +31,7 @@ static int room(lanczos *l, dm_arena *arena) {
     l->nu = dm_arena_take(arena, m * sizeof(double));
     l->rhs = dm_arena_take(arena, n * sizeof(double));
     l->select = dm_arena_take(arena, m * sizeof(int));
+    if (l->select) memset(l->select, 0, m * sizeof(int)); /* read even where all are asked for */
     return l->v && l->work && l->small && l->residual && l->nu && l->rhs && l->select;
 }
 
