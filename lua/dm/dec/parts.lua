@@ -1,6 +1,7 @@
 --- Meshes made from parts of a mesh (Leok 3.3): skeleton, closure of cells, boundary, link; and the
 -- mesh that flips make of a surface. A part has its own numbering of vertices, ascending as in the
 -- mesh it is of, and comes with the list of what they are there.
+local blame = require "dm.base.blame"
 local class = require "dm.base.class"
 local core = require "dm.core"
 local option = require "dm.base.options"
@@ -153,7 +154,7 @@ edges run within its surface. Boundary edges stay. Raises where the result is no
 complex.]])
 
 --- dm.embeddable(D): is there a set of points with these distances?
-function M.embeddable(D, options)
+M.embeddable = blame.caller(function(D, options)
   options = option.check(options or {}, { "tolerance" }, "dm.embeddable")
   local tolerance = option.positive(options, "tolerance", "dm.embeddable", "a number", 1e-10)
   local fine, distances = pcall(core.matrix, D)
@@ -185,7 +186,7 @@ function M.embeddable(D, options)
     if eigenvalues[i] > tolerance * largest then dimension = dimension + 1 end
   end
   return least >= -tolerance * largest, eigenvalues, dimension
-end
+end)
 
 core.docs[M.embeddable] = [[
 dm.embeddable(D [, {tolerance=}]) -> boolean, dm.vector, number

@@ -88,6 +88,7 @@ static int matching_critical(lua_State *L) {
     const dm_matching *M = &check_matching(L)->M;
     const uint32_t k = check_degree(L, 2, M, 0);
     lua_createtable(L, (int)M->criticals[k], 0);
+    dml_setresult(L);
     for (uint32_t i = 0; i < M->criticals[k]; i++) {
         lua_pushinteger(L, (lua_Integer)M->critical[k][i] + 1);
         lua_rawseti(L, -2, (lua_Integer)i + 1);
@@ -103,6 +104,7 @@ static int matching_core(lua_State *L) {
 
 static void push_terms(lua_State *L, const dm_term *t, uint32_t count) {
     lua_createtable(L, 0, (int)count);
+    dml_setresult(L);
     for (uint32_t i = 0; i < count; i++) {
         lua_pushinteger(L, t[i].coefficient);
         lua_rawseti(L, -2, (lua_Integer)t[i].cell + 1);
