@@ -60,16 +60,22 @@ static void settle(iteration *it) {
     it->settled = 1;
 }
 
+/* Newton's method costs as many sweeps as there are unknowns, squared: with many of them sweeps may
+ * contract slowly. Squared. */
+enum { FEW_UNKNOWNS = 24, SLOW_SWEEPS = 100 };
+static const double SLOW = 0.55 * 0.55;
+
 /* until what is left is round-off; `fixed` sweeps where their number is given */
 static dm_status iterate(iteration *it, double tolerance, int fixed) {
     const double enough = DM_SWEEP_LEFT * tolerance;
-    for (int k = 1; k < (fixed ? fixed : DM_STAGE_SWEEPS); k++) {
+    const double slow = 2 * it->g->n * it->g->r > FEW_UNKNOWNS ? SLOW : DM_SWEEP_SLOW;
+    for (int k = 1; k < (fixed ? fixed : SLOW_SWEEPS); k++) {
         const int settled = it->settled;
         if (!settled && it->change < DM_SWEEP_SETTLED) settle(it);
         sweep(it);
         if (!isfinite(it->change)) return DM_NOT_FINITE;
         if (fixed) continue;
-        if (it->rated && it->rate > (it->count > 5 ? DM_SWEEP_SLOW : 4.0)) return DM_NO_CONVERGENCE;
+        if (it->rated && it->rate > (it->count > 5 ? slow : 4.0)) return DM_NO_CONVERGENCE;
         if (it->settled && it->rate * it->change <= enough * enough) return DM_OK;
     }
     return fixed ? DM_OK : DM_NO_CONVERGENCE;
