@@ -1,0 +1,177 @@
+-- Do momentum and energy drift where theory has no drift? Mean slope of 10 starts and its standard error, by their spread.
+--   for level in plain fma avx512; do DMLUA_PROCESSOR=$level build/dmlua tests/bench/dm/long_runs.lua; done
+--   build/dmlua tests/bench/dm/long_runs.lua STEPS PATTERN: other numbers of steps, only rows "system rule" with PATTERN in them
+-- 10^7 steps a start, 10^6 where one costs more than 1 us. What is more than 3 standard errors from zero is tried with 10 other
+-- starts, and drifts if it is so again.
+local dm = require "dm"
+local sqrt, log = math.sqrt, dm.log
+local STARTS, ROWS, SIGMAS, DEAR = 10, 1000, 3, 1000
+local most, only = tonumber(arg[1]) or 1e7, arg[2] or ""
+local level = os.getenv "DMLUA_PROCESSOR" or "the processor's own"
+
+---- systems: the rules that step them, h, starts, J ----
+
+local function turn(x, y, angle)
+  return x * math.cos(angle) - y * math.sin(angle), x * math.sin(angle) + y * math.cos(angle)
+end
+
+-- on an ellipse, anywhere
+local function ellipse(random)
+  local e, a, phase, angle = 0.3 + 0.3 * random(), 0.9 + 0.3 * random(), 2 * math.pi * random(), 2 * math.pi * random()
+  local E = phase -- eccentric anomaly
+  local n, b = a ^ -1.5, a * sqrt(1 - e * e)
+  local rate = n / (1 - e * math.cos(E))
+  local x, y = turn(a * (math.cos(E) - e), b * math.sin(E), angle)
+  local u, w = turn(-a * math.sin(E) * rate, b * math.cos(E) * rate, angle)
+  return { x, y }, { u, w }
+end
+
+local function around(random)
+  local x, y = turn(0.5 + random(), 0, 2 * math.pi * random())
+  return { x, y }, { 1.5 * random() - y, 1.5 * random() + x }
+end
+
+local function on_sphere(random)
+  local z = -0.9 + 0.9 * random()
+  local x, y = turn(sqrt(1 - z * z), 0, 2 * math.pi * random())
+  local spin, rise = 0.5 + 2 * random(), random() - 0.5
+  return { x, y, z }, { -y * spin - x * z * rise, x * spin - y * z * rise, (1 - z * z) * rise }
+end
+
+local function vortices(random)
+  local q = {}
+  for i, x in ipairs { -1, 0, 0.5, 0.9, 0.7, -0.8 } do q[i] = x + 0.2 * random() end
+  return q, { 0, 0, 0, 0, 0, 0 }
+end
+local G = { 1, 0.7, 1.3 }
+
+local function angular(q, p) return q[1] * p[2] - q[2] * p[1] end
+local function impulse(q)
+  local sum = 0
+  for i = 1, 3 do sum = sum + G[i] * (q[2 * i - 1] ^ 2 + q[2 * i] ^ 2) / 2 end
+  return sum
+end
+
+local explicit = { "verlet", "symplectic-euler", "yoshida(4)", "yoshida(6)", "suzuki(4)", "mclachlan(4)", "kahan-li(6)",
+  "kahan-li(8)", "suzuki-umeno(8)", "sofroniou-spaletta(10)", "blanes-moan(4)", "blanes-moan(6)" }
+local implicit = { "midpoint", "trapezoidal", "gauss(2)", "gauss(3)", "gauss(6)", "gauss(8)", "lobatto(3)", "lobatto(4)",
+  "galerkin(2, gauss(3))", "galerkin(3, radau(3))", "sprk(radau-2a, 2)", "sprk(lobatto-3b-3a, 3)",
+  "yoshida(4, midpoint)", "del", "curve(rk4)", "curve(euler, 0.5)" }
+
+local function joined(...)
+  local out = {}
+  for _, list in ipairs { ... } do table.move(list, 1, #list, #out + 1, out) end
+  return out
+end
+
+local systems = {
+  { name = "Kepler", h = 0.05, start = ellipse, J = angular, rules = joined(explicit, implicit, { "log-hamiltonian" }),
+    system = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end } },
+  { name = "moving mass", h = 0.05, start = around, J = angular,
+    rules = joined({ "verlet", "symplectic-euler", "yoshida(4)" }, implicit),
+    system = dm.system { Q = dm.R(2), L = function(q, v) return (1 + q:dot(q) / 4) * v:dot(v) / 2 - q:dot(q) / 2 end } },
+  { name = "on a sphere", h = 0.02, start = on_sphere, J = angular,
+    rules = { "rattle", "shake", "yoshida(4, rattle)", "midpoint", "trapezoidal", "gauss(2)", "lobatto(3)" },
+    system = dm.system { Q = dm.R(3), L = function(q, v) return v:dot(v) / 2 - q[3] end,
+      constraint = function(q) return q:dot(q) - 1 end } },
+  { name = "vortices", h = 0.05, start = vortices, J = impulse, rules = { "degenerate(1)", "degenerate(2)" },
+    system = dm.system { Q = dm.R(6), L = function(q, v)
+      local sum = 0
+      for i = 1, 3 do
+        local x, y = q[2 * i - 1], q[2 * i]
+        sum = sum + G[i] * (x * v[2 * i] - y * v[2 * i - 1]) / 2
+        for j = 1, i - 1 do sum = sum + G[i] * G[j] * log((x - q[2 * j - 1]) ^ 2 + (y - q[2 * j]) ^ 2) / (8 * math.pi) end
+      end
+      return sum
+    end } },
+}
+
+-- rules whose theory says nothing of the energy (of the time-transformed one it does, at fixed s)
+local moment_alone = { ["log-hamiltonian"] = true }
+
+---- runs ----
+
+local function solver_of(case, rule)
+  if rule ~= "del" then return case.system:solver { rule = rule, h = case.h } end
+  local L = case.system.given.L
+  return dm.solver { dm.discrete_lagrangian { Q = case.system.Q, h = case.h, Ld = function(a, b, h)
+    return h * (L(a, (b - a) / h) + L(b, (b - a) / h)) / 2
+  end } }
+end
+
+local function mean_and_error(list)
+  local mean, square = 0, 0
+  for _, x in ipairs(list) do mean = mean + x / #list end
+  for _, x in ipairs(list) do square = square + (x - mean) ^ 2 end
+  return mean, sqrt(square / (#list * (#list - 1)))
+end
+
+-- energies of the rows, of the system itself where the rule has an Ld of its own
+local function energies(case, rule, path)
+  if rule ~= "del" then return path:energy() end
+  local out = {}
+  for i = 1, #path do out[i] = case.system:energy(path.q[i], path.p[i], path.t[i]) end
+  return dm.vector(out)
+end
+
+-- slopes of J and of the energy of ten starts
+local function slopes(case, rule, solver, steps, seed)
+  math.randomseed(seed)
+  local q, v, J, E = {}, {}, {}, {}
+  for i = 1, STARTS do
+    q[i], v[i] = case.start(math.random)
+    if rule == "del" then v[i] = case.system:momentum(q[i], v[i]):totable() end
+  end
+  local options = { members = STARTS, steps = steps, every = math.max(1, steps // ROWS), threads = 1, q = q }
+  options[rule == "del" and "p" or "v"] = v
+  local members = solver:ensemble(options)
+  for i = 1, STARTS do
+    local path, moments = members:path(i), {}
+    if members.status[i] ~= "ok" then return nil, members.status[i] end
+    for k = 1, #path do moments[k] = case.J(path.q[k], path.p[k]) end
+    J[i], E[i] = path:drift(dm.vector(moments)).per_time, path:drift(energies(case, rule, path)).per_time
+  end
+  return J, E
+end
+
+-- "mean +- error" of slopes, and whether they miss
+local function told(list)
+  local mean, err = mean_and_error(list)
+  return ("%9.1e +- %7.1e"):format(mean, err), math.abs(mean) > SIGMAS * err
+end
+
+local function row(case, rule)
+  local solver = solver_of(case, rule)
+  local clock = os.clock()
+  slopes(case, rule, solver, 1000, 0)
+  local begun, path_steps = os.clock(), 20000
+  math.randomseed(1)
+  local q, v = case.start(math.random)
+  local one = rule == "del" and { q = q, p = case.system:momentum(q, v) } or { q = q, v = v }
+  one.steps, one.every = path_steps, path_steps
+  solver:run(one)
+  local cost = (os.clock() - begun) / path_steps * 1e9
+  local steps = cost > DEAR and math.min(most, 1e6) or most
+  local out
+  for try = 1, 2 do
+    local J, E = slopes(case, rule, solver, steps // 1 | 0, try)
+    if not J then return print(("%-12s %-24s %s"):format(case.name, rule, E)) end
+    local of_J, missed = told(J)
+    local of_E, also = told(E)
+    if moment_alone[rule] then of_E, also = "-", false end
+    out = ("%-12s %-24s %5.0e  %-22s %-22s"):format(case.name, rule, steps, of_J, of_E)
+    if not (missed or also) then break end
+    local what = (missed and "J" or "") .. (also and "E" or "")
+    if try == 2 then out = out .. " DRIFTS: " .. what else print(out .. " again: " .. what) end
+  end
+  print(out .. (" (%.0f s)"):format(os.clock() - clock))
+  io.stdout:flush()
+end
+
+print(("level %s: slopes per unit of time, mean of %d starts +- standard error"):format(level, STARTS))
+print(("%-12s %-24s %-6s %-22s %-22s"):format("system", "rule", "steps", "J", "energy"))
+for _, case in ipairs(systems) do
+  for _, rule in ipairs(case.rules) do
+    if (case.name .. " " .. rule):find(only, 1, true) then row(case, rule) end
+  end
+end
