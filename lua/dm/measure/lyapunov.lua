@@ -103,7 +103,8 @@ local function run_beside(lifted, s, j, steps, every)
     project = s.project, watch = { growth = growth_of(n), x = function(x) return x end,
       p = function(_, _, _, y) return y end } })
   if not fine then
-    if steps > 1 and type(path) == "table" and path.code == "not_finite" then return nil end
+    local code = type(path) == "table" and path.code
+    if steps > 1 and (code == "not_finite" or code == "no_convergence") then return nil end
     error(path, 0)
   end
   local x, p = {}, {}

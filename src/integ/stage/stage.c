@@ -108,6 +108,10 @@ static dm_status from_rest(dm_stage *g, dm_stepper *stepper) {
     return status;
 }
 
+/* Has L a domain of velocities? One that is quadratic in v ends at places alone: a root that is
+ * drawn back inside there belongs to another motion, so that the step fails. */
+static int has_limits(const dm_stage *g) { return !(g->m->structure & DM_QUADRATIC_IN_V); }
+
 /* the end is in the state; sweeps and steps of one point leave the rare one to Newton's method */
 static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     dm_status status = DM_NO_CONVERGENCE;
@@ -118,9 +122,11 @@ static dm_status solve(dm_stage *g, dm_stepper *stepper) {
     if (status != DM_OK) return status;
     if (g->one_point) status = by_continuation(g, stepper);
     if (!g->one_point || status != DM_OK) status = by_newton(g, stepper);
-    if (!g->one_point && status != DM_OK && status != DM_CALLBACK) {
+    const int may_go_on = status == DM_NO_CONVERGENCE || status == DM_SINGULAR ||
+                          (status == DM_NOT_FINITE && has_limits(g));
+    if (!g->one_point && may_go_on) {
         dm_status again = by_continuation(g, stepper);
-        if (again != DM_OK && !(g->m->structure & DM_QUADRATIC_IN_V)) again = from_rest(g, stepper);
+        if (again != DM_OK && has_limits(g)) again = from_rest(g, stepper);
         if (again == DM_OK) status = DM_OK;
     }
     if (status == DM_OK && g->sweeps) dm_stage_memory_newton(g);

@@ -222,14 +222,11 @@ static dm_status finish(dm_stage *g) {
 }
 
 static dm_status solve(dm_stage *g, dm_stepper *stepper, uint32_t unknowns) {
-    static const double at_start = 0.0; /* of Z, where the step begins */
     dm_newton_report report = {0};
     const dm_newton_problem problem = {.m = unknowns,
                                        .equation = equation,
                                        .ctx = g,
                                        .size = &g->size,
-                                       .inside = &at_start,
-                                       .period = 1,
                                        .near_identity = unknowns > g->n, /* one point: J is cheap */
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};

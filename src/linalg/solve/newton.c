@@ -90,7 +90,8 @@ static dm_status search(solver *s) {
     const double before = it->residual;
     double part = 1.0;
     int outside = 0, larger = 0;
-    while (outside < HALVINGS_TO_DOMAIN && larger < HALVINGS) {
+    const int most = s->p->inside ? HALVINGS_TO_DOMAIN : HALVINGS;
+    while (outside < most && larger < HALVINGS) {
         for (uint32_t i = 0; i < m; i++) s->trial[i] = it->x[i] + part * it->dx[i];
         const dm_status status = evaluate_at(s, s->trial, 0, m);
         if (status != DM_OK && status != DM_NOT_FINITE) return status;
