@@ -1,6 +1,6 @@
 -- make bench: making a mesh, with its volumes and signed duals, from arrays of simplices and points; and the bytes that it holds. The same
 -- by hand in C: tests/bench/c/by_hand/meshes.c, which make bench runs after it. Arguments: levels of the icosphere, cubes a side.
-local dm = require "dm"
+require "dm" -- the verbs of meshes
 local core = require "dm.core"
 local named = require "dm.dec.named"
 

@@ -3,7 +3,6 @@
 local bound = require "dm.base.bound"
 local core = require "dm.core"
 local lists = require "dm.base.lists"
-local prolong = require "dm.measure.prolong"
 local routh = require "dm.reduce.routh"
 local routh_model = require "dm.reduce.routh.model"
 local watch = require "dm.scene.watch"

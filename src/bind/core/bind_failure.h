@@ -11,7 +11,7 @@ typedef struct {
     double h;
     double residual; /* of its step equation */
     int iterations;
-    int fading; /* d2L/dv2 was about to lose a value */
+    int fading;              /* d2L/dv2 was about to lose a value */
     int constraint, rolling; /* from 1: the one that depends on the others there, 0: none */
     int constrained;         /* are there constraints, holonomic or rolling? */
     const char *rule;

@@ -110,7 +110,9 @@ static dm_status from_rest(dm_stage *g, dm_stepper *stepper) {
 
 /* Has L a domain of velocities? One that is quadratic in v ends at places alone: a root that is
  * drawn back inside there belongs to another motion, so that the step fails. */
-static int has_limits(const dm_stage *g) { return !(g->m->structure & DM_QUADRATIC_IN_V); }
+static int has_limits(const dm_stage *g) {
+    return !(g->m->structure & DM_QUADRATIC_IN_V);
+}
 
 /* the end is in the state; sweeps and steps of one point leave the rare one to Newton's method */
 static dm_status solve(dm_stage *g, dm_stepper *stepper) {

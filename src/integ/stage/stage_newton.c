@@ -135,7 +135,8 @@ dm_status dm_stage_general(dm_stage *g, dm_stepper *stepper) {
                                        .equation = equation,
                                        .ctx = g,
                                        .size = &g->size,
-                                       .inside = g->m->structure & DM_QUADRATIC_IN_V ? NULL : g->points.v0,
+                                       .inside = g->m->structure & DM_QUADRATIC_IN_V ? NULL
+                                                                                     : g->points.v0,
                                        .period = g->n,
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};

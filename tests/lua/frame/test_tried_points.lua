@@ -28,7 +28,7 @@ raises("must return", frame, first, nil, function() return 1, "x" end)
 ok(frame(first, nil, function() return 1, 2 end), "several numbers are several conditions")
 
 -- a steep section: the root where it is found, else an error that says where
-local steep, found = frame(function(z) return math.tanh(50 * z[1]) end), 0
+local steep, found = frame(function(z) return dm.tanh(50 * z[1]) end), 0
 for i = 1, 50 do
   local x = -3 + 6 * (i - 0.5) / 50
   local fine, g = pcall(steep, { x, 0.3 })

@@ -3,7 +3,7 @@
 local tap = require "tap"
 local dm = require "dm"
 local ok, raises = tap.ok, tap.raises
-local sin, cos, sqrt, max, abs = dm.sin, dm.cos, dm.sqrt, math.max, math.abs
+local sin, cos, sqrt, max = dm.sin, dm.cos, dm.sqrt, math.max
 local h = 0.05
 
 -- midpoint Ld of a system

@@ -32,14 +32,14 @@ typedef struct {
 
 /* numbered as in tests/bench/c/by_hand/meshes.c, so that the values can be compared */
 static sphere icosphere(int level) {
-    static const int first[20][3] = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11},
-                                     {1, 5, 9},   {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                     {3, 9, 4},   {3, 4, 2},  {3, 2, 6},  {3, 6, 8},  {3, 8, 9},
-                                     {4, 9, 5},   {2, 4, 11}, {6, 2, 10}, {8, 6, 7},  {9, 8, 1}};
-    const double g = (1 + sqrt(5)) / 2, start[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0},
-                                                        {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                                                        {0, -1, -g}, {0, 1, -g}, {g, 0, -1},
-                                                        {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
+    static const int first[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                     {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                     {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                     {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+    const double g = (1 + sqrt(5)) / 2,
+                 start[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
+                                 {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
+                                 {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
     const size_t T = (size_t)20 << (2 * level);
     sphere s = {12, 20, get((T / 2 + 2) * sizeof *s.point), get(T * sizeof *s.cell)};
     for (int i = 0; i < 12; i++)
@@ -61,13 +61,16 @@ static sphere icosphere(int level) {
                 while (key[at] && key[at] != k) at = (at + 1) % size;
                 if (!key[at]) {
                     double p[3], r = 0;
-                    for (int j = 0; j < 3; j++) p[j] = s.point[a][j] + s.point[b][j], r += p[j] * p[j];
+                    for (int j = 0; j < 3; j++)
+                        p[j] = s.point[a][j] + s.point[b][j], r += p[j] * p[j];
                     for (int j = 0; j < 3; j++) s.point[s.vertices][j] = p[j] / sqrt(r);
                     key[at] = k, value[at] = s.vertices++;
                 }
                 m[i] = value[at];
             }
-            const int four[4][3] = {{v[0], m[0], m[2]}, {v[1], m[1], m[0]}, {v[2], m[2], m[1]},
+            const int four[4][3] = {{v[0], m[0], m[2]},
+                                    {v[1], m[1], m[0]},
+                                    {v[2], m[2], m[1]},
                                     {m[0], m[1], m[2]}};
             memcpy(s.cell + 4 * t, four, sizeof four);
         }
@@ -82,8 +85,8 @@ static sphere icosphere(int level) {
 static cholmod_sparse *stiffness(const sphere *s, double shift, int held, double *mass,
                                  cholmod_common *c) {
     const size_t n = (size_t)(s->vertices - held);
-    cholmod_triplet *T = cholmod_allocate_triplet(n, n, (size_t)s->cells * 3 + 3 * n, 1,
-                                                  CHOLMOD_REAL, c);
+    cholmod_triplet *T =
+        cholmod_allocate_triplet(n, n, (size_t)s->cells * 3 + 3 * n, 1, CHOLMOD_REAL, c);
     int *row = T->i, *column = T->j;
     double *x = T->x, *diagonal = get((size_t)s->vertices * sizeof *diagonal);
     size_t count = 0;
@@ -98,7 +101,8 @@ static cholmod_sparse *stiffness(const sphere *s, double shift, int held, double
         }
         const double mixed = l[0] + l[1] - l[2], area4 = sqrt(4 * l[0] * l[1] - mixed * mixed);
         for (int i = 0; i < 3; i++) {
-            const int a = v[(i + 1) % 3], b = v[(i + 2) % 3], lo = a < b ? a : b, hi = a < b ? b : a;
+            const int a = v[(i + 1) % 3], b = v[(i + 2) % 3], lo = a < b ? a : b,
+                      hi = a < b ? b : a;
             const double w = (l[(i + 1) % 3] + l[(i + 2) % 3] - l[i]) / area4 / 2;
             diagonal[a] += w, diagonal[b] += w;
             mass[a] += w * l[i] / 4, mass[b] += w * l[i] / 4;
@@ -164,8 +168,8 @@ static void eigenvalues(const sphere *s) {
     }
     dseupd_c(1, "A", select, value, v, n, -1.0, "G", n, "LM", PAIRS, 1e-14, start, BASIS, v, n, how,
              at, work, small, BASIS * (BASIS + 8), &info);
-    printf("%-34s C by hand %9.1f ms   (the last is %.9f)\n", "17 eigenpairs", (now() - began) * 1e3,
-           value[PAIRS - 1]);
+    printf("%-34s C by hand %9.1f ms   (the last is %.9f)\n", "17 eigenpairs",
+           (now() - began) * 1e3, value[PAIRS - 1]);
 }
 
 int main(int count, char **word) {
