@@ -157,7 +157,7 @@ static dm_status lift_momentum(lift *l, const double *q, const double *mu) {
 static dm_status enter(lift *l, const double *state) {
     const size_t n = l->n;
     const double *kept = l->memory + STATE;
-    if (l->memory[MARK] && memcmp(kept, state, 4 * n * sizeof *state) == 0) {
+    if (l->memory[MARK] != 0.0 && memcmp(kept, state, 4 * n * sizeof *state) == 0) {
         memcpy(l->lifted, kept + 4 * n, 4 * n * sizeof *state);
         give_base(l);
         return DM_OK;
