@@ -36,7 +36,7 @@ static int next_composition(uint32_t *beta, uint32_t k) {
  * (-1)^i 4^-s (d + k - 2 i)^d k! / (i! (d + k - i)!) */
 static double weight_of(uint32_t k, uint32_t s, uint32_t i) {
     const uint32_t d = 2 * s + 1;
-    double w = (i % 2 ? -1.0 : 1.0) * pow(0.25, s) * pow(d + k - 2 * i, d);
+    double w = (i % 2 ? -1.0 : 1.0) * ldexp(1.0, -2 * (int)s) * pow(d + k - 2 * i, d);
     for (uint32_t j = 2; j <= i; j++) w /= j;
     for (uint32_t j = k + 1; j <= d + k - i; j++) w /= j;
     return w;

@@ -32,7 +32,7 @@ static const double *inputs_of(const dm_observer *o, const dm_observable *what) 
     if (!what->of_model || !(params || phase)) return o->x;
     memcpy(own, o->x, (2 * n + 1) * sizeof *own);
     if (phase) memcpy(own + n, o->x + 2 * n + 1, n * sizeof *own);
-    memcpy(own + 2 * n + 1, o->params, params * sizeof *own);
+    if (params) memcpy(own + 2 * n + 1, o->params, params * sizeof *own);
     return own;
 }
 
