@@ -23,14 +23,15 @@ static void read_kinds(lua_State *L, const dml_curve_asked *asked, dm_curve_reci
 /* The method of the table at `own`, traced; arena and graph live as long as what is left on the
  * stack. */
 static dm_curve_recipe *push_recipe(lua_State *L, int own, uint32_t n) {
-    static uint32_t serial;
+    static uint32_t last;
+    const uint32_t serial = ++last;
     dm_curve_recipe *out = lua_newuserdatauv(L, sizeof *out, 1);
     const int at = lua_gettop(L);
     dml_curve_asked asked;
     lua_getfield(L, own, "method");
     dml_curve_ask(L, lua_gettop(L), n, &asked);
     *out = (dm_curve_recipe){.n = n,
-                             .serial = ++serial,
+                             .serial = serial,
                              .calls = asked.calls,
                              .graph = asked.traced.graph,
                              .out = asked.traced.out};

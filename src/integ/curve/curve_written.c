@@ -73,7 +73,8 @@ static void put(const writer *b, dm_node *out, const dm_node *roots, size_t coun
     stand(b);
     memcpy(b->with, y, N * sizeof *y);
     b->with[N] = t;
-    for (size_t i = 0; i < N * (size_t)asked; i++) b->with[b->direction + i] = directions[i];
+    for (size_t i = 0; directions && i < N * (size_t)asked; i++)
+        b->with[b->direction + i] = directions[i];
     dm_substitute(b->d.g, roots, (uint32_t)count, b->with, out);
 }
 
