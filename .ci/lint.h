@@ -1,3 +1,6 @@
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* as the files that need it ask, who come too late behind this */
+#endif
 /* what clang-tidy cannot know of Lua: these never return */
 #include <lauxlib.h>
 __attribute__((noreturn)) int lua_error(lua_State *L);

@@ -184,6 +184,7 @@ static dm_status try_once(reading *r, uint32_t **cell, uint32_t *cells, int stri
     qh_freeqhull(&hull, !qh_ALL);
     qh_memfreeshort(&hull, &left, &total);
     fclose(errors);
+    r->qh = NULL;
     report->message[sizeof report->message - 1] = '\0';
     return code ? explain(code, report) : status;
 }
