@@ -1,0 +1,91 @@
+/* bind_deadline.c - `core.within`: a call that is ended when its CPU time is over, by the same road
+ * as Ctrl-C: runs look at dml_stop between bursts of steps. */
+#include "bind/core/bind.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+/* A process has one clock of CPU time. `until`: when it rings, s of that clock; infinite: never. */
+static struct {
+    timer_t timer;
+    int made;
+    double until;
+} deadline = {.until = INFINITY};
+
+static volatile sig_atomic_t late; /* it has rung, and no call has ended by it yet */
+
+static double cpu(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void ring(int signal) {
+    (void)signal;
+    late = dml_stop = 1;
+}
+
+/* false where the system has no such timer: then nothing is ended */
+static int make_timer(void) {
+    struct sigaction action = {.sa_handler = ring, .sa_flags = SA_RESTART};
+    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGRTMIN};
+    if (deadline.made) return 1;
+    sigemptyset(&action.sa_mask);
+    if (sigaction(SIGRTMIN, &action, NULL) != 0) return 0;
+    return deadline.made = timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &deadline.timer) == 0;
+}
+
+/* ring at this time of the clock; one that is over rings at once */
+static void set_deadline(double until) {
+    struct itimerspec when = {0};
+    deadline.until = until;
+    if (!make_timer()) return;
+    if (until < 1e15) {
+        const double whole = floor(fmax(until, 1e-9));
+        when.it_value.tv_sec = (time_t)whole;
+        when.it_value.tv_nsec = (long)(1e9 * (fmax(until, 1e-9) - whole));
+        if (whole == 0.0 && when.it_value.tv_nsec == 0) when.it_value.tv_nsec = 1;
+    }
+    timer_settime(deadline.timer, TIMER_ABSTIME, &when, NULL);
+}
+
+/* is the error on top what a stop raises? */
+static int is_stop(lua_State *L) {
+    const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
+    if (text) return strstr(text, "interrupted!") != NULL;
+    if (lua_type(L, -1) != LUA_TTABLE) return 0;
+    lua_pushliteral(L, "code");
+    lua_rawget(L, -2);
+    const char *code = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+    const int stopped = strcmp(code, "stopped") == 0;
+    lua_pop(L, 1);
+    return stopped;
+}
+
+/* An outer call that has less time left ends the inner one too, and then itself. */
+static int within(lua_State *L) {
+    const double seconds = luaL_checknumber(L, 1), before = deadline.until;
+    luaL_checkany(L, 2);
+    set_deadline(fmin(before, cpu() + fmax(seconds, 0.0)));
+    const int status = lua_pcall(L, lua_gettop(L) - 2, LUA_MULTRET, 0);
+    const int rung = late;
+    if (rung) late = dml_stop = 0;
+    set_deadline(before);
+    if (status != LUA_OK && !(rung && is_stop(L))) return lua_error(L);
+    lua_pushboolean(L, status == LUA_OK);
+    lua_replace(L, 1);
+    return lua_gettop(L);
+}
+
+static const dml_row functions[] =
+    {{"within", within,
+      "core.within(seconds, f, ...) -> true, results   or   false, error\n"
+      "Call f and end it when it has used so many seconds of CPU time, of all threads: the run in "
+      "hand stops as by Ctrl-C, and what that raised is the error. Other errors pass. Between runs "
+      "nothing is ended: loops of Lua look at dm.cpu() themselves."},
+     {NULL, NULL, NULL}};
+
+const dml_class dml_class_deadline = {
+    .functions = functions,
+};

@@ -1,0 +1,18 @@
+-- core.within: a call ends when its CPU time is over, by the road of Ctrl-C, and only then
+local tap = require "tap"
+local dm = require "dm"
+local core = require "dm.core"
+local kepler = dm.system { Q = dm.R(2), L = function(q, v) return v:dot(v) / 2 + 1 / q:norm() end }
+local function run(steps) return kepler:solver({ rule = "gauss(4)", h = 1e-3 }):run { q = { 0.4, 0 }, v = { 0, 2 }, steps = steps, every = steps } end
+local fine, failure = core.within(0.05, run, 1e10)
+tap.ok(fine == false and failure.code == "stopped" and failure.path, "a run is stopped, with its path", tostring(failure))
+local whole, path = core.within(60, run, 100)
+tap.ok(whole == true and #path == 2, "one that ends before gives its results")
+tap.ok(#run(100) == 2, "nothing rings afterwards")
+local inner, outer
+outer = core.within(60, function() inner = core.within(0.05, run, 1e10) return run(100) end)
+tap.ok(inner == false and outer == true, "the inner of two ends alone")
+outer = core.within(0.05, function() inner = core.within(60, run, 1e10) return run(100) end)
+tap.ok(outer == false and inner == false, "the outer ends both")
+tap.ok(select(2, pcall(core.within, 60, error, "mine", 0)) == "mine", "other errors pass")
+tap.done()
