@@ -16,6 +16,9 @@
 --   parts                   kits of the factors of a product
 --   smooth                  flat coordinates of a run where those of `flat` jump (group/flat.lua)
 --   momenta                 of standard actions of other groups on it, by their names: f(g, mu)
+--   body                    where its elements put a rigid body: { pose(g) -> rotation matrix,
+--                           place or nothing, turning =, moving = entries of the algebra before
+--                           the angular velocity and that of the place }
 --   arcs(xi)                squares of the angles by which exp(xi) turns, below pi^2 where log is
 --                           its inverse; nothing where it always is
 --   manifold                true where it is none: a space without a product of its points

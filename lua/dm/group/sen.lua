@@ -151,6 +151,7 @@ local function three()
     local turned = back * nu
     return core.vector(sequence(back * (w - Q * turned), turned))
   end
+  kit.body = { pose = function(g) return rotation(g, 3), shift(g, 3) end, turning = 3, moving = 0 }
   matrices.complete(kit, 4)
   local function part(first, last)
     return function(g, mu) return kit.coAd(g, mu):slice(first, last) end

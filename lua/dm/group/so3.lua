@@ -136,7 +136,7 @@ M.smooth = { carry = times,
 
 function M.kit()
   local kit = { dimension = 3, coordinates = 4, exp = M.exp, log = M.log, hat = M.hat, vee = M.vee,
-    liftable = true,
+    liftable = true, body = { pose = function(g) return g end, turning = 0 },
     flat = M.quaternion, unflat = M.rotation, bonds = M.norm_bond, sample = M.sample,
     project = matrix_functions.nearest_rotation, smooth = M.smooth }
   cayley_maps(kit)

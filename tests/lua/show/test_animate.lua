@@ -64,7 +64,7 @@ ok(not text:find "https?:" and not text:find "src=" and not text:find "<link", "
 ok(text:find("<title>Kepler &lt;e = 0.6&gt; &amp; more: verlet, h = 0.01</title>", 1, true), "titles are text, not markup")
 local data = text:match '<script type="application/json" id="data">(.-)</script>'
 ok(data and not data:find "[<&]", "nor can data end the script")
-ok(#text < 16000 + 1001 * (8 + 4 * 2) * 4 / 3 + 2 * 1001 * 12 * 4 / 3, "a double and floats in base64 for each row, no more", #text)
+ok(#text < 21500 + 1001 * (8 + 4 * 2) * 4 / 3 + 2 * 1001 * 12 * 4 / 3, "a double and floats in base64 for each row, no more", #text)
 
 if node then
   local seen = watch(html, 0, 5, 1e9)
@@ -141,6 +141,53 @@ do
   ok(not node or watch(html, 1).text:find "drawn yes", "two numbers that were watched, in their plane")
 end
 
+---- bodies: of groups by themselves, or as they are told; a point of a body is R X + x in every row ----
+
+local G = dm.SO(3)
+local top = dm.system { Q = G, L = function(R, W) return (W[1] ^ 2 + 1.2 * W[2] ^ 2 + 0.6 * W[3] ^ 2) / 2 - R[3][3] end }
+local turning = top:solver { rule = "gauss(4)", h = 0.1 }:run { q = G:exp { 0.4, 0, 0 }, p = { 0.2, 0.1, 1.5 }, steps = 60 }
+local flying = dm.system { Q = dm.product(G, dm.R(3)), L = function(_, v)
+  return (2 * v[1] ^ 2 + 3 * v[2] ^ 2 + 4 * v[3] ^ 2 + 5 * (v[4] ^ 2 + v[5] ^ 2 + v[6] ^ 2)) / 2 end }
+local thrown = flying:solver { rule = "lie(2)", h = 0.1 }:run { q = { G:identity(), { 0, 0, 1 } }, v = { 0.1, 1, 0.2, 0.3, 0, 0.1 }, steps = 60 }
+do
+  turning:animate(html)
+  ok(not node or watch(html, 2).text:find "drawn yes", "the body of a group", node and watch(html, 2).text)
+  local R = turning.q[21]
+  local tip = 1.4 -- its ellipsoid is longest along the third axis, and has no mass to tell how long
+  if node then near(off(watch(html, 2).rows[1], tip * R[1][3], tip * R[2][3], tip * R[3][3]), 0, 1e-6, "the end of its third axis moves with it") end
+
+  thrown:animate(html)
+  local g, c = thrown.q[31], 1.4 * math.sqrt(2.5 * (2 + 3 - 4) / 5)
+  local x = g[1] * dm.vector { 0, 0, c } + dm.vector(g[2])
+  if node then near(off(watch(html, 3).rows[1], x[1], x[2], x[3]), 0, 1e-6, "where the next factor R^3 places it, as large as its inertia says") end
+  for _, shape in ipairs { "box", "ellipsoid", "cylinder" } do
+    thrown:animate(html, { bodies = { { shape = shape, points = { { 1, 0, 0 } }, joints = { { 0, 0, -1 } } } }, rods = { { 0, 2 } } })
+    x = g[1] * dm.vector { 1, 0, 0 } + dm.vector(g[2])
+    local y = dm.vector(g[2]) - g[1] * dm.vector { 0, 0, 1 }
+    if node then near(off(watch(html, 3).rows[1], x[1], x[2], x[3], y[1], y[2], y[3]), 0, 1e-6, shape .. ": points and joints as asked for") end
+  end
+  local SE = dm.SE(3)
+  local whole = dm.system { Q = SE, L = function(_, v) return (v:dot(v) + v[4] ^ 2) / 2 end }
+  local path = whole:solver { rule = "lie(1)", h = 0.1 }:run { q = SE:identity(), v = { 1, 0, 0, 0.1, 0.5, 0 }, steps = 30 }
+  path:animate(html, { bodies = { { size = { 1, 1, 1 }, points = { { 0, 1, 0 } } } } })
+  local E = path.q[11]
+  if node then near(off(watch(html, 1).rows[1], E[1][2] + E[1][4], E[2][2] + E[2][4], E[3][2] + E[3][4]), 0, 1e-6, "a body on SE(3)") end
+
+  -- of no group: from angles, beside a point of draw's
+  tick:animate(html, { bodies = { { pose = function(q) return G:exp { 0, q[1], 0 }, { 0, 0, 2 } end, shape = "box", inertia = { 1, 2, 2.5 },
+    points = {}, joints = { { 0, 0, -2 } } } }, draw = function(q) return { { 0, 0, q[1] } } end })
+  local a = tick.q[61][1]
+  if node then near(off(watch(html, 3).rows[1], 0, 0, a, -2 * sin(a), 0, 2 - 2 * cos(a)), 0, 1e-6, "a body of no group, behind a point that draw gave") end
+  dm.animate({ turning, turning }, html)
+  ok(not node or watch(html, 3).text:find "drawn yes", "several paths with bodies")
+  raises("unknown option 'sise'", turning.animate, turning, html, { bodies = { { sise = 1 } } })
+  raises("'shape' must be", turning.animate, turning, html, { bodies = { { shape = "cube" } } })
+  raises("a factor that turns", thrown.animate, thrown, html, { bodies = { { factor = 2 } } })
+  raises("needs pose = function", tick.animate, tick, html, { bodies = { {} } })
+  raises("must have 3 entries", turning.animate, turning, html, { bodies = { { points = { { 1, 2 } } } } })
+  raises("three coordinates", tick.animate, tick, html, { draw = drawing, bodies = { { pose = function() return G:identity() end } } })
+end
+
 ---- in a browser ----
 
 local browser = has "chromium" and "chromium --headless --no-sandbox --disable-gpu" or nil
@@ -151,6 +198,11 @@ if browser and (os.getenv "UNDER" or "") == "" then
   pipe:close()
   ok(dom:find 'data%-frame="200"', "chromium: the script ran and stands at the row that the address asks for", dom:match "<body[^>]*>")
   ok(dom:find "<canvas" and dom:find "t = 2%.0000", "with canvases, and the time in words")
+  thrown:animate(html)
+  pipe = io.popen(("timeout 60 %s --dump-dom 'file://%s#t=2' 2>/dev/null"):format(browser, html))
+  dom = pipe:read "a"
+  pipe:close()
+  ok(dom:find 'data%-frame="20"', "chromium: bodies are drawn, too", dom:match "<body[^>]*>")
 else
   print "# no chromium here: the page was not opened in a browser"
 end

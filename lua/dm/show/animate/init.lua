@@ -15,7 +15,8 @@ local fail = option.failing(WHERE)
 
 ---- options ----
 
-local KNOWN = { "points", "dim", "draw", "rods", "trail", "plots", "title", "names", "frames", "t" }
+local KNOWN = { "points", "dim", "draw", "rods", "bodies", "trail", "plots", "title", "names",
+  "frames", "t" }
 
 local DRAW = "(q, t) that returns { points = { {x, y}, ... } }"
 
@@ -39,7 +40,7 @@ local function check_options(options)
   check_number(options, "frames", 2, "a number of frames from 2")
   option.passing(options, "t", WHERE, is_span, "{from, to}, two times")
   local function is_table(x) return type(x) == "table" end
-  for _, key in ipairs { "plots", "names" } do
+  for _, key in ipairs { "plots", "names", "bodies" } do
     option.passing(options, key, WHERE, is_table, "a list")
   end
 end
@@ -133,22 +134,23 @@ local function is_constrained(path)
   return fine and given and given.constraint ~= nil
 end
 
--- { name, points, dim, axes, rods, t, xyz } of one path, numbers still plain
+-- { name, points, dim, axes, rods, bodies, t, xyz } of one path, numbers still plain
 local function read(path, options, which)
   local reader = points_.reader(path, options)
   local rows, first, last = chosen_rows(path, reader, options)
   local xyz, t = {}, {}
   for k, i in ipairs(rows) do
-    reader.row(i, xyz)
+    reader.row(i, xyz, true)
     t[k] = path.t[i]
   end
   check_finite(xyz, path, rows, reader.count * reader.dim, which)
+  for _, body in ipairs(reader.bodies) do check_finite(body.poses, path, rows, 7, which) end
   local rods = reader.rods
   if not rods and is_constrained(path) and reader.count <= 60 then
     rods = points_.held(xyz, reader.count, reader.dim)
   end
   return { points = reader.count, dim = reader.dim, axes = reader.axes, rods = rods or {}, t = t,
-    xyz = xyz, first = first, last = last,
+    xyz = xyz, bodies = reader.bodies, trails = reader.trails, first = first, last = last,
     rows = #rows }
 end
 
@@ -199,12 +201,21 @@ local function scene_of(paths, options)
     plots = plots_.all(paths, shown, options, names) }, names
 end
 
+-- a body as the page has it
+local function packed(body, page)
+  local solid = body.solid
+  return { vertices = page.floats(solid.vertices), faces = solid.faces, tints = solid.tints,
+    reach = body.reach:totable(), poses = page.floats(body.poses) }
+end
+
 -- numbers to text, and only what the page needs
 local function pack(scene, names)
   local page = require "dm.show.animate.page"
   for i, s in ipairs(scene.paths) do
+    local bodies = {}
+    for k, body in ipairs(s.bodies) do bodies[k] = packed(body, page) end
     scene.paths[i] = { name = #names > 1 and names[i] or "", points = s.points, rods = s.rods,
-      t = page.doubles(s.t), xyz = page.floats(s.xyz) }
+      t = page.doubles(s.t), xyz = page.floats(s.xyz), bodies = bodies, trails = s.trails }
   end
   for _, plot in ipairs(scene.plots) do
     for i, line in ipairs(plot.lines) do
@@ -221,8 +232,8 @@ local function make(paths, file, options)
 end
 
 local doc_animate =
-  "dm.animate({path, path, ...}, file, {points=, dim=, draw=, rods=, trail=, plots=, names=, "
-  .. "title=, frames=, t=}) -> file name\n" .. [[
+  "dm.animate({path, path, ...}, file, {points=, dim=, draw=, rods=, bodies=, trail=, plots=, "
+  .. "names=, title=, frames=, t=}) -> file name\n" .. [[
 A page for a browser (no network, nothing to install) in which several paths move side by side on
 one clock and one scale: with trails, energy and momentum over time, a slider, speed, and, in space,
 a camera that the mouse turns. names: one for each path; the other options are those of
@@ -236,13 +247,21 @@ M.animate = blame.caller(function(paths, file, options)
 end)
 
 local doc_path = [[
-path:animate(file, {points=, dim=, draw=, rods=, trail=, plots=, title=, frames=, t=}) -> file name
+path:animate(file, {points=, dim=, draw=, rods=, bodies=, trail=, plots=, title=, frames=, t=})
+  -> file name
 Write a page (.html, of its own: no network) with the moving system, its trail, energy and momentum
 over time, a slider and a speed.
 Points are coordinates by name (x, y, z; x1, y1, x2, ...), else pairs or triples of q (dim = 2 or
 3); or points = { {"x1", "y1"}, ... }, columns; or draw = function(q, t) return { points = { {x, y},
 ... }, rods = { {1, 2}, ... } } end, called for every frame. rods: pairs of points, 0 is the origin;
-of a system with constraints those distances that stay. trail: how much time it shows; plots: {
+of a system with constraints those distances that stay.
+On a group every factor that turns (SO(3), SE(3)) is a body, with its axes and the trail of a point
+on the third one, placed by the next factor R^3 or R^2; its ellipsoid is that of its inertia. bodies
+= { { factor = 1, at = 2 or {x, y, z} or function(q, t), shape = "ellipsoid" | "box" | "cylinder",
+inertia = {I1, I2, I3}, mass = or size = half lengths, centre = {x, y, z}, points = body points with
+a trail, joints = without }, ... } says otherwise; of other systems with pose = function(q, t)
+return R, {x, y, z} end. Points of bodies follow those of draw in the numbers that rods have.
+trail: how much time it shows; plots: {
 "energy", "theta", dm.SO(2), { name, numbers } }; t = {from, to} and frames: which rows (default: as
 many as move smoothly, at most 1500).]]
 

@@ -1,7 +1,8 @@
---- What an animation shows of a path: the points of every row, and the rods between them.
-local M = {}
-
+--- What an animation shows of a path: the points of every row, the rods between them, bodies.
+local bodies_ = require "dm.show.animate.bodies"
 local fail = require "dm.base.options".failing "animate"
+
+local M = {}
 
 local MOST = 2000  -- points in a frame: more are not told apart
 
@@ -186,10 +187,33 @@ function M.held(xyz, count, dim)
   return rods
 end
 
----- both ----
+---- bodies ----
 
---- How to read a path: { row = function(i, out), count, dim, axes, rods or nil }.
-function M.reader(path, options)
+-- the points of bodies behind those of `own`, a reader of other points or nothing; and the numbers
+-- of the points that leave a trail
+local function with_bodies(path, bodies, own)
+  local count, trails = own and own.count or 0, {}
+  for k = 1, count do trails[k] = k end
+  for _, body in ipairs(bodies) do
+    for k = 1, #body.points do trails[#trails + 1] = count + k end
+    count = count + #body.points + #body.joints
+    body.poses = {}
+  end
+  local function row(i, out, keep)
+    if own then own.row(i, out) end
+    local q, t = path.q[i], path.t[i]
+    for _, body in ipairs(bodies) do
+      local R, x = bodies_.add_pose(keep and body.poses or {}, body, q, t)
+      bodies_.add_points(out, body, R, x)
+    end
+  end
+  return row, count, trails
+end
+
+---- all of them ----
+
+-- { row, count, dim, axes, rods or nil } of the points that are columns or drawn
+local function plain_reader(path, options)
   local row, count, dim, axes, rods
   if options.draw then
     row, count, dim, axes, rods = from_drawing(path, options.draw)
@@ -197,11 +221,25 @@ function M.reader(path, options)
     row, count, dim, axes = from_columns(path, options.points and check_points(options.points)
       or chosen(path, options.dim))
   end
+  return { row = row, count = count, dim = dim, axes = axes, rods = rods }
+end
+
+--- How to read a path: { row = function(i, out, keep), count, dim, axes, rods or nil, bodies,
+-- trails = numbers of points or nil: all }; keep: rows go into the poses of the bodies.
+function M.reader(path, options)
+  local bodies, own, trails = bodies_.of(path, options), nil, nil
+  if #bodies == 0 or options.draw or options.points then own = plain_reader(path, options) end
+  local row, count = own and own.row, own and own.count
+  if #bodies > 0 then
+    if own and own.dim < 3 then fail "points beside bodies need three coordinates" end
+    row, count, trails = with_bodies(path, bodies, own)
+  end
   if count > MOST then
     fail("%d points in a frame are more than %d: pick some with 'points' or 'draw'", count, MOST)
   end
-  rods = options.rods or rods
-  return { row = row, count = count, dim = dim, axes = axes,
+  local rods = options.rods or own and own.rods or #bodies > 0 and {} or nil
+  return { row = row, count = count, dim = own and own.dim or 3,
+    axes = own and own.axes or { "x", "y", "z" }, bodies = bodies, trails = trails,
     rods = rods and check_rods(rods, count) }
 end
 

@@ -15,6 +15,10 @@ const element = id => document.getElementById(id);
 for (const path of scene.paths) {
   path.t = new Float64Array(bytes(path.t));
   path.xyz = new Float32Array(bytes(path.xyz));
+  for (const body of path.bodies) {
+    body.vertices = new Float32Array(bytes(body.vertices));
+    body.poses = new Float32Array(bytes(body.poses));
+  }
 }
 for (const plot of scene.plots) {
   for (const line of plot.lines) {
@@ -51,6 +55,14 @@ const box = (() => {
       lo[axis] = Math.min(lo[axis], path.xyz[i]);
       hi[axis] = Math.max(hi[axis], path.xyz[i]);
     }
+    for (const body of path.bodies) {
+      const reach = Math.max(...body.reach);
+      for (let i = 0; i < body.poses.length; i++) {
+        if (i % 7 < 4) continue;
+        lo[i % 7 - 4] = Math.min(lo[i % 7 - 4], body.poses[i] - reach);
+        hi[i % 7 - 4] = Math.max(hi[i % 7 - 4], body.poses[i] + reach);
+      }
+    }
     if (path.rods.some(rod => rod[0] === 0)) {
       for (let axis = 0; axis < scene.dim; axis++) {
         lo[axis] = Math.min(lo[axis], 0);
@@ -63,18 +75,21 @@ const box = (() => {
     middle[axis] = (lo[axis] + hi[axis]) / 2;
     half[axis] = (hi[axis] - lo[axis]) / 2;
   }
-  if (scene.dim === 3) half.fill(Math.hypot(...half));
+  if (scene.dim === 3) {
+    const ball = scene.paths.some(path => path.bodies.length > 0) ? Math.max(...half) : 0;
+    half.fill(ball || Math.hypot(...half));
+  }
   const least = 0.02 * Math.max(...half) || 1;
   return { middle, half: half.map(h => Math.max(h, least)) };
 })();
 
-// (x, y, z) -> [right, up] in units of space, as the camera sees it
+// (x, y, z) -> [right, up, towards the eye] in units of space, as the camera sees it
 function turned(x, y, z) {
-  if (scene.dim < 3) return [x - box.middle[0], y - box.middle[1]];
+  if (scene.dim < 3) return [x - box.middle[0], y - box.middle[1], 0];
   const dx = x - box.middle[0], dy = y - box.middle[1], dz = z - box.middle[2];
   const c = Math.cos(state.azimuth), s = Math.sin(state.azimuth);
-  const deep = c * dy + s * dx;
-  return [c * dx - s * dy, Math.cos(state.height) * dz + Math.sin(state.height) * deep];
+  const ch = Math.cos(state.height), sh = Math.sin(state.height), deep = c * dy + s * dx;
+  return [c * dx - s * dy, ch * dz + sh * deep, sh * dz - ch * deep];
 }
 
 function camera(canvas) {
@@ -82,7 +97,7 @@ function camera(canvas) {
   const scale = state.zoom * 0.88 * Math.min(w / (2 * box.half[0]), h / (2 * box.half[1]));
   return (x, y, z) => {
     const at = turned(x, y, z);
-    return [w / 2 + scale * at[0], h / 2 - scale * at[1]];
+    return [w / 2 + scale * at[0], h / 2 - scale * at[1], scale * at[2]];
   };
 }
 
@@ -97,6 +112,7 @@ function clear(canvas) {
   return g;
 }
 
+]==] .. require "dm.show.animate.body_script" .. [==[
 // ---- one panel ----
 
 function place(path, frame, point, see) {
@@ -105,11 +121,17 @@ function place(path, frame, point, see) {
   return see(path.xyz[at], path.xyz[at + 1], scene.dim === 3 ? path.xyz[at + 2] : 0);
 }
 
-function drawTrails(g, path, frame, see) {
+// points whose trails are drawn: of many the last
+function trailing(path) {
+  const all = path.trails || Array.from({ length: path.points }, (_, i) => i + 1);
+  return all.length > 12 ? all.slice(-1) : all;
+}
+
+// `shown` tells of a depth whether it belongs to this layer
+function drawTrails(g, path, frame, see, shown) {
   const from = row(path.t, path.t[frame] - state.trail);
   g.lineWidth = 1.2;
-  for (let point = 1; point <= path.points; point++) {
-    if (path.points > 12 && point < path.points) continue;
+  for (const point of trailing(path)) {
     g.strokeStyle = colour(point - 1);
     for (let piece = 0; piece < 4; piece++) { // older pieces are paler
       const a = from + Math.floor((frame - from) * piece / 4);
@@ -118,7 +140,7 @@ function drawTrails(g, path, frame, see) {
       g.beginPath();
       for (let i = a; i <= b; i++) {
         const at = place(path, i, point, see);
-        if (i === a) g.moveTo(at[0], at[1]); else g.lineTo(at[0], at[1]);
+        if (i === a || !shown(at[2])) g.moveTo(at[0], at[1]); else g.lineTo(at[0], at[1]);
       }
       g.stroke();
     }
@@ -126,12 +148,13 @@ function drawTrails(g, path, frame, see) {
   g.globalAlpha = 1;
 }
 
-function drawRods(g, path, frame, see) {
+function drawRods(g, path, frame, see, shown) {
   g.strokeStyle = "#333";
   g.lineWidth = 2;
   g.beginPath();
   for (const rod of path.rods) {
     const a = place(path, frame, rod[0], see), b = place(path, frame, rod[1], see);
+    if (!shown((a[2] + b[2]) / 2)) continue;
     g.moveTo(a[0], a[1]);
     g.lineTo(b[0], b[1]);
   }
@@ -176,16 +199,27 @@ function drawAxes(g, canvas, see) {
   }
 }
 
+// what lies in front of the bodies, or behind them
+function drawLayer(g, path, frame, see, shown) {
+  if (state.trail > 0) drawTrails(g, path, frame, see, shown);
+  drawRods(g, path, frame, see, shown);
+  const origin = see(0, 0, 0);
+  if (path.rods.some(rod => rod[0] === 0) && shown(origin[2])) disk(g, origin, 3, "#333");
+  const radius = path.points > 40 ? 2.5 : path.bodies.length > 0 ? 4 : 6;
+  for (let point = 1; point <= path.points; point++) {
+    const at = place(path, frame, point, see);
+    if (shown(at[2])) disk(g, at, radius, colour(point - 1));
+  }
+}
+
 function drawPanel(path) {
   const g = clear(path.canvas), see = camera(path.canvas), frame = row(path.t, state.t);
   drawAxes(g, path.canvas, see);
-  if (state.trail > 0) drawTrails(g, path, frame, see);
-  drawRods(g, path, frame, see);
-  if (path.rods.some(rod => rod[0] === 0)) disk(g, see(0, 0, 0), 3, "#333");
-  const radius = path.points > 40 ? 2.5 : 6;
-  for (let point = 1; point <= path.points; point++) {
-    disk(g, place(path, frame, point, see), radius, colour(point - 1));
-  }
+  const bodies = path.bodies.map((body, i) => placed(body, i, frame, see));
+  const middle = bodies.reduce((sum, body) => sum + body.depth / bodies.length, 0);
+  if (bodies.length > 0) drawLayer(g, path, frame, see, depth => depth < middle);
+  drawBodies(g, bodies);
+  drawLayer(g, path, frame, see, depth => bodies.length === 0 || depth >= middle);
   path.frame = frame;
 }
 
