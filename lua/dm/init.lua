@@ -19,6 +19,7 @@ local rows = {
   euler_poincare = "dm.reduce.euler_poincare",
   figure = "dm.show.plot",
   five_lemma = "dm.dec.homology.exact",
+  group = "dm.group.own",
   help = "dm.session.help",
   invariant_problem = "dm.frame.invariant",
   load = "dm.data.load",

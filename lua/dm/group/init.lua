@@ -138,9 +138,9 @@ end
 
 method("identity", {}, "g", [[
 G:identity() -> element
-The neutral element. Elements are: SO(2) an angle; R(n), T(n), SE(2) = (x, y, theta), Heisenberg(n)
-vectors; SO(n), SE(n), SL(n), GL(n), Sp(n) dm.matrix; products lists. All methods of groups also
-take symbols.]])
+The neutral element. Elements are: SO(2) an angle; R(n), T(n), SE(2) = (x, y, theta), SU(2) = (w, x,
+y, z), Heisenberg(n) vectors; SO(n), SE(n), SL(n), GL(n), Sp(n) dm.matrix; products lists. All
+methods of groups also take symbols.]])
 method("compose", { "g", "g" }, "g", [[
 G:compose(a, b) -> element
 The product a b. Angles are not wrapped.]])

@@ -37,7 +37,8 @@ local of_space, of_name = setmetatable({}, { __mode = "k" }), {}
 --- The kit of a space, from the file in lua/dm/group that its row in geom/spaces.def names. Spaces
 -- with factors have one of their own, others share it by name.
 function M.of(space)
-  if of_space[space] then return of_space[space] end
+  local known = of_space[space] or space.own
+  if known then return known end
   local name = not space.parts and tostring(space)
   local kit = name and of_name[name]
   if not kit then

@@ -35,7 +35,7 @@ dm_action dml_standard_action(lua_State *L, int arg, int options, uint32_t n) {
 }
 
 dml_space *dml_pushspace(lua_State *L, const dm_space *row, uint32_t n) {
-    dml_space *s = lua_newuserdatauv(L, sizeof *s, 2);
+    dml_space *s = lua_newuserdatauv(L, sizeof *s, DML_SPACE_ROW);
     *s = (dml_space){.row = row, .n = n, .chart = row->chart};
     luaL_setmetatable(L, TNAME);
     return s;
@@ -56,9 +56,13 @@ static int space_new(lua_State *L) {
     return 1;
 }
 
-/* "SO(3)", "R^2", or the factors with a sign between them */
+/* "SO(3)", "R^2", a name, or the factors with a sign between them */
 static int space_tostring(lua_State *L) {
     const dml_space *s = dml_checkspace(L, 1);
+    if (lua_getiuservalue(L, 1, DML_SPACE_KIT) == LUA_TTABLE) {
+        lua_pushstring(L, s->row->name);
+        return 1;
+    }
     if (lua_getiuservalue(L, 1, DML_SPACE_PARTS) != LUA_TTABLE) {
         lua_pushfstring(L, s->row->chart ? "%s^%d" : "%s(%d)", s->row->name, (int)s->n);
         return 1;
@@ -120,6 +124,8 @@ static int space_field(lua_State *L) {
         lua_pushboolean(L, s->chart);
     else if (strcmp(key, "parts") == 0)
         lua_getiuservalue(L, 1, DML_SPACE_PARTS);
+    else if (strcmp(key, "own") == 0)
+        lua_getiuservalue(L, 1, DML_SPACE_KIT);
     else if (strcmp(key, "representation") == 0)
         lua_getiuservalue(L, 1, DML_SPACE_ACTION);
     else
@@ -141,6 +147,7 @@ static const dml_row functions[] =
       "The semidirect product of a group G and V = dm.R(n): lists {g, v} with (g, v)(h, w) = (g h, "
       "v + g w), where g w is action(g, w), linear in w (left out: the standard one of G, matrix "
       "times vector). The algebra has that of G first, then V."},
+     {"own_group", dml_own_group, "core.own_group(name, dimension, kit) -> dm.space"},
      {NULL, NULL, NULL}};
 
 /* dm.SO, dm.SE ...: a constructor for each row of the spaces */
@@ -158,7 +165,8 @@ static void open_spaces(lua_State *L) {
 const dml_class dml_class_space = {
     .name = TNAME,
     .doc = "dm.space: a manifold or group, made by dm.R(n), dm.T(n), dm.S(n), dm.SO(n), dm.SE(n), "
-           "dm.SL(n), dm.GL(n), dm.Sp(n), dm.Heisenberg(n), dm.product, dm.semidirect\n"
+           "dm.SL(n), dm.GL(n), dm.Sp(n), dm.SU(2), dm.Heisenberg(n), dm.product, dm.semidirect, "
+           "dm.group\n"
            "fields: name, n, dimension, chart (can a system live on it with these coordinates), "
            "parts (of a product)",
     .meta = meta,

@@ -6,13 +6,13 @@
 #include "geom/action/momentum.h"
 
 /* user values: 1, of a product: its factors; 2, of a semidirect product: how the first moves
- * the second, or nil */
+ * the second, or nil; 3 and 4, of a group of a script: its kit, and what owns its row */
 typedef struct {
     const dm_space *row;
     uint32_t n; /* of a product: its dimension */
     int chart;  /* of the row, or of all factors */
 } dml_space;
-enum { DML_SPACE_PARTS = 1, DML_SPACE_ACTION };
+enum { DML_SPACE_PARTS = 1, DML_SPACE_ACTION, DML_SPACE_KIT, DML_SPACE_ROW };
 
 /* The space at stack index arg; raises when it is none. */
 const dml_space *dml_checkspace(lua_State *L, int arg);
@@ -20,6 +20,9 @@ const dml_space *dml_checkspace(lua_State *L, int arg);
 /* dm.product(G, H, ...) and dm.semidirect(G, V [, action]) */
 int dml_product(lua_State *L);
 int dml_semidirect(lua_State *L);
+
+/* core.own_group(name, dimension, kit) */
+int dml_own_group(lua_State *L);
 
 /* The options of a system at 1: where Q holds spheres, in a copy Q becomes R^N and their
  * equations |q|^2 = 1 join the constraint. */

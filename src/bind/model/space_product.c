@@ -1,4 +1,5 @@
-/* space_product.c - `dm.product(G, H, ...)` and `dm.semidirect(G, V, action)`. */
+/* space_product.c - spaces that have no row of geom/spaces.def: `dm.product(G, H, ...)`,
+ * `dm.semidirect(G, V, action)`, and groups that a script defines (lua/dm/group/own.lua). */
 #include "bind/model/bind_space.h"
 
 static uint32_t dimension(uint32_t n) {
@@ -70,5 +71,24 @@ int dml_semidirect(lua_State *L) {
     push_product(L, &semidirect_row, 2);
     lua_pushvalue(L, 3);
     lua_setiuservalue(L, -2, DML_SPACE_ACTION);
+    return 1;
+}
+
+/* The row lives as long as the space, and the name with it. */
+int dml_own_group(lua_State *L) {
+    const char *name = luaL_checkstring(L, 1);
+    const lua_Integer d = luaL_checkinteger(L, 2);
+    luaL_checktype(L, 3, LUA_TTABLE);
+    dm_space *row = lua_newuserdatauv(L, sizeof *row, 1);
+    *row = product_row;
+    row->kit = "own";
+    row->name = row->signature = name;
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    dml_pushspace(L, row, (uint32_t)d);
+    lua_insert(L, -2);
+    lua_setiuservalue(L, -2, DML_SPACE_ROW);
+    lua_pushvalue(L, 3);
+    lua_setiuservalue(L, -2, DML_SPACE_KIT);
     return 1;
 }

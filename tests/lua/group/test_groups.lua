@@ -19,7 +19,22 @@ local function entries(m)
   return dm.vector(out)
 end
 
-local groups = { dm.R(3), dm.T(2), dm.SO(2), dm.SO(3), dm.SO(4), dm.SO(5), dm.SE(2), dm.SE(3),
+-- a script's own, by matrices (with a form, nilpotent, of other entries) and by products of vectors
+local lorentz = dm.group { name = "SO(2, 1)", form = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } },
+  basis = { { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 1 }, { 0, 0, 0 }, { 1, 0, 0 } },
+    { { 0, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 } } } }
+local affine = dm.group { name = "Aff(1)",
+  basis = { { { 0, 1 }, { 0, 0 } }, { { 1, 0 }, { 0, 0 } } } }
+local upper = dm.group { name = "U(3)", basis = { { { 0, 1, 0 }, { 0, 0, 0 }, { 0, 0, 0 } },
+  { { 0, 0, 0 }, { 0, 0, 1 }, { 0, 0, 0 } }, { { 0, 0, 1 }, { 0, 0, 0 }, { 0, 0, 0 } } } }
+local heisenberg = dm.group { name = "H", dimension = 3, identity = { 0, 0, 0 },
+  mul = function(x, y) return { x[1] + y[1], x[2] + y[2], x[3] + y[3] + x[1] * y[2] } end,
+  inv = function(x) return { -x[1], -x[2], x[1] * x[2] - x[3] } end,
+  exp = function(x) return { x[1], x[2], x[3] + x[1] * x[2] / 2 } end,
+  log = function(x) return { x[1], x[2], x[3] - x[1] * x[2] / 2 } end }
+
+local groups = { lorentz, affine, upper, heisenberg, dm.SU(2), dm.product(dm.SU(2), affine),
+  dm.semidirect(affine, dm.R(2)), dm.R(3), dm.T(2), dm.SO(2), dm.SO(3), dm.SO(4), dm.SO(5), dm.SE(2), dm.SE(3),
   dm.SE(4), dm.SL(2), dm.SL(3),
   dm.GL(1), dm.GL(2), dm.GL(3), dm.Sp(2), dm.Sp(4), dm.Heisenberg(), dm.Heisenberg(2),
   dm.product(dm.SO(3), dm.R(2)),
@@ -231,7 +246,7 @@ local methods = { compose = "gg", inverse = "g", exp = "x", log = "g", Ad = "gx"
   dexp = "xx", dexpinv = "xx", dcay = "xx", dcayinv = "xx", matrix = "g", flat = "g", project = "g",
   distance = "gg", left = "gg", right = "gg",
   left_tangent = "ggg", right_tangent = "ggg" }
-for _, G in ipairs { dm.T(2), dm.SO(2), SO3, dm.SO(4), dm.SE(2), SE3, dm.SE(4), SL2, dm.SL(3),
+for _, G in ipairs { dm.T(2), dm.SO(2), SO3, dm.SO(4), dm.SU(2), lorentz, affine, heisenberg, dm.SE(2), SE3, dm.SE(4), SL2, dm.SL(3),
   dm.GL(2), dm.GL(3), dm.Sp(4), dm.Heisenberg(),
   dm.product(SO3, dm.R(2)), dm.semidirect(SL2, dm.R(2)) } do
   local kit, r = require "dm.group".kit(G), G.dimension
@@ -287,7 +302,7 @@ near((dm.Heisenberg():right_tangent({ 1, 0, 0 }, { 0, 0, 0 }, { 0, 1, 0 })
 ---- the same generators in C (momentum maps of standard actions) and in Lua ----
 
 for _, row in ipairs { { dm.SE(2), 2 }, { dm.SE(3), 3 }, { dm.SL(2), 2 }, { dm.SL(3), 3 },
-  { dm.GL(2), 2 }, { dm.Sp(4), 4 }, { dm.Heisenberg(), 3 },
+  { dm.GL(2), 2 }, { dm.Sp(4), 4 }, { dm.Heisenberg(), 3 }, { dm.SU(2), 4 },
   { dm.SO(4), 4 }, { dm.SO(3), 3 }, { dm.SO(2), 3 } } do
   local G, n = row[1], row[2]
   local free = dm.discrete_lagrangian {

@@ -13,7 +13,7 @@ local function difference(a, b)
 end
 
 local groups = { dm.R(3), dm.T(2), dm.SO(2), dm.SO(3), dm.SO(5), dm.SE(2), dm.SE(3), dm.SE(4),
-  dm.SL(2), dm.SL(3), dm.GL(1), dm.GL(2), dm.Sp(2), dm.Sp(4), dm.Heisenberg(), dm.Heisenberg(2),
+  dm.SU(2), dm.SL(2), dm.SL(3), dm.GL(1), dm.GL(2), dm.Sp(2), dm.Sp(4), dm.Heisenberg(), dm.Heisenberg(2),
   dm.product(dm.SO(3), dm.R(2)), dm.product(dm.SO(2), dm.T(2), dm.R(1)),
   dm.semidirect(dm.SO(2), dm.R(2)) }
 
@@ -31,7 +31,7 @@ for _, G in ipairs { trivial, table.unpack(groups) } do
   for i = 1, kit.vectors and #flat or 0 do
     local turned = { table.unpack(flat) }
     turned[i] = turned[i] + 2 * pi
-    ok((kit.angles[i] or false) == (difference(G:matrix(G:unflat(turned)), G:matrix(a)) < 1e-12),
+    ok((kit.angles[i] or false) == (difference(kit.matrix(kit.unflat(turned)), kit.matrix(a)) < 1e-12),
       ("%s: is coordinate %d an angle"):format(name, i))
   end
 end
