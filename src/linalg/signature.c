@@ -58,10 +58,34 @@ static void eliminate_two(const rest *r) {
     }
 }
 
-uint32_t dm_negative_values(double *A, uint32_t n, double *least) {
+/* Is A positive with pivots d[n] that are far from round-off? A = L D L^T below the diagonal; what
+ * is on and above it stays. Most masses are, and no pivot is searched for them. */
+static int is_positive(double *A, uint32_t n, double *d, double *least) {
+    static const double FAR = 1e-6;
+    *least = INFINITY;
+    for (uint32_t i = 0; i < n; i++) {
+        double *row = A + (size_t)i * n;
+        d[i] = row[i];
+        for (uint32_t j = 0; j < i; j++) {
+            const double *other = A + (size_t)j * n;
+            double y = row[j]; /* l d */
+            for (uint32_t k = 0; k < j; k++) y -= row[k] * d[k] * other[k];
+            row[j] = y / d[j];
+            d[i] -= row[j] * y;
+        }
+        if (!(d[i] > FAR * row[i] && d[i] < INFINITY)) return 0;
+        *least = fmin(*least, d[i]);
+    }
+    return 1;
+}
+
+uint32_t dm_negative_values(double *A, uint32_t n, double *room, double *least) {
     static const double SINGLE = 0.6403882032022076; /* (1 + sqrt 17)/8: growth is least */
     rest r = {.A = A, .n = n};
     uint32_t negative = 0;
+    if (is_positive(A, n, room, least)) return 0;
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < i; j++) *at(&r, i, j) = *at(&r, j, i);
     *least = INFINITY;
     while (r.first < n) {
         uint32_t diagonal = r.first, row = r.first, column = r.first;

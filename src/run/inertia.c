@@ -44,21 +44,26 @@ static size_t order(const dm_model *m) {
     return (size_t)m->n + holonomic(m) + rolling(m);
 }
 
-/* (q, v, t), outputs, the matrix, the Legendre transform */
+/* (q, v, t), outputs, the matrix, the Legendre transform or pivots */
 static size_t room(const dm_model *m) {
     return 2 * (size_t)m->n + 1 + outputs(m) + order(m) * order(m) + dm_legendre_work(m);
 }
 
-size_t dm_inertia_work(const dm_model *m, size_t memory) {
-    return room(m) + m->n + dm_state_size(m->n) + memory;
+size_t dm_inertia_work(const dm_model *m, size_t memory, size_t members) {
+    return room(m) + dm_state_size(m->n) + memory + members * m->n;
 }
 
 void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *work) {
     *x = (dm_inertia){.model = m, .room = work, .memory_size = memory};
-    x->scale = work + room(m);
-    x->state = x->scale + m->n;
+    x->state = work + room(m);
     x->memory = x->state + dm_state_size(m->n);
-    memset(work, 0, dm_inertia_work(m, memory) * sizeof *work);
+    x->scale = x->scales = x->memory + memory;
+    memset(work, 0, dm_inertia_work(m, memory, 0) * sizeof *work);
+}
+
+void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen) {
+    x->scale = x->scales + member * x->model->n;
+    x->seen = *seen;
 }
 
 /* [M, G^T; G, 0] of the rows G of a kernel, `count` of them behind `before` others, each of size
@@ -119,7 +124,7 @@ static uint32_t count(const dm_inertia *x, double *least) {
         for (size_t j = 0; j < n; j++)
             A[i * N + j] = x->scale[i] * out[n + i * n + j] * x->scale[j];
     add_constraints(x, A, at, out);
-    return dm_negative_values(A, (uint32_t)N, least);
+    return dm_negative_values(A, (uint32_t)N, A + N * N, least);
 }
 
 void dm_inertia_begin(dm_inertia *x, const double *state, double t) {

@@ -20,8 +20,10 @@ typedef struct {
 typedef struct {
     const dm_model *model;
     dm_inertia_seen seen;
-    double *scale; /* [n] of the velocities: the mass at the start has ones on its diagonal */
-    double *room;  /* arguments and outputs of kernels, the matrix */
+    double *scale; /* [n] of the velocities: the mass at the start has ones on its diagonal; in
+                      scales[members][n] */
+    double *scales;
+    double *room; /* arguments and outputs of kernels, the matrix */
     /* a state that steps can be taken again from, what the engine remembered there, how many
      * steps and rows were done */
     double *state, *memory;
@@ -32,9 +34,12 @@ typedef struct {
 /* Can the inertia of a model change? Not where its mass is constant. */
 int dm_inertia_may_change(const dm_model *m);
 
-/* Doubles of room, for an engine with so much memory. */
-size_t dm_inertia_work(const dm_model *m, size_t memory);
+/* Doubles of room, for an engine with so much memory and runs that take turns. */
+size_t dm_inertia_work(const dm_model *m, size_t memory, size_t members);
 void dm_inertia_open(dm_inertia *x, const dm_model *m, size_t memory, double *room);
+
+/* Whose turn it is, and what was seen of it. */
+void dm_inertia_choose(dm_inertia *x, size_t member, const dm_inertia_seen *seen);
 
 /* The state of a start. */
 void dm_inertia_begin(dm_inertia *x, const double *state, double t);

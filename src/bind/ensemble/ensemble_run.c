@@ -4,6 +4,7 @@
 #include "bind/ensemble/bind_ensemble.h"
 #include "bind/model/space_group.h"
 #include "bind/run/observables.h"
+#include "integ/method/lanes.h"
 #include "run/run.h"
 
 #include <math.h>
@@ -140,9 +141,9 @@ static dm_inertia *open_inertia(lua_State *L, dm_stepper **steppers, int threads
         double *place;
         const dm_model *m = steppers[i]->model;
         const size_t memory = steppers[i]->engine ? dm_stepper_memory(steppers[i], &place) : 0;
+        const size_t room = dm_inertia_work(m, memory, DM_LANES_GROUPS * 8);
         luaL_checkstack(L, 8, "too many threads");
-        dm_inertia_open(out + i, m, memory,
-                        lua_newuserdatauv(L, dm_inertia_work(m, memory) * sizeof(double), 0));
+        dm_inertia_open(out + i, m, memory, lua_newuserdatauv(L, room * sizeof(double), 0));
     }
     return out;
 }

@@ -285,7 +285,7 @@ static void open_file(lua_State *L, run *u) {
 static void open_inertia(lua_State *L, run *u) {
     const dm_model *m = u->r.stepper.model;
     if (!dm_inertia_may_change(m)) return;
-    const size_t size = dm_inertia_work(m, u->end->memory) * sizeof(double);
+    const size_t size = dm_inertia_work(m, u->end->memory, 1) * sizeof(double);
     dm_inertia_open(&u->inertia, m, u->end->memory, lua_newuserdatauv(L, size, 0));
     u->plan.inertia = &u->inertia;
 }

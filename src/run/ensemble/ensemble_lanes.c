@@ -172,6 +172,12 @@ static void set_steps(block *x) {
         x->b->h[i] = own ? own[i < x->count ? i : 0].h : x->e->h;
 }
 
+/* It looks at member i from here on. */
+static dm_inertia *inertia_of(const block *x, long i) {
+    if (x->b->inertia) dm_inertia_choose(x->b->inertia, (size_t)i, &x->seen[i]);
+    return x->b->inertia;
+}
+
 /* Members that cannot start have failed already; the others lie in their lanes from here on. */
 static void begin(block *x) {
     dm_stepper *s = x->b->stepper;
@@ -182,7 +188,7 @@ static void begin(block *x) {
         m->status = dm_stepper_start(s, state_of(x, i), x->e->t0, x->b->h[i]);
         if (m->status != DM_OK) continue;
         if (x->b->inertia) {
-            dm_inertia_begin(x->b->inertia, state_of(x, i), x->e->t0);
+            dm_inertia_begin(inertia_of(x, i), state_of(x, i), x->e->t0);
             x->seen[i] = x->b->inertia->seen;
         }
         dm_lanes_put(&x->b->lanes, dim(x), (uint32_t)i, state_of(x, i));
@@ -204,7 +210,7 @@ static void run_alone(block *x, long i) {
     dm_run_member(&e,
                   &(dm_member_run){.stepper = x->b->stepper,
                                    .watch = x->b->watch,
-                                   .inertia = x->b->inertia},
+                                   .inertia = inertia_of(x, i)},
                   x->first + i);
     x->ended[i] = 1;
 }
@@ -212,11 +218,9 @@ static void run_alone(block *x, long i) {
 /* Has member i gone over a change of inertia? Then it is run again alone, up to the step that
  * does. */
 static int has_crossed(block *x, long i) {
-    dm_inertia *inertia = x->b->inertia;
+    dm_inertia *inertia = inertia_of(x, i);
     const double *now = x->b->lanes.alone;
     if (!inertia || x->done == 0) return 0;
-    dm_inertia_begin(inertia, state_of(x, i), x->e->t0);
-    inertia->seen = x->seen[i];
     dm_lanes_get(&x->b->lanes, dim(x), (uint32_t)i, x->b->lanes.alone);
     const int crossed = dm_inertia_look(inertia, now, time_of(x, i, x->done), x->done);
     x->seen[i] = inertia->seen;
