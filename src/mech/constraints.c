@@ -37,6 +37,23 @@ static dm_status read_pattern(dm_constraints *t) {
     return DM_OK;
 }
 
+/* rows of dg/dq become those of g(q near(e)) in e, with zeros behind them */
+static int turn_to_group(const dm_constraints_traced *x, dm_node *G, dm_arena *arena) {
+    const uint32_t n = x->n, d = x->momenta;
+    dm_node *row = take_nodes(arena, n);
+    if (!row) return 0;
+    for (uint32_t c = 0; c < x->holonomic; c++, G += n) {
+        memcpy(row, G, n * sizeof *row);
+        memset(G, 0, n * sizeof *G);
+        for (uint32_t i = 0; i < n; i++)
+            for (uint32_t a = 0; row[i] && a < d; a++) {
+                const dm_node term = dm_mul(x->graph, row[i], x->directions[i * d + a]);
+                G[a] = dm_add(x->graph, G[a], term);
+            }
+    }
+    return 1;
+}
+
 /* derivatives of what was traced; E is phi_v unless it is given */
 dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced *x,
                                dm_arena *arena) {
@@ -45,6 +62,7 @@ dm_status dm_constraints_build(dm_constraints *out, const dm_constraints_traced 
     dm_node *phi_v = take_nodes(arena, (size_t)l * n);
     if (!G || !g_t || !phi_v) return DM_NO_MEMORY;
     if (k) dm_jacobian(x->graph, x->g, k, 0, n, G);
+    if (k && x->directions && !turn_to_group(x, G, arena)) return DM_NO_MEMORY;
     if (k) dm_jacobian(x->graph, x->g, k, 2 * n, 1, g_t);
     if (l) dm_jacobian(x->graph, x->phi, l, n, n, phi_v);
     dm_constraints t = {.n = n,

@@ -46,6 +46,9 @@ typedef struct dm_constraints {
     const dm_node *phi_v;       /* [l*n], the same nodes as E unless that is given */
     const dm_node *f, *u;       /* [forces], NULL without a force; [controls] */
     dm_arena *arena;
+    /* of a system on a group: rows of G and E are body covectors, [momenta] with zeros behind them;
+     * NULL else */
+    const struct dm_group *group;
 } dm_constraints;
 
 /* What was traced: nodes of `graph`, whose inputs are q[n], v[n], t, lambda[k], mu[l],
@@ -57,6 +60,9 @@ typedef struct {
     const dm_node *g, *phi; /* [k], [l] */
     const dm_node *f;       /* [forces] or NULL */
     const dm_node *E;       /* [l*n] or NULL: dphi/dv */
+    /* of a system on a group (mech/group.h): [n*momenta] directions of q; NULL else */
+    const dm_node *directions;
+    uint32_t momenta;
 } dm_constraints_traced;
 
 /* Differentiate and read the structure; everything that *out points to is in `arena`. */
@@ -74,6 +80,13 @@ uint32_t dm_constraints_idle(const dm_constraints *constraints);
  * scratch. Needs DM_WANT_CONSTRAINT_FORCE, and no controls. */
 void dm_constraints_add_force(double *sum, const dm_constraints *constraints, const double *x,
                               double *f);
+
+/* A constraint whose row depends on those before it, from 1, by the outputs of both kernels at a
+ * point; holonomic NULL: there are none; 0: none does. work[dm_constraints_dependent_work]
+ * (constraints_rank.c). */
+size_t dm_constraints_dependent_work(const dm_constraints *constraints);
+uint32_t dm_constraints_dependent(const dm_constraints *constraints, const double *holonomic,
+                                  const double *rolling, double *work);
 
 /* ---- the start (constraints_start.c); W[n*n] is the inverse of the mass matrix there ---- */
 

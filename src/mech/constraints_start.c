@@ -4,6 +4,7 @@
  * A^T y, as that of an impulse would be. */
 #include "linalg/lu.h"
 #include "mech/constraints.h"
+#include "mech/group.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,6 +24,7 @@ typedef struct {
     double *basis, *part; /* [m*n] orthonormal rows, [m*m] parts of rows along them */
     double *move, *from;  /* [n] */
     double *out;          /* of the kernels */
+    double *carried;      /* [6n] of the chart of a group */
     uint32_t *pivot;      /* [m] */
 } frame;
 
@@ -38,7 +40,7 @@ static size_t outputs(const dm_constraints *t) {
 
 size_t dm_constraints_start_work(const dm_constraints *t) {
     const size_t n = t->n, m = rows(t), larger = n > m ? n : m;
-    return 2 * m * n + 2 * m + 2 * m * m + 2 * n + outputs(t) + 2 * n * n + 3 * larger + 2;
+    return 2 * m * n + 2 * m + 2 * m * m + 8 * n + outputs(t) + 2 * n * n + 3 * larger + 2;
 }
 
 /* the same scratch for questions about positions and velocities */
@@ -54,7 +56,8 @@ static frame lay_out(const dm_constraints *t, const double *W, int velocity, dou
     f.move = f.part + m * m;
     f.from = f.move + n;
     f.out = f.from + n;
-    f.pivot = (uint32_t *)(void *)(f.out + outputs(t));
+    f.carried = f.out + outputs(t);
+    f.pivot = (uint32_t *)(void *)(f.carried + 6 * n);
     return f;
 }
 
@@ -219,28 +222,52 @@ dm_status dm_constraints_velocity_defect(dm_constraints_defect *out, const dm_co
     return defect(out, &f, x);
 }
 
-/* the nearest point to `from` of c + A (x' - x) = 0, again and again: x' = from - W A^T (A W
- * A^T)^-1 (c - A (x - from)) */
+/* are positions elements of a group? */
+static int on_group(const frame *f) {
+    return f->t->group && !f->velocity;
+}
+
+/* at = from + move, on a group the element that the chart about `from` leads to; the largest change
+ * of an entry */
+static double move_to(frame *f, double *at) {
+    const uint32_t n = f->n;
+    double change = 0.0;
+    for (uint32_t c = 0; c < n; c++) f->carried[c] = f->from[c] + f->move[c];
+    if (on_group(f)) {
+        double *in = f->carried + 3 * n;
+        memset(in, 0, 3 * n * sizeof *in);
+        memcpy(in, f->from, n * sizeof *in);
+        memcpy(in + n, f->move, f->t->group->momenta * sizeof *in);
+        dm_kernel_prepare(&f->t->group->joints.finish, f->carried);
+        dm_kernel_eval(&f->t->group->joints.finish, in, f->carried);
+    }
+    for (uint32_t c = 0; c < n; c++) {
+        change = fmax(change, fabs(f->carried[c] - at[c]));
+        at[c] = f->carried[c];
+    }
+    return change;
+}
+
+/* the nearest point to `from` of c + A (x' - x) = 0, again and again: x' = from + move, move = -W
+ * A^T (A W A^T)^-1 (c - A last), last the move before */
 static dm_status project(frame *f, double *x) {
     const uint32_t n = f->n;
     double *at = x + (f->velocity ? n : 0), last = INFINITY;
     memcpy(f->from, at, n * sizeof *at);
+    memset(f->move, 0, n * sizeof *f->move);
     for (int k = 0; k < TRIES && f->m; k++) {
-        double change = 0.0, size = 1.0;
+        double size = 1.0;
         dm_status status = read_constraints(f, x);
         if (status != DM_OK) return status;
         for (uint32_t i = 0; i < f->m; i++) {
             const double *row = f->A + i * (size_t)n;
-            f->y[i] = f->c[i] - dot(row, at, n) + dot(row, f->from, n);
+            f->y[i] = on_group(f) ? f->c[i] - dot(row, f->move, n)
+                                  : f->c[i] - dot(row, at, n) + dot(row, f->from, n);
         }
         status = find_move(f);
         if (status != DM_OK) return status;
-        for (uint32_t c = 0; c < n; c++) {
-            const double next = f->from[c] + f->move[c];
-            change = fmax(change, fabs(next - at[c]));
-            size = fmax(size, fabs(next));
-            at[c] = next;
-        }
+        const double change = move_to(f, at);
+        for (uint32_t c = 0; c < n; c++) size = fmax(size, fabs(at[c]));
         if (change <= ROUND_OFF * size || (change < SETTLED * size && change >= last)) return DM_OK;
         last = change;
     }

@@ -19,6 +19,32 @@ typedef struct {
     uint32_t arcs;
 } dm_chart_trace;
 
+/* Values; and values with, behind them, those entries of their matrix of derivatives that are not
+ * zero everywhere. */
+typedef struct {
+    dm_kernel plain, kernel;
+    uint32_t values, count;
+    const uint32_t *row, *column; /* [count] from 0 */
+} dm_group_entries;
+
+/* What a step with constraints, or of many bodies, is made of (group_joints.c); m multipliers
+ * lambda[k], mu[l], c controls u. The first three take (q0[n], xi[d], rate[d], t, lambda[m],
+ * u[c]) with columns (xi, rate, t, lambda). The impulse of a constraint point is I = G^T lambda +
+ * E^T mu there, a body covector. */
+typedef struct {
+    int ready; /* kernels are made, of: */
+    dm_tau tau;
+    dm_group_entries slope;    /* L_e[d], L_xi[d], L_rate[d], forces added */
+    dm_group_entries reaction; /* g[k], I_e[d], I_xi[d]: what I does to e and to xi */
+    dm_group_entries rolling;  /* phi[l] */
+    dm_group_entries pull;     /* as dm_group.pull, columns (xi, mu) */
+    /* takes (q[n], v[d], t, lambda[m], p[d]): L_v - I - p [d], G v + g_t [k], phi [l], columns (v,
+     * t, lambda) */
+    dm_group_entries hidden;
+    dm_kernel finish; /* as dm_chart_trace.end */
+    uint32_t arcs;
+} dm_group_joints;
+
 /* L in the chart about g0. Kernels are there for one tau at a time. */
 typedef struct dm_group {
     uint32_t momenta; /* d, dimension of the algebra */
@@ -31,6 +57,7 @@ typedef struct dm_group {
     dm_kernel pull;   /* takes (xi[d], mu[d]): b = dtau_R(xi)^T mu [d], then db [d][2d] */
     dm_kernel finish; /* as dm_chart_trace.end */
     uint32_t arcs;
+    dm_group_joints joints;
     /* the collective lift (group_lift.c), where it is made: H on T*R^n; take (q[n], p[n], t) of
      * that and give the momenta J[d], and the directions X[n*d] in which J = X^T p */
     int liftable; /* the group is a level set of quadratic invariants of the lift */
@@ -45,6 +72,14 @@ static inline uint32_t dm_momenta(const dm_model *m) {
 
 /* Make the kernels of tau for a model that was built, in its arena. */
 dm_status dm_group_want(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);
+
+/* The same of its joints. */
+dm_status dm_group_want_joints(dm_group *out, const dm_model *m, dm_tau tau, dm_compile *compile);
+
+/* X[n*d] in a graph that begins with the inputs q[n]: d(coordinates of q near(e))/de at e = 0, by
+ * rows. */
+dm_status dm_group_directions(dm_node *X, dm_graph *g, const dm_chart_trace *exp, uint32_t n,
+                              uint32_t d, dm_arena *arena);
 
 /* Make the lift of a model that was built, in its arena; L quadratic in xi with a regular mass. */
 dm_status dm_group_lift(dm_group *out, const dm_model *m, dm_compile *compile);

@@ -26,25 +26,6 @@ static dm_node *take(const lifting *l, size_t count) {
     return dm_arena_take(l->arena, (count + 1) * sizeof(dm_node));
 }
 
-/* X in the graph of *l, by way of one with the inputs q0[n], e[d] */
-static dm_status find_directions(lifting *l) {
-    const uint32_t n = l->n, d = l->d;
-    const dm_chart_trace *trace = l->group->trace + DM_TAU_EXP;
-    dm_graph *about = dm_graph_new(l->arena, n + d);
-    dm_node *with = take(l, n + 3 * (size_t)d), *place = take(l, n), *slope = take(l, n * d);
-    l->X = take(l, (size_t)n * d);
-    if (!about || !with || !place || !slope || !l->X) return DM_NO_MEMORY;
-    dm_inputs(about, with, 0, n + d);
-    memset(with + n + d, 0, 2 * d * sizeof *with); /* xi, rate */
-    dm_transplant(about, trace->chart, trace->place, n, with, place);
-    dm_jacobian(about, place, n, n, d, slope);
-    dm_inputs(l->g, with, 0, n);
-    memset(with + n, 0, d * sizeof *with);
-    dm_transplant(l->g, about, slope, n * d, with, l->X);
-    const dm_status status = dm_graph_status(about);
-    return status == DM_OK ? dm_graph_status(l->g) : status;
-}
-
 /* J = X^T p */
 static dm_status find_momentum(lifting *l) {
     l->J = take(l, l->d);
@@ -139,7 +120,9 @@ dm_status dm_group_lift(dm_group *out, const dm_model *m, dm_compile *compile) {
                  .d = out->momenta};
     dm_model *lifted = dm_arena_take(l.arena, sizeof *lifted);
     if (!l.g || !lifted) return DM_NO_MEMORY;
-    dm_status status = find_directions(&l);
+    l.X = take(&l, (size_t)l.n * l.d);
+    if (!l.X) return DM_NO_MEMORY;
+    dm_status status = dm_group_directions(l.X, l.g, out->trace + DM_TAU_EXP, l.n, l.d, l.arena);
     if (status == DM_OK) status = find_momentum(&l);
     if (status == DM_OK) status = find_hamiltonian(&l);
     if (status == DM_OK) status = compile(&out->directions, l.g, l.X, l.n * l.d, l.arena);

@@ -113,9 +113,18 @@ local function covector(place, f)
   return function(...) return M.padded(place, own(...), "what force returns") end
 end
 
+-- rows of d entries as rows of N; a constraint that is alone may be one row
+local function covectors(place, f)
+  local own = M.of_velocity(place, f)
+  return function(...)
+    local rows, out = own(...), {}
+    for i = 1, #rows do out[i] = M.padded(place, rows[i], "a row of what reaction returns") end
+    return out
+  end
+end
+
 local REFUSED = { coordinates = "the coordinates of a group have names of their own",
-  derivatives = "derivatives on a group are exact", reaction = "not for systems on groups yet",
-  control = "not for systems on groups yet" }
+  derivatives = "derivatives on a group are exact" }
 
 --- The options of dm.system on R^N of a system on a group, and its place.
 function M.unfold(options)
@@ -133,7 +142,9 @@ function M.unfold(options)
   wrap("H", hamiltonian)
   wrap("constraint", of_position)
   wrap("rolling", M.of_velocity)
+  wrap("control", M.of_velocity)
   wrap("force", covector)
+  wrap("reaction", covectors)
   return out, place
 end
 

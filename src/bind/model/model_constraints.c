@@ -160,9 +160,9 @@ static void check_lengths(lua_State *L, const dml_model *m, int pair) {
         luaL_error(L,
                    "map must return %d numbers, q1, p1 and an impulse for each constraint, got %d",
                    (int)(2 * n + k + l), (int)m->constraint[DML_MAP].outputs);
-    if (k + l > n)
+    if (k + l > m->group.momenta)
         luaL_error(L, "%d constraints for %d coordinates: they leave no motion", (int)(k + l),
-                   (int)n);
+                   (int)m->group.momenta);
 }
 
 /* the traced function with its inputs q, v, t in the graph of all */
@@ -251,10 +251,22 @@ void dml_checkpairconstraints(lua_State *L, const dml_model *m) {
                       "q1) knows no time");
 }
 
+/* Of an element of a group. */
+static dm_status find_directions(dml_model *m) {
+    dm_constraints_traced *t = &m->constrained;
+    const uint32_t n = m->n, d = m->group.momenta;
+    dm_node *X = dm_arena_take(m->arena, (size_t)n * d * sizeof *X);
+    t->directions = X;
+    t->momenta = d;
+    if (!X) return DM_NO_MEMORY;
+    return dm_group_directions(X, t->graph, m->group.trace + DM_TAU_EXP, n, d, m->arena);
+}
+
 /* Counts are known after this. */
 void dml_buildconstraints(lua_State *L, dml_model *m) {
     const uint32_t k = m->constrained.holonomic;
-    const dm_status status = dm_constraints_build(&m->constraints, &m->constrained, m->arena);
+    dm_status status = m->placed && k ? find_directions(m) : DM_OK;
+    if (status == DM_OK) status = dm_constraints_build(&m->constraints, &m->constrained, m->arena);
     if (status != DM_OK) luaL_error(L, "constraints or force: %s", dm_status_text(status));
     const uint32_t idle = dm_constraints_idle(&m->constraints);
     if (idle < k)

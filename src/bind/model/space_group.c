@@ -238,6 +238,8 @@ void dml_want_chart(lua_State *L, dml_model *m, unsigned chart, dm_compile *comp
     const dm_tau tau = chart & DM_WANT_CHART ? DM_TAU_EXP : DM_TAU_CAYLEY;
     if (!m->group.trace[tau].chart)
         luaL_error(L, "this group has no Cayley map that stays on it; take \"exp\"");
-    const dm_status status = dm_group_want(&m->group, &m->model, tau, compile);
+    const dm_status status =
+        (chart & DM_WANT_JOINTS ? dm_group_want_joints : dm_group_want)(&m->group, &m->model, tau,
+                                                                        compile);
     if (status != DM_OK) luaL_error(L, "the chart of the group: %s", dm_status_text(status));
 }

@@ -87,6 +87,7 @@ static void attach(dml_model *m) {
     m->model.group = m->placed ? &m->group : NULL;
     if (!m->constrained.graph) return;
     m->model.constraints = &m->constraints;
+    m->constraints.group = m->model.group;
     if (m->constraints.structure & DM_CONSTRAINTS_TIMED)
         m->model.structure &= ~(unsigned)DM_AUTONOMOUS;
 }

@@ -121,8 +121,8 @@ static size_t work(const dm_rule *rule, const dm_model *m) {
     dm_constrained g = {.m = m};
     return doubles(sizeof g) + dm_stage_table_size(s, r) + dm_constrained_weights_size(s, r) +
            dm_constrained_entries_size((uint32_t)z.n, (uint32_t)z.k, (uint32_t)z.l) +
-           dm_constrained_matrix_size((uint32_t)z.unknowns) +
-           dm_constrained_matrix_size((uint32_t)(z.n + z.m)) + lay_out(&g, &z, NULL);
+           dm_step_matrix_work((uint32_t)z.unknowns) + dm_step_matrix_work((uint32_t)(z.n + z.m)) +
+           lay_out(&g, &z, NULL);
 }
 
 /* constant outputs of the kernels, once */
@@ -149,13 +149,13 @@ static void prepare(dm_constrained *g) {
 static void open_matrices(dm_constrained *g, double *memory) {
     const uint32_t N = dm_constrained_unknowns(g), ends = g->n + g->k + g->l;
     double *J = g->scratch;
-    dm_constrained_matrix_open(&g->step, N, memory);
-    dm_constrained_matrix_open(&g->hidden, ends, memory + dm_constrained_matrix_size(N));
+    dm_step_matrix_open(&g->step, N, memory);
+    dm_step_matrix_open(&g->hidden, ends, memory + dm_step_matrix_work(N));
     dm_constrained_scatter(g);
     dm_constrained_equation_matrix(g, J);
-    dm_constrained_matrix_narrow(&g->step, J, (uint32_t *)(void *)(J + (size_t)N * N));
+    dm_step_matrix_narrow(&g->step, J, (uint32_t *)(void *)(J + (size_t)N * N));
     dm_constrained_hidden_matrix(g, J);
-    dm_constrained_matrix_narrow(&g->hidden, J, (uint32_t *)(void *)(J + (size_t)ends * ends));
+    dm_step_matrix_narrow(&g->hidden, J, (uint32_t *)(void *)(J + (size_t)ends * ends));
 }
 
 /* The tables are scaled by h = 1, since a look at the entries of the matrices needs some h; the
@@ -180,8 +180,8 @@ static dm_status open(dm_stepper *stepper) {
     dm_constrained_entries_find(g, memory);
     memory += dm_constrained_entries_size(g->n, g->k, g->l);
     double *matrices = memory;
-    memory += dm_constrained_matrix_size((uint32_t)z.unknowns) +
-              dm_constrained_matrix_size((uint32_t)(z.n + z.m));
+    memory +=
+        dm_step_matrix_work((uint32_t)z.unknowns) + dm_step_matrix_work((uint32_t)(z.n + z.m));
     lay_out(g, &z, memory);
     prepare(g);
     open_matrices(g, matrices);
@@ -229,7 +229,7 @@ dm_status dm_constrained_newton(dm_constrained *g, const dm_stepper *stepper) {
                                        .equation = dm_constrained_equation,
                                        .ctx = g,
                                        .size = &g->size,
-                                       .band = g->step.banded ? &g->step.band : NULL,
+                                       .band = dm_step_matrix_band(&g->step),
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->root, &problem, g->scratch, &report);

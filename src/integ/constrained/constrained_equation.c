@@ -160,7 +160,7 @@ static void multiplier_columns(const dm_constrained *g, double *J, uint32_t k) {
 /* From the derivatives that lie in the struct: of slopes, reactions and rows where they were last
  * evaluated. */
 void dm_constrained_equation_matrix(const dm_constrained *g, double *J) {
-    dm_constrained_zero(J, &g->step);
+    dm_step_matrix_zero(J, &g->step);
     slope_columns(g, J);
     if (g->k + g->l == 0) return;
     reaction_columns(g, J);

@@ -39,7 +39,7 @@ static void end_constraints(const dm_constrained *g, double *R, const double *v)
 /* rows across, as columns behind those of v, and rows of the equations */
 static void add_constraints(const dm_constrained *g, double *J, const double *across,
                             const double *along, const dm_constrained_entries *e, uint32_t first) {
-    const dm_constrained_matrix *m = &g->hidden;
+    const dm_step_matrix *m = &g->hidden;
     const double *unit = across ? g->impulse_unit + first : g->row_unit + first;
     for (uint32_t i = 0; i < e->count; i++) {
         const uint32_t c = e->row[i], v = e->column[i], at = g->n + first + c;
@@ -56,7 +56,7 @@ void dm_constrained_hidden_matrix(const dm_constrained *g, double *J) {
     const double *G = dm_constrained_holonomic(g, g->K) + g->k;
     const double *E = dm_constrained_rolling(g, g->K) + g->l;
     const double *r_v = dm_constrained_curved(g, g->K) + n + n * n;
-    dm_constrained_zero(J, &g->hidden);
+    dm_step_matrix_zero(J, &g->hidden);
     dm_constrained_add(J, &g->hidden, 0, 0, 1.0, g->mass + n, &g->mass_vv);
     if (g->l) dm_constrained_add(J, &g->hidden, 0, 0, -1.0, r_v, &g->r_v);
     add_constraints(g, J, G, NULL, &g->G, 0);
@@ -96,7 +96,7 @@ static dm_status by_newton(dm_constrained *g, const dm_stepper *stepper) {
                                        .equation = end_equation,
                                        .ctx = g,
                                        .size = &g->size,
-                                       .band = g->hidden.banded ? &g->hidden.band : NULL,
+                                       .band = dm_step_matrix_band(&g->hidden),
                                        .tolerance = stepper->tolerance,
                                        .max_iterations = stepper->max_iterations};
     const dm_status status = dm_newton(g->end, &problem, g->scratch, &report);

@@ -3,7 +3,7 @@
 #define DM_CONSTRAINED_INSIDE_H
 
 #include "integ/constrained/constrained.h"
-#include "linalg/band.h"
+#include "linalg/step_matrix.h"
 #include "mech/constraints.h"
 
 /* The curve at some points: Q = q0 + h sum_j a_kj V_j, Qdot = sum_j d_kj V_j. */
@@ -18,14 +18,6 @@ typedef struct {
     uint32_t count;
     uint32_t *entry, *row, *column;
 } dm_constrained_entries;
-
-/* A matrix of n unknowns, dense by rows or a band: entry (i, j) stands at row[i] + column[j]. */
-typedef struct {
-    dm_band band;
-    int banded;
-    size_t *row, *column; /* [n] */
-    uint32_t *order;      /* [n] */
-} dm_constrained_matrix;
 
 /* Laid out at the head of stepper->work when the engine opens. Tables, shapes of matrices and
  * memory last from step to step; all else is of the step in hand. */
@@ -44,7 +36,7 @@ typedef struct {
     dm_weight *lever; /* [K*s]: a~_kj - beta_j */
     /* entries of blocks that can differ from zero: [n*n], and [k*n] or [l*n] */
     dm_constrained_entries qq, qv, vv, mass_vv, f_q, f_v, r_q, r_v, G, E, phi_v, phi_q;
-    dm_constrained_matrix step, hidden; /* of the step equation, of the hidden constraint */
+    dm_step_matrix step, hidden; /* of the step equation, of the hidden constraint */
     /* [s*(s+1)]: V_j from v0 and the V of the step before, and of a step of half the length */
     double *ahead, *longer;
     /* integrals to the inner constraint points: [(K-1)*r] of what stands at the quadrature points,
@@ -127,25 +119,20 @@ dm_status dm_constrained_begin(dm_constrained *g);
 
 /* ---- constrained_sparsity.c: what of the matrices is not zero ---- */
 
-/* doubles that entries and matrices take */
+/* doubles that entries take */
 size_t dm_constrained_entries_size(uint32_t n, uint32_t k, uint32_t l);
-size_t dm_constrained_matrix_size(uint32_t unknowns);
 void dm_constrained_entries_find(dm_constrained *g, double *memory);
-/* dense; and, where that pays, the band that the entries of J[n*n] fit in, scratch[2n] */
-void dm_constrained_matrix_open(dm_constrained_matrix *m, uint32_t n, double *memory);
-void dm_constrained_matrix_narrow(dm_constrained_matrix *m, const double *J, uint32_t *scratch);
 /* values with no meaning wherever a kernel writes, for a look at the entries */
 void dm_constrained_scatter(dm_constrained *g);
 
 /* J += w B at (row, column), J += w B^T, y += B x */
-void dm_constrained_add(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column,
-                        double w, const double *B, const dm_constrained_entries *e);
-void dm_constrained_add_transposed(double *J, const dm_constrained_matrix *m, uint32_t row,
+void dm_constrained_add(double *J, const dm_step_matrix *m, uint32_t row, uint32_t column, double w,
+                        const double *B, const dm_constrained_entries *e);
+void dm_constrained_add_transposed(double *J, const dm_step_matrix *m, uint32_t row,
                                    uint32_t column, double w, const double *B,
                                    const dm_constrained_entries *e);
 void dm_constrained_product(double *y, const double *B, const double *x,
                             const dm_constrained_entries *e);
-void dm_constrained_zero(double *J, const dm_constrained_matrix *m);
 
 /* ---- constrained_equation.c ---- */
 

@@ -1,12 +1,8 @@
-/* constrained_sparsity.c - which entries of the kernels' matrices can differ from zero, and from
- * that the shape of the matrices that Newton's method solves with: dense where they are small or
- * full, else a band. */
+/* constrained_sparsity.c - which entries of the kernels' matrices can differ from zero. */
 #include "integ/constrained/constrained_inside.h"
 
 #include <math.h>
 #include <string.h>
-
-enum { SMALL = 24 }; /* unknowns for which a band is not worth its numbering */
 
 static size_t doubles(size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);
@@ -16,10 +12,6 @@ static size_t doubles(size_t bytes) {
 size_t dm_constrained_entries_size(uint32_t n, uint32_t k, uint32_t l) {
     const size_t entries = 8 * (size_t)n * n + (k + 3 * (size_t)l) * n;
     return doubles(3 * entries * sizeof(uint32_t));
-}
-
-size_t dm_constrained_matrix_size(uint32_t unknowns) {
-    return 2 * doubles(unknowns * sizeof(size_t)) + doubles(unknowns * sizeof(uint32_t));
 }
 
 /* Fixed to be zero when the kernel was compiled: no argument changes it. */
@@ -63,35 +55,6 @@ void dm_constrained_entries_find(dm_constrained *g, double *memory) {
     find(&g->phi_q, &constraints->rolling_kernel, l + 2 * l * (size_t)n, l, n, at);
 }
 
-/* ---- matrices ---- */
-
-/* Dense by rows, until it is found to be narrow. */
-void dm_constrained_matrix_open(dm_constrained_matrix *m, uint32_t n, double *memory) {
-    m->row = (size_t *)(void *)memory;
-    m->column = m->row + n;
-    m->order = (uint32_t *)(void *)(memory + 2 * doubles(n * sizeof(size_t)));
-    m->banded = 0;
-    m->band = (dm_band){.n = n};
-    for (uint32_t i = 0; i < n; i++) {
-        m->row[i] = i * (size_t)n;
-        m->column[i] = i;
-    }
-}
-
-/* a band of width w costs about 4 n w^2 against 2/3 n^3, and more for every number */
-void dm_constrained_matrix_narrow(dm_constrained_matrix *m, const double *J, uint32_t *scratch) {
-    const uint32_t n = m->band.n;
-    if (n < SMALL) return;
-    m->band.width = dm_band_order(m->order, J, n, scratch);
-    if (m->band.width > n / 4) return;
-    m->banded = 1;
-    m->band.order = m->order;
-    for (uint32_t i = 0; i < n; i++) {
-        m->row[i] = dm_band_row(&m->band, i);
-        m->column[i] = dm_band_column(&m->band, i);
-    }
-}
-
 /* Numbers without meaning, different from each other and from zero, so that no sum of them
  * vanishes. */
 static void scatter(const dm_kernel *k, double *out) {
@@ -117,20 +80,15 @@ void dm_constrained_scatter(dm_constrained *g) {
     for (uint32_t c = 0; c < g->k + g->l; c++) g->row_unit[c] = g->impulse_unit[c] = 1.0;
 }
 
-void dm_constrained_zero(double *J, const dm_constrained_matrix *m) {
-    const size_t n = m->band.n;
-    memset(J, 0, (m->banded ? dm_band_size(&m->band) : n * n) * sizeof *J);
-}
-
 /* The block at (row, column) in the numbering of the unknowns, wherever the matrix keeps it. */
-void dm_constrained_add(double *J, const dm_constrained_matrix *m, uint32_t row, uint32_t column,
-                        double w, const double *B, const dm_constrained_entries *e) {
+void dm_constrained_add(double *J, const dm_step_matrix *m, uint32_t row, uint32_t column, double w,
+                        const double *B, const dm_constrained_entries *e) {
     const size_t *r = m->row + row, *c = m->column + column;
     if (w == 0.0) return;
     for (uint32_t i = 0; i < e->count; i++) J[r[e->row[i]] + c[e->column[i]]] += w * B[e->entry[i]];
 }
 
-void dm_constrained_add_transposed(double *J, const dm_constrained_matrix *m, uint32_t row,
+void dm_constrained_add_transposed(double *J, const dm_step_matrix *m, uint32_t row,
                                    uint32_t column, double w, const double *B,
                                    const dm_constrained_entries *e) {
     const size_t *r = m->row + row, *c = m->column + column;

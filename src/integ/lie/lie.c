@@ -2,9 +2,9 @@
 #include "integ/lie/lie.h"
 
 #include "integ/lie/lie_inside.h"
+#include "integ/lie/lie_joints.h"
 #include "integ/method/stage_table.h"
 #include "integ/stage/stage.h"
-#include "mech/constraints.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,16 +12,14 @@
 
 /* Free coordinates are those of rules of stages: the same equations, solved there. */
 static const dm_engine *choose(const dm_rule *rule, const dm_model *m) {
-    return m->group ? &dm_engine_lie : dm_engine_stage.choose(rule, m);
+    if (!m->group) return dm_engine_stage.choose(rule, m);
+    return dm_lie_is_jointed(m) ? &dm_engine_lie_joints : &dm_engine_lie;
 }
 
 /* A static sentence, or NULL. */
 static const char *fits(const dm_rule *rule, const dm_model *m) {
-    const dm_constraints *c = m->constraints;
     (void)rule;
-    if (!m->source.graph) return "its L must be traced";
-    if (c && c->holonomic + c->rolling) return "it has constraints, which no rule knows on groups";
-    return NULL;
+    return m->source.graph ? NULL : "its L must be traced";
 }
 
 /* The chart of one tau; the mass for the first guess where it is no constant. */

@@ -1,0 +1,92 @@
+/* lie_joints_inside.h - the workspace of lie(s) with constraints, for its files only. */
+#ifndef DM_LIE_JOINTS_INSIDE_H
+#define DM_LIE_JOINTS_INSIDE_H
+
+#include "integ/lie/lie_joints.h"
+#include "integ/method/stage_table.h"
+#include "linalg/solve/newton.h"
+#include "linalg/step_matrix.h"
+#include "mech/constraints.h"
+
+enum { DM_LIE_JOINTS_KEPT = 5, DM_LIE_JOINTS_TEXT = 128 };
+
+/* The curve at some points: xi = h sum_j a_kj V_j, its rate sum_j d_kj V_j, at t + c_k h. */
+typedef struct {
+    uint32_t count;
+    double *a, *d; /* [count*s] */
+    double *c;     /* [count] */
+} dm_lie_points;
+
+/* Sizes: n flat coordinates, d dimension of the group, s velocities, K constraint points less one,
+ * k and l constraints, m both; unknowns V[s][d], w[d] / M, multipliers[K][m] in units of velocity,
+ * N in all. */
+typedef struct {
+    const dm_model *model;
+    const dm_group_joints *joints;
+    const dm_constraints *constraints; /* NULL: none */
+    uint32_t n, d, s, K, k, l, m, N;
+    double h, t;                    /* of this step */
+    dm_lie_points at, nodes, rolls; /* quadrature, constraint points, Gauss points */
+    double *b, *beta;               /* [r], [s] */
+    const double *state;            /* q[n], p[n] ... */
+    double *x;                      /* [n + 2d + 1 + m + controls] inputs of a point */
+    double *v0;                     /* [n] velocity at the start, where reactions turn with it */
+    double *slope, *reaction, *phi; /* outputs of kernels at a point, */
+    double *pull, *hidden;          /* then their entries */
+    double *z;                      /* [N] the unknowns */
+    double *w;                      /* [d] */
+    double *xi;                     /* [d] at the end of the step */
+    double *last;                   /* [d + m] v1, multipliers of the last constraint point */
+    double *in, *end;               /* [n + 2d] and [n + d + arcs] of the end */
+    double *row_unit,
+        *impulse_unit;            /* [m] M over the largest entry of a row of G, phi_v; of G, E */
+    double *holonomic, *rolling;  /* outputs of the kernels of the constraints at a state */
+    double *end_x;                /* [2n + 1 + m] inputs of these */
+    double *momenta;              /* [(K + 1) * m] multipliers of the last step */
+    dm_step_matrix step, closing; /* of the step equation, of the hidden constraints */
+    double *work;                 /* of Newton's methods, of the Legendre transform */
+    double mass;                  /* M, the largest entry of d2L/dv2 */
+    double size;                  /* of the terms of the equation where it was last evaluated */
+    /* what steps leave to the next: how many there are, their h, M (0: not known) and the largest
+     * entries of the rows of G and E, and of G and phi_v, z of the last ones, newest first:
+     * [dm_lie_joints_memory_size] */
+    double *memory;
+    long evaluations;
+    uint32_t lost;                 /* a constraint that depends on those before it, from 1 */
+    double turn;                   /* rad, of a step that left the chart, else 0 */
+    char text[DM_LIE_JOINTS_TEXT]; /* why a step failed */
+} dm_lie_joints;
+
+/* where memory keeps what */
+enum { DM_LIE_AT_COUNT, DM_LIE_AT_H, DM_LIE_AT_MASS, DM_LIE_AT_UNITS };
+
+static inline dm_lie_joints *dm_lie_joints_of(const dm_stepper *s) {
+    return (dm_lie_joints *)(void *)s->work;
+}
+
+/* ---- lie_joints_open.c ---- */
+
+size_t dm_lie_joints_work(const dm_rule *rule, const dm_model *m);
+dm_status dm_lie_joints_open(dm_stepper *s);
+size_t dm_lie_joints_memory_size(const dm_lie_joints *e);
+
+/* ---- lie_joints_equation.c ---- */
+
+/* For dm_newton: the step equation at z, and its matrix. */
+dm_status dm_lie_joints_equation(void *joints, double *R, double *J, const double *z);
+
+/* Entries that can differ from zero are not zero in J[N*N]. */
+void dm_lie_joints_pattern(dm_lie_joints *e, double *J);
+
+/* ---- lie_joints_end.c ---- */
+
+/* Element and momentum at the end into e->end, from z and w where they were last evaluated. */
+dm_status dm_lie_joints_finish(dm_lie_joints *e, const dm_stepper *s);
+
+/* As dm_lie_joints_pattern, of the hidden constraints. */
+void dm_lie_joints_closing_pattern(dm_lie_joints *e, double *J);
+
+/* Outputs of the kernels of the constraints at (q, v, t) into e->holonomic, e->rolling. */
+void dm_lie_joints_look(dm_lie_joints *e, const double *q, const double *v, double t);
+
+#endif

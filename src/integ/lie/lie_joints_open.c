@@ -1,0 +1,191 @@
+/* lie_joints_open.c - coefficients and workspace of lie(s) with constraints. */
+#include "integ/constrained/constrained.h"
+#include "integ/lie/lie_joints_inside.h"
+
+#include <math.h>
+#include <string.h>
+
+static size_t doubles(size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+
+static size_t larger(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+
+/* memory NULL: it is only counted */
+typedef struct {
+    double *memory;
+    size_t used;
+} layout;
+
+/* The next block of doubles; where memory is only counted a NULL, which nobody reads. */
+static double *take(layout *to, size_t count) {
+    double *block = to->memory ? to->memory + to->used : NULL;
+    to->used += count;
+    return block;
+}
+
+/* ---- coefficients ---- */
+
+static void take_points(dm_lie_points *p, uint32_t count, uint32_t s, layout *to) {
+    p->count = count;
+    p->a = take(to, (size_t)count * s);
+    p->d = take(to, (size_t)count * s);
+    p->c = take(to, count);
+}
+
+/* in doubles: what is rounded alike everywhere stays variational */
+static void fill_points(dm_lie_points *p, const dm_galerkin *g, const long double *c) {
+    long double value[DM_QUADRATURE_NODES], integral[DM_QUADRATURE_NODES];
+    for (uint32_t i = 0; i < p->count; i++) {
+        dm_lagrange(value, integral, g->node, g->s, c[i]);
+        p->c[i] = (double)c[i];
+        for (int j = 0; j < g->s; j++) {
+            p->a[i * (uint32_t)g->s + (uint32_t)j] = (double)integral[j];
+            p->d[i * (uint32_t)g->s + (uint32_t)j] = (double)value[j];
+        }
+    }
+}
+
+static void fill(dm_lie_joints *e, const dm_galerkin *g) {
+    dm_quadrature q = g->q;
+    long double value[DM_QUADRATURE_NODES], beta[DM_QUADRATURE_NODES];
+    fill_points(&e->at, g, q.c);
+    for (int i = 0; i < q.r; i++) e->b[i] = (double)q.b[i];
+    dm_lagrange(value, beta, g->node, g->s, 1.0L);
+    for (int j = 0; j < g->s; j++) e->beta[j] = (double)beta[j];
+    if (!e->K) return;
+    dm_quadrature_lobatto(&q, (int)e->K + 1);
+    fill_points(&e->nodes, g, q.c);
+    dm_quadrature_gauss(&q, (int)e->K);
+    fill_points(&e->rolls, g, q.c);
+}
+
+/* ---- workspace ---- */
+
+/* K is that of rules of stages; without constraints there are no constraint points. */
+static dm_lie_joints sizes(const dm_galerkin *g, const dm_model *m) {
+    const dm_constraints *c = m->constraints;
+    dm_lie_joints e = {.model = m,
+                       .joints = &m->group->joints,
+                       .constraints = c,
+                       .n = m->n,
+                       .d = dm_momenta(m),
+                       .s = (uint32_t)g->s};
+    e.k = c ? c->holonomic : 0;
+    e.l = c ? c->rolling : 0;
+    e.m = e.k + e.l;
+    e.K = e.m ? dm_constrained_nodes(g) - 1 : 0;
+    e.N = e.s * e.d + e.d + e.K * e.m;
+    e.at.count = (uint32_t)g->q.r;
+    return e;
+}
+
+size_t dm_lie_joints_memory_size(const dm_lie_joints *e) {
+    return DM_LIE_AT_UNITS + 2 * (size_t)e->m + DM_LIE_JOINTS_KEPT * (size_t)e->N;
+}
+
+/* how many outputs, constant ones too */
+static size_t outputs(const dm_group_entries *f) {
+    return (size_t)f->values + f->count;
+}
+
+static void lay_out_outputs(dm_lie_joints *e, layout *to) {
+    const size_t n = e->n;
+    e->slope = take(to, outputs(&e->joints->slope));
+    e->reaction = take(to, outputs(&e->joints->reaction));
+    e->phi = take(to, outputs(&e->joints->rolling));
+    e->pull = take(to, outputs(&e->joints->pull));
+    e->hidden = take(to, outputs(&e->joints->hidden));
+    e->holonomic = take(to, e->k * (n + 2));
+    e->rolling = take(to, e->l * (3 * n + 1));
+}
+
+/* Newton's methods with a look at the whole matrix before, the Legendre transform, a look at the
+ * rank of the constraints take turns. */
+static size_t work(const dm_lie_joints *e) {
+    const uint32_t closing = e->d + e->m;
+    const size_t rank = e->m ? dm_constraints_dependent_work(e->constraints) : 0;
+    const size_t newton = larger(dm_newton_work(e->N), dm_newton_work(closing));
+    const size_t looking = (size_t)e->N * e->N + 2 * (size_t)e->N;
+    return larger(larger(newton, looking), larger(dm_legendre_work(e->model) + e->n, rank));
+}
+
+/* all arrays of *e, whose sizes are known, `work` last; returns how many doubles that took */
+static size_t lay_out(dm_lie_joints *e, double *memory) {
+    layout to = {memory, 0};
+    const size_t n = e->n, d = e->d, s = e->s, m = e->m;
+    const uint32_t controls = e->constraints ? e->constraints->controls : 0;
+    take_points(&e->at, e->at.count, e->s, &to);
+    take_points(&e->nodes, e->K ? e->K + 1 : 0, e->s, &to);
+    take_points(&e->rolls, e->K, e->s, &to);
+    e->b = take(&to, e->at.count);
+    e->beta = take(&to, s);
+    e->x = take(&to, n + 2 * d + 1 + m + controls);
+    e->v0 = take(&to, n);
+    lay_out_outputs(e, &to);
+    e->z = take(&to, e->N);
+    e->w = take(&to, d);
+    e->xi = take(&to, d);
+    e->last = take(&to, d + m);
+    e->in = take(&to, n + 2 * d + 1 + m);
+    e->end = take(&to, n + d + e->joints->arcs);
+    e->row_unit = take(&to, m);
+    e->impulse_unit = take(&to, m);
+    e->end_x = take(&to, 2 * n + 1 + m + controls);
+    e->momenta = take(&to, (e->K + 1) * m);
+    e->memory = take(&to, dm_lie_joints_memory_size(e));
+    e->work = take(&to, work(e));
+    return to.used;
+}
+
+size_t dm_lie_joints_work(const dm_rule *rule, const dm_model *m) {
+    dm_galerkin g;
+    dm_stage_basis(&g, rule, m);
+    dm_lie_joints e = sizes(&g, m);
+    return doubles(sizeof e) + dm_step_matrix_work(e.N) + dm_step_matrix_work(e.d + e.m) +
+           lay_out(&e, NULL);
+}
+
+/* constant outputs of the kernels, once; those of values alone are constants of both */
+static void prepare(dm_lie_joints *e) {
+    const dm_group_joints *j = e->joints;
+    dm_kernel_prepare(&j->slope.kernel, e->slope);
+    dm_kernel_prepare(&j->pull.kernel, e->pull);
+    dm_kernel_prepare(&j->finish, e->end);
+    if (e->m) dm_kernel_prepare(&j->reaction.kernel, e->reaction);
+    if (e->m) dm_kernel_prepare(&j->hidden.kernel, e->hidden);
+    if (e->l) dm_kernel_prepare(&j->rolling.kernel, e->phi);
+    if (e->k) dm_kernel_prepare(&e->constraints->holonomic_kernel, e->holonomic);
+    if (e->l) dm_kernel_prepare(&e->constraints->rolling_kernel, e->rolling);
+}
+
+/* dense, and narrow where a look at the entries says that it pays */
+static void open_matrices(dm_lie_joints *e, double *memory) {
+    const uint32_t closing = e->d + e->m;
+    double *J = e->work;
+    dm_step_matrix_open(&e->step, e->N, memory);
+    dm_step_matrix_open(&e->closing, closing, memory + dm_step_matrix_work(e->N));
+    dm_lie_joints_pattern(e, J);
+    dm_step_matrix_narrow(&e->step, J, (uint32_t *)(void *)(J + (size_t)e->N * e->N));
+    if (!e->m) return;
+    dm_lie_joints_closing_pattern(e, J);
+    dm_step_matrix_narrow(&e->closing, J, (uint32_t *)(void *)(J + (size_t)closing * closing));
+}
+
+dm_status dm_lie_joints_open(dm_stepper *s) {
+    dm_galerkin g;
+    dm_lie_joints *e = dm_lie_joints_of(s);
+    dm_stage_basis(&g, s->rule, s->model);
+    *e = sizes(&g, s->model);
+    double *matrices = s->work + doubles(sizeof *e);
+    const size_t taken = dm_step_matrix_work(e->N) + dm_step_matrix_work(e->d + e->m);
+    lay_out(e, matrices + taken);
+    fill(e, &g);
+    open_matrices(e, matrices);
+    prepare(e);
+    memset(e->memory, 0, dm_lie_joints_memory_size(e) * sizeof *e->memory);
+    s->report.operations = e->joints->slope.kernel.operations;
+    return DM_OK;
+}

@@ -1,0 +1,45 @@
+#include "linalg/step_matrix.h"
+
+#include <string.h>
+
+enum { SMALL = 24 }; /* unknowns for which a band is not worth its numbering */
+
+static size_t doubles(size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+
+size_t dm_step_matrix_work(uint32_t unknowns) {
+    return 2 * doubles(unknowns * sizeof(size_t)) + doubles(unknowns * sizeof(uint32_t));
+}
+
+/* Dense by rows, until it is found to be narrow. */
+void dm_step_matrix_open(dm_step_matrix *m, uint32_t n, double *memory) {
+    m->row = (size_t *)(void *)memory;
+    m->column = m->row + n;
+    m->order = (uint32_t *)(void *)(memory + 2 * doubles(n * sizeof(size_t)));
+    m->banded = 0;
+    m->band = (dm_band){.n = n};
+    for (uint32_t i = 0; i < n; i++) {
+        m->row[i] = i * (size_t)n;
+        m->column[i] = i;
+    }
+}
+
+/* a band of width w costs about 4 n w^2 against 2/3 n^3, and more for every number */
+void dm_step_matrix_narrow(dm_step_matrix *m, const double *J, uint32_t *scratch) {
+    const uint32_t n = m->band.n;
+    if (n < SMALL) return;
+    m->band.width = dm_band_order(m->order, J, n, scratch);
+    if (m->band.width > n / 4) return;
+    m->banded = 1;
+    m->band.order = m->order;
+    for (uint32_t i = 0; i < n; i++) {
+        m->row[i] = dm_band_row(&m->band, i);
+        m->column[i] = dm_band_column(&m->band, i);
+    }
+}
+
+void dm_step_matrix_zero(double *J, const dm_step_matrix *m) {
+    const size_t n = m->band.n;
+    memset(J, 0, (m->banded ? dm_band_size(&m->band) : n * n) * sizeof *J);
+}

@@ -1,0 +1,46 @@
+/* group_inside.h - how the kernels of a system on a group are made: the chart of the group and what
+ * depends on the element are joined in one graph. */
+#ifndef DM_GROUP_INSIDE_H
+#define DM_GROUP_INSIDE_H
+
+#include "mech/group.h"
+
+/* The joined graph has the inputs q0[n], xi[d], rate[d], t, extra[extras], e[d]. */
+typedef struct {
+    const dm_model *m;
+    const dm_chart_trace *trace;
+    dm_arena *arena;
+    dm_graph *g;
+    uint32_t n, d, extras;
+    dm_node *q0, *xi, *rate, *extra, *e; /* inputs */
+    dm_node t;
+    dm_node *place; /* [n] coordinates of the element g0 near(e) tau(xi), [d] its velocity */
+    dm_node *slope; /* [3d] L_e, L_xi, L_rate */
+} dm_joining;
+
+/* Inputs, the element and its velocity, in the arena of a model that was built. */
+dm_status dm_joining_open(dm_joining *j, const dm_group *group, const dm_model *m, dm_tau tau,
+                          uint32_t extras);
+
+/* Nodes in the arena, one more than asked for: none is empty. NULL: no memory. */
+dm_node *dm_joining_take(const dm_joining *j, size_t count);
+
+/* What stands for the inputs (q, v, t, ...) of a graph of so many, at the element: zeros behind the
+ * velocity and behind t. NULL: no memory. */
+dm_node *dm_joining_at_element(const dm_joining *j, uint32_t inputs);
+
+/* L_e, L_xi, L_rate, forces added, with e still an input; the last extra inputs are the controls
+ * of the force. 0: no memory. */
+int dm_joining_slopes(dm_joining *j);
+
+/* Adds what a body covector f[d] at the element does: on e by way of the adjoint action of
+ * 1/tau(xi), on xi by dtau. 0: no memory. */
+int dm_joining_covector(const dm_joining *j, const dm_node *f, dm_node *of_e, dm_node *of_xi);
+
+/* dtau_R(xi)^T mu, out[d] in a graph with the inputs xi[d], mu[d]. */
+dm_status dm_joining_pull(const dm_joining *j, dm_graph *g, dm_node *out);
+
+/* The kernel of dm_chart_trace.end. */
+dm_status dm_joining_finish(const dm_joining *j, dm_kernel *out, dm_compile *compile);
+
+#endif

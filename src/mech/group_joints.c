@@ -1,0 +1,196 @@
+/* group_joints.c - kernels of steps with constraints, and of many bodies: with the entries of their
+ * matrices that are not zero, since those of joints are few. */
+#include "algebra/derive.h"
+#include "mech/constraints.h"
+#include "mech/group_inside.h"
+
+#include <string.h>
+
+/* what all kernels are made with */
+typedef struct {
+    dm_joining j;
+    uint32_t k, l, m; /* constraints, rolling constraints, both */
+    dm_compile *compile;
+} making;
+
+/* the inputs of a graph that derivatives are taken in; nobody asks for those in the one at gap */
+typedef struct {
+    uint32_t first, count, gap;
+} columns;
+
+/* values[count] and those entries of their derivatives that are not zero */
+static dm_status make(dm_group_entries *out, const making *b, dm_graph *g, const dm_node *values,
+                      uint32_t count, columns in) {
+    const size_t all = (size_t)count * in.count;
+    dm_node *slope = dm_joining_take(&b->j, all), *roots = dm_joining_take(&b->j, count + all);
+    if (!slope || !roots) return DM_NO_MEMORY;
+    dm_jacobian(g, values, count, in.first, in.count, slope);
+    for (uint32_t i = 0; i < count && in.gap < in.count; i++) slope[i * in.count + in.gap] = 0;
+    *out = (dm_group_entries){.values = count};
+    for (size_t i = 0; i < all; i++) out->count += slope[i] != 0;
+    uint32_t *place = dm_arena_take(b->j.arena, (2 * (size_t)out->count + 1) * sizeof *place);
+    if (!place) return DM_NO_MEMORY;
+    out->row = place;
+    out->column = place + out->count;
+    memcpy(roots, values, count * sizeof *roots);
+    for (size_t i = 0, at = 0; i < all; i++) {
+        if (!slope[i]) continue;
+        place[at] = (uint32_t)(i / in.count);
+        place[out->count + at] = (uint32_t)(i % in.count);
+        roots[count + at++] = slope[i];
+    }
+    dm_status status = dm_graph_status(g);
+    if (status == DM_OK) status = b->compile(&out->plain, g, roots, count, b->j.arena);
+    if (status == DM_OK)
+        status = b->compile(&out->kernel, g, roots, count + out->count, b->j.arena);
+    return status;
+}
+
+/* nodes[count] of the joined graph at e = 0, in a graph without e, by their entries */
+static dm_status make_at_g0(dm_group_entries *out, const making *b, const dm_node *nodes,
+                            uint32_t count) {
+    const dm_joining *j = &b->j;
+    const uint32_t inputs = j->n + 2 * j->d + 1 + j->extras;
+    dm_graph *g = dm_graph_new(j->arena, inputs);
+    dm_node *with = dm_joining_take(j, inputs + (size_t)j->d);
+    dm_node *values = dm_joining_take(j, count);
+    if (!g || !with || !values) return DM_NO_MEMORY;
+    dm_inputs(g, with, 0, inputs);
+    memset(with + inputs, 0, j->d * sizeof *with);
+    dm_transplant(g, j->g, nodes, count, with, values);
+    return make(out, b, g, values, count,
+                (columns){.first = j->n, .count = 2 * j->d + 1 + b->m, .gap = 2 * j->d});
+}
+
+/* sum_c lambda_c rows_c[d] with the multipliers from number `first` on */
+static void add_rows(const making *b, dm_node *sum, const dm_node *rows, uint32_t count,
+                     uint32_t first) {
+    const dm_joining *j = &b->j;
+    for (uint32_t c = 0; c < count; c++)
+        for (uint32_t a = 0; a < j->d; a++) {
+            const dm_node term = dm_mul(j->g, rows[c * (size_t)j->n + a], j->extra[first + c]);
+            sum[a] = dm_add(j->g, sum[a], term);
+        }
+}
+
+/* g, then what I does: as the potential lambda . g, and as a force E^T mu */
+static dm_status make_reaction(dm_group_joints *out, making *b) {
+    dm_joining *j = &b->j;
+    const dm_constraints *c = j->m->constraints;
+    const uint32_t n = j->n, d = j->d, k = b->k, l = b->l, e = n + 2 * d + 1 + j->extras;
+    dm_node *nodes = dm_joining_take(j, k + 2 * (size_t)d), *f = dm_joining_take(j, d);
+    dm_node *rows = dm_joining_take(j, (size_t)l * n);
+    dm_node *with = dm_joining_at_element(j, dm_graph_inputs(c->graph)), sum = 0;
+    if (!nodes || !f || !rows || !with) return DM_NO_MEMORY;
+    dm_transplant(j->g, c->graph, c->g, k, with, nodes);
+    for (uint32_t i = 0; i < k; i++) sum = dm_add(j->g, sum, dm_mul(j->g, nodes[i], j->extra[i]));
+    dm_gradient(j->g, sum, e, d, nodes + k);
+    dm_gradient(j->g, sum, n, d, nodes + k + d);
+    dm_transplant(j->g, c->graph, c->E, l * n, with, rows);
+    memset(f, 0, d * sizeof *f);
+    add_rows(b, f, rows, l, k);
+    if (l && !dm_joining_covector(j, f, nodes + k, nodes + k + d)) return DM_NO_MEMORY;
+    return make_at_g0(&out->reaction, b, nodes, k + 2 * d);
+}
+
+/* phi */
+static dm_status make_rolling(dm_group_joints *out, making *b) {
+    dm_joining *j = &b->j;
+    const dm_constraints *c = j->m->constraints;
+    dm_node *phi = dm_joining_take(j, b->l);
+    dm_node *with = dm_joining_at_element(j, dm_graph_inputs(c->graph));
+    if (!phi || !with) return DM_NO_MEMORY;
+    dm_transplant(j->g, c->graph, c->phi, b->l, with, phi);
+    return make_at_g0(&out->rolling, b, phi, b->l);
+}
+
+/* nodes of the functions of (q, v, t) of a graph, in that of the hidden constraints */
+static dm_status bring(const making *b, dm_graph *to, dm_graph *from, const dm_node *nodes,
+                       uint32_t count, dm_node *out) {
+    const uint32_t n = b->j.n, d = b->j.d, inputs = dm_graph_inputs(from);
+    dm_node *with = dm_joining_take(&b->j, inputs > 2 * n + 1 ? inputs : 2 * n + 1);
+    if (!with) return DM_NO_MEMORY;
+    memset(with, 0, (inputs > 2 * n + 1 ? inputs : 2 * n + 1) * sizeof *with);
+    dm_inputs(to, with, 0, n + d);
+    with[2 * n] = dm_input(to, n + d);
+    dm_transplant(to, from, nodes, count, with, out);
+    return dm_graph_status(to);
+}
+
+/* G v + g_t, where g_t stands */
+static void add_velocity(const making *b, dm_graph *g, dm_node *g_t, const dm_node *G) {
+    const uint32_t n = b->j.n, d = b->j.d;
+    for (uint32_t c = 0; c < b->k; c++)
+        for (uint32_t a = 0; a < d; a++)
+            g_t[c] = dm_add(g, g_t[c], dm_mul(g, G[c * (size_t)n + a], dm_input(g, n + a)));
+}
+
+/* L_v - I - p, where L_v stands */
+static void subtract_impulse(const making *b, dm_graph *g, dm_node *slope, const dm_node *rows) {
+    const uint32_t n = b->j.n, d = b->j.d, first = n + d + 1;
+    for (uint32_t a = 0; a < d; a++) {
+        slope[a] = dm_sub(g, slope[a], dm_input(g, first + b->m + a));
+        for (uint32_t c = 0; c < b->m; c++) {
+            const dm_node term = dm_mul(g, rows[c * (size_t)n + a], dm_input(g, first + c));
+            slope[a] = dm_sub(g, slope[a], term);
+        }
+    }
+}
+
+/* L_v - I - p, G v + g_t, phi at the end of a step */
+static dm_status make_hidden(dm_group_joints *out, making *b) {
+    const dm_joining *j = &b->j;
+    const dm_constraints *c = j->m->constraints;
+    const uint32_t n = j->n, d = j->d, k = b->k, l = b->l;
+    dm_graph *g = dm_graph_new(j->arena, n + 2 * d + 1 + b->m);
+    dm_node *values = dm_joining_take(j, d + (size_t)b->m);
+    dm_node *rows = dm_joining_take(j, (size_t)b->m * n);
+    if (!g || !values || !rows) return DM_NO_MEMORY;
+    dm_status status = bring(b, g, j->m->source.graph, j->m->source.gradient + n, d, values);
+    if (status == DM_OK) status = bring(b, g, c->graph, c->G, k * n, rows);
+    if (status == DM_OK) status = bring(b, g, c->graph, c->E, l * n, rows + (size_t)k * n);
+    if (status == DM_OK) status = bring(b, g, c->graph, c->g_t, k, values + d);
+    if (status == DM_OK) status = bring(b, g, c->graph, c->phi, l, values + d + k);
+    if (status != DM_OK) return status;
+    add_velocity(b, g, values + d, rows);
+    subtract_impulse(b, g, values, rows);
+    return make(&out->hidden, b, g, values, d + b->m,
+                (columns){.first = n, .count = d + 1 + b->m, .gap = d});
+}
+
+/* by its entries */
+static dm_status make_pull(dm_group_joints *out, making *b) {
+    const uint32_t d = b->j.d;
+    dm_graph *g = dm_graph_new(b->j.arena, 2 * d);
+    dm_node *roots = dm_joining_take(&b->j, d);
+    if (!g || !roots) return DM_NO_MEMORY;
+    const dm_status status = dm_joining_pull(&b->j, g, roots);
+    return status == DM_OK
+               ? make(&out->pull, b, g, roots, d, (columns){.count = 2 * d, .gap = 2 * d})
+               : status;
+}
+
+/* Constraints that are not there have no kernels. */
+dm_status dm_group_want_joints(dm_group *group, const dm_model *m, dm_tau tau,
+                               dm_compile *compile) {
+    const dm_constraints *c = m->constraints;
+    dm_group_joints *out = &group->joints;
+    making b = {.k = c ? c->holonomic : 0, .l = c ? c->rolling : 0, .compile = compile};
+    if (out->ready && out->tau == tau) return DM_OK;
+    out->ready = 0;
+    b.m = b.k + b.l;
+    dm_status status = dm_joining_open(&b.j, group, m, tau, b.m + (c ? c->controls : 0));
+    if (status != DM_OK) return status;
+    if (!dm_joining_slopes(&b.j)) return DM_NO_MEMORY;
+    status = make_at_g0(&out->slope, &b, b.j.slope, 3 * b.j.d);
+    if (status == DM_OK && b.m) status = make_reaction(out, &b);
+    if (status == DM_OK && b.l) status = make_rolling(out, &b);
+    if (status == DM_OK && b.m) status = make_hidden(out, &b);
+    if (status == DM_OK) status = make_pull(out, &b);
+    if (status == DM_OK) status = dm_joining_finish(&b.j, &out->finish, compile);
+    if (status != DM_OK) return status;
+    out->arcs = b.j.trace->arcs;
+    out->tau = tau;
+    out->ready = 1;
+    return DM_OK;
+}
